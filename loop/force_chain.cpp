@@ -80,6 +80,7 @@ void ForceChain::accept(const Packet& packet, std::int64_t now_ns) {
     return;
   }
   answered_ns_ = packet.sample_ns;
+  newest_n_ = packet.value;
   if (options_.gate == Gate::newest) {
     write(packet.value, now_ns);
   } else {
@@ -90,6 +91,8 @@ void ForceChain::accept(const Packet& packet, std::int64_t now_ns) {
 void ForceChain::run_gate(const std::optional<WrenchCommand>& command, std::int64_t now_ns) {
   switch (options_.gate) {
     case Gate::newest:
+      // The force stays, and the stage sees the new sample.
+      if (!command && options_.stage != nullptr) write(newest_n_, now_ns);
       return;
     case Gate::filter:
       if (command) filter_.take(*command, now_ns);
@@ -105,6 +108,7 @@ void ForceChain::run_gate(const std::optional<WrenchCommand>& command, std::int6
 void ForceChain::write(const Vec3& wanted_n, std::int64_t now_ns) {
   force_n_ = options_.stage != nullptr ? options_.stage->shape(wanted_n, now_ns) : wanted_n;
   if (options_.max_force_n > 0.0) force_n_ = shortened(force_n_, options_.max_force_n);
+  if (options_.stage != nullptr) options_.stage->note_written(force_n_);
 }
 
 }  // namespace hapton

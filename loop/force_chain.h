@@ -20,6 +20,8 @@ class ForceStage {
   virtual void observe(const Vec3& p_WD, std::int64_t now_ns) noexcept = 0;
   // The force to write now in place of `force_n`.
   virtual Vec3 shape(const Vec3& force_n, std::int64_t now_ns) noexcept = 0;
+  // What saturation left of it.
+  virtual void note_written(const Vec3& /*force_n*/) noexcept {}
 };
 
 // From the device's position to the force on its motors: encoder, link to the force law and back, command filter or governor, saturation.
@@ -88,6 +90,7 @@ class ForceChain {
   std::optional<SafetyGovernor> governor_;
   std::vector<Packet> packets_;  // on their way: a heap, the next one first
   Vec3 force_n_ = Vec3::Zero();
+  Vec3 newest_n_ = Vec3::Zero();  // accepted last
   Vec3 read_m_ = Vec3::Zero();
   std::int64_t seen_ns_ = -1;      // newest sample that the law saw
   std::int64_t answered_ns_ = -1;  // newest sample whose force came back

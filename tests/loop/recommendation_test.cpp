@@ -11,6 +11,7 @@ TEST(Recommendation, IsHalfOfWhatIsStable) {
   const DevicePreset& device = *find_device_preset("falcon");
   const HandModel hand = *find_hand_preset("light");
   const Recommendation advice = recommend_stiffness(device.model, {}, hand, 1000.0, 0.005);
+  // The limit falls with the delay here, so that the whole delay counts.
   EXPECT_DOUBLE_EQ(advice.stiffness_n_per_m, 0.5 * find_zwidth({.device = device.model, .hand = hand, .delay_s = 0.005}).stiffness.value);
   EXPECT_FALSE(advice.is_limited_by_device);
 }
@@ -22,13 +23,14 @@ TEST(Recommendation, IsNoMoreThanTheDeviceBears) {
   EXPECT_TRUE(advice.is_limited_by_device);
 }
 
-TEST(Recommendation, FallsWithLatency) {
+// Although a loop may be stable at a delay and not at a shorter one.
+TEST(Recommendation, NeverRisesWithLatency) {
   const DevicePreset& device = *find_device_preset("omega.3");
   const HandModel hand = *find_hand_preset("stylus");
   double before = 1e9;
   for (const double delay_s : {0.0, 0.01, 0.05, 0.2}) {
     const double now = recommend_stiffness(device.model, {}, hand, 1000.0, delay_s).stiffness_n_per_m;
-    EXPECT_LT(now, before);
+    EXPECT_LE(now, before);
     before = now;
   }
 }

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "loop/passivity_stage.h"
 #include "loop/prescribed_motion.h"
 #include "loop/press.h"
 #include "loop/touch_wall.h"
@@ -28,6 +29,7 @@ struct PressOptions {
   PressPlan plan;
   std::string gate = "newest";
   std::uint64_t seed = 1;
+  bool is_passive = false;
   bool is_mesh = false;
   bool json = false;
   bool impedance = false;
@@ -68,6 +70,11 @@ Result<Bench> make_bench(const PressOptions& options, const NamedLoop& loop) {
   if (options.gate == "governor" && !(loop.limits.max_force_n > 0.0))
     return fail("--gate governor needs a device with limits; give --device");
   return bench;
+}
+
+// The damper no stronger than the device can render: a quarter of what stops its mass within one period.
+PassivityController::Options passivity_options(const DeviceModel& device, double rate_hz) {
+  return {.observer = {}, .most_damping_ns_per_m = 0.25 * device.mass_kg * rate_hz};
 }
 
 std::string to_csv(const std::vector<LoopRow>& rows) {
@@ -113,6 +120,7 @@ nlohmann::ordered_json to_json(const PressOptions& options, const NamedLoop& loo
             {"damping_ns_per_m", options.damping_ns_per_m},
             {"press_n", options.plan.press_n},
             {"gate", options.gate},
+            {"passivity", options.is_passive},
             {"wall", options.is_mesh ? "mesh" : "plane"},
             {"seed", options.seed}}},
           {"bounded", press.is_bounded},
@@ -150,6 +158,8 @@ Result<void> run(const PressOptions& options) {
   const NamedLoop& loop = loops->front();
   auto bench = make_bench(options, loop);
   if (!bench) return tl::unexpected(bench.error());
+  PassivityStage passivity(passivity_options(loop.device_model, options.rate_hz));
+  if (options.is_passive) bench->chain.stage = &passivity;
   ForceChain chain(*bench->law, bench->chain);
   PressPlan plan = options.plan;
   plan.wall_n_per_m = options.stiffness_n_per_m;
@@ -200,6 +210,7 @@ void add_loop_press_command(CommandLine loop, int& exit_code) {
   command.add_option("--gate", options->gate, "Before the motors: the newest force, io_node's command filter, or its governor")
       .one_of({"newest", "filter", "governor"})
       .shows_default();
+  command.add_flag("--passivity", options->is_passive, "With the passivity controller before the motors");
   command.add_flag("--mesh", options->is_mesh, "The wall is a mesh, touched by the step of haptics_node");
   command.add_flag("--impedance", options->impedance, "Rendered stiffness and damping against frequency too");
   command.add_option("--csv", options->csv, "Write a line for each sample to this file").file_to_write();
