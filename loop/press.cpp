@@ -105,6 +105,44 @@ PressMeasures measure_press(const std::vector<LoopRow>& rows, const PressPath& p
   return press;
 }
 
+namespace {
+
+bool comes_to_rest(const PressCase& press, double stiffness_n_per_m) {
+  WallLaw wall({.stiffness_n_per_m = stiffness_n_per_m, .damping_ns_per_m = press.wall_damping_ns_per_m});
+  ForceChain chain(wall, {.encoder_step_m = press.device.encoder_step_m,
+                          .max_force_n = press.device.max_force_n,
+                          .there = press.there,
+                          .back = press.back,
+                          .seed = press.seed});
+  const PressPath path = make_press_path(press.hand, {.wall_n_per_m = stiffness_n_per_m});
+  LoopSimulation simulation(
+      chain, {.device = press.device, .hand = press.hand, .period_ns = press.period_ns, .path = path.path, .start_m = path.start_m});
+  std::vector<LoopRow> rows;
+  if (!simulation.run_until(path.release_ns, &rows)) return false;
+  const PressMeasures measures = measure_press(rows, path, press.period_ns, press.device.encoder_step_m, true);
+  constexpr double kStill = 0.01;
+  return measures.limit_cycle_m <= std::max(2.0 * press.device.encoder_step_m, kStill * std::fabs(measures.depth_m));
+}
+
+}  // namespace
+
+double find_rest_stiffness(const PressCase& press, double most_n_per_m) {
+  constexpr double kFirst = 10.0;  // N/m
+  constexpr double kStride = 1.3;
+  constexpr double kFine = 0.01;
+  double low = 0.0;
+  double high = kFirst;
+  for (; comes_to_rest(press, high); high *= kStride) {
+    low = high;
+    if (high > most_n_per_m) return most_n_per_m;
+  }
+  while (high - low > kFine * high) {
+    const double middle = 0.5 * (low + high);
+    (comes_to_rest(press, middle) ? low : high) = middle;
+  }
+  return low;
+}
+
 SpectrumPeak find_spectrum_peak(const std::vector<double>& signal, double rate_hz, double lowest_hz) {
   const std::size_t count = signal.size();
   if (count < 8) return {};

@@ -43,6 +43,22 @@ struct PressMeasures {
 PressMeasures measure_press(const std::vector<LoopRow>& rows, const PressPath& path, std::int64_t period_ns, double encoder_step_m,
                             bool is_bounded);
 
+// A device in a hand at a link of known faults, and how it presses.
+struct PressCase {
+  DeviceModel device;
+  HandModel hand;
+  std::int64_t period_ns = 1'000'000;
+  LinkFaults there = {};
+  LinkFaults back = {};
+  double wall_damping_ns_per_m = 0.0;
+  std::uint64_t seed = 1;
+};
+
+// The largest stiffness up to which a press comes to rest: bounded, with a limit cycle of two encoder steps, or 1 % of the depth, at most.
+// With encoder steps, friction and saturation, which the limit of stability leaves out. Searched upwards by equal ratios, to most_n_per_m,
+// then by bisection to 1 %. RT: no.
+double find_rest_stiffness(const PressCase& press, double most_n_per_m);
+
 // Strongest line of a signal's spectrum above lowest_hz (Hann window, mean taken off). Frequency in hertz, amplitude in the signal's unit.
 struct SpectrumPeak {
   double frequency_hz = 0.0;

@@ -9,19 +9,23 @@
 
 namespace hapton {
 
-// Keeps each axis of the device passive, whatever computes its force and however late it comes: while an axis owes energy (observer below
-// zero), its force does not act along the motion, and a damper takes the debt back.
+// Keeps each axis of the device passive, whatever computes its force and however late it comes. E: what the observer has saved up, v:
+// velocity along the force, m: the device's own mass, T: the period.
 //
-//   E < 0:  f = (f along the motion ? 0 : f) - min(-E / (T v^2), most_damping) v
+//   bound   |f| <= m/T (-v + sqrt(v^2 + 2 E/m)): with no more than the device's mass to carry, the force gives back at most E until the
+//   next sample.
+//           Without savings it may at most stop the motion
+//   damper  E < 0: f -= min(-E / (T v^2), most_damping) v, which takes the debt back
 //
-// An axis that owes nothing is left alone. The debt of one period can only be seen in the next, so that up to one period's energy may be
-// out at a time. Source: Hannaford and Ryu 2002, as the observer. We differ in two ways: the damper is bounded by what the device can
-// stably render, and what it cannot take back at once waits, during which the force may only oppose the motion; without the second part a
-// bounded damper lets the debt grow. Units SI, frame W. RT: yes. Threads: one.
+// A wall stays far below the bound up to a stiffness of m/T^2 (45 N/mm for a Touch at 1 kHz): then it is left alone. A hand that pulls
+// along the force during the period can draw more; the damper takes that back. Source: Hannaford and Ryu 2002, as the observer. We differ
+// in two ways: the damper is bounded by what the device can stably render, and the bound keeps a debt from arising that the damper could
+// only see one period later. Units SI, frame W. RT: yes. Threads: one.
 class PassivityController {
  public:
   struct Options {
     PassivityObserver::Options observer = {};
+    double mass_kg = 0.05;  // of the device, without hand; lighter than it is makes the bound stricter
     double most_damping_ns_per_m = 1.0;
   };
 
@@ -62,14 +66,22 @@ class PassivityController {
   }
 
   double shape_axis(const PassivityObserver& axis, double wanted_n) noexcept {
-    const double debt_j = -axis.energy_j();
-    if (!(debt_j > 0.0)) return wanted_n;
-    worst_debt_j_ = std::max(worst_debt_j_, debt_j);
+    const double period_s = axis.period_s();
+    if (!(period_s > 0.0)) return wanted_n;
     const double velocity = axis.velocity_m_per_s();
-    const double opposing_n = wanted_n * velocity > 0.0 ? 0.0 : wanted_n;
-    if (velocity == 0.0) return opposing_n;
-    const double damping = std::min(debt_j / (axis.period_s() * velocity * velocity), options_.most_damping_ns_per_m);
-    return opposing_n - damping * velocity;
+    const double energy_j = axis.energy_j();
+    const double bounded_n =
+        std::copysign(std::min(std::fabs(wanted_n), bound_n(energy_j, std::copysign(1.0, wanted_n) * velocity, period_s)), wanted_n);
+    if (energy_j >= 0.0) return bounded_n;
+    worst_debt_j_ = std::max(worst_debt_j_, -energy_j);
+    if (velocity == 0.0) return bounded_n;
+    return bounded_n - std::min(-energy_j / (period_s * velocity * velocity), options_.most_damping_ns_per_m) * velocity;
+  }
+
+  // velocity: along the force.
+  double bound_n(double energy_j, double velocity, double period_s) const noexcept {
+    const double squared = velocity * velocity + 2.0 * energy_j / options_.mass_kg;
+    return options_.mass_kg / period_s * std::max(0.0, std::sqrt(std::max(0.0, squared)) - velocity);
   }
 
   Options options_;

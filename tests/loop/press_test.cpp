@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "loop/stability.h"
+
 namespace hapton {
 namespace {
 
@@ -53,6 +55,26 @@ TEST(Press, BeyondTheLimitBuzzesAndGivesEnergy) {
 TEST(Press, AHandWithoutASpringPushes) {
   const Pressed pressed = press({.mass_kg = 0.075, .damping_ns_per_m = 2.0, .friction_n = 0.04}, {}, 1000.0);
   EXPECT_NEAR(pressed.measures.depth_m, 1e-3, 5e-5);
+}
+
+// Without encoder steps and friction: near the limit of stability a motion takes longer to die out than the second that the press lasts.
+TEST(RestStiffness, OfALinearLoopIsBelowTheLimitOfStability) {
+  const HandModel hand = *find_hand_preset("stylus");
+  PressCase loop{.device = kIdeal, .hand = hand};
+  loop.there.delay_ns = 5'000'000;
+  const double stable = find_stable_stiffness(SampledPlant(make_axis_plant(kIdeal, hand), 1e-3, 5e-3), 0.0).value;
+  const double rest = find_rest_stiffness(loop, 1e5);
+  EXPECT_LT(rest, stable);
+  EXPECT_GT(rest, 0.4 * stable);
+}
+
+TEST(RestStiffness, FrictionRaisesIt) {
+  PressCase loop{.device = kIdeal, .hand = *find_hand_preset("light")};
+  loop.there.delay_ns = 5'000'000;
+  const double without = find_rest_stiffness(loop, 1e5);
+  loop.device.friction_n = 0.3;
+  EXPECT_GT(find_rest_stiffness(loop, 1e5), 1.2 * without);
+  EXPECT_EQ(find_rest_stiffness(loop, 20.0), 20.0);
 }
 
 TEST(SpectrumPeak, FindsALine) {

@@ -3,8 +3,7 @@
 namespace hapton {
 
 void add_loop_command(CommandLine app, int& exit_code) {
-  const CommandLine command = app.add_subcommand(
-      "loop", "Hand, device and force program in closed loop: largest stable and passive stiffness, and what a press does");
+  const CommandLine command = app.add_subcommand("loop", "Hand, device and force program in closed loop: stable and passive stiffness");
   command.require_subcommands(1, 1);
   add_loop_zwidth_command(command, exit_code);
   add_loop_press_command(command, exit_code);

@@ -74,7 +74,7 @@ Result<Bench> make_bench(const PressOptions& options, const NamedLoop& loop) {
 
 // The damper no stronger than the device can render: a quarter of what stops its mass within one period.
 PassivityController::Options passivity_options(const DeviceModel& device, double rate_hz) {
-  return {.observer = {}, .most_damping_ns_per_m = 0.25 * device.mass_kg * rate_hz};
+  return {.observer = {}, .mass_kg = device.mass_kg, .most_damping_ns_per_m = 0.25 * device.mass_kg * rate_hz};
 }
 
 std::string to_csv(const std::vector<LoopRow>& rows) {

@@ -24,6 +24,7 @@ struct ZWidthOptions {
   std::uint64_t seed = 1;
   std::filesystem::path csv;
   std::filesystem::path plot;
+  bool presses = false;
   bool json = false;
 };
 
@@ -51,18 +52,20 @@ Result<ZWidthGrid> make_grid(const ZWidthOptions& options) {
   if (filled) filled = fill(grid.jitters_ms, read_range("--jitter", options.jitters, 0.0, 10'000.0, "ms"));
   if (filled) filled = fill(grid.losses, read_range("--loss", options.losses, 0.0, 0.99, "as a share"));
   grid.seed = options.seed;
+  grid.presses = options.presses;
   if (filled) filled = fill(grid.wall_dampings_ns_per_m, read_range("--wall-damping", options.wall_dampings, 0.0, 1e6, "Ns/m"));
   if (!filled) return tl::unexpected(filled.error());
   return grid;
 }
 
 std::string to_text(const ZWidthRow& row) {
-  return fmt::format("{} in hand {}, {:g} Hz, {:g} ms{}: stable up to {:.6g} N/m{}, passive up to {:.6g} N/m; linear rule {:.6g} N/m\n",
-                     row.loop->device, row.loop->hand, row.inputs.rate_hz, row.delay_ms,
-                     row.is_simulated() ? fmt::format(", jitter {:g} ms, loss {:g}, seed {}", row.jitter_ms, row.loss, row.seed) : "",
-                     row.found.stiffness.value,
-                     row.is_simulated() ? "" : fmt::format(" (swings at {:.3g} Hz)", row.found.stiffness.frequency_hz),
-                     row.found.passive.least_n_per_m(), row.found.linear_rule_n_per_m);
+  return fmt::format(
+      "{} in hand {}, {:g} Hz, {:g} ms{}: stable up to {:.6g} N/m{}, passive up to {:.6g} N/m{}; linear rule {:.6g} N/m\n",
+      row.loop->device, row.loop->hand, row.inputs.rate_hz, row.delay_ms,
+      row.is_simulated() ? fmt::format(", jitter {:g} ms, loss {:g}, seed {}", row.jitter_ms, row.loss, row.seed) : "",
+      row.found.stiffness.value, row.is_simulated() ? "" : fmt::format(" (swings at {:.3g} Hz)", row.found.stiffness.frequency_hz),
+      row.found.passive.least_n_per_m(), row.rest_n_per_m ? fmt::format(", a press comes to rest up to {:.4g} N/m", *row.rest_n_per_m) : "",
+      row.found.linear_rule_n_per_m);
 }
 
 Result<void> run(const ZWidthOptions& options) {
@@ -108,6 +111,8 @@ void add_loop_zwidth_command(CommandLine loop, int& exit_code) {
   command.add_option("--wall-damping", options->wall_dampings, "Damping of the wall by finite difference, Ns/m; a list or range")
       .shows_default();
   command.add_option("--shard", options->shard, "Only part I of N of the grid, as I/N").shows_default();
+  command.add_flag("--press", options->presses,
+                   "Simulate presses too, with encoder steps, friction and saturation: the largest stiffness at which one comes to rest");
   command.add_option("--csv", options->csv, "Write a line for each cell to this file").file_to_write();
   command.add_option("--plot", options->plot, "Draw stiffness against delay, or against rate where there is one delay, as this PNG")
       .file_to_write();

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "loop/press.h"
 #include "loop/random_stability.h"
 
 namespace hapton {
@@ -19,7 +20,7 @@ constexpr std::string_view kColumns =
     "cell,device,hand,mass_kg,damping_ns_per_m,hand_mass_kg,hand_damping_ns_per_m,hand_stiffness_n_per_m,friction_n,encoder_step_m,"
     "amplifier_hz,modes,rate_hz,delay_ms,jitter_ms,loss,seed,wall_damping_ns_per_m,stable_stiffness_n_per_m,stable_frequency_hz,passive_"
     "stiffness_n_per_m,"
-    "viscous_passive_n_per_m,quantised_passive_n_per_m,linear_rule_n_per_m,stable_damping_ns_per_m";
+    "viscous_passive_n_per_m,quantised_passive_n_per_m,linear_rule_n_per_m,stable_damping_ns_per_m,rest_stiffness_n_per_m";
 
 // FNV-1a over what a grid is made of: parts of one grid agree.
 std::uint64_t fingerprint(const ZWidthGrid& grid) {
@@ -36,7 +37,7 @@ std::uint64_t fingerprint(const ZWidthGrid& grid) {
   for (const auto* numbers : {&grid.rates_hz, &grid.delays_ms, &grid.jitters_ms, &grid.losses, &grid.wall_dampings_ns_per_m}) {
     add(fmt::format("{}", fmt::join(*numbers, " ")));
   }
-  add(fmt::format("{}", grid.seed));
+  add(fmt::format("{} {}", grid.seed, grid.presses));
   return hash;
 }
 
@@ -44,16 +45,36 @@ std::string number(double value) { return std::isfinite(value) ? fmt::format("{}
 
 nlohmann::ordered_json json_number(double value) { return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(); }
 
+std::int64_t to_ns(double ms) { return static_cast<std::int64_t>(std::llround(1e6 * ms)); }
+
+// One way of two, each with half of the delay.
+LinkFaults link_of(const ZWidthRow& row, bool is_there) {
+  const std::int64_t half_ns = to_ns(0.5 * row.delay_ms);
+  return {.delay_ns = is_there ? half_ns : to_ns(row.delay_ms) - half_ns, .jitter_ns = to_ns(row.jitter_ms), .loss = row.loss};
+}
+
 // The exact limit is where the search begins.
 void simulate(ZWidthRow& row) {
-  const auto to_ns = [](double ms) { return static_cast<std::int64_t>(std::llround(1e6 * ms)); };
-  RandomLoop loop{.device = row.inputs.device, .hand = row.inputs.hand};
-  loop.period_ns = to_ns(1e3 / row.inputs.rate_hz);
-  loop.there = {.delay_ns = to_ns(0.5 * row.delay_ms), .jitter_ns = to_ns(row.jitter_ms), .loss = row.loss};
-  loop.back = {.delay_ns = to_ns(row.delay_ms) - loop.there.delay_ns, .jitter_ns = to_ns(row.jitter_ms), .loss = row.loss};
-  loop.wall_damping_ns_per_m = row.inputs.wall_damping_ns_per_m;
-  loop.seed = row.seed;
+  const RandomLoop loop{.device = row.inputs.device,
+                        .hand = row.inputs.hand,
+                        .period_ns = to_ns(1e3 / row.inputs.rate_hz),
+                        .there = link_of(row, true),
+                        .back = link_of(row, false),
+                        .wall_damping_ns_per_m = row.inputs.wall_damping_ns_per_m,
+                        .seed = row.seed};
   row.found.stiffness = {find_stable_stiffness_by_simulation(loop, std::max(1.0, row.found.stiffness.value)), 0.0};
+}
+
+void press(ZWidthRow& row) {
+  constexpr double kMost = 1e6;
+  row.rest_n_per_m = find_rest_stiffness({.device = row.inputs.device,
+                                          .hand = row.inputs.hand,
+                                          .period_ns = to_ns(1e3 / row.inputs.rate_hz),
+                                          .there = link_of(row, true),
+                                          .back = link_of(row, false),
+                                          .wall_damping_ns_per_m = row.inputs.wall_damping_ns_per_m,
+                                          .seed = row.seed},
+                                         kMost);
 }
 
 }  // namespace
@@ -65,7 +86,7 @@ ZWidthRow measure_cell(const ZWidthGrid& grid, std::size_t cell) {
     left /= list.size();
     return value;
   };
-  ZWidthRow row{.cell = cell, .inputs = {}, .found = {}};
+  ZWidthRow row{.cell = cell, .inputs = {}, .found = {}, .rest_n_per_m = {}};
   row.inputs.wall_damping_ns_per_m = take(grid.wall_dampings_ns_per_m);
   row.loss = take(grid.losses);
   row.jitter_ms = take(grid.jitters_ms);
@@ -78,6 +99,7 @@ ZWidthRow measure_cell(const ZWidthGrid& grid, std::size_t cell) {
   row.inputs.hand = row.loop->hand_model;
   row.found = find_zwidth(row.inputs);
   if (row.is_simulated()) simulate(row);
+  if (grid.presses) press(row);
   return row;
 }
 
@@ -101,38 +123,44 @@ nlohmann::ordered_json to_json(const ZWidthRow& row) {
     modes.push_back(
         {{"mass_kg", mode.mass_kg}, {"stiffness_n_per_m", mode.stiffness_n_per_m}, {"damping_ns_per_m", mode.damping_ns_per_m}});
   }
-  return {{"schema", kSchema},
-          {"inputs",
-           {{"device", row.loop->device},
-            {"hand", row.loop->hand},
-            {"device_mass_kg", device.mass_kg},
-            {"device_damping_ns_per_m", device.damping_ns_per_m},
-            {"device_friction_n", device.friction_n},
-            {"encoder_step_m", device.encoder_step_m},
-            {"amplifier_hz", device.amplifier_hz},
-            {"modes", modes},
-            {"hand_mass_kg", hand.mass_kg},
-            {"hand_damping_ns_per_m", hand.damping_ns_per_m},
-            {"hand_stiffness_n_per_m", hand.stiffness_n_per_m},
-            {"rate_hz", row.inputs.rate_hz},
-            {"delay_ms", row.delay_ms},
-            {"jitter_ms", row.jitter_ms},
-            {"loss", row.loss},
-            {"seed", row.seed},
-            {"wall_damping_ns_per_m", row.inputs.wall_damping_ns_per_m}}},
-          {"stable_stiffness_n_per_m", json_number(row.found.stiffness.value)},
-          {"stable_frequency_hz", row.found.stiffness.frequency_hz},
-          {"stable_damping_ns_per_m", json_number(row.found.damping_ns_per_m.value)},
-          {"passive_stiffness_n_per_m", json_number(row.found.passive.least_n_per_m())},
-          {"viscous_passive_stiffness_n_per_m", json_number(row.found.passive.viscous_n_per_m)},
-          {"quantised_passive_stiffness_n_per_m", json_number(row.found.passive.quantised_n_per_m)},
-          {"linear_rule_n_per_m", row.found.linear_rule_n_per_m},
-          {"methods",
-           {{"stable", row.is_simulated() ? "simulation of 20 s for each stiffness, with the same draws: motion dies out below, grows above"
-                                          : "exact: first crossing of the unit circle by the sampled loop, counted up from zero stiffness"},
-            {"passive",
-             "Colgate and Schenkel 1997, exact with any delay; with encoder steps the smaller of it and 2 friction / step (Abbott "
-             "and Okamura 2005). Damping: of the device, whatever hand holds it"}}}};
+  nlohmann::ordered_json json = {
+      {"schema", kSchema},
+      {"inputs",
+       {{"device", row.loop->device},
+        {"hand", row.loop->hand},
+        {"device_mass_kg", device.mass_kg},
+        {"device_damping_ns_per_m", device.damping_ns_per_m},
+        {"device_friction_n", device.friction_n},
+        {"encoder_step_m", device.encoder_step_m},
+        {"amplifier_hz", device.amplifier_hz},
+        {"modes", modes},
+        {"hand_mass_kg", hand.mass_kg},
+        {"hand_damping_ns_per_m", hand.damping_ns_per_m},
+        {"hand_stiffness_n_per_m", hand.stiffness_n_per_m},
+        {"rate_hz", row.inputs.rate_hz},
+        {"delay_ms", row.delay_ms},
+        {"jitter_ms", row.jitter_ms},
+        {"loss", row.loss},
+        {"seed", row.seed},
+        {"wall_damping_ns_per_m", row.inputs.wall_damping_ns_per_m}}},
+      {"stable_stiffness_n_per_m", json_number(row.found.stiffness.value)},
+      {"stable_frequency_hz", row.found.stiffness.frequency_hz},
+      {"stable_damping_ns_per_m", json_number(row.found.damping_ns_per_m.value)},
+      {"passive_stiffness_n_per_m", json_number(row.found.passive.least_n_per_m())},
+      {"viscous_passive_stiffness_n_per_m", json_number(row.found.passive.viscous_n_per_m)},
+      {"quantised_passive_stiffness_n_per_m", json_number(row.found.passive.quantised_n_per_m)},
+      {"linear_rule_n_per_m", row.found.linear_rule_n_per_m},
+      {"methods",
+       {{"stable", row.is_simulated() ? "simulation of 20 s for each stiffness, with the same draws: motion dies out below, grows above"
+                                      : "exact: first crossing of the unit circle by the sampled loop, counted up from zero stiffness"},
+        {"passive",
+         "Colgate and Schenkel 1997, exact with any delay; with encoder steps the smaller of it and 2 friction / step (Abbott "
+         "and Okamura 2005). Damping: of the device, whatever hand holds it"}}}};
+  if (row.rest_n_per_m) {
+    json["rest_stiffness_n_per_m"] = *row.rest_n_per_m;
+    json["methods"]["rest"] = "simulated presses: bounded, and a limit cycle of at most two encoder steps or 1 % of the depth";
+  }
+  return json;
 }
 
 std::string csv_header(const ZWidthGrid& grid) {
@@ -142,12 +170,13 @@ std::string csv_header(const ZWidthGrid& grid) {
 std::string csv_line(const ZWidthRow& row) {
   const DeviceModel& d = row.inputs.device;
   const HandModel& h = row.inputs.hand;
-  return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", row.cell, row.loop->device,
+  return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", row.cell, row.loop->device,
                      row.loop->hand, d.mass_kg, d.damping_ns_per_m, h.mass_kg, h.damping_ns_per_m, h.stiffness_n_per_m, d.friction_n,
                      d.encoder_step_m, d.amplifier_hz, d.mode_count, row.inputs.rate_hz, row.delay_ms, row.jitter_ms, row.loss, row.seed,
                      row.inputs.wall_damping_ns_per_m, number(row.found.stiffness.value), row.found.stiffness.frequency_hz,
                      number(row.found.passive.least_n_per_m()), number(row.found.passive.viscous_n_per_m),
-                     number(row.found.passive.quantised_n_per_m), row.found.linear_rule_n_per_m, number(row.found.damping_ns_per_m.value));
+                     number(row.found.passive.quantised_n_per_m), row.found.linear_rule_n_per_m, number(row.found.damping_ns_per_m.value),
+                     row.rest_n_per_m ? number(*row.rest_n_per_m) : "");
 }
 
 Result<std::string> merge_csv(const std::vector<std::filesystem::path>& parts) {

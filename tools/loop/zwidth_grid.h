@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,6 +24,7 @@ struct ZWidthGrid {
   std::vector<double> losses = {0.0};
   std::vector<double> wall_dampings_ns_per_m = {0.0};
   std::uint64_t seed = 1;
+  bool presses = false;  // find the rest stiffness of each cell too
 
   std::size_t cells() const noexcept {
     return loops.size() * rates_hz.size() * delays_ms.size() * jitters_ms.size() * losses.size() * wall_dampings_ns_per_m.size();
@@ -39,6 +41,7 @@ struct ZWidthRow {
   double loss = 0.0;       // of each way
   std::uint64_t seed = 1;
   ZWidth found;
+  std::optional<double> rest_n_per_m;  // loop/press.h
 
   // Over a link of chance the limit of stability is simulated (loop/random_stability.h); passivity is that of the delay alone.
   bool is_simulated() const noexcept { return jitter_ms > 0.0 || loss > 0.0; }
