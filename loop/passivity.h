@@ -34,6 +34,11 @@ struct PassiveStiffness {
 // joints and the hand are a passive load of its motor mass. RT: no.
 PassiveStiffness find_passive_stiffness(const PassivityCase& loop);
 
+// The largest damping by finite difference of a wall without stiffness: the device's own, at any delay. Exact where the delay is a multiple
+// of the period, as the condition above is then B cos(pi - w (T + delay)) < b, which comes to B < b at w = pi / (T + delay); on the safe
+// side elsewhere.
+inline double passive_damping_ns_per_m(const PassivityCase& loop) noexcept { return loop.damping_ns_per_m; }
+
 // The linear rule of thumb b / (T/2 + delay), with the damping of device and hand together: near the stability limit for short delays only,
 // 7 times off at 100 ms.
 double linear_rule_n_per_m(double damping_ns_per_m, double period_s, double delay_s) noexcept;

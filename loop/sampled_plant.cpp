@@ -1,6 +1,8 @@
 #include "loop/sampled_plant.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <unsupported/Eigen/MatrixFunctions>
 
@@ -25,10 +27,28 @@ Held hold(const AxisPlant& plant, double duration_s) {
   return {over.topLeftCorner(n, n), over.topRightCorner(n, 1)};
 }
 
+// Every pole on the left, but for one that coasts: a free device with damping. Of the plant in continuous time, where a pole of slow
+// damping and one that coasts lie well apart. Nearer to the axis than this share of the fastest rates is on it.
+bool is_damped(const AxisPlant& plant) {
+  constexpr double kOnAxis = 1e-10;
+  const Eigen::MatrixXd rates = plant.a;
+  const double near_axis = kOnAxis * rates.norm();
+  const Eigen::EigenSolver<Eigen::MatrixXd> solver(rates, false);
+  int coasting = 0;
+  for (const std::complex<double>& pole : solver.eigenvalues()) {
+    if (pole.real() < -near_axis) continue;
+    if (std::abs(pole) > near_axis || ++coasting > 1) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 SampledPlant::SampledPlant(const AxisPlant& plant, double period_s, double delay_s)
-    : period_s_(period_s), delay_s_(delay_s), whole_periods_(static_cast<int>(std::floor(delay_s / period_s + kSameInstant))) {
+    : period_s_(period_s),
+      delay_s_(delay_s),
+      whole_periods_(static_cast<int>(std::floor(delay_s / period_s + kSameInstant))),
+      is_stable_alone_(is_damped(plant)) {
   const double rest_s = std::max(0.0, delay_s - whole_periods_ * period_s);
   const Held old_part = hold(plant, rest_s);
   const Held new_part = hold(plant, period_s - rest_s);

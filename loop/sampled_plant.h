@@ -30,11 +30,14 @@ class SampledPlant {
   const Vector& newer() const noexcept { return newer_; }
   const Vector& older() const noexcept { return older_; }
   int whole_periods() const noexcept { return whole_periods_; }
+  // Without a wall every motion dies out; one that coasts may stay.
+  bool is_stable_alone() const noexcept { return is_stable_alone_; }
 
  private:
   double period_s_;
   double delay_s_;
   int whole_periods_;
+  bool is_stable_alone_;
   Matrix transition_;
   Vector newer_;
   Vector older_;

@@ -22,9 +22,6 @@ constexpr double kFarAbove = 1.5;
 // Angle to begin at, in shares of the loop's delay: nothing swings so slowly.
 constexpr double kFirstTurn = 1e-6;
 
-// A pole on the unit circle: the plant is at its limit by itself. A free device coasts, which is a pole at 1 that any stiffness moves in.
-constexpr double kOnCircle = 1e-12;
-
 // (1 - 1/z) / T: velocity of a position by finite difference.
 Complex difference(double angle, double period_s) {
   const double half = std::sin(0.5 * angle);
@@ -110,18 +107,6 @@ class Boundary {
   double fixed_;
 };
 
-// Without a wall: every pole inside, but for one that coasts.
-bool is_stable_alone(const SampledPlant& plant) {
-  const Eigen::MatrixXd transition = plant.transition();
-  int coasting = 0;
-  const Eigen::EigenSolver<Eigen::MatrixXd> solver(transition, false);
-  for (const Complex& pole : solver.eigenvalues()) {
-    if (std::abs(pole) < 1.0 - kOnCircle) continue;
-    if (std::abs(pole - 1.0) > kOnCircle || ++coasting > 1) return false;
-  }
-  return true;
-}
-
 Eigen::MatrixXd make_loop_matrix(const SampledPlant& plant, const WallGains& wall) {
   const Eigen::Index n = plant.transition().rows();
   const Eigen::Index held = plant.whole_periods() + 1;
@@ -149,13 +134,13 @@ Eigen::MatrixXd make_loop_matrix(const SampledPlant& plant, const WallGains& wal
 }  // namespace
 
 StabilityLimit find_stable_stiffness(const SampledPlant& plant, double damping_ns_per_m) {
-  if (!is_stable_alone(plant)) return {};
+  if (!plant.is_stable_alone()) return {};
   if (damping_ns_per_m > 0.0 && damping_ns_per_m >= Boundary(plant, Boundary::Along::damping, 0.0).find_first().value) return {};
   return Boundary(plant, Boundary::Along::stiffness, damping_ns_per_m).find_first();
 }
 
 StabilityLimit find_stable_damping(const SampledPlant& plant, double stiffness_n_per_m) {
-  if (!is_stable_alone(plant)) return {};
+  if (!plant.is_stable_alone()) return {};
   if (stiffness_n_per_m > 0.0 && stiffness_n_per_m >= Boundary(plant, Boundary::Along::stiffness, 0.0).find_first().value) return {};
   return Boundary(plant, Boundary::Along::damping, stiffness_n_per_m).find_first();
 }

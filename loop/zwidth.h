@@ -20,10 +20,11 @@ struct ZWidthCase {
 
 // Largest stable and largest passive wall.
 struct ZWidth {
-  StabilityLimit stiffness;          // stable, with the case's wall damping
-  StabilityLimit damping_ns_per_m;   // stable, without stiffness
-  PassiveStiffness passive;          // whatever passive hand holds the device
-  double linear_rule_n_per_m = 0.0;  // b / (T/2 + delay), with the damping of device and hand
+  StabilityLimit stiffness;               // stable, with the case's wall damping
+  StabilityLimit damping_ns_per_m;        // stable, without stiffness
+  PassiveStiffness passive;               // whatever passive hand holds the device
+  double passive_damping_ns_per_m = 0.0;  // without stiffness
+  double linear_rule_n_per_m = 0.0;       // b / (T/2 + delay), with the damping of device and hand
 };
 
 // Exact for the linear loop (stability.h, passivity.h). Pre: rate_hz > 0, the rest >= 0. RT: no.

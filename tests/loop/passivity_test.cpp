@@ -89,6 +89,16 @@ TEST(PassiveStiffness, WithEncoderStepsNeedsFriction) {
   EXPECT_TRUE(std::isinf(find_passive_stiffness({.damping_ns_per_m = 10.0, .friction_n = 0.04}).quantised_n_per_m));
 }
 
+// By the paper's condition on a grid: just below the device's damping it holds at every delay of whole periods, just above it does not.
+TEST(PassiveDamping, IsTheDevicesOwn) {
+  const double b = passive_damping_ns_per_m({.damping_ns_per_m = 2.0});
+  EXPECT_EQ(b, 2.0);
+  for (const int periods : {0, 1, 2, 7}) {
+    EXPECT_GT(by_the_papers_condition(2.0, 1e-3, periods, 0.99 * b), 0.0) << periods;
+    EXPECT_LT(by_the_papers_condition(2.0, 1e-3, periods, 1.01 * b), 1e-6) << periods;
+  }
+}
+
 TEST(LinearRule, IsSevenTimesOffAt100Ms) {
   const SampledPlant plant(make_axis_plant({.mass_kg = 0.225, .damping_ns_per_m = 5.0}, {.stiffness_n_per_m = 500.0}), 1e-3, 0.1);
   EXPECT_GT(find_stable_stiffness(plant, 0.0).value / linear_rule_n_per_m(5.0, 1e-3, 0.1), 7.0);

@@ -46,7 +46,8 @@ struct RandomLoop {
     device = devices[std::uniform_int_distribution<std::size_t>(0, devices.size() - 1)(random)].model;
     device = device.with_modes(std::uniform_int_distribution<int>(0, 2)(random));
     if (uniform(0.0, 1.0) < 0.3) device.amplifier_hz = by_ratio(100.0, 3000.0);
-    hand = {by_ratio(0.05, 1.0), by_ratio(1.0, 25.0), uniform(0.0, 1000.0)};
+    // One in ten is held by nobody.
+    if (uniform(0.0, 1.0) < 0.9) hand = {by_ratio(0.05, 1.0), by_ratio(1.0, 25.0), uniform(0.0, 1000.0)};
     period_s = 1.0 / by_ratio(250.0, 20'000.0);
     // Of 40 periods at most: an eigenvalue problem grows with the cube.
     delay_s = uniform(0.0, 1.0) < 0.2 ? 0.0 : std::min(0.5, uniform(0.0, 40.0) * period_s);

@@ -61,9 +61,9 @@ Result<std::vector<NamedLoop>> own_loop(const LoopFlags& flags) {
 }  // namespace
 
 void add_loop_flags(CommandLine command, LoopFlags& flags, bool several) {
-  const std::string list = several ? ", a list of them, or all" : "";
-  command.add_option("--device", flags.device, "Device: one of: " + device_preset_names() + list);
-  command.add_option("--hand", flags.hand, "Hand: one of: " + hand_preset_names() + list).shows_default();
+  const std::string list = several ? ", several with commas between, or all" : "";
+  command.add_option("--device", flags.device, "Device" + list + "; one of: " + device_preset_names());
+  command.add_option("--hand", flags.hand, "Hand" + list + "; one of: " + hand_preset_names()).shows_default();
   const CommandLine own = command.add_group("own loop", "A loop of your own, device and hand together, in place of --device and --hand");
   own.add_option("--mass-kg", flags.mass_kg, "Mass").positive("kilograms");
   own.add_option("--damping-ns-per-m", flags.damping_ns_per_m, "Viscous damping").not_negative("Ns/m");

@@ -20,7 +20,8 @@ constexpr std::string_view kColumns =
     "cell,device,hand,mass_kg,damping_ns_per_m,hand_mass_kg,hand_damping_ns_per_m,hand_stiffness_n_per_m,friction_n,encoder_step_m,"
     "amplifier_hz,modes,rate_hz,delay_ms,jitter_ms,loss,seed,wall_damping_ns_per_m,stable_stiffness_n_per_m,stable_frequency_hz,passive_"
     "stiffness_n_per_m,"
-    "viscous_passive_n_per_m,quantised_passive_n_per_m,linear_rule_n_per_m,stable_damping_ns_per_m,rest_stiffness_n_per_m";
+    "viscous_passive_n_per_m,quantised_passive_n_per_m,linear_rule_n_per_m,stable_damping_ns_per_m,passive_damping_ns_per_m,rest_stiffness_"
+    "n_per_m";
 
 // FNV-1a over what a grid is made of: parts of one grid agree.
 std::uint64_t fingerprint(const ZWidthGrid& grid) {
@@ -149,6 +150,7 @@ nlohmann::ordered_json to_json(const ZWidthRow& row) {
       {"passive_stiffness_n_per_m", json_number(row.found.passive.least_n_per_m())},
       {"viscous_passive_stiffness_n_per_m", json_number(row.found.passive.viscous_n_per_m)},
       {"quantised_passive_stiffness_n_per_m", json_number(row.found.passive.quantised_n_per_m)},
+      {"passive_damping_ns_per_m", row.found.passive_damping_ns_per_m},
       {"linear_rule_n_per_m", row.found.linear_rule_n_per_m},
       {"methods",
        {{"stable", row.is_simulated() ? "simulation of 20 s for each stiffness, with the same draws: motion dies out below, grows above"
@@ -170,13 +172,13 @@ std::string csv_header(const ZWidthGrid& grid) {
 std::string csv_line(const ZWidthRow& row) {
   const DeviceModel& d = row.inputs.device;
   const HandModel& h = row.inputs.hand;
-  return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", row.cell, row.loop->device,
+  return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", row.cell, row.loop->device,
                      row.loop->hand, d.mass_kg, d.damping_ns_per_m, h.mass_kg, h.damping_ns_per_m, h.stiffness_n_per_m, d.friction_n,
                      d.encoder_step_m, d.amplifier_hz, d.mode_count, row.inputs.rate_hz, row.delay_ms, row.jitter_ms, row.loss, row.seed,
                      row.inputs.wall_damping_ns_per_m, number(row.found.stiffness.value), row.found.stiffness.frequency_hz,
                      number(row.found.passive.least_n_per_m()), number(row.found.passive.viscous_n_per_m),
                      number(row.found.passive.quantised_n_per_m), row.found.linear_rule_n_per_m, number(row.found.damping_ns_per_m.value),
-                     row.rest_n_per_m ? number(*row.rest_n_per_m) : "");
+                     row.found.passive_damping_ns_per_m, row.rest_n_per_m ? number(*row.rest_n_per_m) : "");
 }
 
 Result<std::string> merge_csv(const std::vector<std::filesystem::path>& parts) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -30,6 +31,8 @@ TEST(ZWidthGrid, EveryCellIsAnotherCombination) {
   for (std::size_t cell = 0; cell < grid.cells(); ++cell) {
     const std::string line = csv_line(measure_cell(grid, cell));
     EXPECT_TRUE(lines.insert(line.substr(line.find(','))).second) << line;
+    const std::string header = csv_header(grid);
+    EXPECT_EQ(std::count(line.begin(), line.end(), ','), std::count(header.begin(), header.end(), ',')) << line;
   }
 }
 
