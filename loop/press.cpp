@@ -15,7 +15,6 @@ namespace {
 constexpr double kClearanceM = 0.005;
 constexpr double kSettled = 0.05;      // of the depth
 constexpr double kLowestBuzzHz = 5.0;  // below it a hand follows
-constexpr double kAfterS = 0.5;
 
 std::int64_t to_ns(double seconds) { return static_cast<std::int64_t>(1e9 * seconds); }
 
@@ -69,7 +68,7 @@ PressPath make_press_path(const HandModel& hand, const PressPlan& plan) {
   press.start_m = {kClearanceM, 0.0, 0.0};
   if (!(hand.stiffness_n_per_m > 0.0)) {
     press.release_ns = to_ns(plan.hold_s);
-    press.end_ns = press.release_ns + to_ns(kAfterS);
+    press.end_ns = press.release_ns + to_ns(plan.after_s);
     const Vec3 push_n(-plan.press_n, 0.0, 0.0);
     press.path = HandPath({{.time_ns = 0, .push_n = push_n}, {.time_ns = press.release_ns, .push_n = -push_n}, {.time_ns = press.end_ns}});
     return press;
@@ -77,7 +76,7 @@ PressPath make_press_path(const HandModel& hand, const PressPlan& plan) {
   const double goal_m = -plan.press_n * (1.0 / hand.stiffness_n_per_m + 1.0 / plan.wall_n_per_m);
   const std::int64_t travel_ns = to_ns((kClearanceM - goal_m) / plan.speed_m_per_s);
   press.release_ns = travel_ns + to_ns(plan.hold_s);
-  press.end_ns = press.release_ns + travel_ns + to_ns(kAfterS);
+  press.end_ns = press.release_ns + travel_ns + to_ns(plan.after_s);
   const Vec3 goal(goal_m, 0.0, 0.0);
   press.path = HandPath({{.time_ns = 0, .p_WH = press.start_m},
                          {.time_ns = travel_ns, .p_WH = goal},

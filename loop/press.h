@@ -12,6 +12,7 @@ struct PressPlan {
   double press_n = 1.0;  // static force at which it holds
   double speed_m_per_s = 0.1;
   double hold_s = 1.0;
+  double after_s = 0.5;          // watched on after it has left; longer than the link takes
   double wall_n_per_m = 1000.0;  // where the hand's intention has to be for that force
 };
 

@@ -163,6 +163,7 @@ Result<void> run(const PressOptions& options) {
   ForceChain chain(*bench->law, bench->chain);
   PressPlan plan = options.plan;
   plan.wall_n_per_m = options.stiffness_n_per_m;
+  plan.after_s += 1e-3 * (options.delay_ms + 2.0 * options.jitter_ms);
   const PressPath path = make_press_path(loop.hand_model, plan);
   LoopSimulation simulation(chain, {.device = loop.device_model,
                                     .hand = loop.hand_model,

@@ -54,8 +54,9 @@ LinkFaults link_of(const ZWidthRow& row, bool is_there) {
   return {.delay_ns = is_there ? half_ns : to_ns(row.delay_ms) - half_ns, .jitter_ns = to_ns(row.jitter_ms), .loss = row.loss};
 }
 
-// The exact limit is where the search begins.
+// The exact limit is where the search begins. A loop that is not stable without chance either does not become so.
 void simulate(ZWidthRow& row) {
+  if (row.found.stiffness.value == 0.0) return;
   const RandomLoop loop{.device = row.inputs.device,
                         .hand = row.inputs.hand,
                         .period_ns = to_ns(1e3 / row.inputs.rate_hz),

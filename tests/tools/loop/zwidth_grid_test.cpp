@@ -65,6 +65,14 @@ TEST(ZWidthGrid, OverALinkOfChanceTheLimitIsSimulated) {
   EXPECT_EQ(to_json(row)["inputs"]["seed"], 7);
 }
 
+TEST(ZWidthGrid, ChanceDoesNotMakeAnUndampedLoopStable) {
+  LoopFlags flags;
+  flags.mass_kg = 0.2;
+  flags.damping_ns_per_m = 0.0;
+  const ZWidthGrid grid{.loops = *loops_of(flags), .losses = {0.2}};
+  EXPECT_EQ(measure_cell(grid, 0).found.stiffness.value, 0.0);
+}
+
 TEST(ReadShard, TakesPartsOfAWhole) {
   const auto shard = read_shard("2/3");
   ASSERT_TRUE(shard);
