@@ -49,6 +49,12 @@ TEST(AxisMotion, EnergyBalances) {
   for (const DevicePreset& preset : device_presets()) {
     for (const double amplifier_hz : {0.0, 300.0}) {
       DeviceModel device = preset.model;
+      // Two joints with the amplifier, the preset's without.
+      if (amplifier_hz > 0.0) {
+        device.mode_count = 2;
+        device.modes[0] = {0.3 * device.mass_kg, 3000.0, 1.0};
+        device.modes[1] = {0.2 * device.mass_kg, 9000.0, 0.5};
+      }
       device.amplifier_hz = amplifier_hz;
       const HandModel hand{0.15, 0.0, 500.0};
       const AxisMotion motion(device, hand);

@@ -45,6 +45,11 @@ struct RandomLoop {
     const auto devices = device_presets();
     device = devices[std::uniform_int_distribution<std::size_t>(0, devices.size() - 1)(random)].model;
     device = device.with_modes(std::uniform_int_distribution<int>(0, 2)(random));
+    if (uniform(0.0, 1.0) < 0.2) {
+      device.mode_count = 2;
+      device.modes[0] = {0.3 * device.mass_kg, by_ratio(1000.0, 20'000.0), by_ratio(0.5, 5.0)};
+      device.modes[1] = {0.2 * device.mass_kg, by_ratio(1000.0, 20'000.0), by_ratio(0.5, 5.0)};
+    }
     if (uniform(0.0, 1.0) < 0.3) device.amplifier_hz = by_ratio(100.0, 3000.0);
     // One in ten is held by nobody.
     if (uniform(0.0, 1.0) < 0.9) hand = {by_ratio(0.05, 1.0), by_ratio(1.0, 25.0), uniform(0.0, 1000.0)};

@@ -183,6 +183,9 @@ Result<void> run(const PressOptions& options) {
   if (options.json) {
     nlohmann::ordered_json json = to_json(options, loop, press, chain);
     if (options.impedance) json["rendered"] = impedance;
+    if (options.is_passive) {
+      json["passivity"] = {{"acted", passivity.controller().acted()}, {"worst_debt_j", passivity.controller().worst_debt_j()}};
+    }
     fmt::print("{}\n", json.dump(2));
   } else {
     print_text(loop, press, impedance);

@@ -58,6 +58,14 @@ TEST(LoopCommand, PressSaysWhetherItGeneratedEnergy) {
   EXPECT_GT(wild["limit_cycle_m"].get<double>(), 1e-5);
 }
 
+TEST(LoopCommand, PressWithThePassivityControllerGeneratesNone) {
+  const Seen seen = run({"press", "--device", "omega.3", "--stiffness", "3000", "--delay", "10", "--passivity", "--json"});
+  ASSERT_EQ(seen.code, 0) << seen.err;
+  const auto json = nlohmann::json::parse(seen.out);
+  EXPECT_LT(json["generated_j"].get<double>(), 0.0);
+  EXPECT_GT(json["passivity"]["acted"].get<int>(), 0);
+}
+
 TEST(LoopCommand, PressOnAMeshThroughTheGovernor) {
   const Seen seen = run({"press", "--device", "touch", "--mesh", "--gate", "governor", "--impedance"});
   ASSERT_EQ(seen.code, 0) << seen.err;
