@@ -43,6 +43,9 @@ void add_keygen_command(CommandLine app, int& exit_code);
 // measures a system that is already running. hapton latency compare A B: two such reports side by side.
 void add_latency_command(CommandLine app, int& exit_code);
 
+// hapton loop zwidth|press|recommend|integrators|merge: hand, device and force program in closed loop.
+void add_loop_command(CommandLine app, int& exit_code);
+
 // hapton plot DIR: draws DIR/latency.png from DIR/latency.csv with gnuplot.
 void add_plot_command(CommandLine app, int& exit_code);
 
@@ -92,6 +95,23 @@ void add_bench_papers_command(CommandLine bench, int& exit_code);
 // hapton bench pareto: run time against force error of every method and structure, with a plot.
 void add_bench_pareto_command(CommandLine bench, int& exit_code);
 
+// The children of `hapton loop`.
+
+// hapton loop integrators --device D: run time against error of the laboratory's integrator and of two usual ones.
+void add_loop_integrators_command(CommandLine loop, int& exit_code);
+
+// hapton loop merge PARTS --out FILE: the CSV files of all shards of a grid as one.
+void add_loop_merge_command(CommandLine loop, int& exit_code);
+
+// hapton loop press --device D --hand H --stiffness K: simulates a press and release and prints its measures.
+void add_loop_press_command(CommandLine loop, int& exit_code);
+
+// hapton loop recommend --device D --latency REPORT: the stiffest safe material of this system.
+void add_loop_recommend_command(CommandLine loop, int& exit_code);
+
+// hapton loop zwidth --device D --hand H --rate HZ --delay MS [--json]: largest stable and largest passive stiffness and damping.
+void add_loop_zwidth_command(CommandLine loop, int& exit_code);
+
 // One command of `hapton`, and its heading in --help, which is a purpose.
 struct ListedCommand {
   std::string_view group;
@@ -114,6 +134,7 @@ inline constexpr ListedCommand kCommands[] = {
     {"Measure", add_plot_command},
     {"Measure", add_soak_command},
     {"Measure", add_echo_command},
+    {"Measure", add_loop_command},
     {"Compare", add_bench_command},
     {"Compare", add_evaluate_command},
     {"Check", add_stress_command},

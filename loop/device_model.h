@@ -1,0 +1,54 @@
+#pragma once
+
+#include <array>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "devices/device.h"
+
+namespace hapton {
+
+// One joint that bends between the motors and the device point, and the mass beyond it.
+struct StructuralMode {
+  double mass_kg = 0.0;
+  double stiffness_n_per_m = 0.0;
+  double damping_ns_per_m = 0.0;
+};
+
+// One axis of a device. The encoder and Coulomb friction sit at the motors; the hand holds the last mass.
+struct DeviceModel {
+  static constexpr int kMostModes = 2;
+
+  double mass_kg = 0.0;  // of all, at the device point
+  double damping_ns_per_m = 0.0;
+  double friction_n = 0.0;
+  double encoder_step_m = 0.0;
+  double max_force_n = 0.0;   // 0: unlimited
+  double amplifier_hz = 0.0;  // of a first-order low-pass; 0: no lag
+  int mode_count = 0;
+  std::array<StructuralMode, kMostModes> modes = {};
+
+  // The mass at the motors: all that is not beyond a joint.
+  double motor_mass_kg() const noexcept;
+  // The same device with only its first `most` modes; the rest is rigid.
+  DeviceModel with_modes(int most) const noexcept;
+};
+
+// A device that people have. Each value has its source; "memory": from memory of a data sheet or paper, not verified.
+struct DevicePreset {
+  std::string_view name;
+  std::string_view title;
+  DeviceModel model;
+  DeviceLimits limits;
+  std::array<std::string_view, 6> sources;  // of mass, damping, friction, encoder step, largest force, modes
+};
+
+// model-a, premium-1.5, touch, omega.3, falcon, wooden. RT: yes.
+std::span<const DevicePreset> device_presets() noexcept;
+// Null when there is none of that name. RT: yes.
+const DevicePreset* find_device_preset(std::string_view name) noexcept;
+// "model-a, premium-1.5, ..." for help texts. RT: set-up only.
+std::string device_preset_names();
+
+}  // namespace hapton

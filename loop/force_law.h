@@ -1,0 +1,50 @@
+#pragma once
+
+#include <memory>
+
+#include "core/force/touch_step.h"
+
+namespace hapton {
+
+// What the program feels for a device sample: the haptics node's part of the loop. Frame W, SI. RT: step and reset yes.
+class ForceLaw {
+ public:
+  virtual ~ForceLaw() = default;
+  // dt_s: since the sample that was seen before.
+  virtual Vec3 step(const Vec3& p_WD, double dt_s) noexcept = 0;
+  virtual void reset(const Vec3& p_WD) noexcept = 0;
+};
+
+// A flat wall that fills x < 0: spring, and damping by finite difference. One-sided as touch is, pushing only; two-sided as linear theory
+// has it.
+class WallLaw final : public ForceLaw {
+ public:
+  struct Wall {
+    double stiffness_n_per_m = 1000.0;
+    double damping_ns_per_m = 0.0;
+    bool two_sided = false;
+  };
+
+  explicit WallLaw(const Wall& wall) : wall_(wall) {}
+
+  Vec3 step(const Vec3& p_WD, double dt_s) noexcept override;
+  void reset(const Vec3& p_WD) noexcept override { before_m_ = p_WD.x(); }
+
+ private:
+  Wall wall_;
+  double before_m_ = 0.0;
+};
+
+// The very step that the haptics node runs, on a mesh.
+class TouchLaw final : public ForceLaw {
+ public:
+  explicit TouchLaw(std::shared_ptr<ForceMethod> method) : step_(std::move(method)) {}
+
+  Vec3 step(const Vec3& p_WD, double dt_s) noexcept override { return step_.step({.p_WD = p_WD, .dt_s = dt_s}).force_n; }
+  void reset(const Vec3& p_WD) noexcept override { step_.reset({.p_WD = p_WD}); }
+
+ private:
+  TouchStep step_;
+};
+
+}  // namespace hapton

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/math/types.h"
+
+namespace hapton {
+
+// Where the hand wants to be, and how it pushes besides: straight lines between points in time, at rest before the first and after the
+// last. Frame W, SI, ns. RT: no heap in the queries.
+class HandPath {
+ public:
+  struct Point {
+    std::int64_t time_ns = 0;
+    Vec3 p_WH = Vec3::Zero();
+    Vec3 push_n = Vec3::Zero();  // from here on; constant until the next point
+  };
+
+  HandPath() = default;
+  // Pre: times rise.
+  explicit HandPath(std::vector<Point> points) : points_(std::move(points)) {}
+
+  Vec3 position_m(std::int64_t now_ns) const noexcept;
+  Vec3 velocity_m_per_s(std::int64_t now_ns) const noexcept;
+  Vec3 push_n(std::int64_t now_ns) const noexcept;
+  // The first point after now_ns; INT64_MAX when there is none.
+  std::int64_t next_ns(std::int64_t now_ns) const noexcept;
+  std::int64_t end_ns() const noexcept { return points_.empty() ? 0 : points_.back().time_ns; }
+
+ private:
+  // The last point at or before now_ns; below zero: none.
+  std::ptrdiff_t index_at(std::int64_t now_ns) const noexcept;
+
+  std::vector<Point> points_;
+};
+
+}  // namespace hapton

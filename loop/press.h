@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "loop/loop_simulation.h"
+
+namespace hapton {
+
+// A hand comes to a wall at x = 0 from 5 mm outside, presses with a given force, holds and leaves.
+struct PressPlan {
+  double press_n = 1.0;  // static force at which it holds
+  double speed_m_per_s = 0.1;
+  double hold_s = 1.0;
+  double after_s = 0.5;          // watched on after it has left; longer than the link takes
+  double wall_n_per_m = 1000.0;  // where the hand's intention has to be for that force
+};
+
+// The way of the hand. One without a spring (off) pushes with press_n, and pulls as much to leave.
+struct PressPath {
+  HandPath path;
+  Vec3 start_m = Vec3::Zero();
+  std::int64_t release_ns = 0;  // the hold ends
+  std::int64_t end_ns = 0;
+};
+PressPath make_press_path(const HandModel& hand, const PressPlan& plan);
+
+// What a press and release was like.
+struct PressMeasures {
+  bool is_bounded = true;      // false: it ran away, and the rest is of what was seen before
+  double contact_s = 0.0;      // first force
+  double depth_m = 0.0;        // mean of the last quarter of the hold
+  double overshoot = 0.0;      // deepest point beyond depth_m, as a share of it
+  double settling_s = 0.0;     // from contact until it stays within 5 % of depth_m, or two encoder steps; infinite: not before the release
+  double limit_cycle_m = 0.0;  // half of peak to peak in the last quarter of the hold
+  double buzz_hz = 0.0;        // strongest frequency of the force in the second half of the hold
+  double buzz_n = 0.0;         // its amplitude
+  double wall_j = 0.0;         // work of the motors over press and release: above zero the wall gave energy
+  double generated_j = 0.0;    // that, less what the device turned to heat, to the hand: above zero a passive hand gained
+  double most_generated_j = 0.0;  // the largest that it was on the way, less what is stored in the wall's spring
+};
+
+// Pre: rows of one press, samples one period apart. RT: no.
+PressMeasures measure_press(const std::vector<LoopRow>& rows, const PressPath& path, std::int64_t period_ns, double encoder_step_m,
+                            bool is_bounded);
+
+// A device in a hand at a link of known faults, and how it presses.
+struct PressCase {
+  DeviceModel device;
+  HandModel hand;
+  std::int64_t period_ns = 1'000'000;
+  LinkFaults there = {};
+  LinkFaults back = {};
+  double wall_damping_ns_per_m = 0.0;
+  std::uint64_t seed = 1;
+};
+
+// The largest stiffness up to which a press comes to rest: bounded, with a limit cycle of two encoder steps, or 1 % of the depth, at most.
+// With encoder steps, friction and saturation, which the limit of stability leaves out. Searched upwards by equal ratios, to most_n_per_m,
+// then by bisection to 1 %. RT: no.
+double find_rest_stiffness(const PressCase& press, double most_n_per_m);
+
+// Strongest line of a signal's spectrum above lowest_hz (Hann window, mean taken off). Frequency in hertz, amplitude in the signal's unit.
+struct SpectrumPeak {
+  double frequency_hz = 0.0;
+  double amplitude = 0.0;
+};
+SpectrumPeak find_spectrum_peak(const std::vector<double>& signal, double rate_hz, double lowest_hz);
+
+}  // namespace hapton

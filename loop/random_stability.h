@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+
+#include "link/fault_injector.h"
+#include "loop/device_model.h"
+#include "loop/hand_model.h"
+
+namespace hapton {
+
+// A linear loop over a link that delays at random and loses.
+struct RandomLoop {
+  DeviceModel device;  // friction, encoder steps and saturation are left out: the loop is linear
+  HandModel hand;
+  std::int64_t period_ns = 1'000'000;
+  LinkFaults there = {};
+  LinkFaults back = {};
+  double wall_damping_ns_per_m = 0.0;
+  std::uint64_t seed = 1;
+  double seconds = 20.0;  // simulated for each stiffness
+};
+
+// How fast a motion grows, 1/s; below zero it dies out: an estimate of the largest Lyapunov exponent from one simulated run. RT: no.
+double measure_growth_per_s(const RandomLoop& loop, double stiffness_n_per_m);
+
+// The stiffness at which growth begins, by bisection to 0.2 % with the same draws at every stiffness. It searches upwards from
+// start_n_per_m, then downwards where that is unstable already. RT: no.
+double find_stable_stiffness_by_simulation(const RandomLoop& loop, double start_n_per_m);
+
+}  // namespace hapton

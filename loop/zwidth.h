@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+
+#include "loop/device_model.h"
+#include "loop/hand_model.h"
+#include "loop/passivity.h"
+#include "loop/stability.h"
+
+namespace hapton {
+
+// One loop whose Z-width is asked for: a device in a hand, against a wall computed elsewhere.
+struct ZWidthCase {
+  DeviceModel device;
+  HandModel hand;
+  double rate_hz = 1000.0;
+  double delay_s = 0.0;                // from the sample to its force on the motors; the hold comes on top
+  double wall_damping_ns_per_m = 0.0;  // by finite difference, beside the stiffness
+};
+
+// Largest stable and largest passive wall.
+struct ZWidth {
+  StabilityLimit stiffness;               // stable, with the case's wall damping
+  StabilityLimit damping_ns_per_m;        // stable, without stiffness
+  PassiveStiffness passive;               // whatever passive hand holds the device
+  double passive_damping_ns_per_m = 0.0;  // without stiffness
+  double linear_rule_n_per_m = 0.0;       // b / (T/2 + delay), with the damping of device and hand
+};
+
+// Exact for the linear loop (stability.h, passivity.h). Pre: rate_hz > 0, the rest >= 0. RT: no.
+ZWidth find_zwidth(const ZWidthCase& loop);
+
+}  // namespace hapton

@@ -1,0 +1,78 @@
+#include "loop/passivity_stage.h"
+
+#include <gtest/gtest.h>
+
+#include "loop/loop_simulation.h"
+#include "loop/press.h"
+
+namespace hapton {
+namespace {
+
+struct Outcome {
+  PressMeasures press;
+  double worst_debt_j = 0.0;
+};
+
+Outcome press(const DevicePreset& device, const HandModel& hand, double stiffness, const LinkFaults& each_way, bool is_controlled) {
+  PassivityStage stage({.device = {.mass_kg = device.model.mass_kg},
+                        .most_damping_ns_per_m = 250.0 * device.model.mass_kg,
+                        .max_force_n = device.model.max_force_n});
+  WallLaw wall({.stiffness_n_per_m = stiffness});
+  ForceChain chain(wall, {.encoder_step_m = device.model.encoder_step_m,
+                          .max_force_n = device.model.max_force_n,
+                          .there = each_way,
+                          .back = each_way,
+                          .seed = 5,
+                          .stage = is_controlled ? &stage : nullptr});
+  const PressPath path = make_press_path(hand, {.wall_n_per_m = stiffness});
+  LoopSimulation simulation(chain, {.device = device.model, .hand = hand, .path = path.path, .start_m = path.start_m});
+  std::vector<LoopRow> rows;
+  const bool is_bounded = simulation.run_until(path.end_ns, &rows);
+  return {measure_press(rows, path, 1'000'000, device.model.encoder_step_m, is_bounded), stage.worst_debt_j()};
+}
+
+// 100 N/mm, to 500 ms, 30 % loss and 20 ms jitter: every device in every hand stays bounded and draws no energy.
+TEST(PassivityStage, NoPresetDrawsEnergyFrom100NPerMmAcrossABadLink) {
+  int unsafe_without = 0;
+  int presses = 0;
+  for (const DevicePreset& device : device_presets()) {
+    for (const HandPreset& hand : hand_presets()) {
+      for (const std::int64_t delay_ms : {0, 5, 50, 200, 500}) {
+        const bool is_bad = delay_ms >= 50;
+        const LinkFaults each_way{.delay_ns = delay_ms * 500'000, .jitter_ns = is_bad ? 20'000'000 : 0, .loss = is_bad ? 0.3 : 0.0};
+        const Outcome with = press(device, hand.model, 1e5, each_way, true);
+        EXPECT_TRUE(with.press.is_bounded) << device.name << ", " << hand.name << ", " << delay_ms;
+        EXPECT_LT(with.press.generated_j, 0.0) << device.name << ", " << hand.name << ", " << delay_ms;
+        unsafe_without += press(device, hand.model, 1e5, each_way, false).press.generated_j > 0.0 ? 1 : 0;
+        ++presses;
+      }
+    }
+  }
+  EXPECT_GT(unsafe_without, presses / 2);
+}
+
+// A press that feeds energy to the hand without the controller does not with it.
+TEST(PassivityStage, TakesTheEnergyOutOfADelayedWall) {
+  const HandModel hand = *find_hand_preset("stylus");
+  for (const DevicePreset& device : device_presets()) {
+    for (const std::int64_t delay_ns : {5'000'000, 20'000'000, 100'000'000}) {
+      const Outcome without = press(device, hand, 3000.0, {.delay_ns = delay_ns / 2}, false);
+      const Outcome with = press(device, hand, 3000.0, {.delay_ns = delay_ns / 2}, true);
+      EXPECT_TRUE(with.press.is_bounded) << device.name;
+      EXPECT_GT(without.press.wall_j, 1e-3) << device.name << ", " << delay_ns;
+      EXPECT_LT(with.press.generated_j, 0.0) << device.name << ", " << delay_ns;
+      EXPECT_LT(with.press.wall_j, 0.1 * without.press.wall_j) << device.name << ", " << delay_ns;
+    }
+  }
+}
+
+TEST(PassivityStage, LeavesAPassiveWallAlmostAlone) {
+  const DevicePreset& device = *find_device_preset("falcon");
+  const HandModel hand = *find_hand_preset("firm");
+  const Outcome without = press(device, hand, 500.0, {}, false);
+  const Outcome with = press(device, hand, 500.0, {}, true);
+  EXPECT_NEAR(with.press.depth_m, without.press.depth_m, 0.05 * without.press.depth_m);
+}
+
+}  // namespace
+}  // namespace hapton

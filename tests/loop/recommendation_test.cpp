@@ -1,0 +1,39 @@
+#include "loop/recommendation.h"
+
+#include <gtest/gtest.h>
+
+#include "loop/zwidth.h"
+
+namespace hapton {
+namespace {
+
+TEST(Recommendation, IsHalfOfWhatIsStable) {
+  const DevicePreset& device = *find_device_preset("falcon");
+  const HandModel hand = *find_hand_preset("light");
+  const Recommendation advice = recommend_stiffness(device.model, {}, hand, 1000.0, 0.005);
+  // The limit falls with the delay here, so that the whole delay counts.
+  EXPECT_DOUBLE_EQ(advice.stiffness_n_per_m, 0.5 * find_zwidth({.device = device.model, .hand = hand, .delay_s = 0.005}).stiffness.value);
+  EXPECT_FALSE(advice.is_limited_by_device);
+}
+
+TEST(Recommendation, IsNoMoreThanTheDeviceBears) {
+  const DevicePreset& device = *find_device_preset("touch");
+  const Recommendation advice = recommend_stiffness(device.model, device.limits, *find_hand_preset("stylus"), 10'000.0, 0.0);
+  EXPECT_EQ(advice.stiffness_n_per_m, device.limits.max_stiffness_n_per_m);
+  EXPECT_TRUE(advice.is_limited_by_device);
+}
+
+// Although a loop may be stable at a delay and not at a shorter one.
+TEST(Recommendation, NeverRisesWithLatency) {
+  const DevicePreset& device = *find_device_preset("omega.3");
+  const HandModel hand = *find_hand_preset("stylus");
+  double before = 1e9;
+  for (const double delay_s : {0.0, 0.01, 0.05, 0.2}) {
+    const double now = recommend_stiffness(device.model, {}, hand, 1000.0, delay_s).stiffness_n_per_m;
+    EXPECT_LE(now, before);
+    before = now;
+  }
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,110 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tools/hapton_command.h"
+
+namespace hapton {
+namespace {
+
+using ::testing::HasSubstr;
+
+struct Seen {
+  int code = -1;
+  std::string out;
+  std::string err;
+};
+
+Seen run(std::vector<std::string> words) {
+  words.insert(words.begin(), {"hapton", "loop"});
+  std::vector<const char*> argv;
+  for (const std::string& word : words) argv.push_back(word.c_str());
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  Seen seen;
+  seen.code = run_hapton_command(static_cast<int>(argv.size()), argv.data());
+  std::fflush(stdout);
+  seen.out = testing::internal::GetCapturedStdout();
+  seen.err = testing::internal::GetCapturedStderr();
+  return seen;
+}
+
+// The cells of tests/loop/stability_test.cpp, as a person asks for them.
+TEST(LoopCommand, ZWidthOfALoopOfOnesOwn) {
+  const Seen seen =
+      run({"zwidth", "--mass-kg", "0.225", "--damping-ns-per-m", "5", "--hand-stiffness-n-per-m", "500", "--delay", "100", "--json"});
+  ASSERT_EQ(seen.code, 0) << seen.err;
+  const auto json = nlohmann::json::parse(seen.out);
+  EXPECT_EQ(std::round(json["stable_stiffness_n_per_m"].get<double>()), 359.0);
+  EXPECT_EQ(std::round(json["passive_stiffness_n_per_m"].get<double>()), 50.0);
+}
+
+TEST(LoopCommand, SeveralCellsAreAList) {
+  const auto json = nlohmann::json::parse(run({"zwidth", "--device", "touch,falcon", "--rate", "1000,4000", "--json"}).out);
+  EXPECT_EQ(json.size(), 4U);
+}
+
+TEST(LoopCommand, PressSaysWhetherItGeneratedEnergy) {
+  const Seen calm = run({"press", "--device", "omega.3", "--stiffness", "500", "--json"});
+  ASSERT_EQ(calm.code, 0) << calm.err;
+  EXPECT_LT(nlohmann::json::parse(calm.out)["generated_j"].get<double>(), 0.0);
+  const auto wild = nlohmann::json::parse(run({"press", "--device", "omega.3", "--stiffness", "3000", "--delay", "10", "--json"}).out);
+  EXPECT_GT(wild["generated_j"].get<double>(), 0.0);
+  EXPECT_GT(wild["limit_cycle_m"].get<double>(), 1e-5);
+}
+
+TEST(LoopCommand, PressWithThePassivityControllerGeneratesNone) {
+  const Seen seen = run({"press", "--device", "omega.3", "--stiffness", "3000", "--delay", "10", "--passivity", "--json"});
+  ASSERT_EQ(seen.code, 0) << seen.err;
+  const auto json = nlohmann::json::parse(seen.out);
+  EXPECT_LT(json["generated_j"].get<double>(), 0.0);
+  EXPECT_GT(json["passivity"]["acted"].get<int>(), 0);
+}
+
+TEST(LoopCommand, PressOnAMeshThroughTheGovernor) {
+  const Seen seen = run({"press", "--device", "touch", "--mesh", "--gate", "governor", "--impedance"});
+  ASSERT_EQ(seen.code, 0) << seen.err;
+  EXPECT_THAT(seen.out, HasSubstr("bounded"));
+  EXPECT_THAT(seen.out, HasSubstr("rendered at"));
+}
+
+TEST(LoopCommand, RecommendReadsAMeasuredLatency) {
+  const std::filesystem::path report = std::filesystem::temp_directory_path() / ("loop_report_" + std::to_string(::getpid()) + ".json");
+  std::ofstream(report)
+      << R"({"schema":"hapton.report/2","hops":{"round_trip":{"n":10,"p99_9_us":30000.0}},"rates_hz":{"servo_asked":1000}})";
+  const Seen seen = run({"recommend", "--device", "touch", "--latency", report.string(), "--json"});
+  std::filesystem::remove(report);
+  ASSERT_EQ(seen.code, 0) << seen.err;
+  const auto json = nlohmann::json::parse(seen.out);
+  EXPECT_DOUBLE_EQ(json["delay_ms"].get<double>(), 30.0);
+  EXPECT_EQ(json["limited_by"], "stability");
+  EXPECT_LT(json["recommended_stiffness_n_per_m"].get<double>(), json["stable_stiffness_n_per_m"].get<double>());
+}
+
+TEST(LoopCommand, BadInputGetsOneLine) {
+  for (const auto& [words, reason] : std::vector<std::pair<std::vector<std::string>, std::string>>{
+           {{"zwidth"}, "give --device"},
+           {{"zwidth", "--device", "tuch"}, "did you mean 'touch'?"},
+           {{"zwidth", "--device", "touch", "--rate", "0"}, "--rate: 0 is not between"},
+           {{"zwidth", "--device", "touch", "--delay", "-1"}, "--delay: -1 is not between"},
+           {{"zwidth", "--device", "touch", "--shard", "3/2"}, "--shard '3/2'"},
+           {{"press", "--device", "touch,falcon"}, "one device and one hand"},
+           {{"press", "--mass-kg", "1", "--damping-ns-per-m", "1", "--gate", "governor"}, "needs a device with limits"},
+           {{"recommend", "--device", "touch"}, "give --latency"},
+           {{"recommend", "--device", "touch", "--latency", "/nowhere"}, "/nowhere"},
+           {{"merge", "/nowhere", "--out", "/tmp/unused.csv"}, "cannot be read"}}) {
+    const Seen seen = run(words);
+    EXPECT_EQ(seen.code, 1) << reason;
+    EXPECT_THAT(seen.err, HasSubstr(reason));
+    EXPECT_EQ(std::count(seen.err.begin(), seen.err.end(), '\n'), 1) << seen.err;
+    EXPECT_EQ(seen.out, "");
+  }
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,81 @@
+#include "tools/loop/loop_flags.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace hapton {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+TEST(ReadNumbers, TakesListsAndRanges) {
+  EXPECT_THAT(*read_numbers("--rate", "1000"), ElementsAre(1000.0));
+  EXPECT_THAT(*read_numbers("--rate", "250,1e3"), ElementsAre(250.0, 1000.0));
+  EXPECT_THAT(*read_numbers("--delay", "0:500:3"), ElementsAre(0.0, 250.0, 500.0));
+  const auto by_ratio = *read_numbers("--rate", "100:10000:3log");
+  ASSERT_EQ(by_ratio.size(), 3U);
+  EXPECT_NEAR(by_ratio[1], 1000.0, 1e-9);
+}
+
+TEST(ReadNumbers, RefusesWhatIsNone) {
+  for (const char* text : {"fast", "", ",", "1,two", "1:2", "1:2:1", "1:2:2.5", "0:10:3log", "1:2:x", "nan", "1:2:1e9"}) {
+    const auto numbers = read_numbers("--rate", text);
+    ASSERT_FALSE(numbers) << text;
+    EXPECT_THAT(numbers.error().what, HasSubstr("--rate")) << text;
+  }
+}
+
+LoopFlags named(const std::string& device, const std::string& hand) {
+  LoopFlags flags;
+  flags.device = device;
+  flags.hand = hand;
+  return flags;
+}
+
+TEST(LoopsOf, CombinesDevicesAndHands) {
+  EXPECT_EQ(loops_of(named("touch,falcon", "light,firm"))->size(), 4U);
+  EXPECT_EQ(loops_of(named("all", "all"))->size(), device_presets().size() * hand_presets().size());
+}
+
+TEST(LoopsOf, ChangesAPreset) {
+  LoopFlags flags = named("touch", "stylus");
+  flags.friction_n = 0.0;
+  flags.encoder_step_m = 1e-6;
+  flags.amplifier_hz = 500.0;
+  flags.modes = 0;
+  const DeviceModel device = loops_of(flags)->front().device_model;
+  EXPECT_EQ(device.friction_n, 0.0);
+  EXPECT_EQ(device.encoder_step_m, 1e-6);
+  EXPECT_EQ(device.amplifier_hz, 500.0);
+  EXPECT_EQ(device.mode_count, 0);
+}
+
+TEST(LoopsOf, ALoopOfOnesOwnIsDeviceAndHandTogether) {
+  LoopFlags flags;
+  flags.mass_kg = 0.225;
+  flags.damping_ns_per_m = 5.0;
+  flags.hand_stiffness_n_per_m = 500.0;
+  const NamedLoop loop = loops_of(flags)->front();
+  EXPECT_EQ(loop.device_model.mass_kg, 0.225);
+  EXPECT_EQ(loop.hand_model.mass_kg, 0.0);
+  EXPECT_EQ(loop.hand_model.stiffness_n_per_m, 500.0);
+}
+
+TEST(LoopsOf, SaysWhatIsMissingOrMeant) {
+  EXPECT_THAT(loops_of(named("tuch", "stylus")).error().what, HasSubstr("did you mean 'touch'?"));
+  EXPECT_THAT(loops_of(named("touch", "stilus")).error().what, HasSubstr("did you mean 'stylus'?"));
+  EXPECT_THAT(loops_of({}).error().what, HasSubstr("give --device"));
+  LoopFlags both = named("touch", "stylus");
+  both.mass_kg = 1.0;
+  EXPECT_THAT(loops_of(both).error().what, HasSubstr("exclude each other"));
+  LoopFlags half;
+  half.mass_kg = 1.0;
+  EXPECT_THAT(loops_of(half).error().what, HasSubstr("--damping-ns-per-m"));
+  LoopFlags other;
+  other.damping_ns_per_m = 1.0;
+  EXPECT_THAT(loops_of(other).error().what, HasSubstr("--mass-kg"));
+}
+
+}  // namespace
+}  // namespace hapton

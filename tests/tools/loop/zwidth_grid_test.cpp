@@ -1,0 +1,158 @@
+#include "tools/loop/zwidth_grid.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "tools/loop/measured_latency.h"
+#include "tools/loop/zwidth_plot.h"
+
+namespace hapton {
+namespace {
+
+using ::testing::HasSubstr;
+
+ZWidthGrid small_grid() {
+  LoopFlags flags;
+  flags.device = "touch,falcon";
+  flags.hand = "light,stylus";
+  return {.loops = *loops_of(flags), .rates_hz = {1000.0, 4000.0}, .delays_ms = {0.0, 5.0, 50.0}};
+}
+
+TEST(ZWidthGrid, EveryCellIsAnotherCombination) {
+  const ZWidthGrid grid = small_grid();
+  ASSERT_EQ(grid.cells(), 24U);
+  std::set<std::string> lines;
+  for (std::size_t cell = 0; cell < grid.cells(); ++cell) {
+    const std::string line = csv_line(measure_cell(grid, cell));
+    EXPECT_TRUE(lines.insert(line.substr(line.find(','))).second) << line;
+    const std::string header = csv_header(grid);
+    EXPECT_EQ(std::count(line.begin(), line.end(), ','), std::count(header.begin(), header.end(), ',')) << line;
+  }
+}
+
+TEST(ZWidthGrid, JsonHasInputsAndBothLimits) {
+  const ZWidthGrid grid = small_grid();
+  const ZWidthRow row = measure_cell(grid, 4);
+  const nlohmann::ordered_json json = to_json(row);
+  EXPECT_EQ(json["schema"], "hapton.loop.zwidth/1");
+  EXPECT_EQ(json["inputs"]["device"], "touch");
+  EXPECT_EQ(json["inputs"]["rate_hz"], 4000.0);
+  EXPECT_EQ(json["inputs"]["delay_ms"], 5.0);
+  EXPECT_EQ(json["stable_stiffness_n_per_m"], row.found.stiffness.value);
+  EXPECT_EQ(json["passive_stiffness_n_per_m"], row.found.passive.least_n_per_m());
+  EXPECT_GT(row.found.stiffness.value, row.found.passive.least_n_per_m());
+}
+
+TEST(ZWidthGrid, OverALinkOfChanceTheLimitIsSimulated) {
+  ZWidthGrid grid = small_grid();
+  grid.loops.resize(1);
+  grid.rates_hz = {1000.0};
+  grid.delays_ms = {5.0};
+  const double exact = measure_cell(grid, 0).found.stiffness.value;
+  grid.losses = {0.4};
+  grid.seed = 7;
+  const ZWidthRow row = measure_cell(grid, 0);
+  EXPECT_TRUE(row.is_simulated());
+  EXPECT_LT(row.found.stiffness.value, exact);
+  EXPECT_GT(row.found.stiffness.value, 0.2 * exact);
+  EXPECT_THAT(to_json(row)["methods"]["stable"].get<std::string>(), HasSubstr("simulation"));
+  EXPECT_EQ(to_json(row)["inputs"]["seed"], 7);
+}
+
+TEST(ZWidthGrid, ChanceDoesNotMakeAnUndampedLoopStable) {
+  LoopFlags flags;
+  flags.mass_kg = 0.2;
+  flags.damping_ns_per_m = 0.0;
+  const ZWidthGrid grid{.loops = *loops_of(flags), .losses = {0.2}};
+  EXPECT_EQ(measure_cell(grid, 0).found.stiffness.value, 0.0);
+}
+
+TEST(ReadShard, TakesPartsOfAWhole) {
+  const auto shard = read_shard("2/3");
+  ASSERT_TRUE(shard);
+  EXPECT_FALSE(shard->has(0));
+  EXPECT_TRUE(shard->has(1));
+  EXPECT_TRUE(shard->has(4));
+  for (const char* text : {"", "2", "0/3", "4/3", "1/0", "a/b", "1/2/3", "-1/2", "1/2 "}) EXPECT_FALSE(read_shard(text)) << text;
+}
+
+class MergeTest : public ::testing::Test {
+ protected:
+  MergeTest() : folder_(std::filesystem::temp_directory_path() / ("zwidth_" + std::to_string(::getpid()))) {
+    std::filesystem::create_directories(folder_);
+  }
+  ~MergeTest() override { std::filesystem::remove_all(folder_); }
+
+  std::filesystem::path write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+    return folder_ / name;
+  }
+  std::filesystem::path write_shard(const ZWidthGrid& grid, std::size_t index, std::size_t count) const {
+    std::string csv = csv_header(grid);
+    for (std::size_t cell = 0; cell < grid.cells(); ++cell) {
+      if (Shard{index, count}.has(cell)) csv += csv_line(measure_cell(grid, cell));
+    }
+    return write(std::to_string(index) + "_" + std::to_string(count), csv);
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(MergeTest, ShardsInAnyOrderAreTheWholeGrid) {
+  const ZWidthGrid grid = small_grid();
+  const auto merged = merge_csv({write_shard(grid, 3, 3), write_shard(grid, 1, 3), write_shard(grid, 2, 3)});
+  ASSERT_TRUE(merged) << merged.error().what;
+  const auto whole = merge_csv({write_shard(grid, 1, 1)});
+  ASSERT_TRUE(whole);
+  EXPECT_EQ(*merged, *whole);
+}
+
+TEST_F(MergeTest, RefusesWhatIsMissingDoubleOrOfAnotherGrid) {
+  const ZWidthGrid grid = small_grid();
+  ZWidthGrid other = grid;
+  other.delays_ms.back() = 60.0;
+  const auto first = write_shard(grid, 1, 2);
+  EXPECT_THAT(merge_csv({first}).error().what, HasSubstr("cell 1 of 24"));
+  EXPECT_THAT(merge_csv({first, first}).error().what, HasSubstr("line 3: cell 0 came before"));
+  EXPECT_THAT(merge_csv({first, write_shard(other, 2, 2)}).error().what, HasSubstr("another grid"));
+  EXPECT_THAT(merge_csv({write("text", "t_s,x_m\n1,2\n")}).error().what, HasSubstr("no grid of hapton loop"));
+  EXPECT_THAT(merge_csv({write("odd", csv_header(grid) + "x\n")}).error().what, HasSubstr("line 3"));
+  EXPECT_THAT(merge_csv({write("far", csv_header(grid) + "24,a\n")}).error().what, HasSubstr("line 3"));
+  EXPECT_THAT(merge_csv({folder_ / "none"}).error().what, HasSubstr("cannot be read"));
+}
+
+TEST(ZWidthPlot, DrawsACurveForEachLoopAndRate) {
+  const ZWidthGrid grid = small_grid();
+  std::vector<ZWidthRow> rows;
+  for (std::size_t cell = 0; cell < grid.cells(); ++cell) rows.push_back(measure_cell(grid, cell));
+  const std::string script = make_zwidth_plot(grid, rows, "z.png.part");
+  EXPECT_THAT(script, HasSubstr("touch, hand light, 1000 Hz: stable"));
+  EXPECT_THAT(script, HasSubstr("falcon, hand stylus, 4000 Hz: passive"));
+  EXPECT_THAT(script, HasSubstr("delay from sample to force, ms"));
+  EXPECT_THAT(script, HasSubstr("$curve7 "));
+}
+
+TEST(MeasuredLatency, IsTheRoundTripsAtP999) {
+  const nlohmann::ordered_json report = {{"hops", {{"round_trip", {{"n", 10}, {"p99_9_us", 250.0}}}}},
+                                         {"rates_hz", {{"servo_asked", 2000}}}};
+  const auto latency = read_measured_latency(report);
+  ASSERT_TRUE(latency);
+  EXPECT_DOUBLE_EQ(latency->delay_s, 250e-6);
+  EXPECT_EQ(latency->rate_hz, 2000.0);
+}
+
+TEST(MeasuredLatency, RefusesWhatMeasuredNone) {
+  EXPECT_FALSE(read_measured_latency({}));
+  EXPECT_FALSE(read_measured_latency(nlohmann::ordered_json::array()));
+  EXPECT_FALSE(read_measured_latency({{"hops", {{"round_trip", {{"p99_9_us", 250.0}}}}}}));
+  EXPECT_FALSE(read_measured_latency({{"hops", 3}, {"rates_hz", {{"servo_asked", 2000}}}}));
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,15 @@
+#include "tools/commands.h"
+
+namespace hapton {
+
+void add_loop_command(CommandLine app, int& exit_code) {
+  const CommandLine command = app.add_subcommand("loop", "Hand, device and force program in closed loop: stable and passive stiffness");
+  command.require_subcommands(1, 1);
+  add_loop_zwidth_command(command, exit_code);
+  add_loop_press_command(command, exit_code);
+  add_loop_recommend_command(command, exit_code);
+  add_loop_integrators_command(command, exit_code);
+  add_loop_merge_command(command, exit_code);
+}
+
+}  // namespace hapton

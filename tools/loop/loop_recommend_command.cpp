@@ -1,0 +1,104 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "loop/recommendation.h"
+#include "tools/commands.h"
+#include "tools/latency/latency_compare.h"
+#include "tools/loop/loop_flags.h"
+#include "tools/loop/measured_latency.h"
+
+namespace hapton {
+namespace {
+
+struct RecommendOptions {
+  LoopFlags loop;
+  std::optional<double> rate_hz;
+  std::optional<double> delay_ms;
+  std::string report;
+  bool json = false;
+};
+
+struct Advice {
+  MeasuredLatency latency;
+  const NamedLoop* loop = nullptr;
+  Recommendation recommendation;
+};
+
+Result<MeasuredLatency> latency_of(const RecommendOptions& options) {
+  MeasuredLatency latency{.rate_hz = 1000.0};
+  if (!options.report.empty()) {
+    const auto report = read_report_json(options.report);
+    if (!report) return tl::unexpected(report.error());
+    auto measured = read_measured_latency(*report);
+    if (!measured) return fail("{}: {}", options.report, measured.error().what);
+    latency = *measured;
+  } else if (!options.delay_ms) {
+    return fail("give --latency REPORT, which hapton latency run --out DIR writes, or --delay MS");
+  }
+  if (options.delay_ms) latency.delay_s = 1e-3 * *options.delay_ms;
+  if (options.rate_hz) latency.rate_hz = *options.rate_hz;
+  return latency;
+}
+
+// Of several hands the one that allows least.
+Result<void> run(const RecommendOptions& options) {
+  const auto latency = latency_of(options);
+  if (!latency) return tl::unexpected(latency.error());
+  const auto loops = loops_of(options.loop);
+  if (!loops) return tl::unexpected(loops.error());
+  std::optional<Advice> least;
+  for (const NamedLoop& loop : *loops) {
+    const Recommendation advice = recommend_stiffness(loop.device_model, loop.limits, loop.hand_model, latency->rate_hz, latency->delay_s);
+    if (!least || advice.stiffness_n_per_m < least->recommendation.stiffness_n_per_m) least = Advice{*latency, &loop, advice};
+  }
+  const Recommendation& advice = least->recommendation;
+  if (options.json) {
+    const nlohmann::ordered_json json = {{"schema", "hapton.loop.recommend/1"},
+                                         {"device", least->loop->device},
+                                         {"hand", least->loop->hand},
+                                         {"rate_hz", latency->rate_hz},
+                                         {"delay_ms", 1e3 * latency->delay_s},
+                                         {"recommended_stiffness_n_per_m", advice.stiffness_n_per_m},
+                                         {"stable_stiffness_n_per_m", advice.stable_n_per_m},
+                                         {"passive_stiffness_n_per_m", advice.passive_n_per_m},
+                                         {"device_stiffness_n_per_m", advice.device_n_per_m},
+                                         {"gain_margin", kGainMargin},
+                                         {"limited_by", advice.is_limited_by_device ? "device" : "stability"}};
+    fmt::print("{}\n", json.dump(2));
+    return {};
+  }
+  fmt::print("{:.4g} N/m for {} at {:g} Hz and {:.4g} ms: {}\n", advice.stiffness_n_per_m, least->loop->device, latency->rate_hz,
+             1e3 * latency->delay_s,
+             advice.is_limited_by_device
+                 ? "what its maker gives"
+                 : fmt::format("half of what is stable in hand {} ({:.4g} N/m)", least->loop->hand, advice.stable_n_per_m));
+  fmt::print("Up to {:.4g} N/m no hand can draw energy from it. In a scene file: stiffness_n_per_m = {:.4g}\n", advice.passive_n_per_m,
+             advice.stiffness_n_per_m);
+  return {};
+}
+
+}  // namespace
+
+void add_loop_recommend_command(CommandLine loop, int& exit_code) {
+  auto options = std::make_shared<RecommendOptions>();
+  options->loop.hand = "light,stylus,arm,firm";
+  const CommandLine command = loop.add_subcommand("recommend", "The stiffest safe material for a device, hands, rate and measured latency");
+  add_loop_flags(command, options->loop, true);
+  command.add_option("--latency", options->report, "report.json of hapton latency run, or its folder: rate, and delay at p99.9");
+  command.add_option("--delay", options->delay_ms, "From the sample to its force on the motors, ms (in place of the report's)")
+      .between(0.0, 10'000.0);
+  command.add_option("--rate", options->rate_hz, "Servo rate, Hz (the report's, else 1000)").between(10.0, 1e6);
+  command.add_flag("--json", options->json, "Print JSON");
+  command.on_run([options, &exit_code] {
+    const auto done = run(*options);
+    if (!done) fmt::print(stderr, "hapton loop recommend: {}\n", done.error().what);
+    exit_code = done ? 0 : 1;
+  });
+}
+
+}  // namespace hapton

@@ -1,0 +1,19 @@
+#include "tools/loop/measured_latency.h"
+
+#include <nlohmann/json.hpp>
+
+namespace hapton {
+
+Result<MeasuredLatency> read_measured_latency(const nlohmann::ordered_json& report) {
+  const auto member = [](const nlohmann::ordered_json& of, const char* name) {
+    const auto found = of.is_object() ? of.find(name) : of.end();
+    return found == of.end() ? nlohmann::ordered_json() : *found;
+  };
+  const nlohmann::ordered_json delay_us = member(member(member(report, "hops"), "round_trip"), "p99_9_us");
+  const nlohmann::ordered_json rate_hz = member(member(report, "rates_hz"), "servo_asked");
+  if (!delay_us.is_number()) return fail("no force round trip was measured");
+  if (!rate_hz.is_number() || !(rate_hz.get<double>() > 0.0)) return fail("does not tell the servo rate");
+  return MeasuredLatency{rate_hz.get<double>(), 1e-6 * delay_us.get<double>()};
+}
+
+}  // namespace hapton

@@ -1,0 +1,222 @@
+#include "tools/loop/zwidth_grid.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "loop/press.h"
+#include "loop/random_stability.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::string_view kSchema = "hapton.loop.zwidth/1";
+constexpr std::string_view kColumns =
+    "cell,device,hand,mass_kg,damping_ns_per_m,hand_mass_kg,hand_damping_ns_per_m,hand_stiffness_n_per_m,friction_n,encoder_step_m,"
+    "amplifier_hz,modes,rate_hz,delay_ms,jitter_ms,loss,seed,wall_damping_ns_per_m,stable_stiffness_n_per_m,stable_frequency_hz,passive_"
+    "stiffness_n_per_m,"
+    "viscous_passive_n_per_m,quantised_passive_n_per_m,linear_rule_n_per_m,stable_damping_ns_per_m,passive_damping_ns_per_m,rest_stiffness_"
+    "n_per_m";
+
+// FNV-1a over what a grid is made of: parts of one grid agree.
+std::uint64_t fingerprint(const ZWidthGrid& grid) {
+  std::uint64_t hash = 0xcbf29ce484222325;
+  const auto add = [&](const std::string& text) {
+    for (const char c : text + "\n") hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
+  };
+  for (const NamedLoop& loop : grid.loops) {
+    const DeviceModel& d = loop.device_model;
+    add(fmt::format("{} {} {} {} {} {} {} {}", loop.device, loop.hand, d.mass_kg, d.damping_ns_per_m, d.friction_n, d.encoder_step_m,
+                    d.amplifier_hz, d.mode_count));
+    add(fmt::format("{} {} {}", loop.hand_model.mass_kg, loop.hand_model.damping_ns_per_m, loop.hand_model.stiffness_n_per_m));
+  }
+  for (const auto* numbers : {&grid.rates_hz, &grid.delays_ms, &grid.jitters_ms, &grid.losses, &grid.wall_dampings_ns_per_m}) {
+    add(fmt::format("{}", fmt::join(*numbers, " ")));
+  }
+  add(fmt::format("{} {}", grid.seed, grid.presses));
+  return hash;
+}
+
+std::string number(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
+
+nlohmann::ordered_json json_number(double value) { return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(); }
+
+std::int64_t to_ns(double ms) { return static_cast<std::int64_t>(std::llround(1e6 * ms)); }
+
+// One way of two, each with half of the delay.
+LinkFaults link_of(const ZWidthRow& row, bool is_there) {
+  const std::int64_t half_ns = to_ns(0.5 * row.delay_ms);
+  return {.delay_ns = is_there ? half_ns : to_ns(row.delay_ms) - half_ns, .jitter_ns = to_ns(row.jitter_ms), .loss = row.loss};
+}
+
+// The exact limit is where the search begins. A loop that is not stable without chance either does not become so.
+void simulate(ZWidthRow& row) {
+  if (row.found.stiffness.value == 0.0) return;
+  const RandomLoop loop{.device = row.inputs.device,
+                        .hand = row.inputs.hand,
+                        .period_ns = to_ns(1e3 / row.inputs.rate_hz),
+                        .there = link_of(row, true),
+                        .back = link_of(row, false),
+                        .wall_damping_ns_per_m = row.inputs.wall_damping_ns_per_m,
+                        .seed = row.seed};
+  row.found.stiffness = {find_stable_stiffness_by_simulation(loop, std::max(1.0, row.found.stiffness.value)), 0.0};
+}
+
+void press(ZWidthRow& row) {
+  constexpr double kMost = 1e6;
+  row.rest_n_per_m = find_rest_stiffness({.device = row.inputs.device,
+                                          .hand = row.inputs.hand,
+                                          .period_ns = to_ns(1e3 / row.inputs.rate_hz),
+                                          .there = link_of(row, true),
+                                          .back = link_of(row, false),
+                                          .wall_damping_ns_per_m = row.inputs.wall_damping_ns_per_m,
+                                          .seed = row.seed},
+                                         kMost);
+}
+
+}  // namespace
+
+ZWidthRow measure_cell(const ZWidthGrid& grid, std::size_t cell) {
+  std::size_t left = cell;
+  const auto take = [&](const auto& list) -> const auto& {
+    const auto& value = list[left % list.size()];
+    left /= list.size();
+    return value;
+  };
+  ZWidthRow row{.cell = cell, .inputs = {}, .found = {}, .rest_n_per_m = {}};
+  row.inputs.wall_damping_ns_per_m = take(grid.wall_dampings_ns_per_m);
+  row.loss = take(grid.losses);
+  row.jitter_ms = take(grid.jitters_ms);
+  row.seed = grid.seed;
+  row.delay_ms = take(grid.delays_ms);
+  row.inputs.delay_s = 1e-3 * row.delay_ms;
+  row.inputs.rate_hz = take(grid.rates_hz);
+  row.loop = &take(grid.loops);
+  row.inputs.device = row.loop->device_model;
+  row.inputs.hand = row.loop->hand_model;
+  row.found = find_zwidth(row.inputs);
+  if (row.is_simulated()) simulate(row);
+  if (grid.presses) press(row);
+  return row;
+}
+
+Result<Shard> read_shard(const std::string& text) {
+  Shard shard;
+  const char* const end = text.data() + text.size();
+  const auto [slash, error] = std::from_chars(text.data(), end, shard.index);
+  if (error == std::errc() && slash != end && *slash == '/') {
+    const auto [last, second_error] = std::from_chars(slash + 1, end, shard.count);
+    if (second_error == std::errc() && last == end && shard.index >= 1 && shard.index <= shard.count) return shard;
+  }
+  return fail("--shard '{}' is no part of a whole; give I/N with I from 1 to N, such as 2/8", text);
+}
+
+nlohmann::ordered_json to_json(const ZWidthRow& row) {
+  const DeviceModel& device = row.inputs.device;
+  const HandModel& hand = row.inputs.hand;
+  nlohmann::ordered_json modes = nlohmann::ordered_json::array();
+  for (int i = 0; i < device.mode_count; ++i) {
+    const StructuralMode& mode = device.modes[static_cast<std::size_t>(i)];
+    modes.push_back(
+        {{"mass_kg", mode.mass_kg}, {"stiffness_n_per_m", mode.stiffness_n_per_m}, {"damping_ns_per_m", mode.damping_ns_per_m}});
+  }
+  nlohmann::ordered_json json = {
+      {"schema", kSchema},
+      {"inputs",
+       {{"device", row.loop->device},
+        {"hand", row.loop->hand},
+        {"device_mass_kg", device.mass_kg},
+        {"device_damping_ns_per_m", device.damping_ns_per_m},
+        {"device_friction_n", device.friction_n},
+        {"encoder_step_m", device.encoder_step_m},
+        {"amplifier_hz", device.amplifier_hz},
+        {"modes", modes},
+        {"hand_mass_kg", hand.mass_kg},
+        {"hand_damping_ns_per_m", hand.damping_ns_per_m},
+        {"hand_stiffness_n_per_m", hand.stiffness_n_per_m},
+        {"rate_hz", row.inputs.rate_hz},
+        {"delay_ms", row.delay_ms},
+        {"jitter_ms", row.jitter_ms},
+        {"loss", row.loss},
+        {"seed", row.seed},
+        {"wall_damping_ns_per_m", row.inputs.wall_damping_ns_per_m}}},
+      {"stable_stiffness_n_per_m", json_number(row.found.stiffness.value)},
+      {"stable_frequency_hz", row.found.stiffness.frequency_hz},
+      {"stable_damping_ns_per_m", json_number(row.found.damping_ns_per_m.value)},
+      {"passive_stiffness_n_per_m", json_number(row.found.passive.least_n_per_m())},
+      {"viscous_passive_stiffness_n_per_m", json_number(row.found.passive.viscous_n_per_m)},
+      {"quantised_passive_stiffness_n_per_m", json_number(row.found.passive.quantised_n_per_m)},
+      {"passive_damping_ns_per_m", row.found.passive_damping_ns_per_m},
+      {"linear_rule_n_per_m", row.found.linear_rule_n_per_m},
+      {"methods",
+       {{"stable", row.is_simulated() ? "simulation of 20 s for each stiffness, with the same draws: motion dies out below, grows above"
+                                      : "exact: first crossing of the unit circle by the sampled loop, counted up from zero stiffness"},
+        {"passive",
+         "Colgate and Schenkel 1997, exact with any delay; with encoder steps the smaller of it and 2 friction / step (Abbott "
+         "and Okamura 2005). Damping: of the device, whatever hand holds it"}}}};
+  if (row.rest_n_per_m) {
+    json["rest_stiffness_n_per_m"] = *row.rest_n_per_m;
+    json["methods"]["rest"] = "simulated presses: bounded, and a limit cycle of at most two encoder steps or 1 % of the depth";
+  }
+  return json;
+}
+
+std::string csv_header(const ZWidthGrid& grid) {
+  return fmt::format("# {} grid={:016x} cells={}\n{}\n", kSchema, fingerprint(grid), grid.cells(), kColumns);
+}
+
+std::string csv_line(const ZWidthRow& row) {
+  const DeviceModel& d = row.inputs.device;
+  const HandModel& h = row.inputs.hand;
+  return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", row.cell, row.loop->device,
+                     row.loop->hand, d.mass_kg, d.damping_ns_per_m, h.mass_kg, h.damping_ns_per_m, h.stiffness_n_per_m, d.friction_n,
+                     d.encoder_step_m, d.amplifier_hz, d.mode_count, row.inputs.rate_hz, row.delay_ms, row.jitter_ms, row.loss, row.seed,
+                     row.inputs.wall_damping_ns_per_m, number(row.found.stiffness.value), row.found.stiffness.frequency_hz,
+                     number(row.found.passive.least_n_per_m()), number(row.found.passive.viscous_n_per_m),
+                     number(row.found.passive.quantised_n_per_m), row.found.linear_rule_n_per_m, number(row.found.damping_ns_per_m.value),
+                     row.found.passive_damping_ns_per_m, row.rest_n_per_m ? number(*row.rest_n_per_m) : "");
+}
+
+Result<std::string> merge_csv(const std::vector<std::filesystem::path>& parts) {
+  std::string head;
+  std::vector<std::string> rows;
+  for (const std::filesystem::path& part : parts) {
+    std::ifstream stream(part);
+    std::string first;
+    std::string columns;
+    if (!std::getline(stream, first) || !std::getline(stream, columns)) return fail("{}: cannot be read", part.string());
+    const std::size_t cells_at = first.find(" cells=");
+    if (!first.starts_with("# ") || first.find(".loop.") == std::string::npos || cells_at == std::string::npos) {
+      return fail("{}: line 1: is no grid of hapton loop", part.string());
+    }
+    const std::string own_head = first + "\n" + columns + "\n";
+    if (head.empty()) {
+      head = own_head;
+      rows.resize(std::strtoull(first.c_str() + cells_at + 7, nullptr, 10));
+    }
+    if (own_head != head) return fail("{}: is part of another grid than {}", part.string(), parts.front().string());
+    std::string line;
+    for (int number = 3; std::getline(stream, line); ++number) {
+      std::size_t cell = 0;
+      const auto [end, error] = std::from_chars(line.data(), line.data() + line.size(), cell);
+      if (error != std::errc() || end == line.data() + line.size() || *end != ',' || cell >= rows.size()) {
+        return fail("{}: line {}: does not begin with a cell of the grid", part.string(), number);
+      }
+      if (!rows[cell].empty()) return fail("{}: line {}: cell {} came before", part.string(), number, cell);
+      rows[cell] = line;
+    }
+  }
+  std::string merged = head;
+  for (std::size_t cell = 0; cell < rows.size(); ++cell) {
+    if (rows[cell].empty()) return fail("cell {} of {} is in no part; is a shard missing?", cell, rows.size());
+    merged += rows[cell] + "\n";
+  }
+  return merged;
+}
+
+}  // namespace hapton
