@@ -14,15 +14,17 @@ namespace hapton {
 
 // All triangles within a distance of a centre, with a bound for each that tells at any place how near it can be.
 //
-// Distance to a convex set is convex, so what a triangle's distance and gradient at the centre give by Taylor's first two terms is a lower
-// bound everywhere, and a tight one near the centre. Four triangles are bounded by six vector instructions, and few need a look.
+// A triangle lies behind the plane through its point nearest to the centre, square to the direction from there to the centre: the distance
+// from that plane is a lower bound everywhere, and a tight one near the centre. Four triangles are bounded by six vector instructions, and
+// few need a look.
 //
 // Frame: TouchGeometry's local one. RT: yes, fixed capacity. Pre: the geometry outlives what was gathered from it.
 class NearTriangles {
  public:
   static constexpr int kCapacity = 1024;
 
-  // False, and empty, where there are more than kCapacity. `looked_at`: how many triangles were asked for their distance.
+  // False, and empty, where there are more than kCapacity. `looked_at`: how many triangles were asked for their distance. Some that are
+  // farther by rounding may be here, too.
   bool gather(const TouchGeometry& geometry, const Vec3& centre, double within, int& looked_at) noexcept;
   void clear() {
     count_ = 0;
@@ -72,6 +74,18 @@ class NearTriangles {
   }
 
  private:
+  static constexpr int kBatch = 64;
+  using Batch = std::array<std::uint32_t, kBatch>;
+  // Of four triangles: where corner a is from the centre, and two edges.
+  struct alignas(32) Corners {
+    double to_a[3][4], ab[3][4], ac[3][4];
+  };
+  struct alignas(32) Bounds {
+    double distance[4], normal[3][4];
+  };
+  static void bound(const Corners& corners, Bounds& bounds) noexcept;
+  bool add(const Batch& batch, int count) noexcept;
+
   const TouchGeometry* geometry_ = nullptr;
   Vec3 centre_ = Vec3::Zero();
   double within_ = -1.0;

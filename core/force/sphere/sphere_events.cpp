@@ -16,13 +16,15 @@ bool SphereFollower::find_event(const CentrePath& path, Event& event) noexcept {
   // A face is left long before the end of a path over it; only other parts have borders that are found by what is near.
   const bool is_curved = std::any_of(contacts_.begin(), contacts_.begin() + count_, [](const OffsetContact& c) { return c.is_curved(); });
   if (is_curved && !cover(path, event.time)) return false;
+  CentrePath::Head head = path.head(event.time);
   for (int i = 0; i < count_; ++i) {
     const int count = find_exits(contacts_[i], path.start());
     if (count < 0) return false;
     for (int k = 0; k < count; ++k) {
-      const double time = path.time_to_pass(exits_[k].origin, exits_[k].direction, kOnBorder, 0.0, event.time);
+      const double time = path.time_to_pass(exits_[k].origin, exits_[k].direction, kOnBorder, head);
       if (time > event.time || (time == event.time && event.contact >= 0)) continue;
       event.time = time;
+      head = path.head(time);
       event.contact = i;
       event.exit = exits_[k];
     }
@@ -35,13 +37,15 @@ bool SphereFollower::find_event(const CentrePath& path, Event& event) noexcept {
   const Vec3 up = is_on_plane ? contacts_[0].normal : Vec3::Zero();
   const double level = up.dot(path.start()) - keep_.offset + 0.25 * keep_.slop;
   const double near = keep_.offset + path.bulge() + keep_.slop;
-  near_.visit_near(path.start(), event.time < 1.0 ? path.at(event.time) : path.end(), near, [&](int slot) {
+  if (event.time < head.until) head = path.head(event.time);
+  near_.visit_near(path.start(), head.end, near, [&](int slot) {
     const ContactTriangle& shape = near_.shape(slot);
     if (is_on_plane && std::max({up.dot(shape.corner(0)), up.dot(shape.corner(1)), up.dot(shape.corner(2))}) <= level) return;
     if (holds_part_of(shape, near_.triangle(slot)) || !can_touch(near_.triangle(slot), shape, path.start())) return;
-    const CentrePath::Block block = path.find_block(shape, keep_, path.is_straight() ? 0U : held_corners(shape), event.time, work_);
+    const CentrePath::Block block = path.find_block(shape, keep_, path.is_straight() ? 0U : held_corners(shape), head, work_);
     if (!(block.time < event.time)) return;
     event.time = block.time;
+    head = path.head(event.time);
     event.contact = -1;
     event.slot = block.hits ? slot : -1;
   });

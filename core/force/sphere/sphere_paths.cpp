@@ -89,6 +89,7 @@ bool SphereFollower::solve(const Vec3& device, Vec3& c) const noexcept {
 
 bool SphereFollower::solve_on_curve(const Vec3& device, Vec3& c) const noexcept {
   constexpr int kMostRounds = 16;
+  constexpr double kMostSheer = 64.0;  // two faces that meet at a larger angle lead to their line at once
   const bool is_line = !contacts_[0].is_curved() && !contacts_[1].is_curved();
   Vec3 along = Vec3::Zero();
   for (int round = 0; round < kMostRounds; ++round) {
@@ -112,6 +113,7 @@ bool SphereFollower::solve_on_curve(const Vec3& device, Vec3& c) const noexcept 
     const double ahead = frame.along.dot(device - c) / stability;
     if (!is_line && find_turn(ahead * frame.along) > 2.0 * kTurn) return false;
     c += ahead * frame.along + short_by[0] * frame.dual[0] + short_by[1] * frame.dual[1];
+    if (is_line && frame.dual[0].squaredNorm() <= kMostSheer) return true;
     const double step = std::max({std::fabs(ahead), std::fabs(short_by[0]), std::fabs(short_by[1])});
     if (step <= std::max(0x1p-26 * keep_.offset, 0x1p-50)) return step <= keep_.tolerance || restore(c);
   }
@@ -298,6 +300,19 @@ bool SphereFollower::climb(const Vec3& way, double length, const Vec3& device, b
   ContactFrame here;
   if (!find_frame(centre_, here)) return false;
   const double sense = here.along.dot(way);
+  // To the minimum, where that is near: one piece, and not one for each round of Newton's.
+  if (!is_straight && !is_unstable) {
+    Vec3 end = centre_;
+    ContactFrame there;
+    const bool leads = solve(device, end) && way.dot(end - centre_) > 0.0 && find_turn(end - centre_) <= kTurn && find_frame(end, there);
+    const Vec3 way_there = leads && sense < 0.0 ? Vec3(-there.along) : there.along;
+    if (leads && way_there.dot(way) > 1.0 - 2.0 * kTurn * kTurn) {
+      const double chord = (end - centre_).norm();
+      path = CentrePath::curved(centre_, end, chord * way, chord * way_there);
+      guide(path);
+      return true;
+    }
+  }
   for (int i = 0; i < kMostHalvings; ++i, length *= 0.5) {
     Vec3 end = centre_ + length * way;
     if (!restore(end)) continue;
@@ -347,7 +362,7 @@ bool SphereFollower::gather(const Vec3& towards) noexcept {
     work_ += looked_at;
     if (!fits) continue;
     // Where the tree asks many for the few that are near, as among long slivers, a wider ball saves most.
-    const int few = std::max(kFew, std::min(looked_at / 4, NearTriangles::kCapacity / 4));
+    const int few = std::max(kFew, std::min(looked_at / 8, NearTriangles::kCapacity / 4));
     if (near_.count() < few) reach_ = std::min(1.4 * reach_, kWidest);
     if (near_.count() > 3 * few) reach_ = std::max(0.7 * reach_, least);
     return true;

@@ -240,7 +240,7 @@ class FindBlock : public CentrePathTest {
   static bool check(const CentrePath& path, const ContactTriangle& shape, unsigned held, double until) {
     constexpr int kSamples = 2000;
     int tests = 0;
-    const CentrePath::Block block = path.find_block(shape, kKeep, held, until, tests);
+    const CentrePath::Block block = path.find_block(shape, kKeep, held, path.head(until), tests);
     EXPECT_GE(tests, 1);
     EXPECT_LE(tests, 160);
     const double end = std::min(block.time, until);
@@ -275,7 +275,7 @@ TEST_F(FindBlock, IsThatOfDenseSampling) {
     const double until = i % 5 == 0 ? 0.6 : 1.0;
     blocked += check(path, shape, 0U, until) ? 1 : 0;
     int tests = 0;
-    hits += path.find_block(shape, kKeep, 0U, until, tests).hits ? 1 : 0;
+    hits += path.find_block(shape, kKeep, 0U, path.head(until), tests).hits ? 1 : 0;
     contacts += gap == 0.0 ? 1 : 0;
     if (HasFailure()) FAIL() << "path " << i;
   }
