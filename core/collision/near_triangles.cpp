@@ -1,6 +1,7 @@
 #include "core/collision/near_triangles.h"
 
-#include <bit>
+#include <algorithm>
+#include <cmath>
 
 namespace hapton {
 namespace {
@@ -9,70 +10,72 @@ namespace {
 // most 2^6, rounded by 2^-53 each, and their sums.
 constexpr double kRounding = 0x1p-44;
 
-using Lanes = std::array<Double4, 3>;
+using Lanes3 = std::array<Double4, 3>;
+struct alignas(32) Lanes {
+  double v[4];
+};
 
-[[gnu::always_inline]] inline Double4 dot(const Lanes& u, const Lanes& v) { return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]; }
+[[gnu::always_inline]] inline Double4 dot(const Lanes3& a, const Lanes3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-[[gnu::always_inline]] inline Lanes cross(const Lanes& u, const Lanes& v) {
-  return {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+[[gnu::always_inline]] inline Lanes3 cross(const Lanes3& a, const Lanes3& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-[[gnu::always_inline]] inline Lanes minus(const Lanes& u, const Lanes& v) { return {u[0] - v[0], u[1] - v[1], u[2] - v[2]}; }
+[[gnu::always_inline]] inline Lanes3 minus(const Lanes3& a, const Lanes3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 
-// 1 / x, and 0 where x is too small for that.
-[[gnu::always_inline]] inline Double4 inverse(Double4 x) {
+// 1 / x, and large where x is too small for that.
+double inverse(double x) {
   constexpr double kLeast = 0x1p-900;
-  return (Double4(1.0) / x) & (Double4(kLeast) < x);
+  return 1.0 / std::max(x, kLeast);
 }
 
-// From the nearest point of an edge, which begins at `from` away from the query; its squared length is returned.
-[[gnu::always_inline]] inline Double4 off_edge(const Lanes& from, const Lanes& edge, Lanes& off) {
-  const Double4 t = min(max(dot(from, edge) * inverse(dot(edge, edge)), Double4(0.0)), Double4(1.0));
-  for (int k = 0; k < 3; ++k) off[k] = from[k] - t * edge[k];
-  return dot(off, off);
+// From the nearest point of an edge, which begins at `from` away from the query.
+[[gnu::always_inline]] inline Lanes3 off_edge(const Lanes3& from, const Lanes3& edge) {
+  const Double4 ahead = dot(from, edge);
+  const Double4 squared = dot(edge, edge);
+  Lanes t;
+  for (int i = 0; i < 4; ++i) t.v[i] = std::clamp(ahead.v[i] * inverse(squared.v[i]), 0.0, 1.0);
+  const Double4 at = Double4::load(t.v);
+  return {from[0] - at * edge[0], from[1] - at * edge[1], from[2] - at * edge[2]};
 }
 
 }  // namespace
 
-// Four triangles at once. The distance from q is at least u . (q - x) for the x of the triangle that is farthest along u, whatever the
-// unit vector u: one that is a little off, or of the wrong part of the triangle, weakens the bound and never makes it false.
+// The distance from q is at least u . (q - x) for the x of the triangle that is farthest along u, whatever the unit vector u: one that is a
+// little off, or of the wrong part of the triangle, weakens the bound and never makes it false.
 void NearTriangles::bound(const Corners& corners, Bounds& bounds) noexcept {
-  Lanes a;
-  Lanes ab;
-  Lanes ac;
+  const Double4 zero(0.0);
+  Lanes3 ap;
+  Lanes3 ab;
+  Lanes3 ac;
   for (int k = 0; k < 3; ++k) {
-    a[k] = Double4::load(corners.to_a[k]);
+    ap[k] = zero - Double4::load(corners.to_a[k]);
     ab[k] = Double4::load(corners.ab[k]);
     ac[k] = Double4::load(corners.ac[k]);
   }
-  const Double4 zero(0.0);
-  Lanes ap;
-  for (int k = 0; k < 3; ++k) ap[k] = zero - a[k];
-  const Lanes bp = minus(ap, ab);
-  const Lanes bc = minus(ac, ab);
-  Lanes off;
-  Lanes other;
-  Double4 best = off_edge(ap, ab, off);
-  for (const bool is_last : {false, true}) {
-    const Double4 squared = is_last ? off_edge(bp, bc, other) : off_edge(ap, ac, other);
-    const Double4 is_nearer = squared < best;
-    for (int k = 0; k < 3; ++k) off[k] = select(is_nearer, other[k], off[k]);
-    best = min(squared, best);
+  const Lanes3 bp = minus(ap, ab);
+  const Lanes3 bc = minus(ac, ab);
+  // Off the three edges, and off the face: where the centre is inside the prism over it, that is nearest.
+  const Lanes3 way[4] = {off_edge(ap, ab), off_edge(ap, ac), off_edge(bp, bc), cross(ab, ac)};
+  const Lanes3& normal = way[3];
+  const Double4 squared[4] = {dot(way[0], way[0]), dot(way[1], way[1]), dot(way[2], way[2]), dot(normal, normal)};
+  const Lanes3 turned = cross(ap, normal);
+  const Double4 inside = min(min(dot(turned, ab), dot(cross(bp, normal), bc)), zero - dot(turned, ac));
+  const Double4 height = dot(normal, ap);
+  for (int i = 0; i < 4; ++i) {
+    const bool is_inside = inside.v[i] > 0.0;
+    int nearest = squared[1].v[i] < squared[0].v[i] ? 1 : 0;
+    if (squared[2].v[i] < squared[nearest].v[i]) nearest = 2;
+    if (is_inside) nearest = 3;
+    const double unit = std::sqrt(inverse(squared[nearest].v[i])) * (is_inside && height.v[i] < 0.0 ? -1.0 : 1.0);
+    for (int k = 0; k < 3; ++k) bounds.normal[k][i] = unit * way[nearest][k].v[i];
   }
-  const Double4 inverse_length = sqrt(inverse(best));
-  for (int k = 0; k < 3; ++k) off[k] = off[k] * inverse_length;
-
-  // Inside the prism over the triangle the face is nearest.
-  const Lanes normal = cross(ab, ac);
-  const Lanes turned = cross(ap, normal);
-  const Double4 is_inside = (zero < dot(turned, ab)) & (zero < dot(cross(bp, normal), bc)) & (dot(turned, ac) < zero);
-  const Double4 inverse_area = sqrt(inverse(dot(normal, normal)));
-  const Double4 towards = select(dot(normal, ap), zero - inverse_area, inverse_area);
-  for (int k = 0; k < 3; ++k) off[k] = select(is_inside, normal[k] * towards, off[k]);
-
-  const Double4 support = max(zero, max(dot(off, ab), dot(off, ac)));
-  store(bounds.distance, dot(off, ap) - support - Double4(kRounding));
-  for (int k = 0; k < 3; ++k) store(bounds.normal[k], off[k]);
+  Lanes3 u;
+  for (int k = 0; k < 3; ++k) u[k] = Double4::load(bounds.normal[k]);
+  // Least along u: zero, or one of the two edges.
+  const Double4 support = min(zero, min(zero - dot(u, ab), zero - dot(u, ac)));
+  const Double4 distance = dot(u, ap) + support - Double4(kRounding);
+  for (int i = 0; i < 4; ++i) bounds.distance[i] = distance.v[i];
 }
 
 // In batches: while the memory of one triangle is on its way, that of the next is asked for.

@@ -46,14 +46,20 @@ class NearTriangles {
     return shapes_[slot];
   }
 
+  // No point of the triangle is nearer to p.
+  double least_distance(int slot, const Vec3& p) const {
+    const Vec3 off = p - centre_;
+    const double distance = distance_[slot] + normal_[0][slot] * off[0] + normal_[1][slot] * off[1] + normal_[2][slot] * off[2];
+    return distance - rounding(off.norm());
+  }
+
   // Calls visit(slot) for every triangle that may come within `distance` of the segment from p to q, and some that do not.
   // Pre: covers(p, distance) and covers(q, distance).
   template <class Visit>
   void visit_near(const Vec3& p, const Vec3& q, double distance, Visit&& visit) const {
     const Vec3 from = p - centre_;
     const Vec3 to = q - centre_;
-    const double rounding = 0x1p-44 + 0x1p-40 * std::max(from.norm(), to.norm());
-    const Double4 limit = Double4(distance + rounding);
+    const Double4 limit = Double4(distance + rounding(std::max(from.norm(), to.norm())));
     Double4 a[3];
     Double4 b[3];
     for (int k = 0; k < 3; ++k) {
@@ -83,6 +89,8 @@ class NearTriangles {
   struct alignas(32) Bounds {
     double distance[4], normal[3][4];
   };
+  // Of a bound as far from the centre as that.
+  static double rounding(double off) { return 0x1p-44 + 0x1p-40 * off; }
   static void bound(const Corners& corners, Bounds& bounds) noexcept;
   bool add(const Batch& batch, int count) noexcept;
 

@@ -110,18 +110,11 @@ struct Double4 {
   __m256d v;
 };
 
-inline void store(double* into, Double4 a) noexcept { _mm256_store_pd(into, a.v); }
 inline Double4 operator+(Double4 a, Double4 b) noexcept { return Double4(_mm256_add_pd(a.v, b.v)); }
 inline Double4 operator-(Double4 a, Double4 b) noexcept { return Double4(_mm256_sub_pd(a.v, b.v)); }
 inline Double4 operator*(Double4 a, Double4 b) noexcept { return Double4(_mm256_mul_pd(a.v, b.v)); }
-inline Double4 operator/(Double4 a, Double4 b) noexcept { return Double4(_mm256_div_pd(a.v, b.v)); }
-inline Double4 operator&(Double4 a, Double4 b) noexcept { return Double4(_mm256_and_pd(a.v, b.v)); }
-inline Double4 operator<(Double4 a, Double4 b) noexcept { return Double4(_mm256_cmp_pd(a.v, b.v, _CMP_LT_OQ)); }
 inline Double4 operator<=(Double4 a, Double4 b) noexcept { return Double4(_mm256_cmp_pd(a.v, b.v, _CMP_LE_OQ)); }
 inline Double4 min(Double4 a, Double4 b) noexcept { return Double4(_mm256_min_pd(a.v, b.v)); }
-inline Double4 max(Double4 a, Double4 b) noexcept { return Double4(_mm256_max_pd(a.v, b.v)); }
-inline Double4 sqrt(Double4 a) noexcept { return Double4(_mm256_sqrt_pd(a.v)); }
-inline Double4 select(Double4 mask, Double4 set, Double4 clear) noexcept { return Double4(_mm256_blendv_pd(clear.v, set.v, mask.v)); }
 inline unsigned sign_bits(Double4 a) noexcept { return static_cast<unsigned>(_mm256_movemask_pd(a.v)); }
 inline Float4 rounded(Double4 a) noexcept { return Float4(_mm256_cvtpd_ps(a.v)); }
 

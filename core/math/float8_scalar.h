@@ -242,9 +242,6 @@ struct Double4 {
   std::array<double, 4> v;
 };
 
-inline void store(double* into, Double4 a) noexcept {
-  for (const double x : a.v) *into++ = x;
-}
 inline Double4 operator+(Double4 a, Double4 b) noexcept {
   return detail::map(a, b, [](double x, double y) { return x + y; });
 }
@@ -254,33 +251,11 @@ inline Double4 operator-(Double4 a, Double4 b) noexcept {
 inline Double4 operator*(Double4 a, Double4 b) noexcept {
   return detail::map(a, b, [](double x, double y) { return x * y; });
 }
-inline Double4 operator/(Double4 a, Double4 b) noexcept {
-  return detail::map(a, b, [](double x, double y) { return x / y; });
-}
-inline Double4 operator&(Double4 a, Double4 b) noexcept {
-  return detail::map(a, b, [](double x, double y) {
-    return std::bit_cast<double>(std::bit_cast<std::uint64_t>(x) & std::bit_cast<std::uint64_t>(y));
-  });
-}
-inline Double4 operator<(Double4 a, Double4 b) noexcept {
-  return detail::map(a, b, [](double x, double y) { return std::bit_cast<double>(x < y ? ~std::uint64_t{0} : std::uint64_t{0}); });
-}
 inline Double4 operator<=(Double4 a, Double4 b) noexcept {
   return detail::map(a, b, [](double x, double y) { return std::bit_cast<double>(x <= y ? ~std::uint64_t{0} : std::uint64_t{0}); });
 }
 inline Double4 min(Double4 a, Double4 b) noexcept {
   return detail::map(a, b, [](double x, double y) { return x < y ? x : y; });
-}
-inline Double4 max(Double4 a, Double4 b) noexcept {
-  return detail::map(a, b, [](double x, double y) { return x > y ? x : y; });
-}
-inline Double4 sqrt(Double4 a) noexcept {
-  return detail::map(a, [](double x) { return std::sqrt(x); });
-}
-inline Double4 select(Double4 mask, Double4 set, Double4 clear) noexcept {
-  Double4 a;
-  for (std::size_t i = 0; i < 4; ++i) a.v[i] = detail::sign(mask.v[i]) != 0 ? set.v[i] : clear.v[i];
-  return a;
 }
 inline unsigned sign_bits(Double4 a) noexcept { return detail::sign_bits(a); }
 inline Float4 rounded(Double4 a) noexcept {

@@ -291,44 +291,38 @@ bool SphereFollower::climb_down_curve(const Vec3& device, bool is_unstable, Cent
 bool SphereFollower::climb(const Vec3& way, double length, const Vec3& device, bool is_unstable, CentrePath& path) const noexcept {
   constexpr int kMostHalvings = 24;
   const bool is_straight = !contacts_[0].is_curved() && !contacts_[1].is_curved();
-  if (!is_straight) {
-    const double stability = find_stability(centre_, device);
-    const double most = kTurn / std::max(find_turn(way), 0x1p-10);
-    length = !is_unstable && stability > kLeastStability ? std::min(length / stability, most) : most;
-  }
-  const double distance = (device - centre_).norm();
   ContactFrame here;
   if (!find_frame(centre_, here)) return false;
   const double sense = here.along.dot(way);
-  // To the minimum, where that is near: one piece, and not one for each round of Newton's.
-  if (!is_straight && !is_unstable) {
-    Vec3 end = centre_;
-    ContactFrame there;
-    const bool leads = solve(device, end) && way.dot(end - centre_) > 0.0 && find_turn(end - centre_) <= kTurn && find_frame(end, there);
-    const Vec3 way_there = leads && sense < 0.0 ? Vec3(-there.along) : there.along;
-    if (leads && way_there.dot(way) > 1.0 - 2.0 * kTurn * kTurn) {
-      const double chord = (end - centre_).norm();
-      path = CentrePath::curved(centre_, end, chord * way, chord * way_there);
-      guide(path);
-      return true;
-    }
-  }
-  for (int i = 0; i < kMostHalvings; ++i, length *= 0.5) {
-    Vec3 end = centre_ + length * way;
-    if (!restore(end)) continue;
+  // A piece of the curve as long as that. False: it is not the same curve there, or leads no nearer.
+  const auto go = [&](double ahead, bool must_lead_on) {
+    Vec3 end = centre_ + ahead * way;
+    if (!restore(end)) return false;
     if (is_straight) {
       path = CentrePath::straight(centre_, end);
       return true;
     }
-    if (is_unstable && !((device - end).norm() < distance)) continue;
+    if ((is_unstable || must_lead_on) && !((device - end).squaredNorm() < (device - centre_).squaredNorm())) return false;
     ContactFrame there;
-    if (!find_frame(end, there)) continue;
+    if (!find_frame(end, there)) return false;
     const Vec3 way_there = sense < 0.0 ? Vec3(-there.along) : there.along;  // else it is the curve on the other side of a crest
-    if (!(way_there.dot(way) > 1.0 - 2.0 * kTurn * kTurn)) continue;
+    if (!(way_there.dot(way) > 1.0 - 2.0 * kTurn * kTurn)) return false;
+    if (must_lead_on && !(way_there.dot(device - end) > 0.0)) return false;
     const double chord = (end - centre_).norm();
     path = CentrePath::curved(centre_, end, chord * way, chord * way_there);
     guide(path);
     return true;
+  };
+  if (!is_straight) {
+    // As far as a piece may turn, or to the minimum before that.
+    const double stability = find_stability(centre_, device);
+    const double most = kTurn / std::max(find_turn(way), 0x1p-10);
+    const double to_minimum = !is_unstable && stability > kLeastStability ? length / stability : most;
+    length = std::min(to_minimum, most);
+    if (to_minimum < most && 8.0 * to_minimum > most && go(most, true)) return true;
+  }
+  for (int i = 0; i < kMostHalvings; ++i, length *= 0.5) {
+    if (go(length, false)) return true;
   }
   return false;
 }
