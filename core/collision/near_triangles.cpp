@@ -1,33 +1,104 @@
 #include "core/collision/near_triangles.h"
 
-namespace hapton {
+#include <algorithm>
+#include <cmath>
 
+namespace hapton {
+namespace {
+
+// Of a bound in TouchGeometry's local units, wherever in kFar scenes the centre is: three products of a unit vector and a length of at
+// most 2^6, rounded by 2^-53 each, and their sums.
+constexpr double kRounding = 0x1p-44;
+
+using Lanes3 = std::array<Double4, 3>;
+struct alignas(32) Lanes {
+  double v[4];
+};
+
+[[gnu::always_inline]] inline Double4 dot(const Lanes3& a, const Lanes3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+[[gnu::always_inline]] inline Lanes3 cross(const Lanes3& a, const Lanes3& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+[[gnu::always_inline]] inline Lanes3 minus(const Lanes3& a, const Lanes3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+
+// 1 / x, and large where x is too small for that.
+double inverse(double x) {
+  constexpr double kLeast = 0x1p-900;
+  return 1.0 / std::max(x, kLeast);
+}
+
+// From the nearest point of an edge, which begins at `from` away from the query.
+[[gnu::always_inline]] inline Lanes3 off_edge(const Lanes3& from, const Lanes3& edge) {
+  const Double4 ahead = dot(from, edge);
+  const Double4 squared = dot(edge, edge);
+  Lanes t;
+  for (int i = 0; i < 4; ++i) t.v[i] = std::clamp(ahead.v[i] * inverse(squared.v[i]), 0.0, 1.0);
+  const Double4 at = Double4::load(t.v);
+  return {from[0] - at * edge[0], from[1] - at * edge[1], from[2] - at * edge[2]};
+}
+
+}  // namespace
+
+// The distance from q is at least u . (q - x) for the x of the triangle that is farthest along u, whatever the unit vector u: one that is a
+// little off, or of the wrong part of the triangle, weakens the bound and never makes it false.
+void NearTriangles::bound(const Corners& corners, Bounds& bounds) noexcept {
+  const Double4 zero(0.0);
+  Lanes3 ap;
+  Lanes3 ab;
+  Lanes3 ac;
+  for (int k = 0; k < 3; ++k) {
+    ap[k] = zero - Double4::load(corners.to_a[k]);
+    ab[k] = Double4::load(corners.ab[k]);
+    ac[k] = Double4::load(corners.ac[k]);
+  }
+  const Lanes3 bp = minus(ap, ab);
+  const Lanes3 bc = minus(ac, ab);
+  // Off the three edges, and off the face: where the centre is inside the prism over it, that is nearest.
+  const Lanes3 way[4] = {off_edge(ap, ab), off_edge(ap, ac), off_edge(bp, bc), cross(ab, ac)};
+  const Lanes3& normal = way[3];
+  const Double4 squared[4] = {dot(way[0], way[0]), dot(way[1], way[1]), dot(way[2], way[2]), dot(normal, normal)};
+  const Lanes3 turned = cross(ap, normal);
+  const Double4 inside = min(min(dot(turned, ab), dot(cross(bp, normal), bc)), zero - dot(turned, ac));
+  const Double4 height = dot(normal, ap);
+  for (int i = 0; i < 4; ++i) {
+    const bool is_inside = inside.v[i] > 0.0;
+    int nearest = squared[1].v[i] < squared[0].v[i] ? 1 : 0;
+    if (squared[2].v[i] < squared[nearest].v[i]) nearest = 2;
+    if (is_inside) nearest = 3;
+    const double unit = std::sqrt(inverse(squared[nearest].v[i])) * (is_inside && height.v[i] < 0.0 ? -1.0 : 1.0);
+    for (int k = 0; k < 3; ++k) bounds.normal[k][i] = unit * way[nearest][k].v[i];
+  }
+  Lanes3 u;
+  for (int k = 0; k < 3; ++k) u[k] = Double4::load(bounds.normal[k]);
+  // Least along u: zero, or one of the two edges.
+  const Double4 support = min(zero, min(zero - dot(u, ab), zero - dot(u, ac)));
+  const Double4 distance = dot(u, ap) + support - Double4(kRounding);
+  for (int i = 0; i < 4; ++i) bounds.distance[i] = distance.v[i];
+}
+
+// In batches: while the memory of one triangle is on its way, that of the next is asked for.
 bool NearTriangles::gather(const TouchGeometry& geometry, const Vec3& centre, double within, int& looked_at) noexcept {
-  // Nearer, and the direction to a triangle has too few digits to bound anything by.
-  constexpr double kLeastDistance = 0x1p-30;
   geometry_ = &geometry;
   centre_ = centre;
   within_ = within;
   count_ = 0;
+  Batch batch;
+  int waiting = 0;
   bool fits = true;
-  const double within_squared = within * within;
-  geometry.visit_nearest(centre, within_squared, [&](std::uint32_t triangle, double bound) {
-    ++looked_at;
-    const Separation at = geometry.separation(triangle, centre);
-    if (at.distance > within) return bound;
-    if (count_ == kCapacity) {
-      fits = false;
-      return 0.0;
+  geometry.for_each_overlapping(Box{centre, centre}.inflated(within), [&](std::uint32_t triangle) {
+    geometry.prefetch_indices(triangle);
+    batch[static_cast<std::size_t>(waiting++)] = triangle;
+    if (waiting == kBatch) {
+      looked_at += waiting;
+      fits = add(batch, waiting);
+      waiting = 0;
     }
-    const bool is_sure = at.distance > kLeastDistance;
-    // The normal may lean by normal_error: within the ball gathered that takes off at most as much.
-    distance_[count_] = is_sure ? at.distance - normal_error(at) * within : -std::numeric_limits<double>::infinity();
-    for (int k = 0; k < 3; ++k) normal_[k][count_] = is_sure ? at.normal[k] : 0.0;
-    triangle_[count_] = triangle;
-    is_prepared_[count_] = false;
-    ++count_;
-    return bound;
+    return fits;
   });
+  looked_at += waiting;
+  if (fits) fits = add(batch, waiting);
   if (!fits) {
     clear();
     return false;
@@ -35,6 +106,34 @@ bool NearTriangles::gather(const TouchGeometry& geometry, const Vec3& centre, do
   for (int i = count_; i % 4 != 0; ++i) {
     distance_[i] = std::numeric_limits<double>::infinity();
     for (int k = 0; k < 3; ++k) normal_[k][i] = 0.0;
+  }
+  return true;
+}
+
+bool NearTriangles::add(const Batch& batch, int count) noexcept {
+  for (int i = 0; i < count; ++i) geometry_->prefetch_corners(batch[static_cast<std::size_t>(i)]);
+  for (int first = 0; first < count; first += 4) {
+    const int lanes = std::min(4, count - first);
+    Corners corners;
+    Bounds bounds;
+    for (int lane = 0; lane < 4; ++lane) {
+      const ObjectGeometry::Corners of = geometry_->corners(batch[static_cast<std::size_t>(first + std::min(lane, lanes - 1))]);
+      for (int k = 0; k < 3; ++k) {
+        corners.to_a[k][lane] = of.a[k] - centre_[k];
+        corners.ab[k][lane] = of.b[k] - of.a[k];
+        corners.ac[k][lane] = of.c[k] - of.a[k];
+      }
+    }
+    bound(corners, bounds);
+    for (int lane = 0; lane < lanes; ++lane) {
+      if (bounds.distance[lane] > within_ - kRounding) continue;
+      if (count_ == kCapacity) return false;
+      distance_[count_] = bounds.distance[lane];
+      for (int k = 0; k < 3; ++k) normal_[k][count_] = bounds.normal[k][lane];
+      triangle_[count_] = batch[static_cast<std::size_t>(first + lane)];
+      is_prepared_[count_] = false;
+      ++count_;
+    }
   }
   return true;
 }

@@ -14,15 +14,17 @@ namespace hapton {
 
 // All triangles within a distance of a centre, with a bound for each that tells at any place how near it can be.
 //
-// Distance to a convex set is convex, so what a triangle's distance and gradient at the centre give by Taylor's first two terms is a lower
-// bound everywhere, and a tight one near the centre. Four triangles are bounded by six vector instructions, and few need a look.
+// A triangle lies behind the plane through its point nearest to the centre, square to the direction from there to the centre: the distance
+// from that plane is a lower bound everywhere, and a tight one near the centre. Four triangles are bounded by six vector instructions, and
+// few need a look.
 //
 // Frame: TouchGeometry's local one. RT: yes, fixed capacity. Pre: the geometry outlives what was gathered from it.
 class NearTriangles {
  public:
   static constexpr int kCapacity = 1024;
 
-  // False, and empty, where there are more than kCapacity. `looked_at`: how many triangles were asked for their distance.
+  // False, and empty, where there are more than kCapacity. `looked_at`: how many triangles were asked for their distance. Some that are
+  // farther by rounding may be here, too.
   bool gather(const TouchGeometry& geometry, const Vec3& centre, double within, int& looked_at) noexcept;
   void clear() {
     count_ = 0;
@@ -44,14 +46,20 @@ class NearTriangles {
     return shapes_[slot];
   }
 
+  // No point of the triangle is nearer to p.
+  double least_distance(int slot, const Vec3& p) const {
+    const Vec3 off = p - centre_;
+    const double distance = distance_[slot] + normal_[0][slot] * off[0] + normal_[1][slot] * off[1] + normal_[2][slot] * off[2];
+    return distance - rounding(off.norm());
+  }
+
   // Calls visit(slot) for every triangle that may come within `distance` of the segment from p to q, and some that do not.
   // Pre: covers(p, distance) and covers(q, distance).
   template <class Visit>
   void visit_near(const Vec3& p, const Vec3& q, double distance, Visit&& visit) const {
     const Vec3 from = p - centre_;
     const Vec3 to = q - centre_;
-    const double rounding = 0x1p-44 + 0x1p-40 * std::max(from.norm(), to.norm());
-    const Double4 limit = Double4(distance + rounding);
+    const Double4 limit = Double4(distance + rounding(std::max(from.norm(), to.norm())));
     Double4 a[3];
     Double4 b[3];
     for (int k = 0; k < 3; ++k) {
@@ -72,6 +80,20 @@ class NearTriangles {
   }
 
  private:
+  static constexpr int kBatch = 64;
+  using Batch = std::array<std::uint32_t, kBatch>;
+  // Of four triangles: where corner a is from the centre, and two edges.
+  struct alignas(32) Corners {
+    double to_a[3][4], ab[3][4], ac[3][4];
+  };
+  struct alignas(32) Bounds {
+    double distance[4], normal[3][4];
+  };
+  // Of a bound as far from the centre as that.
+  static double rounding(double off) { return 0x1p-44 + 0x1p-40 * off; }
+  static void bound(const Corners& corners, Bounds& bounds) noexcept;
+  bool add(const Batch& batch, int count) noexcept;
+
   const TouchGeometry* geometry_ = nullptr;
   Vec3 centre_ = Vec3::Zero();
   double within_ = -1.0;

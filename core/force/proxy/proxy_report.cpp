@@ -16,7 +16,14 @@ std::string ProxyMethod::describe() const {
           "proxy: a step has {} events, {:g} more for each edge that a path as long crosses on average, {} at "
           "most; the rest is carried into the next step\n",
           SurfaceFollower::kLeastEvents, SurfaceFollower::kEventsPerEdge, SurfaceFollower::kMostEvents);
-  return counters_.steps == 0 ? what : what + describe_steps();
+  const std::string bound =
+      sphere_ == nullptr ? ""
+                         : fmt::format(
+                               "proxy: sphere: a step has {} pieces of work (an event, a triangle tested or gathered), {:g} more for each "
+                               "edge that a path as long as the motion and twice the spring extension crosses on average, {} at most; "
+                               "the rest is carried into the next step\n",
+                               SphereFollower::kLeastWork, SphereFollower::kWorkPerEdge, SphereFollower::kMostWork);
+  return counters_.steps == 0 ? what + bound : what + bound + describe_steps();
 }
 
 std::string ProxyMethod::describe_steps() const {
@@ -33,11 +40,9 @@ std::string ProxyMethod::describe_steps() const {
       counters_.substepped, counters_.substepped_finely, kSubsteps, counters_.escapes, counters_.attempts, counters_.unconverged,
       surface_.events(), counters_.most_events, counters_.flights, counters_.swept, counters_.exhausted);
   if (sphere_ != nullptr) {
-    text += fmt::format(
-        "proxy: sphere: {:.2f} events a contact step, {} slips, {} flights, {:.3f} gatherings, {:.1f} triangles examined; at most {} a "
-        "step\n",
-        static_cast<double>(sphere_->events()) / c, sphere_->slips(), sphere_->flights(), static_cast<double>(sphere_->gathered()) / c,
-        static_cast<double>(sphere_->looked_at()) / c, SphereFollower::kMostWork);
+    text += fmt::format("proxy: sphere: {:.2f} events a contact step, {} slips, {} flights, {:.3f} gatherings, {:.1f} pieces of work\n",
+                        static_cast<double>(sphere_->events()) / c, sphere_->slips(), sphere_->flights(),
+                        static_cast<double>(sphere_->gathered()) / c, static_cast<double>(sphere_->looked_at()) / c);
   }
   if (shading_ > 0.0) {
     text += fmt::format("proxy: force shading {:g}: against the unshaded force {:.3g} % RMS, {:.3g} % at most\n", shading_,

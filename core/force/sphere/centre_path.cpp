@@ -6,12 +6,15 @@
 namespace hapton {
 namespace {
 
-constexpr double kLeastStep = 0x1p-50;  // of a path's time
+constexpr double kLeastStep = 0x1p-50;   // of a path's time
+constexpr double kSlopeError = 0x1p-11;  // of its length
 
 // What the normal's error may add to the rate at which the distance changes along `way`. An edge's normal is square to the edge whatever
 // rounding does: along the edge it adds nothing.
 double rate_error(const ContactTriangle& triangle, const Separation& at, const Vec3& way) {
-  if (at.feature != Feature::edge) return normal_error(at) * way.norm();
+  constexpr double kSmall = 0x1p-20;  // of the rate: that slows no search
+  const double most = normal_error(at) * way.norm();
+  if (at.feature != Feature::edge || most <= kSmall * std::fabs(at.normal.dot(way))) return most;
   const int k = triangle.boundary(at.nearest).edge;
   const Vec3 along = triangle.edge(k) / triangle.length(k);
   constexpr double kDirectionError = 0x1p-51;
@@ -126,25 +129,47 @@ Vec3 CentrePath::slope(double time, const Vec3& p) const noexcept {
   return squared > 0.0 ? Vec3(along * (along.dot(way) / squared)) : over_first;
 }
 
+CentrePath::Head CentrePath::head(double until) const noexcept {
+  const Vec3 end = at(until);
+  return {until, end, slope(until, end)};
+}
+
 double CentrePath::time_to_pass(const Vec3& origin, const Vec3& direction, double margin, double from, double until) const noexcept {
-  const auto beyond = [&](double time) { return direction.dot(at(time) - origin) - margin; };
-  double low = from;
-  double high = until;
-  double at_low = beyond(low);
-  double at_high = beyond(high);
-  if (!(at_high > 0.0)) {
-    if (std::max(at_low, at_high) + bulge() * direction.norm() < 0.0) return kNever;
-    high = find_crest(direction, low, high);
-    at_high = high < until ? beyond(high) : at_high;
-    if (!(at_high > 0.0)) return kNever;
+  const Border border{origin, direction, margin};
+  Range range{from, until, border.beyond(at(from)), border.beyond(at(until))};
+  if (!(range.at_high > 0.0)) {
+    if (std::max(range.at_low, range.at_high) + bulge() * direction.norm() < 0.0) return kNever;
+    range.high = find_crest(direction, from, until);
+    range.at_high = range.high < until ? border.beyond(at(range.high)) : range.at_high;
   }
-  if (at_low >= 0.0) return at_high > at_low ? from : kNever;
-  // False position, with the end that stays halved (Illinois).
+  return find_passing(border, range);
+}
+
+double CentrePath::time_to_pass(const Vec3& origin, const Vec3& direction, double margin, const Head& head) const noexcept {
+  const Border border{origin, direction, margin};
+  Range range{0.0, head.until, border.beyond(start_), border.beyond(head.end)};
+  if (!(range.at_high > 0.0)) {
+    // Beyond between its ends: only where it turns back.
+    if (is_straight() || !(direction.dot(rate_[0]) > 0.0) || !(direction.dot(head.slope) < 0.0)) return kNever;
+    if (std::max(range.at_low, range.at_high) + bulge() * direction.norm() < 0.0) return kNever;
+    range.high = find_crest(direction, 0.0, head.until);
+    range.at_high = range.high < head.until ? border.beyond(at(range.high)) : range.at_high;
+  }
+  return find_passing(border, range);
+}
+
+double CentrePath::find_passing(const Border& border, Range range) const noexcept {
+  auto [low, high, at_low, at_high] = range;
+  if (!(at_high > 0.0)) return kNever;
+  if (at_low >= 0.0) return at_high > at_low ? low : kNever;
+  if (is_straight()) return std::min(low + (high - low) * (at_low / (at_low - at_high)), range.high);
+  // False position, with the end that stays halved (Illinois), from where the cubic passes.
   constexpr int kMostRounds = 40;
+  double time = guess_passing(border, range);
   for (int i = 0; i < kMostRounds; ++i) {
-    const double time = low + (high - low) * (at_low / (at_low - at_high));
-    if (is_straight() || !(high - low > 0x1p-50)) return std::min(time, until);
-    const double here = beyond(time);
+    if (!(high - low > 0x1p-50)) return std::min(time, range.high);
+    const Vec3 p = at(time);
+    const double here = border.beyond(p);
     if (std::fabs(here) <= 0x1p-52 || time <= low || time >= high) return time;
     if (here > 0.0) {
       high = time;
@@ -155,8 +180,29 @@ double CentrePath::time_to_pass(const Vec3& origin, const Vec3& direction, doubl
       at_low = here;
       at_high *= 0.5;
     }
+    // Newton's step, where it stays between.
+    const double rate = border.direction.dot(cubic_slope(time));
+    const double next = time - here / rate;
+    time = rate > 0.0 && next > low && next < high ? next : low + (high - low) * (at_low / (at_low - at_high));
   }
   return high;
+}
+
+// Where the cubic passes, which is next to where the path does.
+double CentrePath::guess_passing(const Border& border, Range range) const noexcept {
+  constexpr int kMostRounds = 12;
+  constexpr double kNearEnough = 0x1p-24;
+  auto [low, high, at_low, at_high] = range;
+  double time = low + (high - low) * (at_low / (at_low - at_high));
+  for (int i = 0; i < kMostRounds; ++i) {
+    const double here = border.beyond(cubic_at(time));
+    (here > 0.0 ? high : low) = time;
+    const double next = time - here / border.direction.dot(cubic_slope(time));
+    const double step = (next > low && next < high ? next : 0.5 * (low + high)) - time;
+    time += step;
+    if (std::fabs(step) <= kNearEnough) break;
+  }
+  return time;
 }
 
 // Where the path is farthest along the direction, if that is between; else `high`.
@@ -185,14 +231,13 @@ double CentrePath::time_off_corner(const ContactTriangle& triangle, int corner, 
 }
 
 // When the distance falls to `level`, to a tolerance.
-CentrePath::Block CentrePath::find_below(const ContactTriangle& triangle, const Level& level, unsigned held, double until,
+CentrePath::Block CentrePath::find_below(const ContactTriangle& triangle, const Level& level, unsigned held, double from, double until,
                                          int& tests) const noexcept {
   constexpr int kMostRounds = 64;
-  constexpr double kSlopeError = 0x1p-11;
   const double slope_error = guide_count_ > 0 ? kSlopeError : 0.0;
   // Past a corner: the distance to an edge or face that begins there falls by less than the tolerance meanwhile.
   const double least_step = bend_ > 0.0 ? std::max(kLeastStep, std::sqrt(level.tolerance / bend_)) : kLeastStep;
-  double time = 0.0;
+  double time = from;
   for (int i = 0; i < kMostRounds; ++i) {
     ++tests;
     const Vec3 place = at(time);
@@ -228,9 +273,29 @@ CentrePath::Block CentrePath::find_below(const ContactTriangle& triangle, const 
   return {time, false};
 }
 
-CentrePath::Block CentrePath::find_block(const ContactTriangle& triangle, const Keep& keep, unsigned held, double until,
+// No distance on the path is less. `start`, `approach`: the distance there, and how fast it changes at least.
+double CentrePath::least_by_ends(const ContactTriangle& triangle, const Separation& start, double approach,
+                                 const Head& head) const noexcept {
+  const double until = head.until;
+  const Separation end = triangle.separation(head.end);
+  const double rate = end.normal.dot(head.slope);
+  const double recede = rate + normal_error(end) * head.slope.norm() + (guide_count_ > 0 ? kSlopeError * std::fabs(rate) : 0.0);
+  // Above start + approach t - bend_start / 2 t^2, and above end - recede (until - t) - bend_end / 2 (until - t)^2. Both are concave: until
+  // any time between, and from there on, each is least at an end. The time is about where they meet.
+  const double bend_start = bend_towards(start.normal);
+  const double bend_end = bend_towards(end.normal);
+  const double bend = 0.5 * (bend_start + bend_end);
+  const double meet = (end.distance - recede * until - 0.5 * bend * until * until - start.distance) / (approach - recede - bend * until);
+  const double time = meet > 0.0 ? std::min(meet, until) : 0.0;
+  const double left = until - time;
+  return std::min({start.distance, start.distance + time * (approach - 0.5 * bend_start * time),
+                   end.distance - left * (recede + 0.5 * bend_end * left), end.distance});
+}
+
+CentrePath::Block CentrePath::find_block(const ContactTriangle& triangle, const Keep& keep, unsigned held, const Head& head,
                                          int& tests) const noexcept {
   ++tests;
+  const double until = head.until;
   const Separation start = triangle.separation(start_);
   const Vec3 way = rate_[0];
   const double approach = start.normal.dot(way) - rate_error(triangle, start, way);
@@ -243,13 +308,15 @@ CentrePath::Block CentrePath::find_block(const ContactTriangle& triangle, const 
   // What rounding took from a centre that is as near as can be does not hold it.
   if (start.distance < low + keep.tolerance) {
     if (approach < 0.0) return {0.0, true};
-    return find_below(triangle, {start.distance - 0.125 * keep.slop, keep.tolerance}, held, until, tests);
+    return find_below(triangle, {start.distance - 0.125 * keep.slop, keep.tolerance}, held, 0.0, until, tests);
   }
-  const Block below = find_below(triangle, {low, keep.tolerance}, held, until, tests);
-  if (below.time > until) return {};
+  ++tests;
+  if (least_by_ends(triangle, start, approach, head) > low) return {};
+  // Where it comes in contact, and whether it would come nearer than may be from there.
   const double level = gap > keep.tolerance ? keep.offset : std::min(keep.offset - 0.25 * keep.slop, start.distance - keep.tolerance);
-  const Block block = find_below(triangle, {level, keep.tolerance}, held, until, tests);
-  return block.time < below.time ? block : below;
+  const Block block = find_below(triangle, {level, keep.tolerance}, held, 0.0, until, tests);
+  if (block.time > until || !block.hits) return block;
+  return find_below(triangle, {low, keep.tolerance}, held, block.time, until, tests).time > until ? Block{} : block;
 }
 
 }  // namespace hapton

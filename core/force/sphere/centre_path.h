@@ -47,25 +47,48 @@ class CentrePath {
   double bulge() const { return 0.125 * bulge_; }
   bool is_straight() const { return bend_ == 0.0; }
 
+  // The beginning of the path, until a time: where and how it goes there. What looks at many triangles works it out once.
+  struct Head {
+    double until = 1.0;
+    Vec3 end = Vec3::Zero();
+    Vec3 slope = Vec3::Zero();  // there
+  };
+  Head head(double until) const noexcept;
+
   // The first time in [from, until] at which direction . (p - origin) exceeds `margin` on its way up, or kNever.
   double time_to_pass(const Vec3& origin, const Vec3& direction, double margin, double from, double until) const noexcept;
+  // The same in the head.
+  double time_to_pass(const Vec3& origin, const Vec3& direction, double margin, const Head& head) const noexcept;
 
   // When a triangle stops the centre, in [0, until]. The distance to a triangle is convex, so along the path it stays above the
-  // parabola that it begins with, less what the path bends: every step of the search is safe, and near the hit it is Newton's. It
-  // ends after 64 of them.
+  // parabola that it begins with, less what the path bends, and above that which it ends with: most triangles need no search. Every step of
+  // the search is safe, and near the hit it is Newton's. It ends after 64 of them.
   // `held`: a bit for each corner that is of a part which guides the path: such a corner is never nearer than the part.
   struct Block {
     double time = kNever;
     bool hits = false;  // else that far it is known to be free
   };
-  Block find_block(const ContactTriangle& triangle, const Keep& keep, unsigned held, double until, int& tests) const noexcept;
+  Block find_block(const ContactTriangle& triangle, const Keep& keep, unsigned held, const Head& head, int& tests) const noexcept;
 
  private:
   struct Level {
     double distance = 0.0;
     double tolerance = 0.0;
   };
-  Block find_below(const ContactTriangle& triangle, const Level& level, unsigned held, double until, int& tests) const noexcept;
+  Block find_below(const ContactTriangle& triangle, const Level& level, unsigned held, double from, double until,
+                   int& tests) const noexcept;
+  double least_by_ends(const ContactTriangle& triangle, const Separation& start, double approach, const Head& head) const noexcept;
+  struct Border {
+    Vec3 origin, direction;
+    double margin;
+    double beyond(const Vec3& p) const { return direction.dot(p - origin) - margin; }
+  };
+  struct Range {
+    double low, high, at_low, at_high;  // times, and how far beyond then
+  };
+  double find_passing(const Border& border, Range range) const noexcept;
+  double guess_passing(const Border& border, Range range) const noexcept;
+  Vec3 cubic_at(double time) const { return start_ + time * (rate_[0] + time * (rate_[1] + time * rate_[2])); }
   double find_crest(const Vec3& direction, double low, double high) const noexcept;
   double time_off_corner(const ContactTriangle& triangle, int corner, double from, double until) const noexcept;
 

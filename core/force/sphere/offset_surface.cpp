@@ -21,6 +21,7 @@ OffsetContact OffsetContact::on_edge(std::uint32_t triangle, const ContactTriang
   contact.triangle = triangle;
   contact.shape = shape;
   contact.index = edge;
+  if (contact.part == Part::edge) contact.along = shape.edge(edge) / shape.length(edge);
   return contact;
 }
 
@@ -58,7 +59,7 @@ OffsetContact::Stand OffsetContact::stand(const Vec3& c) const noexcept {
   if (part == Part::face) return {normal.dot(c - origin()), normal};
   Vec3 off = c - origin();
   if (part == Part::edge) {
-    const Vec3 unit = axis();
+    const Vec3& unit = axis();
     off -= unit.dot(off) * unit;
     off -= unit.dot(off) * unit;  // what rounding left
   }

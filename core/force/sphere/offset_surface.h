@@ -20,6 +20,7 @@ struct OffsetContact {
   int index = 0;               // of the edge, or of the corner
   Vec3 normal = Vec3::Zero();  // face: unit, towards the centre
   double multiplier = 0.0;     // centre - device = sum of multiplier * normal
+  Vec3 along = Vec3::Zero();   // edge: unit
   bool back = false;           // face: the side the normal does not show
 
   // The part of the triangle that is nearest to c, with the face's side that c is on.
@@ -31,7 +32,7 @@ struct OffsetContact {
 
   bool is_curved() const { return part == Part::edge || part == Part::vertex; }
   const Vec3& origin() const { return shape.corner(index); }
-  Vec3 axis() const { return shape.edge(index) / shape.length(index); }  // edge: unit
+  const Vec3& axis() const { return along; }  // edge: unit
 
   // How the centre stands to the plane, line or point that carries the part.
   struct Stand {

@@ -24,7 +24,8 @@ constexpr double kReleased = 0x1p-24;  // a pull where the device comes out
 // How far the border of the part that holds the centre is, for a straight way.
 double SphereFollower::find_reach(const Vec3& way) noexcept {
   double reach = kNever;
-  const int count = find_exits(contacts_[0], centre_);
+  note_candidates(centre_, centre_, keep_.offset + keep_.slop);
+  const int count = find_exits(contacts_[0]);
   for (int i = 0; i < count; ++i) {
     const double rate = exits_[i].direction.dot(way);
     if (rate > 0.0) reach = std::min(reach, std::max(0.0, (kOnBorder - exits_[i].direction.dot(centre_ - exits_[i].origin)) / rate));

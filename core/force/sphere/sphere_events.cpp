@@ -16,40 +16,58 @@ bool SphereFollower::find_event(const CentrePath& path, Event& event) noexcept {
   // A face is left long before the end of a path over it; only other parts have borders that are found by what is near.
   const bool is_curved = std::any_of(contacts_.begin(), contacts_.begin() + count_, [](const OffsetContact& c) { return c.is_curved(); });
   if (is_curved && !cover(path, event.time)) return false;
+  const double near = keep_.offset + path.bulge() + keep_.slop;
+  CentrePath::Head head = path.head(event.time);
+  if (is_curved) note_candidates(path.start(), head.end, near);
   for (int i = 0; i < count_; ++i) {
-    const int count = find_exits(contacts_[i], path.start());
+    const int count = find_exits(contacts_[i]);
     if (count < 0) return false;
     for (int k = 0; k < count; ++k) {
-      const double time = path.time_to_pass(exits_[k].origin, exits_[k].direction, kOnBorder, 0.0, event.time);
+      const double time = path.time_to_pass(exits_[k].origin, exits_[k].direction, kOnBorder, head);
       if (time > event.time || (time == event.time && event.contact >= 0)) continue;
       event.time = time;
       event.contact = i;
       event.exit = exits_[k];
+      head = path.head(time);
     }
   }
-  const double exit_time = event.time;
-  if (!is_curved && !cover(path, event.time)) return false;
-  if (event.time < exit_time) event.contact = -1;
+  if (!is_curved) {
+    const double exit_time = event.time;
+    if (!cover(path, event.time)) return false;
+    if (event.time < exit_time) {
+      event.contact = -1;
+      head = path.head(event.time);
+    }
+    note_candidates(path.start(), head.end, near);
+  }
   // What lies below the plane of a face, seen from a centre that goes over it, is never nearer than the face.
   const bool is_on_plane = (path.is_straight() || count_ == 1) && count_ > 0 && contacts_[0].part == Part::face;
   const Vec3 up = is_on_plane ? contacts_[0].normal : Vec3::Zero();
   const double level = up.dot(path.start()) - keep_.offset + 0.25 * keep_.slop;
-  const double near = keep_.offset + path.bulge() + keep_.slop;
-  near_.visit_near(path.start(), event.time < 1.0 ? path.at(event.time) : path.end(), near, [&](int slot) {
+  for (int i = 0; i < candidate_count_; ++i) {
+    const int slot = candidates_[static_cast<std::size_t>(i)];
+    if (near_.least_distance(slot, path.start()) > near && near_.least_distance(slot, head.end) > near) continue;
     const ContactTriangle& shape = near_.shape(slot);
-    if (is_on_plane && std::max({up.dot(shape.corner(0)), up.dot(shape.corner(1)), up.dot(shape.corner(2))}) <= level) return;
-    if (holds_part_of(shape, near_.triangle(slot)) || !can_touch(near_.triangle(slot), shape, path.start())) return;
-    const CentrePath::Block block = path.find_block(shape, keep_, path.is_straight() ? 0U : held_corners(shape), event.time, work_);
-    if (!(block.time < event.time)) return;
+    if (is_on_plane && std::max({up.dot(shape.corner(0)), up.dot(shape.corner(1)), up.dot(shape.corner(2))}) <= level) continue;
+    if (holds_part_of(shape, near_.triangle(slot)) || !can_touch(near_.triangle(slot), shape, path.start())) continue;
+    const CentrePath::Block block = path.find_block(shape, keep_, path.is_straight() ? 0U : held_corners(shape), head, work_);
+    if (!(block.time < event.time)) continue;
     event.time = block.time;
     event.contact = -1;
     event.slot = block.hits ? slot : -1;
-  });
+    head = path.head(event.time);
+  }
   return true;
 }
 
-// The borders of the part that a contact is on. Returns their number, -1: too many.
-int SphereFollower::find_exits(const OffsetContact& contact, const Vec3& c) noexcept {
+// What may come so near to the segment.
+void SphereFollower::note_candidates(const Vec3& from, const Vec3& to, double near) noexcept {
+  candidate_count_ = 0;
+  near_.visit_near(from, to, near, [&](int slot) { candidates_[static_cast<std::size_t>(candidate_count_++)] = slot; });
+}
+
+// The borders of the part that a contact is on. Returns their number, -1: too many. Pre: of an edge or a vertex, the candidates are noted.
+int SphereFollower::find_exits(const OffsetContact& contact) noexcept {
   int count = 0;
   bool fits = true;
   const auto add = [&](const Vec3& origin, const Vec3& direction, int slot, int index, Part part) {
@@ -68,9 +86,10 @@ int SphereFollower::find_exits(const OffsetContact& contact, const Vec3& c) noex
     add(own.corner((contact.index + 1) % 3), axis, -1, (contact.index + 1) % 3, Part::vertex);
     add(own.corner(contact.index), -axis, -1, contact.index, Part::vertex);
   }
-  near_.visit_near(c, c, keep_.offset + keep_.slop, [&](int slot) {
+  for (int i = 0; i < candidate_count_; ++i) {
+    const int slot = candidates_[static_cast<std::size_t>(i)];
     const ContactTriangle& shape = near_.shape(slot);
-    if (!contact.is_part_of(shape)) return;
+    if (!contact.is_part_of(shape)) continue;
     for (int k = 0; k < 3; ++k) {
       if (!(shape.length(k) > 0.0)) continue;
       const bool begins = shape.corner(k) == contact.origin();
@@ -83,7 +102,7 @@ int SphereFollower::find_exits(const OffsetContact& contact, const Vec3& c) noex
       if (!(begins && shape.corner((k + 1) % 3) == other) && !(ends && shape.corner(k) == other)) continue;
       if (!shape.normal().isZero(0.0)) add(shape.corner(k), shape.normal().cross(shape.edge(k)) / shape.length(k), slot, k, Part::face);
     }
-  });
+  }
   return fits ? count : -1;
 }
 

@@ -223,7 +223,8 @@ class SphereFollower {
   bool cover(const CentrePath& path, double& until) noexcept;
   bool gather(const Vec3& towards) noexcept;
   bool find_event(const CentrePath& path, Event& event) noexcept;
-  int find_exits(const OffsetContact& contact, const Vec3& c) noexcept;
+  int find_exits(const OffsetContact& contact) noexcept;
+  void note_candidates(const Vec3& from, const Vec3& to, double near) noexcept;
   bool take_event(const Event& event, const CentrePath& path) noexcept;
   std::optional<Next> end_leg(const CentrePath& path, const Event& event, bool is_whole, int released, const Vec3& device) noexcept;
   void leave_part(int i, const Exit& exit, const Vec3& way) noexcept;
@@ -268,7 +269,9 @@ class SphereFollower {
   int touching_ = 0;          // of contacts_: the first count_ hold, the others were met here
   Vec3 hint_ = Vec3::Zero();  // which way it was going
   NearTriangles near_;
-  double reach_ = 0.0;  // of the next gathering
+  double reach_ = 0.0;                                    // of the next gathering
+  std::array<int, NearTriangles::kCapacity> candidates_;  // of what is near: what may be met on a path
+  int candidate_count_ = 0;
   std::array<Exit, kMostExits> exits_;
   int work_ = 0;                 // triangles looked at in this step
   int idle_ = 0;                 // events that led no nearer

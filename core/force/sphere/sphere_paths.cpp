@@ -89,6 +89,7 @@ bool SphereFollower::solve(const Vec3& device, Vec3& c) const noexcept {
 
 bool SphereFollower::solve_on_curve(const Vec3& device, Vec3& c) const noexcept {
   constexpr int kMostRounds = 16;
+  constexpr double kMostSheer = 64.0;  // two faces that meet at a larger angle lead to their line at once
   const bool is_line = !contacts_[0].is_curved() && !contacts_[1].is_curved();
   Vec3 along = Vec3::Zero();
   for (int round = 0; round < kMostRounds; ++round) {
@@ -112,6 +113,7 @@ bool SphereFollower::solve_on_curve(const Vec3& device, Vec3& c) const noexcept 
     const double ahead = frame.along.dot(device - c) / stability;
     if (!is_line && find_turn(ahead * frame.along) > 2.0 * kTurn) return false;
     c += ahead * frame.along + short_by[0] * frame.dual[0] + short_by[1] * frame.dual[1];
+    if (is_line && frame.dual[0].squaredNorm() <= kMostSheer) return true;
     const double step = std::max({std::fabs(ahead), std::fabs(short_by[0]), std::fabs(short_by[1])});
     if (step <= std::max(0x1p-26 * keep_.offset, 0x1p-50)) return step <= keep_.tolerance || restore(c);
   }
@@ -289,31 +291,38 @@ bool SphereFollower::climb_down_curve(const Vec3& device, bool is_unstable, Cent
 bool SphereFollower::climb(const Vec3& way, double length, const Vec3& device, bool is_unstable, CentrePath& path) const noexcept {
   constexpr int kMostHalvings = 24;
   const bool is_straight = !contacts_[0].is_curved() && !contacts_[1].is_curved();
-  if (!is_straight) {
-    const double stability = find_stability(centre_, device);
-    const double most = kTurn / std::max(find_turn(way), 0x1p-10);
-    length = !is_unstable && stability > kLeastStability ? std::min(length / stability, most) : most;
-  }
-  const double distance = (device - centre_).norm();
   ContactFrame here;
   if (!find_frame(centre_, here)) return false;
   const double sense = here.along.dot(way);
-  for (int i = 0; i < kMostHalvings; ++i, length *= 0.5) {
-    Vec3 end = centre_ + length * way;
-    if (!restore(end)) continue;
+  // A piece of the curve as long as that. False: it is not the same curve there, or leads no nearer.
+  const auto go = [&](double ahead, bool must_lead_on) {
+    Vec3 end = centre_ + ahead * way;
+    if (!restore(end)) return false;
     if (is_straight) {
       path = CentrePath::straight(centre_, end);
       return true;
     }
-    if (is_unstable && !((device - end).norm() < distance)) continue;
+    if ((is_unstable || must_lead_on) && !((device - end).squaredNorm() < (device - centre_).squaredNorm())) return false;
     ContactFrame there;
-    if (!find_frame(end, there)) continue;
+    if (!find_frame(end, there)) return false;
     const Vec3 way_there = sense < 0.0 ? Vec3(-there.along) : there.along;  // else it is the curve on the other side of a crest
-    if (!(way_there.dot(way) > 1.0 - 2.0 * kTurn * kTurn)) continue;
+    if (!(way_there.dot(way) > 1.0 - 2.0 * kTurn * kTurn)) return false;
+    if (must_lead_on && !(way_there.dot(device - end) > 0.0)) return false;
     const double chord = (end - centre_).norm();
     path = CentrePath::curved(centre_, end, chord * way, chord * way_there);
     guide(path);
     return true;
+  };
+  if (!is_straight) {
+    // As far as a piece may turn, or to the minimum before that.
+    const double stability = find_stability(centre_, device);
+    const double most = kTurn / std::max(find_turn(way), 0x1p-10);
+    const double to_minimum = !is_unstable && stability > kLeastStability ? length / stability : most;
+    length = std::min(to_minimum, most);
+    if (to_minimum < most && 8.0 * to_minimum > most && go(most, true)) return true;
+  }
+  for (int i = 0; i < kMostHalvings; ++i, length *= 0.5) {
+    if (go(length, false)) return true;
   }
   return false;
 }
@@ -344,10 +353,10 @@ bool SphereFollower::gather(const Vec3& towards) noexcept {
     int looked_at = 0;
     ++gathered_;
     const bool fits = near_.gather(geometry_, centre_ + ahead, keep_.offset + reach_ + 4.0 * keep_.slop, looked_at);
-    work_ += looked_at;
+    work_ += looked_at / 2;  // half of them, as near as a box, are not as near as the ball
     if (!fits) continue;
     // Where the tree asks many for the few that are near, as among long slivers, a wider ball saves most.
-    const int few = std::max(kFew, std::min(looked_at / 4, NearTriangles::kCapacity / 4));
+    const int few = std::max(kFew, std::min(looked_at / 8, NearTriangles::kCapacity / 4));
     if (near_.count() < few) reach_ = std::min(1.4 * reach_, kWidest);
     if (near_.count() > 3 * few) reach_ = std::max(0.7 * reach_, least);
     return true;

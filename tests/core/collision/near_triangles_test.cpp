@@ -93,6 +93,7 @@ TEST_P(NearTrianglesTest, NothingNearIsMissed) {
       visited += slots.size();
       asked += ids.size();
       for (int slot = 0; slot < near->count(); ++slot) {
+        ASSERT_LE(near->least_distance(slot, q), near->shape(slot).separation(q).distance) << near->triangle(slot);
         if (slots.count(slot) != 0) continue;
         ASSERT_GT(distance_to_segment(near->shape(slot), p, q), distance) << "round " << round << " triangle " << near->triangle(slot);
       }
@@ -130,6 +131,7 @@ TEST(NearTriangles, BoundsHoldFromCloseAboveABoundary) {
       edges += geometry.separation(0, centre).feature == Feature::edge ? 1 : 0;
       // A way over the face at the same height comes no nearer than that.
       const Vec3 p = centre + 0.2 * inward;
+      ASSERT_LE(near->least_distance(0, p), shape.separation(p).distance) << "height " << height;
       bool is_visited = false;
       near->visit_near(p, p, shape.separation(p).distance, [&](int) { is_visited = true; });
       ASSERT_TRUE(is_visited) << "height " << height;

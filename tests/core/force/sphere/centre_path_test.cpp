@@ -196,6 +196,7 @@ TEST_F(CentrePathTest, TimeToPassIsThatOfDenseSampling) {
     const double margin = i % 4 == 0 ? 0x1p-44 : 0.0;
     const double expected = sampled_time_to_pass(path, origin, normal, margin, until);
     const double time = path.time_to_pass(origin, normal, margin, 0.0, until);
+    ASSERT_EQ(path.time_to_pass(origin, normal, margin, path.head(until)), time) << i;
     if (expected > 1.0) {
       ASSERT_EQ(time, CentrePath::kNever) << i;
       continue;
@@ -240,7 +241,7 @@ class FindBlock : public CentrePathTest {
   static bool check(const CentrePath& path, const ContactTriangle& shape, unsigned held, double until) {
     constexpr int kSamples = 2000;
     int tests = 0;
-    const CentrePath::Block block = path.find_block(shape, kKeep, held, until, tests);
+    const CentrePath::Block block = path.find_block(shape, kKeep, held, path.head(until), tests);
     EXPECT_GE(tests, 1);
     EXPECT_LE(tests, 160);
     const double end = std::min(block.time, until);
@@ -275,7 +276,7 @@ TEST_F(FindBlock, IsThatOfDenseSampling) {
     const double until = i % 5 == 0 ? 0.6 : 1.0;
     blocked += check(path, shape, 0U, until) ? 1 : 0;
     int tests = 0;
-    hits += path.find_block(shape, kKeep, 0U, until, tests).hits ? 1 : 0;
+    hits += path.find_block(shape, kKeep, 0U, path.head(until), tests).hits ? 1 : 0;
     contacts += gap == 0.0 ? 1 : 0;
     if (HasFailure()) FAIL() << "path " << i;
   }
@@ -293,11 +294,15 @@ TEST_F(FindBlock, WhatOnlyGrazesPasses) {
     const Vec3 from = middle + kKeep.offset * shape.normal();
     const Vec3 to = from + 0.2 * shape.edge(i % 3);
     int tests = 0;
-    EXPECT_EQ(CentrePath::straight(from, to).find_block(shape, kKeep, 0U, 1.0, tests).time, CentrePath::kNever);
+    const auto block_on = [&](const Vec3& end) {
+      const CentrePath path = CentrePath::straight(from, end);
+      return path.find_block(shape, kKeep, 0U, path.head(1.0), tests);
+    };
+    EXPECT_EQ(block_on(to).time, CentrePath::kNever);
     // Down by less than half the slop still grazes, by more does not.
     const Vec3 down = -shape.normal();
-    EXPECT_EQ(CentrePath::straight(from, to + 0.4 * kKeep.slop * down).find_block(shape, kKeep, 0U, 1.0, tests).time, CentrePath::kNever);
-    const CentrePath::Block block = CentrePath::straight(from, to + 1e-6 * down).find_block(shape, kKeep, 0U, 1.0, tests);
+    EXPECT_EQ(block_on(to + 0.4 * kKeep.slop * down).time, CentrePath::kNever);
+    const CentrePath::Block block = block_on(to + 1e-6 * down);
     EXPECT_TRUE(block.hits);
     EXPECT_LT(block.time, 1e-5);
   }
@@ -324,7 +329,7 @@ TEST_F(FindBlock, ACornerThatGuidesThePathNeverBlocks) {
     bool is_corner_nearest = true;
     for (int k = 0; k <= 400; ++k) is_corner_nearest = is_corner_nearest && shape.separation(path.at(k / 400.0)).nearest == origin;
     int tests = 0;
-    const CentrePath::Block block = path.find_block(shape, kKeep, 1U << corner, 1.0, tests);
+    const CentrePath::Block block = path.find_block(shape, kKeep, 1U << corner, path.head(1.0), tests);
     if (is_corner_nearest) {
       ++over_corner;
       EXPECT_EQ(block.time, CentrePath::kNever);
