@@ -3,11 +3,11 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
-#include <optional>
 #include <thread>
 
 #include "io_node/local_patch.h"
 #include "link/messages.h"
+#include "patch/patch_maker.h"
 #include "patch/patch_store.h"
 #include "runtime/mailbox.h"
 
@@ -26,8 +26,6 @@ struct PatchBuilderCounts {
 // RT: push, clear, take_status and counts yes; making one and ending it is set-up only. Threads: one, the network side's.
 class PatchBuilder {
  public:
-  static constexpr std::size_t kMostTriangles = 8192;  // of a patch: about 5 ms to build
-
   // Pre: outlives this.
   explicit PatchBuilder(LocalPatch& local);
   ~PatchBuilder();
@@ -57,7 +55,6 @@ class PatchBuilder {
   void run();
   bool drain();
   void build_if_due();
-  void build(const Vec3& p_SC, double known_m);
 
   LocalPatch& local_;
   std::array<Slot, kRing> ring_;
@@ -70,13 +67,7 @@ class PatchBuilder {
   PatchStore store_;
   std::uint32_t generation_ = 0;
   std::uint32_t epoch_ = 0;
-  PatchHand hand_;
-  Vec3 v_SD_ = Vec3::Zero();
-  bool has_hand_ = false;
-  std::optional<Vec3> p_SC_;  // of the newest patch
-  double radius_m_ = 0.0;
-  bool is_limited_ = false;       // by its triangles: more was known
-  std::uint64_t built_from_ = 0;  // the store's revision then
+  PatchMaker maker_;
   PatchBuilderCounts told_;
 
   std::atomic<bool> stop_ = false;

@@ -196,6 +196,7 @@ void reserve(wire::PatchBegin& m) { reserve_field(*m.mutable_origin_m()); }
 // A varint takes a byte at least.
 void reserve(wire::PatchCell& m) {
   m.mutable_index()->Reserve(kMaxDatagramBytes);
+  m.mutable_empty_children()->reserve(kMaxDatagramBytes);
   m.mutable_tiles()->Reserve(kMaxDatagramBytes);
 }
 void reserve(wire::PatchTile& m) {

@@ -204,7 +204,8 @@ struct PatchCell {
   std::uint32_t serial = 0;
   std::uint32_t level = 0;
   std::array<std::uint32_t, 3> index = {};
-  std::uint32_t empty_siblings = 0;  // bit x + 2 y + 4 z: that child of the same parent has no triangle
+  // Of the cubes around it, the whole one first: bit x + 2 y + 4 z: that child of it has no triangle.
+  std::array<std::uint8_t, kPatchDeepestLevel> empty_children = {};
   std::uint32_t tile_count = 0;
   std::array<std::uint32_t, kMostTiles> tiles = {};
 };

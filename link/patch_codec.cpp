@@ -10,8 +10,6 @@
 namespace hapton {
 namespace {
 
-constexpr std::uint32_t kMostSiblings = 0xFF;
-
 bool is_amount(double value) { return value >= 0.0 && value <= kMaxWireMagnitude; }  // false for NaN as well
 
 template <class Field>
@@ -42,7 +40,8 @@ void write(const PatchCell& from, wire::PatchCell& to) {
   to.set_serial(from.serial);
   to.set_level(from.level);
   write_indices(*to.mutable_index(), from.index.data(), from.index.size());
-  to.set_empty_siblings(from.empty_siblings);
+  to.mutable_empty_children()->assign(reinterpret_cast<const char*>(from.empty_children.data()),
+                                      std::min<std::size_t>(from.level, from.empty_children.size()));
   write_indices(*to.mutable_tiles(), from.tiles.data(), std::min<std::size_t>(from.tile_count, from.tiles.size()));
 }
 
@@ -86,8 +85,9 @@ bool read(const wire::PatchCell& from, PatchCell& to) {
   to.epoch = from.epoch();
   to.serial = from.serial();
   to.level = from.level();
-  to.empty_siblings = from.empty_siblings();
-  if (to.level > kPatchDeepestLevel || from.index().size() != 3 || to.empty_siblings > kMostSiblings) return false;
+  const std::string& empty = from.empty_children();
+  if (to.level > kPatchDeepestLevel || from.index().size() != 3 || empty.size() != to.level) return false;
+  std::copy(empty.begin(), empty.end(), to.empty_children.begin());
   std::copy(from.index().begin(), from.index().end(), to.index.begin());
   if (std::any_of(to.index.begin(), to.index.end(), [&](std::uint32_t i) { return i >> to.level != 0; })) return false;
   if (from.tiles().size() > static_cast<int>(to.tiles.size())) return false;

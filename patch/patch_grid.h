@@ -17,10 +17,10 @@ using GridPoint = std::array<std::uint32_t, 3>;
 // scene is rounded to it once, so that tiles join without cracks, however they arrive.
 //
 // The scene fills between a quarter and a half of the grid's width along its longest side, so a vertex moves by at most kLargestRounding of
-// that side: 6 nm on a scene of 100 mm, 6e-6 N at 1,000 N/m.
+// that side: 21 nm on a scene of 100 mm, 2e-5 N at 1,000 N/m.
 // Frame: S. Units: m. RT: yes.
 struct PatchGrid {
-  static constexpr double kLargestRounding = 0x1p-23 * 0.8660254037844387;  // half a step along each axis, with at least 2^22 steps a side
+  static constexpr double kLargestRounding = 0x1p-22 * 0.8660254037844387;  // half a step along each axis, at least 2^22 steps a side
 
   Vec3 origin_m = Vec3::Zero();
   double step_m = 1.0;

@@ -10,6 +10,8 @@ namespace {
 constexpr std::int64_t kPlanEveryNs = 20'000'000;
 constexpr std::int64_t kLeastPatienceNs = 150'000'000;  // the hub's status comes ten times a second
 constexpr std::uint32_t kReordered = 64;                // a part so many serials behind the newest received is lost
+// Where the round trip is longer than this a part that got lost would be missed for long: it is sent again before it can be confirmed.
+constexpr double kLongRoundTripS = 0.3;
 constexpr double kBurstBytes = 5000.0;
 // Envelope, seal, UDP and IP round a part's own numbers.
 constexpr double kOverheadBytes = 150.0;
@@ -37,7 +39,9 @@ PatchSource::PatchSource(TiledScene scene, double probe_radius_m, std::uint64_t 
       credit_bytes_(kBurstBytes) {}
 
 std::int64_t PatchSource::patience_ns() const noexcept {
-  return kLeastPatienceNs + static_cast<std::int64_t>(2e9 * std::min(round_trip_s_, 10.0));
+  const double round_trip_s = std::min(round_trip_s_, 10.0);
+  const double wait_s = round_trip_s < kLongRoundTripS ? 1.2 * round_trip_s : 0.5 * round_trip_s;
+  return kLeastPatienceNs + static_cast<std::int64_t>(1e9 * wait_s);
 }
 
 bool PatchSource::is_due(const Item& item, std::int64_t now_ns) const noexcept {
@@ -83,6 +87,12 @@ void PatchSource::plan(std::int64_t now_ns) {
   using Near = std::pair<double, std::size_t>;
   std::priority_queue<Near, std::vector<Near>, std::greater<>> nearest;
   if (!scene_.nodes.empty()) nearest.emplace(distance_of(scene_.nodes[0].key.bounds()), 0);
+  // What has not been sent comes before what may have arrived.
+  std::vector<std::size_t> again;
+  const auto add = [&](std::size_t item) {
+    if (items_[item].state == State::missing) planned_.push_back(item);
+    if (items_[item].state == State::sent && again.size() < kPlanned && is_due(items_[item], now_ns)) again.push_back(item);
+  };
   while (!nearest.empty() && planned_.size() < kPlanned && nearest.top().first <= reach) {
     const TileNode node = scene_.nodes[nearest.top().second];
     nearest.pop();
@@ -93,12 +103,11 @@ void PatchSource::plan(std::int64_t now_ns) {
       }
     } else if (node.cell >= 0) {
       const auto cell = static_cast<std::size_t>(node.cell);
-      if (is_due(items_[item_of_cell(cell)], now_ns)) planned_.push_back(item_of_cell(cell));
-      for (const std::uint32_t tile : scene_.cells[cell].tiles) {
-        if (is_due(items_[item_of_tile(tile)], now_ns)) planned_.push_back(item_of_tile(tile));
-      }
+      add(item_of_cell(cell));
+      for (const std::uint32_t tile : scene_.cells[cell].tiles) add(item_of_tile(tile));
     }
   }
+  planned_.insert(planned_.end(), again.begin(), again.end());
   std::reverse(planned_.begin(), planned_.end());
 }
 
@@ -109,7 +118,7 @@ Message PatchSource::make_message(std::size_t item) {
   }
   if (item < item_of_tile(0)) {
     const TileCell& cell = scene_.cells[item - item_of_cell(0)];
-    PatchCell message{begin_.epoch, serial_, cell.key.level, cell.key.index, cell.empty_siblings};
+    PatchCell message{begin_.epoch, serial_, cell.key.level, cell.key.index, cell.empty_children};
     message.tile_count = static_cast<std::uint32_t>(cell.tiles.size());
     std::copy(cell.tiles.begin(), cell.tiles.end(), message.tiles.begin());
     return message;

@@ -108,20 +108,18 @@ void PatchStore::accept(const PatchBegin& begin) {
 void PatchStore::accept(const PatchCell& cell) {
   if (!adopt(cell.epoch, cell.serial)) return;
   const CellKey key{cell.level, cell.index};
-  // Itself, seven siblings and the way up.
-  if (!cells_.contains(key.packed()) && cells_.size() + 8 + kPatchDeepestLevel > kMostCells) {
+  // Itself, the way up, and what is empty beside it.
+  if (!cells_.contains(key.packed()) && cells_.size() + 1 + std::size_t{8} * kPatchDeepestLevel > kMostCells) {
     ++counts_.rejected;
     return;
   }
   cells_[key.packed()].tiles.assign(cell.tiles.begin(), cell.tiles.begin() + cell.tile_count);
-  if (key.level > 0) {
-    for (std::uint32_t octant = 0; octant < 8; ++octant) {
-      if (((cell.empty_siblings >> octant) & 1U) != 0 && octant != key.octant()) cells_.try_emplace(key.parent().child(octant).packed());
-    }
-  }
   for (CellKey above = key; above.level > 0;) {
     above = above.parent();
     cells_[above.packed()].is_divided = true;
+    for (std::uint32_t octant = 0; octant < 8; ++octant) {
+      if (((cell.empty_children[above.level] >> octant) & 1U) != 0) cells_.try_emplace(above.child(octant).packed());
+    }
   }
   confirm(cell.serial);
 }

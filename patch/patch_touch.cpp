@@ -39,12 +39,28 @@ bool PatchTouch::reaches(const Patch& patch, const Vec3& p_SD) const noexcept {
 std::optional<PatchFeel> PatchTouch::step(const TouchInput& input) noexcept {
   const Vec3 p_SD = input.X_WS.linear().transpose() * (input.p_WD - input.X_WS.translation());
   if (!p_SD.allFinite()) return std::nullopt;
-  if (offered_ != nullptr && retired_ == nullptr && reaches(*offered_, p_SD)) {
-    retired_ = std::exchange(patch_, std::move(offered_));
-    is_over_ = false;
-  }
-  if (patch_ != nullptr && reaches(*patch_, p_SD)) return feel_patch(input, p_SD);
+  if (take_offered(p_SD) || (patch_ != nullptr && reaches(*patch_, p_SD))) return feel_patch(input, p_SD);
   return feel_plane(input, p_SD);
+}
+
+bool PatchTouch::take_offered(const Vec3& p_SD) noexcept {
+  if (offered_ == nullptr || retired_ != nullptr) return false;
+  if (is_beyond_ && !reaches(*offered_, p_SD)) rise_over(*offered_, p_SD);
+  if (!reaches(*offered_, p_SD)) return false;
+  retired_ = std::exchange(patch_, std::move(offered_));
+  is_over_ = false;
+  return true;
+}
+
+// The last proxy within is out of this patch's reach: the plane has brought the hand here, so the proxy is where the plane holds it, and
+// the surface, which may have risen meanwhile, below a place somewhat farther out.
+void PatchTouch::rise_over(const Patch& patch, const Vec3& p_SD) noexcept {
+  if (patch.generation != generation_ || outward_S_.isZero(0.0)) return;
+  const Vec3 held = p_SD + std::max((p_SP_ - p_SD).dot(outward_S_), 0.0) * outward_S_;
+  const double room_m = patch.radius_m - (p_SD - patch.p_SC).norm() - (held - p_SD).norm() - 4.0 * patch.lift_m;
+  if (!(room_m > 0.0)) return;
+  p_SP_ = held + std::min(kRise * (held - p_SP_).norm(), 0.5 * room_m) * outward_S_;
+  ++counts_.raised;
 }
 
 void PatchTouch::hand_over(const TouchInput& input) noexcept {
@@ -91,8 +107,8 @@ std::optional<PatchFeel> PatchTouch::feel_plane(const TouchInput& input, const V
   ++counts_.beyond_steps;
   beyond_s_ += input.dt_s;
   const Vec3 velocity = (p_SD - std::exchange(last_p_SD_, p_SD)) / input.dt_s;
-  if (beyond_s_ > kBeyondS) {
-    ++counts_.given_up;
+  if (outward_S_.isZero(0.0) && beyond_s_ > kBeyondS) {
+    ++counts_.begun_anew;
     forget();
     return std::nullopt;
   }

@@ -32,9 +32,11 @@ struct PatchFeel {
 //
 // Another patch takes over where the proxy is: its step starts there, lifted off the surface by the least that is safe, and goes from there
 // to the device. So the path of the proxy has no gap, and the surface that was felt is felt.
-// Past the edge the plane of the last contact holds: its force is that of the surface's stiffness, damped, never larger than kMostBeyond
-// times the last force within, and ends kBeyondS later. Without contact there is no force past the edge. The next patch that reaches from
-// the last proxy within to the device takes over from that proxy.
+// Past the edge the plane of the last contact holds: its force is that of the surface's stiffness, damped, and never larger than
+// kMostBeyond times the last force within. Without contact there is no force past the edge. The next patch that reaches from the last proxy
+// within to the device takes over from that proxy. One that does not reach so far takes over from above the plane, by a share of the way
+// that the hand went past the edge: the surface that is met first from there is felt. A hand that was free for kBeyondS begins anew where
+// it is.
 //
 // Frames: W and S as named. Units: SI. RT: all. Threads: one.
 class PatchTouch {
@@ -42,6 +44,7 @@ class PatchTouch {
   static constexpr double kBeyondS = 0.5;
   static constexpr double kMostBeyond = 2.0;
   static constexpr double kBeyondDampingS = 0.005;  // damping of that plane, over its stiffness
+  static constexpr double kRise = 0.25;             // how far above the plane, for the way past the edge
 
   struct Counts {
     std::uint64_t steps = 0;
@@ -49,7 +52,8 @@ class PatchTouch {
     std::uint64_t handed_over = 0;   // patches that took over
     std::uint64_t beyond = 0;        // times that the hand came past the edge
     std::uint64_t beyond_steps = 0;  // steps there
-    std::uint64_t given_up = 0;      // times that it stayed there too long
+    std::uint64_t raised = 0;        // patches that took over from above the plane
+    std::uint64_t begun_anew = 0;    // times that the hand stayed there, free, for too long
   };
 
   // Offers a patch: it takes over with the first step that lies within it. Returns the one that was offered before and did not.
@@ -63,7 +67,7 @@ class PatchTouch {
   // Where contact rested, or the device was free, before the first patch. outward: unit, of the force; zero: free.
   void start_at(const Vec3& p_SP, const Vec3& outward) noexcept;
 
-  // None: no patch reaches here, or the hand stayed past the edge for too long.
+  // None: no patch has reached the hand yet, since the start or since it began anew.
   std::optional<PatchFeel> step(const TouchInput& input) noexcept;
 
   const Counts& counts() const noexcept { return counts_; }
@@ -71,6 +75,8 @@ class PatchTouch {
 
  private:
   bool reaches(const Patch& patch, const Vec3& p_SD) const noexcept;
+  bool take_offered(const Vec3& p_SD) noexcept;
+  void rise_over(const Patch& patch, const Vec3& p_SD) noexcept;
   PatchFeel feel_patch(const TouchInput& input, const Vec3& p_SD) noexcept;
   std::optional<PatchFeel> feel_plane(const TouchInput& input, const Vec3& p_SD) noexcept;
   void hand_over(const TouchInput& input) noexcept;

@@ -102,19 +102,20 @@ PatchTile tile_of(std::size_t object, const Material& material) {
 }
 
 // The octree below nodes[at], which overlaps these tiles.
-void divide(TiledScene& scene, std::size_t at, std::vector<std::uint32_t> tiles, std::uint8_t empty_siblings) {
+void divide(TiledScene& scene, std::size_t at, std::vector<std::uint32_t> tiles,
+            std::array<std::uint8_t, kPatchDeepestLevel> empty_children) {
   const CellKey key = scene.nodes[at].key;
   if (tiles.size() <= kTilesInCell || key.level == kPatchDeepestLevel) {
     // What no datagram can list is never sent: the hub then takes that place for unknown.
     if (tiles.empty() || tiles.size() > PatchCell::kMostTiles) return;
     scene.nodes[at].cell = static_cast<std::int32_t>(scene.cells.size());
-    scene.cells.push_back({key, empty_siblings, std::move(tiles)});
+    scene.cells.push_back({key, empty_children, std::move(tiles)});
     return;
   }
   const std::size_t first = scene.nodes.size();
   scene.nodes[at].first_child = static_cast<std::int32_t>(first);
   std::array<std::vector<std::uint32_t>, 8> parts;
-  std::uint8_t empty = 0;
+  std::uint8_t& empty = empty_children[key.level];
   for (std::uint32_t octant = 0; octant < 8; ++octant) {
     scene.nodes.push_back({key.child(octant)});
     const Box bounds = scene.nodes.back().key.bounds();
@@ -123,7 +124,7 @@ void divide(TiledScene& scene, std::size_t at, std::vector<std::uint32_t> tiles,
     if (parts[octant].empty()) empty = static_cast<std::uint8_t>(empty | (1U << octant));
   }
   tiles = {};
-  for (std::size_t octant = 0; octant < 8; ++octant) divide(scene, first + octant, std::move(parts[octant]), empty);
+  for (std::size_t octant = 0; octant < 8; ++octant) divide(scene, first + octant, std::move(parts[octant]), empty_children);
 }
 
 }  // namespace
@@ -143,7 +144,7 @@ TiledScene make_tiles(const TouchScene& scene) {
   std::vector<std::uint32_t> all(tiled.tiles.size());
   std::iota(all.begin(), all.end(), 0U);
   tiled.nodes.push_back({CellKey()});
-  divide(tiled, 0, std::move(all), 0);
+  divide(tiled, 0, std::move(all), {});
   return tiled;
 }
 

@@ -12,8 +12,8 @@ namespace hapton {
 // A leaf of the octree: the tiles whose bounds overlap it.
 struct TileCell {
   CellKey key;
-  std::uint8_t empty_siblings = 0;   // as PatchCell has them
-  std::vector<std::uint32_t> tiles;  // ascending
+  std::array<std::uint8_t, kPatchDeepestLevel> empty_children = {};  // as PatchCell has them
+  std::vector<std::uint32_t> tiles;                                  // ascending
 };
 
 // A node of the octree, for finding what is near.

@@ -102,7 +102,7 @@ class RandomDatagrams {
   PatchCell draw_cell() {
     PatchCell cell{bits32(), bits32(), bits32() % (kPatchDeepestLevel + 1)};
     for (std::uint32_t& i : cell.index) i = bits32() % (1U << cell.level);
-    cell.empty_siblings = bits32() % 256;
+    for (std::size_t l = 0; l < cell.level; ++l) cell.empty_children[l] = static_cast<std::uint8_t>(bits());
     cell.tile_count = bits32() % (PatchCell::kMostTiles + 1);
     for (std::size_t i = 0; i < cell.tile_count; ++i) cell.tiles[i] = bits32() % (1U << 20);
     return cell;
@@ -288,8 +288,8 @@ inline void expect_equal(const PatchBegin& a, const PatchBegin& b) {
   EXPECT_EQ(a.origin_m, b.origin_m);
 }
 inline void expect_equal(const PatchCell& a, const PatchCell& b) {
-  EXPECT_EQ(std::tie(a.epoch, a.serial, a.level, a.index, a.empty_siblings, a.tile_count, a.tiles),
-            std::tie(b.epoch, b.serial, b.level, b.index, b.empty_siblings, b.tile_count, b.tiles));
+  EXPECT_EQ(std::tie(a.epoch, a.serial, a.level, a.index, a.empty_children, a.tile_count, a.tiles),
+            std::tie(b.epoch, b.serial, b.level, b.index, b.empty_children, b.tile_count, b.tiles));
 }
 inline void expect_equal(const PatchTile& a, const PatchTile& b) {
   EXPECT_EQ(std::tie(a.epoch, a.serial, a.tile, a.object, a.stiffness_n_per_m, a.damping_ns_per_m, a.friction_static, a.friction_dynamic,

@@ -62,7 +62,8 @@ void lengthen(ViewRejected& m) { m = {kMost32}; }
 void lengthen(PatchBegin& m) { m = {kMost32, kMost32, kVector, 1.0 / 3.0, 1.0 / 3.0, kMost64}; }
 void lengthen(PatchCell& m) {
   constexpr std::uint32_t kLast = (1U << kPatchDeepestLevel) - 1;
-  m = {kMost32, kMost32, kPatchDeepestLevel, {kLast, kLast, kLast}, 0xFF, PatchCell::kMostTiles, {}};
+  m = {kMost32, kMost32, kPatchDeepestLevel, {kLast, kLast, kLast}, {}, PatchCell::kMostTiles, {}};
+  m.empty_children.fill(0xFF);
   m.tiles.fill(kMost32);
 }
 void lengthen(PatchTile& m) {
