@@ -53,13 +53,18 @@ bool PatchTouch::take_offered(const Vec3& p_SD) noexcept {
 }
 
 // The last proxy within is out of this patch's reach: the plane has brought the hand here, so the proxy is where the plane holds it, and
-// the surface, which may have risen meanwhile, below a place somewhat farther out.
+// the surface, which may have risen meanwhile, below a place somewhat farther out, as far as this patch knows what is there.
 void PatchTouch::rise_over(const Patch& patch, const Vec3& p_SD) noexcept {
   if (patch.generation != generation_ || outward_S_.isZero(0.0)) return;
-  const Vec3 held = p_SD + std::max((p_SP_ - p_SD).dot(outward_S_), 0.0) * outward_S_;
-  const double room_m = patch.radius_m - (p_SD - patch.p_SC).norm() - (held - p_SD).norm() - 4.0 * patch.lift_m;
-  if (!(room_m > 0.0)) return;
-  p_SP_ = held + std::min(kRise * (held - p_SP_).norm(), 0.5 * room_m) * outward_S_;
+  const double depth_m = std::max((p_SP_ - p_SD).dot(outward_S_), 0.0);
+  const double way_m = (p_SD + depth_m * outward_S_ - p_SP_).norm();
+  const double room_m = patch.radius_m - (p_SD - patch.p_SC).norm() - 4.0 * patch.lift_m;
+  const double wanted_m = depth_m + kRise * way_m;
+  const double rise_m = std::min(wanted_m, kMostRoom * room_m);
+  // A start below the surface would be a fall-through: a small patch has to grow first.
+  const double least_m = std::min(wanted_m, kLeastRise * force_n_ / stiffness_n_per_m_);
+  if (!(rise_m > 0.0 && rise_m >= least_m)) return;
+  p_SP_ = p_SD + rise_m * outward_S_;
   ++counts_.raised;
 }
 
@@ -76,7 +81,8 @@ void PatchTouch::hand_over(const TouchInput& input) noexcept {
 
 PatchFeel PatchTouch::feel_patch(const TouchInput& input, const Vec3& p_SD) noexcept {
   PatchFeel feel;
-  feel.is_handed_over = !is_over_ || std::exchange(is_beyond_, false);
+  const bool was_beyond = std::exchange(is_beyond_, false);
+  feel.is_handed_over = !is_over_ || was_beyond;
   if (feel.is_handed_over) hand_over(input);
   const TouchOutput felt = patch_->step != nullptr ? patch_->step->step(input) : TouchOutput();
   feel.force_n = felt.force_n;

@@ -41,9 +41,11 @@ struct PatchFeel {
 // Frames: W and S as named. Units: SI. RT: all. Threads: one.
 class PatchTouch {
  public:
-  static constexpr double kBeyondS = 0.5;
+  static constexpr double kBeyondS = 5.0;
   static constexpr double kMostBeyond = 2.0;
   static constexpr double kBeyondDampingS = 0.005;  // damping of that plane, over its stiffness
+  static constexpr double kLeastRise = 2.0;         // ... at least, of the last penetration within
+  static constexpr double kMostRoom = 0.9;          // of a patch's room, for a proxy that starts above it
   static constexpr double kRise = 0.25;             // how far above the plane, for the way past the edge
 
   struct Counts {
