@@ -30,7 +30,6 @@ void PatchTouch::start_at(const Vec3& p_SP, const Vec3& outward) noexcept {
 bool PatchTouch::reaches(const Patch& patch, const Vec3& p_SD) const noexcept {
   if (patch.generation != generation_) return false;
   const double from_centre = (p_SD - patch.p_SC).norm();
-  if (!is_placed_) return from_centre < patch.radius_m;
   const bool goes_on = is_over_ && &patch == patch_.get();
   const double around = goes_on ? (p_SP_ - last_p_SD_).norm() + (p_SD - last_p_SD_).norm() : (p_SD - p_SP_).norm() + 2.0 * patch.lift_m;
   return from_centre + around < patch.radius_m;
@@ -39,6 +38,8 @@ bool PatchTouch::reaches(const Patch& patch, const Vec3& p_SD) const noexcept {
 std::optional<PatchFeel> PatchTouch::step(const TouchInput& input) noexcept {
   const Vec3 p_SD = input.X_WS.linear().transpose() * (input.p_WD - input.X_WS.translation());
   if (!p_SD.allFinite()) return std::nullopt;
+  // A hand that enters the surface before its tiles have come is held by it once they are there.
+  if (!is_placed_) start_at(p_SD, Vec3::Zero());
   if (take_offered(p_SD) || (patch_ != nullptr && reaches(*patch_, p_SD))) return feel_patch(input, p_SD);
   return feel_plane(input, p_SD);
 }
@@ -102,15 +103,14 @@ PatchFeel PatchTouch::feel_patch(const TouchInput& input, const Vec3& p_SD) noex
 }
 
 std::optional<PatchFeel> PatchTouch::feel_plane(const TouchInput& input, const Vec3& p_SD) noexcept {
-  if (patch_ == nullptr || !is_placed_) return std::nullopt;
   PatchFeel feel;
   feel.is_beyond = true;
   feel.is_handed_over = !is_beyond_;
+  const bool has_patch = patch_ != nullptr && patch_->generation == generation_;
   if (!std::exchange(is_beyond_, true)) {
-    ++counts_.beyond;
+    counts_.beyond += has_patch ? 1 : 0;
     beyond_s_ = 0.0;
   }
-  ++counts_.beyond_steps;
   beyond_s_ += input.dt_s;
   const Vec3 velocity = (p_SD - std::exchange(last_p_SD_, p_SD)) / input.dt_s;
   if (outward_S_.isZero(0.0) && beyond_s_ > kBeyondS) {
@@ -118,6 +118,8 @@ std::optional<PatchFeel> PatchTouch::feel_plane(const TouchInput& input, const V
     forget();
     return std::nullopt;
   }
+  if (!has_patch) return std::nullopt;
+  ++counts_.beyond_steps;
   const double depth = (p_SP_ - p_SD).dot(outward_S_);
   if (outward_S_.isZero(0.0) || depth <= 0.0) return feel;
   const double wanted = stiffness_n_per_m_ * (depth - kBeyondDampingS * velocity.dot(outward_S_));
