@@ -19,6 +19,8 @@ void HapticsStep::offer(const DeviceState& state) noexcept {
     ++skipped_;
     ++counts_.skipped;
   }
+  // The hub worked out the force itself for a while and wants this node to go on from there.
+  if (state.is_resumed && !state_.is_resumed && running_) restart();
   state_ = state;
   has_state_ = true;
 }

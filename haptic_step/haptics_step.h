@@ -4,8 +4,8 @@
 #include <memory>
 #include <optional>
 
+#include "core/force/force_fade.h"
 #include "core/force/touch_step.h"
-#include "haptic_step/force_fade.h"
 #include "link/messages.h"
 
 namespace hapton {

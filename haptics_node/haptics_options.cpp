@@ -66,6 +66,10 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
       ->check(between(0, 99))
       ->capture_default_str();
   app.add_option("--cpu", options.realtime.cpu, "Pin to this CPU; -1: any")->check(between(-1, 1023))->capture_default_str();
+  app.add_option("--patch-bandwidth", options.patch_mbit_per_s,
+                 "Mbit/s at most for parts of the scene, which the hub asks for when the network is slow (docs/remote.md)")
+      ->check(between(0.01, 1000.0))
+      ->capture_default_str();
   app.add_option("--seconds", options.seconds, "End after this long, 0: when stopped")->check(between(0.0, 1e9))->capture_default_str();
 
   if (const auto code = parse_command_line(app, argc, argv)) return *code;

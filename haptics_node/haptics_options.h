@@ -20,7 +20,8 @@ struct HapticsOptions {
   SceneLoading loading = {.fit = MeshFit::workspace};
   MethodSettings method;
   RealtimeSettings realtime;
-  double seconds = 0.0;  // 0: until stopped
+  double patch_mbit_per_s = 1.0;  // for parts of the scene, when the hub asks for them
+  double seconds = 0.0;           // 0: until stopped
 };
 
 // The options, or the exit code to leave main with. RT: set-up only.

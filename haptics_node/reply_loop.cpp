@@ -9,6 +9,8 @@ namespace hapton {
 namespace {
 
 constexpr std::int64_t kLookAroundNs = 50 * kNanosecondsPerMillisecond;
+constexpr std::int64_t kPatchLookNs = 4 * kNanosecondsPerMillisecond;
+constexpr int kMostPatches = 4;  // parts of the scene sent between two states
 constexpr std::int64_t kHubAbsentNs = kNanosecondsPerSecond;
 constexpr std::int64_t kSetupEveryNs = kNanosecondsPerSecond;
 // After a change it is sent a few times more, soon, because a datagram may be lost.
@@ -39,7 +41,8 @@ void ReplyLoop::run(const StopSignal& stop, double seconds) {
     if (now_ns >= end_ns) {
       return;
     }
-    turn(std::min(end_ns, now_ns + kLookAroundNs));
+    const bool sends_patches = patches_ != nullptr && patches_->is_wanted(now_ns);
+    turn(std::min(end_ns, now_ns + (sends_patches ? kPatchLookNs : kLookAroundNs)));
   }
 }
 
@@ -48,6 +51,7 @@ void ReplyLoop::turn(std::int64_t deadline_ns) {
     drain();
     if (step_.has_state()) is_ready() ? answer() : wait_for_builder();
   }
+  if (patches_ != nullptr) send_patches();
   change_method();
   tell_setup();
   tell_of_hub();
@@ -72,6 +76,9 @@ void ReplyLoop::hear(const Message& message) noexcept {
     }
     arrival_ns_ = hub_.receive_time_ns();
     step_.offer(*state);
+    if (patches_ != nullptr && patches_->is_wanted(arrival_ns_)) patches_->note_hand(*state, step_.view().X_WS);
+  } else if (const auto* status = std::get_if<PatchStatus>(&message)) {
+    if (!overtaken && patches_ != nullptr) patches_->accept(*status, hub_.receive_time_ns());
   } else if (const auto* view = std::get_if<ViewTransform>(&message)) {
     // Overtaken by a state it is still news, by a later view not. Revisions are compared around the 32-bit circle.
     if (!overtaken || static_cast<std::int32_t>(view->revision - view_revision_) > 0) {
@@ -129,12 +136,22 @@ void ReplyLoop::change_method() noexcept {
     setup_.method = built->text;
     setup_.method_request = built->ask;
     setup_.rejection = {};
+    if (patches_ != nullptr) patches_->set_offered(PatchSender::can_offer({setup_.method.data(), setup_.method.size()}));
     builder_.retire(std::move(built));
     tell_setup_soon();
   } else if (const RejectedMethod* rejected = builder_.take_rejection()) {
     setup_.method_request = rejected->ask;
     setup_.rejection = rejected->why;
     tell_setup_soon();
+  }
+}
+
+void ReplyLoop::send_patches() noexcept {
+  for (int n = 0; n < kMostPatches; ++n) {
+    const Message* part = patches_->front();
+    if (part == nullptr) return;
+    hub_.send(*part);
+    patches_->pop();
   }
 }
 

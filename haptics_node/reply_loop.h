@@ -5,6 +5,7 @@
 
 #include "haptic_step/haptics_step.h"
 #include "haptics_node/method_builder.h"
+#include "haptics_node/patch_sender.h"
 #include "link/hub_client.h"
 #include "runtime/clock.h"
 #include "runtime/latency_histogram.h"
@@ -21,6 +22,9 @@ class ReplyLoop {
  public:
   ReplyLoop(HubClient& hub, const Clock& clock, HapticsStep& step, MethodBuilder& builder, const HapticsSetup& setup = {},
             bool builds_on_approach = false, const SceneFacts& scene = {});
+
+  // Before run: what offers the hub the scene in parts. Pre: outlives this.
+  void set_patch_sender(PatchSender* patches) noexcept { patches_ = patches; }
 
   // Runs until a signal requests the stop or, if `seconds` is above 0, for that time.
   void run(const StopSignal& stop, double seconds);
@@ -39,6 +43,7 @@ class ReplyLoop {
   bool is_ready() noexcept;
   void answer() noexcept;
   void change_method() noexcept;
+  void send_patches() noexcept;
   void tell_setup_soon() noexcept;
   void wait_for_builder() noexcept;
   void tell_setup() noexcept;
@@ -51,6 +56,7 @@ class ReplyLoop {
   MethodBuilder& builder_;
   HapticsSetup setup_;
   SceneFacts scene_;
+  PatchSender* patches_ = nullptr;
   std::uint64_t scene_shown_ = 0;  // hash of the scene that a vision node last reported; 0: none
   std::uint64_t scene_told_ = 0;   // of these, the one that the log spoke of
   bool builds_on_approach_;

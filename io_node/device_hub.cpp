@@ -8,6 +8,7 @@
 #include "devices/device_maker.h"
 #include "io_node/io_session.h"
 #include "io_node/latch_file.h"
+#include "io_node/patch_link.h"
 #include "io_node/session_recorder.h"
 #include "io_node/session_setup.h"
 #include "io_node/vrpn/vrpn_server.h"
@@ -140,6 +141,7 @@ struct DeviceHub::Parts {
     servo->set_hop_meter(&ways);
     servo->set_budget(&budget);
     servo->set_report_server(&report_server);
+    if (options.touch != TouchChoice::remote) use_patches();
     session.set_report_server(&report_server);
     session.set_metrics(metrics.get());
   }
@@ -153,6 +155,13 @@ struct DeviceHub::Parts {
             .hold_button = options.device.hold_button,
             .overrun = overrun_policy(options),
             .spin_share = options.spin_share};
+  }
+  void use_patches() {
+    local_patch = std::make_unique<LocalPatch>();
+    patch_builder = std::make_unique<PatchBuilder>(*local_patch);
+    patch_link = std::make_unique<PatchLink>(peers, *local_patch, *patch_builder, options.touch);
+    servo->device_loop().set_local_touch(local_patch.get());
+    servo->set_patch_link(patch_link.get());
   }
   ServoTap* tap() { return options.record.empty() && find_flight_folder(options).empty() ? nullptr : &recorder; }
 
@@ -169,6 +178,9 @@ struct DeviceHub::Parts {
   const std::uint64_t session_id = make_random_id();
   SessionRecorder recorder;
   HubPeers peers;
+  std::unique_ptr<LocalPatch> local_patch;  // none where forces are always the haptics node's
+  std::unique_ptr<PatchBuilder> patch_builder;
+  std::unique_ptr<PatchLink> patch_link;
   std::unique_ptr<Servo> servo;
   HopMeter ways;
   ReportServer report_server;

@@ -92,6 +92,7 @@ bool DeviceLoop::run_cycle() noexcept {
   const std::int64_t now_ns = clock_.now_ns();
   if (force_sample_ns() != 0 && now_ns - answered_ns_ >= kCommandTimeoutNs) hold_force();
   sample_device();
+  if (local_ != nullptr) feel_locally();
   // A force that came since the last tick has used the slew of this one; one from before a stall has not.
   const bool has_fresh_force = governed_ns_ >= 0 && clock_.now_ns() - governed_ns_ < period_ns() + period_ns() / 2;
   governed_ns_ = -1;
@@ -219,23 +220,55 @@ const DeviceLoopStats& DeviceLoop::collect_stats() noexcept {
 void DeviceLoop::serve() noexcept {
   while (served_.load() < posted_.load()) {
     if (!claim()) return;
-    if (commands_.take()) govern(commands_.value());
+    if (commands_.take()) serve_command(commands_.value());
     served_.store(commands_.value().number);
     show();
     give_back();
   }
 }
 
-void DeviceLoop::govern(const Command& command) noexcept {
-  const std::uint64_t accepted = governor_.counters().accepted;
-  governor_.step(command.wanted, clock_.now_ns());
-  ready_ns_ = clock_.now_ns();
-  if (governor_.counters().accepted != accepted) answered_ns_ = command.wanted.sample_time_ns;
-  write(governor_.output());
-  written_ns_ = clock_.now_ns();
-  governed_ns_ = written_ns_;
+void DeviceLoop::serve_command(const Command& command) noexcept {
   number_ = command.number;
+  if (is_local_) {
+    ++stats_.commands_unused;
+    return;
+  }
+  WrenchCommand wanted = command.wanted;
+  if (local_ != nullptr)
+    wanted.wrench.force_n = faded(wanted.wrench.force_n, wanted.wrench.force_n != Vec3::Zero(), false, clock_.now_ns());
+  govern(wanted);
+  ready_ns_ = governed_ready_ns_;
+  written_ns_ = governed_ns_;
   ++stats_.commands;
+}
+
+void DeviceLoop::govern(const WrenchCommand& wanted) noexcept {
+  const std::uint64_t accepted = governor_.counters().accepted;
+  governor_.step(wanted, clock_.now_ns());
+  governed_ready_ns_ = clock_.now_ns();
+  if (governor_.counters().accepted != accepted) answered_ns_ = wanted.sample_time_ns;
+  write(governor_.output());
+  governed_ns_ = clock_.now_ns();
+}
+
+void DeviceLoop::feel_locally() noexcept {
+  cycle_.local = local_->feel(cycle_.sample);
+  const bool was_local = std::exchange(is_local_, cycle_.local.has_value());
+  if (was_local && !cycle_.local) fade_.begin();
+  if (!cycle_.local) return;
+  const LocalFeel& felt = *cycle_.local;
+  const Vec3 force_n = faded(felt.force_n, felt.contact, felt.is_handed_over || !was_local, cycle_.sample.time_ns);
+  govern({{.force_n = force_n}, cycle_.sample.time_ns});
+  ++stats_.local_forces;
+}
+
+// Whoever gives the force: where it begins to be another, the difference fades. Of a force that was released meanwhile nothing is left to
+// fade.
+Vec3 DeviceLoop::faded(const Vec3& force_n, bool contact, bool is_new_source, std::int64_t now_ns) noexcept {
+  const std::int64_t passed_ns = now_ns - std::exchange(faded_ns_, now_ns);
+  if (passed_ns >= kCommandTimeoutNs) fade_.forget();
+  if (is_new_source) fade_.begin();
+  return fade_.step(force_n, contact, 1e-9 * static_cast<double>(std::clamp<std::int64_t>(passed_ns, 1, kCommandTimeoutNs)));
 }
 
 void DeviceLoop::show() noexcept {

@@ -7,7 +7,9 @@
 #include <optional>
 #include <span>
 
+#include "core/force/force_fade.h"
 #include "devices/device.h"
+#include "io_node/local_touch.h"
 #include "link/session_entry.h"
 #include "runtime/adaptive_spin.h"
 #include "runtime/clock.h"
@@ -37,6 +39,7 @@ struct DeviceCycle {
   std::int64_t late_ns = 0;
   std::uint32_t missed = 0;  // cycles skipped before it
   MissCause cause = MissCause::none;
+  std::optional<LocalFeel> local;  // the force of this sample, where it was worked out on this side
 };
 
 // The present state of the device side.
@@ -67,6 +70,8 @@ struct DeviceLoopStats {
   double max_force_n = 0.0;
   std::int64_t longest_release_ns = 0;  // sample of the last force -> zero on the device, over all command timeouts
   std::uint64_t commands = 0;           // force commands governed
+  std::uint64_t local_forces = 0;       // worked out on this side
+  std::uint64_t commands_unused = 0;    // force commands that came while it was
   std::uint64_t waits = 0;              // cycles that found the network side in the middle of writing a force
   std::uint64_t resets_denied = 0;      // the switch was released before they took effect
   std::uint64_t cuts = 0;               // times the device was cut off, because that took too long or this loop was stalled
@@ -111,6 +116,9 @@ class DeviceLoop {
 
   // Set up before start: the page in which the watchdog process reads the heartbeat. Pre: outlives this.
   void set_heartbeat_page(HeartbeatPage* guard) noexcept { guard_ = guard; }
+
+  // ... and what works out forces on this side, where it can. Pre: outlives this.
+  void set_local_touch(LocalTouch* local) noexcept { local_ = local; }
 
   // ... and the fault that an earlier process left latched.
   void latch_again(SafetyFault fault) noexcept { governor_.latch_again(fault); }
@@ -194,7 +202,10 @@ class DeviceLoop {
   bool claim() noexcept;
   void give_back() noexcept { claimed_.exchange(false); }
   void serve() noexcept;
-  void govern(const Command& command) noexcept;
+  void serve_command(const Command& command) noexcept;
+  void govern(const WrenchCommand& wanted) noexcept;
+  void feel_locally() noexcept;
+  Vec3 faded(const Vec3& force_n, bool contact, bool is_new_source, std::int64_t now_ns) noexcept;
   void overrun(std::int64_t late_ns) noexcept;
   MissCause cause_of(std::int64_t late_ns) const noexcept;
   void grant_requests() noexcept;
@@ -210,6 +221,7 @@ class DeviceLoop {
   const Clock& clock_;
   OverrunPolicy policy_;
   HeartbeatPage* guard_ = nullptr;
+  LocalTouch* local_ = nullptr;
   SafetyGovernor governor_;
   DeviceLoopStats stats_;
   AdaptiveSpin spin_;
@@ -230,7 +242,11 @@ class DeviceLoop {
   // Owned by the holder of the claim.
   std::int64_t device_ns_ = 0;  // spent on the device since the last tick
   Wrench written_;
-  std::int64_t answered_ns_ = 0;   // the sample of the last force that the governor accepted
+  bool is_local_ = false;         // the force comes from local_
+  ForceFade fade_;                // from remote force to local force and back, and from patch to patch
+  std::int64_t faded_ns_ = 0;     // its last step
+  std::int64_t answered_ns_ = 0;  // the sample of the last force that the governor accepted
+  std::int64_t governed_ready_ns_ = 0;
   std::int64_t governed_ns_ = -1;  // the last force since the last cycle; below 0: none
   std::uint64_t number_ = 0;       // of the last command, when it was ready and written
   std::int64_t ready_ns_ = 0;

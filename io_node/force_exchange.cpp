@@ -1,5 +1,7 @@
 #include "io_node/force_exchange.h"
 
+#include <algorithm>
+
 namespace hapton {
 
 // A node silent for that long loses its slot to the next haptics node.
@@ -7,9 +9,17 @@ bool ForceExchange::is_haptics_alive(std::int64_t now_ns) const noexcept {
   return peers_.has_haptics() && now_ns - peers_.peer(HubPeers::kHapticsSlot).last_heard_ns < HubPeers::kHapticsTimeoutNs;
 }
 
+// Not while the haptics node is to go on where the device side is: it needs to catch up.
+bool ForceExchange::is_thinned(const DeviceCycle& cycle) const noexcept {
+  return cycle.local && !history_.is_haptics_new() && cycle.sample.time_ns - sent_ns_ < static_cast<std::int64_t>(1e9 / kThinnedHz);
+}
+
 void ForceExchange::add_cycle(const DeviceCycle& cycle, bool is_newest) noexcept {
   const std::int64_t time_ns = cycle.sample.time_ns;
-  if (is_newest) {
+  is_local_ = cycle.local.has_value();
+  sends_ = is_newest && !is_thinned(cycle);
+  if (sends_) {
+    sent_ns_ = time_ns;
     const bool is_warm = time_ns - peers_.peer(HubPeers::kHapticsSlot).joined_ns >= ResponseTracker::kWarmUpNs;
     responses_.take(cycle.number, time_ns, is_haptics_alive(time_ns) && is_warm);
   } else {
@@ -19,6 +29,7 @@ void ForceExchange::add_cycle(const DeviceCycle& cycle, bool is_newest) noexcept
 }
 
 void ForceExchange::send(const DeviceCycle& cycle) noexcept {
+  if (!sends_) return;
   const DeviceSample& sample = cycle.sample;
   DeviceState state{cycle.number, sample.time_ns, sample.p_WD, sample.q_WT, sample.buttons};
   const std::optional<Vec3> p_WP = history_.find_resume_point(sample.p_WD);
@@ -32,8 +43,13 @@ void ForceExchange::send(const DeviceCycle& cycle) noexcept {
 void ForceExchange::accept(const Header& header, const ForceCommand& command) noexcept {
   const ResponseTracker::Verdict verdict = responses_.answer(command);
   if (verdict == ResponseTracker::Verdict::duplicate || verdict == ResponseTracker::Verdict::unknown) return;
-  if (verdict == ResponseTracker::Verdict::reordered) {
-    note_round_trip(header, command, clock_.now_ns());
+  const std::int64_t now_ns = clock_.now_ns();
+  note_trip(now_ns - command.echo_sample_time_ns, now_ns);
+  if (is_local_) {
+    note_round_trip(header, command, now_ns);
+    history_.note_resumed();
+  } else if (verdict == ResponseTracker::Verdict::reordered) {
+    note_round_trip(header, command, now_ns);
   } else {
     note_written();  // of the force before
     const std::uint64_t number = loop_.post({{.force_n = command.force_n}, command.echo_sample_time_ns});
@@ -62,7 +78,34 @@ void ForceExchange::note_round_trip(const Header& header, const ForceCommand& co
   stats_.wire.record(round_trip_ns - static_cast<std::int64_t>(command.compute_ns));
 }
 
+// One in 20 ms is enough to choose by, and costs nothing in between.
+void ForceExchange::note_trip(std::int64_t round_trip_ns, std::int64_t now_ns) noexcept {
+  if (now_ns - trip_ns_ < 20 * kNanosecondsPerMillisecond) return;
+  trip_ns_ = now_ns;
+  trips_s_[trips_++ % kTrips] = static_cast<float>(1e-9 * static_cast<double>(round_trip_ns));
+}
+
+double ForceExchange::find_round_trip_s() const noexcept {
+  if (trips_ < kTrips / 2) return -1.0;
+  std::array<float, kTrips> sorted = trips_s_;
+  const std::size_t count = std::min(trips_, kTrips);
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(count / 2);
+  std::nth_element(sorted.begin(), middle, sorted.begin() + static_cast<std::ptrdiff_t>(count));
+  return static_cast<double>(*middle);
+}
+
+void ForceExchange::note_local(const DeviceCycle& cycle, std::uint32_t view_revision) noexcept {
+  if (!cycle.local) return;
+  history_.note_local({.echo_sample = cycle.number,
+                       .echo_sample_time_ns = cycle.sample.time_ns,
+                       .force_n = cycle.local->force_n,
+                       .visual_offset_m = cycle.local->visual_offset_m,
+                       .contact = cycle.local->contact,
+                       .view_revision = view_revision});
+}
+
 void ForceExchange::on_haptics_joined() noexcept {
+  trips_ = 0;
   history_.note_new_haptics();
   responses_.excuse_waiting();
 }

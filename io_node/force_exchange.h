@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -26,7 +27,8 @@ class ForceExchange {
 
   // A cycle of the device side. is_newest false: a newer one is there already, so this sample is never sent.
   void add_cycle(const DeviceCycle& cycle, bool is_newest) noexcept;
-  // The newest sample, to the haptics node.
+  // The newest sample, to the haptics node. While the force is worked out on the device side the haptics node needs it only to see where
+  // the hand goes, kThinnedHz times a second.
   void send(const DeviceCycle& cycle) noexcept;
   // The force for the newest sample may still arrive.
   bool is_awaited() const noexcept { return !responses_.is_newest_answered() && peers_.has_haptics(); }
@@ -38,6 +40,16 @@ class ForceExchange {
 
   void on_haptics_joined() noexcept;
   void on_haptics_left() noexcept { responses_.excuse_waiting(); }
+  // The haptics node goes on where the probe rests now: the next states tell it, as those to a new one.
+  void ask_to_resume() noexcept { history_.note_new_haptics(); }
+  // It has replied since.
+  bool has_resumed() const noexcept { return !history_.is_haptics_new(); }
+  bool is_local() const noexcept { return is_local_; }
+  // The median of the round trips of the last second or so; below 0: too few so far.
+  double find_round_trip_s() const noexcept;
+  // view_revision: of the view that forces of the device side are worked out with.
+  void note_local(const DeviceCycle& cycle, std::uint32_t view_revision) noexcept;
+
   // The scene was turned.
   void forget_rest() noexcept { history_.forget_rest(); }
   void settle(std::int64_t now_ns) noexcept { responses_.settle(now_ns); }
@@ -56,6 +68,10 @@ class ForceExchange {
     ForceCommand command;
   };
 
+  static constexpr double kThinnedHz = 20.0;
+
+  bool is_thinned(const DeviceCycle& cycle) const noexcept;
+  void note_trip(std::int64_t round_trip_ns, std::int64_t now_ns) noexcept;
   bool is_haptics_alive(std::int64_t now_ns) const noexcept;
   void note_round_trip(const Header& header, const ForceCommand& command, std::int64_t ready_ns) noexcept;
 
@@ -67,6 +83,14 @@ class ForceExchange {
   ResponseTracker responses_;
   ProbeHistory history_;
   std::optional<Posted> posted_;  // not known to be written yet
+  bool is_local_ = false;         // the newest sample's force is the device side's
+  bool sends_ = true;             // the newest sample
+  std::int64_t sent_ns_ = 0;      // the newest that was sent
+
+  static constexpr std::size_t kTrips = 32;
+  std::array<float, kTrips> trips_s_ = {};
+  std::size_t trips_ = 0;
+  std::int64_t trip_ns_ = 0;
 };
 
 }  // namespace hapton

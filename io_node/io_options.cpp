@@ -33,6 +33,7 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
   IoOptions options;
   std::string realtime = "try";
   std::string watchdog = "try";
+  std::string touch = "auto";
   CLI::App app{"Drives the force-feedback device, limits every force, and is the hub that the other nodes join.", "io_node"};
   app.add_option("--bind", options.bind, "Where to listen: ADDRESS:PORT; 0.0.0.0:4950 for a LAN, port 0: any free one")
       ->capture_default_str();
@@ -102,6 +103,12 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
   app.add_option("--vrpn", options.vrpn,
                  "Show the stylus to VRPN programs at this address, TCP and UDP: 127.0.0.1:3883 (default: off; see docs/vrpn.md)");
   app.add_option("--vrpn-name", options.vrpn_name, "The device's name there, NAME@host")->capture_default_str();
+  app.add_option(
+         "--touch", touch,
+         "Where forces are worked out: by the haptics node (remote), here on the parts of the scene that it sends (patch), or by the "
+         "round trip (auto; docs/remote.md)")
+      ->check(CLI::IsMember({"remote", "patch", "auto"}))
+      ->capture_default_str();
   app.add_option("--rt", realtime, "Real-time scheduling: try, require or off")
       ->check(CLI::IsMember({"try", "require", "off"}))
       ->capture_default_str();
@@ -122,6 +129,7 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
       return kBadCommandLine;
     }
   }
+  options.touch = touch == "remote" ? TouchChoice::remote : touch == "patch" ? TouchChoice::patch : TouchChoice::automatic;
   options.realtime.mode = *parse_realtime_mode(realtime);
   options.watchdog = *parse_realtime_mode(watchdog);
   return options;

@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "devices/device_settings.h"
+#include "io_node/touch_chooser.h"
 #include "runtime/realtime.h"
 
 namespace hapton {
@@ -29,6 +30,7 @@ struct IoOptions {
   std::string echo_probe;      // responder of the bare echo; empty: not measured
   std::string key_file;        // empty: the user's own, on loopback
   RealtimeSettings realtime;
+  TouchChoice touch = TouchChoice::automatic;
   RealtimeMode watchdog = RealtimeMode::attempt;  // the watchdog process: try, require or off
 };
 

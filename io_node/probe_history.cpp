@@ -8,14 +8,23 @@ void ProbeHistory::note_sample(std::uint64_t number, const DeviceSample& sample)
 }
 
 void ProbeHistory::note_answer(const ForceCommand& command) noexcept {
-  last_ = command;
   is_haptics_new_ = false;
+  note_local(command);
+}
+
+void ProbeHistory::note_local(const ForceCommand& command) noexcept {
+  last_ = command;
   const bool is_at_rest = command.contact && is_known(command.echo_sample);
   p_WP_ = is_at_rest ? std::optional<Vec3>(poses_[command.echo_sample % kSamples].p_WD + command.visual_offset_m) : std::nullopt;
 }
 
 std::optional<Vec3> ProbeHistory::find_resume_point(const Vec3& p_WD) const noexcept {
   return is_haptics_new_ && p_WP_ && (*p_WP_ - p_WD).norm() <= kResumeReachM ? p_WP_ : std::nullopt;
+}
+
+std::optional<Vec3> ProbeHistory::find_probe() const noexcept {
+  if (!is_known(last_.echo_sample)) return std::nullopt;
+  return poses_[last_.echo_sample % kSamples].p_WD + last_.visual_offset_m;
 }
 
 void ProbeHistory::show(bool is_silent, ProbeState& probe) const noexcept {

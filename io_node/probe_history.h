@@ -24,6 +24,10 @@ class ProbeHistory {
   void note_sample(std::uint64_t number, const DeviceSample& sample) noexcept;
   // The reply to the newest sample that has one.
   void note_answer(const ForceCommand& command) noexcept;
+  // The force of the newest sample, worked out on the device side.
+  void note_local(const ForceCommand& command) noexcept;
+  // The haptics node has replied while the device side works out the force.
+  void note_resumed() noexcept { is_haptics_new_ = false; }
   // A haptics node has joined and not replied yet.
   void note_new_haptics() noexcept { is_haptics_new_ = true; }
   bool is_haptics_new() const noexcept { return is_haptics_new_; }
@@ -33,6 +37,8 @@ class ProbeHistory {
   // Where a new haptics node resumes contact, if the device is still near (kResumeReachM).
   std::optional<Vec3> find_resume_point(const Vec3& p_WD) const noexcept;
   const ForceCommand& last_answer() const noexcept { return last_; }
+  // Where the probe was in the sample answered last, if that is known still.
+  std::optional<Vec3> find_probe() const noexcept;
 
   // Pose, contact and visual offset of the newest sample with a reply: the offset of an older reply with the newest pose would draw the
   // probe off the surface by the device's motion in between. Without replies: the newest sample, without offset.

@@ -75,6 +75,7 @@ bool Servo::read_cycles() noexcept {
   while (!is_newest && loop_.take_cycle(cycle_)) {
     is_newest = !loop_.has_cycle();
     forces_.add_cycle(cycle_, is_newest);
+    if (cycle_.local) forces_.note_local(cycle_, view_.view() ? view_.view()->revision : 0);
     if (!is_newest && tap_ != nullptr) safety_.note_cycle(loop_.latest(), cycle_, cycle_.sample.time_ns);
   }
   return true;
@@ -88,6 +89,7 @@ void Servo::await_force(std::int64_t deadline_ns) noexcept {
 void Servo::do_housekeeping() noexcept {
   const std::int64_t now_ns = clock_.now_ns();
   forces_.settle(now_ns);
+  if (patches_ != nullptr) patches_->look_after(forces_, view_.view(), now_ns);
   stats_.status = find_probe_status(loop_.latest(), peers_.has_haptics(), scene_.reach());
   if (peers_.count(NodeRole::vision) > 0) {
     vision_.send(forces_.history(), loop_.latest(), cycle_, view_.revision_in_use(forces_.history()), stats_.status, now_ns);
@@ -123,6 +125,10 @@ void Servo::handle(const PeerEvent& event, const Datagram& datagram) noexcept {
 void Servo::on_message(const PeerEvent& event, const Datagram& datagram) noexcept {
   const Message& message = datagram.message;
   if (const auto* force = std::get_if<ForceCommand>(&message)) return forces_.accept(datagram.header, *force);
+  if (patches_ != nullptr && (std::holds_alternative<PatchTile>(message) || std::holds_alternative<PatchCell>(message) ||
+                              std::holds_alternative<PatchBegin>(message))) {
+    return patches_->accept(message);
+  }
   // Of these the newest wins; a reordered one is out of date.
   if (event.arrival != Arrival::newest) return;
   if (const auto* view = std::get_if<ViewTransform>(&message)) return on_view(*view);
@@ -144,6 +150,7 @@ void Servo::on_joined(const PeerEvent& event) noexcept {
   vision_.on_joined(event.peer);
   if (event.role != NodeRole::haptics) return;
   forces_.on_haptics_joined();
+  if (patches_ != nullptr) patches_->on_haptics_joined();
   view_.on_haptics_joined(event.peer, clock_.now_ns());
 }
 
@@ -188,6 +195,10 @@ const ServoStats& Servo::fill_stats(const DeviceLoopStats& device) noexcept {
   if (budget_ != nullptr) {
     stats_.socket = budget_->socket_counts();
     stats_.budget_spent = budget_->spent();
+  }
+  if (patches_ != nullptr) {
+    stats_.patch_builder = patches_->builder_counts();
+    stats_.patch_touch = patches_->touch_counts();
   }
   if (hops_ != nullptr) stats_.hops = hops_->collect(clock_.now_ns());
   if (echo_ != nullptr) {

@@ -12,6 +12,7 @@
 #include "io_node/force_exchange.h"
 #include "io_node/hop_meter.h"
 #include "io_node/hub_receiver.h"
+#include "io_node/patch_link.h"
 #include "io_node/peer_notices.h"
 #include "io_node/report_server.h"
 #include "io_node/request_handler.h"
@@ -56,6 +57,7 @@ class Servo final : private PeerEventHandler {
   void set_hop_meter(HopMeter* hops) noexcept;
   void set_report_server(ReportServer* server) noexcept { report_server_ = server; }
   void set_budget(BudgetedEndpoint* budget) noexcept;
+  void set_patch_link(PatchLink* patches) noexcept { patches_ = patches; }
   void use_device_thread() noexcept { cycles_.use_device_thread(); }
   DeviceLoop& device_loop() noexcept { return loop_; }
 
@@ -106,6 +108,7 @@ class Servo final : private PeerEventHandler {
   HopMeter* hops_ = nullptr;
   ReportServer* report_server_ = nullptr;
   BudgetedEndpoint* budget_ = nullptr;
+  PatchLink* patches_ = nullptr;
   EventRing events_;
   ServoStats stats_;
 

@@ -19,6 +19,7 @@ void add_device_stats(const DeviceLoopStats& device, ServoStats& stats) noexcept
   stats.device = device.condition;
   stats.resets_denied = device.resets_denied;
   stats.cuts = device.cuts;
+  stats.local_forces = device.local_forces;
   stats.cycles_unreported = device.cycles_unreported;
 }
 

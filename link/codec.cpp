@@ -78,12 +78,20 @@ constexpr std::tuple kMessageKinds{
                                               &wire::Envelope::mutable_scene_facts},
     MessageKind<ViewRejected, wire::ViewRejected>{&wire::Envelope::has_view_rejected, &wire::Envelope::view_rejected,
                                                   &wire::Envelope::mutable_view_rejected},
+    MessageKind<PatchTile, wire::PatchTile>{&wire::Envelope::has_patch_tile, &wire::Envelope::patch_tile,
+                                            &wire::Envelope::mutable_patch_tile},
+    MessageKind<PatchCell, wire::PatchCell>{&wire::Envelope::has_patch_cell, &wire::Envelope::patch_cell,
+                                            &wire::Envelope::mutable_patch_cell},
+    MessageKind<PatchBegin, wire::PatchBegin>{&wire::Envelope::has_patch_begin, &wire::Envelope::patch_begin,
+                                              &wire::Envelope::mutable_patch_begin},
+    MessageKind<PatchStatus, wire::PatchStatus>{&wire::Envelope::has_patch_status, &wire::Envelope::patch_status,
+                                                &wire::Envelope::mutable_patch_status},
     MessageKind<Bye, wire::Bye>{&wire::Envelope::has_bye, &wire::Envelope::bye, &wire::Envelope::mutable_bye},
 };
 constexpr std::size_t kKindCount = std::tuple_size_v<decltype(kMessageKinds)>;
 static_assert(kKindCount == std::variant_size_v<Message>);
 // Fields 1 to 5 of an Envelope are its header, the others one kind each, from 16 on.
-static_assert(wire::Envelope::kViewRejectedFieldNumber == 15 + kKindCount, "the last kind of hapton.proto, and its line in kMessageKinds");
+static_assert(wire::Envelope::kPatchStatusFieldNumber == 15 + kKindCount, "the last kind of hapton.proto, and its line in kMessageKinds");
 
 // Calls visit with each kind until one returns true.
 template <class Visit>
@@ -184,6 +192,18 @@ void reserve(wire::SceneFacts& m) {
 void reserve(wire::ReportRequest&) {}
 void reserve(wire::ReportPart& m) { m.mutable_text()->reserve(kMaxDatagramBytes); }
 void reserve(wire::ViewRejected&) {}
+void reserve(wire::PatchBegin& m) { reserve_field(*m.mutable_origin_m()); }
+// A varint takes a byte at least.
+void reserve(wire::PatchCell& m) {
+  m.mutable_index()->Reserve(kMaxDatagramBytes);
+  m.mutable_empty_children()->reserve(kMaxDatagramBytes);
+  m.mutable_tiles()->Reserve(kMaxDatagramBytes);
+}
+void reserve(wire::PatchTile& m) {
+  m.mutable_vertices()->reserve(kMaxDatagramBytes);
+  m.mutable_triangles()->reserve(kMaxDatagramBytes);
+}
+void reserve(wire::PatchStatus& m) { m.mutable_received()->reserve(kMaxDatagramBytes); }
 void reserve(wire::Bye&) {}
 
 }  // namespace

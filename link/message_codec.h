@@ -21,6 +21,10 @@ class SceneFacts;
 class ReportRequest;
 class ReportPart;
 class ViewRejected;
+class PatchBegin;
+class PatchCell;
+class PatchTile;
+class PatchStatus;
 }  // namespace wire
 
 void write(const Hello& from, wire::Hello& to);
@@ -38,6 +42,10 @@ void write(const SceneFacts& from, wire::SceneFacts& to);
 void write(const ReportRequest& from, wire::ReportRequest& to);
 void write(const ReportPart& from, wire::ReportPart& to);
 void write(const ViewRejected& from, wire::ViewRejected& to);
+void write(const PatchBegin& from, wire::PatchBegin& to);
+void write(const PatchCell& from, wire::PatchCell& to);
+void write(const PatchTile& from, wire::PatchTile& to);
+void write(const PatchStatus& from, wire::PatchStatus& to);
 
 // False for a value that the contract rules out; `to` is then not to be used.
 bool read(const wire::Hello& from, Hello& to);
@@ -54,6 +62,10 @@ bool read(const wire::SceneFacts& from, SceneFacts& to);
 bool read(const wire::ReportRequest& from, ReportRequest& to);
 bool read(const wire::ReportPart& from, ReportPart& to);
 bool read(const wire::ViewRejected& from, ViewRejected& to);
+bool read(const wire::PatchBegin& from, PatchBegin& to);
+bool read(const wire::PatchCell& from, PatchCell& to);
+bool read(const wire::PatchTile& from, PatchTile& to);
+bool read(const wire::PatchStatus& from, PatchStatus& to);
 bool read(const wire::ViewTransform& from, ViewTransform& to);
 
 }  // namespace hapton

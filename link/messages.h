@@ -179,8 +179,70 @@ struct ReportPart {
   std::array<char, 896> text = {};
 };
 
-using Message = std::variant<Hello, Welcome, Bye, DeviceState, ForceCommand, ViewTransform, ProbeState, Drawn, HandTarget, Settings,
-                             HapticsSetup, ReportRequest, ReportPart, SceneFacts, ViewRejected>;
+// --- ContactPatch: the scene's surface in parts, so that the hub's own step can feel it (docs/decisions/0116-contact-patch.md). Positions
+// lie on a grid of the static scene: p_S = origin_m + step_m * (x, y, z), each a whole number below 2^kPatchGridBits. What a part says
+// holds for ever within its epoch; another epoch begins with nothing. A serial counts the parts sent within an epoch, repeats included,
+// from 1.
+
+constexpr int kPatchGridBits = 24;
+constexpr int kPatchDeepestLevel = 14;
+
+// haptics -> hub: what the parts of this epoch have in common.
+struct PatchBegin {
+  std::uint32_t epoch = 0;
+  std::uint32_t serial = 0;
+  Vec3 origin_m = Vec3::Zero();
+  double step_m = 0.0;
+  double probe_radius_m = 0.0;
+  std::uint64_t scene_hash = 0;
+};
+
+// haptics -> hub: all tiles that have a triangle in one cube of the octree over the grid: at level n it is 2^-n of the whole wide.
+struct PatchCell {
+  static constexpr std::size_t kMostTiles = 128;
+  std::uint32_t epoch = 0;
+  std::uint32_t serial = 0;
+  std::uint32_t level = 0;
+  std::array<std::uint32_t, 3> index = {};
+  // Of the cubes around it, the whole one first: bit x + 2 y + 4 z: that child of it has no triangle.
+  std::array<std::uint8_t, kPatchDeepestLevel> empty_children = {};
+  std::uint32_t tile_count = 0;
+  std::array<std::uint32_t, kMostTiles> tiles = {};
+};
+
+// haptics -> hub: a cluster of triangles of one object.
+struct PatchTile {
+  static constexpr std::size_t kMostVertices = 88;
+  static constexpr std::size_t kMostTriangles = 64;
+  static constexpr std::size_t kVertexBytes = 9;  // x, y, z, 3 bytes each, lowest first
+  std::uint32_t epoch = 0;
+  std::uint32_t serial = 0;
+  std::uint32_t tile = 0;
+  std::uint32_t object = 0;
+  double stiffness_n_per_m = 0.0;
+  double damping_ns_per_m = 0.0;
+  double friction_static = 0.0;
+  double friction_dynamic = 0.0;
+  bool two_sided = true;
+  std::uint8_t vertex_count = 0;
+  std::uint8_t triangle_count = 0;
+  std::array<std::uint8_t, kMostVertices* kVertexBytes> vertices = {};
+  std::array<std::uint8_t, kMostTriangles* 3> triangles = {};  // vertex numbers in this tile
+};
+
+// hub -> haptics, while it wants parts: which it has received.
+struct PatchStatus {
+  static constexpr std::size_t kSerials = 512;
+  bool is_wanted = false;
+  std::uint32_t epoch = 0;                               // of the newest part received; 0: none
+  std::uint32_t newest_serial = 0;                       // received in that epoch
+  std::array<std::uint8_t, kSerials / 8> received = {};  // bit i, from the lowest of byte 0: newest_serial - i
+  float round_trip_s = 0.0F;                             // as the hub measures it
+};
+
+using Message =
+    std::variant<Hello, Welcome, Bye, DeviceState, ForceCommand, ViewTransform, ProbeState, Drawn, HandTarget, Settings, HapticsSetup,
+                 ReportRequest, ReportPart, SceneFacts, ViewRejected, PatchBegin, PatchCell, PatchTile, PatchStatus>;
 
 // In front of every message.
 struct Header {

@@ -62,6 +62,13 @@ bool write_sealed() {
   ForceCommand force{.echo_sample = 1, .force_n = Vec3(1, 2, 3), .contact = true};
   return write("sealed", "haptics",
                sealed({{kHaptics, Hello{NodeRole::haptics}}, {kHaptics, force}, {kHaptics, HapticsSetup()}, {kHaptics, Bye()}})) &&
+         write("sealed", "patch",
+               sealed({{kHaptics, Hello{NodeRole::haptics}},
+                       {kHaptics, PatchBegin{.epoch = 1, .serial = 1, .step_m = 1e-8}},
+                       {kHaptics, PatchCell{.epoch = 1, .serial = 2, .tile_count = 1}},
+                       {kHaptics, PatchTile{.epoch = 1, .serial = 3, .vertex_count = 3, .triangle_count = 1}},
+                       {kVision, PatchTile{.epoch = 1, .serial = 4, .vertex_count = 3, .triangle_count = 1}},
+                       {kToNode, PatchStatus{.is_wanted = true}}})) &&
          write("sealed", "vision",
                sealed({{kVision, Hello{NodeRole::vision}}, {kVision, ViewTransform()}, {kVision, Drawn()}, {kVision, HandTarget()}})) &&
          write("sealed", "tool",

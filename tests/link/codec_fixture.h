@@ -86,9 +86,43 @@ class RandomDatagrams {
         return draw_part();
       case 13:
         return draw_facts();
-      default:
+      case 14:
         return ViewRejected{bits32()};
+      case 15:
+        return PatchBegin{bits32(), bits32(), vector(), number(1e-9, 1), number(0, 1), bits()};
+      case 16:
+        return draw_cell();
+      case 17:
+        return draw_tile();
+      default:
+        return draw_status();
     }
+  }
+
+  PatchCell draw_cell() {
+    PatchCell cell{bits32(), bits32(), bits32() % (kPatchDeepestLevel + 1)};
+    for (std::uint32_t& i : cell.index) i = bits32() % (1U << cell.level);
+    for (std::size_t l = 0; l < cell.level; ++l) cell.empty_children[l] = static_cast<std::uint8_t>(bits());
+    cell.tile_count = bits32() % (PatchCell::kMostTiles + 1);
+    for (std::size_t i = 0; i < cell.tile_count; ++i) cell.tiles[i] = bits32() % (1U << 20);
+    return cell;
+  }
+
+  PatchTile draw_tile() {
+    PatchTile tile{bits32(), bits32(), bits32(), bits32(), number(0, 1e4), number(0, 10), number(0.5, 1), number(0, 0.5), flag()};
+    tile.vertex_count = static_cast<std::uint8_t>(1 + bits() % PatchTile::kMostVertices);
+    tile.triangle_count = static_cast<std::uint8_t>(1 + bits() % PatchTile::kMostTriangles);
+    for (std::size_t i = 0; i < tile.vertex_count * PatchTile::kVertexBytes; ++i) tile.vertices[i] = static_cast<std::uint8_t>(bits());
+    for (std::size_t i = 0; i < tile.triangle_count * std::size_t{3}; ++i) {
+      tile.triangles[i] = static_cast<std::uint8_t>(bits() % tile.vertex_count);
+    }
+    return tile;
+  }
+
+  PatchStatus draw_status() {
+    PatchStatus status{flag(), bits32(), bits32(), {}, rate()};
+    for (std::uint8_t& byte : status.received) byte = static_cast<std::uint8_t>(bits());
+    return status;
   }
 
   SceneFacts draw_facts() {
@@ -248,6 +282,25 @@ inline void expect_equal(const SceneFacts& a, const SceneFacts& b) {
 }
 
 inline void expect_equal(const ViewRejected& a, const ViewRejected& b) { EXPECT_EQ(a.revision, b.revision); }
+inline void expect_equal(const PatchBegin& a, const PatchBegin& b) {
+  EXPECT_EQ(std::tie(a.epoch, a.serial, a.step_m, a.probe_radius_m, a.scene_hash),
+            std::tie(b.epoch, b.serial, b.step_m, b.probe_radius_m, b.scene_hash));
+  EXPECT_EQ(a.origin_m, b.origin_m);
+}
+inline void expect_equal(const PatchCell& a, const PatchCell& b) {
+  EXPECT_EQ(std::tie(a.epoch, a.serial, a.level, a.index, a.empty_children, a.tile_count, a.tiles),
+            std::tie(b.epoch, b.serial, b.level, b.index, b.empty_children, b.tile_count, b.tiles));
+}
+inline void expect_equal(const PatchTile& a, const PatchTile& b) {
+  EXPECT_EQ(std::tie(a.epoch, a.serial, a.tile, a.object, a.stiffness_n_per_m, a.damping_ns_per_m, a.friction_static, a.friction_dynamic,
+                     a.two_sided, a.vertex_count, a.triangle_count, a.vertices, a.triangles),
+            std::tie(b.epoch, b.serial, b.tile, b.object, b.stiffness_n_per_m, b.damping_ns_per_m, b.friction_static, b.friction_dynamic,
+                     b.two_sided, b.vertex_count, b.triangle_count, b.vertices, b.triangles));
+}
+inline void expect_equal(const PatchStatus& a, const PatchStatus& b) {
+  EXPECT_EQ(std::tie(a.is_wanted, a.epoch, a.newest_serial, a.received, a.round_trip_s),
+            std::tie(b.is_wanted, b.epoch, b.newest_serial, b.received, b.round_trip_s));
+}
 
 inline void expect_equal(const Datagram& a, const Datagram& b) {
   EXPECT_EQ(a.header.session, b.header.session);
@@ -293,6 +346,22 @@ inline void expect_sane(const Datagram& datagram) {
   } else if (const auto* part = std::get_if<ReportPart>(&datagram.message)) {
     EXPECT_LE(part->size, part->text.size());
     EXPECT_LT(part->part, part->parts);
+  } else if (const auto* begin = std::get_if<PatchBegin>(&datagram.message)) {
+    EXPECT_TRUE(begin->origin_m.allFinite());
+    EXPECT_GT(begin->step_m, 0.0);
+    EXPECT_GE(begin->probe_radius_m, 0.0);
+  } else if (const auto* cell = std::get_if<PatchCell>(&datagram.message)) {
+    ASSERT_LE(cell->level, static_cast<std::uint32_t>(kPatchDeepestLevel));
+    for (const std::uint32_t i : cell->index) EXPECT_LT(i, 1U << cell->level);
+    EXPECT_LE(cell->tile_count, cell->tiles.size());
+  } else if (const auto* tile = std::get_if<PatchTile>(&datagram.message)) {
+    ASSERT_LE(tile->vertex_count, PatchTile::kMostVertices);
+    ASSERT_LE(tile->triangle_count, PatchTile::kMostTriangles);
+    for (std::size_t i = 0; i < std::size_t{3} * tile->triangle_count; ++i) EXPECT_LT(tile->triangles[i], tile->vertex_count);
+    EXPECT_TRUE(std::isfinite(tile->stiffness_n_per_m) && tile->stiffness_n_per_m >= 0.0);
+    EXPECT_LE(tile->friction_dynamic, tile->friction_static);
+  } else if (const auto* status = std::get_if<PatchStatus>(&datagram.message)) {
+    EXPECT_TRUE(std::isfinite(status->round_trip_s) && status->round_trip_s >= 0.0F);
   }
 }
 

@@ -59,6 +59,20 @@ void lengthen(SceneFacts& m) {
 }
 void lengthen(ReportRequest& m) { m = {ReportDocument::csv, kMost32, kMost32 - 1}; }
 void lengthen(ViewRejected& m) { m = {kMost32}; }
+void lengthen(PatchBegin& m) { m = {kMost32, kMost32, kVector, 1.0 / 3.0, 1.0 / 3.0, kMost64}; }
+void lengthen(PatchCell& m) {
+  constexpr std::uint32_t kLast = (1U << kPatchDeepestLevel) - 1;
+  m = {kMost32, kMost32, kPatchDeepestLevel, {kLast, kLast, kLast}, {}, PatchCell::kMostTiles, {}};
+  m.empty_children.fill(0xFF);
+  m.tiles.fill(kMost32);
+}
+void lengthen(PatchTile& m) {
+  m = {kMost32, kMost32, kMost32, kMost32, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, false};
+  m.vertex_count = PatchTile::kMostVertices;
+  m.triangle_count = PatchTile::kMostTriangles;
+  m.vertices.fill(0xFF);
+}
+void lengthen(PatchStatus& m) { m = {true, kMost32, kMost32, {}, kRate}; }
 void lengthen(ReportPart& m) {
   m.document = ReportDocument::csv;
   m.revision = kMost32;

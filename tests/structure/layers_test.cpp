@@ -14,9 +14,8 @@
 namespace hapton::structure {
 namespace {
 
-const std::vector<std::string> kFolders = {"core",        "runtime",  "link",         "hid",         "scene",
-                                           "bench",       "watchdog", "devices",      "safety",      "loop",
-                                           "haptic_step", "io_node",  "haptics_node", "vision_node", "tools"};
+const std::vector<std::string> kFolders = {"core",   "runtime", "link",  "hid",         "scene",   "bench",        "watchdog",    "devices",
+                                           "safety", "loop",    "patch", "haptic_step", "io_node", "haptics_node", "vision_node", "tools"};
 
 // Which folders, or single headers, a folder's files may include. Its own are always allowed.
 const std::map<std::string, std::vector<std::string>> kMayInclude = {
@@ -36,9 +35,10 @@ const std::map<std::string, std::vector<std::string>> kMayInclude = {
     {"devices", {"core/base", "core/math", "runtime", "link", "hid", "watchdog"}},
     {"safety", {"core/math", "devices/device.h", "link/key_role.h"}},
     {"loop", {"core", "safety", "devices/device.h", "devices/model_a.h", "link/fault_injector.h"}},
+    {"patch", {"core", "link", "runtime"}},
     {"haptic_step", {"core", "link", "runtime", "scene"}},
-    {"io_node", {"core/base", "core/math", "runtime", "link", "hid", "watchdog", "devices", "safety"}},
-    {"haptics_node", {"core", "runtime", "link", "scene", "haptic_step"}},
+    {"io_node", {"core", "runtime", "link", "hid", "watchdog", "devices", "safety", "patch"}},
+    {"haptics_node", {"core", "runtime", "link", "scene", "patch", "haptic_step"}},
     {"vision_node", {"core", "runtime", "link", "hid", "scene"}},
     {"tools", {"core", "runtime", "link", "hid", "scene", "bench", "haptic_step", "devices", "safety", "loop"}},
 };

@@ -1,4 +1,4 @@
-#include "haptic_step/force_fade.h"
+#include "core/force/force_fade.h"
 
 #include <gtest/gtest.h>
 

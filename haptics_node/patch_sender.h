@@ -1,0 +1,92 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <string_view>
+#include <thread>
+
+#include "core/force/touch_scene.h"
+#include "link/messages.h"
+#include "patch/patch_source.h"
+#include "runtime/mailbox.h"
+
+namespace hapton {
+
+// Offers the scene to the hub in parts, when it asks for them: a thread of its own parts the scene, once, and decides what goes next; the
+// reply loop sends it. Nothing is done before the hub asks. RT: accept, note_hand, set_offered, is_wanted, front and pop yes; making one
+// and ending it is set-up only. Threads: one caller.
+class PatchSender {
+ public:
+  // What can be felt from parts of the scene alone, to the same force: a method as HapticsSetup names it.
+  static bool can_offer(std::string_view method_text) noexcept;
+
+  PatchSender(TouchScene scene, double probe_radius_m, std::uint64_t scene_hash, bool is_offered, const PatchSource::Options& options = {});
+  ~PatchSender();
+  PatchSender(const PatchSender&) = delete;
+  PatchSender& operator=(const PatchSender&) = delete;
+
+  void accept(const PatchStatus& status, std::int64_t now_ns) noexcept;
+  // Frames: W, and the scene in it.
+  void note_hand(const DeviceState& state, const std::array<float, 12>& X_WS) noexcept;
+  // Another method is in use: parts of the scene are as good as it, or not.
+  void set_offered(bool is_offered) noexcept { is_offered_.store(is_offered, std::memory_order_release); }
+  // The hub asked for parts a moment ago.
+  bool is_wanted(std::int64_t now_ns) const noexcept { return now_ns < wanted_until_ns_; }
+
+  // The next part to send, null: none now. It stays until pop.
+  const Message* front() const noexcept {
+    const std::size_t begin = begin_.load(std::memory_order_relaxed);
+    return begin == end_.load(std::memory_order_acquire) ? nullptr : &ring_[begin % kRing];
+  }
+  void pop() noexcept { begin_.store(begin_.load(std::memory_order_relaxed) + 1, std::memory_order_release); }
+
+  PatchSource::Counts counts() noexcept {
+    counts_.take();
+    return counts_.value();
+  }
+
+ private:
+  static constexpr std::size_t kRing = 16;
+  struct Status {
+    PatchStatus status;
+    std::int64_t time_ns = 0;
+  };
+  struct Hand {
+    Vec3 p_WD = Vec3::Zero();
+    std::int64_t time_ns = 0;
+    std::array<float, 12> X_WS = {};
+  };
+
+  void run();
+  void follow_hand(const Hand& hand);
+  void follow_method();
+  bool fill(std::int64_t now_ns);
+
+  TouchScene scene_;
+  double probe_radius_m_;
+  std::uint64_t scene_hash_;
+  PatchSource::Options options_;
+  std::int64_t wanted_until_ns_ = 0;
+  Mailbox<Status> statuses_;
+  Mailbox<Hand> hands_;
+  Mailbox<PatchSource::Counts> counts_;
+  std::atomic<bool> is_offered_;
+  std::array<Message, kRing> ring_;
+  alignas(64) std::atomic<std::size_t> begin_{0};
+  alignas(64) std::atomic<std::size_t> end_{0};
+
+  // The thread's own.
+  std::unique_ptr<TiledScene> tiles_;
+  std::unique_ptr<PatchSource> source_;
+  bool was_offered_ = false;
+  std::uint32_t epoch_ = 0;
+  HandMotion motion_;
+  std::int64_t hand_ns_ = 0;
+
+  std::atomic<bool> stop_ = false;
+  std::thread thread_;
+};
+
+}  // namespace hapton

@@ -1,0 +1,56 @@
+#include "io_node/local_patch.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace hapton {
+namespace {
+
+constexpr double kFirstStepS = 1e-3;
+constexpr double kLongestStepS = 0.02;  // after a gap
+
+}  // namespace
+
+LocalPatch::~LocalPatch() {
+  delete built_.load();
+  delete retired_.load();
+}
+
+// Nothing is freed here: one slot takes back what is not needed any more, and nothing new comes before it is empty.
+void LocalPatch::exchange_patches() noexcept {
+  if (retired_.load(std::memory_order_acquire) != nullptr) return;
+  if (auto retired = touch_.take_retired()) {
+    retired_.store(retired.release(), std::memory_order_release);
+  } else if (built_.load(std::memory_order_relaxed) != nullptr) {
+    auto superseded = touch_.offer(std::unique_ptr<Patch>(built_.exchange(nullptr, std::memory_order_acq_rel)));
+    retired_.store(superseded.release(), std::memory_order_release);
+  }
+}
+
+std::optional<LocalFeel> LocalPatch::feel(const DeviceSample& sample) noexcept {
+  orders_.take();
+  const PatchOrders& orders = orders_.value();
+  if (!orders.is_wanted || sample.time_ns >= orders.until_ns) {
+    if (touch_.is_placed()) touch_.forget();
+    return std::nullopt;
+  }
+  exchange_patches();
+  touch_.set_generation(generation_.load(std::memory_order_acquire));
+  const Pose X_SW = orders.X_WS.inverse(Eigen::Isometry);
+  hands_.publish({X_SW * sample.p_WD, sample.time_ns});
+  if (std::exchange(started_, orders.start) != orders.start) touch_.start_at(X_SW * orders.p_WP, X_SW.linear() * orders.outward_W);
+  const std::int64_t passed_ns = sample.time_ns - std::exchange(last_ns_, sample.time_ns);
+  const double dt_s = passed_ns > 0 ? std::min(1e-9 * static_cast<double>(passed_ns), kLongestStepS) : kFirstStepS;
+  const std::optional<PatchFeel> felt = touch_.step({sample.p_WD, orders.X_WS, dt_s});
+  counts_.publish(touch_.counts());
+  if (!felt) return std::nullopt;
+  return LocalFeel{felt->force_n, felt->visual_offset_m, felt->contact, felt->is_handed_over};
+}
+
+bool LocalPatch::take_hand(PatchHand& hand) noexcept {
+  if (!hands_.take()) return false;
+  hand = hands_.value();
+  return true;
+}
+
+}  // namespace hapton

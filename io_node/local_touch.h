@@ -1,0 +1,27 @@
+#pragma once
+
+#include <optional>
+
+#include "core/math/types.h"
+#include "devices/device.h"
+
+namespace hapton {
+
+// What one sample feels like, worked out beside the device.
+struct LocalFeel {
+  Vec3 force_n = Vec3::Zero();
+  Vec3 visual_offset_m = Vec3::Zero();  // proxy minus device point
+  bool contact = false;
+  bool is_handed_over = false;  // by another patch than the sample before: the difference of force fades
+};
+
+// Works out forces on the device's own thread, for the device loop. While it does, forces from the network are not used.
+// Frames: W. Units: SI. RT: yes.
+class LocalTouch {
+ public:
+  virtual ~LocalTouch() = default;
+  // None: the force has to come from elsewhere.
+  virtual std::optional<LocalFeel> feel(const DeviceSample& sample) noexcept = 0;
+};
+
+}  // namespace hapton

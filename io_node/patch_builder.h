@@ -1,0 +1,77 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <thread>
+
+#include "io_node/local_patch.h"
+#include "link/messages.h"
+#include "patch/patch_maker.h"
+#include "patch/patch_store.h"
+#include "runtime/mailbox.h"
+
+namespace hapton {
+
+// What the builder has done, for reports.
+struct PatchBuilderCounts {
+  PatchStore::Counts store;
+  std::uint64_t built = 0;
+  std::uint64_t triangles = 0;  // of the newest
+  double radius_m = 0.0;        // of the newest; infinity: the whole scene
+  double build_ms = 0.0;        // of the newest
+};
+
+// Builds patches from the parts of the scene that have come, around the hand, in a thread of its own: that one keeps the parts, too.
+// RT: push, clear, take_status and counts yes; making one and ending it is set-up only. Threads: one, the network side's.
+class PatchBuilder {
+ public:
+  // Pre: outlives this.
+  explicit PatchBuilder(LocalPatch& local);
+  ~PatchBuilder();
+  PatchBuilder(const PatchBuilder&) = delete;
+  PatchBuilder& operator=(const PatchBuilder&) = delete;
+
+  // A part that came. One that finds no room is dropped, and comes again as it is never confirmed.
+  void push(const Message& part) noexcept { (void)write(&part); }
+  // Another haptics node: what came is of no use any more. False: no room, call again.
+  bool clear() noexcept { return write(nullptr); }
+  // What has come so far. True: more than at the last call.
+  bool take_status() noexcept { return statuses_.take(); }
+  const PatchStatus& status() const noexcept { return statuses_.value(); }
+  const PatchBuilderCounts& counts() noexcept {
+    counts_.take();
+    return counts_.value();
+  }
+
+ private:
+  static constexpr std::size_t kRing = 256;
+  struct Slot {
+    bool is_clear = false;
+    Message part;
+  };
+
+  bool write(const Message* part) noexcept;
+  void run();
+  bool drain();
+  void build_if_due();
+
+  LocalPatch& local_;
+  std::array<Slot, kRing> ring_;
+  alignas(64) std::atomic<std::size_t> begin_{0};
+  alignas(64) std::atomic<std::size_t> end_{0};
+  Mailbox<PatchStatus> statuses_;
+  Mailbox<PatchBuilderCounts> counts_;
+
+  // The builder's thread.
+  PatchStore store_;
+  std::uint32_t generation_ = 0;
+  std::uint32_t epoch_ = 0;
+  PatchMaker maker_;
+  PatchBuilderCounts told_;
+
+  std::atomic<bool> stop_ = false;
+  std::thread thread_;
+};
+
+}  // namespace hapton

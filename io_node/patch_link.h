@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+
+#include "io_node/force_exchange.h"
+#include "io_node/local_patch.h"
+#include "io_node/patch_builder.h"
+#include "io_node/touch_chooser.h"
+#include "link/hub_peers.h"
+#include "link/messages.h"
+
+namespace hapton {
+
+// The network side of touch by patches: asks the haptics node for parts of the scene while they are wanted, passes on those that come,
+// tells which came, and tells the device side from when and until when it may use them.
+//
+//   remote ---- wanted ----> patch ---- no longer wanted ----> leaving ---- haptics has replied from where the probe is ----> remote
+//
+// The force without any datagram of haptics ends kAloneNs after the last one. Units: ns of the hub's clock. RT: yes. Threads: the servo's.
+class PatchLink {
+ public:
+  static constexpr std::int64_t kAloneNs = 1000 * kNanosecondsPerMillisecond;
+  static constexpr std::int64_t kStatusNs = 100 * kNanosecondsPerMillisecond;
+  static constexpr std::int64_t kSoonNs = 50 * kNanosecondsPerMillisecond;  // when there is news
+
+  // Pre: all outlive this.
+  PatchLink(HubPeers& peers, LocalPatch& local, PatchBuilder& builder, TouchChoice choice) noexcept
+      : peers_(peers), local_(local), builder_(builder), chooser_(choice) {}
+
+  // A part of the scene.
+  void accept(const Message& part) noexcept;
+  void on_haptics_joined() noexcept { must_clear_ = true; }
+  // Once a cycle, after the force. view: where the scene is; none: at W.
+  void look_after(ForceExchange& forces, const std::optional<ViewTransform>& view, std::int64_t now_ns) noexcept;
+
+  bool is_wanted() const noexcept { return state_ != State::remote; }
+  const PatchBuilderCounts& builder_counts() noexcept { return builder_.counts(); }
+  const PatchTouch::Counts& touch_counts() noexcept { return local_.counts(); }
+
+ private:
+  enum class State : std::uint8_t { remote, patch, leaving };
+
+  void choose(ForceExchange& forces, std::int64_t now_ns) noexcept;
+  void start(const ForceExchange& forces) noexcept;
+  void send_status(double round_trip_s, std::int64_t now_ns) noexcept;
+
+  HubPeers& peers_;
+  LocalPatch& local_;
+  PatchBuilder& builder_;
+  TouchChooser chooser_;
+  State state_ = State::remote;
+  PatchOrders orders_;
+  bool must_clear_ = false;
+  bool has_news_ = false;
+  std::int64_t status_ns_ = 0;     // the last one
+  std::int64_t next_look_ns_ = 0;  // at the round trip
+  double round_trip_s_ = -1.0;
+};
+
+}  // namespace hapton

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace hapton {
+
+// Where forces are worked out: by the haptics node (remote), by the hub on the patches that it sends (patch), or as the round trip advises.
+enum class TouchChoice : std::uint8_t { remote, patch, automatic };
+
+// Chooses by the round trip, with hysteresis: patches above kSlowS, remote force again when it has stayed below kFastS for kSettledNs. A
+// local network is a hundred times faster than either, so there nothing changes. Between the two, remote force is late enough to be felt
+// but not to be unstable at the stiffness of ordinary materials. Units: s, ns. RT: yes. Threads: one.
+class TouchChooser {
+ public:
+  static constexpr double kSlowS = 8e-3;
+  static constexpr double kFastS = 4e-3;
+  static constexpr std::int64_t kSettledNs = 3'000'000'000;
+
+  explicit TouchChooser(TouchChoice choice) noexcept : choice_(choice), wants_patch_(choice == TouchChoice::patch) {}
+
+  // round_trip_s: a median; below 0: not known.
+  bool wants_patch(double round_trip_s, std::int64_t now_ns) noexcept {
+    if (choice_ != TouchChoice::automatic || round_trip_s < 0.0) return wants_patch_;
+    if (round_trip_s >= kFastS || !wants_patch_) fast_since_ns_ = now_ns;
+    if (round_trip_s > kSlowS) wants_patch_ = true;
+    if (now_ns - fast_since_ns_ >= kSettledNs) wants_patch_ = false;
+    return wants_patch_;
+  }
+
+ private:
+  TouchChoice choice_;
+  bool wants_patch_;
+  std::int64_t fast_since_ns_ = 0;
+};
+
+}  // namespace hapton

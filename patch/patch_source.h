@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "link/messages.h"
+#include "patch/tile_partition.h"
+
+namespace hapton {
+
+// Where the hand is, frame S.
+struct HandMotion {
+  Vec3 p_SD = Vec3::Zero();
+  Vec3 v_SD = Vec3::Zero();  // m/s
+};
+
+// Decides which part of a scene goes to the hub next: what is missing there nearest to the hand and to where it is going, within a
+// bandwidth. A part is sent again when the hub's status shows that it was lost, or says nothing of it for too long.
+//
+// Units: SI, ns of one clock. Time is a parameter. RT: no. Threads: one.
+class PatchSource {
+ public:
+  struct Options {
+    double bits_per_s = 1e6;      // of IP packets
+    double least_reach_m = 0.03;  // around the hand; the farther the hand gets within two round trips, the more
+    double fastest_m_per_s = 0.3;
+  };
+  struct Counts {
+    std::uint64_t sent = 0;
+    std::uint64_t repeated = 0;  // of them
+    std::uint64_t held = 0;      // parts that the hub has
+    std::uint64_t bytes = 0;     // of IP packets, estimated
+  };
+
+  // epoch: another one for each scene and start, never 0.
+  PatchSource(TiledScene scene, double probe_radius_m, std::uint64_t scene_hash, std::uint32_t epoch, const Options& options);
+
+  void accept(const PatchStatus& status) noexcept;
+  void aim(const HandMotion& hand) noexcept { hand_ = hand; }
+
+  // The next part to send; none when the hub has all that is in reach, all is on its way, or the bandwidth is used up.
+  std::optional<Message> take(std::int64_t now_ns);
+
+  const Counts& counts() const noexcept { return counts_; }
+  const TiledScene& scene() const noexcept { return scene_; }
+
+ private:
+  static constexpr std::size_t kSerials = 4096;
+  static constexpr std::size_t kPlanned = 64;
+
+  enum class State : std::uint8_t { missing, sent, held };
+  struct Item {
+    State state = State::missing;
+    std::uint32_t serial = 0;  // when sent last
+    std::int64_t sent_ns = 0;
+  };
+
+  std::size_t item_of_cell(std::size_t cell) const noexcept { return 1 + cell; }
+  std::size_t item_of_tile(std::size_t tile) const noexcept { return 1 + scene_.cells.size() + tile; }
+  bool is_due(const Item& item, std::int64_t now_ns) const noexcept;
+  std::int64_t patience_ns() const noexcept;
+  void plan(std::int64_t now_ns);
+  double distance_of(const Box& bounds) const noexcept;
+  Message make_message(std::size_t item);
+  bool pay(const Message& message, std::int64_t now_ns) noexcept;
+
+  TiledScene scene_;
+  PatchBegin begin_;
+  Options options_;
+  HandMotion hand_;
+  std::vector<Item> items_;               // the beginning, cells, tiles
+  std::vector<std::uint32_t> in_flight_;  // by serial modulo kSerials: the item
+  std::uint32_t serial_ = 0;
+  double round_trip_s_ = 0.0;
+  double credit_bytes_ = 0.0;
+  std::int64_t credited_ns_ = 0;
+  std::vector<std::size_t> planned_;  // items, the last first
+  std::int64_t planned_ns_ = 0;
+  std::array<Vec3, 3> ahead_ = {};  // in steps: where the hand is and may come to
+  Counts counts_;
+};
+
+}  // namespace hapton

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <unordered_map>
+#include <unordered_set>
+#include <vector>
+
+#include "core/force/touch_scene.h"
+#include "link/messages.h"
+#include "patch/patch_grid.h"
+
+namespace hapton {
+
+// The parts of a scene that have come, and what is known by them: within the known radius of a point every triangle of the scene is here.
+// Parts may come in any order, twice or never. Of what does not fit its bounded memory it takes none, and never confirms it.
+//
+// Frame: S. Units: m. RT: no. Threads: one.
+class PatchStore {
+ public:
+  static constexpr std::size_t kMostTiles = 8192;
+  static constexpr std::size_t kMostCells = 32768;
+
+  // The triangles near a point, as a scene of their own, and how far from the point none is missing.
+  struct Piece {
+    TouchScene scene;  // no objects where no triangle is near
+    double radius_m = 0.0;
+    std::size_t triangles = 0;
+  };
+  struct Counts {
+    std::uint64_t parts = 0;
+    std::uint64_t repeated = 0;
+    std::uint64_t rejected = 0;  // of an epoch that is over, or no room
+  };
+
+  // A part of a newer epoch drops all of the one before.
+  void accept(const PatchBegin& begin);
+  void accept(const PatchCell& cell);
+  void accept(const PatchTile& tile);
+  // Another sender: epochs begin anew.
+  void clear();
+
+  bool has_begun() const noexcept { return begin_.has_value(); }
+  const PatchBegin& begin() const noexcept { return *begin_; }
+  // What has come of this epoch so far. is_wanted and round_trip_s are the caller's.
+  const PatchStatus& status() const noexcept { return status_; }
+  std::uint64_t revision() const noexcept { return counts_.parts; }
+  const Counts& counts() const noexcept { return counts_; }
+
+  // How far from there every triangle of the scene is here; infinity when all are. Pre: has_begun().
+  double known_radius(const Vec3& p_S) const;
+
+  // All that is known around a point, no farther than most_m, and less until it is no more than so many triangles. Pre: has_begun().
+  Piece make_piece(const Vec3& p_S, double most_m, std::size_t most_triangles) const;
+
+ private:
+  struct Cell {
+    bool is_divided = false;
+    std::vector<std::uint32_t> tiles;
+  };
+
+  bool adopt(std::uint32_t epoch, std::uint32_t serial);
+  void confirm(std::uint32_t serial) noexcept;
+  bool is_whole(const Cell& cell) const;
+  double find_unknown(const CellKey& key, const Vec3& p, double best) const;
+  void find_tiles(const CellKey& key, const Vec3& p, double radius, std::unordered_set<std::uint32_t>& found) const;
+
+  std::optional<PatchBegin> begin_;
+  PatchGrid grid_;
+  std::unordered_map<std::uint64_t, Cell> cells_;
+  std::unordered_map<std::uint32_t, PatchTile> tiles_;
+  PatchStatus status_;
+  Counts counts_;
+};
+
+}  // namespace hapton

@@ -1,0 +1,132 @@
+#include "patch/patch_touch.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace hapton {
+
+std::unique_ptr<Patch> PatchTouch::offer(std::unique_ptr<Patch> patch) noexcept { return std::exchange(offered_, std::move(patch)); }
+
+std::unique_ptr<Patch> PatchTouch::take_retired() noexcept { return std::move(retired_); }
+
+void PatchTouch::forget() noexcept {
+  is_placed_ = is_over_ = is_beyond_ = false;
+  outward_S_.setZero();
+}
+
+void PatchTouch::set_generation(std::uint32_t generation) noexcept {
+  if (std::exchange(generation_, generation) != generation) forget();
+}
+
+void PatchTouch::start_at(const Vec3& p_SP, const Vec3& outward) noexcept {
+  is_placed_ = p_SP.allFinite() && outward.allFinite();
+  p_SP_ = last_p_SD_ = p_SP;
+  outward_S_ = outward;
+  stiffness_n_per_m_ = force_n_ = 0.0;
+}
+
+// Within a patch the last step ended with the proxy at p_SP_ and the device at last_p_SD_; before it is handed over, the step's device
+// starts at the proxy.
+bool PatchTouch::reaches(const Patch& patch, const Vec3& p_SD) const noexcept {
+  if (patch.generation != generation_) return false;
+  const double from_centre = (p_SD - patch.p_SC).norm();
+  const bool goes_on = is_over_ && &patch == patch_.get();
+  const double around = goes_on ? (p_SP_ - last_p_SD_).norm() + (p_SD - last_p_SD_).norm() : (p_SD - p_SP_).norm() + 2.0 * patch.lift_m;
+  return from_centre + around < patch.radius_m;
+}
+
+std::optional<PatchFeel> PatchTouch::step(const TouchInput& input) noexcept {
+  const Vec3 p_SD = input.X_WS.linear().transpose() * (input.p_WD - input.X_WS.translation());
+  if (!p_SD.allFinite()) return std::nullopt;
+  // A hand that enters the surface before its tiles have come is held by it once they are there.
+  if (!is_placed_) start_at(p_SD, Vec3::Zero());
+  if (take_offered(p_SD) || (patch_ != nullptr && reaches(*patch_, p_SD))) return feel_patch(input, p_SD);
+  return feel_plane(input, p_SD);
+}
+
+bool PatchTouch::take_offered(const Vec3& p_SD) noexcept {
+  if (offered_ == nullptr || retired_ != nullptr) return false;
+  if (is_beyond_ && !reaches(*offered_, p_SD)) rise_over(*offered_, p_SD);
+  if (!reaches(*offered_, p_SD)) return false;
+  retired_ = std::exchange(patch_, std::move(offered_));
+  is_over_ = false;
+  return true;
+}
+
+// The last proxy within is out of this patch's reach: the plane has brought the hand here, so the proxy is where the plane holds it, and
+// the surface, which may have risen meanwhile, below a place somewhat farther out, as far as this patch knows what is there.
+void PatchTouch::rise_over(const Patch& patch, const Vec3& p_SD) noexcept {
+  if (patch.generation != generation_ || outward_S_.isZero(0.0)) return;
+  const double depth_m = std::max((p_SP_ - p_SD).dot(outward_S_), 0.0);
+  const double way_m = (p_SD + depth_m * outward_S_ - p_SP_).norm();
+  const double room_m = patch.radius_m - (p_SD - patch.p_SC).norm() - 4.0 * patch.lift_m;
+  const double wanted_m = depth_m + kRise * way_m;
+  const double rise_m = std::min(wanted_m, kMostRoom * room_m);
+  // A start below the surface would be a fall-through: a small patch has to grow first.
+  const double least_m = std::min(wanted_m, kLeastRise * force_n_ / stiffness_n_per_m_);
+  if (!(rise_m > 0.0 && rise_m >= least_m)) return;
+  p_SP_ = p_SD + rise_m * outward_S_;
+  ++counts_.raised;
+}
+
+void PatchTouch::hand_over(const TouchInput& input) noexcept {
+  is_over_ = true;
+  ++counts_.handed_over;
+  if (patch_->step == nullptr) return;
+  TouchInput start = input;
+  if (is_placed_) start.p_WD = input.X_WS * (p_SP_ + patch_->lift_m * outward_S_);
+  patch_->step->reset(start);
+  // The hand did not go from there to the device: damping must not see that motion.
+  if (is_placed_) (void)patch_->step->step(input);
+}
+
+PatchFeel PatchTouch::feel_patch(const TouchInput& input, const Vec3& p_SD) noexcept {
+  PatchFeel feel;
+  const bool was_beyond = std::exchange(is_beyond_, false);
+  feel.is_handed_over = !is_over_ || was_beyond;
+  if (feel.is_handed_over) hand_over(input);
+  const TouchOutput felt = patch_->step != nullptr ? patch_->step->step(input) : TouchOutput();
+  feel.force_n = felt.force_n;
+  feel.visual_offset_m = felt.visual_offset_m;
+  feel.contact = felt.contact;
+  const Mat3 R_SW = input.X_WS.linear().transpose();
+  const double depth = felt.visual_offset_m.norm();
+  force_n_ = felt.force_n.norm();
+  p_SP_ = p_SD + R_SW * felt.visual_offset_m;
+  outward_S_ = felt.contact && depth > 0.0 ? Vec3(R_SW * felt.visual_offset_m / depth) : Vec3(Vec3::Zero());
+  stiffness_n_per_m_ = depth > 0.0 ? force_n_ / depth : 0.0;
+  last_p_SD_ = p_SD;
+  is_placed_ = true;
+  ++counts_.steps;
+  counts_.contact_steps += felt.contact ? 1 : 0;
+  return feel;
+}
+
+std::optional<PatchFeel> PatchTouch::feel_plane(const TouchInput& input, const Vec3& p_SD) noexcept {
+  PatchFeel feel;
+  feel.is_beyond = true;
+  feel.is_handed_over = !is_beyond_;
+  const bool has_patch = patch_ != nullptr && patch_->generation == generation_;
+  if (!std::exchange(is_beyond_, true)) {
+    counts_.beyond += has_patch ? 1 : 0;
+    beyond_s_ = 0.0;
+  }
+  beyond_s_ += input.dt_s;
+  const Vec3 velocity = (p_SD - std::exchange(last_p_SD_, p_SD)) / input.dt_s;
+  if (outward_S_.isZero(0.0) && beyond_s_ > kBeyondS) {
+    ++counts_.begun_anew;
+    forget();
+    return std::nullopt;
+  }
+  if (!has_patch) return std::nullopt;
+  ++counts_.beyond_steps;
+  const double depth = (p_SP_ - p_SD).dot(outward_S_);
+  if (outward_S_.isZero(0.0) || depth <= 0.0) return feel;
+  const double wanted = stiffness_n_per_m_ * (depth - kBeyondDampingS * velocity.dot(outward_S_));
+  feel.force_n = input.X_WS.linear() * (std::clamp(wanted, 0.0, kMostBeyond * force_n_) * outward_S_);
+  feel.visual_offset_m = input.X_WS.linear() * (depth * outward_S_);
+  feel.contact = true;
+  return feel;
+}
+
+}  // namespace hapton

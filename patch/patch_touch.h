@@ -1,0 +1,102 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "core/force/touch_step.h"
+#include "core/math/types.h"
+
+namespace hapton {
+
+// A piece of the scene, ready to be felt: within radius_m of the centre no triangle is missing. Frame: S. Units: m.
+struct Patch {
+  std::unique_ptr<TouchStep> step;  // null: there is no triangle
+  Vec3 p_SC = Vec3::Zero();
+  double radius_m = 0.0;
+  double lift_m = 0.0;           // how far off the surface a proxy starts that is handed over: above what the grid rounds
+  std::uint32_t generation = 0;  // of the scene that it is of
+};
+
+// One step on a patch.
+struct PatchFeel {
+  Vec3 force_n = Vec3::Zero();          // frame W
+  Vec3 visual_offset_m = Vec3::Zero();  // frame W: proxy minus device point
+  bool contact = false;
+  bool is_handed_over = false;  // another patch, or the edge of one, began with this step: the force may differ
+  bool is_beyond = false;       // past the edge of what is known
+};
+
+// Feels a scene by patches of it, one after the other. The force is that of the whole scene as long as all that the step can meet lies
+// within the patch: device and proxy move within |device - centre| + |proxy - device| + |motion| of its centre.
+//
+// Another patch takes over where the proxy is: its step starts there, lifted off the surface by the least that is safe, and goes from there
+// to the device. So the path of the proxy has no gap, and the surface that was felt is felt.
+// Past the edge the plane of the last contact holds: its force is that of the surface's stiffness, damped, and never larger than
+// kMostBeyond times the last force within. Without contact there is no force past the edge. The next patch that reaches from the last proxy
+// within to the device takes over from that proxy. One that does not reach so far takes over from above the plane, by a share of the way
+// that the hand went past the edge: the surface that is met first from there is felt. A hand that was free for kBeyondS begins anew where
+// it is.
+//
+// Frames: W and S as named. Units: SI. RT: all. Threads: one.
+class PatchTouch {
+ public:
+  static constexpr double kBeyondS = 5.0;
+  static constexpr double kMostBeyond = 2.0;
+  static constexpr double kBeyondDampingS = 0.005;  // damping of that plane, over its stiffness
+  static constexpr double kLeastRise = 2.0;         // ... at least, of the last penetration within
+  static constexpr double kMostRoom = 0.9;          // of a patch's room, for a proxy that starts above it
+  static constexpr double kRise = 0.25;             // how far above the plane, for the way past the edge
+
+  struct Counts {
+    std::uint64_t steps = 0;
+    std::uint64_t contact_steps = 0;
+    std::uint64_t handed_over = 0;   // patches that took over
+    std::uint64_t beyond = 0;        // times that the hand came past the edge
+    std::uint64_t beyond_steps = 0;  // steps there
+    std::uint64_t raised = 0;        // patches that took over from above the plane
+    std::uint64_t begun_anew = 0;    // times that the hand stayed there, free, for too long
+  };
+
+  // Offers a patch: it takes over with the first step that lies within it. Returns the one that was offered before and did not.
+  std::unique_ptr<Patch> offer(std::unique_ptr<Patch> patch) noexcept;
+  // The patch that was taken over from, to be freed by whoever may. No other takes over before it is taken.
+  std::unique_ptr<Patch> take_retired() noexcept;
+  // Forgets contact; the next step starts where it is told to, or at the device.
+  void forget() noexcept;
+  // Only patches of this generation count from now on; where it is another one than before, contact is forgotten.
+  void set_generation(std::uint32_t generation) noexcept;
+  // Where contact rested, or the device was free, before the first patch. outward: unit, of the force; zero: free.
+  void start_at(const Vec3& p_SP, const Vec3& outward) noexcept;
+
+  // None: no patch has reached the hand yet, since the start or since it began anew.
+  std::optional<PatchFeel> step(const TouchInput& input) noexcept;
+
+  const Counts& counts() const noexcept { return counts_; }
+  bool is_placed() const noexcept { return is_placed_; }
+
+ private:
+  bool reaches(const Patch& patch, const Vec3& p_SD) const noexcept;
+  bool take_offered(const Vec3& p_SD) noexcept;
+  void rise_over(const Patch& patch, const Vec3& p_SD) noexcept;
+  PatchFeel feel_patch(const TouchInput& input, const Vec3& p_SD) noexcept;
+  std::optional<PatchFeel> feel_plane(const TouchInput& input, const Vec3& p_SD) noexcept;
+  void hand_over(const TouchInput& input) noexcept;
+
+  std::unique_ptr<Patch> patch_;
+  std::unique_ptr<Patch> offered_;
+  std::unique_ptr<Patch> retired_;
+  std::uint32_t generation_ = 0;
+  bool is_placed_ = false;          // the proxy is known
+  bool is_over_ = false;            // patch_ holds the proxy; else it has to be handed over
+  Vec3 p_SP_ = Vec3::Zero();        // proxy, last within
+  Vec3 outward_S_ = Vec3::Zero();   // unit, of its force; zero: free
+  double stiffness_n_per_m_ = 0.0;  // ... of force and penetration
+  double force_n_ = 0.0;            // ... its magnitude
+  Vec3 last_p_SD_ = Vec3::Zero();
+  bool is_beyond_ = false;
+  double beyond_s_ = 0.0;
+  Counts counts_;
+};
+
+}  // namespace hapton

@@ -1,0 +1,151 @@
+#include "patch/tile_partition.h"
+
+#include <algorithm>
+#include <numeric>
+#include <span>
+
+namespace hapton {
+namespace {
+
+// A cell with more tiles than this is divided: as many as two screens of geometry round a fingertip, and a datagram of half the size.
+constexpr std::size_t kTilesInCell = 24;
+
+struct GridTriangle {
+  std::array<GridPoint, 3> corners;
+  Vec3 centre = Vec3::Zero();  // three times, in steps
+};
+
+Vec3 to_vector(const GridPoint& g) { return {static_cast<double>(g[0]), static_cast<double>(g[1]), static_cast<double>(g[2])}; }
+
+std::vector<GridTriangle> to_grid(const TriangleMesh& mesh, const PatchGrid& grid) {
+  std::vector<GridPoint> vertices;
+  vertices.reserve(mesh.vertices.size());
+  for (const Vec3& v : mesh.vertices) vertices.push_back(grid.round(v));
+  std::vector<GridTriangle> triangles;
+  triangles.reserve(mesh.triangles.size());
+  for (const Triangle& t : mesh.triangles) {
+    GridTriangle on_grid{{vertices[t[0]], vertices[t[1]], vertices[t[2]]}};
+    const auto& [a, b, c] = on_grid.corners;
+    if (a == b || b == c || c == a) continue;
+    on_grid.centre = to_vector(a) + to_vector(b) + to_vector(c);
+    triangles.push_back(on_grid);
+  }
+  return triangles;
+}
+
+// False: they do not fit one tile.
+bool fill_tile(std::span<const GridTriangle> triangles, PatchTile& tile, Box& bounds) {
+  if (triangles.size() > PatchTile::kMostTriangles) return false;
+  std::array<GridPoint, PatchTile::kMostVertices> known;
+  std::size_t count = 0;
+  std::size_t corner = 0;
+  for (const GridTriangle& triangle : triangles) {
+    for (const GridPoint& g : triangle.corners) {
+      const auto found = std::find(known.begin(), known.begin() + static_cast<std::ptrdiff_t>(count), g);
+      const auto vertex = static_cast<std::size_t>(found - known.begin());
+      if (vertex == known.size()) return false;
+      if (vertex == count) {
+        known[count++] = g;
+        write_vertex(tile, vertex, g);
+        bounds.grow(to_vector(g));
+      }
+      tile.triangles[corner++] = static_cast<std::uint8_t>(vertex);
+    }
+  }
+  tile.vertex_count = static_cast<std::uint8_t>(count);
+  tile.triangle_count = static_cast<std::uint8_t>(triangles.size());
+  return true;
+}
+
+int longest_axis(std::span<const GridTriangle> triangles) {
+  Box centres;
+  for (const GridTriangle& triangle : triangles) centres.grow(triangle.centre);
+  int axis = 0;
+  (centres.high - centres.low).maxCoeff(&axis);
+  return axis;
+}
+
+// Where to cut: whole tiles on the lower side, so that few are half empty.
+std::size_t find_cut(std::size_t count) {
+  constexpr std::size_t kWhole = PatchTile::kMostTriangles;
+  const std::size_t tiles = (count + kWhole - 1) / kWhole;
+  return tiles > 1 ? tiles / 2 * kWhole : count / 2;
+}
+
+void part(std::span<GridTriangle> triangles, const PatchTile& of_object, TiledScene& into) {
+  if (triangles.empty()) return;
+  PatchTile tile = of_object;
+  Box bounds;
+  if (fill_tile(triangles, tile, bounds)) {
+    tile.tile = static_cast<std::uint32_t>(into.tiles.size());
+    into.tiles.push_back(tile);
+    into.tile_bounds.push_back(bounds);
+    return;
+  }
+  const int axis = longest_axis(triangles);
+  const std::size_t cut = find_cut(triangles.size());
+  std::nth_element(triangles.begin(), triangles.begin() + static_cast<std::ptrdiff_t>(cut), triangles.end(),
+                   [axis](const GridTriangle& a, const GridTriangle& b) { return a.centre[axis] < b.centre[axis]; });
+  part(triangles.first(cut), of_object, into);
+  part(triangles.subspan(cut), of_object, into);
+}
+
+PatchTile tile_of(std::size_t object, const Material& material) {
+  PatchTile tile;
+  tile.object = static_cast<std::uint32_t>(object);
+  tile.stiffness_n_per_m = material.stiffness_n_per_m;
+  tile.damping_ns_per_m = material.damping_ns_per_m;
+  tile.friction_static = material.friction_static;
+  tile.friction_dynamic = material.friction_dynamic;
+  tile.two_sided = material.two_sided;
+  return tile;
+}
+
+// The octree below nodes[at], which overlaps these tiles.
+void divide(TiledScene& scene, std::size_t at, std::vector<std::uint32_t> tiles,
+            std::array<std::uint8_t, kPatchDeepestLevel> empty_children) {
+  const CellKey key = scene.nodes[at].key;
+  if (tiles.size() <= kTilesInCell || key.level == kPatchDeepestLevel) {
+    // What no datagram can list is never sent: the hub then takes that place for unknown.
+    if (tiles.empty() || tiles.size() > PatchCell::kMostTiles) return;
+    scene.nodes[at].cell = static_cast<std::int32_t>(scene.cells.size());
+    scene.cells.push_back({key, empty_children, std::move(tiles)});
+    return;
+  }
+  const std::size_t first = scene.nodes.size();
+  scene.nodes[at].first_child = static_cast<std::int32_t>(first);
+  std::array<std::vector<std::uint32_t>, 8> parts;
+  std::uint8_t& empty = empty_children[key.level];
+  for (std::uint32_t octant = 0; octant < 8; ++octant) {
+    scene.nodes.push_back({key.child(octant)});
+    const Box bounds = scene.nodes.back().key.bounds();
+    std::copy_if(tiles.begin(), tiles.end(), std::back_inserter(parts[octant]),
+                 [&](std::uint32_t tile) { return scene.tile_bounds[tile].overlaps(bounds); });
+    if (parts[octant].empty()) empty = static_cast<std::uint8_t>(empty | (1U << octant));
+  }
+  tiles = {};
+  for (std::size_t octant = 0; octant < 8; ++octant) divide(scene, first + octant, std::move(parts[octant]), empty_children);
+}
+
+}  // namespace
+
+TiledScene make_tiles(const TouchScene& scene) {
+  TiledScene tiled;
+  Box bounds;
+  for (const TouchObject& object : scene.objects) {
+    for (const Vec3& v : object.mesh->vertices) bounds.grow(v);
+  }
+  if (bounds.is_empty()) return tiled;
+  tiled.grid = PatchGrid::around(bounds);
+  for (std::size_t object = 0; object < scene.objects.size(); ++object) {
+    std::vector<GridTriangle> triangles = to_grid(*scene.objects[object].mesh, tiled.grid);
+    part(triangles, tile_of(object, scene.objects[object].material), tiled);
+  }
+  std::vector<std::uint32_t> all(tiled.tiles.size());
+  std::iota(all.begin(), all.end(), 0U);
+  tiled.nodes.push_back({CellKey()});
+  divide(tiled, 0, std::move(all), {});
+  return tiled;
+}
+
+}  // namespace hapton

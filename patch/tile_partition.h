@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/force/touch_scene.h"
+#include "link/messages.h"
+#include "patch/patch_grid.h"
+
+namespace hapton {
+
+// A leaf of the octree: the tiles whose bounds overlap it.
+struct TileCell {
+  CellKey key;
+  std::array<std::uint8_t, kPatchDeepestLevel> empty_children = {};  // as PatchCell has them
+  std::vector<std::uint32_t> tiles;                                  // ascending
+};
+
+// A node of the octree, for finding what is near.
+struct TileNode {
+  CellKey key;
+  std::int32_t first_child = -1;  // of eight in a row; below 0: a leaf
+  std::int32_t cell = -1;         // of a leaf with triangles
+};
+
+// A scene in tiles and in cells that list them. A tile's number is its place in tiles; its epoch and serial are left to the sender.
+struct TiledScene {
+  PatchGrid grid;
+  std::vector<PatchTile> tiles;
+  std::vector<Box> tile_bounds;  // in steps of the grid
+  std::vector<TileNode> nodes;   // the root first
+  std::vector<TileCell> cells;   // with triangles, and few enough tiles that one datagram lists them
+};
+
+// Parts the scene's triangles into compact tiles of one object each, that fit a datagram each, and space into cells of few tiles. Triangles
+// that have no area on the grid because two corners fall together are left out: their neighbours meet there. Time: n log n. RT: no.
+// Threads: one.
+TiledScene make_tiles(const TouchScene& scene);
+
+}  // namespace hapton

@@ -1,0 +1,183 @@
+#include "io_node/local_patch.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+
+#include "core/force/force_method.h"
+#include "io_node/device_loop.h"
+#include "tests/io_node/servo_fixture.h"
+#include "tests/support/allocation_guard.h"
+#include "tests/support/made_meshes.h"
+
+namespace hapton {
+namespace {
+
+std::unique_ptr<Patch> sheet_patch(double height_m, double radius_m = 1.0) {
+  TouchScene scene;
+  scene.objects.push_back({made::shared(made::sheet(0.05, height_m, 20)), Material()});
+  auto patch = std::make_unique<Patch>();
+  patch->step = std::make_unique<TouchStep>(*make_method({}, scene));
+  patch->radius_m = radius_m;
+  patch->lift_m = 1e-7;
+  return patch;
+}
+
+DeviceSample sample_at(const Vec3& p_WD, std::int64_t time_ns) { return {time_ns, p_WD, Quat::Identity(), 0, true}; }
+
+PatchOrders orders_until(std::int64_t until_ns) {
+  PatchOrders orders;
+  orders.is_wanted = true;
+  orders.until_ns = until_ns;
+  return orders;
+}
+
+TEST(LocalPatch, FeelsNothingBeforeItIsWantedOrHasAPatch) {
+  LocalPatch local;
+  EXPECT_FALSE(local.feel(sample_at(Vec3::Zero(), 1 * kMs)));
+  local.offer(sheet_patch(0.0));
+  EXPECT_FALSE(local.feel(sample_at(Vec3::Zero(), 2 * kMs)));
+  local.publish(orders_until(100 * kMs));
+  EXPECT_TRUE(local.feel(sample_at(Vec3(0, 0, 0.01), 3 * kMs)));
+}
+
+TEST(LocalPatch, GivesTheForceOfThePatch) {
+  LocalPatch local;
+  local.offer(sheet_patch(0.0));
+  local.publish(orders_until(1000 * kMs));
+  for (int n = 1; n <= 10; ++n) {
+    const auto felt = local.feel(sample_at(Vec3(0.001, 0.002, 0.001 - 3e-4 * n), n * kMs));
+    ASSERT_TRUE(felt);
+    if (n > 4) {
+      EXPECT_NEAR(felt->force_n.z(), 1000.0 * (3e-4 * n - 0.001), 1e-6);
+      EXPECT_NEAR(felt->visual_offset_m.z(), 3e-4 * n - 0.001, 1e-9);
+    }
+  }
+}
+
+// The safety case: nothing but patches for no longer than haptics' last word allows.
+TEST(LocalPatch, EndsWhenHapticsIsSilentForTooLong) {
+  LocalPatch local;
+  local.offer(sheet_patch(0.0));
+  local.publish(orders_until(50 * kMs));
+  EXPECT_TRUE(local.feel(sample_at(Vec3(0, 0, 0.01), 49 * kMs)));
+  EXPECT_FALSE(local.feel(sample_at(Vec3(0, 0, 0.01), 50 * kMs)));
+  EXPECT_FALSE(local.feel(sample_at(Vec3(0, 0, 0.01), 5000 * kMs)));
+}
+
+TEST(LocalPatch, APatchOfAnotherSceneIsNotFelt) {
+  LocalPatch local;
+  local.offer(sheet_patch(0.0));
+  local.publish(orders_until(1000 * kMs));
+  EXPECT_TRUE(local.feel(sample_at(Vec3(0, 0, 0.01), 1 * kMs)));
+  local.set_generation(1);
+  EXPECT_FALSE(local.feel(sample_at(Vec3(0, 0, 0.01), 2 * kMs)));
+  auto patch = sheet_patch(0.0);
+  patch->generation = 1;
+  local.offer(std::move(patch));
+  EXPECT_TRUE(local.feel(sample_at(Vec3(0, 0, 0.01), 3 * kMs)));
+}
+
+TEST(LocalPatch, TheDevicesThreadAllocatesAndFreesNothing) {
+  if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
+  LocalPatch local;
+  local.publish(orders_until(100'000 * kMs));
+  std::uint64_t taken = 0;
+  for (int n = 1; n < 2000; ++n) {
+    if (n % 100 == 1) local.offer(sheet_patch(0.0, n % 300 == 1 ? 0.02 : 1.0));
+    local.free_retired();
+    PatchHand hand;
+    AllocationGuard guard;
+    (void)local.feel(sample_at(Vec3(0.04 * std::sin(0.01 * n), 0.0, -0.002), n * kMs));
+    (void)local.take_hand(hand);
+    taken += guard.count();
+  }
+  EXPECT_EQ(taken, 0U);
+  EXPECT_GT(local.counts().handed_over, 5U);
+}
+
+// The device loop with a patch: its own force, in every cycle, however old what the network brings.
+struct LoopWithPatch : testing::Test {
+  SimulatedClock clock{1'000'000'000};
+  BenchDevice device;
+  LocalPatch local;
+  std::unique_ptr<DeviceLoop> loop;
+
+  void SetUp() override {
+    device.clock = &clock;
+    device.place = Vec3(0.001, 0.002, 0.001);
+    loop = std::make_unique<DeviceLoop>(device, clock, DeviceLoop::Options{});
+    loop->set_local_touch(&local);
+  }
+  DeviceCycle cycle() {
+    clock.advance_ns(1 * kMs);
+    loop->begin_cycle();
+    loop->run_cycle();
+    DeviceCycle last;
+    while (loop->take_cycle(last)) {
+    }
+    return last;
+  }
+};
+
+TEST_F(LoopWithPatch, WritesTheForceOfEverySample) {
+  local.offer(sheet_patch(0.0));
+  local.publish(orders_until(clock.now_ns() + 10'000 * kMs));
+  for (int n = 0; n < 300; ++n) {
+    device.place.z() = std::max(device.place.z() - 2e-5, -0.003);
+    const DeviceCycle last = cycle();
+    ASSERT_TRUE(last.local);
+  }
+  EXPECT_NEAR(device.written.back().force_n.z(), 3.0, 1e-6);
+  EXPECT_EQ(loop->collect_stats().governor.counters.command_timeouts, 0U);
+}
+
+TEST_F(LoopWithPatch, ReleasesTheForceWhenHapticsIsSilent) {
+  local.offer(sheet_patch(0.0));
+  local.publish(orders_until(clock.now_ns() + 400 * kMs));
+  for (int n = 0; n < 380; ++n) {
+    device.place.z() = std::max(device.place.z() - 2e-5, -0.003);
+    cycle();
+  }
+  EXPECT_GT(device.written.back().force_n.z(), 2.9);
+  for (int n = 0; n < 50; ++n) cycle();
+  EXPECT_EQ(device.written.back().force_n, Vec3(Vec3::Zero()));
+}
+
+TEST_F(LoopWithPatch, AForceFromTheNetworkIsNotUsedMeanwhile) {
+  local.offer(sheet_patch(0.0));
+  local.publish(orders_until(clock.now_ns() + 10'000 * kMs));
+  for (int n = 0; n < 300; ++n) {
+    device.place.z() = std::max(device.place.z() - 2e-5, -0.003);
+    const DeviceCycle last = cycle();
+    loop->post({{.force_n = Vec3(5, 0, 0)}, last.sample.time_ns});
+  }
+  EXPECT_EQ(device.written.back().force_n.x(), 0.0);
+  EXPECT_EQ(loop->collect_stats().commands_unused, 300U);
+}
+
+// From patch to network and back the force changes by no more than the fade's share of a step.
+TEST_F(LoopWithPatch, TheForceHasNoJumpWhereTheSourceChanges) {
+  local.offer(sheet_patch(0.0));
+  PatchOrders orders = orders_until(clock.now_ns() + 100'000 * kMs);
+  local.publish(orders);
+  Vec3 last = Vec3::Zero();
+  double worst = 0.0;
+  for (int n = 0; n < 2000; ++n) {
+    device.place.z() = std::max(device.place.z() - 2e-5, -0.003);
+    if (n == 600 || n == 1200) {
+      orders.is_wanted = n == 1200;
+      local.publish(orders);
+    }
+    const DeviceCycle now = cycle();
+    if (!now.local) loop->post({{.force_n = Vec3(0, 0, 2.5)}, now.sample.time_ns});
+    const Vec3 written = device.written.back().force_n;
+    if (n > 400) worst = std::max(worst, (written - last).norm());
+    last = written;
+  }
+  EXPECT_LT(worst, 0.5 / 0.1 * 1e-3 + 1e-9) << "0.5 N over 0.1 s";
+  EXPECT_NEAR(last.z(), 3.0, 1e-6);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,38 @@
+#include "io_node/touch_chooser.h"
+
+#include <gtest/gtest.h>
+
+namespace hapton {
+namespace {
+
+constexpr std::int64_t kSecond = 1'000'000'000;
+
+TEST(TouchChooser, KeepsToWhatItIsTold) {
+  TouchChooser remote(TouchChoice::remote);
+  TouchChooser patch(TouchChoice::patch);
+  for (std::int64_t t = 0; t < 100; ++t) {
+    EXPECT_FALSE(remote.wants_patch(1.0, t * kSecond));
+    EXPECT_TRUE(patch.wants_patch(1e-4, t * kSecond));
+  }
+}
+
+TEST(TouchChooser, AFastNetworkChangesNothing) {
+  TouchChooser chooser(TouchChoice::automatic);
+  for (std::int64_t t = 0; t < 100; ++t) EXPECT_FALSE(chooser.wants_patch(t % 2 == 0 ? 1e-4 : TouchChooser::kSlowS, t * kSecond));
+  EXPECT_FALSE(chooser.wants_patch(-1.0, 101 * kSecond)) << "not known yet";
+}
+
+TEST(TouchChooser, GoesBackOnlyWhenItHasBeenFastForAWhile) {
+  TouchChooser chooser(TouchChoice::automatic);
+  EXPECT_TRUE(chooser.wants_patch(0.02, 100 * kSecond));
+  EXPECT_TRUE(chooser.wants_patch(0.006, 101 * kSecond)) << "between the limits it stays";
+  EXPECT_TRUE(chooser.wants_patch(0.001, 102 * kSecond));
+  EXPECT_TRUE(chooser.wants_patch(0.006, 104 * kSecond));
+  EXPECT_TRUE(chooser.wants_patch(0.001, 106 * kSecond));
+  EXPECT_TRUE(chooser.wants_patch(-1.0, 120 * kSecond)) << "a new haptics node: not known again";
+  EXPECT_FALSE(chooser.wants_patch(0.001, 130 * kSecond));
+  EXPECT_TRUE(chooser.wants_patch(0.02, 131 * kSecond));
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,154 @@
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <random>
+#include <utility>
+#include <vector>
+
+#include "core/force/force_method.h"
+#include "patch/patch_maker.h"
+#include "patch/patch_source.h"
+#include "patch/patch_store.h"
+#include "patch/patch_touch.h"
+#include "tests/support/made_meshes.h"
+
+namespace hapton {
+
+// A rolling sheet of n x n squares, side 2 half, with heights up to about 2.5 mm.
+inline double rolling_height(double x, double y) {
+  return 0.0015 * std::sin(270.0 * x) * std::sin(220.0 * y) + 0.001 * std::sin(400.0 * (x + y));
+}
+inline TriangleMesh rolling_sheet(double half, int n) {
+  TriangleMesh mesh = made::sheet(half, 0.0, n);
+  for (Vec3& v : mesh.vertices) v.z() = rolling_height(v.x(), v.y());
+  return mesh;
+}
+
+inline TouchScene scene_of(TriangleMesh mesh, const Material& material = {}) {
+  TouchScene scene;
+  scene.objects.push_back({made::shared(std::move(mesh)), material});
+  return scene;
+}
+
+// Both ends of touch by patches and a bad network between, on simulated time: a cycle a millisecond.
+class PatchStage {
+ public:
+  struct Network {
+    double delay_s = 0.05;  // one way
+    double jitter_s = 0.0;
+    double loss = 0.0;
+    std::uint64_t seed = 1;
+    double make_s = 0.005;  // how long a patch takes to make
+    double bits_per_s = 1e6;
+  };
+
+  PatchStage(const TouchScene& scene, const Network& network)
+      : network_(network), random_(network.seed), source_(make_tiles(scene), 0.0, 7, 1, {.bits_per_s = network.bits_per_s}) {
+    whole_ = std::make_unique<TouchStep>(*make_method({}, scene));
+  }
+
+  struct Felt {
+    std::optional<PatchFeel> patch;
+    TouchOutput whole;
+  };
+
+  // One cycle with the device there.
+  Felt step(const Vec3& p_WD, const Pose& X_WS = Pose::Identity()) {
+    now_ns_ += 1'000'000;
+    const TouchInput input{p_WD, X_WS, 1e-3};
+    const Vec3 p_SD = X_WS.inverse() * p_WD;
+    if (cycle_++ % 50 == 0) send_up(p_SD);
+    take_arrivals();
+    for (int n = 0; n < 16; ++n) {
+      auto part = source_.take(now_ns_);
+      if (!part) break;
+      if (!is_lost()) down_.push_back({arrival(), *part});
+    }
+    make_patches(p_SD);
+    Felt felt{touch_.step(input), {}};
+    if (cycle_ == 1) whole_->reset(input);
+    felt.whole = whole_->step(input);
+    return felt;
+  }
+
+  // Where the whole scene's proxy starts when the patch's does.
+  void reset_whole(const Vec3& p_WD) { whole_->reset({p_WD, Pose::Identity(), 1e-3}); }
+  const PatchTouch& touch() const { return touch_; }
+  const PatchSource& source() const { return source_; }
+  const PatchStore& store() const { return store_; }
+  PatchMaker& maker() { return maker_; }
+  double now_s() const { return 1e-9 * static_cast<double>(now_ns_); }
+  void set_network(const Network& network) { network_ = network; }
+
+ private:
+  bool is_lost() { return std::uniform_real_distribution<double>(0, 1)(random_) < network_.loss; }
+  std::int64_t arrival() {
+    return now_ns_ +
+           static_cast<std::int64_t>(1e9 * (network_.delay_s + network_.jitter_s * std::uniform_real_distribution<double>(0, 1)(random_)));
+  }
+
+  struct Up {
+    std::int64_t due_ns;
+    PatchStatus status;
+    HandMotion hand;
+  };
+
+  void send_up(const Vec3& p_SD) {
+    PatchStatus status = store_.status();
+    status.is_wanted = true;
+    status.round_trip_s = static_cast<float>(2.0 * network_.delay_s);
+    const Vec3 moved = p_SD - std::exchange(told_, p_SD);
+    if (!is_lost()) up_.push_back({arrival(), status, {p_SD, cycle_ > 1 ? Vec3(moved / 0.05) : Vec3(Vec3::Zero())}});
+  }
+
+  void take_arrivals() {
+    for (auto it = up_.begin(); it != up_.end();) {
+      if (it->due_ns > now_ns_) {
+        ++it;
+        continue;
+      }
+      source_.accept(it->status);
+      source_.aim(it->hand);
+      it = up_.erase(it);
+    }
+    for (auto it = down_.begin(); it != down_.end();) {
+      if (it->first > now_ns_) {
+        ++it;
+        continue;
+      }
+      if (const auto* tile = std::get_if<PatchTile>(&it->second)) store_.accept(*tile);
+      if (const auto* cell = std::get_if<PatchCell>(&it->second)) store_.accept(*cell);
+      if (const auto* begin = std::get_if<PatchBegin>(&it->second)) store_.accept(*begin);
+      it = down_.erase(it);
+    }
+  }
+
+  // A patch takes a while to make; meanwhile no other is begun.
+  void make_patches(const Vec3& p_SD) {
+    maker_.note_hand(p_SD, now_ns_);
+    if (made_ == nullptr) {
+      made_ = maker_.make_if_due(store_, 0);
+      ready_ns_ = now_ns_ + static_cast<std::int64_t>(1e9 * network_.make_s);
+    }
+    (void)touch_.take_retired();
+    if (made_ != nullptr && now_ns_ >= ready_ns_) (void)touch_.offer(std::move(made_));
+  }
+
+  Network network_;
+  std::mt19937_64 random_;
+  PatchSource source_;
+  PatchStore store_;
+  PatchMaker maker_;
+  PatchTouch touch_;
+  std::unique_ptr<TouchStep> whole_;
+  std::deque<Up> up_;
+  std::deque<std::pair<std::int64_t, Message>> down_;
+  std::unique_ptr<Patch> made_;
+  std::int64_t ready_ns_ = 0;
+  std::int64_t now_ns_ = 1'000'000'000;
+  std::uint64_t cycle_ = 0;
+  Vec3 told_ = Vec3::Zero();
+};
+
+}  // namespace hapton

@@ -1,0 +1,160 @@
+#include "patch/patch_store.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <random>
+#include <set>
+
+#include "tests/patch/patch_stage.h"
+
+namespace hapton {
+namespace {
+
+PatchTile numbered(PatchTile tile, std::uint32_t epoch, std::uint32_t serial) {
+  tile.epoch = epoch;
+  tile.serial = serial;
+  return tile;
+}
+
+PatchCell message_of(const TileCell& cell, std::uint32_t epoch, std::uint32_t serial) {
+  PatchCell message{epoch, serial, cell.key.level, cell.key.index, cell.empty_children, static_cast<std::uint32_t>(cell.tiles.size())};
+  std::copy(cell.tiles.begin(), cell.tiles.end(), message.tiles.begin());
+  return message;
+}
+
+struct Filled {
+  explicit Filled(const TouchScene& scene) : tiled(make_tiles(scene)) {
+    store.accept(PatchBegin{1, ++serial, tiled.grid.origin_m, tiled.grid.step_m, 0.0, 7});
+  }
+  void cell(std::size_t n) { store.accept(message_of(tiled.cells[n], 1, ++serial)); }
+  void tile(std::size_t n) { store.accept(numbered(tiled.tiles[n], 1, ++serial)); }
+  TiledScene tiled;
+  PatchStore store;
+  std::uint32_t serial = 0;
+};
+
+// By brute force: within the known radius no triangle of the scene may be missing.
+TEST(PatchStore, WithinTheKnownRadiusNoTriangleIsMissing) {
+  const TouchScene scene = scene_of(rolling_sheet(0.05, 60));
+  Filled f(scene);
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<double> at(-0.06, 0.06);
+  std::vector<char> has(f.tiled.tiles.size(), 0);
+  int known = 0;
+  for (int round = 0; round < 400; ++round) {
+    if (round % 2 == 0) f.cell(random() % f.tiled.cells.size());
+    for (int n = 0; n < 2; ++n) {
+      const std::size_t tile = random() % f.tiled.tiles.size();
+      f.tile(tile);
+      has[tile] = 1;
+    }
+    const Vec3 p(at(random), at(random), 0.2 * at(random));
+    const double radius = f.store.known_radius(p);
+    known += radius > 0.0 ? 1 : 0;
+    for (std::size_t tile = 0; tile < has.size(); ++tile) {
+      if (has[tile] != 0) continue;
+      for (std::size_t v = 0; v < f.tiled.tiles[tile].vertex_count; ++v) {
+        ASSERT_GE((f.tiled.grid.at(read_vertex(f.tiled.tiles[tile], v)) - p).norm(), radius);
+      }
+    }
+  }
+  EXPECT_GT(known, 10);
+}
+
+TEST(PatchStore, AWholeSceneIsKnownEverywhere) {
+  Filled f(scene_of(rolling_sheet(0.05, 30)));
+  EXPECT_EQ(f.store.known_radius(Vec3::Zero()), 0.0);
+  for (std::size_t n = 0; n < f.tiled.tiles.size(); ++n) f.tile(n);
+  EXPECT_EQ(f.store.known_radius(Vec3::Zero()), 0.0) << "no cell says that nothing is missing";
+  for (std::size_t n = 0; n < f.tiled.cells.size(); ++n) f.cell(n);
+  EXPECT_EQ(f.store.known_radius(Vec3(1, 2, 3)), std::numeric_limits<double>::infinity());
+  const PatchStore::Piece piece = f.store.make_piece(Vec3::Zero(), std::numeric_limits<double>::infinity(), 10'000);
+  ASSERT_EQ(piece.scene.objects.size(), 1U);
+  EXPECT_EQ(piece.scene.objects[0].mesh->triangles.size(), 1800U);
+  EXPECT_EQ(piece.scene.objects[0].mesh->vertices.size(), 961U) << "a vertex that tiles share is one";
+}
+
+TEST(PatchStore, APieceHasNoMoreTrianglesThanWanted) {
+  Filled f(scene_of(rolling_sheet(0.05, 100)));
+  for (std::size_t n = 0; n < f.tiled.tiles.size(); ++n) f.tile(n);
+  for (std::size_t n = 0; n < f.tiled.cells.size(); ++n) f.cell(n);
+  const PatchStore::Piece piece = f.store.make_piece(Vec3::Zero(), std::numeric_limits<double>::infinity(), 5000);
+  EXPECT_LE(piece.triangles, 5000U);
+  EXPECT_GT(piece.triangles, 1000U);
+  EXPECT_GT(piece.radius_m, 0.005);
+  EXPECT_LT(piece.radius_m, 0.05);
+}
+
+bool is_confirmed(const PatchStatus& status, std::uint32_t serial) {
+  const std::uint32_t back = status.newest_serial - serial;
+  return serial <= status.newest_serial && back < PatchStatus::kSerials && ((status.received[back / 8] >> (back % 8)) & 1U) != 0;
+}
+
+TEST(PatchStore, ConfirmsWhatCameInAnyOrder) {
+  Filled f(scene_of(rolling_sheet(0.05, 10)));
+  std::mt19937_64 random(3);
+  std::set<std::uint32_t> came = {1};
+  for (int n = 0; n < 3000; ++n) {
+    const auto serial = static_cast<std::uint32_t>(1 + n + random() % 40);
+    f.store.accept(numbered(f.tiled.tiles[0], 1, serial));
+    came.insert(serial);
+    const PatchStatus& status = f.store.status();
+    ASSERT_EQ(status.newest_serial, *came.rbegin());
+    for (std::uint32_t back = 0; back < 100 && back < status.newest_serial; ++back) {
+      ASSERT_EQ(is_confirmed(status, status.newest_serial - back), came.contains(status.newest_serial - back));
+    }
+  }
+}
+
+TEST(PatchStore, ANewerEpochBeginsWithNothingAndAnOlderOneIsRejected) {
+  Filled f(scene_of(rolling_sheet(0.05, 10)));
+  for (std::size_t n = 0; n < f.tiled.tiles.size(); ++n) f.tile(n);
+  for (std::size_t n = 0; n < f.tiled.cells.size(); ++n) f.cell(n);
+  f.store.accept(numbered(f.tiled.tiles[0], 2, 1));
+  EXPECT_FALSE(f.store.has_begun());
+  EXPECT_EQ(f.store.status().epoch, 2U);
+  EXPECT_EQ(f.store.status().newest_serial, 1U);
+  f.store.accept(numbered(f.tiled.tiles[0], 1, 500));
+  EXPECT_EQ(f.store.status().epoch, 2U);
+  EXPECT_GT(f.store.counts().rejected, 0U);
+  f.store.clear();
+  f.store.accept(PatchBegin{1, 1, Vec3::Zero(), 1.0, 0.0, 0});
+  EXPECT_TRUE(f.store.has_begun()) << "another sender may count from anywhere";
+}
+
+// Whatever an authenticated sender says, memory stays bounded and nothing is felt that does not fit.
+TEST(PatchStore, IsBoundedWhateverComes) {
+  PatchStore store;
+  std::mt19937_64 random(9);
+  store.accept(PatchBegin{1, 1, Vec3::Zero(), 1e-9, 0.0, 0});
+  PatchTile tile;
+  tile.vertex_count = 3;
+  tile.triangle_count = 1;
+  tile.triangles = {0, 1, 2};
+  for (std::uint32_t n = 0; n < PatchStore::kMostTiles + 100; ++n) {
+    tile.tile = n;
+    store.accept(numbered(tile, 1, 2 + n));
+  }
+  EXPECT_EQ(store.counts().rejected, 100U);
+  PatchCell cell{1, 1, kPatchDeepestLevel};
+  cell.empty_children.fill(0xFF);
+  for (std::uint32_t n = 0; n < PatchStore::kMostCells; ++n) {
+    for (std::uint32_t& i : cell.index) i = static_cast<std::uint32_t>(random() % (1U << kPatchDeepestLevel));
+    cell.serial = 10'000 + n;
+    store.accept(cell);
+  }
+  EXPECT_GT(store.counts().rejected, PatchStore::kMostCells / 2);
+  (void)store.known_radius(Vec3::Zero());
+  (void)store.make_piece(Vec3::Zero(), 1.0, 100);
+  // A cell that is said to be divided at the deepest level, tiles that never come.
+  PatchStore other;
+  other.accept(PatchBegin{1, 1, Vec3::Zero(), 1e-9, 0.0, 0});
+  cell = {1, 2, 0, {}, {}, 1, {}};
+  cell.tiles[0] = 77;
+  other.accept(cell);
+  EXPECT_LE(other.known_radius(Vec3::Zero()), 0.0);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,113 @@
+#include "patch/tile_partition.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "tests/patch/patch_stage.h"
+
+namespace hapton {
+namespace {
+
+using Corners = std::array<GridPoint, 3>;
+
+std::multiset<Corners> triangles_of(const std::vector<PatchTile>& tiles) {
+  std::multiset<Corners> all;
+  for (const PatchTile& tile : tiles) {
+    for (std::size_t t = 0; t < tile.triangle_count; ++t) {
+      const std::uint8_t* v = tile.triangles.data() + 3 * t;
+      all.insert({read_vertex(tile, v[0]), read_vertex(tile, v[1]), read_vertex(tile, v[2])});
+    }
+  }
+  return all;
+}
+
+std::multiset<Corners> triangles_of(const TouchScene& scene, const PatchGrid& grid) {
+  std::multiset<Corners> all;
+  for (const TouchObject& object : scene.objects) {
+    for (const Triangle& t : object.mesh->triangles) {
+      const Corners c = {grid.round(object.mesh->vertices[t[0]]), grid.round(object.mesh->vertices[t[1]]),
+                         grid.round(object.mesh->vertices[t[2]])};
+      if (c[0] != c[1] && c[1] != c[2] && c[2] != c[0]) all.insert(c);
+    }
+  }
+  return all;
+}
+
+TouchScene two_objects() {
+  TouchScene scene = scene_of(rolling_sheet(0.05, 40), {.stiffness_n_per_m = 700.0, .friction_static = 0.4, .friction_dynamic = 0.3});
+  scene.objects.push_back({made::shared(made::soup(3, 500, 0.05, 0.02)), {.damping_ns_per_m = 2.0, .two_sided = false}});
+  return scene;
+}
+
+TEST(TilePartition, EveryTriangleIsInOneTile) {
+  const TouchScene scene = two_objects();
+  const TiledScene tiled = make_tiles(scene);
+  EXPECT_EQ(triangles_of(tiled.tiles), triangles_of(scene, tiled.grid));
+}
+
+TEST(TilePartition, TilesFitAndKnowTheirObject) {
+  const TouchScene scene = two_objects();
+  const TiledScene tiled = make_tiles(scene);
+  std::size_t full = 0;
+  for (std::size_t n = 0; n < tiled.tiles.size(); ++n) {
+    const PatchTile& tile = tiled.tiles[n];
+    EXPECT_EQ(tile.tile, n);
+    ASSERT_LE(tile.vertex_count, PatchTile::kMostVertices);
+    ASSERT_LE(tile.triangle_count, PatchTile::kMostTriangles);
+    ASSERT_GT(tile.triangle_count, 0);
+    const Material& material = scene.objects.at(tile.object).material;
+    EXPECT_EQ(tile.stiffness_n_per_m, material.stiffness_n_per_m);
+    EXPECT_EQ(tile.damping_ns_per_m, material.damping_ns_per_m);
+    EXPECT_EQ(tile.friction_static, material.friction_static);
+    EXPECT_EQ(tile.friction_dynamic, material.friction_dynamic);
+    EXPECT_EQ(tile.two_sided, material.two_sided);
+    full += tile.object == 0 && tile.triangle_count == PatchTile::kMostTriangles ? 1 : 0;
+  }
+  EXPECT_GE(full, std::size_t{3200 / 64 - 2}) << "tiles of a mesh are full, but for a few";
+}
+
+// The cells are what a patch relies on: none of the triangles in one may be missing from its list.
+TEST(TilePartition, ACellListsEveryTileThatReachesIntoIt) {
+  const TiledScene tiled = make_tiles(scene_of(rolling_sheet(0.05, 100)));
+  ASSERT_GT(tiled.cells.size(), 10U);
+  double listed = 0.0;
+  for (const TileCell& cell : tiled.cells) {
+    for (std::uint32_t tile = 0; tile < tiled.tiles.size(); ++tile) {
+      const bool is_listed = std::binary_search(cell.tiles.begin(), cell.tiles.end(), tile);
+      ASSERT_EQ(is_listed, tiled.tile_bounds[tile].overlaps(cell.key.bounds()));
+    }
+    listed += static_cast<double>(cell.tiles.size());
+  }
+  EXPECT_LT(listed / static_cast<double>(tiled.tiles.size()), 12.0) << "a tile is in few cells";
+}
+
+TEST(TilePartition, CellsAndEmptyChildrenCoverAllSpace) {
+  const TiledScene tiled = make_tiles(scene_of(rolling_sheet(0.05, 100)));
+  double volume = 0.0;
+  std::set<std::uint64_t> empty;
+  for (const TileCell& cell : tiled.cells) {
+    volume += (cell.key.bounds().high - cell.key.bounds().low).prod();
+    for (CellKey above = cell.key; above.level > 0;) {
+      above = above.parent();
+      for (std::uint32_t octant = 0; octant < 8; ++octant) {
+        const CellKey child = above.child(octant);
+        if (((cell.empty_children[above.level] >> octant) & 1U) != 0 && empty.insert(child.packed()).second) {
+          volume += (child.bounds().high - child.bounds().low).prod();
+        }
+      }
+    }
+  }
+  EXPECT_EQ(volume, std::ldexp(1.0, 3 * kPatchGridBits));
+}
+
+TEST(TilePartition, OfNothingIsNothing) {
+  const TiledScene tiled = make_tiles({});
+  EXPECT_TRUE(tiled.tiles.empty());
+  EXPECT_TRUE(tiled.cells.empty());
+}
+
+}  // namespace
+}  // namespace hapton
