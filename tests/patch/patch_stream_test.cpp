@@ -136,7 +136,9 @@ TEST(PatchStreamTest, AHandThatOutrunsItsTilesFeelsThePlaneOfTheLastContact) {
   PatchStage::Felt felt;
   for (int m = 0; m < 8000; ++m) felt = stage.step(rest);
   ASSERT_TRUE(felt.patch && felt.patch->contact && !felt.patch->is_beyond);
-  EXPECT_LT((felt.patch->force_n - felt.whole.force_n).norm(), force_bound_n());
+  // Which of the local minima nearby depends on the way there: it has come from the plane.
+  const Vec3 proxy = rest + felt.patch->visual_offset_m;
+  EXPECT_NEAR(proxy.z(), rolling_height(proxy.x(), proxy.y()), 5e-5) << "on the surface, but for the height of a facet";
 }
 
 TEST(PatchStreamTest, WhatTheHubHasIsNotSentAgain) {
