@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace hapton {
 
@@ -13,16 +14,17 @@ void PassivityController::held(const Vec3& force_n, double passed_s) noexcept {
 void PassivityController::observe(double max_force_n, const Vec3& moved_m) noexcept {
   if (!(passed_s_ > 0.0)) return;
   period_s_ = passed_s_;
-  mean_force_n_ = force_n_s_ / passed_s_;
+  const Vec3 before_n = std::exchange(mean_force_n_, force_n_s_ / passed_s_);
+  const double hidden_j = 0.5 * device_.position_step_m * (mean_force_n_ - before_n).cwiseAbs().sum();
   mean_velocity_m_per_s_ = moved_m / passed_s_;
   force_n_s_ = Vec3::Zero();
   passed_s_ = 0.0;
   const double dissipated_j = take_dissipated_j(moved_m);
   if (mean_force_n_.isZero(0.0)) {
-    given_j_ = std::max(0.0, given_j_) * std::exp(-period_s_ / kFadeS);
+    given_j_ = std::max(0.0, given_j_);
     return;
   }
-  given_j_ = std::max(given_j_ + mean_force_n_.dot(moved_m) - dissipated_j, -kMostCreditM * max_force_n);
+  given_j_ = std::max(given_j_ + mean_force_n_.dot(moved_m) + hidden_j - dissipated_j, -kMostCreditM * max_force_n);
 }
 
 // Once a window: int b v^2 dt is at least b motion^2 / time.
@@ -45,17 +47,18 @@ double PassivityController::largest_allowed_n(const Vec3& direction) const noexc
   const double gained = std::max(0.0, half_s * mean_force_n_.dot(direction) / device_.mass_kg);
   const double moved_m = period_s_ * (mean_velocity_m_per_s_.dot(direction) + gained);
   const double m_per_n = half_s * period_s_ / device_.mass_kg;
-  const double credit_j = std::max(0.0, -given_j_);
-  const double root = std::sqrt(moved_m * moved_m + 4.0 * m_per_n * credit_j);
-  // Without cancellation on either side.
-  return moved_m > 0.0 ? 2.0 * credit_j / (moved_m + root) : (root - moved_m) / (2.0 * m_per_n);
+  const double credit_j = -given_j_;
+  // Of a deficit that no force can take back, as much as one can.
+  const double root = std::sqrt(std::max(0.0, moved_m * moved_m + 4.0 * m_per_n * credit_j));
+  if (moved_m <= 0.0) return (root - moved_m) / (2.0 * m_per_n);
+  return credit_j > 0.0 ? 2.0 * credit_j / (moved_m + root) : 0.0;  // without cancellation
 }
 
 Vec3 PassivityController::shape(const Vec3& wanted_n, double most_damping) noexcept {
   has_limited_ = false;
+  if (!(period_s_ > 0.0)) return wanted_n;
   const double wanted = wanted_n.norm();
-  if (!(wanted > 0.0) || !(period_s_ > 0.0)) return wanted_n;
-  const double allowed = largest_allowed_n(wanted_n / wanted);
+  const double allowed = wanted > 0.0 ? largest_allowed_n(wanted_n / wanted) : 0.0;
   Vec3 force_n = wanted_n;
   if (allowed < wanted) {
     force_n *= allowed / wanted;

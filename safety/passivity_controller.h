@@ -9,12 +9,13 @@ namespace hapton {
 //
 //   observer     given += mean force on the motors since the last sample . motion since then. This is exact for a force that is held.
 //                given -= what the device's own damping and friction dissipate; a wall that is passive by b > K T / 2 is left as it is.
+//                given += half an encoder step . change of force: a position that is rounded may hide as much.
 //                -given is the energy that the hand has put in and not got back: the credit.
 //   controller   in one period T a force f along the motion of a free mass m at velocity v gives f (v T + f T^2 / 2 m). The largest f that
 //                gives no more than the credit is allowed. Springs below m / T^2 pass unchanged: a spring stores f^2 / 2 k.
 //   deficit      a hand that pulls the device away moves it farther than a free mass. What is given too much then is taken back by damping.
 //
-// Without force on the motors the credit is dropped, and a deficit fades: contacts do not lend to each other. Effects that are a source by
+// Without force on the motors the credit is dropped, a deficit stays: contacts do not lend to each other. Effects that are a source by
 // intent (a moving object, a spring that is switched on while it is extended) lose their force: they cannot be used with it.
 //
 // Sources: Hannaford and Ryu, "Time-domain passivity control of haptic interfaces", IEEE Trans. Robotics and Automation 18 (2002); the
@@ -30,12 +31,11 @@ class PassivityController {
     double mass_kg = 0.0;
     double damping_ns_per_m = 0.0;
     double friction_n = 0.0;
+    double position_step_m = 0.0;  // of its encoders
   };
 
   // Of max_force: a larger credit is not kept. A spring that stores more would have to be softer than max_force / 4 cm.
   static constexpr double kMostCreditM = 0.020;
-  // Time constant with which a deficit fades without force: contacts of a limit cycle follow each other faster.
-  static constexpr double kFadeS = 0.1;
 
   // Samples over which dissipation is estimated by the motion from first to last: noise of the encoder, which goes to and fro, adds
   // nothing.

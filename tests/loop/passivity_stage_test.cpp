@@ -14,7 +14,7 @@ struct Outcome {
 };
 
 Outcome press(const DevicePreset& device, const HandModel& hand, double stiffness, const LinkFaults& each_way, bool is_controlled) {
-  PassivityStage stage({.device = {.mass_kg = device.model.mass_kg},
+  PassivityStage stage({.device = {.mass_kg = device.model.mass_kg, .position_step_m = device.model.encoder_step_m},
                         .most_damping_ns_per_m = 250.0 * device.model.mass_kg,
                         .max_force_n = device.model.max_force_n});
   WallLaw wall({.stiffness_n_per_m = stiffness});

@@ -183,7 +183,7 @@ TEST(PassivityController, DampingIsWhatTheDeviceBears) {
   EXPECT_DOUBLE_EQ(controller.shape(Vec3(0, 1e-9, 0), 1e9).x(), -kMassKg / 1e-3 * 0.1) << "no more than stops the mass";
 }
 
-TEST(PassivityController, CreditEndsWithTheContactAndADeficitFades) {
+TEST(PassivityController, CreditEndsWithTheContactAndADeficitStays) {
   PassivityController controller({.mass_kg = kMassKg});
   controller.held(Vec3(1, 0, 0), 1e-3);
   controller.observe(kMaxForceN, Vec3(-1e-3, 0, 0));
@@ -193,9 +193,9 @@ TEST(PassivityController, CreditEndsWithTheContactAndADeficitFades) {
   EXPECT_EQ(controller.given_j(), 0.0);
   controller.held(Vec3(1, 0, 0), 1e-3);
   controller.observe(kMaxForceN, Vec3(1e-3, 0, 0));
-  controller.held(Vec3::Zero(), PassivityController::kFadeS);
+  controller.held(Vec3::Zero(), 0.1);
   controller.observe(kMaxForceN, Vec3::Zero());
-  EXPECT_DOUBLE_EQ(controller.given_j(), 1e-3 * std::exp(-1.0));
+  EXPECT_DOUBLE_EQ(controller.given_j(), 1e-3);
 }
 
 TEST(PassivityController, NoiseOfTheEncoderIsNoDissipation) {
@@ -205,6 +205,16 @@ TEST(PassivityController, NoiseOfTheEncoderIsNoDissipation) {
     noisy.observe(kMaxForceN, Vec3(n % 2 == 0 ? 3e-5 : -3e-5, 0, 0));
   }
   EXPECT_NEAR(noisy.given_j(), 0.0, 1e-18);
+}
+
+TEST(PassivityController, WhatARoundedPositionMayHideIsNoCredit) {
+  PassivityController controller({.mass_kg = kMassKg, .position_step_m = 4e-5});
+  controller.held(Vec3(2, 0, 0), 1e-3);
+  controller.observe(kMaxForceN, Vec3(-1e-3, 0, 0));
+  EXPECT_DOUBLE_EQ(controller.given_j(), -2e-3 + 2.0 * 2e-5);
+  controller.held(Vec3(1, 0, 0), 1e-3);
+  controller.observe(kMaxForceN, Vec3::Zero());
+  EXPECT_DOUBLE_EQ(controller.given_j(), -2e-3 + 3.0 * 2e-5);
 }
 
 TEST(PassivityController, WhatTheDeviceDissipatesIsCredit) {

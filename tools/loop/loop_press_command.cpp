@@ -74,8 +74,9 @@ Result<Bench> make_bench(const PressOptions& options, const NamedLoop& loop) {
 
 // The damper no stronger than the device can render: a quarter of what stops its mass within one period.
 PassivityStage::Options passivity_options(const DeviceModel& device, double rate_hz) {
-  return {
-      .device = {.mass_kg = device.mass_kg}, .most_damping_ns_per_m = 0.25 * device.mass_kg * rate_hz, .max_force_n = device.max_force_n};
+  return {.device = {.mass_kg = device.mass_kg, .position_step_m = device.encoder_step_m},
+          .most_damping_ns_per_m = 0.25 * device.mass_kg * rate_hz,
+          .max_force_n = device.max_force_n};
 }
 
 std::string to_csv(const std::vector<LoopRow>& rows) {
