@@ -80,10 +80,7 @@ void ReplyLoop::hear(const Message& message) noexcept {
   } else if (const auto* status = std::get_if<PatchStatus>(&message)) {
     if (!overtaken && patches_ != nullptr) patches_->accept(*status, hub_.receive_time_ns());
   } else if (const auto* view = std::get_if<ViewTransform>(&message)) {
-    // Overtaken by a state it is still news, by a later view not. Revisions are compared around the 32-bit circle.
-    if (!overtaken || static_cast<std::int32_t>(view->revision - view_revision_) > 0) {
-      if (step_.turn_scene(*view)) view_revision_ = view->revision;
-    }
+    if (!overtaken) step_.turn_scene(*view);
   } else if (const auto* scene = std::get_if<SceneFacts>(&message)) {
     scene_shown_ = scene->given_hash;
   } else if (const auto* settings = std::get_if<Settings>(&message); settings != nullptr && settings->method[0] != '\0') {

@@ -72,7 +72,6 @@ class ReplyLoop {
   std::int64_t arrival_ns_ = 0;
   std::int64_t start_ns_;
   std::uint64_t session_ = 0;
-  std::uint32_t view_revision_ = 0;
   std::uint32_t heard_ask_ = 0;  // of a method
   JoinState told_ = JoinState::joining;
   bool told_absent_ = false;

@@ -129,12 +129,7 @@ void Servo::on_message(const PeerEvent& event, const Datagram& datagram) noexcep
                               std::holds_alternative<PatchBegin>(message))) {
     return patches_->accept(message);
   }
-  // Sent once a second: a force that overtakes it does not make it old.
-  if (const auto* setup = std::get_if<HapticsSetup>(&message)) {
-    const bool is_current = event.arrival == Arrival::newest || setup->method_serial >= stats_.setup.method_serial;
-    return is_current ? on_setup(*setup) : void();
-  }
-  // Of these the newest wins; a reordered one is out of date.
+  // Of these kinds the newest wins (KindOrder).
   if (event.arrival != Arrival::newest) return;
   if (const auto* view = std::get_if<ViewTransform>(&message)) return on_view(*view);
   if (const auto* drawn = std::get_if<Drawn>(&message)) {
@@ -142,6 +137,7 @@ void Servo::on_message(const PeerEvent& event, const Datagram& datagram) noexcep
   }
   if (const auto* target = std::get_if<HandTarget>(&message)) return requests_.accept(*target, event.peer);
   if (const auto* settings = std::get_if<Settings>(&message)) return requests_.accept(*settings, event);
+  if (const auto* setup = std::get_if<HapticsSetup>(&message)) return on_setup(*setup);
   if (const auto* scene = std::get_if<SceneFacts>(&message)) return scene_.accept(*scene, event.role, view_.view());
   if (const auto* request = std::get_if<ReportRequest>(&message); request != nullptr && report_server_ != nullptr) {
     report_server_->accept(event.peer, *request);

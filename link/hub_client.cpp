@@ -106,7 +106,7 @@ bool HubClient::accept(const Datagram& datagram, std::int64_t now_ns) noexcept {
     has_hub_left_ = true;
     return false;
   }
-  last_arrival_ = arrival;
+  last_arrival_ = order_.note(tracker_, arrival, datagram.message, header.sequence);
   receive_time_ns_ = now_ns;
   ++counts_.received;
   return true;

@@ -5,6 +5,7 @@
 
 #include "link/codec.h"
 #include "link/endpoint.h"
+#include "link/kind_order.h"
 #include "link/messages.h"
 #include "link/sequence_tracker.h"
 #include "runtime/clock.h"
@@ -47,7 +48,8 @@ class HubClient {
 
   // Waits until a message from the hub is there or the clock has reached deadline_ns; false in the latter case. Welcome and Bye are handled
   // internally. A deadline in the past only takes what has already come: call again until false to drain to the newest. Duplicates are
-  // dropped; reordered messages are returned, and last_arrival() reports that, so that the caller can keep the newest.
+  // dropped; a message that a newer one of its kind overtook is returned, and last_arrival() reports that, so that the caller can keep the
+  // newest.
   bool receive(Datagram& out, std::int64_t deadline_ns) noexcept;
 
   // Of the message returned last.
@@ -78,6 +80,7 @@ class HubClient {
   Datagram outgoing_;
   std::array<std::byte, kMaxDatagramBytes> buffer_ = {};
   SequenceTracker tracker_;
+  KindOrder order_;
   ClientCounts counts_;
   JoinState state_ = JoinState::joining;
   Arrival last_arrival_ = Arrival::newest;

@@ -114,7 +114,8 @@ PeerEvent HubPeers::accept_message(const Datagram& datagram, const Address& from
     ++counts_.wrong_role;
     return {};
   }
-  return {.kind = PeerEvent::Kind::message, .role = peer.role, .peer = place, .arrival = arrival, .receive_time_ns = now_ns};
+  const Arrival order = peer.order.note(peer.tracker, arrival, datagram.message, datagram.header.sequence);
+  return {.kind = PeerEvent::Kind::message, .role = peer.role, .peer = place, .arrival = order, .receive_time_ns = now_ns};
 }
 
 PeerEvent HubPeers::welcome(const Header& header, NodeRole role, const Address& from, std::int64_t now_ns, KeyRole key_role) noexcept {

@@ -9,6 +9,7 @@
 #include "link/codec.h"
 #include "link/datagram_tap.h"
 #include "link/endpoint.h"
+#include "link/kind_order.h"
 #include "link/messages.h"
 #include "link/sequence_tracker.h"
 #include "runtime/clock.h"
@@ -27,6 +28,7 @@ struct Peer {
   std::uint64_t sent = 0;          // datagrams to it: the last sequence number used
   std::uint64_t send_failures = 0;
   SequenceTracker tracker;  // of datagrams from the peer
+  KindOrder order;          // and of the messages in them
 };
 
 struct PeerEvent {
@@ -41,7 +43,7 @@ struct PeerEvent {
   NodeRole role = NodeRole::tool;
   std::size_t peer = 0;  // slot in the table
   bool replaced = false;
-  Arrival arrival = Arrival::newest;  // of a message: newest or reordered; duplicates are dropped here
+  Arrival arrival = Arrival::newest;  // of a message: newest, or reordered behind one of its kind; duplicates are dropped here
   std::int64_t receive_time_ns = 0;
 };
 

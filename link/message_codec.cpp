@@ -9,19 +9,12 @@
 #include "core/math/rigid_pose.h"
 #include "hapton.pb.h"
 #include "link/codec.h"
+#include "link/wire_fields.h"
 
 namespace hapton {
 namespace {
 
 constexpr double kUnitTolerance = 1e-3;
-
-template <class Field>
-void write_vector(Field& field, const Vec3& v) {
-  field.Clear();
-  for (int i = 0; i < 3; ++i) {
-    field.AddAlreadyReserved(v[i]);
-  }
-}
 
 template <class Field>
 void write_rotation(Field& field, const Quat& q) {
@@ -34,17 +27,6 @@ void write_rotation(Field& field, const Quat& q) {
 template <std::size_t N>
 void write_text(const std::array<char, N>& from, std::string& to) {
   to.assign(from.data(), static_cast<std::size_t>(std::find(from.begin(), from.end(), '\0') - from.begin()));
-}
-
-bool is_rate(double value) { return std::isfinite(value) && value >= 0.0 && value <= kMaxWireMagnitude; }
-
-template <class Field>
-bool read_vector(const Field& field, Vec3& v) {
-  if (field.size() != 3) {
-    return false;
-  }
-  v = Vec3(field.Get(0), field.Get(1), field.Get(2));
-  return v.allFinite() && v.cwiseAbs().maxCoeff() <= kMaxWireMagnitude;
 }
 
 template <class Field>
@@ -80,17 +62,6 @@ bool read_text(const std::string& from, std::array<char, N>& to) {
 bool read_document(std::uint32_t from, ReportDocument& to) {
   to = static_cast<ReportDocument>(from);
   return from <= static_cast<std::uint32_t>(ReportDocument::csv);
-}
-
-template <std::size_t N, class Field>
-void add_numbers(const std::array<float, N>& from, Field& field) {
-  for (const float value : from) field.AddAlreadyReserved(value);
-}
-
-template <std::size_t N, class Field>
-void write_numbers(const std::array<float, N>& from, Field& field) {
-  field.Clear();
-  add_numbers(from, field);
 }
 
 template <class Field>
@@ -231,7 +202,7 @@ bool read(const wire::Hello& from, Hello& to) {
 bool read(const wire::Welcome& from, Welcome& to) {
   to.accepted = from.accepted();
   to.servo_rate_hz = from.servo_rate_hz();
-  return is_rate(to.servo_rate_hz);
+  return is_amount(to.servo_rate_hz);
 }
 
 bool read(const wire::Bye&, Bye&) { return true; }
@@ -269,8 +240,8 @@ bool read(const wire::ProbeState& from, ProbeState& to) {
   to.status =
       from.status() <= static_cast<std::uint32_t>(ProbeStatus::too_small) ? static_cast<ProbeStatus>(from.status()) : ProbeStatus::ok;
   return read_vector(from.p_wd_m(), to.p_WD) && read_rotation(from.q_wt(), to.q_WT) &&
-         read_vector(from.visual_offset_m(), to.visual_offset_m) && read_vector(from.force_n(), to.force_n) && is_rate(to.servo_rate_hz) &&
-         is_rate(to.round_trip_p50_us) && is_rate(to.round_trip_p99_us);
+         read_vector(from.visual_offset_m(), to.visual_offset_m) && read_vector(from.force_n(), to.force_n) &&
+         is_amount(to.servo_rate_hz) && is_amount(to.round_trip_p50_us) && is_amount(to.round_trip_p99_us);
 }
 
 bool read(const wire::Drawn& from, Drawn& to) {
@@ -280,7 +251,7 @@ bool read(const wire::Drawn& from, Drawn& to) {
   to.held_ns = from.held_ns();
   to.rest_ns = from.rest_ns();
   to.unchanged = from.unchanged();
-  return is_rate(to.frame_rate_hz);
+  return is_amount(to.frame_rate_hz);
 }
 
 bool read(const wire::HandTarget& from, HandTarget& to) {

@@ -1,22 +1,16 @@
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <string>
 
 #include "hapton.pb.h"
 #include "link/codec.h"
 #include "link/message_codec.h"
+#include "link/wire_fields.h"
 
 // The messages of touch across a slow network to and from their form in proto/hapton.proto.
 namespace hapton {
 namespace {
-
-bool is_amount(double value) { return value >= 0.0 && value <= kMaxWireMagnitude; }  // false for NaN as well
-
-template <class Field>
-void write_indices(Field& field, const std::uint32_t* from, std::size_t count) {
-  field.Clear();
-  for (std::size_t i = 0; i < count; ++i) field.AddAlreadyReserved(from[i]);
-}
 
 // Its size in records of that many bytes; none when it is not whole, is empty or has too many.
 std::size_t count_records(const std::string& bytes, std::size_t each, std::size_t most) {
@@ -28,8 +22,7 @@ std::size_t count_records(const std::string& bytes, std::size_t each, std::size_
 void write(const PatchBegin& from, wire::PatchBegin& to) {
   to.set_epoch(from.epoch);
   to.set_serial(from.serial);
-  to.mutable_origin_m()->Clear();
-  for (int i = 0; i < 3; ++i) to.mutable_origin_m()->AddAlreadyReserved(from.origin_m[i]);
+  write_vector(*to.mutable_origin_m(), from.origin_m);
   to.set_step_m(from.step_m);
   to.set_probe_radius_m(from.probe_radius_m);
   to.set_scene_hash(from.scene_hash);
@@ -39,10 +32,10 @@ void write(const PatchCell& from, wire::PatchCell& to) {
   to.set_epoch(from.epoch);
   to.set_serial(from.serial);
   to.set_level(from.level);
-  write_indices(*to.mutable_index(), from.index.data(), from.index.size());
+  write_numbers(from.index, *to.mutable_index());
   to.mutable_empty_children()->assign(reinterpret_cast<const char*>(from.empty_children.data()),
                                       std::min<std::size_t>(from.level, from.empty_children.size()));
-  write_indices(*to.mutable_tiles(), from.tiles.data(), std::min<std::size_t>(from.tile_count, from.tiles.size()));
+  write_numbers(std::span(from.tiles).first(std::min<std::size_t>(from.tile_count, from.tiles.size())), *to.mutable_tiles());
 }
 
 void write(const PatchTile& from, wire::PatchTile& to) {
@@ -72,13 +65,10 @@ void write(const PatchStatus& from, wire::PatchStatus& to) {
 bool read(const wire::PatchBegin& from, PatchBegin& to) {
   to.epoch = from.epoch();
   to.serial = from.serial();
-  if (from.origin_m().size() != 3) return false;
-  to.origin_m = Vec3(from.origin_m().Get(0), from.origin_m().Get(1), from.origin_m().Get(2));
   to.step_m = from.step_m();
   to.probe_radius_m = from.probe_radius_m();
   to.scene_hash = from.scene_hash();
-  return to.origin_m.allFinite() && to.origin_m.cwiseAbs().maxCoeff() <= kMaxWireMagnitude && std::isnormal(to.step_m) &&
-         is_amount(to.step_m) && is_amount(to.probe_radius_m);
+  return read_vector(from.origin_m(), to.origin_m) && std::isnormal(to.step_m) && is_amount(to.step_m) && is_amount(to.probe_radius_m);
 }
 
 bool read(const wire::PatchCell& from, PatchCell& to) {

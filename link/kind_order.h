@@ -1,0 +1,43 @@
+#pragma once
+
+#include <array>
+#include <bitset>
+#include <cstddef>
+#include <cstdint>
+#include <variant>
+
+#include "link/messages.h"
+#include "link/sequence_tracker.h"
+
+namespace hapton {
+
+// The order of one sender's messages by kind. Of each kind the newest wins; a message that another kind overtook is as good as new: a setup
+// that is sent once a second is not out of date because a force of the next millisecond came first.
+// RT: yes. Threads: one.
+class KindOrder {
+ public:
+  // Whether a newer message of this kind came before. Pre: `tracker` has just tracked this sequence number as `arrival`, newest or
+  // reordered.
+  Arrival note(const SequenceTracker& tracker, Arrival arrival, const Message& message, std::uint64_t sequence) noexcept {
+    const std::uint64_t beginnings = tracker.counts().restarts + tracker.counts().jumps;
+    if (beginnings != beginnings_) {
+      known_.reset();
+      beginnings_ = beginnings;
+    }
+    const std::size_t kind = message.index();
+    const bool is_overtaken = arrival == Arrival::reordered && known_[kind] && static_cast<std::int64_t>(sequence - newest_[kind]) < 0;
+    if (is_overtaken) return Arrival::reordered;
+    known_[kind] = true;
+    newest_[kind] = sequence;
+    return Arrival::newest;
+  }
+
+ private:
+  static constexpr std::size_t kKinds = std::variant_size_v<Message>;
+
+  std::array<std::uint64_t, kKinds> newest_ = {};
+  std::bitset<kKinds> known_;  // since the sender began to count
+  std::uint64_t beginnings_ = 0;
+};
+
+}  // namespace hapton

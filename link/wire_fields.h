@@ -1,0 +1,41 @@
+#pragma once
+
+#include "core/math/types.h"
+#include "link/codec.h"
+
+// Fields that several messages of proto/hapton.proto have. Field: a repeated field with room for what is written, so that writing uses no
+// heap. Reading is false for a value that the contract rules out. RT: yes.
+namespace hapton {
+
+// A magnitude, a rate, a duration. False for NaN as well.
+inline bool is_amount(double value) { return value >= 0.0 && value <= kMaxWireMagnitude; }
+
+template <class Field>
+void write_vector(Field& field, const Vec3& v) {
+  field.Clear();
+  for (int i = 0; i < 3; ++i) {
+    field.AddAlreadyReserved(v[i]);
+  }
+}
+
+template <class Field>
+bool read_vector(const Field& field, Vec3& v) {
+  if (field.size() != 3) {
+    return false;
+  }
+  v = Vec3(field.Get(0), field.Get(1), field.Get(2));
+  return v.allFinite() && v.cwiseAbs().maxCoeff() <= kMaxWireMagnitude;
+}
+
+template <class Numbers, class Field>
+void add_numbers(const Numbers& from, Field& field) {
+  for (const auto value : from) field.AddAlreadyReserved(value);
+}
+
+template <class Numbers, class Field>
+void write_numbers(const Numbers& from, Field& field) {
+  field.Clear();
+  add_numbers(from, field);
+}
+
+}  // namespace hapton
