@@ -90,7 +90,7 @@ std::string to_csv(const std::vector<LoopRow>& rows) {
 
 nlohmann::ordered_json number(double value) { return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(); }
 
-// About the pressed depth, by a fifth of it, so that the wall never lets go.
+// About the pressed depth, by a fifth of it, so that contact is never lost.
 Result<nlohmann::ordered_json> measure_impedance(const PressOptions& options, const NamedLoop& loop) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   const double depth_m = options.plan.press_n / options.stiffness_n_per_m;
@@ -142,8 +142,10 @@ nlohmann::ordered_json to_json(const PressOptions& options, const NamedLoop& loo
 
 void print_text(const NamedLoop& loop, const PressMeasures& press, const nlohmann::ordered_json& impedance) {
   fmt::print("{} in hand {}: {}\n", loop.device, loop.hand, press.is_bounded ? "bounded" : "RAN AWAY");
-  fmt::print("depth {:.4g} mm, overshoot {:.3g} %, settling {:.4g} ms, limit cycle {:.4g} um\n", 1e3 * press.depth_m,
-             100.0 * press.overshoot, 1e3 * press.settling_s, 1e6 * press.limit_cycle_m);
+  const std::string settling =
+      std::isfinite(press.settling_s) ? fmt::format("settled after {:.4g} ms", 1e3 * press.settling_s) : "never settled";
+  fmt::print("depth {:.4g} mm, overshoot {:.3g} %, {}, limit cycle {:.4g} um\n", 1e3 * press.depth_m, 100.0 * press.overshoot, settling,
+             1e6 * press.limit_cycle_m);
   fmt::print("buzz {:.4g} N at {:.4g} Hz\n", press.buzz_n, press.buzz_hz);
   fmt::print("energy over press and release: from the wall {:.4g} mJ, after the device's losses {:.4g} mJ (above zero: generated)\n",
              1e3 * press.wall_j, 1e3 * press.generated_j);

@@ -103,7 +103,7 @@ class SphereFollower {
   static constexpr double kLeastLevel = 0x1p-50;      // in distance: less is rounding
   static constexpr double kLeastGain = 0x1p-44;
   static constexpr double kFar = 32.0;         // local units: farther out, positions are coarser than the tolerance
-  static constexpr double kShallow = 0x1p-30;  // a rest that what climbs by so much gets out of is none: the reference's hover
+  static constexpr double kShallow = 0x1p-30;  // a minimum that a climb by so much leads out of is left: the reference's contact offset
   static constexpr int kMostIdle = 24;         // events that lead no nearer
   static constexpr int kMostPasses = 16;
   static constexpr int kMostExits = 128;

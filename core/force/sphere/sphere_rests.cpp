@@ -102,8 +102,8 @@ SphereFollower::Next SphereFollower::stay(const Vec3& from, const Vec3& to, doub
   return Next::again;
 }
 
-// Whether a rest is so shallow that what climbs by a hover gets out of it: over the edges and vertices that hold the centre but for one
-// contact, away from that one. The way there first leads up, by a slope of a, and turns down by its curvature of b: it climbs a^2 / 2b.
+// Whether a minimum is so shallow that a climb by one contact offset leads out of it: along the contacts on edges and vertices without one
+// of them, away from that one. The path climbs by a slope of a and turns down by its curvature of b: its height is a^2 / 2b.
 bool SphereFollower::is_shallow(const Vec3& device, Vec3& way) const noexcept {
   ContactFrame all;
   if (touching_ < 2 || !find_frame(centre_, all)) return false;

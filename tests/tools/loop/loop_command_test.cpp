@@ -97,7 +97,7 @@ TEST(LoopCommand, BadInputGetsOneLine) {
            {{"press", "--mass-kg", "1", "--damping-ns-per-m", "1", "--gate", "governor"}, "needs a device with limits"},
            {{"recommend", "--device", "touch"}, "give --latency"},
            {{"recommend", "--device", "touch", "--latency", "/nowhere"}, "/nowhere"},
-           {{"merge", "/nowhere", "--out", "/tmp/unused.csv"}, "cannot be read"}}) {
+           {{"merge", "/nowhere", "--out", "/nowhere/all.csv"}, "cannot be read"}}) {
     const Seen seen = run(words);
     EXPECT_EQ(seen.code, 1) << reason;
     EXPECT_THAT(seen.err, HasSubstr(reason));
