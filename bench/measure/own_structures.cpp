@@ -8,7 +8,6 @@
 #include "bench/measure/triangle_tests.h"
 #include "core/collision/fdh_tree.h"
 #include "core/collision/touch_geometry.h"
-#include "core/collision/triangle_cache.h"
 #include "core/collision/uniform_grid.h"
 #include "core/collision/visit_stamps.h"
 #include "core/collision/wide_bvh.h"
@@ -188,45 +187,6 @@ class Wide final : public QueryStructure {
   WideBvh tree_;
 };
 
-// The triangle cache round the probe, rebuilt from the tree when a segment leaves it, as in method `proxy`.
-class Near final : public QueryStructure {
- public:
-  explicit Near(const TriangleMesh& mesh) : geometry_(std::vector<const TriangleMesh*>{&mesh}) {}
-  double first_hit(const Vec3& from, const Vec3& to) override {
-    const Vec3 p = geometry_.to_local(from);
-    const Vec3 way = geometry_.to_local(to) - p;
-    const Box box = Box::around(p, p + way).inflated(kRadius);
-    while (!cache_.covers(box)) {
-      if (cache_.rebuild(geometry_, box.inflated(reach_))) {
-        if (cache_.count() > kMany) reach_ *= 0.7;
-        if (cache_.count() < kFew) reach_ *= 1.4;
-        continue;
-      }
-      if (reach_ < kRadius) return kNothingFound;  // more than its capacity in one place
-      reach_ *= 0.5;
-    }
-    const int count = cache_.find_candidates(p, way, kRadius, box, candidates_);
-    double t = kNothingFound;
-    for (int i = 0; i < count; ++i) {
-      const std::uint32_t id = candidates_[static_cast<std::size_t>(i)].triangle;
-      t = std::min(t, segment_hit<double>(p, way, geometry_.corner(id, 0), geometry_.corner(id, 1), geometry_.corner(id, 2)));
-    }
-    return t;
-  }
-  double nearest(const Vec3&, double) override { return kNothingFound; }
-  std::size_t bytes() const override { return geometry_.bytes() + sizeof cache_ + sizeof candidates_; }
-
- private:
-  static constexpr double kRadius = 0x1p-30;  // of the scene's size: as method `proxy` takes a point
-  static constexpr int kFew = 24;
-  static constexpr int kMany = 48;
-
-  TouchGeometry geometry_;
-  TriangleCache cache_;
-  std::array<TriangleCache::Candidate, TriangleCache::kCapacity> candidates_;
-  double reach_ = 0x1p-6;
-};
-
 template <class Structure>
 Made make_plain(const TriangleMesh& mesh) {
   return std::make_unique<Structure>(mesh);
@@ -256,11 +216,6 @@ std::vector<QueryStructureKind> own_structures() {
        .precision = "double",
        .note = "boxes in float, triangles in double; a segment visits what overlaps its box",
        .make = make_plain<Wide>});
-  add({.name = "neighbourhood",
-       .precision = "double",
-       .nearests = false,
-       .note = "filters in float, triangles in double; keeps the triangles round the last segment; the distance filter of method proxy",
-       .make = make_plain<Near>});
   return kinds;
 }
 

@@ -29,8 +29,8 @@ std::vector<Candidate> make_candidates(double extent_m) {
     set(settings);
     candidates.push_back({std::move(family), std::move(structure), settings});
   };
-  add("proxy point", "neighbourhood + wide", [](MethodSettings& s) { s.name = "proxy"; });
-  add("proxy sphere", "neighbourhood + wide", [&](MethodSettings& s) {
+  add("proxy point", "adjacency + wide", [](MethodSettings& s) { s.name = "proxy"; });
+  add("proxy sphere", "near triangles + wide", [&](MethodSettings& s) {
     s.name = "proxy";
     s.probe_radius_m = kSphereShare * extent_m;
   });

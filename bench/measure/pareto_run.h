@@ -25,7 +25,7 @@ struct MethodRow {
   std::size_t triangles = 0;
   std::string family;  // "proxy point", "proxy sphere", "sweep", "smooth", "smooth layer", "reference": one mark in the plot
   MethodSettings settings;
-  std::string structure;  // "neighbourhood + wide", "grid 32", "fdh 14, set 64"
+  std::string structure;  // "adjacency + wide", "grid 32", "fdh 14, set 64"
   std::size_t steps = 0;
   MethodTiming timing;  // without the discontinuities
   ForceError error;

@@ -10,7 +10,6 @@
 #include "core/collision/fdh_tree.h"
 #include "core/collision/near_triangles.h"
 #include "core/collision/touch_geometry.h"
-#include "core/collision/triangle_cache.h"
 #include "core/collision/triangle_pair.h"
 #include "core/geometry/mesh_shapes.h"
 
@@ -52,9 +51,7 @@ TriangleMesh make_rough_torus(Numbers& numbers) {
 std::uint64_t digest_touch(const TouchGeometry& geometry, Numbers& numbers) {
   Digest digest;
   for (std::uint32_t id = 0; id < geometry.triangle_count(); ++id) digest.add(std::uint64_t{geometry.is_walkable(id)});
-  auto cache = std::make_unique<TriangleCache>();
   auto near = std::make_unique<NearTriangles>();
-  auto candidates = std::make_unique<std::array<TriangleCache::Candidate, TriangleCache::kCapacity>>();
   for (int n = 0; n < 400; ++n) {
     const Vec3 p = numbers.vector(0.6);
     const Vec3 motion = numbers.vector(0.05);
@@ -63,23 +60,6 @@ std::uint64_t digest_touch(const TouchGeometry& geometry, Numbers& numbers) {
       digest.add(std::uint64_t(near->count()));
       near->visit_near(p, p + 0.3 * motion, 0.04, [&](int slot) { digest.add(std::uint64_t{near->triangle(slot)}); });
     }
-    Box region;
-    region.grow(Vec3(p - Vec3::Constant(0.08)));
-    region.grow(Vec3(p + Vec3::Constant(0.08)));
-    if (!cache->rebuild(geometry, region)) continue;
-    Box way;
-    way.grow(p);
-    way.grow(Vec3(p + motion));
-    const int count = cache->find_candidates(p, motion, 0.002, way, *candidates);
-    for (int i = 0; i < count; ++i) {
-      digest.add((*candidates)[i].earliest);
-      digest.add(std::uint64_t{(*candidates)[i].triangle});
-      const auto adjacent = cache->adjacent((*candidates)[i].slot, i % 3);
-      digest.add(std::uint64_t{adjacent.slot});
-      digest.add(std::uint64_t(cache->count_at_vertex((*candidates)[i].slot, i % 3)));
-    }
-    const std::array<Vec3, 3> polyline = {p, Vec3(p + motion), Vec3(p + 0.5 * motion)};
-    digest.add(std::uint64_t{cache->is_clear(polyline, 0.003, {})});
   }
   return digest.value();
 }

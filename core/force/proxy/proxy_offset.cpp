@@ -7,18 +7,16 @@ namespace hapton {
 
 // True if that finished the step. Otherwise the proxy is where it stopped, with the device at `time`.
 bool ProxyMethod::follow_offset(const Vec3& last, const Vec3& device, double& time) noexcept {
-  if (free_) {
+  if (proxy_.is_free) {
     if (is_point_) clear_start();
-    sphere_->take_free(proxy_);
-  } else if (!sphere_->holds() && !sphere_->take(proxy_, false, clearance_.slack, sliding_)) {
+    sphere_.take_free(proxy_.position);
+  } else if (!sphere_.holds() && !sphere_.take(proxy_.position, false, clearance_.slack, proxy_.slides)) {
     return false;
   }
-  const std::uint64_t slips = sphere_->slips();
-  const SphereFollower::Outcome outcome = sphere_->follow(last, device, time);
-  counters_.slips += sphere_->slips() - slips;
+  const SphereFollower::Outcome outcome = sphere_.follow(last, device, time);
   if (outcome == SphereFollower::Outcome::unclear) {
     copy_sphere_state(time < 1.0 ? Vec3(last + time * (device - last)) : device);
-    sphere_->leave();
+    sphere_.leave();
     active_offset_ = contact_offset_;
     if (is_point_) clear_start();
     return false;
@@ -29,22 +27,20 @@ bool ProxyMethod::follow_offset(const Vec3& last, const Vec3& device, double& ti
 }
 
 void ProxyMethod::copy_sphere_state(const Vec3& device) noexcept {
-  settle_at(sphere_->centre());
-  if (is_point_) active_offset_ = sphere_->offset();
-  free_ = sphere_->is_free() && proxy_ == device;
-  sliding_ = sphere_->slides();
-  for (const OffsetContact& held : sphere_->contacts()) {
-    const OffsetContact::Stand state = held.stand(proxy_);
-    Contact& contact = contacts_[contact_count_++];
+  proxy_.settle_at(sphere_.centre());
+  active_offset_ = is_point_ ? sphere_.offset() : contact_offset_;
+  proxy_.is_free = sphere_.is_free() && proxy_.position == device;
+  proxy_.slides = sphere_.slides();
+  for (const OffsetContact& held : sphere_.contacts()) {
+    const OffsetContact::Stand at = held.stand(proxy_.position);
+    ProxyContact& contact = proxy_.contacts[proxy_.contact_count++];
     contact.triangle = held.triangle;
-    contact.slot = TriangleCache::kNoSlot;
     contact.shape = held.shape;
-    const bool is_face = held.part == OffsetContact::Part::face;
-    contact.separation = {state.distance, state.normal, proxy_ - state.distance * state.normal,
-                          is_face                                  ? Feature::face
-                          : held.part == OffsetContact::Part::edge ? Feature::edge
-                                                                   : Feature::vertex};
-    multipliers_[active_count_++] = held.multiplier;
+    const Feature feature = held.part == OffsetContact::Part::face   ? Feature::face
+                            : held.part == OffsetContact::Part::edge ? Feature::edge
+                                                                     : Feature::vertex;
+    contact.separation = {at.distance, at.normal, proxy_.position - at.distance * at.normal, feature};
+    proxy_.multipliers[proxy_.active_count++] = held.multiplier;
   }
 }
 

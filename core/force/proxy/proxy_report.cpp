@@ -16,34 +16,25 @@ std::string ProxyMethod::describe() const {
           "proxy: a step has {} events, {:g} more for each edge that a path as long crosses on average, {} at "
           "most; the rest is carried into the next step\n",
           SurfaceFollower::kLeastEvents, SurfaceFollower::kEventsPerEdge, SurfaceFollower::kMostEvents);
-  const std::string bound =
-      sphere_ == nullptr ? ""
-                         : fmt::format(
-                               "proxy: sphere: a step has {} pieces of work (an event, a triangle tested or gathered), {:g} more for each "
-                               "edge that a path as long as the motion and twice the spring extension crosses on average, {} at most; "
-                               "the rest is carried into the next step\n",
-                               SphereFollower::kLeastWork, SphereFollower::kWorkPerEdge, SphereFollower::kMostWork);
+  const std::string bound = fmt::format(
+      "proxy: sphere: a step has {} pieces of work (an event, a triangle tested or gathered), {:g} more for each edge that a path as long "
+      "as the motion and twice the spring extension crosses on average, {} at most; the rest is carried into the next step\n",
+      SphereFollower::kLeastWork, SphereFollower::kWorkPerEdge, SphereFollower::kMostWork);
   return counters_.steps == 0 ? what + bound : what + bound + describe_steps();
 }
 
 std::string ProxyMethod::describe_steps() const {
   const auto n = static_cast<double>(counters_.steps);
   const auto c = static_cast<double>(std::max<std::uint64_t>(counters_.contact_steps, 1));
+  const SweptMotion::Counters& swept = swept_.counters();
   std::string text = fmt::format(
-      "proxy: {} steps, {:.1f} % in the empty ball, {} in contact with {:.2f} motions, {:.2f} sweeps, {:.1f} triangle tests, {:.3f} cache "
-      "rebuilds a step, {:.0f} % of them prefetched; {} steps repeated in sub-steps, {} of them in {}, {} escapes of {} attempts, {} "
-      "unconverged; {} events, at most {} in one step, {} flights, {} steps by sweeps, {} out of events\n",
-      counters_.steps, 100.0 * static_cast<double>(counters_.skipped) / n, counters_.contact_steps,
-      static_cast<double>(counters_.iterations) / c, static_cast<double>(counters_.sweeps) / c, static_cast<double>(counters_.tests) / c,
-      static_cast<double>(counters_.rebuilds) / c,
-      100.0 * static_cast<double>(counters_.prefetched) / static_cast<double>(std::max<std::uint64_t>(counters_.rebuilds, 1)),
-      counters_.substepped, counters_.substepped_finely, kSubsteps, counters_.escapes, counters_.attempts, counters_.unconverged,
-      surface_.events(), counters_.most_events, counters_.flights, counters_.swept, counters_.exhausted);
-  if (sphere_ != nullptr) {
-    text += fmt::format("proxy: sphere: {:.2f} events a contact step, {} slips, {} flights, {:.3f} gatherings, {:.1f} pieces of work\n",
-                        static_cast<double>(sphere_->events()) / c, sphere_->slips(), sphere_->flights(),
-                        static_cast<double>(sphere_->gathered()) / c, static_cast<double>(sphere_->looked_at()) / c);
-  }
+      "proxy: {} steps, {:.1f} % in the empty ball, {} in contact; {} events, at most {} in one step, {} flights, {} out of events\n"
+      "proxy: sphere: {:.2f} events a contact step, {} slips, {} flights, {:.3f} gatherings, {:.1f} pieces of work\n"
+      "proxy: {} steps by sweeps: {} motions, {} sweeps, {} triangle tests, {} unconverged\n",
+      counters_.steps, 100.0 * static_cast<double>(counters_.skipped) / n, counters_.contact_steps, surface_.events(),
+      counters_.most_events, counters_.flights, counters_.exhausted, static_cast<double>(sphere_.events()) / c, sphere_.slips(),
+      sphere_.flights(), static_cast<double>(sphere_.gathered()) / c, static_cast<double>(sphere_.looked_at()) / c, counters_.swept,
+      swept.motions, swept.sweeps, swept.tests, swept.unconverged);
   if (shading_ > 0.0) {
     text += fmt::format("proxy: force shading {:g}: against the unshaded force {:.3g} % RMS, {:.3g} % at most\n", shading_,
                         100.0 * std::sqrt(counters_.shading_squared / c), 100.0 * counters_.shading_most);

@@ -45,7 +45,7 @@ std::vector<ForceSample> feel(ForceMethod& method, const std::vector<Vec3>& way,
   return felt;
 }
 
-TEST(ProxyWalk, NoStepOfASlideNeedsASweepAndAllAgreeWithTheReference) {
+TEST(ProxySlide, NoStepOfASlideNeedsASweepAndAllAgreeWithTheReference) {
   const TouchScene scene = scene_of(make_bumpy_sphere(0.05, 0.08, 20000, 12));
   const std::vector<Vec3> way = slide_round(1500);
   const auto proxy = proxy_over(scene);
@@ -53,7 +53,7 @@ TEST(ProxyWalk, NoStepOfASlideNeedsASweepAndAllAgreeWithTheReference) {
   const ProxyCounters& counters = proxy->counters();
   EXPECT_GT(counters.contact_steps, way.size() * 7 / 10);
   EXPECT_EQ(counters.swept, 0U);
-  EXPECT_EQ(counters.sweeps, 0U);
+  EXPECT_EQ(proxy->swept().counters().sweeps, 0U);
 
   const std::vector<ForceSample> expected = feel(*ReferenceMethod::make(MethodSettings(), scene).value(), way);
   std::size_t apart = 0;
@@ -65,7 +65,7 @@ TEST(ProxyWalk, NoStepOfASlideNeedsASweepAndAllAgreeWithTheReference) {
   EXPECT_EQ(apart, 0U);
 }
 
-TEST(ProxyWalk, NeitherScaleNorPlaceChangesIt) {
+TEST(ProxySlide, NeitherScaleNorPlaceChangesIt) {
   const TriangleMesh mesh = make_bumpy_sphere(0.05, 0.08, 20000, 12);
   const std::vector<Vec3> way = slide_round(1500);
   const auto proxy = proxy_over(scene_of(mesh));
@@ -87,12 +87,11 @@ TEST(ProxyWalk, NeitherScaleNorPlaceChangesIt) {
     }
     EXPECT_EQ(apart, 0U);
     EXPECT_EQ(there->counters().contact_steps, proxy->counters().contact_steps);
-    EXPECT_EQ(there->counters().facet_descents, proxy->counters().facet_descents);
   }
 }
 
 // Both drag the proxy along a tractrix: the reference in sub-steps on one plane each, `proxy` from event to event.
-TEST(ProxyWalk, FrictionIsTheReferencesAndInsideItsCone) {
+TEST(ProxySlide, FrictionIsTheReferencesAndInsideItsCone) {
   Material rough;
   rough.friction_static = 0.5;
   rough.friction_dynamic = 0.4;
@@ -115,7 +114,7 @@ TEST(ProxyWalk, FrictionIsTheReferencesAndInsideItsCone) {
 }
 
 // Vertices are numbered per object: a triangle with the same vertex numbers may be another object's.
-TEST(ProxyWalk, OverABoundaryItDoesNotStepOntoASimilarSheet) {
+TEST(ProxySlide, OverABoundaryItDoesNotStepOntoASimilarSheet) {
   const TriangleMesh sheet = make_plane_grid(0.1, 2);
   TriangleMesh turned = sheet;
   for (Vec3& v : turned.vertices) v = Vec3(0.08 - v.x(), v.y(), 0.002 - v.z());
@@ -131,8 +130,8 @@ TEST(ProxyWalk, OverABoundaryItDoesNotStepOntoASimilarSheet) {
   }
 }
 
-// An object built while the probe slides near it is active from then on, also after the triangle cache was filled.
-TEST(ProxyWalk, AnActivatedObjectIsTouchedAtOnce) {
+// An object built while the probe slides near it is active from then on, also when the triangles near it were gathered before.
+TEST(ProxySlide, AnActivatedObjectIsTouchedAtOnce) {
   TouchScene scene = scene_of(make_plane_grid(0.1, 2));
   scene.objects.push_back({std::make_shared<TriangleMesh>(scaled_and_moved(make_box({0.01, 0.01, 0.01}), 1.0, {0.02, 0.0, 0.0})), {}});
   MethodSettings settings;

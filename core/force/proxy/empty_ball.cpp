@@ -1,0 +1,38 @@
+#include "core/force/proxy/empty_ball.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace hapton {
+
+// Triangles hardly nearer than the nearest so far are skipped: over a smooth surface there are thousands, for a ball hardly larger.
+double EmptyBall::find(const TouchGeometry& geometry, const Vec3& device, double displacement, double rest, double may_go) noexcept {
+  constexpr double kHardlyNearer = 0.75 * 0.75;  // of squared distances
+  const double widest = 64.0 * displacement + 4.0 * rest;
+  double clear_squared = widest * widest;
+  geometry.visit_nearest(device, clear_squared, [&](std::uint32_t triangle, double bound) {
+    const double d = geometry.separation(triangle, device).distance;
+    clear_squared = std::min(bound, kHardlyNearer * d * d);
+    return clear_squared;
+  });
+  // Reduced by the rounding of the conversion to local units.
+  const double radius = std::min(std::sqrt(clear_squared) * (1.0 - 0x1p-40) - rest, may_go) - 0x1p-48 * (1.0 + device.norm());
+  to_travel_ = std::max(0.25 * radius, 4.0 * displacement);
+  return std::max(radius, 0.0);
+}
+
+void EmptyBall::enter(const TouchGeometry& geometry, const Vec3& p_SD, double radius) noexcept {
+  const double radius_m = radius * geometry.unit_m();
+  centre_S_ = p_SD;
+  last_S_ = p_SD;
+  radius_squared_m2_ = std::min(radius_m * radius_m, std::numeric_limits<double>::max());
+}
+
+void EmptyBall::leave(const TouchGeometry& geometry) noexcept {
+  if (!exists()) return;
+  radius_squared_m2_ = 0.0;
+  to_travel_ -= (geometry.to_local(last_S_) - geometry.to_local(centre_S_)).norm();
+}
+
+}  // namespace hapton

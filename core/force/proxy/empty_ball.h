@@ -1,0 +1,35 @@
+#pragma once
+
+#include "core/collision/touch_geometry.h"
+
+namespace hapton {
+
+// A ball round the device without a triangle: while the device stays in it, the proxy is free and a step is one comparison in the scene's
+// own frame. Frames: S in metres where a name says so, otherwise TouchGeometry's local one. RT: yes.
+class EmptyBall {
+ public:
+  // False for samples that are not finite, and without a ball.
+  bool contains(const Vec3& p_SD) const noexcept { return (p_SD - centre_S_).squaredNorm() < radius_squared_m2_; }
+  void note_sample(const Vec3& p_SD) noexcept { last_S_ = p_SD; }
+  bool exists() const noexcept { return radius_squared_m2_ > 0.0; }
+  const Vec3& last_sample() const noexcept { return last_S_; }  // in the ball; frame S
+
+  // Counts the distance that the device has moved outside the ball.
+  void note_motion(double distance) noexcept { to_travel_ -= distance; }
+  bool is_due() const noexcept { return to_travel_ <= 0.0; }  // a search may find another result than the last one
+
+  // The radius of an empty ball round the device for a probe that stays `rest` off triangles; 0: none. displacement: of the device in this
+  // step; the search is limited to 64 of them. may_go: the radius at most.
+  double find(const TouchGeometry& geometry, const Vec3& device, double displacement, double rest, double may_go) noexcept;
+  void enter(const TouchGeometry& geometry, const Vec3& p_SD, double radius) noexcept;
+  void leave(const TouchGeometry& geometry) noexcept;
+  void reset() noexcept { *this = EmptyBall(); }
+
+ private:
+  Vec3 centre_S_ = Vec3::Zero();    // m
+  double radius_squared_m2_ = 0.0;  // 0: no ball known
+  Vec3 last_S_ = Vec3::Zero();      // m
+  double to_travel_ = 0.0;          // distance before the next search
+};
+
+}  // namespace hapton

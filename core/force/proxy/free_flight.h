@@ -1,0 +1,41 @@
+#pragma once
+
+#include <array>
+
+#include "core/collision/swept_sphere.h"
+#include "core/force/contact_qp.h"
+#include "core/force/proxy/proxy_state.h"
+#include "core/force/proxy/surface_follower.h"
+
+namespace hapton {
+
+// Straight motions of a free point. Frame: TouchGeometry's local one. RT: yes. Keeps references.
+class FreeFlight {
+ public:
+  enum class Met : std::uint8_t { nothing, walkable, other };
+
+  // clearance: what sweeps keep.
+  FreeFlight(const ProxySurfaces& surfaces, const std::vector<Material>& materials, const Clearance& clearance)
+      : surfaces_(surfaces), clearance_(clearance), vertex_(surfaces.geometry(), materials) {}
+
+  // The first walkable triangle on the way from `from` to `to` gets the point onto `surface`, and `time` is set to the contact.
+  // Met::other: the path comes as near to a triangle that is not walkable as sweeps keep.
+  Met fly(const Vec3& from, const Vec3& to, bool slides, SurfaceFollower& surface, double& time) noexcept;
+
+  // A free point may be nearer to a triangle than sweeps keep: where it is clear, on its own side. At most `farthest` away, or p itself.
+  Vec3 clear_of_surfaces(const Vec3& p, double farthest) noexcept;
+
+  // A point placed exactly on a surface takes the side that the triangle's vertex order shows.
+  Vec3 off_surface(const Vec3& p) const noexcept;
+
+ private:
+  bool is_seen_from(const Vec3& p, const Vec3& to, std::uint32_t id, bool back, const Vec3& hit) noexcept;
+  bool is_vertex_seen_from(const Vec3& p, const Vec3& to, std::uint32_t id, bool back, int k, const Vec3& hit) noexcept;
+
+  const ProxySurfaces& surfaces_;
+  Clearance clearance_;
+  SurfacePoint vertex_;  // scratch: the vertex that a flight reaches
+  std::array<ContactPlane, ProxyState::kMostContacts> planes_;
+};
+
+}  // namespace hapton

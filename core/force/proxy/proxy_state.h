@@ -1,0 +1,68 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/collision/touch_geometry.h"
+#include "core/force/contact_material.h"
+#include "core/geometry/contact_triangle.h"
+
+namespace hapton {
+
+struct ProxyContact {
+  std::uint32_t triangle = 0;
+  ContactTriangle shape;
+  Separation separation;  // of the proxy
+};
+
+// Where the proxy is, and what it touches. Frame: TouchGeometry's local one.
+struct ProxyState {
+  static constexpr int kMostContacts = 32;
+
+  Vec3 position = Vec3::Zero();
+  bool is_free = true;  // no contact: the proxy is the device point
+  bool slides = false;  // the dynamic coefficient applies
+  std::array<ProxyContact, kMostContacts> contacts;
+  int contact_count = 0;
+  std::array<double, 3> multipliers = {0, 0, 0};  // of the active constraints
+  int active_count = 0;                           // the first ones of contacts
+
+  std::span<const ProxyContact> active() const {
+    return {contacts.data(), static_cast<std::size_t>(active_count < contact_count ? active_count : contact_count)};
+  }
+  void settle_at(const Vec3& p) noexcept {
+    position = p;
+    is_free = true;
+    slides = false;
+    contact_count = 0;
+    active_count = 0;
+  }
+};
+
+// The surfaces of a scene: which of them can be touched from where, and of what they are. RT: queries yes. Keeps references.
+class ProxySurfaces {
+ public:
+  // materials: one an object.
+  ProxySurfaces(const TouchGeometry& geometry, const std::vector<Material>& materials);
+
+  const TouchGeometry& geometry() const { return geometry_; }
+  bool has_friction() const { return has_friction_; }
+  const Material& material_of(std::uint32_t triangle) const { return materials_[geometry_.mesh_of(triangle)]; }
+  ContactTriangle shape_of(std::uint32_t triangle) const {
+    return {geometry_.corner(triangle, 0), geometry_.corner(triangle, 1), geometry_.corner(triangle, 2)};
+  }
+  // A one-sided triangle is touched only from the side that its normal points to.
+  bool can_touch(std::uint32_t triangle, const Vec3& p) const noexcept;
+  // Of all active constraints (ContactMaterial).
+  Material mean_material(const ProxyState& state) const noexcept;
+
+ private:
+  const TouchGeometry& geometry_;
+  const std::vector<Material>& materials_;
+  bool has_one_sided_ = false;
+  bool has_friction_ = false;
+};
+
+}  // namespace hapton

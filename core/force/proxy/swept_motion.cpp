@@ -1,0 +1,231 @@
+#include "core/force/proxy/swept_motion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace hapton {
+namespace {
+
+constexpr double kLongestMotion = 4.0;    // local units: twice the scene's size
+constexpr double kFarthestGoal = 0x1p10;  // local units: a device farther out would cost significant digits
+
+// Limits a motion to the length that crosses the scene.
+Vec3 shortened(const Vec3& motion) {
+  const double length = motion.norm();
+  return length > kLongestMotion ? Vec3(motion * (kLongestMotion / length)) : motion;
+}
+
+}  // namespace
+
+// Every motion leads nearer to the device or adds an active constraint.
+void SweptMotion::descend(ProxyState& proxy, const Vec3& device) noexcept {
+  proxy.active_count = 0;                            // until it has settled
+  const double least_motion = clearance_.tolerance;  // shorter motions are below the tolerance of the clearance
+  constexpr double kRounding = 0x1p-48;              // share of a distance within the scene
+  constexpr double kNormalError = 0x1p-24;  // share of the goal: error of an edge's normal at the contact offset (point_triangle.h)
+  double nearest = std::numeric_limits<double>::infinity();
+  int idle = 0;
+  bool has_forgotten = false;
+  for (int i = 0; i < kMostMotions; ++i) {
+    if (proxy.contact_count == 0 && cross_empty_space(proxy, device)) return;
+    Vec3 goal = device - proxy.position;
+    const double distance = goal.norm();
+    const bool arrives = distance <= kLongestMotion;
+    if (distance > kFarthestGoal) goal *= kFarthestGoal / distance;
+    idle = distance < nearest - kRounding ? 0 : idle + 1;
+    nearest = std::min(nearest, distance);
+    if (idle > kMostIdle && proxy.contact_count > 0) {  // moving back and forth within the slop of the clearance
+      proxy.active_count = 1;
+      proxy.multipliers[0] = distance;
+      return;
+    }
+    if (proxy.contact_count == 0) {
+      if (advance(proxy, shortened(goal))) {
+        proxy.is_free = false;
+      } else if (arrives) {
+        proxy.settle_at(device);
+        return;
+      }
+      continue;
+    }
+    ++counters_.motions;
+    const ConstrainedMotion constrained = next_motion(proxy, goal);
+    const Vec3 motion = surfaces_.has_friction() ? apply_friction(proxy, goal, constrained) : constrained.motion;
+    if (motion.norm() <= least_motion + kNormalError * distance) {
+      if (!has_forgotten && forget_doubtful(proxy, constrained)) {
+        has_forgotten = true;
+        continue;
+      }
+      bring_active_first(proxy, constrained);
+      return;
+    }
+    if (!advance(proxy, shortened(motion)) && constrained.active_count == 0 && arrives) {
+      proxy.settle_at(device);
+      return;
+    }
+  }
+  ++counters_.unconverged;
+}
+
+// Far outside the scene there are no contacts and positions are coarse: the proxy goes straight to the device (true), or to where its path
+// enters the scene's surroundings.
+bool SweptMotion::cross_empty_space(ProxyState& proxy, const Vec3& device) const noexcept {
+  const double surroundings = 2.0 + 2.0 * clearance_.rest;
+  if (proxy.position.norm() <= 1.01 * surroundings) return false;
+  const Vec3 path = device - proxy.position;
+  const double length = path.norm();
+  const Vec3 direction = length > 0.0 ? Vec3(path / length) : Vec3::Zero();
+  const double closest_at = -proxy.position.dot(direction);
+  const double miss = (proxy.position + closest_at * direction).norm();
+  const double entry = closest_at - std::sqrt(std::max(0.0, (surroundings - miss) * (surroundings + miss)));
+  if (miss >= surroundings || entry <= 0.0 || entry >= length) {
+    proxy.settle_at(device);
+    return true;
+  }
+  proxy.position += entry * direction;
+  return false;
+}
+
+ConstrainedMotion SweptMotion::next_motion(const ProxyState& proxy, const Vec3& goal) noexcept {
+  for (int i = 0; i < proxy.contact_count; ++i) {
+    const Separation& s = proxy.contacts[i].separation;
+    planes_[i] = {s.normal, clearance_.rest - s.distance};
+  }
+  return constrain_motion(goal, std::span<const ContactPlane>(planes_.data(), static_cast<std::size_t>(proxy.contact_count)));
+}
+
+// Coulomb friction: the frictionless goal is `depth` above the device; the proxy may stay up to mu * depth short of the goal.
+Vec3 SweptMotion::apply_friction(ProxyState& proxy, const Vec3& goal, const ConstrainedMotion& constrained) const noexcept {
+  const Vec3& motion = constrained.motion;
+  const Material material = material_of(proxy, constrained);
+  const double depth = (goal - motion).norm();
+  const double length = motion.norm();
+  const double hold = (proxy.slides ? material.friction_dynamic : material.friction_static) * depth;
+  if (length <= hold + clearance_.slack) {
+    if (length < 0.5 * material.friction_dynamic * depth) proxy.slides = false;
+    return Vec3::Zero();
+  }
+  proxy.slides = true;
+  return motion * (1.0 - material.friction_dynamic * depth / length);
+}
+
+Material SweptMotion::material_of(const ProxyState& proxy, const ConstrainedMotion& held) const noexcept {
+  if (held.active_count == 0) return surfaces_.mean_material(proxy);
+  ContactMaterial material;
+  for (int i = 0; i < held.active_count; ++i)
+    material.add(surfaces_.material_of(proxy.contacts[held.active[i]].triangle), held.multipliers[i]);
+  return material.mean();
+}
+
+// An edge or vertex contact of a point probe may exist by rounding only: drops such contacts, so that the next sweep shows whether they
+// block. Returns false if there are none.
+bool SweptMotion::forget_doubtful(ProxyState& proxy, const ConstrainedMotion& held) const noexcept {
+  if (!is_point_) return false;
+  bool any = false;
+  for (int i = 0; i < held.active_count; ++i) any |= proxy.contacts[held.active[i]].separation.feature != Feature::face;
+  if (!any) return false;
+  const auto end = std::remove_if(proxy.contacts.begin(), proxy.contacts.begin() + proxy.contact_count,
+                                  [](const ProxyContact& contact) { return contact.separation.feature != Feature::face; });
+  proxy.contact_count = static_cast<int>(end - proxy.contacts.begin());
+  return true;
+}
+
+void SweptMotion::bring_active_first(ProxyState& proxy, const ConstrainedMotion& held) noexcept {
+  std::array<int, 3> at = held.active;
+  for (int i = 0; i < held.active_count; ++i) {
+    if (at[i] == i) continue;
+    std::swap(proxy.contacts[i], proxy.contacts[at[i]]);
+    for (int j = i + 1; j < held.active_count; ++j) {
+      if (at[j] == i) at[j] = at[i];  // swapped away above
+    }
+  }
+  proxy.multipliers = held.multipliers;
+  proxy.active_count = held.active_count;
+}
+
+// Moves the proxy along `motion` until something blocks it; returns true if blocked. contacts then has what it touches.
+bool SweptMotion::advance(ProxyState& proxy, const Vec3& motion) noexcept {
+  const double t = sweep(proxy, motion);
+  const bool blocked = t <= 1.0;
+  proxy.position += (blocked ? t : 1.0) * motion;
+  update_contacts(proxy, blocked ? Vec3((1.0 - t) * motion) : Vec3::Zero());
+  return blocked;
+}
+
+// The first time at which the moving proxy must stop; above 1: never. A long path is searched in growing pieces, because a blocker is
+// mostly near the start.
+double SweptMotion::sweep(ProxyState& proxy, const Vec3& motion) noexcept {
+  constexpr double kFirstPiece = 0x1p-6;
+  constexpr double kGrowth = 4.0;
+  const TouchGeometry& geometry = surfaces_.geometry();
+  ++counters_.sweeps;
+  blocker_count_ = 0;
+  const Vec3 from = proxy.position;
+  double done = 0.0;
+  for (double piece = kFirstPiece; done < 1.0; piece *= kGrowth) {
+    const double end = std::min(1.0, done + piece);
+    const Box path = Box::around(from + done * motion, from + end * motion).inflated(clearance_.rest);
+    double first = kNever;
+    geometry.for_each_overlapping(path, [&](std::uint32_t triangle) {
+      const TriangleView shape{geometry, triangle};
+      ++counters_.tests;
+      if (!is_point_) note_grazed(proxy, shape.separation(from), triangle);
+      const double t = time_to_block(shape, from, motion, std::min(end, first), clearance_);
+      if (t > 1.0 || !surfaces_.can_touch(triangle, from)) return;
+      first = std::min(first, t);
+      note_blocker(triangle, t);
+    });
+    if (first <= end) return first;
+    blocker_count_ = 0;
+    done = end;
+  }
+  return kNever;
+}
+
+// A sphere on a face is also in contact with coplanar neighbours, although they never block its path.
+void SweptMotion::note_grazed(ProxyState& proxy, const Separation& at, std::uint32_t triangle) const noexcept {
+  if (at.distance > clearance_.rest + 2.0 * clearance_.tolerance || proxy.contact_count == ProxyState::kMostContacts) return;
+  for (int i = 0; i < proxy.contact_count; ++i) {
+    if (proxy.contacts[i].triangle == triangle) return;
+  }
+  proxy.contacts[proxy.contact_count++] = {.triangle = triangle, .shape = surfaces_.shape_of(triangle), .separation = at};
+}
+
+void SweptMotion::note_blocker(std::uint32_t triangle, double t) noexcept {
+  int at = blocker_count_;
+  if (at == ProxyState::kMostContacts) {  // full: replace the latest
+    const auto latest =
+        std::max_element(blockers_.begin(), blockers_.end(), [](const Blocker& a, const Blocker& b) { return a.time < b.time; });
+    if (t >= latest->time) return;
+    at = static_cast<int>(latest - blockers_.begin());
+  } else {
+    ++blocker_count_;
+  }
+  blockers_[at] = {triangle, t};
+}
+
+// After a motion: keeps the contacts that still touch and adds the blockers.
+void SweptMotion::update_contacts(ProxyState& proxy, const Vec3& blocked_motion) const noexcept {
+  const double bound = clearance_.rest + 2.0 * clearance_.tolerance;
+  const auto blockers_end = blockers_.begin() + blocker_count_;
+  int kept = 0;
+  for (int i = 0; i < proxy.contact_count; ++i) {
+    ProxyContact& contact = proxy.contacts[i];
+    if (std::any_of(blockers_.begin(), blockers_end, [&](const Blocker& b) { return b.triangle == contact.triangle; })) continue;
+    contact.separation = contact.shape.separation(proxy.position);
+    if (contact.separation.distance > bound) continue;
+    if (kept != i) proxy.contacts[kept] = contact;
+    ++kept;
+  }
+  for (int b = 0; b < blocker_count_ && kept < ProxyState::kMostContacts; ++b) {
+    ProxyContact& contact = proxy.contacts[kept];
+    contact.triangle = blockers_[b].triangle;
+    contact.shape = surfaces_.shape_of(contact.triangle);
+    contact.separation = blocking_separation(contact.shape, proxy.position, blocked_motion, clearance_);
+    if (contact.separation.distance <= bound) ++kept;
+  }
+  proxy.contact_count = kept;
+}
+
+}  // namespace hapton

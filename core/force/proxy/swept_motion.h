@@ -1,0 +1,68 @@
+#pragma once
+
+#include <array>
+
+#include "core/collision/swept_sphere.h"
+#include "core/force/contact_qp.h"
+#include "core/force/proxy/proxy_state.h"
+
+namespace hapton {
+
+// Moves a proxy by continuous collision detection, over any triangles: one straight motion after another, each as far as nothing blocks it,
+// to the constrained local minimum of the distance to the device (Zilles & Salisbury 1995, Ruspini et al. 1997). It replaces the followers
+// in steps whose events cannot be told apart, and does not know where the device was in between.
+//
+// Distances decide, never signs of volumes: the proxy's distance to every triangle stays above clearance.rest - clearance.slack on its
+// whole path, so edges, vertices and cracks narrower than that are as tight as faces, and both sides of a sheet are equal.
+//
+// Frame: TouchGeometry's local one. RT: yes; at most kMostMotions motions in a call. Keeps references.
+class SweptMotion {
+ public:
+  static constexpr int kMostMotions = 256;
+
+  // Since construction.
+  struct Counters {
+    std::uint64_t motions = 0;      // constrained motions solved
+    std::uint64_t sweeps = 0;       // continuous collision queries
+    std::uint64_t tests = 0;        // triangle against moving sphere
+    std::uint64_t unconverged = 0;  // calls stopped by kMostMotions: the proxy is valid but short of the minimum
+  };
+
+  SweptMotion(const ProxySurfaces& surfaces, const Clearance& clearance, bool is_point)
+      : surfaces_(surfaces), clearance_(clearance), is_point_(is_point) {}
+
+  // Pre: the proxy is at least clearance.rest - clearance.slack from each triangle that it can touch.
+  void descend(ProxyState& proxy, const Vec3& device) noexcept;
+
+  const Counters& counters() const { return counters_; }
+
+ private:
+  static constexpr int kMostIdle = 6;  // motions that lead no nearer
+
+  struct Blocker {
+    std::uint32_t triangle = 0;
+    double time = 0.0;
+  };
+
+  bool cross_empty_space(ProxyState& proxy, const Vec3& device) const noexcept;
+  ConstrainedMotion next_motion(const ProxyState& proxy, const Vec3& goal) noexcept;
+  Vec3 apply_friction(ProxyState& proxy, const Vec3& goal, const ConstrainedMotion& constrained) const noexcept;
+  Material material_of(const ProxyState& proxy, const ConstrainedMotion& held) const noexcept;
+  bool forget_doubtful(ProxyState& proxy, const ConstrainedMotion& held) const noexcept;
+  static void bring_active_first(ProxyState& proxy, const ConstrainedMotion& held) noexcept;
+  bool advance(ProxyState& proxy, const Vec3& motion) noexcept;
+  double sweep(ProxyState& proxy, const Vec3& motion) noexcept;
+  void note_grazed(ProxyState& proxy, const Separation& at, std::uint32_t triangle) const noexcept;
+  void note_blocker(std::uint32_t triangle, double t) noexcept;
+  void update_contacts(ProxyState& proxy, const Vec3& blocked_motion) const noexcept;
+
+  const ProxySurfaces& surfaces_;
+  Clearance clearance_;
+  bool is_point_;
+  std::array<ContactPlane, ProxyState::kMostContacts> planes_;
+  std::array<Blocker, ProxyState::kMostContacts> blockers_;  // triangles that stopped the last sweep
+  int blocker_count_ = 0;
+  Counters counters_;
+};
+
+}  // namespace hapton

@@ -1,0 +1,83 @@
+#include "core/force/proxy/empty_ball.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <random>
+
+#include "core/geometry/mesh_shapes.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kRest = 1e-6;
+constexpr double kFar = 1e9;
+
+class EmptyBallTest : public testing::Test {
+ protected:
+  double distance_by_brute_force(const Vec3& p) const {
+    double least = std::numeric_limits<double>::infinity();
+    for (std::uint32_t t = 0; t < geometry_.triangle_count(); ++t) least = std::min(least, geometry_.separation(t, p).distance);
+    return least;
+  }
+
+  TriangleMesh mesh_ = make_bumpy_sphere(0.05, 0.1, 2000, 3);
+  TouchGeometry geometry_{std::vector<const TriangleMesh*>{&mesh_}};
+};
+
+TEST_F(EmptyBallTest, NoTriangleIsInAnyBallFound) {
+  constexpr unsigned kSeed = 20261122;
+  RecordProperty("seed", std::to_string(kSeed));
+  std::mt19937_64 random(kSeed);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  int found = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3 p(unit(random), unit(random), unit(random));
+    EmptyBall ball;
+    const double radius = ball.find(geometry_, p, 0.01, kRest, kFar);
+    const double distance = distance_by_brute_force(p);
+    ASSERT_LE(radius, std::max(0.0, distance - kRest)) << p.transpose();
+    // Not much smaller than it could be: neighbours hardly nearer are skipped.
+    if (radius > 0.0 && distance < 0.5) EXPECT_GE(radius, 0.7 * (distance - 2.0 * kRest)) << p.transpose();
+    found += radius > 0.0 ? 1 : 0;
+  }
+  EXPECT_GT(found, 1900);
+}
+
+TEST_F(EmptyBallTest, IsNoLargerThanAsked) {
+  EmptyBall ball;
+  const Vec3 outside = geometry_.to_local(Vec3(0.2, 0.0, 0.0));
+  EXPECT_LE(ball.find(geometry_, outside, 1.0, kRest, 0.125), 0.125);
+  EXPECT_EQ(ball.find(geometry_, outside, 1.0, kRest, -1.0), 0.0);
+}
+
+TEST_F(EmptyBallTest, HoldsWhatIsNearerThanItsRadiusUntilItIsLeft) {
+  EmptyBall ball;
+  EXPECT_FALSE(ball.exists());
+  EXPECT_FALSE(ball.contains(Vec3::Zero()));
+  const Vec3 centre_S(0.2, 0.0, 0.0);
+  ball.enter(geometry_, centre_S, 0.5);
+  const double radius_m = 0.5 * geometry_.unit_m();
+  EXPECT_TRUE(ball.contains(centre_S + Vec3(0.0, 0.999 * radius_m, 0.0)));
+  EXPECT_FALSE(ball.contains(centre_S + Vec3(0.0, 1.001 * radius_m, 0.0)));
+  EXPECT_FALSE(ball.contains(Vec3::Constant(std::numeric_limits<double>::quiet_NaN())));
+  const Vec3 later_S = centre_S + Vec3(0.01, 0.0, 0.0);
+  ball.note_sample(later_S);
+  EXPECT_EQ(ball.last_sample(), later_S);
+  ball.leave(geometry_);
+  EXPECT_FALSE(ball.exists());
+  EXPECT_FALSE(ball.contains(centre_S));
+}
+
+TEST_F(EmptyBallTest, IsSearchedAgainAfterSomeWayOnly) {
+  EmptyBall ball;
+  EXPECT_TRUE(ball.is_due());
+  const double radius = ball.find(geometry_, geometry_.to_local(Vec3(0.07, 0.0, 0.0)), 0.01, kRest, kFar);
+  ASSERT_GT(radius, 0.0);
+  EXPECT_FALSE(ball.is_due());
+  ball.note_motion(std::max(0.25 * radius, 0.04));
+  EXPECT_TRUE(ball.is_due());
+}
+
+}  // namespace
+}  // namespace hapton

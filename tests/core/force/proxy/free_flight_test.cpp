@@ -1,0 +1,111 @@
+#include "core/force/proxy/free_flight.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "core/geometry/mesh_shapes.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kOffset = 0x1p-30;
+constexpr Clearance kClearance{.rest = kOffset, .slack = 0.5 * kOffset, .tolerance = 0x1p-10 * kOffset};
+
+struct FlightStage {
+  explicit FlightStage(const TriangleMesh& mesh, const Material& material = {})
+      : geometry({&mesh}),
+        materials{material},
+        surfaces(geometry, materials),
+        flight(surfaces, materials, kClearance),
+        surface(geometry, materials) {}
+
+  FreeFlight::Met fly(const Vec3& from_S, const Vec3& to_S, double& time) {
+    surface.leave();
+    return flight.fly(geometry.to_local(from_S), geometry.to_local(to_S), false, surface, time);
+  }
+  // The least time at which the segment crosses any triangle.
+  double time_by_brute_force(const Vec3& from_S, const Vec3& to_S) const {
+    double first = kNever;
+    for (std::uint32_t t = 0; t < geometry.triangle_count(); ++t) {
+      first = std::min(first, geometry.pierce(t, geometry.to_local(from_S), geometry.to_local(to_S)).time);
+    }
+    return first;
+  }
+
+  TouchGeometry geometry;
+  std::vector<Material> materials;
+  ProxySurfaces surfaces;
+  FreeFlight flight;
+  SurfaceFollower surface;
+};
+
+TEST(FreeFlight, LandsOnTheFirstOfAllTriangles) {
+  constexpr unsigned kSeed = 20261122;
+  RecordProperty("seed", std::to_string(kSeed));
+  FlightStage stage(make_bumpy_sphere(0.05, 0.2, 3000, 5));
+  std::mt19937_64 random(kSeed);
+  std::uniform_real_distribution<double> unit(-0.08, 0.08);
+  int landed = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const Vec3 from(unit(random), unit(random), unit(random));
+    const Vec3 to(unit(random), unit(random), unit(random));
+    const double expected = stage.time_by_brute_force(from, to);
+    double time = 1.0;
+    const FreeFlight::Met met = stage.fly(from, to, time);
+    ASSERT_EQ(met, expected > 1.0 ? FreeFlight::Met::nothing : FreeFlight::Met::walkable) << "flight " << i;
+    if (expected > 1.0) continue;
+    EXPECT_EQ(time, expected);
+    ASSERT_TRUE(stage.surface.is_on_surface());
+    const Vec3 at = stage.geometry.to_local(Vec3(from + time * (to - from)));
+    EXPECT_LE((stage.surface.point() - at).norm(), 1e-12);
+    ++landed;
+  }
+  EXPECT_GT(landed, 1000);
+}
+
+TEST(FreeFlight, PassesAOneSidedFaceFromBehind) {
+  FlightStage stage(make_box(Vec3::Constant(0.1), 2), {.two_sided = false});
+  double time = 1.0;
+  EXPECT_EQ(stage.fly(Vec3(0.01, 0.012, 0.013), Vec3(0.09, 0.012, 0.013), time), FreeFlight::Met::nothing);
+  EXPECT_EQ(stage.fly(Vec3(0.09, 0.012, 0.013), Vec3(0.01, 0.012, 0.013), time), FreeFlight::Met::walkable);
+  EXPECT_NEAR(time, 0.5, 1e-12);
+}
+
+TEST(FreeFlight, StopsBeforeTrianglesThatCannotBeWalked) {
+  const TriangleMesh sheet = make_plane_grid(0.1, 2);
+  FlightStage stage(joined(sheet, sheet));  // each triangle twice
+  double time = 1.0;
+  EXPECT_EQ(stage.fly(Vec3(0.011, 0.013, 0.05), Vec3(0.011, 0.013, -0.05), time), FreeFlight::Met::other);
+  EXPECT_FALSE(stage.surface.is_on_surface());
+  EXPECT_EQ(stage.fly(Vec3(0.011, 0.013, 0.05), Vec3(0.011, 0.013, 0.01), time), FreeFlight::Met::nothing);
+}
+
+TEST(FreeFlight, APointTooNearIsMovedOffOnItsOwnSide) {
+  FlightStage stage(make_box(Vec3::Constant(0.1), 2));
+  const double face = stage.geometry.to_local(Vec3(0.05, 0.0, 0.0)).x();
+  const Vec3 beside = stage.geometry.to_local(Vec3(0.05, 0.012, 0.013));
+  for (const double side : {1.0, -1.0}) {
+    Vec3 p = beside;
+    p.x() = face + side * 0.25 * kOffset;
+    const Vec3 off = stage.flight.clear_of_surfaces(p, 16.0 * kOffset);
+    EXPECT_NEAR(off.x() - face, side * kOffset, 1e-3 * kOffset);
+    EXPECT_EQ(stage.flight.clear_of_surfaces(p, 0.25 * kOffset), p);  // it may not go so far
+  }
+  const Vec3 far = stage.geometry.to_local(Vec3(0.06, 0.012, 0.013));
+  EXPECT_EQ(stage.flight.clear_of_surfaces(far, 1.0), far);
+}
+
+TEST(FreeFlight, APointOnASurfaceTakesTheOuterSide) {
+  FlightStage stage(make_box(Vec3::Constant(0.1), 2));
+  for (const Vec3& p_S : {Vec3(0.05, 0.012, 0.013), Vec3(0.05, 0.05, 0.013), Vec3(0.05, 0.05, -0.05), Vec3(0.05, 0.0, 0.0)}) {
+    const Vec3 off = stage.flight.off_surface(stage.geometry.to_local(p_S));
+    EXPECT_GT(stage.geometry.to_scene(off).cwiseAbs().maxCoeff(), 0.05) << p_S.transpose();
+    for (std::uint32_t t = 0; t < stage.geometry.triangle_count(); ++t) {
+      EXPECT_GE(stage.geometry.separation(t, off).distance, kOffset) << p_S.transpose();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,129 @@
+#include "core/force/proxy/swept_motion.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "core/geometry/mesh_shapes.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kOffset = 0x1p-30;
+constexpr Clearance kClearance{.rest = kOffset, .slack = 0.5 * kOffset, .tolerance = 0x1p-10 * kOffset};
+
+struct SweptStage {
+  explicit SweptStage(const TriangleMesh& mesh, const Clearance& keep = kClearance, const Material& material = {})
+      : geometry({&mesh}),
+        materials{material},
+        surfaces(geometry, materials),
+        clearance(keep),
+        swept(surfaces, keep, keep.rest == kOffset) {}
+
+  void put(const Vec3& p_S) { proxy.settle_at(geometry.to_local(p_S)); }
+  void move(const Vec3& p_S) {
+    device = geometry.to_local(p_S);
+    swept.descend(proxy, device);
+  }
+  Vec3 position() const { return geometry.to_scene(proxy.position); }
+  double distance_by_brute_force() const {
+    double least = std::numeric_limits<double>::infinity();
+    for (std::uint32_t t = 0; t < geometry.triangle_count(); ++t) {
+      least = std::min(least, geometry.separation(t, proxy.position).distance);
+    }
+    return least;
+  }
+
+  TouchGeometry geometry;
+  std::vector<Material> materials;
+  ProxySurfaces surfaces;
+  Clearance clearance;
+  SweptMotion swept;
+  ProxyState proxy;
+  Vec3 device = Vec3::Zero();
+};
+
+TEST(SweptMotion, AFreeProxyFollowsTheDevice) {
+  SweptStage stage(make_box(Vec3::Constant(0.1)));
+  stage.put(Vec3(0.2, 0.0, 0.0));
+  stage.move(Vec3(0.0, 0.2, 0.0));
+  EXPECT_TRUE(stage.proxy.is_free);
+  EXPECT_EQ(stage.proxy.position, stage.device);
+}
+
+TEST(SweptMotion, AFaceHoldsTheProxyAboveTheDevice) {
+  SweptStage stage(make_box(Vec3::Constant(0.1), 3));
+  stage.put(Vec3(0.07, 0.01, 0.02));
+  stage.move(Vec3(0.03, 0.01, 0.02));
+  EXPECT_FALSE(stage.proxy.is_free);
+  EXPECT_LE((stage.position() - Vec3(0.05, 0.01, 0.02)).norm(), 4.0 * kOffset);
+  ASSERT_EQ(stage.proxy.active_count, 1);
+  EXPECT_NEAR(stage.proxy.multipliers[0] * stage.geometry.unit_m(), 0.02, 1e-9);
+  stage.move(Vec3(0.03, 0.03, -0.03));  // slides on the face
+  EXPECT_LE((stage.position() - Vec3(0.05, 0.03, -0.03)).norm(), 4.0 * kOffset);
+  stage.move(Vec3(0.06, 0.03, -0.03));
+  EXPECT_TRUE(stage.proxy.is_free);
+}
+
+TEST(SweptMotion, ThreeFacesHoldItInTheCornerOfARoom) {
+  SweptStage stage(make_box(Vec3::Constant(0.1), 2));
+  stage.put(Vec3(0.013, 0.017, 0.011));
+  stage.move(Vec3(0.06, 0.07, 0.08));
+  EXPECT_EQ(stage.proxy.active_count, 3);
+  EXPECT_LE((stage.position() - Vec3::Constant(0.05)).norm(), 8.0 * kOffset);
+  Vec3 sum = stage.device - stage.proxy.position;
+  for (int i = 0; i < 3; ++i) sum += stage.proxy.multipliers[i] * stage.proxy.contacts[i].separation.normal;
+  EXPECT_LE(sum.norm(), 1e-8);
+}
+
+TEST(SweptMotion, FrictionHoldsItUpToTheConesEdge) {
+  for (const double friction : {0.3, 0.6}) {
+    SweptStage stage(make_box(Vec3::Constant(0.1), 3), kClearance, {.friction_static = friction, .friction_dynamic = friction});
+    stage.put(Vec3(0.07, 0.0, 0.0));
+    stage.move(Vec3(0.04, 0.0, 0.0));
+    stage.move(Vec3(0.04, 0.99 * friction * 0.01, 0.0));
+    EXPECT_LE((stage.position() - Vec3(0.05, 0.0, 0.0)).norm(), 1e-9);
+    stage.move(Vec3(0.04, friction * 0.01 + 0.005, 0.0));
+    EXPECT_NEAR(stage.position().y(), 0.005, 1e-8);
+    EXPECT_TRUE(stage.proxy.slides);
+  }
+}
+
+class SweptMotionInSoup : public testing::TestWithParam<unsigned> {};
+
+// Random triangles that cross and touch each other: nothing else keeps the proxy off them.
+TEST_P(SweptMotionInSoup, IsNeverNearerToATriangleThanItsSlackAllows) {
+  RecordProperty("seed", std::to_string(GetParam()));
+  std::mt19937_64 random(GetParam());
+  std::uniform_real_distribution<double> unit(-0.05, 0.05);
+  const auto vector = [&] { return Vec3(unit(random), unit(random), unit(random)); };
+  TriangleMesh soup;
+  for (std::uint32_t t = 0; t < 60; ++t) {
+    const Vec3 at = vector();
+    for (int k = 0; k < 3; ++k) soup.vertices.push_back(at + 0.5 * vector());
+    soup.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
+  }
+  for (const double radius : {0.0, 0.01}) {
+    Clearance keep = kClearance;
+    keep.rest += radius;
+    SweptStage stage(soup, keep);
+    stage.put(Vec3(0.3, 0.0, 0.0));
+    int contacts = 0;
+    for (int i = 0; i < 400; ++i) {
+      const Vec3 to = vector();
+      const double before = (stage.geometry.to_local(to) - stage.proxy.position).norm();
+      const std::uint64_t sweeps = stage.swept.counters().sweeps;
+      stage.move(to);
+      ASSERT_GE(stage.distance_by_brute_force(), keep.rest - keep.slack) << "step " << i;
+      ASSERT_LE((stage.device - stage.proxy.position).norm(), before * (1.0 + 1e-12) + 64.0 * kOffset) << "step " << i;
+      ASSERT_LE(stage.swept.counters().sweeps - sweeps, SweptMotion::kMostMotions);
+      contacts += stage.proxy.is_free ? 0 : 1;
+    }
+    EXPECT_GT(contacts, 100);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, SweptMotionInSoup, testing::Values(1U, 2U, 3U, 4U));
+
+}  // namespace
+}  // namespace hapton
