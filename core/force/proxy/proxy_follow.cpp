@@ -26,6 +26,8 @@ void ProxyMethod::follow(const Vec3& last, const Vec3& device) noexcept {
   if (proxy_.is_free && is_point_) clear_start();
   if (!proxy_.is_free && time > 0.0) swept_.descend(proxy_, on_path(last, device, time));
   swept_.descend(proxy_, device);
+  double here = 0.0;
+  if (!proxy_.is_free) follow_offset(device, device, here);
 }
 
 // True if the step was finished on the surface and in free space. Otherwise the proxy is on the surface, or free, with the device at
