@@ -34,7 +34,7 @@ bool ProxyMethod::keep_cached(const Vec3& start, const Vec3& motion, double room
   }
   prefetch_ = Prefetch::rebuilt;
   if (cache().count() < kFewNear) cache_radius_ *= 1.5;
-  if (cache().count() > kManyNear && cache_radius_ > clearance_.rest) cache_radius_ *= 0.8;
+  if (cache().count() > kManyNear && cache_radius_ > clearance_.offset) cache_radius_ *= 0.8;
   return true;
 }
 
@@ -49,7 +49,7 @@ void ProxyMethod::prefetch_cache(const Vec3& motion) noexcept {
   }
   const double length = motion.norm();
   if (was != Prefetch::nothing || !(length > 0.0)) return;
-  const double room = kCacheMargin * length + kBeside * contact_offset_ + clearance_.rest;
+  const double room = kCacheMargin * length + kBeside * contact_offset_ + clearance_.offset;
   const double steps_left = cache().time_inside(proxy_, motion, room);
   if (!(steps_left <= kPrefetchSteps)) return;
   const double half = cache_radius_ + room;

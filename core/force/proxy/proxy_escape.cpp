@@ -58,7 +58,7 @@ bool ProxyMethod::tip_over(const Vec3& device) noexcept {
                    : normal.cross(contact.shape.edge(contact.shape.boundary(contact.separation.nearest).edge));
   first = first.isZero(0.0) ? normal.unitOrthogonal() : Vec3(first.normalized());
   const Vec3 second = normal.cross(first);
-  const double tip_distance = std::max(std::sqrt(contact_offset_ * clearance_.rest),
+  const double tip_distance = std::max(std::sqrt(contact_offset_ * clearance_.offset),
                                        2.0 * kNearBoundary * contact_offset_);  // on an arc round an edge: climbs half a contact offset
   std::array<Vec3, 4> directions = {first, -first, second, -second};
   int direction_count = 4;
@@ -67,7 +67,7 @@ bool ProxyMethod::tip_over(const Vec3& device) noexcept {
     directions[2] = (other - other.dot(normal) * normal).normalized();
     const Vec3 goal = device - proxy_;
     direction_count =
-        -goal.dot(directions[2]) <= 2.0 * tip_distance / clearance_.rest * goal.norm() ? 3 : 2;  // otherwise it would climb more
+        -goal.dot(directions[2]) <= 2.0 * tip_distance / clearance_.offset * goal.norm() ? 3 : 2;  // otherwise it would climb more
   }
   save(equilibrium_);
   for (const Vec3& sideways : std::span(directions).first(static_cast<std::size_t>(direction_count))) {
@@ -100,7 +100,7 @@ void ProxyMethod::find_exits() noexcept {
   if ((proxy_ - exits_from_).norm() <= kLeastGain * contact_offset_) return;
   exits_from_ = proxy_;
   exit_count_ = 0;
-  const double near = kBeside * contact_offset_ + clearance_.rest;
+  const double near = kBeside * contact_offset_ + clearance_.offset;
   geometry_.for_each_overlapping(Box{proxy_.array() - near, proxy_.array() + near}, [&](std::uint32_t triangle) {
     for (int k = 0; k < 3; ++k) {
       const Vec3& corner = geometry_.corner(triangle, k);

@@ -105,7 +105,7 @@ ProxyMethod::Met ProxyMethod::fly(const Vec3& from, const Vec3& to, bool slides,
   std::uint32_t first = 0;
   TouchGeometry::Hit hit;
   const Vec3 motion = to - from;
-  geometry_.visit_along(from, to, clearance_.rest, [&](std::uint32_t id, double until) {
+  geometry_.visit_along(from, to, clearance_.offset, [&](std::uint32_t id, double until) {
     if (!geometry_.is_walkable(id)) {
       if (!can_touch(id, from) || time_to_block(TriangleView{geometry_, id}, from, motion, until, clearance_) > until) return until;
       met = Met::other;
@@ -173,16 +173,16 @@ bool ProxyMethod::is_vertex_seen_from(const Vec3& p, const Vec3& to, std::uint32
 // A free proxy may be nearer to a walkable triangle than sweeps keep: moves it off, on its own side.
 void ProxyMethod::clear_start() noexcept {
   int count = 0;
-  geometry_.for_each_overlapping(Box{proxy_, proxy_}.inflated(clearance_.rest), [&](std::uint32_t id) {
+  geometry_.for_each_overlapping(Box{proxy_, proxy_}.inflated(clearance_.offset), [&](std::uint32_t id) {
     const ContactTriangle shape = shape_of(id);
     const Separation at = shape.separation(proxy_);
-    if (at.distance >= clearance_.rest || count == kMaxContacts || !can_touch(id, proxy_)) return;
+    if (at.distance >= clearance_.offset || count == kMaxContacts || !can_touch(id, proxy_)) return;
     Vec3 normal = at.normal;
     if (at.feature == Feature::face) {
       const double side = side_sign(shape.corner(0), shape.corner(1), shape.corner(2), proxy_);
       if ((side > 0.0) != (shape.normal().dot(normal) > 0.0)) normal = -normal;
     }
-    planes_[count++] = {normal, clearance_.rest - normal.dot(proxy_ - at.nearest)};
+    planes_[count++] = {normal, clearance_.offset - normal.dot(proxy_ - at.nearest)};
   });
   if (count == 0) return;
   const ConstrainedMotion off =
@@ -211,16 +211,16 @@ void ProxyMethod::hold_by_surface(const Vec3& device) noexcept {
 void ProxyMethod::lift_off_surface() noexcept {
   const SurfacePoint::Inside from = surface_.at().inside(kBeside * contact_offset_);
   surface_.leave();
-  proxy_ = from.point + clearance_.rest * from.normal;
+  proxy_ = from.point + clearance_.offset * from.normal;
   active_offset_ = contact_offset_;
-  if (sphere_ != nullptr) sphere_->leave();
+  if (sphere_ != nullptr) sphere_->stop_tracking();
   free_ = false;
   sliding_ = surface_.slides();
   Contact& contact = contacts_[0];
   contact.triangle = from.triangle;
   contact.slot = TriangleCache::kNoSlot;
   contact.shape = shape_of(from.triangle);
-  contact.separation = {clearance_.rest, from.normal, from.point, Feature::face};
+  contact.separation = {clearance_.offset, from.normal, from.point, Feature::face};
   contact_count_ = 1;
   active_count_ = 0;
   forget_near();

@@ -61,12 +61,12 @@ ProxyMethod::ProxyMethod(const MethodSettings& settings, const TouchScene& scene
   constexpr double kContactOffset = 0x1p-30;
   contact_offset_ = kContactOffset;
   is_point_ = settings.probe_radius_m == 0.0;
-  clearance_.rest = settings.probe_radius_m / geometry_.unit_m() + kContactOffset;
-  clearance_.slack = 0.5 * kContactOffset;
+  clearance_.offset = settings.probe_radius_m / geometry_.unit_m() + kContactOffset;
+  clearance_.slop = 0.5 * kContactOffset;
   clearance_.tolerance = 0x1p-10 * kContactOffset;
   // The offset surface of a smaller sphere has too few significant digits.
   constexpr double kLeastRadius = 0x1p-20;
-  if (clearance_.rest - kContactOffset >= kLeastRadius) sphere_ = std::make_unique<SphereFollower>(geometry_, surfaces_, clearance_.rest);
+  if (clearance_.offset - kContactOffset >= kLeastRadius) sphere_ = std::make_unique<SphereFollower>(geometry_, surfaces_, clearance_.offset);
   // For points on triangles that are not walkable. The radius is the reference's, so the proxy fits wherever the reference does.
   if (is_point_) sphere_ = std::make_unique<SphereFollower>(geometry_, surfaces_, 0.5 * kContactOffset, true);
   active_offset_ = contact_offset_;
@@ -95,7 +95,7 @@ bool ProxyMethod::can_touch(std::uint32_t triangle, const Vec3& p) const noexcep
 
 void ProxyMethod::reset(const Vec3& p_SD) noexcept {
   surface_.leave();
-  if (sphere_ != nullptr) sphere_->leave();
+  if (sphere_ != nullptr) sphere_->stop_tracking();
   has_sample_ = p_SD.allFinite();
   settle_at(within_limits(geometry_.to_local(p_SD)));
   geometry_.place_probe(proxy_);
@@ -113,7 +113,7 @@ void ProxyMethod::step_off_surface() noexcept {
   if (!is_point_ || !has_sample_) return;
   for (int i = 0; i < 8; ++i) {  // at an edge or vertex, each face in turn
     std::uint32_t nearest = 0;
-    double bound = clearance_.rest * clearance_.rest;
+    double bound = clearance_.offset * clearance_.offset;
     bool any = false;
     geometry_.visit_nearest(proxy_, bound, [&](std::uint32_t triangle, double) {
       const double d = geometry_.separation(triangle, proxy_).distance;
@@ -128,7 +128,7 @@ void ProxyMethod::step_off_surface() noexcept {
     const Vec3& a = geometry_.corner(nearest, 0);
     const Vec3 normal = accurate_cross(geometry_.corner(nearest, 1) - a, geometry_.corner(nearest, 2) - a);
     const double length = normal.norm();
-    proxy_ += (2.0 * clearance_.rest) * (length > 0.0 ? Vec3(normal / length) : geometry_.separation(nearest, proxy_).normal);
+    proxy_ += (2.0 * clearance_.offset) * (length > 0.0 ? Vec3(normal / length) : geometry_.separation(nearest, proxy_).normal);
   }
 }
 
@@ -393,7 +393,7 @@ void ProxyMethod::descend(const Vec3& device) noexcept {
 // Far outside the scene there are no contacts and positions are coarse: the proxy goes straight to the device (true), or to where its path
 // enters the scene's surroundings.
 bool ProxyMethod::cross_empty_space(const Vec3& device) noexcept {
-  const double surroundings = 2.0 + 2.0 * clearance_.rest;
+  const double surroundings = 2.0 + 2.0 * clearance_.offset;
   if (proxy_.norm() <= 1.01 * surroundings) return false;
   const Vec3 path = device - proxy_;
   const double length = path.norm();
@@ -425,7 +425,7 @@ bool ProxyMethod::forget_doubtful(const ConstrainedMotion& held) noexcept {
 ConstrainedMotion ProxyMethod::next_motion(const Vec3& goal) noexcept {
   for (int i = 0; i < contact_count_; ++i) {
     const Separation& s = contacts_[i].separation;
-    planes_[i] = {s.normal, clearance_.rest - s.distance};
+    planes_[i] = {s.normal, clearance_.offset - s.distance};
   }
   return constrain_motion(goal, std::span<const ContactPlane>(planes_.data(), static_cast<std::size_t>(contact_count_)));
 }
@@ -437,7 +437,7 @@ Vec3 ProxyMethod::apply_friction(const Vec3& goal, const ConstrainedMotion& cons
   const double depth = (goal - motion).norm();
   const double length = motion.norm();
   const double hold = (sliding_ ? material.friction_dynamic : material.friction_static) * depth;
-  if (length <= hold + clearance_.slack) {
+  if (length <= hold + clearance_.slop) {
     if (length < 0.5 * material.friction_dynamic * depth) sliding_ = false;
     return Vec3::Zero();
   }
@@ -450,7 +450,7 @@ Vec3 ProxyMethod::apply_friction(const Vec3& goal, const ConstrainedMotion& cons
 // for a ball hardly larger.
 double ProxyMethod::find_empty_ball(const Vec3& device, double may_go) noexcept {
   constexpr double kHardlyNearer = 0.75 * 0.75;  // of squared distances
-  const double widest = 64.0 * displacement_ + 4.0 * clearance_.rest;
+  const double widest = 64.0 * displacement_ + 4.0 * clearance_.offset;
   double clear_squared = widest * widest;
   geometry_.visit_nearest(device, clear_squared, [&](std::uint32_t triangle, double bound) {
     const double d = geometry_.separation(triangle, device).distance;
@@ -458,7 +458,7 @@ double ProxyMethod::find_empty_ball(const Vec3& device, double may_go) noexcept 
     return clear_squared;
   });
   // Reduced by the rounding of the conversion to local units.
-  const double radius = std::min(std::sqrt(clear_squared) * (1.0 - 0x1p-40) - clearance_.rest, may_go) - 0x1p-48 * (1.0 + device.norm());
+  const double radius = std::min(std::sqrt(clear_squared) * (1.0 - 0x1p-40) - clearance_.offset, may_go) - 0x1p-48 * (1.0 + device.norm());
   empty_retry_ = std::max(0.25 * radius, 4.0 * displacement_);
   return std::max(radius, 0.0);
 }

@@ -9,16 +9,16 @@ namespace hapton {
 bool ProxyMethod::follow_offset(const Vec3& last, const Vec3& device, double& time) noexcept {
   if (free_) {
     if (is_point_) clear_start();
-    sphere_->take_free(proxy_);
-  } else if (!sphere_->holds() && !sphere_->take(proxy_, false, clearance_.slack, sliding_)) {
+    sphere_->start_free(proxy_);
+  } else if (!sphere_->is_tracking() && !sphere_->start(proxy_, false, clearance_.slop, sliding_)) {
     return false;
   }
   const std::uint64_t slips = sphere_->slips();
   const SphereFollower::Outcome outcome = sphere_->follow(last, device, time);
   counters_.slips += sphere_->slips() - slips;
-  if (outcome == SphereFollower::Outcome::unclear) {
+  if (outcome == SphereFollower::Outcome::failed) {
     copy_sphere_state(time < 1.0 ? Vec3(last + time * (device - last)) : device);
-    sphere_->leave();
+    sphere_->stop_tracking();
     active_offset_ = contact_offset_;
     if (is_point_) clear_start();
     return false;
@@ -33,18 +33,18 @@ void ProxyMethod::copy_sphere_state(const Vec3& device) noexcept {
   if (is_point_) active_offset_ = sphere_->offset();
   free_ = sphere_->is_free() && proxy_ == device;
   sliding_ = sphere_->slides();
-  for (const OffsetContact& held : sphere_->contacts()) {
-    const OffsetContact::Stand state = held.stand(proxy_);
+  for (const OffsetContact& active : sphere_->contacts()) {
+    const OffsetContact::Proximity proximity = active.proximity(proxy_);
     Contact& contact = contacts_[contact_count_++];
-    contact.triangle = held.triangle;
+    contact.triangle = active.triangle;
     contact.slot = TriangleCache::kNoSlot;
-    contact.shape = held.shape;
-    const bool is_face = held.part == OffsetContact::Part::face;
-    contact.separation = {state.distance, state.normal, proxy_ - state.distance * state.normal,
-                          is_face                                  ? Feature::face
-                          : held.part == OffsetContact::Part::edge ? Feature::edge
-                                                                   : Feature::vertex};
-    multipliers_[active_count_++] = held.multiplier;
+    contact.shape = active.shape;
+    const bool is_face = active.part == OffsetContact::Part::face;
+    contact.separation = {proximity.distance, proximity.normal, proxy_ - proximity.distance * proximity.normal,
+                          is_face                                    ? Feature::face
+                          : active.part == OffsetContact::Part::edge ? Feature::edge
+                                                                     : Feature::vertex};
+    multipliers_[active_count_++] = active.multiplier;
   }
 }
 

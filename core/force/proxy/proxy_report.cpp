@@ -10,7 +10,7 @@ std::string ProxyMethod::describe() const {
   const std::string what =
       fmt::format("proxy: {} of {} objects built, {} triangles, {:.1f} MB in all; probe radius {:g} m, contact offset {:g} m\n",
                   geometry_.built_count(), geometry_.object_count(), geometry_.triangle_count(),
-                  static_cast<double>(geometry_.bytes()) * 1e-6, (clearance_.rest - contact_offset_) * geometry_.unit_m(),
+                  static_cast<double>(geometry_.bytes()) * 1e-6, (clearance_.offset - contact_offset_) * geometry_.unit_m(),
                   contact_offset_ * geometry_.unit_m()) +
       fmt::format(
           "proxy: a step has {} events, {:g} more for each edge that a path as long crosses on average, {} at "
@@ -42,7 +42,7 @@ std::string ProxyMethod::describe_steps() const {
   if (sphere_ != nullptr) {
     text += fmt::format("proxy: sphere: {:.2f} events a contact step, {} slips, {} flights, {:.3f} gatherings, {:.1f} pieces of work\n",
                         static_cast<double>(sphere_->events()) / c, sphere_->slips(), sphere_->flights(),
-                        static_cast<double>(sphere_->gathered()) / c, static_cast<double>(sphere_->looked_at()) / c);
+                        static_cast<double>(sphere_->gathered()) / c, static_cast<double>(sphere_->queried()) / c);
   }
   if (shading_ > 0.0) {
     text += fmt::format("proxy: force shading {:g}: against the unshaded force {:.3g} % RMS, {:.3g} % at most\n", shading_,

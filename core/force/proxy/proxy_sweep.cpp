@@ -26,17 +26,17 @@ double ProxyMethod::sweep(const Vec3& from, const Vec3& motion) noexcept {
   double done = 0.0;
   for (int piece = 0; done < 1.0; ++piece) {
     const Vec3 start = from + done * motion;
-    const bool is_near = piece < kNearPieces && keep_cached(start, (1.0 - done) * motion, clearance_.rest, 0.0);
+    const bool is_near = piece < kNearPieces && keep_cached(start, (1.0 - done) * motion, clearance_.offset, 0.0);
     double end = 1.0;
     if (is_near) {
-      end = done + cache().time_inside(start, motion, clearance_.rest);
+      end = done + cache().time_inside(start, motion, clearance_.offset);
     } else if (length > 0.0) {
       end = done + far_piece / length;
       far_piece *= 4.0;
     }
     if (!(end < 1.0)) end = 1.0;
     const Vec3 part = (end - done) * motion;
-    const Box path = Box::around(start, start + part).inflated(clearance_.rest);
+    const Box path = Box::around(start, start + part).inflated(clearance_.offset);
     double first = kNever;
     const auto test = [&](const auto& shape, std::uint32_t triangle) {
       ++counters_.tests;
@@ -47,7 +47,7 @@ double ProxyMethod::sweep(const Vec3& from, const Vec3& motion) noexcept {
       note_blocker(triangle, t);
     };
     if (is_near) {
-      const int count = cache().find_candidates(start, part, clearance_.rest, path, candidates_);
+      const int count = cache().find_candidates(start, part, clearance_.offset, path, candidates_);
       for (int i = 0; i < count; ++i) {
         if (done + static_cast<double>(candidates_[i].earliest) * (end - done) <= first)
           test(cache().shape(candidates_[i].slot), candidates_[i].triangle);
@@ -64,7 +64,7 @@ double ProxyMethod::sweep(const Vec3& from, const Vec3& motion) noexcept {
 
 // A sphere on a face is also in contact with coplanar neighbours, although they never block its path.
 void ProxyMethod::note_grazed(const Separation& at, std::uint32_t triangle) noexcept {
-  if (at.distance > clearance_.rest + 2.0 * clearance_.tolerance || contact_count_ == kMaxContacts) return;
+  if (at.distance > clearance_.offset + 2.0 * clearance_.tolerance || contact_count_ == kMaxContacts) return;
   for (int i = 0; i < contact_count_; ++i) {
     if (contacts_[i].triangle == triangle) return;
   }
@@ -86,7 +86,7 @@ void ProxyMethod::note_blocker(std::uint32_t triangle, double t) noexcept {
 
 // After a motion: keeps the contacts that still touch and adds the blockers.
 void ProxyMethod::update_contacts(const Vec3& blocked_motion) noexcept {
-  const double bound = clearance_.rest + 2.0 * clearance_.tolerance;
+  const double bound = clearance_.offset + 2.0 * clearance_.tolerance;
   const auto blockers_end = blockers_.begin() + blocker_count_;
   int kept = 0;
   for (int i = 0; i < contact_count_; ++i) {

@@ -39,7 +39,7 @@ bool ProxyMethod::walk(const Vec3& device) noexcept {
     contact.triangle = cache().triangle_at(constraint.slot);
     contact.slot = constraint.slot;
     contact.shape = cache().shape(constraint.slot);
-    contact.separation = {clearance_.rest, constraint.normal, proxy_ - clearance_.rest * constraint.normal, Feature::face};
+    contact.separation = {clearance_.offset, constraint.normal, proxy_ - clearance_.offset * constraint.normal, Feature::face};
   }
   active_count_ = contact_count_;
   prefetch_cache(proxy_ - from);
@@ -48,9 +48,9 @@ bool ProxyMethod::walk(const Vec3& device) noexcept {
 
 FacetDescent ProxyMethod::facets() noexcept {
   const double margin = kBeside * contact_offset_;
-  if (!has_friction_) return {cache(), clearance_.rest, margin};
+  if (!has_friction_) return {cache(), clearance_.offset, margin};
   const Material material = contact_material();
-  return {cache(), clearance_.rest, margin, {material.friction_static, material.friction_dynamic, sliding_}};
+  return {cache(), clearance_.offset, margin, {material.friction_static, material.friction_dynamic, sliding_}};
 }
 
 // One-sided faces hold only from the front.

@@ -203,7 +203,7 @@ TEST(TriangleCache, NeverDropsATriangleThatBlocks) {
     const auto triangle = static_cast<std::uint32_t>(random() % geometry.triangle_count());
     const double contact_offset = 0x1p-30;
     const double rest = (i % 3) * 0.004 + contact_offset;
-    const Clearance clearance{.rest = rest, .slack = 0.5 * contact_offset, .tolerance = 0x1p-10 * contact_offset};
+    const Clearance clearance{.offset = rest, .slop = 0.5 * contact_offset, .tolerance = 0x1p-10 * contact_offset};
     const Vec3 centroid = (geometry.corner(triangle, 0) + geometry.corner(triangle, 1) + geometry.corner(triangle, 2)) / 3.0;
     const Vec3 start = centroid + 0.01 * Vec3(unit(random), unit(random), unit(random));
     const Vec3 motion = 0.008 * Vec3(unit(random), unit(random), unit(random));
