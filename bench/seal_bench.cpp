@@ -130,16 +130,16 @@ void refuse_forged(benchmark::State& state) {
 std::array<std::byte, seal::kRequestBytes> make_request(ClientHandshake& client, std::int64_t now_ns) {
   std::array<std::byte, seal::kRequestBytes> request;
   client.begin();
-  client.ask(now_ns);
+  client.start_request(now_ns);
   if (client.poll(request) != ClientHandshake::Finished::request) std::abort();
   return request;
 }
 
 void refuse_request(benchmark::State& state) {
-  ClientHandshake stranger(RoleKey(make_key(), KeyRole::haptics), 1, AgreementWorker::Where::caller);
+  ClientHandshake unknown(RoleKey(make_key(), KeyRole::haptics), 1, AgreementWorker::Where::caller);
   HubHandshake hub(make_key(), AgreementWorker::Where::caller);
-  const auto request = make_request(stranger, 1);
-  for (auto _ : state) benchmark::DoNotOptimize(hub.judge(request, {}, 1));
+  const auto request = make_request(unknown, 1);
+  for (auto _ : state) benchmark::DoNotOptimize(hub.check_request(request, {}, 1));
 }
 
 void refuse_replayed_request(benchmark::State& state) {
@@ -147,8 +147,8 @@ void refuse_replayed_request(benchmark::State& state) {
   ClientHandshake node(RoleKey(key, KeyRole::haptics), 1, AgreementWorker::Where::caller);
   HubHandshake hub(key, AgreementWorker::Where::caller);
   const auto request = make_request(node, 1);
-  hub.judge(request, {}, 1);
-  for (auto _ : state) benchmark::DoNotOptimize(hub.judge(request, {}, 1));
+  hub.check_request(request, {}, 1);
+  for (auto _ : state) benchmark::DoNotOptimize(hub.check_request(request, {}, 1));
 }
 
 // The hub's work for a valid request: check, hand-over to the worker thread, and its result. The agreement itself is the worker's; it is
@@ -163,7 +163,7 @@ void hand_over_request(benchmark::State& state) {
     state.PauseTiming();
     const auto request = make_request(node, ++now_ns);
     state.ResumeTiming();
-    benchmark::DoNotOptimize(hub.judge(request, {}, 1));
+    benchmark::DoNotOptimize(hub.check_request(request, {}, 1));
     hub.agree(request, 1);
     state.PauseTiming();
     while (!hub.poll(agreement)) {

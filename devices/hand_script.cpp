@@ -56,14 +56,14 @@ void HandScript::aim(std::span<const Vec3> p_WA) noexcept {
 }
 
 void HandScript::feel(const Vec3& p_WD, const Vec3& force_n) noexcept {
-  felt_n_ += (force_n - felt_n_) * (kStepS / kFeelS);
-  const double felt = felt_n_.norm();
-  if (felt > kTouchN) {
-    normal_ = felt_n_ / felt;
+  filtered_force_n_ += (force_n - filtered_force_n_) * (kStepS / kFeelS);
+  const double force = filtered_force_n_.norm();
+  if (force > kTouchN) {
+    normal_ = filtered_force_n_ / force;
     contact_m_ = p_WD;
     touched_ = true;
   }
-  lost_s_ = felt < kLostN ? lost_s_ + kStepS : 0.0;
+  lost_s_ = force < kLostN ? lost_s_ + kStepS : 0.0;
 }
 
 // In front of the given surface point; if there is none, in front of a point of the front plane within reach_m_ of the middle.
@@ -183,7 +183,7 @@ void HandScript::turn_tangent(double angle_rad) noexcept {
 void HandScript::rub(const Vec3& p_WD, double turn_rad_per_s) noexcept {
   turn_tangent(turn_rad_per_s * kStepS);
   const double speed = phase_ == Phase::press ? 0.0 : rub_m_per_s_;
-  hand_m_ += kStepS * (speed * tangent_ + kGripGain * (felt_n_.norm() - press_n_) * normal_);
+  hand_m_ += kStepS * (speed * tangent_ + kGripGain * (filtered_force_n_.norm() - press_n_) * normal_);
   const Vec3 pull = hand_m_ - p_WD;
   const double pull_m = pull.norm();
   if (pull_m > kMaxPullM) hand_m_ = p_WD + pull * (kMaxPullM / pull_m);
@@ -191,11 +191,11 @@ void HandScript::rub(const Vec3& p_WD, double turn_rad_per_s) noexcept {
 
 void HandScript::tap(const Vec3& p_WD) noexcept {
   if (!striking_) {
-    if (move_towards(aim_m_, kStrikeSpeed) && felt_n_.norm() < kLostN) striking_ = true;
+    if (move_towards(aim_m_, kStrikeSpeed) && filtered_force_n_.norm() < kLostN) striking_ = true;
     return;
   }
   const bool missed = move_towards(within_workspace(aim_m_ - (kLiftM + kStrikeDepthM) * normal_), kStrikeSpeed);
-  if (felt_n_.norm() > kTouchN) {
+  if (filtered_force_n_.norm() > kTouchN) {
     aim_m_ = within_workspace(p_WD + kLiftM * normal_);
     striking_ = false;
     --taps_left_;
@@ -205,7 +205,7 @@ void HandScript::tap(const Vec3& p_WD) noexcept {
 }
 
 void HandScript::advance_phase(const Vec3& p_WD) noexcept {
-  const bool touching = felt_n_.norm() > kTouchN;
+  const bool touching = filtered_force_n_.norm() > kTouchN;
   const bool over = phase_s_ >= phase_end_s_;
   switch (phase_) {
     case Phase::travel:

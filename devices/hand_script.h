@@ -80,8 +80,8 @@ class HandScript {
   Vec3 aim_m_ = Vec3::Zero();    // where approach began or leave ends
   Vec3 normal_ = Vec3::UnitZ();  // of the surface touched last
   Vec3 tangent_ = Vec3::UnitX();
-  Vec3 felt_n_ = Vec3::Zero();     // force, low-passed as a hand does
-  Vec3 contact_m_ = Vec3::Zero();  // device point when last in contact
+  Vec3 filtered_force_n_ = Vec3::Zero();  // force, low-passed as a hand does
+  Vec3 contact_m_ = Vec3::Zero();         // device point when last in contact
   std::optional<Vec3> lead_m_;
   std::array<Vec3, kMostAims> aims_m_;
   std::size_t aim_count_ = 0;

@@ -39,7 +39,7 @@ HidDevice::~HidDevice() {
 
 bool HidDevice::await_first_report() noexcept {
   const std::int64_t until_ns = clock_.now_ns() + kFirstReportNs;
-  while (!has_heard_.load(std::memory_order_acquire)) {
+  while (!has_received_.load(std::memory_order_acquire)) {
     if (clock_.now_ns() >= until_ns) return false;
     clock_.sleep_until_ns(clock_.now_ns() + kNanosecondsPerMillisecond);
   }
@@ -83,7 +83,7 @@ void HidDevice::on_drained(std::int64_t) noexcept {
     const std::lock_guard lock(driver_mutex_);
     exchange_.publish(reading_);
   }
-  has_heard_.store(true, std::memory_order_release);
+  has_received_.store(true, std::memory_order_release);
   log_status();
 }
 

@@ -75,7 +75,7 @@ class HidDevice final : public Device, private HidListener {
   HeartbeatPage* guard_ = nullptr;
   int rejected_ = 0;  // of the writer
   sem_t commands_;    // posted by the servo: a wrench is there
-  std::atomic<bool> has_heard_{false};
+  std::atomic<bool> has_received_{false};
   std::atomic<bool> ends_{false};
   HidPort port_;
   std::thread writer_;

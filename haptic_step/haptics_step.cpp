@@ -39,9 +39,9 @@ ForceCommand HapticsStep::answer() noexcept {
   }
   running_ = true;
   last_sample_ = state_.sample;
-  felt_ = touch_->step(input_);
-  const Vec3 force_n = fade_.step(felt_.force_n, felt_.contact, input_.dt_s);
-  const bool contact = felt_.contact || fade_.is_felt();
+  output_ = touch_->step(input_);
+  const Vec3 force_n = fade_.step(output_.force_n, output_.contact, input_.dt_s);
+  const bool contact = output_.contact || fade_.is_felt();
 
   ++counts_.answered;
   counts_.contact_steps += contact ? 1 : 0;
@@ -49,7 +49,7 @@ ForceCommand HapticsStep::answer() noexcept {
   return {.echo_sample = state_.sample,
           .echo_sample_time_ns = state_.sample_time_ns,
           .force_n = force_n,
-          .visual_offset_m = felt_.visual_offset_m,
+          .visual_offset_m = output_.visual_offset_m,
           .contact = contact,
           .compute_ns = 0,
           .skipped_samples = std::exchange(skipped_, 0U),
@@ -82,9 +82,9 @@ void HapticsStep::look_around() noexcept {
 }
 
 void HapticsStep::resume() noexcept {
-  const bool is_felt = running_ && felt_.contact;
+  const bool is_felt = running_ && output_.contact;
   restart();
-  if (is_felt) p_WP_ = input_.p_WD + felt_.visual_offset_m;
+  if (is_felt) p_WP_ = input_.p_WD + output_.visual_offset_m;
 }
 
 // Shifts the known replies by the number of samples passed, and adds the last one.
@@ -115,13 +115,13 @@ std::unique_ptr<TouchStep> HapticsStep::replace(std::unique_ptr<TouchStep> touch
   std::swap(touch_, touch);
   if (running_) {
     TouchInput start = input_;
-    if (felt_.contact) {
-      start.p_WD += felt_.visual_offset_m + offset_m_ * felt_.force_n.normalized();
+    if (output_.contact) {
+      start.p_WD += output_.visual_offset_m + offset_m_ * output_.force_n.normalized();
     }
     touch_->reset(start);
     // On the path from there to the device, which the hand did not take, it comes into contact and settles.
     const TouchOutput settled = touch_->step(input_);
-    if (felt_.contact || fade_.is_felt() || settled.contact) fade_.begin();
+    if (output_.contact || fade_.is_felt() || settled.contact) fade_.begin();
   }
   return touch;
 }

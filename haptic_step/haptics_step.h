@@ -76,7 +76,7 @@ class HapticsStep {
   ViewTransform view_;
   DeviceState state_;
   TouchInput input_;          // of the last reply
-  TouchOutput felt_;          // of the last reply, by the method alone
+  TouchOutput output_;        // of the last reply, by the method alone
   ForceFade fade_;            // from the method before
   std::optional<Vec3> p_WP_;  // where the probe rested when the session ended
   std::int64_t last_time_ns_ = 0;

@@ -29,14 +29,14 @@ int give_up(const Error& error) {
 }
 
 // With a connection of its own, so that the one used for forces starts fresh.
-void tell_hub(const HapticsOptions& options, const Address& hub, const RoleKey& key, const Clock& clock, const SceneFacts& facts,
-              std::int64_t began_ns, DoneSignal& done) {
+void notify_hub(const HapticsOptions& options, const Address& hub, const RoleKey& key, const Clock& clock, const SceneFacts& facts,
+                std::int64_t began_ns, DoneSignal& done) {
   const auto endpoint = open_udp_endpoint(options.bind.empty() ? any_address_like(hub) : options.bind);
   if (!endpoint) return;  // reported where it is needed
   (void)(*endpoint)->accept_only(hub);
   SealedClient sealed(**endpoint, clock, key, hub);
   HubClient client(sealed, clock, NodeRole::haptics, hub);
-  tell_of_preparation(client, clock, facts, began_ns, done);
+  notify_preparation(client, clock, facts, began_ns, done);
 }
 
 int run(const HapticsOptions& options) {
@@ -53,8 +53,8 @@ int run(const HapticsOptions& options) {
   SteadyClock clock;
   const SceneFacts facts = make_scene_facts(*scene);
   auto method =
-      build_and_tell([&] { return make_method(options.method, scene->touch_scene()); },
-                     [&, began_ns = clock.now_ns()](DoneSignal& done) { tell_hub(options, *hub, *key, clock, facts, began_ns, done); });
+      build_and_notify([&] { return make_method(options.method, scene->touch_scene()); },
+                       [&, began_ns = clock.now_ns()](DoneSignal& done) { notify_hub(options, *hub, *key, clock, facts, began_ns, done); });
   if (!method) return give_up(method.error());
   log_method(**method);
   auto endpoint = open_udp_endpoint(options.bind.empty() ? any_address_like(*hub) : options.bind);

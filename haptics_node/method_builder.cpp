@@ -58,7 +58,7 @@ void MethodBuilder::build(const Request& request) {
   auto method = make_method(settings, scene_);
   if (!method) {
     log_warning("{}; the current method stays in use", method.error().what);
-    rejections_.draft().ask = request.ask;
+    rejections_.draft().request_id = request.request_id;
     put_text(method.error().what, rejections_.draft().why);
     rejections_.publish_draft();
     return;
@@ -68,7 +68,7 @@ void MethodBuilder::build(const Request& request) {
   auto ready = std::make_unique<BuiltMethod>();
   ready->step = std::make_unique<TouchStep>(std::move(*method));
   put_text(to_text(settings), ready->text);
-  ready->ask = request.ask;
+  ready->request_id = request.request_id;
   in_use_ = ready->step->share_method();
   delete built_.exchange(ready.release(), std::memory_order_acq_rel);
 }

@@ -17,12 +17,12 @@ namespace hapton {
 struct BuiltMethod {
   std::unique_ptr<TouchStep> step;
   HapticsSetup::Text text = {};  // as in HapticsSetup::method
-  std::uint32_t ask = 0;         // as in Settings::method_request
+  std::uint32_t request_id = 0;  // as in Settings::method_request
 };
 
 // A method that cannot be built.
 struct RejectedMethod {
-  std::uint32_t ask = 0;
+  std::uint32_t request_id = 0;
   HapticsSetup::Text why = {};
 };
 
@@ -41,7 +41,7 @@ class MethodBuilder {
   MethodBuilder& operator=(const MethodBuilder&) = delete;
 
   // Requests a method; a later request replaces one that has not started.
-  void request(const MethodName& name, std::uint32_t ask = 0) noexcept { requests_.publish({name, ask}); }
+  void request(const MethodName& name, std::uint32_t request_id = 0) noexcept { requests_.publish({name, request_id}); }
 
   // How often the slow task found nothing to do: two more than before mean that everything requested by then is built.
   std::uint64_t idle_looks() const noexcept { return idle_looks_.load(std::memory_order_acquire); }
@@ -58,7 +58,7 @@ class MethodBuilder {
  private:
   struct Request {
     MethodName name = {};
-    std::uint32_t ask = 0;
+    std::uint32_t request_id = 0;
   };
 
   void run();

@@ -11,7 +11,7 @@ namespace {
 
 // A shorter preparation is not reported.
 constexpr std::int64_t kMomentNs = 300 * kNanosecondsPerMillisecond;
-constexpr std::int64_t kTellEveryNs = 200 * kNanosecondsPerMillisecond;
+constexpr std::int64_t kNotifyEveryNs = 200 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kLookNs = 20 * kNanosecondsPerMillisecond;
 
 }  // namespace
@@ -27,30 +27,30 @@ bool DoneSignal::wait_ns(std::int64_t longest_ns) {
   return changed_.wait_for(lock, std::chrono::nanoseconds(longest_ns), [this] { return is_done_; });
 }
 
-void tell_of_preparation(HubClient& hub, const Clock& clock, SceneFacts scene, std::int64_t began_ns, DoneSignal& done) {
-  Datagram heard;
+void notify_preparation(HubClient& hub, const Clock& clock, SceneFacts scene, std::int64_t began_ns, DoneSignal& done) {
+  Datagram received;
   std::int64_t next_ns = 0;
   while (!done.wait_ns(0)) {
     const std::int64_t now_ns = clock.now_ns();
     if (hub.state() == JoinState::joined && now_ns >= next_ns) {
       scene.preparing_s = static_cast<float>(static_cast<double>(now_ns - began_ns) * 1e-9);
       hub.send(scene);
-      next_ns = now_ns + kTellEveryNs;
+      next_ns = now_ns + kNotifyEveryNs;
     }
     // Drops the device's states: they are for the node that starts afterwards.
-    (void)hub.receive(heard, now_ns + kLookNs);
+    (void)hub.receive(received, now_ns + kLookNs);
   }
 }
 
-Result<std::unique_ptr<ForceMethod>> build_and_tell(const std::function<Result<std::unique_ptr<ForceMethod>>()>& build,
-                                                    const std::function<void(DoneSignal&)>& tell) {
+Result<std::unique_ptr<ForceMethod>> build_and_notify(const std::function<Result<std::unique_ptr<ForceMethod>>()>& build,
+                                                      const std::function<void(DoneSignal&)>& notify) {
   std::optional<Result<std::unique_ptr<ForceMethod>>> built;
   DoneSignal done;
   std::thread builder = start_thread([&] {
     built.emplace(build());
     done.set();
   });
-  if (!done.wait_ns(kMomentNs)) tell(done);
+  if (!done.wait_ns(kMomentNs)) notify(done);
   builder.join();
   return std::move(*built);
 }

@@ -28,11 +28,11 @@ class DoneSignal {
 
 // Joins the hub and notifies vision nodes, by SceneFacts, that the haptic scene is still being built and for how long, until it is done.
 // Commands nothing. began_ns: of the clock. RT: no.
-void tell_of_preparation(HubClient& hub, const Clock& clock, SceneFacts scene, std::int64_t began_ns, DoneSignal& done);
+void notify_preparation(HubClient& hub, const Clock& clock, SceneFacts scene, std::int64_t began_ns, DoneSignal& done);
 
-// Builds a method in its own thread. If that takes longer than a moment, calls `tell` once meanwhile, which must return when the given
+// Builds a method in its own thread. If that takes longer than a moment, calls `notify` once meanwhile, which must return when the given
 // signal is set. RT: set-up only.
-Result<std::unique_ptr<ForceMethod>> build_and_tell(const std::function<Result<std::unique_ptr<ForceMethod>>()>& build,
-                                                    const std::function<void(DoneSignal&)>& tell);
+Result<std::unique_ptr<ForceMethod>> build_and_notify(const std::function<Result<std::unique_ptr<ForceMethod>>()>& build,
+                                                      const std::function<void(DoneSignal&)>& notify);
 
 }  // namespace hapton

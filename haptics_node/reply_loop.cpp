@@ -53,18 +53,18 @@ void ReplyLoop::turn(std::int64_t deadline_ns) {
   }
   if (patches_ != nullptr) send_patches();
   change_method();
-  tell_setup();
-  tell_of_hub();
-  tell_of_scene();
+  send_setup();
+  report_hub_state();
+  report_scene();
 }
 
 void ReplyLoop::drain() noexcept {
   do {
-    hear(datagram_.message);
+    handle(datagram_.message);
   } while (hub_.receive(datagram_, 0));
 }
 
-void ReplyLoop::hear(const Message& message) noexcept {
+void ReplyLoop::handle(const Message& message) noexcept {
   const bool overtaken = hub_.last_arrival() == Arrival::reordered;
   if (const auto* state = std::get_if<DeviceState>(&message)) {
     if (overtaken) {
@@ -85,8 +85,8 @@ void ReplyLoop::hear(const Message& message) noexcept {
     scene_shown_ = scene->given_hash;
   } else if (const auto* settings = std::get_if<Settings>(&message); settings != nullptr && settings->method[0] != '\0') {
     // A requester repeats its request until the reply comes.
-    if (settings->method_request != 0 && settings->method_request == heard_ask_) return;
-    heard_ask_ = settings->method_request;
+    if (settings->method_request != 0 && settings->method_request == last_request_) return;
+    last_request_ = settings->method_request;
     builder_.request(settings->method, settings->method_request);
   }
 }
@@ -108,14 +108,14 @@ void ReplyLoop::wait_for_builder() noexcept {
   const std::int64_t now_ns = clock_.now_ns();
   if (preparing_since_ns_ == 0) preparing_since_ns_ = now_ns;
   scene_.preparing_s = static_cast<float>(static_cast<double>(now_ns - preparing_since_ns_) * 1e-9);
-  if (now_ns - preparing_since_ns_ >= kMomentNs) next_setup_ns_ = std::min(next_setup_ns_, told_setup_ns_ + kPreparingEveryNs);
+  if (now_ns - preparing_since_ns_ >= kMomentNs) next_setup_ns_ = std::min(next_setup_ns_, setup_sent_ns_ + kPreparingEveryNs);
 }
 
 void ReplyLoop::answer() noexcept {
   if (preparing_since_ns_ != 0) {
     preparing_since_ns_ = 0;
     scene_.preparing_s = 0.0F;
-    tell_setup_soon();
+    send_setup_soon();
   }
   const std::int64_t begin_ns = clock_.now_ns();
   ForceCommand command = step_.answer();
@@ -131,15 +131,15 @@ void ReplyLoop::change_method() noexcept {
   if (auto built = builder_.take()) {
     built->step = step_.replace(std::move(built->step));
     setup_.method = built->text;
-    setup_.method_request = built->ask;
+    setup_.method_request = built->request_id;
     setup_.rejection = {};
     if (patches_ != nullptr) patches_->set_offered(PatchSender::can_offer({setup_.method.data(), setup_.method.size()}));
     builder_.retire(std::move(built));
-    tell_setup_soon();
+    send_setup_soon();
   } else if (const RejectedMethod* rejected = builder_.take_rejection()) {
-    setup_.method_request = rejected->ask;
+    setup_.method_request = rejected->request_id;
     setup_.rejection = rejected->why;
-    tell_setup_soon();
+    send_setup_soon();
   }
 }
 
@@ -152,18 +152,18 @@ void ReplyLoop::send_patches() noexcept {
   }
 }
 
-void ReplyLoop::tell_setup_soon() noexcept {
+void ReplyLoop::send_setup_soon() noexcept {
   setup_repeats_ = kSetupRepeats;
   next_setup_ns_ = 0;
 }
 
-void ReplyLoop::tell_setup() noexcept {
+void ReplyLoop::send_setup() noexcept {
   const std::int64_t now_ns = clock_.now_ns();
-  const bool is_new_session = hub_.session() != told_session_;
+  const bool is_new_session = hub_.session() != setup_session_;
   if ((now_ns < next_setup_ns_ && !is_new_session) || hub_.state() != JoinState::joined) return;
   if (is_new_session) setup_repeats_ = kSetupRepeats;
-  told_session_ = hub_.session();
-  told_setup_ns_ = now_ns;
+  setup_session_ = hub_.session();
+  setup_sent_ns_ = now_ns;
   next_setup_ns_ = now_ns + (setup_repeats_ > 0 ? kSetupAgainNs : kSetupEveryNs);
   setup_repeats_ -= setup_repeats_ > 0 ? 1 : 0;
   setup_.method_serial = static_cast<std::uint32_t>(step_.counts().methods_taken);
@@ -173,10 +173,10 @@ void ReplyLoop::tell_setup() noexcept {
   if (scene_.given_hash != 0) hub_.send(scene_);
 }
 
-void ReplyLoop::tell_of_scene() {
-  if (scene_shown_ == 0 || scene_.given_hash == 0 || scene_shown_ == scene_told_) return;
-  const bool was_other = scene_told_ != 0 && scene_told_ != scene_.given_hash;
-  scene_told_ = scene_shown_;
+void ReplyLoop::report_scene() {
+  if (scene_shown_ == 0 || scene_.given_hash == 0 || scene_shown_ == scene_reported_) return;
+  const bool was_other = scene_reported_ != 0 && scene_reported_ != scene_.given_hash;
+  scene_reported_ = scene_shown_;
   if (scene_shown_ != scene_.given_hash) {
     log_warning("vision_node shows another scene than the one that is felt; start both with the same --scene, --unit and --no-fit");
   } else if (was_other) {
@@ -184,17 +184,17 @@ void ReplyLoop::tell_of_scene() {
   }
 }
 
-void ReplyLoop::tell_of_hub() {
+void ReplyLoop::report_hub_state() {
   const JoinState state = hub_.state();
-  if (state == told_) {
-    if (state == JoinState::joining && !told_absent_ && clock_.now_ns() - start_ns_ > kHubAbsentNs) {
-      told_absent_ = true;
+  if (state == state_reported_) {
+    if (state == JoinState::joining && !absence_reported_ && clock_.now_ns() - start_ns_ > kHubAbsentNs) {
+      absence_reported_ = true;
       log_warning("no reply from a hub; start io_node, or check --hub and --key; retrying");
     }
     return;
   }
-  told_ = state;
-  told_absent_ = true;
+  state_reported_ = state;
+  absence_reported_ = true;
   switch (state) {
     case JoinState::joined:
       log_info("joined the hub, {} samples per second", hub_.servo_rate_hz());

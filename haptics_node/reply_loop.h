@@ -39,16 +39,16 @@ class ReplyLoop {
 
  private:
   void drain() noexcept;
-  void hear(const Message& message) noexcept;
+  void handle(const Message& message) noexcept;
   bool is_ready() noexcept;
   void answer() noexcept;
   void change_method() noexcept;
   void send_patches() noexcept;
-  void tell_setup_soon() noexcept;
+  void send_setup_soon() noexcept;
   void wait_for_builder() noexcept;
-  void tell_setup() noexcept;
-  void tell_of_hub();
-  void tell_of_scene();
+  void send_setup() noexcept;
+  void report_hub_state();
+  void report_scene();
 
   HubClient& hub_;
   const Clock& clock_;
@@ -57,14 +57,14 @@ class ReplyLoop {
   HapticsSetup setup_;
   SceneFacts scene_;
   PatchSender* patches_ = nullptr;
-  std::uint64_t scene_shown_ = 0;  // hash of the scene that a vision node last reported; 0: none
-  std::uint64_t scene_told_ = 0;   // of these, the one that the log spoke of
+  std::uint64_t scene_shown_ = 0;     // hash of the scene that a vision node last reported; 0: none
+  std::uint64_t scene_reported_ = 0;  // of these, the one that the log spoke of
   bool builds_on_approach_;
   std::optional<std::uint64_t> looks_before_;  // of the builder, at the call of look_around
   std::int64_t next_setup_ns_ = 0;
-  std::int64_t told_setup_ns_ = 0;
+  std::int64_t setup_sent_ns_ = 0;
   std::int64_t preparing_since_ns_ = 0;  // a state waits for the first reply since then; 0: none
-  std::uint64_t told_session_ = 0;       // of the setup
+  std::uint64_t setup_session_ = 0;      // of the setup
   int setup_repeats_ = 0;                // still to be sent soon
   Datagram datagram_;
   LatencyHistogram compute_times_;
@@ -72,9 +72,9 @@ class ReplyLoop {
   std::int64_t arrival_ns_ = 0;
   std::int64_t start_ns_;
   std::uint64_t session_ = 0;
-  std::uint32_t heard_ask_ = 0;  // of a method
-  JoinState told_ = JoinState::joining;
-  bool told_absent_ = false;
+  std::uint32_t last_request_ = 0;  // of a method
+  JoinState state_reported_ = JoinState::joining;
+  bool absence_reported_ = false;
 };
 
 }  // namespace hapton

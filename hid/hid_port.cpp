@@ -68,12 +68,12 @@ void HidPort::run() noexcept {
       if (ends_.load(std::memory_order_acquire)) return;
       listener_.on_gone();
       log_warning("{}: unplugged; it is looked for", name_);
-      told_.clear();
+      reported_.clear();
     }
     await_next_look();
     if (ends_.load(std::memory_order_acquire)) return;
     if (const auto looked = look(); !looked) {
-      tell_failure(looked.error());
+      report_failure(looked.error());
     } else {
       log_info("{}: there at {}", name_, this->transport()->description().path);
     }
@@ -103,8 +103,8 @@ void HidPort::await_next_look() noexcept {
 }
 
 // Once for each reason, not four times a second.
-void HidPort::tell_failure(const Error& error) {
-  if (std::exchange(told_, error.what) != error.what) log_info("{}: looking for it: {}", name_, error.what);
+void HidPort::report_failure(const Error& error) {
+  if (std::exchange(reported_, error.what) != error.what) log_info("{}: looking for it: {}", name_, error.what);
 }
 
 }  // namespace hapton

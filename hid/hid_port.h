@@ -60,7 +60,7 @@ class HidPort {
   void read_until_gone(HidTransport& transport) noexcept;
   void await_next_look() noexcept;
   void set_transport(std::shared_ptr<HidTransport> transport) noexcept;
-  void tell_failure(const Error& error);
+  void report_failure(const Error& error);
 
   HidOpener opener_;
   HidListener& listener_;
@@ -69,7 +69,7 @@ class HidPort {
   SteadyClock clock_;
   mutable std::mutex mutex_;
   std::shared_ptr<HidTransport> transport_;
-  std::string told_;  // the last failure in the log, not to be repeated
+  std::string reported_;  // the last failure in the log, not to be repeated
   std::atomic<bool> is_suspect_{false};
   std::atomic<bool> ends_{false};
   std::thread thread_;

@@ -27,7 +27,7 @@ class SpaceMouseReader final : private HidListener {
   const HidDescription& description() const noexcept { return description_; }
 
  private:
-  struct Heard {
+  struct Received {
     SpaceMouseDecoder decoder;
     bool is_there = false;
   };
@@ -38,9 +38,9 @@ class SpaceMouseReader final : private HidListener {
   void on_gone() noexcept override;
 
   HidDescription description_;
-  Heard heard_;            // of the port's thread
+  Received received_;      // of the port's thread
   bool has_news_ = false;  // of the port's thread
-  Mailbox<Heard> newest_;
+  Mailbox<Received> newest_;
   HidPort port_;  // last: its thread ends first
 };
 

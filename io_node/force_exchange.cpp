@@ -6,7 +6,7 @@ namespace hapton {
 
 // A node silent for that long loses its slot to the next haptics node.
 bool ForceExchange::is_haptics_alive(std::int64_t now_ns) const noexcept {
-  return peers_.has_haptics() && now_ns - peers_.peer(HubPeers::kHapticsSlot).last_heard_ns < HubPeers::kHapticsTimeoutNs;
+  return peers_.has_haptics() && now_ns - peers_.peer(HubPeers::kHapticsSlot).last_received_ns < HubPeers::kHapticsTimeoutNs;
 }
 
 // Not while the haptics node is to go on where the device side is: it needs to catch up.

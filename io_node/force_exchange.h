@@ -40,8 +40,8 @@ class ForceExchange {
 
   void on_haptics_joined() noexcept;
   void on_haptics_left() noexcept { responses_.excuse_waiting(); }
-  // The haptics node goes on where the probe rests now: the next states tell it, as those to a new one.
-  void ask_to_resume() noexcept { history_.note_new_haptics(); }
+  // The haptics node continues from the current position of the probe: the next states carry it, as for a node that has just joined.
+  void request_resume() noexcept { history_.note_new_haptics(); }
   // It has replied since.
   bool has_resumed() const noexcept { return !history_.is_haptics_new(); }
   bool is_local() const noexcept { return is_local_; }

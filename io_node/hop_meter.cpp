@@ -55,10 +55,10 @@ void HopMeter::on_force(const Header& header, const ForceCommand& command, std::
 void HopMeter::on_drawn(const Header& header, const Drawn& drawn, std::size_t place) noexcept {
   const auto probe = std::find_if(probes_.begin(), probes_.end(), [&](const Sent& sent) { return sent.sample == drawn.echo_sample; });
   if (drawn.held_ns == 0 || drawn.echo_sample == 0 || place >= offsets_.size() || probe == probes_.end()) return;
-  std::int64_t heard_ns = 0;
-  if (__builtin_sub_overflow(header.send_time_ns, static_cast<std::int64_t>(drawn.held_ns), &heard_ns)) return;
+  std::int64_t received_ns = 0;
+  if (__builtin_sub_overflow(header.send_time_ns, static_cast<std::int64_t>(drawn.held_ns), &received_ns)) return;
   stats_.vision_draw.record(drawn.held_ns);
-  offsets_[place].add({probe->time_ns, heard_ns, header.send_time_ns, endpoint_.last_receive_ns()});
+  offsets_[place].add({probe->time_ns, received_ns, header.send_time_ns, endpoint_.last_receive_ns()});
   if (!is_offset_known(place)) return;
   std::int64_t photon_ns = 0;
   const bool overflows = __builtin_sub_overflow(header.send_time_ns, offset_ns(place) + drawn.echo_sample_time_ns, &photon_ns);

@@ -125,10 +125,10 @@ std::vector<ReportNode> make_nodes(const ServoStats& stats) {
     nodes.push_back({.role = name_of(peer.role),
                      .address = to_string(peer.address),
                      .seconds = std::max(0.0, 1e-9 * static_cast<double>(stats.end_ns - peer.joined_ns)),
-                     .received = whole(peer.heard.received),
-                     .lost = whole(peer.heard.lost),
-                     .reordered = whole(peer.heard.reordered),
-                     .duplicate = whole(peer.heard.duplicate),
+                     .received = whole(peer.sequence.received),
+                     .lost = whole(peer.sequence.lost),
+                     .reordered = whole(peer.sequence.reordered),
+                     .duplicate = whole(peer.sequence.duplicate),
                      .sent = whole(peer.sent),
                      .send_failures = whole(peer.send_failures)});
   }

@@ -159,7 +159,7 @@ Result<void> IoSession::look_after(const StopSignal& stop) {
     std::this_thread::sleep_for(kLookEvery);
     print_events();
     watch_scheduling(clock_.now_ns() >= next_watch_ns_);
-    tell_service();
+    notify_service();
     note_requests(stop);
     if (!servo_.take_snapshot()) continue;
     if (const auto granted = serve_requests(servo_.snapshot()); !granted && reported) reported = granted;
@@ -196,14 +196,14 @@ void IoSession::look_after_watchdog() {
         "io_node",
         prefix_);
   }
-  const std::uint64_t told = std::exchange(cuts_told_, watchdog_->cuts());
-  if (cuts_told_ != told) {
+  const std::uint64_t cuts_before = std::exchange(cuts_reported_, watchdog_->cuts());
+  if (cuts_reported_ != cuts_before) {
     log_warning("{}the watchdog process released the force: this program hung or held a force too long; see hapton doctor", prefix_);
   }
 }
 
 // The service manager gets a sign of life only while the device side lives, so that it restarts the program if that hangs.
-void IoSession::tell_service() {
+void IoSession::notify_service() {
   if (!service_.is_wanted() || clock_.now_ns() < next_sign_ns_) return;
   if (next_sign_ns_ == 0) service_.send("READY=1");
   next_sign_ns_ = clock_.now_ns() + kWatchEveryNs;
@@ -212,14 +212,14 @@ void IoSession::tell_service() {
 }
 
 void IoSession::note_requests(const StopSignal& stop) {
-  const bool asked_by_tool = servo_.take_report_request();
-  const bool asked_by_reader = report_server_ != nullptr && report_server_->take_request();
+  const bool requested_by_tool = servo_.take_report_request();
+  const bool requested_by_reader = report_server_ != nullptr && report_server_->take_request();
   const bool metrics_due = metrics_ != nullptr && clock_.now_ns() >= next_metrics_ns_;
-  const std::uint32_t asked_before = std::exchange(reports_asked_, stop.report_requests());
-  const bool asked_by_signal = reports_asked_ != asked_before;
-  if (!asked_by_tool && !asked_by_reader && !metrics_due && !asked_by_signal) return;
-  file_requested_ = file_requested_ || asked_by_tool || asked_by_signal;
-  server_wants_report_ = server_wants_report_ || asked_by_reader;
+  const std::uint32_t requested_before = std::exchange(reports_requested_, stop.report_requests());
+  const bool requested_by_signal = reports_requested_ != requested_before;
+  if (!requested_by_tool && !requested_by_reader && !metrics_due && !requested_by_signal) return;
+  file_requested_ = file_requested_ || requested_by_tool || requested_by_signal;
+  server_wants_report_ = server_wants_report_ || requested_by_reader;
   metrics_requested_ = metrics_requested_ || metrics_due;
   if (metrics_due) next_metrics_ns_ = clock_.now_ns() + kMetricsEveryNs;
   servo_.request_snapshot();

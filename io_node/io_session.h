@@ -51,7 +51,7 @@ class IoSession {
   std::string described(const ServoStats& stats) const;
   void watch_scheduling(bool now);
   void look_after_watchdog();
-  void tell_service();
+  void notify_service();
   Result<void> write_report_of(const ServoStats& stats);
 
   Servo& servo_;
@@ -64,12 +64,12 @@ class IoSession {
   const LatchFile* latch_file_ = nullptr;
   ServiceNotify service_;
   std::int64_t next_sign_ns_ = 0;
-  std::uint64_t cuts_told_ = 0;
+  std::uint64_t cuts_reported_ = 0;
   // The purpose of the next copy of the statistics.
   bool file_requested_ = false;
   bool server_wants_report_ = false;
   bool metrics_requested_ = false;
-  std::uint32_t reports_asked_ = 0;  // by signal, so far
+  std::uint32_t reports_requested_ = 0;  // by signal, so far
   std::int64_t next_metrics_ns_ = 0;
   std::string realtime_;
   std::vector<std::string> realtime_lines_;

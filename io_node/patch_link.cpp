@@ -22,7 +22,7 @@ void PatchLink::look_after(ForceExchange& forces, const std::optional<ViewTransf
   choose(forces, now_ns);
   if (state_ == State::remote) return;
   orders_.X_WS = view ? find_rigid_pose(view->X_WS).value_or(Pose::Identity()) : Pose::Identity();
-  orders_.until_ns = peers_.has_haptics() ? peers_.peer(HubPeers::kHapticsSlot).last_heard_ns + kAloneNs : 0;
+  orders_.until_ns = peers_.has_haptics() ? peers_.peer(HubPeers::kHapticsSlot).last_received_ns + kAloneNs : 0;
   local_.publish(orders_);
   has_news_ = builder_.take_status() || has_news_;
   if (now_ns - status_ns_ >= (has_news_ ? kSoonNs : kStatusNs)) send_status(round_trip_s_, now_ns);
@@ -37,7 +37,7 @@ void PatchLink::choose(ForceExchange& forces, std::int64_t now_ns) noexcept {
   if (state_ == State::remote && is_wanted) start(forces);
   if (state_ == State::patch && !is_wanted) {
     state_ = State::leaving;
-    forces.ask_to_resume();
+    forces.request_resume();
   }
   if (state_ == State::leaving && (forces.has_resumed() || !forces.is_local())) {
     state_ = State::remote;

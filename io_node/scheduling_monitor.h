@@ -31,7 +31,7 @@ class SchedulingMonitor {
   static constexpr double kNearThrottling = 0.95;
 
   // asked: largest share of a period that may be spun. realtime_share: see read_realtime_share.
-  SchedulingMonitor(double asked, std::optional<double> realtime_share);
+  SchedulingMonitor(double requested, std::optional<double> realtime_share);
 
   // usage: of the loop's thread, so far; spun_ns: by the loop, so far. The limit from now on.
   double update(const ThreadUsage& usage, std::int64_t spun_ns, std::int64_t now_ns);
@@ -45,7 +45,7 @@ class SchedulingMonitor {
     std::int64_t now_ns = 0;
   };
 
-  double asked_;
+  double requested_;
   std::optional<Reading> first_;
   std::optional<Reading> last_;
   SchedulingStats figures_;

@@ -25,7 +25,7 @@ struct PeerStats {
   std::int64_t joined_ns = 0;
   std::uint64_t sent = 0;
   std::uint64_t send_failures = 0;
-  SequenceCounts heard;
+  SequenceCounts sequence;
 };
 
 // All that a servo loop has measured since its start; times in ns on its own clock. A plain value: share it by copy.

@@ -146,13 +146,13 @@ void SessionRecorder::collect() {
   // A copy of exact size: a reused growing buffer would leave every block with the capacity of the
   // largest.
   if (!drained_.empty()) window_.push_back({drained_, newest_ns_});
-  if (const std::uint64_t dropped = ring_.dropped(); dropped != dropped_told_) {
+  if (const std::uint64_t dropped = ring_.dropped(); dropped != dropped_reported_) {
     SessionEntry entry;
     entry.kind = SessionEntry::Kind::dropped;
     entry.time_ns = newest_ns_;
-    entry.dropped = dropped - dropped_told_;
+    entry.dropped = dropped - dropped_reported_;
     if (file_) codec_.append(entry, unwritten_);
-    counts_.dropped = dropped_told_ = dropped;
+    counts_.dropped = dropped_reported_ = dropped;
   }
   write_entries(false);
 }

@@ -92,7 +92,7 @@ class SessionRecorder final : public ServoTap {
   std::vector<std::byte> drained_;
   std::deque<Block> window_;
   std::int64_t newest_ns_ = 0;
-  std::uint64_t dropped_told_ = 0;
+  std::uint64_t dropped_reported_ = 0;
   std::optional<Flight> flight_;
   std::array<std::int64_t, 256> last_flight_ns_ = {};  // of each kind of fault; 0: none yet
   Result<void> written_;

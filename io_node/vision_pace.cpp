@@ -20,7 +20,7 @@ VisionPace::VisionPace(double rate_hz) noexcept : period_ns_(rate_hz > 0.0 ? std
 
 void VisionPace::on_drawn(std::size_t peer, const Drawn& drawn, std::int64_t now_ns) noexcept {
   Place& place = places_[peer];
-  if (drawn.echo_sample < place.told.sample) return;
+  if (drawn.echo_sample < place.sent.sample) return;
   place.is_waiting = false;
   const std::int64_t rest_ns = std::min<std::int64_t>(drawn.rest_ns, kRepeatNs);
   place.next_ns = std::max(place.next_ns, now_ns + std::max(rest_ns, drawn.unchanged ? kUnseenNs : 0));
@@ -31,8 +31,8 @@ VisionPace::Decision VisionPace::decide(std::size_t peer, const ProbeState& prob
   const bool repeats = now_ns >= place.repeat_ns;
   if (period_ns_ == 0 || now_ns < place.next_ns || (place.is_waiting && !repeats)) return Decision::wait;
   place.next_ns = std::max(place.next_ns + period_ns_, now_ns);
-  if (!repeats && looks_same(probe, place.told)) return Decision::skip;
-  place.told = probe;
+  if (!repeats && looks_same(probe, place.sent)) return Decision::skip;
+  place.sent = probe;
   place.repeat_ns = now_ns + kRepeatNs;
   place.is_waiting = true;
   return Decision::send;

@@ -31,7 +31,7 @@ class VisionPace {
 
  private:
   struct Place {
-    ProbeState told;
+    ProbeState sent;
     std::int64_t repeat_ns = 0;  // interval at which a state is sent again
     std::int64_t next_ns = 0;    // no sooner than that
     bool is_waiting = false;     // for its frame acknowledgement

@@ -86,7 +86,7 @@ void run_agreement(AgreementTask& task) noexcept {
 }
 
 struct AgreementWorker::Desk {
-  HandoffRing<AgreementTask, kCapacity> asked;
+  HandoffRing<AgreementTask, kCapacity> requested;
   HandoffRing<AgreementTask, kCapacity> done;
   sem_t wake = {};
   std::atomic<bool> ends{false};
@@ -114,7 +114,7 @@ void AgreementWorker::work() noexcept {
     }
     if (desk_->ends.load(std::memory_order_acquire)) return;
     AgreementTask task;
-    if (!desk_->asked.pop(task)) continue;
+    if (!desk_->requested.pop(task)) continue;
     run_agreement(task);
     desk_->done.push(task);  // has room: at most kCapacity tasks are pending
   }
@@ -124,7 +124,7 @@ bool AgreementWorker::submit(const AgreementTask& task) noexcept {
   if (under_way_ == kCapacity) return false;
   ++under_way_;
   if (desk_->thread.joinable()) {
-    desk_->asked.push(task);
+    desk_->requested.push(task);
     sem_post(&desk_->wake);
   } else {
     AgreementTask done = task;

@@ -30,7 +30,7 @@ struct SocketCounts {
   std::uint64_t kept_out = 0;       // of these, those during a flood
   std::uint64_t floods = 0;         // that began
   double flood_per_s = 0.0;         // datagrams a second, of the newest flood
-  Address last_stranger;
+  Address last_unknown_sender;
   Address last_oversized;
 };
 

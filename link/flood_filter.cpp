@@ -74,12 +74,12 @@ void FloodFilter::note_received(const Address& from, std::span<const std::byte> 
   counts_.oversized += is_oversized ? 1 : 0;
   if (!is_oversized && is_kind(datagram, seal::Kind::data) && is_known(from, session_of(datagram))) return;
   if (is_oversized) counts_.last_oversized = from;
-  ++strangers_;
+  ++unknown_datagrams_;
   ++counts_.unknown_peers;
-  counts_.last_stranger = from;
+  counts_.last_unknown_sender = from;
 }
 
-FloodFilter::Action FloodFilter::judge(std::uint32_t dropped, std::int64_t now_ns) noexcept {
+FloodFilter::Action FloodFilter::end_period(std::uint32_t dropped, std::int64_t now_ns) noexcept {
   if (now_ns < due_ns_) {
     may_hasten_ = false;
     return install();
@@ -90,9 +90,9 @@ FloodFilter::Action FloodFilter::judge(std::uint32_t dropped, std::int64_t now_n
   counts_.dropped += newly_dropped;
   counts_.kept_out += is_shut_ ? newly_dropped : 0;
   const double passed_s = 1e-9 * static_cast<double>(std::max<std::int64_t>(now_ns - window_ns_, 1));
-  const double rate_per_s = static_cast<double>(strangers_ + newly_dropped) / passed_s;
-  const bool is_loud = strangers_ + newly_dropped >= kFlood;
-  strangers_ = 0;
+  const double rate_per_s = static_cast<double>(unknown_datagrams_ + newly_dropped) / passed_s;
+  const bool is_loud = unknown_datagrams_ + newly_dropped >= kFlood;
+  unknown_datagrams_ = 0;
   window_ns_ = now_ns;
   due_ns_ = now_ns + kWindowNs;
   // A flood swells within a window and ebbs over some: the share that passes must not swing with the scheduler.

@@ -42,8 +42,8 @@ class FloodFilter {
   bool is_due(std::int64_t now_ns) const noexcept { return now_ns >= due_ns_ || has_news(); }
   bool is_shut() const noexcept { return is_shut_; }
   // Evaluates the last period. dropped: what the kernel has dropped at this socket so far, by the filter or for lack of room; modulo 2^32.
-  Action judge(std::uint32_t dropped, std::int64_t now_ns) noexcept;
-  // After Action::install: the program, valid until the next call of judge.
+  Action end_period(std::uint32_t dropped, std::int64_t now_ns) noexcept;
+  // After Action::install: the program, valid until the next end_period().
   std::span<sock_filter> program() noexcept { return std::span(program_).first(program_size_); }
 
   const SocketCounts& counts() const noexcept { return counts_; }
@@ -71,7 +71,7 @@ class FloodFilter {
   std::uint64_t known_changes_ = 0;
   std::uint64_t built_changes_ = 0;
   SocketCounts counts_;
-  std::uint64_t strangers_ = 0;  // in this window
+  std::uint64_t unknown_datagrams_ = 0;  // in this window
   std::uint32_t dropped_ = 0;
   std::int64_t due_ns_ = 0;
   std::int64_t window_ns_ = 0;  // its beginning

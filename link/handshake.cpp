@@ -21,7 +21,7 @@ bool is_signed(const Secret& key, const std::uint8_t* in, std::size_t tag_at) {
   return is_tag(compute_tag(key, signed_part(in, tag_at)), in + tag_at);
 }
 
-// So that an eavesdropper cannot tell which nodes are on one host, except for those of one role.
+// So that an eavesdropper cannot find out which nodes are on one host, except for those of one role.
 std::uint64_t hide_host(std::uint64_t host, const Secret& key) {
   std::array<std::uint8_t, 1 + sizeof host> text = {'h'};
   store(host, text.data() + 1);
@@ -58,7 +58,7 @@ void ClientHandshake::write_prologue(std::int64_t timestamp_ns, std::uint8_t* in
   store(timestamp_ns, into + kRequestTimestampAt);
 }
 
-bool ClientHandshake::ask(std::int64_t now_ns) noexcept {
+bool ClientHandshake::start_request(std::int64_t now_ns) noexcept {
   AgreementTask task;
   task.kind = AgreementTask::Kind::make_request;
   task.number = round_;
@@ -140,7 +140,7 @@ HubHandshake::~HubHandshake() {
 
 KeyRole HubHandshake::role_of(std::span<const std::byte> request) noexcept { return static_cast<KeyRole>(bytes_of(request)[kRoleAt]); }
 
-HubHandshake::Verdict HubHandshake::judge(std::span<const std::byte> request, const Address& from, std::int64_t now_ns) noexcept {
+HubHandshake::Verdict HubHandshake::check_request(std::span<const std::byte> request, const Address& from, std::int64_t now_ns) noexcept {
   const std::uint8_t* const in = bytes_of(request);
   const auto role = find_node_key_role(in[kRoleAt]);
   if (!role) return Verdict::malformed;

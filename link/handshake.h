@@ -53,8 +53,8 @@ class ClientHandshake {
   void begin() noexcept;
   bool is_pending() const noexcept { return is_pending_; }
 
-  // Has a request made; poll() hands it out. False when the worker is busy. Pre: is_pending().
-  bool ask(std::int64_t now_ns) noexcept;
+  // Starts to make a request; poll() returns it. False if the worker is busy. Pre: is_pending().
+  bool start_request(std::int64_t now_ns) noexcept;
   // The worker has something to do: poll() soon.
   bool is_working() const noexcept { return worker_.under_way() != 0; }
 
@@ -122,16 +122,16 @@ class HubHandshake {
   HubHandshake(const HubHandshake&) = delete;
   HubHandshake& operator=(const HubHandshake&) = delete;
 
-  // A request that is later than all before is noted, so that it is good once. Pre: the datagram is a request by its kind and length.
-  Verdict judge(std::span<const std::byte> request, const Address& from, std::int64_t now_ns) noexcept;
-  // Pre: judge did not return malformed.
+  // Checks a request. One that is newer than all before is remembered, so that it is accepted once. Pre: the datagram is a request by its kind and length.
+  Verdict check_request(std::span<const std::byte> request, const Address& from, std::int64_t now_ns) noexcept;
+  // Pre: check_request did not return malformed.
   static KeyRole role_of(std::span<const std::byte> request) noexcept;
 
-  // Pre: judge returned wants_cookie; into holds seal::kRetryBytes.
+  // Pre: check_request returned wants_cookie; into holds seal::kRetryBytes.
   std::size_t write_retry(std::span<const std::byte> request, const Address& to, std::int64_t now_ns,
                           std::span<std::byte> into) const noexcept;
 
-  // Starts the worker's agreement on a session with that number. False if it is busy. Pre: judge returned shows_cookie.
+  // Starts the worker's agreement on a session with that number. False if it is busy. Pre: check_request returned shows_cookie.
   bool agree(std::span<const std::byte> request, std::uint32_t connection) noexcept;
   bool is_working() const noexcept { return worker_.under_way() != 0; }
   // The next handshake that is finished; false when none is.

@@ -22,7 +22,7 @@ HubClient::~HubClient() {
 }
 
 JoinState HubClient::state() const noexcept {
-  const bool silent = state_ != JoinState::joining && clock_.now_ns() - last_heard_ns_ > kHubTimeoutNs;
+  const bool silent = state_ != JoinState::joining && clock_.now_ns() - last_received_ns_ > kHubTimeoutNs;
   return silent ? JoinState::joining : state_;
 }
 
@@ -100,7 +100,7 @@ bool HubClient::accept(const Datagram& datagram, std::int64_t now_ns) noexcept {
   if (arrival == Arrival::duplicate || arrival == Arrival::stale) {
     return false;
   }
-  last_heard_ns_ = now_ns;
+  last_received_ns_ = now_ns;
   if (std::holds_alternative<Bye>(datagram.message)) {
     state_ = JoinState::joining;
     has_hub_left_ = true;
@@ -122,7 +122,7 @@ void HubClient::accept_welcome(const Header& header, const Welcome& welcome, std
     retired_session_ = session_ != 0 ? session_ : retired_session_;
     session_ = header.session;
   }
-  last_heard_ns_ = now_ns;
+  last_received_ns_ = now_ns;
   servo_rate_hz_ = welcome.servo_rate_hz;
   if (!welcome.accepted) {
     state_ = JoinState::rejected;

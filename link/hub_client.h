@@ -88,7 +88,7 @@ class HubClient {
   std::uint64_t retired_session_ = 0;
   std::uint64_t sequence_ = 0;
   std::int64_t next_hello_ns_ = 0;
-  std::int64_t last_heard_ns_ = 0;
+  std::int64_t last_received_ns_ = 0;
   std::int64_t receive_time_ns_ = 0;
   double servo_rate_hz_ = 0.0;
   bool has_hub_left_ = false;

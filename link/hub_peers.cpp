@@ -106,7 +106,7 @@ PeerEvent HubPeers::accept_message(const Datagram& datagram, const Address& from
   if (arrival == Arrival::duplicate || arrival == Arrival::stale) {
     return {};
   }
-  peer.last_heard_ns = now_ns;
+  peer.last_received_ns = now_ns;
   if (std::holds_alternative<Bye>(datagram.message)) {
     return leave(place, now_ns);
   }
@@ -141,7 +141,7 @@ PeerEvent HubPeers::welcome(const Header& header, NodeRole role, const Address& 
     return {};
   }
   peer.tracker.track(header.sender, header.sequence);
-  peer.last_heard_ns = now_ns;
+  peer.last_received_ns = now_ns;
   send_to(known, Welcome{true, servo_rate_hz_});
   return {};
 }
@@ -165,7 +165,7 @@ PeerEvent HubPeers::join(std::size_t place, const Header& header, NodeRole role,
   peer.address = from;
   peer.sender = header.sender;
   peer.joined_ns = now_ns;
-  peer.last_heard_ns = now_ns;
+  peer.last_received_ns = now_ns;
   peer.tracker.track(header.sender, header.sequence);
   send_to(place, Welcome{true, servo_rate_hz_});
   return {.kind = PeerEvent::Kind::joined, .role = role, .peer = place, .replaced = replaced, .receive_time_ns = now_ns};
@@ -178,7 +178,7 @@ PeerEvent HubPeers::leave(std::size_t place, std::int64_t now_ns) noexcept {
 
 PeerEvent HubPeers::drop_timed_out(std::int64_t now_ns) noexcept {
   for (std::size_t place = 0; place < kCapacity; ++place) {
-    if (peers_[place].present && now_ns - peers_[place].last_heard_ns > kPeerTimeoutNs) {
+    if (peers_[place].present && now_ns - peers_[place].last_received_ns > kPeerTimeoutNs) {
       ++counts_.timeouts;
       return leave(place, now_ns);
     }
@@ -195,7 +195,7 @@ std::size_t HubPeers::find_place(NodeRole role, const Address& from, std::int64_
   if (role == NodeRole::haptics) {
     const Peer& holder = peers_[kHapticsSlot];
     // Two living processes cannot share an address: one that comes from the holder's is its successor.
-    const bool is_free = !holder.present || holder.address == from || now_ns - holder.last_heard_ns > kHapticsTimeoutNs;
+    const bool is_free = !holder.present || holder.address == from || now_ns - holder.last_received_ns > kHapticsTimeoutNs;
     return is_free ? kHapticsSlot : kNowhere;
   }
   std::size_t free_place = kNowhere;

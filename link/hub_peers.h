@@ -24,8 +24,8 @@ struct Peer {
   Address address;
   std::uint64_t sender = 0;  // its Header::sender
   std::int64_t joined_ns = 0;
-  std::int64_t last_heard_ns = 0;  // hub's clock
-  std::uint64_t sent = 0;          // datagrams to it: the last sequence number used
+  std::int64_t last_received_ns = 0;  // hub's clock
+  std::uint64_t sent = 0;             // datagrams to it: the last sequence number used
   std::uint64_t send_failures = 0;
   SequenceTracker tracker;  // of datagrams from the peer
   KindOrder order;          // and of the messages in them

@@ -24,14 +24,14 @@ using boost::system::error_code;
 
 constexpr int kBufferBytes = 1 << 20;
 // So that the two directions draw different numbers from one seed: 2^64 over the golden ratio.
-constexpr std::uint64_t kOtherWay = 0x9E3779B97F4A7C15ULL;
+constexpr std::uint64_t kOtherDirection = 0x9E3779B97F4A7C15ULL;
 
-enum class Way : std::uint8_t { to_hub, to_nodes };
+enum class Direction : std::uint8_t { to_hub, to_nodes };
 
 struct InFlight {
   std::int64_t due_ns = 0;
   std::uint64_t order = 0;  // breaks ties: first in, first out
-  Way way = Way::to_hub;
+  Direction direction = Direction::to_hub;
   udp::endpoint client;
   std::vector<std::byte> bytes;
 };
@@ -45,7 +45,7 @@ struct Client {
   explicit Client(asio::io_context& context) : upstream(context) {}
   udp::endpoint address;
   udp::socket upstream;
-  std::int64_t heard_ns = 0;
+  std::int64_t received_ns = 0;
   std::array<std::byte, RelayEndpoint::kMaxBytes + 1> buffer = {};
 };
 
@@ -54,7 +54,7 @@ struct Client {
 struct RelayEndpoint::State {
   explicit State(RelaySettings settings_in)
       : settings(std::move(settings_in)),
-        injectors{FaultInjector(settings.seed), FaultInjector(settings.seed ^ kOtherWay)},
+        injectors{FaultInjector(settings.seed), FaultInjector(settings.seed ^ kOtherDirection)},
         hub(to_endpoint<udp::endpoint>(settings.hub)),
         socket(context),
         timer(context) {}
@@ -65,12 +65,12 @@ struct RelayEndpoint::State {
   Client* find_client(const udp::endpoint& from, std::int64_t now_ns);
   bool make_room(std::int64_t now_ns);
   void enter_phase(std::int64_t now_ns);
-  void judge(Way way, const udp::endpoint& client, std::span<const std::byte> bytes, std::int64_t now_ns);
-  void send(Way way, const udp::endpoint& client, std::span<const std::byte> bytes);
+  void apply_faults(Direction direction, const udp::endpoint& client, std::span<const std::byte> bytes, std::int64_t now_ns);
+  void send(Direction direction, const udp::endpoint& client, std::span<const std::byte> bytes);
   void deliver_due();
   void set_timer();
 
-  RelayCounts& counts(Way way) { return way == Way::to_hub ? to_hub : to_nodes; }
+  RelayCounts& counts(Direction direction) { return direction == Direction::to_hub ? to_hub : to_nodes; }
 
   RelaySettings settings;
   std::array<FaultInjector, 2> injectors;
@@ -117,7 +117,7 @@ void RelayEndpoint::State::listen() {
       if (bytes > kMaxBytes || find_client(from, now_ns) == nullptr) {
         ++to_hub.rejected;
       } else {
-        judge(Way::to_hub, from, std::span(buffer).first(bytes), now_ns);
+        apply_faults(Direction::to_hub, from, std::span(buffer).first(bytes), now_ns);
       }
     }
     listen();
@@ -133,7 +133,7 @@ void RelayEndpoint::State::listen_to_hub(const std::shared_ptr<Client>& client) 
       if (bytes > kMaxBytes) {
         ++to_nodes.rejected;
       } else {
-        judge(Way::to_nodes, client->address, std::span(client->buffer).first(bytes), clock.now_ns());
+        apply_faults(Direction::to_nodes, client->address, std::span(client->buffer).first(bytes), clock.now_ns());
       }
     }
     listen_to_hub(client);
@@ -143,7 +143,7 @@ void RelayEndpoint::State::listen_to_hub(const std::shared_ptr<Client>& client) 
 bool RelayEndpoint::State::make_room(std::int64_t now_ns) {
   if (clients.size() < kMaxClients) return true;
   const auto idle =
-      std::find_if(clients.begin(), clients.end(), [&](const auto& entry) { return now_ns - entry.second->heard_ns > kIdleNs; });
+      std::find_if(clients.begin(), clients.end(), [&](const auto& entry) { return now_ns - entry.second->received_ns > kIdleNs; });
   if (idle == clients.end()) return false;
   error_code ignored;
   idle->second->upstream.close(ignored);
@@ -153,13 +153,13 @@ bool RelayEndpoint::State::make_room(std::int64_t now_ns) {
 
 Client* RelayEndpoint::State::find_client(const udp::endpoint& node, std::int64_t now_ns) {
   if (const auto known = clients.find(node); known != clients.end()) {
-    known->second->heard_ns = now_ns;
+    known->second->received_ns = now_ns;
     return known->second.get();
   }
   if (!make_room(now_ns)) return nullptr;
   auto client = std::make_shared<Client>(context);
   client->address = node;
-  client->heard_ns = now_ns;
+  client->received_ns = now_ns;
   error_code error;
   client->upstream.open(hub.protocol(), error);
   if (!error) client->upstream.connect(hub, error);
@@ -179,26 +179,27 @@ void RelayEndpoint::State::enter_phase(std::int64_t now_ns) {
   injectors[1].set(is_over ? LinkFaults() : settings.schedule.phases[now].to_nodes);
 }
 
-void RelayEndpoint::State::judge(Way way, const udp::endpoint& client, std::span<const std::byte> bytes, std::int64_t now_ns) {
+void RelayEndpoint::State::apply_faults(Direction direction, const udp::endpoint& client, std::span<const std::byte> bytes,
+                                        std::int64_t now_ns) {
   enter_phase(now_ns);
-  RelayCounts& told = counts(way);
-  const Fate fate = injectors[static_cast<std::size_t>(way)].draw(now_ns);
+  RelayCounts& count = counts(direction);
+  const Fate fate = injectors[static_cast<std::size_t>(direction)].draw(now_ns);
   switch (fate.kind) {
     case Fate::Kind::lost:
-      ++told.lost;
+      ++count.lost;
       return;
     case Fate::Kind::lost_in_burst:
-      ++told.lost_in_burst;
+      ++count.lost_in_burst;
       return;
     case Fate::Kind::partitioned:
-      ++told.partitioned;
+      ++count.partitioned;
       return;
     case Fate::Kind::passed:
       break;
   }
-  told.held_back += fate.held_back ? 1 : 0;
-  told.duplicated += fate.copies > 1 ? 1 : 0;
-  told.corrupted += fate.corrupt ? 1 : 0;
+  count.held_back += fate.held_back ? 1 : 0;
+  count.duplicated += fate.copies > 1 ? 1 : 0;
+  count.corrupted += fate.corrupt ? 1 : 0;
   std::array<std::byte, kMaxBytes> spoilt;
   if (fate.corrupt) {
     std::copy(bytes.begin(), bytes.end(), spoilt.begin());
@@ -207,33 +208,33 @@ void RelayEndpoint::State::judge(Way way, const udp::endpoint& client, std::span
   }
   for (std::size_t copy = 0; copy < fate.copies; ++copy) {
     if (fate.due_ns[copy] <= now_ns) {
-      send(way, client, bytes);
+      send(direction, client, bytes);
     } else if (queue.size() >= kMaxQueued) {
-      ++told.overflowed;
+      ++count.overflowed;
     } else {
-      queue.push({fate.due_ns[copy], ++order, way, client, {bytes.begin(), bytes.end()}});
+      queue.push({fate.due_ns[copy], ++order, direction, client, {bytes.begin(), bytes.end()}});
     }
   }
   set_timer();
 }
 
-void RelayEndpoint::State::send(Way way, const udp::endpoint& client, std::span<const std::byte> bytes) {
+void RelayEndpoint::State::send(Direction direction, const udp::endpoint& client, std::span<const std::byte> bytes) {
   error_code error;
   const auto known = clients.find(client);
   if (known == clients.end()) {
-    ++counts(way).send_failures;
+    ++counts(direction).send_failures;
     return;
   }
   // The error of an earlier datagram (no such peer) is returned by the next call and does not concern this one: try again.
   for (int attempt = 0; attempt < 2; ++attempt) {
-    if (way == Way::to_hub) {
+    if (direction == Direction::to_hub) {
       known->second->upstream.send(asio::buffer(bytes.data(), bytes.size()), 0, error);
     } else {
       socket.send_to(asio::buffer(bytes.data(), bytes.size()), client, 0, error);
     }
     if (error != asio::error::connection_refused) break;
   }
-  ++(error ? counts(way).send_failures : counts(way).forwarded);
+  ++(error ? counts(direction).send_failures : counts(direction).forwarded);
 }
 
 void RelayEndpoint::State::deliver_due() {
@@ -241,7 +242,7 @@ void RelayEndpoint::State::deliver_due() {
   while (!queue.empty() && queue.top().due_ns <= now_ns) {
     const InFlight datagram = queue.top();
     queue.pop();
-    send(datagram.way, datagram.client, datagram.bytes);
+    send(datagram.direction, datagram.client, datagram.bytes);
   }
   set_timer();
 }

@@ -64,7 +64,7 @@ Received SealedClient::receive(std::span<std::byte> into, std::int64_t deadline_
 
 std::int64_t SealedClient::next_due_ns(std::int64_t now_ns) const noexcept {
   const std::int64_t look_ns = handshake_.is_working() ? now_ns + kWorkerLookNs : kNever;
-  return std::min(look_ns, handshake_.is_pending() ? next_request_ns_ : std::min(rekey_ns_, last_heard_ns_ + kPeerTimeoutNs));
+  return std::min(look_ns, handshake_.is_pending() ? next_request_ns_ : std::min(rekey_ns_, last_received_ns_ + kPeerTimeoutNs));
 }
 
 bool SealedClient::is_rekey_due(std::int64_t now_ns) const noexcept {
@@ -72,9 +72,9 @@ bool SealedClient::is_rekey_due(std::int64_t now_ns) const noexcept {
 }
 
 void SealedClient::request_if_due(std::int64_t now_ns) noexcept {
-  if (has_heard_) {
-    has_heard_ = false;
-    last_heard_ns_ = now_ns;
+  if (has_received_) {
+    has_received_ = false;
+    last_received_ns_ = now_ns;
   }
   if (previous_.is_open() && previous_ends_ns_ != 0 && now_ns >= previous_ends_ns_) previous_ = SealedChannel();
   if (!handshake_.is_pending() && (!channel_.is_open() || is_rekey_due(now_ns))) return begin(now_ns);
@@ -99,7 +99,7 @@ void SealedClient::begin(std::int64_t now_ns) noexcept {
 }
 
 void SealedClient::request(std::int64_t now_ns) noexcept {
-  handshake_.ask(now_ns);
+  handshake_.start_request(now_ns);
   take_finished();
 }
 
@@ -125,8 +125,8 @@ void SealedClient::change_over() noexcept {
   previous_ = std::move(channel_);
   previous_ends_ns_ = 0;  // set when the hub has changed over, too
   channel_ = handshake_.take_channel();
-  last_heard_ns_ = clock_.now_ns();
-  rekey_ns_ = last_heard_ns_ + options_.rekey_every_ns;
+  last_received_ns_ = clock_.now_ns();
+  rekey_ns_ = last_received_ns_ + options_.rekey_every_ns;
   if (held_bytes_ != 0) transmit(std::span(held_).first(held_bytes_));
   held_bytes_ = 0;
 }
@@ -139,7 +139,7 @@ std::size_t SealedClient::open(std::span<const std::byte> datagram, const Addres
   }
   const SealedKind found = classify_sealed(datagram);
   if (found.status == OpenStatus::opened && found.kind != seal::Kind::data) {
-    hear_handshake(found.kind, datagram);
+    receive_handshake(found.kind, datagram);
     return 0;
   }
   std::size_t bytes = 0;
@@ -150,11 +150,11 @@ std::size_t SealedClient::open(std::span<const std::byte> datagram, const Addres
     status = previous_.open(datagram, into, bytes);
   }
   count(status, counts_);
-  has_heard_ = has_heard_ || bytes != 0;
+  has_received_ = has_received_ || bytes != 0;
   return bytes;
 }
 
-void SealedClient::hear_handshake(seal::Kind kind, std::span<const std::byte> datagram) noexcept {
+void SealedClient::receive_handshake(seal::Kind kind, std::span<const std::byte> datagram) noexcept {
   if (!handshake_.is_pending()) return;  // a late reply to an earlier request is no fault
   const bool is_good =
       (kind == seal::Kind::retry && handshake_.read_retry(datagram)) || (kind == seal::Kind::answer && handshake_.read_answer(datagram));

@@ -59,13 +59,13 @@ class SealedClient final : public Endpoint {
   void request_if_due(std::int64_t now_ns) noexcept;
   void request_if_silent(std::int64_t now_ns) noexcept;
   bool is_rekey_due(std::int64_t now_ns) const noexcept;
-  bool is_hub_silent(std::int64_t now_ns) const noexcept { return now_ns - last_heard_ns_ >= kPeerTimeoutNs; }
+  bool is_hub_silent(std::int64_t now_ns) const noexcept { return now_ns - last_received_ns_ >= kPeerTimeoutNs; }
   void begin(std::int64_t now_ns) noexcept;
   void request(std::int64_t now_ns) noexcept;
   void take_finished() noexcept;
   void change_over() noexcept;
   std::size_t open(std::span<const std::byte> datagram, const Address& from, std::span<std::byte> into) noexcept;
-  void hear_handshake(seal::Kind kind, std::span<const std::byte> datagram) noexcept;
+  void receive_handshake(seal::Kind kind, std::span<const std::byte> datagram) noexcept;
   bool transmit(std::span<const std::byte> datagram) noexcept;
   std::int64_t next_due_ns(std::int64_t now_ns) const noexcept;
 
@@ -80,9 +80,9 @@ class SealedClient final : public Endpoint {
   SealCounts counts_;
   std::int64_t next_request_ns_ = 0;
   std::int64_t rekey_ns_ = 0;
-  std::int64_t last_heard_ns_ = 0;
-  bool has_heard_ = false;  // since last_heard_ns_
-  bool may_retry_ = false;  // one request in reply to a retry for each regular request
+  std::int64_t last_received_ns_ = 0;
+  bool has_received_ = false;  // since last_received_ns_
+  bool may_retry_ = false;     // one request in reply to a retry for each regular request
   std::size_t held_bytes_ = 0;
   std::array<std::byte, kMaxDatagramBytes> held_ = {};
   std::array<std::byte, kMaxDatagramBytes> incoming_ = {};

@@ -124,7 +124,7 @@ std::size_t SealedHub::open(std::span<const std::byte> datagram, const Address& 
     return 0;
   }
   if (found.kind == seal::Kind::request) {
-    hear_request(datagram, from);
+    receive_request(datagram, from);
     take_agreements();
     return 0;
   }
@@ -150,7 +150,7 @@ std::size_t SealedHub::open(std::span<const std::byte> datagram, const Address& 
     return 0;
   }
   ++counts_.opened;
-  session.last_heard_ns = now_ns;
+  session.last_received_ns = now_ns;
   role = session.role;
   if (session.state == State::candidate) promote(session);
   return bytes;
@@ -161,7 +161,7 @@ void SealedHub::promote(Session& session) noexcept {
     if (&other == &session || other.state == State::free || other.address != session.address) continue;
     if (other.state == State::live && other.role == session.role) {
       other.state = State::retiring;
-      other.ends_ns = session.last_heard_ns + kOverlapNs;
+      other.ends_ns = session.last_received_ns + kOverlapNs;
     } else {
       other = Session();  // of those that were replaced, one at most is still received in
     }
@@ -170,9 +170,9 @@ void SealedHub::promote(Session& session) noexcept {
   ++counts_.handshakes;
 }
 
-void SealedHub::hear_request(std::span<const std::byte> request, const Address& from) noexcept {
+void SealedHub::receive_request(std::span<const std::byte> request, const Address& from) noexcept {
   const std::int64_t now_ns = clock_.now_ns();
-  switch (handshake_.judge(request, from, now_ns)) {
+  switch (handshake_.check_request(request, from, now_ns)) {
     case HubHandshake::Verdict::malformed:
       return reject(Rejection::malformed, from);
     case HubHandshake::Verdict::wrong_key:
@@ -206,7 +206,7 @@ void SealedHub::agree(std::span<const std::byte> request, const Address& from, s
   session->role = role;
   session->address = from;
   session->connection = connection;
-  session->last_heard_ns = now_ns;
+  session->last_received_ns = now_ns;
 }
 
 void SealedHub::take_agreements() noexcept {
@@ -249,7 +249,7 @@ SealedHub::Session* SealedHub::find_place(std::span<Session> places, std::int64_
   Session* quietest = nullptr;
   std::size_t candidates = 0;
   const auto older = [](const Session& session, const Session* than) {
-    return than == nullptr || session.last_heard_ns < than->last_heard_ns;
+    return than == nullptr || session.last_received_ns < than->last_received_ns;
   };
   for (Session& session : places) {
     const bool is_over = session.state == State::retiring && now_ns >= session.ends_ns;
@@ -258,7 +258,7 @@ SealedHub::Session* SealedHub::find_place(std::span<Session> places, std::int64_
     } else if (session.state == State::candidate || session.state == State::agreeing) {
       ++candidates;
       if (older(session, oldest_candidate)) oldest_candidate = &session;
-    } else if (session.state == State::live && now_ns - session.last_heard_ns > kIdleNs && older(session, quietest)) {
+    } else if (session.state == State::live && now_ns - session.last_received_ns > kIdleNs && older(session, quietest)) {
       quietest = &session;
     }
   }
@@ -270,7 +270,8 @@ SealedHub::Session* SealedHub::find_place(std::span<Session> places, std::int64_
 // An address belongs to one program. The holder of another role's key who can forge that address must not end its session.
 bool SealedHub::is_taken_by_another_role(const Address& address, KeyRole role, std::int64_t now_ns) const noexcept {
   return std::any_of(sessions_.begin(), sessions_.end(), [&](const Session& session) {
-    return session.state == State::live && session.address == address && session.role != role && now_ns - session.last_heard_ns <= kIdleNs;
+    return session.state == State::live && session.address == address && session.role != role &&
+           now_ns - session.last_received_ns <= kIdleNs;
   });
 }
 

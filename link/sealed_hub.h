@@ -65,15 +65,15 @@ class SealedHub final : public Endpoint {
     KeyRole role = KeyRole::unsealed;
     Address address;
     std::uint32_t connection = 0;
-    std::int64_t last_heard_ns = 0;  // before it was live: when it was requested
-    std::int64_t ends_ns = 0;        // of a retiring one
+    std::int64_t last_received_ns = 0;  // before it was live: when it was requested
+    std::int64_t ends_ns = 0;           // of a retiring one
     SealedChannel channel;
   };
 
   std::size_t open(std::span<const std::byte> datagram, const Address& from, std::span<std::byte> into, KeyRole& role) noexcept;
   void reject(Rejection rejection, const Address& from) noexcept;
   void promote(Session& session) noexcept;
-  void hear_request(std::span<const std::byte> request, const Address& from) noexcept;
+  void receive_request(std::span<const std::byte> request, const Address& from) noexcept;
   void retry(std::span<const std::byte> request, const Address& from, std::int64_t now_ns) noexcept;
   void agree(std::span<const std::byte> request, const Address& from, std::int64_t now_ns) noexcept;
   void take_agreements() noexcept;

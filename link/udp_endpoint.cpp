@@ -77,7 +77,7 @@ class UdpEndpoint final : public Endpoint {
   const Timer* find_timer(std::int64_t deadline_ns) const noexcept;
   bool wait_readable(std::int64_t deadline_ns) noexcept;
   bool wait_readable_prepared(const Timer& timer) noexcept;
-  void judge_flood(std::int64_t now_ns) noexcept;
+  void update_filter(std::int64_t now_ns) noexcept;
   std::uint32_t read_dropped() const noexcept;
   Attempt try_receive(std::span<std::byte> into, int flags, Received& received) noexcept;
 
@@ -224,8 +224,8 @@ std::uint32_t UdpEndpoint::read_dropped() const noexcept {
   return getsockopt(file, SOL_SOCKET, SO_MEMINFO, info.data(), &size) == 0 ? info[SK_MEMINFO_DROPS] : 0;
 }
 
-void UdpEndpoint::judge_flood(std::int64_t now_ns) noexcept {
-  const FloodFilter::Action action = filter_.judge(read_dropped(), now_ns);
+void UdpEndpoint::update_filter(std::int64_t now_ns) noexcept {
+  const FloodFilter::Action action = filter_.end_period(read_dropped(), now_ns);
   if (action == FloodFilter::Action::install) {
     const auto program = filter_.program();
     const sock_fprog attached = {.len = static_cast<std::uint16_t>(program.size()), .filter = program.data()};
@@ -248,7 +248,7 @@ Received UdpEndpoint::receive(std::span<std::byte> into, std::int64_t deadline_n
   // Three ways to wait, the cheapest that will do: within recvfrom while the deadline is far, which sets no precise timer and is one system
   // call; by ppoll when it is near; not at all when it has passed.
   std::int64_t now_ns = monotonic_ns();
-  if (filters_floods_ && filter_.is_due(now_ns)) judge_flood(now_ns);
+  if (filters_floods_ && filter_.is_due(now_ns)) update_filter(now_ns);
   for (int passed_over = 0; passed_over < kMostPassedOver; now_ns = monotonic_ns()) {
     const bool is_far = now_ns + kFarNs < deadline_ns && find_timer(deadline_ns) == nullptr;
     const bool is_past = deadline_ns <= now_ns;

@@ -23,7 +23,7 @@ constexpr unsigned long kTimerSlackNs = 1;
 std::string describe(int error) { return std::strerror(error); }
 
 RealtimeItem set_timer_slack() {
-  RealtimeItem item{.name = "timer slack", .asked = "1 ns", .obtained = false, .reason = {}, .remedy = {}};
+  RealtimeItem item{.name = "timer slack", .requested = "1 ns", .obtained = false, .reason = {}, .remedy = {}};
   if (prctl(PR_SET_TIMERSLACK, kTimerSlackNs, 0, 0, 0) == 0) {
     item.obtained = true;
   } else {
@@ -34,7 +34,7 @@ RealtimeItem set_timer_slack() {
 }
 
 RealtimeItem set_priority(int priority) {
-  RealtimeItem item{.name = "priority", .asked = fmt::format("SCHED_FIFO {}", priority), .obtained = false, .reason = {}, .remedy = {}};
+  RealtimeItem item{.name = "priority", .requested = fmt::format("SCHED_FIFO {}", priority), .obtained = false, .reason = {}, .remedy = {}};
   sched_param parameters = {};
   parameters.sched_priority = priority;
   if (const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters); error == 0) {
@@ -50,7 +50,7 @@ RealtimeItem set_priority(int priority) {
 }
 
 RealtimeItem set_cpu(int cpu) {
-  RealtimeItem item{.name = "cpu", .asked = fmt::format("{}", cpu), .obtained = false, .reason = {}, .remedy = {}};
+  RealtimeItem item{.name = "cpu", .requested = fmt::format("{}", cpu), .obtained = false, .reason = {}, .remedy = {}};
   if (cpu >= CPU_SETSIZE) {
     item.reason = "no such number";
     item.remedy = "choose a CPU below the number that nproc prints";
@@ -78,7 +78,7 @@ int memory_lock_flags() {
 RealtimeItem lock_memory() {
   const int flags = memory_lock_flags();
   RealtimeItem item{
-      .name = "memory lock", .asked = (flags & MCL_FUTURE) != 0 ? "all" : "present", .obtained = false, .reason = {}, .remedy = {}};
+      .name = "memory lock", .requested = (flags & MCL_FUTURE) != 0 ? "all" : "present", .obtained = false, .reason = {}, .remedy = {}};
   if (mlockall(flags) == 0) {
     item.obtained = true;
   } else {
@@ -89,7 +89,7 @@ RealtimeItem lock_memory() {
 }
 
 RealtimeItem hold_low_latency() {
-  RealtimeItem item{.name = "wake-up latency", .asked = "0 us", .obtained = false, .reason = {}, .remedy = {}};
+  RealtimeItem item{.name = "wake-up latency", .requested = "0 us", .obtained = false, .reason = {}, .remedy = {}};
   // The request lives as long as the file is open: held once per process, closed by its end.
   static std::atomic<int> held = -1;
   if (held >= 0) {
@@ -113,9 +113,9 @@ RealtimeItem hold_low_latency() {
 
 std::string item_text(const RealtimeItem& item) {
   if (item.obtained) {
-    return fmt::format("{} {} yes", item.name, item.asked);
+    return fmt::format("{} {} yes", item.name, item.requested);
   }
-  return fmt::format("{} {} NO ({}; {})", item.name, item.asked, item.reason, item.remedy);
+  return fmt::format("{} {} NO ({}; {})", item.name, item.requested, item.reason, item.remedy);
 }
 
 }  // namespace
@@ -143,8 +143,8 @@ std::string RealtimeReport::to_text() const {
 std::vector<std::string> RealtimeReport::to_lines() const {
   std::vector<std::string> lines(1, "real time: ");
   for (const RealtimeItem& item : items) {
-    lines[0] += fmt::format("{}{} {} {}", &item == items.data() ? "" : "; ", item.name, item.asked, item.obtained ? "yes" : "NO");
-    if (!item.obtained) lines.push_back(fmt::format("not granted: {} {} ({}); {}", item.name, item.asked, item.reason, item.remedy));
+    lines[0] += fmt::format("{}{} {} {}", &item == items.data() ? "" : "; ", item.name, item.requested, item.obtained ? "yes" : "NO");
+    if (!item.obtained) lines.push_back(fmt::format("not granted: {} {} ({}); {}", item.name, item.requested, item.reason, item.remedy));
   }
   if (allowed_share) lines[0] += fmt::format("; the kernel allows real-time threads {:.0f} % of each CPU", 100.0 * *allowed_share);
   return lines;

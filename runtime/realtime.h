@@ -29,8 +29,8 @@ struct RealtimeSettings {
 
 // One request to the system.
 struct RealtimeItem {
-  std::string name;   // "priority", "cpu", "memory lock", "timer slack", "wake-up latency"
-  std::string asked;  // "SCHED_FIFO 80"
+  std::string name;       // "priority", "cpu", "memory lock", "timer slack", "wake-up latency"
+  std::string requested;  // "SCHED_FIFO 80"
   bool obtained = false;
   std::string reason;  // of a rejection, the system's text
   std::string remedy;  // how a person can fix it, one line

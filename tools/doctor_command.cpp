@@ -26,7 +26,7 @@ struct DoctorOptions {
   std::string key_file;
 };
 
-doctor::HubAnswer ask_hub(const DoctorOptions& options) {
+doctor::HubAnswer check_hub(const DoctorOptions& options) {
   const auto reader = HubReader::open(fmt::format("127.0.0.1:{}", options.port), options.key_file);
   if (!reader) return {reader.error().what, {}};
   const auto report = (*reader)->read();
@@ -37,7 +37,7 @@ doctor::HubAnswer ask_hub(const DoctorOptions& options) {
 // Below another root there are no answers.
 doctor::Machine::Questions questions_for(const DoctorOptions& options) {
   if (options.root != "/") return {};
-  return {.library = doctor::try_vendor_library, .display = doctor::try_display, .hub = [&options] { return ask_hub(options); }};
+  return {.library = doctor::try_vendor_library, .display = doctor::try_display, .hub = [&options] { return check_hub(options); }};
 }
 
 int run(const DoctorOptions& options) {

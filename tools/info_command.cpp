@@ -16,12 +16,12 @@ struct InfoOptions {
   bool json = false;
 };
 
-Result<std::string> tell_scene(const InfoOptions& options) {
+Result<std::string> describe_scene(const InfoOptions& options) {
   if (!options.unit.empty()) return fail("{}: a scene file names its units itself: leave --unit out", options.file);
   return make_scene_report(options.file).map([&](const SceneReport& report) { return options.json ? to_json(report) : to_text(report); });
 }
 
-Result<std::string> tell_mesh(const InfoOptions& options) {
+Result<std::string> describe_mesh(const InfoOptions& options) {
   std::optional<Unit> unit;
   if (!options.unit.empty()) {
     const Result<Unit> parsed = parse_unit(options.unit);
@@ -34,12 +34,12 @@ Result<std::string> tell_mesh(const InfoOptions& options) {
 }
 
 int run(const InfoOptions& options) {
-  const Result<std::string> told = options.file.ends_with(".toml") ? tell_scene(options) : tell_mesh(options);
-  if (!told) {
-    std::fprintf(stderr, "hapton info: %s\n", told.error().what.c_str());
+  const Result<std::string> text = options.file.ends_with(".toml") ? describe_scene(options) : describe_mesh(options);
+  if (!text) {
+    std::fprintf(stderr, "hapton info: %s\n", text.error().what.c_str());
     return 1;
   }
-  std::fputs(told->c_str(), stdout);
+  std::fputs(text->c_str(), stdout);
   return 0;
 }
 

@@ -52,8 +52,8 @@ void ViewTransformSender::set(const Pose& X_WS) {
 }
 
 void ViewTransformSender::confirm(std::uint32_t hub_revision) {
-  const bool first = !heard_;
-  heard_ = true;
+  const bool first = !has_received_;
+  has_received_ = true;
   confirmed_ = hub_revision;
   if (first && newest_.revision != 0 && hub_revision >= newest_.revision) {
     newest_.revision = hub_revision + 1;
@@ -68,13 +68,13 @@ void ViewTransformSender::reject(std::uint32_t revision) {
 }
 
 void ViewTransformSender::rejoin() {
-  heard_ = false;
+  has_received_ = false;
   confirmed_ = 0;
   due_ = newest_.revision != 0;
 }
 
 std::optional<ViewTransform> ViewTransformSender::take_due(std::int64_t now_ns) {
-  const bool lost = heard_ && confirmed_ < newest_.revision && rejected_ != newest_.revision && now_ns - sent_ns_ >= kResendNs;
+  const bool lost = has_received_ && confirmed_ < newest_.revision && rejected_ != newest_.revision && now_ns - sent_ns_ >= kResendNs;
   if (!due_ && !lost) return std::nullopt;
   due_ = false;
   sent_ns_ = now_ns;

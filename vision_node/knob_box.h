@@ -54,7 +54,7 @@ class ViewTransformSender {
   ViewTransform newest_;
   std::uint32_t confirmed_ = 0;
   std::uint32_t rejected_ = 0;  // 0: none
-  bool heard_ = false;
+  bool has_received_ = false;
   bool due_ = false;
   std::int64_t sent_ns_ = 0;
   std::uint64_t sent_ = 0;

@@ -16,7 +16,7 @@ std::uint32_t to_message_ns(std::int64_t ns, std::int64_t least) {
 }  // namespace
 
 void OtherHand::attend(const Pose& X_WS, std::int64_t now_ns) {
-  hear();
+  receive_states();
   const bool is_joined = hub_.state() == JoinState::joined;
   if (is_joined && (!was_joined_ || hub_.counts().joins != joins_)) {
     log_info("joined the other hand's hub, servo rate {:.0f} Hz", hub_.servo_rate_hz());
@@ -35,14 +35,14 @@ void OtherHand::attend(const Pose& X_WS, std::int64_t now_ns) {
   if (const auto view = sender_.take_due(now_ns)) hub_.send(*view);
 }
 
-void OtherHand::hear() {
-  Datagram heard;
-  while (hub_.receive(heard, 0)) {
-    if (const auto* rejected = std::get_if<ViewRejected>(&heard.message)) sender_.reject(rejected->revision);
-    const auto* state = std::get_if<ProbeState>(&heard.message);
+void OtherHand::receive_states() {
+  Datagram received;
+  while (hub_.receive(received, 0)) {
+    if (const auto* rejected = std::get_if<ViewRejected>(&received.message)) sender_.reject(rejected->revision);
+    const auto* state = std::get_if<ProbeState>(&received.message);
     if (state == nullptr || hub_.last_arrival() != Arrival::newest) continue;
     state_ = *state;
-    heard_ns_ = hub_.receive_time_ns();
+    received_ns_ = hub_.receive_time_ns();
     moved_ = untold_ = true;
     sender_.confirm(state->view_revision);
   }
@@ -70,7 +70,7 @@ void OtherHand::drew(std::int64_t start_ns, std::int64_t end_ns, double frame_ra
   Drawn drawn{.echo_sample = state_->sample,
               .echo_sample_time_ns = state_->sample_time_ns,
               .frame_rate_hz = static_cast<float>(frame_rate_hz),
-              .held_ns = to_message_ns(end_ns - heard_ns_, 1)};
+              .held_ns = to_message_ns(end_ns - received_ns_, 1)};
   if (max_rate_hz_ > 0.0) drawn.rest_ns = to_message_ns(start_ns + static_cast<std::int64_t>(1e9 / max_rate_hz_) - end_ns, 0);
   hub_.send(drawn);
 }

@@ -31,7 +31,7 @@ class OtherHand {
             PictureSize size);
 
  private:
-  void hear();
+  void receive_states();
 
   HubClient& hub_;
   Quat stylus_lean_;
@@ -39,7 +39,7 @@ class OtherHand {
   ViewTransformSender sender_;
   PictureWatch watch_;
   std::optional<ProbeState> state_;
-  std::int64_t heard_ns_ = 0;
+  std::int64_t received_ns_ = 0;
   std::uint64_t joins_ = 0;
   bool was_joined_ = false;
   bool moved_ = false;   // a state has come since the last check

@@ -86,7 +86,7 @@ Result<void> VisionSession::run(const StopSignal& stop) {
   start_ns_ = clock_.now_ns();
   const std::int64_t end_ns = options_.seconds > 0.0 ? start_ns_ + static_cast<std::int64_t>(options_.seconds * 1e9) : INT64_MAX;
   while (!quit_ && !stop.stop_requested() && clock_.now_ns() < end_ns) {
-    hear_hub(std::min(clock_.now_ns() + kTurnNs, end_ns));
+    receive_from_hub(std::min(clock_.now_ns() + kTurnNs, end_ns));
     if (auto attended = attend_window(); !attended) return attended;
     // Before drawing: received states are fresh, so that a slow picture neither counts as a loss nor delays messages.
     speak();
@@ -101,15 +101,15 @@ Result<void> VisionSession::run(const StopSignal& stop) {
 
 // Waits for one message, then takes all that have come: the newest state wins.
 void VisionSession::take_states(std::int64_t deadline_ns) {
-  Datagram heard;
-  for (bool more = hub_.receive(heard, deadline_ns); more; more = hub_.receive(heard, 0)) {
-    if (const auto* rejected = std::get_if<ViewRejected>(&heard.message)) step_.hear(*rejected);
-    if (const auto* setup = std::get_if<HapticsSetup>(&heard.message)) take_setup(*setup);
-    if (const auto* scene = std::get_if<SceneFacts>(&heard.message)) take_scene(*scene);
-    const auto* state = std::get_if<ProbeState>(&heard.message);
+  Datagram received;
+  for (bool more = hub_.receive(received, deadline_ns); more; more = hub_.receive(received, 0)) {
+    if (const auto* rejected = std::get_if<ViewRejected>(&received.message)) step_.receive(*rejected);
+    if (const auto* setup = std::get_if<HapticsSetup>(&received.message)) take_setup(*setup);
+    if (const auto* scene = std::get_if<SceneFacts>(&received.message)) take_scene(*scene);
+    const auto* state = std::get_if<ProbeState>(&received.message);
     if (state == nullptr || hub_.last_arrival() != Arrival::newest) continue;
-    heard_ns_ = hub_.receive_time_ns();
-    step_.hear(*state);
+    received_ns_ = hub_.receive_time_ns();
+    step_.receive(*state);
   }
 }
 
@@ -122,7 +122,7 @@ void VisionSession::take_setup(const HapticsSetup& setup) {
   step_.spoil();
 }
 
-void VisionSession::hear_hub(std::int64_t deadline_ns) {
+void VisionSession::receive_from_hub(std::int64_t deadline_ns) {
   take_states(deadline_ns);
   const bool joined = hub_.state() == JoinState::joined;
   if (joined && (!was_joined_ || hub_.counts().joins != joins_)) {
@@ -136,22 +136,22 @@ void VisionSession::hear_hub(std::int64_t deadline_ns) {
       log_warning("the hub stopped answering; retrying");
     }
     step_.lost();
-  } else if (!joined && !told_absent_ && hub_.counts().joins == 0 && clock_.now_ns() - start_ns_ > kHubAbsentNs) {
+  } else if (!joined && !absence_reported_ && hub_.counts().joins == 0 && clock_.now_ns() - start_ns_ > kHubAbsentNs) {
     log_warning("no hub answers; start io_node, or check --hub and --key; retrying");
-    told_absent_ = true;
+    absence_reported_ = true;
   }
   joins_ = hub_.counts().joins;
   was_joined_ = joined;
 }
 
-void VisionSession::take_scene(const SceneFacts& felt) {
-  step_.set_preparing(felt.preparing_s);
-  compare_scene(felt);
+void VisionSession::take_scene(const SceneFacts& haptic_scene) {
+  step_.set_preparing(haptic_scene.preparing_s);
+  compare_scene(haptic_scene);
 }
 
-void VisionSession::compare_scene(const SceneFacts& felt) {
-  if (scene_hash_ == 0 || felt.given_hash == 0) return;
-  const bool is_other = felt.given_hash != scene_hash_;
+void VisionSession::compare_scene(const SceneFacts& haptic_scene) {
+  if (scene_hash_ == 0 || haptic_scene.given_hash == 0) return;
+  const bool is_other = haptic_scene.given_hash != scene_hash_;
   if (is_other == is_other_scene_) return;
   is_other_scene_ = is_other;
   step_.set_other_scene(is_other);
@@ -233,7 +233,7 @@ Result<void> VisionSession::draw_if_wanted() {
     take_states(0);
     if (const auto newest = step_.newest_probe()) view_.set_probe(*newest);
   });
-  tell_of_picture(is_wanted, begin_ns, clock_.now_ns());
+  report_frame(is_wanted, begin_ns, clock_.now_ns());
   const bool keep = !options_.screenshot.empty() && moment_.is_now(begin_ns - start_ns_, step_.contact());
   return keep ? take_screenshot(options_.screenshot) : Result<void>{};
 }
@@ -245,12 +245,13 @@ bool VisionSession::other_wants_picture(std::int64_t now_ns) {
 }
 
 // is_for_us: our hub's state is news in it; one that was drawn for the other hand alone says nothing of how old ours is.
-void VisionSession::tell_of_picture(bool is_for_us, std::int64_t begin_ns, std::int64_t end_ns) {
+void VisionSession::report_frame(bool is_for_us, std::int64_t begin_ns, std::int64_t end_ns) {
   const VisionStep::Screen at = where();
   auto drawn = step_.drew(begin_ns, end_ns, at);
   if (drawn && is_for_us) {
-    step_.record_motion(end_ns - heard_ns_);
-    drawn->held_ns = static_cast<std::uint32_t>(std::clamp<std::int64_t>(end_ns - heard_ns_, 1, std::numeric_limits<std::uint32_t>::max()));
+    step_.record_motion(end_ns - received_ns_);
+    drawn->held_ns =
+        static_cast<std::uint32_t>(std::clamp<std::int64_t>(end_ns - received_ns_, 1, std::numeric_limits<std::uint32_t>::max()));
     hub_.send(*drawn);
   }
   if (other_ != nullptr) other_->drew(begin_ns, end_ns, step_.frames().recent_rate_hz(), at.sizes, at.screen, at.picture);

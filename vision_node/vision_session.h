@@ -40,20 +40,20 @@ class VisionSession {
   const VisionStep& step() const { return step_; }
 
  private:
-  void hear_hub(std::int64_t deadline_ns);
+  void receive_from_hub(std::int64_t deadline_ns);
   void take_states(std::int64_t deadline_ns);
   void take_setup(const HapticsSetup& setup);
   void handle_events();
   void change_stereo(const UserRequests& requests);
   void refine_scene();
   void lead_hand();
-  void take_scene(const SceneFacts& felt);
-  void compare_scene(const SceneFacts& felt);
+  void take_scene(const SceneFacts& haptic_scene);
+  void compare_scene(const SceneFacts& haptic_scene);
   Result<void> attend_window();
   void speak();
   Result<void> draw_if_wanted();
   bool other_wants_picture(std::int64_t now_ns);
-  void tell_of_picture(bool is_for_us, std::int64_t begin_ns, std::int64_t end_ns);
+  void report_frame(bool is_for_us, std::int64_t begin_ns, std::int64_t end_ns);
   Result<void> take_screenshot(const std::filesystem::path& file);
   std::filesystem::path next_screenshot_name();
   VisionStep::Screen where() const;
@@ -72,11 +72,11 @@ class VisionSession {
   std::uint64_t joins_ = 0;
   bool was_joined_ = false;
   bool quit_ = false;
-  bool told_absent_ = false;
+  bool absence_reported_ = false;
   int screenshots_ = 0;
   std::int64_t start_ns_ = 0;
-  double probe_radius_m_ = 0.0;  // of the haptics node
-  std::int64_t heard_ns_ = 0;    // when the state came that is drawn next
+  double probe_radius_m_ = 0.0;   // of the haptics node
+  std::int64_t received_ns_ = 0;  // when the state came that is drawn next
 };
 
 // Draws that many frames without pause, the dials turning, once all levels of detail are made, and returns the rate as text.

@@ -29,7 +29,7 @@ VisionStep::VisionStep(VisionStepSettings settings)
   sender_.set(settings_.dials.compute_pose(settings_.p_WC));
 }
 
-void VisionStep::hear(const ProbeState& state) {
+void VisionStep::receive(const ProbeState& state) {
   state_ = state;
   connected_ = true;
   moved_ = true;

@@ -54,9 +54,9 @@ class VisionStep {
   explicit VisionStep(VisionStepSettings settings);
 
   // The newest state received. Pre: never older than the one before (newest wins at the caller).
-  void hear(const ProbeState& state);
+  void receive(const ProbeState& state);
   // The hub rejected a view transform of ours: one line in the log for each.
-  void hear(const ViewRejected& rejected) { sender_.reject(rejected.revision); }
+  void receive(const ViewRejected& rejected) { sender_.reject(rejected.revision); }
   // The hub was joined, for the first time or again.
   void joined();
   // The hub no longer replies.

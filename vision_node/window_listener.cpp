@@ -17,7 +17,7 @@ WindowListener::WindowListener(vtkRenderWindow* window) {
   interactor_->EnableRenderOff();
   vtkNew<vtkCallbackCommand> hearing;
   hearing->SetClientData(this);
-  hearing->SetCallback([](vtkObject*, unsigned long event, void* self, void*) { static_cast<WindowListener*>(self)->hear(event); });
+  hearing->SetCallback([](vtkObject*, unsigned long event, void* self, void*) { static_cast<WindowListener*>(self)->receive(event); });
   for (const unsigned long event :
        {vtkCommand::KeyPressEvent, vtkCommand::LeftButtonPressEvent, vtkCommand::LeftButtonReleaseEvent, vtkCommand::MiddleButtonPressEvent,
         vtkCommand::MiddleButtonReleaseEvent, vtkCommand::RightButtonPressEvent, vtkCommand::RightButtonReleaseEvent,
@@ -28,62 +28,62 @@ WindowListener::WindowListener(vtkRenderWindow* window) {
   interactor_->Initialize();
 }
 
-void WindowListener::hear(unsigned long event) {
+void WindowListener::receive(unsigned long event) {
   using Kind = WindowEvent::Kind;
   using Button = WindowEvent::Button;
-  WindowEvent heard;
+  WindowEvent received;
   const int* at = interactor_->GetEventPosition();
-  heard.x_px = at[0];
-  heard.y_px = at[1];
-  heard.shift = interactor_->GetShiftKey() != 0;
+  received.x_px = at[0];
+  received.y_px = at[1];
+  received.shift = interactor_->GetShiftKey() != 0;
   switch (event) {
     case vtkCommand::KeyPressEvent:
-      heard.kind = Kind::key;
-      heard.key = interactor_->GetKeyCode();
+      received.kind = Kind::key;
+      received.key = interactor_->GetKeyCode();
       break;
     case vtkCommand::LeftButtonPressEvent:
-      heard.kind = Kind::press;
-      heard.button = Button::left;
+      received.kind = Kind::press;
+      received.button = Button::left;
       break;
     case vtkCommand::LeftButtonReleaseEvent:
-      heard.kind = Kind::release;
-      heard.button = Button::left;
+      received.kind = Kind::release;
+      received.button = Button::left;
       break;
     case vtkCommand::MiddleButtonPressEvent:
-      heard.kind = Kind::press;
-      heard.button = Button::middle;
+      received.kind = Kind::press;
+      received.button = Button::middle;
       break;
     case vtkCommand::MiddleButtonReleaseEvent:
-      heard.kind = Kind::release;
-      heard.button = Button::middle;
+      received.kind = Kind::release;
+      received.button = Button::middle;
       break;
     case vtkCommand::RightButtonPressEvent:
-      heard.kind = Kind::press;
-      heard.button = Button::right;
+      received.kind = Kind::press;
+      received.button = Button::right;
       break;
     case vtkCommand::RightButtonReleaseEvent:
-      heard.kind = Kind::release;
-      heard.button = Button::right;
+      received.kind = Kind::release;
+      received.button = Button::right;
       break;
     case vtkCommand::MouseMoveEvent:
-      heard.kind = Kind::move;
+      received.kind = Kind::move;
       break;
     case vtkCommand::MouseWheelForwardEvent:
-      heard.kind = Kind::wheel;
-      heard.wheel = 1;
+      received.kind = Kind::wheel;
+      received.wheel = 1;
       break;
     case vtkCommand::MouseWheelBackwardEvent:
-      heard.kind = Kind::wheel;
-      heard.wheel = -1;
+      received.kind = Kind::wheel;
+      received.wheel = -1;
       break;
     case vtkCommand::ExitEvent:
-      heard.kind = Kind::close;
+      received.kind = Kind::close;
       break;
     default:
       stale_ = true;
       return;
   }
-  events_.push_back(heard);
+  events_.push_back(received);
 }
 
 WindowListener::~WindowListener() { interactor_->RemoveAllObservers(); }

@@ -24,7 +24,7 @@ class WindowListener {
   bool take_stale();
 
  private:
-  void hear(unsigned long event);
+  void receive(unsigned long event);
 
   vtkSmartPointer<vtkRenderWindowInteractor> interactor_;
   std::vector<WindowEvent> events_;

@@ -50,23 +50,23 @@ void note_cut(HeartbeatPage& page, const OuterWatchdog& watchdog) {
   if (watchdog.force_age_ns() > page.longest_force_ns.load()) page.longest_force_ns.store(watchdog.force_age_ns());
 }
 
-void tell(std::string_view what, const OuterWatchdog& watchdog, const ForceCutter& cutter) {
+void report(std::string_view what, const OuterWatchdog& watchdog, const ForceCutter& cutter) {
   fmt::print(stderr, "hapton_watchdog: io_node {}, its last cycle {:.1f} ms ago, a force out {:.1f} ms after its sample: {}\n", what,
              1e-6 * static_cast<double>(watchdog.silence_ns()), 1e-6 * static_cast<double>(watchdog.force_age_ns()), cutter.describe());
 }
 
-void watch(HeartbeatPage& page, int process, int process_file, bool tells) {
+void watch(HeartbeatPage& page, int process, int process_file, bool reports) {
   SteadyClock clock;
   OuterWatchdog watchdog;
   ForceCutter cutter(page, process);
-  bool is_told = false;
+  bool is_reported = false;
   while (true) {
     const bool has_ended = is_gone(process_file);
     const OuterWatchdog::Verdict verdict = watchdog.look(page, has_ended, clock.now_ns());
     page.guard_beat_ns.store(clock.now_ns(), std::memory_order_release);
     if (verdict == OuterWatchdog::Verdict::fine) {
       if (has_ended) return;
-      is_told = false;
+      is_reported = false;
       cutter.prepare();
       rest(process_file);
       continue;
@@ -79,11 +79,11 @@ void watch(HeartbeatPage& page, int process, int process_file, bool tells) {
         clock.sleep_until_ns(clock.now_ns() + OuterWatchdog::kLookEveryNs);
         cutter.cut();
       }
-      if (tells) tell("has ended", watchdog, cutter);
+      if (reports) report("has ended", watchdog, cutter);
       return;
     }
-    if (tells && !is_told) tell(verdict == OuterWatchdog::Verdict::frozen ? "hangs" : "holds a force too long", watchdog, cutter);
-    is_told = true;
+    if (reports && !is_reported) report(verdict == OuterWatchdog::Verdict::frozen ? "hangs" : "holds a force too long", watchdog, cutter);
+    is_reported = true;
     rest(process_file);
   }
 }

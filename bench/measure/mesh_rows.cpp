@@ -80,7 +80,15 @@ std::vector<NumberRow> rows_over_meshes(const std::vector<MeshFigures>& all, con
   const auto bad = sum([](const MeshFigures& f) {
     return f.error.fall_throughs + f.error.false_contacts + f.error.stuck_steps + f.error.discontinuities + f.error.not_finite;
   });
-  add({errors, "falls, ghosts, locks, pops", "", 0.0, false, "", {}, static_cast<double>(bad), windows});
+  add({errors,
+       "fall-throughs, false contacts, stuck steps, force discontinuities",
+       "",
+       0.0,
+       false,
+       "",
+       {},
+       static_cast<double>(bad),
+       windows});
   return rows;
 }
 

@@ -165,9 +165,9 @@ std::string to_csv(const std::vector<MeshFigures>& figures) {
   std::string text =
       "mesh,triangles,probe_radius_m,friction,contact_steps,p50_ns,p90_ns,p99_ns,p99_9_ns,worst_ns,free_p50_ns,over_10us,over_50us,over_"
       "100us,"
-      "facets_crossed,ns_per_facet,judged_steps,judged_contact_steps,unsettled_steps,error_rms,error_p50,error_p99,error_max,branch_"
+      "facets_crossed,ns_per_facet,compared_steps,compared_contact_steps,unsettled_steps,error_rms,error_p50,error_p99,error_max,branch_"
       "switches,"
-      "switched_steps,falls,ghosts,locks,pops,not_finite\n";
+      "switched_steps,fall_throughs,false_contacts,stuck_steps,force_discontinuities,not_finite\n";
   for (const MeshFigures& f : figures) {
     const TimeSpread& t = f.contact;
     const ForceError& e = f.error;
@@ -205,16 +205,16 @@ Json to_json(const std::vector<MeshFigures>& figures) {
                    {"over_100us", f.over_100us},
                    {"facets_crossed", f.facets_crossed},
                    {"ns_per_facet", f.ns_per_facet},
-                   {"judged_steps", e.steps},
-                   {"judged_contact_steps", e.contact_steps},
+                   {"compared_steps", e.steps},
+                   {"compared_contact_steps", e.contact_steps},
                    {"unsettled_steps", e.unsettled_steps},
                    {"force_error", {{"rms", e.error.rms}, {"p50", e.error.p50}, {"p99", e.error.p99}, {"max", e.error.most}}},
                    {"branch_switches", e.branch_switches},
                    {"switched_steps", e.switched_steps},
-                   {"falls", e.fall_throughs},
-                   {"ghosts", e.false_contacts},
-                   {"locks", e.stuck_steps},
-                   {"pops", e.discontinuities},
+                   {"fall_throughs", e.fall_throughs},
+                   {"false_contacts", e.false_contacts},
+                   {"stuck_steps", e.stuck_steps},
+                   {"force_discontinuities", e.discontinuities},
                    {"not_finite", e.not_finite}});
   }
   return all;

@@ -217,7 +217,7 @@ class Numbers {
       const auto reference = run_reference(watch_, scene_of(mesh_), heads, radius);
       if (!reference) return tl::unexpected(reference.error());
       for (const int exponent : settings_.scale_exponents) {
-        progress_(fmt::format("falls at scale 1e{}, probe of {:g} mm", exponent, 1e3 * radius));
+        progress_(fmt::format("fall-throughs at scale 1e{}, probe of {:g} mm", exponent, 1e3 * radius));
         const auto felt = feel_at_scale(std::pow(10.0, exponent), radius, heads);
         if (!felt) return tl::unexpected(felt.error());
         const ForceError error = reference->compare(*felt);
@@ -240,7 +240,7 @@ class Numbers {
          {},
          static_cast<double>(fall_throughs + bad),
          note});
-    add({"lock, frictionless slide " + what,
+    add({"stuck, frictionless slide " + what,
          "steps",
          "",
          0,

@@ -111,16 +111,16 @@ Json row_json(const MethodRow& row) {
           {"free", spread_json(row.timing.free)},
           {"build_ms", row.timing.build_ms},
           {"bytes", row.timing.bytes},
-          {"judged_steps", e.steps},
+          {"compared_steps", e.steps},
           {"contact_steps", e.contact_steps},
           {"unsettled_steps", e.unsettled_steps},
           {"force_error", spread_json(e.error)},
           {"branch_switches", e.branch_switches},
           {"switched_steps", e.switched_steps},
-          {"falls", e.fall_throughs},
-          {"ghosts", e.false_contacts},
-          {"locks", e.stuck_steps},
-          {"pops", e.discontinuities},
+          {"fall_throughs", e.fall_throughs},
+          {"false_contacts", e.false_contacts},
+          {"stuck_steps", e.stuck_steps},
+          {"force_discontinuities", e.discontinuities},
           {"not_finite", e.not_finite}};
 }
 
@@ -192,8 +192,9 @@ Result<void> measure_pareto(const ParetoSettings& settings, const Stopwatch& wat
 std::string to_csv(const ParetoReport& report) {
   std::string text =
       "mesh,triangles,kind,library,name,structure,precision,n,repetitions,p50_ns,p90_ns,p99_ns,p99_9_ns,worst_ns,free_p50_ns,build_ms,"
-      "bytes,judged_steps,"
-      "contact_steps,unsettled_steps,error_rms,error_p99,error_max,branch_switches,switched_steps,falls,ghosts,locks,pops,worst_pop_n,not_"
+      "bytes,compared_steps,"
+      "contact_steps,unsettled_steps,error_rms,error_p99,error_max,branch_switches,switched_steps,fall_throughs,false_contacts,stuck_steps,"
+      "force_discontinuities,worst_discontinuity_n,not_"
       "finite,"
       "found,compared,agree\n";
   const auto out = std::back_inserter(text);
@@ -251,12 +252,12 @@ std::string to_json(const ParetoReport& report) {
 
 std::string to_text(const ParetoReport& report, const std::string& mesh) {
   std::string text =
-      fmt::format("{:<18} {:<14} {:<22} {:>9} {:>9} {:>10} {:>9} {:>9} {:>9} {:>9} {:>6} {:>6} {:>6}\n", "mesh", "method", "structure",
-                  "p50 ns", "p99 ns", "worst ns", "build ms", "memory", "RMS %", "max %", "falls", "locks", "pops");
+      fmt::format("{:<18} {:<14} {:<22} {:>9} {:>9} {:>10} {:>9} {:>9} {:>9} {:>9} {:>10} {:>6} {:>8}\n", "mesh", "method", "structure",
+                  "p50 ns", "p99 ns", "worst ns", "build ms", "memory", "RMS %", "max %", "fall-thr.", "stuck", "discont.");
   const auto out = std::back_inserter(text);
   for (const MethodRow& r : report.methods) {
     if (!mesh.empty() && r.mesh != mesh) continue;
-    fmt::format_to(out, "{:<18} {:<14} {:<22} {:>9.0f} {:>9.0f} {:>10.0f} {:>9.1f} {:>9} {:>9.3g} {:>9.3g} {:>6} {:>6} {:>6}\n", r.mesh,
+    fmt::format_to(out, "{:<18} {:<14} {:<22} {:>9.0f} {:>9.0f} {:>10.0f} {:>9.1f} {:>9} {:>9.3g} {:>9.3g} {:>10} {:>6} {:>8}\n", r.mesh,
                    r.family, r.structure, r.timing.contact.p50_ns, r.timing.contact.p99_ns, r.timing.contact.worst_ns, r.timing.build_ms,
                    bytes_text(r.timing.bytes), 100.0 * r.error.error.rms, 100.0 * r.error.error.most, r.error.fall_throughs,
                    r.error.stuck_steps, r.error.discontinuities);

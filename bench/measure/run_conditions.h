@@ -10,7 +10,7 @@
 
 namespace hapton {
 
-constexpr const char* kBenchSchema = "hapton.bench/2";
+constexpr const char* kBenchSchema = "hapton.bench/3";
 
 // Conditions of a benchmark run.
 struct RunConditions {

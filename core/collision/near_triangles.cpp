@@ -6,8 +6,8 @@
 namespace hapton {
 namespace {
 
-// Of a bound in TouchGeometry's local units, wherever in kFar scenes the centre is: three products of a unit vector and a length of at
-// most 2^6, rounded by 2^-53 each, and their sums.
+// Rounding bound of a plane's distance in TouchGeometry's local units, for a centre at most 2^6 units out: three products of a unit vector
+// and a length, each rounded by 2^-53, and their sums.
 constexpr double kRounding = 0x1p-44;
 
 using Lanes3 = std::array<Double4, 3>;
@@ -23,14 +23,14 @@ struct alignas(32) Lanes {
 
 [[gnu::always_inline]] inline Lanes3 minus(const Lanes3& a, const Lanes3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 
-// 1 / x, and large where x is too small for that.
+// 1 / x; for x too small for that, a large number.
 double inverse(double x) {
   constexpr double kLeast = 0x1p-900;
   return 1.0 / std::max(x, kLeast);
 }
 
-// From the nearest point of an edge, which begins at `from` away from the query.
-[[gnu::always_inline]] inline Lanes3 off_edge(const Lanes3& from, const Lanes3& edge) {
+// The vector from the closest point of an edge to the query point. `from`: the same vector from the edge's start.
+[[gnu::always_inline]] inline Lanes3 from_edge(const Lanes3& from, const Lanes3& edge) {
   const Double4 ahead = dot(from, edge);
   const Double4 squared = dot(edge, edge);
   Lanes t;
@@ -41,8 +41,8 @@ double inverse(double x) {
 
 }  // namespace
 
-// The distance from q is at least u . (q - x) for the x of the triangle that is farthest along u, whatever the unit vector u: one that is a
-// little off, or of the wrong part of the triangle, weakens the bound and never makes it false.
+// For any unit vector u, the distance of q from the triangle is at least u . (q - x), where x is the triangle's point farthest along u. A u
+// with a rounding error, or from the wrong feature of the triangle, weakens the bound and never makes it wrong.
 void NearTriangles::bound(const Corners& corners, Bounds& bounds) noexcept {
   const Double4 zero(0.0);
   Lanes3 ap;
@@ -55,12 +55,12 @@ void NearTriangles::bound(const Corners& corners, Bounds& bounds) noexcept {
   }
   const Lanes3 bp = minus(ap, ab);
   const Lanes3 bc = minus(ac, ab);
-  // Off the three edges, and off the face: where the centre is inside the prism over it, that is nearest.
-  const Lanes3 way[4] = {off_edge(ap, ab), off_edge(ap, ac), off_edge(bp, bc), cross(ab, ac)};
-  const Lanes3& normal = way[3];
-  const Double4 squared[4] = {dot(way[0], way[0]), dot(way[1], way[1]), dot(way[2], way[2]), dot(normal, normal)};
-  const Lanes3 turned = cross(ap, normal);
-  const Double4 inside = min(min(dot(turned, ab), dot(cross(bp, normal), bc)), zero - dot(turned, ac));
+  // From the three edges, and from the face, which is closest where the centre is inside the prism over it.
+  const Lanes3 away[4] = {from_edge(ap, ab), from_edge(ap, ac), from_edge(bp, bc), cross(ab, ac)};
+  const Lanes3& normal = away[3];
+  const Double4 squared[4] = {dot(away[0], away[0]), dot(away[1], away[1]), dot(away[2], away[2]), dot(normal, normal)};
+  const Lanes3 sideways = cross(ap, normal);
+  const Double4 inside = min(min(dot(sideways, ab), dot(cross(bp, normal), bc)), zero - dot(sideways, ac));
   const Double4 height = dot(normal, ap);
   for (int i = 0; i < 4; ++i) {
     const bool is_inside = inside.v[i] > 0.0;
@@ -68,18 +68,18 @@ void NearTriangles::bound(const Corners& corners, Bounds& bounds) noexcept {
     if (squared[2].v[i] < squared[nearest].v[i]) nearest = 2;
     if (is_inside) nearest = 3;
     const double unit = std::sqrt(inverse(squared[nearest].v[i])) * (is_inside && height.v[i] < 0.0 ? -1.0 : 1.0);
-    for (int k = 0; k < 3; ++k) bounds.normal[k][i] = unit * way[nearest][k].v[i];
+    for (int k = 0; k < 3; ++k) bounds.normal[k][i] = unit * away[nearest][k].v[i];
   }
   Lanes3 u;
   for (int k = 0; k < 3; ++k) u[k] = Double4::load(bounds.normal[k]);
-  // Least along u: zero, or one of the two edges.
+  // The support of the triangle along u, relative to corner a: zero, or one of the two edges.
   const Double4 support = min(zero, min(zero - dot(u, ab), zero - dot(u, ac)));
   const Double4 distance = dot(u, ap) + support - Double4(kRounding);
   for (int i = 0; i < 4; ++i) bounds.distance[i] = distance.v[i];
 }
 
-// In batches: while the memory of one triangle is on its way, that of the next is asked for.
-bool NearTriangles::gather(const TouchGeometry& geometry, const Vec3& centre, double within, int& looked_at) noexcept {
+// In batches, so that the memory of several triangles is prefetched at a time.
+bool NearTriangles::gather(const TouchGeometry& geometry, const Vec3& centre, double within, int& queried) noexcept {
   geometry_ = &geometry;
   centre_ = centre;
   within_ = within;
@@ -91,13 +91,13 @@ bool NearTriangles::gather(const TouchGeometry& geometry, const Vec3& centre, do
     geometry.prefetch_indices(triangle);
     batch[static_cast<std::size_t>(waiting++)] = triangle;
     if (waiting == kBatch) {
-      looked_at += waiting;
+      queried += waiting;
       fits = add(batch, waiting);
       waiting = 0;
     }
     return fits;
   });
-  looked_at += waiting;
+  queried += waiting;
   if (fits) fits = add(batch, waiting);
   if (!fits) {
     clear();

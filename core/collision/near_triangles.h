@@ -12,31 +12,31 @@
 
 namespace hapton {
 
-// All triangles within a distance of a centre, with a bound for each that tells at any place how near it can be.
+// All triangles within a distance of a centre, each with a lower bound of its distance from any point.
 //
-// A triangle lies behind the plane through its point nearest to the centre, square to the direction from there to the centre: the distance
-// from that plane is a lower bound everywhere, and a tight one near the centre. Four triangles are bounded by six vector instructions, and
-// few need a look.
+// A triangle lies behind the plane through its point closest to the centre whose normal points from there to the centre. The distance from
+// that plane is a lower bound everywhere, and a tight one near the centre. Six vector instructions bound four triangles, and few triangles
+// need the exact query.
 //
-// Frame: TouchGeometry's local one. RT: yes, fixed capacity. Pre: the geometry outlives what was gathered from it.
+// Frame: TouchGeometry's local one. RT: yes, fixed capacity. Pre: the geometry outlives this object.
 class NearTriangles {
  public:
   static constexpr int kCapacity = 1024;
 
-  // False, and empty, where there are more than kCapacity. `looked_at`: how many triangles were asked for their distance. Some that are
-  // farther by rounding may be here, too.
-  bool gather(const TouchGeometry& geometry, const Vec3& centre, double within, int& looked_at) noexcept;
+  // Collects all triangles within that distance, and possibly some that are farther by rounding. False, and empty, if there are more than
+  // kCapacity. `queried`: is raised by the number of triangles whose distance was computed.
+  bool gather(const TouchGeometry& geometry, const Vec3& centre, double within, int& queried) noexcept;
   void clear() {
     count_ = 0;
     within_ = -1.0;
   }
 
-  // Whether every triangle within `distance` of p is here.
+  // Whether every triangle within `distance` of p was collected.
   bool covers(const Vec3& p, double distance) const { return (p - centre_).norm() + distance <= within_; }
   int count() const { return count_; }
   std::uint32_t triangle(int slot) const { return triangle_[slot]; }
 
-  // Prepared when first asked for.
+  // Prepared at the first call.
   const ContactTriangle& shape(int slot) noexcept {
     if (!is_prepared_[slot]) {
       const ObjectGeometry::Corners corners = geometry_->corners(triangle_[slot]);
@@ -46,14 +46,14 @@ class NearTriangles {
     return shapes_[slot];
   }
 
-  // No point of the triangle is nearer to p.
-  double least_distance(int slot, const Vec3& p) const {
+  // A lower bound of the triangle's distance from p.
+  double distance_bound(int slot, const Vec3& p) const {
     const Vec3 off = p - centre_;
     const double distance = distance_[slot] + normal_[0][slot] * off[0] + normal_[1][slot] * off[1] + normal_[2][slot] * off[2];
     return distance - rounding(off.norm());
   }
 
-  // Calls visit(slot) for every triangle that may come within `distance` of the segment from p to q, and some that do not.
+  // Calls visit(slot) for every triangle within `distance` of the segment from p to q, and for some others.
   // Pre: covers(p, distance) and covers(q, distance).
   template <class Visit>
   void visit_near(const Vec3& p, const Vec3& q, double distance, Visit&& visit) const {
@@ -82,14 +82,14 @@ class NearTriangles {
  private:
   static constexpr int kBatch = 64;
   using Batch = std::array<std::uint32_t, kBatch>;
-  // Of four triangles: where corner a is from the centre, and two edges.
+  // Of four triangles: the vector from the centre to corner a, and two edges.
   struct alignas(32) Corners {
     double to_a[3][4], ab[3][4], ac[3][4];
   };
   struct alignas(32) Bounds {
     double distance[4], normal[3][4];
   };
-  // Of a bound as far from the centre as that.
+  // Of a bound at that distance from the centre.
   static double rounding(double off) { return 0x1p-44 + 0x1p-40 * off; }
   static void bound(const Corners& corners, Bounds& bounds) noexcept;
   bool add(const Batch& batch, int count) noexcept;
@@ -98,7 +98,7 @@ class NearTriangles {
   Vec3 centre_ = Vec3::Zero();
   double within_ = -1.0;
   int count_ = 0;
-  // Unused lanes of the last four have an infinite distance.
+  // Unused lanes of the last four hold an infinite distance.
   alignas(32) std::array<double, kCapacity> distance_;
   alignas(32) std::array<std::array<double, kCapacity>, 3> normal_;
   std::array<std::uint32_t, kCapacity> triangle_;

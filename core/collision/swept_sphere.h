@@ -5,20 +5,19 @@
 
 namespace hapton {
 
-// The distance a probe keeps from surfaces, and how exactly.
-// A point probe is a sphere of radius `rest`, the contact offset alone; a sphere probe adds its radius.
+// The distance that a probe keeps from surfaces, and how exactly.
+// A point probe is a sphere of radius `offset`, the contact offset alone; a sphere probe adds its radius.
 // Frame and units: TouchGeometry's local ones (object_geometry.h), in which the scene's diagonal is between 1 and 2.
 struct Clearance {
-  double rest = 0.0;       // a proxy in contact stands this far off
-  double slack = 0.0;      // it is never nearer than rest - slack; rest - slack > 0, so no surface is ever crossed
-  double tolerance = 0.0;  // how exactly a motion stops at rest; far above rounding, far below slack
+  double offset = 0.0;     // distance of a proxy in contact: its rest offset
+  double slop = 0.0;       // the distance is never less than offset - slop, which is positive: no surface is ever crossed
+  double tolerance = 0.0;  // how exactly a motion stops at `offset`; far above rounding, far below slop
 };
 
-// A time that never comes; motions last from 0 to 1.
+// The time of an event that does not happen; motions last from 0 to 1.
 constexpr double kNever = 2.0;
 
-// A triangle as these functions take it: anything with separation(p). A ContactTriangle is quick at it; a TriangleView needs no
-// preparation.
+// The functions below accept any shape with separation(p). A ContactTriangle answers faster; a TriangleView needs no preparation.
 struct TriangleView {
   const TouchGeometry& geometry;
   std::uint32_t triangle;
@@ -46,13 +45,13 @@ double time_to_reach(const Shape& shape, const Vec3& p, const Vec3& motion, doub
   return t;
 }
 
-// Whether a sphere that moves from p along `motion` comes nearer to a triangle than `level` between two times. Asks for distances alone,
-// never for normals, which near an edge are off by rounding: the distance is convex along the way, so between two times it is above the
-// straight lines through its values on either side. By no more than `tolerance` does not count. In doubt: yes.
+// Whether a sphere that moves from p along `motion` comes nearer to a triangle than `level` between two times. Uses distances only, not
+// normals, which have rounding errors near an edge: the distance is convex along the path, so between two samples it lies above the
+// straight lines through the samples on either side. Less than `tolerance` does not count. In doubt: true.
 // Pre: at both times the distance is at least level. RT: yes.
 template <class Shape>
 bool comes_nearer(const Shape& shape, const Vec3& p, const Vec3& motion, double from, double until, double level, double tolerance) {
-  constexpr int kMaxIterations = 64;  // each halves a part of the time in which the least distance can lie
+  constexpr int kMaxIterations = 64;  // each halves one interval that can hold the least distance
   struct Sample {
     double t = 0.0;
     double distance = 0.0;
@@ -89,7 +88,7 @@ bool comes_nearer(const Shape& shape, const Vec3& p, const Vec3& motion, double 
   return true;
 }
 
-// As comes_nearer, but asks the tangents first, which mostly settle it in a few steps where normals are sure enough.
+// As comes_nearer, but tries the tangents first. They decide most cases in a few steps where the normals are accurate.
 template <class Shape>
 bool dips_below(const Shape& shape, const Vec3& p, const Vec3& motion, double from, double until, double level, double tolerance) {
   constexpr int kFewIterations = 8;
@@ -110,11 +109,11 @@ bool dips_below(const Shape& shape, const Vec3& p, const Vec3& motion, double fr
 }
 
 // When the motion from p must stop before a triangle, as t in [0, until], or kNever where it may pass until then. It must stop
-// where the distance reaches clearance.rest, but only if it would later come nearer than rest - slack: grazing within the slack
-// passes. Most triangles are settled by the two tangents of the convex distance, one at each end.
+// where the distance reaches clearance.offset, but only if it would later come nearer than offset - slop: grazing within the slop
+// passes. The two tangents of the convex distance, one at each end, decide most triangles.
 template <class Shape>
 double time_to_block(const Shape& shape, const Vec3& p, const Vec3& motion, double until, const Clearance& clearance) {
-  const double low = clearance.rest - clearance.slack;
+  const double low = clearance.offset - clearance.slop;
   const Separation start = shape.separation(p);
   const double length = motion.norm();
   const double start_slope = start.normal.dot(motion) - normal_error(start) * length;  // at its steepest
@@ -126,31 +125,31 @@ double time_to_block(const Shape& shape, const Vec3& p, const Vec3& motion, doub
     const double cross = (end.distance - end_slope * until - start.distance) / (start_slope - end_slope);
     if (start.distance + start_slope * cross >= low) return kNever;
   }
-  // From afar the motion stops at rest. From rest it may sink to half the slack, so that a long slide whose direction is off by
-  // rounding gets on; the contact planes lift it again.
-  const double half = clearance.rest - 0.5 * clearance.slack;
+  // From outside, the motion stops at the offset. In contact it may use up half of the slop, so that a long slide whose direction has a
+  // rounding error still advances; the contact planes lift it again.
+  const double half = clearance.offset - 0.5 * clearance.slop;
   double stop = 0.0;
-  if (start.distance > clearance.rest + clearance.tolerance) {
-    const double earliest = (start.distance - clearance.rest) / -start_slope;
-    stop = time_to_reach(shape, p, motion, earliest, clearance.rest, clearance.tolerance);
+  if (start.distance > clearance.offset + clearance.tolerance) {
+    const double earliest = (start.distance - clearance.offset) / -start_slope;
+    stop = time_to_reach(shape, p, motion, earliest, clearance.offset, clearance.tolerance);
   } else if (start.distance > half + clearance.tolerance) {
     stop = time_to_reach(shape, p, motion, 0.0, half, clearance.tolerance);
   }
   if (stop > until) return kNever;
-  // What rounding took from a proxy that is as near as can be does not hold it.
+  // A proxy at the lower bound may be below it by rounding. That alone does not stop it.
   const double level = start.distance >= low - 64.0 * clearance.tolerance ? std::min(low, start.distance) : low;
   if (start.distance < level || end.distance < level) return stop;
   return dips_below(shape, p, motion, stop, until, level, clearance.tolerance) ? stop : kNever;
 }
 
-// What a triangle that blocks `motion` at p is to be taken for: usually how it stands to p. But a point probe just before a shallow
-// fold first meets the rounding of the fold's edge, whose normal is neither face's; where going on would lead over the face,
-// the face is what blocks.
+// The separation from a triangle that blocks `motion` at p: usually the separation at p. But a point probe just before a shallow concave
+// edge first comes within rounding of that edge, whose normal is neither face's. Where the motion would continue over the face, the face is
+// the constraint.
 template <class Shape>
 Separation blocking_separation(const Shape& shape, const Vec3& p, const Vec3& motion, const Clearance& clearance) {
   const Separation here = shape.separation(p);
   if (here.feature == Feature::face) return here;
-  const double low = clearance.rest - clearance.slack;
+  const double low = clearance.offset - clearance.slop;
   const double t = here.distance > low ? time_to_reach(shape, p, motion, 0.0, low, clearance.tolerance) : kNever;
   if (t > 1.0) return here;
   Separation ahead = shape.separation(p + t * motion);

@@ -18,7 +18,7 @@ void remember(std::vector<std::int32_t>& ids, std::int32_t id, std::size_t most)
 
 }  // namespace
 
-bool Client::hear(std::span<const std::byte> bytes, Time now) {
+bool Client::receive(std::span<const std::byte> bytes, Time now) {
   in_.insert(in_.end(), bytes.begin(), bytes.end());
   if (!is_connected_) {
     if (in_.size() < kCookieBytes) return true;
@@ -31,7 +31,7 @@ bool Client::hear(std::span<const std::byte> bytes, Time now) {
     const ReadStatus status = read_message(rest, message);
     if (status == ReadStatus::broken) return false;
     if (status == ReadStatus::incomplete) break;
-    if (!hear_message(message, now)) return false;
+    if (!receive_message(message, now)) return false;
   }
   in_.erase(in_.begin(), in_.end() - static_cast<std::ptrdiff_t>(rest.size()));
   return true;
@@ -51,16 +51,16 @@ void Client::introduce(Time now) {
   }
 }
 
-bool Client::hear_message(const Message& message, Time now) {
+bool Client::receive_message(const Message& message, Time now) {
   switch (message.type) {
     case kSenderDescription:
-      hear_sender(message);
+      receive_sender(message);
       return true;
     case kTypeDescription:
-      hear_type(message);
+      receive_type(message);
       return true;
     case kUdpDescription:
-      hear_udp(message);
+      receive_udp(message);
       return true;
     case kDisconnect:
       return false;
@@ -75,21 +75,21 @@ bool Client::hear_message(const Message& message, Time now) {
 }
 
 // The number of the described sender is in the sender field.
-void Client::hear_sender(const Message& message) {
+void Client::receive_sender(const Message& message) {
   const bool is_us = name_of(message) == name_;
   if (is_us) remember(us_, message.sender, kMostIds);
   // The number now means someone else.
   if (!is_us) std::erase(us_, message.sender);
 }
 
-void Client::hear_type(const Message& message) {
+void Client::receive_type(const Message& message) {
   const std::string_view name = name_of(message);
   if (name == kPing) ping_type_ = message.sender;
   if (name == kWorkspaceRequest) workspace_type_ = message.sender;
   if (name.starts_with(kForceDevice)) remember(force_types_, message.sender, kMostIds);
 }
 
-void Client::hear_udp(const Message& message) {
+void Client::receive_udp(const Message& message) {
   constexpr std::size_t kLongestAddress = 64;
   const auto* const text = reinterpret_cast<const char*>(message.body.data());
   const std::string_view address(text, std::find(text, text + message.body.size(), '\0') - text);

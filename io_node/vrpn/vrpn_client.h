@@ -28,7 +28,7 @@ class Client {
   explicit Client(std::string_view name) : name_(name) { append_cookie(out_); }
 
   // Parses received bytes. False: the client said goodbye or its messages are invalid; close it.
-  bool hear(std::span<const std::byte> bytes, Time now);
+  bool receive(std::span<const std::byte> bytes, Time now);
 
   // It has sent a valid cookie and got our names.
   bool is_connected() const { return is_connected_; }
@@ -48,10 +48,10 @@ class Client {
 
  private:
   bool take_cookie();
-  bool hear_message(const Message& message, Time now);
-  void hear_sender(const Message& message);
-  void hear_type(const Message& message);
-  void hear_udp(const Message& message);
+  bool receive_message(const Message& message, Time now);
+  void receive_sender(const Message& message);
+  void receive_type(const Message& message);
+  void receive_udp(const Message& message);
   void introduce(Time now);
   bool is_about_us(std::int32_t sender) const;
 

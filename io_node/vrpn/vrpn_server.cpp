@@ -63,8 +63,8 @@ struct Server::State final : StreamEndpoint::Listener {
     Client client;
     Address address;
     std::int64_t since_ns = 0;
-    bool is_open = false;  // TCP is there
-    bool is_told = false;  // the log knows it
+    bool is_open = false;      // TCP is there
+    bool is_reported = false;  // the log knows it
     bool knows_buttons = false;
     bool is_rejection_logged = false;
     std::optional<Address> udp;
@@ -97,7 +97,7 @@ struct Server::State final : StreamEndpoint::Listener {
   std::unique_ptr<StreamEndpoint> endpoint;
   SteadyClock clock;
   std::map<StreamEndpoint::Id, Peer> peers;
-  std::optional<FeedSample> newest, told;
+  std::optional<FeedSample> newest, sent;
   Vec3 v_m_per_s = Vec3::Zero();
   Quat turn = Quat::Identity();
   double dt_s = 0.0;
@@ -112,7 +112,7 @@ void Server::State::run() {
   while (!ends.load(std::memory_order_relaxed)) {
     const bool is_watched = is_anybody_there();
     feed.set_wanted(is_watched);
-    if (!is_watched) newest = told = std::nullopt;
+    if (!is_watched) newest = sent = std::nullopt;
     endpoint->wait(is_watched ? next_ns : clock.now_ns() + kIdleNs, *this);
     const std::int64_t now_ns = clock.now_ns();
     drop_timed_out(now_ns);
@@ -135,11 +135,11 @@ void Server::State::on_bytes(StreamEndpoint::Id id, std::span<const std::byte> b
   const auto found = peers.find(id);
   if (found == peers.end()) return;
   Peer& peer = found->second;
-  if (!peer.client.hear(bytes, to_time_of_day(clock.now_ns()))) {
+  if (!peer.client.receive(bytes, to_time_of_day(clock.now_ns()))) {
     endpoint->close(id);
     return;
   }
-  if (peer.client.is_connected() && !std::exchange(peer.is_told, true)) {
+  if (peer.client.is_connected() && !std::exchange(peer.is_reported, true)) {
     log_info("a VRPN client at {} sees {}", to_string(peer.address), options.name);
   }
   if (peer.client.rejected_forces() > 0 && !std::exchange(peer.is_rejection_logged, true)) {
@@ -170,7 +170,7 @@ void Server::State::answer(StreamEndpoint::Id id, Peer& peer) {
 void Server::State::on_closed(StreamEndpoint::Id id) {
   const auto found = peers.find(id);
   if (found == peers.end()) return;
-  if (found->second.is_told) log_info("the VRPN client at {} left", to_string(found->second.address));
+  if (found->second.is_reported) log_info("the VRPN client at {} left", to_string(found->second.address));
   peers.erase(found);
 }
 
@@ -238,13 +238,13 @@ void Server::State::take_samples() {
 }
 
 void Server::State::report() {
-  const bool is_new = newest && (!told || newest->device.time_ns != told->device.time_ns);
+  const bool is_new = newest && (!sent || newest->device.time_ns != sent->device.time_ns);
   // The pose of a device that is away or not calibrated is unknown.
   const bool is_known = is_new && newest->status == DeviceStatus::ready;
-  if (is_known && told && told->status == DeviceStatus::ready) {
-    dt_s = 1e-9 * static_cast<double>(newest->device.time_ns - told->device.time_ns);
-    v_m_per_s = dt_s > 0.0 ? Vec3((newest->device.p_WD - told->device.p_WD) / dt_s) : Vec3::Zero();
-    turn = (newest->device.q_WT * told->device.q_WT.conjugate()).normalized();
+  if (is_known && sent && sent->status == DeviceStatus::ready) {
+    dt_s = 1e-9 * static_cast<double>(newest->device.time_ns - sent->device.time_ns);
+    v_m_per_s = dt_s > 0.0 ? Vec3((newest->device.p_WD - sent->device.p_WD) / dt_s) : Vec3::Zero();
+    turn = (newest->device.q_WT * sent->device.q_WT.conjugate()).normalized();
   }
   const Time time = newest ? to_time_of_day(newest->device.time_ns) : Time{};
   for (auto& [id, peer] : peers) {
@@ -255,7 +255,7 @@ void Server::State::report() {
     if (is_known && peer.client.is_connected()) report_to(peer, time);
     answer(id, peer);
   }
-  if (is_new) told = newest;
+  if (is_new) sent = newest;
 }
 
 void Server::State::report_to(Peer& peer, Time time) {

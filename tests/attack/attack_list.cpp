@@ -43,7 +43,7 @@ bool is_stalled(const Row& row) { return row.is_over && row.release_ms() - row.b
 
 class List {
  public:
-  List(const Settings& settings, const std::function<void(const Row&)>& told) : settings_(settings), told_(told) {}
+  List(const Settings& settings, const std::function<void(const Row&)>& on_row) : settings_(settings), on_row_(on_row) {}
   std::vector<Row> run();
 
  private:
@@ -66,7 +66,7 @@ class List {
   void flood(const std::string& name, const std::string& kind, double rate_per_s, int sources, bool at_haptics = false);
 
   const Settings& settings_;
-  const std::function<void(const Row&)>& told_;
+  const std::function<void(const Row&)>& on_row_;
   std::vector<Row> rows_;
 };
 
@@ -263,11 +263,11 @@ void List::flood(const std::string& name, const std::string& kind, double rate_p
   words.insert(words.end(), {"--to", at_haptics ? bed->haptics_address() : bed->hub()});
   if (kind != "junk" && kind != "oversized") words.insert(words.end(), {"--capture", bed->capture()});
   if (kind == "spoofed") words.insert(words.end(), {"--spoof", bed->haptics_address()});
-  const auto before = bed->ask_for_report();
+  const auto before = bed->request_report();
   Program flooding("hapton_flood", words, bed->folder());
   sleep_s(0.3);
   const auto watched = watch(*bed, settings_.flood_s);
-  const auto after = bed->ask_for_report();
+  const auto after = bed->request_report();
   const auto ended = flooding.wait(process::kPatience);
   note(row, watched);
   if (!ended || ended->exit_code != 0) {
@@ -278,8 +278,8 @@ void List::flood(const std::string& name, const std::string& kind, double rate_p
   }
   const auto of = [&](const char* counted) { return counter(after, counted) - counter(before, counted); };
   const double sent_per_s = nlohmann::json::parse(ended->out, nullptr, false).value("sent_per_s", 0.0);
-  const double asked = of("forces_in_time") + of("late") + of("lost") + of("superseded");
-  const double late_share = asked > 0.0 ? (asked - of("forces_in_time")) / asked : 1.0;
+  const double requested = of("forces_in_time") + of("late") + of("lost") + of("superseded");
+  const double late_share = requested > 0.0 ? (requested - of("forces_in_time")) / requested : 1.0;
   row.note = fmt::format("{:.0f} k/s; {:.2f} % of forces late or lost; a force in {:.0f} % of the looks; {:.0f} k rejected or dropped",
                          1e-3 * sent_per_s, 100.0 * late_share, 100.0 * watched.force_share,
                          1e-3 * (of("unknown_peers") + of("dropped_by_kernel")));
@@ -303,7 +303,7 @@ std::vector<Row> List::run() {
       ++stalls;
     }
     if (stalls > 0) rows_.back().note += fmt::format(" (repeated {} times because the machine stalled)", stalls);
-    told_(rows_.back());
+    on_row_(rows_.back());
   };
   row("haptics_node killed", [&](const auto& name) { haptics_dies(name, SIGKILL); });
   row("haptics_node frozen (SIGSTOP)", [&](const auto& name) { haptics_dies(name, SIGSTOP); });
@@ -334,6 +334,6 @@ std::vector<Row> List::run() {
 
 }  // namespace
 
-std::vector<Row> run_list(const Settings& settings, const std::function<void(const Row&)>& told) { return List(settings, told).run(); }
+std::vector<Row> run_list(const Settings& settings, const std::function<void(const Row&)>& on_row) { return List(settings, on_row).run(); }
 
 }  // namespace hapton::attack

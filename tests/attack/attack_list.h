@@ -39,7 +39,7 @@ struct Row {
   double release_ms() const { return kind == Kind::inside ? after_sample_ms : after_event_ms; }
 };
 
-// The whole list in order; calls told with each row as it is done.
-std::vector<Row> run_list(const Settings& settings, const std::function<void(const Row&)>& told);
+// The whole list in order; calls on_row with each row when it is done.
+std::vector<Row> run_list(const Settings& settings, const std::function<void(const Row&)>& on_row);
 
 }  // namespace hapton::attack

@@ -69,16 +69,17 @@ int capture(const Options& options, const Address& hub) {
   std::size_t kept = 0;
   const std::int64_t end_ns = clock.now_ns() + static_cast<std::int64_t>(1e9 * options.seconds);
   while (clock.now_ns() < end_ns && kept < 64) {
-    if (const Received heard = (*inside)->receive(bytes, clock.now_ns() + kNanosecondsPerMillisecond); heard.bytes > 0) {
-      node = heard.from;
-      const auto size = static_cast<std::uint16_t>(heard.bytes);
+    if (const Received received = (*inside)->receive(bytes, clock.now_ns() + kNanosecondsPerMillisecond); received.bytes > 0) {
+      node = received.from;
+      const auto size = static_cast<std::uint16_t>(received.bytes);
       file.write(reinterpret_cast<const char*>(&size), sizeof size);
       file.write(reinterpret_cast<const char*>(bytes.data()), size);
       ++kept;
-      (*outside)->send(hub, std::span(bytes).first(heard.bytes));
+      (*outside)->send(hub, std::span(bytes).first(received.bytes));
     }
-    if (const Received heard = (*outside)->receive(bytes, clock.now_ns() + kNanosecondsPerMillisecond); heard.bytes > 0 && node.port != 0) {
-      (*inside)->send(node, std::span(bytes).first(heard.bytes));
+    if (const Received received = (*outside)->receive(bytes, clock.now_ns() + kNanosecondsPerMillisecond);
+        received.bytes > 0 && node.port != 0) {
+      (*inside)->send(node, std::span(bytes).first(received.bytes));
     }
   }
   std::printf("captured %zu datagrams\n", kept);
@@ -251,7 +252,7 @@ int flood(const Options& options, const Address& hub, const std::vector<Datagram
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app{"Floods a hub with what a stranger without its key can send, or captures what a node says to it.", "hapton_flood"};
+  CLI::App app{"Floods a hub with what an unknown peer without its key can send, or captures what a node says to it.", "hapton_flood"};
   app.add_option("--to", options.to, "The hub, on this machine or a private network")->capture_default_str();
   app.add_option("--kind", options.kind, "What")->check(CLI::IsMember({"junk", "oversized", "handshake", "data"}))->capture_default_str();
   app.add_option("--rate", options.rate_per_s, "Datagrams a second")->check(CLI::Range(1.0, 1e8))->capture_default_str();

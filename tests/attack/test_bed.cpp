@@ -66,7 +66,7 @@ std::string TestBed::capture() {
   return ended && ended->exit_code == 0 ? captured : "";
 }
 
-nlohmann::json TestBed::ask_for_report() {
+nlohmann::json TestBed::request_report() {
   const auto path = folder() / "out" / "report.json";
   std::filesystem::remove(path);
   io_->send_signal(SIGUSR1);

@@ -33,7 +33,7 @@ class TestBed {
   // A recorded handshake and data of a tool that holds the key, as an eavesdropper has them.
   std::string capture();
   // A report of io_node as of now; null when none comes.
-  nlohmann::json ask_for_report();
+  nlohmann::json request_report();
 
  private:
   ScratchFolder folder_;

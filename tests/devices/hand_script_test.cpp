@@ -129,10 +129,10 @@ TEST(HandScript, LeavesASurfaceAtTheLimitOfItsWorkspace) {
 
 TEST(HandScript, GoesToTheReportedScene) {
   const Vec3 pin(0.07, -0.08, 0.05);
-  const auto seconds_until_touch = [&](bool is_told) {
+  const auto seconds_until_touch = [&](bool is_reported) {
     HandScript script(box(3));
     Vec3 last = box(3).start_m;
-    if (is_told) script.aim(std::array{pin, Vec3(9, 9, 9), Vec3(pin + Vec3(0, 0.001, 0))});
+    if (is_reported) script.aim(std::array{pin, Vec3(9, 9, 9), Vec3(pin + Vec3(0, 0.001, 0))});
     for (int step = 0; step < 20'000; ++step) {
       last = script.step(last, Vec3::Zero()).p_WH;
       if ((last - pin).head<2>().norm() < 0.002 && last.z() <= pin.z()) return 1e-3 * step;

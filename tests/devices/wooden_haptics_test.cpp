@@ -55,7 +55,7 @@ class Wooden : public ::testing::Test {
     const auto begun = backend_->begin(**transport);
     ASSERT_TRUE(begun) << begun.error().what;
   }
-  Reading hear(const std::vector<int>& numbers) {
+  Reading receive(const std::vector<int>& numbers) {
     EXPECT_TRUE(backend_->decode(report(numbers), now_ns_, reading_));
     now_ns_ += kMs;
     return reading_;
@@ -93,7 +93,7 @@ const std::vector<int> kInTheMiddle = {0, 2667, 2333, 7};
 
 TEST_F(Wooden, IsReadyAtOnceAndInTheWorkspacesMiddleWhereItsKinematicsSaySo) {
   begin();
-  const Reading reading = hear(kInTheMiddle);
+  const Reading reading = receive(kInTheMiddle);
   EXPECT_EQ(reading.status, DeviceStatus::ready);
   EXPECT_TRUE(reading.is_calibrated);
   const WoodenKinematics arm{WoodenArm{}};
@@ -106,17 +106,17 @@ TEST_F(Wooden, IsReadyAtOnceAndInTheWorkspacesMiddleWhereItsKinematicsSaySo) {
 // W: x right, y up, z to the person; the base's x goes from the column to the person.
 TEST_F(Wooden, TheHandsAxesAreThePersons) {
   begin();
-  const Vec3 middle = hear(kInTheMiddle).sample.p_WD;
-  const Vec3 turned_left = hear({200, 2667, 2333, 8}).sample.p_WD;
+  const Vec3 middle = receive(kInTheMiddle).sample.p_WD;
+  const Vec3 turned_left = receive({200, 2667, 2333, 8}).sample.p_WD;
   EXPECT_GT(turned_left.x(), middle.x() + 0.005);
-  const Vec3 lower_arm_up = hear({0, 2667, 2533, 9}).sample.p_WD;
+  const Vec3 lower_arm_up = receive({0, 2667, 2533, 9}).sample.p_WD;
   EXPECT_GT(lower_arm_up.y(), middle.y() + 0.005);
   EXPECT_GT(lower_arm_up.z(), middle.z() + 0.005);
 }
 
 TEST_F(Wooden, AForceBecomesTheCurrentsOfItsTorques) {
   begin(weightless());
-  hear(kInTheMiddle);
+  receive(kInTheMiddle);
   const WoodenKinematics arm{WoodenArm{}};
   const Vec3 expected = arm.motor_current_a(arm.joint_torque_nm(arm.angles_rad({0, 2667, 2333}), Vec3(3, 1, 2)));
   EXPECT_LT((currents(Vec3(1, 2, 3)) - 1e3 * expected).cwiseAbs().maxCoeff(), 0.51);
@@ -126,7 +126,7 @@ TEST_F(Wooden, AForceBeyondTheMotorsKeepsItsDirection) {
   WoodenSettings settings = weightless();
   settings.max_current_a = 1.0;
   begin(settings);
-  hear(kInTheMiddle);
+  receive(kInTheMiddle);
   const Vec3 small = currents(Vec3(0.1, 0.2, 0.3));
   const Vec3 large = currents(Vec3(100, 200, 300));
   EXPECT_NEAR(large.cwiseAbs().maxCoeff(), 1000.0, 0.51);
@@ -135,7 +135,7 @@ TEST_F(Wooden, AForceBeyondTheMotorsKeepsItsDirection) {
 
 TEST_F(Wooden, TheArmCarriesItselfAfterAnEasyBeginningAndLetsGoAtOnce) {
   begin();
-  hear(kInTheMiddle);
+  receive(kInTheMiddle);
   const double first_ma = currents(Vec3::Zero()).norm();
   const WoodenKinematics arm{WoodenArm{}};
   const Vec3 weight = 1e3 * arm.motor_current_a(arm.gravity_torque_nm(arm.angles_rad({0, 2667, 2333})));
@@ -150,7 +150,7 @@ TEST_F(Wooden, TheWeightIsCarriedFirstWhereTheMotorsHaveNoMore) {
   WoodenSettings settings = WoodenSettings::make_default();
   settings.max_current_a = 0.5;
   begin(settings);
-  hear(kInTheMiddle);
+  receive(kInTheMiddle);
   const Vec3 weight = settled_currents(Vec3::Zero());
   const Vec3 pushed = settled_currents(Vec3(0, -500, 0));
   EXPECT_LE(pushed.cwiseAbs().maxCoeff(), 500.0);
@@ -162,7 +162,7 @@ TEST_F(Wooden, TheWeightIsCarriedFirstWhereTheMotorsHaveNoMore) {
 
 TEST_F(Wooden, NoForceIsNoNumberOnTheWire) {
   begin(weightless());
-  hear(kInTheMiddle);
+  receive(kInTheMiddle);
   EXPECT_EQ(currents(Vec3(std::numeric_limits<double>::quiet_NaN(), 0, 0)), Vec3::Zero());
   EXPECT_EQ(currents(Vec3(0, std::numeric_limits<double>::infinity(), 0)), Vec3::Zero());
   EXPECT_LE(currents(Vec3(1e300, -1e300, 1e300)).cwiseAbs().maxCoeff(), 3000.0);
@@ -170,7 +170,7 @@ TEST_F(Wooden, NoForceIsNoNumberOnTheWire) {
 
 TEST_F(Wooden, ReportsOfAnotherLengthSayNothing) {
   begin();
-  hear(kInTheMiddle);
+  receive(kInTheMiddle);
   const Vec3 before = reading_.sample.p_WD;
   for (const std::size_t size : {0, 1, 7, 9, 14, 64}) EXPECT_FALSE(backend_->decode(Bytes(size, 0x55), now_ns_, reading_));
   EXPECT_EQ(reading_.sample.p_WD, before);
@@ -193,39 +193,39 @@ TEST_F(Wooden, AnyEightBytesGiveAFinitePointAndCurrentsTheMotorsBear) {
 
 TEST_F(Wooden, GoesOnWhereItWasWhenItsElectronicsKeptTheirPower) {
   begin();
-  const Vec3 before = hear(kInTheMiddle).sample.p_WD;
+  const Vec3 before = receive(kInTheMiddle).sample.p_WD;
   begin_again();
-  EXPECT_EQ(hear({0, 2700, 2300, 0}).status, DeviceStatus::ready);
-  EXPECT_EQ(hear(kInTheMiddle).sample.p_WD, before);
+  EXPECT_EQ(receive({0, 2700, 2300, 0}).status, DeviceStatus::ready);
+  EXPECT_EQ(receive(kInTheMiddle).sample.p_WD, before);
 }
 
 TEST_F(Wooden, WithCountsResetInUseIsNotTrustedUntilItHasBeenAtRest) {
   begin();
-  hear(kInTheMiddle);
+  receive(kInTheMiddle);
   begin_again();
-  EXPECT_EQ(hear({0, 3, -2, 0}).status, DeviceStatus::calibrating);
+  EXPECT_EQ(receive({0, 3, -2, 0}).status, DeviceStatus::calibrating);
   EXPECT_THAT(std::string(backend_->advice()), HasSubstr("rest pose"));
   // A hand carries the arm to its rest pose: 2667 and 2333 counts back.
-  for (int n = 0; n <= 1000; ++n) EXPECT_EQ(hear({0, -2667 * n / 1000, -2333 * n / 1000, n}).status, DeviceStatus::calibrating);
+  for (int n = 0; n <= 1000; ++n) EXPECT_EQ(receive({0, -2667 * n / 1000, -2333 * n / 1000, n}).status, DeviceStatus::calibrating);
   int rested = 0;
-  while (hear({0, -2667, -2333, 0}).status == DeviceStatus::calibrating) ASSERT_LT(++rested, 3000);
+  while (receive({0, -2667, -2333, 0}).status == DeviceStatus::calibrating) ASSERT_LT(++rested, 3000);
   EXPECT_GE(rested, 1990);
   EXPECT_LT((reading_.sample.p_WD - Vec3(0, -0.04, -0.22)).norm(), 1e-9);
-  EXPECT_LT(hear({0, 0, 0, 0}).sample.p_WD.norm(), 0.1) << "where it had been when it was plugged in";
+  EXPECT_LT(receive({0, 0, 0, 0}).sample.p_WD.norm(), 0.1) << "where it had been when it was plugged in";
 }
 
 TEST_F(Wooden, ThatTremblesIsNotAtRest) {
   begin();
-  hear(kInTheMiddle);
+  receive(kInTheMiddle);
   begin_again();
-  for (int n = 0; n < 10'000; ++n) ASSERT_EQ(hear({0, n % 2 == 0 ? 0 : 4, 0, n}).status, DeviceStatus::calibrating);
+  for (int n = 0; n < 10'000; ++n) ASSERT_EQ(receive({0, n % 2 == 0 ? 0 : 4, 0, n}).status, DeviceStatus::calibrating);
 }
 
 TEST_F(Wooden, InItsRestPoseMayLoseItsCountsUnnoticed) {
   begin();
-  hear({5, -20, 30, 0});
+  receive({5, -20, 30, 0});
   begin_again();
-  EXPECT_EQ(hear({0, 0, 0, 0}).status, DeviceStatus::ready);
+  EXPECT_EQ(receive({0, 0, 0, 0}).status, DeviceStatus::ready);
 }
 
 // --- the variants ---
@@ -259,14 +259,14 @@ class LaterWooden : public Wooden {
 
 TEST_F(LaterWooden, SaysWhereTheHandIsAndHowItIsTurnedOnlyIfItsWristIsDescribed) {
   begin();
-  EXPECT_EQ(hear({0, 2667, 2333, 500, 500, 500, 0}).sample.q_WT.coeffs(), Quat::Identity().coeffs());
+  EXPECT_EQ(receive({0, 2667, 2333, 500, 500, 500, 0}).sample.q_WT.coeffs(), Quat::Identity().coeffs());
   WoodenSettings settings = WoodenSettings::make_default();
   settings.wrist = WoodenWrist{};
   settings.wrist->joints[0].axis = Vec3::UnitX();
   begin(settings);
   // Both lower arms hang straight down; the base's x is the world's z.
-  const Quat at_rest = hear({0, 0, 0, 0, 0, 0, 0}).sample.q_WT;
-  const Quat turned = hear({0, 0, 0, 500, 0, 0, 0}).sample.q_WT;
+  const Quat at_rest = receive({0, 0, 0, 0, 0, 0, 0}).sample.q_WT;
+  const Quat turned = receive({0, 0, 0, 500, 0, 0, 0}).sample.q_WT;
   EXPECT_NEAR(at_rest.angularDistance(turned), 0.5 * 3.14159265358979, 1e-9);
   const Eigen::AngleAxisd in_world(turned * at_rest.conjugate());
   EXPECT_LT((in_world.axis() - Vec3::UnitZ()).norm(), 1e-9);
@@ -274,7 +274,7 @@ TEST_F(LaterWooden, SaysWhereTheHandIsAndHowItIsTurnedOnlyIfItsWristIsDescribed)
 
 TEST_F(LaterWooden, AsksForNoCommandBesidesItsCurrents) {
   begin(weightless());
-  hear({0, 2667, 2333, 1, 2, 3, 4});
+  receive({0, 2667, 2333, 1, 2, 3, 4});
   Bytes into(64, 0xEE);
   ASSERT_EQ(backend_->encode({.force_n = Vec3(1, 0, 0)}, true, now_ns_, into), 15U);
   EXPECT_NE(int16_at(into, 1), 0);

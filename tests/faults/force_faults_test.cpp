@@ -64,9 +64,9 @@ TEST_F(Faults, HapticsRestartedInContactExertsForceAgainWithin200Ms) {
     const std::int64_t restarted_ns = now_ns();
     system->run_for_ns(1000 * kMs);
     // A timeout lies between, however short the absence was: its slot was still taken.
-    const auto felt_ns = system->felt_after_ns(std::max(restarted_ns, restarted_ns - away_ns + 25 * kMs));
-    ASSERT_TRUE(felt_ns) << away_ns;
-    EXPECT_LE(*felt_ns - restarted_ns, 200 * kMs) << away_ns;
+    const auto force_ns = system->force_after_ns(std::max(restarted_ns, restarted_ns - away_ns + 25 * kMs));
+    ASSERT_TRUE(force_ns) << away_ns;
+    EXPECT_LE(*force_ns - restarted_ns, 200 * kMs) << away_ns;
     EXPECT_NEAR(system->force_n().z(), 2.0, 0.05) << away_ns;
     expect_bounded(system->device);
   }
@@ -83,8 +83,8 @@ TEST_F(Faults, HapticsFrozenLeavesNoForceAndThawedRampsItIn) {
     system->network.freeze(system->haptics->address(), false);
     const std::int64_t thawed_ns = now_ns();
     system->run_for_ns(1000 * kMs);
-    ASSERT_TRUE(system->felt_after_ns(thawed_ns)) << frozen_for_ns;
-    EXPECT_LE(*system->felt_after_ns(thawed_ns) - thawed_ns, 300 * kMs) << frozen_for_ns;
+    ASSERT_TRUE(system->force_after_ns(thawed_ns)) << frozen_for_ns;
+    EXPECT_LE(*system->force_after_ns(thawed_ns) - thawed_ns, 300 * kMs) << frozen_for_ns;
     EXPECT_NEAR(system->force_n().z(), 2.0, 0.05);
     expect_bounded(system->device);
   }
@@ -96,8 +96,8 @@ TEST_F(Faults, HubRestartedIsFoundAgainWithin500Ms) {
   const std::int64_t restarted_ns = now_ns();
   const std::size_t before = system->device.written.size();
   system->run_for_ns(1000 * kMs);
-  ASSERT_TRUE(system->felt_after_ns(restarted_ns + 1));
-  EXPECT_LE(*system->felt_after_ns(restarted_ns + 1) - restarted_ns, 500 * kMs);
+  ASSERT_TRUE(system->force_after_ns(restarted_ns + 1));
+  EXPECT_LE(*system->force_after_ns(restarted_ns + 1) - restarted_ns, 500 * kMs);
   EXPECT_NEAR(system->force_n().z(), 2.0, 0.05);
   // The new hub's first force is the first step of its own ramp.
   ASSERT_GT(system->device.written.size(), before);
@@ -119,16 +119,16 @@ TEST_F(Faults, HubFrozenAndThawedGoesOnWithARamp) {
 }
 
 // Forces to the last bit, and their times.
-std::vector<std::pair<double, std::int64_t>> felt_of(const PressingDevice& device) {
-  std::vector<std::pair<double, std::int64_t>> felt;
-  for (const auto& written : device.written) felt.emplace_back(written.force_n.z(), written.time_ns);
-  return felt;
+std::vector<std::pair<double, std::int64_t>> force_of(const PressingDevice& device) {
+  std::vector<std::pair<double, std::int64_t>> force;
+  for (const auto& written : device.written) force.emplace_back(written.force_n.z(), written.time_ns);
+  return force;
 }
 
 TEST_F(Faults, NoVisionNodeChangesAForceWhateverBecomesOfIt) {
   press();
   system->run_for_ns(2500 * kMs);
-  const auto alone = felt_of(system->device);
+  const auto alone = force_of(system->device);
   for (const int words_a_turn : {1, 20}) {
     for (const char* fate : {"lives", "is killed", "is frozen"}) {
       system.emplace(1);
@@ -141,7 +141,7 @@ TEST_F(Faults, NoVisionNodeChangesAForceWhateverBecomesOfIt) {
       system->run_for_ns(1000 * kMs);
       if (fate == std::string_view("is frozen")) system->network.freeze(vision->address(), false);
       system->run_for_ns(1000 * kMs);
-      EXPECT_EQ(felt_of(system->device), alone) << words_a_turn << " words a turn, " << fate;
+      EXPECT_EQ(force_of(system->device), alone) << words_a_turn << " words a turn, " << fate;
       EXPECT_GT(system->stats().drawn, 100U);
     }
   }
@@ -181,8 +181,8 @@ TEST_F(Faults, APartitionLeavesNoForceAndContactReturnsWithin500MsOfItsEnd) {
     system->set_faults({}, {});
     const std::int64_t mended_ns = now_ns();
     system->run_for_ns(1500 * kMs);
-    ASSERT_TRUE(system->felt_after_ns(mended_ns)) << cut_for_ns;
-    EXPECT_LE(*system->felt_after_ns(mended_ns) - mended_ns, 500 * kMs) << cut_for_ns;
+    ASSERT_TRUE(system->force_after_ns(mended_ns)) << cut_for_ns;
+    EXPECT_LE(*system->force_after_ns(mended_ns) - mended_ns, 500 * kMs) << cut_for_ns;
     EXPECT_NEAR(system->force_n().z(), 2.0, 0.05);
     expect_bounded(system->device);
   }
@@ -261,7 +261,7 @@ TEST_F(Faults, HundredsOfReplayedHandshakesACycleDoNotChangeTheForce) {
   const LinkKey key = system->key();
   ClientHandshake node(RoleKey(key, KeyRole::haptics), 9, AgreementWorker::Where::caller);
   node.begin();
-  node.ask(1);
+  node.start_request(1);
   std::vector<std::byte> request(seal::kRequestBytes);
   ASSERT_EQ(node.poll(request), ClientHandshake::Finished::request);
   const ResponseTracker::Counts before = system->stats().responses;

@@ -208,7 +208,7 @@ class SimulatedSystem {
     return since;
   }
   // The first force at or after that time.
-  std::optional<std::int64_t> felt_after_ns(std::int64_t time_ns) const {
+  std::optional<std::int64_t> force_after_ns(std::int64_t time_ns) const {
     for (const auto& written : device.written) {
       if (written.time_ns >= time_ns && written.force_n != Vec3::Zero()) return written.time_ns;
     }

@@ -7,17 +7,17 @@
 FUZZ_TARGET(codec) {
   using namespace hapton;
   static Codec codec;
-  Datagram heard;
-  const DecodeStatus status = codec.decode(std::as_bytes(bytes), heard);
+  Datagram arrived;
+  const DecodeStatus status = codec.decode(std::as_bytes(bytes), arrived);
   if (status != DecodeStatus::truncated && status != DecodeStatus::wrong_version) fuzz::note_passage();
   if (status != DecodeStatus::ok) return;
   std::array<std::byte, kMaxDatagramBytes> said;
-  const std::size_t size = codec.encode(heard, said);
+  const std::size_t size = codec.encode(arrived, said);
   if (size == 0) return;  // unknown fields are not kept, so that it can only become shorter
   Datagram again;
   fuzz::require(codec.decode(std::span(said).first(size), again) == DecodeStatus::ok);
-  fuzz::require(again.message.index() == heard.message.index());
-  fuzz::require(again.header.sequence == heard.header.sequence);
+  fuzz::require(again.message.index() == arrived.message.index());
+  fuzz::require(again.header.sequence == arrived.header.sequence);
 }
 
 namespace {

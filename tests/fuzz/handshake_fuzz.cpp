@@ -149,17 +149,17 @@ class Line {
     std::array<std::byte, kMaxDatagramBytes> into;
     const Received received = to_hub ? hub_.receive(into, 0) : node_.receive(into, 0);
     end.has_next = false;
-    if (received.bytes != 0) heard(std::span(into).first(received.bytes), to_hub);
+    if (received.bytes != 0) arrived(std::span(into).first(received.bytes), to_hub);
   }
 
-  void heard(std::span<const std::byte> word, bool by_hub) {
+  void arrived(std::span<const std::byte> word, bool by_hub) {
     std::uint32_t number = 0;
     fuzz::require(word.size() == sizeof number);
     std::copy(word.begin(), word.end(), std::as_writable_bytes(std::span(&number, 1)).begin());
     // Sent by the other side. While a new session is requested a datagram is sent in both sessions: it may arrive once in each.
     fuzz::require((by_hub ? said_by_node_ : said_by_hub_).contains(number));
-    const std::size_t times = (by_hub ? heard_by_hub_ : heard_by_node_).insert(number).second ? 1 : 2;
-    if (times == 2) fuzz::require(by_hub && ++heard_twice_ <= node_.seal_counts().handshakes);
+    const std::size_t times = (by_hub ? received_by_hub_ : received_by_node_).insert(number).second ? 1 : 2;
+    if (times == 2) fuzz::require(by_hub && ++received_twice_ <= node_.seal_counts().handshakes);
   }
 
   SimulatedClock clock_;
@@ -175,9 +175,9 @@ class Line {
   std::uint32_t words_ = 0;
   std::set<std::uint32_t> said_by_node_;
   std::set<std::uint32_t> said_by_hub_;
-  std::set<std::uint32_t> heard_by_hub_;
-  std::set<std::uint32_t> heard_by_node_;
-  std::uint64_t heard_twice_ = 0;
+  std::set<std::uint32_t> received_by_hub_;
+  std::set<std::uint32_t> received_by_node_;
+  std::uint64_t received_twice_ = 0;
 };
 
 }  // namespace

@@ -14,7 +14,7 @@ FUZZ_TARGET(vrpn) {
   while (goes_on && !rest.empty()) {
     const auto now = rest.first(std::min(piece, rest.size()));
     rest = rest.subspan(now.size());
-    goes_on = client.hear(std::as_bytes(now), {1, 2});
+    goes_on = client.receive(std::as_bytes(now), {1, 2});
     client.take_workspace_request();
     // A reply is no longer than its request plus our names.
     fuzz::require(client.out().size() <= bytes.size() + 1024);

@@ -57,10 +57,10 @@ TEST(HapticsStep, GoesOnFeelingWhereAnotherNodeLeftOff) {
 
   inside.is_resumed = true;
   inside.p_WP = Vec3(0.01, 0.01, 0.0);
-  HapticsStep told(make_touch(), kOffset);
-  const ForceCommand felt = answer(told, inside);
-  EXPECT_TRUE(felt.contact);
-  EXPECT_NEAR((felt.force_n - Vec3(0, 0, 2)).norm(), 0.0, 1e-3);
+  HapticsStep reported(make_touch(), kOffset);
+  const ForceCommand output = answer(reported, inside);
+  EXPECT_TRUE(output.contact);
+  EXPECT_NEAR((output.force_n - Vec3(0, 0, 2)).norm(), 0.0, 1e-3);
 
   // The hand has moved too far since.
   inside.p_WD.z() = -1.1 * kResumeReachM;

@@ -54,12 +54,12 @@ TEST(MethodBuilder, BuildsEveryRequestedMethod) {
 TEST(MethodBuilder, AnImpossibleMethodIsReportedWithItsReasonAndBuildsNothing) {
   MethodBuilder builder({.probe_radius_m = 0.001}, one_sphere());
   EXPECT_EQ(builder.take_rejection(), nullptr);
-  std::uint32_t ask = 6;
+  std::uint32_t request_id = 6;
   for (const auto& [name, reason] : {std::pair("sixteen letters!", "'sixteen letters!' is not known"), std::pair("sweep", "radius")}) {
-    builder.request(name_of(name), ++ask);
+    builder.request(name_of(name), ++request_id);
     const RejectedMethod* rejected = wait_for_refusal(builder);
     ASSERT_NE(rejected, nullptr);
-    EXPECT_EQ(rejected->ask, ask);
+    EXPECT_EQ(rejected->request_id, request_id);
     EXPECT_NE(std::string_view(rejected->why.data()).find(reason), std::string_view::npos) << rejected->why.data();
     EXPECT_EQ(builder.take_rejection(), nullptr);
     EXPECT_EQ(builder.take(), nullptr);
@@ -67,7 +67,7 @@ TEST(MethodBuilder, AnImpossibleMethodIsReportedWithItsReasonAndBuildsNothing) {
   builder.request(name_of("proxy"), 42);
   const auto built = wait_for_method(builder);
   ASSERT_NE(built, nullptr);
-  EXPECT_EQ(built->ask, 42U);
+  EXPECT_EQ(built->request_id, 42U);
   EXPECT_EQ(builder.take_rejection(), nullptr);
 }
 

@@ -72,7 +72,7 @@ class Hand {
   void lift() { go(s_, 0.001); }
 
   HapticsStep& step() { return step_; }
-  const ForceCommand& felt() const { return felt_; }
+  const ForceCommand& output() const { return output_; }
   // Since press, beyond twice the stiffness times the motion.
   double largest_excess_n() const { return largest_excess_n_; }
   double largest_change_n() const { return largest_change_n_; }
@@ -81,11 +81,11 @@ class Hand {
  private:
   void go(double s, double h) {
     const Vec3 p_WD = shape_.at(s, h);
-    const Vec3 before_n = felt_.force_n;
+    const Vec3 before_n = output_.force_n;
     time_ns_ += std::llround(1e9 * dt_s_);
     step_.offer({.sample = ++sample_, .sample_time_ns = time_ns_, .p_WD = p_WD});
-    felt_ = step_.answer();
-    const double change_n = (felt_.force_n - before_n).norm();
+    output_ = step_.answer();
+    const double change_n = (output_.force_n - before_n).norm();
     largest_change_n_ = std::max(largest_change_n_, change_n);
     largest_excess_n_ = std::max(largest_excess_n_, change_n - 2.0 * kStiffness * (p_WD - p_WD_).norm());
     p_WD_ = p_WD;
@@ -94,7 +94,7 @@ class Hand {
 
   const Shape& shape_;
   HapticsStep step_;
-  ForceCommand felt_;
+  ForceCommand output_;
   Vec3 p_WD_ = Vec3::Zero();
   double s_ = 0.0;
   double dt_s_ = 1e-3;
@@ -123,19 +123,19 @@ TEST_P(MethodSwitch, InContactChangesTheForceByNoMoreThanMotionAndFadeExplain) {
       Hand hand(shape_, from_, scene);
       hand.press();
       hand.go_on(20, dt_s, slides);
-      ASSERT_TRUE(hand.felt().contact);
+      ASSERT_TRUE(hand.output().contact);
       hand.step().replace(make_touch(to_, scene));
       hand.go_on(static_cast<int>(0.15 / dt_s), dt_s, slides);
       const double fade_n = 2.0 * hand.largest_force_n() * dt_s / ForceFade::kInContactS;
       EXPECT_LE(hand.largest_excess_n(), fade_n + facet_jump_n(shape_, hand) + 1e-9)
           << (slides ? "sliding, " : "resting, ") << dt_s << " s";
 
-      EXPECT_TRUE(hand.felt().contact);
+      EXPECT_TRUE(hand.output().contact);
       if (to_ == "sweep") continue;  // its contact point lags behind
       Hand other(shape_, to_, scene);
       other.press();
       other.go_on(20 + static_cast<int>(0.15 / dt_s), dt_s, slides);
-      EXPECT_NEAR(hand.felt().force_n.norm(), other.felt().force_n.norm(), 0.12 * other.felt().force_n.norm())
+      EXPECT_NEAR(hand.output().force_n.norm(), other.output().force_n.norm(), 0.12 * other.output().force_n.norm())
           << "the new one feels alone, but at rest the friction that pulled before is gone";
     }
   }
@@ -169,15 +169,15 @@ TEST_P(MethodSwitch, WhenTheHandLeavesTheOldForceIsGoneInTenMilliseconds) {
   Hand hand(shape_, from_, scene);
   hand.press();
   hand.step().replace(make_touch(to_, scene));
-  const double felt_n = hand.felt().force_n.norm();
+  const double felt_n = hand.output().force_n.norm();
   hand.lift();
-  double last_n = hand.felt().force_n.norm();
+  double last_n = hand.output().force_n.norm();
   EXPECT_LE(last_n, 0.9 * felt_n + 1e-12);
   for (int i = 0; i < 10; ++i) {
     hand.lift();
-    EXPECT_LE(hand.felt().force_n.norm(), last_n);
-    EXPECT_EQ(hand.felt().contact, !hand.felt().force_n.isZero(0.0));
-    last_n = hand.felt().force_n.norm();
+    EXPECT_LE(hand.output().force_n.norm(), last_n);
+    EXPECT_EQ(hand.output().contact, !hand.output().force_n.isZero(0.0));
+    last_n = hand.output().force_n.norm();
   }
   EXPECT_EQ(last_n, 0.0);
 }
@@ -200,12 +200,12 @@ TEST_P(RateSwitch, InContactDoesNotChangeTheForce) {
     Hand hand(shape, name, scene);
     hand.press();
     hand.go_on(50, 1e-3, slides);
-    const Vec3 before_n = hand.felt().force_n;
+    const Vec3 before_n = hand.output().force_n;
     for (const double dt_s : {2.5e-4, 4e-3, 1e-4, 1e-3}) hand.go_on(20, dt_s, slides);
-    EXPECT_TRUE(hand.felt().contact);
+    EXPECT_TRUE(hand.output().contact);
     EXPECT_LE(hand.largest_excess_n(), facet_jump_n(shape, hand) + 1e-6) << (slides ? "sliding" : "resting");
     if (!slides && name != "sweep") {
-      EXPECT_LE((hand.felt().force_n - before_n).norm(), 1e-6);
+      EXPECT_LE((hand.output().force_n - before_n).norm(), 1e-6);
     }
   }
 }
@@ -219,14 +219,14 @@ TEST(FrictionSwitchedOff, TurnsTheForceSlowly) {
   Hand hand(box, "proxy", scene);
   hand.press();
   hand.go_on(20, 1e-3, false);
-  const double friction_n = Vec3(hand.felt().force_n[0], hand.felt().force_n[1], 0.0).norm();
+  const double friction_n = Vec3(hand.output().force_n[0], hand.output().force_n[1], 0.0).norm();
   EXPECT_GT(friction_n, 0.3 * kStiffness * kDepth);
   hand.step().replace(make_touch("smooth", scene));
   hand.go_on(50, 1e-3, false);
-  EXPECT_NEAR(Vec3(hand.felt().force_n[0], hand.felt().force_n[1], 0.0).norm(), 0.5 * friction_n, 0.01);
+  EXPECT_NEAR(Vec3(hand.output().force_n[0], hand.output().force_n[1], 0.0).norm(), 0.5 * friction_n, 0.01);
   EXPECT_LE(hand.largest_change_n(), 0.0101 * friction_n);
   hand.go_on(60, 1e-3, false);
-  EXPECT_NEAR((hand.felt().force_n - Vec3(0, 0, kStiffness * kDepth)).norm(), 0.0, 1e-6);
+  EXPECT_NEAR((hand.output().force_n - Vec3(0, 0, kStiffness * kDepth)).norm(), 0.0, 1e-6);
 }
 
 }  // namespace

@@ -18,25 +18,25 @@ constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
 
 Result<std::unique_ptr<ForceMethod>> make_any() { return make_method({}, {.objects = {{made::shared(made::sheet(0.1, 0.0, 6)), {}}}}); }
 
-TEST(BuildAndTell, SaysNothingOfWhatIsBuiltInAMoment) {
-  bool told = false;
-  const auto method = build_and_tell(make_any, [&](DoneSignal&) { told = true; });
+TEST(BuildAndNotify, SaysNothingOfWhatIsBuiltInAMoment) {
+  bool notified = false;
+  const auto method = build_and_notify(make_any, [&](DoneSignal&) { notified = true; });
   ASSERT_TRUE(method) << method.error().what;
   EXPECT_NE(*method, nullptr);
-  EXPECT_FALSE(told);
+  EXPECT_FALSE(notified);
 }
 
-TEST(BuildAndTell, PassesAnErrorOn) {
-  const auto method = build_and_tell([]() -> Result<std::unique_ptr<ForceMethod>> { return fail("no such method"); }, [](DoneSignal&) {});
+TEST(BuildAndNotify, PassesAnErrorOn) {
+  const auto method = build_and_notify([]() -> Result<std::unique_ptr<ForceMethod>> { return fail("no such method"); }, [](DoneSignal&) {});
   ASSERT_FALSE(method);
   EXPECT_EQ(method.error().what, "no such method");
 }
 
-TEST(BuildAndTell, NotifiesVisionNodesOfTheTimeTakenUntilItIsDone) {
+TEST(BuildAndNotify, NotifiesVisionNodesOfTheTimeTakenUntilItIsDone) {
   SteadyClock clock;
   auto hub_endpoint = std::move(*open_udp_endpoint("127.0.0.1:0"));
   HubPeers hub(*hub_endpoint, clock, 7, 1000.0);
-  std::vector<SceneFacts> heard;
+  std::vector<SceneFacts> received;
   bool left = false;
   std::atomic<bool> ends{false};
   std::thread listens([&] {
@@ -45,10 +45,10 @@ TEST(BuildAndTell, NotifiesVisionNodesOfTheTimeTakenUntilItIsDone) {
       const auto event = hub.receive(datagram, clock.now_ns() + 10 * kMs);
       if (event.kind == PeerEvent::Kind::left) left = true;
       if (event.kind != PeerEvent::Kind::message) continue;
-      if (const auto* facts = std::get_if<SceneFacts>(&datagram.message)) heard.push_back(*facts);
+      if (const auto* facts = std::get_if<SceneFacts>(&datagram.message)) received.push_back(*facts);
     }
   });
-  const auto method = build_and_tell(
+  const auto method = build_and_notify(
       [&] {
         clock.sleep_until_ns(clock.now_ns() + 1200 * kMs);
         return make_any();
@@ -56,17 +56,17 @@ TEST(BuildAndTell, NotifiesVisionNodesOfTheTimeTakenUntilItIsDone) {
       [&, began_ns = clock.now_ns()](DoneSignal& done) {
         const auto endpoint = std::move(*open_udp_endpoint("127.0.0.1:0"));
         HubClient client(*endpoint, clock, NodeRole::haptics, hub_endpoint->local_address());
-        tell_of_preparation(client, clock, {.given_hash = 5}, began_ns, done);
+        notify_preparation(client, clock, {.given_hash = 5}, began_ns, done);
       });
   clock.sleep_until_ns(clock.now_ns() + 50 * kMs);
   ends = true;
   listens.join();
   ASSERT_TRUE(method);
-  ASSERT_GE(heard.size(), 3U);
-  EXPECT_EQ(heard.front().given_hash, 5U);
-  EXPECT_GT(heard.front().preparing_s, 0.25F);
-  for (std::size_t i = 1; i < heard.size(); ++i) EXPECT_GT(heard[i].preparing_s, heard[i - 1].preparing_s);
-  EXPECT_GT(heard.back().preparing_s, 0.7F);
+  ASSERT_GE(received.size(), 3U);
+  EXPECT_EQ(received.front().given_hash, 5U);
+  EXPECT_GT(received.front().preparing_s, 0.25F);
+  for (std::size_t i = 1; i < received.size(); ++i) EXPECT_GT(received[i].preparing_s, received[i - 1].preparing_s);
+  EXPECT_GT(received.back().preparing_s, 0.7F);
   EXPECT_TRUE(left) << "the place is free for the node that gives forces";
 }
 

@@ -26,7 +26,7 @@ class ReplyLoopTest : public ::testing::Test {
     start_hub(1);
     for (int i = 0; i < 10 && client_.state() != JoinState::joined; ++i) {
       turn(1 * kMs);
-      hear();
+      receive_reply();
     }
   }
 
@@ -38,7 +38,7 @@ class ReplyLoopTest : public ::testing::Test {
   void turn(std::int64_t wait_ns) { loop_.turn(clock_.now_ns() + wait_ns); }
 
   // What the hub receives within 1 ms; the last force command of it.
-  std::optional<ForceCommand> hear() {
+  std::optional<ForceCommand> receive_reply() {
     std::optional<ForceCommand> command;
     const std::int64_t end_ns = clock_.now_ns() + kMs;
     Datagram datagram;
@@ -61,7 +61,7 @@ class ReplyLoopTest : public ::testing::Test {
   std::optional<ForceCommand> exchange(const Vec3& p_WD) {
     send_state(p_WD);
     turn(1 * kMs);
-    return hear();
+    return receive_reply();
   }
 
   SimulatedClock clock_;
@@ -97,7 +97,7 @@ TEST_F(ReplyLoopTest, ABacklogGetsOneAnswerToItsNewest) {
   send_state({0.01, 0.01, 0.002});
   send_state({0.01, 0.01, 0.001});
   turn(1 * kMs);
-  const auto command = hear();
+  const auto command = receive_reply();
   ASSERT_TRUE(command);
   EXPECT_EQ(command->echo_sample, 3U);
   EXPECT_EQ(command->skipped_samples, 2U);
@@ -133,7 +133,7 @@ TEST_F(ReplyLoopTest, AMethodChangesWhileInContact) {
 
 TEST_F(ReplyLoopTest, ARequesterOfAMethodIsNotifiedOfTheResult) {
   exchange({0.01, 0.01, 0.001});
-  const auto ask = [&](std::string_view name, std::uint32_t number) {
+  const auto request_method = [&](std::string_view name, std::uint32_t number) {
     Settings settings{.method_request = number};
     std::copy(name.begin(), name.end(), settings.method.begin());
     for (int i = 0; i < 500 && setups_.back().method_request != number; ++i) {
@@ -143,12 +143,12 @@ TEST_F(ReplyLoopTest, ARequesterOfAMethodIsNotifiedOfTheResult) {
     }
     return setups_.back();
   };
-  const HapticsSetup rejected = ask("magic", 7);
+  const HapticsSetup rejected = request_method("magic", 7);
   EXPECT_EQ(rejected.method_request, 7U);
   EXPECT_NE(std::string_view(rejected.rejection.data()).find("'magic' is not known"), std::string_view::npos) << rejected.rejection.data();
   EXPECT_EQ(step_.counts().methods_taken, 0U);
 
-  const HapticsSetup taken = ask("proxy", 8);
+  const HapticsSetup taken = request_method("proxy", 8);
   EXPECT_EQ(taken.method_request, 8U);
   EXPECT_STREQ(taken.rejection.data(), "");
   EXPECT_EQ(taken.method_serial, 1U);
@@ -190,7 +190,7 @@ TEST_F(ReplyLoopTest, TheFirstAnswerWaitsUntilWhatIsNearIsBuilt) {
   for (int i = 0; i < 1000 && !first; ++i) {
     send_state({0.01, 0.01, 0.001});
     loop.turn(clock_.now_ns() + kMs);
-    first = hear();
+    first = receive_reply();
     std::this_thread::sleep_for(std::chrono::milliseconds(5));  // the builder lives in real time
   }
   ASSERT_TRUE(first);
@@ -199,7 +199,7 @@ TEST_F(ReplyLoopTest, TheFirstAnswerWaitsUntilWhatIsNearIsBuilt) {
   // From now on every one.
   send_state({0.01, 0.01, -0.002});
   loop.turn(clock_.now_ns() + kMs);
-  EXPECT_TRUE(hear()->contact);
+  EXPECT_TRUE(receive_reply()->contact);
 }
 
 // A method with a slow task as long as the test wants.
@@ -233,7 +233,7 @@ TEST_F(ReplyLoopTest, WhileTheFirstReplyIsPendingVisionIsNotifiedForHowLong) {
     for (int i = 0; i < turns; ++i) {
       send_state({0.01, 0.01, 0.001});
       loop.turn(clock_.now_ns() + kMs);
-      hear();
+      receive_reply();
     }
   };
   turn_on(2000);  // of a millisecond each
@@ -259,7 +259,7 @@ TEST_F(ReplyLoopTest, ANewHubSessionResumesWhereTheHandStillIsAndRestartsElsewhe
     start_hub(++session);
     for (int i = 0; i < 2000 && client_.session() != session; ++i) {
       turn(1 * kMs);
-      hear();
+      receive_reply();
     }
     ASSERT_EQ(client_.session(), session);
     const auto command = exchange({0.01, 0.01, -depth});
@@ -277,7 +277,7 @@ TEST_F(ReplyLoopTest, AnOvertakenStateIsNotAnsweredAfterANewerOne) {
     const std::uint64_t answered_before = step_.counts().answered;
     turn(1 * kMs);
     if (step_.counts().answered > answered_before) {
-      const auto command = hear();
+      const auto command = receive_reply();
       if (command) {
         newest = std::max(newest, command->echo_sample);
       }

@@ -61,7 +61,7 @@ class Guest : public ::testing::Test {
     return false;
   }
   // Waits for this many more samples, whatever the device does.
-  bool hears_more(std::uint64_t samples) const {
+  bool receives_more(std::uint64_t samples) const {
     const std::uint64_t from = haptics_->states();
     return wait_until([&] { return haptics_->states() >= from + samples; });
   }
@@ -73,15 +73,15 @@ class Guest : public ::testing::Test {
 };
 
 // From zero, in steps, to the earlier force: no jump to it.
-void expect_ramp(const std::vector<Vec3>& told, const Vec3& full) {
-  ASSERT_FALSE(told.empty());
-  EXPECT_LT(told.front().norm(), 0.05 * full.norm());
+void expect_ramp(const std::vector<Vec3>& received, const Vec3& full) {
+  ASSERT_FALSE(received.empty());
+  EXPECT_LT(received.front().norm(), 0.05 * full.norm());
   std::size_t between = 0;
-  for (const Vec3& value : told) between += value.norm() > 0.05 * full.norm() && value.norm() < 0.9 * full.norm() ? 1 : 0;
+  for (const Vec3& value : received) between += value.norm() > 0.05 * full.norm() && value.norm() < 0.9 * full.norm() ? 1 : 0;
   EXPECT_GE(between, 3U);
 }
 
-void tell(const UhidDevice& device) {
+void write_event(const UhidDevice& device) {
   std::printf("device: %llu reports in, %llu out\n", static_cast<unsigned long long>(device.inputs()),
               static_cast<unsigned long long>(device.outputs()));
 }
@@ -108,35 +108,35 @@ TEST_F(GuestWithWooden, IsFoundTouchedUnpluggedInContactAndTouchedAgain) {
   start("wooden-haptics");
   const double wall_z_m = z_of(device) - 0.002;
   touch_a_wall(wall_z_m);
-  ASSERT_TRUE(hears_more(100));
+  ASSERT_TRUE(receives_more(100));
   EXPECT_NEAR(p().z(), z_of(device), 1e-9);
   // Into the wall, slowly, 6 mm.
   const double outside_deg = 35.0;
   for (double in_deg = 0.0; in_deg <= 2.0; in_deg += 0.02) {
     device.lean(outside_deg - in_deg);
-    ASSERT_TRUE(hears_more(2));
+    ASSERT_TRUE(receives_more(2));
   }
   const double depth_m = wall_z_m - z_of(device);
   ASSERT_GT(depth_m, 0.003);
   const Vec3 expected = expected_ma(device, WallHaptics::kStiffnessNPerM * depth_m);
-  const auto is_felt = [&] { return (device.told().last() - expected).norm() < 0.02 * expected.norm(); };
-  EXPECT_TRUE(wait_until(is_felt)) << device.told().last().transpose() << " mA, not " << expected.transpose();
-  ASSERT_TRUE(hears_more(100));
+  const auto is_reached = [&] { return (device.received().last() - expected).norm() < 0.02 * expected.norm(); };
+  EXPECT_TRUE(wait_until(is_reached)) << device.received().last().transpose() << " mA, not " << expected.transpose();
+  ASSERT_TRUE(receives_more(100));
   EXPECT_TRUE(wait_until([&] { return device.outputs() > 300; }));
-  EXPECT_TRUE(wait_until(is_felt));
+  EXPECT_TRUE(wait_until(is_reached));
 
   device.unplug();
   EXPECT_TRUE(wait_until([&] { return !is_node("W8"); }));
-  ASSERT_TRUE(hears_more(100)) << "the servo goes on";
+  ASSERT_TRUE(receives_more(100)) << "the servo goes on";
   EXPECT_TRUE(io_node_->is_running());
   device.forget();
   device.plug_in();
-  EXPECT_TRUE(wait_until(is_felt)) << device.told().last().transpose() << " mA, not " << expected.transpose();
-  expect_ramp(device.told().all(), expected);
+  EXPECT_TRUE(wait_until(is_reached)) << device.received().last().transpose() << " mA, not " << expected.transpose();
+  expect_ramp(device.received().all(), expected);
 
   end();
-  EXPECT_EQ(device.told().last(), Vec3::Zero());
-  tell(device);
+  EXPECT_EQ(device.received().last(), Vec3::Zero());
+  write_event(device);
 }
 
 TEST_F(GuestWithWooden, OfTheLaterKindWithSixEncodersIsTouched) {
@@ -146,7 +146,7 @@ TEST_F(GuestWithWooden, OfTheLaterKindWithSixEncodersIsTouched) {
   start("wooden-haptics");
   touch_a_wall(z_of(device) + 0.005);
   const Vec3 expected = expected_ma(device, WallHaptics::kStiffnessNPerM * 0.005);
-  EXPECT_TRUE(wait_until([&] { return (device.told().last() - expected).norm() < 0.02 * expected.norm(); }));
+  EXPECT_TRUE(wait_until([&] { return (device.received().last() - expected).norm() < 0.02 * expected.norm(); }));
   end();
 }
 
@@ -156,36 +156,36 @@ TEST_F(Guest, HaptonHidIsFoundTouchedFrozenUnpluggedInContactAndTouchedAgain) {
   ASSERT_TRUE(wait_until([&] { return is_node("V1"); }));
   start("hapton-hid");
   touch_a_wall(0.0);
-  ASSERT_TRUE(hears_more(100));
+  ASSERT_TRUE(receives_more(100));
   EXPECT_NEAR(p().z(), 0.05, 1e-6);
   for (double z_m = 0.05; z_m >= -0.0051; z_m -= 0.0005) {
     device.move_to(z_m);
-    ASSERT_TRUE(hears_more(2));
+    ASSERT_TRUE(receives_more(2));
   }
   const Vec3 expected(0, 0, 1.5);
   device.move_to(-0.005);
-  const auto is_felt = [&] { return device.is_on() && (device.told().last() - expected).norm() < 0.01; };
-  EXPECT_TRUE(wait_until(is_felt)) << device.told().last().transpose() << " N";
-  ASSERT_TRUE(hears_more(100));
+  const auto is_reached = [&] { return device.is_on() && (device.received().last() - expected).norm() < 0.01; };
+  EXPECT_TRUE(wait_until(is_reached)) << device.received().last().transpose() << " N";
+  ASSERT_TRUE(receives_more(100));
   EXPECT_TRUE(wait_until([&] { return device.outputs() > 300; }));
-  EXPECT_TRUE(wait_until(is_felt));
+  EXPECT_TRUE(wait_until(is_reached));
 
   io_node_->send_signal(SIGSTOP);
   EXPECT_TRUE(wait_until([&] { return !device.is_on(); })) << "the device's own watchdog";
   io_node_->send_signal(SIGCONT);
-  EXPECT_TRUE(wait_until(is_felt)) << "armed again";
+  EXPECT_TRUE(wait_until(is_reached)) << "armed again";
 
   device.unplug();
-  ASSERT_TRUE(hears_more(100));
+  ASSERT_TRUE(receives_more(100));
   EXPECT_TRUE(io_node_->is_running());
   device.forget();
   device.plug_in();
-  EXPECT_TRUE(wait_until(is_felt)) << device.told().last().transpose() << " N";
-  expect_ramp(device.told().all(), expected);
+  EXPECT_TRUE(wait_until(is_reached)) << device.received().last().transpose() << " N";
+  expect_ramp(device.received().all(), expected);
 
   end();
   EXPECT_FALSE(device.is_on());
-  tell(device);
+  write_event(device);
 }
 
 TEST_F(Guest, SpaceMouseMovesTheHandUntilItIsUnpluggedAndAgainAfterwards) {
@@ -194,7 +194,7 @@ TEST_F(Guest, SpaceMouseMovesTheHandUntilItIsUnpluggedAndAgainAfterwards) {
   ASSERT_TRUE(wait_until([&] { return is_node("S1"); }));
   start("spacemouse");
   touch_a_wall(-1.0);
-  ASSERT_TRUE(hears_more(100));
+  ASSERT_TRUE(receives_more(100));
   const Vec3 start_m = p();
   device.push(350, 2);
   EXPECT_TRUE(wait_until([&] { return p().x() > start_m.x() + 0.01; }));
@@ -202,7 +202,7 @@ TEST_F(Guest, SpaceMouseMovesTheHandUntilItIsUnpluggedAndAgainAfterwards) {
   device.unplug();
   EXPECT_TRUE(wait_until([&] {
     const Vec3 before = p();
-    return hears_more(100) && p() == before;
+    return receives_more(100) && p() == before;
   }));
   device.push(-350, 0);
   const double there_m = p().x();
@@ -238,8 +238,8 @@ TEST_F(Guest, UdevGivesEachDeviceToPlugdevAndOpeningWaitsForThat) {
 }
 
 TEST_F(Guest, ADeviceWithoutARuleIsRejectedWithTheRemedy) {
-  VirtualStranger stranger;
-  stranger.plug_in();
+  VirtualUnknownDevice unknown;
+  unknown.plug_in();
   ASSERT_TRUE(wait_until([&] { return is_node("X1"); }));
   const AsNobody as_nobody;
   const auto opened = open_hid_device(list_hid_devices().front());

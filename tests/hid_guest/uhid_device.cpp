@@ -18,7 +18,7 @@ constexpr std::uint16_t kBusUsb = 3;
 
 std::uint32_t now_us() { return static_cast<std::uint32_t>(SteadyClock().now_ns() / 1000); }
 
-bool tell(int descriptor, const uhid_event& event) { return ::write(descriptor, &event, sizeof event) == sizeof event; }
+bool write_event(int descriptor, const uhid_event& event) { return ::write(descriptor, &event, sizeof event) == sizeof event; }
 
 void put_text(__u8* into, std::size_t room, const std::string& text) { std::memcpy(into, text.data(), std::min(text.size(), room - 1)); }
 
@@ -36,7 +36,7 @@ void UhidDevice::plug_in() {
   event.u.create2.product = identity_.pid;
   event.u.create2.rd_size = static_cast<__u16>(identity_.descriptor.size());
   std::copy(identity_.descriptor.begin(), identity_.descriptor.end(), event.u.create2.rd_data);
-  ASSERT_TRUE(tell(descriptor_, event)) << "the kernel rejects the device: " << std::strerror(errno);
+  ASSERT_TRUE(write_event(descriptor_, event)) << "the kernel rejects the device: " << std::strerror(errno);
   ends_ = false;
   thread_ = std::thread([this] { run(); });
 }
@@ -47,7 +47,7 @@ void UhidDevice::unplug() {
   thread_.join();
   uhid_event event = {};
   event.type = UHID_DESTROY;
-  EXPECT_TRUE(tell(descriptor_, event));
+  EXPECT_TRUE(write_event(descriptor_, event));
   ::close(descriptor_);
   descriptor_ = -1;
 }
@@ -61,14 +61,14 @@ void UhidDevice::run() {
       event.type = UHID_INPUT2;
       event.u.input2.size = static_cast<__u16>(report.size());
       std::copy(report.begin(), report.end(), event.u.input2.data);
-      inputs_ += tell(descriptor_, event) ? 1 : 0;
+      inputs_ += write_event(descriptor_, event) ? 1 : 0;
     }
     next_ns = std::max(next_ns + kNanosecondsPerMillisecond, clock.now_ns());
-    while (clock.now_ns() < next_ns) hear(1);
+    while (clock.now_ns() < next_ns) receive(1);
   }
 }
 
-void UhidDevice::hear(int wait_ms) {
+void UhidDevice::receive(int wait_ms) {
   pollfd waited{descriptor_, POLLIN, 0};
   if (::poll(&waited, 1, wait_ms) <= 0) return;
   uhid_event event = {};
@@ -84,7 +84,7 @@ void UhidDevice::hear(int wait_ms) {
     reply.u.get_report_reply.err = feature.empty() ? EIO : 0;
     reply.u.get_report_reply.size = static_cast<__u16>(feature.size());
     std::copy(feature.begin(), feature.end(), reply.u.get_report_reply.data);
-    EXPECT_TRUE(tell(descriptor_, reply));
+    EXPECT_TRUE(write_event(descriptor_, reply));
   }
 }
 

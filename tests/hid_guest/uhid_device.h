@@ -42,7 +42,7 @@ class UhidDevice {
 
  private:
   void run();
-  void hear(int wait_ms);
+  void receive(int wait_ms);
 
   Identity identity_;
   int descriptor_ = -1;

@@ -72,7 +72,7 @@ void VirtualWooden::take_output(const Bytes& report, std::uint32_t) {
   const std::size_t size = has_wrist_ ? 14 : 8;
   if (report.size() != size && report.size() != size + 1) return;
   const std::size_t at = report.size() - size;
-  told_.add(Vec3(int16_at(report, at), int16_at(report, at + 2), int16_at(report, at + 4)));
+  received_.add(Vec3(int16_at(report, at), int16_at(report, at + 2), int16_at(report, at + 4)));
 }
 
 VirtualHaptonHid::VirtualHaptonHid()
@@ -97,7 +97,7 @@ void VirtualHaptonHid::take_output(const Bytes& report, std::uint32_t time_us) {
   if (!hapton_hid_take_force(&device_, report.data(), report.size(), time_us)) return;
   float force[3], torque[3];
   hapton_hid_motors(&device_, time_us, force, torque);
-  told_.add(Vec3(force[0], force[1], force[2]));
+  received_.add(Vec3(force[0], force[1], force[2]));
 }
 
 Bytes VirtualHaptonHid::make_feature(std::uint8_t id) {
@@ -119,6 +119,6 @@ std::vector<Bytes> VirtualSpaceMouse::make_inputs(std::uint32_t time_us) {
   return {pushed, turned, pressed};
 }
 
-VirtualStranger::VirtualStranger() : UhidDevice({"Stranger", "X1", 0xCAFE, 0x0001, wooden_descriptor(8)}) {}
+VirtualUnknownDevice::VirtualUnknownDevice() : UhidDevice({"Unknown", "X1", 0xCAFE, 0x0001, wooden_descriptor(8)}) {}
 
 }  // namespace hapton::guest

@@ -7,28 +7,28 @@
 namespace hapton::guest {
 
 // The commands to a virtual device's motors since it was plugged in, in the order of its reports.
-class Told {
+class ReceivedForces {
  public:
   void clear() {
     const std::lock_guard lock(mutex_);
-    told_.clear();
+    received_.clear();
   }
   void add(const Vec3& value) {
     const std::lock_guard lock(mutex_);
-    told_.push_back(value);
+    received_.push_back(value);
   }
   std::vector<Vec3> all() const {
     const std::lock_guard lock(mutex_);
-    return told_;
+    return received_;
   }
   Vec3 last() const {
     const std::lock_guard lock(mutex_);
-    return told_.empty() ? Vec3::Zero() : told_.back();
+    return received_.empty() ? Vec3::Zero() : received_.back();
   }
 
  private:
   mutable std::mutex mutex_;
-  std::vector<Vec3> told_;
+  std::vector<Vec3> received_;
 };
 
 // WoodenHaptics as its firmware presents itself, with 3 or 6 encoders. The upper arm leans 40 degrees, the column does not move.
@@ -42,8 +42,8 @@ class VirtualWooden final : public UhidDevice {
   // The encoders' counts of the three bodies.
   std::array<std::int16_t, 3> counts() const;
   // Currents in mA.
-  const Told& told() const { return told_; }
-  void forget() { told_.clear(); }
+  const ReceivedForces& received() const { return received_; }
+  void forget() { received_.clear(); }
 
  protected:
   std::vector<Bytes> make_inputs(std::uint32_t time_us) override;
@@ -53,7 +53,7 @@ class VirtualWooden final : public UhidDevice {
   bool has_wrist_;
   std::atomic<double> degrees_ = 35.0;
   std::uint16_t counter_ = 0;
-  Told told_;
+  ReceivedForces received_;
 };
 
 // A Hapton HID device made of docs/hid/hapton_hid_device.c.
@@ -69,8 +69,8 @@ class VirtualHaptonHid final : public UhidDevice {
   // Whether its motors are on, as of its newest state.
   bool is_on() const { return is_on_; }
   // What its motors do, N.
-  const Told& told() const { return told_; }
-  void forget() { told_.clear(); }
+  const ReceivedForces& received() const { return received_; }
+  void forget() { received_.clear(); }
 
  protected:
   std::vector<Bytes> make_inputs(std::uint32_t time_us) override;
@@ -81,7 +81,7 @@ class VirtualHaptonHid final : public UhidDevice {
   hapton_hid_device device_;
   std::atomic<double> z_m_ = 0.05;
   std::atomic<bool> is_on_ = false;
-  Told told_;
+  ReceivedForces received_;
 };
 
 // A SpaceMouse with a settable cap: 16 ms a report, translations and rotations alternating.
@@ -105,10 +105,10 @@ class VirtualSpaceMouse final : public UhidDevice {
 };
 
 // An unsupported device.
-class VirtualStranger final : public UhidDevice {
+class VirtualUnknownDevice final : public UhidDevice {
  public:
-  VirtualStranger();
-  ~VirtualStranger() override { unplug(); }
+  VirtualUnknownDevice();
+  ~VirtualUnknownDevice() override { unplug(); }
 
  protected:
   std::vector<Bytes> make_inputs(std::uint32_t) override { return {}; }

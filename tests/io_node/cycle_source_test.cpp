@@ -162,11 +162,11 @@ TEST_F(Servos, AFloodOfRubbishDoesNotHoldUpTheLoop) {
   clock.advance_ns(5 * kMs);
   for (int n = 0; n < 500; ++n) endpoint.arrive_raw(clock.now_ns(), at(66), rubbish);
   const std::size_t reads = device.reads.size();
-  const std::uint64_t heard = stats().hub.undecodable;
+  const std::uint64_t received = stats().hub.undecodable;
   servo->step();
   EXPECT_EQ(device.reads.size(), reads + 1);
   run(100);
-  EXPECT_EQ(stats().hub.undecodable, heard + 500);
+  EXPECT_EQ(stats().hub.undecodable, received + 500);
   EXPECT_EQ(stats().governor.counters.command_timeouts, 0U);
 }
 

@@ -58,8 +58,8 @@ struct DeviceLoops : testing::Test {
     clock.sleep_until_ns(loop.tick_ns());
     loop.begin_cycle();
     ASSERT_TRUE(loop.run_cycle());
-    DeviceCycle told;
-    while (loop.take_cycle(told)) newest = told;
+    DeviceCycle reported;
+    while (loop.take_cycle(reported)) newest = reported;
     clock.advance_ns(100'000);
     if (force_n) loop.post({{.force_n = *force_n}, newest.sample.time_ns});
   }
@@ -83,7 +83,7 @@ TEST_F(DeviceLoops, AResetThatNeedsTheSwitchTakesEffectOnlyWhileItIsHeld) {
       clock.sleep_until_ns(held.tick_ns());
       held.begin_cycle();
       ASSERT_TRUE(held.run_cycle());
-      for (DeviceCycle told; held.take_cycle(told);) newest = told;
+      for (DeviceCycle reported; held.take_cycle(reported);) newest = reported;
     }
   };
   device.buttons = 1U << 1;
@@ -229,10 +229,10 @@ TEST_F(DeviceLoops, ANetworkSideThatIsFarBehindLosesCyclesButNotTheNewestOrder) 
     loop.begin_cycle();
     ASSERT_TRUE(loop.run_cycle());
   }
-  DeviceCycle told;
+  DeviceCycle reported;
   std::uint64_t count = 0;
-  for (std::uint64_t last = 0; loop.take_cycle(told); last = told.number) {
-    EXPECT_EQ(told.number, last + 1);
+  for (std::uint64_t last = 0; loop.take_cycle(reported); last = reported.number) {
+    EXPECT_EQ(reported.number, last + 1);
     ++count;
   }
   EXPECT_EQ(count, DeviceLoop::kCyclesKept);

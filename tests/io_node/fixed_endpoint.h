@@ -18,8 +18,8 @@ class FixedEndpoint final : public Endpoint {
   explicit FixedEndpoint(SimulatedClock& clock) : clock_(clock) {}
 
   bool send(const Address&, std::span<const std::byte> bytes) noexcept override {
-    if (codec_.decode(bytes, heard_) != DecodeStatus::ok) return true;
-    const auto* state = std::get_if<DeviceState>(&heard_.message);
+    if (codec_.decode(bytes, received_) != DecodeStatus::ok) return true;
+    const auto* state = std::get_if<DeviceState>(&received_.message);
     if (state == nullptr) return true;
     ForceCommand force;
     force.echo_sample = state->sample;
@@ -53,7 +53,7 @@ class FixedEndpoint final : public Endpoint {
  private:
   SimulatedClock& clock_;
   Codec codec_;
-  Datagram heard_;
+  Datagram received_;
   Datagram said_;
   std::array<std::byte, kMaxDatagramBytes> outgoing_ = {};
   std::size_t bytes_ = 0;

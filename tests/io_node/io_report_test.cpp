@@ -120,8 +120,8 @@ TEST(IoReport, NamesTheNodesThatAreThereAndHowFarTheirClockIsOff) {
   haptics.address = {{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF, 10, 0, 0, 2}, 4444};
   haptics.joined_ns = 6'000'000'000;
   haptics.sent = 1000;
-  haptics.heard.received = 990;
-  haptics.heard.lost = 10;
+  haptics.sequence.received = 990;
+  haptics.sequence.lost = 10;
   stats->hops.is_offset_known = true;
   stats->hops.clock_offset_ns = -1'500'000;
   stats->hops.clock_error_ns = 20'000;

@@ -10,9 +10,9 @@ namespace {
 using Kinds = std::vector<ServoEvent::Kind>;
 
 Kinds check(UnknownPeerNotices& notices, const SealCounts& seal, const HubCounts& hub, std::int64_t now_ns) {
-  Kinds told;
-  notices.check(seal, hub, now_ns, [&](ServoEvent::Kind kind) { told.push_back(kind); });
-  return told;
+  Kinds reported;
+  notices.check(seal, hub, now_ns, [&](ServoEvent::Kind kind) { reported.push_back(kind); });
+  return reported;
 }
 
 TEST(UnknownPeerNoticesTest, ReportsEachKind) {

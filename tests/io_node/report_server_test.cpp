@@ -14,11 +14,11 @@ struct Desks : testing::Test {
   ScriptedEndpoint endpoint{clock};
   HubPeers peers{endpoint, clock, kSession, 1000.0};
   ReportServer report_server;
-  std::vector<std::pair<std::uint16_t, ReportPart>> told;
+  std::vector<std::pair<std::uint16_t, ReportPart>> reported;
 
   void SetUp() override {
     endpoint.on_send = [this](const Address& to, const Datagram& datagram) {
-      if (const auto* part = std::get_if<ReportPart>(&datagram.message)) told.emplace_back(to.port, *part);
+      if (const auto* part = std::get_if<ReportPart>(&datagram.message)) reported.emplace_back(to.port, *part);
     };
   }
 
@@ -29,14 +29,14 @@ struct Desks : testing::Test {
     return peers.receive(datagram, clock.now_ns()).peer;
   }
 
-  std::string text(std::size_t n) const { return {told.at(n).second.text.data(), told.at(n).second.size}; }
+  std::string text(std::size_t n) const { return {reported.at(n).second.text.data(), reported.at(n).second.size}; }
 };
 
 TEST_F(Desks, AFreshReportIsWaitedForAndHandedOutInParts) {
   const std::size_t tool = join(1);
   report_server.accept(tool, {ReportDocument::json, 0, 0});
   report_server.serve(peers);
-  EXPECT_TRUE(told.empty());
+  EXPECT_TRUE(reported.empty());
   EXPECT_TRUE(report_server.take_request());
   EXPECT_FALSE(report_server.take_request());
 
@@ -44,10 +44,10 @@ TEST_F(Desks, AFreshReportIsWaitedForAndHandedOutInParts) {
   report_server.publish(json, "csv");
   report_server.serve(peers);
   report_server.serve(peers);
-  ASSERT_EQ(told.size(), 1U);
-  EXPECT_EQ(told[0].second.parts, 3U);
-  EXPECT_EQ(told[0].second.part, 0U);
-  const std::uint32_t revision = told[0].second.revision;
+  ASSERT_EQ(reported.size(), 1U);
+  EXPECT_EQ(reported[0].second.parts, 3U);
+  EXPECT_EQ(reported[0].second.part, 0U);
+  const std::uint32_t revision = reported[0].second.revision;
   std::string whole = text(0);
   for (std::uint32_t part = 1; part < 3; ++part) {
     report_server.accept(tool, {ReportDocument::json, revision, part});
@@ -68,9 +68,9 @@ TEST_F(Desks, AReaderOfAnOldReportGetsTheBeginningOfTheNewOne) {
   report_server.publish("new", "");
   report_server.accept(tool, {ReportDocument::json, 1, 2});
   report_server.serve(peers);
-  ASSERT_EQ(told.size(), 1U);
-  EXPECT_EQ(told[0].second.revision, 2U);
-  EXPECT_EQ(told[0].second.part, 0U);
+  ASSERT_EQ(reported.size(), 1U);
+  EXPECT_EQ(reported[0].second.revision, 2U);
+  EXPECT_EQ(reported[0].second.part, 0U);
   EXPECT_EQ(text(0), "new");
 }
 
@@ -80,10 +80,10 @@ TEST_F(Desks, OneDatagramACycleGoesToAllRequestersInTurn) {
   report_server.publish("text", "");
   for (const std::size_t tool : {first, second}) report_server.accept(tool, {ReportDocument::json, 1, 0});
   report_server.serve(peers);
-  EXPECT_EQ(told.size(), 1U);
+  EXPECT_EQ(reported.size(), 1U);
   report_server.serve(peers);
-  ASSERT_EQ(told.size(), 2U);
-  EXPECT_NE(told[0].first, told[1].first);
+  ASSERT_EQ(reported.size(), 2U);
+  EXPECT_NE(reported[0].first, reported[1].first);
 }
 
 TEST_F(Desks, NonsenseIsNotAnswered) {
@@ -93,7 +93,7 @@ TEST_F(Desks, NonsenseIsNotAnswered) {
   report_server.accept(1000, {ReportDocument::json, 1, 0});
   report_server.accept(tool + 1, {ReportDocument::json, 1, 0});  // no tool at that address
   for (int n = 0; n < 5; ++n) report_server.serve(peers);
-  EXPECT_TRUE(told.empty());
+  EXPECT_TRUE(reported.empty());
 }
 
 }  // namespace

@@ -96,7 +96,7 @@ TEST_F(Servos, TheMouseLeadsTheHandUntilItLetsGoOrLeaves) {
 }
 
 TEST_F(Servos, ALatchedFaultIsReportedRecordedAndResetByAToolAlone) {
-  Heard tap;
+  RecordingTap tap;
   make({.hold_button = 2}, nullptr, &tap);  // held: someone is at the device
   join(kHaptics, NodeRole::haptics);
   join(kVision, NodeRole::vision);
@@ -167,15 +167,15 @@ TEST_F(Servos, AResetTakesAnOperatorsKeyAndAPersonAtTheDevice) {
     events_of(*servo, {});
     say(kTool, reset);
     run(20);
-    const auto told =
+    const auto reported =
         events_of(*servo, {ServoEvent::Kind::reset, ServoEvent::Kind::reset_without_right, ServoEvent::Kind::reset_without_person});
-    EXPECT_EQ(told.size(), 1U);
-    const bool is_reset = !told.empty() && told[0].kind == ServoEvent::Kind::reset;
+    EXPECT_EQ(reported.size(), 1U);
+    const bool is_reset = !reported.empty() && reported[0].kind == ServoEvent::Kind::reset;
     EXPECT_EQ(stats().governor.fault == SafetyFault::none, is_reset);
     EXPECT_EQ(stats().resets_denied, is_reset ? 0U : 1U);
     say(kTool, Bye{});
     run(2);
-    return told.empty() ? ServoEvent::Kind::joined : told[0].kind;
+    return reported.empty() ? ServoEvent::Kind::joined : reported[0].kind;
   };
   // From another host, with no dead man's switch, or with one that is held.
   EXPECT_EQ(reset_by(KeyRole::tool, -1), ServoEvent::Kind::reset_without_right);
@@ -194,14 +194,14 @@ TEST_F(Servos, DeniedResetsAreAllCountedAndReportedOnceASecond) {
   run(20);
   Settings reset;
   reset.reset_faults = true;
-  std::size_t told = 0;
+  std::size_t reported = 0;
   for (int n = 0; n < 1500; ++n) {
     say(kTool, reset);
     run(1);
-    told += events_of(*servo, {ServoEvent::Kind::reset_without_right}).size();
+    reported += events_of(*servo, {ServoEvent::Kind::reset_without_right}).size();
   }
   EXPECT_GE(stats().resets_denied, 1499U);
-  EXPECT_EQ(told, 2U);
+  EXPECT_EQ(reported, 2U);
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ struct SafetyNoticesTest : testing::Test {
     ++cycle.number;
     notices.check(side, cycle, is_missed, now_ns);
   }
-  std::vector<ServoEvent::Kind> told() {
+  std::vector<ServoEvent::Kind> reported() {
     std::vector<ServoEvent::Kind> kinds;
     for (ServoEvent event; events.pop(event);) kinds.push_back(event.kind);
     return kinds;
@@ -45,16 +45,16 @@ TEST_F(SafetyNoticesTest, ALatchedFaultAndItsResetAreReportedOnce) {
   ++side.governor.counters.latched;
   check();
   check();
-  EXPECT_EQ(told(), std::vector{ServoEvent::Kind::latched});
+  EXPECT_EQ(reported(), std::vector{ServoEvent::Kind::latched});
   EXPECT_EQ(tap.faults.size(), 1U);
   ++side.governor.counters.resets_rejected;
   check();
-  EXPECT_EQ(told(), std::vector{ServoEvent::Kind::reset_rejected});
+  EXPECT_EQ(reported(), std::vector{ServoEvent::Kind::reset_rejected});
   side.governor.fault = SafetyFault::none;
   ++side.governor.counters.resets;
   check();
   check();
-  EXPECT_EQ(told(), std::vector{ServoEvent::Kind::reset});
+  EXPECT_EQ(reported(), std::vector{ServoEvent::Kind::reset});
   EXPECT_EQ(tap.cycles.size(), 6U);
 }
 
@@ -64,13 +64,13 @@ TEST_F(SafetyNoticesTest, ADeviceIsAwayWhenItStaysAway) {
   for (int n = 0; n < 50; ++n) check();
   side.status = DeviceStatus::ready;
   check();
-  EXPECT_TRUE(told().empty());
+  EXPECT_TRUE(reported().empty());
   side.status = DeviceStatus::away;
   for (int n = 0; n < 200; ++n) check();
-  EXPECT_EQ(told(), std::vector{ServoEvent::Kind::away});
+  EXPECT_EQ(reported(), std::vector{ServoEvent::Kind::away});
   side.status = DeviceStatus::ready;
   for (int n = 0; n < 200; ++n) check();
-  EXPECT_EQ(told(), std::vector{ServoEvent::Kind::back});
+  EXPECT_EQ(reported(), std::vector{ServoEvent::Kind::back});
 }
 
 TEST_F(SafetyNoticesTest, AShortSilenceIsNoFaultAndALongOneIs) {

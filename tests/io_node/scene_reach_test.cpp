@@ -19,22 +19,22 @@ SceneFacts box_at(float x, float half) {
   return facts;
 }
 
-SceneReach judge(const SceneFacts& facts, const Pose& X_WS = Pose::Identity()) { return find_reach(facts, X_WS, hand_wide()); }
+SceneReach reach_of(const SceneFacts& facts, const Pose& X_WS = Pose::Identity()) { return find_reach(facts, X_WS, hand_wide()); }
 
 TEST(SceneReach, GoesByWhereTheSurfaceIs) {
-  EXPECT_EQ(judge(box_at(0, 0.05F)), SceneReach::in_reach);
-  EXPECT_EQ(judge(box_at(0.14F, 0.05F)), SceneReach::in_reach);
-  EXPECT_EQ(judge(box_at(0.3F, 0.05F)), SceneReach::out_of_reach);
-  EXPECT_EQ(judge(box_at(0.3F, 0.05F), Pose(Eigen::Translation3d(-0.3, 0, 0))), SceneReach::in_reach);
-  EXPECT_EQ(judge(box_at(0.3F, 0.05F), Pose(Eigen::AngleAxisd(1.0, Vec3::UnitZ()))), SceneReach::out_of_reach);
+  EXPECT_EQ(reach_of(box_at(0, 0.05F)), SceneReach::in_reach);
+  EXPECT_EQ(reach_of(box_at(0.14F, 0.05F)), SceneReach::in_reach);
+  EXPECT_EQ(reach_of(box_at(0.3F, 0.05F)), SceneReach::out_of_reach);
+  EXPECT_EQ(reach_of(box_at(0.3F, 0.05F), Pose(Eigen::Translation3d(-0.3, 0, 0))), SceneReach::in_reach);
+  EXPECT_EQ(reach_of(box_at(0.3F, 0.05F), Pose(Eigen::AngleAxisd(1.0, Vec3::UnitZ()))), SceneReach::out_of_reach);
 }
 
-TEST(SceneReach, ASpeckIsTooSmall) { EXPECT_EQ(judge(box_at(0, 1e-4F)), SceneReach::too_small); }
+TEST(SceneReach, ASpeckIsTooSmall) { EXPECT_EQ(reach_of(box_at(0, 1e-4F)), SceneReach::too_small); }
 
 TEST(SceneReach, SaysNothingOfWhatItCannotKnow) {
   // The workspace is in the midst of it: 16 points say little of the piece that is there.
-  EXPECT_EQ(judge(box_at(0, 50.0F)), SceneReach::unknown);
-  EXPECT_EQ(judge(SceneFacts{}), SceneReach::unknown);
+  EXPECT_EQ(reach_of(box_at(0, 50.0F)), SceneReach::unknown);
+  EXPECT_EQ(reach_of(SceneFacts{}), SceneReach::unknown);
   EXPECT_EQ(find_reach(box_at(0, 0.05F), Pose::Identity(), {}), SceneReach::unknown);
 }
 

@@ -101,14 +101,14 @@ struct Servos : testing::Test {
     answer.contact = true;
     answer.compute_ns = 7000;
     answer.visual_offset_m = Vec3(0, 0, 0.001);
-    endpoint.on_send = [this](const Address& to, const Datagram& datagram) { hear(to, datagram); };
+    endpoint.on_send = [this](const Address& to, const Datagram& datagram) { receive(to, datagram); };
   }
 
   void make(Servo::Options options = {}, EchoProbe* echo = nullptr, ServoTap* tap = nullptr) {
     servo = std::make_unique<Servo>(device, peers, clock, options, echo, tap);
   }
 
-  void hear(const Address& to, const Datagram& datagram) {
+  void receive(const Address& to, const Datagram& datagram) {
     if (const auto* state = std::get_if<DeviceState>(&datagram.message)) {
       states.push_back(*state);
       if (answer_delay_ns >= 0) force(*state, answer_delay_ns);
@@ -152,7 +152,7 @@ struct Servos : testing::Test {
 };
 
 // Records what it receives.
-class Heard final : public ServoTap {
+class RecordingTap final : public ServoTap {
  public:
   void on_received(const Address&, std::span<const std::byte>, std::int64_t) noexcept override { ++received; }
   void on_sent(const Address&, std::span<const std::byte>, std::int64_t) noexcept override { ++sent; }

@@ -13,23 +13,23 @@ TEST_F(Servos, UnknownPeersAreReportedAtALimitedRate) {
   run(1000);
   ServoEvent event;
   EXPECT_FALSE(servo->events().pop(event));
-  int told_of_key = 0;
-  int told_of_version = 0;
+  int reports_of_key = 0;
+  int reports_of_version = 0;
   for (int second = 0; second < 30; ++second) {
     endpoint.seal.wrong_key += 20;
     endpoint.seal.wrong_version += second == 0 ? 1 : 0;
     run(1000);
     while (servo->events().pop(event)) {
-      told_of_key += event.kind == ServoEvent::Kind::wrong_key ? 1 : 0;
-      told_of_version += event.kind == ServoEvent::Kind::wrong_version ? 1 : 0;
+      reports_of_key += event.kind == ServoEvent::Kind::wrong_key ? 1 : 0;
+      reports_of_version += event.kind == ServoEvent::Kind::wrong_version ? 1 : 0;
     }
   }
-  EXPECT_EQ(told_of_key, 3);
-  EXPECT_EQ(told_of_version, 1);
+  EXPECT_EQ(reports_of_key, 3);
+  EXPECT_EQ(reports_of_version, 1);
 }
 
 TEST_F(Servos, ATapReceivesDatagramsAndCycles) {
-  Heard tap;
+  RecordingTap tap;
   make({}, nullptr, &tap);
   join(kHaptics, NodeRole::haptics);
   run(200);
@@ -46,7 +46,7 @@ TEST_F(Servos, ATapReceivesDatagramsAndCycles) {
 }
 
 TEST_F(Servos, ATapReceivesEachFaultOnce) {
-  Heard tap;
+  RecordingTap tap;
   make({}, nullptr, &tap);
   join(kHaptics, NodeRole::haptics);
   run(200);
@@ -92,16 +92,16 @@ TEST_F(Servos, AFloodIsReportedWithItsSource) {
   run(100);
   endpoint.flood = Flood{Rejection::replayed_handshake, at(66), true, 200'000.0};
   run(300);
-  const auto told = events_of(*servo, {ServoEvent::Kind::flood});
-  ASSERT_EQ(told.size(), 1U);
-  EXPECT_EQ(told[0].flood, Rejection::replayed_handshake);
-  EXPECT_EQ(told[0].address, at(66));
-  EXPECT_TRUE(told[0].is_from_several);
-  EXPECT_EQ(told[0].rate_hz, 200'000.0);
+  const auto reported = events_of(*servo, {ServoEvent::Kind::flood});
+  ASSERT_EQ(reported.size(), 1U);
+  EXPECT_EQ(reported[0].flood, Rejection::replayed_handshake);
+  EXPECT_EQ(reported[0].address, at(66));
+  EXPECT_TRUE(reported[0].is_from_several);
+  EXPECT_EQ(reported[0].rate_hz, 200'000.0);
 }
 
 TEST_F(Servos, AHapticsNodeThatSaysGoodbyeInContactIsNoFault) {
-  Heard tap;
+  RecordingTap tap;
   make({}, nullptr, &tap);
   join(kHaptics, NodeRole::haptics);
   run(200);
@@ -113,7 +113,7 @@ TEST_F(Servos, AHapticsNodeThatSaysGoodbyeInContactIsNoFault) {
 }
 
 TEST_F(Servos, ASilenceInFreeSpaceIsNoFault) {
-  Heard tap;
+  RecordingTap tap;
   make({}, nullptr, &tap);
   join(kHaptics, NodeRole::haptics);
   answer.contact = false;

@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::int64_t kSecond = 1'000'000'000;
 
-TEST(TouchChooser, KeepsToWhatItIsTold) {
+TEST(TouchChooser, KeepsToItsOrders) {
   TouchChooser remote(TouchChoice::remote);
   TouchChooser patch(TouchChoice::patch);
   for (std::int64_t t = 0; t < 100; ++t) {

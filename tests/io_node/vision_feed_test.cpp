@@ -23,12 +23,12 @@ struct Feed : testing::Test {
   ProbeHistory memory;
   DeviceSide side;
   DeviceCycle cycle;
-  std::vector<ProbeState> heard;
+  std::vector<ProbeState> received;
   std::size_t place = 0;
 
   void SetUp() override {
     endpoint.on_send = [this](const Address&, const Datagram& datagram) {
-      if (const auto* probe = std::get_if<ProbeState>(&datagram.message)) heard.push_back(*probe);
+      if (const auto* probe = std::get_if<ProbeState>(&datagram.message)) received.push_back(*probe);
     };
     stats->start_ns = clock.now_ns();
     feed.start(clock.now_ns());
@@ -39,7 +39,7 @@ struct Feed : testing::Test {
     place = joined.peer;
     feed.on_joined(place);
   }
-  void tell(double x_m) {
+  void report(double x_m) {
     clock.advance_ns(kMs);
     ++cycle.number;
     cycle.sample.time_ns = clock.now_ns();
@@ -50,28 +50,28 @@ struct Feed : testing::Test {
     side.is_silent = true;
     feed.send(memory, side, cycle, 3, ProbeStatus::ok, clock.now_ns());
   }
-  Drawn drawn() const { return {heard.back().sample, heard.back().sample_time_ns, 60.0F}; }
+  Drawn drawn() const { return {received.back().sample, received.back().sample_time_ns, 60.0F}; }
 };
 
 TEST_F(Feed, SendsTheProbeAtOnceAndTheNextOneWhenItIsDrawn) {
-  tell(0.01);
-  ASSERT_EQ(heard.size(), 1U);
-  EXPECT_EQ(heard[0].p_WD.x(), 0.01);
-  EXPECT_EQ(heard[0].force_n.z(), 0.01);
-  EXPECT_EQ(heard[0].buttons, 5U);
-  EXPECT_EQ(heard[0].view_revision, 3U);
-  tell(0.02);
-  EXPECT_EQ(heard.size(), 1U);  // it has not drawn yet
+  report(0.01);
+  ASSERT_EQ(received.size(), 1U);
+  EXPECT_EQ(received[0].p_WD.x(), 0.01);
+  EXPECT_EQ(received[0].force_n.z(), 0.01);
+  EXPECT_EQ(received[0].buttons, 5U);
+  EXPECT_EQ(received[0].view_revision, 3U);
+  report(0.02);
+  EXPECT_EQ(received.size(), 1U);  // it has not drawn yet
   feed.on_drawn({}, drawn(), place, cycle.number, clock.now_ns());
-  for (int n = 0; n < 20; ++n) tell(0.03);
-  EXPECT_GT(heard.size(), 1U);
-  EXPECT_EQ(stats->probe_states_sent, heard.size());
+  for (int n = 0; n < 20; ++n) report(0.03);
+  EXPECT_GT(received.size(), 1U);
+  EXPECT_EQ(stats->probe_states_sent, received.size());
   EXPECT_EQ(stats->drawn, 1U);
   EXPECT_EQ(stats->frame_rate_hz, 60.0);
 }
 
 TEST_F(Feed, AWordAboutWhatWasNeverSentIsPassedOver) {
-  tell(0.01);
+  report(0.01);
   for (const Drawn& lie : {Drawn{0, clock.now_ns(), 60.0F}, Drawn{99, clock.now_ns(), 60.0F}, Drawn{1, clock.now_ns() + kMs, 60.0F},
                            Drawn{1, stats->start_ns - kMs, 60.0F}}) {
     feed.on_drawn({}, lie, place, cycle.number, clock.now_ns());
@@ -81,12 +81,12 @@ TEST_F(Feed, AWordAboutWhatWasNeverSentIsPassedOver) {
 
 TEST_F(Feed, ReportsTheRateOfTheSamplesSinceTheLastStatistics) {
   for (int n = 0; n < 500; ++n) {
-    tell(0.001 * n);
-    if (!heard.empty()) feed.on_drawn({}, drawn(), place, cycle.number, clock.now_ns());
+    report(0.001 * n);
+    if (!received.empty()) feed.on_drawn({}, drawn(), place, cycle.number, clock.now_ns());
   }
   feed.refresh_statistics(cycle.number, clock.now_ns());
-  for (int n = 0; n < 200; ++n) tell(0.5 + 0.001 * n);
-  EXPECT_NEAR(static_cast<double>(heard.back().servo_rate_hz), 1000.0, 1.0);
+  for (int n = 0; n < 200; ++n) report(0.5 + 0.001 * n);
+  EXPECT_NEAR(static_cast<double>(received.back().servo_rate_hz), 1000.0, 1.0);
 }
 
 }  // namespace

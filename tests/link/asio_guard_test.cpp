@@ -45,14 +45,14 @@ class NoDescriptors {
 template <class Try>
 void expect_one_line(Try&& attempt) {
   for (std::size_t left = 0; left < 6; ++left) {
-    std::string told;
+    std::string message;
     {
       const NoDescriptors none(left);
       const auto result = attempt();
-      if (!result) told = result.error().what;
+      if (!result) message = result.error().what;
     }
-    EXPECT_TRUE(left > 0 || !told.empty());
-    EXPECT_EQ(told.find('\n'), std::string::npos);
+    EXPECT_TRUE(left > 0 || !message.empty());
+    EXPECT_EQ(message.find('\n'), std::string::npos);
   }
 }
 

@@ -56,7 +56,7 @@ struct Wire {
   SteadyClock clock;
   std::unique_ptr<Endpoint> hub;
   std::unique_ptr<Endpoint> node = std::move(*open_udp_endpoint("127.0.0.1:0"));
-  std::unique_ptr<Endpoint> stranger = std::move(*open_udp_endpoint("127.0.0.1:0"));
+  std::unique_ptr<Endpoint> unknown = std::move(*open_udp_endpoint("127.0.0.1:0"));
 };
 
 TEST(FloodFilter, DropsUnknownPeersInTheKernelAndPassesDataOfKnownNodes) {
@@ -64,12 +64,12 @@ TEST(FloodFilter, DropsUnknownPeersInTheKernelAndPassesDataOfKnownNodes) {
   const Bytes data = sealed(seal::Kind::data);
   wire.hub->expect(wire.node->local_address(), kConnection);
   EXPECT_EQ(wire.passed(*wire.node, data, 100), 100);
-  EXPECT_EQ(wire.passed(*wire.stranger, data, 20), 20) << "without a flood nothing is kept out";
-  wire.flood(*wire.stranger);
-  EXPECT_EQ(wire.hub->socket_counts().last_stranger.port, wire.stranger->local_address().port);
+  EXPECT_EQ(wire.passed(*wire.unknown, data, 20), 20) << "without a flood nothing is kept out";
+  wire.flood(*wire.unknown);
+  EXPECT_EQ(wire.hub->socket_counts().last_unknown_sender.port, wire.unknown->local_address().port);
   EXPECT_EQ(wire.passed(*wire.node, data, 500), 500);
-  EXPECT_LT(wire.passed(*wire.stranger, data, 2000), 1000) << "data of an unknown address";
-  EXPECT_LT(wire.passed(*wire.stranger, Bytes(50, std::byte{1}), 2000), 1000) << "junk";
+  EXPECT_LT(wire.passed(*wire.unknown, data, 2000), 1000) << "data of an unknown address";
+  EXPECT_LT(wire.passed(*wire.unknown, Bytes(50, std::byte{1}), 2000), 1000) << "junk";
   EXPECT_LT(wire.passed(*wire.node, sealed(seal::Kind::request), 2000), 1000) << "a handshake, from a known address too";
   EXPECT_LT(wire.passed(*wire.node, sealed(seal::Kind::data, seal::kOverheadBytes - 1), 2000), 1000) << "too short";
   Bytes other_session = data;
@@ -83,11 +83,11 @@ TEST(FloodFilter, KnowsNodesByIpv6AsWell) {
   if (!open_udp_endpoint("[::1]:0")) GTEST_SKIP() << "this machine has no IPv6";
   Wire wire("[::1]:0");
   wire.node = std::move(*open_udp_endpoint("[::1]:0"));
-  wire.stranger = std::move(*open_udp_endpoint("[::1]:0"));
+  wire.unknown = std::move(*open_udp_endpoint("[::1]:0"));
   wire.hub->expect(wire.node->local_address(), kConnection);
-  wire.flood(*wire.stranger);
+  wire.flood(*wire.unknown);
   EXPECT_EQ(wire.passed(*wire.node, sealed(seal::Kind::data), 500), 500);
-  EXPECT_LT(wire.passed(*wire.stranger, sealed(seal::Kind::data), 2000), 1000);
+  EXPECT_LT(wire.passed(*wire.unknown, sealed(seal::Kind::data), 2000), 1000);
 }
 
 TEST(FloodFilter, OversizedAndEmptyDatagramsAreCounted) {
@@ -109,15 +109,15 @@ TEST(FloodFilter, OversizedAndEmptyDatagramsAreCounted) {
 // Pure from here on: time and the kernel's count are handed in.
 struct FloodFilterTest : testing::Test {
   FloodFilter::Action window(std::uint64_t unknown_peers, std::uint32_t dropped_more = 0) {
-    for (std::uint64_t n = 0; n < unknown_peers; ++n) filter.note_received(stranger, junk, false);
+    for (std::uint64_t n = 0; n < unknown_peers; ++n) filter.note_received(unknown, junk, false);
     now_ns += FloodFilter::kWindowNs;
     dropped += dropped_more;
-    return filter.judge(dropped, now_ns);
+    return filter.end_period(dropped, now_ns);
   }
   static Address node_at(std::uint16_t port) { return {{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF, 10, 0, 0, 1}, port}; }
   FloodFilter filter;
   Bytes junk = Bytes(9);
-  Address stranger{{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF, 10, 0, 0, 9}, 9};
+  Address unknown{{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF, 10, 0, 0, 9}, 9};
   std::int64_t now_ns = 1'000'000'000'000;
   std::uint32_t dropped = 0xFFFFFFF0;  // it wraps
 };
@@ -153,7 +153,7 @@ TEST_F(FloodFilterTest, ANodeThatJoinsDuringAFloodGetsANewProgram) {
   EXPECT_FALSE(filter.is_due(now_ns));
   filter.note_expected(node_at(77), kConnection, now_ns);
   ASSERT_TRUE(filter.is_due(now_ns)) << "at once: it sends as soon as it has the answer";
-  ASSERT_EQ(filter.judge(dropped, now_ns), FloodFilter::Action::install);
+  ASSERT_EQ(filter.end_period(dropped, now_ns), FloodFilter::Action::install);
   EXPECT_GT(filter.program().size(), before);
   // Not for everyone: endless handshakes would make a program each time.
   filter.note_expected(node_at(78), kConnection, now_ns);
@@ -166,12 +166,12 @@ TEST_F(FloodFilterTest, EndlessHandshakesDisplaceNoPeerThatIsSentData) {
   filter.note_sent(node_at(77), data, now_ns);
   for (std::uint16_t n = 0; n < 1000; ++n) {
     now_ns += kMs;
-    filter.note_expected(stranger, n, now_ns);
+    filter.note_expected(unknown, n, now_ns);
   }
   filter.note_received(node_at(77), data, false);
   EXPECT_EQ(filter.counts().unknown_peers, 0U) << "it was sent data a second ago";
   now_ns += FloodFilter::kKnownNs;
-  for (std::uint16_t n = 0; n < 1000; ++n) filter.note_expected(stranger, 5000 + n, now_ns + n);
+  for (std::uint16_t n = 0; n < 1000; ++n) filter.note_expected(unknown, 5000 + n, now_ns + n);
   filter.note_received(node_at(77), data, false);
   EXPECT_EQ(filter.counts().unknown_peers, 1U) << "that is too long ago";
 }
@@ -189,12 +189,12 @@ TEST_F(FloodFilterTest, TheMostNodesFitIntoAProgramAndAnAttackerCannotCrowdThemO
   for (std::uint16_t n = 1; n <= 100; ++n) {
     filter.note_sent({{0x20, 1, 0xd, 0xb8, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1}, n}, sealed(seal::Kind::data), now_ns);
     // Retries to unknown peers do not make them known.
-    filter.note_sent(stranger, sealed(seal::Kind::retry), now_ns);
+    filter.note_sent(unknown, sealed(seal::Kind::retry), now_ns);
   }
   window(0);
   ASSERT_EQ(window(500), FloodFilter::Action::install);
   EXPECT_LT(filter.program().size(), FloodFilter::kMostInstructions);
-  filter.note_received(stranger, sealed(seal::Kind::data), false);
+  filter.note_received(unknown, sealed(seal::Kind::data), false);
   EXPECT_GT(filter.counts().unknown_peers, 500U);
 }
 

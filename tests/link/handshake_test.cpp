@@ -38,7 +38,7 @@ class HandshakeTest : public testing::Test {
   HandshakeTest() { client_.begin(); }
 
   Bytes request_of(ClientHandshake& client) {
-    EXPECT_TRUE(client.ask(now_ns_ += 50'000'000));
+    EXPECT_TRUE(client.start_request(now_ns_ += 50'000'000));
     Bytes bytes(seal::kRequestBytes);
     EXPECT_EQ(client.poll(bytes), Finished::request);
     EXPECT_EQ(client.poll(bytes), Finished::nothing);
@@ -73,7 +73,7 @@ class HandshakeTest : public testing::Test {
     Bytes none(seal::kRequestBytes);
     return client_.poll(none) == Finished::agreement;
   }
-  Verdict judge(const Bytes& bytes) { return hub_.judge(bytes, from_, kNow); }
+  Verdict check_request(const Bytes& bytes) { return hub_.check_request(bytes, from_, kNow); }
 
   static bool carries(SealedChannel& from, SealedChannel& to) {
     Bytes sealed(kMaxDatagramBytes);
@@ -92,10 +92,10 @@ class HandshakeTest : public testing::Test {
 
 TEST_F(HandshakeTest, ANodeAndItsHubAgreeOnASession) {
   const Bytes first = request();
-  EXPECT_EQ(judge(first), Verdict::wants_cookie);
+  EXPECT_EQ(check_request(first), Verdict::wants_cookie);
   EXPECT_TRUE(client_.read_retry(retry(first)));
   const Bytes second = request();
-  EXPECT_EQ(judge(second), Verdict::shows_cookie);
+  EXPECT_EQ(check_request(second), Verdict::shows_cookie);
   EXPECT_TRUE(takes(answer(second)));
   EXPECT_FALSE(client_.is_pending());
   SealedChannel channel = client_.take_channel();
@@ -114,14 +114,14 @@ TEST_F(HandshakeTest, WithAThreadOfItsOwnItIsTheSame) {
     return finished;
   };
   Bytes bytes(seal::kRequestBytes);
-  ASSERT_TRUE(client.ask(1));
+  ASSERT_TRUE(client.start_request(1));
   ASSERT_EQ(next(bytes), Finished::request);
   Bytes cookie(seal::kRetryBytes);
   hub.write_retry(bytes, from_, kNow, cookie);
   ASSERT_TRUE(client.read_retry(cookie));
-  ASSERT_TRUE(client.ask(2));
+  ASSERT_TRUE(client.start_request(2));
   ASSERT_EQ(next(bytes), Finished::request);
-  ASSERT_EQ(hub.judge(bytes, from_, kNow), Verdict::shows_cookie);
+  ASSERT_EQ(hub.check_request(bytes, from_, kNow), Verdict::shows_cookie);
   ASSERT_TRUE(hub.agree(bytes, 9));
   HubHandshake::Agreement agreement;
   while (!hub.poll(agreement)) {
@@ -133,13 +133,13 @@ TEST_F(HandshakeTest, WithAThreadOfItsOwnItIsTheSame) {
 }
 
 TEST_F(HandshakeTest, WithoutTheKeyNothingIsAccepted) {
-  HubHandshake stranger(master_of(2), Where::caller);
+  HubHandshake unknown(master_of(2), Where::caller);
   const Bytes shown = good_request();
-  EXPECT_EQ(stranger.judge(shown, from_, kNow), Verdict::wrong_key);
+  EXPECT_EQ(unknown.check_request(shown, from_, kNow), Verdict::wrong_key);
   Bytes forged(seal::kRetryBytes);
-  stranger.write_retry(shown, from_, kNow, forged);
+  unknown.write_retry(shown, from_, kNow, forged);
   EXPECT_FALSE(client_.read_retry(forged));
-  EXPECT_FALSE(agree(stranger, shown).went_well);
+  EXPECT_FALSE(agree(unknown, shown).went_well);
   EXPECT_TRUE(client_.is_pending());
 }
 
@@ -147,11 +147,11 @@ TEST_F(HandshakeTest, TheRoleIsPartOfTheKeys) {
   Bytes shown = good_request();
   for (const KeyRole other : {KeyRole::vision, KeyRole::tool, KeyRole::operator_role}) {
     shown[seal::kRoleAt] = static_cast<std::byte>(other);
-    EXPECT_EQ(judge(shown), Verdict::wrong_key);
+    EXPECT_EQ(check_request(shown), Verdict::wrong_key);
   }
   for (const int none : {0, 1, 6, 255}) {
     shown[seal::kRoleAt] = static_cast<std::byte>(none);
-    EXPECT_EQ(judge(shown), Verdict::malformed) << none;
+    EXPECT_EQ(check_request(shown), Verdict::malformed) << none;
   }
 }
 
@@ -202,7 +202,7 @@ TEST_F(HandshakeTest, NoFlippedBitPasses) {
   for (std::size_t bit = 0; bit < 8 * shown.size(); ++bit) {
     const Bytes flipped = flip(shown, bit);
     if (classify_sealed(flipped).status != OpenStatus::opened) continue;
-    const Verdict verdict = judge(flipped);
+    const Verdict verdict = check_request(flipped);
     ASSERT_TRUE(verdict == Verdict::wrong_key || verdict == Verdict::malformed) << bit;
   }
   const Bytes good_retry = retry(shown);
@@ -228,29 +228,29 @@ TEST_F(HandshakeTest, NoOtherLengthOrVersionIsAHandshake) {
 
 TEST_F(HandshakeTest, ARequestIsGoodOnceFromAnyAddress) {
   const Bytes first = request();
-  EXPECT_EQ(judge(first), Verdict::wants_cookie);
-  EXPECT_EQ(judge(first), Verdict::replayed);
-  EXPECT_EQ(hub_.judge(first, memory_address(3, 20), kNow), Verdict::replayed);
+  EXPECT_EQ(check_request(first), Verdict::wants_cookie);
+  EXPECT_EQ(check_request(first), Verdict::replayed);
+  EXPECT_EQ(hub_.check_request(first, memory_address(3, 20), kNow), Verdict::replayed);
   const Bytes shown = good_request();
-  EXPECT_EQ(judge(shown), Verdict::shows_cookie);
-  EXPECT_EQ(judge(shown), Verdict::replayed);
-  EXPECT_EQ(judge(first), Verdict::replayed);
+  EXPECT_EQ(check_request(shown), Verdict::shows_cookie);
+  EXPECT_EQ(check_request(shown), Verdict::replayed);
+  EXPECT_EQ(check_request(first), Verdict::replayed);
 }
 
 TEST_F(HandshakeTest, ACookieIsGoodForItsAddressOnly) {
-  EXPECT_EQ(hub_.judge(good_request(), memory_address(3, 20), kNow), Verdict::wants_cookie);
-  EXPECT_EQ(hub_.judge(request(), memory_address(2, 21), kNow), Verdict::wants_cookie);
-  EXPECT_EQ(hub_.judge(request(), from_, kNow), Verdict::shows_cookie);
+  EXPECT_EQ(hub_.check_request(good_request(), memory_address(3, 20), kNow), Verdict::wants_cookie);
+  EXPECT_EQ(hub_.check_request(request(), memory_address(2, 21), kNow), Verdict::wants_cookie);
+  EXPECT_EQ(hub_.check_request(request(), from_, kNow), Verdict::shows_cookie);
 }
 
 TEST_F(HandshakeTest, ACookieIsGoodForAWhileOnly) {
-  EXPECT_EQ(hub_.judge(good_request(), from_, kNow + HubHandshake::kCookieTimeNs), Verdict::shows_cookie);
-  EXPECT_EQ(hub_.judge(request(), from_, kNow + 2 * HubHandshake::kCookieTimeNs), Verdict::wants_cookie);
+  EXPECT_EQ(hub_.check_request(good_request(), from_, kNow + HubHandshake::kCookieTimeNs), Verdict::shows_cookie);
+  EXPECT_EQ(hub_.check_request(request(), from_, kNow + 2 * HubHandshake::kCookieTimeNs), Verdict::wants_cookie);
 }
 
 TEST_F(HandshakeTest, ACookieIsGoodForItsHubOnly) {
   HubHandshake restarted(master_of(1), Where::caller);
-  EXPECT_EQ(restarted.judge(good_request(), from_, kNow), Verdict::wants_cookie);
+  EXPECT_EQ(restarted.check_request(good_request(), from_, kNow), Verdict::wants_cookie);
 }
 
 TEST_F(HandshakeTest, TwoAnswersToARequestAreTwoSessions) {
@@ -292,9 +292,9 @@ TEST_F(HandshakeTest, NoSenderIsSentMoreThanItSent) {
 }
 
 TEST_F(HandshakeTest, EveryRequestHasALaterTimestampAndAKeyPairOfItsOwn) {
-  ASSERT_TRUE(client_.ask(500));
-  ASSERT_TRUE(client_.ask(500));
-  ASSERT_TRUE(client_.ask(3));  // a clock that was set back
+  ASSERT_TRUE(client_.start_request(500));
+  ASSERT_TRUE(client_.start_request(500));
+  ASSERT_TRUE(client_.start_request(3));  // a clock that was set back
   std::int64_t last_ns = 0;
   std::vector<Bytes> firsts;
   Bytes bytes(seal::kRequestBytes);
@@ -313,9 +313,9 @@ TEST_F(HandshakeTest, NodesOfOneRoleOnSeveralHostsHaveClocksOfTheirOwn) {
   ClientHandshake other(key_of(1), kHost + 1, Where::caller);
   other.begin();
   const Bytes late = request();
-  EXPECT_EQ(judge(late), Verdict::wants_cookie);
+  EXPECT_EQ(check_request(late), Verdict::wants_cookie);
   now_ns_ = 5;
-  EXPECT_EQ(judge(request_of(other)), Verdict::wants_cookie);
+  EXPECT_EQ(check_request(request_of(other)), Verdict::wants_cookie);
 }
 
 TEST_F(HandshakeTest, UsesNoHeap) {
@@ -326,14 +326,14 @@ TEST_F(HandshakeTest, UsesNoHeap) {
   const AllocationGuard guard;
   for (int i = 0; i < 20; ++i) {
     client_.begin();
-    ASSERT_TRUE(client_.ask(now_ns_ += 1000));
+    ASSERT_TRUE(client_.start_request(now_ns_ += 1000));
     ASSERT_EQ(client_.poll(request), Finished::request);
-    ASSERT_EQ(hub_.judge(request, from_, kNow), Verdict::wants_cookie);
+    ASSERT_EQ(hub_.check_request(request, from_, kNow), Verdict::wants_cookie);
     hub_.write_retry(request, from_, kNow, retry);
     ASSERT_TRUE(client_.read_retry(retry));
-    ASSERT_TRUE(client_.ask(now_ns_ += 1000));
+    ASSERT_TRUE(client_.start_request(now_ns_ += 1000));
     ASSERT_EQ(client_.poll(request), Finished::request);
-    ASSERT_EQ(hub_.judge(request, from_, kNow), Verdict::shows_cookie);
+    ASSERT_EQ(hub_.check_request(request, from_, kNow), Verdict::shows_cookie);
     ASSERT_TRUE(hub_.agree(request, 1));
     ASSERT_TRUE(hub_.poll(agreement));
     ASSERT_TRUE(client_.read_answer(agreement.answer));

@@ -186,12 +186,12 @@ TEST_F(HubClientTest, ListensToTheHubsAddressOnly) {
   start_hub(1);
   start_client();
   run(10);
-  const auto stranger = *network_.open(memory_address(66, 6));
+  const auto unknown = *network_.open(memory_address(66, 6));
   Codec codec;
   std::array<std::byte, kMaxDatagramBytes> bytes;
   for (const Message& message : {Message(DeviceState{}), Message(Welcome{true, 1.0}), Message(Bye{})}) {
     const std::size_t size = codec.encode({{1, 5, 1000, 0}, message}, bytes);
-    stranger->send(client_endpoint_->local_address(), std::span(bytes).first(size));
+    unknown->send(client_endpoint_->local_address(), std::span(bytes).first(size));
   }
   run(1);
   EXPECT_EQ(states_, 0);
@@ -203,10 +203,10 @@ TEST_F(HubClientTest, AFloodOfRubbishCannotHoldAPoll) {
   start_hub(1);
   start_client();
   run(10);
-  const auto stranger = *network_.open(memory_address(66, 6));
+  const auto unknown = *network_.open(memory_address(66, 6));
   const std::array<std::byte, 4> rubbish = {};
   for (int i = 0; i < 1000; ++i) {
-    stranger->send(client_endpoint_->local_address(), rubbish);
+    unknown->send(client_endpoint_->local_address(), rubbish);
   }
   Datagram datagram;
   EXPECT_FALSE(client_->receive(datagram, 0));

@@ -386,10 +386,10 @@ TEST_F(HubPeersTest, ReportsARejectedViewToItsSender) {
   const ViewTransform scaled{.revision = 7, .X_WS = {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0}};
   send(vision, scaled, kSession);
   EXPECT_TRUE(events().empty());
-  const std::vector<Datagram> told = received_by(vision);
-  ASSERT_EQ(told.size(), 1U);
-  ASSERT_TRUE(std::holds_alternative<ViewRejected>(told[0].message));
-  EXPECT_EQ(std::get<ViewRejected>(told[0].message).revision, 7U);
+  const std::vector<Datagram> sent_to_vision = received_by(vision);
+  ASSERT_EQ(sent_to_vision.size(), 1U);
+  ASSERT_TRUE(std::holds_alternative<ViewRejected>(sent_to_vision[0].message));
+  EXPECT_EQ(std::get<ViewRejected>(sent_to_vision[0].message).revision, 7U);
   EXPECT_TRUE(received_by(other).empty());
   EXPECT_EQ(hub_->counts().views_rejected, 1U);
   EXPECT_EQ(hub_->counts().undecodable, 1U);
@@ -397,10 +397,10 @@ TEST_F(HubPeersTest, ReportsARejectedViewToItsSender) {
   send(tool, scaled, kSession);
   EXPECT_TRUE(events().empty());
   EXPECT_TRUE(received_by(tool).empty());
-  RawNode stranger = raw_node(5, 50);
-  send(stranger, scaled, kSession);
+  RawNode unknown = raw_node(5, 50);
+  send(unknown, scaled, kSession);
   EXPECT_TRUE(events().empty());
-  EXPECT_TRUE(received_by(stranger).empty());
+  EXPECT_TRUE(received_by(unknown).empty());
   EXPECT_EQ(hub_->counts().views_rejected, 1U);
   EXPECT_EQ(hub_->counts().wrong_role, 1U);
   EXPECT_EQ(hub_->counts().unknown_peers, 1U);

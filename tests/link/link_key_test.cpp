@@ -90,9 +90,9 @@ TEST_F(LinkKeyTest, APlaceThatIsNotThereIsAnError) {
 
 TEST_F(LinkKeyTest, RejectsAWrongSizeWithTheRemedy) {
   for (const std::size_t bytes : {0U, 1U, 31U, 33U, 47U, 49U, 4096U}) {
-    const std::string told = rejection(write_key("key", bytes, 0600));
-    EXPECT_THAT(told, HasSubstr(std::to_string(bytes)));
-    EXPECT_THAT(told, HasSubstr("hapton keygen"));
+    const std::string message = rejection(write_key("key", bytes, 0600));
+    EXPECT_THAT(message, HasSubstr(std::to_string(bytes)));
+    EXPECT_THAT(message, HasSubstr("hapton keygen"));
   }
 }
 
@@ -138,9 +138,9 @@ TEST_F(LinkKeyTest, RejectsAKeyWhoseBytesAreAllTheSame) {
 }
 
 TEST_F(LinkKeyTest, RejectsAKeyOfAnOlderHaptonAndSaysWhatToDo) {
-  const std::string told = rejection(write_key("key", 32, 0600));
-  EXPECT_THAT(told, HasSubstr("older Hapton"));
-  EXPECT_THAT(told, HasSubstr("hapton keygen --role"));
+  const std::string message = rejection(write_key("key", 32, 0600));
+  EXPECT_THAT(message, HasSubstr("older Hapton"));
+  EXPECT_THAT(message, HasSubstr("hapton keygen --role"));
 }
 
 TEST_F(LinkKeyTest, RejectsAFileOfTheRightLengthThatIsNoKey) {

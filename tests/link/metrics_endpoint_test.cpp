@@ -31,14 +31,14 @@ int say(const Address& to, const std::string& text) {
 }
 
 std::string read_all(int client) {
-  std::string heard;
+  std::string arrived;
   char buffer[4096];
-  for (ssize_t bytes = 0; (bytes = ::recv(client, buffer, sizeof buffer, 0)) > 0;) heard.append(buffer, static_cast<std::size_t>(bytes));
+  for (ssize_t bytes = 0; (bytes = ::recv(client, buffer, sizeof buffer, 0)) > 0;) arrived.append(buffer, static_cast<std::size_t>(bytes));
   ::close(client);
-  return heard;
+  return arrived;
 }
 
-std::string ask(const Address& to, const std::string& text) { return read_all(say(to, text)); }
+std::string get(const Address& to, const std::string& text) { return read_all(say(to, text)); }
 
 TEST(MetricsEndpointTest, ServesTheNewestText) {
   const auto endpoint = MetricsEndpoint::open("127.0.0.1:0");
@@ -47,13 +47,13 @@ TEST(MetricsEndpointTest, ServesTheNewestText) {
   ASSERT_NE(at.port, 0);
   for (const char* text : {"a 1\n", "a 2\n"}) {
     (*endpoint)->set_text(text);
-    const std::string heard = ask(at, "GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n");
-    EXPECT_THAT(heard, StartsWith("HTTP/1.1 200 OK\r\n"));
-    EXPECT_THAT(heard, HasSubstr("text/plain; version=0.0.4"));
-    EXPECT_THAT(heard, EndsWith(std::string("\r\n\r\n") + text));
+    const std::string arrived = get(at, "GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    EXPECT_THAT(arrived, StartsWith("HTTP/1.1 200 OK\r\n"));
+    EXPECT_THAT(arrived, HasSubstr("text/plain; version=0.0.4"));
+    EXPECT_THAT(arrived, EndsWith(std::string("\r\n\r\n") + text));
   }
-  EXPECT_THAT(ask(at, "GET /secrets HTTP/1.1\r\nHost: localhost\r\n\r\n"), StartsWith("HTTP/1.1 404"));
-  EXPECT_THAT(ask(at, "POST /metrics HTTP/1.1\r\nHost: localhost\r\nContent-Length: 0\r\n\r\n"), StartsWith("HTTP/1.1 405"));
+  EXPECT_THAT(get(at, "GET /secrets HTTP/1.1\r\nHost: localhost\r\n\r\n"), StartsWith("HTTP/1.1 404"));
+  EXPECT_THAT(get(at, "POST /metrics HTTP/1.1\r\nHost: localhost\r\nContent-Length: 0\r\n\r\n"), StartsWith("HTTP/1.1 405"));
 }
 
 TEST(MetricsEndpointTest, HostileClientsNeitherStopNorFillIt) {
@@ -61,17 +61,17 @@ TEST(MetricsEndpointTest, HostileClientsNeitherStopNorFillIt) {
   ASSERT_TRUE(endpoint) << endpoint.error().what;
   (*endpoint)->set_text("alive 1\n");
   const Address at = (*endpoint)->local_address();
-  EXPECT_THAT(ask(at, std::string(20'000, 'x') + "\r\n\r\n"), testing::Not(HasSubstr("200 OK")));
+  EXPECT_THAT(get(at, std::string(20'000, 'x') + "\r\n\r\n"), testing::Not(HasSubstr("200 OK")));
   // More than the limit of connections, none of them completing a request.
   std::vector<int> silent;
   for (int n = 0; n < 40; ++n) silent.push_back(say(at, "GET /met"));
   for (const int client : silent) ::close(client);
-  std::string heard;
-  for (int n = 0; n < 200 && heard.find("alive 1") == std::string::npos; ++n) {
-    heard = ask(at, "GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n");
-    if (heard.empty()) ::usleep(20'000);
+  std::string arrived;
+  for (int n = 0; n < 200 && arrived.find("alive 1") == std::string::npos; ++n) {
+    arrived = get(at, "GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    if (arrived.empty()) ::usleep(20'000);
   }
-  EXPECT_THAT(heard, HasSubstr("alive 1"));
+  EXPECT_THAT(arrived, HasSubstr("alive 1"));
 }
 
 // A page from elsewhere whose name was made to mean 127.0.0.1 sends that name.
@@ -81,14 +81,14 @@ TEST(MetricsEndpointTest, AnswersToTheNamesOfThisMachineAlone) {
   (*endpoint)->set_text("alive 1\n");
   const Address at = (*endpoint)->local_address();
   for (const char* name : {"localhost", "LocalHost:9464", "127.0.0.1", "127.0.0.1:9464", "[::1]:9464", "127.8.8.8"}) {
-    EXPECT_THAT(ask(at, "GET /metrics HTTP/1.1\r\nHost: " + std::string(name) + "\r\n\r\n"), HasSubstr("alive 1")) << name;
+    EXPECT_THAT(get(at, "GET /metrics HTTP/1.1\r\nHost: " + std::string(name) + "\r\n\r\n"), HasSubstr("alive 1")) << name;
   }
   for (const char* name : {"evil.example", "localhost.evil.example:9464", "192.0.2.1", "[2001:db8::1]", "127.0.0.1.evil.example", "["}) {
-    const std::string heard = ask(at, "GET /metrics HTTP/1.1\r\nHost: " + std::string(name) + "\r\n\r\n");
-    EXPECT_THAT(heard, StartsWith("HTTP/1.1 403")) << name;
-    EXPECT_THAT(heard, testing::Not(HasSubstr("alive"))) << name;
+    const std::string arrived = get(at, "GET /metrics HTTP/1.1\r\nHost: " + std::string(name) + "\r\n\r\n");
+    EXPECT_THAT(arrived, StartsWith("HTTP/1.1 403")) << name;
+    EXPECT_THAT(arrived, testing::Not(HasSubstr("alive"))) << name;
   }
-  EXPECT_THAT(ask(at, "GET /metrics HTTP/1.0\r\n\r\n"), HasSubstr("alive 1")) << "who names no host is no browser";
+  EXPECT_THAT(get(at, "GET /metrics HTTP/1.0\r\n\r\n"), HasSubstr("alive 1")) << "who names no host is no browser";
 }
 
 TEST(MetricsEndpointTest, SilentConnectionsKeepNoOtherOut) {
@@ -99,7 +99,7 @@ TEST(MetricsEndpointTest, SilentConnectionsKeepNoOtherOut) {
   std::vector<int> silent;
   for (int n = 0; n < 16; ++n) silent.push_back(say(at, "GET /met"));
   ::usleep(50'000);
-  EXPECT_THAT(ask(at, "GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n"), HasSubstr("alive 1")) << "at the first try";
+  EXPECT_THAT(get(at, "GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n"), HasSubstr("alive 1")) << "at the first try";
   for (const int client : silent) ::close(client);
 }
 

@@ -76,15 +76,15 @@ class NoiseTest : public testing::Test {
 TEST_F(NoiseTest, MakesThePublishedMessages) {
   const Bytes one = first(from_hex(kMessages[0].payload));
   EXPECT_EQ(one, from_hex(kMessages[0].sealed));
-  Bytes heard(one.size() - kMessageOverhead);
-  ASSERT_TRUE(responder_.read_first(one, heard.data()));
-  EXPECT_EQ(heard, from_hex(kMessages[0].payload));
+  Bytes arrived(one.size() - kMessageOverhead);
+  ASSERT_TRUE(responder_.read_first(one, arrived.data()));
+  EXPECT_EQ(arrived, from_hex(kMessages[0].payload));
 
   const Bytes two = second(from_hex(kMessages[1].payload));
   EXPECT_EQ(two, from_hex(kMessages[1].sealed));
-  heard.resize(two.size() - kMessageOverhead);
-  ASSERT_TRUE(initiator_.read_second(two, heard.data()));
-  EXPECT_EQ(heard, from_hex(kMessages[1].payload));
+  arrived.resize(two.size() - kMessageOverhead);
+  ASSERT_TRUE(initiator_.read_second(two, arrived.data()));
+  EXPECT_EQ(arrived, from_hex(kMessages[1].payload));
 
   const Bytes hash(initiator_.handshake_hash().begin(), initiator_.handshake_hash().end());
   EXPECT_EQ(hash, from_hex(kHandshakeHash));
@@ -171,8 +171,8 @@ TEST_F(NoiseTest, AnAttackerWithThePskCannotOpenTheSecondMessageLater) {
   const auto opens = [&](const Key& guessed_secret) {
     HandshakeState later;
     later.begin(key_from_hex(kPsk), from_hex(kPrologue), guessed_secret);
-    Bytes heard(payload.size());
-    return later.read_first(one, &none) && later.read_second(two, heard.data());
+    Bytes arrived(payload.size());
+    return later.read_first(one, &none) && later.read_second(two, arrived.data());
   };
   EXPECT_TRUE(opens(key_from_hex(kInitiatorSecret)));
   Key guess = key_from_hex(kInitiatorSecret);

@@ -126,12 +126,12 @@ TEST_F(Relays, GoOnWhileTheHubIsAway) {
   send_numbered(*node, 10);
   hub = *open_udp_endpoint(at);
   // An ICMP error of a port without a receiver may affect the next call or two.
-  std::string heard;
-  for (int n = 0; n < 100 && heard.empty(); ++n) {
+  std::string text;
+  for (int n = 0; n < 100 && text.empty(); ++n) {
     send_numbered(*node, 1);
-    heard = receive(*hub, 20 * kMs);
+    text = receive(*hub, 20 * kMs);
   }
-  EXPECT_EQ(heard, "0");
+  EXPECT_EQ(text, "0");
 }
 
 TEST_F(Relays, HoldNoMoreThanTheyMay) {

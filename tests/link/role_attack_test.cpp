@@ -102,18 +102,18 @@ TEST_F(RoleAttack, ForcesSealedWithKeysDerivedFromAVisionKeyAreRejected) {
   int tried = 0;
   const auto connections = [&] {
     std::vector<std::uint32_t> seen;
-    for (const auto& heard : hub_endpoint_.heard()) {
-      if (classify_sealed(heard.bytes).kind != seal::Kind::data) continue;
-      seen.push_back(seal::load<std::uint32_t>(seal::bytes_of(std::span(heard.bytes)) + seal::kConnectionAt));
+    for (const auto& arrived : hub_endpoint_.arrived()) {
+      if (classify_sealed(arrived.bytes).kind != seal::Kind::data) continue;
+      seen.push_back(seal::load<std::uint32_t>(seal::bytes_of(std::span(arrived.bytes)) + seal::kConnectionAt));
     }
     return seen;
   }();
   ASSERT_FALSE(connections.empty());
-  const std::vector<TappedEndpoint::Heard> recorded = hub_endpoint_.heard();
+  const std::vector<TappedEndpoint::Arrived> recorded = hub_endpoint_.arrived();
   const SealCounts before = sealed_->seal_counts();
-  for (const auto& heard : recorded) {
-    if (classify_sealed(heard.bytes).kind != seal::Kind::request) continue;
-    const std::uint8_t* const request = seal::bytes_of(std::span(heard.bytes));
+  for (const auto& arrived : recorded) {
+    if (classify_sealed(arrived.bytes).kind != seal::Kind::request) continue;
+    const std::uint8_t* const request = seal::bytes_of(std::span(arrived.bytes));
     AgreementTask task;
     task.kind = AgreementTask::Kind::answer_request;
     task.connection = connections.back();
@@ -134,7 +134,7 @@ TEST_F(RoleAttack, ForcesSealedWithKeysDerivedFromAVisionKeyAreRejected) {
       Bytes sealed(kMaxDatagramBytes);
       for (int skip = 0; skip < 50; ++skip) channel.seal(plain, sealed);  // counters that the hub has not seen
       sealed.resize(channel.seal(plain, sealed));
-      hub_endpoint_.put_in(heard.from, sealed);
+      hub_endpoint_.put_in(arrived.from, sealed);
       turn_hub();
     }
   }
@@ -175,10 +175,10 @@ TEST_F(RoleAttack, AVisionOrToolKeyJoinsAsNoHapticsNodeAndSendsNoForce) {
 
 TEST_F(RoleAttack, AnotherSystemsHapticsKeyIsAsGoodAsNone) {
   run(100, [] {});
-  Member stranger(network_, clock_, RoleKey(LinkKey::make_random(), KeyRole::haptics), NodeRole::haptics, 66, hub_at_);
-  run(300, [&] { turn(stranger); });
-  EXPECT_EQ(stranger.client.state(), JoinState::joining);
-  EXPECT_EQ(stranger.sealed.seal_counts().opened, 0U);
+  Member unknown(network_, clock_, RoleKey(LinkKey::make_random(), KeyRole::haptics), NodeRole::haptics, 66, hub_at_);
+  run(300, [&] { turn(unknown); });
+  EXPECT_EQ(unknown.client.state(), JoinState::joining);
+  EXPECT_EQ(unknown.sealed.seal_counts().opened, 0U);
   EXPECT_GT(sealed_->seal_counts().wrong_key, 0U);
 }
 

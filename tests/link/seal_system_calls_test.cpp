@@ -38,8 +38,8 @@ struct BothSides {
     const std::size_t sealed_size = client.seal(std::span(plain).first(size), sealed);
     std::size_t opened_size = 0;
     if (hub.open(std::span(sealed).first(sealed_size), opened, opened_size) != OpenStatus::opened) return false;
-    Datagram heard;
-    return codec.decode(std::span(opened).first(opened_size), heard) == DecodeStatus::ok;
+    Datagram arrived;
+    return codec.decode(std::span(opened).first(opened_size), arrived) == DecodeStatus::ok;
   }
 };
 

@@ -15,15 +15,15 @@ namespace {
 TEST_F(SealedHubTest, AReplayedHandshakeMeetsSilenceFromAnyAddressAndIsCounted) {
   const auto node = make_node(2);
   join(*node);
-  const auto recorded = hub_endpoint_.heard();
+  const auto recorded = hub_endpoint_.arrived();
   const std::size_t sent = hub_endpoint_.sent();
   std::uint64_t replays = 0;
   for (const Address& from : {node->endpoint.local_address(), memory_address(66, 6), memory_address(2, 10)}) {
-    for (const auto& heard : recorded) {
-      if (classify_sealed(heard.bytes).kind != seal::Kind::request) continue;
+    for (const auto& arrived : recorded) {
+      if (classify_sealed(arrived.bytes).kind != seal::Kind::request) continue;
       for (int times = 0; times < 100; ++times) {
-        hub_endpoint_.put_in(from, heard.bytes);
-        EXPECT_TRUE(hub_hears().empty());
+        hub_endpoint_.put_in(from, arrived.bytes);
+        EXPECT_TRUE(hub_receives().empty());
         ++replays;
       }
     }
@@ -38,12 +38,12 @@ TEST_F(SealedHubTest, AReplayedHandshakeMeetsSilenceFromAnyAddressAndIsCounted) 
 TEST_F(SealedHubTest, ARestartedHubGivesARecordingNoMoreThanACookie) {
   const auto node = make_node(2);
   join(*node);
-  const auto recorded = hub_endpoint_.heard();
+  const auto recorded = hub_endpoint_.arrived();
   start_hub();
   const std::size_t sent = hub_endpoint_.sent();
   for (int times = 0; times < 1000; ++times) {
-    for (const auto& heard : recorded) hub_endpoint_.put_in(memory_address(66, 6), heard.bytes);
-    EXPECT_TRUE(hub_hears().empty());
+    for (const auto& arrived : recorded) hub_endpoint_.put_in(memory_address(66, 6), arrived.bytes);
+    EXPECT_TRUE(hub_receives().empty());
   }
   EXPECT_LE(hub_endpoint_.sent() - sent, 2U);
   EXPECT_EQ(hub_->seal_counts().handshakes, 0U);
@@ -54,11 +54,11 @@ TEST_F(SealedHubTest, RetriesAreLimitedAndTheRestIsCounted) {
   for (int i = 0; i < 1000; ++i) {
     ClientHandshake greedy(RoleKey(key_of(1), KeyRole::tool), static_cast<std::uint64_t>(i), AgreementWorker::Where::caller);
     greedy.begin();
-    greedy.ask(1000 + i);
+    greedy.start_request(1000 + i);
     Bytes request(seal::kRequestBytes);
     greedy.poll(request);
     hub_endpoint_.put_in(memory_address(66, static_cast<std::uint16_t>(1000 + i)), request);
-    EXPECT_TRUE(hub_hears().empty());
+    EXPECT_TRUE(hub_receives().empty());
   }
   EXPECT_EQ(hub_->seal_counts().retries, static_cast<std::uint64_t>(SealedHub::kHandshakeRates.source_burst));
   EXPECT_EQ(hub_->seal_counts().retries + hub_->seal_counts().too_many_handshakes, 1000U);
@@ -71,10 +71,10 @@ TEST_F(SealedHubTest, RetriesAreLimitedAndTheRestIsCounted) {
 TEST_F(SealedHubTest, AFloodIsNamed) {
   const auto node = make_node(2);
   join(*node);
-  const auto recorded = hub_endpoint_.heard().front().bytes;
+  const auto recorded = hub_endpoint_.arrived().front().bytes;
   hub_->take_flood(clock_.now_ns());
   for (int i = 0; i < 5000; ++i) hub_endpoint_.put_in(memory_address(66, 6), recorded);
-  while (hub_->seal_counts().replayed_handshakes < 5000) hub_hears();
+  while (hub_->seal_counts().replayed_handshakes < 5000) hub_receives();
   clock_.advance_ns(kNanosecondsPerSecond);
   const auto flood = hub_->take_flood(clock_.now_ns());
   ASSERT_TRUE(flood);
@@ -101,7 +101,7 @@ TEST_F(SealedHubTest, AFloodOfOverlongDatagramsIsCountedAndNamed) {
 TEST_F(SealedHubTest, AFloodThatAFilterKeepsOutIsNamedWithAllOfIt) {
   hub_->take_flood(clock_.now_ns());
   for (int i = 0; i < 500; ++i) hub_endpoint_.put_in(memory_address(66, 6), Bytes(40, std::byte{1}));
-  while (hub_->seal_counts().malformed < 500) hub_hears();
+  while (hub_->seal_counts().malformed < 500) hub_receives();
   hub_endpoint_.keep_out(199'500);
   clock_.advance_ns(kNanosecondsPerSecond);
   const auto flood = hub_->take_flood(clock_.now_ns());
@@ -117,10 +117,10 @@ TEST_F(SealedHubTest, TheEndpointKnowsWhichSessionToExpectFromEachPeer) {
   join(*node);
   ASSERT_EQ(hub_endpoint_.expected().size(), 1U);
   const auto& [from, connection] = hub_endpoint_.expected().front();
-  const auto& heard = hub_endpoint_.heard().back();
-  EXPECT_EQ(from, heard.from);
-  ASSERT_EQ(classify_sealed(heard.bytes).kind, seal::Kind::data);
-  EXPECT_EQ(connection, seal::load<std::uint32_t>(seal::bytes_of(std::span<const std::byte>(heard.bytes)) + seal::kConnectionAt));
+  const auto& arrived = hub_endpoint_.arrived().back();
+  EXPECT_EQ(from, arrived.from);
+  ASSERT_EQ(classify_sealed(arrived.bytes).kind, seal::Kind::data);
+  EXPECT_EQ(connection, seal::load<std::uint32_t>(seal::bytes_of(std::span<const std::byte>(arrived.bytes)) + seal::kConnectionAt));
 }
 
 // --- roles
@@ -129,7 +129,7 @@ TEST_F(SealedHubTest, TheEndpointKnowsWhichSessionToExpectFromEachPeer) {
 Bytes make_request(KeyRole role, std::uint64_t host, std::int64_t time_ns) {
   ClientHandshake greedy(RoleKey(key_of(1), role), host, AgreementWorker::Where::caller);
   greedy.begin();
-  greedy.ask(time_ns);
+  greedy.start_request(time_ns);
   Bytes request(seal::kRequestBytes);
   greedy.poll(request);
   return request;
@@ -144,12 +144,12 @@ TEST_F(SealedHubTest, AFloodOfOneRolesHandshakesLeavesTheOtherRolesTheirRate) {
     for (int i = 0; i < 5; ++i, ++made) {  // 5,000 a second, each from another host
       hub_endpoint_.put_in(memory_address(static_cast<std::uint8_t>(20 + made % 200), 9), make_request(KeyRole::tool, made, 1));
     }
-    hub_hears();
+    hub_receives();
     if (ms == 100) haptics = make_node(2, key_of(1), KeyRole::haptics);
     if (haptics == nullptr) continue;
     say(*haptics, "hello");
-    hub_hears();
-    node_hears(*haptics);
+    hub_receives();
+    node_receives(*haptics);
   }
   EXPECT_GT(hub_->seal_counts().too_many_handshakes, 500U);
   EXPECT_TRUE(answer(*haptics, "welcome")) << "the haptics node has not come in within 100 ms";
@@ -163,7 +163,7 @@ TEST_F(SealedHubTest, SessionsOfOneRoleTakeNoPlaceOfAnother) {
     say(*crowd.back(), "mine");
     meet(*crowd.back());
     for (const auto& node : crowd) node->sealed.send(hub_at_, text("still here"));
-    hub_hears();
+    hub_receives();
   }
   EXPECT_EQ(hub_->seal_counts().handshakes, SealedHub::kRolePlaces[2]);
   EXPECT_GT(hub_->seal_counts().no_place, 0U);
@@ -194,20 +194,20 @@ TEST_F(SealedHubTest, AnotherRoleTakesNoAddressThatIsInUse) {
   intruder.begin();
   const Address at = haptics->endpoint.local_address();
   Bytes request(seal::kRequestBytes);
-  const auto ask = [&](std::int64_t time_ns) {
-    intruder.ask(time_ns);
+  const auto start_request = [&](std::int64_t time_ns) {
+    intruder.start_request(time_ns);
     intruder.poll(request);
     hub_endpoint_.put_in(at, request);
-    hub_hears();
-    node_hears(*haptics);  // takes the datagram off the wire
-    return haptics->endpoint.heard().back().bytes;
+    hub_receives();
+    node_receives(*haptics);  // takes the datagram off the wire
+    return haptics->endpoint.arrived().back().bytes;
   };
-  ASSERT_TRUE(intruder.read_retry(ask(1)));
+  ASSERT_TRUE(intruder.read_retry(start_request(1)));
   const std::uint64_t rejected = hub_->seal_counts().no_place;
-  ask(2);
+  start_request(2);
   EXPECT_EQ(hub_->seal_counts().no_place, rejected + 1);
   EXPECT_TRUE(answer(*haptics, "still yours"));
-  EXPECT_EQ(node_hears(*haptics), std::vector<std::string>{"still yours"});
+  EXPECT_EQ(node_receives(*haptics), std::vector<std::string>{"still yours"});
 }
 
 // --- rekeying
@@ -235,7 +235,7 @@ TEST_F(SealedHubTest, AtAChangeOfKeysNoDatagramIsLostOrLate) {
         said_ns[turn] = clock_.now_ns();
         EXPECT_TRUE(sealed.send(hub_at_, text(std::to_string(turn))));
       }
-      for (const auto& [what, from] : hub_hears()) hub_->send(from, text(what));
+      for (const auto& [what, from] : hub_receives()) hub_->send(from, text(what));
       for (Received received = sealed.receive(into, 0); received.bytes != 0; received = sealed.receive(into, 0)) {
         const int which = std::stoi(words(std::span(into).first(received.bytes)));
         ++answered[which];
@@ -254,15 +254,15 @@ TEST_F(SealedHubTest, ASessionIsReplacedAfterSoManyDatagramsToo) {
   Node node(network_, clock_, memory_address(20, 9), hub_at_, RoleKey(key_of(1), KeyRole::haptics));
   SealedClient sealed(node.endpoint, clock_, RoleKey(key_of(1), KeyRole::haptics), hub_at_, {.host = 9, .rekey_after = 100});
   std::array<std::byte, kMaxDatagramBytes> into;
-  int heard = 0;
+  int arrived = 0;
   for (int turn = 0; turn < 1000; ++turn) {
     clock_.advance_ns(kMs);
     sealed.send(hub_at_, text("x"));
-    for (const auto& [what, from] : hub_hears()) hub_->send(from, text(what));
-    while (sealed.receive(into, 0).bytes != 0) ++heard;
+    for (const auto& [what, from] : hub_receives()) hub_->send(from, text(what));
+    while (sealed.receive(into, 0).bytes != 0) ++arrived;
   }
   EXPECT_GE(sealed.seal_counts().handshakes, 8U);
-  EXPECT_GE(heard, 999);
+  EXPECT_GE(arrived, 999);
 }
 
 TEST_F(SealedHubTest, TheOldSessionIsOverAfterTheOverlap) {
@@ -280,13 +280,13 @@ TEST_F(SealedHubTest, TheOldSessionIsOverAfterTheOverlap) {
   say(*node, "wake");
   meet(*node);
   say(*node, "new keys");
-  EXPECT_EQ(hub_hears().count("new keys"), 1U);
+  EXPECT_EQ(hub_receives().count("new keys"), 1U);
   EXPECT_EQ(hub_->seal_counts().handshakes, 2U);
   hub_endpoint_.put_in(slow.from, held);
-  EXPECT_EQ(hub_hears().count("slow"), 1U);
+  EXPECT_EQ(hub_receives().count("slow"), 1U);
   clock_.advance_ns(SealedHub::kOverlapNs);
   hub_endpoint_.put_in(slow.from, held_longer);
-  EXPECT_TRUE(hub_hears().empty());
+  EXPECT_TRUE(hub_receives().empty());
 }
 
 // --- with worker threads, as the nodes run
@@ -322,15 +322,15 @@ TEST(SealedThreadsTest, NodesJoinAndChangeKeysWithoutTheCallerWaiting) {
   SealedClient node(*node_end, clock, RoleKey(key_of(1), KeyRole::haptics), at,
                     {.worker = AgreementWorker::Where::own_thread, .rekey_every_ns = 20 * kMs});
   std::array<std::byte, kMaxDatagramBytes> into;
-  std::uint64_t heard = 0;
+  std::uint64_t arrived = 0;
   const std::int64_t end_ns = clock.now_ns() + 20 * kNanosecondsPerSecond;
   while (node.seal_counts().handshakes < 10 && clock.now_ns() < end_ns) {
     node.send(at, text("x"));
     if (hub.receive(into, clock.now_ns() + kMs).bytes != 0) hub.send(memory_address(2, 9), text("y"));
-    if (node.receive(into, clock.now_ns() + kMs).bytes != 0) ++heard;
+    if (node.receive(into, clock.now_ns() + kMs).bytes != 0) ++arrived;
   }
   EXPECT_GE(node.seal_counts().handshakes, 10U);
-  EXPECT_GT(heard, 10U);
+  EXPECT_GT(arrived, 10U);
   EXPECT_EQ(node.seal_counts().forged + hub.seal_counts().forged, 0U);
 }
 

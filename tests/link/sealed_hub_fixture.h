@@ -61,7 +61,7 @@ class SealedHubTest : public testing::Test {
   }
 
   // All datagrams sealed for the hub now, by sender.
-  std::multimap<std::string, Address> hub_hears() {
+  std::multimap<std::string, Address> hub_receives() {
     std::multimap<std::string, Address> all;
     std::array<std::byte, kMaxDatagramBytes> into;
     for (Received received = hub_->receive(into, 0); received.bytes != 0; received = hub_->receive(into, 0)) {
@@ -70,7 +70,7 @@ class SealedHubTest : public testing::Test {
     return all;
   }
 
-  static std::vector<std::string> node_hears(Node& node) {
+  static std::vector<std::string> node_receives(Node& node) {
     std::vector<std::string> all;
     std::array<std::byte, kMaxDatagramBytes> into;
     for (Received received = node.sealed.receive(into, 0); received.bytes != 0; received = node.sealed.receive(into, 0)) {
@@ -86,8 +86,8 @@ class SealedHubTest : public testing::Test {
   std::multimap<std::string, Address> meet(Node& node) {
     std::multimap<std::string, Address> all;
     for (int turn = 0; turn < 4; ++turn) {
-      all.merge(hub_hears());
-      node_hears(node);
+      all.merge(hub_receives());
+      node_receives(node);
     }
     clock_.advance_ns(20 * kMs);  // lets the handshake rates recover
     return all;
@@ -97,7 +97,7 @@ class SealedHubTest : public testing::Test {
     say(node, "first");
     ASSERT_EQ(meet(node).count("first"), 1U);
     ASSERT_TRUE(answer(node, "welcome"));
-    ASSERT_EQ(node_hears(node), std::vector<std::string>{"welcome"});
+    ASSERT_EQ(node_receives(node), std::vector<std::string>{"welcome"});
   }
 
   // Runs time in steps, the nodes sending and receiving like HubClient, the hub replying to every datagram.
@@ -107,8 +107,8 @@ class SealedHubTest : public testing::Test {
       for (Node* node : nodes) {
         if (i % 100 == 0) say(*node, "hello");
       }
-      for (const auto& [what, from] : hub_hears()) hub_->send(from, text("re " + what));
-      for (Node* node : nodes) answers_ += static_cast<int>(node_hears(*node).size());
+      for (const auto& [what, from] : hub_receives()) hub_->send(from, text("re " + what));
+      for (Node* node : nodes) answers_ += static_cast<int>(node_receives(*node).size());
     }
   }
 

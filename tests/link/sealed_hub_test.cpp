@@ -23,7 +23,7 @@ TEST_F(SealedHubTest, TheFirstMessageWaitsForASession) {
   say(*node, "hello hub");
   EXPECT_EQ(meet(*node).count("hello hub"), 1U);
   EXPECT_TRUE(answer(*node, "hello node"));
-  EXPECT_EQ(node_hears(*node), std::vector<std::string>{"hello node"});
+  EXPECT_EQ(node_receives(*node), std::vector<std::string>{"hello node"});
   EXPECT_EQ(hub_->seal_counts().handshakes, 1U);
   EXPECT_EQ(node->sealed.seal_counts().handshakes, 1U);
   EXPECT_EQ(hub_->seal_counts().rejected(), 0U);
@@ -33,7 +33,7 @@ TEST_F(SealedHubTest, NoWordIsReadableOnTheWire) {
   const auto node = make_node(2);
   say(*node, "a very plain secret");
   meet(*node);
-  for (const auto& heard : hub_endpoint_.heard()) EXPECT_EQ(words(heard.bytes).find("plain"), std::string::npos);
+  for (const auto& arrived : hub_endpoint_.arrived()) EXPECT_EQ(words(arrived.bytes).find("plain"), std::string::npos);
 }
 
 TEST_F(SealedHubTest, ManyNodesHaveKeysOfTheirOwn) {
@@ -41,23 +41,23 @@ TEST_F(SealedHubTest, ManyNodesHaveKeysOfTheirOwn) {
   for (std::uint8_t i = 0; i < 16; ++i) nodes.push_back(make_node(static_cast<std::uint8_t>(10 + i)));
   for (const auto& node : nodes) join(*node);
   for (const auto& node : nodes) EXPECT_TRUE(answer(*node, "to you"));
-  for (const auto& node : nodes) EXPECT_EQ(node_hears(*node), std::vector<std::string>{"to you"});
+  for (const auto& node : nodes) EXPECT_EQ(node_receives(*node), std::vector<std::string>{"to you"});
   // A datagram to one node opens for no other.
   ASSERT_TRUE(answer(*nodes[0], "yours alone"));
-  node_hears(*nodes[0]);
-  nodes[1]->endpoint.put_in(hub_at_, nodes[0]->endpoint.heard().back().bytes);
-  EXPECT_TRUE(node_hears(*nodes[1]).empty());
+  node_receives(*nodes[0]);
+  nodes[1]->endpoint.put_in(hub_at_, nodes[0]->endpoint.arrived().back().bytes);
+  EXPECT_TRUE(node_receives(*nodes[1]).empty());
   EXPECT_GT(nodes[1]->sealed.seal_counts().rejected(), 0U);
 }
 
 TEST_F(SealedHubTest, WithAnotherKeyThereIsSilenceAndACount) {
-  const auto stranger = make_node(2, key_of(2));
-  say(*stranger, "let me in");
+  const auto outsider = make_node(2, key_of(2));
+  say(*outsider, "let me in");
   const std::size_t before = hub_endpoint_.sent();
-  EXPECT_TRUE(meet(*stranger).empty());
+  EXPECT_TRUE(meet(*outsider).empty());
   EXPECT_EQ(hub_endpoint_.sent(), before);
   EXPECT_GT(hub_->seal_counts().wrong_key, 0U);
-  EXPECT_FALSE(answer(*stranger, "no"));
+  EXPECT_FALSE(answer(*outsider, "no"));
 }
 
 TEST_F(SealedHubTest, AnotherVersionAndJunkGetSilenceAndACount) {
@@ -70,7 +70,7 @@ TEST_F(SealedHubTest, AnotherVersionAndJunkGetSilenceAndACount) {
   data[1] = std::byte{kProtocolVersion};
   data[2] = static_cast<std::byte>(seal::Kind::data);
   hub_endpoint_.put_in(from, data);
-  EXPECT_TRUE(hub_hears().empty());
+  EXPECT_TRUE(hub_receives().empty());
   EXPECT_EQ(hub_endpoint_.sent(), 0U);
   EXPECT_EQ(hub_->seal_counts().wrong_version, 1U);
   EXPECT_EQ(hub_->seal_counts().malformed, 2U);
@@ -81,53 +81,53 @@ TEST_F(SealedHubTest, ARecordedDatagramIsNotAcceptedAgain) {
   const auto node = make_node(2);
   join(*node);
   say(*node, "open the gate");
-  EXPECT_EQ(hub_hears().count("open the gate"), 1U);
-  const auto recorded = hub_endpoint_.heard();
+  EXPECT_EQ(hub_receives().count("open the gate"), 1U);
+  const auto recorded = hub_endpoint_.arrived();
   const SealCounts before = hub_->seal_counts();
   for (int times = 0; times < 3; ++times) {
-    for (const auto& heard : recorded) hub_endpoint_.put_in(heard.from, heard.bytes);
-    EXPECT_TRUE(hub_hears().empty());
+    for (const auto& arrived : recorded) hub_endpoint_.put_in(arrived.from, arrived.bytes);
+    EXPECT_TRUE(hub_receives().empty());
   }
   EXPECT_GT(hub_->seal_counts().replayed, before.replayed);
   EXPECT_EQ(hub_->seal_counts().replayed_handshakes, before.replayed_handshakes + 6);
   // And the session continues.
-  node_hears(*node);
+  node_receives(*node);
   say(*node, "still here");
-  EXPECT_EQ(hub_hears().count("still here"), 1U);
+  EXPECT_EQ(hub_receives().count("still here"), 1U);
   EXPECT_TRUE(answer(*node, "yes"));
-  EXPECT_EQ(node_hears(*node), std::vector<std::string>{"yes"});
+  EXPECT_EQ(node_receives(*node), std::vector<std::string>{"yes"});
 }
 
 TEST_F(SealedHubTest, AWholeRecordedSessionOpensNothingOnARestartedHub) {
   auto node = make_node(2);
   join(*node);
   say(*node, "open the gate");
-  hub_hears();
-  const auto recorded = hub_endpoint_.heard();
+  hub_receives();
+  const auto recorded = hub_endpoint_.arrived();
   node.reset();
   start_hub();
-  for (const auto& heard : recorded) hub_endpoint_.put_in(heard.from, heard.bytes);
-  EXPECT_TRUE(hub_hears().empty());
+  for (const auto& arrived : recorded) hub_endpoint_.put_in(arrived.from, arrived.bytes);
+  EXPECT_TRUE(hub_receives().empty());
   EXPECT_EQ(hub_->seal_counts().handshakes, 0U);
 }
 
 TEST_F(SealedHubTest, ARecordedHandshakeDoesNotEndALiveSession) {
   auto first = make_node(2);
   join(*first);
-  const auto recorded = hub_endpoint_.heard();
+  const auto recorded = hub_endpoint_.arrived();
   // The same node once more, restarted: its session is the living one now.
   first.reset();
   const auto second = make_node(2);
   join(*second);
   EXPECT_EQ(hub_->seal_counts().handshakes, 2U);
   for (int times = 0; times < 20; ++times) {
-    for (const auto& heard : recorded) hub_endpoint_.put_in(heard.from, heard.bytes);
-    EXPECT_TRUE(hub_hears().empty());
-    node_hears(*second);
+    for (const auto& arrived : recorded) hub_endpoint_.put_in(arrived.from, arrived.bytes);
+    EXPECT_TRUE(hub_receives().empty());
+    node_receives(*second);
     say(*second, "here");
-    EXPECT_EQ(hub_hears().count("here"), 1U);
+    EXPECT_EQ(hub_receives().count("here"), 1U);
     EXPECT_TRUE(answer(*second, "good"));
-    EXPECT_EQ(node_hears(*second), std::vector<std::string>{"good"});
+    EXPECT_EQ(node_receives(*second), std::vector<std::string>{"good"});
   }
   EXPECT_EQ(hub_->seal_counts().handshakes, 2U);
 }
@@ -136,14 +136,14 @@ TEST_F(SealedHubTest, ReflectedDatagramsAreNotAccepted) {
   const auto node = make_node(2);
   join(*node);
   say(*node, "up");
-  EXPECT_EQ(hub_hears().size(), 1U);
-  node->endpoint.put_in(hub_at_, hub_endpoint_.heard().back().bytes);
-  EXPECT_TRUE(node_hears(*node).empty());
+  EXPECT_EQ(hub_receives().size(), 1U);
+  node->endpoint.put_in(hub_at_, hub_endpoint_.arrived().back().bytes);
+  EXPECT_TRUE(node_receives(*node).empty());
   EXPECT_EQ(node->sealed.seal_counts().rejected(), 1U);
   ASSERT_TRUE(answer(*node, "down"));
-  node_hears(*node);
-  hub_endpoint_.put_in(node->endpoint.local_address(), node->endpoint.heard().back().bytes);
-  EXPECT_TRUE(hub_hears().empty());
+  node_receives(*node);
+  hub_endpoint_.put_in(node->endpoint.local_address(), node->endpoint.arrived().back().bytes);
+  EXPECT_TRUE(hub_receives().empty());
   EXPECT_EQ(hub_->seal_counts().rejected(), 1U);
 }
 
@@ -154,16 +154,16 @@ TEST_F(SealedHubTest, ASessionIsGoodForItsAddressOnly) {
   Bytes taken;
   {
     std::array<std::byte, kMaxDatagramBytes> into;
-    hub_hears();
+    hub_receives();
     say(*node, "fresh");
     const Received received = hub_endpoint_.receive(into, 0);
     taken.assign(into.begin(), into.begin() + static_cast<std::ptrdiff_t>(received.bytes));
   }
   hub_endpoint_.put_in(memory_address(66, 6), taken);
-  EXPECT_TRUE(hub_hears().empty());
+  EXPECT_TRUE(hub_receives().empty());
   EXPECT_EQ(hub_->seal_counts().unknown_session, 1U);
   hub_endpoint_.put_in(node->endpoint.local_address(), taken);
-  EXPECT_EQ(hub_hears().count("fresh"), 1U);
+  EXPECT_EQ(hub_receives().count("fresh"), 1U);
 }
 
 TEST_F(SealedHubTest, EveryTruncatedAndEveryFlippedDatagramIsRejectedAndCounted) {
@@ -176,7 +176,7 @@ TEST_F(SealedHubTest, EveryTruncatedAndEveryFlippedDatagramIsRejectedAndCounted)
   const auto expect_refused = [&](const Bytes& bytes) {
     const std::uint64_t before = hub_->seal_counts().rejected();
     hub_endpoint_.put_in(received.from, bytes);
-    ASSERT_TRUE(hub_hears().empty());
+    ASSERT_TRUE(hub_receives().empty());
     ASSERT_EQ(hub_->seal_counts().rejected(), before + 1);
   };
   const std::size_t sent = hub_endpoint_.sent();
@@ -188,9 +188,9 @@ TEST_F(SealedHubTest, EveryTruncatedAndEveryFlippedDatagramIsRejectedAndCounted)
     flipped[bit / 8] ^= static_cast<std::byte>(1U << (bit % 8));
     expect_refused(flipped);
   }
-  EXPECT_EQ(hub_endpoint_.sent(), sent) << "a stranger was answered";
+  EXPECT_EQ(hub_endpoint_.sent(), sent) << "an unknown peer got a reply";
   hub_endpoint_.put_in(received.from, sealed);
-  EXPECT_EQ(hub_hears().count("some words"), 1U);
+  EXPECT_EQ(hub_receives().count("some words"), 1U);
 }
 
 TEST_F(SealedHubTest, ARestartedHubIsFoundAgain) {
@@ -212,19 +212,19 @@ TEST_F(SealedHubTest, AHubThatWasOnlySlowHasLostNothing) {
   // 150 ms without a datagram from the hub, shorter than its timeout: no new request.
   for (int i = 0; i < 150; ++i) {
     clock_.advance_ns(kMs);
-    node_hears(*node);
+    node_receives(*node);
   }
   EXPECT_TRUE(answer(*node, "here again"));
-  EXPECT_EQ(node_hears(*node).size(), 1U);
+  EXPECT_EQ(node_receives(*node).size(), 1U);
   // 400 ms: it requests a new session, and meanwhile the old session still works in both directions.
   for (int i = 0; i < 400; ++i) {
     clock_.advance_ns(kMs);
-    node_hears(*node);
+    node_receives(*node);
   }
   EXPECT_TRUE(answer(*node, "old keys"));
   say(*node, "old keys too");
-  EXPECT_EQ(node_hears(*node), std::vector<std::string>{"old keys"});
-  EXPECT_GE(hub_hears().count("old keys too"), 1U);
+  EXPECT_EQ(node_receives(*node), std::vector<std::string>{"old keys"});
+  EXPECT_GE(hub_receives().count("old keys too"), 1U);
   live({node.get()}, 300);
   EXPECT_EQ(hub_->seal_counts().handshakes, handshakes + 1);
 }
@@ -237,42 +237,42 @@ TEST_F(SealedHubTest, ANodeThatWasBusyForLongAsksForNothing) {
       clock_.advance_ns(kMs);
       EXPECT_TRUE(answer(*node, "tick"));
     }
-    EXPECT_EQ(node_hears(*node).size(), 300U);
+    EXPECT_EQ(node_receives(*node).size(), 300U);
   }
-  hub_hears();
+  hub_receives();
   EXPECT_EQ(hub_->seal_counts().handshakes, 1U);
-  EXPECT_EQ(hub_endpoint_.heard().size(), 3U) << "it asked";
+  EXPECT_EQ(hub_endpoint_.arrived().size(), 3U) << "it asked";
 }
 
 TEST_F(SealedHubTest, UntilTheHubUsesTheNewSessionTheOldOneIsAccepted) {
   const auto node = make_node(2);
   join(*node);
   clock_.advance_ns(SealedClient::kPeerTimeoutNs);
-  node_hears(*node);  // requests
-  hub_hears();        // cookie
+  node_receives(*node);  // requests
+  hub_receives();        // cookie
   say(*node, "lost on the way");
-  node_hears(*node);  // requests with it
-  hub_hears();        // agrees
-  node_hears(*node);  // has a new session, and sends its datagram in it
+  node_receives(*node);  // requests with it
+  hub_receives();        // agrees
+  node_receives(*node);  // has a new session, and sends its datagram in it
   std::array<std::byte, kMaxDatagramBytes> into;
   while (hub_endpoint_.receive(into, 0).bytes != 0) {
   }
   EXPECT_EQ(node->sealed.seal_counts().handshakes, 2U);
   EXPECT_EQ(hub_->seal_counts().handshakes, 1U);
   EXPECT_TRUE(answer(*node, "still the old one"));
-  EXPECT_EQ(node_hears(*node), std::vector<std::string>{"still the old one"});
-  const Bytes old = node->endpoint.heard().back().bytes;
+  EXPECT_EQ(node_receives(*node), std::vector<std::string>{"still the old one"});
+  const Bytes old = node->endpoint.arrived().back().bytes;
   // After one datagram in each direction of the new one, the old one is over, except for late datagrams.
   say(*node, "heard");
-  EXPECT_EQ(hub_hears().count("heard"), 1U);
+  EXPECT_EQ(hub_receives().count("heard"), 1U);
   EXPECT_TRUE(answer(*node, "the new one"));
-  EXPECT_EQ(node_hears(*node), std::vector<std::string>{"the new one"});
+  EXPECT_EQ(node_receives(*node), std::vector<std::string>{"the new one"});
   clock_.advance_ns(SealedClient::kOverlapNs);
   EXPECT_TRUE(answer(*node, "later"));
-  EXPECT_EQ(node_hears(*node), std::vector<std::string>{"later"});
+  EXPECT_EQ(node_receives(*node), std::vector<std::string>{"later"});
   const std::uint64_t unknown = node->sealed.seal_counts().unknown_session;
   node->endpoint.put_in(hub_at_, old);
-  EXPECT_TRUE(node_hears(*node).empty());
+  EXPECT_TRUE(node_receives(*node).empty());
   EXPECT_EQ(node->sealed.seal_counts().unknown_session, unknown + 1);
 }
 
@@ -319,15 +319,15 @@ TEST_F(SealedHubTest, RecordedHandshakesCannotCrowdOutTheLiving) {
   for (std::uint8_t i = 0; i < 100; ++i) {
     auto ghost = make_node(static_cast<std::uint8_t>(100 + i));
     say(*ghost, "boo");
-    hub_hears();         // its request gets a cookie
-    node_hears(*ghost);  // requests with the cookie
+    hub_receives();         // its request gets a cookie
+    node_receives(*ghost);  // requests with the cookie
     ghost->sealed.send(hub_at_, text("never mind"));
     std::array<std::byte, kMaxDatagramBytes> into;
     EXPECT_EQ(hub_->receive(into, 0).bytes, 0U);
     clock_.advance_ns(5 * kMs);
   }
   EXPECT_TRUE(answer(*node, "you stay"));
-  EXPECT_EQ(node_hears(*node), std::vector<std::string>{"you stay"});
+  EXPECT_EQ(node_receives(*node), std::vector<std::string>{"you stay"});
   const auto late = make_node(3);
   join(*late);
 }
@@ -398,14 +398,14 @@ TEST_P(SealedHubHeapTest, NeitherSideUsesTheHeapOnceBuilt) {
   SealedClient node(node_end, clock, RoleKey(key_of(1), KeyRole::vision), hub_end.local_address(), {.worker = GetParam()});
   const std::array<std::byte, 120> payload = {};
   std::array<std::byte, kMaxDatagramBytes> into;
-  int heard = 0;
+  int arrived = 0;
   const AllocationGuard guard;
   // A session, another one after a timeout, and one more after the time of a rekeying; the clock does not advance while a thread works.
   const auto agree_on = [&](std::uint64_t handshakes) {
     for (int turn = 0; turn < 200'000 && hub.seal_counts().handshakes < handshakes; ++turn) {
       node.send(hub_end.local_address(), payload);
-      while (hub.receive(into, 0).bytes != 0) ++heard;
-      while (node.receive(into, 0).bytes != 0) ++heard;
+      while (hub.receive(into, 0).bytes != 0) ++arrived;
+      while (node.receive(into, 0).bytes != 0) ++arrived;
       std::this_thread::yield();
       if (turn % 1000 == 999) clock.advance_ns(kMs);
     }
@@ -419,13 +419,13 @@ TEST_P(SealedHubHeapTest, NeitherSideUsesTheHeapOnceBuilt) {
     for (int i = 0; i < 300; ++i) {
       clock.advance_ns(kMs);
       node.send(hub_end.local_address(), payload);
-      while (hub.receive(into, 0).bytes != 0) ++heard;
+      while (hub.receive(into, 0).bytes != 0) ++arrived;
       hub.send(node_end.local_address(), payload);
-      while (node.receive(into, 0).bytes != 0) ++heard;
+      while (node.receive(into, 0).bytes != 0) ++arrived;
     }
   }
   EXPECT_EQ(guard.count(), 0U);
-  EXPECT_GT(heard, 1700);
+  EXPECT_GT(arrived, 1700);
 }
 
 }  // namespace

@@ -181,10 +181,10 @@ TEST_F(SealedSessionTest, ASecondHapticsNodeIsNotifiedThatThePlaceIsTaken) {
 TEST_F(SealedSessionTest, AnUnknownPeerLearnsNothingAndDisturbsNoOther) {
   start_hub();
   const auto node = make_node(2);
-  const auto stranger = make_node(3, NodeRole::haptics, 2);
-  run({node.get(), stranger.get()}, 2000);
-  EXPECT_EQ(stranger->client.state(), JoinState::joining);
-  EXPECT_EQ(stranger->sealed.seal_counts().opened, 0U);
+  const auto unknown = make_node(3, NodeRole::haptics, 2);
+  run({node.get(), unknown.get()}, 2000);
+  EXPECT_EQ(unknown->client.state(), JoinState::joining);
+  EXPECT_EQ(unknown->sealed.seal_counts().opened, 0U);
   EXPECT_EQ(node->client.state(), JoinState::joined);
   EXPECT_NEAR(answers_, 2000, 10);
   EXPECT_NEAR(static_cast<double>(sealed_->seal_counts().wrong_key), 40.0, 2.0);

@@ -29,7 +29,7 @@ std::string text_of(std::span<const std::byte> bytes) { return {reinterpret_cast
 // An endpoint and its received events.
 struct Party final : StreamEndpoint::Listener {
   std::unique_ptr<StreamEndpoint> endpoint;
-  std::map<StreamEndpoint::Id, std::string> heard;
+  std::map<StreamEndpoint::Id, std::string> arrived;
   std::map<StreamEndpoint::Id, Address> peers;
   std::vector<StreamEndpoint::Id> closed;
   std::vector<std::string> datagrams;
@@ -40,7 +40,7 @@ struct Party final : StreamEndpoint::Listener {
     if (opened) endpoint = std::move(*opened);
   }
   void on_connected(StreamEndpoint::Id id, const Address& peer) override { peers[id] = peer; }
-  void on_bytes(StreamEndpoint::Id id, std::span<const std::byte> bytes) override { heard[id] += text_of(bytes); }
+  void on_bytes(StreamEndpoint::Id id, std::span<const std::byte> bytes) override { arrived[id] += text_of(bytes); }
   void on_closed(StreamEndpoint::Id id) override {
     closed.push_back(id);
     peers.erase(id);
@@ -73,7 +73,7 @@ TEST(StreamEndpoint, TwoConnectSpeakAndPart) {
   EXPECT_EQ(client.peers.at(id), server.endpoint->local_address());
   ASSERT_TRUE(client.endpoint->send(id, bytes_of("there")));
   const auto there = server.peers.begin()->first;
-  ASSERT_TRUE(until({&server, &client}, [&] { return server.heard[there] == "hello there"; }));
+  ASSERT_TRUE(until({&server, &client}, [&] { return server.arrived[there] == "hello there"; }));
   server.endpoint->close(there);
   ASSERT_TRUE(until({&server, &client}, [&] { return server.closed.size() == 1 && client.closed.size() == 1; }));
   EXPECT_FALSE(client.endpoint->send(id, bytes_of("gone")));
@@ -84,7 +84,7 @@ TEST(StreamEndpoint, MuchArrivesWhole) {
   const auto id = client.endpoint->connect(server.endpoint->local_address());
   const std::string much(200'000, 'x');
   ASSERT_TRUE(client.endpoint->send(id, bytes_of(much)));
-  EXPECT_TRUE(until({&server, &client}, [&] { return !server.heard.empty() && server.heard.begin()->second == much; }));
+  EXPECT_TRUE(until({&server, &client}, [&] { return !server.arrived.empty() && server.arrived.begin()->second == much; }));
 }
 
 TEST(StreamEndpoint, DatagramsComeAtTheSamePort) {

@@ -13,7 +13,7 @@ namespace hapton {
 // An endpoint with an attacker on the wire: he sees all incoming datagrams, and injects what he likes under any address.
 class TappedEndpoint final : public Endpoint {
  public:
-  struct Heard {
+  struct Arrived {
     Address from;
     std::vector<std::byte> bytes;
   };
@@ -21,7 +21,7 @@ class TappedEndpoint final : public Endpoint {
   explicit TappedEndpoint(std::unique_ptr<Endpoint> endpoint) : endpoint_(std::move(endpoint)) {}
 
   void put_in(const Address& from, std::vector<std::byte> bytes) { put_in_.push_back({from, std::move(bytes)}); }
-  const std::vector<Heard>& heard() const { return heard_; }
+  const std::vector<Arrived>& arrived() const { return arrived_; }
   // As if the socket had skipped this many oversized datagrams.
   void put_in_oversized(const Address& from, std::uint64_t count) {
     counts_.last_oversized = from;
@@ -37,14 +37,14 @@ class TappedEndpoint final : public Endpoint {
 
   Received receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept override {
     if (!put_in_.empty()) {
-      const Heard next = put_in_.front();
+      const Arrived next = put_in_.front();
       put_in_.pop_front();
       std::copy(next.bytes.begin(), next.bytes.end(), into.begin());
       return {.bytes = next.bytes.size(), .from = next.from};
     }
     const Received received = endpoint_->receive(into, deadline_ns);
     if (received.bytes != 0) {
-      heard_.push_back({received.from, {into.begin(), into.begin() + static_cast<std::ptrdiff_t>(received.bytes)}});
+      arrived_.push_back({received.from, {into.begin(), into.begin() + static_cast<std::ptrdiff_t>(received.bytes)}});
     }
     return received;
   }
@@ -59,8 +59,8 @@ class TappedEndpoint final : public Endpoint {
 
  private:
   std::unique_ptr<Endpoint> endpoint_;
-  std::deque<Heard> put_in_;
-  std::vector<Heard> heard_;
+  std::deque<Arrived> put_in_;
+  std::vector<Arrived> arrived_;
   std::size_t sent_ = 0;
   SocketCounts counts_;
   std::vector<std::pair<Address, std::uint32_t>> expected_;

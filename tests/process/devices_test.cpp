@@ -64,8 +64,8 @@ TEST_F(TwoHands, TouchEachByItself) {
   // The right hand continues when the left one's haptics node is gone.
   haptics["left"]->kill();
   ASSERT_TRUE(wait_for([](const Json& left, const Json&) { return count(left, "command_timeouts") > 0; })) << io->err();
-  const std::int64_t felt = count(report_of("right"), "contact_samples");
-  ASSERT_TRUE(wait_for([&](const Json&, const Json& right) { return count(right, "contact_samples") > felt; })) << io->err();
+  const std::int64_t force = count(report_of("right"), "contact_samples");
+  ASSERT_TRUE(wait_for([&](const Json&, const Json& right) { return count(right, "contact_samples") > force; })) << io->err();
   io->send_signal(SIGTERM);
   const auto ended = io->wait(kPatience);
   ASSERT_TRUE(ended) << "io_node does not end";
@@ -96,12 +96,12 @@ TEST_F(TwoHands, AreShownInOnePicture) {
 
 TEST_F(TwoHands, AreReportedByTheDoctor) {
   const std::string port = hubs["left"].substr(hubs["left"].find(':') + 1);
-  const auto asked = run("hapton", {"doctor", "--only", "hub", "--only", "ports", "--port", port, "--json"}, system.folder());
-  ASSERT_TRUE(asked);
-  EXPECT_EQ(asked->exit_code, 0) << asked->out << asked->err;
-  EXPECT_EQ(Json::parse(asked->out).at("schema"), "hapton.doctor/1");
-  EXPECT_THAT(asked->out, HasSubstr("simulated, calibrated"));
-  EXPECT_THAT(asked->out, HasSubstr("io_node has it (process " + std::to_string(io->pid())));
+  const auto requested = run("hapton", {"doctor", "--only", "hub", "--only", "ports", "--port", port, "--json"}, system.folder());
+  ASSERT_TRUE(requested);
+  EXPECT_EQ(requested->exit_code, 0) << requested->out << requested->err;
+  EXPECT_EQ(Json::parse(requested->out).at("schema"), "hapton.doctor/1");
+  EXPECT_THAT(requested->out, HasSubstr("simulated, calibrated"));
+  EXPECT_THAT(requested->out, HasSubstr("io_node has it (process " + std::to_string(io->pid())));
 }
 
 TEST(Doctor, ReportsByItsExitCode) {

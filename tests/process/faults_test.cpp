@@ -36,14 +36,14 @@ bool waits_for(System& system, const std::function<bool(const Json&)>& holds) { 
 
 // Contact continues from here for this many samples.
 bool feels_on(System& system, std::int64_t samples = 300) {
-  const std::int64_t before = count(system.ask_for_report(), "contact_samples");
+  const std::int64_t before = count(system.request_report(), "contact_samples");
   return waits_for(system, [&](const Json& report) { return count(report, "contact_samples") > before + samples; });
 }
 
 // Observes the force for this long: its largest value and its fastest growth.
 struct Watched {
   int seen = 0;
-  int felt = 0;
+  int force = 0;
 };
 Watched expect_bounded(Onlooker& onlooker, double seconds) {
   Watched watched;
@@ -59,7 +59,7 @@ Watched expect_bounded(Onlooker& onlooker, double seconds) {
     EXPECT_TRUE(watched.seen == 0 || risen_n <= kMaxSlewNPerS * passed_s) << risen_n << " N in " << passed_s << " s";
     last = state;
     ++watched.seen;
-    watched.felt += state.force_n.norm() > 0.0 ? 1 : 0;
+    watched.force += state.force_n.norm() > 0.0 ? 1 : 0;
   }
   return watched;
 }
@@ -74,8 +74,8 @@ TEST(Network, LossJitterReorderCopiesAndCorruptionLeaveTheForceBounded) {
   ASSERT_TRUE(onlooker.see_until(true, state)) << "no contact through the storm";
   const Watched watched = expect_bounded(onlooker, 3.0);
   EXPECT_GT(watched.seen, 100);
-  EXPECT_GT(watched.felt, 0);
-  const Json report = system.ask_for_report();
+  EXPECT_GT(watched.force, 0);
+  const Json report = system.request_report();
   expect_sane(report);
   EXPECT_GT(count(report, "rejected_forged") + count(report, "rejected_malformed") + count(report, "rejected_unknown_session") +
                 count(report, "rejected_wrong_version"),
@@ -106,7 +106,7 @@ TEST(Network, APartitionTakesTheForceAwayAndItComesBackByItself) {
   ASSERT_TRUE(waits_for(system, was_cut_twice));
   EXPECT_TRUE(feels_on(system, 100)) << "no contact after the cut";
   EXPECT_THAT(system["relay"].out(), HasSubstr("phase cut"));
-  expect_sane(system.ask_for_report());
+  expect_sane(system.request_report());
 }
 
 // The hand never leaves the body: the force after the restart is that of the earlier contact.
@@ -124,8 +124,8 @@ TEST(Haptics, RestartedExertsForceWithoutTheHandHavingLeft) {
   const std::int64_t started_ns = onlooker.now_ns();
   ASSERT_TRUE(onlooker.see_until(true, state)) << "no contact after the restart";
   std::printf("felt %.0f ms after the program was started\n", 1e-6 * static_cast<double>(onlooker.now_ns() - started_ns));
-  EXPECT_GT(expect_bounded(onlooker, 0.5).felt, 0);
-  expect_sane(system.ask_for_report());
+  EXPECT_GT(expect_bounded(onlooker, 0.5).force, 0);
+  expect_sane(system.request_report());
   system.end_all();
 }
 
@@ -155,8 +155,8 @@ TEST(Safety, ALatchedFaultIsRecordedAndHoldsUntilAPersonResetsIt) {
   Onlooker onlooker(system);
   ProbeState state;
   EXPECT_TRUE(onlooker.see_until(true, state)) << "no force after the reset";
-  EXPECT_EQ(count(system.ask_for_report(), "faults_reset"), 1);
-  expect_sane(system.ask_for_report());
+  EXPECT_EQ(count(system.request_report(), "faults_reset"), 1);
+  expect_sane(system.request_report());
   system.end_all();
 }
 
@@ -174,7 +174,7 @@ TEST(Haptics, FrozenLeavesNoForceAndThawedBringsItBackSlowly) {
   const Watched watched = expect_bounded(onlooker, 1.5);
   EXPECT_GT(watched.seen, 0);
   EXPECT_TRUE(feels_on(system));
-  expect_sane(system.ask_for_report());
+  expect_sane(system.request_report());
   system.end_all();
 }
 
@@ -188,9 +188,9 @@ TEST(Hub, FrozenAndThawedIsFoundAgainByAll) {
   for (const std::string& node : kNodes) EXPECT_TRUE(system[node].is_running()) << node;
   system["io_node"].send_signal(SIGCONT);
   EXPECT_TRUE(feels_on(system));
-  const std::int64_t drawn = count(system.ask_for_report(), "drawn");
+  const std::int64_t drawn = count(system.request_report(), "drawn");
   EXPECT_TRUE(waits_for(system, [&](const Json& report) { return count(report, "drawn") > drawn || kNodes.size() == 2; }));
-  expect_sane(system.ask_for_report());
+  expect_sane(system.request_report());
   system.end_all();
 }
 
@@ -209,13 +209,13 @@ TEST(Hub, ASecondDeviceAtTheSameAddressIsRejectedInALineAndTheFirstGoesOn) {
 }
 
 // Sends unrequested datagrams to the hub.
-class Stranger {
+class UnknownPeer {
  public:
-  explicit Stranger(const std::string& hub) : hub_(*parse_address(hub)), endpoint_(*open_udp_endpoint("127.0.0.1:0")) {}
+  explicit UnknownPeer(const std::string& hub) : hub_(*parse_address(hub)), endpoint_(*open_udp_endpoint("127.0.0.1:0")) {}
 
   bool send(std::span<const std::byte> bytes) { return endpoint_->send(hub_, bytes); }
   // The replies within that time.
-  std::size_t hear(std::int64_t for_ns) {
+  std::size_t receive_for(std::int64_t for_ns) {
     std::array<std::byte, kMaxDatagramBytes> buffer;
     return endpoint_->receive(buffer, clock_.now_ns() + for_ns).bytes;
   }
@@ -229,16 +229,16 @@ class Stranger {
 TEST(Hub, AnotherVersionIsMetWithSilenceAndCounted) {
   System system;
   system.start("io_node");
-  system.ask_for_report();
-  Stranger stranger(system.hub());
+  system.request_report();
+  UnknownPeer unknown(system.hub());
   std::array<std::byte, kMaxDatagramBytes> bytes = {};
   const std::size_t size = Codec().encode({{0, 77, 1, 1}, Hello{NodeRole::haptics}}, bytes);
   for (const std::uint32_t version : {0U, 1U, kProtocolVersion + 1}) {
     bytes[1] = static_cast<std::byte>(version);
-    ASSERT_TRUE(stranger.send(std::span(bytes).first(size)));
+    ASSERT_TRUE(unknown.send(std::span(bytes).first(size)));
   }
   EXPECT_TRUE(waits_for(system, [](const Json& report) { return count(report, "rejected_wrong_version") == 3; }));
-  EXPECT_EQ(stranger.hear(100 * kNanosecondsPerMillisecond), 0U);
+  EXPECT_EQ(unknown.receive_for(100 * kNanosecondsPerMillisecond), 0U);
   system.end("io_node");
 }
 
@@ -316,13 +316,13 @@ TEST(Hub, AFloodOfJunkDoesNotEndTheSession) {
   EXPECT_TRUE(feels_on(system, 1000)) << "no contact in the flood";
   const std::regex kNamed("flood of [a-z ]+ from 127\\.0\\.0\\.1:[0-9]+( and others)?, [0-9]+ a second");
   EXPECT_TRUE(System::wait_until([&] { return std::regex_search(system["io_node"].err(), kNamed); })) << system["io_node"].err();
-  const Json report = system.ask_for_report();
+  const Json report = system.request_report();
   std::printf("junk: %.0f datagrams a second; %ld of %ld forces lost, %ld late, %ld silences\n", flood.stop() + other.stop(),
               count(report, "lost"), count(report, "samples"), count(report, "late"), count(report, "command_timeouts"));
   // Once a second at most.
-  const std::string told = system["io_node"].err();
-  const auto lines = std::distance(std::sregex_iterator(told.begin(), told.end(), kNamed), std::sregex_iterator());
-  EXPECT_LE(lines, 1 + std::chrono::ceil<std::chrono::seconds>(std::chrono::steady_clock::now() - begin).count()) << told;
+  const std::string text = system["io_node"].err();
+  const auto lines = std::distance(std::sregex_iterator(text.begin(), text.end(), kNamed), std::sregex_iterator());
+  EXPECT_LE(lines, 1 + std::chrono::ceil<std::chrono::seconds>(std::chrono::steady_clock::now() - begin).count()) << text;
   expect_sane(report);
   EXPECT_GT(count(report, "rejected_malformed") + count(report, "rejected_wrong_version") + count(report, "rejected_wrong_key") +
                 count(report, "rejected_unknown_session") + count(report, "dropped_by_kernel"),
@@ -343,15 +343,15 @@ TEST(Vision, FrozenOrFloodedIsMissedByNoHand) {
   ASSERT_TRUE(waits_for(system, [](const Json& report) { return count(report, "peers_timed_out") > 0; }));
   EXPECT_TRUE(feels_on(system));
   system["vision_node"].send_signal(SIGCONT);
-  const std::int64_t frozen = count(system.ask_for_report(), "drawn");
+  const std::int64_t frozen = count(system.request_report(), "drawn");
   EXPECT_TRUE(waits_for(system, [&](const Json& report) { return count(report, "drawn") > frozen; })) << "it does not draw again";
 
   Flood flood(at, 20'000);
   EXPECT_TRUE(feels_on(system, 1000));
   flood.stop();
-  const std::int64_t flooded = count(system.ask_for_report(), "drawn");
+  const std::int64_t flooded = count(system.request_report(), "drawn");
   EXPECT_TRUE(waits_for(system, [&](const Json& report) { return count(report, "drawn") > flooded; }));
-  expect_sane(system.ask_for_report());
+  expect_sane(system.request_report());
   system.end_all();
 }
 #endif

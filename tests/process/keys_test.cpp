@@ -96,19 +96,19 @@ TEST(Keys, ANodeWithAnotherOneIsMetWithSilenceAndTheHubSaysSo) {
   system.start("io_node");
   system.start("haptics_node");
   ASSERT_TRUE(has_contact(system.wait_for_report(has_contact)));
-  Program stranger("haptics_node",
-                   {"--hub", system.hub(), "--scene", (system.folder() / "cube.toml").string(), "--key", make_key(system, "other.key")},
-                   system.folder());
+  Program unknown("haptics_node",
+                  {"--hub", system.hub(), "--scene", (system.folder() / "cube.toml").string(), "--key", make_key(system, "other.key")},
+                  system.folder());
   const auto is_refused = [](const Json& report) { return count(report, "rejected_wrong_key") > 0; };
   const Json refused = system.wait_for_report(is_refused);
   EXPECT_TRUE(is_refused(refused)) << refused;
   EXPECT_EQ(count(refused, "joins_rejected"), 0);
   EXPECT_TRUE(System::wait_until([&] { return system["io_node"].err().find("hapton keygen --role ROLE") != std::string::npos; }));
-  EXPECT_TRUE(System::wait_until([&] { return stranger.err().find("no reply from a hub") != std::string::npos; }));
+  EXPECT_TRUE(System::wait_until([&] { return unknown.err().find("no reply from a hub") != std::string::npos; }));
   const auto goes_on = [&](const Json& report) { return count(report, "contact_samples") > count(refused, "contact_samples") + 100; };
   EXPECT_TRUE(goes_on(system.wait_for_report(goes_on)));
-  stranger.send_signal(SIGTERM);
-  const auto ended = stranger.wait(kPatience);
+  unknown.send_signal(SIGTERM);
+  const auto ended = unknown.wait(kPatience);
   ASSERT_TRUE(ended);
   EXPECT_EQ(ended->exit_code, 0);
   system.end_all();

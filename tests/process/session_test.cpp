@@ -49,9 +49,9 @@ TEST_F(Sessions, EveryForceOfARecordedSessionIsReplayedToTheLastBit) {
   EXPECT_EQ(replayed.exit_code, 0) << replayed.out << replayed.err;
   EXPECT_THAT(replayed.out, HasSubstr(" 0 different"));
 
-  const Ended told = session({"info", file.string()});
-  EXPECT_EQ(told.exit_code, 0) << told.err;
-  for (const char* word : {"ForceCommand", "cube.toml", "name=proxy", "late by p50"}) EXPECT_THAT(told.out, HasSubstr(word));
+  const Ended text = session({"info", file.string()});
+  EXPECT_EQ(text.exit_code, 0) << text.err;
+  for (const char* word : {"ForceCommand", "cube.toml", "name=proxy", "late by p50"}) EXPECT_THAT(text.out, HasSubstr(word));
 
   const Ended exported = session({"export", file.string(), "--out", (scratch.path() / "tables").string()});
   EXPECT_EQ(exported.exit_code, 0) << exported.err;
@@ -67,9 +67,9 @@ TEST_F(Sessions, ABadNetworkAndChangesOfMethodAreReplayedToo) {
   ProbeState state;
   ASSERT_TRUE(onlooker.see_until(true, state)) << "no contact";
   for (const char* method : {"smooth", "proxy"}) {
-    const auto asked = run("hapton", {"set", "--hub", system.hub(), "--method", method}, system.folder());
-    ASSERT_TRUE(asked);
-    ASSERT_EQ(asked->exit_code, 0) << asked->err;
+    const auto requested = run("hapton", {"set", "--hub", system.hub(), "--method", method}, system.folder());
+    ASSERT_TRUE(requested);
+    ASSERT_EQ(requested->exit_code, 0) << requested->err;
     const std::int64_t end_ns = onlooker.now_ns() + kNanosecondsPerSecond;
     while (onlooker.now_ns() < end_ns) ASSERT_TRUE(onlooker.see(state));
   }
@@ -119,9 +119,9 @@ TEST_F(Sessions, AHapticsNodeKilledInContactLeavesItsLastTwoSeconds) {
   }));
   ASSERT_FALSE(files.empty());
   EXPECT_THAT(files[0].filename().string(), HasSubstr("-silence.hapton"));
-  const Ended told = session({"info", files[0].string()});
-  EXPECT_EQ(told.exit_code, 0) << told.err;
-  EXPECT_THAT(told.out, HasSubstr("flight record: silence"));
+  const Ended text = session({"info", files[0].string()});
+  EXPECT_EQ(text.exit_code, 0) << text.err;
+  EXPECT_THAT(text.out, HasSubstr("flight record: silence"));
   system.end("io_node");
 }
 

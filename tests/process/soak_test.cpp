@@ -23,7 +23,7 @@ constexpr bool kMemoryTells = true;
 #endif
 
 // Neither the rate nor the drift counts here: this machine may be busy.
-bool is_judged(const std::string& what) { return what != "rate" && what != "drift" && (what != "memory" || kMemoryTells); }
+bool is_compared(const std::string& what) { return what != "rate" && what != "drift" && (what != "memory" || kMemoryTells); }
 
 // The process of that name that this one has started; -1: none.
 pid_t find_child(pid_t parent, const std::string& name) {
@@ -49,13 +49,13 @@ TEST(Soak, AMinuteKeepsMemoryDescriptorsAndThreadsAndLosesNoForce) {
   EXPECT_EQ(soak.at("schema"), "hapton.soak/1");
   EXPECT_EQ(soak.at("looks"), 30);
   EXPECT_EQ(soak.at("counters").at("lost"), 0);
-  int judged = 0;
+  int compared = 0;
   for (const Json& finding : soak.at("findings")) {
-    if (!is_judged(finding.at("what"))) continue;
-    ++judged;
+    if (!is_compared(finding.at("what"))) continue;
+    ++compared;
     EXPECT_TRUE(finding.at("flat").get<bool>()) << finding;
   }
-  EXPECT_EQ(judged, kMemoryTells ? 8 : 6);  // the run, lost forces, and these three of two processes
+  EXPECT_EQ(compared, kMemoryTells ? 8 : 6);  // the run, lost forces, and these three of two processes
   EXPECT_EQ(ended->exit_code, soak.at("flat").get<bool>() ? 0 : 1) << ended->err;
   // Some of it in contact: a force that is always zero would prove little.
   const std::string table = read_text(folder.path() / "soak" / "soak.csv");

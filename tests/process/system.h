@@ -52,7 +52,7 @@ class System {
   void add_arguments(const std::string& name, const std::vector<std::string>& arguments) { more_[name] = arguments; }
 
   // Requests the I/O node's report so far; null if none comes.
-  Json ask_for_report() {
+  Json request_report() {
     // Earlier than this the signal would end it.
     wait_until([&] { return (*this)["io_node"].out().starts_with("hub on ") || !(*this)["io_node"].is_running(); });
     std::filesystem::remove(report_path());
@@ -66,7 +66,7 @@ class System {
   Json wait_for_report(const std::function<bool(const Json&)>& holds) {
     Json report;
     wait_until([&] {
-      report = ask_for_report();
+      report = request_report();
       return report.is_object() && holds(report);
     });
     return report;
@@ -166,10 +166,10 @@ class Onlooker {
   }
 
   // Receives until there is a force (or none any more); false if that does not come in time.
-  bool see_until(bool felt, ProbeState& state) {
+  bool see_until(bool force, ProbeState& state) {
     const std::int64_t end_ns = clock_.now_ns() + static_cast<std::int64_t>(1e9 * kPatience.count());
     while (clock_.now_ns() < end_ns && see(state)) {
-      if ((state.force_n.norm() > 0.0) == felt) return true;
+      if ((state.force_n.norm() > 0.0) == force) return true;
     }
     return false;
   }

@@ -113,13 +113,13 @@ TEST(Haptics, KilledInContactLeavesNoForceAndComesBackWithIt) {
   }
   EXPECT_GT(seen, 0);
 
-  const Json alone = system.ask_for_report();
+  const Json alone = system.request_report();
   expect_sane(alone);
   EXPECT_GE(count(alone, "command_timeouts"), 1);
 
   system.start("haptics_node");
   ASSERT_TRUE(onlooker.see_until(true, state)) << "no contact after the restart";
-  const Json again = system.ask_for_report();
+  const Json again = system.request_report();
   expect_sane(again);
   EXPECT_GT(count(again, "contact_samples"), count(alone, "contact_samples"));
   system.end_all();
@@ -137,7 +137,7 @@ TEST(Haptics, TheSecondOneWaitsUntilTheFirstIsGone) {
   EXPECT_TRUE(system["haptics_node"].is_running());
 
   system["haptics_node"].kill();
-  const std::int64_t before = count(system.ask_for_report(), "contact_samples");
+  const std::int64_t before = count(system.request_report(), "contact_samples");
   const Json taken_over = system.wait_for_report([&](const Json& report) { return count(report, "contact_samples") > before + 100; });
   EXPECT_GT(count(taken_over, "contact_samples"), before + 100);
   expect_sane(taken_over);
@@ -170,13 +170,13 @@ TEST(Hub, GoesOnFromOneRateToAnotherAndBetweenMethods) {
     const auto set = run("hapton", {"set", "--hub", system.hub(), "--rate", rate}, system.folder());
     ASSERT_TRUE(set);
     EXPECT_EQ(set->exit_code, 0) << set->err;
-    EXPECT_EQ(system.ask_for_report().at("rates_hz").at("servo_asked"), std::stod(rate));
+    EXPECT_EQ(system.request_report().at("rates_hz").at("servo_asked"), std::stod(rate));
   }
   for (const char* method : {"reference", "sweep"}) {
     const auto set = run("hapton", {"set", "--hub", system.hub(), "--method", method}, system.folder());
     ASSERT_TRUE(set);
     EXPECT_EQ(set->exit_code, 0) << set->err;
-    const std::int64_t before = count(system.ask_for_report(), "contact_samples");
+    const std::int64_t before = count(system.request_report(), "contact_samples");
     const auto goes_on = [&](const Json& report) { return count(report, "contact_samples") > before + 500; };
     EXPECT_TRUE(goes_on(system.wait_for_report(goes_on))) << method;
   }

@@ -50,15 +50,16 @@ std::string read_metrics(int port) {
   address.sin_family = AF_INET;
   address.sin_port = htons(static_cast<std::uint16_t>(port));
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  std::string heard;
+  std::string received;
   if (::connect(client, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0) {
     const std::string question = "GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n";
     ::send(client, question.data(), question.size(), MSG_NOSIGNAL);
     char buffer[4096];
-    for (ssize_t bytes = 0; (bytes = ::recv(client, buffer, sizeof buffer, 0)) > 0;) heard.append(buffer, static_cast<std::size_t>(bytes));
+    for (ssize_t bytes = 0; (bytes = ::recv(client, buffer, sizeof buffer, 0)) > 0;)
+      received.append(buffer, static_cast<std::size_t>(bytes));
   }
   ::close(client);
-  return heard;
+  return received;
 }
 
 TEST(Metrics, AreServedWhileTheSystemRuns) {
@@ -67,8 +68,8 @@ TEST(Metrics, AreServedWhileTheSystemRuns) {
   system.start("haptics_node");
   ASSERT_TRUE(has_contact(system.wait_for_report(has_contact)));
   std::smatch port;
-  const std::string told = system["io_node"].err();
-  ASSERT_TRUE(std::regex_search(told, port, std::regex("http://127\\.0\\.0\\.1:([0-9]+)/metrics"))) << told;
+  const std::string printed = system["io_node"].err();
+  ASSERT_TRUE(std::regex_search(printed, port, std::regex("http://127\\.0\\.0\\.1:([0-9]+)/metrics"))) << printed;
   std::string text;
   const std::regex kContact("\nhapton_contact_samples_total [1-9][0-9]*\n");
   EXPECT_TRUE(System::wait_until([&] {
@@ -117,9 +118,9 @@ TEST(Latency, RunOfItsOwnLeavesEveryHopAndAVerdictAndCanBeCompared) {
 
   // The exit code of `run` is the verdict's, whatever this machine makes of it.
   const std::string other = (system.folder() / "b").string();
-  const Ended judged = hapton(system, {"latency", "run", "--seconds", "1", "--rate", "500", "--out", other, "--scene", scene});
+  const Ended evaluated = hapton(system, {"latency", "run", "--seconds", "1", "--rate", "500", "--out", other, "--scene", scene});
   const Json verdict = Json::parse(read_text(system.folder() / "b" / "report.json"), nullptr, false).at("verdict");
-  EXPECT_EQ(judged.exit_code, verdict.at("holds").get<bool>() ? 0 : 1) << judged.err;
+  EXPECT_EQ(evaluated.exit_code, verdict.at("holds").get<bool>() ? 0 : 1) << evaluated.err;
   const Ended compared = hapton(system, {"latency", "compare", out, other, "--json", (system.folder() / "c.json").string()});
   EXPECT_EQ(compared.exit_code, 0) << compared.err;
   EXPECT_THAT(compared.out, AllOf(HasSubstr("round_trip"), HasSubstr("B/A")));
@@ -137,7 +138,7 @@ TEST(Latency, OfAHubThatRunsIsThatOfTheTimeItLooked) {
   EXPECT_THAT(ran.out, AllOf(HasSubstr("no bare echo"), HasSubstr("verdict at 1 kHz")));
   const Json report = Json::parse(read_text(system.folder() / "h" / "report.json"), nullptr, false);
   ASSERT_TRUE(report.is_object());
-  EXPECT_LT(count(report, "forces"), count(system.ask_for_report(), "forces"));
+  EXPECT_LT(count(report, "forces"), count(system.request_report(), "forces"));
   EXPECT_EQ(report.at("hops").at("round_trip").at("n").get<std::int64_t>(), count(report, "forces"));
   const Ended both = hapton(system, {"latency", "run", "--hosts", system.hub(), "--rate", "2000"});
   EXPECT_EQ(both.exit_code, 2);

@@ -150,15 +150,15 @@ TEST_F(VendorDevices, VrpnProgramsSeeTheStylusAndItsButtons) {
   const auto address = parse_address("127.0.0.1:" + std::to_string(std::stoi(err.substr(at + 19))));
   ASSERT_TRUE(address);
   vrpn::Program program;
-  program.ask_to_be_called(*address);
+  program.request_callbacks(*address);
   ASSERT_TRUE(System::wait_until([&] {
     program.look();
-    return program.has_heard("vrpn_Tracker Pos_Quat") && program.has_heard("vrpn_Button States");
+    return program.has_received("vrpn_Tracker Pos_Quat") && program.has_received("vrpn_Button States");
   }));
   board->buttons = 1;
   EXPECT_TRUE(System::wait_until([&] {
     program.look();
-    return program.has_heard("vrpn_Button Change");
+    return program.has_received("vrpn_Button Change");
   }));
   end();
 }

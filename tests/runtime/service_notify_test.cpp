@@ -43,11 +43,11 @@ TEST_F(ServiceNotifyTest, TheManagerReceivesItAndSaysHowOftenItExpectsIt) {
   const ServiceNotify notify;
   EXPECT_EQ(notify.watchdog_ns(), 2'000'000'000);
   ASSERT_TRUE(notify.send("READY=1"));
-  std::array<char, 64> heard = {};
-  const ssize_t size = ::recv(manager, heard.data(), heard.size(), MSG_DONTWAIT);
+  std::array<char, 64> received = {};
+  const ssize_t size = ::recv(manager, received.data(), received.size(), MSG_DONTWAIT);
   ::close(manager);
   ASSERT_GT(size, 0);
-  EXPECT_EQ(std::string(heard.data(), static_cast<std::size_t>(size)), "READY=1");
+  EXPECT_EQ(std::string(received.data(), static_cast<std::size_t>(size)), "READY=1");
 }
 
 TEST_F(ServiceNotifyTest, NonsenseInTheEnvironmentIsNoPeriod) {

@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-TEST(StopSignalTest, InterruptAndTerminateAskForAStop) {
+TEST(StopSignalTest, InterruptAndTerminateRequestAStop) {
   for (const int signal : {SIGINT, SIGTERM}) {
     StopSignal stop;
     EXPECT_FALSE(stop.stop_requested());
@@ -27,7 +27,7 @@ TEST(StopSignalTest, EachUserSignalAsksForAReport) {
   EXPECT_FALSE(stop.stop_requested());
 }
 
-TEST(StopSignalTest, TheProgramMayAskForItself) {
+TEST(StopSignalTest, TheProgramMayRequestItself) {
   StopSignal stop;
   stop.request_stop();
   EXPECT_TRUE(stop.stop_requested());

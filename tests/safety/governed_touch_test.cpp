@@ -80,10 +80,10 @@ Source pump(double gain_n_s_per_m) {
 TEST(GovernedTouch, AWallOf1000NewtonsAMetreIsRenderedUnchanged) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     SafetyGovernor governor(model_a::limits());
-    const Touch felt = touch(&governor, wall(1000.0), 30.0, seed);
-    EXPECT_GT(felt.contact_s, 10.0);
-    EXPECT_LT(std::sqrt(felt.error_n2 / felt.felt_n2), 1e-6) << seed;
-    EXPECT_LT(felt.most_error_n, 1e-6) << seed;
+    const Touch output = touch(&governor, wall(1000.0), 30.0, seed);
+    EXPECT_GT(output.contact_s, 10.0);
+    EXPECT_LT(std::sqrt(output.error_n2 / output.felt_n2), 1e-6) << seed;
+    EXPECT_LT(output.most_error_n, 1e-6) << seed;
     const GovernorCounters& counters = governor.counters();
     EXPECT_EQ(counters.damped + counters.braked + counters.stopped + counters.cooled + counters.latched, 0U);
     // Not even near.
@@ -105,10 +105,10 @@ constexpr PassivityController::Mechanics kStylus = {.mass_kg = 0.075, .damping_n
 TEST(GovernedTouch, APassiveWallIsRenderedAlmostUnchangedUnderThePassivityController) {
   SafetyGovernor governor(model_a::limits());
   governor.keep_passive(kStylus);
-  const Touch felt = touch(&governor, wall(1000.0), 30.0, 1);
-  EXPECT_GT(felt.contact_s, 10.0);
+  const Touch output = touch(&governor, wall(1000.0), 30.0, 1);
+  EXPECT_GT(output.contact_s, 10.0);
   // The simulated stylus hardly dissipates: 0.1 N s/m and 0.04 N, where sampling adds as much as 0.5 N s/m.
-  EXPECT_LT(std::sqrt(felt.error_n2 / felt.felt_n2), 0.06);
+  EXPECT_LT(std::sqrt(output.error_n2 / output.felt_n2), 0.06);
   EXPECT_GT(governor.counters().kept_passive, 0U);
 }
 

@@ -55,8 +55,8 @@ std::uint64_t digest_touch(const TouchGeometry& geometry, Numbers& numbers) {
   for (int n = 0; n < 400; ++n) {
     const Vec3 p = numbers.vector(0.6);
     const Vec3 motion = numbers.vector(0.05);
-    int looked_at = 0;
-    if (near->gather(geometry, p, 0.1, looked_at)) {
+    int queried = 0;
+    if (near->gather(geometry, p, 0.1, queried)) {
       digest.add(std::uint64_t(near->count()));
       near->visit_near(p, p + 0.3 * motion, 0.04, [&](int slot) { digest.add(std::uint64_t{near->triangle(slot)}); });
     }

@@ -178,14 +178,14 @@ TEST_F(MeshLooks, GoWithThePartsOfAFileAndStayOutOfTheHash) {
   folder_.write("a.obj", "mtllib all.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\no one\nusemtl red\nf 1 2 3\no two\nusemtl wood\nf 1 3 2\n");
   const auto path = folder_.write("s.toml", "[[object]]\nmesh = 'a.obj'\npart = 'two'\n[[object]]\nmesh = 'a.obj'\ncolor = [1, 0, 0]\n");
   const auto seen = load_scene(path, {.sealing = CrackSealing::off, .look = LookReading::on});
-  const auto felt = load_scene(path);
-  ASSERT_TRUE(seen && felt);
-  EXPECT_EQ(seen->given_hash, felt->given_hash);
+  const auto output = load_scene(path);
+  ASSERT_TRUE(seen && output);
+  EXPECT_EQ(seen->given_hash, output->given_hash);
   ASSERT_TRUE(seen->objects[0].look);
   ASSERT_EQ(seen->objects[0].look->triangles.size(), 1U);
   EXPECT_EQ(seen->objects[0].look->materials.at(seen->objects[0].look->triangles[0].material).name, "wood");
   EXPECT_FALSE(seen->objects[1].look) << "the scene's colour is over the file's";
-  EXPECT_FALSE(felt->objects[0].look);
+  EXPECT_FALSE(output->objects[0].look);
 }
 
 // Concave polygons are cut the same way with a look and without.

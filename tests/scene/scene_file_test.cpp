@@ -267,12 +267,12 @@ TEST(SceneAsGiven, HasAHashOfWhatTheFilesGive) {
   }
   EXPECT_NE(hash_of(plain), hash_of("fit_m = [1, 1, 1]\n" + plain));
   const auto path = folder.path() / "a.stl";
-  const auto felt = load_scene(path, {.fit = MeshFit::workspace});
+  const auto output = load_scene(path, {.fit = MeshFit::workspace});
   const auto seen = load_scene(path, {.sealing = CrackSealing::off, .fit = MeshFit::workspace});
   const auto unfitted = load_scene(path, {});
-  ASSERT_TRUE(felt && seen && unfitted);
-  EXPECT_EQ(felt->given_hash, seen->given_hash);
-  EXPECT_NE(felt->given_hash, unfitted->given_hash);
+  ASSERT_TRUE(output && seen && unfitted);
+  EXPECT_EQ(output->given_hash, seen->given_hash);
+  EXPECT_NE(output->given_hash, unfitted->given_hash);
 }
 
 TEST(SceneAsGiven, NamesTheLineAtFault) {

@@ -85,7 +85,7 @@ void HaplyService::serve(void* accepted) {
     beast::flat_buffer buffer;
     stream.read(buffer, error);
     if (error) return;
-    hear(beast::buffers_to_string(buffer.cdata()), is_first);
+    receive(beast::buffers_to_string(buffer.cdata()), is_first);
     if (is_silent) continue;
     stream.write(asio::buffer(sends_junk ? std::string("{\"inverse3\": [{\"device_id\": 7, \"state\"") : state(false)), error);
   }
@@ -110,7 +110,7 @@ std::string HaplyService::state(bool with_config) const {
   return fmt::format(R"({{"session_id":7,"inverse3":[{}],"wireless_verse_grip":[{}]}})", arms, grips);
 }
 
-void HaplyService::hear(const std::string& message, bool is_first) {
+void HaplyService::receive(const std::string& message, bool is_first) {
   ++messages;
   if (is_first) {
     const std::lock_guard lock(mutex_);

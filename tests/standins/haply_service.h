@@ -46,7 +46,7 @@ class HaplyService {
   bool await_message(int socket);
   void serve(void* socket);
   std::string state(bool with_config) const;
-  void hear(const std::string& message, bool is_first);
+  void receive(const std::string& message, bool is_first);
 
   std::unique_ptr<Listening> listening_;
   std::uint16_t port_ = 0;

@@ -128,14 +128,15 @@ class LedThroughAMethod : public HandRoute {
     Vec3 p_WD = from;
     Vec3 target = goal;
     (*method)->reset(p_WD);
-    MethodOutput felt{.p_SP = p_WD};
+    MethodOutput output{.p_SP = p_WD};
     for (int ms = 0; ms < 3000; ++ms) {
-      if (by_route && ms % 4 == 0) target = route_hand(seen, {felt.p_SP, felt.contact ? Vec3(felt.p_SP - p_WD) : Vec3(Vec3::Zero())}, goal);
+      if (by_route && ms % 4 == 0)
+        target = route_hand(seen, {output.p_SP, output.contact ? Vec3(output.p_SP - p_WD) : Vec3(Vec3::Zero())}, goal);
       const Vec3 way = target - p_WD;
       p_WD += way.norm() > 0.0003 ? Vec3(0.0003 * way.normalized()) : way;
-      felt = (*method)->step({.p_SD = p_WD});
+      output = (*method)->step({.p_SD = p_WD});
     }
-    return felt;
+    return output;
   }
 
   TouchScene scene_;

@@ -189,23 +189,23 @@ TEST_F(InteractionTest, AReleaseIsSentRepeatedlyButNotForEver) {
   give(mouse(Kind::press, 0, 0, Button::left));
   ASSERT_TRUE(hands_.take_hand(0));
   give(mouse(Kind::release, 0, 0, Button::left));
-  int told = 0;
+  int reported = 0;
   for (int ms = 1; ms < 5000; ++ms) {
     if (const auto hand = hands_.take_hand(ms * kMs)) {
       EXPECT_FALSE(hand->active);
-      ++told;
+      ++reported;
     }
   }
-  EXPECT_GE(told, 3);
-  EXPECT_LE(told, 6);
+  EXPECT_GE(reported, 3);
+  EXPECT_LE(reported, 6);
 }
 
 TEST_F(InteractionTest, AHeldHandIsSentAgainWhileItRests) {
   give(mouse(Kind::press, 0, 0, Button::left));
-  int told = 0;
-  for (int ms = 0; ms < 1000; ++ms) told += hands_.take_hand(ms * kMs).has_value();
-  EXPECT_GE(told, 9);
-  EXPECT_LE(told, 12);
+  int reported = 0;
+  for (int ms = 0; ms < 1000; ++ms) reported += hands_.take_hand(ms * kMs).has_value();
+  EXPECT_GE(reported, 9);
+  EXPECT_LE(reported, 12);
 }
 
 TEST_F(InteractionTest, HLatchesTheHandToTheMouse) {

@@ -45,13 +45,13 @@ class FakeHub {
  private:
   void run() {
     HubPeers peers(*endpoint_, clock_, make_random_id(), 500.0);
-    Datagram heard;
+    Datagram received;
     ProbeState state;
     std::int64_t next_ns = clock_.now_ns();
     while (!stopping_) {
       next_ns += 2 * kNanosecondsPerMillisecond;
       while (clock_.now_ns() < next_ns) {
-        if (peers.receive(heard, next_ns).kind == PeerEvent::Kind::message) keep(heard.message, state);
+        if (peers.receive(received, next_ns).kind == PeerEvent::Kind::message) keep(received.message, state);
       }
       state.sample = ++samples;
       state.sample_time_ns = next_ns;

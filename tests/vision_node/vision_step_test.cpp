@@ -58,12 +58,12 @@ TEST_F(VisionStepTest, TheHudSaysThatHapticsPreparesUntilTheHubIsLost) {
   step.joined();
   ProbeState state = state_at(0.0, 1);
   state.status = ProbeStatus::no_haptics;
-  step.hear(state);
+  step.receive(state);
   step.set_preparing(2.0);
   EXPECT_NE(step.compose(0).hud.find("prepares the scene, 2 s"), std::string::npos);
   step.lost();
   step.joined();
-  step.hear(state);
+  step.receive(state);
   step.spoil();
   EXPECT_EQ(step.compose(kMs).hud.find("prepares"), std::string::npos);
 }
@@ -89,7 +89,7 @@ TEST_F(VisionStepTest, DrawsOnceThenRestsWhileNothingMoves) {
   VisionStep step(settings());
   int pictures = 0;
   for (int ms = 0; ms < 10000; ++ms) {
-    step.hear(state_at(0.01, static_cast<std::uint64_t>(ms)));
+    step.receive(state_at(0.01, static_cast<std::uint64_t>(ms)));
     pictures += turn(step, ms * kMs);
   }
   EXPECT_LE(pictures, 3) << "the first, and the HUD's";
@@ -101,7 +101,7 @@ TEST_F(VisionStepTest, DrawsWhatMovesAtMostAtTheLimit) {
   VisionStep step(settings());
   int pictures = 0;
   for (int ms = 0; ms < 1000; ++ms) {
-    step.hear(state_at(0.0001 * ms, static_cast<std::uint64_t>(ms)));
+    step.receive(state_at(0.0001 * ms, static_cast<std::uint64_t>(ms)));
     pictures += turn(step, ms * kMs);
   }
   EXPECT_GE(pictures, 60);
@@ -134,7 +134,7 @@ TEST_F(VisionStepTest, TheSceneRestsAWhileAfterItWasTurnedThoughTheProbeMovesOn)
   ASSERT_TRUE(turn(step, 1000 * kMs));
   EXPECT_FALSE(step.is_scene_at_rest(1100 * kMs));
   for (int ms = 1100; ms < 1300; ms += 20) {
-    step.hear(state_at(0.0005 * ms, static_cast<std::uint64_t>(ms)));
+    step.receive(state_at(0.0005 * ms, static_cast<std::uint64_t>(ms)));
     turn(step, ms * kMs);
   }
   EXPECT_TRUE(step.is_scene_at_rest(1300 * kMs));
@@ -200,8 +200,8 @@ TEST_F(VisionStepTest, DialsCullAndAnUncoveredWindowCallForAPicture) {
 TEST_F(VisionStepTest, EveryPictureIsReportedWithTheSampleItShows) {
   VisionStep step(settings());
   step.joined();
-  step.hear(state_at(0.01, 41));
-  step.hear(state_at(0.02, 42));
+  step.receive(state_at(0.01, 41));
+  step.receive(state_at(0.02, 42));
   ASSERT_TRUE(step.wants_picture(0, where_));
   step.compose(0);
   const auto drawn = step.drew(0, 5 * kMs, where_);
@@ -217,7 +217,7 @@ TEST_F(VisionStepTest, SaysWhenItWouldDrawAgain) {
   slow.max_rate_hz = 20.0;
   VisionStep step(slow);
   step.joined();
-  step.hear(state_at(0.01, 41));
+  step.receive(state_at(0.01, 41));
   step.compose(0);
   EXPECT_EQ(step.drew(0, 5 * kMs, where_)->rest_ns, 45 * kMs);
   EXPECT_EQ(step.drew(100 * kMs, 190 * kMs, where_)->rest_ns, 0);
@@ -226,9 +226,9 @@ TEST_F(VisionStepTest, SaysWhenItWouldDrawAgain) {
 TEST_F(VisionStepTest, AnUnchangedStateIsReportedOnce) {
   VisionStep step(settings());
   step.joined();
-  step.hear(state_at(0.01, 41));
+  step.receive(state_at(0.01, 41));
   ASSERT_TRUE(turn(step, 0));
-  step.hear(state_at(0.01 + 1e-9, 42));
+  step.receive(state_at(0.01 + 1e-9, 42));
   ASSERT_FALSE(turn(step, 100 * kMs));
   const auto same = step.take_unseen();
   ASSERT_TRUE(same);
@@ -254,7 +254,7 @@ TEST_F(VisionStepTest, SendsTheTransformThatItDraws) {
   auto sent = take_all<ViewTransform>(step, 0);
   ASSERT_EQ(sent.size(), 1u);
   EXPECT_EQ(sent[0].X_WS, to_twelve_floats(step.compose(0).X_WS));
-  step.hear(state_at(0.0, 1, sent[0].revision));
+  step.receive(state_at(0.0, 1, sent[0].revision));
   take_all<ViewTransform>(step, kMs);
   WindowEvent event;
   event.key = 'x';
@@ -267,26 +267,26 @@ TEST_F(VisionStepTest, SendsTheTransformThatItDraws) {
 TEST_F(VisionStepTest, ATransformThatGotLostIsSentAgain) {
   VisionStep step(settings());
   step.joined();
-  step.hear(state_at(0.0, 1, 0));
+  step.receive(state_at(0.0, 1, 0));
   ASSERT_EQ(take_all<ViewTransform>(step, 0).size(), 1u);
   std::size_t again = 0;
   for (int ms = 1; ms < 500; ++ms) {
-    step.hear(state_at(0.0, static_cast<std::uint64_t>(ms), 0));
+    step.receive(state_at(0.0, static_cast<std::uint64_t>(ms), 0));
     again += take_all<ViewTransform>(step, ms * kMs).size();
   }
   EXPECT_GE(again, 3u);
-  step.hear(state_at(0.0, 600, step.view_transform().revision()));
+  step.receive(state_at(0.0, 600, step.view_transform().revision()));
   EXPECT_TRUE(take_all<ViewTransform>(step, 1000 * kMs).empty());
 }
 
 TEST_F(VisionStepTest, HudNeverContradictsThePictureAboutContact) {
   VisionStep step(settings());
   ProbeState state = state_at(0.01, 1);
-  step.hear(state);
+  step.receive(state);
   ASSERT_TRUE(turn(step, 0));
   state.contact = true;
   state.force_n = {0.0, 0.0, 1.25};
-  step.hear(state);
+  step.receive(state);
   ASSERT_TRUE(step.wants_picture(11 * kMs, where_));
   const std::string hud = step.compose(11 * kMs).hud;
   EXPECT_NE(hud.find("touching"), std::string::npos) << hud;
@@ -296,12 +296,12 @@ TEST_F(VisionStepTest, HudNeverContradictsThePictureAboutContact) {
 TEST_F(VisionStepTest, HudFollowsButSlowly) {
   VisionStep step(settings());
   ProbeState state = state_at(0.01, 1);
-  step.hear(state);
+  step.receive(state);
   ASSERT_TRUE(turn(step, 0));
   int pictures = 0;
   for (int ms = 1; ms <= 4000; ++ms) {
     state.round_trip_p99_us = static_cast<float>(10 + ms);  // a new number each time
-    step.hear(state);
+    step.receive(state);
     pictures += turn(step, ms * kMs);
   }
   EXPECT_GE(pictures, 8);

@@ -29,13 +29,13 @@ class WindowEvents : public testing::Test {
   }
 
   // All events received until `count` have come or a second has passed.
-  std::vector<WindowEvent> hear(std::size_t count) {
-    std::vector<WindowEvent> heard;
-    for (int i = 0; i < 100 && heard.size() < count; ++i) {
-      for (const auto& event : view_->poll_events()) heard.push_back(event);
+  std::vector<WindowEvent> receive(std::size_t count) {
+    std::vector<WindowEvent> received;
+    for (int i = 0; i < 100 && received.size() < count; ++i) {
+      for (const auto& event : view_->poll_events()) received.push_back(event);
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
-    return heard;
+    return received;
   }
 
   std::unique_ptr<StereoView> view_;
@@ -46,48 +46,48 @@ TEST_F(WindowEvents, KeysArriveWithTheirCase) {
   person_->press_key(XK_y);
   person_->press_key(XK_y, ShiftMask);
   person_->press_key(XK_0);
-  const auto heard = hear(3);
-  ASSERT_EQ(heard.size(), 3u);
-  for (const auto& event : heard) EXPECT_EQ(event.kind, Kind::key);
-  EXPECT_EQ(heard[0].key, 'y');
-  EXPECT_EQ(heard[1].key, 'Y');
-  EXPECT_EQ(heard[2].key, '0');
+  const auto received = receive(3);
+  ASSERT_EQ(received.size(), 3u);
+  for (const auto& event : received) EXPECT_EQ(event.kind, Kind::key);
+  EXPECT_EQ(received[0].key, 'y');
+  EXPECT_EQ(received[1].key, 'Y');
+  EXPECT_EQ(received[2].key, '0');
 }
 
 TEST_F(WindowEvents, NoKeyEndsTheProgramBehindOurBack) {
   for (const KeySym symbol : {XK_q, XK_e, XK_w, XK_p, XK_r, XK_3, XK_space, XK_Escape, XK_F1}) person_->press_key(symbol);
-  hear(9);
+  receive(9);
   view_->draw();
   EXPECT_TRUE(centroid(view_->read_picture(), 0, 0, 320));
 }
 
 TEST_F(WindowEvents, DragArrivesInPixelsFromTheLowerLeft) {
   person_->button(ButtonPress, Button1, 100, 50);
-  auto heard = hear(1);
+  auto received = receive(1);
   person_->move(130, 60);
-  for (const auto& event : hear(1)) heard.push_back(event);
+  for (const auto& event : receive(1)) received.push_back(event);
   person_->button(ButtonRelease, Button1, 130, 60);
-  for (const auto& event : hear(1)) heard.push_back(event);
-  ASSERT_EQ(heard.size(), 3u);
-  EXPECT_EQ(heard[0].kind, Kind::press);
-  EXPECT_EQ(heard[0].button, Button::left);
-  EXPECT_EQ(heard[0].x_px, 100);
-  EXPECT_EQ(heard[0].y_px, 360 - 50 - 1);
-  EXPECT_EQ(heard[1].kind, Kind::move);
-  EXPECT_EQ(heard[1].y_px, 360 - 60 - 1);
-  EXPECT_EQ(heard[2].kind, Kind::release);
+  for (const auto& event : receive(1)) received.push_back(event);
+  ASSERT_EQ(received.size(), 3u);
+  EXPECT_EQ(received[0].kind, Kind::press);
+  EXPECT_EQ(received[0].button, Button::left);
+  EXPECT_EQ(received[0].x_px, 100);
+  EXPECT_EQ(received[0].y_px, 360 - 50 - 1);
+  EXPECT_EQ(received[1].kind, Kind::move);
+  EXPECT_EQ(received[1].y_px, 360 - 60 - 1);
+  EXPECT_EQ(received[2].kind, Kind::release);
 }
 
 TEST_F(WindowEvents, RightButtonAndWheel) {
   person_->button(ButtonPress, Button3, 5, 5);
   person_->button(ButtonPress, Button4, 5, 5);
   person_->button(ButtonPress, Button5, 5, 5);
-  const auto heard = hear(3);
-  ASSERT_EQ(heard.size(), 3u);
-  EXPECT_EQ(heard[0].button, Button::right);
-  EXPECT_EQ(heard[1].kind, Kind::wheel);
-  EXPECT_EQ(heard[1].wheel, 1);
-  EXPECT_EQ(heard[2].wheel, -1);
+  const auto received = receive(3);
+  ASSERT_EQ(received.size(), 3u);
+  EXPECT_EQ(received[0].button, Button::right);
+  EXPECT_EQ(received[1].kind, Kind::wheel);
+  EXPECT_EQ(received[1].wheel, 1);
+  EXPECT_EQ(received[2].wheel, -1);
 }
 
 TEST_F(WindowEvents, ResizeMakesThePictureStaleAndKeepsItsShape) {
@@ -110,9 +110,9 @@ TEST_F(WindowEvents, ResizeMakesThePictureStaleAndKeepsItsShape) {
 
 TEST_F(WindowEvents, ClosingIsARequestNotAnAbort) {
   person_->close();
-  const auto heard = hear(1);
-  ASSERT_FALSE(heard.empty());
-  EXPECT_EQ(heard.back().kind, Kind::close);
+  const auto received = receive(1);
+  ASSERT_FALSE(received.empty());
+  EXPECT_EQ(received.back().kind, Kind::close);
 }
 
 }  // namespace

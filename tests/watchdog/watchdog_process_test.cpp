@@ -55,8 +55,8 @@ TEST_F(WatchdogProcessTest, WhatEndsAUnitDoesNotEndIt) {
   ASSERT_TRUE(watchdog.start(memory, program(), 0));
   ASSERT_TRUE(wait_until([&] { return memory.page().guard_beat_ns.load() > 0; }));
   for (const int signal : {SIGTERM, SIGINT, SIGHUP}) ::kill(watchdog.id(), signal);
-  const std::int64_t asked_ns = clock.now_ns();
-  EXPECT_TRUE(wait_until([&] { return memory.page().guard_beat_ns.load() > asked_ns + 20 * kMs; }));
+  const std::int64_t requested_ns = clock.now_ns();
+  EXPECT_TRUE(wait_until([&] { return memory.page().guard_beat_ns.load() > requested_ns + 20 * kMs; }));
   ::kill(watchdog.id(), SIGKILL);
 }
 

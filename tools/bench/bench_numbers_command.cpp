@@ -67,7 +67,7 @@ void fill_in_round_trip(const NumbersOptions& options, NumbersReport& report) {
       continue;
     }
     row.ours = json->at("ratios").at("round_trip_over_echo_p50").get<double>();
-    row.note = fmt::format("p50 over p50, {:g} s at 1 kHz; round trip {:.1f} us; hapton latency tells more", run.seconds,
+    row.note = fmt::format("p50 over p50, {:g} s at 1 kHz; round trip {:.1f} us; see hapton latency", run.seconds,
                            json->at("hops").at("round_trip").at("p50_us").get<double>());
   }
 }

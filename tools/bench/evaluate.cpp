@@ -16,12 +16,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-void run_segment(ForceMethod& method, const TouchTrajectory& trajectory, std::size_t from, std::size_t to, std::vector<ForceSample>& felt) {
+void run_segment(ForceMethod& method, const TouchTrajectory& trajectory, std::size_t from, std::size_t to,
+                 std::vector<ForceSample>& samples) {
   const auto* const reference = dynamic_cast<const ReferenceMethod*>(&method);
   method.reset(trajectory.p_SD[from]);
   for (std::size_t i = from; i < to; ++i) {
     const MethodOutput output = method.step({.p_SD = trajectory.p_SD[i]});
-    felt[i] = {trajectory.p_SD[i], output.p_SP, output.force_n, reference == nullptr || reference->last_step().settled};
+    samples[i] = {trajectory.p_SD[i], output.p_SP, output.force_n, reference == nullptr || reference->last_step().settled};
   }
 }
 
@@ -48,26 +49,26 @@ Result<std::vector<ForceSample>> run_method(const MethodSettings& settings, cons
     if (!method) return tl::unexpected(method.error());
     methods.push_back(std::move(*method));
   }
-  std::vector<ForceSample> felt(rows);
+  std::vector<ForceSample> samples(rows);
   std::atomic<std::size_t> next{0};
   auto work = [&](ForceMethod& method) {
     for (std::size_t i = next++; i < segments; i = next++)
-      run_segment(method, trajectory, i * segment, std::min(rows, (i + 1) * segment), felt);
+      run_segment(method, trajectory, i * segment, std::min(rows, (i + 1) * segment), samples);
   };
   std::vector<std::thread> pool;
   for (unsigned i = 1; i < workers; ++i) pool.push_back(start_thread([&, i] { work(*methods[i]); }));
   if (workers > 0) work(*methods[0]);
   for (std::thread& thread : pool) thread.join();
-  return felt;
+  return samples;
 }
 
 Result<Evaluation> evaluate_method(const EvaluationSettings& settings, const TouchScene& scene, const TouchTrajectory& trajectory) {
   Evaluation evaluation;
   if (settings.method.name == "proxy") evaluation.shading = settings.method.shading;
-  auto run = [&](const MethodSettings& method, std::vector<ForceSample>& felt) -> Result<void> {
+  auto run = [&](const MethodSettings& method, std::vector<ForceSample>& samples) -> Result<void> {
     auto done = run_method(method, scene, trajectory, settings.threads);
     if (!done) return tl::unexpected(done.error());
-    felt = std::move(*done);
+    samples = std::move(*done);
     return {};
   };
   MethodSettings reference = settings.method;
@@ -106,7 +107,8 @@ std::string to_text(const Evaluation& evaluation) {
 
 std::string to_json(const Evaluation& evaluation) {
   const ForceError& error = evaluation.error;
-  const Json json{{"shading", evaluation.shading},
+  const Json json{{"schema", "hapton.evaluation/2"},
+                  {"shading", evaluation.shading},
                   {"reference_shading", 0.0},
                   {"steps", error.steps},
                   {"contact_steps", error.contact_steps},
@@ -115,11 +117,11 @@ std::string to_json(const Evaluation& evaluation) {
                   {"direction_rad", spread_json(error.direction_rad)},
                   {"branch_switches", error.branch_switches},
                   {"switched_steps", error.switched_steps},
-                  {"falls", error.fall_throughs},
-                  {"ghosts", error.false_contacts},
-                  {"locks", error.stuck_steps},
-                  {"pops", error.discontinuities},
-                  {"worst_pop_n", error.worst_discontinuity_n},
+                  {"fall_throughs", error.fall_throughs},
+                  {"false_contacts", error.false_contacts},
+                  {"stuck_steps", error.stuck_steps},
+                  {"force_discontinuities", error.discontinuities},
+                  {"worst_discontinuity_n", error.worst_discontinuity_n},
                   {"not_finite", error.not_finite},
                   {"worst_step", error.worst_step}};
   return json.dump(2) + "\n";

@@ -68,7 +68,7 @@ std::string legend() {
   std::string text = "In steps; -: not looked for there.\n";
   for (std::size_t i = 0; i < kFaults; ++i) {
     const auto fault = static_cast<StressFault>(i);
-    text += fmt::format("  {:<11} {}\n", name_of(fault), meaning_of(fault));
+    text += fmt::format("  {:<15} {}\n", name_of(fault), meaning_of(fault));
   }
   return text;
 }
@@ -134,12 +134,12 @@ StressCount sum_of(const std::vector<StressResult>& results) {
 }
 
 std::string to_text(const std::vector<StressResult>& results, const StressPlan& plan) {
-  std::string text = fmt::format("{:<20}{:>12}{:>12}{:>10}", "body", "steps", "contact", "rests");
-  for (std::size_t fault = 0; fault < kFaults; ++fault) text += fmt::format("{:>11}", name_of(static_cast<StressFault>(fault)));
+  std::string text = fmt::format("{:<20}{:>12}{:>12}{:>10}", "body", "steps", "contact", "compared");
+  for (std::size_t fault = 0; fault < kFaults; ++fault) text += fmt::format("{:>15}", name_of(static_cast<StressFault>(fault)));
   text += '\n';
   auto line = [&](const std::string& name, const StressCount& count) {
     text += fmt::format("{:<20}{:>12}{:>12}{:>10}", name, count.steps, count.contact_steps, count.compared_steps);
-    for (std::size_t fault = 0; fault < kFaults; ++fault) text += fmt::format("{:>11}", cell_of(count, fault));
+    for (std::size_t fault = 0; fault < kFaults; ++fault) text += fmt::format("{:>15}", cell_of(count, fault));
     text += '\n';
   };
   std::vector<std::string> order;
@@ -162,7 +162,7 @@ std::string to_text(const std::vector<StressResult>& results, const StressPlan& 
 
 std::string to_json(const std::vector<StressResult>& results, const StressPlan& plan) {
   const MachineInfo machine = read_machine_info();
-  Json json{{"schema", "hapton.stress/1"},
+  Json json{{"schema", "hapton.stress/2"},
             {"method", plan.method.name},
             {"smooth_layer", plan.method.smooth_layer},
             {"seed", plan.seed},
@@ -183,7 +183,7 @@ std::string to_json(const std::vector<StressResult>& results, const StressPlan& 
                {"steps", result.count.steps},
                {"contact_steps", result.count.contact_steps},
                {"episodes", result.count.episodes},
-               {"judged_rests", result.count.compared_steps}};
+               {"compared_steps", result.count.compared_steps}};
     for (std::size_t fault = 0; fault < kFaults; ++fault)
       entry[std::string(name_of(static_cast<StressFault>(fault)))] =
           result.count.covered[fault] ? Json(result.count.faults[fault]) : Json(nullptr);

@@ -75,9 +75,9 @@ Result<void> DemoSystem::start_relay(const DemoStep& step) {
   relay_.emplace(std::move(*relay));
   if (const auto ready = relay_->wait_for(", hub "); !ready) return ready;
   // "relay at ADDRESS, hub ..."
-  const std::string told = relay_->last_line();
+  const std::string line = relay_->last_line();
   const std::string before = "relay at ";
-  nodes_hub_ = told.substr(before.size(), told.find(',') - before.size());
+  nodes_hub_ = line.substr(before.size(), line.find(',') - before.size());
   return {};
 }
 

@@ -136,23 +136,23 @@ DemoVerdict evaluate_network(const DemoEvidence& evidence, double least_round_tr
 
 DemoVerdict evaluate_death(const DemoEvidence& evidence) {
   const Contact contact = count_contact(evidence.motion);
-  bool was_felt = false;
+  bool had_force = false;
   std::int64_t released_ns = evidence.killed_ns;
-  std::optional<std::int64_t> felt_again_ns;
+  std::optional<std::int64_t> force_again_ns;
   for (const DemoForceWritten& force : evidence.motion.written) {
     if (!(force.newtons > 0.0)) continue;
     if (force.time_ns < evidence.killed_ns)
-      was_felt = true;
+      had_force = true;
     else if (force.time_ns < evidence.restarted_ns)
       released_ns = force.time_ns;
-    else if (!felt_again_ns)
-      felt_again_ns = force.time_ns;
+    else if (!force_again_ns)
+      force_again_ns = force.time_ns;
   }
   const double released_ms = between_ms(evidence.killed_ns, released_ns);
   const std::string again =
-      felt_again_ns ? fmt::format("felt again {:.0f} ms after it is started again", between_ms(evidence.restarted_ns, *felt_again_ns))
-                    : std::string("not felt again");
-  return make_verdict(contact, was_felt && felt_again_ns && released_ms <= kReleasedMs,
+      force_again_ns ? fmt::format("force again {:.0f} ms after the restart", between_ms(evidence.restarted_ns, *force_again_ns))
+                     : std::string("no force after the restart");
+  return make_verdict(contact, had_force && force_again_ns && released_ms <= kReleasedMs,
                       fmt::format("; no force {:.0f} ms after the node is killed, {}", released_ms, again));
 }
 

@@ -50,7 +50,7 @@ Findings check_display(const Machine& machine) {
   if (display.empty())
     return {warning("display", "DISPLAY is not set, so vision_node cannot show anything here",
                     fmt::format("start it from a desktop, or: {}", kVirtual))};
-  if (!machine.questions().display) return {note("display", display + ", not asked")};
+  if (!machine.questions().display) return {note("display", display + ", not checked")};
   const DisplayAnswer answer = machine.questions().display();
   if (!answer.error.empty())
     return {problem("display", fmt::format("{}: {}", display, answer.error),

@@ -78,7 +78,7 @@ Functions load() {
 }
 
 // Creates an off-screen context, only to read the renderer's name.
-void ask_renderer(const Functions& gl, XDisplay* display, int screen, DisplayAnswer& answer) {
+void query_renderer(const Functions& gl, XDisplay* display, int screen, DisplayAnswer& answer) {
   constexpr std::array wanted = {kGlxDrawableType, kGlxPbufferBit, kGlxRenderType, kGlxRgbaBit, 0};
   int count = 0;
   FbConfig** configs = gl.choose_config(display, screen, wanted.data(), &count);
@@ -131,7 +131,7 @@ DisplayAnswer probe_display() {
   }
   const int screen = gl.default_screen(display);
   answer.has_stereo = has_stereo_visual(gl, display, screen);
-  ask_renderer(gl, display, screen, answer);
+  query_renderer(gl, display, screen, answer);
   return answer;
 }
 

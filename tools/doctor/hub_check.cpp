@@ -67,7 +67,7 @@ Findings check_hub(const Machine& machine) {
   const std::string where = fmt::format("127.0.0.1:{}", machine.settings().hub_port);
   if (!find_port_owner(machine, Transport::udp, machine.settings().hub_port))
     return {note("hub", fmt::format("none runs at {}; while io_node runs, this says calibration, firmware and temperature", where))};
-  if (!machine.questions().hub) return {note("hub", "not asked")};
+  if (!machine.questions().hub) return {note("hub", "not checked")};
   const HubAnswer answer = machine.questions().hub();
   if (!answer.error.empty())
     return {

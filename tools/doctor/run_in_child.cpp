@@ -63,12 +63,12 @@ std::string wait_for(pid_t child, double at_most_s) {
 
 ChildAnswer run_in_child(const std::function<std::string()>& question, double at_most_s) {
   const int file = ::memfd_create("answer", MFD_CLOEXEC);
-  if (file < 0) return {{}, fmt::format("it could not be asked: {}", std::strerror(errno))};
+  if (file < 0) return {{}, fmt::format("the check could not run: {}", std::strerror(errno))};
   const pid_t child = ::fork();
   if (child == 0) answer(question, file);
   ChildAnswer result;
   if (child < 0) {
-    result.failure = fmt::format("it could not be asked: {}", std::strerror(errno));
+    result.failure = fmt::format("the check could not run: {}", std::strerror(errno));
   } else {
     result.failure = wait_for(child, at_most_s);
     if (result.failure.empty()) result.text = read_all(file);

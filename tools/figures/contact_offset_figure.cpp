@@ -33,7 +33,7 @@ std::vector<Wall> walls_over(const std::vector<std::vector<Eigen::Vector2d>>& st
 
 // The share of a motion to the right that a proxy at contact offset over the ground can make; 1: all of it.
 double free_part(const std::vector<Wall>& walls, const Vec3& from, const Vec3& motion) {
-  const Clearance clearance = {.rest = 1.0, .slack = 0.5, .tolerance = 0x1p-10};
+  const Clearance clearance = {.offset = 1.0, .slop = 0.5, .tolerance = 0x1p-10};
   double first = 1.0;
   for (const Wall& wall : walls) first = std::min(first, time_to_block(wall, from, motion, 1.0, clearance));
   return first;

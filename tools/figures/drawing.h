@@ -75,7 +75,7 @@ inline Vec3 at(double x_mm, double y_mm) { return {1e-3 * x_mm, 1e-3 * y_mm, kSl
 
 struct Sample {
   Vec3 device;
-  MethodOutput felt;
+  MethodOutput output;
 };
 
 inline Result<std::vector<Sample>> follow(const MethodSettings& settings, const TouchScene& scene, const std::vector<Vec3>& way) {

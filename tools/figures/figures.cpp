@@ -37,12 +37,12 @@ Result<Figure> draw_sweep() {
     const Sample& s = (*samples)[i];
     lines.add(start, s.device - start);
     devices.add(s.device);
-    collisions.add(s.felt.p_SP);
-    visuals.add(s.device, s.felt.p_SP - s.device);
-    const Vec3 direction = s.felt.force_n.normalized();
-    forces.add(s.device, direction * s.felt.force_n.norm() / Material{}.stiffness_n_per_m);
-    start = s.felt.p_SP + settings.offset_m * direction;
-    offsets.add(s.felt.p_SP, start - s.felt.p_SP);
+    collisions.add(s.output.p_SP);
+    visuals.add(s.device, s.output.p_SP - s.device);
+    const Vec3 direction = s.output.force_n.normalized();
+    forces.add(s.device, direction * s.output.force_n.norm() / Material{}.stiffness_n_per_m);
+    start = s.output.p_SP + settings.offset_m * direction;
+    offsets.add(s.output.p_SP, start - s.output.p_SP);
   }
   std::string script = begin("sweep", 1000, 540) + outline_of(outline).block("solid") + lines.block("lines") + devices.block("devices") +
                        collisions.block("collisions") + offsets.block("offsets") + visuals.block("visuals") + forces.block("forces");
@@ -140,8 +140,8 @@ Result<Figure> draw_proxy() {
   Points devices, proxies, springs;
   for (const Sample& s : *samples) {
     devices.add(s.device);
-    proxies.add(s.felt.p_SP);
-    if (s.felt.contact) springs.add(s.device, s.felt.p_SP - s.device);
+    proxies.add(s.output.p_SP);
+    if (s.output.contact) springs.add(s.device, s.output.p_SP - s.device);
   }
   const Vec3 corner(outline[3].x(), outline[3].y(), 0.0);
   Points planes;
@@ -225,10 +225,10 @@ Result<Figure> draw_slide() {
     if (!samples) return tl::unexpected(samples.error());
     data += fmt::format("${} << EOD\n", curve.block);
     for (const Sample& s : *samples) {
-      const Vec3& F = s.felt.force_n;
-      const bool felt = F.norm() > 0.0;
+      const Vec3& F = s.output.force_n;
+      const bool output = F.norm() > 0.0;
       fmt::format_to(std::back_inserter(data), "{:.5g} {:.5g} {}\n", 1e3 * s.device.x(), F.norm(),
-                     felt ? fmt::format("{:.5g}", std::atan2(F.x(), F.y()) * 180 / kPi) : "NaN");
+                     output ? fmt::format("{:.5g}", std::atan2(F.x(), F.y()) * 180 / kPi) : "NaN");
     }
     data += "EOD\n";
     const char* comma = plot_size.empty() ? "" : ", ";

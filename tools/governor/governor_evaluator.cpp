@@ -111,7 +111,7 @@ void GovernorEvaluator::see_motion(const DeviceSample& sample) noexcept {
   has_pose_ = true;
 }
 
-void GovernorEvaluator::hear(const HostileStep& step) noexcept {
+void GovernorEvaluator::receive(const HostileStep& step) noexcept {
   const bool is_accepted = governor_.counters().accepted != accepted_;
   accepted_ = governor_.counters().accepted;
   if (is_live_ && now_ns_ - answered_ns_ >= kPeerTimeoutNs) is_live_ = was_open_ = false;
@@ -126,20 +126,20 @@ void GovernorEvaluator::look(const HostileStep& step, bool was_reset, const Wren
   pass(step.now_ns);
   is_current_ = has_pose_ && now_ns_ - pose_ns_ < kPeerTimeoutNs;
   const double passed_s = 1e-9 * static_cast<double>(now_ns_ - out_ns_);
-  hear(step);
+  receive(step);
   breach_if(GovernorBreach::not_finite, !is_finite(out));
-  judge_size(out, passed_s);
-  judge_slew(out, passed_s);
-  judge_silence(out);
-  judge_budgets(out, passed_s);
-  judge_workspace(out);
-  judge_latch(step, was_reset);
-  judge_gate(step, out, passed_s);
+  check_size(out, passed_s);
+  check_slew(out, passed_s);
+  check_timeout(out);
+  check_budgets(out, passed_s);
+  check_workspace(out);
+  check_latch(step, was_reset);
+  check_gate(step, out, passed_s);
   out_ = out;
   out_ns_ = now_ns_;
 }
 
-void GovernorEvaluator::judge_size(const Wrench& out, double passed_s) noexcept {
+void GovernorEvaluator::check_size(const Wrench& out, double passed_s) noexcept {
   const DeviceLimits& device = governor_.device_limits();
   const DeviceLimits& now = governor_.limits();
   const double force = size_of(out.force_n);
@@ -152,7 +152,7 @@ void GovernorEvaluator::judge_size(const Wrench& out, double passed_s) noexcept 
   if (device.max_torque_nm > 0.0) worst_.torque = std::max(worst_.torque, torque / device.max_torque_nm);
 }
 
-void GovernorEvaluator::judge_slew(const Wrench& out, double passed_s) noexcept {
+void GovernorEvaluator::check_slew(const Wrench& out, double passed_s) noexcept {
   const DeviceLimits& device = governor_.device_limits();
   const DeviceLimits& now = governor_.limits();
   // Only straight back may be faster than a tightened slew.
@@ -170,7 +170,7 @@ void GovernorEvaluator::judge_slew(const Wrench& out, double passed_s) noexcept 
   worst_.torque_slew = std::max(worst_.torque_slew, share(out_.torque_nm, out.torque_nm, device.max_torque_slew_nm_per_s));
 }
 
-void GovernorEvaluator::judge_silence(const Wrench& out) noexcept {
+void GovernorEvaluator::check_timeout(const Wrench& out) noexcept {
   const bool is_silent = accepted_ == 0 || now_ns_ - answered_ns_ >= kPeerTimeoutNs;
   breach_if(GovernorBreach::silence, is_silent && (size_of(out.force_n) > 0.0 || size_of(out.torque_nm) > 0.0));
 }
@@ -180,7 +180,7 @@ double GovernorEvaluator::energy_share() const noexcept {
   return most_n > 0.0 ? std::clamp((kMost - spent_j_ / most_n) / (kMost - kFree), 0.0, 1.0) : 0.0;
 }
 
-void GovernorEvaluator::judge_budgets(const Wrench& out, double passed_s) noexcept {
+void GovernorEvaluator::check_budgets(const Wrench& out, double passed_s) noexcept {
   const DeviceLimits& now = governor_.limits();
   const double force = size_of(out.force_n);
   const double sunk_n = size_of(out_.force_n) - governor_.device_limits().max_slew_n_per_s * passed_s;
@@ -205,7 +205,7 @@ void GovernorEvaluator::judge_budgets(const Wrench& out, double passed_s) noexce
   }
 }
 
-void GovernorEvaluator::judge_workspace(const Wrench& out) noexcept {
+void GovernorEvaluator::check_workspace(const Wrench& out) noexcept {
   const DeviceLimits& now = governor_.limits();
   const double slew = now.max_slew_n_per_s;
   for (int side = 0; side < 6; ++side) {
@@ -230,7 +230,7 @@ void GovernorEvaluator::judge_workspace(const Wrench& out) noexcept {
   }
 }
 
-void GovernorEvaluator::judge_latch(const HostileStep& step, bool was_reset) noexcept {
+void GovernorEvaluator::check_latch(const HostileStep& step, bool was_reset) noexcept {
   const SafetyFault fault = governor_.fault();
   breach_if(GovernorBreach::unlatched, fault_ != SafetyFault::none && fault != fault_ && !was_reset);
   fault_ = fault;
@@ -256,7 +256,7 @@ bool GovernorEvaluator::Row::is_too_long(bool is_bad, std::int64_t now_ns) noexc
   return count >= 5 && now_ns - since_ns < 100'000'000;
 }
 
-void GovernorEvaluator::judge_gate(const HostileStep& step, const Wrench& out, double passed_s) noexcept {
+void GovernorEvaluator::check_gate(const HostileStep& step, const Wrench& out, double passed_s) noexcept {
   const DeviceLimits& device = governor_.device_limits();
   const double force = size_of(out.force_n);
   const double before = size_of(out_.force_n);

@@ -67,14 +67,14 @@ class GovernorEvaluator {
   double pass(std::int64_t time_ns) noexcept;
   void see(const HostileStep& step) noexcept;
   void see_motion(const DeviceSample& sample) noexcept;
-  void hear(const HostileStep& step) noexcept;
-  void judge_size(const Wrench& out, double passed_s) noexcept;
-  void judge_slew(const Wrench& out, double passed_s) noexcept;
-  void judge_silence(const Wrench& out) noexcept;
-  void judge_budgets(const Wrench& out, double passed_s) noexcept;
-  void judge_workspace(const Wrench& out) noexcept;
-  void judge_gate(const HostileStep& step, const Wrench& out, double passed_s) noexcept;
-  void judge_latch(const HostileStep& step, bool was_reset) noexcept;
+  void receive(const HostileStep& step) noexcept;
+  void check_size(const Wrench& out, double passed_s) noexcept;
+  void check_slew(const Wrench& out, double passed_s) noexcept;
+  void check_timeout(const Wrench& out) noexcept;
+  void check_budgets(const Wrench& out, double passed_s) noexcept;
+  void check_workspace(const Wrench& out) noexcept;
+  void check_gate(const HostileStep& step, const Wrench& out, double passed_s) noexcept;
+  void check_latch(const HostileStep& step, bool was_reset) noexcept;
   double energy_share() const noexcept;
 
   const SafetyGovernor& governor_;

@@ -63,8 +63,8 @@ void GovernorStress::run(std::uint64_t program_seed, GovernorStressCount& count)
   HostileProgram program(program_seed);
   SafetyGovernor governor(program.device());
   if (program.button() >= 0) governor.require_button(program.button());
-  GovernorEvaluator judge(program, governor);
-  auto breaches = judge.breaches();
+  GovernorEvaluator evaluator(program, governor);
+  auto breaches = evaluator.breaches();
   Wrench out;
   for (int turn = 0; turn < program.turns(); ++turn) {
     const HostileStep& step = program.turn(out);
@@ -73,19 +73,19 @@ void GovernorStress::run(std::uint64_t program_seed, GovernorStressCount& count)
     if (step.temperature >= 0.0) governor.observe_temperature(step.temperature);
     governor.observe(step.sample, step.status);
     out = governor.step(step.wanted, step.now_ns);
-    judge.look(step, was_reset, out);
+    evaluator.look(step, was_reset, out);
     count.forceful += out.force_n != Vec3::Zero() ? 1 : 0;
-    if (judge.breaches() == breaches) continue;
+    if (evaluator.breaches() == breaches) continue;
     for (std::size_t n = 0; n < breaches.size(); ++n) {
-      if (judge.breaches()[n] > breaches[n] && count.breaches[n] + breaches[n] == 0) count.findings[n] = {program_seed, turn};
+      if (evaluator.breaches()[n] > breaches[n] && count.breaches[n] + breaches[n] == 0) count.findings[n] = {program_seed, turn};
     }
-    breaches = judge.breaches();
+    breaches = evaluator.breaches();
   }
   for (std::size_t n = 0; n < breaches.size(); ++n) count.breaches[n] += breaches[n];
   count.turns += static_cast<std::uint64_t>(program.turns());
   ++count.programs;
   add_to(count.governors, governor.counters());
-  keep_worse(count.worst, judge.worst());
+  keep_worse(count.worst, evaluator.worst());
 }
 
 }  // namespace hapton

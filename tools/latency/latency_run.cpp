@@ -183,13 +183,13 @@ std::string timer_text(const Json& report, const BareTimer& timer) {
 }
 
 // Adds the verdict, and the bare timer if one was measured, to the report's file, and reports it all.
-Result<LatencyRun> tell(const std::filesystem::path& file, const BareTimer* timer) {
+Result<LatencyRun> make_report(const std::filesystem::path& file, const BareTimer* timer) {
   const bool wants_echo = timer != nullptr;
   auto json = Json::parse(read_text(file), nullptr, false);
   if (!json.is_object() || !json.contains("hops") || !json["hops"].is_object()) {
     return fail("{}: is no latency report", file.string());
   }
-  const auto verdict = judge_latency(json);
+  const auto verdict = evaluate_latency(json);
   if (!verdict) {
     return fail("{}: {}", file.string(), verdict.error().what);
   }
@@ -238,7 +238,7 @@ Result<LatencyRun> run_latency(const LatencyRunOptions& options) {
   if (!timer) {
     return tl::unexpected(timer.error());
   }
-  auto run = tell(options.out / "report.json", is_here ? &*timer : nullptr);
+  auto run = make_report(options.out / "report.json", is_here ? &*timer : nullptr);
   if (!run) {
     return run;
   }

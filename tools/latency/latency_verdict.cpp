@@ -17,7 +17,7 @@ double hop_us(const nlohmann::json& report, const char* hop, const char* quantil
 
 double count(const nlohmann::json& report, const char* name) { return report.value("counters", nlohmann::json::object()).value(name, 0.0); }
 
-RateVerdict judge_rate(double rate_hz, double need_us) {
+RateVerdict check_rate(double rate_hz, double need_us) {
   const double margin_us = 1e6 / rate_hz - need_us;
   return {rate_hz, margin_us >= 0.0, margin_us};
 }
@@ -26,19 +26,19 @@ std::string khz(double rate_hz) { return fmt::format("{:g} kHz", 1e-3 * rate_hz)
 
 }  // namespace
 
-Result<LatencyVerdict> judge_latency(const nlohmann::json& report) {
+Result<LatencyVerdict> evaluate_latency(const nlohmann::json& report) {
   if (!report.is_object()) return fail("is no latency report");
   const double round_trip_us = hop_us(report, "round_trip", "p99_9_us");
   const double samples = count(report, "samples");
   if (round_trip_us < 0.0 || samples <= 0.0) return fail("no force was measured; see the logs beside the report");
   LatencyVerdict verdict;
   verdict.rate_hz = report.value("rates_hz", nlohmann::json::object()).value("servo_asked", 0.0);
-  if (!(verdict.rate_hz > 0.0)) return fail("does not tell the servo rate");
+  if (!(verdict.rate_hz > 0.0)) return fail("does not contain the servo rate");
   verdict.need_us = round_trip_us + std::max(0.0, hop_us(report, "wake_lateness", "p99_9_us"));
   const double missed = count(report, "late") + count(report, "lost") + count(report, "superseded") + count(report, "missed_cycles");
   verdict.missed_share = missed / (samples + count(report, "missed_cycles"));
-  for (const double rate_hz : kRatesHz) verdict.rates.push_back(judge_rate(rate_hz, verdict.need_us));
-  const RateVerdict measured = judge_rate(verdict.rate_hz, verdict.need_us);
+  for (const double rate_hz : kRatesHz) verdict.rates.push_back(check_rate(rate_hz, verdict.need_us));
+  const RateVerdict measured = check_rate(verdict.rate_hz, verdict.need_us);
   if (!measured.fits) {
     verdict.reason =
         fmt::format("wake-up and round trip take {:.1f} us at p99.9, and a period is {:.1f} us", verdict.need_us, 1e6 / verdict.rate_hz);

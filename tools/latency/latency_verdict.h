@@ -31,7 +31,7 @@ struct LatencyVerdict {
 constexpr double kMaxMissedShare = 1e-3;
 
 // From a report.json. Error: it is not one, or it has no replies.
-Result<LatencyVerdict> judge_latency(const nlohmann::json& report);
+Result<LatencyVerdict> evaluate_latency(const nlohmann::json& report);
 
 nlohmann::ordered_json to_json(const LatencyVerdict& verdict);
 // A line or two for people.

@@ -12,7 +12,7 @@ namespace hapton {
 namespace {
 
 constexpr std::int64_t kPatienceNs = 5 * kNanosecondsPerSecond;
-constexpr std::int64_t kAskAgainNs = 200 * kNanosecondsPerMillisecond;  // a fresh report takes the hub a moment
+constexpr std::int64_t kRepeatRequestNs = 200 * kNanosecondsPerMillisecond;  // a fresh report takes the hub a moment
 constexpr std::int64_t kTurnNs = 20 * kNanosecondsPerMillisecond;
 constexpr int kMostTries = 20;
 
@@ -24,7 +24,7 @@ struct HubReader::State {
 
   bool wait_for_hub();
   Result<std::string> read(ReportDocument document, std::uint32_t& revision);
-  bool hear_part(const ReportRequest& wanted, ReportPart& part);
+  bool receive_part(const ReportRequest& wanted, ReportPart& part);
 
   SteadyClock clock;
   Address hub;
@@ -41,16 +41,16 @@ bool HubReader::State::wait_for_hub() {
 }
 
 // Waits for the requested part, or the first of a newer report; false when the request must be repeated.
-bool HubReader::State::hear_part(const ReportRequest& wanted, ReportPart& part) {
-  const std::int64_t end_ns = clock.now_ns() + kAskAgainNs;
+bool HubReader::State::receive_part(const ReportRequest& wanted, ReportPart& part) {
+  const std::int64_t end_ns = clock.now_ns() + kRepeatRequestNs;
   Datagram datagram;
   while (client.receive(datagram, end_ns)) {
-    const auto* heard = std::get_if<ReportPart>(&datagram.message);
-    if (heard == nullptr || heard->document != wanted.document) continue;
-    const bool is_next = heard->revision == wanted.revision && heard->part == wanted.part;
-    const bool is_first_of_another = heard->revision != wanted.revision && heard->part == 0;
+    const auto* received = std::get_if<ReportPart>(&datagram.message);
+    if (received == nullptr || received->document != wanted.document) continue;
+    const bool is_next = received->revision == wanted.revision && received->part == wanted.part;
+    const bool is_first_of_another = received->revision != wanted.revision && received->part == 0;
     if (!is_next && !is_first_of_another) continue;
-    part = *heard;
+    part = *received;
     return true;
   }
   return false;
@@ -63,7 +63,7 @@ Result<std::string> HubReader::State::read(ReportDocument document, std::uint32_
   std::int64_t end_ns = clock.now_ns() + kPatienceNs;
   while (clock.now_ns() < end_ns) {
     client.send(wanted);
-    if (!hear_part(wanted, part)) continue;
+    if (!receive_part(wanted, part)) continue;
     if (part.part == 0) text.clear();
     text.append(part.text.data(), part.size);
     revision = wanted.revision = part.revision;

@@ -36,7 +36,7 @@ constexpr int kResetLooks = 5;
 constexpr std::int64_t kPatienceNs = 2 * kNanosecondsPerSecond;
 constexpr std::int64_t kSetupPatienceNs = 3 * kNanosecondsPerSecond;   // a haptics node sends its setup once a second
 constexpr std::int64_t kBuildPatienceNs = 60 * kNanosecondsPerSecond;  // millions of triangles take some seconds
-constexpr std::int64_t kAskAgainNs = kNanosecondsPerSecond / 2;
+constexpr std::int64_t kRepeatRequestNs = kNanosecondsPerSecond / 2;
 
 // Receives from the hub until the condition holds or the time is over, and keeps what the haptics node sends.
 template <class Condition>
@@ -49,7 +49,7 @@ bool wait_until(HubClient& client, const Clock& clock, std::optional<HapticsSetu
       return false;
     }
     if (!client.receive(datagram, now_ns + 20 * kNanosecondsPerMillisecond)) continue;
-    if (const auto* told = std::get_if<HapticsSetup>(&datagram.message)) setup = *told;
+    if (const auto* text = std::get_if<HapticsSetup>(&datagram.message)) setup = *text;
   }
   return true;
 }
@@ -71,20 +71,20 @@ Result<Settings> make_settings(const SetOptions& options) {
 }
 
 // The haptics node's reply to the method request. The request is repeated until the reply comes, because a datagram may be lost.
-Result<std::string> confirm_method(HubClient& client, const Clock& clock, const SetOptions& options, std::uint32_t ask,
+Result<std::string> confirm_method(HubClient& client, const Clock& clock, const SetOptions& options, std::uint32_t request_id,
                                    std::optional<HapticsSetup>& setup) {
   if (!wait_until(client, clock, setup, kSetupPatienceNs, [&] { return setup.has_value(); })) {
     return fail("no haptics node has joined the hub, so no method is in use; start haptics_node");
   }
   Settings again;
   std::copy(options.method.begin(), options.method.end(), again.method.begin());
-  again.method_request = ask;
-  std::int64_t next_ask_ns = clock.now_ns() + kAskAgainNs;
+  again.method_request = request_id;
+  std::int64_t next_request_ns = clock.now_ns() + kRepeatRequestNs;
   const auto is_answered = [&] {
-    if (setup->method_request == ask) return true;
-    if (clock.now_ns() >= next_ask_ns) {
+    if (setup->method_request == request_id) return true;
+    if (clock.now_ns() >= next_request_ns) {
       client.send(again);
-      next_ask_ns += kAskAgainNs;
+      next_request_ns += kRepeatRequestNs;
     }
     return false;
   };
@@ -158,25 +158,25 @@ Result<std::string> set(const SetOptions& options) {
     return fail("the hub at {} stays at {} Hz; choose {} to {} Hz", to_string(*hub), client.servo_rate_hz(), kMinServoRateHz,
                 kMaxServoRateHz);
   }
-  std::string told = fmt::format("hub {}: servo rate {} Hz", to_string(*hub), client.servo_rate_hz());
+  std::string text = fmt::format("hub {}: servo rate {} Hz", to_string(*hub), client.servo_rate_hz());
   if (!options.method.empty()) {
     const auto method = confirm_method(client, clock, options, settings->method_request, setup);
     if (!method) return method;
-    told += "; " + *method;
+    text += "; " + *method;
   }
-  if (options.report) told += "; report requested";
-  if (!options.reset_faults) return told;
+  if (options.report) text += "; report requested";
+  if (!options.reset_faults) return text;
   const auto reset = confirm_reset(options);
-  return reset ? Result<std::string>(told + "; " + *reset) : reset;
+  return reset ? Result<std::string>(text + "; " + *reset) : reset;
 }
 
 int run(const SetOptions& options) {
-  const auto told = set(options);
-  if (!told) {
-    fmt::print(stderr, "hapton set: {}\n", told.error().what);
+  const auto text = set(options);
+  if (!text) {
+    fmt::print(stderr, "hapton set: {}\n", text.error().what);
     return 1;
   }
-  fmt::print("{}\n", *told);
+  fmt::print("{}\n", *text);
   return 0;
 }
 

@@ -73,16 +73,16 @@ class PhaseTeller {
  public:
   explicit PhaseTeller(const FaultSchedule& schedule) : schedule_(schedule) {}
   void look(const RelayEndpoint& relay) {
-    if (relay.phase() == told_) return;
-    told_ = relay.phase();
+    if (relay.phase() == phase_shown_) return;
+    phase_shown_ = relay.phase();
     if (schedule_.phases.size() == 1 && schedule_.phases[0].duration_ns == FaultPhase::kForever) return;
-    fmt::print("phase {}\n", told_ < schedule_.phases.size() ? schedule_.phases[told_].name : "none: no faults");
+    fmt::print("phase {}\n", phase_shown_ < schedule_.phases.size() ? schedule_.phases[phase_shown_].name : "none: no faults");
     std::fflush(stdout);
   }
 
  private:
   const FaultSchedule& schedule_;
-  std::size_t told_ = static_cast<std::size_t>(-1);
+  std::size_t phase_shown_ = static_cast<std::size_t>(-1);
 };
 
 Result<void> relay(const RelayOptions& options) {

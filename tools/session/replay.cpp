@@ -36,8 +36,8 @@ std::vector<TouchInput> make_inputs(std::span<const TrajectoryRow> trajectory) {
   return inputs;
 }
 
-bool same(const ReplayRow& row, const TouchInput& input, const TouchOutput& felt) {
-  return row.force_n == felt.force_n && row.contact == felt.contact && row.p_WP == input.p_WD + felt.visual_offset_m;
+bool same(const ReplayRow& row, const TouchInput& input, const TouchOutput& output) {
+  return row.force_n == output.force_n && row.contact == output.contact && row.p_WP == input.p_WD + output.visual_offset_m;
 }
 
 // By nearest rank: no step in `fraction` of them takes longer.
@@ -85,18 +85,18 @@ Replay run_replay(TouchStep& touch, std::span<const TrajectoryRow> trajectory, c
         touch.reset(inputs[i]);
       }
       const std::int64_t before_ns = clock.now_ns();
-      const TouchOutput felt = touch.step(inputs[i]);
+      const TouchOutput output = touch.step(inputs[i]);
       const std::int64_t step_ns = std::max<std::int64_t>(0, clock.now_ns() - before_ns - replay.clock_cost_ns);
       ReplayRow& row = replay.rows[i];
       if (repetition == 0) {
         row = {.t_s = trajectory[i].t_s,
                .p_WD = inputs[i].p_WD,
-               .p_WP = inputs[i].p_WD + felt.visual_offset_m,
-               .force_n = felt.force_n,
-               .contact = felt.contact,
+               .p_WP = inputs[i].p_WD + output.visual_offset_m,
+               .force_n = output.force_n,
+               .contact = output.contact,
                .step_ns = step_ns};
       } else {
-        replay.rows_that_differ += same(row, inputs[i], felt) ? 0 : 1;
+        replay.rows_that_differ += same(row, inputs[i], output) ? 0 : 1;
         row.step_ns = std::min(row.step_ns, step_ns);
       }
     }

@@ -39,7 +39,7 @@ Result<void> for_each_entry(SessionReader& reader, Visit&& visit) {
 }
 
 // A truncated recording is reported last, as an error.
-Result<void> judge_end(const SessionReader& reader) {
+Result<void> check_end(const SessionReader& reader) {
   if (reader.problem().empty()) return {};
   return fail("{}", reader.problem());
 }
@@ -57,7 +57,7 @@ Result<void> show_info(const SessionOptions& options) {
   SessionSummary summary;
   if (const auto done = summarize(*reader, summary); !done) return done;
   fmt::print("{}", summary.to_text(reader->header()));
-  return judge_end(*reader);
+  return check_end(*reader);
 }
 
 Result<void> write_tables(const SessionOptions& options) {
@@ -73,7 +73,7 @@ Result<void> write_tables(const SessionOptions& options) {
   if (const auto closed = tables->close(); !closed) return closed;
   fmt::print("{}/trajectory.csv: {} rows, forces.csv: {}, cycles.csv: {}\n", options.out, tables->rows().trajectory, tables->rows().forces,
              tables->rows().cycles);
-  return judge_end(*reader);
+  return check_end(*reader);
 }
 
 // Scenes by their path and how they were loaded. A recording of an earlier version does not say how: metres, no fit, and the cracks sealed
@@ -123,7 +123,7 @@ class RecordedScenes {
   std::map<std::pair<std::string, std::uint32_t>, LoadedScene> scenes_;
 };
 
-std::string describe(const FeltCounts& counts) {
+std::string describe(const ReplayCounts& counts) {
   std::string text = fmt::format("replayed: {} steps, {} in contact; {} compared bit for bit, {} different\n", counts.steps,
                                  counts.contact_steps, counts.compared, counts.different);
   if (counts.lost_answers > 0) text += fmt::format("{} answers were lost: replayed but not compared\n", counts.lost_answers);
@@ -144,27 +144,27 @@ Result<void> feel_again(const SessionOptions& options) {
   auto reader = SessionReader::open(options.file);
   if (!reader) return tl::unexpected(reader.error());
   RecordedScenes scenes(options);
-  SessionReplay felt(summary.setups(), [&](const HapticsSetup& setup) { return scenes.make_touch(setup); });
+  SessionReplay comparison(summary.setups(), [&](const HapticsSetup& setup) { return scenes.make_touch(setup); });
   auto done = for_each_entry(*reader, [&](const SessionEntry& entry, const Datagram* datagram) -> Result<void> {
     if (datagram == nullptr || datagram->header.session != reader->header().session) return {};
     if (entry.kind == SessionEntry::Kind::sent) {
-      if (const auto* state = std::get_if<DeviceState>(&datagram->message)) felt.on_state(*state);
-      if (const auto* view = std::get_if<ViewTransform>(&datagram->message)) felt.on_view(*view);
+      if (const auto* state = std::get_if<DeviceState>(&datagram->message)) comparison.on_state(*state);
+      if (const auto* view = std::get_if<ViewTransform>(&datagram->message)) comparison.on_view(*view);
       return {};
     }
     const auto* force = std::get_if<ForceCommand>(&datagram->message);
-    return force != nullptr ? felt.on_answer(datagram->header.sender, *force) : Result<void>();
+    return force != nullptr ? comparison.on_answer(datagram->header.sender, *force) : Result<void>();
   });
-  if (done) done = felt.finish();
+  if (done) done = comparison.finish();
   if (!done) return done;
-  const FeltCounts& counts = felt.counts();
+  const ReplayCounts& counts = comparison.counts();
   fmt::print("{}", describe(counts));
   if (counts.different > 0) {
     return fail("{}: {} of {} forces differ, by {:.3g} N at most; first: {}", options.file, counts.different, counts.compared,
                 counts.max_difference_n, counts.first_difference);
   }
   if (counts.compared == 0) return fail("{}: holds no force that could be compared", options.file);
-  return judge_end(*reader);
+  return check_end(*reader);
 }
 
 int report(const Result<void>& done, const char* command) {

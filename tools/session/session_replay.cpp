@@ -44,7 +44,7 @@ Result<void> SessionReplay::settle(std::uint64_t up_to_sample) {
   while (!answers_.empty() && answers_.begin()->first <= up_to_sample) {
     const ForceCommand command = answers_.begin()->second;
     answers_.erase(answers_.begin());
-    if (const auto felt = step_method(command); !felt) return felt;
+    if (const auto replayed = step_method(command); !replayed) return replayed;
   }
   return {};
 }
@@ -114,12 +114,12 @@ std::optional<ForceCommand> SessionReplay::step(std::uint64_t sample) {
     return std::nullopt;
   }
   step_->offer(state->second);
-  const ForceCommand felt = step_->answer();
+  const ForceCommand replayed = step_->answer();
   states_.erase(states_.begin(), std::next(state));
   last_sample_ = sample;
   ++counts_.steps;
-  counts_.contact_steps += felt.contact ? 1 : 0;
-  return felt;
+  counts_.contact_steps += replayed.contact ? 1 : 0;
+  return replayed;
 }
 
 // Samples before this one that had a reply, but whose reply was lost.
@@ -147,26 +147,26 @@ Result<void> SessionReplay::step_method(const ForceCommand& command) {
     step_->restart();
     is_certain_ = true;
   }
-  const auto felt = step(command.echo_sample);
-  if (felt) compare(command, *felt);
+  const auto replayed = step(command.echo_sample);
+  if (replayed) compare(command, *replayed);
   return {};
 }
 
-void SessionReplay::compare(const ForceCommand& recorded, const ForceCommand& felt) {
+void SessionReplay::compare(const ForceCommand& recorded, const ForceCommand& replayed) {
   if (!is_certain_) {
     ++(is_method_known_ ? counts_.not_compared : counts_.unknown_method);
     return;
   }
   ++counts_.compared;
-  const bool is_same = recorded.contact == felt.contact && same_bits(recorded.force_n, felt.force_n) &&
-                       same_bits(recorded.visual_offset_m, felt.visual_offset_m);
+  const bool is_same = recorded.contact == replayed.contact && same_bits(recorded.force_n, replayed.force_n) &&
+                       same_bits(recorded.visual_offset_m, replayed.visual_offset_m);
   if (is_same) return;
   ++counts_.different;
-  counts_.max_difference_n = std::max(counts_.max_difference_n, (recorded.force_n - felt.force_n).norm());
+  counts_.max_difference_n = std::max(counts_.max_difference_n, (recorded.force_n - replayed.force_n).norm());
   if (!counts_.first_difference.empty()) return;
   counts_.first_difference = fmt::format("sample {}, {:.6f} s after the first: recorded force {} N, replayed {} N", recorded.echo_sample,
                                          1e-9 * static_cast<double>(recorded.echo_sample_time_ns - first_time_ns_),
-                                         text_of(recorded.force_n), text_of(felt.force_n));
+                                         text_of(recorded.force_n), text_of(replayed.force_n));
 }
 
 }  // namespace hapton

@@ -22,7 +22,7 @@ using HapticsSetups = std::map<std::pair<std::uint64_t, std::uint32_t>, HapticsS
 using MakeTouch = std::function<Result<std::unique_ptr<TouchStep>>(const HapticsSetup& setup)>;
 
 // The result of replaying a recording.
-struct FeltCounts {
+struct ReplayCounts {
   std::uint64_t steps = 0;
   std::uint64_t contact_steps = 0;
   std::uint64_t compared = 0;
@@ -49,7 +49,7 @@ class SessionReplay {
   // Replays what still waits for reordered replies.
   Result<void> finish();
 
-  const FeltCounts& counts() const { return counts_; }
+  const ReplayCounts& counts() const { return counts_; }
 
  private:
   Result<void> settle(std::uint64_t up_to_sample);
@@ -59,7 +59,7 @@ class SessionReplay {
   Result<void> change_method(std::uint32_t serial);
   void turn(std::uint32_t revision);
   std::optional<ForceCommand> step(std::uint64_t sample);
-  void compare(const ForceCommand& recorded, const ForceCommand& felt);
+  void compare(const ForceCommand& recorded, const ForceCommand& replayed);
   Result<std::unique_ptr<TouchStep>> make_method_of(const HapticsSetup& setup, double* offset_m = nullptr);
 
   HapticsSetups setups_;
@@ -74,7 +74,7 @@ class SessionReplay {
   bool is_method_known_ = false;  // of the steps now
   bool is_certain_ = false;       // no unknown earlier contact matters any more
   std::int64_t first_time_ns_ = 0;
-  FeltCounts counts_;
+  ReplayCounts counts_;
 };
 
 }  // namespace hapton

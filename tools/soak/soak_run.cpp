@@ -29,8 +29,8 @@ using Json = nlohmann::json;
 constexpr double kLooks = 120.0;
 constexpr double kShortestInterval_s = 2.0;
 constexpr double kTurn_s = 0.1;
-constexpr double kToldEvery_s = 10.0;  // at most so often, and at most kTold times
-constexpr double kTold = 60.0;
+constexpr double kProgressEvery_s = 10.0;  // least interval of progress lines, s
+constexpr double kMostProgressLines = 60.0;
 constexpr double kFirstForce_s = 30.0;
 
 // The nodes of this run.
@@ -177,7 +177,7 @@ class Watch {
   std::optional<Reading> last_;
 };
 
-void tell_progress(const SoakRun& run) {
+void print_progress(const SoakRun& run) {
   const SoakLook& look = run.looks.back();
   std::string memory;
   for (std::size_t i = 0; i < run.processes.size(); ++i) {
@@ -197,7 +197,7 @@ Result<void> watch_nodes(const SoakOptions& options, Nodes& nodes, Watch& watch,
   csv << soak_csv_header(run.processes) << std::flush;
   const double every_s = look_interval_s(options);
   double due_s = every_s;
-  double tell_s = 0.0;
+  double next_progress_s = 0.0;
   while (due_s <= options.seconds + 1e-6) {
     while (watch.seconds() < due_s && run.ended.empty()) {
       watch.idle(std::clamp(due_s - watch.seconds(), 0.0, kTurn_s));
@@ -213,9 +213,9 @@ Result<void> watch_nodes(const SoakOptions& options, Nodes& nodes, Watch& watch,
     }
     run.looks.push_back(std::move(*look));
     if (!(csv << soak_csv_row(run.looks.back()) << std::flush)) return fail("{}: cannot be written", table.string());
-    if (due_s >= tell_s) {
-      tell_progress(run);
-      tell_s = due_s + std::max(kToldEvery_s, options.seconds / kTold);
+    if (due_s >= next_progress_s) {
+      print_progress(run);
+      next_progress_s = due_s + std::max(kProgressEvery_s, options.seconds / kMostProgressLines);
     }
     due_s += every_s;
   }
@@ -229,7 +229,7 @@ Result<SoakRun> soak(const SoakOptions& options) {
   auto reader = HubReader::open(nodes.hub_at, options.key_file);
   if (!reader) return tl::unexpected(reader.error());
   Watch watch(options, nodes, std::move(*reader));
-  if (const auto felt = watch.wait_for_force(stop); !felt) return tl::unexpected(felt.error());
+  if (const auto force = watch.wait_for_force(stop); !force) return tl::unexpected(force.error());
   SoakRun run{.seconds = options.seconds, .rate_hz = options.rate_hz, .processes = {}, .looks = {}, .ended = {}};
   for (const LocalNode* node : nodes.all()) run.processes.push_back(node->name());
   if (const auto watched = watch_nodes(options, nodes, watch, stop, run); !watched) return tl::unexpected(watched.error());
@@ -249,7 +249,7 @@ Result<SoakEnd> run_soak(const SoakOptions& options) {
   if (error) return fail("{}: cannot be made: {}", options.out.string(), error.message());
   const auto run = soak(options);
   if (!run) return tl::unexpected(run.error());
-  const SoakVerdict verdict = judge_soak(*run);
+  const SoakVerdict verdict = evaluate_soak(*run);
   if (const auto written = write_file_atomically(options.out / "soak.json", to_json(*run, verdict).dump(2) + "\n"); !written) {
     return tl::unexpected(written.error());
   }

@@ -77,7 +77,7 @@ class Series {
   std::vector<double> times_;
 };
 
-SoakFinding judge_memory(const Series& series, const std::string& process, std::size_t index) {
+SoakFinding check_memory(const Series& series, const std::string& process, std::size_t index) {
   const auto kib = series.of([&](const SoakLook& look) { return static_cast<double>(look.processes[index].resident_kib); });
   const double rise = series.rise(kib);
   const double limit = kMemoryShare * median(kib) + kMemoryKib;
@@ -85,12 +85,12 @@ SoakFinding judge_memory(const Series& series, const std::string& process, std::
           limit,    rise <= limit, fmt::format("{} memory {:+.0f} KiB of {:.0f} (at most {:+.0f})", process, rise, median(kib), limit)};
 }
 
-SoakFinding judge_count(const Series& series, const std::string& process, const char* what, const std::vector<double>& counts) {
+SoakFinding check_count(const Series& series, const std::string& process, const char* what, const std::vector<double>& counts) {
   const double rise = series.rise(counts);
   return {what, process, rise, 0.0, std::abs(rise) < kHalf, fmt::format("{} {} {:+.1f} of {:.0f}", process, what, rise, median(counts))};
 }
 
-SoakFinding judge_rate(const Series& series, double rate_hz) {
+SoakFinding check_rate(const Series& series, double rate_hz) {
   const double samples_hz = median(series.of([](const SoakLook& look) { return look.samples_hz; }));
   const double forces_hz = median(series.of([](const SoakLook& look) { return look.forces_hz; }));
   const double least = std::min(samples_hz, forces_hz);
@@ -100,18 +100,18 @@ SoakFinding judge_rate(const Series& series, double rate_hz) {
           least >= limit, fmt::format("{:.1f} samples and {:.1f} forces a second of {:g}", samples_hz, forces_hz, rate_hz)};
 }
 
-SoakFinding judge_drift(const Series& series) {
+SoakFinding check_drift(const Series& series) {
   const double drift_ms = series.rise(series.of([](const SoakLook& look) { return look.drift_ms; }));
   const double limit = kDriftMs + 1e3 * kDriftShare * series.seconds();
   return {"drift", "", drift_ms, limit, std::abs(drift_ms) <= limit, fmt::format("ticks drifted {:+.1f} ms from the clock", drift_ms)};
 }
 
-SoakFinding judge_lost(const SoakRun& run) {
+SoakFinding check_lost(const SoakRun& run) {
   const std::int64_t lost = run.looks.back().lost;
   return {"lost", "", static_cast<double>(lost), 0.0, lost == 0, fmt::format("forces lost: {}", lost)};
 }
 
-SoakFinding judge_length(const SoakRun& run, std::size_t looks) {
+SoakFinding check_length(const SoakRun& run, std::size_t looks) {
   const double reached_s = run.looks.empty() ? 0.0 : run.looks.back().seconds;
   const bool is_enough = run.ended.empty() && looks >= kFewLooks;
   const std::string why = run.ended.empty() ? "too few observations" : run.ended;
@@ -144,21 +144,21 @@ double find_rise(std::span<const double> times, std::span<const double> values) 
   return std::abs(crept) > std::abs(jumped) ? crept : jumped;
 }
 
-SoakVerdict judge_soak(const SoakRun& run) {
+SoakVerdict evaluate_soak(const SoakRun& run) {
   const Series series(run);
   SoakVerdict verdict;
-  verdict.findings.push_back(judge_length(run, series.size()));
+  verdict.findings.push_back(check_length(run, series.size()));
   if (series.size() >= kFewLooks) {
-    verdict.findings.push_back(judge_lost(run));
-    verdict.findings.push_back(judge_rate(series, run.rate_hz));
-    verdict.findings.push_back(judge_drift(series));
+    verdict.findings.push_back(check_lost(run));
+    verdict.findings.push_back(check_rate(series, run.rate_hz));
+    verdict.findings.push_back(check_drift(series));
     for (std::size_t i = 0; i < run.processes.size(); ++i) {
       const std::string& name = run.processes[i];
-      verdict.findings.push_back(judge_memory(series, name, i));
-      verdict.findings.push_back(judge_count(series, name, "descriptors", series.of([&](const SoakLook& look) {
+      verdict.findings.push_back(check_memory(series, name, i));
+      verdict.findings.push_back(check_count(series, name, "descriptors", series.of([&](const SoakLook& look) {
         return static_cast<double>(look.processes[i].descriptors);
       })));
-      verdict.findings.push_back(judge_count(
+      verdict.findings.push_back(check_count(
           series, name, "threads", series.of([&](const SoakLook& look) { return static_cast<double>(look.processes[i].threads); })));
     }
   }
@@ -202,8 +202,8 @@ std::string to_text(const SoakRun& run, const SoakVerdict& verdict) {
   std::string text = fmt::format("soak: flat over {:.0f} s: {} late, {} missed cycles, slowest round trip {:.0f} us", last.seconds,
                                  last.late, last.missed_cycles, worst_round_trip_us(run));
   for (const SoakFinding& finding : verdict.findings) {
-    const bool is_told = finding.what == "lost" || finding.what == "rate" || finding.what == "drift" || finding.what == "memory";
-    if (is_told) text += ", " + finding.text;
+    const bool is_reported = finding.what == "lost" || finding.what == "rate" || finding.what == "drift" || finding.what == "memory";
+    if (is_reported) text += ", " + finding.text;
   }
   return text + "; descriptors and threads constant";
 }

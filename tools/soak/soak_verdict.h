@@ -62,7 +62,7 @@ struct SoakVerdict {
 // force is lost; the median sample has 99 % of the rate in samples and forces; ticks keep to the clock within 100 ms and 100 ppm; no
 // process ends and nobody stops the run early. Late and missed cycles are reported but do not count: they depend on the machine as much as
 // on Hapton (`hapton latency run` evaluates them).
-SoakVerdict judge_soak(const SoakRun& run);
+SoakVerdict evaluate_soak(const SoakRun& run);
 
 // soak.json and the closing line.
 nlohmann::ordered_json to_json(const SoakRun& run, const SoakVerdict& verdict);

@@ -60,8 +60,8 @@ Vec3 corner_direction(int corner) { return {corner & 1 ? 1.0 : -1.0, corner & 2 
 }  // namespace
 
 std::string_view name_of(StressFault fault) {
-  constexpr std::array<std::string_view, static_cast<std::size_t>(StressFault::count)> kNames = {"fall", "inside", "through",    "lock",
-                                                                                                 "lag",  "pop",    "not-finite", "broken"};
+  constexpr std::array<std::string_view, static_cast<std::size_t>(StressFault::count)> kNames = {
+      "fall_through", "inside", "through", "stuck", "unconverged", "discontinuity", "not_finite", "broken"};
   return kNames[static_cast<std::size_t>(fault)];
 }
 

@@ -10,7 +10,7 @@ FreeFlight::Met FreeFlight::fly(const Vec3& from, const Vec3& to, bool slides, S
   std::uint32_t first = 0;
   TouchGeometry::Hit hit;
   const Vec3 motion = to - from;
-  geometry.visit_along(from, to, clearance_.rest, [&](std::uint32_t id, double until) {
+  geometry.visit_along(from, to, clearance_.offset, [&](std::uint32_t id, double until) {
     if (!geometry.is_walkable(id)) {
       if (!surfaces_.can_touch(id, from) || time_to_block(TriangleView{geometry, id}, from, motion, until, clearance_) > until)
         return until;
@@ -78,16 +78,16 @@ bool FreeFlight::is_vertex_seen_from(const Vec3& p, const Vec3& to, std::uint32_
 
 Vec3 FreeFlight::clear_of_surfaces(const Vec3& p, double farthest) noexcept {
   std::size_t count = 0;
-  surfaces_.geometry().for_each_overlapping(Box{p, p}.inflated(clearance_.rest), [&](std::uint32_t id) {
+  surfaces_.geometry().for_each_overlapping(Box{p, p}.inflated(clearance_.offset), [&](std::uint32_t id) {
     const ContactTriangle shape = surfaces_.shape_of(id);
     const Separation at = shape.separation(p);
-    if (at.distance >= clearance_.rest || count == planes_.size() || !surfaces_.can_touch(id, p)) return;
+    if (at.distance >= clearance_.offset || count == planes_.size() || !surfaces_.can_touch(id, p)) return;
     Vec3 normal = at.normal;
     if (at.feature == Feature::face) {
       const double side = side_sign(shape.corner(0), shape.corner(1), shape.corner(2), p);
       if ((side > 0.0) != (shape.normal().dot(normal) > 0.0)) normal = -normal;
     }
-    planes_[count++] = {normal, clearance_.rest - normal.dot(p - at.nearest)};
+    planes_[count++] = {normal, clearance_.offset - normal.dot(p - at.nearest)};
   });
   if (count == 0) return p;
   const ConstrainedMotion off = constrain_motion(Vec3::Zero(), std::span<const ContactPlane>(planes_.data(), count));
@@ -100,7 +100,7 @@ Vec3 FreeFlight::off_surface(const Vec3& p) const noexcept {
   Vec3 off = p;
   for (int i = 0; i < kMostFaces; ++i) {
     std::uint32_t nearest = 0;
-    double bound = clearance_.rest * clearance_.rest;
+    double bound = clearance_.offset * clearance_.offset;
     bool any = false;
     geometry.visit_nearest(off, bound, [&](std::uint32_t triangle, double) {
       const double d = geometry.separation(triangle, off).distance;
@@ -115,7 +115,7 @@ Vec3 FreeFlight::off_surface(const Vec3& p) const noexcept {
     const Vec3& a = geometry.corner(nearest, 0);
     const Vec3 normal = accurate_cross(geometry.corner(nearest, 1) - a, geometry.corner(nearest, 2) - a);
     const double length = normal.norm();
-    off += (2.0 * clearance_.rest) * (length > 0.0 ? Vec3(normal / length) : geometry.separation(nearest, off).normal);
+    off += (2.0 * clearance_.offset) * (length > 0.0 ? Vec3(normal / length) : geometry.separation(nearest, off).normal);
   }
   return off;
 }

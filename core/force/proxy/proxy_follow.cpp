@@ -123,15 +123,15 @@ void ProxyMethod::lift_off_surface() noexcept {
   const SurfacePoint::Inside from = surface_.at().inside(kBeside * contact_offset_);
   const bool slides = surface_.slides();
   surface_.leave();
-  sphere_.leave();
+  sphere_.stop_tracking();
   sphere_.forget_near();
-  proxy_.settle_at(from.point + clearance_.rest * from.normal);
+  proxy_.settle_at(from.point + clearance_.offset * from.normal);
   proxy_.is_free = false;
   proxy_.slides = slides;
   ProxyContact& contact = proxy_.contacts[proxy_.contact_count++];
   contact.triangle = from.triangle;
   contact.shape = surfaces_.shape_of(from.triangle);
-  contact.separation = {clearance_.rest, from.normal, from.point, Feature::face};
+  contact.separation = {clearance_.offset, from.normal, from.point, Feature::face};
 }
 
 // Puts a proxy that sweeps have settled on walkable faces back onto the surface.

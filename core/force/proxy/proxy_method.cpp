@@ -26,7 +26,7 @@ std::vector<Material> materials_of(const TouchScene& scene) {
 }
 
 Clearance clearance_of(const MethodSettings& settings, double unit_m) {
-  return {.rest = settings.probe_radius_m / unit_m + kContactOffset, .slack = 0.5 * kContactOffset, .tolerance = 0x1p-10 * kContactOffset};
+  return {.offset = settings.probe_radius_m / unit_m + kContactOffset, .slop = 0.5 * kContactOffset, .tolerance = 0x1p-10 * kContactOffset};
 }
 
 // Clamps a device farther out than a billion scene sizes to that distance, so that its squares stay finite.
@@ -61,13 +61,13 @@ ProxyMethod::ProxyMethod(const MethodSettings& settings, const TouchScene& scene
       is_point_(settings.probe_radius_m == 0.0),
       surface_(geometry_, materials_),
       // A point's radius is the reference's, so the proxy fits wherever the reference does.
-      sphere_(geometry_, materials_, is_point_ ? 0.5 * kContactOffset : clearance_.rest, clearance_.rest < kLeastRadius),
+      sphere_(geometry_, materials_, is_point_ ? 0.5 * kContactOffset : clearance_.offset, clearance_.offset < kLeastRadius),
       flight_(surfaces_, materials_, clearance_),
       swept_(surfaces_, clearance_, is_point_) {}
 
 void ProxyMethod::reset(const Vec3& p_SD) noexcept {
   surface_.leave();
-  sphere_.leave();
+  sphere_.stop_tracking();
   sphere_.forget_near();
   ball_.reset();
   has_sample_ = p_SD.allFinite();
@@ -101,7 +101,7 @@ MethodOutput ProxyMethod::step_outside(const MethodInput& input) noexcept {
   if (geometry_.waiting_count() != waiting) sphere_.forget_near();  // new objects are not in what it has gathered
   const double distance = (device - proxy_.position).norm();
   double clear = 0.0;
-  if (proxy_.is_free && ball_.is_due()) clear = ball_.find(geometry_, device, displacement_, clearance_.rest, may_go - distance);
+  if (proxy_.is_free && ball_.is_due()) clear = ball_.find(geometry_, device, displacement_, clearance_.offset, may_go - distance);
   ball_.note_motion(displacement_);
   if (distance < clear) {
     proxy_.settle_at(device);

@@ -9,14 +9,14 @@ namespace hapton {
 bool ProxyMethod::follow_offset(const Vec3& last, const Vec3& device, double& time) noexcept {
   if (proxy_.is_free) {
     if (is_point_) clear_start();
-    sphere_.take_free(proxy_.position);
-  } else if (!sphere_.holds() && !sphere_.take(proxy_.position, false, clearance_.slack, proxy_.slides)) {
+    sphere_.start_free(proxy_.position);
+  } else if (!sphere_.is_tracking() && !sphere_.start(proxy_.position, false, clearance_.slop, proxy_.slides)) {
     return false;
   }
   const SphereFollower::Outcome outcome = sphere_.follow(last, device, time);
-  if (outcome == SphereFollower::Outcome::unclear) {
+  if (outcome == SphereFollower::Outcome::failed) {
     copy_sphere_state(time < 1.0 ? Vec3(last + time * (device - last)) : device);
-    sphere_.leave();
+    sphere_.stop_tracking();
     active_offset_ = contact_offset_;
     if (is_point_) clear_start();
     return false;
@@ -31,16 +31,16 @@ void ProxyMethod::copy_sphere_state(const Vec3& device) noexcept {
   active_offset_ = is_point_ ? sphere_.offset() : contact_offset_;
   proxy_.is_free = sphere_.is_free() && proxy_.position == device;
   proxy_.slides = sphere_.slides();
-  for (const OffsetContact& held : sphere_.contacts()) {
-    const OffsetContact::Stand at = held.stand(proxy_.position);
+  for (const OffsetContact& active : sphere_.contacts()) {
+    const OffsetContact::Proximity at = active.proximity(proxy_.position);
     ProxyContact& contact = proxy_.contacts[proxy_.contact_count++];
-    contact.triangle = held.triangle;
-    contact.shape = held.shape;
-    const Feature feature = held.part == OffsetContact::Part::face   ? Feature::face
-                            : held.part == OffsetContact::Part::edge ? Feature::edge
+    contact.triangle = active.triangle;
+    contact.shape = active.shape;
+    const Feature feature = active.part == OffsetContact::Part::face   ? Feature::face
+                            : active.part == OffsetContact::Part::edge ? Feature::edge
                                                                      : Feature::vertex;
     contact.separation = {at.distance, at.normal, proxy_.position - at.distance * at.normal, feature};
-    proxy_.multipliers[proxy_.active_count++] = held.multiplier;
+    proxy_.multipliers[proxy_.active_count++] = active.multiplier;
   }
 }
 

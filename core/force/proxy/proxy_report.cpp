@@ -10,7 +10,7 @@ std::string ProxyMethod::describe() const {
   const std::string what =
       fmt::format("proxy: {} of {} objects built, {} triangles, {:.1f} MB in all; probe radius {:g} m, contact offset {:g} m\n",
                   geometry_.built_count(), geometry_.object_count(), geometry_.triangle_count(),
-                  static_cast<double>(geometry_.bytes()) * 1e-6, (clearance_.rest - contact_offset_) * geometry_.unit_m(),
+                  static_cast<double>(geometry_.bytes()) * 1e-6, (clearance_.offset - contact_offset_) * geometry_.unit_m(),
                   contact_offset_ * geometry_.unit_m()) +
       fmt::format(
           "proxy: a step has {} events, {:g} more for each edge that a path as long crosses on average, {} at "
@@ -33,7 +33,7 @@ std::string ProxyMethod::describe_steps() const {
       "proxy: {} steps by sweeps: {} motions, {} sweeps, {} triangle tests, {} unconverged\n",
       counters_.steps, 100.0 * static_cast<double>(counters_.skipped) / n, counters_.contact_steps, surface_.events(),
       counters_.most_events, counters_.flights, counters_.exhausted, static_cast<double>(sphere_.events()) / c, sphere_.slips(),
-      sphere_.flights(), static_cast<double>(sphere_.gathered()) / c, static_cast<double>(sphere_.looked_at()) / c, counters_.swept,
+      sphere_.flights(), static_cast<double>(sphere_.gathered()) / c, static_cast<double>(sphere_.queried()) / c, counters_.swept,
       swept.motions, swept.sweeps, swept.tests, swept.unconverged);
   if (shading_ > 0.0) {
     text += fmt::format("proxy: force shading {:g}: against the unshaded force {:.3g} % RMS, {:.3g} % at most\n", shading_,

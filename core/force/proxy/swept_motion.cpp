@@ -71,7 +71,7 @@ void SweptMotion::descend(ProxyState& proxy, const Vec3& device) noexcept {
 // Far outside the scene there are no contacts and positions are coarse: the proxy goes straight to the device (true), or to where its path
 // enters the scene's surroundings.
 bool SweptMotion::cross_empty_space(ProxyState& proxy, const Vec3& device) const noexcept {
-  const double surroundings = 2.0 + 2.0 * clearance_.rest;
+  const double surroundings = 2.0 + 2.0 * clearance_.offset;
   if (proxy.position.norm() <= 1.01 * surroundings) return false;
   const Vec3 path = device - proxy.position;
   const double length = path.norm();
@@ -90,7 +90,7 @@ bool SweptMotion::cross_empty_space(ProxyState& proxy, const Vec3& device) const
 ConstrainedMotion SweptMotion::next_motion(const ProxyState& proxy, const Vec3& goal) noexcept {
   for (int i = 0; i < proxy.contact_count; ++i) {
     const Separation& s = proxy.contacts[i].separation;
-    planes_[i] = {s.normal, clearance_.rest - s.distance};
+    planes_[i] = {s.normal, clearance_.offset - s.distance};
   }
   return constrain_motion(goal, std::span<const ContactPlane>(planes_.data(), static_cast<std::size_t>(proxy.contact_count)));
 }
@@ -102,7 +102,7 @@ Vec3 SweptMotion::apply_friction(ProxyState& proxy, const Vec3& goal, const Cons
   const double depth = (goal - motion).norm();
   const double length = motion.norm();
   const double hold = (proxy.slides ? material.friction_dynamic : material.friction_static) * depth;
-  if (length <= hold + clearance_.slack) {
+  if (length <= hold + clearance_.slop) {
     if (length < 0.5 * material.friction_dynamic * depth) proxy.slides = false;
     return Vec3::Zero();
   }
@@ -165,7 +165,7 @@ double SweptMotion::sweep(ProxyState& proxy, const Vec3& motion) noexcept {
   double done = 0.0;
   for (double piece = kFirstPiece; done < 1.0; piece *= kGrowth) {
     const double end = std::min(1.0, done + piece);
-    const Box path = Box::around(from + done * motion, from + end * motion).inflated(clearance_.rest);
+    const Box path = Box::around(from + done * motion, from + end * motion).inflated(clearance_.offset);
     double first = kNever;
     geometry.for_each_overlapping(path, [&](std::uint32_t triangle) {
       const TriangleView shape{geometry, triangle};
@@ -185,7 +185,7 @@ double SweptMotion::sweep(ProxyState& proxy, const Vec3& motion) noexcept {
 
 // A sphere on a face is also in contact with coplanar neighbours, although they never block its path.
 void SweptMotion::note_grazed(ProxyState& proxy, const Separation& at, std::uint32_t triangle) const noexcept {
-  if (at.distance > clearance_.rest + 2.0 * clearance_.tolerance || proxy.contact_count == ProxyState::kMostContacts) return;
+  if (at.distance > clearance_.offset + 2.0 * clearance_.tolerance || proxy.contact_count == ProxyState::kMostContacts) return;
   for (int i = 0; i < proxy.contact_count; ++i) {
     if (proxy.contacts[i].triangle == triangle) return;
   }
@@ -207,7 +207,7 @@ void SweptMotion::note_blocker(std::uint32_t triangle, double t) noexcept {
 
 // After a motion: keeps the contacts that still touch and adds the blockers.
 void SweptMotion::update_contacts(ProxyState& proxy, const Vec3& blocked_motion) const noexcept {
-  const double bound = clearance_.rest + 2.0 * clearance_.tolerance;
+  const double bound = clearance_.offset + 2.0 * clearance_.tolerance;
   const auto blockers_end = blockers_.begin() + blocker_count_;
   int kept = 0;
   for (int i = 0; i < proxy.contact_count; ++i) {

@@ -12,7 +12,7 @@ namespace hapton {
 // to the constrained local minimum of the distance to the device (Zilles & Salisbury 1995, Ruspini et al. 1997). It replaces the followers
 // in steps whose events cannot be told apart, and does not know where the device was in between.
 //
-// Distances decide, never signs of volumes: the proxy's distance to every triangle stays above clearance.rest - clearance.slack on its
+// Distances decide, never signs of volumes: the proxy's distance to every triangle stays above clearance.offset - clearance.slop on its
 // whole path, so edges, vertices and cracks narrower than that are as tight as faces, and both sides of a sheet are equal.
 //
 // Frame: TouchGeometry's local one. RT: yes; at most kMostMotions motions in a call. Keeps references.
@@ -31,7 +31,7 @@ class SweptMotion {
   SweptMotion(const ProxySurfaces& surfaces, const Clearance& clearance, bool is_point)
       : surfaces_(surfaces), clearance_(clearance), is_point_(is_point) {}
 
-  // Pre: the proxy is at least clearance.rest - clearance.slack from each triangle that it can touch.
+  // Pre: the proxy is at least clearance.offset - clearance.slop from each triangle that it can touch.
   void descend(ProxyState& proxy, const Vec3& device) noexcept;
 
   const Counters& counters() const { return counters_; }

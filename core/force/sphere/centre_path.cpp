@@ -9,16 +9,14 @@ namespace {
 constexpr double kLeastStep = 0x1p-50;   // of a path's time
 constexpr double kSlopeError = 0x1p-11;  // of its length
 
-// What the normal's error may add to the rate at which the distance changes along `way`. An edge's normal is square to the edge whatever
-// rounding does: along the edge it adds nothing.
-double rate_error(const ContactTriangle& triangle, const Separation& at, const Vec3& way) {
-  constexpr double kSmall = 0x1p-20;  // of the rate: that slows no search
-  const double most = normal_error(at) * way.norm();
-  if (at.feature != Feature::edge || most <= kSmall * std::fabs(at.normal.dot(way))) return most;
+double rate_error(const ContactTriangle& triangle, const Separation& at, const Vec3& velocity) {
+  constexpr double kSmall = 0x1p-20;  // of the rate; too small to slow a search
+  const double most = normal_error(at) * velocity.norm();
+  if (at.feature != Feature::edge || most <= kSmall * std::fabs(at.normal.dot(velocity))) return most;
   const int k = triangle.boundary(at.nearest).edge;
   const Vec3 along = triangle.edge(k) / triangle.length(k);
   constexpr double kDirectionError = 0x1p-51;
-  return normal_error(at) * (way - along.dot(way) * along).norm() + kDirectionError * way.norm();
+  return normal_error(at) * (velocity - along.dot(velocity) * along).norm() + kDirectionError * velocity.norm();
 }
 
 }  // namespace
@@ -37,9 +35,9 @@ CentrePath CentrePath::curved(const Vec3& from, const Vec3& to, const Vec3& slop
   path.end_ = to;
   const Vec3 chord = to - from;
   path.rate_ = {slope_from, 3.0 * chord - 2.0 * slope_from - slope_to, slope_from + slope_to - 2.0 * chord};
-  constexpr double kOfTheCurve = 1.0625;  // the curve itself bends by as much more than the cubic, at most
-  const Vec3 first = kOfTheCurve * 2.0 * path.rate_[1];
-  const Vec3 last = first + kOfTheCurve * 6.0 * path.rate_[2];
+  constexpr double kCurveToCubic = 1.0625;  // upper bound: second derivative of the true curve over that of the cubic
+  const Vec3 first = kCurveToCubic * 2.0 * path.rate_[1];
+  const Vec3 last = first + kCurveToCubic * 6.0 * path.rate_[2];
   path.bend_ = std::max(first.norm(), last.norm());
   path.bend_across_ = path.bend_;
   path.bulge_ = path.bend_;
@@ -49,7 +47,7 @@ CentrePath CentrePath::curved(const Vec3& from, const Vec3& to, const Vec3& slop
   const double pace[2] = {along.dot(slope_from), along.dot(slope_to)};
   const double turn = slope_from.cross(slope_to).norm() / (slope_from.norm() * slope_to.norm());
   path.bend_along_ = std::max(std::fabs(along.dot(first)), std::fabs(along.dot(last)));
-  // Where the curve turns, what it is gone along unevenly shows across, too.
+  // Where the curve turns, an uneven speed also has a component across the chord.
   const double across =
       std::max((first - along.dot(first) * along).norm(), (last - along.dot(last) * along).norm()) + turn * path.bend_along_;
   if (!(across < path.bend_)) {
@@ -58,7 +56,7 @@ CentrePath CentrePath::curved(const Vec3& from, const Vec3& to, const Vec3& slop
   }
   path.chord_ = along;
   path.bend_across_ = across;
-  // Along the chord it does not go back, nor beyond its ends (Fritsch and Carlson 1980).
+  // Monotonic along the chord, so it stays between the ends (Fritsch and Carlson 1980).
   if (std::min(pace[0], pace[1]) > 0.0 && std::max(pace[0], pace[1]) <= 3.0 * length) path.bulge_ = across;
   return path;
 }
@@ -67,34 +65,34 @@ Vec3 CentrePath::at(double time) const noexcept {
   if (time >= 1.0) return end_;
   if (time <= 0.0) return start_;
   Vec3 p = start_ + time * (rate_[0] + time * (rate_[1] + time * rate_[2]));
-  if (guide_count_ > 0) bring_back(p);
+  if (guide_count_ > 0) project_onto_guides(p);
   return p;
 }
 
-// Newton's method. One step is exact on one guide. On two guides the first step leaves the square of the cubic's error over their radius,
-// which rounding does not explain.
-void CentrePath::bring_back(Vec3& p) const noexcept {
+// Newton's method. One step is exact on one guide. On two guides the first step leaves an error of the square of the cubic's error over
+// their radius, which is above rounding.
+void CentrePath::project_onto_guides(Vec3& p) const noexcept {
   constexpr int kMostRounds = 3;
   constexpr double kConverged = 0x1p-30;  // an error this small leaves less than rounding
   for (int round = 0; round < kMostRounds; ++round) {
-    if (bring_nearer(p) <= kConverged || guide_count_ == 1) return;
+    if (project_once(p) <= kConverged || guide_count_ == 1) return;
   }
 }
 
 double CentrePath::Guide::distance_to(const Vec3& p, Vec3& normal) const noexcept {
   Vec3 off = p - origin;
-  if (round == Round::plane) {
+  if (kind == Kind::plane) {
     normal = direction;
     return direction.dot(off);
   }
-  if (round == Round::line) off -= direction.dot(off) * direction;
+  if (kind == Kind::line) off -= direction.dot(off) * direction;
   const double distance = off.norm();
   normal = distance > 0.0 ? Vec3(off / distance) : Vec3::Zero();
   return distance;
 }
 
-// Returns how far p was off.
-double CentrePath::bring_nearer(Vec3& p) const noexcept {
+// Returns the distance of p from the guides before.
+double CentrePath::project_once(Vec3& p) const noexcept {
   std::array<Vec3, 2> normal;
   std::array<double, 2> short_by{};
   for (std::size_t i = 0; i < static_cast<std::size_t>(guide_count_); ++i) {
@@ -116,60 +114,60 @@ double CentrePath::bring_nearer(Vec3& p) const noexcept {
 Vec3 CentrePath::slope(double time) const noexcept { return guide_count_ > 0 ? slope(time, at(time)) : cubic_slope(time); }
 
 Vec3 CentrePath::slope(double time, const Vec3& p) const noexcept {
-  const Vec3 way = cubic_slope(time);
-  if (guide_count_ == 0) return way;
+  const Vec3 velocity = cubic_slope(time);
+  if (guide_count_ == 0) return velocity;
   Vec3 normal;
   guides_[0].distance_to(p, normal);
-  const Vec3 over_first = way - normal.dot(way) * normal;
+  const Vec3 over_first = velocity - normal.dot(velocity) * normal;
   if (guide_count_ == 1) return over_first;
   Vec3 other;
   guides_[1].distance_to(p, other);
   const Vec3 along = normal.cross(other);
   const double squared = along.squaredNorm();
-  return squared > 0.0 ? Vec3(along * (along.dot(way) / squared)) : over_first;
+  return squared > 0.0 ? Vec3(along * (along.dot(velocity) / squared)) : over_first;
 }
 
-CentrePath::Head CentrePath::head(double until) const noexcept {
+CentrePath::Prefix CentrePath::prefix(double until) const noexcept {
   const Vec3 end = at(until);
   return {until, end, slope(until, end)};
 }
 
-double CentrePath::time_to_pass(const Vec3& origin, const Vec3& direction, double margin, double from, double until) const noexcept {
-  const Border border{origin, direction, margin};
-  Range range{from, until, border.beyond(at(from)), border.beyond(at(until))};
+double CentrePath::time_to_cross(const Vec3& origin, const Vec3& direction, double margin, double from, double until) const noexcept {
+  const Plane plane{origin, direction, margin};
+  Range range{from, until, plane.height(at(from)), plane.height(at(until))};
   if (!(range.at_high > 0.0)) {
     if (std::max(range.at_low, range.at_high) + bulge() * direction.norm() < 0.0) return kNever;
-    range.high = find_crest(direction, from, until);
-    range.at_high = range.high < until ? border.beyond(at(range.high)) : range.at_high;
+    range.high = find_turning_point(direction, from, until);
+    range.at_high = range.high < until ? plane.height(at(range.high)) : range.at_high;
   }
-  return find_passing(border, range);
+  return find_crossing(plane, range);
 }
 
-double CentrePath::time_to_pass(const Vec3& origin, const Vec3& direction, double margin, const Head& head) const noexcept {
-  const Border border{origin, direction, margin};
-  Range range{0.0, head.until, border.beyond(start_), border.beyond(head.end)};
+double CentrePath::time_to_cross(const Vec3& origin, const Vec3& direction, double margin, const Prefix& prefix) const noexcept {
+  const Plane plane{origin, direction, margin};
+  Range range{0.0, prefix.until, plane.height(start_), plane.height(prefix.end)};
   if (!(range.at_high > 0.0)) {
-    // Beyond between its ends: only where it turns back.
-    if (is_straight() || !(direction.dot(rate_[0]) > 0.0) || !(direction.dot(head.slope) < 0.0)) return kNever;
+    // Both ends are below the plane: the path can only cross it where it turns back.
+    if (is_straight() || !(direction.dot(rate_[0]) > 0.0) || !(direction.dot(prefix.slope) < 0.0)) return kNever;
     if (std::max(range.at_low, range.at_high) + bulge() * direction.norm() < 0.0) return kNever;
-    range.high = find_crest(direction, 0.0, head.until);
-    range.at_high = range.high < head.until ? border.beyond(at(range.high)) : range.at_high;
+    range.high = find_turning_point(direction, 0.0, prefix.until);
+    range.at_high = range.high < prefix.until ? plane.height(at(range.high)) : range.at_high;
   }
-  return find_passing(border, range);
+  return find_crossing(plane, range);
 }
 
-double CentrePath::find_passing(const Border& border, Range range) const noexcept {
+double CentrePath::find_crossing(const Plane& plane, Range range) const noexcept {
   auto [low, high, at_low, at_high] = range;
   if (!(at_high > 0.0)) return kNever;
   if (at_low >= 0.0) return at_high > at_low ? low : kNever;
   if (is_straight()) return std::min(low + (high - low) * (at_low / (at_low - at_high)), range.high);
-  // False position, with the end that stays halved (Illinois), from where the cubic passes.
+  // False position with the Illinois modification, from the time at which the cubic crosses.
   constexpr int kMostRounds = 40;
-  double time = guess_passing(border, range);
+  double time = guess_crossing(plane, range);
   for (int i = 0; i < kMostRounds; ++i) {
     if (!(high - low > 0x1p-50)) return std::min(time, range.high);
     const Vec3 p = at(time);
-    const double here = border.beyond(p);
+    const double here = plane.height(p);
     if (std::fabs(here) <= 0x1p-52 || time <= low || time >= high) return time;
     if (here > 0.0) {
       high = time;
@@ -180,24 +178,24 @@ double CentrePath::find_passing(const Border& border, Range range) const noexcep
       at_low = here;
       at_high *= 0.5;
     }
-    // Newton's step, where it stays between.
-    const double rate = border.direction.dot(cubic_slope(time));
+    // Newton's step, if it stays in the bracket.
+    const double rate = plane.direction.dot(cubic_slope(time));
     const double next = time - here / rate;
     time = rate > 0.0 && next > low && next < high ? next : low + (high - low) * (at_low / (at_low - at_high));
   }
   return high;
 }
 
-// Where the cubic passes, which is next to where the path does.
-double CentrePath::guess_passing(const Border& border, Range range) const noexcept {
+// The time at which the cubic crosses, which is near that of the path.
+double CentrePath::guess_crossing(const Plane& plane, Range range) const noexcept {
   constexpr int kMostRounds = 12;
   constexpr double kNearEnough = 0x1p-24;
   auto [low, high, at_low, at_high] = range;
   double time = low + (high - low) * (at_low / (at_low - at_high));
   for (int i = 0; i < kMostRounds; ++i) {
-    const double here = border.beyond(cubic_at(time));
+    const double here = plane.height(cubic_at(time));
     (here > 0.0 ? high : low) = time;
-    const double next = time - here / border.direction.dot(cubic_slope(time));
+    const double next = time - here / plane.direction.dot(cubic_slope(time));
     const double step = (next > low && next < high ? next : 0.5 * (low + high)) - time;
     time += step;
     if (std::fabs(step) <= kNearEnough) break;
@@ -205,8 +203,8 @@ double CentrePath::guess_passing(const Border& border, Range range) const noexce
   return time;
 }
 
-// Where the path is farthest along the direction, if that is between; else `high`.
-double CentrePath::find_crest(const Vec3& direction, double low, double high) const noexcept {
+// The time at which the path is farthest along the direction, if that is inside the interval; else `high`.
+double CentrePath::find_turning_point(const Vec3& direction, double low, double high) const noexcept {
   if (is_straight() || !(direction.dot(slope(low)) > 0.0) || !(direction.dot(slope(high)) < 0.0)) return high;
   constexpr int kRounds = 24;
   double before = low;
@@ -218,43 +216,43 @@ double CentrePath::find_crest(const Vec3& direction, double low, double high) co
   return before;
 }
 
-// When another place of the triangle becomes nearer than the corner.
-double CentrePath::time_off_corner(const ContactTriangle& triangle, int corner, double from, double until) const noexcept {
+// When another point of the triangle becomes nearer than the corner.
+double CentrePath::time_to_leave_corner(const ContactTriangle& triangle, int corner, double from, double until) const noexcept {
   double time = kNever;
   const int before = (corner + 2) % 3;
   const auto leave = [&](const Vec3& direction) {
-    time = std::min(time, time_to_pass(triangle.corner(corner), direction, 0.0, from, std::min(until, time)));
+    time = std::min(time, time_to_cross(triangle.corner(corner), direction, 0.0, from, std::min(until, time)));
   };
   if (triangle.length(corner) > 0.0) leave(triangle.edge(corner) / triangle.length(corner));
   if (triangle.length(before) > 0.0) leave(triangle.edge(before) / -triangle.length(before));
   return time;
 }
 
-// When the distance falls to `level`, to a tolerance.
-CentrePath::Block CentrePath::find_below(const ContactTriangle& triangle, const Level& level, unsigned held, double from, double until,
+// When the distance falls to `level`, within a tolerance.
+CentrePath::Block CentrePath::find_below(const ContactTriangle& triangle, const Level& level, unsigned guiding, double from, double until,
                                          int& tests) const noexcept {
   constexpr int kMostRounds = 64;
   const double slope_error = guide_count_ > 0 ? kSlopeError : 0.0;
-  // Past a corner: the distance to an edge or face that begins there falls by less than the tolerance meanwhile.
+  // The step past a corner: meanwhile the distance to an edge or face that begins there falls by less than the tolerance.
   const double least_step = bend_ > 0.0 ? std::max(kLeastStep, std::sqrt(level.tolerance / bend_)) : kLeastStep;
   double time = from;
   for (int i = 0; i < kMostRounds; ++i) {
     ++tests;
-    const Vec3 place = at(time);
-    const Separation now = triangle.separation(place);
-    if (held != 0 && now.feature == Feature::vertex) {
+    const Vec3 point = at(time);
+    const Separation now = triangle.separation(point);
+    if (guiding != 0 && now.feature == Feature::vertex) {
       int corner = 0;
       while (corner < 2 && triangle.corner(corner) != now.nearest) ++corner;
-      if ((held >> corner & 1U) != 0) {
-        const double off = time_off_corner(triangle, corner, time, until);
-        time = std::max(off, time) + least_step;
+      if ((guiding >> corner & 1U) != 0) {
+        const double leaves = time_to_leave_corner(triangle, corner, time, until);
+        time = std::max(leaves, time) + least_step;
         if (!(time < until)) return {};
         continue;
       }
     }
-    const Vec3 way = slope(time, place);
-    const double rate = now.normal.dot(way);
-    const double approach = rate - rate_error(triangle, now, way) - slope_error * std::fabs(rate);
+    const Vec3 velocity = slope(time, point);
+    const double rate = now.normal.dot(velocity);
+    const double approach = rate - rate_error(triangle, now, velocity) - slope_error * std::fabs(rate);
     const double gap = now.distance - level.distance;
     if (gap <= level.tolerance && (approach < 0.0 || gap < 0.0)) return {time, true};
     // gap + approach x - bend / 2 x^2 = 0
@@ -273,50 +271,52 @@ CentrePath::Block CentrePath::find_below(const ContactTriangle& triangle, const 
   return {time, false};
 }
 
-// No distance on the path is less. `start`, `approach`: the distance there, and how fast it changes at least.
+// A lower bound of the distance along the prefix. `start`, `approach`: the separation at its start, and a lower bound of its rate.
 double CentrePath::least_by_ends(const ContactTriangle& triangle, const Separation& start, double approach,
-                                 const Head& head) const noexcept {
-  const double until = head.until;
-  const Separation end = triangle.separation(head.end);
-  const double rate = end.normal.dot(head.slope);
-  const double recede = rate + normal_error(end) * head.slope.norm() + (guide_count_ > 0 ? kSlopeError * std::fabs(rate) : 0.0);
+                                 const Prefix& prefix) const noexcept {
+  const double until = prefix.until;
+  const Separation end = triangle.separation(prefix.end);
+  const double rate = end.normal.dot(prefix.slope);
+  const double recede = rate + normal_error(end) * prefix.slope.norm() + (guide_count_ > 0 ? kSlopeError * std::fabs(rate) : 0.0);
   // Above start + approach t - bend_start / 2 t^2, and above end - recede (until - t) - bend_end / 2 (until - t)^2. Both are concave: until
-  // any time between, and from there on, each is least at an end. The time is about where they meet.
+  // any time between, and from there on, each is least at an end. The time is about where the two parabolas cross.
   const double bend_start = bend_towards(start.normal);
   const double bend_end = bend_towards(end.normal);
   const double bend = 0.5 * (bend_start + bend_end);
-  const double meet = (end.distance - recede * until - 0.5 * bend * until * until - start.distance) / (approach - recede - bend * until);
-  const double time = meet > 0.0 ? std::min(meet, until) : 0.0;
+  const double crossing =
+      (end.distance - recede * until - 0.5 * bend * until * until - start.distance) / (approach - recede - bend * until);
+  const double time = crossing > 0.0 ? std::min(crossing, until) : 0.0;
   const double left = until - time;
   return std::min({start.distance, start.distance + time * (approach - 0.5 * bend_start * time),
                    end.distance - left * (recede + 0.5 * bend_end * left), end.distance});
 }
 
-CentrePath::Block CentrePath::find_block(const ContactTriangle& triangle, const Keep& keep, unsigned held, const Head& head,
-                                         int& tests) const noexcept {
+CentrePath::Block CentrePath::find_block(const ContactTriangle& triangle, const Clearance& clearance, unsigned guiding,
+                                         const Prefix& prefix, int& tests) const noexcept {
   ++tests;
-  const double until = head.until;
+  const double until = prefix.until;
   const Separation start = triangle.separation(start_);
-  const Vec3 way = rate_[0];
-  const double approach = start.normal.dot(way) - rate_error(triangle, start, way);
-  const double gap = start.distance - keep.offset;
-  const double low = keep.offset - 0.5 * keep.slop;
-  // Safe from the start: the parabola stays above.
+  const Vec3 velocity = rate_[0];
+  const double approach = start.normal.dot(velocity) - rate_error(triangle, start, velocity);
+  const double gap = start.distance - clearance.offset;
+  const double low = clearance.offset - 0.5 * clearance.slop;
+  // The parabola at the start stays above.
   const double bent = 0.5 * bend_towards(start.normal) * until * until;
   const double bottom = approach >= 0.0 ? gap + std::min(0.0, approach * until - bent) : gap + approach * until - bent;
-  if (keep.offset + bottom > low) return {};
-  // What rounding took from a centre that is as near as can be does not hold it.
-  if (start.distance < low + keep.tolerance) {
+  if (clearance.offset + bottom > low) return {};
+  // A centre at the lower bound may be below it by rounding. That alone does not stop it.
+  if (start.distance < low + clearance.tolerance) {
     if (approach < 0.0) return {0.0, true};
-    return find_below(triangle, {start.distance - 0.125 * keep.slop, keep.tolerance}, held, 0.0, until, tests);
+    return find_below(triangle, {start.distance - 0.125 * clearance.slop, clearance.tolerance}, guiding, 0.0, until, tests);
   }
   ++tests;
-  if (least_by_ends(triangle, start, approach, head) > low) return {};
-  // Where it comes in contact, and whether it would come nearer than may be from there.
-  const double level = gap > keep.tolerance ? keep.offset : std::min(keep.offset - 0.25 * keep.slop, start.distance - keep.tolerance);
-  const Block block = find_below(triangle, {level, keep.tolerance}, held, 0.0, until, tests);
+  if (least_by_ends(triangle, start, approach, prefix) > low) return {};
+  // When it comes into contact, and whether it would come nearer than allowed after that.
+  const double level = gap > clearance.tolerance ? clearance.offset
+                                                 : std::min(clearance.offset - 0.25 * clearance.slop, start.distance - clearance.tolerance);
+  const Block block = find_below(triangle, {level, clearance.tolerance}, guiding, 0.0, until, tests);
   if (block.time > until || !block.hits) return block;
-  return find_below(triangle, {low, keep.tolerance}, held, block.time, until, tests).time > until ? Block{} : block;
+  return find_below(triangle, {low, clearance.tolerance}, guiding, block.time, until, tests).time > until ? Block{} : block;
 }
 
 }  // namespace hapton

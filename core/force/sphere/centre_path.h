@@ -5,96 +5,91 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/collision/swept_sphere.h"
 #include "core/geometry/contact_triangle.h"
 
 namespace hapton {
 
-// A short piece of the way of a sphere's centre over an offset surface: a cubic with the true ends and tangents, time 0 to 1, brought back
-// onto the one or two parts of that surface that guide it. Over an arc of a radius r that turns by an angle a the cubic is r a^4 / 384 off.
-// RT: yes.
+// A short piece of the path of a sphere's centre over an offset surface: a cubic with the true ends and tangents, time 0 to 1, projected
+// onto the one or two parts of that surface that guide it. For an arc of radius r and angle a the error of the cubic is r a^4 / 384.
+// Frame and units: the caller's. RT: yes.
 class CentrePath {
  public:
-  // A sphere may come so near before a triangle stops it, and it stops where it is just in contact. Between, what grazes passes.
-  struct Keep {
-    double offset = 0.0;     // the distance of a contact
-    double slop = 0.0;       // less by this is never reached; half of it may be used up by what only grazes
-    double tolerance = 0.0;  // of distances
-  };
-  // A plane, cylinder or sphere on which the centre keeps the distance `offset` from a plane through `origin`, a line or a point.
+  // The surface at the distance `offset` from a plane through `origin`, a line or a point: a plane, a cylinder or a sphere.
   struct Guide {
-    enum class Round : std::uint8_t { plane, line, point };
-    Round round = Round::plane;
+    enum class Kind : std::uint8_t { plane, line, point };
+    Kind kind = Kind::plane;
     Vec3 origin = Vec3::Zero();
     Vec3 direction = Vec3::Zero();  // unit; of the plane: its normal, towards the centre
     double offset = 0.0;
-    // From the plane, line or point, with the direction in which that grows; zero where there is none.
+    // Distance from the plane, line or point, and its gradient; zero where there is none.
     double distance_to(const Vec3& p, Vec3& normal) const noexcept;
   };
-  static constexpr double kNever = 2.0;
-
   CentrePath() = default;
   static CentrePath straight(const Vec3& from, const Vec3& to) noexcept;
   static CentrePath curved(const Vec3& from, const Vec3& to, const Vec3& slope_from, const Vec3& slope_to) noexcept;
-  // Pre: at most two, not parallel where the path leads.
-  void keep_on(const Guide& guide) { guides_[static_cast<std::size_t>(guide_count_++)] = guide; }
+  // Pre: at most two guides, not parallel along the path.
+  void add_guide(const Guide& guide) { guides_[static_cast<std::size_t>(guide_count_++)] = guide; }
 
   const Vec3& start() const { return start_; }
   const Vec3& end() const { return end_; }
   Vec3 at(double time) const noexcept;
-  // The derivative: along the guides to rounding, its length to 2^-11 of itself.
+  // The derivative by time: its direction is exact to rounding, its length to 2^-11 of itself.
   Vec3 slope(double time) const noexcept;
-  // No point of the path is farther from the chord.
+  // Upper bound of the distance between path and chord.
   double bulge() const { return 0.125 * bulge_; }
   bool is_straight() const { return bend_ == 0.0; }
 
-  // The beginning of the path, until a time: where and how it goes there. What looks at many triangles works it out once.
-  struct Head {
+  // The beginning of the path up to a time, with the point and derivative there; computed once for many triangles.
+  struct Prefix {
     double until = 1.0;
     Vec3 end = Vec3::Zero();
-    Vec3 slope = Vec3::Zero();  // there
+    Vec3 slope = Vec3::Zero();  // at `until`
   };
-  Head head(double until) const noexcept;
+  Prefix prefix(double until) const noexcept;
 
-  // The first time in [from, until] at which direction . (p - origin) exceeds `margin` on its way up, or kNever.
-  double time_to_pass(const Vec3& origin, const Vec3& direction, double margin, double from, double until) const noexcept;
-  // The same in the head.
-  double time_to_pass(const Vec3& origin, const Vec3& direction, double margin, const Head& head) const noexcept;
+  // The first time in [from, until] at which direction . (p - origin) rises above `margin`, or kNever.
+  double time_to_cross(const Vec3& origin, const Vec3& direction, double margin, double from, double until) const noexcept;
+  // The same within the prefix.
+  double time_to_cross(const Vec3& origin, const Vec3& direction, double margin, const Prefix& prefix) const noexcept;
 
-  // When a triangle stops the centre, in [0, until]. The distance to a triangle is convex, so along the path it stays above the
-  // parabola that it begins with, less what the path bends, and above that which it ends with: most triangles need no search. Every step of
-  // the search is safe, and near the hit it is Newton's. It ends after 64 of them.
-  // `held`: a bit for each corner that is of a part which guides the path: such a corner is never nearer than the part.
+  // When a triangle stops the centre, in [0, until]: it stops in contact, and only if it would later come nearer than offset - slop / 2.
+  // The distance to a triangle is convex, so along the path it stays above one parabola through its start and one through its end, which
+  // allow for the path's second derivative: most triangles need no search. Each step of the search is conservative, and near the hit it is
+  // Newton's. The search ends after 64 steps.
+  // `guiding`: a bit for each corner that belongs to a part which guides the path: such a corner is never nearer than the part.
   struct Block {
     double time = kNever;
-    bool hits = false;  // else that far it is known to be free
+    bool hits = false;  // false: the path is known to be free up to `time`, and the search ended
   };
-  Block find_block(const ContactTriangle& triangle, const Keep& keep, unsigned held, const Head& head, int& tests) const noexcept;
+  Block find_block(const ContactTriangle& triangle, const Clearance& clearance, unsigned guiding, const Prefix& prefix,
+                   int& tests) const noexcept;
 
  private:
   struct Level {
     double distance = 0.0;
     double tolerance = 0.0;
   };
-  Block find_below(const ContactTriangle& triangle, const Level& level, unsigned held, double from, double until,
+  Block find_below(const ContactTriangle& triangle, const Level& level, unsigned guiding, double from, double until,
                    int& tests) const noexcept;
-  double least_by_ends(const ContactTriangle& triangle, const Separation& start, double approach, const Head& head) const noexcept;
-  struct Border {
+  double least_by_ends(const ContactTriangle& triangle, const Separation& start, double approach, const Prefix& prefix) const noexcept;
+  struct Plane {
     Vec3 origin, direction;
     double margin;
-    double beyond(const Vec3& p) const { return direction.dot(p - origin) - margin; }
+    double height(const Vec3& p) const { return direction.dot(p - origin) - margin; }
   };
   struct Range {
-    double low, high, at_low, at_high;  // times, and how far beyond then
+    double low, high, at_low, at_high;  // times, and the heights then
   };
-  double find_passing(const Border& border, Range range) const noexcept;
-  double guess_passing(const Border& border, Range range) const noexcept;
+  double find_crossing(const Plane& plane, Range range) const noexcept;
+  double guess_crossing(const Plane& plane, Range range) const noexcept;
   Vec3 cubic_at(double time) const { return start_ + time * (rate_[0] + time * (rate_[1] + time * rate_[2])); }
-  double find_crest(const Vec3& direction, double low, double high) const noexcept;
-  double time_off_corner(const ContactTriangle& triangle, int corner, double from, double until) const noexcept;
+  double find_turning_point(const Vec3& direction, double low, double high) const noexcept;
+  double time_to_leave_corner(const ContactTriangle& triangle, int corner, double from, double until) const noexcept;
 
   double bend_towards(const Vec3& normal) const { return std::fabs(normal.dot(chord_)) * bend_along_ + bend_across_; }
-  void bring_back(Vec3& p) const noexcept;
-  double bring_nearer(Vec3& p) const noexcept;
+  void project_onto_guides(Vec3& p) const noexcept;
+  double project_once(Vec3& p) const noexcept;
   Vec3 slope(double time, const Vec3& p) const noexcept;  // p: at that time
   Vec3 cubic_slope(double time) const { return rate_[0] + time * (2.0 * rate_[1] + 3.0 * time * rate_[2]); }
 
@@ -103,7 +98,7 @@ class CentrePath {
   std::array<Vec3, 3> rate_;   // start + rate 0 t + rate 1 t^2 + rate 2 t^3
   double bend_ = 0.0;          // the most of the second derivative,
   Vec3 chord_ = Vec3::Zero();  // unit
-  double bend_along_ = 0.0;    // of its part along the chord: how unevenly it is gone along,
+  double bend_along_ = 0.0;    // of its component along the chord (uneven speed),
   double bend_across_ = 0.0;   // and of the rest
   double bulge_ = 0.0;
   std::array<Guide, 2> guides_;

@@ -8,16 +8,16 @@
 
 namespace hapton {
 
-// Up to three unit normals and the vectors dual to them: dual i has the product 1 with normal i, 0 with the others, and lies in their span.
-// A vector v in the span is the sum of (dual i . v) normal i; the least motion that raises normal i by g i is the sum of g i dual i.
-// RT: yes.
+// Up to three unit normals and their dual basis: dual i . normal i is 1, dual i . normal k is 0, and the duals lie in the normals' span.
+// A vector v in the span is the sum of (dual i . v) normal i; the shortest motion that moves by g i along each normal i is the sum of
+// g i dual i. RT: yes.
 struct ContactFrame {
   std::array<Vec3, 3> normal;
   std::array<Vec3, 3> dual;
-  Vec3 along = Vec3::Zero();  // of two: unit, square to both
+  Vec3 along = Vec3::Zero();  // of two normals: unit, perpendicular to both
   int count = 0;
 
-  // False where they are parallel, or three in one plane, as far as rounding can tell.
+  // Computes the duals. False if two normals are parallel, or three in one plane, within rounding.
   bool prepare() noexcept {
     constexpr double kParallel = 0x1p-48;
     if (count == 1) dual[0] = normal[0];

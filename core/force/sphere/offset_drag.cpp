@@ -10,16 +10,16 @@
 namespace hapton {
 namespace {
 
-constexpr double kMostError = 0x1p-36;  // of one step of the integration
+constexpr double kMostError = 0x1p-36;  // error of one step of the integration
 constexpr double kConverged = 0x1p-50;
-constexpr double kFirstPiece = 0x1p-18;  // of the offset
+constexpr double kFirstPiece = 0x1p-18;  // share of the offset
 
 }  // namespace
 
 OffsetDrag::OffsetDrag(std::span<const OffsetContact> contacts, std::span<const FrictionCoefficients> friction, double offset) noexcept
     : contacts_(contacts), friction_(friction), offset_(offset) {}
 
-// As ContactMaterial: equal coefficients stay what they are.
+// Weighted like ContactMaterial: equal coefficients stay exactly equal.
 FrictionCoefficients OffsetDrag::mean(const Pull& pull) const noexcept {
   FrictionCoefficients result = friction_[0];
   double sum = 0.0;
@@ -27,8 +27,8 @@ FrictionCoefficients OffsetDrag::mean(const Pull& pull) const noexcept {
     if (!(pull.multiplier[i] > 0.0)) continue;
     sum += pull.multiplier[i];
     const double share = pull.multiplier[i] / sum;
-    result.at_rest += share * (friction_[i].at_rest - result.at_rest);
-    result.sliding += share * (friction_[i].sliding - result.sliding);
+    result.static_mu += share * (friction_[i].static_mu - result.static_mu);
+    result.dynamic_mu += share * (friction_[i].dynamic_mu - result.dynamic_mu);
   }
   return result;
 }
@@ -36,11 +36,11 @@ FrictionCoefficients OffsetDrag::mean(const Pull& pull) const noexcept {
 bool OffsetDrag::find_pull(const Vec3& c, const Vec3& device, Pull& pull) const noexcept {
   const Vec3 whole = device - c;
   if (contacts_.size() == 1) {
-    const Vec3 normal = contacts_[0].stand(c).normal;
+    const Vec3 normal = contacts_[0].proximity(c).normal;
     const double height = normal.dot(whole);
-    pull.way = whole - height * normal;
-    pull.way -= normal.dot(pull.way) * normal;  // what rounding left
-    pull.length = pull.way.norm();
+    pull.tangential = whole - height * normal;
+    pull.tangential -= normal.dot(pull.tangential) * normal;  // removes the rounding of the first
+    pull.length = pull.tangential.norm();
     pull.depth = -height;
     pull.normal = normal;
     pull.multiplier[0] = -height;
@@ -49,57 +49,57 @@ bool OffsetDrag::find_pull(const Vec3& c, const Vec3& device, Pull& pull) const 
   }
   ContactFrame frame;
   frame.count = static_cast<int>(contacts_.size());
-  for (std::size_t i = 0; i < contacts_.size(); ++i) frame.normal[i] = contacts_[i].stand(c).normal;
+  for (std::size_t i = 0; i < contacts_.size(); ++i) frame.normal[i] = contacts_[i].proximity(c).normal;
   if (!frame.prepare()) return false;
-  Vec3 push = Vec3::Zero();
+  Vec3 reaction = Vec3::Zero();
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     pull.multiplier[i] = -frame.dual[i].dot(whole);
-    push += pull.multiplier[i] * frame.normal[i];
+    reaction += pull.multiplier[i] * frame.normal[i];
   }
   pull.along = frame.along;
-  pull.way = contacts_.size() == 2 ? Vec3(frame.along.dot(whole) * frame.along) : Vec3(Vec3::Zero());
-  pull.length = pull.way.norm();
-  pull.depth = push.norm();
-  pull.normal = pull.depth > 0.0 ? Vec3(push / pull.depth) : frame.normal[0];
+  pull.tangential = contacts_.size() == 2 ? Vec3(frame.along.dot(whole) * frame.along) : Vec3(Vec3::Zero());
+  pull.length = pull.tangential.norm();
+  pull.depth = reaction.norm();
+  pull.normal = pull.depth > 0.0 ? Vec3(reaction / pull.depth) : frame.normal[0];
   pull.friction = mean(pull);
   return true;
 }
 
 Vec3 OffsetDrag::direction_of(const Pull& pull, const Vec3& motion) const noexcept {
-  if (pull.length > kLeastLag) return pull.way / pull.length;
+  if (pull.length > kLeastPull) return pull.tangential / pull.length;
   if (contacts_.size() == 2) return pull.along.dot(motion) < 0.0 ? Vec3(-pull.along) : pull.along;
-  const Vec3 way = motion - pull.normal.dot(motion) * pull.normal;
-  const double length = way.norm();
-  return length > 0.0 ? Vec3(way / length) : Vec3::Zero();
+  const Vec3 direction = motion - pull.normal.dot(motion) * pull.normal;
+  const double length = direction.norm();
+  return length > 0.0 ? Vec3(direction / length) : Vec3::Zero();
 }
 
-double OffsetDrag::find_drive(const Pull& pull, const Vec3& motion) const noexcept {
-  return (direction_of(pull, motion) + pull.friction.sliding * pull.normal).dot(motion);
+double OffsetDrag::find_excess_rate(const Pull& pull, const Vec3& motion) const noexcept {
+  return (direction_of(pull, motion) + pull.friction.dynamic_mu * pull.normal).dot(motion);
 }
 
-// The sum of multipliers times curvatures along the way.
-double OffsetDrag::find_curving(const Pull& pull, const Vec3& way) const noexcept {
+// The sum of multipliers times curvatures in that direction.
+double OffsetDrag::sum_curvature(const Pull& pull, const Vec3& direction) const noexcept {
   double sum = 0.0;
-  for (std::size_t i = 0; i < contacts_.size(); ++i) sum += std::max(0.0, pull.multiplier[i]) * contacts_[i].curvature(way, offset_);
+  for (std::size_t i = 0; i < contacts_.size(); ++i) sum += std::max(0.0, pull.multiplier[i]) * contacts_[i].curvature(direction, offset_);
   return sum;
 }
 
 double OffsetDrag::find_stability(const Pull& pull) const noexcept {
   if (is_flat() || !(pull.length > 0.0)) return 1.0;
-  const double mu = pull.friction.sliding;
-  return 1.0 - (1.0 + mu * mu) * find_curving(pull, pull.way / pull.length);
+  const double mu = pull.friction.dynamic_mu;
+  return 1.0 - (1.0 + mu * mu) * sum_curvature(pull, pull.tangential / pull.length);
 }
 
 Vec3 OffsetDrag::find_slope(const Pull& pull, const Vec3& motion) const noexcept {
-  const Vec3 way = direction_of(pull, motion);
-  return way * (way + pull.friction.sliding * pull.normal).dot(motion);
+  const Vec3 direction = direction_of(pull, motion);
+  return direction * (direction + pull.friction.dynamic_mu * pull.normal).dot(motion);
 }
 
 Vec3 OffsetDrag::find_rate(const Pull& pull, const Vec3& motion) const noexcept {
-  const Vec3 way = direction_of(pull, motion);
-  const double mu = pull.friction.sliding;
-  const double stability = is_flat() ? 1.0 : 1.0 - (1.0 + mu * mu) * find_curving(pull, way);
-  return way * ((way + mu * pull.normal).dot(motion) / std::max(stability, 0x1p-30));
+  const Vec3 direction = direction_of(pull, motion);
+  const double mu = pull.friction.dynamic_mu;
+  const double stability = is_flat() ? 1.0 : 1.0 - (1.0 + mu * mu) * sum_curvature(pull, direction);
+  return direction * ((direction + mu * pull.normal).dot(motion) / std::max(stability, 0x1p-30));
 }
 
 bool OffsetDrag::restore(Vec3& c) const noexcept {
@@ -110,9 +110,9 @@ bool OffsetDrag::restore(Vec3& c) const noexcept {
     double most = 0.0;
     frame.count = static_cast<int>(contacts_.size());
     for (std::size_t i = 0; i < contacts_.size(); ++i) {
-      const OffsetContact::Stand stand = contacts_[i].stand(c);
-      frame.normal[i] = stand.normal;
-      short_by[i] = offset_ - stand.distance;
+      const OffsetContact::Proximity proximity = contacts_[i].proximity(c);
+      frame.normal[i] = proximity.normal;
+      short_by[i] = offset_ - proximity.distance;
       most = std::max(most, std::fabs(short_by[i]));
     }
     if (most <= 0x1p-51) return true;
@@ -123,13 +123,13 @@ bool OffsetDrag::restore(Vec3& c) const noexcept {
   return true;
 }
 
-// Dormand & Prince 5(4): 0 to `length`. `step`: in, what to begin with, 0: all; out, to go on with. Pre: rate(at, rate) is false where
-// there is none.
+// Dormand & Prince 5(4), from 0 to `length`. `step`: in, the first step, 0: the whole length; out, the last good one. rate(at, rate)
+// returns false where the rate is undefined.
 template <class Rate>
 bool OffsetDrag::integrate(Eigen::Vector4d& at, double length, double& step, int& tests, Rate&& rate) noexcept {
   using State = Eigen::Vector4d;
   constexpr int kMostSteps = 64;
-  constexpr int kWork = 4;  // a step is as much as so many pieces of work
+  constexpr int kWork = 4;  // units of work of one step
   double left = length;
   if (step == 0.0) step = std::fabs(length);
   State k1;
@@ -170,21 +170,22 @@ bool OffsetDrag::integrate(Eigen::Vector4d& at, double length, double& step, int
   return false;
 }
 
-// What the integration lost: on the surface, and on the cone at another place or, where that hardly depends on the place, another time.
+// Removes the integration error: projects onto the surface, and onto the cone by a change of position or, where the cone hardly depends on
+// the position, of time.
 void OffsetDrag::return_to_flow(const Vec3& from, const Vec3& motion, Flow& at) const noexcept {
   constexpr double kSteep = 0.125;
   restore(at.centre);
   Pull pull;
-  if (!find_pull(at.centre, from + at.time * motion, pull) || !(pull.length > kLeastLag) || !(pull.depth > 0.0)) return;
+  if (!find_pull(at.centre, from + at.time * motion, pull) || !(pull.length > kLeastPull) || !(pull.depth > 0.0)) return;
   const double excess = pull.excess();
   if (std::fabs(excess) <= kConverged || std::fabs(excess) > 0.125 * pull.length) return;
   const double stability = find_stability(pull);
-  const double drive = find_drive(pull, motion);
+  const double excess_rate = find_excess_rate(pull, motion);
   if (std::fabs(stability) > kSteep) {
-    at.centre += excess / stability * (pull.way / pull.length);
+    at.centre += excess / stability * (pull.tangential / pull.length);
     restore(at.centre);
-  } else if (drive > kSteep * motion.norm()) {
-    at.time -= excess / drive;
+  } else if (excess_rate > kSteep * motion.norm()) {
+    at.time -= excess / excess_rate;
   }
 }
 
@@ -193,29 +194,29 @@ bool OffsetDrag::flow(const Vec3& from, const Vec3& to, double length, Flow& at,
   const double speed = motion.norm();
   if (!(speed > 0.0)) return false;
   if (contacts_.size() == 2) return flow_on_curve(from, motion, length, at, tests);
-  // From no lag at all: what a lag has to be to tell a direction is not integrated to, which would take a step for each of its multiples.
-  // It points the way the device goes, but for the square of this first piece.
+  // The pull begins at zero, where it has no direction, and integrating from there would take many small steps. It points along the motion
+  // of the device, up to second order in this first piece.
   Pull start;
   if (!find_pull(at.centre, from + at.time * motion, start)) return false;
   const Vec3 slope = find_slope(start, motion);
-  const double pace = find_stability(start);
+  const double stability = find_stability(start);
   const double first = kFirstPiece * offset_ / std::max(slope.norm(), speed * 0x1p-20);
-  if (start.length <= std::max(4.0 * kLeastLag, kFirstPiece * kFirstPiece * offset_) && pace > 0.0 && first < length) {
+  if (start.length <= std::max(4.0 * kLeastPull, kFirstPiece * kFirstPiece * offset_) && stability > 0.0 && first < length) {
     at.centre += first * slope;
-    at.time += first * pace;
+    at.time += first * stability;
     return_to_flow(from, motion, at);
     length -= first;
   }
-  // The time as a length, so that one tolerance is for both.
+  // The time scaled to a length, so that one tolerance fits all components.
   Eigen::Vector4d state(at.centre.x(), at.centre.y(), at.centre.z(), at.time * speed);
   const bool is_done = integrate(state, length, at.step, tests, [&](const Eigen::Vector4d& here, Eigen::Vector4d& rate) {
     Pull pull;
     const Vec3 c = here.head<3>();
     if (!find_pull(c, from + (here[3] / speed) * motion, pull)) return false;
-    const Vec3 way = direction_of(pull, motion);
-    const double mu = pull.friction.sliding;
-    rate.head<3>() = way * (way + mu * pull.normal).dot(motion);
-    rate[3] = speed * (1.0 - (1.0 + mu * mu) * find_curving(pull, way));
+    const Vec3 direction = direction_of(pull, motion);
+    const double mu = pull.friction.dynamic_mu;
+    rate.head<3>() = direction * (direction + mu * pull.normal).dot(motion);
+    rate[3] = speed * (1.0 - (1.0 + mu * mu) * sum_curvature(pull, direction));
     return true;
   });
   if (!is_done) return false;
@@ -228,8 +229,8 @@ bool OffsetDrag::flow(const Vec3& from, const Vec3& to, double length, Flow& at,
   return true;
 }
 
-// Where the plane square to `ahead`, that far on, meets the curve of two contacts.
-bool OffsetDrag::go_on_curve(const Vec3& ahead, double length, Vec3& c, int& tests) const noexcept {
+// Where the curve of two contacts meets the plane normal to `ahead` at that distance.
+bool OffsetDrag::move_along_curve(const Vec3& ahead, double length, Vec3& c, int& tests) const noexcept {
   constexpr int kMostRounds = 16;
   const Vec3 start = c;
   c += length * ahead;
@@ -239,9 +240,9 @@ bool OffsetDrag::go_on_curve(const Vec3& ahead, double length, Vec3& c, int& tes
     frame.count = 3;
     std::array<double, 3> short_by{};
     for (std::size_t i = 0; i < 2; ++i) {
-      const OffsetContact::Stand stand = contacts_[i].stand(c);
-      frame.normal[i] = stand.normal;
-      short_by[i] = offset_ - stand.distance;
+      const OffsetContact::Proximity proximity = contacts_[i].proximity(c);
+      frame.normal[i] = proximity.normal;
+      short_by[i] = offset_ - proximity.distance;
     }
     frame.normal[2] = ahead;
     short_by[2] = length - ahead.dot(c - start);
@@ -252,21 +253,21 @@ bool OffsetDrag::go_on_curve(const Vec3& ahead, double length, Vec3& c, int& tes
   return restore(c);
 }
 
-// There, and when |w| = mu d.
+// The position on the curve, and the time at which |w| = mu d there.
 bool OffsetDrag::flow_on_curve(const Vec3& from, const Vec3& motion, double length, Flow& at, int& tests) const noexcept {
   constexpr int kMostRounds = 16;
   Pull pull;
   if (!find_pull(at.centre, from + at.time * motion, pull)) return false;
   const Vec3 ahead = direction_of(pull, motion);
-  const double drive = find_drive(pull, motion);
+  const double excess_rate = find_excess_rate(pull, motion);
   Vec3 c = at.centre;
   double time = at.time + length * find_stability(pull);
-  if (!go_on_curve(ahead, length * drive, c, tests)) return false;
+  if (!move_along_curve(ahead, length * excess_rate, c, tests)) return false;
   const double speed = motion.norm();
   for (int round = 0; round < kMostRounds; ++round) {
     ++tests;
-    if (!find_pull(c, from + time * motion, pull) || !(pull.way.dot(ahead) > 0.0)) return false;
-    const double rate = find_drive(pull, motion);
+    if (!find_pull(c, from + time * motion, pull) || !(pull.tangential.dot(ahead) > 0.0)) return false;
+    const double rate = find_excess_rate(pull, motion);
     if (!(std::fabs(rate) > 0x1p-20 * speed)) return false;
     const double later = -pull.excess() / rate;
     time += later;
@@ -274,56 +275,57 @@ bool OffsetDrag::flow_on_curve(const Vec3& from, const Vec3& motion, double leng
     if (std::fabs(later) * speed <= kConverged) break;
   }
   if (!find_pull(c, from + time * motion, pull)) return false;
-  const Vec3 way = direction_of(pull, motion);
+  const Vec3 direction = direction_of(pull, motion);
   at.centre = c;
   at.time = time;
-  at.slope = way * (drive / std::max(way.dot(ahead), 0.25));
+  at.slope = direction * (excess_rate / std::max(direction.dot(ahead), 0.25));
   return true;
 }
 
 bool OffsetDrag::follow_on_face(const Vec3& from, const Vec3& to, Vec3& c) const noexcept {
   const OffsetContact& contact = contacts_[0];
   const Vec3& normal = contact.normal;
-  const double start = std::max(0.0, offset_ - contact.stand(from).distance);
-  const double end = std::max(0.0, offset_ - contact.stand(to).distance);
+  const double start = std::max(0.0, offset_ - contact.proximity(from).distance);
+  const double end = std::max(0.0, offset_ - contact.proximity(to).distance);
   const auto in_plane = [&](const Vec3& v) { return Vec3(v - normal.dot(v) * normal); };
   const Vec3 motion = in_plane(to - from);
-  const Vec3 lag = in_plane(from - c);
-  const double mu = friction_[0].sliding;
-  const bool has_lag = mu * start > 0.0 && lag.norm() > kLeastLag;
-  const SlidingPull sliding(has_lag ? lag : motion, motion, has_lag ? mu * start : std::numeric_limits<double>::min(), mu * (end - start));
-  const Vec3 behind = mu * end > 0.0 ? sliding.at(1.0) : Vec3(Vec3::Zero());
-  c = to + (offset_ - contact.stand(to).distance) * normal - behind;
-  c += (offset_ - contact.stand(c).distance) * normal;
+  const Vec3 pull = in_plane(from - c);
+  const double mu = friction_[0].dynamic_mu;
+  const bool has_pull = mu * start > 0.0 && pull.norm() > kLeastPull;
+  const SlidingPull sliding(has_pull ? pull : motion, motion, has_pull ? mu * start : std::numeric_limits<double>::min(),
+                            mu * (end - start));
+  const Vec3 pull_after = mu * end > 0.0 ? sliding.at(1.0) : Vec3(Vec3::Zero());
+  c = to + (offset_ - contact.proximity(to).distance) * normal - pull_after;
+  c += (offset_ - contact.proximity(c).distance) * normal;
   return true;
 }
 
 bool OffsetDrag::follow_on_curve(const Vec3& from, const Vec3& to, Vec3& c, int& tests) const noexcept {
   constexpr int kMostRounds = 24;
-  constexpr double kMostTurn = 0.25;  // rad, of one step
+  constexpr double kMostTurn = 0.25;  // rad, in one step
   Pull before;
   if (!find_pull(c, from, before)) return false;
-  Vec3 way = direction_of(before, to - from);
-  if (way.isZero(0.0)) return false;
+  Vec3 direction = direction_of(before, to - from);
+  if (direction.isZero(0.0)) return false;
   for (int round = 0; round < kMostRounds; ++round) {
     ++tests;
     ContactFrame frame;
     std::array<double, 2> short_by{};
     frame.count = 2;
     for (std::size_t i = 0; i < 2; ++i) {
-      const OffsetContact::Stand stand = contacts_[i].stand(c);
-      frame.normal[i] = stand.normal;
-      short_by[i] = offset_ - stand.distance;
+      const OffsetContact::Proximity proximity = contacts_[i].proximity(c);
+      frame.normal[i] = proximity.normal;
+      short_by[i] = offset_ - proximity.distance;
     }
     Pull pull;
     if (!frame.prepare() || !find_pull(c, to, pull)) return false;
-    way = frame.along.dot(way) < 0.0 ? Vec3(-frame.along) : frame.along;
-    const double mu = pull.friction.sliding;
-    const double stability = is_flat() ? 1.0 : 1.0 - (1.0 + mu * mu) * find_curving(pull, way);
+    direction = frame.along.dot(direction) < 0.0 ? Vec3(-frame.along) : frame.along;
+    const double mu = pull.friction.dynamic_mu;
+    const double stability = is_flat() ? 1.0 : 1.0 - (1.0 + mu * mu) * sum_curvature(pull, direction);
     if (!(stability > kLeastStability)) return false;
-    const double ahead = (way.dot(to - c) - mu * pull.depth) / stability;
+    const double ahead = (direction.dot(to - c) - mu * pull.depth) / stability;
     if (!is_flat() && std::fabs(ahead) > 2.0 * kMostTurn * offset_) return false;
-    c += ahead * way + short_by[0] * frame.dual[0] + short_by[1] * frame.dual[1];
+    c += ahead * direction + short_by[0] * frame.dual[0] + short_by[1] * frame.dual[1];
     const double step = std::max({std::fabs(ahead), std::fabs(short_by[0]), std::fabs(short_by[1])});
     if (step <= kConverged) return true;
   }
@@ -334,10 +336,10 @@ bool OffsetDrag::follow(const Vec3& from, const Vec3& to, Vec3& c, int& tests) c
   return contacts_.size() == 2 ? follow_on_curve(from, to, c, tests) : follow_on_face(from, to, c);
 }
 
-bool OffsetDrag::descend(const Vec3& device, const Vec3& way, double length, Vec3& c, int& tests) const noexcept {
-  if (contacts_.size() == 2) return go_on_curve(way, length, c, tests);
+bool OffsetDrag::descend(const Vec3& device, const Vec3& direction, double length, Vec3& c, int& tests) const noexcept {
+  if (contacts_.size() == 2) return move_along_curve(direction, length, c, tests);
   if (is_flat()) {
-    c += length * way;
+    c += length * direction;
     return restore(c);
   }
   Eigen::Vector4d state(c.x(), c.y(), c.z(), 0.0);
@@ -345,7 +347,7 @@ bool OffsetDrag::descend(const Vec3& device, const Vec3& way, double length, Vec
   const bool is_done = integrate(state, length, step, tests, [&](const Eigen::Vector4d& here, Eigen::Vector4d& rate) {
     Pull pull;
     if (!find_pull(here.head<3>(), device, pull) || !(pull.length > 0.0)) return false;
-    rate.head<3>() = pull.way / pull.length;
+    rate.head<3>() = pull.tangential / pull.length;
     rate[3] = 0.0;
     return true;
   });
@@ -354,10 +356,10 @@ bool OffsetDrag::descend(const Vec3& device, const Vec3& way, double length, Vec
 }
 
 double OffsetDrag::time_of_release(const Vec3& from, const Vec3& to, const Pull& pull) const noexcept {
-  constexpr double kNever = std::numeric_limits<double>::infinity();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const OffsetContact& contact = contacts_[0];
-  const double after = contact.stand(to).distance - offset_;
-  if (!(after > 0.0)) return kNever;
+  const double after = contact.proximity(to).distance - offset_;
+  if (!(after > 0.0)) return kInfinity;
   if (!contact.is_curved()) return pull.depth > 0.0 ? pull.depth / (pull.depth + after) : 0.0;
   const Vec3 axis = contact.part == OffsetContact::Part::edge ? contact.axis() : Vec3(Vec3::Zero());
   const auto across = [&](const Vec3& v) { return Vec3(v - axis.dot(v) * axis); };
@@ -367,12 +369,12 @@ double OffsetDrag::time_of_release(const Vec3& from, const Vec3& to, const Pull&
   const double b = off.dot(motion);
   const double c = (offset_ - off.norm()) * (offset_ + off.norm());
   const double squared = b * b + a * c;
-  if (!(a > 0.0) || !(squared >= 0.0)) return kNever;
+  if (!(a > 0.0) || !(squared >= 0.0)) return kInfinity;
   const double root = std::sqrt(squared);
   const double time = b > 0.0 ? c / (b + root) : (root - b) / a;
-  // From the far side of an edge it is out, too, but not where the centre is.
-  if (!(time > 0.0)) return pull.depth <= kLeastLag ? 0.0 : kNever;
-  return time <= 1.0 && pull.normal.dot(off + time * motion) > 0.0 ? time : kNever;
+  // Beyond the axis of an edge the device is outside as well, but not on the side of the centre.
+  if (!(time > 0.0)) return pull.depth <= kLeastPull ? 0.0 : kInfinity;
+  return time <= 1.0 && pull.normal.dot(off + time * motion) > 0.0 ? time : kInfinity;
 }
 
 }  // namespace hapton

@@ -55,13 +55,13 @@ OffsetContact OffsetContact::nearest(std::uint32_t triangle, const ContactTriang
   return on_edge(triangle, shape, edge);
 }
 
-OffsetContact::Stand OffsetContact::stand(const Vec3& c) const noexcept {
+OffsetContact::Proximity OffsetContact::proximity(const Vec3& c) const noexcept {
   if (part == Part::face) return {normal.dot(c - origin()), normal};
   Vec3 off = c - origin();
   if (part == Part::edge) {
     const Vec3& unit = axis();
     off -= unit.dot(off) * unit;
-    off -= unit.dot(off) * unit;  // what rounding left
+    off -= unit.dot(off) * unit;  // removes the rounding of the first
   }
   const double distance = off.norm();
   return {distance, distance > 0.0 ? Vec3(off / distance) : Vec3::UnitX()};
@@ -75,14 +75,14 @@ double OffsetContact::curvature(const Vec3& tangent, double offset) const noexce
 }
 
 CentrePath::Guide OffsetContact::guide(double offset) const noexcept {
-  using Round = CentrePath::Guide::Round;
-  if (part == Part::vertex) return {Round::point, origin(), Vec3::Zero(), offset};
-  if (part == Part::edge) return {Round::line, origin(), axis(), offset};
-  return {Round::plane, origin(), normal, offset};
+  using Kind = CentrePath::Guide::Kind;
+  if (part == Part::vertex) return {Kind::point, origin(), Vec3::Zero(), offset};
+  if (part == Part::edge) return {Kind::line, origin(), axis(), offset};
+  return {Kind::plane, origin(), normal, offset};
 }
 
-bool OffsetContact::is_part_of(const ContactTriangle& other) const noexcept {
-  const auto has = [&](const Vec3& place) { return other.corner(0) == place || other.corner(1) == place || other.corner(2) == place; };
+bool OffsetContact::is_shared_with(const ContactTriangle& other) const noexcept {
+  const auto has = [&](const Vec3& p) { return other.corner(0) == p || other.corner(1) == p || other.corner(2) == p; };
   switch (part) {
     case Part::vertex:
       return has(origin());

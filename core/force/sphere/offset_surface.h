@@ -7,8 +7,8 @@
 
 namespace hapton {
 
-// A sphere's centre keeps the distance `offset` from a triangle: it stays outside the triangle's offset surface. That is a plane over the
-// face, a cylinder round each edge and a sphere round each corner, joined without a kink. One such part holds the centre at a time.
+// A contact of a sphere's centre with the offset surface of a triangle, the surface at the distance `offset` from it. That is a plane over
+// the face, a cylinder around each edge and a sphere around each corner, with a continuous normal. A contact is on one such part.
 //
 // Units and frame: those of the corners. RT: yes.
 struct OffsetContact {
@@ -21,11 +21,11 @@ struct OffsetContact {
   Vec3 normal = Vec3::Zero();  // face: unit, towards the centre
   double multiplier = 0.0;     // centre - device = sum of multiplier * normal
   Vec3 along = Vec3::Zero();   // edge: unit
-  bool back = false;           // face: the side the normal does not show
+  bool back = false;           // face: the contact is on the back of the triangle
 
-  // The part of the triangle that is nearest to c, with the face's side that c is on.
+  // The part of the triangle closest to c; of a face: on the side of c.
   static OffsetContact nearest(std::uint32_t triangle, const ContactTriangle& shape, const Vec3& c) noexcept;
-  // `towards`: the centre is on this side.
+  // `towards`: points to the side of the centre.
   static OffsetContact on_face(std::uint32_t triangle, const ContactTriangle& shape, const Vec3& towards) noexcept;
   static OffsetContact on_edge(std::uint32_t triangle, const ContactTriangle& shape, int edge) noexcept;
   static OffsetContact on_vertex(std::uint32_t triangle, const ContactTriangle& shape, int corner) noexcept;
@@ -34,21 +34,21 @@ struct OffsetContact {
   const Vec3& origin() const { return shape.corner(index); }
   const Vec3& axis() const { return along; }  // edge: unit
 
-  // How the centre stands to the plane, line or point that carries the part.
-  struct Stand {
+  // Distance and direction of a centre from the plane, line or point that carries the part.
+  struct Proximity {
     double distance = 0.0;
     Vec3 normal = Vec3::Zero();  // unit, towards the centre
   };
-  Stand stand(const Vec3& c) const noexcept;
+  Proximity proximity(const Vec3& c) const noexcept;
 
   // The curvature of the offset surface along a unit tangent, towards the part.
   double curvature(const Vec3& tangent, double offset) const noexcept;
 
-  // What keeps a path on it.
+  // Keeps a path on this part.
   CentrePath::Guide guide(double offset) const noexcept;
 
-  // Whether another triangle has the same edge or corner: by its place, so that copies count.
-  bool is_part_of(const ContactTriangle& other) const noexcept;
+  // Whether another triangle has the same face, edge or corner. Compares coordinates, so duplicated vertices count.
+  bool is_shared_with(const ContactTriangle& other) const noexcept;
 };
 
 }  // namespace hapton

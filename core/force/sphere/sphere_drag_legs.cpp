@@ -10,29 +10,30 @@
 namespace hapton {
 namespace {
 
-constexpr double kNever = std::numeric_limits<double>::infinity();
-constexpr double kLeast = OffsetDrag::kLeastLag;
-constexpr double kNearZero = 0x1p-51;  // of what passes zero: its rounding
-// How far the middle of a piece may be off its cubic: of the offset, and of the way. Where something happens is found on the way itself.
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kLeast = OffsetDrag::kLeastPull;
+constexpr double kNearZero = 0x1p-51;  // rounding of a value that crosses zero
+// How far the middle of a piece may be off its cubic: a share of the offset, and of the length. Events are placed on the exact path.
 constexpr double kUneven = 0x1p-16;
 constexpr double kUnevenShare = 0x1p-20;
-constexpr double kExact = 0x1p-42;     // no more, and the cubic is the way itself
-constexpr double kReleased = 0x1p-24;  // a pull where the device comes out
+constexpr double kExact = 0x1p-42;     // within this the cubic counts as the exact path
+constexpr double kReleased = 0x1p-24;  // a pull at which the device counts as out
 
 }  // namespace
 
-// How far the border of the part that holds the centre is, for a straight way.
-double SphereFollower::find_reach(const Vec3& way) noexcept {
-  double reach = kNever;
-  note_candidates(centre_, centre_, keep_.offset + keep_.slop);
+// Distance along a straight direction to the boundary of the active part, with a margin.
+double SphereFollower::distance_to_boundary(const Vec3& direction) noexcept {
+  double distance = kInfinity;
+  note_candidates(centre_, centre_, clearance_.offset + clearance_.slop);
   const int count = find_exits(contacts_[0]);
   for (int i = 0; i < count; ++i) {
-    const double rate = exits_[i].direction.dot(way);
-    if (rate > 0.0) reach = std::min(reach, std::max(0.0, (kOnBorder - exits_[i].direction.dot(centre_ - exits_[i].origin)) / rate));
+    const double rate = exits_[i].direction.dot(direction);
+    if (rate > 0.0)
+      distance = std::min(distance, std::max(0.0, (kOnBoundary - exits_[i].direction.dot(centre_ - exits_[i].origin)) / rate));
   }
   constexpr double kBeyond = 1.25;
-  constexpr double kLeastReach = 0x1p-10;  // of the offset
-  return kBeyond * reach + kLeastReach * keep_.offset;
+  constexpr double kLeastDistance = 0x1p-10;  // of the offset
+  return kBeyond * distance + kLeastDistance * clearance_.offset;
 }
 
 bool SphereFollower::make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& pull, const Vec3& device, bool has_vanished,
@@ -41,16 +42,16 @@ bool SphereFollower::make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& p
   const double excess = pull.excess();
   const double stability = drag.find_stability(pull);
   slip.waits = false;
-  slip.stands = !(pull.length > kLeast) || (!has_vanished && stability > kLeastStability && excess <= kLeastWay * stability);
-  if (slip.stands) return true;
-  const Vec3 way = pull.way / pull.length;
-  const double turn = kTurn / std::max(find_turn(way), 0x1p-100);
-  const double most = count_ == 1 ? std::min(turn, find_reach(way)) : turn;
+  slip.is_on_cone = !(pull.length > kLeast) || (!has_vanished && stability > kLeastStability && excess <= kAtMinimum * stability);
+  if (slip.is_on_cone) return true;
+  const Vec3 direction = pull.tangential / pull.length;
+  const double turn = kTurn / std::max(find_turn(direction), 0x1p-100);
+  const double most = active_count_ == 1 ? std::min(turn, distance_to_boundary(direction)) : turn;
   OffsetDrag::Pull there;
   Vec3 end;
   const auto go = [&](double length) {
     end = centre_;
-    return drag.descend(device, way, length, end, work_) && drag.find_pull(end, device, there);
+    return drag.descend(device, direction, length, end, work_) && drag.find_pull(end, device, there);
   };
   slip.stops = false;
   double length = most;
@@ -83,30 +84,30 @@ bool SphereFollower::make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& p
       slip.stops = true;
     }
   }
-  // What draws the centre no more ends it before.
-  for (int i = 0; i < count_; ++i) {
+  // A multiplier that turns negative ends the slip earlier.
+  for (int i = 0; i < active_count_; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    if (there.multiplier[k] >= -kLeastWay) continue;
+    if (there.multiplier[k] >= -kAtMinimum) continue;
     if (!cut_at(std::max(0.0, pull.multiplier[k]), there.multiplier[k], [&] { return there.multiplier[k]; })) return false;
   }
-  slip.way = way;
+  slip.direction = direction;
   for (int i = 0;; ++i) {
     slip.length = length;
     if (drag.is_flat() || !(length > 0.0)) {
       slip.path = CentrePath::straight(centre_, end);
       return true;
     }
-    Vec3 way_there = there.length > kLeast ? Vec3(there.way / there.length) : way;
-    if (way_there.dot(way) < 0.0) way_there = -way_there;
-    // Of a curve the parameter is the place along its first tangent.
-    const double slope_there = count_ == 1 ? length : length / std::max(0.5, way_there.dot(way));
-    slip.path = CentrePath::curved(centre_, end, length * way, slope_there * way_there);
+    Vec3 direction_there = there.length > kLeast ? Vec3(there.tangential / there.length) : direction;
+    if (direction_there.dot(direction) < 0.0) direction_there = -direction_there;
+    // On a curve the parameter is the position along its tangent at the start.
+    const double slope_there = active_count_ == 1 ? length : length / std::max(0.5, direction_there.dot(direction));
+    slip.path = CentrePath::curved(centre_, end, length * direction, slope_there * direction_there);
     const Vec3 reached = end;
     if (!go(0.5 * length)) return false;
-    const Vec3 guess = 0.5 * (centre_ + reached) + 0.125 * (length * way - slope_there * way_there);
+    const Vec3 guess = 0.5 * (centre_ + reached) + 0.125 * (length * direction - slope_there * direction_there);
     const double uneven = (end - guess).norm();
     slip.is_exact = uneven <= kExact;
-    if (i == kMostRounds || uneven <= kUneven * keep_.offset + kUnevenShare * length) break;
+    if (i == kMostRounds || uneven <= kUneven * clearance_.offset + kUnevenShare * length) break;
     length *= 0.5;
     slip.stops = false;
   }
@@ -114,32 +115,32 @@ bool SphereFollower::make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& p
   return true;
 }
 
-SphereFollower::Dragged SphereFollower::make_drag_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time,
-                                                      DragLeg& leg) noexcept {
+SphereFollower::DragOutcome SphereFollower::make_drag_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time,
+                                                          DragLeg& leg) noexcept {
   constexpr int kMostHalvings = 40;
   constexpr int kTries = 3;
   constexpr double kLeastTime = 0x1p-44;
-  constexpr double kNoDrive = 0x1p-46;  // of the motion
+  constexpr double kLeastExcessRate = 0x1p-46;  // of the motion
   const Vec3 device = on_path(from, to, time);
   const Vec3 motion = to - from;
   OffsetDrag::Pull pull;
-  if (!drag.find_pull(centre_, device, pull)) return Dragged::leaps;
-  if (!(drag.find_drive(pull, motion) > -kNoDrive * motion.norm()) || motion.isZero(0.0)) return Dragged::stops;
-  if (!(drag.find_stability(pull) > kLeastStability)) return Dragged::leaps;
+  if (!drag.find_pull(centre_, device, pull)) return DragOutcome::jumps;
+  if (!(drag.find_excess_rate(pull, motion) > -kLeastExcessRate * motion.norm()) || motion.isZero(0.0)) return DragOutcome::stops;
+  if (!(drag.find_stability(pull) > kLeastStability)) return DragOutcome::jumps;
   const bool is_flat = drag.is_flat();
   const Vec3 rate = drag.find_rate(pull, motion);
   leg.released = -1;
   leg.stops = false;
   double span = 1.0 - time;
-  double release = kNever;
-  if (count_ == 1) {
+  double release = kInfinity;
+  if (active_count_ == 1) {
     release = drag.time_of_release(device, to, pull);
     if (release < 1.0) span *= release;
   }
   const double release_span = span;
   if (!is_flat) span = std::min(span, kTurn / std::max(find_turn(rate), 0x1p-100));
-  if (count_ == 1 && rate.norm() > 0.0) span = std::min(span, find_reach(rate.normalized()) / rate.norm());
-  // Where the device comes out, the centre is there as well.
+  if (active_count_ == 1 && rate.norm() > 0.0) span = std::min(span, distance_to_boundary(rate.normalized()) / rate.norm());
+  // Where the device comes out of the surface, the centre is at the device.
   const auto place_at = [&](double then, Vec3& c) {
     c = centre_;
     return drag.follow(device, on_path(from, to, then), c, work_);
@@ -150,7 +151,7 @@ SphereFollower::Dragged SphereFollower::make_drag_leg(const OffsetDrag& drag, co
   bool is_straight = false;
   for (int i = 0;; ++i) {
     if (i == kTries && !is_flat) return make_flow_leg(drag, from, to, time, leg);
-    if (i == kMostHalvings || (!(span > kLeastTime) && span < release_span)) return Dragged::leaps;
+    if (i == kMostHalvings || (!(span > kLeastTime) && span < release_span)) return DragOutcome::jumps;
     const bool is_out = release < 1.0 && span >= release_span;
     leg.time = span >= 1.0 - time ? 1.0 : time + span;
     leg.released = is_out ? 0 : -1;
@@ -169,16 +170,16 @@ SphereFollower::Dragged SphereFollower::make_drag_leg(const OffsetDrag& drag, co
       if (is_there && drag.find_pull(end, then, there) && (is_flat || find_turn(end - centre_) <= 2.0 * kTurn)) {
         const Vec3 rate_there = drag.find_rate(there, motion);
         const Vec3 guess = 0.5 * (centre_ + end) + 0.125 * span * (rate - rate_there);
-        is_straight =
-            is_flat && count_ == 1 && (0.5 * (centre_ + end) - middle).norm() <= 0x1p-50 && span * (rate - rate_there).norm() <= 0x1p-48;
+        is_straight = is_flat && active_count_ == 1 && (0.5 * (centre_ + end) - middle).norm() <= 0x1p-50 &&
+                      span * (rate - rate_there).norm() <= 0x1p-48;
         const double uneven = (middle - guess).norm();
-        leg.is_exact = count_ == 1 && uneven <= kExact;
-        if (is_straight || uneven <= kUneven * keep_.offset + kUnevenShare * (end - centre_).norm()) break;
+        leg.is_exact = active_count_ == 1 && uneven <= kExact;
+        if (is_straight || uneven <= kUneven * clearance_.offset + kUnevenShare * (end - centre_).norm()) break;
       }
     }
     span *= 0.5;
   }
-  // It may stop before, or release a contact.
+  // The leg ends earlier where the drag stops or a contact is released.
   const auto cut_at = [&](double at_start, double at_end, auto&& value) {
     leg.time = find_zero(time, at_start, leg.time, at_end, kNearZero, [&](double then) {
       OffsetDrag::Pull at;
@@ -188,85 +189,87 @@ SphereFollower::Dragged SphereFollower::make_drag_leg(const OffsetDrag& drag, co
     end = centre_;
     return leg.time <= time || place_at(leg.time, end);
   };
-  for (int i = 0; count_ == 2 && i < 2; ++i) {
+  for (int i = 0; active_count_ == 2 && i < 2; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    if (there.multiplier[k] >= -kLeastWay) continue;
+    if (there.multiplier[k] >= -kAtMinimum) continue;
     leg.released = i;
     if (!cut_at(std::max(0.0, pull.multiplier[k]), there.multiplier[k], [&](const OffsetDrag::Pull& at) { return at.multiplier[k]; })) {
-      return Dragged::leaps;
+      return DragOutcome::jumps;
     }
-    if (!drag.find_pull(end, on_path(from, to, leg.time), there)) return Dragged::leaps;
+    if (!drag.find_pull(end, on_path(from, to, leg.time), there)) return DragOutcome::jumps;
   }
-  const bool may_stop = (!is_flat || count_ == 2) && !(count_ == 1 && leg.released >= 0);
-  if (may_stop && drag.find_drive(there, motion) < -kNoDrive * motion.norm()) {
+  const bool may_stop = (!is_flat || active_count_ == 2) && !(active_count_ == 1 && leg.released >= 0);
+  if (may_stop && drag.find_excess_rate(there, motion) < -kLeastExcessRate * motion.norm()) {
     leg.stops = true;
     leg.released = -1;
-    if (!cut_at(std::max(0.0, drag.find_drive(pull, motion)), drag.find_drive(there, motion),
-                [&](const OffsetDrag::Pull& at) { return drag.find_drive(at, motion); })) {
-      return Dragged::leaps;
+    if (!cut_at(std::max(0.0, drag.find_excess_rate(pull, motion)), drag.find_excess_rate(there, motion),
+                [&](const OffsetDrag::Pull& at) { return drag.find_excess_rate(at, motion); })) {
+      return DragOutcome::jumps;
     }
-    if (leg.time <= time) return Dragged::stops;
+    if (leg.time <= time) return DragOutcome::stops;
   }
   const double part = leg.time - time;
   if (is_straight || !(part > 0.0)) {
     leg.path = CentrePath::straight(centre_, end);
-    return Dragged::on;
+    return DragOutcome::moves;
   }
-  if (!drag.find_pull(end, on_path(from, to, leg.time), there)) return Dragged::leaps;
+  if (!drag.find_pull(end, on_path(from, to, leg.time), there)) return DragOutcome::jumps;
   leg.path = CentrePath::curved(centre_, end, part * rate, part * drag.find_rate(there, motion));
-  if (count_ == 2) guide(leg.path);  // over a face the cubic stays in its plane
-  return Dragged::on;
+  if (active_count_ == 2) guide(leg.path);  // over a face the cubic stays in its plane
+  return DragOutcome::moves;
 }
 
-// Where all is not flat the place on the cone may end: there it leaps.
-SphereFollower::Dragged SphereFollower::make_flow_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time,
-                                                      DragLeg& leg) noexcept {
+// On curved parts the equilibrium on the cone may vanish: there the centre jumps.
+SphereFollower::DragOutcome SphereFollower::make_flow_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time,
+                                                          DragLeg& leg) noexcept {
   constexpr int kMostHalvings = 40;
   constexpr int kMostRounds = 8;
-  constexpr double kNoDrive = 0x1p-46;  // of the motion
+  constexpr double kLeastExcessRate = 0x1p-46;  // of the motion
   const Vec3 motion = to - from;
   const double speed = motion.norm();
   const Vec3 device = on_path(from, to, time);
   OffsetDrag::Pull pull;
-  if (!drag.find_pull(centre_, device, pull)) return Dragged::leaps;
-  const double drive = drag.find_drive(pull, motion);
-  if (!(drive > -kNoDrive * speed) || !(speed > 0.0)) return Dragged::stops;
+  if (!drag.find_pull(centre_, device, pull)) return DragOutcome::jumps;
+  const double excess_rate = drag.find_excess_rate(pull, motion);
+  if (!(excess_rate > -kLeastExcessRate * speed) || !(speed > 0.0)) return DragOutcome::stops;
   const double stability = drag.find_stability(pull);
-  if (!(stability > kLeastStability)) return Dragged::leaps;
-  const double release = count_ == 1 ? drag.time_of_release(device, to, pull) : kNever;
+  if (!(stability > kLeastStability)) return DragOutcome::jumps;
+  const double release = active_count_ == 1 ? drag.time_of_release(device, to, pull) : kInfinity;
   bool comes_out = release < 1.0;
   double target = comes_out ? time + release * (1.0 - time) : 1.0;
   leg.released = -1;
   leg.stops = false;
-  leg.leaps = false;
+  leg.jumps = false;
   leg.is_exact = false;
-  // Hardly anything is left of the pull, and nothing of it stays.
-  constexpr double kSlight = 0x1p-9;    // of the offset
-  constexpr double kShortWay = 0x1p-5;  // of the offset
-  if (comes_out && pull.length + pull.depth <= kSlight * keep_.offset && (target - time) * speed <= kShortWay * keep_.offset) {
+  // Almost nothing is left of the pull, and all of it vanishes on this leg.
+  constexpr double kSmallPull = 0x1p-9;  // of the offset
+  constexpr double kShort = 0x1p-5;      // of the offset
+  if (comes_out && pull.length + pull.depth <= kSmallPull * clearance_.offset && (target - time) * speed <= kShort * clearance_.offset) {
     return make_last_leg(on_path(from, to, target), target, pull.normal, leg);
   }
   const Vec3 slope = drag.find_slope(pull, motion);
   const double turn = kTurn / std::max(find_turn(slope), 0x1p-100);
-  const double most = count_ == 1 && drive > 0.0 ? std::min(turn, find_reach(slope / drive) / drive) : turn;
+  const double most =
+      active_count_ == 1 && excess_rate > 0.0 ? std::min(turn, distance_to_boundary(slope / excess_rate) / excess_rate) : turn;
   double length = std::min(most, (target - time) / stability);
   OffsetDrag::Flow end{centre_, time};
   OffsetDrag::Pull there;
   OffsetDrag::Flow middle;
-  double half = 0.0;  // the length to `middle`
-  double gone = 0.0;  // and to `end`
+  double half = 0.0;       // the length to `middle`
+  double travelled = 0.0;  // the length to `end`
   double step = 0.0;
-  // From the start or from where it was last, whichever is nearer.
+  // From the start or from the last position, whichever is nearer.
   const auto go = [&](double l) {
-    if (std::fabs(l - gone) >= l || count_ == 2) {
+    if (std::fabs(l - travelled) >= l || active_count_ == 2) {
       end = {centre_, time, step};
-      gone = 0.0;
+      travelled = 0.0;
     }
-    const double way = l - gone;
-    gone = l;
-    if (way == 0.0 || (drag.flow(from, to, way, end, work_) && drag.find_pull(end.centre, from + end.time * motion, there))) return true;
+    const double advance = l - travelled;
+    travelled = l;
+    if (advance == 0.0 || (drag.flow(from, to, advance, end, work_) && drag.find_pull(end.centre, from + end.time * motion, there)))
+      return true;
     end = {centre_, time};
-    gone = 0.0;
+    travelled = 0.0;
     return false;
   };
   const auto seek = [&](double at_start, double at_end, auto&& value) {
@@ -277,19 +280,19 @@ SphereFollower::Dragged SphereFollower::make_flow_leg(const OffsetDrag& drag, co
   const auto stability_there = [&] { return drag.find_stability(there); };
   bool is_at_target = false;
   for (int i = 0;; ++i, length *= 0.5) {
-    if (i == kMostHalvings) return Dragged::leaps;
+    if (i == kMostHalvings) return DragOutcome::jumps;
     is_at_target = false;
-    leg.leaps = false;
+    leg.jumps = false;
     end = {centre_, time, step};
-    gone = 0.0;
+    travelled = 0.0;
     if (!go(0.5 * length)) continue;
     middle = end;
     half = 0.5 * length;
     if (!go(length) || find_turn(end.centre - centre_) > 2.0 * kTurn) continue;
     step = end.step;
     const Vec3 guess = 0.5 * (centre_ + end.centre) + 0.125 * length * (slope - end.slope);
-    if ((middle.centre - guess).norm() > kUneven * keep_.offset + kUnevenShare * (end.centre - centre_).norm()) continue;
-    // A little farther, to where it ends.
+    if ((middle.centre - guess).norm() > kUneven * clearance_.offset + kUnevenShare * (end.centre - centre_).norm()) continue;
+    // A little farther, to the end of the leg.
     for (int round = 0; round < kMostRounds && i == 0 && length < most && left() > 0.0; ++round) {
       const double on = left() / std::max(stability_there(), 0x1p-10);
       is_at_target = on * speed <= 0x1p-50;
@@ -301,14 +304,14 @@ SphereFollower::Dragged SphereFollower::make_flow_leg(const OffsetDrag& drag, co
     if (stability_there() < 0.0) {
       if (!seek(stability, stability_there(), stability_there)) continue;
       is_at_target = false;
-      leg.leaps = true;
+      leg.jumps = true;
     }
     if (left() < 0.0) {
       if (!seek(target - time, left(), left)) continue;
       is_at_target = true;
-      leg.leaps = false;
+      leg.jumps = false;
     }
-    if (is_at_target && comes_out && there.length > kReleased) {  // the device is out elsewhere
+    if (is_at_target && comes_out && there.length > kReleased) {  // the device comes out at another point
       comes_out = false;
       target = 1.0;
       length = std::min(most, (target - time) / stability);
@@ -318,19 +321,20 @@ SphereFollower::Dragged SphereFollower::make_flow_leg(const OffsetDrag& drag, co
     }
     break;
   }
-  for (int i = 0; count_ == 2 && i < 2; ++i) {
+  for (int i = 0; active_count_ == 2 && i < 2; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    if (there.multiplier[k] >= -kLeastWay) continue;
-    if (!seek(std::max(0.0, pull.multiplier[k]), there.multiplier[k], [&] { return there.multiplier[k]; })) return Dragged::leaps;
+    if (there.multiplier[k] >= -kAtMinimum) continue;
+    if (!seek(std::max(0.0, pull.multiplier[k]), there.multiplier[k], [&] { return there.multiplier[k]; })) return DragOutcome::jumps;
     leg.released = i;
-    leg.leaps = false;
+    leg.jumps = false;
     is_at_target = false;
   }
-  const double drive_there = drag.find_drive(there, motion);
-  if (drive_there < -kNoDrive * speed && !(is_at_target && comes_out)) {
-    if (!seek(std::max(0.0, drive), drive_there, [&] { return drag.find_drive(there, motion); }) || !(length > 0.0)) return Dragged::stops;
+  const double excess_rate_there = drag.find_excess_rate(there, motion);
+  if (excess_rate_there < -kLeastExcessRate * speed && !(is_at_target && comes_out)) {
+    if (!seek(std::max(0.0, excess_rate), excess_rate_there, [&] { return drag.find_excess_rate(there, motion); }) || !(length > 0.0))
+      return DragOutcome::stops;
     is_at_target = false;
-    leg.leaps = false;
+    leg.jumps = false;
     leg.stops = true;
     leg.released = -1;
   }
@@ -338,30 +342,31 @@ SphereFollower::Dragged SphereFollower::make_flow_leg(const OffsetDrag& drag, co
   if (is_at_target && comes_out) {
     leg.released = 0;
     end.centre = on_path(from, to, target);
-    if (!drag.restore(end.centre)) return Dragged::leaps;
+    if (!drag.restore(end.centre)) return DragOutcome::jumps;
   }
   leg.flow = length;
   leg.path = CentrePath::curved(centre_, end.centre, length * slope, length * end.slope);
   guide(leg.path);
   leg.pace = {length * stability, length * stability_there()};
   const double share = length > 0.0 ? half / length : 0.0;
-  leg.is_exact = count_ == 1 && share > 0.25 && share < 0.75 && (leg.path.at(share) - middle.centre).norm() <= kExact &&
+  leg.is_exact = active_count_ == 1 && share > 0.25 && share < 0.75 && (leg.path.at(share) - middle.centre).norm() <= kExact &&
                  std::fabs(leg.time_at(time, share) - middle.time) * speed <= kExact;
-  return Dragged::on;
+  return DragOutcome::moves;
 }
 
-// To where the device comes out.
-SphereFollower::Dragged SphereFollower::make_last_leg(const Vec3& device, double time, const Vec3& normal, DragLeg& leg) const noexcept {
+// To the point where the device comes out.
+SphereFollower::DragOutcome SphereFollower::make_last_leg(const Vec3& device, double time, const Vec3& normal,
+                                                          DragLeg& leg) const noexcept {
   Vec3 end = device;
-  if (!restore(end)) return Dragged::leaps;
-  const Vec3 way = end - centre_;
-  const Vec3 normal_there = contacts_[0].stand(end).normal;
+  if (!restore(end)) return DragOutcome::jumps;
+  const Vec3 chord = end - centre_;
+  const Vec3 normal_there = contacts_[0].proximity(end).normal;
   leg.time = time;
   leg.released = 0;
   leg.is_exact = true;
-  leg.path = CentrePath::curved(centre_, end, way - normal.dot(way) * normal, way - normal_there.dot(way) * normal_there);
+  leg.path = CentrePath::curved(centre_, end, chord - normal.dot(chord) * normal, chord - normal_there.dot(chord) * normal_there);
   guide(leg.path);
-  return Dragged::on;
+  return DragOutcome::moves;
 }
 
 }  // namespace hapton

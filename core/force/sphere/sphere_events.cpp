@@ -1,4 +1,4 @@
-// What happens first on a piece of a sphere's path, and what holds the centre then.
+// The first event on a piece of a sphere's path, and the contacts after it.
 #include <algorithm>
 #include <cmath>
 
@@ -11,24 +11,25 @@ using Part = OffsetContact::Part;
 
 }  // namespace
 
-// What comes first on the path, up to the time in `event`. False: it cannot be told.
+// The first event on the path, up to the time in `event`. False: it cannot be computed.
 bool SphereFollower::find_event(const CentrePath& path, Event& event) noexcept {
-  // A face is left long before the end of a path over it; only other parts have borders that are found by what is near.
-  const bool is_curved = std::any_of(contacts_.begin(), contacts_.begin() + count_, [](const OffsetContact& c) { return c.is_curved(); });
+  // A path over a face leaves it long before its end; only the other parts have boundaries that depend on the triangles nearby.
+  const bool is_curved =
+      std::any_of(contacts_.begin(), contacts_.begin() + active_count_, [](const OffsetContact& c) { return c.is_curved(); });
   if (is_curved && !cover(path, event.time)) return false;
-  const double near = keep_.offset + path.bulge() + keep_.slop;
-  CentrePath::Head head = path.head(event.time);
-  if (is_curved) note_candidates(path.start(), head.end, near);
-  for (int i = 0; i < count_; ++i) {
+  const double near = clearance_.offset + path.bulge() + clearance_.slop;
+  CentrePath::Prefix prefix = path.prefix(event.time);
+  if (is_curved) note_candidates(path.start(), prefix.end, near);
+  for (int i = 0; i < active_count_; ++i) {
     const int count = find_exits(contacts_[i]);
     if (count < 0) return false;
     for (int k = 0; k < count; ++k) {
-      const double time = path.time_to_pass(exits_[k].origin, exits_[k].direction, kOnBorder, head);
+      const double time = path.time_to_cross(exits_[k].origin, exits_[k].direction, kOnBoundary, prefix);
       if (time > event.time || (time == event.time && event.contact >= 0)) continue;
       event.time = time;
       event.contact = i;
       event.exit = exits_[k];
-      head = path.head(time);
+      prefix = path.prefix(time);
     }
   }
   if (!is_curved) {
@@ -36,37 +37,37 @@ bool SphereFollower::find_event(const CentrePath& path, Event& event) noexcept {
     if (!cover(path, event.time)) return false;
     if (event.time < exit_time) {
       event.contact = -1;
-      head = path.head(event.time);
+      prefix = path.prefix(event.time);
     }
-    note_candidates(path.start(), head.end, near);
+    note_candidates(path.start(), prefix.end, near);
   }
-  // What lies below the plane of a face, seen from a centre that goes over it, is never nearer than the face.
-  const bool is_on_plane = (path.is_straight() || count_ == 1) && count_ > 0 && contacts_[0].part == Part::face;
+  // Triangles below the plane of a face are never nearer than the face, for a centre that moves over it.
+  const bool is_on_plane = (path.is_straight() || active_count_ == 1) && active_count_ > 0 && contacts_[0].part == Part::face;
   const Vec3 up = is_on_plane ? contacts_[0].normal : Vec3::Zero();
-  const double level = up.dot(path.start()) - keep_.offset + 0.25 * keep_.slop;
+  const double level = up.dot(path.start()) - clearance_.offset + 0.25 * clearance_.slop;
   for (int i = 0; i < candidate_count_; ++i) {
     const int slot = candidates_[static_cast<std::size_t>(i)];
-    if (near_.least_distance(slot, path.start()) > near && near_.least_distance(slot, head.end) > near) continue;
+    if (near_.distance_bound(slot, path.start()) > near && near_.distance_bound(slot, prefix.end) > near) continue;
     const ContactTriangle& shape = near_.shape(slot);
     if (is_on_plane && std::max({up.dot(shape.corner(0)), up.dot(shape.corner(1)), up.dot(shape.corner(2))}) <= level) continue;
     if (holds_part_of(shape, near_.triangle(slot)) || !can_touch(near_.triangle(slot), shape, path.start())) continue;
-    const CentrePath::Block block = path.find_block(shape, keep_, path.is_straight() ? 0U : held_corners(shape), head, work_);
+    const CentrePath::Block block = path.find_block(shape, clearance_, path.is_straight() ? 0U : guiding_corners(shape), prefix, work_);
     if (!(block.time < event.time)) continue;
     event.time = block.time;
     event.contact = -1;
     event.slot = block.hits ? slot : -1;
-    head = path.head(event.time);
+    prefix = path.prefix(event.time);
   }
   return true;
 }
 
-// What may come so near to the segment.
+// Collects the triangles that may come that near to the segment.
 void SphereFollower::note_candidates(const Vec3& from, const Vec3& to, double near) noexcept {
   candidate_count_ = 0;
   near_.visit_near(from, to, near, [&](int slot) { candidates_[static_cast<std::size_t>(candidate_count_++)] = slot; });
 }
 
-// The borders of the part that a contact is on. Returns their number, -1: too many. Pre: of an edge or a vertex, the candidates are noted.
+// The boundaries of the part that a contact is on. Returns their number; -1: too many. Pre: for an edge or a vertex, note_candidates().
 int SphereFollower::find_exits(const OffsetContact& contact) noexcept {
   int count = 0;
   bool fits = true;
@@ -89,7 +90,7 @@ int SphereFollower::find_exits(const OffsetContact& contact) noexcept {
   for (int i = 0; i < candidate_count_; ++i) {
     const int slot = candidates_[static_cast<std::size_t>(i)];
     const ContactTriangle& shape = near_.shape(slot);
-    if (!contact.is_part_of(shape)) continue;
+    if (!contact.is_shared_with(shape)) continue;
     for (int k = 0; k < 3; ++k) {
       if (!(shape.length(k) > 0.0)) continue;
       const bool begins = shape.corner(k) == contact.origin();
@@ -106,27 +107,28 @@ int SphereFollower::find_exits(const OffsetContact& contact) noexcept {
   return fits ? count : -1;
 }
 
-// Changes the contacts as the event says. False: it cannot.
-bool SphereFollower::take_event(const Event& event, const CentrePath& path) noexcept {
+// Changes the contacts for the event. False: it cannot.
+bool SphereFollower::apply_event(const Event& event, const CentrePath& path) noexcept {
   if (event.contact >= 0) {
     is_descending_ = true;
-    const bool is_plain = idle_ > kMostIdle / 4;  // that it rises led nowhere: the faces are one plane, as far as rounding can tell
-    const int rising =
-        event.exit.part == Part::edge && !is_plain ? find_rising(contacts_[event.contact], event.exit.index, path.slope(event.time)) : -1;
+    const bool is_coplanar = idle_ > kMostIdle / 4;  // treating it as rising made no progress: within rounding the faces are coplanar
+    const int rising = event.exit.part == Part::edge && !is_coplanar
+                           ? find_rising(contacts_[event.contact], event.exit.index, path.slope(event.time))
+                           : -1;
     if (rising >= 0)
       return add_contact(OffsetContact::on_face(near_.triangle(rising), near_.shape(rising), contacts_[event.contact].normal));
-    if (const int level = event.exit.part == Part::edge ? find_level(contacts_[event.contact], event.exit) : -1; level >= 0) {
+    if (const int level = event.exit.part == Part::edge ? find_coplanar(contacts_[event.contact], event.exit) : -1; level >= 0) {
       hint_ = path.slope(event.time);
       OffsetContact& contact = contacts_[event.contact];
       contact = OffsetContact::on_face(near_.triangle(level), near_.shape(level), contact.normal);
       return true;
     }
-    leave_part(event.contact, event.exit, path.slope(event.time));
+    move_to_next_part(event.contact, event.exit, path.slope(event.time));
     if (restore(centre_)) return true;
     if (!is_point_) return false;
-    // With the others it has no place: they are met again if they are in the way.
+    // No position fits it and the others. The others are hit again if they are in the way.
     std::swap(contacts_[0], contacts_[event.contact]);
-    count_ = touching_ = 1;
+    active_count_ = contact_count_ = 1;
     ++idle_;
     return restore(centre_);
   } else if (event.slot >= 0) {
@@ -137,35 +139,37 @@ bool SphereFollower::take_event(const Event& event, const CentrePath& path) noex
   return true;
 }
 
-// Beyond an edge of a face the next one may rise by so little that nothing was hit before. A slot, -1: none.
-int SphereFollower::find_rising(const OffsetContact& contact, int edge, const Vec3& way) noexcept {
+// Across an edge of a face the adjacent face may rise by so little that it was not hit before. Returns a slot; -1: none.
+int SphereFollower::find_rising(const OffsetContact& contact, int edge, const Vec3& direction) noexcept {
   if (contact.part != Part::face) return -1;
-  const OffsetContact border = OffsetContact::on_edge(contact.triangle, contact.shape, edge);
+  const OffsetContact shared_edge = OffsetContact::on_edge(contact.triangle, contact.shape, edge);
   int rising = -1;
-  double least = -kLeastRise * way.norm();
-  near_.visit_near(centre_, centre_, keep_.offset + keep_.slop, [&](int slot) {
+  double least = -kLeastRise * direction.norm();
+  near_.visit_near(centre_, centre_, clearance_.offset + clearance_.slop, [&](int slot) {
     const ContactTriangle& shape = near_.shape(slot);
-    if (near_.triangle(slot) == contact.triangle || !border.is_part_of(shape) || !can_touch(near_.triangle(slot), shape, centre_)) return;
+    if (near_.triangle(slot) == contact.triangle || !shared_edge.is_shared_with(shape) || !can_touch(near_.triangle(slot), shape, centre_))
+      return;
     const OffsetContact face = OffsetContact::on_face(near_.triangle(slot), shape, contact.normal);
-    const double rise = face.normal.dot(way);
-    if (!(rise < least) || std::fabs(face.stand(centre_).distance - keep_.offset) > keep_.slop) return;
+    const double rise = face.normal.dot(direction);
+    if (!(rise < least) || std::fabs(face.proximity(centre_).distance - clearance_.offset) > clearance_.slop) return;
     least = rise;
     rising = slot;
   });
   return rising;
 }
 
-// Beyond an edge of a face the next one may lie in the same plane: there the edge has no part of the offset surface. A slot, -1: none.
-int SphereFollower::find_level(const OffsetContact& contact, const Exit& exit) noexcept {
+// Across an edge of a face the adjacent face may be coplanar: that edge has no part of the offset surface. Returns a slot; -1: none.
+int SphereFollower::find_coplanar(const OffsetContact& contact, const Exit& exit) noexcept {
   if (contact.part != Part::face) return -1;
-  const OffsetContact border = OffsetContact::on_edge(contact.triangle, contact.shape, exit.index);
+  const OffsetContact shared_edge = OffsetContact::on_edge(contact.triangle, contact.shape, exit.index);
   int level = -1;
-  near_.visit_near(centre_, centre_, keep_.offset + keep_.slop, [&](int slot) {
+  near_.visit_near(centre_, centre_, clearance_.offset + clearance_.slop, [&](int slot) {
     const ContactTriangle& shape = near_.shape(slot);
-    if (near_.triangle(slot) == contact.triangle || !border.is_part_of(shape) || !can_touch(near_.triangle(slot), shape, centre_)) return;
+    if (near_.triangle(slot) == contact.triangle || !shared_edge.is_shared_with(shape) || !can_touch(near_.triangle(slot), shape, centre_))
+      return;
     if (!(shape.normal().cross(contact.normal).squaredNorm() <= kLeastRise * kLeastRise)) return;
     const OffsetContact face = OffsetContact::on_face(near_.triangle(slot), shape, contact.normal);
-    if (!(std::fabs(face.stand(centre_).distance - keep_.offset) <= kLeastLevel)) return;
+    if (!(std::fabs(face.proximity(centre_).distance - clearance_.offset) <= kCoplanar)) return;
     for (int k = 0; k < 3; ++k) {
       if (!(shape.inside(k, centre_) > 0.0)) return;
     }
@@ -174,11 +178,11 @@ int SphereFollower::find_level(const OffsetContact& contact, const Exit& exit) n
   return level;
 }
 
-// The contact goes on to what lies beyond the border of its part.
-void SphereFollower::leave_part(int i, const Exit& exit, const Vec3& way) noexcept {
+// Moves the contact to the part beyond the boundary.
+void SphereFollower::move_to_next_part(int i, const Exit& exit, const Vec3& direction) noexcept {
   OffsetContact& contact = contacts_[i];
-  hint_ = way;
-  const Vec3 normal = contact.stand(centre_).normal;
+  hint_ = direction;
+  const Vec3 normal = contact.proximity(centre_).normal;
   const std::uint32_t triangle = exit.slot < 0 ? contact.triangle : near_.triangle(exit.slot);
   const ContactTriangle shape = exit.slot < 0 ? contact.shape : near_.shape(exit.slot);
   if (exit.part == Part::face) {

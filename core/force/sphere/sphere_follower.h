@@ -18,26 +18,26 @@
 
 namespace hapton {
 
-// A sphere's centre that follows the device along its straight motion from event to event: the sweeping process of Moreau (1977) on the
-// offset surface of all triangles. While the centre is a local minimum of its distance to the device, at most three parts of that surface
-// hold it, and it is the point nearest to the device on
+// Moves a sphere's centre after the device along the device's straight motion, from event to event: the sweeping process of Moreau (1977)
+// on the offset surface of all triangles. While the centre is a local minimum of its distance to the device, at most three parts of that
+// surface are active, and it is the point closest to the device on
 //
-//   one plane, cylinder or sphere     a closed form
-//   the curve where two meet          Newton, from where it was
-//   the point where three meet        constant
+//   one plane, cylinder or sphere        in closed form
+//   the curve where two of them meet     by Newton's method, from its last position
+//   the point where three of them meet   constant
 //
-// until an event: the contact leaves its face, edge or vertex; a multiplier reaches zero; the minimum along a curve vanishes; another
-// triangle is hit; the device comes to the free side. At an event the device is held and the centre descends the steepest way to the next
-// local minimum. Triangles near are gathered once for many steps (NearTriangles); only flights ask the tree.
+// until the next event: the contact leaves its face, edge or vertex; a multiplier reaches zero; the minimum along a curve vanishes; the
+// sphere touches another triangle; the device comes to the free side. At an event the device is held and the centre follows the steepest
+// descent to the next local minimum. The triangles nearby are gathered once for many steps (NearTriangles); only flights query the tree.
 //
-// Under Coulomb friction the centre stays where it is, is dragged along its pull, or slides down along it while the device is held: see
-// OffsetDrag. Then events are the pull's leaving its cone, too, and the end of the place on it.
+// Under Coulomb friction the centre sticks, is dragged along with the pull on the friction cone, or slips along the pull while the device
+// is held: see OffsetDrag. Further events then are: the pull leaves the friction cone; the equilibrium on the cone vanishes.
 //
 // The centre never comes nearer to a triangle than offset - slop.
 //
-// Frame: TouchGeometry's local one. RT: yes. Bounded: an event, a triangle looked at and a round of a search are a piece of work each. A
-// step has kLeastWork of them, and kWorkPerEdge more for each edge that a straight way over the object's surface crosses on the average, as
-// long as the device's way and twice the pull; kMostWork in all.
+// Frame: TouchGeometry's local one. RT: yes, bounded. Work is counted in units: one for an event, a queried triangle, or a round of a
+// search. A step has kLeastWork units, and kWorkPerEdge more for each edge that a straight line over the object's surface crosses on
+// average, for a line as long as the device's displacement plus twice the pull; at most kMostWork.
 class SphereFollower {
  public:
   static constexpr int kLeastWork = 4096;
@@ -47,69 +47,69 @@ class SphereFollower {
 
   enum class Outcome : std::uint8_t {
     settled,    // at a local minimum for the device at the end of its motion, or free there
-    exhausted,  // out of work: a valid place short of it, to go on from in the next step
-    unclear,    // cannot go on: the centre is at a valid place that it had with the device at `time`
+    exhausted,  // out of work: a valid position short of the minimum; the next step continues from it
+    failed,     // cannot continue: the centre is at a valid position for the device at `time`
   };
 
-  // `offset`: how near the centre comes. `materials`: one an object. Both outlive it.
-  // `is_point`: it stands for a point, which no corner holds that only its radius closes.
+  // `offset`: the distance of a centre in contact. `materials`: one for each object. Both outlive this object.
+  // `is_point`: the sphere represents a point, so a corner that only the sphere's radius closes does not hold it.
   SphereFollower(const TouchGeometry& geometry, std::span<const Material> materials, double offset, bool is_point = false)
-      : geometry_(geometry), materials_(materials), keep_{offset, kSlop, kTolerance}, is_point_(is_point) {
+      : geometry_(geometry), materials_(materials), clearance_{offset, kSlop, kTolerance}, is_point_(is_point) {
     for (const Material& material : materials) has_friction_ |= material.friction_static > 0.0;
   }
 
-  // Whether it holds the centre, or the centre was last moved by others.
-  bool holds() const { return holds_; }
-  void leave() {
-    holds_ = false;
-    cone_from_ = Vec3::Constant(std::numeric_limits<double>::infinity());
+  // Whether the centre is the one of the last step. False after others moved the proxy: start() again.
+  bool is_tracking() const { return is_tracking_; }
+  void stop_tracking() {
+    is_tracking_ = false;
+    cone_at_ = Vec3::Constant(std::numeric_limits<double>::infinity());
   }
-  bool slides() const { return rub_.slides; }  // the dynamic coefficient is in force
-  // What was gathered no longer is all there is.
+  bool slides() const { return friction_.slides; }  // the dynamic coefficient applies
+  // The set of triangles has changed: gather them again.
   void forget_near() { near_.clear(); }
 
-  // Takes over a centre that is free and with the device.
-  void take_free(const Vec3& centre) noexcept;
-  // Takes over a centre that is free, or in contact and at most `short_by` too near to what it touches. False: it cannot.
-  bool take(const Vec3& centre, bool is_free, double short_by, bool slides = false) noexcept;
-  // The device goes straight from `from` to `to`. Pre: holds.
+  // Begins with a centre that is free and at the device.
+  void start_free(const Vec3& centre) noexcept;
+  // Begins with a centre that is free, or in contact and nearer than the offset by at most `short_by`. False: the centre is unusable.
+  bool start(const Vec3& centre, bool is_free, double short_by, bool slides = false) noexcept;
+  // The device moves straight from `from` (time 0) to `to` (time 1), beginning at `time`. Pre: is_tracking().
   Outcome follow(const Vec3& from, const Vec3& to, double& time) noexcept;
 
-  double offset() const { return keep_.offset; }
+  double offset() const { return clearance_.offset; }
   const Vec3& centre() const { return centre_; }
-  bool is_free() const { return touching_ == 0; }
-  // What holds the centre; multipliers sum up to centre - device when it has settled.
-  std::span<const OffsetContact> contacts() const { return std::span(contacts_).first(static_cast<std::size_t>(count_)); }
+  bool is_free() const { return contact_count_ == 0; }
+  // The active contacts. When settled, the sum of multiplier * normal is centre - device.
+  std::span<const OffsetContact> contacts() const { return std::span(contacts_).first(static_cast<std::size_t>(active_count_)); }
 
-  std::uint64_t events() const { return events_; }  // since it was made, like all below
-  std::uint64_t slips() const { return slips_; }    // pieces of way under friction with the device held
+  std::uint64_t events() const { return events_; }  // since construction, like all below
+  std::uint64_t slips() const { return slips_; }    // pieces of path under friction with the device held
   std::uint64_t flights() const { return flights_; }
   std::uint64_t gathered() const { return gathered_; }
-  std::uint64_t looked_at() const { return looked_at_; }
+  std::uint64_t queried() const { return queried_; }
 
  private:
   static constexpr double kSlop = 0x1p-40;
   static constexpr double kTolerance = 0x1p-46;
-  // The contact leaves a face so far beyond its edge, and enters it so far inside, and so for edges and their ends: rounding does not lead
-  // back and forth.
-  static constexpr double kOnBorder = 0x1p-44;
-  static constexpr double kStill = 0x1p-42;           // a shorter way is none
-  static constexpr double kLeastWay = 0x1p-40;        // at a local minimum no way is as long
-  static constexpr double kNudge = 0x1p-42;           // of what balances, the device's motion decides
-  static constexpr double kTurn = 0.125;              // rad, of one piece of the way
-  static constexpr double kLeastStability = 0x1p-26;  // of a minimum along a curve: less, and it vanishes
-  static constexpr double kAtAxis = 0x1p-39;          // from the axis of an edge or a vertex: nearer, and a direction is mostly rounding
-  static constexpr double kLeastRise = 0x1p-45;       // rad: faces of less are one plane, as far as borders can tell
-  static constexpr double kLeastLevel = 0x1p-50;      // in distance: less is rounding
+  // Hysteresis at the boundary of a part: a contact leaves a face this far beyond its edge and enters it this far inside, and likewise for
+  // edges and their ends, so that rounding does not alternate between two parts.
+  static constexpr double kOnBoundary = 0x1p-44;
+  static constexpr double kLeastMotion = 0x1p-42;     // a shorter displacement counts as none
+  static constexpr double kAtMinimum = 0x1p-40;       // shorter tangential pulls count as a local minimum
+  static constexpr double kNudge = 0x1p-42;           // where constraints balance, the device's motion decides
+  static constexpr double kTurn = 0.125;              // rad, in one piece of path
+  static constexpr double kLeastStability = 0x1p-26;  // second derivative of the distance along a curve; below it the minimum vanishes
+  static constexpr double kAtAxis = 0x1p-39;     // distance from the axis of an edge or a vertex below which a direction is mostly rounding
+  static constexpr double kLeastRise = 0x1p-45;  // rad: faces at a smaller angle count as one plane for their common edge
+  static constexpr double kCoplanar = 0x1p-50;   // distance between planes that counts as rounding
   static constexpr double kLeastGain = 0x1p-44;
-  static constexpr double kFar = 32.0;         // local units: farther out, positions are coarser than the tolerance
-  static constexpr double kShallow = 0x1p-30;  // a minimum that a climb by so much leads out of is left: the reference's contact offset
-  static constexpr int kMostIdle = 24;         // events that lead no nearer
-  static constexpr int kMostPasses = 16;
+  static constexpr double kFar = 32.0;         // local units; farther out, positions are coarser than the tolerance
+  static constexpr double kShallow = 0x1p-30;  // height of a barrier that does not hold a minimum: the reference's contact offset
+  static constexpr int kMostIdle = 24;         // events without progress
+  static constexpr int kMostSkips = 16;
   static constexpr int kMostExits = 128;
 
-  enum class Next : std::uint8_t { again, wait, settled, unclear };
-  // Where the contact may leave its part of the triangle: what lies beyond.
+  enum class Next : std::uint8_t { again, wait, settled, failed };
+  // A boundary of the part that the contact is on, and what lies beyond it.
   struct Exit {
     Vec3 origin, direction;
     int slot = -1;  // in near_; -1: the same triangle
@@ -118,90 +118,90 @@ class SphereFollower {
   };
   struct Event {
     double time = 1.0;  // of the path
-    int contact = -1;   // leaves its part, through `exit`
+    int contact = -1;   // the contact that leaves its part, through `exit`; -1: none
     Exit exit;
-    int slot = -1;  // is hit
+    int slot = -1;  // the triangle that is hit; -1: none
   };
-  // A piece of the way with the device moving.
+  // A piece of the path with the device moving.
   struct Leg {
     CentrePath path;
     double time = 1.0;  // of the device at its end
-    int released = -1;  // the contact whose multiplier is zero there
+    int released = -1;  // the contact whose multiplier is zero there; -1: none
   };
 
-  // Coulomb friction: the centre sticks, slips, and is dragged.
-  struct Rubbing {
+  // Coulomb friction: stick, slip, or drag.
+  struct FrictionState {
     bool slides = false;    // the dynamic coefficient is in force
-    bool drags = false;     // the pull is on its cone, and the device draws the centre on
-    bool slips = false;     // the pull has just left the cone,
-    bool vanished = false;  // and the place on it at which the centre could stay is no more
+    bool drags = false;     // the pull is on its cone and the device drags the centre
+    bool slips = false;     // the pull has just left the cone
+    bool vanished = false;  // the equilibrium on the cone has vanished
     std::array<FrictionCoefficients, 3> coefficients;
   };
   struct Slip {
     CentrePath path;
-    Vec3 way = Vec3::Zero();
+    Vec3 direction = Vec3::Zero();
     double length = 0.0;
-    bool is_exact = false;  // the path is the way itself
-    bool stops = false;     // the pull is on the cone at its end
-    bool stands = false;    // it is there already
-    bool waits = false;     // it has not quite left it
+    bool is_exact = false;    // the path is within kExact of the exact one
+    bool stops = false;       // the pull is on the cone at the end of the slip
+    bool is_on_cone = false;  // the pull is on the cone already
+    bool waits = false;       // the equilibrium has not quite vanished yet
   };
-  enum class Dragged : std::uint8_t { on, stops, leaps };
+  enum class DragOutcome : std::uint8_t { moves, stops, jumps };
   struct DragLeg {
     CentrePath path;
     double time = 1.0;
     int released = -1;
     bool stops = false;
-    bool leaps = false;
-    double flow = 0.0;                        // its length, of what is not flat
-    bool is_exact = false;                    // the path is the way itself, and the time
-    std::array<double, 2> pace = {0.0, 0.0};  // its derivative at both ends; zero: even
+    bool jumps = false;
+    double flow = 0.0;                        // length in the parameter of OffsetDrag::Flow; 0: a flat contact
+    bool is_exact = false;                    // path and time are within kExact of the exact ones
+    std::array<double, 2> pace = {0.0, 0.0};  // derivative of the time at both ends; zero: constant
 
     double time_at(double start, double share) const {
-      const double way = time - start;
-      const double even = pace[0] == 0.0 && pace[1] == 0.0 ? way : pace[0];
-      const double even_there = pace[0] == 0.0 && pace[1] == 0.0 ? way : pace[1];
-      return start + share * (even + share * (3.0 * way - 2.0 * even - even_there + share * (even + even_there - 2.0 * way)));
+      const double duration = time - start;
+      const double even = pace[0] == 0.0 && pace[1] == 0.0 ? duration : pace[0];
+      const double even_there = pace[0] == 0.0 && pace[1] == 0.0 ? duration : pace[1];
+      return start + share * (even + share * (3.0 * duration - 2.0 * even - even_there + share * (even + even_there - 2.0 * duration)));
     }
   };
-  struct Held {  // a pull on a centre that stays
+  struct Reaction {  // the pull on a centre that sticks, against its contacts
     bool is_known = false;
     bool is_free = false;
-    double way = 0.0;
+    double tangential = 0.0;
     double depth = 0.0;
     FrictionCoefficients friction;
   };
 
   FrictionCoefficients coefficients(const OffsetContact& contact) const noexcept;
-  bool rubs() const noexcept;
+  bool has_friction_here() const noexcept;
   OffsetDrag make_drag() noexcept;
   Next hold(const OffsetDrag::Pull& pull) noexcept;
-  Next descend_rubbing(const Vec3& device, const Vec3& motion) noexcept;
+  Next descend_with_friction(const Vec3& device, const Vec3& motion) noexcept;
   bool make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& pull, const Vec3& device, bool has_vanished, Slip& slip) noexcept;
   Next drag(const Vec3& from, const Vec3& to, double& time) noexcept;
-  Dragged make_drag_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept;
-  Dragged make_flow_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept;
-  Dragged make_last_leg(const Vec3& device, double time, const Vec3& normal, DragLeg& leg) const noexcept;
-  double find_reach(const Vec3& way) noexcept;
-  Held find_held(const Vec3& pull) const noexcept;
-  Next stay_rubbing(const Vec3& from, const Vec3& to, double& time) noexcept;
+  DragOutcome make_drag_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept;
+  DragOutcome make_flow_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept;
+  DragOutcome make_last_leg(const Vec3& device, double time, const Vec3& normal, DragLeg& leg) const noexcept;
+  double distance_to_boundary(const Vec3& direction) noexcept;
+  Reaction find_reaction(const Vec3& pull) const noexcept;
+  Next stay_with_friction(const Vec3& from, const Vec3& to, double& time) noexcept;
 
   struct Span {
     double begin = 0.0, end = 1.0;
   };
   static Span find_span(const Vec3& from, const Vec3& to);
   Outcome follow_near(const Vec3& from, const Vec3& to, double& time) noexcept;
-  bool pass_by(const Vec3& from, const Vec3& to, double& time) noexcept;
+  bool skip_ahead(const Vec3& from, const Vec3& to, double& time) noexcept;
   Next drop_weaker(const Vec3& pull) noexcept;
   int most_work(const Vec3& from, const Vec3& to) const noexcept;
   Next fly(const Vec3& from, const Vec3& to, double& time) noexcept;
   Next fly_to(const Vec3& to, double& until) noexcept;
-  bool find_active(const Vec3& pull, const Vec3& motion, Vec3& way) noexcept;
+  bool find_active(const Vec3& pull, const Vec3& motion, Vec3& descent) noexcept;
   Next descend(const Vec3& device, const Vec3& motion) noexcept;
   Next slide(const Vec3& from, const Vec3& to, double& time) noexcept;
   Next wait(const Vec3& from, const Vec3& to, double& time) const noexcept;
-  bool find_way_off(const Vec3& motion) noexcept;
-  void hold_against(const Vec3& device, const Vec3& motion) noexcept;
+  bool find_escape_direction(const Vec3& motion) noexcept;
+  void activate_opposing(const Vec3& device, const Vec3& motion) noexcept;
   bool is_on_axis(const Vec3& device) const noexcept;
   double time_off_axis(const Vec3& from, const Vec3& to, double time) const noexcept;
   template <class Place>
@@ -210,11 +210,11 @@ class SphereFollower {
   bool make_leg(const Vec3& from, const Vec3& to, double time, Leg& leg) const noexcept;
   bool make_descent(const Vec3& device, bool is_unstable, CentrePath& path) const noexcept;
   CentrePath roll(const OffsetContact& contact, const Vec3& device) const noexcept;
-  bool climb_down_curve(const Vec3& device, bool is_unstable, CentrePath& path) const noexcept;
-  bool climb(const Vec3& way, double length, const Vec3& device, bool is_unstable, CentrePath& path) const noexcept;
+  bool descend_along_curve(const Vec3& device, bool is_unstable, CentrePath& path) const noexcept;
+  bool make_curve_piece(const Vec3& direction, double length, const Vec3& device, bool is_unstable, CentrePath& path) const noexcept;
   double find_stability(const Vec3& c, const Vec3& device) const noexcept;
   Vec3 find_rate(const Vec3& c, const Vec3& device, const Vec3& motion) const noexcept;
-  double find_turn(const Vec3& move) const noexcept;
+  double find_turn(const Vec3& displacement) const noexcept;
   bool solve(const Vec3& device, Vec3& c) const noexcept;
   bool solve_on_curve(const Vec3& device, Vec3& c) const noexcept;
   void guide(CentrePath& path) const noexcept;
@@ -225,69 +225,69 @@ class SphereFollower {
   bool find_event(const CentrePath& path, Event& event) noexcept;
   int find_exits(const OffsetContact& contact) noexcept;
   void note_candidates(const Vec3& from, const Vec3& to, double near) noexcept;
-  bool take_event(const Event& event, const CentrePath& path) noexcept;
+  bool apply_event(const Event& event, const CentrePath& path) noexcept;
   std::optional<Next> end_leg(const CentrePath& path, const Event& event, bool is_whole, int released, const Vec3& device) noexcept;
-  void leave_part(int i, const Exit& exit, const Vec3& way) noexcept;
-  int find_rising(const OffsetContact& contact, int edge, const Vec3& way) noexcept;
-  static constexpr int kMostExitWork = 16384;
+  void move_to_next_part(int i, const Exit& exit, const Vec3& direction) noexcept;
+  int find_rising(const OffsetContact& contact, int edge, const Vec3& direction) noexcept;
+  static constexpr int kMostEscapeWork = 16384;
   bool find_apex(Vec3& apex) const noexcept;
   bool find_cone() noexcept;
-  double least_corner_way(const Vec3& pull) const noexcept;
-  double time_to_corner_way(const Vec3& from, const Vec3& to, double time) noexcept;
-  bool leave_rest(const Vec3& device, const Vec3& motion) noexcept;
-  bool go_round(const TangentCone::Steepest& to, double wide, bool ahead) noexcept;
-  bool go_over(const Vec3& way, double height) noexcept;
+  double least_corner_exit(const Vec3& pull) const noexcept;
+  double time_to_corner_exit(const Vec3& from, const Vec3& to, double time) noexcept;
+  bool leave_minimum(const Vec3& device, const Vec3& motion) noexcept;
+  bool fly_around_corner(const TangentCone::Steepest& to, double wide, bool ahead) noexcept;
+  bool fly_over(const Vec3& displacement, double height) noexcept;
   template <class Go>
-  bool try_way(const Vec3& device, const Vec3& motion, Go&& go) noexcept;
+  bool try_escape(const Vec3& device, const Vec3& motion, Go&& go) noexcept;
   Vec3 find_lift(double height) noexcept;
-  bool go_straight(const Vec3& motion, double share) noexcept;
-  int find_level(const OffsetContact& contact, const Exit& exit) noexcept;
+  bool fly_straight(const Vec3& motion, double share) noexcept;
+  int find_coplanar(const OffsetContact& contact, const Exit& exit) noexcept;
   bool add_contact(const OffsetContact& contact) noexcept;
   void remove_contact(int i) noexcept;
   void note_move(const Vec3& from) noexcept;
   void note_gain(const Vec3& device, bool has_moved) noexcept;
-  unsigned held_corners(const ContactTriangle& shape) const noexcept;
+  unsigned guiding_corners(const ContactTriangle& shape) const noexcept;
   bool holds_part_of(const ContactTriangle& shape, std::uint32_t triangle) const noexcept;
   bool can_touch(std::uint32_t triangle, const ContactTriangle& shape, const Vec3& p) const noexcept;
   bool is_clear(double short_by) noexcept;
   bool is_clear_here(double short_by) noexcept;
-  bool is_shallow(const Vec3& device, Vec3& way) const noexcept;
+  bool is_shallow(const Vec3& device, Vec3& direction) const noexcept;
   void note_multipliers(const Vec3& device) noexcept;
 
   const TouchGeometry& geometry_;
   std::span<const Material> materials_;
-  CentrePath::Keep keep_;
+  Clearance clearance_;
   bool is_point_;
   bool has_friction_ = false;
-  Rubbing rub_;
-  bool holds_ = false;
+  FrictionState friction_;
+  bool is_tracking_ = false;
   bool is_descending_ = false;
-  bool has_lost_minimum_ = false;  // along the curve: it goes on by hint_
+  bool has_lost_minimum_ = false;  // along the curve: it continues along hint_
   Vec3 centre_ = Vec3::Zero();
   std::array<OffsetContact, kMostContacts> contacts_;
-  int count_ = 0;
-  int touching_ = 0;          // of contacts_: the first count_ hold, the others were met here
-  Vec3 hint_ = Vec3::Zero();  // which way it was going
+  int active_count_ = 0;
+  int contact_count_ = 0;     // number of contacts_: the first active_count_ are active, the others were hit at this point
+  Vec3 hint_ = Vec3::Zero();  // the last direction of motion
   NearTriangles near_;
-  double reach_ = 0.0;                                    // of the next gathering
-  std::array<int, NearTriangles::kCapacity> candidates_;  // of what is near: what may be met on a path
+  double gather_radius_ = 0.0;                            // of the next gather()
+  std::array<int, NearTriangles::kCapacity> candidates_;  // slots in near_ that a path may hit
   int candidate_count_ = 0;
   std::array<Exit, kMostExits> exits_;
-  int work_ = 0;                 // triangles looked at in this step
-  int idle_ = 0;                 // events that led no nearer
-  double least_distance_ = 0.0;  // to the device where it is
-  TangentCone cone_;             // of the corner that the centre was last at rest in
+  int work_ = 0;                 // units of work in this step
+  int idle_ = 0;                 // events without progress
+  double least_distance_ = 0.0;  // least distance to the device since the device moved
+  TangentCone cone_;             // of the corner that the centre was last held in
   bool has_cone_ = false;
-  Vec3 cone_from_ = Vec3::Constant(std::numeric_limits<double>::infinity());
-  int corner_tries_ = 0;  // in this step,
-  int passes_ = 0;        // and places passed by
+  Vec3 cone_at_ = Vec3::Constant(std::numeric_limits<double>::infinity());
+  int corner_tries_ = 0;  // in this step
+  int skips_ = 0;         // in this step
   std::uint64_t step_ = 1;
-  int exit_work_ = 0;  // in this step, on ways off a rest
-  std::uint64_t tried_over_in_ = 0;
-  std::uint64_t events_ = 0, slips_ = 0, flights_ = 0, gathered_ = 0, looked_at_ = 0;
+  int escape_work_ = 0;  // in this step, on escapes from a minimum
+  std::uint64_t last_fly_over_ = 0;
+  std::uint64_t events_ = 0, slips_ = 0, flights_ = 0, gathered_ = 0, queried_ = 0;
 };
 
-// Goes to the event. A path is a little off the way itself: Newton's steps lead to where something is hit, or a border is passed.
+// Moves the centre to the event. The path approximates the exact one, so Newton steps lead to the point of contact or the boundary.
 template <class Place>
 void SphereFollower::place_at_event(const CentrePath& path, Event& event, Place&& place) noexcept {
   constexpr int kMostRounds = 6;
@@ -300,13 +300,13 @@ void SphereFollower::place_at_event(const CentrePath& path, Event& event, Place&
     double rate = 0.0;
     if (is_hit) {
       const Separation at = near_.shape(event.slot).separation(centre_);
-      gap = at.distance - keep_.offset;
+      gap = at.distance - clearance_.offset;
       rate = at.normal.dot(path.slope(event.time));
     } else {
-      gap = kOnBorder - event.exit.direction.dot(centre_ - event.exit.origin);
+      gap = kOnBoundary - event.exit.direction.dot(centre_ - event.exit.origin);
       rate = -event.exit.direction.dot(path.slope(event.time));
     }
-    if (std::fabs(gap) <= (is_hit ? 0.125 * keep_.slop : 0.25 * kOnBorder) || !(rate < 0.0)) return;
+    if (std::fabs(gap) <= (is_hit ? 0.125 * clearance_.slop : 0.25 * kOnBoundary) || !(rate < 0.0)) return;
     const double time = std::clamp(event.time - gap / rate, 0.0, 1.0);
     if (time == event.time) return;
     event.time = time;

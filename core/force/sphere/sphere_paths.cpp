@@ -1,4 +1,4 @@
-// The pieces of way that a sphere's centre goes over the offset surface, and what happens first on them.
+// The pieces of path that a sphere's centre takes over the offset surface without friction.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -15,81 +15,81 @@ using Part = OffsetContact::Part;
 }  // namespace
 
 bool SphereFollower::find_frame(const Vec3& c, ContactFrame& frame) const noexcept {
-  frame.count = count_;
-  for (int i = 0; i < count_; ++i) frame.normal[i] = contacts_[i].stand(c).normal;
+  frame.count = active_count_;
+  for (int i = 0; i < active_count_; ++i) frame.normal[i] = contacts_[i].proximity(c).normal;
   return frame.prepare();
 }
 
 void SphereFollower::guide(CentrePath& path) const noexcept {
-  for (int i = 0; i < count_; ++i) path.keep_on(contacts_[i].guide(keep_.offset));
+  for (int i = 0; i < active_count_; ++i) path.add_guide(contacts_[i].guide(clearance_.offset));
 }
 
-// The nearest place where all that holds the centre is as far off as it should be.
+// Projects onto the offset of all active contacts.
 bool SphereFollower::restore(Vec3& c) const noexcept {
   constexpr int kMostRounds = 8;
   for (int round = 0; round < kMostRounds; ++round) {
     ContactFrame frame;
     std::array<double, 3> short_by{};
     double most = 0.0;
-    frame.count = count_;
-    for (int i = 0; i < count_; ++i) {
-      const OffsetContact::Stand stand = contacts_[i].stand(c);
-      frame.normal[i] = stand.normal;
-      short_by[i] = keep_.offset - stand.distance;
+    frame.count = active_count_;
+    for (int i = 0; i < active_count_; ++i) {
+      const OffsetContact::Proximity proximity = contacts_[i].proximity(c);
+      frame.normal[i] = proximity.normal;
+      short_by[i] = clearance_.offset - proximity.distance;
       most = std::max(most, std::fabs(short_by[i]));
     }
     if (most <= 0x1p-51) return true;
-    if (most > keep_.offset || !frame.prepare()) return false;
-    for (int i = 0; i < count_; ++i) c += short_by[i] * frame.dual[i];
-    if (most <= 0x1p-26 * keep_.offset && count_ == 1) return true;
+    if (most > clearance_.offset || !frame.prepare()) return false;
+    for (int i = 0; i < active_count_; ++i) c += short_by[i] * frame.dual[i];
+    if (most <= 0x1p-26 * clearance_.offset && active_count_ == 1) return true;
   }
-  for (int i = 0; i < count_; ++i) {
-    if (!(std::fabs(keep_.offset - contacts_[i].stand(c).distance) <= keep_.tolerance)) return false;
+  for (int i = 0; i < active_count_; ++i) {
+    if (!(std::fabs(clearance_.offset - contacts_[i].proximity(c).distance) <= clearance_.tolerance)) return false;
   }
   return true;
 }
 
-// Of the minimum on what one or two hold it by: the second derivative along the way that is free, least of all ways. 1 where all is flat.
+// Second derivative of half the squared distance to the device along the free directions, the least of all. 1: all active parts are flat.
 double SphereFollower::find_stability(const Vec3& c, const Vec3& device) const noexcept {
   ContactFrame frame;
   if (!find_frame(c, frame)) return 1.0;
-  if (count_ == 1) return contacts_[0].is_curved() ? 1.0 - frame.normal[0].dot(c - device) / keep_.offset : 1.0;
+  if (active_count_ == 1) return contacts_[0].is_curved() ? 1.0 - frame.normal[0].dot(c - device) / clearance_.offset : 1.0;
   double stability = 1.0;
-  for (int i = 0; i < count_; ++i) {
-    stability -= std::max(0.0, frame.dual[i].dot(c - device)) * contacts_[i].curvature(frame.along, keep_.offset);
+  for (int i = 0; i < active_count_; ++i) {
+    stability -= std::max(0.0, frame.dual[i].dot(c - device)) * contacts_[i].curvature(frame.along, clearance_.offset);
   }
   return stability;
 }
 
-// By how much the centre's move turns it about the edges and vertices that hold it, rad.
-double SphereFollower::find_turn(const Vec3& move) const noexcept {
+// The angle by which a displacement turns the centre about the active edges and vertices, rad.
+double SphereFollower::find_turn(const Vec3& displacement) const noexcept {
   double most = 0.0;
-  for (int i = 0; i < count_; ++i) {
+  for (int i = 0; i < active_count_; ++i) {
     if (!contacts_[i].is_curved()) continue;
     const Vec3 axis = contacts_[i].part == Part::edge ? contacts_[i].axis() : Vec3(Vec3::Zero());
-    most = std::max(most, (move - axis.dot(move) * axis).norm());
+    most = std::max(most, (displacement - axis.dot(displacement) * axis).norm());
   }
-  return most / keep_.offset;
+  return most / clearance_.offset;
 }
 
-// The local minimum for the device on all that holds the centre. `c`: in, near it.
+// The local minimum for the device on all active contacts. `c`: in, near it.
 bool SphereFollower::solve(const Vec3& device, Vec3& c) const noexcept {
   constexpr double kLeastOff = 0x1p-40;
-  if (count_ > 1) return count_ == 3 || solve_on_curve(device, c);
+  if (active_count_ > 1) return active_count_ == 3 || solve_on_curve(device, c);
   const OffsetContact& contact = contacts_[0];
   if (contact.part == Part::face) {
-    c = device + (keep_.offset - contact.stand(device).distance) * contact.normal;
+    c = device + (clearance_.offset - contact.proximity(device).distance) * contact.normal;
     return true;
   }
-  const OffsetContact::Stand at = contact.stand(device);
-  if (!(at.distance > kLeastOff) || !(at.normal.dot(contact.stand(c).normal) > 0.0)) return false;
-  c = device + (keep_.offset - at.distance) * at.normal;
+  const OffsetContact::Proximity at = contact.proximity(device);
+  if (!(at.distance > kLeastOff) || !(at.normal.dot(contact.proximity(c).normal) > 0.0)) return false;
+  c = device + (clearance_.offset - at.distance) * at.normal;
   return true;
 }
 
 bool SphereFollower::solve_on_curve(const Vec3& device, Vec3& c) const noexcept {
   constexpr int kMostRounds = 16;
-  constexpr double kMostSheer = 64.0;  // two faces that meet at a larger angle lead to their line at once
+  constexpr double kMostSheer = 64.0;  // faces at a larger angle reach their common line in one step
   const bool is_line = !contacts_[0].is_curved() && !contacts_[1].is_curved();
   Vec3 along = Vec3::Zero();
   for (int round = 0; round < kMostRounds; ++round) {
@@ -97,17 +97,17 @@ bool SphereFollower::solve_on_curve(const Vec3& device, Vec3& c) const noexcept 
     std::array<double, 2> short_by{};
     frame.count = 2;
     for (int i = 0; i < 2; ++i) {
-      const OffsetContact::Stand stand = contacts_[i].stand(c);
-      frame.normal[i] = stand.normal;
-      short_by[i] = keep_.offset - stand.distance;
+      const OffsetContact::Proximity proximity = contacts_[i].proximity(c);
+      frame.normal[i] = proximity.normal;
+      short_by[i] = clearance_.offset - proximity.distance;
     }
     if (!frame.prepare()) return false;
-    // Between two offset surfaces there are two curves, one on either side of a crest: it stays on its own.
+    // Two offset surfaces can meet in two curves, one on either side of a crest: stay on the same one.
     if (round == 0) along = frame.along;
     if (!(frame.along.dot(along) > 0.0)) return false;
     double stability = 1.0;
     for (int i = 0; i < 2 && !is_line; ++i) {
-      stability -= std::max(0.0, frame.dual[i].dot(c - device)) * contacts_[i].curvature(frame.along, keep_.offset);
+      stability -= std::max(0.0, frame.dual[i].dot(c - device)) * contacts_[i].curvature(frame.along, clearance_.offset);
     }
     if (!(stability > kLeastStability)) return false;
     const double ahead = frame.along.dot(device - c) / stability;
@@ -115,16 +115,16 @@ bool SphereFollower::solve_on_curve(const Vec3& device, Vec3& c) const noexcept 
     c += ahead * frame.along + short_by[0] * frame.dual[0] + short_by[1] * frame.dual[1];
     if (is_line && frame.dual[0].squaredNorm() <= kMostSheer) return true;
     const double step = std::max({std::fabs(ahead), std::fabs(short_by[0]), std::fabs(short_by[1])});
-    if (step <= std::max(0x1p-26 * keep_.offset, 0x1p-50)) return step <= keep_.tolerance || restore(c);
+    if (step <= std::max(0x1p-26 * clearance_.offset, 0x1p-50)) return step <= clearance_.tolerance || restore(c);
   }
   return restore(c);
 }
 
-// How fast the local minimum moves while the device goes on.
+// Velocity of the local minimum for a device that moves.
 Vec3 SphereFollower::find_rate(const Vec3& c, const Vec3& device, const Vec3& motion) const noexcept {
   ContactFrame frame;
   if (!find_frame(c, frame)) return Vec3::Zero();
-  if (count_ == 2) {
+  if (active_count_ == 2) {
     const double stability = find_stability(c, device);
     return frame.along * (frame.along.dot(motion) / (stability > 0.0 ? std::max(stability, 0x1p-20) : std::min(stability, -0x1p-20)));
   }
@@ -132,8 +132,8 @@ Vec3 SphereFollower::find_rate(const Vec3& c, const Vec3& device, const Vec3& mo
   const Vec3& normal = frame.normal[0];
   const Vec3 sideways = motion - normal.dot(motion) * normal;
   if (contact.part == Part::face) return sideways;
-  const double near = keep_.offset - normal.dot(c - device);
-  const double gain = keep_.offset / std::max(near, 0x1p-40);
+  const double near = clearance_.offset - normal.dot(c - device);
+  const double gain = clearance_.offset / std::max(near, 0x1p-40);
   if (contact.part == Part::vertex) return gain * sideways;
   const Vec3 axis = contact.axis();
   const double straight = axis.dot(motion);
@@ -143,10 +143,10 @@ Vec3 SphereFollower::find_rate(const Vec3& c, const Vec3& device, const Vec3& mo
 bool SphereFollower::make_leg(const Vec3& from, const Vec3& to, double time, Leg& leg) const noexcept {
   constexpr int kMostHalvings = 40;
   constexpr double kLeastTime = 0x1p-44;
-  constexpr double kNearZero = 0x1p-50;  // of a multiplier: its rounding
+  constexpr double kNearZero = 0x1p-50;  // rounding of a multiplier
   constexpr int kMostGrowing = 8;
-  constexpr double kUneven = 0x1p-20;       // of the offset,
-  constexpr double kUnevenShare = 0x1p-24;  // and of the way
+  constexpr double kUneven = 0x1p-20;       // of the offset
+  constexpr double kUnevenShare = 0x1p-24;  // of the length of the piece
   const Vec3 device = on_path(from, to, time);
   const Vec3 motion = to - from;
   if (is_on_axis(device)) {
@@ -157,14 +157,14 @@ bool SphereFollower::make_leg(const Vec3& from, const Vec3& to, double time, Leg
     leg.path = CentrePath::straight(centre_, centre_ + (leg.time - time) * along);
     return true;
   }
-  const bool is_straight = !contacts_[0].is_curved() && (count_ == 1 || !contacts_[1].is_curved());
+  const bool is_straight = !contacts_[0].is_curved() && (active_count_ == 1 || !contacts_[1].is_curved());
   const auto multiplier = [&](const Vec3& c, const Vec3& at, int i) {
     ContactFrame frame;
     return find_frame(c, frame) ? frame.dual[i].dot(c - at) : 0.0;
   };
   const Vec3 rate = is_straight ? Vec3::Zero() : find_rate(centre_, device, motion);
-  // So short that it turns by little, and that a cubic keeps time with it: where its speed at most doubles or halves, or where it is seen
-  // to.
+  // Whether the piece turns by little and a cubic keeps time with it: its speed changes by at most a factor of two, or its middle is
+  // checked.
   const auto is_even = [&](const Vec3& c, double then) {
     if (find_turn(c - centre_) > 2.0 * kTurn) return false;
     const double part = then - time;
@@ -175,7 +175,7 @@ bool SphereFollower::make_leg(const Vec3& from, const Vec3& to, double time, Leg
     Vec3 middle = 0.5 * (centre_ + c) + 0.125 * part * (rate - rate_there);
     const Vec3 guess = middle;
     return solve(on_path(from, to, time + 0.5 * part), middle) &&
-           (middle - guess).norm() <= kUneven * keep_.offset + kUnevenShare * (c - centre_).norm();
+           (middle - guess).norm() <= kUneven * clearance_.offset + kUnevenShare * (c - centre_).norm();
   };
   double span = 1.0 - time;
   if (!is_straight) span = std::min(span, kTurn / std::max(find_turn(rate), 0x1p-100));
@@ -187,22 +187,22 @@ bool SphereFollower::make_leg(const Vec3& from, const Vec3& to, double time, Leg
     if (solve(on_path(from, to, leg.time), end) && (is_straight || is_even(end, leg.time))) break;
     span *= 0.5;
   }
-  // The first multiplier to reach zero ends it there.
+  // The first multiplier that reaches zero ends the leg.
   leg.released = -1;
-  for (int i = 0; i < count_; ++i) {
+  for (int i = 0; i < active_count_; ++i) {
     const double at_end = multiplier(end, on_path(from, to, leg.time), i);
-    if (!(at_end < -kLeastWay)) continue;
+    if (!(at_end < -kAtMinimum)) continue;
     const auto multiplier_then = [&](double then) {
       Vec3 c = end;
       return solve(on_path(from, to, then), c) ? multiplier(c, on_path(from, to, then), i) : std::numeric_limits<double>::quiet_NaN();
     };
     double begin = time;
     double at_start = std::max(0.0, multiplier(centre_, device, i));
-    // What has just been met begins at zero, and may grow before it is released.
-    for (int k = 1; k <= kMostGrowing && at_start <= kLeastWay; ++k) {
+    // The multiplier of a new contact begins at zero, and may rise before it falls to zero again.
+    for (int k = 1; k <= kMostGrowing && at_start <= kAtMinimum; ++k) {
       const double then = time + std::ldexp(leg.time - time, -2 * k);
       const double grown = multiplier_then(then);
-      if (!(grown > kLeastWay)) continue;
+      if (!(grown > kAtMinimum)) continue;
       begin = then;
       at_start = grown;
     }
@@ -228,8 +228,8 @@ bool SphereFollower::make_leg(const Vec3& from, const Vec3& to, double time, Leg
 }
 
 bool SphereFollower::make_descent(const Vec3& device, bool is_unstable, CentrePath& path) const noexcept {
-  if (count_ == 2) return climb_down_curve(device, is_unstable, path);
-  if (count_ != 1) return false;
+  if (active_count_ == 2) return descend_along_curve(device, is_unstable, path);
+  if (active_count_ != 1) return false;
   const OffsetContact& contact = contacts_[0];
   if (contact.is_curved()) {
     path = roll(contact, device);
@@ -241,11 +241,11 @@ bool SphereFollower::make_descent(const Vec3& device, bool is_unstable, CentrePa
   return true;
 }
 
-// Round an edge or a vertex, off in the steepest direction: along a helix, until it is level with the device along the edge, or nearest to
-// it round the edge. The distance is the sum of both parts, and neither grows on the way.
+// Around an edge or a vertex in the steepest direction: along a helix, until it is level with the device along the edge, or closest to it
+// around the edge. The squared distance is the sum of both parts, and neither rises.
 CentrePath SphereFollower::roll(const OffsetContact& contact, const Vec3& device) const noexcept {
   const bool is_edge = contact.part == Part::edge;
-  const Vec3 normal = contact.stand(centre_).normal;
+  const Vec3 normal = contact.proximity(centre_).normal;
   const Vec3 axis = is_edge ? contact.axis() : Vec3(Vec3::Zero());
   const Vec3 off = device - contact.origin();
   const double rise = is_edge ? axis.dot(device - centre_) : 0.0;
@@ -254,49 +254,51 @@ CentrePath SphereFollower::roll(const OffsetContact& contact, const Vec3& device
   const double ahead = normal.dot(across);
   const double distance = across.norm();
   double side = sideways.norm();
-  if (side <= kLeastWay) {
+  if (side <= kAtMinimum) {
     if (ahead < 0.0) sideways = hint_ - normal.dot(hint_) * normal - axis.dot(hint_) * axis;
     side = ahead < 0.0 ? 0.0 : side;
     if (!(sideways.norm() > 0.0)) sideways = is_edge ? axis.cross(normal) : normal.unitOrthogonal();
   }
-  const Vec3 way = sideways.normalized();
-  const double angle = distance > kLeastWay ? std::atan2(side, ahead) : 0.0;
+  const Vec3 direction = sideways.normalized();
+  const double angle = distance > kAtMinimum ? std::atan2(side, ahead) : 0.0;
   double turn = std::min(angle, kTurn);
   double share = 1.0;
-  if (side > kLeastWay) {
-    share = std::min(1.0, turn * keep_.offset / side);
-    if (std::fabs(rise) > kLeastWay) turn = share * side / keep_.offset;
+  if (side > kAtMinimum) {
+    share = std::min(1.0, turn * clearance_.offset / side);
+    if (std::fabs(rise) > kAtMinimum) turn = share * side / clearance_.offset;
   }
   const Vec3 up = share * rise * axis;
   const double sine = std::sin(turn);
   const double cosine = std::cos(turn);
-  const Vec3 end = centre_ + up + keep_.offset * (sine * way - (1.0 - cosine) * normal);
-  CentrePath path =
-      CentrePath::curved(centre_, end, up + keep_.offset * turn * way, up + keep_.offset * turn * (cosine * way - sine * normal));
+  const Vec3 end = centre_ + up + clearance_.offset * (sine * direction - (1.0 - cosine) * normal);
+  CentrePath path = CentrePath::curved(centre_, end, up + clearance_.offset * turn * direction,
+                                       up + clearance_.offset * turn * (cosine * direction - sine * normal));
   guide(path);
   return path;
 }
 
-// Along the curve where two offset surfaces meet. From a minimum that has vanished: by the hint, or else the other way, whichever leads
-// nearer to the device. False: neither does.
-bool SphereFollower::climb_down_curve(const Vec3& device, bool is_unstable, CentrePath& path) const noexcept {
+// Along the curve where two offset surfaces meet. From a minimum that has vanished: along hint_ or against it, whichever leads nearer to
+// the device. False: neither does.
+bool SphereFollower::descend_along_curve(const Vec3& device, bool is_unstable, CentrePath& path) const noexcept {
   ContactFrame frame;
   if (!find_frame(centre_, frame)) return false;
   const double ahead = frame.along.dot(device - centre_);
-  if (!is_unstable) return climb(ahead < 0.0 ? Vec3(-frame.along) : frame.along, std::fabs(ahead), device, false, path);
-  const Vec3 way = frame.along.dot(hint_) < 0.0 ? Vec3(-frame.along) : frame.along;
-  return climb(way, 2.0 * kLeastWay, device, true, path) || climb(-way, 2.0 * kLeastWay, device, true, path);
+  if (!is_unstable) return make_curve_piece(ahead < 0.0 ? Vec3(-frame.along) : frame.along, std::fabs(ahead), device, false, path);
+  const Vec3 direction = frame.along.dot(hint_) < 0.0 ? Vec3(-frame.along) : frame.along;
+  return make_curve_piece(direction, 2.0 * kAtMinimum, device, true, path) ||
+         make_curve_piece(-direction, 2.0 * kAtMinimum, device, true, path);
 }
 
-bool SphereFollower::climb(const Vec3& way, double length, const Vec3& device, bool is_unstable, CentrePath& path) const noexcept {
+bool SphereFollower::make_curve_piece(const Vec3& direction, double length, const Vec3& device, bool is_unstable,
+                                      CentrePath& path) const noexcept {
   constexpr int kMostHalvings = 24;
   const bool is_straight = !contacts_[0].is_curved() && !contacts_[1].is_curved();
   ContactFrame here;
   if (!find_frame(centre_, here)) return false;
-  const double sense = here.along.dot(way);
-  // A piece of the curve as long as that. False: it is not the same curve there, or leads no nearer.
+  const double sense = here.along.dot(direction);
+  // A piece of that length. False: it ends on another curve, or no nearer.
   const auto go = [&](double ahead, bool must_lead_on) {
-    Vec3 end = centre_ + ahead * way;
+    Vec3 end = centre_ + ahead * direction;
     if (!restore(end)) return false;
     if (is_straight) {
       path = CentrePath::straight(centre_, end);
@@ -305,18 +307,18 @@ bool SphereFollower::climb(const Vec3& way, double length, const Vec3& device, b
     if ((is_unstable || must_lead_on) && !((device - end).squaredNorm() < (device - centre_).squaredNorm())) return false;
     ContactFrame there;
     if (!find_frame(end, there)) return false;
-    const Vec3 way_there = sense < 0.0 ? Vec3(-there.along) : there.along;  // else it is the curve on the other side of a crest
-    if (!(way_there.dot(way) > 1.0 - 2.0 * kTurn * kTurn)) return false;
-    if (must_lead_on && !(way_there.dot(device - end) > 0.0)) return false;
+    const Vec3 direction_there = sense < 0.0 ? Vec3(-there.along) : there.along;  // opposite: the curve on the other side of a crest
+    if (!(direction_there.dot(direction) > 1.0 - 2.0 * kTurn * kTurn)) return false;
+    if (must_lead_on && !(direction_there.dot(device - end) > 0.0)) return false;
     const double chord = (end - centre_).norm();
-    path = CentrePath::curved(centre_, end, chord * way, chord * way_there);
+    path = CentrePath::curved(centre_, end, chord * direction, chord * direction_there);
     guide(path);
     return true;
   };
   if (!is_straight) {
-    // As far as a piece may turn, or to the minimum before that.
+    // As far as a piece may turn, or to the minimum if that is nearer.
     const double stability = find_stability(centre_, device);
-    const double most = kTurn / std::max(find_turn(way), 0x1p-10);
+    const double most = kTurn / std::max(find_turn(direction), 0x1p-10);
     const double to_minimum = !is_unstable && stability > kLeastStability ? length / stability : most;
     length = std::min(to_minimum, most);
     if (to_minimum < most && 8.0 * to_minimum > most && go(most, true)) return true;
@@ -327,10 +329,10 @@ bool SphereFollower::climb(const Vec3& way, double length, const Vec3& device, b
   return false;
 }
 
-// Makes the triangles gathered cover the path, or its beginning until that time.
+// Gathers triangles so that they cover the path, or its beginning up to that time.
 bool SphereFollower::cover(const CentrePath& path, double& until) noexcept {
   constexpr int kMostHalvings = 40;
-  const double room = keep_.offset + path.bulge() + 2.0 * keep_.slop;
+  const double room = clearance_.offset + path.bulge() + 2.0 * clearance_.slop;
   const Vec3 end = path.at(until);
   if (near_.covers(path.start(), room) && near_.covers(end, room)) return true;
   if (!gather(end - path.start())) return false;
@@ -340,50 +342,50 @@ bool SphereFollower::cover(const CentrePath& path, double& until) noexcept {
   return false;
 }
 
-// The ball's centre lies ahead. As large as keeps it at some dozens of triangles.
+// The ball's centre lies ahead on the path. Its radius is adapted so that it holds some dozens of triangles.
 bool SphereFollower::gather(const Vec3& towards) noexcept {
   constexpr int kMostTries = 24;
   constexpr int kFew = 24;
   constexpr double kWidest = 0.25;
-  const double least = (is_point_ ? 64.0 : 0x1p-6) * keep_.offset;
-  if (!(reach_ > 0.0)) reach_ = std::max(least, 0.5 * keep_.offset);
+  const double least = (is_point_ ? 64.0 : 0x1p-6) * clearance_.offset;
+  if (!(gather_radius_ > 0.0)) gather_radius_ = std::max(least, 0.5 * clearance_.offset);
   const double length = towards.norm();
-  for (int i = 0; i < kMostTries; ++i, reach_ *= 0.5) {
-    const Vec3 ahead = length > 0.0 ? Vec3(towards * (0.6 * reach_ / length)) : Vec3::Zero();
-    int looked_at = 0;
+  for (int i = 0; i < kMostTries; ++i, gather_radius_ *= 0.5) {
+    const Vec3 ahead = length > 0.0 ? Vec3(towards * (0.6 * gather_radius_ / length)) : Vec3::Zero();
+    int queried = 0;
     ++gathered_;
-    const bool fits = near_.gather(geometry_, centre_ + ahead, keep_.offset + reach_ + 4.0 * keep_.slop, looked_at);
-    work_ += looked_at / 2;  // half of them, as near as a box, are not as near as the ball
+    const bool fits = near_.gather(geometry_, centre_ + ahead, clearance_.offset + gather_radius_ + 4.0 * clearance_.slop, queried);
+    work_ += queried / 2;  // half of them are near the box and not near the ball
     if (!fits) continue;
-    // Where the tree asks many for the few that are near, as among long slivers, a wider ball saves most.
-    const int few = std::max(kFew, std::min(looked_at / 8, NearTriangles::kCapacity / 4));
-    if (near_.count() < few) reach_ = std::min(1.4 * reach_, kWidest);
-    if (near_.count() > 3 * few) reach_ = std::max(0.7 * reach_, least);
+    // Where the tree visits many triangles for each one that is near, as among slivers, a wider ball saves most.
+    const int few = std::max(kFew, std::min(queried / 8, NearTriangles::kCapacity / 4));
+    if (near_.count() < few) gather_radius_ = std::min(1.4 * gather_radius_, kWidest);
+    if (near_.count() > 3 * few) gather_radius_ = std::max(0.7 * gather_radius_, least);
     return true;
   }
   return false;
 }
 
 bool SphereFollower::holds_part_of(const ContactTriangle& shape, std::uint32_t triangle) const noexcept {
-  for (int i = 0; i < count_; ++i) {
-    if (contacts_[i].triangle == triangle || contacts_[i].is_part_of(shape)) return true;
+  for (int i = 0; i < active_count_; ++i) {
+    if (contacts_[i].triangle == triangle || contacts_[i].is_shared_with(shape)) return true;
   }
   return false;
 }
 
-// A bit for each corner of a triangle that an edge or vertex which holds the centre has.
-unsigned SphereFollower::held_corners(const ContactTriangle& shape) const noexcept {
-  unsigned held = 0;
-  for (int i = 0; i < count_; ++i) {
+// A bit for each corner of the triangle that belongs to an active edge or vertex.
+unsigned SphereFollower::guiding_corners(const ContactTriangle& shape) const noexcept {
+  unsigned guiding = 0;
+  for (int i = 0; i < active_count_; ++i) {
     const OffsetContact& contact = contacts_[i];
     if (!contact.is_curved()) continue;
     for (int k = 0; k < 3; ++k) {
       const Vec3& corner = shape.corner(k);
       const bool is_end = contact.part == Part::edge && corner == contact.shape.corner((contact.index + 1) % 3);
-      if (is_end || corner == contact.origin()) held |= 1U << k;
+      if (is_end || corner == contact.origin()) guiding |= 1U << k;
     }
   }
-  return held;
+  return guiding;
 }
 
 }  // namespace hapton

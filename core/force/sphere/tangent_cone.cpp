@@ -6,7 +6,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kSame = 0x1p-20;  // rad: directions nearer to each other are one
+constexpr double kSameDirection = 0x1p-20;  // rad; closer directions count as equal
 
 Vec3 tangent(const Vec3& normal, const Vec3& at, bool ahead) { return ahead ? Vec3(normal.cross(at)) : Vec3(at.cross(normal)); }
 
@@ -21,7 +21,7 @@ void TangentCone::begin(const Vec3& apex) {
 bool TangentCone::add_arc(const Vec3& a, const Vec3& b) {
   const Vec3 normal = a.cross(b);
   const double length = normal.norm();
-  if (!(length > kSame)) return true;  // a needle covers nothing
+  if (!(length > kSameDirection)) return true;  // a needle covers no directions
   if (arc_count_ == kMostArcs) return false;
   arcs_[static_cast<std::size_t>(arc_count_++)] = {a, b, normal / length};
   return true;
@@ -35,7 +35,7 @@ bool TangentCone::add(const ContactTriangle& shape, double near) {
   return false;
 }
 
-// No arc is longer than a quarter, or than a corner of a triangle.
+// No arc is longer than a quarter circle, or than a corner of the triangle.
 bool TangentCone::add_arcs(const ContactTriangle& shape, double near) {
   for (int k = 0; k < 3; ++k) {
     if ((shape.corner(k) - apex_).norm() > near) continue;
@@ -53,24 +53,24 @@ bool TangentCone::add_arcs(const ContactTriangle& shape, double near) {
 }
 
 bool TangentCone::is_on(const Arc& arc, const Vec3& direction) {
-  return arc.normal.cross(arc.a).dot(direction) > -kSame && arc.b.cross(arc.normal).dot(direction) > -kSame &&
-         std::fabs(arc.normal.dot(direction)) <= kSame;
+  return arc.normal.cross(arc.a).dot(direction) > -kSameDirection && arc.b.cross(arc.normal).dot(direction) > -kSameDirection &&
+         std::fabs(arc.normal.dot(direction)) <= kSameDirection;
 }
 
-// The end of the arc, or where another one meets it before.
-Vec3 TangentCone::find_stop(int arc, bool ahead, const Vec3& from) const {
+// The end of the arc, or where another arc meets it before.
+Vec3 TangentCone::find_end(int arc, bool ahead, const Vec3& from) const {
   const Arc& own = arcs_[static_cast<std::size_t>(arc)];
   Vec3 stop = ahead ? own.b : own.a;
-  double nearest = from.dot(stop) + kSame * kSame;
+  double nearest = from.dot(stop) + kSameDirection * kSameDirection;
   const Vec3 forward = tangent(own.normal, from, ahead);
   for (int j = 0; j < arc_count_; ++j) {
     const Arc& other = arcs_[static_cast<std::size_t>(j)];
     const Vec3 both = own.normal.cross(other.normal);
     const double length = both.norm();
-    if (j == arc || !(length > kSame)) continue;
+    if (j == arc || !(length > kSameDirection)) continue;
     for (const double sign : {1.0, -1.0}) {
       const Vec3 at = both * (sign / length);
-      if (!(at.dot(forward) > kSame) || !(at.dot(from) > nearest) || !is_on(own, at) || !is_on(other, at)) continue;
+      if (!(at.dot(forward) > kSameDirection) || !(at.dot(from) > nearest) || !is_on(own, at) || !is_on(other, at)) continue;
       nearest = at.dot(from);
       stop = at;
     }
@@ -78,20 +78,20 @@ Vec3 TangentCone::find_stop(int arc, bool ahead, const Vec3& from) const {
   return stop;
 }
 
-// The first piece that is met when turning from `back` through `up` about `at`.
+// The first arc met by a rotation about `at` from `back` through `up`.
 TangentCone::Turn TangentCone::find_turn(const Vec3& at, const Vec3& back, const Vec3& up) const {
   Turn first;
   first.opening = std::numeric_limits<double>::infinity();
   for (int j = 0; j < arc_count_; ++j) {
     const Arc& arc = arcs_[static_cast<std::size_t>(j)];
-    const bool begins = (arc.a - at).norm() <= 2.0 * kSame;
-    const bool ends = (arc.b - at).norm() <= 2.0 * kSame;
+    const bool begins = (arc.a - at).norm() <= 2.0 * kSameDirection;
+    const bool ends = (arc.b - at).norm() <= 2.0 * kSameDirection;
     if (!begins && !ends && !is_on(arc, at)) continue;
     for (const bool ahead : {true, false}) {
       if (ahead ? ends : begins) continue;
-      const Vec3 way = tangent(arc.normal, at, ahead);
-      double angle = std::atan2(way.dot(up), way.dot(back));
-      if (angle <= kSame) angle += 2.0 * std::numbers::pi;
+      const Vec3 heading = tangent(arc.normal, at, ahead);
+      double angle = std::atan2(heading.dot(up), heading.dot(back));
+      if (angle <= kSameDirection) angle += 2.0 * std::numbers::pi;
       if (angle >= first.opening) continue;
       first = {j, ahead, angle};
     }
@@ -99,7 +99,7 @@ TangentCone::Turn TangentCone::find_turn(const Vec3& at, const Vec3& back, const
   return first;
 }
 
-// The place on any arc that is nearest to `inside`: nothing lies between. At an end of arcs, the piece that is met first from there.
+// The direction on any arc that is closest to `inside`: nothing lies between. At an end of arcs, the arc that is met first from there.
 bool TangentCone::find_start(const Vec3& inside, Walk& start) const {
   double nearest = -2.0;
   bool is_end = false;
@@ -122,12 +122,12 @@ bool TangentCone::find_start(const Vec3& inside, Walk& start) const {
   if (!is_end) return nearest > -2.0;
   const Vec3 back = inside - start.from.dot(inside) * start.from;
   const double length = back.norm();
-  if (!(length > kSame)) return false;
+  if (!(length > kSameDirection)) return false;
   start = turn(start.from, back / length, start.from.cross(back / length)).walk;
   return start.arc >= 0;
 }
 
-// Round `at`, from a piece to the next.
+// From one piece to the next at the direction `at`.
 TangentCone::Turned TangentCone::turn(const Vec3& at, const Vec3& back, const Vec3& up) const {
   const Turn turn = find_turn(at, back, up);
   if (turn.arc < 0) return {};
@@ -135,7 +135,7 @@ TangentCone::Turned TangentCone::turn(const Vec3& at, const Vec3& back, const Ve
   return {{turn.arc, turn.ahead, arcs_[static_cast<std::size_t>(turn.arc)].normal.dot(to_free) > 0.0, at}, turn.opening};
 }
 
-bool TangentCone::find_border(const Vec3& inside) {
+bool TangentCone::find_boundary(const Vec3& inside) {
   piece_count_ = 0;
   Walk start;
   if (!find_start(inside, start)) return false;
@@ -144,10 +144,10 @@ bool TangentCone::find_border(const Vec3& inside) {
     const Arc& own = arcs_[static_cast<std::size_t>(here.arc)];
     Piece& piece = pieces_[static_cast<std::size_t>(piece_count_++)];
     piece.from = here.from;
-    piece.to = find_stop(here.arc, here.ahead, here.from);
+    piece.to = find_end(here.arc, here.ahead, here.from);
     piece.normal = here.on_normal ? own.normal : Vec3(-own.normal);
     const bool is_again = piece_count_ > 1 && here.arc == start.arc && here.ahead == start.ahead && here.on_normal == start.on_normal;
-    if (is_again && (here.from - start.from).norm() <= 2.0 * kSame) {  // it has come round
+    if (is_again && (here.from - start.from).norm() <= 2.0 * kSameDirection) {  // the loop is closed
       --piece_count_;
       return true;
     }

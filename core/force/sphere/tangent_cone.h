@@ -8,11 +8,11 @@
 
 namespace hapton {
 
-// The directions in which a point at the apex, where triangles meet, can go: the tangent cone of the free space there (Rockafellar and
-// Wets 1998, 6.A). On the unit sphere round the apex each triangle is an arc of a great circle, and arcs bound the region that the point is
-// in. Its border is a loop of pieces of arcs, each seen from one side: at the end of a piece the next one is the first that is met when the
-// piece is turned about that direction through the free side. It follows from directions alone, whether triangles share edges, cross, or
-// end in the air.
+// The directions in which a point at the apex, where triangles meet, can move: the tangent cone of the free space there (Rockafellar and
+// Wets 1998, 6.A). On the unit sphere around the apex each triangle is an arc of a great circle, and arcs bound the region of the point.
+// The boundary of that region is a closed loop of pieces of arcs, each seen from one side. At the end of a piece, the next one is the first
+// arc met by a rotation about that direction through the free side. Only directions count: the triangles may share edges, intersect, or end
+// in free space.
 //
 // Directions are unit vectors in the triangles' frame. RT: yes; bounded by kMostArcs and kMostPieces.
 class TangentCone {
@@ -23,8 +23,8 @@ class TangentCone {
   struct Piece {
     Vec3 from = Vec3::Zero();
     Vec3 to = Vec3::Zero();
-    Vec3 normal = Vec3::Zero();  // to the free side
-    Vec3 back = Vec3::Zero();    // at `to`, along the piece to where it came from
+    Vec3 normal = Vec3::Zero();  // unit, to the free side
+    Vec3 back = Vec3::Zero();    // unit, at `to`, tangent to the piece, back along it
     double opening = 0.0;        // rad: the free angle at `to` between this piece and the next
   };
   struct Steepest {
@@ -34,14 +34,14 @@ class TangentCone {
   };
 
   void begin(const Vec3& apex);
-  // What a triangle covers of the sphere: an edge or corner as near as `near` to the apex counts as through it. False: no room for it.
+  // Adds the arc of a triangle. An edge or corner within `near` of the apex counts as through it. False: no room for it.
   bool add(const ContactTriangle& shape, double near);
-  // Finds the border of the region that `inside` is in. False: there is none, or it does not close.
-  bool find_border(const Vec3& inside);
+  // Finds the boundary of the region that contains `inside`. False: there is none, or it does not close.
+  bool find_boundary(const Vec3& inside);
 
   const Vec3& apex() const { return apex_; }
-  std::span<const Piece> border() const { return std::span(pieces_).first(static_cast<std::size_t>(piece_count_)); }
-  // Of the directions on the border.
+  std::span<const Piece> boundary() const { return std::span(pieces_).first(static_cast<std::size_t>(piece_count_)); }
+  // Among the directions on the boundary.
   Steepest find_steepest(const Vec3& pull) const;
 
  private:
@@ -54,7 +54,7 @@ class TangentCone {
     double opening = 0.0;
   };
 
-  // Along an arc, from a direction on it, with the free side on that of its normal or the other.
+  // A position on the boundary: an arc, a direction on it, which way along it, and whether its normal points to the free side.
   struct Walk {
     int arc = -1;
     bool ahead = true;
@@ -69,7 +69,7 @@ class TangentCone {
   bool add_arc(const Vec3& a, const Vec3& b);
   bool add_arcs(const ContactTriangle& shape, double near);
   static bool is_on(const Arc& arc, const Vec3& direction);
-  Vec3 find_stop(int arc, bool ahead, const Vec3& from) const;
+  Vec3 find_end(int arc, bool ahead, const Vec3& from) const;
   Turn find_turn(const Vec3& at, const Vec3& back, const Vec3& up) const;
   Turned turn(const Vec3& at, const Vec3& back, const Vec3& up) const;
   bool find_start(const Vec3& inside, Walk& start) const;

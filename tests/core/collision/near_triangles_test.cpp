@@ -71,12 +71,12 @@ TEST_P(NearTrianglesTest, NothingNearIsMissed) {
     if (round % 4 == 1) centre = geometry.corner(all[random() % all.size()], 0);
     if (round % 4 == 3) centre += 0.01 * vector();
     const double within = 0.03 + 0.3 * std::fabs(unit(random));
-    int looked_at = 0;
-    ASSERT_TRUE(near->gather(geometry, centre, within, looked_at));
+    int queried = 0;
+    ASSERT_TRUE(near->gather(geometry, centre, within, queried));
     std::set<std::uint32_t> ids;
     for (int slot = 0; slot < near->count(); ++slot) ids.insert(near->triangle(slot));
     ASSERT_EQ(ids.size(), static_cast<std::size_t>(near->count())) << "one twice";
-    EXPECT_GE(looked_at, near->count());
+    EXPECT_GE(queried, near->count());
     gathered += ids.size();
     for (const std::uint32_t id : all) ASSERT_EQ(ids.count(id) != 0, geometry.separation(id, centre).distance <= within) << id;
 
@@ -93,7 +93,7 @@ TEST_P(NearTrianglesTest, NothingNearIsMissed) {
       visited += slots.size();
       asked += ids.size();
       for (int slot = 0; slot < near->count(); ++slot) {
-        ASSERT_LE(near->least_distance(slot, q), near->shape(slot).separation(q).distance) << near->triangle(slot);
+        ASSERT_LE(near->distance_bound(slot, q), near->shape(slot).separation(q).distance) << near->triangle(slot);
         if (slots.count(slot) != 0) continue;
         ASSERT_GT(distance_to_segment(near->shape(slot), p, q), distance) << "round " << round << " triangle " << near->triangle(slot);
       }
@@ -126,12 +126,12 @@ TEST(NearTriangles, BoundsHoldFromCloseAboveABoundary) {
       const Vec3 inward = shape.normal().cross(shape.edge(k)) / shape.length(k);
       const Vec3 centre = shape.corner(k) + (0.5 + 0.4 * unit(random)) * shape.edge(k) + height * shape.normal() +
                           std::exp2(-53.0 + unit(random)) * unit(random) * inward;
-      int looked_at = 0;
-      ASSERT_TRUE(near->gather(geometry, centre, 0.5, looked_at));
+      int queried = 0;
+      ASSERT_TRUE(near->gather(geometry, centre, 0.5, queried));
       edges += geometry.separation(0, centre).feature == Feature::edge ? 1 : 0;
       // A way over the face at the same height comes no nearer than that.
       const Vec3 p = centre + 0.2 * inward;
-      ASSERT_LE(near->least_distance(0, p), shape.separation(p).distance) << "height " << height;
+      ASSERT_LE(near->distance_bound(0, p), shape.separation(p).distance) << "height " << height;
       bool is_visited = false;
       near->visit_near(p, p, shape.separation(p).distance, [&](int) { is_visited = true; });
       ASSERT_TRUE(is_visited) << "height " << height;
@@ -145,17 +145,17 @@ TEST(NearTriangles, MoreThanFitLeaveItEmpty) {
   const TouchGeometry geometry({&mesh});
   ASSERT_GT(geometry.triangle_count(), static_cast<std::size_t>(NearTriangles::kCapacity));
   const auto near = std::make_unique<NearTriangles>();
-  int looked_at = 0;
-  ASSERT_TRUE(near->gather(geometry, Vec3::Zero(), 0.05, looked_at));
+  int queried = 0;
+  ASSERT_TRUE(near->gather(geometry, Vec3::Zero(), 0.05, queried));
   EXPECT_GT(near->count(), 0);
-  EXPECT_FALSE(near->gather(geometry, Vec3::Zero(), 4.0, looked_at));
+  EXPECT_FALSE(near->gather(geometry, Vec3::Zero(), 4.0, queried));
   EXPECT_EQ(near->count(), 0);
   EXPECT_FALSE(near->covers(Vec3::Zero(), 0.0));
-  EXPECT_GT(looked_at, NearTriangles::kCapacity);
+  EXPECT_GT(queried, NearTriangles::kCapacity);
   bool any = false;
   near->visit_near(Vec3::Zero(), Vec3::Zero(), 4.0, [&](int) { any = true; });
   EXPECT_FALSE(any);
-  ASSERT_TRUE(near->gather(geometry, Vec3::Zero(), 0.05, looked_at));
+  ASSERT_TRUE(near->gather(geometry, Vec3::Zero(), 0.05, queried));
   EXPECT_TRUE(near->covers(Vec3(0.01, 0.0, 0.0), 0.04));
   EXPECT_FALSE(near->covers(Vec3(0.02, 0.0, 0.0), 0.04));
   near->clear();
@@ -166,11 +166,11 @@ TEST(NearTriangles, ShapesAreThoseOfTheGeometryAndNothingAllocates) {
   const TriangleMesh mesh = made::sphere(0.4, 12, 0.1);
   const TouchGeometry geometry({&mesh});
   const auto near = std::make_unique<NearTriangles>();
-  int looked_at = 0;
+  int queried = 0;
   const AllocationGuard guard;
   // Twice, elsewhere: what was prepared before is not what is there now.
   for (const Vec3& centre : {Vec3(0.4, 0.0, 0.0), Vec3(0.0, 0.4, 0.0)}) {
-    ASSERT_TRUE(near->gather(geometry, centre, 0.3, looked_at));
+    ASSERT_TRUE(near->gather(geometry, centre, 0.3, queried));
     ASSERT_GT(near->count(), 4);
     for (int slot = 0; slot < near->count(); ++slot) {
       for (int k = 0; k < 3; ++k) ASSERT_EQ(near->shape(slot).corner(k), geometry.corner(near->triangle(slot), k));

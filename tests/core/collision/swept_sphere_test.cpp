@@ -29,7 +29,7 @@ Walked walk(const TouchGeometry& geometry, const Vec3& p, const Vec3& motion, do
 class SweptSphere : public testing::TestWithParam<double> {};
 
 TEST_P(SweptSphere, BlocksWhereAWalkInSmallStepsDoes) {
-  const Clearance clearance{.rest = GetParam(), .slack = 0.5 * GetParam(), .tolerance = 1e-3 * GetParam()};
+  const Clearance clearance{.offset = GetParam(), .slop = 0.5 * GetParam(), .tolerance = 1e-3 * GetParam()};
   constexpr unsigned kSeed = 77;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   std::mt19937_64 random(kSeed);
@@ -42,20 +42,20 @@ TEST_P(SweptSphere, BlocksWhereAWalkInSmallStepsDoes) {
     const Vec3 p = 2.0 * point();
     const Vec3 aim = i % 2 == 0 ? geometry.corner(0, i % 3) : Vec3(0.4 * geometry.corner(0, 0) + 0.6 * geometry.corner(0, 1));
     const Vec3 motion = 1.5 * (aim + 0.2 * point() - p);
-    if (geometry.separation(0, p).distance <= clearance.rest) continue;
+    if (geometry.separation(0, p).distance <= clearance.offset) continue;
     const double t = time_to_block(TriangleView{geometry, 0}, p, motion, 1.0, clearance);
-    const Walked walked = walk(geometry, p, motion, clearance.rest);
+    const Walked walked = walk(geometry, p, motion, clearance.offset);
     const double grain = motion.norm() / 20000;
-    if (walked.least < clearance.rest - clearance.slack) {
+    if (walked.least < clearance.offset - clearance.slop) {
       EXPECT_LE(t, 1.0) << "case " << i << " went through";
     }
-    if (walked.least > clearance.rest + grain) {
+    if (walked.least > clearance.offset + grain) {
       EXPECT_GT(t, 1.0) << "case " << i << " was blocked by nothing";
     }
     if (t > 1.0) continue;
     ++blocked;
     EXPECT_LE(t, walked.first + 1e-9) << "case " << i << " stopped too late";
-    EXPECT_NEAR(geometry.separation(0, p + t * motion).distance, clearance.rest, 2.0 * clearance.tolerance);
+    EXPECT_NEAR(geometry.separation(0, p + t * motion).distance, clearance.offset, 2.0 * clearance.tolerance);
   }
   EXPECT_GT(blocked, 10);
 }
@@ -64,7 +64,7 @@ INSTANTIATE_TEST_SUITE_P(Radii, SweptSphere, testing::Values(1e-2, 0.1, 0.3));
 
 TEST(SweptSpherePoint, APointProbeNeverPassesAFaceEdgeOrCorner) {
   const double contact_offset = 0x1p-30;
-  const Clearance clearance{.rest = contact_offset, .slack = 0.5 * contact_offset, .tolerance = 0x1p-10 * contact_offset};
+  const Clearance clearance{.offset = contact_offset, .slop = 0.5 * contact_offset, .tolerance = 0x1p-10 * contact_offset};
   const TriangleMesh mesh = one_triangle({-0.5, -0.5, 0}, {0.5, -0.5, 0}, {0, 0.5, 0});
   const TouchGeometry geometry({&mesh});
   const auto through = [&](const Vec3& at) {
@@ -79,7 +79,7 @@ TEST(SweptSpherePoint, APointProbeNeverPassesAFaceEdgeOrCorner) {
 
 TEST(SweptSpherePoint, MovingAlongOrAwayIsNeverBlocked) {
   const double contact_offset = 0x1p-30;
-  const Clearance clearance{.rest = contact_offset, .slack = 0.5 * contact_offset, .tolerance = 0x1p-10 * contact_offset};
+  const Clearance clearance{.offset = contact_offset, .slop = 0.5 * contact_offset, .tolerance = 0x1p-10 * contact_offset};
   const TriangleMesh mesh = one_triangle({-0.5, -0.5, 0}, {0.5, -0.5, 0}, {0, 0.5, 0});
   const TouchGeometry geometry({&mesh});
   const Vec3 resting = geometry.to_local({0, 0, 0}) + Vec3(0, 0, contact_offset);
@@ -94,7 +94,7 @@ TEST(SweptSpherePoint, AShallowConcaveEdgeBlocksByItsFace) {
   const TriangleMesh second = one_triangle({0, -0.5, 0}, {0.5, 0, rise}, {0, 0.5, 0});
   const TouchGeometry geometry({&second});
   const double contact_offset = 0x1p-30;
-  const Clearance clearance{.rest = contact_offset, .slack = 0.5 * contact_offset, .tolerance = 0x1p-10 * contact_offset};
+  const Clearance clearance{.offset = contact_offset, .slop = 0.5 * contact_offset, .tolerance = 0x1p-10 * contact_offset};
   const Vec3 edge = geometry.to_local({0, 0, 0});
   const Vec3 start = edge + Vec3(-0.1, 0, contact_offset);
   const Vec3 motion(0.2, 0, 0);
@@ -143,7 +143,7 @@ TEST(ComesNearer, ALongSlideAlongAnEdgePasses) {
   const Vec3 edge = geometry.corner(0, 1) - a;
   const Vec3 away = Vec3(-edge.y(), edge.x(), 0.0).normalized();
   const Vec3 p = a + 0.1 * edge + 0.75 * kContactOffset * away;
-  const Clearance clearance{.rest = kContactOffset, .slack = 0.5 * kContactOffset, .tolerance = 0x1p-10 * kContactOffset};
+  const Clearance clearance{.offset = kContactOffset, .slop = 0.5 * kContactOffset, .tolerance = 0x1p-10 * kContactOffset};
   EXPECT_GT(time_to_block(TriangleView{geometry, 0}, p, 0.8 * edge, 1.0, clearance), 1.0);
   EXPECT_LE(time_to_block(TriangleView{geometry, 0}, p, 0.8 * edge - 2.0 * kContactOffset * away, 1.0, clearance), 1.0);
 }

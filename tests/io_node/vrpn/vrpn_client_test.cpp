@@ -47,7 +47,7 @@ TEST(VrpnClient, IsGreetedWithTheCookieAlone) {
 TEST(VrpnClient, GetsOurNamesAfterItsCookie) {
   Client client("Phantom0");
   taken(client);
-  ASSERT_TRUE(client.hear(Speaker().said, kNow));
+  ASSERT_TRUE(client.receive(Speaker().said, kNow));
   EXPECT_TRUE(client.is_connected());
   EXPECT_THAT(messages_in(client.out()), ElementsAre("-1/0", "-2/0", "-2/1", "-2/2", "-2/3", "-2/4", "-2/5", "-2/6", "-2/7", "-2/8"));
   std::span<const std::byte> rest(client.out());
@@ -62,14 +62,14 @@ TEST(VrpnClient, MaySpeakAByteAtATime) {
   speaker.describe_sender(4, "Phantom0");
   speaker.describe_type(17, "vrpn_Base ping_message");
   speaker.say(4, 17);
-  for (const std::byte byte : speaker.said) ASSERT_TRUE(client.hear({&byte, 1}, kNow));
+  for (const std::byte byte : speaker.said) ASSERT_TRUE(client.receive({&byte, 1}, kNow));
   EXPECT_TRUE(client.is_connected());
 }
 
 TEST(VrpnClient, WithAnotherCookieIsNotListenedTo) {
   Client client("Phantom0");
   const std::string said = "GET / HTTP/1.1\r\nHost: localhost\r\n";
-  EXPECT_FALSE(client.hear(std::as_bytes(std::span(said)), kNow));
+  EXPECT_FALSE(client.receive(std::as_bytes(std::span(said)), kNow));
 }
 
 TEST(VrpnClient, IsAnsweredAPingThatIsForUs) {
@@ -78,15 +78,15 @@ TEST(VrpnClient, IsAnsweredAPingThatIsForUs) {
   speaker.describe_sender(4, "Phantom0");
   speaker.describe_sender(5, "Tracker0");
   speaker.describe_type(17, "vrpn_Base ping_message");
-  ASSERT_TRUE(client.hear(speaker.said, kNow));
+  ASSERT_TRUE(client.receive(speaker.said, kNow));
   taken(client);
   speaker.said.clear();
   speaker.say(5, 17);
-  ASSERT_TRUE(client.hear(speaker.said, kNow));
+  ASSERT_TRUE(client.receive(speaker.said, kNow));
   EXPECT_TRUE(client.out().empty()) << "who asks for another device is not to believe that it is here";
   speaker.said.clear();
   speaker.say(4, 17);
-  ASSERT_TRUE(client.hear(speaker.said, kNow));
+  ASSERT_TRUE(client.receive(speaker.said, kNow));
   EXPECT_THAT(messages_in(client.out()), ElementsAre("0/0"));
 }
 
@@ -96,11 +96,11 @@ TEST(VrpnClient, MayGiveANumberAnotherMeaning) {
   speaker.describe_sender(4, "Phantom0");
   speaker.describe_sender(4, "Tracker0");
   speaker.describe_type(17, "vrpn_Base ping_message");
-  ASSERT_TRUE(client.hear(speaker.said, kNow));
+  ASSERT_TRUE(client.receive(speaker.said, kNow));
   taken(client);
   speaker.said.clear();
   speaker.say(4, 17);
-  ASSERT_TRUE(client.hear(speaker.said, kNow));
+  ASSERT_TRUE(client.receive(speaker.said, kNow));
   EXPECT_TRUE(client.out().empty());
 }
 
@@ -110,7 +110,7 @@ TEST(VrpnClient, ThatRequestsUdpSendsItsPortInTheSendersPlace) {
   // "127.0.0.1" and a zero, for port 0xd431.
   const Bytes request = hex("00000022 00000000 00000000 0000d431 fffffffd 00000000 3132372e302e302e31 00 000000000000");
   speaker.said.insert(speaker.said.end(), request.begin(), request.end());
-  ASSERT_TRUE(client.hear(speaker.said, kNow));
+  ASSERT_TRUE(client.receive(speaker.said, kNow));
   ASSERT_TRUE(client.udp_request());
   EXPECT_EQ(client.udp_request()->address, "127.0.0.1");
   EXPECT_EQ(client.udp_request()->port, 0xd431);
@@ -122,7 +122,7 @@ TEST(VrpnClient, ThatRequestsAnImpossiblePortIsNotFollowed) {
     Speaker speaker;
     const Bytes request = hex("00000022 00000000 00000000" + std::string(port) + "fffffffd 00000000 3132372e302e302e31 00 000000000000");
     speaker.said.insert(speaker.said.end(), request.begin(), request.end());
-    ASSERT_TRUE(client.hear(speaker.said, kNow));
+    ASSERT_TRUE(client.receive(speaker.said, kNow));
     EXPECT_FALSE(client.udp_request()) << port;
   }
 }
@@ -133,13 +133,13 @@ TEST(VrpnClient, ThatRequestsForcesIsRejectedAndCounted) {
   speaker.describe_sender(4, "Phantom0");
   speaker.describe_type(20, "vrpn_ForceDevice Plane");
   speaker.describe_type(21, "vrpn_ForceDevice Force_Field");
-  ASSERT_TRUE(client.hear(speaker.said, kNow));
+  ASSERT_TRUE(client.receive(speaker.said, kNow));
   EXPECT_EQ(client.rejected_forces(), 0U) << "naming a type is asking for nothing";
   taken(client);
   speaker.said.clear();
   speaker.say(4, 20);
   speaker.say(4, 21);
-  ASSERT_TRUE(client.hear(speaker.said, kNow));
+  ASSERT_TRUE(client.receive(speaker.said, kNow));
   EXPECT_EQ(client.rejected_forces(), 2U);
   EXPECT_TRUE(client.out().empty());
 }
@@ -150,7 +150,7 @@ TEST(VrpnClient, MayAskForTheWorkspace) {
   speaker.describe_sender(4, "Phantom0");
   speaker.describe_type(30, "vrpn_Tracker Request_Tracker_Workspace");
   speaker.say(4, 30);
-  ASSERT_TRUE(client.hear(speaker.said, kNow));
+  ASSERT_TRUE(client.receive(speaker.said, kNow));
   EXPECT_TRUE(client.take_workspace_request());
   EXPECT_FALSE(client.take_workspace_request());
 }
@@ -159,26 +159,26 @@ TEST(VrpnClient, ThatSaysGoodbyeIsDropped) {
   Client client("Phantom0");
   Speaker speaker;
   speaker.say(0, kDisconnect);
-  EXPECT_FALSE(client.hear(speaker.said, kNow));
+  EXPECT_FALSE(client.receive(speaker.said, kNow));
 }
 
 TEST(VrpnClient, WithAnImpossibleMessageIsDropped) {
   Client client("Phantom0");
   Speaker speaker;
   speaker.said.resize(speaker.said.size() + kHeaderBytes, std::byte{0xff});
-  EXPECT_FALSE(client.hear(speaker.said, kNow));
+  EXPECT_FALSE(client.receive(speaker.said, kNow));
 }
 
 TEST(VrpnClient, ThatNamesWithoutEndTakesNoMoreMemoryThanAFew) {
   Client client("Phantom0");
   Speaker speaker;
   for (std::int32_t id = 0; id < 100'000; ++id) speaker.describe_type(id, "vrpn_ForceDevice Plane");
-  ASSERT_TRUE(client.hear(speaker.said, kNow));
+  ASSERT_TRUE(client.receive(speaker.said, kNow));
   taken(client);
   speaker.said.clear();
   speaker.describe_sender(1, "Phantom0");
   speaker.say(1, 99'999);
-  ASSERT_TRUE(client.hear(speaker.said, kNow));
+  ASSERT_TRUE(client.receive(speaker.said, kNow));
   EXPECT_EQ(client.rejected_forces(), 0U) << "beyond what is remembered";
 }
 

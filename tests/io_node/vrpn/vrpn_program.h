@@ -22,7 +22,7 @@ namespace hapton::vrpn {
 class Program {
  public:
   // Messages received: by name, newest last; and whether by UDP.
-  struct Heard {
+  struct Received {
     std::string name;
     Bytes body;
     bool by_udp = false;
@@ -46,7 +46,7 @@ class Program {
   }
 
   // By a datagram that requests a call back, as for "name@host".
-  void ask_to_be_called(const Address& server, const std::string& host = "127.0.0.1") {
+  void request_callbacks(const Address& server, const std::string& host = "127.0.0.1") {
     listening_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     const std::uint16_t port = bind_to_any(listening_);
     ::listen(listening_, 1);
@@ -93,15 +93,15 @@ class Program {
 
   bool is_called() const { return tcp_ >= 0; }
   bool is_closed() const { return is_closed_; }
-  const std::vector<Heard>& heard() const { return heard_; }
-  bool has_heard(const std::string& name) const {
-    return std::any_of(heard_.begin(), heard_.end(), [&](const Heard& h) { return h.name == name; });
+  const std::vector<Received>& received() const { return received_; }
+  bool has_received(const std::string& name) const {
+    return std::any_of(received_.begin(), received_.end(), [&](const Received& h) { return h.name == name; });
   }
-  const Heard* last(const std::string& name) const {
-    const auto found = std::find_if(heard_.rbegin(), heard_.rend(), [&](const Heard& h) { return h.name == name; });
-    return found != heard_.rend() ? &*found : nullptr;
+  const Received* last(const std::string& name) const {
+    const auto found = std::find_if(received_.rbegin(), received_.rend(), [&](const Received& h) { return h.name == name; });
+    return found != received_.rend() ? &*found : nullptr;
   }
-  void forget() { heard_.clear(); }
+  void forget() { received_.clear(); }
   const std::string& device() const { return device_; }
 
  private:
@@ -163,7 +163,7 @@ class Program {
     while (read_message(rest, message) == ReadStatus::message) {
       if (message.type == kSenderDescription) device_ = name_of(message);
       if (message.type == kTypeDescription) types_[message.sender] = name_of(message);
-      if (message.type >= 0) heard_.push_back({types_[message.type], Bytes(message.body.begin(), message.body.end()), by_udp});
+      if (message.type >= 0) received_.push_back({types_[message.type], Bytes(message.body.begin(), message.body.end()), by_udp});
     }
   }
 
@@ -173,7 +173,7 @@ class Program {
   bool is_closed_ = false;
   std::string device_;
   std::map<std::int32_t, std::string> types_;
-  std::vector<Heard> heard_;
+  std::vector<Received> received_;
 };
 
 }  // namespace hapton::vrpn

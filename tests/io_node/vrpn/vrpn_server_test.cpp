@@ -68,32 +68,32 @@ TEST_F(VrpnServer, ShowsTheStylusToTcpClients) {
   sample.wrench.force_n = Vec3(0, 0.5, 1);
   Program program;
   program.connect(at());
-  ASSERT_TRUE(feed_until(program, [&] { return program.has_heard(kPosition) && program.has_heard("vrpn_Analog Channel"); }));
+  ASSERT_TRUE(feed_until(program, [&] { return program.has_received(kPosition) && program.has_received("vrpn_Analog Channel"); }));
   EXPECT_EQ(program.device(), "Phantom0");
   EXPECT_EQ(to_hex(program.last(kPosition)->body), to_hex(hex("00000000 00000000 3ff0000000000000 c000000000000000 3fe0000000000000"
                                                               "0000000000000000 0000000000000000 0000000000000000 3ff0000000000000")));
   EXPECT_EQ(to_hex(program.last("vrpn_ForceDevice Force")->body), to_hex(hex("0000000000000000 3fe0000000000000 3ff0000000000000")));
-  EXPECT_TRUE(program.has_heard("vrpn_Button States"));
+  EXPECT_TRUE(program.has_received("vrpn_Button States"));
   EXPECT_FALSE(program.last(kPosition)->by_udp);
 }
 
 TEST_F(VrpnServer, ConnectsToAUdpRequesterAndSendsPositionsByUdp) {
   open();
   Program program;
-  program.ask_to_be_called(at());
+  program.request_callbacks(at());
   ASSERT_TRUE(feed_until(program, [&] { return program.is_called(); }));
   program.describe_udp();
-  ASSERT_TRUE(feed_until(program, [&] { return program.has_heard(kPosition) && program.last(kPosition)->by_udp; }));
+  ASSERT_TRUE(feed_until(program, [&] { return program.has_received(kPosition) && program.last(kPosition)->by_udp; }));
   sample.device.buttons = 1;
-  ASSERT_TRUE(feed_until(program, [&] { return program.has_heard(kButton); }));
+  ASSERT_TRUE(feed_until(program, [&] { return program.has_received(kButton); }));
   EXPECT_FALSE(program.last(kButton)->by_udp) << "no change of a button may get lost";
 }
 
 TEST_F(VrpnServer, ConnectsOnlyToTheRequesterWhateverHostIsWritten) {
   open();
   Program program;
-  program.ask_to_be_called(at(), "192.0.2.1");
-  EXPECT_TRUE(feed_until(program, [&] { return program.has_heard(kPosition); }));
+  program.request_callbacks(at(), "192.0.2.1");
+  EXPECT_TRUE(feed_until(program, [&] { return program.has_received(kPosition); }));
 }
 
 TEST_F(VrpnServer, SendsNoDatagramsToThirdParties) {
@@ -101,15 +101,15 @@ TEST_F(VrpnServer, SendsNoDatagramsToThirdParties) {
   Program program;
   program.connect(at());
   program.describe_udp("127.0.0.2");
-  ASSERT_TRUE(feed_until(program, [&] { return program.heard().size() > 50; }));
-  EXPECT_TRUE(std::none_of(program.heard().begin(), program.heard().end(), [](const auto& heard) { return heard.by_udp; }));
+  ASSERT_TRUE(feed_until(program, [&] { return program.received().size() > 50; }));
+  EXPECT_TRUE(std::none_of(program.received().begin(), program.received().end(), [](const auto& received) { return received.by_udp; }));
 }
 
 TEST_F(VrpnServer, SendsEveryChangeOfAButtonHoweverShort) {
   open(50.0);
   Program program;
   program.connect(at());
-  ASSERT_TRUE(feed_until(program, [&] { return program.has_heard("vrpn_Button States"); }));
+  ASSERT_TRUE(feed_until(program, [&] { return program.has_received("vrpn_Button States"); }));
   for (const std::uint32_t buttons : {2U, 0U, 2U, 0U}) {
     sample.device.buttons = buttons;
     sample.device.time_ns = clock.now_ns();
@@ -117,10 +117,11 @@ TEST_F(VrpnServer, SendsEveryChangeOfAButtonHoweverShort) {
   }
   std::vector<std::string> changes;
   ASSERT_TRUE(feed_until(program, [&] {
-    return std::count_if(program.heard().begin(), program.heard().end(), [](const auto& heard) { return heard.name == kButton; }) == 4;
+    return std::count_if(program.received().begin(), program.received().end(),
+                         [](const auto& received) { return received.name == kButton; }) == 4;
   }));
-  for (const auto& heard : program.heard()) {
-    if (heard.name == kButton) changes.push_back(to_hex(heard.body));
+  for (const auto& received : program.received()) {
+    if (received.name == kButton) changes.push_back(to_hex(received.body));
   }
   const std::string down = to_hex(hex("00000001 00000001")), up = to_hex(hex("00000001 00000000"));
   EXPECT_THAT(changes, testing::ElementsAre(down, up, down, up));
@@ -135,8 +136,8 @@ TEST_F(VrpnServer, AnswersPingsAndSendsTheWorkspace) {
   program.describe_type(9, "vrpn_Tracker Request_Tracker_Workspace");
   program.say(7, 8);
   program.say(7, 9);
-  ASSERT_TRUE(
-      feed_until(program, [&] { return program.has_heard("vrpn_Base pong_message") && program.has_heard("vrpn_Tracker Workspace"); }));
+  ASSERT_TRUE(feed_until(program,
+                         [&] { return program.has_received("vrpn_Base pong_message") && program.has_received("vrpn_Tracker Workspace"); }));
   EXPECT_EQ(to_hex(program.last("vrpn_Tracker Workspace")->body),
             to_hex(hex("c000000000000000 c000000000000000 c000000000000000 3ff0000000000000 3ff0000000000000 3fe0000000000000")));
 }
@@ -149,8 +150,8 @@ TEST_F(VrpnServer, SendsVelocityAsDistanceOverTime) {
   ASSERT_TRUE(feed_until(program, [&] {
     // A metre a second along x.
     sample.device.p_WD.x() = 1e-9 * static_cast<double>(clock.now_ns() - start_ns);
-    return std::count_if(program.heard().begin(), program.heard().end(),
-                         [](const auto& heard) { return heard.name == "vrpn_Tracker Velocity"; }) > 20;
+    return std::count_if(program.received().begin(), program.received().end(),
+                         [](const auto& received) { return received.name == "vrpn_Tracker Velocity"; }) > 20;
   }));
   const Bytes body = program.last("vrpn_Tracker Velocity")->body;
   std::uint64_t bits = 0;
@@ -162,15 +163,15 @@ TEST_F(VrpnServer, ShowsNoPositionsOfADeviceThatIsAwayButSaysSo) {
   open();
   Program program;
   program.connect(at());
-  ASSERT_TRUE(feed_until(program, [&] { return program.has_heard(kPosition); }));
+  ASSERT_TRUE(feed_until(program, [&] { return program.has_received(kPosition); }));
   sample.status = DeviceStatus::away;
-  ASSERT_TRUE(feed_until(program, [&] { return program.has_heard("vrpn_ForceDevice Force_Error"); }));
+  ASSERT_TRUE(feed_until(program, [&] { return program.has_received("vrpn_ForceDevice Force_Error"); }));
   EXPECT_EQ(to_hex(program.last("vrpn_ForceDevice Force_Error")->body), to_hex(hex("00000003")));
   program.forget();
   sample.status = DeviceStatus::ready;
-  ASSERT_TRUE(feed_until(program, [&] { return program.has_heard("vrpn_ForceDevice Force_Error"); }));
-  EXPECT_EQ(program.heard().front().name, "vrpn_ForceDevice Force_Error") << "nothing came while it was away";
-  EXPECT_TRUE(feed_until(program, [&] { return program.has_heard(kPosition); }));
+  ASSERT_TRUE(feed_until(program, [&] { return program.has_received("vrpn_ForceDevice Force_Error"); }));
+  EXPECT_EQ(program.received().front().name, "vrpn_ForceDevice Force_Error") << "nothing came while it was away";
+  EXPECT_TRUE(feed_until(program, [&] { return program.has_received(kPosition); }));
 }
 
 TEST_F(VrpnServer, DisconnectsClientsOfAnotherProtocol) {
@@ -184,7 +185,7 @@ TEST_F(VrpnServer, DisconnectsClientsOfAnotherProtocol) {
     program.look();
     return babbler.is_closed();
   }));
-  EXPECT_TRUE(feed_until(program, [&] { return program.has_heard(kPosition); }));
+  EXPECT_TRUE(feed_until(program, [&] { return program.has_received(kPosition); }));
 }
 
 TEST_F(VrpnServer, HasPlacesForSixteenAndDisconnectsTheOthers) {
@@ -200,7 +201,7 @@ TEST_F(VrpnServer, HasPlacesForSixteenAndDisconnectsTheOthers) {
     if (n == 15) {
       ASSERT_TRUE(feed_until(*programs.front(), [&] {
         look();
-        return std::all_of(programs.begin(), programs.end(), [](const auto& p) { return p->has_heard(kPosition); });
+        return std::all_of(programs.begin(), programs.end(), [](const auto& p) { return p->has_received(kPosition); });
       }));
     }
   }
@@ -209,9 +210,9 @@ TEST_F(VrpnServer, HasPlacesForSixteenAndDisconnectsTheOthers) {
   };
   ASSERT_TRUE(feed_until(*programs.front(), [&] {
     look();
-    return count([](const Program& p) { return p.is_closed(); }) + count([](const Program& p) { return p.has_heard(kPosition); }) == 24;
+    return count([](const Program& p) { return p.is_closed(); }) + count([](const Program& p) { return p.has_received(kPosition); }) == 24;
   }));
-  EXPECT_EQ(count([](const Program& p) { return p.has_heard(kPosition); }), 16);
+  EXPECT_EQ(count([](const Program& p) { return p.has_received(kPosition); }), 16);
 }
 
 // Each took a slot for the whole timeout, and sixteen of them all slots.
@@ -232,9 +233,9 @@ TEST_F(VrpnServer, SilentClientsKeepNoOtherOut) {
   program.connect(at());
   EXPECT_TRUE(feed_until(program, [&] {
     program.look();
-    return program.has_heard(kPosition) || program.is_closed();
+    return program.has_received(kPosition) || program.is_closed();
   }));
-  EXPECT_TRUE(program.has_heard(kPosition));
+  EXPECT_TRUE(program.has_received(kPosition));
   for (const int client : silent) ::close(client);
 }
 
@@ -260,7 +261,7 @@ TEST_F(VrpnServer, DisconnectsClientsThatDoNotReadAndServesTheNext) {
   testing::internal::GetCapturedStderr();
   Program program;
   program.connect(at());
-  EXPECT_TRUE(feed_until(program, [&] { return program.has_heard(kPosition); }));
+  EXPECT_TRUE(feed_until(program, [&] { return program.has_received(kPosition); }));
 }
 
 TEST_F(VrpnServer, AnAddressThatCannotBeOpenedIsReported) {

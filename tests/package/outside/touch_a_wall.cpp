@@ -18,17 +18,17 @@ int main() {
   if (!method) return std::fprintf(stderr, "%s\n", method.error().what.c_str()), 1;
   TouchStep touch(std::move(*method));
   touch.reset({.p_WD = {0, 0, 0.01}});
-  const TouchOutput felt = touch.step({.p_WD = {0.1, 0.2, -0.002}});
+  const TouchOutput output = touch.step({.p_WD = {0.1, 0.2, -0.002}});
 
   Codec codec;
   const SteadyClock clock;
   std::array<std::byte, kMaxDatagramBytes> bytes;
   ForceCommand command;
-  command.force_n = felt.force_n;
+  command.force_n = output.force_n;
   const std::size_t size = codec.encode({{1, 2, 3, clock.now_ns()}, command}, bytes);
-  Datagram heard;
-  if (codec.decode(std::span(bytes).first(size), heard) != DecodeStatus::ok) return 1;
-  const Vec3 force_n = std::get<ForceCommand>(heard.message).force_n;
+  Datagram received;
+  if (codec.decode(std::span(bytes).first(size), received) != DecodeStatus::ok) return 1;
+  const Vec3 force_n = std::get<ForceCommand>(received.message).force_n;
   std::printf("%.6f N\n", force_n.z());
   return force_n.isApprox(Vec3(0, 0, 2)) ? 0 : 1;
 }

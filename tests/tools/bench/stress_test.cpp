@@ -18,11 +18,11 @@ StressPlan small_plan(unsigned threads) {
 
 TEST(Stress, RunsEveryBodyInEveryVariantWhateverTheThreads) {
   const std::vector<StressBody> bodies{make_stress_body("box"), make_stress_body("tetrahedron")};
-  std::size_t told = 0;
-  const auto one = run_stress(bodies, small_plan(1), [&](const StressResult&) { ++told; });
+  std::size_t printed = 0;
+  const auto one = run_stress(bodies, small_plan(1), [&](const StressResult&) { ++printed; });
   const auto many = run_stress(bodies, small_plan(3), [](const StressResult&) {});
   ASSERT_TRUE(one.has_value() && many.has_value());
-  EXPECT_EQ(told, 6u);
+  EXPECT_EQ(printed, 6u);
   ASSERT_EQ(one->size(), 6u);
   for (std::size_t i = 0; i < one->size(); ++i) {
     EXPECT_EQ((*one)[i].count.steps, (*many)[i].count.steps);

@@ -103,10 +103,10 @@ DemoEvidence death(int last_ms, int first_again_ms) {
 
 TEST(DemoVerdict, ADeathLetsTheMotorsGoAndTheForceComesBack) {
   EXPECT_TRUE(evaluate_death(death(1018, 2150)).held);
-  EXPECT_THAT(evaluate_death(death(1018, 2150)).text, HasSubstr("no force 18 ms after the node is killed, felt again 150 ms after"));
+  EXPECT_THAT(evaluate_death(death(1018, 2150)).text, HasSubstr("no force 18 ms after the node is killed, force again 150 ms after"));
   EXPECT_FALSE(evaluate_death(death(1300, 2150)).held) << "held on to the force";
-  EXPECT_FALSE(evaluate_death(death(1018, 5000)).held) << "never felt again";
-  EXPECT_FALSE(evaluate_death(death(-1, 2150)).held) << "not felt before it was killed";
+  EXPECT_FALSE(evaluate_death(death(1018, 5000)).held) << "no force after the restart";
+  EXPECT_FALSE(evaluate_death(death(-1, 2150)).held) << "no force before it was killed";
 }
 
 }  // namespace

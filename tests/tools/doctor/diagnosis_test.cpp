@@ -70,7 +70,7 @@ const std::vector<Fault> kFaults = {
      "the rule 70-hapton.rules has not been applied to it", "sudo udevadm trigger --action=change --subsystem-match=hidraw"},
     {"NotInTheGroup",
      [](FakeMachine& m) {
-       m.be_user(m.stranger(), "7001");
+       m.be_user(m.unknown(), "7001");
        m.write("/etc/group", fmt::format("plugdev:x:{}:\nhapton:x:7001:ada\n", m.own_group()));
        m.set_mode("/dev/ttyACM0", 0666);
        m.set_mode("/dev/hidraw1", 0666);
@@ -80,7 +80,7 @@ const std::vector<Fault> kFaults = {
      "sudo adduser ada plugdev   # then log out and in again"},
     {"SessionOlderThanTheGroup",
      [](FakeMachine& m) {
-       m.be_user(m.stranger(), "7001");
+       m.be_user(m.unknown(), "7001");
        m.set_mode("/dev/ttyACM0", 0666);
        m.set_mode("/dev/hidraw1", 0666);
        m.set_mode("/dev/cpu_dma_latency", 0666);
@@ -169,7 +169,7 @@ const std::vector<Fault> kFaults = {
     {"NotInTheRealTimeGroup",
      [](FakeMachine& m) {
        m.set_limits("0", "unlimited");
-       m.be_user(m.stranger(), fmt::format("{}", m.own_group()));
+       m.be_user(m.unknown(), fmt::format("{}", m.own_group()));
        m.write("/etc/group", fmt::format("plugdev:x:{}:ada\nhapton:x:7001:\n", m.own_group()));
      },
      Verdict::problem, "at most 0 for ada", "sudo adduser ada hapton   # then log out and in again"},
@@ -257,11 +257,11 @@ TEST_P(SeededFaults, AreNamedAndFixed) {
   FakeMachine machine;
   GetParam().seed(machine);
   const Diagnosis diagnosis = diagnose(machine.look());
-  const auto is_told =
+  const auto is_reported =
       AllOf(Field("verdict", &Finding::verdict, GetParam().verdict), Field("seen", &Finding::seen, HasSubstr(GetParam().seen)),
             Field("remedy", &Finding::remedy, HasSubstr(GetParam().remedy)));
   // It, and nothing else: a fault must not hide among false alarms.
-  EXPECT_THAT(complaints_of(diagnosis), testing::ElementsAre(is_told)) << to_text(diagnosis, false);
+  EXPECT_THAT(complaints_of(diagnosis), testing::ElementsAre(is_reported)) << to_text(diagnosis, false);
   EXPECT_THAT(to_text(diagnosis, false), AllOf(HasSubstr(GetParam().seen), HasSubstr("fix: "), HasSubstr(GetParam().remedy)));
   EXPECT_EQ(diagnosis.is_fit(), GetParam().verdict != Verdict::problem);
 }
@@ -274,11 +274,11 @@ TEST(Diagnosis, FindsNothingToFixOnAHealthyMachine) {
   EXPECT_THAT(complaints_of(diagnosis), IsEmpty()) << to_text(diagnosis, false);
   EXPECT_TRUE(diagnosis.is_fit());
   const std::string text = to_text(diagnosis, false);
-  for (const char* told :
+  for (const char* lines :
        {"WoodenHaptics 1234:0006 SN1-1: /dev/hidraw0 (hid-generic), open to ada by rule 70-hapton.rules; io_node --device wooden-haptics",
         "/dev/ttyACM0 (cdc_acm)", "SpaceMouse Compact 256f:c635", "libHD.so.3.4 loads", "Touch, firmware 192, calibrated",
         "--stereo crystal_eyes", "obstacles to 1 kHz: none\nno problem, 0 warnings\n"}) {
-    EXPECT_THAT(text, HasSubstr(told));
+    EXPECT_THAT(text, HasSubstr(lines));
   }
 }
 

@@ -77,7 +77,7 @@ class FakeMachine {
     link("/proc/" + pid + "/fd/3", "socket:[" + pid + "5]");
   }
   gid_t own_group() const { return ::getgid(); }
-  uid_t stranger() const { return ::getuid() + 1; }
+  uid_t unknown() const { return ::getuid() + 1; }
   std::string user_groups() const { return fmt::format("{} 7001", own_group()); }
 
   Machine look() const { return Machine(root(), answers, settings); }
@@ -88,7 +88,7 @@ class FakeMachine {
 
  private:
   void write_user() const {
-    be_user(stranger(), user_groups());
+    be_user(unknown(), user_groups());
     write("/etc/group", fmt::format("root:x:0:\nplugdev:x:{}:ada\nhapton:x:7001:ada\n", own_group()));
     set_limits("90", "unlimited");
     set_environment(std::string("HOME=/home/ada\0DISPLAY=:0\0", 25));

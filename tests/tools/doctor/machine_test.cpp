@@ -62,7 +62,7 @@ TEST(Machine, ChecksRightsByOwnerGroupAndOthers) {
   EXPECT_TRUE(may_use(0660));
   EXPECT_FALSE(may_use(0640));
   EXPECT_FALSE(may_use(0606));  // a member of the group is not among the others
-  fake.be_user(fake.stranger(), "7001");
+  fake.be_user(fake.unknown(), "7001");
   EXPECT_FALSE(may_use(0660));
   EXPECT_TRUE(may_use(0606));
   EXPECT_FALSE(fake.look().may_use("/dev/nothing"));

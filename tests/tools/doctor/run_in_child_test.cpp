@@ -15,13 +15,13 @@ namespace {
 
 using ::testing::HasSubstr;
 
-TEST(AskInChild, BringsBackTheAnswer) {
+TEST(RunInChild, BringsBackTheAnswer) {
   const ChildAnswer answer = run_in_child([] { return std::string(100'000, 'a'); }, 30.0);
   EXPECT_EQ(answer.failure, "");
   EXPECT_EQ(answer.text, std::string(100'000, 'a'));
 }
 
-TEST(AskInChild, IsNotMovedByWhatIsPrinted) {
+TEST(RunInChild, IsNotMovedByWhatIsPrinted) {
   const ChildAnswer answer = run_in_child(
       [] {
         std::fputs("a banner of the vendor's\n", stdout);
@@ -32,7 +32,7 @@ TEST(AskInChild, IsNotMovedByWhatIsPrinted) {
   EXPECT_EQ(answer.text, "an answer");
 }
 
-TEST(AskInChild, OutlivesACrash) {
+TEST(RunInChild, OutlivesACrash) {
   const ChildAnswer answer = run_in_child(
       [] {
         std::raise(SIGKILL);
@@ -43,7 +43,7 @@ TEST(AskInChild, OutlivesACrash) {
   EXPECT_THAT(run_in_child([]() -> std::string { ::_exit(3); }, 30.0).failure, HasSubstr("exit code 3"));
 }
 
-TEST(AskInChild, DoesNotWaitForEver) {
+TEST(RunInChild, DoesNotWaitForEver) {
   const ChildAnswer answer = run_in_child(
       []() -> std::string {
         while (true) ::pause();

@@ -18,7 +18,7 @@ nlohmann::json report(double rate_hz, double round_trip_us, double wake_us) {
 }
 
 TEST(LatencyVerdict, ARateFitsWhenWakeUpAndRoundTripLieWithinItsPeriod) {
-  const auto verdict = judge_latency(report(1000, 200.0, 40.0));
+  const auto verdict = evaluate_latency(report(1000, 200.0, 40.0));
   ASSERT_TRUE(verdict) << verdict.error().what;
   EXPECT_TRUE(verdict->holds) << verdict->reason;
   ASSERT_EQ(verdict->rates.size(), 3U);
@@ -32,7 +32,7 @@ TEST(LatencyVerdict, ARateFitsWhenWakeUpAndRoundTripLieWithinItsPeriod) {
 }
 
 TEST(LatencyVerdict, TheMeasuredRateIsNotHeldWhenItsTimesAreTooLong) {
-  const auto verdict = judge_latency(report(4000, 230.0, 40.0));
+  const auto verdict = evaluate_latency(report(4000, 230.0, 40.0));
   ASSERT_TRUE(verdict);
   EXPECT_FALSE(verdict->holds);
   EXPECT_THAT(verdict->reason, HasSubstr("270.0 us"));
@@ -41,20 +41,20 @@ TEST(LatencyVerdict, TheMeasuredRateIsNotHeldWhenItsTimesAreTooLong) {
 TEST(LatencyVerdict, TheMeasuredRateIsNotHeldWhenTooManyCyclesAreMissed) {
   auto missing = report(1000, 20.0, 4.0);
   missing["counters"]["missed_cycles"] = 50;
-  const auto verdict = judge_latency(missing);
+  const auto verdict = evaluate_latency(missing);
   ASSERT_TRUE(verdict);
   EXPECT_FALSE(verdict->holds);
   EXPECT_THAT(verdict->reason, HasSubstr("0.53 %"));
 }
 
 TEST(LatencyVerdict, AReportWithoutForcesIsAnError) {
-  EXPECT_FALSE(judge_latency(nlohmann::json::array()));
+  EXPECT_FALSE(evaluate_latency(nlohmann::json::array()));
   auto unanswered = report(1000, 20.0, 4.0);
   unanswered["hops"]["round_trip"]["n"] = 0;
-  EXPECT_THAT(judge_latency(unanswered).error().what, HasSubstr("no force"));
+  EXPECT_THAT(evaluate_latency(unanswered).error().what, HasSubstr("no force"));
   auto rateless = report(1000, 20.0, 4.0);
   rateless.erase("rates_hz");
-  EXPECT_FALSE(judge_latency(rateless));
+  EXPECT_FALSE(evaluate_latency(rateless));
 }
 
 }  // namespace

@@ -38,16 +38,16 @@ class HastyHub {
     Datagram datagram;
     while (!ends_) {
       const PeerEvent event = peers.receive(datagram, clock_.now_ns() + kNanosecondsPerMillisecond);
-      const auto* ask = std::get_if<ReportRequest>(&datagram.message);
-      if (event.kind == PeerEvent::Kind::message && ask != nullptr) answer(peers, event.peer, *ask);
+      const auto* request = std::get_if<ReportRequest>(&datagram.message);
+      if (event.kind == PeerEvent::Kind::message && request != nullptr) answer(peers, event.peer, *request);
     }
   }
 
-  void answer(HubPeers& peers, std::size_t peer, const ReportRequest& ask) {
-    const bool is_table = ask.document == ReportDocument::csv;
+  void answer(HubPeers& peers, std::size_t peer, const ReportRequest& request) {
+    const bool is_table = request.document == ReportDocument::csv;
     if (revision_ == 0 || (is_table && revision_ <= hasty_)) ++revision_;
     ReportPart part;
-    part.document = ask.document;
+    part.document = request.document;
     part.revision = revision_;
     part.parts = 1;
     const std::string text = (is_table ? "table " : "report ") + std::to_string(revision_);

@@ -30,7 +30,7 @@ TopLook look_after(double seconds, int slow_samples) {
 
 TEST(TopView, ShowsWhatHasBeenSinceTheStart) {
   const std::string view = make_top_view("io-host:4950", look_after(10, 0), nullptr);
-  EXPECT_THAT(view, HasSubstr("hub io-host:4950 on io-host: up 10 s, device simulated, servo 1000.0 Hz of 1000 Hz asked"));
+  EXPECT_THAT(view, HasSubstr("hub io-host:4950 on io-host: up 10 s, device simulated, servo 1000.0 Hz of 1000 Hz requested"));
   EXPECT_THAT(view, HasSubstr("100.0 kB/s"));
   EXPECT_THAT(view, HasSubstr("haptics   10.0.0.2:4444"));
   EXPECT_THAT(view, HasSubstr("round_trip             10000      20"));

@@ -30,9 +30,9 @@ struct SessionReplayTest : testing::Test {
   std::uint64_t sample = 0;
   std::vector<std::pair<DeviceState, std::optional<ForceCommand>>> recorded;
 
-  SessionReplayTest() { tell_setup("proxy"); }
+  SessionReplayTest() { send_setup("proxy"); }
 
-  void tell_setup(const char* method) {
+  void send_setup(const char* method) {
     const auto serial = static_cast<std::uint32_t>(live.counts().methods_taken);
     HapticsSetup setup;
     setup.method_serial = serial;
@@ -62,36 +62,36 @@ struct SessionReplayTest : testing::Test {
     }
   }
 
-  SessionReplay make_felt() {
+  SessionReplay make_replay() {
     return SessionReplay(setups, [](const HapticsSetup& setup) -> Result<std::unique_ptr<TouchStep>> {
       return make_touch(parse_method_text(setup.method.data())->name.c_str());
     });
   }
-  void feed(SessionReplay& felt) {
+  void feed(SessionReplay& replay) {
     for (const auto& [state, command] : recorded) {
-      felt.on_state(state);
-      ASSERT_TRUE(!command || felt.on_answer(kSender, *command));
+      replay.on_state(state);
+      ASSERT_TRUE(!command || replay.on_answer(kSender, *command));
     }
-    ASSERT_TRUE(felt.finish());
+    ASSERT_TRUE(replay.finish());
   }
 };
 
 TEST_F(SessionReplayTest, ASlideFeelsTheSameToTheLastBit) {
   slide(500);
-  SessionReplay felt = make_felt();
-  feed(felt);
-  EXPECT_EQ(felt.counts().compared, 500U);
-  EXPECT_GT(felt.counts().contact_steps, 400U);
-  EXPECT_EQ(felt.counts().different, 0U) << felt.counts().first_difference;
+  SessionReplay replay = make_replay();
+  feed(replay);
+  EXPECT_EQ(replay.counts().compared, 500U);
+  EXPECT_GT(replay.counts().contact_steps, 400U);
+  EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
 }
 
 TEST_F(SessionReplayTest, OneChangedBitIsFoundAndNamed) {
   slide(100);
   recorded[60].second->force_n.x() = std::nextafter(recorded[60].second->force_n.x(), 1e9);
-  SessionReplay felt = make_felt();
-  feed(felt);
-  EXPECT_EQ(felt.counts().different, 1U);
-  EXPECT_NE(felt.counts().first_difference.find("sample 61,"), std::string::npos) << felt.counts().first_difference;
+  SessionReplay replay = make_replay();
+  feed(replay);
+  EXPECT_EQ(replay.counts().different, 1U);
+  EXPECT_NE(replay.counts().first_difference.find("sample 61,"), std::string::npos) << replay.counts().first_difference;
 }
 
 TEST_F(SessionReplayTest, StatesThatWereSkippedAreNotStepped) {
@@ -102,10 +102,10 @@ TEST_F(SessionReplayTest, StatesThatWereSkippedAreNotStepped) {
     recorded.emplace_back(skipped, std::nullopt);
     slide(2);
   }
-  SessionReplay felt = make_felt();
-  feed(felt);
-  EXPECT_EQ(felt.counts().steps, 230U);
-  EXPECT_EQ(felt.counts().different, 0U) << felt.counts().first_difference;
+  SessionReplay replay = make_replay();
+  feed(replay);
+  EXPECT_EQ(replay.counts().steps, 230U);
+  EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
 }
 
 TEST_F(SessionReplayTest, SamplesWhoseAnswersGotLostAreSteppedToo) {
@@ -114,24 +114,24 @@ TEST_F(SessionReplayTest, SamplesWhoseAnswersGotLostAreSteppedToo) {
   for (std::size_t n = 100; n < 130; ++n) recorded[n].second.reset();
   std::uint64_t lost = 0;
   for (const auto& [state, command] : recorded) lost += command ? 0 : 1;
-  SessionReplay felt = make_felt();
-  feed(felt);
-  EXPECT_EQ(felt.counts().lost_answers, lost);
-  EXPECT_EQ(felt.counts().compared, 300 - lost);
-  EXPECT_EQ(felt.counts().different, 0U) << felt.counts().first_difference;
+  SessionReplay replay = make_replay();
+  feed(replay);
+  EXPECT_EQ(replay.counts().lost_answers, lost);
+  EXPECT_EQ(replay.counts().compared, 300 - lost);
+  EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
 }
 
 TEST_F(SessionReplayTest, AnswersThatOvertookEachOtherArePutInOrder) {
   slide(300);
-  SessionReplay felt = make_felt();
-  for (const auto& [state, command] : recorded) felt.on_state(state);
+  SessionReplay replay = make_replay();
+  for (const auto& [state, command] : recorded) replay.on_state(state);
   for (std::size_t n = 0; n < 300; n += 10) {
-    for (std::size_t k = 10; k-- > 0;) ASSERT_TRUE(felt.on_answer(kSender, *recorded[n + (n == 0 ? 9 - k : k)].second));
-    ASSERT_TRUE(felt.on_answer(kSender, *recorded[n].second));  // and once more
+    for (std::size_t k = 10; k-- > 0;) ASSERT_TRUE(replay.on_answer(kSender, *recorded[n + (n == 0 ? 9 - k : k)].second));
+    ASSERT_TRUE(replay.on_answer(kSender, *recorded[n].second));  // and once more
   }
-  ASSERT_TRUE(felt.finish());
-  EXPECT_EQ(felt.counts().compared, 300U);
-  EXPECT_EQ(felt.counts().different, 0U) << felt.counts().first_difference;
+  ASSERT_TRUE(replay.finish());
+  EXPECT_EQ(replay.counts().compared, 300U);
+  EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
 }
 
 TEST_F(SessionReplayTest, AViewHoldsFromTheAnswerThatNamesIt) {
@@ -140,28 +140,28 @@ TEST_F(SessionReplayTest, AViewHoldsFromTheAnswerThatNamesIt) {
   view.X_WS[3] = 0.0005F;
   ASSERT_TRUE(live.turn_scene(view));
   slide(100);
-  SessionReplay felt = make_felt();
-  felt.on_view(view);
-  feed(felt);
-  EXPECT_EQ(felt.counts().different, 0U) << felt.counts().first_difference;
-  EXPECT_EQ(felt.counts().missing_views, 0U);
+  SessionReplay replay = make_replay();
+  replay.on_view(view);
+  feed(replay);
+  EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
+  EXPECT_EQ(replay.counts().missing_views, 0U);
 }
 
 TEST_F(SessionReplayTest, AMethodHoldsFromTheAnswerThatCountsIt) {
   slide(60);
   live.replace(make_touch("reference"));
-  tell_setup("reference");
+  send_setup("reference");
   slide(40);
-  SessionReplay felt = make_felt();
-  feed(felt);
-  EXPECT_EQ(felt.counts().compared, 100U);
-  EXPECT_EQ(felt.counts().different, 0U) << felt.counts().first_difference;
+  SessionReplay replay = make_replay();
+  feed(replay);
+  EXPECT_EQ(replay.counts().compared, 100U);
+  EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
 }
 
 TEST_F(SessionReplayTest, AMethodThatCameAmongLostAnswersIsComparedFromFreeSpaceOn) {
   slide(60);
   live.replace(make_touch("smooth"));
-  tell_setup("smooth");
+  send_setup("smooth");
   slide(40);
   for (std::size_t n = 55; n < 65; ++n) recorded[n].second.reset();
   sample = 0;
@@ -171,12 +171,12 @@ TEST_F(SessionReplayTest, AMethodThatCameAmongLostAnswersIsComparedFromFreeSpace
     state.sample_time_ns += 100'000'000;
     recorded.emplace_back(state, answer(state));
   }
-  SessionReplay felt = make_felt();
-  feed(felt);
-  EXPECT_EQ(felt.counts().lost_answers, 10U);
-  EXPECT_GE(felt.counts().not_compared, 35U);
-  EXPECT_GE(felt.counts().compared, 55U + 39U);
-  EXPECT_EQ(felt.counts().different, 0U) << felt.counts().first_difference;
+  SessionReplay replay = make_replay();
+  feed(replay);
+  EXPECT_EQ(replay.counts().lost_answers, 10U);
+  EXPECT_GE(replay.counts().not_compared, 35U);
+  EXPECT_GE(replay.counts().compared, 55U + 39U);
+  EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
 }
 
 TEST_F(SessionReplayTest, ForcesOfAnUnnamedMethodAreNotCompared) {
@@ -184,7 +184,7 @@ TEST_F(SessionReplayTest, ForcesOfAnUnnamedMethodAreNotCompared) {
   live.replace(make_touch("reference"));  // its setup got lost
   slide(40);
   live.replace(make_touch("proxy"));
-  tell_setup("proxy");
+  send_setup("proxy");
   for (int lap = 0; lap < 2; ++lap) {
     const std::uint64_t before = sample;
     sample = 0;  // out into free space, and in again
@@ -196,13 +196,13 @@ TEST_F(SessionReplayTest, ForcesOfAnUnnamedMethodAreNotCompared) {
     }
     sample += before;
   }
-  SessionReplay felt = make_felt();
-  feed(felt);
-  EXPECT_EQ(felt.counts().unknown_method, 40U);
+  SessionReplay replay = make_replay();
+  feed(replay);
+  EXPECT_EQ(replay.counts().unknown_method, 40U);
   // The last force of the unknown one fades in the air.
-  EXPECT_NEAR(static_cast<double>(felt.counts().not_compared), 1e3 * ForceFade::kInAirS, 1.0);
-  EXPECT_EQ(felt.counts().compared + felt.counts().not_compared, 160U);
-  EXPECT_EQ(felt.counts().different, 0U) << felt.counts().first_difference;
+  EXPECT_NEAR(static_cast<double>(replay.counts().not_compared), 1e3 * ForceFade::kInAirS, 1.0);
+  EXPECT_EQ(replay.counts().compared + replay.counts().not_compared, 160U);
+  EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
 }
 
 TEST_F(SessionReplayTest, ARecordingThatBeginsInContactIsComparedFromFreeSpaceOn) {
@@ -215,18 +215,18 @@ TEST_F(SessionReplayTest, ARecordingThatBeginsInContactIsComparedFromFreeSpaceOn
     state.sample_time_ns += 100'000'000;
     recorded.emplace_back(state, answer(state));
   }
-  SessionReplay felt = make_felt();
-  feed(felt);
-  EXPECT_EQ(felt.counts().not_compared, 50U);
-  EXPECT_EQ(felt.counts().compared, 50U);
-  EXPECT_EQ(felt.counts().different, 0U) << felt.counts().first_difference;
+  SessionReplay replay = make_replay();
+  feed(replay);
+  EXPECT_EQ(replay.counts().not_compared, 50U);
+  EXPECT_EQ(replay.counts().compared, 50U);
+  EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
 }
 
 TEST_F(SessionReplayTest, ARecordingWithoutSetupsIsRejectedInOneLine) {
   setups.clear();
   slide(1);
-  SessionReplay felt = make_felt();
-  const auto done = felt.on_answer(kSender, *recorded[0].second);
+  SessionReplay replay = make_replay();
+  const auto done = replay.on_answer(kSender, *recorded[0].second);
   ASSERT_FALSE(done);
   EXPECT_NE(done.error().what.find("does not name"), std::string::npos);
 }

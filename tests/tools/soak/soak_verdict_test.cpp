@@ -49,7 +49,7 @@ std::size_t count_bad(const SoakVerdict& verdict) {
 
 TEST(SoakVerdict, AnHourWithoutAnEventIsFlat) {
   const SoakRun run = an_hour();
-  const SoakVerdict verdict = judge_soak(run);
+  const SoakVerdict verdict = evaluate_soak(run);
   EXPECT_TRUE(verdict.flat) << to_text(run, verdict);
   EXPECT_THAT(to_text(run, verdict), HasSubstr("soak: flat over 3600 s"));
   EXPECT_THAT(to_text(run, verdict), HasSubstr("slowest round trip 5000 us"));
@@ -63,7 +63,7 @@ TEST(SoakVerdict, AnHourWithoutAnEventIsFlat) {
 TEST(SoakVerdict, MemoryThatCreepsIsNotFlatAndIsReportedByProgram) {
   SoakRun run = an_hour();
   for (SoakLook& look : run.looks) look.processes[0].resident_kib += static_cast<std::int64_t>(look.seconds);
-  const SoakVerdict verdict = judge_soak(run);
+  const SoakVerdict verdict = evaluate_soak(run);
   EXPECT_FALSE(verdict.flat);
   EXPECT_EQ(count_bad(verdict), 1U);
   EXPECT_NEAR(finding(verdict, "memory", "haptics_node").value, 3240.0, 60.0);
@@ -74,14 +74,14 @@ TEST(SoakVerdict, MemoryThatCreepsIsNotFlatAndIsReportedByProgram) {
 TEST(SoakVerdict, MemoryThatJumpsOnceIsNotFlat) {
   SoakRun run = an_hour();
   for (SoakLook& look : run.looks) look.processes[1].resident_kib += look.seconds > 2200.0 ? 4096 : 0;
-  EXPECT_FALSE(finding(judge_soak(run), "memory", "io_node").flat);
+  EXPECT_FALSE(finding(evaluate_soak(run), "memory", "io_node").flat);
 }
 
 TEST(SoakVerdict, MemoryThatGrowsInTheFirstTenthOnlyOrShrinksIsFlat) {
   SoakRun run = an_hour();
   for (SoakLook& look : run.looks) look.processes[0].resident_kib -= look.seconds < 300.0 ? 10'000 : 0;
   for (SoakLook& look : run.looks) look.processes[1].resident_kib -= static_cast<std::int64_t>(look.seconds);
-  EXPECT_TRUE(judge_soak(run).flat);
+  EXPECT_TRUE(evaluate_soak(run).flat);
 }
 
 TEST(SoakVerdict, OneLookThatIsOffIsNotHeeded) {
@@ -89,13 +89,13 @@ TEST(SoakVerdict, OneLookThatIsOffIsNotHeeded) {
   run.looks.back().processes[0] = {90'000, 40, 12};
   run.looks[60].processes[1].descriptors = 13;
   run.looks[61].samples_hz = 400.0;
-  EXPECT_TRUE(judge_soak(run).flat) << to_text(run, judge_soak(run));
+  EXPECT_TRUE(evaluate_soak(run).flat) << to_text(run, evaluate_soak(run));
 }
 
 TEST(SoakVerdict, ADescriptorMoreIsNotFlat) {
   SoakRun run = an_hour();
   for (SoakLook& look : run.looks) look.processes[1].descriptors += look.seconds > 2200.0 ? 1 : 0;
-  const SoakVerdict verdict = judge_soak(run);
+  const SoakVerdict verdict = evaluate_soak(run);
   EXPECT_EQ(count_bad(verdict), 1U);
   EXPECT_THAT(to_text(run, verdict), HasSubstr("io_node descriptors +1.0 of 12"));
 }
@@ -103,13 +103,13 @@ TEST(SoakVerdict, ADescriptorMoreIsNotFlat) {
 TEST(SoakVerdict, AThreadLessIsNotFlat) {
   SoakRun run = an_hour();
   for (SoakLook& look : run.looks) look.processes[0].threads -= look.seconds > 1800.0 ? 1 : 0;
-  EXPECT_FALSE(finding(judge_soak(run), "threads", "haptics_node").flat);
+  EXPECT_FALSE(finding(evaluate_soak(run), "threads", "haptics_node").flat);
 }
 
 TEST(SoakVerdict, ALostForceIsNotFlatEvenInTheWarmUp) {
   SoakRun run = an_hour();
   for (SoakLook& look : run.looks) look.lost = 1;
-  const SoakVerdict verdict = judge_soak(run);
+  const SoakVerdict verdict = evaluate_soak(run);
   EXPECT_EQ(count_bad(verdict), 1U);
   EXPECT_THAT(to_text(run, verdict), HasSubstr("forces lost: 1"));
 }
@@ -117,15 +117,15 @@ TEST(SoakVerdict, ALostForceIsNotFlatEvenInTheWarmUp) {
 TEST(SoakVerdict, ARateThatIsNotHeldIsNotFlat) {
   SoakRun run = an_hour();
   for (SoakLook& look : run.looks) look.forces_hz = 960.0;
-  EXPECT_EQ(finding(judge_soak(run), "rate").value, 960.0);
-  EXPECT_FALSE(judge_soak(run).flat);
+  EXPECT_EQ(finding(evaluate_soak(run), "rate").value, 960.0);
+  EXPECT_FALSE(evaluate_soak(run).flat);
 }
 
 TEST(SoakVerdict, TicksThatDriftFromTheClockAreNotFlatWhicheverWay) {
   for (const double ppm : {-300.0, 300.0}) {
     SoakRun run = an_hour();
     for (SoakLook& look : run.looks) look.drift_ms += 1e-3 * ppm * look.seconds;
-    const SoakVerdict verdict = judge_soak(run);
+    const SoakVerdict verdict = evaluate_soak(run);
     EXPECT_EQ(count_bad(verdict), 1U) << ppm;
     EXPECT_NEAR(finding(verdict, "drift").value, 3.24 * ppm, 20.0);
   }
@@ -135,16 +135,16 @@ TEST(SoakVerdict, ARunCutShortIsNotFlatAndSaysWhy) {
   SoakRun run = an_hour();
   run.ended = "io_node ended with 139: Segmentation fault";
   run.looks.resize(40);
-  EXPECT_FALSE(judge_soak(run).flat);
-  EXPECT_THAT(to_text(run, judge_soak(run)), HasSubstr("not flat: io_node ended with 139: Segmentation fault, after 1200 s"));
+  EXPECT_FALSE(evaluate_soak(run).flat);
+  EXPECT_THAT(to_text(run, evaluate_soak(run)), HasSubstr("not flat: io_node ended with 139: Segmentation fault, after 1200 s"));
 }
 
 TEST(SoakVerdict, TooFewLooksAreNoProof) {
   SoakRun run = an_hour();
   run.looks.clear();
-  EXPECT_FALSE(judge_soak(run).flat);
-  EXPECT_EQ(to_json(run, judge_soak(run))["flat"], false);
-  EXPECT_THAT(to_text(run, judge_soak(run)), HasSubstr("too few observations"));
+  EXPECT_FALSE(evaluate_soak(run).flat);
+  EXPECT_EQ(to_json(run, evaluate_soak(run))["flat"], false);
+  EXPECT_THAT(to_text(run, evaluate_soak(run)), HasSubstr("too few observations"));
 }
 
 TEST(FindRise, OfALongSeriesIsThatOfAShortOne) {

@@ -10,7 +10,7 @@ namespace hapton {
 namespace {
 
 constexpr double kOffset = 0x1p-30;
-constexpr Clearance kClearance{.rest = kOffset, .slack = 0.5 * kOffset, .tolerance = 0x1p-10 * kOffset};
+constexpr Clearance kClearance{.offset = kOffset, .slop = 0.5 * kOffset, .tolerance = 0x1p-10 * kOffset};
 
 struct FlightStage {
   explicit FlightStage(const TriangleMesh& mesh, const Material& material = {})

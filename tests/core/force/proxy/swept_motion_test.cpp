@@ -10,7 +10,7 @@ namespace hapton {
 namespace {
 
 constexpr double kOffset = 0x1p-30;
-constexpr Clearance kClearance{.rest = kOffset, .slack = 0.5 * kOffset, .tolerance = 0x1p-10 * kOffset};
+constexpr Clearance kClearance{.offset = kOffset, .slop = 0.5 * kOffset, .tolerance = 0x1p-10 * kOffset};
 
 struct SweptStage {
   explicit SweptStage(const TriangleMesh& mesh, const Clearance& keep = kClearance, const Material& material = {})
@@ -18,7 +18,7 @@ struct SweptStage {
         materials{material},
         surfaces(geometry, materials),
         clearance(keep),
-        swept(surfaces, keep, keep.rest == kOffset) {}
+        swept(surfaces, keep, keep.offset == kOffset) {}
 
   void put(const Vec3& p_S) { proxy.settle_at(geometry.to_local(p_S)); }
   void move(const Vec3& p_S) {
@@ -105,7 +105,7 @@ TEST_P(SweptMotionInSoup, IsNeverNearerToATriangleThanItsSlackAllows) {
   }
   for (const double radius : {0.0, 0.01}) {
     Clearance keep = kClearance;
-    keep.rest += radius;
+    keep.offset += radius;
     SweptStage stage(soup, keep);
     stage.put(Vec3(0.3, 0.0, 0.0));
     int contacts = 0;
@@ -114,7 +114,7 @@ TEST_P(SweptMotionInSoup, IsNeverNearerToATriangleThanItsSlackAllows) {
       const double before = (stage.geometry.to_local(to) - stage.proxy.position).norm();
       const std::uint64_t sweeps = stage.swept.counters().sweeps;
       stage.move(to);
-      ASSERT_GE(stage.distance_by_brute_force(), keep.rest - keep.slack) << "step " << i;
+      ASSERT_GE(stage.distance_by_brute_force(), keep.offset - keep.slop) << "step " << i;
       ASSERT_LE((stage.device - stage.proxy.position).norm(), before * (1.0 + 1e-12) + 64.0 * kOffset) << "step " << i;
       ASSERT_LE(stage.swept.counters().sweeps - sweeps, SweptMotion::kMostMotions);
       contacts += stage.proxy.is_free ? 0 : 1;

@@ -11,7 +11,7 @@ namespace hapton {
 namespace {
 
 using Guide = CentrePath::Guide;
-using Round = CentrePath::Guide::Round;
+using Kind = CentrePath::Guide::Kind;
 
 class CentrePathTest : public testing::Test {
  protected:
@@ -39,8 +39,8 @@ class CentrePathTest : public testing::Test {
     const double speed = radius * angle;
     arc.path =
         CentrePath::curved(arc.at(0.0), arc.at(1.0), speed * arc.way, speed * (std::cos(angle) * arc.way - std::sin(angle) * arc.out));
-    if (guided == 1) arc.path.keep_on({Round::line, arc.middle, arc.axis, radius});
-    if (guided == 2) arc.path.keep_on({Round::point, arc.middle, Vec3::Zero(), radius});
+    if (guided == 1) arc.path.add_guide({Kind::line, arc.middle, arc.axis, radius});
+    if (guided == 2) arc.path.add_guide({Kind::point, arc.middle, Vec3::Zero(), radius});
     return arc;
   }
 
@@ -57,8 +57,8 @@ double distance_from_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
 
 double distance_to(const Guide& guide, const Vec3& p) {
   Vec3 off = p - guide.origin;
-  if (guide.round == Round::plane) return guide.direction.dot(off);
-  if (guide.round == Round::line) off -= guide.direction.dot(off) * guide.direction;
+  if (guide.kind == Kind::plane) return guide.direction.dot(off);
+  if (guide.kind == Kind::line) off -= guide.direction.dot(off) * guide.direction;
   return off.norm();
 }
 
@@ -116,14 +116,14 @@ TEST_F(CentrePathTest, IsKeptOnItsGuidesToRounding) {
     const int count = 1 + (i % 9 < 6 ? 1 : 0);
     Vec3 from = middle + 2.0 * offset * direction();
     for (int g = 0; g < count; ++g) {
-      const auto round = static_cast<Round>((i / 9 + g * (1 + i % 2)) % 3);
-      guides[g] = {round, middle + 0.5 * offset * vector(), direction(), offset};
-      if (round == Round::plane) guides[g].direction *= guides[g].direction.dot(from - guides[g].origin) < 0.0 ? -1.0 : 1.0;
+      const auto kind = static_cast<Kind>((i / 9 + g * (1 + i % 2)) % 3);
+      guides[g] = {kind, middle + 0.5 * offset * vector(), direction(), offset};
+      if (kind == Kind::plane) guides[g].direction *= guides[g].direction.dot(from - guides[g].origin) < 0.0 ? -1.0 : 1.0;
     }
     const auto normal = [&](int g, const Vec3& p) {
-      if (guides[g].round == Round::plane) return guides[g].direction;
+      if (guides[g].kind == Kind::plane) return guides[g].direction;
       Vec3 off = p - guides[g].origin;
-      if (guides[g].round == Round::line) off -= guides[g].direction.dot(off) * guides[g].direction;
+      if (guides[g].kind == Kind::line) off -= guides[g].direction.dot(off) * guides[g].direction;
       return Vec3(off.normalized());
     };
     // Alternating projections converge to a point on all of them, slowly.
@@ -151,14 +151,14 @@ TEST_F(CentrePathTest, IsKeptOnItsGuidesToRounding) {
     ++checked;
     const double chord = (to - from).norm();
     CentrePath path = CentrePath::curved(from, to, chord * tangent(from), chord * tangent(to));
-    for (int g = 0; g < count; ++g) path.keep_on(guides[g]);
+    for (int g = 0; g < count; ++g) path.add_guide(guides[g]);
     for (int k = 0; k <= 32; ++k) {
       const double time = k / 32.0;
       const Vec3 p = path.at(time);
       const Vec3 slope = path.slope(time);
       for (int g = 0; g < count; ++g) {
         EXPECT_NEAR(distance_to(guides[g], p), offset, 0x1p-50)
-            << static_cast<int>(guides[0].round) << " and " << static_cast<int>(guides[1].round) << " time " << time;
+            << static_cast<int>(guides[0].kind) << " and " << static_cast<int>(guides[1].kind) << " time " << time;
         EXPECT_LE(std::fabs(normal(g, p).dot(slope)), 1e-14 * slope.norm());
       }
       if (k == 0 || k == 32) continue;
@@ -178,7 +178,7 @@ double sampled_time_to_pass(const CentrePath& path, const Vec3& origin, const Ve
   for (int i = 1; i <= kSamples; ++i) {
     if (normal.dot(path.at(until * i / kSamples) - origin) > margin) return until * i / kSamples;
   }
-  return CentrePath::kNever;
+  return kNever;
 }
 
 TEST_F(CentrePathTest, TimeToPassIsThatOfDenseSampling) {
@@ -195,10 +195,10 @@ TEST_F(CentrePathTest, TimeToPassIsThatOfDenseSampling) {
     const Vec3 origin = path.start() + positive(0.001, 0.2) * length * (i % 2 == 0 ? 0.2 * length : 1.0) * normal;
     const double margin = i % 4 == 0 ? 0x1p-44 : 0.0;
     const double expected = sampled_time_to_pass(path, origin, normal, margin, until);
-    const double time = path.time_to_pass(origin, normal, margin, 0.0, until);
-    ASSERT_EQ(path.time_to_pass(origin, normal, margin, path.head(until)), time) << i;
+    const double time = path.time_to_cross(origin, normal, margin, 0.0, until);
+    ASSERT_EQ(path.time_to_cross(origin, normal, margin, path.prefix(until)), time) << i;
     if (expected > 1.0) {
-      ASSERT_EQ(time, CentrePath::kNever) << i;
+      ASSERT_EQ(time, kNever) << i;
       continue;
     }
     ++passed;
@@ -213,15 +213,15 @@ TEST_F(CentrePathTest, TimeToPassIsThatOfDenseSampling) {
 
 TEST_F(CentrePathTest, WhatIsBeyondAlreadyPassesAtOnceOnItsWayUpOnly) {
   const CentrePath path = CentrePath::straight(Vec3::Zero(), Vec3::UnitX());
-  EXPECT_EQ(path.time_to_pass(Vec3(-0.5, 0, 0), Vec3::UnitX(), 0.0, 0.0, 1.0), 0.0);
-  EXPECT_EQ(path.time_to_pass(Vec3(-0.5, 0, 0), Vec3::UnitX(), 0.0, 0.25, 1.0), 0.25);
-  EXPECT_EQ(path.time_to_pass(Vec3(1.5, 0, 0), Vec3(-Vec3::UnitX()), 0.0, 0.0, 1.0), CentrePath::kNever);
-  EXPECT_NEAR(path.time_to_pass(Vec3(0.4, 0, 0), Vec3::UnitX(), 0.1, 0.0, 1.0), 0.5, 1e-15);
+  EXPECT_EQ(path.time_to_cross(Vec3(-0.5, 0, 0), Vec3::UnitX(), 0.0, 0.0, 1.0), 0.0);
+  EXPECT_EQ(path.time_to_cross(Vec3(-0.5, 0, 0), Vec3::UnitX(), 0.0, 0.25, 1.0), 0.25);
+  EXPECT_EQ(path.time_to_cross(Vec3(1.5, 0, 0), Vec3(-Vec3::UnitX()), 0.0, 0.0, 1.0), kNever);
+  EXPECT_NEAR(path.time_to_cross(Vec3(0.4, 0, 0), Vec3::UnitX(), 0.1, 0.0, 1.0), 0.5, 1e-15);
 }
 
 class FindBlock : public CentrePathTest {
  protected:
-  static constexpr CentrePath::Keep kKeep{0.2, 0x1p-40, 0x1p-46};
+  static constexpr Clearance kClearance{0.2, 0x1p-40, 0x1p-46};
 
   ContactTriangle triangle(int i) {
     const Vec3 a = 0.4 * vector();
@@ -238,22 +238,22 @@ class FindBlock : public CentrePathTest {
   }
 
   // Compares with the distance at many times. Returns whether it blocks.
-  static bool check(const CentrePath& path, const ContactTriangle& shape, unsigned held, double until) {
+  static bool check(const CentrePath& path, const ContactTriangle& shape, unsigned guiding, double until) {
     constexpr int kSamples = 2000;
     int tests = 0;
-    const CentrePath::Block block = path.find_block(shape, kKeep, held, path.head(until), tests);
+    const CentrePath::Block block = path.find_block(shape, kClearance, guiding, path.prefix(until), tests);
     EXPECT_GE(tests, 1);
     EXPECT_LE(tests, 160);
     const double end = std::min(block.time, until);
     double least = std::numeric_limits<double>::infinity();
     for (int i = 0; i <= kSamples; ++i) least = std::min(least, shape.separation(path.at(end * i / kSamples)).distance);
-    EXPECT_GE(least, kKeep.offset - kKeep.slop) << "violated before " << end;
+    EXPECT_GE(least, kClearance.offset - kClearance.slop) << "violated before " << end;
     if (block.hits) {
       const Separation at = shape.separation(path.at(block.time));
-      EXPECT_LE(at.distance, kKeep.offset + 2.0 * kKeep.tolerance) << "nothing is hit at " << block.time;
+      EXPECT_LE(at.distance, kClearance.offset + 2.0 * kClearance.tolerance) << "nothing is hit at " << block.time;
       EXPECT_LE(at.normal.dot(path.slope(block.time)), 1e-6 * path.slope(0.0).norm()) << "it leaves there";
     } else {
-      EXPECT_TRUE(block.time == CentrePath::kNever || block.time < until);
+      EXPECT_TRUE(block.time == kNever || block.time < until);
     }
     return block.time < until;
   }
@@ -266,7 +266,7 @@ TEST_F(FindBlock, IsThatOfDenseSampling) {
   for (int i = 0; i < 1200; ++i) {
     const ContactTriangle shape = triangle(i);
     const double gap = i % 4 == 0 ? 0.0 : i % 4 == 1 ? positive(0.0, 1e-12) : i % 4 == 2 ? positive(1e-9, 1e-4) : positive(0.0, 0.1);
-    const Vec3 from = place(shape, kKeep.offset + gap);
+    const Vec3 from = place(shape, kClearance.offset + gap);
     const Vec3 way = (i % 3 == 0 ? Vec3(0.3 * vector()) : Vec3(direction() * (0.02 + 2.0 * gap)));
     CentrePath path = CentrePath::straight(from, from + way);
     if (i % 2 == 1) {
@@ -276,7 +276,7 @@ TEST_F(FindBlock, IsThatOfDenseSampling) {
     const double until = i % 5 == 0 ? 0.6 : 1.0;
     blocked += check(path, shape, 0U, until) ? 1 : 0;
     int tests = 0;
-    hits += path.find_block(shape, kKeep, 0U, path.head(until), tests).hits ? 1 : 0;
+    hits += path.find_block(shape, kClearance, 0U, path.prefix(until), tests).hits ? 1 : 0;
     contacts += gap == 0.0 ? 1 : 0;
     if (HasFailure()) FAIL() << "path " << i;
   }
@@ -291,17 +291,17 @@ TEST_F(FindBlock, WhatOnlyGrazesPasses) {
   for (int i = 0; i < 300; ++i) {
     const ContactTriangle shape = triangle(0);
     const Vec3 middle = (shape.corner(0) + shape.corner(1) + shape.corner(2)) / 3.0;
-    const Vec3 from = middle + kKeep.offset * shape.normal();
+    const Vec3 from = middle + kClearance.offset * shape.normal();
     const Vec3 to = from + 0.2 * shape.edge(i % 3);
     int tests = 0;
     const auto block_on = [&](const Vec3& end) {
       const CentrePath path = CentrePath::straight(from, end);
-      return path.find_block(shape, kKeep, 0U, path.head(1.0), tests);
+      return path.find_block(shape, kClearance, 0U, path.prefix(1.0), tests);
     };
-    EXPECT_EQ(block_on(to).time, CentrePath::kNever);
+    EXPECT_EQ(block_on(to).time, kNever);
     // Down by less than half the slop still grazes, by more does not.
     const Vec3 down = -shape.normal();
-    EXPECT_EQ(block_on(to + 0.4 * kKeep.slop * down).time, CentrePath::kNever);
+    EXPECT_EQ(block_on(to + 0.4 * kClearance.slop * down).time, kNever);
     const CentrePath::Block block = block_on(to + 1e-6 * down);
     EXPECT_TRUE(block.hits);
     EXPECT_LT(block.time, 1e-5);
@@ -316,24 +316,24 @@ TEST_F(FindBlock, ACornerThatGuidesThePathNeverBlocks) {
     const int corner = i % 3;
     const Vec3& origin = shape.corner(corner);
     // From where the corner is nearest, on the sphere round it.
-    const Vec3 from = origin + kKeep.offset * direction();
+    const Vec3 from = origin + kClearance.offset * direction();
     if (shape.separation(from).nearest != origin) continue;
-    const Vec3 out = (from - origin) / kKeep.offset;
+    const Vec3 out = (from - origin) / kClearance.offset;
     const Vec3 v = vector();
     const Vec3 way = (v - out.dot(v) * out).normalized();
     const double angle = 0.2;
-    const Vec3 to = origin + kKeep.offset * (std::cos(angle) * out + std::sin(angle) * way);
-    const double speed = kKeep.offset * angle;
+    const Vec3 to = origin + kClearance.offset * (std::cos(angle) * out + std::sin(angle) * way);
+    const double speed = kClearance.offset * angle;
     CentrePath path = CentrePath::curved(from, to, speed * way, speed * (std::cos(angle) * way - std::sin(angle) * out));
-    path.keep_on({Round::point, origin, Vec3::Zero(), kKeep.offset});
+    path.add_guide({Kind::point, origin, Vec3::Zero(), kClearance.offset});
     bool is_corner_nearest = true;
     for (int k = 0; k <= 400; ++k) is_corner_nearest = is_corner_nearest && shape.separation(path.at(k / 400.0)).nearest == origin;
     int tests = 0;
-    const CentrePath::Block block = path.find_block(shape, kKeep, 1U << corner, path.head(1.0), tests);
+    const CentrePath::Block block = path.find_block(shape, kClearance, 1U << corner, path.prefix(1.0), tests);
     if (is_corner_nearest) {
       ++over_corner;
-      EXPECT_EQ(block.time, CentrePath::kNever);
-    } else if (shape.separation(to).distance < kKeep.offset - 1e-6) {
+      EXPECT_EQ(block.time, kNever);
+    } else if (shape.separation(to).distance < kClearance.offset - 1e-6) {
       ++into_face;
       EXPECT_TRUE(block.hits);
       check(path, shape, 1U << corner, 1.0);

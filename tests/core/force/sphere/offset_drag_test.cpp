@@ -14,7 +14,7 @@ namespace hapton {
 namespace {
 
 constexpr double kOffset = 0.1;
-constexpr FrictionCoefficients kRough{.at_rest = 0.5, .sliding = 0.3};
+constexpr FrictionCoefficients kRough{.static_mu = 0.5, .dynamic_mu = 0.3};
 const ContactTriangle kFlat(Vec3(-1, -1, 0), Vec3(1, -1, 0), Vec3(0, 2, 0));
 const ContactTriangle kUpright(Vec3(-1, 0.2, -1), Vec3(1, 0.2, -1), Vec3(0, 0.2, 2));
 
@@ -53,7 +53,7 @@ Vec3 drag_plainly(const OffsetDrag& drag, const Vec3& from, const Vec3& to, Vec3
       OffsetDrag::Pull pull;
       EXPECT_TRUE(drag.find_pull(c, device, pull));
       if (!(pull.excess() > 1e-16)) break;
-      c += pull.excess() / drag.find_stability(pull) * pull.way / pull.length;
+      c += pull.excess() / drag.find_stability(pull) * pull.tangential / pull.length;
       EXPECT_TRUE(drag.restore(c));
     }
   }
@@ -84,7 +84,7 @@ TEST(OffsetDrag, OverAFaceItIsTheTractrix) {
   EXPECT_NEAR(pull.excess(), 0.0, 1e-15);
   EXPECT_DOUBLE_EQ(single.drag.find_stability(pull), 1.0);
   // The pull and the motion less the growth of the cone.
-  EXPECT_NEAR(single.drag.find_drive(pull, to - from), (0.06 * 0.8 - 0.05 * 0.6) - 0.3 * 0.05, 1e-15);
+  EXPECT_NEAR(single.drag.find_excess_rate(pull, to - from), (0.06 * 0.8 - 0.05 * 0.6) - 0.3 * 0.05, 1e-15);
   ASSERT_TRUE(single.drag.follow(from, to, c, tests));
   EXPECT_LT((Vec3(to.x(), to.y(), kOffset) - c - expected.pull).norm(), 1e-14);
 }
@@ -117,7 +117,7 @@ TEST_P(RoundAnEdgeOrVertex, ItIsTheLimitOfSmallSteps) {
       // To the end of the device's motion.
       OffsetDrag::Pull pull;
       ASSERT_TRUE(single.drag.find_pull(c, from, pull));
-      if (!(single.drag.find_drive(pull, to - from) > 0.0)) continue;
+      if (!(single.drag.find_excess_rate(pull, to - from) > 0.0)) continue;
       for (int i = 0; i < 20; ++i) {
         ASSERT_TRUE(single.drag.find_pull(at.centre, from + at.time * (to - from), pull));
         ASSERT_TRUE(single.drag.flow(from, to, (1.0 - at.time) / single.drag.find_stability(pull), at, tests));
@@ -163,8 +163,8 @@ TEST(OffsetDrag, TwoMaterialsShareACone) {
   const OffsetDrag drag(contacts, friction, kOffset);
   OffsetDrag::Pull pull;
   ASSERT_TRUE(drag.find_pull(Vec3(0.0, 0.1, kOffset), Vec3(0.02, 0.2, -0.2), pull));  // multipliers 0.3 and 0.1
-  EXPECT_NEAR(pull.friction.at_rest, 0.5, 1e-14);
-  EXPECT_NEAR(pull.friction.sliding, 0.3, 1e-14);
+  EXPECT_NEAR(pull.friction.static_mu, 0.5, 1e-14);
+  EXPECT_NEAR(pull.friction.dynamic_mu, 0.3, 1e-14);
 }
 
 // The device held, over the axis of an edge and beside it: straight down the pull, and on the offset all the while.
@@ -178,17 +178,17 @@ TEST(OffsetDrag, DescendsInTheSteepestDirection) {
   int tests = 0;
   OffsetDrag::Pull pull;
   ASSERT_TRUE(single.drag.find_pull(c, device, pull));
-  const Vec3 way = pull.way / pull.length;
+  const Vec3 way = pull.tangential / pull.length;
   ASSERT_TRUE(single.drag.descend(device, way, 0.03, c, tests));
   constexpr int kSteps = 20000;
   for (int i = 0; i < kSteps; ++i) {  // the midpoint rule
     ASSERT_TRUE(single.drag.find_pull(plain, device, pull));
-    Vec3 middle = plain + (0.5 * 0.03 / kSteps) * pull.way / pull.length;
+    Vec3 middle = plain + (0.5 * 0.03 / kSteps) * pull.tangential / pull.length;
     ASSERT_TRUE(single.drag.find_pull(middle, device, pull));
-    plain += (0.03 / kSteps) * pull.way / pull.length;
+    plain += (0.03 / kSteps) * pull.tangential / pull.length;
   }
   EXPECT_LT((c - plain).norm(), 1e-9);
-  EXPECT_NEAR(single.contacts[0].stand(c).distance, kOffset, 1e-15);
+  EXPECT_NEAR(single.contacts[0].proximity(c).distance, kOffset, 1e-15);
 }
 
 TEST(OffsetDrag, ADeviceComesOutOnTheSideOfTheCentre) {

@@ -52,14 +52,14 @@ TEST_F(OffsetSurface, NearestIsThePartThatBruteForceFinds) {
         sampled = std::min(sampled, (c - p).norm());
       }
     }
-    const OffsetContact::Stand stand = contact.stand(c);
+    const OffsetContact::Proximity proximity = contact.proximity(c);
     const double spacing = std::max({shape.length(0), shape.length(1), shape.length(2)}) / kGrid;
-    ASSERT_LE(stand.distance, sampled + 1e-14);
-    ASSERT_GE(stand.distance, sampled - spacing);
+    ASSERT_LE(proximity.distance, sampled + 1e-14);
+    ASSERT_GE(proximity.distance, sampled - spacing);
     const Separation at = separation_from_triangle(c, shape.corner(0), shape.corner(1), shape.corner(2));
     ASSERT_EQ(contact.part, part_of(at.feature));
-    ASSERT_NEAR(stand.distance, at.distance, 1e-14);
-    ASSERT_LT((stand.normal - at.normal).norm(), 1e-13);
+    ASSERT_NEAR(proximity.distance, at.distance, 1e-14);
+    ASSERT_LT((proximity.normal - at.normal).norm(), 1e-13);
   }
   for (const int count : parts) EXPECT_GT(count, 20);
 }
@@ -71,7 +71,7 @@ TEST_F(OffsetSurface, OfATriangleWithoutAreaItIsAnEdgeOrAVertex) {
     const Vec3 beside = 0.25 * a + 0.75 * b + 0.3 * (b - a).unitOrthogonal();
     const OffsetContact edge = OffsetContact::nearest(0, shape, beside);
     EXPECT_EQ(edge.part, Part::edge);
-    EXPECT_NEAR(edge.stand(beside).distance, 0.3, 1e-15);
+    EXPECT_NEAR(edge.proximity(beside).distance, 0.3, 1e-15);
     const Vec3 beyond = b + 0.3 * (b - a);
     const OffsetContact vertex = OffsetContact::nearest(0, shape, beyond);
     EXPECT_EQ(vertex.part, Part::vertex);
@@ -92,12 +92,12 @@ TEST_F(OffsetSurface, AFaceNormalPointsToTheCentre) {
       ASSERT_EQ(contact.part, Part::face);
       EXPECT_EQ(contact.back, side < 0.0);
       EXPECT_EQ(contact.normal, Vec3(side * shape.normal()));
-      EXPECT_NEAR(contact.stand(c).distance, 0.2, 1e-14);
+      EXPECT_NEAR(contact.proximity(c).distance, 0.2, 1e-14);
       EXPECT_FALSE(contact.is_curved());
       EXPECT_EQ(OffsetContact::on_face(3, shape, side * (shape.normal() + shape.edge(0))).normal, contact.normal);
       // It is the plane's: also beyond the border, and below it.
-      EXPECT_NEAR(contact.stand(c + 5.0 * shape.edge(1)).distance, 0.2, 1e-13);
-      EXPECT_LT(contact.stand(on_face - side * 0.1 * shape.normal()).distance, 0.0);
+      EXPECT_NEAR(contact.proximity(c + 5.0 * shape.edge(1)).distance, 0.2, 1e-13);
+      EXPECT_LT(contact.proximity(on_face - side * 0.1 * shape.normal()).distance, 0.0);
     }
   }
 }
@@ -108,19 +108,19 @@ TEST_F(OffsetSurface, DistanceIsMeasuredFromTheLineOfAnEdgeAndFromAVertex) {
     const int k = i % 3;
     const OffsetContact edge = OffsetContact::on_edge(0, shape, k);
     const Vec3 out = edge.axis().unitOrthogonal();
-    const OffsetContact::Stand at = edge.stand(edge.origin() + unit() * edge.axis() + 0.3 * out);
+    const OffsetContact::Proximity at = edge.proximity(edge.origin() + unit() * edge.axis() + 0.3 * out);
     EXPECT_NEAR(at.distance, 0.3, 1e-15);
     EXPECT_LT((at.normal - out).norm(), 1e-14);
     EXPECT_LE(std::fabs(at.normal.dot(edge.axis())), 0x1p-52);
     const OffsetContact vertex = OffsetContact::on_vertex(0, shape, k);
     const Vec3 off = vector();
-    EXPECT_NEAR(vertex.stand(shape.corner(k) + off).distance, off.norm(), 1e-15);
-    EXPECT_LT((vertex.stand(shape.corner(k) + off).normal - off.normalized()).norm(), 1e-14 / off.norm());
+    EXPECT_NEAR(vertex.proximity(shape.corner(k) + off).distance, off.norm(), 1e-15);
+    EXPECT_LT((vertex.proximity(shape.corner(k) + off).normal - off.normalized()).norm(), 1e-14 / off.norm());
     EXPECT_TRUE(edge.is_curved() && vertex.is_curved());
   }
   const OffsetContact vertex = OffsetContact::on_vertex(0, triangle(0), 0);
-  EXPECT_EQ(vertex.stand(vertex.origin()).distance, 0.0);
-  EXPECT_EQ(vertex.stand(vertex.origin()).normal.norm(), 1.0);
+  EXPECT_EQ(vertex.proximity(vertex.origin()).distance, 0.0);
+  EXPECT_EQ(vertex.proximity(vertex.origin()).normal.norm(), 1.0);
 }
 
 // Along a tangent the distance from the carrier grows by curvature s^2 / 2.
@@ -131,12 +131,12 @@ TEST_F(OffsetSurface, CurvatureIsThatOfFiniteDifferences) {
     const OffsetContact contact = i % 3 == 0   ? OffsetContact::on_face(0, shape, shape.normal())
                                   : i % 3 == 1 ? OffsetContact::on_edge(0, shape, 1)
                                                : OffsetContact::on_vertex(0, shape, 2);
-    const Vec3 normal = contact.stand(contact.origin() + vector()).normal;
+    const Vec3 normal = contact.proximity(contact.origin() + vector()).normal;
     const Vec3 v = vector();
     const Vec3 tangent = (v - normal.dot(v) * normal).normalized();
     const Vec3 c = contact.origin() + offset * normal;
     const double s = 1e-3 * offset;
-    const double rise = 0.5 * (contact.stand(c + s * tangent).distance + contact.stand(c - s * tangent).distance) - offset;
+    const double rise = 0.5 * (contact.proximity(c + s * tangent).distance + contact.proximity(c - s * tangent).distance) - offset;
     EXPECT_NEAR(contact.curvature(tangent, offset) * offset, 2.0 * rise / (s * s) * offset, 1e-5);
   }
 }
@@ -148,12 +148,12 @@ TEST_F(OffsetSurface, ItsGuideKeepsAPathAtTheOffset) {
     const OffsetContact contact = i % 3 == 0   ? OffsetContact::on_face(0, shape, shape.normal())
                                   : i % 3 == 1 ? OffsetContact::on_edge(0, shape, 1)
                                                : OffsetContact::on_vertex(0, shape, 2);
-    const auto onto = [&](const Vec3& p) { return Vec3(p + (offset - contact.stand(p).distance) * contact.stand(p).normal); };
+    const auto onto = [&](const Vec3& p) { return Vec3(p + (offset - contact.proximity(p).distance) * contact.proximity(p).normal); };
     const Vec3 from = onto(contact.origin() + vector());
     const Vec3 to = onto(from + 0.2 * offset * vector());
     CentrePath path = CentrePath::curved(from, to, to - from, to - from);
-    path.keep_on(contact.guide(offset));
-    for (int k = 0; k <= 20; ++k) EXPECT_NEAR(contact.stand(path.at(k / 20.0)).distance, offset, 0x1p-50);
+    path.add_guide(contact.guide(offset));
+    for (int k = 0; k <= 20; ++k) EXPECT_NEAR(contact.proximity(path.at(k / 20.0)).distance, offset, 0x1p-50);
   }
 }
 
@@ -169,11 +169,11 @@ TEST_F(OffsetSurface, PartsAreEqualByTheirPositions) {
   const OffsetContact face = OffsetContact::on_face(0, shape, shape.normal());
   const OffsetContact edge = OffsetContact::on_edge(0, shape, 0);
   const OffsetContact vertex = OffsetContact::on_vertex(0, shape, 0);
-  EXPECT_TRUE(face.is_part_of(copy) && edge.is_part_of(copy) && vertex.is_part_of(copy));
-  EXPECT_TRUE(!face.is_part_of(beside) && edge.is_part_of(beside) && vertex.is_part_of(beside));
-  EXPECT_TRUE(!face.is_part_of(at_corner) && !edge.is_part_of(at_corner) && vertex.is_part_of(at_corner));
-  EXPECT_FALSE(OffsetContact::on_edge(0, shape, 1).is_part_of(beside));
-  EXPECT_FALSE(OffsetContact::on_vertex(0, shape, 2).is_part_of(at_corner));
+  EXPECT_TRUE(face.is_shared_with(copy) && edge.is_shared_with(copy) && vertex.is_shared_with(copy));
+  EXPECT_TRUE(!face.is_shared_with(beside) && edge.is_shared_with(beside) && vertex.is_shared_with(beside));
+  EXPECT_TRUE(!face.is_shared_with(at_corner) && !edge.is_shared_with(at_corner) && vertex.is_shared_with(at_corner));
+  EXPECT_FALSE(OffsetContact::on_edge(0, shape, 1).is_shared_with(beside));
+  EXPECT_FALSE(OffsetContact::on_vertex(0, shape, 2).is_shared_with(at_corner));
 }
 
 }  // namespace

@@ -175,7 +175,7 @@ TEST(SphereFollower, AnOpenSheetHoldsFromBothSides) {
     stage.put({0.1, 0.2, 0.3 * side});
     ASSERT_EQ(stage.move({0.1, 0.2, -0.1 * side}), Outcome::settled);
     expect_centre(stage, {0.1, 0.2, kOffset * side});
-    // Round its boundary and under it.
+    // Kind its boundary and under it.
     ASSERT_EQ(stage.move({0.52, 0.2, -0.02 * side}), Outcome::settled);
     const Vec3 out = Vec3(0.02, 0.0, -0.02 * side).normalized();
     expect_centre(stage, Vec3(0.5, 0.2, 0.0) + kOffset * out);
@@ -201,13 +201,13 @@ TEST(SphereFollower, TakesOverACentreInContactAndNoneThatIsTooNear) {
   Stage stage(made::sheet(0.5, 0.0, 5), kOffset);
   const double short_by = 0x1p-36;
   const Vec3 place = stage.geometry.to_local({0.1, 0.2, kOffset});
-  ASSERT_TRUE(stage.follower->take(place - 0.5 * short_by * Vec3::UnitZ(), false, short_by));
-  EXPECT_TRUE(stage.follower->holds());
+  ASSERT_TRUE(stage.follower->start(place - 0.5 * short_by * Vec3::UnitZ(), false, short_by));
+  EXPECT_TRUE(stage.follower->is_tracking());
   stage.device = place;
   ASSERT_EQ(stage.move({0.12, 0.2, -0.1}), Outcome::settled);
   expect_centre(stage, {0.12, 0.2, kOffset});
-  EXPECT_FALSE(stage.follower->take(place - 3.0 * short_by * Vec3::UnitZ(), false, short_by));
-  EXPECT_FALSE(stage.follower->holds());
+  EXPECT_FALSE(stage.follower->start(place - 3.0 * short_by * Vec3::UnitZ(), false, short_by));
+  EXPECT_FALSE(stage.follower->is_tracking());
 }
 
 // ---------------------------------------------------------------------------------------------------------------------
@@ -240,7 +240,7 @@ TEST_P(OverBumps, OneStepIsTheSameMotionInParts) {
       touching += stage.follower->is_free() ? 0 : 1;
       several += stage.follower->contacts().size() > 1 ? 1 : 0;
     } else {
-      stage.follower->take_free(stage.geometry.to_local(Vec3(0.6 * to.normalized())));
+      stage.follower->start_free(stage.geometry.to_local(Vec3(0.6 * to.normalized())));
       stage.device = stage.follower->centre();
     }
   }
@@ -265,8 +265,8 @@ TEST(SphereFollower, TheCentreKeepsItsDistanceWhateverTheOutcome) {
       const Outcome outcome = stage.move_local(to);
       ASSERT_GE(stage.distance_to_nearest(), stage.offset - kSlop) << "seed " << seed << " step " << i;
       touching += stage.follower->is_free() ? 0 : 1;
-      if (outcome != Outcome::unclear) continue;
-      stage.follower->take_free(stage.geometry.to_local(Vec3(0.6 * to.normalized())));
+      if (outcome != Outcome::failed) continue;
+      stage.follower->start_free(stage.geometry.to_local(Vec3(0.6 * to.normalized())));
       stage.device = stage.follower->centre();
     }
   }
@@ -290,12 +290,12 @@ TEST(SphereFollower, AHostileMotionIsBoundedAndGoneOnWithUntilItHasSettled) {
   ASSERT_EQ(stage.move({-0.0443, 0.0029, -0.003}), Outcome::settled);
   int exhausted = 0;
   const auto follow = [&](const Vec3& to) {
-    const std::uint64_t before = stage.follower->looked_at();
+    const std::uint64_t before = stage.follower->queried();
     const AllocationGuard guard;
     const Outcome outcome = stage.move_local(to);
     EXPECT_TRUE(!AllocationGuard::is_available() || guard.count() == 0U);
     // The event that is begun is ended.
-    EXPECT_LE(stage.follower->looked_at() - before, static_cast<std::uint64_t>(SphereFollower::kMostWork));
+    EXPECT_LE(stage.follower->queried() - before, static_cast<std::uint64_t>(SphereFollower::kMostWork));
     EXPECT_GE(stage.distance_to_nearest(), stage.offset - kSlop);
     exhausted += outcome == Outcome::exhausted ? 1 : 0;
     return outcome;
@@ -337,7 +337,7 @@ TEST(SphereFollower, WhatIsNotFiniteIsUnclearAndChangesNothing) {
   stage.put({0.1, 0.2, 0.3});
   ASSERT_EQ(stage.move({0.1, 0.2, -0.1}), Outcome::settled);
   const Vec3 centre = stage.follower->centre();
-  EXPECT_EQ(stage.move_local(Vec3::Constant(std::numeric_limits<double>::quiet_NaN())), Outcome::unclear);
+  EXPECT_EQ(stage.move_local(Vec3::Constant(std::numeric_limits<double>::quiet_NaN())), Outcome::failed);
   EXPECT_EQ(stage.follower->centre(), centre);
 }
 

@@ -81,9 +81,9 @@ class OverBumpsWithFriction : public testing::TestWithParam<std::tuple<std::uint
 TEST_P(OverBumpsWithFriction, OneStepIsTheSameMotionInParts) {
   constexpr double kStiffness = 1000.0;  // N/m
   constexpr int kSteps = 160;
-  const auto [seed, at_rest, sliding] = GetParam();
+  const auto [seed, static_mu, dynamic_mu] = GetParam();
   RecordProperty("seed", std::to_string(seed));
-  Stage stage(made::sphere(0.4, 16, 0.05), 0.03, {.friction_static = at_rest, .friction_dynamic = sliding});
+  Stage stage(made::sphere(0.4, 16, 0.05), 0.03, {.friction_static = static_mu, .friction_dynamic = dynamic_mu});
   Wanderer wanderer(seed);
   stage.put({0.3, 0.5, 0.7});
   int touching = 0;

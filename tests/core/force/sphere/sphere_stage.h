@@ -25,7 +25,7 @@ struct Stage {
 
   void put(const Vec3& p_S) {
     device = geometry.to_local(p_S);
-    follower->take_free(device);
+    follower->start_free(device);
   }
   Outcome move(const Vec3& p_S) { return move_local(geometry.to_local(p_S)); }
   Outcome move_local(const Vec3& to) {
@@ -49,7 +49,7 @@ struct Stage {
     Vec3 sum = device - follower->centre();
     for (const OffsetContact& contact : follower->contacts()) {
       EXPECT_GE(contact.multiplier, 0.0);
-      sum += contact.multiplier * contact.stand(follower->centre()).normal;
+      sum += contact.multiplier * contact.proximity(follower->centre()).normal;
     }
     return sum.norm();
   }

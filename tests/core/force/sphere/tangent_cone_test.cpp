@@ -40,9 +40,9 @@ std::vector<ContactTriangle> cube_corner() {
 TEST(TangentCone, OfACubesCornerHasThreeEdgesThatOpenOutwardsOrInwards) {
   for (const double side : {1.0, -1.0}) {
     TangentCone cone = cone_of(Vec3::Zero(), cube_corner());
-    ASSERT_TRUE(cone.find_border(side * Vec3(0.5, 0.6, 0.7).normalized()));
+    ASSERT_TRUE(cone.find_boundary(side * Vec3(0.5, 0.6, 0.7).normalized()));
     int edges = 0;
-    for (const TangentCone::Piece& piece : cone.border()) {
+    for (const TangentCone::Piece& piece : cone.boundary()) {
       EXPECT_LE(piece.normal.dot(piece.from), 1e-12);
       if (std::fabs(piece.opening - kPi) < 1e-9) continue;  // a diagonal, or where the walk began
       EXPECT_NEAR(piece.opening, side > 0.0 ? 1.5 * kPi : 0.5 * kPi, 1e-12);
@@ -54,11 +54,11 @@ TEST(TangentCone, OfACubesCornerHasThreeEdgesThatOpenOutwardsOrInwards) {
 
 TEST(TangentCone, OfOneTriangleGoesRoundBothItsSides) {
   TangentCone cone = cone_of(Vec3::Zero(), {ContactTriangle(Vec3::Zero(), Vec3::UnitX(), Vec3::UnitY())});
-  ASSERT_TRUE(cone.find_border(Vec3(0.1, 0.1, 1.0).normalized()));
+  ASSERT_TRUE(cone.find_boundary(Vec3(0.1, 0.1, 1.0).normalized()));
   bool above = false;
   bool below = false;
   double opening = 0.0;
-  for (const TangentCone::Piece& piece : cone.border()) {
+  for (const TangentCone::Piece& piece : cone.boundary()) {
     above = above || piece.normal.z() > 0.5;
     below = below || piece.normal.z() < -0.5;
     opening = std::max(opening, piece.opening);
@@ -79,9 +79,9 @@ TEST(TangentCone, OfThreeFacesThatCrossIsTheOctantThatThePointIsIn) {
   for (int octant = 0; octant < 8; ++octant) {
     const Vec3 inside = Vec3(octant & 1 ? 1.0 : -1.0, octant & 2 ? 1.1 : -1.1, octant & 4 ? 0.9 : -0.9).normalized();
     TangentCone cone = cone_of(apex, triangles);
-    ASSERT_TRUE(cone.find_border(inside)) << octant;
+    ASSERT_TRUE(cone.find_boundary(inside)) << octant;
     double turned = 0.0;
-    for (const TangentCone::Piece& piece : cone.border()) {
+    for (const TangentCone::Piece& piece : cone.boundary()) {
       for (int k = 0; k < 3; ++k) {
         EXPECT_GE(piece.to[k] * inside[k], -1e-12) << octant;
         EXPECT_GE(piece.normal[k] * inside[k], -1e-12) << octant;
@@ -119,7 +119,7 @@ TEST(TangentCone, FindsTheSteepestDirectionOfRandomFans) {
     }
     for (const Vec3& inside : {Vec3(Vec3::UnitZ()), Vec3(-Vec3::UnitZ())}) {
       TangentCone cone = cone_of(apex, fan);
-      ASSERT_TRUE(cone.find_border(inside)) << round;
+      ASSERT_TRUE(cone.find_boundary(inside)) << round;
       const TangentCone::Steepest found = cone.find_steepest(pull);
       EXPECT_NEAR(found.slope, steepest, 1e-5) << round;
       EXPECT_NEAR(found.direction.dot(pull), found.slope, 1e-15) << round;
@@ -131,7 +131,7 @@ TEST(TangentCone, FindsTheSteepestDirectionOfRandomFans) {
 TEST(TangentCone, HasNoBoundaryWithoutTrianglesAndRejectsMoreThanItHolds) {
   TangentCone cone;
   cone.begin(Vec3::Zero());
-  EXPECT_FALSE(cone.find_border(Vec3::UnitZ()));
+  EXPECT_FALSE(cone.find_boundary(Vec3::UnitZ()));
   int added = 0;
   const ContactTriangle corner(Vec3::Zero(), Vec3::UnitX(), Vec3::UnitY());
   while (added <= TangentCone::kMostArcs && cone.add(corner, 1e-9)) ++added;

@@ -1,4 +1,4 @@
-// Where the centre is at rest: what holds it, until when, and whether a point would rest there, too.
+// The centre at a local minimum: its active contacts, until when they stay active, and whether a point would be held there.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,43 +13,43 @@ using Part = OffsetContact::Part;
 
 }  // namespace
 
-// At rest: of what is touched and does not hold yet, that holds, too, into which the device would draw the centre.
-void SphereFollower::hold_against(const Vec3& device, const Vec3& motion) noexcept {
-  while (count_ < 3 && count_ < touching_) {
+// At a minimum: activates further contacts that the minimum's velocity would lead into.
+void SphereFollower::activate_opposing(const Vec3& device, const Vec3& motion) noexcept {
+  while (active_count_ < 3 && active_count_ < contact_count_) {
     const Vec3 rate = find_rate(centre_, device, motion);
     int against = -1;
     double least = 0.0;
-    for (int i = count_; i < touching_; ++i) {
-      const double leaves = contacts_[i].stand(centre_).normal.dot(rate);
+    for (int i = active_count_; i < contact_count_; ++i) {
+      const double leaves = contacts_[i].proximity(centre_).normal.dot(rate);
       if (!(leaves < least)) continue;
       least = leaves;
       against = i;
     }
     if (against < 0) return;
-    std::swap(contacts_[count_], contacts_[against]);
-    ++count_;
+    std::swap(contacts_[active_count_], contacts_[against]);
+    ++active_count_;
     ContactFrame frame;
     if (find_frame(centre_, frame)) continue;
-    // One of them says the same: the new one takes its place.
-    contacts_[count_ - 2] = contacts_[count_ - 1];
-    --count_;
+    // The two are redundant: the new one replaces the other.
+    contacts_[active_count_ - 2] = contacts_[active_count_ - 1];
+    --active_count_;
     return;
   }
 }
 
-// A minimum about to vanish moves too fast to be followed, and has not vanished yet: a little later it has.
+// A minimum about to vanish moves too fast to follow, but has not vanished yet: go on a little later.
 SphereFollower::Next SphereFollower::wait(const Vec3& from, const Vec3& to, double& time) const noexcept {
   if (time >= 1.0) return Next::settled;
   time = std::min(1.0, time + 4.0 * kAtAxis / (to - from).norm());
   return Next::again;
 }
 
-// Whether the device is on the line or point that the centre is held off: then every place round it is as near.
+// Whether the device is on the axis of the active edge or vertex: then all points around it are equally near.
 bool SphereFollower::is_on_axis(const Vec3& device) const noexcept {
-  return count_ == 1 && contacts_[0].is_curved() && contacts_[0].stand(device).distance <= kAtAxis;
+  return active_count_ == 1 && contacts_[0].is_curved() && contacts_[0].proximity(device).distance <= kAtAxis;
 }
 
-// When it is so far off that axis that its direction counts, after `time`; 1 if not before.
+// The first time after `time` at which the device is so far off that axis that its direction counts; 1: not before the end.
 double SphereFollower::time_off_axis(const Vec3& from, const Vec3& to, double time) const noexcept {
   const OffsetContact& contact = contacts_[0];
   const Vec3 axis = contact.part == Part::edge ? contact.axis() : Vec3(Vec3::Zero());
@@ -64,29 +64,29 @@ double SphereFollower::time_off_axis(const Vec3& from, const Vec3& to, double ti
   return std::min(1.0, time + c / (b + std::sqrt(b * b + a * c)));
 }
 
-// Held by three: multipliers are affine in time.
+// Held by three contacts: multipliers are affine in time.
 SphereFollower::Next SphereFollower::stay(const Vec3& from, const Vec3& to, double& time) noexcept {
   ContactFrame frame;
-  if (!find_frame(centre_, frame)) return Next::unclear;
+  if (!find_frame(centre_, frame)) return Next::failed;
   const Vec3 now = centre_ - on_path(from, to, time);
   const Vec3 then = centre_ - to;
   int released = -1;
   double soonest = 1.0;
   for (int i = 0; i < 3; ++i) {
     const double at_end = frame.dual[i].dot(then);
-    if (!(at_end < -kLeastWay)) continue;
+    if (!(at_end < -kAtMinimum)) continue;
     const double at_start = std::max(0.0, frame.dual[i].dot(now));
     const double share = at_start / (at_start - at_end);
     if (released >= 0 && share >= soonest) continue;
     released = i;
     soonest = share;
   }
-  const double opens = time_to_corner_way(from, to, time);
+  const double opens = time_to_corner_exit(from, to, time);
   if (opens <= 1.0 && (released < 0 || opens < time + soonest * (1.0 - time))) {
     time = opens;
-    // Else it is not tried again in this step.
+    // A failed attempt is not repeated in this step.
     ++corner_tries_;
-    leave_rest(on_path(from, to, time), to - from);
+    leave_minimum(on_path(from, to, time), to - from);
     return Next::again;
   }
   if (released < 0) {
@@ -102,28 +102,29 @@ SphereFollower::Next SphereFollower::stay(const Vec3& from, const Vec3& to, doub
   return Next::again;
 }
 
-// Whether a minimum is so shallow that a climb by one contact offset leads out of it: along the contacts on edges and vertices without one
-// of them, away from that one. The path climbs by a slope of a and turns down by its curvature of b: its height is a^2 / 2b.
-bool SphereFollower::is_shallow(const Vec3& device, Vec3& way) const noexcept {
+// Whether a climb by kShallow leads out of a minimum: along the contacts on edges and vertices without one of them, away from that one.
+// The path climbs with slope a and turns down with curvature b: its height is a^2 / 2b.
+bool SphereFollower::is_shallow(const Vec3& device, Vec3& direction) const noexcept {
   ContactFrame all;
-  if (touching_ < 2 || !find_frame(centre_, all)) return false;
-  for (int j = 0; j < count_; ++j) {
+  if (contact_count_ < 2 || !find_frame(centre_, all)) return false;
+  for (int j = 0; j < active_count_; ++j) {
     ContactFrame others;
     std::array<const OffsetContact*, 2> by{};
-    for (int i = 0; i < count_; ++i) {
+    for (int i = 0; i < active_count_; ++i) {
       if (i == j) continue;
       by[static_cast<std::size_t>(others.count)] = &contacts_[i];
       others.normal[static_cast<std::size_t>(others.count++)] = all.normal[i];
     }
     if (!others.prepare()) continue;
     const Vec3 off = all.normal[j] - others.normal[0] * others.normal[0].dot(all.normal[j]);
-    way = others.count == 1 ? off : Vec3(others.along * (others.along.dot(all.normal[j]) < 0.0 ? -1.0 : 1.0));
-    if (!(way.norm() > 0.0)) continue;
-    way.normalize();
-    const double slope = std::max(0.0, way.dot(centre_ - device));
+    direction = others.count == 1 ? off : Vec3(others.along * (others.along.dot(all.normal[j]) < 0.0 ? -1.0 : 1.0));
+    if (!(direction.norm() > 0.0)) continue;
+    direction.normalize();
+    const double slope = std::max(0.0, direction.dot(centre_ - device));
     double turn = -1.0;
     for (int i = 0; i < others.count; ++i) {
-      turn += std::max(0.0, others.dual[i].dot(centre_ - device)) * by[static_cast<std::size_t>(i)]->curvature(way, keep_.offset);
+      turn +=
+          std::max(0.0, others.dual[i].dot(centre_ - device)) * by[static_cast<std::size_t>(i)]->curvature(direction, clearance_.offset);
     }
     if (turn > 0.0 && slope * slope <= 2.0 * kShallow * turn) return true;
   }
@@ -132,8 +133,8 @@ bool SphereFollower::is_shallow(const Vec3& device, Vec3& way) const noexcept {
 
 void SphereFollower::note_multipliers(const Vec3& device) noexcept {
   ContactFrame frame;
-  if (touching_ == 0 || !find_frame(centre_, frame)) return;
-  for (int i = 0; i < count_; ++i) contacts_[i].multiplier = std::max(0.0, frame.dual[i].dot(centre_ - device));
+  if (contact_count_ == 0 || !find_frame(centre_, frame)) return;
+  for (int i = 0; i < active_count_; ++i) contacts_[i].multiplier = std::max(0.0, frame.dual[i].dot(centre_ - device));
 }
 
 }  // namespace hapton

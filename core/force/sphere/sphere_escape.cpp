@@ -1,0 +1,259 @@
+// A small sphere that represents a point can be held where a point would not be. Here it leaves such a minimum: out of a corner along its
+// faces, and over a barrier lower than the sphere.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/force/contact_qp.h"
+#include "core/force/sphere/sphere_follower.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kAround = 32.0;      // offsets; a corner within this distance is where the point is
+constexpr double kThrough = 4.0;      // offsets; a triangle this near to the corner touches it, and a crack this narrow is closed
+constexpr double kLeastBetter = 2.0;  // offsets; a smaller gain is no escape
+constexpr double kAbove = 1.25;       // offsets above the faces on the path
+constexpr double kWide[] = {32.0, 512.0, 8192.0};  // offsets; radius of the path around the corner
+constexpr double kHeights[] = {8.0, 32.0};         // offsets; height of a lift
+constexpr int kMostTries = 2;                      // per step
+
+}  // namespace
+
+// The vertex near the centre, or the point where three faces that hold the centre meet.
+bool SphereFollower::find_apex(Vec3& apex) const noexcept {
+  double nearest = kAround * clearance_.offset;
+  bool any = false;
+  for (int i = 0; i < contact_count_; ++i) {
+    for (int k = 0; k < 3; ++k) {
+      const Vec3& corner = contacts_[i].shape.corner(k);
+      const double distance = (corner - centre_).norm();
+      if (!(distance < nearest)) continue;
+      nearest = distance;
+      apex = corner;
+      any = true;
+    }
+  }
+  if (any) return true;
+  ContactFrame frame;
+  if (active_count_ != 3 || !find_frame(centre_, frame)) return false;
+  apex = centre_;
+  for (int i = 0; i < 3; ++i) {
+    if (contacts_[i].part != OffsetContact::Part::face) return false;
+    apex -= clearance_.offset * frame.dual[i];
+  }
+  return (apex - centre_).norm() <= kAround * clearance_.offset;
+}
+
+// The directions in which the point could leave its corner. False: there is no corner, or its boundary is not found.
+bool SphereFollower::find_cone() noexcept {
+  if ((centre_ - cone_at_).norm() <= 4.0 * clearance_.offset) return has_cone_;
+  cone_at_ = centre_;
+  has_cone_ = false;
+  Vec3 apex;
+  if (!find_apex(apex)) return false;
+  const double near = kThrough * clearance_.offset;
+  const double radius = near + (apex - centre_).norm();
+  if (!near_.covers(centre_, radius) && (!gather(Vec3::Zero()) || !near_.covers(centre_, radius))) return false;
+  cone_.begin(apex);
+  bool fits = true;
+  near_.visit_near(apex, apex, near, [&](int slot) {
+    const ContactTriangle& shape = near_.shape(slot);
+    if (!(shape.separation(apex).distance <= near) || !can_touch(near_.triangle(slot), shape, centre_)) return;
+    fits = fits && cone_.add(shape, near);
+    ++work_;
+  });
+  has_cone_ = fits && cone_.find_boundary((centre_ - apex).normalized());
+  return has_cone_;
+}
+
+// The least distance along an edge of the corner that makes the point come nearer to the device by kLeastBetter.
+double SphereFollower::least_corner_exit(const Vec3& pull) const noexcept {
+  return std::sqrt(8.0 * kLeastBetter * clearance_.offset * pull.norm());
+}
+
+// The time at which an edge of the corner first leads nearer to the device; 2: none does.
+double SphereFollower::time_to_corner_exit(const Vec3& from, const Vec3& to, double time) noexcept {
+  if (!is_point_ || corner_tries_ >= kMostTries || !find_cone()) return 2.0;
+  const Vec3 pull = from - cone_.apex();
+  const Vec3 pull_then = to - cone_.apex();
+  const double least = 1.0625 * std::max(least_corner_exit(pull), least_corner_exit(pull_then));
+  double soonest = 2.0;
+  for (const TangentCone::Piece& piece : cone_.boundary()) {
+    const double there = piece.to.dot(pull_then) - least;
+    if (!(there > 0.0)) continue;
+    const double here = std::min(piece.to.dot(pull) - least, 0.0);
+    soonest = std::min(soonest, std::max(time, here / (here - there)));
+  }
+  return soonest;
+}
+
+// Leaves a minimum in the steepest direction that leads to a nearer one. False, and nothing changed: no direction does.
+bool SphereFollower::leave_minimum(const Vec3& device, const Vec3& motion) noexcept {
+  if (!is_point_ || contact_count_ == 0) return false;
+  if (find_cone()) {
+    const Vec3 pull = device - cone_.apex();
+    const TangentCone::Steepest steepest = cone_.find_steepest(pull);
+    if (steepest.slope > least_corner_exit(pull)) {
+      for (const double wide : kWide) {
+        const double radius = wide * clearance_.offset;
+        for (const bool ahead : {true, false}) {
+          if (try_escape(device, motion, [&] { return fly_around_corner(steepest, radius, ahead); })) return true;
+        }
+      }
+    }
+  }
+  if (last_fly_over_ == step_) return false;
+  last_fly_over_ = step_;
+  const auto leads_over = [&](const Vec3& direction) {
+    return std::any_of(std::begin(kHeights), std::end(kHeights), [&](double height) {
+      return try_escape(device, motion,
+                        [&] { return fly_over(32.0 * height * clearance_.offset * direction, height * clearance_.offset); });
+    });
+  };
+  Vec3 over;
+  if (is_shallow(device, over) && leads_over(over)) return true;
+  // Along each face that it touches, over the boundary of a crack as narrow as the sphere.
+  const int touching = contact_count_;
+  for (int i = 0; i < touching; ++i) {
+    const Vec3& normal = contacts_[i].shape.normal();
+    const Vec3 pull = device - centre_;
+    const Vec3 along = pull - normal.dot(pull) * normal;
+    const double length = along.norm();
+    if (!normal.isZero(0.0) && length > least_corner_exit(pull) && leads_over(along / length)) return true;
+  }
+  return false;
+}
+
+// Around the corner, a little above the faces of its boundary, to the direction that leads on.
+bool SphereFollower::fly_around_corner(const TangentCone::Steepest& to, double wide, bool ahead) noexcept {
+  constexpr double kQuarter = 0.5 * std::numbers::pi;
+  const std::span<const TangentCone::Piece> boundary = cone_.boundary();
+  const int count = static_cast<int>(boundary.size());
+  const double above = kAbove * clearance_.offset;
+  const auto go = [&](const Vec3& to_apex) { return fly_straight(cone_.apex() + to_apex - centre_, 1.0); };
+  // Around the edge at the end of a piece, by less than a quarter turn at a time.
+  const auto fly_about_edge = [&](const TangentCone::Piece& piece, bool forward) {
+    const int steps = std::max(1, static_cast<int>(std::ceil(piece.opening / kQuarter - 0x1p-20)));
+    const double each = piece.opening / steps;
+    const double off = above / std::sin(std::min(0.5 * each, 0.5 * kQuarter));
+    if (!(off < 0.25 * wide)) return false;
+    for (int i = 0; i < steps; ++i) {
+      const double angle = each * ((forward ? i : steps - 1 - i) + 0.5);
+      if (!go(wide * piece.to + off * (std::cos(angle) * piece.back + std::sin(angle) * piece.normal))) return false;
+    }
+    return true;
+  };
+  // Over a piece, so that the path does not cut across the corner.
+  const auto fly_over_piece = [&](const TangentCone::Piece& piece, const Vec3& from, const Vec3& end) {
+    const double angle = std::acos(std::clamp(from.dot(end), -1.0, 1.0));
+    const int steps = static_cast<int>(angle / (0.5 * kQuarter));
+    for (int i = 1; i <= steps; ++i) {
+      const double share = static_cast<double>(i) / (steps + 1);
+      if (!go(wide * ((1.0 - share) * from + share * end).normalized() + above * piece.normal)) return false;
+    }
+    return true;
+  };
+  const TangentCone::Piece& last = boundary[static_cast<std::size_t>(to.piece)];
+  const bool is_edge = to.direction == last.to;
+  if (!go(wide * boundary[0].from + above * boundary[0].normal)) return false;
+  if (ahead) {
+    for (int i = 0; i < to.piece; ++i) {
+      if (!fly_over_piece(boundary[static_cast<std::size_t>(i)], boundary[static_cast<std::size_t>(i)].from,
+                          boundary[static_cast<std::size_t>(i)].to) ||
+          !fly_about_edge(boundary[static_cast<std::size_t>(i)], true))
+        return false;
+    }
+    if (!fly_over_piece(last, last.from, to.direction)) return false;
+  } else {
+    for (int i = count - 1; i > to.piece; --i) {
+      const TangentCone::Piece& piece = boundary[static_cast<std::size_t>(i)];
+      if (!fly_over_piece(piece, piece.to, piece.from) || !fly_about_edge(boundary[static_cast<std::size_t>(i - 1)], false)) return false;
+    }
+    if (!fly_over_piece(last, last.to, to.direction)) return false;
+  }
+  return is_edge ? !ahead || fly_about_edge(last, true) : go(wide * to.direction + above * last.normal);
+}
+
+// Up over everything near, then along the displacement.
+bool SphereFollower::fly_over(const Vec3& displacement, double height) noexcept {
+  const Vec3 from = centre_;
+  const Vec3 up = find_lift(height);
+  if (up.isZero(0.0) || !fly_straight(up, 1.0)) return false;
+  fly_straight(displacement, 0.0);
+  return (centre_ - from).norm() >= 4.0 * height;
+}
+
+// Flies along the path of `go` and descends from there with the device held. False, and undone: that ends no nearer to the device.
+template <class Go>
+bool SphereFollower::try_escape(const Vec3& device, const Vec3& motion, Go&& go) noexcept {
+  constexpr int kMostEvents = 256;
+  if (escape_work_ > kMostEscapeWork) return false;
+  const int work_before = work_;
+  const Vec3 centre = centre_;
+  const auto contacts = contacts_;
+  const int count = active_count_;
+  const int touching = contact_count_;
+  const double distance = (device - centre_).norm();
+  const auto end = [&](bool is_better) {
+    escape_work_ += work_ - work_before;
+    work_ = work_before;
+    idle_ = 0;
+    if (is_better) return true;
+    centre_ = centre;
+    contacts_ = contacts;
+    active_count_ = count;
+    contact_count_ = touching;
+    is_descending_ = false;
+    has_lost_minimum_ = false;
+    least_distance_ = std::numeric_limits<double>::infinity();
+    return false;
+  };
+  active_count_ = 0;
+  contact_count_ = 0;
+  idle_ = 0;
+  if (!go()) return end(false);
+  hint_ = centre_ - centre;
+  is_descending_ = true;
+  least_distance_ = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kMostEvents && idle_ <= kMostIdle; ++i) {
+    ++work_;
+    double until = 1.0;
+    if (contact_count_ != 0 && !is_descending_) break;
+    const Next next = contact_count_ == 0 ? fly_to(device, until) : descend(device, motion);
+    if (next == Next::settled) break;
+    if (next != Next::again) return end(false);
+  }
+  const bool is_done = contact_count_ == 0 ? centre_ == device : !is_descending_;
+  return end(is_done && (device - centre_).norm() < distance - kLeastBetter * clearance_.offset);
+}
+
+// The shortest displacement that is `height` above everything near.
+Vec3 SphereFollower::find_lift(double height) noexcept {
+  constexpr int kMostNear = 48;
+  std::array<ContactPlane, kMostNear> planes;
+  int count = 0;
+  const double near = 2.0 * height;
+  if (!near_.covers(centre_, near) && (!gather(Vec3::Zero()) || !near_.covers(centre_, near))) return Vec3::Zero();
+  near_.visit_near(centre_, centre_, near, [&](int slot) {
+    const ContactTriangle& shape = near_.shape(slot);
+    const Separation at = shape.separation(centre_);
+    if (count == kMostNear || at.distance > near || !can_touch(near_.triangle(slot), shape, centre_)) return;
+    planes[static_cast<std::size_t>(count++)] = {at.normal, height - at.distance};
+  });
+  work_ += count;
+  const ConstrainedMotion up =
+      constrain_motion(Vec3::Zero(), std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(count)));
+  return up.solved && up.motion.norm() <= 64.0 * height ? up.motion : Vec3(Vec3::Zero());
+}
+
+// Flies straight until something is hit. False: before that share of the motion.
+bool SphereFollower::fly_straight(const Vec3& motion, double share) noexcept {
+  const CentrePath path = CentrePath::straight(centre_, centre_ + motion);
+  Event event;
+  if (!find_event(path, event)) return false;
+  centre_ = path.at(event.time);
+  return event.time >= share;
+}
+
+}  // namespace hapton
