@@ -107,7 +107,8 @@ DeviceLimits tighter_limits(const DeviceSettings& settings) {
 
 std::optional<PassivityController::Mechanics> passive_mechanics(const DeviceSettings& settings) {
   if (settings.passive_mass_kg == 0.0) return std::nullopt;
-  return PassivityController::Mechanics{settings.passive_mass_kg, settings.passive_damping_ns_per_m, settings.passive_friction_n};
+  return PassivityController::Mechanics{settings.passive_mass_kg, settings.passive_damping_ns_per_m, settings.passive_friction_n,
+                                        settings.passive_position_step_m};
 }
 
 void warn_of_loose_limits(const IoOptions& options, const DeviceLimits& own) {

@@ -62,6 +62,7 @@ IoOptions read_device(TomlReader& reader, const IoOptions& common) {
                 "passive_mass_kg",
                 "passive_damping_ns_per_m",
                 "passive_friction_n",
+                "passive_position_step_m",
                 "rate_hz",
                 "cpu",
                 "record",
@@ -99,6 +100,7 @@ IoOptions read_device(TomlReader& reader, const IoOptions& common) {
   reader.read("passive_mass_kg", options.device.passive_mass_kg, 0.0, 100.0);
   reader.read("passive_damping_ns_per_m", options.device.passive_damping_ns_per_m, 0.0, 1000.0);
   reader.read("passive_friction_n", options.device.passive_friction_n, 0.0, 100.0);
+  reader.read("passive_position_step_m", options.device.passive_position_step_m, 0.0, 0.01);
   reader.read("rate_hz", options.rate_hz, kMinServoRateHz, kMaxServoRateHz);
   std::int64_t cpu = options.realtime.cpu;
   reader.read("cpu", cpu, -1, 4095);

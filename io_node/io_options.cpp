@@ -18,10 +18,28 @@ constexpr int kBadCommandLine = 2;
 
 // The first given flag that applies to one device and belongs into the file of several.
 std::optional<std::string> find_flag_of_one_device(const CLI::App& app) {
-  for (const char* flag :
-       {"--device",           "--device-id",  "--device-file",      "--trajectory", "--loop",        "--seed",         "--max-force",
-        "--max-slew",         "--max-torque", "--continuous-force", "--max-speed",  "--hold-button", "--passive-mass", "--passive-damping",
-        "--passive-friction", "--bind",       "--metrics",          "--vrpn",       "--vrpn-name",   "--record",       "--cpu"}) {
+  for (const char* flag : {"--device",
+                           "--device-id",
+                           "--device-file",
+                           "--trajectory",
+                           "--loop",
+                           "--seed",
+                           "--max-force",
+                           "--max-slew",
+                           "--max-torque",
+                           "--continuous-force",
+                           "--max-speed",
+                           "--hold-button",
+                           "--passive-mass",
+                           "--passive-damping",
+                           "--passive-friction",
+                           "--passive-step",
+                           "--bind",
+                           "--metrics",
+                           "--vrpn",
+                           "--vrpn-name",
+                           "--record",
+                           "--cpu"}) {
     if (app.count(flag) > 0) return flag;
   }
   return std::nullopt;
@@ -82,6 +100,10 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
       ->needs(passive);
   app.add_option("--passive-friction", options.device.passive_friction_n, "The device's own friction, for --passive-mass, N (0: unknown)")
       ->check(between(0.0, 100.0))
+      ->needs(passive);
+  app.add_option("--passive-step", options.device.passive_position_step_m,
+                 "Step of the device's encoders at its tip, for --passive-mass, m (0: none)")
+      ->check(between(0.0, 0.01))
       ->needs(passive);
   app.add_option("--echo-probe", options.echo_probe, "HOST:PORT of a responder (hapton echo): measure the bare UDP echo in the same run");
   app.add_option("--record", options.record, "Record the whole session into this file: every datagram, cycle and fault (hapton session)")

@@ -112,7 +112,7 @@ void add_safety(LatencyReport& report, const GovernorStats& g) {
   report.ratios["fault_latched_now"] = g.fault == SafetyFault::none ? 0.0 : 1.0;
   report.ratios["thermal_load"] = g.thermal_load;
   report.ratios["passivity_given_j"] = g.passivity_given_j;
-  report.ratios["energy_spent"] = g.energy_most_j > 0.0 ? g.energy_spent_j / g.energy_most_j : 0.0;
+  report.ratios["energy_spent"] = g.energy_share();
   report.notes["governor"] = std::string(to_string(g.state));
   report.notes["safety_fault"] = std::string(to_string(g.fault));
   if (g.fault != SafetyFault::none) report.notes["safety_fault_text"] = std::string(describe(g.fault));

@@ -29,6 +29,7 @@ SessionHeader make_session_header(const IoOptions& options, std::uint64_t sessio
                      {"passive-mass", fmt::format("{}", options.device.passive_mass_kg)},
                      {"passive-damping", fmt::format("{}", options.device.passive_damping_ns_per_m)},
                      {"passive-friction", fmt::format("{}", options.device.passive_friction_n)},
+                     {"passive-step", fmt::format("{}", options.device.passive_position_step_m)},
                      {"overrun", options.overrun}};
   const auto add_text = [&](const char* name, const std::string& value) {
     if (!value.empty()) header.settings.emplace_back(name, value);

@@ -1,6 +1,14 @@
 #include "io_node/vision_feed.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace hapton {
+namespace {
+
+std::uint32_t percent_of(double share) { return static_cast<std::uint32_t>(std::lround(100.0 * std::clamp(share, 0.0, 10.0))); }
+
+}  // namespace
 
 void VisionFeed::on_drawn(const Header& header, const Drawn& drawn, std::size_t peer, std::uint64_t newest_sample,
                           std::int64_t now_ns) noexcept {
@@ -23,6 +31,7 @@ void VisionFeed::send(const ProbeHistory& memory, const DeviceSide& side, const 
   probe_.force_n = side.written.force_n;
   probe_.view_revision = view_revision;
   probe_.status = status;
+  probe_.energy_percent = percent_of(side.governor.energy_share());
   std::size_t reached = 0;
   for (std::size_t place = 0; place < HubPeers::kCapacity; ++place) {
     const Peer& peer = peers_.peer(place);

@@ -128,6 +128,7 @@ void write(const ProbeState& from, wire::ProbeState& to) {
   to.set_round_trip_p99_us(from.round_trip_p99_us);
   to.set_view_revision(from.view_revision);
   to.set_status(static_cast<std::uint32_t>(from.status));
+  to.set_energy_percent(from.energy_percent);
 }
 
 void write(const Drawn& from, wire::Drawn& to) {
@@ -236,6 +237,7 @@ bool read(const wire::ProbeState& from, ProbeState& to) {
   to.round_trip_p50_us = from.round_trip_p50_us();
   to.round_trip_p99_us = from.round_trip_p99_us();
   to.view_revision = from.view_revision();
+  to.energy_percent = from.energy_percent();
   // An unknown status of a newer hub is no reason to reject the state.
   to.status =
       from.status() <= static_cast<std::uint32_t>(ProbeStatus::too_small) ? static_cast<ProbeStatus>(from.status()) : ProbeStatus::ok;

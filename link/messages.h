@@ -99,6 +99,8 @@ struct ProbeState {
   // one that the hub keeps for it.
   std::uint32_t view_revision = 0;
   ProbeStatus status = ProbeStatus::ok;
+  // What the device has given the hand beyond what it took, in per cent of the energy budget; at 100 no force is left.
+  std::uint32_t energy_percent = 0;
 };
 
 // vision -> hub: frame acknowledgement, after a frame was drawn or skipped because it would look the same: which sample it shows. Requests

@@ -13,7 +13,8 @@ namespace hapton {
 //                -given is the energy that the hand has put in and not got back: the credit.
 //   controller   in one period T a force f along the motion of a free mass m at velocity v gives f (v T + f T^2 / 2 m). The largest f that
 //                gives no more than the credit is allowed. Springs below m / T^2 pass unchanged: a spring stores f^2 / 2 k.
-//   deficit      a hand that pulls the device away moves it farther than a free mass. What is given too much then is taken back by damping.
+//   deficit      a hand that pulls the device away moves it farther than a free mass. What is given too much then is taken back: the bound
+//                allows only a force that gets energy back, and the motion is damped, also without contact.
 //
 // Without force on the motors the credit is dropped, a deficit stays: contacts do not lend to each other. Effects that are a source by
 // intent (a moving object, a spring that is switched on while it is extended) lose their force: they cannot be used with it.
@@ -31,7 +32,7 @@ class PassivityController {
     double mass_kg = 0.0;
     double damping_ns_per_m = 0.0;
     double friction_n = 0.0;
-    double position_step_m = 0.0;  // of its encoders
+    double position_step_m = 0.0;  // of its encoders, at the tip; 0: positions are exact
   };
 
   // Of max_force: a larger credit is not kept. A spring that stores more would have to be softer than max_force / 4 cm.

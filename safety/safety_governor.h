@@ -49,6 +49,9 @@ struct GovernorStats {
   double energy_spent_j = 0.0;
   double energy_most_j = 0.0;      // at this energy the force limit is zero
   double passivity_given_j = 0.0;  // see PassivityController; 0 where it is off
+
+  // Of the energy budget; below 0: the device has taken more than it gave.
+  double energy_share() const noexcept { return energy_most_j > 0.0 ? energy_spent_j / energy_most_j : 0.0; }
 };
 
 // Limits every wrench before it reaches the motors of one device, whatever the other nodes send and whatever the device reports. Its

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace hapton {
 
 namespace {
@@ -11,6 +13,14 @@ bool is_without_force(ProbeStatus status) {
   return status != ProbeStatus::ok && status != ProbeStatus::out_of_reach && status != ProbeStatus::too_small;
 }
 
+// Ten marks of the energy budget; empty while the device has given the hand no more than it took.
+std::string energy_text(std::uint32_t percent) {
+  constexpr std::uint32_t kMarks = 10;
+  if (percent == 0) return {};
+  const std::uint32_t full = std::min(kMarks, (percent * kMarks + 99) / 100);
+  return fmt::format("   energy given [{}{}] {} %", std::string(full, '#'), std::string(kMarks - full, '.'), percent);
+}
+
 std::string force_text(const HudFacts& facts) {
   const ProbeState& s = facts.state;
   // It has joined the hub, but does not reply yet.
@@ -18,8 +28,9 @@ std::string force_text(const HudFacts& facts) {
     return fmt::format("NO FORCE YET: haptics_node prepares the scene, {:.0f} s", facts.preparing_s);
   }
   if (is_without_force(s.status)) return std::string(describe(s.status));
-  return fmt::format("force {:4.2f} N   {}{}{}{}", s.force_n.allFinite() ? s.force_n.norm() : 0.0, s.contact ? "touching" : "free",
-                     facts.hand_held ? ", hand on the mouse" : "", s.status == ProbeStatus::ok ? "" : "   ", describe(s.status));
+  return fmt::format("force {:4.2f} N   {}{}{}{}{}", s.force_n.allFinite() ? s.force_n.norm() : 0.0, s.contact ? "touching" : "free",
+                     facts.hand_held ? ", hand on the mouse" : "", energy_text(s.energy_percent), s.status == ProbeStatus::ok ? "" : "   ",
+                     describe(s.status));
 }
 
 }  // namespace

@@ -64,6 +64,18 @@ TEST_F(DevicesFiles, GiveEachDeviceItsOptionsAndTheRestInCommon) {
   EXPECT_EQ(right.device.X_WB.matrix(), Pose::Identity().matrix());
 }
 
+TEST_F(DevicesFiles, GiveThePassivityControllerTheDevicesMechanics) {
+  const auto devices = read(kLeft + "passive_mass_kg = 0.075\npassive_damping_ns_per_m = 0.2\npassive_friction_n = 0.04\n" +
+                            "passive_position_step_m = 3e-5\n" + kRight);
+  ASSERT_TRUE(devices) << devices.error().what;
+  const DeviceSettings& left = devices->front().device;
+  EXPECT_EQ(left.passive_mass_kg, 0.075);
+  EXPECT_EQ(left.passive_damping_ns_per_m, 0.2);
+  EXPECT_EQ(left.passive_friction_n, 0.04);
+  EXPECT_EQ(left.passive_position_step_m, 3e-5);
+  EXPECT_EQ(devices->back().device.passive_mass_kg, 0.0);
+}
+
 TEST_F(DevicesFiles, TurnAboutXThenYThenZOfTheWorld) {
   const auto devices = read(kLeft + "rotation_deg = [90, 90, 0]\n");
   ASSERT_TRUE(devices) << devices.error().what;

@@ -40,6 +40,17 @@ TEST(IoOptions, ReadsFlags) {
   EXPECT_EQ(options.echo_probe, "127.0.0.1:9");
 }
 
+TEST(IoOptions, ReadTheDevicesMechanicsForThePassivityController) {
+  EXPECT_EQ(std::get<IoOptions>(parse({})).device.passive_mass_kg, 0.0);
+  const auto options = std::get<IoOptions>(
+      parse({"--passive-mass", "0.075", "--passive-damping", "0.2", "--passive-friction", "0.04", "--passive-step", "3e-5"}));
+  EXPECT_EQ(options.device.passive_mass_kg, 0.075);
+  EXPECT_EQ(options.device.passive_damping_ns_per_m, 0.2);
+  EXPECT_EQ(options.device.passive_friction_n, 0.04);
+  EXPECT_EQ(options.device.passive_position_step_m, 3e-5);
+  EXPECT_TRUE(std::holds_alternative<int>(parse({"--passive-step", "3e-5"}))) << "without a mass it does nothing";
+}
+
 TEST(IoOptions, VrpnIsOffUnlessAnAddressIsGiven) {
   EXPECT_EQ(std::get<IoOptions>(parse({})).vrpn, "");
   const auto options = std::get<IoOptions>(parse({"--vrpn", "127.0.0.1:3883", "--vrpn-name", "left"}));

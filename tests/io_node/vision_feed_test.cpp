@@ -70,6 +70,17 @@ TEST_F(Feed, SendsTheProbeAtOnceAndTheNextOneWhenItIsDrawn) {
   EXPECT_EQ(stats->frame_rate_hz, 60.0);
 }
 
+TEST_F(Feed, SendsHowMuchOfTheEnergyBudgetIsSpent) {
+  side.governor.energy_most_j = 0.2;
+  side.governor.energy_spent_j = 0.0679;
+  report(0.01);
+  EXPECT_EQ(received.back().energy_percent, 34U);
+  feed.on_drawn({}, drawn(), place, cycle.number, clock.now_ns());
+  side.governor.energy_spent_j = -0.05;  // the device has taken more than it gave
+  for (int n = 0; n < 20; ++n) report(0.02);
+  EXPECT_EQ(received.back().energy_percent, 0U);
+}
+
 TEST_F(Feed, AWordAboutWhatWasNeverSentIsPassedOver) {
   report(0.01);
   for (const Drawn& lie : {Drawn{0, clock.now_ns(), 60.0F}, Drawn{99, clock.now_ns(), 60.0F}, Drawn{1, clock.now_ns() + kMs, 60.0F},

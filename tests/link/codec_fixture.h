@@ -71,7 +71,8 @@ class RandomDatagrams {
                           rate(),
                           rate(),
                           bits32(),
-                          static_cast<ProbeStatus>(bits() % 7)};
+                          static_cast<ProbeStatus>(bits() % 7),
+                          bits32()};
       case 7:
         return Drawn{bits(), time, rate(), bits32(), bits32(), flag()};
       case 8:
@@ -227,6 +228,7 @@ inline void expect_equal(const ProbeState& a, const ProbeState& b) {
   EXPECT_EQ(a.round_trip_p99_us, b.round_trip_p99_us);
   EXPECT_EQ(a.view_revision, b.view_revision);
   EXPECT_EQ(a.status, b.status);
+  EXPECT_EQ(a.energy_percent, b.energy_percent);
 }
 inline void expect_equal(const Drawn& a, const Drawn& b) {
   EXPECT_EQ(a.echo_sample, b.echo_sample);

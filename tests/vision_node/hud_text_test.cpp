@@ -42,6 +42,16 @@ TEST(Hud, ShowsRatesLatencyForceContactAndMode) {
   EXPECT_EQ(compose_hud(facts).find("touching"), std::string::npos);
 }
 
+TEST(Hud, AMeterShowsTheEnergyThatTheHandWasGiven) {
+  HudFacts facts;
+  facts.connected = true;
+  EXPECT_EQ(compose_hud(facts).find("energy"), std::string::npos);
+  facts.state.energy_percent = 34;
+  EXPECT_NE(compose_hud(facts).find("energy given [####......] 34 %"), std::string::npos) << compose_hud(facts);
+  facts.state.energy_percent = 120;
+  EXPECT_NE(compose_hud(facts).find("[##########] 120 %"), std::string::npos) << compose_hud(facts);
+}
+
 TEST(Hud, NumbersThatAreNotFiniteDoNotBreakIt) {
   HudFacts facts;
   facts.connected = true;
