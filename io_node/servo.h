@@ -33,21 +33,21 @@ namespace hapton {
 // samples and takes forces. Each cycle: read the sample, send it to the haptics node, await the force, which the device side governs and
 // writes as it arrives; then housekeeping (probe states, statistics) and, halfway, a bare echo.
 //
-// The newest force wins. However long this side takes, the device side goes on and releases the force in time. Where the device side has no
-// thread of its own (tests on simulated time), step runs its cycles as well.
+// Of several forces the newest applies. If this side stalls, the device side continues and releases the force in time. If the device side
+// has no thread of its own (tests on simulated time), step runs its cycles as well.
 // Units: ns of the hub's clock. RT: step and finish yes; making one is set-up only. Threads: one, but for request_snapshot, take_snapshot,
 // snapshot, take_report_request and events (one other), and for device_loop, see there.
 class Servo final : private PeerEventHandler {
  public:
   struct Options {
     double rate_hz = 1000.0;
-    double vision_rate_hz = 240.0;  // ProbeStates a second to each vision node, at most (vision_pace.h); 0: none
-    DeviceLimits tighter = {};      // than the device's own limits, field by field; 0: the device's
-    bool forbids_force = false;     // the device moves and is seen, and never gets a force
+    double vision_rate_hz = 240.0;                               // most ProbeStates a second to each vision node (vision_pace.h); 0: none
+    DeviceLimits tighter = {};                                   // limits below the device's own, field by field; 0: the device's own
+    bool forbids_force = false;                                  // the device is read and shown, but never gets a force
     std::optional<PassivityController::Mechanics> passive = {};  // of the device; none: no passivity controller
-    int hold_button = -1;                                        // that must be held for force to be there, lowest bit 0; below 0: none
+    int hold_button = -1;  // dead man's switch: button that must be held for force, lowest bit 0; below 0: none
     OverrunPolicy overrun = OverrunPolicy::skip;
-    double spin_share = 0.0;  // of a period, at most, before each tick; 0: sleeps to the tick
+    double spin_share = 0.0;  // largest share of a period spent spinning before each tick; 0: sleeps until the tick
   };
 
   // Pre: all outlive the servo; rate within kMinServoRateHz .. kMaxServoRateHz. echo and tap may be null.
@@ -63,12 +63,12 @@ class Servo final : private PeerEventHandler {
 
   // The device side starts its clock first.
   void start() noexcept;
-  // One cycle: from this tick, waiting for it if need be, to the next.
+  // One cycle: waits for its tick if necessary, and ends at the next one.
   void step() noexcept;
   // Receives the last replies and releases the force as the governor does after a command timeout; about 22 ms.
   void finish() noexcept;
 
-  // What was measured so far, as a copy; the servo's thread only.
+  // The statistics so far. Threads: the servo's only.
   const ServoStats& collect_stats() noexcept { return fill_stats(loop_.collect_stats()); }
   DeviceStatus device_status() const noexcept { return loop_.status(); }
   // A cycle was missed under OverrunPolicy::stop.
@@ -76,9 +76,9 @@ class Servo final : private PeerEventHandler {
   const DeviceLimits& limits() const noexcept { return loop_.limits(); }
   double rate_hz() const noexcept { return requests_.rate_hz(); }
 
-  // The other thread: how much may be spun, and was.
+  // Threads: the other. Limit and measurement of the time spent spinning.
   AdaptiveSpin& spin() noexcept { return loop_.spin(); }
-  // The other thread; see StatsPublisher and RequestHandler.
+  // Threads: the other. See StatsPublisher and RequestHandler.
   void request_snapshot() noexcept { publisher_.request(); }
   bool take_snapshot() noexcept { return publisher_.take(); }
   const ServoStats& snapshot() const noexcept { return publisher_.copy(); }

@@ -8,7 +8,8 @@
 
 namespace hapton {
 
-// The format of a framebuffer. Between two of one format pixels are copied unchanged, which software does at the speed of memory.
+// The format of a framebuffer. Between two framebuffers of the same format, pixels are copied without conversion, which is fast in
+// software.
 struct GlFormat {
   GLint colour = GL_RGBA8;
   GLint depth = GL_DEPTH_COMPONENT24;
@@ -16,10 +17,10 @@ struct GlFormat {
   friend bool operator==(const GlFormat&, const GlFormat&) = default;
 };
 
-// Of the framebuffer bound for drawing, which must not be the window's own. RT: no.
+// The format of the framebuffer bound for drawing. Pre: it is not the window's own. RT: no.
 GlFormat read_bound_format();
 
-// What OpenGL is set to, put back at the end of the scope, so that VTK's own record of it stays true.
+// Saves the OpenGL state and restores it at the end of the scope, so that VTK's cached copy of it stays valid.
 class GlStateGuard {
  public:
   GlStateGuard();
@@ -35,7 +36,7 @@ class GlStateGuard {
   GLboolean enabled_[4] = {};
 };
 
-// An off-screen picture with depth. Threads: the window's; its context is current, at the end as well.
+// An off-screen framebuffer with colour and depth. Threads: the window's, with its context current, also in the destructor.
 class GlTarget {
  public:
   GlTarget() = default;
@@ -47,13 +48,13 @@ class GlTarget {
   bool shape(PictureSize size, const GlFormat& format);
   PictureSize size() const { return size_; }
   const GlFormat& format() const { return format_; }
-  // Everything is drawn into it from now on.
+  // Following draw calls go to this framebuffer.
   void bind() const;
-  // Colour and depth into the framebuffer that is bound for drawing, from its pixel (x, y). Leaves it bound for drawing.
+  // Copies colour and depth to the framebuffer bound for drawing, to its pixel (x, y) and beyond. That framebuffer stays bound.
   void copy_to_bound(int x, int y) const;
-  // 0 to 1, of one pixel. Pre: within the size, one sample a pixel.
+  // Depth of one pixel, 0 to 1. Pre: inside the framebuffer, one sample a pixel.
   double read_depth(int x, int y) const;
-  // Of all pixels, by rows from the lower left corner.
+  // Depths of all pixels, by rows from the lower left corner.
   std::vector<float> read_depths() const;
   void swap(GlTarget& other) noexcept;
   void release();

@@ -1,6 +1,6 @@
-// Writes the initial inputs of the fuzzers of sealed datagrams and of handshakes to tests/fuzz/corpus/, and gives the codec's messages
-// there the present protocol version. Run it again when the protocol version changes: seals and tags of another version are invalid, and
-// fuzz_test says so.
+// Writes the initial inputs of the fuzzers of sealed datagrams and of handshakes to tests/fuzz/corpus/, and sets the
+// protocol version of the codec's messages there. Run it again when the protocol version changes: seals and tags of another version are
+// invalid, and fuzz_test reports them.
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -113,7 +113,7 @@ bool write_request() {
          write("request", "from_hub_to_hub", {{.flags = 0, .bytes = retry.bytes}, request(kVision, 1, true)});
 }
 
-// The messages of target codec stay as they are, but for their version.
+// The messages of target codec are kept; only their version changes.
 bool renew_codec() {
   for (const auto& entry : std::filesystem::directory_iterator(std::string(HAPTON_SOURCE_DIR) + "/tests/fuzz/corpus/codec")) {
     std::fstream file(entry.path(), std::ios::binary | std::ios::in | std::ios::out);

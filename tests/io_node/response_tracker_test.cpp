@@ -21,92 +21,92 @@ ForceCommand to(std::uint64_t sample, std::uint32_t skipped = 0) {
 }
 
 struct ResponseTrackerTest : testing::Test {
-  std::unique_ptr<ResponseTracker> ledger = std::make_unique<ResponseTracker>();
+  std::unique_ptr<ResponseTracker> tracker = std::make_unique<ResponseTracker>();
   void take(std::uint64_t from, std::uint64_t last, bool is_expected = true) {
-    for (std::uint64_t s = from; s <= last; ++s) ledger->take(s, static_cast<std::int64_t>(s) * kMs, is_expected);
+    for (std::uint64_t s = from; s <= last; ++s) tracker->take(s, static_cast<std::int64_t>(s) * kMs, is_expected);
   }
   void take_or_withhold(std::uint64_t sample, unsigned which) {
-    if (which == 0) return ledger->withhold(sample, static_cast<std::int64_t>(sample) * kMs);
+    if (which == 0) return tracker->withhold(sample, static_cast<std::int64_t>(sample) * kMs);
     take(sample, sample, which > 2);
   }
 };
 
 TEST_F(ResponseTrackerTest, DistinguishesInTimeLateReorderedDuplicateAndUnknown) {
-  EXPECT_EQ(ledger->answer(to(0)), Verdict::unknown);
+  EXPECT_EQ(tracker->answer(to(0)), Verdict::unknown);
   take(1, 1);
-  EXPECT_FALSE(ledger->is_newest_answered());
-  EXPECT_EQ(ledger->answer(to(1)), Verdict::in_time);
-  EXPECT_TRUE(ledger->is_newest_answered());
-  EXPECT_EQ(ledger->answer(to(1)), Verdict::duplicate);
+  EXPECT_FALSE(tracker->is_newest_answered());
+  EXPECT_EQ(tracker->answer(to(1)), Verdict::in_time);
+  EXPECT_TRUE(tracker->is_newest_answered());
+  EXPECT_EQ(tracker->answer(to(1)), Verdict::duplicate);
   take(2, 5);
-  EXPECT_EQ(ledger->answer(to(4)), Verdict::late);
-  EXPECT_EQ(ledger->answer(to(3)), Verdict::reordered);
-  EXPECT_EQ(ledger->answer(to(6)), Verdict::unknown);
+  EXPECT_EQ(tracker->answer(to(4)), Verdict::late);
+  EXPECT_EQ(tracker->answer(to(3)), Verdict::reordered);
+  EXPECT_EQ(tracker->answer(to(6)), Verdict::unknown);
   ForceCommand forged = to(5);
   forged.echo_sample_time_ns += 1;
-  EXPECT_EQ(ledger->answer(forged), Verdict::unknown);
-  EXPECT_EQ(ledger->answer(to(~std::uint64_t{0})), Verdict::unknown);
+  EXPECT_EQ(tracker->answer(forged), Verdict::unknown);
+  EXPECT_EQ(tracker->answer(to(~std::uint64_t{0})), Verdict::unknown);
 }
 
 TEST_F(ResponseTrackerTest, OvertakenAndNeverAnsweredIsLostAfterThePatience) {
   take(1, 10);
-  ledger->answer(to(5));
-  ledger->settle(ResponseTracker::kPatienceNs);
-  EXPECT_EQ(ledger->counts().lost, 0U);
-  ledger->settle(ResponseTracker::kPatienceNs + 100 * kMs);
-  EXPECT_EQ(ledger->counts().lost, 4U);  // 6 to 10 still wait: nothing newer has a response
-  EXPECT_EQ(ledger->answer(to(3)), Verdict::reordered);
-  EXPECT_EQ(ledger->counts().lost, 3U);
+  tracker->answer(to(5));
+  tracker->settle(ResponseTracker::kPatienceNs);
+  EXPECT_EQ(tracker->counts().lost, 0U);
+  tracker->settle(ResponseTracker::kPatienceNs + 100 * kMs);
+  EXPECT_EQ(tracker->counts().lost, 4U);  // 6 to 10 still wait: nothing newer has a response
+  EXPECT_EQ(tracker->answer(to(3)), Verdict::reordered);
+  EXPECT_EQ(tracker->counts().lost, 3U);
 }
 
 TEST_F(ResponseTrackerTest, SkippedIsSupersededNotLost) {
   take(1, 10);
-  ledger->answer(to(2));
-  ledger->answer(to(9, 4));
-  EXPECT_EQ(ledger->counts().superseded, 4U);  // 5 to 8
-  ledger->close(true);
-  EXPECT_EQ(ledger->counts().lost, 4U);  // 1, 3, 4 and 10
+  tracker->answer(to(2));
+  tracker->answer(to(9, 4));
+  EXPECT_EQ(tracker->counts().superseded, 4U);  // 5 to 8
+  tracker->close(true);
+  EXPECT_EQ(tracker->counts().lost, 4U);  // 1, 3, 4 and 10
 }
 
 TEST_F(ResponseTrackerTest, ALieAboutSkippingExcusesNoMoreThanThereIs) {
   take(1, 10);
-  ledger->answer(to(9, ~std::uint32_t{0}));
-  EXPECT_EQ(ledger->counts().superseded, 8U);
-  ledger->answer(to(10, ~std::uint32_t{0}));
-  EXPECT_EQ(ledger->counts().superseded, 8U);
+  tracker->answer(to(9, ~std::uint32_t{0}));
+  EXPECT_EQ(tracker->counts().superseded, 8U);
+  tracker->answer(to(10, ~std::uint32_t{0}));
+  EXPECT_EQ(tracker->counts().superseded, 8U);
 }
 
 // 1 has a response; 2 and 5 are sent, 3 and 4 are not, because there was a newer one; the node skips 2 and 5 and responds to 6.
 TEST_F(ResponseTrackerTest, WhatWasNeverSentIsNoneOfTheSkipped) {
   take(1, 1);
-  ledger->answer(to(1));
+  tracker->answer(to(1));
   take(2, 2);
-  ledger->withhold(3, 3 * kMs);
-  ledger->withhold(4, 4 * kMs);
+  tracker->withhold(3, 3 * kMs);
+  tracker->withhold(4, 4 * kMs);
   take(5, 6);
-  ledger->answer(to(6, 2));
-  ledger->close(true);
-  EXPECT_EQ(ledger->counts().superseded, 2U);
-  EXPECT_EQ(ledger->counts().excused, 2U);
-  EXPECT_EQ(ledger->counts().lost, 0U);
-  EXPECT_EQ(ledger->counts().taken, 6U);
+  tracker->answer(to(6, 2));
+  tracker->close(true);
+  EXPECT_EQ(tracker->counts().superseded, 2U);
+  EXPECT_EQ(tracker->counts().excused, 2U);
+  EXPECT_EQ(tracker->counts().lost, 0U);
+  EXPECT_EQ(tracker->counts().taken, 6U);
 }
 
 // The numbers in between are of cycles that were never reported, once in the slots of old samples and once in fresh ones.
 TEST_F(ResponseTrackerTest, NumbersThatWereLeftOutAreNoneOfTheSkipped) {
   for (const std::uint64_t before : {std::uint64_t{3}, 2 * ResponseTracker::kCapacity}) {
-    ledger = std::make_unique<ResponseTracker>();
+    tracker = std::make_unique<ResponseTracker>();
     for (std::uint64_t s = 1; s <= before; ++s) {
       take(s, s);
-      ledger->answer(to(s));
+      tracker->answer(to(s));
     }
     take(before + 1, before + 1);
     take(before + 40, before + 41);
-    ledger->answer(to(before + 41, 2));
-    ledger->settle(static_cast<std::int64_t>(before) * kMs + 10 * ResponseTracker::kPatienceNs);
-    EXPECT_EQ(ledger->counts().superseded, 2U) << before;
-    EXPECT_EQ(ledger->counts().lost, 0U) << before;
-    EXPECT_EQ(ledger->counts().taken, before + 3) << before;
+    tracker->answer(to(before + 41, 2));
+    tracker->settle(static_cast<std::int64_t>(before) * kMs + 10 * ResponseTracker::kPatienceNs);
+    EXPECT_EQ(tracker->counts().superseded, 2U) << before;
+    EXPECT_EQ(tracker->counts().lost, 0U) << before;
+    EXPECT_EQ(tracker->counts().taken, before + 3) << before;
   }
 }
 
@@ -115,59 +115,59 @@ TEST_F(ResponseTrackerTest, NumbersThatWereLeftOutAreNoneOfTheSkipped) {
 TEST_F(ResponseTrackerTest, ANodeThatSaysWhatItSkippedHasLostNothing) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     std::mt19937_64 random(seed);
-    ledger = std::make_unique<ResponseTracker>();
+    tracker = std::make_unique<ResponseTracker>();
     std::vector<std::uint64_t> sent;
     std::uint64_t newest = 0;
     for (int n = 0; n < 30'000; ++n) {
       for (std::uint64_t behind = random() % 8; behind < 2; ++behind)
-        ++newest, ledger->withhold(newest, static_cast<std::int64_t>(newest) * kMs);
+        ++newest, tracker->withhold(newest, static_cast<std::int64_t>(newest) * kMs);
       if (random() % 50 == 0) newest += random() % 30;
       ++newest;
       take(newest, newest);
       sent.push_back(newest);
       if (random() % 3 == 0) continue;
-      ledger->answer(to(newest, static_cast<std::uint32_t>(sent.size() - 1)));
+      tracker->answer(to(newest, static_cast<std::uint32_t>(sent.size() - 1)));
       sent.clear();
-      ledger->settle(static_cast<std::int64_t>(newest) * kMs);
+      tracker->settle(static_cast<std::int64_t>(newest) * kMs);
     }
-    ledger->close(false);
-    ASSERT_EQ(ledger->counts().lost, 0U) << seed;
-    ASSERT_GT(ledger->counts().superseded, 0U);
+    tracker->close(false);
+    ASSERT_EQ(tracker->counts().lost, 0U) << seed;
+    ASSERT_GT(tracker->counts().superseded, 0U);
   }
 }
 
 TEST_F(ResponseTrackerTest, NobodyThereIsExcused) {
   take(1, 10, false);
   take(11, 20);
-  ledger->answer(to(12));
-  ledger->excuse_waiting();
-  EXPECT_EQ(ledger->counts().lost, 1U);  // 11: overtaken
-  EXPECT_EQ(ledger->counts().excused, 18U);
-  EXPECT_EQ(ledger->answer(to(5)), Verdict::reordered);
-  EXPECT_EQ(ledger->counts().excused, 17U);
+  tracker->answer(to(12));
+  tracker->excuse_waiting();
+  EXPECT_EQ(tracker->counts().lost, 1U);  // 11: overtaken
+  EXPECT_EQ(tracker->counts().excused, 18U);
+  EXPECT_EQ(tracker->answer(to(5)), Verdict::reordered);
+  EXPECT_EQ(tracker->counts().excused, 17U);
 }
 
 // In all cases, every sample is in one category only.
 TEST_F(ResponseTrackerTest, CountsAlwaysAddUp) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     std::mt19937_64 random(seed);
-    ledger = std::make_unique<ResponseTracker>();
+    tracker = std::make_unique<ResponseTracker>();
     std::uint64_t newest = 0;
     for (int n = 0; n < 60'000; ++n) {
       const auto what = random() % 100;
       if (what < 60)
         take_or_withhold(++newest, static_cast<unsigned>(random() % 20));
       else if (what < 97)
-        ledger->answer(to(newest - std::min(newest, random() % 30), static_cast<std::uint32_t>(random() % 4)));
+        tracker->answer(to(newest - std::min(newest, random() % 30), static_cast<std::uint32_t>(random() % 4)));
       else if (what < 98)
-        ledger->answer(to(random() % (newest + 10), static_cast<std::uint32_t>(random())));
+        tracker->answer(to(random() % (newest + 10), static_cast<std::uint32_t>(random())));
       else if (what < 99)
-        ledger->settle(static_cast<std::int64_t>(newest) * kMs);
+        tracker->settle(static_cast<std::int64_t>(newest) * kMs);
       else if (random() % 50 == 0)
-        ledger->excuse_waiting();
+        tracker->excuse_waiting();
     }
-    ledger->close(seed % 2 == 0);
-    const auto& c = ledger->counts();
+    tracker->close(seed % 2 == 0);
+    const auto& c = tracker->counts();
     ASSERT_EQ(c.taken, c.in_time + c.late + c.reordered + c.superseded + c.lost + c.excused) << seed;
     ASSERT_GT(c.lost, 0U);
   }
@@ -175,10 +175,10 @@ TEST_F(ResponseTrackerTest, CountsAlwaysAddUp) {
 
 TEST_F(ResponseTrackerTest, ForgetsWhatIsOlderThanItsCapacity) {
   take(1, 3 * ResponseTracker::kCapacity);
-  EXPECT_EQ(ledger->answer(to(1)), Verdict::unknown);
-  EXPECT_EQ(ledger->answer(to(2 * ResponseTracker::kCapacity)), Verdict::unknown);
-  EXPECT_EQ(ledger->answer(to(2 * ResponseTracker::kCapacity + 1)), Verdict::late);
-  EXPECT_EQ(ledger->counts().excused, 2 * ResponseTracker::kCapacity);
+  EXPECT_EQ(tracker->answer(to(1)), Verdict::unknown);
+  EXPECT_EQ(tracker->answer(to(2 * ResponseTracker::kCapacity)), Verdict::unknown);
+  EXPECT_EQ(tracker->answer(to(2 * ResponseTracker::kCapacity + 1)), Verdict::late);
+  EXPECT_EQ(tracker->counts().excused, 2 * ResponseTracker::kCapacity);
 }
 
 }  // namespace

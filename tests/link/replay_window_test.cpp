@@ -46,9 +46,9 @@ TEST(ReplayWindowTest, AgreesWithASetUnderAnyOrder) {
     std::set<std::uint64_t> marked;
     std::uint64_t newest = 0;
     for (int i = 0; i < 20'000; ++i) {
-      const std::uint64_t leap = random() % 100 == 0 ? random() % 3000 : random() % 4;
+      const std::uint64_t jump = random() % 100 == 0 ? random() % 3000 : random() % 4;
       const std::uint64_t back = random() % 4 == 0 ? random() % 2000 : 0;
-      const std::uint64_t counter = newest + leap > back ? newest + leap - back : 1;
+      const std::uint64_t counter = newest + jump > back ? newest + jump - back : 1;
       const bool is_known = marked.contains(counter);
       const bool is_recent = counter + ReplayWindow::kSpan > newest;
       ASSERT_EQ(window.is_fresh(counter), is_recent && !is_known) << counter << " with newest " << newest;

@@ -58,14 +58,14 @@ TEST(SequenceTrackerTest, ARestartedSenderStartsAfreshAndItsOldWordsAreStale) {
 }
 
 TEST(SequenceTrackerTest, HugeJumpsAreNoLoss) {
-  for (const std::uint64_t leap :
+  for (const std::uint64_t jump :
        {SequenceTracker::kMaxGap + 1, std::uint64_t{1} << 63, std::numeric_limits<std::uint64_t>::max() - 5'000'000}) {
     SequenceTracker tracker;
     tracker.track(kSender, 1000);
-    EXPECT_EQ(tracker.track(kSender, 1000 + leap), Arrival::newest);
+    EXPECT_EQ(tracker.track(kSender, 1000 + jump), Arrival::newest);
     EXPECT_EQ(tracker.counts().jumps, 1U);
     EXPECT_EQ(tracker.counts().lost, 0U);
-    EXPECT_EQ(tracker.track(kSender, 1001 + leap), Arrival::newest);
+    EXPECT_EQ(tracker.track(kSender, 1001 + jump), Arrival::newest);
     EXPECT_EQ(tracker.counts().lost, 0U);
   }
 }

@@ -18,10 +18,10 @@ using testing::HasSubstr;
 using testing::Not;
 
 // A device that does not move and, if requested, jumps by 50 mm once, after half a second.
-void write_trajectory(const std::filesystem::path& path, bool leaps) {
+void write_trajectory(const std::filesystem::path& path, bool jumps) {
   std::ofstream file(path);
   file << "t_s,x_m,y_m,z_m\n";
-  for (int n = 0; n < 60'000; ++n) file << 0.001 * n << "," << (leaps && n >= 500 ? 0.05 : 0.0) << ",0,0\n";
+  for (int n = 0; n < 60'000; ++n) file << 0.001 * n << "," << (jumps && n >= 500 ? 0.05 : 0.0) << ",0,0\n";
 }
 
 struct Latched : testing::Test {
@@ -44,12 +44,12 @@ struct Latched : testing::Test {
 };
 
 TEST_F(Latched, OutlivesTheProcessUntilItIsReset) {
-  write_trajectory(folder.path() / "leaps.csv", true);
+  write_trajectory(folder.path() / "jumps.csv", true);
   write_trajectory(folder.path() / "rests.csv", false);
   const std::string kLatched = "fault latched, no force";
   const std::string kStill = "a fault latched before this start has not been reset: the device's position jumped";
   {
-    Program io = start("leaps.csv");
+    Program io = start("jumps.csv");
     ASSERT_TRUE(says(io, kLatched)) << io.err();
     EXPECT_THAT(io.err(), Not(HasSubstr(kStill)));
     std::this_thread::sleep_for(std::chrono::milliseconds(300));

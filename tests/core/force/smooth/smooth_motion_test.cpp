@@ -5,7 +5,7 @@
 namespace hapton {
 namespace {
 
-// No step inside a closed mesh is without force, for any motion; and none outside has a force from farther than the probe was deep.
+// For any motion, every step inside a closed mesh has a force, and no step outside has one beyond the depth that the probe had.
 TEST(SmoothMethod, NothingFallsThroughAClosedMesh) {
   const TriangleMesh wingnut = made::obj_mesh("wingnut.obj");
   const TriangleMesh fish = made::obj_mesh("fish_22k.obj");
@@ -31,7 +31,7 @@ TEST(SmoothMethod, NothingFallsThroughAClosedMesh) {
   }
 }
 
-// A plate thinner than the probe is deep: the VCP's history keeps it on the side where it entered.
+// A plate thinner than the depth of the probe: the VCP's history keeps it on the side where it entered.
 TEST(SmoothMethod, AThinPlateIsNotPushedThrough) {
   const auto method = make(scene_of(make_thin_wall(0.1, 0.0005, 20)));
   method->reset(Vec3(0.0013, 0.0021, 0.005));
@@ -45,8 +45,8 @@ TEST(SmoothMethod, AThinPlateIsNotPushedThrough) {
   }
 }
 
-// Round the outside of a box and off its edge: released, and in contact again from the next side.
-TEST(SmoothMethod, LetsGoRoundAnEdge) {
+// Around the outside of a box and off its edge: released, and in contact again on the next side.
+TEST(SmoothMethod, IsReleasedAtAConvexEdge) {
   const auto method = make(scene_of(make_box(Vec3(0.1, 0.1, 0.1), 4)));
   method->reset(Vec3(0.04, 0.003, 0.055));
   ASSERT_NEAR(method->step({.p_SD = Vec3(0.04, 0.003, 0.049)}).force_n.z(), 1.0, kOffsetForce);
@@ -68,7 +68,7 @@ TEST(SmoothMethod, AGrooveHoldsAtItsBottom) {
   EXPECT_NEAR(felt.force_n.y(), 3.0, 0.1);
 }
 
-TEST(SmoothMethod, IsTheSameAtEveryScaleAndPlace) {
+TEST(SmoothMethod, IsTheSameAtEveryScaleAndPosition) {
   const TriangleMesh mesh = made::sphere(0.05, 16, 0.1);
   const std::vector<Vec3> way = wander(mesh, 103, 1500);
   const auto base = make(scene_of(mesh));
