@@ -11,6 +11,7 @@ namespace hapton {
 namespace {
 
 constexpr double kAround = 32.0;      // offsets; a corner within this distance is where the point is
+constexpr double kWedge = 4096.0;     // offsets; so far from its tip a wedge of a fortieth of a degree holds the sphere
 constexpr double kThrough = 4.0;      // offsets; a triangle this near to the corner touches it, and a crack this narrow is closed
 constexpr double kLeastBetter = 2.0;  // offsets; a smaller gain is no escape
 constexpr double kAbove = 1.25;       // offsets above the faces on the path
@@ -42,7 +43,7 @@ bool SphereFollower::find_apex(Vec3& apex) const noexcept {
     if (contacts_[i].part != OffsetContact::Part::face) return false;
     apex -= clearance_.offset * frame.dual[i];
   }
-  return (apex - centre_).norm() <= kAround * clearance_.offset;
+  return (apex - centre_).norm() <= kWedge * clearance_.offset;
 }
 
 // The directions in which the point could leave its corner. False: there is no corner, or its boundary is not found.
@@ -97,6 +98,7 @@ bool SphereFollower::leave_minimum(const Vec3& device, const Vec3& motion) noexc
     if (steepest.slope > least_corner_exit(pull)) {
       for (const double wide : kWide) {
         const double radius = wide * clearance_.offset;
+        if (try_escape(device, motion, [&] { return pass_corner(steepest, radius); })) return true;
         for (const bool ahead : {true, false}) {
           if (try_escape(device, motion, [&] { return fly_around_corner(steepest, radius, ahead); })) return true;
         }
@@ -123,6 +125,29 @@ bool SphereFollower::leave_minimum(const Vec3& device, const Vec3& motion) noexc
     if (!normal.isZero(0.0) && length > least_corner_exit(pull) && leads_over(along / length)) return true;
   }
   return false;
+}
+
+// To the direction that leads on, where within `wide` of the corner all triangles go through it: there the free space is a cone, and both
+// positions are in the same part of it, because the boundary of that part has both.
+bool SphereFollower::pass_corner(const TangentCone::Steepest& to, double wide) noexcept {
+  const Vec3& apex = cone_.apex();
+  const TangentCone::Piece& piece = cone_.boundary()[static_cast<std::size_t>(to.piece)];
+  const bool is_edge = to.direction == piece.to;
+  const double half = is_edge ? 0.5 * piece.opening : 0.5 * std::numbers::pi;
+  const double off = kAbove * clearance_.offset / (half < 0.5 * std::numbers::pi ? std::sin(half) : 1.0);
+  const double within = 1.25 * wide;
+  if (!(off < 0.25 * wide) || !((centre_ - apex).norm() < wide) || !near_.covers(apex, within)) return false;
+  const Vec3 target = apex + wide * to.direction + off * (std::cos(half) * piece.back + std::sin(half) * piece.normal);
+  bool is_free = true;
+  near_.visit_near(apex, apex, within, [&](int slot) {
+    ++work_;
+    const ContactTriangle& shape = near_.shape(slot);
+    const double distance = shape.separation(apex).distance;
+    if (!is_free || distance > within || !can_touch(near_.triangle(slot), shape, centre_)) return;
+    is_free = distance <= kThrough * clearance_.offset && shape.separation(target).distance >= clearance_.offset;
+  });
+  if (is_free) centre_ = target;
+  return is_free;
 }
 
 // Around the corner, a little above the faces of its boundary, to the direction that leads on.

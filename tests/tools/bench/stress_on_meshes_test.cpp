@@ -1,0 +1,46 @@
+// Episodes of the stress test that once found a fault on a mesh of the project. The whole test is `hapton stress`.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+
+#include "core/force/evaluation/stress_run.h"
+#include "scene/touch_mesh.h"
+
+namespace hapton {
+namespace {
+
+struct Episode {
+  const char* mesh;
+  std::uint64_t seed;
+  std::uint64_t number;
+};
+
+class StressOnMeshes : public ::testing::TestWithParam<Episode> {};
+
+// A sphere of half a contact offset was held where a point is not: near the tip of a narrow wedge between sheets (78), and in corners that
+// only its radius closes, among triangles that other parts touch (113).
+TEST_P(StressOnMeshes, HasNoFault) {
+  const Episode& episode = GetParam();
+  auto file = load_touch_mesh(std::filesystem::path(HAPTON_SOURCE_DIR "/meshes") / episode.mesh);
+  ASSERT_TRUE(file) << file.error().what;
+  StressSettings settings;
+  settings.seed = episode.seed;
+  settings.compare_every = 8;
+  // The body's name is part of the seed.
+  auto run = StressRun::make(make_stress_body(episode.mesh, std::move(file->mesh)), settings, {.name = "proxy"});
+  ASSERT_TRUE(run) << run.error().what;
+  StressCount count;
+  EXPECT_GT(run->run_episode(episode.number, count), 0U);
+  EXPECT_GT(count.compared_steps, 10U);
+  for (std::size_t fault = 0; fault < count.faults.size(); ++fault) {
+    EXPECT_EQ(count.faults[fault], 0U) << name_of(static_cast<StressFault>(fault));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Found, StressOnMeshes,
+                         testing::Values(Episode{"barkour_body_dirty.stl", 1, 78}, Episode{"barkour_body_dirty.stl", 1, 113}),
+                         [](const auto& test) { return "episode_" + std::to_string(test.param.number); });
+
+}  // namespace
+}  // namespace hapton
