@@ -1,4 +1,4 @@
-// The cost of a datagram between the numbers and the socket: encode, seal, open, decode. The budget of all four together is 1.5 us.
+// The cost of a datagram between message and socket: encode, seal, open, decode. The budget for all four is 1.5 us.
 //
 //   build/release/bin/seal_bench
 #include <benchmark/benchmark.h>
@@ -54,7 +54,7 @@ DeviceState some_state() {
           .buttons = 3};
 }
 
-// From the message on one side to the message on the other, as HubPeers and HubClient have it.
+// From the message at the sender to the message at the receiver, as HubPeers and HubClient do it.
 template <class MessageType>
 void whole_way(benchmark::State& state, const MessageType& message) {
   Channels channels;
@@ -151,8 +151,8 @@ void refuse_replayed_request(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(hub.check_request(request, {}, 1));
 }
 
-// The hub's work for a valid request: check, hand-over to the worker thread, and its result. The agreement itself is the worker's; it is
-// awaited with the benchmark's clock stopped.
+// The hub's work for a valid request: check, hand-over to the worker thread, and its result. The key agreement runs in the worker; the
+// benchmark waits for it with its clock stopped.
 void hand_over_request(benchmark::State& state) {
   const LinkKey key = make_key();
   ClientHandshake node(RoleKey(key, KeyRole::haptics), 1, AgreementWorker::Where::caller);
@@ -172,7 +172,7 @@ void hand_over_request(benchmark::State& state) {
   }
 }
 
-// The worker's part on either side.
+// The work of the worker thread on either side.
 void worker_makes_request(benchmark::State& state) {
   AgreementTask task;
   for (auto _ : state) run_agreement(task);

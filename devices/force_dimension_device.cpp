@@ -19,11 +19,11 @@ namespace hapton {
 namespace {
 
 constexpr std::int64_t kPeriodNs = kNanosecondsPerMillisecond;
-constexpr int kTicksPerLook = 100;  // at the status
+constexpr int kTicksPerStatusCheck = 100;
 constexpr std::int64_t kReopenEveryNs = kNanosecondsPerSecond;
 constexpr std::int64_t kSayEveryNs = 10 * kNanosecondsPerSecond;
-constexpr int kMostFailuresInARow = 10;  // of calls; so many lost USB packets are an unplugged cable
-// Ours, see docs/vendor-devices.md.
+constexpr int kMostFailuresInARow = 10;  // failed calls; this many lost USB packets mean an unplugged cable
+// Our choice, see docs/vendor-devices.md.
 constexpr double kRiseS = 0.004;
 constexpr double kPeakS = 10.0;
 constexpr double kMaxSpeedMPerS = 5.0;
@@ -53,7 +53,7 @@ class ForceDimensionDevice final : public VendorDevice {
   std::string last_error() const;
   bool is_initialized() const { return dhd_.drd_is_initialized == nullptr || dhd_.drd_is_initialized(id_); }
 
-  // The thread's.
+  // Owned by the thread.
   void run();
   void calibrate();
   void wait_for_hand_calibration();
@@ -76,7 +76,7 @@ class ForceDimensionDevice final : public VendorDevice {
   std::thread thread_;
   std::atomic<bool> ends_{false};
 
-  // The thread's.
+  // Owned by the thread.
   dhd::Id id_ = -1;
   bool is_open_ = false;
   DeviceExchange::Reading reading_;
@@ -151,7 +151,7 @@ void ForceDimensionDevice::publish(DeviceStatus status, std::int64_t now_ns) {
 }
 
 void ForceDimensionDevice::run() {
-  // Rights that are missing here are missing for the servo's thread as well, which logs it.
+  // Missing rights are missing for the servo's thread as well, which logs them.
   if (realtime_) (void)enter_realtime(*realtime_);
   std::int64_t tick_ns = clock_.now_ns();
   calibrate();
@@ -199,13 +199,13 @@ void ForceDimensionDevice::calibrate() {
     reading_.is_calibrated = is_initialized();
     log_info("{} is calibrated", model_);
   }
-  // The robot's regulation off, its forces on.
+  // Switches the robot's position control off and its forces on.
   if (dhd_.drd_stop != nullptr) dhd_.drd_stop(true, id_);
   dhd_.enable_force(1, id_);
   dhd_.set_watchdog(dhd::kWatchdogUnits, id_);
 }
 
-// A Falcon has no motors for it: its grip must be pulled out and pushed in once, while it is being talked to.
+// A Falcon has no motors for it: the user must pull its grip out and push it in once, while the program exchanges data with it.
 void ForceDimensionDevice::wait_for_hand_calibration() {
   log_warning("{}: calibrate: pull the grip all the way out and push it all the way in", model_);
   while (!ends_.load(std::memory_order_relaxed) && !is_initialized()) {
@@ -220,7 +220,7 @@ void ForceDimensionDevice::wait_for_hand_calibration() {
   dhd_.enable_force(1, id_);
 }
 
-// False when the device did not answer.
+// False if the device did not reply.
 bool ForceDimensionDevice::tick(std::int64_t now_ns) {
   Vec3 p = Vec3::Zero();
   double frame[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -229,7 +229,7 @@ bool ForceDimensionDevice::tick(std::int64_t now_ns) {
   Eigen::Matrix3d r;
   for (int row = 0; row < 3; ++row) {
     const Vec3 in_device(frame[row][0], frame[row][1], frame[row][2]);
-    // Rows and columns change places alike: from the device's axes into those of W on both sides.
+    // A change of basis from the device's axes to those of W permutes rows and columns alike.
     r.row((row + 2) % 3) = to_w(in_device).transpose();
   }
   if (r.allFinite() && std::abs(r.determinant() - 1.0) < 0.1) reading_.sample.q_WT = Quat(r).normalized();
@@ -239,7 +239,7 @@ bool ForceDimensionDevice::tick(std::int64_t now_ns) {
   const Vec3 t = from_w(wrench.torque_nm);
   if (dhd_.set_force_and_torque_and_gripper_force(f.x(), f.y(), f.z(), t.x(), t.y(), t.z(), 0.0, id_) < 0) return false;
   if (--ticks_to_look_ <= 0) {
-    ticks_to_look_ = kTicksPerLook;
+    ticks_to_look_ = kTicksPerStatusCheck;
     look_at_status(now_ns);
   }
   if (!is_open_) return true;
@@ -260,7 +260,7 @@ void ForceDimensionDevice::look_at_status(std::int64_t now_ns) {
     log_warning("{} has released its force: {}; it returns by itself, or with the device's force button", model_,
                 status[dhd::kStatusPower] == 0 ? "its power is off" : dhd::name_of_force_off_cause(status[dhd::kStatusForceOffCause]));
   }
-  // The velocity threshold and the watchdog latch in the firmware; the button is the person's.
+  // The velocity threshold and the watchdog latch in the firmware; the button is pressed by the user.
   if (status[dhd::kStatusForceOffCause] == 2 || status[dhd::kStatusForceOffCause] == 3) dhd_.enable_force(1, id_);
 }
 

@@ -17,8 +17,8 @@ namespace hapton {
 // The encoders sit on the motors, so x is the position a program reads. k_s is the memo's "constrained, small amplitude
 // mechanical bandwidth" of 30 Hz: with the stylus held still the device mass rings at sqrt(k_s / m) = 2 pi 30 Hz and passes no
 // faster force on. 70 g give k_s = 2.5 N/mm; the Premium 1.5 data sheet says 3.5 N/mm, 34 Hz: the same machine.
-// Friction and mass are that data sheet's (0.04 N; below 75 g, 70 g at the motors and 5 g of stylus). b_s has no source: lightly damped.
-// The hand is a stylus grip: studies of closed loops use 0.1-0.2 kg, 2-10 Ns/m, 200-1000 N/m.
+// Friction and mass are that data sheet's (0.04 N; below 75 g, 70 g at the motors and 5 g of stylus). b_s has no source; it is chosen as
+// light damping. The hand is a stylus grip: studies of closed loops use 0.1-0.2 kg, 2-10 Ns/m, 200-1000 N/m.
 struct StylusModel {
   double device_mass_kg = 0.070;
   double device_damping_n_s_per_m = 0.1;
@@ -54,16 +54,16 @@ struct AxisStops {
 };
 
 // Integrates one axis exactly: between two events (the device mass comes to rest, breaks away, meets a stop) the system is linear,
-// and its step over 2^k ns is a matrix exponential worked out once. An event is found by descending through these powers of two
-// until it is bracketed by 1 ns. Stops are inelastic. The result does not depend on how an interval is cut into calls, but for
-// rounding and this 1 ns.
+// and its step over 2^k ns is a matrix exponential computed once. An event is found by descending through these powers of two
+// until it is bracketed by 1 ns. Stops are inelastic. Apart from rounding and this 1 ns, the result does not depend on how an interval is
+// split into calls.
 // RT: advance yes (bounded); making one is set-up only.
 class StylusDynamics {
  public:
   explicit StylusDynamics(const StylusModel& model);
 
-  // Moves state on by duration_ns from start_ns (both >= 0; start_ns places the interval on a fixed grid on which events are looked
-  // for, 65 us apart, a hundredth of the fastest period).
+  // Moves state on by duration_ns from start_ns (both >= 0; start_ns places the interval on a fixed time grid of 65 us, a hundredth of
+  // the fastest period, on which events are searched).
   void advance(AxisState& state, const AxisInput& input, const AxisStops& stops, std::int64_t start_ns,
                std::int64_t duration_ns) const noexcept;
 

@@ -3,7 +3,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kSpeck = 0.02;  // of the workspace's longest side: 5 mm of a PHANToM's
+constexpr double kSpeck = 0.02;  // share of the workspace's longest side; 5 mm for a PHANToM. A smaller scene is too small to find
 
 Vec3 to_vec(const SceneFacts::Point& p) noexcept { return Eigen::Map<const Eigen::Vector3f>(p.data()).cast<double>(); }
 
@@ -31,7 +31,7 @@ SceneReach find_reach(const SceneFacts& scene, const Pose& X_WS, const DeviceLim
     const Vec3 p_W = point_in_world(scene, X_WS, i);
     if ((p_W - low).minCoeff() >= 0.0 && (high - p_W).minCoeff() >= 0.0) return SceneReach::in_reach;
   }
-  // Few points of a scene say little of the piece of it that is here.
+  // The scene sends only a few of its points, so none inside the workspace proves nothing.
   return SceneReach::unknown;
 }
 

@@ -11,7 +11,7 @@
 
 namespace hapton {
 
-// Reads a session file entry by entry, whatever its length.
+// Reads a session file of any length, entry by entry.
 // RT: no. Threads: one.
 class SessionReader {
  public:
@@ -23,7 +23,7 @@ class SessionReader {
   // The next entry; false at the end of the readable data. Post: entry.datagram is valid until the next call.
   bool next(SessionEntry& entry);
 
-  // After next gave false: empty when the file ended with a whole entry, else one line that says where and how it breaks off.
+  // After next returned false: empty if the file ends with a complete entry, else one line that says where and how it is truncated.
   const std::string& problem() const { return problem_; }
 
  private:

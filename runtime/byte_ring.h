@@ -10,20 +10,20 @@
 
 namespace hapton {
 
-// Records of any length from a real-time thread to another one. A record without room is dropped and counted: the writer never
-// waits. RT: push yes, wait-free; construction set-up only (it allocates and touches all memory). Threads: one pushes, one
+// A queue of records of any length from a real-time thread to another one. A record that does not fit is dropped and counted: the
+// writer never waits. RT: push yes, wait-free; construction set-up only (it allocates and touches all memory). Threads: one pushes, one
 // drains.
 class ByteRing {
  public:
   // Pre: capacity is a power of two, at least 64.
   explicit ByteRing(std::size_t capacity) : bytes_(capacity) {}
 
-  // One record made of two parts. False when it was dropped.
+  // Appends one record made of two parts. False if it was dropped.
   bool push(std::span<const std::byte> head, std::span<const std::byte> body) noexcept {
     const std::size_t size = head.size() + body.size();
     const std::size_t end = end_.load(std::memory_order_relaxed);
     const std::size_t to_wrap = bytes_.size() - place(end);
-    // A record lies in one piece: one that would not fit before the end of the memory begins again at its front.
+    // A record is contiguous: one that would not fit before the end of the memory is written at its front.
     const std::size_t skipped = kPrefix + size <= to_wrap ? 0 : to_wrap;
     const std::size_t taken = skipped + padded(kPrefix + size);
     if (end + taken - begin_seen_ > bytes_.size()) begin_seen_ = begin_.load(std::memory_order_acquire);
@@ -40,7 +40,7 @@ class ByteRing {
     return true;
   }
 
-  // Hands every record there is to visit(span) and frees its room; how many there were. The span lives as long as the call.
+  // Calls visit(span) for every record and frees its memory. Returns the number of records. The span is valid during the call.
   template <class Visit>
   std::size_t drain(Visit&& visit) {
     std::size_t count = 0;
@@ -75,7 +75,7 @@ class ByteRing {
   std::vector<std::byte> bytes_;
   alignas(64) std::atomic<std::size_t> begin_{0};
   alignas(64) std::atomic<std::size_t> end_{0};
-  std::size_t begin_seen_ = 0;  // the writer's, so that it seldom reads the other thread's line
+  std::size_t begin_seen_ = 0;  // the writer's copy of begin_, so that it seldom reads the other thread's cache line
   std::atomic<std::uint64_t> dropped_{0};
 };
 

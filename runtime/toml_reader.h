@@ -20,10 +20,10 @@ namespace hapton {
 // one.
 class TomlReader {
  public:
-  // The whole file. Error: it cannot be read, is larger than 1 MiB, or is no TOML.
+  // The top-level table of a file. Error: it cannot be read, is larger than 1 MiB, or is not TOML.
   static Result<TomlReader> open(const std::filesystem::path& path);
 
-  // Any other key is an error that says which there are.
+  // Any other key is an error that lists the known ones.
   void allow(std::initializer_list<std::string_view> known);
   void require(std::string_view key);
   bool has(std::string_view key) const;
@@ -33,15 +33,15 @@ class TomlReader {
   void read(std::string_view key, double& value, double least, double most);
   void read(std::string_view key, std::int64_t& value, std::int64_t least, std::int64_t most);
   void read(std::string_view key, Vec3& value, double least, double most);
-  // A path that is not absolute is meant from the file's folder.
+  // A relative path is relative to the file's folder.
   void read_path(std::string_view key, std::string& value);
 
   // The tables of [[key]]; empty if there are none.
   std::vector<TomlReader> tables(std::string_view key);
-  // The table [key]; an empty one when it is not there.
+  // The table [key]; an empty one if there is none.
   TomlReader table(std::string_view key);
 
-  // An error of the caller's own, at this key (or the table, when it has no such key).
+  // Reports an error that the caller found, at this key (or at the table, if it has no such key).
   void refuse(std::string_view key, std::string_view what);
 
   // Error: the first of the whole file, "FILE:LINE: what".

@@ -48,7 +48,7 @@ double PassivityController::largest_allowed_n(const Vec3& direction) const noexc
   const double moved_m = period_s_ * (mean_velocity_m_per_s_.dot(direction) + gained);
   const double m_per_n = half_s * period_s_ / device_.mass_kg;
   const double credit_j = -given_j_;
-  // Of a deficit that no force can take back, as much as one can.
+  // If no force can take back the whole deficit, take back as much as one can.
   const double root = std::sqrt(std::max(0.0, moved_m * moved_m + 4.0 * m_per_n * credit_j));
   if (moved_m <= 0.0) return (root - moved_m) / (2.0 * m_per_n);
   return credit_j > 0.0 ? 2.0 * credit_j / (moved_m + root) : 0.0;  // without cancellation
@@ -66,7 +66,7 @@ Vec3 PassivityController::shape(const Vec3& wanted_n, double most_damping) noexc
   }
   const double squared_speed = mean_velocity_m_per_s_.squaredNorm();
   if (given_j_ > 0.0 && squared_speed > 0.0) {
-    // At most what stops the mass within the period.
+    // At most the force that stops the mass within the period.
     const double most = std::min(most_damping, device_.mass_kg / period_s_);
     force_n -= std::min(most, given_j_ / (period_s_ * squared_speed)) * mean_velocity_m_per_s_;
     has_limited_ = true;

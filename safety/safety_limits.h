@@ -14,7 +14,7 @@ constexpr std::int64_t kLongestReleaseNs = kCommandTimeoutNs / 2;
 // For a device without max_speed: no hand moves a stylus so fast.
 constexpr double kFastestHandMPerS = 5.0;
 
-// The limits in force for a device: its own, where they are valid, which can only be tightened.
+// The limits that apply to a device: its own, where they are valid. They can only be tightened.
 //   a device with an invalid force or slew limit (not between 1e-9 and 1e9) gets no force, one without torque limits no torque
 //   a rate limit too low to release the force within kLongestReleaseNs is raised until it does
 //   an axis of the workspace that is empty or not finite is unlimited; a device without max_speed gets kFastestHandMPerS
@@ -23,11 +23,11 @@ class SafetyLimits {
  public:
   explicit SafetyLimits(const DeviceLimits& device);
 
-  // Takes the smaller value of each field, and the intersection of the workspaces (if there is any). Invalid values have no effect; nor
-  // have max_stiffness and peak_s, which are no limits by themselves.
+  // Takes the smaller value of each field, and the intersection of the workspaces (if there is any). Invalid values have no effect.
+  // max_stiffness and peak_s are ignored: neither limits a force by itself.
   void tighten(const DeviceLimits& wanted) noexcept;
 
-  // From now on no force and no torque at all. RT: yes.
+  // No force and no torque from now on. RT: yes.
   void forbid_force() noexcept;
 
   const DeviceLimits& now() const noexcept { return now_; }

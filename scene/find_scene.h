@@ -4,8 +4,8 @@
 
 namespace hapton {
 
-// Where a named scene file is: seen from the current folder; else in the folder that the programs were installed with (PREFIX/bin beside
-// PREFIX/share/hapton); else in the source tree of programs in build/PRESET/bin. A file that is in none of them keeps its name. RT: no.
+// Finds a scene file: relative to the current folder; else in PREFIX/share/hapton of programs installed in PREFIX/bin; else in the source
+// tree of programs in build/PRESET/bin. If it is in none of them, returns the given name. RT: no.
 std::filesystem::path find_scene(const std::filesystem::path& named);
 
 // The same with the program's own folder given.

@@ -18,7 +18,7 @@ struct Shape {
   TriangleMesh (*make)();
 };
 
-// All of 100 mm or so.
+// All about 100 mm long.
 constexpr std::array kShapes = {
     Shape{"sphere", [] { return make_icosphere(0.05, 5); }},
     Shape{"box", [] { return make_box(Vec3::Constant(0.1), 4); }},
@@ -50,7 +50,7 @@ void add_mesh_options(CommandLine command, MeshChoice& choice) {
   source.add_option("--shape", choice.shape, "Generated shape, about 100 mm: " + shape_names());
   command.add_option("--unit", choice.unit, "Unit of the mesh file: m (default), cm, mm or in");
   command.add_flag("--no-seal", choice.no_seal, "Do not seal cracks: by default those up to 1e-4 of the longest side are closed");
-  command.add_option("--scale-to", choice.scale_to_m, "Scale the mesh about the origin so that its longest side has so many metres")
+  command.add_option("--scale-to", choice.scale_to_m, "Scale the mesh about the origin so that its longest side has this length, metres")
       .positive();
 }
 

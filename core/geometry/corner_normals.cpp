@@ -40,7 +40,7 @@ Vec3 unit_face_normal(const Mesh& mesh, std::size_t t) {
   const Vec3 n = ab.cross(ac);
   const double length = n.norm();
   const double longest = std::max({ab.squaredNorm(), ac.squaredNorm(), (ac - ab).squaredNorm()});
-  // Flatter triangles have a normal of rounding only.
+  // The normal of a flatter triangle is only rounding error.
   return length > 1e-12 * longest ? Vec3(n / length) : Vec3(Vec3::Zero());
 }
 
@@ -51,7 +51,7 @@ double corner_angle(const Mesh& mesh, std::size_t t, int k) {
   return std::atan2(u.cross(v).norm(), u.dot(v));
 }
 
-// Normals from faces and angles, given which corners share one. A normal without a face that has area stays zero.
+// Normals from faces weighted by angles, given which corners share one. Without a face of non-zero area the normal stays zero.
 void average_normals(ShadedMesh& mesh, std::size_t faces) {
   for (Vec3& n : mesh.normals) n.setZero();
   for (std::size_t t = 0; t < faces; ++t) {
@@ -199,7 +199,7 @@ NormalCheckReport check_corner_normals(ShadedMesh& mesh, std::size_t faces) {
       const bool unit = n.allFinite() && std::fabs(n.squaredNorm() - 1.0) < 1e-9;
       if (unit && (face.isZero(0.0) || n.dot(face) > kFarthestTurn)) continue;
       ++(unit ? report.turned_away : report.not_unit);
-      // Without area any direction will do: such a triangle exerts no force of its own.
+      // Without area any direction is as good: such a triangle exerts no force of its own.
       mesh.corner_normals[t][k] = static_cast<std::uint32_t>(mesh.normals.size());
       mesh.normals.push_back(face.isZero(0.0) ? Vec3(Vec3::UnitZ()) : face);
     }

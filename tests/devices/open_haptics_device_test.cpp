@@ -1,4 +1,4 @@
-// Against a stand-in of libHD with a point mass in place of a device: its scheduler's thread, its clock and its errors.
+// Uses a stand-in for libHD with a point mass as the device, with its own scheduler thread, clock and errors.
 #include "devices/open_haptics_device.h"
 
 #include <gmock/gmock.h>
@@ -60,7 +60,7 @@ TEST_F(OpenHaptics, LimitsAreTheDevicesOwn) {
   EXPECT_DOUBLE_EQ(limits.max_force_n, 7.5);
   EXPECT_DOUBLE_EQ(limits.continuous_force_n, 0.88);
   EXPECT_DOUBLE_EQ(limits.max_stiffness_n_per_m, 1260.0);
-  // 160 x 120 x 70 mm, the middle of which is the origin.
+  // 160 x 120 x 70 mm, with the origin in the middle.
   EXPECT_TRUE(limits.workspace_max_m.isApprox(Vec3(0.08, 0.06, 0.035)));
   EXPECT_TRUE(limits.workspace_min_m.isApprox(Vec3(-0.08, -0.06, -0.035)));
   EXPECT_EQ(limits.max_torque_nm, 0.0);
@@ -174,7 +174,7 @@ TEST_F(OpenHaptics, ExertsNoForceUntilItIsCalibratedAndSaysWhatToDo) {
   EXPECT_EQ(device->status(), DeviceStatus::calibrating);
   EXPECT_FALSE(device->condition().is_calibrated);
   EXPECT_EQ(board->pushed_ticks, 0U);
-  // The stylus has gone into the inkwell: the device wants its update.
+  // The stylus has been put into the inkwell: the device requests its calibration update.
   board->calibration = 1;
   EXPECT_TRUE(serve_until_ready());
   EXPECT_EQ(board->last_update_style, 4);
@@ -196,7 +196,7 @@ TEST_F(OpenHaptics, TheNeutralPoseIsTakenWhenTheButtonSaysSo) {
   EXPECT_EQ(board->last_update_style, 1);
 }
 
-TEST_F(OpenHaptics, AForceErrorLetsGoForAMomentAndTheForceRampsInAgain) {
+TEST_F(OpenHaptics, AForceErrorReleasesTheForceForAMomentAndItRampsUpAgain) {
   open();
   const Wrench push = {.force_n = Vec3(0, 0, 2)};
   ASSERT_TRUE(serve_until_ready());

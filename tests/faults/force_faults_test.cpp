@@ -14,7 +14,7 @@ namespace {
 constexpr std::int64_t kMs = SimulatedSystem::kMs;
 constexpr std::int64_t kCycleNs = kMs;
 
-// No stronger than the device bears, and no faster than it passes on, from the first to the last force.
+// Every force is within the magnitude limit and the rate limit of the device.
 void expect_bounded(const PressingDevice& device) {
   const DeviceLimits& limits = device.limits();
   const PressingDevice::Written* last = nullptr;
@@ -22,7 +22,7 @@ void expect_bounded(const PressingDevice& device) {
     ASSERT_TRUE(written.force_n.allFinite());
     ASSERT_LE(written.force_n.norm(), limits.max_force_n + 1e-9);
     if (last != nullptr) {
-      // The guard steps once a cycle where nothing changes, so a change has a cycle at least.
+      // Without changes the governor steps once a cycle, so a change takes at least one cycle.
       const double passed_s = 1e-9 * static_cast<double>(std::max(written.time_ns - last->time_ns, std::int64_t{0}));
       ASSERT_LE((written.force_n - last->force_n).norm(), limits.max_slew_n_per_s * passed_s + 1e-9)
           << 1e-6 * static_cast<double>(written.time_ns) << " ms";
@@ -63,7 +63,7 @@ TEST_F(Faults, HapticsRestartedInContactExertsForceAgainWithin200Ms) {
     system->start_haptics();
     const std::int64_t restarted_ns = now_ns();
     system->run_for_ns(1000 * kMs);
-    // A timeout lies between, however short the absence was: its slot was still taken.
+    // A command timeout lies between, however short the absence was, because the old slot was still in use.
     const auto force_ns = system->force_after_ns(std::max(restarted_ns, restarted_ns - away_ns + 25 * kMs));
     ASSERT_TRUE(force_ns) << away_ns;
     EXPECT_LE(*force_ns - restarted_ns, 200 * kMs) << away_ns;
@@ -161,7 +161,7 @@ TEST_F(Faults, AStormLeavesTheForceBoundedAndTheSessionAlive) {
   }
 }
 
-TEST_F(Faults, JitterAloneWithinTheSilenceLimitKeepsTheContact) {
+TEST_F(Faults, JitterAloneWithinTheCommandTimeoutKeepsTheContact) {
   press();
   system->set_faults({.jitter_ns = 5 * kMs}, {.jitter_ns = 5 * kMs});
   const std::uint64_t command_timeouts = system->stats().governor.counters.command_timeouts;
@@ -188,7 +188,7 @@ TEST_F(Faults, APartitionLeavesNoForceAndContactReturnsWithin500MsOfItsEnd) {
   }
 }
 
-TEST_F(Faults, APartitionOfOneWayIsSurvivedToo) {
+TEST_F(Faults, APartitionInOneDirectionIsSurvivedToo) {
   for (const bool is_up : {true, false}) {
     press();
     const LinkFaults cut{.partition = true};
@@ -224,7 +224,7 @@ TEST_F(Faults, AClockStepAtTheHubReleasesTheForceAndStartsAgain) {
   system->clock.advance_ns(3600'000'000'000LL);
   system->run_for_ns(2000 * kMs);
   EXPECT_NEAR(system->force_n().z(), 2.0, 0.05);
-  // Within the first cycles the force has been zero.
+  // The force was zero within the first cycles.
   bool was_zero = false;
   for (std::size_t n = before; n < before + 5 && n < system->device.written.size(); ++n) {
     was_zero = was_zero || system->device.written[n].force_n == Vec3::Zero();

@@ -73,7 +73,7 @@ TEST_F(SafetyNoticesTest, ADeviceIsAwayWhenItStaysAway) {
   EXPECT_EQ(reported(), std::vector{ServoEvent::Kind::back});
 }
 
-TEST_F(SafetyNoticesTest, AShortSilenceIsNoFaultAndALongOneIs) {
+TEST_F(SafetyNoticesTest, AShortGapIsNoFaultAndACommandTimeoutIs) {
   check();
   ++side.governor.counters.command_timeouts;
   check(false);

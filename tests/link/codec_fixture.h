@@ -313,7 +313,7 @@ inline void expect_equal(const Datagram& a, const Datagram& b) {
   std::visit([&](const auto& m) { expect_equal(m, std::get<std::decay_t<decltype(m)>>(b.message)); }, a.message);
 }
 
-// Whatever decode lets through must keep the contract's promises.
+// Every message that decode accepts must satisfy the limits that link/messages.h states.
 inline void expect_sane(const Datagram& datagram) {
   if (const auto* state = std::get_if<DeviceState>(&datagram.message)) {
     EXPECT_TRUE(state->p_WD.allFinite());

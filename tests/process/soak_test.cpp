@@ -17,15 +17,15 @@ using Json = nlohmann::json;
 
 // A sanitizer keeps freed memory and records accesses: memory then grows without a leak.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kMemoryTells = false;
+constexpr bool kCanCheckMemory = false;
 #else
-constexpr bool kMemoryTells = true;
+constexpr bool kCanCheckMemory = true;
 #endif
 
-// Neither the rate nor the drift counts here: this machine may be busy.
-bool is_compared(const std::string& what) { return what != "rate" && what != "drift" && (what != "memory" || kMemoryTells); }
+// Rate and drift are not checked here: this machine may be busy.
+bool is_compared(const std::string& what) { return what != "rate" && what != "drift" && (what != "memory" || kCanCheckMemory); }
 
-// The process of that name that this one has started; -1: none.
+// The child process of that name; -1: none.
 pid_t find_child(pid_t parent, const std::string& name) {
   const std::string parent_line = "\nPPid:\t" + std::to_string(parent) + "\n";
   std::error_code error;
@@ -55,9 +55,9 @@ TEST(Soak, AMinuteKeepsMemoryDescriptorsAndThreadsAndLosesNoForce) {
     ++compared;
     EXPECT_TRUE(finding.at("flat").get<bool>()) << finding;
   }
-  EXPECT_EQ(compared, kMemoryTells ? 8 : 6);  // the run, lost forces, and these three of two processes
+  EXPECT_EQ(compared, kCanCheckMemory ? 8 : 6);  // the run, lost forces, and these three of two processes
   EXPECT_EQ(ended->exit_code, soak.at("flat").get<bool>() ? 0 : 1) << ended->err;
-  // Some of it in contact: a force that is always zero would prove little.
+  // Part of the run is in contact: a force that is always zero would prove little.
   const std::string table = read_text(folder.path() / "soak" / "soak.csv");
   EXPECT_TRUE(std::regex_search(table, std::regex("\n[0-9.]+,[0-9.]+,[0-9.]+,[1-9][0-9.]*,"))) << table;
 }

@@ -1,5 +1,5 @@
-// The three nodes as people start them, over loopback: joining in any order, dying, coming back, while the others continue. The tests check
-// logic; times are only bounds for a busy machine.
+// The three nodes as users start them, over loopback: they join in any order, die and come back, while the others continue. The tests check
+// logic; times are only generous bounds for a busy machine.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -71,7 +71,7 @@ TEST(SystemRun, ReportsWhatItMeasured) {
   expect_sane(report);
   EXPECT_GT(count(report, "contact_samples"), 0);
   EXPECT_NEAR(report.at("seconds").get<double>(), 2.0, 0.5);
-  // Measured by others: the time by this process, the samples by the haptics node.
+  // Independent measurements: the time by this process, the samples by the haptics node.
   EXPECT_LE(report.at("seconds").get<double>(), elapsed_s);
   EXPECT_LE(count(report, "samples") + count(report, "missed_cycles"), std::llround(1000.0 * elapsed_s));
   EXPECT_GE(count(report, "samples"), 1000) << "less than half of the rate: the machine is overloaded or the loop is broken";
@@ -217,7 +217,7 @@ TEST(Vision, KilledDisturbsNoOtherNode) {
   const Json whole = system.wait_for_report(is_complete);
   ASSERT_TRUE(is_complete(whole));
   system["vision_node"].kill();
-  // Where the machine is too busy for them, others have been missed for a moment too.
+  // On a machine that is too busy for them, other nodes may time out for a moment as well.
   const auto misses_one = [&](const Json& report) { return count(report, "peers_timed_out") > count(whole, "peers_timed_out"); };
   const Json gone = system.wait_for_report(misses_one);
   EXPECT_TRUE(misses_one(gone));

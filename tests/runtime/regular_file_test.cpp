@@ -37,7 +37,7 @@ TEST_F(RegularFileTest, IsReadWhole) {
   EXPECT_THAT(read_regular_file("/proc/self/status", "").value_or(""), HasSubstr("Name:"));  // of unknown size
 }
 
-// Opening a pipe without a writer would wait for ever.
+// Opening a pipe without a writer would block.
 TEST_F(RegularFileTest, OtherFilesAreRejectedInOneLine) {
   ASSERT_EQ(::mkfifo((folder_ / "pipe").c_str(), 0600), 0);
   std::filesystem::create_symlink("pipe", folder_ / "link");

@@ -71,7 +71,7 @@ bool is_socket(const std::string& include) {
   return std::regex_match(include, kSocket);
 }
 bool is_vtk(const std::string& include) { return include.rfind("vtk", 0) == 0; }
-// Headers for what is not computation: threads, clocks, files, terminals, logs, the network.
+// Headers that a pure layer must not include: threads, clocks, files, terminals, logs, the network.
 bool is_impure(const std::string& include) {
   static const std::regex kImpure(
       R"(^(thread|mutex|shared_mutex|condition_variable|future|stop_token|semaphore|latch|barrier|chrono|ctime|time\.h|fstream|iostream)"
@@ -151,7 +151,7 @@ TEST(Layers, ForceMethodsDoNotIncludeEachOther) {
   EXPECT_FALSE(may_know_method("core/force/reference/a.cpp", "core/force/proxy/b.h")) << "the reference shares no code with the proxy";
 }
 
-// A rejection by the system must end in one line, not in an abort.
+// If the system cannot start a thread, the program must end with one line, not abort.
 TEST(Layers, EveryThreadIsStartedByStartThread) {
   static const std::regex kStarted(R"(std::j?thread(\s+\w+)?\s*[({]|vector<std::j?thread> \w+\(|std::async)");
   std::vector<std::string> wrong;
@@ -225,7 +225,7 @@ TEST(Sources, ThrowNothingOfOurs) {
   EXPECT_THAT(find_files(kFolders, [](const SourceFile& file) { return std::regex_search(file.code, kThrow); }), IsEmpty());
 }
 
-// Files that may read the wall clock, which people and daemons set, and why. Everything else uses CLOCK_MONOTONIC.
+// Files that may read the wall clock, which can be set, and why. Everything else uses CLOCK_MONOTONIC.
 const std::map<std::string, std::string> kMayReadTheDate = {
     {"io_node/session_setup.cpp", "a recording contains the day on which it was made"},
     {"link/random_id.cpp", "one more random source, if the system has none"},
@@ -285,7 +285,7 @@ TEST(Headers, ListedAsTestedElsewhereAreThereAndHaveNoTestOfTheirName) {
   }
 }
 
-// The checks themselves can fail.
+// Tests of the checks: each must find a violation.
 TEST(Checks, FindWhatIsWrong) {
   EXPECT_FALSE(may_include("core/math/a.h", "core/force/b.h"));
   EXPECT_FALSE(may_include("io_node/main.cpp", "haptics_node/step.h"));

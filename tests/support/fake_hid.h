@@ -13,8 +13,8 @@
 
 namespace hapton {
 
-// A HID device in this process, as the kernel shows one: it keeps 64 reports for who reads, drops new ones when it is full, and may be
-// unplugged and plugged in again at any time.
+// A HID device in this process that behaves as one behind the kernel: it queues 64 reports for the reader, drops new ones when the queue is
+// full, and may be unplugged and plugged in again at any time.
 class FakeHid {
  public:
   using Bytes = std::vector<std::uint8_t>;
@@ -53,7 +53,7 @@ class FakeHid {
   void set_feature(std::uint8_t id, const Bytes& report) {
     change([&](Shared& shared) { shared.features[id] = report; });
   }
-  // Writes wait until it is over.
+  // While true, writes wait.
   void block_writes(bool blocks) {
     change([&](Shared& shared) { shared.blocks_writes = blocks; });
   }

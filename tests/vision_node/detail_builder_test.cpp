@@ -32,7 +32,7 @@ TEST(DetailBuilder, MakesLevelsFromTheFinestToTheCoarsestAndThenTheMeshInCluster
   ASSERT_GE(made.size(), 4U);
   std::size_t last = large.triangles();
   for (std::size_t i = 0; i + 1 < made.size(); ++i) {
-    EXPECT_EQ(made[i].object, 1U) << "the small one is drawn as it is";
+    EXPECT_EQ(made[i].object, 1U) << "the small one keeps its triangles";
     EXPECT_FALSE(made[i].is_full || made[i].is_rough);
     EXPECT_LT(made[i].level.triangles(), last);
     EXPECT_GT(made[i].level.error, 0.0);
@@ -60,7 +60,7 @@ TEST(DetailBuilder, NothingToMakeIsDoneAtOnce) {
   EXPECT_TRUE(builder.take_made().empty());
 }
 
-TEST(DetailBuilder, IsGivenUpWithoutBeingDone) {
+TEST(DetailBuilder, StopsBeforeItIsDone) {
   const DetailLevel large = level_of(make_bumpy_sphere(0.05, 0.25, 70'000, 1));
   DetailBuilder builder({&large});
 }

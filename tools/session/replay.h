@@ -21,7 +21,7 @@ struct ReplayRow {
   Vec3 p_WP = Vec3::Zero();  // proxy
   Vec3 force_n = Vec3::Zero();
   bool contact = false;
-  std::int64_t step_ns = 0;  // least of all repetitions, what reading the clock costs taken off
+  std::int64_t step_ns = 0;  // least of all repetitions, less the cost of reading the clock
 };
 
 struct ReplaySettings {
@@ -31,7 +31,7 @@ struct ReplaySettings {
 
 struct Replay {
   std::vector<ReplayRow> rows;
-  std::int64_t clock_cost_ns = 0;    // taken off every step
+  std::int64_t clock_cost_ns = 0;    // subtracted from every step
   std::size_t rows_that_differ = 0;  // rows in which a repetition differs from the first run; 0 for a method that a reset resets completely
 };
 

@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-// As in STL: three vertices of its own for each triangle.
+// As in STL: each triangle has three vertices of its own.
 TriangleMesh unwelded(const TriangleMesh& mesh) {
   TriangleMesh loose;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -35,7 +35,7 @@ TEST(RepairMesh, LeavesACleanMeshAsItIs) {
   for (std::uint32_t i = 0; i < source.size(); ++i) EXPECT_EQ(source[i], i);
 }
 
-TEST(RepairMesh, WeldsWhatIsEqualToTheBit) {
+TEST(RepairMesh, WeldsVerticesOfEqualBits) {
   const TriangleMesh mesh = make_icosphere(1.0, 2);
   RepairReport report;
   std::vector<std::uint32_t> vertex_source;
@@ -47,7 +47,7 @@ TEST(RepairMesh, WeldsWhatIsEqualToTheBit) {
   for (std::size_t i = 0; i < repaired.vertices.size(); ++i) EXPECT_EQ(repaired.vertices[i], loose.vertices[vertex_source[i]]);
 }
 
-TEST(RepairMesh, ZeroAndMinusZeroAreOnePlace) {
+TEST(RepairMesh, ZeroAndMinusZeroAreOnePosition) {
   const TriangleMesh mesh = {{Vec3(0.0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(-0.0, 0, 0), Vec3(0, -1, 0)}, {{0, 1, 2}, {3, 4, 1}}};
   RepairReport report;
   EXPECT_EQ(repair_mesh(mesh, report).vertices.size(), 4U);
@@ -72,7 +72,7 @@ TEST(RepairMesh, DropsEmptyAndDuplicateTrianglesAndKeepsTwoSidedSheets) {
   EXPECT_EQ(source[1], 2U);
 }
 
-TEST(RepairMesh, TurnsTheMinority) {
+TEST(RepairMesh, FlipsTheMinority) {
   TriangleMesh mesh = make_torus(1.0, 0.3, 20, 12);
   const double volume = compute_volume(mesh);
   std::mt19937 random(5);
