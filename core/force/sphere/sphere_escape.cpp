@@ -89,22 +89,28 @@ double SphereFollower::time_to_corner_exit(const Vec3& from, const Vec3& to, dou
   return soonest;
 }
 
+// In the steepest direction that has room: a slit between sheets that touch has none.
+bool SphereFollower::leave_corner(const Vec3& device, const Vec3& motion) noexcept {
+  constexpr int kMostDirections = 8;
+  const Vec3 pull = device - cone_.apex();
+  TangentCone::Steepest steepest = cone_.find_steepest(pull);
+  for (int i = 0; i < kMostDirections && steepest.slope > least_corner_exit(pull); ++i) {
+    for (const double wide : kWide) {
+      const double radius = wide * clearance_.offset;
+      if (try_escape(device, motion, [&] { return pass_corner(steepest, radius); })) return true;
+      for (const bool ahead : {true, false}) {
+        if (try_escape(device, motion, [&] { return fly_around_corner(steepest, radius, ahead); })) return true;
+      }
+    }
+    steepest = cone_.find_steepest(pull, steepest.slope);
+  }
+  return false;
+}
+
 // Leaves a minimum in the steepest direction that leads to a nearer one. False, and nothing changed: no direction does.
 bool SphereFollower::leave_minimum(const Vec3& device, const Vec3& motion) noexcept {
   if (!is_point_ || contact_count_ == 0) return false;
-  if (find_cone()) {
-    const Vec3 pull = device - cone_.apex();
-    const TangentCone::Steepest steepest = cone_.find_steepest(pull);
-    if (steepest.slope > least_corner_exit(pull)) {
-      for (const double wide : kWide) {
-        const double radius = wide * clearance_.offset;
-        if (try_escape(device, motion, [&] { return pass_corner(steepest, radius); })) return true;
-        for (const bool ahead : {true, false}) {
-          if (try_escape(device, motion, [&] { return fly_around_corner(steepest, radius, ahead); })) return true;
-        }
-      }
-    }
-  }
+  if (find_cone() && leave_corner(device, motion)) return true;
   if (last_fly_over_ == step_) return false;
   last_fly_over_ = step_;
   const auto leads_over = [&](const Vec3& direction) {

@@ -235,6 +235,7 @@ class SphereFollower {
   double least_corner_exit(const Vec3& pull) const noexcept;
   double time_to_corner_exit(const Vec3& from, const Vec3& to, double time) noexcept;
   bool leave_minimum(const Vec3& device, const Vec3& motion) noexcept;
+  bool leave_corner(const Vec3& device, const Vec3& motion) noexcept;
   bool pass_corner(const TangentCone::Steepest& to, double wide) noexcept;
   bool fly_around_corner(const TangentCone::Steepest& to, double wide, bool ahead) noexcept;
   bool fly_over(const Vec3& displacement, double height) noexcept;

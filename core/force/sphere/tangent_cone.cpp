@@ -167,20 +167,20 @@ bool TangentCone::find_boundary(const Vec3& inside) {
   return false;
 }
 
-TangentCone::Steepest TangentCone::find_steepest(const Vec3& pull) const {
+TangentCone::Steepest TangentCone::find_steepest(const Vec3& pull, double below) const {
   Steepest best;
   best.slope = -std::numeric_limits<double>::infinity();
   const auto offer = [&](const Vec3& direction, int piece) {
     const double slope = direction.dot(pull);
-    if (slope > best.slope) best = {slope, direction, piece};
+    if (slope > best.slope && slope < below) best = {slope, direction, piece};
   };
   for (int i = 0; i < piece_count_; ++i) {
     const Piece& piece = pieces_[static_cast<std::size_t>(i)];
     offer(piece.to, i);
-    const Vec3 below = pull - piece.normal.dot(pull) * piece.normal;
-    const double length = below.norm();
+    const Vec3 along = pull - piece.normal.dot(pull) * piece.normal;
+    const double length = along.norm();
     const Vec3 axis = piece.from.cross(piece.to);
-    if (length > 0.0 && piece.from.cross(below).dot(axis) > 0.0 && below.cross(piece.to).dot(axis) > 0.0) offer(below / length, i);
+    if (length > 0.0 && piece.from.cross(along).dot(axis) > 0.0 && along.cross(piece.to).dot(axis) > 0.0) offer(along / length, i);
   }
   return best;
 }

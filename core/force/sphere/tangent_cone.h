@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <span>
 
 #include "core/geometry/contact_triangle.h"
@@ -41,8 +42,8 @@ class TangentCone {
 
   const Vec3& apex() const { return apex_; }
   std::span<const Piece> boundary() const { return std::span(pieces_).first(static_cast<std::size_t>(piece_count_)); }
-  // Among the directions on the boundary.
-  Steepest find_steepest(const Vec3& pull) const;
+  // Among the directions on the boundary, those less steep than `below`. Slope -infinity: there is none.
+  Steepest find_steepest(const Vec3& pull, double below = std::numeric_limits<double>::infinity()) const;
 
  private:
   struct Arc {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <random>
 #include <vector>
@@ -126,6 +127,24 @@ TEST(TangentCone, FindsTheSteepestDirectionOfRandomFans) {
       EXPECT_GE(found.slope, steepest - 1e-12) << round;
     }
   }
+}
+
+// One after the other, from the steepest to the least steep.
+TEST(TangentCone, TellsTheNextSteepestDirections) {
+  TangentCone cone = cone_of(Vec3::Zero(), cube_corner());
+  ASSERT_TRUE(cone.find_boundary(Vec3::Ones().normalized()));
+  const Vec3 pull(-0.9, -0.5, 0.3);
+  double below = std::numeric_limits<double>::infinity();
+  int found = 0;
+  for (; found < 100; ++found) {
+    const TangentCone::Steepest next = cone.find_steepest(pull, below);
+    if (next.piece < 0) break;
+    EXPECT_LT(next.slope, below);
+    EXPECT_NEAR(next.slope, next.direction.dot(pull), 1e-12);
+    below = next.slope;
+  }
+  EXPECT_GE(found, 3);
+  EXPECT_LE(found, 2 * static_cast<int>(cone.boundary().size()));
 }
 
 TEST(TangentCone, HasNoBoundaryWithoutTrianglesAndRejectsMoreThanItHolds) {
