@@ -98,7 +98,7 @@ TEST_P(SweptMotionInSoup, IsNeverNearerToATriangleThanItsSlackAllows) {
   std::uniform_real_distribution<double> unit(-0.05, 0.05);
   const auto vector = [&] { return Vec3(unit(random), unit(random), unit(random)); };
   TriangleMesh soup;
-  for (std::uint32_t t = 0; t < 60; ++t) {
+  for (std::uint32_t t = 0; t < 240; ++t) {
     const Vec3 at = vector();
     for (int k = 0; k < 3; ++k) soup.vertices.push_back(at + 0.5 * vector());
     soup.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
