@@ -83,7 +83,7 @@ Result<RemoteGrid> make_grid(RemoteOptions options) {
   }
   grid.meshes = !options.meshes.empty() ? options.meshes
                 : options.quick         ? std::vector<std::string>{"fish_22k.obj"}
-                                : std::vector<std::string>{"nefertiti_70k.ply", "fish_22k.obj", "car_body_20k.glb"};
+                                        : std::vector<std::string>{"nefertiti_70k.ply", "fish_22k.obj", "car_body_20k.glb"};
   grid.mesh_folder = options.folder.empty() ? find_mesh_folder() : std::filesystem::path(options.folder);
   auto methods = read_methods(options.methods);
   if (!methods) return tl::unexpected(methods.error());

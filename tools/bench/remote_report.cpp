@@ -72,7 +72,7 @@ struct Cell {
     for (const RemoteRow* row : rows) values.push_back(figure_of(*row, figure));
     if (values.empty()) return {};
     std::sort(values.begin(), values.end());
-    return {values[values.size() / 2], values.back()};
+    return {values[(values.size() - 1) / 2], values.back()};
   }
 };
 
@@ -253,8 +253,8 @@ std::string make_remote_plot(const RemoteGrid& grid, const RemoteResults& result
     });
   }
   script += panel_of(
-      grid, fmt::format("Force error, {:g} N/m, {:g} mm/s, loss {:g} %%, worst mesh", grid.stiffness_n_per_m, 1e3 * speed, 100.0 * loss),
-      fmt::format("RMS of the zero-delay force, %% ({:g} and less are drawn there)", kLeastShownError), "e");
+      grid, fmt::format("Force error, {:g} N/m, {:g} mm/s, loss {:g} %, worst mesh", grid.stiffness_n_per_m, 1e3 * speed, 100.0 * loss),
+      fmt::format("RMS, % ({:g} and less drawn there)", kLeastShownError), "e");
   if (has_walls) script += panel_of(grid, "Largest stiffness at which a press comes to rest", "N/m", "w");
   return script + "unset multiplot\n";
 }
