@@ -257,6 +257,7 @@ void DeviceLoop::feel_locally() noexcept {
   if (was_local && !cycle_.local) fade_.begin();
   if (!cycle_.local) return;
   const LocalFeel& felt = *cycle_.local;
+  fade_.begin_from(felt.difference_n);
   const Vec3 force_n = faded(felt.force_n, felt.contact, felt.is_handed_over || !was_local, cycle_.sample.time_ns);
   govern({{.force_n = force_n}, cycle_.sample.time_ns});
   ++stats_.local_forces;

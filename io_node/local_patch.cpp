@@ -44,7 +44,7 @@ std::optional<LocalFeel> LocalPatch::feel(const DeviceSample& sample) noexcept {
   const std::optional<PatchFeel> felt = touch_.step({sample.p_WD, orders.X_WS, dt_s});
   counts_.publish(touch_.counts());
   if (!felt) return std::nullopt;
-  return LocalFeel{felt->force_n, felt->visual_offset_m, felt->contact, felt->is_handed_over};
+  return LocalFeel{felt->force_n, felt->visual_offset_m, felt->contact, felt->is_handed_over, felt->difference_n};
 }
 
 bool LocalPatch::take_hand(PatchHand& hand) noexcept {

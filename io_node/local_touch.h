@@ -12,7 +12,8 @@ struct LocalFeel {
   Vec3 force_n = Vec3::Zero();
   Vec3 visual_offset_m = Vec3::Zero();  // proxy minus device point
   bool contact = false;
-  bool is_handed_over = false;  // by another patch than the sample before: the difference of force fades
+  bool is_handed_over = false;       // by another patch than the sample before: the difference of force fades
+  Vec3 difference_n = Vec3::Zero();  // ... or where that is known for this sample, just this
 };
 
 // Works out forces on the device's own thread, for the device loop. While it does, forces from the network are not used.

@@ -9,7 +9,9 @@ namespace {
 constexpr int kCells = 20;  // along each side
 constexpr double kSideM = 0.2;
 
-TriangleMesh make_plate() {
+}  // namespace
+
+std::shared_ptr<const TriangleMesh> make_wall_mesh() {
   TriangleMesh plate;
   for (int i = 0; i <= kCells; ++i) {
     for (int j = 0; j <= kCells; ++j)
@@ -22,15 +24,13 @@ TriangleMesh make_plate() {
       plate.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
     }
   }
-  return plate;
+  return std::make_shared<const TriangleMesh>(std::move(plate));
 }
-
-}  // namespace
 
 Result<std::unique_ptr<TouchLaw>> make_touch_wall(double stiffness_n_per_m, double damping_ns_per_m) {
   TouchScene scene;
-  scene.objects.push_back({std::make_shared<const TriangleMesh>(make_plate()),
-                           {.stiffness_n_per_m = stiffness_n_per_m, .damping_ns_per_m = damping_ns_per_m, .two_sided = false}});
+  scene.objects.push_back(
+      {make_wall_mesh(), {.stiffness_n_per_m = stiffness_n_per_m, .damping_ns_per_m = damping_ns_per_m, .two_sided = false}});
   auto method = make_method({}, scene);
   if (!method) return tl::unexpected(method.error());
   return std::make_unique<TouchLaw>(std::move(*method));

@@ -3,11 +3,15 @@
 #include <memory>
 
 #include "core/base/result.h"
+#include "core/geometry/triangle_mesh.h"
 #include "loop/force_law.h"
 
 namespace hapton {
 
-// The wall of WallLaw as a mesh, a plate of 200 x 200 mm at x = 0 that faces +x, touched by the proxy method that the haptics node runs.
+// A plate of 200 x 200 mm at x = 0 that faces +x. RT: set-up only.
+std::shared_ptr<const TriangleMesh> make_wall_mesh();
+
+// The wall of WallLaw as that plate, touched by the proxy method that the haptics node runs.
 // RT: set-up only.
 Result<std::unique_ptr<TouchLaw>> make_touch_wall(double stiffness_n_per_m, double damping_ns_per_m);
 

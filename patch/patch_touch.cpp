@@ -10,7 +10,7 @@ std::unique_ptr<Patch> PatchTouch::offer(std::unique_ptr<Patch> patch) noexcept 
 std::unique_ptr<Patch> PatchTouch::take_retired() noexcept { return std::move(retired_); }
 
 void PatchTouch::forget() noexcept {
-  is_placed_ = is_over_ = is_beyond_ = false;
+  is_placed_ = is_over_ = is_beyond_ = is_before_over_ = false;
   outward_S_.setZero();
 }
 
@@ -48,6 +48,7 @@ bool PatchTouch::take_offered(const Vec3& p_SD) noexcept {
   if (offered_ == nullptr || retired_ != nullptr) return false;
   if (is_beyond_ && !reaches(*offered_, p_SD)) rise_over(*offered_, p_SD);
   if (!reaches(*offered_, p_SD)) return false;
+  is_before_over_ = is_over_ && !is_beyond_ && reaches(*patch_, p_SD);
   retired_ = std::exchange(patch_, std::move(offered_));
   is_over_ = false;
   return true;
@@ -80,12 +81,20 @@ void PatchTouch::hand_over(const TouchInput& input) noexcept {
   if (is_placed_) (void)patch_->step->step(input);
 }
 
+Vec3 PatchTouch::step_retired(const TouchInput& input) noexcept {
+  return retired_->step != nullptr ? retired_->step->step(input).force_n : Vec3(Vec3::Zero());
+}
+
 PatchFeel PatchTouch::feel_patch(const TouchInput& input, const Vec3& p_SD) noexcept {
   PatchFeel feel;
   const bool was_beyond = std::exchange(is_beyond_, false);
-  feel.is_handed_over = !is_over_ || was_beyond;
-  if (feel.is_handed_over) hand_over(input);
+  const bool begins = !is_over_ || was_beyond;
+  const bool has_before = begins && std::exchange(is_before_over_, false);
+  const Vec3 before_n = has_before ? step_retired(input) : Vec3(Vec3::Zero());
+  if (begins) hand_over(input);
   const TouchOutput felt = patch_->step != nullptr ? patch_->step->step(input) : TouchOutput();
+  feel.is_handed_over = begins && !has_before;
+  if (has_before) feel.difference_n = before_n - felt.force_n;
   feel.force_n = felt.force_n;
   feel.visual_offset_m = felt.visual_offset_m;
   feel.contact = felt.contact;

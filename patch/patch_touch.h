@@ -23,20 +23,21 @@ struct PatchFeel {
   Vec3 force_n = Vec3::Zero();          // frame W
   Vec3 visual_offset_m = Vec3::Zero();  // frame W: proxy minus device point
   bool contact = false;
-  bool is_handed_over = false;  // another patch, or the edge of one, began with this step: the force may differ
-  bool is_beyond = false;       // past the edge of what is known
+  bool is_handed_over = false;       // another patch, or the edge of one, began with this step: the force may differ ...
+  Vec3 difference_n = Vec3::Zero();  // ... or by just this much, where the patch before could tell it for this sample too. Frame W
+  bool is_beyond = false;            // past the edge of what is known
 };
 
 // Feels a scene by patches of it, one after the other. The force is that of the whole scene as long as all that the step can meet lies
 // within the patch: device and proxy move within |device - centre| + |proxy - device| + |motion| of its centre.
 //
 // Another patch takes over where the proxy is: its step starts there, lifted off the surface by the least that is safe, and goes from there
-// to the device. So the path of the proxy has no gap, and the surface that was felt is felt.
-// Past the edge the plane of the last contact holds: its force is that of the surface's stiffness, damped, and never larger than
-// kMostBeyond times the last force within. Without contact there is no force past the edge. The next patch that reaches from the last proxy
-// within to the device takes over from that proxy. One that does not reach so far takes over from above the plane, by a share of the way
-// that the hand went past the edge: the surface that is met first from there is felt. A hand that was free for kBeyondS begins anew where
-// it is.
+// to the device. So the path of the proxy has no gap, and the surface that was felt is felt. Both are stepped with that sample, so that
+// what the hand's motion changes is not taken for a difference between them. Past the edge the plane of the last contact holds: its force
+// is that of the surface's stiffness, damped, and never larger than kMostBeyond times the last force within. Without contact there is no
+// force past the edge. The next patch that reaches from the last proxy within to the device takes over from that proxy. One that does not
+// reach so far takes over from above the plane, by a share of the way that the hand went past the edge: the surface that is met first from
+// there is felt. A hand that was free for kBeyondS begins anew where it is.
 //
 // Frames: W and S as named. Units: SI. RT: all. Threads: one.
 class PatchTouch {
@@ -82,6 +83,7 @@ class PatchTouch {
   PatchFeel feel_patch(const TouchInput& input, const Vec3& p_SD) noexcept;
   std::optional<PatchFeel> feel_plane(const TouchInput& input, const Vec3& p_SD) noexcept;
   void hand_over(const TouchInput& input) noexcept;
+  Vec3 step_retired(const TouchInput& input) noexcept;
 
   std::unique_ptr<Patch> patch_;
   std::unique_ptr<Patch> offered_;
@@ -89,6 +91,7 @@ class PatchTouch {
   std::uint32_t generation_ = 0;
   bool is_placed_ = false;          // the proxy is known
   bool is_over_ = false;            // patch_ holds the proxy; else it has to be handed over
+  bool is_before_over_ = false;     // retired_ held it, and could go on
   Vec3 p_SP_ = Vec3::Zero();        // proxy, last within
   Vec3 outward_S_ = Vec3::Zero();   // unit, of its force; zero: free
   double stiffness_n_per_m_ = 0.0;  // ... of force and penetration

@@ -95,6 +95,9 @@ void add_bench_papers_command(CommandLine bench, int& exit_code);
 // hapton bench pareto: run time against force error of every method and structure, with a plot.
 void add_bench_pareto_command(CommandLine bench, int& exit_code);
 
+// hapton bench remote: ways to touch across a slow network side by side, in simulated time.
+void add_bench_remote_command(CommandLine bench, int& exit_code);
+
 // The children of `hapton loop`.
 
 // hapton loop integrators --device D: run time against error of the laboratory's integrator and of two usual ones.

@@ -14,6 +14,9 @@ class ForceFade {
 
   // The next step is another method's.
   void begin() noexcept { is_due_ = true; }
+  // The next step is another method's, which at that step differs by this from the one before: one force less the other, both for the same
+  // sample. What the device's motion has changed since the step before is then no part of what fades.
+  void begin_from(const Vec3& difference_n) noexcept { known_n_ += difference_n; }
 
   void forget() noexcept { *this = {}; }
 
@@ -26,7 +29,8 @@ class ForceFade {
  private:
   Vec3 felt_n_ = Vec3::Zero();  // last
   Vec3 difference_n_ = Vec3::Zero();
-  double share_ = 0.0;  // of the difference, still there
+  Vec3 known_n_ = Vec3::Zero();  // to be added to it
+  double share_ = 0.0;           // of the difference, still there
   bool is_due_ = false;
 };
 

@@ -69,7 +69,7 @@ TEST(Numbers, MeasureEveryRow) {
     }
   }
   const auto json = nlohmann::json::parse(to_json(*report));
-  EXPECT_EQ(json["schema"], "hapton.bench/2");
+  EXPECT_EQ(json["schema"], "hapton.bench/3");
   EXPECT_EQ(json["rows"].size(), report->rows.size());
   EXPECT_EQ(json["meshes"].size(), 12U);  // three meshes, two probes, without and with friction
 }

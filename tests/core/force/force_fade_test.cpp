@@ -73,6 +73,20 @@ TEST(ForceFade, ADifferenceThatIsNotFiniteIsLeftOut) {
   }
 }
 
+TEST(ForceFade, AKnownDifferenceFadesAndWhatTheMotionChangedDoesNot) {
+  ForceFade fade;
+  fade.step(kBefore, true, kMs);
+  const Vec3 difference(0.1, 0.0, -0.2);
+  fade.begin_from(difference);
+  EXPECT_NEAR((fade.step(kAfter, true, kMs) - kAfter - 0.99 * difference).norm(), 0.0, 1e-12);
+  // Of a fade that has not ended the rest stays.
+  fade.begin_from(difference);
+  EXPECT_NEAR((fade.step(kAfter, true, kMs) - kAfter - 0.99 * 1.99 * difference).norm(), 0.0, 1e-12);
+  for (int i = 0; i < 100; ++i) fade.step(kAfter, true, kMs);
+  fade.begin_from(Vec3::Zero());
+  EXPECT_EQ(fade.step(kBefore, true, kMs), kBefore);
+}
+
 TEST(ForceFade, AForgottenFadeAddsNoForce) {
   ForceFade fade;
   fade.step(kBefore, true, kMs);

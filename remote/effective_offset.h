@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "core/math/types.h"
+
+namespace hapton {
+
+// How late a signal is, and how wrong once that is taken off.
+struct EffectiveOffset {
+  double time_s = 0.0;  // mean
+  double value = 0.0;   // mean, in the signals' unit
+};
+
+// Each sample i of `signal` is matched with sample i - d(i) of `reference`: 0 <= d <= most_late, and d changes by one a sample at most, so
+// that the matching keeps the order. The matching is the one with the least
+//
+//     sum |signal(i) - reference(i - d(i))|  +  step_cost * sum |d(i) - d(i-1)|
+//
+// found by dynamic programming. Where reference and signal say nothing, d stays as it is. Means are over the samples at which either is
+// above `least`. Late only: a force cannot come before the motion that it is for.
+//
+// After: Kroep, Gokhale, Verburg and Venkatesha Prasad, "ETVO: Effectively Measuring Tactile Internet with Experimental Validation"
+// (arXiv 2107.05343), which refines dynamic time warping in the same sense; band and step cost are ours, and so the figures are
+// comparable with each other only. Pre: both as long as each other. Time and memory: samples times most_late. RT: no.
+EffectiveOffset find_effective_offset(const std::vector<Vec3>& signal, const std::vector<Vec3>& reference, double period_s,
+                                      std::size_t most_late, double step_cost, double least);
+
+}  // namespace hapton

@@ -1,0 +1,173 @@
+#include <fmt/core.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "core/base/near_miss.h"
+#include "runtime/atomic_file.h"
+#include "runtime/clock.h"
+#include "tools/bench/remote_report.h"
+#include "tools/commands.h"
+#include "tools/loop/loop_flags.h"
+
+namespace hapton {
+namespace {
+
+struct RemoteOptions {
+  LoopFlags loop;
+  std::vector<std::string> meshes;
+  std::string folder;
+  std::string methods = "all";
+  std::string speeds = "100,300";
+  std::string round_trips = "0,10,30,100,300,1000";
+  std::string losses = "0,0.1,0.3";
+  double jitter_ms = 0.0;
+  double stiffness_n_per_m = 1000.0;
+  std::uint64_t seed = 1;
+  std::size_t seeds = 1;
+  RemoteSettings settings;
+  bool quick = false;
+  bool no_walls = false;
+  bool json = false;
+  std::filesystem::path csv;
+  std::filesystem::path plot;
+  std::filesystem::path trace;
+};
+
+Result<std::vector<double>> read_scaled(const std::string& flag, const std::string& text, double most, double scale) {
+  auto numbers = read_numbers(flag, text);
+  if (!numbers) return numbers;
+  for (double& number : *numbers) {
+    if (!(number >= 0.0 && number <= most)) return fail("{}: {:g} is not between 0 and {:g}", flag, number, most);
+    number *= scale;
+  }
+  return numbers;
+}
+
+Result<std::vector<const RemoteMethod*>> read_methods(const std::string& text) {
+  std::vector<const RemoteMethod*> methods;
+  std::vector<std::string_view> known;
+  for (const RemoteMethod& method : remote_methods()) known.push_back(method.name);
+  for (const std::string& name : split_list(text)) {
+    if (name == "all") {
+      for (const RemoteMethod& method : remote_methods()) methods.push_back(&method);
+    } else if (const RemoteMethod* method = find_remote_method(name)) {
+      methods.push_back(method);
+    } else {
+      return fail("--method '{}' is unknown{}", name, near_miss_hint(name, known));
+    }
+  }
+  if (methods.empty()) return fail("--method: no name is given; known are {}, and all", remote_method_names());
+  return methods;
+}
+
+Result<void> take_device(const RemoteOptions& options, RemoteGrid& grid) {
+  if (options.loop.mass_kg) return fail("a device with limits is needed: give --device, not --mass-kg");
+  const auto loops = loops_of(options.loop);
+  if (!loops) return tl::unexpected(loops.error());
+  const NamedLoop& loop = loops->front();
+  if (!(loop.hand_model.stiffness_n_per_m > 0.0)) return fail("--hand {}: a hand without a spring cannot follow a path", loop.hand);
+  grid.device_name = fmt::format("{} in hand {}", loop.device, loop.hand);
+  grid.device = {loop.device_model, loop.limits, loop.hand_model};
+  return {};
+}
+
+Result<RemoteGrid> make_grid(RemoteOptions options) {
+  RemoteGrid grid;
+  if (options.quick) {
+    options.round_trips = "0,100,1000";
+    options.losses = "0.1";
+    options.speeds = "100";
+    options.seeds = 1;
+  }
+  grid.meshes = !options.meshes.empty() ? options.meshes
+                : options.quick         ? std::vector<std::string>{"fish_22k.obj"}
+                                        : std::vector<std::string>{"nefertiti_70k.ply", "fish_22k.obj", "car_body_20k.glb"};
+  grid.mesh_folder = options.folder.empty() ? find_mesh_folder() : std::filesystem::path(options.folder);
+  auto methods = read_methods(options.methods);
+  if (!methods) return tl::unexpected(methods.error());
+  grid.methods = std::move(*methods);
+  const auto take = [](std::vector<double>& into, Result<std::vector<double>> from) -> Result<void> {
+    if (!from) return tl::unexpected(from.error());
+    into = std::move(*from);
+    return {};
+  };
+  auto taken = take(grid.speeds_m_per_s, read_scaled("--speed", options.speeds, 1000.0, 1e-3));
+  if (taken) taken = take(grid.round_trips_s, read_scaled("--round-trip", options.round_trips, 5000.0, 1e-3));
+  if (taken) taken = take(grid.losses, read_scaled("--loss", options.losses, 0.9, 1.0));
+  if (taken) taken = take_device(options, grid);
+  if (!taken) return tl::unexpected(taken.error());
+  grid.jitter_s = 1e-3 * options.jitter_ms;
+  grid.seed = options.seed;
+  grid.seeds = options.seeds;
+  grid.stiffness_n_per_m = options.stiffness_n_per_m;
+  grid.settings = options.settings;
+  grid.has_walls = !options.no_walls;
+  return grid;
+}
+
+Result<void> run(const RemoteOptions& options) {
+  const auto grid = make_grid(options);
+  if (!grid) return tl::unexpected(grid.error());
+  if (!options.trace.empty()) {
+    const auto trace = trace_remote(*grid);
+    return trace ? write_file_atomically(options.trace, *trace) : tl::unexpected(trace.error());
+  }
+  const SteadyClock clock;
+  const std::int64_t start_ns = clock.now_ns();
+  const auto results =
+      measure_remote(*grid, [&](const std::string& what) { print_progress(1e-9 * static_cast<double>(clock.now_ns() - start_ns), what); });
+  if (!results) return tl::unexpected(results.error());
+  fmt::print("{}", options.json ? to_json(*grid, *results) : to_text(*grid, *results));
+  if (!options.csv.empty()) {
+    if (auto written = write_file_atomically(options.csv, to_csv(*results)); !written) return written;
+    std::filesystem::path walls = options.csv;
+    walls.replace_filename(options.csv.stem().string() + "_walls.csv");
+    if (grid->has_walls) {
+      if (auto written = write_file_atomically(walls, walls_to_csv(*results)); !written) return written;
+    }
+  }
+  if (options.plot.empty()) return {};
+  const auto drawn = draw_remote_plot(options.plot, *grid, *results);
+  return drawn ? Result<void>() : tl::unexpected(drawn.error());
+}
+
+}  // namespace
+
+void add_bench_remote_command(CommandLine bench, int& exit_code) {
+  auto options = std::make_shared<RemoteOptions>();
+  options->loop.device = "premium-1.5";
+  const CommandLine command =
+      bench.add_subcommand("remote", "Ways to touch across a slow network, in simulated time: force error, energy, stability, packets");
+  add_loop_flags(command, options->loop, false);
+  command.add_option(
+      "--mesh", options->meshes,
+      "Mesh files, by path or name in the mesh folder, each scaled to 100 mm, or bumpy:N (default: three of 20 k to 70 k triangles)");
+  command.add_option("--meshes-in", options->folder, "The mesh folder (default: ./meshes, else the source tree's)");
+  command.add_option("--method", options->methods, "Ways to touch: all, or a list of " + remote_method_names()).shows_default();
+  command.add_option("--speed", options->speeds, "How fast the hand slides, mm/s; a list or range").shows_default();
+  command.add_option("--round-trip", options->round_trips, "Of the network, ms; a list or range").shows_default();
+  command.add_option("--loss", options->losses, "Share of the datagrams lost each way; a list or range").shows_default();
+  command.add_option("--jitter", options->jitter_ms, "Up to this much more each way, ms").between(0.0, 1000.0).shows_default();
+  command.add_option("--stiffness", options->stiffness_n_per_m, "Of the surface, N/m").between(1.0, 1e6).shows_default();
+  command.add_option("--deadband", options->settings.deadband, "Weber's fraction of deadband coding").between(0.0, 1.0).shows_default();
+  command.add_option("--seed", options->seed, "The first seed of ways and networks").shows_default();
+  command.add_option("--seeds", options->seeds, "How many seeds").between(std::size_t{1}, std::size_t{1000}).shows_default();
+  command.add_flag("--quick", options->quick, "One small mesh, speed, seed and loss, three round trips: about a minute");
+  command.add_flag("--no-walls", options->no_walls, "Do not look for the largest stiffness");
+  command.add_flag("--json", options->json, "Print JSON in place of tables");
+  command.add_option("--csv", options->csv, "Write a line for each run to this file, and the walls to NAME_walls.csv").file_to_write();
+  command.add_option("--plot", options->plot, "Draw force error and stiffness against round trip as this PNG").file_to_write();
+  command
+      .add_option("--trace", options->trace,
+                  "Write forces period by period to this CSV file and measure nothing else: first mesh, seed, speed, round trip and loss")
+      .file_to_write();
+  command.on_run([options, &exit_code] {
+    const auto done = run(*options);
+    if (!done) fmt::print(stderr, "hapton bench remote: {}\n", done.error().what);
+    exit_code = done ? 0 : 1;
+  });
+}
+
+}  // namespace hapton

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "remote/remote_run.h"
+#include "tools/bench/bench_meshes.h"
+
+namespace hapton {
+
+// What `hapton bench remote` measures: every method over every mesh, seed, speed, round trip and loss.
+struct RemoteGrid {
+  std::vector<const RemoteMethod*> methods;
+  std::vector<std::string> meshes;
+  std::filesystem::path mesh_folder;
+  std::vector<double> speeds_m_per_s;
+  std::vector<double> round_trips_s;
+  std::vector<double> losses;
+  double jitter_s = 0.0;
+  std::uint64_t seed = 1;  // the first; of the way and the network
+  std::size_t seeds = 1;
+  double stiffness_n_per_m = 1000.0;
+  std::string device_name;
+  RemoteDevice device;
+  RemoteSettings settings;
+  bool has_walls = true;  // find the largest stiffness too
+};
+
+struct RemoteRow {
+  const RemoteMethod* method = nullptr;
+  std::string mesh;
+  std::uint64_t seed = 0;
+  double speed_m_per_s = 0.0;
+  double round_trip_s = 0.0;
+  double loss = 0.0;
+  PrescribedTouch touch;
+  ClosedLoopTouch loop;
+};
+
+// The largest stiffness of a wall.
+struct RemoteWall {
+  const RemoteMethod* method = nullptr;
+  double round_trip_s = 0.0;
+  double loss = 0.0;
+  double rest_n_per_m = 0.0;
+  double stable_n_per_m = 0.0;  // limit of linear theory for a force that is late by the round trip and never lost
+};
+
+struct RemoteResults {
+  std::vector<RemoteRow> rows;  // without their traces
+  std::vector<RemoteWall> walls;
+};
+
+constexpr double kMostWallNPerM = 20'000.0;
+
+Result<RemoteResults> measure_remote(const RemoteGrid& grid, const std::function<void(const std::string&)>& progress);
+
+// One cell with all methods, period by period: the first mesh, seed, speed, round trip and loss of the grid. CSV with a comment that says
+// what it is.
+Result<std::string> trace_remote(const RemoteGrid& grid);
+
+}  // namespace hapton
