@@ -158,6 +158,7 @@ class Onlooker {
       if (!client_.receive(datagram, clock_.now_ns() + 20 * kNanosecondsPerMillisecond)) continue;
       if (const auto* probe = std::get_if<ProbeState>(&datagram.message)) {
         state = *probe;
+        sent_ns_ = datagram.header.send_time_ns;
         client_.send(Drawn{probe->sample, probe->sample_time_ns, 60.0F});
         return true;
       }
@@ -175,6 +176,7 @@ class Onlooker {
   }
 
   std::int64_t now_ns() const { return clock_.now_ns(); }
+  std::int64_t sent_ns() const { return sent_ns_; }  // when the hub sent the last one seen
 
  private:
   SteadyClock clock_;
@@ -182,6 +184,7 @@ class Onlooker {
   std::unique_ptr<Endpoint> endpoint_;
   SealedClient sealed_;
   HubClient client_{sealed_, clock_, NodeRole::vision, hub_};
+  std::int64_t sent_ns_ = 0;
 };
 
 }  // namespace hapton::process
