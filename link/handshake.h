@@ -122,7 +122,8 @@ class HubHandshake {
   HubHandshake(const HubHandshake&) = delete;
   HubHandshake& operator=(const HubHandshake&) = delete;
 
-  // Checks a request. One that is newer than all before is remembered, so that it is accepted once. Pre: the datagram is a request by its kind and length.
+  // Checks a request. One that is newer than all before is remembered, so that it is accepted once. Pre: the datagram is a request by its
+  // kind and length.
   Verdict check_request(std::span<const std::byte> request, const Address& from, std::int64_t now_ns) noexcept;
   // Pre: check_request did not return malformed.
   static KeyRole role_of(std::span<const std::byte> request) noexcept;

@@ -149,9 +149,9 @@ DemoVerdict evaluate_death(const DemoEvidence& evidence) {
       force_again_ns = force.time_ns;
   }
   const double released_ms = between_ms(evidence.killed_ns, released_ns);
-  const std::string again =
-      force_again_ns ? fmt::format("force again {:.0f} ms after the restart", between_ms(evidence.restarted_ns, *force_again_ns))
-                     : std::string("no force after the restart");
+  const std::string again = force_again_ns
+                                ? fmt::format("force again {:.0f} ms after the restart", between_ms(evidence.restarted_ns, *force_again_ns))
+                                : std::string("no force after the restart");
   return make_verdict(contact, had_force && force_again_ns && released_ms <= kReleasedMs,
                       fmt::format("; no force {:.0f} ms after the node is killed, {}", released_ms, again));
 }

@@ -38,7 +38,7 @@ void ProxyMethod::copy_sphere_state(const Vec3& device) noexcept {
     contact.shape = active.shape;
     const Feature feature = active.part == OffsetContact::Part::face   ? Feature::face
                             : active.part == OffsetContact::Part::edge ? Feature::edge
-                                                                     : Feature::vertex;
+                                                                       : Feature::vertex;
     contact.separation = {at.distance, at.normal, proxy_.position - at.distance * at.normal, feature};
     proxy_.multipliers[proxy_.active_count++] = active.multiplier;
   }
