@@ -11,7 +11,9 @@ endif()
 
 find_program(HAPTON_CCACHE ccache)
 if(HAPTON_CCACHE)
-  set(CMAKE_CXX_COMPILER_LAUNCHER "${HAPTON_CCACHE}")
+  # Without this, ccache does not cache files that include a precompiled header, and another folder's build shares nothing.
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env "CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime"
+    "CCACHE_BASEDIR=${CMAKE_SOURCE_DIR}" CCACHE_NOHASHDIR=1 "${HAPTON_CCACHE}")
 endif()
 find_program(HAPTON_MOLD mold)
 if(HAPTON_MOLD)
@@ -76,19 +78,27 @@ function(hapton_reuse_pch name pch)
   endif()
 endfunction()
 
-# hapton_library(NAME [UNHURRIED] LINKS ...): the library of this folder, from its *.cpp; header-only when it has none.
+# hapton_join_sources(NAME): compiles a target's sources several at a time, where that is asked for: what they include is read once for all.
+# Names in anonymous namespaces have to differ within a folder.
+function(hapton_join_sources name)
+  if(HAPTON_JOIN_SOURCES)
+    set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+  endif()
+endfunction()
+
+# hapton_library(NAME [UNHURRIED] [JOINED] LINKS ...): the library of this folder, from its *.cpp; header-only when it has none.
 # UNHURRIED: what it does is done once or for a person, so that the compiler's time matters more.
+# JOINED: its sources may be compiled several at a time (UNHURRIED ones may, too). Not for a layer of the hot path, which each build compiles alike.
 function(hapton_library name)
-  cmake_parse_arguments(ARG "UNHURRIED" "" "LINKS;SOURCES" ${ARGN})
+  cmake_parse_arguments(ARG "UNHURRIED;JOINED" "" "LINKS;SOURCES" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/*.cpp")
   list(FILTER sources EXCLUDE REGEX "/main\\.cpp$")
   list(APPEND sources ${ARG_SOURCES})
-  # A command line is read once, and the compiler's time is CLI11's.
-  set(command_lines ${sources})
-  list(FILTER command_lines INCLUDE REGEX "_(command|options)\\.cpp$")
-  set_source_files_properties(${command_lines} PROPERTIES COMPILE_OPTIONS "$<$<CONFIG:Release>:-O1>")
+  # A command line is read once and a report written once, and the compiler's time is CLI11's and JSON's.
   if(NOT ARG_UNHURRIED)
-    set_source_files_properties(${command_lines} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
+    set(unhurried ${sources})
+    list(FILTER unhurried INCLUDE REGEX "_(command|options|report)\\.cpp$")
+    set_source_files_properties(${unhurried} PROPERTIES COMPILE_OPTIONS "$<$<CONFIG:Release>:-O1>" SKIP_PRECOMPILE_HEADERS ON)
   endif()
   if(sources)
     add_library(${name} STATIC ${sources})
@@ -98,6 +108,9 @@ function(hapton_library name)
       hapton_reuse_pch(${name} hapton_pch_O1)
     else()
       hapton_reuse_pch(${name} hapton_pch_O3)
+    endif()
+    if(ARG_UNHURRIED OR ARG_JOINED)
+      hapton_join_sources(${name})
     endif()
   else()
     add_library(${name} INTERFACE)

@@ -19,7 +19,7 @@ namespace {
 
 constexpr const char* kService = "localhost";
 constexpr std::uint16_t kPort = 10001;
-constexpr std::int64_t kPeriodNs = kNanosecondsPerMillisecond;
+constexpr std::int64_t kCommandPeriodNs = kNanosecondsPerMillisecond;
 constexpr std::int64_t kConnectPatienceNs = 2 * kNanosecondsPerSecond;
 constexpr std::int64_t kAnswerPatienceNs = kNanosecondsPerSecond / 2;
 constexpr std::int64_t kRetryEveryNs = kNanosecondsPerSecond;
@@ -119,7 +119,7 @@ void HaplyDevice::run() {
   if (realtime_) (void)enter_realtime(*realtime_);
   std::int64_t tick_ns = clock_.now_ns();
   while (!ends_.load(std::memory_order_relaxed)) {
-    tick_ns = std::max(tick_ns + kPeriodNs, clock_.now_ns());
+    tick_ns = std::max(tick_ns + kCommandPeriodNs, clock_.now_ns());
     clock_.sleep_until_ns(tick_ns);
     if (socket_ == nullptr) {
       look_for_service(tick_ns);

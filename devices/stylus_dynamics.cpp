@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <unsupported/Eigen/MatrixFunctions>
+
+#include "core/math/dense_matrix.h"
 
 namespace hapton {
 namespace {
@@ -53,7 +54,7 @@ StylusDynamics::Steps StylusDynamics::make_steps(bool pinned) const {
   a(kHand, kHandSpeed) = 1.0;
   Steps steps;
   for (int bit = 0; bit <= kGridBits; ++bit) {
-    const Eigen::Matrix<double, 7, 7> over = (a * std::ldexp(1e-9, bit)).exp();
+    const Eigen::Matrix<double, 7, 7> over = compute_exponential(a * std::ldexp(1e-9, bit));
     steps[bit] = over.topRows<4>();
   }
   return steps;

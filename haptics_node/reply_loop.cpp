@@ -17,7 +17,7 @@ constexpr std::int64_t kSetupEveryNs = kNanosecondsPerSecond;
 constexpr std::int64_t kSetupAgainNs = 100 * kNanosecondsPerMillisecond;
 constexpr int kSetupRepeats = 3;
 // A first reply that waits no longer is not reported; otherwise vision nodes are notified at this interval.
-constexpr std::int64_t kMomentNs = 300 * kNanosecondsPerMillisecond;
+constexpr std::int64_t kShortWaitNs = 300 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kPreparingEveryNs = 200 * kNanosecondsPerMillisecond;
 
 }  // namespace
@@ -108,7 +108,7 @@ void ReplyLoop::wait_for_builder() noexcept {
   const std::int64_t now_ns = clock_.now_ns();
   if (preparing_since_ns_ == 0) preparing_since_ns_ = now_ns;
   scene_.preparing_s = static_cast<float>(static_cast<double>(now_ns - preparing_since_ns_) * 1e-9);
-  if (now_ns - preparing_since_ns_ >= kMomentNs) next_setup_ns_ = std::min(next_setup_ns_, setup_sent_ns_ + kPreparingEveryNs);
+  if (now_ns - preparing_since_ns_ >= kShortWaitNs) next_setup_ns_ = std::min(next_setup_ns_, setup_sent_ns_ + kPreparingEveryNs);
 }
 
 void ReplyLoop::answer() noexcept {

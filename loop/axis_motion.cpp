@@ -1,10 +1,10 @@
 #include "loop/axis_motion.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <unsupported/Eigen/MatrixFunctions>
+
+#include "core/math/dense_matrix.h"
 
 namespace hapton {
 namespace {
@@ -22,9 +22,7 @@ AxisMotion::AxisMotion(const DeviceModel& device, const HandModel& hand)
   // Over the inverse mass: the friction input is a force.
   net_force_ /= plant_.b(1, AxisPlant::kFriction);
   if (device.friction_n > 0.0) {
-    const Eigen::MatrixXd a = plant_.a;
-    const Eigen::EigenSolver<Eigen::MatrixXd> solver(a, false);
-    const double fastest = std::max(1e-3, solver.eigenvalues().cwiseAbs().maxCoeff());
+    const double fastest = std::max(1e-3, compute_eigenvalues(plant_.a).cwiseAbs().maxCoeff());
     const double cell_ns = 1e9 * 2.0 * std::numbers::pi / (kCellsPerPeriod * fastest);
     cell_bits_ = std::clamp(static_cast<int>(std::log2(cell_ns)), 4, 20);
   }
@@ -63,7 +61,7 @@ AxisMotion::Steps AxisMotion::make_steps(bool pinned) const {
   if (pinned) rate.topRows(2).setZero();
   Steps steps;
   for (int bit = 0; bit < kMostBits; ++bit) {
-    steps[bit].transition = Eigen::MatrixXd((rate * std::ldexp(1e-9, bit)).exp());
+    steps[bit].transition = compute_exponential(rate * std::ldexp(1e-9, bit));
     // Free of the exponential's rounding: what is pinned does not move.
     if (pinned) steps[bit].transition.topRows(2) = WholeMatrix::Identity(n, n).topRows(2);
   }

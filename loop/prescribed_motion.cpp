@@ -2,7 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -30,6 +29,15 @@ void follow(ForceChain& chain, std::int64_t period_ns, std::int64_t end_ns, Posi
 }
 
 double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
+
+// The unit eigenvector of the larger eigenvalue. Pre: hermitian.
+Eigen::Vector2cd find_strongest(const Eigen::Matrix2cd& a) {
+  const double half_gap = 0.5 * (a(0, 0).real() - a(1, 1).real());
+  const double radius = std::hypot(half_gap, std::abs(a(0, 1)));
+  // Of the two rows of a - eigenvalue, the one that does not cancel.
+  const Eigen::Vector2cd v = half_gap >= 0.0 ? Eigen::Vector2cd(half_gap + radius, a(1, 0)) : Eigen::Vector2cd(a(0, 1), radius - half_gap);
+  return v.norm() > 0.0 ? Eigen::Vector2cd(v.normalized()) : Eigen::Vector2cd(0.0, 1.0);
+}
 
 HandPath::Point at(std::int64_t time_ns, double x_m) { return {.time_ns = time_ns, .p_WH = {x_m, 0.0, 0.0}}; }
 
@@ -85,8 +93,7 @@ class OnsetSearch {
     const Eigen::Vector2cd force(-share[0] * std::pow(turn, -static_cast<double>(whole + 1)),
                                  -share[1] * std::pow(turn, -static_cast<double>(whole)));
     const Eigen::Matrix2cd work = 0.5 * (force * moved.transpose() + moved.conjugate() * force.adjoint());
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2cd> solver(work);
-    const Eigen::Vector2cd speed = kSpeed * solver.eigenvectors().col(1).cwiseQuotient(share.cast<Complex>());
+    const Eigen::Vector2cd speed = kSpeed * find_strongest(work).cwiseQuotient(share.cast<Complex>());
     std::vector<HandPath::Point> points;
     double x_m = 0.0;
     const auto periods = static_cast<std::int64_t>(kCycles * 2.0 * std::numbers::pi / angle);

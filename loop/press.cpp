@@ -9,6 +9,8 @@
 
 #include <unsupported/Eigen/FFT>
 
+#include "loop/largest_value.h"
+
 namespace hapton {
 namespace {
 
@@ -126,20 +128,9 @@ bool comes_to_rest(const PressCase& press, double stiffness_n_per_m) {
 }  // namespace
 
 double find_rest_stiffness(const PressCase& press, double most_n_per_m) {
-  constexpr double kFirst = 10.0;  // N/m
-  constexpr double kStride = 1.3;
+  const ValueRange range = {.first = 10.0, .stride = 1.3, .least = 0.01, .most = most_n_per_m};
   constexpr double kFine = 0.01;
-  double low = 0.0;
-  double high = kFirst;
-  for (; comes_to_rest(press, high); high *= kStride) {
-    low = high;
-    if (high > most_n_per_m) return most_n_per_m;
-  }
-  while (high - low > kFine * high) {
-    const double middle = 0.5 * (low + high);
-    (comes_to_rest(press, middle) ? low : high) = middle;
-  }
-  return low;
+  return find_largest_value(range, kFine, [&](double stiffness_n_per_m) { return comes_to_rest(press, stiffness_n_per_m); });
 }
 
 SpectrumPeak find_spectrum_peak(const std::vector<double>& signal, double rate_hz, double lowest_hz) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "loop/largest_value.h"
 #include "loop/loop_simulation.h"
 
 namespace hapton {
@@ -52,11 +53,7 @@ double find_stable_stiffness_by_simulation(const RandomLoop& loop, double start_
       if (low < kLeastShare * start_n_per_m) return 0.0;
     }
   }
-  while (high - low > kFine * high) {
-    const double middle = 0.5 * (low + high);
-    (is_stable(middle) ? low : high) = middle;
-  }
-  return low;
+  return bisect(low, high, kFine, is_stable);
 }
 
 }  // namespace hapton

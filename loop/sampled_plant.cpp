@@ -1,10 +1,9 @@
 #include "loop/sampled_plant.h"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <unsupported/Eigen/MatrixFunctions>
+
+#include "core/math/dense_matrix.h"
 
 namespace hapton {
 namespace {
@@ -23,7 +22,7 @@ Held hold(const AxisPlant& plant, double duration_s) {
   Eigen::MatrixXd whole = Eigen::MatrixXd::Zero(n + 1, n + 1);
   whole.topLeftCorner(n, n) = plant.a;
   whole.topRightCorner(n, 1) = plant.b.col(AxisPlant::kCommand);
-  const Eigen::MatrixXd over = (whole * duration_s).exp();
+  const Eigen::MatrixXd over = compute_exponential(whole * duration_s);
   return {over.topLeftCorner(n, n), over.topRightCorner(n, 1)};
 }
 
@@ -33,9 +32,8 @@ bool is_damped(const AxisPlant& plant) {
   constexpr double kOnAxis = 1e-10;
   const Eigen::MatrixXd rates = plant.a;
   const double near_axis = kOnAxis * rates.norm();
-  const Eigen::EigenSolver<Eigen::MatrixXd> solver(rates, false);
   int coasting = 0;
-  for (const std::complex<double>& pole : solver.eigenvalues()) {
+  for (const std::complex<double>& pole : compute_eigenvalues(rates)) {
     if (pole.real() < -near_axis) continue;
     if (std::abs(pole) > near_axis || ++coasting > 1) return false;
   }
@@ -59,18 +57,15 @@ SampledPlant::SampledPlant(const AxisPlant& plant, double period_s, double delay
 
 std::complex<double> SampledPlant::response(double angle) const {
   using Complex = std::complex<double>;
-  using ComplexMatrix = Eigen::Matrix<Complex, Eigen::Dynamic, Eigen::Dynamic, 0, AxisPlant::kMostStates, AxisPlant::kMostStates>;
-  using ComplexVector = Eigen::Matrix<Complex, Eigen::Dynamic, 1, 0, AxisPlant::kMostStates, 1>;
   // z - 1 without the cancellation near z = 1, where positions change little from sample to sample.
   const double half = std::sin(0.5 * angle);
   const Complex z_minus_1(-2.0 * half * half, std::sin(angle));
   const Complex z = 1.0 + z_minus_1;
   const Eigen::Index n = transition_.rows();
-  ComplexMatrix left = (Matrix::Identity(n, n) - transition_).cast<Complex>();
+  Eigen::MatrixXcd left = (Matrix::Identity(n, n) - transition_).cast<Complex>();
   left.diagonal().array() += z_minus_1;
-  const ComplexVector right = newer_.cast<Complex>() + older_.cast<Complex>() / z;
-  const ComplexVector state = left.partialPivLu().solve(right);
-  return state[0];
+  const Eigen::VectorXcd right = newer_.cast<Complex>() + older_.cast<Complex>() / z;
+  return solve(left, right)[0];
 }
 
 }  // namespace hapton

@@ -1,11 +1,12 @@
 #include "loop/stability.h"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
+#include "core/math/dense_matrix.h"
 #include "core/math/find_zero.h"
+#include "loop/largest_value.h"
 
 namespace hapton {
 namespace {
@@ -146,7 +147,7 @@ StabilityLimit find_stable_damping(const SampledPlant& plant, double stiffness_n
 }
 
 double compute_spectral_radius(const SampledPlant& plant, const WallGains& wall) {
-  return Eigen::EigenSolver<Eigen::MatrixXd>(make_loop_matrix(plant, wall), false).eigenvalues().cwiseAbs().maxCoeff();
+  return compute_eigenvalues(make_loop_matrix(plant, wall)).cwiseAbs().maxCoeff();
 }
 
 double find_stable_stiffness_by_eigenvalues(const SampledPlant& plant, double damping_ns_per_m, double start_n_per_m, double growth) {
@@ -158,11 +159,7 @@ double find_stable_stiffness_by_eigenvalues(const SampledPlant& plant, double da
     if (!std::isfinite(high)) return high;
   }
   constexpr double kFine = 1e-9;
-  while (high - low > kFine * high) {
-    const double middle = 0.5 * (low + high);
-    (is_stable(middle) ? low : high) = middle;
-  }
-  return low;
+  return bisect(low, high, kFine, is_stable);
 }
 
 }  // namespace hapton

@@ -10,7 +10,7 @@ std::unique_ptr<Patch> PatchTouch::offer(std::unique_ptr<Patch> patch) noexcept 
 std::unique_ptr<Patch> PatchTouch::take_retired() noexcept { return std::move(retired_); }
 
 void PatchTouch::forget() noexcept {
-  is_placed_ = is_over_ = is_beyond_ = is_before_over_ = false;
+  is_placed_ = is_over_ = is_beyond_ = false;
   outward_S_.setZero();
 }
 
@@ -40,7 +40,8 @@ std::optional<PatchFeel> PatchTouch::step(const TouchInput& input) noexcept {
   if (!p_SD.allFinite()) return std::nullopt;
   // A hand that enters the surface before its tiles have come is held by it once they are there.
   if (!is_placed_) start_at(p_SD, Vec3::Zero());
-  if (take_offered(p_SD) || (patch_ != nullptr && reaches(*patch_, p_SD))) return feel_patch(input, p_SD);
+  const bool could_go_on = patch_ != nullptr && is_over_ && !is_beyond_ && reaches(*patch_, p_SD);
+  if (take_offered(p_SD) || (patch_ != nullptr && reaches(*patch_, p_SD))) return feel_patch(input, p_SD, could_go_on);
   return feel_plane(input, p_SD);
 }
 
@@ -48,7 +49,6 @@ bool PatchTouch::take_offered(const Vec3& p_SD) noexcept {
   if (offered_ == nullptr || retired_ != nullptr) return false;
   if (is_beyond_ && !reaches(*offered_, p_SD)) rise_over(*offered_, p_SD);
   if (!reaches(*offered_, p_SD)) return false;
-  is_before_over_ = is_over_ && !is_beyond_ && reaches(*patch_, p_SD);
   retired_ = std::exchange(patch_, std::move(offered_));
   is_over_ = false;
   return true;
@@ -85,11 +85,12 @@ Vec3 PatchTouch::step_retired(const TouchInput& input) noexcept {
   return retired_->step != nullptr ? retired_->step->step(input).force_n : Vec3(Vec3::Zero());
 }
 
-PatchFeel PatchTouch::feel_patch(const TouchInput& input, const Vec3& p_SD) noexcept {
+// could_go_on: the patch before this step held the proxy and reaches this sample; where another takes over, its force is known, too.
+PatchFeel PatchTouch::feel_patch(const TouchInput& input, const Vec3& p_SD, bool could_go_on) noexcept {
   PatchFeel feel;
   const bool was_beyond = std::exchange(is_beyond_, false);
   const bool begins = !is_over_ || was_beyond;
-  const bool has_before = begins && std::exchange(is_before_over_, false);
+  const bool has_before = begins && could_go_on;
   const Vec3 before_n = has_before ? step_retired(input) : Vec3(Vec3::Zero());
   if (begins) hand_over(input);
   const TouchOutput felt = patch_->step != nullptr ? patch_->step->step(input) : TouchOutput();

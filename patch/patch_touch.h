@@ -80,7 +80,7 @@ class PatchTouch {
   bool reaches(const Patch& patch, const Vec3& p_SD) const noexcept;
   bool take_offered(const Vec3& p_SD) noexcept;
   void rise_over(const Patch& patch, const Vec3& p_SD) noexcept;
-  PatchFeel feel_patch(const TouchInput& input, const Vec3& p_SD) noexcept;
+  PatchFeel feel_patch(const TouchInput& input, const Vec3& p_SD, bool could_go_on) noexcept;
   std::optional<PatchFeel> feel_plane(const TouchInput& input, const Vec3& p_SD) noexcept;
   void hand_over(const TouchInput& input) noexcept;
   Vec3 step_retired(const TouchInput& input) noexcept;
@@ -91,7 +91,6 @@ class PatchTouch {
   std::uint32_t generation_ = 0;
   bool is_placed_ = false;          // the proxy is known
   bool is_over_ = false;            // patch_ holds the proxy; else it has to be handed over
-  bool is_before_over_ = false;     // retired_ held it, and could go on
   Vec3 p_SP_ = Vec3::Zero();        // proxy, last within
   Vec3 outward_S_ = Vec3::Zero();   // unit, of its force; zero: free
   double stiffness_n_per_m_ = 0.0;  // ... of force and penetration

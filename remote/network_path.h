@@ -16,6 +16,7 @@ struct Traffic {
   std::uint64_t packets = 0;
   std::uint64_t bytes = 0;  // of IP packets
 
+  Traffic operator+(const Traffic& more) const noexcept { return {packets + more.packets, bytes + more.bytes}; }
   Traffic operator-(const Traffic& before) const noexcept { return {packets - before.packets, bytes - before.bytes}; }
 };
 

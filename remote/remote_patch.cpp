@@ -11,21 +11,24 @@ namespace {
 constexpr double kVelocityS = 0.1;  // over which the hand's velocity is a mean, as the haptics node has it
 constexpr double kFirstStepS = 1e-3;
 
+// As if every tile had come: the largest there is.
+std::size_t largest_status_bytes() {
+  PatchStatus full;
+  full.received.fill(0xff);
+  full.epoch = full.newest_serial = 1000;
+  full.is_wanted = true;
+  full.round_trip_s = 1.0F;
+  return packet_bytes_of(full);
+}
+
 }  // namespace
 
 RemotePatch::RemotePatch(std::shared_ptr<ForceMethod> method, const TiledScene& tiles, const RemoteNetwork& network, const Options& options)
     : link_(std::move(method), network, kSampleNs),
       up_(network.up, network.seed + 1),
       down_(network.down, back_seed(network.seed + 1)),
-      status_bytes_(packet_bytes_of(PatchStatus{})),
-      source_(tiles, 0.0, 7, 1, options.source) {
-  PatchStatus full;
-  full.received.fill(0xff);
-  full.epoch = full.newest_serial = 1000;
-  full.is_wanted = true;
-  full.round_trip_s = 1.0F;
-  status_bytes_ = packet_bytes_of(full);
-}
+      status_bytes_(largest_status_bytes()),
+      source_(tiles, 0.0, 7, 1, options.source) {}
 
 RemoteStep RemotePatch::step(const Vec3& p_WD, std::int64_t now_ns) {
   now_ns_ = now_ns;
@@ -54,13 +57,7 @@ bool RemotePatch::is_ready() const {
 }
 
 RemoteTraffic RemotePatch::traffic() const {
-  RemoteTraffic all = link_.traffic();
-  all.up.packets += up_.traffic().packets;
-  all.up.bytes += up_.traffic().bytes;
-  all.down.packets += down_.traffic().packets;
-  all.down.bytes += down_.traffic().bytes;
-  all.scene = down_.traffic();
-  return all;
+  return link_.traffic() + RemoteTraffic{.up = up_.traffic(), .down = down_.traffic(), .scene = down_.traffic()};
 }
 
 void RemotePatch::send_status(std::int64_t now_ns) {

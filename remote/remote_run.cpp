@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "loop/largest_value.h"
 #include "loop/loop_simulation.h"
 #include "loop/passivity_stage.h"
 #include "loop/press.h"
@@ -174,25 +175,17 @@ Result<bool> comes_to_rest(const RemoteDevice& device, const RemoteCase& which, 
 }  // namespace
 
 Result<double> find_rest_stiffness_of(const RemoteDevice& device, const RemoteCase& which, double most_n_per_m) {
-  constexpr double kFirst = 10.0;  // N/m
-  constexpr double kStride = 1.3;
+  const ValueRange range = {.first = 10.0, .stride = 1.3, .least = 10.0, .most = most_n_per_m};
   constexpr double kFine = 0.02;
-  double low = 0.0;
-  double high = kFirst;
-  for (;; high *= kStride) {
-    const auto rests = comes_to_rest(device, which, high);
-    if (!rests) return tl::unexpected(rests.error());
-    if (!*rests) break;
-    low = high;
-    if (high > most_n_per_m) return most_n_per_m;
-  }
-  while (low > 0.0 && high - low > kFine * high) {
-    const double middle = 0.5 * (low + high);
-    const auto rests = comes_to_rest(device, which, middle);
-    if (!rests) return tl::unexpected(rests.error());
-    (*rests ? low : high) = middle;
-  }
-  return low;
+  std::optional<Error> error;
+  const auto rests = [&](double stiffness_n_per_m) {
+    const auto found = comes_to_rest(device, which, stiffness_n_per_m);
+    if (!found) error = found.error();
+    return found.value_or(false);
+  };
+  const double largest = find_largest_value(range, kFine, rests);
+  if (error) return tl::unexpected(*error);
+  return largest;
 }
 
 }  // namespace hapton

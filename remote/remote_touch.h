@@ -24,6 +24,7 @@ struct RemoteTraffic {
   Traffic down;   // parts of the scene among them
   Traffic scene;  // these alone
 
+  RemoteTraffic operator+(const RemoteTraffic& more) const noexcept { return {up + more.up, down + more.down, scene + more.scene}; }
   RemoteTraffic operator-(const RemoteTraffic& before) const noexcept { return {up - before.up, down - before.down, scene - before.scene}; }
 };
 

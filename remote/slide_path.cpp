@@ -6,6 +6,7 @@
 #include <random>
 
 #include "core/geometry/surface_walk.h"
+#include "core/geometry/triangle_draw.h"
 
 namespace hapton {
 namespace {
@@ -18,16 +19,6 @@ constexpr double kMostCurvature = 15.0;  // 1/m
 constexpr double kProbeDepthM = 1e-4;
 constexpr double kMostDepths = 2.0;  // the zero-delay proxy is no farther from the device than this many depths
 constexpr int kMostDraws = 1000;
-
-std::vector<double> area_sums(const TriangleMesh& mesh) {
-  std::vector<double> sums;
-  double sum = 0.0;
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    sum += (mesh.corner(i, 1) - mesh.corner(i, 0)).cross(mesh.corner(i, 2) - mesh.corner(i, 0)).norm();
-    sums.push_back(sum);
-  }
-  return sums;
-}
 
 // From far above to kClearanceM nothing is touched, and just below the surface that surface is.
 bool is_free_above(ForceMethod& method, const Vec3& p_SQ, const Vec3& outward) {
@@ -114,14 +105,13 @@ HandPath SlidePath::make_hand_path(double hand_n_per_m, double surface_n_per_m, 
 }
 
 Result<SlidePath> make_slide_path(const TriangleMesh& mesh, ForceMethod& method, const SlidePlan& plan) {
-  const std::vector<double> sums = area_sums(mesh);
-  if (sums.empty() || !(sums.back() > 0.0)) return fail("slide: no triangle of the mesh has an area");
+  const TriangleDraw draw_triangle(mesh);
+  if (draw_triangle.empty()) return fail("slide: no triangle of the mesh has an area");
   SurfaceWalk walk(mesh);
   std::mt19937_64 random(plan.seed);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
   for (int draw = 0; draw < kMostDraws; ++draw) {
-    const auto found = std::upper_bound(sums.begin(), sums.end(), uniform(random) * sums.back());
-    const auto triangle = static_cast<std::uint32_t>(std::min<std::ptrdiff_t>(found - sums.begin(), std::ssize(sums) - 1));
+    const std::uint32_t triangle = draw_triangle(random);
     const double heading_rad = std::numbers::pi * (2.0 * uniform(random) - 1.0);
     const double curvature = kMostCurvature * (2.0 * uniform(random) - 1.0);
     const SlidePath path = make_rows(Walker(walk, triangle, heading_rad, curvature), plan);

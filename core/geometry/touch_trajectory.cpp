@@ -8,6 +8,7 @@
 
 #include "core/geometry/mesh_measures.h"
 #include "core/geometry/surface_walk.h"
+#include "core/geometry/triangle_draw.h"
 
 namespace hapton {
 namespace {
@@ -17,28 +18,6 @@ constexpr double kApproach_s = 0.2;
 constexpr double kSlideSegment_s = 4.0;
 constexpr double kTap_s = 0.04;
 constexpr int kMostTries = 64;
-
-// Draws triangles with a probability proportional to their area.
-class TriangleDraw {
- public:
-  explicit TriangleDraw(const TriangleMesh& mesh) {
-    sums_.reserve(mesh.triangles.size());
-    double sum = 0.0;
-    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-      sum += (mesh.corner(i, 1) - mesh.corner(i, 0)).cross(mesh.corner(i, 2) - mesh.corner(i, 0)).norm();
-      sums_.push_back(sum);
-    }
-  }
-  bool empty() const { return sums_.empty() || !(sums_.back() > 0.0); }
-  std::uint32_t operator()(std::mt19937_64& random) const {
-    const double at = std::uniform_real_distribution<double>(0.0, sums_.back())(random);
-    const auto found = std::upper_bound(sums_.begin(), sums_.end(), at);
-    return static_cast<std::uint32_t>(std::min<std::ptrdiff_t>(found - sums_.begin(), static_cast<std::ptrdiff_t>(sums_.size()) - 1));
-  }
-
- private:
-  std::vector<double> sums_;
-};
 
 // Whether the segment meets any triangle but `own`; tests every triangle. Rounding only changes the choice of a position.
 bool is_obstructed(const TriangleMesh& mesh, const Vec3& from, const Vec3& to, std::uint32_t own) {

@@ -23,6 +23,7 @@ PROGRAMS = {
     "haptic_step": ["haptic_step_test", "haptics_node_test", "tools_test"],
     "loop": ["loop_test", "tools_test"],
     "patch": ["patch_test", "io_node_test", "haptics_node_test"],
+    "remote": ["remote_test", "tools_test"],
     "io_node": ["io_node_test", "process_test"],
     "haptics_node": ["haptics_node_test", "process_test"],
     "vision_node": ["vision_node_test", "vision_node_display_test"],

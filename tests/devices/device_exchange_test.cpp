@@ -6,11 +6,10 @@
 
 #include "tests/support/allocation_guard.h"
 #include "tests/support/system_call_guard.h"
+#include "tests/support/time_units.h"
 
 namespace hapton {
 namespace {
-
-constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
 
 DeviceExchange::Reading ready_at(std::int64_t time_ns, const Vec3& p = Vec3::Zero()) {
   DeviceExchange::Reading reading;

@@ -7,14 +7,13 @@
 
 #include "docs/hid/hapton_hid_device.h"
 #include "tests/support/fake_hid.h"
+#include "tests/support/time_units.h"
 
 namespace hapton {
 namespace {
 
 using ::testing::HasSubstr;
 using Bytes = FakeHid::Bytes;
-
-constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
 
 hapton_hid_limits maker_limits() {
   hapton_hid_limits limits = {};

@@ -8,11 +8,10 @@
 #include <set>
 
 #include "devices/model_a.h"
+#include "tests/support/time_units.h"
 
 namespace hapton {
 namespace {
-
-constexpr std::int64_t kMs = 1'000'000;
 
 // A wall of 1 kN/m at z = 0 that fills the half space below, computed as a haptics node would: from the sample, one step later.
 Vec3 wall_force(const Vec3& p_WD) { return {0.0, 0.0, std::max(0.0, -1000.0 * p_WD.z())}; }

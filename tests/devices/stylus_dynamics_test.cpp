@@ -7,10 +7,11 @@
 #include <numbers>
 #include <random>
 
+#include "tests/support/time_units.h"
+
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;
 constexpr AxisStops kNoStops{-1e6, 1e6};
 
 // Device mass and stylus not joined: each side then has its own closed form.

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "tests/support/fake_hid.h"
+#include "tests/support/time_units.h"
 
 namespace hapton {
 namespace {
@@ -16,8 +17,6 @@ using ::testing::Each;
 using ::testing::HasSubstr;
 using Bytes = FakeHid::Bytes;
 using Reading = DeviceExchange::Reading;
-
-constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
 
 HidDescription description(std::size_t bytes) {
   HidDescription device;

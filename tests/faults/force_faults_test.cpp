@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "tests/faults/simulated_system.h"
+#include "tests/support/time_units.h"
 
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kMs = SimulatedSystem::kMs;
 constexpr std::int64_t kCycleNs = kMs;
 
 // Every force is within the magnitude limit and the rate limit of the device.

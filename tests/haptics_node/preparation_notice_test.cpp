@@ -10,11 +10,10 @@
 #include "link/hub_peers.h"
 #include "link/udp_endpoint.h"
 #include "tests/support/made_meshes.h"
+#include "tests/support/time_units.h"
 
 namespace hapton {
 namespace {
-
-constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
 
 Result<std::unique_ptr<ForceMethod>> make_any() { return make_method({}, {.objects = {{made::shared(made::sheet(0.1, 0.0, 6)), {}}}}); }
 

@@ -11,13 +11,12 @@
 #include "link/hub_peers.h"
 #include "link/memory_endpoint.h"
 #include "tests/support/made_meshes.h"
+#include "tests/support/time_units.h"
 
 namespace hapton {
 namespace {
 
 TouchScene one_sheet() { return {.objects = {{made::shared(made::sheet(0.1, 0.0, 6)), {}}}}; }
-
-constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
 
 // A hub and a haptics node in one process on simulated time.
 class ReplyLoopTest : public ::testing::Test {

@@ -13,11 +13,10 @@
 #include "io_node/device_thread.h"
 #include "tests/support/allocation_guard.h"
 #include "tests/support/system_call_guard.h"
+#include "tests/support/time_units.h"
 
 namespace hapton {
 namespace {
-
-constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
 
 // Does not move, and records its calls. within_write is called in the middle of a write.
 class StillDevice final : public Device {

@@ -6,11 +6,10 @@
 
 #include "devices/simulated_phantom.h"
 #include "runtime/thread_usage.h"
+#include "tests/support/time_units.h"
 
 namespace hapton {
 namespace {
-
-constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
 
 struct DeviceThreadTest : testing::Test {
   SteadyClock clock;

@@ -5,12 +5,12 @@
 #include <limits>
 
 #include "link/memory_endpoint.h"
+#include "tests/support/time_units.h"
 
 namespace hapton {
 namespace {
 
 constexpr std::int64_t kUs = 1000;
-constexpr std::int64_t kMs = 1'000'000;
 
 // A hub whose datagrams take a given time, and a node whose clock is ahead by a given offset.
 struct Ways : testing::Test {

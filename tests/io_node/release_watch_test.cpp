@@ -5,12 +5,11 @@
 #include <memory>
 
 #include "devices/simulated_phantom.h"
+#include "tests/support/time_units.h"
 #include "watchdog/heartbeat_page.h"
 
 namespace hapton {
 namespace {
-
-constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
 
 struct ReleaseWatchTest : testing::Test {
   ReleaseWatchTest() {

@@ -6,11 +6,12 @@
 #include <random>
 #include <vector>
 
+#include "tests/support/time_units.h"
+
 namespace hapton {
 namespace {
 
 using Verdict = ResponseTracker::Verdict;
-constexpr std::int64_t kMs = 1'000'000;
 
 ForceCommand to(std::uint64_t sample, std::uint32_t skipped = 0) {
   ForceCommand command;

@@ -4,10 +4,10 @@
 
 #include <vector>
 
+#include "tests/support/time_units.h"
+
 namespace hapton {
 namespace {
-
-constexpr std::int64_t kMs = 1'000'000;
 
 class Tap final : public ServoTap {
  public:

@@ -16,10 +16,10 @@
 #include "io_node/servo.h"
 #include "link/bare_echo_endpoint.h"
 #include "tests/io_node/scripted_endpoint.h"
+#include "tests/support/time_units.h"
 
 namespace hapton {
 
-constexpr std::int64_t kMs = 1'000'000;
 constexpr std::int64_t kUs = 1000;
 constexpr std::uint64_t kSession = 77;
 

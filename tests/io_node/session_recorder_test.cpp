@@ -11,11 +11,11 @@
 #include "link/session_reader.h"
 #include "tests/support/allocation_guard.h"
 #include "tests/support/scratch_folder.h"
+#include "tests/support/time_units.h"
 
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
 const std::array<std::byte, 4> kBytes = {std::byte{1}, std::byte{2}, std::byte{3}, std::byte{4}};
 const Address kPeer = {{1, 2, 3}, 4950};
 

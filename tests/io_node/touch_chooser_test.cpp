@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/time_units.h"
+
 namespace hapton {
 namespace {
-
-constexpr std::int64_t kSecond = 1'000'000'000;
 
 TEST(TouchChooser, KeepsToItsOrders) {
   TouchChooser remote(TouchChoice::remote);

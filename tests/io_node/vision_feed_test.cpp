@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "tests/io_node/scripted_endpoint.h"
+#include "tests/support/time_units.h"
 
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;
 constexpr std::uint64_t kSession = 77;
 
 // A hub with one vision node, which has joined.

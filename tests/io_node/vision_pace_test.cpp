@@ -2,11 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/time_units.h"
+
 namespace hapton {
 namespace {
 
 using Decision = VisionPace::Decision;
-constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
 
 ProbeState state_at(std::uint64_t sample) {
   ProbeState state;

@@ -5,11 +5,10 @@
 #include <array>
 
 #include "tests/io_node/scripted_endpoint.h"
+#include "tests/support/time_units.h"
 
 namespace hapton {
 namespace {
-
-constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
 
 TEST(BudgetedEndpoint, HandsOutItsBudgetAndThenSleepsToTheDeadline) {
   SimulatedClock clock;

@@ -7,11 +7,12 @@
 #include <functional>
 #include <vector>
 
+#include "tests/support/time_units.h"
+
 namespace hapton {
 namespace {
 
 constexpr int kMany = 200'000;
-constexpr std::int64_t kMs = 1'000'000;
 
 std::vector<Fate> draw_many(const LinkFaults& faults, std::uint64_t seed = 1, int count = kMany) {
   FaultInjector injector(seed);

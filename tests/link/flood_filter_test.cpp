@@ -13,11 +13,11 @@
 #include "link/udp_endpoint.h"
 #include "runtime/clock.h"
 #include "tests/support/allocation_guard.h"
+#include "tests/support/time_units.h"
 
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
 constexpr std::uint32_t kConnection = 0x11223344;
 using Bytes = std::vector<std::byte>;
 

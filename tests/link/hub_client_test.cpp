@@ -7,11 +7,10 @@
 #include "link/hub_peers.h"
 #include "link/memory_endpoint.h"
 #include "tests/support/allocation_guard.h"
+#include "tests/support/time_units.h"
 
 namespace hapton {
 namespace {
-
-constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
 
 class HubClientTest : public testing::Test {
  protected:

@@ -8,13 +8,13 @@
 #include "link/hub_client.h"
 #include "link/memory_endpoint.h"
 #include "tests/support/allocation_guard.h"
+#include "tests/support/time_units.h"
 
 namespace hapton {
 namespace {
 
 using Kind = PeerEvent::Kind;
 
-constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
 constexpr std::uint64_t kSession = 777;
 constexpr double kRate = 1000.0;
 

@@ -5,10 +5,10 @@
 #include <array>
 #include <vector>
 
+#include "tests/support/time_units.h"
+
 namespace hapton {
 namespace {
-
-constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
 
 class MemoryEndpointTest : public testing::Test {
  protected:

@@ -5,11 +5,10 @@
 #include <limits>
 
 #include "link/memory_endpoint.h"
+#include "tests/support/time_units.h"
 
 namespace hapton {
 namespace {
-
-constexpr std::int64_t kSecond = 1'000'000'000;
 
 TEST(TokenBucketTest, LetsABurstThroughAndThenTheRate) {
   TokenBucket bucket(10, 5);

@@ -6,11 +6,11 @@
 #include <string>
 
 #include "link/memory_endpoint.h"
+#include "tests/support/time_units.h"
 
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kSecond = 1'000'000'000;
 const Address kOne = memory_address(66, 6);
 const Address kOther = memory_address(67, 6);
 

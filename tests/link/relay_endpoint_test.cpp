@@ -9,14 +9,13 @@
 
 #include "link/udp_endpoint.h"
 #include "runtime/clock.h"
+#include "tests/support/text_bytes.h"
+#include "tests/support/time_units.h"
 
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
 constexpr std::int64_t kPatienceNs = 10'000 * kMs;
-
-std::span<const std::byte> bytes_of(std::string_view text) { return std::as_bytes(std::span(text.data(), text.size())); }
 
 // A hub, some nodes and the relay between them, all in this thread.
 struct Relays : testing::Test {

@@ -12,13 +12,13 @@
 #include "link/sealed_client.h"
 #include "link/sealed_hub.h"
 #include "tests/link/tapped_endpoint.h"
+#include "tests/support/time_units.h"
 
 namespace hapton {
 namespace {
 
 using Bytes = std::vector<std::byte>;
 
-constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
 constexpr double kTrueForceN = 1.0;
 constexpr double kFalseForceN = 3.0;
 

@@ -13,13 +13,12 @@
 #include "link/sealed_client.h"
 #include "link/sealed_hub.h"
 #include "tests/link/tapped_endpoint.h"
+#include "tests/support/time_units.h"
 
 // A hub and its nodes over a network in memory, with an eavesdropper: the fixture of the SealedHub tests.
 namespace hapton::sealed_hub {
 
 using Bytes = std::vector<std::byte>;
-
-constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
 
 inline LinkKey key_of(std::uint8_t number) {
   EXPECT_TRUE(seal::start_crypto());

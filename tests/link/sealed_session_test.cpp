@@ -10,11 +10,10 @@
 #include "link/memory_endpoint.h"
 #include "link/sealed_client.h"
 #include "link/sealed_hub.h"
+#include "tests/support/time_units.h"
 
 namespace hapton {
 namespace {
-
-constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
 
 LinkKey key_of(std::uint8_t number) {
   EXPECT_TRUE(seal::start_crypto());

@@ -6,11 +6,10 @@
 
 #include "link/udp_endpoint.h"
 #include "runtime/clock.h"
+#include "tests/support/time_units.h"
 
 namespace hapton {
 namespace {
-
-constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
 
 // True if a datagram from there arrives.
 bool passes(Endpoint& from, Endpoint& to) {

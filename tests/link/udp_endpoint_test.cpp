@@ -15,15 +15,13 @@
 #include "link/metered_endpoint.h"
 #include "runtime/clock.h"
 #include "tests/support/allocation_guard.h"
+#include "tests/support/text_bytes.h"
+#include "tests/support/time_units.h"
 
 namespace hapton {
 namespace {
 
 using testing::HasSubstr;
-
-constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
-
-std::span<const std::byte> bytes_of(std::string_view text) { return std::as_bytes(std::span(text.data(), text.size())); }
 
 class UdpEndpointTest : public testing::Test {
  protected:

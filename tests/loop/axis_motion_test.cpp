@@ -4,10 +4,10 @@
 
 #include <cmath>
 
+#include "tests/support/time_units.h"
+
 namespace hapton {
 namespace {
-
-constexpr std::int64_t kMs = 1'000'000;
 
 TEST(AxisMotion, AMassOnASpringSwingsAsTheFormulaSays) {
   const AxisMotion motion({.mass_kg = 0.5}, {.stiffness_n_per_m = 200.0});

@@ -5,11 +5,10 @@
 #include <cmath>
 
 #include "loop/stability.h"
+#include "tests/support/time_units.h"
 
 namespace hapton {
 namespace {
-
-constexpr std::int64_t kMs = 1'000'000;
 
 struct Loop {
   Loop(const LoopSimulation::Options& options, const ForceChain::Options& link, const WallLaw::Wall& wall)

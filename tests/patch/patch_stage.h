@@ -12,6 +12,7 @@
 #include "patch/patch_store.h"
 #include "patch/patch_touch.h"
 #include "tests/support/made_meshes.h"
+#include "tests/support/made_scene.h"
 
 namespace hapton {
 
@@ -23,12 +24,6 @@ inline TriangleMesh rolling_sheet(double half, int n) {
   TriangleMesh mesh = made::sheet(half, 0.0, n);
   for (Vec3& v : mesh.vertices) v.z() = rolling_height(v.x(), v.y());
   return mesh;
-}
-
-inline TouchScene scene_of(TriangleMesh mesh, const Material& material = {}) {
-  TouchScene scene;
-  scene.objects.push_back({made::shared(std::move(mesh)), material});
-  return scene;
 }
 
 // Both ends of touch by patches and a bad network between, on simulated time: a cycle a millisecond.

@@ -2,10 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/time_units.h"
+
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;
 const Vec3 kX = Vec3::UnitX();
 
 TEST(PredictedSignal, HoldsTheLastValueOrFollowsALineForAWhile) {

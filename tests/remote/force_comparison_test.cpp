@@ -7,8 +7,8 @@
 namespace hapton {
 namespace {
 
-constexpr double kPeriodS = 1e-3;
-constexpr double kStiffness = 1000.0;
+constexpr double kRowS = 1e-3;
+constexpr double kWallNPerM = 1000.0;
 constexpr double kDepthM = 1e-3;
 
 // Down along z to kDepthM below a floor, a rest, and up again.
@@ -19,7 +19,7 @@ std::vector<ForceRow> press(std::size_t late_rows, const Vec3& added = Vec3::Zer
   for (int i = 100; i >= -20; --i) depths.push_back(kDepthM * i / 100.0);
   depths.insert(depths.end(), late_rows + 10, -0.2 * kDepthM);
   const auto force_at = [&](std::ptrdiff_t i) {
-    return Vec3(0.0, 0.0, i < 0 ? 0.0 : kStiffness * std::max(depths[static_cast<std::size_t>(i)], 0.0));
+    return Vec3(0.0, 0.0, i < 0 ? 0.0 : kWallNPerM * std::max(depths[static_cast<std::size_t>(i)], 0.0));
   };
   std::vector<ForceRow> rows;
   for (std::size_t i = 0; i < depths.size(); ++i) {
@@ -33,7 +33,7 @@ std::vector<ForceRow> press(std::size_t late_rows, const Vec3& added = Vec3::Zer
 }
 
 TEST(ForceComparison, OfTheSameForceIsZero) {
-  const ForceComparison found = compare_forces(press(0), kPeriodS, 0.05);
+  const ForceComparison found = compare_forces(press(0), kRowS, 0.05);
   EXPECT_EQ(found.error_rms, 0.0);
   EXPECT_EQ(found.error_max_n, 0.0);
   EXPECT_EQ(found.direction_max_deg, 0.0);
@@ -45,7 +45,7 @@ TEST(ForceComparison, OfTheSameForceIsZero) {
 }
 
 TEST(ForceComparison, AForceAcrossIsAnErrorOfDirection) {
-  const ForceComparison found = compare_forces(press(0, Vec3(1.0, 0.0, 0.0)), kPeriodS, 0.05);
+  const ForceComparison found = compare_forces(press(0, Vec3(1.0, 0.0, 0.0)), kRowS, 0.05);
   EXPECT_NEAR(found.error_max_n, 1.0, 1e-12);
   EXPECT_GE(found.direction_max_deg, 80.0) << "where the press is light";
   EXPECT_GT(found.direction_rms_deg, 45.0);
@@ -55,10 +55,10 @@ TEST(ForceComparison, AForceAcrossIsAnErrorOfDirection) {
 // Late by t, a spring gives k v t d more on the way out than it takes on the way in, beyond what it holds.
 TEST(ForceComparison, ALateForceGivesEnergyAndFallsAtFirst) {
   constexpr std::size_t kLate = 60;
-  const ForceComparison found = compare_forces(press(kLate), kPeriodS, 0.1);
-  EXPECT_GT(found.time_offset_s, 0.5 * kPeriodS * kLate);
+  const ForceComparison found = compare_forces(press(kLate), kRowS, 0.1);
+  EXPECT_GT(found.time_offset_s, 0.5 * kRowS * kLate);
   EXPECT_EQ(found.falls, 1U);
-  EXPECT_NEAR(found.fall_s, kPeriodS * (kLate - 100.0 * kFallM / kDepthM), 2e-3) << "from kFallM deep until the first force";
+  EXPECT_NEAR(found.fall_s, kRowS * (kLate - 100.0 * kFallM / kDepthM), 2e-3) << "from kFallM deep until the first force";
   double taken = 0.0;
   double given = 0.0;
   const auto rows = press(kLate);
@@ -67,21 +67,21 @@ TEST(ForceComparison, ALateForceGivesEnergyAndFallsAtFirst) {
     (work < 0.0 ? taken : given) += work;
   }
   EXPECT_NEAR(found.generated_j, std::max(given + taken, 0.0), 1e-9);
-  EXPECT_GT(found.generated_j, 0.3 * kStiffness * kDepthM * kDepthM);
-  EXPECT_LT(found.zero_delay_generated_j, 0.05 * kStiffness * kDepthM * kDepthM);
+  EXPECT_GT(found.generated_j, 0.3 * kWallNPerM * kDepthM * kDepthM);
+  EXPECT_LT(found.zero_delay_generated_j, 0.05 * kWallNPerM * kDepthM * kDepthM);
 }
 
 TEST(ForceComparison, AForceOnTheWrongSideIsAFallThrough) {
   auto rows = press(0);
   for (std::size_t i = 200; i < 210; ++i) rows[i].force_n *= -1.0;
   for (std::size_t i = 230; i < 235; ++i) rows[i].force_n.setZero();
-  const ForceComparison found = compare_forces(rows, kPeriodS, 0.05);
+  const ForceComparison found = compare_forces(rows, kRowS, 0.05);
   EXPECT_EQ(found.falls, 2U);
   EXPECT_NEAR(found.fall_s, 0.015, 1e-9);
 }
 
 TEST(ForceComparison, WithoutContactThereIsNothingToCompare) {
-  const ForceComparison found = compare_forces({ForceRow{}, ForceRow{}}, kPeriodS, 0.05);
+  const ForceComparison found = compare_forces({ForceRow{}, ForceRow{}}, kRowS, 0.05);
   EXPECT_EQ(found.error_rms, 0.0);
   EXPECT_EQ(found.contact_s, 0.0);
 }

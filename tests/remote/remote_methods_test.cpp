@@ -10,12 +10,12 @@
 #include "remote/remote_patch.h"
 #include "remote/whole_scene.h"
 #include "tests/support/made_meshes.h"
+#include "tests/support/time_units.h"
 
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;
-constexpr double kStiffness = 1000.0;
+constexpr double kSheetNPerM = 1000.0;
 
 // On a rolling sheet, or a flat one, in circles.
 Vec3 hand_at(int row, double bottom_m) {
@@ -30,7 +30,7 @@ TriangleMesh rolling() {
   return mesh;
 }
 
-RemoteScene scene_of(TriangleMesh mesh) { return *make_remote_scene(made::shared(std::move(mesh)), {.stiffness_n_per_m = kStiffness}); }
+RemoteScene scene_of(TriangleMesh mesh) { return *make_remote_scene(made::shared(std::move(mesh)), {.stiffness_n_per_m = kSheetNPerM}); }
 
 struct Rows {
   std::vector<Vec3> force_n;
@@ -83,7 +83,7 @@ TEST(RemoteMethods, WithoutDelayAndLossAllGiveTheZeroDelayForce) {
     // A patch's vertices are rounded by the grid, so that the proxy goes over an edge a step earlier or later; a deadband hides a tenth of
     // the force, and a tenth of a millimetre of a place that has changed the slope by then.
     const double bound_n = method.way == RemoteMethod::Way::patch      ? 0.05
-                           : method.way == RemoteMethod::Way::deadband ? 0.1 * 3.0 + 2.0 * 0.1 * kStiffness * RemoteDeadband::kPositionM
+                           : method.way == RemoteMethod::Way::deadband ? 0.1 * 3.0 + 2.0 * 0.1 * kSheetNPerM * RemoteDeadband::kPositionM
                                                                        : 1e-9;
     const Rows rows = run(method.name, scene, {});
     EXPECT_LT(worst_n(rows), bound_n);

@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kPeriodS = 1e-3;
+constexpr double kSampleS = 1e-3;
 
 RemoteScene scene_of_sphere() { return *make_remote_scene(made::shared(made::sphere(0.05, 40)), {}); }
 
@@ -45,7 +45,7 @@ TEST(SlidePath, AHandAimsSoThatTheDeviceIsAsDeepAsItShould) {
   const RemoteScene scene = scene_of_sphere();
   const auto path = make_slide_path(*scene.mesh, *scene.near, {.seed = 1, .depth_m = 1e-3});
   ASSERT_TRUE(path);
-  const HandPath hand = path->make_hand_path(500.0, 1000.0, kPeriodS);
+  const HandPath hand = path->make_hand_path(500.0, 1000.0, kSampleS);
   const SlideRow& row = path->rows[path->sliding];
   // 1 mm deep the surface gives 1 N, for which the hand's spring is drawn by 2 mm.
   EXPECT_NEAR((hand.position_m(static_cast<std::int64_t>(path->sliding) * 1'000'000) - (row.p_SQ - 3e-3 * row.outward_S)).norm(), 0.0,

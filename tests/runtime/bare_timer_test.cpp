@@ -4,10 +4,10 @@
 
 #include <algorithm>
 
+#include "tests/support/time_units.h"
+
 namespace hapton {
 namespace {
-
-constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
 
 // A machine that oversleeps every tenth time, by so much.
 class SleepyClock final : public Clock {

@@ -8,11 +8,10 @@
 #include <vector>
 
 #include "tests/support/allocation_guard.h"
+#include "tests/support/text_bytes.h"
 
 namespace hapton {
 namespace {
-
-std::span<const std::byte> bytes_of(std::string_view text) { return std::as_bytes(std::span(text.data(), text.size())); }
 
 std::vector<std::string> drain(ByteRing& ring) {
   std::vector<std::string> records;

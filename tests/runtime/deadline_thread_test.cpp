@@ -6,11 +6,10 @@
 #include <thread>
 
 #include "runtime/clock.h"
+#include "tests/support/time_units.h"
 
 namespace hapton {
 namespace {
-
-constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
 
 TEST(DeadlineThread, ChangesTheCallersPolicyOrLeavesItAsItWas) {
   std::thread([] {

@@ -9,11 +9,10 @@
 #include "devices/model_a.h"
 #include "devices/simulated_phantom.h"
 #include "safety/safety_governor.h"
+#include "tests/support/time_units.h"
 
 namespace hapton {
 namespace {
-
-constexpr std::int64_t kMs = 1'000'000;
 
 struct Touch {
   double contact_s = 0.0;

@@ -6,10 +6,10 @@
 #include <limits>
 #include "safety/safety_governor.h"
 #include "tests/support/allocation_guard.h"
+#include "tests/support/time_units.h"
 
 namespace hapton {
 
-constexpr std::int64_t kMs = 1'000'000;
 constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 

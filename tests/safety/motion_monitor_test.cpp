@@ -6,11 +6,10 @@
 #include <limits>
 
 #include "safety/fault_debouncer.h"
+#include "tests/support/time_units.h"
 
 namespace hapton {
 namespace {
-
-constexpr std::int64_t kMs = 1'000'000;
 
 DeviceSample at(const Vec3& p) {
   DeviceSample sample;

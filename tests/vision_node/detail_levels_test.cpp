@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-DetailLevel level_of(const TriangleMesh& mesh) { return make_full_level(mesh, frame_detail(mesh)); }
+DetailLevel full_level_of(const TriangleMesh& mesh) { return make_full_level(mesh, frame_detail(mesh)); }
 
 std::multiset<std::array<float, 9>> triangles_of(const DetailLevel& level) {
   std::multiset<std::array<float, 9>> found;
@@ -45,12 +45,12 @@ TEST(DetailLevels, AMeshOfOnePointHasAFrameAsWell) {
   TriangleMesh point;
   point.vertices = {Vec3(1, 2, 3), Vec3(1, 2, 3), Vec3(1, 2, 3)};
   point.triangles = {{0, 1, 2}};
-  const DetailLevel full = level_of(point);
+  const DetailLevel full = full_level_of(point);
   for (const Vec3f& p : full.positions) EXPECT_TRUE(p.allFinite());
 }
 
 TEST(DetailLevels, ACoarserLevelHasFewerTrianglesNearTheMesh) {
-  const DetailLevel full = level_of(make_bumpy_sphere(0.05, 0.25, 20'000, 1));
+  const DetailLevel full = full_level_of(make_bumpy_sphere(0.05, 0.25, 20'000, 1));
   const auto coarser = make_coarser_level(full, 5'000);
   ASSERT_TRUE(coarser);
   EXPECT_LE(coarser->triangles(), 5'000U);
@@ -75,7 +75,7 @@ TEST(DetailLevels, TheErrorIsHowFarTheFarthestVertexIs) {
 }
 
 TEST(DetailLevels, ARoughLevelIsMadeAsWell) {
-  const DetailLevel full = level_of(make_bumpy_sphere(0.05, 0.25, 20'000, 1));
+  const DetailLevel full = full_level_of(make_bumpy_sphere(0.05, 0.25, 20'000, 1));
   const auto rough = make_rough_level(full, 4'000);
   ASSERT_TRUE(rough);
   EXPECT_LT(rough->triangles(), 10'000U);
@@ -83,13 +83,13 @@ TEST(DetailLevels, ARoughLevelIsMadeAsWell) {
 }
 
 TEST(DetailLevels, ALevelThatWouldSaveTooLittleIsNotMade) {
-  const DetailLevel full = level_of(make_icosphere(0.05, 4));
+  const DetailLevel full = full_level_of(make_icosphere(0.05, 4));
   EXPECT_FALSE(make_coarser_level(full, full.triangles() * 9 / 10));
   EXPECT_TRUE(make_coarser_level(full, full.triangles() / 2));
 }
 
 TEST(DetailLevels, ClustersHoldEveryTriangleOnce) {
-  DetailLevel level = level_of(make_bumpy_sphere(0.05, 0.25, 5'000, 1));
+  DetailLevel level = full_level_of(make_bumpy_sphere(0.05, 0.25, 5'000, 1));
   const auto before = triangles_of(level);
   divide_into_clusters(level);
   EXPECT_EQ(triangles_of(level), before);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/time_units.h"
 #include "tests/vision_node/made_surface.h"
 
 namespace hapton {
@@ -9,7 +10,6 @@ namespace {
 
 using Kind = WindowEvent::Kind;
 using Button = WindowEvent::Button;
-constexpr std::int64_t kMs = 1'000'000;
 
 WindowEvent key(char c) {
   WindowEvent event;

@@ -7,11 +7,10 @@
 #include <gtest/gtest.h>
 
 #include "runtime/log.h"
+#include "tests/support/time_units.h"
 
 namespace hapton {
 namespace {
-
-constexpr std::int64_t kMs = 1'000'000;
 
 TEST(Dials, TurnAboutTheWorldsAxesThroughTheCentre) {
   const Vec3 centre(0.1, 0.2, 0.3);

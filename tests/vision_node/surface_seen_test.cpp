@@ -9,16 +9,15 @@
 namespace hapton {
 namespace {
 
-constexpr PictureSize kPicture{320, 240};
+constexpr PictureSize kSeen{320, 240};
 constexpr double kNothing = std::numeric_limits<double>::infinity();
 
 TEST(SurfaceSeen, KnowsHowFarTheSurfaceIsAndWhereItLies) {
   Framing framing = frame_sphere({0.01, 0.02, -0.03}, 0.1, 0.063);
   framing.yaw_rad = 0.4;
   framing.pitch_rad = 0.3;
-  const StereoScreen screen = compute_screen(framing, kPicture);
-  const SurfaceSeen seen =
-      make_surface(screen, kPicture, [&](double x, double) { return x < 160.0 ? screen.distance_m - 0.05 : kNothing; });
+  const StereoScreen screen = compute_screen(framing, kSeen);
+  const SurfaceSeen seen = make_surface(screen, kSeen, [&](double x, double) { return x < 160.0 ? screen.distance_m - 0.05 : kNothing; });
   EXPECT_NEAR(seen.depth_m({80.5, 100.5}), screen.distance_m - 0.05, 1e-6);
   EXPECT_EQ(seen.depth_m({200.0, 100.0}), kNothing);
   EXPECT_EQ(seen.depth_m({-1.0, 100.0}), kNothing);

@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-constexpr PictureSize kPicture{400, 400};
+constexpr PictureSize kSquare{400, 400};
 
 struct Seen {
   std::size_t clusters = 0;
@@ -19,7 +19,7 @@ Seen look(const TriangleMesh& mesh, const Framing& framing, bool without_backs) 
   const DetailFrame frame = frame_detail(mesh);
   DetailLevel level = make_full_level(mesh, frame);
   divide_into_clusters(level);
-  const StereoScreen screen = compute_screen(framing, kPicture);
+  const StereoScreen screen = compute_screen(framing, kSquare);
   const Mat4 to_clip = compute_projection_matrix(screen, Eye::left) * compute_view_matrix(screen, Eye::left) * frame.matrix();
   const Vec3 p_UE = (frame.matrix().inverse() * compute_eye_position(screen, Eye::left).homogeneous()).head<3>();
   const ViewCulling culling(to_clip, p_UE, without_backs);

@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/time_units.h"
+
 namespace hapton {
 namespace {
-
-constexpr std::int64_t kMs = 1'000'000;
 
 class VisionStepTest : public testing::Test {
  protected:

@@ -11,12 +11,12 @@
 #include <sstream>
 
 #include "tests/support/scratch_folder.h"
+#include "tests/support/time_units.h"
 
 namespace hapton {
 namespace {
 
 using Verdict = OuterWatchdog::Verdict;
-constexpr std::int64_t kMs = 1'000'000;
 
 struct Watched : testing::Test {
   // io_node as it is: a cycle and a new force each millisecond, looked at every second one.

@@ -6,11 +6,10 @@
 #include <functional>
 
 #include "runtime/clock.h"
+#include "tests/support/time_units.h"
 
 namespace hapton {
 namespace {
-
-constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
 
 // The program that was built beside the nodes.
 std::filesystem::path program() { return std::filesystem::path(HAPTON_BIN_DIR) / "hapton_watchdog"; }

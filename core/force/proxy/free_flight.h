@@ -15,8 +15,8 @@ class FreeFlight {
   enum class Met : std::uint8_t { nothing, walkable, other };
 
   // clearance: what sweeps keep.
-  FreeFlight(const ProxySurfaces& surfaces, const std::vector<Material>& materials, const Clearance& clearance)
-      : surfaces_(surfaces), clearance_(clearance), vertex_(surfaces.geometry(), materials) {}
+  FreeFlight(const ProxySurfaces& surfaces, const Clearance& clearance)
+      : surfaces_(surfaces), clearance_(clearance), vertex_(surfaces.geometry(), surfaces.materials()) {}
 
   // The first walkable triangle on the way from `from` to `to` gets the point onto `surface`, and `time` is set to the contact.
   // Met::other: the path comes as near to a triangle that is not walkable as sweeps keep.

@@ -22,7 +22,7 @@ void ProxyMethod::follow(const Vec3& last, const Vec3& device) noexcept {
   }
   if (follow_offset(last, device, time)) return;
   ++counters_.swept;
-  active_offset_ = contact_offset_;
+  active_offset_ = kContactOffset;
   if (proxy_.is_free && is_point_) clear_start();
   if (!proxy_.is_free && time > 0.0) swept_.descend(proxy_, on_path(last, device, time));
   swept_.descend(proxy_, device);
@@ -99,12 +99,12 @@ bool ProxyMethod::follow_surface(const Vec3& last, const Vec3& device, double& t
   return false;
 }
 
-void ProxyMethod::clear_start() noexcept { proxy_.position = flight_.clear_of_surfaces(proxy_.position, kBeside * contact_offset_); }
+void ProxyMethod::clear_start() noexcept { proxy_.position = flight_.clear_of_surfaces(proxy_.position, kBeside * kContactOffset); }
 
 // At the end of a step that the surface holds.
 void ProxyMethod::hold_by_surface(const Vec3& device) noexcept {
-  proxy_.position = surface_.at().lifted(contact_offset_);
-  active_offset_ = contact_offset_;
+  proxy_.position = surface_.at().lifted(kContactOffset);
+  active_offset_ = kContactOffset;
   proxy_.is_free = false;
   proxy_.slides = surface_.slides();
   std::array<SurfacePoint::Contact, 3> contacts;
@@ -120,7 +120,7 @@ void ProxyMethod::hold_by_surface(const Vec3& device) noexcept {
 
 // Lifts the proxy to the distance that sweeps keep and away from every edge, so that nothing beyond an edge is nearer.
 void ProxyMethod::lift_off_surface() noexcept {
-  const SurfacePoint::Inside from = surface_.at().inside(kBeside * contact_offset_);
+  const SurfacePoint::Inside from = surface_.at().inside(kBeside * kContactOffset);
   const bool slides = surface_.slides();
   surface_.leave();
   sphere_.stop_tracking();
@@ -157,7 +157,7 @@ bool ProxyMethod::land_on_surface() noexcept {
     if (!adjacent.exists || adjacent.id != active[1].triangle) continue;
     const double along = shape.along(k, p);
     const Vec3 on_edge = shape.corner(k) + along * shape.edge(k);
-    if (!(along > 0.0 && along < 1.0) || (on_edge - p).norm() > kBeside * contact_offset_) return false;
+    if (!(along > 0.0 && along < 1.0) || (on_edge - p).norm() > kBeside * kContactOffset) return false;
     unconverged_ = surface_.land_on_edge(triangle, back, k, on_edge, proxy_.slides);
     return unconverged_;
   }

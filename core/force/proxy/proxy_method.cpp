@@ -8,9 +8,6 @@ namespace hapton {
 
 namespace {
 
-// The contact offset, local units. 2^21 times the rounding of local coordinates, so distances of this size keep six digits; far below what
-// can be felt (1e-10 m on a 100 mm scene).
-constexpr double kContactOffset = 0x1p-30;
 constexpr double kLeastRadius = 0x1p-20;  // local units: corners that a smaller probe closes are too small for its digits
 
 std::vector<std::shared_ptr<const TriangleMesh>> meshes_of(const TouchScene& scene) {
@@ -23,10 +20,6 @@ std::vector<Material> materials_of(const TouchScene& scene) {
   std::vector<Material> materials;
   for (const TouchObject& object : scene.objects) materials.push_back(object.material);
   return materials;
-}
-
-Clearance clearance_of(const MethodSettings& settings, double unit_m) {
-  return {.offset = settings.probe_radius_m / unit_m + kContactOffset, .slop = 0.5 * kContactOffset, .tolerance = 0x1p-10 * kContactOffset};
 }
 
 // Clamps a device farther out than a billion scene sizes to that distance, so that its squares stay finite.
@@ -56,14 +49,16 @@ ProxyMethod::ProxyMethod(const MethodSettings& settings, const TouchScene& scene
       surfaces_(geometry_, materials_),
       clearance_(clearance_of(settings, geometry_.unit_m())),
       shading_(settings.shading),
-      contact_offset_(kContactOffset),
-      active_offset_(kContactOffset),
       is_point_(settings.probe_radius_m == 0.0),
       surface_(geometry_, materials_),
       // A point's radius is the reference's, so the proxy fits wherever the reference does.
       sphere_(geometry_, materials_, is_point_ ? 0.5 * kContactOffset : clearance_.offset, clearance_.offset < kLeastRadius),
-      flight_(surfaces_, materials_, clearance_),
+      flight_(surfaces_, clearance_),
       swept_(surfaces_, clearance_, is_point_) {}
+
+Clearance ProxyMethod::clearance_of(const MethodSettings& settings, double unit_m) {
+  return {.offset = settings.probe_radius_m / unit_m + kContactOffset, .slop = 0.5 * kContactOffset, .tolerance = 0x1p-10 * kContactOffset};
+}
 
 void ProxyMethod::reset(const Vec3& p_SD) noexcept {
   surface_.leave();
@@ -94,15 +89,15 @@ MethodOutput ProxyMethod::step_outside(const MethodInput& input) noexcept {
   if (!has_sample_) reset(input.p_SD);
   const Vec3 last = last_device_;
   const Vec3 moved = device - last;
-  displacement_ = moved.norm();
+  const double displacement = moved.norm();
   last_device_ = device;
   const std::size_t waiting = geometry_.waiting_count();
-  const double may_go = geometry_.request_ahead(proxy_.position, kLookAheadSteps * displacement_);
+  const double may_go = geometry_.request_ahead(proxy_.position, kLookAheadSteps * displacement);
   if (geometry_.waiting_count() != waiting) sphere_.forget_near();  // new objects are not in what it has gathered
   const double distance = (device - proxy_.position).norm();
   double clear = 0.0;
-  if (proxy_.is_free && ball_.is_due()) clear = ball_.find(geometry_, device, displacement_, clearance_.offset, may_go - distance);
-  ball_.note_motion(displacement_);
+  if (proxy_.is_free && ball_.is_due()) clear = ball_.find(geometry_, device, displacement, clearance_.offset, may_go - distance);
+  ball_.note_motion(displacement);
   if (distance < clear) {
     proxy_.settle_at(device);
     ball_.enter(geometry_, input.p_SD, clear);

@@ -57,11 +57,15 @@ class ProxyMethod final : public ForceMethod {
   const Clearance& clearance() const { return clearance_; }
 
  private:
+  // The contact offset, local units. 2^21 times the rounding of local coordinates, so distances of this size keep six digits; far below
+  // what can be felt (1e-10 m on a 100 mm scene).
+  static constexpr double kContactOffset = 0x1p-30;
   static constexpr double kBeside = 512.0;          // contact offsets: distance within which an edge or vertex affects the proxy
   static constexpr double kLookAheadSteps = 500.0;  // steps: 0.5 s at 1 kHz; an object is requested this long before the probe can reach it
 
   ProxyMethod(const MethodSettings& settings, const TouchScene& scene);
 
+  static Clearance clearance_of(const MethodSettings& settings, double unit_m);
   std::string describe_steps() const;
 
   [[gnu::noinline]] MethodOutput step_outside(const MethodInput& input) noexcept;
@@ -82,8 +86,7 @@ class ProxyMethod final : public ForceMethod {
   ProxySurfaces surfaces_;
   Clearance clearance_;  // what sweeps keep; a point is a sphere of the contact offset there
   double shading_ = 0.0;
-  double contact_offset_ = 0.0;
-  double active_offset_ = 0.0;  // contact offset of the active constraint, which the force does not include
+  double active_offset_ = kContactOffset;  // contact offset of the active constraint, which the force does not include
   bool is_point_ = true;
   SurfaceFollower surface_;  // holds the proxy while is_on_surface()
   SphereFollower sphere_;    // follows a probe with a radius, and a point on triangles that are not walkable
@@ -95,7 +98,6 @@ class ProxyMethod final : public ForceMethod {
   Vec3 last_device_ = Vec3::Zero();  // local
   bool has_sample_ = false;          // a first sample has arrived
   bool unconverged_ = false;         // the last step ran out of events
-  double displacement_ = 0.0;        // distance that the device moved in this step
   ProxyCounters counters_;
 };
 

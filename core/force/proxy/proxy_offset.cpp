@@ -17,7 +17,7 @@ bool ProxyMethod::follow_offset(const Vec3& last, const Vec3& device, double& ti
   if (outcome == SphereFollower::Outcome::failed) {
     copy_sphere_state(time < 1.0 ? Vec3(last + time * (device - last)) : device);
     sphere_.stop_tracking();
-    active_offset_ = contact_offset_;
+    active_offset_ = kContactOffset;
     if (is_point_) clear_start();
     return false;
   }
@@ -28,7 +28,7 @@ bool ProxyMethod::follow_offset(const Vec3& last, const Vec3& device, double& ti
 
 void ProxyMethod::copy_sphere_state(const Vec3& device) noexcept {
   proxy_.settle_at(sphere_.centre());
-  active_offset_ = is_point_ ? sphere_.offset() : contact_offset_;
+  active_offset_ = is_point_ ? sphere_.offset() : kContactOffset;
   proxy_.is_free = sphere_.is_free() && proxy_.position == device;
   proxy_.slides = sphere_.slides();
   for (const OffsetContact& active : sphere_.contacts()) {

@@ -10,8 +10,8 @@ std::string ProxyMethod::describe() const {
   const std::string what =
       fmt::format("proxy: {} of {} objects built, {} triangles, {:.1f} MB in all; probe radius {:g} m, contact offset {:g} m\n",
                   geometry_.built_count(), geometry_.object_count(), geometry_.triangle_count(),
-                  static_cast<double>(geometry_.bytes()) * 1e-6, (clearance_.offset - contact_offset_) * geometry_.unit_m(),
-                  contact_offset_ * geometry_.unit_m()) +
+                  static_cast<double>(geometry_.bytes()) * 1e-6, (clearance_.offset - kContactOffset) * geometry_.unit_m(),
+                  kContactOffset * geometry_.unit_m()) +
       fmt::format(
           "proxy: a step has {} events, {:g} more for each edge that a path as long crosses on average, {} at "
           "most; the rest is carried into the next step\n",

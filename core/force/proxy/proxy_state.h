@@ -48,6 +48,7 @@ class ProxySurfaces {
   ProxySurfaces(const TouchGeometry& geometry, const std::vector<Material>& materials);
 
   const TouchGeometry& geometry() const { return geometry_; }
+  const std::vector<Material>& materials() const { return materials_; }  // by object
   bool has_friction() const { return has_friction_; }
   const Material& material_of(std::uint32_t triangle) const { return materials_[geometry_.mesh_of(triangle)]; }
   ContactTriangle shape_of(std::uint32_t triangle) const {

@@ -12,17 +12,11 @@
 #include "core/geometry/repair_mesh.h"
 #include "core/geometry/smooth_surface.h"
 #include "core/geometry/triangle_distance.h"
+#include "tests/core/geometry/smooth_faces.h"
 #include "tests/support/obj_mesh.h"
 
 namespace hapton {
 namespace {
-
-TriangleMesh faces_of(const SmoothSurface& surface) {
-  TriangleMesh mesh;
-  mesh.vertices = surface.mesh.vertices;
-  mesh.triangles.assign(surface.mesh.triangles.begin(), surface.mesh.triangles.begin() + static_cast<std::ptrdiff_t>(surface.face_count));
-  return mesh;
-}
 
 TEST(SimplifySmall, SimplificationStaysWithinItsBound) {
   const TriangleMesh mesh = make_icosphere(0.05, 5);

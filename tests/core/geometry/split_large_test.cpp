@@ -5,17 +5,11 @@
 #include "core/geometry/mesh_measures.h"
 #include "core/geometry/mesh_shapes.h"
 #include "core/geometry/smooth_surface.h"
+#include "tests/core/geometry/smooth_faces.h"
 #include "tests/support/obj_mesh.h"
 
 namespace hapton {
 namespace {
-
-TriangleMesh faces_of(const SmoothSurface& surface) {
-  TriangleMesh mesh;
-  mesh.vertices = surface.mesh.vertices;
-  mesh.triangles.assign(surface.mesh.triangles.begin(), surface.mesh.triangles.begin() + static_cast<std::ptrdiff_t>(surface.face_count));
-  return mesh;
-}
 
 TEST(SplitLarge, SplittingKeepsTheSurfaceAndClosesNoCrack) {
   for (const TriangleMesh& mesh :

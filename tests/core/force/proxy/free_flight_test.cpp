@@ -14,11 +14,7 @@ constexpr Clearance kClearance{.offset = kOffset, .slop = 0.5 * kOffset, .tolera
 
 struct FlightStage {
   explicit FlightStage(const TriangleMesh& mesh, const Material& material = {})
-      : geometry({&mesh}),
-        materials{material},
-        surfaces(geometry, materials),
-        flight(surfaces, materials, kClearance),
-        surface(geometry, materials) {}
+      : geometry({&mesh}), materials{material}, surfaces(geometry, materials), flight(surfaces, kClearance), surface(geometry, materials) {}
 
   FreeFlight::Met fly(const Vec3& from_S, const Vec3& to_S, double& time) {
     surface.leave();

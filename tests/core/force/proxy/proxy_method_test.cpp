@@ -10,15 +10,10 @@
 #include "core/force/reference/reference_method.h"
 #include "core/geometry/mesh_shapes.h"
 #include "tests/support/allocation_guard.h"
+#include "tests/support/made_scene.h"
 
 namespace hapton {
 namespace {
-
-TouchScene scene_of(TriangleMesh mesh, Material material = {}) {
-  TouchScene scene;
-  scene.objects.push_back({std::make_shared<TriangleMesh>(std::move(mesh)), material});
-  return scene;
-}
 
 std::unique_ptr<ProxyMethod> proxy_over(const TouchScene& scene, double radius_m = 0.0) {
   MethodSettings settings;

@@ -9,17 +9,12 @@
 #include "core/force/proxy/proxy_method.h"
 #include "core/force/reference/reference_method.h"
 #include "core/geometry/mesh_shapes.h"
+#include "tests/support/made_scene.h"
 
 namespace hapton {
 namespace {
 
-TouchScene scene_of(TriangleMesh mesh, Material material = {}) {
-  TouchScene scene;
-  scene.objects.push_back({std::make_shared<TriangleMesh>(std::move(mesh)), material});
-  return scene;
-}
-
-std::unique_ptr<ProxyMethod> proxy_over(const TouchScene& scene) {
+std::unique_ptr<ProxyMethod> point_over(const TouchScene& scene) {
   auto made = ProxyMethod::make(MethodSettings(), scene);
   return std::unique_ptr<ProxyMethod>(static_cast<ProxyMethod*>(made.value().release()));
 }
@@ -48,7 +43,7 @@ std::vector<ForceSample> feel(ForceMethod& method, const std::vector<Vec3>& way,
 TEST(ProxySlide, NoStepOfASlideNeedsASweepAndAllAgreeWithTheReference) {
   const TouchScene scene = scene_of(make_bumpy_sphere(0.05, 0.08, 20000, 12));
   const std::vector<Vec3> way = slide_round(1500);
-  const auto proxy = proxy_over(scene);
+  const auto proxy = point_over(scene);
   const std::vector<ForceSample> felt = feel(*proxy, way);
   const ProxyCounters& counters = proxy->counters();
   EXPECT_GT(counters.contact_steps, way.size() * 7 / 10);
@@ -68,7 +63,7 @@ TEST(ProxySlide, NoStepOfASlideNeedsASweepAndAllAgreeWithTheReference) {
 TEST(ProxySlide, NeitherScaleNorPlaceChangesIt) {
   const TriangleMesh mesh = make_bumpy_sphere(0.05, 0.08, 20000, 12);
   const std::vector<Vec3> way = slide_round(1500);
-  const auto proxy = proxy_over(scene_of(mesh));
+  const auto proxy = point_over(scene_of(mesh));
   const std::vector<ForceSample> expected = feel(*proxy, way);
   struct Elsewhere {
     double scale;
@@ -78,7 +73,7 @@ TEST(ProxySlide, NeitherScaleNorPlaceChangesIt) {
   for (const auto& [scale, offset, precision] :
        {Elsewhere{1e-6, Vec3::Zero(), 1e-15}, Elsewhere{1e6, Vec3::Zero(), 1e-15}, Elsewhere{1.0, Vec3(300.0, -200.0, 100.0), 1e-12}}) {
     SCOPED_TRACE(testing::Message() << "scale " << scale << ", at " << offset.transpose());
-    const auto there = proxy_over(scene_of(scaled_and_moved(mesh, scale, offset)));
+    const auto there = point_over(scene_of(scaled_and_moved(mesh, scale, offset)));
     const std::vector<ForceSample> felt = feel(*there, way, scale, offset);
     std::size_t apart = 0;
     for (std::size_t i = 0; i < way.size(); ++i) {
@@ -97,7 +92,7 @@ TEST(ProxySlide, FrictionIsTheReferencesAndInsideItsCone) {
   rough.friction_dynamic = 0.4;
   const TouchScene scene = scene_of(make_bumpy_sphere(0.05, 0.08, 20000, 12), rough);
   const std::vector<Vec3> way = slide_round(1500);
-  const auto proxy = proxy_over(scene);
+  const auto proxy = point_over(scene);
   const std::vector<ForceSample> felt = feel(*proxy, way);
   EXPECT_EQ(proxy->counters().swept, 0U);
   EXPECT_EQ(proxy->counters().exhausted, 0U);
@@ -120,7 +115,7 @@ TEST(ProxySlide, OverABoundaryItDoesNotStepOntoASimilarSheet) {
   for (Vec3& v : turned.vertices) v = Vec3(0.08 - v.x(), v.y(), 0.002 - v.z());
   TouchScene scene = scene_of(sheet);
   scene.objects.push_back({std::make_shared<TriangleMesh>(turned), {}});
-  const auto proxy = proxy_over(scene);
+  const auto proxy = point_over(scene);
   for (double y = -0.043; y < 0.045; y += 0.01) {
     proxy->reset({0.04, y, 0.001});
     for (const double x : {0.04, 0.045, 0.049, 0.0505, 0.051}) {

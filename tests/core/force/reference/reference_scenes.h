@@ -13,16 +13,11 @@
 #include "core/geometry/mesh_measures.h"
 #include "core/geometry/mesh_shapes.h"
 #include "core/geometry/touch_trajectory.h"
+#include "tests/support/made_scene.h"
 
 namespace hapton {
 
 constexpr double kStiffness = 1000.0;
-
-inline TouchScene scene_of(TriangleMesh mesh, Material material = {}) {
-  TouchScene scene;
-  scene.objects.push_back({std::make_shared<TriangleMesh>(std::move(mesh)), material});
-  return scene;
-}
 
 inline std::unique_ptr<ReferenceMethod> reference_over(TriangleMesh mesh, double probe_radius_m = 0.0, Material material = {},
                                                        bool prefilter = true, int substeps = 8) {

@@ -19,11 +19,11 @@
 namespace hapton {
 namespace {
 
-constexpr double kStiffness = 800.0;
+constexpr double kStiffnessNPerM = 800.0;
 
-std::vector<SetTriangle> triangles_of(const TriangleMesh& mesh) {
+std::vector<SetTriangle> one_sided_set_of(const TriangleMesh& mesh) {
   TouchScene scene;
-  scene.objects.push_back({made::shared(mesh), {.stiffness_n_per_m = kStiffness, .two_sided = false}});
+  scene.objects.push_back({made::shared(mesh), {.stiffness_n_per_m = kStiffnessNPerM, .two_sided = false}});
   const auto built = SmoothScene::build(scene, {});
   std::vector<SetTriangle> all;
   built->for_each([&all](const SetTriangle& t) { all.push_back(t); });
@@ -90,7 +90,7 @@ bool find_transcribed_vcp(const SetTriangle& T, const Vec3& P, double RADIUS, do
   const Vec3 D = P - (height / n.dot(normal)) * n;  // intersection(n, T)
   const Vec3 DP = P - D;
   if (!(DP.norm() < RADIUS)) return false;
-  vcp = {&T, D, std::max(0.0, kStiffness * (layer - DP.norm())) * DP.normalized()};
+  vcp = {&T, D, std::max(0.0, kStiffnessNPerM * (layer - DP.norm())) * DP.normalized()};
   return true;
 }
 
@@ -118,7 +118,7 @@ Transcribed algorithm1(const std::vector<SetTriangle>& object, const Vec3& P, do
 
 // Some 1,500 positions in RADIUS round a surface: force, number of VCPs and number hidden are the transcription's.
 void expect_as_transcribed(const TriangleMesh& mesh, double RADIUS, double layer, std::uint64_t seed, int least_hidden) {
-  const auto triangles = triangles_of(mesh);
+  const auto triangles = one_sided_set_of(mesh);
   ASSERT_TRUE(std::all_of(triangles.begin(), triangles.end(), [](const SetTriangle& t) { return t.kind == SurfaceKind::face; }))
       << "degenerate triangles are not in the transcription";
   std::mt19937_64 random(seed);
@@ -138,7 +138,7 @@ void expect_as_transcribed(const TriangleMesh& mesh, double RADIUS, double layer
     ASSERT_EQ(felt.over_capacity, 0U);
     EXPECT_EQ(felt.vcps, static_cast<std::uint32_t>(expected.vcps)) << i;
     EXPECT_EQ(felt.hidden, static_cast<std::uint32_t>(expected.hidden)) << i;
-    EXPECT_LT((felt.force_n - expected.force).norm(), 1e-9 * kStiffness * layer) << i;
+    EXPECT_LT((felt.force_n - expected.force).norm(), 1e-9 * kStiffnessNPerM * layer) << i;
     felt_several += felt.vcps > 1 ? 1 : 0;
     hidden += static_cast<int>(felt.hidden);
   }
@@ -175,7 +175,7 @@ TEST(Algorithm1, DegenerateTrianglesTurnTheForceRoundAnEdge) {
   roof.vertices = {Vec3(-0.02, -0.02, -0.02), Vec3(-0.02, 0.02, -0.02), Vec3(0, -0.02, 0),
                    Vec3(0, 0.02, 0),          Vec3(0.02, -0.02, -0.02), Vec3(0.02, 0.02, -0.02)};
   roof.triangles = {{0, 2, 3}, {0, 3, 1}, {2, 4, 5}, {2, 5, 3}};
-  const auto triangles = triangles_of(roof);
+  const auto triangles = one_sided_set_of(roof);
   std::map<std::pair<double, double>, int> fakes;  // by the ends' y
   for (const SetTriangle& t : triangles) {
     if (t.kind == SurfaceKind::face) continue;
@@ -208,7 +208,7 @@ TEST(Algorithm1, DegenerateTrianglesTurnTheForceRoundAnEdge) {
     }
     const Vec3 force = all.combine(kRadius).force_n;
     empty_without = empty_without || faces.combine(kRadius).force_n.isZero(0.0);
-    EXPECT_NEAR(force.norm(), kStiffness * (kRadius - kHeight), 1e-6 * kStiffness * kRadius) << i;
+    EXPECT_NEAR(force.norm(), kStiffnessNPerM * (kRadius - kHeight), 1e-6 * kStiffnessNPerM * kRadius) << i;
     const Vec3 away(P.x(), 0, P.z());  // from the convex edge
     EXPECT_LT(std::atan2(force.cross(away).norm(), force.dot(away)), 1e-6) << i;
     if (i > 0) {

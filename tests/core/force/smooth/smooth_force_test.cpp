@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kStiffness = 1000.0;
 
-std::vector<SetTriangle> triangles_of(const TriangleMesh& mesh, bool two_sided = true) {
+std::vector<SetTriangle> set_of(const TriangleMesh& mesh, bool two_sided = true) {
   TouchScene scene;
   scene.objects.push_back({made::shared(mesh), {.stiffness_n_per_m = kStiffness, .two_sided = two_sided}});
   const auto built = SmoothScene::build(scene, {});
@@ -34,7 +34,7 @@ double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b
 
 // Over a plane the force is known, over faces, edges and vertices alike: straight up, k (layer - height).
 TEST(SmoothForce, OverAPlaneIsExact) {
-  const auto triangles = triangles_of(make_plane_grid(0.1, 10));
+  const auto triangles = set_of(make_plane_grid(0.1, 10));
   std::mt19937_64 random(81);
   std::uniform_real_distribution<double> unit(-0.04, 0.04);
   for (int i = 0; i < 2000; ++i) {
@@ -52,7 +52,7 @@ TEST(SmoothForce, OverAPlaneIsExact) {
 // moves.
 TEST(SmoothForce, OverASphereIsRadialAndDoesNotBounce) {
   constexpr double kRadius = 0.05;
-  const auto triangles = triangles_of(make_icosphere(kRadius, 3));
+  const auto triangles = set_of(make_icosphere(kRadius, 3));
   double facet_error = 0.0;
   for (const SetTriangle& t : triangles) facet_error = std::max(facet_error, angle_between(t.face, t.corner[0]));
   Vec3 last = Vec3::Zero();
@@ -76,7 +76,7 @@ TEST(SmoothForce, OverASphereIsRadialAndDoesNotBounce) {
 
 // Round a box's edges and corners: never without force, and continuous. Without the corner fans there is no force at a corner.
 TEST(SmoothForce, RoundABoxIsContinuousAndCoversCorners) {
-  const auto triangles = triangles_of(make_box(Vec3(0.1, 0.1, 0.1), 4));
+  const auto triangles = set_of(make_box(Vec3(0.1, 0.1, 0.1), 4));
   std::vector<SetTriangle> without_corners;
   for (const SetTriangle& t : triangles) {
     if (t.kind != SurfaceKind::corner_fan) without_corners.push_back(t);
@@ -119,7 +119,7 @@ TEST(SmoothForce, OverAConcaveEdgeIsContinuous) {
       mesh.triangles.push_back({a, a + 10, a + 9});
     }
   }
-  const auto triangles = triangles_of(mesh, false);
+  const auto triangles = set_of(mesh, false);
   ASSERT_TRUE(std::any_of(triangles.begin(), triangles.end(), [](const SetTriangle& t) { return t.kind == SurfaceKind::edge_fan; }));
   std::vector<SetTriangle> faces_only;
   for (const SetTriangle& t : triangles) {
@@ -143,7 +143,7 @@ TEST(SmoothForce, OverAConcaveEdgeIsContinuous) {
 // Fig. 3: of two sheets one above the other only the upper one exerts a force.
 TEST(SmoothForce, RemovesHiddenVcps) {
   TriangleMesh sheets = joined(make_plane_grid(0.02, 2), scaled_and_moved(make_plane_grid(0.02, 2), 1.0, Vec3(0, 0, -0.001)));
-  const auto triangles = triangles_of(sheets);
+  const auto triangles = set_of(sheets);
   const SmoothForce felt = force_at(triangles, Vec3(0.0011, 0.0007, 0.001), 0.004, 0.004);
   EXPECT_EQ(felt.vcps, 2U);
   EXPECT_EQ(felt.hidden, 1U);
@@ -154,8 +154,8 @@ TEST(SmoothForce, RemovesHiddenVcps) {
 TEST(SmoothForce, OneSidedIsTouchedFromItsFrontOnly) {
   const Vec3 above(0.001, 0.002, 0.001);
   const Vec3 below(0.001, 0.002, -0.001);
-  const auto one = triangles_of(make_plane_grid(0.1, 4), false);
-  const auto two = triangles_of(make_plane_grid(0.1, 4), true);
+  const auto one = set_of(make_plane_grid(0.1, 4), false);
+  const auto two = set_of(make_plane_grid(0.1, 4), true);
   EXPECT_GT(force_at(one, above, 0.004, 0.004).force_n.z(), 0.0);
   EXPECT_TRUE(force_at(one, below, 0.004, 0.004).force_n.isZero(0.0));
   EXPECT_LT(force_at(two, below, 0.004, 0.004).force_n.z(), 0.0);
@@ -168,7 +168,7 @@ TEST(SmoothForce, TheStrongestGivesTheStrength) {
   TriangleMesh wall = make_plane_grid(0.1, 4);
   for (Vec3& v : wall.vertices) v = Vec3(-0.02, v.x(), v.y() + 0.051);
   corner = joined(corner, wall);
-  const auto triangles = triangles_of(corner);
+  const auto triangles = set_of(corner);
   const Vec3 P(-0.017, 0.0013, 0.002);
   const SmoothForce felt = force_at(triangles, P, 0.01, 0.005);
   EXPECT_NEAR(felt.force_n.norm(), kStiffness * 0.003, 1e-9);
@@ -176,7 +176,7 @@ TEST(SmoothForce, TheStrongestGivesTheStrength) {
 }
 
 TEST(SmoothForce, DoesNotDependOnTheOrder) {
-  auto triangles = triangles_of(make_staircase(0.05, 4, 3));
+  auto triangles = set_of(make_staircase(0.05, 4, 3));
   std::mt19937_64 random(82);
   std::uniform_real_distribution<double> unit(-0.03, 0.03);
   for (int i = 0; i < 200; ++i) {
@@ -197,7 +197,7 @@ TEST(SmoothForce, TheLawIsASpringThatBeginsAtTheLayer) {
 }
 
 TEST(SmoothNormal, IsTheEdgesOnEdgesAndTheVertexsInVertices) {
-  const auto triangles = triangles_of(make_icosphere(0.05, 2));
+  const auto triangles = set_of(make_icosphere(0.05, 2));
   for (const SetTriangle& t : triangles) {
     for (int k = 0; k < 3; ++k) {
       const int j = (k + 1) % 3;

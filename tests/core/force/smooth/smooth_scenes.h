@@ -14,6 +14,7 @@
 #include "core/geometry/mesh_shapes.h"
 #include "tests/support/allocation_guard.h"
 #include "tests/support/made_meshes.h"
+#include "tests/support/made_scene.h"
 #include "tests/support/obj_mesh.h"
 
 namespace hapton {
@@ -22,12 +23,6 @@ namespace hapton {
 constexpr double kOffsetForce = 1e-6;
 constexpr double kContactOffset = 1e-9;
 constexpr double kPi = 3.14159265358979323846;
-
-inline TouchScene scene_of(const TriangleMesh& mesh, const Material& material = {}) {
-  TouchScene scene;
-  scene.objects.push_back({made::shared(mesh), material});
-  return scene;
-}
 
 inline std::unique_ptr<SmoothMethod> make(const TouchScene& scene, SmoothMethod::Settings settings = {}) {
   auto method = SmoothMethod::make_with(settings, scene);

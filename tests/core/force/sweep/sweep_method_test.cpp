@@ -9,13 +9,12 @@
 #include "tests/support/allocation_guard.h"
 #include "tests/support/brute_force_sweep.h"
 #include "tests/support/made_meshes.h"
+#include "tests/support/made_scene.h"
 
 namespace hapton {
 namespace {
 
 constexpr double kOffset = 0.0005 * 0.0254;
-
-TouchScene scene_of(TriangleMesh mesh, const Material& material = {}) { return {.objects = {{made::shared(std::move(mesh)), material}}}; }
 
 std::unique_ptr<SweepMethod> make_sweep(const TouchScene& scene, std::array<int, 3> division = {32, 32, 32}, double offset_m = kOffset) {
   MethodSettings settings;

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cmath>
+
+namespace hapton {
+
+// Narrows low < high down to high - low <= fine * high and returns low. holds: double -> bool, true at low, false at high.
+template <class Holds>
+double bisect(double low, double high, double fine, const Holds& holds) {
+  while (high - low > fine * high) {
+    const double middle = 0.5 * (low + high);
+    (holds(middle) ? low : high) = middle;
+  }
+  return low;
+}
+
+struct ValueRange {
+  double first = 1.0;   // above zero; where the search begins
+  double stride = 1.3;  // above one; ratio of one value tried to the next
+  double least = 0.0;   // above zero; below first it searches down to this
+  double most = HUGE_VAL;
+};
+
+// The largest value up to which `holds` was found true: searched upwards by equal ratios, then by bisection to the relative `fine`.
+// range.most where it holds as far up as that; zero where it does not at range.least.
+template <class Holds>
+double find_largest_value(const ValueRange& range, double fine, const Holds& holds) {
+  double low = 0.0;
+  double high = range.first;
+  for (; holds(high); high *= range.stride) {
+    low = high;
+    if (high > range.most) return range.most;
+  }
+  while (low == 0.0) {
+    if (high <= range.least) return 0.0;
+    const double half = 0.5 * high;
+    (holds(half) ? low : high) = half;
+  }
+  return bisect(low, high, fine, holds);
+}
+
+}  // namespace hapton

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <utility>
+
+#include "core/force/touch_scene.h"
+#include "tests/support/made_meshes.h"
+
+namespace hapton {
+
+// One object.
+inline TouchScene scene_of(TriangleMesh mesh, const Material& material = {}) {
+  TouchScene scene;
+  scene.objects.push_back({made::shared(std::move(mesh)), material});
+  return scene;
+}
+
+}  // namespace hapton
