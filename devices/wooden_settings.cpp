@@ -16,7 +16,7 @@ constexpr double kMostForceN = 100.0;
 
 void read_direction(TomlReader& reader, double& direction) {
   reader.read("direction", direction, -1.0, 1.0);
-  if (std::abs(direction) != 1.0) reader.refuse("direction", "'direction' is 1, or -1 where the encoder counts down as the angle grows");
+  if (std::abs(direction) != 1.0) reader.reject("direction", "'direction' is 1, or -1 where the encoder counts down as the angle grows");
 }
 
 double read_degrees(TomlReader& reader, std::string_view key) {
@@ -43,7 +43,7 @@ void read_joint(TomlReader reader, WoodenWrist::Joint& joint) {
   reader.allow({"axis", "counts_per_turn", "direction", "offset_deg"});
   reader.require("axis");
   reader.read("axis", joint.axis, -1.0, 1.0);
-  if (joint.axis.norm() < 1e-3) reader.refuse("axis", "'axis' has zero length: one of its three numbers must not be zero");
+  if (joint.axis.norm() < 1e-3) reader.reject("axis", "'axis' has zero length: one of its three numbers must not be zero");
   joint.axis.normalize();
   reader.read("counts_per_turn", joint.counts_per_turn, 1.0, 1e6);
   read_direction(reader, joint.direction);

@@ -92,7 +92,7 @@ bool DeviceLoop::run_cycle() noexcept {
   const std::int64_t now_ns = clock_.now_ns();
   if (force_sample_ns() != 0 && now_ns - answered_ns_ >= kCommandTimeoutNs) hold_force();
   sample_device();
-  if (local_ != nullptr) feel_locally();
+  if (local_ != nullptr) step_locally();
   // A force that came since the last tick has used the slew of this one; one from before a stall has not.
   const bool has_fresh_force = governed_ns_ >= 0 && clock_.now_ns() - governed_ns_ < period_ns() + period_ns() / 2;
   governed_ns_ = -1;
@@ -251,14 +251,14 @@ void DeviceLoop::govern(const WrenchCommand& wanted) noexcept {
   governed_ns_ = clock_.now_ns();
 }
 
-void DeviceLoop::feel_locally() noexcept {
-  cycle_.local = local_->feel(cycle_.sample);
+void DeviceLoop::step_locally() noexcept {
+  cycle_.local = local_->step(cycle_.sample);
   const bool was_local = std::exchange(is_local_, cycle_.local.has_value());
   if (was_local && !cycle_.local) fade_.begin();
   if (!cycle_.local) return;
-  const LocalFeel& felt = *cycle_.local;
-  fade_.begin_from(felt.difference_n);
-  const Vec3 force_n = faded(felt.force_n, felt.contact, felt.is_handed_over || !was_local, cycle_.sample.time_ns);
+  const LocalForce& local = *cycle_.local;
+  fade_.begin_from(local.difference_n);
+  const Vec3 force_n = faded(local.force_n, local.contact, local.is_handed_over || !was_local, cycle_.sample.time_ns);
   govern({{.force_n = force_n}, cycle_.sample.time_ns});
   ++stats_.local_forces;
 }

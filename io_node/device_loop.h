@@ -39,7 +39,7 @@ struct DeviceCycle {
   std::int64_t late_ns = 0;
   std::uint32_t missed = 0;  // cycles skipped before it
   MissCause cause = MissCause::none;
-  std::optional<LocalFeel> local;  // the force of this sample, where it was worked out on this side
+  std::optional<LocalForce> local;  // the force of this sample, where it was worked out on this side
 };
 
 // The present state of the device side.
@@ -204,7 +204,7 @@ class DeviceLoop {
   void serve() noexcept;
   void serve_command(const Command& command) noexcept;
   void govern(const WrenchCommand& wanted) noexcept;
-  void feel_locally() noexcept;
+  void step_locally() noexcept;
   Vec3 faded(const Vec3& force_n, bool contact, bool is_new_source, std::int64_t now_ns) noexcept;
   void overrun(std::int64_t late_ns) noexcept;
   MissCause cause_of(std::int64_t late_ns) const noexcept;

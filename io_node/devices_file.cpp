@@ -72,13 +72,13 @@ IoOptions read_device(TomlReader& reader, const IoOptions& common) {
   for (const char* key : {"name", "device", "bind"}) reader.require(key);
   reader.read("name", options.name);
   if (!is_good_name(options.name)) {
-    reader.refuse("name",
+    reader.reject("name",
                   fmt::format("'name' is '{}': take 1 to {} of a-z, 0-9, - and _; a folder is named so", options.name, kLongestName));
   }
   reader.read("device", options.device.name);
   const auto names = device_names();
   if (std::find(names.begin(), names.end(), options.device.name) == names.end()) {
-    reader.refuse("device", fmt::format("unknown device '{}'; choose one of {}", options.device.name, fmt::join(names, ", ")));
+    reader.reject("device", fmt::format("unknown device '{}'; choose one of {}", options.device.name, fmt::join(names, ", ")));
   }
   reader.read("bind", options.bind);
   reader.read("id", options.device.id);
@@ -121,16 +121,16 @@ bool takes_id(const std::string& name) {
 
 // What two devices cannot share.
 void check_pair(TomlReader& reader, const IoOptions& one, const IoOptions& other) {
-  if (one.name == other.name) reader.refuse("name", fmt::format("there are two devices '{}'; give each a name of its own", one.name));
+  if (one.name == other.name) reader.reject("name", fmt::format("there are two devices '{}'; give each a name of its own", one.name));
   if (one.bind == other.bind && !has_free_port(one.bind)) {
-    reader.refuse("bind", fmt::format("'{}' and '{}' both listen at {}; give each a port of its own", one.name, other.name, one.bind));
+    reader.reject("bind", fmt::format("'{}' and '{}' both listen at {}; give each a port of its own", one.name, other.name, one.bind));
   }
   if (!one.record.empty() && one.record == other.record) {
-    reader.refuse("record", fmt::format("'{}' and '{}' both record into {}; name two files", one.name, other.name, one.record));
+    reader.reject("record", fmt::format("'{}' and '{}' both record into {}; name two files", one.name, other.name, one.record));
   }
   const bool is_same_kind = one.device.name == other.device.name && takes_id(one.device.name);
   if (is_same_kind && (one.device.id.empty() || other.device.id.empty() || one.device.id == other.device.id)) {
-    reader.refuse(
+    reader.reject(
         "id", fmt::format("'{}' and '{}' are both {}: give each an id (hapton doctor lists them)", one.name, other.name, one.device.name));
   }
 }

@@ -52,17 +52,17 @@ void HopMeter::on_force(const Header& header, const ForceCommand& command, std::
   stats_.wire_back.record(wire_ns - out_ns);
 }
 
-void HopMeter::on_drawn(const Header& header, const Drawn& drawn, std::size_t place) noexcept {
-  const auto probe = std::find_if(probes_.begin(), probes_.end(), [&](const Sent& sent) { return sent.sample == drawn.echo_sample; });
-  if (drawn.held_ns == 0 || drawn.echo_sample == 0 || place >= offsets_.size() || probe == probes_.end()) return;
+void HopMeter::on_frame_ack(const Header& header, const FrameAck& frame, std::size_t place) noexcept {
+  const auto probe = std::find_if(probes_.begin(), probes_.end(), [&](const Sent& sent) { return sent.sample == frame.echo_sample; });
+  if (frame.held_ns == 0 || frame.echo_sample == 0 || place >= offsets_.size() || probe == probes_.end()) return;
   std::int64_t received_ns = 0;
-  if (__builtin_sub_overflow(header.send_time_ns, static_cast<std::int64_t>(drawn.held_ns), &received_ns)) return;
-  stats_.vision_draw.record(drawn.held_ns);
+  if (__builtin_sub_overflow(header.send_time_ns, static_cast<std::int64_t>(frame.held_ns), &received_ns)) return;
+  stats_.vision_draw.record(frame.held_ns);
   offsets_[place].add({probe->time_ns, received_ns, header.send_time_ns, endpoint_.last_receive_ns()});
   if (!is_offset_known(place)) return;
   std::int64_t photon_ns = 0;
-  const bool overflows = __builtin_sub_overflow(header.send_time_ns, offset_ns(place) + drawn.echo_sample_time_ns, &photon_ns);
-  if (!overflows && photon_ns >= 0 && photon_ns <= endpoint_.last_receive_ns() - drawn.echo_sample_time_ns)
+  const bool overflows = __builtin_sub_overflow(header.send_time_ns, offset_ns(place) + frame.echo_sample_time_ns, &photon_ns);
+  if (!overflows && photon_ns >= 0 && photon_ns <= endpoint_.last_receive_ns() - frame.echo_sample_time_ns)
     stats_.motion_to_photon.record(photon_ns);
 }
 

@@ -48,7 +48,7 @@ class HopMeter {
   void on_force(const Header& header, const ForceCommand& command, std::int64_t ready_ns) noexcept;
   void on_force_written(std::int64_t ready_ns, std::int64_t now_ns) noexcept { stats_.device_write.record(now_ns - ready_ns); }
   // The vision node in this slot has drawn a frame.
-  void on_drawn(const Header& header, const Drawn& drawn, std::size_t place) noexcept;
+  void on_frame_ack(const Header& header, const FrameAck& frame, std::size_t place) noexcept;
 
   // Up to date as of now_ns.
   const HopStats& collect(std::int64_t now_ns) noexcept;

@@ -283,12 +283,9 @@ LatencyReport make_io_report(const ServoStats& stats, const IoOptions& options, 
   report.program = "io_node";
   report.machine = read_machine_info();
   report.seconds = stats.seconds();
-  report.rates_hz = {{"servo_asked", stats.rate_hz},
-                     {"samples", per_second(stats.samples, stats)},
-                     {"forces", per_second(stats.forces, stats)},
-                     {"vision_sent", per_second(stats.probe_states_sent, stats)},
-                     {"drawn", per_second(stats.drawn, stats)},
-                     {"vision_frames", stats.frame_rate_hz}};
+  report.rates_hz = {{"servo_requested", stats.rate_hz},          {"samples", per_second(stats.samples, stats)},
+                     {"forces", per_second(stats.forces, stats)}, {"vision_sent", per_second(stats.probe_states_sent, stats)},
+                     {"drawn", per_second(stats.drawn, stats)},   {"vision_frames", stats.frame_rate_hz}};
   add_counters(report, stats);
   add_scheduling(report, scheduling);
   add_ratio(report, stats, "round_trip_over_echo_p50", 0.5);

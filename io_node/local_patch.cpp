@@ -27,7 +27,7 @@ void LocalPatch::exchange_patches() noexcept {
   }
 }
 
-std::optional<LocalFeel> LocalPatch::feel(const DeviceSample& sample) noexcept {
+std::optional<LocalForce> LocalPatch::step(const DeviceSample& sample) noexcept {
   orders_.take();
   const PatchOrders& orders = orders_.value();
   if (!orders.is_wanted || sample.time_ns >= orders.until_ns) {
@@ -41,10 +41,10 @@ std::optional<LocalFeel> LocalPatch::feel(const DeviceSample& sample) noexcept {
   if (std::exchange(started_, orders.start) != orders.start) touch_.start_at(X_SW * orders.p_WP, X_SW.linear() * orders.outward_W);
   const std::int64_t passed_ns = sample.time_ns - std::exchange(last_ns_, sample.time_ns);
   const double dt_s = passed_ns > 0 ? std::min(1e-9 * static_cast<double>(passed_ns), kLongestStepS) : kFirstStepS;
-  const std::optional<PatchFeel> felt = touch_.step({sample.p_WD, orders.X_WS, dt_s});
+  const std::optional<PatchOutput> output = touch_.step({sample.p_WD, orders.X_WS, dt_s});
   counts_.publish(touch_.counts());
-  if (!felt) return std::nullopt;
-  return LocalFeel{felt->force_n, felt->visual_offset_m, felt->contact, felt->is_handed_over, felt->difference_n};
+  if (!output) return std::nullopt;
+  return LocalForce{output->force_n, output->visual_offset_m, output->contact, output->is_handed_over, output->difference_n};
 }
 
 bool LocalPatch::take_hand(PatchHand& hand) noexcept {

@@ -30,8 +30,8 @@ struct PatchHand {
 
 // Force from patches of the scene, on the device's own thread. Patches come from a thread that builds them, and go back to it to be freed.
 //
-// Frames: W and S as named. RT: feel, publish, hand and so on yes; making one and ending it is set-up only.
-// Threads: one calls feel, one the network side, one the builder's side.
+// Frames: W and S as named. RT: step, publish, hand and so on yes; making one and ending it is set-up only.
+// Threads: one calls step, one the network side, one the builder's side.
 class LocalPatch final : public LocalTouch {
  public:
   LocalPatch() = default;
@@ -40,7 +40,7 @@ class LocalPatch final : public LocalTouch {
   LocalPatch& operator=(const LocalPatch&) = delete;
 
   // --- the device's thread
-  std::optional<LocalFeel> feel(const DeviceSample& sample) noexcept override;
+  std::optional<LocalForce> step(const DeviceSample& sample) noexcept override;
 
   // --- the network side
   void publish(const PatchOrders& orders) noexcept { orders_.publish(orders); }

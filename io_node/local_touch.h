@@ -8,7 +8,7 @@
 namespace hapton {
 
 // What one sample feels like, worked out beside the device.
-struct LocalFeel {
+struct LocalForce {
   Vec3 force_n = Vec3::Zero();
   Vec3 visual_offset_m = Vec3::Zero();  // proxy minus device point
   bool contact = false;
@@ -22,7 +22,7 @@ class LocalTouch {
  public:
   virtual ~LocalTouch() = default;
   // None: the force has to come from elsewhere.
-  virtual std::optional<LocalFeel> feel(const DeviceSample& sample) noexcept = 0;
+  virtual std::optional<LocalForce> step(const DeviceSample& sample) noexcept = 0;
 };
 
 }  // namespace hapton

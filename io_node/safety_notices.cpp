@@ -34,7 +34,7 @@ void SafetyNotices::note_cycle(const DeviceSide& side, const DeviceCycle& cycle,
 void SafetyNotices::record(const DeviceSide& side, const DeviceCycle& cycle, bool is_missed, std::int64_t now_ns) noexcept {
   note_cycle(side, cycle, now_ns);
   const GovernorCounters& governor = side.governor.counters;
-  record_fault(SessionFault::silence, governor.command_timeouts > governor_noted_.command_timeouts && is_missed, now_ns);
+  record_fault(SessionFault::command_timeout, governor.command_timeouts > governor_noted_.command_timeouts && is_missed, now_ns);
   record_fault(SessionFault::not_finite, governor.not_finite > governor_noted_.not_finite, now_ns);
   record_fault(SessionFault::rejected_future, governor.rejected_future > governor_noted_.rejected_future, now_ns);
   record_fault(SessionFault::clamped, governor.clamped > governor_noted_.clamped, now_ns);

@@ -132,8 +132,8 @@ void Servo::on_message(const PeerEvent& event, const Datagram& datagram) noexcep
   // Of these kinds the newest wins (KindOrder).
   if (event.arrival != Arrival::newest) return;
   if (const auto* view = std::get_if<ViewTransform>(&message)) return on_view(*view);
-  if (const auto* drawn = std::get_if<Drawn>(&message)) {
-    return vision_.on_drawn(datagram.header, *drawn, event.peer, cycle_.number, clock_.now_ns());
+  if (const auto* drawn = std::get_if<FrameAck>(&message)) {
+    return vision_.on_frame_ack(datagram.header, *drawn, event.peer, cycle_.number, clock_.now_ns());
   }
   if (const auto* target = std::get_if<HandTarget>(&message)) return requests_.accept(*target, event.peer);
   if (const auto* settings = std::get_if<Settings>(&message)) return requests_.accept(*settings, event);

@@ -10,18 +10,18 @@ std::uint32_t percent_of(double share) { return static_cast<std::uint32_t>(std::
 
 }  // namespace
 
-void VisionFeed::on_drawn(const Header& header, const Drawn& drawn, std::size_t peer, std::uint64_t newest_sample,
-                          std::int64_t now_ns) noexcept {
-  const std::int64_t age_ns = now_ns - drawn.echo_sample_time_ns;
+void VisionFeed::on_frame_ack(const Header& header, const FrameAck& frame, std::size_t peer, std::uint64_t newest_sample,
+                              std::int64_t now_ns) noexcept {
+  const std::int64_t age_ns = now_ns - frame.echo_sample_time_ns;
   const bool is_ours =
-      drawn.echo_sample != 0 && drawn.echo_sample <= newest_sample && age_ns >= 0 && drawn.echo_sample_time_ns >= stats_.start_ns;
+      frame.echo_sample != 0 && frame.echo_sample <= newest_sample && age_ns >= 0 && frame.echo_sample_time_ns >= stats_.start_ns;
   if (!is_ours) return;
-  pace_.on_drawn(peer, drawn, now_ns);
-  if (drawn.unchanged) return;
+  pace_.on_frame_ack(peer, frame, now_ns);
+  if (frame.unchanged) return;
   ++stats_.drawn;
   stats_.device_to_drawn.record(age_ns);
-  if (hops_ != nullptr) hops_->on_drawn(header, drawn, peer);
-  stats_.frame_rate_hz = static_cast<double>(drawn.frame_rate_hz);
+  if (hops_ != nullptr) hops_->on_frame_ack(header, frame, peer);
+  stats_.frame_rate_hz = static_cast<double>(frame.frame_rate_hz);
 }
 
 void VisionFeed::send(const ProbeHistory& memory, const DeviceSide& side, const DeviceCycle& cycle, std::uint32_t view_revision,

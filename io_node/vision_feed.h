@@ -25,7 +25,8 @@ class VisionFeed {
 
   void on_joined(std::size_t peer) noexcept { pace_.on_joined(peer); }
   // newest_sample: of this session. An acknowledgement of a state that was never sent is ignored.
-  void on_drawn(const Header& header, const Drawn& drawn, std::size_t peer, std::uint64_t newest_sample, std::int64_t now_ns) noexcept;
+  void on_frame_ack(const Header& header, const FrameAck& frame, std::size_t peer, std::uint64_t newest_sample,
+                    std::int64_t now_ns) noexcept;
   // Once a cycle: to the nodes that are due.
   void send(const ProbeHistory& memory, const DeviceSide& side, const DeviceCycle& cycle, std::uint32_t view_revision, ProbeStatus status,
             std::int64_t now_ns) noexcept;

@@ -18,12 +18,12 @@ bool looks_same(const ProbeState& a, const ProbeState& b) noexcept {
 
 VisionPace::VisionPace(double rate_hz) noexcept : period_ns_(rate_hz > 0.0 ? std::llround(1e9 / rate_hz) : 0) {}
 
-void VisionPace::on_drawn(std::size_t peer, const Drawn& drawn, std::int64_t now_ns) noexcept {
+void VisionPace::on_frame_ack(std::size_t peer, const FrameAck& frame, std::int64_t now_ns) noexcept {
   Place& place = places_[peer];
-  if (drawn.echo_sample < place.sent.sample) return;
+  if (frame.echo_sample < place.sent.sample) return;
   place.is_waiting = false;
-  const std::int64_t rest_ns = std::min<std::int64_t>(drawn.rest_ns, kRepeatNs);
-  place.next_ns = std::max(place.next_ns, now_ns + std::max(rest_ns, drawn.unchanged ? kUnseenNs : 0));
+  const std::int64_t rest_ns = std::min<std::int64_t>(frame.rest_ns, kRepeatNs);
+  place.next_ns = std::max(place.next_ns, now_ns + std::max(rest_ns, frame.unchanged ? kUnseenNs : 0));
 }
 
 VisionPace::Decision VisionPace::decide(std::size_t peer, const ProbeState& probe, std::int64_t now_ns) noexcept {

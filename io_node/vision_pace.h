@@ -10,7 +10,7 @@
 namespace hapton {
 
 // Paces the probe states to each vision node, so that it gets no more than it draws: the next one is sent when the node has acknowledged
-// the last with Drawn and is about to draw again, and only if anything visible has changed. A lost or unchanged state is repeated after
+// the last with FrameAck and is about to draw again, and only if anything visible has changed. A lost or unchanged state is repeated after
 // kRepeatNs. RT: yes.
 class VisionPace {
  public:
@@ -24,7 +24,7 @@ class VisionPace {
   explicit VisionPace(double rate_hz) noexcept;
 
   void on_joined(std::size_t peer) noexcept { places_[peer] = {}; }
-  void on_drawn(std::size_t peer, const Drawn& drawn, std::int64_t now_ns) noexcept;
+  void on_frame_ack(std::size_t peer, const FrameAck& frame, std::int64_t now_ns) noexcept;
 
   // Pre: the peer is a vision node. skip: a state is due, and unchanged. send: the caller sends it now.
   Decision decide(std::size_t peer, const ProbeState& probe, std::int64_t now_ns) noexcept;

@@ -62,7 +62,7 @@ constexpr std::tuple kMessageKinds{
                                               &wire::Envelope::mutable_probe_state},
     MessageKind<ViewTransform, wire::ViewTransform>{&wire::Envelope::has_view_transform, &wire::Envelope::view_transform,
                                                     &wire::Envelope::mutable_view_transform},
-    MessageKind<Drawn, wire::Drawn>{&wire::Envelope::has_drawn, &wire::Envelope::drawn, &wire::Envelope::mutable_drawn},
+    MessageKind<FrameAck, wire::FrameAck>{&wire::Envelope::has_drawn, &wire::Envelope::drawn, &wire::Envelope::mutable_drawn},
     MessageKind<Hello, wire::Hello>{&wire::Envelope::has_hello, &wire::Envelope::hello, &wire::Envelope::mutable_hello},
     MessageKind<Welcome, wire::Welcome>{&wire::Envelope::has_welcome, &wire::Envelope::welcome, &wire::Envelope::mutable_welcome},
     MessageKind<HandTarget, wire::HandTarget>{&wire::Envelope::has_hand_target, &wire::Envelope::hand_target,
@@ -172,7 +172,7 @@ void reserve(wire::ProbeState& m) {
   reserve_field(*m.mutable_force_n());
 }
 void reserve(wire::ViewTransform& m) { reserve_field(*m.mutable_x_ws()); }
-void reserve(wire::Drawn&) {}
+void reserve(wire::FrameAck&) {}
 void reserve(wire::Hello&) {}
 void reserve(wire::Welcome&) {}
 void reserve(wire::HandTarget& m) { reserve_field(*m.mutable_p_wh_m()); }

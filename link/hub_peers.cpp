@@ -17,7 +17,7 @@ bool may_send(NodeRole role, const Message& message) {
            std::holds_alternative<PatchBegin>(message);
   }
   if (role == NodeRole::tool) return std::holds_alternative<Settings>(message) || std::holds_alternative<ReportRequest>(message);
-  return std::holds_alternative<ViewTransform>(message) || std::holds_alternative<Drawn>(message) ||
+  return std::holds_alternative<ViewTransform>(message) || std::holds_alternative<FrameAck>(message) ||
          std::holds_alternative<HandTarget>(message);
 }
 

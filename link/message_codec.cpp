@@ -131,7 +131,7 @@ void write(const ProbeState& from, wire::ProbeState& to) {
   to.set_energy_percent(from.energy_percent);
 }
 
-void write(const Drawn& from, wire::Drawn& to) {
+void write(const FrameAck& from, wire::FrameAck& to) {
   to.set_echo_sample(from.echo_sample);
   to.set_echo_sample_time_ns(from.echo_sample_time_ns);
   to.set_frame_rate_hz(from.frame_rate_hz);
@@ -246,7 +246,7 @@ bool read(const wire::ProbeState& from, ProbeState& to) {
          is_amount(to.servo_rate_hz) && is_amount(to.round_trip_p50_us) && is_amount(to.round_trip_p99_us);
 }
 
-bool read(const wire::Drawn& from, Drawn& to) {
+bool read(const wire::FrameAck& from, FrameAck& to) {
   to.echo_sample = from.echo_sample();
   to.echo_sample_time_ns = from.echo_sample_time_ns();
   to.frame_rate_hz = from.frame_rate_hz();

@@ -105,7 +105,7 @@ struct ProbeState {
 
 // vision -> hub: frame acknowledgement, after a frame was drawn or skipped because it would look the same: which sample it shows. Requests
 // the next state.
-struct Drawn {
+struct FrameAck {
   std::uint64_t echo_sample = 0;
   std::int64_t echo_sample_time_ns = 0;
   float frame_rate_hz = 0.0F;
@@ -243,7 +243,7 @@ struct PatchStatus {
 };
 
 using Message =
-    std::variant<Hello, Welcome, Bye, DeviceState, ForceCommand, ViewTransform, ProbeState, Drawn, HandTarget, Settings, HapticsSetup,
+    std::variant<Hello, Welcome, Bye, DeviceState, ForceCommand, ViewTransform, ProbeState, FrameAck, HandTarget, Settings, HapticsSetup,
                  ReportRequest, ReportPart, SceneFacts, ViewRejected, PatchBegin, PatchCell, PatchTile, PatchStatus>;
 
 // In front of every message.

@@ -22,12 +22,12 @@ std::string_view to_string(SessionFault fault) noexcept {
   switch (fault) {
     case SessionFault::none:
       return "none";
-    case SessionFault::silence:
-      return "silence";
+    case SessionFault::command_timeout:
+      return "command-timeout";
     case SessionFault::not_finite:
       return "not-finite";
     case SessionFault::rejected_future:
-      return "refused-future";
+      return "rejected-future";
     case SessionFault::clamped:
       return "clamped";
     case SessionFault::stalled:

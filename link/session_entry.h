@@ -26,7 +26,7 @@ std::string_view to_string(MissCause cause) noexcept;
 // What makes the flight recorder write.
 enum class SessionFault : std::uint8_t {
   none,
-  silence,          // no force for 20 ms, in contact
+  command_timeout,  // no force for 20 ms, in contact
   not_finite,       // a force that is no number
   rejected_future,  // a force for a sample that was not taken
   clamped,          // a force above the limit

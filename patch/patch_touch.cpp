@@ -35,14 +35,14 @@ bool PatchTouch::reaches(const Patch& patch, const Vec3& p_SD) const noexcept {
   return from_centre + around < patch.radius_m;
 }
 
-std::optional<PatchFeel> PatchTouch::step(const TouchInput& input) noexcept {
+std::optional<PatchOutput> PatchTouch::step(const TouchInput& input) noexcept {
   const Vec3 p_SD = input.X_WS.linear().transpose() * (input.p_WD - input.X_WS.translation());
   if (!p_SD.allFinite()) return std::nullopt;
   // A hand that enters the surface before its tiles have come is held by it once they are there.
   if (!is_placed_) start_at(p_SD, Vec3::Zero());
   const bool could_go_on = patch_ != nullptr && is_over_ && !is_beyond_ && reaches(*patch_, p_SD);
-  if (take_offered(p_SD) || (patch_ != nullptr && reaches(*patch_, p_SD))) return feel_patch(input, p_SD, could_go_on);
-  return feel_plane(input, p_SD);
+  if (take_offered(p_SD) || (patch_ != nullptr && reaches(*patch_, p_SD))) return step_patch(input, p_SD, could_go_on);
+  return step_plane(input, p_SD);
 }
 
 bool PatchTouch::take_offered(const Vec3& p_SD) noexcept {
@@ -86,36 +86,36 @@ Vec3 PatchTouch::step_retired(const TouchInput& input) noexcept {
 }
 
 // could_go_on: the patch before this step held the proxy and reaches this sample; where another takes over, its force is known, too.
-PatchFeel PatchTouch::feel_patch(const TouchInput& input, const Vec3& p_SD, bool could_go_on) noexcept {
-  PatchFeel feel;
+PatchOutput PatchTouch::step_patch(const TouchInput& input, const Vec3& p_SD, bool could_go_on) noexcept {
+  PatchOutput output;
   const bool was_beyond = std::exchange(is_beyond_, false);
   const bool begins = !is_over_ || was_beyond;
   const bool has_before = begins && could_go_on;
   const Vec3 before_n = has_before ? step_retired(input) : Vec3(Vec3::Zero());
   if (begins) hand_over(input);
-  const TouchOutput felt = patch_->step != nullptr ? patch_->step->step(input) : TouchOutput();
-  feel.is_handed_over = begins && !has_before;
-  if (has_before) feel.difference_n = before_n - felt.force_n;
-  feel.force_n = felt.force_n;
-  feel.visual_offset_m = felt.visual_offset_m;
-  feel.contact = felt.contact;
+  const TouchOutput touched = patch_->step != nullptr ? patch_->step->step(input) : TouchOutput();
+  output.is_handed_over = begins && !has_before;
+  if (has_before) output.difference_n = before_n - touched.force_n;
+  output.force_n = touched.force_n;
+  output.visual_offset_m = touched.visual_offset_m;
+  output.contact = touched.contact;
   const Mat3 R_SW = input.X_WS.linear().transpose();
-  const double depth = felt.visual_offset_m.norm();
-  force_n_ = felt.force_n.norm();
-  p_SP_ = p_SD + R_SW * felt.visual_offset_m;
-  outward_S_ = felt.contact && depth > 0.0 ? Vec3(R_SW * felt.visual_offset_m / depth) : Vec3(Vec3::Zero());
+  const double depth = touched.visual_offset_m.norm();
+  force_n_ = touched.force_n.norm();
+  p_SP_ = p_SD + R_SW * touched.visual_offset_m;
+  outward_S_ = touched.contact && depth > 0.0 ? Vec3(R_SW * touched.visual_offset_m / depth) : Vec3(Vec3::Zero());
   stiffness_n_per_m_ = depth > 0.0 ? force_n_ / depth : 0.0;
   last_p_SD_ = p_SD;
   is_placed_ = true;
   ++counts_.steps;
-  counts_.contact_steps += felt.contact ? 1 : 0;
-  return feel;
+  counts_.contact_steps += touched.contact ? 1 : 0;
+  return output;
 }
 
-std::optional<PatchFeel> PatchTouch::feel_plane(const TouchInput& input, const Vec3& p_SD) noexcept {
-  PatchFeel feel;
-  feel.is_beyond = true;
-  feel.is_handed_over = !is_beyond_;
+std::optional<PatchOutput> PatchTouch::step_plane(const TouchInput& input, const Vec3& p_SD) noexcept {
+  PatchOutput output;
+  output.is_beyond = true;
+  output.is_handed_over = !is_beyond_;
   const bool has_patch = patch_ != nullptr && patch_->generation == generation_;
   if (!std::exchange(is_beyond_, true)) {
     counts_.beyond += has_patch ? 1 : 0;
@@ -131,12 +131,12 @@ std::optional<PatchFeel> PatchTouch::feel_plane(const TouchInput& input, const V
   if (!has_patch) return std::nullopt;
   ++counts_.beyond_steps;
   const double depth = (p_SP_ - p_SD).dot(outward_S_);
-  if (outward_S_.isZero(0.0) || depth <= 0.0) return feel;
+  if (outward_S_.isZero(0.0) || depth <= 0.0) return output;
   const double wanted = stiffness_n_per_m_ * (depth - kBeyondDampingS * velocity.dot(outward_S_));
-  feel.force_n = input.X_WS.linear() * (std::clamp(wanted, 0.0, kMostBeyond * force_n_) * outward_S_);
-  feel.visual_offset_m = input.X_WS.linear() * (depth * outward_S_);
-  feel.contact = true;
-  return feel;
+  output.force_n = input.X_WS.linear() * (std::clamp(wanted, 0.0, kMostBeyond * force_n_) * outward_S_);
+  output.visual_offset_m = input.X_WS.linear() * (depth * outward_S_);
+  output.contact = true;
+  return output;
 }
 
 }  // namespace hapton

@@ -19,7 +19,7 @@ struct Patch {
 };
 
 // One step on a patch.
-struct PatchFeel {
+struct PatchOutput {
   Vec3 force_n = Vec3::Zero();          // frame W
   Vec3 visual_offset_m = Vec3::Zero();  // frame W: proxy minus device point
   bool contact = false;
@@ -71,7 +71,7 @@ class PatchTouch {
   void start_at(const Vec3& p_SP, const Vec3& outward) noexcept;
 
   // None: no patch has reached the hand yet, since the start or since it began anew.
-  std::optional<PatchFeel> step(const TouchInput& input) noexcept;
+  std::optional<PatchOutput> step(const TouchInput& input) noexcept;
 
   const Counts& counts() const noexcept { return counts_; }
   bool is_placed() const noexcept { return is_placed_; }
@@ -80,8 +80,8 @@ class PatchTouch {
   bool reaches(const Patch& patch, const Vec3& p_SD) const noexcept;
   bool take_offered(const Vec3& p_SD) noexcept;
   void rise_over(const Patch& patch, const Vec3& p_SD) noexcept;
-  PatchFeel feel_patch(const TouchInput& input, const Vec3& p_SD, bool could_go_on) noexcept;
-  std::optional<PatchFeel> feel_plane(const TouchInput& input, const Vec3& p_SD) noexcept;
+  PatchOutput step_patch(const TouchInput& input, const Vec3& p_SD, bool could_go_on) noexcept;
+  std::optional<PatchOutput> step_plane(const TouchInput& input, const Vec3& p_SD) noexcept;
   void hand_over(const TouchInput& input) noexcept;
   Vec3 step_retired(const TouchInput& input) noexcept;
 

@@ -167,11 +167,11 @@ Result<RealtimeReport> enter_realtime(const RealtimeSettings& settings) {
     }
   }
   if (settings.mode == RealtimeMode::require && !report.complete()) {
-    std::string refused;
+    std::string rejected;
     for (const RealtimeItem& item : report.items) {
-      if (!item.obtained) refused += (refused.empty() ? "" : "; ") + item_text(item);
+      if (!item.obtained) rejected += (rejected.empty() ? "" : "; ") + item_text(item);
     }
-    return fail("real time is required, but was not granted: {}; or start with --rt try", refused);
+    return fail("real time is required, but was not granted: {}; or start with --rt try", rejected);
   }
   return report;
 }

@@ -170,7 +170,7 @@ TomlReader TomlReader::table(std::string_view key) {
   return TomlReader(std::make_shared<const Table>(Table{table_->file, keys, fmt::format("[{}]", key)}));
 }
 
-void TomlReader::refuse(std::string_view key, std::string_view what) {
+void TomlReader::reject(std::string_view key, std::string_view what) {
   const toml::node* node = table_->find(key);
   table_->fail_at(node == nullptr ? static_cast<const toml::node&>(*table_->keys) : *node, "{}", what);
 }

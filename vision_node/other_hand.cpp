@@ -52,7 +52,7 @@ bool OtherHand::wants_picture(const ProbeSizes& sizes, const StereoScreen& scree
   if (!std::exchange(moved_, false)) return false;
   if (watch_.differs(*shown(), sizes, screen, size)) return true;
   untold_ = false;
-  hub_.send(Drawn{.echo_sample = state_->sample, .echo_sample_time_ns = state_->sample_time_ns, .unchanged = true});
+  hub_.send(FrameAck{.echo_sample = state_->sample, .echo_sample_time_ns = state_->sample_time_ns, .unchanged = true});
   return false;
 }
 
@@ -67,10 +67,10 @@ void OtherHand::drew(std::int64_t start_ns, std::int64_t end_ns, double frame_ra
   moved_ = false;
   watch_.drawn(*shown(), sizes, screen, size);
   if (!std::exchange(untold_, false)) return;
-  Drawn drawn{.echo_sample = state_->sample,
-              .echo_sample_time_ns = state_->sample_time_ns,
-              .frame_rate_hz = static_cast<float>(frame_rate_hz),
-              .held_ns = to_message_ns(end_ns - received_ns_, 1)};
+  FrameAck drawn{.echo_sample = state_->sample,
+                 .echo_sample_time_ns = state_->sample_time_ns,
+                 .frame_rate_hz = static_cast<float>(frame_rate_hz),
+                 .held_ns = to_message_ns(end_ns - received_ns_, 1)};
   if (max_rate_hz_ > 0.0) drawn.rest_ns = to_message_ns(start_ns + static_cast<std::int64_t>(1e9 / max_rate_hz_) - end_ns, 0);
   hub_.send(drawn);
 }

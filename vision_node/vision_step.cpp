@@ -144,7 +144,7 @@ VisionStep::Shown VisionStep::compose(std::int64_t now_ns) {
   return shown;
 }
 
-std::optional<Drawn> VisionStep::drew(std::int64_t start_ns, std::int64_t end_ns, const Screen& where) {
+std::optional<FrameAck> VisionStep::drew(std::int64_t start_ns, std::int64_t end_ns, const Screen& where) {
   last_start_ns_ = start_ns;
   frames_.drew(start_ns, end_ns);
   if (interaction_.dials().degrees != dials_shown_ || interaction_.camera() != camera_shown_) scene_moved_ns_ = start_ns;
@@ -153,7 +153,7 @@ std::optional<Drawn> VisionStep::drew(std::int64_t start_ns, std::int64_t end_ns
   moved_ = false;
   if (!state_) return std::nullopt;
   watch_.drawn(probe_shown(), where.sizes, where.screen, where.picture);
-  Drawn drawn{state_->sample, state_->sample_time_ns, static_cast<float>(frames_.recent_rate_hz())};
+  FrameAck drawn{state_->sample, state_->sample_time_ns, static_cast<float>(frames_.recent_rate_hz())};
   if (settings_.max_rate_hz > 0.0) {
     const auto period_ns = static_cast<std::int64_t>(1e9 / settings_.max_rate_hz);
     drawn.rest_ns =
@@ -162,9 +162,9 @@ std::optional<Drawn> VisionStep::drew(std::int64_t start_ns, std::int64_t end_ns
   return drawn;
 }
 
-std::optional<Drawn> VisionStep::take_unseen() {
+std::optional<FrameAck> VisionStep::take_unseen() {
   if (!std::exchange(unseen_, false)) return std::nullopt;
-  Drawn same{state_->sample, state_->sample_time_ns, static_cast<float>(frames_.recent_rate_hz())};
+  FrameAck same{state_->sample, state_->sample_time_ns, static_cast<float>(frames_.recent_rate_hz())};
   same.unchanged = true;
   return same;
 }

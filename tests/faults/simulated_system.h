@@ -128,7 +128,7 @@ class SimulatedVision {
       if (state == nullptr) continue;
       ++seen_;
       for (int n = 0; n < words_a_turn_; ++n) {
-        client_.send(Drawn{state->sample, state->sample_time_ns, 60.0F, 1000});
+        client_.send(FrameAck{state->sample, state->sample_time_ns, 60.0F, 1000});
         if (n > 0) client_.send(HandTarget{});
       }
     }

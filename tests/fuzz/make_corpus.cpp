@@ -70,7 +70,7 @@ bool write_sealed() {
                        {kVision, PatchTile{.epoch = 1, .serial = 4, .vertex_count = 3, .triangle_count = 1}},
                        {kToNode, PatchStatus{.is_wanted = true}}})) &&
          write("sealed", "vision",
-               sealed({{kVision, Hello{NodeRole::vision}}, {kVision, ViewTransform()}, {kVision, Drawn()}, {kVision, HandTarget()}})) &&
+               sealed({{kVision, Hello{NodeRole::vision}}, {kVision, ViewTransform()}, {kVision, FrameAck()}, {kVision, HandTarget()}})) &&
          write("sealed", "tool",
                sealed({{kTool, Hello{NodeRole::tool}}, {kTool, Settings{.servo_rate_hz = 1000.0}}, {kTool, ReportRequest()}})) &&
          write("sealed", "operator", sealed({{kOperator, Hello{NodeRole::tool}}, {kOperator, Settings{.reset_faults = true}}})) &&

@@ -14,9 +14,9 @@ void deliver_to_hub(HandshakeLine& line, const ListedDatagram& datagram, std::ma
   const std::uint64_t rejected = line.hub().seal_counts().rejected();
   const std::size_t sent = line.from_hub().size();
   require(line.deliver(datagram) == 0);
-  const bool is_refused = line.hub().seal_counts().rejected() == rejected + 1;
+  const bool is_rejected = line.hub().seal_counts().rejected() == rejected + 1;
   const bool is_answered = line.from_hub().size() == sent + 1;
-  require(is_refused != is_answered);
+  require(is_rejected != is_answered);
   owed[datagram.node()] += static_cast<std::ptrdiff_t>(datagram.bytes.size());
   if (!is_answered) return;
   const HeldDatagram::Sent& reply = line.from_hub().back();

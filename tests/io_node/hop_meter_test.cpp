@@ -103,10 +103,10 @@ TEST_F(Ways, UnknownTimesAreLeftOut) {
     command.echo_sample = 1;
     ways.on_state_sent(1, clock.now_ns());
     ways.on_force(header, command, clock.now_ns());
-    Drawn drawn{1, bad, 30.0F, 5};
+    FrameAck drawn{1, bad, 30.0F, 5};
     ways.on_probe_sent(1);
-    ways.on_drawn(header, drawn, 3);
-    ways.on_drawn(header, drawn, 1'000'000);
+    ways.on_frame_ack(header, drawn, 3);
+    ways.on_frame_ack(header, drawn, 1'000'000);
   }
   EXPECT_EQ(stats().wire_out.count(), 0U);
   EXPECT_EQ(stats().motion_to_photon.count(), 0U);
@@ -125,12 +125,12 @@ TEST_F(Ways, MotionToPhotonEndsWithThePictureNotWithTheNewsOfIt) {
   clock.advance_ns(5 * kMs);
   std::array<std::byte, kMaxDatagramBytes> buffer;
   metered.receive(buffer, 0);
-  ways.on_drawn(header, Drawn{42, sample_ns, 60.0F, 8 * kMs}, 3);
+  ways.on_frame_ack(header, FrameAck{42, sample_ns, 60.0F, 8 * kMs}, 3);
   EXPECT_EQ(stats().motion_to_photon.max_ns(), 9 * kMs);
   EXPECT_EQ(stats().vision_draw.max_ns(), 8 * kMs);
-  ways.on_drawn(header, Drawn{41, sample_ns, 60.0F, 8 * kMs}, 3);  // never sent
-  ways.on_drawn(header, Drawn{0, sample_ns, 60.0F, 8 * kMs}, 3);   // no sample
-  ways.on_drawn(header, Drawn{42, sample_ns, 60.0F, 0}, 3);        // does not report it
+  ways.on_frame_ack(header, FrameAck{41, sample_ns, 60.0F, 8 * kMs}, 3);  // never sent
+  ways.on_frame_ack(header, FrameAck{0, sample_ns, 60.0F, 8 * kMs}, 3);   // no sample
+  ways.on_frame_ack(header, FrameAck{42, sample_ns, 60.0F, 0}, 3);        // does not report it
   EXPECT_EQ(stats().motion_to_photon.count(), 1U);
 }
 

@@ -34,11 +34,11 @@ PatchOrders orders_until(std::int64_t until_ns) {
 
 TEST(LocalPatch, FeelsNothingBeforeItIsWantedOrHasAPatch) {
   LocalPatch local;
-  EXPECT_FALSE(local.feel(sample_at(Vec3::Zero(), 1 * kMs)));
+  EXPECT_FALSE(local.step(sample_at(Vec3::Zero(), 1 * kMs)));
   local.offer(sheet_patch(0.0));
-  EXPECT_FALSE(local.feel(sample_at(Vec3::Zero(), 2 * kMs)));
+  EXPECT_FALSE(local.step(sample_at(Vec3::Zero(), 2 * kMs)));
   local.publish(orders_until(100 * kMs));
-  EXPECT_TRUE(local.feel(sample_at(Vec3(0, 0, 0.01), 3 * kMs)));
+  EXPECT_TRUE(local.step(sample_at(Vec3(0, 0, 0.01), 3 * kMs)));
 }
 
 TEST(LocalPatch, GivesTheForceOfThePatch) {
@@ -46,7 +46,7 @@ TEST(LocalPatch, GivesTheForceOfThePatch) {
   local.offer(sheet_patch(0.0));
   local.publish(orders_until(1000 * kMs));
   for (int n = 1; n <= 10; ++n) {
-    const auto felt = local.feel(sample_at(Vec3(0.001, 0.002, 0.001 - 3e-4 * n), n * kMs));
+    const auto felt = local.step(sample_at(Vec3(0.001, 0.002, 0.001 - 3e-4 * n), n * kMs));
     ASSERT_TRUE(felt);
     if (n > 4) {
       EXPECT_NEAR(felt->force_n.z(), 1000.0 * (3e-4 * n - 0.001), 1e-6);
@@ -60,22 +60,22 @@ TEST(LocalPatch, EndsWhenHapticsIsSilentForTooLong) {
   LocalPatch local;
   local.offer(sheet_patch(0.0));
   local.publish(orders_until(50 * kMs));
-  EXPECT_TRUE(local.feel(sample_at(Vec3(0, 0, 0.01), 49 * kMs)));
-  EXPECT_FALSE(local.feel(sample_at(Vec3(0, 0, 0.01), 50 * kMs)));
-  EXPECT_FALSE(local.feel(sample_at(Vec3(0, 0, 0.01), 5000 * kMs)));
+  EXPECT_TRUE(local.step(sample_at(Vec3(0, 0, 0.01), 49 * kMs)));
+  EXPECT_FALSE(local.step(sample_at(Vec3(0, 0, 0.01), 50 * kMs)));
+  EXPECT_FALSE(local.step(sample_at(Vec3(0, 0, 0.01), 5000 * kMs)));
 }
 
 TEST(LocalPatch, APatchOfAnotherSceneIsNotFelt) {
   LocalPatch local;
   local.offer(sheet_patch(0.0));
   local.publish(orders_until(1000 * kMs));
-  EXPECT_TRUE(local.feel(sample_at(Vec3(0, 0, 0.01), 1 * kMs)));
+  EXPECT_TRUE(local.step(sample_at(Vec3(0, 0, 0.01), 1 * kMs)));
   local.set_generation(1);
-  EXPECT_FALSE(local.feel(sample_at(Vec3(0, 0, 0.01), 2 * kMs)));
+  EXPECT_FALSE(local.step(sample_at(Vec3(0, 0, 0.01), 2 * kMs)));
   auto patch = sheet_patch(0.0);
   patch->generation = 1;
   local.offer(std::move(patch));
-  EXPECT_TRUE(local.feel(sample_at(Vec3(0, 0, 0.01), 3 * kMs)));
+  EXPECT_TRUE(local.step(sample_at(Vec3(0, 0, 0.01), 3 * kMs)));
 }
 
 TEST(LocalPatch, TheDevicesThreadAllocatesAndFreesNothing) {
@@ -88,7 +88,7 @@ TEST(LocalPatch, TheDevicesThreadAllocatesAndFreesNothing) {
     local.free_retired();
     PatchHand hand;
     AllocationGuard guard;
-    (void)local.feel(sample_at(Vec3(0.04 * std::sin(0.01 * n), 0.0, -0.002), n * kMs));
+    (void)local.step(sample_at(Vec3(0.04 * std::sin(0.01 * n), 0.0, -0.002), n * kMs));
     (void)local.take_hand(hand);
     taken += guard.count();
   }

@@ -82,7 +82,7 @@ TEST_F(SafetyNoticesTest, AShortGapIsNoFaultAndACommandTimeoutIs) {
     ++side.governor.counters.command_timeouts;
     check();
   }
-  EXPECT_EQ(tap.faults, std::vector{SessionFault::silence});
+  EXPECT_EQ(tap.faults, std::vector{SessionFault::command_timeout});
   cycle.late_ns = kCommandTimeoutNs;
   check();
   EXPECT_EQ(tap.faults.back(), SessionFault::stalled);

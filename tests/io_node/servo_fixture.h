@@ -91,7 +91,7 @@ struct Servos : testing::Test {
   std::optional<double> floor_z_m;  // set: a floor, so that each reply has its own sample's visual offset
   // How long the vision node draws at a state; -1: it never says.
   std::int64_t draw_ns = 0;
-  std::deque<std::pair<std::int64_t, Drawn>> drawing;
+  std::deque<std::pair<std::int64_t, FrameAck>> drawing;
 
   static Address at(std::uint16_t port) { return {{9}, port}; }
   static constexpr std::uint16_t kHaptics = 1, kVision = 2, kTool = 3;
@@ -115,7 +115,7 @@ struct Servos : testing::Test {
     }
     if (const auto* probe = std::get_if<ProbeState>(&datagram.message)) {
       probes.push_back(*probe);
-      if (draw_ns >= 0) drawing.emplace_back(clock.now_ns() + draw_ns, Drawn{probe->sample, probe->sample_time_ns, 60.0F});
+      if (draw_ns >= 0) drawing.emplace_back(clock.now_ns() + draw_ns, FrameAck{probe->sample, probe->sample_time_ns, 60.0F});
     }
     if (const auto* view = std::get_if<ViewTransform>(&datagram.message)) views.push_back(*view);
     if (const auto* setting = std::get_if<Settings>(&datagram.message)) settings.push_back(*setting);

@@ -52,7 +52,7 @@ TEST_F(Servos, ATapReceivesEachFaultOnce) {
   run(200);
   answer_delay_ns = -1;
   run(40);
-  EXPECT_EQ(tap.faults, std::vector{SessionFault::silence});
+  EXPECT_EQ(tap.faults, std::vector{SessionFault::command_timeout});
   answer_delay_ns = 100 * kUs;
   run(10);
   tap.faults.clear();

@@ -103,9 +103,9 @@ TEST_F(Servos, DrawnGivesTheAgeOfThePicture) {
   join(kVision, NodeRole::vision);
   run(100);
   const ProbeState probe = probes.back();
-  say(kVision, Drawn{probe.sample, probe.sample_time_ns, 57.0F}, 15 * kMs);
-  say(kVision, Drawn{probe.sample + 1'000'000, probe.sample_time_ns, 57.0F}, 15 * kMs);
-  say(kVision, Drawn{probe.sample, -5, 57.0F}, 15 * kMs);
+  say(kVision, FrameAck{probe.sample, probe.sample_time_ns, 57.0F}, 15 * kMs);
+  say(kVision, FrameAck{probe.sample + 1'000'000, probe.sample_time_ns, 57.0F}, 15 * kMs);
+  say(kVision, FrameAck{probe.sample, -5, 57.0F}, 15 * kMs);
   const std::int64_t expected = clock.now_ns() + 15 * kMs - probe.sample_time_ns;
   run(30);
   EXPECT_EQ(stats().drawn, 1U);

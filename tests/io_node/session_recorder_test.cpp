@@ -96,7 +96,7 @@ TEST_F(Recorders, TakeNothingFromTheHeapOfTheServosThread) {
     recorder.on_sent(kPeer, kBytes, n * kMs);
     recorder.on_received(kPeer, kBytes, n * kMs);
     recorder.on_cycle({}, n * kMs);
-    if (n % 1000 == 0) recorder.on_fault(SessionFault::silence, n * kMs);
+    if (n % 1000 == 0) recorder.on_fault(SessionFault::command_timeout, n * kMs);
   }
   EXPECT_EQ(guard.count(), 0U);
   ASSERT_TRUE(recorder.stop());
@@ -106,16 +106,16 @@ TEST_F(Recorders, AFaultLeavesTheLastTwoSecondsUnderItsName) {
   auto recorder = make({{}, flights});
   ASSERT_TRUE(recorder.start());
   for (int n = 0; n < 5000; ++n) recorder.on_cycle({.sample = static_cast<std::uint64_t>(n)}, n * kMs);
-  recorder.on_fault(SessionFault::silence, 5000 * kMs);
+  recorder.on_fault(SessionFault::command_timeout, 5000 * kMs);
   ASSERT_TRUE(recorder.stop());
   const auto files = flight_files();
   ASSERT_EQ(files.size(), 1U);
-  EXPECT_NE(files[0].filename().string().find("-silence.hapton"), std::string::npos) << files[0];
+  EXPECT_NE(files[0].filename().string().find("-command-timeout.hapton"), std::string::npos) << files[0];
   const auto entries = read(files[0]);
   ASSERT_EQ(entries.size(), 2001U);
   EXPECT_EQ(entries.front().time_ns, 3000 * kMs);
-  EXPECT_EQ(entries.back().fault, SessionFault::silence);
-  EXPECT_EQ(SessionReader::open(files[0])->header().fault, "silence");
+  EXPECT_EQ(entries.back().fault, SessionFault::command_timeout);
+  EXPECT_EQ(SessionReader::open(files[0])->header().fault, "command-timeout");
 }
 
 TEST_F(Recorders, AFaultIsFollowedForAWhileAndThenWrittenWithoutWaitingForTheEnd) {
@@ -165,7 +165,7 @@ TEST_F(Recorders, AFolderKeepsTheNewestFlightRecordsAndAllOtherFiles) {
   scratch.write("flight/a letter", "mine");
   auto recorder = make({{}, flights});
   ASSERT_TRUE(recorder.start());
-  recorder.on_fault(SessionFault::silence, clock.now_ns());
+  recorder.on_fault(SessionFault::command_timeout, clock.now_ns());
   ASSERT_TRUE(recorder.stop());
   EXPECT_EQ(flight_files().size(), SessionRecorder::kMostKept + 1);
   EXPECT_FALSE(std::filesystem::exists(flights / "flight-20000101T000000.000Z-clamped.hapton"));

@@ -50,7 +50,7 @@ struct Feed : testing::Test {
     side.is_silent = true;
     feed.send(memory, side, cycle, 3, ProbeStatus::ok, clock.now_ns());
   }
-  Drawn drawn() const { return {received.back().sample, received.back().sample_time_ns, 60.0F}; }
+  FrameAck drawn() const { return {received.back().sample, received.back().sample_time_ns, 60.0F}; }
 };
 
 TEST_F(Feed, SendsTheProbeAtOnceAndTheNextOneWhenItIsDrawn) {
@@ -62,7 +62,7 @@ TEST_F(Feed, SendsTheProbeAtOnceAndTheNextOneWhenItIsDrawn) {
   EXPECT_EQ(received[0].view_revision, 3U);
   report(0.02);
   EXPECT_EQ(received.size(), 1U);  // it has not drawn yet
-  feed.on_drawn({}, drawn(), place, cycle.number, clock.now_ns());
+  feed.on_frame_ack({}, drawn(), place, cycle.number, clock.now_ns());
   for (int n = 0; n < 20; ++n) report(0.03);
   EXPECT_GT(received.size(), 1U);
   EXPECT_EQ(stats->probe_states_sent, received.size());
@@ -75,7 +75,7 @@ TEST_F(Feed, SendsHowMuchOfTheEnergyBudgetIsSpent) {
   side.governor.energy_spent_j = 0.0679;
   report(0.01);
   EXPECT_EQ(received.back().energy_percent, 34U);
-  feed.on_drawn({}, drawn(), place, cycle.number, clock.now_ns());
+  feed.on_frame_ack({}, drawn(), place, cycle.number, clock.now_ns());
   side.governor.energy_spent_j = -0.05;  // the device has taken more than it gave
   for (int n = 0; n < 20; ++n) report(0.02);
   EXPECT_EQ(received.back().energy_percent, 0U);
@@ -83,9 +83,9 @@ TEST_F(Feed, SendsHowMuchOfTheEnergyBudgetIsSpent) {
 
 TEST_F(Feed, AWordAboutWhatWasNeverSentIsPassedOver) {
   report(0.01);
-  for (const Drawn& lie : {Drawn{0, clock.now_ns(), 60.0F}, Drawn{99, clock.now_ns(), 60.0F}, Drawn{1, clock.now_ns() + kMs, 60.0F},
-                           Drawn{1, stats->start_ns - kMs, 60.0F}}) {
-    feed.on_drawn({}, lie, place, cycle.number, clock.now_ns());
+  for (const FrameAck& lie : {FrameAck{0, clock.now_ns(), 60.0F}, FrameAck{99, clock.now_ns(), 60.0F},
+                              FrameAck{1, clock.now_ns() + kMs, 60.0F}, FrameAck{1, stats->start_ns - kMs, 60.0F}}) {
+    feed.on_frame_ack({}, lie, place, cycle.number, clock.now_ns());
   }
   EXPECT_EQ(stats->drawn, 0U);
 }
@@ -93,7 +93,7 @@ TEST_F(Feed, AWordAboutWhatWasNeverSentIsPassedOver) {
 TEST_F(Feed, ReportsTheRateOfTheSamplesSinceTheLastStatistics) {
   for (int n = 0; n < 500; ++n) {
     report(0.001 * n);
-    if (!received.empty()) feed.on_drawn({}, drawn(), place, cycle.number, clock.now_ns());
+    if (!received.empty()) feed.on_frame_ack({}, drawn(), place, cycle.number, clock.now_ns());
   }
   feed.refresh_statistics(cycle.number, clock.now_ns());
   for (int n = 0; n < 200; ++n) report(0.5 + 0.001 * n);

@@ -20,7 +20,7 @@ TEST(VisionPaces, TheNextStateWaitsForTheLastToBeDrawn) {
   VisionPace pace(240.0);
   EXPECT_EQ(pace.decide(0, state_at(1), 0), Decision::send);
   for (std::int64_t ms = 1; ms < 40; ++ms) EXPECT_EQ(pace.decide(0, state_at(static_cast<std::uint64_t>(ms)), ms * kMs), Decision::wait);
-  pace.on_drawn(0, Drawn{1, 0, 60.0F}, 40 * kMs);
+  pace.on_frame_ack(0, FrameAck{1, 0, 60.0F}, 40 * kMs);
   EXPECT_EQ(pace.decide(0, state_at(41), 40 * kMs), Decision::send);
 }
 
@@ -34,16 +34,16 @@ TEST(VisionPaces, ALostStateIsSentAgain) {
 TEST(VisionPaces, APictureOfAnOlderStateAsksForNothing) {
   VisionPace pace(240.0);
   EXPECT_EQ(pace.decide(0, state_at(7), 0), Decision::send);
-  pace.on_drawn(0, Drawn{6, 0, 60.0F}, kMs);
+  pace.on_frame_ack(0, FrameAck{6, 0, 60.0F}, kMs);
   EXPECT_EQ(pace.decide(0, state_at(9), 10 * kMs), Decision::wait);
 }
 
 TEST(VisionPaces, TheNextStateComesFreshWhenVisionWouldDrawAgain) {
   VisionPace pace(240.0);
   EXPECT_EQ(pace.decide(0, state_at(1), 0), Decision::send);
-  Drawn drawn{1, 0, 60.0F};
+  FrameAck drawn{1, 0, 60.0F};
   drawn.rest_ns = 12 * kMs;
-  pace.on_drawn(0, drawn, 5 * kMs);
+  pace.on_frame_ack(0, drawn, 5 * kMs);
   EXPECT_EQ(pace.decide(0, state_at(2), 17 * kMs - 1), Decision::wait);
   EXPECT_EQ(pace.decide(0, state_at(3), 17 * kMs), Decision::send);
 }
@@ -51,18 +51,18 @@ TEST(VisionPaces, TheNextStateComesFreshWhenVisionWouldDrawAgain) {
 TEST(VisionPaces, APauseBeyondTheRepeatIsLimited) {
   VisionPace pace(240.0);
   EXPECT_EQ(pace.decide(0, state_at(1), 0), Decision::send);
-  Drawn drawn{1, 0, 60.0F};
+  FrameAck drawn{1, 0, 60.0F};
   drawn.rest_ns = 4'000'000'000;
-  pace.on_drawn(0, drawn, kMs);
+  pace.on_frame_ack(0, drawn, kMs);
   EXPECT_EQ(pace.decide(0, state_at(2), kMs + VisionPace::kRepeatNs), Decision::send);
 }
 
 TEST(VisionPaces, MotionTooSmallToSeeCostsAStateAFrame) {
   VisionPace pace(240.0);
   EXPECT_EQ(pace.decide(0, state_at(1), 0), Decision::send);
-  Drawn same{1, 0, 60.0F};
+  FrameAck same{1, 0, 60.0F};
   same.unchanged = true;
-  pace.on_drawn(0, same, kMs);
+  pace.on_frame_ack(0, same, kMs);
   EXPECT_EQ(pace.decide(0, state_at(2), kMs + VisionPace::kUnseenNs - 1), Decision::wait);
   EXPECT_EQ(pace.decide(0, state_at(3), kMs + VisionPace::kUnseenNs), Decision::send);
 }
@@ -70,7 +70,7 @@ TEST(VisionPaces, MotionTooSmallToSeeCostsAStateAFrame) {
 TEST(VisionPaces, WhatHasNotChangedIsSpared) {
   VisionPace pace(240.0);
   EXPECT_EQ(pace.decide(0, state_at(1), 0), Decision::send);
-  pace.on_drawn(0, Drawn{1, 0, 60.0F}, 5 * kMs);
+  pace.on_frame_ack(0, FrameAck{1, 0, 60.0F}, 5 * kMs);
   ProbeState later = state_at(1);
   later.sample = 11;
   EXPECT_EQ(pace.decide(0, later, 10 * kMs), Decision::skip);
@@ -81,7 +81,7 @@ TEST(VisionPaces, EachNodeHasItsOwnPaceAndANewOneIsServedAtOnce) {
   VisionPace pace(240.0);
   EXPECT_EQ(pace.decide(0, state_at(1), 0), Decision::send);
   EXPECT_EQ(pace.decide(1, state_at(1), 0), Decision::send);
-  pace.on_drawn(1, Drawn{1, 0, 60.0F}, 5 * kMs);
+  pace.on_frame_ack(1, FrameAck{1, 0, 60.0F}, 5 * kMs);
   EXPECT_EQ(pace.decide(0, state_at(2), 6 * kMs), Decision::wait);
   EXPECT_EQ(pace.decide(1, state_at(2), 6 * kMs), Decision::send);
   pace.on_joined(0);

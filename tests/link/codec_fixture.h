@@ -74,7 +74,7 @@ class RandomDatagrams {
                           static_cast<ProbeStatus>(bits() % 7),
                           bits32()};
       case 7:
-        return Drawn{bits(), time, rate(), bits32(), bits32(), flag()};
+        return FrameAck{bits(), time, rate(), bits32(), bits32(), flag()};
       case 8:
         return HandTarget{flag(), vector()};
       case 9:
@@ -230,7 +230,7 @@ inline void expect_equal(const ProbeState& a, const ProbeState& b) {
   EXPECT_EQ(a.status, b.status);
   EXPECT_EQ(a.energy_percent, b.energy_percent);
 }
-inline void expect_equal(const Drawn& a, const Drawn& b) {
+inline void expect_equal(const FrameAck& a, const FrameAck& b) {
   EXPECT_EQ(a.echo_sample, b.echo_sample);
   EXPECT_EQ(a.echo_sample_time_ns, b.echo_sample_time_ns);
   EXPECT_EQ(a.frame_rate_hz, b.frame_rate_hz);

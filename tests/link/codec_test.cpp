@@ -115,7 +115,7 @@ TEST_F(CodecTest, ReportsAnUnknownMessageAndSkipsUnknownFields) {
 
 TEST_F(CodecTest, RejectsTwoMessagesInOne) {
   Bytes both = encode(Datagram{{}, Hello{}});
-  const Bytes drawn = encode(Datagram{{}, Drawn{1, 2, 3.0F}});
+  const Bytes drawn = encode(Datagram{{}, FrameAck{1, 2, 3.0F}});
   both.insert(both.end(), drawn.begin(), drawn.end());
   EXPECT_EQ(decode(both), DecodeStatus::bad_value);
 }
@@ -141,7 +141,7 @@ TEST_F(CodecTest, RejectsValuesOutsideTheContract) {
     EXPECT_EQ(round_trip(ProbeState{.round_trip_p99_us = static_cast<float>(bad)}), DecodeStatus::bad_value);
     EXPECT_EQ(round_trip(HandTarget{true, Vec3(bad, 0, 0)}), DecodeStatus::bad_value);
     EXPECT_EQ(round_trip(Welcome{true, bad}), DecodeStatus::bad_value);
-    EXPECT_EQ(round_trip(Drawn{1, 2, static_cast<float>(bad)}), DecodeStatus::bad_value);
+    EXPECT_EQ(round_trip(FrameAck{1, 2, static_cast<float>(bad)}), DecodeStatus::bad_value);
     EXPECT_EQ(round_trip(Settings{.servo_rate_hz = bad}), DecodeStatus::bad_value);
     for (const std::size_t place : {0U, 3U, 11U}) {
       ViewTransform view;
@@ -169,7 +169,7 @@ TEST_F(CodecTest, RejectsValuesOutsideTheContract) {
   EXPECT_EQ(round_trip(SceneFacts{.preparing_s = kNan}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(SceneFacts{.preparing_s = -1.0F}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(SceneFacts{.point_count = 1, .points_m = {{{0, 0, 2e9F}}}}), DecodeStatus::bad_value);
-  EXPECT_EQ(round_trip(Drawn{1, 2, -1.0F}), DecodeStatus::bad_value);
+  EXPECT_EQ(round_trip(FrameAck{1, 2, -1.0F}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(ReportPart{.part = 2, .parts = 2}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(ReportRequest{.document = static_cast<ReportDocument>(2)}), DecodeStatus::bad_value);
 }

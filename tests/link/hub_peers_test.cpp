@@ -223,12 +223,12 @@ TEST_F(HubPeersTest, CountsAndDropsWhatDoesNotBelong) {
   send(node, Hello{NodeRole::vision}, 0);
   event();
 
-  send(node, Drawn{}, kSession + 1);
+  send(node, FrameAck{}, kSession + 1);
   EXPECT_TRUE(events().empty());
   EXPECT_EQ(hub_->counts().other_session, 1U);
 
   RawNode thief = raw_node(3, 20);
-  send(thief, Drawn{});
+  send(thief, FrameAck{});
   send(thief, Hello{NodeRole::vision});
   EXPECT_TRUE(events().empty());
   EXPECT_EQ(hub_->counts().unknown_peers, 2U);
@@ -351,7 +351,7 @@ TEST_F(RoleRights, APeerIsAcceptedUnderItsOwnKeyAlone) {
 
 TEST_F(RoleRights, EachRoleSendsWhatIsItsOwn) {
   const std::vector<std::pair<Message, NodeRole>> messages = {{ForceCommand{}, NodeRole::haptics}, {HapticsSetup{}, NodeRole::haptics},
-                                                              {ViewTransform{}, NodeRole::vision}, {Drawn{}, NodeRole::vision},
+                                                              {ViewTransform{}, NodeRole::vision}, {FrameAck{}, NodeRole::vision},
                                                               {HandTarget{}, NodeRole::vision},    {Settings{}, NodeRole::tool},
                                                               {ReportRequest{}, NodeRole::tool}};
   const std::vector<std::pair<NodeRole, KeyRole>> nodes = {

@@ -37,7 +37,7 @@ void lengthen(ViewTransform& m) { m = {kMost32, kPose}; }
 void lengthen(ProbeState& m) {
   m = {kMost64, kLeastTime, kVector, kRotation, kVector, kVector, true, kMost32, kRate, kRate, kRate, kMost32, ProbeStatus::too_small};
 }
-void lengthen(Drawn& m) { m = {kMost64, kLeastTime, kRate, kMost32}; }
+void lengthen(FrameAck& m) { m = {kMost64, kLeastTime, kRate, kMost32}; }
 void lengthen(HandTarget& m) { m = {true, kVector}; }
 void lengthen(Settings& m) {
   m.servo_rate_hz = kMaxServoRateHz;

@@ -66,7 +66,7 @@ TEST(SessionCodec, GivesBackEveryKindOfEntry) {
 
 TEST(SessionCodec, GivesBackAHeader) {
   SessionCodec codec;
-  const SessionHeader header{"0.1.0", 5, 6, 7, "silence", {{"rate", "1000"}, {"device", "simulated"}}};
+  const SessionHeader header{"0.1.0", 5, 6, 7, "command-timeout", {{"rate", "1000"}, {"device", "simulated"}}};
   std::string bytes;
   codec.append(header, bytes);
   SessionHeader read;
@@ -75,7 +75,7 @@ TEST(SessionCodec, GivesBackAHeader) {
   EXPECT_EQ(read.start_ns, 5);
   EXPECT_EQ(read.start_unix_ns, 6);
   EXPECT_EQ(read.session, 7U);
-  EXPECT_EQ(read.fault, "silence");
+  EXPECT_EQ(read.fault, "command-timeout");
   EXPECT_EQ(read.settings, header.settings);
 }
 

@@ -44,7 +44,7 @@ class PatchStage {
   }
 
   struct Felt {
-    std::optional<PatchFeel> patch;
+    std::optional<PatchOutput> patch;
     TouchOutput whole;
   };
 

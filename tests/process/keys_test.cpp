@@ -99,13 +99,13 @@ TEST(Keys, ANodeWithAnotherOneIsMetWithSilenceAndTheHubSaysSo) {
   Program unknown("haptics_node",
                   {"--hub", system.hub(), "--scene", (system.folder() / "cube.toml").string(), "--key", make_key(system, "other.key")},
                   system.folder());
-  const auto is_refused = [](const Json& report) { return count(report, "rejected_wrong_key") > 0; };
-  const Json refused = system.wait_for_report(is_refused);
-  EXPECT_TRUE(is_refused(refused)) << refused;
-  EXPECT_EQ(count(refused, "joins_rejected"), 0);
+  const auto is_rejected = [](const Json& report) { return count(report, "rejected_wrong_key") > 0; };
+  const Json rejected = system.wait_for_report(is_rejected);
+  EXPECT_TRUE(is_rejected(rejected)) << rejected;
+  EXPECT_EQ(count(rejected, "joins_rejected"), 0);
   EXPECT_TRUE(System::wait_until([&] { return system["io_node"].err().find("hapton keygen --role ROLE") != std::string::npos; }));
   EXPECT_TRUE(System::wait_until([&] { return unknown.err().find("no reply from a hub") != std::string::npos; }));
-  const auto goes_on = [&](const Json& report) { return count(report, "contact_samples") > count(refused, "contact_samples") + 100; };
+  const auto goes_on = [&](const Json& report) { return count(report, "contact_samples") > count(rejected, "contact_samples") + 100; };
   EXPECT_TRUE(goes_on(system.wait_for_report(goes_on)));
   unknown.send_signal(SIGTERM);
   const auto ended = unknown.wait(kPatience);

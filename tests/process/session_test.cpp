@@ -95,9 +95,9 @@ TEST_F(Sessions, ACutFileGivesWhatIsBeforeTheCut) {
 
 TEST_F(Sessions, AnotherSceneThanTheRecordedOneIsRejected) {
   record();
-  const Ended refused = session({"replay", file.string(), "--scene", HAPTON_SOURCE_DIR "/meshes/wingnut.obj"});
-  EXPECT_EQ(refused.exit_code, 1);
-  EXPECT_THAT(refused.err, HasSubstr("is not the scene that was recorded"));
+  const Ended rejected = session({"replay", file.string(), "--scene", HAPTON_SOURCE_DIR "/meshes/wingnut.obj"});
+  EXPECT_EQ(rejected.exit_code, 1);
+  EXPECT_THAT(rejected.err, HasSubstr("is not the scene that was recorded"));
 }
 
 TEST_F(Sessions, AHapticsNodeKilledInContactLeavesItsLastTwoSeconds) {
@@ -118,10 +118,10 @@ TEST_F(Sessions, AHapticsNodeKilledInContactLeavesItsLastTwoSeconds) {
     return !files.empty();
   }));
   ASSERT_FALSE(files.empty());
-  EXPECT_THAT(files[0].filename().string(), HasSubstr("-silence.hapton"));
+  EXPECT_THAT(files[0].filename().string(), HasSubstr("-command-timeout.hapton"));
   const Ended text = session({"info", files[0].string()});
   EXPECT_EQ(text.exit_code, 0) << text.err;
-  EXPECT_THAT(text.out, HasSubstr("flight record: silence"));
+  EXPECT_THAT(text.out, HasSubstr("flight record: command-timeout"));
   system.end("io_node");
 }
 

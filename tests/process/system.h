@@ -159,7 +159,7 @@ class Onlooker {
       if (const auto* probe = std::get_if<ProbeState>(&datagram.message)) {
         state = *probe;
         sent_ns_ = datagram.header.send_time_ns;
-        client_.send(Drawn{probe->sample, probe->sample_time_ns, 60.0F});
+        client_.send(FrameAck{probe->sample, probe->sample_time_ns, 60.0F});
         return true;
       }
     }

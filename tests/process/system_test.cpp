@@ -131,8 +131,8 @@ TEST(Haptics, TheSecondOneWaitsUntilTheFirstIsGone) {
   system.start("haptics_node");
   ASSERT_TRUE(has_contact(system.wait_for_report(has_contact)));
   const auto second = system.start_another("haptics_node");
-  const Json refused = system.wait_for_report([](const Json& report) { return count(report, "joins_rejected") > 0; });
-  EXPECT_GT(count(refused, "joins_rejected"), 0);
+  const Json rejected = system.wait_for_report([](const Json& report) { return count(report, "joins_rejected") > 0; });
+  EXPECT_GT(count(rejected, "joins_rejected"), 0);
   EXPECT_TRUE(second->is_running());
   EXPECT_TRUE(system["haptics_node"].is_running());
 
@@ -170,7 +170,7 @@ TEST(Hub, GoesOnFromOneRateToAnotherAndBetweenMethods) {
     const auto set = run("hapton", {"set", "--hub", system.hub(), "--rate", rate}, system.folder());
     ASSERT_TRUE(set);
     EXPECT_EQ(set->exit_code, 0) << set->err;
-    EXPECT_EQ(system.request_report().at("rates_hz").at("servo_asked"), std::stod(rate));
+    EXPECT_EQ(system.request_report().at("rates_hz").at("servo_requested"), std::stod(rate));
   }
   for (const char* method : {"reference", "sweep"}) {
     const auto set = run("hapton", {"set", "--hub", system.hub(), "--method", method}, system.folder());
@@ -197,11 +197,11 @@ TEST(Haptics, AnUnusableMethodIsRejectedWithItsReasonAtTheRequester) {
   system.start("haptics_node");
   ASSERT_TRUE(has_contact(system.wait_for_report(has_contact)));
   for (const char* method : {"smooth", "sweep"}) {
-    const auto refused = set(method);
-    ASSERT_TRUE(refused);
-    EXPECT_EQ(refused->exit_code, 1) << method;
-    EXPECT_NE(refused->err.find("radius"), std::string::npos) << refused->err;
-    EXPECT_EQ(std::count(refused->err.begin(), refused->err.end(), '\n'), 1) << refused->err;
+    const auto rejected = set(method);
+    ASSERT_TRUE(rejected);
+    EXPECT_EQ(rejected->exit_code, 1) << method;
+    EXPECT_NE(rejected->err.find("radius"), std::string::npos) << rejected->err;
+    EXPECT_EQ(std::count(rejected->err.begin(), rejected->err.end(), '\n'), 1) << rejected->err;
   }
   const auto taken = set("reference");
   ASSERT_TRUE(taken);

@@ -35,7 +35,7 @@ LatencyReport sample_report() {
 
 TEST(ReportTest, JsonHoldsEveryFigure) {
   const nlohmann::json json = nlohmann::json::parse(to_json(sample_report()));
-  EXPECT_EQ(json["schema"], "hapton.report/2");
+  EXPECT_EQ(json["schema"], "hapton.report/3");
   EXPECT_EQ(json["program"], "io_node");
   EXPECT_EQ(json["seconds"], 2.5);
   EXPECT_EQ(json["rates_hz"]["servo"], 999.5);
@@ -97,9 +97,9 @@ TEST(ReportTest, WritesBothFilesOrSaysWhyNot) {
   EXPECT_EQ(nlohmann::json::parse(json)["program"], "io_node");
   EXPECT_TRUE(std::filesystem::exists(folder / "out" / "latency.csv"));
 
-  const Result<void> refused = write_report(sample_report(), folder / "out" / "report.json" / "below");
-  ASSERT_FALSE(refused);
-  EXPECT_THAT(refused.error().what, HasSubstr("cannot write"));
+  const Result<void> rejected = write_report(sample_report(), folder / "out" / "report.json" / "below");
+  ASSERT_FALSE(rejected);
+  EXPECT_THAT(rejected.error().what, HasSubstr("cannot write"));
   std::filesystem::remove_all(folder);
 }
 

@@ -100,7 +100,7 @@ TEST_F(TomlFiles, SayWhereTheyAreWrong) {
   EXPECT_THAT(rejection("n = [0, 2, 0]", [&](TomlReader& r) { r.read("n", place, 0.0, 1.0); }), HasSubstr("number 2 of 'n' is 2"));
   EXPECT_THAT(rejection("n = [0]", [](TomlReader& r) { r.tables("n"); }), HasSubstr("[[n]]"));
   EXPECT_THAT(rejection("n = 0", [](TomlReader& r) { r.table("n"); }), HasSubstr("[n]"));
-  EXPECT_THAT(rejection("\nn = 0", [](TomlReader& r) { r.refuse("n", "no n wanted"); }), EndsWith("f.toml:2: no n wanted"));
+  EXPECT_THAT(rejection("\nn = 0", [](TomlReader& r) { r.reject("n", "no n wanted"); }), EndsWith("f.toml:2: no n wanted"));
   EXPECT_EQ(number, 1.0);
   EXPECT_EQ(place, Vec3::Ones());
 }

@@ -214,7 +214,7 @@ TEST(MeshFile, SurvivesDamage) {
   std::mt19937 random(seed);
   const ScratchFolder folder;
   int read = 0;
-  int refused = 0;
+  int rejected = 0;
   for (const Sample& sample : samples()) {
     for (int round = 0; round < 1500; ++round) {
       std::string damaged = sample.bytes;
@@ -239,7 +239,7 @@ TEST(MeshFile, SurvivesDamage) {
       }
       const auto path = folder.write(sample.name, damaged);
       const auto file = load_mesh_file(path);
-      ++(file ? read : refused);
+      ++(file ? read : rejected);
       if (file)
         expect_sound(file->mesh);
       else
@@ -247,7 +247,7 @@ TEST(MeshFile, SurvivesDamage) {
     }
   }
   EXPECT_GT(read, 100);
-  EXPECT_GT(refused, 100);
+  EXPECT_GT(rejected, 100);
 }
 
 TEST(MeshFile, GivesAPartByItsName) {

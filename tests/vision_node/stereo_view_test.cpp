@@ -328,9 +328,9 @@ TEST(StereoView, ScreenshotIsAPngOfTheWindow) {
   EXPECT_EQ(head[18] * 256 + head[19], 320);
   EXPECT_EQ(head[22] * 256 + head[23], 180);
   std::filesystem::remove(file);
-  const auto refused = view->save_png("/nowhere/at/all.png");
-  ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().what.find("/nowhere/at/all.png"), std::string::npos);
+  const auto rejected = view->save_png("/nowhere/at/all.png");
+  ASSERT_FALSE(rejected);
+  EXPECT_NE(rejected.error().what.find("/nowhere/at/all.png"), std::string::npos);
 }
 
 TEST(StereoView, OnScreenWindowDrawsTheSameAsOffScreen) {

@@ -31,7 +31,7 @@ bool is_pose(const DeviceSample& sample) {
 
 std::string_view to_string(GovernorBreach breach) noexcept {
   constexpr std::array<std::string_view, static_cast<std::size_t>(GovernorBreach::count)> kNames = {
-      "not finite", "force",  "torque",    "force slew", "torque slew", "silence",     "ramp",
+      "not finite", "force",  "torque",    "force slew", "torque slew", "command timeout", "ramp",
       "heat",       "energy", "workspace", "gate",       "unlatched",   "not latched",
   };
   return kNames[static_cast<std::size_t>(breach)];
@@ -172,7 +172,7 @@ void GovernorEvaluator::check_slew(const Wrench& out, double passed_s) noexcept 
 
 void GovernorEvaluator::check_timeout(const Wrench& out) noexcept {
   const bool is_silent = accepted_ == 0 || now_ns_ - answered_ns_ >= kPeerTimeoutNs;
-  breach_if(GovernorBreach::silence, is_silent && (size_of(out.force_n) > 0.0 || size_of(out.torque_nm) > 0.0));
+  breach_if(GovernorBreach::command_timeout, is_silent && (size_of(out.force_n) > 0.0 || size_of(out.torque_nm) > 0.0));
 }
 
 double GovernorEvaluator::energy_share() const noexcept {

@@ -12,18 +12,18 @@ namespace hapton {
 // Properties that a governor must never violate.
 enum class GovernorBreach : std::uint8_t {
   not_finite,
-  force,        // above max_force, or above a lowered one for longer than a release takes
-  torque,       // as force
-  force_slew,   // changed faster than max_slew; a release may be as fast as the device's own
-  torque_slew,  // as force_slew
-  silence,      // not zero 20 ms after the sample of the last force that counted
-  ramp,         // more than the ramp's share of max_force after an opening
-  heat,         // more than the thermal budget allows
-  energy,       // more than the energy budget allows
-  workspace,    // outward force above the soft stop's limit, or not released in time
-  gate,         // not released although latched, away, calibrating, pose timed out or not held
-  unlatched,    // a fault ended without a reset
-  not_latched,  // a fault that latches has not
+  force,            // above max_force, or above a lowered one for longer than a release takes
+  torque,           // as force
+  force_slew,       // changed faster than max_slew; a release may be as fast as the device's own
+  torque_slew,      // as force_slew
+  command_timeout,  // not zero 20 ms after the sample of the last force that counted
+  ramp,             // more than the ramp's share of max_force after an opening
+  heat,             // more than the thermal budget allows
+  energy,           // more than the energy budget allows
+  workspace,        // outward force above the soft stop's limit, or not released in time
+  gate,             // not released although latched, away, calibrating, pose timed out or not held
+  unlatched,        // a fault ended without a reset
+  not_latched,      // a fault that latches has not
   count,
 };
 std::string_view to_string(GovernorBreach breach) noexcept;

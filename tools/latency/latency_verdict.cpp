@@ -32,7 +32,7 @@ Result<LatencyVerdict> evaluate_latency(const nlohmann::json& report) {
   const double samples = count(report, "samples");
   if (round_trip_us < 0.0 || samples <= 0.0) return fail("no force was measured; see the logs beside the report");
   LatencyVerdict verdict;
-  verdict.rate_hz = report.value("rates_hz", nlohmann::json::object()).value("servo_asked", 0.0);
+  verdict.rate_hz = report.value("rates_hz", nlohmann::json::object()).value("servo_requested", 0.0);
   if (!(verdict.rate_hz > 0.0)) return fail("does not contain the servo rate");
   verdict.need_us = round_trip_us + std::max(0.0, hop_us(report, "wake_lateness", "p99_9_us"));
   const double missed = count(report, "late") + count(report, "lost") + count(report, "superseded") + count(report, "missed_cycles");

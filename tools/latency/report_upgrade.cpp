@@ -2,6 +2,7 @@
 
 #include <array>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "runtime/report.h"
 
@@ -42,6 +43,7 @@ constexpr std::array kRenamed = {
     Renamed{"refused_replayed", "rejected_replayed"},
     Renamed{"refused_forged", "rejected_forged"},
     Renamed{"refused_no_place", "rejected_no_slot"},
+    Renamed{"servo_asked", "servo_requested"},
 };
 
 void rename_keys(nlohmann::ordered_json& section) {
@@ -55,8 +57,10 @@ void rename_keys(nlohmann::ordered_json& section) {
 }  // namespace
 
 void upgrade_report(nlohmann::ordered_json& report) {
-  if (!report.is_object() || report.value("schema", "") != "hapton.report/1") return;
-  for (const char* section : {"counters", "notes"}) {
+  if (!report.is_object()) return;
+  const std::string schema = report.value("schema", "");
+  if (schema != "hapton.report/1" && schema != "hapton.report/2") return;
+  for (const char* section : {"counters", "notes", "rates_hz"}) {
     if (report.contains(section) && report[section].is_object()) rename_keys(report[section]);
   }
   report["schema"] = kReportSchema;

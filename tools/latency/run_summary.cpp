@@ -55,7 +55,7 @@ std::vector<std::string> find_troubles(const Json& report) {
   if (count("late") > kMostLateShare * count("forces")) troubles.push_back(fmt::format("{:.0f} forces late", count("late")));
   if (count("forces") == 0.0) troubles.push_back("no force came back from haptics_node");
   const double rate = number(report, "rates_hz", "samples");
-  const double requested = number(report, "rates_hz", "servo_asked");
+  const double requested = number(report, "rates_hz", "servo_requested");
   if (rate < kLeastRate * requested) troubles.push_back(fmt::format("{:.0f} samples a second of {:.0f}", rate, requested));
   return troubles;
 }

@@ -116,9 +116,10 @@ Result<TopLook> read_top_look(const std::string& json, const std::string& csv) {
 std::string make_top_view(const std::string& hub, const TopLook& now, const TopLook* before) {
   const Span span = make_span(now, before);
   const Json& rates = section(now.report, "rates_hz");
-  std::string text = fmt::format("hub {} on {}: up {:.0f} s, device {}, servo {:.1f} Hz of {:g} Hz requested\n", hub,
-                                 word(section(now.report, "machine"), "host"), number(now.report, "seconds"),
-                                 word(section(now.report, "notes"), "device"), per_second(span, "samples"), number(rates, "servo_asked"));
+  std::string text =
+      fmt::format("hub {} on {}: up {:.0f} s, device {}, servo {:.1f} Hz of {:g} Hz requested\n", hub,
+                  word(section(now.report, "machine"), "host"), number(now.report, "seconds"), word(section(now.report, "notes"), "device"),
+                  per_second(span, "samples"), number(rates, "servo_requested"));
   text +=
       fmt::format("datagrams {:.0f}/s out ({:.1f} kB/s), {:.0f}/s in ({:.1f} kB/s)\n\n", per_second(span, "datagrams_sent"),
                   1e-3 * per_second(span, "bytes_sent"), per_second(span, "datagrams_received"), 1e-3 * per_second(span, "bytes_received"));

@@ -10,7 +10,7 @@ Result<MeasuredLatency> read_measured_latency(const nlohmann::ordered_json& repo
     return found == of.end() ? nlohmann::ordered_json() : *found;
   };
   const nlohmann::ordered_json delay_us = member(member(member(report, "hops"), "round_trip"), "p99_9_us");
-  const nlohmann::ordered_json rate_hz = member(member(report, "rates_hz"), "servo_asked");
+  const nlohmann::ordered_json rate_hz = member(member(report, "rates_hz"), "servo_requested");
   if (!delay_us.is_number()) return fail("no force round trip was measured");
   if (!rate_hz.is_number() || !(rate_hz.get<double>() > 0.0)) return fail("does not tell the servo rate");
   return MeasuredLatency{rate_hz.get<double>(), 1e-6 * delay_us.get<double>()};

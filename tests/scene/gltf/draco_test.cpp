@@ -70,18 +70,18 @@ TEST(Draco, RejectsWhatItsBytesCannotHold) {
     std::string hostile = packed.substr(0, kind == DracoKind::edgebreaker ? 12 : 11);
     for (int k = 0; k < 2; ++k) hostile += "\xFF\xFF\xFF\x7F";
     hostile += packed.substr(hostile.size());
-    const auto refused = gltf::decode_draco(hostile, {.position = 0, .normal = {}, .max_triangles = kMaxMeshTriangles}, "here");
-    ASSERT_FALSE(refused);
-    EXPECT_THAT(refused.error().what, HasSubstr("promise more triangles"));
+    const auto rejected = gltf::decode_draco(hostile, {.position = 0, .normal = {}, .max_triangles = kMaxMeshTriangles}, "here");
+    ASSERT_FALSE(rejected);
+    EXPECT_THAT(rejected.error().what, HasSubstr("promise more triangles"));
   }
 }
 
 TEST(Draco, RejectsMoreThanExpected) {
   const TriangleMesh mesh = make_icosphere(1.0, 3);
-  const auto refused =
+  const auto rejected =
       gltf::decode_draco(sample::draco(mesh, DracoKind::edgebreaker), {.position = 0, .normal = {}, .max_triangles = 100}, "here");
-  ASSERT_FALSE(refused);
-  EXPECT_THAT(refused.error().what, HasSubstr("more triangles"));
+  ASSERT_FALSE(rejected);
+  EXPECT_THAT(rejected.error().what, HasSubstr("more triangles"));
 }
 
 TEST(Draco, SaysWhatIsWrong) {

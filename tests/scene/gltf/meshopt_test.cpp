@@ -87,9 +87,9 @@ TEST(Meshopt, DoesNotBelieveCounts) {
   for (const auto& [mode, stride] : {std::pair("ATTRIBUTES", 12), {"TRIANGLES", 4}, {"INDICES", 4}}) {
     const auto layout = gltf::meshopt_layout_of({{"mode", mode}, {"count", 3000000000U}, {"byteStride", stride}}, "here");
     ASSERT_TRUE(layout) << layout.error().what;
-    const auto refused = gltf::decode_meshopt("\xA0 some bytes", *layout, "here");
-    ASSERT_FALSE(refused);
-    EXPECT_THAT(refused.error().what, AllOf(HasSubstr("promises 3000000000 items"), HasSubstr("cut short")));
+    const auto rejected = gltf::decode_meshopt("\xA0 some bytes", *layout, "here");
+    ASSERT_FALSE(rejected);
+    EXPECT_THAT(rejected.error().what, AllOf(HasSubstr("promises 3000000000 items"), HasSubstr("cut short")));
   }
 }
 

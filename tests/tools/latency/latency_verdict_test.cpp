@@ -12,7 +12,7 @@ using ::testing::HasSubstr;
 
 nlohmann::json report(double rate_hz, double round_trip_us, double wake_us) {
   return {
-      {"rates_hz", {{"servo_asked", rate_hz}}},
+      {"rates_hz", {{"servo_requested", rate_hz}}},
       {"counters", {{"samples", 10'000}, {"late", 2}, {"lost", 1}, {"superseded", 0}, {"missed_cycles", 3}}},
       {"hops", {{"round_trip", {{"n", 10'000}, {"p99_9_us", round_trip_us}}}, {"wake_lateness", {{"n", 10'000}, {"p99_9_us", wake_us}}}}}};
 }

@@ -8,9 +8,9 @@ namespace hapton {
 namespace {
 
 nlohmann::ordered_json report(double seconds, int samples, int longest_us) {
-  return {{"schema", "hapton.report/2"},
+  return {{"schema", "hapton.report/3"},
           {"seconds", seconds},
-          {"rates_hz", {{"servo_asked", 1000.0}, {"samples", 1.0}}},
+          {"rates_hz", {{"servo_requested", 1000.0}, {"samples", 1.0}}},
           {"counters", {{"samples", samples}, {"forces", samples / 2}, {"longest_release_us", longest_us}}},
           {"ratios", {{"round_trip_over_echo_p50", 9.0}}},
           {"hops", {{"round_trip", {{"n", 5}}}}}};
@@ -24,7 +24,7 @@ TEST(LatencyWindow, HoldsTheTimeBetweenTwoReportsOnly) {
   EXPECT_EQ(window["counters"]["samples"], 2'000);
   EXPECT_EQ(window["counters"]["longest_release_us"], 400);
   EXPECT_EQ(window["rates_hz"]["samples"], 1000.0);
-  EXPECT_EQ(window["rates_hz"]["servo_asked"], 1000.0);
+  EXPECT_EQ(window["rates_hz"]["servo_requested"], 1000.0);
   EXPECT_EQ(window["hops"]["round_trip"]["n"], 100);
   EXPECT_NEAR(window["hops"]["round_trip"]["p50_us"].get<double>(), 30.1, 1e-9);
   EXPECT_NEAR(window["hops"]["round_trip"]["max_us"].get<double>(), 60.1, 1e-9);

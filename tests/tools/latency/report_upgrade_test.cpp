@@ -21,6 +21,14 @@ TEST(ReportUpgrade, GivesTheOldSchemaTheNewNames) {
   EXPECT_EQ(report["notes"], (Json{{"device", "simulated"}, {"safety_fault_text", "too hot"}}));
 }
 
+TEST(ReportUpgrade, GivesTheSecondSchemaTheNewNames) {
+  Json report = {
+      {"schema", "hapton.report/2"}, {"counters", {{"samples", 10}}}, {"rates_hz", {{"servo_asked", 1000.0}, {"samples", 999.9}}}};
+  upgrade_report(report);
+  EXPECT_EQ(report["schema"], kReportSchema);
+  EXPECT_EQ(report["rates_hz"], (Json{{"samples", 999.9}, {"servo_requested", 1000.0}}));
+}
+
 TEST(ReportUpgrade, LeavesAnyOtherAsItIs) {
   const std::vector<Json> others = {{{"schema", kReportSchema}, {"counters", {{"silence_events", 3}}}},
                                     {{"schema", "hapton.report/9"}},

@@ -11,9 +11,9 @@ using ::testing::Not;
 using Json = nlohmann::ordered_json;
 
 Json make_report() {
-  return {{"schema", "hapton.report/2"},
+  return {{"schema", "hapton.report/3"},
           {"seconds", 6.0},
-          {"rates_hz", {{"samples", 1999.3}, {"servo_asked", 2000.0}}},
+          {"rates_hz", {{"samples", 1999.3}, {"servo_requested", 2000.0}}},
           {"counters",
            {{"samples", 12000},
             {"forces", 11900},
@@ -72,7 +72,7 @@ TEST(RunSummary, NamesEachThingThatDidNotHold) {
 }
 
 TEST(RunSummary, OfAReportWithoutTheKeysClaimsNothing) {
-  const RunSummary summary = summarise_run(Json{{"schema", "hapton.report/2"}, {"hops", Json::object()}}, "x");
+  const RunSummary summary = summarise_run(Json{{"schema", "hapton.report/3"}, {"hops", Json::object()}}, "x");
   EXPECT_FALSE(summary.touched);
   EXPECT_FALSE(summary.held);
   EXPECT_THAT(summary.text, Not(HasSubstr("round trip")));

@@ -16,7 +16,7 @@ TopLook look_after(double seconds, int slow_samples) {
   report.program = "io_node";
   report.machine.host = "io-host";
   report.seconds = seconds;
-  report.rates_hz = {{"servo_asked", 1000.0}};
+  report.rates_hz = {{"servo_requested", 1000.0}};
   const auto samples = static_cast<std::int64_t>(1000 * seconds);
   report.counters = {{"samples", samples}, {"lost", 2 * static_cast<std::int64_t>(seconds)}, {"clamped", 0}, {"bytes_sent", 100 * samples}};
   report.notes = {{"device", "simulated"}};
@@ -76,7 +76,7 @@ TEST(TopView, AHubThatBeganAgainIsShownFromItsStart) {
 TEST(TopView, RubbishIsNamedAndAnEmptyReportShown) {
   EXPECT_FALSE(read_top_look("hello", ""));
   EXPECT_FALSE(read_top_look("{\"schema\": \"other\"}", ""));
-  const auto empty = read_top_look("{\"schema\": \"hapton.report/2\"}", "");
+  const auto empty = read_top_look("{\"schema\": \"hapton.report/3\"}", "");
   ASSERT_TRUE(empty);
   EXPECT_THAT(make_top_view("h", *empty, nullptr), HasSubstr("no node has joined"));
 }

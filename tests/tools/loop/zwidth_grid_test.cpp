@@ -140,7 +140,7 @@ TEST(ZWidthPlot, DrawsACurveForEachLoopAndRate) {
 
 TEST(MeasuredLatency, IsTheRoundTripsAtP999) {
   const nlohmann::ordered_json report = {{"hops", {{"round_trip", {{"n", 10}, {"p99_9_us", 250.0}}}}},
-                                         {"rates_hz", {{"servo_asked", 2000}}}};
+                                         {"rates_hz", {{"servo_requested", 2000}}}};
   const auto latency = read_measured_latency(report);
   ASSERT_TRUE(latency);
   EXPECT_DOUBLE_EQ(latency->delay_s, 250e-6);
@@ -151,7 +151,7 @@ TEST(MeasuredLatency, RefusesWhatMeasuredNone) {
   EXPECT_FALSE(read_measured_latency({}));
   EXPECT_FALSE(read_measured_latency(nlohmann::ordered_json::array()));
   EXPECT_FALSE(read_measured_latency({{"hops", {{"round_trip", {{"p99_9_us", 250.0}}}}}}));
-  EXPECT_FALSE(read_measured_latency({{"hops", 3}, {"rates_hz", {{"servo_asked", 2000}}}}));
+  EXPECT_FALSE(read_measured_latency({{"hops", 3}, {"rates_hz", {{"servo_requested", 2000}}}}));
 }
 
 }  // namespace
