@@ -42,7 +42,7 @@ class TomlReader {
   TomlReader table(std::string_view key);
 
   // Reports an error that the caller found, at this key (or at the table, if it has no such key).
-  void refuse(std::string_view key, std::string_view what);
+  void reject(std::string_view key, std::string_view what);
 
   // Error: the first of the whole file, "FILE:LINE: what".
   Result<void> result() const;
