@@ -92,12 +92,12 @@ Result<WoodenSettings> read_wooden_settings(const std::filesystem::path& path) {
   reader->read("gravity_compensation", settings.has_gravity_compensation);
   reader->read("report_bytes", settings.report_bytes, 8, 14);
   if (reader->has("report_bytes") && settings.report_bytes != 8 && settings.report_bytes != 14) {
-    reader->refuse("report_bytes", "'report_bytes' is 8 or 14");
+    reader->reject("report_bytes", "'report_bytes' is 8 or 14");
   }
   constexpr std::array kBodies = {"body_a", "body_b", "body_c"};
   for (std::size_t n = 0; n < 3; ++n) read_body(reader->table(kBodies[n]), settings.arm.bodies[n]);
   if (const auto joints = reader->tables("wrist"); !joints.empty()) {
-    if (joints.size() != 3) reader->refuse("wrist", "[[wrist]] must appear three times, for the encoders from the lower arm to the stylus");
+    if (joints.size() != 3) reader->reject("wrist", "[[wrist]] must appear three times, for the encoders from the lower arm to the stylus");
     WoodenWrist wrist;
     for (std::size_t n = 0; n < std::min<std::size_t>(3, joints.size()); ++n) read_joint(joints[n], wrist.joints[n]);
     settings.wrist = wrist;

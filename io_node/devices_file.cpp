@@ -142,7 +142,7 @@ Result<std::vector<IoOptions>> read_devices_file(const std::filesystem::path& pa
   if (!file) return tl::unexpected(file.error());
   file->allow({"device"});
   std::vector<TomlReader> tables = file->tables("device");
-  if (tables.empty()) file->refuse("device", "no [[device]] found: add one for each device");
+  if (tables.empty()) file->reject("device", "no [[device]] found: add one for each device");
   std::vector<IoOptions> devices;
   for (TomlReader& table : tables) {
     devices.push_back(read_device(table, common));

@@ -141,7 +141,7 @@ void TomlReader::read_path(std::string_view key, std::string& value) {
   std::string path;
   read(key, path);
   if (table_->file->error) return;
-  if (path.empty()) return refuse(key, fmt::format("'{}'{} is empty: name a file or leave it out", key, table_->in_where()));
+  if (path.empty()) return reject(key, fmt::format("'{}'{} is empty: name a file or leave it out", key, table_->in_where()));
   value = (table_->file->path.parent_path() / path).lexically_normal().string();
 }
 
