@@ -6,10 +6,10 @@
 #include <limits>
 #include <numbers>
 
+#include "core/math/dense_matrix.h"
+
 namespace hapton {
 namespace {
-
-using Complex = std::complex<double>;
 
 constexpr double kLowestTurn = 1e-3;
 constexpr int kPerTurn = 24;  // frequencies looked at for each turn of the delay, and at least kLeastPoints

@@ -7,6 +7,8 @@
 #include <limits>
 #include <numbers>
 
+#include "core/math/dense_matrix.h"
+
 namespace hapton {
 namespace {
 
@@ -82,7 +84,6 @@ class OnsetSearch {
   }
 
   HandPath swing(double angle, std::int64_t whole, std::int64_t rest_ns) const {
-    using Complex = std::complex<double>;
     constexpr double kCycles = 60.0;
     constexpr double kSpeed = 1.0;
     // Parts of a period with their shares of it; speed y / share of unit heat.
@@ -161,7 +162,6 @@ EnergyOnset find_energy_onset(const DeviceModel& device, std::int64_t period_ns,
 
 std::complex<double> measure_rendered_stiffness(ForceChain& chain, std::int64_t period_ns, double frequency_hz, double bias_m,
                                                 double amplitude_m, int cycles) {
-  using Complex = std::complex<double>;
   const double omega = 2.0 * std::numbers::pi * frequency_hz;
   const auto begin_ns = static_cast<std::int64_t>(std::llround(1e9 / frequency_hz));
   const auto end_ns = static_cast<std::int64_t>(std::llround(1e9 / frequency_hz * (1 + cycles)));

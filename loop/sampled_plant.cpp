@@ -56,7 +56,6 @@ SampledPlant::SampledPlant(const AxisPlant& plant, double period_s, double delay
 }
 
 std::complex<double> SampledPlant::response(double angle) const {
-  using Complex = std::complex<double>;
   // z - 1 without the cancellation near z = 1, where positions change little from sample to sample.
   const double half = std::sin(0.5 * angle);
   const Complex z_minus_1(-2.0 * half * half, std::sin(angle));

@@ -11,7 +11,6 @@
 namespace hapton {
 namespace {
 
-using Complex = std::complex<double>;
 constexpr double kNone = std::numeric_limits<double>::infinity();
 
 // Between two angles that are looked at, 1/L turns by no more and grows by no more (natural logarithm). Small enough that its imaginary

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,9 @@
 #include "core/geometry/touch_trajectory.h"
 
 namespace hapton {
+
+constexpr double kSphere_m = 0.0005;    // radius of the probe where one with a radius is measured
+constexpr std::uint32_t kSetSize = 64;  // triangles of a local set, as in the FDH paper
 
 // The cost of the whole haptic step (core/force/touch_step.h, as in the live node) with a method along a trajectory.
 struct MethodTiming {

@@ -19,8 +19,6 @@ using Json = nlohmann::ordered_json;
 using Peers = std::vector<std::pair<std::string, double>>;
 
 constexpr double kExtent_m = 0.1;
-constexpr double kSphere_m = 0.0005;
-constexpr std::uint32_t kSetSize = 64;
 
 std::shared_ptr<const TriangleMesh> make_bumpy(std::size_t triangles, std::uint64_t seed) {
   TriangleMesh mesh = make_bumpy_sphere(0.045, 0.25, triangles, seed);

@@ -19,8 +19,6 @@ using Json = nlohmann::ordered_json;
 constexpr double kRing_m = 0.035;
 constexpr double kTube_m = 0.015;
 constexpr double kSpacing_m = 0.14;  // 40 mm between neighbours: the free trajectory goes 11 mm away
-constexpr double kSphere_m = 0.0005;
-constexpr std::uint32_t kSetSize = 64;
 
 struct Scenes {
   TouchScene all, alone;

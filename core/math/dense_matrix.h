@@ -5,6 +5,8 @@
 
 namespace hapton {
 
+using Complex = std::complex<double>;
+
 // Eigen's solvers for matrices of any size, compiled once: a source that includes them takes a minute. RT: no.
 
 // e^a. Pre: a is square. Scaling and squaring (Higham 2005).
