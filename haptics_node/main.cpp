@@ -73,6 +73,8 @@ int run(const HapticsOptions& options) {
                       PatchSender::can_offer({setup.method.data(), setup.method.size()}), {.bits_per_s = 1e6 * options.patch_mbit_per_s});
   ReplyLoop loop(client, clock, step, builder, setup, options.method.build_on_approach, facts);
   loop.set_patch_sender(&patches);
+  StiffnessAdviser adviser(find_stiffest(scene->touch_scene()));
+  loop.set_stiffness_adviser(&adviser);
   const auto realtime = enter_realtime(options.realtime);
   if (!realtime) return give_up(realtime.error());
   const auto lines = realtime->to_lines();

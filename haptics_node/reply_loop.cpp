@@ -83,6 +83,8 @@ void ReplyLoop::handle(const Message& message) noexcept {
     if (!overtaken) step_.turn_scene(*view);
   } else if (const auto* scene = std::get_if<SceneFacts>(&message)) {
     scene_shown_ = scene->given_hash;
+  } else if (const auto* facts = std::get_if<LoopFacts>(&message)) {
+    if (!overtaken && adviser_ != nullptr) adviser_->note(*facts);
   } else if (const auto* settings = std::get_if<Settings>(&message); settings != nullptr && settings->method[0] != '\0') {
     // A requester repeats its request until the reply comes.
     if (settings->method_request != 0 && settings->method_request == last_request_) return;

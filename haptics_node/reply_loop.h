@@ -6,6 +6,7 @@
 #include "haptic_step/haptics_step.h"
 #include "haptics_node/method_builder.h"
 #include "haptics_node/patch_sender.h"
+#include "haptics_node/stiffness_adviser.h"
 #include "link/hub_client.h"
 #include "runtime/clock.h"
 #include "runtime/latency_histogram.h"
@@ -25,6 +26,8 @@ class ReplyLoop {
 
   // Before run: what offers the hub the scene in parts. Pre: outlives this.
   void set_patch_sender(PatchSender* patches) noexcept { patches_ = patches; }
+  // Before run: who is told about the hub's loop. Pre: outlives this.
+  void set_stiffness_adviser(StiffnessAdviser* adviser) noexcept { adviser_ = adviser; }
 
   // Runs until a signal requests the stop or, if `seconds` is above 0, for that time.
   void run(const StopSignal& stop, double seconds);
@@ -57,6 +60,7 @@ class ReplyLoop {
   HapticsSetup setup_;
   SceneFacts scene_;
   PatchSender* patches_ = nullptr;
+  StiffnessAdviser* adviser_ = nullptr;
   std::uint64_t scene_shown_ = 0;     // hash of the scene that a vision node last reported; 0: none
   std::uint64_t scene_reported_ = 0;  // of these, the one that the log spoke of
   bool builds_on_approach_;

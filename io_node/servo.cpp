@@ -31,6 +31,7 @@ Servo::Servo(Device& device, HubPeers& peers, const Clock& clock, const Options&
       scene_(loop_, peers, events_, stats_),
       vision_(peers, stats_, options.vision_rate_hz),
       requests_(loop_, peers, clock, events_, stats_, options.rate_hz),
+      loop_reporter_(peers, stats_, device.name()),
       peer_notices_(events_, peers),
       safety_(events_, tap) {
   peers_.set_tap(tap_);
@@ -95,6 +96,8 @@ void Servo::do_housekeeping() noexcept {
     vision_.send(forces_.history(), loop_.latest(), cycle_, view_.revision_in_use(forces_.history()), stats_.status, now_ns);
   }
   view_.repeat_if_due(now_ns);
+  // With patches the force does not cross the network.
+  if (patches_ == nullptr || !patches_->is_wanted()) loop_reporter_.send_if_due(rate_hz(), now_ns);
   if (now_ns >= next_statistics_ns_) {
     next_statistics_ns_ = now_ns + kStatisticsNs;
     vision_.refresh_statistics(cycle_.number, now_ns);

@@ -12,6 +12,7 @@
 #include "io_node/force_exchange.h"
 #include "io_node/hop_meter.h"
 #include "io_node/hub_receiver.h"
+#include "io_node/loop_reporter.h"
 #include "io_node/patch_link.h"
 #include "io_node/peer_notices.h"
 #include "io_node/report_server.h"
@@ -119,6 +120,7 @@ class Servo final : private PeerEventHandler {
   SceneRelay scene_;
   VisionFeed vision_;
   RequestHandler requests_;
+  LoopReporter loop_reporter_;
   PeerNotices peer_notices_;
   SafetyNotices safety_;
   StatsPublisher publisher_;

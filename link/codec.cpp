@@ -86,12 +86,14 @@ constexpr std::tuple kMessageKinds{
                                               &wire::Envelope::mutable_patch_begin},
     MessageKind<PatchStatus, wire::PatchStatus>{&wire::Envelope::has_patch_status, &wire::Envelope::patch_status,
                                                 &wire::Envelope::mutable_patch_status},
+    MessageKind<LoopFacts, wire::LoopFacts>{&wire::Envelope::has_loop_facts, &wire::Envelope::loop_facts,
+                                            &wire::Envelope::mutable_loop_facts},
     MessageKind<Bye, wire::Bye>{&wire::Envelope::has_bye, &wire::Envelope::bye, &wire::Envelope::mutable_bye},
 };
 constexpr std::size_t kKindCount = std::tuple_size_v<decltype(kMessageKinds)>;
 static_assert(kKindCount == std::variant_size_v<Message>);
 // Fields 1 to 5 of an Envelope are its header, the others one kind each, from 16 on.
-static_assert(wire::Envelope::kPatchStatusFieldNumber == 15 + kKindCount, "the last kind of hapton.proto, and its line in kMessageKinds");
+static_assert(wire::Envelope::kLoopFactsFieldNumber == 15 + kKindCount, "the last kind of hapton.proto, and its line in kMessageKinds");
 
 // Calls visit with each kind until one returns true.
 template <class Visit>
@@ -192,6 +194,7 @@ void reserve(wire::SceneFacts& m) {
 void reserve(wire::ReportRequest&) {}
 void reserve(wire::ReportPart& m) { m.mutable_text()->reserve(kMaxDatagramBytes); }
 void reserve(wire::ViewRejected&) {}
+void reserve(wire::LoopFacts& m) { m.mutable_device()->reserve(kMaxDatagramBytes); }
 void reserve(wire::PatchBegin& m) { reserve_field(*m.mutable_origin_m()); }
 // A varint takes a byte at least.
 void reserve(wire::PatchCell& m) {

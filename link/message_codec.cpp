@@ -193,6 +193,12 @@ void write(const ReportPart& from, wire::ReportPart& to) {
 
 void write(const ViewRejected& from, wire::ViewRejected& to) { to.set_revision(from.revision); }
 
+void write(const LoopFacts& from, wire::LoopFacts& to) {
+  write_text(from.device, *to.mutable_device());
+  to.set_servo_rate_hz(from.servo_rate_hz);
+  to.set_round_trip_s(from.round_trip_s);
+}
+
 // --- reading: false for a value that the contract rules out ---
 
 bool read(const wire::Hello& from, Hello& to) {
@@ -322,6 +328,14 @@ bool read(const wire::ReportPart& from, ReportPart& to) {
 bool read(const wire::ViewRejected& from, ViewRejected& to) {
   to.revision = from.revision();
   return true;
+}
+
+bool read(const wire::LoopFacts& from, LoopFacts& to) {
+  to.servo_rate_hz = from.servo_rate_hz();
+  to.round_trip_s = from.round_trip_s();
+  const bool is_rate = to.servo_rate_hz >= 0.0 && to.servo_rate_hz <= kMaxServoRateHz;
+  const bool is_time = to.round_trip_s >= 0.0F && to.round_trip_s <= static_cast<float>(kMaxWireMagnitude);
+  return is_rate && is_time && read_text(from.device(), to.device);
 }
 
 bool read(const wire::ViewTransform& from, ViewTransform& to) {

@@ -242,9 +242,16 @@ struct PatchStatus {
   float round_trip_s = 0.0F;                             // as the hub measures it
 };
 
+// hub -> haptics, once a second, while the force comes from there: the loop that the scene's stiffness has to suit.
+struct LoopFacts {
+  std::array<char, 16> device = {};  // NUL-padded name of the kind of device (Device::name)
+  double servo_rate_hz = 0.0;
+  float round_trip_s = 0.0F;  // from the sample to its force, p99 since the start
+};
+
 using Message =
     std::variant<Hello, Welcome, Bye, DeviceState, ForceCommand, ViewTransform, ProbeState, FrameAck, HandTarget, Settings, HapticsSetup,
-                 ReportRequest, ReportPart, SceneFacts, ViewRejected, PatchBegin, PatchCell, PatchTile, PatchStatus>;
+                 ReportRequest, ReportPart, SceneFacts, ViewRejected, PatchBegin, PatchCell, PatchTile, PatchStatus, LoopFacts>;
 
 // In front of every message.
 struct Header {

@@ -131,6 +131,23 @@ const DevicePreset* find_device_preset(std::string_view name) noexcept {
   return found == presets().end() ? nullptr : &*found;
 }
 
+std::vector<const DevicePreset*> presets_of_device(std::string_view kind) {
+  struct Kind {
+    std::string_view name;
+    std::vector<std::string_view> presets;
+  };
+  static const std::vector<Kind> kKinds = {{"simulated", {"model-a"}},
+                                           {"openhaptics", {"model-a", "premium-1.5", "touch"}},
+                                           {"forcedimension", {"omega.3", "falcon"}},
+                                           {"WoodenHaptics", {"wooden"}}};
+  std::vector<const DevicePreset*> found;
+  for (const Kind& one : kKinds) {
+    if (one.name != kind) continue;
+    for (const std::string_view name : one.presets) found.push_back(find_device_preset(name));
+  }
+  return found;
+}
+
 std::string device_preset_names() {
   std::string names;
   for (const DevicePreset& device : presets()) names += (names.empty() ? "" : ", ") + std::string(device.name);

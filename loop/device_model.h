@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "devices/device.h"
 
@@ -48,6 +49,8 @@ struct DevicePreset {
 std::span<const DevicePreset> device_presets() noexcept;
 // Null when there is none of that name. RT: yes.
 const DevicePreset* find_device_preset(std::string_view name) noexcept;
+// What a kind of device (Device::name) may be; empty where none of them is. RT: set-up only.
+std::vector<const DevicePreset*> presets_of_device(std::string_view kind);
 // "model-a, premium-1.5, ..." for help texts. RT: set-up only.
 std::string device_preset_names();
 

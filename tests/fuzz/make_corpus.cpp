@@ -83,6 +83,7 @@ bool write_sealed() {
                        {kToNode, DeviceState()},
                        {kToNode, ViewTransform()},
                        {kToNode, ViewRejected{1}},
+                       {kToNode, LoopFacts{}},
                        {kToNode, Settings()},
                        {kToNode, Bye()}}));
 }

@@ -95,6 +95,8 @@ class RandomDatagrams {
         return draw_cell();
       case 17:
         return draw_tile();
+      case 18:
+        return LoopFacts{{'s', 'i', 'm'}, rate(), static_cast<float>(number(0, 1))};
       default:
         return draw_status();
     }
@@ -284,6 +286,9 @@ inline void expect_equal(const SceneFacts& a, const SceneFacts& b) {
 }
 
 inline void expect_equal(const ViewRejected& a, const ViewRejected& b) { EXPECT_EQ(a.revision, b.revision); }
+inline void expect_equal(const LoopFacts& a, const LoopFacts& b) {
+  EXPECT_EQ(std::tie(a.device, a.servo_rate_hz, a.round_trip_s), std::tie(b.device, b.servo_rate_hz, b.round_trip_s));
+}
 inline void expect_equal(const PatchBegin& a, const PatchBegin& b) {
   EXPECT_EQ(std::tie(a.epoch, a.serial, a.step_m, a.probe_radius_m, a.scene_hash),
             std::tie(b.epoch, b.serial, b.step_m, b.probe_radius_m, b.scene_hash));

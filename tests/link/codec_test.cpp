@@ -170,6 +170,11 @@ TEST_F(CodecTest, RejectsValuesOutsideTheContract) {
   EXPECT_EQ(round_trip(SceneFacts{.preparing_s = -1.0F}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(SceneFacts{.point_count = 1, .points_m = {{{0, 0, 2e9F}}}}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(FrameAck{1, 2, -1.0F}), DecodeStatus::bad_value);
+  EXPECT_EQ(round_trip(LoopFacts{{'s'}, 1000.0, 0.001F}), DecodeStatus::ok);
+  EXPECT_EQ(round_trip(LoopFacts{{'s'}, 20'000.0, 0.001F}), DecodeStatus::bad_value);
+  EXPECT_EQ(round_trip(LoopFacts{{'s'}, 1000.0, kNan}), DecodeStatus::bad_value);
+  EXPECT_EQ(round_trip(LoopFacts{{'s'}, 1000.0, -0.001F}), DecodeStatus::bad_value);
+  EXPECT_EQ(round_trip(LoopFacts{{'\n'}, 1000.0, 0.001F}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(ReportPart{.part = 2, .parts = 2}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(ReportRequest{.document = static_cast<ReportDocument>(2)}), DecodeStatus::bad_value);
 }

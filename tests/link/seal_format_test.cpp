@@ -59,6 +59,10 @@ void lengthen(SceneFacts& m) {
 }
 void lengthen(ReportRequest& m) { m = {ReportDocument::csv, kMost32, kMost32 - 1}; }
 void lengthen(ViewRejected& m) { m = {kMost32}; }
+void lengthen(LoopFacts& m) {
+  m = {{}, kMaxServoRateHz, 1e3F / 3.0F};
+  fill_text(m.device);
+}
 void lengthen(PatchBegin& m) { m = {kMost32, kMost32, kVector, 1.0 / 3.0, 1.0 / 3.0, kMost64}; }
 void lengthen(PatchCell& m) {
   constexpr std::uint32_t kLast = (1U << kPatchDeepestLevel) - 1;

@@ -28,6 +28,16 @@ TEST(DevicePresets, AreCompleteAndHaveASourceForEachValue) {
   EXPECT_EQ(find_device_preset("none"), nullptr);
 }
 
+TEST(DevicePresets, AreKnownByTheKindOfDevice) {
+  ASSERT_EQ(presets_of_device("simulated").size(), 1U);
+  EXPECT_EQ(presets_of_device("simulated").front(), find_device_preset("model-a"));
+  EXPECT_EQ(presets_of_device("WoodenHaptics").front(), find_device_preset("wooden"));
+  for (const char* kind : {"openhaptics", "forcedimension"}) {
+    for (const DevicePreset* device : presets_of_device(kind)) EXPECT_NE(device, nullptr) << kind;
+  }
+  EXPECT_TRUE(presets_of_device("replay").empty());
+}
+
 // The laboratory and io_node's simulated device are the same machine.
 TEST(DevicePresets, ModelAIsTheSimulatedDevice) {
   const DeviceModel& model = find_device_preset("model-a")->model;

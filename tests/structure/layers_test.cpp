@@ -40,7 +40,7 @@ const std::map<std::string, std::vector<std::string>> kMayInclude = {
     {"remote", {"core", "link", "loop", "patch", "safety", "devices/device.h"}},
     {"haptic_step", {"core", "link", "runtime", "scene"}},
     {"io_node", {"core", "runtime", "link", "hid", "watchdog", "devices", "safety", "patch"}},
-    {"haptics_node", {"core", "runtime", "link", "scene", "patch", "haptic_step"}},
+    {"haptics_node", {"core", "runtime", "link", "scene", "patch", "loop", "haptic_step"}},
     {"vision_node", {"core", "runtime", "link", "hid", "scene"}},
     {"tools", {"core", "runtime", "link", "hid", "scene", "bench", "haptic_step", "devices", "safety", "loop", "patch", "remote"}},
 };

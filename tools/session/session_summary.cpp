@@ -13,8 +13,8 @@ constexpr std::size_t kFaultsListed = 20;
 
 const char* name_of(const Message& message) {
   constexpr std::array kNames = {"Hello",        "Welcome",    "Bye",       "DeviceState",  "ForceCommand",  "ViewTransform", "ProbeState",
-                                 "Drawn",        "HandTarget", "Settings",  "HapticsSetup", "ReportRequest", "ReportPart",    "SceneFacts",
-                                 "ViewRejected", "PatchBegin", "PatchCell", "PatchTile",    "PatchStatus"};
+                                 "FrameAck",     "HandTarget", "Settings",  "HapticsSetup", "ReportRequest", "ReportPart",    "SceneFacts",
+                                 "ViewRejected", "PatchBegin", "PatchCell", "PatchTile",    "PatchStatus",   "LoopFacts"};
   static_assert(kNames.size() == std::variant_size_v<Message>);
   return kNames[message.index()];
 }

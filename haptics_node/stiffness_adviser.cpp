@@ -1,0 +1,77 @@
+#include "haptics_node/stiffness_adviser.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <string_view>
+
+#include "loop/device_model.h"
+#include "loop/hand_model.h"
+#include "loop/recommendation.h"
+#include "runtime/log.h"
+#include "runtime/start_thread.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::array<std::string_view, 4> kHands = {"light", "stylus", "arm", "firm"};
+
+std::string_view name_of(const LoopFacts& facts) {
+  const auto end = std::find(facts.device.begin(), facts.device.end(), '\0');
+  return {facts.device.data(), static_cast<std::size_t>(end - facts.device.begin())};
+}
+
+}  // namespace
+
+double find_stiffest(const TouchScene& scene) {
+  double stiffest_n_per_m = 0.0;
+  for (const TouchObject& object : scene.objects) stiffest_n_per_m = std::max(stiffest_n_per_m, object.material.stiffness_n_per_m);
+  return stiffest_n_per_m;
+}
+
+std::optional<StiffnessAdvice> advise_stiffness(const LoopFacts& facts) {
+  if (!(facts.servo_rate_hz > 0.0)) return std::nullopt;
+  std::optional<StiffnessAdvice> least;
+  for (const DevicePreset* device : presets_of_device(name_of(facts))) {
+    for (const std::string_view hand : kHands) {
+      const Recommendation advice = recommend_stiffness(device->model, device->limits, find_hand_preset(hand).value(), facts.servo_rate_hz,
+                                                        static_cast<double>(facts.round_trip_s));
+      if (!least || advice.stiffness_n_per_m < least->safe_n_per_m) {
+        least = StiffnessAdvice{advice.stiffness_n_per_m, std::string(device->title), std::string(hand)};
+      }
+    }
+  }
+  return least;
+}
+
+StiffnessAdviser::StiffnessAdviser(double stiffest_n_per_m)
+    : stiffest_n_per_m_(stiffest_n_per_m), thread_(start_thread([this] { run(); })) {}
+
+StiffnessAdviser::~StiffnessAdviser() {
+  stop_.store(true);
+  thread_.join();
+}
+
+void StiffnessAdviser::run() {
+  // Polls: waking a sleeping thread would be a system call in the loop that replies.
+  constexpr auto kPeriod = std::chrono::milliseconds(50);
+  while (!stop_.load()) {
+    if (facts_.take()) consider(facts_.value());
+    std::this_thread::sleep_for(kPeriod);
+  }
+}
+
+void StiffnessAdviser::consider(const LoopFacts& facts) {
+  const bool is_same_loop = facts.device == considered_.device && facts.servo_rate_hz == considered_.servo_rate_hz;
+  if (is_same_loop && facts.round_trip_s < static_cast<float>(kMuchSlower) * considered_.round_trip_s) return;
+  considered_ = facts;
+  const auto advice = advise_stiffness(facts);
+  if (!advice || stiffest_n_per_m_ <= advice->safe_n_per_m) return;
+  log_warning(
+      "the scene asks for {:.4g} N/m, but {} at {:g} Hz with forces after {:.3g} ms holds {:.4g} N/m safely (hand: {}); lower "
+      "stiffness_n_per_m, or shorten the delay (see hapton loop recommend)",
+      stiffest_n_per_m_, advice->device, facts.servo_rate_hz, 1e3 * static_cast<double>(facts.round_trip_s), advice->safe_n_per_m,
+      advice->hand);
+}
+
+}  // namespace hapton

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <atomic>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "core/force/touch_scene.h"
+#include "link/messages.h"
+#include "runtime/mailbox.h"
+
+namespace hapton {
+
+// The largest of the scene's stiffnesses, N/m; 0 without objects. RT: no.
+double find_stiffest(const TouchScene& scene);
+
+// What one loop holds.
+struct StiffnessAdvice {
+  double safe_n_per_m = 0.0;  // recommend_stiffness, the least over the hands and the devices it can be
+  std::string device;         // title of that device
+  std::string hand;
+};
+// Nothing where no model of the device is known, or the facts are empty. RT: no, some 0.1 s.
+std::optional<StiffnessAdvice> advise_stiffness(const LoopFacts& facts);
+
+// Warns when a scene asks for more stiffness than the measured loop holds: once, and again when the loop has become much slower.
+// RT: note yes; making one is set-up only. Threads: note one; the work is done in a thread of its own.
+class StiffnessAdviser {
+ public:
+  static constexpr double kMuchSlower = 1.25;  // round trip, over that of the last advice
+
+  // stiffest_n_per_m: of the scene.
+  explicit StiffnessAdviser(double stiffest_n_per_m);
+  ~StiffnessAdviser();
+  StiffnessAdviser(const StiffnessAdviser&) = delete;
+  StiffnessAdviser& operator=(const StiffnessAdviser&) = delete;
+
+  void note(const LoopFacts& facts) noexcept { facts_.publish(facts); }
+
+ private:
+  void run();
+  void consider(const LoopFacts& facts);
+
+  double stiffest_n_per_m_;
+  Mailbox<LoopFacts> facts_;
+  LoopFacts considered_;  // this thread's own
+  std::atomic<bool> stop_ = false;
+  std::thread thread_;
+};
+
+}  // namespace hapton

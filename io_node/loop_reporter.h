@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "io_node/servo_stats.h"
+#include "link/hub_peers.h"
+#include "link/messages.h"
+
+namespace hapton {
+
+// Reports device, rate and round trip to the haptics node once a second, so that it can tell whether the scene is too stiff for them.
+// Units: ns of the hub's clock. RT: yes. Threads: the servo's.
+class LoopReporter {
+ public:
+  static constexpr std::int64_t kEveryNs = 1'000'000'000;
+  static constexpr std::uint64_t kLeastTrips = 2000;  // round trips: enough for a p99
+
+  // Pre: both outlive this.
+  LoopReporter(HubPeers& peers, const ServoStats& stats, std::string_view device) noexcept;
+
+  void send_if_due(double rate_hz, std::int64_t now_ns) noexcept;
+
+ private:
+  HubPeers& peers_;
+  const ServoStats& stats_;
+  LoopFacts facts_;
+  std::int64_t next_ns_ = 0;
+};
+
+}  // namespace hapton

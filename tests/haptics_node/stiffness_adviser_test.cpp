@@ -1,0 +1,92 @@
+#include "haptics_node/stiffness_adviser.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <thread>
+
+#include "core/geometry/mesh_shapes.h"
+#include "loop/device_model.h"
+#include "loop/hand_model.h"
+#include "loop/recommendation.h"
+#include "runtime/log.h"
+#include "tests/support/made_scene.h"
+
+namespace hapton {
+namespace {
+
+constexpr LoopFacts kSimulated = {.device = {'s', 'i', 'm', 'u', 'l', 'a', 't', 'e', 'd'}, .servo_rate_hz = 1000.0, .round_trip_s = 0.010F};
+
+// What an adviser logs of these facts.
+std::string log_of(double stiffest_n_per_m, const std::vector<LoopFacts>& facts) {
+  testing::internal::CaptureStderr();
+  {
+    start_log("haptics_node");
+    StiffnessAdviser adviser(stiffest_n_per_m);
+    for (const LoopFacts& one : facts) {
+      adviser.note(one);
+      std::this_thread::sleep_for(std::chrono::milliseconds(600));
+    }
+  }
+  return testing::internal::GetCapturedStderr();
+}
+
+std::size_t count(const std::string& text, const std::string& part) {
+  std::size_t found = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++found;
+  return found;
+}
+
+TEST(StiffnessAdviser, FindsTheStiffestOfTheObjects) {
+  TouchScene scene = scene_of(make_icosphere(0.05, 1), {.stiffness_n_per_m = 700.0});
+  scene.objects.push_back(scene_of(make_icosphere(0.05, 1), {.stiffness_n_per_m = 2500.0}).objects.front());
+  EXPECT_EQ(find_stiffest(scene), 2500.0);
+  EXPECT_EQ(find_stiffest({}), 0.0);
+}
+
+TEST(StiffnessAdviser, AdvisesWhatTheLeastHandAllows) {
+  const DevicePreset& model_a = *find_device_preset("model-a");
+  const auto advice = advise_stiffness(kSimulated);
+  ASSERT_TRUE(advice);
+  EXPECT_EQ(advice->device, model_a.title);
+  double least = HUGE_VAL;
+  for (const char* hand : {"light", "stylus", "arm", "firm"}) {
+    least = std::min(least, recommend_stiffness(model_a.model, model_a.limits, *find_hand_preset(hand), 1000.0, 0.010).stiffness_n_per_m);
+  }
+  EXPECT_NEAR(advice->safe_n_per_m, least, 1e-6 * least);
+}
+
+TEST(StiffnessAdviser, OfSeveralDevicesItTakesTheLeast) {
+  LoopFacts facts = kSimulated;
+  facts.device = {'o', 'p', 'e', 'n', 'h', 'a', 'p', 't', 'i', 'c', 's'};
+  const auto advice = advise_stiffness(facts);
+  ASSERT_TRUE(advice);
+  EXPECT_LE(advice->safe_n_per_m, advise_stiffness(kSimulated)->safe_n_per_m);
+}
+
+TEST(StiffnessAdviser, HasNoAdviceOnWhatItDoesNotKnow) {
+  LoopFacts unknown = kSimulated;
+  unknown.device = {'h', 'a', 'p', 'l', 'y'};
+  EXPECT_FALSE(advise_stiffness(unknown));
+  EXPECT_FALSE(advise_stiffness({}));
+}
+
+TEST(StiffnessAdviser, WarnsOnceAndAgainWhenTheLoopIsMuchSlower) {
+  LoopFacts slower = kSimulated;
+  slower.round_trip_s = 0.050F;
+  LoopFacts alike = kSimulated;
+  alike.round_trip_s *= 1.1F;
+  const std::string log = log_of(5000.0, {kSimulated, alike, slower, slower});
+  EXPECT_EQ(count(log, "the scene asks for 5000 N/m, but PHANToM Model A at 1000 Hz"), 2U) << log;
+  EXPECT_THAT(log, testing::HasSubstr("with forces after 10 ms"));
+  EXPECT_THAT(log, testing::HasSubstr("with forces after 50 ms"));
+  EXPECT_THAT(log, testing::HasSubstr("hapton loop recommend"));
+}
+
+TEST(StiffnessAdviser, SaysNothingOfASceneThatTheLoopHolds) {
+  EXPECT_THAT(log_of(0.9 * advise_stiffness(kSimulated)->safe_n_per_m, {kSimulated}), testing::Not(testing::HasSubstr("asks for")));
+}
+
+}  // namespace
+}  // namespace hapton
