@@ -83,6 +83,8 @@ endfunction()
 function(hapton_join_sources name)
   if(HAPTON_JOIN_SOURCES)
     set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+    # What is shadowed is another source's. The debug preset compiles each alone, and warns.
+    target_compile_options(${name} PRIVATE -Wno-shadow)
   endif()
 endfunction()
 

@@ -205,7 +205,7 @@ std::string to_json(const RemoteGrid& grid, const RemoteResults& results) {
 namespace {
 
 constexpr std::array kColors = {"#000000", "#7f7f7f", "#d55e00", "#e69f00", "#cc79a7", "#56b4e9", "#0072b2", "#009e73", "#8c564b"};
-constexpr double kLeastShownError = 1e-4;  // %
+constexpr double kLeastDrawnPercent = 1e-4;  // %
 constexpr double kLeastShownMs = 1.0;
 
 // Lines of "round trip, value", one block.
@@ -241,7 +241,7 @@ std::string make_remote_plot(const RemoteGrid& grid, const RemoteResults& result
   for (std::size_t i = 0; i < grid.methods.size(); ++i) {
     script += block_of(grid, fmt::format("e{}", i), [&](double round_trip_s) {
       return std::max(100.0 * cell_of(results, grid.methods[i], speed, round_trip_s, loss).spread("force_error_rms").worst,
-                      kLeastShownError);
+                      kLeastDrawnPercent);
     });
     if (!has_walls) continue;
     script += block_of(grid, fmt::format("w{}", i), [&](double round_trip_s) {
@@ -254,7 +254,7 @@ std::string make_remote_plot(const RemoteGrid& grid, const RemoteResults& result
   }
   script += panel_of(
       grid, fmt::format("Force error, {:g} N/m, {:g} mm/s, loss {:g} %, worst mesh", grid.stiffness_n_per_m, 1e3 * speed, 100.0 * loss),
-      fmt::format("RMS, % ({:g} and less drawn there)", kLeastShownError), "e");
+      fmt::format("RMS, % ({:g} and less drawn there)", kLeastDrawnPercent), "e");
   if (has_walls) script += panel_of(grid, "Largest stiffness at which a press comes to rest", "N/m", "w");
   return script + "unset multiplot\n";
 }

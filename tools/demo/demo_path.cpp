@@ -12,7 +12,7 @@ namespace {
 
 // The hand is a spring of 400 N/m, a hard surface one of 1,000: 8 mm behind the surface is 2.3 N, pressed firmly.
 constexpr double kPressM = 0.008;
-constexpr double kFrontM = 0.035;  // in front of the next object
+constexpr double kAheadM = 0.035;  // in front of the next object
 constexpr double kComeS = 0.8;
 constexpr double kRowS = 0.01;
 constexpr double kTurn = 2.0 * std::numbers::pi;
@@ -46,7 +46,7 @@ Result<HandPath> make_rest_path(const Scene& scene, double x_m, double y_m, doub
   const auto middle = find_front(scene, x_m, y_m);
   if (!middle) return fail("the scene has nothing in front of x = {} m, y = {} m", x_m, y_m);
   HandPath path;
-  add(path, 0.0, *middle + Vec3(0.0, 0.0, kFrontM));
+  add(path, 0.0, *middle + Vec3(0.0, 0.0, kAheadM));
   add(path, kComeS, *middle - Vec3(0.0, 0.0, kPressM));
   for (double t = 0.0; t < hold_s; t += 5.0 * kRowS) {
     const double turn = kTurn * t / kCircleS;
@@ -56,7 +56,7 @@ Result<HandPath> make_rest_path(const Scene& scene, double x_m, double y_m, doub
     const Vec3 next = front ? Vec3(*front - Vec3(0.0, 0.0, kPressM)) : path.back().p_WD;
     add(path, 5.0 * kRowS, next);
   }
-  add(path, 0.5 * kComeS, *middle + Vec3(0.0, 0.0, kFrontM));
+  add(path, 0.5 * kComeS, *middle + Vec3(0.0, 0.0, kAheadM));
   return path;
 }
 
@@ -65,12 +65,12 @@ HandPath make_groove_path() {
   constexpr double kThereS = 4.0;
   const double bottom_m = demo_groove::kFrontM - demo_groove::kDepthM - 1.25 * kPressM;
   HandPath path;
-  add(path, 0.0, Vec3(0.0, 0.0, demo_groove::kFrontM + kFrontM));
+  add(path, 0.0, Vec3(0.0, 0.0, demo_groove::kFrontM + kAheadM));
   add(path, kComeS, Vec3(0.0, 0.0, bottom_m));
   for (double t = kRowS; t < 4.0 * kThereS; t += kRowS) {
     add(path, kRowS, Vec3(kReachM * std::sin(kTurn * t / (2.0 * kThereS)), 0.0, bottom_m));
   }
-  add(path, 0.5 * kComeS, Vec3(0.0, 0.0, demo_groove::kFrontM + kFrontM));
+  add(path, 0.5 * kComeS, Vec3(0.0, 0.0, demo_groove::kFrontM + kAheadM));
   return path;
 }
 
@@ -95,14 +95,14 @@ HandPath make_arc_path(double radius_m) {
   constexpr double kArcS = 6.0;
   const double inside_m = radius_m - kPressM;
   HandPath path;
-  add(path, 0.0, Vec3(0.0, 0.0, radius_m + kFrontM));
+  add(path, 0.0, Vec3(0.0, 0.0, radius_m + kAheadM));
   add(path, kComeS, Vec3(0.0, 0.0, inside_m));
   for (double t = kRowS; t < 2.0 * kArcS; t += kRowS) {
     const double yaw = 0.3 * std::min(1.0, t) + 0.4 * std::sin(kTurn * t / kArcS);
     const double pitch = 0.3 * std::sin(2.0 * kTurn * t / kArcS);
     add(path, kRowS, inside_m * Vec3(std::sin(yaw) * std::cos(pitch), std::sin(pitch), std::cos(yaw) * std::cos(pitch)));
   }
-  add(path, 0.5 * kComeS, Vec3(0.0, 0.0, radius_m + kFrontM));
+  add(path, 0.5 * kComeS, Vec3(0.0, 0.0, radius_m + kAheadM));
   return path;
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tools/demo/demo_shapes.h"
+#include "tools/json_number.h"
 
 namespace hapton {
 namespace {
@@ -51,16 +52,9 @@ DemoVerdict make_verdict(const Contact& contact, bool held, const std::string& m
   return {contact.contacts > 0, contact.contacts > 0 && held, contact_text(contact) + more};
 }
 
-double number(const Json& report, const char* section, const char* key) {
-  const auto found = report.find(section);
-  if (found == report.end() || !found->is_object()) return 0.0;
-  const auto value = found->find(key);
-  return value != found->end() && value->is_number() ? value->get<double>() : 0.0;
-}
-
 double hop_us(const Json& report, const char* hop, const char* quantile) {
   const auto hops = report.find("hops");
-  return hops == report.end() || !hops->is_object() ? 0.0 : number(*hops, hop, quantile);
+  return hops == report.end() || !hops->is_object() ? 0.0 : json_number_of(*hops, hop, quantile);
 }
 
 double between_ms(std::int64_t from_ns, std::int64_t to_ns) { return 1e-6 * static_cast<double>(to_ns - from_ns); }
@@ -128,10 +122,10 @@ DemoVerdict evaluate_heavy(const DemoEvidence& evidence) {
 DemoVerdict evaluate_network(const DemoEvidence& evidence, double least_round_trip_ms) {
   const Contact contact = count_contact(evidence.motion);
   const double round_trip_ms = 1e-3 * hop_us(evidence.report, "round_trip", "p50_us");
-  const double faults = number(evidence.report, "counters", "faults_latched");
+  const double faults = json_number_of(evidence.report, "counters", "faults_latched");
   return make_verdict(contact, contact.is_mostly() && round_trip_ms >= least_round_trip_ms && faults == 0.0,
                       fmt::format("; round trip {:.1f} ms (p50), {:.0f} cycles damped, {:.0f} faults", round_trip_ms,
-                                  number(evidence.report, "counters", "energy_damped"), faults));
+                                  json_number_of(evidence.report, "counters", "energy_damped"), faults));
 }
 
 DemoVerdict evaluate_death(const DemoEvidence& evidence) {

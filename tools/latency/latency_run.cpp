@@ -13,6 +13,7 @@
 #include "runtime/stop_signal.h"
 #include "scene/find_scene.h"
 #include "tools/child_process.h"
+#include "tools/json_number.h"
 #include "tools/latency/latency_csv.h"
 #include "tools/latency/latency_plot.h"
 #include "tools/latency/latency_verdict.h"
@@ -133,8 +134,6 @@ Result<void> measure_hub(const LatencyRunOptions& options) {
   return write_file_atomically(options.out / "report.json", make_window_report(json_before, json_now, hops).dump(2) + "\n");
 }
 
-double number(const Json& report, const char* section, const char* name) { return report.value(section, Json::object()).value(name, 0.0); }
-
 std::string hops_text(const Json& hops) {
   std::vector<HopRow> rows;
   for (const auto& [name, hop] : hops.items()) {
@@ -150,7 +149,7 @@ std::string hops_text(const Json& hops) {
 }
 
 std::string counts_text(const Json& report) {
-  const auto count = [&](const char* name) { return number(report, "counters", name); };
+  const auto count = [&](const char* name) { return json_number_of(report, "counters", name); };
   const double seconds = std::max(1e-9, report.value("seconds", 0.0));
   std::string text = fmt::format(
       "{:.0f} samples, {:.0f} forces, {:.0f} in contact; {:.0f} late, {:.0f} lost, {:.0f} superseded, {:.0f} reordered, {:.0f} cycles "
@@ -173,8 +172,8 @@ Json to_json(const BareTimer& timer) {
 }
 
 std::string timer_text(const Json& report, const BareTimer& timer) {
-  const double missed = number(report, "counters", "missed_cycles");
-  const double cycles = std::max(1.0, number(report, "counters", "samples") + missed);
+  const double missed = json_number_of(report, "counters", "missed_cycles");
+  const double cycles = std::max(1.0, json_number_of(report, "counters", "samples") + missed);
   const auto late_us = [&](double share) { return 1e-3 * timer.lateness.quantile_ns(share); };
   return fmt::format(
       "ticks missed: servo {:.3f} %, bare timer of the same CPU, before and after, {:.3f} % (late by p50 {:.1f}, p99 {:.1f}, p99.9 {:.1f} "
@@ -207,7 +206,8 @@ Result<LatencyRun> make_report(const std::filesystem::path& file, const BareTime
   }
   LatencyRun run{hops_text(json["hops"]) + counts_text(json), verdict->holds};
   run.text += has_echo ? fmt::format("force round trip over bare echo of the same run: p50 {:.2f} x, p99 {:.2f} x\n",
-                                     number(json, "ratios", "round_trip_over_echo_p50"), number(json, "ratios", "round_trip_over_echo_p99"))
+                                     json_number_of(json, "ratios", "round_trip_over_echo_p50"),
+                                     json_number_of(json, "ratios", "round_trip_over_echo_p99"))
                        : "no bare echo: the hub was started without --echo-probe\n";
   run.text += timer != nullptr ? timer_text(json, *timer) : "";
   run.text += to_text(*verdict);

@@ -6,6 +6,8 @@
 #include <string_view>
 #include <utility>
 
+#include "tools/json_number.h"
+
 namespace hapton {
 namespace {
 
@@ -13,16 +15,13 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::string_view kLongest = "longest_";  // a maximum, not a count: it holds for the whole run
 
-double number(const Json& of, const std::string& name) {
-  return of.is_object() && of.contains(name) && of[name].is_number() ? of[name].get<double>() : 0.0;
-}
-
 Json risen_counters(const Json& before, const Json& now) {
   Json counters = Json::object();
   for (const auto& [name, value] : now.items()) {
     if (!value.is_number_integer()) continue;
     const bool is_maximum = std::string_view(name).starts_with(kLongest);
-    counters[name] = is_maximum ? value.get<std::int64_t>() : value.get<std::int64_t>() - static_cast<std::int64_t>(number(before, name));
+    counters[name] =
+        is_maximum ? value.get<std::int64_t>() : value.get<std::int64_t>() - static_cast<std::int64_t>(json_number_of(before, name));
   }
   return counters;
 }
@@ -45,22 +44,22 @@ Json hop_json(const HopCounts& hop) {
 void add_ratio(Json& report, const char* name, const char* quantile) {
   const Json& hops = report["hops"];
   if (!hops.contains("round_trip") || !hops.contains("bare_echo")) return;
-  const double echo_us = number(hops["bare_echo"], quantile);
-  if (echo_us > 0.0) report["ratios"][name] = number(hops["round_trip"], quantile) / echo_us;
+  const double echo_us = json_number_of(hops["bare_echo"], quantile);
+  if (echo_us > 0.0) report["ratios"][name] = json_number_of(hops["round_trip"], quantile) / echo_us;
 }
 
 }  // namespace
 
 Json make_window_report(const Json& before, const Json& now, const std::vector<HopCounts>& hops) {
   Json report = now;
-  const double seconds = number(now, "seconds") - number(before, "seconds");
+  const double seconds = json_number_of(now, "seconds") - json_number_of(before, "seconds");
   report["seconds"] = seconds;
   const Json kNone = Json::object();
   report["counters"] =
       risen_counters(before.contains("counters") ? before["counters"] : kNone, now.contains("counters") ? now["counters"] : kNone);
   for (const auto& [rate, counter] : {std::pair{"samples", "samples"}, std::pair{"forces", "forces"},
                                       std::pair{"vision_sent", "vision_sent"}, std::pair{"drawn", "drawn"}}) {
-    report["rates_hz"][rate] = seconds > 0.0 ? number(report["counters"], counter) / seconds : 0.0;
+    report["rates_hz"][rate] = seconds > 0.0 ? json_number_of(report["counters"], counter) / seconds : 0.0;
   }
   report["hops"] = Json::object();
   for (const HopCounts& hop : hops) report["hops"][hop.name] = hop_json(hop);

@@ -5,6 +5,8 @@
 
 #include <vector>
 
+#include "tools/json_number.h"
+
 namespace hapton {
 namespace {
 
@@ -12,13 +14,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kLeastRate = 0.99;      // of the servo rate
 constexpr double kMostLateShare = 0.01;  // of the forces
-
-double number(const Json& report, const char* section, const char* key) {
-  const auto found = report.find(section);
-  if (found == report.end() || !found->is_object()) return 0.0;
-  const auto value = found->find(key);
-  return value != found->end() && value->is_number() ? value->get<double>() : 0.0;
-}
 
 std::string note(const Json& report, const char* key) {
   const auto notes = report.find("notes");
@@ -28,7 +23,8 @@ std::string note(const Json& report, const char* key) {
 std::string hop_text(const Json& report, const char* hop) {
   const auto hops = report.find("hops");
   if (hops == report.end() || !hops->is_object() || !hops->contains(hop)) return {};
-  return fmt::format(", round trip {:.0f} us (p50), {:.0f} us (p99)", number(*hops, hop, "p50_us"), number(*hops, hop, "p99_us"));
+  return fmt::format(", round trip {:.0f} us (p50), {:.0f} us (p99)", json_number_of(*hops, hop, "p50_us"),
+                     json_number_of(*hops, hop, "p99_us"));
 }
 
 std::string touched_text(const Json& report, const std::string& what, double contacts) {
@@ -38,14 +34,14 @@ std::string touched_text(const Json& report, const std::string& what, double con
                        what, seconds);
   }
   return fmt::format("touched {} for {:.1f} s: {:.0f} of {:.0f} samples in contact, at most {} N", what, seconds, contacts,
-                     number(report, "counters", "samples"), note(report, "max_force_written_n"));
+                     json_number_of(report, "counters", "samples"), note(report, "max_force_written_n"));
 }
 
 // The problems, worst first.
 std::vector<std::string> find_troubles(const Json& report) {
   std::vector<std::string> troubles;
   if (const std::string reach = note(report, "reach"); !reach.empty()) troubles.push_back(reach + " (check --unit and --no-fit)");
-  const auto count = [&](const char* key) { return number(report, "counters", key); };
+  const auto count = [&](const char* key) { return json_number_of(report, "counters", key); };
   const auto add = [&](const char* key, const char* name) {
     if (count(key) > 0.0) troubles.push_back(fmt::format("{:.0f} {}", count(key), name));
   };
@@ -54,8 +50,8 @@ std::vector<std::string> find_troubles(const Json& report) {
   add("lost", "forces lost");
   if (count("late") > kMostLateShare * count("forces")) troubles.push_back(fmt::format("{:.0f} forces late", count("late")));
   if (count("forces") == 0.0) troubles.push_back("no force came back from haptics_node");
-  const double rate = number(report, "rates_hz", "samples");
-  const double requested = number(report, "rates_hz", "servo_requested");
+  const double rate = json_number_of(report, "rates_hz", "samples");
+  const double requested = json_number_of(report, "rates_hz", "servo_requested");
   if (rate < kLeastRate * requested) troubles.push_back(fmt::format("{:.0f} samples a second of {:.0f}", rate, requested));
   return troubles;
 }
@@ -63,12 +59,13 @@ std::vector<std::string> find_troubles(const Json& report) {
 }  // namespace
 
 RunSummary summarise_run(const Json& report, const std::string& what) {
-  const double contacts = number(report, "counters", "contact_samples");
+  const double contacts = json_number_of(report, "counters", "contact_samples");
   const std::vector<std::string> troubles = find_troubles(report);
   RunSummary summary{.touched = contacts > 0.0, .held = troubles.empty(), .text = touched_text(report, what, contacts) + "\n"};
   if (summary.held) {
-    summary.text += fmt::format("it held: {:.0f} samples a second, no force lost, {:.0f} late{}\n", number(report, "rates_hz", "samples"),
-                                number(report, "counters", "late"), hop_text(report, "round_trip"));
+    summary.text +=
+        fmt::format("it held: {:.0f} samples a second, no force lost, {:.0f} late{}\n", json_number_of(report, "rates_hz", "samples"),
+                    json_number_of(report, "counters", "late"), hop_text(report, "round_trip"));
   } else {
     summary.text += fmt::format("it did not hold: {}{}\n", fmt::join(troubles, ", "), hop_text(report, "round_trip"));
   }

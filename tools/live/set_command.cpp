@@ -33,10 +33,10 @@ struct SetOptions {
 };
 
 constexpr int kResetLooks = 5;
-constexpr std::int64_t kPatienceNs = 2 * kNanosecondsPerSecond;
+constexpr std::int64_t kReplyPatienceNs = 2 * kNanosecondsPerSecond;
 constexpr std::int64_t kSetupPatienceNs = 3 * kNanosecondsPerSecond;   // a haptics node sends its setup once a second
 constexpr std::int64_t kBuildPatienceNs = 60 * kNanosecondsPerSecond;  // millions of triangles take some seconds
-constexpr std::int64_t kRepeatRequestNs = kNanosecondsPerSecond / 2;
+constexpr std::int64_t kRepeatSettingNs = kNanosecondsPerSecond / 2;
 
 // Receives from the hub until the condition holds or the time is over, and keeps what the haptics node sends.
 template <class Condition>
@@ -79,12 +79,12 @@ Result<std::string> confirm_method(HubClient& client, const Clock& clock, const 
   Settings again;
   std::copy(options.method.begin(), options.method.end(), again.method.begin());
   again.method_request = request_id;
-  std::int64_t next_request_ns = clock.now_ns() + kRepeatRequestNs;
+  std::int64_t next_request_ns = clock.now_ns() + kRepeatSettingNs;
   const auto is_answered = [&] {
     if (setup->method_request == request_id) return true;
     if (clock.now_ns() >= next_request_ns) {
       client.send(again);
-      next_request_ns += kRepeatRequestNs;
+      next_request_ns += kRepeatSettingNs;
     }
     return false;
   };
@@ -144,7 +144,7 @@ Result<std::string> set(const SetOptions& options) {
   SealedClient sealed(**endpoint, clock, *key, *hub);
   HubClient client(sealed, clock, NodeRole::tool, *hub);
   std::optional<HapticsSetup> setup;
-  if (!wait_until(client, clock, setup, kPatienceNs, [&] { return client.state() == JoinState::joined; })) {
+  if (!wait_until(client, clock, setup, kReplyPatienceNs, [&] { return client.state() == JoinState::joined; })) {
     return fail("no reply from a hub at {}; start io_node there, give another address with --hub, or give the hub's --key",
                 to_string(*hub));
   }
@@ -154,7 +154,7 @@ Result<std::string> set(const SetOptions& options) {
   const auto rate_holds = [&] {
     return options.rate_hz == 0.0 || std::abs(client.servo_rate_hz() - options.rate_hz) <= 1e-3 * options.rate_hz;
   };
-  if (!wait_until(client, clock, setup, kPatienceNs, rate_holds)) {
+  if (!wait_until(client, clock, setup, kReplyPatienceNs, rate_holds)) {
     return fail("the hub at {} stays at {} Hz; choose {} to {} Hz", to_string(*hub), client.servo_rate_hz(), kMinServoRateHz,
                 kMaxServoRateHz);
   }

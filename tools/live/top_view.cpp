@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "runtime/report.h"
+#include "tools/json_number.h"
 
 namespace hapton {
 namespace {
@@ -17,9 +18,6 @@ const Json& section(const Json& report, const char* name) {
   return found == report.end() ? kNone : *found;
 }
 
-double number(const Json& of, const std::string& name) {
-  return of.is_object() && of.contains(name) && of[name].is_number() ? of[name].get<double>() : 0.0;
-}
 std::string word(const Json& of, const char* name) {
   return of.is_object() && of.contains(name) && of[name].is_string() ? of[name].get<std::string>() : "";
 }
@@ -32,14 +30,14 @@ struct Span {
 };
 
 Span make_span(const TopLook& now, const TopLook* before) {
-  const double passed_s = before == nullptr ? 0.0 : number(now.report, "seconds") - number(before->report, "seconds");
-  if (passed_s <= 0.0) return {now.report, nullptr, number(now.report, "seconds")};
+  const double passed_s = before == nullptr ? 0.0 : json_number_of(now.report, "seconds") - json_number_of(before->report, "seconds");
+  if (passed_s <= 0.0) return {now.report, nullptr, json_number_of(now.report, "seconds")};
   return {now.report, &before->report, passed_s};
 }
 
 double counted(const Span& span, const char* name) {
-  const double earlier = span.before == nullptr ? 0.0 : number(section(*span.before, "counters"), name);
-  return number(section(span.now, "counters"), name) - earlier;
+  const double earlier = span.before == nullptr ? 0.0 : json_number_of(section(*span.before, "counters"), name);
+  return json_number_of(section(span.now, "counters"), name) - earlier;
 }
 
 double per_second(const Span& span, const char* counter) { return span.seconds > 0.0 ? counted(span, counter) / span.seconds : 0.0; }
@@ -48,7 +46,8 @@ double per_second(const Span& span, const char* counter) { return span.seconds >
 const Json* find_node(const Json* report, const Json& node) {
   if (report == nullptr) return nullptr;
   for (const Json& other : section(*report, "nodes")) {
-    if (word(other, "address") == word(node, "address") && number(other, "received") <= number(node, "received")) return &other;
+    if (word(other, "address") == word(node, "address") && json_number_of(other, "received") <= json_number_of(node, "received"))
+      return &other;
   }
   return nullptr;
 }
@@ -61,9 +60,9 @@ std::string safety_text(const Json& report) {
   const std::string fault = word(notes, "safety_fault_text");
   const std::string reset = fault.empty() ? "" : ": " + fault + "; hapton set --reset-faults";
   // The hand may have given more than it got: then nothing is spent.
-  const double spent = std::max(0.0, number(ratios, "energy_spent"));
+  const double spent = std::max(0.0, json_number_of(ratios, "energy_spent"));
   return fmt::format("safety governor {}{}; thermal load {:.0f} %, energy {:.0f} % of its budget\n", word(notes, "governor"), reset,
-                     100.0 * number(ratios, "thermal_load"), 100.0 * spent);
+                     100.0 * json_number_of(ratios, "thermal_load"), 100.0 * spent);
 }
 
 std::string nodes_text(const Span& span) {
@@ -71,12 +70,13 @@ std::string nodes_text(const Span& span) {
                                  "reordered", "there for");
   for (const Json& node : section(span.now, "nodes")) {
     const Json* earlier = find_node(span.before, node);
-    const double seconds = earlier == nullptr ? number(node, "seconds") : span.seconds;
+    const double seconds = earlier == nullptr ? json_number_of(node, "seconds") : span.seconds;
     const auto rate = [&](const char* name) {
-      return seconds > 0.0 ? (number(node, name) - (earlier == nullptr ? 0.0 : number(*earlier, name))) / seconds : 0.0;
+      return seconds > 0.0 ? (json_number_of(node, name) - (earlier == nullptr ? 0.0 : json_number_of(*earlier, name))) / seconds : 0.0;
     };
     text += fmt::format("{:<9} {:<28} {:>12.1f} {:>12.1f} {:>8.0f} {:>10.0f} {:>8.0f} s\n", word(node, "role"), word(node, "address"),
-                        rate("received"), rate("sent"), number(node, "lost"), number(node, "reordered"), number(node, "seconds"));
+                        rate("received"), rate("sent"), json_number_of(node, "lost"), json_number_of(node, "reordered"),
+                        json_number_of(node, "seconds"));
   }
   return section(span.now, "nodes").empty() ? text + "(no node has joined)\n" : text;
 }
@@ -118,8 +118,8 @@ std::string make_top_view(const std::string& hub, const TopLook& now, const TopL
   const Json& rates = section(now.report, "rates_hz");
   std::string text =
       fmt::format("hub {} on {}: up {:.0f} s, device {}, servo {:.1f} Hz of {:g} Hz requested\n", hub,
-                  word(section(now.report, "machine"), "host"), number(now.report, "seconds"), word(section(now.report, "notes"), "device"),
-                  per_second(span, "samples"), number(rates, "servo_requested"));
+                  word(section(now.report, "machine"), "host"), json_number_of(now.report, "seconds"),
+                  word(section(now.report, "notes"), "device"), per_second(span, "samples"), json_number_of(rates, "servo_requested"));
   text +=
       fmt::format("datagrams {:.0f}/s out ({:.1f} kB/s), {:.0f}/s in ({:.1f} kB/s)\n\n", per_second(span, "datagrams_sent"),
                   1e-3 * per_second(span, "bytes_sent"), per_second(span, "datagrams_received"), 1e-3 * per_second(span, "bytes_received"));

@@ -14,6 +14,7 @@
 #include "runtime/atomic_file.h"
 #include "tools/commands.h"
 #include "tools/loop/loop_flags.h"
+#include "tools/milliseconds.h"
 
 namespace hapton {
 namespace {
@@ -38,8 +39,6 @@ struct PressOptions {
 
 constexpr double kImpedanceHz[] = {1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0};
 
-std::int64_t to_ns(double ms) { return static_cast<std::int64_t>(std::llround(1e6 * ms)); }
-
 // What the force program is made of, and what stands between it and the motors.
 struct Bench {
   std::unique_ptr<ForceLaw> law;
@@ -49,7 +48,7 @@ struct Bench {
 
 Result<Bench> make_bench(const PressOptions& options, const NamedLoop& loop) {
   Bench bench;
-  bench.period_ns = to_ns(1e3 / options.rate_hz);
+  bench.period_ns = ms_to_ns(1e3 / options.rate_hz);
   if (options.is_mesh) {
     auto wall = make_touch_wall(options.stiffness_n_per_m, options.damping_ns_per_m);
     if (!wall) return tl::unexpected(wall.error());
@@ -60,10 +59,10 @@ Result<Bench> make_bench(const PressOptions& options, const NamedLoop& loop) {
   }
   bench.chain = {.encoder_step_m = loop.device_model.encoder_step_m, .max_force_n = loop.device_model.max_force_n, .seed = options.seed};
   bench.chain.there = options.link;
-  bench.chain.there.jitter_ns = to_ns(options.jitter_ms);
+  bench.chain.there.jitter_ns = ms_to_ns(options.jitter_ms);
   bench.chain.back = bench.chain.there;
-  bench.chain.there.delay_ns = to_ns(0.5 * options.delay_ms);
-  bench.chain.back.delay_ns = to_ns(options.delay_ms) - bench.chain.there.delay_ns;
+  bench.chain.there.delay_ns = ms_to_ns(0.5 * options.delay_ms);
+  bench.chain.back.delay_ns = ms_to_ns(options.delay_ms) - bench.chain.there.delay_ns;
   bench.chain.limits = loop.limits;
   if (options.gate == "filter") bench.chain.gate = ForceChain::Gate::filter;
   if (options.gate == "governor") bench.chain.gate = ForceChain::Gate::governor;

@@ -11,6 +11,7 @@
 
 #include "loop/press.h"
 #include "loop/random_stability.h"
+#include "tools/milliseconds.h"
 
 namespace hapton {
 namespace {
@@ -42,16 +43,14 @@ std::uint64_t fingerprint(const ZWidthGrid& grid) {
   return hash;
 }
 
-std::string number(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
+std::string csv_number(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
 
 nlohmann::ordered_json json_number(double value) { return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(); }
 
-std::int64_t to_ns(double ms) { return static_cast<std::int64_t>(std::llround(1e6 * ms)); }
-
 // One way of two, each with half of the delay.
 LinkFaults link_of(const ZWidthRow& row, bool is_there) {
-  const std::int64_t half_ns = to_ns(0.5 * row.delay_ms);
-  return {.delay_ns = is_there ? half_ns : to_ns(row.delay_ms) - half_ns, .jitter_ns = to_ns(row.jitter_ms), .loss = row.loss};
+  const std::int64_t half_ns = ms_to_ns(0.5 * row.delay_ms);
+  return {.delay_ns = is_there ? half_ns : ms_to_ns(row.delay_ms) - half_ns, .jitter_ns = ms_to_ns(row.jitter_ms), .loss = row.loss};
 }
 
 // The exact limit is where the search begins. A loop that is not stable without chance either does not become so.
@@ -59,7 +58,7 @@ void simulate(ZWidthRow& row) {
   if (row.found.stiffness.value == 0.0) return;
   const RandomLoop loop{.device = row.inputs.device,
                         .hand = row.inputs.hand,
-                        .period_ns = to_ns(1e3 / row.inputs.rate_hz),
+                        .period_ns = ms_to_ns(1e3 / row.inputs.rate_hz),
                         .there = link_of(row, true),
                         .back = link_of(row, false),
                         .wall_damping_ns_per_m = row.inputs.wall_damping_ns_per_m,
@@ -71,7 +70,7 @@ void press(ZWidthRow& row) {
   constexpr double kMost = 1e6;
   row.rest_n_per_m = find_rest_stiffness({.device = row.inputs.device,
                                           .hand = row.inputs.hand,
-                                          .period_ns = to_ns(1e3 / row.inputs.rate_hz),
+                                          .period_ns = ms_to_ns(1e3 / row.inputs.rate_hz),
                                           .there = link_of(row, true),
                                           .back = link_of(row, false),
                                           .wall_damping_ns_per_m = row.inputs.wall_damping_ns_per_m,
@@ -176,10 +175,11 @@ std::string csv_line(const ZWidthRow& row) {
   return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", row.cell, row.loop->device,
                      row.loop->hand, d.mass_kg, d.damping_ns_per_m, h.mass_kg, h.damping_ns_per_m, h.stiffness_n_per_m, d.friction_n,
                      d.encoder_step_m, d.amplifier_hz, d.mode_count, row.inputs.rate_hz, row.delay_ms, row.jitter_ms, row.loss, row.seed,
-                     row.inputs.wall_damping_ns_per_m, number(row.found.stiffness.value), row.found.stiffness.frequency_hz,
-                     number(row.found.passive.least_n_per_m()), number(row.found.passive.viscous_n_per_m),
-                     number(row.found.passive.quantised_n_per_m), row.found.linear_rule_n_per_m, number(row.found.damping_ns_per_m.value),
-                     row.found.passive_damping_ns_per_m, row.rest_n_per_m ? number(*row.rest_n_per_m) : "");
+                     row.inputs.wall_damping_ns_per_m, csv_number(row.found.stiffness.value), row.found.stiffness.frequency_hz,
+                     csv_number(row.found.passive.least_n_per_m()), csv_number(row.found.passive.viscous_n_per_m),
+                     csv_number(row.found.passive.quantised_n_per_m), row.found.linear_rule_n_per_m,
+                     csv_number(row.found.damping_ns_per_m.value), row.found.passive_damping_ns_per_m,
+                     row.rest_n_per_m ? csv_number(*row.rest_n_per_m) : "");
 }
 
 Result<std::string> merge_csv(const std::vector<std::filesystem::path>& parts) {

@@ -16,6 +16,7 @@
 #include "runtime/clock.h"
 #include "runtime/stop_signal.h"
 #include "tools/commands.h"
+#include "tools/milliseconds.h"
 #include "tools/relay/relay_report.h"
 #include "tools/relay/relay_script.h"
 
@@ -39,13 +40,11 @@ struct RelayOptions {
   double reorder_ms = 1e-6 * static_cast<double>(LinkFaults().reorder_by_ns);
 };
 
-std::int64_t to_ns(double ms) { return std::llround(1e6 * ms); }
-
 FaultSchedule make_schedule(const RelayOptions& options) {
   LinkFaults faults = options.faults;
-  faults.delay_ns = to_ns(options.delay_ms);
-  faults.jitter_ns = to_ns(options.jitter_ms);
-  faults.reorder_by_ns = to_ns(options.reorder_ms);
+  faults.delay_ns = ms_to_ns(options.delay_ms);
+  faults.jitter_ns = ms_to_ns(options.jitter_ms);
+  faults.reorder_by_ns = ms_to_ns(options.reorder_ms);
   FaultPhase phase{.name = "flags", .to_hub = {}, .to_nodes = {}};
   if (options.direction != "to-nodes") phase.to_hub = faults;
   if (options.direction != "to-hub") phase.to_nodes = faults;
