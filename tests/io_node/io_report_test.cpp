@@ -22,6 +22,12 @@ std::unique_ptr<ServoStats> two_seconds() {
   stats->responses.lost = 3;
   stats->hub.undecodable = 2;
   stats->hub.unknown_peers = 5;
+  stats->local_forces = 40;
+  stats->patch_builder.store.parts = 12;
+  stats->patch_builder.built = 6;
+  stats->patch_touch.handed_over = 4;
+  stats->patch_touch.beyond = 2;
+  stats->patch_touch.beyond_steps = 30;
   for (int n = 0; n < 1000; ++n) {
     stats->round_trip.record(n < 950 ? 30'000 : 90'000);
     stats->bare_echo.record(n < 950 ? 20'000 : 30'000);
@@ -40,6 +46,12 @@ TEST(IoReport, HoldsHopsRatesCountersAndTheRatioToTheBareEcho) {
   EXPECT_EQ(report.counters.at("contact_samples"), 700);
   EXPECT_EQ(report.counters.at("lost"), 3);
   EXPECT_EQ(report.counters.at("datagrams_rejected"), 7);
+  EXPECT_EQ(report.counters.at("local_forces"), 40);
+  EXPECT_EQ(report.counters.at("patch_parts"), 12);
+  EXPECT_EQ(report.counters.at("patches_built"), 6);
+  EXPECT_EQ(report.counters.at("patches_taken_over"), 4);
+  EXPECT_EQ(report.counters.at("beyond_patch"), 2);
+  EXPECT_EQ(report.counters.at("beyond_patch_steps"), 30);
   EXPECT_EQ(report.notes.at("seed"), "17");
   EXPECT_NEAR(report.ratios.at("round_trip_over_echo_p50"), 1.5, 0.05);
   EXPECT_NEAR(report.ratios.at("round_trip_over_echo_p99"), 3.0, 0.1);

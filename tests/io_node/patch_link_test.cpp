@@ -1,0 +1,99 @@
+#include "io_node/patch_link.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "tests/io_node/servo_fixture.h"
+
+namespace hapton {
+namespace {
+
+// A servo that may work with patches, and what it tells the haptics node of them.
+struct PatchLinks : Servos {
+  LocalPatch local;
+  PatchBuilder builder{local};
+  std::unique_ptr<PatchLink> link;
+  std::vector<PatchStatus> statuses;
+  std::vector<std::int64_t> times_ns;
+
+  void SetUp() override {
+    Servos::SetUp();
+    endpoint.on_send = [this](const Address& to, const Datagram& datagram) {
+      receive(to, datagram);
+      if (const auto* status = std::get_if<PatchStatus>(&datagram.message)) {
+        EXPECT_EQ(to, at(kHaptics));
+        statuses.push_back(*status);
+        times_ns.push_back(clock.now_ns());
+      }
+    };
+  }
+  void start(TouchChoice choice) {
+    link = std::make_unique<PatchLink>(peers, local, builder, choice);
+    make();
+    servo->set_patch_link(link.get());
+    join(kHaptics, NodeRole::haptics);
+    run(100);
+  }
+};
+
+TEST_F(PatchLinks, RemoteForceWantsNoParts) {
+  start(TouchChoice::remote);
+  run(500);
+  EXPECT_TRUE(statuses.empty());
+  EXPECT_FALSE(link->is_wanted());
+}
+
+TEST_F(PatchLinks, PatchesAreAskedForEvery100Ms) {
+  start(TouchChoice::patch);
+  statuses.clear();
+  times_ns.clear();
+  run(1000);
+  EXPECT_TRUE(link->is_wanted());
+  ASSERT_GE(statuses.size(), 9U);
+  EXPECT_LE(statuses.size(), 11U);
+  for (const PatchStatus& status : statuses) EXPECT_TRUE(status.is_wanted);
+  for (std::size_t i = 1; i < times_ns.size(); ++i) {
+    EXPECT_NEAR(static_cast<double>(times_ns[i] - times_ns[i - 1]), static_cast<double>(PatchLink::kStatusNs), 2e6);
+  }
+}
+
+TEST_F(PatchLinks, AutomaticGoesByTheRoundTrip) {
+  start(TouchChoice::automatic);
+  run(2000);
+  EXPECT_FALSE(link->is_wanted()) << "100 us";
+  answer_delay_ns = static_cast<std::int64_t>(2e9 * TouchChooser::kSlowS);
+  run(2000);
+  EXPECT_TRUE(link->is_wanted());
+  ASSERT_FALSE(statuses.empty());
+  EXPECT_NEAR(statuses.back().round_trip_s, 2.0 * TouchChooser::kSlowS, 0.2 * TouchChooser::kSlowS);
+  // Fast again: it goes on until it has been so for a while, then tells haptics.
+  answer_delay_ns = 100 * kUs;
+  run(2000);
+  EXPECT_TRUE(link->is_wanted());
+  run(4000);
+  EXPECT_FALSE(link->is_wanted());
+  EXPECT_FALSE(statuses.back().is_wanted);
+}
+
+TEST_F(PatchLinks, WithoutAHapticsNodeNothingIsWanted) {
+  start(TouchChoice::patch);
+  EXPECT_TRUE(link->is_wanted());
+  say(kHaptics, Bye{});
+  sequences.erase(kHaptics);
+  run(300);
+  EXPECT_FALSE(link->is_wanted());
+}
+
+TEST_F(PatchLinks, PartsThatNobodyAskedForAreDropped) {
+  start(TouchChoice::remote);
+  PatchTile tile;
+  tile.epoch = tile.serial = 1;
+  for (int n = 0; n < 50; ++n) say(kHaptics, tile);
+  run(100);
+  EXPECT_EQ(link->builder_counts().store.parts, 0U);
+  EXPECT_EQ(link->builder_counts().store.rejected, 0U);
+}
+
+}  // namespace
+}  // namespace hapton
