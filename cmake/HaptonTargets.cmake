@@ -29,7 +29,8 @@ add_library(hapton_options INTERFACE)
 target_include_directories(hapton_options INTERFACE "$<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}>" $<INSTALL_INTERFACE:include/hapton>)
 target_compile_features(hapton_options INTERFACE $<INSTALL_INTERFACE:cxx_std_20>)
 # Warnings are ours; the rest holds for whoever uses the installed package too: Eigen's types have another layout with another -march.
-set(hapton_warnings -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor -Werror)
+# Of sources that are compiled together, what is shadowed may be another one's; the debug preset compiles each alone.
+set(hapton_warnings -Wall -Wextra -Wpedantic $<$<NOT:$<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>>:-Wshadow> -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor -Werror)
 target_compile_options(hapton_options INTERFACE
   "$<BUILD_INTERFACE:${hapton_warnings}>"
   # Products and sums round as written: the error bounds of core/math depend on it.
@@ -83,8 +84,6 @@ endfunction()
 function(hapton_join_sources name)
   if(HAPTON_JOIN_SOURCES)
     set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
-    # What is shadowed is another source's. The debug preset compiles each alone, and warns.
-    target_compile_options(${name} PRIVATE -Wno-shadow)
   endif()
 endfunction()
 
