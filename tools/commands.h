@@ -43,7 +43,7 @@ void add_keygen_command(CommandLine app, int& exit_code);
 // measures a system that is already running. hapton latency compare A B: two such reports side by side.
 void add_latency_command(CommandLine app, int& exit_code);
 
-// hapton loop zwidth|press|recommend|integrators|merge: hand, device and force program in closed loop.
+// hapton loop zwidth|press|recommend|integrators|velocity|merge: hand, device and force program in closed loop.
 void add_loop_command(CommandLine app, int& exit_code);
 
 // hapton plot DIR: draws DIR/latency.png from DIR/latency.csv with gnuplot.
@@ -111,6 +111,9 @@ void add_loop_press_command(CommandLine loop, int& exit_code);
 
 // hapton loop recommend --device D --latency REPORT: the stiffest safe material of this system.
 void add_loop_recommend_command(CommandLine loop, int& exit_code);
+
+// hapton loop velocity --device D: estimators of velocity, noise against lag, and the damping that a wall holds with each.
+void add_loop_velocity_command(CommandLine loop, int& exit_code);
 
 // hapton loop zwidth --device D --hand H --rate HZ --delay MS [--json]: largest stable and largest passive stiffness and damping.
 void add_loop_zwidth_command(CommandLine loop, int& exit_code);

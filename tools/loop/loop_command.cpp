@@ -9,6 +9,7 @@ void add_loop_command(CommandLine app, int& exit_code) {
   add_loop_press_command(command, exit_code);
   add_loop_recommend_command(command, exit_code);
   add_loop_integrators_command(command, exit_code);
+  add_loop_velocity_command(command, exit_code);
   add_loop_merge_command(command, exit_code);
 }
 
