@@ -118,7 +118,7 @@ void use_both_ends(DeviceExchange& exchange) {
   }
 }
 
-TEST(DeviceExchange, TakesNothingFromTheHeap) {
+TEST(DeviceExchange, UsesNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   const auto exchange = std::make_unique<DeviceExchange>();
   const AllocationGuard guard;
@@ -126,7 +126,7 @@ TEST(DeviceExchange, TakesNothingFromTheHeap) {
   EXPECT_EQ(guard.count(), 0U);
 }
 
-TEST(DeviceExchange, AsksNothingOfTheKernel) {
+TEST(DeviceExchange, MakesNoSystemCall) {
   if (!SystemCallGuard::is_available()) GTEST_SKIP() << "system calls cannot be forbidden in this build or on this kernel";
   std::unique_ptr<DeviceExchange> exchange;
   EXPECT_EQ(SystemCallGuard::run([&] { exchange = std::make_unique<DeviceExchange>(); }, [&] { use_both_ends(*exchange); }), "");

@@ -212,7 +212,7 @@ TEST_F(ForceDimension, ADeviceInUseIsReported) {
   EXPECT_THAT(what, HasSubstr("the stand-in's own words"));
 }
 
-TEST_F(ForceDimension, TheServosSideTakesNothingFromTheHeap) {
+TEST_F(ForceDimension, TheServosSideUsesNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   open();
   ASSERT_TRUE(serve_until_ready());

@@ -173,7 +173,7 @@ TEST_F(Haply, AMissingDeviceIsOneClearLine) {
   EXPECT_THAT(make().error().what, HasSubstr("no Inverse3;"));
 }
 
-TEST_F(Haply, TheServosSideTakesNothingFromTheHeap) {
+TEST_F(Haply, TheServosSideUsesNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   open();
   ASSERT_TRUE(serve_until_ready());

@@ -186,7 +186,7 @@ TEST_F(HidDeviceTest, EndsWithAReportThatLetsGo) {
   EXPECT_EQ(hid_.take_written().back()[1], 0);
 }
 
-TEST_F(HidDeviceTest, ReadAndWriteTakeNothingFromTheHeap) {
+TEST_F(HidDeviceTest, ReadAndWriteUseNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   EXPECT_TRUE(serve_until([&] { return device_->status() == DeviceStatus::ready; }));
   SteadyClock clock;

@@ -303,7 +303,7 @@ TEST_F(OpenHaptics, AServoThatDiesLeavesNoForce) {
   EXPECT_TRUE(ServoHand::wait_until([&] { return board->force[2] == 0.0; }));
 }
 
-TEST_F(OpenHaptics, TheServosSideTakesNothingFromTheHeap) {
+TEST_F(OpenHaptics, TheServosSideUsesNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   open();
   ASSERT_TRUE(serve_until_ready());

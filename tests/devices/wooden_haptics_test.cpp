@@ -271,7 +271,7 @@ TEST_F(LaterWooden, SaysWhereTheHandIsAndHowItIsTurnedOnlyIfItsWristIsDescribed)
   EXPECT_LT((in_world.axis() - Vec3::UnitZ()).norm(), 1e-9);
 }
 
-TEST_F(LaterWooden, AsksForNoCommandBesidesItsCurrents) {
+TEST_F(LaterWooden, SendsNoCommandBesidesItsCurrents) {
   begin(weightless());
   receive({0, 2667, 2333, 1, 2, 3, 4});
   Bytes into(64, 0xEE);

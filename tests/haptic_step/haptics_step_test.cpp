@@ -197,7 +197,7 @@ TEST(HapticsStep, AMethodTakesOverInFreeSpaceWhereTheDeviceIs) {
   EXPECT_TRUE(answer(step, states.at({0.01, 0.01, -0.0005})).contact);
 }
 
-TEST(HapticsStep, TakesNothingFromTheHeap) {
+TEST(HapticsStep, UsesNoHeap) {
   if (!AllocationGuard::is_available()) {
     GTEST_SKIP() << "heap use cannot be counted in this build";
   }

@@ -238,7 +238,7 @@ TEST_F(DeviceLoops, ANetworkSideThatIsFarBehindLosesCyclesButNotTheNewestOrder) 
   EXPECT_EQ(loop.collect_stats().cycles_unreported, DeviceLoop::kCyclesKept);
 }
 
-TEST_F(DeviceLoops, AsksForNeitherHeapNorSystemCalls) {
+TEST_F(DeviceLoops, UsesNeitherHeapNorSystemCalls) {
   if (AllocationGuard::is_available()) {
     AllocationGuard guard;
     press();

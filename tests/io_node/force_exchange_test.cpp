@@ -60,7 +60,7 @@ TEST_F(Servos, AnOvertakenForceIsNotWritten) {
   EXPECT_EQ(stats().responses.reordered, 1U);
 }
 
-TEST_F(Servos, SilenceLetsGoAndTheForceRampsBackIn) {
+TEST_F(Servos, ACommandTimeoutReleasesTheForceWhichRampsBackIn) {
   make();
   join(kHaptics, NodeRole::haptics);
   run(300);

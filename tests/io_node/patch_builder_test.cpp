@@ -84,7 +84,7 @@ TEST(PatchBuilder, MakesNoneOfAPart) {
   }
 }
 
-TEST(PatchBuilder, AfterAClearNothingOfBeforeIsFelt) {
+TEST(PatchBuilder, AfterAClearNothingOfBeforeIsUsed) {
   BuilderStage stage;
   stage.send_all();
   ASSERT_TRUE(stage.step_until(is_felt));

@@ -85,7 +85,7 @@ TEST_F(PatchLinks, WithoutAHapticsNodeNothingIsWanted) {
   EXPECT_FALSE(link->is_wanted());
 }
 
-TEST_F(PatchLinks, PartsThatNobodyAskedForAreDropped) {
+TEST_F(PatchLinks, PartsThatWereNotRequestedAreDropped) {
   start(TouchChoice::remote);
   PatchTile tile;
   tile.epoch = tile.serial = 1;

@@ -37,7 +37,7 @@ TEST_F(Memory, ShowsPoseAndOffsetOfOneSample) {
   EXPECT_EQ(shown.visual_offset_m.z(), 0.002);
 }
 
-TEST_F(Memory, InASilenceShowsTheNewestSampleAsItIsAndNeverGoesBack) {
+TEST_F(Memory, WithoutRepliesShowsTheNewestSampleAsItIsAndNeverGoesBack) {
   memory.note_sample(1, sample_at(1, 0.1));
   memory.note_sample(2, sample_at(2, 0.2));
   memory.show(true, shown);

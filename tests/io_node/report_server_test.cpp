@@ -86,7 +86,7 @@ TEST_F(Desks, OneDatagramACycleGoesToAllRequestersInTurn) {
   EXPECT_NE(reported[0].first, reported[1].first);
 }
 
-TEST_F(Desks, NonsenseIsNotAnswered) {
+TEST_F(Desks, InvalidRequestsGetNoReply) {
   const std::size_t tool = join(1);
   report_server.publish("text", "");
   report_server.accept(tool, {ReportDocument::json, 1, 7});

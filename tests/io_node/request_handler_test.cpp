@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-TEST_F(Servos, RateChangesWhileRunningAndNonsenseIsRejected) {
+TEST_F(Servos, RateChangesWhileRunningAndInvalidOnesAreRejected) {
   make();
   join(kTool, NodeRole::tool);
   run(10);

@@ -137,7 +137,7 @@ TEST_F(ResponseTrackerTest, ANodeThatSaysWhatItSkippedHasLostNothing) {
   }
 }
 
-TEST_F(ResponseTrackerTest, NobodyThereIsExcused) {
+TEST_F(ResponseTrackerTest, SamplesWithoutAHapticsNodeAreExcused) {
   take(1, 10, false);
   take(11, 20);
   tracker->answer(to(12));

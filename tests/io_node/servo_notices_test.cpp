@@ -112,7 +112,7 @@ TEST_F(Servos, AHapticsNodeThatSaysGoodbyeInContactIsNoFault) {
   peers.set_tap(nullptr);
 }
 
-TEST_F(Servos, ASilenceInFreeSpaceIsNoFault) {
+TEST_F(Servos, ACommandTimeoutInFreeSpaceIsNoFault) {
   RecordingTap tap;
   make({}, nullptr, &tap);
   join(kHaptics, NodeRole::haptics);

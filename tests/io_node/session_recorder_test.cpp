@@ -87,7 +87,7 @@ TEST_F(Recorders, NeverWaitForRoomButCountWhatFoundNone) {
   EXPECT_EQ(entries.back().dropped, recorder.counts().dropped);
 }
 
-TEST_F(Recorders, TakeNothingFromTheHeapOfTheServosThread) {
+TEST_F(Recorders, UseNoHeapOnTheServosThread) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   auto recorder = make({file, flights});
   ASSERT_TRUE(recorder.start());

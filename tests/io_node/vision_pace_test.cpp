@@ -31,7 +31,7 @@ TEST(VisionPaces, ALostStateIsSentAgain) {
   EXPECT_EQ(pace.decide(0, state_at(3), VisionPace::kRepeatNs), Decision::send);
 }
 
-TEST(VisionPaces, APictureOfAnOlderStateAsksForNothing) {
+TEST(VisionPaces, AFrameOfAnOlderStateRequestsNothing) {
   VisionPace pace(240.0);
   EXPECT_EQ(pace.decide(0, state_at(7), 0), Decision::send);
   pace.on_frame_ack(0, FrameAck{6, 0, 60.0F}, kMs);

@@ -198,7 +198,7 @@ TEST_F(FloodFilterTest, TheMostNodesFitIntoAProgramAndAnAttackerCannotCrowdThemO
   EXPECT_GT(filter.counts().unknown_peers, 500U);
 }
 
-TEST_F(FloodFilterTest, TakesNothingFromTheHeap) {
+TEST_F(FloodFilterTest, UsesNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   AllocationGuard guard;
   for (int n = 0; n < 100; ++n) window(n % 2 == 0 ? 500 : 0, 5000);

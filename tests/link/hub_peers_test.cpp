@@ -144,7 +144,7 @@ TEST_F(HubPeersTest, AnAnsweringHapticsNodeKeepsItsPlaceBetweenHellos) {
   EXPECT_EQ(rejected, 200);
 }
 
-TEST_F(HubPeersTest, AfterFiftyMillisecondsOfSilenceTheHapticsPlaceIsFree) {
+TEST_F(HubPeersTest, TheHapticsSlotIsFreeFiftyMillisecondsAfterTheLastDatagram) {
   RawNode first = raw_node(2, 20);
   RawNode second = raw_node(3, 30);
   send(first, Hello{NodeRole::haptics}, 0);

@@ -106,7 +106,7 @@ TEST(RejectionMonitorTest, SaysWhenThereAreSeveralSources) {
   EXPECT_TRUE(flood->is_from_several);
 }
 
-TEST(RejectionMonitorTest, EveryRefusalHasWordsOfItsOwn) {
+TEST(RejectionMonitorTest, EveryRejectionHasItsOwnText) {
   std::set<std::string_view> words;
   for (std::size_t n = 0; n < kRejections; ++n) words.insert(describe(static_cast<Rejection>(n)));
   EXPECT_EQ(words.size(), kRejections);

@@ -12,7 +12,7 @@ namespace {
 
 // --- handshakes that were recorded, and floods of them
 
-TEST_F(SealedHubTest, AReplayedHandshakeMeetsSilenceFromAnyAddressAndIsCounted) {
+TEST_F(SealedHubTest, AReplayedHandshakeGetsNoReplyFromAnyAddressAndIsCounted) {
   const auto node = make_node(2);
   join(*node);
   const auto recorded = hub_endpoint_.arrived();
@@ -291,7 +291,7 @@ TEST_F(SealedHubTest, TheOldSessionIsOverAfterTheOverlap) {
 
 // --- with worker threads, as the nodes run
 
-TEST(SealedThreadsTest, ANodeThatHasAgreedAsksForNothingMore) {
+TEST(SealedThreadsTest, ANodeThatHasAgreedRequestsNothingMore) {
   SteadyClock clock;
   MemoryNetwork network(clock);
   const Address at = memory_address(1, 4950);

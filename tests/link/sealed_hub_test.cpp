@@ -50,7 +50,7 @@ TEST_F(SealedHubTest, ManyNodesHaveKeysOfTheirOwn) {
   EXPECT_GT(nodes[1]->sealed.seal_counts().rejected(), 0U);
 }
 
-TEST_F(SealedHubTest, WithAnotherKeyThereIsSilenceAndACount) {
+TEST_F(SealedHubTest, WithAnotherKeyThereIsNoReplyAndACount) {
   const auto outsider = make_node(2, key_of(2));
   say(*outsider, "let me in");
   const std::size_t before = hub_endpoint_.sent();
@@ -60,7 +60,7 @@ TEST_F(SealedHubTest, WithAnotherKeyThereIsSilenceAndACount) {
   EXPECT_FALSE(answer(*outsider, "no"));
 }
 
-TEST_F(SealedHubTest, AnotherVersionAndJunkGetSilenceAndACount) {
+TEST_F(SealedHubTest, AnotherVersionAndJunkGetNoReplyAndACount) {
   const Address from = memory_address(9, 9);
   hub_endpoint_.put_in(from, {std::byte{0x08}, std::byte{0x01}, std::byte{0x42}});
   hub_endpoint_.put_in(from, text("GET / HTTP/1.1"));
@@ -229,7 +229,7 @@ TEST_F(SealedHubTest, AHubThatWasOnlySlowHasLostNothing) {
   EXPECT_EQ(hub_->seal_counts().handshakes, handshakes + 1);
 }
 
-TEST_F(SealedHubTest, ANodeThatWasBusyForLongAsksForNothing) {
+TEST_F(SealedHubTest, ANodeThatWasBusyForLongRequestsNothing) {
   const auto node = make_node(2);
   join(*node);
   for (int turn = 0; turn < 10; ++turn) {

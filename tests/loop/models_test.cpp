@@ -56,7 +56,7 @@ TEST(DeviceModel, WithoutModesHasAllItsMassAtTheMotors) {
   EXPECT_EQ(model.with_modes(0).motor_mass_kg(), model.mass_kg);
 }
 
-TEST(HandPresets, FromNobodyToAFirmGrip) {
+TEST(HandPresets, GoFromNoHandToAFirmGrip) {
   EXPECT_EQ(find_hand_preset("off")->mass_kg, 0.0);
   EXPECT_LT(find_hand_preset("light")->damping_ns_per_m, find_hand_preset("firm")->damping_ns_per_m);
   EXPECT_FALSE(find_hand_preset("foot"));

@@ -133,7 +133,7 @@ TEST(StableStiffness, AFreeDeviceWithDampingHasALimit) {
   EXPECT_NEAR(limit, 2.0 / 1.5e-3, 0.02 * 2.0 / 1.5e-3);
 }
 
-TEST(StableStiffness, TellsTheFrequencyItSwingsAt) {
+TEST(StableStiffness, NamesTheFrequencyOfItsOscillation) {
   const SampledPlant plant = ideal(0.875, 5.5, 30.0, 1e-3, 0.0);
   const StabilityLimit limit = find_stable_stiffness(plant, 0.0);
   // About sqrt(K / M) / 2 pi.

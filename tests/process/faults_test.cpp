@@ -229,7 +229,7 @@ class UnknownPeer {
   std::unique_ptr<Endpoint> endpoint_;
 };
 
-TEST(Hub, AnotherVersionIsMetWithSilenceAndCounted) {
+TEST(Hub, AnotherVersionGetsNoReplyAndIsCounted) {
   System system;
   system.start("io_node");
   system.request_report();

@@ -91,7 +91,7 @@ TEST(Keys, AKeyOfAnotherRoleOrOfAnOlderVersionIsRejectedInALine) {
   }
 }
 
-TEST(Keys, ANodeWithAnotherOneIsMetWithSilenceAndTheHubSaysSo) {
+TEST(Keys, ANodeWithAnotherOneGetsNoReplyAndTheHubSaysSo) {
   System system;
   system.start("io_node");
   system.start("haptics_node");

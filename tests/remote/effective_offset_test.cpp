@@ -44,7 +44,7 @@ TEST(EffectiveOffset, AWrongSignalIsWrongAndNotLate) {
   EXPECT_NEAR(offset.value, 0.1, 1e-3);
 }
 
-TEST(EffectiveOffset, BothAreToldApart) {
+TEST(EffectiveOffset, BothAreDistinguished) {
   const EffectiveOffset offset = find(sample(0.02, Vec3(0.0, 0.0, 0.1)));
   EXPECT_NEAR(offset.time_s, 0.02, 2e-3);
   EXPECT_NEAR(offset.value, 0.1, 5e-3);

@@ -49,7 +49,7 @@ TEST(ByteRing, DropsAndCountsWhatFindsNoRoomAndGoesOn) {
   EXPECT_EQ(drain(ring), std::vector<std::string>{"d"});
 }
 
-TEST(ByteRing, PushingTakesNothingFromTheHeap) {
+TEST(ByteRing, PushingUsesNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   ByteRing ring(1024);
   const std::string record(100, 'r');

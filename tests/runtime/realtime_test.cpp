@@ -45,7 +45,7 @@ const RealtimeItem* find_item(const RealtimeReport& report, const std::string& n
   return found == report.items.end() ? nullptr : &*found;
 }
 
-TEST(RealtimeTest, OffAsksForFineTimersOnly) {
+TEST(RealtimeTest, OffRequestsFineTimersOnly) {
   const Outcome outcome = enter_in_a_thread({.mode = RealtimeMode::off});
   ASSERT_TRUE(*outcome.report);
   ASSERT_EQ((*outcome.report)->items.size(), 1U);
@@ -71,7 +71,7 @@ TEST(RealtimeTest, TheReportIsTrue) {
   EXPECT_LE(outcome.slack_ns, 1);
 }
 
-TEST(RealtimeTest, ARefusalIsReportedWithItsRemedyAndOnlyRequireFails) {
+TEST(RealtimeTest, ADenialIsReportedWithItsRemedyAndOnlyRequireFails) {
   constexpr int kNoSuchCpu = 1000;
   const Outcome tried = enter_in_a_thread({.mode = RealtimeMode::attempt, .priority = 0, .cpu = kNoSuchCpu, .lock_memory = false});
   ASSERT_TRUE(*tried.report);
@@ -92,7 +92,7 @@ TEST(RealtimeTest, ARefusalIsReportedWithItsRemedyAndOnlyRequireFails) {
   EXPECT_EQ(required.report->error().what.find('\n'), std::string::npos);
 }
 
-TEST(RealtimeTest, NonsenseIsAnErrorInEveryMode) {
+TEST(RealtimeTest, InvalidSettingsAreAnErrorInEveryMode) {
   EXPECT_FALSE(enter_realtime({.mode = RealtimeMode::attempt, .priority = 100}));
   EXPECT_FALSE(enter_realtime({.mode = RealtimeMode::attempt, .priority = -1}));
 }

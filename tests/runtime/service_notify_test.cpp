@@ -50,7 +50,7 @@ TEST_F(ServiceNotifyTest, TheManagerReceivesItAndSaysHowOftenItExpectsIt) {
   EXPECT_EQ(std::string(received.data(), static_cast<std::size_t>(size)), "READY=1");
 }
 
-TEST_F(ServiceNotifyTest, NonsenseInTheEnvironmentIsNoPeriod) {
+TEST_F(ServiceNotifyTest, InvalidTextInTheEnvironmentIsNoPeriod) {
   ::setenv("WATCHDOG_USEC", "soon", 1);
   EXPECT_EQ(ServiceNotify().watchdog_ns(), 0);
 }

@@ -12,7 +12,7 @@ TEST(StartThreadTest, RunsWhatItIsGiven) {
   EXPECT_EQ(answer, 42);
 }
 
-TEST(StartThreadDeathTest, ARefusalIsOneLineAndEndsTheProgram) {
+TEST(StartThreadDeathTest, AThreadThatIsDeniedIsOneLineAndEndsTheProgram) {
   const std::system_error rejection(std::make_error_code(std::errc::resource_unavailable_try_again));
   EXPECT_EXIT(end_without_thread(rejection), testing::ExitedWithCode(1), "^[a-z_]+: cannot start another thread .*ulimit -u.*\n$");
 }

@@ -17,7 +17,7 @@ TEST(StopSignalTest, InterruptAndTerminateRequestAStop) {
   }
 }
 
-TEST(StopSignalTest, EachUserSignalAsksForAReport) {
+TEST(StopSignalTest, EachUserSignalRequestsAReport) {
   StopSignal stop;
   EXPECT_EQ(stop.report_requests(), 0U);
   std::raise(SIGUSR1);

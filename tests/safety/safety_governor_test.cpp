@@ -51,7 +51,7 @@ TEST(SafetyGovernor, ChangesNoFasterThanTheSlew) {
   EXPECT_GT(bench.governor.counters().slewed, 90U);
 }
 
-TEST(SafetyGovernor, IsZeroAfterTwentyMillisecondsOfSilenceAndRampsBack) {
+TEST(SafetyGovernor, IsZeroTwentyMillisecondsAfterTheLastCommandAndRampsBack) {
   for (const std::int64_t dt : {kMs / 10, kMs, 4 * kMs}) {
     Bench bench;
     for (int n = 0; n < 300; ++n) bench.cycle(Wrench{Vec3(0, 0, 8), Vec3(0.5, 0, 0)});
@@ -191,7 +191,7 @@ TEST(SafetyGovernor, UnusableLimitsGiveNoForce) {
   }
 }
 
-TEST(SafetyGovernor, TakesNothingFromTheHeap) {
+TEST(SafetyGovernor, UsesNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   AllocationGuard guard;
   Bench bench;

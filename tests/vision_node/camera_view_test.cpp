@@ -33,7 +33,7 @@ TEST(CameraView, ZoomMakesThePictureThatManyTimesAsLargeAndKeepsItsDepth) {
   EXPECT_NEAR(after, before, 1e-9);
 }
 
-TEST(CameraView, ZoomHasLimitsAndNoNonsense) {
+TEST(CameraView, ZoomHasLimitsAndIgnoresInvalidFactors) {
   CameraView camera;
   for (int i = 0; i < 1000; ++i) camera.zoom_by(1.1);
   EXPECT_EQ(camera.zoom, 100.0);

@@ -53,7 +53,7 @@ TEST(VisionProgram, BadHubIsOneLine) {
   EXPECT_NE(run.output.find("99999"), std::string::npos) << run.output;
 }
 
-TEST(VisionProgram, WritesAScreenshotWithNobodyThere) {
+TEST(VisionProgram, WritesAScreenshotWithoutAPerson) {
   const auto file = std::filesystem::temp_directory_path() / ("hapton_program_" + std::to_string(getpid()) + ".png");
   const Ended run = run_vision("--scene meshes/car_front_3300.obj --size 320x180 --seconds 0.5 --screenshot " + file.string());
   EXPECT_EQ(run.code, 0) << run.output;

@@ -94,7 +94,7 @@ TEST(ObjectHierarchy, AVisitMayEndTheSearch) {
   EXPECT_EQ(visits, 3);
 }
 
-TEST(ObjectHierarchy, QueriesAndRefitsTakeNothingFromTheHeap) {
+TEST(ObjectHierarchy, QueriesAndRefitsUseNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "allocations cannot be counted in this build";
   std::mt19937_64 random(kSeed);
   const std::vector<Box> boxes = random_boxes(500, 0.1, random);

@@ -205,7 +205,7 @@ TEST(WideBvh, RefittedItemsAreFoundWhereTheyAreAndNowhereElse) {
   EXPECT_TRUE(found_by(tree, Box::around({-3, -3, -3}, {-2, -2, -2})).empty());
 }
 
-TEST(WideBvh, QueriesTakeNothingFromTheHeap) {
+TEST(WideBvh, QueriesUseNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "allocations cannot be counted in this build";
   std::mt19937_64 random(3);
   const std::vector<Box> boxes = random_boxes(3000, 0.1, random);

@@ -35,7 +35,7 @@ TEST(VrpnFeed, EverySampleArrivesInOrderWithTheWrenchOfBefore) {
   EXPECT_EQ(samples[1].wrench.force_n, Vec3(0, 0, 1));
 }
 
-TEST(VrpnFeed, NobodyThereCostsNothing) {
+TEST(VrpnFeed, WithoutClientsItCostsNothing) {
   Feed feed;
   WatchedDevice device(simulated(), feed);
   device.read(1'000'000);
@@ -74,7 +74,7 @@ void serve(Device& device) {
   }
 }
 
-TEST(VrpnFeed, TheServosSideTakesNothingFromTheHeap) {
+TEST(VrpnFeed, TheServosSideUsesNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   Feed feed;
   feed.set_wanted(true);
@@ -84,7 +84,7 @@ TEST(VrpnFeed, TheServosSideTakesNothingFromTheHeap) {
   EXPECT_EQ(guard.count(), 0U);
 }
 
-TEST(VrpnFeed, TheServosSideAsksNothingOfTheKernel) {
+TEST(VrpnFeed, TheServosSideMakesNoSystemCall) {
   if (!SystemCallGuard::is_available()) GTEST_SKIP() << "system calls cannot be forbidden in this build or on this kernel";
   std::unique_ptr<Feed> feed;
   std::unique_ptr<WatchedDevice> device;

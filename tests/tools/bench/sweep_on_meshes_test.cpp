@@ -27,7 +27,7 @@ std::vector<std::string> mesh_names() {
 
 class SweepOnMeshes : public ::testing::TestWithParam<std::string> {};
 
-TEST_P(SweepOnMeshes, FeelsLikeTheTwin) {
+TEST_P(SweepOnMeshes, EqualsTheTwin) {
   constexpr std::uint64_t kSeed = 2;
   RecordProperty("seed", std::to_string(kSeed));
   const auto file = load_mesh_file(std::filesystem::path(HAPTON_SOURCE_DIR "/meshes") / GetParam());

@@ -35,7 +35,7 @@ TEST(Machine, FollowsLinksWithoutLeavingItsRoot) {
   EXPECT_EQ(machine.link_name("/proc/version"), "");
 }
 
-TEST(Machine, KnowsWhoAsksAndInWhichGroups) {
+TEST(Machine, KnowsTheUserAndItsGroups) {
   const FakeMachine fake;
   fake.be_user(4321, "7001 7002", "0000000000800000");
   fake.write("/etc/group", "hapton:x:7001:\nplugdev:x:46:ada,bob\naudio:x:63:bob\nbroken\n");

@@ -74,7 +74,7 @@ TEST(GovernorStress, SumsKeepTheFirstFindingAndTheWorst) {
   EXPECT_EQ(sum.worst.heat, 0.5);
 }
 
-TEST(GovernorStress, TakesNothingFromTheHeap) {
+TEST(GovernorStress, UsesNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   GovernorStressCount count;
   AllocationGuard guard;

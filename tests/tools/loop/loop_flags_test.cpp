@@ -18,7 +18,7 @@ TEST(ReadNumbers, TakesListsAndRanges) {
   EXPECT_NEAR(by_ratio[1], 1000.0, 1e-9);
 }
 
-TEST(ReadNumbers, RefusesWhatIsNone) {
+TEST(ReadNumbers, RejectsWhatIsNone) {
   for (const char* text : {"fast", "", ",", "1,two", "1:2", "1:2:1", "1:2:2.5", "0:10:3log", "1:2:x", "nan", "1:2:1e9"}) {
     const auto numbers = read_numbers("--rate", text);
     ASSERT_FALSE(numbers) << text;

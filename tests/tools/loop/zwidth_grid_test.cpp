@@ -113,7 +113,7 @@ TEST_F(MergeTest, ShardsInAnyOrderAreTheWholeGrid) {
   EXPECT_EQ(*merged, *whole);
 }
 
-TEST_F(MergeTest, RefusesWhatIsMissingDoubleOrOfAnotherGrid) {
+TEST_F(MergeTest, RejectsWhatIsMissingDoubleOrOfAnotherGrid) {
   const ZWidthGrid grid = small_grid();
   ZWidthGrid other = grid;
   other.delays_ms.back() = 60.0;
@@ -147,7 +147,7 @@ TEST(MeasuredLatency, IsTheRoundTripsAtP999) {
   EXPECT_EQ(latency->rate_hz, 2000.0);
 }
 
-TEST(MeasuredLatency, RefusesWhatMeasuredNone) {
+TEST(MeasuredLatency, RejectsAReportWithoutARoundTrip) {
   EXPECT_FALSE(read_measured_latency({}));
   EXPECT_FALSE(read_measured_latency(nlohmann::ordered_json::array()));
   EXPECT_FALSE(read_measured_latency({{"hops", {{"round_trip", {{"p99_9_us", 250.0}}}}}}));

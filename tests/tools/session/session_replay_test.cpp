@@ -76,7 +76,7 @@ struct SessionReplayTest : testing::Test {
   }
 };
 
-TEST_F(SessionReplayTest, ASlideFeelsTheSameToTheLastBit) {
+TEST_F(SessionReplayTest, ASlideGivesTheSameForcesToTheLastBit) {
   slide(500);
   SessionReplay replay = make_replay();
   feed(replay);

@@ -29,7 +29,7 @@ TEST(ProcessStats, SeeOneDescriptorAndOneThreadMore) {
   EXPECT_EQ(with->threads, before->threads + 1);
 }
 
-TEST(ProcessStats, OfNobodyAreAnError) { EXPECT_FALSE(read_process_figures(-1)); }
+TEST(ProcessStats, OfNoProcessAreAnError) { EXPECT_FALSE(read_process_figures(-1)); }
 
 }  // namespace
 }  // namespace hapton

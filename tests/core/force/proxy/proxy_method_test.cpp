@@ -375,7 +375,7 @@ TEST(Proxy, APlaceWhereItWasFreeIsNotCrossedLater) {
   }
 }
 
-TEST(Proxy, StepsTakeNothingFromTheHeap) {
+TEST(Proxy, StepsUseNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "allocations cannot be counted in this build";
   const auto proxy = proxy_over(scene_of(make_bumpy_sphere(0.05, 0.08, 20000, 4)));
   const std::vector<Vec3> way = walk_round(0.05, 0.002, 3000);

@@ -30,7 +30,7 @@ std::unique_ptr<SweepMethod> make_sweep(const TouchScene& scene, std::array<int,
 
 MethodOutput step(ForceMethod& method, const Vec3& p_SD) { return method.step({.p_SD = p_SD}); }
 
-TEST(SweepMethod, FeelsLikeTheBruteForceTwinToTheBit) {
+TEST(SweepMethod, EqualsItsBruteForceTwinToTheBit) {
   constexpr std::uint64_t kSeed = 31;
   RecordProperty("seed", std::to_string(kSeed));
   std::mt19937_64 random(kSeed);
@@ -219,7 +219,7 @@ TEST(SweepMethod, HugeFiniteSamplesGiveFiniteForcesAndBringNoneBackWithThem) {
   EXPECT_GT(contacts, wild.size());
 }
 
-TEST(SweepMethod, StepsTakeNothingFromTheHeap) {
+TEST(SweepMethod, StepsUseNoHeap) {
   if (!AllocationGuard::is_available()) {
     GTEST_SKIP() << "heap use cannot be counted in this build";
   }
