@@ -3,7 +3,6 @@
 #include <memory>
 
 #include "core/force/touch_step.h"
-#include "loop/velocity_estimator.h"
 
 namespace hapton {
 
@@ -16,8 +15,8 @@ class ForceLaw {
   virtual void reset(const Vec3& p_WD) noexcept = 0;
 };
 
-// A flat wall that fills x < 0: spring, and damping by the velocity that an estimator gives, finite difference at first. One-sided as touch
-// is, pushing only; two-sided as linear theory has it.
+// A flat wall that fills x < 0: spring, and damping by finite difference. One-sided as touch is, pushing only; two-sided as linear theory
+// has it.
 class WallLaw final : public ForceLaw {
  public:
   struct Wall {
@@ -26,16 +25,14 @@ class WallLaw final : public ForceLaw {
     bool two_sided = false;
   };
 
-  // step_m: of the encoder that is read, for the estimator.
-  explicit WallLaw(const Wall& wall, const VelocityFilter& filter = {}, double step_m = 0.0)
-      : wall_(wall), velocity_(make_velocity_estimator(filter, step_m)) {}
+  explicit WallLaw(const Wall& wall) : wall_(wall) {}
 
   Vec3 step(const Vec3& p_WD, double dt_s) noexcept override;
-  void reset(const Vec3& p_WD) noexcept override { velocity_->reset(p_WD.x()); }
+  void reset(const Vec3& p_WD) noexcept override { before_m_ = p_WD.x(); }
 
  private:
   Wall wall_;
-  std::unique_ptr<VelocityEstimator> velocity_;
+  double before_m_ = 0.0;
 };
 
 // The very step that the haptics node runs, on a mesh.

@@ -109,8 +109,7 @@ PressMeasures measure_press(const std::vector<LoopRow>& rows, const PressPath& p
 namespace {
 
 bool comes_to_rest(const PressCase& press, double stiffness_n_per_m) {
-  WallLaw wall({.stiffness_n_per_m = stiffness_n_per_m, .damping_ns_per_m = press.wall_damping_ns_per_m}, press.velocity,
-               press.device.encoder_step_m);
+  WallLaw wall({.stiffness_n_per_m = stiffness_n_per_m, .damping_ns_per_m = press.wall_damping_ns_per_m});
   ForceChain chain(wall, {.encoder_step_m = press.device.encoder_step_m,
                           .max_force_n = press.device.max_force_n,
                           .there = press.there,
@@ -132,16 +131,6 @@ double find_rest_stiffness(const PressCase& press, double most_n_per_m) {
   const ValueRange range = {.first = 10.0, .stride = 1.3, .least = 0.01, .most = most_n_per_m};
   constexpr double kFine = 0.01;
   return find_largest_value(range, kFine, [&](double stiffness_n_per_m) { return comes_to_rest(press, stiffness_n_per_m); });
-}
-
-double find_rest_damping(const PressCase& press, double stiffness_n_per_m, double most_ns_per_m) {
-  const ValueRange range = {.first = 0.1, .stride = 1.3, .least = 1e-3, .most = most_ns_per_m};
-  constexpr double kFine = 0.01;
-  return find_largest_value(range, kFine, [&](double damping_ns_per_m) {
-    PressCase damped = press;
-    damped.wall_damping_ns_per_m = damping_ns_per_m;
-    return comes_to_rest(damped, stiffness_n_per_m);
-  });
 }
 
 SpectrumPeak find_spectrum_peak(const std::vector<double>& signal, double rate_hz, double lowest_hz) {

@@ -52,7 +52,6 @@ struct PressCase {
   LinkFaults there = {};
   LinkFaults back = {};
   double wall_damping_ns_per_m = 0.0;
-  VelocityFilter velocity = {};  // of the wall's damping
   std::uint64_t seed = 1;
 };
 
@@ -60,8 +59,6 @@ struct PressCase {
 // With encoder steps, friction and saturation, which the limit of stability leaves out. Searched upwards by equal ratios, to most_n_per_m,
 // then by bisection to 1 %. RT: no.
 double find_rest_stiffness(const PressCase& press, double most_n_per_m);
-// The same of the wall's damping, on a wall of that stiffness. Pre: stiffness above 0. RT: no.
-double find_rest_damping(const PressCase& press, double stiffness_n_per_m, double most_ns_per_m);
 
 // Strongest line of a signal's spectrum above lowest_hz (Hann window, mean taken off). Frequency in hertz, amplitude in the signal's unit.
 struct SpectrumPeak {

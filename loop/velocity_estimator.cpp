@@ -213,4 +213,19 @@ VelocityQuality measure_velocity(const VelocityFilter& filter, double period_s, 
   return quality;
 }
 
+std::vector<VelocityRow> compare_velocity(double period_s, double step_m) {
+  std::vector<VelocityRow> rows;
+  for (const VelocityFilter& filter : velocity_filters()) rows.push_back({filter, measure_velocity(filter, period_s, step_m)});
+  return rows;
+}
+
+const VelocityRow* choose_velocity(const std::vector<VelocityRow>& rows, double most_noise_m_per_s) noexcept {
+  const VelocityRow* chosen = nullptr;
+  for (const VelocityRow& row : rows) {
+    if (row.quality.noise_m_per_s > most_noise_m_per_s) continue;
+    if (chosen == nullptr || row.quality.lag_s < chosen->quality.lag_s) chosen = &row;
+  }
+  return chosen;
+}
+
 }  // namespace hapton

@@ -50,4 +50,13 @@ struct VelocityQuality {
 // Read at equal intervals by an encoder that rounds down. Pre: period_s > 0, step_m >= 0. RT: no.
 VelocityQuality measure_velocity(const VelocityFilter& filter, double period_s, double step_m);
 
+struct VelocityRow {
+  VelocityFilter filter;
+  VelocityQuality quality;
+};
+// All velocity_filters(). RT: no.
+std::vector<VelocityRow> compare_velocity(double period_s, double step_m);
+// The least lag with no more noise than that; null: none is that quiet.
+const VelocityRow* choose_velocity(const std::vector<VelocityRow>& rows, double most_noise_m_per_s) noexcept;
+
 }  // namespace hapton

@@ -112,7 +112,7 @@ void add_loop_press_command(CommandLine loop, int& exit_code);
 // hapton loop recommend --device D --latency REPORT: the stiffest safe material of this system.
 void add_loop_recommend_command(CommandLine loop, int& exit_code);
 
-// hapton loop velocity --device D: estimators of velocity, noise against lag, and the damping that a wall holds with each.
+// hapton loop velocity --device D: velocity estimators compared, noise against lag.
 void add_loop_velocity_command(CommandLine loop, int& exit_code);
 
 // hapton loop zwidth --device D --hand H --rate HZ --delay MS [--json]: largest stable and largest passive stiffness and damping.

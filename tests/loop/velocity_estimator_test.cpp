@@ -7,7 +7,6 @@
 #include <random>
 #include <set>
 
-#include "loop/press.h"
 #include "tests/support/allocation_guard.h"
 
 namespace hapton {
@@ -148,13 +147,19 @@ TEST(VelocityEstimators, UseNoHeapInAStep) {
   }
 }
 
-TEST(VelocityEstimators, AFilteredVelocityHoldsMoreDampingWhereTheEncoderIsCoarse) {
-  PressCase press{.device = {.mass_kg = 0.1, .damping_ns_per_m = 0.5, .encoder_step_m = 1e-4, .max_force_n = 8.0},
-                  .hand = *find_hand_preset("stylus")};
-  const double difference = find_rest_damping(press, 300.0, 1000.0);
-  press.velocity = {Kind::first_order, 100.0};
-  EXPECT_GT(difference, 0.0);
-  EXPECT_GT(find_rest_damping(press, 300.0, 1000.0), difference);
+TEST(VelocityEstimators, TheChoiceIsTheLeastLagThatIsQuietEnough) {
+  const std::vector<VelocityRow> rows = compare_velocity(kPeriod, kStepM);
+  ASSERT_EQ(rows.size(), velocity_filters().size());
+  for (const double most_noise : {1.0, 0.010, 0.003, 0.001}) {
+    const VelocityRow* chosen = choose_velocity(rows, most_noise);
+    ASSERT_NE(chosen, nullptr);
+    EXPECT_LE(chosen->quality.noise_m_per_s, most_noise);
+    for (const VelocityRow& row : rows) {
+      EXPECT_TRUE(row.quality.noise_m_per_s > most_noise || row.quality.lag_s >= chosen->quality.lag_s) << row.filter.name();
+    }
+  }
+  EXPECT_EQ(choose_velocity(rows, 1.0)->filter.kind, Kind::difference);
+  EXPECT_EQ(choose_velocity(rows, 1e-9), nullptr);
 }
 
 }  // namespace

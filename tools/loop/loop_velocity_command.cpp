@@ -5,79 +5,62 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "loop/press.h"
 #include "loop/velocity_estimator.h"
 #include "tools/commands.h"
 #include "tools/loop/loop_flags.h"
-#include "tools/milliseconds.h"
 
 namespace hapton {
 namespace {
 
+constexpr double kMostNoiseN = 0.1;  // of the damping force: what a finger begins to notice as a buzz
+
 struct VelocityOptions {
   LoopFlags loop;
   double rate_hz = 1000.0;
-  double delay_ms = 0.0;
-  double stiffness_n_per_m = 300.0;
+  double damping_ns_per_m = 5.0;
   bool json = false;
 };
 
-struct VelocityRow {
-  VelocityFilter filter;
-  VelocityQuality quality;
-  double rest_damping_ns_per_m = 0.0;
-};
-
-VelocityRow measure(const VelocityOptions& options, const NamedLoop& loop, const VelocityFilter& filter) {
-  constexpr double kMostDamping = 1000.0;
-  PressCase press{.device = loop.device_model, .hand = loop.hand_model, .period_ns = ms_to_ns(1e3 / options.rate_hz), .velocity = filter};
-  press.there.delay_ns = ms_to_ns(0.5 * options.delay_ms);
-  press.back.delay_ns = ms_to_ns(options.delay_ms) - press.there.delay_ns;
-  return {filter, measure_velocity(filter, 1.0 / options.rate_hz, loop.device_model.encoder_step_m),
-          find_rest_damping(press, options.stiffness_n_per_m, kMostDamping)};
-}
-
-void print_json(const VelocityOptions& options, const NamedLoop& loop, const std::vector<VelocityRow>& rows) {
+void print_json(const VelocityOptions& options, const NamedLoop& loop, const std::vector<VelocityRow>& rows, const VelocityRow* chosen) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const VelocityRow& row : rows) {
     list.push_back({{"estimator", row.filter.name()},
                     {"noise_m_per_s", row.quality.noise_m_per_s},
                     {"lag_s", row.quality.lag_s},
-                    {"rest_damping_ns_per_m", row.rest_damping_ns_per_m}});
+                    {"noise_n", options.damping_ns_per_m * row.quality.noise_m_per_s}});
   }
-  const nlohmann::ordered_json json = {{"schema", "hapton.loop.velocity/1"},
-                                       {"device", loop.device},
-                                       {"hand", loop.hand},
-                                       {"rate_hz", options.rate_hz},
-                                       {"delay_ms", options.delay_ms},
-                                       {"encoder_step_m", loop.device_model.encoder_step_m},
-                                       {"stiffness_n_per_m", options.stiffness_n_per_m},
-                                       {"rows", list}};
+  const nlohmann::ordered_json json = {
+      {"schema", "hapton.loop.velocity/1"},
+      {"device", loop.device},
+      {"rate_hz", options.rate_hz},
+      {"encoder_step_m", loop.device_model.encoder_step_m},
+      {"damping_ns_per_m", options.damping_ns_per_m},
+      {"most_noise_n", kMostNoiseN},
+      {"chosen", chosen != nullptr ? nlohmann::ordered_json(chosen->filter.name()) : nlohmann::ordered_json()},
+      {"rows", list}};
   fmt::print("{}\n", json.dump(2));
 }
 
-void print_table(const VelocityOptions& options, const NamedLoop& loop, const std::vector<VelocityRow>& rows) {
-  fmt::print("{} in hand {}, encoder step {:.3g} mm, {:g} Hz, {:g} ms\n", loop.device, loop.hand, 1e3 * loop.device_model.encoder_step_m,
-             options.rate_hz, options.delay_ms);
-  fmt::print("{:22} {:>12} {:>10} {:>20}\n", "estimator", "noise mm/s", "lag ms", "most damping Ns/m");
+void print_table(const VelocityOptions& options, const NamedLoop& loop, const std::vector<VelocityRow>& rows, const VelocityRow* chosen) {
+  fmt::print("{}: encoder step {:.3g} mm, {:g} Hz\n", loop.device, 1e3 * loop.device_model.encoder_step_m, options.rate_hz);
+  fmt::print("{:22} {:>12} {:>10} {:>22}\n", "estimator", "noise mm/s", "lag ms",
+             fmt::format("noise N at {:g} Ns/m", options.damping_ns_per_m));
   for (const VelocityRow& row : rows) {
-    fmt::print("{:22} {:>12.3g} {:>10.3g} {:>20.3g}\n", row.filter.name(), 1e3 * row.quality.noise_m_per_s, 1e3 * row.quality.lag_s,
-               row.rest_damping_ns_per_m);
+    fmt::print("{:22} {:>12.3g} {:>10.3g} {:>22.3g}\n", row.filter.name(), 1e3 * row.quality.noise_m_per_s, 1e3 * row.quality.lag_s,
+               options.damping_ns_per_m * row.quality.noise_m_per_s);
   }
-  fmt::print(
-      "noise: RMS error at the worst of six steady speeds from 1 to 300 mm/s; lag: at 1 m/s^2; most damping: of a wall of {:g} N/m on "
-      "which a "
-      "press comes to rest\n",
-      options.stiffness_n_per_m);
+  fmt::print("noise: RMS error at the worst of six steady speeds from 1 to 300 mm/s; lag: at a steady 1 m/s^2\n");
+  fmt::print("least lag with at most {:g} N of noise: {}\n", kMostNoiseN,
+             chosen != nullptr ? chosen->filter.name() : "none; lower the damping");
 }
 
 Result<void> run(const VelocityOptions& options) {
   const auto loops = loops_of(options.loop);
   if (!loops) return tl::unexpected(loops.error());
   const NamedLoop& loop = loops->front();
-  std::vector<VelocityRow> rows;
-  for (const VelocityFilter& filter : velocity_filters()) rows.push_back(measure(options, loop, filter));
-  options.json ? print_json(options, loop, rows) : print_table(options, loop, rows);
+  const std::vector<VelocityRow> rows = compare_velocity(1.0 / options.rate_hz, loop.device_model.encoder_step_m);
+  const VelocityRow* chosen = choose_velocity(rows, kMostNoiseN / options.damping_ns_per_m);
+  options.json ? print_json(options, loop, rows, chosen) : print_table(options, loop, rows, chosen);
   return {};
 }
 
@@ -85,12 +68,10 @@ Result<void> run(const VelocityOptions& options) {
 
 void add_loop_velocity_command(CommandLine loop, int& exit_code) {
   auto options = std::make_shared<VelocityOptions>();
-  const CommandLine command =
-      loop.add_subcommand("velocity", "Velocity estimators: noise against lag, and the damping a wall holds with each");
+  const CommandLine command = loop.add_subcommand("velocity", "Velocity estimators compared: noise against lag");
   add_loop_flags(command, options->loop, false);
   command.add_option("--rate", options->rate_hz, "Servo rate, Hz").between(10.0, 1e5).shows_default();
-  command.add_option("--delay", options->delay_ms, "From the sample to its force on the motors, ms").between(0.0, 1000.0).shows_default();
-  command.add_option("--stiffness", options->stiffness_n_per_m, "Of the wall, N/m").positive("N/m").shows_default();
+  command.add_option("--damping", options->damping_ns_per_m, "That the velocity is for, Ns/m").positive("Ns/m").shows_default();
   command.add_flag("--json", options->json, "Print JSON");
   command.on_run([options, &exit_code] {
     const auto done = run(*options);
