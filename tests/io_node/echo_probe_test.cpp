@@ -12,7 +12,6 @@ namespace hapton {
 namespace {
 
 const Address kResponder{{1}, 7};
-constexpr std::int64_t kUs = 1000;
 
 struct Probe : testing::Test {
   SimulatedClock clock{1'000'000'000};

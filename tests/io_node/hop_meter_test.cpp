@@ -10,8 +10,6 @@
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kUs = 1000;
-
 // A hub whose datagrams take a given time, and a node whose clock is ahead by a given offset.
 struct Ways : testing::Test {
   SimulatedClock clock{1'000'000'000};

@@ -20,7 +20,6 @@
 
 namespace hapton {
 
-constexpr std::int64_t kUs = 1000;
 constexpr std::uint64_t kSession = 77;
 
 // A device that does not move and records the forces on its motors.

@@ -9,8 +9,6 @@
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kUs = 1000;
-
 // An exchange with a clock ahead by the offset, the two directions taking the given times, the other side replying after 5 us.
 ClockOffset::Exchange exchange(std::int64_t t1_ns, std::int64_t offset_ns, std::int64_t out_ns, std::int64_t back_ns) {
   const std::int64_t t2_ns = t1_ns + out_ns + offset_ns;
