@@ -7,6 +7,7 @@
 
 #include "link/bare_echo_endpoint.h"
 #include "tests/io_node/scripted_endpoint.h"
+#include "tests/support/time_units.h"
 
 namespace hapton {
 namespace {

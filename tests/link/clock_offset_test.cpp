@@ -6,6 +6,8 @@
 #include <limits>
 #include <random>
 
+#include "tests/support/time_units.h"
+
 namespace hapton {
 namespace {
 

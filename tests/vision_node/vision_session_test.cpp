@@ -121,7 +121,7 @@ TEST(VisionSession, ShowsAnotherHandAndTurnsItsSceneToo) {
   ASSERT_GT(other_hub.drawn.size(), 3U);
   EXPECT_GT(other_hub.drawn.back().echo_sample, other_hub.samples / 2);
   std::size_t shown = 0;
-  for (const FrameAck& frame : other_hub.drawn) shown += drawn.unchanged ? 0 : 1;
+  for (const FrameAck& drawn : other_hub.drawn) shown += drawn.unchanged ? 0 : 1;
   EXPECT_GT(shown, 3U) << "pictures for a hand that moves, though the first one rests";
   ASSERT_FALSE(other_hub.transforms.empty());
   EXPECT_EQ(other_hub.transforms.back().X_WS, hub.transforms.back().X_WS);
@@ -136,7 +136,7 @@ TEST(VisionSession, DrawsWhatMovesAndReportsEveryPicture) {
   ASSERT_GT(hub.drawn.size(), 3u);
   for (std::size_t i = 1; i < hub.drawn.size(); ++i) EXPECT_GE(hub.drawn[i].echo_sample, hub.drawn[i - 1].echo_sample);
   EXPECT_LE(hub.drawn.back().echo_sample, hub.samples);
-  for (const FrameAck& frame : hub.drawn) {
+  for (const FrameAck& drawn : hub.drawn) {
     if (drawn.unchanged) continue;
     EXPECT_GT(drawn.held_ns, 0U);
     EXPECT_LT(drawn.held_ns, 1e9);
