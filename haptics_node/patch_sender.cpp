@@ -53,7 +53,8 @@ void PatchSender::run() {
   std::int64_t wanted_until_ns = 0;
   while (!stop_.load()) {
     const std::int64_t now_ns = clock.now_ns();
-    if (statuses_.take()) {
+    const bool has_status = statuses_.take();
+    if (has_status) {
       const auto& [status, time_ns] = statuses_.value();
       wanted_until_ns = status.is_wanted ? time_ns + kWantedNs : 0;
       if (source_) source_->accept(status);
@@ -61,7 +62,7 @@ void PatchSender::run() {
     if (now_ns < wanted_until_ns) {
       follow_method();
       if (hands_.take()) follow_hand(hands_.value());
-      if (fill(now_ns)) counts_.publish(source_->counts());
+      if (fill(now_ns) || has_status) counts_.publish(source_->counts());
     }
     std::this_thread::sleep_for(now_ns < wanted_until_ns ? kLookEvery : kIdleLookEvery);
   }

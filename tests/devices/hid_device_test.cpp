@@ -95,7 +95,7 @@ TEST_F(HidDeviceTest, GivesTheNewestPositionAndTakesTheNewestForce) {
   EXPECT_TRUE(serve_until([&] { return hand_.sample().p_WD.x() == 0.077; }));
 }
 
-TEST_F(HidDeviceTest, LetsGoWhenTheServoIsSilent) {
+TEST_F(HidDeviceTest, ReleasesTheForceWhenTheServoIsSilent) {
   EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
   EXPECT_TRUE(wait_until([&] { return is_letting_go(); }));
   (void)hid_.take_written();
@@ -119,8 +119,11 @@ TEST_F(HidDeviceTest, UnpluggedInContactItIsAwayAndPluggedInAgainRampsUpFromZero
   }));
   EXPECT_EQ(device_->status(), DeviceStatus::ready);
   EXPECT_EQ(reports.front()[2], 0);
+  // A busy machine may keep the servo from its commands for 20 ms: the ramp begins anew then.
+  std::size_t begin = reports.size() - 1;
+  while (begin > 0 && reports[begin][2] != 0) --begin;
   int steps = 0;
-  for (std::size_t n = 1; n < reports.size(); ++n) {
+  for (std::size_t n = begin + 1; n < reports.size(); ++n) {
     EXPECT_GE(reports[n][2], reports[n - 1][2]) << "the ramp only rises";
     steps += reports[n][2] != reports[n - 1][2] ? 1 : 0;
   }

@@ -44,17 +44,19 @@ TEST_F(PatchLinks, RemoteForceWantsNoParts) {
   EXPECT_FALSE(link->is_wanted());
 }
 
-TEST_F(PatchLinks, PatchesAreAskedForEvery100Ms) {
+// Sooner where the builder has news: at first that it has nothing.
+TEST_F(PatchLinks, PatchesAreRequestedEvery100Ms) {
   start(TouchChoice::patch);
   statuses.clear();
   times_ns.clear();
   run(1000);
   EXPECT_TRUE(link->is_wanted());
   ASSERT_GE(statuses.size(), 9U);
-  EXPECT_LE(statuses.size(), 11U);
+  EXPECT_LE(statuses.size(), 12U);
   for (const PatchStatus& status : statuses) EXPECT_TRUE(status.is_wanted);
   for (std::size_t i = 1; i < times_ns.size(); ++i) {
-    EXPECT_NEAR(static_cast<double>(times_ns[i] - times_ns[i - 1]), static_cast<double>(PatchLink::kStatusNs), 2e6);
+    EXPECT_GE(times_ns[i] - times_ns[i - 1], PatchLink::kSoonNs - 2 * kMs);
+    EXPECT_LE(times_ns[i] - times_ns[i - 1], PatchLink::kStatusNs + 2 * kMs);
   }
 }
 

@@ -96,9 +96,9 @@ class RandomDatagrams {
       case 17:
         return draw_tile();
       case 18:
-        return LoopFacts{{'s', 'i', 'm'}, rate(), static_cast<float>(number(0, 1))};
-      default:
         return draw_status();
+      default:
+        return LoopFacts{{'s', 'i', 'm'}, rate(), static_cast<float>(number(0, 1))};
     }
   }
 

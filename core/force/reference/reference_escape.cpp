@@ -258,14 +258,26 @@ bool ReferenceProxy::leave_along(const Vec3& vertex, const Vec3& descent, const 
   return false;
 }
 
+void ReferenceProxy::list_faces_at(const Vec3& vertex) noexcept {
+  if (has_vertex_ && vertex == vertex_) return;
+  has_vertex_ = true;
+  vertex_ = vertex;
+  at_vertex_.clear();
+  for (std::size_t i = 0; i < faces_.size(); ++i) {
+    const auto& [a, b, c] = faces_[i].shape.corner;
+    if (a == vertex || b == vertex || c == vertex) at_vertex_.push_back(static_cast<std::uint32_t>(i));
+  }
+}
+
 // The vector to the point nearest to the device on the face or edge of the vertex where that point is farthest away. Zero: none.
 Vec3 ReferenceProxy::find_steepest(const Vec3& vertex, const Vec3& to_device) noexcept {
   Vec3 best = Vec3::Zero();
   const auto offer = [&](const Vec3& descent) {
     if (descent.squaredNorm() > best.squaredNorm()) best = descent;
   };
-  for (const Face& face : faces_) {
-    const PreparedTriangle& shape = face.shape;
+  list_faces_at(vertex);
+  for (const std::uint32_t i : at_vertex_) {
+    const PreparedTriangle& shape = faces_[i].shape;
     for (int k = 0; k < 3; ++k) {
       if (shape.corner[k] != vertex) continue;
       const Vec3& next = shape.edge[k];

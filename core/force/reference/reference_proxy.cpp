@@ -49,6 +49,7 @@ ReferenceProxy::ReferenceProxy(double probe_radius, std::vector<Material> materi
   faces_.reserve(most_faces);
   boxes_.reserve(most_faces);
   local_.reserve(most_faces);
+  at_vertex_.reserve(most_faces);
   contacts_before_.reserve(kMostContacts);
   vertex_contacts_.reserve(kMostContacts);
   stays_.reserve(most_faces);
@@ -64,14 +65,14 @@ ReferenceProxy::State ReferenceProxy::make_state() const {
 }
 
 void ReferenceProxy::clear_faces() noexcept {
-  has_local_ = false;
+  has_local_ = has_vertex_ = false;
   faces_.clear();
   boxes_.clear();
 }
 
 void ReferenceProxy::add_face(const Face& face) noexcept {
   const auto& [a, b, c] = face.shape.corner;
-  has_local_ = false;
+  has_local_ = has_vertex_ = false;
   faces_.push_back(face);
   boxes_.push_back({a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)});
 }

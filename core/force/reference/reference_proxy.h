@@ -146,6 +146,7 @@ class ReferenceProxy {
   AtVertex slip_from_vertex(const Vec3& device, const Pull& pull) noexcept;
   bool leave_along(const Vec3& vertex, const Vec3& descent, const Vec3& device) noexcept;
   bool exceeds_friction(double pull, double depth, const Material& material) noexcept;
+  void list_faces_at(const Vec3& vertex) noexcept;
   Vec3 find_steepest(const Vec3& vertex, const Vec3& to_device) noexcept;
   bool roll(const Vec3& device, const Pull& pull) noexcept;
   bool tip_over(const Vec3& device, const Pull& pull) noexcept;
@@ -169,6 +170,9 @@ class ReferenceProxy {
   std::vector<std::uint32_t> local_;  // indices into faces_ of those in a cube, ascending
   Vec3 local_centre_ = Vec3::Zero();
   bool has_local_ = false;
+  std::vector<std::uint32_t> at_vertex_;  // indices into faces_ of those at vertex_, ascending
+  Vec3 vertex_ = Vec3::Zero();
+  bool has_vertex_ = false;
   std::vector<Contact> contacts_before_;
   std::vector<Contact> vertex_contacts_;
   std::vector<Stay> stays_;
