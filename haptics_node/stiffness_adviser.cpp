@@ -68,7 +68,7 @@ void StiffnessAdviser::consider(const LoopFacts& facts) {
   const auto advice = advise_stiffness(facts);
   if (!advice || stiffest_n_per_m_ <= advice->safe_n_per_m) return;
   log_warning(
-      "the scene asks for {:.4g} N/m, but {} at {:g} Hz with forces after {:.3g} ms holds {:.4g} N/m safely (hand: {}); lower "
+      "the scene asks for {:.0f} N/m, but {} at {:g} Hz with forces after {:.3g} ms holds {:.0f} N/m safely (hand: {}); lower "
       "stiffness_n_per_m, or shorten the delay (see hapton loop recommend)",
       stiffest_n_per_m_, advice->device, facts.servo_rate_hz, 1e3 * static_cast<double>(facts.round_trip_s), advice->safe_n_per_m,
       advice->hand);
