@@ -51,6 +51,20 @@ TEST(SafetyGovernor, ChangesNoFasterThanTheSlew) {
   EXPECT_GT(bench.governor.counters().slewed, 90U);
 }
 
+// A latched fault allows nothing at once, but what the device has is released no faster than its own rates.
+TEST(SafetyGovernor, WhenAFaultLatchesForceAndTorqueGoAtTheReleaseRate) {
+  Bench bench;
+  for (int n = 0; n < 300; ++n) bench.cycle(Wrench{Vec3(0, 0, 8), Vec3(0.5, 0, 0)});
+  ASSERT_EQ(bench.out.torque_nm, Vec3(0.5, 0, 0));
+  bench.status = DeviceStatus::fault;
+  for (int n = 1; n <= 6; ++n) {
+    bench.cycle(Wrench{Vec3(0, 0, 8), Vec3(0.5, 0, 0)});
+    EXPECT_NEAR(bench.out.force_n.z(), std::max(8.0 - 2.0 * n, 0.0), 1e-6) << n;
+    EXPECT_NEAR(bench.out.torque_nm.x(), std::max(0.5 - 0.1 * n, 0.0), 1e-6) << n;
+  }
+  EXPECT_EQ(bench.out.torque_nm, Vec3::Zero());
+}
+
 TEST(SafetyGovernor, IsZeroTwentyMillisecondsAfterTheLastCommandAndRampsBack) {
   for (const std::int64_t dt : {kMs / 10, kMs, 4 * kMs}) {
     Bench bench;
