@@ -57,6 +57,44 @@ TEST(SafetyGovernor, EnergyGivenBeyondWhatIsFreeIsDampedAgainstTheMotion) {
   EXPECT_LT(bench.governor.energy_spent_j(), spent_j - 1e-4);
 }
 
+// At rest there is nothing to damp: what counts then is the limit, which has faded with the energy.
+TEST(SafetyGovernor, AFadedLimitCountsAsDampedOnlyWhereItIsReached) {
+  Bench bench;
+  bench.sample.p_WD.x() = -0.08;
+  EXPECT_FALSE(bench.governor.is_energy_gone());
+  bench.press(0.0, 200);
+  for (int n = 0; n < 200; ++n) {
+    bench.sample.p_WD.x() += 2e-4;
+    bench.cycle(Wrench{Vec3(8, 0, 0), Vec3::Zero()});
+  }
+  // Without samples for a while, the velocity is not known: zero.
+  bench.now_ns += 300 * kMs;
+  bench.press(0.0, 200);
+  ASSERT_EQ(bench.governor.speed_m_per_s(), 0.0);
+  const double spent_j = bench.governor.energy_spent_j();
+  const double share = (EnergyBudget::most_j(8.0) - spent_j) / (EnergyBudget::most_j(8.0) - EnergyBudget::free_j(8.0));
+  ASSERT_GT(share, 0.2);
+  ASSERT_LT(share, 0.95);
+  EXPECT_FALSE(bench.governor.is_energy_gone());
+  const std::uint64_t before = bench.governor.counters().damped;
+  bench.press(0.1, 5);
+  EXPECT_EQ(bench.governor.counters().damped, before) << "a force far below the limit";
+  bench.press(8.0, 5);
+  EXPECT_EQ(bench.governor.counters().damped, before + 5);
+}
+
+TEST(SafetyGovernor, AfterAnInterruptNothingComesBeforeANewCommand) {
+  Bench bench;
+  bench.press(5.0, 200);
+  ASSERT_EQ(bench.out.force_n, Vec3(0, 0, 5));
+  bench.governor.interrupt();
+  EXPECT_TRUE(bench.governor.is_silent());
+  bench.wait(5);
+  EXPECT_EQ(bench.out.force_n, Vec3::Zero());
+  EXPECT_EQ(bench.governor.state(), GovernorState::no_command);
+  EXPECT_LT(bench.press(5.0, 1).z(), 1.0) << "it ramps up again";
+}
+
 TEST(SafetyGovernor, TheEndOfTheWorkspaceRemovesOutwardForceAndAddsNothing) {
   Bench bench;
   const auto at = [&](double z, double force_n) {
