@@ -134,6 +134,9 @@ TEST(SafetyGovernor, HotMotorsGetTheContinuousForceWithoutAJump) {
   EXPECT_NEAR(bench.out.force_n.z(), 2.0, 0.05);
   EXPECT_GT(bench.governor.counters().cooled, 100'000U);
   EXPECT_EQ(bench.governor.fault(), SafetyFault::none);
+  const std::uint64_t cooled = bench.governor.counters().cooled;
+  bench.press(0.1, 5);
+  EXPECT_EQ(bench.governor.counters().cooled, cooled) << "what the motors bear is not reduced";
   bench.press(0.0, 60'000);
   EXPECT_LT(bench.governor.thermal_load(), 0.5);
   EXPECT_EQ(bench.press(8.0, 100).z(), 8.0);
