@@ -29,8 +29,7 @@ add_library(hapton_options INTERFACE)
 target_include_directories(hapton_options INTERFACE "$<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}>" $<INSTALL_INTERFACE:include/hapton>)
 target_compile_features(hapton_options INTERFACE $<INSTALL_INTERFACE:cxx_std_20>)
 # Warnings are ours; the rest holds for whoever uses the installed package too: Eigen's types have another layout with another -march.
-# Of sources that are compiled together, what is shadowed may be another one's; the debug preset compiles each alone.
-set(hapton_warnings -Wall -Wextra -Wpedantic $<$<NOT:$<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>>:-Wshadow> -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor -Werror)
+set(hapton_warnings -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor -Werror)
 target_compile_options(hapton_options INTERFACE
   "$<BUILD_INTERFACE:${hapton_warnings}>"
   # Products and sums round as written: the error bounds of core/math depend on it.

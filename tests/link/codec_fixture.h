@@ -20,7 +20,7 @@ namespace hapton {
 
 using Bytes = std::vector<std::byte>;
 
-constexpr std::uint64_t kSeed = 20240611;
+constexpr std::uint64_t kCodecSeed = 20240611;
 
 class RandomDatagrams {
  public:
@@ -389,7 +389,7 @@ class CodecTest : public testing::Test {
 
   Codec codec_;
   Datagram decoded_;
-  RandomDatagrams random_{kSeed};
+  RandomDatagrams random_{kCodecSeed};
 };
 
 }  // namespace hapton

@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-constexpr unsigned kSeed = 1112;
+constexpr unsigned kHierarchySeed = 1112;
 
 Box random_box(double largest, std::mt19937_64& random) {
   std::uniform_real_distribution<double> place(-1.0, 1.0);
@@ -50,8 +50,8 @@ void expect_same_as_brute_force(const ObjectHierarchy& hierarchy, const std::vec
 }
 
 TEST(ObjectHierarchy, FindsWhatALoopOverAllObjectsFinds) {
-  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
-  std::mt19937_64 random(kSeed);
+  SCOPED_TRACE(testing::Message() << "seed " << kHierarchySeed);
+  std::mt19937_64 random(kHierarchySeed);
   for (const std::size_t count : {0U, 1U, 2U, 8U, 9U, 70U, 1000U}) {
     const std::vector<Box> boxes = random_boxes(count, 0.2, random);
     expect_same_as_brute_force(ObjectHierarchy(boxes), boxes, random);
@@ -59,7 +59,7 @@ TEST(ObjectHierarchy, FindsWhatALoopOverAllObjectsFinds) {
 }
 
 TEST(ObjectHierarchy, ObjectsWithoutBoundsAreNeverFound) {
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(kHierarchySeed);
   std::vector<Box> boxes = random_boxes(50, 0.2, random);
   for (std::size_t i = 0; i < boxes.size(); i += 3) boxes[i] = Box();
   expect_same_as_brute_force(ObjectHierarchy(boxes), boxes, random);
@@ -68,8 +68,8 @@ TEST(ObjectHierarchy, ObjectsWithoutBoundsAreNeverFound) {
 }
 
 TEST(ObjectHierarchy, ARefitIsAsGoodAsANewHierarchy) {
-  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
-  std::mt19937_64 random(kSeed);
+  SCOPED_TRACE(testing::Message() << "seed " << kHierarchySeed);
+  std::mt19937_64 random(kHierarchySeed);
   for (const std::size_t count : {1U, 9U, 300U}) {
     std::vector<Box> boxes = random_boxes(count, 0.1, random);
     ObjectHierarchy hierarchy(boxes);
@@ -96,7 +96,7 @@ TEST(ObjectHierarchy, AVisitMayEndTheSearch) {
 
 TEST(ObjectHierarchy, QueriesAndRefitsUseNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "allocations cannot be counted in this build";
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(kHierarchySeed);
   const std::vector<Box> boxes = random_boxes(500, 0.1, random);
   ObjectHierarchy hierarchy(boxes);
   const AllocationGuard guard;

@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::uint64_t kSeed = 20261120;
+constexpr std::uint64_t kStressSeed = 20261120;
 
 std::string describe(const GovernorStressCount& count, std::size_t breach) {
   return std::string(to_string(static_cast<GovernorBreach>(breach))) + ": " + std::to_string(count.breaches[breach]) +
@@ -19,7 +19,7 @@ std::string describe(const GovernorStressCount& count, std::size_t breach) {
 }
 
 TEST(GovernorStress, HoldsAgainstHostilePrograms) {
-  const GovernorStress stress(kSeed);
+  const GovernorStress stress(kStressSeed);
   GovernorStressCount count;
   for (std::uint64_t program = 0; count.turns < 3'000'000; ++program) GovernorStress::run(stress.program_seed(program), count);
   for (std::size_t breach = 0; breach < count.breaches.size(); ++breach) EXPECT_EQ(count.breaches[breach], 0U) << describe(count, breach);

@@ -9,10 +9,10 @@ namespace {
 
 TEST(SmoothMethod, FewerTrianglesChangeTheForceByNoMoreThanTheBoundExplains) {
   constexpr double kBound = 2e-4;
-  constexpr double kStiffness = 1000.0;
+  constexpr double kSheetStiffness = 1000.0;
   constexpr unsigned kSeed = 12;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
-  const TouchScene scene = scene_of(make_icosphere(0.05, 5), {.stiffness_n_per_m = kStiffness});
+  const TouchScene scene = scene_of(make_icosphere(0.05, 5), {.stiffness_n_per_m = kSheetStiffness});
   const auto all = make_with_crease(scene, 40.0, 0.0);
   const auto fewer = make_with_crease(scene, 40.0, kBound);
   const auto faces = [](const ForceMethod& method) { return dynamic_cast<const SmoothMethod&>(method).scene().surface(0).face_count; };
@@ -31,7 +31,7 @@ TEST(SmoothMethod, FewerTrianglesChangeTheForceByNoMoreThanTheBoundExplains) {
       felt = fewer->step({.p_SD = P});
     }
     ASSERT_GT(expected.force_n.norm(), 1.9);
-    EXPECT_NEAR(felt.force_n.norm(), expected.force_n.norm(), kStiffness * kBound);
+    EXPECT_NEAR(felt.force_n.norm(), expected.force_n.norm(), kSheetStiffness * kBound);
   }
 }
 
