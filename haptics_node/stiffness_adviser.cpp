@@ -1,7 +1,6 @@
 #include "haptics_node/stiffness_adviser.h"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <string_view>
 
@@ -13,8 +12,6 @@
 
 namespace hapton {
 namespace {
-
-constexpr std::array<std::string_view, 4> kHands = {"light", "stylus", "arm", "firm"};
 
 std::string_view name_of(const LoopFacts& facts) {
   const auto end = std::find(facts.device.begin(), facts.device.end(), '\0');
@@ -33,11 +30,12 @@ std::optional<StiffnessAdvice> advise_stiffness(const LoopFacts& facts) {
   if (!(facts.servo_rate_hz > 0.0)) return std::nullopt;
   std::optional<StiffnessAdvice> least;
   for (const DevicePreset* device : presets_of_device(name_of(facts))) {
-    for (const std::string_view hand : kHands) {
-      const Recommendation advice = recommend_stiffness(device->model, device->limits, find_hand_preset(hand).value(), facts.servo_rate_hz,
-                                                        static_cast<double>(facts.round_trip_s));
+    for (const HandPreset& hand : hand_presets()) {
+      if (hand.name == "off") continue;  // nobody holds it
+      const Recommendation advice =
+          recommend_stiffness(device->model, device->limits, hand.model, facts.servo_rate_hz, static_cast<double>(facts.round_trip_s));
       if (!least || advice.stiffness_n_per_m < least->safe_n_per_m) {
-        least = StiffnessAdvice{advice.stiffness_n_per_m, std::string(device->title), std::string(hand)};
+        least = {advice.stiffness_n_per_m, std::string(device->title), std::string(hand.name), advice.is_limited_by_device};
       }
     }
   }
@@ -67,6 +65,11 @@ void StiffnessAdviser::consider(const LoopFacts& facts) {
   considered_ = facts;
   const auto advice = advise_stiffness(facts);
   if (!advice || stiffest_n_per_m_ <= advice->safe_n_per_m) return;
+  if (advice->is_limited_by_device) {
+    log_warning("the scene asks for {:.0f} N/m, but the maker of {} gives {:.0f} N/m at most; lower stiffness_n_per_m", stiffest_n_per_m_,
+                advice->device, advice->safe_n_per_m);
+    return;
+  }
   log_warning(
       "the scene asks for {:.0f} N/m, but {} at {:g} Hz with forces after {:.3g} ms holds {:.0f} N/m safely (hand: {}); lower "
       "stiffness_n_per_m, or shorten the delay (see hapton loop recommend)",

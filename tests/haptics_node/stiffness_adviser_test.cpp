@@ -84,6 +84,19 @@ TEST(StiffnessAdviser, WarnsOnceAndAgainWhenTheLoopIsMuchSlower) {
   EXPECT_THAT(log, testing::HasSubstr("hapton loop recommend"));
 }
 
+// Where the maker's limit decides, neither hand nor delay is to blame.
+TEST(StiffnessAdviser, NamesTheMakersLimitWhereThatDecides) {
+  LoopFacts fast = kSimulated;
+  fast.round_trip_s = 1e-4F;
+  const auto advice = advise_stiffness(fast);
+  ASSERT_TRUE(advice);
+  EXPECT_TRUE(advice->is_limited_by_device);
+  EXPECT_EQ(advice->safe_n_per_m, find_device_preset("model-a")->limits.max_stiffness_n_per_m);
+  const std::string log = log_of(2.0 * advice->safe_n_per_m, {fast});
+  EXPECT_THAT(log, testing::HasSubstr("the maker of PHANToM Model A gives"));
+  EXPECT_THAT(log, testing::Not(testing::HasSubstr("delay")));
+}
+
 TEST(StiffnessAdviser, SaysNothingOfASceneThatTheLoopHolds) {
   EXPECT_THAT(log_of(0.9 * advise_stiffness(kSimulated)->safe_n_per_m, {kSimulated}), testing::Not(testing::HasSubstr("asks for")));
 }
