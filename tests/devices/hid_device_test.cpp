@@ -119,9 +119,12 @@ TEST_F(HidDeviceTest, UnpluggedInContactItIsAwayAndPluggedInAgainRampsUpFromZero
   }));
   EXPECT_EQ(device_->status(), DeviceStatus::ready);
   EXPECT_EQ(reports.front()[2], 0);
-  // A busy machine may keep the servo from its commands for 20 ms: the ramp begins anew then.
-  std::size_t begin = reports.size() - 1;
-  while (begin > 0 && reports[begin][2] != 0) --begin;
+  // Where a busy machine kept the servo from its commands for half of what the device waits for one, the force may have been released in
+  // between: the ramp is the last one then.
+  std::size_t begin = 0;
+  if (hand_.longest_gap_ns() > DeviceExchange::kServoSilenceNs / 2) {
+    for (begin = reports.size() - 1; begin > 0 && reports[begin][2] != 0;) --begin;
+  }
   int steps = 0;
   for (std::size_t n = begin + 1; n < reports.size(); ++n) {
     EXPECT_GE(reports[n][2], reports[n - 1][2]) << "the ramp only rises";

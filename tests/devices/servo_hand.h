@@ -1,5 +1,8 @@
 #pragma once
 
+#include <algorithm>
+#include <utility>
+
 #include "devices/device.h"
 #include "runtime/clock.h"
 #include "tests/support/allocation_guard.h"
@@ -13,8 +16,11 @@ class ServoHand {
 
   template <class Condition>
   bool serve_until(Device& device, Condition&& holds, const Wrench& wrench = {}) {
+    std::int64_t before_ns = clock_.now_ns();
+    longest_gap_ns_ = 0;
     return wait_until([&] {
       const std::int64_t now_ns = clock_.now_ns();
+      longest_gap_ns_ = std::max(longest_gap_ns_, now_ns - std::exchange(before_ns, now_ns));
       sample_ = device.read(now_ns);
       device.write(wrench, now_ns);
       return holds();
@@ -45,10 +51,13 @@ class ServoHand {
   }
 
   const DeviceSample& sample() const { return sample_; }
+  // Between two commands of the last serve_until: a busy machine may keep the servo from its turn.
+  std::int64_t longest_gap_ns() const { return longest_gap_ns_; }
 
  private:
   SteadyClock clock_;
   DeviceSample sample_;
+  std::int64_t longest_gap_ns_ = 0;
 };
 
 }  // namespace hapton
