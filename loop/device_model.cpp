@@ -132,18 +132,16 @@ const DevicePreset* find_device_preset(std::string_view name) noexcept {
 }
 
 std::vector<const DevicePreset*> presets_of_device(std::string_view kind) {
-  struct Kind {
-    std::string_view name;
-    std::vector<std::string_view> presets;
+  struct Known {
+    std::string_view kind;
+    std::string_view preset;
   };
-  static const std::vector<Kind> kKinds = {{"simulated", {"model-a"}},
-                                           {"openhaptics", {"model-a", "premium-1.5", "touch"}},
-                                           {"forcedimension", {"omega.3", "falcon"}},
-                                           {"WoodenHaptics", {"wooden"}}};
+  constexpr std::array kKnown = {Known{"simulated", "model-a"},   Known{"openhaptics", "model-a"},    Known{"openhaptics", "premium-1.5"},
+                                 Known{"openhaptics", "touch"},   Known{"forcedimension", "omega.3"}, Known{"forcedimension", "falcon"},
+                                 Known{"WoodenHaptics", "wooden"}};
   std::vector<const DevicePreset*> found;
-  for (const Kind& one : kKinds) {
-    if (one.name != kind) continue;
-    for (const std::string_view name : one.presets) found.push_back(find_device_preset(name));
+  for (const Known& one : kKnown) {
+    if (one.kind == kind) found.push_back(find_device_preset(one.preset));
   }
   return found;
 }

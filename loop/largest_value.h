@@ -15,9 +15,9 @@ double bisect(double low, double high, double fine, const Holds& holds) {
 }
 
 struct ValueRange {
-  double first = 1.0;   // above zero; where the search begins
-  double stride = 1.3;  // above one; ratio of one value tried to the next
-  double least = 0.0;   // above zero; below first it searches down to this
+  double first = 1.0;       // above zero; where the search begins
+  double stride = 1.3;      // above one; ratio of one value tried to the next
+  double least = HUGE_VAL;  // above zero; below first it searches down to this, not at all by default
   double most = HUGE_VAL;
 };
 

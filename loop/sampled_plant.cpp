@@ -1,5 +1,6 @@
 #include "loop/sampled_plant.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -56,15 +57,18 @@ SampledPlant::SampledPlant(const AxisPlant& plant, double period_s, double delay
 }
 
 std::complex<double> SampledPlant::response(double angle) const {
+  using ComplexMatrix = Eigen::Matrix<Complex, Eigen::Dynamic, Eigen::Dynamic, 0, AxisPlant::kMostStates, AxisPlant::kMostStates>;
+  using ComplexVector = Eigen::Matrix<Complex, Eigen::Dynamic, 1, 0, AxisPlant::kMostStates, 1>;
   // z - 1 without the cancellation near z = 1, where positions change little from sample to sample.
   const double half = std::sin(0.5 * angle);
   const Complex z_minus_1(-2.0 * half * half, std::sin(angle));
   const Complex z = 1.0 + z_minus_1;
   const Eigen::Index n = transition_.rows();
-  Eigen::MatrixXcd left = (Matrix::Identity(n, n) - transition_).cast<Complex>();
+  ComplexMatrix left = (Matrix::Identity(n, n) - transition_).cast<Complex>();
   left.diagonal().array() += z_minus_1;
-  const Eigen::VectorXcd right = newer_.cast<Complex>() + older_.cast<Complex>() / z;
-  return solve(left, right)[0];
+  const ComplexVector right = newer_.cast<Complex>() + older_.cast<Complex>() / z;
+  const ComplexVector state = left.partialPivLu().solve(right);
+  return state[0];
 }
 
 }  // namespace hapton

@@ -131,38 +131,43 @@ class Kalman final : public VelocityEstimator {
 
 double read(double position_m, double step_m) { return step_m > 0.0 ? step_m * std::floor(position_m / step_m) : position_m; }
 
-// RMS error at a steady speed, once it has settled.
-double find_noise(const VelocityFilter& filter, double period_s, double step_m, double speed) {
+// Visits time and estimate of each sample of a motion, once the estimate has settled.
+template <class PositionAt, class Visit>
+void estimate(const VelocityFilter& filter, double period_s, double step_m, const PositionAt& position_at, const Visit& visit) {
   constexpr double kSettleS = 0.3;
   constexpr double kSeconds = 1.3;
   const auto estimator = make_velocity_estimator(filter, step_m);
   estimator->reset(0.0);
+  for (int k = 1; k * period_s < kSeconds; ++k) {
+    const double t_s = k * period_s;
+    const double velocity = estimator->step(read(position_at(t_s), step_m), period_s);
+    if (t_s >= kSettleS) visit(t_s, velocity);
+  }
+}
+
+// RMS error at a steady speed.
+double find_noise(const VelocityFilter& filter, double period_s, double step_m, double speed) {
   double sum = 0.0;
   int count = 0;
-  for (int k = 1; k * period_s < kSeconds; ++k) {
-    const double error = estimator->step(read(speed * period_s * k, step_m), period_s) - speed;
-    if (k * period_s < kSettleS) continue;
-    sum += error * error;
-    ++count;
-  }
+  estimate(
+      filter, period_s, step_m, [&](double t_s) { return speed * t_s; },
+      [&](double, double velocity) {
+        sum += (velocity - speed) * (velocity - speed);
+        ++count;
+      });
   return std::sqrt(sum / count);
 }
 
 double find_lag(const VelocityFilter& filter, double period_s, double step_m) {
   constexpr double kAcceleration = 1.0;
-  constexpr double kSettleS = 0.3;
-  constexpr double kSeconds = 0.6;
-  const auto estimator = make_velocity_estimator(filter, step_m);
-  estimator->reset(0.0);
   double sum = 0.0;
   int count = 0;
-  for (int k = 1; k * period_s < kSeconds; ++k) {
-    const double t_s = k * period_s;
-    const double behind = kAcceleration * t_s - estimator->step(read(0.5 * kAcceleration * t_s * t_s, step_m), period_s);
-    if (t_s < kSettleS) continue;
-    sum += behind / kAcceleration;
-    ++count;
-  }
+  estimate(
+      filter, period_s, step_m, [&](double t_s) { return 0.5 * kAcceleration * t_s * t_s; },
+      [&](double t_s, double velocity) {
+        sum += t_s - velocity / kAcceleration;
+        ++count;
+      });
   return sum / count;
 }
 

@@ -1,7 +1,6 @@
 #include "core/math/dense_matrix.h"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <unsupported/Eigen/MatrixFunctions>
 
 namespace hapton {
@@ -9,7 +8,5 @@ namespace hapton {
 Eigen::MatrixXd compute_exponential(const Eigen::MatrixXd& a) { return a.exp(); }
 
 Eigen::VectorXcd compute_eigenvalues(const Eigen::MatrixXd& a) { return Eigen::EigenSolver<Eigen::MatrixXd>(a, false).eigenvalues(); }
-
-Eigen::VectorXcd solve(const Eigen::MatrixXcd& a, const Eigen::VectorXcd& b) { return a.partialPivLu().solve(b); }
 
 }  // namespace hapton

@@ -15,7 +15,4 @@ Eigen::MatrixXd compute_exponential(const Eigen::MatrixXd& a);
 // In no order. Pre: a is square and finite.
 Eigen::VectorXcd compute_eigenvalues(const Eigen::MatrixXd& a);
 
-// x with a x = b, by an LU decomposition with partial pivoting. Pre: a is square and regular, with as many rows as b.
-Eigen::VectorXcd solve(const Eigen::MatrixXcd& a, const Eigen::VectorXcd& b);
-
 }  // namespace hapton
