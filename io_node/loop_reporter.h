@@ -6,6 +6,7 @@
 #include "io_node/servo_stats.h"
 #include "link/hub_peers.h"
 #include "link/messages.h"
+#include "runtime/clock.h"
 
 namespace hapton {
 
@@ -13,7 +14,7 @@ namespace hapton {
 // Units: ns of the hub's clock. RT: yes. Threads: the servo's.
 class LoopReporter {
  public:
-  static constexpr std::int64_t kEveryNs = 1'000'000'000;
+  static constexpr std::int64_t kEveryNs = kNanosecondsPerSecond;
   static constexpr std::uint64_t kLeastTrips = 2000;  // round trips: enough for a p99
 
   // Pre: both outlive this.

@@ -334,8 +334,7 @@ bool read(const wire::LoopFacts& from, LoopFacts& to) {
   to.servo_rate_hz = from.servo_rate_hz();
   to.round_trip_s = from.round_trip_s();
   const bool is_rate = to.servo_rate_hz >= 0.0 && to.servo_rate_hz <= kMaxServoRateHz;
-  const bool is_time = to.round_trip_s >= 0.0F && to.round_trip_s <= static_cast<float>(kMaxWireMagnitude);
-  return is_rate && is_time && read_text(from.device(), to.device);
+  return is_rate && is_amount(to.round_trip_s) && read_text(from.device(), to.device);
 }
 
 bool read(const wire::ViewTransform& from, ViewTransform& to) {

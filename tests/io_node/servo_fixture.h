@@ -83,6 +83,8 @@ struct Servos : testing::Test {
   std::vector<Settings> settings;
   std::vector<std::pair<Address, HapticsSetup>> setups;
   std::vector<std::pair<Address, SceneFacts>> scenes;
+  std::vector<LoopFacts> loop_facts;  // these two are for the haptics node alone
+  std::vector<std::pair<std::int64_t, PatchStatus>> patch_statuses;
   // Delay of the haptics node's reply; -1: no reply.
   std::int64_t answer_delay_ns = 100 * kUs;
   ForceCommand answer;
@@ -120,6 +122,14 @@ struct Servos : testing::Test {
     if (const auto* setting = std::get_if<Settings>(&datagram.message)) settings.push_back(*setting);
     if (const auto* setup = std::get_if<HapticsSetup>(&datagram.message)) setups.emplace_back(to, *setup);
     if (const auto* scene = std::get_if<SceneFacts>(&datagram.message)) scenes.emplace_back(to, *scene);
+    if (const auto* facts = std::get_if<LoopFacts>(&datagram.message)) {
+      EXPECT_EQ(to, at(kHaptics));
+      loop_facts.push_back(*facts);
+    }
+    if (const auto* status = std::get_if<PatchStatus>(&datagram.message)) {
+      EXPECT_EQ(to, at(kHaptics));
+      patch_statuses.emplace_back(clock.now_ns(), *status);
+    }
   }
 
   void force(const DeviceState& state, std::int64_t delay_ns) {

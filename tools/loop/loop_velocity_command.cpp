@@ -12,7 +12,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kMostNoiseN = 0.1;  // of the damping force: what a finger begins to notice as a buzz
+constexpr double kMostNoiseN = 0.1;  // of the damping force; assumed: about what a finger begins to notice as a buzz
 
 struct VelocityOptions {
   LoopFlags loop;

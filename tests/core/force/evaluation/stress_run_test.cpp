@@ -17,9 +17,7 @@ StressCount run_stress(const StressBody& body, const StressSettings& settings, c
                        const StressRun::MethodMaker& maker = &make_method) {
   MethodSettings method_settings;
   method_settings.name = method;
-  // Faults are looked for here, not the last digits of the force: on a fan of slivers it does not settle at all.
   method_settings.reference_substeps = 1;
-  method_settings.reference_substep_limit = 16;
   auto run = StressRun::make(body, settings, method_settings, maker);
   EXPECT_TRUE(run.has_value());
   StressCount count;
