@@ -105,10 +105,13 @@ TEST(Network, APartitionTakesTheForceAwayAndItComesBackByItself) {
   Onlooker onlooker(system);
   ProbeState state;
   ASSERT_TRUE(onlooker.see_until(true, state));
-  const auto was_cut_twice = [](const Json& report) { return count(report, "command_timeouts") >= 2; };
-  ASSERT_TRUE(waits_for(system, was_cut_twice));
+  // A loaded machine alone can make a command late: the cuts themselves are counted too.
+  const auto was_cut_twice = [&](const Json& report) {
+    const std::string phases = system["relay"].out();
+    return phases.find("phase cut") != phases.rfind("phase cut") && count(report, "command_timeouts") >= 2;
+  };
+  ASSERT_TRUE(waits_for(system, was_cut_twice)) << system["relay"].out();
   EXPECT_TRUE(feels_on(system, 100)) << "no contact after the cut";
-  EXPECT_THAT(system["relay"].out(), HasSubstr("phase cut"));
   expect_sane(system.request_report());
 }
 
