@@ -260,6 +260,7 @@ void DeviceLoop::step_locally() noexcept {
   fade_.begin_from(local.difference_n);
   const Vec3 force_n = faded(local.force_n, local.contact, local.is_handed_over || !was_local, cycle_.sample.time_ns);
   govern({{.force_n = force_n}, cycle_.sample.time_ns});
+  cycle_.local_written_n = written_.force_n;
   ++stats_.local_forces;
 }
 

@@ -39,7 +39,8 @@ struct DeviceCycle {
   std::int64_t late_ns = 0;
   std::uint32_t missed = 0;  // cycles skipped before it
   MissCause cause = MissCause::none;
-  std::optional<LocalForce> local;  // the force of this sample, where it was worked out on this side
+  std::optional<LocalForce> local;      // the force of this sample, where it was worked out on this side
+  Vec3 local_written_n = Vec3::Zero();  // ... as the governor gave it to the motors
 };
 
 // The present state of the device side.

@@ -26,9 +26,15 @@ void SafetyNotices::check(const DeviceSide& side, const DeviceCycle& cycle, bool
 }
 
 void SafetyNotices::note_cycle(const DeviceSide& side, const DeviceCycle& cycle, std::int64_t now_ns) noexcept {
-  tap_->on_cycle(
-      {.sample = cycle.number, .late_ns = cycle.late_ns, .written_n = side.written.force_n, .missed = cycle.missed, .cause = cycle.cause},
-      now_ns);
+  const DeviceSample& sample = cycle.sample;
+  CycleNote note{.sample = cycle.number,
+                 .late_ns = cycle.late_ns,
+                 .written_n = cycle.local ? cycle.local_written_n : side.written.force_n,
+                 .missed = cycle.missed,
+                 .cause = cycle.cause,
+                 .device = CycleSample{sample.time_ns, sample.p_WD, sample.q_WT, sample.buttons}};
+  if (cycle.local) note.local_n = cycle.local->force_n;
+  tap_->on_cycle(note, now_ns);
 }
 
 void SafetyNotices::record(const DeviceSide& side, const DeviceCycle& cycle, bool is_missed, std::int64_t now_ns) noexcept {

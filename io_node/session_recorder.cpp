@@ -36,7 +36,40 @@ struct PlainCycle {
   std::array<double, 3> written_n = {};
   std::uint32_t missed = 0;
   MissCause cause = MissCause::none;
+  bool has_device = false;
+  bool is_local = false;
+  std::uint32_t buttons = 0;
+  std::int64_t sample_time_ns = 0;
+  std::array<double, 3> p_WD_m = {};
+  std::array<double, 4> q_WT = {};  // w, x, y, z
+  std::array<double, 3> local_n = {};
 };
+
+std::array<double, 3> plain(const Vec3& v) noexcept { return {v.x(), v.y(), v.z()}; }
+
+PlainCycle plain(const CycleNote& n) noexcept {
+  PlainCycle to{.sample = n.sample, .late_ns = n.late_ns, .written_n = plain(n.written_n), .missed = n.missed, .cause = n.cause};
+  if (n.device) {
+    to.has_device = true;
+    to.buttons = n.device->buttons;
+    to.sample_time_ns = n.device->time_ns;
+    to.p_WD_m = plain(n.device->p_WD);
+    const Quat& q = n.device->q_WT;
+    to.q_WT = {q.w(), q.x(), q.y(), q.z()};
+  }
+  to.is_local = n.local_n.has_value();
+  if (n.local_n) to.local_n = plain(*n.local_n);
+  return to;
+}
+
+CycleNote note_of(const PlainCycle& from) {
+  CycleNote to{
+      .sample = from.sample, .late_ns = from.late_ns, .written_n = Vec3(from.written_n.data()), .missed = from.missed, .cause = from.cause};
+  const auto& q = from.q_WT;
+  if (from.has_device) to.device = CycleSample{from.sample_time_ns, Vec3(from.p_WD_m.data()), Quat(q[0], q[1], q[2], q[3]), from.buttons};
+  if (from.is_local) to.local_n = Vec3(from.local_n.data());
+  return to;
+}
 
 template <class T>
 std::span<const std::byte> bytes_of(const T& value) noexcept {
@@ -56,7 +89,7 @@ SessionEntry entry_of(std::span<const std::byte> record) {
   if (note.kind == SessionEntry::Kind::cycle) {
     PlainCycle cycle;
     std::memcpy(&cycle, body.data(), sizeof cycle);
-    entry.cycle = {cycle.sample, cycle.late_ns, Vec3(cycle.written_n.data()), cycle.missed, cycle.cause};
+    entry.cycle = note_of(cycle);
   } else {
     entry.datagram = body;
   }
@@ -236,7 +269,7 @@ void SessionRecorder::on_sent(const Address& to, std::span<const std::byte> data
 
 void SessionRecorder::on_cycle(const CycleNote& n, std::int64_t time_ns) noexcept {
   const Note note{.kind = SessionEntry::Kind::cycle, .time_ns = time_ns};
-  const PlainCycle cycle{n.sample, n.late_ns, {n.written_n.x(), n.written_n.y(), n.written_n.z()}, n.missed, n.cause};
+  const PlainCycle cycle = plain(n);
   ring_.push(bytes_of(note), bytes_of(cycle));
 }
 

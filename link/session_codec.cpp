@@ -83,16 +83,37 @@ bool read(const session::Cycle& from, CycleNote& to) {
   to.written_n = Vec3(from.written_n(0), from.written_n(1), from.written_n(2));
   to.missed = from.missed();
   to.cause = static_cast<MissCause>(std::min(from.cause(), 255U));
+  if (from.p_wd_m_size() != 0) {
+    if (from.p_wd_m_size() != 3 || from.q_wt_size() != 4) return false;
+    to.device = CycleSample{from.sample_time_ns(), Vec3(from.p_wd_m().data()), Quat(from.q_wt(0), from.q_wt(1), from.q_wt(2), from.q_wt(3)),
+                            from.buttons()};
+  }
+  if (from.local_n_size() != 0) {
+    if (from.local_n_size() != 3) return false;
+    to.local_n = Vec3(from.local_n().data());
+  }
   return true;
+}
+
+void write(const Vec3& from, google::protobuf::RepeatedField<double>& to) {
+  to.Clear();
+  to.Add(from.data(), from.data() + 3);
 }
 
 void write(const CycleNote& from, session::Cycle& to) {
   to.set_sample(from.sample);
   to.set_late_ns(from.late_ns);
-  to.clear_written_n();
-  for (int i = 0; i < 3; ++i) to.add_written_n(from.written_n[i]);
+  write(from.written_n, *to.mutable_written_n());
   to.set_missed(from.missed);
   to.set_cause(static_cast<std::uint32_t>(from.cause));
+  if (from.device) {
+    to.set_sample_time_ns(from.device->time_ns);
+    write(from.device->p_WD, *to.mutable_p_wd_m());
+    const Quat& q = from.device->q_WT;
+    for (const double part : {q.w(), q.x(), q.y(), q.z()}) to.add_q_wt(part);
+    to.set_buttons(from.device->buttons);
+  }
+  if (from.local_n) write(*from.local_n, *to.mutable_local_n());
 }
 
 }  // namespace

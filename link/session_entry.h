@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -42,13 +43,23 @@ enum class SessionFault : std::uint8_t {
 };
 std::string_view to_string(SessionFault fault) noexcept;
 
-// One cycle of the servo, when it was done.
+// The device as a cycle read it. Frame W; m.
+struct CycleSample {
+  std::int64_t time_ns = 0;  // hub's clock
+  Vec3 p_WD = Vec3::Zero();
+  Quat q_WT = Quat::Identity();
+  std::uint32_t buttons = 0;
+};
+
+// One cycle of the servo, when it was done. Forces: N, frame W.
 struct CycleNote {
   std::uint64_t sample = 0;
   std::int64_t late_ns = 0;
-  Vec3 written_n = Vec3::Zero();
-  std::uint32_t missed = 0;  // cycles left out before it
+  Vec3 written_n = Vec3::Zero();  // on the motors
+  std::uint32_t missed = 0;       // cycles left out before it
   MissCause cause = MissCause::none;
+  std::optional<CycleSample> device = {};  // none in older recordings
+  std::optional<Vec3> local_n = {};        // force of this sample from parts of the scene, before the governor; none: it is remote
 };
 
 // One thing that happened in a recorded session.

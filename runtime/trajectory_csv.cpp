@@ -4,7 +4,10 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
 #include <optional>
+
+#include <fmt/format.h>
 
 #include "runtime/regular_file.h"
 
@@ -144,6 +147,13 @@ class Parser {
 
 Result<std::vector<TrajectoryRow>> parse_trajectory_csv(std::string_view text, const std::string& name) {
   return Parser(text, name).parse();
+}
+
+std::string positions_to_csv(const std::vector<TrajectoryRow>& rows) {
+  std::string text = "t_s,x_m,y_m,z_m\n";
+  for (const TrajectoryRow& row : rows)
+    fmt::format_to(std::back_inserter(text), "{},{},{},{}\n", row.t_s, row.p_WD.x(), row.p_WD.y(), row.p_WD.z());
+  return text;
 }
 
 Result<std::vector<TrajectoryRow>> read_trajectory_csv(const std::string& path) {

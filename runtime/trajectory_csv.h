@@ -27,4 +27,7 @@ Result<std::vector<TrajectoryRow>> read_trajectory_csv(const std::string& path);
 // The same from text in memory; name is used for the file in errors.
 Result<std::vector<TrajectoryRow>> parse_trajectory_csv(std::string_view text, const std::string& name);
 
+// Times and positions as such a file, which reads back equal to the bit. RT: set-up only.
+std::string positions_to_csv(const std::vector<TrajectoryRow>& rows);
+
 }  // namespace hapton

@@ -56,7 +56,14 @@ TEST_F(Recorders, WriteAllThatHappensInOrder) {
   ASSERT_TRUE(recorder.start());
   recorder.on_sent(kPeer, kBytes, 5);
   recorder.on_received(kPeer, kBytes, 6);
-  recorder.on_cycle({17, -3, Vec3(1, 2, 3), 4, MissCause::work_long}, 7);
+  recorder.on_cycle({.sample = 17,
+                     .late_ns = -3,
+                     .written_n = Vec3(1, 2, 3),
+                     .missed = 4,
+                     .cause = MissCause::work_long,
+                     .device = CycleSample{6, Vec3(0.1, 0.2, 0.3), Quat(0.6, 0, -0.8, 0), 5},
+                     .local_n = Vec3(4, 5, 6)},
+                    7);
   recorder.on_fault(SessionFault::clamped, 8);
   ASSERT_TRUE(recorder.stop());
   const auto entries = read(file);
@@ -70,6 +77,12 @@ TEST_F(Recorders, WriteAllThatHappensInOrder) {
   EXPECT_EQ(entries[2].cycle.written_n, Vec3(1, 2, 3));
   EXPECT_EQ(entries[2].cycle.missed, 4U);
   EXPECT_EQ(entries[2].cycle.cause, MissCause::work_long);
+  ASSERT_TRUE(entries[2].cycle.device);
+  EXPECT_EQ(entries[2].cycle.device->time_ns, 6);
+  EXPECT_EQ(entries[2].cycle.device->p_WD, Vec3(0.1, 0.2, 0.3));
+  EXPECT_EQ(entries[2].cycle.device->q_WT.coeffs(), Quat(0.6, 0, -0.8, 0).coeffs());
+  EXPECT_EQ(entries[2].cycle.device->buttons, 5U);
+  EXPECT_EQ(entries[2].cycle.local_n, Vec3(4, 5, 6));
   EXPECT_EQ(entries[3].fault, SessionFault::clamped);
   EXPECT_EQ(recorder.counts().entries, 4U);
   EXPECT_EQ(recorder.counts().file_bytes, std::filesystem::file_size(file));

@@ -23,7 +23,13 @@ SessionEntry make(Kind kind) {
       entry.datagram = kBytes;
       break;
     case Kind::cycle:
-      entry.cycle = {1ULL << 60, -3, Vec3(0.1, -0.0, 1e-300), 7, MissCause::device_slow};
+      entry.cycle = {.sample = 1ULL << 60,
+                     .late_ns = -3,
+                     .written_n = Vec3(0.1, -0.0, 1e-300),
+                     .missed = 7,
+                     .cause = MissCause::device_slow,
+                     .device = CycleSample{-9, Vec3(1, -2, 1e-300), Quat(0.6, 0, -0.8, 0), 5},
+                     .local_n = Vec3(-1, 2, 3)};
       break;
     case Kind::fault:
       entry.fault = SessionFault::clamped;
@@ -45,6 +51,14 @@ void expect_equal(const SessionEntry& a, const SessionEntry& b) {
   EXPECT_EQ(a.cycle.written_n, b.cycle.written_n);
   EXPECT_EQ(a.cycle.missed, b.cycle.missed);
   EXPECT_EQ(a.cycle.cause, b.cycle.cause);
+  ASSERT_EQ(a.cycle.device.has_value(), b.cycle.device.has_value());
+  if (a.cycle.device) {
+    EXPECT_EQ(a.cycle.device->time_ns, b.cycle.device->time_ns);
+    EXPECT_EQ(a.cycle.device->p_WD, b.cycle.device->p_WD);
+    EXPECT_EQ(a.cycle.device->q_WT.coeffs(), b.cycle.device->q_WT.coeffs());
+    EXPECT_EQ(a.cycle.device->buttons, b.cycle.device->buttons);
+  }
+  EXPECT_EQ(a.cycle.local_n, b.cycle.local_n);
   EXPECT_EQ(a.fault, b.fault);
   EXPECT_EQ(a.dropped, b.dropped);
 }
@@ -62,6 +76,23 @@ TEST(SessionCodec, GivesBackEveryKindOfEntry) {
     EXPECT_EQ(result.bytes, bytes.size());
     expect_equal(make(kind), read);
   }
+}
+
+// As recordings were before the device's sample was among them.
+TEST(SessionCodec, ACycleMayLackTheDevicesSampleAndALocalForce) {
+  SessionCodec codec;
+  SessionEntry entry = make(Kind::cycle);
+  entry.cycle.device.reset();
+  entry.cycle.local_n.reset();
+  std::string bytes;
+  codec.append(entry, bytes);
+  codec.append(make(Kind::cycle), bytes);
+  SessionEntry read;
+  const auto first = codec.read(bytes, read);
+  ASSERT_EQ(first.status, Status::ok);
+  expect_equal(entry, read);
+  ASSERT_EQ(codec.read(std::string_view(bytes).substr(first.bytes), read).status, Status::ok);
+  expect_equal(make(Kind::cycle), read);
 }
 
 TEST(SessionCodec, GivesBackAHeader) {

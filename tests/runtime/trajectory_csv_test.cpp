@@ -11,6 +11,17 @@ namespace {
 
 using ::testing::HasSubstr;
 
+TEST(TrajectoryCsv, PositionsReadBackEqualToTheBit) {
+  const std::vector<TrajectoryRow> rows = {{-0.1, Vec3(1.0 / 3.0, -0.0, 1e-300)}, {2.0 / 7.0, Vec3(-5e5, 1e-9, 0.1)}};
+  const auto read = parse_trajectory_csv(positions_to_csv(rows), "path.csv");
+  ASSERT_TRUE(read) << read.error().what;
+  ASSERT_EQ(read->size(), rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    EXPECT_EQ((*read)[i].t_s, rows[i].t_s);
+    EXPECT_EQ((*read)[i].p_WD, rows[i].p_WD);
+  }
+}
+
 TEST(TrajectoryCsv, ReadsPositions) {
   const auto rows = parse_trajectory_csv("# made by hand\nt_s,x_m,y_m,z_m\n0,1,2,3\n\n# half way\n0.5, +1e-3 ,-2.5,.25\r\n", "a.csv");
   ASSERT_TRUE(rows) << rows.error().what;

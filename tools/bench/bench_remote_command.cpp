@@ -7,6 +7,7 @@
 #include "core/base/near_miss.h"
 #include "runtime/atomic_file.h"
 #include "runtime/clock.h"
+#include "tools/bench/remote_processes.h"
 #include "tools/bench/remote_report.h"
 #include "tools/commands.h"
 #include "tools/loop/loop_flags.h"
@@ -18,10 +19,10 @@ struct RemoteOptions {
   LoopFlags loop;
   std::vector<std::string> meshes;
   std::string folder;
-  std::string methods = "all";
-  std::string speeds = "100,300";
-  std::string round_trips = "0,10,30,100,300,1000";
-  std::string losses = "0,0.1,0.3";
+  std::string methods;  // these four, like meshes: empty: by what is measured
+  std::string speeds;
+  std::string round_trips;
+  std::string losses;
   double jitter_ms = 0.0;
   double stiffness_n_per_m = 1000.0;
   std::uint64_t seed = 1;
@@ -29,11 +30,28 @@ struct RemoteOptions {
   RemoteSettings settings;
   bool quick = false;
   bool no_walls = false;
+  bool processes = false;
   bool json = false;
   std::filesystem::path csv;
   std::filesystem::path plot;
   std::filesystem::path trace;
 };
+
+// What is measured where nothing else is requested.
+struct RemoteDefaults {
+  std::vector<std::string> meshes;
+  std::string methods;
+  std::string speeds;
+  std::string round_trips;
+  std::string losses;
+};
+RemoteDefaults defaults_of(const RemoteOptions& options) {
+  RemoteDefaults defaults = {
+      {"nefertiti_70k.ply", "fish_22k.obj", "car_body_20k.glb"}, "all", "100,300", "0,10,30,100,300,1000", "0,0.1,0.3"};
+  if (options.processes) defaults = {{"nefertiti_70k.ply", "fish_22k.obj"}, "remote,patch", "100", "0,10,30,100,300,1000", "0.1"};
+  if (!options.quick) return defaults;
+  return {{"fish_22k.obj"}, defaults.methods, "100", "0,100,1000", "0.1"};
+}
 
 Result<std::vector<double>> read_scaled(const std::string& flag, const std::string& text, double most, double scale) {
   auto numbers = read_numbers(flag, text);
@@ -73,19 +91,13 @@ Result<void> take_device(const RemoteOptions& options, RemoteGrid& grid) {
   return {};
 }
 
-Result<RemoteGrid> make_grid(RemoteOptions options) {
+Result<RemoteGrid> make_grid(const RemoteOptions& options) {
   RemoteGrid grid;
-  if (options.quick) {
-    options.round_trips = "0,100,1000";
-    options.losses = "0.1";
-    options.speeds = "100";
-    options.seeds = 1;
-  }
-  grid.meshes = !options.meshes.empty() ? options.meshes
-                : options.quick         ? std::vector<std::string>{"fish_22k.obj"}
-                                        : std::vector<std::string>{"nefertiti_70k.ply", "fish_22k.obj", "car_body_20k.glb"};
+  const RemoteDefaults defaults = defaults_of(options);
+  const auto or_default = [](const auto& given, const auto& otherwise) { return given.empty() ? otherwise : given; };
+  grid.meshes = or_default(options.meshes, defaults.meshes);
   grid.mesh_folder = options.folder.empty() ? find_mesh_folder() : std::filesystem::path(options.folder);
-  auto methods = read_methods(options.methods);
+  auto methods = read_methods(or_default(options.methods, defaults.methods));
   if (!methods) return tl::unexpected(methods.error());
   grid.methods = std::move(*methods);
   const auto take = [](std::vector<double>& into, Result<std::vector<double>> from) -> Result<void> {
@@ -93,9 +105,10 @@ Result<RemoteGrid> make_grid(RemoteOptions options) {
     into = std::move(*from);
     return {};
   };
-  auto taken = take(grid.speeds_m_per_s, read_scaled("--speed", options.speeds, 1000.0, 1e-3));
-  if (taken) taken = take(grid.round_trips_s, read_scaled("--round-trip", options.round_trips, 5000.0, 1e-3));
-  if (taken) taken = take(grid.losses, read_scaled("--loss", options.losses, 0.9, 1.0));
+  auto taken = take(grid.speeds_m_per_s, read_scaled("--speed", or_default(options.speeds, defaults.speeds), 1000.0, 1e-3));
+  if (taken)
+    taken = take(grid.round_trips_s, read_scaled("--round-trip", or_default(options.round_trips, defaults.round_trips), 5000.0, 1e-3));
+  if (taken) taken = take(grid.losses, read_scaled("--loss", or_default(options.losses, defaults.losses), 0.9, 1.0));
   if (taken) taken = take_device(options, grid);
   if (!taken) return tl::unexpected(taken.error());
   grid.jitter_s = 1e-3 * options.jitter_ms;
@@ -107,6 +120,13 @@ Result<RemoteGrid> make_grid(RemoteOptions options) {
   return grid;
 }
 
+Result<void> run_processes(const RemoteOptions& options, const RemoteGrid& grid, const std::function<void(const std::string&)>& progress) {
+  const auto rows = measure_remote_processes(grid, progress);
+  if (!rows) return tl::unexpected(rows.error());
+  fmt::print("{}", options.json ? processes_to_json(grid, *rows) : processes_to_text(grid, *rows));
+  return options.csv.empty() ? Result<void>() : write_file_atomically(options.csv, processes_to_csv(*rows));
+}
+
 Result<void> run(const RemoteOptions& options) {
   const auto grid = make_grid(options);
   if (!grid) return tl::unexpected(grid.error());
@@ -116,8 +136,9 @@ Result<void> run(const RemoteOptions& options) {
   }
   const SteadyClock clock;
   const std::int64_t start_ns = clock.now_ns();
-  const auto results =
-      measure_remote(*grid, [&](const std::string& what) { print_progress(1e-9 * static_cast<double>(clock.now_ns() - start_ns), what); });
+  const auto progress = [&](const std::string& what) { print_progress(1e-9 * static_cast<double>(clock.now_ns() - start_ns), what); };
+  if (options.processes) return run_processes(options, *grid, progress);
+  const auto results = measure_remote(*grid, progress);
   if (!results) return tl::unexpected(results.error());
   fmt::print("{}", options.json ? to_json(*grid, *results) : to_text(*grid, *results));
   if (!options.csv.empty()) {
@@ -145,10 +166,10 @@ void add_bench_remote_command(CommandLine bench, int& exit_code) {
       "--mesh", options->meshes,
       "Mesh files, by path or name in the mesh folder, each scaled to 100 mm, or bumpy:N (default: three of 20 k to 70 k triangles)");
   command.add_option("--meshes-in", options->folder, "The mesh folder (default: ./meshes, else the source tree's)");
-  command.add_option("--method", options->methods, "Ways to touch: all, or a list of " + remote_method_names()).shows_default();
-  command.add_option("--speed", options->speeds, "How fast the hand slides, mm/s; a list or range").shows_default();
-  command.add_option("--round-trip", options->round_trips, "Of the network, ms; a list or range").shows_default();
-  command.add_option("--loss", options->losses, "Share of the datagrams lost each way; a list or range").shows_default();
+  command.add_option("--method", options->methods, "Ways to touch: all (default), or a list of " + remote_method_names());
+  command.add_option("--speed", options->speeds, "How fast the hand slides, mm/s; a list or range (default: 100,300)");
+  command.add_option("--round-trip", options->round_trips, "Of the network, ms; a list or range (default: 0 to 1000, six)");
+  command.add_option("--loss", options->losses, "Share of the datagrams lost each way; a list or range (default: 0,0.1,0.3)");
   command.add_option("--jitter", options->jitter_ms, "Up to this much more each way, ms").between(0.0, 1000.0).shows_default();
   command.add_option("--stiffness", options->stiffness_n_per_m, "Of the surface, N/m").between(1.0, 1e6).shows_default();
   command.add_option("--deadband", options->settings.deadband, "Weber's fraction of deadband coding").between(0.0, 1.0).shows_default();
@@ -158,11 +179,21 @@ void add_bench_remote_command(CommandLine bench, int& exit_code) {
   command.add_flag("--no-walls", options->no_walls, "Do not look for the largest stiffness");
   command.add_flag("--json", options->json, "Print JSON in place of tables");
   command.add_option("--csv", options->csv, "Write a line for each run to this file, and the walls to NAME_walls.csv").file_to_write();
-  command.add_option("--plot", options->plot, "Draw force error and stiffness against round trip as this PNG").file_to_write();
+  const CommandOption plot =
+      command.add_option("--plot", options->plot, "Draw force error and stiffness against round trip as this PNG").file_to_write();
+  const CommandOption trace =
+      command
+          .add_option(
+              "--trace", options->trace,
+              "Write forces period by period to this CSV file and measure nothing else: first mesh, seed, speed, round trip and loss")
+          .file_to_write();
   command
-      .add_option("--trace", options->trace,
-                  "Write forces period by period to this CSV file and measure nothing else: first mesh, seed, speed, round trip and loss")
-      .file_to_write();
+      .add_flag(
+          "--processes", options->processes,
+          "Over the real programs and hapton relay on this host, beside simulated time: ten minutes (default: remote, patch; 100 mm/s, "
+          "loss 0.1)")
+      .excludes(plot)
+      .excludes(trace);
   command.on_run([options, &exit_code] {
     const auto done = run(*options);
     if (!done) fmt::print(stderr, "hapton bench remote: {}\n", done.error().what);

@@ -12,33 +12,14 @@
 namespace hapton {
 namespace {
 
-constexpr double kPeriodS = 1e-3;
-
-// The device's workspace has its middle at the origin.
-Result<RemoteScene> make_scene(const RemoteGrid& grid, const BenchMesh& mesh) {
-  TriangleMesh moved = *mesh.mesh;
-  const Vec3 centre = compute_bounds(moved).centre();
-  for (Vec3& vertex : moved.vertices) vertex -= centre;
-  return make_remote_scene(std::make_shared<const TriangleMesh>(std::move(moved)), {.stiffness_n_per_m = grid.stiffness_n_per_m});
-}
-
-// Watched on until the last late force has come.
-SlidePlan plan_of(const RemoteGrid& grid, std::uint64_t seed, double speed_m_per_s, double round_trip_s) {
-  return {.seed = seed, .speed_m_per_s = speed_m_per_s, .after_s = 0.5 + 1.5 * round_trip_s + 2.0 * grid.jitter_s};
-}
-
-RemoteCase case_of(const RemoteGrid& grid, const RemoteMethod& method, double round_trip_s, double loss, std::uint64_t seed) {
-  return {&method, RemoteNetwork::of(round_trip_s, loss, grid.jitter_s, seed), round_trip_s, grid.settings};
-}
-
 // Every method along one path across one network.
 Result<void> measure_path(const RemoteGrid& grid, const RemoteScene& scene, const SlidePath& path, const RemoteRow& where,
                           std::vector<RemoteRow>& rows) {
-  const RemoteCase local = case_of(grid, *find_remote_method("local"), where.round_trip_s, where.loss, where.seed);
+  const RemoteCase local = make_remote_case(grid, *find_remote_method("local"), where.round_trip_s, where.loss, where.seed);
   const auto zero_delay = run_closed_loop(scene, path, grid.device, local, nullptr);
   if (!zero_delay) return tl::unexpected(zero_delay.error());
   for (const RemoteMethod* method : grid.methods) {
-    const RemoteCase which = case_of(grid, *method, where.round_trip_s, where.loss, where.seed);
+    const RemoteCase which = make_remote_case(grid, *method, where.round_trip_s, where.loss, where.seed);
     auto touch = run_prescribed(scene, path, grid.device, which);
     if (!touch) return tl::unexpected(touch.error());
     auto loop = run_closed_loop(scene, path, grid.device, which, &zero_delay->p_WD);
@@ -56,7 +37,7 @@ Result<void> measure_path(const RemoteGrid& grid, const RemoteScene& scene, cons
 
 Result<void> measure_mesh(const RemoteGrid& grid, const BenchMesh& mesh, const std::function<void(const std::string&)>& progress,
                           std::vector<RemoteRow>& rows) {
-  const auto scene = make_scene(grid, mesh);
+  const auto scene = make_centred_scene(grid, mesh);
   if (!scene) return tl::unexpected(scene.error());
   for (std::uint64_t seed = grid.seed; seed < grid.seed + grid.seeds; ++seed) {
     for (const double speed : grid.speeds_m_per_s) {
@@ -83,10 +64,11 @@ Result<void> measure_walls(const RemoteGrid& grid, const std::function<void(cons
                            std::vector<RemoteWall>& walls) {
   const AxisPlant plant = make_axis_plant(grid.device.model, grid.device.hand);
   for (const double round_trip_s : grid.round_trips_s) {
-    const double stable = find_stable_stiffness(SampledPlant(plant, kPeriodS, round_trip_s), 0.0).value;
+    const double stable = find_stable_stiffness(SampledPlant(plant, kRemotePeriodS, round_trip_s), 0.0).value;
     for (const double loss : grid.losses) {
       for (const RemoteMethod* method : grid.methods) {
-        const auto rest = find_rest_stiffness_of(grid.device, case_of(grid, *method, round_trip_s, loss, grid.seed), kMostWallNPerM);
+        const auto rest =
+            find_rest_stiffness_of(grid.device, make_remote_case(grid, *method, round_trip_s, loss, grid.seed), kMostWallNPerM);
         if (!rest) return tl::unexpected(rest.error());
         walls.push_back({method, round_trip_s, loss, *rest, stable});
       }
@@ -97,6 +79,34 @@ Result<void> measure_walls(const RemoteGrid& grid, const std::function<void(cons
 }
 
 }  // namespace
+
+// The device's workspace has its middle at the origin.
+Result<RemoteScene> make_centred_scene(const RemoteGrid& grid, const BenchMesh& mesh) {
+  TriangleMesh moved = *mesh.mesh;
+  const Vec3 centre = compute_bounds(moved).centre();
+  for (Vec3& vertex : moved.vertices) vertex -= centre;
+  return make_remote_scene(std::make_shared<const TriangleMesh>(std::move(moved)), {.stiffness_n_per_m = grid.stiffness_n_per_m});
+}
+
+SlidePlan plan_of(const RemoteGrid& grid, std::uint64_t seed, double speed_m_per_s, double round_trip_s) {
+  return {.seed = seed, .speed_m_per_s = speed_m_per_s, .after_s = 0.5 + 1.5 * round_trip_s + 2.0 * grid.jitter_s};
+}
+
+RemoteCase make_remote_case(const RemoteGrid& grid, const RemoteMethod& method, double round_trip_s, double loss, std::uint64_t seed) {
+  return {&method, RemoteNetwork::of(round_trip_s, loss, grid.jitter_s, seed), round_trip_s, grid.settings};
+}
+
+std::vector<RemoteCell> cells_of(const RemoteGrid& grid) {
+  std::vector<RemoteCell> cells;
+  for (std::uint64_t seed = grid.seed; seed < grid.seed + grid.seeds; ++seed) {
+    for (const double speed : grid.speeds_m_per_s) {
+      for (const double round_trip_s : grid.round_trips_s) {
+        for (const double loss : grid.losses) cells.push_back({seed, speed, round_trip_s, loss});
+      }
+    }
+  }
+  return cells;
+}
 
 Result<RemoteResults> measure_remote(const RemoteGrid& grid, const std::function<void(const std::string&)>& progress) {
   RemoteResults results;
@@ -113,7 +123,7 @@ Result<RemoteResults> measure_remote(const RemoteGrid& grid, const std::function
 Result<std::string> trace_remote(const RemoteGrid& grid) {
   const auto mesh = make_bench_mesh(grid.meshes.front(), grid.mesh_folder);
   if (!mesh) return tl::unexpected(mesh.error());
-  const auto scene = make_scene(grid, *mesh);
+  const auto scene = make_centred_scene(grid, *mesh);
   if (!scene) return tl::unexpected(scene.error());
   const double speed = grid.speeds_m_per_s.front();
   const double round_trip_s = grid.round_trips_s.front();
@@ -126,7 +136,7 @@ Result<std::string> trace_remote(const RemoteGrid& grid) {
   std::string columns = "t_s,x_m,y_m,z_m,fx_zero_delay_n,fy_zero_delay_n,fz_zero_delay_n";
   std::vector<std::vector<ForceRow>> traces;
   for (const RemoteMethod* method : grid.methods) {
-    auto touch = run_prescribed(*scene, *path, grid.device, case_of(grid, *method, round_trip_s, loss, grid.seed));
+    auto touch = run_prescribed(*scene, *path, grid.device, make_remote_case(grid, *method, round_trip_s, loss, grid.seed));
     if (!touch) return tl::unexpected(touch.error());
     traces.push_back(std::move(touch->rows));
     std::string name(method->name);
@@ -143,7 +153,7 @@ Result<std::string> trace_remote(const RemoteGrid& grid) {
       fmt::format_to(std::back_inserter(csv), ",{:.{}f}", std::fabs(v[k]) < 0.5 * std::pow(10.0, -digits) ? 0.0 : v[k], digits);
   };
   for (std::size_t i = 0; i < path->rows.size(); ++i) {
-    fmt::format_to(std::back_inserter(csv), "{:.3f}", kPeriodS * static_cast<double>(i));
+    fmt::format_to(std::back_inserter(csv), "{:.3f}", kRemotePeriodS * static_cast<double>(i));
     add(path->rows[i].device_m(), 6);
     add(traces.front()[i].zero_delay_n, 4);
     for (const std::vector<ForceRow>& trace : traces) add(trace[i].force_n, 4);

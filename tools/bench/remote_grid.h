@@ -29,6 +29,22 @@ struct RemoteGrid {
   bool has_walls = true;  // find the largest stiffness too
 };
 
+// A cell of the grid, of all methods and meshes.
+struct RemoteCell {
+  std::uint64_t seed = 0;
+  double speed_m_per_s = 0.0;
+  double round_trip_s = 0.0;
+  double loss = 0.0;
+};
+// By seeds, speeds, round trips, then losses.
+std::vector<RemoteCell> cells_of(const RemoteGrid& grid);
+
+// The mesh in the middle of the workspace, of the grid's stiffness.
+Result<RemoteScene> make_centred_scene(const RemoteGrid& grid, const BenchMesh& mesh);
+// Watched on until the last late force has come.
+SlidePlan plan_of(const RemoteGrid& grid, std::uint64_t seed, double speed_m_per_s, double round_trip_s);
+RemoteCase make_remote_case(const RemoteGrid& grid, const RemoteMethod& method, double round_trip_s, double loss, std::uint64_t seed);
+
 struct RemoteRow {
   const RemoteMethod* method = nullptr;
   std::string mesh;
@@ -55,6 +71,7 @@ struct RemoteResults {
 };
 
 constexpr double kMostWallNPerM = 20'000.0;
+constexpr double kRemotePeriodS = 1e-3;  // of the device
 
 Result<RemoteResults> measure_remote(const RemoteGrid& grid, const std::function<void(const std::string&)>& progress);
 

@@ -17,7 +17,7 @@ constexpr double kComeS = 0.8;
 constexpr double kRowS = 0.01;
 constexpr double kTurn = 2.0 * std::numbers::pi;
 
-void add(HandPath& path, double after_s, const Vec3& p_WD) {
+void add(DemoPath& path, double after_s, const Vec3& p_WD) {
   path.push_back({path.empty() ? 0.0 : path.back().t_s + after_s, p_WD, Quat::Identity()});
 }
 
@@ -40,12 +40,12 @@ std::optional<Vec3> find_front(const Scene& scene, double x_m, double y_m) {
   return std::isfinite(front) ? std::optional(Vec3(x_m, y_m, front)) : std::nullopt;
 }
 
-Result<HandPath> make_rest_path(const Scene& scene, double x_m, double y_m, double hold_s) {
+Result<DemoPath> make_rest_path(const Scene& scene, double x_m, double y_m, double hold_s) {
   constexpr double kCircleM = 0.004;
   constexpr double kCircleS = 3.0;
   const auto middle = find_front(scene, x_m, y_m);
   if (!middle) return fail("the scene has nothing in front of x = {} m, y = {} m", x_m, y_m);
-  HandPath path;
+  DemoPath path;
   add(path, 0.0, *middle + Vec3(0.0, 0.0, kAheadM));
   add(path, kComeS, *middle - Vec3(0.0, 0.0, kPressM));
   for (double t = 0.0; t < hold_s; t += 5.0 * kRowS) {
@@ -60,11 +60,11 @@ Result<HandPath> make_rest_path(const Scene& scene, double x_m, double y_m, doub
   return path;
 }
 
-HandPath make_groove_path() {
+DemoPath make_groove_path() {
   constexpr double kReachM = 0.075;
   constexpr double kThereS = 4.0;
   const double bottom_m = demo_groove::kFrontM - demo_groove::kDepthM - 1.25 * kPressM;
-  HandPath path;
+  DemoPath path;
   add(path, 0.0, Vec3(0.0, 0.0, demo_groove::kFrontM + kAheadM));
   add(path, kComeS, Vec3(0.0, 0.0, bottom_m));
   for (double t = kRowS; t < 4.0 * kThereS; t += kRowS) {
@@ -74,14 +74,14 @@ HandPath make_groove_path() {
   return path;
 }
 
-HandPath make_tap_path() {
+DemoPath make_tap_path() {
   constexpr double kTapS = 0.5;
   constexpr double kHoldS = 0.7;
   constexpr double kRoundS = 4.0 * kTapS + kHoldS;  // three taps, and one that stays behind the wall
   constexpr int kRounds = 4;
   constexpr double kMiddleM = 0.0275;
   constexpr double kSwingM = 0.0425;  // 15 mm behind the wall: 4 N
-  HandPath path;
+  DemoPath path;
   for (double t = 0.0; t < kRounds * kRoundS; t += kRowS) {
     const double in_round = std::fmod(t, kRoundS);
     const double of_tap = in_round - std::clamp(in_round - 3.5 * kTapS, 0.0, kHoldS);
@@ -91,10 +91,10 @@ HandPath make_tap_path() {
   return path;
 }
 
-HandPath make_arc_path(double radius_m) {
+DemoPath make_arc_path(double radius_m) {
   constexpr double kArcS = 6.0;
   const double inside_m = radius_m - kPressM;
-  HandPath path;
+  DemoPath path;
   add(path, 0.0, Vec3(0.0, 0.0, radius_m + kAheadM));
   add(path, kComeS, Vec3(0.0, 0.0, inside_m));
   for (double t = kRowS; t < 2.0 * kArcS; t += kRowS) {
@@ -104,12 +104,6 @@ HandPath make_arc_path(double radius_m) {
   }
   add(path, 0.5 * kComeS, Vec3(0.0, 0.0, radius_m + kAheadM));
   return path;
-}
-
-std::string to_csv(const HandPath& path) {
-  std::string text = "t_s,x_m,y_m,z_m\n";
-  for (const TrajectoryRow& row : path) text += fmt::format("{},{},{},{}\n", row.t_s, row.p_WD.x(), row.p_WD.y(), row.p_WD.z());
-  return text;
 }
 
 }  // namespace hapton

@@ -1,13 +1,12 @@
 #include "tools/demo/demo_run.h"
 
-#include <unistd.h>
-
 #include <system_error>
 #include <utility>
 
 #include "runtime/clock.h"
 #include "tools/demo/demo_system.h"
 #include "tools/latency/latency_compare.h"
+#include "tools/temporary_folder.h"
 
 namespace hapton {
 namespace {
@@ -19,28 +18,6 @@ constexpr double kSilentS = 1.0;     // the picture is taken after this time wit
 constexpr double kKillAfterS = 5.0;  // in a window, again and again
 constexpr double kRestartAfterS = 8.0;
 constexpr double kKillEveryS = 12.0;
-
-// A temporary folder, deleted with this object.
-class ScratchFolder {
- public:
-  static Result<ScratchFolder> make() {
-    std::error_code error;
-    std::string name = (std::filesystem::temp_directory_path(error) / "hapton-demo.XXXXXX").string();
-    if (error || ::mkdtemp(name.data()) == nullptr) return fail("{}: no temporary folder can be made there; set TMPDIR", name);
-    return ScratchFolder(name);
-  }
-  explicit ScratchFolder(std::filesystem::path path) : path_(std::move(path)) {}
-  ~ScratchFolder() {
-    std::error_code error;
-    if (!path_.empty()) std::filesystem::remove_all(path_, error);
-  }
-  ScratchFolder(ScratchFolder&& other) noexcept : path_(std::exchange(other.path_, {})) {}
-  ScratchFolder& operator=(ScratchFolder&&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 class Stopwatch {
  public:
@@ -109,7 +86,7 @@ Result<std::filesystem::path> make_folder(const std::filesystem::path& folder) {
 Result<DemoOutcome> run_demo_step(std::size_t number, const DemoSettings& settings, const StopSignal& stop) {
   const DemoStep& step = demo_steps()[number - 1];
   const auto out = make_folder(settings.out / demo_file_name(number));
-  const auto scratch = ScratchFolder::make();
+  const auto scratch = TemporaryFolder::make();
   if (!out || !scratch) return tl::unexpected(out ? scratch.error() : out.error());
   DemoOutcome outcome{.verdict = {}, .picture = settings.out / (demo_file_name(number) + ".png")};
   std::error_code error;
@@ -149,7 +126,7 @@ std::optional<DemoRequest> find_demo_request(char key) {
 
 Result<DemoRequest> watch_demo_step(std::size_t number, const DemoSettings& settings, const StopSignal& stop, KeyReader& keys) {
   const DemoStep& step = demo_steps()[number - 1];
-  const auto scratch = ScratchFolder::make();
+  const auto scratch = TemporaryFolder::make();
   if (!scratch) return tl::unexpected(scratch.error());
   DemoSystem system({.out = scratch->path(), .scratch = scratch->path(), .cpu = settings.cpu, .records = false, .vision = {}});
   if (const auto started = system.start(step); !started) return tl::unexpected(started.error());

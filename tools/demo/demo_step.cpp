@@ -11,11 +11,11 @@ constexpr double kRoundS = 8.0;
 constexpr double kLongS = 60.0;  // no coming and going while something else is to be seen
 constexpr double kDelayMs = 4.0;
 
-Result<HandPath> rest_on_the_bonnet(const Scene& scene) { return make_rest_path(scene, 0.03, 0.03, kRoundS); }
-Result<HandPath> stay_on_the_bonnet(const Scene& scene) { return make_rest_path(scene, 0.03, 0.03, kLongS); }
-Result<HandPath> along_the_groove(const Scene&) { return make_groove_path(); }
-Result<HandPath> against_the_wall(const Scene&) { return make_tap_path(); }
-Result<HandPath> over_the_ball(const Scene&) { return make_arc_path(demo_heavy::kRadiusM); }
+Result<DemoPath> rest_on_the_bonnet(const Scene& scene) { return make_rest_path(scene, 0.03, 0.03, kRoundS); }
+Result<DemoPath> stay_on_the_bonnet(const Scene& scene) { return make_rest_path(scene, 0.03, 0.03, kLongS); }
+Result<DemoPath> along_the_groove(const Scene&) { return make_groove_path(); }
+Result<DemoPath> against_the_wall(const Scene&) { return make_tap_path(); }
+Result<DemoPath> over_the_ball(const Scene&) { return make_arc_path(demo_heavy::kRadiusM); }
 
 }  // namespace
 

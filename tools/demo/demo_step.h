@@ -21,7 +21,7 @@ struct DemoStep {
   std::vector<std::string> vision = {};  // flags of its vision node
   std::string picture_at = "contact";    // when a scripted run takes its picture, see vision_node --screenshot-when
   Event event = Event::none;
-  Result<HandPath> (*make_path)(const Scene& scene) = nullptr;
+  Result<DemoPath> (*make_path)(const Scene& scene) = nullptr;
   DemoVerdict (*evaluate)(const DemoEvidence& evidence) = nullptr;
 };
 

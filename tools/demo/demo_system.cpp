@@ -41,7 +41,7 @@ Result<void> DemoSystem::prepare(const DemoStep& step) {
   const auto hub = find_free_address();
   if (!hub) return tl::unexpected(hub.error());
   hub_ = nodes_hub_ = *hub;
-  return write_file_atomically(settings_.scratch / "path.csv", to_csv(*path));
+  return write_file_atomically(settings_.scratch / "path.csv", positions_to_csv(*path));
 }
 
 Result<void> DemoSystem::start_hub() {

@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;
 
 const Json& section(const Json& report, const char* name) {
   static const Json kNone = Json::object();

@@ -11,7 +11,7 @@ namespace hapton {
 
 // A hub's report at one moment.
 struct TopLook {
-  nlohmann::json report;
+  nlohmann::ordered_json report;
   std::vector<HopCounts> hops;
 };
 

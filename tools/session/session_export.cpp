@@ -22,7 +22,9 @@ Result<SessionExport> SessionExport::open(const std::filesystem::path& folder, s
   } tables[] = {
       {made.trajectory_, "trajectory.csv", "t_s,x_m,y_m,z_m,qw,qx,qy,qz,sample\n"},
       {made.forces_, "forces.csv", "t_s,sample,fx_n,fy_n,fz_n,contact,offset_x_m,offset_y_m,offset_z_m,round_trip_us,compute_us\n"},
-      {made.cycles_, "cycles.csv", "t_s,sample,late_us,written_x_n,written_y_n,written_z_n,missed,cause\n"}};
+      {made.cycles_, "cycles.csv",
+       "t_s,sample,late_us,written_x_n,written_y_n,written_z_n,missed,cause,sample_t_s,x_m,y_m,z_m,qw,qx,qy,qz,buttons,local_x_n,local_y_n,"
+       "local_z_n\n"}};
   for (const auto& table : tables) {
     const auto path = folder / table.name;
     table.file.reset(open_file_for(path, FileReaders::everyone));
@@ -33,24 +35,42 @@ Result<SessionExport> SessionExport::open(const std::filesystem::path& folder, s
   return made;
 }
 
-void SessionExport::add(const SessionEntry& entry, const Datagram* datagram) {
-  if (entry.kind == SessionEntry::Kind::cycle) {
-    const CycleNote& c = entry.cycle;
-    ++rows_.cycles;
-    good_ = good_ && std::fprintf(cycles_.get(), "%.9f,%llu,%.3f,%.17g,%.17g,%.17g,%u,%s\n", seconds(entry.time_ns),
-                                  static_cast<unsigned long long>(c.sample), 1e-3 * static_cast<double>(c.late_ns), c.written_n.x(),
-                                  c.written_n.y(), c.written_n.z(), c.missed, std::string(to_string(c.cause)).c_str()) > 0;
+// What was not recorded stays empty.
+void SessionExport::add_cycle(const SessionEntry& entry) {
+  const CycleNote& c = entry.cycle;
+  ++rows_.cycles;
+  std::FILE* file = cycles_.get();
+  good_ = good_ && std::fprintf(file, "%.9f,%llu,%.3f,%.17g,%.17g,%.17g,%u,%s", seconds(entry.time_ns),
+                                static_cast<unsigned long long>(c.sample), 1e-3 * static_cast<double>(c.late_ns), c.written_n.x(),
+                                c.written_n.y(), c.written_n.z(), c.missed, std::string(to_string(c.cause)).c_str()) > 0;
+  if (c.device) {
+    const Quat& q = c.device->q_WT;
+    const Vec3& p = c.device->p_WD;
+    good_ = good_ && std::fprintf(file, ",%.9f,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%u", seconds(c.device->time_ns), p.x(), p.y(),
+                                  p.z(), q.w(), q.x(), q.y(), q.z(), c.device->buttons) > 0;
+  } else {
+    good_ = good_ && std::fputs(",,,,,,,,,", file) >= 0;
   }
+  good_ = good_ && (c.local_n ? std::fprintf(file, ",%.17g,%.17g,%.17g\n", c.local_n->x(), c.local_n->y(), c.local_n->z()) > 0
+                              : std::fputs(",,,\n", file) >= 0);
+  if (c.device) add_sample(c.sample, c.device->time_ns, c.device->p_WD, c.device->q_WT);
+}
+
+// Each sample once, its times rising: as it was sent, or from the cycle that kept it for itself.
+void SessionExport::add_sample(std::uint64_t sample, std::int64_t time_ns, const Vec3& p_WD, const Quat& q) {
+  if (sample <= last_sample_) return;
+  last_sample_ = sample;
+  ++rows_.trajectory;
+  good_ = good_ && std::fprintf(trajectory_.get(), "%.9f,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%llu\n", seconds(time_ns), p_WD.x(),
+                                p_WD.y(), p_WD.z(), q.w(), q.x(), q.y(), q.z(), static_cast<unsigned long long>(sample)) > 0;
+}
+
+void SessionExport::add(const SessionEntry& entry, const Datagram* datagram) {
+  if (entry.kind == SessionEntry::Kind::cycle) add_cycle(entry);
   if (datagram == nullptr) return;
   const auto* state = std::get_if<DeviceState>(&datagram->message);
-  // Each sample once, its times rising.
-  if (state != nullptr && entry.kind == SessionEntry::Kind::sent && state->sample > last_sample_) {
-    last_sample_ = state->sample;
-    ++rows_.trajectory;
-    good_ = good_ && std::fprintf(trajectory_.get(), "%.9f,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%llu\n",
-                                  seconds(state->sample_time_ns), state->p_WD.x(), state->p_WD.y(), state->p_WD.z(), state->q_WT.w(),
-                                  state->q_WT.x(), state->q_WT.y(), state->q_WT.z(), static_cast<unsigned long long>(state->sample)) > 0;
-  }
+  if (state != nullptr && entry.kind == SessionEntry::Kind::sent)
+    add_sample(state->sample, state->sample_time_ns, state->p_WD, state->q_WT);
   const auto* force = std::get_if<ForceCommand>(&datagram->message);
   if (force != nullptr && entry.kind == SessionEntry::Kind::received) {
     ++rows_.forces;

@@ -33,6 +33,8 @@ class SessionExport {
   using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
   SessionExport() : trajectory_(nullptr, &std::fclose), forces_(nullptr, &std::fclose), cycles_(nullptr, &std::fclose) {}
 
+  void add_cycle(const SessionEntry& entry);
+  void add_sample(std::uint64_t sample, std::int64_t time_ns, const Vec3& p_WD, const Quat& q_WT);
   double seconds(std::int64_t time_ns) const { return 1e-9 * static_cast<double>(time_ns - start_ns_); }
 
   std::filesystem::path folder_;

@@ -24,7 +24,7 @@
 namespace hapton {
 namespace {
 
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;
 
 constexpr double kLooks = 120.0;
 constexpr double kShortestInterval_s = 2.0;

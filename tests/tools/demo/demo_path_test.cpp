@@ -68,7 +68,7 @@ TEST(DemoPath, OfEveryStepCanBeTaken) {
 }
 
 TEST(DemoPath, AgainstTheWallIsFasterThanItIsThick) {
-  const HandPath path = make_tap_path();
+  const DemoPath path = make_tap_path();
   double fastest = 0.0;
   for (std::size_t i = 1; i < path.size(); ++i) {
     if (path[i - 1].p_WD.z() >= 0.0 && path[i].p_WD.z() < 0.0) {

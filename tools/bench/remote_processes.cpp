@@ -1,0 +1,281 @@
+#include "tools/bench/remote_processes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "runtime/atomic_file.h"
+#include "runtime/realtime.h"
+#include "runtime/trajectory_csv.h"
+#include "scene/scene_file.h"
+#include "tools/child_process.h"
+#include "tools/local_node.h"
+#include "tools/session/ply_writer.h"
+#include "tools/temporary_folder.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kJoinS = 2.0;       // for the nodes to find each other, besides round trips and lost greetings
+constexpr double kJoinTrips = 8.0;   // round trips
+constexpr double kSceneShare = 1.5;  // of the time that the scene takes in simulation
+constexpr double kGraceS = 20.0;     // for the hub to write its report
+constexpr double kLateShare = 1.5;   // of the round trip: the most that a force is taken to be late by
+constexpr double kLeastLateS = 0.03;
+
+// A mesh as a scene file that all programs read, and the same scene for the comparison.
+struct ProcessScene {
+  std::filesystem::path file;
+  RemoteScene lab;
+  std::shared_ptr<ForceMethod> whole;
+};
+
+Result<ProcessScene> make_process_scene(const std::filesystem::path& folder, const RemoteScene& lab) {
+  ProcessScene made;
+  made.lab = lab;
+  made.file = folder / "scene.toml";
+  if (auto written = write_ply(folder / "mesh.ply", *lab.mesh); !written) return tl::unexpected(written.error());
+  const auto written = write_file_atomically(
+      made.file, fmt::format("[[object]]\nmesh = \"mesh.ply\"\nunit = \"m\"\nmaterial = \"m\"\n\n[material.m]\nstiffness_n_per_m = {}\n",
+                             lab.stiffness_n_per_m));
+  if (!written) return tl::unexpected(written.error());
+  const auto scene = load_scene(made.file);
+  if (!scene) return tl::unexpected(scene.error());
+  auto method = make_method({}, scene->touch_scene());
+  if (!method) return tl::unexpected(method.error());
+  made.whole = std::move(*method);
+  return made;
+}
+
+// The programs of one cell. They end with this object at the latest.
+class ProcessRun {
+ public:
+  ProcessRun(const std::filesystem::path& folder, const std::filesystem::path& scene) : folder_(folder), scene_(scene) {}
+
+  // The hub plays the path and ends.
+  Result<void> play(const RemoteProcessRow& row, const RemoteGrid& grid, double seconds) {
+    const auto hub = find_free_address();
+    if (!hub) return tl::unexpected(hub.error());
+    const auto relay = start_relay(*hub, row, grid);
+    if (!relay) return tl::unexpected(relay.error());
+    if (auto started = start_haptics(*relay, grid); !started) return started;
+    auto io = LocalNode::start(folder_, "io_node", find_own_folder() / "io_node", hub_words(*hub, row, grid));
+    if (!io) return tl::unexpected(io.error());
+    if (auto ended = io->wait_for_end(seconds + kGraceS); !ended) return ended;
+    if (auto stopped = haptics_->stop(); !stopped) return stopped;
+    return relay_->stop();
+  }
+
+  std::filesystem::path recording() const { return folder_ / "session.hapton"; }
+  std::filesystem::path path() const { return folder_ / "path.csv"; }
+
+ private:
+  // Where the haptics node finds the hub.
+  Result<std::string> start_relay(const std::string& hub, const RemoteProcessRow& row, const RemoteGrid& grid) {
+    auto relay = LocalNode::start(
+        folder_, "relay", find_own_folder() / "hapton",
+        {"relay", "--hub", hub, "--seed", fmt::format("{}", row.seed), "--delay-ms", fmt::format("{}", 500.0 * row.round_trip_s), "--loss",
+         fmt::format("{}", row.loss), "--jitter-ms", fmt::format("{}", 1e3 * grid.jitter_s)});
+    if (!relay) return tl::unexpected(relay.error());
+    relay_.emplace(std::move(*relay));
+    if (auto ready = relay_->wait_for(", hub "); !ready) return tl::unexpected(ready.error());
+    // "relay at ADDRESS, hub ..."
+    const std::string line = relay_->last_line();
+    const std::string before = "relay at ";
+    return line.substr(before.size(), line.find(',') - before.size());
+  }
+
+  Result<void> start_haptics(const std::string& hub, const RemoteGrid& grid) {
+    auto haptics = LocalNode::start(folder_, "haptics_node", find_own_folder() / "haptics_node",
+                                    {"--hub", hub, "--scene", scene_.string(), "--build-at-once", "--cpu", cpu_, "--patch-bandwidth",
+                                     fmt::format("{}", 1e-6 * grid.settings.patch_bits_per_s)});
+    if (!haptics) return tl::unexpected(haptics.error());
+    haptics_.emplace(std::move(*haptics));
+    return haptics_->wait_for("ready");
+  }
+
+  std::vector<std::string> hub_words(const std::string& hub, const RemoteProcessRow& row, const RemoteGrid& grid) const {
+    std::vector<std::string> words = {"--bind",       hub,
+                                      "--device",     "replay",
+                                      "--trajectory", path().string(),
+                                      "--touch",      row.method->way == RemoteMethod::Way::patch ? "patch" : "remote",
+                                      "--cpu",        cpu_,
+                                      "--out",        folder_.string(),
+                                      "--record",     recording().string(),
+                                      "--flight",     "off"};
+    if (row.method->is_passive) {
+      words.insert(words.end(), {"--passive-mass", fmt::format("{}", grid.device.model.mass_kg), "--passive-step",
+                                 fmt::format("{}", grid.device.model.encoder_step_m)});
+    }
+    return words;
+  }
+
+  std::filesystem::path folder_;
+  std::filesystem::path scene_;
+  std::string cpu_ = fmt::format("{}", find_shared_cpu());
+  std::optional<LocalNode> relay_;
+  std::optional<LocalNode> haptics_;
+};
+
+// In free space until the nodes have found each other and the scene around is there.
+double wait_before(const PrescribedTouch& simulated, const RemoteMethod& method, double round_trip_s) {
+  const double scene_s = method.way == RemoteMethod::Way::patch ? kSceneShare * simulated.ready_s : 0.0;
+  return kJoinS + kJoinTrips * round_trip_s + scene_s;
+}
+
+std::string path_to_csv(const SlidePath& path, double wait_s) {
+  std::vector<TrajectoryRow> rows = {{0.0, path.rows.front().device_m()}};
+  for (std::size_t i = 0; i < path.rows.size(); ++i)
+    rows.push_back({wait_s + kRemotePeriodS * static_cast<double>(i + 1), path.rows[i].device_m()});
+  return positions_to_csv(rows);
+}
+
+Result<RemoteProcessRow> measure_cell(const RemoteGrid& grid, const ProcessScene& scene, const SlidePath& path,
+                                      const std::filesystem::path& folder, RemoteProcessRow row) {
+  auto simulated = run_prescribed(scene.lab, path, grid.device, make_remote_case(grid, *row.method, row.round_trip_s, row.loss, row.seed));
+  if (!simulated) return tl::unexpected(simulated.error());
+  row.simulated = std::move(*simulated);
+  row.simulated.rows.clear();
+  const double wait_s = wait_before(row.simulated, *row.method, row.round_trip_s);
+  ProcessRun run(folder, scene.file);
+  if (auto written = write_file_atomically(run.path(), path_to_csv(path, wait_s)); !written) return tl::unexpected(written.error());
+  const double seconds = wait_s + kRemotePeriodS * static_cast<double>(path.rows.size());
+  if (auto played = run.play(row, grid, seconds); !played) return tl::unexpected(played.error());
+  const auto at = [&](std::size_t i) { return wait_s + kRemotePeriodS * static_cast<double>(i); };
+  auto real = evaluate_recording(run.recording(), scene.whole, {at(path.sliding), at(path.leaving)}, kRemotePeriodS,
+                                 std::max(kLateShare * row.round_trip_s, kLeastLateS));
+  if (!real) return tl::unexpected(real.error());
+  row.real = *real;
+  return row;
+}
+
+Result<void> measure_mesh(const RemoteGrid& grid, const std::string& which, const std::function<void(const std::string&)>& progress,
+                          std::vector<RemoteProcessRow>& rows) {
+  const auto mesh = make_bench_mesh(which, grid.mesh_folder);
+  if (!mesh) return tl::unexpected(mesh.error());
+  const auto lab = make_centred_scene(grid, *mesh);
+  const auto folder = TemporaryFolder::make();
+  if (!lab || !folder) return tl::unexpected(lab ? folder.error() : lab.error());
+  const auto scene = make_process_scene(folder->path(), *lab);
+  if (!scene) return tl::unexpected(scene.error());
+  for (const RemoteCell& cell : cells_of(grid)) {
+    const auto path = make_slide_path(*lab->mesh, *lab->near, plan_of(grid, cell.seed, cell.speed_m_per_s, cell.round_trip_s));
+    if (!path) return fail("{}: {}", mesh->name, path.error().what);
+    for (const RemoteMethod* method : grid.methods) {
+      auto row = measure_cell(grid, *scene, *path, folder->path(),
+                              {method, mesh->name, cell.seed, cell.speed_m_per_s, cell.round_trip_s, cell.loss, {}, {}});
+      if (!row) return fail("{}, {}, {:g} ms: {}", mesh->name, method->name, 1e3 * cell.round_trip_s, row.error().what);
+      rows.push_back(std::move(*row));
+      progress(fmt::format("{}, {}, seed {}, {:g} mm/s, {:g} ms, loss {:g} %", mesh->name, method->name, cell.seed,
+                           1e3 * cell.speed_m_per_s, 1e3 * cell.round_trip_s, 100.0 * cell.loss));
+    }
+  }
+  return {};
+}
+
+// One figure of a run, as it is written everywhere.
+struct Figure {
+  const char* name;
+  double (*of)(const RemoteProcessRow&);
+};
+
+constexpr Figure kFigures[] = {
+    {"force_error_rms", [](const RemoteProcessRow& r) { return r.real.force.error_rms; }},
+    {"force_error_max_n", [](const RemoteProcessRow& r) { return r.real.force.error_max_n; }},
+    {"direction_error_rms_deg", [](const RemoteProcessRow& r) { return r.real.force.direction_rms_deg; }},
+    {"time_offset_ms", [](const RemoteProcessRow& r) { return 1e3 * r.real.force.time_offset_s; }},
+    {"value_offset", [](const RemoteProcessRow& r) { return r.real.force.value_offset; }},
+    {"falls", [](const RemoteProcessRow& r) { return static_cast<double>(r.real.force.falls); }},
+    {"fall_s", [](const RemoteProcessRow& r) { return r.real.force.fall_s; }},
+    {"contact_s", [](const RemoteProcessRow& r) { return r.real.force.contact_s; }},
+    {"generated_mj", [](const RemoteProcessRow& r) { return 1e3 * r.real.force.generated_j; }},
+    {"zero_delay_generated_mj", [](const RemoteProcessRow& r) { return 1e3 * r.real.force.zero_delay_generated_j; }},
+    {"packets_up_per_s", [](const RemoteProcessRow& r) { return r.real.rates.packets_up; }},
+    {"packets_down_per_s", [](const RemoteProcessRow& r) { return r.real.rates.packets_down; }},
+    {"bytes_up_per_s", [](const RemoteProcessRow& r) { return r.real.rates.bytes_up; }},
+    {"bytes_down_per_s", [](const RemoteProcessRow& r) { return r.real.rates.bytes_down; }},
+    {"scene_kb", [](const RemoteProcessRow& r) { return r.real.scene_kb; }},
+    {"ready_s", [](const RemoteProcessRow& r) { return r.real.ready_s; }},
+    {"local_share", [](const RemoteProcessRow& r) { return r.real.local_share; }},
+    {"cycles", [](const RemoteProcessRow& r) { return static_cast<double>(r.real.cycles); }},
+    {"missed_cycles", [](const RemoteProcessRow& r) { return static_cast<double>(r.real.missed); }},
+    {"simulated_force_error_rms", [](const RemoteProcessRow& r) { return r.simulated.force.error_rms; }},
+    {"simulated_falls", [](const RemoteProcessRow& r) { return static_cast<double>(r.simulated.force.falls); }},
+    {"simulated_packets_up_per_s", [](const RemoteProcessRow& r) { return r.simulated.rates.packets_up; }},
+    {"simulated_packets_down_per_s", [](const RemoteProcessRow& r) { return r.simulated.rates.packets_down; }},
+};
+
+}  // namespace
+
+bool has_programs(const RemoteMethod& method) noexcept {
+  return method.way == RemoteMethod::Way::patch || (method.way == RemoteMethod::Way::force && (method.has_governor || method.is_passive));
+}
+
+Result<std::vector<RemoteProcessRow>> measure_remote_processes(const RemoteGrid& grid,
+                                                               const std::function<void(const std::string&)>& progress) {
+  for (const RemoteMethod* method : grid.methods) {
+    if (!has_programs(*method)) {
+      return fail("--method {}: no program works so; with --processes there are remote, remote-passive, patch and patch-passive",
+                  method->name);
+    }
+  }
+  std::vector<RemoteProcessRow> rows;
+  for (const std::string& mesh : grid.meshes) {
+    if (auto done = measure_mesh(grid, mesh, progress, rows); !done) return tl::unexpected(done.error());
+  }
+  return rows;
+}
+
+std::string processes_to_text(const RemoteGrid& grid, const std::vector<RemoteProcessRow>& rows) {
+  std::string text = fmt::format(
+      "hub, relay and haptics node on this host; {:g} N/m; jitter {:g} ms. Error: of the force on the motors against the whole scene's, "
+      "for "
+      "the same sample; beside it that of the same cell in simulated time.\n{:16}{:18}{:>5}{:>6}{:>7}{:>7}{:>13}{:>13}{:>9}{:>11}{:>7}{:>9}"
+      "{:>12}{:>12}{:>8}\n",
+      grid.stiffness_n_per_m, 1e3 * grid.jitter_s, "method", "mesh", "seed", "mm/s", "ms", "loss %", "error RMS %", "simulated %", "max N",
+      "direction", "falls", "given mJ", "packets/s", "kB/s", "missed");
+  for (const RemoteProcessRow& row : rows) {
+    const RecordedTouch& real = row.real;
+    text += fmt::format("{:16}{:18}{:>5}{:>6g}{:>7g}{:>7g}{:>13.4f}{:>13.4f}{:>9.3f}{:>11.2f}{:>7}{:>9.2f}{:>12}{:>12}{:>8}\n",
+                        row.method->name, row.mesh, row.seed, 1e3 * row.speed_m_per_s, 1e3 * row.round_trip_s, 100.0 * row.loss,
+                        100.0 * real.force.error_rms, 100.0 * row.simulated.force.error_rms, real.force.error_max_n,
+                        real.force.direction_rms_deg, real.force.falls, 1e3 * real.force.generated_j,
+                        fmt::format("{:.0f} {:.0f}", real.rates.packets_up, real.rates.packets_down),
+                        fmt::format("{:.1f} {:.1f}", 1e-3 * real.rates.bytes_up, 1e-3 * real.rates.bytes_down), real.missed);
+  }
+  return text;
+}
+
+std::string processes_to_csv(const std::vector<RemoteProcessRow>& rows) {
+  std::string csv = "method,mesh,seed,speed_mm_per_s,round_trip_ms,loss";
+  for (const Figure& figure : kFigures) csv += fmt::format(",{}", figure.name);
+  csv += '\n';
+  for (const RemoteProcessRow& row : rows) {
+    csv += fmt::format("{},{},{},{:g},{:g},{:g}", row.method->name, row.mesh, row.seed, 1e3 * row.speed_m_per_s, 1e3 * row.round_trip_s,
+                       row.loss);
+    for (const Figure& figure : kFigures) csv += fmt::format(",{:.6g}", figure.of(row));
+    csv += '\n';
+  }
+  return csv;
+}
+
+std::string processes_to_json(const RemoteGrid& grid, const std::vector<RemoteProcessRow>& rows) {
+  nlohmann::ordered_json json = {
+      {"schema", "hapton.bench.remote_processes/1"}, {"stiffness_n_per_m", grid.stiffness_n_per_m}, {"jitter_ms", 1e3 * grid.jitter_s}};
+  json["runs"] = nlohmann::ordered_json::array();
+  for (const RemoteProcessRow& row : rows) {
+    nlohmann::ordered_json run = {{"method", row.method->name},
+                                  {"mesh", row.mesh},
+                                  {"seed", row.seed},
+                                  {"speed_mm_per_s", 1e3 * row.speed_m_per_s},
+                                  {"round_trip_ms", 1e3 * row.round_trip_s},
+                                  {"loss", row.loss}};
+    for (const Figure& figure : kFigures) run[figure.name] = figure.of(row);
+    json["runs"].push_back(std::move(run));
+  }
+  return json.dump(2) + "\n";
+}
+
+}  // namespace hapton

@@ -1,0 +1,85 @@
+#include "tools/bench/remote_recording.h"
+
+#include <variant>
+
+#include "link/codec.h"
+#include "link/session_reader.h"
+#include "remote/packet_size.h"
+#include "remote/whole_scene.h"
+
+namespace hapton {
+namespace {
+
+class RecordedTouchReader {
+ public:
+  RecordedTouchReader(std::shared_ptr<ForceMethod> method, const RecordedSpan& span) : whole_(std::move(method)), span_(span) {}
+
+  void add(const SessionEntry& entry) {
+    if (entry.kind == SessionEntry::Kind::cycle) add_cycle(entry.cycle);
+    Datagram datagram;
+    if (entry.datagram.empty() || codec_.decode(entry.datagram, datagram) != DecodeStatus::ok) return;
+    add_packet(entry, datagram.message);
+  }
+
+  Result<RecordedTouch> finish(double period_s, double most_late_s) {
+    if (rows_.empty()) return fail("the recording has no samples of the device");
+    touch_.force = compare_forces(rows_, period_s, most_late_s);
+    const double seconds = span_.to_s - span_.from_s;
+    for (double* rate : {&touch_.rates.packets_up, &touch_.rates.packets_down, &touch_.rates.bytes_up, &touch_.rates.bytes_down})
+      *rate /= seconds;
+    touch_.local_share = contact_ > 0 ? static_cast<double>(local_) / static_cast<double>(contact_) : 0.0;
+    return touch_;
+  }
+
+ private:
+  void add_cycle(const CycleNote& cycle) {
+    if (!cycle.device) return;
+    if (rows_.empty()) start_ns_ = cycle.device->time_ns;
+    now_s_ = 1e-9 * static_cast<double>(cycle.device->time_ns - start_ns_);
+    (void)whole_.step(cycle.device->p_WD, cycle.device->time_ns);
+    const TouchOutput& zero_delay = whole_.last();
+    rows_.push_back({cycle.device->p_WD, cycle.written_n, zero_delay.force_n, zero_delay.visual_offset_m.norm()});
+    contact_ += zero_delay.contact ? 1 : 0;
+    local_ += zero_delay.contact && cycle.local_n ? 1 : 0;
+    ++touch_.cycles;
+    touch_.missed += cycle.missed;
+  }
+
+  void add_packet(const SessionEntry& entry, const Message& message) {
+    const auto bytes = static_cast<double>(packet_bytes_of(message));
+    const bool is_up = entry.kind == SessionEntry::Kind::sent;
+    if (std::holds_alternative<PatchTile>(message) || std::holds_alternative<PatchCell>(message)) {
+      touch_.scene_kb += 1e-3 * bytes;
+      touch_.ready_s = now_s_;
+    }
+    if (rows_.empty() || now_s_ < span_.from_s || now_s_ >= span_.to_s) return;
+    (is_up ? touch_.rates.packets_up : touch_.rates.packets_down) += 1.0;
+    (is_up ? touch_.rates.bytes_up : touch_.rates.bytes_down) += bytes;
+  }
+
+  WholeScene whole_;
+  RecordedSpan span_;
+  Codec codec_;
+  RecordedTouch touch_;
+  std::vector<ForceRow> rows_;
+  std::int64_t start_ns_ = 0;
+  double now_s_ = 0.0;
+  std::uint64_t contact_ = 0;
+  std::uint64_t local_ = 0;
+};
+
+}  // namespace
+
+Result<RecordedTouch> evaluate_recording(const std::filesystem::path& recording, std::shared_ptr<ForceMethod> method,
+                                         const RecordedSpan& span, double period_s, double most_late_s) {
+  auto reader = SessionReader::open(recording);
+  if (!reader) return tl::unexpected(reader.error());
+  RecordedTouchReader touch(std::move(method), span);
+  SessionEntry entry;
+  while (reader->next(entry)) touch.add(entry);
+  if (!reader->problem().empty()) return fail("{}", reader->problem());
+  auto found = touch.finish(period_s, most_late_s);
+  return found ? found : fail("{}: {}", recording.string(), found.error().what);
+}
+
+}  // namespace hapton

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/force/force_method.h"
+#include "remote/force_comparison.h"
+#include "remote/remote_run.h"
+
+namespace hapton {
+
+// A touch over real processes, from the hub's recording.
+struct RecordedTouch {
+  ForceComparison force;
+  RemoteRates rates;       // between the two times given
+  double scene_kb = 0.0;   // parts of the scene, in all
+  double ready_s = 0.0;    // from the first sample to the last new part of the scene
+  double local_share = 0;  // of the cycles in contact: worked out beside the device
+  std::uint64_t cycles = 0;
+  std::uint64_t missed = 0;  // cycles left out
+};
+
+// When the hand slides and rests, since the first sample.
+struct RecordedSpan {
+  double from_s = 0.0;
+  double to_s = 0.0;
+};
+
+// Holds what went to the motors in each cycle against the force of the whole scene at the same sample, without delay. `method` is reset.
+// Packets are those that the hub sent, and those that reached it. Error: one line: not a recording, it breaks off, or it has no samples of
+// the device. RT: no.
+Result<RecordedTouch> evaluate_recording(const std::filesystem::path& recording, std::shared_ptr<ForceMethod> method,
+                                         const RecordedSpan& span, double period_s, double most_late_s);
+
+}  // namespace hapton
