@@ -118,6 +118,7 @@ bool ClientHandshake::read_answer(std::span<const std::byte> answer) noexcept {
   std::copy_n(in + kSecondAt, kSecondBytes, task.second.begin());
   task.state = attempt->state;
   if (!worker_.submit(task)) return false;
+  answered_request_ns_ = attempt->timestamp_ns;
   *attempt = {};
   return true;
 }

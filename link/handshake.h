@@ -34,8 +34,9 @@ namespace hapton {
 // RT: as its worker. begin makes no system call. Threads: one.
 class ClientHandshake {
  public:
-  // Requests whose reply may still come: one is sent every 50 ms.
-  static constexpr std::size_t kAttempts = 4;
+  // Requests whose reply may still come: one is sent every 50 ms, and one more for each retry, so that a round trip of 1.6 s has its
+  // answer.
+  static constexpr std::size_t kAttempts = 64;
 
   enum class Finished : std::uint8_t {
     nothing,
@@ -65,6 +66,9 @@ class ClientHandshake {
   bool read_retry(std::span<const std::byte> retry) noexcept;
   bool read_answer(std::span<const std::byte> answer) noexcept;
 
+  // When the request was sent that the newest answer replies to. Pre: there was one.
+  std::int64_t answered_request_ns() const noexcept { return answered_request_ns_; }
+
   // The session that was agreed on; once.
   SealedChannel take_channel() noexcept { return std::move(channel_); }
 
@@ -89,6 +93,7 @@ class ClientHandshake {
   std::size_t next_attempt_ = 0;
   std::uint32_t round_ = 0;  // number of the handshake: results for earlier ones are dropped
   std::int64_t last_timestamp_ns_ = 0;
+  std::int64_t answered_request_ns_ = 0;
   seal::Cookie cookie_ = {};
   bool is_pending_ = false;
   SealedChannel channel_;

@@ -64,7 +64,7 @@ Received SealedClient::receive(std::span<std::byte> into, std::int64_t deadline_
 
 std::int64_t SealedClient::next_due_ns(std::int64_t now_ns) const noexcept {
   const std::int64_t look_ns = handshake_.is_working() ? now_ns + kWorkerLookNs : kNever;
-  return std::min(look_ns, handshake_.is_pending() ? next_request_ns_ : std::min(rekey_ns_, last_received_ns_ + kPeerTimeoutNs));
+  return std::min(look_ns, handshake_.is_pending() ? next_request_ns_ : std::min(rekey_ns_, last_received_ns_ + timeout_ns_));
 }
 
 bool SealedClient::is_rekey_due(std::int64_t now_ns) const noexcept {
@@ -126,6 +126,7 @@ void SealedClient::change_over() noexcept {
   previous_ends_ns_ = 0;  // set when the hub has changed over, too
   channel_ = handshake_.take_channel();
   last_received_ns_ = clock_.now_ns();
+  timeout_ns_ = kPeerTimeoutNs + std::clamp<std::int64_t>(last_received_ns_ - handshake_.answered_request_ns(), 0, kMostTripNs);
   rekey_ns_ = last_received_ns_ + options_.rekey_every_ns;
   if (held_bytes_ != 0) transmit(std::span(held_).first(held_bytes_));
   held_bytes_ = 0;

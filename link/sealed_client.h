@@ -16,8 +16,9 @@ namespace hapton {
 
 // A node's sealed connection to its hub: it seals what it sends, hands out only what it could open, and agrees on the sessions that this
 // takes by itself, within send and receive.
-//   silence   When nothing was received from the hub for kPeerTimeoutNs, a new session is requested. The old one stays in use until the
-//             hub sends in the new one: a hub that has restarted is found again, and with a hub that was only slow nothing is lost.
+//   silence   When nothing was received from the hub for kPeerTimeoutNs and a round trip, a new session is requested. The old one stays in
+//             use until the hub sends in the new one: a hub that has restarted is found again, and with a hub that was only slow nothing is
+//             lost. The round trip is that of the handshake.
 //   rekeying  A session is replaced every rekey_every_ns, and after rekey_after datagrams. Datagrams in the old one are accepted for
 //             kOverlapNs after the hub has changed over, so that the change neither loses nor delays any.
 // While no session is agreed on, the newest datagrams are held, and sent when there is one. A datagram that is sent while the hub is
@@ -29,6 +30,7 @@ namespace hapton {
 class SealedClient final : public Endpoint {
  public:
   static constexpr std::int64_t kPeerTimeoutNs = 200 * kNanosecondsPerMillisecond;
+  static constexpr std::int64_t kMostTripNs = 2 * kNanosecondsPerSecond;  // that the timeout is longer by, at most
   static constexpr std::int64_t kRequestPeriodNs = 50 * kNanosecondsPerMillisecond;
   static constexpr std::int64_t kRekeyRequestPeriodNs = 250 * kNanosecondsPerMillisecond;
   static constexpr std::int64_t kRekeyEveryNs = 120 * kNanosecondsPerSecond;
@@ -59,7 +61,7 @@ class SealedClient final : public Endpoint {
   void request_if_due(std::int64_t now_ns) noexcept;
   void request_if_silent(std::int64_t now_ns) noexcept;
   bool is_rekey_due(std::int64_t now_ns) const noexcept;
-  bool is_hub_silent(std::int64_t now_ns) const noexcept { return now_ns - last_received_ns_ >= kPeerTimeoutNs; }
+  bool is_hub_silent(std::int64_t now_ns) const noexcept { return now_ns - last_received_ns_ >= timeout_ns_; }
   void begin(std::int64_t now_ns) noexcept;
   void request(std::int64_t now_ns) noexcept;
   void take_finished() noexcept;
@@ -81,6 +83,7 @@ class SealedClient final : public Endpoint {
   std::int64_t next_request_ns_ = 0;
   std::int64_t rekey_ns_ = 0;
   std::int64_t last_received_ns_ = 0;
+  std::int64_t timeout_ns_ = kPeerTimeoutNs;
   bool has_received_ = false;  // since last_received_ns_
   bool may_retry_ = false;     // one request in reply to a retry for each regular request
   std::size_t held_bytes_ = 0;

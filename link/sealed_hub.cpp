@@ -196,6 +196,7 @@ void SealedHub::agree(std::span<const std::byte> request, const Address& from, s
   const KeyRole role = HubHandshake::role_of(request);
   if (!agreement_limits_[index_of(role)].take(from, now_ns)) return reject(Rejection::too_many_handshakes, from);
   if (is_taken_by_another_role(from, role, now_ns)) return reject(Rejection::no_place, from);
+  if (is_answered_lately(from, role, now_ns)) return;
   Session* const session = find_place(places_of(role, sessions_), now_ns);
   if (session == nullptr) return reject(Rejection::no_place, from);
   const auto place = static_cast<std::uint32_t>(session - sessions_.data());
@@ -265,6 +266,18 @@ SealedHub::Session* SealedHub::find_place(std::span<Session> places, std::int64_
   if (candidates >= places.size() / 2) return oldest_candidate;
   if (free_place != nullptr) return free_place;
   return quietest != nullptr ? quietest : oldest_candidate;
+}
+
+bool SealedHub::is_answered_lately(const Address& address, KeyRole role, std::int64_t now_ns) const noexcept {
+  std::int64_t wait_ns = 0;
+  std::int64_t newest_ns = 0;
+  for (const Session& session : sessions_) {
+    const bool is_unused = session.state == State::candidate || session.state == State::agreeing;
+    if (!is_unused || session.address != address || session.role != role) continue;
+    wait_ns = wait_ns == 0 ? kAnswerEveryNs : std::min(2 * wait_ns, kMostAnswerEveryNs);
+    newest_ns = std::max(newest_ns, session.last_received_ns);
+  }
+  return wait_ns != 0 && now_ns - newest_ns < wait_ns;
 }
 
 // An address belongs to one program. The holder of another role's key who can forge that address must not end its session.

@@ -297,6 +297,56 @@ TEST_F(SealedHubTest, LostHandshakesAreRepeated) {
   }
 }
 
+// Through a satellite, and as far again.
+TEST_F(SealedHubTest, ANodeAtARoundTripOfASecondJoinsAndStays) {
+  for (const double loss : {0.0, 0.1, 0.3}) {
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+      SCOPED_TRACE(testing::Message() << "loss " << loss << ", seed " << seed);
+      start_hub();
+      network_.set_impairments({.seed = seed, .loss = loss, .delay_ns = 490 * kMs, .jitter_ns = 20 * kMs});
+      const auto node = make_node(static_cast<std::uint8_t>(seed + 1));
+      answers_ = 0;
+      live({node.get()}, loss == 0.0 ? 3'300 : 12'000);
+      EXPECT_GT(answers_, 0) << "it has not joined";
+      const std::uint64_t handshakes = node->sealed.seal_counts().handshakes;
+      answers_ = 0;
+      live({node.get()}, 10'000);
+      // Ten datagrams a second, and each has to come both ways.
+      EXPECT_GT(answers_, static_cast<int>(0.5 * 100 * (1.0 - loss) * (1.0 - loss)));
+      if (loss == 0.0) {
+        EXPECT_EQ(node->sealed.seal_counts().handshakes, handshakes) << "it agreed on sessions that it did not need";
+      }
+      EXPECT_EQ(hub_->seal_counts().forged, 0U);
+    }
+  }
+}
+
+TEST_F(SealedHubTest, AnAddressIsAnsweredAgainOnlyWhenItsAnswerMayBeLost) {
+  const auto node = make_node(2);
+  say(*node, "first");
+  hub_receives();        // cookie
+  node_receives(*node);  // requests with it, and again every 50 ms
+  std::vector<std::int64_t> answered_ms;
+  for (std::int64_t ms = 0; ms < 3000; ms += 10) {
+    const std::size_t before = hub_endpoint_.sent();
+    hub_receives();
+    if (hub_endpoint_.sent() > before) answered_ms.push_back(ms);
+    std::array<std::byte, kMaxDatagramBytes> lost;
+    while (node->endpoint.receive(lost, 0).bytes != 0) {
+    }
+    clock_.advance_ns(10 * kMs);
+    say(*node, "again");
+  }
+  ASSERT_GE(answered_ms.size(), 6U);
+  std::int64_t least_ms = SealedHub::kAnswerEveryNs / kMs;
+  for (std::size_t i = 1; i < answered_ms.size(); ++i) {
+    const std::int64_t gap_ms = answered_ms[i] - answered_ms[i - 1];
+    EXPECT_GE(gap_ms, least_ms);
+    EXPECT_LE(gap_ms, least_ms + 60);
+    least_ms = std::min(2 * least_ms, SealedHub::kMostAnswerEveryNs / kMs);
+  }
+}
+
 TEST_F(SealedHubTest, FullPlacesMakeRoomForNewNodesOnceOldOnesAreGone) {
   std::vector<std::unique_ptr<Node>> crowd;
   for (std::size_t i = 0; i < SealedHub::kRolePlaces[1]; ++i) {  // a vision node's
