@@ -25,6 +25,7 @@ void for_each_setting(S& s, Visit&& visit) {
   visit("build_on_approach", s.build_on_approach);
   visit("shading", s.shading);
   visit("probe_radius_m", s.probe_radius_m);
+  visit("coupling_n_per_m", s.coupling_n_per_m);
   visit("reference_substeps", s.reference_substeps);
   visit("reference_substep_limit", s.reference_substep_limit);
 }

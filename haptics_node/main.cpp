@@ -2,6 +2,7 @@
 
 #include <cstdio>
 
+#include "core/force/virtual_coupling.h"
 #include "haptic_step/haptics_setup.h"
 #include "haptic_step/scene_facts.h"
 #include "haptics_node/haptics_options.h"
@@ -69,11 +70,12 @@ int run(const HapticsOptions& options) {
   HapticsStep step(std::make_unique<TouchStep>(std::move(*method)), options.method.offset_m);
   MethodBuilder builder(options.method, scene->touch_scene(), step.touch().share_method());
   const HapticsSetup setup = make_haptics_setup(scene_path, options.loading, hash_scene(scene->touch_scene()), options.method);
-  PatchSender patches(scene->touch_scene(), options.method.probe_radius_m, setup.scene_hash,
+  const TouchScene felt = couple_scene(scene->touch_scene(), options.method.coupling_n_per_m);
+  PatchSender patches(felt, options.method.probe_radius_m, setup.scene_hash,
                       PatchSender::can_offer({setup.method.data(), setup.method.size()}), {.bits_per_s = 1e6 * options.patch_mbit_per_s});
   ReplyLoop loop(client, clock, step, builder, setup, options.method.build_on_approach, facts);
   loop.set_patch_sender(&patches);
-  StiffnessAdviser adviser(find_stiffest(scene->touch_scene()));
+  StiffnessAdviser adviser(find_stiffest(felt));
   loop.set_stiffness_adviser(&adviser);
   const auto realtime = enter_realtime(options.realtime);
   if (!realtime) return give_up(realtime.error());

@@ -11,6 +11,12 @@ void add_method_flags(CommandLine command, MethodFlags& flags) {
   command.add_option("--probe-radius", method.probe_radius_m, "Radius of the probe, metres; 0: a point (sweep and smooth have only points)")
       .not_negative("metres")
       .shows_default();
+  command
+      .add_option(
+          "--coupling", method.coupling_n_per_m,
+          "Virtual coupling, N/m: a spring between device and probe, so that no surface is stiffer; 0: none (hapton loop recommend)")
+      .between(0.0, 1e6)
+      .shows_default();
   command.add_option("--shading", method.shading, "proxy: force direction from face normals (0) to smooth normals (1)")
       .between(0.0, 1.0)
       .shows_default();

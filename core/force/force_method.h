@@ -59,6 +59,7 @@ struct MethodSettings {
   bool build_on_approach = false;  // proxy: prepare() builds an object's structures when the probe first comes near
   double shading = 0.0;            // proxy: weight of the interpolated smooth normals in the force direction: 0 (face normals) to 1
   double probe_radius_m = 0.0;     // proxy, reference: 0 for a point probe
+  double coupling_n_per_m = 0.0;   // all: virtual coupling (virtual_coupling.h), in series with every surface; 0: none
   int reference_substeps = 64;     // reference: sub-steps of the first pass over a step; doubled until the force settles
   int reference_substep_limit = 1024;  // reference: the doubling ends here and the step counts as unsettled
 };

@@ -1,11 +1,13 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "core/force/force_method.h"
 #include "core/force/proxy/proxy_method.h"
 #include "core/force/reference/reference_method.h"
 #include "core/force/smooth/smooth_method.h"
 #include "core/force/sweep/sweep_method.h"
+#include "core/force/virtual_coupling.h"
 
 namespace hapton {
 namespace {
@@ -49,9 +51,13 @@ Result<std::unique_ptr<ForceMethod>> make_method(const MethodSettings& settings,
       return fail("method {}: object {} has no triangles; give it a surface to touch", settings.name, i);
     }
   }
+  if (!(settings.coupling_n_per_m >= 0.0) || !std::isfinite(settings.coupling_n_per_m)) {
+    return fail("method {}: a virtual coupling of {} N/m; give a stiffness above 0, or 0 for none", settings.name,
+                settings.coupling_n_per_m);
+  }
   for (const Entry& entry : kMethods) {
     if (entry.name == settings.name) {
-      return entry.make(settings, scene);
+      return entry.make(settings, couple_scene(scene, settings.coupling_n_per_m));
     }
   }
   return fail("method '{}' is not known; choose one of: {}", settings.name, method_names());

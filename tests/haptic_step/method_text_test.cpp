@@ -23,6 +23,7 @@ TEST(MethodText, GivesBackEverySettingToTheLastBit) {
                                 .build_on_approach = true,
                                 .shading = 0.7,
                                 .probe_radius_m = 0.0005,
+                                .coupling_n_per_m = 800.0 / 7.0,
                                 .reference_substeps = 32,
                                 .reference_substep_limit = 512};
   const auto read = parse_method_text(to_text(settings));

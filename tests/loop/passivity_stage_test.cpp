@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include "core/force/virtual_coupling.h"
 #include "loop/loop_simulation.h"
 #include "loop/press.h"
+#include "loop/zwidth.h"
 
 namespace hapton {
 namespace {
@@ -64,6 +66,28 @@ TEST(PassivityStage, TakesTheEnergyOutOfADelayedWall) {
       EXPECT_LT(with.press.wall_j, 0.1 * without.press.wall_j) << device.name << ", " << delay_ns;
     }
   }
+}
+
+// The proven range of the virtual coupling: the limit of passivity of each device makes the stiffest wall safe in every hand.
+TEST(VirtualCouplingInTheLoop, AtTheLimitOfPassivityNoHandDrawsEnergyFromAnyWall) {
+  int unsafe_without = 0;
+  for (const DevicePreset& device : device_presets()) {
+    for (const std::int64_t delay_ns : {0, 1'000'000, 5'000'000}) {
+      const double passive =
+          find_zwidth({.device = device.model, .hand = {}, .delay_s = 1e-9 * static_cast<double>(delay_ns)}).passive.least_n_per_m();
+      ASSERT_GT(passive, 0.0) << device.name;
+      for (const HandPreset& hand : hand_presets()) {
+        for (const double wall : {1e3, 1e4, 1e5, 1e6}) {
+          const double coupled = couple_material({.stiffness_n_per_m = wall}, passive).stiffness_n_per_m;
+          const Outcome with = press(device, hand.model, coupled, {.delay_ns = delay_ns / 2}, false);
+          EXPECT_TRUE(with.press.is_bounded) << device.name << ", " << hand.name << ", " << wall;
+          EXPECT_LE(with.press.generated_j, 0.0) << device.name << ", " << hand.name << ", " << delay_ns << ", " << wall;
+          unsafe_without += press(device, hand.model, wall, {.delay_ns = delay_ns / 2}, false).press.generated_j > 0.0 ? 1 : 0;
+        }
+      }
+    }
+  }
+  EXPECT_GT(unsafe_without, 20);
 }
 
 TEST(PassivityStage, LeavesAPassiveWallAlmostAlone) {

@@ -52,7 +52,7 @@ TEST(DemoPath, OfEveryStepCanBeTaken) {
   for (const DemoStep& step : demo_steps()) {
     const auto path = step.make_path(scene_of(step.scene.empty() ? "groove" : std::string(step.scene).substr(7, step.scene.size() - 12)));
     ASSERT_TRUE(path) << step.name;
-    const auto read = parse_trajectory_csv(to_csv(*path), "path.csv");
+    const auto read = parse_trajectory_csv(positions_to_csv(*path), "path.csv");
     ASSERT_TRUE(read) << step.name << ": " << read.error().what;
     ASSERT_EQ(read->size(), path->size());
     for (std::size_t i = 0; i < path->size(); ++i) {
