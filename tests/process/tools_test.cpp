@@ -5,6 +5,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
 #include <regex>
 
@@ -143,6 +144,33 @@ TEST(Latency, OfAHubThatRunsIsThatOfTheTimeItLooked) {
   const Ended both = hapton(system, {"latency", "run", "--hosts", system.hub(), "--rate", "2000"});
   EXPECT_EQ(both.exit_code, 2);
   system.end_all();
+}
+
+// The figures themselves belong to a quiet machine; here all the programs come together, and the force is that of the parts of the scene.
+TEST(BenchRemote, ComparesTheRealPrograms) {
+  System system;
+  const auto csv = system.folder() / "processes.csv";
+  const Ended bench = hapton(system, {"bench", "remote", "--processes", "--mesh", "bumpy:500", "--round-trip", "20", "--loss", "0.1",
+                                      "--method", "patch", "--csv", csv.string()});
+  ASSERT_EQ(bench.exit_code, 0) << bench.err;
+  const std::string text = read_text(csv);
+  const std::string names = text.substr(0, text.find('\n'));
+  const std::string values = text.substr(names.size() + 1);
+  const auto figure = [&](const std::string& name) {
+    const std::size_t column =
+        static_cast<std::size_t>(std::count(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(names.find("," + name)), ','));
+    std::size_t at = 0;
+    for (std::size_t i = 0; i <= column; ++i) at = values.find(',', at) + 1;
+    return std::stod(values.substr(at));
+  };
+  EXPECT_GT(figure("contact_s"), 2.0);
+  EXPECT_GT(figure("local_share"), 0.9);
+  EXPECT_GT(figure("scene_kb"), 1.0);
+  EXPECT_LT(figure("simulated_force_error_rms"), 1e-3);
+
+  const Ended rejected = hapton(system, {"bench", "remote", "--processes", "--method", "deadband"});
+  EXPECT_EQ(rejected.exit_code, 1);
+  EXPECT_THAT(rejected.err, HasSubstr("--method deadband: no program works so"));
 }
 
 }  // namespace
