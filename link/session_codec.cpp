@@ -88,16 +88,18 @@ bool read(const session::Cycle& from, CycleNote& to) {
     to.device = CycleSample{from.sample_time_ns(), Vec3(from.p_wd_m().data()), Quat(from.q_wt(0), from.q_wt(1), from.q_wt(2), from.q_wt(3)),
                             from.buttons()};
   }
-  if (from.local_n_size() != 0) {
-    if (from.local_n_size() != 3) return false;
-    to.local_n = Vec3(from.local_n().data());
+  if (from.local_size() != 0) {
+    if (from.local_size() != 6) return false;
+    to.local = CycleLocal{Vec3(from.local().data()), Vec3(from.local().data() + 3)};
   }
   return true;
 }
 
+void add(const Vec3& from, google::protobuf::RepeatedField<double>& to) { to.Add(from.data(), from.data() + 3); }
+
 void write(const Vec3& from, google::protobuf::RepeatedField<double>& to) {
   to.Clear();
-  to.Add(from.data(), from.data() + 3);
+  add(from, to);
 }
 
 void write(const CycleNote& from, session::Cycle& to) {
@@ -113,7 +115,10 @@ void write(const CycleNote& from, session::Cycle& to) {
     for (const double part : {q.w(), q.x(), q.y(), q.z()}) to.add_q_wt(part);
     to.set_buttons(from.device->buttons);
   }
-  if (from.local_n) write(*from.local_n, *to.mutable_local_n());
+  if (from.local) {
+    add(from.local->force_n, *to.mutable_local());
+    add(from.local->visual_offset_m, *to.mutable_local());
+  }
 }
 
 }  // namespace

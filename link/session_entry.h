@@ -51,6 +51,12 @@ struct CycleSample {
   std::uint32_t buttons = 0;
 };
 
+// What a sample felt like on parts of the scene, worked out beside the device, before the governor. N, m, frame W.
+struct CycleLocal {
+  Vec3 force_n = Vec3::Zero();
+  Vec3 visual_offset_m = Vec3::Zero();  // probe minus device point
+};
+
 // One cycle of the servo, when it was done. Forces: N, frame W.
 struct CycleNote {
   std::uint64_t sample = 0;
@@ -59,7 +65,7 @@ struct CycleNote {
   std::uint32_t missed = 0;       // cycles left out before it
   MissCause cause = MissCause::none;
   std::optional<CycleSample> device = {};  // none in older recordings
-  std::optional<Vec3> local_n = {};        // force of this sample from parts of the scene, before the governor; none: it is remote
+  std::optional<CycleLocal> local = {};    // none: the force is remote
 };
 
 // One thing that happened in a recorded session.

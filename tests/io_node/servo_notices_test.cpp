@@ -39,7 +39,7 @@ TEST_F(Servos, ATapReceivesDatagramsAndCycles) {
   ASSERT_TRUE(tap.cycles.back().device);
   EXPECT_EQ(tap.cycles.back().device->p_WD, states.back().p_WD);
   EXPECT_EQ(tap.cycles.back().device->time_ns, states.back().sample_time_ns);
-  EXPECT_FALSE(tap.cycles.back().local_n);
+  EXPECT_FALSE(tap.cycles.back().local);
   EXPECT_EQ(static_cast<std::uint64_t>(tap.received), stats().hub.received);
   EXPECT_GE(tap.sent, 200);
   EXPECT_TRUE(tap.faults.empty());

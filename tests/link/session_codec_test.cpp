@@ -29,7 +29,7 @@ SessionEntry make(Kind kind) {
                      .missed = 7,
                      .cause = MissCause::device_slow,
                      .device = CycleSample{-9, Vec3(1, -2, 1e-300), Quat(0.6, 0, -0.8, 0), 5},
-                     .local_n = Vec3(-1, 2, 3)};
+                     .local = CycleLocal{Vec3(-1, 2, 3), Vec3(1e-3, 0, -2e-3)}};
       break;
     case Kind::fault:
       entry.fault = SessionFault::clamped;
@@ -58,7 +58,11 @@ void expect_equal(const SessionEntry& a, const SessionEntry& b) {
     EXPECT_EQ(a.cycle.device->q_WT.coeffs(), b.cycle.device->q_WT.coeffs());
     EXPECT_EQ(a.cycle.device->buttons, b.cycle.device->buttons);
   }
-  EXPECT_EQ(a.cycle.local_n, b.cycle.local_n);
+  ASSERT_EQ(a.cycle.local.has_value(), b.cycle.local.has_value());
+  if (a.cycle.local) {
+    EXPECT_EQ(a.cycle.local->force_n, b.cycle.local->force_n);
+    EXPECT_EQ(a.cycle.local->visual_offset_m, b.cycle.local->visual_offset_m);
+  }
   EXPECT_EQ(a.fault, b.fault);
   EXPECT_EQ(a.dropped, b.dropped);
 }
@@ -83,7 +87,7 @@ TEST(SessionCodec, ACycleMayLackTheDevicesSampleAndALocalForce) {
   SessionCodec codec;
   SessionEntry entry = make(Kind::cycle);
   entry.cycle.device.reset();
-  entry.cycle.local_n.reset();
+  entry.cycle.local.reset();
   std::string bytes;
   codec.append(entry, bytes);
   codec.append(make(Kind::cycle), bytes);

@@ -40,7 +40,7 @@ class RecordedTouchReader {
     const TouchOutput& zero_delay = whole_.last();
     rows_.push_back({cycle.device->p_WD, cycle.written_n, zero_delay.force_n, zero_delay.visual_offset_m.norm()});
     contact_ += zero_delay.contact ? 1 : 0;
-    local_ += zero_delay.contact && cycle.local_n ? 1 : 0;
+    local_ += zero_delay.contact && cycle.local ? 1 : 0;
     ++touch_.cycles;
     touch_.missed += cycle.missed;
   }

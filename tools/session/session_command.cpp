@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <cstdio>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <string>
@@ -12,6 +13,7 @@
 #include "scene/scene_file.h"
 #include "scene/scene_hash.h"
 #include "tools/commands.h"
+#include "tools/session/joined_files.h"
 #include "tools/session/session_export.h"
 #include "tools/session/session_replay.h"
 #include "tools/session/session_summary.h"
@@ -23,6 +25,7 @@ struct SessionOptions {
   std::string file;
   std::string out;
   std::string scene;
+  std::string format = "tables";
 };
 
 // Calls visit(entry, datagram or null) for all that can be read; the reader then knows whether that was all.
@@ -60,9 +63,26 @@ Result<void> show_info(const SessionOptions& options) {
   return check_end(*reader);
 }
 
+// One table in one file: every cycle with its sample, its force and what happened.
+Result<void> write_joined(const SessionOptions& options, SessionReader& reader) {
+  std::error_code error;
+  std::filesystem::create_directories(options.out, error);
+  if (error) return fail("{}: the folder cannot be made: {}", options.out, error.message());
+  const bool is_hdf5 = options.format == "hdf5";
+  const auto path = std::filesystem::path(options.out) / (is_hdf5 ? "session.h5" : "session.csv");
+  const auto written = is_hdf5 ? write_joined_hdf5(reader, path) : write_joined_csv(reader, path);
+  if (!written) return tl::unexpected(written.error());
+  fmt::print("{}: {} rows\n", path.string(), written->rows);
+  if (written->rows == 0 && written->without_sample > 0) {
+    return fail("{}: an older recording, whose cycles lack the device's samples; --format tables writes what it has", options.file);
+  }
+  return check_end(reader);
+}
+
 Result<void> write_tables(const SessionOptions& options) {
   auto reader = SessionReader::open(options.file);
   if (!reader) return tl::unexpected(reader.error());
+  if (options.format != "tables") return write_joined(options, *reader);
   auto tables = SessionExport::open(options.out, reader->header().start_ns);
   if (!tables) return tl::unexpected(tables.error());
   const auto done = for_each_entry(*reader, [&](const SessionEntry& entry, const Datagram* datagram) {
@@ -185,9 +205,15 @@ void add_session_command(CommandLine app, int& exit_code) {
   info.add_option("file", options->file, "Recorded session").required();
   info.on_run([options, &exit_code] { exit_code = report(show_info(*options), "info"); });
 
-  const CommandLine tables = session.add_subcommand("export", "Write it as trajectory.csv, forces.csv and cycles.csv");
+  const CommandLine tables = session.add_subcommand("export", "Write it as tables: CSV or HDF5");
   tables.add_option("file", options->file, "Recorded session").required();
   tables.add_option("--out", options->out, "Folder for the tables").folder_to_write().required();
+  tables
+      .add_option(
+          "--format", options->format,
+          "tables: trajectory.csv, forces.csv and cycles.csv; csv: all joined by sample in session.csv; hdf5: the same in session.h5")
+      .one_of({"tables", "csv", "hdf5"})
+      .shows_default();
   tables.on_run([options, &exit_code] { exit_code = report(write_tables(*options), "export"); });
 
   const CommandLine replay = session.add_subcommand("replay", "Replay it through the haptic step and compare every force bit for bit");

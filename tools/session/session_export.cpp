@@ -51,8 +51,9 @@ void SessionExport::add_cycle(const SessionEntry& entry) {
   } else {
     good_ = good_ && std::fputs(",,,,,,,,,", file) >= 0;
   }
-  good_ = good_ && (c.local_n ? std::fprintf(file, ",%.17g,%.17g,%.17g\n", c.local_n->x(), c.local_n->y(), c.local_n->z()) > 0
-                              : std::fputs(",,,\n", file) >= 0);
+  good_ =
+      good_ && (c.local ? std::fprintf(file, ",%.17g,%.17g,%.17g\n", c.local->force_n.x(), c.local->force_n.y(), c.local->force_n.z()) > 0
+                        : std::fputs(",,,\n", file) >= 0);
   if (c.device) add_sample(c.sample, c.device->time_ns, c.device->p_WD, c.device->q_WT);
 }
 

@@ -59,7 +59,7 @@ std::string recording_of(const std::vector<Vec3>& written, bool is_local, bool h
     entry.time_ns = time_ns;
     entry.cycle = {.sample = i + 1, .written_n = written[i], .missed = i == 7 ? 2U : 0U};
     if (has_device) entry.cycle.device = CycleSample{.time_ns = time_ns, .p_WD = place_of(i)};
-    if (is_local) entry.cycle.local_n = written[i];
+    if (is_local) entry.cycle.local = CycleLocal{.force_n = written[i]};
     session.append(entry, bytes);
     if (i % 10 == 0) add_datagram(SessionEntry::Kind::sent, DeviceState{.sample = i + 1, .sample_time_ns = time_ns}, time_ns);
     if (i % 20 == 0) add_datagram(SessionEntry::Kind::received, ForceCommand{.echo_sample = i + 1}, time_ns);

@@ -1,0 +1,155 @@
+#include <hdf5.h>
+
+#include <array>
+#include <utility>
+
+#include "tools/session/joined_files.h"
+
+namespace hapton {
+namespace {
+
+constexpr hsize_t kBlock = 4096;  // rows that are written at once, and a chunk of the file
+constexpr unsigned kDeflate = 4;
+
+// An object of HDF5, closed with this one.
+class Handle {
+ public:
+  Handle() = default;
+  Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
+  Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
+  Handle& operator=(Handle&& other) noexcept {
+    std::swap(id_, other.id_);
+    std::swap(close_, other.close_);
+    return *this;
+  }
+  ~Handle() {
+    if (id_ >= 0) close_(id_);
+  }
+  operator hid_t() const { return id_; }
+  bool is_good() const { return id_ >= 0; }
+
+ private:
+  hid_t id_ = -1;
+  herr_t (*close_)(hid_t) = nullptr;
+};
+
+// Text of variable length, UTF-8.
+Handle make_text_type() {
+  Handle type(H5Tcopy(H5T_C_S1), &H5Tclose);
+  H5Tset_size(type, H5T_VARIABLE);
+  H5Tset_cset(type, H5T_CSET_UTF8);
+  return type;
+}
+
+bool set_text(hid_t object, const std::string& name, const std::string& value) {
+  const Handle type = make_text_type();
+  const Handle space(H5Screate(H5S_SCALAR), &H5Sclose);
+  const Handle attribute(H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), &H5Aclose);
+  const char* text = value.c_str();
+  return attribute.is_good() && H5Awrite(attribute, type, &text) >= 0;
+}
+
+// A table column that grows by blocks.
+class Column {
+ public:
+  Column(hid_t group, const std::string& name, hid_t type, hid_t memory_type) : memory_type_(memory_type) {
+    const hsize_t none = 0;
+    const hsize_t endless = H5S_UNLIMITED;
+    const Handle space(H5Screate_simple(1, &none, &endless), &H5Sclose);
+    const Handle how(H5Pcreate(H5P_DATASET_CREATE), &H5Pclose);
+    H5Pset_chunk(how, 1, &kBlock);
+    H5Pset_shuffle(how);
+    H5Pset_deflate(how, kDeflate);
+    set_ = Handle(H5Dcreate2(group, name.c_str(), type, space, H5P_DEFAULT, how, H5P_DEFAULT), &H5Dclose);
+  }
+  bool append(const void* values, hsize_t count) {
+    const hsize_t begin = rows_;
+    rows_ += count;
+    if (!set_.is_good() || H5Dset_extent(set_, &rows_) < 0) return false;
+    const Handle there(H5Dget_space(set_), &H5Sclose);
+    const Handle here(H5Screate_simple(1, &count, nullptr), &H5Sclose);
+    return H5Sselect_hyperslab(there, H5S_SELECT_SET, &begin, nullptr, &count, nullptr) >= 0 &&
+           H5Dwrite(set_, memory_type_, here, there, H5P_DEFAULT, values) >= 0;
+  }
+  hid_t set() const { return set_; }
+
+ private:
+  Handle set_;
+  hid_t memory_type_;
+  hsize_t rows_ = 0;
+};
+
+class JoinedHdf5 {
+ public:
+  explicit JoinedHdf5(const std::filesystem::path& path) {
+    // Its own messages on stderr would be a second voice: every failure is reported in one line.
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+    file_ = Handle(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), &H5Fclose);
+    if (!file_.is_good()) return;
+    const Handle samples(H5Gcreate2(file_, "samples", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), &H5Gclose);
+    for (const JoinedColumn& column : joined_columns()) {
+      columns_.emplace_back(samples, std::string(column.name), H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE);
+      is_good_ = is_good_ && set_text(columns_.back().set(), "unit", std::string(column.unit));
+    }
+    const Handle events(H5Gcreate2(file_, "events", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), &H5Gclose);
+    event_times_.emplace(events, "t_s", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE);
+    is_good_ = is_good_ && set_text(event_times_->set(), "unit", "s");
+    event_names_.emplace(events, "name", text_type_, text_type_);
+    values_.resize(columns_.size());
+  }
+
+  bool is_open() const { return file_.is_good(); }
+
+  void describe(const SessionHeader& header) {
+    bool is_good = set_text(file_, "schema", "hapton.table/1") && set_text(file_, "build", header.build) &&
+                   set_text(file_, "session", fmt::format("{:016x}", header.session)) &&
+                   set_text(file_, "start_unix_ns", fmt::format("{}", header.start_unix_ns));
+    if (!header.fault.empty()) is_good = is_good && set_text(file_, "fault", header.fault);
+    for (const auto& [name, value] : header.settings) is_good = is_good && set_text(file_, "setting " + name, value);
+    is_good_ = is_good_ && is_good;
+  }
+
+  void add(const JoinedRow& row) {
+    for (std::size_t i = 0; i < columns_.size(); ++i) values_[i].push_back(joined_columns()[i].of(row));
+    if (values_.front().size() == kBlock) write_block();
+    if (row.event.empty()) return;
+    const char* name = row.event.c_str();
+    is_good_ = is_good_ && event_times_->append(&row.sample_t_s, 1) && event_names_->append(&name, 1);
+  }
+
+  // True: all was written.
+  bool finish() {
+    write_block();
+    return is_good_ && H5Fflush(file_, H5F_SCOPE_GLOBAL) >= 0;
+  }
+
+ private:
+  void write_block() {
+    for (std::size_t i = 0; i < columns_.size() && !values_[i].empty(); ++i) {
+      is_good_ = columns_[i].append(values_[i].data(), values_[i].size()) && is_good_;
+      values_[i].clear();
+    }
+  }
+
+  Handle file_;
+  Handle text_type_ = make_text_type();
+  std::vector<Column> columns_;
+  std::optional<Column> event_times_;
+  std::optional<Column> event_names_;
+  std::vector<std::vector<double>> values_;
+  bool is_good_ = true;
+};
+
+}  // namespace
+
+Result<JoinedCounts> write_joined_hdf5(SessionReader& reader, const std::filesystem::path& path) {
+  JoinedHdf5 file(path);
+  if (!file.is_open()) return fail("{}: cannot be written as HDF5", path.string());
+  file.describe(reader.header());
+  JoinedTable table(reader.header().start_ns, [&](const JoinedRow& row) { file.add(row); });
+  table.add_all(reader);
+  if (!file.finish()) return fail("{}: could not be written to its end; is the disk full?", path.string());
+  return JoinedCounts{table.rows(), table.without_sample()};
+}
+
+}  // namespace hapton

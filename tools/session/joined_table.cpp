@@ -1,0 +1,136 @@
+#include "tools/session/joined_table.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace hapton {
+namespace {
+
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t kMostEarly = 64;
+
+double as_s(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
+
+constexpr JoinedColumn kColumns[] = {
+    {"t_s", "s", [](const JoinedRow& r) { return r.sample_t_s; }},
+    {"sample", "1", [](const JoinedRow& r) { return static_cast<double>(r.sample); }},
+    {"x_m", "m", [](const JoinedRow& r) { return r.p_WD.x(); }},
+    {"y_m", "m", [](const JoinedRow& r) { return r.p_WD.y(); }},
+    {"z_m", "m", [](const JoinedRow& r) { return r.p_WD.z(); }},
+    {"qw", "1", [](const JoinedRow& r) { return r.q_WT.w(); }},
+    {"qx", "1", [](const JoinedRow& r) { return r.q_WT.x(); }},
+    {"qy", "1", [](const JoinedRow& r) { return r.q_WT.y(); }},
+    {"qz", "1", [](const JoinedRow& r) { return r.q_WT.z(); }},
+    {"vx_m_per_s", "m/s", [](const JoinedRow& r) { return r.v_WD.x(); }},
+    {"vy_m_per_s", "m/s", [](const JoinedRow& r) { return r.v_WD.y(); }},
+    {"vz_m_per_s", "m/s", [](const JoinedRow& r) { return r.v_WD.z(); }},
+    {"buttons", "1", [](const JoinedRow& r) { return static_cast<double>(r.buttons); }},
+    {"proxy_x_m", "m", [](const JoinedRow& r) { return r.p_WP.x(); }},
+    {"proxy_y_m", "m", [](const JoinedRow& r) { return r.p_WP.y(); }},
+    {"proxy_z_m", "m", [](const JoinedRow& r) { return r.p_WP.z(); }},
+    {"wanted_x_n", "N", [](const JoinedRow& r) { return r.wanted_n.x(); }},
+    {"wanted_y_n", "N", [](const JoinedRow& r) { return r.wanted_n.y(); }},
+    {"wanted_z_n", "N", [](const JoinedRow& r) { return r.wanted_n.z(); }},
+    {"written_x_n", "N", [](const JoinedRow& r) { return r.written_n.x(); }},
+    {"written_y_n", "N", [](const JoinedRow& r) { return r.written_n.y(); }},
+    {"written_z_n", "N", [](const JoinedRow& r) { return r.written_n.z(); }},
+    {"contact", "1", [](const JoinedRow& r) { return r.is_contact ? 1.0 : 0.0; }},
+    {"local", "1", [](const JoinedRow& r) { return r.is_local ? 1.0 : 0.0; }},
+    {"round_trip_s", "s", [](const JoinedRow& r) { return r.round_trip_s; }},
+    {"late_s", "s", [](const JoinedRow& r) { return r.late_s; }},
+    {"missed", "1", [](const JoinedRow& r) { return static_cast<double>(r.missed); }},
+};
+
+}  // namespace
+
+std::span<const JoinedColumn> joined_columns() noexcept { return kColumns; }
+
+void JoinedTable::add(const SessionEntry& entry, const Datagram* datagram) {
+  if (entry.kind == SessionEntry::Kind::cycle) add_cycle(entry);
+  if (entry.kind == SessionEntry::Kind::fault) {
+    events_ += events_.empty() ? "" : " ";
+    events_ += to_string(entry.fault);
+  }
+  const auto* force = datagram != nullptr ? std::get_if<ForceCommand>(&datagram->message) : nullptr;
+  if (force != nullptr && entry.kind == SessionEntry::Kind::received) add_force(entry, *force);
+  give_out(entry.time_ns);
+}
+
+void JoinedTable::add_cycle(const SessionEntry& entry) {
+  const CycleNote& cycle = entry.cycle;
+  if (!cycle.device) {
+    ++without_sample_;
+    return;
+  }
+  Waiting added;
+  added.time_ns = entry.time_ns;
+  JoinedRow& row = added.row;
+  row.sample_t_s = as_s(cycle.device->time_ns - start_ns_);
+  row.sample = cycle.sample;
+  row.p_WD = cycle.device->p_WD;
+  row.q_WT = cycle.device->q_WT;
+  if (before_ && cycle.device->time_ns > before_->time_ns)
+    row.v_WD = (cycle.device->p_WD - before_->p_WD) / as_s(cycle.device->time_ns - before_->time_ns);
+  before_ = cycle.device;
+  row.buttons = cycle.device->buttons;
+  row.p_WP = row.wanted_n = Vec3::Constant(kUnknown);
+  row.round_trip_s = kUnknown;
+  row.written_n = cycle.written_n;
+  row.late_s = as_s(cycle.late_ns);
+  row.missed = cycle.missed;
+  row.event = std::exchange(events_, {});
+  if (cycle.local) {
+    row.is_local = true;
+    row.p_WP = row.p_WD + cycle.local->visual_offset_m;
+    row.wanted_n = cycle.local->force_n;
+    row.is_contact = !row.wanted_n.isZero(0.0);
+    added.is_complete = true;
+  }
+  waiting_.push_back(std::move(added));
+  for (const auto& [force, time_ns] : std::exchange(early_, {})) {
+    SessionEntry again;
+    again.time_ns = time_ns;
+    add_force(again, force);
+  }
+}
+
+void JoinedTable::add_force(const SessionEntry& entry, const ForceCommand& force) {
+  const auto is_before = [](const Waiting& waiting, std::uint64_t sample) { return waiting.row.sample < sample; };
+  const auto found = std::lower_bound(waiting_.begin(), waiting_.end(), force.echo_sample, is_before);
+  if (found == waiting_.end()) {
+    // Its cycle is still to come; an old one that will never come goes in time.
+    early_.emplace_back(force, entry.time_ns);
+    if (early_.size() > kMostEarly) early_.pop_front();
+    return;
+  }
+  if (found->row.sample != force.echo_sample || found->is_complete) return;
+  JoinedRow& row = found->row;
+  row.p_WP = row.p_WD + force.visual_offset_m;
+  row.wanted_n = force.force_n;
+  row.is_contact = force.contact;
+  row.round_trip_s = as_s(entry.time_ns - force.echo_sample_time_ns);
+  found->is_complete = true;
+}
+
+void JoinedTable::give_out(std::int64_t now_ns) {
+  while (!waiting_.empty() && (waiting_.front().is_complete || now_ns - waiting_.front().time_ns > kLatestNs)) {
+    take_(waiting_.front().row);
+    ++rows_;
+    waiting_.pop_front();
+  }
+}
+
+void JoinedTable::add_all(SessionReader& reader) {
+  Codec codec;
+  SessionEntry entry;
+  while (reader.next(entry)) {
+    Datagram datagram;
+    const bool is_readable = !entry.datagram.empty() && codec.decode(entry.datagram, datagram) == DecodeStatus::ok;
+    add(entry, is_readable ? &datagram : nullptr);
+  }
+  finish();
+}
+
+void JoinedTable::finish() { give_out(std::numeric_limits<std::int64_t>::max()); }
+
+}  // namespace hapton
