@@ -66,7 +66,7 @@ int run(const HapticsOptions& options) {
   sealing.worker = AgreementWorker::Where::own_thread;
   SealedClient sealed(**endpoint, clock, *key, *hub, sealing);
   HubClient client(sealed, clock, NodeRole::haptics, *hub);
-  HapticsStep step(std::make_unique<TouchStep>(std::move(*method)), options.method.offset_m);
+  HapticsStep step(std::make_unique<TouchStep>(std::move(*method), scene->touch_scene()), options.method.offset_m);
   MethodBuilder builder(options.method, scene->touch_scene(), step.touch().share_method());
   const HapticsSetup setup = make_haptics_setup(scene_path, options.loading, hash_scene(scene->touch_scene()), options.method);
   PatchSender patches(scene->touch_scene(), options.method.probe_radius_m, setup.scene_hash,

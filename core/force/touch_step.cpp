@@ -15,9 +15,17 @@ MethodInput to_static_scene(const TouchInput& input) {
 
 }  // namespace
 
+TouchStep::TouchStep(std::shared_ptr<ForceMethod> method, const TouchScene& scene) : method_(std::move(method)) {
+  if (!scene.has_effects()) return;
+  std::vector<SurfaceEffects> surfaces;
+  for (const TouchObject& object : scene.objects) surfaces.push_back(object.effects);
+  effects_ = std::make_unique<EffectStep>(std::move(surfaces), scene.effects);
+}
+
 TouchOutput TouchStep::step(const TouchInput& input) noexcept {
   const MethodInput sample = to_static_scene(input);
   const MethodOutput result = method_->step(sample);
+  if (effects_ != nullptr) return add_effects(input, sample, result);
   TouchOutput output;
   output.contact = result.contact;
   if (result.contact) {
@@ -27,6 +35,19 @@ TouchOutput TouchStep::step(const TouchInput& input) noexcept {
   return output;
 }
 
-void TouchStep::reset(const TouchInput& input) noexcept { method_->reset(to_static_scene(input).p_SD); }
+TouchOutput TouchStep::add_effects(const TouchInput& input, const MethodInput& sample, const MethodOutput& result) noexcept {
+  const EffectResult felt = effects_->step(
+      sample.p_SD, sample.dt_s, {.force_n = result.force_n, .p_SP = result.p_SP, .object = result.object, .contact = result.contact});
+  TouchOutput output;
+  output.contact = felt.is_felt;
+  if (felt.is_felt) output.force_n = input.X_WS.linear() * felt.force_n;
+  if (result.contact) output.visual_offset_m = input.X_WS.linear() * (felt.p_SP - sample.p_SD);
+  return output;
+}
+
+void TouchStep::reset(const TouchInput& input) noexcept {
+  method_->reset(to_static_scene(input).p_SD);
+  if (effects_ != nullptr) effects_->reset();
+}
 
 }  // namespace hapton

@@ -58,6 +58,8 @@ class ProxySurfaces {
   bool can_touch(std::uint32_t triangle, const Vec3& p) const noexcept;
   // Of all active constraints (ContactMaterial).
   Material mean_material(const ProxyState& state) const noexcept;
+  // The object of the active constraint with the largest multiplier; -1 without contacts.
+  int strongest_object(const ProxyState& state) const noexcept;
 
  private:
   const TouchGeometry& geometry_;
