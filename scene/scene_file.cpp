@@ -364,10 +364,10 @@ Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& fol
     scene.objects.push_back({.name = object.name.empty() ? own_name : object.name,
                              .mesh = std::make_shared<const TriangleMesh>(std::move(meshes[i].mesh)),
                              .material = material.material,
-                             .effects = material.effects,
                              .colour = object.colour,
                              .sealed = meshes[i].sealed,
-                             .look = std::move(meshes[i].look)});
+                             .look = std::move(meshes[i].look),
+                             .effects = material.effects});
   }
   if (const auto added = add_effects(spec, scene); !added) return tl::unexpected(added.error());
   return scene;

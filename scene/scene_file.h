@@ -19,10 +19,10 @@ struct SceneObject {
   std::string name;
   std::shared_ptr<const TriangleMesh> mesh;  // frame S, metres, pose and scale baked in
   Material material;
-  SurfaceEffects effects = {};                      // of its material
   std::array<double, 3> colour = {0.7, 0.7, 0.72};  // sRGB, 0..1
   SealReport sealed = {};                           // cracks sealed in the mesh; widths in S
   std::shared_ptr<const MeshLook> look = {};        // of the mesh file, in place of the colour; null: none
+  SurfaceEffects effects = {};                      // of its material
 };
 
 // An effect in free space.

@@ -4,8 +4,8 @@
 
 namespace hapton {
 
-// The largest force of any single effect, N. The strongest devices of docs/devices.md give 38 N, and the governor limits every force to its
-// device, so a larger number in a scene file is a typing error.
+// The largest force of any single effect, N. The strongest devices of docs/vendor-devices.md give 20 N, and the governor limits every force
+// to its device, so a larger number in a scene file is a typing error.
 constexpr double kMostEffectForceN = 100.0;
 
 // The force, shortened to most_n; zero if it is not finite. RT: yes.

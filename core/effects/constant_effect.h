@@ -10,11 +10,10 @@ namespace hapton {
 // Bound: |force_n|. Passivity: conservative everywhere; active in a bounded volume, because a path that enters where it is against the
 // force and leaves where it is with it gains up to |force_n| times the volume's size.
 struct ConstantEffect {
-  static constexpr Passivity kPassivity = Passivity::active;
-
   Vec3 force_n = Vec3::Zero();
   EffectVolume volume = EffectVolume::everywhere();
 
+  Passivity passivity() const noexcept { return volume.is_everywhere() ? Passivity::conservative : Passivity::active; }
   double bound_n() const noexcept { return force_n.norm(); }
   Vec3 force(const EffectSample& sample) const noexcept {
     return volume.contains(sample.p_SD) ? bounded_force(force_n, kMostEffectForceN) : Vec3(Vec3::Zero());

@@ -18,9 +18,17 @@ struct ForceOf {
   }
 };
 
+// Drawn where the layer that resists was not pressed in yet, like the probe on a surface.
+Vec3 tip_in_layers(const Vec3& p_SD, const Vec3& p_SP, double depth_m, const TissueLayers& layers,
+                   const TissueLayers::State& state) noexcept {
+  const bool resists = state.punctured < layers.count() && state.rest_m < depth_m;
+  return resists ? Vec3(p_SP + (state.rest_m / depth_m) * (p_SD - p_SP)) : p_SD;
+}
+
 }  // namespace
 
-EffectStep::EffectStep(std::vector<SurfaceEffects> surfaces, std::vector<SpaceEffect> space) : surfaces_(std::move(surfaces)) {
+EffectStep::EffectStep(std::vector<SurfaceEffects> surfaces, std::vector<SpaceEffect> space)
+    : surfaces_(std::move(surfaces)), states_(surfaces_.size()) {
   for (SpaceEffect& effect : space) space_.push_back({.effect = std::move(effect), .burst = {}});
 }
 
@@ -29,7 +37,8 @@ void EffectStep::reset() noexcept {
   time_s_ = 0.0;
   touched_ = -1;
   in_contact_ = false;
-  state_ = {};
+  contacts_ = 0;
+  for (ObjectState& state : states_) state = {};
   for (Placed& placed : space_) placed.burst = {};
 }
 
@@ -53,12 +62,19 @@ EffectResult EffectStep::step(const Vec3& p_SD, double dt_s, const SurfaceContac
   return result;
 }
 
+SurfaceEffectState& EffectStep::state_of(int object) noexcept {
+  if (!in_contact_) ++contacts_;
+  in_contact_ = true;
+  touched_ = object;
+  ObjectState& state = states_[static_cast<std::size_t>(object)];
+  if (state.contact != contacts_) state = {.effects = {}, .contact = contacts_};
+  return state.effects;
+}
+
 Vec3 EffectStep::surface_force(const EffectSample& sample, const SurfaceContact& contact, Vec3& p_SP) noexcept {
   const SurfaceEffects& surface = surfaces_[static_cast<std::size_t>(contact.object)];
-  const bool begins = !in_contact_ || touched_ != contact.object;
-  if (begins) state_ = {};
-  in_contact_ = true;
-  touched_ = contact.object;
+  const bool begins = !in_contact_;
+  SurfaceEffectState& state = state_of(contact.object);
   if (!surface.any()) return contact.force_n;
 
   const double method_n = contact.force_n.norm();
@@ -72,8 +88,8 @@ Vec3 EffectStep::surface_force(const EffectSample& sample, const SurfaceContact&
   double pressed_n = method_n * (pressed_m / depth_m);
   if (surface.progressive.is_on()) pressed_n += surface.progressive.force(pressed_m);
   if (surface.layers.is_on()) {
-    pressed_n = surface.layers.force(pressed_m, -sample.v_SD.dot(normal), state_.layers);
-    if (state_.layers.punctured > 0) p_SP = tip_in_layers(sample.p_SD, contact.p_SP, depth_m, surface.layers);
+    pressed_n = surface.layers.force(pressed_m, -sample.v_SD.dot(normal), state.layers);
+    if (state.layers.punctured > 0) p_SP = tip_in_layers(sample.p_SD, contact.p_SP, depth_m, surface.layers, state.layers);
   }
   Vec3 force_n = pressed_n * normal;
   if (surface.bumps.is_on()) {
@@ -82,24 +98,19 @@ Vec3 EffectStep::surface_force(const EffectSample& sample, const SurfaceContact&
   }
   if (surface.viscosity.is_on()) force_n += surface.viscosity.force(sample.v_SD, normal, std::abs(pressed_n));
   if (surface.tap.is_on()) {
-    if (begins) surface.tap.begin(-velocity_.newest().dot(normal), sample.time_s, state_.tap);
-    force_n += surface.tap.force(sample.time_s, state_.tap) * normal;
+    if (begins) surface.tap.begin(-velocity_.newest().dot(normal), sample.time_s, state.tap);
+    force_n += surface.tap.force(sample.time_s, state.tap) * normal;
   }
-  if (surface.snap.is_on()) SurfaceSnap::touch(contact.p_SP, normal, state_.snap);
+  if (surface.snap.is_on()) SurfaceSnap::touch(contact.p_SP, normal, state.snap);
   return force_n;
 }
 
 // Layers are whole again and nothing rings any more; a surface that holds on still pulls.
 Vec3 EffectStep::leave_surface(const EffectSample& sample) noexcept {
   in_contact_ = false;
-  if (!state_.snap.holds) return Vec3::Zero();
-  return surfaces_[static_cast<std::size_t>(touched_)].snap.force(sample, state_.snap);
-}
-
-// Drawn where the layer that resists was not pressed in yet, like the probe on a surface.
-Vec3 EffectStep::tip_in_layers(const Vec3& p_SD, const Vec3& p_SP, double depth_m, const TissueLayers& layers) const noexcept {
-  const bool resists = state_.layers.punctured < layers.count() && state_.layers.rest_m < depth_m;
-  return resists ? Vec3(p_SP + (state_.layers.rest_m / depth_m) * (p_SD - p_SP)) : p_SD;
+  if (touched_ < 0) return Vec3::Zero();
+  const auto object = static_cast<std::size_t>(touched_);
+  return surfaces_[object].snap.force(sample, states_[object].effects.snap);
 }
 
 Vec3 EffectStep::space_force(const EffectSample& sample) noexcept {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "core/effects/smooth_velocity.h"
@@ -38,13 +39,18 @@ class EffectStep {
  private:
   static constexpr double kLongestS = 1.0;
 
+  // Of one object, since it was first touched in this contact. A probe between two objects may go back and forth.
+  struct ObjectState {
+    SurfaceEffectState effects;
+    std::uint64_t contact = 0;
+  };
   struct Placed {
     SpaceEffect effect;
     BurstEffect::State burst;
   };
 
+  SurfaceEffectState& state_of(int object) noexcept;
   Vec3 surface_force(const EffectSample& sample, const SurfaceContact& contact, Vec3& p_SP) noexcept;
-  Vec3 tip_in_layers(const Vec3& p_SD, const Vec3& p_SP, double depth_m, const TissueLayers& layers) const noexcept;
   Vec3 leave_surface(const EffectSample& sample) noexcept;
   Vec3 space_force(const EffectSample& sample) noexcept;
 
@@ -54,7 +60,8 @@ class EffectStep {
   double time_s_ = 0.0;
   int touched_ = -1;  // the object touched in the last step that touched any
   bool in_contact_ = false;
-  SurfaceEffectState state_;
+  std::uint64_t contacts_ = 0;       // begun from free space
+  std::vector<ObjectState> states_;  // by object
 };
 
 }  // namespace hapton

@@ -13,6 +13,7 @@ class EffectVolume {
   static EffectVolume ball(const Vec3& centre, double radius_m) noexcept { return {Shape::ball, centre, Vec3::Constant(radius_m)}; }
   static EffectVolume box(const Vec3& low, const Vec3& high) noexcept { return {Shape::box, 0.5 * (low + high), 0.5 * (high - low)}; }
 
+  bool is_everywhere() const noexcept { return shape_ == Shape::everywhere; }
   bool contains(const Vec3& p) const noexcept {
     switch (shape_) {
       case Shape::everywhere:

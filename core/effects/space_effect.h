@@ -15,9 +15,15 @@ namespace hapton {
 // An effect in free space: it acts on the device whether a surface is touched or not.
 using SpaceEffect = std::variant<SpringEffect, ConstantEffect, SnapEffect, GravityWellEffect, ViscousEffect, WaveEffect, BurstEffect>;
 
-inline Passivity passivity_of(const SpaceEffect& effect) noexcept {
-  return std::visit([](const auto& e) { return e.kPassivity; }, effect);
-}
+struct PassivityOf {
+  Passivity operator()(const ConstantEffect& effect) const noexcept { return effect.passivity(); }
+  template <class Effect>
+  Passivity operator()(const Effect&) const noexcept {
+    return Effect::kPassivity;
+  }
+};
+
+inline Passivity passivity_of(const SpaceEffect& effect) noexcept { return std::visit(PassivityOf(), effect); }
 
 // The largest force it can give, N.
 inline double bound_of(const SpaceEffect& effect) noexcept {

@@ -23,7 +23,7 @@ struct SurfaceEffects {
   }
 };
 
-// Between two samples, of the object touched last.
+// What it remembers between two samples.
 struct SurfaceEffectState {
   TissueLayers::State layers;
   SurfaceSnap::State snap;

@@ -149,6 +149,24 @@ TEST(EffectStep, ATapRingsAtTheSpeedOfTheImpact) {
   EXPECT_NEAR(press(step, {0, 0, -0.0001}).force_n.z(), 0.1, 1e-12) << "a step that begins in contact has not tapped";
 }
 
+// A probe between two objects may be pushed more by the one, then by the other: that is no tap, and punctures stay.
+TEST(EffectStep, GoingBackAndForthBetweenObjectsIsOneContact) {
+  SurfaceEffects skin;
+  skin.layers.add({.depth_m = 0.0, .stiffness_n_per_m = 500, .pop_force_n = 1.0});
+  skin.layers.add({.depth_m = 0.01, .stiffness_n_per_m = 2000});
+  EffectStep step({skin, SurfaceEffects{.tap = {.ns_per_m = 5}}}, {});
+  const auto touch = [&](double z, int object) { return step.step({0, 0, z}, kMs, on_plane({0, 0, z}, object)).force_n.z(); };
+  touch(0.001, 0);
+  touch(-0.001, 0);
+  EXPECT_EQ(touch(-0.003, 0), 0.0) << "punctured";
+  for (int k = 1; k < 10; ++k) {
+    EXPECT_NEAR(touch(-0.003 - 1e-4 * k, 1), 3.0 + 0.1 * k, 1e-9) << "no tap";
+    EXPECT_EQ(touch(-0.003 - 1e-4 * k, 0), 0.0) << "still punctured";
+  }
+  touch(0.001, 0);
+  EXPECT_NEAR(touch(-0.001, 0), 0.5, 1e-12) << "a contact of its own";
+}
+
 TEST(EffectStep, ASurfaceHoldsOnUntilOutOfRange) {
   EffectStep step({SurfaceEffects{.snap = {.stiffness_n_per_m = 300, .range_m = 2e-3}}}, {});
   EXPECT_EQ(press(step, {0, 0, 0.001}).force_n, Vec3::Zero());

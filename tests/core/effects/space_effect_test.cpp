@@ -10,7 +10,8 @@ TEST(SpaceEffect, SaysWhatItDoesToEnergyAndHowStrongItIs) {
   EXPECT_EQ(passivity_of(SnapEffect()), Passivity::conservative);
   EXPECT_EQ(passivity_of(GravityWellEffect()), Passivity::conservative);
   EXPECT_EQ(passivity_of(ViscousEffect()), Passivity::dissipative);
-  EXPECT_EQ(passivity_of(ConstantEffect()), Passivity::active);
+  EXPECT_EQ(passivity_of(ConstantEffect()), Passivity::conservative);
+  EXPECT_EQ(passivity_of(ConstantEffect{.volume = EffectVolume::ball(Vec3::Zero(), 1.0)}), Passivity::active);
   EXPECT_EQ(passivity_of(WaveEffect()), Passivity::active);
   EXPECT_EQ(passivity_of(BurstEffect()), Passivity::active);
   EXPECT_EQ(bound_of(SpringEffect{.max_force_n = 1.5}), 1.5);
