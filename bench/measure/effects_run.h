@@ -21,8 +21,8 @@ struct EffectsSettings {
 struct EffectsRow {
   std::string effect;
   TimeSpread contact;
-  double mean_ns = 0.0;   // of all steps, without reading the clock in between
-  double added_ns = 0.0;  // to that mean, by the effect
+  double mean_ns = 0.0;   // of all steps, without reading the clock in between; other programs' time is in it
+  double added_ns = 0.0;  // by the effect, to the median contact step
 };
 
 struct EffectsReport {

@@ -35,7 +35,9 @@ TouchOutput TouchStep::step(const TouchInput& input) noexcept {
   return output;
 }
 
-TouchOutput TouchStep::add_effects(const TouchInput& input, const MethodInput& sample, const MethodOutput& result) noexcept {
+// Not inlined: its registers and stack would cost every step of a scene without effects.
+[[gnu::noinline]] TouchOutput TouchStep::add_effects(const TouchInput& input, const MethodInput& sample,
+                                                     const MethodOutput& result) noexcept {
   const EffectResult felt = effects_->step(
       sample.p_SD, sample.dt_s, {.force_n = result.force_n, .p_SP = result.p_SP, .object = result.object, .contact = result.contact});
   TouchOutput output;

@@ -24,8 +24,7 @@ Material ProxySurfaces::mean_material(const ProxyState& state) const noexcept {
   return material.mean();
 }
 
-int ProxySurfaces::strongest_object(const ProxyState& state) const noexcept {
-  if (state.contact_count == 0) return -1;
+int ProxySurfaces::strongest_of_several(const ProxyState& state) const noexcept {
   std::size_t strongest = 0;
   for (std::size_t i = 1; i < state.active().size(); ++i) {
     if (state.multipliers[i] > state.multipliers[strongest]) strongest = i;
