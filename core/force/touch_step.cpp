@@ -25,13 +25,15 @@ TouchStep::TouchStep(std::shared_ptr<ForceMethod> method, const TouchScene& scen
 TouchOutput TouchStep::step(const TouchInput& input) noexcept {
   const MethodInput sample = to_static_scene(input);
   const MethodOutput result = method_->step(sample);
-  if (effects_ != nullptr) return add_effects(input, sample, result);
+  // One variable for every return: it is built where the caller wants it, and never copied.
   TouchOutput output;
   output.contact = result.contact;
   if (result.contact) {
     output.force_n = input.X_WS.linear() * result.force_n;
     output.visual_offset_m = input.X_WS.linear() * (result.p_SP - sample.p_SD);
   }
+  if (effects_ != nullptr) [[unlikely]]
+    output = add_effects(input, sample, result);
   return output;
 }
 
