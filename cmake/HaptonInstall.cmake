@@ -54,7 +54,7 @@ install(FILES deploy/etc/limits.conf DESTINATION ${hapton_etc}/security/limits.d
 
 # --- find_package(hapton) ---
 
-set(hapton_exported hapton_options hapton_core_base hapton_core_math hapton_core_geometry hapton_core_collision hapton_core_force)
+set(hapton_exported hapton_options hapton_core_base hapton_core_math hapton_core_effects hapton_core_geometry hapton_core_collision hapton_core_force)
 add_library(hapton_core INTERFACE)
 target_link_libraries(hapton_core INTERFACE hapton_core_force)
 list(APPEND hapton_exported hapton_core)

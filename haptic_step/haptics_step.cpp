@@ -116,7 +116,9 @@ std::unique_ptr<TouchStep> HapticsStep::replace(std::unique_ptr<TouchStep> touch
   if (running_) {
     TouchInput start = input_;
     if (output_.contact) {
-      start.p_WD += output_.visual_offset_m + offset_m_ * output_.force_n.normalized();
+      // With effects the force need not point off the surface.
+      const Vec3 outward = touch_->has_effects() ? output_.visual_offset_m : output_.force_n;
+      start.p_WD += output_.visual_offset_m + offset_m_ * outward.normalized();
     }
     touch_->reset(start);
     // On the path from there to the device, which the hand did not take, it comes into contact and settles.

@@ -67,7 +67,7 @@ int run(const HapticsOptions& options) {
   sealing.worker = AgreementWorker::Where::own_thread;
   SealedClient sealed(**endpoint, clock, *key, *hub, sealing);
   HubClient client(sealed, clock, NodeRole::haptics, *hub);
-  HapticsStep step(std::make_unique<TouchStep>(std::move(*method)), options.method.offset_m);
+  HapticsStep step(std::make_unique<TouchStep>(std::move(*method), scene->touch_scene()), options.method.offset_m);
   MethodBuilder builder(options.method, scene->touch_scene(), step.touch().share_method());
   const HapticsSetup setup = make_haptics_setup(scene_path, options.loading, hash_scene(scene->touch_scene()), options.method);
   const TouchScene felt = couple_scene(scene->touch_scene(), options.method.coupling_n_per_m);

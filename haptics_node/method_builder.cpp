@@ -66,7 +66,7 @@ void MethodBuilder::build(const Request& request) {
   log_info("built and now in use:");
   log_method(**method);
   auto ready = std::make_unique<BuiltMethod>();
-  ready->step = std::make_unique<TouchStep>(std::move(*method));
+  ready->step = std::make_unique<TouchStep>(std::move(*method), scene_);
   put_text(to_text(settings), ready->text);
   ready->request_id = request.request_id;
   in_use_ = ready->step->share_method();

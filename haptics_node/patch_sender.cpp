@@ -28,10 +28,11 @@ bool PatchSender::can_offer(std::string_view method_text) noexcept {
 PatchSender::PatchSender(TouchScene scene, double probe_radius_m, std::uint64_t scene_hash, bool is_offered,
                          const PatchSource::Options& options)
     : scene_(std::move(scene)),
+      has_effects_(scene_.has_effects()),
       probe_radius_m_(probe_radius_m),
       scene_hash_(scene_hash),
       options_(options),
-      is_offered_(is_offered),
+      is_offered_(is_offered && !has_effects_),
       thread_(start_thread([this] { run(); })) {}
 
 PatchSender::~PatchSender() {

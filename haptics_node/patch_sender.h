@@ -30,8 +30,8 @@ class PatchSender {
   void accept(const PatchStatus& status, std::int64_t now_ns) noexcept;
   // Frames: W, and the scene in it.
   void note_hand(const DeviceState& state, const std::array<float, 12>& X_WS) noexcept;
-  // Another method is in use: parts of the scene are as good as it, or not.
-  void set_offered(bool is_offered) noexcept { is_offered_.store(is_offered, std::memory_order_release); }
+  // Another method is in use: parts of the scene are as good as it, or not. Parts hold no effects, so a scene with any is never offered.
+  void set_offered(bool is_offered) noexcept { is_offered_.store(is_offered && !has_effects_, std::memory_order_release); }
   // The hub asked for parts a moment ago.
   bool is_wanted(std::int64_t now_ns) const noexcept { return now_ns < wanted_until_ns_; }
 
@@ -65,6 +65,7 @@ class PatchSender {
   bool fill(std::int64_t now_ns);
 
   TouchScene scene_;
+  bool has_effects_;
   double probe_radius_m_;
   std::uint64_t scene_hash_;
   PatchSource::Options options_;

@@ -1,7 +1,5 @@
 #include "scene/scene_file.h"
 
-#define TOML_EXCEPTIONS 0
-#include <external/toml.h>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -11,9 +9,11 @@
 #include <utility>
 
 #include "core/base/near_miss.h"
+#include "scene/effect_reader.h"
 #include "scene/file_bytes.h"
 #include "scene/mesh_file.h"
 #include "scene/scene_hash.h"
+#include "scene/table_reader.h"
 #include "scene/text_cursor.h"
 
 namespace hapton {
@@ -27,89 +27,18 @@ constexpr double kMaxFriction = 10.0;
 constexpr double kMaxLengthM = 1e6;
 constexpr double kMaxScale = 1e9;
 
-// Reads typed values out of one table; the first error stays and the rest is skipped.
-class TableReader {
- public:
-  TableReader(const toml::table& table, std::string where) : table_(table), where_(std::move(where)) {}
-
-  const std::optional<Error>& error() const { return error_; }
-
-  void allow(std::initializer_list<std::string_view> known) {
-    for (const auto& [key, node] : table_) {
-      if (std::find(known.begin(), known.end(), key.str()) != known.end()) continue;
-      set_error(node, "unknown key '{}' in {}{}", printable(key.str()), where_, near_miss_hint(key.str(), known));
-    }
-  }
-
-  bool has(std::string_view key) const { return table_.contains(key); }
-
-  void read(std::string_view key, std::string& value) {
-    if (const toml::node* node = find(key)) {
-      if (const auto text = node->value_exact<std::string>())
-        value = *text;
-      else
-        set_error(*node, "'{}' in {} must be a text in quotes", key, where_);
-    }
-  }
-
-  void read(std::string_view key, bool& value) {
-    if (const toml::node* node = find(key)) {
-      if (const auto flag = node->value_exact<bool>())
-        value = *flag;
-      else
-        set_error(*node, "'{}' in {} must be true or false", key, where_);
-    }
-  }
-
-  // above: the least value itself is not allowed.
-  void read(std::string_view key, double& value, double least, double most, bool above = false) {
-    if (const toml::node* node = find(key)) read_number(*node, fmt::format("'{}'", key), value, least, most, above);
-  }
-
-  template <std::size_t N>
-  void read(std::string_view key, std::array<double, N>& values, double least, double most) {
-    const toml::node* node = find(key);
-    if (node == nullptr) return;
-    const toml::array* array = node->as_array();
-    if (array == nullptr || array->size() != N) return set_error(*node, "'{}' in {} must be a list of {} numbers", key, where_, N);
-    for (std::size_t i = 0; i < N; ++i)
-      read_number(*array->get(i), fmt::format("number {} of '{}'", i + 1, key), values[i], least, most, false);
-  }
-
-  template <class... Args>
-  void fail_at(std::string_view key, fmt::format_string<Args...> format, Args&&... args) {
-    const toml::node* node = table_.get(key);
-    set_error(node == nullptr ? static_cast<const toml::node&>(table_) : *node, format, std::forward<Args>(args)...);
-  }
-
- private:
-  const toml::node* find(std::string_view key) const { return error_ ? nullptr : table_.get(key); }
-
-  void read_number(const toml::node& node, const std::string& what, double& value, double least, double most, bool above) {
-    const auto number = node.value<double>();
-    if (!number || !node.is_number()) return set_error(node, "{} in {} must be a number", what, where_);
-    if (!(*number >= least && *number <= most) || (above && *number == least)) {
-      return set_error(node, "{} in {} is {}: it must be {} {} and at most {}", what, where_, *number, above ? "above" : "at least", least,
-                       most);
-    }
-    value = *number;
-  }
-
-  template <class... Args>
-  void set_error(const toml::node& node, fmt::format_string<Args...> format, Args&&... args) {
-    if (error_) return;
-    error_ = Error{fmt::format("line {}: {}", node.source().begin.line, fmt::format(format, std::forward<Args>(args)...))};
-  }
-
-  const toml::table& table_;
-  std::string where_;
-  std::optional<Error> error_;
+struct MaterialSpec {
+  Material material;
+  SurfaceEffects effects;
 };
 
-Result<Material> read_material(const toml::table& table, const std::string& name) {
-  Material material;
+Result<MaterialSpec> read_material(const toml::table& table, const std::string& name) {
+  MaterialSpec spec;
+  Material& material = spec.material;
   TableReader reader(table, fmt::format("[material.{}]", printable(name)));
-  reader.allow({"stiffness_n_per_m", "damping_ns_per_m", "friction_static", "friction_dynamic", "two_sided"});
+  std::vector<std::string_view> keys = {"stiffness_n_per_m", "damping_ns_per_m", "friction_static", "friction_dynamic", "two_sided"};
+  keys.insert(keys.end(), surface_effect_keys().begin(), surface_effect_keys().end());
+  reader.allow(keys);
   reader.read("stiffness_n_per_m", material.stiffness_n_per_m, 0.0, kMaxStiffnessNPerM, true);
   reader.read("damping_ns_per_m", material.damping_ns_per_m, 0.0, kMaxDampingNsPerM);
   reader.read("friction_static", material.friction_static, 0.0, kMaxFriction);
@@ -119,8 +48,10 @@ Result<Material> read_material(const toml::table& table, const std::string& name
     reader.fail_at("friction_dynamic", "'friction_dynamic' is {}, more than 'friction_static' {}: make it at most that",
                    material.friction_dynamic, material.friction_static);
   }
+  const auto effects = read_surface_effects(table, name, material, reader, spec.effects);
   if (reader.error()) return tl::unexpected(*reader.error());
-  return material;
+  if (!effects) return tl::unexpected(effects.error());
+  return spec;
 }
 
 struct ObjectSpec {
@@ -199,7 +130,8 @@ Result<ObjectSpec> read_object(const toml::table& table, std::size_t number) {
 
 struct SceneSpec {
   std::vector<ObjectSpec> objects;
-  std::map<std::string, Material, std::less<>> materials;
+  std::map<std::string, MaterialSpec, std::less<>> materials;
+  std::vector<EffectSpec> effects;
   std::optional<Vec3> fit_m;
 };
 
@@ -209,7 +141,7 @@ Result<void> read_materials(const toml::table& table, SceneSpec& spec) {
   if (!node->is_table()) return fail("line {}: 'material' must be tables such as [material.steel]", node->source().begin.line);
   for (const auto& [key, value] : *node->as_table()) {
     if (!value.is_table()) return fail("line {}: 'material' must be tables such as [material.steel]", value.source().begin.line);
-    const Result<Material> material = read_material(*value.as_table(), std::string(key.str()));
+    const Result<MaterialSpec> material = read_material(*value.as_table(), std::string(key.str()));
     if (!material) return tl::unexpected(material.error());
     spec.materials.emplace(key.str(), *material);
   }
@@ -224,10 +156,25 @@ Result<void> check_material(const ObjectSpec& object, const SceneSpec& spec) {
               known.empty() ? ": add it" : near_miss_hint(object.material, known));
 }
 
+Result<void> read_effects(const toml::table& table, SceneSpec& spec) {
+  const toml::node* node = table.get("effect");
+  if (node == nullptr) return {};
+  const toml::array* effects = node->as_array();
+  if (effects == nullptr || !effects->is_array_of_tables()) {
+    return fail("line {}: 'effect' must be tables that begin with [[effect]]", node->source().begin.line);
+  }
+  for (const toml::node& one : *effects) {
+    Result<EffectSpec> effect = read_space_effect(*one.as_table(), spec.effects.size() + 1);
+    if (!effect) return tl::unexpected(effect.error());
+    spec.effects.push_back(std::move(*effect));
+  }
+  return {};
+}
+
 Result<SceneSpec> read_spec(const toml::table& table) {
   SceneSpec spec;
   TableReader reader(table, "the scene");
-  reader.allow({"fit_m", "object", "material"});
+  reader.allow({"fit_m", "object", "material", "effect"});
   std::array<double, 3> fit = {};
   reader.read("fit_m", fit, 1e-9, kMaxLengthM);
   if (reader.error()) return tl::unexpected(*reader.error());
@@ -246,6 +193,7 @@ Result<SceneSpec> read_spec(const toml::table& table) {
     if (const auto known = check_material(*object, spec); !known) return tl::unexpected(known.error());
     spec.objects.push_back(std::move(*object));
   }
+  if (const auto read = read_effects(table, spec); !read) return tl::unexpected(read.error());
   return spec;
 }
 
@@ -371,6 +319,29 @@ Result<void> fit(std::vector<PosedMesh>& meshes, const Vec3& size_m, std::vector
   return {};
 }
 
+// Effects that an object places go to it; its box is that of the mesh as it is touched.
+Result<void> add_effects(const SceneSpec& spec, Scene& scene) {
+  for (const EffectSpec& effect : spec.effects) {
+    scene.effects.push_back({.name = effect.name, .effect = effect.effect});
+    if (effect.object.empty()) continue;
+    std::vector<std::string_view> names;
+    Eigen::AlignedBox3d box;
+    for (const SceneObject& object : scene.objects) {
+      names.emplace_back(object.name);
+      if (object.name != effect.object) continue;
+      if (!box.isEmpty())
+        return fail("line {}: several objects have the name {}: give each its own", effect.object_line, printable(effect.object));
+      for (const Vec3& vertex : object.mesh->vertices) box.extend(vertex);
+    }
+    if (box.isEmpty()) {
+      return fail("line {}: there is no object named {}{}", effect.object_line, printable(effect.object),
+                  near_miss_hint(effect.object, names));
+    }
+    place_at_object(scene.effects.back().effect, box.min(), box.max());
+  }
+  return {};
+}
+
 Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& folder, const SceneLoading& loading) {
   Scene scene;
   MeshCache cache(loading.sealing, loading.look);
@@ -389,13 +360,16 @@ Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& fol
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     const ObjectSpec& object = spec.objects[i];
     const std::string own_name = object.part.empty() ? std::filesystem::path(object.mesh).stem().string() : object.part;
+    const MaterialSpec material = object.material.empty() ? MaterialSpec() : spec.materials.find(object.material)->second;
     scene.objects.push_back({.name = object.name.empty() ? own_name : object.name,
                              .mesh = std::make_shared<const TriangleMesh>(std::move(meshes[i].mesh)),
-                             .material = object.material.empty() ? Material() : spec.materials.find(object.material)->second,
+                             .material = material.material,
                              .colour = object.colour,
                              .sealed = meshes[i].sealed,
-                             .look = std::move(meshes[i].look)});
+                             .look = std::move(meshes[i].look),
+                             .effects = material.effects});
   }
+  if (const auto added = add_effects(spec, scene); !added) return tl::unexpected(added.error());
   return scene;
 }
 
@@ -439,7 +413,10 @@ Result<SceneSpec> parse_spec(const std::string& text) {
 
 TouchScene Scene::touch_scene() const {
   TouchScene touch;
-  for (const SceneObject& object : objects) touch.objects.push_back({.mesh = object.mesh, .material = object.material});
+  for (const SceneObject& object : objects) {
+    touch.objects.push_back({.mesh = object.mesh, .material = object.material, .effects = object.effects});
+  }
+  for (const SceneEffect& effect : effects) touch.effects.push_back(effect.effect);
   return touch;
 }
 

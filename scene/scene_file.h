@@ -22,12 +22,20 @@ struct SceneObject {
   std::array<double, 3> colour = {0.7, 0.7, 0.72};  // sRGB, 0..1
   SealReport sealed = {};                           // cracks sealed in the mesh; widths in S
   std::shared_ptr<const MeshLook> look = {};        // of the mesh file, in place of the colour; null: none
+  SurfaceEffects effects = {};                      // of its material
+};
+
+// An effect in free space.
+struct SceneEffect {
+  std::string name;
+  SpaceEffect effect;  // frame S
 };
 
 // All objects of a scene. Frame S.
 struct Scene {
   std::vector<SceneObject> objects;  // at least one
-  std::vector<std::string> notes;    // warnings: skipped or suspicious content, one line each
+  std::vector<SceneEffect> effects;
+  std::vector<std::string> notes;  // warnings: skipped or suspicious content, one line each
   // Hash of the mesh files, their poses and their fit, independent of file paths and sealing. Never 0.
   std::uint64_t given_hash = 0;
 

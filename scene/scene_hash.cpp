@@ -31,6 +31,67 @@ void add_mesh(Hash& hash, const TriangleMesh& mesh) {
   }
 }
 
+// Every number of every effect: those that are off count too, so that no change is missed.
+void add_volume(Hash& hash, const EffectVolume& volume) {
+  volume.for_each_number([&](double number) { hash.add(number); });
+}
+void add_vector(Hash& hash, const Vec3& v) {
+  for (int k = 0; k < 3; ++k) hash.add(v[k]);
+}
+
+struct AddEffect {
+  Hash& hash;
+
+  void operator()(const SpringEffect& e) const {
+    add_vector(hash, e.centre);
+    for (const double number : {e.stiffness_n_per_m, e.max_force_n}) hash.add(number);
+  }
+  void operator()(const ConstantEffect& e) const {
+    add_vector(hash, e.force_n);
+    add_volume(hash, e.volume);
+  }
+  void operator()(const SnapEffect& e) const {
+    hash.add(static_cast<std::uint64_t>(e.target));
+    add_vector(hash, e.position);
+    add_vector(hash, e.direction);
+    for (const double number : {e.range_m, e.max_force_n}) hash.add(number);
+  }
+  void operator()(const GravityWellEffect& e) const {
+    add_vector(hash, e.centre);
+    for (const double number : {e.radius_m, e.max_force_n}) hash.add(number);
+  }
+  void operator()(const ViscousEffect& e) const {
+    for (const double number : {e.damping_ns_per_m, e.max_force_n}) hash.add(number);
+    add_volume(hash, e.volume);
+  }
+  void operator()(const WaveEffect& e) const {
+    hash.add(static_cast<std::uint64_t>(e.waveform));
+    add_vector(hash, e.direction);
+    for (const double number : {e.amplitude_n, e.frequency_hz}) hash.add(number);
+    add_volume(hash, e.volume);
+  }
+  void operator()(const BurstEffect& e) const {
+    add_vector(hash, e.direction);
+    for (const double number : {e.amplitude_n, e.frequency_hz, e.decay_s, e.duration_s}) hash.add(number);
+    add_volume(hash, e.volume);
+  }
+};
+
+void add_surface(Hash& hash, const SurfaceEffects& e) {
+  hash.add(e.progressive.n_per_m2);
+  hash.add(std::uint64_t{e.layers.count()});
+  for (std::size_t i = 0; i < e.layers.count(); ++i) {
+    const TissueLayer& layer = e.layers[i];
+    for (const double number : {layer.depth_m, layer.stiffness_n_per_m, layer.pop_force_n, layer.drag_ns_per_m}) hash.add(number);
+  }
+  hash.add(static_cast<std::uint64_t>(e.bumps.pattern));
+  for (const double number : {e.bumps.height_m, e.bumps.length_m}) hash.add(number);
+  add_vector(hash, e.bumps.direction);
+  hash.add(e.viscosity.damping_ns_per_m);
+  for (const double number : {e.snap.stiffness_n_per_m, e.snap.range_m}) hash.add(number);
+  for (const double number : {e.tap.ns_per_m, e.tap.frequency_hz, e.tap.decay_s, e.tap.max_force_n}) hash.add(number);
+}
+
 }  // namespace
 
 std::uint64_t hash_mesh(const TriangleMesh& mesh) {
@@ -60,6 +121,12 @@ std::uint64_t hash_scene(const TouchScene& scene) {
     const Material& m = object.material;
     for (const double value : {m.stiffness_n_per_m, m.damping_ns_per_m, m.friction_static, m.friction_dynamic}) hash.add(value);
     hash.add(std::uint64_t{m.two_sided});
+  }
+  if (!scene.has_effects()) return hash.value();
+  for (const TouchObject& object : scene.objects) add_surface(hash, object.effects);
+  for (const SpaceEffect& effect : scene.effects) {
+    hash.add(std::uint64_t{effect.index()});
+    std::visit(AddEffect{hash}, effect);
   }
   return hash.value();
 }

@@ -1,11 +1,38 @@
 #include "scene/scene_report.h"
 
 #include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <iterator>
 #include <nlohmann/json.hpp>
 
 namespace hapton {
+namespace {
+
+std::string_view name_of(Passivity passivity) {
+  switch (passivity) {
+    case Passivity::conservative:
+      return "conservative";
+    case Passivity::dissipative:
+      return "dissipative";
+    case Passivity::active:
+      return "active";
+  }
+  return "";
+}
+
+std::vector<std::string> names_of(const SurfaceEffects& effects) {
+  std::vector<std::string> names;
+  if (effects.progressive.is_on()) names.emplace_back("progressive stiffness");
+  if (effects.layers.is_on()) names.push_back(fmt::format("{} layer{}", effects.layers.count(), effects.layers.count() == 1 ? "" : "s"));
+  if (effects.bumps.is_on()) names.emplace_back("bumps");
+  if (effects.viscosity.is_on()) names.emplace_back("viscosity");
+  if (effects.snap.is_on()) names.emplace_back("snap");
+  if (effects.tap.is_on()) names.emplace_back("vibration on tap");
+  return names;
+}
+
+}  // namespace
 
 Result<SceneReport> make_scene_report(const std::filesystem::path& path) {
   Result<Scene> scene = load_scene(path);
@@ -38,7 +65,14 @@ std::string to_text(const SceneReport& report) {
                    object.name, t.triangles, size.x(), size.y(), size.z(), middle.x(), middle.y(), middle.z(),
                    object.material.stiffness_n_per_m, object.material.friction_static, object.material.friction_dynamic, "",
                    to_text(report.flaws[i]));
+    if (const auto effects = names_of(object.effects); !effects.empty()) {
+      fmt::format_to(std::back_inserter(text), "{:<20} effects: {}\n", "", fmt::join(effects, ", "));
+    }
     if (object.sealed.is_worth_a_note()) fmt::format_to(std::back_inserter(text), "{:<20} {}\n", "", object.sealed.describe());
+  }
+  for (const SceneEffect& effect : report.scene.effects) {
+    fmt::format_to(std::back_inserter(text), "effect {}: {}, at most {:.3g} N\n", effect.name, name_of(passivity_of(effect.effect)),
+                   bound_of(effect.effect));
   }
   for (const std::string& note : report.scene.notes) text += "note: " + note + "\n";
   return text;
@@ -83,9 +117,15 @@ std::string to_json(const SceneReport& report) {
                        {"damping_ns_per_m", object.material.damping_ns_per_m},
                        {"friction_static", object.material.friction_static},
                        {"friction_dynamic", object.material.friction_dynamic},
-                       {"two_sided", object.material.two_sided}});
+                       {"two_sided", object.material.two_sided},
+                       {"effects", names_of(object.effects)}});
   }
-  const Json json = {{"schema", "hapton-scene-info-1"}, {"file", report.path}, {"objects", objects}, {"notes", report.scene.notes}};
+  Json effects = Json::array();
+  for (const SceneEffect& effect : report.scene.effects) {
+    effects.push_back({{"name", effect.name}, {"passivity", name_of(passivity_of(effect.effect))}, {"bound_n", bound_of(effect.effect)}});
+  }
+  const Json json = {
+      {"schema", "hapton-scene-info-1"}, {"file", report.path}, {"objects", objects}, {"effects", effects}, {"notes", report.scene.notes}};
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -9,7 +9,7 @@ namespace hapton {
 // Every command of the `hapton` program. Each function adds one command to the command line; when the command runs, it sets `exit_code`: 0
 // only if it succeeded, 1 otherwise. RT: no.
 
-// hapton bench [numbers|haptons|objects|papers|pareto]: run time and error on this machine; alone: numbers.
+// hapton bench [effects|numbers|haptons|objects|papers|pareto]: run time and error on this machine; alone: numbers.
 void add_bench_command(CommandLine app, int& exit_code);
 
 // hapton demo [--only N] [--headless --seconds S --out DIR] [--list]: a tour without hardware, to touch and to see. Headless: exit code 0
@@ -77,6 +77,9 @@ void add_top_command(CommandLine app, int& exit_code);
 void add_trajectory_command(CommandLine app, int& exit_code);
 
 // The children of `hapton bench`.
+
+// hapton bench effects: what each effect adds to the cost of a step.
+void add_bench_effects_command(CommandLine bench, int& exit_code);
 
 // hapton bench haptons: how many triangle pairs a millisecond one core collides on edge, located to 0.1 % (memo 3.0). Exit code 0 only when
 // that accuracy held for every pair.

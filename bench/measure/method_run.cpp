@@ -64,7 +64,7 @@ Result<MethodTiming> time_method(const Stopwatch& watch, const TimingBudget& bud
   const double build_ns = watch.ns_between(start, Stopwatch::ticks());
   if (!method) return tl::unexpected(method.error());
   const std::size_t grown = read_live_heap_bytes();
-  TouchStep touch(std::move(*method));
+  TouchStep touch(std::move(*method), scene);
   MethodTiming timing = time_touch(watch, budget, touch, trajectory, [](ForceSample&) {});
   timing.build_ms = 1e-6 * build_ns;
   timing.bytes = grown > heap ? grown - heap : 0;
@@ -75,7 +75,7 @@ Result<std::vector<ForceSample>> compute_forces(const MethodSettings& settings, 
                                                 const TouchTrajectory& trajectory) {
   auto method = make_method(settings, scene);
   if (!method) return tl::unexpected(method.error());
-  TouchStep touch(std::move(*method));
+  TouchStep touch(std::move(*method), scene);
   std::vector<ForceSample> felt;
   felt.reserve(trajectory.p_SD.size());
   for (std::size_t i = 0; i < trajectory.p_SD.size(); ++i) {

@@ -23,6 +23,9 @@ struct MethodOutput {
   Vec3 force_n = Vec3::Zero();  // acts on the device, frame S
   Vec3 p_SP = Vec3::Zero();     // proxy: where the probe is drawn; the device point itself in free space
   bool contact = false;         // force_n is not zero
+  // In contact: the object touched, an index into TouchScene::objects; with several, the one that pushes most. -1: none, or a method that
+  // sums over objects (smooth, in the layer outside the surface).
+  int object = -1;
 };
 
 // A method that turns device samples into forces. It keeps its own state between samples (the proxy, the last position).

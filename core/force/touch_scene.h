@@ -3,6 +3,8 @@
 #include <memory>
 #include <vector>
 
+#include "core/effects/space_effect.h"
+#include "core/effects/surface_effects.h"
 #include "core/geometry/triangle_mesh.h"
 
 namespace hapton {
@@ -20,11 +22,19 @@ struct Material {
 struct TouchObject {
   std::shared_ptr<const TriangleMesh> mesh;  // frame S, metres
   Material material;
+  SurfaceEffects effects = {};  // beyond the material; TouchStep adds them
 };
 
 // All objects that can be touched. Frame S.
 struct TouchScene {
   std::vector<TouchObject> objects;
+  std::vector<SpaceEffect> effects = {};  // in free space
+
+  bool has_effects() const {
+    bool any = !effects.empty();
+    for (const TouchObject& object : objects) any = any || object.effects.any();
+    return any;
+  }
 };
 
 }  // namespace hapton

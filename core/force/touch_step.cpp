@@ -15,18 +15,43 @@ MethodInput to_static_scene(const TouchInput& input) {
 
 }  // namespace
 
+TouchStep::TouchStep(std::shared_ptr<ForceMethod> method, const TouchScene& scene) : method_(std::move(method)) {
+  if (!scene.has_effects()) return;
+  std::vector<SurfaceEffects> surfaces;
+  for (const TouchObject& object : scene.objects) surfaces.push_back(object.effects);
+  effects_ = std::make_unique<EffectStep>(std::move(surfaces), scene.effects);
+}
+
 TouchOutput TouchStep::step(const TouchInput& input) noexcept {
   const MethodInput sample = to_static_scene(input);
   const MethodOutput result = method_->step(sample);
+  // One variable for every return: it is built where the caller wants it, and never copied.
   TouchOutput output;
   output.contact = result.contact;
   if (result.contact) {
     output.force_n = input.X_WS.linear() * result.force_n;
     output.visual_offset_m = input.X_WS.linear() * (result.p_SP - sample.p_SD);
   }
+  if (effects_ != nullptr) [[unlikely]]
+    output = add_effects(input, sample, result);
   return output;
 }
 
-void TouchStep::reset(const TouchInput& input) noexcept { method_->reset(to_static_scene(input).p_SD); }
+// Not inlined: its registers and stack would cost every step of a scene without effects.
+[[gnu::noinline]] TouchOutput TouchStep::add_effects(const TouchInput& input, const MethodInput& sample,
+                                                     const MethodOutput& result) noexcept {
+  const EffectResult felt = effects_->step(
+      sample.p_SD, sample.dt_s, {.force_n = result.force_n, .p_SP = result.p_SP, .object = result.object, .contact = result.contact});
+  TouchOutput output;
+  output.contact = felt.is_felt;
+  if (felt.is_felt) output.force_n = input.X_WS.linear() * felt.force_n;
+  if (result.contact) output.visual_offset_m = input.X_WS.linear() * (felt.p_SP - sample.p_SD);
+  return output;
+}
+
+void TouchStep::reset(const TouchInput& input) noexcept {
+  method_->reset(to_static_scene(input).p_SD);
+  if (effects_ != nullptr) effects_->reset();
+}
 
 }  // namespace hapton

@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "core/effects/effect_step.h"
 #include "core/force/force_method.h"
 
 namespace hapton {
@@ -16,23 +17,30 @@ struct TouchInput {
 struct TouchOutput {
   Vec3 force_n = Vec3::Zero();          // acts on the device, frame W
   Vec3 visual_offset_m = Vec3::Zero();  // frame W: proxy minus device point; the probe is drawn at device point + this
-  bool contact = false;
+  bool contact = false;                 // a surface is touched, or an effect acts
 };
 
-// One haptic step: transforms the device point into the static scene's frame, runs the method, and transforms force and visual offset back
-// to the world. The live node, replay, tests and benches all call it. RT: step yes.
+// One haptic step: transforms the device point into the static scene's frame, runs the method, adds the scene's effects, and transforms
+// force and visual offset back to the world. The live node, replay, tests and benches all call it. RT: step yes.
 class TouchStep {
  public:
+  // Without effects.
   explicit TouchStep(std::shared_ptr<ForceMethod> method) : method_(std::move(method)) {}
+  // With those of the scene that the method was made for. A scene without effects costs a step one comparison more.
+  TouchStep(std::shared_ptr<ForceMethod> method, const TouchScene& scene);
 
   TouchOutput step(const TouchInput& input) noexcept;
   void reset(const TouchInput& input) noexcept;
   const ForceMethod& method() const { return *method_; }
+  bool has_effects() const { return effects_ != nullptr; }
   // Shared with the slow task, which calls prepare() beside step().
   std::shared_ptr<ForceMethod> share_method() const { return method_; }
 
  private:
+  TouchOutput add_effects(const TouchInput& input, const MethodInput& sample, const MethodOutput& result) noexcept;
+
   std::shared_ptr<ForceMethod> method_;
+  std::unique_ptr<EffectStep> effects_;  // null: the scene has none
 };
 
 }  // namespace hapton

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+
 #include "tests/support/allocation_guard.h"
 #include "tests/support/made_meshes.h"
 
@@ -185,6 +188,30 @@ TEST(HapticsStep, AMethodTakesOverInContactWithoutAForceDiscontinuity) {
       EXPECT_NEAR(felt_n, side * (2.0 + 0.002 * i), 1e-9) << "the difference of 0.2 N fades in a tenth of a second";
     }
     EXPECT_NEAR(answer(step, states.at({0.01, 0.01, -side * 0.002})).force_n[2], side * 2.2, 1e-9);
+  }
+}
+
+// An effect may push into the surface harder than the surface pushes out: the new method still starts outside.
+TEST(HapticsStep, AMethodTakesOverOnTheSameSideWithEffects) {
+  const TouchScene scene = {.objects = {{made::shared(made::sheet(0.1, 0.0, 6)), {}}}, .effects = {ConstantEffect{.force_n = {0, 0, -5}}}};
+  const auto make = [&] { return std::make_unique<TouchStep>(*make_method({.name = "proxy"}, scene), scene); };
+  HapticsStep step(make(), kOffset);
+  States states;
+  EXPECT_EQ(answer(step, states.at({0.01, 0.01, 0.001})).force_n, Vec3(0, 0, -5)) << "in free space";
+  EXPECT_NEAR(answer(step, states.at({0.01, 0.01, -0.002})).force_n.z(), -3.0, 1e-6);
+  step.replace(make());
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(answer(step, states.at({0.01, 0.01, -0.002})).force_n.z(), -3.0, 1e-6);
+}
+
+TEST(HapticsStep, EffectsKeepTheTimeOfTheSamples) {
+  const TouchScene scene = {.objects = {{made::shared(made::sheet(0.1, 0.0, 6)), {}}},
+                            .effects = {WaveEffect{.waveform = Waveform::sine, .amplitude_n = 1.0, .frequency_hz = 20.0}}};
+  HapticsStep step(std::make_unique<TouchStep>(*make_method({.name = "proxy"}, scene), scene), kOffset);
+  States states;
+  for (int i = 1; i <= 100; ++i) {
+    const ForceCommand command = answer(step, states.at({0.01, 0.01, 0.001}));
+    EXPECT_NEAR(command.force_n.z(), std::sin(2.0 * std::numbers::pi * 20.0 * 1e-3 * i), 1e-9);
+    EXPECT_EQ(command.visual_offset_m, Vec3::Zero());
   }
 }
 

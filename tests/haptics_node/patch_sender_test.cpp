@@ -5,6 +5,7 @@
 #include <chrono>
 #include <optional>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "patch/patch_store.h"
@@ -19,8 +20,8 @@ constexpr std::array<float, 12> kAtW = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 
 // A sender, and a hub that wants the scene.
 struct SenderStage {
-  explicit SenderStage(bool is_offered = true)
-      : sender(scene_of(made::sheet(0.05, 0.0, 20)), 0.0, 7, is_offered, {.bits_per_s = 1e8, .least_reach_m = 1.0}) {}
+  explicit SenderStage(bool is_offered = true, TouchScene scene = scene_of(made::sheet(0.05, 0.0, 20)))
+      : sender(std::move(scene), 0.0, 7, is_offered, {.bits_per_s = 1e8, .least_reach_m = 1.0}) {}
 
   void want() {
     PatchStatus status = store.status();
@@ -95,6 +96,17 @@ TEST(PatchSender, AMethodThatPartsDoNotServeGetsAnEpochWithoutAny) {
   EXPECT_EQ(stage.store.make_piece(Vec3::Zero(), 1.0, 100'000).triangles, 0U);
   stage.sender.set_offered(true);
   EXPECT_TRUE(stage.receive_until([&] { return stage.store.status().epoch == epoch + 2 && stage.is_whole(); }));
+}
+
+// Parts hold no effects: without them the hub's own step would give other forces.
+TEST(PatchSender, ASceneWithEffectsIsNeverOffered) {
+  TouchScene scene = scene_of(made::sheet(0.05, 0.0, 20));
+  scene.objects[0].effects.viscosity.damping_ns_per_m = 1.0;
+  SenderStage stage(true, scene);
+  stage.sender.set_offered(true);
+  ASSERT_TRUE(stage.receive_until([&] { return stage.store.has_begun(); }));
+  stage.receive_for(std::chrono::milliseconds(200));
+  EXPECT_EQ(stage.store.make_piece(Vec3::Zero(), 1.0, 100'000).triangles, 0U);
 }
 
 TEST(PatchSender, OffersWhatPartsServe) {

@@ -102,7 +102,7 @@ TEST_F(HaptonCommandTest, HelpListsEachCommandInALineUnderWhatPeopleWantToDo) {
   EXPECT_EQ(group_of["figures"], "Develop:");
   EXPECT_EQ(group_of.size(), std::size(kCommands));
   EXPECT_FALSE(group_of.contains("judge")) << "an old name";
-  EXPECT_THAT(run({"bench", "--help"}).out, HasSubstr("\nSubcommands:\n  haptons")) << "groups are of the commands, not of theirs";
+  EXPECT_THAT(run({"bench", "--help"}).out, HasSubstr("\nSubcommands:\n  effects")) << "groups are of the commands, not of theirs";
 }
 
 TEST_F(HaptonCommandTest, KeygenMakesAKeyOnceAndSaysHowToUseIt) {

@@ -10,22 +10,22 @@
 namespace hapton {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using ReportJson = nlohmann::ordered_json;
 
-const Json& section(const Json& report, const char* name) {
-  static const Json kNone = Json::object();
+const ReportJson& section(const ReportJson& report, const char* name) {
+  static const ReportJson kNone = ReportJson::object();
   const auto found = report.find(name);
   return found == report.end() ? kNone : *found;
 }
 
-std::string word(const Json& of, const char* name) {
+std::string word(const ReportJson& of, const char* name) {
   return of.is_object() && of.contains(name) && of[name].is_string() ? of[name].get<std::string>() : "";
 }
 
 // The difference of two reports; the whole report if there is no earlier one or the hub has restarted.
 struct Span {
-  const Json& now;
-  const Json* before;
+  const ReportJson& now;
+  const ReportJson* before;
   double seconds;
 };
 
@@ -43,9 +43,9 @@ double counted(const Span& span, const char* name) {
 double per_second(const Span& span, const char* counter) { return span.seconds > 0.0 ? counted(span, counter) / span.seconds : 0.0; }
 
 // The node under the same address before, if it was there.
-const Json* find_node(const Json* report, const Json& node) {
+const ReportJson* find_node(const ReportJson* report, const ReportJson& node) {
   if (report == nullptr) return nullptr;
-  for (const Json& other : section(*report, "nodes")) {
+  for (const ReportJson& other : section(*report, "nodes")) {
     if (word(other, "address") == word(node, "address") && json_number_of(other, "received") <= json_number_of(node, "received"))
       return &other;
   }
@@ -53,9 +53,9 @@ const Json* find_node(const Json* report, const Json& node) {
 }
 
 // One line; empty if the hub does not report it.
-std::string safety_text(const Json& report) {
-  const Json& notes = section(report, "notes");
-  const Json& ratios = section(report, "ratios");
+std::string safety_text(const ReportJson& report) {
+  const ReportJson& notes = section(report, "notes");
+  const ReportJson& ratios = section(report, "ratios");
   if (word(notes, "governor").empty()) return "";
   const std::string fault = word(notes, "safety_fault_text");
   const std::string reset = fault.empty() ? "" : ": " + fault + "; hapton set --reset-faults";
@@ -68,8 +68,8 @@ std::string safety_text(const Json& report) {
 std::string nodes_text(const Span& span) {
   std::string text = fmt::format("{:<9} {:<28} {:>12} {:>12} {:>8} {:>10} {:>10}\n", "node", "address", "received/s", "sent/s", "lost",
                                  "reordered", "there for");
-  for (const Json& node : section(span.now, "nodes")) {
-    const Json* earlier = find_node(span.before, node);
+  for (const ReportJson& node : section(span.now, "nodes")) {
+    const ReportJson* earlier = find_node(span.before, node);
     const double seconds = earlier == nullptr ? json_number_of(node, "seconds") : span.seconds;
     const auto rate = [&](const char* name) {
       return seconds > 0.0 ? (json_number_of(node, name) - (earlier == nullptr ? 0.0 : json_number_of(*earlier, name))) / seconds : 0.0;
@@ -104,7 +104,7 @@ std::string counters_text(const Span& span) {
 
 Result<TopLook> read_top_look(const std::string& json, const std::string& csv) {
   TopLook look;
-  look.report = Json::parse(json, nullptr, false);
+  look.report = ReportJson::parse(json, nullptr, false);
   if (!look.report.is_object() || word(look.report, "schema") != kReportSchema) {
     return fail("the hub's report is not of schema {}; it is another build", kReportSchema);
   }
@@ -115,7 +115,7 @@ Result<TopLook> read_top_look(const std::string& json, const std::string& csv) {
 
 std::string make_top_view(const std::string& hub, const TopLook& now, const TopLook* before) {
   const Span span = make_span(now, before);
-  const Json& rates = section(now.report, "rates_hz");
+  const ReportJson& rates = section(now.report, "rates_hz");
   std::string text =
       fmt::format("hub {} on {}: up {:.0f} s, device {}, servo {:.1f} Hz of {:g} Hz requested\n", hub,
                   word(section(now.report, "machine"), "host"), json_number_of(now.report, "seconds"),

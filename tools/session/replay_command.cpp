@@ -91,7 +91,7 @@ Result<void> replay(ReplayOptions& options) {
   for (const std::string& note : scene->notes) {
     fmt::print("{}\n", note);
   }
-  TouchStep touch(std::move(*method));
+  TouchStep touch(std::move(*method), *touch_scene);
   SteadyClock clock;
   const Replay done = run_replay(touch, *trajectory, options.replay, clock);
   fmt::print("{}", touch.method().describe());

@@ -119,7 +119,7 @@ class RecordedScenes {
     settings->build_on_approach = false;
     auto method = make_method(*settings, (*scene)->touch);
     if (!method) return tl::unexpected(method.error());
-    return std::make_unique<TouchStep>(std::move(*method));
+    return std::make_unique<TouchStep>(std::move(*method), (*scene)->touch);
   }
 
  private:
@@ -147,7 +147,8 @@ std::string describe(const ReplayCounts& counts) {
   std::string text = fmt::format("replayed: {} steps, {} in contact; {} compared bit for bit, {} different\n", counts.steps,
                                  counts.contact_steps, counts.compared, counts.different);
   if (counts.lost_answers > 0) text += fmt::format("{} answers were lost: replayed but not compared\n", counts.lost_answers);
-  if (counts.not_compared > 0) text += fmt::format("{} steps not compared: contact began before the recording\n", counts.not_compared);
+  if (counts.not_compared > 0)
+    text += fmt::format("{} steps not compared: contact, or an effect, began before the recording\n", counts.not_compared);
   if (counts.unknown_method > 0)
     text += fmt::format("{} steps not compared: the recording does not name their method\n", counts.unknown_method);
   if (counts.missing_states > 0) text += fmt::format("{} answers to states that are not in the recording\n", counts.missing_states);

@@ -143,7 +143,10 @@ Result<void> SessionReplay::step_method(const ForceCommand& command) {
   if (const auto changed = change_method(command.method_serial); !changed) return changed;
   turn(command.view_revision);
   // A device that was free then is free now: from here on nothing earlier matters.
-  if (!is_certain_ && is_method_known_ && !command.contact) {
+  // Effects remember more: time, velocity.
+  const bool had_gap = command.answered_before == 0 && last_sample_ != 0;
+  if (step_->touch().has_effects() && had_gap) is_certain_ = false;
+  if (!is_certain_ && is_method_known_ && !command.contact && !step_->touch().has_effects()) {
     step_->restart();
     is_certain_ = true;
   }

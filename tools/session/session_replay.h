@@ -28,7 +28,8 @@ struct ReplayCounts {
   std::uint64_t compared = 0;
   std::uint64_t different = 0;
   std::uint64_t lost_answers = 0;    // replayed, but the original reply is unknown because it was lost
-  std::uint64_t not_compared = 0;    // in contact before the first step in free space, with earlier contact unknown
+  std::uint64_t not_compared = 0;    // in contact before the first step in free space, with earlier contact unknown; with effects, all
+                                     // steps after one that is unknown
   std::uint64_t unknown_method = 0;  // computed by a method that the recording does not name: its setup was lost
   std::uint64_t missing_states = 0;  // with a reply, but the state is not in the recording
   std::uint64_t missing_views = 0;

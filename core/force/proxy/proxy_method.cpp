@@ -117,7 +117,11 @@ MethodOutput ProxyMethod::step_outside(const MethodInput& input) noexcept {
   const Vec3 turned = shading_ > 0.0 ? shaded(extension) : extension;
   const Vec3 extension_m =
       length > active_offset_ ? Vec3(turned * ((length - active_offset_) / length * geometry_.unit_m())) : Vec3::Zero();
-  return {.force_n = force_of(extension_m, moved * speed_m_per_s), .p_SP = p_SP, .contact = length > active_offset_};
+  const bool is_contact = length > active_offset_;
+  return {.force_n = force_of(extension_m, moved * speed_m_per_s),
+          .p_SP = p_SP,
+          .contact = is_contact,
+          .object = is_contact ? surfaces_.strongest_object(proxy_) : -1};
 }
 
 // The spring extension is the sum of multiplier * normal over the active constraints; the same sum over smooth normals gives the shaded

@@ -58,8 +58,15 @@ class ProxySurfaces {
   bool can_touch(std::uint32_t triangle, const Vec3& p) const noexcept;
   // Of all active constraints (ContactMaterial).
   Material mean_material(const ProxyState& state) const noexcept;
+  // The object of the active constraint with the largest multiplier; -1 without contacts.
+  int strongest_object(const ProxyState& state) const noexcept {
+    if (state.active_count > 1) return strongest_of_several(state);
+    return state.contact_count > 0 ? static_cast<int>(geometry_.mesh_of(state.contacts[0].triangle)) : -1;
+  }
 
  private:
+  int strongest_of_several(const ProxyState& state) const noexcept;
+
   const TouchGeometry& geometry_;
   const std::vector<Material>& materials_;
   bool has_one_sided_ = false;

@@ -257,6 +257,7 @@ MethodOutput ReferenceMethod::compute_output(const Vec3& p_SD, const Vec3& posit
   if (!(strength > 0.0)) return output;
   output.force_n = extension * (strength / length);
   output.contact = true;
+  output.object = proxy_->state().object;
   return output;
 }
 

@@ -166,7 +166,10 @@ void ReferenceProxy::descend(const Vec3& device) noexcept {
     idle = distance < nearest - kIdleGain ? 0 : idle + 1;
     nearest = std::min(nearest, distance);
     const Pull pull = project_pull(device - state_.position);
-    if (pull.strongest != nullptr) state_.material = material_of(pull);
+    if (pull.strongest != nullptr) {
+      state_.material = material_of(pull);
+      state_.object = static_cast<int>(pull.strongest->face.object);
+    }
     if (pull.motion.count == 0) {
       const bool arrives = (device - state_.position).norm() <= kLongestMotion;
       if (advance(pull.motion.point) && arrives) {

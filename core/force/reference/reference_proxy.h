@@ -33,6 +33,7 @@ class ReferenceProxy {
     Vec3 position = Vec3::Zero();
     std::vector<Contact> contacts;
     Material material;  // of the contact, weighted by multipliers
+    int object = -1;    // of the contact with the largest multiplier; -1: none yet
     bool free = true;
     bool sliding = false;
   };

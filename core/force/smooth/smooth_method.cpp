@@ -399,6 +399,7 @@ MethodOutput SmoothMethod::compute_inside(const Vec3& P) noexcept {
   if (pull.dot(n) > 0.0) output.force_n += T_.stiffness_n_per_m * pull;
   output.contact = !output.force_n.isZero(0.0);
   output.p_SP = output.contact ? V : P;
+  if (output.contact) output.object = static_cast<int>(T_.object);
   return output;
 }
 

@@ -137,9 +137,11 @@ MethodOutput SweepMethod::step(const MethodInput& input) noexcept {
   // point, on the side that the probe came from, so that the next line crosses the surface again as long as the probe stays below.
   const SweepCollision& hit = deepest.collision;
   p_last_ = hit.point + offset_m_ * hit.normal;
-  output.force_n = materials_[object_of_[deepest.triangle]].stiffness_n_per_m * hit.depth * hit.normal;
+  const std::uint32_t object = object_of_[deepest.triangle];
+  output.force_n = materials_[object].stiffness_n_per_m * hit.depth * hit.normal;
   output.p_SP = hit.point;
   output.contact = output.force_n != Vec3::Zero();
+  if (output.contact) output.object = static_cast<int>(object);
   return output;
 }
 

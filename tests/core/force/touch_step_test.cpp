@@ -4,6 +4,7 @@
 
 #include <numbers>
 
+#include "tests/support/allocation_guard.h"
 #include "tests/support/made_meshes.h"
 
 namespace hapton {
@@ -42,6 +43,93 @@ TEST(TouchStep, TurningTheSceneIntoAStationaryProbeExertsAForce) {
   const TouchOutput felt = touch.step({.p_WD = p_WD, .X_WS = X_WS});
   ASSERT_TRUE(felt.contact);
   EXPECT_GT(felt.force_n[2], 2.5);
+}
+
+TouchScene sheet_with(const SurfaceEffects& effects, std::vector<SpaceEffect> space = {}) {
+  return {.objects = {{made::shared(made::sheet(0.1, 0.0, 4)), {}, effects}}, .effects = std::move(space)};
+}
+
+TouchStep make_step_over(const char* method, const TouchScene& scene) { return {*make_method({.name = method}, scene), scene}; }
+
+// The frame of an effect is the scene's: it turns with it.
+TEST(TouchStep, EffectsTurnWithTheScene) {
+  Pose X_WS = Pose::Identity();
+  X_WS.linear() = Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitY()).toRotationMatrix();  // +z to +x
+  X_WS.translation() = Vec3(0.5, 0.01, -0.02);
+  const TouchScene scene = sheet_with({.progressive = {.n_per_m2 = 2e5}}, {ConstantEffect{.force_n = {0, 0, 0.25}}});
+  for (const char* method : {"proxy", "smooth", "sweep", "reference"}) {
+    TouchStep touch = make_step_over(method, scene);
+    EXPECT_TRUE(touch.has_effects());
+    touch.reset({.p_WD = {0.51, 0.03, 0.01}, .X_WS = X_WS});
+    const TouchOutput free = touch.step({.p_WD = {0.505, 0.03, 0.01}, .X_WS = X_WS});
+    EXPECT_TRUE(free.contact) << "an effect acts";
+    EXPECT_LT((free.force_n - Vec3(0.25, 0, 0)).norm(), 1e-12);
+    EXPECT_EQ(free.visual_offset_m, Vec3::Zero());
+    const TouchOutput pressed = touch.step({.p_WD = {0.498, 0.03, 0.01}, .X_WS = X_WS});
+    // 2 mm: 2 N, 0.8 N of the progressive part, and the constant.
+    EXPECT_LT((pressed.force_n - Vec3(3.05, 0, 0)).norm(), 1e-5) << method;
+    EXPECT_LT((pressed.visual_offset_m - Vec3(0.002, 0, 0)).norm(), 1e-8) << method;
+  }
+}
+
+TEST(TouchStep, ASceneWithoutEffectsIsTheMethodAloneToTheBit) {
+  const TouchScene scene = sheet_with({});
+  TouchStep with = make_step_over("proxy", scene);
+  TouchStep without(*make_method({.name = "proxy"}, scene));
+  EXPECT_FALSE(with.has_effects());
+  with.reset({.p_WD = {0, 0, 0.01}});
+  without.reset({.p_WD = {0, 0, 0.01}});
+  for (int k = 0; k < 200; ++k) {
+    const Vec3 p(1e-4 * k, 2e-5 * k, 0.003 * std::cos(0.1 * k));
+    const TouchOutput a = with.step({.p_WD = p});
+    const TouchOutput b = without.step({.p_WD = p});
+    ASSERT_EQ(a.force_n, b.force_n);
+    ASSERT_EQ(a.visual_offset_m, b.visual_offset_m);
+    ASSERT_EQ(a.contact, b.contact);
+  }
+}
+
+TEST(TouchStep, ResetForgetsTheEffectsToo) {
+  const TouchScene scene =
+      sheet_with({.snap = {.range_m = 0.003}, .tap = {.ns_per_m = 5}}, {ViscousEffect{}, WaveEffect{.frequency_hz = 37}});
+  TouchStep touch = make_step_over("proxy", scene);
+  std::vector<Vec3> first;
+  for (int run = 0; run < 2; ++run) {
+    touch.reset({.p_WD = {0, 0, 0.002}});
+    for (int k = 0; k < 300; ++k) {
+      const TouchOutput output = touch.step({.p_WD = Vec3(1e-4 * k, 0, 0.002 * std::cos(0.1 * k))});
+      if (run == 0)
+        first.push_back(output.force_n);
+      else
+        ASSERT_EQ(output.force_n, first[k]) << k;
+    }
+  }
+}
+
+TEST(TouchStep, ASampleThatIsNotFiniteGivesNoForceWithEffects) {
+  TouchStep touch = make_step_over("proxy", sheet_with({}, {ConstantEffect{.force_n = {0, 0, 1}}}));
+  touch.reset({.p_WD = {0, 0, 0.002}});
+  const TouchOutput output = touch.step({.p_WD = Vec3::Constant(std::numeric_limits<double>::quiet_NaN())});
+  EXPECT_EQ(output.force_n, Vec3::Zero());
+  EXPECT_FALSE(output.contact);
+  EXPECT_EQ(touch.step({.p_WD = {0, 0, 0.002}}).force_n, Vec3(0, 0, 1));
+}
+
+TEST(TouchStep, EffectsUseNoHeap) {
+  if (!AllocationGuard::is_available()) GTEST_SKIP() << "allocations cannot be counted in this build";
+  TouchStep touch =
+      make_step_over("proxy", sheet_with({.progressive = {.n_per_m2 = 1e5},
+                                          .layers = {},
+                                          .bumps = {.height_m = 1e-3},
+                                          .viscosity = {.damping_ns_per_m = 2},
+                                          .snap = {.range_m = 0.002},
+                                          .tap = {.ns_per_m = 5}},
+                                         {SpringEffect{}, ViscousEffect{}, WaveEffect{}, BurstEffect{}, GravityWellEffect{}}));
+  touch.reset({.p_WD = {0, 0, 0.002}});
+  const AllocationGuard guard;
+  for (int k = 0; k < 500; ++k) touch.step({.p_WD = Vec3(1e-5 * k, 0, 0.003 * std::cos(0.1 * k))});
+  touch.reset({.p_WD = {0, 0, 0.002}});
+  EXPECT_EQ(guard.count(), 0U);
 }
 
 }  // namespace

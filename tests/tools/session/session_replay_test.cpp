@@ -25,12 +25,14 @@ std::unique_ptr<TouchStep> make_touch(const char* method) {
 
 // A haptics node at work, whose states and answers are handed to a recording.
 struct SessionReplayTest : testing::Test {
-  HapticsStep live{make_touch("proxy"), MethodSettings().offset_m};
+  HapticsStep live;
   HapticsSetups setups;
   std::uint64_t sample = 0;
   std::vector<std::pair<DeviceState, std::optional<ForceCommand>>> recorded;
 
-  SessionReplayTest() { send_setup("proxy"); }
+  explicit SessionReplayTest(std::unique_ptr<TouchStep> touch = make_touch("proxy")) : live(std::move(touch), MethodSettings().offset_m) {
+    send_setup("proxy");
+  }
 
   void send_setup(const char* method) {
     const auto serial = static_cast<std::uint32_t>(live.counts().methods_taken);
@@ -229,6 +231,77 @@ TEST_F(SessionReplayTest, ARecordingWithoutSetupsIsRejectedInOneLine) {
   const auto done = replay.on_answer(kSender, *recorded[0].second);
   ASSERT_FALSE(done);
   EXPECT_NE(done.error().what.find("does not name"), std::string::npos);
+}
+
+// ---- effects, which remember time and velocity in free space ----
+
+TouchScene sphere_with_effects() {
+  TouchScene scene = one_sphere();
+  scene.objects[0].effects = {.progressive = {.n_per_m2 = 1e5},
+                              .layers = {},
+                              .bumps = {.height_m = 2e-4, .length_m = 2e-3},
+                              .viscosity = {.damping_ns_per_m = 3},
+                              .snap = {.range_m = 2e-3},
+                              .tap = {.ns_per_m = 5}};
+  scene.effects = {ViscousEffect{.damping_ns_per_m = 1.0, .volume = EffectVolume::ball(Vec3::Zero(), 0.0595)},
+                   WaveEffect{.frequency_hz = 37, .volume = EffectVolume::ball(Vec3::Zero(), 0.0595)}};
+  return scene;
+}
+
+std::unique_ptr<TouchStep> make_effects_touch() {
+  const TouchScene scene = sphere_with_effects();
+  return std::make_unique<TouchStep>(*make_method({.name = "proxy"}, scene), scene);
+}
+
+struct EffectsReplayTest : SessionReplayTest {
+  EffectsReplayTest() : SessionReplayTest(make_effects_touch()) {}
+
+  SessionReplay make_effects_replay() {
+    return SessionReplay(setups, [](const HapticsSetup&) -> Result<std::unique_ptr<TouchStep>> { return make_effects_touch(); });
+  }
+};
+
+TEST_F(EffectsReplayTest, EffectsGiveTheSameForcesToTheLastBit) {
+  slide(500);
+  live.replace(make_effects_touch());
+  send_setup("proxy");
+  slide(200);
+  for (std::size_t n = 50; n < 250; n += 3) recorded[n].second.reset();
+  SessionReplay replay = make_effects_replay();
+  feed(replay);
+  EXPECT_GT(replay.counts().compared, 600U);
+  EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
+  EXPECT_EQ(replay.counts().not_compared, 0U);
+}
+
+TEST_F(EffectsReplayTest, WhatBeganBeforeTheRecordingIsNotCompared) {
+  slide(300);
+  sample = 0;
+  for (int n = 0; n < 50; ++n) {  // out into free space, and in again
+    DeviceState state = next_state();
+    state.sample += 300;
+    state.sample_time_ns += 300'000'000;
+    recorded.emplace_back(state, answer(state));
+  }
+  recorded.erase(recorded.begin(), recorded.begin() + 100);
+  SessionReplay replay = make_effects_replay();
+  feed(replay);
+  EXPECT_EQ(replay.counts().compared, 0U);
+  EXPECT_EQ(replay.counts().not_compared, 250U);
+  EXPECT_EQ(replay.counts().different, 0U);
+}
+
+// The node began anew after a long gap: the recording cannot tell that from a gap without one.
+TEST_F(EffectsReplayTest, AfterALongGapNothingIsCompared) {
+  slide(100);
+  sample += 200;
+  live.restart();
+  slide(100);
+  SessionReplay replay = make_effects_replay();
+  feed(replay);
+  EXPECT_EQ(replay.counts().compared, 100U);
+  EXPECT_EQ(replay.counts().not_compared, 100U);
+  EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
 }
 
 }  // namespace

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "bench/measure/method_run.h"
+#include "bench/measure/pareto_run.h"
+#include "bench/measure/run_conditions.h"
+
+namespace hapton {
+
+struct EffectsSettings {
+  std::size_t triangles = 20'000;
+  std::size_t steps = 8000;
+  std::uint64_t seed = 1;
+  TimingBudget budget{.repetitions = 8, .seconds = 2.0};
+};
+
+// The step of method proxy with one effect, on the same slide as without any.
+struct EffectsRow {
+  std::string effect;
+  TimeSpread contact;
+  double mean_ns = 0.0;   // of all steps, without reading the clock in between; other programs' time is in it
+  double added_ns = 0.0;  // by the effect, to the median contact step
+};
+
+struct EffectsReport {
+  RunConditions conditions;
+  std::vector<EffectsRow> rows;  // the first one: none
+};
+
+// What each effect of core/effects adds to a step. Error: see make_method. RT: set-up only.
+Result<EffectsReport> measure_effects(const EffectsSettings& settings, const Stopwatch& watch, const Progress& progress);
+
+std::string to_csv(const EffectsReport& report);
+std::string to_json(const EffectsReport& report);
+std::string to_text(const EffectsReport& report);
+
+}  // namespace hapton

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+
+#include "core/math/types.h"
+
+namespace hapton {
+
+// What an effect knows of the device at one sample. Frame: S. Units: m, m/s, s.
+struct EffectSample {
+  Vec3 p_SD = Vec3::Zero();
+  Vec3 v_SD = Vec3::Zero();  // smoothed (SmoothVelocity)
+  double time_s = 0.0;       // since the step was reset
+};
+
+// What an effect does to the energy of the hand, for a device that is read and driven without delay. Sampling and delay add energy to every
+// one of them; the governor and the damping of the device bound that (docs/loop.md).
+enum class Passivity : std::uint8_t {
+  conservative,  // the force has a potential: no energy over any closed path
+  dissipative,   // it only takes energy
+  active         // it can give energy
+};
+
+}  // namespace hapton

@@ -1,0 +1,122 @@
+#include "core/effects/effect_step.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace hapton {
+namespace {
+
+struct ForceOf {
+  const EffectSample& sample;
+  BurstEffect::State& burst;
+
+  Vec3 operator()(const BurstEffect& effect) const noexcept { return effect.force(sample, burst); }
+  template <class Effect>
+  Vec3 operator()(const Effect& effect) const noexcept {
+    return effect.force(sample);
+  }
+};
+
+// Drawn where the layer that resists was not pressed in yet, like the probe on a surface.
+Vec3 tip_in_layers(const Vec3& p_SD, const Vec3& p_SP, double depth_m, const TissueLayers& layers,
+                   const TissueLayers::State& state) noexcept {
+  const bool resists = state.punctured < layers.count() && state.rest_m < depth_m;
+  return resists ? Vec3(p_SP + (state.rest_m / depth_m) * (p_SD - p_SP)) : p_SD;
+}
+
+}  // namespace
+
+EffectStep::EffectStep(std::vector<SurfaceEffects> surfaces, std::vector<SpaceEffect> space)
+    : surfaces_(std::move(surfaces)), states_(surfaces_.size()) {
+  for (SpaceEffect& effect : space) space_.push_back({.effect = std::move(effect), .burst = {}});
+}
+
+void EffectStep::reset() noexcept {
+  velocity_.reset();
+  time_s_ = 0.0;
+  touched_ = -1;
+  in_contact_ = false;
+  contacts_ = 0;
+  for (ObjectState& state : states_) state = {};
+  for (Placed& placed : space_) placed.burst = {};
+}
+
+EffectResult EffectStep::step(const Vec3& p_SD, double dt_s, const SurfaceContact& contact) noexcept {
+  if (!p_SD.allFinite()) return {.force_n = Vec3::Zero(), .p_SP = contact.p_SP, .is_felt = false};
+  velocity_.add(p_SD, dt_s);
+  if (dt_s > 0.0) time_s_ += std::min(dt_s, kLongestS);
+  const EffectSample sample = {.p_SD = p_SD, .v_SD = velocity_.mean(), .time_s = time_s_};
+
+  EffectResult result = {.force_n = contact.force_n, .p_SP = contact.p_SP, .is_felt = false};
+  const bool is_known = contact.contact && contact.object >= 0 && contact.object < static_cast<int>(surfaces_.size());
+  if (is_known) {
+    result.force_n = surface_force(sample, contact, result.p_SP);
+  } else {
+    result.force_n += leave_surface(sample);
+  }
+  result.force_n += space_force(sample);
+  if (!result.force_n.allFinite()) result.force_n = contact.force_n;
+  if (!result.p_SP.allFinite()) result.p_SP = p_SD;
+  result.is_felt = contact.contact || !result.force_n.isZero(0.0);
+  return result;
+}
+
+SurfaceEffectState& EffectStep::state_of(int object) noexcept {
+  if (!in_contact_) ++contacts_;
+  in_contact_ = true;
+  touched_ = object;
+  ObjectState& state = states_[static_cast<std::size_t>(object)];
+  if (state.contact != contacts_) state = {.effects = {}, .contact = contacts_};
+  return state.effects;
+}
+
+Vec3 EffectStep::surface_force(const EffectSample& sample, const SurfaceContact& contact, Vec3& p_SP) noexcept {
+  const SurfaceEffects& surface = surfaces_[static_cast<std::size_t>(contact.object)];
+  const bool begins = !in_contact_;
+  SurfaceEffectState& state = state_of(contact.object);
+  if (!surface.any()) return contact.force_n;
+
+  const double method_n = contact.force_n.norm();
+  const double depth_m = (contact.p_SP - sample.p_SD).norm();
+  if (!(depth_m > 0.0)) return contact.force_n;
+  const Vec3 normal = method_n > 0.0 ? Vec3(contact.force_n / method_n) : Vec3((contact.p_SP - sample.p_SD) / depth_m);
+
+  // The depth below the bumps, and the force there along the normal. A method's force grows in proportion to the depth.
+  const double lowered_m = surface.bumps.is_on() ? surface.bumps.height_at(contact.p_SP) : 0.0;
+  const double pressed_m = std::max(0.0, depth_m + lowered_m);
+  double pressed_n = method_n * (pressed_m / depth_m);
+  if (surface.progressive.is_on()) pressed_n += surface.progressive.force(pressed_m);
+  if (surface.layers.is_on()) {
+    pressed_n = surface.layers.force(pressed_m, -sample.v_SD.dot(normal), state.layers);
+    if (state.layers.punctured > 0) p_SP = tip_in_layers(sample.p_SD, contact.p_SP, depth_m, surface.layers, state.layers);
+  }
+  Vec3 force_n = pressed_n * normal;
+  if (surface.bumps.is_on()) {
+    const Vec3 gradient = surface.bumps.gradient_at(contact.p_SP);
+    force_n -= pressed_n * (gradient - gradient.dot(normal) * normal);
+  }
+  if (surface.viscosity.is_on()) force_n += surface.viscosity.force(sample.v_SD, normal, std::abs(pressed_n));
+  if (surface.tap.is_on()) {
+    if (begins) surface.tap.begin(-velocity_.newest().dot(normal), sample.time_s, state.tap);
+    force_n += surface.tap.force(sample.time_s, state.tap) * normal;
+  }
+  if (surface.snap.is_on()) SurfaceSnap::touch(contact.p_SP, normal, state.snap);
+  return force_n;
+}
+
+// Layers are whole again and nothing rings any more; a surface that holds on still pulls.
+Vec3 EffectStep::leave_surface(const EffectSample& sample) noexcept {
+  in_contact_ = false;
+  if (touched_ < 0) return Vec3::Zero();
+  const auto object = static_cast<std::size_t>(touched_);
+  return surfaces_[object].snap.force(sample, states_[object].effects.snap);
+}
+
+Vec3 EffectStep::space_force(const EffectSample& sample) noexcept {
+  Vec3 sum = Vec3::Zero();
+  for (Placed& placed : space_) sum += std::visit(ForceOf{sample, placed.burst}, placed.effect);
+  return sum;
+}
+
+}  // namespace hapton

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/effects/smooth_velocity.h"
+#include "core/effects/space_effect.h"
+#include "core/effects/surface_effects.h"
+
+namespace hapton {
+
+// The contact that a force method found at one sample. Frame: S. Units: SI.
+struct SurfaceContact {
+  Vec3 force_n = Vec3::Zero();  // of the method, along the contact normal with its damping and friction
+  Vec3 p_SP = Vec3::Zero();     // proxy
+  int object = -1;              // touched; -1: none, or unknown
+  bool contact = false;
+};
+
+// The same with all effects.
+struct EffectResult {
+  Vec3 force_n = Vec3::Zero();
+  Vec3 p_SP = Vec3::Zero();  // where the probe is drawn: in punctured layers, at the tip of the needle
+  bool is_felt = false;      // contact, or force_n is not zero
+};
+
+// Adds all effects of a scene to the force of a method, sample by sample, and holds what they remember: time, velocity, punctured layers,
+// the surface that holds on, the last tap. The result is finite whenever the method's force is. A sample that is not finite gives zero
+// force and changes nothing. Frame: S. Units: SI. RT: step and reset yes; construction set-up only. Threads: one.
+class EffectStep {
+ public:
+  // surfaces: one for each object of the scene.
+  EffectStep(std::vector<SurfaceEffects> surfaces, std::vector<SpaceEffect> space);
+
+  // dt_s: since the sample before; one that is not above zero counts as the same moment, one above kLongestS as kLongestS.
+  EffectResult step(const Vec3& p_SD, double dt_s, const SurfaceContact& contact) noexcept;
+  void reset() noexcept;
+
+ private:
+  static constexpr double kLongestS = 1.0;
+
+  // Of one object, since it was first touched in this contact. A probe between two objects may go back and forth.
+  struct ObjectState {
+    SurfaceEffectState effects;
+    std::uint64_t contact = 0;
+  };
+  struct Placed {
+    SpaceEffect effect;
+    BurstEffect::State burst;
+  };
+
+  SurfaceEffectState& state_of(int object) noexcept;
+  Vec3 surface_force(const EffectSample& sample, const SurfaceContact& contact, Vec3& p_SP) noexcept;
+  Vec3 leave_surface(const EffectSample& sample) noexcept;
+  Vec3 space_force(const EffectSample& sample) noexcept;
+
+  std::vector<SurfaceEffects> surfaces_;  // by object
+  std::vector<Placed> space_;
+  SmoothVelocity velocity_;
+  double time_s_ = 0.0;
+  int touched_ = -1;  // the object touched in the last step that touched any
+  bool in_contact_ = false;
+  std::uint64_t contacts_ = 0;       // begun from free space
+  std::vector<ObjectState> states_;  // by object
+};
+
+}  // namespace hapton

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+
+#include "core/math/types.h"
+
+namespace hapton {
+
+// Where an effect acts: everywhere, in a ball, or in a box along the axes of S. The boundary belongs to it. Units: m. RT: yes.
+class EffectVolume {
+ public:
+  static EffectVolume everywhere() noexcept { return {}; }
+  static EffectVolume ball(const Vec3& centre, double radius_m) noexcept { return {Shape::ball, centre, Vec3::Constant(radius_m)}; }
+  static EffectVolume box(const Vec3& low, const Vec3& high) noexcept { return {Shape::box, 0.5 * (low + high), 0.5 * (high - low)}; }
+
+  bool is_everywhere() const noexcept { return shape_ == Shape::everywhere; }
+  bool contains(const Vec3& p) const noexcept {
+    switch (shape_) {
+      case Shape::everywhere:
+        return true;
+      case Shape::ball:
+        return (p - centre_).squaredNorm() <= half_size_.x() * half_size_.x();
+      case Shape::box:
+        return ((p - centre_).cwiseAbs().array() <= half_size_.array()).all();
+    }
+    return false;
+  }
+
+  // Calls visit(number) for all that defines it.
+  template <class Visit>
+  void for_each_number(Visit&& visit) const {
+    visit(static_cast<double>(shape_));
+    for (int k = 0; k < 3; ++k) visit(centre_[k]);
+    for (int k = 0; k < 3; ++k) visit(half_size_[k]);
+  }
+
+ private:
+  enum class Shape : std::uint8_t { everywhere, ball, box };
+
+  EffectVolume() = default;
+  EffectVolume(Shape shape, const Vec3& centre, const Vec3& half_size) : shape_(shape), centre_(centre), half_size_(half_size) {}
+
+  Shape shape_ = Shape::everywhere;
+  Vec3 centre_ = Vec3::Zero();
+  Vec3 half_size_ = Vec3::Zero();
+};
+
+}  // namespace hapton

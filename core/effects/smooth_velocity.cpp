@@ -1,0 +1,25 @@
+#include "core/effects/smooth_velocity.h"
+
+#include "core/effects/bounded_force.h"
+
+namespace hapton {
+
+void SmoothVelocity::add(const Vec3& p, double dt_s) noexcept {
+  if (!p.allFinite() || !(dt_s > 0.0)) return;
+  const Vec3 moved = p - last_;
+  last_ = p;
+  if (!has_point_) {
+    has_point_ = true;
+    return;
+  }
+  newest_ = (newest_ + 1) % kSamples;
+  differences_[newest_] = bounded_force(moved / dt_s, kMostMPerS);
+  constexpr double kTotal = 0.5 * static_cast<double>(kSamples * (kSamples + 1));
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t i = 0; i < kSamples; ++i) {
+    sum += static_cast<double>(kSamples - i) * differences_[(newest_ + kSamples - i) % kSamples];
+  }
+  mean_ = sum / kTotal;
+}
+
+}  // namespace hapton

@@ -1,0 +1,33 @@
+#pragma once
+
+#include "core/effects/progressive_stiffness.h"
+#include "core/effects/surface_bumps.h"
+#include "core/effects/surface_snap.h"
+#include "core/effects/surface_viscosity.h"
+#include "core/effects/tap_vibration.h"
+#include "core/effects/tissue_layers.h"
+
+namespace hapton {
+
+// What a surface does beyond the spring, damper and friction of its material. By default all is off.
+struct SurfaceEffects {
+  ProgressiveStiffness progressive = {};
+  TissueLayers layers = {};  // in place of the material's spring; not together with progressive
+  SurfaceBumps bumps = {};
+  SurfaceViscosity viscosity = {};
+  SurfaceSnap snap = {};
+  TapVibration tap = {};
+
+  bool any() const noexcept {
+    return progressive.is_on() || layers.is_on() || bumps.is_on() || viscosity.is_on() || snap.is_on() || tap.is_on();
+  }
+};
+
+// What it remembers between two samples.
+struct SurfaceEffectState {
+  TissueLayers::State layers;
+  SurfaceSnap::State snap;
+  TapVibration::State tap;
+};
+
+}  // namespace hapton

@@ -1,0 +1,263 @@
+#include "core/effects/effect_step.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <random>
+
+#include "tests/core/effects/effect_paths.h"
+#include "tests/support/allocation_guard.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kMs = 1e-3;
+constexpr double kSpring = 1000.0;  // N/m
+
+// What a method without friction finds on the plane z = 0.
+SurfaceContact on_plane(const Vec3& p_SD, int object = 0) {
+  if (!(p_SD.z() < 0.0)) return {.p_SP = p_SD};
+  return {.force_n = {0, 0, -kSpring * p_SD.z()}, .p_SP = {p_SD.x(), p_SD.y(), 0}, .object = object, .contact = true};
+}
+
+EffectResult press(EffectStep& step, const Vec3& p_SD) { return step.step(p_SD, kMs, on_plane(p_SD)); }
+
+SurfaceEffects everything() {
+  return {.progressive = {.n_per_m2 = 1e5},
+          .layers = {},
+          .bumps = {.height_m = 1e-3, .length_m = 5e-3},
+          .viscosity = {.damping_ns_per_m = 4},
+          .snap = {.range_m = 2e-3},
+          .tap = {.ns_per_m = 5}};
+}
+
+std::vector<SpaceEffect> everywhere() {
+  return {SpringEffect{},
+          ConstantEffect{.force_n = {0, -0.3, 0}},
+          SnapEffect{},
+          SnapEffect{.target = SnapEffect::Target::line},
+          SnapEffect{.target = SnapEffect::Target::plane},
+          GravityWellEffect{},
+          ViscousEffect{},
+          WaveEffect{},
+          BurstEffect{.volume = EffectVolume::ball(Vec3::Zero(), 0.01)}};
+}
+
+TEST(EffectStep, WithoutEffectsIsTheMethodsForce) {
+  EffectStep step({SurfaceEffects()}, {});
+  const EffectResult pressed = press(step, {0.1, 0.2, -0.002});
+  EXPECT_EQ(pressed.force_n, Vec3(0, 0, 2.0));
+  EXPECT_EQ(pressed.p_SP, Vec3(0.1, 0.2, 0));
+  EXPECT_TRUE(pressed.is_felt);
+  const EffectResult free = press(step, {0.1, 0.2, 0.002});
+  EXPECT_EQ(free.force_n, Vec3::Zero());
+  EXPECT_FALSE(free.is_felt);
+}
+
+TEST(EffectStep, AddsProgressiveStiffness) {
+  EffectStep step({SurfaceEffects{.progressive = {.n_per_m2 = 2e5}}}, {});
+  EXPECT_LT((press(step, {0, 0, -0.003}).force_n - Vec3(0, 0, 3.0 + 1.8)).norm(), 1e-12);
+}
+
+TEST(EffectStep, TakesTheEffectsOfTheObjectTouched) {
+  EffectStep step({SurfaceEffects(), SurfaceEffects{.progressive = {.n_per_m2 = 2e5}}}, {});
+  const Vec3 p(0, 0, -0.003);
+  EXPECT_NEAR(step.step(p, kMs, on_plane(p, 0)).force_n.z(), 3.0, 1e-12);
+  EXPECT_NEAR(step.step(p, kMs, on_plane(p, 1)).force_n.z(), 4.8, 1e-12);
+  EXPECT_NEAR(step.step(p, kMs, on_plane(p, -1)).force_n.z(), 3.0, 1e-12) << "unknown";
+  EXPECT_NEAR(step.step(p, kMs, on_plane(p, 7)).force_n.z(), 3.0, 1e-12) << "no such object";
+}
+
+TEST(EffectStep, BumpsLowerTheSurfaceAndPushSideways) {
+  const SurfaceBumps bumps = {.pattern = SurfaceBumps::Pattern::ridges, .height_m = 1e-3, .length_m = 4e-3};
+  EffectStep step({SurfaceEffects{.bumps = bumps}}, {});
+  EXPECT_LT((press(step, {0, 0, -0.003}).force_n - Vec3(0, 0, 3)).norm(), 1e-9) << "on the crest";
+  EXPECT_LT((press(step, {0.002, 0, -0.003}).force_n - Vec3(0, 0, 2)).norm(), 1e-9) << "in the trough";
+  // Half way down: 2.5 mm deep, and down the slope, which falls towards +x.
+  EXPECT_LT((press(step, {0.001, 0, -0.003}).force_n - Vec3(2.5 * bumps.slope(), 0, 2.5)).norm(), 1e-9);
+  const EffectResult above = press(step, {0.002, 0, -0.0008});
+  EXPECT_EQ(above.force_n, Vec3::Zero()) << "in the trough, above the bottom";
+}
+
+// The whole surface force of bumps, and of a progressive one with bumps, over closed paths in and out of contact.
+TEST(EffectStep, BumpsAndProgressiveStiffnessGiveNoEnergyOverAClosedPath) {
+  for (const double progressive : {0.0, 1e5}) {
+    for (const auto pattern : {SurfaceBumps::Pattern::ridges, SurfaceBumps::Pattern::grid}) {
+      for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+        EffectStep step(
+            {SurfaceEffects{.progressive = {.n_per_m2 = progressive}, .bumps = {.pattern = pattern, .height_m = 1e-3, .length_m = 4e-3}}},
+            {});
+        const auto work = paths::around(paths::closed(seed, 50000, {0, 0, -0.002}, 0.006),
+                                        [&](const Vec3& p) { return step.step(p, kMs, on_plane(p)).force_n; });
+        EXPECT_LT(std::abs(work.net_j), 1e-5 * work.absolute_j) << "seed " << seed;
+      }
+    }
+  }
+}
+
+// Everything that only takes energy, together, sampled at 1 kHz. Sampling itself gives a spring k at most k/2 |dx|^2 a step (zero-order
+// hold); the work is taken over the motion that led to the force, as the hand feels it with trapezoids.
+TEST(EffectStep, ViscosityAndSnapTakeEnergyOverAClosedPath) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    EffectStep step({SurfaceEffects{.viscosity = {.damping_ns_per_m = 6}, .snap = {.stiffness_n_per_m = 300, .range_m = 2e-3}}}, {});
+    const auto path = paths::closed(seed, 20000, {0, 0, 0.0005}, 0.006);
+    Vec3 before_n = Vec3::Zero();
+    double given_j = 0.0;
+    Vec3 last = path[0];
+    press(step, last);
+    for (std::size_t i = 1; i <= path.size(); ++i) {
+      const Vec3& p = path[i % path.size()];
+      const Vec3 force_n = press(step, p).force_n;
+      given_j += 0.5 * (before_n + force_n).dot(p - last);
+      before_n = force_n;
+      last = p;
+    }
+    EXPECT_LT(given_j, 0.0) << "seed " << seed;
+  }
+}
+
+TEST(EffectStep, ANeedleGoesThroughTheSkin) {
+  SurfaceEffects skin;
+  skin.layers.add({.depth_m = 0.0, .stiffness_n_per_m = 500, .pop_force_n = 1.0});
+  skin.layers.add({.depth_m = 0.01, .stiffness_n_per_m = 2000});
+  EffectStep step({skin}, {});
+  EXPECT_NEAR(press(step, {0, 0, -0.0018}).force_n.z(), 0.9, 1e-12);
+  EXPECT_EQ(press(step, {0, 0, -0.0018}).p_SP, Vec3::Zero()) << "drawn on the skin";
+  const EffectResult through = press(step, {0, 0, -0.0025});
+  EXPECT_EQ(through.force_n, Vec3::Zero());
+  EXPECT_EQ(through.p_SP, Vec3(0, 0, -0.0025)) << "drawn where it is";
+  EXPECT_TRUE(through.is_felt) << "still in contact";
+  const EffectResult bone = press(step, {0, 0, -0.011});
+  EXPECT_NEAR(bone.force_n.z(), 2.0, 1e-9);
+  EXPECT_LT((bone.p_SP - Vec3(0, 0, -0.01)).norm(), 1e-12) << "drawn on the bone";
+  EXPECT_EQ(press(step, {0, 0, -0.001}).force_n, Vec3::Zero()) << "drawn back";
+  press(step, {0, 0, 0.001});
+  EXPECT_NEAR(press(step, {0, 0, -0.001}).force_n.z(), 0.5, 1e-12) << "whole again";
+}
+
+TEST(EffectStep, ATapRingsAtTheSpeedOfTheImpact) {
+  const TapVibration metal = {.ns_per_m = 5, .frequency_hz = 100, .decay_s = 0.02, .max_force_n = 2};
+  EffectStep step({SurfaceEffects{.tap = metal}}, {});
+  press(step, {0, 0, 0.0001});
+  press(step, {0, 0, -0.0001});  // at 0.2 m/s
+  for (int k = 1; k < 20; ++k) {
+    const double expected = 0.1 + 1.0 * decaying_sine(kMs * k, 100, 0.02);
+    EXPECT_NEAR(press(step, {0, 0, -0.0001}).force_n.z(), expected, 1e-9) << k;
+  }
+  step.reset();
+  press(step, {0, 0, -0.0001});
+  EXPECT_NEAR(press(step, {0, 0, -0.0001}).force_n.z(), 0.1, 1e-12) << "a step that begins in contact has not tapped";
+}
+
+// A probe between two objects may be pushed more by the one, then by the other: that is no tap, and punctures stay.
+TEST(EffectStep, GoingBackAndForthBetweenObjectsIsOneContact) {
+  SurfaceEffects skin;
+  skin.layers.add({.depth_m = 0.0, .stiffness_n_per_m = 500, .pop_force_n = 1.0});
+  skin.layers.add({.depth_m = 0.01, .stiffness_n_per_m = 2000});
+  EffectStep step({skin, SurfaceEffects{.tap = {.ns_per_m = 5}}}, {});
+  const auto touch = [&](double z, int object) { return step.step({0, 0, z}, kMs, on_plane({0, 0, z}, object)).force_n.z(); };
+  touch(0.001, 0);
+  touch(-0.001, 0);
+  EXPECT_EQ(touch(-0.003, 0), 0.0) << "punctured";
+  for (int k = 1; k < 10; ++k) {
+    EXPECT_NEAR(touch(-0.003 - 1e-4 * k, 1), 3.0 + 0.1 * k, 1e-9) << "no tap";
+    EXPECT_EQ(touch(-0.003 - 1e-4 * k, 0), 0.0) << "still punctured";
+  }
+  touch(0.001, 0);
+  EXPECT_NEAR(touch(-0.001, 0), 0.5, 1e-12) << "a contact of its own";
+}
+
+TEST(EffectStep, ASurfaceHoldsOnUntilOutOfRange) {
+  EffectStep step({SurfaceEffects{.snap = {.stiffness_n_per_m = 300, .range_m = 2e-3}}}, {});
+  EXPECT_EQ(press(step, {0, 0, 0.001}).force_n, Vec3::Zero());
+  press(step, {0, 0, -0.001});
+  const EffectResult held = press(step, {0, 0, 0.001});
+  EXPECT_NEAR(held.force_n.z(), -0.3, 1e-12);
+  EXPECT_TRUE(held.is_felt);
+  EXPECT_EQ(held.p_SP, Vec3(0, 0, 0.001));
+  EXPECT_FALSE(press(step, {0, 0, 0.0021}).is_felt);
+}
+
+TEST(EffectStep, SpaceEffectsActInContactAndOutside) {
+  EffectStep step({SurfaceEffects()}, {ConstantEffect{.force_n = {0.5, 0, 0}}, WaveEffect{.amplitude_n = 0.2, .frequency_hz = 50}});
+  for (int k = 1; k < 40; ++k) {
+    const Vec3 p(0, 0, k % 2 == 0 ? 0.001 : -0.001);
+    const Vec3 wave(0, 0, 0.2 * std::sin(2 * std::numbers::pi * 50 * kMs * k));
+    EXPECT_LT((press(step, p).force_n - on_plane(p).force_n - Vec3(0.5, 0, 0) - wave).norm(), 1e-9) << k;
+  }
+}
+
+TEST(EffectStep, ResetForgetsEverything) {
+  EffectStep used({everything()}, everywhere());
+  EffectStep fresh({everything()}, everywhere());
+  for (const Vec3& p : paths::closed(5, 500, {0, 0, 0}, 0.01)) press(used, p);
+  used.reset();
+  for (const Vec3& p : paths::closed(6, 500, {0, 0, 0}, 0.01)) {
+    const EffectResult a = press(used, p);
+    const EffectResult b = press(fresh, p);
+    ASSERT_EQ(a.force_n, b.force_n);
+    ASSERT_EQ(a.p_SP, b.p_SP);
+    ASSERT_EQ(a.is_felt, b.is_felt);
+  }
+}
+
+TEST(EffectStep, ASampleThatIsNotFiniteChangesNothing) {
+  EffectStep disturbed({everything()}, everywhere());
+  EffectStep quiet({everything()}, everywhere());
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double inf = std::numeric_limits<double>::infinity();
+  for (const Vec3& p : paths::closed(8, 300, {0, 0, 0}, 0.01)) {
+    const EffectResult nothing = disturbed.step({nan, inf, 0}, kMs, {});
+    ASSERT_EQ(nothing.force_n, Vec3::Zero());
+    ASSERT_FALSE(nothing.is_felt);
+    ASSERT_EQ(press(disturbed, p).force_n, press(quiet, p).force_n);
+  }
+}
+
+// Any motion, any time step: finite, and no larger than the bounds together.
+TEST(EffectStep, IsFiniteAndBoundedForAnyInput) {
+  constexpr std::uint64_t kSeed = 20;
+  RecordProperty("seed", static_cast<int>(kSeed));
+  std::mt19937_64 random(kSeed);
+  const auto pick = [&](const std::vector<double>& from) { return from[random() % from.size()]; };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double inf = std::numeric_limits<double>::infinity();
+  const std::vector<double> lengths = {0.0, -0.0, 1e-9, -1e-3, 2e-3, -5e-3, 0.01, 1.0, -1e3, 1e150, -1e200, 1e308, 5e-324, nan, inf};
+  const std::vector<double> times = {0.0, 1e-3, 1e-3, 1e-3, 1e-4, -1.0, 1e-300, 5e-324, 1.0, 1e300, nan, inf, -inf};
+  SurfaceEffects needle;
+  for (int i = 0; i < 8; ++i) needle.layers.add({.depth_m = 1e-3 * i, .stiffness_n_per_m = 1e6, .pop_force_n = 10, .drag_ns_per_m = 100});
+  const std::vector<SurfaceEffects> surfaces = {everything(), needle, SurfaceEffects()};
+  EffectStep step(surfaces, everywhere());
+  double space_n = 0.0;
+  for (const SpaceEffect& effect : everywhere()) space_n += bound_of(effect);
+  const double bumpy = std::sqrt(1.0 + everything().bumps.slope() * everything().bumps.slope());
+  for (int k = 0; k < 200000; ++k) {
+    if (k % 997 == 0) step.reset();
+    const Vec3 p(pick(lengths), pick(lengths), pick(lengths));
+    SurfaceContact contact = {.p_SP = p, .object = static_cast<int>(random() % 6) - 2};
+    contact.contact = random() % 2 == 0;
+    // What a method may give: a finite force, and a proxy anywhere.
+    if (contact.contact) {
+      contact.force_n = Vec3(0.1, -2, 3) * static_cast<double>(random() % 3);
+      contact.p_SP = Vec3(pick(lengths), pick(lengths), pick(lengths));
+    }
+    const EffectResult result = step.step(p, pick(times), contact);
+    ASSERT_TRUE(result.force_n.allFinite()) << "step " << k << ", seed " << kSeed;
+    const double surface_n =
+        (contact.force_n.norm() + kMostEffectForceN) * (1.0 + bumpy) + everything().tap.max_force_n + everything().snap.bound_n();
+    ASSERT_LE(result.force_n.norm(), (surface_n + space_n) * (1 + 1e-9)) << "step " << k << ", seed " << kSeed;
+  }
+}
+
+TEST(EffectStep, UsesNoHeap) {
+  if (!AllocationGuard::is_available()) GTEST_SKIP();
+  EffectStep step({everything()}, everywhere());
+  const auto path = paths::closed(9, 2000, {0, 0, 0}, 0.01);
+  const AllocationGuard guard;
+  for (const Vec3& p : path) press(step, p);
+  step.reset();
+  EXPECT_EQ(guard.count(), 0U);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,46 @@
+#include "core/effects/effect_volume.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace hapton {
+namespace {
+
+TEST(EffectVolume, IsEverywhereABallOrABox) {
+  EXPECT_TRUE(EffectVolume::everywhere().contains({1e9, -1e9, 0}));
+  const auto ball = EffectVolume::ball({1, 2, 3}, 0.5);
+  EXPECT_TRUE(ball.contains({1.5, 2, 3}));
+  EXPECT_TRUE(ball.contains({1.25, 2.25, 3.25}));
+  EXPECT_FALSE(ball.contains({1.51, 2, 3}));
+  EXPECT_FALSE(ball.contains({1.3, 2.3, 3.3}));
+  const auto box = EffectVolume::box({0, 0, 0}, {1, 2, 4});
+  EXPECT_TRUE(box.contains({0, 2, 4}));
+  EXPECT_TRUE(box.contains({0.5, 1, 2}));
+  EXPECT_FALSE(box.contains({1.01, 1, 2}));
+  EXPECT_FALSE(box.contains({0.5, 1, -0.01}));
+}
+
+TEST(EffectVolume, ContainsNothingThatIsNotFinite) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(EffectVolume::ball(Vec3::Zero(), 1.0).contains({nan, 0, 0}));
+  EXPECT_FALSE(EffectVolume::box(-Vec3::Ones(), Vec3::Ones()).contains({0, 0, nan}));
+  EXPECT_FALSE(EffectVolume::ball(Vec3::Zero(), 1.0).contains({1e200, 0, 0}));
+}
+
+TEST(EffectVolume, NamesAllItsNumbers) {
+  const auto numbers = [](const EffectVolume& volume) {
+    std::vector<double> all;
+    volume.for_each_number([&](double number) { all.push_back(number); });
+    return all;
+  };
+  const auto ball = numbers(EffectVolume::ball({1, 2, 3}, 0.5));
+  EXPECT_EQ(ball.size(), 7U);
+  EXPECT_NE(ball, numbers(EffectVolume::ball({1, 2, 3}, 0.6)));
+  EXPECT_NE(ball, numbers(EffectVolume::ball({1, 2, 4}, 0.5)));
+  EXPECT_NE(ball, numbers(EffectVolume::box({0.5, 1.5, 2.5}, {1.5, 2.5, 3.5}))) << "of the same size";
+  EXPECT_NE(ball, numbers(EffectVolume::everywhere()));
+}
+
+}  // namespace
+}  // namespace hapton

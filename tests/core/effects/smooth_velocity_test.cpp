@@ -1,0 +1,96 @@
+#include "core/effects/smooth_velocity.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <random>
+
+namespace hapton {
+namespace {
+
+constexpr double kMillisecond = 1e-3;
+
+TEST(SmoothVelocity, IsTheVelocityOfSteadyMotion) {
+  SmoothVelocity velocity;
+  const Vec3 v(0.1, -0.2, 0.05);
+  velocity.add(Vec3(1, 2, 3), kMillisecond);
+  EXPECT_EQ(velocity.mean(), Vec3::Zero()) << "one sample tells no velocity";
+  for (int k = 1; k <= 8; ++k) velocity.add(Vec3(1, 2, 3) + k * kMillisecond * v, kMillisecond);
+  EXPECT_LT((velocity.mean() - v).norm(), 1e-12);
+  EXPECT_LT((velocity.newest() - v).norm(), 1e-12);
+}
+
+// A step of the velocity: after m of 8 samples the mean is the sum of the first m weights, 8, 7, 6 ... of 36.
+TEST(SmoothVelocity, WeightsFallLinearly) {
+  SmoothVelocity velocity;
+  velocity.add(Vec3::Zero(), kMillisecond);
+  double share = 0.0;
+  for (int m = 1; m <= 8; ++m) {
+    velocity.add(Vec3(m * kMillisecond, 0, 0), kMillisecond);
+    share += (9.0 - m) / 36.0;
+    EXPECT_NEAR(velocity.mean().x(), share, 1e-12) << m;
+  }
+}
+
+TEST(SmoothVelocity, ForgetsAllAfterItsSamples) {
+  SmoothVelocity wild;
+  SmoothVelocity fresh;
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  const auto point = [&] { return Vec3(unit(random), unit(random), unit(random)); };
+  for (int k = 0; k < 100; ++k) wild.add(point(), kMillisecond);
+  for (int k = 0; k < 9; ++k) {
+    const Vec3 p = point();
+    wild.add(p, kMillisecond);
+    fresh.add(p, kMillisecond);
+  }
+  // The order of the sum is that of the samples, so it is the same to the bit.
+  EXPECT_EQ(wild.mean(), fresh.mean());
+}
+
+// The sum of v_k . mean_k, which is what a damper takes, for motions that try to make it negative: noise, and every frequency to the
+// Nyquist.
+TEST(SmoothVelocity, IsAlongTheMotionOverall) {
+  constexpr std::uint64_t kSeed = 11;
+  RecordProperty("seed", static_cast<int>(kSeed));
+  std::mt19937_64 random(kSeed);
+  std::normal_distribution<double> normal;
+  for (int trial = 0; trial < 200; ++trial) {
+    SmoothVelocity velocity;
+    Vec3 p = Vec3::Zero();
+    velocity.add(p, kMillisecond);
+    double taken = 0.0;
+    double squares = 0.0;
+    for (int k = 0; k < 400; ++k) {
+      const double turn = std::numbers::pi * trial / 100.0 * k;
+      const Vec3 v = trial <= 100 ? Vec3(std::cos(turn), std::sin(turn), 0) : Vec3(normal(random), normal(random), normal(random));
+      p += kMillisecond * v;
+      velocity.add(p, kMillisecond);
+      taken += velocity.newest().dot(velocity.mean());
+      squares += velocity.newest().squaredNorm();
+    }
+    // The filter's response has a real part of at least half its first weight: (8 / 36) / 2.
+    EXPECT_GT(taken, 0.99 * squares / 9.0) << "trial " << trial << ", seed " << kSeed;
+  }
+}
+
+TEST(SmoothVelocity, LeavesOutWhatIsNoSample) {
+  SmoothVelocity velocity;
+  velocity.add(Vec3::Zero(), kMillisecond);
+  velocity.add(Vec3(kMillisecond, 0, 0), kMillisecond);
+  const Vec3 before = velocity.mean();
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  velocity.add(Vec3(nan, 0, 0), kMillisecond);
+  velocity.add(Vec3(1, 0, 0), 0.0);
+  velocity.add(Vec3(1, 0, 0), -1.0);
+  velocity.add(Vec3(1, 0, 0), nan);
+  EXPECT_EQ(velocity.mean(), before);
+  velocity.add(Vec3(1e308, 0, 0), 1e-300);
+  EXPECT_TRUE(velocity.mean().allFinite());
+  velocity.reset();
+  EXPECT_EQ(velocity.mean(), Vec3::Zero());
+  EXPECT_EQ(velocity.newest(), Vec3::Zero());
+}
+
+}  // namespace
+}  // namespace hapton

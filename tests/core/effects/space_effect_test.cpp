@@ -1,0 +1,23 @@
+#include "core/effects/space_effect.h"
+
+#include <gtest/gtest.h>
+
+namespace hapton {
+namespace {
+
+TEST(SpaceEffect, SaysWhatItDoesToEnergyAndHowStrongItIs) {
+  EXPECT_EQ(passivity_of(SpringEffect()), Passivity::conservative);
+  EXPECT_EQ(passivity_of(SnapEffect()), Passivity::conservative);
+  EXPECT_EQ(passivity_of(GravityWellEffect()), Passivity::conservative);
+  EXPECT_EQ(passivity_of(ViscousEffect()), Passivity::dissipative);
+  EXPECT_EQ(passivity_of(ConstantEffect()), Passivity::conservative);
+  EXPECT_EQ(passivity_of(ConstantEffect{.volume = EffectVolume::ball(Vec3::Zero(), 1.0)}), Passivity::active);
+  EXPECT_EQ(passivity_of(WaveEffect()), Passivity::active);
+  EXPECT_EQ(passivity_of(BurstEffect()), Passivity::active);
+  EXPECT_EQ(bound_of(SpringEffect{.max_force_n = 1.5}), 1.5);
+  EXPECT_EQ(bound_of(ConstantEffect{.force_n = {3, 4, 0}}), 5.0);
+  EXPECT_EQ(bound_of(WaveEffect{.amplitude_n = 0.25}), 0.25);
+}
+
+}  // namespace
+}  // namespace hapton

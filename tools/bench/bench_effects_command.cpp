@@ -1,0 +1,63 @@
+#include <fmt/core.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "bench/measure/effects_run.h"
+#include "runtime/atomic_file.h"
+#include "runtime/clock.h"
+#include "tools/bench/bench_meshes.h"
+#include "tools/commands.h"
+
+namespace hapton {
+namespace {
+
+struct EffectsOptions {
+  EffectsSettings settings;
+  std::string out;
+  bool quick = false;
+};
+
+Result<void> measure_all_effects(EffectsOptions& options) {
+  if (!options.out.empty()) {
+    if (auto writable = check_writable(options.out); !writable) return writable;
+  }
+  if (options.quick) {
+    options.settings.steps = 2000;
+    options.settings.budget = {.repetitions = 3, .seconds = 0.3};
+  }
+  const Stopwatch watch = Stopwatch::calibrate();
+  const SteadyClock clock;
+  const std::int64_t start_ns = clock.now_ns();
+  const auto report = measure_effects(options.settings, watch, [&](const std::string& what) {
+    print_progress(1e-9 * static_cast<double>(clock.now_ns() - start_ns), what);
+  });
+  if (!report) return tl::unexpected(report.error());
+  fmt::print("{}", to_text(*report));
+  if (options.out.empty()) return {};
+  const std::filesystem::path folder = options.out;
+  if (auto written = write_file_atomically(folder / "effects.csv", to_csv(*report)); !written) return written;
+  if (auto written = write_file_atomically(folder / "effects.txt", to_text(*report)); !written) return written;
+  return write_file_atomically(folder / "effects.json", to_json(*report));
+}
+
+}  // namespace
+
+void add_bench_effects_command(CommandLine bench, int& exit_code) {
+  auto options = std::make_shared<EffectsOptions>();
+  const CommandLine command = bench.add_subcommand("effects", "What each effect of docs/effects.md adds to a step");
+  command.add_flag("--quick", options->quick, "Short runs");
+  command.add_option("--steps", options->settings.steps, "Steps of the slide").between(100, 10'000'000).shows_default();
+  command.add_option("--seed", options->settings.seed, "Seed of the slide").shows_default();
+  command.add_option("--out", options->out, "Folder for effects.txt, effects.csv and effects.json; default: none are written")
+      .folder_to_write();
+  command.on_run([options, &exit_code] {
+    const auto done = measure_all_effects(*options);
+    if (!done) fmt::print(stderr, "hapton bench effects: {}\n", done.error().what);
+    exit_code = done ? 0 : 1;
+  });
+}
+
+}  // namespace hapton
