@@ -39,7 +39,8 @@ DevicePreset model_a_preset() {
            .modes = {joint(0.005, structure, 0.070, 0.2)}},
           model_a::limits(),
           {"Premium 1.5 data sheet (memory): below 75 g", kNoSource, "Premium 1.5 data sheet (memory)", "HP memo: 1/800 in",
-           "HP memo: 1.9 lbf", "HP memo: 30 Hz mechanical bandwidth; its damping is assumed"}};
+           "HP memo: 1.9 lbf", "HP memo: 30 Hz mechanical bandwidth; its damping is assumed"},
+          true};
 }
 
 DevicePreset premium_preset() {

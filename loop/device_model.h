@@ -43,6 +43,7 @@ struct DevicePreset {
   DeviceModel model;
   DeviceLimits limits;
   std::array<std::string_view, 6> sources;  // of mass, damping, friction, encoder step, largest force, modes
+  bool is_workspace_known = false;          // false: that of `limits` is a cube in place of it
 };
 
 // model-a, premium-1.5, touch, omega.3, falcon, wooden. RT: yes.

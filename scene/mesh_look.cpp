@@ -9,7 +9,8 @@ bool MeshLook::says_anything() const {
   return std::any_of(triangles.begin(), triangles.end(), [&](const TriangleLook& triangle) {
     if (triangle.has_colours) return true;
     if (triangle.material >= materials.size()) return false;
-    return materials[triangle.material].colour.has_value() || materials[triangle.material].image.has_value();
+    const LookMaterial& material = materials[triangle.material];
+    return material.colour.has_value() || material.image.has_value() || material.alpha_mode != AlphaMode::opaque;
   });
 }
 

@@ -21,16 +21,27 @@ struct LookImage {
   std::string bytes;
 };
 
+// What a texture shows beyond its edges.
+enum class TextureWrap : std::uint8_t { repeat, mirror, clamp };
+
+// What a material's alpha means: nothing; visible or not, by a cutoff; how much of what is behind is covered. As in glTF.
+enum class AlphaMode : std::uint8_t { opaque, mask, blend };
+
 struct LookMaterial {
   std::string name;
-  std::optional<Eigen::Vector3f> colour;  // sRGB, 0 to 1; multiplies the image. None: the file does not say
-  std::optional<std::size_t> image;       // of MeshLook::images
+  std::optional<Eigen::Vector3f> colour = {};  // sRGB, 0 to 1; multiplies the image. None: the file does not say
+  std::optional<std::size_t> image = {};       // of MeshLook::images
+  std::array<TextureWrap, 2> wrap = {};        // of the image, to the right and down
+  AlphaMode alpha_mode = AlphaMode::opaque;
+  float alpha = 1.0F;         // 0 to 1; multiplies those of the image and of the corner
+  float alpha_cutoff = 0.5F;  // mask: what has less is not there; above 1, nothing is. Not negative
 };
 
 // One corner of one triangle.
 struct CornerLook {
-  Eigen::Vector2f texcoord = Eigen::Vector2f::Zero();    // from the image's upper left corner, right and down; it repeats beyond 0 to 1
+  Eigen::Vector2f texcoord = Eigen::Vector2f::Zero();    // from the image's upper left corner, right and down; beyond 0 to 1 it wraps
   std::array<std::uint8_t, 3> colour = {255, 255, 255};  // sRGB; multiplies the material's
+  std::uint8_t alpha = 255;                              // multiplies the material's
 };
 
 struct TriangleLook {
@@ -40,7 +51,7 @@ struct TriangleLook {
   std::array<CornerLook, 3> corners = {};
 };
 
-// How a mesh file says that its triangles look. What it says of light, transparency and finer relief is not read.
+// How a mesh file says that its triangles look. What it says of light and finer relief is not read.
 struct MeshLook {
   std::vector<LookImage> images;
   std::vector<LookMaterial> materials;

@@ -9,9 +9,9 @@ namespace {
 
 constexpr double kCrackShare = 1e-3;  // of the longest side
 
-double crack_width(const MeshTopology& topology) { return kCrackShare * (topology.highest - topology.lowest).maxCoeff(); }
-
 }  // namespace
+
+double crack_width(const MeshTopology& topology) { return kCrackShare * (topology.highest - topology.lowest).maxCoeff(); }
 
 MeshFlaws find_flaws(const TriangleMesh& mesh) {
   MeshFlaws flaws{.topology = compute_mesh_topology(mesh),

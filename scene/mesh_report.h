@@ -25,6 +25,9 @@ struct MeshFlaws {
   AuthoredNormalReport normals;  // what force shading finds of the file's own vertex normals
 };
 
+// Gaps up to this width count as cracks, wider ones as openings: a thousandth of the longest side.
+double crack_width(const MeshTopology& topology);
+
 // RT: set-up only.
 MeshFlaws find_flaws(const TriangleMesh& mesh);
 

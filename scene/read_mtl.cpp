@@ -30,12 +30,39 @@ std::optional<Eigen::Vector3f> read_colour(TextCursor& cursor) {
   return colour;
 }
 
+// "d 0.4", "d -halo 0.4" or "Tr 0.6". None: not a number.
+std::optional<float> read_share(TextCursor& cursor) {
+  std::string_view word = cursor.word_in_line();
+  if (word == "-halo") word = cursor.word_in_line();
+  double value = 0.0;
+  if (!parse_number(word, value) || !std::isfinite(value)) return std::nullopt;
+  return static_cast<float>(std::clamp(value, 0.0, 1.0));
+}
+
+// Opacity 0 to 1; what is not fully opaque is blended.
+void set_opacity(LookMaterial& material, float opacity) {
+  material.alpha = opacity;
+  material.alpha_mode = opacity < 1.0F ? AlphaMode::blend : AlphaMode::opaque;
+}
+
+struct ImageLine {
+  std::string name;
+  TextureWrap wrap = TextureWrap::repeat;
+};
+
 // After options such as "-s 1 1 1" the name is the last word; without, it may have blanks in it.
-std::string read_image_name(TextCursor& cursor) {
-  std::string name(cursor.rest_of_line());
-  if (name.starts_with('-')) name = name.substr(name.find_last_of(" \t") + 1);
-  std::replace(name.begin(), name.end(), '\\', '/');
-  return name;
+ImageLine read_image_line(TextCursor& cursor) {
+  ImageLine line;
+  line.name = cursor.rest_of_line();
+  if (line.name.starts_with('-')) {
+    TextCursor options(line.name);
+    for (std::string_view word = options.word_in_line(); !word.empty(); word = options.word_in_line()) {
+      if (word == "-clamp") line.wrap = options.word_in_line() == "on" ? TextureWrap::clamp : TextureWrap::repeat;
+    }
+    line.name = line.name.substr(line.name.find_last_of(" \t") + 1);
+  }
+  std::replace(line.name.begin(), line.name.end(), '\\', '/');
+  return line;
 }
 
 }  // namespace
@@ -56,13 +83,24 @@ std::optional<std::size_t> add_image_file(const std::filesystem::path& file, Raw
 
 void read_mtl(std::string_view bytes, const std::filesystem::path& folder, RawMesh& raw) {
   LookMaterial* material = nullptr;
+  bool has_d = false;
   for (TextCursor cursor(bytes); !cursor.at_end(); cursor.next_line()) {
     const std::string_view keyword = cursor.word_in_line();
-    if (keyword == "newmtl") material = find_material(raw.look, cursor.rest_of_line());
+    if (keyword == "newmtl") {
+      material = find_material(raw.look, cursor.rest_of_line());
+      has_d = false;
+    }
     if (material == nullptr) continue;
+    if (keyword == "d" || (keyword == "Tr" && !has_d)) {
+      const auto share = read_share(cursor);
+      if (share) set_opacity(*material, keyword == "d" ? *share : 1.0F - *share);
+      has_d = has_d || (share && keyword == "d");
+    }
     if (keyword == "Kd" && !material->image) material->colour = read_colour(cursor);
     if (keyword != "map_Kd") continue;
-    material->image = add_image_file(folder / read_image_name(cursor), raw);
+    const ImageLine line = read_image_line(cursor);
+    material->image = add_image_file(folder / line.name, raw);
+    material->wrap = {line.wrap, line.wrap};
     if (material->image) material->colour.reset();
   }
 }

@@ -7,9 +7,9 @@
 
 namespace hapton {
 
-// The colours (Kd) and images (map_Kd) of an OBJ file's material library. An image replaces the colour, since the colour that exporters
-// write beside it is a default. folder: where the images' addresses begin. Fills those materials of the look that it names; notes say which
-// images are missing. RT: set-up only.
+// The colours (Kd), opacities (d, or Tr = 1 - d; d wins) and images (map_Kd, with -clamp on) of an OBJ file's material library. An image
+// replaces the colour, since the colour that exporters write beside it is a default. folder: where the images' addresses begin. Fills those
+// materials of the look that it names; notes say which images are missing. RT: set-up only.
 void read_mtl(std::string_view bytes, const std::filesystem::path& folder, RawMesh& raw);
 
 // An image beside a mesh file. None, and a note, where it cannot be read.

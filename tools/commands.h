@@ -7,10 +7,13 @@
 namespace hapton {
 
 // Every command of the `hapton` program. Each function adds one command to the command line; when the command runs, it sets `exit_code`: 0
-// only if it succeeded, 1 otherwise. RT: no.
+// only if it succeeded, 1 otherwise unless it says so. RT: no.
 
 // hapton bench [effects|numbers|haptons|objects|papers|pareto]: run time and error on this machine; alone: numbers.
 void add_bench_command(CommandLine app, int& exit_code);
+
+// hapton check FILE: what is wrong with a scene before anyone touches it. Exit code 0: nothing found, 1: findings, 2: it cannot be checked.
+void add_check_command(CommandLine app, int& exit_code);
 
 // hapton demo [--only N] [--headless --seconds S --out DIR] [--list]: a tour without hardware, to touch and to see. Headless: exit code 0
 // only if every step showed what it promises.
@@ -146,6 +149,7 @@ inline constexpr ListedCommand kCommands[] = {
     {"Measure", add_loop_command},
     {"Compare", add_bench_command},
     {"Compare", add_evaluate_command},
+    {"Check", add_check_command},
     {"Check", add_stress_command},
     {"Check", add_governor_command},
     {"Check", add_relay_command},

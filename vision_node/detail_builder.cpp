@@ -20,8 +20,9 @@ constexpr std::size_t kErrorSamples = 4'000;
 // The servo loop and the haptics node may live on the same cores.
 constexpr int kNiceness = 10;
 
-bool has_texture(const DetailLevel& level) {
-  return std::any_of(level.paints.begin(), level.paints.end(), [](const VertexPaint& paint) { return paint.layer > 0; });
+bool has_texture_or_alpha(const DetailLevel& level) {
+  return std::any_of(level.paints.begin(), level.paints.end(),
+                     [](const VertexPaint& paint) { return paint.layer > 0 || !paint.is_plain(); });
 }
 
 }  // namespace
@@ -57,8 +58,8 @@ void DetailBuilder::run() {
   (void)setpriority(PRIO_PROCESS, 0, kNiceness);
   for (std::size_t i = 0; i < full_.size() && !stop_; ++i) {
     if (full_[i]->triangles() < kLeastTriangles || full_[i]->triangles() < kLarge) continue;
-    // The fast simplification mixes positions of a texture.
-    if (has_texture(*full_[i])) continue;
+    // The fast simplification mixes positions of a texture, and the opaque with the rest.
+    if (has_texture_or_alpha(*full_[i])) continue;
     if (auto rough = make_rough_level(*full_[i], kRoughTriangles)) {
       rough->error = measure_level_error(*rough, *full_[i], kErrorSamples);
       divide_into_clusters(*rough);

@@ -66,8 +66,8 @@ std::optional<DetailLevel> if_worthwhile(const DetailLevel& from, std::vector<st
   return compact(from, std::move(indices));
 }
 
-double difference(const VertexPaint& paint, const Vec3& tint) {
-  double most = 0.0;
+double difference(const VertexPaint& paint, const Vec3& tint, double alpha) {
+  double most = std::abs(paint.alpha - alpha) / 255.0;
   for (int k = 0; k < 3; ++k) most = std::max(most, std::abs(paint.tint[static_cast<std::size_t>(k)] - tint[k]) / 255.0);
   return most;
 }
@@ -76,18 +76,20 @@ double difference(const VertexPaint& paint, const Vec3& tint) {
 double measure_slip(const Vec3& p, const std::array<Vec3, 3>& corners, const DetailLevel& level, std::size_t triangle,
                     const VertexPaint& wanted) {
   const auto paint = [&](std::size_t k) -> const VertexPaint& { return level.paints[level.indices[3 * triangle + k]]; };
-  if (paint(0).layer != wanted.layer) return kBeyondU;
+  if (!paint(0).has_same_finish(wanted)) return kBeyondU;
   const Vec3 weights = closest_point(corners[0], corners[1], corners[2], p).barycentric;
   Vec3 tint = Vec3::Zero();
   Eigen::Vector2d place = Eigen::Vector2d::Zero();
   double longest = 0.0;
+  double alpha = 0.0;
   for (std::size_t k = 0; k < 3; ++k) {
     const double weight = weights[static_cast<int>(k)];
     for (int c = 0; c < 3; ++c) tint[c] += weight * paint(k).tint[static_cast<std::size_t>(c)];
+    alpha += weight * paint(k).alpha;
     place += weight * paint(k).place.cast<double>();
     longest = std::max(longest, (corners[(k + 1) % 3] - corners[k]).norm());
   }
-  double slip = difference(wanted, tint) * longest;
+  double slip = difference(wanted, tint, alpha) * longest;
   const Eigen::Vector2d away = wanted.place.cast<double>() - place;
   if (wanted.layer == 0 || away.isZero()) return slip;
   // J maps texture coordinates to positions on the triangle: (b - a, c - a) = J * (place b - place a, place c - place a).

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/geometry/triangle_mesh.h"
+#include "scene/mesh_look.h"
 
 namespace hapton {
 
@@ -37,8 +38,23 @@ struct VertexPaint {
   std::array<std::uint8_t, 3> tint = {255, 255, 255};  // sRGB
   std::uint8_t layer = 0;                              // of the mesh's texture layers, from 1, tinted; 0: none. One for all of a triangle
   Eigen::Vector2f place = Eigen::Vector2f::Zero();     // in the layer, from its upper left corner
+  std::uint8_t alpha = 255;                            // multiplies the layer's; 255: opaque
+  // One for all of a triangle. What has less alpha than the cutoff is not drawn; 0: everything is, and its alpha does not matter unless it
+  // is blended.
+  std::uint8_t cutoff = 0;
+  std::uint8_t is_blended = 0;  // 0 or 1; covers what is behind by its alpha
+  std::uint8_t wraps = 0;       // of the layer: TextureWrap to the right, and 4 times that down
+
+  void set_wrap(const std::array<TextureWrap, 2>& wrap) {
+    wraps = static_cast<std::uint8_t>(static_cast<int>(wrap[0]) + 4 * static_cast<int>(wrap[1]));
+  }
+  // Neither holes, nor see-through, nor a texture that ends: the shortest shader draws it.
+  bool is_plain() const { return cutoff == 0 && is_blended == 0 && wraps == 0; }
+  bool has_same_finish(const VertexPaint& other) const {
+    return layer == other.layer && cutoff == other.cutoff && is_blended == other.is_blended && wraps == other.wraps;
+  }
   friend bool operator==(const VertexPaint& a, const VertexPaint& b) {
-    return a.tint == b.tint && a.layer == b.layer && a.place == b.place;
+    return a.tint == b.tint && a.place == b.place && a.alpha == b.alpha && a.has_same_finish(b);
   }
 };
 
@@ -65,8 +81,8 @@ std::optional<DetailLevel> make_rough_level(const DetailLevel& full, std::size_t
 std::optional<DetailLevel> make_coarser_level(const DetailLevel& finer, std::size_t triangles);
 
 // The largest distance of up to `samples` of the full level's vertices, evenly spaced, from the level's triangles. For a painted level, the
-// distance to the same paint: the distance to a triangle plus that on it to the vertex's texture position; where colours differ, that share
-// of the triangle's longest side. So a level is only as good as its texture, and full detail is drawn where none is good.
+// distance to the same paint: the distance to a triangle plus that on it to the vertex's texture position; where colours or alphas differ,
+// that share of the triangle's longest side. So a level is only as good as its texture, and full detail is drawn where none is good.
 double measure_level_error(const DetailLevel& level, const DetailLevel& full, std::size_t samples);
 
 // Orders the triangles so that neighbours follow each other, and divides them into clusters, about 2000 of them where a level has many

@@ -37,6 +37,7 @@ Result<GlProgram> GlProgram::make(std::string_view vertex, std::string_view frag
   glBindAttribLocation(made.program_, 1, "direction");
   glBindAttribLocation(made.program_, 2, "tint");
   glBindAttribLocation(made.program_, 3, "place");
+  glBindAttribLocation(made.program_, 4, "finish");
   for (const GLuint shader : {*first, *second}) {
     glAttachShader(made.program_, shader);
     glDeleteShader(shader);  // with the program

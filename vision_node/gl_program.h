@@ -12,8 +12,8 @@ namespace hapton {
 // Our own shader program beside VTK's, OpenGL 3.2. Threads: the window's. Pre: the window's context is current, at the end as well.
 class GlProgram {
  public:
-  // The vertex shader's inputs `position`, `direction`, `tint` and `place`, where used, are at 0 to 3. Error: the driver's
-  // message.
+  // The vertex shader's inputs `position`, `direction`, `tint`, `place` and `finish`, where used, are at 0 to 4. Error: the
+  // driver's message.
   static Result<GlProgram> make(std::string_view vertex, std::string_view fragment);
   GlProgram(GlProgram&& other) noexcept;
   GlProgram& operator=(GlProgram&& other) noexcept;

@@ -5,6 +5,7 @@
 namespace hapton {
 namespace {
 
+constexpr GLenum kBlends[4] = {GL_BLEND_SRC_RGB, GL_BLEND_DST_RGB, GL_BLEND_SRC_ALPHA, GL_BLEND_DST_ALPHA};
 constexpr GLenum kSwitches[4] = {GL_SCISSOR_TEST, GL_DEPTH_TEST, GL_BLEND, GL_CULL_FACE};
 
 void read_attachment(GLenum attachment, GLint& format, GLint& samples) {
@@ -55,6 +56,7 @@ GlStateGuard::GlStateGuard() {
   glGetFloatv(GL_LINE_WIDTH, &line_width_);
   glGetBooleanv(GL_DEPTH_WRITEMASK, &depth_mask_);
   glGetBooleanv(GL_COLOR_WRITEMASK, colour_mask_);
+  for (int i = 0; i < 4; ++i) glGetIntegerv(kBlends[i], &blend_[i]);
   for (int i = 0; i < 4; ++i) enabled_[i] = glIsEnabled(kSwitches[i]);
 }
 
@@ -71,6 +73,8 @@ GlStateGuard::~GlStateGuard() {
   glScissor(scissor_[0], scissor_[1], scissor_[2], scissor_[3]);
   glLineWidth(line_width_);
   glClearColor(clear_[0], clear_[1], clear_[2], clear_[3]);
+  glBlendFuncSeparate(static_cast<GLenum>(blend_[0]), static_cast<GLenum>(blend_[1]), static_cast<GLenum>(blend_[2]),
+                      static_cast<GLenum>(blend_[3]));
   glDepthMask(depth_mask_);
   glColorMask(colour_mask_[0], colour_mask_[1], colour_mask_[2], colour_mask_[3]);
   for (int i = 0; i < 4; ++i) enabled_[i] != 0 ? glEnable(kSwitches[i]) : glDisable(kSwitches[i]);

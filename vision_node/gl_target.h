@@ -32,6 +32,7 @@ class GlStateGuard {
   GLint draw_ = 0, read_ = 0, program_ = 0, vertices_ = 0, buffer_ = 0, depth_function_ = 0, cull_face_ = 0, front_face_ = 0;
   GLint viewport_[4] = {}, scissor_[4] = {};
   GLfloat clear_[4] = {}, line_width_ = 1.0F;
+  GLint blend_[4] = {};  // source and destination of colours, of alphas
   GLboolean depth_mask_ = 0, colour_mask_[4] = {};
   GLboolean enabled_[4] = {};
 };

@@ -80,7 +80,7 @@ bool SceneLayers::refine() {
   for (Layer& here : layers_) {
     if (!here.is_active || !here.is_valid || here.is_full || here.is_finer_whole) continue;
     here.finer.shape(here.shown.size(), here.shown.format());
-    here.cursor.object == 0 && here.cursor.cluster == 0 ? begin(here, here.finer) : here.finer.bind();
+    here.cursor.is_at_start() ? begin(here, here.finer) : here.finer.bind();
     here.is_finer_whole = painter_->paint_full(here.pass, here.cursor, kPart);
     if (!here.is_finer_whole) return false;
   }

@@ -8,6 +8,7 @@
 
 #include "runtime/log.h"
 #include "vision_node/depth_cues.h"
+#include "vision_node/depth_order.h"
 #include "vision_node/detail_choice.h"
 #include "vision_node/scene_shaders.h"
 #include "vision_node/surface_paint.h"
@@ -49,6 +50,8 @@ struct ScenePainter::Object {
   std::unique_ptr<DetailLevel> whole;       // read by the builder
   std::unique_ptr<TextureLayers> textures;  // null: none
   bool is_painted = false;                  // its vertices have colours of their own
+  bool is_finished = false;                 // some of those have alpha, or a texture that does not repeat
+  bool has_blended = false;                 // some triangles show what is behind
   FlatLevel full;
   Vertices full_vertices;
   std::vector<FlatLevel> coarser;  // from the finest
@@ -84,6 +87,8 @@ GLuint upload_paints(const std::vector<VertexPaint>& paints) {
   glVertexAttribPointer(2, 4, GL_UNSIGNED_BYTE, GL_TRUE, sizeof(VertexPaint), nullptr);
   glEnableVertexAttribArray(3);
   glVertexAttribPointer(3, 2, GL_FLOAT, GL_FALSE, sizeof(VertexPaint), reinterpret_cast<const void*>(offsetof(VertexPaint, place)));
+  glEnableVertexAttribArray(4);
+  glVertexAttribPointer(4, 4, GL_UNSIGNED_BYTE, GL_TRUE, sizeof(VertexPaint), reinterpret_cast<const void*>(offsetof(VertexPaint, alpha)));
   return buffer;
 }
 
@@ -119,8 +124,13 @@ DetailLevel ScenePainter::make_whole_level(const ShownObject& shown, Object& obj
   std::vector<std::string> notes;
   object.textures = TextureLayers::make(*look, notes);
   for (const std::string& note : notes) log_warning("{}", note);
-  return make_painted_level(*shown.mesh, object.frame, *look, shown.colour,
-                            object.textures != nullptr ? object.textures->layer_of() : std::vector<std::uint8_t>());
+  DetailLevel level = make_painted_level(*shown.mesh, object.frame, *look, shown.colour,
+                                         object.textures != nullptr ? object.textures->layer_of() : std::vector<std::uint8_t>());
+  for (const VertexPaint& paint : level.paints) {
+    object.is_finished = object.is_finished || !paint.is_plain();
+    object.has_blended = object.has_blended || paint.is_blended != 0;
+  }
+  return level;
 }
 
 ScenePainter::~ScenePainter() {
@@ -135,20 +145,28 @@ ScenePainter::~ScenePainter() {
   if (empty_vertices_ != 0) glDeleteVertexArrays(1, &empty_vertices_);
 }
 
+Result<void> ScenePainter::make_programs() {
+  struct Sources {
+    std::unique_ptr<GlProgram>& program;
+    std::string vertex;
+    std::string_view fragment;
+  };
+  const Sources all[] = {{shaded_, fmt::format("{}{}", kLighting, kVertexShader), kFragmentShader},
+                         {painted_, fmt::format("{}{}", kLighting, kPaintedVertexShader), kPaintedFragmentShader},
+                         {finished_, fmt::format("{}{}", kLighting, kFinishedVertexShader), kFinishedFragmentShader},
+                         {background_, std::string(kBackgroundVertexShader), kBackgroundFragmentShader},
+                         {single_, std::string(kSingleVertexShader), kSingleFragmentShader}};
+  for (const Sources& sources : all) {
+    auto made = GlProgram::make(sources.vertex, sources.fragment);
+    if (!made) return tl::unexpected(made.error());
+    sources.program = std::make_unique<GlProgram>(std::move(*made));
+  }
+  return {};
+}
+
 Result<std::unique_ptr<ScenePainter>> ScenePainter::make(const std::vector<ShownObject>& objects) {
   std::unique_ptr<ScenePainter> painter(new ScenePainter);
-  auto shaded = GlProgram::make(fmt::format("{}{}", kLighting, kVertexShader), kFragmentShader);
-  if (!shaded) return tl::unexpected(shaded.error());
-  auto painted = GlProgram::make(fmt::format("{}{}", kLighting, kPaintedVertexShader), kPaintedFragmentShader);
-  if (!painted) return tl::unexpected(painted.error());
-  auto background = GlProgram::make(kBackgroundVertexShader, kBackgroundFragmentShader);
-  if (!background) return tl::unexpected(background.error());
-  auto single = GlProgram::make(kSingleVertexShader, kSingleFragmentShader);
-  if (!single) return tl::unexpected(single.error());
-  painter->single_ = std::make_unique<GlProgram>(std::move(*single));
-  painter->painted_ = std::make_unique<GlProgram>(std::move(*painted));
-  painter->shaded_ = std::make_unique<GlProgram>(std::move(*shaded));
-  painter->background_ = std::make_unique<GlProgram>(std::move(*background));
+  if (auto made = painter->make_programs(); !made) return tl::unexpected(made.error());
   glGenBuffers(1, &painter->index_buffer_);
   glGenVertexArrays(1, &painter->empty_vertices_);
   painter->upload_lines();
@@ -306,7 +324,7 @@ void ScenePainter::begin_objects(const ScenePass& pass) const {
   pass.cull ? glEnable(GL_CULL_FACE) : glDisable(GL_CULL_FACE);
   // From the picture's centre to the far end of the scene, in eyes' distances; beyond every depth without haze.
   const bool is_hazy = pass.depth_cues && !pass.plain;
-  for (const GlProgram* program : {painted_.get(), shaded_.get()}) {
+  for (const GlProgram* program : {finished_.get(), painted_.get(), shaded_.get()}) {
     program->use();
     program->set("light", kLight_V);
     program->set("plain", pass.plain ? 1 : 0);
@@ -316,33 +334,78 @@ void ScenePainter::begin_objects(const ScenePass& pass) const {
   }
 }
 
-std::size_t ScenePainter::paint_clusters(const Object& object, const FlatLevel& level, std::uint32_t vertices, const ScenePass& pass,
-                                         std::size_t from, std::size_t to, std::uint32_t every) {
+void ScenePainter::begin_stage(PaintStage stage) {
+  const GLboolean has_colour = stage == PaintStage::blended_depth ? GL_FALSE : GL_TRUE;
+  glColorMask(has_colour, has_colour, has_colour, has_colour);
+  glDepthMask(stage == PaintStage::blended ? GL_FALSE : GL_TRUE);
+  glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  stage == PaintStage::blended ? glEnable(GL_BLEND) : glDisable(GL_BLEND);
+}
+
+bool ScenePainter::has_blended() const {
+  return std::any_of(objects_.begin(), objects_.end(), [](const auto& object) { return object->has_blended; });
+}
+
+std::vector<std::size_t> ScenePainter::order_objects(PaintStage stage, const ScenePass& pass) const {
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    if (stage == PaintStage::solid || objects_[i]->has_blended) order.push_back(i);
+  }
+  if (stage == PaintStage::solid) return order;
+  const Vec3 p_WE = compute_eye_position(pass.screen, pass.eye);
+  const auto far = [&](std::size_t i) { return (pass.X_WS * objects_[i]->frame.centre - p_WE).squaredNorm(); };
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return far(a) > far(b); });
+  return order;
+}
+
+// Clusters [from, to) in the stage's order, of each the first of `every` triangles.
+struct ScenePainter::Part {
+  PaintStage stage = PaintStage::solid;
+  std::size_t from = 0;
+  std::size_t to = 0;
+  std::uint32_t every = 1;
+};
+
+void ScenePainter::gather(const Object& object, const FlatLevel& level, const Part& part, const Mat4& clip, const Vec3& p_UE, bool cull) {
+  const ViewCulling culling(clip, p_UE, cull);
+  const bool is_solid = part.stage == PaintStage::solid;
+  std::vector<std::uint32_t> order;
+  if (!is_solid) order = order_far_to_near(level.clusters, p_UE.cast<float>());
+  visible_.clear();
+  for (std::size_t i = part.from; i < part.to; ++i) {
+    const DetailCluster& cluster = level.clusters[is_solid ? i : order[i]];
+    if (!culling.may_see(cluster)) continue;
+    const auto first = level.indices.begin() + cluster.first;
+    if (part.every == 1 && !object.has_blended) {
+      visible_.insert(visible_.end(), first, first + cluster.count);
+      continue;
+    }
+    for (std::uint32_t k = 0; k + 2 < cluster.count; k += 3 * part.every) {
+      if (object.has_blended && (level.paints[first[k]].is_blended == 0) != is_solid) continue;
+      visible_.insert(visible_.end(), first + k, first + k + 3);
+    }
+  }
+  if (part.stage == PaintStage::blended) sort_far_to_near(visible_, level.vertices, p_UE.cast<float>());
+}
+
+std::size_t ScenePainter::paint_part(const Object& object, std::size_t level, const ScenePass& pass, const Part& part) {
   const Mat4 X_WU = pass.X_WS.matrix() * object.frame.matrix();
   const Mat4 X_EU = compute_view_matrix(pass.screen, pass.eye) * X_WU;
   const Mat4 clip = compute_projection_matrix(pass.screen, pass.eye) * X_EU;
   const Vec3 p_UE = (X_WU.inverse() * compute_eye_position(pass.screen, pass.eye).homogeneous()).head<3>();
-  const ViewCulling culling(clip, p_UE, pass.cull);
-  visible_.clear();
-  for (std::size_t i = from; i < to; ++i) {
-    const DetailCluster& cluster = level.clusters[i];
-    if (!culling.may_see(cluster)) continue;
-    if (every > 1) {
-      for (std::uint32_t k = cluster.first; k + 2 < cluster.first + cluster.count; k += 3 * every) {
-        visible_.insert(visible_.end(), level.indices.begin() + k, level.indices.begin() + k + 3);
-      }
-      continue;
-    }
-    const auto first = level.indices.begin() + cluster.first;
-    visible_.insert(visible_.end(), first, first + cluster.count);
-  }
+  gather(object, object.level(level), part, clip, p_UE, pass.cull);
   if (visible_.empty()) return 0;
   // In eyes' distances, so that a scene of any size is in the range of single precision.
   Mat4 to_eye = X_EU;
   to_eye.topRows<3>() /= pass.screen.distance_m;
-  const GlProgram& program = object.is_painted ? *painted_ : *shaded_;
+  paint_visible(object, object.vertices(level), clip, to_eye);
+  return visible_.size() / 3;
+}
+
+void ScenePainter::paint_visible(const Object& object, std::uint32_t vertices, const Mat4& to_clip, const Mat4& to_eye) const {
+  const GlProgram& program = object.is_finished ? *finished_ : object.is_painted ? *painted_ : *shaded_;
   program.use();
-  program.set("to_clip", clip);
+  program.set("to_clip", to_clip);
   program.set("to_eye", to_eye);
   if (object.is_painted) {
     program.set("textured", object.textures != nullptr ? 1 : 0);
@@ -356,41 +419,57 @@ std::size_t ScenePainter::paint_clusters(const Object& object, const FlatLevel& 
   glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(visible_.size()), GL_UNSIGNED_INT, nullptr);
   glBindVertexArray(0);
   if (object.textures != nullptr) TextureLayers::unbind();
-  return visible_.size() / 3;
 }
 
 PaintCount ScenePainter::paint(const ScenePass& pass) {
   paint_shadow(pass);
   begin_objects(pass);
   PaintCount count;
-  for (const auto& object : objects_) {
-    double error_px = 0.0;
-    const std::size_t i = choose(*object, pass, &error_px);
-    const FlatLevel& level = object->level(i);
-    count.triangles += level.triangles();
-    count.largest_error_px = std::max(count.largest_error_px, error_px);
-    // A large mesh that has no level yet is drawn with a part of its triangles, so that a picture appears at once.
-    const bool is_preview = object->facts.size() == 1 && level.triangles() > kPreviewTriangles && builder_->progress() < 1.0;
-    const auto every = static_cast<std::uint32_t>(is_preview ? level.triangles() / kPreviewTriangles + 1 : 1);
-    count.sent += paint_clusters(*object, level, object->vertices(i), pass, 0, level.clusters.size(), every);
+  for (const PaintStage stage : {PaintStage::solid, PaintStage::blended, PaintStage::blended_depth}) {
+    if (stage != PaintStage::solid && !has_blended()) break;
+    begin_stage(stage);
+    for (const std::size_t number : order_objects(stage, pass)) {
+      const Object& object = *objects_[number];
+      double error_px = 0.0;
+      const std::size_t i = choose(object, pass, &error_px);
+      const FlatLevel& level = object.level(i);
+      // A large mesh that has no level yet is drawn with a part of its triangles, so that a picture appears at once.
+      const bool is_preview = object.facts.size() == 1 && level.triangles() > kPreviewTriangles && builder_->progress() < 1.0;
+      const auto every = static_cast<std::uint32_t>(is_preview ? level.triangles() / kPreviewTriangles + 1 : 1);
+      const std::size_t sent = paint_part(object, i, pass, {stage, 0, level.clusters.size(), every});
+      if (stage != PaintStage::blended_depth) count.sent += sent;
+      if (stage != PaintStage::solid) continue;
+      count.triangles += level.triangles();
+      count.largest_error_px = std::max(count.largest_error_px, error_px);
+    }
   }
+  begin_stage(PaintStage::solid);
   return count;
 }
 
 bool ScenePainter::paint_full(const ScenePass& pass, PaintCursor& cursor, std::size_t triangles) {
-  if (cursor.object == 0 && cursor.cluster == 0) paint_shadow(pass);
+  if (cursor.is_at_start()) paint_shadow(pass);
   begin_objects(pass);
   std::size_t drawn = 0;
-  while (cursor.object < objects_.size() && drawn < triangles) {
-    const Object& object = *objects_[cursor.object];
-    const FlatLevel& level = object.level(0);
-    std::size_t to = cursor.cluster;
-    for (std::size_t sum = 0; to < level.clusters.size() && sum < 3 * (triangles - drawn); ++to) sum += level.clusters[to].count;
-    drawn += std::max<std::size_t>(1, paint_clusters(object, level, object.full_vertices.array, pass, cursor.cluster, to));
-    cursor.cluster = to;
-    if (cursor.cluster == level.clusters.size()) cursor = {cursor.object + 1, 0};
+  for (; cursor.stage != PaintStage::done; cursor = {static_cast<PaintStage>(static_cast<int>(cursor.stage) + 1), 0, 0}) {
+    begin_stage(cursor.stage);
+    const std::vector<std::size_t> order = order_objects(cursor.stage, pass);
+    while (cursor.object < order.size() && drawn < triangles) {
+      const Object& object = *objects_[order[cursor.object]];
+      const std::vector<DetailCluster>& clusters = object.level(0).clusters;
+      std::size_t to = cursor.cluster;
+      for (std::size_t sum = 0; to < clusters.size() && sum < 3 * (triangles - drawn); ++to) sum += clusters[to].count;
+      drawn += std::max<std::size_t>(1, paint_part(object, 0, pass, {cursor.stage, cursor.cluster, to}));
+      cursor.cluster = to;
+      if (cursor.cluster == clusters.size()) {
+        ++cursor.object;
+        cursor.cluster = 0;
+      }
+    }
+    if (cursor.object < order.size()) break;
   }
-  return cursor.object >= objects_.size();
+  begin_stage(PaintStage::solid);
+  return cursor.stage == PaintStage::done;
 }
 
 }  // namespace hapton

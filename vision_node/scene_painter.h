@@ -38,10 +38,16 @@ struct PaintCount {
   double largest_error_px = 0.0;  // of the levels drawn
 };
 
+// What is drawn of the scene one after the other: what covers what is behind; what shows it through, from the farthest to the nearest; and
+// the depth of the latter, so that it can be pointed at as it can be felt.
+enum class PaintStage : std::uint8_t { solid, blended, blended_depth, done };
+
 // Where a picture in full detail continues.
 struct PaintCursor {
-  std::size_t object = 0;
-  std::size_t cluster = 0;
+  PaintStage stage = PaintStage::solid;
+  std::size_t object = 0;   // in the stage's order
+  std::size_t cluster = 0;  // in the stage's order
+  bool is_at_start() const { return stage == PaintStage::solid && object == 0 && cluster == 0; }
 };
 
 // Draws the static scene in its colours and textures, flat shaded under one light that goes with the viewer, by OpenGL in the window's
@@ -75,16 +81,23 @@ class ScenePainter {
   ScenePainter();
   std::size_t choose(const Object& object, const ScenePass& pass, double* error_px = nullptr) const;
   static DetailLevel make_whole_level(const ShownObject& shown, Object& object);
+  Result<void> make_programs();
   void upload_lines();
   void paint_lines(const ScenePass& pass) const;
   void paint_shadow(const ScenePass& pass);
   void begin_objects(const ScenePass& pass) const;
-  std::size_t paint_clusters(const Object& object, const FlatLevel& level, std::uint32_t vertices, const ScenePass& pass, std::size_t from,
-                             std::size_t to, std::uint32_t every = 1);
+  static void begin_stage(PaintStage stage);
+  bool has_blended() const;
+  // The objects of the stage, in its order.
+  std::vector<std::size_t> order_objects(PaintStage stage, const ScenePass& pass) const;
+  struct Part;
+  void gather(const Object& object, const FlatLevel& level, const Part& part, const Mat4& clip, const Vec3& p_UE, bool cull);
+  std::size_t paint_part(const Object& object, std::size_t level, const ScenePass& pass, const Part& part);
+  void paint_visible(const Object& object, std::uint32_t vertices, const Mat4& to_clip, const Mat4& to_eye) const;
 
   std::vector<std::unique_ptr<Object>> objects_;
   std::size_t all_triangles_ = 0;
-  std::unique_ptr<GlProgram> shaded_, painted_, background_, single_;
+  std::unique_ptr<GlProgram> shaded_, painted_, finished_, background_, single_;
   std::uint32_t index_buffer_ = 0, empty_vertices_ = 0;
   std::uint32_t line_vertices_ = 0, line_buffer_ = 0;
   int grid_corners_ = 0;

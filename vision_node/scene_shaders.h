@@ -84,6 +84,60 @@ void main() {
 }
 )";
 
+// After kLighting. Painted, with alpha and a texture that need not repeat. finish: alpha, cutoff, blended or not, wraps, as VertexPaint has
+// them.
+inline constexpr std::string_view kFinishedVertexShader = R"(
+in vec3 position;
+in vec4 direction;
+in vec4 tint;
+in vec2 place;
+in vec4 finish;
+flat out vec2 lit;
+flat out float layer;
+flat out vec4 kind;
+out vec4 colour;
+out vec2 at;
+void main() {
+  lit = place_and_light(position, direction.xyz);
+  layer = floor(255.0 * tint.w + 0.5);
+  float wraps = floor(255.0 * finish.w + 0.5);
+  kind = vec4(finish.y, finish.z > 0.0 ? 1.0 : 0.0, mod(wraps, 4.0), floor(wraps / 4.0));
+  colour = vec4(tint.rgb, finish.x);
+  at = place;
+}
+)";
+
+// The texture repeats by itself. Where it does not, its place is kept half a texel from the edge, of the level of the texture that is
+// sampled: beyond, the driver mixes in the opposite edge.
+inline constexpr std::string_view kFinishedFragmentShader = R"(#version 150
+flat in vec2 lit;
+flat in float layer;
+flat in vec4 kind;
+in vec4 colour;
+in vec2 at;
+in float far;
+uniform vec3 haze;
+uniform int textured;
+uniform sampler2DArray images;
+out vec4 shown;
+vec4 sample_image() {
+  vec2 size = vec2(textureSize(images, 0).xy);
+  vec2 right = dFdx(at), up = dFdy(at);
+  float texels = max(1.0, max(length(right * size), length(up * size)));
+  vec2 edge = min(vec2(0.5), 0.5 * exp2(floor(log2(texels) + 0.5)) / size);
+  vec2 mirrored = 1.0 - abs(mod(at, 2.0) - 1.0);
+  vec2 bounded = clamp(mix(mirrored, at, step(1.5, kind.zw)), edge, 1.0 - edge);
+  vec2 where = mix(at, bounded, step(0.5, kind.zw));
+  return textureGrad(images, vec3(where, max(0.0, layer - 1.0)), right, up);
+}
+void main() {
+  vec4 own = colour;
+  if (textured != 0) own *= mix(vec4(1.0), sample_image(), step(0.5, layer));
+  if (own.a < kind.x - 0.25 / 255.0) discard;
+  shown = vec4(mix(own.rgb * lit.x + lit.y, haze, far), mix(1.0, own.a, kind.y));
+}
+)";
+
 inline constexpr std::string_view kBackgroundVertexShader = R"(#version 150
 out float height;
 void main() {

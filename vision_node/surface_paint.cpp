@@ -10,6 +10,16 @@ namespace {
 
 std::uint8_t to_byte(double channel) { return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(channel, 0.0, 1.0))); }
 
+// What is never drawn has no alpha and the least cutoff. Blended, the same cutoff leaves out what nobody could see.
+void set_alpha(const LookMaterial& material, const CornerLook& corner, VertexPaint& paint) {
+  if (material.alpha_mode == AlphaMode::opaque) return;
+  paint.alpha = to_byte(material.alpha * corner.alpha / 255.0);
+  paint.is_blended = material.alpha_mode == AlphaMode::blend ? 1 : 0;
+  const std::uint8_t least = material.alpha_cutoff > 0.0F ? 1 : 0;
+  paint.cutoff = paint.is_blended != 0 ? 1 : std::max(least, to_byte(material.alpha_cutoff));
+  if (paint.is_blended == 0 && material.alpha_cutoff > 1.0F) paint.alpha = 0;
+}
+
 VertexPaint compute_paint(const MeshLook& look, const TriangleLook& triangle, const CornerLook& corner, const Vec3& colour,
                           const std::vector<std::uint8_t>& layer_of) {
   const bool has_material = triangle.material < look.materials.size();
@@ -20,7 +30,11 @@ VertexPaint compute_paint(const MeshLook& look, const TriangleLook& triangle, co
   if (material.colour) tint = material.colour->cast<double>();
   for (int k = 0; k < 3; ++k)
     paint.tint[static_cast<std::size_t>(k)] = to_byte(tint[k] * corner.colour[static_cast<std::size_t>(k)] / 255.0);
-  if (paint.layer > 0) paint.place = corner.texcoord;
+  if (paint.layer > 0) {
+    paint.place = corner.texcoord;
+    paint.set_wrap(material.wrap);
+  }
+  set_alpha(material, corner, paint);
   return paint;
 }
 
@@ -32,7 +46,7 @@ struct Key {
 
 struct HashKey {
   std::size_t operator()(const Key& key) const {
-    std::array<std::uint32_t, 3> words = {};
+    std::array<std::uint32_t, 4> words = {};
     static_assert(sizeof key.paint == sizeof words);
     std::memcpy(words.data(), &key.paint, sizeof words);
     std::uint64_t h = key.vertex;

@@ -69,12 +69,13 @@ ClosedBodies count_closed_bodies(const TriangleMesh& mesh) {
   std::vector<Body> bodies = find_bodies(mesh);
   // The largest first, so that containers come before their contents.
   std::sort(bodies.begin(), bodies.end(), [](const Body& a, const Body& b) { return a.box.volume() > b.box.volume(); });
-  ClosedBodies result{.count = bodies.size(), .inside_out = 0};
+  ClosedBodies result{.count = bodies.size()};
   for (auto body = bodies.begin(); body != bodies.end(); ++body) {
     if (body->volume > 0.0) continue;
     const bool is_cavity =
         std::any_of(bodies.begin(), body, [&](const Body& around) { return around.volume > 0.0 && around.box.contains(body->box); });
-    result.inside_out += is_cavity ? 0 : 1;
+    if (is_cavity) continue;
+    if (result.inside_out++ == 0) result.inside_out_at = body->box.center();
   }
   return result;
 }

@@ -9,7 +9,8 @@ namespace hapton {
 // Closed bodies of a mesh: pieces that share no vertex, in which each edge is traversed equally often in both directions.
 struct ClosedBodies {
   std::size_t count = 0;
-  std::size_t inside_out = 0;  // with the fronts inside; a cavity, inside the box of a body with its front outside, does not count
+  std::size_t inside_out = 0;         // with the fronts inside; a cavity, inside the box of a body with its front outside, does not count
+  Vec3 inside_out_at = Vec3::Zero();  // middle of the box of the largest of those; the mesh's frame. Zero: there is none
 };
 
 // Vertices must be welded already. Time: linear in the mesh, but quadratic in its cavities. RT: set-up only.

@@ -1,5 +1,6 @@
 #include "scene/gltf/materials.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "scene/gltf/uri.h"
@@ -56,6 +57,50 @@ std::optional<std::size_t> read_texture(const Document& document, const Json& in
   return read_image(document, *image, folder, raw);
 }
 
+// A sampler's wrapS or wrapT [5.26]; what is absent repeats.
+TextureWrap read_wrap(const Json& sampler, const char* key, const std::string& where, RawMesh& raw) {
+  const Json& value = member(sampler, key);
+  if (value.is_null() || value == 10497) return TextureWrap::repeat;
+  if (value == 33648) return TextureWrap::mirror;
+  if (value == 33071) return TextureWrap::clamp;
+  raw.notes.push_back(fmt::format("{}.{} is none of 10497, 33071 and 33648: its textures repeat", where, key));
+  return TextureWrap::repeat;
+}
+
+// Of a texture that has an image.
+std::array<TextureWrap, 2> read_wraps(const Document& document, const Json& info, const std::string& where, RawMesh& raw) {
+  const auto texture = index_of(member(info, "index"), member(document.root, "textures"), where);
+  if (!texture) return {};
+  const Json& given = member(member(document.root, "textures")[*texture], "sampler");
+  if (given.is_null()) return {};
+  const Json& samplers = member(document.root, "samplers");
+  const auto index = index_of(given, samplers, fmt::format("textures[{}].sampler", *texture));
+  if (!index) {
+    raw.notes.push_back(fmt::format("a texture repeats: {}", index.error().what));
+    return {};
+  }
+  const std::string name = fmt::format("samplers[{}]", *index);
+  return {read_wrap(samplers[*index], "wrapS", name, raw), read_wrap(samplers[*index], "wrapT", name, raw)};
+}
+
+// alphaMode and alphaCutoff [3.9.4].
+void read_alpha(const Json& json, const std::string& where, LookMaterial& material, RawMesh& raw) {
+  const Json& mode = member(json, "alphaMode");
+  if (mode == "BLEND") material.alpha_mode = AlphaMode::blend;
+  if (mode == "MASK") material.alpha_mode = AlphaMode::mask;
+  if (!mode.is_null() && mode != "OPAQUE" && material.alpha_mode == AlphaMode::opaque) {
+    raw.notes.push_back(fmt::format("{}.alphaMode is none of OPAQUE, MASK and BLEND: drawn opaque", where));
+  }
+  const Json& cutoff = member(json, "alphaCutoff");
+  if (cutoff.is_null()) return;
+  if (cutoff.is_number() && std::isfinite(cutoff.get<double>()) && cutoff.get<double>() >= 0.0) {
+    // Beyond 2 it means the same, and 2 is safe in single precision.
+    material.alpha_cutoff = static_cast<float>(std::min(2.0, cutoff.get<double>()));
+  } else {
+    raw.notes.push_back(fmt::format("{}.alphaCutoff is no number from 0 on: 0.5 is taken", where));
+  }
+}
+
 // offset T, rotation R counter-clockwise in the image, scale S: T R S, by the extension's own matrices.
 TexturePlace read_place(const Json& info, const std::string& where) {
   TexturePlace place;
@@ -84,14 +129,17 @@ std::vector<TexturePlace> read_materials(const Document& document, const std::fi
   for (std::size_t m = 0; m < size_of_array(materials); ++m) {
     const std::string where = fmt::format("materials[{}].pbrMetallicRoughness", m);
     const Json& surface = member(materials[m], "pbrMetallicRoughness");
-    LookMaterial material{.name = text_of(member(materials[m], "name")), .colour = {}, .image = {}};
+    LookMaterial material{.name = text_of(member(materials[m], "name"))};
+    read_alpha(materials[m], fmt::format("materials[{}]", m), material, raw);
     const Json& factor = member(surface, "baseColorFactor");
     if (const auto rgba = numbers_of<4>(factor, where); !factor.is_null() && rgba) {
       material.colour = Eigen::Vector3f(to_srgb((*rgba)[0]), to_srgb((*rgba)[1]), to_srgb((*rgba)[2]));
+      material.alpha = static_cast<float>(std::clamp((*rgba)[3], 0.0, 1.0));
     }
     const Json& texture = member(surface, "baseColorTexture");
     places.push_back(read_place(texture, where + ".baseColorTexture"));
     if (texture.is_object()) material.image = read_texture(document, texture, where + ".baseColorTexture", folder, raw);
+    if (material.image) material.wrap = read_wraps(document, texture, where + ".baseColorTexture", raw);
     raw.look.materials.push_back(std::move(material));
   }
   return places;
@@ -113,12 +161,13 @@ void read_texcoords(const Document& document, const Json& attributes, const Text
   }
 }
 
-// Three or four components; the fourth is transparency.
+// Three or four components; the fourth is alpha, which is linear.
 void read_colours(const Document& document, const Json& attributes, const std::string& where, VertexLooks& looks) {
   const Json& index = member(attributes, "COLOR_0");
   if (index.is_null()) return;
   const std::string name = where + ".attributes.COLOR_0";
   auto values = read_accessor(document, index, name, "VEC4", 4);
+  const bool has_alpha = values.has_value();
   if (!values) values = read_accessor(document, index, name, "VEC3", 3);
   if (!values || values->count != looks.vertices.size()) return;
   looks.has_colours = true;
@@ -126,6 +175,9 @@ void read_colours(const Document& document, const Json& attributes, const std::s
     for (std::size_t k = 0; k < 3; ++k) {
       looks.vertices[i].colour[k] = static_cast<std::uint8_t>(std::lround(255.0F * to_srgb(values->component(i, k))));
     }
+    if (!has_alpha) continue;
+    const double alpha = values->component(i, 3);
+    looks.vertices[i].alpha = static_cast<std::uint8_t>(std::isfinite(alpha) ? std::lround(255.0 * std::clamp(alpha, 0.0, 1.0)) : 255);
   }
 }
 

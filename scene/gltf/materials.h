@@ -15,7 +15,8 @@ struct TexturePlace {
   Eigen::Affine2f place = Eigen::Affine2f::Identity();
 };
 
-// The file's materials become those of raw.look: base colour and base colour texture. Returns where each one's texture finds its
+// The file's materials become those of raw.look: base colour and base colour texture, alpha mode and
+// cutoff, the wrap modes of the texture's sampler. Returns where each one's texture finds its
 // coordinates. What cannot be read is a note, never an error: the shape is what matters.
 std::vector<TexturePlace> read_materials(const Document& document, const std::filesystem::path& folder, RawMesh& raw);
 

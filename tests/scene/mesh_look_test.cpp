@@ -124,7 +124,8 @@ std::string floats(std::initializer_list<float> values) {
 }
 
 // The tetrahedron with a texture in the file itself.
-std::string textured_glb(const std::string& material, const std::string& attributes = R"(,"TEXCOORD_0":2)") {
+std::string textured_glb(const std::string& material, const std::string& attributes = R"(,"TEXCOORD_0":2)",
+                         const std::string& textures = R"("textures":[{"source":0}],)") {
   sample::Pieces pieces;
   const TriangleMesh mesh = sample::tetrahedron();
   pieces.add(sample::positions_of(mesh));
@@ -134,10 +135,9 @@ std::string textured_glb(const std::string& material, const std::string& attribu
   pieces.add(std::string(kPngBytes));
   const std::string accessors = sample::accessors_of(mesh) + R"(,{"bufferView":2,"componentType":5126,"count":4,"type":"VEC2"})"
                                                              R"(,{"bufferView":3,"componentType":5126,"count":4,"type":"VEC4"})";
-  return pieces.glb(accessors, R"("nodes":[{"mesh":0}],"images":[{"bufferView":4,"mimeType":"image/png"}],"textures":[{"source":0}],)"
-                               R"("materials":[)" +
-                                   material + R"(],"meshes":[{"primitives":[{"attributes":{"POSITION":0)" + attributes +
-                                   R"(},"indices":1,"material":0}]}])");
+  return pieces.glb(accessors, R"("nodes":[{"mesh":0}],"images":[{"bufferView":4,"mimeType":"image/png"}],)" + textures +
+                                   R"("materials":[)" + material + R"(],"meshes":[{"primitives":[{"attributes":{"POSITION":0)" +
+                                   attributes + R"(},"indices":1,"material":0}]}])");
 }
 
 TEST_F(MeshLooks, OfAGlbFileAreBaseColourAndTexture) {
@@ -194,6 +194,89 @@ TEST_F(MeshLooks, ChangeNoTriangle) {
   const MeshFile with = load("a.obj", bytes);
   const MeshFile without = load("b.obj", bytes, LookReading::off);
   EXPECT_EQ(with.mesh.triangles, without.mesh.triangles);
+}
+
+constexpr std::string_view kTextured = R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}})";
+
+TEST_F(MeshLooks, OfAGlbFileAreAlphaModeAndCutoff) {
+  const auto material = [&](const std::string& json, const std::string& attributes = "") {
+    const MeshFile file = load("a.glb", textured_glb(json, attributes));
+    EXPECT_THAT(file.notes, IsEmpty());
+    return file.look.materials.at(0);
+  };
+  const LookMaterial opaque = material(R"({"pbrMetallicRoughness":{"baseColorFactor":[1,1,1,0.25]}})");
+  EXPECT_EQ(opaque.alpha_mode, AlphaMode::opaque) << "glTF's default, whatever the factor";
+  const LookMaterial blend = material(R"({"alphaMode":"BLEND","pbrMetallicRoughness":{"baseColorFactor":[1,1,1,0.25]}})");
+  EXPECT_EQ(blend.alpha_mode, AlphaMode::blend);
+  EXPECT_EQ(blend.alpha, 0.25F) << "linear, no sRGB";
+  const LookMaterial mask = material(R"({"alphaMode":"MASK"})");
+  EXPECT_EQ(mask.alpha_mode, AlphaMode::mask);
+  EXPECT_EQ(mask.alpha, 1.0F);
+  EXPECT_EQ(mask.alpha_cutoff, 0.5F);
+  EXPECT_EQ(material(R"({"alphaMode":"MASK","alphaCutoff":0.75})").alpha_cutoff, 0.75F);
+  EXPECT_GT(material(R"({"alphaMode":"MASK","alphaCutoff":1e300})").alpha_cutoff, 1.0F);
+  EXPECT_TRUE(load("a.glb", textured_glb(R"({"alphaMode":"BLEND"})")).look.says_anything());
+}
+
+TEST_F(MeshLooks, OfAGlbFileAreTheAlphasOfItsVertices) {
+  const MeshFile file = load("a.glb", textured_glb(R"({"alphaMode":"BLEND"})", R"(,"COLOR_0":3)"));
+  ASSERT_EQ(file.look.triangles.size(), 4U);
+  EXPECT_EQ(file.look.triangles[0].corners[0].alpha, 255);
+  EXPECT_EQ(file.look.triangles[1].corners[1].alpha, 128);
+}
+
+TEST_F(MeshLooks, AlphaThatMakesNoSenseIsANote) {
+  const MeshFile mode = load("a.glb", textured_glb(R"({"alphaMode":"GLASS"})"));
+  EXPECT_THAT(mode.notes, Contains(HasSubstr("materials[0].alphaMode")));
+  EXPECT_TRUE(mode.look.triangles.empty() || mode.look.materials.at(0).alpha_mode == AlphaMode::opaque);
+  for (const std::string cutoff : {"-0.5", "\"half\""}) {
+    const MeshFile file = load("a.glb", textured_glb(R"({"alphaMode":"MASK","alphaCutoff":)" + cutoff + "}"));
+    EXPECT_THAT(file.notes, Contains(HasSubstr("materials[0].alphaCutoff"))) << cutoff;
+    EXPECT_EQ(file.look.materials.at(0).alpha_cutoff, 0.5F);
+  }
+}
+
+// The sample's only texture with a sampler, or a broken one.
+std::string sampled_glb(const std::string& sampler, const std::string& index = "0") {
+  return textured_glb(std::string(kTextured), R"(,"TEXCOORD_0":2)",
+                      R"("textures":[{"source":0,"sampler":)" + index + R"(}],"samplers":[)" + sampler + "],");
+}
+
+TEST_F(MeshLooks, OfAGlbFileAreTheWrapModesOfItsSamplers) {
+  using Wraps = std::array<TextureWrap, 2>;
+  const auto wraps = [&](const std::string& sampler) {
+    const MeshFile file = load("a.glb", sampled_glb(sampler));
+    EXPECT_THAT(file.notes, IsEmpty());
+    return file.look.materials.at(0).wrap;
+  };
+  EXPECT_EQ(load("a.glb", textured_glb(std::string(kTextured))).look.materials.at(0).wrap, (Wraps{}));
+  EXPECT_EQ(wraps("{}"), (Wraps{TextureWrap::repeat, TextureWrap::repeat}));
+  EXPECT_EQ(wraps(R"({"wrapS":33071,"wrapT":33648})"), (Wraps{TextureWrap::clamp, TextureWrap::mirror}));
+  EXPECT_EQ(wraps(R"({"wrapS":10497,"wrapT":33071})"), (Wraps{TextureWrap::repeat, TextureWrap::clamp}));
+  EXPECT_THAT(load("a.glb", sampled_glb(R"({"wrapS":1})")).notes, Contains(HasSubstr("samplers[0].wrapS")));
+  EXPECT_THAT(load("a.glb", sampled_glb("{}", "3")).notes, Contains(HasSubstr("a texture repeats")));
+}
+
+TEST_F(MeshLooks, OfAnObjFileAreOpacitiesAndClampedTextures) {
+  folder_.write("oak.png", std::string(kPngBytes));
+  const auto wood = [&](const std::string& lines) {
+    folder_.write("all.mtl", "newmtl red\nd 0.1\nnewmtl wood\n" + lines);
+    const MeshFile file = load("a.obj", kObj);
+    EXPECT_THAT(file.notes, IsEmpty());
+    return file.look.materials.at(1);
+  };
+  EXPECT_EQ(wood("Kd 1 1 1\n").alpha_mode, AlphaMode::opaque);
+  EXPECT_EQ(wood("d 0.25\n").alpha, 0.25F);
+  EXPECT_EQ(wood("d 0.25\n").alpha_mode, AlphaMode::blend);
+  EXPECT_EQ(wood("d -halo 0.25\n").alpha, 0.25F);
+  EXPECT_EQ(wood("Tr 0.25\n").alpha, 0.75F);
+  EXPECT_EQ(wood("d 1\nTr 1\n").alpha_mode, AlphaMode::opaque) << "some exporters mean d by Tr; d is never in doubt";
+  EXPECT_EQ(wood("Tr 1\nd 1\n").alpha_mode, AlphaMode::opaque);
+  EXPECT_EQ(wood("d none\n").alpha_mode, AlphaMode::opaque);
+  EXPECT_EQ(wood("d 7\n").alpha_mode, AlphaMode::opaque);
+  EXPECT_EQ(wood("map_Kd oak.png\n").wrap[0], TextureWrap::repeat);
+  EXPECT_EQ(wood("map_Kd -s 2 2 1 -clamp on oak.png\n").wrap, (std::array{TextureWrap::clamp, TextureWrap::clamp}));
+  EXPECT_EQ(wood("map_Kd -clamp off oak.png\n").wrap[1], TextureWrap::repeat);
 }
 
 TEST(ReadMtl, FillsOnlyTheMaterialsThatTheMeshNames) {

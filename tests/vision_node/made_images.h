@@ -32,6 +32,26 @@ std::string make_image(int width, int height, ColourAt colour_at) {
   return {reinterpret_cast<const char*>(bytes->GetPointer(0)), static_cast<std::size_t>(bytes->GetNumberOfValues())};
 }
 
+// The same with alpha: colour_at gives four numbers.
+template <class ColourAt>
+std::string make_rgba_png(int width, int height, ColourAt colour_at) {
+  vtkNew<vtkImageData> data;
+  data->SetDimensions(width, height, 1);
+  data->AllocateScalars(VTK_UNSIGNED_CHAR, 4);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const Eigen::Vector4i colour = colour_at(x, y);
+      for (int k = 0; k < 4; ++k) data->SetScalarComponentFromDouble(x, height - 1 - y, 0, k, colour[k]);
+    }
+  }
+  vtkNew<vtkPNGWriter> writer;
+  writer->SetInputData(data);
+  writer->WriteToMemoryOn();
+  writer->Write();
+  vtkUnsignedCharArray* bytes = writer->GetResult();
+  return {reinterpret_cast<const char*>(bytes->GetPointer(0)), static_cast<std::size_t>(bytes->GetNumberOfValues())};
+}
+
 // Red, green / blue, white in the four quarters.
 inline std::string make_quarters_png(int side) {
   return make_image<vtkPNGWriter>(side, side, [side](int x, int y) {

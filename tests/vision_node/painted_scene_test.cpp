@@ -1,6 +1,11 @@
 // What a mesh file says of colours and textures is in the picture.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <thread>
+
 #include "tests/vision_node/made_images.h"
 #include "tests/vision_node/made_views.h"
 #include "vision_node/scene_painter.h"
@@ -108,6 +113,214 @@ TEST(PaintedScene, GoesFromColourToColourBetweenVertices) {
   EXPECT_NEAR(pixel_at(*view, picture, {0.0, 0.0, 0})[0], 128, 4);
   EXPECT_NEAR(pixel_at(*view, picture, {0.5 * kHalf, -0.3 * kHalf, 0})[2], 191, 4);
   EXPECT_EQ(pixel_at(*view, picture, {0.0, 0.0, 0})[1], 0);
+}
+
+// The texture once in the middle and beyond on all sides: from -1 to 2 over the square.
+std::shared_ptr<MeshLook> lay_beyond(const TriangleMesh& mesh, std::array<TextureWrap, 2> wrap, int side) {
+  auto look = lay_image(mesh, make_quarters_png(side));
+  look->materials[0].wrap = wrap;
+  for (TriangleLook& triangle : look->triangles) {
+    for (CornerLook& corner : triangle.corners) corner.texcoord = 3.0F * corner.texcoord - Eigen::Vector2f(1.0F, 1.0F);
+  }
+  return look;
+}
+
+// Where in the image, 0 to 1, a place beyond its edges is taken from: glTF 2.0, 3.8.4.
+double wrap_place(TextureWrap wrap, double at) {
+  if (wrap == TextureWrap::clamp) return std::clamp(at, 0.0, 1.0);
+  const double whole = std::floor(at);
+  const bool is_turned = wrap == TextureWrap::mirror && std::fmod(std::abs(whole), 2.0) == 1.0;
+  return is_turned ? 1.0 - (at - whole) : at - whole;
+}
+
+void expect_wrapped(StereoView& view, std::array<TextureWrap, 2> wrap) {
+  const Picture picture = view.read_picture();
+  // Away from the boundaries of colours, which are at multiples of a half, and close to the edges of the image.
+  for (const double right : {-0.9, -0.6, -0.4, -0.03, 0.03, 0.4, 0.6, 0.97, 1.03, 1.4, 1.6, 1.9}) {
+    for (const double down : {-0.9, -0.6, -0.4, -0.03, 0.03, 0.4, 0.6, 0.97, 1.03, 1.4, 1.6, 1.9}) {
+      const bool is_right = wrap_place(wrap[0], right) > 0.5;
+      const bool is_low = wrap_place(wrap[1], down) > 0.5;
+      const auto wanted = is_low ? (is_right ? std::array{255, 255, 255} : std::array{0, 0, 255})
+                                 : (is_right ? std::array{0, 255, 0} : std::array{255, 0, 0});
+      const Vec3 p_W(kHalf * ((right + 1.0) / 1.5 - 1.0), kHalf * (1.0 - (down + 1.0) / 1.5), 0.0);
+      const auto seen = pixel_at(view, picture, p_W);
+      for (std::size_t k = 0; k < 3; ++k) ASSERT_NEAR(seen[k], wanted[k], 3) << right << " " << down << " channel " << k;
+    }
+  }
+}
+
+TEST(PaintedScene, RepeatsMirrorsOrEndsATextureBeyondItsEdges) {
+  const auto mesh = make_square(1);
+  for (const TextureWrap across : {TextureWrap::repeat, TextureWrap::mirror, TextureWrap::clamp}) {
+    for (const TextureWrap down : {TextureWrap::repeat, TextureWrap::mirror, TextureWrap::clamp}) {
+      // An image of few texels is drawn larger than it is, one of many smaller: the edge's texels are of another level.
+      for (const int side : {32, 1024}) {
+        SCOPED_TRACE(testing::Message() << "wrap " << int(across) << " " << int(down) << ", " << side << " texels");
+        const auto view = open_or_fail(plain_settings(StereoMode::mono, 500, 500),
+                                       {{mesh, Vec3(0.5, 0.5, 0.5), lay_beyond(*mesh, {across, down}, side)}});
+        ASSERT_TRUE(view);
+        view->draw();
+        // Closer to the edge than half a texel of 32 a repeating texture shows both sides of it.
+        if (side == 1024 || (across != TextureWrap::repeat && down != TextureWrap::repeat)) expect_wrapped(*view, {across, down});
+      }
+    }
+  }
+}
+
+void wait_for_levels(StereoView& view) {
+  for (int i = 0; i < 3000 && view.detail_progress() < 1.0; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  ASSERT_EQ(view.detail_progress(), 1.0);
+}
+
+TEST(PaintedScene, WrapsInACoarserLevelAndInFullDetail) {
+  const auto mesh = make_square(200);
+  const std::array wrap = {TextureWrap::clamp, TextureWrap::mirror};
+  const auto view = open_or_fail(plain_settings(StereoMode::mono, 500, 500), {{mesh, Vec3(0.5, 0.5, 0.5), lay_beyond(*mesh, wrap, 256)}});
+  ASSERT_TRUE(view);
+  wait_for_levels(*view);
+  view->refine();
+  view->draw();
+  EXPECT_LT(view->paint_count().triangles, mesh->triangles.size() / 4);
+  expect_wrapped(*view, wrap);
+  while (view->refine()) view->draw();
+  expect_wrapped(*view, wrap);
+}
+
+std::shared_ptr<TriangleMesh> move_towards_viewer(TriangleMesh mesh, double by_m, double scale = 1.0) {
+  for (Vec3& p : mesh.vertices) p = scale * p + Vec3(0.0, 0.0, by_m);
+  return std::make_shared<TriangleMesh>(std::move(mesh));
+}
+
+std::shared_ptr<MeshLook> tint(const TriangleMesh& mesh, const Eigen::Vector3f& colour, float alpha, AlphaMode mode = AlphaMode::blend) {
+  auto look = std::make_shared<MeshLook>();
+  look->materials.push_back({.name = "glass", .colour = colour, .alpha_mode = mode, .alpha = alpha});
+  look->triangles.resize(mesh.triangles.size());
+  for (TriangleLook& triangle : look->triangles) triangle.material = 0;
+  return look;
+}
+
+void expect_colour(StereoView& view, const Vec3& p_W, const std::array<double, 3>& wanted, double tolerance = 2.0) {
+  const auto seen = pixel_at(view, view.read_picture(), p_W);
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(seen[k], wanted[k], tolerance) << "channel " << k;
+}
+
+// Two panes of glass before a wall; what is nearer covers what is farther, in whatever order the scene has them.
+TEST(PaintedScene, BlendsPanesOfGlassFromTheFarthestToTheNearest) {
+  const auto wall = make_square(1);
+  const auto red = move_towards_viewer(*wall, 0.02, 0.8);
+  const auto blue = move_towards_viewer(*wall, 0.04, 0.6);
+  const ShownObject behind = {wall, Vec3(0.0, 1.0, 0.0)};
+  const ShownObject middle = {red, Vec3(0.5, 0.5, 0.5), tint(*red, {1, 0, 0}, 0.4F)};
+  const ShownObject front = {blue, Vec3(0.5, 0.5, 0.5), tint(*blue, {0, 0, 1}, 0.6F)};
+  for (const std::vector<ShownObject>& objects :
+       {std::vector{behind, middle, front}, std::vector{front, middle, behind}, std::vector{middle, front, behind}}) {
+    const auto view = open_or_fail(plain_settings(StereoMode::mono, 400, 400), objects);
+    ASSERT_TRUE(view);
+    view->draw();
+    expect_colour(*view, {0.9 * kHalf, 0.9 * kHalf, 0.0}, {0, 255, 0});
+    expect_colour(*view, {0.7 * kHalf, 0.0, 0.02}, {0.4 * 255, 0.6 * 255, 0});
+    expect_colour(*view, {0.0, 0.0, 0.04}, {0.4 * 0.4 * 255, 0.4 * 0.6 * 255, 0.6 * 255});
+    const auto picked = view->pick(200, 200);
+    ASSERT_TRUE(picked);
+    EXPECT_NEAR(picked->z(), 0.04, 1e-4) << "glass is felt, so it can be pointed at";
+  }
+}
+
+// One mesh with a front and a back, seen from both sides: its own triangles are in order, too.
+TEST(PaintedScene, BlendsTheTrianglesOfOneMeshInOrder) {
+  TriangleMesh both = *make_square(1);
+  const TriangleMesh back = *move_towards_viewer(both, -0.03);
+  for (const Triangle& t : back.triangles) both.triangles.push_back({t[0] + 4, t[1] + 4, t[2] + 4});
+  both.vertices.insert(both.vertices.end(), back.vertices.begin(), back.vertices.end());
+  auto look = tint(both, {1, 0, 0}, 0.5F);
+  look->materials.push_back({.name = "other", .colour = Eigen::Vector3f(0, 0, 1), .alpha_mode = AlphaMode::blend, .alpha = 0.5F});
+  look->triangles[2].material = look->triangles[3].material = 1;
+  const auto view = open_or_fail(plain_settings(StereoMode::mono, 400, 400), {{std::make_shared<TriangleMesh>(both), Vec3::Ones(), look}});
+  ASSERT_TRUE(view);
+  view->set_cull(false);
+  view->draw();
+  expect_colour(*view, {0.1 * kHalf, 0.2 * kHalf, 0.0}, {128, 0, 64});
+  Pose behind = Pose::Identity();
+  behind.linear() = Eigen::AngleAxisd(std::numbers::pi, Vec3::UnitY()).toRotationMatrix();
+  view->set_scene_pose(behind);
+  view->draw();
+  expect_colour(*view, {0.1 * kHalf, 0.2 * kHalf, 0.03}, {64, 0, 128});
+}
+
+// 80,000 triangles of glass before a wall: in a coarser level, and in full detail, which is drawn in parts.
+TEST(PaintedScene, BlendsACoarserLevelAndFullDetail) {
+  const auto wall = make_square(1);
+  const auto pane = move_towards_viewer(*make_square(200), 0.03);
+  const auto view = open_or_fail(plain_settings(StereoMode::mono, 400, 400),
+                                 {{pane, Vec3::Ones(), tint(*pane, {1, 0, 0}, 0.25F)}, {wall, Vec3(0.0, 1.0, 1.0)}});
+  ASSERT_TRUE(view);
+  wait_for_levels(*view);
+  const auto expect_all = [&] {
+    for (int i = -4; i <= 4; ++i) expect_colour(*view, {0.2 * i * kHalf, 0.17 * i * kHalf, 0.03}, {64, 191, 191});
+  };
+  view->refine();
+  view->draw();
+  EXPECT_LT(view->paint_count().triangles, pane->triangles.size() / 4);
+  expect_all();
+  while (view->refine()) view->draw();
+  view->draw();
+  expect_all();
+  const auto picked = view->pick(200, 200);
+  ASSERT_TRUE(picked);
+  EXPECT_NEAR(picked->z(), 0.03, 1e-4);
+}
+
+// Left half opaque, right half with an alpha of 100; a cutoff of 0.5 makes a hole, and what is behind is seen and pointed at in it.
+std::shared_ptr<MeshLook> lay_halves(const TriangleMesh& mesh, AlphaMode mode, float cutoff) {
+  auto look = lay_image(mesh, make_rgba_png(64, 64, [](int x, int) { return Eigen::Vector4i(255, 0, 0, x < 32 ? 255 : 100); }));
+  look->materials[0].alpha_mode = mode;
+  look->materials[0].alpha_cutoff = cutoff;
+  return look;
+}
+
+TEST(PaintedScene, CutsHolesBlendsOrIgnoresTheAlphaOfATexture) {
+  const auto wall = make_square(1);
+  const auto sheet = move_towards_viewer(*wall, 0.03);
+  struct Case {
+    AlphaMode mode;
+    float cutoff;
+    std::array<double, 3> left, right;
+    double depth_right;
+  };
+  const std::array<double, 3> red = {255, 0, 0};
+  const std::array<double, 3> green = {0, 255, 0};
+  for (const Case& each : {Case{AlphaMode::opaque, 0.5F, red, red, 0.03}, Case{AlphaMode::mask, 0.5F, red, green, 0.0},
+                           Case{AlphaMode::mask, 0.3F, red, red, 0.03}, Case{AlphaMode::mask, 1.5F, green, green, 0.0},
+                           Case{AlphaMode::blend, 0.5F, red, {100, 155, 0}, 0.03}}) {
+    SCOPED_TRACE(testing::Message() << "mode " << int(each.mode) << " cutoff " << each.cutoff);
+    const auto view = open_or_fail(plain_settings(StereoMode::mono, 400, 400),
+                                   {{sheet, Vec3::Ones(), lay_halves(*sheet, each.mode, each.cutoff)}, {wall, Vec3(0.0, 1.0, 0.0)}});
+    ASSERT_TRUE(view);
+    view->draw();
+    expect_colour(*view, {-0.5 * kHalf, 0.0, 0.03}, each.left);
+    expect_colour(*view, {0.5 * kHalf, 0.0, 0.03}, each.right);
+    const Vec2 at = project_to_pixel(view->screen(), Eye::centre, view->picture_size(), Vec3(0.5 * kHalf, 0.0, 0.03));
+    const auto picked = view->pick(static_cast<int>(at.x()), static_cast<int>(at.y()));
+    ASSERT_TRUE(picked);
+    EXPECT_NEAR(picked->z(), each.depth_right, 1e-4);
+  }
+}
+
+// Alpha of the corners, between vertices; what is not there at all hides nothing.
+TEST(PaintedScene, BlendsByTheAlphaOfItsVertices) {
+  const auto wall = make_square(1);
+  const auto sheet = move_towards_viewer(*wall, 0.03);
+  auto look = tint(*sheet, {1, 1, 1}, 1.0F);
+  for (std::size_t t = 0; t < sheet->triangles.size(); ++t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      look->triangles[t].corners[k].alpha = sheet->corner(t, static_cast<int>(k)).x() < 0 ? 0 : 255;
+    }
+  }
+  const auto view = open_or_fail(plain_settings(StereoMode::mono, 400, 400), {{sheet, Vec3::Ones(), look}, {wall, Vec3(1.0, 0.0, 0.0)}});
+  ASSERT_TRUE(view);
+  view->draw();
+  expect_colour(*view, {-0.5 * kHalf, 0.3 * kHalf, 0.03}, {255, 64, 64}, 4.0);
+  expect_colour(*view, {0.5 * kHalf, -0.3 * kHalf, 0.03}, {255, 191, 191}, 4.0);
 }
 
 // Objects with and without a look beside each other; an image that cannot be read.

@@ -79,6 +79,57 @@ TEST(SurfacePaint, AnImageThatCannotBeReadLeavesTheObjectsColour) {
   EXPECT_EQ(level.paints[0].layer, 0);
 }
 
+TEST(SurfacePaint, SaysHowATriangleIsSeenThrough) {
+  const TriangleMesh mesh = make_sheet(1);
+  MeshLook look = lay_texture(mesh);
+  LookMaterial& material = look.materials[0];
+  material.alpha = 0.5F;
+  look.triangles[0].corners[0].alpha = 51;
+  const auto first = [&] {
+    const DetailLevel level = paint(mesh, look);
+    return level.paints[level.indices[0]];
+  };
+  EXPECT_TRUE(first().is_plain()) << "opaque: its alpha means nothing";
+  EXPECT_EQ(first().alpha, 255);
+  material.alpha_mode = AlphaMode::blend;
+  EXPECT_EQ(first().is_blended, 1);
+  EXPECT_EQ(first().alpha, 26) << "0.5 * 51";
+  material.alpha_mode = AlphaMode::mask;
+  EXPECT_EQ(first().is_blended, 0);
+  EXPECT_EQ(first().cutoff, 128);
+  EXPECT_EQ(first().alpha, 26);
+  material.alpha_cutoff = 1.25F;
+  EXPECT_LT(first().alpha, first().cutoff) << "nothing is there";
+  material.alpha_cutoff = 0.0F;
+  EXPECT_EQ(first().cutoff, 0) << "everything is there";
+  material.alpha_cutoff = 1e-6F;
+  EXPECT_EQ(first().cutoff, 1);
+  material = {.name = "", .image = 0, .wrap = {TextureWrap::mirror, TextureWrap::clamp}};
+  EXPECT_EQ(first().wraps, 1 + 4 * 2);
+  EXPECT_FALSE(first().is_plain());
+}
+
+// A pane with an opaque patch: a level without the patch is not as good.
+TEST(SurfacePaint, ALevelThatHasLostATransparencyHasAnError) {
+  const TriangleMesh mesh = make_sheet(40);
+  MeshLook look;
+  look.materials.resize(2);
+  look.materials[1] = {.name = "glass", .alpha_mode = AlphaMode::blend, .alpha = 0.2F};
+  look.triangles.resize(mesh.triangles.size());
+  const auto lay = [&](double radius) {
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      look.triangles[t].material = (mesh.corner(t, 0).head<2>() - Eigen::Vector2d(0.5, 0.5)).norm() < radius ? 0 : 1;
+    }
+    return paint(mesh, look, {});
+  };
+  const DetailLevel with_patch = lay(0.2);
+  const DetailLevel without = lay(0.0);
+  EXPECT_GT(measure_level_error(without, with_patch, 4000), 0.2) << "from the patch's middle there is nothing opaque";
+  EXPECT_LT(measure_level_error(with_patch, with_patch, 4000), 1e-6);
+  look.materials[1].alpha = 0.7F;
+  EXPECT_GT(measure_level_error(without, lay(0.0), 4000), 0.01) << "half the opacity of the finest triangles";
+}
+
 // Where the texture goes evenly over a plane, few triangles show it as well as many.
 TEST(SurfacePaint, TextureCoordinatesSurviveSimplification) {
   const TriangleMesh mesh = make_sheet(40);

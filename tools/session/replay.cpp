@@ -40,14 +40,6 @@ bool same(const ReplayRow& row, const TouchInput& input, const TouchOutput& outp
   return row.force_n == output.force_n && row.contact == output.contact && row.p_WP == input.p_WD + output.visual_offset_m;
 }
 
-// By nearest rank: no step in `fraction` of them takes longer.
-std::int64_t quantile_ns(std::vector<std::int64_t>& times, double fraction) {
-  const auto rank = static_cast<std::ptrdiff_t>(std::ceil(fraction * static_cast<double>(times.size())));
-  const auto nth = times.begin() + std::max<std::ptrdiff_t>(rank, 1) - 1;
-  std::nth_element(times.begin(), nth, times.end());
-  return *nth;
-}
-
 std::string describe_times(std::vector<std::int64_t> times) {
   if (times.empty()) return "none";
   return fmt::format("p50 {} / p99 {} / p99.9 {} / worst {} ns", quantile_ns(times, 0.5), quantile_ns(times, 0.99),
@@ -55,6 +47,13 @@ std::string describe_times(std::vector<std::int64_t> times) {
 }
 
 }  // namespace
+
+std::int64_t quantile_ns(std::vector<std::int64_t>& times, double fraction) {
+  const auto rank = static_cast<std::ptrdiff_t>(std::ceil(fraction * static_cast<double>(times.size())));
+  const auto nth = times.begin() + std::max<std::ptrdiff_t>(rank, 1) - 1;
+  std::nth_element(times.begin(), nth, times.end());
+  return *nth;
+}
 
 std::string describe_replay(const Replay& replay, const ReplaySettings& settings) {
   std::vector<std::int64_t> all;

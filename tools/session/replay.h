@@ -39,6 +39,9 @@ struct Replay {
 // 1.
 Replay run_replay(TouchStep& touch, std::span<const TrajectoryRow> trajectory, const ReplaySettings& settings, const Clock& clock);
 
+// By nearest rank: no step in `fraction` of them takes longer. Orders the times. Pre: there are some.
+std::int64_t quantile_ns(std::vector<std::int64_t>& times, double fraction);
+
 // How many steps, how many in contact, the largest force, and p50, p99, p99.9 and the worst step of all and of those in contact.
 std::string describe_replay(const Replay& replay, const ReplaySettings& settings);
 

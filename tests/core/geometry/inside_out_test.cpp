@@ -43,6 +43,9 @@ TEST(InsideOut, ExaminesEachBodySeparately) {
   // The large one outweighs the small flipped one.
   expect(put_beside(moved(ball, 10.0, Vec3(20, 0, 0)), turned(ball)), 2, 1);
   expect(put_beside(turned(ball), moved(turned(ball), 2.0, Vec3(0, 9, 0))), 2, 2);
+  const TriangleMesh both = put_beside(turned(ball), moved(turned(ball), 2.0, Vec3(0, 9, 0)));
+  EXPECT_LT((count_closed_bodies(both).inside_out_at - Vec3(0, 9, 0)).norm(), 0.2) << "the larger one";
+  EXPECT_EQ(count_closed_bodies(ball).inside_out_at, Vec3(0, 0, 0));
 }
 
 TEST(InsideOut, LeavesCavitiesAlone) {

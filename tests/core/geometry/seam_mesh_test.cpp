@@ -11,7 +11,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kTolerance = 0.01;
+constexpr double kSeamTolerance = 0.01;
 
 // Two squares side by side, their common side a gap: vertices 0 to 3 left, 4 to 7 right; 1 and 4, 2 and 7 face each other.
 TriangleMesh two_squares(double gap) {
@@ -21,7 +21,7 @@ TriangleMesh two_squares(double gap) {
   return mesh;
 }
 
-SeamMesh seam_of(TriangleMesh& mesh, double tolerance = kTolerance) { return {mesh, find_boundary_vertices(mesh), tolerance}; }
+SeamMesh seam_of(TriangleMesh& mesh, double tolerance = kSeamTolerance) { return {mesh, find_boundary_vertices(mesh), tolerance}; }
 
 TEST(SeamMesh, FindsTheBoundaryAsCountingEdgesDoes) {
   EXPECT_TRUE(find_boundary_vertices(make_icosphere(1.0, 2)).empty());

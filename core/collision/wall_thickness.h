@@ -1,0 +1,57 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "core/geometry/triangle_mesh.h"
+
+namespace hapton {
+
+// A place where a wall of a mesh is thin.
+struct ThinPlace {
+  std::uint32_t triangle = 0;  // one face of the wall
+  Vec3 point = Vec3::Zero();   // on it
+  double thickness = 0.0;      // from there to the other face, along the triangle's normal
+};
+
+struct ThinWalls {
+  std::size_t triangles = 0;          // those with a thin place
+  std::optional<ThinPlace> thinnest;  // nothing: no wall is thin
+};
+
+// The faces of two triangles are the two sides of a wall if their normals are opposite within this angle: its cosine.
+constexpr double kWallCosine = 0.8660254037844386;  // 30 degrees: below that a wedge has an edge, not a thickness
+
+// Where the thickness is below `width`: from points spread over each triangle, straight through the wall behind it to the first triangle
+// that shares no vertex with it. That triangle is the other face if it faces the other way. Triangles larger than the width are sampled
+// more densely, up to kMostThicknessRays points; a thinner place between the points is missed. Faces nearer than a millionth of the mesh's
+// extent lie in one place, as those of parts that touch: rays pass them. Units and frame: those of the mesh. Pre: width > 0. Time: n log n.
+// RT: set-up only.
+constexpr int kMostThicknessRays = 64;
+ThinWalls find_thin_walls(const TriangleMesh& mesh, double width);
+
+// From p along the unit direction to the triangle, if it is met within (0, most). The triangle counts as met up to rounding at its edges.
+// RT: yes.
+std::optional<double> find_ray_hit(const Vec3& p, const Vec3& direction, double most, const Vec3& a, const Vec3& b, const Vec3& c) noexcept;
+
+// The points of one triangle from which the thickness is measured: at least its centroid. Calls use(point). RT: yes.
+template <class Use>
+void for_each_thickness_sample(const Vec3& a, const Vec3& b, const Vec3& c, double width, Use&& use) {
+  // Parts a side: as long as four widths, so that a wall as wide as that is met.
+  const double longest = std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
+  int parts = 1;
+  while (parts * parts < kMostThicknessRays && longest > 4.0 * width * parts) ++parts;
+  const double step = 1.0 / parts;
+  for (int i = 0; i < parts; ++i) {
+    for (int j = 0; i + j < parts; ++j) {
+      const auto at = [&](double u, double v) -> Vec3 { return a + step * u * (b - a) + step * v * (c - a); };
+      use(at(i + 1.0 / 3.0, j + 1.0 / 3.0));
+      if (i + j + 1 < parts) use(at(i + 2.0 / 3.0, j + 2.0 / 3.0));
+    }
+  }
+}
+
+}  // namespace hapton

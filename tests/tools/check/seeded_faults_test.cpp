@@ -1,0 +1,275 @@
+// Scenes with one fault each, as a person would have it: a mesh file and a scene file, checked by the command.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/geometry/cracked_shapes.h"
+#include "core/geometry/mesh_shapes.h"
+#include "tests/support/scratch_folder.h"
+#include "tools/hapton_command.h"
+
+namespace hapton {
+namespace {
+
+using ::testing::HasSubstr;
+
+struct Checked {
+  int code = -1;
+  std::string out;
+  std::string err;
+};
+
+Checked check(std::vector<std::string> words) {
+  words.insert(words.begin(), {"hapton", "check"});
+  std::vector<const char*> argv;
+  for (const std::string& word : words) argv.push_back(word.c_str());
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  Checked seen;
+  seen.code = run_hapton_command(static_cast<int>(argv.size()), argv.data());
+  std::fflush(stdout);
+  seen.out = testing::internal::GetCapturedStdout();
+  seen.err = testing::internal::GetCapturedStderr();
+  return seen;
+}
+
+std::string obj_of(const TriangleMesh& mesh) {
+  std::string text;
+  for (const Vec3& v : mesh.vertices) text += fmt::format("v {:.17g} {:.17g} {:.17g}\n", v.x(), v.y(), v.z());
+  for (const Triangle& t : mesh.triangles) text += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
+  return text;
+}
+
+// 80 mm across; nothing is wrong with it.
+TriangleMesh good_ball() { return make_icosphere(0.04, 3); }
+TriangleMesh good_block() { return make_box(Vec3(0.08, 0.06, 0.05), 6); }
+
+TriangleMesh without(TriangleMesh mesh, const std::function<bool(const Vec3&)>& is_gone) {
+  std::erase_if(mesh.triangles,
+                [&](const Triangle& t) { return is_gone((mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 3.0); });
+  return mesh;
+}
+
+TriangleMesh with_turned(TriangleMesh mesh, const std::function<bool(const Vec3&)>& is_turned) {
+  for (Triangle& t : mesh.triangles) {
+    if (is_turned((mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 3.0)) std::swap(t[0], t[1]);
+  }
+  return mesh;
+}
+
+struct SeededFault {
+  std::string name;
+  TriangleMesh mesh;
+  std::string object;    // lines of [[object]], beside mesh and name
+  std::string material;  // lines of its material
+  std::vector<std::string> flags;
+  std::string fault;               // as the JSON names it
+  std::optional<Vec3> place = {};  // where, within `near`
+  double near = 0.005;
+  std::vector<std::string> also = {};  // faults that come with it
+};
+
+std::vector<SeededFault> seeded_faults() {
+  const auto at = [](const Vec3& centre, double radius) {
+    return [centre, radius](const Vec3& p) { return (p - centre).norm() < radius; };
+  };
+  const Vec3 top(0, 0, 0.04);
+  const TriangleMesh cavity = scaled_and_moved(flipped(make_box(Vec3(0.01, 0.01, 0.01), 1)), 1.0, Vec3(0.02, 0.01, 0.0192));
+  const TriangleMesh turned_ball = flipped(scaled_and_moved(make_icosphere(0.01, 2), 1.0, Vec3(0, 0.06, 0)));
+  const TriangleMesh torn = make_torn(good_ball(), 4e-5);
+  const std::vector<std::string> ball_probe = {"--probe-radius", "0.001"};
+  const std::string one_sided = "two_sided = false\n";
+  return {
+      {"ThinPlate", make_box(Vec3(0.08, 0.06, 0.0005), 3), "", "", ball_probe, "thin-wall", Vec3(0, 0, 0), 0.06},
+      {"ThinPlateTurned", make_box(Vec3(0.08, 0.0019, 0.06), 3), "rotation_deg = [10, 20, 30]\n", "", ball_probe, "thin-wall"},
+      {"CavityUnderTheSurface", joined(good_block(), cavity), "", "", ball_probe, "thin-wall", Vec3(0.02, 0.01, 0.025), 0.01},
+      {"ThinForALargeBall", make_box(Vec3(0.08, 0.06, 0.01), 3), "", "", {"--probe-radius", "0.006"}, "thin-wall"},
+      {"OneTriangleMissing", without(good_ball(), at(good_ball().corner(7, 0), 0.0035)), "", "", {}, "opening", good_ball().corner(7, 0)},
+      {"PatchMissing", without(good_ball(), at(top, 0.015)), "", "", {}, "opening", top},
+      {"PatchMissingForABall", without(good_ball(), at(-top, 0.015)), "", "", ball_probe, "opening", -top},
+      {"LidMissing", without(good_block(), [](const Vec3& p) { return p.z() > 0.0249; }), "", "", {}, "opening", Vec3(0, 0, 0.025)},
+      {"CracksNotSealed", make_patched_box(Vec3(0.08, 0.06, 0.05), 4e-6, 5), "seal_cracks = false\n", "", {}, "crack"},
+      {"TornNotSealed", make_torn(good_ball(), 4e-6), "seal_cracks = false\n", "", {}, "crack"},
+      {"CracksTooWideToSeal", torn, "", "", {}, "crack"},
+      {"OneTriangleTurned",
+       with_turned(good_ball(), at(good_ball().corner(7, 0), 0.0035)),
+       "",
+       "",
+       {},
+       "flipped",
+       good_ball().corner(7, 0),
+       0.01},
+      {"PatchTurned", with_turned(good_block(), [](const Vec3& p) { return p.z() > 0.0249 && p.x() > 0; }), "", "", {}, "flipped"},
+      {"PatchTurnedOneSided",
+       with_turned(good_block(), [](const Vec3& p) { return p.x() > 0.0399; }),
+       "",
+       one_sided,
+       {},
+       "flipped",
+       Vec3(0.04, 0, 0),
+       0.05},
+      {"InsideOut", flipped(good_ball()), "", "", {}, "inside-out", Vec3(0, 0, 0)},
+      {"InsideOutOneSided", flipped(good_block()), "position_m = [0.01, 0, 0]\n", one_sided, {}, "inside-out", Vec3(0.01, 0, 0)},
+      {"OneOfTwoBodiesInsideOut", joined(good_ball(), turned_ball), "", "", {}, "inside-out", Vec3(0, 0.06, 0)},
+      {"StifferThanTheDevice", good_ball(), "", "stiffness_n_per_m = 5000.0\n", {}, "stiffer-than-device", {}, 0.0, {"stiffer-than-loop"}},
+      {"StifferThanAWeakerDevice",
+       good_ball(),
+       "",
+       "stiffness_n_per_m = 450.0\n",
+       {"--device", "touch", "--delay", "0.1"},
+       "stiffer-than-device",
+       {},
+       0.0,
+       {"stiffer-than-loop"}},
+      {"StifferThanASlowLoop", good_ball(), "", "stiffness_n_per_m = 900.0\n", {"--delay", "5"}, "stiffer-than-loop"},
+      {"FarAway", good_ball(), "position_m = [1, 0, 0]\n", "", {}, "out-of-reach", Vec3(1.04, 0, 0)},
+      {"HalfOutside", good_ball(), "position_m = [0, 0.09525, 0]\n", "", {}, "out-of-reach", Vec3(0, 0.13525, 0)},
+      {"WrongUnit", scaled_and_moved(good_ball(), 1000.0, Vec3::Zero()), "", "", {}, "out-of-reach"},
+      {"ASpeck", good_ball(), "unit = 'mm'\n", "", {}, "too-small"},
+      {"TooSlow", make_bumpy_sphere(0.04, 0.25, 40000, 1), "", "", {"--rate", "1000000", "--delay", "0"}, "too-slow"},
+  };
+}
+
+// A mesh of the scene is `part.obj`; a good one stands beside it and must not be named.
+nlohmann::json check_seeded(const SeededFault& seeded, const ScratchFolder& folder, int& code) {
+  folder.write("part.obj", obj_of(seeded.mesh));
+  folder.write("good.obj", obj_of(scaled_and_moved(make_icosphere(0.01, 2), 1.0, Vec3(-0.08, -0.06, -0.1))));
+  const std::string stiffness = seeded.material.find("stiffness") == std::string::npos ? "stiffness_n_per_m = 20.0\n" : "";
+  const auto scene = folder.write("scene.toml", "[[object]]\nmesh = 'part.obj'\nname = 'seeded'\nmaterial = 'm'\n" + seeded.object +
+                                                    "[[object]]\nmesh = 'good.obj'\nname = 'good'\nmaterial = 'good'\n" +
+                                                    (seeded.name == "ASpeck" ? "unit = 'mm'\n" : "") + "[material.m]\n" + stiffness +
+                                                    seeded.material + "[material.good]\nstiffness_n_per_m = 20.0\n");
+  std::vector<std::string> words = {scene.string(), "--json"};
+  words.insert(words.end(), seeded.flags.begin(), seeded.flags.end());
+  const Checked seen = check(words);
+  code = seen.code;
+  EXPECT_EQ(seen.err, "");
+  return nlohmann::json::parse(seen.out, nullptr, false);
+}
+
+TEST(SeededFaults, AreAtLeastTwenty) { EXPECT_GE(seeded_faults().size(), 20U); }
+
+TEST(SeededFaults, EachIsFoundWhereItIsAndNothingElse) {
+  const ScratchFolder folder;
+  for (const SeededFault& seeded : seeded_faults()) {
+    SCOPED_TRACE(seeded.name);
+    int code = -1;
+    const nlohmann::json json = check_seeded(seeded, folder, code);
+    EXPECT_EQ(code, 1);
+    if (!json.is_object()) {
+      ADD_FAILURE() << "no JSON";
+      continue;
+    }
+    bool is_found = false;
+    for (const auto& finding : json["findings"]) {
+      const std::string fault = finding["fault"];
+      const bool is_it = fault == seeded.fault;
+      EXPECT_TRUE(is_it || std::count(seeded.also.begin(), seeded.also.end(), fault) > 0) << "false alarm: " << finding;
+      EXPECT_FALSE(std::string(finding["fix"]).empty());
+      if (!is_it) continue;
+      is_found = true;
+      if (fault != "too-small" && fault != "too-slow") {
+        EXPECT_EQ(finding["object"], "seeded");
+      }
+      if (!seeded.place) continue;
+      if (finding["place_m"].is_null()) {
+        ADD_FAILURE() << "no place: " << finding;
+        continue;
+      }
+      const Vec3 place(finding["place_m"][0], finding["place_m"][1], finding["place_m"][2]);
+      EXPECT_LT((place - *seeded.place).norm(), seeded.near) << finding;
+    }
+    EXPECT_TRUE(is_found) << json["findings"].dump();
+  }
+}
+
+TEST(SeededFaults, AreGoneWithWhatTheFixSays) {
+  const ScratchFolder folder;
+  std::vector<SeededFault> mended = {
+      {"ThickEnough", make_box(Vec3(0.08, 0.06, 0.0021), 3), "", "", {"--probe-radius", "0.001"}, ""},
+      {"PointProbe", make_box(Vec3(0.08, 0.06, 0.0005), 3), "", "", {}, ""},
+      {"HoleSmallerThanTheBall",
+       without(good_ball(), [](const Vec3& p) { return (p - good_ball().corner(7, 0)).norm() < 0.0035; }),
+       "",
+       "",
+       {"--probe-radius", "0.006"},
+       ""},
+      {"Sealed", make_patched_box(Vec3(0.08, 0.06, 0.05), 4e-6, 5), "", "", {}, ""},
+      {"ASheet", make_plane_grid(0.08, 6), "", "", {}, ""},
+      {"ABowl", without(good_ball(), [](const Vec3& p) { return p.z() > 0.0; }), "", "", {}, ""},
+      {"ACavity", joined(good_ball(), flipped(make_icosphere(0.02, 2))), "", "", {}, ""},
+      {"Reached", good_ball(), "position_m = [0, 0.05524, 0]\n", "", {}, ""},
+  };
+  for (const SeededFault& good : mended) {
+    SCOPED_TRACE(good.name);
+    int code = -1;
+    const nlohmann::json json = check_seeded(good, folder, code);
+    EXPECT_EQ(code, 0) << json["findings"].dump();
+  }
+}
+
+TEST(CheckCommand, SaysWhereWhatAndHowToFixInOneLine) {
+  const ScratchFolder folder;
+  folder.write("part.obj", obj_of(flipped(good_ball())));
+  const auto scene =
+      folder.write("scene.toml", "[[object]]\nmesh = 'part.obj'\nname = 'lamp'\nmaterial = 'm'\n[material.m]\nstiffness_n_per_m = 20.0\n");
+  const Checked seen = check({scene.string()});
+  EXPECT_EQ(seen.code, 1);
+  const std::string first = seen.out.substr(0, seen.out.find('\n'));
+  EXPECT_THAT(first, HasSubstr("scene.toml: object 'lamp' at ("));
+  EXPECT_THAT(first, HasSubstr(") m: 1 of 1 closed body is inside out: "));
+  EXPECT_THAT(first, HasSubstr("; turn the normals round"));
+  EXPECT_THAT(seen.out, HasSubstr("1 finding in 1 object"));
+  EXPECT_THAT(seen.out, HasSubstr("on this machine"));
+}
+
+TEST(CheckCommand, ACleanSceneEndsWithZero) {
+  const ScratchFolder folder;
+  folder.write("part.obj", obj_of(good_ball()));
+  const auto scene = folder.write("scene.toml", "[[object]]\nmesh = 'part.obj'\nmaterial = 'm'\n[material.m]\nstiffness_n_per_m = 20.0\n");
+  const Checked seen = check({scene.string()});
+  EXPECT_EQ(seen.code, 0) << seen.out;
+  EXPECT_THAT(seen.out, HasSubstr("nothing found in 1 object"));
+  const Checked unknown = check({scene.string(), "--device", "falcon", "--hand", "stylus"});
+  EXPECT_EQ(unknown.code, 0) << unknown.out;
+  EXPECT_THAT(unknown.out, HasSubstr("note: not checked: whether falcon reaches the scene"));
+}
+
+TEST(CheckCommand, WhatCannotBeCheckedEndsWithTwo) {
+  const ScratchFolder folder;
+  const auto good = folder.write("good.obj", obj_of(good_ball()));
+  const auto broken = folder.write("broken.toml", "[[object]\n");
+  for (const std::vector<std::string>& words : {std::vector<std::string>{(folder.path() / "gone.toml").string()},
+                                                {broken.string()},
+                                                {good.string(), "--device", "phantom-9"},
+                                                {good.string(), "--hand", "third"},
+                                                {good.string(), "--unit", "ell"},
+                                                {good.string(), "--rate", "0"},
+                                                {},
+                                                {good.string(), "--probe-radius", "-1"},
+                                                {good.string(), "--mass-kg", "0.1"}}) {
+    const Checked seen = check(words);
+    EXPECT_EQ(seen.code, 2) << testing::PrintToString(words) << seen.out;
+    EXPECT_EQ(std::count(seen.err.begin(), seen.err.end(), '\n'), 1) << seen.err;
+    EXPECT_EQ(seen.out, "");
+  }
+}
+
+TEST(CheckCommand, APlainMeshIsFittedAsTheNodesFitIt) {
+  const ScratchFolder folder;
+  const auto large = folder.write("large.obj", obj_of(scaled_and_moved(good_ball(), 1000.0, Vec3(5, 6, 7))));
+  EXPECT_THAT(check({large.string(), "--no-fit"}).out, HasSubstr("outside the workspace"));
+  const Checked fitted = check({large.string()});
+  EXPECT_THAT(fitted.out, testing::Not(HasSubstr("outside the workspace")));
+}
+
+}  // namespace
+}  // namespace hapton

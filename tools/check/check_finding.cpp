@@ -1,0 +1,31 @@
+#include "tools/check/check_finding.h"
+
+namespace hapton {
+
+std::string_view name_of(SceneFault fault) noexcept {
+  switch (fault) {
+    case SceneFault::thin_wall:
+      return "thin-wall";
+    case SceneFault::opening:
+      return "opening";
+    case SceneFault::crack:
+      return "crack";
+    case SceneFault::flipped:
+      return "flipped";
+    case SceneFault::inside_out:
+      return "inside-out";
+    case SceneFault::stiffer_than_device:
+      return "stiffer-than-device";
+    case SceneFault::stiffer_than_loop:
+      return "stiffer-than-loop";
+    case SceneFault::out_of_reach:
+      return "out-of-reach";
+    case SceneFault::too_small:
+      return "too-small";
+    case SceneFault::too_slow:
+      return "too-slow";
+  }
+  return "";
+}
+
+}  // namespace hapton

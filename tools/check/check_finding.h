@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/math/types.h"
+
+namespace hapton {
+
+// What can be wrong with a scene before anyone touches it.
+enum class SceneFault : std::uint8_t {
+  thin_wall,   // thinner than the ball of the probe
+  opening,     // a hole that the probe fits through
+  crack,       // a gap that was not sealed
+  flipped,     // triangles whose fronts are on the wrong side
+  inside_out,  // a closed body with its fronts inside
+  stiffer_than_device,
+  stiffer_than_loop,
+  out_of_reach,  // all or a part of an object lies outside the workspace
+  too_small,     // a speck in the workspace
+  too_slow,      // the force takes longer than the loop allows
+};
+// "thin-wall", "opening" ...
+std::string_view name_of(SceneFault fault) noexcept;
+
+struct CheckFinding {
+  SceneFault fault = SceneFault::thin_wall;
+  std::string object;           // empty: the whole scene
+  std::optional<Vec3> place_m;  // frame S
+  std::string what;             // how it is, half a line
+  std::string fix;              // what to do about it, half a line
+};
+
+using CheckFindings = std::vector<CheckFinding>;
+
+}  // namespace hapton

@@ -1,0 +1,118 @@
+#include "tools/check/scene_check.h"
+
+#include <fmt/format.h>
+
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "loop/device_model.h"
+#include "tools/check/loop_check.h"
+#include "tools/check/reach_check.h"
+#include "tools/check/surface_check.h"
+
+namespace hapton {
+namespace {
+
+void append(CheckFindings more, CheckFindings& all) {
+  all.insert(all.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+}
+
+// Of the devices whose workspace is known, each once.
+std::vector<const DevicePreset*> known_workspaces(const std::vector<NamedLoop>& loops, std::vector<std::string>& notes) {
+  std::vector<const DevicePreset*> known;
+  std::string last;
+  for (const NamedLoop& loop : loops) {
+    if (loop.device == last) continue;
+    last = loop.device;
+    const DevicePreset* preset = find_device_preset(loop.device);
+    if (preset != nullptr && preset->is_workspace_known) {
+      known.push_back(preset);
+    } else {
+      notes.push_back(fmt::format("not checked: whether {} reaches the scene; its workspace is not known here", loop.device));
+    }
+  }
+  return known;
+}
+
+std::string where(const SceneCheck& check, const CheckFinding& finding) {
+  std::string text = check.path + ":";
+  if (!finding.object.empty()) text += fmt::format(" object '{}'", finding.object);
+  if (finding.place_m) {
+    const Vec3& p = *finding.place_m;
+    text += fmt::format(" at ({:.4g}, {:.4g}, {:.4g}) m", p.x(), p.y(), p.z());
+  }
+  return text.ends_with(':') ? text : text + ":";
+}
+
+std::string count_of(std::size_t count, std::string_view what) { return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s"); }
+
+std::string describe(const StepCost& cost, double rate_hz) {
+  return fmt::format("a step takes {:.3g} us at p99, {:.3g} us at worst of {} (least of several runs, on this machine), a cycle {:.3g} us",
+                     1e-3 * static_cast<double>(cost.p99_ns), 1e-3 * static_cast<double>(cost.worst_ns), cost.steps, 1e6 / rate_hz);
+}
+
+}  // namespace
+
+Result<SceneCheck> check_scene(const std::string& path, const Scene& scene, const SceneCheckSettings& settings) {
+  SceneCheck check{.path = path, .findings = {}, .notes = scene.notes, .objects = scene.objects.size(), .triangles = 0, .cost = {}};
+  const HeldStiffness held = find_held_stiffness(settings.loops, settings.rate_hz, settings.delay_s);
+  const std::vector<const DevicePreset*> reaching = known_workspaces(settings.loops, check.notes);
+  for (const SceneObject& object : scene.objects) {
+    check.triangles += object.mesh->triangles.size();
+    append(check_surface(object, settings.probe_radius_m), check.findings);
+    append(check_stiffness(object, held, settings.rate_hz, settings.delay_s), check.findings);
+    for (const DevicePreset* device : reaching) append(check_reach(object, device->limits), check.findings);
+  }
+  for (const DevicePreset* device : reaching) append(check_size(scene, device->limits), check.findings);
+  auto cost = measure_step_cost(scene, {.probe_radius_m = settings.probe_radius_m, .rate_hz = settings.rate_hz, .seed = settings.seed});
+  if (!cost) return tl::unexpected(Error{fmt::format("{}: {}", path, cost.error().what)});
+  check.cost = std::move(*cost);
+  append(check_cost(check.cost, settings.rate_hz), check.findings);
+  return check;
+}
+
+std::string to_text(const SceneCheck& check, const SceneCheckSettings& settings) {
+  std::string text;
+  for (const CheckFinding& finding : check.findings) text += fmt::format("{} {}; {}\n", where(check, finding), finding.what, finding.fix);
+  for (const std::string& note : check.notes) text += fmt::format("note: {}\n", note);
+  text += fmt::format(
+      "{}: {} in {}, {}; {} (seed {})\n", check.path, check.findings.empty() ? "nothing found" : count_of(check.findings.size(), "finding"),
+      count_of(check.objects, "object"), count_of(check.triangles, "triangle"), describe(check.cost, settings.rate_hz), settings.seed);
+  return text;
+}
+
+std::string to_json(const SceneCheck& check, const SceneCheckSettings& settings) {
+  using Json = nlohmann::ordered_json;
+  const auto point = [](const Vec3& p) { return Json::array({p.x(), p.y(), p.z()}); };
+  Json findings = Json::array();
+  for (const CheckFinding& finding : check.findings) {
+    findings.push_back({{"fault", name_of(finding.fault)},
+                        {"object", finding.object},
+                        {"place_m", finding.place_m ? point(*finding.place_m) : Json()},
+                        {"what", finding.what},
+                        {"fix", finding.fix}});
+  }
+  Json loops = Json::array();
+  for (const NamedLoop& loop : settings.loops) loops.push_back({{"device", loop.device}, {"hand", loop.hand}});
+  const Json json = {{"schema", "hapton-scene-check-1"},
+                     {"file", check.path},
+                     {"loops", loops},
+                     {"rate_hz", settings.rate_hz},
+                     {"delay_ms", 1e3 * settings.delay_s},
+                     {"probe_radius_m", settings.probe_radius_m},
+                     {"seed", settings.seed},
+                     {"objects", check.objects},
+                     {"triangles", check.triangles},
+                     {"findings", findings},
+                     {"step",
+                      {{"steps", check.cost.steps},
+                       {"p99_ns", check.cost.p99_ns},
+                       {"worst_ns", check.cost.worst_ns},
+                       {"worst_object", check.cost.worst_object},
+                       {"worst_at_m", point(check.cost.worst_at_m)}}},
+                     {"notes", check.notes}};
+  // Names come from the file and need not be UTF-8.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace hapton

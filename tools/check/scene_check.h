@@ -1,0 +1,43 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "scene/scene_file.h"
+#include "tools/check/check_finding.h"
+#include "tools/check/step_cost.h"
+#include "tools/loop/loop_flags.h"
+
+namespace hapton {
+
+// What the scene is checked against.
+struct SceneCheckSettings {
+  std::vector<NamedLoop> loops;  // every device with every hand; at least one
+  double probe_radius_m = 0.0;
+  double rate_hz = 1000.0;
+  double delay_s = 5e-4;  // from the sample to its force
+  std::uint64_t seed = 1;
+};
+
+struct SceneCheck {
+  std::string path;
+  CheckFindings findings;          // object by object, the whole scene's last
+  std::vector<std::string> notes;  // what was not checked, and what the loader says
+  std::size_t objects = 0;
+  std::size_t triangles = 0;
+  StepCost cost;
+};
+
+// Checks a loaded scene. Error: the force method rejects it. RT: no; some seconds for a large scene.
+Result<SceneCheck> check_scene(const std::string& path, const Scene& scene, const SceneCheckSettings& settings);
+
+// For people: a line for each finding, "FILE: object 'NAME' at (x, y, z) m: WHAT; FIX", then the notes and a summary.
+std::string to_text(const SceneCheck& check, const SceneCheckSettings& settings);
+
+// One JSON object with a schema version.
+std::string to_json(const SceneCheck& check, const SceneCheckSettings& settings);
+
+}  // namespace hapton

@@ -1,0 +1,88 @@
+#include "tools/check/surface_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/collision/wall_thickness.h"
+#include "core/geometry/boundary_loops.h"
+#include "scene/mesh_report.h"
+
+namespace hapton {
+namespace {
+
+std::string plural(std::size_t count, std::string_view one, std::string_view many) {
+  return fmt::format("{} {}", count, count == 1 ? one : many);
+}
+
+// The probe is made smaller where that leaves a ball worth the name: a tenth of it.
+std::string how_to_thicken(double thickness_m, double probe_radius_m) {
+  const double fitting_m = 0.5 * thickness_m;
+  if (fitting_m < 0.1 * probe_radius_m) return "thicken it, or touch it with a point (--probe-radius 0)";
+  return fmt::format("thicken it, or give --probe-radius {:.2g} or less", fitting_m);
+}
+
+void check_walls(const SceneObject& object, double probe_radius_m, CheckFindings& findings) {
+  if (!(probe_radius_m > 0.0)) return;
+  const ThinWalls walls = find_thin_walls(*object.mesh, 2.0 * probe_radius_m);
+  if (!walls.thinnest) return;
+  findings.push_back(
+      {SceneFault::thin_wall, object.name, walls.thinnest->point,
+       fmt::format("a wall is {:.3g} mm thick, thinner than the ball of the probe ({:.3g} mm), so its rim feels as thick as the "
+                   "ball ({})",
+                   1e3 * walls.thinnest->thickness, 2e3 * probe_radius_m, plural(walls.triangles, "triangle", "triangles")),
+       how_to_thicken(walls.thinnest->thickness, probe_radius_m)});
+}
+
+// Cracks are gaps up to a thousandth of the longest side; what is wider is an opening. Both let through what is narrower than they are.
+void check_openings(const SceneObject& object, const MeshFlaws& flaws, double probe_radius_m, CheckFindings& findings) {
+  std::vector<BoundaryLoop> loops = find_boundary_loops(*object.mesh);
+  if (loops.empty()) return;
+  const double crack_m = crack_width(flaws.topology);
+  if (flaws.borders.cracks > 0 && 2.0 * probe_radius_m < crack_m) {
+    findings.push_back({SceneFault::crack, object.name, loops.back().on_edge,
+                        fmt::format("{} of cracks up to {:.3g} mm wide are open: a point probe falls through",
+                                    plural(flaws.borders.cracks, "edge", "edges"), 1e3 * crack_m),
+                        object.sealed.boundary_edges > 0 || object.sealed.has_given_up
+                            ? "close the gaps in the mesh"
+                            : "remove seal_cracks = false, or close the gaps in the mesh"});
+  }
+  std::erase_if(loops,
+                [&](const BoundaryLoop& loop) { return !loop.is_opening() || loop.width() <= std::max(crack_m, 2.0 * probe_radius_m); });
+  if (loops.empty()) return;
+  findings.push_back(
+      {SceneFault::opening, object.name, loops.front().centre,
+       fmt::format("{} in its surface; the widest is {:.3g} mm wide ({}), and the probe gets inside",
+                   plural(loops.size(), "opening", "openings"), 1e3 * loops.front().width(), plural(loops.front().edges, "edge", "edges")),
+       "close it in the mesh, unless the inside is to be touched"});
+}
+
+void check_sides(const SceneObject& object, const MeshFlaws& flaws, CheckFindings& findings) {
+  const std::vector<Vec3> edges = find_inconsistent_edges(*object.mesh);
+  const std::string_view effect = object.material.two_sided ? "shading and methods that use the sides go wrong there"
+                                                            : "with two_sided = false they cannot be touched from outside";
+  if (!edges.empty()) {
+    findings.push_back({SceneFault::flipped, object.name, edges.front(),
+                        fmt::format("{} between triangles that face opposite sides: {}", plural(edges.size(), "edge", "edges"), effect),
+                        "make the normals consistent (\"recalculate outside\") and export again"});
+  }
+  if (flaws.bodies.inside_out > 0) {
+    findings.push_back({SceneFault::inside_out, object.name, flaws.bodies.inside_out_at,
+                        fmt::format("{} of {} inside out: {}", flaws.bodies.inside_out,
+                                    plural(flaws.bodies.count, "closed body is", "closed bodies are"), effect),
+                        "turn the normals round and export again"});
+  }
+}
+
+}  // namespace
+
+CheckFindings check_surface(const SceneObject& object, double probe_radius_m) {
+  CheckFindings findings;
+  const MeshFlaws flaws = find_flaws(*object.mesh);
+  check_walls(object, probe_radius_m, findings);
+  check_openings(object, flaws, probe_radius_m, findings);
+  check_sides(object, flaws, findings);
+  return findings;
+}
+
+}  // namespace hapton
