@@ -44,7 +44,8 @@ constexpr double kSealedShare = 1e-4;
 // - authored normals stay with their corners; at a split they are interpolated.
 // What could be sealed only by breaking these rules stays open, and so does everything wider.
 //
-// Sealing again changes nothing. Independent of scale and position up to rounding. Time: n log n in the boundary, linear in the mesh. Where
+// Sealing again changes nothing. Independent of scale and position up to rounding. Time: n log n in the boundary, linear in the mesh; but
+// n^(4/3) for loose triangles as large as the mesh, whose edges each pass that many vertices. Where
 // thousands of boundary vertices and edges lie within one tolerance, only the nearest 32 vertices and 256 edges of each are examined; if
 // that is too much for all of them together, or the excluded parts keep growing, the mesh is returned unchanged (has_given_up). Pre:
 // vertices equal to the bit are one already (or may become so), coordinates finite. RT: set-up only. source[i]: the triangle of the given

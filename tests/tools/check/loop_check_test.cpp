@@ -1,0 +1,71 @@
+#include "tools/check/loop_check.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "loop/recommendation.h"
+
+namespace hapton {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::vector<NamedLoop> loops_for_check(const std::string& devices, const std::string& hands) {
+  LoopFlags flags;
+  flags.device = devices;
+  flags.hand = hands;
+  auto loops = loops_of(flags);
+  EXPECT_TRUE(loops);
+  return loops ? *loops : std::vector<NamedLoop>();
+}
+
+SceneObject object_of(double stiffness_n_per_m) {
+  SceneObject object;
+  object.name = "lamp";
+  object.material.stiffness_n_per_m = stiffness_n_per_m;
+  return object;
+}
+
+TEST(LoopCheck, TheLeastOfAllDevicesAndHandsCounts) {
+  const auto loops = loops_for_check("omega.3,touch", "light,firm");
+  const HeldStiffness held = find_held_stiffness(loops, 1000.0, 1e-3);
+  ASSERT_TRUE(held.by_device && held.by_loop);
+  EXPECT_EQ(held.by_device->device, "touch");
+  EXPECT_EQ(held.device_n_per_m, 400.0);
+  double least = std::numeric_limits<double>::infinity();
+  for (const NamedLoop& loop : loops)
+    least =
+        std::min(least, recommend_stiffness(loop.device_model, loop.limits, loop.hand_model, 1000.0, 1e-3).stable_n_per_m / kGainMargin);
+  EXPECT_EQ(held.safe_n_per_m, least);
+}
+
+TEST(LoopCheck, WhatIsHeldExactlyIsNoFinding) {
+  const auto loops = loops_for_check("model-a", "light");
+  const HeldStiffness held = find_held_stiffness(loops, 1000.0, 1e-3);
+  ASSERT_LT(held.safe_n_per_m, held.device_n_per_m);
+  EXPECT_TRUE(check_stiffness(object_of(held.safe_n_per_m), held, 1000.0, 1e-3).empty());
+  const CheckFindings above = check_stiffness(object_of(1.001 * held.safe_n_per_m), held, 1000.0, 1e-3);
+  ASSERT_EQ(above.size(), 1U);
+  EXPECT_EQ(above[0].fault, SceneFault::stiffer_than_loop);
+  EXPECT_THAT(above[0].what, HasSubstr("model-a in hand light at 1000 Hz with forces after 1 ms"));
+  EXPECT_TRUE(check_stiffness(object_of(std::floor(held.safe_n_per_m)), held, 1000.0, 1e-3).empty()) << "the fix holds";
+}
+
+TEST(LoopCheck, ALoopOfOnesOwnHasNoMaker) {
+  LoopFlags flags;
+  flags.mass_kg = 0.2;
+  flags.damping_ns_per_m = 5.0;
+  const auto loops = loops_of(flags);
+  ASSERT_TRUE(loops);
+  const HeldStiffness held = find_held_stiffness(*loops, 1000.0, 1e-3);
+  EXPECT_EQ(held.by_device, nullptr);
+  ASSERT_NE(held.by_loop, nullptr);
+  EXPECT_EQ(check_stiffness(object_of(1e6), held, 1000.0, 1e-3).size(), 1U);
+}
+
+}  // namespace
+}  // namespace hapton
