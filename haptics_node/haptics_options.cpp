@@ -54,7 +54,8 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
       ->check(zero_or_more("metres"))
       ->capture_default_str();
   app.add_option("--coupling", options.method.coupling_n_per_m,
-                 "Virtual coupling, N/m: a spring between device and probe, so that no surface is stiffer; 0: none (hapton loop recommend)")
+                 "Virtual coupling, N/m: a spring between device and probe, so that no material is stiffer (effects may be); 0: none "
+                 "(hapton loop recommend)")
       ->check(between(0.0, 1e6))
       ->capture_default_str();
   app.add_option("--shading", options.method.shading, "proxy: force direction from face normals (0) to smooth normals (1)")

@@ -2,6 +2,7 @@
 
 #include <cstdio>
 
+#include "core/force/stiffest.h"
 #include "core/force/virtual_coupling.h"
 #include "haptic_step/haptics_setup.h"
 #include "haptic_step/scene_facts.h"

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <string_view>
 
 #include "loop/device_model.h"
@@ -19,29 +18,7 @@ std::string_view name_of(const LoopFacts& facts) {
   return {facts.device.data(), static_cast<std::size_t>(end - facts.device.begin())};
 }
 
-// Of a surface: at kPressedN, for one that grows stiffer.
-double stiffest_of(double stiffness_n_per_m, const SurfaceEffects& effects) {
-  constexpr double kPressedN = 10.0;  // hardly any desktop device gives more
-  double stiffest_n_per_m = effects.layers.is_on() ? 0.0 : stiffness_n_per_m;
-  for (std::size_t i = 0; i < effects.layers.count(); ++i)
-    stiffest_n_per_m = std::max(stiffest_n_per_m, effects.layers[i].stiffness_n_per_m);
-  stiffest_n_per_m += 2.0 * std::sqrt(kPressedN * effects.progressive.n_per_m2);  // 2 c d where c d^2 is kPressedN
-  return std::max(stiffest_n_per_m, effects.snap.is_on() ? effects.snap.stiffness_n_per_m : 0.0);
-}
-
 }  // namespace
-
-double find_stiffest(const TouchScene& scene) {
-  double stiffest_n_per_m = 0.0;
-  for (const TouchObject& object : scene.objects) {
-    stiffest_n_per_m = std::max(stiffest_n_per_m, stiffest_of(object.material.stiffness_n_per_m, object.effects));
-  }
-  for (const SpaceEffect& effect : scene.effects) {
-    if (const auto* spring = std::get_if<SpringEffect>(&effect)) stiffest_n_per_m = std::max(stiffest_n_per_m, spring->stiffness_n_per_m);
-    if (const auto* snap = std::get_if<SnapEffect>(&effect)) stiffest_n_per_m = std::max(stiffest_n_per_m, snap->stiffness_n_per_m());
-  }
-  return stiffest_n_per_m;
-}
 
 std::optional<StiffnessAdvice> advise_stiffness(const LoopFacts& facts) {
   if (!(facts.servo_rate_hz > 0.0)) return std::nullopt;

@@ -5,14 +5,10 @@
 #include <string>
 #include <thread>
 
-#include "core/force/touch_scene.h"
 #include "link/messages.h"
 #include "runtime/mailbox.h"
 
 namespace hapton {
-
-// The largest of the scene's stiffnesses, N/m; 0 without objects. RT: no.
-double find_stiffest(const TouchScene& scene);
 
 // What one loop holds.
 struct StiffnessAdvice {

@@ -104,6 +104,7 @@ bool DeviceLoop::run_cycle() noexcept {
   grant_requests();
   tick_ns_ += period_ns();
   cycle_.next_tick_ns = tick_ns_;
+  cycle_.local_written_n = written_.force_n;
   cycle_.next_wake_ns = wake_ns();
   const std::size_t end = cycles_end_.load(std::memory_order_relaxed);
   if (end - cycles_begin_.load(std::memory_order_acquire) < kCyclesKept) {
@@ -260,7 +261,6 @@ void DeviceLoop::step_locally() noexcept {
   fade_.begin_from(local.difference_n);
   const Vec3 force_n = faded(local.force_n, local.contact, local.is_handed_over || !was_local, cycle_.sample.time_ns);
   govern({{.force_n = force_n}, cycle_.sample.time_ns});
-  cycle_.local_written_n = written_.force_n;
   ++stats_.local_forces;
 }
 

@@ -194,9 +194,9 @@ void SealedHub::retry(std::span<const std::byte> request, const Address& from, s
 
 void SealedHub::agree(std::span<const std::byte> request, const Address& from, std::int64_t now_ns) noexcept {
   const KeyRole role = HubHandshake::role_of(request);
+  if (is_answered_lately(from, role, now_ns)) return;
   if (!agreement_limits_[index_of(role)].take(from, now_ns)) return reject(Rejection::too_many_handshakes, from);
   if (is_taken_by_another_role(from, role, now_ns)) return reject(Rejection::no_place, from);
-  if (is_answered_lately(from, role, now_ns)) return;
   Session* const session = find_place(places_of(role, sessions_), now_ns);
   if (session == nullptr) return reject(Rejection::no_place, from);
   const auto place = static_cast<std::uint32_t>(session - sessions_.data());
@@ -263,21 +263,27 @@ SealedHub::Session* SealedHub::find_place(std::span<Session> places, std::int64_
       quietest = &session;
     }
   }
-  if (candidates >= places.size() / 2) return oldest_candidate;
+  if (candidates >= most_candidates(places)) return oldest_candidate;
   if (free_place != nullptr) return free_place;
   return quietest != nullptr ? quietest : oldest_candidate;
 }
 
-bool SealedHub::is_answered_lately(const Address& address, KeyRole role, std::int64_t now_ns) const noexcept {
+// Its last answer may still be under way. Where the places for candidates are all taken, one that has an answer waits for that, so that
+// far nodes do not displace each other's; candidates older than any round trip do not count.
+bool SealedHub::is_answered_lately(const Address& address, KeyRole role, std::int64_t now_ns) noexcept {
   std::int64_t wait_ns = 0;
   std::int64_t newest_ns = 0;
-  for (const Session& session : sessions_) {
+  std::size_t young = 0;
+  const std::span<Session> places = places_of(role, sessions_);
+  for (const Session& session : places) {
     const bool is_unused = session.state == State::candidate || session.state == State::agreeing;
-    if (!is_unused || session.address != address || session.role != role) continue;
+    if (!is_unused || now_ns - session.last_received_ns >= kAnswerLivesNs) continue;
+    ++young;
+    if (session.address != address) continue;
     wait_ns = wait_ns == 0 ? kAnswerEveryNs : std::min(2 * wait_ns, kMostAnswerEveryNs);
     newest_ns = std::max(newest_ns, session.last_received_ns);
   }
-  return wait_ns != 0 && now_ns - newest_ns < wait_ns;
+  return wait_ns != 0 && (now_ns - newest_ns < wait_ns || young >= most_candidates(places));
 }
 
 // An address belongs to one program. The holder of another role's key who can forge that address must not end its session.

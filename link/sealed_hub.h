@@ -26,7 +26,8 @@ namespace hapton {
 //              a later call, when it is finished. A full worker drops requests; it never makes the caller wait.
 //   candidates A request from an address that was answered lately gets no answer: that one may still be under way. The next is answered
 //              kAnswerEveryNs later, the one after it twice that, and so on to kMostAnswerEveryNs: a node whose answer was lost soon has
-//              another, and one that is a second away finds its session when its first datagram arrives.
+//              another, and one that is a second away finds its session when its first datagram arrives. While all places for candidates
+//              are taken, an address that has an answer gets no other for kAnswerLivesNs.
 //   sessions   A new session of the same role and address replaces the old one once a datagram was opened in it. The old one can still be
 //              opened for kOverlapNs, unless the new one is replaced, too, so that no datagram under way is lost. Each role has slots of
 //              its own (kRolePlaces), at most half of them for sessions in which nothing was opened yet: the holder of one role's key
@@ -41,6 +42,7 @@ class SealedHub final : public Endpoint {
   static constexpr std::int64_t kOverlapNs = kNanosecondsPerSecond;
   static constexpr std::int64_t kAnswerEveryNs = 100 * kNanosecondsPerMillisecond;
   static constexpr std::int64_t kMostAnswerEveryNs = 8 * kAnswerEveryNs;
+  static constexpr std::int64_t kAnswerLivesNs = 2 * kNanosecondsPerSecond;
   static constexpr SourceLimit::Rates kHandshakeRates = {
       .source_per_second = 64, .source_burst = 32, .all_per_second = 256, .all_burst = 64};
 
@@ -84,7 +86,8 @@ class SealedHub final : public Endpoint {
   void take_agreements() noexcept;
   Session* find_live(const Address& address) noexcept;
   static std::span<Session> places_of(KeyRole role, std::array<Session, kPlaces>& sessions) noexcept;
-  bool is_answered_lately(const Address& address, KeyRole role, std::int64_t now_ns) const noexcept;
+  static std::size_t most_candidates(std::span<const Session> places) noexcept { return places.size() / 2; }
+  bool is_answered_lately(const Address& address, KeyRole role, std::int64_t now_ns) noexcept;
   static Session* find_place(std::span<Session> places, std::int64_t now_ns) noexcept;
   bool is_taken_by_another_role(const Address& address, KeyRole role, std::int64_t now_ns) const noexcept;
 

@@ -12,9 +12,9 @@ void add_method_flags(CommandLine command, MethodFlags& flags) {
       .not_negative("metres")
       .shows_default();
   command
-      .add_option(
-          "--coupling", method.coupling_n_per_m,
-          "Virtual coupling, N/m: a spring between device and probe, so that no surface is stiffer; 0: none (hapton loop recommend)")
+      .add_option("--coupling", method.coupling_n_per_m,
+                  "Virtual coupling, N/m: a spring between device and probe, so that no material is stiffer (effects may be); 0: none "
+                  "(hapton loop recommend)")
       .between(0.0, 1e6)
       .shows_default();
   command.add_option("--shading", method.shading, "proxy: force direction from face normals (0) to smooth normals (1)")

@@ -25,6 +25,8 @@ Vec3 tip_in_layers(const Vec3& p_SD, const Vec3& p_SP, double depth_m, const Tis
   return resists ? Vec3(p_SP + (state.rest_m / depth_m) * (p_SD - p_SP)) : p_SD;
 }
 
+Vec3 tangential(const Vec3& v, const Vec3& normal) noexcept { return v - v.dot(normal) * normal; }
+
 }  // namespace
 
 EffectStep::EffectStep(std::vector<SurfaceEffects> surfaces, std::vector<SpaceEffect> space)
@@ -87,15 +89,13 @@ Vec3 EffectStep::surface_force(const EffectSample& sample, const SurfaceContact&
   const double pressed_m = std::max(0.0, depth_m + lowered_m);
   double pressed_n = method_n * (pressed_m / depth_m);
   if (surface.progressive.is_on()) pressed_n += surface.progressive.force(pressed_m);
+  const Vec3 slope = surface.bumps.is_on() ? tangential(surface.bumps.gradient_at(contact.p_SP), normal) : Vec3(Vec3::Zero());
   if (surface.layers.is_on()) {
-    pressed_n = surface.layers.force(pressed_m, -sample.v_SD.dot(normal), state.layers);
-    if (state.layers.punctured > 0) p_SP = tip_in_layers(sample.p_SD, contact.p_SP, depth_m, surface.layers, state.layers);
+    // Drag works against the rate of the pressed depth, so that it takes energy on bumps as well.
+    pressed_n = surface.layers.force(pressed_m, -sample.v_SD.dot(normal - slope), state.layers);
+    p_SP = tip_in_layers(sample.p_SD, contact.p_SP, depth_m, surface.layers, state.layers);
   }
-  Vec3 force_n = pressed_n * normal;
-  if (surface.bumps.is_on()) {
-    const Vec3 gradient = surface.bumps.gradient_at(contact.p_SP);
-    force_n -= pressed_n * (gradient - gradient.dot(normal) * normal);
-  }
+  Vec3 force_n = pressed_n * (normal - slope);
   if (surface.viscosity.is_on()) force_n += surface.viscosity.force(sample.v_SD, normal, std::abs(pressed_n));
   if (surface.tap.is_on()) {
     if (begins) surface.tap.begin(-velocity_.newest().dot(normal), sample.time_s, state.tap);

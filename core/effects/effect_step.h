@@ -35,6 +35,8 @@ class EffectStep {
   // dt_s: since the sample before; one that is not above zero counts as the same moment, one above kLongestS as kLongestS.
   EffectResult step(const Vec3& p_SD, double dt_s, const SurfaceContact& contact) noexcept;
   void reset() noexcept;
+  // The scene was moved under the device, whose last point is here now: that is no motion of the hand.
+  void note_scene_moved(const Vec3& last_p_SD) noexcept { velocity_.move_last(last_p_SD); }
 
  private:
   static constexpr double kLongestS = 1.0;

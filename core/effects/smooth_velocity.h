@@ -23,6 +23,11 @@ class SmoothVelocity {
   // The next sample. One that is not finite, or no later than the one before (dt_s not above 0), changes nothing.
   void add(const Vec3& p, double dt_s) noexcept;
 
+  // The point of the last sample is here: the frame has moved under it.
+  void move_last(const Vec3& p) noexcept {
+    if (p.allFinite()) last_ = p;
+  }
+
   // Zero before the second sample.
   const Vec3& mean() const noexcept { return mean_; }
   // Of the last interval alone.

@@ -40,6 +40,9 @@ TouchOutput TouchStep::step(const TouchInput& input) noexcept {
 // Not inlined: its registers and stack would cost every step of a scene without effects.
 [[gnu::noinline]] TouchOutput TouchStep::add_effects(const TouchInput& input, const MethodInput& sample,
                                                      const MethodOutput& result) noexcept {
+  if (last_.X_WS.matrix() != input.X_WS.matrix())
+    effects_->note_scene_moved(to_static_scene({.p_WD = last_.p_WD, .X_WS = input.X_WS}).p_SD);
+  last_ = input;
   const EffectResult felt = effects_->step(
       sample.p_SD, sample.dt_s, {.force_n = result.force_n, .p_SP = result.p_SP, .object = result.object, .contact = result.contact});
   TouchOutput output;
@@ -51,7 +54,9 @@ TouchOutput TouchStep::step(const TouchInput& input) noexcept {
 
 void TouchStep::reset(const TouchInput& input) noexcept {
   method_->reset(to_static_scene(input).p_SD);
-  if (effects_ != nullptr) effects_->reset();
+  if (effects_ == nullptr) return;
+  effects_->reset();
+  last_ = input;
 }
 
 }  // namespace hapton

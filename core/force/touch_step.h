@@ -41,6 +41,7 @@ class TouchStep {
 
   std::shared_ptr<ForceMethod> method_;
   std::unique_ptr<EffectStep> effects_;  // null: the scene has none
+  TouchInput last_;                      // of the last step; used with effects only
 };
 
 }  // namespace hapton

@@ -38,27 +38,6 @@ std::size_t count(const std::string& text, const std::string& part) {
   return found;
 }
 
-TEST(StiffnessAdviser, FindsTheStiffestOfTheObjects) {
-  TouchScene scene = scene_of(make_icosphere(0.05, 1), {.stiffness_n_per_m = 700.0});
-  scene.objects.push_back(scene_of(make_icosphere(0.05, 1), {.stiffness_n_per_m = 2500.0}).objects.front());
-  EXPECT_EQ(find_stiffest(scene), 2500.0);
-  EXPECT_EQ(find_stiffest({}), 0.0);
-}
-
-TEST(StiffnessAdviser, CountsWhatEffectsAdd) {
-  TouchScene scene = scene_of(make_icosphere(0.05, 1), {.stiffness_n_per_m = 700.0});
-  scene.objects[0].effects.progressive.n_per_m2 = 1e5;
-  EXPECT_DOUBLE_EQ(find_stiffest(scene), 700.0 + 2000.0) << "d = 10 mm: 10 N, and 2 c d beside the spring";
-  scene.objects[0].effects = {};
-  scene.objects[0].effects.layers.add({.depth_m = 0.0, .stiffness_n_per_m = 400.0, .pop_force_n = 1.0});
-  scene.objects[0].effects.layers.add({.depth_m = 0.01, .stiffness_n_per_m = 650.0});
-  EXPECT_EQ(find_stiffest(scene), 650.0) << "layers replace the spring of the material";
-  scene.effects.push_back(SnapEffect{.range_m = 0.004, .max_force_n = 1.0});
-  EXPECT_EQ(find_stiffest(scene), 1000.0);
-  scene.effects.push_back(SpringEffect{.stiffness_n_per_m = 3000.0});
-  EXPECT_EQ(find_stiffest(scene), 3000.0);
-}
-
 TEST(StiffnessAdviser, AdvisesWhatTheLeastHandAllows) {
   const DevicePreset& model_a = *find_device_preset("model-a");
   const auto advice = advise_stiffness(kSimulated);

@@ -321,6 +321,25 @@ TEST_F(SealedHubTest, ANodeAtARoundTripOfASecondJoinsAndStays) {
   }
 }
 
+// In step, as after a restart of the hub: they have fewer places for candidates than they send requests.
+TEST_F(SealedHubTest, SeveralNodesAtARoundTripOfASecondLeaveEachOtherTheirPlaces) {
+  network_.set_impairments({.seed = 1, .delay_ns = 500 * kMs});
+  for (const auto& [role, count] : {std::pair(KeyRole::haptics, 2), std::pair(KeyRole::vision, 8)}) {
+    SCOPED_TRACE(count);
+    start_hub();
+    std::vector<std::unique_ptr<Node>> nodes;
+    std::vector<Node*> all;
+    for (int i = 0; i < count; ++i) {
+      nodes.push_back(make_node(static_cast<std::uint8_t>(10 + i), key_of(1), role));
+      all.push_back(nodes.back().get());
+    }
+    live(all, 4'000);
+    EXPECT_EQ(hub_->seal_counts().handshakes, static_cast<std::uint64_t>(count));
+    EXPECT_EQ(hub_->seal_counts().too_many_handshakes, 0U);
+    for (const auto& node : nodes) EXPECT_TRUE(answer(*node, "here"));
+  }
+}
+
 TEST_F(SealedHubTest, AnAddressIsAnsweredAgainOnlyWhenItsAnswerMayBeLost) {
   const auto node = make_node(2);
   say(*node, "first");

@@ -204,6 +204,8 @@ TEST_F(EffectReader, NamesTheLineTheKeyAndWhatIsAllowed) {
   EXPECT_THAT(error_of(with_material("bump_length_m = 0.01")),
               HasSubstr("line 5: 'bump_length_m' has no effect: give 'bump_height_m' above 0 too"));
   EXPECT_THAT(error_of(with_material("bump_height_m = 0.004\nbump_length_m = 0.01")), HasSubstr("at most a third"));
+  EXPECT_THAT(error_of(with_material("bump_height_m = 0.001\nbump_length_m = 0.01\ndamping_ns_per_m = 1")),
+              HasSubstr("a source of energy"));
   EXPECT_THAT(error_of(with_material("bump_height_m = 0.001\nbump_pattern = 'dots'")), HasSubstr("'dots': choose one of ridges, grid"));
   EXPECT_THAT(error_of(with_material("bump_height_m = 0.001\nbump_direction = [1, 0, 0]")), HasSubstr("is for 'bump_pattern' \"ridges\""));
   EXPECT_THAT(error_of(with_material("bump_height_m = 0.001\nbump_pattern = 'ridges'\nbump_direction = [0, 0, 0]")),

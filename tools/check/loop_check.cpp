@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <string>
+#include <variant>
 
+#include "core/force/stiffest.h"
 #include "loop/recommendation.h"
 
 namespace hapton {
@@ -31,23 +34,46 @@ HeldStiffness find_held_stiffness(std::span<const NamedLoop> loops, double rate_
   return held;
 }
 
-CheckFindings check_stiffness(const SceneObject& object, const HeldStiffness& held, double rate_hz, double delay_s) {
+namespace {
+
+// what_to_set: "its stiffness_n_per_m".
+CheckFindings compare_stiffness(const std::string& name, double stiffness_n_per_m, const std::string& what_to_set,
+                                const HeldStiffness& held, double rate_hz, double delay_s) {
   CheckFindings findings;
-  const double stiffness_n_per_m = object.material.stiffness_n_per_m;
   if (held.by_device != nullptr && stiffness_n_per_m > held.device_n_per_m) {
-    findings.push_back({SceneFault::stiffer_than_device, object.name, std::nullopt,
+    findings.push_back({SceneFault::stiffer_than_device, name, std::nullopt,
                         fmt::format("{:.6g} N/m, but the maker of {} gives {:.6g} N/m at most", stiffness_n_per_m, held.by_device->device,
                                     held.device_n_per_m),
-                        fmt::format("set its stiffness_n_per_m to {} or less", at_most(held.device_n_per_m))});
+                        fmt::format("set {} to {} or less", what_to_set, at_most(held.device_n_per_m))});
   }
   if (held.by_loop != nullptr && stiffness_n_per_m > held.safe_n_per_m) {
     findings.push_back(
-        {SceneFault::stiffer_than_loop, object.name, std::nullopt,
+        {SceneFault::stiffer_than_loop, name, std::nullopt,
          fmt::format("{:.6g} N/m, but {} in hand {} at {:g} Hz with forces after {:.3g} ms holds {} N/m safely", stiffness_n_per_m,
                      held.by_loop->device, held.by_loop->hand, rate_hz, 1e3 * delay_s, at_most(held.safe_n_per_m)),
-         fmt::format("set its stiffness_n_per_m to {} or less, or shorten the delay (hapton loop recommend)", at_most(held.safe_n_per_m))});
+         fmt::format("set {} to {} or less, or shorten the delay (hapton loop recommend)", what_to_set, at_most(held.safe_n_per_m))});
   }
   return findings;
+}
+
+// The keys that make it as stiff as it is.
+std::string stiff_keys_of(const SurfaceEffects& effects) {
+  if (effects.layers.is_on()) return "the stiffness_n_per_m of its layers";
+  if (effects.progressive.is_on()) return "its stiffness_n_per_m, with what progressive_n_per_m2 adds at 10 N,";
+  return effects.snap.is_on() ? "its stiffness_n_per_m and snap_stiffness_n_per_m" : "its stiffness_n_per_m";
+}
+
+}  // namespace
+
+CheckFindings check_stiffness(const SceneObject& object, const HeldStiffness& held, double rate_hz, double delay_s) {
+  return compare_stiffness(object.name, stiffest_of(object.material, object.effects), stiff_keys_of(object.effects), held, rate_hz,
+                           delay_s);
+}
+
+CheckFindings check_stiffness(const SceneEffect& effect, const HeldStiffness& held, double rate_hz, double delay_s) {
+  const bool is_spring = std::holds_alternative<SpringEffect>(effect.effect);
+  return compare_stiffness(fmt::format("effect {}", effect.name), stiffest_of(effect.effect),
+                           is_spring ? "its stiffness_n_per_m" : "4 max_force_n / range_m", held, rate_hz, delay_s);
 }
 
 }  // namespace hapton

@@ -20,5 +20,7 @@ HeldStiffness find_held_stiffness(std::span<const NamedLoop> loops, double rate_
 
 // An object stiffer than that. RT: set-up only.
 CheckFindings check_stiffness(const SceneObject& object, const HeldStiffness& held, double rate_hz, double delay_s);
+// A spring or a snap in free space.
+CheckFindings check_stiffness(const SceneEffect& effect, const HeldStiffness& held, double rate_hz, double delay_s);
 
 }  // namespace hapton

@@ -63,6 +63,7 @@ Result<SceneCheck> check_scene(const std::string& path, const Scene& scene, cons
     append(check_stiffness(object, held, settings.rate_hz, settings.delay_s), check.findings);
     for (const DevicePreset* device : reaching) append(check_reach(object, device->limits), check.findings);
   }
+  for (const SceneEffect& effect : scene.effects) append(check_stiffness(effect, held, settings.rate_hz, settings.delay_s), check.findings);
   for (const DevicePreset* device : reaching) append(check_size(scene, device->limits), check.findings);
   auto cost = measure_step_cost(scene, {.probe_radius_m = settings.probe_radius_m, .rate_hz = settings.rate_hz, .seed = settings.seed});
   if (!cost) return tl::unexpected(Error{fmt::format("{}: {}", path, cost.error().what)});

@@ -37,7 +37,7 @@ Result<StepCost> measure_step_cost(const Scene& scene, const StepCostSettings& s
   method_settings.probe_radius_m = settings.probe_radius_m;
   auto method = make_method(method_settings, scene.touch_scene());
   if (!method) return tl::unexpected(method.error());
-  TouchStep touch(std::move(*method));
+  TouchStep touch(std::move(*method), scene.touch_scene());
   const SteadyClock clock;
   const std::vector<std::size_t> chosen = choose_objects(scene);
   const double rate_hz = std::min(settings.rate_hz, kMostSlideHz);

@@ -78,7 +78,7 @@ Result<void> run(const RecommendOptions& options) {
                  ? "what its maker gives"
                  : fmt::format("half of what is stable in hand {} ({:.4g} N/m)", least->loop->hand, advice.stable_n_per_m));
   fmt::print(
-      "Up to {:.4g} N/m no hand can draw energy from it. In a scene file: stiffness_n_per_m = {:.4g}. For any scene: haptics_node "
+      "Up to {:.4g} N/m no hand can draw energy from it. In a scene file: stiffness_n_per_m = {:.4g}. For any material: haptics_node "
       "--coupling {:.4g}\n",
       advice.passive_n_per_m, advice.stiffness_n_per_m, advice.stiffness_n_per_m);
   return {};

@@ -9,7 +9,10 @@ namespace {
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kMostEarly = 64;
 
-double as_s(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
+// Times are those of a file, which may hold any number.
+double seconds_between(std::int64_t from_ns, std::int64_t to_ns) {
+  return 1e-9 * static_cast<double>(static_cast<std::int64_t>(static_cast<std::uint64_t>(to_ns) - static_cast<std::uint64_t>(from_ns)));
+}
 
 constexpr JoinedColumn kColumns[] = {
     {"t_s", "s", [](const JoinedRow& r) { return r.sample_t_s; }},
@@ -65,18 +68,18 @@ void JoinedTable::add_cycle(const SessionEntry& entry) {
   Waiting added;
   added.time_ns = entry.time_ns;
   JoinedRow& row = added.row;
-  row.sample_t_s = as_s(cycle.device->time_ns - start_ns_);
+  row.sample_t_s = seconds_between(start_ns_, cycle.device->time_ns);
   row.sample = cycle.sample;
   row.p_WD = cycle.device->p_WD;
   row.q_WT = cycle.device->q_WT;
   if (before_ && cycle.device->time_ns > before_->time_ns)
-    row.v_WD = (cycle.device->p_WD - before_->p_WD) / as_s(cycle.device->time_ns - before_->time_ns);
+    row.v_WD = (cycle.device->p_WD - before_->p_WD) / seconds_between(before_->time_ns, cycle.device->time_ns);
   before_ = cycle.device;
   row.buttons = cycle.device->buttons;
   row.p_WP = row.wanted_n = Vec3::Constant(kUnknown);
   row.round_trip_s = kUnknown;
   row.written_n = cycle.written_n;
-  row.late_s = as_s(cycle.late_ns);
+  row.late_s = seconds_between(0, cycle.late_ns);
   row.missed = cycle.missed;
   row.event = std::exchange(events_, {});
   if (cycle.local) {
@@ -108,16 +111,19 @@ void JoinedTable::add_force(const SessionEntry& entry, const ForceCommand& force
   row.p_WP = row.p_WD + force.visual_offset_m;
   row.wanted_n = force.force_n;
   row.is_contact = force.contact;
-  row.round_trip_s = as_s(entry.time_ns - force.echo_sample_time_ns);
+  row.round_trip_s = seconds_between(force.echo_sample_time_ns, entry.time_ns);
   found->is_complete = true;
 }
 
 void JoinedTable::give_out(std::int64_t now_ns) {
-  while (!waiting_.empty() && (waiting_.front().is_complete || now_ns - waiting_.front().time_ns > kLatestNs)) {
-    take_(waiting_.front().row);
-    ++rows_;
-    waiting_.pop_front();
-  }
+  while (waiting_.size() > 1 && (waiting_.front().is_complete || seconds_between(waiting_.front().time_ns, now_ns) > kLatestS))
+    give_out_front();
+}
+
+void JoinedTable::give_out_front() {
+  take_(waiting_.front().row);
+  ++rows_;
+  waiting_.pop_front();
 }
 
 void JoinedTable::add_all(SessionReader& reader) {
@@ -131,6 +137,13 @@ void JoinedTable::add_all(SessionReader& reader) {
   finish();
 }
 
-void JoinedTable::finish() { give_out(std::numeric_limits<std::int64_t>::max()); }
+void JoinedTable::finish() {
+  // The faults of the last cycle stand behind it.
+  if (!waiting_.empty() && !events_.empty()) {
+    std::string& event = waiting_.back().row.event;
+    event += (event.empty() ? "" : " ") + std::exchange(events_, {});
+  }
+  while (!waiting_.empty()) give_out_front();
+}
 
 }  // namespace hapton

@@ -43,11 +43,12 @@ struct JoinedColumn {
 };
 std::span<const JoinedColumn> joined_columns() noexcept;
 
-// Joins the entries of a recording into rows, in the order of their samples. A row is given out once its force has come, or kLatestNs after
-// its cycle: later forces were never used. Cycles without the device's sample (older recordings) give no row. RT: no.
+// Joins the entries of a recording into rows, in the order of their samples. A row is given out once its force has come, or kLatestS after
+// its cycle (later forces were never used), and another row follows. Cycles without the device's sample (older recordings) give no row. RT:
+// no.
 class JoinedTable {
  public:
-  static constexpr std::int64_t kLatestNs = 5'000'000'000;
+  static constexpr double kLatestS = 5.0;
   using Take = std::function<void(const JoinedRow&)>;
 
   JoinedTable(std::int64_t start_ns, Take take) : start_ns_(start_ns), take_(std::move(take)) {}
@@ -71,6 +72,7 @@ class JoinedTable {
   void add_cycle(const SessionEntry& entry);
   void add_force(const SessionEntry& entry, const ForceCommand& force);
   void give_out(std::int64_t now_ns);
+  void give_out_front();
 
   std::int64_t start_ns_;
   Take take_;

@@ -72,6 +72,20 @@ TEST(TouchStep, EffectsTurnWithTheScene) {
   }
 }
 
+// "Reset view" jumps; the knob box turns in small steps. Neither is a motion of the hand.
+TEST(TouchStep, MovingTheSceneUnderAStillHandIsNoVelocity) {
+  TouchStep touch = make_step_over("proxy", sheet_with({}, {ViscousEffect{.damping_ns_per_m = 5.0}}));
+  const Vec3 p_WD(0.05, 0.001, 0.02);
+  touch.reset({.p_WD = p_WD});
+  for (int i = 0; i < 20; ++i) (void)touch.step({.p_WD = p_WD});
+  Pose X_WS = Pose::Identity();
+  X_WS.translation() = Vec3(0.1, 0.0, -0.05);
+  X_WS.linear() = Eigen::AngleAxisd(0.4, Vec3::UnitZ()).toRotationMatrix();
+  for (int i = 0; i < 20; ++i) EXPECT_LT(touch.step({.p_WD = p_WD, .X_WS = X_WS}).force_n.norm(), 1e-9) << i;
+  const double moved_n = touch.step({.p_WD = p_WD + Vec3(1e-4, 0, 0), .X_WS = X_WS}).force_n.norm();
+  EXPECT_GT(moved_n, 0.05) << "the hand's own motion counts";
+}
+
 TEST(TouchStep, ASceneWithoutEffectsIsTheMethodAloneToTheBit) {
   const TouchScene scene = sheet_with({});
   TouchStep with = make_step_over("proxy", scene);

@@ -55,6 +55,23 @@ TEST(LoopCheck, WhatIsHeldExactlyIsNoFinding) {
   EXPECT_TRUE(check_stiffness(object_of(std::floor(held.safe_n_per_m)), held, 1000.0, 1e-3).empty()) << "the fix holds";
 }
 
+TEST(LoopCheck, EffectsCountAsStiffAsTheyAre) {
+  const auto loops = loops_for_check("model-a", "light");
+  const HeldStiffness held = find_held_stiffness(loops, 1000.0, 1e-3);
+  SceneObject layered = object_of(10.0 * held.safe_n_per_m);
+  layered.effects.layers.add({.depth_m = 0.0, .stiffness_n_per_m = 0.5 * held.safe_n_per_m});
+  EXPECT_TRUE(check_stiffness(layered, held, 1000.0, 1e-3).empty()) << "layers replace the spring of the material";
+  layered.effects.layers.add({.depth_m = 0.01, .stiffness_n_per_m = 1.1 * held.safe_n_per_m});
+  const CheckFindings found = check_stiffness(layered, held, 1000.0, 1e-3);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_THAT(found[0].fix, HasSubstr("the stiffness_n_per_m of its layers"));
+  const SceneEffect spring{.name = "home", .effect = SpringEffect{.stiffness_n_per_m = 1.1 * held.safe_n_per_m}};
+  const CheckFindings sprung = check_stiffness(spring, held, 1000.0, 1e-3);
+  ASSERT_EQ(sprung.size(), 1U);
+  EXPECT_EQ(sprung[0].object, "effect home");
+  EXPECT_TRUE(check_stiffness(SceneEffect{.name = "wind", .effect = ConstantEffect{}}, held, 1000.0, 1e-3).empty());
+}
+
 TEST(LoopCheck, ALoopOfOnesOwnHasNoMaker) {
   LoopFlags flags;
   flags.mass_kg = 0.2;

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -63,6 +64,7 @@ TEST(JoinedTable, AForceStandsBesideItsSampleWheneverItCame) {
   joined.table.add(cycle_of(3), nullptr);
   joined.force(3, sample_ns(3) + 300'000);
   joined.force(2, sample_ns(3) + 400'000);  // overtaken
+  joined.table.finish();
   ASSERT_EQ(joined.rows.size(), 3U);
   for (std::size_t i = 0; i < 3; ++i) {
     const JoinedRow& row = joined.rows[i];
@@ -116,6 +118,34 @@ TEST(JoinedTable, LocalForcesEventsAndOlderRecordings) {
   EXPECT_EQ(joined.rows[0].wanted_n.y(), 2.0);
   EXPECT_DOUBLE_EQ(joined.rows[0].p_WP.y(), 1e-3);
   EXPECT_EQ(joined.table.without_sample(), 1U);
+}
+
+// As `--overrun stop` ends a session: the fault is the last entry.
+TEST(JoinedTable, AFaultBehindTheLastCycleIsNotLost) {
+  Joined joined;
+  SessionEntry local = cycle_of(1);
+  local.cycle.local = CycleLocal{};
+  joined.table.add(local, nullptr);
+  SessionEntry fault;
+  fault.kind = SessionEntry::Kind::fault;
+  fault.fault = SessionFault::overrun;
+  joined.table.add(fault, nullptr);
+  joined.table.finish();
+  ASSERT_EQ(joined.rows.size(), 1U);
+  EXPECT_EQ(joined.rows[0].event, "overrun");
+}
+
+TEST(JoinedTable, TimesOfAHostileFileDoNoHarm) {
+  Joined joined;
+  for (const std::int64_t time_ns :
+       {std::numeric_limits<std::int64_t>::min(), std::int64_t{-1}, std::numeric_limits<std::int64_t>::max()}) {
+    SessionEntry entry = cycle_of(1);
+    entry.time_ns = time_ns;
+    entry.cycle.device->time_ns = -time_ns / 2;
+    joined.table.add(entry, nullptr);
+  }
+  joined.table.finish();
+  EXPECT_EQ(joined.rows.size(), 3U);
 }
 
 // A recording of many cycles, with a force for every second one and a fault.

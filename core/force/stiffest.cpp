@@ -1,0 +1,32 @@
+#include "core/force/stiffest.h"
+
+#include <algorithm>
+#include <cmath>
+#include <variant>
+
+namespace hapton {
+
+double stiffest_of(const Material& material, const SurfaceEffects& effects) {
+  constexpr double kPressedN = 10.0;  // hardly any desktop device gives more
+  double stiffest_n_per_m = effects.layers.is_on() ? 0.0 : material.stiffness_n_per_m;
+  for (std::size_t i = 0; i < effects.layers.count(); ++i)
+    stiffest_n_per_m = std::max(stiffest_n_per_m, effects.layers[i].stiffness_n_per_m);
+  stiffest_n_per_m += 2.0 * std::sqrt(kPressedN * effects.progressive.n_per_m2);  // 2 c d where c d^2 is kPressedN
+  return std::max(stiffest_n_per_m, effects.snap.is_on() ? effects.snap.stiffness_n_per_m : 0.0);
+}
+
+double stiffest_of(const SpaceEffect& effect) {
+  if (const auto* spring = std::get_if<SpringEffect>(&effect)) return spring->stiffness_n_per_m;
+  if (const auto* snap = std::get_if<SnapEffect>(&effect)) return snap->stiffness_n_per_m();
+  return 0.0;
+}
+
+double find_stiffest(const TouchScene& scene) {
+  double stiffest_n_per_m = 0.0;
+  for (const TouchObject& object : scene.objects)
+    stiffest_n_per_m = std::max(stiffest_n_per_m, stiffest_of(object.material, object.effects));
+  for (const SpaceEffect& effect : scene.effects) stiffest_n_per_m = std::max(stiffest_n_per_m, stiffest_of(effect));
+  return stiffest_n_per_m;
+}
+
+}  // namespace hapton
