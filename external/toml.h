@@ -5,6 +5,8 @@
 // Its is_non_ascii_horizontal_whitespace (3.3.0, Debian 12) calls "unreachable" for most characters from U+00A1 to U+0499: a file with an
 // e-acute outside of quotes, or after a line-ending backslash within them, is undefined behaviour. It should say that those are no
 // whitespace. Found by tests/fuzz (corpus/scene/tilde_in_key).
+#include <cstdint>  // toml++ uses its types without it
+
 #include <toml++/impl/version.h>
 
 #if TOML_LIB_MAJOR == 3 && TOML_LIB_MINOR <= 3
