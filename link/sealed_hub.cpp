@@ -194,7 +194,10 @@ void SealedHub::retry(std::span<const std::byte> request, const Address& from, s
 
 void SealedHub::agree(std::span<const std::byte> request, const Address& from, std::int64_t now_ns) noexcept {
   const KeyRole role = HubHandshake::role_of(request);
-  if (is_answered_lately(from, role, now_ns)) return;
+  if (is_answered_lately(from, role, now_ns)) {
+    ++counts_.repeats;
+    return;
+  }
   if (!agreement_limits_[index_of(role)].take(from, now_ns)) return reject(Rejection::too_many_handshakes, from);
   if (is_taken_by_another_role(from, role, now_ns)) return reject(Rejection::no_place, from);
   Session* const session = find_place(places_of(role, sessions_), now_ns);
