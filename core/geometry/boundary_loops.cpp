@@ -3,61 +3,25 @@
 #include <algorithm>
 #include <cstdint>
 #include <map>
-#include <numeric>
-#include <utility>
+
+#include "core/geometry/disjoint_sets.h"
+#include "core/geometry/shared_edges.h"
 
 namespace hapton {
 namespace {
 
-struct Side {
-  std::uint32_t low = 0;
-  std::uint32_t high = 0;
-  bool upward = false;  // the triangle goes from low to high
-  bool operator<(const Side& other) const { return low != other.low ? low < other.low : high < other.high; }
-  bool is_same_edge(const Side& other) const { return low == other.low && high == other.high; }
-  std::uint32_t from() const { return upward ? low : high; }
-  std::uint32_t to() const { return upward ? high : low; }
-};
-
-// The sides of all triangles, those of one edge next to each other.
-std::vector<Side> sort_sides(const TriangleMesh& mesh) {
-  std::vector<Side> sides;
-  sides.reserve(3 * mesh.triangles.size());
+// Without triangles that repeat a vertex.
+SharedEdges edges_of(const TriangleMesh& mesh) {
+  std::vector<Triangle> proper;
+  proper.reserve(mesh.triangles.size());
   for (const Triangle& t : mesh.triangles) {
-    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto [low, high] = std::minmax(t[k], t[(k + 1) % 3]);
-      sides.push_back({low, high, low == t[k]});
-    }
+    if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) proper.push_back(t);
   }
-  std::sort(sides.begin(), sides.end());
-  return sides;
+  return SharedEdges(proper);
 }
-
-// Calls use(first, count) for the sides of each edge.
-template <class Use>
-void for_each_edge(const std::vector<Side>& sides, Use&& use) {
-  for (std::size_t first = 0, last = 0; first < sides.size(); first = last) {
-    while (last < sides.size() && sides[last].is_same_edge(sides[first])) ++last;
-    use(first, last - first);
-  }
-}
-
-class Groups {
- public:
-  explicit Groups(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0U); }
-  std::uint32_t root(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::uint32_t a, std::uint32_t b) { parent_[root(a)] = root(b); }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
 
 // Of each vertex that represents a piece.
-std::vector<double> measure_pieces(const TriangleMesh& mesh, Groups& pieces) {
+std::vector<double> measure_pieces(const TriangleMesh& mesh, DisjointSets& pieces) {
   for (const Triangle& t : mesh.triangles) {
     pieces.join(t[0], t[1]);
     pieces.join(t[1], t[2]);
@@ -70,7 +34,7 @@ std::vector<double> measure_pieces(const TriangleMesh& mesh, Groups& pieces) {
   return areas;
 }
 
-BoundaryLoop measure_loop(const TriangleMesh& mesh, const std::vector<Side>& edges) {
+BoundaryLoop measure_loop(const TriangleMesh& mesh, const std::vector<HalfEdge>& edges) {
   BoundaryLoop loop;
   loop.edges = edges.size();
   // From a point of the loop, so that one far from the origin keeps its digits.
@@ -78,9 +42,9 @@ BoundaryLoop measure_loop(const TriangleMesh& mesh, const std::vector<Side>& edg
   Vec3 area = Vec3::Zero();
   Vec3 sum = Vec3::Zero();
   double longest = -1.0;
-  for (const Side& edge : edges) {
-    const Vec3 from = mesh.vertices[edge.from()] - near;
-    const Vec3 to = mesh.vertices[edge.to()] - near;
+  for (const HalfEdge& edge : edges) {
+    const Vec3 from = mesh.vertices[edge.upward ? edge.low : edge.high] - near;
+    const Vec3 to = mesh.vertices[edge.upward ? edge.high : edge.low] - near;
     const double length = (to - from).norm();
     loop.length += length;
     area += 0.5 * from.cross(to);
@@ -97,21 +61,21 @@ BoundaryLoop measure_loop(const TriangleMesh& mesh, const std::vector<Side>& edg
 }  // namespace
 
 std::vector<BoundaryLoop> find_boundary_loops(const TriangleMesh& mesh) {
-  const std::vector<Side> sides = sort_sides(mesh);
-  std::vector<Side> borders;
-  for_each_edge(sides, [&](std::size_t first, std::size_t count) {
-    if (count == 1) borders.push_back(sides[first]);
-  });
+  const SharedEdges edges = edges_of(mesh);
+  std::vector<HalfEdge> borders;
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    if (edges[e].size() == 1) borders.push_back(edges[e].front());
+  }
   if (borders.empty()) return {};
-  Groups rims(mesh.vertices.size());
-  for (const Side& edge : borders) rims.join(edge.low, edge.high);
-  std::map<std::uint32_t, std::vector<Side>> by_rim;
-  for (const Side& edge : borders) by_rim[rims.root(edge.low)].push_back(edge);
-  Groups pieces(mesh.vertices.size());
+  DisjointSets rims(mesh.vertices.size());
+  for (const HalfEdge& edge : borders) rims.join(edge.low, edge.high);
+  std::map<std::uint32_t, std::vector<HalfEdge>> by_rim;
+  for (const HalfEdge& edge : borders) by_rim[rims.root(edge.low)].push_back(edge);
+  DisjointSets pieces(mesh.vertices.size());
   const std::vector<double> areas = measure_pieces(mesh, pieces);
   std::vector<BoundaryLoop> loops;
-  for (const auto& [vertex, edges] : by_rim) {
-    loops.push_back(measure_loop(mesh, edges));
+  for (const auto& [vertex, rim] : by_rim) {
+    loops.push_back(measure_loop(mesh, rim));
     loops.back().piece_area = areas[pieces.root(vertex)];
   }
   std::stable_sort(loops.begin(), loops.end(), [](const BoundaryLoop& a, const BoundaryLoop& b) { return a.width() > b.width(); });
@@ -119,12 +83,13 @@ std::vector<BoundaryLoop> find_boundary_loops(const TriangleMesh& mesh) {
 }
 
 std::vector<Vec3> find_inconsistent_edges(const TriangleMesh& mesh) {
-  const std::vector<Side> sides = sort_sides(mesh);
+  const SharedEdges edges = edges_of(mesh);
   std::vector<Vec3> middles;
-  for_each_edge(sides, [&](std::size_t first, std::size_t count) {
-    if (count != 2 || sides[first].upward != sides[first + 1].upward) return;
-    middles.push_back(0.5 * (mesh.vertices[sides[first].low] + mesh.vertices[sides[first].high]));
-  });
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    const auto sides = edges[e];
+    if (sides.size() != 2 || sides[0].upward != sides[1].upward) continue;
+    middles.push_back(0.5 * (mesh.vertices[sides[0].low] + mesh.vertices[sides[0].high]));
+  }
   return middles;
 }
 

@@ -6,32 +6,15 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <numeric>
 #include <utility>
 
+#include "core/geometry/disjoint_sets.h"
 #include "core/geometry/shared_edges.h"
 
 namespace hapton {
 namespace {
 
 constexpr double kFarthestTurn = 0.0872;  // cosine of 85 degrees
-
-class DisjointCorners {
- public:
-  explicit DisjointCorners(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0U); }
-  std::uint32_t root(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = root(a);
-    b = root(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
 
 template <class Mesh>
 Vec3 unit_face_normal(const Mesh& mesh, std::size_t t) {
@@ -81,7 +64,7 @@ ShadedMesh fill_corner_normals(const TriangleMesh& mesh, std::span<const std::ui
   for (std::size_t t = 0; t < count; ++t) faces[t] = unit_face_normal(mesh, t);
   const SharedEdges edges(mesh.triangles);
   const double least_cosine = std::cos(crease_angle);
-  DisjointCorners corners(3 * count);
+  DisjointSets corners(3 * count);
   for (std::uint32_t t = 0; t < count; ++t) {
     for (int k = 0; k < 3; ++k) {
       const HalfEdge* other = edges.adjacent(t, k);
