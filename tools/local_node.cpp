@@ -118,6 +118,18 @@ LocalDisplay::~LocalDisplay() {
   if (server_) ::unsetenv("DISPLAY");
 }
 
+Result<LocalRelay> start_local_relay(const std::filesystem::path& folder, const std::string& hub, const std::vector<std::string>& faults) {
+  std::vector<std::string> words = {"relay", "--hub", hub};
+  words.insert(words.end(), faults.begin(), faults.end());
+  auto node = LocalNode::start(folder, "relay", find_own_folder() / "hapton", std::move(words));
+  if (!node) return tl::unexpected(node.error());
+  if (const auto ready = node->wait_for(", hub "); !ready) return tl::unexpected(ready.error());
+  // "relay at ADDRESS, hub ..."
+  const std::string line = node->last_line();
+  const std::string before = "relay at ";
+  return LocalRelay{std::move(*node), line.substr(before.size(), line.find(',') - before.size())};
+}
+
 Result<void> LocalDisplay::start_if_none(const std::filesystem::path& folder) {
   if (std::getenv("DISPLAY") != nullptr) return {};
   auto started =

@@ -56,6 +56,14 @@ class LocalNode {
   ChildProcess process_;
 };
 
+// `hapton relay` of this build in front of a hub, and where nodes find the hub through it.
+struct LocalRelay {
+  LocalNode node;
+  std::string address;
+};
+// faults: more words of its command line. RT: set-up only. Error: as LocalNode.
+Result<LocalRelay> start_local_relay(const std::filesystem::path& folder, const std::string& hub, const std::vector<std::string>& faults);
+
 // A virtual display, for what draws unseen where there is no other. While it lives, DISPLAY names it.
 // RT: set-up only. Error: as LocalNode. Threads: one.
 class LocalDisplay {

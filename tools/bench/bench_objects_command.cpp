@@ -1,14 +1,11 @@
 #include <fmt/core.h>
 
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <string>
 
 #include "bench/measure/objects_run.h"
-#include "runtime/atomic_file.h"
-#include "runtime/clock.h"
-#include "tools/bench/bench_meshes.h"
+#include "tools/bench/bench_report.h"
 #include "tools/commands.h"
 
 namespace hapton {
@@ -21,26 +18,13 @@ struct ObjectsOptions {
 };
 
 Result<void> measure(ObjectsOptions& options) {
-  if (!options.out.empty()) {
-    if (auto writable = check_writable(options.out); !writable) return writable;
-  }
   if (options.quick) {
     options.settings.steps = 2000;
     options.settings.budget = {.repetitions = 3, .seconds = 0.3};
   }
   const Stopwatch watch = Stopwatch::calibrate();
-  const SteadyClock clock;
-  const std::int64_t start_ns = clock.now_ns();
-  const auto report = measure_objects(options.settings, watch, [&](const std::string& what) {
-    print_progress(1e-9 * static_cast<double>(clock.now_ns() - start_ns), what);
-  });
-  if (!report) return tl::unexpected(report.error());
-  fmt::print("{}", to_text(*report));
-  if (options.out.empty()) return {};
-  const std::filesystem::path folder = options.out;
-  if (auto written = write_file_atomically(folder / "objects.csv", to_csv(*report)); !written) return written;
-  if (auto written = write_file_atomically(folder / "objects.txt", to_text(*report)); !written) return written;
-  return write_file_atomically(folder / "objects.json", to_json(*report));
+  return measure_and_report(options.out, "objects",
+                            [&](const auto& progress) { return measure_objects(options.settings, watch, progress); });
 }
 
 }  // namespace

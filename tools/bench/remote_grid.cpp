@@ -12,25 +12,31 @@
 namespace hapton {
 namespace {
 
+// Watched on until the last late force has come.
+SlidePlan plan_of(const RemoteGrid& grid, std::uint64_t seed, double speed_m_per_s, double round_trip_s) {
+  return {.seed = seed, .speed_m_per_s = speed_m_per_s, .after_s = 0.5 + 1.5 * round_trip_s + 2.0 * grid.jitter_s};
+}
+
 // Every method along one path across one network.
-Result<void> measure_path(const RemoteGrid& grid, const RemoteScene& scene, const SlidePath& path, const RemoteRow& where,
+Result<void> measure_path(const RemoteGrid& grid, const RemoteScene& scene, const SlidePath& path, const RemoteKey& where,
                           std::vector<RemoteRow>& rows) {
-  const RemoteCase local = make_remote_case(grid, *find_remote_method("local"), where.round_trip_s, where.loss, where.seed);
-  const auto zero_delay = run_closed_loop(scene, path, grid.device, local, nullptr);
+  RemoteRow row;
+  static_cast<RemoteKey&>(row) = where;
+  row.method = find_remote_method("local");
+  const auto zero_delay = run_closed_loop(scene, path, grid.device, make_remote_case(grid, row), nullptr);
   if (!zero_delay) return tl::unexpected(zero_delay.error());
   for (const RemoteMethod* method : grid.methods) {
-    const RemoteCase which = make_remote_case(grid, *method, where.round_trip_s, where.loss, where.seed);
+    row.method = method;
+    const RemoteCase which = make_remote_case(grid, row);
     auto touch = run_prescribed(scene, path, grid.device, which);
     if (!touch) return tl::unexpected(touch.error());
     auto loop = run_closed_loop(scene, path, grid.device, which, &zero_delay->p_WD);
     if (!loop) return tl::unexpected(loop.error());
-    RemoteRow row = where;
-    row.method = method;
     row.touch = std::move(*touch);
     row.loop = std::move(*loop);
     row.touch.rows.clear();
     row.loop.p_WD.clear();
-    rows.push_back(std::move(row));
+    rows.push_back(row);
   }
   return {};
 }
@@ -39,25 +45,11 @@ Result<void> measure_mesh(const RemoteGrid& grid, const BenchMesh& mesh, const s
                           std::vector<RemoteRow>& rows) {
   const auto scene = make_centred_scene(grid, mesh);
   if (!scene) return tl::unexpected(scene.error());
-  for (std::uint64_t seed = grid.seed; seed < grid.seed + grid.seeds; ++seed) {
-    for (const double speed : grid.speeds_m_per_s) {
-      for (const double round_trip_s : grid.round_trips_s) {
-        const auto path = make_slide_path(*scene->mesh, *scene->near, plan_of(grid, seed, speed, round_trip_s));
-        if (!path) return fail("{}: {}", mesh.name, path.error().what);
-        for (const double loss : grid.losses) {
-          RemoteRow where;
-          where.mesh = mesh.name;
-          where.seed = seed;
-          where.speed_m_per_s = speed;
-          where.round_trip_s = round_trip_s;
-          where.loss = loss;
-          if (auto done = measure_path(grid, *scene, *path, where, rows); !done) return done;
-        }
-        progress(fmt::format("{}, seed {}, {:g} mm/s, {:g} ms", mesh.name, seed, 1e3 * speed, 1e3 * round_trip_s));
-      }
-    }
-  }
-  return {};
+  return for_each_remote_path(grid, *scene, mesh.name, [&](const SlidePath& path, const RemoteKey& where) {
+    auto done = measure_path(grid, *scene, path, where, rows);
+    if (done) progress(describe(where));
+    return done;
+  });
 }
 
 Result<void> measure_walls(const RemoteGrid& grid, const std::function<void(const std::string&)>& progress,
@@ -68,7 +60,7 @@ Result<void> measure_walls(const RemoteGrid& grid, const std::function<void(cons
     for (const double loss : grid.losses) {
       for (const RemoteMethod* method : grid.methods) {
         const auto rest =
-            find_rest_stiffness_of(grid.device, make_remote_case(grid, *method, round_trip_s, loss, grid.seed), kMostWallNPerM);
+            find_rest_stiffness_of(grid.device, make_remote_case(grid, {method, "", grid.seed, 0.0, round_trip_s, loss}), kMostWallNPerM);
         if (!rest) return tl::unexpected(rest.error());
         walls.push_back({method, round_trip_s, loss, *rest, stable});
       }
@@ -88,24 +80,29 @@ Result<RemoteScene> make_centred_scene(const RemoteGrid& grid, const BenchMesh& 
   return make_remote_scene(std::make_shared<const TriangleMesh>(std::move(moved)), {.stiffness_n_per_m = grid.stiffness_n_per_m});
 }
 
-SlidePlan plan_of(const RemoteGrid& grid, std::uint64_t seed, double speed_m_per_s, double round_trip_s) {
-  return {.seed = seed, .speed_m_per_s = speed_m_per_s, .after_s = 0.5 + 1.5 * round_trip_s + 2.0 * grid.jitter_s};
+RemoteCase make_remote_case(const RemoteGrid& grid, const RemoteKey& key) {
+  return {key.method, RemoteNetwork::of(key.round_trip_s, key.loss, grid.jitter_s, key.seed), key.round_trip_s, grid.settings};
 }
 
-RemoteCase make_remote_case(const RemoteGrid& grid, const RemoteMethod& method, double round_trip_s, double loss, std::uint64_t seed) {
-  return {&method, RemoteNetwork::of(round_trip_s, loss, grid.jitter_s, seed), round_trip_s, grid.settings};
+std::string describe(const RemoteKey& key) {
+  return fmt::format("{}{}, seed {}, {:g} mm/s, {:g} ms, loss {:g} %", key.mesh,
+                     key.method != nullptr ? fmt::format(", {}", key.method->name) : "", key.seed, 1e3 * key.speed_m_per_s,
+                     1e3 * key.round_trip_s, 100.0 * key.loss);
 }
 
-std::vector<RemoteCell> cells_of(const RemoteGrid& grid) {
-  std::vector<RemoteCell> cells;
+Result<void> for_each_remote_path(const RemoteGrid& grid, const RemoteScene& scene, const std::string& mesh, const UseRemotePath& use) {
   for (std::uint64_t seed = grid.seed; seed < grid.seed + grid.seeds; ++seed) {
     for (const double speed : grid.speeds_m_per_s) {
       for (const double round_trip_s : grid.round_trips_s) {
-        for (const double loss : grid.losses) cells.push_back({seed, speed, round_trip_s, loss});
+        const auto path = make_slide_path(*scene.mesh, *scene.near, plan_of(grid, seed, speed, round_trip_s));
+        if (!path) return fail("{}: {}", mesh, path.error().what);
+        for (const double loss : grid.losses) {
+          if (auto done = use(*path, {nullptr, mesh, seed, speed, round_trip_s, loss}); !done) return done;
+        }
       }
     }
   }
-  return cells;
+  return {};
 }
 
 Result<RemoteResults> measure_remote(const RemoteGrid& grid, const std::function<void(const std::string&)>& progress) {
@@ -136,7 +133,8 @@ Result<std::string> trace_remote(const RemoteGrid& grid) {
   std::string columns = "t_s,x_m,y_m,z_m,fx_zero_delay_n,fy_zero_delay_n,fz_zero_delay_n";
   std::vector<std::vector<ForceRow>> traces;
   for (const RemoteMethod* method : grid.methods) {
-    auto touch = run_prescribed(*scene, *path, grid.device, make_remote_case(grid, *method, round_trip_s, loss, grid.seed));
+    auto touch =
+        run_prescribed(*scene, *path, grid.device, make_remote_case(grid, {method, mesh->name, grid.seed, speed, round_trip_s, loss}));
     if (!touch) return tl::unexpected(touch.error());
     traces.push_back(std::move(touch->rows));
     std::string name(method->name);

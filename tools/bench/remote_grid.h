@@ -29,29 +29,27 @@ struct RemoteGrid {
   bool has_walls = true;  // find the largest stiffness too
 };
 
-// A cell of the grid, of all methods and meshes.
-struct RemoteCell {
-  std::uint64_t seed = 0;
-  double speed_m_per_s = 0.0;
-  double round_trip_s = 0.0;
-  double loss = 0.0;
-};
-// By seeds, speeds, round trips, then losses.
-std::vector<RemoteCell> cells_of(const RemoteGrid& grid);
-
-// The mesh in the middle of the workspace, of the grid's stiffness.
-Result<RemoteScene> make_centred_scene(const RemoteGrid& grid, const BenchMesh& mesh);
-// Watched on until the last late force has come.
-SlidePlan plan_of(const RemoteGrid& grid, std::uint64_t seed, double speed_m_per_s, double round_trip_s);
-RemoteCase make_remote_case(const RemoteGrid& grid, const RemoteMethod& method, double round_trip_s, double loss, std::uint64_t seed);
-
-struct RemoteRow {
+// Which run of the grid.
+struct RemoteKey {
   const RemoteMethod* method = nullptr;
   std::string mesh;
   std::uint64_t seed = 0;
   double speed_m_per_s = 0.0;
   double round_trip_s = 0.0;
   double loss = 0.0;
+};
+
+// The mesh in the middle of the workspace, of the grid's stiffness.
+Result<RemoteScene> make_centred_scene(const RemoteGrid& grid, const BenchMesh& mesh);
+// By seeds, speeds, round trips, then losses; the way is the same for all losses. The key has no method. Stops at an error.
+using UseRemotePath = std::function<Result<void>(const SlidePath&, const RemoteKey&)>;
+Result<void> for_each_remote_path(const RemoteGrid& grid, const RemoteScene& scene, const std::string& mesh, const UseRemotePath& use);
+// Pre: the key has a method.
+RemoteCase make_remote_case(const RemoteGrid& grid, const RemoteKey& key);
+// "mesh, seed 1, 100 mm/s, 30 ms, loss 10 %", with the method where there is one.
+std::string describe(const RemoteKey& key);
+
+struct RemoteRow : RemoteKey {
   PrescribedTouch touch;
   ClosedLoopTouch loop;
 };

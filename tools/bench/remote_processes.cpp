@@ -10,6 +10,7 @@
 #include "runtime/realtime.h"
 #include "runtime/trajectory_csv.h"
 #include "scene/scene_file.h"
+#include "tools/bench/remote_report.h"
 #include "tools/child_process.h"
 #include "tools/local_node.h"
 #include "tools/session/ply_writer.h"
@@ -58,9 +59,12 @@ class ProcessRun {
   Result<void> play(const RemoteProcessRow& row, const RemoteGrid& grid, double seconds) {
     const auto hub = find_free_address();
     if (!hub) return tl::unexpected(hub.error());
-    const auto relay = start_relay(*hub, row, grid);
+    auto relay = start_local_relay(folder_, *hub,
+                                   {"--seed", fmt::format("{}", row.seed), "--delay-ms", fmt::format("{}", 500.0 * row.round_trip_s),
+                                    "--loss", fmt::format("{}", row.loss), "--jitter-ms", fmt::format("{}", 1e3 * grid.jitter_s)});
     if (!relay) return tl::unexpected(relay.error());
-    if (auto started = start_haptics(*relay, grid); !started) return started;
+    relay_.emplace(std::move(relay->node));
+    if (auto started = start_haptics(relay->address, grid); !started) return started;
     auto io = LocalNode::start(folder_, "io_node", find_own_folder() / "io_node", hub_words(*hub, row, grid));
     if (!io) return tl::unexpected(io.error());
     if (auto ended = io->wait_for_end(seconds + kGraceS); !ended) return ended;
@@ -72,21 +76,6 @@ class ProcessRun {
   std::filesystem::path path() const { return folder_ / "path.csv"; }
 
  private:
-  // Where the haptics node finds the hub.
-  Result<std::string> start_relay(const std::string& hub, const RemoteProcessRow& row, const RemoteGrid& grid) {
-    auto relay = LocalNode::start(
-        folder_, "relay", find_own_folder() / "hapton",
-        {"relay", "--hub", hub, "--seed", fmt::format("{}", row.seed), "--delay-ms", fmt::format("{}", 500.0 * row.round_trip_s), "--loss",
-         fmt::format("{}", row.loss), "--jitter-ms", fmt::format("{}", 1e3 * grid.jitter_s)});
-    if (!relay) return tl::unexpected(relay.error());
-    relay_.emplace(std::move(*relay));
-    if (auto ready = relay_->wait_for(", hub "); !ready) return tl::unexpected(ready.error());
-    // "relay at ADDRESS, hub ..."
-    const std::string line = relay_->last_line();
-    const std::string before = "relay at ";
-    return line.substr(before.size(), line.find(',') - before.size());
-  }
-
   Result<void> start_haptics(const std::string& hub, const RemoteGrid& grid) {
     auto haptics = LocalNode::start(folder_, "haptics_node", find_own_folder() / "haptics_node",
                                     {"--hub", hub, "--scene", scene_.string(), "--build-at-once", "--cpu", cpu_, "--patch-bandwidth",
@@ -132,9 +121,10 @@ std::string path_to_csv(const SlidePath& path, double wait_s) {
   return positions_to_csv(rows);
 }
 
-Result<RemoteProcessRow> measure_cell(const RemoteGrid& grid, const ProcessScene& scene, const SlidePath& path,
-                                      const std::filesystem::path& folder, RemoteProcessRow row) {
-  auto simulated = run_prescribed(scene.lab, path, grid.device, make_remote_case(grid, *row.method, row.round_trip_s, row.loss, row.seed));
+// Pre: row has its key.
+Result<void> measure_run(const RemoteGrid& grid, const ProcessScene& scene, const SlidePath& path, const std::filesystem::path& folder,
+                         RemoteProcessRow& row) {
+  auto simulated = run_prescribed(scene.lab, path, grid.device, make_remote_case(grid, row));
   if (!simulated) return tl::unexpected(simulated.error());
   row.simulated = std::move(*simulated);
   row.simulated.rows.clear();
@@ -148,7 +138,7 @@ Result<RemoteProcessRow> measure_cell(const RemoteGrid& grid, const ProcessScene
                                  std::max(kLateShare * row.round_trip_s, kLeastLateS));
   if (!real) return tl::unexpected(real.error());
   row.real = *real;
-  return row;
+  return {};
 }
 
 Result<void> measure_mesh(const RemoteGrid& grid, const std::string& which, const std::function<void(const std::string&)>& progress,
@@ -160,19 +150,17 @@ Result<void> measure_mesh(const RemoteGrid& grid, const std::string& which, cons
   if (!lab || !folder) return tl::unexpected(lab ? folder.error() : lab.error());
   const auto scene = make_process_scene(folder->path(), *lab);
   if (!scene) return tl::unexpected(scene.error());
-  for (const RemoteCell& cell : cells_of(grid)) {
-    const auto path = make_slide_path(*lab->mesh, *lab->near, plan_of(grid, cell.seed, cell.speed_m_per_s, cell.round_trip_s));
-    if (!path) return fail("{}: {}", mesh->name, path.error().what);
+  return for_each_remote_path(grid, *lab, mesh->name, [&](const SlidePath& path, const RemoteKey& where) -> Result<void> {
     for (const RemoteMethod* method : grid.methods) {
-      auto row = measure_cell(grid, *scene, *path, folder->path(),
-                              {method, mesh->name, cell.seed, cell.speed_m_per_s, cell.round_trip_s, cell.loss, {}, {}});
-      if (!row) return fail("{}, {}, {:g} ms: {}", mesh->name, method->name, 1e3 * cell.round_trip_s, row.error().what);
-      rows.push_back(std::move(*row));
-      progress(fmt::format("{}, {}, seed {}, {:g} mm/s, {:g} ms, loss {:g} %", mesh->name, method->name, cell.seed,
-                           1e3 * cell.speed_m_per_s, 1e3 * cell.round_trip_s, 100.0 * cell.loss));
+      RemoteProcessRow row;
+      static_cast<RemoteKey&>(row) = where;
+      row.method = method;
+      if (auto done = measure_run(grid, *scene, path, folder->path(), row); !done) return fail("{}: {}", describe(row), done.error().what);
+      progress(describe(row));
+      rows.push_back(std::move(row));
     }
-  }
-  return {};
+    return {};
+  });
 }
 
 // One figure of a run, as it is written everywhere.
@@ -249,12 +237,11 @@ std::string processes_to_text(const RemoteGrid& grid, const std::vector<RemotePr
 }
 
 std::string processes_to_csv(const std::vector<RemoteProcessRow>& rows) {
-  std::string csv = "method,mesh,seed,speed_mm_per_s,round_trip_ms,loss";
+  std::string csv = key_columns();
   for (const Figure& figure : kFigures) csv += fmt::format(",{}", figure.name);
   csv += '\n';
   for (const RemoteProcessRow& row : rows) {
-    csv += fmt::format("{},{},{},{:g},{:g},{:g}", row.method->name, row.mesh, row.seed, 1e3 * row.speed_m_per_s, 1e3 * row.round_trip_s,
-                       row.loss);
+    csv += to_csv(row);
     for (const Figure& figure : kFigures) csv += fmt::format(",{:.6g}", figure.of(row));
     csv += '\n';
   }
@@ -266,12 +253,7 @@ std::string processes_to_json(const RemoteGrid& grid, const std::vector<RemotePr
       {"schema", "hapton.bench.remote_processes/1"}, {"stiffness_n_per_m", grid.stiffness_n_per_m}, {"jitter_ms", 1e3 * grid.jitter_s}};
   json["runs"] = nlohmann::ordered_json::array();
   for (const RemoteProcessRow& row : rows) {
-    nlohmann::ordered_json run = {{"method", row.method->name},
-                                  {"mesh", row.mesh},
-                                  {"seed", row.seed},
-                                  {"speed_mm_per_s", 1e3 * row.speed_m_per_s},
-                                  {"round_trip_ms", 1e3 * row.round_trip_s},
-                                  {"loss", row.loss}};
+    nlohmann::ordered_json run = to_json(row);
     for (const Figure& figure : kFigures) run[figure.name] = figure.of(row);
     json["runs"].push_back(std::move(run));
   }

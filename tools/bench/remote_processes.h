@@ -11,13 +11,7 @@
 namespace hapton {
 
 // A cell of the grid twice: over the real programs, and in simulated time.
-struct RemoteProcessRow {
-  const RemoteMethod* method = nullptr;
-  std::string mesh;
-  std::uint64_t seed = 0;
-  double speed_m_per_s = 0.0;
-  double round_trip_s = 0.0;
-  double loss = 0.0;
+struct RemoteProcessRow : RemoteKey {
   RecordedTouch real;
   PrescribedTouch simulated;  // without its rows
 };

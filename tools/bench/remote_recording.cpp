@@ -2,10 +2,9 @@
 
 #include <variant>
 
-#include "link/codec.h"
-#include "link/session_reader.h"
 #include "remote/packet_size.h"
 #include "remote/whole_scene.h"
+#include "tools/session/session_entries.h"
 
 namespace hapton {
 namespace {
@@ -14,11 +13,9 @@ class RecordedTouchReader {
  public:
   RecordedTouchReader(std::shared_ptr<ForceMethod> method, const RecordedSpan& span) : whole_(std::move(method)), span_(span) {}
 
-  void add(const SessionEntry& entry) {
+  void add(const SessionEntry& entry, const Datagram* datagram) {
     if (entry.kind == SessionEntry::Kind::cycle) add_cycle(entry.cycle);
-    Datagram datagram;
-    if (entry.datagram.empty() || codec_.decode(entry.datagram, datagram) != DecodeStatus::ok) return;
-    add_packet(entry, datagram.message);
+    if (datagram != nullptr) add_packet(entry, datagram->message);
   }
 
   Result<RecordedTouch> finish(double period_s, double most_late_s) {
@@ -59,7 +56,6 @@ class RecordedTouchReader {
 
   WholeScene whole_;
   RecordedSpan span_;
-  Codec codec_;
   RecordedTouch touch_;
   std::vector<ForceRow> rows_;
   std::int64_t start_ns_ = 0;
@@ -75,9 +71,11 @@ Result<RecordedTouch> evaluate_recording(const std::filesystem::path& recording,
   auto reader = SessionReader::open(recording);
   if (!reader) return tl::unexpected(reader.error());
   RecordedTouchReader touch(std::move(method), span);
-  SessionEntry entry;
-  while (reader->next(entry)) touch.add(entry);
-  if (!reader->problem().empty()) return fail("{}", reader->problem());
+  (void)for_each_entry(*reader, [&](const SessionEntry& entry, const Datagram* datagram) -> Result<void> {
+    touch.add(entry, datagram);
+    return {};
+  });
+  if (auto ended = check_end(*reader); !ended) return tl::unexpected(ended.error());
   auto found = touch.finish(period_s, most_late_s);
   return found ? found : fail("{}: {}", recording.string(), found.error().what);
 }

@@ -153,13 +153,28 @@ std::string to_text(const RemoteGrid& grid, const RemoteResults& results) {
   return results.walls.empty() ? text : text + walls_text(grid, results);
 }
 
+std::string key_columns() { return "method,mesh,seed,speed_mm_per_s,round_trip_ms,loss"; }
+
+std::string to_csv(const RemoteKey& key) {
+  return fmt::format("{},{},{},{:g},{:g},{:g}", key.method->name, key.mesh, key.seed, 1e3 * key.speed_m_per_s, 1e3 * key.round_trip_s,
+                     key.loss);
+}
+
+nlohmann::ordered_json to_json(const RemoteKey& key) {
+  return {{"method", key.method->name},
+          {"mesh", key.mesh},
+          {"seed", key.seed},
+          {"speed_mm_per_s", 1e3 * key.speed_m_per_s},
+          {"round_trip_ms", 1e3 * key.round_trip_s},
+          {"loss", key.loss}};
+}
+
 std::string to_csv(const RemoteResults& results) {
-  std::string csv = "method,mesh,seed,speed_mm_per_s,round_trip_ms,loss";
+  std::string csv = key_columns();
   for (const Figure& figure : figures()) csv += fmt::format(",{}", figure.name);
   csv += '\n';
   for (const RemoteRow& row : results.rows) {
-    fmt::format_to(std::back_inserter(csv), "{},{},{},{:g},{:g},{:g}", row.method->name, row.mesh, row.seed, 1e3 * row.speed_m_per_s,
-                   1e3 * row.round_trip_s, row.loss);
+    csv += to_csv(row);
     for (const Figure& figure : figures()) fmt::format_to(std::back_inserter(csv), ",{:.6g}", figure.of(row));
     csv += '\n';
   }
@@ -182,12 +197,7 @@ std::string to_json(const RemoteGrid& grid, const RemoteResults& results) {
                {"deadband", grid.settings.deadband}};
   json["runs"] = Json::array();
   for (const RemoteRow& row : results.rows) {
-    Json run = {{"method", row.method->name},
-                {"mesh", row.mesh},
-                {"seed", row.seed},
-                {"speed_mm_per_s", 1e3 * row.speed_m_per_s},
-                {"round_trip_ms", 1e3 * row.round_trip_s},
-                {"loss", row.loss}};
+    Json run = to_json(row);
     for (const Figure& figure : figures()) run[std::string(figure.name)] = figure.of(row);
     json["runs"].push_back(std::move(run));
   }

@@ -1,12 +1,18 @@
 #pragma once
 
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "core/base/result.h"
 #include "tools/bench/remote_grid.h"
 
 namespace hapton {
+
+// Which run a line is of, as every table has it: columns, a line's values, an object of JSON.
+std::string key_columns();
+std::string to_csv(const RemoteKey& key);
+nlohmann::ordered_json to_json(const RemoteKey& key);
 
 // Median and worst over meshes and seeds, a table for each speed and loss, and one of the walls. RT: no.
 std::string to_text(const RemoteGrid& grid, const RemoteResults& results);

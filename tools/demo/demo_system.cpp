@@ -68,16 +68,12 @@ Result<void> DemoSystem::start_hub() {
 }
 
 Result<void> DemoSystem::start_relay(const DemoStep& step) {
-  std::vector<std::string> words = {"relay", "--hub", hub_, "--seed", "1"};
+  std::vector<std::string> words = {"--seed", "1"};
   words.insert(words.end(), step.relay.begin(), step.relay.end());
-  auto relay = LocalNode::start(settings_.out, "relay", find_own_folder() / "hapton", std::move(words));
+  auto relay = start_local_relay(settings_.out, hub_, words);
   if (!relay) return tl::unexpected(relay.error());
-  relay_.emplace(std::move(*relay));
-  if (const auto ready = relay_->wait_for(", hub "); !ready) return ready;
-  // "relay at ADDRESS, hub ..."
-  const std::string line = relay_->last_line();
-  const std::string before = "relay at ";
-  nodes_hub_ = line.substr(before.size(), line.find(',') - before.size());
+  relay_.emplace(std::move(relay->node));
+  nodes_hub_ = relay->address;
   return {};
 }
 
