@@ -3,8 +3,7 @@
 #include <unordered_map>
 #include <variant>
 
-#include "link/codec.h"
-#include "link/session_reader.h"
+#include "tools/session/session_entries.h"
 
 namespace hapton {
 namespace {
@@ -12,14 +11,13 @@ namespace {
 // Joins the forces with their samples.
 class MotionReader {
  public:
-  void add(const SessionEntry& entry) {
+  void add(const SessionEntry& entry, const Datagram* datagram) {
     if (entry.kind == SessionEntry::Kind::cycle) motion_.written.push_back({entry.time_ns, entry.cycle.written_n.norm()});
-    Datagram datagram;
-    if (entry.datagram.empty() || codec_.decode(entry.datagram, datagram) != DecodeStatus::ok) return;
-    if (const auto* state = std::get_if<DeviceState>(&datagram.message); state != nullptr && entry.kind == SessionEntry::Kind::sent) {
+    if (datagram == nullptr) return;
+    if (const auto* state = std::get_if<DeviceState>(&datagram->message); state != nullptr && entry.kind == SessionEntry::Kind::sent) {
       devices_[state->sample] = {state->sample_time_ns, state->p_WD};
     }
-    const auto* force = std::get_if<ForceCommand>(&datagram.message);
+    const auto* force = std::get_if<ForceCommand>(&datagram->message);
     if (force == nullptr || entry.kind != SessionEntry::Kind::received) return;
     if (const auto device = devices_.find(force->echo_sample); device != devices_.end()) {
       const auto& [time_ns, p_WD] = device->second;
@@ -33,7 +31,6 @@ class MotionReader {
     std::int64_t time_ns;
     Vec3 p_WD;
   };
-  Codec codec_;
   std::unordered_map<std::uint64_t, Sampled> devices_;
   DemoMotion motion_;
 };
@@ -44,9 +41,11 @@ Result<DemoMotion> read_demo_motion(const std::filesystem::path& recording) {
   auto reader = SessionReader::open(recording);
   if (!reader) return tl::unexpected(reader.error());
   MotionReader motion;
-  SessionEntry entry;
-  while (reader->next(entry)) motion.add(entry);
-  if (!reader->problem().empty()) return fail("{}", reader->problem());
+  (void)for_each_entry(*reader, [&](const SessionEntry& entry, const Datagram* datagram) -> Result<void> {
+    motion.add(entry, datagram);
+    return {};
+  });
+  if (auto ended = check_end(*reader); !ended) return tl::unexpected(ended.error());
   return motion.take();
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "tools/session/session_entries.h"
+
 namespace hapton {
 namespace {
 
@@ -55,7 +57,7 @@ void JoinedTable::add(const SessionEntry& entry, const Datagram* datagram) {
     events_ += to_string(entry.fault);
   }
   const auto* force = datagram != nullptr ? std::get_if<ForceCommand>(&datagram->message) : nullptr;
-  if (force != nullptr && entry.kind == SessionEntry::Kind::received) add_force(entry, *force);
+  if (force != nullptr && entry.kind == SessionEntry::Kind::received) add_force(*force, entry.time_ns);
   give_out(entry.time_ns);
 }
 
@@ -90,19 +92,15 @@ void JoinedTable::add_cycle(const SessionEntry& entry) {
     added.is_complete = true;
   }
   waiting_.push_back(std::move(added));
-  for (const auto& [force, time_ns] : std::exchange(early_, {})) {
-    SessionEntry again;
-    again.time_ns = time_ns;
-    add_force(again, force);
-  }
+  for (const auto& [force, time_ns] : std::exchange(early_, {})) add_force(force, time_ns);
 }
 
-void JoinedTable::add_force(const SessionEntry& entry, const ForceCommand& force) {
+void JoinedTable::add_force(const ForceCommand& force, std::int64_t time_ns) {
   const auto is_before = [](const Waiting& waiting, std::uint64_t sample) { return waiting.row.sample < sample; };
   const auto found = std::lower_bound(waiting_.begin(), waiting_.end(), force.echo_sample, is_before);
   if (found == waiting_.end()) {
     // Its cycle is still to come; an old one that will never come goes in time.
-    early_.emplace_back(force, entry.time_ns);
+    early_.emplace_back(force, time_ns);
     if (early_.size() > kMostEarly) early_.pop_front();
     return;
   }
@@ -111,7 +109,7 @@ void JoinedTable::add_force(const SessionEntry& entry, const ForceCommand& force
   row.p_WP = row.p_WD + force.visual_offset_m;
   row.wanted_n = force.force_n;
   row.is_contact = force.contact;
-  row.round_trip_s = seconds_between(force.echo_sample_time_ns, entry.time_ns);
+  row.round_trip_s = seconds_between(force.echo_sample_time_ns, time_ns);
   found->is_complete = true;
 }
 
@@ -127,13 +125,10 @@ void JoinedTable::give_out_front() {
 }
 
 void JoinedTable::add_all(SessionReader& reader) {
-  Codec codec;
-  SessionEntry entry;
-  while (reader.next(entry)) {
-    Datagram datagram;
-    const bool is_readable = !entry.datagram.empty() && codec.decode(entry.datagram, datagram) == DecodeStatus::ok;
-    add(entry, is_readable ? &datagram : nullptr);
-  }
+  (void)for_each_entry(reader, [&](const SessionEntry& entry, const Datagram* datagram) -> Result<void> {
+    add(entry, datagram);
+    return {};
+  });
   finish();
 }
 

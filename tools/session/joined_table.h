@@ -70,7 +70,7 @@ class JoinedTable {
   };
 
   void add_cycle(const SessionEntry& entry);
-  void add_force(const SessionEntry& entry, const ForceCommand& force);
+  void add_force(const ForceCommand& force, std::int64_t time_ns);
   void give_out(std::int64_t now_ns);
   void give_out_front();
 

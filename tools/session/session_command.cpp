@@ -14,6 +14,7 @@
 #include "scene/scene_hash.h"
 #include "tools/commands.h"
 #include "tools/session/joined_files.h"
+#include "tools/session/session_entries.h"
 #include "tools/session/session_export.h"
 #include "tools/session/session_replay.h"
 #include "tools/session/session_summary.h"
@@ -27,25 +28,6 @@ struct SessionOptions {
   std::string scene;
   std::string format = "tables";
 };
-
-// Calls visit(entry, datagram or null) for all that can be read; the reader then knows whether that was all.
-template <class Visit>
-Result<void> for_each_entry(SessionReader& reader, Visit&& visit) {
-  Codec codec;
-  SessionEntry entry;
-  while (reader.next(entry)) {
-    Datagram datagram;
-    const bool is_readable = !entry.datagram.empty() && codec.decode(entry.datagram, datagram) == DecodeStatus::ok;
-    if (const Result<void> done = visit(entry, is_readable ? &datagram : nullptr); !done) return done;
-  }
-  return {};
-}
-
-// A truncated recording is reported last, as an error.
-Result<void> check_end(const SessionReader& reader) {
-  if (reader.problem().empty()) return {};
-  return fail("{}", reader.problem());
-}
 
 Result<void> summarize(SessionReader& reader, SessionSummary& summary) {
   return for_each_entry(reader, [&](const SessionEntry& entry, const Datagram* datagram) {
