@@ -9,8 +9,9 @@ namespace {
 
 // Two faces nearer than this share of the mesh's extent lie in one place: coordinates of mesh files are often single precision, of 24 bits.
 constexpr double kSamePlace = 0x1p-20;
-// A ray meets a triangle up to this share of its size beyond its edges, so that none slips between two neighbours.
-constexpr double kBeyondEdge = 1e-9;
+// A ray meets a triangle up to this share of its size beyond its edges, so that none slips between two neighbours: the barycentric
+// coordinates are wrong by a few 2^-52 times the aspect ratio, so this holds for triangles up to a million times as long as high.
+constexpr double kBeyondEdge = 0x1p-30;
 
 bool share_vertex(const Triangle& s, const Triangle& t) {
   for (const std::uint32_t v : s) {

@@ -10,7 +10,7 @@ namespace hapton {
 // A surface that holds on to the device, like a magnet or wet glue: once it has been touched, F = -k h n, h the height of the device above
 // the plane of the last contact and n its normal, until h exceeds range_m or the device is kReach ranges away along the plane. The surface
 // must be touched again before it pulls again. Frame: S. Units: SI. RT: yes. Bound: stiffness_n_per_m range_m. Passivity: dissipative: a
-// spring that begins without tension and loses it where it lets go.
+// spring that begins without tension and loses it where it releases.
 struct SurfaceSnap {
   static constexpr Passivity kPassivity = Passivity::dissipative;
   // A hand that slides just above the surface comes into contact again within a few milliseconds, because the snap pulls it down. This much

@@ -250,7 +250,7 @@ TEST(EffectStep, IsFiniteAndBoundedForAnyInput) {
 }
 
 TEST(EffectStep, UsesNoHeap) {
-  if (!AllocationGuard::is_available()) GTEST_SKIP();
+  if (!AllocationGuard::is_available()) GTEST_SKIP() << "allocations cannot be counted in this build";
   EffectStep step({everything()}, everywhere());
   const auto path = paths::closed(9, 2000, {0, 0, 0}, 0.01);
   const AllocationGuard guard;

@@ -14,7 +14,7 @@ TEST(SurfaceSnap, HoldsTheDeviceUntilItIsOutOfRange) {
   EXPECT_LT((glue.force({.p_SD = {0.002, 0, 0.003}}, state) - Vec3(0, 0, -0.6)).norm(), 1e-12);
   EXPECT_EQ(glue.force({.p_SD = {0.002, 0, -0.001}}, state), Vec3::Zero()) << "it does not push";
   EXPECT_EQ(glue.force({.p_SD = {0.002, 0, 0.0031}}, state), Vec3::Zero()) << "out of range";
-  EXPECT_EQ(glue.force({.p_SD = {0.002, 0, 0.001}}, state), Vec3::Zero()) << "it has let go";
+  EXPECT_EQ(glue.force({.p_SD = {0.002, 0, 0.001}}, state), Vec3::Zero()) << "released";
   EXPECT_DOUBLE_EQ(glue.bound_n(), 0.6);
 }
 

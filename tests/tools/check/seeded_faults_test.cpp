@@ -196,7 +196,7 @@ TEST(SeededFaults, EachIsFoundWhereItIsAndNothingElse) {
 
 TEST(SeededFaults, AreGoneWithWhatTheFixSays) {
   const ScratchFolder folder;
-  std::vector<SeededFault> mended = {
+  std::vector<SeededFault> repaired = {
       {"ThickEnough", make_box(Vec3(0.08, 0.06, 0.0021), 3), "", "", {"--probe-radius", "0.001"}, ""},
       {"PointProbe", make_box(Vec3(0.08, 0.06, 0.0005), 3), "", "", {}, ""},
       {"HoleSmallerThanTheBall",
@@ -211,7 +211,7 @@ TEST(SeededFaults, AreGoneWithWhatTheFixSays) {
       {"ACavity", joined(good_ball(), flipped(make_icosphere(0.02, 2))), "", "", {}, ""},
       {"Reached", good_ball(), "position_m = [0, 0.05524, 0]\n", "", {}, ""},
   };
-  for (const SeededFault& good : mended) {
+  for (const SeededFault& good : repaired) {
     SCOPED_TRACE(good.name);
     int code = -1;
     const nlohmann::json json = check_seeded(good, folder, code);

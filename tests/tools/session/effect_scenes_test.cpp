@@ -113,7 +113,7 @@ TEST(BoardScene, TapeHoldsOn) {
   const std::size_t at_surface = 500 + 100 + 1 + 100;
   EXPECT_NEAR(replay.rows[at_surface + 200].force_n.z(), -300 * 0.002, 1e-6);
   EXPECT_NEAR(replay.rows[at_surface + 399].force_n.z(), -300 * 0.00399, 1e-6);
-  EXPECT_EQ(replay.rows[at_surface + 410].force_n, Vec3::Zero()) << "it has let go";
+  EXPECT_EQ(replay.rows[at_surface + 410].force_n, Vec3::Zero()) << "released";
 }
 
 TEST(BoardScene, HoneyDragsWithTheSpeed) {

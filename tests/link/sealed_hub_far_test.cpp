@@ -1,0 +1,92 @@
+// Nodes that are far away: handshakes over long round trips.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "link/sealed_client.h"
+#include "link/sealed_hub.h"
+#include "tests/link/sealed_hub_fixture.h"
+
+namespace hapton::sealed_hub {
+namespace {
+
+// Through a satellite, and as far again.
+TEST_F(SealedHubTest, ANodeAtARoundTripOfASecondJoinsAndStays) {
+  for (const double loss : {0.0, 0.1, 0.3}) {
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+      SCOPED_TRACE(testing::Message() << "loss " << loss << ", seed " << seed);
+      start_hub();
+      network_.set_impairments({.seed = seed, .loss = loss, .delay_ns = 490 * kMs, .jitter_ns = 20 * kMs});
+      const auto node = make_node(static_cast<std::uint8_t>(seed + 1));
+      answers_ = 0;
+      live({node.get()}, loss == 0.0 ? 3'300 : 12'000);
+      EXPECT_GT(answers_, 0) << "it has not joined";
+      const std::uint64_t handshakes = node->sealed.seal_counts().handshakes;
+      answers_ = 0;
+      live({node.get()}, 10'000);
+      // Ten datagrams a second, and each has to come both ways.
+      EXPECT_GT(answers_, static_cast<int>(0.5 * 100 * (1.0 - loss) * (1.0 - loss)));
+      if (loss == 0.0) {
+        EXPECT_EQ(node->sealed.seal_counts().handshakes, handshakes) << "it agreed on sessions that it did not need";
+      }
+      EXPECT_EQ(hub_->seal_counts().forged, 0U);
+    }
+  }
+}
+
+// In step, as after a restart of the hub: they have fewer places for candidates than they send requests.
+TEST_F(SealedHubTest, SeveralNodesAtARoundTripOfASecondLeaveEachOtherTheirPlaces) {
+  network_.set_impairments({.seed = 1, .delay_ns = 500 * kMs});
+  for (const auto& [role, count] : {std::pair(KeyRole::haptics, 2), std::pair(KeyRole::vision, 8)}) {
+    SCOPED_TRACE(count);
+    start_hub();
+    std::vector<std::unique_ptr<Node>> nodes;
+    std::vector<Node*> all;
+    for (int i = 0; i < count; ++i) {
+      nodes.push_back(make_node(static_cast<std::uint8_t>(10 + i), key_of(1), role));
+      all.push_back(nodes.back().get());
+    }
+    live(all, 4'000);
+    EXPECT_EQ(hub_->seal_counts().handshakes, static_cast<std::uint64_t>(count));
+    EXPECT_EQ(hub_->seal_counts().too_many_handshakes, 0U);
+    for (const auto& node : nodes) EXPECT_TRUE(answer(*node, "here"));
+  }
+}
+
+TEST_F(SealedHubTest, AnAddressIsAnsweredAgainOnlyWhenItsAnswerMayBeLost) {
+  const auto node = make_node(2);
+  say(*node, "first");
+  hub_receives();        // cookie
+  node_receives(*node);  // requests with it, and again every 50 ms
+  std::vector<std::int64_t> answered_ms;
+  for (std::int64_t ms = 0; ms < 3000; ms += 10) {
+    const std::size_t before = hub_endpoint_.sent();
+    hub_receives();
+    if (hub_endpoint_.sent() > before) answered_ms.push_back(ms);
+    std::array<std::byte, kMaxDatagramBytes> lost;
+    while (node->endpoint.receive(lost, 0).bytes != 0) {
+    }
+    clock_.advance_ns(10 * kMs);
+    say(*node, "again");
+  }
+  ASSERT_GE(answered_ms.size(), 6U);
+  std::int64_t least_ms = SealedHub::kAnswerEveryNs / kMs;
+  for (std::size_t i = 1; i < answered_ms.size(); ++i) {
+    const std::int64_t gap_ms = answered_ms[i] - answered_ms[i - 1];
+    // Answers of more than kAnswerLivesNs ago no longer count.
+    if (i <= 4) {
+      EXPECT_GE(gap_ms, least_ms);
+    }
+    EXPECT_GE(gap_ms, std::min<std::int64_t>(least_ms, 400));
+    EXPECT_LE(gap_ms, least_ms + 60);
+    least_ms = std::min(2 * least_ms, SealedHub::kMostAnswerEveryNs / kMs);
+  }
+  EXPECT_GT(hub_->seal_counts().repeats, 30U);
+}
+
+}  // namespace
+}  // namespace hapton::sealed_hub
