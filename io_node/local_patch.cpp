@@ -30,20 +30,22 @@ void LocalPatch::exchange_patches() noexcept {
 std::optional<LocalForce> LocalPatch::step(const DeviceSample& sample) noexcept {
   orders_.take();
   const PatchOrders& orders = orders_.value();
-  if (!orders.is_wanted || sample.time_ns >= orders.until_ns) {
+  if (!orders.is_wanted) {
     if (touch_.is_placed()) touch_.forget();
     return std::nullopt;
   }
   exchange_patches();
   touch_.set_generation(generation_.load(std::memory_order_acquire));
   const Pose X_SW = orders.X_WS.inverse(Eigen::Isometry);
-  hands_.publish({X_SW * sample.p_WD, sample.time_ns});
   if (std::exchange(started_, orders.start) != orders.start) touch_.start_at(X_SW * orders.p_WP, X_SW.linear() * orders.outward_W);
   const std::int64_t passed_ns = sample.time_ns - std::exchange(last_ns_, sample.time_ns);
   const double dt_s = passed_ns > 0 ? std::min(1e-9 * static_cast<double>(passed_ns), kLongestStepS) : kFirstStepS;
   const std::optional<PatchOutput> output = touch_.step({sample.p_WD, orders.X_WS, dt_s});
   counts_.publish(touch_.counts());
-  if (!output) return std::nullopt;
+  const bool is_beyond = touch_.is_beyond();
+  hands_.publish({X_SW * sample.p_WD, sample.time_ns, is_beyond, is_beyond ? touch_.way() : PatchTouch::Way()});
+  // The proxy goes on following the device, so that the surface is the same once haptics is heard again.
+  if (!output || sample.time_ns >= orders.until_ns) return std::nullopt;
   return LocalForce{output->force_n, output->visual_offset_m, output->contact, output->is_handed_over, output->difference_n};
 }
 

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "io_node/local_touch.h"
+#include "patch/patch_maker.h"
 #include "patch/patch_touch.h"
 #include "runtime/mailbox.h"
 
@@ -20,12 +21,6 @@ struct PatchOrders {
   std::uint32_t start = 0;
   Vec3 p_WP = Vec3::Zero();
   Vec3 outward_W = Vec3::Zero();  // unit, zero: free
-};
-
-// Where the device is, for whoever builds the next patch. Frame S.
-struct PatchHand {
-  Vec3 p_SD = Vec3::Zero();
-  std::int64_t time_ns = 0;
 };
 
 // Force from patches of the scene, on the device's own thread. Patches come from a thread that builds them, and go back to it to be freed.

@@ -40,7 +40,7 @@ void PatchBuilder::run() {
     PatchHand hand;
     const bool has_hand = local_.take_hand(hand);
     if (has_hand) {
-      maker_.note_hand(hand.p_SD, hand.time_ns);
+      maker_.note_hand(hand);
       build_if_due();
     }
     if (has_parts) {
@@ -85,7 +85,9 @@ void PatchBuilder::build_if_due() {
   ++told_.built;
   told_.triangles = maker_.triangles();
   told_.radius_m = maker_.radius_m();
-  told_.build_ms = 1e-6 * static_cast<double>(clock.now_ns() - began_ns);
+  const double seconds = 1e-9 * static_cast<double>(clock.now_ns() - began_ns);
+  maker_.note_made(seconds);
+  told_.build_ms = 1e3 * seconds;
   counts_.publish(told_);
 }
 

@@ -5,19 +5,34 @@
 #include <memory>
 #include <optional>
 
+#include "link/messages.h"
 #include "patch/patch_store.h"
 #include "patch/patch_touch.h"
 
 namespace hapton {
 
+// Where the device is, for whoever makes the next patch. Frame S.
+struct PatchHand {
+  Vec3 p_SD = Vec3::Zero();
+  std::int64_t time_ns = 0;
+  bool is_beyond = false;  // past the edge: a patch has to reach over ...
+  PatchTouch::Way way;     // ... this
+};
+
 // Decides when the hand needs another patch, and makes it: around where the hand will be once it is made, as wide as the scene is known
-// there and as kMostTriangles allow. Frame: S. Units: SI. RT: no. Threads: one.
+// there, and of no more triangles than can be made while the hand is still within the patch before. So patches grow, up to the whole scene,
+// where a small one has been made first. For a hand past the edge: over the whole way there.
+// Frame: S. Units: SI. RT: no. Threads: one.
 class PatchMaker {
  public:
-  static constexpr std::size_t kMostTriangles = 8192;  // about 5 ms to make
+  static constexpr std::size_t kFewTriangles = 8192;                                                 // about 5 ms to make
+  static constexpr std::size_t kMostTriangles = PatchStore::kMostTiles * PatchTile::kMostTriangles;  // all that can be known
+  static constexpr double kFirstMakeS = 1e-6;                                                        // time per triangle, until it is known
 
   // Where the hand is. Times of one clock, in order.
-  void note_hand(const Vec3& p_SD, std::int64_t time_ns) noexcept;
+  void note_hand(const PatchHand& hand) noexcept;
+  // How long the newest patch took to make, and to be handed to the device.
+  void note_made(double seconds) noexcept;
   // What was made before is of no use any more.
   void forget() noexcept { p_SC_.reset(); }
   // Null: the newest will do, or nothing is known there.
@@ -27,18 +42,27 @@ class PatchMaker {
   double radius_m() const noexcept { return radius_m_; }
 
  private:
-  std::unique_ptr<Patch> make(const PatchStore& store, const Vec3& p_SC, double known_m, std::uint32_t generation);
+  std::unique_ptr<Patch> make_if_left(const PatchStore& store, std::uint32_t generation);
+  std::unique_ptr<Patch> make_over_way(const PatchStore& store, std::uint32_t generation);
+  std::unique_ptr<Patch> make_beside_way(const PatchStore& store, std::uint32_t generation);
+  std::unique_ptr<Patch> make(const PatchStore& store, const Vec3& p_SC, double known_m, double least_m, std::uint32_t generation);
+  double distance_m() const noexcept { return (hand_.p_SD - *p_SC_).norm(); }
   bool is_left() const noexcept;
+  bool can_grow() const noexcept;
+  std::size_t affordable() const noexcept;
 
-  Vec3 p_SD_ = Vec3::Zero();
+  PatchHand hand_;
   Vec3 v_SD_ = Vec3::Zero();
-  std::int64_t time_ns_ = 0;
   bool has_hand_ = false;
   std::optional<Vec3> p_SC_;  // of the newest patch
   double radius_m_ = 0.0;
   std::size_t triangles_ = 0;
   bool is_limited_ = false;      // by its triangles: more was known
   std::uint64_t made_from_ = 0;  // the store's revision then
+  std::int64_t made_ns_ = 0;     // the hand's time then
+  bool is_way_unknown_ = false;  // of the newest
+  double widening_ = 1.0;        // of a patch over the way, once more for each that did not reach
+  double triangle_s_ = kFirstMakeS;
 };
 
 }  // namespace hapton

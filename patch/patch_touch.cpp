@@ -12,6 +12,7 @@ std::unique_ptr<Patch> PatchTouch::take_retired() noexcept { return std::move(re
 void PatchTouch::forget() noexcept {
   is_placed_ = is_over_ = is_beyond_ = false;
   outward_S_.setZero();
+  path_.clear();
 }
 
 void PatchTouch::set_generation(std::uint32_t generation) noexcept {
@@ -22,7 +23,18 @@ void PatchTouch::start_at(const Vec3& p_SP, const Vec3& outward) noexcept {
   is_placed_ = p_SP.allFinite() && outward.allFinite();
   p_SP_ = last_p_SD_ = p_SP;
   outward_S_ = outward;
+  path_.clear();
   stiffness_n_per_m_ = force_n_ = 0.0;
+}
+
+PatchTouch::Way PatchTouch::way() const noexcept {
+  Vec3 low = p_SP_;
+  Vec3 high = p_SP_;
+  for (std::size_t i = 0; i < path_.size(); ++i) {
+    low = low.cwiseMin(path_[i].p_SD);
+    high = high.cwiseMax(path_[i].p_SD);
+  }
+  return {0.5 * (low + high), 0.5 * (high - low).norm()};
 }
 
 // Within a patch the last step ended with the proxy at p_SP_ and the device at last_p_SD_; before it is handed over, the step's device
@@ -39,25 +51,43 @@ std::optional<PatchOutput> PatchTouch::step(const TouchInput& input) noexcept {
   const Vec3 p_SD = input.X_WS.linear().transpose() * (input.p_WD - input.X_WS.translation());
   if (!p_SD.allFinite()) return std::nullopt;
   // A hand that enters the surface before its tiles have come is held by it once they are there.
-  if (!is_placed_) start_at(p_SD, Vec3::Zero());
-  const bool could_go_on = patch_ != nullptr && is_over_ && !is_beyond_ && reaches(*patch_, p_SD);
-  if (take_offered(p_SD) || (patch_ != nullptr && reaches(*patch_, p_SD))) return step_patch(input, p_SD, could_go_on);
-  return step_plane(input, p_SD);
+  if (!is_placed_) {
+    start_at(p_SD, Vec3::Zero());
+    newest_p_SD_ = p_SD;
+  }
+  const Vec3 velocity = (p_SD - std::exchange(newest_p_SD_, p_SD)) / input.dt_s;
+  path_.push({p_SD, input.dt_s});
+  const bool was_beyond = is_beyond_;
+  bool could_go_on = !was_beyond && is_over_ && reaches_next();
+  take_offered({p_SD, input.dt_s});
+  PatchOutput output;
+  for (int n = 0; n < kMostFollowed && reaches_next(); ++n) {
+    const DevicePath::Place place = path_.front();
+    path_.pop();
+    counts_.followed += path_.empty() ? 0 : 1;
+    output = step_patch({input.X_WS * place.p_SD, input.X_WS, place.dt_s}, place.p_SD, std::exchange(could_go_on, false));
+  }
+  if (!path_.empty()) return step_plane(input, p_SD, velocity);
+  is_beyond_ = false;
+  output.is_handed_over = output.is_handed_over || was_beyond;
+  return output;
 }
 
-bool PatchTouch::take_offered(const Vec3& p_SD) noexcept {
-  if (offered_ == nullptr || retired_ != nullptr) return false;
-  if (is_beyond_ && !reaches(*offered_, p_SD)) rise_over(*offered_, p_SD);
-  if (!reaches(*offered_, p_SD)) return false;
+void PatchTouch::take_offered(const DevicePath::Place& newest) noexcept {
+  if (offered_ == nullptr || retired_ != nullptr) return;
+  if (!reaches(*offered_, path_.front().p_SD)) {
+    if (!is_beyond_ || !offered_->is_way_unknown || !rise_over(*offered_, newest.p_SD)) return;
+    path_.clear();
+    path_.push(newest);
+  }
   retired_ = std::exchange(patch_, std::move(offered_));
   is_over_ = false;
-  return true;
 }
 
 // The last proxy within is out of this patch's reach: the plane has brought the hand here, so the proxy is where the plane holds it, and
 // the surface, which may have risen meanwhile, below a place somewhat farther out, as far as this patch knows what is there.
-void PatchTouch::rise_over(const Patch& patch, const Vec3& p_SD) noexcept {
-  if (patch.generation != generation_ || outward_S_.isZero(0.0)) return;
+bool PatchTouch::rise_over(const Patch& patch, const Vec3& p_SD) noexcept {
+  if (patch.generation != generation_ || outward_S_.isZero(0.0)) return false;
   const double depth_m = std::max((p_SP_ - p_SD).dot(outward_S_), 0.0);
   const double way_m = (p_SD + depth_m * outward_S_ - p_SP_).norm();
   const double room_m = patch.radius_m - (p_SD - patch.p_SC).norm() - 4.0 * patch.lift_m;
@@ -65,9 +95,10 @@ void PatchTouch::rise_over(const Patch& patch, const Vec3& p_SD) noexcept {
   const double rise_m = std::min(wanted_m, kMostRoom * room_m);
   // A start below the surface would be a fall-through: a small patch has to grow first.
   const double least_m = std::min(wanted_m, kLeastRise * force_n_ / stiffness_n_per_m_);
-  if (!(rise_m > 0.0 && rise_m >= least_m)) return;
+  if (!(rise_m > 0.0 && rise_m >= least_m)) return false;
   p_SP_ = p_SD + rise_m * outward_S_;
   ++counts_.raised;
+  return true;
 }
 
 void PatchTouch::hand_over(const TouchInput& input) noexcept {
@@ -88,8 +119,7 @@ Vec3 PatchTouch::step_retired(const TouchInput& input) noexcept {
 // could_go_on: the patch before this step held the proxy and reaches this sample; where another takes over, its force is known, too.
 PatchOutput PatchTouch::step_patch(const TouchInput& input, const Vec3& p_SD, bool could_go_on) noexcept {
   PatchOutput output;
-  const bool was_beyond = std::exchange(is_beyond_, false);
-  const bool begins = !is_over_ || was_beyond;
+  const bool begins = !is_over_;
   const bool has_before = begins && could_go_on;
   const Vec3 before_n = has_before ? step_retired(input) : Vec3(Vec3::Zero());
   if (begins) hand_over(input);
@@ -112,7 +142,7 @@ PatchOutput PatchTouch::step_patch(const TouchInput& input, const Vec3& p_SD, bo
   return output;
 }
 
-std::optional<PatchOutput> PatchTouch::step_plane(const TouchInput& input, const Vec3& p_SD) noexcept {
+std::optional<PatchOutput> PatchTouch::step_plane(const TouchInput& input, const Vec3& p_SD, const Vec3& velocity) noexcept {
   PatchOutput output;
   output.is_beyond = true;
   output.is_handed_over = !is_beyond_;
@@ -122,7 +152,6 @@ std::optional<PatchOutput> PatchTouch::step_plane(const TouchInput& input, const
     beyond_s_ = 0.0;
   }
   beyond_s_ += input.dt_s;
-  const Vec3 velocity = (p_SD - std::exchange(last_p_SD_, p_SD)) / input.dt_s;
   if (outward_S_.isZero(0.0) && beyond_s_ > kBeyondS) {
     ++counts_.begun_anew;
     forget();

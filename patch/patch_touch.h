@@ -6,6 +6,7 @@
 
 #include "core/force/touch_step.h"
 #include "core/math/types.h"
+#include "patch/device_path.h"
 
 namespace hapton {
 
@@ -16,6 +17,7 @@ struct Patch {
   double radius_m = 0.0;
   double lift_m = 0.0;           // how far off the surface a proxy starts that is handed over: above what the grid rounds
   std::uint32_t generation = 0;  // of the scene that it is of
+  bool is_way_unknown = false;   // when it was made, not all of the scene between the last proxy within and the hand had come
 };
 
 // One step on a patch.
@@ -33,15 +35,19 @@ struct PatchOutput {
 //
 // Another patch takes over where the proxy is: its step starts there, lifted off the surface by the least that is safe, and goes from there
 // to the device. So the path of the proxy has no gap, and the surface that was felt is felt. Both are stepped with that sample, so that
-// what the hand's motion changes is not taken for a difference between them. Past the edge the plane of the last contact holds: its force
-// is that of the surface's stiffness, damped, and never larger than kMostBeyond times the last force within. Without contact there is no
-// force past the edge. The next patch that reaches from the last proxy within to the device takes over from that proxy. One that does not
-// reach so far takes over from above the plane, by a share of the way that the hand went past the edge: the surface that is met first from
-// there is felt. A hand that was free for kBeyondS begins anew where it is.
+// what the hand's motion changes is not taken for a difference between them.
+//
+// Past the edge the places of the device are kept, and the plane of the last contact holds: its force is that of the surface's stiffness,
+// damped, and never larger than kMostBeyond times the last force within. Without contact there is no force past the edge. Once a patch
+// reaches there, the proxy follows the device from place to place, kMostFollowed a step, until it has caught up: it comes to where the
+// whole scene has it, whatever lay on the way. A patch with is_way_unknown need not wait for that: in contact it takes over from above the
+// plane, by a share of the way that the hand went past the edge, and the surface that is met first from there is felt. A hand that was free
+// for kBeyondS begins anew where it is.
 //
 // Frames: W and S as named. Units: SI. RT: all. Threads: one.
 class PatchTouch {
  public:
+  static constexpr int kMostFollowed = 32;  // places a step: a second at 1 kHz within 32 steps
   static constexpr double kBeyondS = 5.0;
   static constexpr double kMostBeyond = 2.0;
   static constexpr double kBeyondDampingS = 0.005;  // damping of that plane, over its stiffness
@@ -52,6 +58,7 @@ class PatchTouch {
   struct Counts {
     std::uint64_t steps = 0;
     std::uint64_t contact_steps = 0;
+    std::uint64_t followed = 0;      // ... that were late: places of the device past the edge of the patch of then
     std::uint64_t handed_over = 0;   // patches that took over
     std::uint64_t beyond = 0;        // times that the hand came past the edge
     std::uint64_t beyond_steps = 0;  // steps there
@@ -75,13 +82,21 @@ class PatchTouch {
 
   const Counts& counts() const noexcept { return counts_; }
   bool is_placed() const noexcept { return is_placed_; }
+  bool is_beyond() const noexcept { return is_beyond_; }
+  // What a patch has to reach for the hand to be caught up with: a ball about the proxy, last within, and the places since. Frame S.
+  struct Way {
+    Vec3 p_SC = Vec3::Zero();
+    double radius_m = 0.0;
+  };
+  Way way() const noexcept;
 
  private:
   bool reaches(const Patch& patch, const Vec3& p_SD) const noexcept;
-  bool take_offered(const Vec3& p_SD) noexcept;
-  void rise_over(const Patch& patch, const Vec3& p_SD) noexcept;
+  bool reaches_next() const noexcept { return patch_ != nullptr && !path_.empty() && reaches(*patch_, path_.front().p_SD); }
+  void take_offered(const DevicePath::Place& newest) noexcept;
+  bool rise_over(const Patch& patch, const Vec3& p_SD) noexcept;
   PatchOutput step_patch(const TouchInput& input, const Vec3& p_SD, bool could_go_on) noexcept;
-  std::optional<PatchOutput> step_plane(const TouchInput& input, const Vec3& p_SD) noexcept;
+  std::optional<PatchOutput> step_plane(const TouchInput& input, const Vec3& p_SD, const Vec3& velocity) noexcept;
   void hand_over(const TouchInput& input) noexcept;
   Vec3 step_retired(const TouchInput& input) noexcept;
 
@@ -95,7 +110,9 @@ class PatchTouch {
   Vec3 outward_S_ = Vec3::Zero();   // unit, of its force; zero: free
   double stiffness_n_per_m_ = 0.0;  // ... of force and penetration
   double force_n_ = 0.0;            // ... its magnitude
-  Vec3 last_p_SD_ = Vec3::Zero();
+  Vec3 last_p_SD_ = Vec3::Zero();   // of the last step within
+  Vec3 newest_p_SD_ = Vec3::Zero();
+  DevicePath path_;
   bool is_beyond_ = false;
   double beyond_s_ = 0.0;
   Counts counts_;

@@ -103,12 +103,12 @@ void RemotePatch::take_parts(std::int64_t now_ns) {
 // As the hub's builder: one at a time.
 void RemotePatch::make_patches(const Vec3& p_WD, std::int64_t now_ns) {
   (void)touch_.take_retired();
-  maker_.note_hand(p_WD, now_ns);
+  maker_.note_hand({p_WD, now_ns, touch_.is_beyond(), touch_.is_beyond() ? touch_.way() : PatchTouch::Way()});
   if (made_ == nullptr) {
     made_ = maker_.make_if_due(store_, 0);
-    made_ns_ = now_ns;
+    made_ns_ = now_ns + std::max(kLeastMakeNs, kTriangleNs * static_cast<std::int64_t>(maker_.triangles()));
   }
-  if (made_ != nullptr && now_ns - made_ns_ >= kMakeNs) (void)touch_.offer(std::move(made_));
+  if (made_ != nullptr && now_ns >= made_ns_) (void)touch_.offer(std::move(made_));
 }
 
 }  // namespace hapton

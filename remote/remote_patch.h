@@ -14,14 +14,16 @@
 namespace hapton {
 
 // Patches of the scene beside the device: the parts of patch/, at the rates at which the nodes run them. The haptics node gets 20 samples a
-// second and replies to each; the hub tells what has come every 100 ms, or 50 where something has; another patch takes kMakeNs to make.
+// second and replies to each; the hub tells what has come every 100 ms, or 50 where something has; another patch takes kTriangleNs a
+// triangle to make.
 class RemotePatch final : public RemoteTouch {
  public:
   static constexpr std::int64_t kSampleNs = 50'000'000;
   static constexpr std::int64_t kStatusNs = 100'000'000;
   static constexpr std::int64_t kSoonNs = 50'000'000;
   static constexpr std::int64_t kSendNs = 4'000'000;  // the haptics node looks for what to send
-  static constexpr std::int64_t kMakeNs = 5'000'000;
+  static constexpr std::int64_t kTriangleNs = 1000;
+  static constexpr std::int64_t kLeastMakeNs = 5'000'000;
 
   struct Options {
     PatchSource::Options source = {};

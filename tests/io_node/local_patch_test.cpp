@@ -65,6 +65,19 @@ TEST(LocalPatch, EndsWhenHapticsIsSilentForTooLong) {
   EXPECT_FALSE(local.step(sample_at(Vec3(0, 0, 0.01), 5000 * kMs)));
 }
 
+// A hand that goes through the surface while haptics is silent is on the same side of it when haptics is heard again.
+TEST(LocalPatch, TheSurfaceIsTheSameAfterASilence) {
+  LocalPatch local;
+  local.offer(sheet_patch(0.0));
+  local.publish(orders_until(50 * kMs));
+  EXPECT_TRUE(local.step(sample_at(Vec3(0, 0, 0.001), 49 * kMs)));
+  EXPECT_FALSE(local.step(sample_at(Vec3(0, 0, -0.001), 60 * kMs)));
+  local.publish(orders_until(200 * kMs));
+  const auto felt = local.step(sample_at(Vec3(0, 0, -0.002), 100 * kMs));
+  ASSERT_TRUE(felt);
+  EXPECT_NEAR(felt->force_n.z(), 2.0, 1e-6);
+}
+
 TEST(LocalPatch, APatchOfAnotherSceneIsNotFelt) {
   LocalPatch local;
   local.offer(sheet_patch(0.0));

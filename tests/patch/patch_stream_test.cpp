@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
+#include <random>
 
 #include "tests/patch/patch_stage.h"
 
@@ -117,6 +119,7 @@ TEST(PatchStreamTest, AHandThatOutrunsItsTilesFeelsThePlaneOfTheLastContact) {
   for (; n < 2000; ++n) (void)stage.step(hand_at(1e-3 * n, 0.3, kSettleS));
   network.loss = 1.0;
   stage.set_network(network);
+  const std::uint64_t beyond_before = stage.touch().counts().beyond_steps;
   double last_within_n = 0.0;
   std::uint64_t beyond = 0;
   for (; n < 4000; ++n) {
@@ -129,7 +132,7 @@ TEST(PatchStreamTest, AHandThatOutrunsItsTilesFeelsThePlaneOfTheLastContact) {
   }
   EXPECT_GT(beyond, 100U);
   EXPECT_GE(stage.touch().counts().beyond, 1U);
-  EXPECT_EQ(stage.touch().counts().beyond_steps, beyond) << "each is counted";
+  EXPECT_EQ(stage.touch().counts().beyond_steps - beyond_before, beyond) << "each is counted";
   network.loss = 0.0;
   stage.set_network(network);
   const Vec3 rest = hand_at(1e-3 * n, 0.05, kSettleS);
@@ -139,6 +142,60 @@ TEST(PatchStreamTest, AHandThatOutrunsItsTilesFeelsThePlaneOfTheLastContact) {
   // Which of the local minima nearby depends on the way there: it has come from the plane.
   const Vec3 proxy = rest + felt.patch->visual_offset_m;
   EXPECT_NEAR(proxy.z(), rolling_height(proxy.x(), proxy.y()), 5e-5) << "on the surface, but for the height of a facet";
+}
+
+// The machine stands still for up to half a second again and again, and patches take long to make: the hand has jumped past the edge of its
+// patch. It is caught up with along the places where it was, so that nothing is left of it once it has been.
+TEST(PatchStreamTest, AHandThatIsPastThePatchIsCaughtUpWithExactly) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    PatchStage stage(scene_of(rolling_sheet(kHalf, 200)), {.delay_s = 0.05, .seed = seed, .make_s = 0.15, .bits_per_s = 1e7});
+    std::mt19937_64 random(seed);
+    std::exponential_distribution<double> stall_ms(1.0 / 150.0);
+    std::uint64_t within = 0;
+    double worst_n = 0.0;
+    for (int n = 1; n < 8000; ++n) {
+      if (n > 2000 && n % 400 == 0) n += static_cast<int>(std::min(stall_ms(random), 500.0));
+      const auto [patch, whole] = stage.step(hand_at(1e-3 * n, 0.3, 2.0));
+      if (n < 2000 || !patch || patch->is_beyond) continue;
+      ++within;
+      worst_n = std::max(worst_n, (patch->force_n - whole.force_n).norm());
+    }
+    EXPECT_GT(stage.touch().counts().beyond, 3U);
+    EXPECT_GT(stage.touch().counts().followed, 100U);
+    EXPECT_EQ(stage.touch().counts().raised, 0U);
+    EXPECT_GT(within, 3000U);
+    EXPECT_LT(worst_n, force_bound_n());
+  }
+}
+
+// Out of the patch through the surface and back, while the next one is made: from there to where it is again is not how it came.
+TEST(PatchStreamTest, AnExcursionPastThePatchIsNotCutShort) {
+  PatchStage::Network network{.delay_s = 0.02, .bits_per_s = 1e7};
+  PatchStage stage(scene_of(rolling_sheet(kHalf, 200)), network);
+  const Vec3 above(0.0, 0.0, 0.004);
+  for (int n = 0; n < 3000; ++n) (void)stage.step(above);
+  network.make_s = 0.3;
+  stage.set_network(network);
+  PatchStage::Felt felt;
+  for (int n = 0; n <= 200; ++n) {
+    // Down through the sheet 40 mm aside.
+    const double way = 0.04 * std::min(n, 200 - n) / 100.0;
+    felt = stage.step(above + Vec3(way, 0.0, n > 100 ? -0.008 : 0.0));
+  }
+  const Vec3 below = above - Vec3(0.0, 0.0, 0.008);
+  for (int n = 0; n < 1500; ++n) felt = stage.step(below);
+  ASSERT_TRUE(felt.patch && felt.whole.contact);
+  EXPECT_FALSE(felt.patch->is_beyond);
+  EXPECT_LT((felt.patch->force_n - felt.whole.force_n).norm(), force_bound_n());
+}
+
+// A hand that rests is soon within a patch of all there is.
+TEST(PatchStreamTest, PatchesGrowUpToTheWholeScene) {
+  PatchStage stage(scene_of(rolling_sheet(kHalf, 200)), {.delay_s = 0.05, .bits_per_s = 1e7});
+  for (int n = 0; n < 6000; ++n) (void)stage.step(Vec3(0.0, 0.0, 0.01));
+  EXPECT_EQ(stage.maker().triangles(), 2U * 200U * 200U);
+  EXPECT_EQ(stage.maker().radius_m(), std::numeric_limits<double>::infinity());
 }
 
 TEST(PatchStreamTest, WhatTheHubHasIsNotSentAgain) {
