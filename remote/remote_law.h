@@ -25,6 +25,8 @@ class RemoteLaw final : public ForceLaw {
   // not within most_s.
   std::optional<double> wait(const Vec3& p_WD, double least_s, double most_s);
 
+  // The machine stands still for so many periods.
+  void skip(std::size_t periods) noexcept { now_ns_ += static_cast<std::int64_t>(periods) * period_ns_; }
   Vec3 step(const Vec3& p_WD, double dt_s) noexcept override;
   void reset(const Vec3& p_WD) noexcept override { (void)p_WD; }
 

@@ -11,6 +11,7 @@
 #include "loop/passivity_stage.h"
 #include "loop/press.h"
 #include "loop/touch_wall.h"
+#include "remote/machine_stalls.h"
 #include "remote/remote_law.h"
 #include "remote/whole_scene.h"
 
@@ -98,18 +99,23 @@ Result<PrescribedTouch> run_prescribed(const RemoteScene& scene, const SlidePath
   (void)whole.step(start, 0);
   PrescribedTouch touch;
   touch.ready_s = *ready_s;
-  RemoteTraffic before;
+  MachineStalls stalls(which.stall_s, kPeriodS, which.network.seed);
+  std::optional<RemoteTraffic> before;
+  std::optional<RemoteTraffic> after;
   for (std::size_t i = 0; i < path.rows.size(); ++i) {
+    const std::size_t missed = std::min(stalls.missed_before(i), path.rows.size() - 1 - i);
+    i += missed;
+    touch.missed += missed;
+    rig.law().skip(missed);
     const auto now_ns = static_cast<std::int64_t>(i + 1) * kPeriodNs;
     const Vec3 p_WD = path.rows[i].device_m();
-    if (i == path.sliding) before = rig.law().touch().traffic();
-    if (i == path.leaving) {
-      touch.rates = rates_of(rig.law().touch().traffic() - before, kPeriodS * static_cast<double>(path.leaving - path.sliding));
-    }
+    if (i >= path.sliding && !before) before = rig.law().touch().traffic();
+    if (i >= path.leaving && !after) after = rig.law().touch().traffic();
     rig.chain().sample(p_WD, now_ns);
     (void)whole.step(p_WD, now_ns);
     touch.rows.push_back({p_WD, rig.chain().force_n(), whole.last().force_n, whole.last().visual_offset_m.norm()});
   }
+  if (before && after) touch.rates = rates_of(*after - *before, kPeriodS * static_cast<double>(path.leaving - path.sliding));
   touch.scene_kb = 1e-3 * static_cast<double>(rig.law().touch().traffic().scene.bytes);
   touch.force = compare_forces(touch.rows, kPeriodS, std::max(kLateShare * which.round_trip_s, kLeastLateS));
   return touch;

@@ -25,6 +25,7 @@ struct RemoteCase {
   RemoteNetwork network;
   double round_trip_s = 0.0;
   RemoteSettings settings;
+  double stall_s = 0.0;  // the device's machine stands still for so long on average (machine_stalls.h); given path only
 };
 
 // Datagrams and bytes of IP packets a second; greetings of the nodes (ten a second each way) among them.
@@ -38,9 +39,10 @@ struct RemoteRates {
 // The hand goes along the path whatever the force.
 struct PrescribedTouch {
   ForceComparison force;
-  RemoteRates rates;      // while it slides and rests
-  double scene_kb = 0.0;  // parts of the scene, in all
-  double ready_s = 0.0;   // until all around the hand was there
+  RemoteRates rates;       // while it slides and rests
+  double scene_kb = 0.0;   // parts of the scene, in all
+  double ready_s = 0.0;    // until all around the hand was there
+  std::size_t missed = 0;  // periods that the machine stood still for
   std::vector<ForceRow> rows;
 };
 // Error: what the method needs around the hand does not come within two minutes.

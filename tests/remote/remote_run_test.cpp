@@ -51,6 +51,21 @@ TEST_P(RealMesh, PatchesAreTouchWithoutDelayAtAnyRoundTrip) {
   }
 }
 
+// The device's machine stands still five times a second, for 150 ms on average: the hand has jumped then, by up to 75 mm. What is felt
+// after that is what the whole scene gives for the same samples.
+TEST_P(RealMesh, PatchesAreTheWholeSceneWhereTheMachineStalls) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    RemoteCase which = case_of("patch", 0.1, 0.1, seed);
+    which.stall_s = 0.15;
+    const auto touch = run_prescribed(scene_, path(0.1, 0.1), device_, which);
+    ASSERT_TRUE(touch) << touch.error().what;
+    EXPECT_GT(touch->missed, 1000U);
+    EXPECT_EQ(touch->force.falls, 0U);
+    EXPECT_LT(touch->force.error_rms, 1e-4);
+  }
+}
+
 // Governor and passivity controller are on, as `io_node --touch patch --passive-mass` has them.
 TEST_P(RealMesh, PatchesGiveNoEnergyInClosedLoop) {
   for (const double round_trip_s : {0.0, 1.0}) {

@@ -24,6 +24,7 @@ struct RemoteOptions {
   std::string round_trips;
   std::string losses;
   double jitter_ms = 0.0;
+  double stall_ms = 0.0;
   double stiffness_n_per_m = 1000.0;
   std::uint64_t seed = 1;
   std::size_t seeds = 1;
@@ -112,6 +113,7 @@ Result<RemoteGrid> make_grid(const RemoteOptions& options) {
   if (taken) taken = take_device(options, grid);
   if (!taken) return tl::unexpected(taken.error());
   grid.jitter_s = 1e-3 * options.jitter_ms;
+  grid.stall_s = 1e-3 * options.stall_ms;
   grid.seed = options.seed;
   grid.seeds = options.seeds;
   grid.stiffness_n_per_m = options.stiffness_n_per_m;
@@ -171,6 +173,12 @@ void add_bench_remote_command(CommandLine bench, int& exit_code) {
   command.add_option("--round-trip", options->round_trips, "Of the network, ms; a list or range (default: 0 to 1000, six)");
   command.add_option("--loss", options->losses, "Share of the datagrams lost each way; a list or range (default: 0,0.1,0.3)");
   command.add_option("--jitter", options->jitter_ms, "Up to this much more each way, ms").between(0.0, 1000.0).shows_default();
+  const CommandOption stall = command
+                                  .add_option("--stall", options->stall_ms,
+                                              "The device's machine stands still about five times a second, so long on average, ms; "
+                                              "of the force on a given path, not of energy and stiffness")
+                                  .between(0.0, 1000.0)
+                                  .shows_default();
   command.add_option("--stiffness", options->stiffness_n_per_m, "Of the surface, N/m").between(1.0, 1e6).shows_default();
   command.add_option("--deadband", options->settings.deadband, "Weber's fraction of deadband coding").between(0.0, 1.0).shows_default();
   command.add_option("--seed", options->seed, "The first seed of ways and networks").shows_default();
@@ -193,6 +201,7 @@ void add_bench_remote_command(CommandLine bench, int& exit_code) {
           "Over the real programs and hapton relay on this host, beside simulated time: ten minutes (default: remote, patch; 100 mm/s, "
           "loss 0.1)")
       .excludes(plot)
+      .excludes(stall)
       .excludes(trace);
   command.on_run([options, &exit_code] {
     const auto done = run(*options);

@@ -81,7 +81,8 @@ Result<RemoteScene> make_centred_scene(const RemoteGrid& grid, const BenchMesh& 
 }
 
 RemoteCase make_remote_case(const RemoteGrid& grid, const RemoteKey& key) {
-  return {key.method, RemoteNetwork::of(key.round_trip_s, key.loss, grid.jitter_s, key.seed), key.round_trip_s, grid.settings};
+  return {key.method, RemoteNetwork::of(key.round_trip_s, key.loss, grid.jitter_s, key.seed), key.round_trip_s, grid.settings,
+          grid.stall_s};
 }
 
 std::string describe(const RemoteKey& key) {

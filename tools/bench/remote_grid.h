@@ -20,6 +20,7 @@ struct RemoteGrid {
   std::vector<double> round_trips_s;
   std::vector<double> losses;
   double jitter_s = 0.0;
+  double stall_s = 0.0;
   std::uint64_t seed = 1;  // the first; of the way and the network
   std::size_t seeds = 1;
   double stiffness_n_per_m = 1000.0;

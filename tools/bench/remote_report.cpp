@@ -138,10 +138,9 @@ std::string walls_text(const RemoteGrid& grid, const RemoteResults& results) {
 
 std::string to_text(const RemoteGrid& grid, const RemoteResults& results) {
   std::string text = fmt::format(
-      "{} meshes, {} seeds from {}; {:g} N/m; {}; jitter {:g} ms. Two figures in a column: median and worst over meshes and seeds; packets "
-      "and "
-      "bytes: worst, up and down.\n",
-      grid.meshes.size(), grid.seeds, grid.seed, grid.stiffness_n_per_m, grid.device_name, 1e3 * grid.jitter_s);
+      "{} meshes, {} seeds from {}; {:g} N/m; {}; jitter {:g} ms; stalls of {:g} ms. Two figures in a column: median and worst over meshes "
+      "and seeds; packets and bytes: worst, up and down.\n",
+      grid.meshes.size(), grid.seeds, grid.seed, grid.stiffness_n_per_m, grid.device_name, 1e3 * grid.jitter_s, 1e3 * grid.stall_s);
   for (const double speed : grid.speeds_m_per_s) {
     for (const double loss : grid.losses) {
       text += fmt::format("\n{:g} mm/s, loss {:g} % each way\n{}", 1e3 * speed, 100.0 * loss, header_line());
@@ -192,8 +191,13 @@ std::string walls_to_csv(const RemoteResults& results) {
 
 std::string to_json(const RemoteGrid& grid, const RemoteResults& results) {
   using Json = nlohmann::ordered_json;
-  Json json = {{"schema", "hapton.bench.remote/1"},           {"seed", grid.seed},          {"seeds", grid.seeds},
-               {"stiffness_n_per_m", grid.stiffness_n_per_m}, {"device", grid.device_name}, {"jitter_ms", 1e3 * grid.jitter_s},
+  Json json = {{"schema", "hapton.bench.remote/1"},
+               {"seed", grid.seed},
+               {"seeds", grid.seeds},
+               {"stiffness_n_per_m", grid.stiffness_n_per_m},
+               {"device", grid.device_name},
+               {"jitter_ms", 1e3 * grid.jitter_s},
+               {"stall_ms", 1e3 * grid.stall_s},
                {"deadband", grid.settings.deadband}};
   json["runs"] = Json::array();
   for (const RemoteRow& row : results.rows) {

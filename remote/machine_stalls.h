@@ -1,0 +1,41 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <random>
+
+namespace hapton {
+
+// When the device's machine stands still, all of it: gaps and stalls of exponential length. Rows of one period each. RT: no. Threads: one.
+class MachineStalls {
+ public:
+  static constexpr double kGapS = 0.2;     // mean, between two
+  static constexpr double kLongest = 5.0;  // of the mean
+
+  // mean_s: zero: never.
+  MachineStalls(double mean_s, double period_s, std::uint64_t seed)
+      : mean_rows_(mean_s / period_s), gap_rows_(kGapS / period_s), random_(seed) {
+    next_ = mean_s > 0.0 ? draw(gap_rows_) : std::numeric_limits<double>::infinity();
+  }
+
+  // How many rows are missed before the row that would be next.
+  std::size_t missed_before(std::size_t row) {
+    if (static_cast<double>(row) < next_) return 0;
+    const double missed = std::floor(std::min(draw(mean_rows_), kLongest * mean_rows_));
+    next_ = static_cast<double>(row) + missed + 1.0 + draw(gap_rows_);
+    return static_cast<std::size_t>(missed);
+  }
+
+ private:
+  double draw(double mean) { return std::exponential_distribution<double>(1.0 / mean)(random_); }
+
+  double mean_rows_;
+  double gap_rows_;
+  std::mt19937_64 random_;
+  double next_ = 0.0;
+};
+
+}  // namespace hapton
