@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 
@@ -7,8 +8,9 @@
 
 namespace hapton {
 
-// Places of the device that are still to be felt, oldest first. Where there is no room for another, every second one is left out: the path
-// gets coarser, never shorter. Frame: S. Units: SI. RT: all. Threads: one.
+// Places of the device that are still to be felt, oldest first. Where there is no room for another, every second one is left out, and those
+// that come are kept no closer together from then on: the path gets coarser, alike all along, and never shorter. The newest place is always
+// kept. Frame: S. Units: SI. RT: all. Threads: one.
 class DevicePath {
  public:
   static constexpr std::size_t kMost = 1024;  // a second at 1 kHz
@@ -23,12 +25,19 @@ class DevicePath {
   const Place& front() const noexcept { return places_[first_]; }
   const Place& operator[](std::size_t i) const noexcept { return places_[(first_ + i) % kMost]; }
 
-  void clear() noexcept { first_ = size_ = 0; }
+  void clear() noexcept {
+    first_ = size_ = 0;
+    spacing_m_ = 0.0;
+  }
   void pop() noexcept {
     first_ = (first_ + 1) % kMost;
-    --size_;
+    if (--size_ == 0) clear();
   }
   void push(const Place& place) noexcept {
+    if (size_ >= 2 && (place.p_SD - at(size_ - 2).p_SD).norm() <= spacing_m_) {
+      at(size_ - 1) = {place.p_SD, at(size_ - 1).dt_s + place.dt_s};
+      return;
+    }
     if (size_ == kMost) thin_out();
     at(size_++) = place;
   }
@@ -38,6 +47,9 @@ class DevicePath {
 
   Place& at(std::size_t i) noexcept { return places_[(first_ + i) % kMost]; }
   void thin_out() noexcept {
+    double length_m = 0.0;
+    for (std::size_t i = 1; i < size_; ++i) length_m += (at(i).p_SD - at(i - 1).p_SD).norm();
+    spacing_m_ = 2.0 * std::max(spacing_m_, length_m / static_cast<double>(size_));
     for (std::size_t i = 0; i < size_ / 2; ++i) at(i) = {at(2 * i + 1).p_SD, at(2 * i).dt_s + at(2 * i + 1).dt_s};
     size_ /= 2;
   }
@@ -45,6 +57,7 @@ class DevicePath {
   std::array<Place, kMost> places_;
   std::size_t first_ = 0;
   std::size_t size_ = 0;
+  double spacing_m_ = 0.0;  // of those that come
 };
 
 }  // namespace hapton

@@ -11,7 +11,7 @@ namespace hapton {
 struct ForceRow {
   Vec3 p_WD = Vec3::Zero();
   Vec3 force_n = Vec3::Zero();
-  Vec3 zero_delay_n = Vec3::Zero();
+  Vec3 zero_delay_n = Vec3::Zero();  // no more than the device can
   double penetration_m = 0.0;  // zero-delay proxy to device
 };
 

@@ -14,6 +14,7 @@
 #include "remote/machine_stalls.h"
 #include "remote/remote_law.h"
 #include "remote/whole_scene.h"
+#include "safety/vector_limit.h"
 
 namespace hapton {
 namespace {
@@ -113,7 +114,8 @@ Result<PrescribedTouch> run_prescribed(const RemoteScene& scene, const SlidePath
     if (i >= path.leaving && !after) after = rig.law().touch().traffic();
     rig.chain().sample(p_WD, now_ns);
     (void)whole.step(p_WD, now_ns);
-    touch.rows.push_back({p_WD, rig.chain().force_n(), whole.last().force_n, whole.last().visual_offset_m.norm()});
+    const Vec3 zero_delay_n = shortened(whole.last().force_n, device.model.max_force_n);
+    touch.rows.push_back({p_WD, rig.chain().force_n(), zero_delay_n, whole.last().visual_offset_m.norm()});
   }
   if (before && after) touch.rates = rates_of(*after - *before, kPeriodS * static_cast<double>(path.leaving - path.sliding));
   touch.scene_kb = 1e-3 * static_cast<double>(rig.law().touch().traffic().scene.bytes);

@@ -28,14 +28,30 @@ TEST(DevicePath, KeepsItsLengthItsTimeAndItsNewestPlaceWhenFull) {
   DevicePath path = path_of(kPlaces);
   EXPECT_LE(path.size(), DevicePath::kMost);
   EXPECT_EQ(path[path.size() - 1].p_SD.x(), static_cast<double>(kPlaces - 1));
-  double time_s = 0.0;
-  double before = -1.0;
-  for (std::size_t i = 0; i < path.size(); ++i) {
-    EXPECT_GT(path[i].p_SD.x(), before);
-    before = path[i].p_SD.x();
+  double time_s = path[0].dt_s;
+  double widest = 0.0;
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    const double gap = path[i].p_SD.x() - path[i - 1].p_SD.x();
+    EXPECT_GT(gap, 0.0);
+    EXPECT_NEAR(path[i].dt_s, 1e-3 * gap, 1e-9);
+    widest = std::max(widest, gap);
     time_s += path[i].dt_s;
   }
   EXPECT_NEAR(time_s, 1e-3 * kPlaces, 1e-9);
+  EXPECT_LE(widest, 4.0 * kPlaces / DevicePath::kMost) << "no coarser at its old end than at its new one";
+}
+
+// A hand that rests takes no room, however long, and its noise little.
+TEST(DevicePath, ARestTakesNoRoomFromWhatCameBefore) {
+  DevicePath path = path_of(100);
+  for (int i = 0; i < 5000; ++i) path.push({Vec3(99.0, 0.0, 0.0), 1e-3});
+  EXPECT_LE(path.size(), 101U);
+  EXPECT_EQ(path[path.size() - 1].p_SD.x(), 99.0);
+  for (int i = 0; i < 5000; ++i) path.push({Vec3(99.0, i % 2 == 0 ? 1e-6 : -1e-6, 0.0), 1e-3});
+  ASSERT_LE(path.size(), DevicePath::kMost);
+  double widest = 0.0;
+  for (std::size_t i = 1; i < path.size(); ++i) widest = std::max(widest, (path[i].p_SD - path[i - 1].p_SD).norm());
+  EXPECT_LE(widest, 4.0);
 }
 
 // The ring begins anywhere.

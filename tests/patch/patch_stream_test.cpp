@@ -144,36 +144,6 @@ TEST(PatchStreamTest, AHandThatOutrunsItsTilesFeelsThePlaneOfTheLastContact) {
   EXPECT_NEAR(proxy.z(), rolling_height(proxy.x(), proxy.y()), 5e-5) << "on the surface, but for the height of a facet";
 }
 
-// The machine stands still for up to half a second again and again, and patches take long to make: the hand has jumped past the edge of its
-// patch. It is caught up with along the places where it was, so that nothing is left of it once it has been.
-TEST(PatchStreamTest, AHandThatIsPastThePatchIsCaughtUpWithExactly) {
-  for (const std::uint64_t seed : {1U, 2U, 3U}) {
-    SCOPED_TRACE(testing::Message() << "seed " << seed);
-    // A hand that never rests: there is no time for a patch of the whole scene.
-    PatchStage stage(scene_of(rolling_sheet(kHalf, 200)), {.delay_s = 0.001, .seed = seed, .make_s = 0.15, .bits_per_s = 1e8});
-    std::mt19937_64 random(seed);
-    std::exponential_distribution<double> stall_ms(1.0 / 50.0);
-    std::uint64_t within = 0;
-    double worst_n = 0.0;
-    for (int n = 1; n < 8000; ++n) {
-      if (n > 1000 && n % 400 == 0) n += static_cast<int>(std::min(stall_ms(random), 300.0));
-      const double angle = 0.01 * n;
-      const double x = 0.03 * std::cos(angle);
-      const double y = 0.03 * std::sin(angle);
-      const double height = 0.01 * std::max(1.0 - n / 500.0, 0.0) - kDepth * std::clamp(n / 500.0 - 1.0, 0.0, 1.0);
-      const auto [patch, whole] = stage.step({x, y, rolling_height(x, y) + height});
-      if (!patch || patch->is_beyond) continue;
-      ++within;
-      worst_n = std::max(worst_n, (patch->force_n - whole.force_n).norm());
-    }
-    EXPECT_GT(stage.touch().counts().beyond, 3U);
-    EXPECT_GT(stage.touch().counts().followed, 100U);
-    EXPECT_EQ(stage.touch().counts().raised, 0U);
-    EXPECT_GT(within, 3000U);
-    EXPECT_LT(worst_n, force_bound_n());
-  }
-}
-
 // Out of the patch through the surface and back, while the next one is made: from there to where it is again is not how it came.
 TEST(PatchStreamTest, AnExcursionPastThePatchIsNotCutShort) {
   PatchStage::Network network{.delay_s = 0.02, .bits_per_s = 1e7};

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "devices/model_a.h"
 #include "runtime/atomic_file.h"
 #include "runtime/realtime.h"
 #include "runtime/trajectory_csv.h"
@@ -134,8 +135,12 @@ Result<void> measure_run(const RemoteGrid& grid, const ProcessScene& scene, cons
   const double seconds = wait_s + kRemotePeriodS * static_cast<double>(path.rows.size());
   if (auto played = run.play(row, grid, seconds); !played) return tl::unexpected(played.error());
   const auto at = [&](std::size_t i) { return wait_s + kRemotePeriodS * static_cast<double>(i); };
-  auto real = evaluate_recording(run.recording(), scene.whole, {at(path.sliding), at(path.leaving)}, kRemotePeriodS,
-                                 std::max(kLateShare * row.round_trip_s, kLeastLateS));
+  auto real = evaluate_recording(run.recording(), scene.whole,
+                                 {.from_s = at(path.sliding),
+                                  .to_s = at(path.leaving),
+                                  .period_s = kRemotePeriodS,
+                                  .most_late_s = std::max(kLateShare * row.round_trip_s, kLeastLateS),
+                                  .max_force_n = model_a::limits().max_force_n});
   if (!real) return tl::unexpected(real.error());
   row.real = *real;
   return {};
@@ -186,6 +191,8 @@ constexpr Figure kFigures[] = {
     {"bytes_down_per_s", [](const RemoteProcessRow& r) { return r.real.rates.bytes_down; }},
     {"scene_kb", [](const RemoteProcessRow& r) { return r.real.scene_kb; }},
     {"ready_s", [](const RemoteProcessRow& r) { return r.real.ready_s; }},
+    {"local_error_rms", [](const RemoteProcessRow& r) { return r.real.local_error_rms; }},
+    {"local_error_max_n", [](const RemoteProcessRow& r) { return r.real.local_error_max_n; }},
     {"local_share", [](const RemoteProcessRow& r) { return r.real.local_share; }},
     {"cycles", [](const RemoteProcessRow& r) { return static_cast<double>(r.real.cycles); }},
     {"missed_cycles", [](const RemoteProcessRow& r) { return static_cast<double>(r.real.missed); }},
@@ -220,16 +227,16 @@ std::string processes_to_text(const RemoteGrid& grid, const std::vector<RemotePr
   std::string text = fmt::format(
       "hub, relay and haptics node on this host; {:g} N/m; jitter {:g} ms. Error: of the force on the motors against the whole scene's, "
       "for "
-      "the same sample; beside it that of the same cell in simulated time.\n{:16}{:18}{:>5}{:>6}{:>7}{:>7}{:>13}{:>13}{:>9}{:>11}{:>7}{:>9}"
-      "{:>12}{:>12}{:>8}\n",
-      grid.stiffness_n_per_m, 1e3 * grid.jitter_s, "method", "mesh", "seed", "mm/s", "ms", "loss %", "error RMS %", "simulated %", "max N",
-      "direction", "falls", "given mJ", "packets/s", "kB/s", "missed");
+      "the same sample; local: before the governor, where it was worked out beside the device; simulated: of the same cell in simulated "
+      "time.\n{:16}{:18}{:>5}{:>6}{:>7}{:>7}{:>13}{:>13}{:>13}{:>9}{:>11}{:>7}{:>9}{:>12}{:>12}{:>8}\n",
+      grid.stiffness_n_per_m, 1e3 * grid.jitter_s, "method", "mesh", "seed", "mm/s", "ms", "loss %", "error RMS %", "local %",
+      "simulated %", "max N", "direction", "falls", "given mJ", "packets/s", "kB/s", "missed");
   for (const RemoteProcessRow& row : rows) {
     const RecordedTouch& real = row.real;
-    text += fmt::format("{:16}{:18}{:>5}{:>6g}{:>7g}{:>7g}{:>13.4f}{:>13.4f}{:>9.3f}{:>11.2f}{:>7}{:>9.2f}{:>12}{:>12}{:>8}\n",
+    text += fmt::format("{:16}{:18}{:>5}{:>6g}{:>7g}{:>7g}{:>13.4f}{:>13.4f}{:>13.4f}{:>9.3f}{:>11.2f}{:>7}{:>9.2f}{:>12}{:>12}{:>8}\n",
                         row.method->name, row.mesh, row.seed, 1e3 * row.speed_m_per_s, 1e3 * row.round_trip_s, 100.0 * row.loss,
-                        100.0 * real.force.error_rms, 100.0 * row.simulated.force.error_rms, real.force.error_max_n,
-                        real.force.direction_rms_deg, real.force.falls, 1e3 * real.force.generated_j,
+                        100.0 * real.force.error_rms, 100.0 * real.local_error_rms, 100.0 * row.simulated.force.error_rms,
+                        real.force.error_max_n, real.force.direction_rms_deg, real.force.falls, 1e3 * real.force.generated_j,
                         fmt::format("{:.0f} {:.0f}", real.rates.packets_up, real.rates.packets_down),
                         fmt::format("{:.1f} {:.1f}", 1e-3 * real.rates.bytes_up, 1e-3 * real.rates.bytes_down), real.missed);
   }

@@ -38,7 +38,7 @@ std::vector<Vec3> forces_without_delay() {
 }
 
 // A hub's recording of these forces, with every tenth sample sent and a part of the scene received at the start.
-std::string recording_of(const std::vector<Vec3>& written, bool is_local, bool has_device = true) {
+std::string recording_of(const std::vector<Vec3>& written, bool is_local, bool has_device = true, const std::vector<Vec3>& local = {}) {
   SessionCodec session;
   Codec codec;
   std::string bytes(kSessionMagic);
@@ -59,7 +59,7 @@ std::string recording_of(const std::vector<Vec3>& written, bool is_local, bool h
     entry.time_ns = time_ns;
     entry.cycle = {.sample = i + 1, .written_n = written[i], .missed = i == 7 ? 2U : 0U};
     if (has_device) entry.cycle.device = CycleSample{.time_ns = time_ns, .p_WD = place_of(i)};
-    if (is_local) entry.cycle.local = CycleLocal{.force_n = written[i]};
+    if (is_local) entry.cycle.local = CycleLocal{.force_n = local.empty() ? written[i] : local[i]};
     session.append(entry, bytes);
     if (i % 10 == 0) add_datagram(SessionEntry::Kind::sent, DeviceState{.sample = i + 1, .sample_time_ns = time_ns}, time_ns);
     if (i % 20 == 0) add_datagram(SessionEntry::Kind::received, ForceCommand{.echo_sample = i + 1}, time_ns);
@@ -69,8 +69,7 @@ std::string recording_of(const std::vector<Vec3>& written, bool is_local, bool h
 
 RecordedTouch evaluated(const std::string& bytes) {
   const ScratchFolder scratch;
-  const auto touch =
-      evaluate_recording(scratch.write("session.hapton", bytes), recorded_method(), {.from_s = 0.5, .to_s = 1.5}, kRecordedPeriodS, 0.1);
+  const auto touch = evaluate_recording(scratch.write("session.hapton", bytes), recorded_method(), {.from_s = 0.5, .to_s = 1.5});
   EXPECT_TRUE(touch) << touch.error().what;
   return touch.value_or(RecordedTouch{});
 }
@@ -85,6 +84,25 @@ TEST(RemoteRecording, TheForceWithoutDelayHasNoError) {
   EXPECT_NEAR(touch.rates.packets_up, 100.0, 1.0);
   EXPECT_NEAR(touch.rates.packets_down, 50.0, 1.0);
   EXPECT_GT(touch.rates.bytes_up, 100.0 * 60.0);
+}
+
+// The governor is no part of the local force's error, and no device gives more than it can.
+TEST(RemoteRecording, WhatTheGovernorTakesIsNoErrorOfTheLocalForce) {
+  const ScratchFolder scratch;
+  const std::vector<Vec3> exact = forces_without_delay();
+  std::vector<Vec3> halved = exact;
+  for (Vec3& force : halved) force *= 0.5;
+  const auto evaluate = [&](const std::vector<Vec3>& written, double max_force_n) {
+    const auto file = scratch.write("session.hapton", recording_of(written, true, true, exact));
+    return *evaluate_recording(file, recorded_method(), {.from_s = 0.5, .to_s = 1.5, .max_force_n = max_force_n});
+  };
+  const RecordedTouch touch = evaluate(halved, 100.0);
+  EXPECT_NEAR(touch.force.error_rms, 0.5, 1e-9);
+  EXPECT_LT(touch.local_error_rms, 1e-12);
+  EXPECT_LT(touch.local_error_max_n, 1e-9);
+  std::vector<Vec3> limited = exact;
+  for (Vec3& force : limited) force *= std::min(1.0, 0.3 / std::max(force.norm(), 1e-9));
+  EXPECT_LT(evaluate(limited, 0.3).force.error_rms, 1e-9);
 }
 
 TEST(RemoteRecording, ALateForceIsLateByAsMuch) {
@@ -105,15 +123,15 @@ TEST(RemoteRecording, NoForceIsAFallThrough) {
 
 TEST(RemoteRecording, WhatCannotBeEvaluatedIsSaidInOneLine) {
   const ScratchFolder scratch;
-  const RecordedSpan span{.from_s = 0.5, .to_s = 1.5};
+  const RecordedRun span{.from_s = 0.5, .to_s = 1.5};
   const auto old = scratch.write("old.hapton", recording_of(forces_without_delay(), false, false));
-  const auto touch = evaluate_recording(old, recorded_method(), span, kRecordedPeriodS, 0.1);
+  const auto touch = evaluate_recording(old, recorded_method(), span);
   ASSERT_FALSE(touch);
   EXPECT_NE(touch.error().what.find("no samples of the device"), std::string::npos) << touch.error().what;
   const std::string whole = recording_of(forces_without_delay(), false);
   const auto cut = scratch.write("cut.hapton", std::string_view(whole).substr(0, whole.size() - 9));
-  EXPECT_FALSE(evaluate_recording(cut, recorded_method(), span, kRecordedPeriodS, 0.1));
-  EXPECT_FALSE(evaluate_recording(scratch.path() / "none.hapton", recorded_method(), span, kRecordedPeriodS, 0.1));
+  EXPECT_FALSE(evaluate_recording(cut, recorded_method(), span));
+  EXPECT_FALSE(evaluate_recording(scratch.path() / "none.hapton", recorded_method(), span));
 }
 
 }  // namespace

@@ -1,0 +1,127 @@
+// Touch by small patches that come late, against touch of the whole scene.
+#include "patch/patch_touch.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "core/force/force_method.h"
+#include "tests/patch/patch_stage.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kSheetHalf = 0.05;
+constexpr double kPatchRadius = 0.012;  // of a patch
+constexpr double kPressed = 0.003;
+
+// Circles of 30 mm at 100 mm/s, 3 mm below the sheet after a second.
+Vec3 circling_hand(int n) {
+  const double angle = 0.01 / 3.0 * std::max(n - 1000, 0);
+  const double x = 0.03 * std::cos(angle);
+  const double y = 0.03 * std::sin(angle);
+  const double height = 0.01 * std::max(1.0 - n / 500.0, 0.0) - kPressed * std::clamp(n / 500.0 - 1.0, 0.0, 1.0);
+  return {x, y, rolling_height(x, y) + height};
+}
+
+// Patches of the whole sheet that say that they are small, so that nothing but the hand-over is seen.
+class LatePatches {
+ public:
+  explicit LatePatches(int late) : late_(late), scene_(scene_of(rolling_sheet(kSheetHalf, 60))), whole_(*make_method({}, scene_)) {}
+
+  struct Felt {
+    std::optional<PatchOutput> patch;
+    TouchOutput whole;
+  };
+  Felt step(const Vec3& p_WD, double dt_s) {
+    if (++cycle_ == 1) whole_.reset({p_WD});
+    (void)touch_.take_retired();
+    if (made_ == nullptr && (cycle_ == 1 || touch_.is_beyond() || cycle_ % 20 == 0)) {
+      made_ = make(p_WD);
+      due_ = cycle_ == 1 ? cycle_ : cycle_ + late_;
+    }
+    if (made_ != nullptr && cycle_ >= due_) (void)touch_.offer(std::move(made_));
+    const TouchInput input{.p_WD = p_WD, .dt_s = dt_s};
+    return {touch_.step(input), whole_.step(input)};
+  }
+  const PatchTouch& touch() const { return touch_; }
+
+ private:
+  std::unique_ptr<Patch> make(const Vec3& p_SD) const {
+    const PatchTouch::Way way = touch_.is_beyond() ? touch_.way() : PatchTouch::Way{p_SD, 0.0};
+    auto patch = std::make_unique<Patch>();
+    patch->step = std::make_unique<TouchStep>(*make_method({}, scene_));
+    patch->p_SC = way.p_SC;
+    patch->radius_m = std::max(kPatchRadius, 1.5 * way.radius_m);
+    patch->lift_m = 1e-9;
+    return patch;
+  }
+
+  int late_;
+  TouchScene scene_;
+  TouchStep whole_;
+  PatchTouch touch_;
+  std::unique_ptr<Patch> made_;
+  int cycle_ = 0;
+  int due_ = 0;
+};
+
+// The machine stands still again and again, and a patch takes 40 cycles to come: the hand is past the edge of its patch for a good part of
+// the time. Once it is caught up with, nothing is left of that.
+TEST(PatchTouch, AHandPastTheEdgeIsCaughtUpWithExactly) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    LatePatches patches(40);
+    std::mt19937_64 random(seed);
+    std::exponential_distribution<double> stall_ms(1.0 / 50.0);
+    int within = 0;
+    double worst_n = 0.0;
+    double worst_whole_n = 0.0;
+    for (int n = 1; n < 8000; ++n) {
+      const int missed = n % 100 == 0 ? static_cast<int>(std::min(stall_ms(random), 300.0)) : 0;
+      n += missed;
+      const auto [patch, whole] = patches.step(circling_hand(n), 1e-3 * (1 + missed));
+      if (!patch || patch->is_beyond) continue;
+      ++within;
+      worst_n = std::max(worst_n, (patch->force_n - whole.force_n).norm());
+      worst_whole_n = std::max(worst_whole_n, whole.force_n.norm());
+    }
+    const PatchTouch::Counts& counts = patches.touch().counts();
+    EXPECT_GT(counts.beyond, 20U);
+    EXPECT_GT(counts.followed, 200U);
+    EXPECT_EQ(counts.raised, 0U);
+    EXPECT_EQ(counts.begun_anew, 0U);
+    EXPECT_GT(within, 1000);
+    EXPECT_GT(worst_whole_n, 2.0);
+    EXPECT_LT(worst_n, 1e-5);
+  }
+}
+
+// More places than there is room for: the path gets coarser, and its end is where the hand is.
+TEST(PatchTouch, AHandThatWasPastTheEdgeForLongIsCaughtUpWith) {
+  LatePatches patches(3000);
+  LatePatches::Felt felt;
+  int n = 1;
+  for (; n < 12000 && (n < 5000 || felt.patch->is_beyond); ++n) felt = patches.step(circling_hand(n), 1e-3);
+  ASSERT_FALSE(felt.patch->is_beyond);
+  EXPECT_GT(patches.touch().counts().beyond_steps, 2000U);
+  EXPECT_EQ(felt.patch->contact, felt.whole.contact);
+  EXPECT_LT((felt.patch->force_n - felt.whole.force_n).norm(), 0.5 * felt.whole.force_n.norm());
+}
+
+// No step follows more places than it may.
+TEST(PatchTouch, CatchingUpIsSpreadOverSteps) {
+  LatePatches patches(500);
+  std::uint64_t before = 0;
+  std::uint64_t most = 0;
+  for (int n = 1; n < 2000; ++n) {
+    (void)patches.step(circling_hand(n), 1e-3);
+    most = std::max(most, patches.touch().counts().steps - before);
+    before = patches.touch().counts().steps;
+  }
+  EXPECT_EQ(most, static_cast<std::uint64_t>(PatchTouch::kMostFollowed));
+}
+
+}  // namespace
+}  // namespace hapton
