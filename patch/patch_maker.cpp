@@ -35,7 +35,7 @@ void PatchMaker::note_hand(const PatchHand& hand) noexcept {
 }
 
 void PatchMaker::note_made(double seconds) noexcept {
-  if (triangles_ < kFewTriangles / 2 || !(seconds > 0.0)) return;
+  if (triangles_ < few_ / 2 || !(seconds > 0.0)) return;
   triangle_s_ += kMakeShare * (seconds / static_cast<double>(triangles_) - triangle_s_);
 }
 
@@ -43,10 +43,10 @@ bool PatchMaker::is_left() const noexcept { return !p_SC_ || distance_m() >= kLe
 
 // How many triangles can be made into a patch before the hand is out of the newest one.
 std::size_t PatchMaker::affordable() const noexcept {
-  if (!p_SC_) return kFewTriangles;
+  if (!p_SC_) return few_;
   const double room_m = std::max(radius_m_ - distance_m(), 0.0);
   const double count = kTimeShare * room_m / std::max(v_SD_.norm(), kLeastSpeed) / triangle_s_;
-  return static_cast<std::size_t>(std::clamp(count, static_cast<double>(kFewTriangles), static_cast<double>(kMostTriangles)));
+  return static_cast<std::size_t>(std::clamp(count, static_cast<double>(few_), static_cast<double>(kMostTriangles)));
 }
 
 bool PatchMaker::can_grow() const noexcept { return is_limited_ && affordable() >= kMoreTriangles * triangles_; }

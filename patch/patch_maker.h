@@ -29,6 +29,9 @@ class PatchMaker {
   static constexpr std::size_t kMostTriangles = PatchStore::kMostTiles * PatchTile::kMostTriangles;  // all that can be known
   static constexpr double kFirstMakeS = 1e-6;                                                        // time per triangle, until it is known
 
+  // few: triangles that a patch may always have.
+  explicit PatchMaker(std::size_t few = kFewTriangles) : few_(few) {}
+
   // Where the hand is. Times of one clock, in order.
   void note_hand(const PatchHand& hand) noexcept;
   // How long the newest patch took to make, and to be handed to the device.
@@ -51,6 +54,7 @@ class PatchMaker {
   bool can_grow() const noexcept;
   std::size_t affordable() const noexcept;
 
+  std::size_t few_;
   PatchHand hand_;
   Vec3 v_SD_ = Vec3::Zero();
   bool has_hand_ = false;

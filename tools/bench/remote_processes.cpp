@@ -169,12 +169,12 @@ Result<void> measure_mesh(const RemoteGrid& grid, const std::string& which, cons
 }
 
 // One figure of a run, as it is written everywhere.
-struct Figure {
+struct ProcessFigure {
   const char* name;
   double (*of)(const RemoteProcessRow&);
 };
 
-constexpr Figure kFigures[] = {
+constexpr ProcessFigure kProcessFigures[] = {
     {"force_error_rms", [](const RemoteProcessRow& r) { return r.real.force.error_rms; }},
     {"force_error_max_n", [](const RemoteProcessRow& r) { return r.real.force.error_max_n; }},
     {"direction_error_rms_deg", [](const RemoteProcessRow& r) { return r.real.force.direction_rms_deg; }},
@@ -245,11 +245,11 @@ std::string processes_to_text(const RemoteGrid& grid, const std::vector<RemotePr
 
 std::string processes_to_csv(const std::vector<RemoteProcessRow>& rows) {
   std::string csv = key_columns();
-  for (const Figure& figure : kFigures) csv += fmt::format(",{}", figure.name);
+  for (const ProcessFigure& figure : kProcessFigures) csv += fmt::format(",{}", figure.name);
   csv += '\n';
   for (const RemoteProcessRow& row : rows) {
     csv += to_csv(row);
-    for (const Figure& figure : kFigures) csv += fmt::format(",{:.6g}", figure.of(row));
+    for (const ProcessFigure& figure : kProcessFigures) csv += fmt::format(",{:.6g}", figure.of(row));
     csv += '\n';
   }
   return csv;
@@ -261,7 +261,7 @@ std::string processes_to_json(const RemoteGrid& grid, const std::vector<RemotePr
   json["runs"] = nlohmann::ordered_json::array();
   for (const RemoteProcessRow& row : rows) {
     nlohmann::ordered_json run = to_json(row);
-    for (const Figure& figure : kFigures) run[figure.name] = figure.of(row);
+    for (const ProcessFigure& figure : kProcessFigures) run[figure.name] = figure.of(row);
     json["runs"].push_back(std::move(run));
   }
   return json.dump(2) + "\n";

@@ -11,6 +11,7 @@
 
 #include "runtime/report.h"
 #include "runtime/start_thread.h"
+#include "tools/bench/patch_method.h"
 
 namespace hapton {
 namespace {
@@ -34,13 +35,23 @@ StressSettings settings_of(const StressPlan& plan, const StressVariant& variant)
   return settings;
 }
 
-StressBody with_probe(StressBody body, const StressPlan& plan) {
+StressBody as_planned(StressBody body, const StressPlan& plan) {
   if (plan.probe_share > 0.0) body.probe_share = plan.probe_share;
-  return body;
+  return plan.by_patches ? on_patch_grid(std::move(body)) : body;
+}
+
+Result<StressRun> make_run(const StressBody& body, const StressPlan& plan, const StressVariant& variant) {
+  const StressBody planned = as_planned(body, plan);
+  const StressSettings settings = settings_of(plan, variant);
+  if (!plan.by_patches) return StressRun::make(planned, settings, plan.method);
+  const auto make_by_patches = [](const MethodSettings& method, const TouchScene& scene) -> Result<std::unique_ptr<ForceMethod>> {
+    return std::make_unique<PatchMethod>(method, scene);
+  };
+  return StressRun::make(planned, settings, plan.method, make_by_patches);
 }
 
 Result<StressCount> run_one(const StressBody& body, const StressPlan& plan, const StressVariant& variant, std::uint64_t steps) {
-  auto run = StressRun::make(with_probe(body, plan), settings_of(plan, variant), plan.method);
+  auto run = make_run(body, plan, variant);
   if (!run) return tl::unexpected(run.error());
   StressCount count;
   // Some episodes find no free position and take no step; their number is limited, too.
@@ -51,10 +62,10 @@ Result<StressCount> run_one(const StressBody& body, const StressPlan& plan, cons
 }
 
 std::string again(const StressResult& result, const StressFinding& finding, const StressPlan& plan) {
-  return fmt::format(
-             "--method {} --body {} --seed {} --scale {:g} --offset {:g} --friction-static {:g} --friction-dynamic {:g} --episode {}",
-             plan.method.name, result.body, plan.seed, result.variant.scale, result.variant.offset_extents, result.variant.friction_static,
-             result.variant.friction_dynamic, finding.episode) +
+  const std::string place =
+      plan.by_patches ? " --patches" : fmt::format(" --scale {:g} --offset {:g}", result.variant.scale, result.variant.offset_extents);
+  return fmt::format("--method {} --body {} --seed {}{} --friction-static {:g} --friction-dynamic {:g} --episode {}", plan.method.name,
+                     result.body, plan.seed, place, result.variant.friction_static, result.variant.friction_dynamic, finding.episode) +
          (plan.method.smooth_layer > 0.0 ? fmt::format(" --layer {:g}", plan.method.smooth_layer) : "") +
          (plan.probe_share > 0.0 ? fmt::format(" --probe-share {:g}", plan.probe_share) : "") + (plan.no_seal ? " --no-seal" : "");
 }
@@ -79,7 +90,7 @@ Result<std::vector<StressResult>> run_episode(const std::vector<StressBody>& bod
   std::vector<StressResult> results;
   for (const StressBody& body : bodies) {
     for (const StressVariant& variant : plan.variants) {
-      auto run = StressRun::make(with_probe(body, plan), settings_of(plan, variant), plan.method);
+      auto run = make_run(body, plan, variant);
       if (!run) return tl::unexpected(run.error());
       StressResult result{body.name, variant, {}};
       run->run_episode(episode, result.count);
@@ -96,6 +107,8 @@ std::vector<StressVariant> standard_variants() {
   variants.push_back({.friction_static = 0.5, .friction_dynamic = 0.4});
   return variants;
 }
+
+std::vector<StressVariant> patch_variants() { return {{}, {.friction_static = 0.5, .friction_dynamic = 0.4}}; }
 
 Result<std::vector<StressResult>> run_stress(const std::vector<StressBody>& bodies, const StressPlan& plan,
                                              const std::function<void(const StressResult&)>& progress) {
@@ -165,6 +178,7 @@ std::string to_json(const std::vector<StressResult>& results, const StressPlan& 
   Json json{{"schema", "hapton.stress/2"},
             {"method", plan.method.name},
             {"smooth_layer", plan.method.smooth_layer},
+            {"by_patches", plan.by_patches},
             {"seed", plan.seed},
             {"machine",
              {{"host", machine.host},

@@ -20,6 +20,8 @@ struct StressVariant {
 
 // Scales 1e-6 to 1e6, offsets up to a million extents, and friction.
 std::vector<StressVariant> standard_variants();
+// Patches lie on a grid of their own, on which a body lies where it is made: without friction and with it.
+std::vector<StressVariant> patch_variants();
 
 struct StressPlan {
   MethodSettings method;
@@ -27,6 +29,7 @@ struct StressPlan {
   std::uint64_t steps = 100000;  // a body at least, shared by the variants; episodes are whole, and long walks come on top
   std::size_t compare_every = 64;
   double probe_share = 0.0;  // above 0: this probe for every body instead of its own, as a share of its longest side
+  bool by_patches = false;   // the scene is felt by patches (patch_method.h); method proxy
   bool no_seal = false;      // mesh files are taken as they are, their cracks open
   unsigned threads = 1;
   std::vector<StressVariant> variants = standard_variants();

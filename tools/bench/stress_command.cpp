@@ -71,6 +71,10 @@ Result<std::vector<StressBody>> make_bodies(const StressOptions& options) {
 }
 
 Result<void> choose_variant(StressOptions& options) {
+  if (options.plan.by_patches) {
+    if (options.plan.method.name != "proxy") return fail("--patches: only method proxy is felt by patches; leave out --method");
+    options.plan.variants = patch_variants();
+  }
   if (!options.scale && !options.offset && !options.friction_static && !options.friction_dynamic) return {};
   options.plan.variants = {{.scale = options.scale.value_or(1.0),
                             .offset_extents = options.offset.value_or(0.0),
@@ -88,8 +92,9 @@ Result<bool> run_stress(StressOptions& options) {
   if (auto chosen = choose_variant(options); !chosen) return tl::unexpected(chosen.error());
   const auto bodies = make_bodies(options);
   if (!bodies) return tl::unexpected(bodies.error());
-  fmt::print("stress: method {}, {} bodies, {} variants, at least {} steps a body, seed {}\n", options.plan.method.name, bodies->size(),
-             options.plan.variants.size(), options.plan.steps, options.plan.seed);
+  fmt::print("stress: method {}, {} bodies, {} variants, at least {} steps a body, seed {}\n",
+             options.plan.by_patches ? "proxy by patches" : options.plan.method.name, bodies->size(), options.plan.variants.size(),
+             options.plan.steps, options.plan.seed);
   std::fflush(stdout);
   const std::size_t jobs = bodies->size() * options.plan.variants.size();
   std::size_t done = 0;
@@ -134,10 +139,14 @@ void add_stress_command(CommandLine app, int& exit_code) {
   command.add_option("--mesh", options->files, "A mesh file instead (again for more)");
   command.add_flag("--no-seal", options->plan.no_seal,
                    "Touch mesh files as they are: cracks up to 1e-4 of the longest side are not sealed");
+  const CommandOption patches = command.add_flag(
+      "--patches", options->plan.by_patches,
+      "Feel each body by patches of its parts, as io_node --touch patch does, at its own scale and place, without and with friction");
   command.add_option("--probe-share", options->plan.probe_share, "Probe radius as a share of the longest side; 0: as the body says")
       .between(0.0, 1.0);
-  command.add_option("--scale", options->scale, "Only this scale").positive();
-  command.add_option("--offset", options->offset, "Only this offset, in extents").not_negative();
+  const CommandOption scale = command.add_option("--scale", options->scale, "Only this scale").positive();
+  const CommandOption offset = command.add_option("--offset", options->offset, "Only this offset, in extents").not_negative();
+  for (const CommandOption& placing : {scale, offset}) patches.excludes(placing);
   command.add_option("--friction-static", options->friction_static, "Only with this friction").not_negative();
   command.add_option("--friction-dynamic", options->friction_dynamic, "Only with this friction, not above the static one").not_negative();
   command.add_option("--episode", options->episode, "Only this episode, as a finding names it");

@@ -16,7 +16,7 @@ double seconds_between(std::int64_t from_ns, std::int64_t to_ns) {
   return 1e-9 * static_cast<double>(static_cast<std::int64_t>(static_cast<std::uint64_t>(to_ns) - static_cast<std::uint64_t>(from_ns)));
 }
 
-constexpr JoinedColumn kColumns[] = {
+constexpr JoinedColumn kJoinedColumns[] = {
     {"t_s", "s", [](const JoinedRow& r) { return r.sample_t_s; }},
     {"sample", "1", [](const JoinedRow& r) { return static_cast<double>(r.sample); }},
     {"x_m", "m", [](const JoinedRow& r) { return r.p_WD.x(); }},
@@ -48,7 +48,7 @@ constexpr JoinedColumn kColumns[] = {
 
 }  // namespace
 
-std::span<const JoinedColumn> joined_columns() noexcept { return kColumns; }
+std::span<const JoinedColumn> joined_columns() noexcept { return kJoinedColumns; }
 
 void JoinedTable::add(const SessionEntry& entry, const Datagram* datagram) {
   if (entry.kind == SessionEntry::Kind::cycle) add_cycle(entry);

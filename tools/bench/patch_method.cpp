@@ -1,0 +1,88 @@
+#include "tools/bench/patch_method.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "core/geometry/mesh_measures.h"
+#include "patch/tile_partition.h"
+#include "runtime/clock.h"
+
+namespace hapton {
+namespace {
+
+constexpr int kMostTries = 64;  // patches for one sample; each is wider than the one before
+constexpr double kAgainS = 1e-9;
+constexpr std::int64_t kTickNs = 100 * kNanosecondsPerMillisecond;  // longer than the maker waits for a patch to be taken
+constexpr double kSlowS = 1e3;                                      // to make a patch, as the maker is told: it keeps them small
+
+PatchCell message_of(const TileCell& cell, std::uint32_t serial) {
+  PatchCell message{1, serial, cell.key.level, cell.key.index, cell.empty_children, static_cast<std::uint32_t>(cell.tiles.size())};
+  std::copy(cell.tiles.begin(), cell.tiles.end(), message.tiles.begin());
+  return message;
+}
+
+TriangleMesh on_grid(TriangleMesh mesh, const PatchGrid& grid) {
+  for (Vec3& vertex : mesh.vertices) vertex = grid.at(grid.round(vertex));
+  return mesh;
+}
+
+}  // namespace
+
+PatchMethod::PatchMethod(const MethodSettings& settings, const TouchScene& scene) : maker_(kTriangles) {
+  const TiledScene tiled = make_tiles(scene);
+  std::uint32_t serial = 0;
+  store_.accept(PatchBegin{1, serial++, tiled.grid.origin_m, tiled.grid.step_m, settings.probe_radius_m, 0});
+  for (const TileCell& cell : tiled.cells) store_.accept(message_of(cell, serial++));
+  for (std::uint32_t number = 0; number < tiled.tiles.size(); ++number) {
+    PatchTile tile = tiled.tiles[number];
+    tile.epoch = 1;
+    tile.serial = serial++;
+    tile.tile = number;
+    store_.accept(tile);
+  }
+}
+
+void PatchMethod::make_patch(const Vec3& p_SD) {
+  now_ns_ += kTickNs;
+  maker_.note_hand({p_SD, now_ns_, touch_.is_beyond(), touch_.is_beyond() ? touch_.way() : PatchTouch::Way()});
+  (void)touch_.take_retired();
+  if (auto patch = maker_.make_if_due(store_, 0)) {
+    maker_.note_made(kSlowS);
+    (void)touch_.offer(std::move(patch));
+  }
+}
+
+MethodOutput PatchMethod::step(const MethodInput& input) noexcept {
+  if (!input.p_SD.allFinite()) return {};
+  make_patch(input.p_SD);
+  auto touched = touch_.step({.p_WD = input.p_SD, .dt_s = input.dt_s});
+  for (int n = 0; n < kMostTries && (!touched || touched->is_beyond); ++n) {
+    make_patch(input.p_SD);
+    touched = touch_.step({.p_WD = input.p_SD, .dt_s = kAgainS});
+  }
+  if (!touched) return {.p_SP = input.p_SD};
+  return {.force_n = touched->force_n, .p_SP = input.p_SD + touched->visual_offset_m, .contact = touched->contact};
+}
+
+void PatchMethod::reset(const Vec3& p_SD) noexcept {
+  touch_.forget();
+  touch_.start_at(p_SD, Vec3::Zero());
+}
+
+std::string PatchMethod::describe() const {
+  const PatchTouch::Counts& counts = touch_.counts();
+  return fmt::format("patches of about {} triangles: {} taken over in {} steps, {} times past the edge of one\n", kTriangles,
+                     counts.handed_over, counts.steps, counts.beyond);
+}
+
+StressBody on_patch_grid(StressBody body) {
+  const MeshBounds bounds = compute_bounds(body.touched);
+  const PatchGrid grid = PatchGrid::around({bounds.low, bounds.high});
+  body.touched = on_grid(std::move(body.touched), grid);
+  body.solid = on_grid(std::move(body.solid), grid);
+  return body;
+}
+
+}  // namespace hapton
