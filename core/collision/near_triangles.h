@@ -33,6 +33,8 @@ class NearTriangles {
 
   // Whether every triangle within `distance` of p was collected.
   bool covers(const Vec3& p, double distance) const { return (p - centre_).norm() + distance <= within_; }
+  // Whether p is in the inner half of the ball. Farther out, the bounds of triangles on the other side of the centre say little.
+  bool is_central(const Vec3& p) const { return (p - centre_).norm() <= 0.5 * within_; }
   int count() const { return count_; }
   std::uint32_t triangle(int slot) const { return triangle_[slot]; }
 

@@ -67,7 +67,7 @@ SphereFollower::Next SphereFollower::descend_with_friction(const Vec3& device, c
   const double cone = (friction_.slides ? pull.friction.dynamic_mu : pull.friction.static_mu) * (1.0 + kOnCone) * pull.depth;
   const bool moves = active_count_ < 3 && (friction_.slips || pull.length * pull.length > cone * cone + kLeast * kLeast);
   if (!moves) return hold(pull);
-  const bool has_vanished = friction_.slips && friction_.vanished;
+  const bool has_vanished = friction_.slips && friction_.vanished && !drag.is_flat();  // on flat parts no equilibrium vanishes
   friction_ = {.slides = true, .coefficients = friction_.coefficients};
   Slip slip;
   if (!make_slip(drag, pull, device, has_vanished, slip)) return Next::failed;
@@ -90,11 +90,14 @@ SphereFollower::Next SphereFollower::descend_with_friction(const Vec3& device, c
   if (!is_restored) return Next::failed;
   note_move(before);
   note_gain(device, false);
-  if (is_whole && event.contact < 0 && event.slot < 0 && slip.stops) {
+  const bool ends = is_whole && event.contact < 0 && event.slot < 0;
+  if (ends && slip.stops) {
     friction_.drags = true;
     is_descending_ = false;
   }
-  return apply_event(event, slip.path) ? Next::again : Next::failed;
+  if (!apply_event(event, slip.path)) return Next::failed;
+  if (ends && slip.released >= 0) remove_contact(slip.released);
+  return Next::again;
 }
 
 // With the device moving and the pull on the cone: until the end of the motion, or the next event.
@@ -115,7 +118,7 @@ SphereFollower::Next SphereFollower::drag(const Vec3& from, const Vec3& to, doub
     return Next::again;
   }
   Event event;
-  if (!find_event(leg.path, event)) return Next::failed;
+  if (!leg.is_clear && !find_event(leg.path, event)) return Next::failed;
   const Vec3 before = centre_;
   const Vec3 device = on_path(from, to, time);
   const double time_before = time;

@@ -13,13 +13,22 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kLeast = OffsetDrag::kLeastPull;
 constexpr double kNearZero = 0x1p-51;  // rounding of a value that crosses zero
+constexpr double kPositionRounding = 0x1p-52;
 // How far the middle of a piece may be off its cubic: a share of the offset, and of the length. Events are placed on the exact path.
 constexpr double kUneven = 0x1p-16;
 constexpr double kUnevenShare = 0x1p-20;
+constexpr double kUnresolved =
+    kLeast;                            // how far a centre that counts as on the cone may be off it: no shorter piece is nearer to its cubic
 constexpr double kExact = 0x1p-42;     // within this the cubic counts as the exact path
 constexpr double kReleased = 0x1p-24;  // a pull at which the device counts as out
 
 }  // namespace
+
+// Rounding of the components of a pull: that of the centre turns the normal of a curved part.
+double SphereFollower::rounding_of(const OffsetDrag::Pull& pull) const noexcept {
+  const bool is_curved = contacts_[0].is_curved() || (active_count_ > 1 && contacts_[1].is_curved());
+  return is_curved ? kPositionRounding * (pull.length + std::fabs(pull.depth)) / clearance_.offset : 0.0;
+}
 
 // Distance along a straight direction to the boundary of the active part, with a margin.
 double SphereFollower::distance_to_boundary(const Vec3& direction) noexcept {
@@ -36,12 +45,50 @@ double SphereFollower::distance_to_boundary(const Vec3& direction) noexcept {
   return kBeyond * distance + kLeastDistance * clearance_.offset;
 }
 
+// Whether a drag over the face that holds the centre, from here to `end`, stays on that face and meets nothing. The unit tangent turns from
+// `direction` to `direction_there` and never back. By less than a quarter turn, the path lies in the triangle of its chord and the tangents
+// at its ends, whose chord is the longest side, and whose height is at most half the chord times the sine of the turn. The distance to a
+// triangle is convex, so it is never below its tangents, and a tangent is least at a corner of that triangle.
+bool SphereFollower::is_clear_over_face(const Vec3& end, const Vec3& direction, const Vec3& direction_there) noexcept {
+  if (!(direction.dot(direction_there) > 0.0)) return false;
+  const Vec3 path = end - centre_;
+  const double chord = path.norm();
+  // The most of a linear function on the path, less its value at the start; the same for the end.
+  const auto most_from_start = [&](const Vec3& gradient) { return std::max({0.0, gradient.dot(path), chord * gradient.dot(direction)}); };
+  const auto most_from_end = [&](const Vec3& gradient) {
+    return std::max({0.0, -gradient.dot(path), -chord * gradient.dot(direction_there)});
+  };
+  const ContactTriangle& face = contacts_[0].shape;
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 out = face.edge(k).cross(face.normal()) / face.length(k);
+    const double height = out.dot(centre_ - face.corner(k)) + most_from_start(out);
+    const double height_by_end = out.dot(end - face.corner(k)) + most_from_end(out);
+    if (!(std::min(height, height_by_end) <= kOnBoundary)) return false;
+  }
+  const double near = clearance_.offset + 0.5 * chord * direction.cross(direction_there).norm() + clearance_.slop;
+  if (!near_.covers(centre_, near) || !near_.covers(end, near)) return false;
+  note_candidates(centre_, end, near);
+  for (int i = 0; i < candidate_count_; ++i) {
+    const int slot = candidates_[static_cast<std::size_t>(i)];
+    if (cannot_stop(slot, centre_, true)) continue;
+    ++work_;
+    const Separation here = near_.shape(slot).separation(centre_);
+    const double least = std::min(here.distance, clearance_.offset - 0.25 * clearance_.slop);
+    if (here.distance - most_from_start(-here.normal) >= least) continue;
+    ++work_;
+    const Separation there = near_.shape(slot).separation(end);
+    if (!(there.distance - most_from_end(-there.normal) >= least)) return false;
+  }
+  return true;
+}
+
 bool SphereFollower::make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& pull, const Vec3& device, bool has_vanished,
                                Slip& slip) noexcept {
   constexpr int kMostRounds = 8;
   const double excess = pull.excess();
   const double stability = drag.find_stability(pull);
   slip.waits = false;
+  slip.released = -1;
   slip.is_on_cone = !(pull.length > kLeast) || (!has_vanished && stability > kLeastStability && excess <= kAtMinimum * stability);
   if (slip.is_on_cone) return true;
   const Vec3 direction = pull.tangential / pull.length;
@@ -53,6 +100,7 @@ bool SphereFollower::make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& p
     end = centre_;
     return drag.descend(device, direction, length, end, work_) && drag.find_pull(end, device, there);
   };
+  const double rounding = std::max(kNearZero, rounding_of(pull));
   slip.stops = false;
   double length = most;
   if (!has_vanished && stability > kLeastStability && excess <= most * stability) {
@@ -60,7 +108,7 @@ bool SphereFollower::make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& p
     for (int i = 0; i < kMostRounds; ++i) {
       if (!go(length)) return false;
       const double left = there.excess();
-      slip.stops = std::fabs(left) <= 0x1p-50 || drag.is_flat();
+      slip.stops = std::fabs(left) <= 2.0 * rounding || drag.is_flat();
       const double slope = drag.find_stability(there);
       if (slip.stops || !(slope > kLeastStability)) break;
       length += left / slope;
@@ -69,7 +117,7 @@ bool SphereFollower::make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& p
     if (!slip.stops) length = most;
   }
   const auto cut_at = [&](double at_start, double at_end, auto&& value) {
-    length = find_zero(0.0, at_start, length, at_end, kNearZero, [&](double l) { return go(l) ? value() : -1.0; });
+    length = find_zero(0.0, at_start, length, at_end, rounding, [&](double l) { return go(l) ? value() : -1.0; });
     slip.stops = false;
     return go(length);
   };
@@ -89,6 +137,7 @@ bool SphereFollower::make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& p
     const auto k = static_cast<std::size_t>(i);
     if (there.multiplier[k] >= -kAtMinimum) continue;
     if (!cut_at(std::max(0.0, pull.multiplier[k]), there.multiplier[k], [&] { return there.multiplier[k]; })) return false;
+    slip.released = i;
   }
   slip.direction = direction;
   for (int i = 0;; ++i) {
@@ -110,6 +159,7 @@ bool SphereFollower::make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& p
     if (i == kMostRounds || uneven <= kUneven * clearance_.offset + kUnevenShare * length) break;
     length *= 0.5;
     slip.stops = false;
+    slip.released = -1;
   }
   guide(slip.path);
   return true;
@@ -131,6 +181,7 @@ SphereFollower::DragOutcome SphereFollower::make_drag_leg(const OffsetDrag& drag
   const Vec3 rate = drag.find_rate(pull, motion);
   leg.released = -1;
   leg.stops = false;
+  leg.is_clear = false;
   double span = 1.0 - time;
   double release = kInfinity;
   if (active_count_ == 1) {
@@ -174,7 +225,9 @@ SphereFollower::DragOutcome SphereFollower::make_drag_leg(const OffsetDrag& drag
                       span * (rate - rate_there).norm() <= 0x1p-48;
         const double uneven = (middle - guess).norm();
         leg.is_exact = active_count_ == 1 && uneven <= kExact;
-        if (is_straight || uneven <= kUneven * clearance_.offset + kUnevenShare * (end - centre_).norm()) break;
+        if (is_straight || uneven <= kUneven * clearance_.offset + kUnresolved + kUnevenShare * (end - centre_).norm()) break;
+        leg.is_clear = is_flat && active_count_ == 1 && is_clear_over_face(end, rate.normalized(), rate_there.normalized());
+        if (leg.is_clear) break;
       }
     }
     span *= 0.5;
@@ -209,7 +262,7 @@ SphereFollower::DragOutcome SphereFollower::make_drag_leg(const OffsetDrag& drag
     if (leg.time <= time) return DragOutcome::stops;
   }
   const double part = leg.time - time;
-  if (is_straight || !(part > 0.0)) {
+  if (is_straight || leg.is_clear || !(part > 0.0)) {
     leg.path = CentrePath::straight(centre_, end);
     return DragOutcome::moves;
   }
@@ -272,10 +325,11 @@ SphereFollower::DragOutcome SphereFollower::make_flow_leg(const OffsetDrag& drag
     travelled = 0.0;
     return false;
   };
-  const auto seek = [&](double at_start, double at_end, auto&& value) {
-    length = find_zero(0.0, at_start, length, at_end, kNearZero, [&](double l) { return go(l) ? value() : -1.0; });
+  const auto seek = [&](double at_start, double at_end, double rounding, auto&& value) {
+    length = find_zero(0.0, at_start, length, at_end, std::max(kNearZero, rounding), [&](double l) { return go(l) ? value() : -1.0; });
     return go(length);
   };
+  const double of_pull = rounding_of(pull);
   const auto left = [&] { return target - end.time; };
   const auto stability_there = [&] { return drag.find_stability(there); };
   bool is_at_target = false;
@@ -291,7 +345,8 @@ SphereFollower::DragOutcome SphereFollower::make_flow_leg(const OffsetDrag& drag
     if (!go(length) || find_turn(end.centre - centre_) > 2.0 * kTurn) continue;
     step = end.step;
     const Vec3 guess = 0.5 * (centre_ + end.centre) + 0.125 * length * (slope - end.slope);
-    if ((middle.centre - guess).norm() > kUneven * clearance_.offset + kUnevenShare * (end.centre - centre_).norm()) continue;
+    const double most_uneven = kUneven * clearance_.offset + kUnresolved + kUnevenShare * (end.centre - centre_).norm();
+    if ((middle.centre - guess).norm() > most_uneven) continue;
     // A little farther, to the end of the leg.
     for (int round = 0; round < kMostRounds && i == 0 && length < most && left() > 0.0; ++round) {
       const double on = left() / std::max(stability_there(), 0x1p-10);
@@ -302,12 +357,12 @@ SphereFollower::DragOutcome SphereFollower::make_flow_leg(const OffsetDrag& drag
     }
     if (!go(length)) continue;
     if (stability_there() < 0.0) {
-      if (!seek(stability, stability_there(), stability_there)) continue;
+      if (!seek(stability, stability_there(), of_pull / clearance_.offset, stability_there)) continue;
       is_at_target = false;
       leg.jumps = true;
     }
     if (left() < 0.0) {
-      if (!seek(target - time, left(), left)) continue;
+      if (!seek(target - time, left(), 0.0, left)) continue;
       is_at_target = true;
       leg.jumps = false;
     }
@@ -324,14 +379,17 @@ SphereFollower::DragOutcome SphereFollower::make_flow_leg(const OffsetDrag& drag
   for (int i = 0; active_count_ == 2 && i < 2; ++i) {
     const auto k = static_cast<std::size_t>(i);
     if (there.multiplier[k] >= -kAtMinimum) continue;
-    if (!seek(std::max(0.0, pull.multiplier[k]), there.multiplier[k], [&] { return there.multiplier[k]; })) return DragOutcome::jumps;
+    if (!seek(std::max(0.0, pull.multiplier[k]), there.multiplier[k], of_pull, [&] { return there.multiplier[k]; }))
+      return DragOutcome::jumps;
     leg.released = i;
     leg.jumps = false;
     is_at_target = false;
   }
   const double excess_rate_there = drag.find_excess_rate(there, motion);
   if (excess_rate_there < -kLeastExcessRate * speed && !(is_at_target && comes_out)) {
-    if (!seek(std::max(0.0, excess_rate), excess_rate_there, [&] { return drag.find_excess_rate(there, motion); }) || !(length > 0.0))
+    const double of_direction = speed * kPositionRounding / std::max(there.length, kLeast);
+    if (!seek(std::max(0.0, excess_rate), excess_rate_there, of_direction, [&] { return drag.find_excess_rate(there, motion); }) ||
+        !(length > 0.0))
       return DragOutcome::stops;
     is_at_target = false;
     leg.jumps = false;

@@ -19,7 +19,10 @@ bool SphereFollower::find_event(const CentrePath& path, Event& event) noexcept {
   if (is_curved && !cover(path, event.time)) return false;
   const double near = clearance_.offset + path.bulge() + clearance_.slop;
   CentrePath::Prefix prefix = path.prefix(event.time);
-  if (is_curved) note_candidates(path.start(), prefix.end, near);
+  if (is_curved) {
+    if (!find_candidates(path, near, prefix)) return false;
+    event.time = prefix.until;
+  }
   for (int i = 0; i < active_count_; ++i) {
     const int count = find_exits(contacts_[i]);
     if (count < 0) return false;
@@ -35,22 +38,17 @@ bool SphereFollower::find_event(const CentrePath& path, Event& event) noexcept {
   if (!is_curved) {
     const double exit_time = event.time;
     if (!cover(path, event.time)) return false;
-    if (event.time < exit_time) {
-      event.contact = -1;
-      prefix = path.prefix(event.time);
-    }
-    note_candidates(path.start(), prefix.end, near);
+    if (event.time < exit_time) prefix = path.prefix(event.time);
+    if (!find_candidates(path, near, prefix)) return false;
+    event.time = prefix.until;
+    if (event.time < exit_time) event.contact = -1;
   }
-  // Triangles below the plane of a face are never nearer than the face, for a centre that moves over it.
   const bool is_on_plane = (path.is_straight() || active_count_ == 1) && active_count_ > 0 && contacts_[0].part == Part::face;
-  const Vec3 up = is_on_plane ? contacts_[0].normal : Vec3::Zero();
-  const double level = up.dot(path.start()) - clearance_.offset + 0.25 * clearance_.slop;
   for (int i = 0; i < candidate_count_; ++i) {
     const int slot = candidates_[static_cast<std::size_t>(i)];
     if (near_.distance_bound(slot, path.start()) > near && near_.distance_bound(slot, prefix.end) > near) continue;
+    if (cannot_stop(slot, path.start(), is_on_plane)) continue;
     const ContactTriangle& shape = near_.shape(slot);
-    if (is_on_plane && std::max({up.dot(shape.corner(0)), up.dot(shape.corner(1)), up.dot(shape.corner(2))}) <= level) continue;
-    if (holds_part_of(shape, near_.triangle(slot)) || !can_touch(near_.triangle(slot), shape, path.start())) continue;
     const CentrePath::Block block = path.find_block(shape, clearance_, path.is_straight() ? 0U : guiding_corners(shape), prefix, work_);
     if (!(block.time < event.time)) continue;
     event.time = block.time;
@@ -58,6 +56,31 @@ bool SphereFollower::find_event(const CentrePath& path, Event& event) noexcept {
     event.slot = block.hits ? slot : -1;
     prefix = path.prefix(event.time);
   }
+  return true;
+}
+
+// Whether a triangle cannot stop the centre, whatever its distance. Triangles below the plane of a face are never nearer than the face, for
+// a centre that moves over it.
+bool SphereFollower::cannot_stop(int slot, const Vec3& from, bool is_on_plane) noexcept {
+  const ContactTriangle& shape = near_.shape(slot);
+  if (is_on_plane) {
+    const Vec3& up = contacts_[0].normal;
+    const double level = up.dot(from) - clearance_.offset + 0.25 * clearance_.slop;
+    if (std::max({up.dot(shape.corner(0)), up.dot(shape.corner(1)), up.dot(shape.corner(2))}) <= level) return true;
+  }
+  return holds_part_of(shape, near_.triangle(slot)) || !can_touch(near_.triangle(slot), shape, from);
+}
+
+// Collects the triangles that may come that near to the beginning of the path. Where they are many because the ball of gathered triangles
+// lies elsewhere, it is gathered again around the start. False: that cannot be done.
+bool SphereFollower::find_candidates(const CentrePath& path, double near, CentrePath::Prefix& prefix) noexcept {
+  constexpr int kMany = 32;
+  note_candidates(path.start(), prefix.end, near);
+  if (candidate_count_ <= kMany || near_.is_central(path.start())) return true;
+  double until = prefix.until;
+  if (!gather(Vec3::Zero()) || !cover(path, until)) return false;
+  if (until < prefix.until) prefix = path.prefix(until);
+  note_candidates(path.start(), prefix.end, near);
   return true;
 }
 

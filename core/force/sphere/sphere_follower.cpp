@@ -341,6 +341,8 @@ SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& mot
   CentrePath path;
   if (!make_descent(device, is_unstable, path)) {
     if (!is_unstable) return active_count_ == 2 && is_point_ ? drop_weaker(pull) : Next::failed;
+    // The minimum has vanished, and neither way along the curve leads nearer: the two contacts are one within rounding.
+    if (active_count_ == 2 && is_point_ && find_stability(centre_, device) <= 0.0) return drop_weaker(pull);
     is_descending_ = false;
     contact_count_ = active_count_;
     ++idle_;

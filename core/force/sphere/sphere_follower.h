@@ -145,6 +145,7 @@ class SphereFollower {
     bool stops = false;       // the pull is on the cone at the end of the slip
     bool is_on_cone = false;  // the pull is on the cone already
     bool waits = false;       // the equilibrium has not quite vanished yet
+    int released = -1;        // the contact whose multiplier is zero at the end of the slip; -1: none
   };
   enum class DragOutcome : std::uint8_t { moves, stops, jumps };
   struct DragLeg {
@@ -155,6 +156,7 @@ class SphereFollower {
     bool jumps = false;
     double flow = 0.0;                        // length in the parameter of OffsetDrag::Flow; 0: a flat contact
     bool is_exact = false;                    // path and time are within kExact of the exact ones
+    bool is_clear = false;                    // nothing changes the contact on the way: no event but its end
     std::array<double, 2> pace = {0.0, 0.0};  // derivative of the time at both ends; zero: constant
 
     double time_at(double start, double share) const {
@@ -182,7 +184,9 @@ class SphereFollower {
   DragOutcome make_drag_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept;
   DragOutcome make_flow_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept;
   DragOutcome make_last_leg(const Vec3& device, double time, const Vec3& normal, DragLeg& leg) const noexcept;
+  double rounding_of(const OffsetDrag::Pull& pull) const noexcept;
   double distance_to_boundary(const Vec3& direction) noexcept;
+  bool is_clear_over_face(const Vec3& end, const Vec3& direction, const Vec3& direction_there) noexcept;
   Reaction find_reaction(const Vec3& pull) const noexcept;
   Next stay_with_friction(const Vec3& from, const Vec3& to, double& time) noexcept;
 
@@ -223,7 +227,9 @@ class SphereFollower {
   bool cover(const CentrePath& path, double& until) noexcept;
   bool gather(const Vec3& towards) noexcept;
   bool find_event(const CentrePath& path, Event& event) noexcept;
+  bool cannot_stop(int slot, const Vec3& from, bool is_on_plane) noexcept;
   int find_exits(const OffsetContact& contact) noexcept;
+  bool find_candidates(const CentrePath& path, double near, CentrePath::Prefix& prefix) noexcept;
   void note_candidates(const Vec3& from, const Vec3& to, double near) noexcept;
   bool apply_event(const Event& event, const CentrePath& path) noexcept;
   std::optional<Next> end_leg(const CentrePath& path, const Event& event, bool is_whole, int released, const Vec3& device) noexcept;

@@ -163,8 +163,15 @@ bool SphereFollower::make_leg(const Vec3& from, const Vec3& to, double time, Leg
     return find_frame(c, frame) ? frame.dual[i].dot(c - at) : 0.0;
   };
   const Vec3 rate = is_straight ? Vec3::Zero() : find_rate(centre_, device, motion);
+  // How far the centre is from the minimum for the device here: contacts at a small angle make a large distance of a small tolerance.
+  double off = -1.0;
+  const auto find_off = [&] {
+    Vec3 here = centre_;
+    if (off < 0.0) off = solve(device, here) ? (here - centre_).norm() : 0.0;
+    return off;
+  };
   // Whether the piece turns by little and a cubic keeps time with it: its speed changes by at most a factor of two, or its middle is
-  // checked.
+  // checked. The piece begins at the centre, and no middle is nearer to the path from there than the centre is to the minimum.
   const auto is_even = [&](const Vec3& c, double then) {
     if (find_turn(c - centre_) > 2.0 * kTurn) return false;
     const double part = then - time;
@@ -174,8 +181,10 @@ bool SphereFollower::make_leg(const Vec3& from, const Vec3& to, double time, Leg
     if (std::max(slow, fast) <= 2.0 * std::min(slow, fast)) return true;
     Vec3 middle = 0.5 * (centre_ + c) + 0.125 * part * (rate - rate_there);
     const Vec3 guess = middle;
-    return solve(on_path(from, to, time + 0.5 * part), middle) &&
-           (middle - guess).norm() <= kUneven * clearance_.offset + kUnevenShare * (c - centre_).norm();
+    if (!solve(on_path(from, to, time + 0.5 * part), middle)) return false;
+    const double uneven = (middle - guess).norm();
+    const double most = kUneven * clearance_.offset + kUnevenShare * (c - centre_).norm();
+    return uneven <= most || uneven <= most + find_off();
   };
   double span = 1.0 - time;
   if (!is_straight) span = std::min(span, kTurn / std::max(find_turn(rate), 0x1p-100));

@@ -140,6 +140,19 @@ TEST(NearTriangles, BoundsHoldFromCloseAboveABoundary) {
   EXPECT_GT(edges, 100);
 }
 
+TEST(NearTriangles, TheInnerHalfOfTheBallIsCentral) {
+  const TriangleMesh mesh = made::sheet(0.4, 0.0, 12);
+  const TouchGeometry geometry({&mesh});
+  const auto near = std::make_unique<NearTriangles>();
+  int queried = 0;
+  const Vec3 centre(0.1, -0.2, 0.05);
+  EXPECT_FALSE(near->is_central(centre)) << "nothing is gathered";
+  ASSERT_TRUE(near->gather(geometry, centre, 0.2, queried));
+  EXPECT_TRUE(near->is_central(centre));
+  EXPECT_TRUE(near->is_central(centre + Vec3(0.0, 0.099, 0.0)));
+  EXPECT_FALSE(near->is_central(centre + Vec3(0.0, 0.101, 0.0)));
+}
+
 TEST(NearTriangles, MoreThanFitLeaveItEmpty) {
   const TriangleMesh mesh = made::sheet(0.5, 0.0, 80);
   const TouchGeometry geometry({&mesh});

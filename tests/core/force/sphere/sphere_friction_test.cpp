@@ -114,6 +114,81 @@ TEST_P(OverBumpsWithFriction, OneStepIsTheSameMotionInParts) {
 INSTANTIATE_TEST_SUITE_P(Seeds, OverBumpsWithFriction,
                          testing::Combine(testing::Values(1, 2, 3, 4), testing::Values(0.5), testing::Values(0.5, 0.3)));
 
+// A sphere that stands for a point: its radius is some of the last digits of its position.
+struct PointStage {
+  explicit PointStage(const TriangleMesh& mesh) : geometry({&mesh}), materials{kRubs}, follower(geometry, materials, 0x1p-31, true) {}
+
+  void put(const Vec3& p_S) {
+    device = geometry.to_local(p_S);
+    follower.start_free(device);
+  }
+  Outcome move(const Vec3& p_S) {
+    const Vec3 to = geometry.to_local(p_S);
+    double time = 0.0;
+    const std::uint64_t events_before = follower.events();
+    const std::uint64_t work_before = follower.queried();
+    const Outcome outcome = follower.follow(device, to, time);
+    events = follower.events() - events_before;
+    work = follower.queried() - work_before;
+    device = to;
+    return outcome;
+  }
+
+  TouchGeometry geometry;
+  std::vector<Material> materials;
+  SphereFollower follower;
+  Vec3 device = Vec3::Zero();
+  std::uint64_t events = 0, work = 0;  // of the last step
+};
+
+// At the boundary the point slips around the edge until the pull no longer presses it against it. Rounding of the position turns the normal
+// there by a millionth, so the multiplier is never seen to be zero.
+TEST(SphereFollowerWithFriction, APointSlipsOffABoundaryInAFewPieces) {
+  constexpr std::uint64_t kMostWork = 1024;  // where the contact was not released at the end of the slip: more than 4,096, and still held
+  const TriangleMesh flat = made::sheet(0.5, 0.0, 5);
+  for (int i = 0; i < 32; ++i) {
+    const Eigen::Matrix3d turn =
+        (Eigen::AngleAxisd(0.3 + 0.1 * i, Vec3::UnitX()) * Eigen::AngleAxisd(0.7 * i, Vec3::UnitZ())).toRotationMatrix();
+    TriangleMesh sheet = flat;
+    for (Vec3& p : sheet.vertices) p = turn * p;
+    PointStage stage(sheet);
+    const double depth = 0.002 * (i + 1);
+    stage.put(turn * Vec3(0.437, 0.013, 0.1));
+    ASSERT_EQ(stage.move(turn * Vec3(0.437, 0.013, -depth)), Outcome::settled) << i;
+    ASSERT_FALSE(stage.follower.is_free()) << i;
+    for (double x = 0.44; x < 0.56 + depth; x += 0.01) {
+      ASSERT_EQ(stage.move(turn * Vec3(x, 0.013 + 0.1 * (x - 0.437), -depth)), Outcome::settled) << i << ", x " << x;
+      ASSERT_LE(stage.work, kMostWork) << i << ", x " << x;
+    }
+    EXPECT_TRUE(stage.follower.is_free()) << i;
+  }
+}
+
+// The lag is far shorter than the motion, and across it: a sharp turn.
+TEST(SphereFollowerWithFriction, APointTurnsOnAFreeFaceInOnePiece) {
+  constexpr double kDepth = 1e-4;
+  constexpr std::uint64_t kMostEvents = 8;  // cut into pieces near a cubic: 97
+  const TriangleMesh sheet = made::sheet(0.5, 0.0, 2);
+  PointStage stage(sheet);
+  stage.put({-0.3, 0.1, 0.1});
+  ASSERT_EQ(stage.move({-0.3, 0.1, -kDepth}), Outcome::settled);
+  ASSERT_EQ(stage.move({-0.2, 0.1, -kDepth}), Outcome::settled);
+  FrictionDrag lag{.pull = {kRubs.friction_dynamic * kDepth, 0.0, 0.0}, .sliding = true};
+  const Vec3 start(-0.2, 0.1, 0.0);
+  const Vec3 to(-0.18, 0.25, 0.0);
+  ASSERT_EQ(stage.move(to - Vec3(0.0, 0.0, kDepth)), Outcome::settled);
+  EXPECT_LE(stage.events, kMostEvents);
+  lag = drag_by_friction({.pull = lag.pull,
+                          .motion = to - start,
+                          .pressure_start = kDepth,
+                          .pressure_end = kDepth,
+                          .friction_static = kRubs.friction_static,
+                          .friction_dynamic = kRubs.friction_dynamic,
+                          .sliding = true});
+  const Vec3 off = stage.geometry.to_scene(stage.follower.centre()) - (to - lag.pull);
+  EXPECT_LT(std::hypot(off.x(), off.y()), 1e-9) << "the contact offset adds 1e-10 to the depth";
+}
+
 TEST(SphereFollowerWithFriction, UsesNoHeap) {
   Stage stage(made::sphere(0.4, 16, 0.05), 0.03, kRubs);
   Wanderer wanderer(7);
