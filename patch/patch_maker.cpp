@@ -39,7 +39,7 @@ void PatchMaker::note_made(double seconds) noexcept {
   triangle_s_ += kMakeShare * (seconds / static_cast<double>(triangles_) - triangle_s_);
 }
 
-bool PatchMaker::is_left() const noexcept { return !p_SC_ || distance_m() >= kLeaveShare * radius_m_; }
+bool PatchMaker::is_left() const noexcept { return !p_SC_ || (std::isfinite(radius_m_) && distance_m() >= kLeaveShare * radius_m_); }
 
 // How many triangles can be made into a patch before the hand is out of the newest one.
 std::size_t PatchMaker::affordable() const noexcept {

@@ -9,7 +9,8 @@
 namespace hapton {
 namespace {
 
-constexpr double kSmaller = 0.8;  // a piece of too many triangles, by so much
+constexpr double kSmaller = 0.8;           // a piece of too many triangles, by so much
+constexpr std::size_t kMoreThanThere = 2;  // times the triangles of the tiles at its centre
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 Material material_of(const PatchTile& tile) {
@@ -168,13 +169,19 @@ PatchStore::Piece PatchStore::make_piece(const Vec3& p_S, double most_m, std::si
   piece.radius_m = std::min(known_radius(p_S), most_m);
   const Vec3 p = grid_.to_steps(p_S);
   std::unordered_set<std::uint32_t> near;
+  const auto find = [&](double radius_m) {
+    near.clear();
+    find_tiles(CellKey(), p, radius_m / grid_.step_m, near);
+    std::size_t triangles = 0;
+    for (const std::uint32_t tile : near) triangles += tiles_.contains(tile) ? tiles_.at(tile).triangle_count : 0;
+    return triangles;
+  };
+  // Where tiles lie across each other, those at one point alone may be too many.
+  most_triangles = std::max(most_triangles, kMoreThanThere * find(0.0));
   // Twice the grid's diagonal contains it from anywhere near.
   const double widest_m = std::ldexp(grid_.step_m, kPatchGridBits + 2);
   for (int smaller = 0; smaller < 100; ++smaller, piece.radius_m = std::min(kSmaller * piece.radius_m, widest_m)) {
-    near.clear();
-    find_tiles(CellKey(), p, piece.radius_m / grid_.step_m, near);
-    piece.triangles = 0;
-    for (const std::uint32_t tile : near) piece.triangles += tiles_.contains(tile) ? tiles_.at(tile).triangle_count : 0;
+    piece.triangles = find(piece.radius_m);
     if (piece.triangles <= most_triangles) break;
   }
   std::map<std::uint32_t, ObjectJoiner> objects;

@@ -51,7 +51,8 @@ class PatchStore {
   // How far from there every triangle of the scene is here; infinity when all are. Pre: has_begun().
   double known_radius(const Vec3& p_S) const;
 
-  // All that is known around a point, no farther than most_m, and less until it is no more than so many triangles. Pre: has_begun().
+  // All that is known around a point, no farther than most_m, and less until it is no more than so many triangles, or twice as
+  // many as the tiles at the point have. Pre: has_begun().
   Piece make_piece(const Vec3& p_S, double most_m, std::size_t most_triangles) const;
 
  private:

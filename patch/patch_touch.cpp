@@ -1,6 +1,7 @@
 #include "patch/patch_touch.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace hapton {
@@ -41,15 +42,22 @@ PatchTouch::Way PatchTouch::way() const noexcept {
 // starts at the proxy.
 bool PatchTouch::reaches(const Patch& patch, const Vec3& p_SD) const noexcept {
   if (patch.generation != generation_) return false;
+  if (std::isinf(patch.radius_m)) return true;
   const double from_centre = (p_SD - patch.p_SC).norm();
   const bool goes_on = is_over_ && &patch == patch_.get();
   const double around = goes_on ? (p_SP_ - last_p_SD_).norm() + (p_SD - last_p_SD_).norm() : (p_SD - p_SP_).norm() + 2.0 * patch.lift_m;
   return from_centre + around < patch.radius_m;
 }
 
+// Where the scene lies below the rounding of a place, the proxy could not be told from it.
+bool PatchTouch::is_place(const Vec3& p_SD) const noexcept {
+  constexpr double kRounding = 0x1p-52;
+  return p_SD.allFinite() && (patch_ == nullptr || p_SD.cwiseAbs().maxCoeff() * kRounding <= patch_->lift_m);
+}
+
 std::optional<PatchOutput> PatchTouch::step(const TouchInput& input) noexcept {
   const Vec3 p_SD = input.X_WS.linear().transpose() * (input.p_WD - input.X_WS.translation());
-  if (!p_SD.allFinite()) return std::nullopt;
+  if (!is_place(p_SD)) return std::nullopt;
   // A hand that enters the surface before its tiles have come is held by it once they are there.
   if (!is_placed_) {
     start_at(p_SD, Vec3::Zero());

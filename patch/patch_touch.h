@@ -77,7 +77,8 @@ class PatchTouch {
   // Where contact rested, or the device was free, before the first patch. outward: unit, of the force; zero: free.
   void start_at(const Vec3& p_SP, const Vec3& outward) noexcept;
 
-  // None: no patch has reached the hand yet, since the start or since it began anew.
+  // None: no patch has reached the hand yet, since the start or since it began anew; or a sample that is not finite, or so far off that its
+  // rounding is larger than a patch's lift (10^9 sizes of the scene): it changes nothing.
   std::optional<PatchOutput> step(const TouchInput& input) noexcept;
 
   const Counts& counts() const noexcept { return counts_; }
@@ -91,6 +92,7 @@ class PatchTouch {
   Way way() const noexcept;
 
  private:
+  bool is_place(const Vec3& p_SD) const noexcept;
   bool reaches(const Patch& patch, const Vec3& p_SD) const noexcept;
   bool reaches_next() const noexcept { return patch_ != nullptr && !path_.empty() && reaches(*patch_, path_.front().p_SD); }
   void take_offered(const DevicePath::Place& newest) noexcept;

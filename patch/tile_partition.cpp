@@ -1,14 +1,21 @@
 #include "patch/tile_partition.h"
 
 #include <algorithm>
+#include <deque>
 #include <numeric>
 #include <span>
+#include <utility>
+
+#include "patch/patch_store.h"
 
 namespace hapton {
 namespace {
 
 // A cell with more tiles than this is divided: as many as two screens of geometry round a fingertip, and a datagram of half the size.
 constexpr std::size_t kTilesInCell = 24;
+// Of eight children together, times the tiles of their parent: where more, tiles lie across each other, and dividing parts little. (A
+// surface has 2 to 4.)
+constexpr std::size_t kMostSpread = 5;
 
 struct GridTriangle {
   std::array<GridPoint, 3> corners;
@@ -101,31 +108,64 @@ PatchTile tile_of(std::size_t object, const Material& material) {
   return tile;
 }
 
-// The octree below nodes[at], which overlaps these tiles.
-void divide(TiledScene& scene, std::size_t at, std::vector<std::uint32_t> tiles,
-            std::array<std::uint8_t, kPatchDeepestLevel> empty_children) {
-  const CellKey key = scene.nodes[at].key;
-  if (tiles.size() <= kTilesInCell || key.level == kPatchDeepestLevel) {
-    // What no datagram can list is never sent: the hub then takes that place for unknown.
-    if (tiles.empty() || tiles.size() > PatchCell::kMostTiles) return;
-    scene.nodes[at].cell = static_cast<std::int32_t>(scene.cells.size());
-    scene.cells.push_back({key, empty_children, std::move(tiles)});
-    return;
+// Makes the octree, wide before deep, so that where it has to end early it is as coarse everywhere.
+class CellDivider {
+ public:
+  explicit CellDivider(TiledScene& scene) : scene_(scene) {}
+
+  void divide() {
+    std::vector<std::uint32_t> all(scene_.tiles.size());
+    std::iota(all.begin(), all.end(), 0U);
+    scene_.nodes.push_back({CellKey()});
+    open_.push_back({0, std::move(all), {}});
+    while (!open_.empty()) {
+      Open open = std::move(open_.front());
+      open_.pop_front();
+      divide(open);
+    }
   }
-  const std::size_t first = scene.nodes.size();
-  scene.nodes[at].first_child = static_cast<std::int32_t>(first);
-  std::array<std::vector<std::uint32_t>, 8> parts;
-  std::uint8_t& empty = empty_children[key.level];
-  for (std::uint32_t octant = 0; octant < 8; ++octant) {
-    scene.nodes.push_back({key.child(octant)});
-    const Box bounds = scene.nodes.back().key.bounds();
-    std::copy_if(tiles.begin(), tiles.end(), std::back_inserter(parts[octant]),
-                 [&](std::uint32_t tile) { return scene.tile_bounds[tile].overlaps(bounds); });
-    if (parts[octant].empty()) empty = static_cast<std::uint8_t>(empty | (1U << octant));
+
+ private:
+  struct Open {
+    std::size_t node = 0;
+    std::vector<std::uint32_t> tiles;  // that it overlaps
+    std::array<std::uint8_t, kPatchDeepestLevel> empty_children = {};
+  };
+
+  void divide(Open& open) {
+    const CellKey key = scene_.nodes[open.node].key;
+    const bool can_divide = key.level < kPatchDeepestLevel && scene_.nodes.size() + 8 <= PatchStore::kMostCells;
+    if (open.tiles.size() <= kTilesInCell || !can_divide) return close(open);
+    std::array<std::vector<std::uint32_t>, 8> parts;
+    std::size_t together = 0;
+    for (std::uint32_t octant = 0; octant < 8; ++octant) {
+      const Box bounds = key.child(octant).bounds();
+      std::copy_if(open.tiles.begin(), open.tiles.end(), std::back_inserter(parts[octant]),
+                   [&](std::uint32_t tile) { return scene_.tile_bounds[tile].overlaps(bounds); });
+      together += parts[octant].size();
+    }
+    if (together > kMostSpread * open.tiles.size() && open.tiles.size() <= PatchCell::kMostTiles) return close(open);
+    scene_.nodes[open.node].first_child = static_cast<std::int32_t>(scene_.nodes.size());
+    std::uint8_t& empty = open.empty_children[key.level];
+    for (std::uint32_t octant = 0; octant < 8; ++octant) {
+      if (parts[octant].empty()) empty = static_cast<std::uint8_t>(empty | (1U << octant));
+    }
+    for (std::uint32_t octant = 0; octant < 8; ++octant) {
+      scene_.nodes.push_back({key.child(octant)});
+      if (!parts[octant].empty()) open_.push_back({scene_.nodes.size() - 1, std::move(parts[octant]), open.empty_children});
+    }
   }
-  tiles = {};
-  for (std::size_t octant = 0; octant < 8; ++octant) divide(scene, first + octant, std::move(parts[octant]), empty_children);
-}
+
+  // A leaf. What no datagram can list is never sent: the hub then takes that place for unknown.
+  void close(Open& open) {
+    if (open.tiles.empty() || open.tiles.size() > PatchCell::kMostTiles) return;
+    scene_.nodes[open.node].cell = static_cast<std::int32_t>(scene_.cells.size());
+    scene_.cells.push_back({scene_.nodes[open.node].key, open.empty_children, std::move(open.tiles)});
+  }
+
+  TiledScene& scene_;
+  std::deque<Open> open_;
+};
 
 }  // namespace
 
@@ -141,10 +181,7 @@ TiledScene make_tiles(const TouchScene& scene) {
     std::vector<GridTriangle> triangles = to_grid(*scene.objects[object].mesh, tiled.grid);
     part(triangles, tile_of(object, scene.objects[object].material), tiled);
   }
-  std::vector<std::uint32_t> all(tiled.tiles.size());
-  std::iota(all.begin(), all.end(), 0U);
-  tiled.nodes.push_back({CellKey()});
-  divide(tiled, 0, std::move(all), {});
+  CellDivider(tiled).divide();
   return tiled;
 }
 

@@ -33,7 +33,8 @@ struct TiledScene {
 };
 
 // Parts the scene's triangles into compact tiles of one object each, that fit a datagram each, and space into cells of few tiles. Triangles
-// that have no area on the grid because two corners fall together are left out: their neighbours meet there. Time: n log n. RT: no.
+// that have no area on the grid because two corners fall together are left out: their neighbours meet there. No more nodes than
+// PatchStore::kMostCells: where tiles lie across each other, cells stay larger. Time: n log n. RT: no.
 // Threads: one.
 TiledScene make_tiles(const TouchScene& scene);
 

@@ -156,5 +156,18 @@ TEST(PatchStore, IsBoundedWhateverComes) {
   EXPECT_LE(other.known_radius(Vec3::Zero()), 0.0);
 }
 
+// More triangles through one point than asked for: fewer tiles than those there are none, and a piece without a radius is of no use.
+TEST(PatchStore, APieceHasWhatLiesAtItsCentreHoweverMuchThatIs) {
+  TouchScene scene;
+  for (int n = 0; n < 40; ++n) scene.objects.push_back(scene_of(rolling_sheet(0.05, 20)).objects.front());
+  Filled f(scene);
+  for (std::size_t n = 0; n < f.tiled.cells.size(); ++n) f.cell(n);
+  for (std::size_t n = 0; n < f.tiled.tiles.size(); ++n) f.tile(n);
+  const auto piece = f.store.make_piece(Vec3(0.01, 0.01, 0.0), 1.0, 10);
+  EXPECT_GT(piece.triangles, 40U);
+  EXPECT_LT(piece.triangles, 40U * 800U);
+  EXPECT_GT(piece.radius_m, 1e-4);
+}
+
 }  // namespace
 }  // namespace hapton

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <map>
+#include <random>
 #include <set>
 
+#include "patch/patch_store.h"
 #include "tests/patch/patch_stage.h"
 
 namespace hapton {
@@ -107,6 +109,25 @@ TEST(TilePartition, OfNothingIsNothing) {
   const TiledScene tiled = make_tiles({});
   EXPECT_TRUE(tiled.tiles.empty());
   EXPECT_TRUE(tiled.cells.empty());
+}
+
+// Long slivers through one another: the bounds of all tiles overlap all through the middle, so that no cell there has few.
+TEST(TilePartition, TilesThatLieAcrossEachOtherDoNotFillTheMemory) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> place(-0.05, 0.05);
+  TriangleMesh mesh;
+  for (std::uint32_t n = 0; n < 6000; ++n) {
+    const Vec3 from(place(random), place(random), place(random));
+    const Vec3 to(place(random), place(random), place(random));
+    for (const Vec3& v : {from, to, Vec3(to + Vec3(1e-5, 2e-5, 1e-5))}) mesh.vertices.push_back(v);
+    mesh.triangles.push_back({3 * n, 3 * n + 1, 3 * n + 2});
+  }
+  const TiledScene tiled = make_tiles(scene_of(std::move(mesh)));
+  EXPECT_LE(tiled.nodes.size(), PatchStore::kMostCells);
+  EXPECT_GT(tiled.cells.size(), 0U);
+  std::size_t listed = 0;
+  for (const TileCell& cell : tiled.cells) listed += cell.tiles.size();
+  EXPECT_LE(listed, PatchStore::kMostCells * PatchCell::kMostTiles / 4);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/geometry/mesh_measures.h"
+#include "core/geometry/seal_cracks.h"
 #include "patch/tile_partition.h"
 #include "runtime/clock.h"
 
@@ -32,7 +33,7 @@ TriangleMesh on_grid(TriangleMesh mesh, const PatchGrid& grid) {
 
 PatchMethod::PatchMethod(const MethodSettings& settings, const TouchScene& scene) : maker_(kTriangles) {
   const TiledScene tiled = make_tiles(scene);
-  std::uint32_t serial = 0;
+  std::uint32_t serial = 1;
   store_.accept(PatchBegin{1, serial++, tiled.grid.origin_m, tiled.grid.step_m, settings.probe_radius_m, 0});
   for (const TileCell& cell : tiled.cells) store_.accept(message_of(cell, serial++));
   for (std::uint32_t number = 0; number < tiled.tiles.size(); ++number) {
@@ -78,6 +79,8 @@ std::string PatchMethod::describe() const {
 }
 
 StressBody on_patch_grid(StressBody body) {
+  SealReport sealed;
+  body.touched = seal_cracks(std::move(body.touched), sealed);
   const MeshBounds bounds = compute_bounds(body.touched);
   const PatchGrid grid = PatchGrid::around({bounds.low, bounds.high});
   body.touched = on_grid(std::move(body.touched), grid);

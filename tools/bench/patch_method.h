@@ -36,7 +36,7 @@ class PatchMethod final : public ForceMethod {
   std::int64_t now_ns_ = 0;
 };
 
-// The body on the grid that its tiles have, so that both are the same surface.
+// The body as haptics_node has it, cracks sealed, on the grid that its tiles have, so that both are the same surface.
 StressBody on_patch_grid(StressBody body);
 
 }  // namespace hapton
