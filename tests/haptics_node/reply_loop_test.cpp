@@ -207,6 +207,7 @@ class SlowMethod : public ForceMethod {
   SlowMethod(std::unique_ptr<ForceMethod> method, std::atomic<bool>& done) : method_(std::move(method)), done_(done) {}
   MethodOutput step(const MethodInput& input) noexcept override { return method_->step(input); }
   void reset(const Vec3& p_SD) noexcept override { method_->reset(p_SD); }
+  void set_materials(std::span<const Material>) noexcept override {}
   std::string describe() const override { return method_->describe(); }
   bool prepare() override {
     while (!done_) std::this_thread::sleep_for(std::chrono::milliseconds(1));
