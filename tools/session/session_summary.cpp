@@ -12,9 +12,10 @@ namespace {
 constexpr std::size_t kFaultsListed = 20;
 
 const char* name_of(const Message& message) {
-  constexpr std::array kNames = {"Hello",        "Welcome",    "Bye",       "DeviceState",  "ForceCommand",  "ViewTransform", "ProbeState",
-                                 "FrameAck",     "HandTarget", "Settings",  "HapticsSetup", "ReportRequest", "ReportPart",    "SceneFacts",
-                                 "ViewRejected", "PatchBegin", "PatchCell", "PatchTile",    "PatchStatus",   "LoopFacts"};
+  constexpr std::array kNames = {
+      "Hello",      "Welcome",   "Bye",          "DeviceState",   "ForceCommand",    "ViewTransform", "ProbeState",   "FrameAck",
+      "HandTarget", "Settings",  "HapticsSetup", "ReportRequest", "ReportPart",      "SceneFacts",    "ViewRejected", "PatchBegin",
+      "PatchCell",  "PatchTile", "PatchStatus",  "LoopFacts",     "MaterialRequest", "MaterialState"};
   static_assert(kNames.size() == std::variant_size_v<Message>);
   return kNames[message.index()];
 }
