@@ -55,7 +55,8 @@ ForceCommand HapticsStep::answer() noexcept {
           .skipped_samples = std::exchange(skipped_, 0U),
           .view_revision = view_.revision,
           .method_serial = static_cast<std::uint32_t>(counts_.methods_taken),
-          .answered_before = answered_before_};
+          .answered_before = answered_before_,
+          .material_serial = static_cast<std::uint32_t>(counts_.materials_taken)};
 }
 
 // Where a new method starts: at the device, or off the surface, on the side that the old one was in contact with.
@@ -126,6 +127,12 @@ std::unique_ptr<TouchStep> HapticsStep::replace(std::unique_ptr<TouchStep> touch
     if (output_.contact || fade_.is_felt() || settled.contact) fade_.begin();
   }
   return touch;
+}
+
+void HapticsStep::set_materials(std::span<const Material> materials) noexcept {
+  ++counts_.materials_taken;
+  touch_->set_materials(materials);
+  if (running_ && (output_.contact || fade_.is_felt())) fade_.begin();
 }
 
 }  // namespace hapton

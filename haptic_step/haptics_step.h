@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "core/force/force_fade.h"
 #include "core/force/touch_step.h"
@@ -18,6 +19,7 @@ struct HapticsCounts {
   std::uint64_t views_taken = 0;
   std::uint64_t views_rejected = 0;  // not rigid
   std::uint64_t methods_taken = 0;   // changes while running
+  std::uint64_t materials_taken = 0;
   double max_force_n = 0.0;
 };
 
@@ -48,6 +50,10 @@ class HapticsStep {
   // surface, so its first step has the same contact; in free space at the device point. Where the forces of the two differ, the difference
   // fades (ForceFade).
   std::unique_ptr<TouchStep> replace(std::unique_ptr<TouchStep> touch) noexcept;
+
+  // The materials have changed, as ForceMethod::set_materials has them; the proxy stays. In contact the difference of the forces fades
+  // (ForceFade), as after a change of method.
+  void set_materials(std::span<const Material> materials) noexcept;
 
   // Forgets contact and time: for a new hub session, or after a long gap in the samples.
   void restart() noexcept {

@@ -78,6 +78,12 @@ int run(const HapticsOptions& options) {
   loop.set_patch_sender(&patches);
   StiffnessAdviser adviser(find_stiffest(felt));
   loop.set_stiffness_adviser(&adviser);
+  MaterialTuner tuner(*scene, options.method.coupling_n_per_m, [&, tuned = felt](const std::vector<Material>& materials) mutable {
+    for (std::size_t o = 0; o < materials.size(); ++o) tuned.objects[o].material = materials[o];
+    adviser.set_stiffest(find_stiffest(tuned));
+    patches.set_materials(materials);
+  });
+  loop.set_material_tuner(&tuner);
   const auto realtime = enter_realtime(options.realtime);
   if (!realtime) return give_up(realtime.error());
   const auto lines = realtime->to_lines();

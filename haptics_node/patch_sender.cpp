@@ -60,6 +60,7 @@ void PatchSender::run() {
       wanted_until_ns = status.is_wanted ? time_ns + kWantedNs : 0;
       if (source_) source_->accept(status);
     }
+    follow_materials();
     if (now_ns < wanted_until_ns) {
       follow_method();
       if (hands_.take()) follow_hand(hands_.value());
@@ -67,6 +68,24 @@ void PatchSender::run() {
     }
     std::this_thread::sleep_for(now_ns < wanted_until_ns ? kLookEvery : kIdleLookEvery);
   }
+}
+
+void PatchSender::set_materials(const std::vector<Material>& materials) {
+  const std::scoped_lock lock(materials_mutex_);
+  materials_ = materials;
+}
+
+// A tile has the material of its object, and what a part says holds within its epoch: the next one begins without parts.
+void PatchSender::follow_materials() {
+  std::vector<Material> materials;
+  {
+    const std::scoped_lock lock(materials_mutex_);
+    materials.swap(materials_);
+  }
+  for (std::size_t o = 0; o < std::min(materials.size(), scene_.objects.size()); ++o) scene_.objects[o].material = materials[o];
+  if (materials.empty()) return;
+  tiles_.reset();
+  source_.reset();
 }
 
 // With a method that parts of the scene do not serve the hub gets an epoch without any.

@@ -4,8 +4,10 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <string_view>
 #include <thread>
+#include <vector>
 
 #include "core/force/touch_scene.h"
 #include "link/messages.h"
@@ -32,6 +34,8 @@ class PatchSender {
   void note_hand(const DeviceState& state, const std::array<float, 12>& X_WS) noexcept;
   // Another method is in use: parts of the scene are as good as it, or not. Parts hold no effects, so a scene with any is never offered.
   void set_offered(bool is_offered) noexcept { is_offered_.store(is_offered && !has_effects_, std::memory_order_release); }
+  // The scene's materials have changed: the hub gets all parts anew. Pre: one for each object. RT: no. Threads: any.
+  void set_materials(const std::vector<Material>& materials);
   // The hub asked for parts a moment ago.
   bool is_wanted(std::int64_t now_ns) const noexcept { return now_ns < wanted_until_ns_; }
 
@@ -62,6 +66,7 @@ class PatchSender {
   void run();
   void follow_hand(const Hand& hand);
   void follow_method();
+  void follow_materials();
   bool fill(std::int64_t now_ns);
 
   TouchScene scene_;
@@ -74,6 +79,8 @@ class PatchSender {
   Mailbox<Hand> hands_;
   Mailbox<PatchSource::Counts> counts_;
   std::atomic<bool> is_offered_;
+  std::mutex materials_mutex_;
+  std::vector<Material> materials_;  // new ones, not followed yet; empty: none
   std::array<Message, kRing> ring_;
   alignas(64) std::atomic<std::size_t> begin_{0};
   alignas(64) std::atomic<std::size_t> end_{0};

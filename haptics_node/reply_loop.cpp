@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "haptic_step/haptics_setup.h"
 #include "runtime/log.h"
 
 namespace hapton {
@@ -53,6 +54,7 @@ void ReplyLoop::turn(std::int64_t deadline_ns) {
   }
   if (patches_ != nullptr) send_patches();
   change_method();
+  change_materials();
   send_setup();
   report_hub_state();
   report_scene();
@@ -85,6 +87,8 @@ void ReplyLoop::handle(const Message& message) noexcept {
     scene_shown_ = scene->given_hash;
   } else if (const auto* facts = std::get_if<LoopFacts>(&message)) {
     if (!overtaken && adviser_ != nullptr) adviser_->note(*facts);
+  } else if (const auto* request = std::get_if<MaterialRequest>(&message)) {
+    request_materials(*request);
   } else if (const auto* settings = std::get_if<Settings>(&message); settings != nullptr && settings->method[0] != '\0') {
     // A requester repeats its request until the reply comes.
     if (settings->method_request != 0 && settings->method_request == last_request_) return;
@@ -131,8 +135,10 @@ void ReplyLoop::answer() noexcept {
 
 void ReplyLoop::change_method() noexcept {
   if (auto built = builder_.take()) {
+    if (tuned_ != nullptr) built->step->set_materials(tuned_->materials);
     built->step = step_.replace(std::move(built->step));
     setup_.method = built->text;
+    setup_.material_serial = static_cast<std::uint32_t>(step_.counts().materials_taken);
     setup_.method_request = built->request_id;
     setup_.rejection = {};
     if (patches_ != nullptr) patches_->set_offered(PatchSender::can_offer({setup_.method.data(), setup_.method.size()}));
@@ -143,6 +149,32 @@ void ReplyLoop::change_method() noexcept {
     setup_.rejection = rejected->why;
     send_setup_soon();
   }
+}
+
+// A requester repeats its request until the reply comes. Forces that the hub works out itself would change without a fade, when it has
+// received all tiles again.
+void ReplyLoop::request_materials(const MaterialRequest& request) noexcept {
+  if (tuner_ == nullptr || request.request == last_material_request_) return;
+  last_material_request_ = request.request;
+  if (patches_ == nullptr || !patches_->is_wanted(hub_.receive_time_ns())) return tuner_->request(request);
+  materials_.request = request.request;
+  put_text("the hub works out forces from parts of the scene (io_node --touch): materials stay as the scene file has them",
+           materials_.rejection);
+  send_setup_soon();
+}
+
+void ReplyLoop::change_materials() noexcept {
+  if (tuner_ == nullptr) return;
+  auto result = tuner_->take();
+  if (result == nullptr) return;
+  materials_ = result->state;
+  if (!result->materials.empty()) {
+    step_.set_materials(result->materials);
+    std::swap(result, tuned_);
+  }
+  materials_.serial = static_cast<std::uint32_t>(step_.counts().materials_taken);
+  tuner_->retire(std::move(result));
+  send_setup_soon();
 }
 
 void ReplyLoop::send_patches() noexcept {
@@ -172,6 +204,7 @@ void ReplyLoop::send_setup() noexcept {
   setup_.view_revision = step_.view().revision;
   setup_.X_WS = step_.view().X_WS;
   hub_.send(setup_);
+  if (materials_.request != 0) hub_.send(materials_);
   if (scene_.given_hash != 0) hub_.send(scene_);
 }
 

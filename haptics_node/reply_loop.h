@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "haptic_step/haptics_step.h"
+#include "haptics_node/material_tuner.h"
 #include "haptics_node/method_builder.h"
 #include "haptics_node/patch_sender.h"
 #include "haptics_node/stiffness_adviser.h"
@@ -26,6 +27,8 @@ class ReplyLoop {
 
   // Before run: what offers the hub the scene in parts. Pre: outlives this.
   void set_patch_sender(PatchSender* patches) noexcept { patches_ = patches; }
+  // Before run: who works out changes of materials. Pre: outlives this.
+  void set_material_tuner(MaterialTuner* tuner) noexcept { tuner_ = tuner; }
   // Before run: who is told about the hub's loop. Pre: outlives this.
   void set_stiffness_adviser(StiffnessAdviser* adviser) noexcept { adviser_ = adviser; }
 
@@ -45,7 +48,9 @@ class ReplyLoop {
   void handle(const Message& message) noexcept;
   bool is_ready() noexcept;
   void answer() noexcept;
+  void request_materials(const MaterialRequest& request) noexcept;
   void change_method() noexcept;
+  void change_materials() noexcept;
   void send_patches() noexcept;
   void send_setup_soon() noexcept;
   void wait_for_builder() noexcept;
@@ -61,6 +66,9 @@ class ReplyLoop {
   SceneFacts scene_;
   PatchSender* patches_ = nullptr;
   StiffnessAdviser* adviser_ = nullptr;
+  MaterialTuner* tuner_ = nullptr;
+  std::unique_ptr<TunedMaterials> tuned_;  // in use; null: those of the scene
+  MaterialState materials_;
   std::uint64_t scene_shown_ = 0;     // hash of the scene that a vision node last reported; 0: none
   std::uint64_t scene_reported_ = 0;  // of these, the one that the log spoke of
   bool builds_on_approach_;
@@ -76,7 +84,8 @@ class ReplyLoop {
   std::int64_t arrival_ns_ = 0;
   std::int64_t start_ns_;
   std::uint64_t session_ = 0;
-  std::uint32_t last_request_ = 0;  // of a method
+  std::uint32_t last_request_ = 0;           // of a method
+  std::uint32_t last_material_request_ = 0;  // of a material
   JoinState state_reported_ = JoinState::joining;
   bool absence_reported_ = false;
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <string_view>
+#include <utility>
 
 #include "loop/device_model.h"
 #include "loop/hand_model.h"
@@ -37,7 +38,7 @@ std::optional<StiffnessAdvice> advise_stiffness(const LoopFacts& facts) {
 }
 
 StiffnessAdviser::StiffnessAdviser(double stiffest_n_per_m)
-    : stiffest_n_per_m_(stiffest_n_per_m), thread_(start_thread([this] { run(); })) {}
+    : stiffest_n_per_m_(stiffest_n_per_m), considered_n_per_m_(stiffest_n_per_m), thread_(start_thread([this] { run(); })) {}
 
 StiffnessAdviser::~StiffnessAdviser() {
   stop_.store(true);
@@ -49,6 +50,8 @@ void StiffnessAdviser::run() {
   constexpr auto kPeriod = std::chrono::milliseconds(50);
   while (!stop_.load()) {
     if (facts_.take()) consider(facts_.value());
+    const double stiffest_n_per_m = stiffest_n_per_m_.load(std::memory_order_acquire);
+    if (std::exchange(considered_n_per_m_, stiffest_n_per_m) < stiffest_n_per_m) advise(considered_, stiffest_n_per_m);
     std::this_thread::sleep_for(kPeriod);
   }
 }
@@ -57,17 +60,21 @@ void StiffnessAdviser::consider(const LoopFacts& facts) {
   const bool is_same_loop = facts.device == considered_.device && facts.servo_rate_hz == considered_.servo_rate_hz;
   if (is_same_loop && facts.round_trip_s < static_cast<float>(kMuchSlower) * considered_.round_trip_s) return;
   considered_ = facts;
+  advise(facts, considered_n_per_m_);
+}
+
+void StiffnessAdviser::advise(const LoopFacts& facts, double stiffest_n_per_m) {
   const auto advice = advise_stiffness(facts);
-  if (!advice || stiffest_n_per_m_ <= advice->safe_n_per_m) return;
+  if (!advice || stiffest_n_per_m <= advice->safe_n_per_m) return;
   if (advice->is_limited_by_device) {
-    log_warning("the scene asks for {:.0f} N/m, but the maker of {} gives {:.0f} N/m at most; lower stiffness_n_per_m", stiffest_n_per_m_,
+    log_warning("the scene asks for {:.0f} N/m, but the maker of {} gives {:.0f} N/m at most; lower stiffness_n_per_m", stiffest_n_per_m,
                 advice->device, advice->safe_n_per_m);
     return;
   }
   log_warning(
       "the scene asks for {:.0f} N/m, but {} at {:g} Hz with forces after {:.3g} ms holds {:.0f} N/m safely (hand: {}); lower "
       "stiffness_n_per_m, or shorten the delay (see hapton loop recommend)",
-      stiffest_n_per_m_, advice->device, facts.servo_rate_hz, 1e3 * static_cast<double>(facts.round_trip_s), advice->safe_n_per_m,
+      stiffest_n_per_m, advice->device, facts.servo_rate_hz, 1e3 * static_cast<double>(facts.round_trip_s), advice->safe_n_per_m,
       advice->hand);
 }
 

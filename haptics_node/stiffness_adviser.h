@@ -33,14 +33,18 @@ class StiffnessAdviser {
   StiffnessAdviser& operator=(const StiffnessAdviser&) = delete;
 
   void note(const LoopFacts& facts) noexcept { facts_.publish(facts); }
+  // The scene's materials have changed. Threads: any.
+  void set_stiffest(double stiffest_n_per_m) noexcept { stiffest_n_per_m_.store(stiffest_n_per_m, std::memory_order_release); }
 
  private:
   void run();
   void consider(const LoopFacts& facts);
+  void advise(const LoopFacts& facts, double stiffest_n_per_m);
 
-  double stiffest_n_per_m_;
+  std::atomic<double> stiffest_n_per_m_;
   Mailbox<LoopFacts> facts_;
-  LoopFacts considered_;  // this thread's own
+  LoopFacts considered_;             // this thread's own
+  double considered_n_per_m_ = 0.0;  // likewise
   std::atomic<bool> stop_ = false;
   std::thread thread_;
 };

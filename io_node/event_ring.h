@@ -19,6 +19,7 @@ struct ServoEvent {
     rejected,
     rate_changed,
     method_requested,
+    material_requested,
     wrong_key,
     wrong_version,
     latched,

@@ -36,6 +36,8 @@ std::string describe(const ServoEvent& event) {
       return fmt::format("servo rate now {:.0f} Hz", event.rate_hz);
     case ServoEvent::Kind::method_requested:
       return fmt::format("method requested: {}", std::string_view(event.method.data()).substr(0, 16));
+    case ServoEvent::Kind::material_requested:
+      return "change of a material requested";
     case ServoEvent::Kind::wrong_key:
       return "a node with another key, or none, tried to join; if it is yours, give it a key made from this hub's master key: "
              "hapton keygen --role ROLE "

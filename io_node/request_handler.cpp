@@ -30,6 +30,11 @@ void RequestHandler::request_method(const Settings& settings, NodeRole role) noe
   events_.push({ServoEvent::Kind::method_requested, role, {}, 0.0, settings.method, {}});
 }
 
+void RequestHandler::accept(const MaterialRequest& request, const PeerEvent& event) noexcept {
+  peers_.send_to_role(NodeRole::haptics, request);
+  events_.push({ServoEvent::Kind::material_requested, event.role, {}, 0.0, {}, {}});
+}
+
 void RequestHandler::reset_faults(const Peer& sender) noexcept {
   const DeviceSide& side = loop_.latest();
   if (side.governor.fault == SafetyFault::none) return;

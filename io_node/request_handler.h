@@ -13,7 +13,7 @@
 
 namespace hapton {
 
-// Carries out what tools and vision nodes request: servo rate, force method, report, reset of a latched fault, hand target.
+// Carries out what tools and vision nodes request: servo rate, force method, material, report, reset of a latched fault, hand target.
 // RT: yes. Threads: the servo's; take_report_request one other.
 class RequestHandler {
  public:
@@ -22,6 +22,8 @@ class RequestHandler {
       : loop_(loop), peers_(peers), clock_(clock), events_(events), stats_(stats), rate_hz_(rate_hz) {}
 
   void accept(const Settings& settings, const PeerEvent& event) noexcept;
+  // Passed on: the haptics node checks it and replies.
+  void accept(const MaterialRequest& request, const PeerEvent& event) noexcept;
   // The newest vision node that sets an active target controls the simulated hand until it releases it or leaves.
   void accept(const HandTarget& target, std::size_t peer) noexcept;
   // The node in this slot has left, or another one has taken it.

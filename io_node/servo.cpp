@@ -140,7 +140,12 @@ void Servo::on_message(const PeerEvent& event, const Datagram& datagram) noexcep
   }
   if (const auto* target = std::get_if<HandTarget>(&message)) return requests_.accept(*target, event.peer);
   if (const auto* settings = std::get_if<Settings>(&message)) return requests_.accept(*settings, event);
+  if (const auto* request = std::get_if<MaterialRequest>(&message)) return requests_.accept(*request, event);
   if (const auto* setup = std::get_if<HapticsSetup>(&message)) return on_setup(*setup);
+  if (const auto* state = std::get_if<MaterialState>(&message)) {
+    peers_.send_to_role(NodeRole::tool, *state);
+    return;
+  }
   if (const auto* scene = std::get_if<SceneFacts>(&message)) return scene_.accept(*scene, event.role, view_.view());
   if (const auto* request = std::get_if<ReportRequest>(&message); request != nullptr && report_server_ != nullptr) {
     report_server_->accept(event.peer, *request);

@@ -88,12 +88,16 @@ constexpr std::tuple kMessageKinds{
                                                 &wire::Envelope::mutable_patch_status},
     MessageKind<LoopFacts, wire::LoopFacts>{&wire::Envelope::has_loop_facts, &wire::Envelope::loop_facts,
                                             &wire::Envelope::mutable_loop_facts},
+    MessageKind<MaterialRequest, wire::MaterialRequest>{&wire::Envelope::has_material_request, &wire::Envelope::material_request,
+                                                        &wire::Envelope::mutable_material_request},
+    MessageKind<MaterialState, wire::MaterialState>{&wire::Envelope::has_material_state, &wire::Envelope::material_state,
+                                                    &wire::Envelope::mutable_material_state},
     MessageKind<Bye, wire::Bye>{&wire::Envelope::has_bye, &wire::Envelope::bye, &wire::Envelope::mutable_bye},
 };
 constexpr std::size_t kKindCount = std::tuple_size_v<decltype(kMessageKinds)>;
 static_assert(kKindCount == std::variant_size_v<Message>);
 // Fields 1 to 5 of an Envelope are its header, the others one kind each, from 16 on.
-static_assert(wire::Envelope::kLoopFactsFieldNumber == 15 + kKindCount, "the last kind of hapton.proto, and its line in kMessageKinds");
+static_assert(wire::Envelope::kMaterialStateFieldNumber == 15 + kKindCount, "the last kind of hapton.proto, and its line in kMessageKinds");
 
 // Calls visit with each kind until one returns true.
 template <class Visit>
@@ -207,6 +211,13 @@ void reserve(wire::PatchTile& m) {
   m.mutable_triangles()->reserve(kMaxDatagramBytes);
 }
 void reserve(wire::PatchStatus& m) { m.mutable_received()->reserve(kMaxDatagramBytes); }
+void reserve(wire::MaterialRequest& m) { m.mutable_object()->reserve(kMaxDatagramBytes); }
+void reserve(wire::MaterialState& m) {
+  m.mutable_rejection()->reserve(kMaxDatagramBytes);
+  m.mutable_object()->Reserve(kMaxDatagramBytes);
+  m.mutable_given()->Reserve(kMaxDatagramBytes);
+  reserve_field(*m.mutable_numbers());
+}
 void reserve(wire::Bye&) {}
 
 }  // namespace

@@ -13,10 +13,13 @@ bool may_send(NodeRole role, const Message& message) {
   if (std::holds_alternative<SceneFacts>(message)) return role != NodeRole::tool;
   if (role == NodeRole::haptics) {
     return std::holds_alternative<ForceCommand>(message) || std::holds_alternative<HapticsSetup>(message) ||
-           std::holds_alternative<PatchTile>(message) || std::holds_alternative<PatchCell>(message) ||
-           std::holds_alternative<PatchBegin>(message);
+           std::holds_alternative<MaterialState>(message) || std::holds_alternative<PatchTile>(message) ||
+           std::holds_alternative<PatchCell>(message) || std::holds_alternative<PatchBegin>(message);
   }
-  if (role == NodeRole::tool) return std::holds_alternative<Settings>(message) || std::holds_alternative<ReportRequest>(message);
+  if (role == NodeRole::tool) {
+    return std::holds_alternative<Settings>(message) || std::holds_alternative<MaterialRequest>(message) ||
+           std::holds_alternative<ReportRequest>(message);
+  }
   return std::holds_alternative<ViewTransform>(message) || std::holds_alternative<FrameAck>(message) ||
          std::holds_alternative<HandTarget>(message);
 }

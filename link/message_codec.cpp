@@ -24,11 +24,6 @@ void write_rotation(Field& field, const Quat& q) {
   }
 }
 
-template <std::size_t N>
-void write_text(const std::array<char, N>& from, std::string& to) {
-  to.assign(from.data(), static_cast<std::size_t>(std::find(from.begin(), from.end(), '\0') - from.begin()));
-}
-
 template <class Field>
 bool read_rotation(const Field& field, Quat& q) {
   if (field.size() != 4) {
@@ -45,18 +40,6 @@ bool read_pose(const Field& field, std::array<float, 12>& X) {
   }
   std::copy(field.begin(), field.end(), X.begin());
   return is_rigid(X);
-}
-
-// The last byte stays NUL.
-template <std::size_t N>
-bool read_text(const std::string& from, std::array<char, N>& to) {
-  if (from.size() >= N ||
-      std::any_of(from.begin(), from.end(), [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; })) {
-    return false;
-  }
-  to = {};
-  std::copy(from.begin(), from.end(), to.begin());
-  return true;
 }
 
 bool read_document(std::uint32_t from, ReportDocument& to) {
@@ -107,6 +90,7 @@ void write(const ForceCommand& from, wire::ForceCommand& to) {
   to.set_view_revision(from.view_revision);
   to.set_method_serial(from.method_serial);
   to.set_answered_before(from.answered_before);
+  to.set_material_serial(from.material_serial);
 }
 
 void write(const ViewTransform& from, wire::ViewTransform& to) {
@@ -162,6 +146,7 @@ void write(const HapticsSetup& from, wire::HapticsSetup& to) {
   write_text(from.build, *to.mutable_build());
   write_text(from.method, *to.mutable_method());
   to.set_scene_loading(from.scene_loading);
+  to.set_material_serial(from.material_serial);
   to.set_method_request(from.method_request);
   write_text(from.rejection, *to.mutable_rejection());
 }
@@ -231,6 +216,7 @@ bool read(const wire::ForceCommand& from, ForceCommand& to) {
   to.view_revision = from.view_revision();
   to.method_serial = from.method_serial();
   to.answered_before = from.answered_before();
+  to.material_serial = from.material_serial();
   return read_vector(from.force_n(), to.force_n) && read_vector(from.visual_offset_m(), to.visual_offset_m);
 }
 
@@ -287,6 +273,7 @@ bool read(const wire::HapticsSetup& from, HapticsSetup& to) {
   to.scene_hash = from.scene_hash();
   to.method_request = from.method_request();
   to.scene_loading = from.scene_loading();
+  to.material_serial = from.material_serial();
   return read_pose(from.x_ws(), to.X_WS) && read_text(from.scene(), to.scene) && read_text(from.build(), to.build) &&
          read_text(from.method(), to.method) && read_text(from.rejection(), to.rejection);
 }

@@ -26,6 +26,8 @@ class PatchBegin;
 class PatchCell;
 class PatchTile;
 class PatchStatus;
+class MaterialRequest;
+class MaterialState;
 }  // namespace wire
 
 void write(const Hello& from, wire::Hello& to);
@@ -48,6 +50,8 @@ void write(const PatchBegin& from, wire::PatchBegin& to);
 void write(const PatchCell& from, wire::PatchCell& to);
 void write(const PatchTile& from, wire::PatchTile& to);
 void write(const PatchStatus& from, wire::PatchStatus& to);
+void write(const MaterialRequest& from, wire::MaterialRequest& to);
+void write(const MaterialState& from, wire::MaterialState& to);
 
 // False for a value that the contract rules out; `to` is then not to be used.
 bool read(const wire::Hello& from, Hello& to);
@@ -69,6 +73,8 @@ bool read(const wire::PatchBegin& from, PatchBegin& to);
 bool read(const wire::PatchCell& from, PatchCell& to);
 bool read(const wire::PatchTile& from, PatchTile& to);
 bool read(const wire::PatchStatus& from, PatchStatus& to);
+bool read(const wire::MaterialRequest& from, MaterialRequest& to);
+bool read(const wire::MaterialState& from, MaterialState& to);
 bool read(const wire::ViewTransform& from, ViewTransform& to);
 
 }  // namespace hapton

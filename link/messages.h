@@ -54,6 +54,7 @@ struct ForceCommand {
   std::uint32_t view_revision = 0;    // of the newest ViewTransform it has applied
   std::uint32_t method_serial = 0;    // of the method that computed it, as HapticsSetup counts
   std::uint64_t answered_before = 0;  // bit i: sample echo_sample - 1 - i was answered as well, so that a lost reply is noticed
+  std::uint32_t material_serial = 0;  // of the materials that it was computed with, as MaterialState counts
 };
 
 // ForceCommand::answered_before of a first reply that resumes contact of an earlier session.
@@ -143,10 +144,49 @@ struct HapticsSetup {
   std::uint64_t scene_hash = 0;
   Text scene = {};  // the file's path
   Text build = {};
-  Text method = {};                  // "name=proxy probe_radius_m=0 ..."
-  std::uint32_t method_request = 0;  // of the Settings replied to last; 0: none
-  Text rejection = {};               // why that method is not used; empty: it is in use
-  std::uint32_t scene_loading = 0;   // unit, sealing and fit of the scene (scene/scene_loading.h); 0: unknown
+  Text method = {};                   // "name=proxy probe_radius_m=0 ..."
+  std::uint32_t method_request = 0;   // of the Settings replied to last; 0: none
+  Text rejection = {};                // why that method is not used; empty: it is in use
+  std::uint32_t scene_loading = 0;    // unit, sealing and fit of the scene (scene/scene_loading.h); 0: unknown
+  std::uint32_t material_serial = 0;  // as in MaterialState, when this method came into use
+};
+
+// Some numbers of a material; those that are not given stay as they are.
+struct MaterialChange {
+  static constexpr std::uint32_t kStiffness = 1;
+  static constexpr std::uint32_t kDamping = 2;
+  static constexpr std::uint32_t kFrictionStatic = 4;
+  static constexpr std::uint32_t kFrictionDynamic = 8;
+  static constexpr std::uint32_t kAll = 15;
+
+  std::uint32_t given = 0;  // bits of the above
+  double stiffness_n_per_m = 0.0;
+  double damping_ns_per_m = 0.0;
+  double friction_static = 0.0;
+  double friction_dynamic = 0.0;
+};
+
+// tool -> hub -> haptics: changes the material of one object while it is touched. What it may be, the haptics node knows: it has the scene.
+struct MaterialRequest {
+  std::uint32_t request = 0;       // identifies the reply in MaterialState; never 0
+  HapticsSetup::Text object = {};  // name; empty: all objects
+  MaterialChange change;
+};
+
+// haptics -> hub -> every tool, when it has changed and once a second from the first request on: in what the materials differ from the
+// scene's, so that a recording can be replayed, and the result of the last request.
+struct MaterialState {
+  static constexpr std::size_t kMostObjects = 20;
+  struct Object {
+    std::int32_t object = -1;  // of the scene, from 0; -1: all, before the others
+    MaterialChange change;
+  };
+
+  std::uint32_t serial = 0;           // changes while running
+  std::uint32_t request = 0;          // replied to last; 0: none
+  HapticsSetup::Text rejection = {};  // why it changed nothing; empty: it is in use
+  std::uint32_t object_count = 0;
+  std::array<Object, kMostObjects> objects = {};
 };
 
 // haptics -> hub -> every vision node, vision -> hub -> haptics, when a session begins and once a second: the scene that a node has, so
@@ -249,9 +289,9 @@ struct LoopFacts {
   float round_trip_s = 0.0F;  // from the sample to its force, p99 since the start
 };
 
-using Message =
-    std::variant<Hello, Welcome, Bye, DeviceState, ForceCommand, ViewTransform, ProbeState, FrameAck, HandTarget, Settings, HapticsSetup,
-                 ReportRequest, ReportPart, SceneFacts, ViewRejected, PatchBegin, PatchCell, PatchTile, PatchStatus, LoopFacts>;
+using Message = std::variant<Hello, Welcome, Bye, DeviceState, ForceCommand, ViewTransform, ProbeState, FrameAck, HandTarget, Settings,
+                             HapticsSetup, ReportRequest, ReportPart, SceneFacts, ViewRejected, PatchBegin, PatchCell, PatchTile,
+                             PatchStatus, LoopFacts, MaterialRequest, MaterialState>;
 
 // In front of every message.
 struct Header {

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <string>
+
 #include "core/math/types.h"
 #include "link/codec.h"
 
@@ -36,6 +40,23 @@ template <class Numbers, class Field>
 void write_numbers(const Numbers& from, Field& field) {
   field.Clear();
   add_numbers(from, field);
+}
+
+template <std::size_t N>
+void write_text(const std::array<char, N>& from, std::string& to) {
+  to.assign(from.data(), static_cast<std::size_t>(std::find(from.begin(), from.end(), '\0') - from.begin()));
+}
+
+// The last byte stays NUL.
+template <std::size_t N>
+bool read_text(const std::string& from, std::array<char, N>& to) {
+  if (from.size() >= N ||
+      std::any_of(from.begin(), from.end(), [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; })) {
+    return false;
+  }
+  to = {};
+  std::copy(from.begin(), from.end(), to.begin());
+  return true;
 }
 
 }  // namespace hapton

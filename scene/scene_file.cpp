@@ -11,6 +11,7 @@
 #include "core/base/near_miss.h"
 #include "scene/effect_reader.h"
 #include "scene/file_bytes.h"
+#include "scene/material_limits.h"
 #include "scene/mesh_file.h"
 #include "scene/scene_hash.h"
 #include "scene/table_reader.h"
@@ -20,10 +21,6 @@ namespace hapton {
 namespace {
 
 constexpr std::size_t kMaxSceneFileBytes = std::size_t{1} << 24;
-// Far beyond any surface and any device, so that a typing error is rejected.
-constexpr double kMaxStiffnessNPerM = 1e6;
-constexpr double kMaxDampingNsPerM = 1e4;
-constexpr double kMaxFriction = 10.0;
 constexpr double kMaxLengthM = 1e6;
 constexpr double kMaxScale = 1e9;
 
@@ -32,17 +29,22 @@ struct MaterialSpec {
   SurfaceEffects effects;
 };
 
+void read_number(TableReader& reader, const MaterialLimit& limit, double& value) {
+  reader.read(limit.key, value, 0.0, limit.most, limit.above_zero);
+}
+
 Result<MaterialSpec> read_material(const toml::table& table, const std::string& name) {
   MaterialSpec spec;
   Material& material = spec.material;
   TableReader reader(table, fmt::format("[material.{}]", printable(name)));
-  std::vector<std::string_view> keys = {"stiffness_n_per_m", "damping_ns_per_m", "friction_static", "friction_dynamic", "two_sided"};
+  std::vector<std::string_view> keys = {kStiffnessLimit.key, kDampingLimit.key, kFrictionStaticLimit.key, kFrictionDynamicLimit.key,
+                                        "two_sided"};
   keys.insert(keys.end(), surface_effect_keys().begin(), surface_effect_keys().end());
   reader.allow(keys);
-  reader.read("stiffness_n_per_m", material.stiffness_n_per_m, 0.0, kMaxStiffnessNPerM, true);
-  reader.read("damping_ns_per_m", material.damping_ns_per_m, 0.0, kMaxDampingNsPerM);
-  reader.read("friction_static", material.friction_static, 0.0, kMaxFriction);
-  reader.read("friction_dynamic", material.friction_dynamic, 0.0, kMaxFriction);
+  read_number(reader, kStiffnessLimit, material.stiffness_n_per_m);
+  read_number(reader, kDampingLimit, material.damping_ns_per_m);
+  read_number(reader, kFrictionStaticLimit, material.friction_static);
+  read_number(reader, kFrictionDynamicLimit, material.friction_dynamic);
   reader.read("two_sided", material.two_sided);
   if (!reader.error() && material.friction_dynamic > material.friction_static) {
     reader.fail_at("friction_dynamic", "'friction_dynamic' is {}, more than 'friction_static' {}: make it at most that",

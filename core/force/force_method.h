@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -29,7 +30,7 @@ struct MethodOutput {
 };
 
 // A method that turns device samples into forces. It keeps its own state between samples (the proxy, the last position).
-// RT: step and reset yes (no heap, lock, system call, log or throw); everything else set-up only.
+// RT: step, reset and set_materials yes (no heap, lock, system call, log or throw); everything else set-up only.
 class ForceMethod {
  public:
   virtual ~ForceMethod() = default;
@@ -39,6 +40,10 @@ class ForceMethod {
 
   // Forgets all contact and puts the probe at p_SD in free space.
   virtual void reset(const Vec3& p_SD) noexcept = 0;
+
+  // The materials have changed, and nothing else: proxy and contact stay, and the next step's force is that of these. Pre: one for each
+  // object of the scene, as stiff as couple_material makes it, two_sided as before. Threads: as step.
+  virtual void set_materials(std::span<const Material> materials) noexcept = 0;
 
   // The slow task: does one piece of work that steps have requested, such as building the structures of an object that the probe
   // approaches. Returns true if there was any. RT: no. Threads: may run beside step and reset, in one thread at a time.

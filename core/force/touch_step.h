@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 
 #include "core/effects/effect_step.h"
 #include "core/force/force_method.h"
@@ -21,7 +22,7 @@ struct TouchOutput {
 };
 
 // One haptic step: transforms the device point into the static scene's frame, runs the method, adds the scene's effects, and transforms
-// force and visual offset back to the world. The live node, replay, tests and benches all call it. RT: step yes.
+// force and visual offset back to the world. The live node, replay, tests and benches all call it. RT: step, reset and set_materials yes.
 class TouchStep {
  public:
   // Without effects.
@@ -31,6 +32,8 @@ class TouchStep {
 
   TouchOutput step(const TouchInput& input) noexcept;
   void reset(const TouchInput& input) noexcept;
+  // See ForceMethod: what the surfaces of the scene do beyond their materials stays as it was made.
+  void set_materials(std::span<const Material> materials) noexcept { method_->set_materials(materials); }
   const ForceMethod& method() const { return *method_; }
   bool has_effects() const { return effects_ != nullptr; }
   // Shared with the slow task, which calls prepare() beside step().

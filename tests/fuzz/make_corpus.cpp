@@ -59,6 +59,7 @@ std::vector<ListedDatagram> sealed(std::initializer_list<Said> all) {
 }
 
 bool write_sealed() {
+  const MaterialRequest change{.request = 1, .object = {"hull"}, .change = {.given = MaterialChange::kStiffness, .stiffness_n_per_m = 800}};
   ForceCommand force{.echo_sample = 1, .force_n = Vec3(1, 2, 3), .contact = true};
   return write("sealed", "haptics",
                sealed({{kHaptics, Hello{NodeRole::haptics}}, {kHaptics, force}, {kHaptics, HapticsSetup()}, {kHaptics, Bye()}})) &&
@@ -73,6 +74,13 @@ bool write_sealed() {
                sealed({{kVision, Hello{NodeRole::vision}}, {kVision, ViewTransform()}, {kVision, FrameAck()}, {kVision, HandTarget()}})) &&
          write("sealed", "tool",
                sealed({{kTool, Hello{NodeRole::tool}}, {kTool, Settings{.servo_rate_hz = 1000.0}}, {kTool, ReportRequest()}})) &&
+         write("sealed", "material",
+               sealed({{kTool, Hello{NodeRole::tool}},
+                       {kTool, change},
+                       {kVision, change},
+                       {kHaptics, Hello{NodeRole::haptics}},
+                       {kHaptics, MaterialState{.serial = 1, .request = 1, .object_count = 1, .objects = {{{-1, change.change}}}}},
+                       {kToNode, change}})) &&
          write("sealed", "operator", sealed({{kOperator, Hello{NodeRole::tool}}, {kOperator, Settings{.reset_faults = true}}})) &&
          write("sealed", "wrong_role",
                sealed({{kVision, Hello{NodeRole::haptics}}, {kVision, Hello{NodeRole::vision}}, {kVision, force}})) &&

@@ -40,6 +40,8 @@ TEST_P(HapticsSystemCalls, ASlideInAndOutOfContactMakesNone) {
                               .p_WD = radius * Vec3(std::cos(angle), std::sin(angle), 0.1)};
       std::size_t size = codec->encode({{1, 2, n, clock.now_ns()}, state}, bytes);
       if (codec->decode(std::span(bytes).first(size), datagram) != DecodeStatus::ok) _exit(9);
+      const Material other{.stiffness_n_per_m = 500.0 + static_cast<double>(n % 700), .friction_static = 0.3, .friction_dynamic = 0.2};
+      if (n % 50 == 0) step->set_materials({&other, 1});
       if (n % 100 == 0) step->turn_scene({.revision = static_cast<std::uint32_t>(n)});
       step->offer(std::get<DeviceState>(datagram.message));
       size = codec->encode({{1, 3, n, clock.now_ns()}, step->answer()}, bytes);

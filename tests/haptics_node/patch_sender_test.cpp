@@ -98,6 +98,21 @@ TEST(PatchSender, AMethodThatPartsDoNotServeGetsAnEpochWithoutAny) {
   EXPECT_TRUE(stage.receive_until([&] { return stage.store.status().epoch == epoch + 2 && stage.is_whole(); }));
 }
 
+// What a part says holds within its epoch, and a part has a material.
+TEST(PatchSender, OtherMaterialsComeInAnEpochOfTheirOwn) {
+  SenderStage stage;
+  ASSERT_TRUE(stage.receive_until([&] { return stage.is_whole(); }));
+  const std::uint32_t epoch = stage.store.status().epoch;
+  stage.sender.set_materials({{.stiffness_n_per_m = 321.0, .friction_static = 0.3}});
+  ASSERT_TRUE(stage.receive_until([&] { return stage.store.status().epoch == epoch + 1 && stage.is_whole(); }));
+  const auto piece = stage.store.make_piece(Vec3::Zero(), 1.0, 100'000);
+  ASSERT_EQ(piece.triangles, 800U);
+  for (const TouchObject& object : piece.scene.objects) {
+    EXPECT_EQ(object.material.stiffness_n_per_m, 321.0);
+    EXPECT_EQ(object.material.friction_static, 0.3);
+  }
+}
+
 // Parts hold no effects: without them the hub's own step would give other forces.
 TEST(PatchSender, ASceneWithEffectsIsNeverOffered) {
   TouchScene scene = scene_of(made::sheet(0.05, 0.0, 20));

@@ -10,6 +10,7 @@
 
 #include "link/hub_peers.h"
 #include "link/memory_endpoint.h"
+#include "scene/scene_file.h"
 #include "tests/support/made_meshes.h"
 #include "tests/support/time_units.h"
 
@@ -49,6 +50,7 @@ class ReplyLoopTest : public ::testing::Test {
         }
         if (const auto* got = std::get_if<HapticsSetup>(&datagram.message)) setups_.push_back(*got);
         if (const auto* got = std::get_if<SceneFacts>(&datagram.message)) scenes_.push_back(*got);
+        if (const auto* got = std::get_if<MaterialState>(&datagram.message)) materials_.push_back(*got);
       }
     }
     return command;
@@ -74,6 +76,7 @@ class ReplyLoopTest : public ::testing::Test {
   ReplyLoop loop_{client_, clock_, step_, builder_, {.scene_hash = 42}};
   std::vector<HapticsSetup> setups_;
   std::vector<SceneFacts> scenes_;
+  std::vector<MaterialState> materials_;
   std::uint64_t sample_ = 0;
   int commands_ = 0;
 };
@@ -207,6 +210,7 @@ class SlowMethod : public ForceMethod {
   SlowMethod(std::unique_ptr<ForceMethod> method, std::atomic<bool>& done) : method_(std::move(method)), done_(done) {}
   MethodOutput step(const MethodInput& input) noexcept override { return method_->step(input); }
   void reset(const Vec3& p_SD) noexcept override { method_->reset(p_SD); }
+  void set_materials(std::span<const Material>) noexcept override {}
   std::string describe() const override { return method_->describe(); }
   bool prepare() override {
     while (!done_) std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -287,6 +291,101 @@ TEST_F(ReplyLoopTest, AnOvertakenStateIsNotAnsweredAfterANewerOne) {
   const auto welcomes = static_cast<std::uint64_t>((clock_.now_ns() - begin_ns) / HubClient::kHelloPeriodNs + 1);
   EXPECT_LE(step_.counts().answered + step_.counts().skipped + client_.sequence_counts().reordered, 300U + welcomes);
   EXPECT_GT(newest, 250U);
+}
+
+// The same node with somebody who works out changes of materials.
+class TunedLoopTest : public ReplyLoopTest {
+ protected:
+  static Scene named_sheet() {
+    Scene scene;
+    scene.objects.push_back({.name = "hull", .mesh = one_sheet().objects[0].mesh, .material = {}});
+    return scene;
+  }
+  static MaterialRequest request(std::uint32_t number, std::string_view object, double stiffness_n_per_m) {
+    MaterialRequest made{.request = number, .change = {.given = MaterialChange::kStiffness, .stiffness_n_per_m = stiffness_n_per_m}};
+    std::copy(object.begin(), object.end(), made.object.begin());
+    return made;
+  }
+  TunedLoopTest() { loop_.set_material_tuner(&tuner_); }
+
+  // Presses 2 mm deep until the reply to the request comes. The request is repeated, because datagrams may be lost.
+  MaterialState ask(const MaterialRequest& asked) {
+    for (int i = 0; i < 500 && (materials_.empty() || materials_.back().request != asked.request); ++i) {
+      send(asked);
+      const auto command = exchange({0.01, 0.01, -0.002});
+      if (command) forces_n_.push_back(command->force_n[2]);
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));  // the tuner lives in real time
+    }
+    return materials_.empty() ? MaterialState() : materials_.back();
+  }
+
+  MaterialTuner tuner_{named_sheet(), 0.0};
+  std::vector<double> forces_n_;
+};
+
+TEST_F(TunedLoopTest, AMaterialChangesInContactAndFades) {
+  exchange({0.01, 0.01, 0.001});
+  ASSERT_NEAR(exchange({0.01, 0.01, -0.002})->force_n[2], 2.0, 1e-9);
+  const MaterialState state = ask(request(7, "hull", 1500.0));
+  EXPECT_EQ(state.request, 7U);
+  EXPECT_STREQ(state.rejection.data(), "");
+  EXPECT_EQ(state.serial, 1U);
+  ASSERT_EQ(state.object_count, 1U);
+  EXPECT_EQ(state.objects[0].object, 0);
+  EXPECT_EQ(state.objects[0].change.stiffness_n_per_m, 1500.0);
+  for (int i = 0; i < 120; ++i) forces_n_.push_back(exchange({0.01, 0.01, -0.002})->force_n[2]);
+  EXPECT_NEAR(forces_n_.back(), 3.0, 1e-9);
+  // The clock moves on by up to 2 ms an exchange.
+  for (std::size_t i = 1; i < forces_n_.size(); ++i) EXPECT_LE(std::abs(forces_n_[i] - forces_n_[i - 1]), 0.03) << i;
+  for (int i = 0; i < 20; ++i) {
+    send(request(7, "hull", 1500.0));
+    exchange({0.01, 0.01, -0.002});
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  EXPECT_EQ(step_.counts().materials_taken, 1U) << "asked again and again, changed once";
+}
+
+TEST_F(TunedLoopTest, WhatIsRejectedSaysWhyAndChangesNothing) {
+  exchange({0.01, 0.01, 0.001});
+  const MaterialState unknown = ask(request(8, "hul", 1500.0));
+  EXPECT_STREQ(unknown.rejection.data(), "the scene has no object 'hul'; did you mean 'hull'?");
+  const MaterialState too_stiff = ask(request(9, "", 2e6));
+  EXPECT_NE(std::string_view(too_stiff.rejection.data()).find("at most 1000000"), std::string_view::npos) << too_stiff.rejection.data();
+  EXPECT_EQ(step_.counts().materials_taken, 0U);
+  EXPECT_EQ(too_stiff.serial, 0U);
+  EXPECT_NEAR(exchange({0.01, 0.01, -0.002})->force_n[2], 2.0, 1e-9);
+}
+
+TEST_F(TunedLoopTest, AnotherMethodTakesOverWithTheMaterialsInUse) {
+  exchange({0.01, 0.01, 0.001});
+  ASSERT_EQ(ask(request(7, "", 1500.0)).serial, 1U);
+  Settings settings{.method_request = 3};
+  const std::string_view name = "proxy";
+  std::copy(name.begin(), name.end(), settings.method.begin());
+  send(settings);
+  for (int i = 0; i < 500 && step_.counts().methods_taken == 0; ++i) {
+    exchange({0.01, 0.01, -0.002});
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  for (int i = 0; i < 120; ++i) exchange({0.01, 0.01, -0.002});
+  EXPECT_NEAR(exchange({0.01, 0.01, -0.002})->force_n[2], 3.0, 1e-4);
+  EXPECT_EQ(setups_.back().material_serial, 1U) << "for replay: the method came after that change";
+  EXPECT_EQ(setups_.front().material_serial, 0U);
+}
+
+// The hub would receive all parts anew, and feel nothing meanwhile.
+TEST_F(TunedLoopTest, WhileTheHubWorksOutForcesItselfMaterialsStay) {
+  PatchSender patches(one_sheet(), 0.0, 42, true);
+  loop_.set_patch_sender(&patches);
+  exchange({0.01, 0.01, 0.001});
+  send(PatchStatus{.is_wanted = true});
+  exchange({0.01, 0.01, 0.001});
+  const MaterialState state = ask(request(7, "hull", 1500.0));
+  EXPECT_NE(std::string_view(state.rejection.data()).find("io_node --touch"), std::string_view::npos) << state.rejection.data();
+  EXPECT_EQ(step_.counts().materials_taken, 0U);
+  send(PatchStatus{.is_wanted = false});
+  EXPECT_EQ(ask(request(8, "hull", 1500.0)).serial, 1U) << "when it does no longer, they may";
+  loop_.set_patch_sender(nullptr);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "haptics_node/stiffness_adviser.h"
 
+#include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -88,6 +89,25 @@ TEST(StiffnessAdviser, NamesTheMakersLimitWhereThatDecides) {
   const std::string log = log_of(2.0 * advice->safe_n_per_m, {fast});
   EXPECT_THAT(log, testing::HasSubstr("the maker of PHANToM Model A gives"));
   EXPECT_THAT(log, testing::Not(testing::HasSubstr("delay")));
+}
+
+TEST(StiffnessAdviser, WarnsWhenAMaterialHasBecomeTooStiff) {
+  const double safe_n_per_m = advise_stiffness(kSimulated)->safe_n_per_m;
+  testing::internal::CaptureStderr();
+  {
+    start_log("haptics_node");
+    StiffnessAdviser adviser(0.5 * safe_n_per_m);
+    const auto wait = [] { std::this_thread::sleep_for(std::chrono::milliseconds(600)); };
+    adviser.note(kSimulated);
+    wait();
+    for (const double share : {0.9, 1.5, 1.5, 0.5}) {
+      adviser.set_stiffest(share * safe_n_per_m);
+      wait();
+    }
+  }
+  const std::string log = testing::internal::GetCapturedStderr();
+  EXPECT_EQ(count(log, "the scene asks for"), 1U) << log;
+  EXPECT_THAT(log, testing::HasSubstr(fmt::format("the scene asks for {:.0f} N/m", 1.5 * safe_n_per_m)));
 }
 
 TEST(StiffnessAdviser, SaysNothingOfASceneThatTheLoopHolds) {

@@ -25,7 +25,10 @@ struct BuilderStage {
   void send(Message part, std::uint32_t epoch = kEpoch) {
     std::visit(
         [&](auto& message) {
-          if constexpr (requires { message.serial; }) {
+          if constexpr (requires {
+                          message.epoch;
+                          message.serial;
+                        }) {
             message.epoch = epoch;
             message.serial = ++serial;
           }

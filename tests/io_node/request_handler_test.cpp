@@ -56,6 +56,28 @@ TEST_F(Servos, AMethodGoesOnToHapticsAndAReportRequestToTheOtherThread) {
   EXPECT_EQ(servo->snapshot().samples, 8U);
 }
 
+TEST_F(Servos, AChangeOfMaterialGoesOnToHapticsAndItsResultToTools) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  join(kTool, NodeRole::tool);
+  join(kVision, NodeRole::vision);
+  run(5);
+  const MaterialRequest request{.request = 7, .object = {"hull"}, .change = {.given = MaterialChange::kDamping, .damping_ns_per_m = 2.0}};
+  say(kTool, request);
+  say(kVision, request);  // it may not
+  run(2);
+  ASSERT_EQ(material_requests.size(), 1U);
+  EXPECT_EQ(material_requests[0].first, at(kHaptics));
+  EXPECT_STREQ(material_requests[0].second.object.data(), "hull");
+  EXPECT_EQ(material_requests[0].second.change.damping_ns_per_m, 2.0);
+  say(kHaptics, MaterialState{.serial = 1, .request = 7});
+  say(kTool, MaterialState{.serial = 1, .request = 8});
+  run(2);
+  ASSERT_EQ(material_states.size(), 1U);
+  EXPECT_EQ(material_states[0].first, at(kTool));
+  EXPECT_EQ(material_states[0].second.request, 7U);
+}
+
 TEST_F(Servos, TheHapticsSetupGoesToToolsAndVision) {
   make();
   join(kHaptics, NodeRole::haptics);

@@ -83,6 +83,8 @@ struct Servos : testing::Test {
   std::vector<Settings> settings;
   std::vector<std::pair<Address, HapticsSetup>> setups;
   std::vector<std::pair<Address, SceneFacts>> scenes;
+  std::vector<std::pair<Address, MaterialRequest>> material_requests;
+  std::vector<std::pair<Address, MaterialState>> material_states;
   std::vector<LoopFacts> loop_facts;  // these two are for the haptics node alone
   std::vector<std::pair<std::int64_t, PatchStatus>> patch_statuses;
   // Delay of the haptics node's reply; -1: no reply.
@@ -122,6 +124,8 @@ struct Servos : testing::Test {
     if (const auto* setting = std::get_if<Settings>(&datagram.message)) settings.push_back(*setting);
     if (const auto* setup = std::get_if<HapticsSetup>(&datagram.message)) setups.emplace_back(to, *setup);
     if (const auto* scene = std::get_if<SceneFacts>(&datagram.message)) scenes.emplace_back(to, *scene);
+    if (const auto* request = std::get_if<MaterialRequest>(&datagram.message)) material_requests.emplace_back(to, *request);
+    if (const auto* state = std::get_if<MaterialState>(&datagram.message)) material_states.emplace_back(to, *state);
     if (const auto* facts = std::get_if<LoopFacts>(&datagram.message)) {
       EXPECT_EQ(to, at(kHaptics));
       loop_facts.push_back(*facts);

@@ -97,9 +97,31 @@ class RandomDatagrams {
         return draw_tile();
       case 18:
         return draw_status();
+      case 20:
+        return MaterialRequest{bits32() | 1U, {"front hood"}, draw_change(1 + bits32() % MaterialChange::kAll)};
+      case 21:
+        return draw_materials();
       default:
         return LoopFacts{{'s', 'i', 'm'}, rate(), static_cast<float>(number(0, 1))};
     }
+  }
+
+  MaterialChange draw_change(std::uint32_t given) {
+    const auto value = [&](std::uint32_t bit) { return (given & bit) != 0 ? number(0, 1e6) : 0.0; };
+    return {given, value(MaterialChange::kStiffness), value(MaterialChange::kDamping), value(MaterialChange::kFrictionStatic),
+            value(MaterialChange::kFrictionDynamic)};
+  }
+
+  MaterialState draw_materials() {
+    MaterialState state{.serial = bits32(), .request = bits32()};
+    if (flag()) std::fill(state.rejection.begin(), state.rejection.end() - 1, 'r');
+    state.object_count = bits32() % (MaterialState::kMostObjects + 1);
+    std::int32_t object = flag() ? -1 : 0;
+    for (std::size_t i = 0; i < state.object_count; ++i) {
+      state.objects[i] = {object, draw_change(bits32() % (MaterialChange::kAll + 1))};
+      object += 1 + static_cast<std::int32_t>(bits32() % 1000);
+    }
+    return state;
   }
 
   PatchCell draw_cell() {
@@ -161,6 +183,7 @@ class RandomDatagrams {
   HapticsSetup draw_setup() {
     HapticsSetup setup{bits32(),          bits32(),       draw_view().X_WS, bits(), {"scenes/car front.toml"},
                        {"0.1.0 release"}, {"name=proxy"}, bits32()};
+    setup.material_serial = bits32();
     if (flag()) std::fill(setup.scene.begin(), setup.scene.end() - 1, 's');
     setup.scene_loading = bits32();
     if (flag()) std::fill(setup.rejection.begin(), setup.rejection.end() - 1, 'r');
@@ -211,6 +234,29 @@ inline void expect_equal(const ForceCommand& a, const ForceCommand& b) {
   EXPECT_EQ(a.view_revision, b.view_revision);
   EXPECT_EQ(a.method_serial, b.method_serial);
   EXPECT_EQ(a.answered_before, b.answered_before);
+  EXPECT_EQ(a.material_serial, b.material_serial);
+}
+inline void expect_equal(const MaterialChange& a, const MaterialChange& b) {
+  EXPECT_EQ(a.given, b.given);
+  EXPECT_EQ(a.stiffness_n_per_m, b.stiffness_n_per_m);
+  EXPECT_EQ(a.damping_ns_per_m, b.damping_ns_per_m);
+  EXPECT_EQ(a.friction_static, b.friction_static);
+  EXPECT_EQ(a.friction_dynamic, b.friction_dynamic);
+}
+inline void expect_equal(const MaterialRequest& a, const MaterialRequest& b) {
+  EXPECT_EQ(a.request, b.request);
+  EXPECT_EQ(a.object, b.object);
+  expect_equal(a.change, b.change);
+}
+inline void expect_equal(const MaterialState& a, const MaterialState& b) {
+  EXPECT_EQ(a.serial, b.serial);
+  EXPECT_EQ(a.request, b.request);
+  EXPECT_EQ(a.rejection, b.rejection);
+  ASSERT_EQ(a.object_count, b.object_count);
+  for (std::size_t i = 0; i < a.object_count; ++i) {
+    EXPECT_EQ(a.objects[i].object, b.objects[i].object);
+    expect_equal(a.objects[i].change, b.objects[i].change);
+  }
 }
 inline void expect_equal(const ViewTransform& a, const ViewTransform& b) {
   EXPECT_EQ(a.revision, b.revision);
@@ -318,6 +364,13 @@ inline void expect_equal(const Datagram& a, const Datagram& b) {
   std::visit([&](const auto& m) { expect_equal(m, std::get<std::decay_t<decltype(m)>>(b.message)); }, a.message);
 }
 
+inline void expect_sane(const MaterialChange& change) {
+  EXPECT_LE(change.given, MaterialChange::kAll);
+  for (const double number : {change.stiffness_n_per_m, change.damping_ns_per_m, change.friction_static, change.friction_dynamic}) {
+    EXPECT_TRUE(number >= 0.0 && number <= kMaxWireMagnitude);
+  }
+}
+
 // Every message that decode accepts must satisfy the limits that link/messages.h states.
 inline void expect_sane(const Datagram& datagram) {
   if (const auto* state = std::get_if<DeviceState>(&datagram.message)) {
@@ -369,6 +422,18 @@ inline void expect_sane(const Datagram& datagram) {
     EXPECT_LE(tile->friction_dynamic, tile->friction_static);
   } else if (const auto* status = std::get_if<PatchStatus>(&datagram.message)) {
     EXPECT_TRUE(std::isfinite(status->round_trip_s) && status->round_trip_s >= 0.0F);
+  } else if (const auto* request = std::get_if<MaterialRequest>(&datagram.message)) {
+    EXPECT_NE(request->request, 0U);
+    EXPECT_EQ(request->object.back(), '\0');
+    EXPECT_NE(request->change.given, 0U);
+    expect_sane(request->change);
+  } else if (const auto* state_of_materials = std::get_if<MaterialState>(&datagram.message)) {
+    ASSERT_LE(state_of_materials->object_count, state_of_materials->objects.size());
+    EXPECT_EQ(state_of_materials->rejection.back(), '\0');
+    for (std::size_t i = 0; i < state_of_materials->object_count; ++i) {
+      EXPECT_GE(state_of_materials->objects[i].object, -1);
+      expect_sane(state_of_materials->objects[i].change);
+    }
   }
 }
 

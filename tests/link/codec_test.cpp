@@ -25,7 +25,9 @@ TEST_F(CodecTest, KeepsWithinTheByteBudget) {
     // A setup, once a second, carries texts; so does a part of a report, on request.
     // What a slow network gets of the scene, within a bandwidth, fills datagrams.
     const bool is_geometry = kind == 16 || kind == 17;
-    const std::size_t most = is_geometry ? 1168U : kind == 10 ? 900U : kind == 12 ? 1000U : 300U;
+    // The changed materials of many objects, once a second.
+    const bool is_materials = kind == 21;
+    const std::size_t most = is_geometry || is_materials ? 1168U : kind == 10 ? 900U : kind == 12 ? 1000U : 300U;
     EXPECT_LE(encode(random_.draw(kind)).size(), most) << "kind " << kind;
   }
 }
@@ -37,7 +39,7 @@ TEST_F(CodecTest, WhatTheHandFeelsHasOneLengthWhateverItSays) {
       {DeviceState{}, DeviceState{~std::uint64_t{0}, -1, odd, Quat(0.5, -0.5, 0.5, -0.5), ~0U},
        DeviceState{.sample = 1, .is_resumed = true, .p_WP = odd}},
       {ForceCommand{}, ForceCommand{.contact = true}, ForceCommand{.force_n = odd, .visual_offset_m = odd, .contact = true},
-       ForceCommand{~std::uint64_t{0}, -1, odd, odd, true, ~0U, ~0U, ~0U, ~0U, ~std::uint64_t{0}}},
+       ForceCommand{~std::uint64_t{0}, -1, odd, odd, true, ~0U, ~0U, ~0U, ~0U, ~std::uint64_t{0}, ~0U}},
       {ProbeState{}, ProbeState{~std::uint64_t{0}, -1, odd, Quat(0.5, -0.5, 0.5, -0.5), odd, odd, true, ~0U, 1e9F, 1e9F, 1e9F, ~0U}}};
   for (const auto& messages : kinds) {
     std::set<std::size_t> lengths;
@@ -177,6 +179,38 @@ TEST_F(CodecTest, RejectsValuesOutsideTheContract) {
   EXPECT_EQ(round_trip(LoopFacts{{'\n'}, 1000.0, 0.001F}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(ReportPart{.part = 2, .parts = 2}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(ReportRequest{.document = static_cast<ReportDocument>(2)}), DecodeStatus::bad_value);
+}
+
+TEST_F(CodecTest, RejectsChangesOfMaterialsThatMeanNothing) {
+  const MaterialRequest good{.request = 1, .object = {"hull"}, .change = {.given = MaterialChange::kStiffness, .stiffness_n_per_m = 800.0}};
+  EXPECT_EQ(round_trip(good), DecodeStatus::ok);
+  MaterialRequest bad = good;
+  bad.request = 0;
+  EXPECT_EQ(round_trip(bad), DecodeStatus::bad_value) << "nobody could tell the reply";
+  bad = good;
+  bad.change.given = 0;
+  EXPECT_EQ(round_trip(bad), DecodeStatus::bad_value);
+  bad = good;
+  bad.object = {'a', '\n'};
+  EXPECT_EQ(round_trip(bad), DecodeStatus::bad_value);
+  for (const double number : {std::numeric_limits<double>::quiet_NaN(), -1.0, 2e9}) {
+    bad = good;
+    bad.change.stiffness_n_per_m = number;
+    EXPECT_EQ(round_trip(bad), DecodeStatus::bad_value) << number;
+  }
+
+  MaterialState state{.serial = 1, .object_count = 2};
+  state.objects[0] = {-1, good.change};
+  state.objects[1] = {3, good.change};
+  EXPECT_EQ(round_trip(state), DecodeStatus::ok);
+  for (const std::int32_t object : {-2, -1}) {
+    state.objects[1].object = object;
+    EXPECT_EQ(round_trip(state), DecodeStatus::bad_value) << object;
+  }
+  state.objects[1] = {3, {.given = MaterialChange::kDamping, .stiffness_n_per_m = 1.0}};
+  EXPECT_EQ(round_trip(state), DecodeStatus::bad_value) << "a number that is not given";
+  state.objects[1] = {3, {.given = MaterialChange::kAll + 1}};
+  EXPECT_EQ(round_trip(state), DecodeStatus::bad_value);
 }
 
 TEST_F(CodecTest, RejectsMoreThanADatagramHolds) {

@@ -32,7 +32,7 @@ void lengthen(Hello& m) { m.role = NodeRole::tool; }
 void lengthen(Welcome& m) { m = {true, kMaxServoRateHz}; }
 void lengthen(Bye&) {}
 void lengthen(DeviceState& m) { m = {kMost64, kLeastTime, kVector, kRotation, kMost32}; }
-void lengthen(ForceCommand& m) { m = {kMost64, kLeastTime, kVector, kVector, true, kMost32, kMost32, kMost32, kMost32, kMost64}; }
+void lengthen(ForceCommand& m) { m = {kMost64, kLeastTime, kVector, kVector, true, kMost32, kMost32, kMost32, kMost32, kMost64, kMost32}; }
 void lengthen(ViewTransform& m) { m = {kMost32, kPose}; }
 void lengthen(ProbeState& m) {
   m = {kMost64, kLeastTime, kVector, kRotation, kVector, kVector, true, kMost32, kRate, kRate, kRate, kMost32, ProbeStatus::too_small};
@@ -47,7 +47,7 @@ void lengthen(Settings& m) {
   m.method_request = kMost32;
 }
 void lengthen(HapticsSetup& m) {
-  m = {kMost32, kMost32, kPose, kMost64, {}, {}, {}, kMost32, {}, kMost32};
+  m = {kMost32, kMost32, kPose, kMost64, {}, {}, {}, kMost32, {}, kMost32, kMost32};
   fill_text(m.scene);
   fill_text(m.build);
   fill_text(m.method);
@@ -77,6 +77,18 @@ void lengthen(PatchTile& m) {
   m.vertices.fill(0xFF);
 }
 void lengthen(PatchStatus& m) { m = {true, kMost32, kMost32, {}, kRate}; }
+constexpr MaterialChange kChange = {MaterialChange::kAll, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0};
+void lengthen(MaterialRequest& m) {
+  m = {kMost32, {}, kChange};
+  fill_text(m.object);
+}
+void lengthen(MaterialState& m) {
+  m = {kMost32, kMost32, {}, MaterialState::kMostObjects, {}};
+  fill_text(m.rejection);
+  for (std::size_t i = 0; i < m.objects.size(); ++i) {
+    m.objects[i] = {std::numeric_limits<std::int32_t>::max() - static_cast<std::int32_t>(m.objects.size() - i), kChange};
+  }
+}
 void lengthen(ReportPart& m) {
   m.document = ReportDocument::csv;
   m.revision = kMost32;

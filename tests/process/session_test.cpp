@@ -82,6 +82,52 @@ TEST_F(Sessions, ABadNetworkAndChangesOfMethodAreReplayedToo) {
   EXPECT_THAT(session({"info", file.string()}).out, HasSubstr("name=smooth"));
 }
 
+TEST_F(Sessions, MaterialsThatChangeInContactAreReplayedToo) {
+  system.start("io_node");
+  const auto set = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), {"set", "--hub", system.hub()});
+    return run("hapton", words, system.folder()).value_or(Ended{});
+  };
+  system.start("haptics_node");
+  Onlooker onlooker(system);
+  ProbeState state;
+  ASSERT_TRUE(onlooker.see_until(true, state)) << "no contact";
+  const auto feel_for_a_second = [&] {
+    const std::int64_t end_ns = onlooker.now_ns() + kNanosecondsPerSecond;
+    while (onlooker.now_ns() < end_ns) ASSERT_TRUE(onlooker.see(state));
+  };
+  const Ended all = set({"--stiffness", "400", "--damping", "0.5"});
+  EXPECT_EQ(all.exit_code, 0) << all.err;
+  EXPECT_THAT(all.out, HasSubstr("material of all objects in use"));
+  feel_for_a_second();
+  const Ended one = set({"--object", "cube", "--stiffness", "900", "--friction", "0.4"});
+  EXPECT_EQ(one.exit_code, 0) << one.err;
+  EXPECT_THAT(one.out, HasSubstr("material of 'cube' in use"));
+  feel_for_a_second();
+  EXPECT_EQ(set({"--method", "reference"}).exit_code, 0);
+  feel_for_a_second();
+  EXPECT_EQ(set({"--friction-dynamic", "0.1"}).exit_code, 0);
+  feel_for_a_second();
+
+  for (const auto& [words, why] : std::vector<std::pair<std::vector<std::string>, std::string>>{
+           {{"--object", "cub", "--stiffness", "900"}, "did you mean 'cube'?"},
+           {{"--object", "cube", "--friction-dynamic", "0.5"}, "more than 'friction_static' 0.4"},
+           {{"--object", "cube"}, "nothing to set for object 'cube'"}}) {
+    const Ended rejected = set(words);
+    EXPECT_EQ(rejected.exit_code, 1) << rejected.out;
+    EXPECT_THAT(rejected.err, HasSubstr(why));
+    EXPECT_EQ(std::count(rejected.err.begin(), rejected.err.end(), '\n'), 1) << rejected.err;
+  }
+  EXPECT_EQ(set({"--stiffness", "2e6"}).exit_code, 2);
+  EXPECT_EQ(set({"--friction", "0.3", "--friction-static", "0.3"}).exit_code, 2);
+  system.end_all();
+
+  const Ended replayed = session({"replay", file.string()});
+  EXPECT_EQ(replayed.exit_code, 0) << replayed.out << replayed.err;
+  EXPECT_THAT(replayed.out, HasSubstr(" 0 different"));
+  EXPECT_THAT(session({"info", file.string()}).out, HasSubstr("materials changed while running: 3 times"));
+}
+
 TEST_F(Sessions, ACutFileGivesWhatIsBeforeTheCut) {
   record();
   const std::string whole = read_text(file);

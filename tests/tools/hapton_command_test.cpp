@@ -248,6 +248,12 @@ TEST_F(HaptonCommandTest, SetRejectsBeforeItContactsTheHub) {
   EXPECT_THAT(run({"set"}).err, HasSubstr("nothing to set"));
   EXPECT_THAT(run({"set", "--method", "nope"}).err, HasSubstr("'nope'"));
   EXPECT_EQ(run({"set", "--rate", "100"}).code, 2);
+  EXPECT_THAT(run({"set", "--object", "hull"}).err, HasSubstr("nothing to set for object 'hull'"));
+  EXPECT_THAT(run({"set", "--object", std::string(300, 'x'), "--damping", "1"}).err, HasSubstr("no name of 300"));
+  for (const char* value : {"0", "-1", "2e6", "soft"}) EXPECT_EQ(run({"set", "--stiffness", value}).code, 2) << value;
+  EXPECT_THAT(run({"set", "--friction", "11"}).err, HasSubstr("10"));
+  EXPECT_EQ(run({"set", "--friction", "0.3", "--friction-dynamic", "0.2"}).code, 2);
+  EXPECT_THAT(run({"set", "--help"}).out, HasSubstr("layers"));
   EXPECT_THAT(run({"set", "--hub", "no port:x", "--report"}).err, HasSubstr("no port"));
 }
 

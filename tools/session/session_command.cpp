@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "haptic_step/material_tuning.h"
 #include "haptic_step/method_text.h"
 #include "link/session_reader.h"
 #include "scene/scene_file.h"
@@ -85,6 +86,32 @@ class RecordedScenes {
   explicit RecordedScenes(const SessionOptions& options) : options_(options) {}
 
   Result<std::unique_ptr<TouchStep>> make_touch(const HapticsSetup& setup) {
+    const auto scene = find_recorded(setup);
+    if (!scene) return tl::unexpected(scene.error());
+    auto settings = parse_method_text(setup.method.data());
+    if (!settings) return tl::unexpected(settings.error());
+    // No slow task runs beside these steps, so everything is built at the start.
+    settings->build_on_approach = false;
+    auto method = make_method(*settings, (*scene)->touch);
+    if (!method) return tl::unexpected(method.error());
+    return std::make_unique<TouchStep>(std::move(*method), (*scene)->touch);
+  }
+
+  Result<std::vector<Material>> make_materials(const HapticsSetup& setup, const MaterialState& state) {
+    const auto scene = find_recorded(setup);
+    if (!scene) return tl::unexpected(scene.error());
+    const auto settings = parse_method_text(setup.method.data());
+    if (!settings) return tl::unexpected(settings.error());
+    return tuned_materials((*scene)->touch, state, settings->coupling_n_per_m);
+  }
+
+ private:
+  struct LoadedScene {
+    TouchScene touch;
+    std::uint64_t hash = 0;
+  };
+
+  Result<const LoadedScene*> find_recorded(const HapticsSetup& setup) {
     const std::string path = options_.scene.empty() ? setup.scene.data() : options_.scene;
     const auto said = from_code(setup.scene_loading);
     auto scene = find(path, said.value_or(SceneLoading()));
@@ -95,20 +122,8 @@ class RecordedScenes {
       return fail("{}: is not the scene that was recorded (its hash is {:016x}, recorded {:016x}); name that one with --scene", path, hash,
                   setup.scene_hash);
     }
-    auto settings = parse_method_text(setup.method.data());
-    if (!settings) return tl::unexpected(settings.error());
-    // No slow task runs beside these steps, so everything is built at the start.
-    settings->build_on_approach = false;
-    auto method = make_method(*settings, (*scene)->touch);
-    if (!method) return tl::unexpected(method.error());
-    return std::make_unique<TouchStep>(std::move(*method), (*scene)->touch);
+    return scene;
   }
-
- private:
-  struct LoadedScene {
-    TouchScene touch;
-    std::uint64_t hash = 0;
-  };
 
   Result<const LoadedScene*> find(const std::string& path, const SceneLoading& loading) {
     const auto key = std::pair(path, to_code(loading));
@@ -132,7 +147,7 @@ std::string describe(const ReplayCounts& counts) {
   if (counts.not_compared > 0)
     text += fmt::format("{} steps not compared: contact, or an effect, began before the recording\n", counts.not_compared);
   if (counts.unknown_method > 0)
-    text += fmt::format("{} steps not compared: the recording does not name their method\n", counts.unknown_method);
+    text += fmt::format("{} steps not compared: the recording does not name their method or materials\n", counts.unknown_method);
   if (counts.missing_states > 0) text += fmt::format("{} answers to states that are not in the recording\n", counts.missing_states);
   if (counts.missing_views > 0) text += fmt::format("{} answers with a view that is not in the recording\n", counts.missing_views);
   return text;
@@ -147,7 +162,9 @@ Result<void> feel_again(const SessionOptions& options) {
   auto reader = SessionReader::open(options.file);
   if (!reader) return tl::unexpected(reader.error());
   RecordedScenes scenes(options);
-  SessionReplay comparison(summary.setups(), [&](const HapticsSetup& setup) { return scenes.make_touch(setup); });
+  SessionReplay comparison(
+      summary.setups(), [&](const HapticsSetup& setup) { return scenes.make_touch(setup); }, summary.materials(),
+      [&](const HapticsSetup& setup, const MaterialState& state) { return scenes.make_materials(setup, state); });
   auto done = for_each_entry(*reader, [&](const SessionEntry& entry, const Datagram* datagram) -> Result<void> {
     if (datagram == nullptr || datagram->header.session != reader->header().session) return {};
     if (entry.kind == SessionEntry::Kind::sent) {

@@ -18,7 +18,11 @@ std::string text_of(const Vec3& v) { return fmt::format("({:.17g}, {:.17g}, {:.1
 
 }  // namespace
 
-SessionReplay::SessionReplay(HapticsSetups setups, MakeTouch make_touch) : setups_(std::move(setups)), make_touch_(std::move(make_touch)) {}
+SessionReplay::SessionReplay(HapticsSetups setups, MakeTouch make_touch, MaterialStates materials, MakeMaterials make_materials)
+    : setups_(std::move(setups)),
+      make_touch_(std::move(make_touch)),
+      material_states_(std::move(materials)),
+      make_materials_(std::move(make_materials)) {}
 
 void SessionReplay::on_state(const DeviceState& state) {
   if (first_time_ns_ == 0) first_time_ns_ = state.sample_time_ns;
@@ -67,10 +71,16 @@ Result<void> SessionReplay::begin(std::uint64_t sender, const ForceCommand& firs
   if (any == setups_.end() || any->first.first != sender_) {
     return fail("the recording does not name its scene and method; only a session of a haptics node of this version can be replayed");
   }
-  is_certain_ = is_method_known_ && first.answered_before == 0;
+  setup_ = any->second;
   double offset_m = 0.0;
-  auto touch = make_method_of(any->second, &offset_m);
+  auto touch = make_method_of(setup_, &offset_m);
   if (!touch) return tl::unexpected(touch.error());
+  material_serial_ = first.material_serial;
+  const auto known = find_materials(setup_, material_serial_);
+  if (!known) return tl::unexpected(known.error());
+  are_materials_known_ = *known;
+  if (!materials_.empty()) (*touch)->set_materials(materials_);
+  is_certain_ = is_method_known_ && are_materials_known_ && first.answered_before == 0;
   step_ = std::make_unique<HapticsStep>(std::move(*touch), offset_m);
   return {};
 }
@@ -84,9 +94,39 @@ Result<void> SessionReplay::change_method(std::uint32_t serial) {
       is_certain_ = false;
       continue;
     }
+    // It took over with the materials of that moment.
+    if (const auto changed = change_materials(named->second.material_serial); !changed) return changed;
     auto touch = make_method_of(named->second);
     if (!touch) return tl::unexpected(touch.error());
+    if (!materials_.empty()) (*touch)->set_materials(materials_);
     step_->replace(std::move(*touch));
+  }
+  return {};
+}
+
+// False: the recording does not name them. Serial 0 has those of the scene.
+Result<bool> SessionReplay::find_materials(const HapticsSetup& setup, std::uint32_t serial) {
+  materials_.clear();
+  if (serial == 0) return true;
+  const auto named = material_states_.find({sender_, serial});
+  if (named == material_states_.end()) return false;
+  auto materials = make_materials_(setup, named->second);
+  if (!materials) return tl::unexpected(materials.error());
+  materials_ = std::move(*materials);
+  return true;
+}
+
+// As change_method.
+Result<void> SessionReplay::change_materials(std::uint32_t serial) {
+  while (material_serial_ < serial) {
+    const auto known = find_materials(setup_, ++material_serial_);
+    if (!known) return tl::unexpected(known.error());
+    are_materials_known_ = *known;
+    if (are_materials_known_) {
+      step_->set_materials(materials_);
+    } else {
+      is_certain_ = false;
+    }
   }
   return {};
 }
@@ -138,15 +178,17 @@ void SessionReplay::step_lost(const ForceCommand& before) {
 Result<void> SessionReplay::step_method(const ForceCommand& command) {
   const std::uint64_t lost_before = counts_.lost_answers;
   step_lost(command);
-  // It is unknown which of the lost replies was the new method's first.
-  if (command.method_serial != serial_ && counts_.lost_answers > lost_before) is_certain_ = false;
+  // It is unknown which of the lost replies was the first with the new method, or with the new materials.
+  const bool is_other = command.method_serial != serial_ || command.material_serial != material_serial_;
+  if (is_other && counts_.lost_answers > lost_before) is_certain_ = false;
   if (const auto changed = change_method(command.method_serial); !changed) return changed;
+  if (const auto changed = change_materials(command.material_serial); !changed) return changed;
   turn(command.view_revision);
   // A device that was free then is free now: from here on nothing earlier matters.
   // Effects remember more: time, velocity.
   const bool had_gap = command.answered_before == 0 && last_sample_ != 0;
   if (step_->touch().has_effects() && had_gap) is_certain_ = false;
-  if (!is_certain_ && is_method_known_ && !command.contact && !step_->touch().has_effects()) {
+  if (!is_certain_ && is_method_known_ && are_materials_known_ && !command.contact && !step_->touch().has_effects()) {
     step_->restart();
     is_certain_ = true;
   }
@@ -157,7 +199,7 @@ Result<void> SessionReplay::step_method(const ForceCommand& command) {
 
 void SessionReplay::compare(const ForceCommand& recorded, const ForceCommand& replayed) {
   if (!is_certain_) {
-    ++(is_method_known_ ? counts_.not_compared : counts_.unknown_method);
+    ++(is_method_known_ && are_materials_known_ ? counts_.not_compared : counts_.unknown_method);
     return;
   }
   ++counts_.compared;

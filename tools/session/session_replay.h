@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "core/base/result.h"
 #include "haptic_step/haptics_step.h"
@@ -21,6 +22,12 @@ using HapticsSetups = std::map<std::pair<std::uint64_t, std::uint32_t>, HapticsS
 // Makes the method that a setup names. Error: no such scene, another one than was recorded, an unknown method.
 using MakeTouch = std::function<Result<std::unique_ptr<TouchStep>>(const HapticsSetup& setup)>;
 
+// Likewise the states of the materials, by their serial.
+using MaterialStates = std::map<std::pair<std::uint64_t, std::uint32_t>, MaterialState>;
+
+// Works out the materials of a state, in the scene and with the coupling that a setup names. Error: as above.
+using MakeMaterials = std::function<Result<std::vector<Material>>(const HapticsSetup& setup, const MaterialState& state)>;
+
 // The result of replaying a recording.
 struct ReplayCounts {
   std::uint64_t steps = 0;
@@ -30,7 +37,7 @@ struct ReplayCounts {
   std::uint64_t lost_answers = 0;    // replayed, but the original reply is unknown because it was lost
   std::uint64_t not_compared = 0;    // in contact before the first step in free space, with earlier contact unknown; with effects, all
                                      // steps after one that is unknown
-  std::uint64_t unknown_method = 0;  // computed by a method that the recording does not name: its setup was lost
+  std::uint64_t unknown_method = 0;  // computed by a method, or with materials, that the recording does not name: they were lost
   std::uint64_t missing_states = 0;  // with a reply, but the state is not in the recording
   std::uint64_t missing_views = 0;
   double max_difference_n = 0.0;
@@ -38,11 +45,12 @@ struct ReplayCounts {
 };
 
 // Replays a recorded session, in the order of the haptics node: give it the recording's entries one by one. It repeats exactly the steps of
-// the samples that had a reply, with the view and the method that each reply names, and compares force, offset and contact to the last bit.
-// RT: no. Threads: one.
+// the samples that had a reply, with the view, the method and the materials that each reply names, and compares force, offset and contact
+// to the last bit. RT: no. Threads: one.
 class SessionReplay {
  public:
-  SessionReplay(HapticsSetups setups, MakeTouch make_touch);
+  // A recording without changes of materials needs only the first two.
+  SessionReplay(HapticsSetups setups, MakeTouch make_touch, MaterialStates materials = {}, MakeMaterials make_materials = {});
 
   void on_state(const DeviceState& state);
   void on_view(const ViewTransform& view);
@@ -58,6 +66,8 @@ class SessionReplay {
   Result<void> step_method(const ForceCommand& command);
   void step_lost(const ForceCommand& before);
   Result<void> change_method(std::uint32_t serial);
+  Result<void> change_materials(std::uint32_t serial);
+  Result<bool> find_materials(const HapticsSetup& setup, std::uint32_t serial);
   void turn(std::uint32_t revision);
   std::optional<ForceCommand> step(std::uint64_t sample);
   void compare(const ForceCommand& recorded, const ForceCommand& replayed);
@@ -65,6 +75,8 @@ class SessionReplay {
 
   HapticsSetups setups_;
   MakeTouch make_touch_;
+  MaterialStates material_states_;
+  MakeMaterials make_materials_;
   std::map<std::uint64_t, DeviceState> states_;    // not passed yet
   std::map<std::uint32_t, ViewTransform> views_;   // forwarded, by revision
   std::map<std::uint64_t, ForceCommand> answers_;  // not replayed yet, by sample
@@ -72,8 +84,12 @@ class SessionReplay {
   std::uint64_t sender_ = 0;
   std::uint64_t last_sample_ = 0;  // last replayed sample
   std::uint32_t serial_ = 0;
-  bool is_method_known_ = false;  // of the steps now
-  bool is_certain_ = false;       // no unknown earlier contact matters any more
+  std::uint32_t material_serial_ = 0;
+  std::vector<Material> materials_;   // of that serial; empty: the scene's
+  HapticsSetup setup_;                // one of this sender
+  bool is_method_known_ = false;      // of the steps now
+  bool are_materials_known_ = false;  // likewise
+  bool is_certain_ = false;           // no unknown earlier contact matters any more
   std::int64_t first_time_ns_ = 0;
   ReplayCounts counts_;
 };

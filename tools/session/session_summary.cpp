@@ -12,9 +12,10 @@ namespace {
 constexpr std::size_t kFaultsListed = 20;
 
 const char* name_of(const Message& message) {
-  constexpr std::array kNames = {"Hello",        "Welcome",    "Bye",       "DeviceState",  "ForceCommand",  "ViewTransform", "ProbeState",
-                                 "FrameAck",     "HandTarget", "Settings",  "HapticsSetup", "ReportRequest", "ReportPart",    "SceneFacts",
-                                 "ViewRejected", "PatchBegin", "PatchCell", "PatchTile",    "PatchStatus",   "LoopFacts"};
+  constexpr std::array kNames = {
+      "Hello",      "Welcome",   "Bye",          "DeviceState",   "ForceCommand",    "ViewTransform", "ProbeState",   "FrameAck",
+      "HandTarget", "Settings",  "HapticsSetup", "ReportRequest", "ReportPart",      "SceneFacts",    "ViewRejected", "PatchBegin",
+      "PatchCell",  "PatchTile", "PatchStatus",  "LoopFacts",     "MaterialRequest", "MaterialState"};
   static_assert(kNames.size() == std::variant_size_v<Message>);
   return kNames[message.index()];
 }
@@ -61,6 +62,7 @@ void SessionSummary::add(const SessionEntry& entry, const Datagram* datagram) {
   if (datagram == nullptr || entry.kind == SessionEntry::Kind::sent) return;
   if (const auto* force = std::get_if<ForceCommand>(&datagram->message)) add_force(*force, entry.time_ns);
   if (const auto* setup = std::get_if<HapticsSetup>(&datagram->message)) setups_[{datagram->header.sender, setup->method_serial}] = *setup;
+  if (const auto* state = std::get_if<MaterialState>(&datagram->message)) materials_[{datagram->header.sender, state->serial}] = *state;
 }
 
 void SessionSummary::add_force(const ForceCommand& force, std::int64_t time_ns) {
@@ -81,6 +83,8 @@ std::string SessionSummary::to_text(const SessionHeader& header) const {
     text += fmt::format("haptics {:016x}: {}, scene {} ({:016x}), {}\n", key.first, setup.method.data(), setup.scene.data(),
                         setup.scene_hash, setup.build.data());
   }
+  const auto changes = std::count_if(materials_.begin(), materials_.end(), [](const auto& one) { return one.first.second > 0; });
+  if (changes > 0) text += fmt::format("materials changed while running: {} times\n", changes);
   text += fmt::format("  {:<14} {:>10} {:>10} {:>9}\n", "datagrams", "received", "sent", "kB/s");
   for (const auto& [name, traffic] : traffic_) {
     const double rate = seconds() > 0.0 ? 1e-3 * static_cast<double>(traffic.bytes) / seconds() : 0.0;

@@ -22,6 +22,7 @@ class SessionSummary {
   std::string to_text(const SessionHeader& header) const;
 
   const HapticsSetups& setups() const { return setups_; }
+  const MaterialStates& materials() const { return materials_; }
 
  private:
   struct Traffic {
@@ -53,6 +54,7 @@ class SessionSummary {
   std::vector<Fault> faults_;  // the first of them
   std::map<SessionFault, std::uint64_t> fault_counts_;
   HapticsSetups setups_;
+  MaterialStates materials_;
 };
 
 }  // namespace hapton

@@ -72,6 +72,22 @@ void ProxyMethod::reset(const Vec3& p_SD) noexcept {
   last_device_ = proxy_.position;
 }
 
+// Where friction has changed, the proxy settles anew at the beginning of the next step: what held it may hold it no longer.
+void ProxyMethod::set_materials(std::span<const Material> materials) noexcept {
+  bool is_friction_other = false;
+  for (std::size_t i = 0; i < std::min(materials.size(), materials_.size()); ++i) {
+    is_friction_other |= materials[i].friction_static != materials_[i].friction_static;
+    is_friction_other |= materials[i].friction_dynamic != materials_[i].friction_dynamic;
+    materials_[i] = materials[i];
+  }
+  if (!is_friction_other) return;
+  surfaces_.note_friction();
+  sphere_.note_friction();
+  if (!surface_.is_on_surface()) return;
+  surface_.note_friction();
+  unconverged_ = true;
+}
+
 // Within a known empty ball the proxy is free and the step is this one comparison, which fails for samples that are not finite.
 MethodOutput ProxyMethod::step(const MethodInput& input) noexcept {
   if (!ball_.contains(input.p_SD)) return step_outside(input);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "core/force/force_method.h"
@@ -47,6 +48,7 @@ class ProxyMethod final : public ForceMethod {
 
   MethodOutput step(const MethodInput& input) noexcept override;
   void reset(const Vec3& p_SD) noexcept override;
+  void set_materials(std::span<const Material> materials) noexcept override;
   bool prepare() override;
   std::string describe() const override;
 

@@ -4,10 +4,13 @@ namespace hapton {
 
 ProxySurfaces::ProxySurfaces(const TouchGeometry& geometry, const std::vector<Material>& materials)
     : geometry_(geometry), materials_(materials) {
-  for (const Material& material : materials) {
-    has_one_sided_ |= !material.two_sided;
-    has_friction_ |= material.friction_static > 0.0;
-  }
+  for (const Material& material : materials) has_one_sided_ |= !material.two_sided;
+  note_friction();
+}
+
+void ProxySurfaces::note_friction() noexcept {
+  has_friction_ = false;
+  for (const Material& material : materials_) has_friction_ |= material.friction_static > 0.0;
 }
 
 bool ProxySurfaces::can_touch(std::uint32_t triangle, const Vec3& p) const noexcept {

@@ -47,6 +47,9 @@ class ProxySurfaces {
   // materials: one an object.
   ProxySurfaces(const TouchGeometry& geometry, const std::vector<Material>& materials);
 
+  // That of the materials has changed.
+  void note_friction() noexcept;
+
   const TouchGeometry& geometry() const { return geometry_; }
   const std::vector<Material>& materials() const { return materials_; }  // by object
   bool has_friction() const { return has_friction_; }

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -67,6 +68,7 @@ class ReferenceMethod final : public ForceMethod {
   // at a minimum on a surface is fine.
   MethodOutput settle_from(const Vec3& p_SP, const Vec3& p_SD) noexcept;
 
+  void set_materials(std::span<const Material> materials) noexcept override { proxy_->set_materials(materials); }
   // Continues from another method's state: its proxy at p_SP, settled, with the device at p_SD; `sliding` says whether friction had it
   // slide. The proxy is lifted off the surface by twice a point's radius, away from the device; a point under friction is put onto the
   // faces nearest to it. The next step continues from there. Counters are kept.

@@ -45,7 +45,7 @@ ReferenceProxy::ReferenceProxy(double probe_radius, std::vector<Material> materi
       local_half_side_(kLocal + 2.0 * rest_offset_),
       materials_(std::move(materials)),
       state_(make_state()) {
-  for (const Material& material : materials_) frictionless_ = frictionless_ && !(material.friction_static > 0.0);
+  note_friction();
   faces_.reserve(most_faces);
   boxes_.reserve(most_faces);
   local_.reserve(most_faces);
@@ -56,6 +56,16 @@ ReferenceProxy::ReferenceProxy(double probe_radius, std::vector<Material> materi
   near_.reserve(kMostNear);
   directions_.reserve(kMostDirections);
   half_spaces_.reserve(kMostContacts);
+}
+
+void ReferenceProxy::note_friction() noexcept {
+  frictionless_ = true;
+  for (const Material& material : materials_) frictionless_ = frictionless_ && !(material.friction_static > 0.0);
+}
+
+void ReferenceProxy::set_materials(std::span<const Material> materials) noexcept {
+  std::copy_n(materials.begin(), std::min(materials.size(), materials_.size()), materials_.begin());
+  note_friction();
 }
 
 ReferenceProxy::State ReferenceProxy::make_state() const {

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/force/reference/half_space_projection.h"
@@ -56,6 +57,9 @@ class ReferenceProxy {
 
   // probe_radius in local units, zero for a point. most_faces: capacity of add_face().
   ReferenceProxy(double probe_radius, std::vector<Material> materials, std::size_t most_faces);
+
+  // By object, as many as before.
+  void set_materials(std::span<const Material> materials) noexcept;
 
   void clear_faces() noexcept;
   void add_face(const Face& face) noexcept;
@@ -138,6 +142,7 @@ class ReferenceProxy {
   Vec3 cut_at_boundary(const Pull& pull, const Vec3& motion) noexcept;
   double share_on_feature(const Contact& contact, const Vec3& motion) noexcept;
   double share_on_plane(const Contact& contact, const Vec3& motion) noexcept;
+  void note_friction() noexcept;
   bool has_friction() const { return !frictionless_ && rules_.friction; }
   bool keeps_to_surface() const { return rules_.keeps_to_surface || has_friction(); }
   const Vec3* find_vertex(const Pull& pull) const noexcept;

@@ -20,7 +20,6 @@ struct SetTriangle {
   SurfaceKind kind = SurfaceKind::face;
   bool two_sided = true;
   bool consistently_oriented = true;  // the pieces of its object are consistently oriented, so the side of the normal is meaningful
-  double stiffness_n_per_m = 0.0;
 
   // The order in which contributions are summed, whatever order the triangles come in.
   bool before(const SetTriangle& other) const { return object != other.object ? object < other.object : triangle < other.triangle; }

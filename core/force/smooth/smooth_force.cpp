@@ -142,7 +142,6 @@ bool find_fan_vcp(const Sided& t, SurfaceKind kind, const Vec3& P, double radius
 bool find_vcp(const SetTriangle& triangle, const Vec3& P, double radius, SmoothVcp& vcp) noexcept {
   vcp.object = triangle.object;
   vcp.triangle = triangle.triangle;
-  vcp.stiffness_n_per_m = triangle.stiffness_n_per_m;
   vcp.is_face = triangle.kind == SurfaceKind::face;
   if (vcp.is_face) {
     const double height = triangle.face.dot(P - triangle.corner[0]);
@@ -205,7 +204,7 @@ bool SmoothForceSum::is_hidden(std::size_t i) const noexcept {
   return false;
 }
 
-SmoothForce SmoothForceSum::combine(double layer) noexcept {
+SmoothForce SmoothForceSum::combine(double layer, std::span<const double> stiffness_n_per_m) noexcept {
   SmoothForce result;
   result.vcps = static_cast<std::uint32_t>(count_);
   result.over_capacity = over_capacity_;
@@ -221,7 +220,7 @@ SmoothForce SmoothForceSum::combine(double layer) noexcept {
       continue;
     }
     const SmoothVcp& vcp = kept_[i].vcp;
-    const double s = smooth_f(vcp.stiffness_n_per_m, layer, vcp.distance);
+    const double s = smooth_f(stiffness_n_per_m[vcp.object], layer, vcp.distance);
     force += (vcp.sign * s) * vcp.away;
     if (vcp.sign < 0) continue;
     max_force = std::max(max_force, s);

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "core/force/smooth/local_set.h"
 
@@ -27,7 +28,6 @@ struct SmoothVcp {
   int sign;         // -1: a degenerate triangle at a concave edge; it subtracts what both faces contribute
   std::uint32_t object;
   std::uint32_t triangle;
-  double stiffness_n_per_m;
   bool is_face;
 };
 
@@ -62,8 +62,9 @@ class SmoothForceSum {
 
   void add(const SetTriangle& triangle) noexcept;
 
-  // Removes the VCPs hidden by another triangle that has a VCP, and sums the rest: force / |force| * maxforce.
-  SmoothForce combine(double layer) noexcept;
+  // Removes the VCPs hidden by another triangle that has a VCP, and sums the rest: force / |force| * maxforce. stiffness_n_per_m: by
+  // object.
+  SmoothForce combine(double layer, std::span<const double> stiffness_n_per_m) noexcept;
 
  private:
   struct Kept {

@@ -56,6 +56,7 @@ class SmoothMethod final : public ForceMethod {
 
   MethodOutput step(const MethodInput& input) noexcept override;
   void reset(const Vec3& p_SD) noexcept override;
+  void set_materials(std::span<const Material> materials) noexcept override;
   std::string describe() const override;
 
   // The slow task: selects the set that the fast task requested last, if any, and hands it over.
@@ -126,6 +127,7 @@ class SmoothMethod final : public ForceMethod {
   MethodOutput compute_inside(const Vec3& P) noexcept;
 
   std::unique_ptr<SmoothScene> scene_;
+  std::vector<double> stiffness_n_per_m_;  // by object
   std::uint32_t set_size_ = 64;
   double radius_ = 0.0;
   double layer_ = 0.0;  // metres

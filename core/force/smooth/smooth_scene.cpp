@@ -84,7 +84,6 @@ SetTriangle SmoothScene::triangle_at(std::uint32_t object, std::uint32_t triangl
   out.kind = from.surface.kind(triangle);
   out.two_sided = from.material.two_sided;
   out.consistently_oriented = from.report.repair.unorientable_pieces == 0;
-  out.stiffness_n_per_m = from.material.stiffness_n_per_m;
   if (out.kind == SurfaceKind::face) {
     const Vec3 ab = out.corner[1] - out.corner[0];
     const Vec3 ac = out.corner[2] - out.corner[0];

@@ -60,12 +60,19 @@ Result<std::unique_ptr<SmoothMethod>> SmoothMethod::make_with(const Settings& se
   method->scene_ = std::make_unique<SmoothScene>(std::move(*prepared));
   for (const TouchObject& object : scene.objects) {
     const Material& m = object.material;
+    method->stiffness_n_per_m_.push_back(m.stiffness_n_per_m);
     method->leaves_out_ |= m.friction_static != 0.0 || m.friction_dynamic != 0.0 || m.damping_ns_per_m != 0.0;
   }
   method->set_size_ = settings.set_size;
   method->radius_ = settings.radius_m > 0.0 ? settings.radius_m : make_radius(*method->scene_, settings.set_size);
   method->layer_ = settings.layer * method->radius_;
   return method;
+}
+
+// The scene that the slow task reads keeps the materials it was built with: it needs only their sides.
+void SmoothMethod::set_materials(std::span<const Material> materials) noexcept {
+  for (std::size_t i = 0; i < std::min(materials.size(), stiffness_n_per_m_.size()); ++i)
+    stiffness_n_per_m_[i] = materials[i].stiffness_n_per_m;
 }
 
 // ---- sets ------------------------------------------------------------------------------------------------------------

@@ -55,7 +55,13 @@ class SphereFollower {
   // `is_point`: the sphere represents a point, so a corner that only the sphere's radius closes does not hold it.
   SphereFollower(const TouchGeometry& geometry, std::span<const Material> materials, double offset, bool is_point = false)
       : geometry_(geometry), materials_(materials), clearance_{offset, kSlop, kTolerance}, is_point_(is_point) {
-    for (const Material& material : materials) has_friction_ |= material.friction_static > 0.0;
+    note_friction();
+  }
+  // That of the materials has changed: a centre in contact settles anew at the beginning of the next motion.
+  void note_friction() noexcept {
+    has_friction_ = false;
+    for (const Material& material : materials_) has_friction_ |= material.friction_static > 0.0;
+    is_descending_ |= contact_count_ != 0;
   }
 
   // Whether the centre is the one of the last step. False after others moved the proxy: start() again.

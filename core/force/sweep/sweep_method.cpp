@@ -145,6 +145,10 @@ MethodOutput SweepMethod::step(const MethodInput& input) noexcept {
   return output;
 }
 
+void SweepMethod::set_materials(std::span<const Material> materials) noexcept {
+  std::copy_n(materials.begin(), std::min(materials.size(), materials_.size()), materials_.begin());
+}
+
 SweepMethod::Deepest SweepMethod::find_deepest(const SweepLine& line) noexcept {
   stamps_.start();
   Deepest deepest;

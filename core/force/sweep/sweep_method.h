@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/collision/sweep_line.h"
@@ -38,6 +39,7 @@ class SweepMethod final : public ForceMethod {
 
   MethodOutput step(const MethodInput& input) noexcept override;
   void reset(const Vec3& p_SD) noexcept override;
+  void set_materials(std::span<const Material> materials) noexcept override;
   std::string describe() const override;
 
   const UniformGrid& grid() const { return grid_; }

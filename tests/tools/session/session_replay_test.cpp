@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "haptic_step/haptics_setup.h"
+#include "haptic_step/material_tuning.h"
 #include "haptic_step/method_text.h"
 #include "tests/support/made_meshes.h"
 
@@ -27,6 +28,7 @@ std::unique_ptr<TouchStep> make_touch(const char* method) {
 struct SessionReplayTest : testing::Test {
   HapticsStep live;
   HapticsSetups setups;
+  MaterialStates materials;
   std::uint64_t sample = 0;
   std::vector<std::pair<DeviceState, std::optional<ForceCommand>>> recorded;
 
@@ -41,7 +43,18 @@ struct SessionReplayTest : testing::Test {
     setup.view_revision = live.view().revision;
     setup.X_WS = live.view().X_WS;
     put_text(to_text({.name = method}), setup.method);
+    setup.material_serial = static_cast<std::uint32_t>(live.counts().materials_taken);
     setups[{kSender, serial}] = setup;
+  }
+
+  // Changes the material while it is touched. The state is what a node sends.
+  std::vector<Material> tune(const MaterialChange& change) {
+    MaterialState state{.serial = static_cast<std::uint32_t>(live.counts().materials_taken) + 1, .object_count = 1};
+    state.objects[0] = {-1, change};
+    materials[{kSender, state.serial}] = state;
+    auto tuned = tuned_materials(one_sphere(), state, 0.0);
+    live.set_materials(tuned);
+    return tuned;
   }
 
   // The next state on a slide over the sphere.
@@ -65,9 +78,15 @@ struct SessionReplayTest : testing::Test {
   }
 
   SessionReplay make_replay() {
-    return SessionReplay(setups, [](const HapticsSetup& setup) -> Result<std::unique_ptr<TouchStep>> {
-      return make_touch(parse_method_text(setup.method.data())->name.c_str());
-    });
+    return SessionReplay(
+        setups,
+        [](const HapticsSetup& setup) -> Result<std::unique_ptr<TouchStep>> {
+          return make_touch(parse_method_text(setup.method.data())->name.c_str());
+        },
+        materials,
+        [](const HapticsSetup&, const MaterialState& state) -> Result<std::vector<Material>> {
+          return tuned_materials(one_sphere(), state, 0.0);
+        });
   }
   void feed(SessionReplay& replay) {
     for (const auto& [state, command] : recorded) {
@@ -157,6 +176,84 @@ TEST_F(SessionReplayTest, AMethodHoldsFromTheAnswerThatCountsIt) {
   SessionReplay replay = make_replay();
   feed(replay);
   EXPECT_EQ(replay.counts().compared, 100U);
+  EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
+}
+
+constexpr MaterialChange kSofter = {
+    .given = MaterialChange::kStiffness | MaterialChange::kFrictionDynamic, .stiffness_n_per_m = 600.0, .friction_dynamic = 0.1};
+constexpr MaterialChange kHarder = {.given = MaterialChange::kStiffness, .stiffness_n_per_m = 1700.0};
+
+TEST_F(SessionReplayTest, MaterialsHoldFromTheAnswerThatCountsThem) {
+  slide(200);
+  tune(kSofter);
+  slide(150);
+  tune(kHarder);
+  slide(30);  // in the middle of the fade
+  tune(kSofter);
+  slide(200);
+  SessionReplay replay = make_replay();
+  feed(replay);
+  EXPECT_EQ(replay.counts().compared, 580U);
+  EXPECT_GT(replay.counts().contact_steps, 500U);
+  EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
+
+  // The test can fail: with other numbers, other forces.
+  materials[{kSender, 2U}].objects[0].change.stiffness_n_per_m = 1701.0;
+  SessionReplay wrong = make_replay();
+  feed(wrong);
+  EXPECT_GT(wrong.counts().different, 29U);
+}
+
+// A method takes over with the materials of its moment, whichever of the two changed first between two answers.
+TEST_F(SessionReplayTest, MethodsAndMaterialsThatChangeBetweenTwoAnswersAreReplayedInTheirOrder) {
+  slide(100);
+  std::vector<Material> tuned = tune(kSofter);
+  for (const bool is_method_first : {true, false}) {
+    const auto change_method = [&] {
+      auto touch = make_touch(is_method_first ? "reference" : "proxy");
+      touch->set_materials(tuned);
+      live.replace(std::move(touch));
+      send_setup(is_method_first ? "reference" : "proxy");
+    };
+    slide(20);
+    if (is_method_first) change_method();
+    tuned = tune(is_method_first ? kHarder : kSofter);
+    if (!is_method_first) change_method();
+    slide(60);
+  }
+  SessionReplay replay = make_replay();
+  feed(replay);
+  EXPECT_EQ(replay.counts().compared, 260U);
+  EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
+}
+
+TEST_F(SessionReplayTest, ForcesOfUnnamedMaterialsAreNotCompared) {
+  slide(100);
+  tune(kSofter);
+  materials.clear();
+  slide(50);
+  SessionReplay replay = make_replay();
+  feed(replay);
+  EXPECT_EQ(replay.counts().compared, 100U);
+  EXPECT_EQ(replay.counts().unknown_method, 50U);
+  EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
+}
+
+TEST_F(SessionReplayTest, ARecordingThatBeginsAfterAChangeHasItsMaterials) {
+  slide(100);
+  tune(kSofter);
+  slide(50);
+  recorded.erase(recorded.begin(), recorded.begin() + 120);
+  sample = 0;  // out into free space, and in again
+  for (int n = 0; n < 50; ++n) {
+    DeviceState state = next_state();
+    state.sample += 150;
+    state.sample_time_ns += 150'000'000;
+    recorded.emplace_back(state, answer(state));
+  }
+  SessionReplay replay = make_replay();
+  feed(replay);
+  EXPECT_GT(replay.counts().compared, 30U);
   EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
 }
 

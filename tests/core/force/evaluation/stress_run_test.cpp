@@ -90,6 +90,7 @@ class Wrong : public ForceMethod {
     frozen_ = false;
     right_->reset(p);
   }
+  void set_materials(std::span<const Material>) noexcept override {}
   std::string describe() const override { return "wrong"; }
   MethodOutput step(const MethodInput& input) noexcept override {
     MethodOutput felt = right_->step(input);
@@ -150,6 +151,7 @@ class OnTheThirdWall : public ForceMethod {
  public:
   OnTheThirdWall(std::unique_ptr<ForceMethod> right, const Vec3& half) : right_(std::move(right)), half_(half) {}
   void reset(const Vec3& p) noexcept override { right_->reset(p); }
+  void set_materials(std::span<const Material>) noexcept override {}
   std::string describe() const override { return "on the third wall"; }
   MethodOutput step(const MethodInput& input) noexcept override {
     MethodOutput felt = right_->step(input);
@@ -189,6 +191,7 @@ TEST(StressRun, AProxyExactlyOnAWallIsComparedFromTheFreeSide) {
 class Nothing : public ForceMethod {
  public:
   void reset(const Vec3&) noexcept override {}
+  void set_materials(std::span<const Material>) noexcept override {}
   std::string describe() const override { return "nothing"; }
   MethodOutput step(const MethodInput& input) noexcept override { return {.force_n = Vec3::Zero(), .p_SP = input.p_SD, .contact = false}; }
 };

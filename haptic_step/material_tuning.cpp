@@ -1,0 +1,149 @@
+#include "haptic_step/material_tuning.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <span>
+
+#include "core/base/near_miss.h"
+#include "core/force/virtual_coupling.h"
+#include "scene/material_limits.h"
+#include "scene/scene_file.h"
+#include "scene/text_cursor.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::int32_t kAllObjects = -1;
+
+struct Number {
+  std::uint32_t bit;
+  double MaterialChange::*from;
+  double Material::*to;
+};
+
+constexpr Number kNumbers[] = {
+    {MaterialChange::kStiffness, &MaterialChange::stiffness_n_per_m, &Material::stiffness_n_per_m},
+    {MaterialChange::kDamping, &MaterialChange::damping_ns_per_m, &Material::damping_ns_per_m},
+    {MaterialChange::kFrictionStatic, &MaterialChange::friction_static, &Material::friction_static},
+    {MaterialChange::kFrictionDynamic, &MaterialChange::friction_dynamic, &Material::friction_dynamic},
+};
+
+void apply(const MaterialChange& change, Material& material) {
+  for (const Number& number : kNumbers) {
+    if ((change.given & number.bit) != 0) material.*number.to = change.*number.from;
+  }
+}
+
+// The later one wins.
+void merge(const MaterialChange& later, MaterialChange& into) {
+  for (const Number& number : kNumbers) {
+    if ((later.given & number.bit) != 0) into.*number.from = later.*number.from;
+  }
+  into.given |= later.given;
+}
+
+// What is not given is zero.
+void remove(std::uint32_t bits, MaterialChange& from) {
+  for (const Number& number : kNumbers) {
+    if ((bits & number.bit) != 0) from.*number.from = 0.0;
+  }
+  from.given &= ~bits;
+}
+
+std::span<MaterialState::Object> objects_of(MaterialState& state) { return std::span(state.objects).first(state.object_count); }
+
+// False: there is no room for one more.
+bool merge_into(MaterialState& state, std::int32_t object, const MaterialChange& change) {
+  const auto end = state.objects.begin() + state.object_count;
+  const auto at = std::lower_bound(state.objects.begin(), end, object,
+                                   [](const MaterialState::Object& one, std::int32_t number) { return one.object < number; });
+  if (at == end || at->object != object) {
+    if (end == state.objects.end()) return false;
+    ++state.object_count;
+    std::move_backward(at, end, end + 1);
+    *at = {object, {}};
+  }
+  merge(change, at->change);
+  return true;
+}
+
+// A change of all objects replaces what was said of each.
+void forget_each(MaterialState& state, std::uint32_t bits) {
+  for (MaterialState::Object& one : objects_of(state)) remove(bits, one.change);
+  const auto known = objects_of(state);
+  const auto end = std::remove_if(known.begin(), known.end(), [](const MaterialState::Object& one) { return one.change.given == 0; });
+  std::fill(end, known.end(), MaterialState::Object());
+  state.object_count = static_cast<std::uint32_t>(end - known.begin());
+}
+
+Material tuned_material(const Material& given, std::int32_t object, const MaterialState& state) {
+  Material material = given;
+  for (std::size_t i = 0; i < state.object_count; ++i) {
+    if (state.objects[i].object == kAllObjects || state.objects[i].object == object) apply(state.objects[i].change, material);
+  }
+  return material;
+}
+
+}  // namespace
+
+std::vector<Material> tuned_materials(const TouchScene& scene, const MaterialState& state, double coupling_n_per_m) {
+  std::vector<Material> materials;
+  for (std::size_t o = 0; o < scene.objects.size(); ++o) {
+    const Material tuned = tuned_material(scene.objects[o].material, static_cast<std::int32_t>(o), state);
+    materials.push_back(couple_material(tuned, coupling_n_per_m));
+  }
+  return materials;
+}
+
+MaterialTuning::MaterialTuning(const Scene& scene) : scene_(scene.touch_scene()) {
+  for (const SceneObject& object : scene.objects) names_.push_back(object.name);
+}
+
+std::vector<std::size_t> MaterialTuning::find_objects(std::string_view name) const {
+  std::vector<std::size_t> found;
+  for (std::size_t o = 0; o < names_.size(); ++o) {
+    if (name.empty() || names_[o] == name) found.push_back(o);
+  }
+  return found;
+}
+
+Result<void> MaterialTuning::change(const MaterialRequest& request) {
+  const std::string_view name(request.object.data());
+  const std::vector<std::size_t> objects = find_objects(name);
+  if (objects.empty()) {
+    const std::vector<std::string_view> known(names_.begin(), names_.end());
+    return fail("the scene has no object '{}'{}", printable(name), near_miss_hint(name, known));
+  }
+  MaterialState changed = state_;
+  bool has_room = true;
+  if (name.empty()) {
+    forget_each(changed, request.change.given);
+    has_room = merge_into(changed, kAllObjects, request.change);
+  } else {
+    for (const std::size_t o : objects) has_room = has_room && merge_into(changed, static_cast<std::int32_t>(o), request.change);
+  }
+  if (!has_room) {
+    return fail("no more than {} objects can be changed one by one: change all, or the scene file", MaterialState::kMostObjects);
+  }
+  for (const std::size_t o : objects) {
+    const Material& given = scene_.objects[o].material;
+    const auto fits =
+        check_material(tuned_material(given, static_cast<std::int32_t>(o), changed), given, scene_.objects[o].effects, names_[o]);
+    if (!fits) return fits;
+  }
+  state_ = changed;
+  last_ = objects;
+  return {};
+}
+
+std::string MaterialTuning::describe_last() const {
+  if (last_.empty()) return {};
+  const Material material = tuned_material(scene_.objects[last_[0]].material, static_cast<std::int32_t>(last_[0]), state_);
+  const std::string which =
+      last_.size() == 1 ? fmt::format("object '{}'", printable(names_[last_[0]])) : fmt::format("{} objects, the first", last_.size());
+  return fmt::format("{}: stiffness {:g} N/m, damping {:g} Ns/m, friction {:g} / {:g} (static / dynamic)", which,
+                     material.stiffness_n_per_m, material.damping_ns_per_m, material.friction_static, material.friction_dynamic);
+}
+
+}  // namespace hapton

@@ -1,0 +1,60 @@
+#include "haptics_node/material_tuner.h"
+
+#include <chrono>
+#include <utility>
+
+#include "haptic_step/haptics_setup.h"
+#include "runtime/log.h"
+#include "runtime/start_thread.h"
+#include "scene/scene_file.h"
+
+namespace hapton {
+
+MaterialTuner::MaterialTuner(const Scene& scene, double coupling_n_per_m, OnTuned on_tuned)
+    : tuning_(scene),
+      scene_(scene.touch_scene()),
+      coupling_n_per_m_(coupling_n_per_m),
+      on_tuned_(std::move(on_tuned)),
+      thread_(start_thread([this] { run(); })) {}
+
+MaterialTuner::~MaterialTuner() {
+  stop_.store(true);
+  thread_.join();
+  free_retired();
+  delete result_.load();
+}
+
+std::unique_ptr<TunedMaterials> MaterialTuner::take() noexcept {
+  // There is one slot for what is retired: nothing new is handed out before it is empty.
+  if (result_.load(std::memory_order_relaxed) == nullptr || retired_.load(std::memory_order_acquire) != nullptr) return nullptr;
+  return std::unique_ptr<TunedMaterials>(result_.exchange(nullptr, std::memory_order_acq_rel));
+}
+
+void MaterialTuner::run() {
+  // Polls instead of waiting: waking a sleeping thread would be a system call in the real-time loop.
+  constexpr auto kPeriod = std::chrono::milliseconds(10);
+  while (!stop_.load()) {
+    free_retired();
+    // No result replaces another: an accepted change would be lost.
+    if (result_.load(std::memory_order_acquire) == nullptr && requests_.take()) tune(requests_.value());
+    std::this_thread::sleep_for(kPeriod);
+  }
+}
+
+void MaterialTuner::tune(const MaterialRequest& request) {
+  auto result = std::make_unique<TunedMaterials>();
+  const auto changed = tuning_.change(request);
+  result->state = tuning_.state();
+  result->state.request = request.request;
+  if (changed) {
+    result->materials = tuned_materials(scene_, tuning_.state(), coupling_n_per_m_);
+    log_info("{}", tuning_.describe_last());
+    if (on_tuned_) on_tuned_(result->materials);
+  } else {
+    log_warning("{}; no material is changed", changed.error().what);
+    put_text(changed.error().what, result->state.rejection);
+  }
+  result_.store(result.release(), std::memory_order_release);
+}
+
+}  // namespace hapton

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "core/force/touch_scene.h"
+#include "haptic_step/material_tuning.h"
+#include "link/messages.h"
+#include "runtime/mailbox.h"
+
+namespace hapton {
+
+// The result of a request: the materials of all objects, or why they stay.
+struct TunedMaterials {
+  std::vector<Material> materials;  // for ForceMethod::set_materials; empty: rejected
+  MaterialState state;              // its serial is left to who puts them into use
+};
+
+// Checks and works out changes of materials in its own thread, so that the loop that replies to the device only passes on what is ready.
+// An accepted change is logged, a rejected one too. RT: request, take and retire yes; the rest set-up only. Threads: one caller.
+class MaterialTuner {
+ public:
+  // Called by the tuner's thread with the materials of each accepted change.
+  using OnTuned = std::function<void(const std::vector<Material>&)>;
+
+  MaterialTuner(const Scene& scene, double coupling_n_per_m, OnTuned on_tuned = {});
+  ~MaterialTuner();
+  MaterialTuner(const MaterialTuner&) = delete;
+  MaterialTuner& operator=(const MaterialTuner&) = delete;
+
+  // A later request replaces one that has not started.
+  void request(const MaterialRequest& request) noexcept { requests_.publish(request); }
+
+  // The result of the next request, once each, in order; none when there is no new one.
+  std::unique_ptr<TunedMaterials> take() noexcept;
+
+  // Takes what take() returned, or one before it, to be freed.
+  void retire(std::unique_ptr<TunedMaterials> result) noexcept { retired_.store(result.release(), std::memory_order_release); }
+
+ private:
+  void run();
+  void tune(const MaterialRequest& request);
+  void free_retired() noexcept { delete retired_.exchange(nullptr, std::memory_order_acq_rel); }
+
+  MaterialTuning tuning_;
+  TouchScene scene_;
+  double coupling_n_per_m_;
+  OnTuned on_tuned_;
+  Mailbox<MaterialRequest> requests_;
+  std::atomic<TunedMaterials*> result_ = nullptr;
+  std::atomic<TunedMaterials*> retired_ = nullptr;
+  std::atomic<bool> stop_ = false;
+  std::thread thread_;
+};
+
+}  // namespace hapton

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string_view>
+
+#include "core/base/result.h"
+#include "core/effects/surface_effects.h"
+#include "core/force/touch_scene.h"
+
+namespace hapton {
+
+// What a number of a material may be: 0 to `most`. Far beyond any surface and any device, so that a typing error is rejected.
+struct MaterialLimit {
+  std::string_view key;  // in scene files
+  double most = 0.0;
+  bool above_zero = false;  // 0 itself is out of range
+};
+
+inline constexpr MaterialLimit kStiffnessLimit{"stiffness_n_per_m", 1e6, true};
+inline constexpr MaterialLimit kDampingLimit{"damping_ns_per_m", 1e4, false};
+inline constexpr MaterialLimit kFrictionStaticLimit{"friction_static", 10.0, false};
+inline constexpr MaterialLimit kFrictionDynamicLimit{"friction_dynamic", 10.0, false};
+
+// Error: "WHAT is VALUE: it must be ...", for a value out of range. RT: no.
+Result<void> check_number(const MaterialLimit& limit, std::string_view what, double value);
+
+// The same checks as a scene file's, for an object whose material has changed. Error: one line with the object's name, the number that is
+// out of range, above another or without meaning beside the surface's effects. `before`: what the scene file had, which is valid. RT: no.
+Result<void> check_material(const Material& material, const Material& before, const SurfaceEffects& effects, std::string_view object);
+
+}  // namespace hapton

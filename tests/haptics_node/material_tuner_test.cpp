@@ -1,0 +1,103 @@
+#include "haptics_node/material_tuner.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <mutex>
+#include <string_view>
+#include <thread>
+
+#include "scene/scene_file.h"
+#include "tests/support/allocation_guard.h"
+#include "tests/support/made_meshes.h"
+
+namespace hapton {
+namespace {
+
+Scene hull_and_deck() {
+  Scene scene;
+  for (const char* name : {"hull", "deck"}) {
+    scene.objects.push_back({.name = name, .mesh = made::shared(made::sheet(0.1, 0.0, 2)), .material = {}});
+  }
+  return scene;
+}
+
+MaterialRequest stiffness_request(std::uint32_t number, std::string_view object, double n_per_m) {
+  MaterialRequest made{.request = number, .change = {.given = MaterialChange::kStiffness, .stiffness_n_per_m = n_per_m}};
+  std::copy(object.begin(), object.end(), made.object.begin());
+  return made;
+}
+
+std::unique_ptr<TunedMaterials> wait_for_result(MaterialTuner& tuner) {
+  for (int i = 0; i < 500; ++i) {
+    if (auto result = tuner.take()) return result;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return nullptr;
+}
+
+TEST(MaterialTuner, GivesTheMaterialsOfAllObjectsAndTellsWhoeverNeedsThem) {
+  std::mutex mutex;
+  std::vector<double> told;
+  MaterialTuner tuner(hull_and_deck(), 0.0, [&](const std::vector<Material>& materials) {
+    const std::scoped_lock lock(mutex);
+    for (const Material& material : materials) told.push_back(material.stiffness_n_per_m);
+  });
+  EXPECT_EQ(tuner.take(), nullptr);
+  tuner.request(stiffness_request(5, "deck", 700.0));
+  const auto result = wait_for_result(tuner);
+  ASSERT_NE(result, nullptr);
+  ASSERT_EQ(result->materials.size(), 2U);
+  EXPECT_EQ(result->materials[0].stiffness_n_per_m, 1000.0);
+  EXPECT_EQ(result->materials[1].stiffness_n_per_m, 700.0);
+  EXPECT_EQ(result->state.request, 5U);
+  EXPECT_EQ(result->state.object_count, 1U);
+  const std::scoped_lock lock(mutex);
+  EXPECT_EQ(told, (std::vector{1000.0, 700.0}));
+}
+
+TEST(MaterialTuner, ARejectedRequestHasNoMaterials) {
+  bool was_told = false;
+  MaterialTuner tuner(hull_and_deck(), 0.0, [&](const std::vector<Material>&) { was_told = true; });
+  tuner.request(stiffness_request(6, "dek", 700.0));
+  const auto result = wait_for_result(tuner);
+  ASSERT_NE(result, nullptr);
+  EXPECT_TRUE(result->materials.empty());
+  EXPECT_EQ(result->state.request, 6U);
+  EXPECT_STREQ(result->state.rejection.data(), "the scene has no object 'dek'; did you mean 'deck'?");
+  EXPECT_FALSE(was_told);
+}
+
+// An accepted change that nobody has taken yet is not replaced by the result of the next request.
+TEST(MaterialTuner, NoResultIsLost) {
+  MaterialTuner tuner(hull_and_deck(), 0.0);
+  tuner.request(stiffness_request(1, "hull", 700.0));
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  tuner.request(stiffness_request(2, "nobody", 800.0));
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  auto first = wait_for_result(tuner);
+  ASSERT_NE(first, nullptr);
+  EXPECT_EQ(first->state.request, 1U);
+  EXPECT_FALSE(first->materials.empty());
+  tuner.retire(std::move(first));
+  const auto second = wait_for_result(tuner);
+  ASSERT_NE(second, nullptr);
+  EXPECT_EQ(second->state.request, 2U);
+  EXPECT_EQ(second->state.object_count, 1U) << "the first is still in use";
+}
+
+TEST(MaterialTuner, TheReplyLoopsCallsFreeNothing) {
+  if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
+  MaterialTuner tuner(hull_and_deck(), 0.0);
+  const MaterialRequest asked = stiffness_request(1, "hull", 700.0);
+  const AllocationGuard guard;
+  for (int i = 0; i < 100; ++i) {
+    tuner.request(asked);
+    if (auto result = tuner.take()) tuner.retire(std::move(result));
+  }
+  EXPECT_EQ(guard.count(), 0U);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,49 @@
+#include "scene/material_limits.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace hapton {
+namespace {
+
+using testing::HasSubstr;
+
+std::string complaint(const Material& material, const SurfaceEffects& effects = {}, const Material& before = {}) {
+  const auto fits = check_material(material, before, effects, "hull");
+  return fits ? std::string() : fits.error().what;
+}
+
+TEST(MaterialLimits, ANumberOutOfRangeIsNamedWithItsRange) {
+  EXPECT_EQ(complaint({}), "");
+  EXPECT_EQ(complaint({.stiffness_n_per_m = 1e6, .damping_ns_per_m = 1e4, .friction_static = 10.0, .friction_dynamic = 10.0}), "");
+  EXPECT_EQ(complaint({.stiffness_n_per_m = 0.0}), "'stiffness_n_per_m' of object 'hull' is 0: it must be above 0 and at most 1000000");
+  EXPECT_EQ(complaint({.damping_ns_per_m = 2e4}), "'damping_ns_per_m' of object 'hull' is 20000: it must be at least 0 and at most 10000");
+  EXPECT_THAT(complaint({.friction_static = -0.1}), HasSubstr("'friction_static' of object 'hull' is -0.1"));
+  EXPECT_THAT(complaint({.friction_static = 11.0}), HasSubstr("at most 10"));
+  EXPECT_THAT(complaint({.friction_static = 10.0, .friction_dynamic = 11.0}), HasSubstr("'friction_dynamic'"));
+  EXPECT_THAT(complaint({.stiffness_n_per_m = std::numeric_limits<double>::quiet_NaN()}), HasSubstr("nan"));
+}
+
+TEST(MaterialLimits, DynamicFrictionIsAtMostTheStaticOne) {
+  EXPECT_EQ(complaint({.friction_static = 0.3, .friction_dynamic = 0.3}), "");
+  EXPECT_THAT(complaint({.friction_static = 0.3, .friction_dynamic = 0.4}),
+              HasSubstr("is 0.4, more than 'friction_static' 0.3: make it at most that"));
+}
+
+TEST(MaterialLimits, WhatASurfaceDoesBesidesRulesNumbersOutAsInSceneFiles) {
+  SurfaceEffects layered;
+  layered.layers.add({.depth_m = 0.0, .stiffness_n_per_m = 400.0, .pop_force_n = 1.0, .drag_ns_per_m = 1.0});
+  EXPECT_EQ(complaint({.friction_static = 0.3}, layered), "") << "friction along the skin";
+  EXPECT_THAT(complaint({.stiffness_n_per_m = 500.0}, layered), HasSubstr("has layers"));
+  EXPECT_THAT(complaint({.damping_ns_per_m = 1.0}, layered), HasSubstr("has layers"));
+  SurfaceEffects bumpy;
+  bumpy.bumps.height_m = 1e-4;
+  bumpy.bumps.length_m = 1e-3;
+  EXPECT_EQ(complaint({.stiffness_n_per_m = 500.0}, bumpy), "");
+  EXPECT_THAT(complaint({.damping_ns_per_m = 1.0}, bumpy), HasSubstr("source of energy"));
+}
+
+}  // namespace
+}  // namespace hapton
