@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 
 #include "core/force/evaluation/stress_body.h"
@@ -23,6 +24,8 @@ class PatchMethod final : public ForceMethod {
 
   MethodOutput step(const MethodInput& input) noexcept override;
   void reset(const Vec3& p_SD) noexcept override;
+  // Nothing: in tiles another material is another scene.
+  void set_materials(std::span<const Material> materials) noexcept override { (void)materials; }
   std::string describe() const override;
 
   const PatchTouch::Counts& counts() const noexcept { return touch_.counts(); }
