@@ -11,7 +11,7 @@ std::unique_ptr<Patch> PatchTouch::offer(std::unique_ptr<Patch> patch) noexcept 
 std::unique_ptr<Patch> PatchTouch::take_retired() noexcept { return std::move(retired_); }
 
 void PatchTouch::forget() noexcept {
-  is_placed_ = is_over_ = is_beyond_ = false;
+  is_placed_ = is_over_ = is_on_grid_ = is_beyond_ = false;
   outward_S_.setZero();
   path_.clear();
 }
@@ -22,6 +22,7 @@ void PatchTouch::set_generation(std::uint32_t generation) noexcept {
 
 void PatchTouch::start_at(const Vec3& p_SP, const Vec3& outward) noexcept {
   is_placed_ = p_SP.allFinite() && outward.allFinite();
+  is_over_ = is_on_grid_ = false;
   p_SP_ = last_p_SD_ = p_SP;
   outward_S_ = outward;
   path_.clear();
@@ -105,6 +106,7 @@ bool PatchTouch::rise_over(const Patch& patch, const Vec3& p_SD) noexcept {
   const double least_m = std::min(wanted_m, kLeastRise * force_n_ / stiffness_n_per_m_);
   if (!(rise_m > 0.0 && rise_m >= least_m)) return false;
   p_SP_ = p_SD + rise_m * outward_S_;
+  is_on_grid_ = false;
   ++counts_.raised;
   return true;
 }
@@ -114,7 +116,7 @@ void PatchTouch::hand_over(const TouchInput& input) noexcept {
   ++counts_.handed_over;
   if (patch_->step == nullptr) return;
   TouchInput start = input;
-  if (is_placed_) start.p_WD = input.X_WS * (p_SP_ + patch_->lift_m * outward_S_);
+  if (is_placed_) start.p_WD = input.X_WS * (p_SP_ + (is_on_grid_ ? 0.0 : patch_->lift_m) * outward_S_);
   patch_->step->reset(start);
   // The hand did not go from there to the device: damping must not see that motion.
   if (is_placed_) (void)patch_->step->step(input);
@@ -144,7 +146,7 @@ PatchOutput PatchTouch::step_patch(const TouchInput& input, const Vec3& p_SD, bo
   outward_S_ = touched.contact && depth > 0.0 ? Vec3(R_SW * touched.visual_offset_m / depth) : Vec3(Vec3::Zero());
   stiffness_n_per_m_ = depth > 0.0 ? force_n_ / depth : 0.0;
   last_p_SD_ = p_SD;
-  is_placed_ = true;
+  is_placed_ = is_on_grid_ = true;
   ++counts_.steps;
   counts_.contact_steps += touched.contact ? 1 : 0;
   return output;

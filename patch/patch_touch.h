@@ -15,7 +15,7 @@ struct Patch {
   std::unique_ptr<TouchStep> step;  // null: there is no triangle
   Vec3 p_SC = Vec3::Zero();
   double radius_m = 0.0;
-  double lift_m = 0.0;           // how far off the surface a proxy starts that is handed over: above what the grid rounds
+  double lift_m = 0.0;           // how far off the surface a proxy starts that no patch has held: above what the grid rounds
   std::uint32_t generation = 0;  // of the scene that it is of
   bool is_way_unknown = false;   // when it was made, not all of the scene between the last proxy within and the hand had come
 };
@@ -33,9 +33,10 @@ struct PatchOutput {
 // Feels a scene by patches of it, one after the other. The force is that of the whole scene as long as all that the step can meet lies
 // within the patch: device and proxy move within |device - centre| + |proxy - device| + |motion| of its centre.
 //
-// Another patch takes over where the proxy is: its step starts there, lifted off the surface by the least that is safe, and goes from there
-// to the device. So the path of the proxy has no gap, and the surface that was felt is felt. Both are stepped with that sample, so that
-// what the hand's motion changes is not taken for a difference between them.
+// Another patch takes over where the proxy is: its step starts there and goes from there to the device. So the path of the proxy has no
+// gap, and the surface that was felt is felt: both have the same triangles on the same grid. A proxy that no patch has held is lifted off
+// first, along the force. Both patches are stepped with that sample, so that what the hand's motion changes is not taken for a difference
+// between them.
 //
 // Past the edge the places of the device are kept, and the plane of the last contact holds: its force is that of the surface's stiffness,
 // damped, and never larger than kMostBeyond times the last force within. Without contact there is no force past the edge. Once a patch
@@ -108,6 +109,7 @@ class PatchTouch {
   std::uint32_t generation_ = 0;
   bool is_placed_ = false;          // the proxy is known
   bool is_over_ = false;            // patch_ holds the proxy; else it has to be handed over
+  bool is_on_grid_ = false;         // it was a patch that had it last
   Vec3 p_SP_ = Vec3::Zero();        // proxy, last within
   Vec3 outward_S_ = Vec3::Zero();   // unit, of its force; zero: free
   double stiffness_n_per_m_ = 0.0;  // ... of force and penetration
