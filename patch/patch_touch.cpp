@@ -5,6 +5,14 @@
 #include <utility>
 
 namespace hapton {
+namespace {
+
+// Of a patch's lift, for a proxy that a patch has held: the place told is on the surface, a contact offset (2^-30 of the patch's size)
+// nearer along the force than where it is held. More than its rounding, so that it is on its side; less than the contact offset, so that it
+// does not get past the other face of a sharp groove.
+constexpr double kLiftOnGrid = 0x1p-18;
+
+}  // namespace
 
 std::unique_ptr<Patch> PatchTouch::offer(std::unique_ptr<Patch> patch) noexcept { return std::exchange(offered_, std::move(patch)); }
 
@@ -116,7 +124,8 @@ void PatchTouch::hand_over(const TouchInput& input) noexcept {
   ++counts_.handed_over;
   if (patch_->step == nullptr) return;
   TouchInput start = input;
-  if (is_placed_) start.p_WD = input.X_WS * (p_SP_ + (is_on_grid_ ? 0.0 : patch_->lift_m) * outward_S_);
+  const double lift_m = (is_on_grid_ ? kLiftOnGrid : 1.0) * patch_->lift_m;
+  if (is_placed_) start.p_WD = input.X_WS * (p_SP_ + lift_m * outward_S_);
   patch_->step->reset(start);
   // The hand did not go from there to the device: damping must not see that motion.
   if (is_placed_) (void)patch_->step->step(input);
