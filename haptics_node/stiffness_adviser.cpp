@@ -67,7 +67,7 @@ void StiffnessAdviser::advise(const LoopFacts& facts, double stiffest_n_per_m) {
   const auto advice = advise_stiffness(facts);
   if (!advice || stiffest_n_per_m <= advice->safe_n_per_m) return;
   if (advice->is_limited_by_device) {
-    log_warning("the scene asks for {:.0f} N/m, but the maker of {} gives {:.0f} N/m at most; lower stiffness_n_per_m", stiffest_n_per_m,
+    log_warning("the scene asks for {:.0f} N/m, but {} is known to hold {:.0f} N/m at most; lower stiffness_n_per_m", stiffest_n_per_m,
                 advice->device, advice->safe_n_per_m);
     return;
   }

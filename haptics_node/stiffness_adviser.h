@@ -15,7 +15,7 @@ struct StiffnessAdvice {
   double safe_n_per_m = 0.0;  // recommend_stiffness, the least over the hands and the devices it can be
   std::string device;         // title of that device
   std::string hand;
-  bool is_limited_by_device = false;  // its maker gives no more, whatever the hand and the delay
+  bool is_limited_by_device = false;  // no more is known of it, whatever the hand and the delay
 };
 // Nothing where no model of the device is known, or the facts are empty. RT: no, some 0.1 s.
 std::optional<StiffnessAdvice> advise_stiffness(const LoopFacts& facts);

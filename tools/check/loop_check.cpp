@@ -42,7 +42,7 @@ CheckFindings compare_stiffness(const std::string& name, double stiffness_n_per_
   CheckFindings findings;
   if (held.by_device != nullptr && stiffness_n_per_m > held.device_n_per_m) {
     findings.push_back({SceneFault::stiffer_than_device, name, std::nullopt,
-                        fmt::format("{:.6g} N/m, but the maker of {} gives {:.6g} N/m at most", stiffness_n_per_m, held.by_device->device,
+                        fmt::format("{:.6g} N/m, but {} is known to hold {:.6g} N/m at most", stiffness_n_per_m, held.by_device->device,
                                     held.device_n_per_m),
                         fmt::format("set {} to {} or less", what_to_set, at_most(held.device_n_per_m))});
   }

@@ -10,7 +10,7 @@ namespace hapton {
 
 // What one system holds: the least over its devices and hands.
 struct HeldStiffness {
-  const NamedLoop* by_device = nullptr;  // whose maker gives least; null: none says
+  const NamedLoop* by_device = nullptr;  // of which least is known; null: of none
   double device_n_per_m = 0.0;
   const NamedLoop* by_loop = nullptr;
   double safe_n_per_m = 0.0;  // half of the limit of stability, as hapton loop recommend has it

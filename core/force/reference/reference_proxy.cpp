@@ -58,16 +58,6 @@ ReferenceProxy::ReferenceProxy(double probe_radius, std::vector<Material> materi
   half_spaces_.reserve(kMostContacts);
 }
 
-void ReferenceProxy::note_friction() noexcept {
-  frictionless_ = true;
-  for (const Material& material : materials_) frictionless_ = frictionless_ && !(material.friction_static > 0.0);
-}
-
-void ReferenceProxy::set_materials(std::span<const Material> materials) noexcept {
-  std::copy_n(materials.begin(), std::min(materials.size(), materials_.size()), materials_.begin());
-  note_friction();
-}
-
 ReferenceProxy::State ReferenceProxy::make_state() const {
   State state;
   state.contacts.reserve(kMostContacts);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -59,7 +60,10 @@ class ReferenceProxy {
   ReferenceProxy(double probe_radius, std::vector<Material> materials, std::size_t most_faces);
 
   // By object, as many as before.
-  void set_materials(std::span<const Material> materials) noexcept;
+  void set_materials(std::span<const Material> materials) noexcept {
+    std::copy_n(materials.begin(), std::min(materials.size(), materials_.size()), materials_.begin());
+    note_friction();
+  }
 
   void clear_faces() noexcept;
   void add_face(const Face& face) noexcept;
@@ -142,7 +146,9 @@ class ReferenceProxy {
   Vec3 cut_at_boundary(const Pull& pull, const Vec3& motion) noexcept;
   double share_on_feature(const Contact& contact, const Vec3& motion) noexcept;
   double share_on_plane(const Contact& contact, const Vec3& motion) noexcept;
-  void note_friction() noexcept;
+  void note_friction() noexcept {
+    frictionless_ = std::none_of(materials_.begin(), materials_.end(), [](const Material& one) { return one.friction_static > 0.0; });
+  }
   bool has_friction() const { return !frictionless_ && rules_.friction; }
   bool keeps_to_surface() const { return rules_.keeps_to_surface || has_friction(); }
   const Vec3* find_vertex(const Pull& pull) const noexcept;
