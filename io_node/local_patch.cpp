@@ -42,8 +42,7 @@ std::optional<LocalForce> LocalPatch::step(const DeviceSample& sample) noexcept 
   const double dt_s = passed_ns > 0 ? std::min(1e-9 * static_cast<double>(passed_ns), kLongestStepS) : kFirstStepS;
   const std::optional<PatchOutput> output = touch_.step({sample.p_WD, orders.X_WS, dt_s});
   counts_.publish(touch_.counts());
-  const bool is_beyond = touch_.is_beyond();
-  hands_.publish({X_SW * sample.p_WD, sample.time_ns, is_beyond, is_beyond ? touch_.way() : PatchTouch::Way()});
+  hands_.publish(touch_.hand_at(X_SW * sample.p_WD, sample.time_ns));
   // The proxy goes on following the device, so that the surface is the same once haptics is heard again.
   if (!output || sample.time_ns >= orders.until_ns) return std::nullopt;
   return LocalForce{output->force_n, output->visual_offset_m, output->contact, output->is_handed_over, output->difference_n};

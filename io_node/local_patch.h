@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "io_node/local_touch.h"
-#include "patch/patch_maker.h"
 #include "patch/patch_touch.h"
 #include "runtime/mailbox.h"
 

@@ -70,7 +70,7 @@ std::unique_ptr<Patch> PatchMaker::make_if_left(const PatchStore& store, std::ui
 }
 
 std::unique_ptr<Patch> PatchMaker::make_over_way(const PatchStore& store, std::uint32_t generation) {
-  const PatchTouch::Way& way = hand_.way;
+  const PatchWay& way = hand_.way;
   const double known_m = store.known_radius(way.p_SC);
   if (known_m < kWayShare * way.radius_m) return make_beside_way(store, generation);
   const bool covers = p_SC_ && radius_m_ >= (way.p_SC - *p_SC_).norm() + widening_ * kWayShare * way.radius_m;

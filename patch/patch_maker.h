@@ -11,14 +11,6 @@
 
 namespace hapton {
 
-// Where the device is, for whoever makes the next patch. Frame S.
-struct PatchHand {
-  Vec3 p_SD = Vec3::Zero();
-  std::int64_t time_ns = 0;
-  bool is_beyond = false;  // past the edge: a patch has to reach over ...
-  PatchTouch::Way way;     // ... this
-};
-
 // Decides when the hand needs another patch, and makes it: around where the hand will be once it is made, as wide as the scene is known
 // there, and of no more triangles than can be made while the hand is still within the patch before. So patches grow, up to the whole scene,
 // where a small one has been made first. For a hand past the edge: over the whole way there.

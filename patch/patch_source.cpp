@@ -116,13 +116,7 @@ Message PatchSource::make_message(std::size_t item) {
     begin_.serial = serial_;
     return begin_;
   }
-  if (item < item_of_tile(0)) {
-    const TileCell& cell = scene_.cells[item - item_of_cell(0)];
-    PatchCell message{begin_.epoch, serial_, cell.key.level, cell.key.index, cell.empty_children};
-    message.tile_count = static_cast<std::uint32_t>(cell.tiles.size());
-    std::copy(cell.tiles.begin(), cell.tiles.end(), message.tiles.begin());
-    return message;
-  }
+  if (item < item_of_tile(0)) return to_message(scene_.cells[item - item_of_cell(0)], begin_.epoch, serial_);
   PatchTile tile = scene_.tiles[item - item_of_tile(0)];
   tile.epoch = begin_.epoch;
   tile.serial = serial_;

@@ -37,7 +37,11 @@ void PatchTouch::start_at(const Vec3& p_SP, const Vec3& outward) noexcept {
   stiffness_n_per_m_ = force_n_ = 0.0;
 }
 
-PatchTouch::Way PatchTouch::way() const noexcept {
+PatchHand PatchTouch::hand_at(const Vec3& p_SD, std::int64_t time_ns) const noexcept {
+  return {p_SD, time_ns, is_beyond_, is_beyond_ ? way() : PatchWay()};
+}
+
+PatchWay PatchTouch::way() const noexcept {
   Vec3 low = p_SP_;
   Vec3 high = p_SP_;
   for (std::size_t i = 0; i < path_.size(); ++i) {

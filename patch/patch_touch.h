@@ -30,6 +30,20 @@ struct PatchOutput {
   bool is_beyond = false;            // past the edge of what is known
 };
 
+// What a patch has to reach for the hand to be caught up with: a ball about the proxy, last within, and the places since. Frame S.
+struct PatchWay {
+  Vec3 p_SC = Vec3::Zero();
+  double radius_m = 0.0;
+};
+
+// Where the device is, for whoever makes the next patch. Frame S.
+struct PatchHand {
+  Vec3 p_SD = Vec3::Zero();
+  std::int64_t time_ns = 0;
+  bool is_beyond = false;  // past the edge: a patch has to reach over ...
+  PatchWay way;            // ... this
+};
+
 // Feels a scene by patches of it, one after the other. The force is that of the whole scene as long as all that the step can meet lies
 // within the patch: device and proxy move within |device - centre| + |proxy - device| + |motion| of its centre.
 //
@@ -84,15 +98,11 @@ class PatchTouch {
 
   const Counts& counts() const noexcept { return counts_; }
   bool is_placed() const noexcept { return is_placed_; }
-  bool is_beyond() const noexcept { return is_beyond_; }
-  // What a patch has to reach for the hand to be caught up with: a ball about the proxy, last within, and the places since. Frame S.
-  struct Way {
-    Vec3 p_SC = Vec3::Zero();
-    double radius_m = 0.0;
-  };
-  Way way() const noexcept;
+  // Where the hand is, for whoever makes the next patch.
+  PatchHand hand_at(const Vec3& p_SD, std::int64_t time_ns) const noexcept;
 
  private:
+  PatchWay way() const noexcept;
   bool is_place(const Vec3& p_SD) const noexcept;
   bool reaches(const Patch& patch, const Vec3& p_SD) const noexcept;
   bool reaches_next() const noexcept { return patch_ != nullptr && !path_.empty() && reaches(*patch_, path_.front().p_SD); }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -31,6 +32,13 @@ struct TiledScene {
   std::vector<TileNode> nodes;   // the root first
   std::vector<TileCell> cells;   // with triangles, and few enough tiles that one datagram lists them
 };
+
+// The message of a cell.
+inline PatchCell to_message(const TileCell& cell, std::uint32_t epoch, std::uint32_t serial) {
+  PatchCell message{epoch, serial, cell.key.level, cell.key.index, cell.empty_children, static_cast<std::uint32_t>(cell.tiles.size())};
+  std::copy(cell.tiles.begin(), cell.tiles.end(), message.tiles.begin());
+  return message;
+}
 
 // Parts the scene's triangles into compact tiles of one object each, that fit a datagram each, and space into cells of few tiles. Triangles
 // that have no area on the grid because two corners fall together are left out: their neighbours meet there. No more nodes than

@@ -103,7 +103,7 @@ void RemotePatch::take_parts(std::int64_t now_ns) {
 // As the hub's builder: one at a time.
 void RemotePatch::make_patches(const Vec3& p_WD, std::int64_t now_ns) {
   (void)touch_.take_retired();
-  maker_.note_hand({p_WD, now_ns, touch_.is_beyond(), touch_.is_beyond() ? touch_.way() : PatchTouch::Way()});
+  maker_.note_hand(touch_.hand_at(p_WD, now_ns));
   if (made_ == nullptr) {
     made_ = maker_.make_if_due(store_, 0);
     made_ns_ = now_ns + std::max(kLeastMakeNs, kTriangleNs * static_cast<std::int64_t>(maker_.triangles()));

@@ -39,11 +39,7 @@ struct BuilderStage {
   void send_all(std::uint32_t epoch = kEpoch) {
     serial = 0;
     send(PatchBegin{0, 0, tiled.grid.origin_m, tiled.grid.step_m, 0.0, 7}, epoch);
-    for (const TileCell& cell : tiled.cells) {
-      PatchCell message{0, 0, cell.key.level, cell.key.index, cell.empty_children, static_cast<std::uint32_t>(cell.tiles.size())};
-      std::copy(cell.tiles.begin(), cell.tiles.end(), message.tiles.begin());
-      send(message, epoch);
-    }
+    for (const TileCell& cell : tiled.cells) send(to_message(cell, 0, 0), epoch);
     for (const PatchTile& tile : tiled.tiles) send(tile, epoch);
   }
   // Steps the device 1 mm below the sheet until that holds; false: not within 10 s.

@@ -121,7 +121,7 @@ class PatchStage {
 
   // A patch takes a while to make; meanwhile no other is begun.
   void make_patches(const Vec3& p_SD) {
-    maker_.note_hand({p_SD, now_ns_, touch_.is_beyond(), touch_.is_beyond() ? touch_.way() : PatchTouch::Way()});
+    maker_.note_hand(touch_.hand_at(p_SD, now_ns_));
     if (made_ == nullptr) {
       made_ = maker_.make_if_due(store_, 0);
       ready_ns_ = now_ns_ + static_cast<std::int64_t>(1e9 * network_.make_s);

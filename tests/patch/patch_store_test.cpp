@@ -17,17 +17,11 @@ PatchTile numbered(PatchTile tile, std::uint32_t epoch, std::uint32_t serial) {
   return tile;
 }
 
-PatchCell message_of(const TileCell& cell, std::uint32_t epoch, std::uint32_t serial) {
-  PatchCell message{epoch, serial, cell.key.level, cell.key.index, cell.empty_children, static_cast<std::uint32_t>(cell.tiles.size())};
-  std::copy(cell.tiles.begin(), cell.tiles.end(), message.tiles.begin());
-  return message;
-}
-
 struct Filled {
   explicit Filled(const TouchScene& scene) : tiled(make_tiles(scene)) {
     store.accept(PatchBegin{1, ++serial, tiled.grid.origin_m, tiled.grid.step_m, 0.0, 7});
   }
-  void cell(std::size_t n) { store.accept(message_of(tiled.cells[n], 1, ++serial)); }
+  void cell(std::size_t n) { store.accept(to_message(tiled.cells[n], 1, ++serial)); }
   void tile(std::size_t n) { store.accept(numbered(tiled.tiles[n], 1, ++serial)); }
   TiledScene tiled;
   PatchStore store;

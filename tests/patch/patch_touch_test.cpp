@@ -37,7 +37,7 @@ class LatePatches {
   Felt step(const Vec3& p_WD, double dt_s) {
     if (++cycle_ == 1) whole_.reset({p_WD});
     (void)touch_.take_retired();
-    if (made_ == nullptr && (cycle_ == 1 || touch_.is_beyond() || cycle_ % 20 == 0)) {
+    if (made_ == nullptr && (cycle_ == 1 || touch_.hand_at(p_WD, 0).is_beyond || cycle_ % 20 == 0)) {
       made_ = make(p_WD);
       due_ = cycle_ == 1 ? cycle_ : cycle_ + late_;
     }
@@ -49,7 +49,8 @@ class LatePatches {
 
  private:
   std::unique_ptr<Patch> make(const Vec3& p_SD) const {
-    const PatchTouch::Way way = touch_.is_beyond() ? touch_.way() : PatchTouch::Way{p_SD, 0.0};
+    const PatchHand hand = touch_.hand_at(p_SD, 0);
+    const PatchWay way = hand.is_beyond ? hand.way : PatchWay{p_SD, 0.0};
     auto patch = std::make_unique<Patch>();
     patch->step = std::make_unique<TouchStep>(*make_method({}, scene_));
     patch->p_SC = way.p_SC;

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <utility>
 
 #include "core/geometry/mesh_measures.h"
@@ -18,12 +17,6 @@ constexpr double kAgainS = 1e-9;
 constexpr std::int64_t kTickNs = 100 * kNanosecondsPerMillisecond;  // longer than the maker waits for a patch to be taken
 constexpr double kSlowS = 1e3;                                      // to make a patch, as the maker is told: it keeps them small
 
-PatchCell message_of(const TileCell& cell, std::uint32_t serial) {
-  PatchCell message{1, serial, cell.key.level, cell.key.index, cell.empty_children, static_cast<std::uint32_t>(cell.tiles.size())};
-  std::copy(cell.tiles.begin(), cell.tiles.end(), message.tiles.begin());
-  return message;
-}
-
 TriangleMesh on_grid(TriangleMesh mesh, const PatchGrid& grid) {
   for (Vec3& vertex : mesh.vertices) vertex = grid.at(grid.round(vertex));
   return mesh;
@@ -35,19 +28,17 @@ PatchMethod::PatchMethod(const MethodSettings& settings, const TouchScene& scene
   const TiledScene tiled = make_tiles(scene);
   std::uint32_t serial = 1;
   store_.accept(PatchBegin{1, serial++, tiled.grid.origin_m, tiled.grid.step_m, settings.probe_radius_m, 0});
-  for (const TileCell& cell : tiled.cells) store_.accept(message_of(cell, serial++));
-  for (std::uint32_t number = 0; number < tiled.tiles.size(); ++number) {
-    PatchTile tile = tiled.tiles[number];
+  for (const TileCell& cell : tiled.cells) store_.accept(to_message(cell, 1, serial++));
+  for (PatchTile tile : tiled.tiles) {
     tile.epoch = 1;
     tile.serial = serial++;
-    tile.tile = number;
     store_.accept(tile);
   }
 }
 
 void PatchMethod::make_patch(const Vec3& p_SD) {
   now_ns_ += kTickNs;
-  maker_.note_hand({p_SD, now_ns_, touch_.is_beyond(), touch_.is_beyond() ? touch_.way() : PatchTouch::Way()});
+  maker_.note_hand(touch_.hand_at(p_SD, now_ns_));
   (void)touch_.take_retired();
   if (auto patch = maker_.make_if_due(store_, 0)) {
     maker_.note_made(kSlowS);

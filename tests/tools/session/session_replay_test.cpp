@@ -76,6 +76,16 @@ struct SessionReplayTest : testing::Test {
       recorded.emplace_back(state, answer(state));
     }
   }
+  // Out into free space after so many samples, and 50 steps in again.
+  void slide_in_again(std::uint64_t before) {
+    sample = 0;
+    for (int n = 0; n < 50; ++n) {
+      DeviceState state = next_state();
+      state.sample += before;
+      state.sample_time_ns += static_cast<std::int64_t>(before) * 1'000'000;
+      recorded.emplace_back(state, answer(state));
+    }
+  }
 
   SessionReplay make_replay() {
     return SessionReplay(
@@ -244,13 +254,7 @@ TEST_F(SessionReplayTest, ARecordingThatBeginsAfterAChangeHasItsMaterials) {
   tune(kSofter);
   slide(50);
   recorded.erase(recorded.begin(), recorded.begin() + 120);
-  sample = 0;  // out into free space, and in again
-  for (int n = 0; n < 50; ++n) {
-    DeviceState state = next_state();
-    state.sample += 150;
-    state.sample_time_ns += 150'000'000;
-    recorded.emplace_back(state, answer(state));
-  }
+  slide_in_again(150);
   SessionReplay replay = make_replay();
   feed(replay);
   EXPECT_GT(replay.counts().compared, 30U);
@@ -263,13 +267,7 @@ TEST_F(SessionReplayTest, AMethodThatCameAmongLostAnswersIsComparedFromFreeSpace
   send_setup("smooth");
   slide(40);
   for (std::size_t n = 55; n < 65; ++n) recorded[n].second.reset();
-  sample = 0;
-  for (int n = 0; n < 50; ++n) {
-    DeviceState state = next_state();
-    state.sample += 100;
-    state.sample_time_ns += 100'000'000;
-    recorded.emplace_back(state, answer(state));
-  }
+  slide_in_again(100);
   SessionReplay replay = make_replay();
   feed(replay);
   EXPECT_EQ(replay.counts().lost_answers, 10U);
@@ -286,13 +284,7 @@ TEST_F(SessionReplayTest, ForcesOfAnUnnamedMethodAreNotCompared) {
   send_setup("proxy");
   for (int lap = 0; lap < 2; ++lap) {
     const std::uint64_t before = sample;
-    sample = 0;  // out into free space, and in again
-    for (int n = 0; n < 50; ++n) {
-      DeviceState state = next_state();
-      state.sample += before;
-      state.sample_time_ns += static_cast<std::int64_t>(before) * 1'000'000;
-      recorded.emplace_back(state, answer(state));
-    }
+    slide_in_again(before);
     sample += before;
   }
   SessionReplay replay = make_replay();
@@ -307,13 +299,7 @@ TEST_F(SessionReplayTest, ForcesOfAnUnnamedMethodAreNotCompared) {
 TEST_F(SessionReplayTest, ARecordingThatBeginsInContactIsComparedFromFreeSpaceOn) {
   slide(100);
   recorded.erase(recorded.begin(), recorded.begin() + 50);
-  sample = 0;  // back to free space, and in again
-  for (int n = 0; n < 50; ++n) {
-    DeviceState state = next_state();
-    state.sample += 100;
-    state.sample_time_ns += 100'000'000;
-    recorded.emplace_back(state, answer(state));
-  }
+  slide_in_again(100);
   SessionReplay replay = make_replay();
   feed(replay);
   EXPECT_EQ(replay.counts().not_compared, 50U);
@@ -373,13 +359,7 @@ TEST_F(EffectsReplayTest, EffectsGiveTheSameForcesToTheLastBit) {
 
 TEST_F(EffectsReplayTest, WhatBeganBeforeTheRecordingIsNotCompared) {
   slide(300);
-  sample = 0;
-  for (int n = 0; n < 50; ++n) {  // out into free space, and in again
-    DeviceState state = next_state();
-    state.sample += 300;
-    state.sample_time_ns += 300'000'000;
-    recorded.emplace_back(state, answer(state));
-  }
+  slide_in_again(300);
   recorded.erase(recorded.begin(), recorded.begin() + 100);
   SessionReplay replay = make_effects_replay();
   feed(replay);
