@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/collision/surface_adjacency.h"
@@ -46,6 +47,7 @@ class ObjectGeometry {
   std::size_t bytes() const;
   const WideBvh& tree() const { return tree_; }
   const Triangle& triangle(std::uint32_t t) const { return triangles_[t]; }
+  std::span<const Vec3> vertices() const { return vertices_; }
   const Vec3& corner(std::uint32_t t, int k) const { return vertices_[triangles_[t][k]]; }
   struct Corners {
     const Vec3& a;

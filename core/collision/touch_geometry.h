@@ -50,6 +50,9 @@ class TouchGeometry {
   ObjectGeometry::Corners corners(std::uint32_t id) const { return object(id).corners(id & triangle_mask_); }
   Separation separation(std::uint32_t id, const Vec3& p) const { return object(id).separation(id & triangle_mask_, p); }
   std::uint32_t mesh_of(std::uint32_t id) const { return id >> triangle_bits_; }
+  std::uint32_t triangle_of(std::uint32_t id) const { return id & triangle_mask_; }  // its number in the object
+  // An object's own structures. Pre: it is built.
+  const ObjectGeometry& object_geometry(std::uint32_t mesh) const { return *slots_[mesh].built; }
   std::uint32_t object_bits() const { return ~triangle_mask_; }  // mask of the object in a triangle's number
   // Side k of a triangle is at its edge k, see SurfaceAdjacency.
   struct Adjacent {

@@ -26,6 +26,7 @@ const std::map<std::string, std::vector<std::string>> kMayInclude = {
     {"core/geometry", {"core/base", "core/math"}},
     {"core/collision", {"core/base", "core/math", "core/geometry"}},
     {"core/force", {"core/base", "core/math", "core/effects", "core/geometry", "core/collision"}},
+    {"core/tool", {"core/base", "core/math", "core/geometry", "core/collision"}},
     {"runtime", {"core/base", "core/math"}},
     {"link", {"core/base", "core/math", "runtime"}},
     {"hid", {"core/base", "core/math", "runtime"}},

@@ -1,0 +1,221 @@
+#include "core/tool/feature_pair.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/geometry/triangle_distance.h"
+
+namespace hapton {
+namespace {
+
+using Kind = FeaturePair::Kind;
+
+struct SegmentPoints {
+  Vec3 on_a;
+  Vec3 on_b;
+  bool inside = false;
+};
+
+// The closest points of segments from a along d and from b along e (Ericson, Real-Time Collision Detection, 5.1.9). The pair of one
+// parameter given the other is solved last, so each point is the closest to the other to rounding.
+SegmentPoints closest_on_segments(const Vec3& a, const Vec3& d, const Vec3& b, const Vec3& e) {
+  const Vec3 r = a - b;
+  const double dd = d.squaredNorm();
+  const double ee = e.squaredNorm();
+  const double de = d.dot(e);
+  const double dr = d.dot(r);
+  const double er = e.dot(r);
+  const double volume = dd * ee - de * de;
+  const auto clamp01 = [](double x) { return std::clamp(x, 0.0, 1.0); };
+  double s = volume > 0.0 ? clamp01((de * er - dr * ee) / volume) : 0.0;
+  double t = ee > 0.0 ? clamp01((de * s + er) / ee) : 0.0;
+  s = dd > 0.0 ? clamp01((de * t - dr) / dd) : 0.0;
+  t = ee > 0.0 ? clamp01((de * s + er) / ee) : 0.0;
+  return {a + s * d, b + t * e, s > 0.0 && s < 1.0 && t > 0.0 && t < 1.0};
+}
+
+FeatureGap gap_between(const Vec3& on_tool, const Vec3& on_scene, const Vec3& position, TriangleFeature feature) {
+  FeatureGap gap;
+  const Vec3 between = on_tool - on_scene;
+  gap.distance = between.norm();
+  if (gap.distance > 0.0) gap.normal = between / gap.distance;
+  gap.on_tool = on_tool - position;
+  gap.on_scene = on_scene;
+  gap.feature = feature;
+  return gap;
+}
+
+// From 0 on, how long start + rate t - bend t^2 / 2 stays at 0 or more. Pre: bend >= 0.
+double time_above_zero(double start, double rate, double bend) {
+  if (!(start > 0.0)) return 0.0;
+  const double root = std::sqrt(rate * rate + 2.0 * bend * start);
+  const double time = rate < 0.0 ? 2.0 * start / (root - rate) : (rate + root) / bend;
+  return bend > 0.0 || rate < 0.0 ? time : 1e300;
+}
+
+// A rigid motion from a moment of it on: positions are from the grip point at that moment.
+struct Moment {
+  Vec3 shift;
+  Vec3 turn;
+  double turn_squared;
+  double turn_length;
+  double shift_length;
+
+  explicit Moment(const RigidMotion& motion)
+      : shift(motion.shift),
+        turn(motion.turn),
+        turn_squared(motion.turn.squaredNorm()),
+        turn_length(std::sqrt(turn_squared)),
+        shift_length(motion.shift.norm()) {}
+
+  Vec3 velocity(const Vec3& arm) const { return shift + turn.cross(arm); }
+  // Largest acceleration of a point of the tool, and, in the tool's frame, of a fixed point of the scene.
+  double bend_of_tool(const Vec3& arm) const { return turn_squared * arm.norm(); }
+  double bend_of_scene(const Vec3& arm) const { return turn_squared * (arm.norm() + shift_length) + 2.0 * turn_length * shift_length; }
+};
+
+double vertex_face_time(const FeatureGap& gap, const Moment& m, double floor) {
+  return time_above_zero(gap.distance - floor, gap.normal.dot(m.velocity(gap.on_tool)), m.bend_of_tool(gap.on_tool));
+}
+
+double face_vertex_time(const FeatureGap& gap, const Moment& m, const Vec3& position, double floor) {
+  const Vec3 arm = gap.on_scene - position;
+  return time_above_zero(gap.distance - floor, gap.normal.dot(m.velocity(arm)), m.bend_of_scene(arm));
+}
+
+// While the lines through the edges keep their order, and the distance between the lines is above the floor:
+// w . (d x e) > floor |d x e| for unit d, e and w from a point of one line to a point of the other.
+double line_time(const FeaturePair& pair, const FeatureGap& gap, const Placement& placement, const Moment& m, double floor) {
+  const Vec3 d = (placement.orientation * (pair.tool[1] - pair.tool[0])).normalized();
+  const Vec3 e = (pair.scene[1] - pair.scene[0]).normalized();
+  Vec3 normal = d.cross(e);
+  const Vec3 w = gap.distance * gap.normal;
+  const double side = w.dot(normal) < 0.0 ? -1.0 : 1.0;
+  normal *= side;
+  const Vec3 velocity = m.velocity(gap.on_tool);
+  const Vec3 turned = m.turn.cross(d);
+  const Vec3 twice = m.turn.cross(turned);
+  const Vec3 once_normal = side * turned.cross(e);
+  const double start = w.dot(normal) - floor * normal.norm();
+  const double rate = velocity.dot(normal) + w.dot(once_normal) - floor * m.turn_length;
+  const double second =
+      m.turn.cross(m.turn.cross(gap.on_tool)).dot(normal) + 2.0 * velocity.dot(once_normal) + side * w.dot(twice.cross(e));
+  const double speed = m.shift_length + m.turn_length * gap.on_tool.norm();
+  // Third derivative: w''' . (d x e) + 3 w'' . (d' x e) + 3 w' . (d'' x e) + w . (d''' x e).
+  const double third = m.turn_squared * (4.0 * m.turn_length * gap.on_tool.norm() + 3.0 * speed + m.turn_length * (gap.distance + speed));
+  return time_above_zero(start, rate, std::max(0.0, third / 3.0 - second));
+}
+
+// While a plane that is fixed in the scene, or in the tool, separates the edges.
+double plane_time(const FeaturePair& pair, const FeatureGap& gap, const Placement& placement, const Moment& m, double floor) {
+  const Vec3& n = gap.normal;
+  const double scene_top = std::max(n.dot(pair.scene[0]), n.dot(pair.scene[1]));
+  double tool_low = 1e300;
+  double in_scene = 1e300;
+  for (int k = 0; k < 2; ++k) {
+    const Vec3 arm = placement.orientation * pair.tool[k];
+    const double height = n.dot(placement.position + arm);
+    tool_low = std::min(tool_low, height);
+    in_scene = std::min(in_scene, time_above_zero(height - scene_top - floor, n.dot(m.velocity(arm)), m.bend_of_tool(arm)));
+  }
+  double in_tool = 1e300;
+  for (int k = 0; k < 2; ++k) {
+    const Vec3 arm = pair.scene[k] - placement.position;
+    in_tool = std::min(in_tool, time_above_zero(tool_low - n.dot(pair.scene[k]) - floor, n.dot(m.velocity(arm)), m.bend_of_scene(arm)));
+  }
+  return std::max(in_scene, in_tool);
+}
+
+// The ends of the edges are pairs of a vertex and a face; between them the distance changes by no more than the sine times the length.
+bool is_covered_by_ends(const FeaturePair& pair, const Placement& placement, const Moment& m, double floor) {
+  const Vec3 d = placement.orientation * (pair.tool[1] - pair.tool[0]);
+  const Vec3 e = pair.scene[1] - pair.scene[0];
+  const double shorter = std::sqrt(std::min(d.squaredNorm(), e.squaredNorm()));
+  const double sine = d.cross(e).norm() / std::sqrt(d.squaredNorm() * e.squaredNorm());
+  return !(shorter * (sine + m.turn_length) > 0.25 * floor);
+}
+
+double part_time(const FeaturePair& pair, const FeatureGap& gap, const Placement& placement, const Moment& m, double floor) {
+  switch (pair.kind) {
+    case Kind::vertex_face:
+      return vertex_face_time(gap, m, floor);
+    case Kind::face_vertex:
+      return face_vertex_time(gap, m, placement.position, floor);
+    case Kind::edge_edge:
+      break;
+  }
+  const double by_plane = plane_time(pair, gap, placement, m, floor);
+  return gap.feature == TriangleFeature::face ? std::max(by_plane, line_time(pair, gap, placement, m, floor)) : by_plane;
+}
+
+}  // namespace
+
+FeatureGap measure_gap(const FeaturePair& pair, const Placement& placement) noexcept {
+  switch (pair.kind) {
+    case Kind::vertex_face: {
+      const Vec3 p = placement.at(pair.tool[0]);
+      const ClosestPoint near = closest_point(pair.scene[0], pair.scene[1], pair.scene[2], p);
+      return gap_between(p, near.point, placement.position, near.feature);
+    }
+    case Kind::face_vertex: {
+      const ClosestPoint near =
+          closest_point(placement.at(pair.tool[0]), placement.at(pair.tool[1]), placement.at(pair.tool[2]), pair.scene[0]);
+      return gap_between(near.point, pair.scene[0], placement.position, near.feature);
+    }
+    case Kind::edge_edge:
+      break;
+  }
+  const Vec3 a = placement.at(pair.tool[0]);
+  const SegmentPoints near =
+      closest_on_segments(a, placement.orientation * (pair.tool[1] - pair.tool[0]), pair.scene[0], pair.scene[1] - pair.scene[0]);
+  return gap_between(near.on_a, near.on_b, placement.position, near.inside ? TriangleFeature::face : TriangleFeature::vertex0);
+}
+
+bool is_beyond(const FeaturePair& pair, const Placement& placement, double distance) noexcept {
+  // Far above the rounding of the distance, of coordinates of about 1.
+  const double bound = distance * distance * (1.0 + 0x1p-20) + 0x1p-90;
+  switch (pair.kind) {
+    case Kind::vertex_face:
+      return triangle_distance_squared(placement.at(pair.tool[0]), pair.scene[0], pair.scene[1], pair.scene[2]) > bound;
+    case Kind::face_vertex:
+      return triangle_distance_squared(placement.orientation.conjugate() * (pair.scene[0] - placement.position), pair.tool[0], pair.tool[1],
+                                       pair.tool[2]) > bound;
+    case Kind::edge_edge:
+      break;
+  }
+  const Vec3 a = placement.at(pair.tool[0]);
+  const Vec3 d = placement.orientation * (pair.tool[1] - pair.tool[0]);
+  return detail::segment_segment_distance_squared(of3(a), of3(d), of3(pair.scene[0]), of3(Vec3(pair.scene[1] - pair.scene[0]))) > bound;
+}
+
+double gap_along(const FeaturePair& pair, const FeatureGap& gap, const Placement& from, const Placement& to) noexcept {
+  const Quat turn = to.orientation * from.orientation.conjugate();
+  const Vec3 between = to.position + turn * gap.on_tool - gap.on_scene;
+  if (pair.kind == Kind::face_vertex && gap.feature == TriangleFeature::face) return (turn * gap.normal).dot(between);
+  if (pair.kind == Kind::edge_edge && gap.feature == TriangleFeature::face) {
+    const Vec3 d = to.orientation * (pair.tool[1] - pair.tool[0]);
+    const Vec3 e = pair.scene[1] - pair.scene[0];
+    const Vec3 normal = d.cross(e);
+    const double length = normal.norm();
+    const double cosine = normal.dot(gap.normal);
+    if (std::fabs(cosine) > 0.5 * length) return normal.dot(between) / (cosine < 0.0 ? -length : length);
+  }
+  return gap.normal.dot(between);
+}
+
+double find_safe_time(const FeaturePair& pair, const FeatureGap& gap, const RigidMotion& motion, double floor, double until) noexcept {
+  // Of the whole motion: a pair that goes on in smaller parts is at its floor.
+  constexpr double kLeastPart = 0x1p-12;
+  const Moment m(motion);
+  if (pair.kind == Kind::edge_edge && is_covered_by_ends(pair, motion.from, m, floor)) return until;
+  double time = part_time(pair, gap, motion.from, m, floor);
+  for (int part = 1; time < until && part < kMostParts; ++part) {
+    const Placement placement = motion.at(time);
+    const double more = part_time(pair, measure_gap(pair, placement), placement, m, floor);
+    time += more;
+    if (more < kLeastPart) break;
+  }
+  return std::min(time, until);
+}
+
+}  // namespace hapton

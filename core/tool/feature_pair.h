@@ -1,0 +1,54 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "core/geometry/closest_point.h"
+#include "core/tool/placement.h"
+
+namespace hapton {
+
+// Two features of tool and scene that can touch: a vertex of one and a triangle of the other, or an edge of each. While no such pair comes
+// together, the surfaces do not intersect.
+struct FeaturePair {
+  enum class Kind : std::uint8_t { vertex_face, face_vertex, edge_edge };  // the tool's feature is named first
+
+  Kind kind = Kind::vertex_face;
+  std::uint32_t tool_triangle = 0;
+  std::uint32_t scene_triangle = 0;  // TouchGeometry's number
+  int tool_corner = 0;               // of the vertex, or the edge, in its triangle; unused for a face
+  int scene_corner = 0;
+  std::array<Vec3, 3> tool;   // from the grip point, tool axes: 1, 3 or 2 points
+  std::array<Vec3, 3> scene;  // 3, 1 or 2 points
+};
+
+// The distance of a pair at one placement. Frame: the scene's local one.
+struct FeatureGap {
+  double distance = 0.0;
+  Vec3 normal = Vec3::Zero();    // unit, from the scene to the tool; zero if they meet
+  Vec3 on_tool = Vec3::Zero();   // closest point, from the grip point
+  Vec3 on_scene = Vec3::Zero();  // closest point
+  // The feature of the triangle that is closest. edge_edge: `face` if the points lie inside both edges, `vertex0` if one is an end.
+  TriangleFeature feature = TriangleFeature::face;
+};
+
+// The closest points. RT: yes.
+FeatureGap measure_gap(const FeaturePair& pair, const Placement& placement) noexcept;
+
+// True if the pair is certainly farther apart than `distance`; false for some that are. RT: yes.
+bool is_beyond(const FeaturePair& pair, const Placement& placement, double distance) noexcept;
+
+// The distance at `to` along the closest features of `from`: a face's normal turns with the face, an edge pair's with both edges. Accurate
+// to second order of the motion between the two, where the distance itself may meanwhile be attained elsewhere. RT: yes.
+double gap_along(const FeaturePair& pair, const FeatureGap& gap, const Placement& from, const Placement& to) noexcept;
+
+// The time until which the pair certainly stays at least `floor` apart over the motion, up to `until`. A lower bound: each part of the
+// motion is covered by a bound of second order (conservative advancement, Mirtich 1996; we differ in bounding a vertex against a triangle
+// in the triangle's frame, where the distance is a convex function of the point, and edges by their volume), and after kMostParts of them
+// the rest is left out. Edges that are parallel to within floor / 4 over their length may come to 3/4 of the floor: their ends, pairs of a
+// vertex and a face, keep the floor. RT: yes. Pre: gap is the pair's at motion.from; floor > 0.
+double find_safe_time(const FeaturePair& pair, const FeatureGap& gap, const RigidMotion& motion, double floor, double until) noexcept;
+
+constexpr int kMostParts = 32;
+
+}  // namespace hapton

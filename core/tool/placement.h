@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cmath>
+
+#include "core/math/types.h"
+
+namespace hapton {
+
+// Where the tool is: its grip point and its orientation, in the frame of the contact computation (local units of the scene). A point r of
+// the tool, from the grip point along the tool's axes, is at position + orientation * r.
+struct Placement {
+  Vec3 position = Vec3::Zero();
+  Quat orientation = Quat::Identity();
+
+  Vec3 at(const Vec3& r) const { return position + orientation * r; }
+};
+
+// The rotation vector (axis times angle, rad, at most pi long) that turns one orientation into another, along the axes of the frame in
+// which both are given. RT: yes.
+inline Vec3 turn_between(const Quat& from, const Quat& to) noexcept {
+  Quat turn = to * from.conjugate();
+  if (turn.w() < 0.0) turn.coeffs() = -turn.coeffs();
+  const double sine = turn.vec().norm();
+  if (!(sine > 0.0)) return Vec3::Zero();
+  return (2.0 * std::atan2(sine, turn.w()) / sine) * turn.vec();
+}
+
+// The rotation by a rotation vector. RT: yes.
+inline Quat turn_by(const Vec3& turn) noexcept {
+  const double angle = turn.norm();
+  if (!(angle > 0.0)) return Quat::Identity();
+  Quat q;
+  q.w() = std::cos(0.5 * angle);
+  q.vec() = (std::sin(0.5 * angle) / angle) * turn;
+  return q;
+}
+
+// A motion of the tool over the times 0..1: its grip point moves straight by `shift`, and it turns about that point by `turn` (a rotation
+// vector) at a constant rate. RT: yes.
+struct RigidMotion {
+  Placement from;
+  Vec3 shift = Vec3::Zero();
+  Vec3 turn = Vec3::Zero();
+
+  Placement at(double time) const noexcept {
+    return {from.position + time * shift, (turn_by(time * turn) * from.orientation).normalized()};
+  }
+  // No point within `radius` of the grip point moves farther than this.
+  double length(double radius) const noexcept { return shift.norm() + turn.norm() * radius; }
+  RigidMotion scaled(double share) const noexcept { return {from, share * shift, share * turn}; }
+};
+
+}  // namespace hapton

@@ -1,0 +1,94 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/tool/least_motion.h"
+#include "core/tool/near_features.h"
+
+namespace hapton {
+
+// One active contact of the tool.
+struct ToolContact {
+  Vec3 point = Vec3::Zero();   // on the scene, local frame
+  Vec3 normal = Vec3::Zero();  // unit, from the scene to the tool
+  double multiplier = 0.0;     // of the constraint; times the stiffness it is the contact's force
+  std::uint32_t tool_triangle = 0;
+  std::uint32_t scene_triangle = 0;
+};
+
+// What a step of the proxy did.
+struct ToolProxyStep {
+  bool is_blocked = false;  // the tool overlaps the scene since it was placed there; the proxy follows the device, and gives no force
+  bool converged = true;    // the proxy is where the contacts let it be; else what is left of the motion is made in the next steps
+  int rounds = 0;
+  int haptons = 0;                // pairs of triangles in contact (a unit of the memo, section 5)
+  std::size_t feature_count = 0;  // most pairs of features in a round
+};
+
+// The 6-DOF god-object: a rigid tool that follows the device's placement and never penetrates the scene.
+//
+// A step moves the proxy towards the device in rounds. Each round collects the pairs of features within reach, finds the motion that brings
+// the proxy nearest to the device with every local minimum of the distance kept at the contact offset (Gauss' principle of least
+// constraint; Ortega, Redon & Coquillart 2007, section 4), corrects it for the curvature of the rotation, and makes as much of it as
+// certainly keeps every pair at kFloor of the offset, over the whole motion (conservative advancement). It ends when the motion left is
+// below kConverged of the offset, or after kMostRounds.
+//
+// Nearest is meant in the energy of the coupling: the squared distance of the grip points plus the squared turn times turn_length^2. At the
+// end the coupling's force and torque are then exactly the sum of what frictionless contacts give.
+//
+// Frames: the scene's local one; the tool's mesh is in local units from its grip point, along its axes. RT: step and reset yes,
+// construction set-up only. Pre: the geometries outlive this; the scene is built at once; 0 < turn_length.
+class ToolProxy {
+ public:
+  // Local units, where the scene's diagonal is 1 to 2: 0.5 to 1 um in a scene of a metre. Far above the rounding of a distance, 2^-50.
+  static constexpr double kContactOffset = 0x1p-20;
+  static constexpr double kFloor = 0.75;        // of the offset: no pair comes nearer by a motion
+  static constexpr double kLeastGap = 0.5;      // of the offset: where the proxy may be
+  static constexpr double kConverged = 0x1p-6;  // of the offset
+  static constexpr int kMostRounds = 24;
+
+  ToolProxy(const ObjectGeometry& tool, const TouchGeometry& scene, double turn_length);
+
+  // Puts the tool there. If it overlaps the scene, or nearly touches it, steps are blocked until the device has left.
+  void reset(const Placement& device) noexcept;
+  ToolProxyStep step(const Placement& device) noexcept;
+
+  const Placement& placement() const { return proxy_; }
+  double radius() const { return near_.radius(); }  // of the tool about its grip point
+  // Of the last step.
+  std::span<const ToolContact> contacts() const { return {contacts_.data(), static_cast<std::size_t>(contact_count_)}; }
+
+ private:
+  // True if some pair is nearer than kLeastGap, or some triangles intersect.
+  bool overlaps(const Placement& placement) noexcept;
+  RigidMotion wanted_motion(const Placement& device) const noexcept;
+  Vec6 to_coordinates(const RigidMotion& motion) const noexcept;
+  RigidMotion to_motion(const Vec6& y) const noexcept;
+  void make_bounds() noexcept;
+  RigidMotion cut_to(double reach, const RigidMotion& motion) const noexcept;
+  RigidMotion constrain(const RigidMotion& wanted, double reach) noexcept;
+  bool correct_bounds(const RigidMotion& motion) noexcept;
+  double find_safe_share(const RigidMotion& motion) const noexcept;
+  void note_contacts(ToolProxyStep& report) noexcept;
+  bool round(const Placement& device, ToolProxyStep& report) noexcept;
+
+  const ObjectGeometry* tool_;
+  const TouchGeometry* scene_;
+  double turn_length_;
+  NearFeatures near_;
+  Placement proxy_;
+  Placement device_;    // of the last step
+  double reach_ = 0.0;  // no point of the tool moves farther in a round
+  bool is_blocked_ = true;
+  std::vector<MotionBound> bounds_;         // of the minima of the distance
+  std::vector<std::uint32_t> bound_pairs_;  // their indices in near_.features()
+  std::size_t bound_count_ = 0;
+  LeastMotion least_;
+  std::array<ToolContact, 6> contacts_;
+  int contact_count_ = 0;
+};
+
+}  // namespace hapton

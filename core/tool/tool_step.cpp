@@ -1,0 +1,112 @@
+#include "core/tool/tool_step.h"
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <utility>
+
+namespace hapton {
+namespace {
+
+// Two thirds of the mean squared distance of the surface from the grip point: the mean squared lever about an axis through it.
+double mean_squared_lever(const TriangleMesh& tool) {
+  double area = 0.0;
+  double sum = 0.0;
+  for (std::size_t t = 0; t < tool.triangles.size(); ++t) {
+    const Vec3& a = tool.corner(t, 0);
+    const Vec3& b = tool.corner(t, 1);
+    const Vec3& c = tool.corner(t, 2);
+    const double twice = (b - a).cross(c - a).norm();
+    area += twice;
+    sum += twice * (a.squaredNorm() + b.squaredNorm() + c.squaredNorm() + (a + b + c).squaredNorm()) / 12.0;
+  }
+  return area > 0.0 ? sum / area * 2.0 / 3.0 : 0.0;
+}
+
+double largest_distance(const TriangleMesh& tool) {
+  double squared = 0.0;
+  for (const Vec3& v : tool.vertices) squared = std::max(squared, v.squaredNorm());
+  return std::sqrt(squared);
+}
+
+ToolCoupling completed(const TriangleMesh& tool, ToolCoupling coupling) {
+  if (!(coupling.rotational_stiffness_nm_per_rad > 0.0)) {
+    coupling.rotational_stiffness_nm_per_rad = coupling.stiffness_n_per_m * mean_squared_lever(tool);
+  }
+  return coupling;
+}
+
+double turn_length_m(const ToolCoupling& coupling) {
+  return std::sqrt(coupling.rotational_stiffness_nm_per_rad / coupling.stiffness_n_per_m);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<ToolStep>> ToolStep::make(const TriangleMesh& tool, std::vector<std::shared_ptr<const TriangleMesh>> scene,
+                                                 const ToolCoupling& coupling) {
+  if (tool.triangles.empty()) return fail("the tool has no triangles");
+  std::size_t triangles = 0;
+  for (const auto& mesh : scene) triangles += mesh->triangles.size();
+  if (triangles == 0) return fail("the scene has no triangles");
+  if (!(coupling.stiffness_n_per_m > 0.0) || !std::isfinite(coupling.stiffness_n_per_m)) {
+    return fail("the tool's stiffness is {} N/m; give a positive one", coupling.stiffness_n_per_m);
+  }
+  if (!(coupling.rotational_stiffness_nm_per_rad >= 0.0) || !std::isfinite(coupling.rotational_stiffness_nm_per_rad)) {
+    return fail("the tool's rotational stiffness is {} Nm/rad; give a positive one, or 0 for one derived from its size",
+                coupling.rotational_stiffness_nm_per_rad);
+  }
+  if (const auto numbered = TouchGeometry::check(scene); !numbered) return tl::unexpected(numbered.error());
+  std::unique_ptr<ToolStep> step(new ToolStep(tool, std::move(scene), completed(tool, coupling)));
+  constexpr double kMostSizes = 1e6;
+  const double size = largest_distance(tool) / step->scene_.unit_m();
+  const double turn_length = turn_length_m(step->coupling_) / step->scene_.unit_m();
+  if (!(size > 0.0) || !(turn_length > 0.0)) return fail("the tool has no surface about its grip point");
+  if (!(size <= kMostSizes)) return fail("the tool is {:.3g} times as large as the scene; check the units of both", size);
+  return step;
+}
+
+ToolStep::ToolStep(const TriangleMesh& tool, std::vector<std::shared_ptr<const TriangleMesh>> scene, const ToolCoupling& coupling)
+    : coupling_(coupling),
+      scene_(std::move(scene)),
+      tool_(ObjectGeometry::make(tool, {Vec3::Zero(), scene_.unit_m()}, 2 * tool.triangles.size())),
+      proxy_(tool_, scene_, turn_length_m(coupling_) / scene_.unit_m()) {}
+
+Placement ToolStep::to_local(const ToolInput& input) const noexcept {
+  const Pose X_SD = input.X_WS.inverse(Eigen::Isometry) * input.X_WD;
+  return {scene_.to_local(X_SD.translation()), Quat(X_SD.linear()).normalized()};
+}
+
+void ToolStep::reset(const ToolInput& input) noexcept {
+  if (input.X_WD.matrix().allFinite() && input.X_WS.matrix().allFinite()) proxy_.reset(to_local(input));
+}
+
+ToolOutput ToolStep::step(const ToolInput& input) noexcept {
+  ToolOutput output;
+  output.X_WP = input.X_WD;
+  if (!input.X_WD.matrix().allFinite() || !input.X_WS.matrix().allFinite()) return output;
+  const Placement device = to_local(input);
+  output.proxy = proxy_.step(device);
+  if (output.proxy.is_blocked) return output;
+  const Placement& proxy = proxy_.placement();
+  const Vec3 shift_m = scene_.unit_m() * (proxy.position - device.position);
+  const Vec3 turn = turn_between(device.orientation, proxy.orientation);
+  output.contact = !shift_m.isZero(0.0) || !turn.isZero(0.0);
+  if (!output.contact) return output;
+  const Mat3 R_WS = input.X_WS.linear();
+  output.force_n = coupling_.stiffness_n_per_m * (R_WS * shift_m);
+  output.torque_nm = coupling_.rotational_stiffness_nm_per_rad * (R_WS * turn);
+  output.X_WP.translation() = input.X_WD.translation() + R_WS * shift_m;
+  output.X_WP.linear() = R_WS * turn_by(turn).toRotationMatrix() * R_WS.transpose() * input.X_WD.linear();
+  return output;
+}
+
+std::string ToolStep::describe() const {
+  return fmt::format(
+      "tool: {} triangles, {:.4g} m from its grip point; scene: {} triangles in {} objects\n"
+      "coupling: {:.6g} N/m, {:.4g} Nm/rad; contact offset {:.3g} um; at most {} rounds of {} pairs of features a step\n",
+      tool_.triangle_count(), proxy_.radius() * scene_.unit_m(), scene_.triangle_count(), scene_.object_count(),
+      coupling_.stiffness_n_per_m, coupling_.rotational_stiffness_nm_per_rad, 1e6 * ToolProxy::kContactOffset * scene_.unit_m(),
+      ToolProxy::kMostRounds, NearFeatures::kMostFeatures);
+}
+
+}  // namespace hapton

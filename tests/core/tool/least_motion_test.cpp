@@ -1,0 +1,136 @@
+#include "core/tool/least_motion.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include <Eigen/Dense>
+
+#include "tests/support/allocation_guard.h"
+
+namespace hapton {
+namespace {
+
+// The optimum by trying every set of up to six bounds.
+class Enumeration {
+ public:
+  Enumeration(const Vec6& goal, const std::vector<MotionBound>& bounds) : goal_(goal), bounds_(bounds) { extend(0); }
+  const Vec6& best() const { return best_; }
+
+ private:
+  void extend(std::size_t from) {
+    consider();
+    if (set_.size() == 6) return;
+    for (std::size_t i = from; i < bounds_.size(); ++i) {
+      set_.push_back(i);
+      extend(i + 1);
+      set_.pop_back();
+    }
+  }
+  void consider() {
+    Vec6 y = goal_;
+    if (!set_.empty()) {
+      Eigen::MatrixXd rows(set_.size(), 6);
+      Eigen::VectorXd missing(set_.size());
+      for (std::size_t k = 0; k < set_.size(); ++k) {
+        rows.row(k) = bounds_[set_[k]].row;
+        missing[k] = bounds_[set_[k]].least - bounds_[set_[k]].row.dot(goal_);
+      }
+      const Eigen::VectorXd multipliers = (rows * rows.transpose()).fullPivLu().solve(missing);
+      if ((multipliers.array() < 0.0).any()) return;
+      y += rows.transpose() * multipliers;
+    }
+    for (const MotionBound& bound : bounds_) {
+      if (bound.row.dot(y) < bound.least - 1e-9) return;
+    }
+    if ((y - goal_).norm() < distance_) {
+      distance_ = (y - goal_).norm();
+      best_ = y;
+    }
+  }
+
+  Vec6 goal_;
+  const std::vector<MotionBound>& bounds_;
+  std::vector<std::size_t> set_;
+  Vec6 best_ = Vec6::Zero();
+  double distance_ = std::numeric_limits<double>::infinity();
+};
+
+class LeastMotionTest : public testing::Test {
+ protected:
+  static constexpr unsigned kSeed = 2007;
+  std::mt19937_64 random{kSeed};
+  std::normal_distribution<double> normal;
+
+  Vec6 draw() {
+    Vec6 v;
+    for (double& x : v) x = normal(random);
+    return v;
+  }
+  // Half-spaces that contain zero, as contacts of a free tool do, with rows leaning against the goal.
+  std::vector<MotionBound> draw_bounds(const Vec6& goal, std::size_t count) {
+    std::vector<MotionBound> bounds(count);
+    for (MotionBound& bound : bounds) {
+      bound.row = (draw() - 0.8 * goal) * std::exp(normal(random));
+      bound.least = -0.05 * std::abs(normal(random)) * bound.row.norm();
+    }
+    return bounds;
+  }
+};
+
+TEST_F(LeastMotionTest, AgreesWithEnumerationOfAllActiveSets) {
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  std::array<int, 7> cases_with = {};
+  for (int n = 0; n < 1500; ++n) {
+    const Vec6 goal = draw();
+    const std::vector<MotionBound> bounds = draw_bounds(goal, 1 + random() % 9);
+    const LeastMotion found = find_least_motion(goal, bounds, 1e-12);
+    ASSERT_TRUE(found.solved) << "case " << n;
+    ASSERT_LE((found.y - Enumeration(goal, bounds).best()).norm(), 1e-7) << "case " << n;
+    ++cases_with[found.active_count];
+  }
+  EXPECT_GT(*std::min_element(cases_with.begin() + 1, cases_with.end()), 5) << "each number of active bounds occurs";
+}
+
+TEST_F(LeastMotionTest, MultipliersBalanceTheMotion) {
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  for (int n = 0; n < 200; ++n) {
+    const Vec6 goal = draw();
+    std::vector<MotionBound> bounds = draw_bounds(goal, 300);
+    const auto copies = bounds;  // duplicates depend on each other
+    bounds.insert(bounds.end(), copies.begin(), copies.end());
+    const LeastMotion found = find_least_motion(goal, bounds, 1e-10);
+    ASSERT_TRUE(found.solved) << "case " << n;
+    Vec6 sum = goal;
+    for (int k = 0; k < found.active_count; ++k) {
+      ASSERT_GE(found.multipliers[k], -1e-12);
+      sum += found.multipliers[k] * bounds[found.active[k]].row;
+    }
+    ASSERT_LE((sum - found.y).norm(), 1e-8) << "case " << n;
+    for (const MotionBound& bound : bounds) ASSERT_GE(bound.row.dot(found.y), bound.least - 1e-9);
+  }
+}
+
+TEST_F(LeastMotionTest, SaysThatNothingMeetsOpposedBounds) {
+  Vec6 up = Vec6::Zero();
+  up[2] = 1.0;
+  const std::vector<MotionBound> bounds = {{up, 0.1}, {-up, 0.1}};
+  EXPECT_FALSE(find_least_motion(Vec6::Ones(), bounds, 1e-12).solved);
+  EXPECT_TRUE(find_least_motion(Vec6::Ones(), {}, 1e-12).solved);
+}
+
+TEST_F(LeastMotionTest, UsesNoHeap) {
+  const Vec6 goal = draw();
+  const std::vector<MotionBound> bounds = draw_bounds(goal, 100);
+  const AllocationGuard guard;
+  const LeastMotion found = find_least_motion(goal, bounds, 1e-12);
+  EXPECT_EQ(guard.count(), 0U);
+  EXPECT_TRUE(found.solved);
+}
+
+}  // namespace
+}  // namespace hapton
