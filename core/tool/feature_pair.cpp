@@ -45,12 +45,17 @@ FeatureGap gap_between(const Vec3& on_tool, const Vec3& on_scene, const Vec3& po
   return gap;
 }
 
-// From 0 on, how long start + rate t - bend t^2 / 2 stays at 0 or more. Pre: bend >= 0.
-double time_above_zero(double start, double rate, double bend) {
-  if (!(start > 0.0)) return 0.0;
-  const double root = std::sqrt(rate * rate + 2.0 * bend * start);
-  const double time = rate < 0.0 ? 2.0 * start / (root - rate) : (rate + root) / bend;
-  return bend > 0.0 || rate < 0.0 ? time : 1e300;
+// From 0 on, how long above + rate t - bend t^2 / 2 stays at 0 or more; `above` is a distance less the floor. A distance at its floor may
+// be below it by rounding. Pre: bend >= 0.
+double time_above(double distance, double floor, double rate, double bend) {
+  constexpr double kRounding = 0x1p-24;  // of the floor, which is 2^30 roundings of a distance
+  double above = distance - floor;
+  if (!(above > -kRounding * floor)) return 0.0;
+  above = std::max(above, 0.0);
+  const double root = std::sqrt(rate * rate + 2.0 * bend * above);
+  if (rate < 0.0) return 2.0 * above / (root - rate);
+  if (bend > 0.0) return (rate + root) / bend;
+  return rate > 0.0 || above > 0.0 ? 1e300 : 1.0;
 }
 
 // A rigid motion from a moment of it on: positions are from the grip point at that moment.
@@ -75,12 +80,12 @@ struct Moment {
 };
 
 double vertex_face_time(const FeatureGap& gap, const Moment& m, double floor) {
-  return time_above_zero(gap.distance - floor, gap.normal.dot(m.velocity(gap.on_tool)), m.bend_of_tool(gap.on_tool));
+  return time_above(gap.distance, floor, gap.normal.dot(m.velocity(gap.on_tool)), m.bend_of_tool(gap.on_tool));
 }
 
 double face_vertex_time(const FeatureGap& gap, const Moment& m, const Vec3& position, double floor) {
   const Vec3 arm = gap.on_scene - position;
-  return time_above_zero(gap.distance - floor, gap.normal.dot(m.velocity(arm)), m.bend_of_scene(arm));
+  return time_above(gap.distance, floor, gap.normal.dot(m.velocity(arm)), m.bend_of_scene(arm));
 }
 
 // While the lines through the edges keep their order, and the distance between the lines is above the floor:
@@ -96,14 +101,13 @@ double line_time(const FeaturePair& pair, const FeatureGap& gap, const Placement
   const Vec3 turned = m.turn.cross(d);
   const Vec3 twice = m.turn.cross(turned);
   const Vec3 once_normal = side * turned.cross(e);
-  const double start = w.dot(normal) - floor * normal.norm();
   const double rate = velocity.dot(normal) + w.dot(once_normal) - floor * m.turn_length;
   const double second =
       m.turn.cross(m.turn.cross(gap.on_tool)).dot(normal) + 2.0 * velocity.dot(once_normal) + side * w.dot(twice.cross(e));
   const double speed = m.shift_length + m.turn_length * gap.on_tool.norm();
   // Third derivative: w''' . (d x e) + 3 w'' . (d' x e) + 3 w' . (d'' x e) + w . (d''' x e).
   const double third = m.turn_squared * (4.0 * m.turn_length * gap.on_tool.norm() + 3.0 * speed + m.turn_length * (gap.distance + speed));
-  return time_above_zero(start, rate, std::max(0.0, third / 3.0 - second));
+  return time_above(w.dot(normal), floor * normal.norm(), rate, std::max(0.0, third / 3.0 - second));
 }
 
 // While a plane that is fixed in the scene, or in the tool, separates the edges.
@@ -116,12 +120,12 @@ double plane_time(const FeaturePair& pair, const FeatureGap& gap, const Placemen
     const Vec3 arm = placement.orientation * pair.tool[k];
     const double height = n.dot(placement.position + arm);
     tool_low = std::min(tool_low, height);
-    in_scene = std::min(in_scene, time_above_zero(height - scene_top - floor, n.dot(m.velocity(arm)), m.bend_of_tool(arm)));
+    in_scene = std::min(in_scene, time_above(height - scene_top, floor, n.dot(m.velocity(arm)), m.bend_of_tool(arm)));
   }
   double in_tool = 1e300;
   for (int k = 0; k < 2; ++k) {
     const Vec3 arm = pair.scene[k] - placement.position;
-    in_tool = std::min(in_tool, time_above_zero(tool_low - n.dot(pair.scene[k]) - floor, n.dot(m.velocity(arm)), m.bend_of_scene(arm)));
+    in_tool = std::min(in_tool, time_above(tool_low - n.dot(pair.scene[k]), floor, n.dot(m.velocity(arm)), m.bend_of_scene(arm)));
   }
   return std::max(in_scene, in_tool);
 }

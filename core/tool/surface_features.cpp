@@ -29,20 +29,20 @@ SurfaceFeatures::SurfaceFeatures(const ObjectGeometry& surface) : surface_(&surf
   }
 }
 
-bool SurfaceFeatures::is_top(std::uint32_t v, const Vec3& outward) const noexcept {
+bool SurfaceFeatures::is_top(std::uint32_t v, const Vec3& outward, double slope) const noexcept {
   const Vec3& at = surface_->vertices()[v];
   for (const std::uint32_t u : ring(v)) {
     const Vec3 edge = surface_->vertices()[u] - at;
-    if (outward.dot(edge) > kFlat * edge.norm()) return false;
+    if (outward.dot(edge) > slope * edge.norm()) return false;
   }
   return true;
 }
 
-bool SurfaceFeatures::is_top(std::uint32_t t, int k, const Vec3& outward) const noexcept {
+bool SurfaceFeatures::is_top(std::uint32_t t, int k, const Vec3& outward, double slope) const noexcept {
   const Vec3& at = surface_->corner(t, k);
   const auto rises = [&](const Vec3& opposite) {
     const Vec3 across = opposite - at;
-    return outward.dot(across) > kFlat * across.norm();
+    return outward.dot(across) > slope * across.norm();
   };
   if (rises(surface_->corner(t, (k + 2) % 3))) return false;
   const SurfaceAdjacency::Adjacent across = surface_->adjacency().adjacent(t, k);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Eigenvalues>
+
 #include "core/collision/triangle_pair.h"
 
 namespace hapton {
@@ -11,8 +13,13 @@ namespace {
 constexpr double kOffset = ToolProxy::kContactOffset;
 constexpr double kTolerance = kOffset * 0x1p-7;  // of a bound
 constexpr double kLargestTurn = 0.5;             // rad in a round: bounds are good for small ones
+constexpr double kLargestTilt = 0.05;            // rad: of what may become a minimum in a round
 constexpr int kMostCorrections = 3;
-constexpr double kGrowth = 4.0;  // of the reach, where it has ended a round
+// Of the coupling's own curvature: a step is at most so much longer or shorter than without that of the contacts.
+constexpr double kLeastCurvature = 0.125;
+constexpr double kMostCurvature = 64.0;
+constexpr std::size_t kManyFeatures = 1024;  // with more, the reach does not grow
+constexpr double kGrowth = 4.0;              // of the reach, where it has ended a round
 
 std::array<Vec3, 3> corners_at(const ObjectGeometry& tool, std::uint32_t t, const Placement& placement) {
   return {placement.at(tool.corner(t, 0)), placement.at(tool.corner(t, 1)), placement.at(tool.corner(t, 2))};
@@ -29,7 +36,7 @@ ToolProxy::ToolProxy(const ObjectGeometry& tool, const TouchGeometry& scene, dou
       bound_pairs_(NearFeatures::kMostFeatures) {}
 
 bool ToolProxy::overlaps(const Placement& placement) noexcept {
-  if (!near_.collect(placement, kOffset)) return true;
+  if (!near_.collect(placement, kOffset, 0.0)) return true;
   for (const NearFeature& near : near_.features()) {
     if (near.gap.distance < kLeastGap * kOffset) return true;
   }
@@ -45,6 +52,7 @@ void ToolProxy::reset(const Placement& device) noexcept {
   proxy_ = device_ = device;
   contact_count_ = 0;
   reach_ = 0.0;
+  set_plain_curvature();
   is_blocked_ = overlaps(device);
 }
 
@@ -54,11 +62,65 @@ RigidMotion ToolProxy::wanted_motion(const Placement& device) const noexcept {
 
 Vec6 ToolProxy::to_coordinates(const RigidMotion& motion) const noexcept {
   Vec6 y;
-  y << motion.shift, turn_length_ * motion.turn;
-  return y;
+  y << motion.shift, motion.turn;
+  return root_ * y;
 }
 
-RigidMotion ToolProxy::to_motion(const Vec6& y) const noexcept { return {proxy_, y.head<3>(), y.tail<3>() / turn_length_}; }
+Vec6 ToolProxy::goal_of(const RigidMotion& wanted) const noexcept {
+  Vec6 pull;
+  pull << wanted.shift, turn_length_ * turn_length_ * wanted.turn;
+  return inverse_root_.transpose() * pull;
+}
+
+RigidMotion ToolProxy::to_motion(const Vec6& y) const noexcept {
+  const Vec6 motion = inverse_root_ * y;
+  return {proxy_, motion.head<3>(), motion.tail<3>()};
+}
+
+// The second derivative of a gap by the motion, from differences over small ones. By the shift alone there is none.
+Mat6 ToolProxy::bend_of(const NearFeature& near) const noexcept {
+  constexpr double kSmall = 0x1p-12;  // rad and local units: the error of third order and that of rounding are both below 1e-3
+  const auto gap_after = [&](const Vec3& shift, const Vec3& turn) {
+    return gap_along(near.pair, near.gap, proxy_, RigidMotion{proxy_, shift, turn}.at(1.0));
+  };
+  std::array<double, 3> turned;
+  for (int i = 0; i < 3; ++i) turned[i] = gap_after(Vec3::Zero(), kSmall * Vec3::Unit(i));
+  Mat6 bend = Mat6::Zero();
+  for (int i = 0; i < 3; ++i) {
+    for (int j = i; j < 3; ++j) {
+      const double both = gap_after(Vec3::Zero(), kSmall * (Vec3::Unit(i) + Vec3::Unit(j)));
+      bend(3 + i, 3 + j) = bend(3 + j, 3 + i) = (both - turned[i] - turned[j] + near.gap.distance) / (kSmall * kSmall);
+    }
+    for (int j = 0; j < 3; ++j) {
+      const double both = gap_after(kSmall * Vec3::Unit(j), kSmall * Vec3::Unit(i));
+      bend(3 + i, j) = bend(j, 3 + i) = (both - turned[i] - kSmall * near.gap.normal[j]) / (kSmall * kSmall);
+    }
+  }
+  return bend;
+}
+
+void ToolProxy::update_curvature() noexcept {
+  Mat6 curvature = Mat6::Identity();
+  curvature.bottomRightCorner<3, 3>() *= turn_length_ * turn_length_;
+  for (int k = 0; k < least_.active_count; ++k) {
+    curvature -= least_.multipliers[k] * bend_of(near_.features()[bound_pairs_[least_.active[k]]]);
+  }
+  // In coordinates in which the coupling's own curvature is the identity.
+  const Vec6 unit = (Vec6() << Vec3::Ones(), Vec3::Constant(1.0 / turn_length_)).finished();
+  const Eigen::SelfAdjointEigenSolver<Mat6> solver(unit.asDiagonal() * curvature * unit.asDiagonal());
+  if (solver.info() != Eigen::Success) return set_plain_curvature();
+  const Vec6 roots = solver.eigenvalues().cwiseMax(kLeastCurvature).cwiseMin(kMostCurvature).cwiseSqrt();
+  const Mat6& axes = solver.eigenvectors();
+  // Not symmetric, as any root with root^T root = curvature will do.
+  root_ = roots.asDiagonal() * axes.transpose() * unit.cwiseInverse().asDiagonal();
+  inverse_root_ = unit.asDiagonal() * axes * roots.cwiseInverse().asDiagonal();
+}
+
+void ToolProxy::set_plain_curvature() noexcept {
+  const Vec6 unit = (Vec6() << Vec3::Ones(), Vec3::Constant(1.0 / turn_length_)).finished();
+  root_ = unit.cwiseInverse().asDiagonal();
+  inverse_root_ = unit.asDiagonal();
+}
 
 void ToolProxy::make_bounds() noexcept {
   bound_count_ = 0;
@@ -67,7 +129,9 @@ void ToolProxy::make_bounds() noexcept {
     const FeatureGap& gap = features[i].gap;
     if (!features[i].is_minimum) continue;
     MotionBound& bound = bounds_[bound_count_];
-    bound.row << gap.normal, gap.on_tool.cross(gap.normal) / turn_length_;
+    Vec6 row;
+    row << gap.normal, gap.on_tool.cross(gap.normal);
+    bound.row = inverse_root_.transpose() * row;
     bound.least = kOffset - gap.distance;
     bound_pairs_[bound_count_++] = i;
   }
@@ -82,10 +146,10 @@ bool ToolProxy::correct_bounds(const RigidMotion& motion) noexcept {
   for (std::size_t i = 0; i < bound_count_; ++i) {
     const NearFeature& near = near_.features()[bound_pairs_[i]];
     const double gap = gap_along(near.pair, near.gap, proxy_, to);
-    const double lacking = near.gap.distance + bounds_[i].row.dot(y) - gap;
+    const double lacking = std::max(0.0, near.gap.distance + bounds_[i].row.dot(y) - gap);
     const double least = kOffset - near.gap.distance + lacking;
     if (gap < kOffset - 4.0 * kTolerance && least > bounds_[i].least + kTolerance) is_corrected = true;
-    bounds_[i].least = least;
+    bounds_[i].least = std::max(bounds_[i].least, least);
   }
   return is_corrected;
 }
@@ -97,21 +161,26 @@ RigidMotion ToolProxy::cut_to(double reach, const RigidMotion& motion) const noe
   return share < 1.0 ? motion.scaled(share) : motion;
 }
 
+bool ToolProxy::solve(const Vec6& goal, LeastMotion& least) noexcept {
+  const std::span<MotionBound> bounds(bounds_.data(), bound_count_);
+  least = find_least_motion(goal, bounds, kTolerance);
+  if (least.solved) return true;
+  // A pair below the offset asks for more than the others leave: zero motion is always allowed then.
+  for (MotionBound& bound : bounds) bound.least = std::min(bound.least, 0.0);
+  least = find_least_motion(goal, bounds, kTolerance);
+  return least.solved;
+}
+
 RigidMotion ToolProxy::constrain(const RigidMotion& wanted, double reach) noexcept {
   make_bounds();
-  const std::span<MotionBound> bounds(bounds_.data(), bound_count_);
-  const Vec6 goal = to_coordinates(wanted);
-  RigidMotion motion{proxy_};
-  for (int correction = 0; correction <= kMostCorrections; ++correction) {
-    least_ = find_least_motion(goal, bounds, kTolerance);
-    if (!least_.solved) {
-      // A pair below the offset asks for more than the others leave: zero motion is always allowed then.
-      for (MotionBound& bound : bounds) bound.least = std::min(bound.least, 0.0);
-      least_ = find_least_motion(goal, bounds, kTolerance);
-      return least_.solved ? cut_to(reach, to_motion(least_.y)) : RigidMotion{proxy_};
-    }
-    motion = cut_to(reach, to_motion(least_.y));
-    if (bound_count_ == 0 || !correct_bounds(motion)) break;
+  if (!solve(goal_of(wanted), least_)) return RigidMotion{proxy_};
+  RigidMotion motion = cut_to(reach, to_motion(least_.y));
+  // What is left of a long motion, and what its curvature does to the gaps, is brought back within the bounds.
+  LeastMotion nearest;
+  for (int correction = 0; bound_count_ > 0 && correction < kMostCorrections; ++correction) {
+    if (!correct_bounds(motion) && correction > 0) break;
+    if (!solve(to_coordinates(motion), nearest)) return RigidMotion{proxy_};
+    motion = cut_to(reach, to_motion(nearest.y));
   }
   return motion;
 }
@@ -145,7 +214,7 @@ bool ToolProxy::round(const Placement& device, ToolProxyStep& report) noexcept {
   contact_count_ = 0;
   if (!(left > 0.0)) return false;
   const double reach = std::min(left, reach_);
-  if (!near_.collect(proxy_, reach + kOffset)) {
+  if (!near_.collect(proxy_, reach + kOffset, std::min(2.0 * reach / radius, kLargestTilt))) {
     reach_ = 0.5 * reach;
     report.converged = reach_ > kOffset;
     return report.converged;
@@ -154,6 +223,7 @@ bool ToolProxy::round(const Placement& device, ToolProxyStep& report) noexcept {
   const RigidMotion motion = constrain(wanted, reach);
   const double length = motion.length(radius);
   note_contacts(report);
+  if (least_.solved) update_curvature();
   if (length <= kConverged * kOffset && least_.active_count > 0) return false;
   const double share = find_safe_share(motion);
   if (share >= 1.0 && least_.active_count == 0 && reach == left && wanted.turn.norm() <= kLargestTurn) {
@@ -161,7 +231,7 @@ bool ToolProxy::round(const Placement& device, ToolProxyStep& report) noexcept {
     return false;
   }
   proxy_ = motion.at(share);
-  if (share >= 1.0 && length >= 0.99 * reach) reach_ *= kGrowth;
+  if (share >= 1.0 && length >= 0.99 * reach && near_.features().size() < kManyFeatures) reach_ *= kGrowth;
   report.converged = false;
   return true;
 }

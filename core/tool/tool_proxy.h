@@ -19,6 +19,8 @@ struct ToolContact {
   std::uint32_t scene_triangle = 0;
 };
 
+using Mat6 = Eigen::Matrix<double, 6, 6>;
+
 // What a step of the proxy did.
 struct ToolProxyStep {
   bool is_blocked = false;  // the tool overlaps the scene since it was placed there; the proxy follows the device, and gives no force
@@ -45,9 +47,9 @@ class ToolProxy {
  public:
   // Local units, where the scene's diagonal is 1 to 2: 0.5 to 1 um in a scene of a metre. Far above the rounding of a distance, 2^-50.
   static constexpr double kContactOffset = 0x1p-20;
-  static constexpr double kFloor = 0.75;        // of the offset: no pair comes nearer by a motion
-  static constexpr double kLeastGap = 0.5;      // of the offset: where the proxy may be
-  static constexpr double kConverged = 0x1p-6;  // of the offset
+  static constexpr double kFloor = 0.75;      // of the offset: no pair comes nearer by a motion
+  static constexpr double kLeastGap = 0.5;    // of the offset: where the proxy may be
+  static constexpr double kConverged = 0.25;  // of the offset
   static constexpr int kMostRounds = 24;
 
   ToolProxy(const ObjectGeometry& tool, const TouchGeometry& scene, double turn_length);
@@ -65,10 +67,18 @@ class ToolProxy {
   // True if some pair is nearer than kLeastGap, or some triangles intersect.
   bool overlaps(const Placement& placement) noexcept;
   RigidMotion wanted_motion(const Placement& device) const noexcept;
+  // Coordinates in which the squared distance of two motions is, to second order, the energy between them: the coupling's, less what the
+  // contacts' forces do as their levers turn (sequential quadratic programming).
   Vec6 to_coordinates(const RigidMotion& motion) const noexcept;
+  Vec6 goal_of(const RigidMotion& wanted) const noexcept;
+  Mat6 bend_of(const NearFeature& near) const noexcept;
+  void update_curvature() noexcept;
+  void set_plain_curvature() noexcept;
   RigidMotion to_motion(const Vec6& y) const noexcept;
   void make_bounds() noexcept;
   RigidMotion cut_to(double reach, const RigidMotion& motion) const noexcept;
+  // The motion nearest to the goal within the bounds; those that cannot all be met are lowered to zero. False: none was found.
+  bool solve(const Vec6& goal, LeastMotion& least) noexcept;
   RigidMotion constrain(const RigidMotion& wanted, double reach) noexcept;
   bool correct_bounds(const RigidMotion& motion) noexcept;
   double find_safe_share(const RigidMotion& motion) const noexcept;
@@ -83,6 +93,8 @@ class ToolProxy {
   Placement device_;    // of the last step
   double reach_ = 0.0;  // no point of the tool moves farther in a round
   bool is_blocked_ = true;
+  Mat6 root_ = Mat6::Identity();  // root^T root is the energy's second derivative by shift and turn
+  Mat6 inverse_root_ = Mat6::Identity();
   std::vector<MotionBound> bounds_;         // of the minima of the distance
   std::vector<std::uint32_t> bound_pairs_;  // their indices in near_.features()
   std::size_t bound_count_ = 0;

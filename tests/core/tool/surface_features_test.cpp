@@ -1,0 +1,79 @@
+#include "core/tool/surface_features.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "core/geometry/mesh_shapes.h"
+
+namespace hapton {
+namespace {
+
+const LocalFrame kMetres;
+
+TEST(SurfaceFeatures, EachVertexAndEdgeHasOneOwner) {
+  const ObjectGeometry sphere(make_icosphere(0.5, 2), kMetres);
+  const SurfaceFeatures features(sphere);
+  std::size_t vertices = 0;
+  std::size_t edges = 0;
+  std::set<std::uint32_t> owned;
+  for (std::uint32_t t = 0; t < sphere.triangle_count(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      edges += features.owns_edge(t, k) ? 1 : 0;
+      if (!features.owns_vertex(t, k)) continue;
+      ++vertices;
+      owned.insert(sphere.triangle(t)[k]);
+    }
+  }
+  EXPECT_EQ(vertices, sphere.vertices().size());
+  EXPECT_EQ(owned.size(), vertices);
+  EXPECT_EQ(edges, sphere.triangle_count() * 3 / 2);
+}
+
+TEST(SurfaceFeatures, ABoundaryEdgeIsItsTrianglesOwn) {
+  const ObjectGeometry sheet(make_plane_grid(1.0, 1), kMetres);
+  const SurfaceFeatures features(sheet);
+  int edges = 0;
+  for (std::uint32_t t = 0; t < 2; ++t) {
+    for (int k = 0; k < 3; ++k) edges += features.owns_edge(t, k) ? 1 : 0;
+  }
+  EXPECT_EQ(edges, 5);
+}
+
+TEST(SurfaceFeatures, ARingIsTheVerticesBeside) {
+  const ObjectGeometry sphere(make_icosphere(0.5, 1), kMetres);
+  const SurfaceFeatures features(sphere);
+  for (std::uint32_t v = 0; v < sphere.vertices().size(); ++v) {
+    std::set<std::uint32_t> expected;
+    for (std::uint32_t t = 0; t < sphere.triangle_count(); ++t) {
+      const Triangle& corners = sphere.triangle(t);
+      if (std::find(corners.begin(), corners.end(), v) == corners.end()) continue;
+      for (const std::uint32_t u : corners) expected.insert(u);
+    }
+    expected.erase(v);
+    const auto ring = features.ring(v);
+    EXPECT_EQ(std::set<std::uint32_t>(ring.begin(), ring.end()), expected);
+  }
+}
+
+TEST(SurfaceFeatures, OnlyTheHighestOfABoxIsATop) {
+  const ObjectGeometry box(make_box({1.0, 1.0, 1.0}), kMetres);
+  const SurfaceFeatures features(box);
+  const Vec3 corner = Vec3(1.0, 1.0, 1.0).normalized();
+  int tops = 0;
+  for (std::uint32_t v = 0; v < box.vertices().size(); ++v) tops += features.is_top(v, corner) ? 1 : 0;
+  EXPECT_EQ(tops, 1);
+  // Tilted by 0.1 from straight up: the far edge alone, and with that slope allowed all four corners above.
+  const Vec3 up = Vec3(0.1, 0.0, 1.0).normalized();
+  int level = 0;
+  int within = 0;
+  for (std::uint32_t v = 0; v < box.vertices().size(); ++v) {
+    level += features.is_top(v, up) ? 1 : 0;
+    within += features.is_top(v, up, 0.11) ? 1 : 0;
+  }
+  EXPECT_EQ(level, 2);
+  EXPECT_EQ(within, 4);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,99 @@
+#include "core/tool/tool_proxy.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "core/geometry/mesh_shapes.h"
+
+namespace hapton {
+namespace {
+
+class ToolProxyTest : public testing::Test {
+ protected:
+  static constexpr unsigned kSeed = 11;
+  static constexpr double kTurnLength = 0.2;
+  std::mt19937_64 random{kSeed};
+  std::uniform_real_distribution<double> uniform{-1.0, 1.0};
+  const TriangleMesh ball = make_bumpy_sphere(0.3, 0.2, 1000, 5);
+  const TouchGeometry scene{std::vector<const TriangleMesh*>{&ball}};
+  const ObjectGeometry tool{make_box({0.1, 0.2, 0.15}, 2), {Vec3::Zero(), scene.unit_m()}};
+  ToolProxy proxy{tool, scene, kTurnLength};
+
+  Vec3 draw() { return {uniform(random), uniform(random), uniform(random)}; }
+  static double energy(const Placement& a, const Placement& b) {
+    return (a.position - b.position).squaredNorm() + std::pow(kTurnLength * turn_between(a.orientation, b.orientation).norm(), 2);
+  }
+  double least_gap(const Placement& at) {
+    NearFeatures near(tool, scene);
+    double least = 1e300;
+    if (!near.collect(at, 4.0 * ToolProxy::kContactOffset, 0.0)) return 0.0;
+    for (const NearFeature& feature : near.features()) least = std::min(least, feature.gap.distance);
+    return least;
+  }
+};
+
+// Seeded walks that press and turn the tool: the gap is kept in every step, and where the proxy has converged, no small motion that keeps
+// the contact offset comes nearer to the device.
+TEST_F(ToolProxyTest, KeepsItsGapAndIsNearestToTheDevice) {
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  int converged = 0;
+  int touching = 0;
+  int nearer = 0;
+  for (int walk = 0; walk < 12; ++walk) {
+    Placement device{0.9 * draw().normalized(), turn_by(draw())};
+    proxy.reset(device);
+    const Vec3 towards = -device.position.normalized();
+    const Vec3 turn = 0.004 * draw();
+    for (int n = 0; n < 200; ++n) {
+      device.position += 0.003 * towards + 0.002 * draw();
+      device.orientation = (turn_by(turn) * device.orientation).normalized();
+      const ToolProxyStep step = proxy.step(device);
+      ASSERT_FALSE(step.is_blocked);
+      const double gap = least_gap(proxy.placement());
+      ASSERT_GE(gap, 0.49 * ToolProxy::kContactOffset) << "walk " << walk << " step " << n;
+      if (proxy.contacts().empty()) continue;
+      ++touching;
+      if (!step.converged) continue;
+      ++converged;
+      if (n % 20 != 0) continue;
+      const double now = energy(proxy.placement(), device);
+      for (int trial = 0; trial < 200; ++trial) {
+        const double size = ToolProxy::kContactOffset * std::pow(10.0, 3.0 * uniform(random));
+        const Placement moved = RigidMotion{proxy.placement(), size * draw(), size / kTurnLength * draw()}.at(1.0);
+        // Of the energy's slope times the tolerance of the rounds.
+        if (energy(moved, device) < now - 8.0 * std::sqrt(now) * ToolProxy::kConverged * ToolProxy::kContactOffset) {
+          nearer += least_gap(moved) > 1.01 * ToolProxy::kContactOffset ? 1 : 0;
+        }
+      }
+    }
+  }
+  EXPECT_GT(touching, 500);
+  EXPECT_GT(converged, touching * 9 / 10);
+  EXPECT_EQ(nearer, 0);
+}
+
+TEST_F(ToolProxyTest, ATurnOfHalfARoundInFreeSpaceIsFollowed) {
+  Placement device{Vec3(3.0, 0.0, 0.0), Quat::Identity()};
+  proxy.reset(device);
+  device.orientation = turn_by({0.0, 3.0, 0.0});
+  device.position.y() = 2.0;
+  EXPECT_TRUE(proxy.step(device).converged);
+  EXPECT_EQ(proxy.placement().position, device.position);
+  EXPECT_TRUE(proxy.contacts().empty());
+}
+
+TEST_F(ToolProxyTest, AnOverlapAtTheStartBlocksUntilTheDeviceHasLeft) {
+  Placement device{Vec3(0.6, 0.0, 0.0), Quat::Identity()};
+  for (; !proxy.step(device).is_blocked; device.position.x() -= 0.01) {
+    proxy.reset(device);
+    ASSERT_GT(device.position.x(), 0.0);
+  }
+  EXPECT_TRUE(proxy.step(device).is_blocked);
+  device.position.x() = 1.5;
+  EXPECT_FALSE(proxy.step(device).is_blocked);
+  EXPECT_TRUE(proxy.contacts().empty());
+}
+
+}  // namespace
+}  // namespace hapton
