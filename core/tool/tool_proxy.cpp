@@ -19,7 +19,8 @@ constexpr int kMostCorrections = 3;
 constexpr double kLeastCurvature = 0.125;
 constexpr double kMostCurvature = 64.0;
 constexpr std::size_t kManyFeatures = 1024;  // with more, the reach does not grow
-constexpr double kGrowth = 4.0;              // of the reach, where it has ended a round
+constexpr double kShrinkage = 0.125;
+constexpr double kGrowth = 4.0;  // of the reach, where it has ended a round
 
 std::array<Vec3, 3> corners_at(const ObjectGeometry& tool, std::uint32_t t, const Placement& placement) {
   return {placement.at(tool.corner(t, 0)), placement.at(tool.corner(t, 1)), placement.at(tool.corner(t, 2))};
@@ -221,18 +222,24 @@ bool ToolProxy::round(const Placement& device, ToolProxyStep& report) noexcept {
   }
   report.feature_count = std::max(report.feature_count, near_.features().size());
   const RigidMotion motion = constrain(wanted, reach);
-  const double length = motion.length(radius);
   note_contacts(report);
+  if (least_.solved && least_.active_count > 0 && to_motion(least_.y).length(radius) <= kConverged * kOffset) return false;
+  const double length = motion.length(radius);
   if (least_.solved) update_curvature();
-  if (length <= kConverged * kOffset && least_.active_count > 0) return false;
+  report.converged = false;
+  if (length <= kConverged * kOffset) {
+    // The bounds of a long motion leave none: those of a shorter one are better.
+    reach_ = kShrinkage * reach;
+    return reach_ > kOffset;
+  }
   const double share = find_safe_share(motion);
   if (share >= 1.0 && least_.active_count == 0 && reach == left && wanted.turn.norm() <= kLargestTurn) {
     proxy_ = device;
+    report.converged = true;
     return false;
   }
   proxy_ = motion.at(share);
   if (share >= 1.0 && length >= 0.99 * reach && near_.features().size() < kManyFeatures) reach_ *= kGrowth;
-  report.converged = false;
   return true;
 }
 

@@ -52,10 +52,12 @@ TEST_F(NearFeaturesTest, TheNearestIsThatOfABruteForceSearchAndAMinimum) {
   Placement at;
   int compared = 0;
   for (int n = 0; n < 200; ++n) {
-    if (n % 10 == 0) at = {Vec3(uniform(random), uniform(random), uniform(random)).normalized() * 0.9, turn_by(3.0 * Vec3::Random())};
+    if (n % 10 == 0)
+      at = {Vec3(uniform(random), uniform(random), uniform(random)).normalized() * 0.5,
+            turn_by(3.0 * Vec3(uniform(random), uniform(random), uniform(random)))};
     at.position += 0.01 * Vec3(uniform(random), uniform(random), uniform(random));
     at.orientation = turn_by(0.02 * Vec3(uniform(random), uniform(random), uniform(random))) * at.orientation;
-    const double distance = 0.4;
+    const double distance = 0.15;
     if (!near.collect(at, distance, 0.0)) continue;
     const double brute = brute_distance(at);
     double least = 1e300;
