@@ -50,7 +50,7 @@ bool ToolProxy::overlaps(const Placement& placement) noexcept {
 }
 
 void ToolProxy::reset(const Placement& device) noexcept {
-  proxy_ = device_ = device;
+  proxy_ = last_ = device;
   contact_count_ = 0;
   reach_ = 0.0;
   set_plain_curvature();
@@ -250,9 +250,11 @@ ToolProxyStep ToolProxy::step(const Placement& device) noexcept {
     report.is_blocked = true;
     return report;
   }
-  const RigidMotion moved{device_, device.position - device_.position, turn_between(device_.orientation, device.orientation)};
-  reach_ = 2.0 * moved.length(near_.radius()) + 16.0 * kOffset;
-  device_ = device;
+  // In contact the proxy moves about as far as in the step before, and mostly less than the device.
+  reach_ = 1.5 * RigidMotion{last_, proxy_.position - last_.position, turn_between(last_.orientation, proxy_.orientation)}.length(radius()) +
+           16.0 * kOffset;
+  if (contact_count_ == 0) reach_ = std::max(reach_, wanted_motion(device).length(radius()));
+  last_ = proxy_;
   while (report.rounds < kMostRounds) {
     ++report.rounds;
     report.converged = true;

@@ -90,7 +90,7 @@ class ToolProxy {
   double turn_length_;
   NearFeatures near_;
   Placement proxy_;
-  Placement device_;    // of the last step
+  Placement last_;      // the proxy before the last step
   double reach_ = 0.0;  // no point of the tool moves farther in a round
   bool is_blocked_ = true;
   Mat6 root_ = Mat6::Identity();  // root^T root is the energy's second derivative by shift and turn

@@ -27,17 +27,71 @@ std::int64_t measure_clock_cost_ns(const Clock& clock) {
   return least;
 }
 
-std::vector<TouchInput> make_inputs(std::span<const TrajectoryRow> trajectory) {
-  std::vector<TouchInput> inputs;
-  inputs.reserve(trajectory.size());
-  for (std::size_t i = 0; i < trajectory.size(); ++i) {
-    inputs.push_back({.p_WD = trajectory[i].p_WD, .dt_s = i == 0 ? kFirstStepS : trajectory[i].t_s - trajectory[i - 1].t_s});
+// How a touch step and a tool's are driven: the input of a row, and the row that an output makes.
+struct TouchRows {
+  using Input = TouchInput;
+  using Output = TouchOutput;
+
+  static Input input(std::span<const TrajectoryRow> trajectory, std::size_t i) {
+    return {.p_WD = trajectory[i].p_WD, .dt_s = i == 0 ? kFirstStepS : trajectory[i].t_s - trajectory[i - 1].t_s};
   }
-  return inputs;
+  static void fill(ReplayRow& row, const Input& input, const Output& output) {
+    row.p_WP = input.p_WD + output.visual_offset_m;
+    row.force_n = output.force_n;
+    row.contact = output.contact;
+  }
+};
+
+struct ToolRows {
+  using Input = ToolInput;
+  using Output = ToolOutput;
+
+  static Input input(std::span<const TrajectoryRow> trajectory, std::size_t i) {
+    Input input;
+    input.X_WD.translation() = trajectory[i].p_WD;
+    input.X_WD.linear() = trajectory[i].q_WT.toRotationMatrix();
+    return input;
+  }
+  static void fill(ReplayRow& row, const Input&, const Output& output) {
+    row.p_WP = output.X_WP.translation();
+    row.q_WP = Quat(output.X_WP.linear());
+    row.force_n = output.force_n;
+    row.torque_nm = output.torque_nm;
+    row.contact = output.contact;
+  }
+};
+
+bool same(const ReplayRow& a, const ReplayRow& b) {
+  return a.force_n == b.force_n && a.torque_nm == b.torque_nm && a.contact == b.contact && a.p_WP == b.p_WP &&
+         a.q_WP.coeffs() == b.q_WP.coeffs();
 }
 
-bool same(const ReplayRow& row, const TouchInput& input, const TouchOutput& output) {
-  return row.force_n == output.force_n && row.contact == output.contact && row.p_WP == input.p_WD + output.visual_offset_m;
+template <class Rows, class Step>
+Replay run_rows(Step& touch, std::span<const TrajectoryRow> trajectory, const ReplaySettings& settings, const Clock& clock) {
+  Replay replay;
+  replay.clock_cost_ns = measure_clock_cost_ns(clock);
+  replay.rows.resize(trajectory.size());
+  std::vector<typename Rows::Input> inputs;
+  for (std::size_t i = 0; i < trajectory.size(); ++i) inputs.push_back(Rows::input(trajectory, i));
+  for (std::size_t repetition = 0; repetition < settings.repeat; ++repetition) {
+    for (std::size_t i = 0; i < inputs.size(); ++i) {
+      if (i == 0 || (settings.reset_every > 0 && i % settings.reset_every == 0)) {
+        touch.reset(inputs[i]);
+      }
+      const std::int64_t before_ns = clock.now_ns();
+      const typename Rows::Output output = touch.step(inputs[i]);
+      const std::int64_t step_ns = std::max<std::int64_t>(0, clock.now_ns() - before_ns - replay.clock_cost_ns);
+      ReplayRow row{.t_s = trajectory[i].t_s, .p_WD = trajectory[i].p_WD, .step_ns = step_ns};
+      Rows::fill(row, inputs[i], output);
+      if (repetition > 0) {
+        replay.rows_that_differ += same(replay.rows[i], row) ? 0 : 1;
+        row = replay.rows[i];
+        row.step_ns = std::min(row.step_ns, step_ns);
+      }
+      replay.rows[i] = row;
+    }
+  }
+  return replay;
 }
 
 std::string describe_times(std::vector<std::int64_t> times) {
@@ -59,12 +113,15 @@ std::string describe_replay(const Replay& replay, const ReplaySettings& settings
   std::vector<std::int64_t> all;
   std::vector<std::int64_t> contact;
   double max_force_n = 0.0;
+  double max_torque_nm = 0.0;
   for (const ReplayRow& row : replay.rows) {
     all.push_back(row.step_ns);
     if (row.contact) contact.push_back(row.step_ns);
     max_force_n = std::max(max_force_n, row.force_n.norm());
+    max_torque_nm = std::max(max_torque_nm, row.torque_nm.norm());
   }
-  std::string text = fmt::format("replay: {} steps, {} in contact, force max {:.6g} N\n", all.size(), contact.size(), max_force_n);
+  std::string text = fmt::format("replay: {} steps, {} in contact, force max {:.6g} N", all.size(), contact.size(), max_force_n);
+  text += replay.has_tool ? fmt::format(", torque max {:.6g} Nm\n", max_torque_nm) : std::string("\n");
   text += fmt::format("step time, least of {} (clock cost of {} ns taken off): all {}; contact {}\n", settings.repeat, replay.clock_cost_ns,
                       describe_times(std::move(all)), describe_times(std::move(contact)));
   if (replay.rows_that_differ > 0) {
@@ -74,45 +131,32 @@ std::string describe_replay(const Replay& replay, const ReplaySettings& settings
 }
 
 Replay run_replay(TouchStep& touch, std::span<const TrajectoryRow> trajectory, const ReplaySettings& settings, const Clock& clock) {
-  Replay replay;
-  replay.clock_cost_ns = measure_clock_cost_ns(clock);
-  replay.rows.resize(trajectory.size());
-  const std::vector<TouchInput> inputs = make_inputs(trajectory);
-  for (std::size_t repetition = 0; repetition < settings.repeat; ++repetition) {
-    for (std::size_t i = 0; i < inputs.size(); ++i) {
-      if (i == 0 || (settings.reset_every > 0 && i % settings.reset_every == 0)) {
-        touch.reset(inputs[i]);
-      }
-      const std::int64_t before_ns = clock.now_ns();
-      const TouchOutput output = touch.step(inputs[i]);
-      const std::int64_t step_ns = std::max<std::int64_t>(0, clock.now_ns() - before_ns - replay.clock_cost_ns);
-      ReplayRow& row = replay.rows[i];
-      if (repetition == 0) {
-        row = {.t_s = trajectory[i].t_s,
-               .p_WD = inputs[i].p_WD,
-               .p_WP = inputs[i].p_WD + output.visual_offset_m,
-               .force_n = output.force_n,
-               .contact = output.contact,
-               .step_ns = step_ns};
-      } else {
-        replay.rows_that_differ += same(row, inputs[i], output) ? 0 : 1;
-        row.step_ns = std::min(row.step_ns, step_ns);
-      }
-    }
-  }
+  return run_rows<TouchRows>(touch, trajectory, settings, clock);
+}
+
+Replay run_replay(ToolStep& tool, std::span<const TrajectoryRow> trajectory, const ReplaySettings& settings, const Clock& clock) {
+  Replay replay = run_rows<ToolRows>(tool, trajectory, settings, clock);
+  replay.has_tool = true;
   return replay;
 }
 
-Result<void> write_replay_csv(const std::filesystem::path& path, std::span<const ReplayRow> rows) {
+Result<void> write_replay_csv(const std::filesystem::path& path, const Replay& replay) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(open_file_for(path, FileReaders::everyone), &std::fclose);
   if (!file) {
     return fail("{}: cannot be written: {}", path.string(), std::strerror(errno));
   }
-  bool good = std::fputs("t_s,x_m,y_m,z_m,proxy_x_m,proxy_y_m,proxy_z_m,fx_n,fy_n,fz_n,contact,step_ns\n", file.get()) >= 0;
-  for (const ReplayRow& row : rows) {
-    good = good && std::fprintf(file.get(), "%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%d,%lld\n", row.t_s, row.p_WD.x(),
-                                row.p_WD.y(), row.p_WD.z(), row.p_WP.x(), row.p_WP.y(), row.p_WP.z(), row.force_n.x(), row.force_n.y(),
-                                row.force_n.z(), row.contact ? 1 : 0, static_cast<long long>(row.step_ns)) > 0;
+  const auto print = [&](const char* format, auto... numbers) { return std::fprintf(file.get(), format, numbers...) > 0; };
+  bool good = print("t_s,x_m,y_m,z_m,proxy_x_m,proxy_y_m,proxy_z_m,fx_n,fy_n,fz_n,contact,step_ns%s\n",
+                    replay.has_tool ? ",proxy_qw,proxy_qx,proxy_qy,proxy_qz,tx_nm,ty_nm,tz_nm" : "");
+  for (const ReplayRow& row : replay.rows) {
+    good = good && print("%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%d,%lld", row.t_s, row.p_WD.x(), row.p_WD.y(),
+                         row.p_WD.z(), row.p_WP.x(), row.p_WP.y(), row.p_WP.z(), row.force_n.x(), row.force_n.y(), row.force_n.z(),
+                         row.contact ? 1 : 0, static_cast<long long>(row.step_ns));
+    if (replay.has_tool) {
+      good = good && print(",%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g", row.q_WP.w(), row.q_WP.x(), row.q_WP.y(), row.q_WP.z(),
+                           row.torque_nm.x(), row.torque_nm.y(), row.torque_nm.z());
+    }
+    good = good && std::fputc('\n', file.get()) != EOF;
   }
   if (!good || std::fflush(file.get()) != 0) {
     return fail("{}: could not be written to its end: {}", path.string(), std::strerror(errno));

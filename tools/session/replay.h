@@ -9,6 +9,7 @@
 
 #include "core/base/result.h"
 #include "core/force/touch_step.h"
+#include "core/tool/tool_step.h"
 #include "runtime/clock.h"
 #include "runtime/trajectory_csv.h"
 
@@ -20,6 +21,8 @@ struct ReplayRow {
   Vec3 p_WD = Vec3::Zero();
   Vec3 p_WP = Vec3::Zero();  // proxy
   Vec3 force_n = Vec3::Zero();
+  Quat q_WP = Quat::Identity();   // proxy; with a tool only, like the next
+  Vec3 torque_nm = Vec3::Zero();  // about the grip point
   bool contact = false;
   std::int64_t step_ns = 0;  // least of all repetitions, less the cost of reading the clock
 };
@@ -31,6 +34,7 @@ struct ReplaySettings {
 
 struct Replay {
   std::vector<ReplayRow> rows;
+  bool has_tool = false;
   std::int64_t clock_cost_ns = 0;    // subtracted from every step
   std::size_t rows_that_differ = 0;  // rows in which a repetition differs from the first run; 0 for a method that a reset resets completely
 };
@@ -38,6 +42,8 @@ struct Replay {
 // Runs the step along the trajectory, row by row, `repeat` times; every repetition begins with a reset. RT: set-up only. Pre: repeat >=
 // 1.
 Replay run_replay(TouchStep& touch, std::span<const TrajectoryRow> trajectory, const ReplaySettings& settings, const Clock& clock);
+// The same for a rigid tool, whose grip frame follows positions and orientations.
+Replay run_replay(ToolStep& tool, std::span<const TrajectoryRow> trajectory, const ReplaySettings& settings, const Clock& clock);
 
 // By nearest rank: no step in `fraction` of them takes longer. Orders the times. Pre: there are some.
 std::int64_t quantile_ns(std::vector<std::int64_t>& times, double fraction);
@@ -45,8 +51,8 @@ std::int64_t quantile_ns(std::vector<std::int64_t>& times, double fraction);
 // How many steps, how many in contact, the largest force, and p50, p99, p99.9 and the worst step of all and of those in contact.
 std::string describe_replay(const Replay& replay, const ReplaySettings& settings);
 
-// Writes t_s,x_m,y_m,z_m,proxy_x_m,proxy_y_m,proxy_z_m,fx_n,fy_n,fz_n,contact,step_ns with all digits of every number.
-// Error: one line with the path.
-Result<void> write_replay_csv(const std::filesystem::path& path, std::span<const ReplayRow> rows);
+// Writes t_s,x_m,y_m,z_m,proxy_x_m,proxy_y_m,proxy_z_m,fx_n,fy_n,fz_n,contact,step_ns and, with a tool,
+// proxy_qw,proxy_qx,proxy_qy,proxy_qz,tx_nm,ty_nm,tz_nm, with all digits of every number. Error: one line with the path.
+Result<void> write_replay_csv(const std::filesystem::path& path, const Replay& replay);
 
 }  // namespace hapton

@@ -5,10 +5,12 @@
 #include <cstdio>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "core/tool/tool_step.h"
 #include "runtime/trajectory_csv.h"
 #include "scene/scene_file.h"
 #include "tools/commands.h"
@@ -25,6 +27,9 @@ struct ReplayOptions {
   bool no_seal = false;
   std::string trajectory;
   std::string out;
+  std::string tool;
+  std::string tool_unit;
+  double rotational_stiffness_nm_per_rad = 0.0;
   MethodFlags method;
   std::optional<double> stiffness_n_per_m;
   std::optional<double> friction_static;
@@ -32,23 +37,78 @@ struct ReplayOptions {
   ReplaySettings replay;
 };
 
-Result<Scene> load(const ReplayOptions& options) {
-  const CrackSealing sealing = options.no_seal ? CrackSealing::off : CrackSealing::on;
-  if (!options.scene.empty()) {
-    if (!options.unit.empty()) {
-      return fail("--unit goes with --mesh; a scene file names the units of its meshes itself");
-    }
-    return load_scene(options.scene, {.sealing = sealing});
-  }
+Result<Scene> load_mesh(const std::string& path, const std::string& unit_name, CrackSealing sealing) {
   std::optional<Unit> unit;
-  if (!options.unit.empty()) {
-    const auto parsed = parse_unit(options.unit);
+  if (!unit_name.empty()) {
+    const auto parsed = parse_unit(unit_name);
     if (!parsed) {
       return tl::unexpected(parsed.error());
     }
     unit = *parsed;
   }
-  return load_scene(options.mesh, {.unit = unit, .sealing = sealing});
+  return load_scene(path, {.unit = unit, .sealing = sealing});
+}
+
+Result<Scene> load(const ReplayOptions& options) {
+  const CrackSealing sealing = options.no_seal ? CrackSealing::off : CrackSealing::on;
+  if (options.scene.empty()) {
+    return load_mesh(options.mesh, options.unit, sealing);
+  }
+  if (!options.unit.empty()) {
+    return fail("--unit goes with --mesh; a scene file names the units of its meshes itself");
+  }
+  return load_scene(options.scene, {.sealing = sealing});
+}
+
+// All objects of the tool's file as one rigid mesh.
+TriangleMesh join_objects(const Scene& tool) {
+  TriangleMesh mesh;
+  for (const TouchObject& object : tool.touch_scene().objects) {
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    mesh.vertices.insert(mesh.vertices.end(), object.mesh->vertices.begin(), object.mesh->vertices.end());
+    for (Triangle t : object.mesh->triangles) {
+      for (std::uint32_t& v : t) v += first;
+      mesh.triangles.push_back(t);
+    }
+  }
+  return mesh;
+}
+
+Result<std::unique_ptr<ToolStep>> make_tool(const ReplayOptions& options, const Scene& scene) {
+  const CrackSealing sealing = options.no_seal ? CrackSealing::off : CrackSealing::on;
+  const auto tool = load_mesh(options.tool, options.tool_unit.empty() ? options.unit : options.tool_unit, sealing);
+  if (!tool) {
+    return tl::unexpected(tool.error());
+  }
+  for (const std::string& note : tool->notes) {
+    fmt::print("tool: {}\n", note);
+  }
+  std::vector<std::shared_ptr<const TriangleMesh>> meshes;
+  for (const TouchObject& object : scene.touch_scene().objects) {
+    meshes.push_back(object.mesh);
+  }
+  ToolCoupling coupling;
+  coupling.stiffness_n_per_m = options.stiffness_n_per_m.value_or(coupling.stiffness_n_per_m);
+  coupling.rotational_stiffness_nm_per_rad = options.rotational_stiffness_nm_per_rad;
+  return ToolStep::make(join_objects(*tool), std::move(meshes), coupling);
+}
+
+// What a point or a ball has and a tool does not have yet is said, not ignored.
+Result<void> check_tool_options(const ReplayOptions& options) {
+  const MethodSettings& method = options.method.settings;
+  const MethodSettings plain;
+  if (options.tool.empty()) {
+    if (!options.tool_unit.empty()) return fail("--tool-unit goes with --tool");
+    if (options.rotational_stiffness_nm_per_rad > 0.0) return fail("--rotational-stiffness goes with --tool");
+    return {};
+  }
+  if (method.name != plain.name) return fail("--tool goes with --method proxy; '{}' has no tool", method.name);
+  if (method.probe_radius_m > 0.0) return fail("--tool and --probe-radius are two probes; give one");
+  if (method.shading > 0.0 || method.coupling_n_per_m > 0.0) return fail("--shading and --coupling do not go with --tool");
+  if (options.friction_static.value_or(0.0) > 0.0 || options.friction_dynamic.value_or(0.0) > 0.0) {
+    return fail("a tool has no friction yet; leave --friction-static and --friction-dynamic out");
+  }
+  return {};
 }
 
 // The material of the command line applies to every object of the scene.
@@ -67,10 +127,39 @@ Result<TouchScene> make_scene(const ReplayOptions& options, const Scene& scene) 
   return touch;
 }
 
+Result<Replay> replay_probe(const ReplayOptions& options, const MethodSettings& settings, const Scene& scene,
+                            std::span<const TrajectoryRow> trajectory) {
+  const auto touch_scene = make_scene(options, scene);
+  if (!touch_scene) {
+    return tl::unexpected(touch_scene.error());
+  }
+  auto method = make_method(settings, *touch_scene);
+  if (!method) {
+    return tl::unexpected(method.error());
+  }
+  TouchStep touch(std::move(*method), *touch_scene);
+  Replay done = run_replay(touch, trajectory, options.replay, SteadyClock());
+  fmt::print("{}", touch.method().describe());
+  return done;
+}
+
+Result<Replay> replay_tool(const ReplayOptions& options, const Scene& scene, std::span<const TrajectoryRow> trajectory) {
+  const auto tool = make_tool(options, scene);
+  if (!tool) {
+    return tl::unexpected(tool.error());
+  }
+  Replay done = run_replay(**tool, trajectory, options.replay, SteadyClock());
+  fmt::print("{}", (*tool)->describe());
+  return done;
+}
+
 Result<void> replay(ReplayOptions& options) {
   const auto settings = settings_of(options.method);
   if (!settings) {
     return tl::unexpected(settings.error());
+  }
+  if (const auto checked = check_tool_options(options); !checked) {
+    return checked;
   }
   const auto trajectory = read_trajectory_csv(options.trajectory);
   if (!trajectory) {
@@ -80,23 +169,16 @@ Result<void> replay(ReplayOptions& options) {
   if (!scene) {
     return tl::unexpected(scene.error());
   }
-  const auto touch_scene = make_scene(options, *scene);
-  if (!touch_scene) {
-    return tl::unexpected(touch_scene.error());
-  }
-  auto method = make_method(*settings, *touch_scene);
-  if (!method) {
-    return tl::unexpected(method.error());
-  }
   for (const std::string& note : scene->notes) {
     fmt::print("{}\n", note);
   }
-  TouchStep touch(std::move(*method), *touch_scene);
-  SteadyClock clock;
-  const Replay done = run_replay(touch, *trajectory, options.replay, clock);
-  fmt::print("{}", touch.method().describe());
-  fmt::print("{}", describe_replay(done, options.replay));
-  return write_replay_csv(options.out, done.rows);
+  const auto done =
+      options.tool.empty() ? replay_probe(options, *settings, *scene, *trajectory) : replay_tool(options, *scene, *trajectory);
+  if (!done) {
+    return tl::unexpected(done.error());
+  }
+  fmt::print("{}", describe_replay(*done, options.replay));
+  return write_replay_csv(options.out, *done);
 }
 
 int run(ReplayOptions& options) {
@@ -119,6 +201,13 @@ void add_replay_command(CommandLine app, int& exit_code) {
   command.add_option("--unit", options->unit, "Unit of the mesh file: m (default), cm, mm or in");
   command.add_flag("--no-seal", options->no_seal, "Do not seal cracks: by default those up to 1e-4 of the longest side are closed");
   command.add_option("--trajectory", options->trajectory, "CSV: t_s,x_m,y_m,z_m[,qw,qx,qy,qz][,sample], one row a step").required();
+  command.add_option("--tool", options->tool, "Mesh of a rigid tool, held at its origin, instead of a point or a ball: force and torque");
+  command.add_option("--tool-unit", options->tool_unit, "Unit of the tool's mesh (default: as --unit)");
+  command
+      .add_option("--rotational-stiffness", options->rotational_stiffness_nm_per_rad,
+                  "With --tool, Nm/rad; 0: from --stiffness and the tool's size")
+      .not_negative("Nm/rad")
+      .shows_default();
   command.add_option("--out", options->out, "CSV to write").file_to_write().required();
   add_method_flags(command, options->method);
   command.add_option("--stiffness", options->stiffness_n_per_m, "N/m (default: 1000, or as the scene says)").positive();

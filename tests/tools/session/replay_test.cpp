@@ -90,7 +90,7 @@ TEST(Replay, CsvKeepsEveryBit) {
                          .force_n = Vec3(-1.0 / 7, 0, 5e-324),
                          .contact = true,
                          .step_ns = 42};
-  ASSERT_TRUE(write_replay_csv(path, std::vector<ReplayRow>{row}));
+  ASSERT_TRUE(write_replay_csv(path, Replay{.rows = {row}}));
   std::ifstream file(path);
   std::string header;
   std::string line;
