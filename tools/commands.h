@@ -9,7 +9,7 @@ namespace hapton {
 // Every command of the `hapton` program. Each function adds one command to the command line; when the command runs, it sets `exit_code`: 0
 // only if it succeeded, 1 otherwise unless it says so. RT: no.
 
-// hapton bench [effects|numbers|haptons|objects|papers|pareto]: run time and error on this machine; alone: numbers.
+// hapton bench [effects|numbers|haptons|objects|papers|pareto|sixdof]: run time and error on this machine; alone: numbers.
 void add_bench_command(CommandLine app, int& exit_code);
 
 // hapton check FILE: what is wrong with a scene before anyone touches it. Exit code 0: nothing found, 1: findings, 2: it cannot be checked.
@@ -83,6 +83,9 @@ void add_trajectory_command(CommandLine app, int& exit_code);
 
 // hapton bench effects: what each effect adds to the cost of a step.
 void add_bench_effects_command(CommandLine bench, int& exit_code);
+
+// hapton bench sixdof: force, torque, gaps and run time of a rigid tool.
+void add_bench_sixdof_command(CommandLine bench, int& exit_code);
 
 // hapton bench haptons: how many triangle pairs a millisecond one core collides on edge, located to 0.1 % (memo 3.0). Exit code 0 only when
 // that accuracy held for every pair.

@@ -6,6 +6,7 @@ void add_bench_command(CommandLine app, int& exit_code) {
   const CommandLine bench = app.add_subcommand("bench", "Measure methods and structures beside other libraries; alone: numbers");
   bench.require_subcommands(0, 1);
   add_bench_effects_command(bench, exit_code);
+  add_bench_sixdof_command(bench, exit_code);
   add_bench_haptons_command(bench, exit_code);
   add_bench_numbers_command(bench, exit_code);
   add_bench_objects_command(bench, exit_code);

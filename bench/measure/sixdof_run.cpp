@@ -1,0 +1,200 @@
+#include "bench/measure/sixdof_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "core/collision/triangle_pair.h"
+#include "core/tool/near_features.h"
+
+namespace hapton {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Root mean squares of a vector quantity against what is expected of it.
+class VectorError {
+ public:
+  void add(const Vec3& found, const Vec3& expected) {
+    difference_ += (found - expected).squaredNorm();
+    expected_ += expected.squaredNorm();
+    if (!(found.norm() > 0.0) || !(expected.norm() > 0.0)) return;
+    const double angle = std::atan2(found.cross(expected).norm(), found.dot(expected));
+    angle_ += angle * angle;
+    ++angles_;
+  }
+  // Of `scale` where nothing is expected.
+  double percent(double scale) const { return 100.0 * std::sqrt(difference_) / std::max(std::sqrt(expected_), scale); }
+  double angle_deg() const { return angles_ == 0 ? 0.0 : std::sqrt(angle_ / static_cast<double>(angles_)) * 180.0 / std::numbers::pi; }
+  double sum() const { return std::sqrt(expected_); }
+  bool any() const { return expected_ > 0.0; }
+
+ private:
+  double difference_ = 0.0;
+  double expected_ = 0.0;
+  double angle_ = 0.0;
+  std::size_t angles_ = 0;
+};
+
+// Looks at placements with other means than the proxy's: pairs of triangles with exact signs.
+class PenetrationCheck {
+ public:
+  explicit PenetrationCheck(const ToolStep& step)
+      : step_(step), pairs_(step.tool(), step.scene(), NearFeatures::kMostTrianglePairs), near_(step.tool(), step.scene()) {}
+
+  bool penetrates(const Placement& at) {
+    if (!pairs_.collect(at, 0.0, NearFeatures::kMostTrianglePairs)) return true;
+    return std::any_of(pairs_.pairs().begin(), pairs_.pairs().end(), [&](const TrianglePairIds& ids) {
+      const ObjectGeometry::Corners a = step_.tool().corners(ids.tool);
+      const ObjectGeometry::Corners b = step_.scene().corners(ids.scene);
+      return intersect_triangles({{at.at(a.a), at.at(a.b), at.at(a.c)}, {b.a, b.b, b.c}}).meets;
+    });
+  }
+  // As a share of the contact offset; infinite if nothing is within two offsets.
+  double gap(const Placement& at) {
+    double least = std::numeric_limits<double>::infinity();
+    if (!near_.collect(at, 2.0 * ToolProxy::kContactOffset, 0.0)) return 0.0;
+    for (const NearFeature& near : near_.features()) least = std::min(least, near.gap.distance);
+    return least / ToolProxy::kContactOffset;
+  }
+
+ private:
+  const ToolStep& step_;
+  NearPairs pairs_;
+  NearFeatures near_;
+};
+
+}  // namespace
+
+Result<SixdofRow> measure_scenario(const SixdofScenario& scenario, const Stopwatch& watch, const TimingBudget& budget) {
+  auto made = ToolStep::make(*scenario.tool, {scenario.scene}, scenario.coupling);
+  if (!made) return tl::unexpected(made.error());
+  ToolStep& step = **made;
+  SixdofRow row;
+  row.name = scenario.name;
+  const std::size_t steps = scenario.device.size();
+  std::vector<ToolOutput> felt(steps);
+  std::vector<Placement> placements(steps);
+  const TimedSteps timed = time_steps(
+      watch, budget, steps,
+      [&](std::size_t i) {
+        if (i == 0) step.reset({scenario.device[0]});
+      },
+      [&](std::size_t i) { felt[i] = step.step({scenario.device[i]}); }, [&](std::size_t i) { placements[i] = step.proxy().placement(); });
+
+  PenetrationCheck check(step);
+  VectorError force;
+  VectorError torque;
+  double rounds = 0.0;
+  row.least_gap = std::numeric_limits<double>::infinity();
+  std::vector<std::uint8_t> in_contact(steps, 0);
+  for (std::size_t i = 0; i < steps; ++i) {
+    row.penetrations += check.penetrates(placements[i]) ? 1 : 0;
+    row.least_gap = std::min(row.least_gap, check.gap(placements[i]));
+    row.unconverged += felt[i].proxy.converged ? 0 : 1;
+    row.most_rounds = std::max(row.most_rounds, felt[i].proxy.rounds);
+    row.most_haptons = std::max(row.most_haptons, felt[i].proxy.haptons);
+    if (scenario.expected) {
+      const Wrench6 expected = scenario.expected(scenario.device[i]);
+      force.add(felt[i].force_n, expected.force_n);
+      torque.add(felt[i].torque_nm, expected.torque_nm);
+    }
+    if (!felt[i].contact) continue;
+    in_contact[i] = 1;
+    ++row.contact_steps;
+    rounds += felt[i].proxy.rounds;
+  }
+  row.has_errors = static_cast<bool>(scenario.expected);
+  row.mean_rounds = row.contact_steps > 0 ? rounds / static_cast<double>(row.contact_steps) : 0.0;
+  const double lever = std::sqrt(scenario.coupling.rotational_stiffness_nm_per_rad / scenario.coupling.stiffness_n_per_m);
+  row.force_error_percent = force.percent(0.0);
+  row.force_angle_deg = force.angle_deg();
+  row.torque_error_percent = torque.percent(torque.any() ? 0.0 : force.sum() * lever);
+  row.torque_angle_deg = torque.any() ? torque.angle_deg() : 0.0;
+  row.contact = spread_of_times(timed.least.only(in_contact));
+  return row;
+}
+
+Result<SixdofReport> measure_sixdof(const SixdofSettings& settings, const Stopwatch& watch, const Progress& progress) {
+  const std::uint64_t start = Stopwatch::ticks();
+  SixdofReport report;
+  report.conditions = begin_conditions(watch, settings.seed);
+  std::vector<SixdofScenario> scenarios = make_analytic_scenarios(settings.steps);
+  scenarios.push_back(make_peg_scenario(settings.peg_steps, settings.seed));
+  scenarios.push_back(make_size_scenario(1'000, 1'000, settings.steps, settings.seed));
+  scenarios.push_back(make_size_scenario(5'000, 50'000, settings.steps, settings.seed));
+  if (settings.with_large) scenarios.push_back(make_size_scenario(50'000, 1'000'000, settings.steps, settings.seed));
+  for (const SixdofScenario& scenario : scenarios) {
+    progress(scenario.name);
+    auto row = measure_scenario(scenario, watch, settings.budget);
+    if (!row) return tl::unexpected(row.error());
+    report.rows.push_back(std::move(*row));
+  }
+  end_conditions(report.conditions, start, watch);
+  return report;
+}
+
+std::string to_csv(const SixdofReport& report) {
+  std::string text =
+      "scenario,contact_steps,force_error_percent,force_angle_deg,torque_error_percent,torque_angle_deg,penetrations,least_gap_offsets,"
+      "unconverged,mean_rounds,most_rounds,most_haptons,p50_ns,p99_ns,worst_ns\n";
+  for (const SixdofRow& row : report.rows) {
+    const auto error = [&](double value) { return row.has_errors ? fmt::format("{:.6g}", value) : std::string(); };
+    fmt::format_to(std::back_inserter(text), "\"{}\",{},{},{},{},{},{},{:.6g},{},{:.4g},{},{},{:.6g},{:.6g},{:.6g}\n", row.name,
+                   row.contact_steps, error(row.force_error_percent), error(row.force_angle_deg), error(row.torque_error_percent),
+                   error(row.torque_angle_deg), row.penetrations, row.least_gap, row.unconverged, row.mean_rounds, row.most_rounds,
+                   row.most_haptons, row.contact.p50_ns, row.contact.p99_ns, row.contact.worst_ns);
+  }
+  return text;
+}
+
+std::string to_json(const SixdofReport& report) {
+  Json json = to_json(report.conditions, "hapton bench sixdof");
+  json["rows"] = Json::array();
+  for (const SixdofRow& row : report.rows) {
+    Json one{{"scenario", row.name},
+             {"contact_steps", row.contact_steps},
+             {"penetrations", row.penetrations},
+             {"least_gap_offsets", row.least_gap},
+             {"unconverged", row.unconverged},
+             {"mean_rounds", row.mean_rounds},
+             {"most_rounds", row.most_rounds},
+             {"most_haptons", row.most_haptons},
+             {"p50_ns", row.contact.p50_ns},
+             {"p99_ns", row.contact.p99_ns},
+             {"worst_ns", row.contact.worst_ns}};
+    if (row.has_errors) {
+      one["force_error_percent"] = row.force_error_percent;
+      one["force_angle_deg"] = row.force_angle_deg;
+      one["torque_error_percent"] = row.torque_error_percent;
+      one["torque_angle_deg"] = row.torque_angle_deg;
+    }
+    json["rows"].push_back(std::move(one));
+  }
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string to_text(const SixdofReport& report) {
+  std::string text = fmt::format("{:<34} {:>8} {:>8} {:>7} {:>8} {:>7} {:>7} {:>7} {:>7} {:>7} {:>9} {:>9} {:>9}\n", "", "contact", "force",
+                                 "angle", "torque", "angle", "pene-", "least", "uncon-", "rounds", "p50", "p99", "worst");
+  text += fmt::format("{:<34} {:>8} {:>8} {:>7} {:>8} {:>7} {:>7} {:>7} {:>7} {:>7} {:>9} {:>9} {:>9}\n", "scenario", "steps", "% RMS",
+                      "deg", "% RMS", "deg", "trates", "gap", "verged", "mean", "us", "us", "us");
+  for (const SixdofRow& row : report.rows) {
+    const auto error = [&](double value) { return row.has_errors ? fmt::format("{:.3f}", value) : std::string("-"); };
+    fmt::format_to(std::back_inserter(text),
+                   "{:<34} {:>8} {:>8} {:>7} {:>8} {:>7} {:>7} {:>7.3f} {:>7} {:>7.2f} {:>9.1f} {:>9.1f} {:>9.1f}\n", row.name,
+                   row.contact_steps, error(row.force_error_percent), error(row.force_angle_deg), error(row.torque_error_percent),
+                   error(row.torque_angle_deg), row.penetrations, row.least_gap, row.unconverged, row.mean_rounds,
+                   1e-3 * row.contact.p50_ns, 1e-3 * row.contact.p99_ns, 1e-3 * row.contact.worst_ns);
+  }
+  text +=
+      "force, torque: of the expected one; a torque where none is expected: of the force times the coupling's lever. penetrates: steps in "
+      "which a triangle of the tool intersects the scene, by exact signs. least gap: of the contact offset.\n";
+  return text + report.conditions.to_text() + ".\n";
+}
+
+}  // namespace hapton

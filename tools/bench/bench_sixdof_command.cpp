@@ -1,0 +1,51 @@
+#include <fmt/core.h>
+
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "bench/measure/sixdof_run.h"
+#include "tools/bench/bench_report.h"
+#include "tools/commands.h"
+
+namespace hapton {
+namespace {
+
+struct SixdofOptions {
+  SixdofSettings settings;
+  std::string out;
+  bool quick = false;
+};
+
+Result<void> measure_all_tools(SixdofOptions& options) {
+  if (options.quick) {
+    options.settings.steps = 1000;
+    options.settings.peg_steps = 2000;
+    options.settings.budget = {.repetitions = 1, .seconds = 1.0};
+    options.settings.with_large = false;
+  }
+  const Stopwatch watch = Stopwatch::calibrate();
+  return measure_and_report(options.out, "sixdof", [&](const auto& progress) { return measure_sixdof(options.settings, watch, progress); });
+}
+
+}  // namespace
+
+void add_bench_sixdof_command(CommandLine bench, int& exit_code) {
+  auto options = std::make_shared<SixdofOptions>();
+  const CommandLine command = bench.add_subcommand("sixdof", "A rigid tool: force and torque against theory, gaps, run time");
+  command.add_flag("--quick", options->quick, "Short runs, without the largest scene");
+  command.add_option("--steps", options->settings.steps, "Steps of each scenario").between(100, 10'000'000).shows_default();
+  command.add_option("--peg-steps", options->settings.peg_steps, "Steps of the peg with 20 um of clearance")
+      .between(100, 10'000'000)
+      .shows_default();
+  command.add_option("--seed", options->settings.seed, "Seed of the motions and of the bumpy bodies").shows_default();
+  command.add_option("--out", options->out, "Folder for sixdof.txt, sixdof.csv and sixdof.json; default: none are written")
+      .folder_to_write();
+  command.on_run([options, &exit_code] {
+    const auto done = measure_all_tools(*options);
+    if (!done) fmt::print(stderr, "hapton bench sixdof: {}\n", done.error().what);
+    exit_code = done ? 0 : 1;
+  });
+}
+
+}  // namespace hapton
