@@ -7,6 +7,7 @@
 #include <numbers>
 #include <random>
 
+#include "core/force/contact_qp.h"
 #include "core/geometry/mesh_shapes.h"
 
 namespace hapton {
@@ -46,7 +47,7 @@ double press(double t, double shallow) {
   return shallow + (1.0 - shallow) * (0.5 + 0.5 * std::cos(2.0 * kPi * 3.0 * (t - 0.2)));
 }
 
-// The least value of f over [low, high], which has one minimum there (golden section).
+// Where f is least over [low, high]; it has one minimum there (golden section). Zero where that is as near as f can tell.
 double find_minimum(double low, double high, const std::function<double(double)>& f) {
   const double ratio = 0.5 * (std::sqrt(5.0) - 1.0);
   double a = high - ratio * (high - low);
@@ -62,7 +63,8 @@ double find_minimum(double low, double high, const std::function<double(double)>
       b = low + ratio * (high - low);
     }
   }
-  return 0.5 * (low + high);
+  const double found = 0.5 * (low + high);
+  return std::fabs(found) > 1e-9 ? found : 0.0;
 }
 
 double turn_about_y(const Pose& X) { return std::atan2(X.linear()(0, 2), X.linear()(2, 2)); }
@@ -87,7 +89,7 @@ SixdofScenario make_box_scenario(std::size_t steps, double tilt) {
       const double depth = std::max(0.0, height(t) - z);
       return 0.5 * coupling.stiffness_n_per_m * depth * depth + 0.5 * coupling.rotational_stiffness_nm_per_rad * (t - turn) * (t - turn);
     };
-    const double best = turn > 0.0 ? find_minimum(0.0, 0.5 * kPi, energy) : 0.0;
+    const double best = find_minimum(turn > 0.0 ? 0.0 : -0.25 * kPi, turn > 0.0 ? 0.25 * kPi : 0.0, energy);
     Wrench6 wrench;
     wrench.force_n.z() = coupling.stiffness_n_per_m * std::max(0.0, height(best) - z);
     if (wrench.force_n.z() > 0.0) wrench.torque_nm.y() = coupling.rotational_stiffness_nm_per_rad * (best - turn);
@@ -187,12 +189,13 @@ TriangleMesh make_cone(double height, double half_opening, int sides, bool with_
   return mesh;
 }
 
-// A cone of half opening b in a conical pit of the same opening may be anywhere within a cone of that opening, if it does not turn: and it
-// does not, as the force to the nearest point meets the line of contact at its foot from the grip point. Force only.
+// A cone in a pit of the same shape may be anywhere within a cone of that shape, if it does not turn: and it does not, as the force to the
+// nearest point meets the line of contact at its foot from the grip point. Force only. The sides are flat, so the nearest point is that of
+// their half-spaces.
 SixdofScenario make_cone_scenario(std::size_t steps) {
   constexpr double kHalfOpening = kPi / 6.0;
   constexpr double kGrip = 0.012;  // above the apex
-  constexpr int kSides = 192;
+  constexpr int kSides = 64;
   SixdofScenario made;
   made.name = "cone in cone";
   made.tool = shared(scaled_and_moved(make_cone(0.02, kHalfOpening, kSides, true), 1.0, Vec3(0.0, 0.0, -kGrip)));
@@ -202,14 +205,16 @@ SixdofScenario make_cone_scenario(std::size_t steps) {
     const double out = 0.004 * std::min(1.0, 4.0 * t);
     return pose_of({out * std::cos(9.0 * t), out * std::sin(9.0 * t), kGrip + 0.008 - 0.006 * press(t, 0.5)});
   });
-  made.expected = [coupling = made.coupling](const Pose& X) {
+  std::vector<ContactPlane> sides;
+  for (int i = 0; i < kSides; ++i) {
+    const double angle = 2.0 * kPi * (i + 0.5) / kSides;
+    const double slope = std::tan(kHalfOpening) * std::cos(kPi / kSides);  // of a side's middle line
+    sides.push_back({Vec3(-std::cos(angle), -std::sin(angle), slope).normalized(), 0.0});
+  }
+  made.expected = [sides, coupling = made.coupling](const Pose& X) {
     Vec3 p = X.translation();
     p.z() -= kGrip;
-    const double out = std::hypot(p.x(), p.y());
-    const double depth = out * std::cos(kHalfOpening) - p.z() * std::sin(kHalfOpening);  // beyond the cone, along its normal
-    if (!(depth > 0.0) || !(out > 0.0)) return Wrench6{};
-    const Vec3 inward(-p.x() / out * std::cos(kHalfOpening), -p.y() / out * std::cos(kHalfOpening), std::sin(kHalfOpening));
-    return Wrench6{coupling.stiffness_n_per_m * depth * inward, Vec3::Zero()};
+    return Wrench6{coupling.stiffness_n_per_m * (constrain_motion(p, sides).motion - p), Vec3::Zero()};
   };
   return made;
 }

@@ -5,9 +5,12 @@
 
 #include <unistd.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 
+#include "core/geometry/mesh_shapes.h"
 #include "tests/support/made_meshes.h"
 
 namespace hapton {
@@ -108,6 +111,36 @@ TEST(Replay, CsvKeepsEveryBit) {
   for (std::size_t i = 0; i < fields.size(); ++i) {
     EXPECT_EQ(std::strtod(fields[i].c_str(), nullptr), expected[i]) << i;
   }
+}
+
+TEST(Replay, AToolAddsItsOrientationAndTorque) {
+  const TriangleMesh box = make_box({0.02, 0.02, 0.02});
+  auto tool = ToolStep::make(box, {std::make_shared<TriangleMesh>(make_plane_grid(0.2, 4))}, {});
+  ASSERT_TRUE(tool);
+  std::vector<TrajectoryRow> trajectory;
+  for (int n = 0; n < 200; ++n) {
+    trajectory.push_back({1e-3 * n, {0.0, 0.0, 0.02 - 1e-4 * n}, turn_by({0.0, 0.2, 0.0})});
+  }
+  const Replay replay = run_replay(**tool, trajectory, {.repeat = 2}, SteadyClock());
+  EXPECT_EQ(replay.rows_that_differ, 0U);
+  ASSERT_TRUE(replay.has_tool);
+  const ReplayRow& last = replay.rows.back();
+  EXPECT_TRUE(last.contact);
+  EXPECT_GT(last.force_n.z(), 1.0);
+  EXPECT_GT(std::abs(last.torque_nm.y()), 1e-3);
+  EXPECT_LT(turn_between(Quat::Identity(), last.q_WP).norm(), 0.2) << "the plane turns it back";
+  const auto path = std::filesystem::temp_directory_path() / "hapton_tool_replay_test.csv";
+  ASSERT_TRUE(write_replay_csv(path, replay));
+  std::ifstream file(path);
+  std::string header;
+  std::string line;
+  std::getline(file, header);
+  std::getline(file, line);
+  std::filesystem::remove(path);
+  EXPECT_EQ(header,
+            "t_s,x_m,y_m,z_m,proxy_x_m,proxy_y_m,proxy_z_m,fx_n,fy_n,fz_n,contact,step_ns,proxy_qw,proxy_qx,proxy_qy,proxy_qz,tx_nm,ty_nm,"
+            "tz_nm");
+  EXPECT_EQ(std::count(line.begin(), line.end(), ','), 18);
 }
 
 TEST(Replay, AFolderThatIsNotThereIsAnError) {

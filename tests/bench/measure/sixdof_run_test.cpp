@@ -1,0 +1,62 @@
+#include "bench/measure/sixdof_run.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace hapton {
+namespace {
+
+constexpr TimingBudget kOnce{.repetitions = 1, .seconds = 0.0};
+
+TEST(SixdofRun, ForcesAndTorquesAreWithinOnePercentOfTheoryAndNothingPenetrates) {
+  const Stopwatch watch = Stopwatch::calibrate();
+  for (const SixdofScenario& scenario : make_analytic_scenarios(400)) {
+    const auto row = measure_scenario(scenario, watch, kOnce);
+    ASSERT_TRUE(row) << row.error().what;
+    EXPECT_GT(row->contact_steps, 100U) << row->name;
+    EXPECT_LT(row->force_error_percent, 1.0) << row->name;
+    EXPECT_LT(row->force_angle_deg, 1.0) << row->name;
+    EXPECT_LT(row->torque_error_percent, 1.0) << row->name;
+    EXPECT_LT(row->torque_angle_deg, 1.0) << row->name;
+    EXPECT_EQ(row->penetrations, 0U) << row->name;
+    EXPECT_GE(row->least_gap, ToolProxy::kLeastGap) << row->name;
+  }
+}
+
+TEST(SixdofRun, AWrongWrenchIsAnError) {
+  const Stopwatch watch = Stopwatch::calibrate();
+  SixdofScenario scenario = make_analytic_scenarios(400).front();
+  scenario.expected = [right = scenario.expected](const Pose& X) {
+    Wrench6 wrench = right(X);
+    wrench.force_n *= 1.1;
+    wrench.force_n.x() += 0.1 * wrench.force_n.z();
+    return wrench;
+  };
+  const auto row = measure_scenario(scenario, watch, kOnce);
+  ASSERT_TRUE(row);
+  EXPECT_GT(row->force_error_percent, 5.0);
+  EXPECT_GT(row->force_angle_deg, 3.0);
+}
+
+TEST(SixdofRun, APegIsNeverNearerThanHalfTheOffset) {
+  const auto row = measure_scenario(make_peg_scenario(2500, 7), Stopwatch::calibrate(), kOnce);
+  ASSERT_TRUE(row);
+  EXPECT_GT(row->contact_steps, 1000U);
+  EXPECT_EQ(row->penetrations, 0U);
+  EXPECT_GE(row->least_gap, ToolProxy::kLeastGap);
+}
+
+TEST(SixdofRun, TheReportNamesEachScenario) {
+  SixdofReport report;
+  SixdofRow row;
+  row.name = "box on plane";
+  row.has_errors = true;
+  row.force_error_percent = 0.25;
+  report.rows = {row};
+  EXPECT_THAT(to_csv(report), testing::HasSubstr("\"box on plane\",0,0.25,"));
+  EXPECT_THAT(to_json(report), testing::HasSubstr("\"force_error_percent\": 0.25"));
+  EXPECT_THAT(to_text(report), testing::HasSubstr("box on plane"));
+}
+
+}  // namespace
+}  // namespace hapton
