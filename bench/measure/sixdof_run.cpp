@@ -8,8 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "core/collision/triangle_pair.h"
-#include "core/tool/near_features.h"
+#include "core/tool/penetration_check.h"
 
 namespace hapton {
 namespace {
@@ -40,34 +39,6 @@ class VectorError {
   std::size_t angles_ = 0;
 };
 
-// Looks at placements with other means than the proxy's: pairs of triangles with exact signs.
-class PenetrationCheck {
- public:
-  explicit PenetrationCheck(const ToolStep& step)
-      : step_(step), pairs_(step.tool(), step.scene(), NearFeatures::kMostTrianglePairs), near_(step.tool(), step.scene()) {}
-
-  bool penetrates(const Placement& at) {
-    if (!pairs_.collect(at, 0.0, NearFeatures::kMostTrianglePairs)) return true;
-    return std::any_of(pairs_.pairs().begin(), pairs_.pairs().end(), [&](const TrianglePairIds& ids) {
-      const ObjectGeometry::Corners a = step_.tool().corners(ids.tool);
-      const ObjectGeometry::Corners b = step_.scene().corners(ids.scene);
-      return intersect_triangles({{at.at(a.a), at.at(a.b), at.at(a.c)}, {b.a, b.b, b.c}}).meets;
-    });
-  }
-  // As a share of the contact offset; infinite if nothing is within two offsets.
-  double gap(const Placement& at) {
-    double least = std::numeric_limits<double>::infinity();
-    if (!near_.collect(at, 2.0 * ToolProxy::kContactOffset, 0.0)) return 0.0;
-    for (const NearFeature& near : near_.features()) least = std::min(least, near.gap.distance);
-    return least / ToolProxy::kContactOffset;
-  }
-
- private:
-  const ToolStep& step_;
-  NearPairs pairs_;
-  NearFeatures near_;
-};
-
 }  // namespace
 
 Result<SixdofRow> measure_scenario(const SixdofScenario& scenario, const Stopwatch& watch, const TimingBudget& budget) {
@@ -86,7 +57,7 @@ Result<SixdofRow> measure_scenario(const SixdofScenario& scenario, const Stopwat
       },
       [&](std::size_t i) { felt[i] = step.step({scenario.device[i]}); }, [&](std::size_t i) { placements[i] = step.proxy().placement(); });
 
-  PenetrationCheck check(step);
+  PenetrationCheck check(step.tool(), step.scene());
   VectorError force;
   VectorError torque;
   double rounds = 0.0;
@@ -94,7 +65,7 @@ Result<SixdofRow> measure_scenario(const SixdofScenario& scenario, const Stopwat
   std::vector<std::uint8_t> in_contact(steps, 0);
   for (std::size_t i = 0; i < steps; ++i) {
     row.penetrations += check.penetrates(placements[i]) ? 1 : 0;
-    row.least_gap = std::min(row.least_gap, check.gap(placements[i]));
+    row.least_gap = std::min(row.least_gap, check.find_gap(placements[i], 2.0 * ToolProxy::kContactOffset) / ToolProxy::kContactOffset);
     row.unconverged += felt[i].proxy.converged ? 0 : 1;
     row.most_rounds = std::max(row.most_rounds, felt[i].proxy.rounds);
     row.most_haptons = std::max(row.most_haptons, felt[i].proxy.haptons);

@@ -16,6 +16,7 @@
 #include "scene/mesh_file.h"
 #include "scene/touch_mesh.h"
 #include "tools/bench/stress.h"
+#include "tools/bench/tool_stress.h"
 #include "tools/commands.h"
 
 namespace hapton {
@@ -27,6 +28,7 @@ struct StressOptions {
   std::string out;
   std::optional<double> scale, offset, friction_static, friction_dynamic;
   std::optional<std::uint64_t> episode;
+  bool tool = false;
   StressPlan plan;
 };
 
@@ -88,6 +90,30 @@ Result<void> choose_variant(StressOptions& options) {
   return {};
 }
 
+Result<bool> stress_tools(const StressOptions& options) {
+  const auto bodies = make_bodies(options);
+  if (!bodies) return tl::unexpected(bodies.error());
+  ToolStressPlan plan{.seed = options.plan.seed, .steps = options.plan.steps * bodies->size()};
+  if (options.scale) plan.scales = {*options.scale};
+  fmt::print("stress: rigid tools, {} bodies, {} scales, at least {} steps a body, seed {}\n", bodies->size(), plan.scales.size(),
+             options.plan.steps, plan.seed);
+  std::fflush(stdout);
+  std::size_t done = 0;
+  const auto results = run_tool_stress(*bodies, plan, [&](const ToolStressResult& result) {
+    fmt::print(stderr, "[{}/{}] {}: {} steps, {} faults\n", ++done, bodies->size(), result.body, result.count.steps, result.count.faults());
+  });
+  if (!results) return tl::unexpected(results.error());
+  fmt::print("{}", to_text(*results));
+  std::uint64_t steps = 0;
+  std::uint64_t faults = 0;
+  for (const ToolStressResult& result : *results) {
+    steps += result.count.steps;
+    faults += result.count.faults();
+  }
+  fmt::print("stress: {} faults in {} steps, seed {}\n", faults, steps, plan.seed);
+  return faults == 0;
+}
+
 Result<bool> run_stress(StressOptions& options) {
   if (auto chosen = choose_variant(options); !chosen) return tl::unexpected(chosen.error());
   const auto bodies = make_bodies(options);
@@ -142,6 +168,9 @@ void add_stress_command(CommandLine app, int& exit_code) {
   const CommandOption patches = command.add_flag(
       "--patches", options->plan.by_patches,
       "Feel each body by patches of its parts, as io_node --touch patch does, at its own scale and place, without and with friction");
+  const CommandOption tool =
+      command.add_flag("--tool", options->tool, "Press rigid tools of six shapes on each body instead: penetration by exact signs, gaps");
+  tool.excludes(patches);
   command.add_option("--probe-share", options->plan.probe_share, "Probe radius as a share of the longest side; 0: as the body says")
       .between(0.0, 1.0);
   const CommandOption scale = command.add_option("--scale", options->scale, "Only this scale").positive();
@@ -160,7 +189,7 @@ void add_stress_command(CommandLine app, int& exit_code) {
   command.add_option("--threads", options->plan.threads, "Variants tested at a time").between(1, 1024).shows_default();
   command.add_option("--out", options->out, "Folder for stress.json").folder_to_write();
   command.on_run([options, &exit_code] {
-    const auto clean = run_stress(*options);
+    const auto clean = options->tool ? stress_tools(*options) : run_stress(*options);
     if (!clean) fmt::print(stderr, "hapton stress: {}\n", clean.error().what);
     exit_code = clean && *clean ? 0 : 1;
   });

@@ -1,0 +1,38 @@
+#include "tools/bench/tool_stress.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace hapton {
+namespace {
+
+TEST(ToolStress, HasNoFaultOnAFewBodies) {
+  std::vector<StressBody> bodies;
+  for (const char* name : {"box", "groove"}) {
+    StressBody body = make_stress_body(name);
+    if (!body.touched.triangles.empty()) bodies.push_back(std::move(body));
+  }
+  bodies.push_back(make_stress_body(std::string(stress_body_names().front())));
+  ToolStressPlan plan;
+  plan.steps = 6000;
+  plan.scales = {1e-6, 1.0, 1e6};
+  const auto results = run_tool_stress(bodies, plan, [](const ToolStressResult&) {});
+  ASSERT_TRUE(results) << results.error().what;
+  std::uint64_t contact = 0;
+  for (const ToolStressResult& result : *results) {
+    EXPECT_EQ(result.count.faults(), 0U) << to_text(*results);
+    contact += result.count.contact;
+  }
+  EXPECT_GT(contact, 1000U);
+}
+
+TEST(ToolStress, AFaultIsNamedInTheTable) {
+  ToolStressResult result{.body = "box", .count = {}};
+  result.count.penetrations = 3;
+  result.count.first_fault = "tool ball, scale 1, episode 5";
+  EXPECT_EQ(result.count.faults(), 3U);
+  EXPECT_THAT(to_text({result}), testing::HasSubstr("first: tool ball, scale 1, episode 5"));
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,155 @@
+#include "tools/bench/tool_stress.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <memory>
+#include <random>
+#include <utility>
+
+#include "core/geometry/mesh_shapes.h"
+#include "core/tool/penetration_check.h"
+#include "core/tool/tool_step.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::uint64_t kEpisodeSteps = 250;
+
+struct StressTool {
+  std::string name;
+  TriangleMesh mesh;  // for a body whose longest side is 1
+};
+
+std::vector<StressTool> make_tools() {
+  const double sharp = std::tan(0.5 * 3.0 * 3.14159265358979 / 180.0);
+  return {{"ball", make_icosphere(0.08, 2)},
+          {"box", make_box({0.15, 0.1, 0.2}, 2)},
+          {"plate", make_thin_wall(0.25, 1e-3, 3)},
+          {"wedge", make_prism({{0.0, 0.0}, {0.2, -0.2 * sharp}, {0.2, 0.2 * sharp}}, 0.15, 2)},
+          {"rod", make_cylinder(0.01, 0.4, 12, 4)},
+          {"bracket", make_prism({{0.0, 0.0}, {0.2, 0.0}, {0.2, 0.05}, {0.05, 0.05}, {0.05, 0.2}, {0.0, 0.2}}, 0.1, 2)}};
+}
+
+double longest_side(const TriangleMesh& mesh) {
+  Vec3 low = mesh.vertices.front();
+  Vec3 high = low;
+  for (const Vec3& v : mesh.vertices) {
+    low = low.cwiseMin(v);
+    high = high.cwiseMax(v);
+  }
+  return (high - low).maxCoeff();
+}
+
+// One tool on one body at one scale.
+class ToolEpisodes {
+ public:
+  ToolEpisodes(ToolStep& step, double size, std::uint64_t seed)
+      : step_(step), check_(step.tool(), step.scene()), size_(size), random_(seed) {}
+
+  void run(std::uint64_t episode, ToolStressCount& count) {
+    const bool begins_inside = episode % 4 == 3;
+    Pose device = Pose::Identity();
+    device.translation() = size_ * (begins_inside ? 0.2 : 1.4) * draw().normalized();
+    device.linear() = turn_by(3.0 * draw()).toRotationMatrix();
+    step_.reset({device});
+    const double speed = size_ * std::pow(10.0, -3.5 + 2.0 * uniform(0.0, 1.0));  // a step
+    const double turn = 0.05 * std::pow(uniform(0.0, 1.0), 2.0);                  // 50 rad/s at 1 kHz
+    const double jitter = uniform(0.0, 1.0) < 0.3 ? uniform(0.0, 2.0) : 0.1;
+    const Vec3 axis = draw().normalized();
+    Vec3 towards = -device.translation().normalized();
+    count.overlaps += step_.step({device}).proxy.is_blocked ? 1 : 0;
+    // The way to the body, from where it is not touched, is made at once.
+    if (!begins_inside) device.translation() *= 0.7;
+    for (std::uint64_t n = 0; n < kEpisodeSteps; ++n) {
+      if (n % 50 == 49) towards = (towards + 0.7 * draw()).normalized();
+      device.translation() += speed * (towards + jitter * draw());
+      device.linear() = turn_by(turn * (axis + jitter * draw())).toRotationMatrix() * device.linear();
+      device.linear() = Quat(device.linear()).normalized().toRotationMatrix();
+      look(step_.step({device}), count);
+    }
+    device.translation() = size_ * 3.0 * axis;
+    step_.step({device});
+    for (int n = 0; n < 50; ++n) {
+      device.translation() += 1e-3 * size_ * axis;
+      if (!step_.step({device}).proxy.is_blocked) return;
+    }
+    ++count.stuck;
+  }
+
+ private:
+  double uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
+  Vec3 draw() { return {uniform(-1.0, 1.0), uniform(-1.0, 1.0), uniform(-1.0, 1.0)}; }
+
+  void look(const ToolOutput& out, ToolStressCount& count) {
+    ++count.steps;
+    if (!out.force_n.allFinite() || !out.torque_nm.allFinite() || !out.X_WP.matrix().allFinite()) ++count.not_finite;
+    if (out.proxy.is_blocked) return;
+    count.contact += out.contact ? 1 : 0;
+    count.unconverged += out.proxy.converged ? 0 : 1;
+    const Placement& at = step_.proxy().placement();
+    if (check_.penetrates(at)) {
+      ++count.penetrations;
+    } else if (check_.find_gap(at, ToolProxy::kContactOffset) < (1.0 - 0x1p-12) * ToolProxy::kLeastGap * ToolProxy::kContactOffset) {
+      ++count.too_near;
+    }
+  }
+
+  ToolStep& step_;
+  PenetrationCheck check_;
+  double size_;
+  std::mt19937_64 random_;
+};
+
+}  // namespace
+
+Result<std::vector<ToolStressResult>> run_tool_stress(const std::vector<StressBody>& bodies, const ToolStressPlan& plan,
+                                                      const std::function<void(const ToolStressResult&)>& progress) {
+  const std::vector<StressTool> tools = make_tools();
+  const std::uint64_t runs = bodies.size() * tools.size() * plan.scales.size();
+  const std::uint64_t episodes = std::max<std::uint64_t>(1, (plan.steps + runs * kEpisodeSteps - 1) / (runs * kEpisodeSteps));
+  std::vector<ToolStressResult> results;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    ToolStressResult result{.body = bodies[b].name, .count = {}};
+    const double side = longest_side(bodies[b].touched);
+    for (std::size_t t = 0; t < tools.size(); ++t) {
+      for (const double scale : plan.scales) {
+        const TriangleMesh tool = scaled_and_moved(tools[t].mesh, scale * side, Vec3::Zero());
+        auto step = ToolStep::make(tool, {std::make_shared<TriangleMesh>(scaled_and_moved(bodies[b].touched, scale, Vec3::Zero()))}, {});
+        if (!step) return tl::unexpected(step.error());
+        ToolEpisodes run(**step, scale * side, plan.seed * 1'000'003 + b * 101 + t);
+        for (std::uint64_t episode = 0; episode < episodes; ++episode) {
+          const std::uint64_t before = result.count.faults();
+          run.run(episode, result.count);
+          if (before == 0 && result.count.faults() > 0) {
+            result.count.first_fault = fmt::format("tool {}, scale {:g}, episode {}", tools[t].name, scale, episode);
+          }
+        }
+      }
+    }
+    progress(result);
+    results.push_back(std::move(result));
+  }
+  return results;
+}
+
+std::string to_text(const std::vector<ToolStressResult>& results) {
+  std::string text = fmt::format("{:<28} {:>9} {:>9} {:>9} {:>9} | {:>9} {:>9} {:>9} {:>9}\n", "body", "pene-", "too", "not", "stuck",
+                                 "steps", "in", "uncon-", "begun in");
+  text += fmt::format("{:<28} {:>9} {:>9} {:>9} {:>9} | {:>9} {:>9} {:>9} {:>9}\n", "", "trations", "near", "finite", "", "", "contact",
+                      "verged", "overlap");
+  for (const ToolStressResult& result : results) {
+    const ToolStressCount& count = result.count;
+    fmt::format_to(std::back_inserter(text), "{:<28} {:>9} {:>9} {:>9} {:>9} | {:>9} {:>9} {:>9} {:>9}\n", result.body, count.penetrations,
+                   count.too_near, count.not_finite, count.stuck, count.steps, count.contact, count.unconverged, count.overlaps);
+    if (!count.first_fault.empty()) fmt::format_to(std::back_inserter(text), "  first: {}\n", count.first_fault);
+  }
+  return text +
+         "penetrations: steps in which a triangle of the tool intersects the body, by exact signs. too near: below half the contact "
+         "offset. "
+         "stuck: an overlap at the start that still blocks outside. unconverged: what is left of the motion is made in the next steps.\n";
+}
+
+}  // namespace hapton
