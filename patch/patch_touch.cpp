@@ -5,15 +5,6 @@
 #include <utility>
 
 namespace hapton {
-namespace {
-
-// Of a patch's lift, for a proxy that a patch has held: the place told is on the surface, a contact offset (2^-30 of the patch's size)
-// nearer along the force than where it is held. More than its rounding, so that it is on its side; less than the contact offset, so that it
-// does not get past the other face of a sharp groove.
-constexpr double kLiftOnGrid = 0x1p-18;
-
-}  // namespace
-
 std::unique_ptr<Patch> PatchTouch::offer(std::unique_ptr<Patch> patch) noexcept { return std::exchange(offered_, std::move(patch)); }
 
 std::unique_ptr<Patch> PatchTouch::take_retired() noexcept { return std::move(retired_); }
@@ -128,11 +119,14 @@ void PatchTouch::hand_over(const TouchInput& input) noexcept {
   ++counts_.handed_over;
   if (patch_->step == nullptr) return;
   TouchInput start = input;
-  const double lift_m = (is_on_grid_ ? kLiftOnGrid : 1.0) * patch_->lift_m;
-  if (is_placed_) start.p_WD = input.X_WS * (p_SP_ + lift_m * outward_S_);
-  patch_->step->reset(start);
+  start.p_WD = input.X_WS * (is_on_grid_ ? p_SP_ : Vec3(p_SP_ + patch_->lift_m * outward_S_));
+  if (is_on_grid_) {
+    patch_->step->resume(start);
+  } else {
+    patch_->step->reset(start);
+  }
   // The hand did not go from there to the device: damping must not see that motion.
-  if (is_placed_) (void)patch_->step->step(input);
+  (void)patch_->step->step(input);
 }
 
 Vec3 PatchTouch::step_retired(const TouchInput& input) noexcept {
@@ -155,7 +149,7 @@ PatchOutput PatchTouch::step_patch(const TouchInput& input, const Vec3& p_SD, bo
   const Mat3 R_SW = input.X_WS.linear().transpose();
   const double depth = touched.visual_offset_m.norm();
   force_n_ = touched.force_n.norm();
-  p_SP_ = p_SD + R_SW * touched.visual_offset_m;
+  p_SP_ = (patch_->step != nullptr ? patch_->step->method().held_at() : std::nullopt).value_or(p_SD);
   outward_S_ = touched.contact && depth > 0.0 ? Vec3(R_SW * touched.visual_offset_m / depth) : Vec3(Vec3::Zero());
   stiffness_n_per_m_ = depth > 0.0 ? force_n_ / depth : 0.0;
   last_p_SD_ = p_SD;
