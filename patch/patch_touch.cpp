@@ -10,22 +10,23 @@ std::unique_ptr<Patch> PatchTouch::offer(std::unique_ptr<Patch> patch) noexcept 
 std::unique_ptr<Patch> PatchTouch::take_retired() noexcept { return std::move(retired_); }
 
 void PatchTouch::forget() noexcept {
-  is_placed_ = is_over_ = is_on_grid_ = is_beyond_ = false;
+  is_placed_ = is_over_ = is_on_grid_ = has_arrived_ = is_beyond_ = false;
   outward_S_.setZero();
   path_.clear();
 }
 
 void PatchTouch::set_generation(std::uint32_t generation) noexcept {
-  if (std::exchange(generation_, generation) != generation) forget();
+  // The hand has not moved: what comes takes over from where the probe was.
+  if (std::exchange(generation_, generation) != generation) is_over_ = is_on_grid_ = has_arrived_ = false;
 }
 
-void PatchTouch::start_at(const Vec3& p_SP, const Vec3& outward) noexcept {
+void PatchTouch::start_at(const Vec3& p_SP, const Vec3& outward, double age_s) noexcept {
   is_placed_ = p_SP.allFinite() && outward.allFinite();
-  is_over_ = is_on_grid_ = false;
+  is_over_ = is_on_grid_ = has_arrived_ = false;
   p_SP_ = last_p_SD_ = p_SP;
   outward_S_ = outward;
-  path_.clear();
-  stiffness_n_per_m_ = force_n_ = 0.0;
+  path_.keep_newest(age_s);
+  stiffness_n_per_m_ = force_n_ = beyond_s_ = 0.0;
 }
 
 PatchHand PatchTouch::hand_at(const Vec3& p_SD, std::int64_t time_ns) const noexcept {
@@ -81,6 +82,7 @@ std::optional<PatchOutput> PatchTouch::step(const TouchInput& input) noexcept {
   }
   if (!path_.empty()) return step_plane(input, p_SD, velocity);
   is_beyond_ = false;
+  has_arrived_ = true;
   output.is_handed_over = output.is_handed_over || was_beyond;
   return output;
 }
@@ -163,7 +165,7 @@ std::optional<PatchOutput> PatchTouch::step_plane(const TouchInput& input, const
   PatchOutput output;
   output.is_beyond = true;
   output.is_handed_over = !is_beyond_;
-  const bool has_patch = patch_ != nullptr && patch_->generation == generation_;
+  const bool has_patch = has_arrived_ && patch_ != nullptr && patch_->generation == generation_;
   if (!std::exchange(is_beyond_, true)) {
     counts_.beyond += has_patch ? 1 : 0;
     beyond_s_ = 0.0;

@@ -83,14 +83,17 @@ TEST(ProxyResume, APartOfTheSceneGivesTheForceOfTheWhole) {
   auto whole = proxy_of(scene_of(whole_mesh));
   auto of_part = proxy_of(part);
   whole->reset({0.02, 0.0, 0.01});
+  double worst_n = 0.0;
   AllocationGuard guard;
   for (int n = 0; n < 400; ++n) {
     const MethodInput at{.p_SD = {0.02 - 1e-4 * n, 1e-5 * n, -0.002}};
     const MethodOutput expected = whole->step(at);
     if (n == 200) of_part->resume(*whole->held_at());
-    if (n >= 200) EXPECT_NEAR((of_part->step(at).force_n - expected.force_n).norm(), 0.0, 1e-6) << n;
+    if (n < 200) continue;
+    worst_n = std::max(worst_n, (of_part->step(at).force_n - expected.force_n).norm());
   }
   EXPECT_EQ(guard.count(), 0U);
+  EXPECT_LT(worst_n, 1e-6);
 }
 
 }  // namespace
