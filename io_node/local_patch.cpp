@@ -37,7 +37,9 @@ std::optional<LocalForce> LocalPatch::step(const DeviceSample& sample) noexcept 
   exchange_patches();
   touch_.set_generation(generation_.load(std::memory_order_acquire));
   const Pose X_SW = orders.X_WS.inverse(Eigen::Isometry);
-  if (std::exchange(started_, orders.start) != orders.start) touch_.start_at(X_SW * orders.p_WP, X_SW.linear() * orders.outward_W);
+  if (std::exchange(started_, orders.start) != orders.start && !touch_.has_arrived()) {
+    touch_.start_at(X_SW * orders.p_WP, X_SW.linear() * orders.outward_W, 1e-9 * static_cast<double>(last_ns_ - orders.start_ns));
+  }
   const std::int64_t passed_ns = sample.time_ns - std::exchange(last_ns_, sample.time_ns);
   const double dt_s = passed_ns > 0 ? std::min(1e-9 * static_cast<double>(passed_ns), kLongestStepS) : kFirstStepS;
   const std::optional<PatchOutput> output = touch_.step({sample.p_WD, orders.X_WS, dt_s});

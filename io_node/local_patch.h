@@ -16,8 +16,10 @@ struct PatchOrders {
   bool is_wanted = false;     // force from patches, where there are any
   std::int64_t until_ns = 0;  // no longer than until then: haptics is silent for too long by then
   Pose X_WS = Pose::Identity();
-  // Where the probe was as far as haptics knows, when patches became wanted; counts how often that was.
+  // Where the probe was as far as haptics knows, in the sample of that time; counts how often that was told. Used until a patch reaches the
+  // hand.
   std::uint32_t start = 0;
+  std::int64_t start_ns = 0;
   Vec3 p_WP = Vec3::Zero();
   Vec3 outward_W = Vec3::Zero();  // unit, zero: free
 };

@@ -21,6 +21,8 @@ void PatchLink::look_after(ForceExchange& forces, const std::optional<ViewTransf
   if (must_clear_) must_clear_ = !builder_.clear();
   choose(forces, now_ns);
   if (state_ == State::remote) return;
+  follow_source(forces);
+  if (!was_local_) note_probe(forces, view ? view->revision : 0, now_ns);
   orders_.X_WS = view ? find_rigid_pose(view->X_WS).value_or(Pose::Identity()) : Pose::Identity();
   orders_.until_ns = peers_.has_haptics() ? peers_.peer(HubPeers::kHapticsSlot).last_received_ns + kAloneNs : 0;
   local_.publish(orders_);
@@ -34,7 +36,12 @@ void PatchLink::choose(ForceExchange& forces, std::int64_t now_ns) noexcept {
     round_trip_s_ = forces.find_round_trip_s();
   }
   const bool is_wanted = peers_.has_haptics() && chooser_.wants_patch(round_trip_s_, now_ns);
-  if (state_ == State::remote && is_wanted) start(forces);
+  if (state_ == State::remote && is_wanted) {
+    state_ = State::patch;
+    orders_.is_wanted = true;
+    was_local_ = false;
+    status_ns_ = told_ns_ = 0;
+  }
   if (state_ == State::patch && !is_wanted) {
     state_ = State::leaving;
     forces.request_resume();
@@ -47,16 +54,25 @@ void PatchLink::choose(ForceExchange& forces, std::int64_t now_ns) noexcept {
   }
 }
 
-// From where the haptics node has the probe.
-void PatchLink::start(const ForceExchange& forces) noexcept {
-  state_ = State::patch;
-  orders_.is_wanted = true;
-  status_ns_ = 0;
+// Where patches begin anew, the haptics node goes on from where they had the probe.
+void PatchLink::follow_source(ForceExchange& forces) noexcept {
+  const bool has_ended = was_local_ && !forces.is_local();
+  was_local_ = forces.is_local();
+  if (!has_ended || state_ != State::patch) return;
+  told_ns_ = 0;
+  forces.request_resume();
+}
+
+// A place of the probe in the scene where it is now.
+void PatchLink::note_probe(const ForceExchange& forces, std::uint32_t view_revision, std::int64_t now_ns) noexcept {
   const ForceCommand& last = forces.history().last_answer();
+  if (now_ns - told_ns_ < kProbeNs || last.view_revision != view_revision || last.echo_sample_time_ns <= orders_.start_ns) return;
   const std::optional<Vec3> p_WP = forces.history().find_probe();
   if (!p_WP) return;
+  told_ns_ = now_ns;
   const double depth = last.visual_offset_m.norm();
   ++orders_.start;
+  orders_.start_ns = last.echo_sample_time_ns;
   orders_.p_WP = *p_WP;
   orders_.outward_W = last.contact && depth > 0.0 ? Vec3(last.visual_offset_m / depth) : Vec3(Vec3::Zero());
 }

@@ -16,12 +16,15 @@ namespace hapton {
 //
 //   remote ---- wanted ----> patch ---- no longer wanted ----> leaving ---- haptics has replied from where the probe is ----> remote
 //
-// The force without any datagram of haptics ends kAloneNs after the last one. Units: ns of the hub's clock. RT: yes. Threads: the servo's.
+// The remote force goes on until a patch reaches the hand, and where patches begin anew. Meanwhile the device side is told again and again
+// where the haptics node has the probe: the first patch takes over from there. The force without any datagram of haptics ends kAloneNs
+// after the last one. Units: ns of the hub's clock. RT: yes. Threads: the servo's.
 class PatchLink {
  public:
   static constexpr std::int64_t kAloneNs = 1000 * kNanosecondsPerMillisecond;
   static constexpr std::int64_t kStatusNs = 100 * kNanosecondsPerMillisecond;
-  static constexpr std::int64_t kSoonNs = 50 * kNanosecondsPerMillisecond;  // when there is news
+  static constexpr std::int64_t kProbeNs = 200 * kNanosecondsPerMillisecond;  // several times as long as following the places since takes
+  static constexpr std::int64_t kSoonNs = 50 * kNanosecondsPerMillisecond;    // when there is news
 
   // Pre: all outlive this.
   PatchLink(HubPeers& peers, LocalPatch& local, PatchBuilder& builder, TouchChoice choice) noexcept
@@ -41,7 +44,8 @@ class PatchLink {
   enum class State : std::uint8_t { remote, patch, leaving };
 
   void choose(ForceExchange& forces, std::int64_t now_ns) noexcept;
-  void start(const ForceExchange& forces) noexcept;
+  void follow_source(ForceExchange& forces) noexcept;
+  void note_probe(const ForceExchange& forces, std::uint32_t view_revision, std::int64_t now_ns) noexcept;
   void send_status(double round_trip_s, std::int64_t now_ns) noexcept;
 
   HubPeers& peers_;
@@ -51,6 +55,8 @@ class PatchLink {
   State state_ = State::remote;
   PatchOrders orders_;
   bool must_clear_ = false;
+  bool was_local_ = false;    // the force of the cycle before came from a patch
+  std::int64_t told_ns_ = 0;  // when the device side was told the probe
   bool has_news_ = false;
   std::int64_t status_ns_ = 0;     // the last one
   std::int64_t next_look_ns_ = 0;  // at the round trip

@@ -33,6 +33,12 @@ class DevicePath {
     first_ = (first_ + 1) % kMost;
     if (--size_ == 0) clear();
   }
+  // Of the places kept, those that are no older than this; the newest one's age is 0. An age of 0 or less: none.
+  void keep_newest(double age_s) noexcept {
+    std::size_t kept = 0;
+    for (double ago_s = 0.0; kept < size_ && ago_s < age_s; ++kept) ago_s += at(size_ - 1 - kept).dt_s;
+    while (size_ > kept) pop();
+  }
   void push(const Place& place) noexcept {
     if (size_ >= 2 && (place.p_SD - at(size_ - 2).p_SD).norm() <= spacing_m_) {
       at(size_ - 1) = {place.p_SD, at(size_ - 1).dt_s + place.dt_s};

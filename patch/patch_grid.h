@@ -35,6 +35,9 @@ struct PatchGrid {
     return grid;
   }
 
+  // Of the whole grid. Every part of the scene is touched in this box's local frame, in which a contact offset is a 64th of a step.
+  Box box() const noexcept { return {origin_m, origin_m + Vec3::Constant(std::ldexp(step_m, kPatchGridBits))}; }
+
   // The nearest point of the grid; of what lies beyond it the nearest there is.
   GridPoint round(const Vec3& p_S) const noexcept {
     const Vec3 steps = to_steps(p_S).array().round().max(0.0).min(std::ldexp(1.0, kPatchGridBits) - 1.0);

@@ -50,6 +50,11 @@ bool PatchSource::is_due(const Item& item, std::int64_t now_ns) const noexcept {
 
 void PatchSource::accept(const PatchStatus& status) noexcept {
   round_trip_s_ = status.round_trip_s;
+  // The hub has begun anew: what it had is gone.
+  if (status.epoch == 0 && counts_.held > 0) {
+    std::fill(items_.begin(), items_.end(), Item());
+    counts_.held = 0;
+  }
   if (status.epoch != begin_.epoch || status.newest_serial > serial_) return;
   for (std::uint32_t back = 0; back < PatchStatus::kSerials && back < status.newest_serial; ++back) {
     const std::uint32_t serial = status.newest_serial - back;

@@ -192,6 +192,7 @@ PatchStore::Piece PatchStore::make_piece(const Vec3& p_S, double most_m, std::si
     if (tile != tiles_.end()) objects.try_emplace(tile->second.object, grid_).first->second.add(tile->second);
   }
   for (auto& [number, object] : objects) piece.scene.objects.push_back(object.take());
+  piece.scene.part_of = grid_.box();
   return piece;
 }
 

@@ -5,36 +5,28 @@
 #include <utility>
 
 namespace hapton {
-namespace {
-
-// Of a patch's lift, for a proxy that a patch has held: the place told is on the surface, a contact offset (2^-30 of the patch's size)
-// nearer along the force than where it is held. More than its rounding, so that it is on its side; less than the contact offset, so that it
-// does not get past the other face of a sharp groove.
-constexpr double kLiftOnGrid = 0x1p-18;
-
-}  // namespace
-
 std::unique_ptr<Patch> PatchTouch::offer(std::unique_ptr<Patch> patch) noexcept { return std::exchange(offered_, std::move(patch)); }
 
 std::unique_ptr<Patch> PatchTouch::take_retired() noexcept { return std::move(retired_); }
 
 void PatchTouch::forget() noexcept {
-  is_placed_ = is_over_ = is_on_grid_ = is_beyond_ = false;
+  is_placed_ = is_over_ = is_on_grid_ = has_arrived_ = is_beyond_ = false;
   outward_S_.setZero();
   path_.clear();
 }
 
 void PatchTouch::set_generation(std::uint32_t generation) noexcept {
-  if (std::exchange(generation_, generation) != generation) forget();
+  // The hand has not moved: what comes takes over from where the probe was.
+  if (std::exchange(generation_, generation) != generation) is_over_ = is_on_grid_ = has_arrived_ = false;
 }
 
-void PatchTouch::start_at(const Vec3& p_SP, const Vec3& outward) noexcept {
+void PatchTouch::start_at(const Vec3& p_SP, const Vec3& outward, double age_s) noexcept {
   is_placed_ = p_SP.allFinite() && outward.allFinite();
-  is_over_ = is_on_grid_ = false;
+  is_over_ = is_on_grid_ = has_arrived_ = false;
   p_SP_ = last_p_SD_ = p_SP;
   outward_S_ = outward;
-  path_.clear();
-  stiffness_n_per_m_ = force_n_ = 0.0;
+  path_.keep_newest(age_s);
+  stiffness_n_per_m_ = force_n_ = beyond_s_ = 0.0;
 }
 
 PatchHand PatchTouch::hand_at(const Vec3& p_SD, std::int64_t time_ns) const noexcept {
@@ -90,6 +82,7 @@ std::optional<PatchOutput> PatchTouch::step(const TouchInput& input) noexcept {
   }
   if (!path_.empty()) return step_plane(input, p_SD, velocity);
   is_beyond_ = false;
+  has_arrived_ = true;
   output.is_handed_over = output.is_handed_over || was_beyond;
   return output;
 }
@@ -128,11 +121,14 @@ void PatchTouch::hand_over(const TouchInput& input) noexcept {
   ++counts_.handed_over;
   if (patch_->step == nullptr) return;
   TouchInput start = input;
-  const double lift_m = (is_on_grid_ ? kLiftOnGrid : 1.0) * patch_->lift_m;
-  if (is_placed_) start.p_WD = input.X_WS * (p_SP_ + lift_m * outward_S_);
-  patch_->step->reset(start);
+  start.p_WD = input.X_WS * (is_on_grid_ ? p_SP_ : Vec3(p_SP_ + patch_->lift_m * outward_S_));
+  if (is_on_grid_) {
+    patch_->step->resume(start);
+  } else {
+    patch_->step->reset(start);
+  }
   // The hand did not go from there to the device: damping must not see that motion.
-  if (is_placed_) (void)patch_->step->step(input);
+  (void)patch_->step->step(input);
 }
 
 Vec3 PatchTouch::step_retired(const TouchInput& input) noexcept {
@@ -155,7 +151,7 @@ PatchOutput PatchTouch::step_patch(const TouchInput& input, const Vec3& p_SD, bo
   const Mat3 R_SW = input.X_WS.linear().transpose();
   const double depth = touched.visual_offset_m.norm();
   force_n_ = touched.force_n.norm();
-  p_SP_ = p_SD + R_SW * touched.visual_offset_m;
+  p_SP_ = (patch_->step != nullptr ? patch_->step->method().held_at() : std::nullopt).value_or(p_SD);
   outward_S_ = touched.contact && depth > 0.0 ? Vec3(R_SW * touched.visual_offset_m / depth) : Vec3(Vec3::Zero());
   stiffness_n_per_m_ = depth > 0.0 ? force_n_ / depth : 0.0;
   last_p_SD_ = p_SD;
@@ -169,7 +165,7 @@ std::optional<PatchOutput> PatchTouch::step_plane(const TouchInput& input, const
   PatchOutput output;
   output.is_beyond = true;
   output.is_handed_over = !is_beyond_;
-  const bool has_patch = patch_ != nullptr && patch_->generation == generation_;
+  const bool has_patch = has_arrived_ && patch_ != nullptr && patch_->generation == generation_;
   if (!std::exchange(is_beyond_, true)) {
     counts_.beyond += has_patch ? 1 : 0;
     beyond_s_ = 0.0;

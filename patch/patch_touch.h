@@ -87,10 +87,13 @@ class PatchTouch {
   std::unique_ptr<Patch> take_retired() noexcept;
   // Forgets contact; the next step starts where it is told to, or at the device.
   void forget() noexcept;
-  // Only patches of this generation count from now on; where it is another one than before, contact is forgotten.
+  // Only patches of this generation count from now on; where it is another one than before, they start where the probe was.
   void set_generation(std::uint32_t generation) noexcept;
-  // Where contact rested, or the device was free, before the first patch. outward: unit, of the force; zero: free.
-  void start_at(const Vec3& p_SP, const Vec3& outward) noexcept;
+  // Where contact rested, or the device was free, before the first patch, and how long ago: from there the proxy follows the places of the
+  // device since. outward: unit, of the force; zero: free.
+  void start_at(const Vec3& p_SP, const Vec3& outward, double age_s = 0.0) noexcept;
+  // A patch has reached the hand since the start. Until then the force has to come from elsewhere.
+  bool has_arrived() const noexcept { return has_arrived_; }
 
   // None: no patch has reached the hand yet, since the start or since it began anew; or a sample that is not finite, or so far off that its
   // rounding is larger than a patch's lift (10^9 sizes of the scene): it changes nothing.
@@ -117,9 +120,10 @@ class PatchTouch {
   std::unique_ptr<Patch> offered_;
   std::unique_ptr<Patch> retired_;
   std::uint32_t generation_ = 0;
-  bool is_placed_ = false;          // the proxy is known
-  bool is_over_ = false;            // patch_ holds the proxy; else it has to be handed over
-  bool is_on_grid_ = false;         // it was a patch that had it last
+  bool is_placed_ = false;   // the proxy is known
+  bool is_over_ = false;     // patch_ holds the proxy; else it has to be handed over
+  bool is_on_grid_ = false;  // it was a patch that had it last
+  bool has_arrived_ = false;
   Vec3 p_SP_ = Vec3::Zero();        // proxy, last within
   Vec3 outward_S_ = Vec3::Zero();   // unit, of its force; zero: free
   double stiffness_n_per_m_ = 0.0;  // ... of force and penetration

@@ -1,5 +1,6 @@
 #include "core/collision/touch_geometry.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -36,6 +37,12 @@ std::size_t most_triangles_of(const std::vector<std::shared_ptr<const TriangleMe
   return most;
 }
 
+bool encloses(const Box& box, const std::vector<std::shared_ptr<const TriangleMesh>>& meshes) {
+  const auto has = [&box](const Vec3& v) { return (box.low.array() <= v.array()).all() && (v.array() <= box.high.array()).all(); };
+  return box.low.allFinite() && box.high.allFinite() && std::isfinite(box.diagonal()) &&
+         std::all_of(meshes.begin(), meshes.end(), [&](const auto& mesh) { return std::ranges::all_of(mesh->vertices, has); });
+}
+
 constexpr int kMostBits = 28;  // SurfaceAdjacency packs a triangle's number, an edge and a side into 32
 
 // Twice the number of triangles, where they can be numbered: sealed cracks split triangles (ObjectGeometry::make).
@@ -47,7 +54,10 @@ int bits_for_triangles(const std::vector<std::shared_ptr<const TriangleMesh>>& m
 
 }  // namespace
 
-Result<void> TouchGeometry::check(const std::vector<std::shared_ptr<const TriangleMesh>>& meshes) {
+Result<void> TouchGeometry::check(const std::vector<std::shared_ptr<const TriangleMesh>>& meshes, const Box& part_of) {
+  if (!part_of.is_empty() && !encloses(part_of, meshes)) {
+    return fail("a part of a scene is not within it: give the box of the whole scene, or none");
+  }
   const std::size_t most = most_triangles_of(meshes);
   const int bits = static_cast<int>(std::bit_width(most));
   if (bits <= kMostBits && meshes.size() <= (std::size_t{1} << (32 - bits))) return {};
@@ -59,7 +69,7 @@ Result<void> TouchGeometry::check(const std::vector<std::shared_ptr<const Triang
 TouchGeometry::TouchGeometry(const std::vector<const TriangleMesh*>& meshes) : TouchGeometry(borrowed(meshes)) {}
 
 TouchGeometry::TouchGeometry(std::vector<std::shared_ptr<const TriangleMesh>> meshes, BuildPolicy policy,
-                             std::optional<double> shading_crease_rad)
+                             std::optional<double> shading_crease_rad, const Box& part_of)
     : shading_crease_rad_(shading_crease_rad),
       triangle_bits_(bits_for_triangles(meshes)),
       triangle_mask_((1U << triangle_bits_) - 1U),
@@ -74,7 +84,7 @@ TouchGeometry::TouchGeometry(std::vector<std::shared_ptr<const TriangleMesh>> me
     bounds.push_back(bounds_of(*mesh));
     scene.grow(bounds.back());
   }
-  frame_ = frame_of(scene);
+  frame_ = frame_of(part_of.is_empty() ? scene : part_of);
   units_per_m_ = 1.0 / frame_.unit_m;
   std::vector<Box> approach;
   for (std::size_t i = 0; i < slots_.size(); ++i) {

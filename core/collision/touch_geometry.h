@@ -26,13 +26,14 @@ enum class BuildPolicy : std::uint8_t { at_once, on_approach };
 // Threads: one for the RT side, one for build_wanted.
 class TouchGeometry {
  public:
-  // Pre: check(meshes) holds.
+  // The local frame is that of part_of, the box of a larger scene, or where that is empty of the meshes' own box.
+  // Pre: check(meshes, part_of) holds.
   explicit TouchGeometry(std::vector<std::shared_ptr<const TriangleMesh>> meshes, BuildPolicy policy = BuildPolicy::at_once,
-                         std::optional<double> shading_crease_rad = std::nullopt);
+                         std::optional<double> shading_crease_rad = std::nullopt, const Box& part_of = {});
   explicit TouchGeometry(const std::vector<const TriangleMesh*>& meshes);  // built at once; the meshes need not outlive this
 
-  // Error: more objects and triangles than can be numbered.
-  static Result<void> check(const std::vector<std::shared_ptr<const TriangleMesh>>& meshes);
+  // Error: more objects and triangles than can be numbered; a mesh outside part_of, or one that is not finite.
+  static Result<void> check(const std::vector<std::shared_ptr<const TriangleMesh>>& meshes, const Box& part_of = {});
 
   const LocalFrame& frame() const { return frame_; }
   const Vec3& origin() const { return frame_.origin; }

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -30,7 +31,7 @@ struct MethodOutput {
 };
 
 // A method that turns device samples into forces. It keeps its own state between samples (the proxy, the last position).
-// RT: step, reset and set_materials yes (no heap, lock, system call, log or throw); everything else set-up only.
+// RT: step, reset, held_at, resume and set_materials yes (no heap, lock, system call, log or throw); everything else set-up only.
 class ForceMethod {
  public:
   virtual ~ForceMethod() = default;
@@ -40,6 +41,13 @@ class ForceMethod {
 
   // Forgets all contact and puts the probe at p_SD in free space.
   virtual void reset(const Vec3& p_SD) noexcept = 0;
+
+  // For going on with another instance of the method, on a part of the same surface in the same local frame (TouchScene::part_of):
+  // Where the probe is held off the device, with a force or just without one; none: it is free, at the device. And: forgets all contact
+  // and puts the probe exactly there, on the side of the surface that it is on, however near; the next step goes from there to the device.
+  // A method without a proxy starts anew.
+  virtual std::optional<Vec3> held_at() const noexcept { return std::nullopt; }
+  virtual void resume(const Vec3& p_SP) noexcept { reset(p_SP); }
 
   // The materials have changed, and nothing else: proxy and contact stay, and the next step's force is that of these. Pre: one for each
   // object of the scene, as stiff as couple_material makes it, two_sided as before. Threads: as step.

@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/collision/box.h"
 #include "core/effects/space_effect.h"
 #include "core/effects/surface_effects.h"
 #include "core/geometry/triangle_mesh.h"
@@ -29,6 +30,9 @@ struct TouchObject {
 struct TouchScene {
   std::vector<TouchObject> objects;
   std::vector<SpaceEffect> effects = {};  // in free space
+  // Where the objects are a part of a larger scene: what that one lies in. All its parts are then touched in one local frame, with one
+  // contact offset (object_geometry.h). Empty: the objects are the whole scene.
+  Box part_of = {};
 
   bool has_effects() const {
     bool any = !effects.empty();

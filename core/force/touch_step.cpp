@@ -54,6 +54,15 @@ TouchOutput TouchStep::step(const TouchInput& input) noexcept {
 
 void TouchStep::reset(const TouchInput& input) noexcept {
   method_->reset(to_static_scene(input).p_SD);
+  forget_effects(input);
+}
+
+void TouchStep::resume(const TouchInput& input) noexcept {
+  method_->resume(to_static_scene(input).p_SD);
+  forget_effects(input);
+}
+
+void TouchStep::forget_effects(const TouchInput& input) noexcept {
   if (effects_ == nullptr) return;
   effects_->reset();
   last_ = input;

@@ -22,7 +22,8 @@ struct TouchOutput {
 };
 
 // One haptic step: transforms the device point into the static scene's frame, runs the method, adds the scene's effects, and transforms
-// force and visual offset back to the world. The live node, replay, tests and benches all call it. RT: step, reset and set_materials yes.
+// force and visual offset back to the world. The live node, replay, tests and benches all call it. RT: step, reset, resume and
+// set_materials yes.
 class TouchStep {
  public:
   // Without effects.
@@ -32,6 +33,8 @@ class TouchStep {
 
   TouchOutput step(const TouchInput& input) noexcept;
   void reset(const TouchInput& input) noexcept;
+  // See ForceMethod: the input's device is where the proxy was held.
+  void resume(const TouchInput& input) noexcept;
   // See ForceMethod: what the surfaces of the scene do beyond their materials stays as it was made.
   void set_materials(std::span<const Material> materials) noexcept { method_->set_materials(materials); }
   const ForceMethod& method() const { return *method_; }
@@ -40,6 +43,7 @@ class TouchStep {
   std::shared_ptr<ForceMethod> share_method() const { return method_; }
 
  private:
+  void forget_effects(const TouchInput& input) noexcept;
   TouchOutput add_effects(const TouchInput& input, const MethodInput& sample, const MethodOutput& result) noexcept;
 
   std::shared_ptr<ForceMethod> method_;

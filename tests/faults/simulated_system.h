@@ -1,12 +1,18 @@
 #pragma once
 
+#include <chrono>
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <thread>
 #include <vector>
 
 #include "devices/model_a.h"
+#include "haptics_node/patch_sender.h"
 #include "haptics_node/reply_loop.h"
+#include "io_node/local_patch.h"
+#include "io_node/patch_builder.h"
+#include "io_node/patch_link.h"
 #include "io_node/servo.h"
 #include "link/link_key.h"
 #include "link/sealed_client.h"
@@ -71,7 +77,10 @@ class SimulatedHaptics {
         client_(sealed_, clock, NodeRole::haptics, hub),
         step_(std::make_unique<TouchStep>(*make_method(settings(), scene())), 1e-5),
         builder_(settings(), scene()),
-        loop_(client_, clock, step_, builder_) {}
+        loop_(client_, clock, step_, builder_),
+        patches_(scene(), 0.0, 1, true) {
+    loop_.set_patch_sender(&patches_);
+  }
   ~SimulatedHaptics() { network_.kill(at_); }
   SimulatedHaptics(const SimulatedHaptics&) = delete;
   SimulatedHaptics& operator=(const SimulatedHaptics&) = delete;
@@ -99,6 +108,7 @@ class SimulatedHaptics {
   HapticsStep step_;
   MethodBuilder builder_;
   ReplyLoop loop_;
+  PatchSender patches_;
 };
 
 // A vision node that acknowledges every state at once, and repeats it a number of times.
@@ -119,6 +129,7 @@ class SimulatedVision {
 
   const Address& address() const { return at_; }
   int seen() const { return seen_; }
+  void send(const Message& message) { client_.send(message); }
 
  private:
   void turn() {
@@ -150,7 +161,7 @@ class SimulatedSystem {
   static constexpr std::int64_t kMs = 1'000'000;
   static constexpr std::int64_t kWireNs = 30'000;  // one direction without faults
 
-  explicit SimulatedSystem(std::uint64_t seed = 1) : network(clock, seed) {
+  explicit SimulatedSystem(std::uint64_t seed = 1, TouchChoice touch = TouchChoice::remote) : network(clock, seed), touch_(touch) {
     set_faults({}, {});
     start_hub();
   }
@@ -169,6 +180,14 @@ class SimulatedSystem {
     sealed_.emplace(*hub_endpoint_, clock, key_);
     peers_.emplace(*sealed_, clock, ++session_, 1000.0);
     servo = std::make_unique<Servo>(device, *peers_, clock, Servo::Options{});
+    if (touch_ == TouchChoice::remote) return;
+    patch_link_.reset();
+    builder_.reset();
+    local_ = std::make_unique<LocalPatch>();
+    builder_ = std::make_unique<PatchBuilder>(*local_);
+    patch_link_ = std::make_unique<PatchLink>(*peers_, *local_, *builder_, touch_);
+    servo->device_loop().set_local_touch(local_.get());
+    servo->set_patch_link(patch_link_.get());
   }
 
   void start_haptics(const SealedClient::Options& sealing = {}) {
@@ -185,6 +204,24 @@ class SimulatedSystem {
   void kill_haptics() {
     network.kill(haptics->address());
     haptics.reset();
+  }
+
+  // A vision node sends it, and leaves.
+  void send_view(const ViewTransform& view) {
+    const auto vision = make_vision(1);
+    run_for_ns(100 * kMs);
+    vision->send(view);
+    run_for_ns(100 * kMs);
+  }
+  // Until the force comes from patches; the threads that make them take their own time. False: it does not.
+  bool wait_for_patches() {
+    for (int n = 0; n < 500; ++n) {
+      const std::uint64_t before = stats().local_forces;
+      run_for_ns(5 * kMs);
+      if (stats().local_forces > before + 3) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    return false;
   }
 
   void run_for_ns(std::int64_t duration_ns) {
@@ -215,7 +252,7 @@ class SimulatedSystem {
     return std::nullopt;
   }
 
-  SimulatedClock clock{1'000'000'000'000'000};
+  SimulatedClock clock{1'000'000'000'000'000};  // ahead of the time of this machine, which the patches' threads go by
   SimulatedNetwork network;
   PressingDevice device;
   std::unique_ptr<Servo> servo;
@@ -229,6 +266,10 @@ class SimulatedSystem {
   std::optional<HubPeers> peers_;
   std::uint64_t session_ = 100;
   std::uint16_t next_port_ = 5001;
+  TouchChoice touch_;
+  std::unique_ptr<LocalPatch> local_;
+  std::unique_ptr<PatchBuilder> builder_;
+  std::unique_ptr<PatchLink> patch_link_;
 };
 
 }  // namespace hapton

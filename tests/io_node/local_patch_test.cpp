@@ -169,6 +169,38 @@ TEST_F(LoopWithPatch, AForceFromTheNetworkIsNotUsedMeanwhile) {
   EXPECT_EQ(loop->collect_stats().commands_unused, 300U);
 }
 
+// Patches are wanted, and none reaches the hand for a second, then one does; later they begin anew. The network's force goes on meanwhile.
+TEST_F(LoopWithPatch, TheForceOfTheNetworkGoesOnUntilAPatchReachesTheHand) {
+  PatchOrders orders = orders_until(clock.now_ns() + 100'000 * kMs);
+  local.publish(orders);
+  double least = 1e9;
+  double worst = 0.0;
+  Vec3 last = Vec3::Zero();
+  for (int n = 0; n < 3000; ++n) {
+    device.place.z() = std::max(device.place.z() - 2e-5, -0.003);
+    if (n == 500) local.offer(sheet_patch(0.0, 0.0005));
+    if (n % 200 == 199) {
+      ++orders.start;
+      orders.start_ns = clock.now_ns();
+      orders.p_WP = Vec3(device.place.x(), device.place.y(), std::max(device.place.z(), 0.0));
+      orders.outward_W = device.place.z() < 0.0 ? Vec3(Vec3::UnitZ()) : Vec3(Vec3::Zero());
+      local.publish(orders);
+    }
+    if (n == 1200) local.offer(sheet_patch(0.0));
+    if (n == 2000) local.set_generation(1);
+    local.free_retired();
+    const DeviceCycle now = cycle();
+    EXPECT_EQ(now.local.has_value(), n >= 1200 && n < 2000) << n;
+    if (!now.local) loop->post({{.force_n = Vec3(0, 0, std::max(-900.0 * now.sample.p_WD.z(), 0.0))}, now.sample.time_ns});
+    const Vec3 written = device.written.back().force_n;
+    if (n > 400) worst = std::max(worst, (written - last).norm());
+    if (n > 400) least = std::min(least, written.z());
+    last = written;
+  }
+  EXPECT_GT(least, 2.6);
+  EXPECT_LT(worst, 2.0 * 0.3 / 0.1 * 1e-3 + 1e-9) << "0.3 N over 0.1 s";
+}
+
 // From patch to network and back the force changes by no more than the fade's share of a step.
 TEST_F(LoopWithPatch, TheForceHasNoJumpWhereTheSourceChanges) {
   local.offer(sheet_patch(0.0));

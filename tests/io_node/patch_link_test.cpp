@@ -2,9 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
+#include <thread>
 #include <vector>
 
+#include "core/force/force_method.h"
 #include "tests/io_node/servo_fixture.h"
+#include "tests/support/made_scene.h"
 
 namespace hapton {
 namespace {
@@ -63,6 +68,57 @@ TEST_F(PatchLinks, AutomaticGoesByTheRoundTrip) {
   run(4000);
   EXPECT_FALSE(link->is_wanted());
   EXPECT_FALSE(patch_statuses.back().second.is_wanted);
+}
+
+// The hand presses 2 mm into the haptics node's floor while patches are wanted: its force goes on until one is there, and again when they
+// begin anew.
+TEST_F(PatchLinks, TheRemoteForceGoesOnUntilAPatchIsThere) {
+  const auto patch_of = [](std::uint32_t generation) {
+    auto patch = std::make_unique<Patch>();
+    patch->step = std::make_unique<TouchStep>(*make_method({}, scene_of(made::sheet(0.05, 0.0, 20))));
+    patch->radius_m = 1.0;
+    patch->lift_m = 1e-7;
+    patch->generation = generation;
+    return patch;
+  };
+  device.place = Vec3(0.001, 0.002, 0.002);
+  floor_z_m = 0.0;
+  answer.force_n = Vec3::Zero();
+  answer.contact = false;
+  start(TouchChoice::patch);
+  servo->device_loop().set_local_touch(&local);
+  // What the builder does when the node joined is done by now.
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  local.set_generation(7);
+  run(300);
+  device.place.z() = -0.002;
+  answer.force_n = Vec3(0, 0, 2);
+  answer.contact = true;
+  run(300);
+  EXPECT_NEAR(device.written.back().force_n.z(), 2.0, 1e-6);
+  const auto least_in = [&](int cycles) {
+    const std::size_t before = device.written.size();
+    run(cycles);
+    double least = 1e9;
+    for (std::size_t n = before; n < device.written.size(); ++n) least = std::min(least, device.written[n].force_n.z());
+    return least;
+  };
+  EXPECT_GT(least_in(3000), 1.999);
+  const std::uint64_t before = stats().local_forces;
+  EXPECT_EQ(before, 0U);
+  local.offer(patch_of(7));
+  EXPECT_GT(least_in(1000), 1.999) << "a patch takes over";
+  EXPECT_GT(stats().local_forces, 900U);
+  states.clear();
+  local.set_generation(8);
+  EXPECT_GT(least_in(1000), 1.999) << "patches begin anew";
+  EXPECT_GT(std::count_if(states.begin(), states.end(), [](const DeviceState& state) { return state.is_resumed; }), 0)
+      << "the haptics node goes on where they were";
+  local.free_retired();
+  local.offer(patch_of(8));
+  EXPECT_GT(least_in(1000), 1.999);
+  EXPECT_GT(stats().local_forces, 1900U);
+  EXPECT_EQ(stats().governor.counters.command_timeouts, 0U);
 }
 
 TEST_F(PatchLinks, WithoutAHapticsNodeNothingIsWanted) {

@@ -23,6 +23,19 @@ TEST(DevicePath, GivesBackPlacesInTheirOrder) {
   EXPECT_TRUE(path.empty());
 }
 
+TEST(DevicePath, KeepsTheNewestPlaces) {
+  DevicePath path = path_of(100);
+  path.keep_newest(1.0);
+  EXPECT_EQ(path.size(), 100U);
+  path.keep_newest(9.5e-3);
+  ASSERT_EQ(path.size(), 10U) << "0 to 9 ms old";
+  EXPECT_EQ(path.front().p_SD.x(), 90.0);
+  path.keep_newest(0.0);
+  EXPECT_TRUE(path.empty());
+  path.keep_newest(1.0);
+  EXPECT_TRUE(path.empty());
+}
+
 TEST(DevicePath, KeepsItsLengthItsTimeAndItsNewestPlaceWhenFull) {
   constexpr std::size_t kPlaces = 10 * DevicePath::kMost + 7;
   DevicePath path = path_of(kPlaces);

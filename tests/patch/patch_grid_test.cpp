@@ -25,6 +25,15 @@ TEST(PatchGrid, MovesAVertexByNoMoreThanItSays) {
   }
 }
 
+// Whatever a tile holds, it can be a part of the scene.
+TEST(PatchGrid, ItsBoxHoldsAllThatTilesCanHold) {
+  const PatchGrid grid = PatchGrid::around({Vec3(0.1, 0.2, 0.3), Vec3(0.13, 0.21, 0.5)});
+  constexpr std::uint32_t kLast = (1U << kPatchGridBits) - 1;
+  for (const GridPoint& g : {GridPoint{0, 0, 0}, GridPoint{kLast, kLast, kLast}, GridPoint{0, kLast, 77}}) {
+    EXPECT_EQ(grid.box().distance_squared(grid.at(g)), 0.0);
+  }
+}
+
 TEST(PatchGrid, OfAPointIsThatPoint) {
   const Vec3 p(1.0, -2.0, 3.0);
   const PatchGrid grid = PatchGrid::around({p, p});

@@ -67,6 +67,8 @@ TEST(PatchStore, AWholeSceneIsKnownEverywhere) {
   ASSERT_EQ(piece.scene.objects.size(), 1U);
   EXPECT_EQ(piece.scene.objects[0].mesh->triangles.size(), 1800U);
   EXPECT_EQ(piece.scene.objects[0].mesh->vertices.size(), 961U) << "a vertex that tiles share is one";
+  EXPECT_EQ(piece.scene.part_of.low, f.tiled.grid.box().low);
+  EXPECT_EQ(piece.scene.part_of.high, f.tiled.grid.box().high);
 }
 
 TEST(PatchStore, APieceHasNoMoreTrianglesThanWanted) {

@@ -205,5 +205,26 @@ TEST(PatchStreamTest, ThePatchMovesWithTheScene) {
   }
 }
 
+// The hub dropped the node that was silent for too long, and all that it had sent; then the node is back.
+TEST(PatchStream, AHubThatHasForgottenGetsAllAgain) {
+  PatchSource source(make_tiles(scene_of(rolling_sheet(0.05, 20))), 0.0, 7, 1, {.bits_per_s = 1e9, .least_reach_m = 1.0});
+  PatchStore store;
+  std::int64_t now_ns = 1'000'000'000;
+  for (int life = 0; life < 2; ++life) {
+    for (int n = 0; n < 500; ++n, now_ns += 20'000'000) {
+      while (const auto part = source.take(now_ns)) {
+        if (const auto* tile = std::get_if<PatchTile>(&*part)) store.accept(*tile);
+        if (const auto* cell = std::get_if<PatchCell>(&*part)) store.accept(*cell);
+        if (const auto* begin = std::get_if<PatchBegin>(&*part)) store.accept(*begin);
+      }
+      source.accept(store.status());
+    }
+    EXPECT_TRUE(std::isinf(store.known_radius(Vec3::Zero()))) << "life " << life;
+    EXPECT_FALSE(source.take(now_ns).has_value());
+    store.clear();
+    source.accept(store.status());
+  }
+}
+
 }  // namespace
 }  // namespace hapton

@@ -111,6 +111,60 @@ TEST(PatchTouch, AHandThatWasPastTheEdgeForLongIsCaughtUpWith) {
   EXPECT_LT((felt.patch->force_n - felt.whole.force_n).norm(), 0.5 * felt.whole.force_n.norm());
 }
 
+std::unique_ptr<Patch> patch_of(const TouchScene& scene, const Vec3& p_SC, double radius_m) {
+  auto patch = std::make_unique<Patch>();
+  patch->step = std::make_unique<TouchStep>(*make_method({}, scene));
+  patch->p_SC = p_SC;
+  patch->radius_m = radius_m;
+  patch->lift_m = 1e-9;
+  return patch;
+}
+
+// A small patch reaches where the probe was, but not the hand, which has gone on: that is no reason to give no force.
+TEST(PatchTouch, GivesNothingBeforeAPatchHasReachedTheHand) {
+  const TouchScene scene = scene_of(rolling_sheet(kSheetHalf, 60));
+  PatchTouch touch;
+  touch.start_at(circling_hand(0), Vec3::Zero());
+  for (int n = 1; n < 2000; ++n) {
+    if (n == 300) (void)touch.offer(patch_of(scene, circling_hand(0), 0.001));
+    (void)touch.take_retired();
+    if (n == 1500) (void)touch.offer(patch_of(scene, Vec3::Zero(), 1.0));
+    const auto felt = touch.step({.p_WD = circling_hand(n)});
+    ASSERT_TRUE(n >= 1500 || !felt.has_value()) << n;
+    ASSERT_EQ(touch.has_arrived(), felt.has_value() && !felt->is_beyond);
+  }
+  EXPECT_TRUE(touch.has_arrived());
+  touch.set_generation(1);
+  EXPECT_FALSE(touch.has_arrived());
+  EXPECT_FALSE(touch.step({.p_WD = circling_hand(2000)}).has_value());
+}
+
+// Told again and again where the probe was a while ago, it comes to where the whole scene has it.
+TEST(PatchTouch, FollowsTheHandFromWhereTheProbeWasThen) {
+  constexpr int kAge = 300;
+  const TouchScene scene = scene_of(rolling_sheet(kSheetHalf, 60));
+  TouchStep whole(*make_method({}, scene));
+  PatchTouch touch;
+  whole.reset({.p_WD = circling_hand(0)});
+  std::vector<Vec3> offsets;
+  int felt_count = 0;
+  for (int n = 0; n < 3000; ++n) {
+    const Vec3 p_WD = circling_hand(n);
+    if (n > kAge && n % 200 == 0 && !touch.has_arrived()) {
+      const Vec3& offset = offsets[static_cast<std::size_t>(n - 1 - kAge)];
+      touch.start_at(circling_hand(n - 1 - kAge) + offset, offset.stableNormalized(), 1e-3 * kAge);
+    }
+    if (n == 2200) (void)touch.offer(patch_of(scene, Vec3::Zero(), 1.0));
+    const TouchOutput expected = whole.step({.p_WD = p_WD});
+    offsets.push_back(expected.visual_offset_m);
+    const auto felt = touch.step({.p_WD = p_WD});
+    if (!touch.has_arrived()) continue;
+    ++felt_count;
+    ASSERT_LT((felt->force_n - expected.force_n).norm(), 1e-5) << n;
+  }
+  EXPECT_GT(felt_count, 500);
+}
+
 // No step follows more places than it may.
 TEST(PatchTouch, CatchingUpIsSpreadOverSteps) {
   LatePatches patches(500);

@@ -38,13 +38,13 @@ Result<std::unique_ptr<ForceMethod>> ProxyMethod::make(const MethodSettings& set
   if (!(settings.crease_deg >= 0.0 && settings.crease_deg <= 180.0)) {
     return fail("proxy: a crease angle of {:g} degrees; give 0 to 180", settings.crease_deg);
   }
-  if (auto fits = TouchGeometry::check(meshes_of(scene)); !fits) return fail("proxy: {}", fits.error().what);
+  if (auto fits = TouchGeometry::check(meshes_of(scene), scene.part_of); !fits) return fail("proxy: {}", fits.error().what);
   return std::unique_ptr<ForceMethod>(new ProxyMethod(settings, scene));
 }
 
 ProxyMethod::ProxyMethod(const MethodSettings& settings, const TouchScene& scene)
     : geometry_(meshes_of(scene), settings.build_on_approach ? BuildPolicy::on_approach : BuildPolicy::at_once,
-                settings.shading > 0.0 ? std::optional(settings.crease_deg * std::numbers::pi / 180.0) : std::nullopt),
+                settings.shading > 0.0 ? std::optional(settings.crease_deg * std::numbers::pi / 180.0) : std::nullopt, scene.part_of),
       materials_(materials_of(scene)),
       surfaces_(geometry_, materials_),
       clearance_(clearance_of(settings, geometry_.unit_m())),
@@ -61,14 +61,24 @@ Clearance ProxyMethod::clearance_of(const MethodSettings& settings, double unit_
 }
 
 void ProxyMethod::reset(const Vec3& p_SD) noexcept {
+  resume(p_SD);
+  if (is_point_ && has_sample_) proxy_.position = flight_.off_surface(proxy_.position);
+  last_device_ = proxy_.position;
+}
+
+std::optional<Vec3> ProxyMethod::held_at() const noexcept {
+  if (proxy_.is_free || ball_.exists()) return std::nullopt;
+  return geometry_.to_scene(proxy_.position);
+}
+
+void ProxyMethod::resume(const Vec3& p_SP) noexcept {
   surface_.leave();
   sphere_.stop_tracking();
   sphere_.forget_near();
   ball_.reset();
-  has_sample_ = p_SD.allFinite();
-  proxy_.settle_at(within_limits(geometry_.to_local(p_SD)));
+  has_sample_ = p_SP.allFinite();
+  proxy_.settle_at(within_limits(geometry_.to_local(p_SP)));
   geometry_.place_probe(proxy_.position);
-  if (is_point_ && has_sample_) proxy_.position = flight_.off_surface(proxy_.position);
   last_device_ = proxy_.position;
 }
 

@@ -41,13 +41,15 @@ struct ProxyCounters {
 // magnitude or the proxy; describe() reports by how much.
 //
 // Force = stiffness * (proxy - device), less damping * normal velocity; Coulomb friction limits how far the proxy follows.
-// Frame: S. RT: step and reset yes.
+// Frame: S. RT: step, reset, held_at and resume yes.
 class ProxyMethod final : public ForceMethod {
  public:
   static Result<std::unique_ptr<ForceMethod>> make(const MethodSettings& settings, const TouchScene& scene);
 
   MethodOutput step(const MethodInput& input) noexcept override;
   void reset(const Vec3& p_SD) noexcept override;
+  std::optional<Vec3> held_at() const noexcept override;
+  void resume(const Vec3& p_SP) noexcept override;
   void set_materials(std::span<const Material> materials) noexcept override;
   bool prepare() override;
   std::string describe() const override;

@@ -29,6 +29,38 @@ TEST(TouchGeometry, LocalCoordinatesDoNotDependOnScaleOrPlace) {
   EXPECT_LE((away.origin() - Vec3(1e6, -1e6, 1e6)).norm(), 1e-9);
 }
 
+std::vector<std::shared_ptr<const TriangleMesh>> one_mesh(TriangleMesh mesh) {
+  return {std::make_shared<const TriangleMesh>(std::move(mesh))};
+}
+
+// Two parts of a scene have the frame that the whole has.
+TEST(TouchGeometry, PartsOfASceneHaveItsFrame) {
+  const TriangleMesh all = make_box({0.2, 0.1, 0.1});
+  const TouchGeometry whole({&all});
+  Box box;
+  for (const Vec3& v : all.vertices) box.grow(v);
+  for (const double x : {-0.08, 0.03}) {
+    const auto part = one_mesh(scaled_and_moved(make_box({0.01, 0.02, 0.01}), 1.0, Vec3(x, 0.01, 0)));
+    ASSERT_TRUE(TouchGeometry::check(part, box));
+    const TouchGeometry geometry(part, BuildPolicy::at_once, std::nullopt, box);
+    EXPECT_EQ(geometry.origin(), whole.origin());
+    EXPECT_EQ(geometry.unit_m(), whole.unit_m());
+    EXPECT_LT(TouchGeometry(part).unit_m(), whole.unit_m());
+  }
+}
+
+TEST(TouchGeometry, APartLiesWithinTheScene) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  const auto part = one_mesh(make_box({0.02, 0.02, 0.02}));
+  EXPECT_TRUE(TouchGeometry::check(part, Box()));
+  EXPECT_TRUE(TouchGeometry::check(part, {Vec3::Constant(-0.01), Vec3::Constant(0.01)}));
+  EXPECT_FALSE(TouchGeometry::check(part, {Vec3::Constant(-0.01), Vec3(0.01, 0.01, 0.00999)}));
+  EXPECT_FALSE(TouchGeometry::check(part, {Vec3::Constant(-infinity), Vec3::Constant(infinity)}));
+  EXPECT_FALSE(TouchGeometry::check(part, {Vec3::Constant(-1e308), Vec3::Constant(1e308)})) << "its diagonal is not finite";
+  EXPECT_FALSE(TouchGeometry::check(one_mesh({.vertices = {Vec3::Constant(std::nan(""))}, .triangles = {{0, 0, 0}}}),
+                                    {Vec3::Constant(-0.01), Vec3::Constant(0.01)}));
+}
+
 TEST(TouchGeometry, EdgesAreExact) {
   const TriangleMesh mesh = make_bumpy_sphere(0.05, 0.1, 2000, 11);
   const TouchGeometry geometry({&mesh});

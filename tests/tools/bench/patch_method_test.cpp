@@ -23,17 +23,11 @@ StressPlan short_plan(bool by_patches) {
   return plan;
 }
 
-// Open: where one sheet lies over another by less than a contact offset, a proxy that is handed over may come to lie between them
-// (docs/decisions/0116-contact-patch.md).
-constexpr std::string_view kSheetsWithinTheOffset = "turned-duplicates";
-
 // The numerical stress test of every body on its grid, with friction and without: felt by patches of its parts it has no fault that it has
 // not when it is felt whole.
 TEST(PatchMethod, HasNoFaultThatTheWholeBodyHasNot) {
   std::vector<StressBody> bodies;
-  for (const std::string_view name : stress_body_names()) {
-    if (name != kSheetsWithinTheOffset) bodies.push_back(on_patch_grid(make_stress_body(name)));
-  }
+  for (const std::string_view name : stress_body_names()) bodies.push_back(on_patch_grid(make_stress_body(name)));
   const auto quiet = [](const StressResult&) {};
   const auto whole = run_stress(bodies, short_plan(false), quiet);
   const auto patched = run_stress(bodies, short_plan(true), quiet);
