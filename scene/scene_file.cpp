@@ -369,7 +369,8 @@ Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& fol
                              .colour = object.colour,
                              .sealed = meshes[i].sealed,
                              .look = std::move(meshes[i].look),
-                             .effects = material.effects});
+                             .effects = material.effects,
+                             .material_name = object.material});
   }
   if (const auto added = add_effects(spec, scene); !added) return tl::unexpected(added.error());
   return scene;

@@ -28,6 +28,7 @@ TouchOutput TouchStep::step(const TouchInput& input) noexcept {
   // One variable for every return: it is built where the caller wants it, and never copied.
   TouchOutput output;
   output.contact = result.contact;
+  output.object = result.object;
   if (result.contact) {
     output.force_n = input.X_WS.linear() * result.force_n;
     output.visual_offset_m = input.X_WS.linear() * (result.p_SP - sample.p_SD);
@@ -47,6 +48,7 @@ TouchOutput TouchStep::step(const TouchInput& input) noexcept {
       sample.p_SD, sample.dt_s, {.force_n = result.force_n, .p_SP = result.p_SP, .object = result.object, .contact = result.contact});
   TouchOutput output;
   output.contact = felt.is_felt;
+  output.object = result.object;
   if (felt.is_felt) output.force_n = input.X_WS.linear() * felt.force_n;
   if (result.contact) output.visual_offset_m = input.X_WS.linear() * (felt.p_SP - sample.p_SD);
   return output;

@@ -19,6 +19,7 @@ struct TouchOutput {
   Vec3 force_n = Vec3::Zero();          // acts on the device, frame W
   Vec3 visual_offset_m = Vec3::Zero();  // frame W: proxy minus device point; the probe is drawn at device point + this
   bool contact = false;                 // a surface is touched, or an effect acts
+  int object = -1;                      // as in MethodOutput
 };
 
 // One haptic step: transforms the device point into the static scene's frame, runs the method, adds the scene's effects, and transforms

@@ -23,6 +23,7 @@ TEST(TouchStep, ForceAndOffsetComeBackInTheWorldFrame) {
   ASSERT_TRUE(felt.contact);
   EXPECT_NEAR((felt.force_n - Vec3(2.0, 0, 0)).norm(), 0.0, 1e-9);
   EXPECT_NEAR((felt.visual_offset_m - Vec3(0.002, 0, 0)).norm(), 0.0, 1e-12);
+  EXPECT_EQ(felt.object, 0);
 }
 
 TEST(TouchStep, FreeSpaceHasNoForceAndNoOffset) {
@@ -32,6 +33,7 @@ TEST(TouchStep, FreeSpaceHasNoForceAndNoOffset) {
   EXPECT_FALSE(felt.contact);
   EXPECT_EQ(felt.force_n, Vec3::Zero());
   EXPECT_EQ(felt.visual_offset_m, Vec3::Zero());
+  EXPECT_EQ(felt.object, -1);
 }
 
 TEST(TouchStep, TurningTheSceneIntoAStationaryProbeExertsAForce) {
@@ -65,6 +67,7 @@ TEST(TouchStep, EffectsTurnWithTheScene) {
     EXPECT_TRUE(free.contact) << "an effect acts";
     EXPECT_LT((free.force_n - Vec3(0.25, 0, 0)).norm(), 1e-12);
     EXPECT_EQ(free.visual_offset_m, Vec3::Zero());
+    EXPECT_EQ(free.object, -1) << "only effects in free space act";
     const TouchOutput pressed = touch.step({.p_WD = {0.498, 0.03, 0.01}, .X_WS = X_WS});
     // 2 mm: 2 N, 0.8 N of the progressive part, and the constant.
     EXPECT_LT((pressed.force_n - Vec3(3.05, 0, 0)).norm(), 1e-5) << method;
