@@ -1,10 +1,13 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
+#include <vector>
 
 #include "core/effects/effect_step.h"
 #include "core/force/force_method.h"
+#include "core/force/map_finder.h"
 
 namespace hapton {
 
@@ -44,8 +47,9 @@ class TouchStep {
   TouchOutput add_effects(const TouchInput& input, const MethodInput& sample, const MethodOutput& result) noexcept;
 
   std::shared_ptr<ForceMethod> method_;
-  std::unique_ptr<EffectStep> effects_;  // null: the scene has none
-  TouchInput last_;                      // of the last step; used with effects only
+  std::unique_ptr<EffectStep> effects_;           // null: the scene has none
+  std::vector<std::unique_ptr<MapFinder>> maps_;  // by object; null: it has none; used with effects only
+  TouchInput last_;                               // of the last step; used with effects only
 };
 
 }  // namespace hapton
