@@ -54,14 +54,14 @@ class MapReader : public ::testing::Test {
 
 TEST_F(MapReader, ReadsEveryMapWithItsRange) {
   const auto loaded =
-      load(scene("bump_map = 'ramp.png'\nbump_height_m = 0.002\nstiffness_map = 'other.png'\nstiffness_map_n_per_m = [200, 1000]\n"
+      load(scene("bump_map = 'ramp.png'\nbump_height_m = 0.0002\nstiffness_map = 'other.png'\nstiffness_map_n_per_m = [200, 1000]\n"
                  "friction_map = 'ramp.png'\nfriction_map_range = [0.1, 0.9]\nmap_repeat = [2, 3]"));
   ASSERT_TRUE(loaded) << loaded.error().what;
   const SceneObject& object = loaded->objects[0];
   const SurfaceMaps& maps = object.effects.maps;
   EXPECT_FALSE(object.effects.bumps.is_on());
   EXPECT_EQ(object.material.stiffness_n_per_m, 1000.0);
-  EXPECT_EQ(maps.height.at_black, -0.002);
+  EXPECT_EQ(maps.height.at_black, -0.0002);
   EXPECT_EQ(maps.height.at_white, 0.0);
   EXPECT_EQ(maps.stiffness.at_black, 0.2);
   EXPECT_EQ(maps.stiffness.at_white, 1.0);
