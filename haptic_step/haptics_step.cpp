@@ -56,7 +56,8 @@ ForceCommand HapticsStep::answer() noexcept {
           .view_revision = view_.revision,
           .method_serial = static_cast<std::uint32_t>(counts_.methods_taken),
           .answered_before = answered_before_,
-          .material_serial = static_cast<std::uint32_t>(counts_.materials_taken)};
+          .material_serial = static_cast<std::uint32_t>(counts_.materials_taken),
+          .object = output_.object};
 }
 
 // Where a new method starts: at the device, or off the surface, on the side that the old one was in contact with.

@@ -96,8 +96,13 @@ std::vector<Material> tuned_materials(const TouchScene& scene, const MaterialSta
   return materials;
 }
 
-MaterialTuning::MaterialTuning(const Scene& scene) : scene_(scene.touch_scene()) {
+MaterialTuning::MaterialTuning(const Scene& scene) { follow(scene); }
+
+void MaterialTuning::follow(const Scene& scene) {
+  scene_ = scene.touch_scene();
+  names_.clear();
   for (const SceneObject& object : scene.objects) names_.push_back(object.name);
+  follow(MaterialState());
 }
 
 std::vector<std::size_t> MaterialTuning::find_objects(std::string_view name) const {

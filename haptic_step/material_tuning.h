@@ -25,6 +25,14 @@ class MaterialTuning {
   // is changed: no such object, with the nearest name; a number that a scene file could not have either; too many objects changed.
   Result<void> change(const MaterialRequest& request);
 
+  // The scene file says something else now: that state, whatever was changed before. Pre: of this scene's objects.
+  void follow(const MaterialState& state) {
+    state_ = state;
+    last_.clear();
+  }
+  // Another scene, as its file has it.
+  void follow(const Scene& scene);
+
   // Without serial, request and rejection.
   const MaterialState& state() const { return state_; }
   // "object 'hull': stiffness 800 N/m, damping 0 Ns/m, friction 0.4 / 0.3 (static / dynamic)", of what the last request changed; of many

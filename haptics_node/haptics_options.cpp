@@ -30,6 +30,8 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
   app.add_option("--bind", options.bind, "Local address: ADDRESS:PORT (default: any)");
   app.add_option("--key", options.key_file, kKeyHelp);
   app.add_option("--scene", options.scene, "Scene file (TOML) or mesh file")->capture_default_str();
+  app.add_flag("--watch-scene", options.watch_scene,
+               "Read the scene file again when it is saved: materials, effects and objects fade in; an error leaves the scene as it is");
   app.add_option("--unit", unit, "Unit of a mesh file: m (default), cm, mm or in")->check(accepts(parse_unit));
   app.add_flag("--no-seal", no_seal, "Do not seal cracks: by default those up to 1e-4 of the longest side are closed");
   app.add_flag("--no-fit", no_fit, "Keep a mesh file's position and size; default: centred and scaled to the workspace");

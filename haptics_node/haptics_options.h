@@ -18,6 +18,7 @@ struct HapticsOptions {
   std::string key_file;  // empty: the user's own, on loopback
   std::filesystem::path scene = "scenes/car_front.toml";
   SceneLoading loading = {.fit = MeshFit::workspace};
+  bool watch_scene = false;  // read the scene file again when it changes
   MethodSettings method;
   RealtimeSettings realtime;
   double patch_mbit_per_s = 1.0;  // for parts of the scene, when the hub asks for them

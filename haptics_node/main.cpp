@@ -1,6 +1,8 @@
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <mutex>
 
 #include "core/force/stiffest.h"
 #include "core/force/virtual_coupling.h"
@@ -10,6 +12,7 @@
 #include "haptics_node/haptics_report.h"
 #include "haptics_node/preparation_notice.h"
 #include "haptics_node/reply_loop.h"
+#include "haptics_node/scene_watcher.h"
 #include "link/link_key.h"
 #include "link/sealed_client.h"
 #include "link/udp_endpoint.h"
@@ -71,19 +74,34 @@ int run(const HapticsOptions& options) {
   HapticsStep step(std::make_unique<TouchStep>(std::move(*method), scene->touch_scene()), options.method.offset_m);
   MethodBuilder builder(options.method, scene->touch_scene(), step.touch().share_method());
   const HapticsSetup setup = make_haptics_setup(scene_path, options.loading, hash_scene(scene->touch_scene()), options.method);
-  const TouchScene felt = couple_scene(scene->touch_scene(), options.method.coupling_n_per_m);
+  std::mutex felt_mutex;
+  TouchScene felt = couple_scene(scene->touch_scene(), options.method.coupling_n_per_m);
   PatchSender patches(felt, options.method.probe_radius_m, setup.scene_hash,
                       PatchSender::can_offer({setup.method.data(), setup.method.size()}), {.bits_per_s = 1e6 * options.patch_mbit_per_s});
   ReplyLoop loop(client, clock, step, builder, setup, options.method.build_on_approach, facts);
   loop.set_patch_sender(&patches);
   StiffnessAdviser adviser(find_stiffest(felt));
   loop.set_stiffness_adviser(&adviser);
-  MaterialTuner tuner(*scene, options.method.coupling_n_per_m, [&, tuned = felt](const std::vector<Material>& materials) mutable {
-    for (std::size_t o = 0; o < materials.size(); ++o) tuned.objects[o].material = materials[o];
-    adviser.set_stiffest(find_stiffest(tuned));
+  MaterialTuner tuner(*scene, options.method.coupling_n_per_m, [&](const std::vector<Material>& materials) {
+    const std::scoped_lock lock(felt_mutex);
+    for (std::size_t o = 0; o < std::min(materials.size(), felt.objects.size()); ++o) felt.objects[o].material = materials[o];
+    adviser.set_stiffest(find_stiffest(felt));
     patches.set_materials(materials);
   });
   loop.set_material_tuner(&tuner);
+  const auto on_scene = [&](const TouchScene& now) {
+    const std::scoped_lock lock(felt_mutex);
+    felt = now;
+    adviser.set_stiffest(find_stiffest(felt));
+    patches.withdraw();
+  };
+  SceneWatcher watcher({.path = scene_path,
+                        .loading = options.loading,
+                        .coupling_n_per_m = options.method.coupling_n_per_m,
+                        .on_scene = on_scene,
+                        .is_held = [&] { return patches.is_wanted(clock.now_ns()); }},
+                       options.watch_scene ? *scene : Scene(), tuner, builder);
+  if (options.watch_scene) watcher.start();
   const auto realtime = enter_realtime(options.realtime);
   if (!realtime) return give_up(realtime.error());
   const auto lines = realtime->to_lines();

@@ -36,25 +36,66 @@ void MaterialTuner::run() {
   while (!stop_.load()) {
     free_retired();
     // No result replaces another: an accepted change would be lost.
-    if (result_.load(std::memory_order_acquire) == nullptr && requests_.take()) tune(requests_.value());
+    if (result_.load(std::memory_order_acquire) == nullptr && !follow_file() && requests_.take()) tune(requests_.value());
     std::this_thread::sleep_for(kPeriod);
   }
+}
+
+void MaterialTuner::follow(const MaterialState& state) {
+  const std::scoped_lock lock(followed_mutex_);
+  followed_state_ = state;
+}
+
+void MaterialTuner::follow(const Scene& scene, std::uint32_t revision) {
+  const std::scoped_lock lock(followed_mutex_);
+  followed_state_.reset();
+  followed_scene_.emplace(scene.touch_scene(), revision);
+  followed_tuning_.emplace(scene);
+}
+
+// True: a result was published.
+bool MaterialTuner::follow_file() {
+  std::optional<MaterialState> state;
+  {
+    const std::scoped_lock lock(followed_mutex_);
+    if (followed_scene_) {
+      scene_ = std::move(followed_scene_->first);
+      scene_revision_ = followed_scene_->second;
+      tuning_ = std::move(*followed_tuning_);
+      followed_scene_.reset();
+      followed_tuning_.reset();
+    }
+    state = std::exchange(followed_state_, std::nullopt);
+  }
+  if (!state) return false;
+  tuning_.follow(*state);
+  auto result = std::make_unique<TunedMaterials>();
+  result->state = tuning_.state();
+  result->state.request = answered_;
+  result->materials = tuned_materials(scene_, tuning_.state(), coupling_n_per_m_);
+  publish(std::move(result));
+  return true;
+}
+
+void MaterialTuner::publish(std::unique_ptr<TunedMaterials> result) {
+  result->scene = scene_revision_;
+  if (!result->materials.empty() && on_tuned_) on_tuned_(result->materials);
+  result_.store(result.release(), std::memory_order_release);
 }
 
 void MaterialTuner::tune(const MaterialRequest& request) {
   auto result = std::make_unique<TunedMaterials>();
   const auto changed = tuning_.change(request);
   result->state = tuning_.state();
-  result->state.request = request.request;
+  result->state.request = answered_ = request.request;
   if (changed) {
     result->materials = tuned_materials(scene_, tuning_.state(), coupling_n_per_m_);
     log_info("{}", tuning_.describe_last());
-    if (on_tuned_) on_tuned_(result->materials);
   } else {
     log_warning("{}; no material is changed", changed.error().what);
     put_text(changed.error().what, result->state.rejection);
   }
-  result_.store(result.release(), std::memory_order_release);
+  publish(std::move(result));
 }
 
 }  // namespace hapton

@@ -3,7 +3,10 @@
 #include <atomic>
 #include <functional>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "core/force/touch_scene.h"
@@ -17,6 +20,7 @@ namespace hapton {
 struct TunedMaterials {
   std::vector<Material> materials;  // for ForceMethod::set_materials; empty: rejected
   MaterialState state;              // its serial is left to who puts them into use
+  std::uint32_t scene = 0;          // NewScene::revision that they are of; 0: the first
 };
 
 // Checks and works out changes of materials in its own thread, so that the loop that replies to the device only passes on what is ready.
@@ -34,6 +38,12 @@ class MaterialTuner {
   // A later request replaces one that has not started.
   void request(const MaterialRequest& request) noexcept { requests_.publish(request); }
 
+  // The scene file was read again, and differs from the scene in these materials alone: they become the result of no request, in place of
+  // all that was requested. Threads: any. RT: no.
+  void follow(const MaterialState& state);
+  // Another scene is in use, with the materials of its file. Threads: any. RT: no.
+  void follow(const Scene& scene, std::uint32_t revision);
+
   // The result of the next request, once each, in order; none when there is no new one.
   std::unique_ptr<TunedMaterials> take() noexcept;
 
@@ -43,6 +53,8 @@ class MaterialTuner {
  private:
   void run();
   void tune(const MaterialRequest& request);
+  bool follow_file();
+  void publish(std::unique_ptr<TunedMaterials> result);
   void free_retired() noexcept { delete retired_.exchange(nullptr, std::memory_order_acq_rel); }
 
   MaterialTuning tuning_;
@@ -52,6 +64,12 @@ class MaterialTuner {
   Mailbox<MaterialRequest> requests_;
   std::atomic<TunedMaterials*> result_ = nullptr;
   std::atomic<TunedMaterials*> retired_ = nullptr;
+  std::uint32_t answered_ = 0;  // request
+  std::uint32_t scene_revision_ = 0;
+  std::mutex followed_mutex_;
+  std::optional<MaterialState> followed_state_;                         // of the file, not published yet
+  std::optional<std::pair<TouchScene, std::uint32_t>> followed_scene_;  // not taken yet
+  std::optional<MaterialTuning> followed_tuning_;
   std::atomic<bool> stop_ = false;
   std::thread thread_;
 };

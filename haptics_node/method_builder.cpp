@@ -19,6 +19,7 @@ MethodBuilder::MethodBuilder(MethodSettings settings, TouchScene scene, std::wea
 MethodBuilder::~MethodBuilder() {
   stop_.store(true);
   thread_.join();
+  follow_scene();  // whoever waits for it
   free_retired();
   delete built_.load();
 }
@@ -36,6 +37,7 @@ void MethodBuilder::run() {
   constexpr auto kPeriod = std::chrono::milliseconds(10);
   while (!stop_.load()) {
     free_retired();
+    follow_scene();
     if (requests_.take()) {
       build(requests_.value());
     }
@@ -49,6 +51,57 @@ void MethodBuilder::run() {
 bool MethodBuilder::prepare() {
   const std::shared_ptr<ForceMethod> method = in_use_.lock();
   return method != nullptr && method->prepare();
+}
+
+Result<void> MethodBuilder::follow(std::shared_ptr<const NewScene> scene) {
+  std::future<Result<void>> built;
+  {
+    const std::scoped_lock lock(scene_mutex_);
+    next_scene_ = std::move(scene);
+    scene_built_ = {};
+    built = scene_built_.get_future();
+  }
+  return built.get();
+}
+
+void MethodBuilder::follow_scene() {
+  std::shared_ptr<const NewScene> scene;
+  std::promise<Result<void>> done;
+  {
+    const std::scoped_lock lock(scene_mutex_);
+    if (next_scene_ == nullptr) return;
+    scene = std::exchange(next_scene_, nullptr);
+    done = std::move(scene_built_);
+  }
+  done.set_value(build_scene(scene));
+}
+
+Result<void> MethodBuilder::build_scene(const std::shared_ptr<const NewScene>& scene) {
+  auto ready = std::make_unique<BuiltMethod>();
+  std::shared_ptr<ForceMethod> method = scene->keeps_shape ? in_use_.lock() : nullptr;
+  MethodSettings settings = settings_;
+  if (method == nullptr) {
+    settings.build_on_approach = false;
+    auto made = make_method(settings, scene->touch);
+    if (!made) return tl::unexpected(made.error());
+    log_method(**made);
+    method = std::move(*made);
+  }
+  scene_ = scene->touch;
+  in_use_ = method;
+  ready->step = std::make_unique<TouchStep>(std::move(method), scene->touch);
+  put_text(to_text(settings), ready->text);
+  ready->scene = scene;
+  publish(std::move(ready));
+  return {};
+}
+
+// What was built before and not taken yet is replaced, but its scene and the answer to its request are not lost.
+void MethodBuilder::publish(std::unique_ptr<BuiltMethod> ready) {
+  const std::unique_ptr<BuiltMethod> before(built_.exchange(nullptr, std::memory_order_acq_rel));
+  if (before != nullptr && ready->request_id == 0) ready->request_id = before->request_id;
+  if (before != nullptr && ready->scene == nullptr) ready->scene = before->scene;
+  built_.store(ready.release(), std::memory_order_release);
 }
 
 void MethodBuilder::build(const Request& request) {
@@ -70,7 +123,8 @@ void MethodBuilder::build(const Request& request) {
   put_text(to_text(settings), ready->text);
   ready->request_id = request.request_id;
   in_use_ = ready->step->share_method();
-  delete built_.exchange(ready.release(), std::memory_order_acq_rel);
+  settings_.name = settings.name;
+  publish(std::move(ready));
 }
 
 }  // namespace hapton

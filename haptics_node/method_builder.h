@@ -2,12 +2,15 @@
 
 #include <array>
 #include <atomic>
+#include <future>
 #include <memory>
+#include <mutex>
 #include <thread>
 
 #include "core/force/force_method.h"
 #include "core/force/touch_scene.h"
 #include "core/force/touch_step.h"
+#include "haptics_node/new_scene.h"
 #include "link/messages.h"
 #include "runtime/mailbox.h"
 
@@ -16,8 +19,9 @@ namespace hapton {
 // A method ready for use.
 struct BuiltMethod {
   std::unique_ptr<TouchStep> step;
-  HapticsSetup::Text text = {};  // as in HapticsSetup::method
-  std::uint32_t request_id = 0;  // as in Settings::method_request
+  HapticsSetup::Text text = {};                     // as in HapticsSetup::method
+  std::uint32_t request_id = 0;                     // as in Settings::method_request
+  std::shared_ptr<const NewScene> scene = nullptr;  // it was made for this one, which is not in use yet; null: for that in use
 };
 
 // A method that cannot be built.
@@ -43,6 +47,10 @@ class MethodBuilder {
   // Requests a method; a later request replaces one that has not started.
   void request(const MethodName& name, std::uint32_t request_id = 0) noexcept { requests_.publish({name, request_id}); }
 
+  // From now on methods are made for this scene; the method in use is made anew for it, or kept where the shape is. Returns when that is
+  // ready to be taken. Error: one line: it cannot be built, and the scene before goes on. Threads: any but the caller of take. RT: no.
+  Result<void> follow(std::shared_ptr<const NewScene> scene);
+
   // How often the slow task found nothing to do: two more than before mean that everything requested by then is built.
   std::uint64_t idle_looks() const noexcept { return idle_looks_.load(std::memory_order_acquire); }
 
@@ -63,6 +71,9 @@ class MethodBuilder {
 
   void run();
   void build(const Request& request);
+  void follow_scene();
+  Result<void> build_scene(const std::shared_ptr<const NewScene>& scene);
+  void publish(std::unique_ptr<BuiltMethod> ready);
   bool prepare();
   void free_retired() noexcept { delete retired_.exchange(nullptr, std::memory_order_acq_rel); }
 
@@ -74,6 +85,9 @@ class MethodBuilder {
   std::atomic<BuiltMethod*> built_ = nullptr;
   std::atomic<BuiltMethod*> retired_ = nullptr;
   std::atomic<std::uint64_t> idle_looks_ = 0;
+  std::mutex scene_mutex_;
+  std::shared_ptr<const NewScene> next_scene_;  // requested, not begun
+  std::promise<Result<void>> scene_built_;
   std::atomic<bool> stop_ = false;
   std::thread thread_;
 };

@@ -33,11 +33,18 @@ class PatchSender {
   // Frames: W, and the scene in it.
   void note_hand(const DeviceState& state, const std::array<float, 12>& X_WS) noexcept;
   // Another method is in use: parts of the scene are as good as it, or not. Parts hold no effects, so a scene with any is never offered.
-  void set_offered(bool is_offered) noexcept { is_offered_.store(is_offered && !has_effects_, std::memory_order_release); }
+  void set_offered(bool is_offered) noexcept {
+    is_offered_.store(is_offered && !has_effects_ && !is_withdrawn_.load(std::memory_order_acquire), std::memory_order_release);
+  }
+  // Another scene is felt: this one is offered no more. Threads: any.
+  void withdraw() noexcept {
+    is_withdrawn_.store(true, std::memory_order_release);
+    is_offered_.store(false, std::memory_order_release);
+  }
   // The scene's materials have changed: the hub gets all parts anew. Pre: one for each object. RT: no. Threads: any.
   void set_materials(const std::vector<Material>& materials);
-  // The hub asked for parts a moment ago.
-  bool is_wanted(std::int64_t now_ns) const noexcept { return now_ns < wanted_until_ns_; }
+  // The hub asked for parts a moment ago. Threads: any.
+  bool is_wanted(std::int64_t now_ns) const noexcept { return now_ns < wanted_until_ns_.load(std::memory_order_relaxed); }
 
   // The next part to send, null: none now. It stays until pop.
   const Message* front() const noexcept {
@@ -74,11 +81,12 @@ class PatchSender {
   double probe_radius_m_;
   std::uint64_t scene_hash_;
   PatchSource::Options options_;
-  std::int64_t wanted_until_ns_ = 0;
+  std::atomic<std::int64_t> wanted_until_ns_ = 0;
   Mailbox<Status> statuses_;
   Mailbox<Hand> hands_;
   Mailbox<PatchSource::Counts> counts_;
   std::atomic<bool> is_offered_;
+  std::atomic<bool> is_withdrawn_ = false;
   std::mutex materials_mutex_;
   std::vector<Material> materials_;  // new ones, not followed yet; empty: none
   std::array<Message, kRing> ring_;

@@ -135,12 +135,13 @@ void ReplyLoop::answer() noexcept {
 
 void ReplyLoop::change_method() noexcept {
   if (auto built = builder_.take()) {
-    if (tuned_ != nullptr) built->step->set_materials(tuned_->materials);
+    if (built->scene == nullptr && tuned_ != nullptr && tuned_->scene == scene_revision_) built->step->set_materials(tuned_->materials);
     built->step = step_.replace(std::move(built->step));
     setup_.method = built->text;
     setup_.material_serial = static_cast<std::uint32_t>(step_.counts().materials_taken);
-    setup_.method_request = built->request_id;
+    if (built->request_id != 0) setup_.method_request = built->request_id;
     setup_.rejection = {};
+    if (built->scene != nullptr) take_scene(*built->scene);
     if (patches_ != nullptr) patches_->set_offered(PatchSender::can_offer({setup_.method.data(), setup_.method.size()}));
     builder_.retire(std::move(built));
     send_setup_soon();
@@ -149,6 +150,20 @@ void ReplyLoop::change_method() noexcept {
     setup_.rejection = rejected->why;
     send_setup_soon();
   }
+}
+
+// Materials count on: what was said of the objects of the scene before means nothing for these.
+void ReplyLoop::take_scene(const NewScene& scene) noexcept {
+  scene_revision_ = scene.revision;
+  setup_.scene_hash = scene.hash;
+  const float preparing_s = scene_.preparing_s;
+  scene_ = scene.facts;
+  scene_.preparing_s = preparing_s;
+  step_.set_materials(scene.materials);
+  materials_.serial = static_cast<std::uint32_t>(step_.counts().materials_taken);
+  materials_.object_count = 0;
+  materials_.rejection = {};
+  scene_reported_ = 0;
 }
 
 // A requester repeats its request until the reply comes. Forces that the hub works out itself would change without a fade, when it has
@@ -167,8 +182,13 @@ void ReplyLoop::change_materials() noexcept {
   if (tuner_ == nullptr) return;
   auto result = tuner_->take();
   if (result == nullptr) return;
-  materials_ = result->state;
-  if (!result->materials.empty()) {
+  if (result->scene == scene_revision_) {
+    materials_ = result->state;
+  } else {
+    materials_.request = result->state.request;
+    put_text("the scene was read again meanwhile; ask once more", materials_.rejection);
+  }
+  if (result->scene == scene_revision_ && !result->materials.empty()) {
     step_.set_materials(result->materials);
     std::swap(result, tuned_);
   }
@@ -204,7 +224,7 @@ void ReplyLoop::send_setup() noexcept {
   setup_.view_revision = step_.view().revision;
   setup_.X_WS = step_.view().X_WS;
   hub_.send(setup_);
-  if (materials_.request != 0) hub_.send(materials_);
+  if (materials_.request != 0 || materials_.serial != 0) hub_.send(materials_);
   if (scene_.given_hash != 0) hub_.send(scene_);
 }
 

@@ -51,6 +51,7 @@ class ReplyLoop {
   void request_materials(const MaterialRequest& request) noexcept;
   void change_method() noexcept;
   void change_materials() noexcept;
+  void take_scene(const NewScene& scene) noexcept;
   void send_patches() noexcept;
   void send_setup_soon() noexcept;
   void wait_for_builder() noexcept;
@@ -67,7 +68,8 @@ class ReplyLoop {
   PatchSender* patches_ = nullptr;
   StiffnessAdviser* adviser_ = nullptr;
   MaterialTuner* tuner_ = nullptr;
-  std::unique_ptr<TunedMaterials> tuned_;  // in use; null: those of the scene
+  std::unique_ptr<TunedMaterials> tuned_;  // in use, if it is of this scene; null, or of another: those of the scene's file
+  std::uint32_t scene_revision_ = 0;       // NewScene::revision of the scene in use
   MaterialState materials_;
   std::uint64_t scene_shown_ = 0;     // hash of the scene that a vision node last reported; 0: none
   std::uint64_t scene_reported_ = 0;  // of these, the one that the log spoke of

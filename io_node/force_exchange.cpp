@@ -101,7 +101,8 @@ void ForceExchange::note_local(const DeviceCycle& cycle, std::uint32_t view_revi
                        .force_n = cycle.local->force_n,
                        .visual_offset_m = cycle.local->visual_offset_m,
                        .contact = cycle.local->contact,
-                       .view_revision = view_revision});
+                       .view_revision = view_revision,
+                       .object = cycle.local->object});
 }
 
 void ForceExchange::on_haptics_joined() noexcept {

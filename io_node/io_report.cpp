@@ -308,6 +308,7 @@ LatencyReport make_io_report(const ServoStats& stats, const IoOptions& options, 
   }
   add_setup(report, stats.setup);
   report.notes["status_now"] = describe_status(stats.status);
+  report.notes["touched_object"] = stats.touched_object < 0 ? "none" : std::to_string(stats.touched_object);
   if (stats.reach == SceneReach::out_of_reach) report.notes["reach"] = describe_status(ProbeStatus::out_of_reach);
   if (stats.reach == SceneReach::too_small) report.notes["reach"] = describe_status(ProbeStatus::too_small);
   report.nodes = make_nodes(stats);

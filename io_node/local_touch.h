@@ -14,6 +14,7 @@ struct LocalForce {
   bool contact = false;
   bool is_handed_over = false;       // by another patch than the sample before: the difference of force fades
   Vec3 difference_n = Vec3::Zero();  // ... or where that is known for this sample, just this
+  int object = -1;                   // touched, of the scene's objects; -1: none
 };
 
 // Works out forces on the device's own thread, for the device loop. While it does, forces from the network are not used.

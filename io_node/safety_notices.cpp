@@ -33,7 +33,7 @@ void SafetyNotices::note_cycle(const DeviceSide& side, const DeviceCycle& cycle,
                  .missed = cycle.missed,
                  .cause = cycle.cause,
                  .device = CycleSample{sample.time_ns, sample.p_WD, sample.q_WT, sample.buttons}};
-  if (cycle.local) note.local = CycleLocal{cycle.local->force_n, cycle.local->visual_offset_m};
+  if (cycle.local) note.local = CycleLocal{cycle.local->force_n, cycle.local->visual_offset_m, cycle.local->object};
   tap_->on_cycle(note, now_ns);
 }
 

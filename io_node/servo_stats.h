@@ -78,7 +78,8 @@ struct ServoStats {
   DeviceStatus device_status = DeviceStatus::ready;
   ProbeStatus status = ProbeStatus::ok;  // as shown in the picture
   SceneReach reach = SceneReach::unknown;
-  HapticsSetup setup;  // last reported; its hash is 0 if there was none
+  std::int32_t touched_object = -1;  // now, of the scene's; -1: none
+  HapticsSetup setup;                // last reported; its hash is 0 if there was none
   DeviceCondition device;
 
   double seconds() const { return 1e-9 * static_cast<double>(end_ns - start_ns); }

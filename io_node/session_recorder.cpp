@@ -44,6 +44,7 @@ struct PlainCycle {
   std::array<double, 4> q_WT = {};  // w, x, y, z
   std::array<double, 3> local_n = {};
   std::array<double, 3> local_offset_m = {};
+  std::int32_t local_object = -1;
 };
 
 std::array<double, 3> plain(const Vec3& v) noexcept { return {v.x(), v.y(), v.z()}; }
@@ -62,6 +63,7 @@ PlainCycle plain(const CycleNote& n) noexcept {
   if (n.local) {
     to.local_n = plain(n.local->force_n);
     to.local_offset_m = plain(n.local->visual_offset_m);
+    to.local_object = n.local->object;
   }
   return to;
 }
@@ -71,7 +73,7 @@ CycleNote note_of(const PlainCycle& from) {
       .sample = from.sample, .late_ns = from.late_ns, .written_n = Vec3(from.written_n.data()), .missed = from.missed, .cause = from.cause};
   const auto& q = from.q_WT;
   if (from.has_device) to.device = CycleSample{from.sample_time_ns, Vec3(from.p_WD_m.data()), Quat(q[0], q[1], q[2], q[3]), from.buttons};
-  if (from.is_local) to.local = CycleLocal{Vec3(from.local_n.data()), Vec3(from.local_offset_m.data())};
+  if (from.is_local) to.local = CycleLocal{Vec3(from.local_n.data()), Vec3(from.local_offset_m.data()), from.local_object};
   return to;
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <string>
 
 #include "core/math/rigid_pose.h"
@@ -45,6 +46,12 @@ bool read_pose(const Field& field, std::array<float, 12>& X) {
 bool read_document(std::uint32_t from, ReportDocument& to) {
   to = static_cast<ReportDocument>(from);
   return from <= static_cast<std::uint32_t>(ReportDocument::csv);
+}
+
+// On the wire 0 says none, so that a sender that does not know the field says just that. What no scene has is none, too.
+std::uint32_t write_object(std::int32_t object) { return object < 0 ? 0U : static_cast<std::uint32_t>(object) + 1U; }
+std::int32_t read_object(std::uint32_t touched) {
+  return touched > static_cast<std::uint32_t>(std::numeric_limits<std::int32_t>::max()) ? -1 : static_cast<std::int32_t>(touched) - 1;
 }
 
 template <class Field>
@@ -91,6 +98,7 @@ void write(const ForceCommand& from, wire::ForceCommand& to) {
   to.set_method_serial(from.method_serial);
   to.set_answered_before(from.answered_before);
   to.set_material_serial(from.material_serial);
+  to.set_touched(write_object(from.object));
 }
 
 void write(const ViewTransform& from, wire::ViewTransform& to) {
@@ -113,6 +121,7 @@ void write(const ProbeState& from, wire::ProbeState& to) {
   to.set_view_revision(from.view_revision);
   to.set_status(static_cast<std::uint32_t>(from.status));
   to.set_energy_percent(from.energy_percent);
+  to.set_touched(write_object(from.object));
 }
 
 void write(const FrameAck& from, wire::FrameAck& to) {
@@ -217,6 +226,7 @@ bool read(const wire::ForceCommand& from, ForceCommand& to) {
   to.method_serial = from.method_serial();
   to.answered_before = from.answered_before();
   to.material_serial = from.material_serial();
+  to.object = read_object(from.touched());
   return read_vector(from.force_n(), to.force_n) && read_vector(from.visual_offset_m(), to.visual_offset_m);
 }
 
@@ -230,6 +240,7 @@ bool read(const wire::ProbeState& from, ProbeState& to) {
   to.round_trip_p99_us = from.round_trip_p99_us();
   to.view_revision = from.view_revision();
   to.energy_percent = from.energy_percent();
+  to.object = read_object(from.touched());
   // An unknown status of a newer hub is no reason to reject the state.
   to.status =
       from.status() <= static_cast<std::uint32_t>(ProbeStatus::too_small) ? static_cast<ProbeStatus>(from.status()) : ProbeStatus::ok;

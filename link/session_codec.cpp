@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <boost/crc.hpp>
 #include <cstring>
+#include <limits>
 
 #include "session.pb.h"
 
@@ -90,7 +91,9 @@ bool read(const session::Cycle& from, CycleNote& to) {
   }
   if (from.local_size() != 0) {
     if (from.local_size() != 6) return false;
-    to.local = CycleLocal{Vec3(from.local().data()), Vec3(from.local().data() + 3)};
+    const bool is_object = from.local_touched() <= static_cast<std::uint32_t>(std::numeric_limits<std::int32_t>::max());
+    const std::int32_t object = is_object ? static_cast<std::int32_t>(from.local_touched()) - 1 : -1;
+    to.local = CycleLocal{Vec3(from.local().data()), Vec3(from.local().data() + 3), object};
   }
   return true;
 }
@@ -118,6 +121,7 @@ void write(const CycleNote& from, session::Cycle& to) {
   if (from.local) {
     add(from.local->force_n, *to.mutable_local());
     add(from.local->visual_offset_m, *to.mutable_local());
+    to.set_local_touched(from.local->object < 0 ? 0U : static_cast<std::uint32_t>(from.local->object) + 1U);
   }
 }
 

@@ -55,6 +55,7 @@ struct CycleSample {
 struct CycleLocal {
   Vec3 force_n = Vec3::Zero();
   Vec3 visual_offset_m = Vec3::Zero();  // probe minus device point
+  std::int32_t object = -1;             // touched, of the scene's objects; -1: none, or an older recording
 };
 
 // One cycle of the servo, when it was done. Forces: N, frame W.

@@ -104,6 +104,7 @@ std::unique_ptr<Patch> PatchMaker::make(const PatchStore& store, const Vec3& p_S
     auto method = make_method(settings, piece.scene);
     if (!method) return nullptr;
     patch->step = std::make_unique<TouchStep>(std::move(*method));
+    patch->objects = std::move(piece.objects);
   }
   p_SC_ = p_SC;
   radius_m_ = piece.radius_m;

@@ -191,7 +191,10 @@ PatchStore::Piece PatchStore::make_piece(const Vec3& p_S, double most_m, std::si
     const auto tile = tiles_.find(number);
     if (tile != tiles_.end()) objects.try_emplace(tile->second.object, grid_).first->second.add(tile->second);
   }
-  for (auto& [number, object] : objects) piece.scene.objects.push_back(object.take());
+  for (auto& [number, object] : objects) {
+    piece.scene.objects.push_back(object.take());
+    piece.objects.push_back(static_cast<int>(number));
+  }
   piece.scene.part_of = grid_.box();
   return piece;
 }

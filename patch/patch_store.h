@@ -24,7 +24,8 @@ class PatchStore {
 
   // The triangles near a point, as a scene of their own, and how far from the point none is missing.
   struct Piece {
-    TouchScene scene;  // no objects where no triangle is near
+    TouchScene scene;          // no objects where no triangle is near
+    std::vector<int> objects;  // the whole scene's number of each
     double radius_m = 0.0;
     std::size_t triangles = 0;
   };

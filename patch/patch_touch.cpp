@@ -148,6 +148,8 @@ PatchOutput PatchTouch::step_patch(const TouchInput& input, const Vec3& p_SD, bo
   output.force_n = touched.force_n;
   output.visual_offset_m = touched.visual_offset_m;
   output.contact = touched.contact;
+  if (touched.object >= 0 && touched.object < static_cast<int>(patch_->objects.size()))
+    output.object = patch_->objects[static_cast<std::size_t>(touched.object)];
   const Mat3 R_SW = input.X_WS.linear().transpose();
   const double depth = touched.visual_offset_m.norm();
   force_n_ = touched.force_n.norm();

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "core/force/touch_step.h"
 #include "core/math/types.h"
@@ -13,6 +14,7 @@ namespace hapton {
 // A piece of the scene, ready to be felt: within radius_m of the centre no triangle is missing. Frame: S. Units: m.
 struct Patch {
   std::unique_ptr<TouchStep> step;  // null: there is no triangle
+  std::vector<int> objects = {};    // the scene's number of each object of it
   Vec3 p_SC = Vec3::Zero();
   double radius_m = 0.0;
   double lift_m = 0.0;           // how far off the surface a proxy starts that no patch has held: above what the grid rounds
@@ -28,6 +30,7 @@ struct PatchOutput {
   bool is_handed_over = false;       // another patch, or the edge of one, began with this step: the force may differ ...
   Vec3 difference_n = Vec3::Zero();  // ... or by just this much, where the patch before could tell it for this sample too. Frame W
   bool is_beyond = false;            // past the edge of what is known
+  int object = -1;                   // touched, of the scene's objects; -1: none, or beyond
 };
 
 // What a patch has to reach for the hand to be caught up with: a ball about the proxy, last within, and the places since. Frame S.

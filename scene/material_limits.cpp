@@ -33,9 +33,13 @@ Result<void> check_material(const Material& material, const Material& before, co
     return fail("object '{}' has layers, which replace 'stiffness_n_per_m' and 'damping_ns_per_m': change them in the scene file",
                 printable(object));
   }
-  if (effects.bumps.is_on() && material.damping_ns_per_m > 0.0) {
-    return fail("object '{}' has bumps, which would turn 'damping_ns_per_m' = {} into a source of energy: leave it at 0", printable(object),
-                material.damping_ns_per_m);
+  const bool has_relief = effects.bumps.is_on() || effects.maps.height.is_on() || effects.maps.stiffness.is_on();
+  if (effects.maps.friction.is_on() && material.friction_static > 0.0) {
+    return fail("object '{}' has a friction map, which takes the place of friction: change that in the scene file", printable(object));
+  }
+  if (has_relief && material.damping_ns_per_m > 0.0) {
+    return fail("object '{}' has bumps or a stiffness map, which would turn 'damping_ns_per_m' = {} into a source of energy: leave it at 0",
+                printable(object), material.damping_ns_per_m);
   }
   return {};
 }

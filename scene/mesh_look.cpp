@@ -14,6 +14,14 @@ bool MeshLook::says_anything() const {
   });
 }
 
+bool MeshLook::has_texcoords() const {
+  return std::any_of(triangles.begin(), triangles.end(), [](const TriangleLook& triangle) {
+    const Eigen::Vector2f a = triangle.corners[1].texcoord - triangle.corners[0].texcoord;
+    const Eigen::Vector2f b = triangle.corners[2].texcoord - triangle.corners[0].texcoord;
+    return a.x() * b.y() != a.y() * b.x();
+  });
+}
+
 Eigen::Vector2f texcoord_of(double right, double up) {
   constexpr double kFarthest = 1e6;
   if (!(std::abs(right) <= kFarthest && std::abs(up) <= kFarthest)) return Eigen::Vector2f::Zero();

@@ -59,6 +59,8 @@ struct MeshLook {
 
   // Whether any triangle has a colour or an image.
   bool says_anything() const;
+  // Whether any triangle has an area in the images.
+  bool has_texcoords() const;
   // Brings the number of triangles to that of the mesh; those that are new have no look.
   void resize(std::size_t count) { triangles.resize(count); }
 };

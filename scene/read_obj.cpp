@@ -170,7 +170,7 @@ class ObjReader {
     corners_.clear();
     corner_normals_.clear();
     corner_looks_.clear();
-    const bool has_look = material_ != TriangleLook::kNoMaterial || !colours_.empty();
+    const bool has_look = material_ != TriangleLook::kNoMaterial || !colours_.empty() || !texcoords_.empty();
     for (std::string_view word = cursor_.word_in_line(); !word.empty() && word[0] != '#'; word = cursor_.word_in_line()) {
       std::int64_t index = 0;
       if (!parse_integer(word.substr(0, word.find('/')), index)) {

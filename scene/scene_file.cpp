@@ -11,6 +11,7 @@
 #include "core/base/near_miss.h"
 #include "scene/effect_reader.h"
 #include "scene/file_bytes.h"
+#include "scene/map_reader.h"
 #include "scene/material_limits.h"
 #include "scene/mesh_file.h"
 #include "scene/scene_hash.h"
@@ -27,6 +28,7 @@ constexpr double kMaxScale = 1e9;
 struct MaterialSpec {
   Material material;
   SurfaceEffects effects;
+  MapSpecs maps;
 };
 
 void read_number(TableReader& reader, const MaterialLimit& limit, double& value) {
@@ -40,6 +42,7 @@ Result<MaterialSpec> read_material(const toml::table& table, const std::string& 
   std::vector<std::string_view> keys = {kStiffnessLimit.key, kDampingLimit.key, kFrictionStaticLimit.key, kFrictionDynamicLimit.key,
                                         "two_sided"};
   keys.insert(keys.end(), surface_effect_keys().begin(), surface_effect_keys().end());
+  keys.insert(keys.end(), map_keys().begin(), map_keys().end());
   reader.allow(keys);
   read_number(reader, kStiffnessLimit, material.stiffness_n_per_m);
   read_number(reader, kDampingLimit, material.damping_ns_per_m);
@@ -51,6 +54,7 @@ Result<MaterialSpec> read_material(const toml::table& table, const std::string& 
                    material.friction_dynamic, material.friction_static);
   }
   const auto effects = read_surface_effects(table, name, material, reader, spec.effects);
+  read_maps(table, reader, material, spec.effects, spec.maps);
   if (reader.error()) return tl::unexpected(*reader.error());
   if (!effects) return tl::unexpected(effects.error());
   return spec;
@@ -135,6 +139,10 @@ struct SceneSpec {
   std::map<std::string, MaterialSpec, std::less<>> materials;
   std::vector<EffectSpec> effects;
   std::optional<Vec3> fit_m;
+
+  bool has_maps() const {
+    return std::any_of(materials.begin(), materials.end(), [](const auto& one) { return one.second.maps.any(); });
+  }
 };
 
 Result<void> read_materials(const toml::table& table, SceneSpec& spec) {
@@ -208,9 +216,11 @@ class MeshCache {
     std::vector<Vec3> vertices_before;  // if it was sealed: the vertices before that
     std::uint64_t given_hash = 0;
     std::shared_ptr<const MeshLook> look;  // null: none
+    MapSource map;                         // if there are maps: the mesh before it was sealed
   };
 
-  MeshCache(CrackSealing sealing, LookReading look) : sealing_(sealing), look_(look) {}
+  // has_maps: texture coordinates are needed, whether colours are or not.
+  MeshCache(CrackSealing sealing, LookReading look, bool has_maps) : sealing_(sealing), look_(look), has_maps_(has_maps) {}
 
   // A part of a file, or all of it where no part is named.
   Result<const ReadyMesh*> load(const std::filesystem::path& path, const ObjectSpec& object, std::vector<std::string>& notes) {
@@ -227,10 +237,12 @@ class MeshCache {
       ReadyMesh ready;
       std::vector<Vec3> vertices = mesh->vertices;
       ready.given_hash = hash_mesh(*mesh);
+      if (has_maps_) ready.map = {{}, std::make_shared<const TriangleMesh>(*mesh), std::make_shared<const MeshLook>(look)};
       ready.sealed = seal_for_touch(*mesh, sealing);
       ready.mesh = std::move(*mesh);
       if (ready.sealed.has_sealed()) ready.vertices_before = std::move(vertices);
-      if (!ready.sealed.has_sealed() && look.says_anything()) ready.look = std::make_shared<const MeshLook>(std::move(look));
+      if (look_ == LookReading::on && !ready.sealed.has_sealed() && look.says_anything())
+        ready.look = std::make_shared<const MeshLook>(std::move(look));
       if (ready.sealed.is_worth_a_note()) {
         notes.push_back(
             fmt::format("{}{}: {}", path.string(), object.part.empty() ? "" : " " + printable(object.part), ready.sealed.describe()));
@@ -245,7 +257,7 @@ class MeshCache {
     const auto key = std::make_pair(path.string(), unit);
     auto found = files_.find(key);
     if (found == files_.end()) {
-      Result<MeshFile> file = load_mesh_file(path, unit, look_);
+      Result<MeshFile> file = load_mesh_file(path, unit, has_maps_ ? LookReading::on : look_);
       if (!file) return tl::unexpected(file.error());
       for (const std::string& note : file->notes) notes.push_back(fmt::format("{}: {}", path.string(), note));
       found = files_.emplace(key, std::move(*file)).first;
@@ -255,6 +267,7 @@ class MeshCache {
 
   CrackSealing sealing_;
   LookReading look_;
+  bool has_maps_;
   std::map<std::pair<std::string, std::optional<Unit>>, MeshFile> files_;
   std::map<std::tuple<std::string, std::optional<Unit>, std::string, CrackSealing>, ReadyMesh> meshes_;
 };
@@ -266,6 +279,7 @@ struct PosedMesh {
   Eigen::AlignedBox3d box;       // of the mesh before sealing
   std::uint64_t given_hash = 0;  // of that mesh and its pose
   std::shared_ptr<const MeshLook> look;
+  MapSource map = {};  // if there are maps
 };
 
 void scale_widths(SealReport& sealed, double scale) {
@@ -287,6 +301,10 @@ Result<PosedMesh> make_mesh(const ObjectSpec& object, const std::filesystem::pat
   posed.given_hash = combine_hashes((*loaded)->given_hash, hash_numbers(numbers));
   for (const Vec3& vertex : posed.sealed.has_sealed() ? (*loaded)->vertices_before : posed.mesh.vertices) posed.box.extend(pose(vertex));
   for (Vec3& vertex : posed.mesh.vertices) vertex = pose(vertex);
+  posed.map = (*loaded)->map;
+  if (posed.map.mesh != nullptr) {
+    for (const Vec3& vertex : posed.map.mesh->vertices) posed.map.vertices.push_back(pose(vertex));
+  }
   const Eigen::Quaternionf turn = object.q_SM.cast<float>();
   for (auto& normals : posed.mesh.authored_normals) normals = {turn * normals[0], turn * normals[1], turn * normals[2]};
   scale_widths(posed.sealed, object.scale);
@@ -315,7 +333,10 @@ Result<void> fit(std::vector<PosedMesh>& meshes, const Vec3& size_m, std::vector
   for (const PosedMesh& posed : meshes) box.extend(posed.box);
   const Result<Fit> fit = find_fit(box, size_m);
   if (!fit) return fail("fit_m: {}: leave fit_m out", fit.error().what);
-  for (PosedMesh& posed : meshes) fit->apply(posed.mesh, posed.sealed);
+  for (PosedMesh& posed : meshes) {
+    fit->apply(posed.mesh, posed.sealed);
+    for (Vec3& vertex : posed.map.vertices) vertex = fit->scale * (vertex - fit->centre);
+  }
   const double scale = fit->scale;
   notes.push_back(fmt::format("fit_m: everything is shown {:.4g} times its size", scale));
   return {};
@@ -346,7 +367,8 @@ Result<void> add_effects(const SceneSpec& spec, Scene& scene) {
 
 Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& folder, const SceneLoading& loading) {
   Scene scene;
-  MeshCache cache(loading.sealing, loading.look);
+  MeshCache cache(loading.sealing, loading.look, spec.has_maps());
+  MapMaker map_maker(folder);
   std::vector<PosedMesh> meshes;
   for (const ObjectSpec& object : spec.objects) {
     Result<PosedMesh> mesh = make_mesh(object, folder, cache, scene.notes);
@@ -362,14 +384,20 @@ Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& fol
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     const ObjectSpec& object = spec.objects[i];
     const std::string own_name = object.part.empty() ? std::filesystem::path(object.mesh).stem().string() : object.part;
-    const MaterialSpec material = object.material.empty() ? MaterialSpec() : spec.materials.find(object.material)->second;
+    MaterialSpec material = object.material.empty() ? MaterialSpec() : spec.materials.find(object.material)->second;
+    if (material.maps.any()) {
+      auto maps = map_maker.make(material.maps, meshes[i].map, object.name.empty() ? own_name : object.name, scene.notes);
+      if (!maps) return tl::unexpected(maps.error());
+      material.effects.maps = std::move(*maps);
+    }
     scene.objects.push_back({.name = object.name.empty() ? own_name : object.name,
                              .mesh = std::make_shared<const TriangleMesh>(std::move(meshes[i].mesh)),
                              .material = material.material,
                              .colour = object.colour,
                              .sealed = meshes[i].sealed,
                              .look = std::move(meshes[i].look),
-                             .effects = material.effects});
+                             .effects = material.effects,
+                             .material_name = object.material});
   }
   if (const auto added = add_effects(spec, scene); !added) return tl::unexpected(added.error());
   return scene;

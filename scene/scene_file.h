@@ -23,6 +23,7 @@ struct SceneObject {
   SealReport sealed = {};                           // cracks sealed in the mesh; widths in S
   std::shared_ptr<const MeshLook> look = {};        // of the mesh file, in place of the colour; null: none
   SurfaceEffects effects = {};                      // of its material
+  std::string material_name = {};                   // as in the scene file; empty: the default
 };
 
 // An effect in free space.

@@ -77,6 +77,13 @@ struct AddEffect {
   }
 };
 
+void add_map(Hash& hash, const ImageMap& map) {
+  for (const double number : {map.at_black, map.at_white}) hash.add(number);
+  if (!map.is_on()) return;
+  hash.add(static_cast<std::uint64_t>(map.image->width()));
+  for (const float texel : map.image->texels()) hash.add(static_cast<double>(texel));
+}
+
 void add_surface(Hash& hash, const SurfaceEffects& e) {
   hash.add(e.progressive.n_per_m2);
   hash.add(std::uint64_t{e.layers.count()});
@@ -90,6 +97,15 @@ void add_surface(Hash& hash, const SurfaceEffects& e) {
   hash.add(e.viscosity.damping_ns_per_m);
   for (const double number : {e.snap.stiffness_n_per_m, e.snap.range_m}) hash.add(number);
   for (const double number : {e.tap.ns_per_m, e.tap.frequency_hz, e.tap.decay_s, e.tap.max_force_n}) hash.add(number);
+  // A scene without maps has the hash that it had before there were any.
+  if (!e.maps.is_on()) return;
+  for (const MappedTriangle& triangle : *e.maps.triangles) {
+    for (const Eigen::Vector2d& place : triangle.texcoord) {
+      hash.add(place.x());
+      hash.add(place.y());
+    }
+  }
+  for (const ImageMap* map : {&e.maps.height, &e.maps.stiffness, &e.maps.friction}) add_map(hash, *map);
 }
 
 }  // namespace

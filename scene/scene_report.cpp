@@ -26,6 +26,11 @@ std::vector<std::string> names_of(const SurfaceEffects& effects) {
   if (effects.progressive.is_on()) names.emplace_back("progressive stiffness");
   if (effects.layers.is_on()) names.push_back(fmt::format("{} layer{}", effects.layers.count(), effects.layers.count() == 1 ? "" : "s"));
   if (effects.bumps.is_on()) names.emplace_back("bumps");
+  if (effects.maps.height.is_on()) {
+    names.push_back(fmt::format("bumps from an image (slope at most {:.3g})", effects.maps.height.steepest(*effects.maps.triangles)));
+  }
+  if (effects.maps.stiffness.is_on()) names.emplace_back("stiffness from an image");
+  if (effects.maps.friction.is_on()) names.emplace_back("friction from an image");
   if (effects.viscosity.is_on()) names.emplace_back("viscosity");
   if (effects.snap.is_on()) names.emplace_back("snap");
   if (effects.tap.is_on()) names.emplace_back("vibration on tap");

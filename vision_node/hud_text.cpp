@@ -28,7 +28,8 @@ std::string force_text(const HudFacts& facts) {
     return fmt::format("NO FORCE YET: haptics_node prepares the scene, {:.0f} s", facts.preparing_s);
   }
   if (is_without_force(s.status)) return std::string(describe(s.status));
-  return fmt::format("force {:4.2f} N   {}{}{}{}{}", s.force_n.allFinite() ? s.force_n.norm() : 0.0, s.contact ? "touching" : "free",
+  const std::string contact = !s.contact ? "free" : facts.touched.empty() ? "touching" : "touching " + facts.touched;
+  return fmt::format("force {:4.2f} N   {}{}{}{}{}", s.force_n.allFinite() ? s.force_n.norm() : 0.0, contact,
                      facts.hand_held ? ", hand on the mouse" : "", energy_text(s.energy_percent), s.status == ProbeStatus::ok ? "" : "   ",
                      describe(s.status));
 }

@@ -5,6 +5,7 @@
 #include <string>
 #include <variant>
 
+#include "scene/object_names.h"
 #include "scene/scene_loading.h"
 #include "vision_node/screenshot_moment.h"
 #include "vision_node/stereo_mode.h"
@@ -22,7 +23,8 @@ struct VisionOptions {
   SceneLoading loading = {.sealing = CrackSealing::off, .fit = MeshFit::workspace, .look = LookReading::on};  // drawn as it came
   ViewSettings view;
   Vec3 dials_degrees = Vec3::Zero();
-  Vec3 p_SO = Vec3::Zero();  // a sphere around the scene that was opened
+  std::vector<ObjectName> names;  // of the scene's objects
+  Vec3 p_SO = Vec3::Zero();       // a sphere around the scene that was opened
   double scene_radius_m = 0.0;
   // A three-quarter view shows depth and the force that points at the hand, and is little enough for the hand not to mind.
   double view_yaw_deg = -25.0;

@@ -31,6 +31,7 @@ VisionStepSettings make_step_settings(const StereoView& view, const VisionOption
   settings.home = options.view.framing;
   settings.p_SO = options.p_SO;
   settings.scene_radius_m = options.scene_radius_m;
+  settings.names = options.names;
   return settings;
 }
 
@@ -53,6 +54,7 @@ Result<std::unique_ptr<StereoView>> open_view(const Scene& scene, VisionOptions&
   const SceneSphere sphere = bound_scene(scene);
   options.p_SO = sphere.p_SO;
   options.scene_radius_m = sphere.radius_m;
+  options.names = object_names(scene);
   std::vector<ShownObject> objects;
   for (const SceneObject& object : scene.objects) objects.push_back({object.mesh, Vec3(object.colour.data()), object.look});
   auto view = StereoView::open(options.view, objects);

@@ -106,6 +106,8 @@ std::string VisionStep::compose_hud_now() const {
   facts.detail_progress = detail_progress_;
   facts.preparing_s = preparing_s_;
   facts.is_other_scene = is_other_scene_;
+  // The numbers of another scene's objects mean nothing here.
+  if (!is_other_scene_) facts.touched = describe_object(settings_.names, touched_object());
   return compose_hud(facts);
 }
 
@@ -131,9 +133,10 @@ VisionStep::Shown VisionStep::compose(std::int64_t now_ns) {
   shown.X_WS = interaction_.dials().compute_pose(settings_.p_WC);
   shown.framing = interaction_.camera().apply(settings_.home);
   shown.probe = newest_probe();
-  if (now_ns - hud_ns_ >= kHudRefreshNs || hud_shown_.empty() || stale_ || contact() != hud_contact_) {
+  if (now_ns - hud_ns_ >= kHudRefreshNs || hud_shown_.empty() || stale_ || contact() != hud_contact_ || touched_object() != hud_object_) {
     hud_shown_ = compose_hud_now();
     hud_contact_ = contact();
+    hud_object_ = touched_object();
     hud_ns_ = now_ns;
   }
   shown.hud = hud_shown_;

@@ -3,8 +3,10 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "link/messages.h"
+#include "scene/object_names.h"
 #include "vision_node/camera_view.h"
 #include "vision_node/frame_log.h"
 #include "vision_node/interaction.h"
@@ -27,7 +29,8 @@ struct VisionStepSettings {
   Framing home;              // the initial view
   Vec3 p_SO = Vec3::Zero();  // a sphere around the scene
   double scene_radius_m = 0.0;
-  double threshold_px = 0.5;  // smaller motion causes no frame
+  double threshold_px = 0.5;      // smaller motion causes no frame
+  std::vector<ObjectName> names;  // of the objects shown
 };
 
 // All decisions of the vision node, without a window, socket or clock. Inputs: messages of the hub and the user's requests; outputs: when
@@ -108,6 +111,8 @@ class VisionStep {
   const ViewTransformSender& view_transform() const { return sender_; }
   const Interaction& interaction() const { return interaction_; }
   bool contact() const { return state_ && state_->contact; }
+  // The number of the object touched, in haptics_node's scene; -1: none, or not known.
+  std::int32_t touched_object() const { return contact() ? state_->object : -1; }
 
  private:
   std::string compose_hud_now() const;
@@ -134,6 +139,7 @@ class VisionStep {
   double preparing_s_ = 0.0;
   std::string hud_shown_;
   bool hud_contact_ = false;
+  std::int32_t hud_object_ = -1;
   std::int64_t hud_ns_ = 0;
   std::int64_t last_start_ns_ = 0;
 };

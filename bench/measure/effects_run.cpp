@@ -39,6 +39,42 @@ SurfaceEffects all_of_a_surface() {
           .tap = {.ns_per_m = 5.0}};
 }
 
+// 512 x 512 texels, waves of 32 texels.
+std::shared_ptr<const SurfaceImage> waves_image() {
+  constexpr int kSide = 512;
+  std::vector<float> texels;
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) texels.push_back(static_cast<float>(0.5 + 0.25 * (std::sin(x / 5.0) + std::sin(y / 5.0))));
+  }
+  return std::make_shared<const SurfaceImage>(kSide, kSide, std::move(texels));
+}
+
+// Texture coordinates from above, which is enough for a cost.
+SurfaceMaps all_maps(const TriangleMesh& mesh) {
+  auto triangles = std::make_shared<std::vector<MappedTriangle>>();
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    MappedTriangle made;
+    for (std::size_t k = 0; k < 3; ++k) {
+      made.corner[k] = mesh.corner(t, static_cast<int>(k));
+      made.texcoord[k] = 10.0 * made.corner[k].head<2>();
+    }
+    triangles->push_back(made);
+  }
+  const auto image = waves_image();
+  return {.triangles = triangles,
+          .height = {.image = image, .at_black = -2e-4, .at_white = 0.0},
+          .stiffness = {.image = image, .at_black = 0.5, .at_white = 1.0},
+          .friction = {.image = image, .at_black = 0.1, .at_white = 0.8}};
+}
+
+std::vector<EffectCase> map_cases(const TriangleMesh& mesh) {
+  const SurfaceMaps all = all_maps(mesh);
+  return {{"bumps, image", {.maps = {.triangles = all.triangles, .height = all.height}}, {}},
+          {"stiffness, image", {.maps = {.triangles = all.triangles, .stiffness = all.stiffness}}, {}},
+          {"friction, image", {.maps = {.triangles = all.triangles, .friction = all.friction}}, {}},
+          {"all images", {.maps = all}, {}}};
+}
+
 std::vector<SpaceEffect> all_of_space() {
   const auto everywhere = EffectVolume::ball(Vec3::Zero(), 1.0);
   return {SpringEffect{},
@@ -88,7 +124,9 @@ Result<EffectsReport> measure_effects(const EffectsSettings& settings, const Sto
   const auto mesh = make_mesh(settings.triangles);
   const auto slide = make_slide_trajectory(*mesh, {.seed = settings.seed, .rows = settings.steps, .rate_hz = 1000.0});
   if (!slide) return tl::unexpected(slide.error());
-  for (const EffectCase& one : make_cases()) {
+  std::vector<EffectCase> cases = make_cases();
+  for (EffectCase& one : map_cases(*mesh)) cases.push_back(std::move(one));
+  for (const EffectCase& one : cases) {
     progress(one.name);
     const TouchScene scene = {.objects = {{mesh, {}, one.surface}}, .effects = one.space};
     const auto timing = time_method(watch, settings.budget, {}, scene, *slide);

@@ -25,6 +25,11 @@ Vec3 tip_in_layers(const Vec3& p_SD, const Vec3& p_SP, double depth_m, const Tis
   return resists ? Vec3(p_SP + (state.rest_m / depth_m) * (p_SD - p_SP)) : p_SD;
 }
 
+// U of SurfaceMaps: of the method's spring, and of the progressive part beside it, which no image scales.
+double spring_energy(double method_n, double depth_m, double pressed_m) noexcept {
+  return 0.5 * method_n / depth_m * pressed_m * pressed_m;
+}
+
 Vec3 tangential(const Vec3& v, const Vec3& normal) noexcept { return v - v.dot(normal) * normal; }
 
 }  // namespace
@@ -36,6 +41,7 @@ EffectStep::EffectStep(std::vector<SurfaceEffects> surfaces, std::vector<SpaceEf
 
 void EffectStep::reset() noexcept {
   velocity_.reset();
+  friction_ = {};
   time_s_ = 0.0;
   touched_ = -1;
   in_contact_ = false;
@@ -48,12 +54,13 @@ EffectResult EffectStep::step(const Vec3& p_SD, double dt_s, const SurfaceContac
   if (!p_SD.allFinite()) return {.force_n = Vec3::Zero(), .p_SP = contact.p_SP, .is_felt = false};
   velocity_.add(p_SD, dt_s);
   if (dt_s > 0.0) time_s_ += std::min(dt_s, kLongestS);
+  const Vec3 before = std::exchange(last_p_SD_, p_SD);
   const EffectSample sample = {.p_SD = p_SD, .v_SD = velocity_.mean(), .time_s = time_s_};
 
   EffectResult result = {.force_n = contact.force_n, .p_SP = contact.p_SP, .is_felt = false};
   const bool is_known = contact.contact && contact.object >= 0 && contact.object < static_cast<int>(surfaces_.size());
   if (is_known) {
-    result.force_n = surface_force(sample, contact, result.p_SP);
+    result.force_n = surface_force(sample, p_SD - before, contact, result.p_SP);
   } else {
     result.force_n += leave_surface(sample);
   }
@@ -73,7 +80,7 @@ SurfaceEffectState& EffectStep::state_of(int object) noexcept {
   return state.effects;
 }
 
-Vec3 EffectStep::surface_force(const EffectSample& sample, const SurfaceContact& contact, Vec3& p_SP) noexcept {
+Vec3 EffectStep::surface_force(const EffectSample& sample, const Vec3& motion, const SurfaceContact& contact, Vec3& p_SP) noexcept {
   const SurfaceEffects& surface = surfaces_[static_cast<std::size_t>(contact.object)];
   const bool begins = !in_contact_;
   SurfaceEffectState& state = state_of(contact.object);
@@ -85,17 +92,25 @@ Vec3 EffectStep::surface_force(const EffectSample& sample, const SurfaceContact&
   const Vec3 normal = method_n > 0.0 ? Vec3(contact.force_n / method_n) : Vec3((contact.p_SP - sample.p_SD) / depth_m);
 
   // The depth below the bumps, and the force there along the normal. A method's force grows in proportion to the depth.
-  const double lowered_m = surface.bumps.is_on() ? surface.bumps.height_at(contact.p_SP) : 0.0;
+  const MapSample map = contact.map != nullptr ? *contact.map : MapSample();
+  const double lowered_m = surface.bumps.is_on() ? surface.bumps.height_at(contact.p_SP) : map.height_m;
   const double pressed_m = std::max(0.0, depth_m + lowered_m);
-  double pressed_n = method_n * (pressed_m / depth_m);
+  double pressed_n = map.stiffness * method_n * (pressed_m / depth_m);
   if (surface.progressive.is_on()) pressed_n += surface.progressive.force(pressed_m);
-  const Vec3 slope = surface.bumps.is_on() ? tangential(surface.bumps.gradient_at(contact.p_SP), normal) : Vec3(Vec3::Zero());
+  const Vec3 slope = tangential(surface.bumps.is_on() ? surface.bumps.gradient_at(contact.p_SP) : map.height_gradient, normal);
   if (surface.layers.is_on()) {
     // Drag works against the rate of the pressed depth, so that it takes energy on bumps as well.
     pressed_n = surface.layers.force(pressed_m, -sample.v_SD.dot(normal - slope), state.layers);
     p_SP = tip_in_layers(sample.p_SD, contact.p_SP, depth_m, surface.layers, state.layers);
   }
   Vec3 force_n = pressed_n * (normal - slope);
+  if (surface.maps.stiffness.is_on()) force_n -= spring_energy(method_n, depth_m, pressed_m) * tangential(map.stiffness_gradient, normal);
+  if (surface.maps.friction.is_on() && method_n > 0.0) {
+    force_n +=
+        MapFriction::force(begins ? Vec3(Vec3::Zero()) : motion, normal, method_n / depth_m, std::abs(pressed_n), map.friction, friction_);
+  } else {
+    friction_ = {};
+  }
   if (surface.viscosity.is_on()) force_n += surface.viscosity.force(sample.v_SD, normal, std::abs(pressed_n));
   if (surface.tap.is_on()) {
     if (begins) surface.tap.begin(-velocity_.newest().dot(normal), sample.time_s, state.tap);
@@ -108,6 +123,7 @@ Vec3 EffectStep::surface_force(const EffectSample& sample, const SurfaceContact&
 // Layers are whole again and nothing rings any more; a surface that holds on still pulls.
 Vec3 EffectStep::leave_surface(const EffectSample& sample) noexcept {
   in_contact_ = false;
+  friction_ = {};
   if (touched_ < 0) return Vec3::Zero();
   const auto object = static_cast<std::size_t>(touched_);
   return surfaces_[object].snap.force(sample, states_[object].effects.snap);

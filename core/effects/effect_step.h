@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/effects/map_friction.h"
 #include "core/effects/smooth_velocity.h"
 #include "core/effects/space_effect.h"
 #include "core/effects/surface_effects.h"
@@ -15,6 +16,7 @@ struct SurfaceContact {
   Vec3 p_SP = Vec3::Zero();     // proxy
   int object = -1;              // touched; -1: none, or unknown
   bool contact = false;
+  const MapSample* map = nullptr;  // of the object's images at the proxy; null: it has none
 };
 
 // The same with all effects.
@@ -36,7 +38,10 @@ class EffectStep {
   EffectResult step(const Vec3& p_SD, double dt_s, const SurfaceContact& contact) noexcept;
   void reset() noexcept;
   // The scene was moved under the device, whose last point is here now: that is no motion of the hand.
-  void note_scene_moved(const Vec3& last_p_SD) noexcept { velocity_.move_last(last_p_SD); }
+  void note_scene_moved(const Vec3& last_p_SD) noexcept {
+    velocity_.move_last(last_p_SD);
+    last_p_SD_ = last_p_SD;
+  }
 
  private:
   static constexpr double kLongestS = 1.0;
@@ -52,7 +57,7 @@ class EffectStep {
   };
 
   SurfaceEffectState& state_of(int object) noexcept;
-  Vec3 surface_force(const EffectSample& sample, const SurfaceContact& contact, Vec3& p_SP) noexcept;
+  Vec3 surface_force(const EffectSample& sample, const Vec3& motion, const SurfaceContact& contact, Vec3& p_SP) noexcept;
   Vec3 leave_surface(const EffectSample& sample) noexcept;
   Vec3 space_force(const EffectSample& sample) noexcept;
 
@@ -62,6 +67,8 @@ class EffectStep {
   double time_s_ = 0.0;
   int touched_ = -1;  // the object touched in the last step that touched any
   bool in_contact_ = false;
+  Vec3 last_p_SD_ = Vec3::Zero();
+  MapFriction::State friction_;      // carried over from object to object, so that the force stays
   std::uint64_t contacts_ = 0;       // begun from free space
   std::vector<ObjectState> states_;  // by object
 };

@@ -2,6 +2,7 @@
 
 #include "core/effects/progressive_stiffness.h"
 #include "core/effects/surface_bumps.h"
+#include "core/effects/surface_maps.h"
 #include "core/effects/surface_snap.h"
 #include "core/effects/surface_viscosity.h"
 #include "core/effects/tap_vibration.h"
@@ -17,9 +18,10 @@ struct SurfaceEffects {
   SurfaceViscosity viscosity = {};
   SurfaceSnap snap = {};
   TapVibration tap = {};
+  SurfaceMaps maps = {};  // height not together with bumps, stiffness not with layers
 
   bool any() const noexcept {
-    return progressive.is_on() || layers.is_on() || bumps.is_on() || viscosity.is_on() || snap.is_on() || tap.is_on();
+    return progressive.is_on() || layers.is_on() || bumps.is_on() || viscosity.is_on() || snap.is_on() || tap.is_on() || maps.is_on();
   }
 };
 

@@ -18,7 +18,10 @@ MethodInput to_static_scene(const TouchInput& input) {
 TouchStep::TouchStep(std::shared_ptr<ForceMethod> method, const TouchScene& scene) : method_(std::move(method)) {
   if (!scene.has_effects()) return;
   std::vector<SurfaceEffects> surfaces;
-  for (const TouchObject& object : scene.objects) surfaces.push_back(object.effects);
+  for (const TouchObject& object : scene.objects) {
+    surfaces.push_back(object.effects);
+    maps_.push_back(object.effects.maps.is_on() ? std::make_unique<MapFinder>(object.effects.maps) : nullptr);
+  }
   effects_ = std::make_unique<EffectStep>(std::move(surfaces), scene.effects);
 }
 
@@ -28,6 +31,7 @@ TouchOutput TouchStep::step(const TouchInput& input) noexcept {
   // One variable for every return: it is built where the caller wants it, and never copied.
   TouchOutput output;
   output.contact = result.contact;
+  output.object = result.object;
   if (result.contact) {
     output.force_n = input.X_WS.linear() * result.force_n;
     output.visual_offset_m = input.X_WS.linear() * (result.p_SP - sample.p_SD);
@@ -43,10 +47,15 @@ TouchOutput TouchStep::step(const TouchInput& input) noexcept {
   if (last_.X_WS.matrix() != input.X_WS.matrix())
     effects_->note_scene_moved(to_static_scene({.p_WD = last_.p_WD, .X_WS = input.X_WS}).p_SD);
   last_ = input;
-  const EffectResult felt = effects_->step(
-      sample.p_SD, sample.dt_s, {.force_n = result.force_n, .p_SP = result.p_SP, .object = result.object, .contact = result.contact});
+  SurfaceContact contact = {.force_n = result.force_n, .p_SP = result.p_SP, .object = result.object, .contact = result.contact};
+  std::optional<MapSample> map;
+  if (result.contact && result.object >= 0 && result.object < static_cast<int>(maps_.size())) {
+    if (MapFinder* finder = maps_[static_cast<std::size_t>(result.object)].get()) contact.map = &map.emplace(finder->find(result.p_SP));
+  }
+  const EffectResult felt = effects_->step(sample.p_SD, sample.dt_s, contact);
   TouchOutput output;
   output.contact = felt.is_felt;
+  output.object = result.object;
   if (felt.is_felt) output.force_n = input.X_WS.linear() * felt.force_n;
   if (result.contact) output.visual_offset_m = input.X_WS.linear() * (felt.p_SP - sample.p_SD);
   return output;

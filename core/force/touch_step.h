@@ -1,10 +1,13 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
+#include <vector>
 
 #include "core/effects/effect_step.h"
 #include "core/force/force_method.h"
+#include "core/force/map_finder.h"
 
 namespace hapton {
 
@@ -19,6 +22,7 @@ struct TouchOutput {
   Vec3 force_n = Vec3::Zero();          // acts on the device, frame W
   Vec3 visual_offset_m = Vec3::Zero();  // frame W: proxy minus device point; the probe is drawn at device point + this
   bool contact = false;                 // a surface is touched, or an effect acts
+  int object = -1;                      // as in MethodOutput
 };
 
 // One haptic step: transforms the device point into the static scene's frame, runs the method, adds the scene's effects, and transforms
@@ -47,8 +51,9 @@ class TouchStep {
   TouchOutput add_effects(const TouchInput& input, const MethodInput& sample, const MethodOutput& result) noexcept;
 
   std::shared_ptr<ForceMethod> method_;
-  std::unique_ptr<EffectStep> effects_;  // null: the scene has none
-  TouchInput last_;                      // of the last step; used with effects only
+  std::unique_ptr<EffectStep> effects_;           // null: the scene has none
+  std::vector<std::unique_ptr<MapFinder>> maps_;  // by object; null: it has none; used with effects only
+  TouchInput last_;                               // of the last step; used with effects only
 };
 
 }  // namespace hapton

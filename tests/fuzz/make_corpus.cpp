@@ -60,7 +60,7 @@ std::vector<ListedDatagram> sealed(std::initializer_list<Said> all) {
 
 bool write_sealed() {
   const MaterialRequest change{.request = 1, .object = {"hull"}, .change = {.given = MaterialChange::kStiffness, .stiffness_n_per_m = 800}};
-  ForceCommand force{.echo_sample = 1, .force_n = Vec3(1, 2, 3), .contact = true};
+  ForceCommand force{.echo_sample = 1, .force_n = Vec3(1, 2, 3), .contact = true, .object = 0};
   return write("sealed", "haptics",
                sealed({{kHaptics, Hello{NodeRole::haptics}}, {kHaptics, force}, {kHaptics, HapticsSetup()}, {kHaptics, Bye()}})) &&
          write("sealed", "patch",

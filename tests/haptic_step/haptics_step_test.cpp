@@ -45,6 +45,7 @@ TEST(HapticsStep, AnswersWithForceOffsetAndEcho) {
   EXPECT_EQ(command.echo_sample, pressed.sample);
   EXPECT_EQ(command.echo_sample_time_ns, pressed.sample_time_ns);
   EXPECT_TRUE(command.contact);
+  EXPECT_EQ(command.object, 0);
   EXPECT_NEAR((command.force_n - Vec3(0, 0, 2)).norm(), 0.0, 1e-9);
   EXPECT_NEAR((command.visual_offset_m - Vec3(0, 0, 0.002)).norm(), 0.0, 1e-12);
   EXPECT_FALSE(step.has_state());

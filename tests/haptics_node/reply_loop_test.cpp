@@ -388,5 +388,32 @@ TEST_F(TunedLoopTest, WhileTheHubWorksOutForcesItselfMaterialsStay) {
   loop_.set_patch_sender(nullptr);
 }
 
+// A scene file that was saved with another sheet, 1 mm lower, and another material, under a pressed stylus.
+TEST_F(TunedLoopTest, AnotherSceneFadesInAndIsTold) {
+  exchange({0.01, 0.01, 0.001});
+  exchange({0.01, 0.01, -0.002});
+  ASSERT_EQ(ask(request(7, "hull", 1500.0)).serial, 1U);
+  for (int i = 0; i < 120; ++i) forces_n_.push_back(exchange({0.01, 0.01, -0.002})->force_n[2]);
+  auto made = std::make_shared<NewScene>();
+  made->touch = {.objects = {{made::shared(made::sheet(0.1, -0.001, 6)), {.stiffness_n_per_m = 800.0}}}};
+  made->materials = {made->touch.objects[0].material};
+  made->hash = 77;
+  made->facts.given_hash = 78;
+  made->revision = 1;
+  ASSERT_TRUE(builder_.follow(made));
+  for (int i = 0; i < 200; ++i) forces_n_.push_back(exchange({0.01, 0.01, -0.002})->force_n[2]);
+  EXPECT_NEAR(forces_n_.back(), 0.8, 1e-4) << "1 mm deep, and what was tuned before is of the scene before";
+  for (std::size_t i = 1; i < forces_n_.size(); ++i) EXPECT_LE(std::abs(forces_n_[i] - forces_n_[i - 1]), 0.07) << i;
+  EXPECT_EQ(setups_.back().scene_hash, 77U);
+  EXPECT_EQ(setups_.back().method_serial, 1U);
+  EXPECT_EQ(scenes_.back().given_hash, 78U) << "vision nodes compare it with theirs";
+  EXPECT_EQ(materials_.back().serial, 2U);
+  EXPECT_EQ(materials_.back().object_count, 0U);
+  // The tuner still has the scene before: it must not bring that one's materials.
+  const MaterialState late = ask(request(9, "hull", 300.0));
+  EXPECT_NE(std::string_view(late.rejection.data()).find("read again"), std::string_view::npos) << late.rejection.data();
+  EXPECT_NEAR(exchange({0.01, 0.01, -0.002})->force_n[2], 0.8, 1e-4);
+}
+
 }  // namespace
 }  // namespace hapton

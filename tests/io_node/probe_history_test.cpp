@@ -17,6 +17,7 @@ ForceCommand answer_to(std::uint64_t number, bool contact) {
   command.echo_sample = number;
   command.contact = contact;
   command.visual_offset_m = Vec3(0, 0, 0.002);
+  command.object = 4;
   return command;
 }
 
@@ -35,6 +36,7 @@ TEST_F(Memory, ShowsPoseAndOffsetOfOneSample) {
   EXPECT_EQ(shown.p_WD.x(), 0.1);
   EXPECT_TRUE(shown.contact);
   EXPECT_EQ(shown.visual_offset_m.z(), 0.002);
+  EXPECT_EQ(shown.object, 4);
 }
 
 TEST_F(Memory, WithoutRepliesShowsTheNewestSampleAsItIsAndNeverGoesBack) {
@@ -44,6 +46,7 @@ TEST_F(Memory, WithoutRepliesShowsTheNewestSampleAsItIsAndNeverGoesBack) {
   EXPECT_EQ(shown.sample, 2U);
   EXPECT_FALSE(shown.contact);
   EXPECT_EQ(shown.visual_offset_m, Vec3(Vec3::Zero()));
+  EXPECT_EQ(shown.object, -1);
   memory.note_answer(answer_to(1, true));
   memory.show(false, shown);
   EXPECT_EQ(shown.sample, 2U);

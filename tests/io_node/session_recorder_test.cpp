@@ -62,7 +62,7 @@ TEST_F(Recorders, WriteAllThatHappensInOrder) {
                      .missed = 4,
                      .cause = MissCause::work_long,
                      .device = CycleSample{6, Vec3(0.1, 0.2, 0.3), Quat(0.6, 0, -0.8, 0), 5},
-                     .local = CycleLocal{Vec3(4, 5, 6), Vec3(7, 8, 9)}},
+                     .local = CycleLocal{Vec3(4, 5, 6), Vec3(7, 8, 9), 2}},
                     7);
   recorder.on_fault(SessionFault::clamped, 8);
   ASSERT_TRUE(recorder.stop());
@@ -85,6 +85,7 @@ TEST_F(Recorders, WriteAllThatHappensInOrder) {
   ASSERT_TRUE(entries[2].cycle.local);
   EXPECT_EQ(entries[2].cycle.local->force_n, Vec3(4, 5, 6));
   EXPECT_EQ(entries[2].cycle.local->visual_offset_m, Vec3(7, 8, 9));
+  EXPECT_EQ(entries[2].cycle.local->object, 2);
   EXPECT_EQ(entries[3].fault, SessionFault::clamped);
   EXPECT_EQ(recorder.counts().entries, 4U);
   EXPECT_EQ(recorder.counts().file_bytes, std::filesystem::file_size(file));

@@ -41,6 +41,7 @@ class RandomDatagrams {
   bool flag() { return (random_() & 1U) != 0; }
   Vec3 vector() { return {number(-10, 10), number(-1e-6, 1e-6), number(-1e6, 1e6)}; }
   Quat rotation() { return Quat(number(-1, 1), number(-1, 1), number(-1, 1), number(0.1, 1)).normalized(); }
+  std::int32_t object() { return static_cast<std::int32_t>(bits32() >> 1) - 1; }
   float rate() { return static_cast<float>(number(0, 1e4)); }
 
   Message draw_message(std::size_t kind) {
@@ -55,7 +56,7 @@ class RandomDatagrams {
       case 3:
         return draw_state(time);
       case 4:
-        return ForceCommand{bits(), time, vector(), vector(), flag(), bits32(), bits32(), bits32(), bits32(), bits()};
+        return ForceCommand{bits(), time, vector(), vector(), flag(), bits32(), bits32(), bits32(), bits32(), bits(), bits32(), object()};
       case 5:
         return draw_view();
       case 6:
@@ -72,7 +73,8 @@ class RandomDatagrams {
                           rate(),
                           bits32(),
                           static_cast<ProbeStatus>(bits() % 7),
-                          bits32()};
+                          bits32(),
+                          object()};
       case 7:
         return FrameAck{bits(), time, rate(), bits32(), bits32(), flag()};
       case 8:
@@ -235,6 +237,7 @@ inline void expect_equal(const ForceCommand& a, const ForceCommand& b) {
   EXPECT_EQ(a.method_serial, b.method_serial);
   EXPECT_EQ(a.answered_before, b.answered_before);
   EXPECT_EQ(a.material_serial, b.material_serial);
+  EXPECT_EQ(a.object, b.object);
 }
 inline void expect_equal(const MaterialChange& a, const MaterialChange& b) {
   EXPECT_EQ(a.given, b.given);
@@ -277,6 +280,7 @@ inline void expect_equal(const ProbeState& a, const ProbeState& b) {
   EXPECT_EQ(a.view_revision, b.view_revision);
   EXPECT_EQ(a.status, b.status);
   EXPECT_EQ(a.energy_percent, b.energy_percent);
+  EXPECT_EQ(a.object, b.object);
 }
 inline void expect_equal(const FrameAck& a, const FrameAck& b) {
   EXPECT_EQ(a.echo_sample, b.echo_sample);

@@ -39,8 +39,9 @@ TEST_F(CodecTest, WhatTheHandFeelsHasOneLengthWhateverItSays) {
       {DeviceState{}, DeviceState{~std::uint64_t{0}, -1, odd, Quat(0.5, -0.5, 0.5, -0.5), ~0U},
        DeviceState{.sample = 1, .is_resumed = true, .p_WP = odd}},
       {ForceCommand{}, ForceCommand{.contact = true}, ForceCommand{.force_n = odd, .visual_offset_m = odd, .contact = true},
-       ForceCommand{~std::uint64_t{0}, -1, odd, odd, true, ~0U, ~0U, ~0U, ~0U, ~std::uint64_t{0}, ~0U}},
-      {ProbeState{}, ProbeState{~std::uint64_t{0}, -1, odd, Quat(0.5, -0.5, 0.5, -0.5), odd, odd, true, ~0U, 1e9F, 1e9F, 1e9F, ~0U}}};
+       ForceCommand{~std::uint64_t{0}, -1, odd, odd, true, ~0U, ~0U, ~0U, ~0U, ~std::uint64_t{0}, ~0U, 7}},
+      {ProbeState{}, ProbeState{~std::uint64_t{0}, -1, odd, Quat(0.5, -0.5, 0.5, -0.5), odd, odd, true, ~0U, 1e9F, 1e9F, 1e9F, ~0U},
+       ProbeState{.object = 7}}};
   for (const auto& messages : kinds) {
     std::set<std::size_t> lengths;
     for (const Message& message : messages) {
@@ -53,6 +54,24 @@ TEST_F(CodecTest, WhatTheHandFeelsHasOneLengthWhateverItSays) {
     EXPECT_EQ(lengths.size(), 1U) << "kind " << messages.front().index();
     EXPECT_GT(*lengths.begin(), 100U);
   }
+}
+
+// A haptics node of an earlier build says nothing of objects.
+TEST_F(CodecTest, AForceWithoutItsObjectTouchesNoneThatIsKnown) {
+  Bytes bytes = encode({{}, ForceCommand{.echo_sample = 9, .contact = true, .object = 3}});
+  // The message is the last field of the envelope, its object the last of the message: a byte of tag and four of the number.
+  std::size_t at = 2;
+  while (at < bytes.size() && !(bytes[at - 2] == std::byte{0xA2} && bytes[at - 1] == std::byte{1} &&
+                                std::to_integer<std::size_t>(bytes[at]) == bytes.size() - at - 1)) {
+    ++at;
+  }
+  ASSERT_LT(at, bytes.size()) << "its tag and its length, which is one byte";
+  bytes[at] = static_cast<std::byte>(std::to_integer<std::size_t>(bytes[at]) - 5);
+  bytes.resize(bytes.size() - 5);
+  Datagram decoded;
+  ASSERT_EQ(Codec().decode(bytes, decoded), DecodeStatus::ok);
+  EXPECT_EQ(std::get<ForceCommand>(decoded.message).object, -1);
+  EXPECT_EQ(std::get<ForceCommand>(decoded.message).echo_sample, 9U);
 }
 
 TEST_F(CodecTest, RoundTripsDefaults) {

@@ -32,7 +32,9 @@ void lengthen(Hello& m) { m.role = NodeRole::tool; }
 void lengthen(Welcome& m) { m = {true, kMaxServoRateHz}; }
 void lengthen(Bye&) {}
 void lengthen(DeviceState& m) { m = {kMost64, kLeastTime, kVector, kRotation, kMost32}; }
-void lengthen(ForceCommand& m) { m = {kMost64, kLeastTime, kVector, kVector, true, kMost32, kMost32, kMost32, kMost32, kMost64, kMost32}; }
+void lengthen(ForceCommand& m) {
+  m = {kMost64, kLeastTime, kVector, kVector, true, kMost32, kMost32, kMost32, kMost32, kMost64, kMost32, 5};
+}
 void lengthen(ViewTransform& m) { m = {kMost32, kPose}; }
 void lengthen(ProbeState& m) {
   m = {kMost64, kLeastTime, kVector, kRotation, kVector, kVector, true, kMost32, kRate, kRate, kRate, kMost32, ProbeStatus::too_small};

@@ -29,7 +29,7 @@ SessionEntry make(Kind kind) {
                      .missed = 7,
                      .cause = MissCause::device_slow,
                      .device = CycleSample{-9, Vec3(1, -2, 1e-300), Quat(0.6, 0, -0.8, 0), 5},
-                     .local = CycleLocal{Vec3(-1, 2, 3), Vec3(1e-3, 0, -2e-3)}};
+                     .local = CycleLocal{Vec3(-1, 2, 3), Vec3(1e-3, 0, -2e-3), 3}};
       break;
     case Kind::fault:
       entry.fault = SessionFault::clamped;
@@ -62,6 +62,7 @@ void expect_equal(const SessionEntry& a, const SessionEntry& b) {
   if (a.cycle.local) {
     EXPECT_EQ(a.cycle.local->force_n, b.cycle.local->force_n);
     EXPECT_EQ(a.cycle.local->visual_offset_m, b.cycle.local->visual_offset_m);
+    EXPECT_EQ(a.cycle.local->object, b.cycle.local->object);
   }
   EXPECT_EQ(a.fault, b.fault);
   EXPECT_EQ(a.dropped, b.dropped);

@@ -43,6 +43,28 @@ TEST(SceneCheck, ASceneOutOfReachIsSaid) {
   EXPECT_TRUE(System::wait_until([&] { return system["io_node"].err().find("out of the device's reach") != std::string::npos; }));
 }
 
+TEST(SceneCheck, ASavedSceneFileIsFeltAndOneWithAnErrorIsNot) {
+  System system;
+  system.start("io_node");
+  const std::filesystem::path file = system.folder() / "live.toml";
+  const auto save = [&](const std::string& lines) {
+    std::ofstream(file) << "[[object]]\nmesh = '" HAPTON_SOURCE_DIR "/meshes/wingnut.obj'\nunit = 'mm'\nmaterial = 'm'\n[material.m]\n"
+                        << lines;
+  };
+  save("stiffness_n_per_m = 500\n");
+  Program haptics("haptics_node", {"--hub", system.hub(), "--scene", file.string(), "--watch-scene"}, system.folder());
+  const Json first = system.wait_for_report([](const Json& now) { return !note(now, "scene_hash").empty(); });
+  const auto says = [&](const char* what) { return System::wait_until([&] { return haptics.err().find(what) != std::string::npos; }); };
+  save("stifness_n_per_m = 700\n");
+  EXPECT_TRUE(says("line 6: unknown key 'stifness_n_per_m'")) << haptics.err();
+  EXPECT_TRUE(says("the scene in use goes on"));
+  save("stiffness_n_per_m = 700\n");
+  EXPECT_TRUE(says("its materials fade in")) << haptics.err();
+  save("stiffness_n_per_m = 700\nviscosity_ns_per_m = 1\n");
+  EXPECT_TRUE(says("its effects fade in")) << haptics.err();
+  (void)system.wait_for_report([&](const Json& now) { return note(now, "scene_hash") != note(first, "scene_hash"); });
+}
+
 #ifdef HAPTON_WITH_VISION
 
 TEST(SceneCheck, TwoNodesWithDifferentScenesSaySo) {

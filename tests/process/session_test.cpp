@@ -57,6 +57,7 @@ TEST_F(Sessions, EveryForceOfARecordedSessionIsReplayedToTheLastBit) {
   EXPECT_EQ(exported.exit_code, 0) << exported.err;
   EXPECT_THAT(read_text(scratch.path() / "tables/trajectory.csv"), HasSubstr("t_s,x_m,y_m,z_m,qw,qx,qy,qz,sample\n"));
   for (const char* table : {"forces.csv", "cycles.csv"}) EXPECT_GT(read_text(scratch.path() / "tables" / table).size(), 1000U);
+  EXPECT_THAT(read_text(scratch.path() / "tables/forces.csv"), HasSubstr(",0,cube,"));
 }
 
 TEST_F(Sessions, ABadNetworkAndChangesOfMethodAreReplayedToo) {

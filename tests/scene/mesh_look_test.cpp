@@ -170,7 +170,8 @@ TEST_F(MeshLooks, AGlbFileWhoseTextureIsMissingIsStillRead) {
   const MeshFile file = load("a.glb", textured_glb(R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":7}}})"));
   EXPECT_EQ(file.mesh.triangles.size(), 4U);
   EXPECT_THAT(file.notes, Contains(HasSubstr("a texture is missing")));
-  EXPECT_TRUE(file.look.triangles.empty()) << "nothing is said of any colour";
+  EXPECT_FALSE(file.look.says_anything()) << "but where it would lie is known"
+                                          << "nothing is said of any colour";
 }
 
 TEST_F(MeshLooks, GoWithThePartsOfAFileAndStayOutOfTheHash) {

@@ -42,6 +42,15 @@ TEST(Hud, ShowsRatesLatencyForceContactAndMode) {
   EXPECT_EQ(compose_hud(facts).find("touching"), std::string::npos);
 }
 
+TEST(Hud, NamesWhatIsTouched) {
+  HudFacts facts;
+  facts.connected = true;
+  facts.touched = "hood (sheet metal)";
+  EXPECT_EQ(compose_hud(facts).find("hood"), std::string::npos) << "nothing is touched";
+  facts.state.contact = true;
+  EXPECT_NE(compose_hud(facts).find("touching hood (sheet metal)"), std::string::npos) << compose_hud(facts);
+}
+
 TEST(Hud, AMeterShowsTheEnergyThatTheHandWasGiven) {
   HudFacts facts;
   facts.connected = true;

@@ -68,6 +68,29 @@ TEST_F(VisionStepTest, TheHudSaysThatHapticsPreparesUntilTheHubIsLost) {
   EXPECT_EQ(step.compose(kMs).hud.find("prepares"), std::string::npos);
 }
 
+TEST_F(VisionStepTest, TheHudNamesTheTouchedObjectOfTheSameScene) {
+  VisionStepSettings with_names = settings();
+  with_names.names = {{"hood", "tin"}, {"glass", ""}};
+  VisionStep step(with_names);
+  step.joined();
+  ProbeState state = state_at(0.0, 1);
+  state.contact = true;
+  state.object = 0;
+  step.receive(state);
+  EXPECT_NE(step.compose(0).hud.find("touching hood (tin)"), std::string::npos);
+  state.object = 1;
+  step.receive(state);
+  EXPECT_NE(step.compose(kMs).hud.find("touching glass"), std::string::npos) << "at once, not with the next numbers";
+  state.object = 7;
+  step.receive(state);
+  EXPECT_EQ(step.compose(2 * kMs).hud.find("glass"), std::string::npos);
+  state.object = 0;
+  step.receive(state);
+  step.set_other_scene(true);
+  step.spoil();
+  EXPECT_EQ(step.compose(3 * kMs).hud.find("hood"), std::string::npos) << "the numbers are those of another scene";
+}
+
 TEST_F(VisionStepTest, ATurnedKnobIsDrawnAndSentAndAStillOneIsNot) {
   VisionStep step(settings());
   step.joined();

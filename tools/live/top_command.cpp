@@ -13,6 +13,7 @@
 #include "tools/commands.h"
 #include "tools/live/hub_report.h"
 #include "tools/live/top_view.h"
+#include "tools/live/touched_names.h"
 
 namespace hapton {
 namespace {
@@ -37,12 +38,13 @@ Result<void> top(const TopOptions& options) {
   if (!reader) return tl::unexpected(reader.error());
   const bool paints = ::isatty(STDOUT_FILENO) == 1 && !options.once;
   std::optional<TopLook> before;
+  TouchedNames names;
   do {
     const auto texts = (*reader)->read();
     if (!texts) return stop.stop_requested() ? Result<void>() : tl::unexpected(texts.error());
     auto now = read_top_look(texts->json, texts->csv);
     if (!now) return tl::unexpected(now.error());
-    const std::string view = make_top_view(options.hub, *now, before ? &*before : nullptr);
+    const std::string view = make_top_view(options.hub, *now, before ? &*before : nullptr, names.describe(now->report));
     fmt::print("{}", paints ? on_terminal(view) : view + (options.once ? "" : "\n"));
     std::fflush(stdout);
     before = std::move(*now);

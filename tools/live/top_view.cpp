@@ -113,7 +113,7 @@ Result<TopLook> read_top_look(const std::string& json, const std::string& csv) {
   return look;
 }
 
-std::string make_top_view(const std::string& hub, const TopLook& now, const TopLook* before) {
+std::string make_top_view(const std::string& hub, const TopLook& now, const TopLook* before, const std::string& touched) {
   const Span span = make_span(now, before);
   const ReportJson& rates = section(now.report, "rates_hz");
   std::string text =
@@ -125,6 +125,7 @@ std::string make_top_view(const std::string& hub, const TopLook& now, const TopL
                   1e-3 * per_second(span, "bytes_sent"), per_second(span, "datagrams_received"), 1e-3 * per_second(span, "bytes_received"));
   if (const std::string status = word(section(now.report, "notes"), "status_now"); !status.empty() && status != "ok")
     text += status + "\n\n";
+  if (!touched.empty()) text += touched + "\n\n";
   if (const std::string safety = safety_text(now.report); !safety.empty()) text += safety + "\n";
   text += nodes_text(span) + "\n";
   text += hops_text(span.before == nullptr ? now.hops : subtract_hops(now.hops, before->hops)) + "\n";

@@ -20,7 +20,7 @@ Result<TopLook> read_top_look(const std::string& json, const std::string& csv);
 
 // What `hapton top` shows: nodes with their datagrams a second, hops, counters that are not zero. Rates, hops and the second column of the
 // counters are of the time between the two looks; without an earlier one, of the time since the hub's start.
-// RT: no.
-std::string make_top_view(const std::string& hub, const TopLook& now, const TopLook* before);
+// touched: what the hand touches, for a line of its own; empty: none. RT: no.
+std::string make_top_view(const std::string& hub, const TopLook& now, const TopLook* before, const std::string& touched = {});
 
 }  // namespace hapton

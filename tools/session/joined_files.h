@@ -2,9 +2,11 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 
 #include "core/base/result.h"
 #include "link/session_reader.h"
+#include "scene/object_names.h"
 #include "tools/session/joined_table.h"
 
 namespace hapton {
@@ -15,11 +17,13 @@ struct JoinedCounts {
   std::uint64_t without_sample = 0;  // cycles of an older recording, which have no row
 };
 
-// Writes the joined table of a recording to the end, or to the damage: reader.problem() says which. RT: no. Error: one line with the path.
-Result<JoinedCounts> write_joined_csv(SessionReader& reader, const std::filesystem::path& path);
+// Writes the joined table of a recording to the end, or to the damage: reader.problem() says which. names: of the scene's objects, empty
+// where they are not known. RT: no. Error: one line with the path.
+Result<JoinedCounts> write_joined_csv(SessionReader& reader, const std::filesystem::path& path, std::span<const ObjectName> names = {});
 
-// As HDF5: /samples has a dataset for each column of numbers, with the attribute `unit`; /events has `t_s` and `name`; the file's
-// attributes say what the recording is: schema, build, session, start_unix_ns and every setting.
-Result<JoinedCounts> write_joined_hdf5(SessionReader& reader, const std::filesystem::path& path);
+// As HDF5: /samples has a dataset for each column of numbers, with the attribute `unit`; /events has `t_s` and `name`; /objects has `name`
+// and `material` by the number of the object; the file's attributes say what the recording is: schema, build, session, start_unix_ns and
+// every setting.
+Result<JoinedCounts> write_joined_hdf5(SessionReader& reader, const std::filesystem::path& path, std::span<const ObjectName> names = {});
 
 }  // namespace hapton

@@ -3,6 +3,7 @@
 #include <array>
 #include <utility>
 
+#include "scene/text_cursor.h"
 #include "tools/session/joined_files.h"
 
 namespace hapton {
@@ -98,6 +99,17 @@ class JoinedHdf5 {
     values_.resize(columns_.size());
   }
 
+  void add_names(std::span<const ObjectName> names) {
+    const Handle objects(H5Gcreate2(file_, "objects", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), &H5Gclose);
+    Column name(objects, "name", text_type_, text_type_);
+    Column material(objects, "material", text_type_, text_type_);
+    for (const ObjectName& one : names) {
+      const std::string texts[] = {printable(one.object), printable(one.material)};
+      const char* pointers[] = {texts[0].c_str(), texts[1].c_str()};
+      is_good_ = is_good_ && name.append(&pointers[0], 1) && material.append(&pointers[1], 1);
+    }
+  }
+
   bool is_open() const { return file_.is_good(); }
 
   void describe(const SessionHeader& header) {
@@ -142,10 +154,11 @@ class JoinedHdf5 {
 
 }  // namespace
 
-Result<JoinedCounts> write_joined_hdf5(SessionReader& reader, const std::filesystem::path& path) {
+Result<JoinedCounts> write_joined_hdf5(SessionReader& reader, const std::filesystem::path& path, std::span<const ObjectName> names) {
   JoinedHdf5 file(path);
   if (!file.is_open()) return fail("{}: cannot be written as HDF5", path.string());
   file.describe(reader.header());
+  file.add_names(names);
   JoinedTable table(reader.header().start_ns, [&](const JoinedRow& row) { file.add(row); });
   table.add_all(reader);
   if (!file.finish()) return fail("{}: could not be written to its end; is the disk full?", path.string());

@@ -40,6 +40,7 @@ constexpr JoinedColumn kJoinedColumns[] = {
     {"written_y_n", "N", [](const JoinedRow& r) { return r.written_n.y(); }},
     {"written_z_n", "N", [](const JoinedRow& r) { return r.written_n.z(); }},
     {"contact", "1", [](const JoinedRow& r) { return r.is_contact ? 1.0 : 0.0; }},
+    {"object", "1", [](const JoinedRow& r) { return r.object < 0 ? kUnknown : static_cast<double>(r.object); }},
     {"local", "1", [](const JoinedRow& r) { return r.is_local ? 1.0 : 0.0; }},
     {"round_trip_s", "s", [](const JoinedRow& r) { return r.round_trip_s; }},
     {"late_s", "s", [](const JoinedRow& r) { return r.late_s; }},
@@ -89,6 +90,7 @@ void JoinedTable::add_cycle(const SessionEntry& entry) {
     row.p_WP = row.p_WD + cycle.local->visual_offset_m;
     row.wanted_n = cycle.local->force_n;
     row.is_contact = !row.wanted_n.isZero(0.0);
+    row.object = cycle.local->object;
     added.is_complete = true;
   }
   waiting_.push_back(std::move(added));
@@ -109,6 +111,7 @@ void JoinedTable::add_force(const ForceCommand& force, std::int64_t time_ns) {
   row.p_WP = row.p_WD + force.visual_offset_m;
   row.wanted_n = force.force_n;
   row.is_contact = force.contact;
+  row.object = force.object;
   row.round_trip_s = seconds_between(force.echo_sample_time_ns, time_ns);
   found->is_complete = true;
 }

@@ -3,18 +3,15 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
-#include "haptic_step/material_tuning.h"
-#include "haptic_step/method_text.h"
 #include "link/session_reader.h"
-#include "scene/scene_file.h"
-#include "scene/scene_hash.h"
 #include "tools/commands.h"
 #include "tools/session/joined_files.h"
+#include "tools/session/recorded_scenes.h"
 #include "tools/session/session_entries.h"
 #include "tools/session/session_export.h"
 #include "tools/session/session_replay.h"
@@ -46,14 +43,29 @@ Result<void> show_info(const SessionOptions& options) {
   return check_end(*reader);
 }
 
+// The names of what was touched, if the scene that was recorded is still there; otherwise their columns stay empty, with one line that says
+// why.
+Result<std::vector<ObjectName>> find_names(const SessionOptions& options) {
+  auto reader = SessionReader::open(options.file);
+  if (!reader) return tl::unexpected(reader.error());
+  SessionSummary summary;
+  if (const auto done = summarize(*reader, summary); !done) return tl::unexpected(done.error());
+  std::vector<ObjectName> names;
+  if (summary.setups().empty()) return names;
+  auto found = RecordedScenes(options.scene).find_names(summary.setups().begin()->second);
+  if (found) return found;
+  fmt::print(stderr, "hapton session export: objects are without names: {}\n", found.error().what);
+  return names;
+}
+
 // One table in one file: every cycle with its sample, its force and what happened.
-Result<void> write_joined(const SessionOptions& options, SessionReader& reader) {
+Result<void> write_joined(const SessionOptions& options, SessionReader& reader, const std::vector<ObjectName>& names) {
   std::error_code error;
   std::filesystem::create_directories(options.out, error);
   if (error) return fail("{}: the folder cannot be made: {}", options.out, error.message());
   const bool is_hdf5 = options.format == "hdf5";
   const auto path = std::filesystem::path(options.out) / (is_hdf5 ? "session.h5" : "session.csv");
-  const auto written = is_hdf5 ? write_joined_hdf5(reader, path) : write_joined_csv(reader, path);
+  const auto written = is_hdf5 ? write_joined_hdf5(reader, path, names) : write_joined_csv(reader, path, names);
   if (!written) return tl::unexpected(written.error());
   fmt::print("{}: {} rows\n", path.string(), written->rows);
   if (written->rows == 0 && written->without_sample > 0) {
@@ -63,10 +75,12 @@ Result<void> write_joined(const SessionOptions& options, SessionReader& reader) 
 }
 
 Result<void> write_tables(const SessionOptions& options) {
+  auto names = find_names(options);
+  if (!names) return tl::unexpected(names.error());
   auto reader = SessionReader::open(options.file);
   if (!reader) return tl::unexpected(reader.error());
-  if (options.format != "tables") return write_joined(options, *reader);
-  auto tables = SessionExport::open(options.out, reader->header().start_ns);
+  if (options.format != "tables") return write_joined(options, *reader, *names);
+  auto tables = SessionExport::open(options.out, reader->header().start_ns, std::move(*names));
   if (!tables) return tl::unexpected(tables.error());
   const auto done = for_each_entry(*reader, [&](const SessionEntry& entry, const Datagram* datagram) {
     tables->add(entry, datagram);
@@ -78,67 +92,6 @@ Result<void> write_tables(const SessionOptions& options) {
              tables->rows().cycles);
   return check_end(*reader);
 }
-
-// Scenes by their path and how they were loaded. A recording of an earlier version does not say how: metres, no fit, and the cracks sealed
-// or not; the recorded hash must be that of either.
-class RecordedScenes {
- public:
-  explicit RecordedScenes(const SessionOptions& options) : options_(options) {}
-
-  Result<std::unique_ptr<TouchStep>> make_touch(const HapticsSetup& setup) {
-    const auto scene = find_recorded(setup);
-    if (!scene) return tl::unexpected(scene.error());
-    auto settings = parse_method_text(setup.method.data());
-    if (!settings) return tl::unexpected(settings.error());
-    // No slow task runs beside these steps, so everything is built at the start.
-    settings->build_on_approach = false;
-    auto method = make_method(*settings, (*scene)->touch);
-    if (!method) return tl::unexpected(method.error());
-    return std::make_unique<TouchStep>(std::move(*method), (*scene)->touch);
-  }
-
-  Result<std::vector<Material>> make_materials(const HapticsSetup& setup, const MaterialState& state) {
-    const auto scene = find_recorded(setup);
-    if (!scene) return tl::unexpected(scene.error());
-    const auto settings = parse_method_text(setup.method.data());
-    if (!settings) return tl::unexpected(settings.error());
-    return tuned_materials((*scene)->touch, state, settings->coupling_n_per_m);
-  }
-
- private:
-  struct LoadedScene {
-    TouchScene touch;
-    std::uint64_t hash = 0;
-  };
-
-  Result<const LoadedScene*> find_recorded(const HapticsSetup& setup) {
-    const std::string path = options_.scene.empty() ? setup.scene.data() : options_.scene;
-    const auto said = from_code(setup.scene_loading);
-    auto scene = find(path, said.value_or(SceneLoading()));
-    if (!scene) return fail("{}; --scene FILE names another place for it", scene.error().what);
-    const std::uint64_t hash = (*scene)->hash;
-    if (hash != setup.scene_hash && !said) scene = find(path, {.sealing = CrackSealing::off});
-    if (!scene || (*scene)->hash != setup.scene_hash) {
-      return fail("{}: is not the scene that was recorded (its hash is {:016x}, recorded {:016x}); name that one with --scene", path, hash,
-                  setup.scene_hash);
-    }
-    return scene;
-  }
-
-  Result<const LoadedScene*> find(const std::string& path, const SceneLoading& loading) {
-    const auto key = std::pair(path, to_code(loading));
-    auto found = scenes_.find(key);
-    if (found == scenes_.end()) {
-      const auto scene = load_scene(path, loading);
-      if (!scene) return tl::unexpected(scene.error());
-      found = scenes_.emplace(key, LoadedScene{scene->touch_scene(), hash_scene(scene->touch_scene())}).first;
-    }
-    return &found->second;
-  }
-
-  const SessionOptions& options_;
-  std::map<std::pair<std::string, std::uint32_t>, LoadedScene> scenes_;
-};
 
 std::string describe(const ReplayCounts& counts) {
   std::string text = fmt::format("replayed: {} steps, {} in contact; {} compared bit for bit, {} different\n", counts.steps,
@@ -161,7 +114,7 @@ Result<void> feel_again(const SessionOptions& options) {
 
   auto reader = SessionReader::open(options.file);
   if (!reader) return tl::unexpected(reader.error());
-  RecordedScenes scenes(options);
+  RecordedScenes scenes(options.scene);
   SessionReplay comparison(
       summary.setups(), [&](const HapticsSetup& setup) { return scenes.make_touch(setup); }, summary.materials(),
       [&](const HapticsSetup& setup, const MaterialState& state) { return scenes.make_materials(setup, state); });
@@ -207,6 +160,7 @@ void add_session_command(CommandLine app, int& exit_code) {
 
   const CommandLine tables = session.add_subcommand("export", "Write it as tables: CSV or HDF5");
   tables.add_option("file", options->file, "Recorded session").required();
+  tables.add_option("--scene", options->scene, "Scene file for the objects' names, when it is not where the haptics node had it");
   tables.add_option("--out", options->out, "Folder for the tables").folder_to_write().required();
   tables
       .add_option(

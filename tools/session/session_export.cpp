@@ -5,26 +5,34 @@
 #include <string>
 
 #include "runtime/atomic_file.h"
+#include "tools/session/csv_names.h"
 
 namespace hapton {
+namespace {
 
-Result<SessionExport> SessionExport::open(const std::filesystem::path& folder, std::int64_t start_ns) {
+std::string object_text(std::int32_t object) { return object < 0 ? std::string() : std::to_string(object); }
+
+}  // namespace
+
+Result<SessionExport> SessionExport::open(const std::filesystem::path& folder, std::int64_t start_ns, std::vector<ObjectName> names) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) return fail("{}: the folder cannot be made: {}", folder.string(), error.message());
   SessionExport made;
   made.folder_ = folder;
   made.start_ns_ = start_ns;
+  made.names_ = std::move(names);
   const struct {
     File& file;
     const char* name;
     const char* columns;
   } tables[] = {
       {made.trajectory_, "trajectory.csv", "t_s,x_m,y_m,z_m,qw,qx,qy,qz,sample\n"},
-      {made.forces_, "forces.csv", "t_s,sample,fx_n,fy_n,fz_n,contact,offset_x_m,offset_y_m,offset_z_m,round_trip_us,compute_us\n"},
+      {made.forces_, "forces.csv",
+       "t_s,sample,fx_n,fy_n,fz_n,contact,offset_x_m,offset_y_m,offset_z_m,round_trip_us,compute_us,object,object_name,material\n"},
       {made.cycles_, "cycles.csv",
        "t_s,sample,late_us,written_x_n,written_y_n,written_z_n,missed,cause,sample_t_s,x_m,y_m,z_m,qw,qx,qy,qz,buttons,local_x_n,local_y_n,"
-       "local_z_n\n"}};
+       "local_z_n,local_object\n"}};
   for (const auto& table : tables) {
     const auto path = folder / table.name;
     table.file.reset(open_file_for(path, FileReaders::everyone));
@@ -51,9 +59,9 @@ void SessionExport::add_cycle(const SessionEntry& entry) {
   } else {
     good_ = good_ && std::fputs(",,,,,,,,,", file) >= 0;
   }
-  good_ =
-      good_ && (c.local ? std::fprintf(file, ",%.17g,%.17g,%.17g\n", c.local->force_n.x(), c.local->force_n.y(), c.local->force_n.z()) > 0
-                        : std::fputs(",,,\n", file) >= 0);
+  good_ = good_ && (c.local ? std::fprintf(file, ",%.17g,%.17g,%.17g,%s\n", c.local->force_n.x(), c.local->force_n.y(),
+                                           c.local->force_n.z(), object_text(c.local->object).c_str()) > 0
+                            : std::fputs(",,,,\n", file) >= 0);
   if (c.device) add_sample(c.sample, c.device->time_ns, c.device->p_WD, c.device->q_WT);
 }
 
@@ -75,11 +83,13 @@ void SessionExport::add(const SessionEntry& entry, const Datagram* datagram) {
   const auto* force = std::get_if<ForceCommand>(&datagram->message);
   if (force != nullptr && entry.kind == SessionEntry::Kind::received) {
     ++rows_.forces;
-    good_ = good_ && std::fprintf(forces_.get(), "%.9f,%llu,%.17g,%.17g,%.17g,%d,%.17g,%.17g,%.17g,%.3f,%.3f\n", seconds(entry.time_ns),
-                                  static_cast<unsigned long long>(force->echo_sample), force->force_n.x(), force->force_n.y(),
-                                  force->force_n.z(), force->contact ? 1 : 0, force->visual_offset_m.x(), force->visual_offset_m.y(),
-                                  force->visual_offset_m.z(), 1e-3 * static_cast<double>(entry.time_ns - force->echo_sample_time_ns),
-                                  1e-3 * static_cast<double>(force->compute_ns)) > 0;
+    good_ =
+        good_ &&
+        std::fprintf(forces_.get(), "%.9f,%llu,%.17g,%.17g,%.17g,%d,%.17g,%.17g,%.17g,%.3f,%.3f,%s,%s\n", seconds(entry.time_ns),
+                     static_cast<unsigned long long>(force->echo_sample), force->force_n.x(), force->force_n.y(), force->force_n.z(),
+                     force->contact ? 1 : 0, force->visual_offset_m.x(), force->visual_offset_m.y(), force->visual_offset_m.z(),
+                     1e-3 * static_cast<double>(entry.time_ns - force->echo_sample_time_ns), 1e-3 * static_cast<double>(force->compute_ns),
+                     object_text(force->object).c_str(), csv_names(names_, force->object).c_str()) > 0;
   }
 }
 

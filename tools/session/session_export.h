@@ -4,10 +4,12 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <vector>
 
 #include "core/base/result.h"
 #include "link/codec.h"
 #include "link/session_entry.h"
+#include "scene/object_names.h"
 
 namespace hapton {
 
@@ -15,8 +17,8 @@ namespace hapton {
 // from the beginning of the recording. Numbers have all their digits. RT: no.
 class SessionExport {
  public:
-  // Makes the folder. Error: one line with the path.
-  static Result<SessionExport> open(const std::filesystem::path& folder, std::int64_t start_ns);
+  // Makes the folder. names: of the scene's objects, empty where they are not known. Error: one line with the path.
+  static Result<SessionExport> open(const std::filesystem::path& folder, std::int64_t start_ns, std::vector<ObjectName> names = {});
 
   void add(const SessionEntry& entry, const Datagram* datagram);
   // Error: a table could not be written to its end.
@@ -38,6 +40,7 @@ class SessionExport {
   double seconds(std::int64_t time_ns) const { return 1e-9 * static_cast<double>(time_ns - start_ns_); }
 
   std::filesystem::path folder_;
+  std::vector<ObjectName> names_;
   File trajectory_;
   File forces_;
   File cycles_;

@@ -23,6 +23,7 @@ TEST(TouchStep, ForceAndOffsetComeBackInTheWorldFrame) {
   ASSERT_TRUE(felt.contact);
   EXPECT_NEAR((felt.force_n - Vec3(2.0, 0, 0)).norm(), 0.0, 1e-9);
   EXPECT_NEAR((felt.visual_offset_m - Vec3(0.002, 0, 0)).norm(), 0.0, 1e-12);
+  EXPECT_EQ(felt.object, 0);
 }
 
 TEST(TouchStep, FreeSpaceHasNoForceAndNoOffset) {
@@ -32,6 +33,7 @@ TEST(TouchStep, FreeSpaceHasNoForceAndNoOffset) {
   EXPECT_FALSE(felt.contact);
   EXPECT_EQ(felt.force_n, Vec3::Zero());
   EXPECT_EQ(felt.visual_offset_m, Vec3::Zero());
+  EXPECT_EQ(felt.object, -1);
 }
 
 TEST(TouchStep, TurningTheSceneIntoAStationaryProbeExertsAForce) {
@@ -65,6 +67,7 @@ TEST(TouchStep, EffectsTurnWithTheScene) {
     EXPECT_TRUE(free.contact) << "an effect acts";
     EXPECT_LT((free.force_n - Vec3(0.25, 0, 0)).norm(), 1e-12);
     EXPECT_EQ(free.visual_offset_m, Vec3::Zero());
+    EXPECT_EQ(free.object, -1) << "only effects in free space act";
     const TouchOutput pressed = touch.step({.p_WD = {0.498, 0.03, 0.01}, .X_WS = X_WS});
     // 2 mm: 2 N, 0.8 N of the progressive part, and the constant.
     EXPECT_LT((pressed.force_n - Vec3(3.05, 0, 0)).norm(), 1e-5) << method;
@@ -84,6 +87,44 @@ TEST(TouchStep, MovingTheSceneUnderAStillHandIsNoVelocity) {
   for (int i = 0; i < 20; ++i) EXPECT_LT(touch.step({.p_WD = p_WD, .X_WS = X_WS}).force_n.norm(), 1e-9) << i;
   const double moved_n = touch.step({.p_WD = p_WD + Vec3(1e-4, 0, 0), .X_WS = X_WS}).force_n.norm();
   EXPECT_GT(moved_n, 0.05) << "the hand's own motion counts";
+}
+
+// A sheet of 100 mm with the image of a ramp along x: by every method, what the ramp's formula says.
+TEST(TouchStep, MapsAreFeltWithEveryMethodAndUseNoHeap) {
+  TouchScene scene = sheet_with({});
+  auto triangles = std::make_shared<std::vector<MappedTriangle>>();
+  const TriangleMesh& mesh = *scene.objects[0].mesh;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    MappedTriangle made;
+    for (std::size_t k = 0; k < 3; ++k) {
+      made.corner[k] = mesh.corner(t, static_cast<int>(k));
+      made.texcoord[k] = (made.corner[k].head<2>() + Eigen::Vector2d(0.1, 0.1)) / 0.2;
+    }
+    triangles->push_back(made);
+  }
+  std::vector<float> texels;
+  for (int n = 0; n < 64; ++n) texels.push_back((static_cast<float>(n) + 0.5F) / 64.0F);
+  const auto ramp = std::make_shared<const SurfaceImage>(64, 1, std::move(texels));
+  scene.objects[0].effects.maps = {.triangles = triangles, .height = {.image = ramp, .at_black = -0.001, .at_white = 0.0}};
+  for (const char* method : {"proxy", "smooth", "sweep", "reference"}) {
+    TouchStep touch = make_step_over(method, scene);
+    ASSERT_TRUE(touch.has_effects());
+    touch.reset({.p_WD = {-0.05, 0.003, 0.002}});
+    (void)touch.step({.p_WD = {-0.05, 0.003, -0.002}});
+    double worst_n = 0.0;
+    const AllocationGuard guard;
+    for (int n = 0; n < 100; ++n) {
+      const Vec3 p(-0.05 + 1e-3 * n, 0.003 + 1e-4 * n, -0.002);
+      const double pressed_m = 0.002 - 0.001 * (1.0 - (p.x() + 0.1) / 0.2);
+      const Vec3 expected = 1000.0 * pressed_m * (Vec3::UnitZ() - 0.001 / 0.2 * Vec3::UnitX());
+      // Pressed from above: the proxy of sweep stays behind on a slide.
+      touch.reset({.p_WD = p + Vec3(0, 0, 0.004)});
+      (void)touch.step({.p_WD = p + Vec3(0, 0, 0.003)});
+      worst_n = std::max(worst_n, (touch.step({.p_WD = p}).force_n - expected).norm());
+    }
+    EXPECT_EQ(guard.count(), 0U) << method;
+    EXPECT_LT(worst_n, 1e-4) << method;
+  }
 }
 
 TEST(TouchStep, ASceneWithoutEffectsIsTheMethodAloneToTheBit) {

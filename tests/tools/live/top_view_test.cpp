@@ -57,6 +57,11 @@ TEST(TopView, SaysWhyThereIsNoForce) {
   EXPECT_THAT(make_top_view("h", look, nullptr), HasSubstr("\nno force: the device is away\n"));
 }
 
+TEST(TopView, SaysWhatIsTouched) {
+  EXPECT_THAT(make_top_view("h", look_after(10, 0), nullptr), Not(HasSubstr("touching")));
+  EXPECT_THAT(make_top_view("h", look_after(10, 0), nullptr, "touching hood (tin)"), HasSubstr("\n\ntouching hood (tin)\n\n"));
+}
+
 TEST(TopView, BetweenTwoLooksShowsWhatIsNew) {
   const TopLook before = look_after(100, 0);
   const TopLook now = look_after(102, 2000);

@@ -36,7 +36,8 @@ ForceCommand force_of(std::uint64_t sample) {
           .echo_sample_time_ns = sample_ns(sample),
           .force_n = Vec3(0.0, 0.0, static_cast<double>(sample)),
           .visual_offset_m = Vec3(0.0, 0.0, 1e-3),
-          .contact = true};
+          .contact = true,
+          .object = 1};
 }
 
 std::pair<SessionEntry, Datagram> arrival_of(const ForceCommand& force, std::int64_t time_ns) {
@@ -72,6 +73,7 @@ TEST(JoinedTable, AForceStandsBesideItsSampleWheneverItCame) {
     EXPECT_EQ(row.wanted_n.z(), static_cast<double>(i + 1));
     EXPECT_DOUBLE_EQ(row.p_WP.z(), 0.201);
     EXPECT_TRUE(row.is_contact);
+    EXPECT_EQ(row.object, 1);
     EXPECT_FALSE(row.is_local);
     EXPECT_EQ(row.buttons, 5U);
   }
@@ -105,7 +107,7 @@ TEST(JoinedTable, LocalForcesEventsAndOlderRecordings) {
   fault.fault = SessionFault::speed;
   joined.table.add(fault, nullptr);
   SessionEntry local = cycle_of(1);
-  local.cycle.local = CycleLocal{Vec3(0.0, 2.0, 0.0), Vec3(0.0, 1e-3, 0.0)};
+  local.cycle.local = CycleLocal{Vec3(0.0, 2.0, 0.0), Vec3(0.0, 1e-3, 0.0), 6};
   joined.table.add(local, nullptr);
   SessionEntry old = cycle_of(2);
   old.cycle.device.reset();
@@ -114,6 +116,7 @@ TEST(JoinedTable, LocalForcesEventsAndOlderRecordings) {
   ASSERT_EQ(joined.rows.size(), 1U);
   EXPECT_EQ(joined.rows[0].event, "clamped speed");
   EXPECT_TRUE(joined.rows[0].is_local);
+  EXPECT_EQ(joined.rows[0].object, 6);
   EXPECT_TRUE(joined.rows[0].is_contact);
   EXPECT_EQ(joined.rows[0].wanted_n.y(), 2.0);
   EXPECT_DOUBLE_EQ(joined.rows[0].p_WP.y(), 1e-3);
@@ -173,11 +176,13 @@ std::filesystem::path write_recording(const ScratchFolder& scratch, std::uint64_
   return scratch.write("session.hapton", bytes);
 }
 
+const std::vector<ObjectName> kNames = {{"hood", "tin"}, {"glass", "hard"}};
+
 TEST(JoinedCsv, HasAllColumnsAndLeavesEmptyWhatIsNotKnown) {
   const ScratchFolder scratch;
   auto reader = SessionReader::open(write_recording(scratch, 12));
   ASSERT_TRUE(reader) << reader.error().what;
-  const auto written = write_joined_csv(*reader, scratch.path() / "session.csv");
+  const auto written = write_joined_csv(*reader, scratch.path() / "session.csv", kNames);
   ASSERT_TRUE(written) << written.error().what;
   EXPECT_EQ(written->rows, 12U);
   std::ifstream file(scratch.path() / "session.csv");
@@ -189,6 +194,9 @@ TEST(JoinedCsv, HasAllColumnsAndLeavesEmptyWhatIsNotKnown) {
     EXPECT_EQ(std::count(line.begin(), line.end(), ','), std::count(lines[0].begin(), lines[0].end(), ','));
   EXPECT_NE(lines[1].find(",,,,,,"), std::string::npos) << "no force came for sample 1: " << lines[1];
   EXPECT_EQ(lines[11].substr(lines[11].size() - 8), ",clamped");
+  EXPECT_NE(lines[0].find(",object_name,material,event"), std::string::npos);
+  EXPECT_NE(lines[2].find(",glass,hard,"), std::string::npos) << lines[2];
+  EXPECT_EQ(lines[1].find("hood"), std::string::npos);
 }
 
 std::vector<double> read_column(hid_t file, const std::string& name) {
@@ -219,7 +227,7 @@ TEST(JoinedHdf5, HoldsEverySampleOfEveryBlockWithUnits) {
   auto reader = SessionReader::open(write_recording(scratch, kMany));
   ASSERT_TRUE(reader) << reader.error().what;
   const auto path = scratch.path() / "session.h5";
-  const auto written = write_joined_hdf5(*reader, path);
+  const auto written = write_joined_hdf5(*reader, path, kNames);
   ASSERT_TRUE(written) << written.error().what;
   EXPECT_EQ(written->rows, kMany);
   const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
@@ -234,6 +242,13 @@ TEST(JoinedHdf5, HoldsEverySampleOfEveryBlockWithUnits) {
   for (std::size_t i = 0; i < samples.size(); ++i) {
     ASSERT_EQ(samples[i], static_cast<double>(i + 1));
     ASSERT_TRUE(i % 2 == 1 ? wanted[i] == samples[i] : std::isnan(wanted[i])) << i;
+  }
+  for (const char* name : {"/objects/name", "/objects/material"}) {
+    const hid_t set = H5Dopen2(file, name, H5P_DEFAULT);
+    const hid_t space = H5Dget_space(set);
+    EXPECT_EQ(H5Sget_simple_extent_npoints(space), 2) << name;
+    H5Sclose(space);
+    H5Dclose(set);
   }
   EXPECT_EQ(read_column(file, "/events/t_s"), std::vector<double>{1e-9 * static_cast<double>(sample_ns(11) - kJoinedStartNs)});
   EXPECT_EQ(read_text_attribute(file, "/", "schema"), "hapton.table/1");

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <vector>
+
+#include "core/math/types.h"
+
+namespace hapton {
+
+// A grey image as a smooth function of texture coordinates: u to the right, v down, 0 to 1 across the image, which repeats beyond. Between
+// texels it is the quadratic B-spline with the texels as its control values, so it and its gradient are continuous everywhere. It
+// reproduces ramps exactly, lies between the darkest and the brightest texel around, and a sine of n texels a period has cos(pi / n)^2 of
+// its height or more. RT: sample yes, everything else set-up only. Source: Schoenberg (1946); de Boor, A Practical Guide to Splines (1978),
+// IX.
+class SurfaceImage {
+ public:
+  using Vec2d = Eigen::Vector2d;
+  struct Sample {
+    double value = 0.0;
+    Vec2d gradient = Vec2d::Zero();  // along u and v
+  };
+
+  // Pre: both at least 1; as many texels, row by row from the upper left corner, finite.
+  SurfaceImage(int width, int height, std::vector<float> texels);
+
+  // u and v: any; those that are not finite are taken as 0.
+  Sample sample(double u, double v) const noexcept;
+
+  // The largest slope anywhere along u, and along v: that between two neighbouring texels.
+  Vec2d steepest() const;
+  // Half as wide and high, each texel the mean of four; of an odd side the last texel is left out, and a side of 1 stays.
+  SurfaceImage halved() const;
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+  const std::vector<float>& texels() const { return texels_; }
+
+ private:
+  float at(int x, int y) const noexcept {
+    return texels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)];
+  }
+
+  int width_;
+  int height_;
+  std::vector<float> texels_;
+};
+
+}  // namespace hapton

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "core/effects/effect_sample.h"
+#include "core/effects/surface_image.h"
+
+namespace hapton {
+
+// A triangle of a surface and where it lies in the images.
+struct MappedTriangle {
+  std::array<Vec3, 3> corner;               // frame S
+  std::array<Eigen::Vector2d, 3> texcoord;  // of SurfaceImage
+};
+
+// A place of a surface in the images, and how it moves in them with a point of the surface. Frame: S. Units: 1/m.
+struct MapPlace {
+  Eigen::Vector2d texcoord = Eigen::Vector2d::Zero();
+  Vec3 du = Vec3::Zero();
+  Vec3 dv = Vec3::Zero();
+};
+
+// A number of a surface by an image: from that at black to that at white.
+struct ImageMap {
+  struct Value {
+    double number = 0.0;
+    Vec3 gradient = Vec3::Zero();  // along the surface, 1/m
+  };
+
+  std::shared_ptr<const SurfaceImage> image = {};  // null: off
+  double at_black = 0.0;
+  double at_white = 0.0;
+
+  bool is_on() const noexcept { return image != nullptr; }
+  Value at(const MapPlace& place) const noexcept;
+  // The largest |gradient| anywhere on these triangles. RT: set-up only.
+  double steepest(const std::vector<MappedTriangle>& triangles) const;
+};
+
+// What the images of a surface say at one place.
+struct MapSample {
+  double height_m = 0.0;
+  Vec3 height_gradient = Vec3::Zero();
+  double stiffness = 1.0;  // share of the material's
+  Vec3 stiffness_gradient = Vec3::Zero();
+  double friction = 0.0;
+};
+
+// Height, stiffness and friction by images on the surface's texture coordinates. With U(d) the energy of the material's spring at the depth
+// d, f = dU/dd its force, h the height (at most 0, as of SurfaceBumps) and s the share of the stiffness, the force becomes
+//   s f(d + h) (n - grad h) - U(d + h) grad s,
+// the gradient of one potential, s U(d + h): going from soft to stiff costs what stiff to soft gives back. Friction is MapFriction.
+// Frame: S. RT: sample yes.
+//
+// Bound: that of f, times sqrt(1 + slope^2), plus U times the gradient of s. Passivity: conservative on flat surfaces, friction
+// dissipative; on curved ones as SurfaceBumps. Where texture coordinates have a seam, neighbouring places lie apart in the images: force is
+// continuous there if the images are.
+struct SurfaceMaps {
+  static constexpr Passivity kPassivity = Passivity::conservative;
+  // Of the height: as steep as the steepest bumps by a formula.
+  static constexpr double kSteepest = 1.05;
+
+  std::shared_ptr<const std::vector<MappedTriangle>> triangles = {};  // not null where a map is on
+  ImageMap height = {};                                               // m, -bump_height_m to 0
+  ImageMap stiffness = {};                                            // share, above 0, at most 1
+  ImageMap friction = {};                                             // coefficient
+
+  bool is_on() const noexcept { return height.is_on() || stiffness.is_on() || friction.is_on(); }
+  MapSample sample(const MapPlace& place) const noexcept;
+};
+
+// Texture coordinates as linear functions of the place: their gradients on a triangle. Zero where it has no area. RT: set-up only.
+MapPlace map_gradients(const MappedTriangle& triangle);
+
+}  // namespace hapton

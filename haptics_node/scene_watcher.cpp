@@ -1,0 +1,115 @@
+#include "haptics_node/scene_watcher.h"
+
+#include <chrono>
+#include <utility>
+
+#include "core/force/virtual_coupling.h"
+#include "haptic_step/scene_change.h"
+#include "haptic_step/scene_facts.h"
+#include "runtime/log.h"
+#include "runtime/start_thread.h"
+#include "scene/scene_hash.h"
+
+namespace hapton {
+
+SceneWatcher::SceneWatcher(Options options, Scene scene, MaterialTuner& tuner, MethodBuilder& builder)
+    : options_(std::move(options)), base_(scene), used_(std::move(scene)), tuner_(tuner), builder_(builder) {
+  known_ = stamp_of_file();
+}
+
+SceneWatcher::~SceneWatcher() {
+  stop_.store(true);
+  if (thread_.joinable()) thread_.join();
+}
+
+void SceneWatcher::start() {
+  thread_ = start_thread([this] { run(); });
+}
+
+void SceneWatcher::run() {
+  // Two looks a second: a change counts at the second one that sees it.
+  constexpr auto kPeriod = std::chrono::milliseconds(500);
+  while (!stop_.load()) {
+    (void)look();
+    std::this_thread::sleep_for(kPeriod);
+  }
+}
+
+// A file that is gone, as editors have it for a moment, is as it was.
+SceneWatcher::Stamp SceneWatcher::stamp_of_file() const {
+  std::error_code error;
+  const auto time = std::filesystem::last_write_time(options_.path, error);
+  if (error) return known_;
+  const auto bytes = std::filesystem::file_size(options_.path, error);
+  return error ? known_ : Stamp{time, bytes};
+}
+
+SceneWatcher::Look SceneWatcher::look() {
+  const Stamp now = stamp_of_file();
+  if (now == known_) {
+    seen_.reset();
+    return Look::unchanged;
+  }
+  if (seen_ != now) {
+    seen_ = now;
+    return Look::waiting;
+  }
+  if (options_.is_held && options_.is_held()) {
+    if (!std::exchange(has_said_held_, true)) {
+      log_warning("{} has changed, but the hub works out forces from parts of the scene (io_node --touch): it is read when that is over",
+                  options_.path.string());
+    }
+    return Look::held;
+  }
+  has_said_held_ = false;
+  known_ = now;
+  seen_.reset();
+  auto scene = load_scene(options_.path, options_.loading);
+  if (!scene) {
+    log_warning("{}; the scene in use goes on", scene.error().what);
+    return Look::rejected;
+  }
+  return take(std::move(*scene));
+}
+
+SceneWatcher::Look SceneWatcher::take(Scene scene) {
+  const SceneChange change = compare_scenes(used_, scene);
+  if (change == SceneChange::none) {
+    log_info("{} was read again: nothing that is felt has changed", options_.path.string());
+    return Look::same;
+  }
+  if (change == SceneChange::materials) {
+    if (const auto state = describe_materials(base_, scene)) {
+      tuner_.follow(*state);
+      used_ = std::move(scene);
+      log_info("{} was read again: its materials fade in", options_.path.string());
+      return Look::materials;
+    }
+  }
+  return take_scene(std::move(scene), change != SceneChange::shape);
+}
+
+SceneWatcher::Look SceneWatcher::take_scene(Scene scene, bool keeps_shape) {
+  for (const auto& note : scene.notes) log_info("{}", note);
+  auto made = std::make_shared<NewScene>();
+  made->touch = scene.touch_scene();
+  for (const TouchObject& object : made->touch.objects)
+    made->materials.push_back(couple_material(object.material, options_.coupling_n_per_m));
+  made->hash = hash_scene(made->touch);
+  made->facts = make_scene_facts(scene);
+  made->revision = ++revision_;
+  made->keeps_shape = keeps_shape;
+  // A tool that changes materials meanwhile names objects of the scene before: MaterialTuner rejects that by the revision.
+  if (const auto built = builder_.follow(made); !built) {
+    log_warning("{}: {}; the scene in use goes on", options_.path.string(), built.error().what);
+    return Look::rejected;
+  }
+  tuner_.follow(scene, made->revision);
+  if (options_.on_scene) options_.on_scene(couple_scene(made->touch, options_.coupling_n_per_m));
+  log_info("{} was read again: its {} fade in", options_.path.string(), keeps_shape ? "effects" : "objects");
+  base_ = scene;
+  used_ = std::move(scene);
+  return Look::scene;
+}
+
+}  // namespace hapton

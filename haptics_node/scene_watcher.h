@@ -1,0 +1,78 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "haptics_node/material_tuner.h"
+#include "haptics_node/method_builder.h"
+#include "scene/scene_file.h"
+
+namespace hapton {
+
+// Looks at a scene file and brings what has changed in it under the hand, without a force discontinuity: materials as MaterialTuner changes
+// them, everything else by a method that MethodBuilder swaps. A file with an error is one line in the log, and the scene in use goes on.
+// A thread of its own, or whoever calls look(). RT: no.
+class SceneWatcher {
+ public:
+  struct Options {
+    std::filesystem::path path;
+    SceneLoading loading;
+    double coupling_n_per_m = 0.0;
+    // Called after another scene is in use: with what is felt now, coupled.
+    std::function<void(const TouchScene&)> on_scene = {};
+    // While it returns true nothing is changed.
+    std::function<bool()> is_held = {};
+  };
+
+  // scene: in use. Pre: tuner and builder outlive this.
+  SceneWatcher(Options options, Scene scene, MaterialTuner& tuner, MethodBuilder& builder);
+  ~SceneWatcher();
+  SceneWatcher(const SceneWatcher&) = delete;
+  SceneWatcher& operator=(const SceneWatcher&) = delete;
+
+  // Looks once a second in a thread of its own, from now on.
+  void start();
+
+  enum class Look : std::uint8_t {
+    unchanged,  // the file
+    waiting,    // it has just changed, and may be being written
+    held,
+    rejected,  // it has an error
+    same,      // nothing that is felt has changed
+    materials,
+    scene
+  };
+  // One look. A change counts once the file was the same for two looks.
+  Look look();
+
+ private:
+  struct Stamp {
+    std::filesystem::file_time_type time = {};
+    std::uintmax_t bytes = 0;
+    friend bool operator==(const Stamp&, const Stamp&) = default;
+  };
+
+  void run();
+  Stamp stamp_of_file() const;
+  Look take(Scene scene);
+  Look take_scene(Scene scene, bool keeps_shape);
+
+  Options options_;
+  Scene base_;  // that the tuner's states differ from: what the method in use was made for
+  Scene used_;  // what was read last
+  MaterialTuner& tuner_;
+  MethodBuilder& builder_;
+  Stamp known_;
+  std::optional<Stamp> seen_;  // changed at the look before
+  std::uint32_t revision_ = 0;
+  bool has_said_held_ = false;
+  std::atomic<bool> stop_ = false;
+  std::thread thread_;
+};
+
+}  // namespace hapton

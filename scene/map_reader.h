@@ -1,0 +1,67 @@
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/effects/surface_effects.h"
+#include "core/force/touch_scene.h"
+#include "scene/mesh_look.h"
+#include "scene/table_reader.h"
+
+namespace hapton {
+
+// A map of a material as its table has it: the number at black and at white, in an image file beside the scene.
+struct MapSpec {
+  std::string file;  // empty: none
+  std::size_t line = 0;
+  double at_black = 0.0;
+  double at_white = 0.0;
+};
+
+struct MapSpecs {
+  MapSpec height;     // m
+  MapSpec stiffness;  // share of the material's
+  MapSpec friction;
+  std::array<double, 2> repeat = {1.0, 1.0};  // of the images, along u and v
+
+  bool any() const { return !height.file.empty() || !stiffness.file.empty() || !friction.file.empty(); }
+};
+
+// The keys of [material.NAME] for maps. docs/effects.md has each with its range.
+std::span<const std::string_view> map_keys();
+
+// Reads them. The stiffness of a material with a stiffness map becomes that at its stiffest. An error stays in the reader: values out of
+// range, a key whose map is missing, maps that exclude what else the material has. RT: set-up only.
+void read_maps(const toml::table& table, TableReader& reader, Material& material, const SurfaceEffects& effects, MapSpecs& specs);
+
+// A mesh with its texture coordinates, in the frame of the scene.
+struct MapSource {
+  std::vector<Vec3> vertices;
+  std::shared_ptr<const TriangleMesh> mesh;  // its triangles
+  std::shared_ptr<const MeshLook> look;      // as many as it has; null: there are no texture coordinates
+};
+
+// Makes the maps of objects; each image is read once.
+class MapMaker {
+ public:
+  explicit MapMaker(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
+  // object: its name. A height map that is steeper than SurfaceMaps::kSteepest is halved until it is not, with a note. Error: "line N:
+  // ...": an image that cannot be read; a mesh without texture coordinates.
+  Result<SurfaceMaps> make(const MapSpecs& specs, const MapSource& source, const std::string& object, std::vector<std::string>& notes);
+
+ private:
+  Result<ImageMap> make_map(const MapSpec& spec, std::string_view key);
+
+  std::filesystem::path folder_;
+  std::map<std::string, std::shared_ptr<const SurfaceImage>> images_;  // by file
+};
+
+}  // namespace hapton

@@ -1,0 +1,55 @@
+#include "core/effects/map_friction.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace hapton {
+namespace {
+
+constexpr double kSlipSpring = 800.0;
+
+TEST(MapFriction, SticksLikeASpringAndSlidesOnTheCone) {
+  MapFriction::State state;
+  const Vec3 normal = Vec3::UnitZ();
+  // 2 N times 0.5: it slips at 1 N, which is 1.25 mm.
+  for (int n = 1; n <= 12; ++n) {
+    const Vec3 force_n = MapFriction::force({1e-4, 0, 0}, normal, kSlipSpring, 2.0, 0.5, state);
+    EXPECT_LT((force_n - Vec3(-0.08 * n, 0, 0)).norm(), 1e-12) << n;
+  }
+  for (int n = 0; n < 50; ++n) {
+    const Vec3 force_n = MapFriction::force({1e-4, 0, 3e-5}, normal, kSlipSpring, 2.0, 0.5, state);
+    EXPECT_LT((force_n - Vec3(-1.0, 0, 0)).norm(), 1e-12);
+  }
+  // Where it is smoother it lets go at once, and where there is none of it nothing is left.
+  EXPECT_NEAR(MapFriction::force({1e-4, 0, 0}, normal, kSlipSpring, 2.0, 0.1, state).x(), -0.2, 1e-12);
+  EXPECT_EQ(MapFriction::force({1e-4, 0, 0}, normal, kSlipSpring, 2.0, 0.0, state), Vec3(0, 0, 0));
+  EXPECT_EQ(state.pulled, Vec3(0, 0, 0));
+}
+
+// Normal, normal force and coefficient change at random: the hand never gets more than it gave.
+TEST(MapFriction, TakesEnergyOverAnyMotion) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> unit(-1, 1);
+    MapFriction::State state;
+    double given_j = 0.0;
+    double most_n = 0.0;
+    for (int n = 0; n < 20000; ++n) {
+      const Vec3 motion = 2e-4 * Vec3(unit(random), unit(random), unit(random));
+      const Vec3 normal = Vec3(0.3 * unit(random), 0.3 * unit(random), 1.0).normalized();
+      const double normal_n = 1.0 + unit(random);
+      const double coefficient = 0.5 + 0.5 * unit(random);
+      const Vec3 force_n = MapFriction::force(motion, normal, kSlipSpring, normal_n, coefficient, state);
+      EXPECT_LE(force_n.norm(), coefficient * normal_n * (1.0 + 1e-12));
+      EXPECT_LT(std::abs(force_n.dot(normal)), 1e-12);
+      given_j += force_n.dot(motion);
+      most_n = std::max(most_n, force_n.norm());
+      ASSERT_LE(given_j, 1e-15) << "seed " << seed << ", step " << n;
+    }
+    EXPECT_GT(most_n, 0.5);
+  }
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,71 @@
+#include "haptic_step/scene_change.h"
+
+#include <gtest/gtest.h>
+
+#include "haptic_step/material_tuning.h"
+#include "tests/support/scratch_folder.h"
+
+namespace hapton {
+namespace {
+
+struct SceneChanges : testing::Test {
+  SceneChanges() { folder.write("a.obj", "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nf 1 2 3\n"); }
+
+  Scene scene(const std::string& object, const std::string& material) {
+    auto loaded =
+        load_scene(folder.write("a.toml", "[[object]]\nmesh = 'a.obj'\nmaterial = 'm'\n" + object + "\n[material.m]\n" + material + "\n"));
+    EXPECT_TRUE(loaded) << loaded.error().what;
+    return *loaded;
+  }
+
+  ScratchFolder folder;
+};
+
+TEST_F(SceneChanges, AreToldApart) {
+  const Scene before = scene("", "stiffness_n_per_m = 500");
+  EXPECT_EQ(compare_scenes(before, scene("color = [1, 0, 0]", "stiffness_n_per_m = 500")), SceneChange::none);
+  for (const char* line :
+       {"stiffness_n_per_m = 600", "stiffness_n_per_m = 500\ndamping_ns_per_m = 1", "stiffness_n_per_m = 500\nfriction_static = 0.1",
+        "stiffness_n_per_m = 500\nfriction_static = 0.1\nfriction_dynamic = 0.1"}) {
+    EXPECT_EQ(compare_scenes(before, scene("", line)), SceneChange::materials) << line;
+  }
+  for (const char* line : {"stiffness_n_per_m = 500\nviscosity_ns_per_m = 1", "stiffness_n_per_m = 600\nviscosity_ns_per_m = 1",
+                           "stiffness_n_per_m = 500\n[[effect]]\ntype = 'spring'\nposition_m = [0, 0, 0]"}) {
+    EXPECT_EQ(compare_scenes(before, scene("", line)), SceneChange::effects) << line;
+  }
+  EXPECT_EQ(compare_scenes(before, scene("name = 'other'", "stiffness_n_per_m = 500")), SceneChange::effects);
+  EXPECT_EQ(compare_scenes(before, scene("position_m = [0, 0, 0.01]", "stiffness_n_per_m = 500")), SceneChange::shape);
+  EXPECT_EQ(compare_scenes(before, scene("", "stiffness_n_per_m = 500\ntwo_sided = false")), SceneChange::shape);
+  EXPECT_EQ(compare_scenes(before, scene("[[object]]\nmesh = 'a.obj'", "stiffness_n_per_m = 500")), SceneChange::shape);
+}
+
+// Applied to the scene before, the state gives the materials of the one after: recordings replay with it.
+TEST_F(SceneChanges, OfMaterialsAreAStateOfTheSceneBefore) {
+  const Scene before = scene("[[object]]\nmesh = 'a.obj'", "stiffness_n_per_m = 500");
+  const Scene after = scene("[[object]]\nmesh = 'a.obj'", "stiffness_n_per_m = 700\nfriction_static = 0.2");
+  const auto state = describe_materials(before, after);
+  ASSERT_TRUE(state);
+  EXPECT_EQ(state->object_count, 1U);
+  const auto materials = tuned_materials(before.touch_scene(), *state, 0.0);
+  ASSERT_EQ(materials.size(), 2U);
+  EXPECT_EQ(materials[0].stiffness_n_per_m, 700.0);
+  EXPECT_EQ(materials[0].friction_static, 0.2);
+  EXPECT_EQ(materials[1].stiffness_n_per_m, before.objects[1].material.stiffness_n_per_m);
+  EXPECT_EQ(describe_materials(after, after)->object_count, 0U);
+}
+
+TEST_F(SceneChanges, OfMoreMaterialsThanAStateHoldsAreNone) {
+  Scene before;
+  Scene after;
+  for (std::size_t n = 0; n <= MaterialState::kMostObjects; ++n) {
+    before.objects.push_back({.name = "o", .mesh = std::make_shared<const TriangleMesh>(), .material = {}});
+    after.objects.push_back({.name = "o", .mesh = std::make_shared<const TriangleMesh>(), .material = {.stiffness_n_per_m = 1.0}});
+  }
+  EXPECT_FALSE(describe_materials(before, after));
+  before.objects.pop_back();
+  after.objects.pop_back();
+  EXPECT_TRUE(describe_materials(before, after));
+}
+
+}  // namespace
+}  // namespace hapton

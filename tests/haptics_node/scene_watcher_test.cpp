@@ -1,0 +1,151 @@
+#include "haptics_node/scene_watcher.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <thread>
+
+#include "tests/support/scratch_folder.h"
+
+namespace hapton {
+namespace {
+
+// A scene of one triangle, its file, and who brings its changes under the hand. The test looks itself, and takes as the reply loop does.
+struct SceneWatcherTest : testing::Test {
+  SceneWatcherTest() {
+    folder.write("a.obj", "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nf 1 2 3\n");
+    file = write("stiffness_n_per_m = 500");
+    const auto loaded = load_scene(file);
+    EXPECT_TRUE(loaded) << loaded.error().what;
+    method = *make_method({}, loaded->touch_scene());
+    tuner.emplace(*loaded, 0.0);
+    builder.emplace(MethodSettings(), loaded->touch_scene(), method);
+    watcher.emplace(
+        SceneWatcher::Options{
+            .path = file, .loading = {}, .on_scene = [this](const TouchScene& now) { felt = now; }, .is_held = [this] { return held; }},
+        *loaded, *tuner, *builder);
+  }
+
+  std::filesystem::path write(const std::string& material, const std::string& object = "") {
+    const auto path =
+        folder.write("a.toml", "[[object]]\nmesh = 'a.obj'\nmaterial = 'm'\n" + object + "\n[material.m]\n" + material + "\n");
+    // Two writes within the clock's step of a file system would look like one.
+    std::filesystem::last_write_time(path, std::filesystem::file_time_type::clock::now() + std::chrono::seconds(++writes));
+    return path;
+  }
+  SceneWatcher::Look look_twice() {
+    EXPECT_EQ(watcher->look(), SceneWatcher::Look::waiting);
+    return watcher->look();
+  }
+  std::unique_ptr<TunedMaterials> wait_for_materials() {
+    for (int i = 0; i < 500; ++i) {
+      if (auto result = tuner->take()) return result;
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return nullptr;
+  }
+
+  ScratchFolder folder;
+  std::filesystem::path file;
+  int writes = 0;
+  bool held = false;
+  TouchScene felt;
+  std::shared_ptr<ForceMethod> method;
+  std::optional<MaterialTuner> tuner;
+  std::optional<MethodBuilder> builder;
+  std::optional<SceneWatcher> watcher;
+};
+
+TEST_F(SceneWatcherTest, AFileThatIsNotTouchedIsNotRead) {
+  EXPECT_EQ(watcher->look(), SceneWatcher::Look::unchanged);
+  write("stiffness_n_per_m = 500");
+  EXPECT_EQ(look_twice(), SceneWatcher::Look::same) << "saved without a change";
+  EXPECT_EQ(watcher->look(), SceneWatcher::Look::unchanged);
+  std::filesystem::remove(file);
+  EXPECT_EQ(watcher->look(), SceneWatcher::Look::unchanged) << "as an editor has it for a moment";
+}
+
+TEST_F(SceneWatcherTest, MaterialsAreTunedAndTheMethodStays) {
+  write("stiffness_n_per_m = 700\nfriction_static = 0.3");
+  EXPECT_EQ(look_twice(), SceneWatcher::Look::materials);
+  auto result = wait_for_materials();
+  ASSERT_NE(result, nullptr);
+  ASSERT_EQ(result->materials.size(), 1U);
+  EXPECT_EQ(result->materials[0].stiffness_n_per_m, 700.0);
+  EXPECT_EQ(result->materials[0].friction_static, 0.3);
+  EXPECT_EQ(result->state.object_count, 1U);
+  EXPECT_EQ(result->scene, 0U);
+  tuner->retire(std::move(result));
+  EXPECT_EQ(builder->take(), nullptr);
+  // Back to what it was: the state says so.
+  write("stiffness_n_per_m = 500");
+  EXPECT_EQ(look_twice(), SceneWatcher::Look::materials);
+  result = wait_for_materials();
+  ASSERT_NE(result, nullptr);
+  EXPECT_EQ(result->materials[0].stiffness_n_per_m, 500.0);
+  EXPECT_EQ(result->state.object_count, 0U);
+}
+
+TEST_F(SceneWatcherTest, EffectsComeWithTheSameMethodAndAnotherShapeWithANewOne) {
+  write("stiffness_n_per_m = 600\nviscosity_ns_per_m = 2");
+  EXPECT_EQ(look_twice(), SceneWatcher::Look::scene);
+  auto built = builder->take();
+  ASSERT_NE(built, nullptr);
+  EXPECT_EQ(built->step->share_method(), method);
+  EXPECT_TRUE(built->step->has_effects());
+  ASSERT_NE(built->scene, nullptr);
+  EXPECT_EQ(built->scene->revision, 1U);
+  EXPECT_EQ(built->scene->materials.at(0).stiffness_n_per_m, 600.0);
+  EXPECT_TRUE(felt.has_effects());
+  builder->retire(std::move(built));
+
+  write("stiffness_n_per_m = 600", "[[object]]\nmesh = 'a.obj'\nposition_m = [0, 0, 0.02]");
+  EXPECT_EQ(look_twice(), SceneWatcher::Look::scene);
+  for (int i = 0; i < 500 && built == nullptr; ++i) {
+    built = builder->take();
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  ASSERT_NE(built, nullptr);
+  EXPECT_NE(built->step->share_method(), method);
+  EXPECT_EQ(built->scene->revision, 2U);
+  EXPECT_EQ(built->scene->touch.objects.size(), 2U);
+  EXPECT_NE(built->scene->facts.given_hash, 0U);
+
+  // From here on tools name objects of the new scene.
+  MaterialRequest request{.request = 4, .object = {"a"}, .change = {.given = MaterialChange::kStiffness, .stiffness_n_per_m = 800}};
+  tuner->request(request);
+  const auto result = wait_for_materials();
+  ASSERT_NE(result, nullptr);
+  EXPECT_EQ(result->materials.size(), 2U);
+  EXPECT_EQ(result->scene, 2U);
+}
+
+TEST_F(SceneWatcherTest, AFileWithAnErrorChangesNothingUntilItIsGood) {
+  write("stifness_n_per_m = 700");
+  EXPECT_EQ(look_twice(), SceneWatcher::Look::rejected);
+  EXPECT_EQ(watcher->look(), SceneWatcher::Look::unchanged) << "one line, not one a second";
+  EXPECT_EQ(tuner->take(), nullptr);
+  EXPECT_EQ(builder->take(), nullptr);
+  write("stiffness_n_per_m = 700");
+  EXPECT_EQ(look_twice(), SceneWatcher::Look::materials);
+}
+
+TEST_F(SceneWatcherTest, WhileTheHubWorksOutForcesItselfItWaits) {
+  held = true;
+  write("stiffness_n_per_m = 700");
+  EXPECT_EQ(look_twice(), SceneWatcher::Look::held);
+  EXPECT_EQ(watcher->look(), SceneWatcher::Look::held);
+  held = false;
+  EXPECT_EQ(watcher->look(), SceneWatcher::Look::materials);
+}
+
+TEST_F(SceneWatcherTest, LooksByItself) {
+  watcher->start();
+  write("stiffness_n_per_m = 900");
+  const auto result = wait_for_materials();
+  ASSERT_NE(result, nullptr);
+  EXPECT_EQ(result->materials[0].stiffness_n_per_m, 900.0);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,53 @@
+#include "tools/live/touched_names.h"
+
+#include <charconv>
+#include <utility>
+
+#include "haptic_step/haptics_setup.h"
+
+namespace hapton {
+namespace {
+
+std::string note_of(const nlohmann::ordered_json& notes, const char* name) {
+  return notes.contains(name) && notes[name].is_string() ? notes[name].get<std::string>() : "";
+}
+
+template <class Number>
+bool read_whole(const std::string& text, Number& number, int base) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number, base);
+  return error == std::errc() && end == text.data() + text.size() && !text.empty();
+}
+
+// As io_node's report spells it.
+SceneLoading loading_of(const nlohmann::ordered_json& notes) {
+  SceneLoading loading;
+  if (const auto unit = parse_unit(note_of(notes, "scene_unit"))) loading.unit = *unit;
+  loading.sealing = note_of(notes, "scene_sealed") == "no" ? CrackSealing::off : CrackSealing::on;
+  loading.fit = note_of(notes, "scene_fitted") == "yes" ? MeshFit::workspace : MeshFit::off;
+  return loading;
+}
+
+}  // namespace
+
+const std::vector<ObjectName>& TouchedNames::names_of(const nlohmann::ordered_json& notes) {
+  std::string hash = note_of(notes, "scene_hash");
+  if (hash == hash_) return names_;
+  hash_ = std::move(hash);
+  names_.clear();
+  HapticsSetup setup;
+  if (!read_whole(hash_, setup.scene_hash, 16)) return names_;
+  put_text(note_of(notes, "scene"), setup.scene);
+  setup.scene_loading = to_code(loading_of(notes));
+  if (auto names = scenes_.find_names(setup)) names_ = std::move(*names);
+  return names_;
+}
+
+std::string TouchedNames::describe(const nlohmann::ordered_json& report) {
+  const auto found = report.find("notes");
+  int object = -1;
+  if (found == report.end() || !found->is_object() || !read_whole(note_of(*found, "touched_object"), object, 10) || object < 0) return {};
+  const std::string name = describe_object(names_of(*found), object);
+  return "touching " + (name.empty() ? "object " + std::to_string(object) : name);
+}
+
+}  // namespace hapton

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tools/session/recorded_scenes.h"
+
+namespace hapton {
+
+// Names what a hub's report says is touched, from the scene that the report names, if that is on this host. Loads it once. RT: no.
+class TouchedNames {
+ public:
+  // "touching hood (sheet metal)", "touching object 3" where its name is not known here; empty: nothing is touched, or not told.
+  std::string describe(const nlohmann::ordered_json& report);
+
+ private:
+  const std::vector<ObjectName>& names_of(const nlohmann::ordered_json& notes);
+
+  RecordedScenes scenes_;
+  std::string hash_;  // that names_ are of
+  std::vector<ObjectName> names_;
+};
+
+}  // namespace hapton

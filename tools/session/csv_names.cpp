@@ -1,0 +1,24 @@
+#include "tools/session/csv_names.h"
+
+#include "scene/text_cursor.h"
+
+namespace hapton {
+namespace {
+
+std::string csv_text(const std::string& text) {
+  const std::string shown = printable(text);
+  if (shown.find_first_of(",\"") == std::string::npos) return shown;
+  std::string quoted = "\"";
+  for (const char c : shown) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
+}  // namespace
+
+std::string csv_names(std::span<const ObjectName> names, int object) {
+  if (object < 0 || object >= static_cast<int>(names.size())) return ",";
+  const ObjectName& name = names[static_cast<std::size_t>(object)];
+  return csv_text(name.object) + "," + csv_text(name.material);
+}
+
+}  // namespace hapton

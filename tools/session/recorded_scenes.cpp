@@ -1,0 +1,61 @@
+#include "tools/session/recorded_scenes.h"
+
+#include <fmt/core.h>
+
+#include "haptic_step/material_tuning.h"
+#include "haptic_step/method_text.h"
+#include "scene/scene_file.h"
+#include "scene/scene_hash.h"
+
+namespace hapton {
+
+Result<std::unique_ptr<TouchStep>> RecordedScenes::make_touch(const HapticsSetup& setup) {
+  const auto scene = find_recorded(setup);
+  if (!scene) return tl::unexpected(scene.error());
+  auto settings = parse_method_text(setup.method.data());
+  if (!settings) return tl::unexpected(settings.error());
+  // No slow task runs beside these steps, so everything is built at the start.
+  settings->build_on_approach = false;
+  auto method = make_method(*settings, (*scene)->touch);
+  if (!method) return tl::unexpected(method.error());
+  return std::make_unique<TouchStep>(std::move(*method), (*scene)->touch);
+}
+
+Result<std::vector<Material>> RecordedScenes::make_materials(const HapticsSetup& setup, const MaterialState& state) {
+  const auto scene = find_recorded(setup);
+  if (!scene) return tl::unexpected(scene.error());
+  const auto settings = parse_method_text(setup.method.data());
+  if (!settings) return tl::unexpected(settings.error());
+  return tuned_materials((*scene)->touch, state, settings->coupling_n_per_m);
+}
+
+Result<std::vector<ObjectName>> RecordedScenes::find_names(const HapticsSetup& setup) {
+  return find_recorded(setup).map([](const LoadedScene* scene) { return scene->names; });
+}
+
+Result<const RecordedScenes::LoadedScene*> RecordedScenes::find_recorded(const HapticsSetup& setup) {
+  const std::string path = file_.empty() ? setup.scene.data() : file_;
+  const auto said = from_code(setup.scene_loading);
+  auto scene = find(path, said.value_or(SceneLoading()));
+  if (!scene) return fail("{}; --scene FILE names another place for it", scene.error().what);
+  const std::uint64_t hash = (*scene)->hash;
+  if (hash != setup.scene_hash && !said) scene = find(path, {.sealing = CrackSealing::off});
+  if (!scene || (*scene)->hash != setup.scene_hash) {
+    return fail("{}: is not the scene that was recorded (its hash is {:016x}, recorded {:016x}); name that one with --scene", path, hash,
+                setup.scene_hash);
+  }
+  return scene;
+}
+
+Result<const RecordedScenes::LoadedScene*> RecordedScenes::find(const std::string& path, const SceneLoading& loading) {
+  const auto key = std::pair(path, to_code(loading));
+  auto found = scenes_.find(key);
+  if (found == scenes_.end()) {
+    const auto scene = load_scene(path, loading);
+    if (!scene) return tl::unexpected(scene.error());
+    found = scenes_.emplace(key, LoadedScene{scene->touch_scene(), object_names(*scene), hash_scene(scene->touch_scene())}).first;
+  }
+  return &found->second;
+}
+
+}  // namespace hapton
