@@ -42,7 +42,7 @@ struct Stage {
   SurfaceFollower follower;
 };
 
-void expect_near(const Vec3& p, const Vec3& q) { EXPECT_LT((p - q).norm(), 1e-13) << p.transpose() << " and " << q.transpose(); }
+void expect_at(const Vec3& p, const Vec3& q) { EXPECT_LT((p - q).norm(), 1e-13) << p.transpose() << " and " << q.transpose(); }
 
 TEST(SurfaceFollower, OnAFaceItIsTheProjectionOfTheDevice) {
   Stage stage(make_box(Vec3::Constant(1.0), 4));
@@ -50,7 +50,7 @@ TEST(SurfaceFollower, OnAFaceItIsTheProjectionOfTheDevice) {
   double time = 0.0;
   EXPECT_EQ(stage.follower.follow(stage.local(0.03, 0.02, 0.5), stage.local(0.31, -0.27, 0.4), time), Outcome::settled);
   EXPECT_EQ(time, 1.0);
-  expect_near(stage.follower.point(), stage.local(0.31, -0.27, 0.5));
+  expect_at(stage.follower.point(), stage.local(0.31, -0.27, 0.5));
 }
 
 // The device continues inside a box, past its edge: there the point jumps from one face to the other, where the device comes out.
@@ -59,11 +59,11 @@ TEST(SurfaceFollower, AtAConvexEdgeItGoesOverToTheOtherFace) {
   ASSERT_TRUE(stage.land(stage.local(0.3, 0.02, 0.6), stage.local(0.3, 0.02, 0.4)));
   double time = 0.0;
   EXPECT_EQ(stage.follower.follow(stage.local(0.3, 0.02, 0.5), stage.local(0.45, 0.02, 0.2), time), Outcome::settled);
-  expect_near(stage.follower.point(), stage.local(0.45, 0.02, 0.5));  // nothing pulled it over the edge yet
+  expect_at(stage.follower.point(), stage.local(0.45, 0.02, 0.5));  // nothing pulled it over the edge yet
   time = 0.0;
   EXPECT_EQ(stage.follower.follow(stage.local(0.45, 0.02, 0.2), stage.local(0.55, 0.02, 0.2), time), Outcome::released);
   EXPECT_NEAR(time, 0.5, 1e-11);
-  expect_near(stage.follower.point(), stage.local(0.5, 0.02, 0.2));
+  expect_at(stage.follower.point(), stage.local(0.5, 0.02, 0.2));
 }
 
 // A flat roof with its convex edge at y = -0.25: the projection on the left side leaves it where the device is at x = 0.1, and the point
@@ -73,13 +73,13 @@ TEST(SurfaceFollower, OverAConvexEdgeItDescendsWithTheDeviceHeld) {
   ASSERT_TRUE(stage.land(stage.local(-0.1, 0.1, 0.03), stage.local(-0.1, -0.4, 0.03)));
   const Vec3 left = stage.local(-0.1, -0.45, 0.03);
   ASSERT_EQ(stage.follower.descend(left), Outcome::settled);
-  expect_near(stage.follower.point(), stage.local(-0.16, -0.33, 0.03));
+  expect_at(stage.follower.point(), stage.local(-0.16, -0.33, 0.03));
   double time = 0.0;
   ASSERT_EQ(stage.follower.follow(left, stage.local(0.05, -0.45, 0.03), time), Outcome::settled);
-  expect_near(stage.follower.point(), stage.local(-0.04, -0.27, 0.03));
+  expect_at(stage.follower.point(), stage.local(-0.04, -0.27, 0.03));
   time = 0.0;
   ASSERT_EQ(stage.follower.follow(stage.local(0.05, -0.45, 0.03), stage.local(0.15, -0.45, 0.03), time), Outcome::settled);
-  expect_near(stage.follower.point(), stage.local(0.2, -0.35, 0.03));
+  expect_at(stage.follower.point(), stage.local(0.2, -0.35, 0.03));
 }
 
 TEST(SurfaceFollower, ItLeavesTheSurfaceWhereTheDeviceComesThrough) {
@@ -90,7 +90,7 @@ TEST(SurfaceFollower, ItLeavesTheSurfaceWhereTheDeviceComesThrough) {
   time = 0.0;
   EXPECT_EQ(stage.follower.follow(stage.local(0.03, 0.02, 0.4), stage.local(0.13, 0.02, 0.8), time), Outcome::released);
   EXPECT_NEAR(time, 0.25, 1e-12);
-  expect_near(stage.follower.point(), stage.local(0.055, 0.02, 0.5));
+  expect_at(stage.follower.point(), stage.local(0.055, 0.02, 0.5));
 }
 
 // A gutter of 90 degrees along z, its bottom at y = 0.2: the concave edge holds the point while the device is within the normals of both
@@ -101,17 +101,17 @@ TEST(SurfaceFollower, AConcaveEdgeHoldsItUntilAMultiplierReachesZero) {
   double time = 0.0;
   const Vec3 below = stage.local(0.0, 0.1, 0.03);
   ASSERT_EQ(stage.follower.follow(stage.local(0.1, 0.3, 0.03), below, time), Outcome::settled);
-  expect_near(stage.follower.point(), stage.local(0.0, 0.2, 0.03));
+  expect_at(stage.follower.point(), stage.local(0.0, 0.2, 0.03));
   std::array<SurfacePoint::Contact, 3> contacts;
   ASSERT_EQ(stage.follower.at().find_contacts(below, contacts), 2);
   EXPECT_NEAR(contacts[0].multiplier, contacts[1].multiplier, 1e-12);
-  expect_near(stage.follower.point() - below, contacts[0].multiplier * contacts[0].normal + contacts[1].multiplier * contacts[1].normal);
+  expect_at(stage.follower.point() - below, contacts[0].multiplier * contacts[0].normal + contacts[1].multiplier * contacts[1].normal);
 
   // To the left: at 45 degrees, x = -0.1, the right face's multiplier is zero.
   time = 0.0;
   const Vec3 aside = stage.local(-0.2, 0.1, 0.03);
   ASSERT_EQ(stage.follower.follow(below, aside, time), Outcome::settled);
-  expect_near(stage.follower.point(), stage.local(-0.05, 0.25, 0.03));
+  expect_at(stage.follower.point(), stage.local(-0.05, 0.25, 0.03));
   ASSERT_EQ(stage.follower.at().find_contacts(aside, contacts), 1);
 }
 
@@ -122,12 +122,12 @@ TEST(SurfaceFollower, TheBottomOfAPitHoldsItUntilAnEdgeLeadsUp) {
   const Vec3 below = stage.local(0.01, 0.02, -0.2);
   ASSERT_EQ(stage.follower.descend(stage.local(0.05, 0.02, -0.2)), Outcome::settled);
   ASSERT_EQ(stage.follower.follow(stage.local(0.05, 0.02, -0.2), below, time), Outcome::settled);
-  expect_near(stage.follower.point(), stage.local(0.0, 0.0, 0.0));
+  expect_at(stage.follower.point(), stage.local(0.0, 0.0, 0.0));
   std::array<SurfacePoint::Contact, 3> contacts;
   const int count = stage.follower.at().find_contacts(below, contacts);
   Vec3 sum = Vec3::Zero();
   for (int i = 0; i < count; ++i) sum += contacts[i].multiplier * contacts[i].normal;
-  expect_near(sum, stage.follower.point() - below);
+  expect_at(sum, stage.follower.point() - below);
   time = 0.0;
   ASSERT_EQ(stage.follower.follow(below, stage.local(0.4, 0.02, -0.1), time), Outcome::settled);
   EXPECT_GT(stage.follower.point().x(), stage.local(0.02, 0.0, 0.0).x());
@@ -139,7 +139,7 @@ TEST(SurfaceFollower, OverABoundaryEdgeItIsFree) {
   double time = 0.0;
   EXPECT_EQ(stage.follower.follow(stage.local(0.3, 0.03, 0.0), stage.local(0.7, 0.03, -0.2), time), Outcome::airborne);
   EXPECT_NEAR(time, 0.5, 1e-12);
-  expect_near(stage.follower.point(), stage.local(0.5, 0.03, 0.0));
+  expect_at(stage.follower.point(), stage.local(0.5, 0.03, 0.0));
 }
 
 // Under the boundary of a sheet or its corner the proxy is free at once, and not held for one more step by a flight that rounding has led
