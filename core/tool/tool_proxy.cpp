@@ -186,6 +186,8 @@ RigidMotion ToolProxy::constrain(const RigidMotion& wanted, double reach) noexce
   return motion;
 }
 
+// The share of the motion over which every pair stays at its floor: kFloor of the offset, or a little below where it is, but never below
+// kLeastGap; a pair that is there already may only move apart.
 double ToolProxy::find_safe_share(const RigidMotion& motion) const noexcept {
   double until = 1.0;
   for (const NearFeature& near : near_.features()) {
