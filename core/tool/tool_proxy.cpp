@@ -19,6 +19,7 @@ constexpr int kMostCorrections = 3;
 constexpr double kLeastCurvature = 0.125;
 constexpr double kMostCurvature = 64.0;
 constexpr std::size_t kManyFeatures = 1024;  // with more, the reach does not grow
+constexpr double kNothing = 0x1p-10;         // of the offset: what is left when the device is reached
 constexpr double kShrinkage = 0.125;
 constexpr double kGrowth = 4.0;  // of the reach, where it has ended a round
 
@@ -235,7 +236,9 @@ bool ToolProxy::round(const Placement& device, ToolProxyStep& report) noexcept {
     return reach_ > kOffset;
   }
   const double share = find_safe_share(motion);
-  if (share >= 1.0 && least_.active_count == 0 && reach == left && wanted.turn.norm() <= kLargestTurn) {
+  // The motion that was found safe, and no other, leads to the device.
+  const RigidMotion rest{proxy_, wanted.shift - motion.shift, wanted.turn - motion.turn};
+  if (share >= 1.0 && least_.active_count == 0 && rest.length(radius) <= kNothing * kOffset) {
     proxy_ = device;
     report.converged = true;
     return false;
@@ -253,8 +256,9 @@ ToolProxyStep ToolProxy::step(const Placement& device) noexcept {
     return report;
   }
   // In contact the proxy moves about as far as in the step before, and mostly less than the device.
-  reach_ = 1.5 * RigidMotion{last_, proxy_.position - last_.position, turn_between(last_.orientation, proxy_.orientation)}.length(radius()) +
-           16.0 * kOffset;
+  reach_ =
+      1.5 * RigidMotion{last_, proxy_.position - last_.position, turn_between(last_.orientation, proxy_.orientation)}.length(radius()) +
+      16.0 * kOffset;
   if (contact_count_ == 0) reach_ = std::max(reach_, wanted_motion(device).length(radius()));
   last_ = proxy_;
   while (report.rounds < kMostRounds) {

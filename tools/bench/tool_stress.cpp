@@ -18,6 +18,13 @@ namespace {
 
 constexpr std::uint64_t kEpisodeSteps = 250;
 
+// The names are part of it, so that a body alone goes through what it went through among others. FNV-1a.
+std::uint64_t seed_of(std::uint64_t seed, const std::string& body, const std::string& tool) {
+  std::uint64_t hash = 0xCBF29CE484222325U ^ seed;
+  for (const char c : body + "/" + tool) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001B3U;
+  return hash;
+}
+
 struct StressTool {
   std::string name;
   TriangleMesh mesh;  // for a body whose longest side is 1
@@ -119,7 +126,7 @@ Result<std::vector<ToolStressResult>> run_tool_stress(const std::vector<StressBo
         const TriangleMesh tool = scaled_and_moved(tools[t].mesh, scale * side, Vec3::Zero());
         auto step = ToolStep::make(tool, {std::make_shared<TriangleMesh>(scaled_and_moved(bodies[b].touched, scale, Vec3::Zero()))}, {});
         if (!step) return tl::unexpected(step.error());
-        ToolEpisodes run(**step, scale * side, plan.seed * 1'000'003 + b * 101 + t);
+        ToolEpisodes run(**step, scale * side, seed_of(plan.seed, bodies[b].name, tools[t].name));
         for (std::uint64_t episode = 0; episode < episodes; ++episode) {
           const std::uint64_t before = result.count.faults();
           run.run(episode, result.count);

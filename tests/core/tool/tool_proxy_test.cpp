@@ -5,6 +5,7 @@
 #include <random>
 
 #include "core/geometry/mesh_shapes.h"
+#include "core/tool/penetration_check.h"
 
 namespace hapton {
 namespace {
@@ -19,6 +20,7 @@ class ToolProxyTest : public testing::Test {
   const TouchGeometry scene{std::vector<const TriangleMesh*>{&ball}};
   const ObjectGeometry tool{make_box({0.1, 0.2, 0.15}, 2), {Vec3::Zero(), scene.unit_m()}};
   ToolProxy proxy{tool, scene, kTurnLength};
+  PenetrationCheck check{tool, scene};
 
   Vec3 draw() { return {uniform(random), uniform(random), uniform(random)}; }
   static double energy(const Placement& a, const Placement& b) {
@@ -50,6 +52,7 @@ TEST_F(ToolProxyTest, KeepsItsGapAndIsNearestToTheDevice) {
       device.orientation = (turn_by(turn) * device.orientation).normalized();
       const ToolProxyStep step = proxy.step(device);
       ASSERT_FALSE(step.is_blocked);
+      ASSERT_FALSE(check.penetrates(proxy.placement())) << "walk " << walk << " step " << n;
       const double gap = least_gap(proxy.placement());
       ASSERT_GE(gap, 0.49 * ToolProxy::kContactOffset) << "walk " << walk << " step " << n;
       if (proxy.contacts().empty()) continue;
@@ -73,6 +76,37 @@ TEST_F(ToolProxyTest, KeepsItsGapAndIsNearestToTheDevice) {
   EXPECT_GT(touching, 500);
   EXPECT_GT(converged, touching * 9 / 10);
   EXPECT_EQ(nearer, 0);
+}
+
+// A plate that left a contact was put where the device is, though the bounds of its long and turning motion had bent it: through a bump.
+TEST(ToolProxy, APlateThatLeavesAContactFastStaysOut) {
+  constexpr unsigned kSeed = 4245;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  std::mt19937_64 random(kSeed);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  const auto draw = [&] {
+    const double x = uniform(random);
+    const double y = uniform(random);
+    return Vec3(x, y, uniform(random));
+  };
+  const TriangleMesh bumps = make_bumpy_sphere(0.4, 0.3, 1000, 5);
+  const TouchGeometry scene(std::vector<const TriangleMesh*>{&bumps});
+  const ObjectGeometry tool(make_thin_wall(0.25, 1e-3, 3), {Vec3::Zero(), scene.unit_m()});
+  ToolProxy proxy(tool, scene, 0.1);
+  PenetrationCheck check(tool, scene);
+  int touching = 0;
+  for (int walk = 0; walk < 20; ++walk) {
+    Placement device{0.9 * draw().normalized(), turn_by(3.0 * draw())};
+    proxy.reset(device);
+    for (int n = 0; n < 100; ++n) {
+      device.position += 0.02 * (draw() - 0.3 * device.position.normalized());
+      device.orientation = (turn_by(0.1 * draw()) * device.orientation).normalized();
+      proxy.step(device);
+      touching += proxy.contacts().empty() ? 0 : 1;
+      ASSERT_FALSE(check.penetrates(proxy.placement())) << "walk " << walk << " step " << n;
+    }
+  }
+  EXPECT_GT(touching, 200);
 }
 
 TEST_F(ToolProxyTest, ATurnOfHalfARoundInFreeSpaceIsFollowed) {
