@@ -35,7 +35,7 @@ class SceneWatcher {
   SceneWatcher(const SceneWatcher&) = delete;
   SceneWatcher& operator=(const SceneWatcher&) = delete;
 
-  // Looks once a second in a thread of its own, from now on.
+  // Looks twice a second in a thread of its own, from now on.
   void start();
 
   enum class Look : std::uint8_t {

@@ -25,15 +25,6 @@ Pose pose_of(const Vec3& p, const Vec3& turn = Vec3::Zero()) {
 
 std::shared_ptr<const TriangleMesh> shared(TriangleMesh mesh) { return std::make_shared<const TriangleMesh>(std::move(mesh)); }
 
-void append(TriangleMesh& mesh, const TriangleMesh& more) {
-  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-  mesh.vertices.insert(mesh.vertices.end(), more.vertices.begin(), more.vertices.end());
-  for (Triangle t : more.triangles) {
-    for (std::uint32_t& v : t) v += first;
-    mesh.triangles.push_back(t);
-  }
-}
-
 // Poses over 0..1 of the run, at 1 kHz.
 std::vector<Pose> path_of(std::size_t steps, const std::function<Pose(double)>& at) {
   std::vector<Pose> path;
@@ -136,7 +127,7 @@ SixdofScenario make_slot_scenario(std::size_t steps) {
   made.tool = shared(make_box({2.0 * kHalfWidth, 0.01, 2.0 * kHalfLength}, 3));
   TriangleMesh walls;
   for (const double side : {-1.0, 1.0}) {
-    append(walls, scaled_and_moved(make_box({0.01, 0.08, 0.08}, 4), 1.0, {side * (kHalfSlot + 0.005), 0.0, 0.0}));
+    walls = joined(walls, scaled_and_moved(make_box({0.01, 0.08, 0.08}, 4), 1.0, {side * (kHalfSlot + 0.005), 0.0, 0.0}));
   }
   made.scene = shared(std::move(walls));
   made.coupling = kCoupling;
@@ -235,8 +226,8 @@ SixdofScenario make_peg_scenario(std::size_t steps, std::uint64_t seed) {
   TriangleMesh walls;
   const double out = 0.5 * kSide + kClearance + 0.01;
   for (const double side : {-1.0, 1.0}) {
-    append(walls, scaled_and_moved(make_box({0.02, 0.06, 0.02}, 4), 1.0, {side * out, 0.0, 0.0}));
-    append(walls, scaled_and_moved(make_box({kSide + 2.0 * kClearance, 0.02, 0.02}, 4), 1.0, {0.0, side * out, 0.0}));
+    walls = joined(walls, scaled_and_moved(make_box({0.02, 0.06, 0.02}, 4), 1.0, {side * out, 0.0, 0.0}));
+    walls = joined(walls, scaled_and_moved(make_box({kSide + 2.0 * kClearance, 0.02, 0.02}, 4), 1.0, {0.0, side * out, 0.0}));
   }
   made.scene = shared(std::move(walls));
   made.coupling = kCoupling;

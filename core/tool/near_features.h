@@ -38,8 +38,8 @@ class NearFeatures {
   // still.
   bool collect(const Placement& placement, double distance, double turn) noexcept;
   std::span<const NearFeature> features() const { return {features_.data(), count_}; }
-  // Pairs of triangles with boxes near each other at the last collect, and some from farther away.
-  std::span<const TrianglePairIds> triangle_pairs() const { return pairs_.pairs(); }
+  // True if triangles of tool and scene intersect at the placement of the last collect (exact signs).
+  bool any_intersect(const Placement& placement) const noexcept { return pairs_.any_intersect(placement); }
 
   // Largest distance of a point of the tool from the grip point.
   double radius() const { return radius_; }

@@ -4,6 +4,8 @@
 #include <array>
 #include <bit>
 
+#include "core/collision/triangle_pair.h"
+
 namespace hapton {
 
 NearPairs::NearPairs(const ObjectGeometry& tool, const TouchGeometry& scene, std::size_t most_pairs) : tool_(&tool), scene_(&scene) {
@@ -51,6 +53,14 @@ bool NearPairs::collect_cluster(std::uint32_t cluster, const Box& box, const Pla
   std::sort(pairs_.begin() + static_cast<std::ptrdiff_t>(first), pairs_.begin() + static_cast<std::ptrdiff_t>(count_),
             [](const TrianglePairIds& a, const TrianglePairIds& b) { return a.tool != b.tool ? a.tool < b.tool : a.scene < b.scene; });
   return fits;
+}
+
+bool NearPairs::any_intersect(const Placement& placement) const noexcept {
+  return std::any_of(pairs().begin(), pairs().end(), [&](const TrianglePairIds& ids) {
+    const ObjectGeometry::Corners a = tool_->corners(ids.tool);
+    const ObjectGeometry::Corners b = scene_->corners(ids.scene);
+    return intersect_triangles({{placement.at(a.a), placement.at(a.b), placement.at(a.c)}, {b.a, b.b, b.c}}).meets;
+  });
 }
 
 bool NearPairs::collect(const Placement& placement, double margin, std::size_t most) noexcept {

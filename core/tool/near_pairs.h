@@ -30,6 +30,8 @@ class NearPairs {
   bool collect(const Placement& placement, double margin, std::size_t most) noexcept;
   // Ordered by the tool's triangle.
   std::span<const TrianglePairIds> pairs() const { return {pairs_.data(), count_}; }
+  // True if the triangles of one of these pairs intersect at a placement (exact signs).
+  bool any_intersect(const Placement& placement) const noexcept;
 
  private:
   static constexpr std::uint32_t kClusterSize = 8;

@@ -17,8 +17,6 @@ class PenetrationCheck {
   double find_gap(const Placement& at, double distance);
 
  private:
-  const ObjectGeometry* tool_;
-  const TouchGeometry* scene_;
   NearPairs pairs_;
   NearFeatures near_;
 };

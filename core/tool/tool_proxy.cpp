@@ -5,8 +5,6 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "core/collision/triangle_pair.h"
-
 namespace hapton {
 namespace {
 
@@ -23,31 +21,17 @@ constexpr double kNothing = 0x1p-10;         // of the offset: what is left when
 constexpr double kShrinkage = 0.125;
 constexpr double kGrowth = 4.0;  // of the reach, where it has ended a round
 
-std::array<Vec3, 3> corners_at(const ObjectGeometry& tool, std::uint32_t t, const Placement& placement) {
-  return {placement.at(tool.corner(t, 0)), placement.at(tool.corner(t, 1)), placement.at(tool.corner(t, 2))};
-}
-
 }  // namespace
 
 ToolProxy::ToolProxy(const ObjectGeometry& tool, const TouchGeometry& scene, double turn_length)
-    : tool_(&tool),
-      scene_(&scene),
-      turn_length_(turn_length),
-      near_(tool, scene),
-      bounds_(NearFeatures::kMostFeatures),
-      bound_pairs_(NearFeatures::kMostFeatures) {}
+    : turn_length_(turn_length), near_(tool, scene), bounds_(NearFeatures::kMostFeatures), bound_pairs_(NearFeatures::kMostFeatures) {}
 
 bool ToolProxy::overlaps(const Placement& placement) noexcept {
   if (!near_.collect(placement, kOffset, 0.0)) return true;
   for (const NearFeature& near : near_.features()) {
     if (near.gap.distance < kLeastGap * kOffset) return true;
   }
-  // Triangles that intersect need not have near features.
-  for (const TrianglePairIds& ids : near_.triangle_pairs()) {
-    const ObjectGeometry::Corners c = scene_->corners(ids.scene);
-    if (intersect_triangles({corners_at(*tool_, ids.tool, placement), {c.a, c.b, c.c}}).meets) return true;
-  }
-  return false;
+  return near_.any_intersect(placement);  // triangles that intersect need not have near features
 }
 
 void ToolProxy::reset(const Placement& device) noexcept {

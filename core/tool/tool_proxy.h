@@ -85,8 +85,6 @@ class ToolProxy {
   void note_contacts(ToolProxyStep& report) noexcept;
   bool round(const Placement& device, ToolProxyStep& report) noexcept;
 
-  const ObjectGeometry* tool_;
-  const TouchGeometry* scene_;
   double turn_length_;
   NearFeatures near_;
   Placement proxy_;

@@ -23,12 +23,6 @@ double mean_squared_lever(const TriangleMesh& tool) {
   return area > 0.0 ? sum / area * 2.0 / 3.0 : 0.0;
 }
 
-double largest_distance(const TriangleMesh& tool) {
-  double squared = 0.0;
-  for (const Vec3& v : tool.vertices) squared = std::max(squared, v.squaredNorm());
-  return std::sqrt(squared);
-}
-
 ToolCoupling completed(const TriangleMesh& tool, ToolCoupling coupling) {
   if (!(coupling.rotational_stiffness_nm_per_rad > 0.0)) {
     coupling.rotational_stiffness_nm_per_rad = coupling.stiffness_n_per_m * mean_squared_lever(tool);
@@ -58,7 +52,7 @@ Result<std::unique_ptr<ToolStep>> ToolStep::make(const TriangleMesh& tool, std::
   if (const auto numbered = TouchGeometry::check(scene); !numbered) return tl::unexpected(numbered.error());
   std::unique_ptr<ToolStep> step(new ToolStep(tool, std::move(scene), completed(tool, coupling)));
   constexpr double kMostSizes = 1e6;
-  const double size = largest_distance(tool) / step->scene_.unit_m();
+  const double size = step->proxy_.radius();
   const double turn_length = turn_length_m(step->coupling_) / step->scene_.unit_m();
   if (!(size > 0.0) || !(turn_length > 0.0)) return fail("the tool has no surface about its grip point");
   if (!(size <= kMostSizes)) return fail("the tool is {:.3g} times as large as the scene; check the units of both", size);

@@ -171,14 +171,18 @@ void add_stress_command(CommandLine app, int& exit_code) {
   const CommandOption tool =
       command.add_flag("--tool", options->tool, "Press rigid tools of six shapes on each body instead: penetration by exact signs, gaps");
   tool.excludes(patches);
-  command.add_option("--probe-share", options->plan.probe_share, "Probe radius as a share of the longest side; 0: as the body says")
-      .between(0.0, 1.0);
+  const CommandOption probe_share =
+      command.add_option("--probe-share", options->plan.probe_share, "Probe radius as a share of the longest side; 0: as the body says");
+  probe_share.between(0.0, 1.0);
   const CommandOption scale = command.add_option("--scale", options->scale, "Only this scale").positive();
   const CommandOption offset = command.add_option("--offset", options->offset, "Only this offset, in extents").not_negative();
   for (const CommandOption& placing : {scale, offset}) patches.excludes(placing);
-  command.add_option("--friction-static", options->friction_static, "Only with this friction").not_negative();
-  command.add_option("--friction-dynamic", options->friction_dynamic, "Only with this friction, not above the static one").not_negative();
-  command.add_option("--episode", options->episode, "Only this episode, as a finding names it");
+  const CommandOption friction_static =
+      command.add_option("--friction-static", options->friction_static, "Only with this friction").not_negative();
+  const CommandOption friction_dynamic =
+      command.add_option("--friction-dynamic", options->friction_dynamic, "Only with this friction, not above the static one")
+          .not_negative();
+  const CommandOption episode = command.add_option("--episode", options->episode, "Only this episode, as a finding names it");
   command
       .add_option("--rest-every", options->plan.compare_every,
                   "The reference checks the proxy's local minimum every so many steps; 0: on suspicion only")
@@ -187,7 +191,8 @@ void add_stress_command(CommandLine app, int& exit_code) {
       .between(1, 10000)
       .shows_default();
   command.add_option("--threads", options->plan.threads, "Variants tested at a time").between(1, 1024).shows_default();
-  command.add_option("--out", options->out, "Folder for stress.json").folder_to_write();
+  const CommandOption out = command.add_option("--out", options->out, "Folder for stress.json").folder_to_write();
+  for (const CommandOption& of_a_probe : {offset, probe_share, friction_static, friction_dynamic, episode, out}) tool.excludes(of_a_probe);
   command.on_run([options, &exit_code] {
     const auto clean = options->tool ? stress_tools(*options) : run_stress(*options);
     if (!clean) fmt::print(stderr, "hapton stress: {}\n", clean.error().what);

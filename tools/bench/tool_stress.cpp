@@ -9,6 +9,7 @@
 #include <random>
 #include <utility>
 
+#include "core/geometry/mesh_measures.h"
 #include "core/geometry/mesh_shapes.h"
 #include "core/tool/penetration_check.h"
 #include "core/tool/tool_step.h"
@@ -38,16 +39,6 @@ std::vector<StressTool> make_tools() {
           {"wedge", make_prism({{0.0, 0.0}, {0.2, -0.2 * sharp}, {0.2, 0.2 * sharp}}, 0.15, 2)},
           {"rod", make_cylinder(0.01, 0.4, 12, 4)},
           {"bracket", make_prism({{0.0, 0.0}, {0.2, 0.0}, {0.2, 0.05}, {0.05, 0.05}, {0.05, 0.2}, {0.0, 0.2}}, 0.1, 2)}};
-}
-
-double longest_side(const TriangleMesh& mesh) {
-  Vec3 low = mesh.vertices.front();
-  Vec3 high = low;
-  for (const Vec3& v : mesh.vertices) {
-    low = low.cwiseMin(v);
-    high = high.cwiseMax(v);
-  }
-  return (high - low).maxCoeff();
 }
 
 // One tool on one body at one scale.
@@ -120,7 +111,7 @@ Result<std::vector<ToolStressResult>> run_tool_stress(const std::vector<StressBo
   std::vector<ToolStressResult> results;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     ToolStressResult result{.body = bodies[b].name, .count = {}};
-    const double side = longest_side(bodies[b].touched);
+    const double side = compute_bounds(bodies[b].touched).extent();
     for (std::size_t t = 0; t < tools.size(); ++t) {
       for (const double scale : plan.scales) {
         const TriangleMesh tool = scaled_and_moved(tools[t].mesh, scale * side, Vec3::Zero());

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/geometry/mesh_shapes.h"
 #include "core/tool/tool_step.h"
 #include "runtime/trajectory_csv.h"
 #include "scene/scene_file.h"
@@ -63,14 +64,7 @@ Result<Scene> load(const ReplayOptions& options) {
 // All objects of the tool's file as one rigid mesh.
 TriangleMesh join_objects(const Scene& tool) {
   TriangleMesh mesh;
-  for (const TouchObject& object : tool.touch_scene().objects) {
-    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-    mesh.vertices.insert(mesh.vertices.end(), object.mesh->vertices.begin(), object.mesh->vertices.end());
-    for (Triangle t : object.mesh->triangles) {
-      for (std::uint32_t& v : t) v += first;
-      mesh.triangles.push_back(t);
-    }
-  }
+  for (const TouchObject& object : tool.touch_scene().objects) mesh = joined(mesh, *object.mesh);
   return mesh;
 }
 
@@ -83,13 +77,17 @@ Result<std::unique_ptr<ToolStep>> make_tool(const ReplayOptions& options, const 
   for (const std::string& note : tool->notes) {
     fmt::print("tool: {}\n", note);
   }
+  ToolCoupling coupling;
+  coupling.stiffness_n_per_m = options.stiffness_n_per_m.value_or(coupling.stiffness_n_per_m);
+  coupling.rotational_stiffness_nm_per_rad = options.rotational_stiffness_nm_per_rad;
+  if (!options.scene.empty()) {
+    fmt::print("tool: materials and effects of {} are left out: {:g} N/m everywhere, without friction\n", options.scene,
+               coupling.stiffness_n_per_m);
+  }
   std::vector<std::shared_ptr<const TriangleMesh>> meshes;
   for (const TouchObject& object : scene.touch_scene().objects) {
     meshes.push_back(object.mesh);
   }
-  ToolCoupling coupling;
-  coupling.stiffness_n_per_m = options.stiffness_n_per_m.value_or(coupling.stiffness_n_per_m);
-  coupling.rotational_stiffness_nm_per_rad = options.rotational_stiffness_nm_per_rad;
   return ToolStep::make(join_objects(*tool), std::move(meshes), coupling);
 }
 

@@ -21,7 +21,7 @@ TEST(MapFriction, SticksLikeASpringAndSlidesOnTheCone) {
     const Vec3 force_n = MapFriction::force({1e-4, 0, 3e-5}, normal, kSlipSpring, 2.0, 0.5, state);
     EXPECT_LT((force_n - Vec3(-1.0, 0, 0)).norm(), 1e-12);
   }
-  // Where it is smoother it lets go at once, and where there is none of it nothing is left.
+  // Where friction is lower it slips at once; where there is none, no force is left.
   EXPECT_NEAR(MapFriction::force({1e-4, 0, 0}, normal, kSlipSpring, 2.0, 0.1, state).x(), -0.2, 1e-12);
   EXPECT_EQ(MapFriction::force({1e-4, 0, 0}, normal, kSlipSpring, 2.0, 0.0, state), Vec3(0, 0, 0));
   EXPECT_EQ(state.pulled, Vec3(0, 0, 0));

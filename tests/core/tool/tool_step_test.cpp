@@ -97,18 +97,10 @@ TEST(ToolStep, APegStaysInItsHole) {
   constexpr double kSide = 0.01;
   constexpr double kClearance = 20e-6;
   TriangleMesh walls;
-  const auto add = [&](const TriangleMesh& block) {
-    const auto first = static_cast<std::uint32_t>(walls.vertices.size());
-    walls.vertices.insert(walls.vertices.end(), block.vertices.begin(), block.vertices.end());
-    for (Triangle t : block.triangles) {
-      for (std::uint32_t& v : t) v += first;
-      walls.triangles.push_back(t);
-    }
-  };
   const double out_by = 0.5 * kSide + kClearance + 0.01;
   for (const double side : {-1.0, 1.0}) {
-    add(scaled_and_moved(make_box({0.02, 0.05, 0.02}, 3), 1.0, {side * out_by, 0.0, 0.0}));
-    add(scaled_and_moved(make_box({kSide + 2.0 * kClearance, 0.02, 0.02}, 3), 1.0, {0.0, side * out_by, 0.0}));
+    walls = joined(walls, scaled_and_moved(make_box({0.02, 0.05, 0.02}, 3), 1.0, {side * out_by, 0.0, 0.0}));
+    walls = joined(walls, scaled_and_moved(make_box({kSide + 2.0 * kClearance, 0.02, 0.02}, 3), 1.0, {0.0, side * out_by, 0.0}));
   }
   const auto step = make_step(make_box({kSide, kSide, 0.03}, 2), walls);
   step->reset({pose_at({0.0, 0.0, 0.03})});
