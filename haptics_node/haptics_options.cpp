@@ -79,7 +79,7 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
       ->check(accepts(parse_tool_grip))
       ->capture_default_str()
       ->needs(tool);
-  app.add_option("--tool-stiffness", options.tool_nm_per_rad, "Rotational stiffness of the tool, Nm/rad; 0: derived from its size")
+  app.add_option("--rotational-stiffness", options.tool_nm_per_rad, "Rotational stiffness of the tool, Nm/rad; 0: derived from its size")
       ->check(between(0.0, 1e6))
       ->capture_default_str();
   app.add_option("--rt", realtime, "Real-time priority, memory lock and wake-up latency: off, try or require")
