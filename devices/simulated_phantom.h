@@ -24,7 +24,7 @@ class SimulatedPhantom final : public Device {
 
   struct Options {
     std::uint64_t seed = 1;
-    StylusModel stylus;
+    StylusModel stylus = {};
     std::vector<TrajectoryRow> path = {};  // that the hand takes instead of its script (hand_script.h)
     bool repeat_path = false;
     bool has_torque = false;  // motors on the gimbals

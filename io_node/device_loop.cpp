@@ -183,6 +183,7 @@ void DeviceLoop::write(const Wrench& wrench) noexcept {
   if (is_released) stats_.longest_release_ns = std::max(stats_.longest_release_ns, begin_ns - answered_ns_);
   written_ = wrench;
   stats_.max_force_n = std::max(stats_.max_force_n, wrench.force_n.norm());
+  stats_.max_torque_nm = std::max(stats_.max_torque_nm, wrench.torque_nm.norm());
 }
 
 void DeviceLoop::grant_requests() noexcept {

@@ -69,6 +69,7 @@ struct DeviceLoopStats {
   std::uint64_t caught_up_cycles = 0;
   std::array<std::uint64_t, 5> missed_by_cause = {};
   double max_force_n = 0.0;
+  double max_torque_nm = 0.0;
   std::int64_t longest_release_ns = 0;  // sample of the last force -> zero on the device, over all command timeouts
   std::uint64_t commands = 0;           // force commands governed
   std::uint64_t local_forces = 0;       // worked out on this side

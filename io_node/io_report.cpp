@@ -300,7 +300,8 @@ LatencyReport make_io_report(const ServoStats& stats, const IoOptions& options, 
                   {"device", options.device.name},
                   {"realtime", realtime},
                   {"seed", std::to_string(options.device.seed)},
-                  {"max_force_written_n", fmt::format("{:.3f}", stats.max_force_n)}};
+                  {"max_force_written_n", fmt::format("{:.3f}", stats.max_force_n)},
+                  {"max_torque_written_nm", fmt::format("{:.4f}", stats.max_torque_nm)}};
   report.notes["haptics_clock_offset"] = describe_clocks(stats.hops);
   if (stats.hops.is_offset_known) {
     report.notes["haptics_clock_offset_ns"] = std::to_string(stats.hops.clock_offset_ns);
@@ -325,8 +326,9 @@ LatencyReport make_io_report(const ServoStats& stats, const IoOptions& options, 
 }
 
 std::string describe_run(const ServoStats& s, const SchedulingStats& scheduling) {
-  std::string text = fmt::format("{:.1f} s, {} samples ({:.0f} Hz), {} forces, {} in contact, maximum {:.2f} N\n", s.seconds(), s.samples,
-                                 per_second(s.samples, s), s.forces, s.contact_samples, s.max_force_n);
+  std::string text = fmt::format("{:.1f} s, {} samples ({:.0f} Hz), {} forces, {} in contact, maximum {:.2f} N{}\n", s.seconds(), s.samples,
+                                 per_second(s.samples, s), s.forces, s.contact_samples, s.max_force_n,
+                                 s.max_torque_nm > 0.0 ? fmt::format(", {:.4f} Nm", s.max_torque_nm) : std::string());
   text += fmt::format("late {}, lost {}, superseded {}, reordered {}, missed cycles {}, command timeouts {}, clamped {}, rate-limited {}\n",
                       s.responses.late, s.responses.lost, s.responses.superseded, s.responses.reordered, s.missed_cycles,
                       s.governor.counters.command_timeouts, s.governor.counters.clamped, s.governor.counters.slewed);

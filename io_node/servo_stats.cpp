@@ -13,6 +13,7 @@ void add_device_stats(const DeviceLoopStats& device, ServoStats& stats) noexcept
   stats.caught_up_cycles = device.caught_up_cycles;
   stats.missed_by_cause = device.missed_by_cause;
   stats.max_force_n = device.max_force_n;
+  stats.max_torque_nm = device.max_torque_nm;
   stats.longest_release_ns = device.longest_release_ns;
   stats.governor = device.governor;
   stats.device_status = device.status;

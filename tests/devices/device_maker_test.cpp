@@ -49,7 +49,7 @@ TEST(DeviceMaker, SaysWhatIsMissing) {
   DeviceSettings settings;
   settings.trajectory = "t.csv";
   settings.name = "spacemouse";
-  EXPECT_THAT(refusal_of(settings), HasSubstr("--trajectory applies to --device simulated or replay"));
+  EXPECT_THAT(refusal_of(settings), HasSubstr("--trajectory applies to --device simulated or simulated-6dof or replay"));
   settings.name = "simulated";
   EXPECT_THAT(refusal_of(settings), HasSubstr("t.csv"));
   settings.name = "replay";

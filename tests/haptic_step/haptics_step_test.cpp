@@ -242,5 +242,42 @@ TEST(HapticsStep, UsesNoHeap) {
   EXPECT_GT(step.counts().contact_steps, 100U);
 }
 
+// A box of 2 cm that is pressed 2 mm into the sheet; grip point in its middle.
+struct HeldBox {
+  std::unique_ptr<HeldTool> tool = std::make_unique<HeldTool>(std::move(*ToolStep::make(
+      made::box(Vec3::Constant(-0.01), Vec3::Constant(0.01)), {made::shared(made::sheet(0.1, 0.0, 6))}, {.stiffness_n_per_m = 1000.0})));
+};
+
+TEST(HapticsStep, AHeldToolIsFeltInPlaceOfTheProbe) {
+  HapticsStep step(make_touch(), kOffset);
+  HeldBox box;
+  step.hold(box.tool.get());
+  States states;
+  ForceCommand command = answer(step, states.at({0.01, 0.01, 0.02}));
+  EXPECT_FALSE(command.contact);
+  EXPECT_FALSE(step.is_tool_blocked());
+  for (int n = 0; n < 20; ++n) {
+    command = answer(step, states.at({0.01, 0.01, 0.012 - 0.0001 * n}));
+    box.tool->follow();
+  }
+  command = answer(step, states.at({0.01, 0.01, 0.008}));
+  EXPECT_TRUE(command.contact);
+  EXPECT_NEAR(command.force_n.z(), 2.0, 0.2) << "the box rests on the sheet, far above a probe's contact";
+  EXPECT_NEAR(command.visual_offset_m.z(), 0.002, 0.0002);
+  EXPECT_GT(command.answered_before, 0U);
+  // Held askew it turns, and that is felt.
+  DeviceState askew = states.at({0.01, 0.01, 0.008});
+  askew.q_WT = turn_by({0.1, 0.0, 0.0});
+  for (int n = 0; n < 20; ++n) {
+    command = answer(step, askew);
+    box.tool->follow();
+    ++askew.sample;
+    askew.sample_time_ns += 1'000'000;
+  }
+  EXPECT_GT(command.torque_nm.norm(), 0.005);
+  EXPECT_GT(command.visual_turn.norm(), 0.01);
+  EXPECT_GE(step.counts().max_torque_nm, command.torque_nm.norm());
+}
+
 }  // namespace
 }  // namespace hapton

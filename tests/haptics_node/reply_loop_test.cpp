@@ -94,6 +94,28 @@ TEST_F(ReplyLoopTest, EveryStateIsAnswered) {
   EXPECT_LE(loop_.step_times().max_ns(), loop_.compute_times().max_ns());
 }
 
+TEST_F(ReplyLoopTest, AToolIsFeltAndRejectsWhatIsOfAProbe) {
+  HeldTool tool(std::move(*ToolStep::make(made::box(Vec3::Constant(-0.01), Vec3::Constant(0.01)), {one_sheet().objects[0].mesh}, {})));
+  step_.hold(&tool);
+  std::optional<ForceCommand> command;
+  for (int n = 0; n < 30; ++n) {
+    command = exchange({0.01, 0.01, 0.0109 - 0.0001 * n});
+    tool.follow();
+  }
+  ASSERT_TRUE(command);
+  EXPECT_NEAR(command->force_n.z(), 1000.0 * (0.01 - (0.0109 - 0.0029)), 0.2);
+  EXPECT_TRUE(command->contact);
+  Settings settings{.method_request = 9};
+  settings.method = {'p', 'r', 'o', 'x', 'y'};
+  for (int n = 0; n < 300 && setups_.back().method_request != 9; ++n) {
+    send(settings);
+    exchange({0.01, 0.01, 0.008});
+  }
+  EXPECT_EQ(setups_.back().method_request, 9U);
+  EXPECT_NE(std::string_view(setups_.back().rejection.data()).find("rigid tool"), std::string_view::npos);
+  EXPECT_EQ(step_.counts().methods_taken, 0U);
+}
+
 TEST_F(ReplyLoopTest, ABacklogGetsOneAnswerToItsNewest) {
   send_state({0.01, 0.01, 0.003});
   send_state({0.01, 0.01, 0.002});

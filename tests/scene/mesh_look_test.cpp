@@ -117,7 +117,7 @@ TEST_F(MeshLooks, OfAPlyFileAreColoursAndATexture) {
   EXPECT_EQ(bright.look.triangles.at(0).corners[0].colour, (Rgb{255, 51, 0}));
 }
 
-std::string floats(std::initializer_list<float> values) {
+std::string look_floats(std::initializer_list<float> values) {
   std::string bytes;
   for (const float value : values) sample::append(bytes, value);
   return bytes;
@@ -130,8 +130,8 @@ std::string textured_glb(const std::string& material, const std::string& attribu
   const TriangleMesh mesh = sample::tetrahedron();
   pieces.add(sample::positions_of(mesh));
   pieces.add(sample::indices_of(mesh));
-  pieces.add(floats({0, 0, 1, 0, 0, 1, 0.5F, 0.25F}));
-  pieces.add(floats({1, 0, 0, 1, 0, 1, 0, 1, 0, 0, 1, 1, 1, 1, 1, 0.5F}));
+  pieces.add(look_floats({0, 0, 1, 0, 0, 1, 0.5F, 0.25F}));
+  pieces.add(look_floats({1, 0, 0, 1, 0, 1, 0, 1, 0, 0, 1, 1, 1, 1, 1, 0.5F}));
   pieces.add(std::string(kPngBytes));
   const std::string accessors = sample::accessors_of(mesh) + R"(,{"bufferView":2,"componentType":5126,"count":4,"type":"VEC2"})"
                                                              R"(,{"bufferView":3,"componentType":5126,"count":4,"type":"VEC4"})";

@@ -42,6 +42,14 @@ TEST(Hud, ShowsRatesLatencyForceContactAndMode) {
   EXPECT_EQ(compose_hud(facts).find("touching"), std::string::npos);
 }
 
+TEST(Hud, ShowsTheTorqueOfATool) {
+  HudFacts facts;
+  facts.connected = true;
+  EXPECT_EQ(compose_hud(facts).find("torque"), std::string::npos);
+  facts.state.torque_nm = {0.03, 0.0, -0.04};
+  EXPECT_NE(compose_hud(facts).find("torque 0.050 Nm"), std::string::npos) << compose_hud(facts);
+}
+
 TEST(Hud, NamesWhatIsTouched) {
   HudFacts facts;
   facts.connected = true;

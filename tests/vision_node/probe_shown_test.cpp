@@ -1,8 +1,11 @@
 #include "vision_node/probe_shown.h"
 
+#include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
+
+#include "core/math/rotation_vector.h"
 
 namespace hapton {
 namespace {
@@ -117,6 +120,17 @@ TEST(ProbeRadius, IsFoundInWhatTheHapticsNodeSays) {
   for (const char* said : {"", "name=proxy", "probe_radius_m=", "probe_radius_m=-1", "probe_radius_m=nan", "probe_radius_m=inf"}) {
     EXPECT_EQ(find_probe_radius(said), 0.0) << said;
   }
+}
+
+TEST(ProbeShown, AToolTurnsFromTheStylusAndDoesNotLean) {
+  ProbeState state;
+  state.q_WT = turn_by({0.0, 0.0, 0.3});
+  state.visual_turn = {0.1, 0.0, 0.0};
+  const ProbeShown shown = show_probe(state, make_lean(0.7));
+  EXPECT_LT(turn_between(shown.q_WP, turn_by({0.1, 0.0, 0.0}) * state.q_WT).norm(), 1e-12);
+  EXPECT_GT(turn_between(shown.q_WT, shown.q_WP).norm(), 0.5);
+  state.visual_turn = Vec3::Constant(std::nan(""));
+  EXPECT_LT(turn_between(show_probe(state).q_WP, state.q_WT).norm(), 1e-12);
 }
 
 }  // namespace
