@@ -73,6 +73,8 @@ void HapticsStep::feel_tool(ForceCommand& reply) noexcept {
   input.X_WS = X_WS_;
   const ToolOutput felt = tool_->step(input, state_.sample_time_ns);
   is_tool_blocked_ = felt.proxy.is_blocked;
+  if (felt.contact) counts_.haptons += static_cast<std::uint64_t>(felt.proxy.haptons);
+  if (felt.contact) counts_.most_haptons = std::max(counts_.most_haptons, felt.proxy.haptons);
   reply.force_n = felt.force_n;
   reply.torque_nm = felt.torque_nm;
   reply.contact = felt.contact;

@@ -22,7 +22,10 @@ struct HapticsCounts {
   std::uint64_t methods_taken = 0;   // changes while running
   std::uint64_t materials_taken = 0;
   double max_force_n = 0.0;
-  double max_torque_nm = 0.0;  // of a rigid tool
+  // Of a rigid tool:
+  double max_torque_nm = 0.0;
+  std::uint64_t haptons = 0;  // over all steps in contact (pairs of triangles that touch: a unit of the memo, section 5)
+  int most_haptons = 0;       // in one
 };
 
 // The haptics node without its machine: device states and view transforms go in, force commands come out.

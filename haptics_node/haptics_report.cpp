@@ -1,5 +1,6 @@
 #include "haptics_node/haptics_report.h"
 
+#include <algorithm>
 #include <sstream>
 
 #include "runtime/log.h"
@@ -28,7 +29,11 @@ std::string make_haptics_report(const HapticsStep& step, const HubClient& hub, c
   if (counts.methods_taken > 0) {
     text += fmt::format("methods changed while running: {}\n", counts.methods_taken);
   }
-  if (step.holds_tool()) return text + fmt::format("tool: maximum {:.4f} Nm\n", counts.max_torque_nm);
+  if (step.holds_tool()) {
+    const double mean = static_cast<double>(counts.haptons) / static_cast<double>(std::max<std::uint64_t>(1, counts.contact_steps));
+    return text + fmt::format("tool: maximum {:.4f} Nm; pairs of triangles in contact (haptons): {:.1f} on average, {} at most\n",
+                              counts.max_torque_nm, mean, counts.most_haptons);
+  }
   return text + step.touch().method().describe();
 }
 

@@ -265,6 +265,8 @@ TEST(HapticsStep, AHeldToolIsFeltInPlaceOfTheProbe) {
   EXPECT_NEAR(command.force_n.z(), 2.0, 0.2) << "the box rests on the sheet, far above a probe's contact";
   EXPECT_NEAR(command.visual_offset_m.z(), 0.002, 0.0002);
   EXPECT_GT(command.answered_before, 0U);
+  EXPECT_GE(step.counts().most_haptons, 1);
+  EXPECT_GE(step.counts().haptons, 1U);
   // Held askew it turns, and that is felt.
   DeviceState askew = states.at({0.01, 0.01, 0.008});
   askew.q_WT = turn_by({0.1, 0.0, 0.0});
