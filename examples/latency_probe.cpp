@@ -27,8 +27,8 @@ int main(int argc, char** argv) {
     newest = *probe;
     // CLOCK_MONOTONIC is one clock for all programs of a host. From another host only the hub's own round trip means anything.
     ages.record(client.receive_time_ns() - probe->sample_time_ns);
-    // Asks for the next one; without it the hub sends ten a second.
-    client.send(FrameAck{.echo_sample = probe->sample, .echo_sample_time_ns = probe->sample_time_ns, .unchanged = true});
+    // Asks for the next one; without it the hub repeats ten times a second.
+    client.send(FrameAck{.echo_sample = probe->sample, .echo_sample_time_ns = probe->sample_time_ns});
   }
   std::printf("%llu samples, age p50 %.1f us, p99 %.1f us, max %.1f us\n", static_cast<unsigned long long>(ages.count()),
               1e-3 * ages.quantile_ns(0.5), 1e-3 * ages.quantile_ns(0.99), 1e-3 * static_cast<double>(ages.max_ns()));

@@ -38,7 +38,8 @@ int main(int argc, char** argv) {
 
     answer.force_n = -150.0 * newest->p_WD;  // your force, N, frame W
     const std::uint64_t passed = newest->sample - answer.echo_sample;
-    answer.answered_before = answers == 0 ? 0 : passed >= 64 ? 0 : answer.answered_before << passed | std::uint64_t{1} << (passed - 1);
+    // Bit i: sample echo_sample - 1 - i was answered as well. The hub counts lost answers by it.
+    answer.answered_before = answers == 0 || passed - 1 >= 63 ? 0 : answer.answered_before << passed | std::uint64_t{1} << (passed - 1);
     answer.echo_sample = newest->sample;
     answer.echo_sample_time_ns = newest->sample_time_ns;  // so that the hub measures the round trip on its own clock
     answer.skipped_samples = states - 1;
