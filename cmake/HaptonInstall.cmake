@@ -1,5 +1,5 @@
-# What `cmake --install` and the Debian packages put where. Three parts: `hapton` (programs, scenes, units), `vision` (vision_node alone draws,
-# and alone needs VTK) and `dev` (the libraries as a CMake package).
+# What `cmake --install` and the Debian packages put where. Four parts: `hapton` (programs, scenes, units), `vision` (vision_node alone draws,
+# and alone needs VTK), `dev` (the libraries as a CMake package) and `python` (import hapton).
 include(GNUInstallDirs)
 
 # --- programs, with a manual page and a bash completion each, made of their --help ---
@@ -85,7 +85,14 @@ set(CPACK_DEBIAN_DEV_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libeigen3-dev, libfmt-dev, libmeshoptimizer-dev")
 set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS
   "libcli11-dev, libspdlog-dev, libtomlplusplus-dev, libprotobuf-dev, libsodium-dev, libpng-dev, libjpeg-dev, libdraco-dev, libhidapi-dev, pkg-config")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-hapton)
+set(CPACK_COMPONENT_PYTHON_DESCRIPTION "import hapton: forces on NumPy arrays, recordings, a running session, a haptics node in Python.")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.11), python3 (<< 3.12), python3-numpy")
 set(CPACK_COMPONENTS_ALL hapton dev)
+if(TARGET hapton_python)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+endif()
 if(TARGET vision_node)
   list(APPEND CPACK_COMPONENTS_ALL vision)
 endif()
