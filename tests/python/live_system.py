@@ -29,7 +29,7 @@ class LiveSystem:
 
     def start(self, log, name, *arguments):
         with open(log, "w") as file:
-            program = subprocess.Popen(["stdbuf", "-oL", os.path.join(BIN, name), *arguments], stdout=file, stderr=file)
+            program = subprocess.Popen([os.path.join(BIN, name), *arguments], stdout=file, stderr=file)
         self.programs.append(program)
         return program
 
