@@ -21,8 +21,9 @@ namespace {
 
 using Made = Result<std::unique_ptr<Device>>;
 
-Made make_simulated(const DeviceSettings& settings) {
-  SimulatedPhantom::Options options{.seed = settings.seed, .stylus = {}, .path = {}, .repeat_path = settings.loop};
+Made make_phantom(const DeviceSettings& settings, bool has_torque) {
+  SimulatedPhantom::Options options{
+      .seed = settings.seed, .stylus = {}, .path = {}, .repeat_path = settings.loop, .has_torque = has_torque};
   if (settings.trajectory.empty() && settings.loop) return fail("--loop repeats a --trajectory; give one or leave --loop out");
   if (!settings.trajectory.empty()) {
     auto rows = read_trajectory_csv(settings.trajectory);
@@ -31,6 +32,9 @@ Made make_simulated(const DeviceSettings& settings) {
   }
   return std::make_unique<SimulatedPhantom>(options);
 }
+
+Made make_simulated(const DeviceSettings& settings) { return make_phantom(settings, false); }
+Made make_simulated_6dof(const DeviceSettings& settings) { return make_phantom(settings, true); }
 
 Made make_replay(const DeviceSettings& settings) {
   if (settings.trajectory.empty()) return fail("--device replay needs --trajectory FILE");
@@ -44,6 +48,10 @@ Made make_forcedimension(const DeviceSettings& settings) { return make_force_dim
 
 constexpr std::array kMakers = {
     DeviceMaker{.name = "simulated", .about = "a PHANToM Model A with a scripted hand", .takes_trajectory = true, .make = make_simulated},
+    DeviceMaker{.name = "simulated-6dof",
+                .about = "the same with motors on its gimbals: force and torque",
+                .takes_trajectory = true,
+                .make = make_simulated_6dof},
     DeviceMaker{.name = "replay", .about = "a recorded trajectory", .takes_trajectory = true, .make = make_replay},
     DeviceMaker{
         .name = "wooden-haptics", .about = "WoodenHaptics by USB", .takes_id = true, .takes_file = true, .make = make_wooden_haptics},

@@ -24,6 +24,7 @@ constexpr double kLeadSpeed = 0.6;
 }  // namespace
 
 HandScript::HandScript(const Options& options) : options_(options), random_(options.seed), hand_m_(options.start_m) {
+  for (const TrajectoryRow& row : options_.path) has_turns_ = has_turns_ || row.q_WT.coeffs() != Quat::Identity().coeffs();
   enter(first_phase());
 }
 
@@ -152,6 +153,16 @@ Vec3 HandScript::point_of_path() noexcept {
   return from.p_WD + (to.p_WD - from.p_WD) * ((t_s - from.t_s) / (to.t_s - from.t_s));
 }
 
+// Likewise, of the last row reached and the next.
+Quat HandScript::turn_of_path() const noexcept {
+  const std::vector<TrajectoryRow>& rows = options_.path;
+  const TrajectoryRow& from = rows[path_row_];
+  if (path_row_ + 1 == rows.size() || path_s_ < 0.0) return from.q_WT;
+  const TrajectoryRow& to = rows[path_row_ + 1];
+  const double share = (rows.front().t_s + path_s_ - from.t_s) / (to.t_s - from.t_s);
+  return from.q_WT.slerp(std::clamp(share, 0.0, 1.0), to.q_WT);
+}
+
 void HandScript::follow_path() noexcept {
   if (path_s_ < 0.0) {
     if (move_towards(within_workspace(options_.path.front().p_WD), kTravelSpeed)) path_s_ = 0.0;
@@ -254,7 +265,9 @@ void HandScript::advance_phase(const Vec3& p_WD) noexcept {
 HandIntention HandScript::intention() noexcept {
   hand_m_ = within_workspace(hand_m_);
   const double turn = 2.0 * std::numbers::pi * tilted_s_;
-  return {hand_m_, Vec3(0.35 * std::sin(0.23 * turn), 0.25 * std::sin(0.31 * turn), 0.6 * std::sin(0.17 * turn))};
+  HandIntention next{hand_m_, Vec3(0.35 * std::sin(0.23 * turn), 0.25 * std::sin(0.31 * turn), 0.6 * std::sin(0.17 * turn))};
+  if (phase_ == Phase::path && has_turns_) next.q_WT = turn_of_path();
+  return next;
 }
 
 HandIntention HandScript::step(const Vec3& p_WD, const Vec3& force_n) noexcept {

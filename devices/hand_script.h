@@ -18,6 +18,7 @@ namespace hapton {
 struct HandIntention {
   Vec3 p_WH = Vec3::Zero();        // m, frame W
   Vec3 gimbal_rad = Vec3::Zero();  // yaw about y, pitch about x, roll about the stylus
+  std::optional<Quat> q_WT = {};   // instead: on a path that has orientations
 };
 
 // The motion of a hand that cannot see: travel in front of the scene, approach along -z until something pushes back, press, slide,
@@ -40,8 +41,9 @@ class HandScript {
     Vec3 workspace_min_m = Vec3::Zero();
     Vec3 workspace_max_m = Vec3::Zero();
     Vec3 start_m = Vec3::Zero();
-    std::vector<TrajectoryRow> path = {};  // times rising; of its rows only times and positions are used. Empty: none
-    bool repeat_path = false;              // else the hand stays at its end
+    std::vector<TrajectoryRow> path =
+        {};                    // times rising; without any orientation but the identity the hand tilts as in its script. Empty: none
+    bool repeat_path = false;  // else the hand stays at its end
   };
   enum class Phase : std::uint8_t { travel, approach, press, slide, tap, circle, leave, led, path };
 
@@ -69,6 +71,7 @@ class HandScript {
   void tap(const Vec3& p_WD) noexcept;
   void advance_phase(const Vec3& p_WD) noexcept;
   HandIntention intention() noexcept;
+  Quat turn_of_path() const noexcept;
 
   Options options_;
   std::mt19937_64 random_;
@@ -90,6 +93,7 @@ class HandScript {
   double turn_rad_per_s_ = 0.0;
   double lost_s_ = 0.0;       // since the last contact
   double reach_m_ = 0.3;      // how far from the middle it looks, share of the workspace
+  bool has_turns_ = false;    // the path has orientations
   double path_s_ = 0.0;       // along the path; below 0: on the way to its first row
   std::size_t path_row_ = 0;  // the last row that has been reached
   int taps_left_ = 0;

@@ -37,5 +37,16 @@ inline DeviceLimits limits() {
           .max_speed_m_per_s = kMaxSpeedMPerS};
 }
 
+// With motors on the gimbals, as the later Premium 1.5/6DOF: its data sheet gives 0.515 Nm for yaw and pitch and 0.17 Nm for roll at most;
+// one ball of torque stays below all three.
+constexpr double kMaxTorqueNm = 0.17;
+
+inline DeviceLimits limits_with_torque() {
+  DeviceLimits limits = model_a::limits();
+  limits.max_torque_nm = kMaxTorqueNm;
+  limits.max_torque_slew_nm_per_s = kMaxTorqueNm / 0.004;
+  return limits;
+}
+
 }  // namespace model_a
 }  // namespace hapton

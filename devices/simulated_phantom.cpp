@@ -22,7 +22,11 @@ double to_grid(double value, double step) { return std::round(value / step) * st
 }  // namespace
 
 SimulatedPhantom::SimulatedPhantom(const Options& options)
-    : limits_(model_a::limits()), dynamics_(options.stylus), script_(script_options(limits_, options)), hand_m_(start_of(limits_)) {
+    : limits_(options.has_torque ? model_a::limits_with_torque() : model_a::limits()),
+      dynamics_(options.stylus),
+      script_(script_options(limits_, options)),
+      hand_m_(start_of(limits_)),
+      has_torque_(options.has_torque) {
   for (int axis = 0; axis < 3; ++axis) axes_[axis] = {hand_m_[axis], 0.0, hand_m_[axis], 0.0};
 }
 
@@ -42,6 +46,15 @@ void SimulatedPhantom::begin_hand_step() noexcept {
   const HandIntention next = script_.step(exact_position_m(), force_n_);
   hand_m_per_s_ = (next.p_WH - hand_m_) * (1e9 / static_cast<double>(HandScript::kStepNs));
   gimbal_rad_ = next.gimbal_rad;
+  q_WH_ = next.q_WT;
+}
+
+// Gimbals on their grid; an orientation of a path as it is.
+Quat SimulatedPhantom::wanted_turn() const noexcept {
+  if (q_WH_) return *q_WH_;
+  const auto gimbal = [&](int axis) { return to_grid(gimbal_rad_[axis], kGimbalStepRad); };
+  return Eigen::AngleAxisd(gimbal(0), Vec3::UnitY()) * Eigen::AngleAxisd(gimbal(1), Vec3::UnitX()) *
+         Eigen::AngleAxisd(gimbal(2), Vec3::UnitZ());
 }
 
 void SimulatedPhantom::advance_to(std::int64_t now_ns) noexcept {
@@ -49,9 +62,11 @@ void SimulatedPhantom::advance_to(std::int64_t now_ns) noexcept {
     zero_ns_ = now_ns;
     device_ns_ = 0;
     begin_hand_step();
+    turn_.begin_at(wanted_turn());
   }
   const bool is_cut = is_cut_.load(std::memory_order_acquire) || (guard_ != nullptr && guard_->is_cut.load() != 0);
   force_n_ = is_cut ? Vec3(Vec3::Zero()) : written_n_;
+  torque_nm_ = is_cut ? Vec3(Vec3::Zero()) : written_nm_;
   zero_ns_ += std::max<std::int64_t>(0, now_ns - zero_ns_ - device_ns_ - kLongestPauseNs);
   const std::int64_t end_ns = now_ns - zero_ns_;
   while (device_ns_ < end_ns) {
@@ -61,6 +76,7 @@ void SimulatedPhantom::advance_to(std::int64_t now_ns) noexcept {
       dynamics_.advance(axes_[axis], {force_n_[axis], hand_m_[axis], hand_m_per_s_[axis]},
                         {limits_.workspace_min_m[axis], limits_.workspace_max_m[axis]}, device_ns_, next - device_ns_);
     }
+    if (has_torque_) turn_.advance(device_ns_, next, wanted_turn(), torque_nm_);
     hand_m_ += hand_m_per_s_ * (1e-9 * static_cast<double>(next - device_ns_));
     device_ns_ = next;
     if (next == hand_step_end) begin_hand_step();
@@ -70,18 +86,17 @@ void SimulatedPhantom::advance_to(std::int64_t now_ns) noexcept {
 DeviceSample SimulatedPhantom::read(std::int64_t now_ns) noexcept {
   advance_to(now_ns);
   const Vec3 exact = exact_position_m();
-  const auto gimbal = [&](int axis) { return to_grid(gimbal_rad_[axis], kGimbalStepRad); };
   DeviceSample sample;
   sample.time_ns = now_ns;
   for (int axis = 0; axis < 3; ++axis) sample.p_WD[axis] = to_grid(exact[axis], model_a::kPositionStepM);
-  sample.q_WT = Eigen::AngleAxisd(gimbal(0), Vec3::UnitY()) * Eigen::AngleAxisd(gimbal(1), Vec3::UnitX()) *
-                Eigen::AngleAxisd(gimbal(2), Vec3::UnitZ());
+  sample.q_WT = has_torque_ ? turn_.q_WT() : wanted_turn();
   return sample;
 }
 
 void SimulatedPhantom::write(const Wrench& wrench, std::int64_t now_ns) noexcept {
   advance_to(now_ns);
   written_n_ = wrench.force_n;
+  written_nm_ = has_torque_ ? wrench.torque_nm : Vec3(Vec3::Zero());
   for (std::size_t axis = 0; guard_ != nullptr && axis < 3; ++axis)
     guard_->motors_n[axis].store(written_n_[static_cast<Eigen::Index>(axis)]);
 }

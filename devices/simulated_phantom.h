@@ -7,11 +7,13 @@
 #include "devices/device.h"
 #include "devices/hand_script.h"
 #include "devices/stylus_dynamics.h"
+#include "devices/stylus_turn.h"
 
 namespace hapton {
 
 // A PHANToM Model A (model_a.h) with a hand on it: 6 DOF in and 3 DOF out, force passed on up to 30 Hz. The three axes are alike and
-// independent (stylus_dynamics.h); gimbals carry no motor, so the stylus tilts as the hand wants. The hand follows a seeded script
+// independent (stylus_dynamics.h); gimbals carry no motor, so the stylus tilts as the hand wants. With motors on the gimbals, as the later
+// Premium 6DOF had, it gives torque as well, and the stylus turns as StylusTurn says. The hand follows a seeded script
 // (hand_script.h), takes a path or is led.
 // Time: the first read or write sets the device's zero; the trajectory depends on the forces and the times they were written,
 // not on how often the device is read. A pause of more than kLongestPauseNs is cut to it (a stopped process is no long flight).
@@ -25,11 +27,12 @@ class SimulatedPhantom final : public Device {
     StylusModel stylus;
     std::vector<TrajectoryRow> path = {};  // that the hand takes instead of its script (hand_script.h)
     bool repeat_path = false;
+    bool has_torque = false;  // motors on the gimbals
   };
 
   explicit SimulatedPhantom(const Options& options);
 
-  std::string_view name() const noexcept override { return "simulated"; }
+  std::string_view name() const noexcept override { return has_torque_ ? "simulated-6dof" : "simulated"; }
   const DeviceLimits& limits() const noexcept override { return limits_; }
   DeviceSample read(std::int64_t now_ns) noexcept override;
   void write(const Wrench& wrench, std::int64_t now_ns) noexcept override;
@@ -57,6 +60,7 @@ class SimulatedPhantom final : public Device {
  private:
   void advance_to(std::int64_t now_ns) noexcept;
   void begin_hand_step() noexcept;
+  Quat wanted_turn() const noexcept;
 
   DeviceLimits limits_;
   StylusDynamics dynamics_;
@@ -69,8 +73,13 @@ class SimulatedPhantom final : public Device {
   Vec3 hand_m_;                     // intention at device_ns_
   Vec3 hand_m_per_s_ = Vec3::Zero();
   Vec3 gimbal_rad_ = Vec3::Zero();
-  std::int64_t zero_ns_ = 0;     // host time of device time 0
-  std::int64_t device_ns_ = -1;  // device time reached; below 0: not begun
+  std::optional<Quat> q_WH_;  // on a path that has orientations, in place of the gimbals
+  bool has_torque_;
+  StylusTurn turn_;  // where it has torque
+  Vec3 written_nm_ = Vec3::Zero();
+  Vec3 torque_nm_ = Vec3::Zero();  // on the motors, as force_n_
+  std::int64_t zero_ns_ = 0;       // host time of device time 0
+  std::int64_t device_ns_ = -1;    // device time reached; below 0: not begun
 };
 
 }  // namespace hapton

@@ -32,32 +32,52 @@ ForceCommand HapticsStep::answer() noexcept {
   input_.p_WD = state_.p_WD;
   input_.X_WS = X_WS_;
   last_time_ns_ = state_.sample_time_ns;
+  ForceCommand reply;
+  tool_ != nullptr ? feel_tool(reply) : feel_probe(reply);
+  last_sample_ = state_.sample;
+  ++counts_.answered;
+  counts_.contact_steps += reply.contact ? 1 : 0;
+  counts_.max_force_n = std::max(counts_.max_force_n, reply.force_n.norm());
+  counts_.max_torque_nm = std::max(counts_.max_torque_nm, reply.torque_nm.norm());
+  reply.echo_sample = state_.sample;
+  reply.echo_sample_time_ns = state_.sample_time_ns;
+  reply.skipped_samples = std::exchange(skipped_, 0U);
+  reply.view_revision = view_.revision;
+  reply.method_serial = static_cast<std::uint32_t>(counts_.methods_taken);
+  reply.answered_before = answered_before_;
+  reply.material_serial = static_cast<std::uint32_t>(counts_.materials_taken);
+  return reply;
+}
+
+void HapticsStep::feel_probe(ForceCommand& reply) noexcept {
   if (!running_) {
     touch_->reset(make_start());
   } else {
     remember_answered();
   }
   running_ = true;
-  last_sample_ = state_.sample;
   output_ = touch_->step(input_);
-  const Vec3 force_n = fade_.step(output_.force_n, output_.contact, input_.dt_s);
-  const bool contact = output_.contact || fade_.is_felt();
+  reply.force_n = fade_.step(output_.force_n, output_.contact, input_.dt_s);
+  reply.contact = output_.contact || fade_.is_felt();
+  reply.visual_offset_m = output_.visual_offset_m;
+  reply.object = output_.object;
+}
 
-  ++counts_.answered;
-  counts_.contact_steps += contact ? 1 : 0;
-  counts_.max_force_n = std::max(counts_.max_force_n, force_n.norm());
-  return {.echo_sample = state_.sample,
-          .echo_sample_time_ns = state_.sample_time_ns,
-          .force_n = force_n,
-          .visual_offset_m = output_.visual_offset_m,
-          .contact = contact,
-          .compute_ns = 0,
-          .skipped_samples = std::exchange(skipped_, 0U),
-          .view_revision = view_.revision,
-          .method_serial = static_cast<std::uint32_t>(counts_.methods_taken),
-          .answered_before = answered_before_,
-          .material_serial = static_cast<std::uint32_t>(counts_.materials_taken),
-          .object = output_.object};
+// After a gap the tool comes from where it was, on a way that is free: no contact is lost, and nothing is passed.
+void HapticsStep::feel_tool(ForceCommand& reply) noexcept {
+  if (running_) remember_answered();
+  running_ = true;
+  ToolInput input;
+  input.X_WD.translation() = state_.p_WD;
+  input.X_WD.linear() = state_.q_WT.toRotationMatrix();
+  input.X_WS = X_WS_;
+  const ToolOutput felt = tool_->step(input, state_.sample_time_ns);
+  is_tool_blocked_ = felt.proxy.is_blocked;
+  reply.force_n = felt.force_n;
+  reply.torque_nm = felt.torque_nm;
+  reply.contact = felt.contact;
+  reply.visual_offset_m = felt.X_WP.translation() - state_.p_WD;
+  reply.visual_turn = turn_between(state_.q_WT, Quat(felt.X_WP.linear()));
 }
 
 // Where a new method starts: at the device, or off the surface, on the side that the old one was in contact with.

@@ -7,6 +7,7 @@
 
 #include "core/force/force_fade.h"
 #include "core/force/touch_step.h"
+#include "core/tool/held_tool.h"
 #include "link/messages.h"
 
 namespace hapton {
@@ -21,6 +22,7 @@ struct HapticsCounts {
   std::uint64_t methods_taken = 0;   // changes while running
   std::uint64_t materials_taken = 0;
   double max_force_n = 0.0;
+  double max_torque_nm = 0.0;  // of a rigid tool
 };
 
 // The haptics node without its machine: device states and view transforms go in, force commands come out.
@@ -29,6 +31,12 @@ class HapticsStep {
  public:
   // offset_m: distance off the surface, on the side in contact, at which a new method starts when it takes over in contact.
   explicit HapticsStep(std::unique_ptr<TouchStep> touch, double offset_m);
+
+  // Before the first reply: the stylus holds a rigid tool, which is felt in place of the method's probe. Pre: outlives this.
+  void hold(HeldTool* tool) noexcept { tool_ = tool; }
+  bool holds_tool() const noexcept { return tool_ != nullptr; }
+  // Of the last reply: the tool overlaps the scene since it was put there, and gives no force.
+  bool is_tool_blocked() const noexcept { return is_tool_blocked_; }
 
   // A newer state for the next reply; one still waiting is skipped.
   void offer(const DeviceState& state) noexcept;
@@ -74,9 +82,13 @@ class HapticsStep {
 
  private:
   void remember_answered() noexcept;
+  void feel_probe(ForceCommand& reply) noexcept;
+  void feel_tool(ForceCommand& reply) noexcept;
   TouchInput make_start() noexcept;
 
   std::unique_ptr<TouchStep> touch_;
+  HeldTool* tool_ = nullptr;
+  bool is_tool_blocked_ = false;
   double offset_m_;
   Pose X_WS_ = Pose::Identity();
   ViewTransform view_;

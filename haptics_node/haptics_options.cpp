@@ -22,6 +22,8 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
   bool no_seal = false;
   bool no_fit = false;
   std::string simplify = "0";
+  std::string tool_unit;
+  std::string tool_grip = "origin";
   options.method.build_on_approach = true;
   double offset_in = options.method.offset_m / kMetresPerInch;
 
@@ -66,6 +68,20 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
   app.add_flag("--build-on-approach,!--build-at-once", options.method.build_on_approach,
                "proxy: build an object's structures when the probe first approaches it, while the loop runs")
       ->default_str("true");
+  const auto tool =
+      app.add_option("--tool", options.tool.file,
+                     "Mesh of a rigid tool that the stylus holds in place of a probe: force and torque (docs/tool.md; default: "
+                     "the scene's [tool], if it has one)");
+  app.add_option("--tool-unit", tool_unit, "Unit of the tool's file: m, cm, mm or in (default: --unit)")
+      ->check(accepts(parse_unit))
+      ->needs(tool);
+  app.add_option("--tool-grip", tool_grip, "Where the stylus holds it: origin (of its mesh) or center (of its box)")
+      ->check(accepts(parse_tool_grip))
+      ->capture_default_str()
+      ->needs(tool);
+  app.add_option("--rotational-stiffness", options.tool_nm_per_rad, "Rotational stiffness of the tool, Nm/rad; 0: derived from its size")
+      ->check(between(0.0, 1e6))
+      ->capture_default_str();
   app.add_option("--rt", realtime, "Real-time priority, memory lock and wake-up latency: off, try or require")
       ->check(accepts(parse_realtime_mode))
       ->capture_default_str();
@@ -85,6 +101,8 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
   options.method.offset_m = offset_in * kMetresPerInch;
   options.realtime.mode = *parse_realtime_mode(realtime);
   if (!unit.empty()) options.loading.unit = *parse_unit(unit);
+  if (!tool_unit.empty()) options.tool.unit = *parse_unit(tool_unit);
+  options.tool.grip = *parse_tool_grip(tool_grip);
   if (no_seal) options.loading.sealing = CrackSealing::off;
   if (no_fit) options.loading.fit = MeshFit::off;
   return options;

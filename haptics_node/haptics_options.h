@@ -7,6 +7,7 @@
 
 #include "core/force/force_method.h"
 #include "runtime/realtime.h"
+#include "scene/find_tool.h"
 #include "scene/scene_loading.h"
 
 namespace hapton {
@@ -20,6 +21,9 @@ struct HapticsOptions {
   SceneLoading loading = {.fit = MeshFit::workspace};
   bool watch_scene = false;  // read the scene file again when it changes
   MethodSettings method;
+  // A rigid tool in place of a probe.
+  ToolChoice tool;
+  double tool_nm_per_rad = 0.0;  // rotational stiffness; 0: derived from its size
   RealtimeSettings realtime;
   double patch_mbit_per_s = 1.0;  // for parts of the scene, when the hub asks for them
   double seconds = 0.0;           // 0: until stopped

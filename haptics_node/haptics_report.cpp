@@ -28,6 +28,7 @@ std::string make_haptics_report(const HapticsStep& step, const HubClient& hub, c
   if (counts.methods_taken > 0) {
     text += fmt::format("methods changed while running: {}\n", counts.methods_taken);
   }
+  if (step.holds_tool()) return text + fmt::format("tool: maximum {:.4f} Nm\n", counts.max_torque_nm);
   return text + step.touch().method().describe();
 }
 

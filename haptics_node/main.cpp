@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <mutex>
+#include <optional>
 
 #include "core/force/stiffest.h"
 #include "core/force/virtual_coupling.h"
@@ -13,6 +14,7 @@
 #include "haptics_node/preparation_notice.h"
 #include "haptics_node/reply_loop.h"
 #include "haptics_node/scene_watcher.h"
+#include "haptics_node/tool_task.h"
 #include "link/link_key.h"
 #include "link/sealed_client.h"
 #include "link/udp_endpoint.h"
@@ -62,6 +64,8 @@ int run(const HapticsOptions& options) {
                        [&, began_ns = clock.now_ns()](DoneSignal& done) { notify_hub(options, *hub, *key, clock, facts, began_ns, done); });
   if (!method) return give_up(method.error());
   log_method(**method);
+  auto tool = make_held_tool(options, *scene);
+  if (!tool) return give_up(tool.error());
   auto endpoint = open_udp_endpoint(options.bind.empty() ? any_address_like(*hub) : options.bind);
   if (!endpoint) return give_up(endpoint.error());
   // So that a flood at this node's port does not take its time. If this fails, each datagram costs one check.
@@ -73,7 +77,13 @@ int run(const HapticsOptions& options) {
   HubClient client(sealed, clock, NodeRole::haptics, *hub);
   HapticsStep step(std::make_unique<TouchStep>(std::move(*method), scene->touch_scene()), options.method.offset_m);
   MethodBuilder builder(options.method, scene->touch_scene(), step.touch().share_method());
-  const HapticsSetup setup = make_haptics_setup(scene_path, options.loading, hash_scene(scene->touch_scene()), options.method);
+  HapticsSetup setup = make_haptics_setup(scene_path, options.loading, hash_scene(scene->touch_scene()), options.method);
+  std::optional<ToolTask> tool_task;
+  if (*tool != nullptr) {
+    step.hold(tool->get());
+    setup.method = describe_tool(**tool);
+    tool_task.emplace(**tool);
+  }
   std::mutex felt_mutex;
   TouchScene felt = couple_scene(scene->touch_scene(), options.method.coupling_n_per_m);
   PatchSender patches(felt, options.method.probe_radius_m, setup.scene_hash,
@@ -113,6 +123,10 @@ int run(const HapticsOptions& options) {
 
   loop.run(stop, options.seconds);
   fmt::print("{}", make_haptics_report(step, client, loop.compute_times(), loop.step_times()));
+  if (tool_task) {
+    tool_task->stop();
+    fmt::print("{}", describe_times("pose of the tool", tool_task->pose_times()));
+  }
   if (options.seconds > 0.0 && client.counts().joins == 0 && !stop.stop_requested()) {
     return give_up(
         {fmt::format("no hub at {} accepted it within {} s; start io_node there, give another address with --hub, or give the hub's --key",

@@ -58,6 +58,7 @@ void ReplyLoop::turn(std::int64_t deadline_ns) {
   send_setup();
   report_hub_state();
   report_scene();
+  report_tool();
 }
 
 void ReplyLoop::drain() noexcept {
@@ -93,13 +94,20 @@ void ReplyLoop::handle(const Message& message) noexcept {
     // A requester repeats its request until the reply comes.
     if (settings->method_request != 0 && settings->method_request == last_request_) return;
     last_request_ = settings->method_request;
+    if (step_.holds_tool()) return reject_method(settings->method_request);
     builder_.request(settings->method, settings->method_request);
   }
 }
 
+void ReplyLoop::reject_method(std::uint32_t request) noexcept {
+  setup_.method_request = request;
+  put_text("the stylus holds a rigid tool: methods are of a probe; start haptics_node without --tool", setup_.rejection);
+  send_setup_soon();
+}
+
 // True at once except for the first reply.
 bool ReplyLoop::is_ready() noexcept {
-  if (!builds_on_approach_ || step_.is_running()) return true;
+  if (!builds_on_approach_ || step_.is_running() || step_.holds_tool()) return true;
   if (!looks_before_) {
     looks_before_ = builder_.idle_looks();
     step_.look_around();
@@ -171,9 +179,12 @@ void ReplyLoop::take_scene(const NewScene& scene) noexcept {
 void ReplyLoop::request_materials(const MaterialRequest& request) noexcept {
   if (tuner_ == nullptr || request.request == last_material_request_) return;
   last_material_request_ = request.request;
-  if (patches_ == nullptr || !patches_->is_wanted(hub_.receive_time_ns())) return tuner_->request(request);
+  const bool has_patches = patches_ != nullptr && patches_->is_wanted(hub_.receive_time_ns());
+  if (!has_patches && !step_.holds_tool()) return tuner_->request(request);
   materials_.request = request.request;
-  put_text("the hub works out forces from parts of the scene (io_node --touch): materials stay as the scene file has them",
+  put_text(step_.holds_tool()
+               ? "the stylus holds a rigid tool: its spring stays as it was at the start"
+               : "the hub works out forces from parts of the scene (io_node --touch): materials stay as the scene file has them",
            materials_.rejection);
   send_setup_soon();
 }
@@ -236,6 +247,17 @@ void ReplyLoop::report_scene() {
     log_warning("vision_node shows another scene than the one that is felt; start both with the same --scene, --unit and --no-fit");
   } else if (was_other) {
     log_info("vision_node shows the scene that is felt");
+  }
+}
+
+// Once each time: without a word, a tool that gives no force looks like a broken one.
+void ReplyLoop::report_tool() {
+  if (step_.is_tool_blocked() == is_tool_blocked_ || !step_.is_running()) return;
+  is_tool_blocked_ = !is_tool_blocked_;
+  if (is_tool_blocked_) {
+    log_warning("the tool overlaps the scene where it is: no force until it is moved out");
+  } else {
+    log_info("the tool is free of the scene: it is felt");
   }
 }
 

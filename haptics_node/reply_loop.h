@@ -49,6 +49,7 @@ class ReplyLoop {
   bool is_ready() noexcept;
   void answer() noexcept;
   void request_materials(const MaterialRequest& request) noexcept;
+  void reject_method(std::uint32_t request) noexcept;
   void change_method() noexcept;
   void change_materials() noexcept;
   void take_scene(const NewScene& scene) noexcept;
@@ -58,6 +59,7 @@ class ReplyLoop {
   void send_setup() noexcept;
   void report_hub_state();
   void report_scene();
+  void report_tool();
 
   HubClient& hub_;
   const Clock& clock_;
@@ -90,6 +92,7 @@ class ReplyLoop {
   std::uint32_t last_material_request_ = 0;  // of a material
   JoinState state_reported_ = JoinState::joining;
   bool absence_reported_ = false;
+  bool is_tool_blocked_ = false;  // as reported
 };
 
 }  // namespace hapton

@@ -52,7 +52,7 @@ void ForceExchange::accept(const Header& header, const ForceCommand& command) no
     note_round_trip(header, command, now_ns);
   } else {
     note_written();  // of the force before
-    const std::uint64_t number = loop_.post({{.force_n = command.force_n}, command.echo_sample_time_ns});
+    const std::uint64_t number = loop_.post({{.force_n = command.force_n, .torque_nm = command.torque_nm}, command.echo_sample_time_ns});
     posted_ = Posted{number, header, command};
     note_written();
     history_.note_answer(command);

@@ -30,6 +30,7 @@ void SafetyNotices::note_cycle(const DeviceSide& side, const DeviceCycle& cycle,
   CycleNote note{.sample = cycle.number,
                  .late_ns = cycle.late_ns,
                  .written_n = cycle.local ? cycle.local_written_n : side.written.force_n,
+                 .written_nm = cycle.local ? Vec3(Vec3::Zero()) : side.written.torque_nm,
                  .missed = cycle.missed,
                  .cause = cycle.cause,
                  .device = CycleSample{sample.time_ns, sample.p_WD, sample.q_WT, sample.buttons}};

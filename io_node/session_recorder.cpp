@@ -34,6 +34,7 @@ struct PlainCycle {
   std::uint64_t sample = 0;
   std::int64_t late_ns = 0;
   std::array<double, 3> written_n = {};
+  std::array<double, 3> written_nm = {};
   std::uint32_t missed = 0;
   MissCause cause = MissCause::none;
   bool has_device = false;
@@ -50,7 +51,12 @@ struct PlainCycle {
 std::array<double, 3> plain(const Vec3& v) noexcept { return {v.x(), v.y(), v.z()}; }
 
 PlainCycle plain(const CycleNote& n) noexcept {
-  PlainCycle to{.sample = n.sample, .late_ns = n.late_ns, .written_n = plain(n.written_n), .missed = n.missed, .cause = n.cause};
+  PlainCycle to{.sample = n.sample,
+                .late_ns = n.late_ns,
+                .written_n = plain(n.written_n),
+                .written_nm = plain(n.written_nm),
+                .missed = n.missed,
+                .cause = n.cause};
   if (n.device) {
     to.has_device = true;
     to.buttons = n.device->buttons;
@@ -69,8 +75,12 @@ PlainCycle plain(const CycleNote& n) noexcept {
 }
 
 CycleNote note_of(const PlainCycle& from) {
-  CycleNote to{
-      .sample = from.sample, .late_ns = from.late_ns, .written_n = Vec3(from.written_n.data()), .missed = from.missed, .cause = from.cause};
+  CycleNote to{.sample = from.sample,
+               .late_ns = from.late_ns,
+               .written_n = Vec3(from.written_n.data()),
+               .written_nm = Vec3(from.written_nm.data()),
+               .missed = from.missed,
+               .cause = from.cause};
   const auto& q = from.q_WT;
   if (from.has_device) to.device = CycleSample{from.sample_time_ns, Vec3(from.p_WD_m.data()), Quat(q[0], q[1], q[2], q[3]), from.buttons};
   if (from.is_local) to.local = CycleLocal{Vec3(from.local_n.data()), Vec3(from.local_offset_m.data()), from.local_object};

@@ -29,6 +29,7 @@ void VisionFeed::send(const ProbeHistory& memory, const DeviceSide& side, const 
   memory.show(side.is_silent, probe_);
   probe_.buttons = cycle.sample.buttons;
   probe_.force_n = side.written.force_n;
+  probe_.torque_nm = side.written.torque_nm;
   probe_.view_revision = view_revision;
   probe_.status = status;
   probe_.energy_percent = percent_of(side.governor.energy_share());

@@ -11,7 +11,8 @@ bool looks_same(const ProbeState& a, const ProbeState& b) noexcept {
   return a.p_WD == b.p_WD && a.q_WT.coeffs() == b.q_WT.coeffs() && a.visual_offset_m == b.visual_offset_m && a.force_n == b.force_n &&
          a.contact == b.contact && a.buttons == b.buttons && a.servo_rate_hz == b.servo_rate_hz &&
          a.round_trip_p50_us == b.round_trip_p50_us && a.round_trip_p99_us == b.round_trip_p99_us && a.view_revision == b.view_revision &&
-         a.status == b.status && a.energy_percent == b.energy_percent && a.object == b.object;
+         a.status == b.status && a.energy_percent == b.energy_percent && a.object == b.object && a.torque_nm == b.torque_nm &&
+         a.visual_turn == b.visual_turn;
 }
 
 }  // namespace

@@ -170,12 +170,16 @@ void reserve(wire::DeviceState& m) {
 void reserve(wire::ForceCommand& m) {
   reserve_field(*m.mutable_force_n());
   reserve_field(*m.mutable_visual_offset_m());
+  reserve_field(*m.mutable_torque_nm());
+  reserve_field(*m.mutable_visual_turn());
 }
 void reserve(wire::ProbeState& m) {
   reserve_field(*m.mutable_p_wd_m());
   reserve_field(*m.mutable_q_wt());
   reserve_field(*m.mutable_visual_offset_m());
   reserve_field(*m.mutable_force_n());
+  reserve_field(*m.mutable_torque_nm());
+  reserve_field(*m.mutable_visual_turn());
 }
 void reserve(wire::ViewTransform& m) { reserve_field(*m.mutable_x_ws()); }
 void reserve(wire::FrameAck&) {}

@@ -99,6 +99,8 @@ void write(const ForceCommand& from, wire::ForceCommand& to) {
   to.set_answered_before(from.answered_before);
   to.set_material_serial(from.material_serial);
   to.set_touched(write_object(from.object));
+  write_vector(*to.mutable_torque_nm(), from.torque_nm);
+  write_vector(*to.mutable_visual_turn(), from.visual_turn);
 }
 
 void write(const ViewTransform& from, wire::ViewTransform& to) {
@@ -122,6 +124,8 @@ void write(const ProbeState& from, wire::ProbeState& to) {
   to.set_status(static_cast<std::uint32_t>(from.status));
   to.set_energy_percent(from.energy_percent);
   to.set_touched(write_object(from.object));
+  write_vector(*to.mutable_torque_nm(), from.torque_nm);
+  write_vector(*to.mutable_visual_turn(), from.visual_turn);
 }
 
 void write(const FrameAck& from, wire::FrameAck& to) {
@@ -227,7 +231,8 @@ bool read(const wire::ForceCommand& from, ForceCommand& to) {
   to.answered_before = from.answered_before();
   to.material_serial = from.material_serial();
   to.object = read_object(from.touched());
-  return read_vector(from.force_n(), to.force_n) && read_vector(from.visual_offset_m(), to.visual_offset_m);
+  return read_vector(from.force_n(), to.force_n) && read_vector(from.visual_offset_m(), to.visual_offset_m) &&
+         read_optional_vector(from.torque_nm(), to.torque_nm) && read_optional_vector(from.visual_turn(), to.visual_turn);
 }
 
 bool read(const wire::ProbeState& from, ProbeState& to) {
@@ -246,6 +251,7 @@ bool read(const wire::ProbeState& from, ProbeState& to) {
       from.status() <= static_cast<std::uint32_t>(ProbeStatus::too_small) ? static_cast<ProbeStatus>(from.status()) : ProbeStatus::ok;
   return read_vector(from.p_wd_m(), to.p_WD) && read_rotation(from.q_wt(), to.q_WT) &&
          read_vector(from.visual_offset_m(), to.visual_offset_m) && read_vector(from.force_n(), to.force_n) &&
+         read_optional_vector(from.torque_nm(), to.torque_nm) && read_optional_vector(from.visual_turn(), to.visual_turn) &&
          is_amount(to.servo_rate_hz) && is_amount(to.round_trip_p50_us) && is_amount(to.round_trip_p99_us);
 }
 

@@ -56,6 +56,9 @@ struct ForceCommand {
   std::uint64_t answered_before = 0;  // bit i: sample echo_sample - 1 - i was answered as well, so that a lost reply is noticed
   std::uint32_t material_serial = 0;  // of the materials that it was computed with, as MaterialState counts
   std::int32_t object = -1;           // touched, of the scene's objects; -1: none, or unknown
+  // Of a rigid tool; a probe leaves both zero:
+  Vec3 torque_nm = Vec3::Zero();    // about the device point
+  Vec3 visual_turn = Vec3::Zero();  // rotation vector from the stylus to the tool as it is drawn, rad
 };
 
 // ForceCommand::answered_before of a first reply that resumes contact of an earlier session.
@@ -103,7 +106,9 @@ struct ProbeState {
   ProbeStatus status = ProbeStatus::ok;
   // What the device has given the hand beyond what it took, in per cent of the energy budget; at 100 no force is left.
   std::uint32_t energy_percent = 0;
-  std::int32_t object = -1;  // touched in that sample, as in ForceCommand
+  std::int32_t object = -1;         // touched in that sample, as in ForceCommand
+  Vec3 torque_nm = Vec3::Zero();    // the newest, of a rigid tool
+  Vec3 visual_turn = Vec3::Zero();  // of that sample, as in ForceCommand
 };
 
 // vision -> hub: frame acknowledgement, after a frame was drawn or skipped because it would look the same: which sample it shows. Requests

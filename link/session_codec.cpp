@@ -89,6 +89,10 @@ bool read(const session::Cycle& from, CycleNote& to) {
     to.device = CycleSample{from.sample_time_ns(), Vec3(from.p_wd_m().data()), Quat(from.q_wt(0), from.q_wt(1), from.q_wt(2), from.q_wt(3)),
                             from.buttons()};
   }
+  if (from.written_nm_size() != 0) {
+    if (from.written_nm_size() != 3) return false;
+    to.written_nm = Vec3(from.written_nm().data());
+  }
   if (from.local_size() != 0) {
     if (from.local_size() != 6) return false;
     const bool is_object = from.local_touched() <= static_cast<std::uint32_t>(std::numeric_limits<std::int32_t>::max());
@@ -123,6 +127,7 @@ void write(const CycleNote& from, session::Cycle& to) {
     add(from.local->visual_offset_m, *to.mutable_local());
     to.set_local_touched(from.local->object < 0 ? 0U : static_cast<std::uint32_t>(from.local->object) + 1U);
   }
+  if (!from.written_nm.isZero(0.0)) write(from.written_nm, *to.mutable_written_nm());
 }
 
 }  // namespace

@@ -62,8 +62,9 @@ struct CycleLocal {
 struct CycleNote {
   std::uint64_t sample = 0;
   std::int64_t late_ns = 0;
-  Vec3 written_n = Vec3::Zero();  // on the motors
-  std::uint32_t missed = 0;       // cycles left out before it
+  Vec3 written_n = Vec3::Zero();   // on the motors
+  Vec3 written_nm = Vec3::Zero();  // torque on the motors
+  std::uint32_t missed = 0;        // cycles left out before it
   MissCause cause = MissCause::none;
   std::optional<CycleSample> device = {};  // none in older recordings
   std::optional<CycleLocal> local = {};    // none: the force is remote

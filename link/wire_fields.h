@@ -31,6 +31,13 @@ bool read_vector(const Field& field, Vec3& v) {
   return v.allFinite() && v.cwiseAbs().maxCoeff() <= kMaxWireMagnitude;
 }
 
+// Zero where it is absent: in the messages of a program that does not know the field.
+template <class Field>
+bool read_optional_vector(const Field& field, Vec3& v) {
+  v = Vec3::Zero();
+  return field.empty() || read_vector(field, v);
+}
+
 template <class Numbers, class Field>
 void add_numbers(const Numbers& from, Field& field) {
   for (const auto value : from) field.AddAlreadyReserved(value);

@@ -137,9 +137,10 @@ std::vector<const DevicePreset*> presets_of_device(std::string_view kind) {
     std::string_view kind;
     std::string_view preset;
   };
-  constexpr std::array kKnown = {Known{"simulated", "model-a"},   Known{"openhaptics", "model-a"},    Known{"openhaptics", "premium-1.5"},
-                                 Known{"openhaptics", "touch"},   Known{"forcedimension", "omega.3"}, Known{"forcedimension", "falcon"},
-                                 Known{"WoodenHaptics", "wooden"}};
+  constexpr std::array kKnown = {Known{"simulated", "model-a"},     Known{"simulated-6dof", "model-a"},
+                                 Known{"openhaptics", "model-a"},   Known{"openhaptics", "premium-1.5"},
+                                 Known{"openhaptics", "touch"},     Known{"forcedimension", "omega.3"},
+                                 Known{"forcedimension", "falcon"}, Known{"WoodenHaptics", "wooden"}};
   std::vector<const DevicePreset*> found;
   for (const Known& one : kKnown) {
     if (one.kind == kind) found.push_back(find_device_preset(one.preset));

@@ -77,8 +77,7 @@ void read_friction(const toml::table& table, TableReader& reader, const Material
 
 std::vector<MappedTriangle> place_triangles(const MapSource& source, const std::array<double, 2>& repeat) {
   std::vector<MappedTriangle> triangles;
-  if (source.look == nullptr || !source.look->has_texcoords() ||
-      source.look->triangles.size() != source.mesh->triangles.size())
+  if (source.look == nullptr || !source.look->has_texcoords() || source.look->triangles.size() != source.mesh->triangles.size())
     return triangles;
   const Eigen::Vector2d times(repeat[0], repeat[1]);
   for (std::size_t t = 0; t < source.mesh->triangles.size(); ++t) {

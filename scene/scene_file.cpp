@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <string_view>
 #include <tuple>
 #include <utility>
@@ -14,6 +13,7 @@
 #include "scene/map_reader.h"
 #include "scene/material_limits.h"
 #include "scene/mesh_file.h"
+#include "scene/object_reader.h"
 #include "scene/scene_hash.h"
 #include "scene/table_reader.h"
 #include "scene/text_cursor.h"
@@ -22,8 +22,6 @@ namespace hapton {
 namespace {
 
 constexpr std::size_t kMaxSceneFileBytes = std::size_t{1} << 24;
-constexpr double kMaxLengthM = 1e6;
-constexpr double kMaxScale = 1e9;
 
 struct MaterialSpec {
   Material material;
@@ -60,84 +58,11 @@ Result<MaterialSpec> read_material(const toml::table& table, const std::string& 
   return spec;
 }
 
-struct ObjectSpec {
-  std::string name;
-  std::string mesh;
-  std::string part;
-  std::optional<Unit> unit;
-  double scale = 1.0;
-  Quat q_SM = Quat::Identity();
-  Vec3 p_SM = Vec3::Zero();
-  std::string material;
-  bool seal_cracks = true;
-  std::array<double, 3> colour = SceneObject().colour;
-  bool has_colour = false;    // then it replaces all colours of the mesh file
-  std::size_t mesh_line = 0;  // in the scene file
-  std::size_t part_line = 0;
-  std::size_t material_line = 0;
-};
-
-// rotation: a unit quaternion w, x, y, z. rotation_deg: about the fixed x axis, then y, then z.
-void read_rotation(const toml::table& table, TableReader& reader, Quat& q_SM) {
-  if (table.contains("rotation") && table.contains("rotation_deg")) {
-    return reader.fail_at("rotation_deg", "both 'rotation' and 'rotation_deg' are given: keep one");
-  }
-  std::array<double, 4> wxyz = {1, 0, 0, 0};
-  reader.read("rotation", wxyz, -2.0, 2.0);
-  const Quat given(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
-  if (std::abs(given.norm() - 1.0) > 1e-3) {
-    return reader.fail_at("rotation", "'rotation' has length {:.6g}: a rotation is a quaternion [w, x, y, z] of length 1", given.norm());
-  }
-  std::array<double, 3> degrees = {};
-  reader.read("rotation_deg", degrees, -360.0, 360.0);
-  Quat turned = Quat::Identity();
-  for (int axis = 0; axis < 3; ++axis) {
-    turned = Eigen::AngleAxisd(degrees[axis] * std::numbers::pi / 180.0, Vec3::Unit(axis)) * turned;
-  }
-  q_SM = given.normalized() * turned;
-}
-
-Result<ObjectSpec> read_object(const toml::table& table, std::size_t number) {
-  ObjectSpec spec;
-  const auto line_of = [&](std::string_view key) -> std::size_t {
-    const toml::node* node = table.get(key);
-    return (node == nullptr ? table.source() : node->source()).begin.line;
-  };
-  spec.mesh_line = line_of("mesh");
-  spec.part_line = line_of("part");
-  spec.material_line = line_of("material");
-  TableReader reader(table, fmt::format("[[object]] {}", number));
-  reader.allow({"name", "mesh", "part", "unit", "scale", "rotation", "rotation_deg", "position_m", "material", "color", "seal_cracks"});
-  if (!reader.has("mesh")) reader.fail_at("mesh", "[[object]] {} has no 'mesh': name its mesh file", number);
-  reader.read("name", spec.name);
-  reader.read("mesh", spec.mesh);
-  reader.read("part", spec.part);
-  reader.read("material", spec.material);
-  reader.read("seal_cracks", spec.seal_cracks);
-  reader.read("scale", spec.scale, 0.0, kMaxScale, true);
-  reader.read("color", spec.colour, 0.0, 1.0);
-  spec.has_colour = reader.has("color");
-  std::array<double, 3> position = {};
-  reader.read("position_m", position, -kMaxLengthM, kMaxLengthM);
-  spec.p_SM = Vec3(position[0], position[1], position[2]);
-  if (!reader.error()) read_rotation(table, reader, spec.q_SM);
-  std::string unit;
-  reader.read("unit", unit);
-  if (!reader.error() && reader.has("unit")) {
-    const Result<Unit> parsed = parse_unit(unit);
-    if (parsed)
-      spec.unit = *parsed;
-    else
-      reader.fail_at("unit", "{}", parsed.error().what);
-  }
-  if (reader.error()) return tl::unexpected(*reader.error());
-  return spec;
-}
-
 struct SceneSpec {
   std::vector<ObjectSpec> objects;
   std::map<std::string, MaterialSpec, std::less<>> materials;
   std::vector<EffectSpec> effects;
+  std::optional<ObjectSpec> tool;
   std::optional<Vec3> fit_m;
 
   bool has_maps() const {
@@ -181,10 +106,20 @@ Result<void> read_effects(const toml::table& table, SceneSpec& spec) {
   return {};
 }
 
+Result<void> read_tool(const toml::table& table, SceneSpec& spec) {
+  const toml::node* node = table.get("tool");
+  if (node == nullptr) return {};
+  if (!node->is_table()) return fail("line {}: 'tool' must be one table [tool]", node->source().begin.line);
+  Result<ObjectSpec> tool = read_object(*node->as_table(), std::string(kToolTable));
+  if (!tool) return tl::unexpected(tool.error());
+  spec.tool = std::move(*tool);
+  return {};
+}
+
 Result<SceneSpec> read_spec(const toml::table& table) {
   SceneSpec spec;
   TableReader reader(table, "the scene");
-  reader.allow({"fit_m", "object", "material", "effect"});
+  reader.allow({"fit_m", "object", "material", "effect", "tool"});
   std::array<double, 3> fit = {};
   reader.read("fit_m", fit, 1e-9, kMaxLengthM);
   if (reader.error()) return tl::unexpected(*reader.error());
@@ -198,12 +133,13 @@ Result<SceneSpec> read_spec(const toml::table& table) {
   }
   if (objects == nullptr || is_empty) return fail("there is no [[object]]: add one with its mesh");
   for (const toml::node& node : *objects) {
-    Result<ObjectSpec> object = read_object(*node.as_table(), spec.objects.size() + 1);
+    Result<ObjectSpec> object = read_object(*node.as_table(), fmt::format("[[object]] {}", spec.objects.size() + 1));
     if (!object) return tl::unexpected(object.error());
     if (const auto known = check_material(*object, spec); !known) return tl::unexpected(known.error());
     spec.objects.push_back(std::move(*object));
   }
   if (const auto read = read_effects(table, spec); !read) return tl::unexpected(read.error());
+  if (const auto read = read_tool(table, spec); !read) return tl::unexpected(read.error());
   return spec;
 }
 
@@ -328,7 +264,7 @@ Result<Fit> find_fit(const Eigen::AlignedBox3d& box, const Vec3& size_m) {
 }
 
 // Fits all meshes together into a box of size_m.
-Result<void> fit(std::vector<PosedMesh>& meshes, const Vec3& size_m, std::vector<std::string>& notes) {
+Result<double> fit(std::vector<PosedMesh>& meshes, const Vec3& size_m, std::vector<std::string>& notes) {
   Eigen::AlignedBox3d box;
   for (const PosedMesh& posed : meshes) box.extend(posed.box);
   const Result<Fit> fit = find_fit(box, size_m);
@@ -339,6 +275,19 @@ Result<void> fit(std::vector<PosedMesh>& meshes, const Vec3& size_m, std::vector
   }
   const double scale = fit->scale;
   notes.push_back(fmt::format("fit_m: everything is shown {:.4g} times its size", scale));
+  return scale;
+}
+
+// In its pose from the mesh's origin, then held where its grip is, as large as the scene.
+Result<void> add_tool(const ObjectSpec& spec, const std::filesystem::path& folder, MeshCache& cache, Scene& scene) {
+  Result<PosedMesh> posed = make_mesh(spec, folder, cache, scene.notes);
+  if (!posed) return tl::unexpected(posed.error());
+  SceneTool tool;
+  tool.name = !spec.name.empty() ? spec.name : !spec.part.empty() ? spec.part : std::filesystem::path(spec.mesh).stem().string();
+  tool.mesh = std::make_shared<const TriangleMesh>(from_grip(std::move(posed->mesh), spec.grip, scene.fit_scale));
+  if (spec.has_colour) tool.colour = spec.colour;
+  scene.given_hash = combine_hashes(scene.given_hash, posed->given_hash);
+  scene.tool = std::move(tool);
   return {};
 }
 
@@ -376,7 +325,9 @@ Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& fol
     meshes.push_back(std::move(*mesh));
   }
   if (spec.fit_m) {
-    if (const auto fitted = fit(meshes, *spec.fit_m, scene.notes); !fitted) return tl::unexpected(fitted.error());
+    const auto fitted = fit(meshes, *spec.fit_m, scene.notes);
+    if (!fitted) return tl::unexpected(fitted.error());
+    scene.fit_scale = *fitted;
   }
   const Vec3 fit_m = spec.fit_m.value_or(Vec3::Zero());
   scene.given_hash = hash_numbers(std::array{fit_m.x(), fit_m.y(), fit_m.z()});
@@ -400,6 +351,9 @@ Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& fol
                              .material_name = object.material});
   }
   if (const auto added = add_effects(spec, scene); !added) return tl::unexpected(added.error());
+  if (spec.tool) {
+    if (const auto added = add_tool(*spec.tool, folder, cache, scene); !added) return tl::unexpected(added.error());
+  }
   return scene;
 }
 
@@ -415,6 +369,7 @@ Result<Scene> load_mesh_as_scene(const std::filesystem::path& path, const SceneL
     const Result<Fit> fit = find_fit(box, fitted_size_m());
     if (!fit) return fail("{}: {}", path.string(), fit.error().what);
     fit->apply(file->mesh, file->sealed);
+    scene.fit_scale = fit->scale;
     scene.notes.push_back(
         fmt::format("{}: is {:.4g} m long, shown {:.4g} times its size in the middle of the workspace; --no-fit leaves it as it is",
                     path.string(), box.sizes().maxCoeff(), fit->scale));

@@ -11,6 +11,7 @@
 #include "core/force/touch_scene.h"
 #include "core/geometry/triangle_mesh.h"
 #include "scene/scene_loading.h"
+#include "scene/scene_tool.h"
 
 namespace hapton {
 
@@ -39,6 +40,8 @@ struct Scene {
   std::vector<std::string> notes;  // warnings: skipped or suspicious content, one line each
   // Hash of the mesh files, their poses and their fit, independent of file paths and sealing. Never 0.
   std::uint64_t given_hash = 0;
+  std::optional<SceneTool> tool = {};  // that the stylus holds in place of a probe
+  double fit_scale = 1.0;              // what everything was multiplied by so that it fits
 
   // The scene as input of the force methods; shares the meshes.
   TouchScene touch_scene() const;

@@ -29,7 +29,9 @@ std::string force_text(const HudFacts& facts) {
   }
   if (is_without_force(s.status)) return std::string(describe(s.status));
   const std::string contact = !s.contact ? "free" : facts.touched.empty() ? "touching" : "touching " + facts.touched;
-  return fmt::format("force {:4.2f} N   {}{}{}{}{}", s.force_n.allFinite() ? s.force_n.norm() : 0.0, contact,
+  const bool has_torque = s.torque_nm.allFinite() && !s.torque_nm.isZero(0.0);
+  const std::string torque = has_torque ? fmt::format("  torque {:5.3f} Nm", s.torque_nm.norm()) : std::string();
+  return fmt::format("force {:4.2f} N{}   {}{}{}{}{}", s.force_n.allFinite() ? s.force_n.norm() : 0.0, torque, contact,
                      facts.hand_held ? ", hand on the mouse" : "", energy_text(s.energy_percent), s.status == ProbeStatus::ok ? "" : "   ",
                      describe(s.status));
 }

@@ -83,8 +83,13 @@ int run(VisionOptions& options) {
   const auto scene = load_scene(find_scene(options.scene), options.loading);
   if (!scene) return give_up(scene.error());
   for (const auto& note : scene->notes) log_info("{}", note);
+  std::vector<std::string> tool_notes;
+  const auto tool = find_tool(options.tool, *scene, options.loading, tool_notes);
+  if (!tool) return give_up(tool.error());
+  for (const auto& note : tool_notes) log_info("tool: {}", note);
   auto view = open_view(*scene, options);
   if (!view) return give_up(view.error());
+  if (*tool) (*view)->set_tool(**tool);
   SteadyClock clock;
   if (options.bench_frames > 0) {
     fmt::print("{}\n", run_bench(**view, clock, options.bench_frames));

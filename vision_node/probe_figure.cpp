@@ -132,6 +132,7 @@ ProbeFigure::ProbeFigure(const ProbeSizes& sizes, const ProbeLook& colours) : si
   make_ghost(ghost_tip_, tip_, kTipShare);
   make_ghost(ghost_shaft_, shaft_);
   make_ghost(ghost_head_, head_);
+  dress(tool_, make_ball(sizes.tip_radius_m), colours.grip, 0.3, 0.3);
   for (vtkActor* actor : actors()) actor->VisibilityOff();
 }
 
@@ -143,12 +144,21 @@ void ProbeFigure::set_tip_radius(double radius_m) {
   tip_radius_m_ = radius_m > 0.0 && std::isfinite(radius_m) ? radius_m : sizes_.tip_radius_m;
 }
 
+void ProbeFigure::set_tool(const SceneTool& tool) {
+  dress(tool_, make_poly_data(*tool.mesh), Vec3(tool.colour.data()), 0.3, 0.3);
+  tool_->GetProperty()->SetInterpolationToFlat();
+  has_tool_ = true;
+  for (const Vec3& vertex : tool.mesh->vertices) sizes_.tool_radius_m = std::max(sizes_.tool_radius_m, vertex.norm());
+}
+
 void ProbeFigure::set(const ProbeShown& probe) {
   place(stylus_, probe.p_WP, probe.q_WT, Vec3::Ones());
   place(grip_, probe.p_WP, probe.q_WT, Vec3::Ones());
   const Vec3 ball = Vec3::Constant(tip_radius_m_ / sizes_.tip_radius_m);
   for (vtkActor* actor : {tip_.Get(), ghost_tip_.Get()}) place(actor, probe.p_WP, Quat::Identity(), ball);
-  for (vtkActor* actor : {stylus_.Get(), grip_.Get(), tip_.Get(), ghost_tip_.Get()}) actor->VisibilityOn();
+  place(tool_, probe.p_WP, probe.q_WP, Vec3::Ones());
+  tool_->SetVisibility(has_tool_);
+  for (vtkActor* actor : {stylus_.Get(), grip_.Get(), tip_.Get(), ghost_tip_.Get()}) actor->SetVisibility(!has_tool_);
   place_arrow(probe);
   place_device_point(probe);
   place_shadow(probe);

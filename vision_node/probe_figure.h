@@ -9,6 +9,7 @@
 #include <vtkRenderer.h>
 #include <vtkSmartPointer.h>
 
+#include "scene/scene_tool.h"
 #include "vision_node/probe_shown.h"
 
 namespace hapton {
@@ -32,6 +33,8 @@ class ProbeFigure {
   void set(const ProbeShown& probe);
   // The tip is a ball of this radius; 0: a pin, of the radius in sizes().
   void set_tip_radius(double radius_m);
+  // From now on this is drawn at the probe's place, and no stylus or tip.
+  void set_tool(const SceneTool& tool);
   // Whether the tip throws a shadow on the ground.
   void set_shadow(bool thrown) { throws_shadow_ = thrown; }
   const ProbeSizes& sizes() const { return sizes_; }
@@ -59,13 +62,15 @@ class ProbeFigure {
   vtkNew<vtkActor> device_point_;
   vtkNew<vtkActor> penetration_;
   vtkNew<vtkActor> shadow_;
+  vtkNew<vtkActor> tool_;
+  bool has_tool_ = false;
   std::array<vtkSmartPointer<vtkPolyData>, kMostRings + 1> ring_shapes_;  // by number of newtons
   int rings_shown_ = -1;
   bool throws_shadow_ = false;
 
-  std::array<vtkActor*, 13> actors() {
-    return {stylus_,    grip_,        tip_,        shaft_,        head_,        rings_, limit_,
-            ghost_tip_, ghost_shaft_, ghost_head_, device_point_, penetration_, shadow_};
+  std::array<vtkActor*, 14> actors() {
+    return {stylus_,    grip_,        tip_,        shaft_,        head_,        rings_,  limit_,
+            ghost_tip_, ghost_shaft_, ghost_head_, device_point_, penetration_, shadow_, tool_};
   }
 };
 

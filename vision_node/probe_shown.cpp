@@ -6,6 +6,8 @@
 #include <numbers>
 #include <system_error>
 
+#include "core/math/rotation_vector.h"
+
 namespace hapton {
 namespace {
 
@@ -33,6 +35,7 @@ ProbeShown show_probe(const ProbeState& state, const Quat& lean) {
   if (state.visual_offset_m.allFinite()) shown.p_WP += state.visual_offset_m;
   if (state.force_n.allFinite()) shown.force_n = state.force_n;
   if (state.q_WT.coeffs().allFinite() && state.q_WT.squaredNorm() > 0.25) shown.q_WT = state.q_WT.normalized();
+  shown.q_WP = state.visual_turn.allFinite() ? turn_by(state.visual_turn) * shown.q_WT : shown.q_WT;
   shown.q_WT = lean * shown.q_WT;
   return shown;
 }
@@ -63,10 +66,12 @@ PictureWatch::Marks PictureWatch::compute_marks(const ProbeShown& probe, const P
                                                 PictureSize size) {
   const Vec3 end = probe.p_WP + probe.q_WT * (sizes.stylus_length_m * Vec3::UnitZ());
   const Vec3 head = probe.p_WP + compute_arrow(probe, sizes);
+  const Vec3 side = probe.p_WP + probe.q_WP * (sizes.tool_radius_m * Vec3::UnitX());
+  const Vec3 top = probe.p_WP + probe.q_WP * (sizes.tool_radius_m * Vec3::UnitY());
   Marks marks;
   std::size_t i = 0;
   for (const Eye eye : {Eye::left, Eye::right}) {
-    for (const Vec3& p : {probe.p_WP, end, head}) marks[i++] = project_to_pixel(screen, eye, size, p);
+    for (const Vec3& p : {probe.p_WP, end, head, side, top}) marks[i++] = project_to_pixel(screen, eye, size, p);
   }
   return marks;
 }

@@ -15,6 +15,7 @@ struct ProbeSizes {
   double arrow_m_per_n = 0.02;
   double arrow_max_m = 0.12;
   double arrow_radius_m = 0.0016;
+  double tool_radius_m = 0.0;  // of a rigid tool about its grip point; 0: there is none
 };
 
 ProbeSizes scale_probe(const Framing& framing);
@@ -25,6 +26,7 @@ struct ProbeShown {
   Vec3 p_WP = Vec3::Zero();
   Vec3 p_WD = Vec3::Zero();      // the device itself: the tip's position in free space
   Quat q_WT = Quat::Identity();  // lean included
+  Quat q_WP = Quat::Identity();  // of a rigid tool, which does not lean
   Vec3 force_n = Vec3::Zero();
   bool contact = false;
 };
@@ -54,7 +56,7 @@ class PictureWatch {
   void drawn(const ProbeShown& probe, const ProbeSizes& sizes, const StereoScreen& screen, PictureSize size);
 
  private:
-  using Marks = std::array<Vec2, 6>;
+  using Marks = std::array<Vec2, 10>;
   static Marks compute_marks(const ProbeShown&, const ProbeSizes&, const StereoScreen&, PictureSize);
 
   double threshold_px_;

@@ -371,6 +371,7 @@ void StereoView::set_depth_cues(bool shown) {
   window_->settings.depth_cues = shown;
   for (ProbeFigure* figure : {window_->probe.get(), window_->other_probe.get()}) figure->set_shadow(shown && !window_->settings.plain);
 }
+void StereoView::set_tool(const SceneTool& tool) { window_->probe->set_tool(tool); }
 void StereoView::set_probe_radius(double radius_m) { window_->probe->set_tip_radius(radius_m); }
 
 void StereoView::draw(std::function<void()> before_probe) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "scene/scene_tool.h"
 #include "vision_node/interaction.h"
 #include "vision_node/probe_shown.h"
 #include "vision_node/scene_painter.h"
@@ -63,6 +64,8 @@ class StereoView {
   void set_hud(std::string_view facts, std::string_view help);
   void set_cull(bool cull);
   void set_depth_cues(bool shown);
+  // A rigid tool, drawn in place of stylus and tip.
+  void set_tool(const SceneTool& tool);
   // The probe's true radius; 0: a point, drawn as a pin.
   void set_probe_radius(double radius_m);
 

@@ -32,6 +32,8 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   std::string size = "1280x720";
   std::string when = "contact";
   std::string unit;
+  std::string tool_unit;
+  std::string tool_grip = "origin";
   bool no_fit = false;
   std::string knobs = "window";
   std::vector<std::string> hubs = {options.hub};
@@ -52,6 +54,15 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   app.add_option("--scene", options.scene, "Scene file (TOML) or mesh file")->capture_default_str();
   app.add_flag("--no-fit", no_fit, "Leave a mesh file where and as large as it is; haptics_node needs the same option");
   app.add_option("--unit", unit, "What a mesh file's numbers are in: m (default), cm, mm or in")->check(accepts(parse_unit));
+  const auto tool =
+      app.add_option("--tool", options.tool.file, "Mesh of the tool that the stylus holds, as haptics_node has it (default: the scene's)");
+  app.add_option("--tool-unit", tool_unit, "Unit of the tool's file: m, cm, mm or in (default: --unit)")
+      ->check(accepts(parse_unit))
+      ->needs(tool);
+  app.add_option("--tool-grip", tool_grip, "Where the stylus holds it: origin (of its mesh) or center (of its box)")
+      ->check(accepts(parse_tool_grip))
+      ->capture_default_str()
+      ->needs(tool);
   app.add_option("--stereo", stereo,
                  fmt::format("One of: {}. auto: quad-buffer where the display can, else mono",
                              [] {
@@ -115,6 +126,8 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   options.has_space_knobs = knobs == "spacemouse";
   options.screenshot_moment = *ScreenshotMoment::parse(when);
   if (!unit.empty()) options.loading.unit = *parse_unit(unit);
+  if (!tool_unit.empty()) options.tool.unit = *parse_unit(tool_unit);
+  options.tool.grip = *parse_tool_grip(tool_grip);
   if (no_fit) options.loading.fit = MeshFit::off;
   return options;
 }

@@ -5,6 +5,7 @@
 #include <string>
 #include <variant>
 
+#include "scene/find_tool.h"
 #include "scene/object_names.h"
 #include "scene/scene_loading.h"
 #include "vision_node/screenshot_moment.h"
@@ -21,6 +22,7 @@ struct VisionOptions {
   std::string key_file;   // empty: the user's own, on loopback
   std::filesystem::path scene = "scenes/car_front.toml";
   SceneLoading loading = {.sealing = CrackSealing::off, .fit = MeshFit::workspace, .look = LookReading::on};  // drawn as it came
+  ToolChoice tool;
   ViewSettings view;
   Vec3 dials_degrees = Vec3::Zero();
   std::vector<ObjectName> names;  // of the scene's objects

@@ -1,7 +1,6 @@
 #pragma once
 
-#include <cmath>
-
+#include "core/math/rotation_vector.h"
 #include "core/math/types.h"
 
 namespace hapton {
@@ -14,26 +13,6 @@ struct Placement {
 
   Vec3 at(const Vec3& r) const { return position + orientation * r; }
 };
-
-// The rotation vector (axis times angle, rad, at most pi long) that turns one orientation into another, along the axes of the frame in
-// which both are given. RT: yes.
-inline Vec3 turn_between(const Quat& from, const Quat& to) noexcept {
-  Quat turn = to * from.conjugate();
-  if (turn.w() < 0.0) turn.coeffs() = -turn.coeffs();
-  const double sine = turn.vec().norm();
-  if (!(sine > 0.0)) return Vec3::Zero();
-  return (2.0 * std::atan2(sine, turn.w()) / sine) * turn.vec();
-}
-
-// The rotation by a rotation vector. RT: yes.
-inline Quat turn_by(const Vec3& turn) noexcept {
-  const double angle = turn.norm();
-  if (!(angle > 0.0)) return Quat::Identity();
-  Quat q;
-  q.w() = std::cos(0.5 * angle);
-  q.vec() = (std::sin(0.5 * angle) / angle) * turn;
-  return q;
-}
 
 // A motion of the tool over the times 0..1: its grip point moves straight by `shift`, and it turns about that point by `turn` (a rotation
 // vector) at a constant rate. RT: yes.

@@ -232,6 +232,29 @@ bool ToolProxy::round(const Placement& device, ToolProxyStep& report) noexcept {
   return true;
 }
 
+void ToolProxy::find_local_contacts(double reach, LocalContacts& local) noexcept {
+  local.count = 0;
+  local.is_blocked = is_blocked_;
+  local.proxy = proxy_;
+  local.inverse_root = inverse_root_;
+  local.plain_inverse_root << Vec3::Ones(), Vec3::Constant(1.0 / turn_length_);
+  local.stiffness << Vec3::Ones(), Vec3::Constant(turn_length_ * turn_length_);
+  local.tolerance = kTolerance;
+  local.is_held = false;
+  if (is_blocked_) return;
+  while (!near_.collect(proxy_, reach + kOffset, std::min(2.0 * reach / near_.radius(), kLargestTilt))) {
+    reach *= kShrinkage;
+    local.is_held = reach < kOffset;
+    if (local.is_held) return;
+  }
+  for (const NearFeature& near : near_.features()) {
+    if (!near.is_minimum) continue;
+    Vec6 row;
+    row << near.gap.normal, near.gap.on_tool.cross(near.gap.normal);
+    local.add({row, kOffset - near.gap.distance});
+  }
+}
+
 ToolProxyStep ToolProxy::step(const Placement& device) noexcept {
   ToolProxyStep report;
   if (is_blocked_) reset(device);

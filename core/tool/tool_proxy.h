@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/tool/least_motion.h"
+#include "core/tool/local_contacts.h"
 #include "core/tool/near_features.h"
 
 namespace hapton {
@@ -18,8 +19,6 @@ struct ToolContact {
   std::uint32_t tool_triangle = 0;
   std::uint32_t scene_triangle = 0;
 };
-
-using Mat6 = Eigen::Matrix<double, 6, 6>;
 
 // What a step of the proxy did.
 struct ToolProxyStep {
@@ -60,6 +59,8 @@ class ToolProxy {
 
   const Placement& placement() const { return proxy_; }
   double radius() const { return near_.radius(); }  // of the tool about its grip point
+  // For the fast task, until the next step: what keeps the tool out within `reach` of where it is now.
+  void find_local_contacts(double reach, LocalContacts& local) noexcept;
   // Of the last step.
   std::span<const ToolContact> contacts() const { return {contacts_.data(), static_cast<std::size_t>(contact_count_)}; }
 

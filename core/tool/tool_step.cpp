@@ -74,14 +74,9 @@ void ToolStep::reset(const ToolInput& input) noexcept {
   if (input.X_WD.matrix().allFinite() && input.X_WS.matrix().allFinite()) proxy_.reset(to_local(input));
 }
 
-ToolOutput ToolStep::step(const ToolInput& input) noexcept {
+ToolOutput ToolStep::felt_at(const ToolInput& input, const Placement& device, const Placement& proxy) const noexcept {
   ToolOutput output;
   output.X_WP = input.X_WD;
-  if (!input.X_WD.matrix().allFinite() || !input.X_WS.matrix().allFinite()) return output;
-  const Placement device = to_local(input);
-  output.proxy = proxy_.step(device);
-  if (output.proxy.is_blocked) return output;
-  const Placement& proxy = proxy_.placement();
   const Vec3 shift_m = scene_.unit_m() * (proxy.position - device.position);
   const Vec3 turn = turn_between(device.orientation, proxy.orientation);
   output.contact = !shift_m.isZero(0.0) || !turn.isZero(0.0);
@@ -91,6 +86,17 @@ ToolOutput ToolStep::step(const ToolInput& input) noexcept {
   output.torque_nm = coupling_.rotational_stiffness_nm_per_rad * (R_WS * turn);
   output.X_WP.translation() = input.X_WD.translation() + R_WS * shift_m;
   output.X_WP.linear() = R_WS * turn_by(turn).toRotationMatrix() * R_WS.transpose() * input.X_WD.linear();
+  return output;
+}
+
+ToolOutput ToolStep::step(const ToolInput& input) noexcept {
+  ToolOutput output;
+  output.X_WP = input.X_WD;
+  if (!input.X_WD.matrix().allFinite() || !input.X_WS.matrix().allFinite()) return output;
+  const Placement device = to_local(input);
+  const ToolProxyStep followed = proxy_.step(device);
+  if (!followed.is_blocked) output = felt_at(input, device, proxy_.placement());
+  output.proxy = followed;
   return output;
 }
 

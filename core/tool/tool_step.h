@@ -44,6 +44,12 @@ class ToolStep {
   ToolOutput step(const ToolInput& input) noexcept;
   void reset(const ToolInput& input) noexcept;
 
+  // The parts of a step, for a slow and a fast task (held_tool.h). Pre of to_local: finite.
+  Placement to_local(const ToolInput& input) const noexcept;
+  // Force, torque and drawn pose where the device is at `device` and the tool at `proxy`.
+  ToolOutput felt_at(const ToolInput& input, const Placement& device, const Placement& proxy) const noexcept;
+  ToolProxy& proxy() { return proxy_; }
+
   const ToolProxy& proxy() const { return proxy_; }
   const TouchGeometry& scene() const { return scene_; }
   const ObjectGeometry& tool() const { return tool_; }
@@ -53,8 +59,6 @@ class ToolStep {
 
  private:
   ToolStep(const TriangleMesh& tool, std::vector<std::shared_ptr<const TriangleMesh>> scene, const ToolCoupling& coupling);
-
-  Placement to_local(const ToolInput& input) const noexcept;
 
   ToolCoupling coupling_;
   TouchGeometry scene_;

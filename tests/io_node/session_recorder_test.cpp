@@ -59,6 +59,7 @@ TEST_F(Recorders, WriteAllThatHappensInOrder) {
   recorder.on_cycle({.sample = 17,
                      .late_ns = -3,
                      .written_n = Vec3(1, 2, 3),
+                     .written_nm = Vec3(4, 5, 6),
                      .missed = 4,
                      .cause = MissCause::work_long,
                      .device = CycleSample{6, Vec3(0.1, 0.2, 0.3), Quat(0.6, 0, -0.8, 0), 5},
@@ -75,6 +76,7 @@ TEST_F(Recorders, WriteAllThatHappensInOrder) {
   EXPECT_EQ(entries[2].cycle.sample, 17U);
   EXPECT_EQ(entries[2].cycle.late_ns, -3);
   EXPECT_EQ(entries[2].cycle.written_n, Vec3(1, 2, 3));
+  EXPECT_EQ(entries[2].cycle.written_nm, Vec3(4, 5, 6));
   EXPECT_EQ(entries[2].cycle.missed, 4U);
   EXPECT_EQ(entries[2].cycle.cause, MissCause::work_long);
   ASSERT_TRUE(entries[2].cycle.device);

@@ -56,7 +56,8 @@ class RandomDatagrams {
       case 3:
         return draw_state(time);
       case 4:
-        return ForceCommand{bits(), time, vector(), vector(), flag(), bits32(), bits32(), bits32(), bits32(), bits(), bits32(), object()};
+        return ForceCommand{bits(),   time,     vector(), vector(), flag(),   bits32(), bits32(),
+                            bits32(), bits32(), bits(),   bits32(), object(), vector(), vector()};
       case 5:
         return draw_view();
       case 6:
@@ -74,7 +75,9 @@ class RandomDatagrams {
                           bits32(),
                           static_cast<ProbeStatus>(bits() % 7),
                           bits32(),
-                          object()};
+                          object(),
+                          vector(),
+                          vector()};
       case 7:
         return FrameAck{bits(), time, rate(), bits32(), bits32(), flag()};
       case 8:
@@ -238,6 +241,8 @@ inline void expect_equal(const ForceCommand& a, const ForceCommand& b) {
   EXPECT_EQ(a.answered_before, b.answered_before);
   EXPECT_EQ(a.material_serial, b.material_serial);
   EXPECT_EQ(a.object, b.object);
+  EXPECT_EQ(a.torque_nm, b.torque_nm);
+  EXPECT_EQ(a.visual_turn, b.visual_turn);
 }
 inline void expect_equal(const MaterialChange& a, const MaterialChange& b) {
   EXPECT_EQ(a.given, b.given);
@@ -281,6 +286,8 @@ inline void expect_equal(const ProbeState& a, const ProbeState& b) {
   EXPECT_EQ(a.status, b.status);
   EXPECT_EQ(a.energy_percent, b.energy_percent);
   EXPECT_EQ(a.object, b.object);
+  EXPECT_EQ(a.torque_nm, b.torque_nm);
+  EXPECT_EQ(a.visual_turn, b.visual_turn);
 }
 inline void expect_equal(const FrameAck& a, const FrameAck& b) {
   EXPECT_EQ(a.echo_sample, b.echo_sample);
@@ -384,8 +391,10 @@ inline void expect_sane(const Datagram& datagram) {
     EXPECT_TRUE(force->force_n.allFinite());
     EXPECT_LE(force->force_n.cwiseAbs().maxCoeff(), kMaxWireMagnitude);
     EXPECT_TRUE(force->visual_offset_m.allFinite());
+    EXPECT_TRUE(force->torque_nm.allFinite() && force->visual_turn.allFinite());
   } else if (const auto* probe = std::get_if<ProbeState>(&datagram.message)) {
     EXPECT_TRUE(probe->p_WD.allFinite() && probe->force_n.allFinite() && probe->visual_offset_m.allFinite());
+    EXPECT_TRUE(probe->torque_nm.allFinite() && probe->visual_turn.allFinite());
     EXPECT_TRUE(std::isfinite(probe->servo_rate_hz));
   } else if (const auto* view = std::get_if<ViewTransform>(&datagram.message)) {
     for (const float value : view->X_WS) {

@@ -39,9 +39,9 @@ TEST_F(CodecTest, WhatTheHandFeelsHasOneLengthWhateverItSays) {
       {DeviceState{}, DeviceState{~std::uint64_t{0}, -1, odd, Quat(0.5, -0.5, 0.5, -0.5), ~0U},
        DeviceState{.sample = 1, .is_resumed = true, .p_WP = odd}},
       {ForceCommand{}, ForceCommand{.contact = true}, ForceCommand{.force_n = odd, .visual_offset_m = odd, .contact = true},
-       ForceCommand{~std::uint64_t{0}, -1, odd, odd, true, ~0U, ~0U, ~0U, ~0U, ~std::uint64_t{0}, ~0U, 7}},
+       ForceCommand{~std::uint64_t{0}, -1, odd, odd, true, ~0U, ~0U, ~0U, ~0U, ~std::uint64_t{0}, ~0U, 7, odd, odd}},
       {ProbeState{}, ProbeState{~std::uint64_t{0}, -1, odd, Quat(0.5, -0.5, 0.5, -0.5), odd, odd, true, ~0U, 1e9F, 1e9F, 1e9F, ~0U},
-       ProbeState{.object = 7}}};
+       ProbeState{.object = 7, .torque_nm = odd, .visual_turn = odd}}};
   for (const auto& messages : kinds) {
     std::set<std::size_t> lengths;
     for (const Message& message : messages) {
@@ -56,21 +56,27 @@ TEST_F(CodecTest, WhatTheHandFeelsHasOneLengthWhateverItSays) {
   }
 }
 
-// A haptics node of an earlier build says nothing of objects.
+// A haptics node of an earlier build says nothing of objects, or of a tool.
 TEST_F(CodecTest, AForceWithoutItsObjectTouchesNoneThatIsKnown) {
-  Bytes bytes = encode({{}, ForceCommand{.echo_sample = 9, .contact = true, .object = 3}});
-  // The message is the last field of the envelope, its object the last of the message: a byte of tag and four of the number.
+  Bytes bytes = encode({{}, ForceCommand{.echo_sample = 9, .contact = true, .object = 3, .torque_nm = Vec3(1, 2, 3)}});
+  // The message is the last field of the envelope. The last of the message are its object, a byte of tag and four of the number, torque and
+  // turn, each a byte of tag, one of length and three numbers.
+  constexpr std::size_t kLeftOut = 5 + 2 * (2 + 24);
+  const auto low = [&](std::size_t i) { return std::to_integer<std::size_t>(bytes[i]) & 0x7FU; };
   std::size_t at = 2;
-  while (at < bytes.size() && !(bytes[at - 2] == std::byte{0xA2} && bytes[at - 1] == std::byte{1} &&
-                                std::to_integer<std::size_t>(bytes[at]) == bytes.size() - at - 1)) {
+  while (at + 1 < bytes.size() &&
+         !(bytes[at - 2] == std::byte{0xA2} && bytes[at - 1] == std::byte{1} && low(at) + 128 * low(at + 1) == bytes.size() - at - 2)) {
     ++at;
   }
-  ASSERT_LT(at, bytes.size()) << "its tag and its length, which is one byte";
-  bytes[at] = static_cast<std::byte>(std::to_integer<std::size_t>(bytes[at]) - 5);
-  bytes.resize(bytes.size() - 5);
+  ASSERT_LT(at + 1, bytes.size()) << "its tag and its length, which is two bytes";
+  const std::size_t length = bytes.size() - at - 2 - kLeftOut;
+  bytes[at] = static_cast<std::byte>(0x80U | (length & 0x7FU));
+  bytes[at + 1] = static_cast<std::byte>(length >> 7U);
+  bytes.resize(bytes.size() - kLeftOut);
   Datagram decoded;
   ASSERT_EQ(Codec().decode(bytes, decoded), DecodeStatus::ok);
   EXPECT_EQ(std::get<ForceCommand>(decoded.message).object, -1);
+  EXPECT_EQ(std::get<ForceCommand>(decoded.message).torque_nm, Vec3(Vec3::Zero()));
   EXPECT_EQ(std::get<ForceCommand>(decoded.message).echo_sample, 9U);
 }
 
@@ -159,6 +165,10 @@ TEST_F(CodecTest, RejectsValuesOutsideTheContract) {
     EXPECT_EQ(round_trip(ForceCommand{.force_n = Vec3(0, 0, bad)}), DecodeStatus::bad_value);
     EXPECT_EQ(round_trip(ForceCommand{.visual_offset_m = Vec3(bad, 0, 0)}), DecodeStatus::bad_value);
     EXPECT_EQ(round_trip(ProbeState{.visual_offset_m = Vec3(bad, 0, 0)}), DecodeStatus::bad_value);
+    EXPECT_EQ(round_trip(ForceCommand{.torque_nm = Vec3(0, bad, 0)}), DecodeStatus::bad_value);
+    EXPECT_EQ(round_trip(ForceCommand{.visual_turn = Vec3(0, bad, 0)}), DecodeStatus::bad_value);
+    EXPECT_EQ(round_trip(ProbeState{.torque_nm = Vec3(0, bad, 0)}), DecodeStatus::bad_value);
+    EXPECT_EQ(round_trip(ProbeState{.visual_turn = Vec3(0, bad, 0)}), DecodeStatus::bad_value);
     EXPECT_EQ(round_trip(ProbeState{.round_trip_p99_us = static_cast<float>(bad)}), DecodeStatus::bad_value);
     EXPECT_EQ(round_trip(HandTarget{true, Vec3(bad, 0, 0)}), DecodeStatus::bad_value);
     EXPECT_EQ(round_trip(Welcome{true, bad}), DecodeStatus::bad_value);

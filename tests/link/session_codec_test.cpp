@@ -26,6 +26,7 @@ SessionEntry make(Kind kind) {
       entry.cycle = {.sample = 1ULL << 60,
                      .late_ns = -3,
                      .written_n = Vec3(0.1, -0.0, 1e-300),
+                     .written_nm = Vec3(0.0, 1e-3, -2.0),
                      .missed = 7,
                      .cause = MissCause::device_slow,
                      .device = CycleSample{-9, Vec3(1, -2, 1e-300), Quat(0.6, 0, -0.8, 0), 5},
@@ -49,6 +50,7 @@ void expect_equal(const SessionEntry& a, const SessionEntry& b) {
   EXPECT_EQ(a.cycle.sample, b.cycle.sample);
   EXPECT_EQ(a.cycle.late_ns, b.cycle.late_ns);
   EXPECT_EQ(a.cycle.written_n, b.cycle.written_n);
+  EXPECT_EQ(a.cycle.written_nm, b.cycle.written_nm);
   EXPECT_EQ(a.cycle.missed, b.cycle.missed);
   EXPECT_EQ(a.cycle.cause, b.cycle.cause);
   ASSERT_EQ(a.cycle.device.has_value(), b.cycle.device.has_value());

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/math/rotation_vector.h"
 #include "tools/session/session_entries.h"
 
 namespace hapton {
@@ -39,6 +40,16 @@ constexpr JoinedColumn kJoinedColumns[] = {
     {"written_x_n", "N", [](const JoinedRow& r) { return r.written_n.x(); }},
     {"written_y_n", "N", [](const JoinedRow& r) { return r.written_n.y(); }},
     {"written_z_n", "N", [](const JoinedRow& r) { return r.written_n.z(); }},
+    {"proxy_qw", "1", [](const JoinedRow& r) { return r.q_WP.w(); }},
+    {"proxy_qx", "1", [](const JoinedRow& r) { return r.q_WP.x(); }},
+    {"proxy_qy", "1", [](const JoinedRow& r) { return r.q_WP.y(); }},
+    {"proxy_qz", "1", [](const JoinedRow& r) { return r.q_WP.z(); }},
+    {"wanted_tx_nm", "N m", [](const JoinedRow& r) { return r.wanted_nm.x(); }},
+    {"wanted_ty_nm", "N m", [](const JoinedRow& r) { return r.wanted_nm.y(); }},
+    {"wanted_tz_nm", "N m", [](const JoinedRow& r) { return r.wanted_nm.z(); }},
+    {"written_tx_nm", "N m", [](const JoinedRow& r) { return r.written_nm.x(); }},
+    {"written_ty_nm", "N m", [](const JoinedRow& r) { return r.written_nm.y(); }},
+    {"written_tz_nm", "N m", [](const JoinedRow& r) { return r.written_nm.z(); }},
     {"contact", "1", [](const JoinedRow& r) { return r.is_contact ? 1.0 : 0.0; }},
     {"object", "1", [](const JoinedRow& r) { return r.object < 0 ? kUnknown : static_cast<double>(r.object); }},
     {"local", "1", [](const JoinedRow& r) { return r.is_local ? 1.0 : 0.0; }},
@@ -79,9 +90,11 @@ void JoinedTable::add_cycle(const SessionEntry& entry) {
     row.v_WD = (cycle.device->p_WD - before_->p_WD) / seconds_between(before_->time_ns, cycle.device->time_ns);
   before_ = cycle.device;
   row.buttons = cycle.device->buttons;
-  row.p_WP = row.wanted_n = Vec3::Constant(kUnknown);
+  row.p_WP = row.wanted_n = row.wanted_nm = Vec3::Constant(kUnknown);
+  row.q_WP.coeffs().setConstant(kUnknown);
   row.round_trip_s = kUnknown;
   row.written_n = cycle.written_n;
+  row.written_nm = cycle.written_nm;
   row.late_s = seconds_between(0, cycle.late_ns);
   row.missed = cycle.missed;
   row.event = std::exchange(events_, {});
@@ -89,6 +102,8 @@ void JoinedTable::add_cycle(const SessionEntry& entry) {
     row.is_local = true;
     row.p_WP = row.p_WD + cycle.local->visual_offset_m;
     row.wanted_n = cycle.local->force_n;
+    row.wanted_nm = Vec3::Zero();
+    row.q_WP = row.q_WT;
     row.is_contact = !row.wanted_n.isZero(0.0);
     row.object = cycle.local->object;
     added.is_complete = true;
@@ -110,6 +125,8 @@ void JoinedTable::add_force(const ForceCommand& force, std::int64_t time_ns) {
   JoinedRow& row = found->row;
   row.p_WP = row.p_WD + force.visual_offset_m;
   row.wanted_n = force.force_n;
+  row.q_WP = turn_by(force.visual_turn) * row.q_WT;
+  row.wanted_nm = force.torque_nm;
   row.is_contact = force.contact;
   row.object = force.object;
   row.round_trip_s = seconds_between(force.echo_sample_time_ns, time_ns);

@@ -27,6 +27,9 @@ struct JoinedRow {
   Vec3 p_WP;      // probe
   Vec3 wanted_n;  // of the haptics node or of parts of the scene, before the governor
   Vec3 written_n = Vec3::Zero();
+  Quat q_WP;       // tool as it is drawn; the stylus' own where a probe is felt
+  Vec3 wanted_nm;  // torque of a rigid tool, before the governor
+  Vec3 written_nm = Vec3::Zero();
   bool is_contact = false;
   std::int32_t object = -1;  // touched, of the scene's; -1: none, or not recorded
   bool is_local = false;     // worked out on parts of the scene, beside the device

@@ -58,6 +58,7 @@ struct ToolRows {
     row.force_n = output.force_n;
     row.torque_nm = output.torque_nm;
     row.contact = output.contact;
+    row.is_blocked = output.proxy.is_blocked;
   }
 };
 
@@ -114,9 +115,11 @@ std::string describe_replay(const Replay& replay, const ReplaySettings& settings
   std::vector<std::int64_t> contact;
   double max_force_n = 0.0;
   double max_torque_nm = 0.0;
+  std::size_t blocked = 0;
   for (const ReplayRow& row : replay.rows) {
     all.push_back(row.step_ns);
     if (row.contact) contact.push_back(row.step_ns);
+    blocked += row.is_blocked ? 1 : 0;
     max_force_n = std::max(max_force_n, row.force_n.norm());
     max_torque_nm = std::max(max_torque_nm, row.torque_nm.norm());
   }
@@ -124,6 +127,7 @@ std::string describe_replay(const Replay& replay, const ReplaySettings& settings
   text += replay.has_tool ? fmt::format(", torque max {:.6g} Nm\n", max_torque_nm) : std::string("\n");
   text += fmt::format("step time, least of {} (clock cost of {} ns taken off): all {}; contact {}\n", settings.repeat, replay.clock_cost_ns,
                       describe_times(std::move(all)), describe_times(std::move(contact)));
+  if (blocked > 0) text += fmt::format("note: {} steps without force: the tool overlaps the scene where it was put\n", blocked);
   if (replay.rows_that_differ > 0) {
     text += fmt::format("note: {} steps differed between repetitions\n", replay.rows_that_differ);
   }

@@ -24,6 +24,7 @@ struct ReplayRow {
   Quat q_WP = Quat::Identity();   // proxy; with a tool only, like the next
   Vec3 torque_nm = Vec3::Zero();  // about the grip point
   bool contact = false;
+  bool is_blocked = false;   // a tool overlaps the scene since it was put there, and gives no force
   std::int64_t step_ns = 0;  // least of all repetitions, less the cost of reading the clock
 };
 

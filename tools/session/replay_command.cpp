@@ -10,9 +10,10 @@
 #include <utility>
 #include <vector>
 
-#include "core/geometry/mesh_shapes.h"
+#include "core/force/stiffest.h"
 #include "core/tool/tool_step.h"
 #include "runtime/trajectory_csv.h"
+#include "scene/find_tool.h"
 #include "scene/scene_file.h"
 #include "tools/commands.h"
 #include "tools/method_flags.h"
@@ -30,6 +31,7 @@ struct ReplayOptions {
   std::string out;
   std::string tool;
   std::string tool_unit;
+  std::string tool_grip = "origin";
   double rotational_stiffness_nm_per_rad = 0.0;
   MethodFlags method;
   std::optional<double> stiffness_n_per_m;
@@ -61,42 +63,49 @@ Result<Scene> load(const ReplayOptions& options) {
   return load_scene(options.scene, {.sealing = sealing});
 }
 
-// All objects of the tool's file as one rigid mesh.
-TriangleMesh join_objects(const Scene& tool) {
-  TriangleMesh mesh;
-  for (const TouchObject& object : tool.touch_scene().objects) mesh = joined(mesh, *object.mesh);
-  return mesh;
-}
-
-Result<std::unique_ptr<ToolStep>> make_tool(const ReplayOptions& options, const Scene& scene) {
-  const CrackSealing sealing = options.no_seal ? CrackSealing::off : CrackSealing::on;
-  const auto tool = load_mesh(options.tool, options.tool_unit.empty() ? options.unit : options.tool_unit, sealing);
-  if (!tool) {
-    return tl::unexpected(tool.error());
+Result<std::optional<SceneTool>> choose_tool(const ReplayOptions& options, const Scene& scene) {
+  ToolChoice choice{.file = options.tool};
+  const std::string unit_name = options.tool_unit.empty() ? options.unit : options.tool_unit;
+  if (!unit_name.empty()) {
+    const auto unit = parse_unit(unit_name);
+    if (!unit) {
+      return tl::unexpected(unit.error());
+    }
+    choice.unit = *unit;
   }
-  for (const std::string& note : tool->notes) {
+  const auto grip = parse_tool_grip(options.tool_grip);
+  if (!grip) {
+    return tl::unexpected(grip.error());
+  }
+  choice.grip = *grip;
+  std::vector<std::string> notes;
+  auto tool = find_tool(choice, scene, {.sealing = options.no_seal ? CrackSealing::off : CrackSealing::on}, notes);
+  for (const std::string& note : notes) {
     fmt::print("tool: {}\n", note);
   }
+  return tool;
+}
+
+Result<std::unique_ptr<ToolStep>> make_tool(const ReplayOptions& options, const Scene& scene, const SceneTool& tool) {
   ToolCoupling coupling;
-  coupling.stiffness_n_per_m = options.stiffness_n_per_m.value_or(coupling.stiffness_n_per_m);
+  coupling.stiffness_n_per_m = options.stiffness_n_per_m.value_or(find_stiffest(scene.touch_scene()));
   coupling.rotational_stiffness_nm_per_rad = options.rotational_stiffness_nm_per_rad;
   if (!options.scene.empty()) {
-    fmt::print("tool: materials and effects of {} are left out: {:g} N/m everywhere, without friction\n", options.scene,
-               coupling.stiffness_n_per_m);
+    fmt::print("tool: friction, damping and effects of {} are left out: {:g} N/m everywhere\n", options.scene, coupling.stiffness_n_per_m);
   }
   std::vector<std::shared_ptr<const TriangleMesh>> meshes;
   for (const TouchObject& object : scene.touch_scene().objects) {
     meshes.push_back(object.mesh);
   }
-  return ToolStep::make(join_objects(*tool), std::move(meshes), coupling);
+  return ToolStep::make(*tool.mesh, std::move(meshes), coupling);
 }
 
 // What a point or a ball has and a tool does not have yet is said, not ignored.
-Result<void> check_tool_options(const ReplayOptions& options) {
+Result<void> check_tool_options(const ReplayOptions& options, bool has_tool) {
   const MethodSettings& method = options.method.settings;
   const MethodSettings plain;
-  if (options.tool.empty()) {
-    if (!options.tool_unit.empty()) return fail("--tool-unit goes with --tool");
+  if (options.tool.empty() && !options.tool_unit.empty()) return fail("--tool-unit goes with --tool");
+  if (!has_tool) {
     if (options.rotational_stiffness_nm_per_rad > 0.0) return fail("--rotational-stiffness goes with --tool");
     return {};
   }
@@ -141,8 +150,9 @@ Result<Replay> replay_probe(const ReplayOptions& options, const MethodSettings& 
   return done;
 }
 
-Result<Replay> replay_tool(const ReplayOptions& options, const Scene& scene, std::span<const TrajectoryRow> trajectory) {
-  const auto tool = make_tool(options, scene);
+Result<Replay> replay_tool(const ReplayOptions& options, const Scene& scene, const SceneTool& held,
+                           std::span<const TrajectoryRow> trajectory) {
+  const auto tool = make_tool(options, scene, held);
   if (!tool) {
     return tl::unexpected(tool.error());
   }
@@ -156,9 +166,6 @@ Result<void> replay(ReplayOptions& options) {
   if (!settings) {
     return tl::unexpected(settings.error());
   }
-  if (const auto checked = check_tool_options(options); !checked) {
-    return checked;
-  }
   const auto trajectory = read_trajectory_csv(options.trajectory);
   if (!trajectory) {
     return tl::unexpected(trajectory.error());
@@ -170,8 +177,14 @@ Result<void> replay(ReplayOptions& options) {
   for (const std::string& note : scene->notes) {
     fmt::print("{}\n", note);
   }
-  const auto done =
-      options.tool.empty() ? replay_probe(options, *settings, *scene, *trajectory) : replay_tool(options, *scene, *trajectory);
+  const auto tool = choose_tool(options, *scene);
+  if (!tool) {
+    return tl::unexpected(tool.error());
+  }
+  if (const auto checked = check_tool_options(options, tool->has_value()); !checked) {
+    return checked;
+  }
+  const auto done = *tool ? replay_tool(options, *scene, **tool, *trajectory) : replay_probe(options, *settings, *scene, *trajectory);
   if (!done) {
     return tl::unexpected(done.error());
   }
@@ -199,8 +212,11 @@ void add_replay_command(CommandLine app, int& exit_code) {
   command.add_option("--unit", options->unit, "Unit of the mesh file: m (default), cm, mm or in");
   command.add_flag("--no-seal", options->no_seal, "Do not seal cracks: by default those up to 1e-4 of the longest side are closed");
   command.add_option("--trajectory", options->trajectory, "CSV: t_s,x_m,y_m,z_m[,qw,qx,qy,qz][,sample], one row a step").required();
-  command.add_option("--tool", options->tool, "Mesh of a rigid tool, held at its origin, instead of a point or a ball: force and torque");
+  command.add_option("--tool", options->tool,
+                     "Mesh of a rigid tool instead of a point or a ball: force and torque (default: the scene's [tool], if it has one)");
   command.add_option("--tool-unit", options->tool_unit, "Unit of the tool's mesh (default: as --unit)");
+  command.add_option("--tool-grip", options->tool_grip, "Where the stylus holds it: origin (of its mesh) or center (of its box)")
+      .shows_default();
   command
       .add_option("--rotational-stiffness", options->rotational_stiffness_nm_per_rad,
                   "With --tool, Nm/rad; 0: from --stiffness and the tool's size")

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 #include <iterator>
+#include <string_view>
 
 #include "haptic_step/method_text.h"
 
@@ -54,6 +55,11 @@ Result<void> SessionReplay::settle(std::uint64_t up_to_sample) {
 }
 
 Result<std::unique_ptr<TouchStep>> SessionReplay::make_method_of(const HapticsSetup& setup, double* offset_m) {
+  if (std::string_view(setup.method.data()).starts_with("name=tool ")) {
+    return fail(
+        "the stylus held a rigid tool, whose forces depend on when its slow task was done; hapton session trajectory writes the motion, "
+        "hapton replay --tool feels it");
+  }
   const auto settings = parse_method_text(setup.method.data());
   if (!settings) return tl::unexpected(settings.error());
   if (offset_m != nullptr) *offset_m = settings->offset_m;

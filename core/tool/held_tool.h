@@ -1,0 +1,58 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+
+#include "core/base/mailbox.h"
+#include "core/tool/tool_step.h"
+
+namespace hapton {
+
+// A rigid tool in two tasks: the slow one follows the device with the proxy of ToolStep, which may take milliseconds on fine meshes, and
+// leaves the contacts there; the fast one computes force and torque with these at the device's own rate, and never waits (Ortega, Redon &
+// Coquillart 2007, sections 4 and 5). What the slow task has not seen yet gives no force. Where it stalls, the force fades.
+// Threads: step, restart and age in one, follow in one other. RT: step and restart yes, at most LocalContacts::kMost contacts; follow as
+// ToolStep::step.
+class HeldTool {
+ public:
+  // The slow task is on time up to the first; the force has faded at the second.
+  static constexpr double kFreshS = 0.05;
+  static constexpr double kStaleS = 0.15;
+
+  explicit HeldTool(std::unique_ptr<ToolStep> tool) : tool_(std::move(tool)) {}
+
+  // Fast: force, torque and drawn pose for one device sample, with the contacts found last. output.proxy tells of the slow task's step.
+  ToolOutput step(const ToolInput& input, std::int64_t time_ns) noexcept;
+  // Fast: the tool is put where the device is at the next sample, as ToolStep::reset does.
+  void restart() noexcept { ++serial_; }
+  // Fast: how old the contacts of the last step were.
+  double age_s() const noexcept { return age_s_; }
+
+  // Slow: follows the newest sample. False: there is no new one.
+  bool follow() noexcept;
+
+  const ToolStep& tool() const { return *tool_; }
+
+ private:
+  struct Sample {
+    Placement device;
+    std::int64_t time_ns = 0;
+    std::uint32_t serial = 0;  // of restarts; 0: there has been no sample
+  };
+  struct Found {
+    LocalContacts contacts;
+    ToolProxyStep step;
+    std::int64_t time_ns = 0;
+    std::uint32_t serial = 0;
+  };
+
+  std::unique_ptr<ToolStep> tool_;  // its proxy is the slow task's
+  Mailbox<Sample> samples_;
+  Mailbox<Found> found_;
+  std::uint32_t serial_ = 1;
+  double age_s_ = 0.0;
+  Sample last_;  // followed
+};
+
+}  // namespace hapton

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "core/tool/least_motion.h"
+#include "core/tool/placement.h"
+
+namespace hapton {
+
+using Mat6 = Eigen::Matrix<double, 6, 6>;
+
+// What a rigid tool touches or is about to touch: a local set in the sense of the FDH paper, which the slow task finds and the fast task
+// computes with. Each pair of features that is a local minimum of the distance keeps the tool on its side of a plane through its contact
+// (Ortega, Redon & Coquillart 2007, section 5: constraint-based force between two steps of the pose). Plain memory. Frame: local units.
+struct LocalContacts {
+  static constexpr std::size_t kMost = 64;
+
+  // Motions (shift, then turn about the grip point) from `proxy` with row . motion >= least keep the tool outside.
+  std::array<MotionBound, kMost> bounds = {};
+  std::size_t count = 0;
+  Placement proxy;                         // where the tool was found to be free
+  Mat6 inverse_root = Mat6::Identity();    // as in ToolProxy: what contacts do as their levers turn included
+  Vec6 plain_inverse_root = Vec6::Ones();  // the coupling's alone
+  Vec6 stiffness = Vec6::Ones();           // of the coupling, over its linear one
+  double tolerance = 0.0;                  // of a bound
+  bool is_blocked = true;                  // there is no force
+  bool is_held = false;                    // too much was near: the tool stays where it is
+
+  // Keeps the kMost with the least room.
+  void add(const MotionBound& bound) noexcept;
+
+  // Where the bounds hold the tool while the device is there: the device itself where none does. RT: yes, at most kMost bounds a round of
+  // find_least_motion.
+  Placement constrain(const Placement& device) const noexcept;
+};
+
+}  // namespace hapton

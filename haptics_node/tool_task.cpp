@@ -1,0 +1,81 @@
+#include "haptics_node/tool_task.h"
+
+#include <chrono>
+#include <sstream>
+#include <utility>
+
+#include "core/force/stiffest.h"
+#include "core/force/virtual_coupling.h"
+#include "haptic_step/haptics_setup.h"
+#include "runtime/clock.h"
+#include "runtime/log.h"
+#include "runtime/start_thread.h"
+
+namespace hapton {
+namespace {
+
+// Between two looks for a new sample: little against a step of the pose, and a processor's thousandth.
+constexpr auto kLook = std::chrono::microseconds(100);
+
+bool has_friction_or_effects(const Scene& scene) {
+  if (!scene.effects.empty()) return true;
+  for (const SceneObject& object : scene.objects) {
+    if (object.material.friction_static > 0.0 || object.material.damping_ns_per_m > 0.0 || object.effects.any()) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<HeldTool>> make_held_tool(const HapticsOptions& options, const Scene& scene) {
+  std::vector<std::string> notes;
+  const auto tool = find_tool(options.tool, scene, options.loading, notes);
+  if (!tool) return tl::unexpected(tool.error());
+  for (const std::string& note : notes) log_info("tool: {}", note);
+  if (!*tool) return std::unique_ptr<HeldTool>();
+  if (options.watch_scene) return fail("--watch-scene does not go with a tool yet; leave one of them out");
+  if (options.method.probe_radius_m > 0.0) return fail("a tool and --probe-radius are two probes; leave one of them out");
+  const TouchScene felt = couple_scene(scene.touch_scene(), options.method.coupling_n_per_m);
+  std::vector<std::shared_ptr<const TriangleMesh>> meshes;
+  for (const TouchObject& object : felt.objects) meshes.push_back(object.mesh);
+  auto step = ToolStep::make(*(*tool)->mesh, std::move(meshes),
+                             {.stiffness_n_per_m = find_stiffest(felt), .rotational_stiffness_nm_per_rad = options.tool_nm_per_rad});
+  if (!step) return fail("tool {}: {}", (*tool)->name, step.error().what);
+  log_info("the stylus holds {}", (*tool)->name);
+  std::istringstream text((*step)->describe());
+  for (std::string line; std::getline(text, line);) log_info("{}", line);
+  if (has_friction_or_effects(scene)) log_warning("friction, damping and effects of the scene are left out: a tool has none yet");
+  return std::make_unique<HeldTool>(std::move(*step));
+}
+
+HapticsSetup::Text describe_tool(const HeldTool& tool) {
+  HapticsSetup::Text text = {};
+  const ToolCoupling& coupling = tool.tool().coupling();
+  put_text(fmt::format("name=tool stiffness_n_per_m={} rotational_stiffness_nm_per_rad={} tool_triangles={}", coupling.stiffness_n_per_m,
+                       coupling.rotational_stiffness_nm_per_rad, tool.tool().tool().triangle_count()),
+           text);
+  return text;
+}
+
+ToolTask::ToolTask(HeldTool& tool) : tool_(tool), thread_(start_thread([this] { run(); })) {}
+
+ToolTask::~ToolTask() { stop(); }
+
+void ToolTask::stop() noexcept {
+  stop_.store(true, std::memory_order_release);
+  if (thread_.joinable()) thread_.join();
+}
+
+void ToolTask::run() noexcept {
+  const SteadyClock clock;
+  while (!stop_.load(std::memory_order_acquire)) {
+    const std::int64_t begin_ns = clock.now_ns();
+    if (tool_.follow()) {
+      pose_times_.record(clock.now_ns() - begin_ns);
+    } else {
+      std::this_thread::sleep_for(kLook);
+    }
+  }
+}
+
+}  // namespace hapton

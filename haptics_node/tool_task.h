@@ -1,0 +1,46 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "core/tool/held_tool.h"
+#include "haptics_node/haptics_options.h"
+#include "link/messages.h"
+#include "runtime/latency_histogram.h"
+#include "scene/scene_file.h"
+
+namespace hapton {
+
+// The rigid tool that the options or the scene name; null: a probe is felt. Materials count as far as that the tool's spring is as stiff as
+// the stiffest of them, coupled as --coupling says; what is left out is logged. Error: one line.
+Result<std::unique_ptr<HeldTool>> make_held_tool(const HapticsOptions& options, const Scene& scene);
+
+// What the hub is told in place of a method: "name=tool ...", with the coupling.
+HapticsSetup::Text describe_tool(const HeldTool& tool);
+
+// The slow task of a held tool in a thread of its own: follows the device, one step of the pose after the other. RT: none of it is on the
+// path of the force.
+class ToolTask {
+ public:
+  // Pre: outlives this.
+  explicit ToolTask(HeldTool& tool);
+  ~ToolTask();
+  ToolTask(const ToolTask&) = delete;
+  ToolTask& operator=(const ToolTask&) = delete;
+
+  // Ends the thread; the times are complete then.
+  void stop() noexcept;
+  const LatencyHistogram& pose_times() const noexcept { return pose_times_; }
+
+ private:
+  void run() noexcept;
+
+  HeldTool& tool_;
+  LatencyHistogram pose_times_;
+  std::atomic<bool> stop_ = false;
+  std::thread thread_;
+};
+
+}  // namespace hapton

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "core/base/result.h"
+#include "core/math/types.h"
+#include "scene/scene_tool.h"
+#include "scene/table_reader.h"
+#include "scene/unit.h"
+
+namespace hapton {
+
+// The table of the tool in a scene file; it has the keys of an object, a grip, and no material.
+inline constexpr std::string_view kToolTable = "[tool]";
+constexpr double kMaxLengthM = 1e6;
+
+// A mesh in its pose as a scene file has it: an [[object]] or the [tool].
+struct ObjectSpec {
+  std::string name;
+  std::string mesh;
+  std::string part;
+  std::optional<Unit> unit;
+  double scale = 1.0;
+  Quat q_SM = Quat::Identity();
+  Vec3 p_SM = Vec3::Zero();
+  std::string material;
+  bool seal_cracks = true;
+  std::array<double, 3> colour = {0.7, 0.7, 0.72};
+  bool has_colour = false;  // then it replaces all colours of the mesh file
+  ToolGrip grip = ToolGrip::origin;
+  std::size_t mesh_line = 0;  // in the scene file
+  std::size_t part_line = 0;
+  std::size_t material_line = 0;
+};
+
+// name: as errors speak of it; kToolTable for a tool. RT: set-up only. Error: one line with the line in the file.
+Result<ObjectSpec> read_object(const toml::table& table, const std::string& name);
+
+}  // namespace hapton

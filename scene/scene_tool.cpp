@@ -1,0 +1,19 @@
+#include "scene/scene_tool.h"
+
+#include "core/geometry/mesh_measures.h"
+
+namespace hapton {
+
+Result<ToolGrip> parse_tool_grip(std::string_view text) {
+  if (text == "origin") return ToolGrip::origin;
+  if (text == "center") return ToolGrip::center;
+  return fail("'{}' is no grip: origin (of the mesh) or center (of its box)", text);
+}
+
+TriangleMesh from_grip(TriangleMesh mesh, ToolGrip grip, double scale) {
+  const Vec3 p_MG = grip == ToolGrip::center ? compute_bounds(mesh).centre() : Vec3(Vec3::Zero());
+  for (Vec3& vertex : mesh.vertices) vertex = scale * (vertex - p_MG);
+  return mesh;
+}
+
+}  // namespace hapton

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "core/base/result.h"
+#include "core/geometry/triangle_mesh.h"
+
+namespace hapton {
+
+// A rigid tool that the stylus holds.
+struct SceneTool {
+  std::string name;
+  std::shared_ptr<const TriangleMesh> mesh;         // metres, from the grip point, along the stylus' axes
+  std::array<double, 3> colour = {0.85, 0.6, 0.2};  // sRGB, 0..1
+};
+
+// Where the stylus holds it: at the origin of its mesh, or in the middle of its box.
+enum class ToolGrip : std::uint8_t { origin, center };
+Result<ToolGrip> parse_tool_grip(std::string_view text);
+
+// The mesh from its grip point, after scaling.
+TriangleMesh from_grip(TriangleMesh mesh, ToolGrip grip, double scale);
+
+}  // namespace hapton

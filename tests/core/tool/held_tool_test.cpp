@@ -1,0 +1,181 @@
+#include "core/tool/held_tool.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <thread>
+
+#include "core/geometry/mesh_shapes.h"
+#include "tests/support/allocation_guard.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::int64_t kTickNs = 1'000'000;
+
+std::unique_ptr<ToolStep> held_step(const TriangleMesh& tool, const TriangleMesh& scene) {
+  auto made = ToolStep::make(tool, {std::make_shared<TriangleMesh>(scene)}, {});
+  EXPECT_TRUE(made) << made.error().what;
+  return std::move(*made);
+}
+
+ToolInput input_at(const Vec3& p, const Vec3& turn = Vec3::Zero()) {
+  ToolInput input;
+  input.X_WD.translation() = p;
+  input.X_WD.linear() = turn_by(turn).toRotationMatrix();
+  return input;
+}
+
+// A box that is pressed on a bumpy ball, slid and turned over it, at up to 100 mm/s and 1 rad/s.
+ToolInput sliding(int n) {
+  const double t = 1e-3 * n;
+  const double depth = std::min(t * 0.05, 0.02);
+  return input_at({0.012 * std::sin(7.0 * t), 0.01 * std::sin(5.0 * t), 0.075 - depth},
+                  {0.2 * std::sin(4.0 * t), 0.1 * std::sin(3.0 * t), t});
+}
+
+struct Difference {
+  double force_n = 0.0;  // largest
+  double torque_nm = 0.0;
+  double most_n = 0.0;  // of the whole step
+  int contacts = 0;
+};
+
+// Against the whole step at each sample, where the slow task is done each `every` samples, and `late` samples behind.
+Difference compare(int every) {
+  const TriangleMesh tool = make_box({0.02, 0.02, 0.02}, 3);
+  const TriangleMesh scene = make_bumpy_sphere(0.05, 0.05, 5000, 1);
+  const auto whole = held_step(tool, scene);
+  HeldTool held(held_step(tool, scene));
+  Difference difference;
+  for (int n = 0; n < 2500; ++n) {
+    const ToolInput input = sliding(n);
+    if (n == 0) whole->reset(input);
+    const ToolOutput expected = whole->step(input);
+    if (n % every == 0) {
+      held.step(input, n * kTickNs);  // the sample that the slow task takes up
+      held.follow();
+    }
+    const ToolOutput felt = held.step(input, n * kTickNs);
+    if (n < 5) continue;
+    difference.force_n = std::max(difference.force_n, (felt.force_n - expected.force_n).norm());
+    difference.torque_nm = std::max(difference.torque_nm, (felt.torque_nm - expected.torque_nm).norm());
+    difference.most_n = std::max(difference.most_n, expected.force_n.norm());
+    difference.contacts += felt.contact ? 1 : 0;
+  }
+  return difference;
+}
+
+TEST(HeldTool, FeelsWhatTheWholeStepFeels) {
+  const Difference each = compare(1);
+  EXPECT_GT(each.contacts, 1000);
+  EXPECT_GT(each.most_n, 5.0);
+  EXPECT_LT(each.force_n, 2e-3 * each.most_n);
+  EXPECT_LT(each.torque_nm, 2e-3 * each.most_n * 0.02);
+  // The pose comes every 5 ms: the surface is taken to be as it was there.
+  const Difference late = compare(5);
+  EXPECT_LT(late.force_n, 0.1 * late.most_n);
+}
+
+TEST(HeldTool, FreeSpaceGivesNothingAtAll) {
+  HeldTool held(held_step(make_box({0.02, 0.02, 0.02}), make_plane_grid(0.2, 8)));
+  for (int n = 0; n < 100; ++n) {
+    const ToolOutput out = held.step(input_at({0.0001 * n, 0.0, 0.03}, {0.01 * n, 0.02 * n, 0.0}), n * kTickNs);
+    held.follow();
+    ASSERT_EQ(out.force_n, Vec3(Vec3::Zero()));
+    ASSERT_EQ(out.torque_nm, Vec3(Vec3::Zero()));
+    ASSERT_FALSE(out.contact);
+  }
+}
+
+TEST(HeldTool, GivesNoForceBeforeItKnowsAndWhereItOverlaps) {
+  HeldTool held(held_step(make_box({0.02, 0.02, 0.02}), make_plane_grid(0.2, 8)));
+  ToolOutput out = held.step(input_at({0.0, 0.0, 0.005}), 0);
+  EXPECT_FALSE(out.proxy.is_blocked) << "not known yet";
+  EXPECT_EQ(out.force_n, Vec3(Vec3::Zero()));
+  EXPECT_TRUE(held.follow());
+  EXPECT_FALSE(held.follow()) << "there is nothing new";
+  out = held.step(input_at({0.0, 0.0, 0.005}), kTickNs);
+  EXPECT_TRUE(out.proxy.is_blocked);
+  EXPECT_EQ(out.force_n, Vec3(Vec3::Zero()));
+  // Out, and in again: now it is felt.
+  for (int n = 0; n <= 300; ++n) {
+    out = held.step(input_at({0.0, 0.0, n < 150 ? 0.005 + 1e-4 * n : 0.035 - 1e-4 * n}), (2 + n) * kTickNs);
+    held.follow();
+  }
+  EXPECT_FALSE(out.proxy.is_blocked);
+  EXPECT_NEAR(out.force_n.z(), 5.0, 0.2);
+}
+
+TEST(HeldTool, TheForceFadesWhereTheSlowTaskStalls) {
+  HeldTool held(held_step(make_box({0.02, 0.02, 0.02}), make_plane_grid(0.2, 8)));
+  std::int64_t now_ns = 0;
+  for (int n = 0; n <= 150; ++n, now_ns += kTickNs) {
+    held.step(input_at({0.0, 0.0, 0.02 - 1e-4 * n}), now_ns);
+    held.follow();
+  }
+  const ToolInput pressed = input_at({0.0, 0.0, 0.005});
+  const double whole_n = held.step(pressed, now_ns).force_n.z();
+  EXPECT_NEAR(whole_n, 5.0, 0.1);
+  double before_n = whole_n;
+  for (int n = 0; n < 200; ++n, now_ns += kTickNs) {
+    const double force_n = held.step(pressed, now_ns).force_n.z();
+    ASSERT_LE(force_n, before_n + 1e-12);
+    ASSERT_GE(force_n, before_n - 0.02 * whole_n) << "no jump";
+    before_n = force_n;
+    if (held.age_s() < HeldTool::kFreshS) {
+      ASSERT_NEAR(force_n, whole_n, 1e-9);
+    }
+  }
+  EXPECT_EQ(before_n, 0.0);
+  held.follow();
+  EXPECT_NEAR(held.step(pressed, now_ns).force_n.z(), whole_n, 0.1) << "it goes on";
+}
+
+TEST(HeldTool, ARestartPutsTheToolWhereTheDeviceIs) {
+  HeldTool held(held_step(make_box({0.02, 0.02, 0.02}), make_plane_grid(0.2, 8)));
+  for (int n = 0; n <= 150; ++n) {
+    held.step(input_at({0.0, 0.0, 0.02 - 1e-4 * n}), n * kTickNs);
+    held.follow();
+  }
+  held.restart();
+  EXPECT_EQ(held.step(input_at({0.0, 0.0, 0.03}), 200 * kTickNs).force_n, Vec3(Vec3::Zero())) << "what was known is of before";
+  held.follow();
+  const ToolOutput out = held.step(input_at({0.0, 0.0, 0.03}), 201 * kTickNs);
+  EXPECT_FALSE(out.contact);
+  EXPECT_FALSE(out.proxy.is_blocked);
+}
+
+TEST(HeldTool, IgnoresWhatIsNotFinite) {
+  HeldTool held(held_step(make_box({0.02, 0.02, 0.02}), make_plane_grid(0.2, 8)));
+  const ToolOutput out = held.step(input_at({std::nan(""), 0.0, 0.0}), 0);
+  EXPECT_EQ(out.force_n, Vec3(Vec3::Zero()));
+  EXPECT_FALSE(held.follow()) << "the slow task never sees it";
+}
+
+TEST(HeldTool, TwoThreadsUseNoHeapInTheFastOne) {
+  HeldTool held(held_step(make_box({0.02, 0.02, 0.02}, 3), make_bumpy_sphere(0.05, 0.05, 5000, 1)));
+  std::atomic<bool> stop = false;
+  std::thread slow([&] {
+    while (!stop) {
+      if (!held.follow()) std::this_thread::yield();
+    }
+  });
+  std::uint64_t count = 0;
+  for (int n = 0; n < 2000; ++n) {
+    const ToolInput input = sliding(n);
+    const AllocationGuard guard;
+    const ToolOutput out = held.step(input, n * kTickNs);
+    count += guard.count();
+    ASSERT_TRUE(out.force_n.allFinite() && out.torque_nm.allFinite());
+  }
+  stop = true;
+  slow.join();
+  if (!AllocationGuard::is_available()) GTEST_SKIP();
+  EXPECT_EQ(count, 0U);
+}
+
+}  // namespace
+}  // namespace hapton

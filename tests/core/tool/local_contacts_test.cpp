@@ -1,0 +1,113 @@
+#include "core/tool/local_contacts.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace hapton {
+namespace {
+
+MotionBound bound_of(const Vec3& normal, const Vec3& lever, double least) {
+  MotionBound bound;
+  bound.row << normal, lever.cross(normal);
+  bound.least = least;
+  return bound;
+}
+
+// A tool at the origin, with turns that cost as much as shifts of a tenth.
+LocalContacts local_of(double turn_length = 0.1) {
+  LocalContacts local;
+  local.is_blocked = false;
+  local.tolerance = 1e-9;
+  local.plain_inverse_root << Vec3::Ones(), Vec3::Constant(1.0 / turn_length);
+  local.inverse_root = local.plain_inverse_root.asDiagonal();
+  local.stiffness << Vec3::Ones(), Vec3::Constant(turn_length * turn_length);
+  return local;
+}
+
+TEST(LocalContacts, LeavesTheDeviceAloneToTheBitWhereNothingHolds) {
+  LocalContacts local = local_of();
+  const Placement device{{0.01, -0.02, 0.03}, turn_by({0.1, 0.2, -0.1})};
+  local.add(bound_of({0, 0, 1}, {0.05, 0, 0}, -0.02));
+  const Placement at = local.constrain(device);
+  EXPECT_EQ(at.position, device.position);
+  EXPECT_EQ(at.orientation.coeffs(), device.orientation.coeffs());
+}
+
+TEST(LocalContacts, APlaneUnderTheMiddleHoldsOnlyTheDepth) {
+  LocalContacts local = local_of();
+  local.add(bound_of({0, 0, 1}, {0, 0, 0}, -0.001));
+  const Placement at = local.constrain({{0.004, -0.003, -0.02}, turn_by({0.0, 0.0, 0.2})});
+  EXPECT_LT((at.position - Vec3(0.004, -0.003, -0.001)).norm(), 1e-9);
+  EXPECT_LT((turn_between(Quat::Identity(), at.orientation) - Vec3(0, 0, 0.2)).norm(), 1e-9);
+}
+
+// A contact off the middle gives way by turning: the shares are as the energies say.
+TEST(LocalContacts, AContactWithALeverTurnsTheTool) {
+  constexpr double kLever = 0.2;
+  constexpr double kLength = 0.1;
+  LocalContacts local = local_of(kLength);
+  local.add(bound_of({0, 0, 1}, {kLever, 0, 0}, 0.0));
+  const Placement at = local.constrain({{0, 0, -0.01}, Quat::Identity()});
+  const double ratio = kLever * kLever / (kLength * kLength);
+  EXPECT_NEAR(at.position.z(), -0.01 + 0.01 / (1.0 + ratio), 1e-9);
+  EXPECT_NEAR(turn_between(Quat::Identity(), at.orientation).y(), -0.01 / (1.0 + ratio) * kLever / (kLength * kLength), 1e-9);
+}
+
+// Brute force: no motion within the bounds that lies nearby is better.
+TEST(LocalContacts, NoMotionNearbyIsBetter) {
+  std::mt19937_64 random(11);
+  std::normal_distribution<double> normal;
+  const auto draw = [&] { return Vec3(normal(random), normal(random), normal(random)); };
+  for (int trial = 0; trial < 50; ++trial) {
+    LocalContacts local = local_of();
+    const int count = 1 + trial % 12;
+    for (int n = 0; n < count; ++n) {
+      local.add(bound_of((Vec3(0, 0, 2) + draw()).normalized(), 0.1 * draw(), -1e-3 * std::abs(normal(random))));
+    }
+    const Placement device{0.01 * draw() - Vec3(0, 0, 0.02), turn_by(0.05 * draw())};
+    Vec6 wanted;
+    wanted << device.position, turn_between(Quat::Identity(), device.orientation);
+    const auto energy = [&](const Vec6& motion) { return local.stiffness.cwiseProduct(motion - wanted).dot(motion - wanted); };
+    const auto is_allowed = [&](const Vec6& motion, double slack) {
+      for (std::size_t i = 0; i < local.count; ++i) {
+        if (local.bounds[i].row.dot(motion) < local.bounds[i].least - slack) return false;
+      }
+      return true;
+    };
+    const Placement at = local.constrain(device);
+    Vec6 found;
+    found << at.position, turn_between(Quat::Identity(), at.orientation);
+    ASSERT_TRUE(is_allowed(found, 1e-8)) << trial;
+    const double best = energy(found);
+    for (int n = 0; n < 5000; ++n) {
+      Vec6 step;
+      step << draw(), 10.0 * draw();
+      const Vec6 other = found + 1e-4 * std::abs(normal(random)) * step;
+      if (is_allowed(other, 0.0)) {
+        ASSERT_GE(energy(other), best - 1e-9 * (1.0 + best)) << trial;
+      }
+    }
+  }
+}
+
+TEST(LocalContacts, KeepsThoseWithTheLeastRoom) {
+  LocalContacts local = local_of();
+  for (std::size_t n = 0; n < 3 * LocalContacts::kMost; ++n) {
+    local.add(bound_of({0, 0, 1}, {0, 0, 0}, -1e-3 * static_cast<double>(1 + (n * 37) % (3 * LocalContacts::kMost))));
+  }
+  EXPECT_EQ(local.count, LocalContacts::kMost);
+  for (std::size_t i = 0; i < local.count; ++i) EXPECT_GE(local.bounds[i].least, -1e-3 * static_cast<double>(LocalContacts::kMost));
+}
+
+TEST(LocalContacts, BlockedFollowsTheDeviceAndHeldStays) {
+  LocalContacts local;
+  const Placement device{{1, 2, 3}, Quat::Identity()};
+  EXPECT_EQ(local.constrain(device).position, device.position) << "nothing is known: no force";
+  local = local_of();
+  local.is_held = true;
+  EXPECT_EQ(local.constrain(device).position, local.proxy.position);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,68 @@
+#include "scene/find_tool.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/geometry/mesh_measures.h"
+#include "tests/scene/sample_files.h"
+#include "tests/support/scratch_folder.h"
+
+namespace hapton {
+namespace {
+
+using ::testing::HasSubstr;
+
+struct FindTool : ::testing::Test {
+  ScratchFolder folder;
+  FindTool() { folder.write("a.obj", sample::obj(sample::tetrahedron())); }
+
+  Result<Scene> load(const std::string& text) { return load_scene(folder.write("a.toml", text)); }
+  static constexpr const char* kObject = "[[object]]\nmesh = 'a.obj'\n";
+};
+
+TEST_F(FindTool, ASceneMayNameOneInItsOwnPose) {
+  const auto plain = load(kObject);
+  ASSERT_TRUE(plain);
+  EXPECT_FALSE(plain->tool);
+  const auto scene =
+      load(std::string(kObject) + "[tool]\nmesh = 'a.obj'\nname = 'peg'\nscale = 2.0\nrotation_deg = [0, 0, 90]\nposition_m = [1, 2, 3]\n");
+  ASSERT_TRUE(scene) << scene.error().what;
+  ASSERT_TRUE(scene->tool);
+  EXPECT_EQ(scene->tool->name, "peg");
+  EXPECT_EQ(scene->objects.size(), 1U) << "it is no object";
+  const Vec3& before = plain->objects[0].mesh->vertices[1];
+  EXPECT_LT((scene->tool->mesh->vertices[1] - Vec3(1 - 2 * before.y(), 2 + 2 * before.x(), 3 + 2 * before.z())).norm(), 1e-12);
+  EXPECT_NE(scene->given_hash, plain->given_hash);
+}
+
+TEST_F(FindTool, IsAsLargeAsTheSceneIsShownAndHeldWhereAskedFor) {
+  const auto scene = load("fit_m = [0.1, 0.1, 0.1]\n" + std::string(kObject) + "[tool]\nmesh = 'a.obj'\ngrip = 'center'\n");
+  ASSERT_TRUE(scene) << scene.error().what;
+  EXPECT_NEAR(compute_bounds(*scene->tool->mesh).extent(), 0.1, 1e-12);
+  EXPECT_LT(compute_bounds(*scene->tool->mesh).centre().norm(), 1e-12);
+  std::vector<std::string> notes;
+  const auto chosen = find_tool({.file = folder.path() / "a.obj"}, *scene, {}, notes);
+  ASSERT_TRUE(chosen && *chosen);
+  EXPECT_NEAR(compute_bounds(*(*chosen)->mesh).extent(), 0.1, 1e-12);
+  EXPECT_EQ((*chosen)->name, "a");
+  const auto own = find_tool({}, *scene, {}, notes);
+  ASSERT_TRUE(own && *own);
+  EXPECT_EQ((*own)->mesh, scene->tool->mesh);
+}
+
+TEST_F(FindTool, SaysWhatIsWrongAndWhere) {
+  const auto error_of = [&](const std::string& text) {
+    const auto scene = load(kObject + text);
+    return scene ? std::string("it was read") : scene.error().what;
+  };
+  EXPECT_THAT(error_of("[tool]\nname = 'x'\n"), HasSubstr("[tool] has no 'mesh'"));
+  EXPECT_THAT(error_of("[tool]\nmesh = 'a.obj'\nmaterial = 'steel'\n"), HasSubstr("line 5"));
+  EXPECT_THAT(error_of("[tool]\nmesh = 'a.obj'\ngrip = 'handle'\n"), HasSubstr("'handle' is no grip"));
+  EXPECT_THAT(error_of("[[tool]]\nmesh = 'a.obj'\n"), HasSubstr("one table [tool]"));
+  std::vector<std::string> notes;
+  const auto scene = load(kObject);
+  EXPECT_FALSE(find_tool({.file = "nowhere.stl"}, *scene, {}, notes));
+}
+
+}  // namespace
+}  // namespace hapton

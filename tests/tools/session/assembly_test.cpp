@@ -1,0 +1,95 @@
+// A peg is put into its hole by the simulated hand: device, haptics step, slow and fast task of the tool, and governor, on simulated time.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "core/math/rotation_vector.h"
+#include "core/tool/penetration_check.h"
+#include "devices/simulated_phantom.h"
+#include "haptic_step/haptics_step.h"
+#include "safety/safety_governor.h"
+#include "scene/scene_file.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::int64_t kCycleNs = 1'000'000;
+
+struct Assembled {
+  double end_z_m = 1.0;  // of the peg as it is drawn
+  double most_n = 0.0;
+  double most_nm = 0.0;
+  int penetrations = 0;
+  int blocked = 0;
+};
+
+// Beside the hole by 0.6 mm, tilted by two degrees, then in. every: cycles between two steps of the pose.
+Assembled put_peg_into(double hole_x_m, bool has_torque, int every) {
+  const auto scene = load_scene(HAPTON_SOURCE_DIR "/scenes/pegs.toml");
+  EXPECT_TRUE(scene && scene->tool);
+  std::vector<std::shared_ptr<const TriangleMesh>> meshes;
+  for (const SceneObject& object : scene->objects) meshes.push_back(object.mesh);
+  HeldTool tool(std::move(*ToolStep::make(*scene->tool->mesh, meshes, {.stiffness_n_per_m = 800.0})));
+  HapticsStep step(std::make_unique<TouchStep>(std::move(*make_method({}, scene->touch_scene())), scene->touch_scene()), 1e-5);
+  step.hold(&tool);
+  const Quat tilted = turn_by({0.035, 0.0, 0.0});
+  const Quat other = turn_by({0.0, -0.026, 0.0});
+  SimulatedPhantom device({.path = {{0.0, {hole_x_m + 0.0006, 0.0003, 0.06}, tilted},
+                                    {1.0, {hole_x_m + 0.0006, 0.0003, 0.036}, tilted},
+                                    {2.0, {hole_x_m + 0.0003, -0.0004, 0.002}, other},
+                                    {3.0, {hole_x_m + 0.0003, -0.0004, 0.002}, other}},
+                           .has_torque = has_torque});
+  SafetyGovernor governor(device.limits());
+  PenetrationCheck check(tool.tool().tool(), tool.tool().scene());
+  Assembled done;
+  for (std::uint64_t sample = 1; sample <= 4500; ++sample) {
+    const std::int64_t now_ns = static_cast<std::int64_t>(sample) * kCycleNs;
+    const DeviceSample read = device.read(now_ns);
+    governor.observe(read, device.status());
+    step.offer({.sample = sample, .sample_time_ns = now_ns, .p_WD = read.p_WD, .q_WT = read.q_WT});
+    const ForceCommand command = step.answer();
+    if (sample % static_cast<std::uint64_t>(every) == 0) tool.follow();
+    const Wrench written = governor.step(WrenchCommand{{command.force_n, command.torque_nm}, now_ns}, now_ns);
+    device.write(written, now_ns);
+    done.most_n = std::max(done.most_n, written.force_n.norm());
+    done.most_nm = std::max(done.most_nm, written.torque_nm.norm());
+    done.blocked += step.is_tool_blocked() ? 1 : 0;
+    if (sample % 50 == 0) done.penetrations += check.penetrates(tool.tool().proxy().placement()) ? 1 : 0;
+    done.end_z_m = read.p_WD.z() + command.visual_offset_m.z();
+  }
+  EXPECT_EQ(governor.fault(), SafetyFault::none);
+  return done;
+}
+
+TEST(Assembly, ThePegGoesIntoEachOfItsHoles) {
+  for (const double hole_x_m : {-0.026, 0.0, 0.026}) {
+    const Assembled done = put_peg_into(hole_x_m, true, 1);
+    EXPECT_LT(done.end_z_m, 0.004) << "it went in";
+    EXPECT_EQ(done.penetrations, 0);
+    EXPECT_EQ(done.blocked, 0);
+    EXPECT_GT(done.most_n, 0.1) << "the walls were felt";
+    EXPECT_GT(done.most_nm, 1e-3);
+  }
+}
+
+TEST(Assembly, ASlowPoseAndADeviceWithoutTorqueAreGoodEnough) {
+  const Assembled slow = put_peg_into(0.026, true, 10);
+  EXPECT_LT(slow.end_z_m, 0.004);
+  EXPECT_EQ(slow.penetrations, 0);
+  const Assembled plain = put_peg_into(0.026, false, 1);
+  EXPECT_LT(plain.end_z_m, 0.004) << "the hand of a device without torque holds its tilt: the peg turns, the stylus does not";
+  EXPECT_EQ(plain.most_nm, 0.0);
+  EXPECT_EQ(plain.penetrations, 0);
+}
+
+TEST(Assembly, ThePartOfTheNistAssemblyIsAToolToo) {
+  const auto scene = load_scene(HAPTON_SOURCE_DIR "/scenes/assembly.toml");
+  ASSERT_TRUE(scene) << scene.error().what;
+  ASSERT_TRUE(scene->tool);
+  EXPECT_EQ(scene->tool->name, "screen");
+}
+
+}  // namespace
+}  // namespace hapton
