@@ -1,6 +1,9 @@
 """Touch meshes, read recordings and join a running session of Hapton. All numbers are SI; docs/python.md has examples."""
 import json as _json
 
+# Now, not at the first array: that would be the first force of a node, which must not take a second.
+import numpy as _numpy
+
 from ._hapton import Client, FieldNode, HandSample, Material, Mesh, TouchStep, fields, load_mesh, methods, read_session, run_haptics_node
 from ._hapton import _report_mesh
 
