@@ -1,7 +1,6 @@
-# What `cmake --install` and the Debian packages put where. Three parts: `hapton` (programs, scenes, units), `vision` (vision_node alone draws,
-# and alone needs VTK) and `dev` (core, runtime and link as a CMake package).
+# What `cmake --install` and the Debian packages put where. Four parts: `hapton` (programs, scenes, units), `vision` (vision_node alone draws,
+# and alone needs VTK), `dev` (the libraries as a CMake package) and `python` (import hapton).
 include(GNUInstallDirs)
-include(CMakePackageConfigHelpers)
 
 # --- programs, with a manual page and a bash completion each, made of their --help ---
 
@@ -54,31 +53,7 @@ install(FILES deploy/etc/limits.conf DESTINATION ${hapton_etc}/security/limits.d
 
 # --- find_package(hapton) ---
 
-set(hapton_exported hapton_options hapton_core_base hapton_core_math hapton_core_effects hapton_core_geometry hapton_core_collision hapton_core_force)
-add_library(hapton_core INTERFACE)
-target_link_libraries(hapton_core INTERFACE hapton_core_force)
-list(APPEND hapton_exported hapton_core)
-foreach(target hapton_runtime hapton_proto hapton_link)
-  if(TARGET ${target})
-    list(APPEND hapton_exported ${target})
-  endif()
-endforeach()
-foreach(target IN LISTS hapton_exported)
-  string(REPLACE "hapton_" "" name ${target})
-  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
-endforeach()
-install(TARGETS ${hapton_exported} EXPORT hapton-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}/hapton COMPONENT dev)
-foreach(folder core runtime link)
-  install(DIRECTORY ${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/hapton COMPONENT dev FILES_MATCHING PATTERN "*.h")
-endforeach()
-install(FILES proto/hapton.proto proto/session.proto DESTINATION ${CMAKE_INSTALL_DATADIR}/hapton/proto COMPONENT dev)
-
-set(hapton_cmake_folder ${CMAKE_INSTALL_LIBDIR}/cmake/hapton)
-install(EXPORT hapton-targets NAMESPACE hapton:: DESTINATION ${hapton_cmake_folder} COMPONENT dev)
-configure_package_config_file(cmake/hapton-config.cmake.in "${CMAKE_BINARY_DIR}/hapton-config.cmake" INSTALL_DESTINATION ${hapton_cmake_folder})
-write_basic_package_version_file("${CMAKE_BINARY_DIR}/hapton-config-version.cmake" VERSION ${PROJECT_VERSION} COMPATIBILITY SameMinorVersion)
-install(FILES "${CMAKE_BINARY_DIR}/hapton-config.cmake" "${CMAKE_BINARY_DIR}/hapton-config-version.cmake"
-  DESTINATION ${hapton_cmake_folder} COMPONENT dev)
+include(HaptonPackage)
 
 # --- .deb ---
 
@@ -104,11 +79,21 @@ set(CPACK_COMPONENT_VISION_DESCRIPTION "vision_node: the scene and the probe in 
 set(CPACK_DEBIAN_VISION_PACKAGE_DEPENDS "hapton (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_VISION_PACKAGE_CONTROL_EXTRA "${CMAKE_SOURCE_DIR}/deploy/debian/vision/conffiles")
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libhapton-dev)
-set(CPACK_COMPONENT_DEV_DESCRIPTION "Hapton's core, runtime and link for programs of your own: find_package(hapton).")
+set(CPACK_COMPONENT_DEV_DESCRIPTION "Hapton's libraries for programs of your own: find_package(hapton COMPONENTS core).")
 set(CPACK_DEBIAN_DEV_PACKAGE_SHLIBDEPS OFF)
-set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS
-  "libeigen3-dev, libfmt-dev, libexpected-dev, libmeshoptimizer-dev, libcli11-dev, nlohmann-json3-dev, libspdlog-dev, libtomlplusplus-dev, libboost-dev, libprotobuf-dev, libsodium-dev, pkg-config")
+# What the component core needs; what the others need besides is recommended.
+set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libeigen3-dev, libfmt-dev, libmeshoptimizer-dev")
+set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS
+  "libcli11-dev, libspdlog-dev, libtomlplusplus-dev, libprotobuf-dev, libsodium-dev, libpng-dev, libjpeg-dev, libdraco-dev, libhidapi-dev, pkg-config")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-hapton)
+set(CPACK_COMPONENT_PYTHON_DESCRIPTION "import hapton: forces on NumPy arrays, recordings, a running session, a haptics node in Python.")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.11), python3 (<< 3.12), python3-numpy")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA "${CMAKE_SOURCE_DIR}/deploy/debian/python/prerm")
 set(CPACK_COMPONENTS_ALL hapton dev)
+if(TARGET hapton_python)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+endif()
 if(TARGET vision_node)
   list(APPEND CPACK_COMPONENTS_ALL vision)
 endif()

@@ -28,14 +28,14 @@ find_package(Threads REQUIRED)
 add_library(hapton_options INTERFACE)
 target_include_directories(hapton_options INTERFACE "$<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}>" $<INSTALL_INTERFACE:include/hapton>)
 target_compile_features(hapton_options INTERFACE $<INSTALL_INTERFACE:cxx_std_20>)
-# Warnings are ours; the rest holds for whoever uses the installed package too: Eigen's types have another layout with another -march.
+# Warnings and the CPU are ours; the rest holds for whoever uses the installed package too.
 set(hapton_warnings -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor -Werror)
 target_compile_options(hapton_options INTERFACE
   "$<BUILD_INTERFACE:${hapton_warnings}>"
   # Products and sums round as written: the error bounds of core/math depend on it.
   -ffp-contract=off)
 if(HAPTON_MARCH)
-  target_compile_options(hapton_options INTERFACE -march=${HAPTON_MARCH})
+  target_compile_options(hapton_options INTERFACE "$<BUILD_INTERFACE:-march=${HAPTON_MARCH}>")
 endif()
 if(HAPTON_SCALAR)
   target_compile_definitions(hapton_options INTERFACE HAPTON_SCALAR)

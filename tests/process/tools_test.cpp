@@ -34,6 +34,12 @@ TEST(Top, ShowsNodesRatesLatenciesAndCountersAsText) {
   EXPECT_EQ(once.exit_code, 0) << once.err;
   EXPECT_THAT(once.out, AllOf(HasSubstr("hub " + system.hub()), HasSubstr("haptics   127.0.0.1:"), HasSubstr("round_trip"),
                               HasSubstr("contact_samples"), Not(HasSubstr("\x1b"))));
+  const Ended json = hapton(system, {"top", "--hub", system.hub(), "--once", "--json"});
+  EXPECT_EQ(json.exit_code, 0) << json.err;
+  const Json look = Json::parse(json.out, nullptr, false);
+  ASSERT_TRUE(look.is_object()) << json.out;
+  EXPECT_GT(look["per_second"]["samples"], 0.0);
+  EXPECT_EQ(look["report"]["nodes"][0]["role"], "haptics");
   system.end_all();
 }
 

@@ -22,6 +22,7 @@ struct TopOptions {
   std::string hub = "127.0.0.1";
   std::string key_file;
   bool once = false;
+  bool json = false;
   double interval_s = 1.0;
 };
 
@@ -36,7 +37,7 @@ Result<void> top(const TopOptions& options) {
   const StopSignal stop;
   const auto reader = HubReader::open(options.hub, options.key_file);
   if (!reader) return tl::unexpected(reader.error());
-  const bool paints = ::isatty(STDOUT_FILENO) == 1 && !options.once;
+  const bool paints = ::isatty(STDOUT_FILENO) == 1 && !options.once && !options.json;
   std::optional<TopLook> before;
   TouchedNames names;
   do {
@@ -44,8 +45,9 @@ Result<void> top(const TopOptions& options) {
     if (!texts) return stop.stop_requested() ? Result<void>() : tl::unexpected(texts.error());
     auto now = read_top_look(texts->json, texts->csv);
     if (!now) return tl::unexpected(now.error());
-    const std::string view = make_top_view(options.hub, *now, before ? &*before : nullptr, names.describe(now->report));
-    fmt::print("{}", paints ? on_terminal(view) : view + (options.once ? "" : "\n"));
+    const auto make = options.json ? make_top_json : make_top_view;
+    const std::string view = make(options.hub, *now, before ? &*before : nullptr, names.describe(now->report));
+    fmt::print("{}", paints ? on_terminal(view) : view + (options.once || options.json ? "" : "\n"));
     std::fflush(stdout);
     before = std::move(*now);
     for (double left_s = options.once ? 0.0 : options.interval_s; left_s > 0.0 && !stop.stop_requested(); left_s -= 0.1) {
@@ -69,6 +71,7 @@ void add_top_command(CommandLine app, int& exit_code) {
   command.add_option("--hub", options->hub, "Where io_node is: HOST or HOST:PORT").shows_default();
   command.add_option("--key", options->key_file, kKeyHelp);
   command.add_flag("--once", options->once, "Print it once, with the statistics since the hub's start, and exit");
+  command.add_flag("--json", options->json, "For programs: a JSON object in one line for each look (docs/formats.md)");
   command.add_option("--interval", options->interval_s, "Seconds between updates").between(0.2, 3600.0).shows_default();
   command.on_run([options, &exit_code] { exit_code = run(*options); });
 }

@@ -132,4 +132,13 @@ std::string make_top_view(const std::string& hub, const TopLook& now, const TopL
   return text + counters_text(span);
 }
 
+std::string make_top_json(const std::string& hub, const TopLook& now, const TopLook* before, const std::string& touched) {
+  const Span span = make_span(now, before);
+  ReportJson rates = ReportJson::object();
+  for (const auto& counter : section(now.report, "counters").items()) rates[counter.key()] = per_second(span, counter.key().c_str());
+  const ReportJson look = {{"schema", "hapton.top/1"}, {"hub", hub},         {"span_s", span.seconds},
+                           {"per_second", rates},      {"touched", touched}, {"report", now.report}};
+  return look.dump(-1, ' ', false, ReportJson::error_handler_t::replace) + "\n";
+}
+
 }  // namespace hapton

@@ -23,4 +23,8 @@ Result<TopLook> read_top_look(const std::string& json, const std::string& csv);
 // touched: what the hand touches, for a line of its own; empty: none. RT: no.
 std::string make_top_view(const std::string& hub, const TopLook& now, const TopLook* before, const std::string& touched = {});
 
+// The same look for programs, one JSON object in one line: schema (hapton.top/1), hub, span_s (the time that per_second is of), per_second
+// (each counter), touched, and report (docs/formats.md), which counts from the hub's start. RT: no.
+std::string make_top_json(const std::string& hub, const TopLook& now, const TopLook* before, const std::string& touched = {});
+
 }  // namespace hapton

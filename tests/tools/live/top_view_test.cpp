@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
 #include "runtime/report.h"
 
 namespace hapton {
@@ -36,6 +39,22 @@ TEST(TopView, ShowsWhatHasBeenSinceTheStart) {
   EXPECT_THAT(view, HasSubstr("round_trip             10000      20"));
   EXPECT_THAT(view, HasSubstr("lost"));
   EXPECT_THAT(view, Not(HasSubstr("clamped")));
+}
+
+TEST(TopView, IsOneLineOfJsonForPrograms) {
+  const TopLook before = look_after(10, 0);
+  const std::string line = make_top_json("io-host:4950", look_after(14, 0), &before, "car");
+  EXPECT_EQ(std::ranges::count(line, '\n'), 1);
+  const auto look = nlohmann::json::parse(line);
+  EXPECT_EQ(look["schema"], "hapton.top/1");
+  EXPECT_EQ(look["hub"], "io-host:4950");
+  EXPECT_EQ(look["touched"], "car");
+  EXPECT_EQ(look["span_s"], 4.0);
+  EXPECT_EQ(look["per_second"]["samples"], 1000.0);
+  EXPECT_EQ(look["per_second"]["clamped"], 0.0);
+  EXPECT_EQ(look["report"]["counters"]["samples"], 14'000);
+  EXPECT_EQ(look["report"]["nodes"][0]["role"], "haptics");
+  EXPECT_EQ(nlohmann::json::parse(make_top_json("h", before, nullptr))["span_s"], 10.0);
 }
 
 TEST(TopView, SaysWhatTheGovernorDoes) {

@@ -1,0 +1,74 @@
+# find_package(hapton COMPONENTS core scene link runtime devices safety): each with an export file of its own, so that a program finds only what its
+# components need. Included by HaptonInstall.
+include(CMakePackageConfigHelpers)
+set(hapton_cmake_folder ${CMAKE_INSTALL_LIBDIR}/cmake/hapton)
+set(hapton_components "")
+
+# hapton_component(NAME FOLDERS ... TARGETS ...): the libraries of a component, where all of them are built, and its headers. The last target is
+# hapton::NAME.
+function(hapton_component name)
+  cmake_parse_arguments(ARG "" "" "FOLDERS;TARGETS" ${ARGN})
+  foreach(target IN LISTS ARG_TARGETS)
+    if(NOT TARGET ${target})
+      return()
+    endif()
+    string(REPLACE "hapton_" "" exported ${target})
+    set_target_properties(${target} PROPERTIES EXPORT_NAME ${exported})
+  endforeach()
+  install(TARGETS ${ARG_TARGETS} EXPORT hapton-${name} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}/hapton COMPONENT dev)
+  install(EXPORT hapton-${name} NAMESPACE hapton:: DESTINATION ${hapton_cmake_folder} FILE hapton-${name}.cmake COMPONENT dev)
+  foreach(folder IN LISTS ARG_FOLDERS)
+    # scene/gltf reads files for scene, and nobody else.
+    install(DIRECTORY ${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/hapton COMPONENT dev
+      FILES_MATCHING PATTERN "*.h" PATTERN "gltf" EXCLUDE)
+  endforeach()
+  set(hapton_components ${hapton_components} ${name} PARENT_SCOPE)
+endfunction()
+
+# Libraries and programs may be compiled for different CPUs: both have to align Eigen's types alike, as the CPU of the libraries wants it.
+set(hapton_cpu "")
+if(HAPTON_MARCH)
+  set(hapton_cpu "-march=${HAPTON_MARCH}")
+endif()
+execute_process(COMMAND ${CMAKE_CXX_COMPILER} ${hapton_cpu} -dM -E -x c++ /dev/null OUTPUT_VARIABLE hapton_cpu_macros COMMAND_ERROR_IS_FATAL ANY)
+set(hapton_alignment 16)
+if(hapton_cpu_macros MATCHES "__AVX512F__")
+  set(hapton_alignment 64)
+elseif(hapton_cpu_macros MATCHES "__AVX__")
+  set(hapton_alignment 32)
+endif()
+foreach(limit EIGEN_MAX_ALIGN_BYTES EIGEN_MAX_STATIC_ALIGN_BYTES)
+  target_compile_definitions(hapton_options INTERFACE "$<INSTALL_INTERFACE:${limit}=${hapton_alignment}>")
+endforeach()
+# For who wants it: the CPU that the libraries are compiled for.
+add_library(hapton_march INTERFACE)
+target_compile_options(hapton_march INTERFACE ${hapton_cpu})
+
+add_library(hapton_core INTERFACE)
+target_link_libraries(hapton_core INTERFACE hapton_core_force hapton_core_tool)
+hapton_component(core FOLDERS core
+  TARGETS hapton_options hapton_march hapton_core_base hapton_core_math hapton_core_effects hapton_core_geometry hapton_core_collision hapton_core_force
+          hapton_core_tool hapton_core)
+hapton_component(runtime FOLDERS runtime TARGETS hapton_runtime)
+hapton_component(link FOLDERS link TARGETS hapton_proto hapton_link)
+hapton_component(scene FOLDERS scene TARGETS hapton_scene)
+hapton_component(safety FOLDERS safety TARGETS hapton_safety)
+hapton_component(devices FOLDERS devices hid watchdog TARGETS hapton_hid hapton_guard hapton_devices)
+
+# The headers of core include it, and it includes nothing.
+find_file(HAPTON_EXPECTED_HEADER tl/expected.hpp REQUIRED)
+install(FILES "${HAPTON_EXPECTED_HEADER}" DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/hapton/tl COMPONENT dev)
+install(FILES proto/hapton.proto proto/session.proto DESTINATION ${CMAKE_INSTALL_DATADIR}/hapton/proto COMPONENT dev)
+install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DATADIR}/hapton COMPONENT dev)
+
+set(hapton_reads_draco OFF)
+if(TARGET hapton_scene)
+  get_target_property(hapton_scene_definitions hapton_scene INTERFACE_COMPILE_DEFINITIONS)
+  if(hapton_scene_definitions MATCHES "HAPTON_DRACO")
+    set(hapton_reads_draco ON)
+  endif()
+endif()
+configure_package_config_file(cmake/hapton-config.cmake.in "${CMAKE_BINARY_DIR}/hapton-config.cmake" INSTALL_DESTINATION ${hapton_cmake_folder})
+write_basic_package_version_file("${CMAKE_BINARY_DIR}/hapton-config-version.cmake" VERSION ${PROJECT_VERSION} COMPATIBILITY SameMinorVersion)
+install(FILES "${CMAKE_BINARY_DIR}/hapton-config.cmake" "${CMAKE_BINARY_DIR}/hapton-config-version.cmake"
+  DESTINATION ${hapton_cmake_folder} COMPONENT dev)

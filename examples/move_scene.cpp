@@ -1,0 +1,43 @@
+// Shows: a program that moves what is touched. It turns the static scene once about the vertical axis and waits for the forces to follow.
+// Run:   io_node; haptics_node --scene FILE; move_scene [SECONDS [HUB [KEYFILE]]]
+#include <cstdio>
+#include <cstdlib>
+#include <numbers>
+
+#include "link/hub_connection.h"
+
+using namespace hapton;
+
+// Row-major [R|t] of a turn about y.
+ViewTransform turn_about_y(std::uint32_t revision, double angle_rad) {
+  const auto c = static_cast<float>(std::cos(angle_rad));
+  const auto s = static_cast<float>(std::sin(angle_rad));
+  return {.revision = revision, .X_WS = {c, 0, s, 0, 0, 1, 0, 0, -s, 0, c, 0}};
+}
+
+int main(int argc, char** argv) {
+  const double seconds = argc > 1 ? std::atof(argv[1]) : 10.0;
+  // The pose of the scene is a vision node's to send.
+  auto hub = HubConnection::open(NodeRole::vision, {.hub = argc > 2 ? argv[2] : "127.0.0.1", .key_file = argc > 3 ? argv[3] : ""});
+  if (!hub) return std::fprintf(stderr, "%s\n", hub.error().what.c_str()), 1;
+  if (const auto joined = (*hub)->wait_until_joined(5.0); !joined) return std::fprintf(stderr, "%s\n", joined.error().what.c_str()), 1;
+
+  HubClient& client = (*hub)->client();
+  const Clock& clock = (*hub)->clock();
+  const auto moves = static_cast<std::uint32_t>(50.0 * seconds);  // small turns: a person holds on to what moves
+  std::uint32_t felt = 0;
+  Datagram datagram;
+  std::int64_t next_ns = clock.now_ns();
+  for (std::uint32_t k = 1; k <= moves || (felt < moves && k < moves + 100); ++k) {
+    // The newest pose counts. Sending it again after the last move costs nothing and brings what was lost.
+    const std::uint32_t revision = std::min(k, moves);
+    client.send(turn_about_y(revision, 2.0 * std::numbers::pi * revision / moves));
+    next_ns += 20 * kNanosecondsPerMillisecond;
+    while (client.receive(datagram, next_ns)) {
+      if (std::holds_alternative<ViewRejected>(datagram.message)) return std::fprintf(stderr, "the pose is not rigid\n"), 1;
+      if (const auto* probe = std::get_if<ProbeState>(&datagram.message)) felt = probe->view_revision;
+    }
+  }
+  std::printf("%u poses sent; the forces are those of pose %u\n", moves, felt);
+  return felt == moves ? 0 : 1;
+}

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "core/base/result.h"
+#include "link/hub_client.h"
+#include "link/sealed_client.h"
+#include "runtime/clock.h"
+
+namespace hapton {
+
+// A node's whole connection to its hub for programs of one's own: a socket, the sealing and the client that joins.
+// RT: set-up only; what client() is used for see there. Threads: one at a time.
+class HubConnection {
+ public:
+  struct Settings {
+    std::string hub = "127.0.0.1";  // HOST or HOST:PORT
+    std::string key_file = {};      // empty: this user's shared key, for a hub on this host
+    // Key agreements in a thread of their own, so that a node that computes forces never waits for one.
+    bool has_worker = false;
+  };
+
+  // Error, one line: a bad address or key, or no socket. Whether a hub replies shows later.
+  static Result<std::unique_ptr<HubConnection>> open(NodeRole role, const Settings& settings);
+  ~HubConnection();
+  HubConnection(const HubConnection&) = delete;
+  HubConnection& operator=(const HubConnection&) = delete;
+
+  HubClient& client() noexcept { return *client_; }
+  const Clock& clock() const noexcept { return clock_; }
+
+  // Error, one line: no hub has replied, or it has a haptics node already. What arrives meanwhile is dropped.
+  Result<void> wait_until_joined(double seconds);
+
+ private:
+  explicit HubConnection(const Address& hub) : hub_(hub) {}
+
+  Address hub_;
+  SteadyClock clock_;
+  std::unique_ptr<Endpoint> endpoint_;
+  std::unique_ptr<SealedClient> sealed_;
+  std::unique_ptr<HubClient> client_;
+};
+
+}  // namespace hapton

@@ -1,0 +1,118 @@
+#include <fmt/core.h>
+
+#include "python/bindings.h"
+#include "python/fields.h"
+
+namespace hapton::python {
+namespace {
+
+constexpr double kMostNumber = 1e6;
+
+// What Python holds: one of several laws.
+struct PythonField {
+  Field law;
+};
+
+double check_number(double value, const char* name, bool may_be_zero = true) {
+  if (!(value <= kMostNumber && (may_be_zero ? value >= 0.0 : value > 0.0))) {
+    raise_value_error(fmt::format("{} is {}; give {} 0, at most {}", name, value, may_be_zero ? "at least" : "more than", kMostNumber));
+  }
+  return value;
+}
+
+Vec3 read_direction(const Doubles& array, const char* name) {
+  const Vec3 direction = read_point(array, name);
+  if (!(direction.norm() > 1e-9)) raise_value_error(fmt::format("{} is zero; give a direction", name));
+  return direction.normalized();
+}
+
+PythonField make_spring(const Doubles& centre, double stiffness, double most_n) {
+  return {SpringEffect{read_point(centre, "centre_m"), check_number(stiffness, "stiffness_n_per_m"), check_number(most_n, "max_force_n")}};
+}
+
+PythonField make_viscous(double damping, double most_n) {
+  ViscousEffect law;
+  law.damping_ns_per_m = check_number(damping, "damping_ns_per_m");
+  law.max_force_n = check_number(most_n, "max_force_n");
+  return {law};
+}
+
+PythonField make_constant(const Doubles& force) {
+  ConstantEffect law;
+  law.force_n = read_point(force, "force_n");
+  return {law};
+}
+
+PythonField make_sine(const Doubles& direction, double amplitude_n, double frequency_hz) {
+  WaveEffect law;
+  law.direction = read_direction(direction, "direction");
+  law.amplitude_n = check_number(amplitude_n, "amplitude_n");
+  law.frequency_hz = check_number(frequency_hz, "frequency_hz");
+  return {law};
+}
+
+PythonField make_wall(const Doubles& point, const Doubles& normal, double stiffness, double damping, double most_n) {
+  return {WallField{read_point(point, "point_m"), read_direction(normal, "normal"), check_number(stiffness, "stiffness_n_per_m"),
+                    check_number(damping, "damping_ns_per_m"), check_number(most_n, "max_force_n")}};
+}
+
+PythonField make_channel(const Doubles& point, const Doubles& direction, double stiffness, double damping, double most_n) {
+  return {ChannelField{read_point(point, "point_m"), read_direction(direction, "direction"), check_number(stiffness, "stiffness_n_per_m"),
+                       check_number(damping, "damping_ns_per_m"), check_number(most_n, "max_force_n")}};
+}
+
+PythonField make_pulse(const Doubles& force, double duration_s, double delay_s) {
+  return {PulseField{read_point(force, "force_n"), check_number(duration_s, "duration_s", false), check_number(delay_s, "delay_s")}};
+}
+
+std::vector<Field> laws_of(const std::vector<PythonField>& fields) {
+  std::vector<Field> laws;
+  for (const PythonField& field : fields) laws.push_back(field.law);
+  return laws;
+}
+
+py::array_t<double> evaluate_fields(const std::vector<PythonField>& fields, const Doubles& positions, double dt_s) {
+  const std::vector<Vec3> points = read_points(positions, "positions", true);
+  check_number(dt_s, "dt_s", false);
+  py::array_t<double> forces({static_cast<py::ssize_t>(points.size()), py::ssize_t{3}});
+  double* force_n = forces.mutable_data();
+  {
+    const py::gil_scoped_release others_run;
+    FieldLaw law(laws_of(fields));
+    for (std::size_t i = 0; i < points.size(); ++i) Eigen::Map<Vec3>(force_n + 3 * i) = law.step(points[i], i == 0 ? 0.0 : dt_s);
+  }
+  return forces;
+}
+
+}  // namespace
+
+std::vector<Field> read_fields(const py::iterable& fields) {
+  std::vector<Field> laws;
+  for (const py::handle& field : fields) {
+    if (!py::isinstance<PythonField>(field)) raise_value_error("fields has something else than a field; see hapton.fields");
+    laws.push_back(field.cast<PythonField>().law);
+  }
+  return laws;
+}
+
+void bind_fields(py::module_& module) {
+  py::module_ fields = module.def_submodule("fields", "Forces by formula, for FieldNode. Frame W, SI units. Each is bounded.");
+  py::class_<PythonField>(fields, "Field", "A force by formula; made by the functions of this module.");
+  fields.def("spring", &make_spring, py::arg("centre_m"), py::arg("stiffness_n_per_m"), py::arg("max_force_n") = 5.0, "-k (p - centre).");
+  fields.def("viscous", &make_viscous, py::arg("damping_ns_per_m"), py::arg("max_force_n") = 5.0, "-b v.");
+  fields.def("constant", &make_constant, py::arg("force_n"), "The same force everywhere.");
+  fields.def("sine", &make_sine, py::arg("direction"), py::arg("amplitude_n"), py::arg("frequency_hz"),
+             "amplitude sin(2 pi f t) along a direction.");
+  fields.def("wall", &make_wall, py::arg("point_m"), py::arg("normal"), py::arg("stiffness_n_per_m") = 800.0,
+             py::arg("damping_ns_per_m") = 0.0, py::arg("max_force_n") = 5.0,
+             "Behind the plane through point_m: (k depth - b v . n) n, never inwards. normal: to the free side.");
+  fields.def("channel", &make_channel, py::arg("point_m"), py::arg("direction"), py::arg("stiffness_n_per_m") = 400.0,
+             py::arg("damping_ns_per_m") = 0.0, py::arg("max_force_n") = 5.0,
+             "A spring and a damper to the sides of a line, nothing along it.");
+  fields.def("pulse", &make_pulse, py::arg("force_n"), py::arg("duration_s") = 0.1, py::arg("delay_s") = 0.0,
+             "A half sine of force_n, once, delay_s after the fields were set.");
+  fields.def("evaluate", &evaluate_fields, py::arg("fields"), py::arg("positions"), py::arg("dt_s") = 1e-3,
+             "The sum of fields along (n, 3) positions, dt_s seconds apart: (n, 3), N. What FieldNode would ask for, without fading.");
+}
+
+}  // namespace hapton::python

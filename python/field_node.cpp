@@ -1,0 +1,96 @@
+#include "python/field_node.h"
+
+#include "runtime/realtime.h"
+#include "runtime/start_thread.h"
+
+namespace hapton::python {
+namespace {
+
+constexpr std::int64_t kNodeTurnNs = 20 * kNanosecondsPerMillisecond;
+constexpr std::int64_t kHistogramEveryNs = 200 * kNanosecondsPerMillisecond;
+constexpr double kLongestStepS = 0.1;
+
+}  // namespace
+
+FieldNode::FieldNode(std::unique_ptr<NodeLink> link) : link_(std::move(link)) {
+  thread_ = start_thread([this] { run(); });
+}
+
+FieldNode::~FieldNode() { stop(); }
+
+void FieldNode::stop() {
+  is_stopping_.store(true);
+  if (thread_.joinable()) thread_.join();
+  link_.reset();
+}
+
+void FieldNode::set(std::vector<Field> fields) {
+  auto law = std::make_unique<FieldLaw>(std::move(fields));
+  const std::scoped_lock lock(mutex_);
+  next_ = std::move(law);
+  old_.reset();
+}
+
+FieldNodeState FieldNode::state() {
+  const std::scoped_lock lock(mutex_);
+  FieldNodeState state = state_;
+  state.compute_p50_us = 1e-3 * compute_times_.quantile_ns(0.5);
+  state.compute_p99_us = 1e-3 * compute_times_.quantile_ns(0.99);
+  return state;
+}
+
+void FieldNode::run() {
+  // The memory of a whole Python is not locked; a denied priority is no reason to stop.
+  (void)enter_realtime({.lock_memory = false});
+  while (!is_stopping_.load(std::memory_order_relaxed)) {
+    if (const auto state = link_->next(link_->clock().now_ns() + kNodeTurnNs)) {
+      answer(*state);
+    } else if (const std::unique_lock lock(mutex_, std::try_to_lock); lock) {
+      state_.is_joined = link_->is_joined();
+    }
+  }
+  link_->release();
+}
+
+void FieldNode::answer(const DeviceState& state) noexcept {
+  if (first_ns_ == 0) first_ns_ = last_ns_ = state.sample_time_ns;
+  take_law();
+  const double dt_s = std::clamp(1e-9 * static_cast<double>(state.sample_time_ns - last_ns_), 0.0, kLongestStepS);
+  last_ns_ = state.sample_time_ns;
+  const Vec3 wanted_n = law_->step(state.p_WD, dt_s);
+  const Vec3 force_n = fade_.step(wanted_n, true, std::max(dt_s, 1e-6));
+  link_->answer(force_n);
+  note(state, force_n);
+}
+
+// Python holds the lock for as long as a pointer changes hands; otherwise the next sample takes the law.
+void FieldNode::take_law() noexcept {
+  const std::unique_lock lock(mutex_, std::try_to_lock);
+  if (!lock || next_ == nullptr || old_ != nullptr) return;
+  next_->take_motion(*law_);
+  old_ = std::exchange(law_, std::move(next_));
+  fade_.begin();
+  ++laws_;
+}
+
+void FieldNode::note(const DeviceState& state, const Vec3& force_n) noexcept {
+  const std::unique_lock lock(mutex_, std::try_to_lock);
+  if (!lock) return;
+  const double t_s = 1e-9 * static_cast<double>(state.sample_time_ns - first_ns_);
+  state_.sample = state.sample;
+  state_.t_s = t_s;
+  state_.p_WD = state.p_WD;
+  state_.v_WD = law_->velocity_m_per_s();
+  state_.force_n = force_n;
+  state_.buttons = state.buttons;
+  state_.is_joined = true;
+  state_.answers = link_->answers();
+  state_.superseded = link_->superseded();
+  state_.laws = laws_;
+  state_.rate_hz = t_s > 0.0 ? static_cast<double>(link_->answers() - 1) / t_s : 0.0;
+  if (state.sample_time_ns < histogram_ns_) return;
+  histogram_ns_ = state.sample_time_ns + kHistogramEveryNs;
+  compute_times_ = link_->compute_times();
+}
+
+}  // namespace hapton::python

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "core/force/force_fade.h"
+#include "python/fields.h"
+#include "python/node_link.h"
+
+namespace hapton::python {
+
+// What a field node has done, and the newest sample.
+struct FieldNodeState {
+  std::uint64_t sample = 0;
+  double t_s = 0.0;  // the sample's, by the hub's clock, since the node's first
+  Vec3 p_WD = Vec3::Zero();
+  Vec3 v_WD = Vec3::Zero();
+  Vec3 force_n = Vec3::Zero();  // asked for; the governor limits it
+  std::uint32_t buttons = 0;
+  bool is_joined = false;
+  std::uint64_t answers = 0;
+  std::uint64_t superseded = 0;
+  std::uint64_t laws = 0;  // fields set and in use
+  double rate_hz = 0.0;    // answers a second since the first
+  double compute_p50_us = 0.0;
+  double compute_p99_us = 0.0;
+};
+
+// A haptics node whose thread answers each sample with the sum of fields: Python sets them and is never waited for. A change of fields
+// fades (core/force/force_fade.h) and begins at one sample, for all of them. Threads: any. At the end the hub gets Bye, and the force is
+// released.
+class FieldNode {
+ public:
+  explicit FieldNode(std::unique_ptr<NodeLink> link);
+  ~FieldNode();
+  FieldNode(const FieldNode&) = delete;
+  FieldNode& operator=(const FieldNode&) = delete;
+
+  void set(std::vector<Field> fields);
+  FieldNodeState state();
+  void stop();
+
+ private:
+  void run();
+  void answer(const DeviceState& state) noexcept;
+  void take_law() noexcept;
+  void note(const DeviceState& state, const Vec3& force_n) noexcept;
+
+  std::unique_ptr<NodeLink> link_;
+  std::unique_ptr<FieldLaw> law_ = std::make_unique<FieldLaw>();
+  ForceFade fade_;
+  std::int64_t first_ns_ = 0;
+  std::int64_t last_ns_ = 0;
+  std::uint64_t laws_ = 0;
+
+  std::mutex mutex_;                // of what follows; the node's thread only tries it
+  std::unique_ptr<FieldLaw> next_;  // set and not in use yet
+  std::unique_ptr<FieldLaw> old_;   // for Python's thread to free
+  FieldNodeState state_;
+  LatencyHistogram compute_times_;
+  std::int64_t histogram_ns_ = 0;
+
+  std::atomic<bool> is_stopping_{false};
+  std::thread thread_;
+};
+
+}  // namespace hapton::python

@@ -1,0 +1,28 @@
+"""Touch meshes, read recordings and join a running session of Hapton. All numbers are SI; docs/python.md has examples."""
+import json as _json
+
+# Now, not at the first array: that would be the first force of a node, which must not take a second.
+import numpy as _numpy
+
+from ._hapton import Client, FieldNode, HandSample, Material, Mesh, TouchStep, fields, load_mesh, methods, read_session, run_haptics_node
+from ._hapton import _report_mesh
+
+__all__ = [
+    "Client",
+    "FieldNode",
+    "HandSample",
+    "Material",
+    "Mesh",
+    "TouchStep",
+    "fields",
+    "load_mesh",
+    "mesh_info",
+    "methods",
+    "read_session",
+    "run_haptics_node",
+]
+
+
+def mesh_info(path, unit=None):
+    """What `hapton info --json` says of a mesh file, as a dict: size, parts, flaws, and what is sealed before it is touched."""
+    return _json.loads(_report_mesh(path, unit))

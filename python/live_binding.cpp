@@ -1,0 +1,204 @@
+#include <fmt/core.h>
+
+#include "core/effects/smooth_velocity.h"
+#include "core/math/rigid_pose.h"
+#include "python/bindings.h"
+#include "python/field_node.h"
+#include "python/live_client.h"
+
+namespace hapton::python {
+namespace {
+
+template <class Open>
+auto open_or_raise(Open&& open) {
+  decltype(open()) opened = fail("not opened");
+  {
+    const py::gil_scoped_release others_run;
+    opened = open();
+  }
+  return value_or_raise(std::move(opened));
+}
+
+py::array_t<double> make_quaternion(const Quat& q) {
+  py::array_t<double> array(4);
+  const double numbers[] = {q.w(), q.x(), q.y(), q.z()};
+  for (int k = 0; k < 4; ++k) array.mutable_at(k) = numbers[k];
+  return array;
+}
+
+py::object describe_probe(LiveClient& client) {
+  const std::optional<ProbeState> probe = client.newest();
+  if (!probe) return py::none();
+  py::dict state;
+  state["sample"] = probe->sample;
+  state["t_s"] = 1e-9 * static_cast<double>(probe->sample_time_ns);
+  state["position_m"] = make_point(probe->p_WD);
+  state["orientation"] = make_quaternion(probe->q_WT);
+  state["proxy_m"] = make_point(probe->p_WD + probe->visual_offset_m);
+  state["force_n"] = make_point(probe->force_n);
+  state["contact"] = probe->contact;
+  state["object"] = probe->object;
+  state["buttons"] = probe->buttons;
+  state["status"] = static_cast<int>(probe->status);
+  state["view_revision"] = probe->view_revision;
+  state["servo_rate_hz"] = probe->servo_rate_hz;
+  state["round_trip_p50_us"] = probe->round_trip_p50_us;
+  state["round_trip_p99_us"] = probe->round_trip_p99_us;
+  return state;
+}
+
+std::uint32_t turn_scene(LiveClient& client, const Doubles& scene_pose) {
+  const Pose pose = read_pose(scene_pose, "scene_pose");
+  std::array<float, 12> rows = {};
+  for (int i = 0; i < 3; ++i) {
+    for (int k = 0; k < 4; ++k) rows[static_cast<std::size_t>(4 * i + k)] = static_cast<float>(pose.matrix()(i, k));
+  }
+  return client.turn_scene(rows);
+}
+
+py::dict describe_node(FieldNode& node) {
+  const FieldNodeState now = node.state();
+  py::dict state;
+  state["sample"] = now.sample;
+  state["t_s"] = now.t_s;
+  state["position_m"] = make_point(now.p_WD);
+  state["velocity_m_per_s"] = make_point(now.v_WD);
+  state["force_n"] = make_point(now.force_n);
+  state["buttons"] = now.buttons;
+  state["joined"] = now.is_joined;
+  state["answers"] = now.answers;
+  state["superseded"] = now.superseded;
+  state["changes"] = now.laws;
+  state["rate_hz"] = now.rate_hz;
+  state["compute_p50_us"] = now.compute_p50_us;
+  state["compute_p99_us"] = now.compute_p99_us;
+  return state;
+}
+
+// What a force function gets.
+struct HandSample {
+  std::uint64_t sample = 0;
+  double t_s = 0.0;
+  Vec3 p_WD = Vec3::Zero();
+  Quat q_WT = Quat::Identity();
+  Vec3 v_WD = Vec3::Zero();
+  std::uint32_t buttons = 0;
+};
+
+Vec3 read_force(const py::object& returned, std::uint64_t sample) {
+  Vec3 force_n;
+  try {
+    const auto numbers = returned.cast<Doubles>();
+    if (numbers.ndim() != 1 || numbers.shape(0) != 3) raise_value_error("another shape");
+    for (int k = 0; k < 3; ++k) force_n[k] = numbers.at(k);
+  } catch (const std::exception&) {
+    raise_value_error(fmt::format("the force function returned no three numbers at sample {}; return (fx, fy, fz) in newtons", sample));
+  }
+  if (!force_n.allFinite()) raise_value_error(fmt::format("the force function returned a force that is not finite at sample {}", sample));
+  return force_n;
+}
+
+py::dict describe_run(const NodeLink& link, double seconds) {
+  py::dict report;
+  report["answers"] = link.answers();
+  report["seconds"] = seconds;
+  report["rate_hz"] = static_cast<double>(link.answers()) / seconds;
+  report["superseded"] = link.superseded();
+  report["compute_p50_us"] = 1e-3 * link.compute_times().quantile_ns(0.5);
+  report["compute_p99_us"] = 1e-3 * link.compute_times().quantile_ns(0.99);
+  report["compute_max_us"] = 1e-3 * static_cast<double>(link.compute_times().max_ns());
+  return report;
+}
+
+// Whatever ends it, an exception of the function or Ctrl-C, the last answer is no force.
+py::dict run_force_function(const py::function& force, double seconds, const std::string& hub, const std::string& key_file) {
+  if (!(seconds > 0.0)) raise_value_error(fmt::format("seconds is {}; give a time above 0", seconds));
+  const std::unique_ptr<NodeLink> link = open_or_raise([&] { return NodeLink::open(hub, key_file); });
+  const std::int64_t begin_ns = link->clock().now_ns();
+  const std::int64_t end_ns = begin_ns + static_cast<std::int64_t>(1e9 * seconds);
+  SmoothVelocity velocity;
+  std::int64_t first_ns = 0;
+  std::int64_t last_ns = 0;
+  try {
+    while (link->clock().now_ns() < end_ns) {
+      std::optional<DeviceState> state;
+      {
+        const py::gil_scoped_release others_run;
+        state = link->next(link->clock().now_ns() + 20 * kNanosecondsPerMillisecond);
+      }
+      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+      if (!state) continue;
+      if (first_ns == 0) first_ns = last_ns = state->sample_time_ns;
+      velocity.add(state->p_WD, 1e-9 * static_cast<double>(state->sample_time_ns - last_ns));
+      last_ns = state->sample_time_ns;
+      const HandSample hand{state->sample, 1e-9 * static_cast<double>(last_ns - first_ns), state->p_WD, state->q_WT, velocity.mean(),
+                            state->buttons};
+      link->answer(read_force(force(hand), state->sample));
+    }
+  } catch (...) {
+    link->release();
+    throw;
+  }
+  const py::dict report = describe_run(*link, 1e-9 * static_cast<double>(link->clock().now_ns() - begin_ns));
+  link->release();
+  return report;
+}
+
+void bind_client(py::module_& module) {
+  py::class_<LiveClient>(module, "Client", "Sees a running session: where the hand is, what it feels, which buttons are down.")
+      .def(py::init([](const std::string& hub, const std::string& key_file) {
+             return open_or_raise([&] { return LiveClient::open(hub, key_file); });
+           }),
+           py::arg("hub") = "127.0.0.1", py::arg("key_file") = "",
+           "hub: HOST or HOST:PORT of io_node. key_file: of the role vision; empty: this user's key.")
+      .def("state", &describe_probe,
+           "The newest sample as a dict: sample, t_s, position_m, orientation (w, x, y, z), proxy_m, force_n, contact, object, buttons, "
+           "status,\n"
+           "view_revision, servo_rate_hz, round_trip_p50_us, round_trip_p99_us. None before the first. A few hundred a second at most.")
+      .def("turn_scene", &turn_scene, py::arg("scene_pose"),
+           "Moves what is touched: (4, 4), pose of the scene in W. Returns its revision; state()['view_revision'] reaches it when the "
+           "forces do.")
+      .def_property_readonly("joined", &LiveClient::is_joined, "A hub replies.")
+      .def("close", &LiveClient::stop, py::call_guard<py::gil_scoped_release>(), "Leaves the session.");
+}
+
+void bind_force_function(py::module_& module) {
+  py::class_<HandSample>(module, "HandSample", "A sample of the device. Frame W, SI units.")
+      .def_readonly("sample", &HandSample::sample)
+      .def_readonly("t_s", &HandSample::t_s, "Since the first sample.")
+      .def_property_readonly("position_m", [](const HandSample& hand) { return make_point(hand.p_WD); })
+      .def_property_readonly(
+          "orientation", [](const HandSample& hand) { return make_quaternion(hand.q_WT); }, "w, x, y, z")
+      .def_property_readonly("velocity_m_per_s", [](const HandSample& hand) { return make_point(hand.v_WD); })
+      .def_readonly("buttons", &HandSample::buttons);
+  module.def("run_haptics_node", &run_force_function, py::arg("force"), py::arg("seconds"), py::arg("hub") = "127.0.0.1",
+             py::arg("key_file") = "",
+             "Is the haptics node of a session: calls force(hand: HandSample) for each newest sample and sends the (fx, fy, fz) that it "
+             "returns, N.\n"
+             "Returns what was measured: answers, seconds, rate_hz, superseded (samples that came while Python was busy), compute_p50_us,\n"
+             "compute_p99_us, compute_max_us. An exception ends it, after a force of zero.");
+}
+
+}  // namespace
+
+void bind_live(py::module_& module) {
+  bind_client(module);
+  bind_force_function(module);
+  py::class_<FieldNode>(module, "FieldNode",
+                        "A haptics node whose C++ thread answers every sample with a sum of fields; set() changes them.")
+      .def(py::init([](const std::string& hub, const std::string& key_file) {
+             return std::make_unique<FieldNode>(open_or_raise([&] { return NodeLink::open(hub, key_file); }));
+           }),
+           py::arg("hub") = "127.0.0.1", py::arg("key_file") = "",
+           "hub: HOST or HOST:PORT of io_node. key_file: of the role haptics; empty: this user's key.")
+      .def(
+          "set", [](FieldNode& node, const py::iterable& fields) { node.set(read_fields(fields)); }, py::arg("fields"),
+          "The fields from now on, all changed at one sample; the force fades to theirs within 0.1 s. Their times begin at 0.")
+      .def("state", &describe_node,
+           "The newest sample as a dict: sample, t_s, position_m, velocity_m_per_s, force_n (asked for), buttons, joined, answers, "
+           "superseded,\n"
+           "changes, rate_hz, compute_p50_us, compute_p99_us.")
+      .def("close", &FieldNode::stop, py::call_guard<py::gil_scoped_release>(), "Releases the force and leaves the session.");
+}
+
+}  // namespace hapton::python

@@ -1,0 +1,72 @@
+#include "python/live_client.h"
+
+#include "runtime/start_thread.h"
+
+namespace hapton::python {
+namespace {
+
+constexpr double kClientPatienceS = 5.0;
+constexpr std::int64_t kClientTurnNs = 5 * kNanosecondsPerMillisecond;
+constexpr std::int64_t kViewEveryNs = 50 * kNanosecondsPerMillisecond;  // until the forces use it, as a datagram may be lost
+
+}  // namespace
+
+Result<std::unique_ptr<LiveClient>> LiveClient::open(const std::string& hub, const std::string& key_file) {
+  auto connection = HubConnection::open(NodeRole::vision, {.hub = hub, .key_file = key_file});
+  if (!connection) return tl::unexpected(connection.error());
+  if (const auto joined = (*connection)->wait_until_joined(kClientPatienceS); !joined) return tl::unexpected(joined.error());
+  return std::unique_ptr<LiveClient>(new LiveClient(std::move(*connection)));
+}
+
+LiveClient::LiveClient(std::unique_ptr<HubConnection> connection) : connection_(std::move(connection)) {
+  thread_ = start_thread([this] { run(); });
+}
+
+LiveClient::~LiveClient() { stop(); }
+
+void LiveClient::stop() {
+  is_stopping_.store(true);
+  if (thread_.joinable()) thread_.join();
+  connection_.reset();
+  is_joined_.store(false);
+}
+
+std::optional<ProbeState> LiveClient::newest() {
+  const std::scoped_lock lock(mutex_);
+  return newest_;
+}
+
+std::uint32_t LiveClient::turn_scene(const std::array<float, 12>& X_WS) {
+  const std::scoped_lock lock(mutex_);
+  view_.X_WS = X_WS;
+  if (newest_) view_.revision = std::max(view_.revision, newest_->view_revision);
+  return ++view_.revision;
+}
+
+void LiveClient::run() {
+  HubClient& client = connection_->client();
+  const Clock& clock = connection_->clock();
+  Datagram datagram;
+  while (!is_stopping_.load(std::memory_order_relaxed)) {
+    const bool has_datagram = client.receive(datagram, clock.now_ns() + kClientTurnNs);
+    is_joined_.store(client.state() == JoinState::joined, std::memory_order_relaxed);
+    send_view(clock.now_ns());
+    if (!has_datagram) continue;
+    const auto* probe = std::get_if<ProbeState>(&datagram.message);
+    if (probe == nullptr || client.last_arrival() == Arrival::reordered) continue;
+    {
+      const std::scoped_lock lock(mutex_);
+      newest_ = *probe;
+    }
+    client.send(FrameAck{.echo_sample = probe->sample, .echo_sample_time_ns = probe->sample_time_ns});
+  }
+}
+
+void LiveClient::send_view(std::int64_t now_ns) noexcept {
+  const std::scoped_lock lock(mutex_);
+  if (view_.revision == 0 || now_ns < next_view_ns_ || (newest_ && newest_->view_revision == view_.revision)) return;
+  next_view_ns_ = now_ns + kViewEveryNs;
+  connection_->client().send(view_);
+}
+
+}  // namespace hapton::python

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "link/hub_connection.h"
+
+namespace hapton::python {
+
+// Sits at a hub as a vision node: a thread keeps the newest probe state and asks for the next. Threads: any.
+class LiveClient {
+ public:
+  // Error, one line: as HubConnection::open, or no hub replies.
+  static Result<std::unique_ptr<LiveClient>> open(const std::string& hub, const std::string& key_file);
+  ~LiveClient();
+  LiveClient(const LiveClient&) = delete;
+  LiveClient& operator=(const LiveClient&) = delete;
+
+  // None before the first.
+  std::optional<ProbeState> newest();
+  bool is_joined() const noexcept { return is_joined_.load(std::memory_order_relaxed); }
+  // The pose of the static scene. The hub sends what the forces are computed with back, as ProbeState::view_revision.
+  std::uint32_t turn_scene(const std::array<float, 12>& X_WS);
+  void stop();
+
+ private:
+  explicit LiveClient(std::unique_ptr<HubConnection> connection);
+  void run();
+  void send_view(std::int64_t now_ns) noexcept;
+
+  std::unique_ptr<HubConnection> connection_;
+  std::mutex mutex_;  // of the next two
+  std::optional<ProbeState> newest_;
+  ViewTransform view_ = {};
+  std::int64_t next_view_ns_ = 0;
+  std::atomic<bool> is_joined_{true};
+  std::atomic<bool> is_stopping_{false};
+  std::thread thread_;
+};
+
+}  // namespace hapton::python

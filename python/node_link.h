@@ -1,0 +1,51 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "link/hub_connection.h"
+#include "runtime/latency_histogram.h"
+
+namespace hapton::python {
+
+// The connection of a haptics node: hands out the newest device sample and answers it. RT: next and answer yes; open set-up only. Threads:
+// one.
+class NodeLink {
+ public:
+  // Error, one line: as HubConnection::open, or no hub accepts a haptics node.
+  static Result<std::unique_ptr<NodeLink>> open(const std::string& hub, const std::string& key_file);
+
+  // The newest sample after the one before; none until deadline_ns.
+  std::optional<DeviceState> next(std::int64_t deadline_ns) noexcept;
+  // Answers the sample handed out last. N, frame W; a force that is not finite is sent as none.
+  void answer(const Vec3& force_n) noexcept;
+  // No force from now on: answers the next sample, if one comes soon, with none.
+  void release() noexcept {
+    if (next(clock().now_ns() + kReleasePatienceNs)) answer(Vec3::Zero());
+  }
+
+  const Clock& clock() const noexcept { return connection_->clock(); }
+  // The hub that has left comes back, perhaps: next goes on.
+  bool is_joined() noexcept { return connection_->client().state() == JoinState::joined; }
+  std::uint64_t answers() const noexcept { return answers_; }
+  std::uint64_t superseded() const noexcept { return superseded_; }
+  // From a sample's arrival to its answer's departure.
+  const LatencyHistogram& compute_times() const noexcept { return compute_times_; }
+
+ private:
+  static constexpr std::int64_t kReleasePatienceNs = 20 * kNanosecondsPerMillisecond;  // then the force has timed out
+
+  explicit NodeLink(std::unique_ptr<HubConnection> connection) : connection_(std::move(connection)) {}
+
+  std::unique_ptr<HubConnection> connection_;
+  Datagram datagram_;
+  ForceCommand command_;
+  DeviceState state_;
+  std::int64_t arrival_ns_ = 0;
+  std::uint32_t skipped_ = 0;
+  std::uint64_t answers_ = 0;
+  std::uint64_t superseded_ = 0;
+  LatencyHistogram compute_times_;
+};
+
+}  // namespace hapton::python

@@ -1,0 +1,9 @@
+// Component devices alone: the simulated device moves by itself.
+#include <cstdio>
+
+#include "devices/device_maker.h"
+
+int main() {
+  for (const auto& name : hapton::device_names()) std::printf("%s\n", std::string(name).c_str());
+  return 0;
+}

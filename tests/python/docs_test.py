@@ -1,0 +1,49 @@
+"""The Python of docs/python.md, run from top to bottom beside a session."""
+import os
+import re
+import time
+import unittest
+
+import numpy as np
+
+from live_system import SOURCE, LiveSystem
+
+# What a reader has and a test has not: the usual port, a recording of Monday, ten seconds.
+IN_A_TEST = [
+    ("hapton.Client()", "hapton.Client(HUB)"),
+    ("hapton.FieldNode()", "hapton.FieldNode(HUB)"),
+    ("seconds=10)", "seconds=0.5, hub=HUB)"),
+    ('"monday.hapton"', "RECORDING"),
+]
+
+
+def read_blocks():
+    with open(os.path.join(SOURCE, "docs", "python.md")) as file:
+        return re.findall(r"^```python\n(.*?)^```", file.read(), re.MULTILINE | re.DOTALL)
+
+
+class DocsTest(unittest.TestCase):
+    def test_every_block_runs(self):
+        blocks = read_blocks()
+        self.assertGreaterEqual(len(blocks), 5)
+        text = "".join(blocks)
+        for there, here in IN_A_TEST:
+            self.assertEqual(text.count(there), 1, there)
+        os.chdir(SOURCE)
+        recording = os.path.join(os.environ.get("TMPDIR", "/tmp"), f"hapton-docs-{os.getpid()}.hapton")
+        self.addCleanup(lambda: os.path.exists(recording) and os.remove(recording))
+        with LiveSystem("--record", recording, scene="thin_wall.toml") as system:
+            time.sleep(1.0)
+            system.end_io()
+        with LiveSystem() as system:
+            names = {"HUB": system.hub, "RECORDING": recording, "pose": np.eye(4)}
+            for block in blocks:
+                for there, here in IN_A_TEST:
+                    block = block.replace(there, here)
+                with self.subTest(block):
+                    exec(block, names)
+            self.assertTrue(names["felt"]["contact"].any(), "the first example touches nothing")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,33 @@
+"""The Python examples, run as their first lines say, for a few trials."""
+import os
+import subprocess
+import sys
+import unittest
+
+import numpy as np
+
+from live_system import SOURCE, LiveSystem
+
+
+class ExamplesTest(unittest.TestCase):
+    def test_reaching_task(self):
+        with LiveSystem("--rate", "2000") as system:
+            out = system.path("trials.npz")
+            script = os.path.join(SOURCE, "examples", "reaching_task.py")
+            run = subprocess.run([sys.executable, script, "2", system.hub, out], capture_output=True, text=True, timeout=60)
+            self.assertEqual(run.returncode, 0, run.stderr)
+            self.assertRegex(run.stdout, r"trial 1: .* mm from the target")
+            self.assertRegex(run.stdout, r"[1-9][0-9]* forces, [1-9]")
+            trials = np.load(out)["trials"]
+            self.assertEqual(set(trials[:, 0]), {0, 1})
+            self.assertTrue(np.isfinite(trials).all())
+
+    def test_examples_are_short(self):
+        folder = os.path.join(SOURCE, "examples")
+        for name in os.listdir(folder):
+            with open(os.path.join(folder, name)) as file:
+                self.assertLess(len(file.readlines()), 61, name)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,67 @@
+"""hapton.fields: each law against its formula."""
+import unittest
+
+import numpy as np
+
+from hapton import fields
+
+
+def at(field, point, velocity=(0, 0, 0), t_s=0.1):
+    """The force at the end of a straight path, t_s after its beginning."""
+    dt_s = 1e-3
+    steps = round(t_s / dt_s)
+    path = np.array(point) + np.outer(np.arange(-steps, 1) * dt_s, velocity)
+    return fields.evaluate([field], path, dt_s)[-1]
+
+
+class FieldsTest(unittest.TestCase):
+    def test_spring(self):
+        np.testing.assert_allclose(at(fields.spring([0, 0.01, 0], 100.0), [0.02, 0.01, 0]), [-2.0, 0, 0])
+
+    def test_viscous(self):
+        np.testing.assert_allclose(at(fields.viscous(3.0), [0, 0, 0], [0.2, 0, -0.1]), [-0.6, 0, 0.3], rtol=1e-6)
+
+    def test_constant(self):
+        np.testing.assert_allclose(at(fields.constant([0, -1.5, 0]), [9, 9, 9]), [0, -1.5, 0])
+
+    def test_sine(self):
+        np.testing.assert_allclose(at(fields.sine([0, 0, 2], 0.7, 2.5), [0, 0, 0], t_s=0.1), [0, 0, 0.7], rtol=1e-6)
+
+    def test_wall_pushes_out_and_never_pulls(self):
+        wall = fields.wall([0, 0.01, 0], [0, 1, 0], stiffness_n_per_m=500.0, damping_ns_per_m=2.0)
+        np.testing.assert_allclose(at(wall, [0.3, 0.006, 0]), [0, 2.0, 0])
+        np.testing.assert_allclose(at(wall, [0, 0.006, 0], [0, -0.1, 0]), [0, 2.2, 0], rtol=1e-6)
+        np.testing.assert_array_equal(at(wall, [0, 0.011, 0]), 0)
+        np.testing.assert_array_equal(at(wall, [0, 0.0099, 0], [0, 1.0, 0]), 0)
+
+    def test_channel_leaves_its_line_free(self):
+        channel = fields.channel([0, 0, 0.01], [1, 0, 0], stiffness_n_per_m=300.0, damping_ns_per_m=1.0)
+        np.testing.assert_allclose(at(channel, [5.0, 0.002, 0.01]), [0, -0.6, 0], atol=1e-9)
+        np.testing.assert_allclose(at(channel, [5.0, 0, 0.01], [3.0, 0, 0]), 0, atol=1e-6)
+
+    def test_pulse_is_a_half_sine_after_its_delay(self):
+        pulse = fields.pulse([2, 0, 0], duration_s=0.1, delay_s=0.05)
+        for t_s, wanted in [(0.04, 0.0), (0.1, 2.0), (0.2, 0.0)]:
+            np.testing.assert_allclose(at(pulse, [0, 0, 0], t_s=t_s), [wanted, 0, 0], atol=1e-9)
+
+    def test_fields_add_up_and_each_is_bounded(self):
+        both = fields.evaluate([fields.spring([0, 0, 0], 1e5, max_force_n=3.0), fields.constant([0, 1, 0])], [[1, 0, 0]])
+        np.testing.assert_allclose(both, [[-3.0, 1.0, 0]])
+        self.assertEqual(fields.evaluate([], np.ones((4, 3))).shape, (4, 3))
+        np.testing.assert_array_equal(fields.evaluate([fields.constant([1, 1, 1])], [[np.nan, 0, 0]]), 0)
+
+    def test_rejects_what_cannot_be(self):
+        for make, word in [
+            (lambda: fields.spring([0, 0], 100.0), "centre_m has shape"),
+            (lambda: fields.spring([0, 0, 0], -1.0), "stiffness_n_per_m is -1"),
+            (lambda: fields.wall([0, 0, 0], [0, 0, 0]), "normal is zero"),
+            (lambda: fields.constant([np.inf, 0, 0]), "not finite"),
+            (lambda: fields.pulse([1, 0, 0], duration_s=0.0), "duration_s is 0"),
+            (lambda: fields.viscous(float("nan")), "damping_ns_per_m is nan"),
+        ]:
+            with self.subTest(word), self.assertRaisesRegex(ValueError, word):
+                make()
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,140 @@
+"""Client, FieldNode and run_haptics_node beside a running io_node, which gives at most 2 N."""
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+import unittest
+
+import numpy as np
+
+import hapton
+from live_system import LiveSystem
+
+CRASH = """
+import os, sys, hapton
+def force(hand):
+    if hand.t_s > 0.5: os.kill(os.getpid(), 9)
+    return (0, 1.0, 0)
+hapton.run_haptics_node(force, 10.0, hub=sys.argv[1])
+"""
+
+
+def wait_until(holds, seconds=20):
+    end = time.monotonic() + seconds
+    while not holds() and time.monotonic() < end:
+        time.sleep(0.01)
+    return holds()
+
+
+class LiveTest(unittest.TestCase):
+    def setUp(self):
+        self.recording = None
+
+    def start(self, *arguments, scene=None):
+        system = LiveSystem("--max-force", "2", *arguments, scene=scene)
+        self.addCleanup(system.close)
+        return system
+
+    def test_a_client_sees_the_hand_and_turns_the_scene(self):
+        system = self.start(scene="thin_wall.toml")
+        client = hapton.Client(system.hub)
+        self.assertTrue(wait_until(lambda: client.state() is not None))
+        self.assertTrue(client.joined)
+        first = client.state()
+        self.assertTrue(wait_until(lambda: client.state()["sample"] > first["sample"]))
+        for name, shape in [("position_m", (3,)), ("orientation", (4,)), ("proxy_m", (3,)), ("force_n", (3,))]:
+            self.assertEqual(first[name].shape, shape)
+        self.assertAlmostEqual(np.linalg.norm(first["orientation"]), 1.0, places=3)
+        pose = np.eye(4)
+        pose[:3, 3] = [0, -0.02, 0]
+        revision = client.turn_scene(pose)
+        self.assertTrue(wait_until(lambda: client.state()["view_revision"] == revision))
+        with self.assertRaisesRegex(ValueError, "not a rigid pose"):
+            client.turn_scene(3 * pose)
+        client.close()
+        self.assertFalse(client.joined)
+
+    def test_a_field_node_answers_every_sample_within_the_limits(self):
+        recording = os.path.join(os.environ.get("TMPDIR", "/tmp"), f"hapton-field-{os.getpid()}.hapton")
+        self.addCleanup(lambda: os.path.exists(recording) and os.remove(recording))
+        system = self.start("--record", recording, "--rate", "2000")
+        node = hapton.FieldNode(system.hub)
+        node.set([hapton.fields.spring([0, 0, 0], 20.0), hapton.fields.viscous(1.0)])
+        self.assertTrue(wait_until(lambda: node.state()["changes"] == 1 and node.state()["answers"] > 1000))
+        node.set([hapton.fields.constant([0, 3.0, 0])])  # above the limit
+        self.assertTrue(wait_until(lambda: node.state()["changes"] == 2))
+        time.sleep(0.5)
+        state = node.state()
+        np.testing.assert_allclose(state["force_n"], [0, 3.0, 0], atol=1e-6)
+        self.assertGreater(state["rate_hz"], 0)
+        node.close()
+        system.end_io()
+        session = hapton.read_session(recording)
+        written = np.stack([session[f"written_{axis}_n"] for axis in "xyz"], axis=1)
+        self.assertLessEqual(np.linalg.norm(written, axis=1).max(), 2.0 + 1e-9)
+        self.assertGreater(written[:, 1].max(), 1.9)
+        # The spring, before the constant force, as the formula says.
+        wanted = np.stack([session[f"wanted_{axis}_n"] for axis in "xyz"], axis=1)
+        self.assertTrue(np.isfinite(wanted).any())
+
+    def test_a_force_function_is_called_for_each_sample_and_its_rate_measured(self):
+        system = self.start()
+        hands = []
+
+        def force(hand):
+            hands.append((hand.sample, hand.t_s, hand.buttons))
+            self.assertEqual(hand.velocity_m_per_s.shape, (3,))
+            return -30.0 * hand.position_m
+
+        report = hapton.run_haptics_node(force, 1.5, hub=system.hub)
+        self.assertEqual(report["answers"], len(hands))
+        self.assertGreater(report["answers"], 300)
+        self.assertAlmostEqual(report["rate_hz"], report["answers"] / report["seconds"])
+        self.assertGreater(report["compute_p99_us"], 0)
+        samples = [hand[0] for hand in hands]
+        self.assertEqual(samples, sorted(set(samples)))
+        self.assertNotIn(" 0 forces", system.end_io())
+
+    def test_an_exception_ends_with_no_force(self):
+        system = self.start()
+        for force, error, word in [
+            (lambda hand: 1 / 0, ZeroDivisionError, ""),
+            (lambda hand: (np.nan, 0, 0), ValueError, "not finite at sample"),
+            (lambda hand: "up", ValueError, "no three numbers at sample"),
+        ]:
+            with self.subTest(error), self.assertRaisesRegex(error, word):
+                hapton.run_haptics_node(force, 5.0, hub=system.hub)
+
+    def test_a_killed_python_leaves_no_force_on_the_motors(self):
+        recording = os.path.join(os.environ.get("TMPDIR", "/tmp"), f"hapton-kill-{os.getpid()}.hapton")
+        self.addCleanup(lambda: os.path.exists(recording) and os.remove(recording))
+        system = self.start("--record", recording)
+        killed = subprocess.run([sys.executable, "-c", CRASH, system.hub], timeout=60)
+        self.assertEqual(killed.returncode, -signal.SIGKILL)
+        time.sleep(0.5)
+        self.assertRegex(system.end_io(), r"command timeouts [1-9]")
+        session = hapton.read_session(recording)
+        force_n = np.abs(session["written_y_n"])
+        self.assertGreater(force_n.max(), 0.9)
+        last_answered = session["t_s"][np.isfinite(session["wanted_y_n"])][-1]
+        last_force = session["t_s"][force_n > 0][-1]
+        # The sample of the last force is at most 20 ms old, and servo cycles are as late as the machine makes them.
+        late_s = np.nanmax(session["late_s"])
+        self.assertLess(last_force - last_answered, 0.0215 + late_s)
+
+    def test_says_why_it_cannot_join(self):
+        with self.assertRaisesRegex(ValueError, "nowhere"):
+            hapton.Client("nowhere.invalid")
+        system = self.start()
+        node = hapton.FieldNode(system.hub)
+        with self.assertRaisesRegex(ValueError, "has a haptics node already"):
+            hapton.FieldNode(system.hub)
+        with self.assertRaisesRegex(ValueError, "something else than a field"):
+            node.set([1.0])
+        node.close()
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,78 @@
+"""hapton.read_session, beside `hapton session export` of the same recording."""
+import csv
+import os
+import subprocess
+import tempfile
+import time
+import unittest
+
+import numpy as np
+
+import hapton
+from live_system import BIN, LiveSystem
+
+
+class SessionTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.recording = os.path.join(cls.folder.name, "monday.hapton")
+        with LiveSystem("--record", cls.recording, scene="thin_wall.toml") as system:
+            time.sleep(1.5)
+            system.end_io()
+        export = [os.path.join(BIN, "hapton"), "session", "export", cls.recording, "--format", "csv", "--out", cls.folder.name]
+        subprocess.run(export, check=True, capture_output=True)
+        with open(os.path.join(cls.folder.name, "session.csv")) as file:
+            cls.rows = list(csv.DictReader(file))
+        cls.session = hapton.read_session(cls.recording)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def test_has_every_cycle_once(self):
+        samples = self.session["sample"]
+        self.assertGreater(len(samples), 500)
+        self.assertTrue((np.diff(samples) > 0).all())
+        self.assertEqual(len(samples), len(self.rows))
+
+    def test_agrees_with_the_exported_table(self):
+        for name in ["t_s", "sample", "x_m", "qw", "vx_m_per_s", "buttons", "wanted_y_n", "written_y_n", "contact", "round_trip_s", "missed"]:
+            exported = np.array([float(row[name]) if row[name] else np.nan for row in self.rows])
+            np.testing.assert_allclose(self.session[name], exported, rtol=1e-6, atol=1e-9, err_msg=name)
+
+    def test_each_column_has_its_unit(self):
+        units = self.session["units"]
+        self.assertEqual(units["x_m"], "m")
+        self.assertEqual(units["written_x_n"], "N")
+        for name in units:
+            self.assertEqual(self.session[name].dtype, np.float64)
+            self.assertEqual(self.session[name].shape, self.session["t_s"].shape)
+
+    def test_says_what_it_is(self):
+        header = self.session["header"]
+        self.assertEqual(header["settings"]["device"], "simulated")
+        self.assertGreater(header["start_unix_ns"], 0)
+        self.assertEqual(self.session["problem"], "")
+        self.assertEqual(len(self.session["event"]), len(self.session["event_t_s"]))
+
+    def test_reads_a_truncated_file_up_to_its_end(self):
+        cut = os.path.join(self.folder.name, "cut.hapton")
+        with open(self.recording, "rb") as file:
+            data = file.read()
+        with open(cut, "wb") as file:
+            file.write(data[: len(data) * 2 // 3])
+        session = hapton.read_session(cut)
+        self.assertTrue(session["problem"])
+        self.assertGreater(len(session["t_s"]), 100)
+        self.assertLess(len(session["t_s"]), len(self.session["t_s"]))
+
+    def test_rejects_what_is_no_recording(self):
+        with self.assertRaisesRegex(ValueError, "nowhere.hapton"):
+            hapton.read_session("nowhere.hapton")
+        with self.assertRaises(ValueError):
+            hapton.read_session(__file__)
+
+
+if __name__ == "__main__":
+    unittest.main()
