@@ -1,19 +1,12 @@
 #include "core/tool/near_features.h"
 
 #include <algorithm>
-
-#include "core/geometry/triangle_distance.h"
+#include <limits>
 
 namespace hapton {
 namespace {
 
 using Kind = FeaturePair::Kind;
-
-// Candidates are kept within a share of the distance asked for: few are cheap to keep, and those from farther away serve more calls.
-constexpr std::size_t kFew = 256;  // pairs of triangles
-constexpr std::size_t kMany = 2048;
-constexpr double kLeastShare = 1.25;
-constexpr double kMostShare = 16.0;
 
 std::vector<SurfaceFeatures> features_of(const TouchGeometry& scene) {
   std::vector<SurfaceFeatures> features;
@@ -50,128 +43,174 @@ NearFeatures::NearFeatures(const ObjectGeometry& tool, const TouchGeometry& scen
       scene_(&scene),
       tool_features_(tool),
       scene_features_(features_of(scene)),
+      tool_tree_(tool),
+      scene_tree_(scene),
       pairs_(tool, scene, kMostTrianglePairs),
       radius_(radius_of(tool)),
-      candidates_(kMostFeatures),
-      features_(kMostFeatures) {}
+      features_(kMostFeatures),
+      known_(kMostFeatures) {}
 
-bool NearFeatures::is_covered(const Placement& placement, double distance) const noexcept {
-  const double moved = (placement.position - found_at_.position).norm() +
-                       radius_ * turn_between(found_at_.orientation, placement.orientation).norm() + 0x1p-45 * (1.0 + radius_);
-  // Many that are far away cost each call more than a new search.
-  const bool is_wide = candidate_count_ > kFew && within_ > 2.0 * share_ * distance;
-  return distance + moved <= within_ && !is_wide;
+NearFeatures::SweptTriangle::SweptTriangle(const ObjectGeometry::Corners& own, const SweptMotion& motion, double within) {
+  const std::array<Vec3, 3> arm = {motion.orientation * own.a, motion.orientation * own.b, motion.orientation * own.c};
+  PlacedTriangle& placed = *this;
+  placed = PlacedTriangle(motion.position + arm[0], motion.position + arm[1], motion.position + arm[2]);
+  double longest = 0.0;
+  swept = box;
+  for (int k = 0; k < 3; ++k) {
+    moved[k] = motion.displacement(arm[k]);
+    most_moved = std::max(most_moved, moved[k].squaredNorm());
+    longest = std::max(longest, arm[k].squaredNorm());
+    swept.grow(corner[k] + moved[k]);
+  }
+  most_moved = std::sqrt(most_moved);
+  longest = std::sqrt(longest);
+  reach = within * (1.0 + 0x1p-40) + motion.sagitta * longest + 0x1p-45 * (1.0 + longest);
+  swept = swept.inflated(reach);
 }
 
-bool NearFeatures::find_candidates(const Placement& placement, double within, std::size_t most_pairs) noexcept {
-  candidate_count_ = 0;
-  fits_ = pairs_.collect(placement, within, most_pairs);
-  const double reach = within * (1.0 + 0x1p-40) + 0x1p-45 * (1.0 + radius_);
-  std::uint32_t last = ~0U;
-  MovedTriangle tool;
-  for (const TrianglePairIds& ids : pairs_.pairs()) {
-    if (!fits_) break;
-    if (ids.tool != last) {
-      last = ids.tool;
-      tool = MovedTriangle(placement.at(tool_->corner(ids.tool, 0)), placement.at(tool_->corner(ids.tool, 1)),
-                           placement.at(tool_->corner(ids.tool, 2)));
-    }
-    const ObjectGeometry::Corners c = scene_->corners(ids.scene);
-    const MovedTriangle scene(c.a, c.b, c.c);
-    if (!tool.box.inflated(reach).overlaps(scene.box) || scene.is_apart(tool, reach) || tool.is_apart(scene, reach)) continue;
-    add_candidates(ids, tool, scene, reach);
-  }
-  within_ = fits_ ? within : -1.0;
-  found_at_ = placement;
-  return fits_;
-}
-
-bool NearFeatures::refresh(const Placement& placement, double distance) noexcept {
-  if (share_ > kLeastShare && find_candidates(placement, share_ * distance, kMany)) {
-    if (pairs_.pairs().size() < kFew) share_ = std::min(1.5 * share_, kMostShare);
-    return true;
-  }
-  share_ = std::max(0.5 * share_, kLeastShare);
-  return find_candidates(placement, kLeastShare * distance, kMostTrianglePairs) ||
-         find_candidates(placement, distance * (1.0 + 0x1p-40), kMostTrianglePairs);
+bool NearFeatures::any_intersect(const Placement& placement) noexcept {
+  return !pairs_.collect(placement, 0.0, kMostTrianglePairs) || pairs_.any_intersect(placement);
 }
 
 bool NearFeatures::collect(const Placement& placement, double distance, double turn) noexcept {
   count_ = 0;
-  if (!is_covered(placement, distance) && !refresh(placement, distance)) return false;
-  for (std::size_t i = 0; i < candidate_count_; ++i) {
-    const FeaturePair& pair = candidates_[i];
-    if (is_beyond(pair, placement, distance)) continue;
-    NearFeature& near = features_[count_];
-    near.gap = measure_gap(pair, placement);
-    if (!(near.gap.distance <= distance)) continue;
-    near.pair = pair;
-    near.is_minimum = is_minimum(pair, near.gap, placement, turn);
-    ++count_;
-  }
-  return true;
+  known_.clear();
+  placement_ = placement;
+  turn_ = turn;
+  return extend(RigidMotion{placement}, distance);
 }
 
-void NearFeatures::add_candidates(const TrianglePairIds& ids, const MovedTriangle& tool, const MovedTriangle& scene,
-                                  double reach) noexcept {
+bool NearFeatures::extend(const RigidMotion& motion, double distance) noexcept {
+  const SweptMotion swept(motion);
+  motion_ = &swept;
+  distance_ = distance;
+  swept_leaf_ = nullptr;
+  fits_ = true;
+  return PatchWalk(tool_tree_, scene_tree_).for_each_near(swept, distance, kMostTests, [&](const auto& tool, const auto& scene) {
+    return add_leaves(tool, scene);
+  });
+}
+
+bool NearFeatures::add_leaves(const PatchTree::Node& tool_leaf, const PatchTree::Node& scene_leaf) noexcept {
+  const std::span<const std::uint32_t> own = tool_tree_.triangles(tool_leaf);
+  if (swept_leaf_ != &tool_leaf) {
+    swept_leaf_ = &tool_leaf;
+    for (std::size_t i = 0; i < own.size(); ++i) swept_[i] = SweptTriangle(tool_->corners(own[i]), *motion_, distance_);
+  }
+  for (const std::uint32_t id : scene_tree_.triangles(scene_leaf)) {
+    const ObjectGeometry::Corners c = scene_->corners(id);
+    const PlacedTriangle scene(c.a, c.b, c.c);
+    for (std::size_t i = 0; i < own.size(); ++i) {
+      if (!are_apart(swept_[i], scene)) add_triangles({own[i], id}, swept_[i], scene);
+    }
+  }
+  return fits_;
+}
+
+// True if the plane of either triangle, held fixed, separates them over the motion by more than the reach.
+bool NearFeatures::are_apart(const SweptTriangle& tool, const PlacedTriangle& scene) noexcept {
+  if (!tool.swept.overlaps(scene.box)) return true;
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  double falls = 0.0;
+  double rises = 0.0;
+  for (int k = 0; k < 3; ++k) {
+    const double at = scene.normal.dot(tool.corner[k] - scene.corner[0]);
+    const double by = scene.normal.dot(tool.moved[k]);
+    low = std::min(low, at + std::min(0.0, by));
+    high = std::max(high, at + std::max(0.0, by));
+    const double own = tool.normal.dot(tool.moved[k]);
+    falls = std::min(falls, own);
+    rises = std::max(rises, own);
+  }
+  if (low > tool.reach * scene.length || high < -tool.reach * scene.length) return true;
+  low = std::numeric_limits<double>::infinity();
+  high = -low;
+  for (const Vec3& p : scene.corner) {
+    const double at = tool.normal.dot(p - tool.corner[0]);
+    low = std::min(low, at);
+    high = std::max(high, at);
+  }
+  return low - rises > tool.reach * tool.length || high - falls < -tool.reach * tool.length;
+}
+
+void NearFeatures::add_triangles(const TrianglePairIds& ids, const SweptTriangle& tool, const PlacedTriangle& scene) noexcept {
   const SurfaceFeatures& scene_features = scene_features_[scene_->mesh_of(ids.scene)];
   const std::uint32_t scene_triangle = scene_->triangle_of(ids.scene);
   const ObjectGeometry::Corners t = tool_->corners(ids.tool);
-  const std::array<Vec3, 3> own = {t.a, t.b, t.c};
-  const std::array<Vec3, 3>& s = scene.corner;
-  const double squared = reach * reach;
   FeaturePair pair;
   pair.tool_triangle = ids.tool;
   pair.scene_triangle = ids.scene;
+  const std::array<Vec3, 3> own = {t.a, t.b, t.c};
   for (int k = 0; k < 3; ++k) {
     pair.tool_corner = pair.scene_corner = k;
-    if (tool_features_.owns_vertex(ids.tool, k) && scene.is_near_plane(tool.corner[k], reach) &&
-        triangle_distance_squared(tool.corner[k], s[0], s[1], s[2]) <= squared) {
+    if (tool_features_.owns_vertex(ids.tool, k)) {
       pair.kind = Kind::vertex_face;
       pair.tool[0] = own[k];
-      pair.scene = s;
-      add_candidate(pair);
+      pair.scene = scene.corner;
+      add(pair, tool);
     }
-    if (scene_features.owns_vertex(scene_triangle, k) && tool.is_near_plane(s[k], reach) &&
-        triangle_distance_squared(s[k], tool.corner[0], tool.corner[1], tool.corner[2]) <= squared) {
+    if (scene_features.owns_vertex(scene_triangle, k)) {
       pair.kind = Kind::face_vertex;
       pair.tool = own;
-      pair.scene[0] = s[k];
-      add_candidate(pair);
+      pair.scene[0] = scene.corner[k];
+      add(pair, tool);
     }
   }
+  add_edges(pair, tool, scene);
+}
+
+void NearFeatures::add_edges(FeaturePair& pair, const SweptTriangle& tool, const PlacedTriangle& scene) noexcept {
+  const SurfaceFeatures& scene_features = scene_features_[scene_->mesh_of(pair.scene_triangle)];
+  const std::uint32_t scene_triangle = scene_->triangle_of(pair.scene_triangle);
+  const ObjectGeometry::Corners t = tool_->corners(pair.tool_triangle);
+  const std::array<Vec3, 3> own = {t.a, t.b, t.c};
   pair.kind = Kind::edge_edge;
   for (int i = 0; i < 3; ++i) {
-    if (!tool_features_.owns_edge(ids.tool, i)) continue;
-    const Vec3& a = tool.corner[i];
-    const Vec3& a_end = tool.corner[(i + 1) % 3];
-    const Box around = Box::around(a, a_end).inflated(reach);
+    if (!tool_features_.owns_edge(pair.tool_triangle, i)) continue;
+    const int next = (i + 1) % 3;
+    Box around = Box::around(tool.corner[i], tool.corner[next]);
+    around.grow(tool.corner[i] + tool.moved[i]);
+    around.grow(tool.corner[next] + tool.moved[next]);
+    around = around.inflated(tool.reach);
+    pair.tool_corner = i;
+    pair.tool = {own[i], own[next], Vec3::Zero()};
     for (int k = 0; k < 3; ++k) {
-      const Vec3& b = s[k];
-      const Vec3& b_end = s[(k + 1) % 3];
+      const Vec3& b = scene.corner[k];
+      const Vec3& b_end = scene.corner[(k + 1) % 3];
       if (!scene_features.owns_edge(scene_triangle, k) || !around.overlaps(Box::around(b, b_end))) continue;
-      if (detail::segment_segment_distance_squared(of3(a), of3(Vec3(a_end - a)), of3(b), of3(Vec3(b_end - b))) > squared) continue;
-      pair.tool_corner = i;
-      pair.tool = {own[i], own[(i + 1) % 3], Vec3::Zero()};
       pair.scene_corner = k;
       pair.scene = {b, b_end, Vec3::Zero()};
-      add_candidate(pair);
+      add(pair, tool);
     }
   }
 }
 
-void NearFeatures::add_candidate(const FeaturePair& pair) noexcept {
-  fits_ = fits_ && candidate_count_ < candidates_.size();
-  if (fits_) candidates_[candidate_count_++] = pair;
+// Skips a pair that a plane between its closest points, held fixed, separates over the motion.
+void NearFeatures::add(const FeaturePair& pair, const SweptTriangle& tool) noexcept {
+  if (is_beyond(pair, placement_, tool.reach + tool.most_moved) || known_.has(pair)) return;
+  const FeatureGap gap = measure_gap(pair, placement_);
+  double approach = 0.0;
+  if (pair.kind == Kind::face_vertex) {
+    for (const Vec3& moved : tool.moved) approach = std::min(approach, gap.normal.dot(moved));
+  } else {
+    approach = std::min(approach, gap.normal.dot(tool.moved[pair.tool_corner]));
+    if (pair.kind == Kind::edge_edge) approach = std::min(approach, gap.normal.dot(tool.moved[(pair.tool_corner + 1) % 3]));
+  }
+  if (gap.distance + approach > tool.reach) return;
+  fits_ = fits_ && count_ < features_.size();
+  if (!fits_) return;
+  known_.insert(pair);
+  features_[count_++] = {pair, gap, is_minimum(pair, gap)};
 }
 
 // A minimum between a vertex and a vertex or an edge is found as vertex_face, one between an edge and a vertex as face_vertex.
-bool NearFeatures::is_minimum(const FeaturePair& pair, const FeatureGap& gap, const Placement& placement, double turn) const noexcept {
+bool NearFeatures::is_minimum(const FeaturePair& pair, const FeatureGap& gap) const noexcept {
   const SurfaceFeatures& scene = scene_features_[scene_->mesh_of(pair.scene_triangle)];
   const std::uint32_t scene_triangle = scene_->triangle_of(pair.scene_triangle);
   const Vec3 to_tool = gap.normal;                                          // outward from the scene, its frame
-  const Vec3 to_scene = -(placement.orientation.conjugate() * gap.normal);  // outward from the tool, its axes
-  const double slope = SurfaceFeatures::kFlat + (gap.feature == TriangleFeature::face ? turn : 0.0);
+  const Vec3 to_scene = -(placement_.orientation.conjugate() * gap.normal);  // outward from the tool, its axes
+  const double slope = SurfaceFeatures::kFlat + (gap.feature == TriangleFeature::face ? turn_ : 0.0);
   switch (pair.kind) {
     case Kind::vertex_face:
       return tool_features_.is_top(tool_->triangle(pair.tool_triangle)[pair.tool_corner], to_scene, slope) &&

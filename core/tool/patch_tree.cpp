@@ -1,0 +1,143 @@
+#include "core/tool/patch_tree.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Eigenvalues>
+
+namespace hapton {
+namespace {
+
+constexpr std::uint32_t kLeafBit = 1U << 31;
+
+struct PatchItem {
+  std::array<Vec3, 3> corner;
+  std::uint32_t id = 0;
+
+  Vec3 centre() const { return (corner[0] + corner[1] + corner[2]) / 3.0; }
+};
+
+// The first and second moments of the surface, relative to a point of it (Gottschalk et al., section 4), and its axes.
+struct PatchAxes {
+  Mat3 axes = Mat3::Identity();  // columns, from the shortest extent to the longest
+  Vec3 middle = Vec3::Zero();
+
+  explicit PatchAxes(std::span<const PatchItem> items) {
+    const Vec3 origin = items[0].corner[0];
+    double area = 0.0;
+    Vec3 first = Vec3::Zero();
+    Mat3 second = Mat3::Zero();
+    for (const PatchItem& item : items) {
+      const Vec3 a = item.corner[0] - origin;
+      const Vec3 b = item.corner[1] - origin;
+      const Vec3 c = item.corner[2] - origin;
+      const double weight = (b - a).cross(c - a).norm();
+      const Vec3 sum = a + b + c;
+      area += weight;
+      first += weight / 3.0 * sum;
+      second += weight / 12.0 * (sum * sum.transpose() + a * a.transpose() + b * b.transpose() + c * c.transpose());
+    }
+    middle = origin;
+    if (!(area > 0.0)) return;
+    middle += first / area;
+    Eigen::SelfAdjointEigenSolver<Mat3> solver;
+    solver.computeDirect(second / area - first * first.transpose() / (area * area));
+    const Vec3 shortest = solver.eigenvectors().col(0).normalized();
+    const Vec3 longest = shortest.cross(solver.eigenvectors().col(2)).cross(shortest).normalized();
+    Mat3 found;
+    found << shortest, longest.cross(shortest), longest;
+    if (found.allFinite() && (found.transpose() * found - Mat3::Identity()).cwiseAbs().maxCoeff() < 0x1p-30) axes = found;
+  }
+};
+
+float rounded_up(double x) { return std::nextafter(static_cast<float>(x * (1.0 + 0x1p-40)), std::numeric_limits<float>::infinity()); }
+
+PatchTree::Node box_around(std::span<const PatchItem> items, const Mat3& axes) {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
+  Vec3 high = -low;
+  for (const PatchItem& item : items) {
+    for (const Vec3& p : item.corner) {
+      const Vec3 y = axes.transpose() * p;
+      low = low.cwiseMin(y);
+      high = high.cwiseMax(y);
+    }
+  }
+  PatchTree::Node node;
+  const Vec3 centre = axes * (0.5 * (low + high));
+  Mat3 stored;
+  for (int i = 0; i < 3; ++i) {
+    node.centre[i] = static_cast<float>(centre[i]);
+    for (int k = 0; k < 3; ++k) stored(k, i) = node.axes[i][k] = static_cast<float>(axes(k, i));
+  }
+  // Coordinates along the rounded axes, from the rounded centre.
+  const Mat3 inverse = stored.inverse();
+  Vec3 half = Vec3::Zero();
+  for (const PatchItem& item : items) {
+    for (const Vec3& p : item.corner) half = half.cwiseMax((inverse * (p - node.at())).cwiseAbs());
+  }
+  for (int i = 0; i < 3; ++i) node.half[i] = rounded_up(half[i] + 0x1p-48 * (1.0 + centre.cwiseAbs().maxCoeff()));
+  return node;
+}
+
+struct PatchBuilder {
+  std::vector<PatchItem> items;
+  std::vector<PatchTree::Node> nodes;
+
+  void build(std::uint32_t at, std::size_t begin, std::size_t end) {
+    const std::span<PatchItem> own(items.data() + begin, end - begin);
+    const PatchAxes patch(own);
+    PatchTree::Node node = box_around(own, patch.axes);
+    if (own.size() <= PatchTree::kLeafSize) {
+      node.link = kLeafBit | static_cast<std::uint32_t>(own.size() - 1) << 29 | static_cast<std::uint32_t>(begin);
+      nodes[at] = node;
+      return;
+    }
+    const std::size_t half = own.size() / 2;
+    const Vec3 along = patch.axes.col(2);
+    std::nth_element(own.begin(), own.begin() + static_cast<std::ptrdiff_t>(half), own.end(), [&](const PatchItem& a, const PatchItem& b) {
+      const double x = along.dot(a.centre());
+      const double y = along.dot(b.centre());
+      return x != y ? x < y : a.id < b.id;
+    });
+    node.link = static_cast<std::uint32_t>(nodes.size());
+    nodes[at] = node;
+    nodes.resize(nodes.size() + 2);
+    build(node.link, begin, begin + half);
+    build(node.link + 1, begin + half, end);
+  }
+
+  void run() {
+    if (items.empty()) return;
+    nodes.reserve(items.size());
+    nodes.resize(1);
+    build(0, 0, items.size());
+  }
+};
+
+void add_surface(const ObjectGeometry& surface, std::uint32_t first_id, std::vector<PatchItem>& items) {
+  for (std::uint32_t t = 0; t < surface.triangle_count(); ++t) {
+    items.push_back({{surface.corner(t, 0), surface.corner(t, 1), surface.corner(t, 2)}, first_id | t});
+  }
+}
+
+}  // namespace
+
+PatchTree::PatchTree(const ObjectGeometry& surface) {
+  PatchBuilder builder;
+  add_surface(surface, 0, builder.items);
+  builder.run();
+  nodes_ = std::move(builder.nodes);
+  for (const PatchItem& item : builder.items) triangles_.push_back(item.id);
+}
+
+PatchTree::PatchTree(const TouchGeometry& scene) {
+  PatchBuilder builder;
+  const std::uint32_t step = scene.object_bits() & (~scene.object_bits() + 1U);
+  for (std::uint32_t o = 0; o < scene.object_count(); ++o) add_surface(scene.object_geometry(o), o * step, builder.items);
+  builder.run();
+  nodes_ = std::move(builder.nodes);
+  for (const PatchItem& item : builder.items) triangles_.push_back(item.id);
+}
+
+}  // namespace hapton
