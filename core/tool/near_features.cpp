@@ -47,13 +47,14 @@ NearFeatures::NearFeatures(const ObjectGeometry& tool, const TouchGeometry& scen
       scene_tree_(scene),
       pairs_(tool, scene, kMostTrianglePairs),
       radius_(radius_of(tool)),
+      front_(tool_tree_, scene_tree_, radius_),
       features_(kMostFeatures),
       known_(kMostFeatures) {}
 
 NearFeatures::SweptTriangle::SweptTriangle(const ObjectGeometry::Corners& own, const SweptMotion& motion, double within) {
   const std::array<Vec3, 3> arm = {motion.orientation * own.a, motion.orientation * own.b, motion.orientation * own.c};
   PlacedTriangle& placed = *this;
-  placed = PlacedTriangle(motion.position + arm[0], motion.position + arm[1], motion.position + arm[2]);
+  placed = PlacedTriangle(motion.from.position + arm[0], motion.from.position + arm[1], motion.from.position + arm[2]);
   double longest = 0.0;
   swept = box;
   for (int k = 0; k < 3; ++k) {
@@ -82,29 +83,20 @@ bool NearFeatures::collect(const Placement& placement, double distance, double t
 
 bool NearFeatures::extend(const RigidMotion& motion, double distance) noexcept {
   const SweptMotion swept(motion);
-  motion_ = &swept;
-  distance_ = distance;
-  swept_leaf_ = nullptr;
+  std::uint32_t last = ~0U;
+  SweptTriangle tool;
   fits_ = true;
-  return PatchWalk(tool_tree_, scene_tree_).for_each_near(swept, distance, kMostTests, [&](const auto& tool, const auto& scene) {
-    return add_leaves(tool, scene);
-  });
-}
-
-bool NearFeatures::add_leaves(const PatchTree::Node& tool_leaf, const PatchTree::Node& scene_leaf) noexcept {
-  const std::span<const std::uint32_t> own = tool_tree_.triangles(tool_leaf);
-  if (swept_leaf_ != &tool_leaf) {
-    swept_leaf_ = &tool_leaf;
-    for (std::size_t i = 0; i < own.size(); ++i) swept_[i] = SweptTriangle(tool_->corners(own[i]), *motion_, distance_);
-  }
-  for (const std::uint32_t id : scene_tree_.triangles(scene_leaf)) {
+  ++g_walks;
+  return front_.for_each_near(swept, distance, [&](std::uint32_t own, std::uint32_t id) {
+    if (own != last) {
+      last = own;
+      tool = SweptTriangle(tool_->corners(own), swept, distance);
+    }
     const ObjectGeometry::Corners c = scene_->corners(id);
     const PlacedTriangle scene(c.a, c.b, c.c);
-    for (std::size_t i = 0; i < own.size(); ++i) {
-      if (!are_apart(swept_[i], scene)) add_triangles({own[i], id}, swept_[i], scene);
-    }
-  }
-  return fits_;
+    if (++g_tris, !are_apart(tool, scene)) add_triangles({own, id}, tool, scene);
+    return fits_;
+  });
 }
 
 // True if the plane of either triangle, held fixed, separates them over the motion by more than the reach.
@@ -201,6 +193,7 @@ void NearFeatures::add(const FeaturePair& pair, const SweptTriangle& tool) noexc
   fits_ = fits_ && count_ < features_.size();
   if (!fits_) return;
   known_.insert(pair);
+  ++g_added;
   features_[count_++] = {pair, gap, is_minimum(pair, gap)};
 }
 

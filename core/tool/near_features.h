@@ -10,7 +10,7 @@
 #include "core/tool/feature_pair.h"
 #include "core/tool/feature_set.h"
 #include "core/tool/near_pairs.h"
-#include "core/tool/patch_walk.h"
+#include "core/tool/patch_front.h"
 #include "core/tool/surface_features.h"
 
 namespace hapton {
@@ -27,13 +27,12 @@ struct NearFeature {
 // The pairs of features of tool and scene that matter for a motion of the tool: all within a distance, and those that come within it on the
 // way. A pair that slides along itself needs no attention however fast it is, so few are left of those that are near (constraint
 // generation: the caller finds a motion from few pairs, and adds those that it brings together).
-// Work: at most kMostTests pairs of boxes a call, and kMostFeatures pairs of features. RT: collect, extend and any_intersect yes,
+// Work: at most PatchFront::kMostTests pairs of boxes a call, and kMostFeatures pairs of features. RT: collect, extend and any_intersect yes,
 // construction set-up only. Pre: the geometries outlive this; the scene is built at once.
 class NearFeatures {
  public:
   static constexpr std::size_t kMostTrianglePairs = 1U << 17;
   static constexpr std::size_t kMostFeatures = 1U << 14;
-  static constexpr std::size_t kMostTests = 1U << 20;
 
   NearFeatures(const ObjectGeometry& tool, const TouchGeometry& scene);
 
@@ -75,7 +74,6 @@ class NearFeatures {
     Box swept;           // its path, inflated by the reach
   };
 
-  bool add_leaves(const PatchTree::Node& tool_leaf, const PatchTree::Node& scene_leaf) noexcept;
   static bool are_apart(const SweptTriangle& tool, const PlacedTriangle& scene) noexcept;
   void add_triangles(const TrianglePairIds& ids, const SweptTriangle& tool, const PlacedTriangle& scene) noexcept;
   void add_edges(FeaturePair& pair, const SweptTriangle& tool, const PlacedTriangle& scene) noexcept;
@@ -90,17 +88,13 @@ class NearFeatures {
   PatchTree scene_tree_;
   NearPairs pairs_;
   double radius_ = 0.0;
+  PatchFront front_;
   Placement placement_;  // of the last collect
   double turn_ = 0.0;
   std::vector<NearFeature> features_;
   std::size_t count_ = 0;
   FeatureSet known_;  // what features_ holds
   bool fits_ = true;
-  // Of the walk that goes on.
-  const SweptMotion* motion_ = nullptr;
-  double distance_ = 0.0;
-  std::array<SweptTriangle, PatchTree::kLeafSize> swept_;  // of swept_leaf_
-  const PatchTree::Node* swept_leaf_ = nullptr;
 };
 
 }  // namespace hapton

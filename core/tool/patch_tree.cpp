@@ -9,12 +9,17 @@
 namespace hapton {
 namespace {
 
-constexpr std::uint32_t kLeafBit = 1U << 31;
-
 struct PatchItem {
-  std::array<Vec3, 3> corner;
-  std::uint32_t id = 0;
+  PatchItem(const ObjectGeometry& surface, std::uint32_t t, std::uint32_t first_id)
+      : corner{surface.corner(t, 0), surface.corner(t, 1), surface.corner(t, 2)},
+        normal((corner[1] - corner[0]).cross(corner[2] - corner[0])),
+        id(first_id | t) {}
 
+  std::array<Vec3, 3> corner;
+  Vec3 normal;  // as long as twice the area
+  std::uint32_t id;
+
+  Vec3 direction() const { return normal.stableNormalized(); }
   Vec3 centre() const { return (corner[0] + corner[1] + corner[2]) / 3.0; }
 };
 
@@ -80,26 +85,49 @@ PatchTree::Node box_around(std::span<const PatchItem> items, const Mat3& axes) {
   return node;
 }
 
-struct PatchBuilder {
+// How far the normals of a piece are from parallel: its area less the length of the sum of the normals, both doubled.
+struct PatchBend {
+  double area = 0.0;
+  Vec3 sum = Vec3::Zero();
+
+  void add(const PatchItem& item) {
+    area += item.normal.norm();
+    sum += item.normal;
+  }
+  double value() const { return area - sum.norm(); }
+  double relative() const { return area > 0.0 ? value() / area : 0.0; }
+};
+
+class PatchBuilder {
+ public:
   std::vector<PatchItem> items;
   std::vector<PatchTree::Node> nodes;
 
+  void run() {
+    if (items.empty()) return;
+    nodes.reserve(2 * items.size());
+    nodes.resize(1);
+    build(0, 0, items.size());
+  }
+
+ private:
   void build(std::uint32_t at, std::size_t begin, std::size_t end) {
     const std::span<PatchItem> own(items.data() + begin, end - begin);
     const PatchAxes patch(own);
     PatchTree::Node node = box_around(own, patch.axes);
-    if (own.size() <= PatchTree::kLeafSize) {
-      node.link = kLeafBit | static_cast<std::uint32_t>(own.size() - 1) << 29 | static_cast<std::uint32_t>(begin);
+    if (own.size() == 1) {
+      node.link = ~static_cast<std::uint32_t>(begin);
       nodes[at] = node;
       return;
     }
-    const std::size_t half = own.size() / 2;
-    const Vec3 along = patch.axes.col(2);
-    std::nth_element(own.begin(), own.begin() + static_cast<std::ptrdiff_t>(half), own.end(), [&](const PatchItem& a, const PatchItem& b) {
-      const double x = along.dot(a.centre());
-      const double y = along.dot(b.centre());
-      return x != y ? x < y : a.id < b.id;
-    });
+    PatchBend bend;
+    for (const PatchItem& item : own) bend.add(item);
+    std::size_t half = own.size() / 2;
+    if (own.size() <= kLargestBent && bend.relative() > kBent) {
+      half = split_by_bend(own, patch.axes);
+    } else {
+      std::nth_element(own.begin(), own.begin() + static_cast<std::ptrdiff_t>(half), own.end(), Along{patch.axes.col(2), false});
+    }
     node.link = static_cast<std::uint32_t>(nodes.size());
     nodes[at] = node;
     nodes.resize(nodes.size() + 2);
@@ -107,17 +135,64 @@ struct PatchBuilder {
     build(node.link + 1, begin + half, end);
   }
 
-  void run() {
-    if (items.empty()) return;
-    nodes.reserve(items.size());
-    nodes.resize(1);
-    build(0, 0, items.size());
+  // Orders triangles by their centres, or by their normals.
+  struct Along {
+    Vec3 axis;
+    bool is_by_normal;
+
+    double value(const PatchItem& item) const { return axis.dot(is_by_normal ? item.direction() : item.centre()); }
+    bool operator()(const PatchItem& a, const PatchItem& b) const {
+      const double x = value(a);
+      const double y = value(b);
+      return x != y ? x < y : a.id < b.id;
+    }
+  };
+
+  // A corner or a sharp edge is split where that makes the halves flattest, at an eighth of the triangles at least.
+  std::size_t split_by_bend(std::span<PatchItem> own, const Mat3& axes) {
+    double least = std::numeric_limits<double>::infinity();
+    std::size_t best = own.size() / 2;
+    Along best_order{axes.col(2), false};
+    for (int order = 0; order < 6; ++order) {
+      const Along along{axes.col(2 - order % 3), order >= 3};
+      std::sort(own.begin(), own.end(), along);
+      const auto [at, bend] = find_flattest_split(own);
+      if (bend < least * (1.0 - 0x1p-10)) {
+        least = bend;
+        best = at;
+        best_order = along;
+      }
+    }
+    std::sort(own.begin(), own.end(), best_order);
+    return best;
   }
+
+  std::pair<std::size_t, double> find_flattest_split(std::span<const PatchItem> own) {
+    bends_.assign(own.size(), 0.0);
+    PatchBend before;
+    for (std::size_t i = 0; i + 1 < own.size(); ++i) {
+      before.add(own[i]);
+      bends_[i + 1] = before.value();
+    }
+    PatchBend after;
+    for (std::size_t i = own.size() - 1; i > 0; --i) {
+      after.add(own[i]);
+      bends_[i] += after.value();
+    }
+    const std::size_t first = std::max<std::size_t>(1, own.size() / 8);
+    const auto least = std::min_element(bends_.begin() + static_cast<std::ptrdiff_t>(first),
+                                        bends_.begin() + static_cast<std::ptrdiff_t>(own.size() - first + 1));
+    return {static_cast<std::size_t>(least - bends_.begin()), *least};
+  }
+
+  static constexpr double kBent = 0.02;
+  static constexpr std::size_t kLargestBent = 1024;  // triangles; larger pieces are split in the middle
+  std::vector<double> bends_;
 };
 
 void add_surface(const ObjectGeometry& surface, std::uint32_t first_id, std::vector<PatchItem>& items) {
   for (std::uint32_t t = 0; t < surface.triangle_count(); ++t) {
-    items.push_back({{surface.corner(t, 0), surface.corner(t, 1), surface.corner(t, 2)}, first_id | t});
+    items.emplace_back(surface, t, first_id);
   }
 }
 

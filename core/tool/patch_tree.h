@@ -9,26 +9,23 @@
 
 namespace hapton {
 
-// A binary tree of oriented boxes over triangles (Gottschalk, Lin & Manocha, "OBBTree", 1996). A box along the principal axes of a piece of
+// A binary tree of oriented boxes over triangles, one a leaf (Gottschalk, Lin & Manocha, "OBBTree", 1996). A box along the principal axes of a piece of
 // surface is thin, of the order of the square of the piece's size, where a box along the coordinate axes is as thick as the piece is large.
 // Two surfaces that touch along parallel tangents are told apart by few pairs of such boxes.
 //
-// We differ in splitting at the median, which bounds the depth. Boxes are stored in single precision and contain their triangles' exact
+// We differ in splitting in the middle, and small pieces with sharp edges where that makes the halves flattest. Neither half has less than
+// an eighth of the triangles, which bounds the depth. Boxes are stored in single precision and contain their triangles' exact
 // corners. Threads: immutable. RT: queries yes, construction set-up only.
 class PatchTree {
  public:
-  static constexpr std::uint32_t kLeafSize = 4;
-  static constexpr int kMostDepth = 32;
-  static constexpr std::size_t kMostTriangles = 1U << 29;
+  static constexpr int kMostDepth = 96;
 
   // A box: centre + sum of axis[i] * y[i], |y[i]| <= half[i]. The axes are orthonormal to 2^-20.
   struct alignas(64) Node {
     std::array<float, 3> centre;
     std::array<std::array<float, 3>, 3> axes;  // from the shortest to the longest
     std::array<float, 3> half;
-    // Inner: the left child, before the right one. Leaf: kLeafBit, the number of triangles less one, the first of them.
-    std::uint32_t link;
-
+    std::uint32_t link;  // of the left child, which the right one follows; of a leaf the complement of its number among the leaves
     bool is_leaf() const { return (link >> 31) != 0; }
     Vec3 at() const { return {centre[0], centre[1], centre[2]}; }
     Vec3 axis(int i) const { return {axes[i][0], axes[i][1], axes[i][2]}; }
@@ -41,10 +38,8 @@ class PatchTree {
 
   // Node 0 is the root. None if there are no triangles.
   std::span<const Node> nodes() const { return nodes_; }
-  // Pre: node is a leaf.
-  std::span<const std::uint32_t> triangles(const Node& node) const {
-    return std::span(triangles_).subspan(node.link & (kMostTriangles - 1), (node.link >> 29 & 3U) + 1);
-  }
+  // Pre: the node is a leaf.
+  std::uint32_t triangle(const Node& leaf) const { return triangles_[~leaf.link]; }
 
  private:
   std::vector<Node> nodes_;

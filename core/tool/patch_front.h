@@ -1,0 +1,134 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/tool/patch_tree.h"
+#include "core/tool/swept_motion.h"
+
+namespace hapton {
+inline long g_tests = 0, g_leaves = 0, g_walks = 0, g_added = 0, g_tris = 0;
+
+// Walks the trees of tool and scene together over a motion of the tool, and finds the triangles that may come within a distance of each
+// other. Two boxes are apart if one of their six axes, held fixed over the motion, separates their paths: a motion along a surface does not
+// bring boxes together that face each other across the gap.
+//
+// The pairs of boxes where a walk has ended are kept, each with a lower bound of its distance (front tracking, Li & Chen 1998). The next
+// walk begins there, and tests again only what the tool's motion since then, and over the walk's own motion, could bring together.
+// Work: at most kMostTests pairs of boxes a walk. RT: for_each_near yes, construction set-up only. Pre: the trees outlive this.
+class PatchFront {
+ public:
+  static constexpr std::size_t kMostTests = 1U << 20;
+
+  // radius: the largest distance of a point of the tool from the grip point.
+  PatchFront(const PatchTree& tool, const PatchTree& scene, double radius);
+
+  // Calls visit(tool_triangle, scene_triangle) for all pairs that come within `distance` over the motion, and for some that nearly do. A
+  // visit that returns false ends the walk. False if it was ended, or was longer than kMostTests; pairs are then left out. A pair may be
+  // visited twice.
+  template <class Visit>
+  bool for_each_near(const SweptMotion& motion, double distance, Visit&& visit) noexcept;
+
+ private:
+  struct Pair {
+    std::uint32_t tool = 0;  // nodes
+    std::uint32_t scene = 0;
+  };
+  struct Ended {
+    Pair pair;
+    double distance = 0.0;  // lower bound, plus what the tool had travelled then
+  };
+  struct ToolBox {
+    ToolBox() = default;
+    ToolBox(const PatchTree::Node& node, const SweptMotion& motion);
+
+    Vec3 centre;  // scene frame
+    Mat3 axes;    // columns
+    Vec3 half;
+    Vec3 displacement;  // of the centre
+    double slack = 0.0;        // what the box's paths may differ by from that of its centre
+    double still_slack = 0.0;  // without the motion
+  };
+  struct Apart {
+    double distance;  // lower bound at the start of the motion
+    bool over_motion;
+  };
+
+  static Apart test(const ToolBox& tool, const PatchTree::Node& scene, double clearance) noexcept;
+  // Prepares a walk; returns the distance above which a pair of boxes needs no test.
+  double begin(const SweptMotion& motion, double distance) noexcept;
+  bool keep(Pair pair, double distance) noexcept;
+  // Walks from a pair down. False if the walk has to end.
+  template <class Visit>
+  bool descend(Pair from, const SweptMotion& motion, double distance, Visit&& visit) noexcept;
+
+  static constexpr std::size_t kMostEnded = 1U << 17;
+
+  const PatchTree* tool_;
+  const PatchTree* scene_;
+  double radius_;
+  std::vector<Ended> ended_;
+  std::vector<Ended> next_;
+  std::size_t count_ = 0;
+  std::size_t next_count_ = 0;
+  std::size_t first_count_ = 0;  // of the walk from the roots
+  std::size_t tests_ = 0;
+  Placement at_;
+  double travelled_ = 0.0;  // since the walk from the roots
+  ToolBox box_;             // of box_node_
+  std::uint32_t box_node_ = 0;
+};
+
+// ---------------------------------------------------------------------------------------------------------------------
+
+template <class Visit>
+bool PatchFront::for_each_near(const SweptMotion& motion, double distance, Visit&& visit) noexcept {
+  if (tool_->nodes().empty() || scene_->nodes().empty()) return true;
+  const double enough = begin(motion, distance);
+  bool goes_on = true;
+  for (std::size_t i = 0; i < count_ && goes_on; ++i) {
+    const Ended& ended = ended_[i];
+    goes_on = ended.distance > enough ? keep(ended.pair, ended.distance) : descend(ended.pair, motion, distance, visit);
+  }
+  ended_.swap(next_);
+  count_ = goes_on ? next_count_ : 0;
+  if (first_count_ == 0) first_count_ = count_;
+  return goes_on;
+}
+
+template <class Visit>
+bool PatchFront::descend(Pair from, const SweptMotion& motion, double distance, Visit&& visit) noexcept {
+  std::array<Pair, 2 * PatchTree::kMostDepth + 2> stack;
+  int top = 0;
+  stack[top++] = from;
+  while (top > 0) {
+    const Pair pair = stack[--top];
+    if (++tests_ > kMostTests) return false;
+    ++g_tests;
+    const PatchTree::Node& tool = tool_->nodes()[pair.tool];
+    const PatchTree::Node& scene = scene_->nodes()[pair.scene];
+    if (box_node_ != pair.tool) {
+      box_node_ = pair.tool;
+      box_ = ToolBox(tool, motion);
+    }
+    const Apart apart = test(box_, scene, distance);
+    if (apart.over_motion || (tool.is_leaf() && scene.is_leaf())) {
+      if (!keep(pair, travelled_ + apart.distance)) return false;
+      ++g_leaves;
+      if (!apart.over_motion && !visit(tool_->triangle(tool), scene_->triangle(scene))) return false;
+      continue;
+    }
+    const bool splits_tool = !tool.is_leaf() && (scene.is_leaf() || tool.half[2] > scene.half[2]);
+    if (splits_tool) {
+      stack[top++] = {tool.link + 1, pair.scene};
+      stack[top++] = {tool.link, pair.scene};
+    } else {
+      stack[top++] = {pair.tool, scene.link + 1};
+      stack[top++] = {pair.tool, scene.link};
+    }
+  }
+  return true;
+}
+
+}  // namespace hapton
