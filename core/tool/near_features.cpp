@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/geometry/triangle_distance.h"
+
 namespace hapton {
 namespace {
 
@@ -49,13 +51,15 @@ NearFeatures::NearFeatures(const ObjectGeometry& tool, const TouchGeometry& scen
       radius_(radius_of(tool)),
       front_(tool_tree_, scene_tree_, radius_),
       features_(kMostFeatures),
-      known_(kMostFeatures) {}
+      known_(kMostFeatures),
+      swept_(kSwept) {}
 
-NearFeatures::SweptTriangle::SweptTriangle(const ObjectGeometry::Corners& own, const SweptMotion& motion, double within) {
+void NearFeatures::SweptTriangle::place(const ObjectGeometry::Corners& own, const SweptMotion& motion, double within) {
   const std::array<Vec3, 3> arm = {motion.orientation * own.a, motion.orientation * own.b, motion.orientation * own.c};
   PlacedTriangle& placed = *this;
   placed = PlacedTriangle(motion.from.position + arm[0], motion.from.position + arm[1], motion.from.position + arm[2]);
   double longest = 0.0;
+  most_moved = 0.0;
   swept = box;
   for (int k = 0; k < 3; ++k) {
     moved[k] = motion.displacement(arm[k]);
@@ -78,25 +82,35 @@ bool NearFeatures::collect(const Placement& placement, double distance, double t
   known_.clear();
   placement_ = placement;
   turn_ = turn;
-  return extend(RigidMotion{placement}, distance);
+  within_ = 0.0;
+  if (!extend(RigidMotion{placement}, distance)) return false;
+  within_ = distance;
+  return true;
 }
 
 bool NearFeatures::extend(const RigidMotion& motion, double distance) noexcept {
-  const SweptMotion swept(motion);
-  std::uint32_t last = ~0U;
-  SweptTriangle tool;
+  if (motion.length(radius_) + distance <= within_) return true;
+  const SweptMotion path(motion);
   fits_ = true;
+  ++walk_;
   ++g_walks;
-  return front_.for_each_near(swept, distance, [&](std::uint32_t own, std::uint32_t id) {
-    if (own != last) {
-      last = own;
-      tool = SweptTriangle(tool_->corners(own), swept, distance);
-    }
+  return front_.for_each_near(path, distance, [&](std::uint32_t own, std::uint32_t id) {
+    const SweptTriangle& tool = swept(own, path, distance);
     const ObjectGeometry::Corners c = scene_->corners(id);
     const PlacedTriangle scene(c.a, c.b, c.c);
     if (++g_tris, !are_apart(tool, scene)) add_triangles({own, id}, tool, scene);
     return fits_;
   });
+}
+
+const NearFeatures::SweptTriangle& NearFeatures::swept(std::uint32_t triangle, const SweptMotion& motion, double distance) noexcept {
+  SweptTriangle& tool = swept_[triangle % kSwept];
+  if (tool.walk != walk_ || tool.triangle != triangle) {
+    tool.place(tool_->corners(triangle), motion, distance);
+    tool.walk = walk_;
+    tool.triangle = triangle;
+  }
+  return tool;
 }
 
 // True if the plane of either triangle, held fixed, separates them over the motion by more than the reach.
@@ -130,22 +144,31 @@ void NearFeatures::add_triangles(const TrianglePairIds& ids, const SweptTriangle
   const SurfaceFeatures& scene_features = scene_features_[scene_->mesh_of(ids.scene)];
   const std::uint32_t scene_triangle = scene_->triangle_of(ids.scene);
   const ObjectGeometry::Corners t = tool_->corners(ids.tool);
+  const std::array<Vec3, 3>& s = scene.corner;
+  const double reach = tool.reach + tool.most_moved;
+  const double squared = reach * reach;
   FeaturePair pair;
   pair.tool_triangle = ids.tool;
   pair.scene_triangle = ids.scene;
   const std::array<Vec3, 3> own = {t.a, t.b, t.c};
   for (int k = 0; k < 3; ++k) {
     pair.tool_corner = pair.scene_corner = k;
-    if (tool_features_.owns_vertex(ids.tool, k)) {
+    const double height = scene.normal.dot(tool.corner[k] - s[0]);
+    const double end = height + scene.normal.dot(tool.moved[k]);
+    const double limit = tool.reach * scene.length;
+    if (tool_features_.owns_vertex(ids.tool, k) && std::min(height, end) <= limit && std::max(height, end) >= -limit &&
+        triangle_distance_squared(tool.corner[k], s[0], s[1], s[2]) <= squared) {
       pair.kind = Kind::vertex_face;
       pair.tool[0] = own[k];
-      pair.scene = scene.corner;
+      pair.scene = s;
       add(pair, tool);
     }
-    if (scene_features.owns_vertex(scene_triangle, k)) {
+    if (scene_features.owns_vertex(scene_triangle, k) &&
+        std::fabs(tool.normal.dot(s[k] - tool.corner[0])) <= reach * tool.length &&
+        triangle_distance_squared(s[k], tool.corner[0], tool.corner[1], tool.corner[2]) <= squared) {
       pair.kind = Kind::face_vertex;
       pair.tool = own;
-      pair.scene[0] = scene.corner[k];
+      pair.scene[0] = s[k];
       add(pair, tool);
     }
   }
@@ -157,13 +180,15 @@ void NearFeatures::add_edges(FeaturePair& pair, const SweptTriangle& tool, const
   const std::uint32_t scene_triangle = scene_->triangle_of(pair.scene_triangle);
   const ObjectGeometry::Corners t = tool_->corners(pair.tool_triangle);
   const std::array<Vec3, 3> own = {t.a, t.b, t.c};
+  const double reach = tool.reach + tool.most_moved;
   pair.kind = Kind::edge_edge;
   for (int i = 0; i < 3; ++i) {
     if (!tool_features_.owns_edge(pair.tool_triangle, i)) continue;
     const int next = (i + 1) % 3;
-    Box around = Box::around(tool.corner[i], tool.corner[next]);
-    around.grow(tool.corner[i] + tool.moved[i]);
-    around.grow(tool.corner[next] + tool.moved[next]);
+    const Vec3& a = tool.corner[i];
+    const Vec3& a_end = tool.corner[next];
+    Box around = Box::around(a, a_end);
+    around.grow(Box::around(a + tool.moved[i], a_end + tool.moved[next]));
     around = around.inflated(tool.reach);
     pair.tool_corner = i;
     pair.tool = {own[i], own[next], Vec3::Zero()};
@@ -171,6 +196,7 @@ void NearFeatures::add_edges(FeaturePair& pair, const SweptTriangle& tool, const
       const Vec3& b = scene.corner[k];
       const Vec3& b_end = scene.corner[(k + 1) % 3];
       if (!scene_features.owns_edge(scene_triangle, k) || !around.overlaps(Box::around(b, b_end))) continue;
+      if (detail::segment_segment_distance_squared(of3(a), of3(Vec3(a_end - a)), of3(b), of3(Vec3(b_end - b))) > reach * reach) continue;
       pair.scene_corner = k;
       pair.scene = {b, b_end, Vec3::Zero()};
       add(pair, tool);
@@ -180,7 +206,7 @@ void NearFeatures::add_edges(FeaturePair& pair, const SweptTriangle& tool, const
 
 // Skips a pair that a plane between its closest points, held fixed, separates over the motion.
 void NearFeatures::add(const FeaturePair& pair, const SweptTriangle& tool) noexcept {
-  if (is_beyond(pair, placement_, tool.reach + tool.most_moved) || known_.has(pair)) return;
+  if (known_.has(pair)) return;
   const FeatureGap gap = measure_gap(pair, placement_);
   double approach = 0.0;
   if (pair.kind == Kind::face_vertex) {

@@ -52,6 +52,8 @@ class NearFeatures {
   double radius() const { return radius_; }
 
  private:
+  static constexpr std::size_t kSwept = 128;
+
   // A triangle in the scene's frame.
   struct PlacedTriangle {
     PlacedTriangle() = default;
@@ -65,8 +67,10 @@ class NearFeatures {
   };
   // A triangle of the tool, at the start of a motion and over it.
   struct SweptTriangle : PlacedTriangle {
-    SweptTriangle() = default;
-    SweptTriangle(const ObjectGeometry::Corners& own, const SweptMotion& motion, double within);
+    void place(const ObjectGeometry::Corners& own, const SweptMotion& motion, double within);
+
+    std::uint64_t walk = 0;  // that it was made for
+    std::uint32_t triangle = 0;
 
     std::array<Vec3, 3> moved;  // displacement of each corner
     double most_moved = 0.0;
@@ -74,6 +78,7 @@ class NearFeatures {
     Box swept;           // its path, inflated by the reach
   };
 
+  const SweptTriangle& swept(std::uint32_t triangle, const SweptMotion& motion, double distance) noexcept;
   static bool are_apart(const SweptTriangle& tool, const PlacedTriangle& scene) noexcept;
   void add_triangles(const TrianglePairIds& ids, const SweptTriangle& tool, const PlacedTriangle& scene) noexcept;
   void add_edges(FeaturePair& pair, const SweptTriangle& tool, const PlacedTriangle& scene) noexcept;
@@ -91,10 +96,13 @@ class NearFeatures {
   PatchFront front_;
   Placement placement_;  // of the last collect
   double turn_ = 0.0;
+  double within_ = 0.0;  // distance of the last collect
   std::vector<NearFeature> features_;
   std::size_t count_ = 0;
   FeatureSet known_;  // what features_ holds
   bool fits_ = true;
+  std::vector<SweptTriangle> swept_;  // by the last bits of the triangle's number
+  std::uint64_t walk_ = 0;
 };
 
 }  // namespace hapton

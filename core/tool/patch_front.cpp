@@ -2,47 +2,89 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 namespace hapton {
+namespace {
+
+using Floats4 = float __attribute__((vector_size(16)));
+
+Lanes4 lanes_of(const Vec3& v) { return Lanes4{v.x(), v.y(), v.z(), 0.0}; }
+
+// Of three numbers; the last lane is of no use.
+Lanes4 lanes_at(const float* from) {
+  Floats4 four;
+  std::memcpy(&four, from, sizeof(four));
+  return __builtin_convertvector(four, Lanes4);
+}
+
+Lanes4 absolute(const Lanes4& x) { return detail::lane_max(x, -x); }
+
+// The components of v along axes that are given by coordinate.
+Lanes4 along(const Lanes4 (&axes)[3], const Vec3& v) { return v.x() * axes[0] + v.y() * axes[1] + v.z() * axes[2]; }
+
+// What a motion adds to the distance of something at `at` from zero, where it is nearer after it.
+Lanes4 approach(const Lanes4& at, const Lanes4& motion) {
+  const Lanes4 away = at < 0.0 ? -motion : motion;
+  return detail::lane_min(away, Lanes4{});
+}
+
+double largest_of(const Lanes4& a, const Lanes4& b) {
+  const Lanes4 both = detail::lane_max(a, b);
+  return std::max({both[0], both[1], both[2]});
+}
+
+}  // namespace
 
 PatchFront::PatchFront(const PatchTree& tool, const PatchTree& scene, double radius)
-    : tool_(&tool), scene_(&scene), radius_(radius), ended_(kMostEnded), next_(kMostEnded) {}
+    : tool_(&tool), scene_(&scene), radius_(radius), ended_(kMostEnded), next_(kMostEnded), boxes_(kBoxes) {}
 
-PatchFront::ToolBox::ToolBox(const PatchTree::Node& node, const SweptMotion& motion) : half(node.half_size()) {
-  const Vec3 arm = motion.orientation * node.at();
-  for (int i = 0; i < 3; ++i) axes.col(i) = motion.orientation * node.axis(i);
+void PatchFront::ToolBox::place(const PatchTree::Node& tool, const SweptMotion& motion) {
+  const Vec3 arm = motion.orientation * tool.at();
+  half = tool.half_size();
+  half_lanes = lanes_of(half);
+  for (int i = 0; i < 3; ++i) axes.col(i) = motion.orientation * tool.axis(i);
+  for (int k = 0; k < 3; ++k) lanes[k] = lanes_of(axes.row(k).transpose());
   centre = motion.from.position + arm;
   displacement = motion.displacement(arm);
+  displacement_lanes = along(lanes, displacement);
   const double radius = half.norm();
   const double length = arm.norm();
   still_slack = 0x1p-18 * radius + 0x1p-45 * (1.0 + length);  // the axes are orthonormal to 2^-20
   slack = still_slack + motion.angle * radius + motion.sagitta * (length + radius);
 }
 
+const PatchFront::ToolBox& PatchFront::placed(std::uint32_t node, const SweptMotion& motion) noexcept {
+  ToolBox& box = boxes_[node % kBoxes];
+  if (box.walk != walk_ || box.node != node) {
+    box.place(tool_->nodes()[node], motion);
+    box.walk = walk_;
+    box.node = node;
+  }
+  return box;
+}
+
 PatchFront::Apart PatchFront::test(const ToolBox& tool, const PatchTree::Node& scene, double clearance) noexcept {
-  Mat3 axes;
-  for (int i = 0; i < 3; ++i) axes.col(i) = scene.axis(i);
+  const Lanes4 axes[3] = {lanes_at(scene.axes[0].data()), lanes_at(scene.axes[1].data()), lanes_at(scene.axes[2].data())};
   const Vec3 half = scene.half_size();
   const Vec3 between = tool.centre - scene.at();
-  const Mat3 cosines = axes.transpose() * tool.axes;
-  const Mat3 sizes = cosines.cwiseAbs();
-  const auto gaps = [&](const Mat3& along, const Vec3& sum, Vec3& still, Vec3& moved) {
-    const Vec3 apart = along.transpose() * between;
-    const Vec3 motion = along.transpose() * tool.displacement;
-    still = apart.cwiseAbs() - sum;
-    // The distance at the end of the motion that is nearer.
-    for (int i = 0; i < 3; ++i) moved[i] = still[i] + std::min(0.0, apart[i] < 0.0 ? -motion[i] : motion[i]);
-  };
-  Vec3 still_scene;
-  Vec3 moved_scene;
-  gaps(axes, half + sizes * tool.half, still_scene, moved_scene);
-  Vec3 still_tool;
-  Vec3 moved_tool;
-  gaps(tool.axes, tool.half + sizes.transpose() * half, still_tool, moved_tool);
-  const double rounding = 0x1p-18 * half.norm() + 0x1p-45 * between.norm();
-  const double still = std::max(still_scene.maxCoeff(), still_tool.maxCoeff()) * (1.0 - 0x1p-20) - rounding - tool.still_slack;
-  const double moved = std::max(moved_scene.maxCoeff(), moved_tool.maxCoeff()) * (1.0 - 0x1p-20) - rounding - tool.slack;
-  return {still, moved > clearance};
+  // The sizes of each body's box along the other's axes.
+  Lanes4 tool_size{};
+  Lanes4 scene_size{};
+  for (int i = 0; i < 3; ++i) {
+    tool_size += absolute(along(axes, tool.axes.col(i))) * tool.half[i];
+    scene_size += absolute(along(tool.lanes, scene.axis(i))) * half[i];
+  }
+  const Lanes4 by_scene = along(axes, between);
+  const Lanes4 by_tool = along(tool.lanes, between);
+  const Lanes4 still_scene = absolute(by_scene) - (lanes_of(half) + tool_size);
+  const Lanes4 still_tool = absolute(by_tool) - (tool.half_lanes + scene_size);
+  const Lanes4 moved_scene = still_scene + approach(by_scene, along(axes, tool.displacement));
+  const Lanes4 moved_tool = still_tool + approach(by_tool, tool.displacement_lanes);
+  const double rounding = 0x1p-18 * half.sum() + 0x1p-45 * between.cwiseAbs().sum();
+  constexpr double kLength = 1.0 - 0x1p-20;  // of an axis, at least
+  return {largest_of(still_scene, still_tool) * kLength - rounding - tool.still_slack,
+          largest_of(moved_scene, moved_tool) * kLength - rounding - tool.slack > clearance};
 }
 
 double PatchFront::begin(const SweptMotion& motion, double distance) noexcept {
@@ -52,7 +94,7 @@ double PatchFront::begin(const SweptMotion& motion, double distance) noexcept {
   at_ = motion.from;
   next_count_ = 0;
   tests_ = 0;
-  box_node_ = ~0U;
+  ++walk_;
   if (count_ == 0 || count_ > 2 * first_count_ + 64) {
     ended_[0] = {{0, 0}, -1.0};
     count_ = 1;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/geometry/triangle_distance.h"
 #include "core/tool/patch_tree.h"
 #include "core/tool/swept_motion.h"
 
@@ -40,15 +41,19 @@ class PatchFront {
     double distance = 0.0;  // lower bound, plus what the tool had travelled then
   };
   struct ToolBox {
-    ToolBox() = default;
-    ToolBox(const PatchTree::Node& node, const SweptMotion& motion);
+    void place(const PatchTree::Node& tool, const SweptMotion& motion);
 
+    std::uint64_t walk = 0;  // that it was made for
+    std::uint32_t node = 0;
     Vec3 centre;  // scene frame
-    Mat3 axes;    // columns
     Vec3 half;
     Vec3 displacement;  // of the centre
-    double slack = 0.0;        // what the box's paths may differ by from that of its centre
-    double still_slack = 0.0;  // without the motion
+    Mat3 axes;          // columns
+    Lanes4 lanes[3];    // of the axes, by coordinate
+    Lanes4 half_lanes;
+    Lanes4 displacement_lanes;  // along the axes
+    double slack = 0.0;         // what the box's paths may differ by from that of its centre
+    double still_slack = 0.0;   // without the motion
   };
   struct Apart {
     double distance;  // lower bound at the start of the motion
@@ -56,6 +61,7 @@ class PatchFront {
   };
 
   static Apart test(const ToolBox& tool, const PatchTree::Node& scene, double clearance) noexcept;
+  const ToolBox& placed(std::uint32_t node, const SweptMotion& motion) noexcept;
   // Prepares a walk; returns the distance above which a pair of boxes needs no test.
   double begin(const SweptMotion& motion, double distance) noexcept;
   bool keep(Pair pair, double distance) noexcept;
@@ -64,6 +70,7 @@ class PatchFront {
   bool descend(Pair from, const SweptMotion& motion, double distance, Visit&& visit) noexcept;
 
   static constexpr std::size_t kMostEnded = 1U << 17;
+  static constexpr std::size_t kBoxes = 256;
 
   const PatchTree* tool_;
   const PatchTree* scene_;
@@ -76,8 +83,8 @@ class PatchFront {
   std::size_t tests_ = 0;
   Placement at_;
   double travelled_ = 0.0;  // since the walk from the roots
-  ToolBox box_;             // of box_node_
-  std::uint32_t box_node_ = 0;
+  std::vector<ToolBox> boxes_;  // by the last bits of the node's number
+  std::uint64_t walk_ = 0;
 };
 
 // ---------------------------------------------------------------------------------------------------------------------
@@ -108,11 +115,7 @@ bool PatchFront::descend(Pair from, const SweptMotion& motion, double distance, 
     ++g_tests;
     const PatchTree::Node& tool = tool_->nodes()[pair.tool];
     const PatchTree::Node& scene = scene_->nodes()[pair.scene];
-    if (box_node_ != pair.tool) {
-      box_node_ = pair.tool;
-      box_ = ToolBox(tool, motion);
-    }
-    const Apart apart = test(box_, scene, distance);
+    const Apart apart = test(placed(pair.tool, motion), scene, distance);
     if (apart.over_motion || (tool.is_leaf() && scene.is_leaf())) {
       if (!keep(pair, travelled_ + apart.distance)) return false;
       ++g_leaves;

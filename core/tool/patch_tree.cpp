@@ -73,7 +73,7 @@ PatchTree::Node box_around(std::span<const PatchItem> items, const Mat3& axes) {
   Mat3 stored;
   for (int i = 0; i < 3; ++i) {
     node.centre[i] = static_cast<float>(centre[i]);
-    for (int k = 0; k < 3; ++k) stored(k, i) = node.axes[i][k] = static_cast<float>(axes(k, i));
+    for (int k = 0; k < 3; ++k) stored(k, i) = node.axes[k][i] = static_cast<float>(axes(k, i));
   }
   // Coordinates along the rounded axes, from the rounded centre.
   const Mat3 inverse = stored.inverse();

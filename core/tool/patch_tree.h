@@ -23,12 +23,12 @@ class PatchTree {
   // A box: centre + sum of axis[i] * y[i], |y[i]| <= half[i]. The axes are orthonormal to 2^-20.
   struct alignas(64) Node {
     std::array<float, 3> centre;
-    std::array<std::array<float, 3>, 3> axes;  // from the shortest to the longest
+    std::array<std::array<float, 3>, 3> axes;  // by coordinate, then by axis, from the shortest to the longest
     std::array<float, 3> half;
     std::uint32_t link;  // of the left child, which the right one follows; of a leaf the complement of its number among the leaves
     bool is_leaf() const { return (link >> 31) != 0; }
     Vec3 at() const { return {centre[0], centre[1], centre[2]}; }
-    Vec3 axis(int i) const { return {axes[i][0], axes[i][1], axes[i][2]}; }
+    Vec3 axis(int i) const { return {axes[0][i], axes[1][i], axes[2][i]}; }
     Vec3 half_size() const { return {half[0], half[1], half[2]}; }
   };
 

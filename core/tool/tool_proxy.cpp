@@ -175,6 +175,10 @@ RigidMotion ToolProxy::constrain(const RigidMotion& wanted, double reach) noexce
   return motion;
 }
 
+bool ToolProxy::is_at_rest() const noexcept {
+  return least_.solved && least_.active_count > 0 && to_motion(least_.y).length(near_.radius()) <= kConverged * kOffset;
+}
+
 // True if the motion brings a minimum from index `first` on below the contact offset.
 bool ToolProxy::is_crossed(const RigidMotion& motion, std::size_t first) const noexcept {
   const Placement to = motion.at(1.0);
@@ -223,7 +227,7 @@ bool ToolProxy::round(const Placement& device, ToolProxyStep& report) noexcept {
   if (!near_.collect(proxy_, kNearShare * reach + kNear * kOffset, std::min(2.0 * reach / radius, kLargestTilt))) return shorten();
   RigidMotion motion = constrain(wanted, reach);
   // Pairs that this motion brings together are added, until it crosses none.
-  for (int k = 0; k < kMostExtensions; ++k) {
+  for (int k = 0; !is_at_rest() && k < kMostExtensions; ++k) {
     const std::size_t known = near_.features().size();
     if (!near_.extend(motion, kOffset)) return shorten();
     if (k + 1 == kMostExtensions || !is_crossed(motion, known)) break;
@@ -231,7 +235,7 @@ bool ToolProxy::round(const Placement& device, ToolProxyStep& report) noexcept {
   }
   report.feature_count = std::max(report.feature_count, near_.features().size());
   note_contacts(report);
-  if (least_.solved && least_.active_count > 0 && to_motion(least_.y).length(radius) <= kConverged * kOffset) return false;
+  if (is_at_rest()) return false;
   const double length = motion.length(radius);
   if (least_.solved) update_curvature();
   report.converged = false;
