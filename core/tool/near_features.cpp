@@ -69,6 +69,7 @@ void NearFeatures::SweptTriangle::place(const ObjectGeometry::Corners& own, cons
   }
   most_moved = std::sqrt(most_moved);
   longest = std::sqrt(longest);
+  blur *= 1.0 + longest;
   reach = within * (1.0 + 0x1p-40) + motion.sagitta * longest + 0x1p-45 * (1.0 + longest);
   swept = swept.inflated(reach);
 }
@@ -93,13 +94,14 @@ bool NearFeatures::extend(const RigidMotion& motion, double distance) noexcept {
   const SweptMotion path(motion);
   fits_ = true;
   ++walk_;
-  ++g_walks;
   return front_.for_each_near(path, distance, [&](std::uint32_t own, std::uint32_t id) {
     const SweptTriangle& tool = swept(own, path, distance);
     const ObjectGeometry::Corners c = scene_->corners(id);
     const PlacedTriangle scene(c.a, c.b, c.c);
-    if (++g_tris, !are_apart(tool, scene)) add_triangles({own, id}, tool, scene);
-    return fits_;
+    bool apart = false;
+    const double gap = find_plane_gap(tool, scene, apart);
+    const double features_gap = apart ? gap : add_triangles({own, id}, tool, scene);
+    return fits_ ? std::max(gap, features_gap) : PatchFront::kEnd;
   });
 }
 
@@ -113,95 +115,103 @@ const NearFeatures::SweptTriangle& NearFeatures::swept(std::uint32_t triangle, c
   return tool;
 }
 
-// True if the plane of either triangle, held fixed, separates them over the motion by more than the reach.
-bool NearFeatures::are_apart(const SweptTriangle& tool, const PlacedTriangle& scene) noexcept {
-  if (!tool.swept.overlaps(scene.box)) return true;
-  double low = std::numeric_limits<double>::infinity();
-  double high = -low;
-  double falls = 0.0;
-  double rises = 0.0;
+double NearFeatures::find_plane_gap(const SweptTriangle& tool, const PlacedTriangle& scene, bool& apart) noexcept {
+  struct Range {
+    double low = std::numeric_limits<double>::infinity();
+    double high = -std::numeric_limits<double>::infinity();
+    void grow(double a) {
+      low = std::min(low, a);
+      high = std::max(high, a);
+    }
+    double from_zero() const { return std::max(low, -high); }
+  };
+  Range still;  // of the tool's corners from the scene's plane
+  Range moved;
+  Range end;  // of the motion, along the tool's normal
+  end.grow(0.0);
   for (int k = 0; k < 3; ++k) {
     const double at = scene.normal.dot(tool.corner[k] - scene.corner[0]);
-    const double by = scene.normal.dot(tool.moved[k]);
-    low = std::min(low, at + std::min(0.0, by));
-    high = std::max(high, at + std::max(0.0, by));
-    const double own = tool.normal.dot(tool.moved[k]);
-    falls = std::min(falls, own);
-    rises = std::max(rises, own);
+    still.grow(at);
+    moved.grow(at);
+    moved.grow(at + scene.normal.dot(tool.moved[k]));
+    end.grow(tool.normal.dot(tool.moved[k]));
   }
-  if (low > tool.reach * scene.length || high < -tool.reach * scene.length) return true;
-  low = std::numeric_limits<double>::infinity();
-  high = -low;
-  for (const Vec3& p : scene.corner) {
-    const double at = tool.normal.dot(p - tool.corner[0]);
-    low = std::min(low, at);
-    high = std::max(high, at);
-  }
-  return low - rises > tool.reach * tool.length || high - falls < -tool.reach * tool.length;
+  Range other;  // of the scene's corners from the tool's plane
+  for (const Vec3& p : scene.corner) other.grow(tool.normal.dot(p - tool.corner[0]));
+  const double span = (tool.corner[0] - scene.corner[0]).cwiseAbs().sum() + tool.box.diagonal() + scene.box.diagonal();
+  const double scene_blur = scene.blur * span;
+  const double tool_blur = tool.blur * span;
+  apart = !tool.swept.overlaps(scene.box) || moved.from_zero() > tool.reach * scene.length + scene_blur ||
+          std::max(other.low - end.high, end.low - other.high) > tool.reach * tool.length + tool_blur;
+  double gap = 0.0;
+  if (scene.length > 0.0) gap = std::max(gap, (still.from_zero() - scene_blur) / scene.length);
+  if (tool.length > 0.0) gap = std::max(gap, (other.from_zero() - tool_blur) / tool.length);
+  return gap;
 }
 
-void NearFeatures::add_triangles(const TrianglePairIds& ids, const SweptTriangle& tool, const PlacedTriangle& scene) noexcept {
-  const SurfaceFeatures& scene_features = scene_features_[scene_->mesh_of(ids.scene)];
-  const std::uint32_t scene_triangle = scene_->triangle_of(ids.scene);
-  const ObjectGeometry::Corners t = tool_->corners(ids.tool);
-  const std::array<Vec3, 3>& s = scene.corner;
-  const double reach = tool.reach + tool.most_moved;
-  const double squared = reach * reach;
+double NearFeatures::add_triangles(const TrianglePairIds& ids, const SweptTriangle& tool, const PlacedTriangle& scene) noexcept {
   FeaturePair pair;
   pair.tool_triangle = ids.tool;
   pair.scene_triangle = ids.scene;
+  return std::min(add_vertices(pair, tool, scene), add_edges(pair, tool, scene));
+}
+
+double NearFeatures::add_vertices(FeaturePair& pair, const SweptTriangle& tool, const PlacedTriangle& scene) noexcept {
+  const SurfaceFeatures& scene_features = scene_features_[scene_->mesh_of(pair.scene_triangle)];
+  const std::uint32_t scene_triangle = scene_->triangle_of(pair.scene_triangle);
+  const ObjectGeometry::Corners t = tool_->corners(pair.tool_triangle);
   const std::array<Vec3, 3> own = {t.a, t.b, t.c};
+  const std::array<Vec3, 3>& s = scene.corner;
+  const double reach = tool.reach + tool.most_moved;
+  double least = std::numeric_limits<double>::infinity();
   for (int k = 0; k < 3; ++k) {
     pair.tool_corner = pair.scene_corner = k;
-    const double height = scene.normal.dot(tool.corner[k] - s[0]);
-    const double end = height + scene.normal.dot(tool.moved[k]);
-    const double limit = tool.reach * scene.length;
-    if (tool_features_.owns_vertex(ids.tool, k) && std::min(height, end) <= limit && std::max(height, end) >= -limit &&
-        triangle_distance_squared(tool.corner[k], s[0], s[1], s[2]) <= squared) {
+    if (tool_features_.owns_vertex(pair.tool_triangle, k)) {
+      const double squared = triangle_distance_squared(tool.corner[k], s[0], s[1], s[2]);
+      least = std::min(least, squared);
       pair.kind = Kind::vertex_face;
       pair.tool[0] = own[k];
       pair.scene = s;
-      add(pair, tool);
+      if (squared <= reach * reach) add(pair, tool);
     }
-    if (scene_features.owns_vertex(scene_triangle, k) &&
-        std::fabs(tool.normal.dot(s[k] - tool.corner[0])) <= reach * tool.length &&
-        triangle_distance_squared(s[k], tool.corner[0], tool.corner[1], tool.corner[2]) <= squared) {
+    if (scene_features.owns_vertex(scene_triangle, k)) {
+      const double squared = triangle_distance_squared(s[k], tool.corner[0], tool.corner[1], tool.corner[2]);
+      least = std::min(least, squared);
       pair.kind = Kind::face_vertex;
       pair.tool = own;
       pair.scene[0] = s[k];
-      add(pair, tool);
+      if (squared <= reach * reach) add(pair, tool);
     }
   }
-  add_edges(pair, tool, scene);
+  return std::sqrt(least);
 }
 
-void NearFeatures::add_edges(FeaturePair& pair, const SweptTriangle& tool, const PlacedTriangle& scene) noexcept {
+double NearFeatures::add_edges(FeaturePair& pair, const SweptTriangle& tool, const PlacedTriangle& scene) noexcept {
   const SurfaceFeatures& scene_features = scene_features_[scene_->mesh_of(pair.scene_triangle)];
   const std::uint32_t scene_triangle = scene_->triangle_of(pair.scene_triangle);
   const ObjectGeometry::Corners t = tool_->corners(pair.tool_triangle);
   const std::array<Vec3, 3> own = {t.a, t.b, t.c};
   const double reach = tool.reach + tool.most_moved;
+  double least = std::numeric_limits<double>::infinity();
   pair.kind = Kind::edge_edge;
   for (int i = 0; i < 3; ++i) {
     if (!tool_features_.owns_edge(pair.tool_triangle, i)) continue;
-    const int next = (i + 1) % 3;
     const Vec3& a = tool.corner[i];
-    const Vec3& a_end = tool.corner[next];
-    Box around = Box::around(a, a_end);
-    around.grow(Box::around(a + tool.moved[i], a_end + tool.moved[next]));
-    around = around.inflated(tool.reach);
+    const Vec3 d = tool.corner[(i + 1) % 3] - a;
     pair.tool_corner = i;
-    pair.tool = {own[i], own[next], Vec3::Zero()};
+    pair.tool = {own[i], own[(i + 1) % 3], Vec3::Zero()};
     for (int k = 0; k < 3; ++k) {
+      if (!scene_features.owns_edge(scene_triangle, k)) continue;
       const Vec3& b = scene.corner[k];
       const Vec3& b_end = scene.corner[(k + 1) % 3];
-      if (!scene_features.owns_edge(scene_triangle, k) || !around.overlaps(Box::around(b, b_end))) continue;
-      if (detail::segment_segment_distance_squared(of3(a), of3(Vec3(a_end - a)), of3(b), of3(Vec3(b_end - b))) > reach * reach) continue;
+      const double squared = detail::segment_segment_distance_squared(of3(a), of3(d), of3(b), of3(Vec3(b_end - b)));
+      least = std::min(least, squared);
       pair.scene_corner = k;
       pair.scene = {b, b_end, Vec3::Zero()};
-      add(pair, tool);
+      if (squared <= reach * reach) add(pair, tool);
     }
   }
+  return std::sqrt(least);
 }
 
 // Skips a pair that a plane between its closest points, held fixed, separates over the motion.
@@ -219,7 +229,6 @@ void NearFeatures::add(const FeaturePair& pair, const SweptTriangle& tool) noexc
   fits_ = fits_ && count_ < features_.size();
   if (!fits_) return;
   known_.insert(pair);
-  ++g_added;
   features_[count_++] = {pair, gap, is_minimum(pair, gap)};
 }
 
@@ -227,7 +236,7 @@ void NearFeatures::add(const FeaturePair& pair, const SweptTriangle& tool) noexc
 bool NearFeatures::is_minimum(const FeaturePair& pair, const FeatureGap& gap) const noexcept {
   const SurfaceFeatures& scene = scene_features_[scene_->mesh_of(pair.scene_triangle)];
   const std::uint32_t scene_triangle = scene_->triangle_of(pair.scene_triangle);
-  const Vec3 to_tool = gap.normal;                                          // outward from the scene, its frame
+  const Vec3 to_tool = gap.normal;                                           // outward from the scene, its frame
   const Vec3 to_scene = -(placement_.orientation.conjugate() * gap.normal);  // outward from the tool, its axes
   const double slope = SurfaceFeatures::kFlat + (gap.feature == TriangleFeature::face ? turn_ : 0.0);
   switch (pair.kind) {

@@ -27,8 +27,8 @@ struct NearFeature {
 // The pairs of features of tool and scene that matter for a motion of the tool: all within a distance, and those that come within it on the
 // way. A pair that slides along itself needs no attention however fast it is, so few are left of those that are near (constraint
 // generation: the caller finds a motion from few pairs, and adds those that it brings together).
-// Work: at most PatchFront::kMostTests pairs of boxes a call, and kMostFeatures pairs of features. RT: collect, extend and any_intersect yes,
-// construction set-up only. Pre: the geometries outlive this; the scene is built at once.
+// Work: at most PatchFront::kMostTests pairs of boxes a call, and kMostFeatures pairs of features. RT: collect, extend and any_intersect
+// yes, construction set-up only. Pre: the geometries outlive this; the scene is built at once.
 class NearFeatures {
  public:
   static constexpr std::size_t kMostTrianglePairs = 1U << 17;
@@ -58,12 +58,17 @@ class NearFeatures {
   struct PlacedTriangle {
     PlacedTriangle() = default;
     PlacedTriangle(const Vec3& a, const Vec3& b, const Vec3& c)
-        : corner{a, b, c}, normal((b - a).cross(c - a)), length(normal.norm()), box{a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)} {}
+        : corner{a, b, c},
+          normal((b - a).cross(c - a)),
+          length(normal.norm()),
+          box{a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)},
+          blur(0x1p-48 * box.diagonal()) {}
 
     std::array<Vec3, 3> corner;
     Vec3 normal;  // not of unit length
     double length = 0.0;
     Box box;
+    double blur = 0.0;  // rounding error of the normal, at most
   };
   // A triangle of the tool, at the start of a motion and over it.
   struct SweptTriangle : PlacedTriangle {
@@ -79,9 +84,12 @@ class NearFeatures {
   };
 
   const SweptTriangle& swept(std::uint32_t triangle, const SweptMotion& motion, double distance) noexcept;
-  static bool are_apart(const SweptTriangle& tool, const PlacedTriangle& scene) noexcept;
-  void add_triangles(const TrianglePairIds& ids, const SweptTriangle& tool, const PlacedTriangle& scene) noexcept;
-  void add_edges(FeaturePair& pair, const SweptTriangle& tool, const PlacedTriangle& scene) noexcept;
+  // How far apart the triangles are at least; `apart` if a plane of either, held fixed, separates them over the motion.
+  static double find_plane_gap(const SweptTriangle& tool, const PlacedTriangle& scene, bool& apart) noexcept;
+  // These add features that matter, and return how far apart at least all others are.
+  double add_triangles(const TrianglePairIds& ids, const SweptTriangle& tool, const PlacedTriangle& scene) noexcept;
+  double add_vertices(FeaturePair& pair, const SweptTriangle& tool, const PlacedTriangle& scene) noexcept;
+  double add_edges(FeaturePair& pair, const SweptTriangle& tool, const PlacedTriangle& scene) noexcept;
   void add(const FeaturePair& pair, const SweptTriangle& tool) noexcept;
   bool is_minimum(const FeaturePair& pair, const FeatureGap& gap) const noexcept;
 

@@ -29,6 +29,8 @@ Lanes4 approach(const Lanes4& at, const Lanes4& motion) {
   return detail::lane_min(away, Lanes4{});
 }
 
+float rounded_down(double x) { return static_cast<float>(x - std::fabs(x) * 0x1p-22 - 0x1p-100); }
+
 double largest_of(const Lanes4& a, const Lanes4& b) {
   const Lanes4 both = detail::lane_max(a, b);
   return std::max({both[0], both[1], both[2]});
@@ -37,7 +39,7 @@ double largest_of(const Lanes4& a, const Lanes4& b) {
 }  // namespace
 
 PatchFront::PatchFront(const PatchTree& tool, const PatchTree& scene, double radius)
-    : tool_(&tool), scene_(&scene), radius_(radius), ended_(kMostEnded), next_(kMostEnded), boxes_(kBoxes) {}
+    : tool_(&tool), scene_(&scene), radius_(radius), ended_(kMostEnded), until_(kMostEnded), boxes_(kBoxes) {}
 
 void PatchFront::ToolBox::place(const PatchTree::Node& tool, const SweptMotion& motion) {
   const Vec3 arm = motion.orientation * tool.at();
@@ -81,32 +83,38 @@ PatchFront::Apart PatchFront::test(const ToolBox& tool, const PatchTree::Node& s
   const Lanes4 still_tool = absolute(by_tool) - (tool.half_lanes + scene_size);
   const Lanes4 moved_scene = still_scene + approach(by_scene, along(axes, tool.displacement));
   const Lanes4 moved_tool = still_tool + approach(by_tool, tool.displacement_lanes);
+  // The axes are orthonormal to 2^-20, coordinates about 1.
   const double rounding = 0x1p-18 * half.sum() + 0x1p-45 * between.cwiseAbs().sum();
-  constexpr double kLength = 1.0 - 0x1p-20;  // of an axis, at least
-  return {largest_of(still_scene, still_tool) * kLength - rounding - tool.still_slack,
-          largest_of(moved_scene, moved_tool) * kLength - rounding - tool.slack > clearance};
+  constexpr double kAxisLength = 1.0 - 0x1p-20;  // at least
+  return {largest_of(still_scene, still_tool) * kAxisLength - rounding - tool.still_slack,
+          largest_of(moved_scene, moved_tool) * kAxisLength - rounding - tool.slack > clearance};
 }
 
-double PatchFront::begin(const SweptMotion& motion, double distance) noexcept {
+float PatchFront::begin(const SweptMotion& motion, double distance) noexcept {
   const double rounding = 0x1p-45 * (1.0 + radius_);
-  travelled_ += (motion.from.position - at_.position).norm() +
-                radius_ * turn_between(at_.orientation, motion.from.orientation).norm() + rounding;
+  travelled_ +=
+      (motion.from.position - at_.position).norm() + radius_ * turn_between(at_.orientation, motion.from.orientation).norm() + rounding;
   at_ = motion.from;
-  next_count_ = 0;
   tests_ = 0;
   ++walk_;
   if (count_ == 0 || count_ > 2 * first_count_ + 64) {
-    ended_[0] = {{0, 0}, -1.0};
+    ended_[0] = {0, 0};
+    until_[0] = -1.0F;
     count_ = 1;
     first_count_ = 0;
     travelled_ = 0.0;
   }
-  return travelled_ + motion.shift.norm() + radius_ * motion.angle + distance + rounding;
+  const double enough = travelled_ + motion.shift.norm() + radius_ * motion.angle + distance + rounding;
+  return -rounded_down(-enough);
 }
 
 bool PatchFront::keep(Pair pair, double distance) noexcept {
-  if (next_count_ == next_.size()) return false;
-  next_[next_count_++] = {pair, distance};
+  std::size_t at = free_;
+  free_ = kNone;
+  if (at == kNone) at = count_++;
+  if (at == ended_.size()) return false;
+  ended_[at] = pair;
+  until_[at] = rounded_down(travelled_ + distance);
   return true;
 }
 

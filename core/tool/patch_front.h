@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -9,7 +10,6 @@
 #include "core/tool/swept_motion.h"
 
 namespace hapton {
-inline long g_tests = 0, g_leaves = 0, g_walks = 0, g_added = 0, g_tris = 0;
 
 // Walks the trees of tool and scene together over a motion of the tool, and finds the triangles that may come within a distance of each
 // other. Two boxes are apart if one of their six axes, held fixed over the motion, separates their paths: a motion along a surface does not
@@ -21,24 +21,22 @@ inline long g_tests = 0, g_leaves = 0, g_walks = 0, g_added = 0, g_tris = 0;
 class PatchFront {
  public:
   static constexpr std::size_t kMostTests = 1U << 20;
+  static constexpr double kEnd = -1.0;
 
   // radius: the largest distance of a point of the tool from the grip point.
   PatchFront(const PatchTree& tool, const PatchTree& scene, double radius);
 
-  // Calls visit(tool_triangle, scene_triangle) for all pairs that come within `distance` over the motion, and for some that nearly do. A
-  // visit that returns false ends the walk. False if it was ended, or was longer than kMostTests; pairs are then left out. A pair may be
-  // visited twice.
+  // Calls visit(tool_triangle, scene_triangle) for all pairs that come within `distance` over the motion, and for some that nearly do. It
+  // returns how far apart at least the two are at the start of the motion, as far as it is interested in them, or kEnd to end the walk: the
+  // next walks visit the pair again when it may have come near. False if the walk was ended, or was longer than kMostTests; pairs are then
+  // left out.
   template <class Visit>
   bool for_each_near(const SweptMotion& motion, double distance, Visit&& visit) noexcept;
 
  private:
   struct Pair {
-    std::uint32_t tool = 0;  // nodes
-    std::uint32_t scene = 0;
-  };
-  struct Ended {
-    Pair pair;
-    double distance = 0.0;  // lower bound, plus what the tool had travelled then
+    std::uint32_t tool;  // nodes
+    std::uint32_t scene;
   };
   struct ToolBox {
     void place(const PatchTree::Node& tool, const SweptMotion& motion);
@@ -63,26 +61,28 @@ class PatchFront {
   static Apart test(const ToolBox& tool, const PatchTree::Node& scene, double clearance) noexcept;
   const ToolBox& placed(std::uint32_t node, const SweptMotion& motion) noexcept;
   // Prepares a walk; returns the distance above which a pair of boxes needs no test.
-  double begin(const SweptMotion& motion, double distance) noexcept;
+  float begin(const SweptMotion& motion, double distance) noexcept;
+  // Keeps a pair where the walk has ended, in place of the one that it came from, or as a new one. False if there is no room.
   bool keep(Pair pair, double distance) noexcept;
   // Walks from a pair down. False if the walk has to end.
   template <class Visit>
   bool descend(Pair from, const SweptMotion& motion, double distance, Visit&& visit) noexcept;
 
   static constexpr std::size_t kMostEnded = 1U << 17;
-  static constexpr std::size_t kBoxes = 256;
+  static constexpr std::size_t kNone = ~std::size_t{0};
+  static constexpr std::size_t kBoxes = 512;
 
   const PatchTree* tool_;
   const PatchTree* scene_;
   double radius_;
-  std::vector<Ended> ended_;
-  std::vector<Ended> next_;
+  std::vector<Pair> ended_;
+  std::vector<float> until_;  // by pair: lower bound of its distance, plus what the tool had travelled then
   std::size_t count_ = 0;
-  std::size_t next_count_ = 0;
+  std::size_t free_ = kNone;     // index of the pair that is replaced
   std::size_t first_count_ = 0;  // of the walk from the roots
   std::size_t tests_ = 0;
   Placement at_;
-  double travelled_ = 0.0;  // since the walk from the roots
+  double travelled_ = 0.0;      // since the walk from the roots
   std::vector<ToolBox> boxes_;  // by the last bits of the node's number
   std::uint64_t walk_ = 0;
 };
@@ -92,14 +92,15 @@ class PatchFront {
 template <class Visit>
 bool PatchFront::for_each_near(const SweptMotion& motion, double distance, Visit&& visit) noexcept {
   if (tool_->nodes().empty() || scene_->nodes().empty()) return true;
-  const double enough = begin(motion, distance);
+  const float enough = begin(motion, distance);
   bool goes_on = true;
-  for (std::size_t i = 0; i < count_ && goes_on; ++i) {
-    const Ended& ended = ended_[i];
-    goes_on = ended.distance > enough ? keep(ended.pair, ended.distance) : descend(ended.pair, motion, distance, visit);
+  const std::size_t before = count_;
+  for (std::size_t i = 0; i < before && goes_on; ++i) {
+    if (until_[i] > enough) continue;
+    free_ = i;
+    goes_on = descend(ended_[i], motion, distance, visit);
   }
-  ended_.swap(next_);
-  count_ = goes_on ? next_count_ : 0;
+  if (!goes_on) count_ = 0;
   if (first_count_ == 0) first_count_ = count_;
   return goes_on;
 }
@@ -112,14 +113,12 @@ bool PatchFront::descend(Pair from, const SweptMotion& motion, double distance, 
   while (top > 0) {
     const Pair pair = stack[--top];
     if (++tests_ > kMostTests) return false;
-    ++g_tests;
     const PatchTree::Node& tool = tool_->nodes()[pair.tool];
     const PatchTree::Node& scene = scene_->nodes()[pair.scene];
     const Apart apart = test(placed(pair.tool, motion), scene, distance);
     if (apart.over_motion || (tool.is_leaf() && scene.is_leaf())) {
-      if (!keep(pair, travelled_ + apart.distance)) return false;
-      ++g_leaves;
-      if (!apart.over_motion && !visit(tool_->triangle(tool), scene_->triangle(scene))) return false;
+      const double own = apart.over_motion ? 0.0 : visit(tool_->triangle(tool), scene_->triangle(scene));
+      if (own == kEnd || !keep(pair, std::max(apart.distance, own))) return false;
       continue;
     }
     const bool splits_tool = !tool.is_leaf() && (scene.is_leaf() || tool.half[2] > scene.half[2]);

@@ -9,9 +9,9 @@
 
 namespace hapton {
 
-// A binary tree of oriented boxes over triangles, one a leaf (Gottschalk, Lin & Manocha, "OBBTree", 1996). A box along the principal axes of a piece of
-// surface is thin, of the order of the square of the piece's size, where a box along the coordinate axes is as thick as the piece is large.
-// Two surfaces that touch along parallel tangents are told apart by few pairs of such boxes.
+// A binary tree of oriented boxes over triangles, one a leaf (Gottschalk, Lin & Manocha, "OBBTree", 1996). A box along the principal axes
+// of a piece of surface is thin, of the order of the square of the piece's size, where a box along the coordinate axes is as thick as the
+// piece is large. Two surfaces that touch along parallel tangents are told apart by few pairs of such boxes.
 //
 // We differ in splitting in the middle, and small pieces with sharp edges where that makes the halves flattest. Neither half has less than
 // an eighth of the triangles, which bounds the depth. Boxes are stored in single precision and contain their triangles' exact

@@ -20,7 +20,7 @@ constexpr std::size_t kManyFeatures = 1024;  // with more, the reach does not gr
 constexpr double kNothing = 0x1p-10;         // of the offset: what is left when the device is reached
 constexpr double kShrinkage = 0.125;
 // Pairs that a round begins with: within a share of its reach.
-constexpr double kNearShare = 0x1p-4;
+constexpr double kNearShare = 0x1p-7;
 constexpr double kNear = 16.0;  // and offsets
 constexpr int kMostExtensions = 8;
 constexpr double kGrowth = 4.0;  // of the reach, where it has ended a round
