@@ -31,6 +31,13 @@ Lanes4 approach(const Lanes4& at, const Lanes4& motion) {
 
 float rounded_down(double x) { return static_cast<float>(x - std::fabs(x) * 0x1p-22 - 0x1p-100); }
 
+// Of the positive ones of three lengths.
+double squared(const Lanes4& lengths) {
+  const Lanes4 positive = detail::lane_max(lengths, Lanes4{});
+  const Lanes4 squares = positive * positive;
+  return squares[0] + squares[1] + squares[2];
+}
+
 double largest_of(const Lanes4& a, const Lanes4& b) {
   const Lanes4 both = detail::lane_max(a, b);
   return std::max({both[0], both[1], both[2]});
@@ -86,7 +93,8 @@ PatchFront::Apart PatchFront::test(const ToolBox& tool, const PatchTree::Node& s
   // The axes are orthonormal to 2^-20, coordinates about 1.
   const double rounding = 0x1p-18 * half.sum() + 0x1p-45 * between.cwiseAbs().sum();
   constexpr double kAxisLength = 1.0 - 0x1p-20;  // at least
-  return {largest_of(still_scene, still_tool) * kAxisLength - rounding - tool.still_slack,
+  // Gaps along axes that are at right angles add up.
+  return {std::sqrt(std::max(squared(still_scene), squared(still_tool))) * kAxisLength - 2.0 * (rounding + tool.still_slack),
           largest_of(moved_scene, moved_tool) * kAxisLength - rounding - tool.slack > clearance};
 }
 

@@ -18,15 +18,16 @@ struct PatchItem {
   std::array<Vec3, 3> corner;
   Vec3 normal;  // as long as twice the area
   std::uint32_t id;
+  double key = 0.0;  // what it is ordered by
 
+  bool operator<(const PatchItem& other) const { return key != other.key ? key < other.key : id < other.id; }
   Vec3 direction() const { return normal.stableNormalized(); }
   Vec3 centre() const { return (corner[0] + corner[1] + corner[2]) / 3.0; }
 };
 
-// The first and second moments of the surface, relative to a point of it (Gottschalk et al., section 4), and its axes.
+// The axes of the second moments of a piece of surface (Gottschalk et al., section 4).
 struct PatchAxes {
   Mat3 axes = Mat3::Identity();  // columns, from the shortest extent to the longest
-  Vec3 middle = Vec3::Zero();
 
   explicit PatchAxes(std::span<const PatchItem> items) {
     const Vec3 origin = items[0].corner[0];
@@ -37,15 +38,13 @@ struct PatchAxes {
       const Vec3 a = item.corner[0] - origin;
       const Vec3 b = item.corner[1] - origin;
       const Vec3 c = item.corner[2] - origin;
-      const double weight = (b - a).cross(c - a).norm();
+      const double weight = item.normal.norm();
       const Vec3 sum = a + b + c;
       area += weight;
       first += weight / 3.0 * sum;
       second += weight / 12.0 * (sum * sum.transpose() + a * a.transpose() + b * b.transpose() + c * c.transpose());
     }
-    middle = origin;
     if (!(area > 0.0)) return;
-    middle += first / area;
     Eigen::SelfAdjointEigenSolver<Mat3> solver;
     solver.computeDirect(second / area - first * first.transpose() / (area * area));
     const Vec3 shortest = solver.eigenvectors().col(0).normalized();
@@ -59,29 +58,27 @@ struct PatchAxes {
 float rounded_up(double x) { return std::nextafter(static_cast<float>(x * (1.0 + 0x1p-40)), std::numeric_limits<float>::infinity()); }
 
 PatchTree::Node box_around(std::span<const PatchItem> items, const Mat3& axes) {
+  PatchTree::Node node;
+  Mat3 stored;
+  for (int i = 0; i < 3; ++i) {
+    for (int k = 0; k < 3; ++k) stored(k, i) = node.axes[k][i] = static_cast<float>(axes(k, i));
+  }
+  // Coordinates along the rounded axes, and those of the rounded centre.
+  const Mat3 inverse = stored.inverse();
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
   Vec3 high = -low;
   for (const PatchItem& item : items) {
     for (const Vec3& p : item.corner) {
-      const Vec3 y = axes.transpose() * p;
+      const Vec3 y = inverse * p;
       low = low.cwiseMin(y);
       high = high.cwiseMax(y);
     }
   }
-  PatchTree::Node node;
-  const Vec3 centre = axes * (0.5 * (low + high));
-  Mat3 stored;
-  for (int i = 0; i < 3; ++i) {
-    node.centre[i] = static_cast<float>(centre[i]);
-    for (int k = 0; k < 3; ++k) stored(k, i) = node.axes[k][i] = static_cast<float>(axes(k, i));
-  }
-  // Coordinates along the rounded axes, from the rounded centre.
-  const Mat3 inverse = stored.inverse();
-  Vec3 half = Vec3::Zero();
-  for (const PatchItem& item : items) {
-    for (const Vec3& p : item.corner) half = half.cwiseMax((inverse * (p - node.at())).cwiseAbs());
-  }
-  for (int i = 0; i < 3; ++i) node.half[i] = rounded_up(half[i] + 0x1p-48 * (1.0 + centre.cwiseAbs().maxCoeff()));
+  const Vec3 centre = stored * (0.5 * (low + high));
+  for (int i = 0; i < 3; ++i) node.centre[i] = static_cast<float>(centre[i]);
+  const Vec3 at = inverse * node.at();
+  const double rounding = 0x1p-48 * (1.0 + low.cwiseAbs().maxCoeff() + high.cwiseAbs().maxCoeff());
+  for (int i = 0; i < 3; ++i) node.half[i] = rounded_up(std::max(high[i] - at[i], at[i] - low[i]) + rounding);
   return node;
 }
 
@@ -126,7 +123,8 @@ class PatchBuilder {
     if (own.size() <= kLargestBent && bend.relative() > kBent) {
       half = split_by_bend(own, patch.axes);
     } else {
-      std::nth_element(own.begin(), own.begin() + static_cast<std::ptrdiff_t>(half), own.end(), Along{patch.axes.col(2), false});
+      set_keys(own, Along{patch.axes.col(2), false});
+      std::nth_element(own.begin(), own.begin() + static_cast<std::ptrdiff_t>(half), own.end());
     }
     node.link = static_cast<std::uint32_t>(nodes.size());
     nodes[at] = node;
@@ -141,12 +139,11 @@ class PatchBuilder {
     bool is_by_normal;
 
     double value(const PatchItem& item) const { return axis.dot(is_by_normal ? item.direction() : item.centre()); }
-    bool operator()(const PatchItem& a, const PatchItem& b) const {
-      const double x = value(a);
-      const double y = value(b);
-      return x != y ? x < y : a.id < b.id;
-    }
   };
+
+  static void set_keys(std::span<PatchItem> own, const Along& along) {
+    for (PatchItem& item : own) item.key = along.value(item);
+  }
 
   // A corner or a sharp edge is split where that makes the halves flattest, at an eighth of the triangles at least.
   std::size_t split_by_bend(std::span<PatchItem> own, const Mat3& axes) {
@@ -155,7 +152,8 @@ class PatchBuilder {
     Along best_order{axes.col(2), false};
     for (int order = 0; order < 6; ++order) {
       const Along along{axes.col(2 - order % 3), order >= 3};
-      std::sort(own.begin(), own.end(), along);
+      set_keys(own, along);
+      std::sort(own.begin(), own.end());
       const auto [at, bend] = find_flattest_split(own);
       if (bend < least * (1.0 - 0x1p-10)) {
         least = bend;
@@ -163,7 +161,8 @@ class PatchBuilder {
         best_order = along;
       }
     }
-    std::sort(own.begin(), own.end(), best_order);
+    set_keys(own, best_order);
+    std::sort(own.begin(), own.end());
     return best;
   }
 
