@@ -84,6 +84,7 @@ bool NearFeatures::collect(const Placement& placement, double distance, double t
   placement_ = placement;
   turn_ = turn;
   within_ = 0.0;
+  front_.forget();
   if (!extend(RigidMotion{placement}, distance)) return false;
   within_ = distance;
   return true;
@@ -100,8 +101,14 @@ bool NearFeatures::extend(const RigidMotion& motion, double distance) noexcept {
     const PlacedTriangle scene(c.a, c.b, c.c);
     bool apart = false;
     const double gap = find_plane_gap(tool, scene, apart);
-    const double features_gap = apart ? gap : add_triangles({own, id}, tool, scene);
-    return fits_ ? std::max(gap, features_gap) : PatchFront::kEnd;
+    if (apart) return PatchFront::Visited{gap, gap, true};
+    FeaturePair pair;
+    pair.tool_triangle = own;
+    pair.scene_triangle = id;
+    Gaps gaps;
+    add_vertices(pair, tool, scene, gaps);
+    add_edges(pair, tool, scene, gaps);
+    return PatchFront::Visited{std::max(gap, std::sqrt(gaps.all_squared)), std::max(gap, std::sqrt(gaps.rest_squared)), fits_};
   });
 }
 
@@ -149,50 +156,36 @@ double NearFeatures::find_plane_gap(const SweptTriangle& tool, const PlacedTrian
   return gap;
 }
 
-double NearFeatures::add_triangles(const TrianglePairIds& ids, const SweptTriangle& tool, const PlacedTriangle& scene) noexcept {
-  FeaturePair pair;
-  pair.tool_triangle = ids.tool;
-  pair.scene_triangle = ids.scene;
-  return std::min(add_vertices(pair, tool, scene), add_edges(pair, tool, scene));
-}
-
-double NearFeatures::add_vertices(FeaturePair& pair, const SweptTriangle& tool, const PlacedTriangle& scene) noexcept {
+void NearFeatures::add_vertices(FeaturePair& pair, const SweptTriangle& tool, const PlacedTriangle& scene, Gaps& gaps) noexcept {
   const SurfaceFeatures& scene_features = scene_features_[scene_->mesh_of(pair.scene_triangle)];
   const std::uint32_t scene_triangle = scene_->triangle_of(pair.scene_triangle);
   const ObjectGeometry::Corners t = tool_->corners(pair.tool_triangle);
   const std::array<Vec3, 3> own = {t.a, t.b, t.c};
   const std::array<Vec3, 3>& s = scene.corner;
-  const double reach = tool.reach + tool.most_moved;
-  double least = std::numeric_limits<double>::infinity();
   for (int k = 0; k < 3; ++k) {
     pair.tool_corner = pair.scene_corner = k;
     if (tool_features_.owns_vertex(pair.tool_triangle, k)) {
       const double squared = triangle_distance_squared(tool.corner[k], s[0], s[1], s[2]);
-      least = std::min(least, squared);
       pair.kind = Kind::vertex_face;
       pair.tool[0] = own[k];
       pair.scene = s;
-      if (squared <= reach * reach) add(pair, tool);
+      add(pair, tool, squared, gaps);
     }
     if (scene_features.owns_vertex(scene_triangle, k)) {
       const double squared = triangle_distance_squared(s[k], tool.corner[0], tool.corner[1], tool.corner[2]);
-      least = std::min(least, squared);
       pair.kind = Kind::face_vertex;
       pair.tool = own;
       pair.scene[0] = s[k];
-      if (squared <= reach * reach) add(pair, tool);
+      add(pair, tool, squared, gaps);
     }
   }
-  return std::sqrt(least);
 }
 
-double NearFeatures::add_edges(FeaturePair& pair, const SweptTriangle& tool, const PlacedTriangle& scene) noexcept {
+void NearFeatures::add_edges(FeaturePair& pair, const SweptTriangle& tool, const PlacedTriangle& scene, Gaps& gaps) noexcept {
   const SurfaceFeatures& scene_features = scene_features_[scene_->mesh_of(pair.scene_triangle)];
   const std::uint32_t scene_triangle = scene_->triangle_of(pair.scene_triangle);
   const ObjectGeometry::Corners t = tool_->corners(pair.tool_triangle);
   const std::array<Vec3, 3> own = {t.a, t.b, t.c};
-  const double reach = tool.reach + tool.most_moved;
-  double least = std::numeric_limits<double>::infinity();
   pair.kind = Kind::edge_edge;
   for (int i = 0; i < 3; ++i) {
     if (!tool_features_.owns_edge(pair.tool_triangle, i)) continue;
@@ -205,18 +198,23 @@ double NearFeatures::add_edges(FeaturePair& pair, const SweptTriangle& tool, con
       const Vec3& b = scene.corner[k];
       const Vec3& b_end = scene.corner[(k + 1) % 3];
       const double squared = detail::segment_segment_distance_squared(of3(a), of3(d), of3(b), of3(Vec3(b_end - b)));
-      least = std::min(least, squared);
       pair.scene_corner = k;
       pair.scene = {b, b_end, Vec3::Zero()};
-      if (squared <= reach * reach) add(pair, tool);
+      add(pair, tool, squared, gaps);
     }
   }
-  return std::sqrt(least);
+}
+
+void NearFeatures::add(const FeaturePair& pair, const SweptTriangle& tool, double distance_squared, Gaps& gaps) noexcept {
+  gaps.all_squared = std::min(gaps.all_squared, distance_squared);
+  const double reach = tool.reach + tool.most_moved;
+  if (distance_squared <= reach * reach && add_if_near(pair, tool)) return;
+  gaps.rest_squared = std::min(gaps.rest_squared, distance_squared);
 }
 
 // Skips a pair that a plane between its closest points, held fixed, separates over the motion.
-void NearFeatures::add(const FeaturePair& pair, const SweptTriangle& tool) noexcept {
-  if (known_.has(pair)) return;
+bool NearFeatures::add_if_near(const FeaturePair& pair, const SweptTriangle& tool) noexcept {
+  if (known_.has(pair)) return true;
   const FeatureGap gap = measure_gap(pair, placement_);
   double approach = 0.0;
   if (pair.kind == Kind::face_vertex) {
@@ -225,11 +223,12 @@ void NearFeatures::add(const FeaturePair& pair, const SweptTriangle& tool) noexc
     approach = std::min(approach, gap.normal.dot(tool.moved[pair.tool_corner]));
     if (pair.kind == Kind::edge_edge) approach = std::min(approach, gap.normal.dot(tool.moved[(pair.tool_corner + 1) % 3]));
   }
-  if (gap.distance + approach > tool.reach) return;
+  if (gap.distance + approach > tool.reach) return false;
   fits_ = fits_ && count_ < features_.size();
-  if (!fits_) return;
+  if (!fits_) return false;
   known_.insert(pair);
   features_[count_++] = {pair, gap, is_minimum(pair, gap)};
+  return true;
 }
 
 // A minimum between a vertex and a vertex or an edge is found as vertex_face, one between an edge and a vertex as face_vertex.

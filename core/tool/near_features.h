@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -86,11 +87,15 @@ class NearFeatures {
   const SweptTriangle& swept(std::uint32_t triangle, const SweptMotion& motion, double distance) noexcept;
   // How far apart the triangles are at least; `apart` if a plane of either, held fixed, separates them over the motion.
   static double find_plane_gap(const SweptTriangle& tool, const PlacedTriangle& scene, bool& apart) noexcept;
-  // These add features that matter, and return how far apart at least all others are.
-  double add_triangles(const TrianglePairIds& ids, const SweptTriangle& tool, const PlacedTriangle& scene) noexcept;
-  double add_vertices(FeaturePair& pair, const SweptTriangle& tool, const PlacedTriangle& scene) noexcept;
-  double add_edges(FeaturePair& pair, const SweptTriangle& tool, const PlacedTriangle& scene) noexcept;
-  void add(const FeaturePair& pair, const SweptTriangle& tool) noexcept;
+  // These add features that matter, and tell how far apart at least all are, and all that are not in features_.
+  struct Gaps {
+    double all_squared = std::numeric_limits<double>::infinity();
+    double rest_squared = std::numeric_limits<double>::infinity();
+  };
+  void add_vertices(FeaturePair& pair, const SweptTriangle& tool, const PlacedTriangle& scene, Gaps& gaps) noexcept;
+  void add_edges(FeaturePair& pair, const SweptTriangle& tool, const PlacedTriangle& scene, Gaps& gaps) noexcept;
+  void add(const FeaturePair& pair, const SweptTriangle& tool, double distance_squared, Gaps& gaps) noexcept;
+  bool add_if_near(const FeaturePair& pair, const SweptTriangle& tool) noexcept;  // false: it was not added
   bool is_minimum(const FeaturePair& pair, const FeatureGap& gap) const noexcept;
 
   const ObjectGeometry* tool_;

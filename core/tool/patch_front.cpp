@@ -46,7 +46,14 @@ double largest_of(const Lanes4& a, const Lanes4& b) {
 }  // namespace
 
 PatchFront::PatchFront(const PatchTree& tool, const PatchTree& scene, double radius)
-    : tool_(&tool), scene_(&scene), radius_(radius), ended_(kMostEnded), until_(kMostEnded), boxes_(kBoxes) {}
+    : tool_(&tool),
+      scene_(&scene),
+      radius_(radius),
+      ended_(kMostEnded),
+      until_(kMostEnded),
+      rest_until_(kMostEnded),
+      visited_in_(kMostEnded),
+      boxes_(kBoxes) {}
 
 void PatchFront::ToolBox::place(const PatchTree::Node& tool, const SweptMotion& motion) {
   const Vec3 arm = motion.orientation * tool.at();
@@ -107,7 +114,7 @@ float PatchFront::begin(const SweptMotion& motion, double distance) noexcept {
   ++walk_;
   if (count_ == 0 || count_ > 2 * first_count_ + 64) {
     ended_[0] = {0, 0};
-    until_[0] = -1.0F;
+    until_[0] = rest_until_[0] = -1.0F;
     count_ = 1;
     first_count_ = 0;
     travelled_ = 0.0;
@@ -116,13 +123,15 @@ float PatchFront::begin(const SweptMotion& motion, double distance) noexcept {
   return -rounded_down(-enough);
 }
 
-bool PatchFront::keep(Pair pair, double distance) noexcept {
+bool PatchFront::keep(Pair pair, double distance, double rest) noexcept {
   std::size_t at = free_;
   free_ = kNone;
   if (at == kNone) at = count_++;
   if (at == ended_.size()) return false;
   ended_[at] = pair;
   until_[at] = rounded_down(travelled_ + distance);
+  rest_until_[at] = rounded_down(travelled_ + rest);
+  visited_in_[at] = epoch_;
   return true;
 }
 

@@ -21,15 +21,21 @@ namespace hapton {
 class PatchFront {
  public:
   static constexpr std::size_t kMostTests = 1U << 20;
-  static constexpr double kEnd = -1.0;
 
   // radius: the largest distance of a point of the tool from the grip point.
   PatchFront(const PatchTree& tool, const PatchTree& scene, double radius);
 
-  // Calls visit(tool_triangle, scene_triangle) for all pairs that come within `distance` over the motion, and for some that nearly do. It
-  // returns how far apart at least the two are at the start of the motion, as far as it is interested in them, or kEnd to end the walk: the
-  // next walks visit the pair again when it may have come near. False if the walk was ended, or was longer than kMostTests; pairs are then
-  // left out.
+  // What a visitor found of a pair of triangles.
+  struct Visited {
+    double gap;    // how far apart at least the two are at the start of the motion, as far as the visitor is interested in them
+    double rest;   // the same without what it knows already
+    bool goes_on;  // false ends the walk
+  };
+  // The visitors of the next walks know nothing.
+  void forget() noexcept { ++epoch_; }
+  // Calls visit(tool_triangle, scene_triangle) for all pairs that come within `distance` over the motion, and for some that nearly do, but
+  // for those where what is left to know is farther. The next walks visit a pair again when it may have come near. False if the walk was
+  // ended, or was longer than kMostTests; pairs are then left out.
   template <class Visit>
   bool for_each_near(const SweptMotion& motion, double distance, Visit&& visit) noexcept;
 
@@ -63,7 +69,7 @@ class PatchFront {
   // Prepares a walk; returns the distance above which a pair of boxes needs no test.
   float begin(const SweptMotion& motion, double distance) noexcept;
   // Keeps a pair where the walk has ended, in place of the one that it came from, or as a new one. False if there is no room.
-  bool keep(Pair pair, double distance) noexcept;
+  bool keep(Pair pair, double distance, double rest) noexcept;
   // Walks from a pair down. False if the walk has to end.
   template <class Visit>
   bool descend(Pair from, const SweptMotion& motion, double distance, Visit&& visit) noexcept;
@@ -76,7 +82,10 @@ class PatchFront {
   const PatchTree* scene_;
   double radius_;
   std::vector<Pair> ended_;
-  std::vector<float> until_;  // by pair: lower bound of its distance, plus what the tool had travelled then
+  std::vector<float> until_;               // by pair: lower bound of its distance, plus what the tool had travelled then
+  std::vector<float> rest_until_;          // the same without what visitors know, of pairs that they have visited
+  std::vector<std::uint64_t> visited_in_;  // epoch in which rest_until_ was found
+  std::uint64_t epoch_ = 1;                // counts up when visitors forget
   std::size_t count_ = 0;
   std::size_t free_ = kNone;     // index of the pair that is replaced
   std::size_t first_count_ = 0;  // of the walk from the roots
@@ -96,7 +105,7 @@ bool PatchFront::for_each_near(const SweptMotion& motion, double distance, Visit
   bool goes_on = true;
   const std::size_t before = count_;
   for (std::size_t i = 0; i < before && goes_on; ++i) {
-    if (until_[i] > enough) continue;
+    if (until_[i] > enough || (visited_in_[i] == epoch_ && rest_until_[i] > enough)) continue;
     free_ = i;
     goes_on = descend(ended_[i], motion, distance, visit);
   }
@@ -117,8 +126,8 @@ bool PatchFront::descend(Pair from, const SweptMotion& motion, double distance, 
     const PatchTree::Node& scene = scene_->nodes()[pair.scene];
     const Apart apart = test(placed(pair.tool, motion), scene, distance);
     if (apart.over_motion || (tool.is_leaf() && scene.is_leaf())) {
-      const double own = apart.over_motion ? 0.0 : visit(tool_->triangle(tool), scene_->triangle(scene));
-      if (own == kEnd || !keep(pair, std::max(apart.distance, own))) return false;
+      const Visited found = apart.over_motion ? Visited{0.0, 0.0, true} : visit(tool_->triangle(tool), scene_->triangle(scene));
+      if (!found.goes_on || !keep(pair, std::max(apart.distance, found.gap), std::max(apart.distance, found.rest))) return false;
       continue;
     }
     const bool splits_tool = !tool.is_leaf() && (scene.is_leaf() || tool.half[2] > scene.half[2]);

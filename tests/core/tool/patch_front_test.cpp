@@ -76,7 +76,8 @@ TEST_F(PatchFrontTest, VisitsEveryPairThatABruteForceSearchFinds) {
     std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
     ASSERT_TRUE(front.for_each_near(SweptMotion(motion), distance, [&](std::uint32_t t, std::uint32_t id) {
       pairs.insert({t, id});
-      return distance_of(tool_at(t, at), scene_at(id)) * 0.999;
+      const double gap = distance_of(tool_at(t, at), scene_at(id)) * 0.999;
+      return PatchFront::Visited{gap, gap, true};
     }));
     visited += pairs.size();
     for (std::uint32_t t = 0; t < tool.triangle_count(); ++t) {
@@ -97,8 +98,9 @@ TEST_F(PatchFrontTest, AWalkThatIsEndedIsMadeAgainInFull) {
   const RigidMotion motion{{Vec3(0.0, 0.0, 0.4), Quat::Identity()}, Vec3::Zero(), Vec3::Zero()};
   const auto walk = [&](std::size_t most) {
     std::size_t visits = 0;
-    const bool complete = front.for_each_near(SweptMotion(motion), 0.2,
-                                              [&](std::uint32_t, std::uint32_t) { return ++visits == most ? PatchFront::kEnd : 0.0; });
+    const bool complete = front.for_each_near(SweptMotion(motion), 0.2, [&](std::uint32_t, std::uint32_t) {
+      return PatchFront::Visited{0.0, 0.0, ++visits != most};
+    });
     EXPECT_EQ(complete, visits < most);
     return visits;
   };
@@ -106,6 +108,24 @@ TEST_F(PatchFrontTest, AWalkThatIsEndedIsMadeAgainInFull) {
   ASSERT_GT(all, 10U);
   EXPECT_EQ(walk(5), 5U);
   EXPECT_EQ(walk(~std::size_t{0}), all);
+}
+
+// What a visitor knows is left out until it forgets.
+TEST_F(PatchFrontTest, APairThatIsKnownIsVisitedAgainWhenItIsForgotten) {
+  const RigidMotion motion{{Vec3(0.0, 0.0, 0.4), Quat::Identity()}, Vec3::Zero(), Vec3::Zero()};
+  const auto walk = [&] {
+    std::size_t visits = 0;
+    EXPECT_TRUE(front.for_each_near(SweptMotion(motion), 0.2, [&](std::uint32_t, std::uint32_t) {
+      ++visits;
+      return PatchFront::Visited{0.0, 1.0, true};
+    }));
+    return visits;
+  };
+  const std::size_t all = walk();
+  ASSERT_GT(all, 10U);
+  EXPECT_EQ(walk(), 0U);
+  front.forget();
+  EXPECT_EQ(walk(), all);
 }
 
 // A fast motion along a surface brings few of the boxes together.
@@ -120,7 +140,7 @@ TEST_F(PatchFrontTest, SlidingAlongAPlaneVisitsWhatIsNearIt) {
   std::size_t visits = 0;
   const auto count = [&](std::uint32_t, std::uint32_t) {
     ++visits;
-    return 0.0;
+    return PatchFront::Visited{0.0, 0.0, true};
   };
   ASSERT_TRUE(sliding.for_each_near(SweptMotion({above, Vec3(0.2, 0.1, 0.0), Vec3::Zero()}), 0x1p-20, count));
   EXPECT_EQ(visits, 0U);
