@@ -36,6 +36,8 @@ class NearFeatures {
   static constexpr std::size_t kMostFeatures = 1U << 14;
 
   NearFeatures(const ObjectGeometry& tool, const TouchGeometry& scene);
+  NearFeatures(const NearFeatures&) = delete;  // front_ points to the trees
+  NearFeatures& operator=(const NearFeatures&) = delete;
 
   // Finds the pairs that are no farther apart than `distance`. False if there are more than fit: they are then incomplete. What becomes a
   // minimum when the tool turns by `turn` counts as one, if its closest points are inside a face or two edges, whose normal then holds
