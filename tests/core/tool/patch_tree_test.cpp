@@ -71,8 +71,9 @@ TEST(PatchTree, HoldsTheTrianglesOfAllObjectsUnderTheirNumbersInTheScene) {
 // A box over a piece of a sphere is as thick as the cap is high; flat faces have flat boxes.
 TEST(PatchTree, BoxesAreThin) {
   const ObjectGeometry ball(make_icosphere(1.0, 5), {Vec3::Zero(), 1.0});
+  const PatchTree ball_tree(ball);
   int compared = 0;
-  for (const PatchTree::Node& node : PatchTree(ball).nodes()) {
+  for (const PatchTree::Node& node : ball_tree.nodes()) {
     const double radius = node.half_size().norm();
     if (radius > 0.2) continue;
     ++compared;
