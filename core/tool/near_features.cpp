@@ -1,6 +1,7 @@
 #include "core/tool/near_features.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "core/geometry/triangle_distance.h"
 
@@ -8,12 +9,6 @@ namespace hapton {
 namespace {
 
 using Kind = FeaturePair::Kind;
-
-// Candidates are kept within a share of the distance asked for: few are cheap to keep, and those from farther away serve more calls.
-constexpr std::size_t kFew = 256;  // pairs of triangles
-constexpr std::size_t kMany = 2048;
-constexpr double kLeastShare = 1.25;
-constexpr double kMostShare = 16.0;
 
 std::vector<SurfaceFeatures> features_of(const TouchGeometry& scene) {
   std::vector<SurfaceFeatures> features;
@@ -50,128 +45,199 @@ NearFeatures::NearFeatures(const ObjectGeometry& tool, const TouchGeometry& scen
       scene_(&scene),
       tool_features_(tool),
       scene_features_(features_of(scene)),
+      tool_tree_(tool),
+      scene_tree_(scene),
       pairs_(tool, scene, kMostTrianglePairs),
       radius_(radius_of(tool)),
-      candidates_(kMostFeatures),
-      features_(kMostFeatures) {}
+      front_(tool_tree_, scene_tree_, radius_),
+      features_(kMostFeatures),
+      known_(kMostFeatures),
+      swept_(kSwept) {}
 
-bool NearFeatures::is_covered(const Placement& placement, double distance) const noexcept {
-  const double moved = (placement.position - found_at_.position).norm() +
-                       radius_ * turn_between(found_at_.orientation, placement.orientation).norm() + 0x1p-45 * (1.0 + radius_);
-  // Many that are far away cost each call more than a new search.
-  const bool is_wide = candidate_count_ > kFew && within_ > 2.0 * share_ * distance;
-  return distance + moved <= within_ && !is_wide;
+void NearFeatures::SweptTriangle::place(const ObjectGeometry::Corners& own, const SweptMotion& motion, double within) {
+  const std::array<Vec3, 3> arm = {motion.orientation * own.a, motion.orientation * own.b, motion.orientation * own.c};
+  PlacedTriangle& placed = *this;
+  placed = PlacedTriangle(motion.from.position + arm[0], motion.from.position + arm[1], motion.from.position + arm[2]);
+  double longest = 0.0;
+  most_moved = 0.0;
+  swept = box;
+  for (int k = 0; k < 3; ++k) {
+    moved[k] = motion.displacement(arm[k]);
+    most_moved = std::max(most_moved, moved[k].squaredNorm());
+    longest = std::max(longest, arm[k].squaredNorm());
+    swept.grow(corner[k] + moved[k]);
+  }
+  most_moved = std::sqrt(most_moved);
+  longest = std::sqrt(longest);
+  blur *= 1.0 + longest;
+  reach = within * (1.0 + 0x1p-40) + motion.sagitta * longest + 0x1p-45 * (1.0 + longest);
+  swept = swept.inflated(reach);
 }
 
-bool NearFeatures::find_candidates(const Placement& placement, double within, std::size_t most_pairs) noexcept {
-  candidate_count_ = 0;
-  fits_ = pairs_.collect(placement, within, most_pairs);
-  const double reach = within * (1.0 + 0x1p-40) + 0x1p-45 * (1.0 + radius_);
-  std::uint32_t last = ~0U;
-  MovedTriangle tool;
-  for (const TrianglePairIds& ids : pairs_.pairs()) {
-    if (!fits_) break;
-    if (ids.tool != last) {
-      last = ids.tool;
-      tool = MovedTriangle(placement.at(tool_->corner(ids.tool, 0)), placement.at(tool_->corner(ids.tool, 1)),
-                           placement.at(tool_->corner(ids.tool, 2)));
-    }
-    const ObjectGeometry::Corners c = scene_->corners(ids.scene);
-    const MovedTriangle scene(c.a, c.b, c.c);
-    if (!tool.box.inflated(reach).overlaps(scene.box) || scene.is_apart(tool, reach) || tool.is_apart(scene, reach)) continue;
-    add_candidates(ids, tool, scene, reach);
-  }
-  within_ = fits_ ? within : -1.0;
-  found_at_ = placement;
-  return fits_;
-}
-
-bool NearFeatures::refresh(const Placement& placement, double distance) noexcept {
-  if (share_ > kLeastShare && find_candidates(placement, share_ * distance, kMany)) {
-    if (pairs_.pairs().size() < kFew) share_ = std::min(1.5 * share_, kMostShare);
-    return true;
-  }
-  share_ = std::max(0.5 * share_, kLeastShare);
-  return find_candidates(placement, kLeastShare * distance, kMostTrianglePairs) ||
-         find_candidates(placement, distance * (1.0 + 0x1p-40), kMostTrianglePairs);
+bool NearFeatures::any_intersect(const Placement& placement) noexcept {
+  return !pairs_.collect(placement, 0.0, kMostTrianglePairs) || pairs_.any_intersect(placement);
 }
 
 bool NearFeatures::collect(const Placement& placement, double distance, double turn) noexcept {
   count_ = 0;
-  if (!is_covered(placement, distance) && !refresh(placement, distance)) return false;
-  for (std::size_t i = 0; i < candidate_count_; ++i) {
-    const FeaturePair& pair = candidates_[i];
-    if (is_beyond(pair, placement, distance)) continue;
-    NearFeature& near = features_[count_];
-    near.gap = measure_gap(pair, placement);
-    if (!(near.gap.distance <= distance)) continue;
-    near.pair = pair;
-    near.is_minimum = is_minimum(pair, near.gap, placement, turn);
-    ++count_;
-  }
+  known_.clear();
+  placement_ = placement;
+  turn_ = turn;
+  within_ = 0.0;
+  front_.forget();
+  if (!extend(RigidMotion{placement}, distance)) return false;
+  within_ = distance;
   return true;
 }
 
-void NearFeatures::add_candidates(const TrianglePairIds& ids, const MovedTriangle& tool, const MovedTriangle& scene,
-                                  double reach) noexcept {
-  const SurfaceFeatures& scene_features = scene_features_[scene_->mesh_of(ids.scene)];
-  const std::uint32_t scene_triangle = scene_->triangle_of(ids.scene);
-  const ObjectGeometry::Corners t = tool_->corners(ids.tool);
+bool NearFeatures::extend(const RigidMotion& motion, double distance) noexcept {
+  if (motion.length(radius_) + distance <= within_) return true;
+  const SweptMotion path(motion);
+  fits_ = true;
+  ++walk_;
+  return front_.for_each_near(path, distance, [&](std::uint32_t own, std::uint32_t id) {
+    const SweptTriangle& tool = swept(own, path, distance);
+    const ObjectGeometry::Corners c = scene_->corners(id);
+    const PlacedTriangle scene(c.a, c.b, c.c);
+    bool apart = false;
+    const double gap = find_plane_gap(tool, scene, apart);
+    if (apart) return PatchFront::Visited{gap, gap, true};
+    FeaturePair pair;
+    pair.tool_triangle = own;
+    pair.scene_triangle = id;
+    Gaps gaps;
+    add_vertices(pair, tool, scene, gaps);
+    add_edges(pair, tool, scene, gaps);
+    return PatchFront::Visited{std::max(gap, std::sqrt(gaps.all_squared)), std::max(gap, std::sqrt(gaps.rest_squared)), fits_};
+  });
+}
+
+const NearFeatures::SweptTriangle& NearFeatures::swept(std::uint32_t triangle, const SweptMotion& motion, double distance) noexcept {
+  SweptTriangle& tool = swept_[triangle % kSwept];
+  if (tool.walk != walk_ || tool.triangle != triangle) {
+    tool.place(tool_->corners(triangle), motion, distance);
+    tool.walk = walk_;
+    tool.triangle = triangle;
+  }
+  return tool;
+}
+
+double NearFeatures::find_plane_gap(const SweptTriangle& tool, const PlacedTriangle& scene, bool& apart) noexcept {
+  struct Range {
+    double low = std::numeric_limits<double>::infinity();
+    double high = -std::numeric_limits<double>::infinity();
+    void grow(double a) {
+      low = std::min(low, a);
+      high = std::max(high, a);
+    }
+    double from_zero() const { return std::max(low, -high); }
+  };
+  Range still;  // of the tool's corners from the scene's plane
+  Range moved;
+  Range end;  // of the motion, along the tool's normal
+  end.grow(0.0);
+  for (int k = 0; k < 3; ++k) {
+    const double at = scene.normal.dot(tool.corner[k] - scene.corner[0]);
+    still.grow(at);
+    moved.grow(at);
+    moved.grow(at + scene.normal.dot(tool.moved[k]));
+    end.grow(tool.normal.dot(tool.moved[k]));
+  }
+  Range other;  // of the scene's corners from the tool's plane
+  for (const Vec3& p : scene.corner) other.grow(tool.normal.dot(p - tool.corner[0]));
+  const double span = (tool.corner[0] - scene.corner[0]).cwiseAbs().sum() + tool.box.diagonal() + scene.box.diagonal();
+  const double scene_blur = scene.blur * span;
+  const double tool_blur = tool.blur * span;
+  apart = !tool.swept.overlaps(scene.box) || moved.from_zero() > tool.reach * scene.length + scene_blur ||
+          std::max(other.low - end.high, end.low - other.high) > tool.reach * tool.length + tool_blur;
+  double gap = 0.0;
+  if (scene.length > 0.0) gap = std::max(gap, (still.from_zero() - scene_blur) / scene.length);
+  if (tool.length > 0.0) gap = std::max(gap, (other.from_zero() - tool_blur) / tool.length);
+  return gap;
+}
+
+void NearFeatures::add_vertices(FeaturePair& pair, const SweptTriangle& tool, const PlacedTriangle& scene, Gaps& gaps) noexcept {
+  const SurfaceFeatures& scene_features = scene_features_[scene_->mesh_of(pair.scene_triangle)];
+  const std::uint32_t scene_triangle = scene_->triangle_of(pair.scene_triangle);
+  const ObjectGeometry::Corners t = tool_->corners(pair.tool_triangle);
   const std::array<Vec3, 3> own = {t.a, t.b, t.c};
   const std::array<Vec3, 3>& s = scene.corner;
-  const double squared = reach * reach;
-  FeaturePair pair;
-  pair.tool_triangle = ids.tool;
-  pair.scene_triangle = ids.scene;
   for (int k = 0; k < 3; ++k) {
     pair.tool_corner = pair.scene_corner = k;
-    if (tool_features_.owns_vertex(ids.tool, k) && scene.is_near_plane(tool.corner[k], reach) &&
-        triangle_distance_squared(tool.corner[k], s[0], s[1], s[2]) <= squared) {
+    if (tool_features_.owns_vertex(pair.tool_triangle, k)) {
+      const double squared = triangle_distance_squared(tool.corner[k], s[0], s[1], s[2]);
       pair.kind = Kind::vertex_face;
       pair.tool[0] = own[k];
       pair.scene = s;
-      add_candidate(pair);
+      add(pair, tool, squared, gaps);
     }
-    if (scene_features.owns_vertex(scene_triangle, k) && tool.is_near_plane(s[k], reach) &&
-        triangle_distance_squared(s[k], tool.corner[0], tool.corner[1], tool.corner[2]) <= squared) {
+    if (scene_features.owns_vertex(scene_triangle, k)) {
+      const double squared = triangle_distance_squared(s[k], tool.corner[0], tool.corner[1], tool.corner[2]);
       pair.kind = Kind::face_vertex;
       pair.tool = own;
       pair.scene[0] = s[k];
-      add_candidate(pair);
-    }
-  }
-  pair.kind = Kind::edge_edge;
-  for (int i = 0; i < 3; ++i) {
-    if (!tool_features_.owns_edge(ids.tool, i)) continue;
-    const Vec3& a = tool.corner[i];
-    const Vec3& a_end = tool.corner[(i + 1) % 3];
-    const Box around = Box::around(a, a_end).inflated(reach);
-    for (int k = 0; k < 3; ++k) {
-      const Vec3& b = s[k];
-      const Vec3& b_end = s[(k + 1) % 3];
-      if (!scene_features.owns_edge(scene_triangle, k) || !around.overlaps(Box::around(b, b_end))) continue;
-      if (detail::segment_segment_distance_squared(of3(a), of3(Vec3(a_end - a)), of3(b), of3(Vec3(b_end - b))) > squared) continue;
-      pair.tool_corner = i;
-      pair.tool = {own[i], own[(i + 1) % 3], Vec3::Zero()};
-      pair.scene_corner = k;
-      pair.scene = {b, b_end, Vec3::Zero()};
-      add_candidate(pair);
+      add(pair, tool, squared, gaps);
     }
   }
 }
 
-void NearFeatures::add_candidate(const FeaturePair& pair) noexcept {
-  fits_ = fits_ && candidate_count_ < candidates_.size();
-  if (fits_) candidates_[candidate_count_++] = pair;
+void NearFeatures::add_edges(FeaturePair& pair, const SweptTriangle& tool, const PlacedTriangle& scene, Gaps& gaps) noexcept {
+  const SurfaceFeatures& scene_features = scene_features_[scene_->mesh_of(pair.scene_triangle)];
+  const std::uint32_t scene_triangle = scene_->triangle_of(pair.scene_triangle);
+  const ObjectGeometry::Corners t = tool_->corners(pair.tool_triangle);
+  const std::array<Vec3, 3> own = {t.a, t.b, t.c};
+  pair.kind = Kind::edge_edge;
+  for (int i = 0; i < 3; ++i) {
+    if (!tool_features_.owns_edge(pair.tool_triangle, i)) continue;
+    const Vec3& a = tool.corner[i];
+    const Vec3 d = tool.corner[(i + 1) % 3] - a;
+    pair.tool_corner = i;
+    pair.tool = {own[i], own[(i + 1) % 3], Vec3::Zero()};
+    for (int k = 0; k < 3; ++k) {
+      if (!scene_features.owns_edge(scene_triangle, k)) continue;
+      const Vec3& b = scene.corner[k];
+      const Vec3& b_end = scene.corner[(k + 1) % 3];
+      const double squared = detail::segment_segment_distance_squared(of3(a), of3(d), of3(b), of3(Vec3(b_end - b)));
+      pair.scene_corner = k;
+      pair.scene = {b, b_end, Vec3::Zero()};
+      add(pair, tool, squared, gaps);
+    }
+  }
+}
+
+void NearFeatures::add(const FeaturePair& pair, const SweptTriangle& tool, double distance_squared, Gaps& gaps) noexcept {
+  gaps.all_squared = std::min(gaps.all_squared, distance_squared);
+  const double reach = tool.reach + tool.most_moved;
+  if (distance_squared <= reach * reach && add_if_near(pair, tool)) return;
+  gaps.rest_squared = std::min(gaps.rest_squared, distance_squared);
+}
+
+// Skips a pair that a plane between its closest points, held fixed, separates over the motion.
+bool NearFeatures::add_if_near(const FeaturePair& pair, const SweptTriangle& tool) noexcept {
+  if (known_.has(pair)) return true;
+  const FeatureGap gap = measure_gap(pair, placement_);
+  double approach = 0.0;
+  if (pair.kind == Kind::face_vertex) {
+    for (const Vec3& moved : tool.moved) approach = std::min(approach, gap.normal.dot(moved));
+  } else {
+    approach = std::min(approach, gap.normal.dot(tool.moved[pair.tool_corner]));
+    if (pair.kind == Kind::edge_edge) approach = std::min(approach, gap.normal.dot(tool.moved[(pair.tool_corner + 1) % 3]));
+  }
+  if (gap.distance + approach > tool.reach) return false;
+  fits_ = fits_ && count_ < features_.size();
+  if (!fits_) return false;
+  known_.insert(pair);
+  features_[count_++] = {pair, gap, is_minimum(pair, gap)};
+  return true;
 }
 
 // A minimum between a vertex and a vertex or an edge is found as vertex_face, one between an edge and a vertex as face_vertex.
-bool NearFeatures::is_minimum(const FeaturePair& pair, const FeatureGap& gap, const Placement& placement, double turn) const noexcept {
+bool NearFeatures::is_minimum(const FeaturePair& pair, const FeatureGap& gap) const noexcept {
   const SurfaceFeatures& scene = scene_features_[scene_->mesh_of(pair.scene_triangle)];
   const std::uint32_t scene_triangle = scene_->triangle_of(pair.scene_triangle);
-  const Vec3 to_tool = gap.normal;                                          // outward from the scene, its frame
-  const Vec3 to_scene = -(placement.orientation.conjugate() * gap.normal);  // outward from the tool, its axes
-  const double slope = SurfaceFeatures::kFlat + (gap.feature == TriangleFeature::face ? turn : 0.0);
+  const Vec3 to_tool = gap.normal;                                           // outward from the scene, its frame
+  const Vec3 to_scene = -(placement_.orientation.conjugate() * gap.normal);  // outward from the tool, its axes
+  const double slope = SurfaceFeatures::kFlat + (gap.feature == TriangleFeature::face ? turn_ : 0.0);
   switch (pair.kind) {
     case Kind::vertex_face:
       return tool_features_.is_top(tool_->triangle(pair.tool_triangle)[pair.tool_corner], to_scene, slope) &&

@@ -4,11 +4,14 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
 #include "core/tool/feature_pair.h"
+#include "core/tool/feature_set.h"
 #include "core/tool/near_pairs.h"
+#include "core/tool/patch_front.h"
 #include "core/tool/surface_features.h"
 
 namespace hapton {
@@ -22,9 +25,10 @@ struct NearFeature {
   bool is_minimum = false;
 };
 
-// All pairs of features of tool and scene within a distance. Those within a larger one are kept as candidates from one call to the next,
-// while the tool moves little (temporal coherence).
-// Work: that of the pairs of triangles near each other, at most kMostTrianglePairs, and their features, at most kMostFeatures. RT: collect
+// The pairs of features of tool and scene that matter for a motion of the tool: all within a distance, and those that come within it on the
+// way. A pair that slides along itself needs no attention however fast it is, so few are left of those that are near (constraint
+// generation: the caller finds a motion from few pairs, and adds those that it brings together).
+// Work: at most PatchFront::kMostTests pairs of boxes a call, and kMostFeatures pairs of features. RT: collect, extend and any_intersect
 // yes, construction set-up only. Pre: the geometries outlive this; the scene is built at once.
 class NearFeatures {
  public:
@@ -32,61 +36,88 @@ class NearFeatures {
   static constexpr std::size_t kMostFeatures = 1U << 14;
 
   NearFeatures(const ObjectGeometry& tool, const TouchGeometry& scene);
+  NearFeatures(const NearFeatures&) = delete;  // front_ points to the trees
+  NearFeatures& operator=(const NearFeatures&) = delete;
 
   // Finds the pairs that are no farther apart than `distance`. False if there are more than fit: they are then incomplete. What becomes a
   // minimum when the tool turns by `turn` counts as one, if its closest points are inside a face or two edges, whose normal then holds
   // still.
   bool collect(const Placement& placement, double distance, double turn) noexcept;
+  // Adds all pairs that come as near as `distance` during a motion, and some that do not. Their gaps are those at its start. False if there
+  // are more than fit. Pre: motion.from is the placement of the last collect.
+  bool extend(const RigidMotion& motion, double distance) noexcept;
+  // Those of the last collect, then those that each extend has added.
   std::span<const NearFeature> features() const { return {features_.data(), count_}; }
-  // True if triangles of tool and scene intersect at the placement of the last collect (exact signs).
-  bool any_intersect(const Placement& placement) const noexcept { return pairs_.any_intersect(placement); }
+  // True if triangles of tool and scene intersect (exact signs), or if there are too many near each other to tell.
+  bool any_intersect(const Placement& placement) noexcept;
 
   // Largest distance of a point of the tool from the grip point.
   double radius() const { return radius_; }
 
  private:
-  // A triangle in the scene's frame, with what tells quickly that something is far from it.
-  struct MovedTriangle {
-    MovedTriangle() = default;
-    MovedTriangle(const Vec3& a, const Vec3& b, const Vec3& c)
-        : corner{a, b, c}, normal((b - a).cross(c - a)), length(normal.norm()), box{a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)} {}
+  static constexpr std::size_t kSwept = 128;
 
-    bool is_near_plane(const Vec3& p, double reach) const { return std::fabs(normal.dot(p - corner[0])) <= reach * length; }
-    // True if the other is farther than `reach` from this one's plane.
-    bool is_apart(const MovedTriangle& other, double reach) const {
-      const double a = normal.dot(other.corner[0] - corner[0]);
-      const double b = normal.dot(other.corner[1] - corner[0]);
-      const double c = normal.dot(other.corner[2] - corner[0]);
-      return std::min({a, b, c}) > reach * length || std::max({a, b, c}) < -reach * length;
-    }
+  // A triangle in the scene's frame.
+  struct PlacedTriangle {
+    PlacedTriangle() = default;
+    PlacedTriangle(const Vec3& a, const Vec3& b, const Vec3& c)
+        : corner{a, b, c},
+          normal((b - a).cross(c - a)),
+          length(normal.norm()),
+          box{a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)},
+          blur(0x1p-48 * box.diagonal()) {}
 
     std::array<Vec3, 3> corner;
     Vec3 normal;  // not of unit length
     double length = 0.0;
     Box box;
+    double blur = 0.0;  // rounding error of the normal, at most
+  };
+  // A triangle of the tool, at the start of a motion and over it.
+  struct SweptTriangle : PlacedTriangle {
+    void place(const ObjectGeometry::Corners& own, const SweptMotion& motion, double within);
+
+    std::uint64_t walk = 0;  // that it was made for
+    std::uint32_t triangle = 0;
+
+    std::array<Vec3, 3> moved;  // displacement of each corner
+    double most_moved = 0.0;
+    double reach = 0.0;  // what two paths that are that far apart as straight lines may come within `within` of each other
+    Box swept;           // its path, inflated by the reach
   };
 
-  bool is_covered(const Placement& placement, double distance) const noexcept;
-  bool find_candidates(const Placement& placement, double within, std::size_t most_pairs) noexcept;
-  bool refresh(const Placement& placement, double distance) noexcept;
-  void add_candidates(const TrianglePairIds& ids, const MovedTriangle& tool, const MovedTriangle& scene, double reach) noexcept;
-  void add_candidate(const FeaturePair& pair) noexcept;
-  bool is_minimum(const FeaturePair& pair, const FeatureGap& gap, const Placement& placement, double turn) const noexcept;
+  const SweptTriangle& swept(std::uint32_t triangle, const SweptMotion& motion, double distance) noexcept;
+  // How far apart the triangles are at least; `apart` if a plane of either, held fixed, separates them over the motion.
+  static double find_plane_gap(const SweptTriangle& tool, const PlacedTriangle& scene, bool& apart) noexcept;
+  // These add features that matter, and tell how far apart at least all are, and all that are not in features_.
+  struct Gaps {
+    double all_squared = std::numeric_limits<double>::infinity();
+    double rest_squared = std::numeric_limits<double>::infinity();
+  };
+  void add_vertices(FeaturePair& pair, const SweptTriangle& tool, const PlacedTriangle& scene, Gaps& gaps) noexcept;
+  void add_edges(FeaturePair& pair, const SweptTriangle& tool, const PlacedTriangle& scene, Gaps& gaps) noexcept;
+  void add(const FeaturePair& pair, const SweptTriangle& tool, double distance_squared, Gaps& gaps) noexcept;
+  bool add_if_near(const FeaturePair& pair, const SweptTriangle& tool) noexcept;  // false: it was not added
+  bool is_minimum(const FeaturePair& pair, const FeatureGap& gap) const noexcept;
 
   const ObjectGeometry* tool_;
   const TouchGeometry* scene_;
   SurfaceFeatures tool_features_;
   std::vector<SurfaceFeatures> scene_features_;  // by object
+  PatchTree tool_tree_;
+  PatchTree scene_tree_;
   NearPairs pairs_;
   double radius_ = 0.0;
-  std::vector<FeaturePair> candidates_;
-  std::size_t candidate_count_ = 0;
-  double within_ = -1.0;  // distance of the candidates, at the placement where they were found; below 0: there are none
-  Placement found_at_;
-  double share_ = 4.0;  // of the distance asked for: what candidates are kept within
+  PatchFront front_;
+  Placement placement_;  // of the last collect
+  double turn_ = 0.0;
+  double within_ = 0.0;  // distance of the last collect
   std::vector<NearFeature> features_;
   std::size_t count_ = 0;
+  FeatureSet known_;  // what features_ holds
   bool fits_ = true;
+  std::vector<SweptTriangle> swept_;  // by the last bits of the triangle's number
+  std::uint64_t walk_ = 0;
 };
 
 }  // namespace hapton

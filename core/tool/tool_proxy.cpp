@@ -19,6 +19,10 @@ constexpr double kMostCurvature = 64.0;
 constexpr std::size_t kManyFeatures = 1024;  // with more, the reach does not grow
 constexpr double kNothing = 0x1p-10;         // of the offset: what is left when the device is reached
 constexpr double kShrinkage = 0.125;
+// Pairs that a round begins with: within a share of its reach.
+constexpr double kNearShare = 0x1p-7;
+constexpr double kNear = 16.0;  // and offsets
+constexpr int kMostExtensions = 8;
 constexpr double kGrowth = 4.0;  // of the reach, where it has ended a round
 
 }  // namespace
@@ -171,6 +175,19 @@ RigidMotion ToolProxy::constrain(const RigidMotion& wanted, double reach) noexce
   return motion;
 }
 
+bool ToolProxy::is_at_rest() const noexcept {
+  return least_.solved && least_.active_count > 0 && to_motion(least_.y).length(near_.radius()) <= kConverged * kOffset;
+}
+
+// True if the motion brings a minimum from index `first` on below the contact offset.
+bool ToolProxy::is_crossed(const RigidMotion& motion, std::size_t first) const noexcept {
+  const Placement to = motion.at(1.0);
+  const std::span<const NearFeature> added = near_.features().subspan(first);
+  return std::any_of(added.begin(), added.end(), [&](const NearFeature& near) {
+    return near.is_minimum && gap_along(near.pair, near.gap, proxy_, to) < kOffset - kTolerance;
+  });
+}
+
 // The share of the motion over which every pair stays at its floor: kFloor of the offset, or a little below where it is, but never below
 // kLeastGap; a pair that is there already may only move apart.
 double ToolProxy::find_safe_share(const RigidMotion& motion) const noexcept {
@@ -202,15 +219,23 @@ bool ToolProxy::round(const Placement& device, ToolProxyStep& report) noexcept {
   contact_count_ = 0;
   if (!(left > 0.0)) return false;
   const double reach = std::min(left, reach_);
-  if (!near_.collect(proxy_, reach + kOffset, std::min(2.0 * reach / radius, kLargestTilt))) {
+  const auto shorten = [&] {
     reach_ = 0.5 * reach;
     report.converged = reach_ > kOffset;
     return report.converged;
+  };
+  if (!near_.collect(proxy_, kNearShare * reach + kNear * kOffset, std::min(2.0 * reach / radius, kLargestTilt))) return shorten();
+  RigidMotion motion = constrain(wanted, reach);
+  // Pairs that this motion brings together are added, until it crosses none.
+  for (int k = 0; !is_at_rest() && k < kMostExtensions; ++k) {
+    const std::size_t known = near_.features().size();
+    if (!near_.extend(motion, kOffset)) return shorten();
+    if (k + 1 == kMostExtensions || !is_crossed(motion, known)) break;
+    motion = constrain(wanted, reach);
   }
   report.feature_count = std::max(report.feature_count, near_.features().size());
-  const RigidMotion motion = constrain(wanted, reach);
   note_contacts(report);
-  if (least_.solved && least_.active_count > 0 && to_motion(least_.y).length(radius) <= kConverged * kOffset) return false;
+  if (is_at_rest()) return false;
   const double length = motion.length(radius);
   if (least_.solved) update_curvature();
   report.converged = false;

@@ -82,6 +82,8 @@ class ToolProxy {
   bool solve(const Vec6& goal, LeastMotion& least) noexcept;
   RigidMotion constrain(const RigidMotion& wanted, double reach) noexcept;
   bool correct_bounds(const RigidMotion& motion) noexcept;
+  bool is_at_rest() const noexcept;  // the contacts let the proxy get no nearer to the device
+  bool is_crossed(const RigidMotion& motion, std::size_t first) const noexcept;
   double find_safe_share(const RigidMotion& motion) const noexcept;
   void note_contacts(ToolProxyStep& report) noexcept;
   bool round(const Placement& device, ToolProxyStep& report) noexcept;

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
+#include <set>
+#include <vector>
 
 #include "core/geometry/mesh_shapes.h"
 #include "core/geometry/triangle_distance.h"
@@ -73,6 +76,83 @@ TEST_F(NearFeaturesTest, TheNearestIsThatOfABruteForceSearchAndAMinimum) {
     ASSERT_NEAR(least_minimum, brute, 1e-9) << "case " << n;
   }
   EXPECT_GT(compared, 100);
+}
+
+// Which features a pair is of, however the triangles around them are numbered.
+using FeatureKey = std::pair<FeaturePair::Kind, std::vector<double>>;
+
+FeatureKey key_of(const FeaturePair& pair) {
+  const bool is_edge = pair.kind == FeaturePair::Kind::edge_edge;
+  FeatureKey key{pair.kind, {}};
+  const auto add = [&key](const std::array<Vec3, 3>& points, std::size_t count) {
+    std::vector<std::array<double, 3>> sorted;
+    for (std::size_t i = 0; i < count; ++i) sorted.push_back({points[i].x(), points[i].y(), points[i].z()});
+    std::sort(sorted.begin(), sorted.end());
+    for (const auto& p : sorted) key.second.insert(key.second.end(), p.begin(), p.end());
+  };
+  add(pair.tool, is_edge ? 2 : pair.kind == FeaturePair::Kind::vertex_face ? 1 : 3);
+  add(pair.scene, is_edge ? 2 : pair.kind == FeaturePair::Kind::vertex_face ? 3 : 1);
+  return key;
+}
+
+std::vector<FeaturePair> all_pairs_of(const std::array<Vec3, 3>& tool, const std::array<Vec3, 3>& scene) {
+  std::vector<FeaturePair> pairs;
+  for (int k = 0; k < 3; ++k) {
+    pairs.push_back({.kind = FeaturePair::Kind::vertex_face, .tool = {tool[k]}, .scene = scene});
+    pairs.push_back({.kind = FeaturePair::Kind::face_vertex, .tool = tool, .scene = {scene[k]}});
+    for (int j = 0; j < 3; ++j) {
+      pairs.push_back(
+          {.kind = FeaturePair::Kind::edge_edge, .tool = {tool[k], tool[(k + 1) % 3]}, .scene = {scene[j], scene[(j + 1) % 3]}});
+    }
+  }
+  return pairs;
+}
+
+// Against all pairs of features, at many times of the motion.
+TEST_F(NearFeaturesTest, EveryPairThatAMotionBringsNearIsAmongThem) {
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  std::size_t brought = 0;
+  std::size_t added = 0;
+  Placement at;
+  for (int n = 0; n < 60; ++n) {
+    if (n % 6 == 0)
+      at = {Vec3(uniform(random), uniform(random), uniform(random)).normalized() * 0.5, turn_by(3.0 * Vec3(0.3, 0.1 * n, -0.2))};
+    const double length = n % 2 == 0 ? 0.1 : 0.01;
+    const double near_by = 0.01;
+    const double distance = 0.02 * std::abs(uniform(random));
+    const auto vector = [&] { return Vec3(uniform(random), uniform(random), uniform(random)); };
+    const RigidMotion motion{at, length * vector(), length * vector()};
+    ASSERT_TRUE(near.collect(at, near_by, 0.0));
+    const std::size_t collected = near.features().size();
+    // Twice: what is known is not added again.
+    ASSERT_TRUE(near.extend(motion, distance));
+    const std::size_t extended = near.features().size();
+    ASSERT_TRUE(near.extend(motion, distance));
+    ASSERT_EQ(near.features().size(), extended);
+    added += extended - collected;
+    std::set<FeatureKey> found;
+    for (const NearFeature& feature : near.features()) {
+      ASSERT_TRUE(found.insert(key_of(feature.pair)).second) << "found twice";
+      ASSERT_EQ(feature.gap.distance, measure_gap(feature.pair, at).distance);
+    }
+    for (std::uint32_t t = 0; t < tool.triangle_count(); ++t) {
+      const std::array<Vec3, 3> a = {tool.corner(t, 0), tool.corner(t, 1), tool.corner(t, 2)};
+      for (std::uint32_t s = 0; s < scene.triangle_count(); ++s) {
+        const std::array<Vec3, 3> b = {scene.corner(s, 0), scene.corner(s, 1), scene.corner(s, 2)};
+        if (triangle_gap({at.at(a[0]), at.at(a[1]), at.at(a[2])}, b) > distance + 4.0 * length) continue;
+        for (const FeaturePair& pair : all_pairs_of(a, b)) {
+          double least = measure_gap(pair, at).distance - (near_by - distance);
+          for (double time = 0.0; time <= 1.0; time += 0.25) least = std::min(least, measure_gap(pair, motion.at(time)).distance);
+          if (least > distance - 1e-12) continue;
+          ++brought;
+          ASSERT_EQ(found.count(key_of(pair)), 1U) << "case " << n;
+        }
+      }
+    }
+    at = motion.at(0.5);
+  }
+  EXPECT_GT(brought, 500U);
+  EXPECT_GT(added, 100U);
 }
 
 TEST_F(NearFeaturesTest, NothingIsFoundFarAway) {

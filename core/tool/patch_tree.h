@@ -1,0 +1,49 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/collision/touch_geometry.h"
+
+namespace hapton {
+
+// A binary tree of oriented boxes over triangles, one a leaf (Gottschalk, Lin & Manocha, "OBBTree", 1996). A box along the principal axes
+// of a piece of surface is thin, of the order of the square of the piece's size, where a box along the coordinate axes is as thick as the
+// piece is large. Two surfaces that touch along parallel tangents are told apart by few pairs of such boxes.
+//
+// We differ in splitting in the middle, and small pieces with sharp edges where that makes the halves flattest. Neither half has less than
+// an eighth of the triangles, which bounds the depth. Boxes are stored in single precision and contain their triangles' exact
+// corners. Threads: immutable. RT: queries yes, construction set-up only.
+class PatchTree {
+ public:
+  static constexpr int kMostDepth = 96;
+
+  // A box: centre + sum of axis[i] * y[i], |y[i]| <= half[i]. The axes are orthonormal to 2^-20.
+  struct alignas(64) Node {
+    std::array<float, 3> centre;
+    std::array<std::array<float, 3>, 3> axes;  // by coordinate, then by axis, from the shortest to the longest
+    std::array<float, 3> half;
+    std::uint32_t link;  // of the left child, which the right one follows; of a leaf the complement of its number among the leaves
+    bool is_leaf() const { return (link >> 31) != 0; }
+    Vec3 at() const { return {centre[0], centre[1], centre[2]}; }
+    Vec3 axis(int i) const { return {axes[0][i], axes[1][i], axes[2][i]}; }
+    Vec3 half_size() const { return {half[0], half[1], half[2]}; }
+  };
+
+  explicit PatchTree(const ObjectGeometry& surface);
+  // Of all objects; triangles have TouchGeometry's numbers. Pre: the scene is built.
+  explicit PatchTree(const TouchGeometry& scene);
+
+  // Node 0 is the root. None if there are no triangles.
+  std::span<const Node> nodes() const { return nodes_; }
+  // Pre: the node is a leaf.
+  std::uint32_t triangle(const Node& leaf) const { return triangles_[~leaf.link]; }
+
+ private:
+  std::vector<Node> nodes_;
+  std::vector<std::uint32_t> triangles_;
+};
+
+}  // namespace hapton

@@ -1,0 +1,155 @@
+#include "core/tool/patch_front.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <set>
+
+#include "core/geometry/mesh_shapes.h"
+#include "core/geometry/triangle_distance.h"
+
+namespace hapton {
+namespace {
+
+using Corners3 = std::array<Vec3, 3>;
+
+// Of two triangles, from points and edges; intersections through a face alone are left out.
+double distance_of(const Corners3& a, const Corners3& b) {
+  double least = 1e300;
+  for (int k = 0; k < 3; ++k) {
+    least = std::min(least, triangle_distance_squared(a[k], b[0], b[1], b[2]));
+    least = std::min(least, triangle_distance_squared(b[k], a[0], a[1], a[2]));
+    for (int j = 0; j < 3; ++j) {
+      least = std::min(least, detail::segment_segment_distance_squared(of3(a[k]), of3(Vec3(a[(k + 1) % 3] - a[k])), of3(b[j]),
+                                                                       of3(Vec3(b[(j + 1) % 3] - b[j]))));
+    }
+  }
+  return std::sqrt(least);
+}
+
+class PatchFrontTest : public testing::Test {
+ protected:
+  static constexpr unsigned kSeed = 23;
+  std::mt19937_64 random{kSeed};
+  std::uniform_real_distribution<double> uniform{-1.0, 1.0};
+  const TriangleMesh ball = make_bumpy_sphere(0.3, 0.2, 300, 3);
+  const TriangleMesh slab = scaled_and_moved(make_box({0.4, 0.2, 0.3}, 3), 1.0, {0.5, 0.0, 0.0});
+  const TouchGeometry scene{std::vector<const TriangleMesh*>{&ball, &slab}};
+  const ObjectGeometry tool{make_box({0.1, 0.2, 0.15}, 3), {Vec3::Zero(), scene.unit_m()}};
+  const PatchTree tool_tree{tool};
+  const PatchTree scene_tree{scene};
+  const double radius = 0.5 * Vec3(0.1, 0.2, 0.15).norm() / scene.unit_m() * 1.001;
+  PatchFront front{tool_tree, scene_tree, radius};
+  std::vector<std::uint32_t> scene_ids;
+
+  void SetUp() override {
+    for (const PatchTree::Node& node : scene_tree.nodes()) {
+      if (node.is_leaf()) scene_ids.push_back(scene_tree.triangle(node));
+    }
+  }
+  Vec3 vector() { return {uniform(random), uniform(random), uniform(random)}; }
+  Corners3 tool_at(std::uint32_t t, const Placement& at) const {
+    return {at.at(tool.corner(t, 0)), at.at(tool.corner(t, 1)), at.at(tool.corner(t, 2))};
+  }
+  Corners3 scene_at(std::uint32_t id) const { return {scene.corner(id, 0), scene.corner(id, 1), scene.corner(id, 2)}; }
+  // The least distance at some times of the motion.
+  double distance_over(const RigidMotion& motion, std::uint32_t t, std::uint32_t id) const {
+    double least = 1e300;
+    for (double time = 0.0; time <= 1.0; time += 0.125) least = std::min(least, distance_of(tool_at(t, motion.at(time)), scene_at(id)));
+    return least;
+  }
+};
+
+// Also from the front of earlier walks, over motions of every length, and where pairs were left out because the visit said that they are
+// far apart.
+TEST_F(PatchFrontTest, VisitsEveryPairThatABruteForceSearchFinds) {
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  std::size_t found = 0;
+  std::size_t visited = 0;
+  Placement at;
+  for (int n = 0; n < 60; ++n) {
+    if (n % 15 == 0) at = {vector().normalized() * (n % 2 == 0 ? 0.45 : 0.9), turn_by(3.0 * vector())};
+    const double length = std::pow(10.0, -1.0 - 2.0 * std::abs(uniform(random)));
+    const bool is_still = n % 3 == 0;
+    const RigidMotion motion{at, is_still ? Vec3::Zero() : Vec3(length * vector()), is_still ? Vec3::Zero() : Vec3(length * vector())};
+    const double distance = 0.03 * std::abs(uniform(random));
+    std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
+    ASSERT_TRUE(front.for_each_near(SweptMotion(motion), distance, [&](std::uint32_t t, std::uint32_t id) {
+      pairs.insert({t, id});
+      const double gap = distance_of(tool_at(t, at), scene_at(id)) * 0.999;
+      return PatchFront::Visited{gap, gap, true};
+    }));
+    visited += pairs.size();
+    for (std::uint32_t t = 0; t < tool.triangle_count(); ++t) {
+      for (const std::uint32_t id : scene_ids) {
+        if (pairs.count({t, id}) > 0) continue;
+        if (distance_of(tool_at(t, at), scene_at(id)) > distance + motion.length(radius)) continue;
+        ASSERT_GT(distance_over(motion, t, id), distance) << "case " << n;
+      }
+    }
+    for (const auto& [t, id] : pairs) found += distance_over(motion, t, id) <= distance ? 1U : 0U;
+    at = motion.at(0.3 + 0.3 * uniform(random));
+  }
+  EXPECT_GT(found, 1000U);
+  EXPECT_LT(visited, 6 * found) << "the search is not a search";
+}
+
+TEST_F(PatchFrontTest, AWalkThatIsEndedIsMadeAgainInFull) {
+  const RigidMotion motion{{Vec3(0.0, 0.0, 0.4), Quat::Identity()}, Vec3::Zero(), Vec3::Zero()};
+  const auto walk = [&](std::size_t most) {
+    std::size_t visits = 0;
+    const bool complete = front.for_each_near(SweptMotion(motion), 0.2, [&](std::uint32_t, std::uint32_t) {
+      return PatchFront::Visited{0.0, 0.0, ++visits != most};
+    });
+    EXPECT_EQ(complete, visits < most);
+    return visits;
+  };
+  const std::size_t all = walk(~std::size_t{0});
+  ASSERT_GT(all, 10U);
+  EXPECT_EQ(walk(5), 5U);
+  const std::size_t again = walk(~std::size_t{0});
+  EXPECT_EQ(again, all);
+}
+
+// What a visitor knows is left out until it forgets.
+TEST_F(PatchFrontTest, APairThatIsKnownIsVisitedAgainWhenItIsForgotten) {
+  const RigidMotion motion{{Vec3(0.0, 0.0, 0.4), Quat::Identity()}, Vec3::Zero(), Vec3::Zero()};
+  const auto walk = [&] {
+    std::size_t visits = 0;
+    EXPECT_TRUE(front.for_each_near(SweptMotion(motion), 0.2, [&](std::uint32_t, std::uint32_t) {
+      ++visits;
+      return PatchFront::Visited{0.0, 1.0, true};
+    }));
+    return visits;
+  };
+  const std::size_t all = walk();
+  ASSERT_GT(all, 10U);
+  EXPECT_EQ(walk(), 0U);
+  front.forget();
+  const std::size_t again = walk();  // some turned out to be too far away
+  EXPECT_GT(again, all / 2);
+  EXPECT_LE(again, all);
+}
+
+// A fast motion along a surface brings few of the boxes together.
+TEST_F(PatchFrontTest, SlidingAlongAPlaneVisitsWhatIsNearIt) {
+  const TriangleMesh grid = make_plane_grid(1.0, 40);
+  const TouchGeometry plane(std::vector<const TriangleMesh*>{&grid});
+  const ObjectGeometry box(make_box({0.1, 0.1, 0.1}, 2), {Vec3::Zero(), plane.unit_m()});
+  const PatchTree box_tree(box);
+  const PatchTree plane_tree(plane);
+  PatchFront sliding(box_tree, plane_tree, 0.1 / plane.unit_m());
+  const Placement above{plane.to_local({0.0, 0.0, 0.06}), Quat::Identity()};
+  std::size_t visits = 0;
+  const auto count = [&](std::uint32_t, std::uint32_t) {
+    ++visits;
+    return PatchFront::Visited{0.0, 0.0, true};
+  };
+  ASSERT_TRUE(sliding.for_each_near(SweptMotion({above, Vec3(0.2, 0.1, 0.0), Vec3::Zero()}), 0x1p-20, count));
+  EXPECT_EQ(visits, 0U);
+  ASSERT_TRUE(sliding.for_each_near(SweptMotion({above, Vec3(0.2, 0.1, -0.02), Vec3::Zero()}), 0x1p-20, count));
+  EXPECT_GT(visits, 0U);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,105 @@
+#include "core/tool/patch_tree.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <set>
+
+#include "core/geometry/mesh_shapes.h"
+
+namespace hapton {
+namespace {
+
+struct Checked {
+  std::set<std::uint32_t> triangles;
+  int depth = 0;
+};
+
+// Every box contains the exact corners of all triangles under it.
+Checked check_tree(const PatchTree& tree, const std::function<std::array<Vec3, 3>(std::uint32_t)>& corners) {
+  Checked checked;
+  const std::function<std::vector<std::uint32_t>(std::uint32_t, int)> visit = [&](std::uint32_t at, int depth) {
+    const PatchTree::Node& node = tree.nodes()[at];
+    checked.depth = std::max(checked.depth, depth);
+    std::vector<std::uint32_t> below;
+    if (node.is_leaf()) {
+      below.push_back(tree.triangle(node));
+      EXPECT_TRUE(checked.triangles.insert(below[0]).second) << "twice in the tree";
+    } else {
+      for (const std::uint32_t child : {node.link, node.link + 1}) {
+        for (const std::uint32_t id : visit(child, depth + 1)) below.push_back(id);
+      }
+    }
+    Mat3 axes;
+    for (int i = 0; i < 3; ++i) axes.col(i) = node.axis(i);
+    EXPECT_LT((axes.transpose() * axes - Mat3::Identity()).cwiseAbs().maxCoeff(), 0x1p-20);
+    for (const std::uint32_t id : below) {
+      for (const Vec3& p : corners(id)) {
+        const Vec3 y = axes.inverse() * (p - node.at());
+        EXPECT_TRUE((y.cwiseAbs().array() <= node.half_size().array()).all());
+      }
+    }
+    return below;
+  };
+  if (!tree.nodes().empty()) visit(0, 0);
+  return checked;
+}
+
+TEST(PatchTree, BoxesContainTheirTriangles) {
+  for (const TriangleMesh& mesh : {make_bumpy_sphere(0.3, 0.2, 2000, 5), make_box({0.1, 0.2, 0.3}, 4), make_cylinder(0.1, 0.3, 64, 3),
+                                   make_gutter(0.1, 0.03, 1.5, 3), make_plane_grid(0.2, 6)}) {
+    const ObjectGeometry surface(mesh, {Vec3::Zero(), 1.0});
+    const PatchTree tree(surface);
+    const Checked checked = check_tree(tree, [&](std::uint32_t t) {
+      return std::array<Vec3, 3>{surface.corner(t, 0), surface.corner(t, 1), surface.corner(t, 2)};
+    });
+    EXPECT_EQ(checked.triangles.size(), surface.triangle_count());
+    EXPECT_LE(checked.depth, PatchTree::kMostDepth);
+  }
+}
+
+TEST(PatchTree, HoldsTheTrianglesOfAllObjectsUnderTheirNumbersInTheScene) {
+  const TriangleMesh ball = make_bumpy_sphere(0.3, 0.2, 300, 3);
+  const TriangleMesh box = scaled_and_moved(make_box({0.4, 0.2, 0.3}, 3), 1.0, {0.5, 0.0, 0.0});
+  const TouchGeometry scene(std::vector<const TriangleMesh*>{&ball, &box});
+  const Checked checked = check_tree(PatchTree(scene), [&](std::uint32_t id) {
+    return std::array<Vec3, 3>{scene.corner(id, 0), scene.corner(id, 1), scene.corner(id, 2)};
+  });
+  EXPECT_EQ(checked.triangles.size(), scene.triangle_count());
+}
+
+// A box over a piece of a sphere is as thick as the cap is high; flat faces have flat boxes.
+TEST(PatchTree, BoxesAreThin) {
+  const ObjectGeometry ball(make_icosphere(1.0, 5), {Vec3::Zero(), 1.0});
+  const PatchTree ball_tree(ball);
+  int compared = 0;
+  for (const PatchTree::Node& node : ball_tree.nodes()) {
+    const double radius = node.half_size().norm();
+    if (radius > 0.2) continue;
+    ++compared;
+    EXPECT_LT(node.half[0], 0.5 * radius * radius);
+  }
+  EXPECT_GT(compared, 10000);
+  const ObjectGeometry box(make_box({1.0, 1.0, 1.0}, 4), {Vec3::Zero(), 1.0});
+  int flat = 0;
+  const PatchTree tree(box);
+  for (const PatchTree::Node& node : tree.nodes()) flat += node.half[0] < 1e-6 ? 1 : 0;
+  EXPECT_GT(flat, static_cast<int>(tree.nodes().size()) - 16);
+}
+
+TEST(PatchTree, OfTrianglesWithoutAreaIsComplete) {
+  TriangleMesh mesh;
+  for (int i = 0; i < 20; ++i) {
+    const auto v = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (int k = 0; k < 3; ++k) mesh.vertices.emplace_back(0.1 * (i % 3), 0.2 * k, 0.0);
+    mesh.triangles.push_back({v, v + 1, v + 2});
+  }
+  const ObjectGeometry surface(mesh, {Vec3::Zero(), 1.0});
+  const Checked checked = check_tree(PatchTree(surface), [&](std::uint32_t t) {
+    return std::array<Vec3, 3>{surface.corner(t, 0), surface.corner(t, 1), surface.corner(t, 2)};
+  });
+  EXPECT_EQ(checked.triangles.size(), surface.triangle_count());
+}
+
+}  // namespace
+}  // namespace hapton
