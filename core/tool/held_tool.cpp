@@ -8,6 +8,8 @@ namespace {
 double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
 
 constexpr double kLeastReach = 64.0 * ToolProxy::kContactOffset;
+// Of the tool's radius. Farther contacts would come earlier, and the next ones later: to find them takes longer.
+constexpr double kMostReach = 1.0 / 64.0;
 
 }  // namespace
 
@@ -45,7 +47,7 @@ bool HeldTool::follow() noexcept {
   const RigidMotion moved{last_.device, sample.device.position - last_.device.position,
                           turn_between(last_.device.orientation, sample.device.orientation)};
   const double reach = is_first ? kLeastReach : std::max(kLeastReach, 2.0 * moved.length(proxy.radius()));
-  proxy.find_local_contacts(std::min(reach, 0.25 * proxy.radius()), found.contacts);
+  proxy.find_local_contacts(std::min(reach, kMostReach * proxy.radius()), found.contacts);
   found.time_ns = sample.time_ns;
   found.serial = sample.serial;
   last_ = sample;
