@@ -47,7 +47,7 @@ void ForceExchange::accept(const Header& header, const ForceCommand& command) no
   note_trip(now_ns - command.echo_sample_time_ns, now_ns);
   if (is_local_) {
     note_round_trip(header, command, now_ns);
-    history_.note_resumed();
+    history_.note_resumed(command.echo_sample);
   } else if (verdict == ResponseTracker::Verdict::reordered) {
     note_round_trip(header, command, now_ns);
   } else {

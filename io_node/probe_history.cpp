@@ -8,7 +8,7 @@ void ProbeHistory::note_sample(std::uint64_t number, const DeviceSample& sample)
 }
 
 void ProbeHistory::note_answer(const ForceCommand& command) noexcept {
-  is_haptics_new_ = false;
+  note_resumed(command.echo_sample);
   note_local(command);
 }
 

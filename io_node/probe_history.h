@@ -26,10 +26,16 @@ class ProbeHistory {
   void note_answer(const ForceCommand& command) noexcept;
   // The force of the newest sample, worked out on the device side.
   void note_local(const ForceCommand& command) noexcept;
-  // The haptics node has replied while the device side works out the force.
-  void note_resumed() noexcept { is_haptics_new_ = false; }
-  // A haptics node has joined and not replied yet.
-  void note_new_haptics() noexcept { is_haptics_new_ = true; }
+  // The haptics node has replied to that sample while the device side works out the force.
+  void note_resumed(std::uint64_t echo_sample) noexcept {
+    if (echo_sample > asked_) is_haptics_new_ = false;
+  }
+  // A haptics node has joined, or is asked to go on from the probe's position, and has not replied yet. A reply to a sample that is there
+  // already knows nothing of it.
+  void note_new_haptics() noexcept {
+    is_haptics_new_ = true;
+    asked_ = newest_;
+  }
   bool is_haptics_new() const noexcept { return is_haptics_new_; }
   // The scene was turned: the last position is no longer valid.
   void forget_rest() noexcept { p_WP_.reset(); }
@@ -55,6 +61,7 @@ class ProbeHistory {
 
   std::array<Pose, kSamples> poses_ = {};  // by number
   std::uint64_t newest_ = 0;
+  std::uint64_t asked_ = 0;  // the newest sample at note_new_haptics
   ForceCommand last_;
   std::optional<Vec3> p_WP_;  // in contact, as far as known
   bool is_haptics_new_ = false;

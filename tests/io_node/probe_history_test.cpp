@@ -74,5 +74,19 @@ TEST_F(Memory, ANewHapticsNodeKeepsTheProbeInPlaceUntilItReplies) {
   EXPECT_FALSE(memory.find_resume_point(Vec3(0.1, 0, 0)));  // it has no position
 }
 
+TEST_F(Memory, AReplyToASampleFromBeforeTheRequestDoesNotCount) {
+  memory.note_sample(1, sample_at(1, 0.1));
+  memory.note_answer(answer_to(1, true));
+  memory.note_sample(2, sample_at(2, 0.1));
+  memory.note_new_haptics();
+  memory.note_answer(answer_to(2, true));  // sent before
+  EXPECT_TRUE(memory.is_haptics_new());
+  memory.note_resumed(2);
+  EXPECT_TRUE(memory.is_haptics_new());
+  memory.note_sample(3, sample_at(3, 0.1));
+  memory.note_resumed(3);
+  EXPECT_FALSE(memory.is_haptics_new());
+}
+
 }  // namespace
 }  // namespace hapton

@@ -56,6 +56,7 @@ std::string describe(const StepCost& cost, double rate_hz) {
 Result<SceneCheck> check_scene(const std::string& path, const Scene& scene, const SceneCheckSettings& settings) {
   SceneCheck check{.path = path, .findings = {}, .notes = scene.notes, .objects = scene.objects.size(), .triangles = 0, .cost = {}};
   const HeldStiffness held = find_held_stiffness(settings.loops, settings.rate_hz, settings.delay_s);
+  if (scene.tool) check.notes.push_back(fmt::format("not checked: the tool '{}'; everything here is of a probe", scene.tool->name));
   const std::vector<const DevicePreset*> reaching = known_workspaces(settings.loops, check.notes);
   for (const SceneObject& object : scene.objects) {
     check.triangles += object.mesh->triangles.size();

@@ -293,5 +293,11 @@ TEST(CheckCommand, APlainMeshIsFittedAsTheNodesFitIt) {
   EXPECT_THAT(fitted.out, testing::Not(HasSubstr("outside the workspace")));
 }
 
+TEST(SceneChecks, SaysThatAToolIsNotChecked) {
+  const Checked seen = check({HAPTON_SOURCE_DIR "/scenes/pegs.toml"});
+  EXPECT_EQ(seen.code, 0) << seen.out << seen.err;
+  EXPECT_THAT(seen.out, HasSubstr("not checked: the tool 'peg'"));
+}
+
 }  // namespace
 }  // namespace hapton
