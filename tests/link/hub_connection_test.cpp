@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cstdlib>
+#include <string>
+#include <thread>
 
 #include "link/hub_peers.h"
 #include "link/link_key.h"
@@ -55,22 +58,27 @@ TEST_F(HubConnectionTest, EachRoleJoins) {
   }
 }
 
+// Where the machine stands still for 50 ms the second one rightly takes over; then it is tried again.
 TEST_F(HubConnectionTest, ASecondHapticsNodeIsToldWhy) {
-  beside_hub([&](const std::string& hub) {
-    const auto first = HubConnection::open(NodeRole::haptics, {.hub = hub, .key_file = key_.string()});
-    ASSERT_TRUE(first && (*first)->wait_until_joined(30.0));
-    const auto second = HubConnection::open(NodeRole::haptics, {.hub = hub, .key_file = key_.string()});
-    ASSERT_TRUE(second);
-    Datagram datagram;
-    // Both stay alive: each is a node that calls its client all the time.
-    for (int k = 0; k < 1000 && (*second)->client().state() == JoinState::joining; ++k) {
-      (*first)->client().receive(datagram, (*first)->clock().now_ns() + 10 * kNanosecondsPerMillisecond);
-      (*second)->client().receive(datagram, (*second)->clock().now_ns() + 10 * kNanosecondsPerMillisecond);
-    }
-    const auto joined = (*second)->wait_until_joined(0.01);
-    ASSERT_FALSE(joined);
-    EXPECT_NE(joined.error().what.find("has a haptics node already"), std::string::npos) << joined.error().what;
-  });
+  std::string why;
+  for (int attempt = 0; attempt < 10 && why.empty(); ++attempt) {
+    beside_hub([&](const std::string& hub) {
+      const auto first = HubConnection::open(NodeRole::haptics, {.hub = hub, .key_file = key_.string()});
+      ASSERT_TRUE(first && (*first)->wait_until_joined(30.0));
+      std::atomic<bool> is_done{false};
+      std::thread alive = start_thread([&] {
+        Datagram datagram;
+        while (!is_done) (*first)->client().receive(datagram, (*first)->clock().now_ns() + 5 * kNanosecondsPerMillisecond);
+      });
+      const auto second = HubConnection::open(NodeRole::haptics, {.hub = hub, .key_file = key_.string()});
+      if (second) {
+        if (const auto joined = (*second)->wait_until_joined(0.5); !joined) why = joined.error().what;
+      }
+      is_done = true;
+      alive.join();
+    });
+  }
+  EXPECT_NE(why.find("has a haptics node already"), std::string::npos) << why;
 }
 
 TEST_F(HubConnectionTest, SaysWhatIsMissing) {

@@ -16,12 +16,12 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// The peg goes 5 mm beside its hole onto the block, tilted, and stays there.
+// The peg goes half over the edge of a block, where it is pressed and tilts, and stays there.
 TEST(Tool, IsFeltRecordedAndReportedWithItsTorque) {
   ScratchFolder scratch;
   scratch.write("way.csv",
-                "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0.031,0,0.06,0.995,0.0998,0,0\n1,0.031,0,0.024,0.995,0.0998,0,0\n"
-                "20,0.031,0,0.024,0.995,0.0998,0,0\n");
+                "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0.014,0.06,0.99995,0.01,0,0\n1,0,0.014,0.024,0.99995,0.01,0,0\n"
+                "20,0,0.014,0.024,0.99995,0.01,0,0\n");
   const std::string hub = "127.0.0.1:" + find_free_port();
   const std::string file = (scratch.path() / "tool.hapton").string();
   Program io("io_node",
