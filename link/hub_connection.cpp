@@ -1,5 +1,7 @@
 #include "link/hub_connection.h"
 
+#include <algorithm>
+
 #include "link/link_key.h"
 #include "link/udp_endpoint.h"
 
@@ -7,6 +9,8 @@ namespace hapton {
 namespace {
 
 constexpr std::int64_t kJoinTurnNs = 20 * kNanosecondsPerMillisecond;
+// Longer than the place of a haptics node that has just died stays taken (HubPeers::kHapticsTimeoutNs).
+constexpr std::int64_t kRejectedNs = 200 * kNanosecondsPerMillisecond;
 
 KeyRole key_role_of(NodeRole role) {
   switch (role) {
@@ -44,7 +48,12 @@ Result<std::unique_ptr<HubConnection>> HubConnection::open(NodeRole role, const 
 Result<void> HubConnection::wait_until_joined(double seconds) {
   const std::int64_t end_ns = clock_.now_ns() + static_cast<std::int64_t>(1e9 * seconds);
   Datagram ignored;
-  while (client_->state() != JoinState::joined && clock_.now_ns() < end_ns) client_->receive(ignored, clock_.now_ns() + kJoinTurnNs);
+  std::int64_t rejected_ns = end_ns;
+  while (client_->state() != JoinState::joined && clock_.now_ns() < std::min(end_ns, rejected_ns)) {
+    client_->receive(ignored, clock_.now_ns() + kJoinTurnNs);
+    if (client_->state() != JoinState::rejected) rejected_ns = end_ns;
+    if (client_->state() == JoinState::rejected && rejected_ns == end_ns) rejected_ns = clock_.now_ns() + kRejectedNs;
+  }
   if (client_->state() == JoinState::joined) return {};
   if (client_->state() == JoinState::rejected) {
     return fail("the hub at {} has a haptics node already; stop that one first", to_string(hub_));

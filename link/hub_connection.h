@@ -30,7 +30,7 @@ class HubConnection {
   HubClient& client() noexcept { return *client_; }
   const Clock& clock() const noexcept { return clock_; }
 
-  // Error, one line: no hub has replied, or it has a haptics node already. What arrives meanwhile is dropped.
+  // Error, one line: no hub has replied; or, after 0.2 s, it has a haptics node already. What arrives meanwhile is dropped.
   Result<void> wait_until_joined(double seconds);
 
  private:
