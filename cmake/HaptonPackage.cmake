@@ -1,4 +1,4 @@
-# find_package(hapton COMPONENTS core scene link runtime devices safety): each with an export file of its own, so that a program finds only what its
+# find_package(hapton COMPONENTS core scene link runtime devices safety plugin): each with an export file of its own, so that a program finds only what its
 # components need. Included by HaptonInstall.
 include(CMakePackageConfigHelpers)
 set(hapton_cmake_folder ${CMAKE_INSTALL_LIBDIR}/cmake/hapton)
@@ -53,7 +53,10 @@ hapton_component(runtime FOLDERS runtime TARGETS hapton_runtime)
 hapton_component(link FOLDERS link TARGETS hapton_proto hapton_link)
 hapton_component(scene FOLDERS scene TARGETS hapton_scene)
 hapton_component(safety FOLDERS safety TARGETS hapton_safety)
-hapton_component(devices FOLDERS devices hid watchdog TARGETS hapton_hid hapton_guard hapton_devices)
+hapton_component(devices FOLDERS devices hid watchdog plugin TARGETS hapton_hid hapton_guard hapton_plugin_host hapton_devices)
+# For plug-ins, which need no other component, nor CMake.
+hapton_component(plugin TARGETS hapton_plugin)
+install(FILES plugin/hapton_plugin.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/hapton/plugin COMPONENT dev)
 
 # The headers of core include it, and it includes nothing.
 find_file(HAPTON_EXPECTED_HEADER tl/expected.hpp REQUIRED)

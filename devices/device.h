@@ -86,6 +86,9 @@ class Device {
   // Moves the simulated hand to p_WH; without a target it returns to its script. false: a real hand or a recording moves this device.
   virtual bool set_hand_target(const std::optional<Vec3>& p_WH) noexcept = 0;
 
+  // Buttons that the simulated hand holds down while it is led; one bit each, lowest first. False: as above. RT: yes.
+  virtual bool press_hand_buttons(std::uint32_t /*buttons*/) noexcept { return false; }
+
   // Points of the scene's surface (W) that the simulated hand goes to, one after the other; the first kMostAims count. None: it looks for
   // itself. False: as above. RT: yes.
   static constexpr std::size_t kMostAims = 16;

@@ -11,6 +11,7 @@
 #include "devices/hapton_hid_device.h"
 #include "devices/open_haptics_device.h"
 #include "devices/placed_device.h"
+#include "devices/plugin_device.h"
 #include "devices/replay_device.h"
 #include "devices/simulated_phantom.h"
 #include "devices/space_mouse_device.h"
@@ -61,6 +62,9 @@ constexpr std::array kMakers = {
     DeviceMaker{
         .name = "forcedimension", .about = "omega, delta, sigma, lambda, Falcon by libdrd", .takes_id = true, .make = make_forcedimension},
     DeviceMaker{.name = "haply", .about = "Haply Inverse3 by its service", .takes_id = true, .make = make_haply},
+    DeviceMaker{.name = "plugin",
+                .about = "a device from a shared library, --device plugin:FILE.so:KEY=VALUE,... (docs/plugins.md)",
+                .make = make_plugin_device},
 };
 
 // The names of the kinds that take a setting: "replay", "wooden-haptics or haply".
@@ -101,8 +105,10 @@ std::string describe_devices() {
   return text;
 }
 
+std::string_view kind_of(std::string_view name) { return name.starts_with(kPluginDevice) ? "plugin" : name; }
+
 Result<std::unique_ptr<Device>> make_device(const DeviceSettings& settings) {
-  const auto maker = std::find_if(kMakers.begin(), kMakers.end(), [&](const DeviceMaker& m) { return m.name == settings.name; });
+  const auto maker = std::find_if(kMakers.begin(), kMakers.end(), [&](const DeviceMaker& m) { return m.name == kind_of(settings.name); });
   if (maker == kMakers.end()) return fail("unknown device '{}'; choose one of {}", settings.name, fmt::join(device_names(), ", "));
   if (const auto checked = check_settings(*maker, settings); !checked) return tl::unexpected(checked.error());
   auto made = maker->make(settings);

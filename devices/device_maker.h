@@ -26,6 +26,8 @@ struct DeviceMaker {
 // Every kind, simulated ones first. RT: no.
 std::span<const DeviceMaker> device_makers();
 std::vector<std::string> device_names();
+// The kind that --device names: the word itself, but "plugin" for "plugin:FILE.so". RT: yes.
+std::string_view kind_of(std::string_view name);
 // "NAME: about; NAME: about", for --help. RT: no.
 std::string describe_devices();
 

@@ -267,6 +267,7 @@ HandIntention HandScript::intention() noexcept {
   const double turn = 2.0 * std::numbers::pi * tilted_s_;
   HandIntention next{hand_m_, Vec3(0.35 * std::sin(0.23 * turn), 0.25 * std::sin(0.31 * turn), 0.6 * std::sin(0.17 * turn))};
   if (phase_ == Phase::path && has_turns_) next.q_WT = turn_of_path();
+  if (phase_ == Phase::path && path_s_ >= 0.0) next.buttons = options_.path[path_row_].buttons;
   return next;
 }
 

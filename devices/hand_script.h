@@ -19,6 +19,7 @@ struct HandIntention {
   Vec3 p_WH = Vec3::Zero();        // m, frame W
   Vec3 gimbal_rad = Vec3::Zero();  // yaw about y, pitch about x, roll about the stylus
   std::optional<Quat> q_WT = {};   // instead: on a path that has orientations
+  std::uint32_t buttons = 0;       // held down, on a path that has them
 };
 
 // The motion of a hand that cannot see: travel in front of the scene, approach along -z until something pushes back, press, slide,

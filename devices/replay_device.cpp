@@ -51,6 +51,7 @@ DeviceSample ReplayDevice::read(std::int64_t now_ns) noexcept {
   sample.time_ns = now_ns;
   sample.p_WD = from.p_WD;
   sample.q_WT = from.q_WT;
+  sample.buttons = from.buttons;
   if (row_ + 1 == rows_.size()) return sample;
   const TrajectoryRow& to = rows_[row_ + 1];
   const double share = std::clamp((t_s - from.t_s) / (to.t_s - from.t_s), 0.0, 1.0);

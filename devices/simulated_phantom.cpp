@@ -37,6 +37,11 @@ bool SimulatedPhantom::set_hand_target(const std::optional<Vec3>& p_WH) noexcept
   return true;
 }
 
+bool SimulatedPhantom::press_hand_buttons(std::uint32_t buttons) noexcept {
+  pressed_buttons_ = buttons;
+  return true;
+}
+
 bool SimulatedPhantom::aim_hand(std::span<const Vec3> p_WA) noexcept {
   script_.aim(p_WA);
   return true;
@@ -47,6 +52,7 @@ void SimulatedPhantom::begin_hand_step() noexcept {
   hand_m_per_s_ = (next.p_WH - hand_m_) * (1e9 / static_cast<double>(HandScript::kStepNs));
   gimbal_rad_ = next.gimbal_rad;
   q_WH_ = next.q_WT;
+  buttons_ = next.buttons;
 }
 
 // Gimbals on their grid; an orientation of a path as it is.
@@ -89,6 +95,7 @@ DeviceSample SimulatedPhantom::read(std::int64_t now_ns) noexcept {
   DeviceSample sample;
   sample.time_ns = now_ns;
   for (int axis = 0; axis < 3; ++axis) sample.p_WD[axis] = to_grid(exact[axis], model_a::kPositionStepM);
+  sample.buttons = buttons_ | pressed_buttons_;
   sample.q_WT = has_torque_ ? turn_.q_WT() : wanted_turn();
   return sample;
 }

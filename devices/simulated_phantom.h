@@ -51,6 +51,7 @@ class SimulatedPhantom final : public Device {
   }
   DeviceStatus status() const noexcept override { return DeviceStatus::ready; }
   bool set_hand_target(const std::optional<Vec3>& p_WH) noexcept override;
+  bool press_hand_buttons(std::uint32_t buttons) noexcept override;
   bool aim_hand(std::span<const Vec3> p_WA) noexcept override;
 
   // What no program sees on a real device: for tests and plots.
@@ -73,7 +74,9 @@ class SimulatedPhantom final : public Device {
   Vec3 hand_m_;                     // intention at device_ns_
   Vec3 hand_m_per_s_ = Vec3::Zero();
   Vec3 gimbal_rad_ = Vec3::Zero();
-  std::optional<Quat> q_WH_;  // on a path that has orientations, in place of the gimbals
+  std::uint32_t buttons_ = 0;          // that the path holds down
+  std::uint32_t pressed_buttons_ = 0;  // that who leads the hand holds down
+  std::optional<Quat> q_WH_;           // on a path that has orientations, in place of the gimbals
   bool has_torque_;
   StylusTurn turn_;  // where it has torque
   Vec3 written_nm_ = Vec3::Zero();

@@ -33,7 +33,18 @@ ForceCommand HapticsStep::answer() noexcept {
   input_.X_WS = X_WS_;
   last_time_ns_ = state_.sample_time_ns;
   ForceCommand reply;
-  tool_ != nullptr ? feel_tool(reply) : feel_probe(reply);
+  const bool begins = !running_;
+  if (grasp_ != nullptr) update_grasp();
+  if (tool_ != nullptr) {
+    feel_tool(reply);
+  } else if (grasp_ != nullptr && grasp_->is_waiting()) {
+    feel_nothing(reply);
+  } else {
+    feel_probe(reply);
+  }
+  // Where a tool was held a moment ago it fades; otherwise there is none.
+  reply.torque_nm = torque_fade_.step(reply.torque_nm, reply.contact, input_.dt_s);
+  if (effects_ != nullptr) add_effects(reply, begins);
   last_sample_ = state_.sample;
   ++counts_.answered;
   counts_.contact_steps += reply.contact ? 1 : 0;
@@ -63,6 +74,28 @@ void HapticsStep::feel_probe(ForceCommand& reply) noexcept {
   reply.object = output_.object;
 }
 
+// Picks up, or puts down, what is touched.
+void HapticsStep::update_grasp() noexcept {
+  const int touched = running_ && tool_ == nullptr && output_.contact ? output_.object : -1;
+  const Grasp::Change change = grasp_->update(state_, X_WS_, touched, output_.visual_offset_m);
+  if (change == Grasp::Change::none) return;
+  tool_ = grasp_->tool();
+  is_tool_blocked_ = false;
+  fade_.begin();
+  torque_fade_.begin();
+  // To a recording it is another method.
+  if (change == Grasp::Change::picked_up) ++counts_.methods_taken;
+  output_ = {};
+}
+
+// An object was put down, and the slow task is building the scene with it: what is there now has it where it was before.
+void HapticsStep::feel_nothing(ForceCommand& reply) noexcept {
+  if (running_) remember_answered();
+  running_ = true;
+  reply.force_n = fade_.step(Vec3::Zero(), false, input_.dt_s);
+  reply.contact = fade_.is_felt();
+}
+
 // After a gap the tool comes from where it was, on a way that is free: no contact is lost, and nothing is passed.
 void HapticsStep::feel_tool(ForceCommand& reply) noexcept {
   if (running_) remember_answered();
@@ -75,11 +108,33 @@ void HapticsStep::feel_tool(ForceCommand& reply) noexcept {
   is_tool_blocked_ = felt.proxy.is_blocked;
   if (felt.contact) counts_.haptons += static_cast<std::uint64_t>(felt.proxy.haptons);
   if (felt.contact) counts_.most_haptons = std::max(counts_.most_haptons, felt.proxy.haptons);
-  reply.force_n = felt.force_n;
+  reply.force_n = fade_.step(felt.force_n, felt.contact, input_.dt_s);
   reply.torque_nm = felt.torque_nm;
-  reply.contact = felt.contact;
+  reply.contact = felt.contact || fade_.is_felt();
+  if (grasp_ != nullptr) {
+    grasp_->note_pose(felt.X_WP, X_WS_);
+    reply.object = grasp_->object();
+  }
   reply.visual_offset_m = felt.X_WP.translation() - state_.p_WD;
   reply.visual_turn = turn_between(state_.q_WT, Quat(felt.X_WP.linear()));
+}
+
+// They stand beside the method: they neither fade with a change of it nor move its probe.
+void HapticsStep::add_effects(ForceCommand& reply, bool begins) noexcept {
+  if (begins) effects_->reset();
+  const PluginForce added = effects_->step({.sample = state_.sample,
+                                            .time_ns = state_.sample_time_ns,
+                                            .dt_s = input_.dt_s,
+                                            .p_WD = state_.p_WD,
+                                            .q_WT = state_.q_WT,
+                                            .buttons = state_.buttons,
+                                            .X_WS = X_WS_,
+                                            .contact = reply.contact,
+                                            .p_WP = state_.p_WD + reply.visual_offset_m,
+                                            .force_n = reply.force_n});
+  reply.force_n += added.force_n;
+  reply.torque_nm += added.torque_nm;
+  reply.contact = reply.contact || !added.force_n.isZero(0.0) || !added.torque_nm.isZero(0.0);
 }
 
 // Where a new method starts: at the device, or off the surface, on the side that the old one was in contact with.
@@ -139,7 +194,10 @@ std::unique_ptr<TouchStep> HapticsStep::replace(std::unique_ptr<TouchStep> touch
   std::swap(touch_, touch);
   if (running_) {
     TouchInput start = input_;
-    if (output_.contact) {
+    const std::optional<Grasp::Start> put_down = grasp_ != nullptr ? grasp_->take_start(X_WS_) : std::nullopt;
+    if (put_down && (put_down->p_W - input_.p_WD).norm() <= kResumeReachM) {
+      start.p_WD = put_down->p_W + offset_m_ * put_down->outward;
+    } else if (output_.contact) {
       // With effects the force need not point off the surface.
       const Vec3 outward = touch_->has_effects() ? output_.visual_offset_m : output_.force_n;
       start.p_WD += output_.visual_offset_m + offset_m_ * outward.normalized();

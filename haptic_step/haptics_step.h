@@ -8,7 +8,9 @@
 #include "core/force/force_fade.h"
 #include "core/force/touch_step.h"
 #include "core/tool/held_tool.h"
+#include "haptic_step/grasp.h"
 #include "link/messages.h"
+#include "plugin/plugin_effects.h"
 
 namespace hapton {
 
@@ -38,6 +40,14 @@ class HapticsStep {
   // Before the first reply: the stylus holds a rigid tool, which is felt in place of the method's probe. Pre: outlives this.
   void hold(HeldTool* tool) noexcept { tool_ = tool; }
   bool holds_tool() const noexcept { return tool_ != nullptr; }
+  // Before the first reply: what picks up movable objects with the stylus. Pre: outlives this.
+  void set_grasp(Grasp* grasp) noexcept { grasp_ = grasp; }
+  // Null: nothing is movable.
+  Grasp* grasp() const noexcept { return grasp_; }
+  // Before the first reply: effects from shared libraries, added to every force whatever the method is. Pre: outlives this.
+  void use_effects(PluginEffects* effects) noexcept { effects_ = effects; }
+  // Of the scene, or from shared libraries: the force depends on more than the contact.
+  bool has_effects() const noexcept { return effects_ != nullptr || touch_->has_effects(); }
   // Of the last reply: the tool overlaps the scene since it was put there, and gives no force.
   bool is_tool_blocked() const noexcept { return is_tool_blocked_; }
 
@@ -87,10 +97,15 @@ class HapticsStep {
   void remember_answered() noexcept;
   void feel_probe(ForceCommand& reply) noexcept;
   void feel_tool(ForceCommand& reply) noexcept;
+  void feel_nothing(ForceCommand& reply) noexcept;
+  void update_grasp() noexcept;
+  void add_effects(ForceCommand& reply, bool begins) noexcept;
   TouchInput make_start() noexcept;
 
   std::unique_ptr<TouchStep> touch_;
   HeldTool* tool_ = nullptr;
+  Grasp* grasp_ = nullptr;
+  PluginEffects* effects_ = nullptr;  // null: none
   bool is_tool_blocked_ = false;
   double offset_m_;
   Pose X_WS_ = Pose::Identity();
@@ -99,6 +114,7 @@ class HapticsStep {
   TouchInput input_;          // of the last reply
   TouchOutput output_;        // of the last reply, by the method alone
   ForceFade fade_;            // from the method before
+  ForceFade torque_fade_;     // Nm
   std::optional<Vec3> p_WP_;  // where the probe rested when the session ended
   std::int64_t last_time_ns_ = 0;
   std::uint64_t last_sample_ = 0;      // of the last reply

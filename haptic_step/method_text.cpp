@@ -69,7 +69,7 @@ Result<MethodSettings> parse_method_text(std::string_view text) {
     const std::size_t sign = word.find('=');
     const std::string name = word.substr(0, sign);
     const std::string value = sign == std::string::npos ? "" : word.substr(sign + 1);
-    bool is_good = false;
+    bool is_good = name == "effects" || name == "cut";
     if (name == "name") {
       settings.name = value;
       is_good = !value.empty();
@@ -78,6 +78,14 @@ Result<MethodSettings> parse_method_text(std::string_view text) {
     if (!is_good) return fail("method settings: '{}' is not understood; was it recorded by another build?", word);
   }
   return settings;
+}
+
+std::string_view effects_in(std::string_view method_text) {
+  constexpr std::string_view kKey = " effects=";
+  const std::size_t begin = method_text.find(kKey);
+  if (begin == std::string_view::npos) return {};
+  method_text.remove_prefix(begin + kKey.size());
+  return method_text.substr(0, method_text.find_first_of(std::string_view(" \0", 2)));
 }
 
 }  // namespace hapton

@@ -14,4 +14,7 @@ std::string to_text(const MethodSettings& settings);
 // Error: a key that to_text does not write, a malformed value.
 Result<MethodSettings> parse_method_text(std::string_view text);
 
+// What stands behind "effects=" there: the effects from shared libraries that were added (PluginEffects::to_text). Empty: none.
+std::string_view effects_in(std::string_view method_text);
+
 }  // namespace hapton

@@ -4,6 +4,7 @@
 
 #include "core/collision/grid_division.h"
 #include "link/link_key.h"
+#include "plugin/plugin_method.h"
 #include "runtime/config.h"
 #include "runtime/flag_checks.h"
 
@@ -11,6 +12,13 @@ namespace hapton {
 namespace {
 
 constexpr double kMetresPerInch = 0.0254;
+
+// A name that is none is rejected with the scene at hand.
+std::string check_method(const std::string& word) {
+  if (!names_plugin_file(word)) return {};
+  const auto choice = parse_plugin_choice(word);
+  return choice ? std::string() : choice.error().what;
+}
 
 }  // namespace
 
@@ -23,6 +31,7 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
   bool no_fit = false;
   std::string simplify = "0";
   std::string tool_unit;
+  std::vector<std::string> effects;
   std::string tool_grip = "origin";
   options.method.build_on_approach = true;
   double offset_in = options.method.offset_m / kMetresPerInch;
@@ -37,7 +46,17 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
   app.add_option("--unit", unit, "Unit of a mesh file: m (default), cm, mm or in")->check(accepts(parse_unit));
   app.add_flag("--no-seal", no_seal, "Do not seal cracks: by default those up to 1e-4 of the longest side are closed");
   app.add_flag("--no-fit", no_fit, "Keep a mesh file's position and size; default: centred and scaled to the workspace");
-  app.add_option("--method", options.method.name, "Force method, one of: " + method_names())->capture_default_str();
+  app.add_option("--method", options.method.name,
+                 "Force method, one of: " + method_names() + "; or a shared library with one, FILE.so:KEY=VALUE,... (docs/plugins.md)")
+      ->check(CLI::Validator(check_method, ""))
+      ->capture_default_str();
+  app.add_option("--effect", effects,
+                 "Effect from a shared library, added to the force: FILE.so or FILE.so:KEY=VALUE,... (docs/plugins.md); may be repeated")
+      ->check(accepts(parse_plugin_choice));
+  app.add_option("--plugin-budget", options.plugin_budget_us,
+                 "Time for each call of a plug-in, us; one that overruns it too often is cut off")
+      ->check(between(1.0, 1e4))
+      ->capture_default_str();
   app.add_option("--grid", grid, "sweep: cells along each axis, N or NxNxN")->check(accepts(parse_grid_division))->capture_default_str();
   app.add_option("--offset-in", offset_in, "sweep: length of the offset vector, inches")
       ->check(above_zero("inches"))
@@ -82,6 +101,10 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
   app.add_option("--rotational-stiffness", options.tool_nm_per_rad, "Rotational stiffness of the tool, Nm/rad; 0: derived from its size")
       ->check(between(0.0, 1e6))
       ->capture_default_str();
+  app.add_option("--grasp-button", options.grasp_button,
+                 "Button of the stylus that picks up an object that the scene marks movable, and puts it down when released (docs/tool.md)")
+      ->check(between(1, 32))
+      ->capture_default_str();
   app.add_option("--rt", realtime, "Real-time priority, memory lock and wake-up latency: off, try or require")
       ->check(accepts(parse_realtime_mode))
       ->capture_default_str();
@@ -97,6 +120,11 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
 
   if (const auto code = parse_command_line(app, argc, argv)) return *code;
   options.method.grid_division = *parse_grid_division(grid);
+  if (names_plugin_file(options.method.name)) {
+    options.method_file = *parse_plugin_choice(options.method.name);
+    options.method.name = kPluginMethod;
+  }
+  for (const std::string& effect : effects) options.effects.push_back(*parse_plugin_choice(effect));
   options.method.simplify_m = *parse_length(simplify);
   options.method.offset_m = offset_in * kMetresPerInch;
   options.realtime.mode = *parse_realtime_mode(realtime);

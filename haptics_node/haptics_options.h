@@ -4,8 +4,11 @@
 #include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "core/force/force_method.h"
+#include "plugin/call_budget.h"
+#include "plugin/plugin_choice.h"
 #include "runtime/realtime.h"
 #include "scene/find_tool.h"
 #include "scene/scene_loading.h"
@@ -21,10 +24,15 @@ struct HapticsOptions {
   SceneLoading loading = {.fit = MeshFit::workspace};
   bool watch_scene = false;  // read the scene file again when it changes
   MethodSettings method;
+  std::optional<PluginChoice> method_file;                                       // of the method 'plugin'
+  std::vector<PluginChoice> effects;                                             // from shared libraries
+  double plugin_budget_us = 1e-3 * static_cast<double>(CallBudget::kDefaultNs);  // of each call into a shared library
   // A rigid tool in place of a probe.
   ToolChoice tool;
   double tool_nm_per_rad = 0.0;  // rotational stiffness; 0: derived from its size
+  int grasp_button = 1;          // of the stylus, from 1: picks up movable objects
   RealtimeSettings realtime;
+  std::int64_t plugin_budget_ns() const { return static_cast<std::int64_t>(1e3 * plugin_budget_us); }
   double patch_mbit_per_s = 1.0;  // for parts of the scene, when the hub asks for them
   double seconds = 0.0;           // 0: until stopped
 };

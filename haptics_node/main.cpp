@@ -9,6 +9,7 @@
 #include "core/force/virtual_coupling.h"
 #include "haptic_step/haptics_setup.h"
 #include "haptic_step/scene_facts.h"
+#include "haptics_node/grasp_task.h"
 #include "haptics_node/haptics_options.h"
 #include "haptics_node/haptics_report.h"
 #include "haptics_node/preparation_notice.h"
@@ -18,6 +19,7 @@
 #include "link/link_key.h"
 #include "link/sealed_client.h"
 #include "link/udp_endpoint.h"
+#include "plugin/plugin_method.h"
 #include "runtime/cpu_check.h"
 #include "runtime/descriptor_check.h"
 #include "runtime/log.h"
@@ -46,21 +48,44 @@ void notify_hub(const HapticsOptions& options, const Address& hub, const RoleKey
   notify_preparation(client, clock, facts, began_ns, done);
 }
 
+Result<void> load_effects(const HapticsOptions& options, PluginEffects& effects) {
+  for (const PluginChoice& choice : options.effects) {
+    if (const auto added = effects.add(choice); !added) return added;
+    log_info("effect {}", choice.to_text());
+  }
+  return {};
+}
+
+// By the name of the settings: one of ours, or that of the file.
+Result<std::unique_ptr<ForceMethod>> make_any(const HapticsOptions& options, MethodSettings& settings, const TouchScene& scene,
+                                              const Clock& clock) {
+  if (!is_plugin_method(settings.name)) return make_built_in(settings, scene);
+  if (!options.method_file) return fail("method '{}': haptics_node was started without one; give it --method FILE.so", settings.name);
+  auto made = PluginMethod::make(*options.method_file, couple_scene(scene, settings.coupling_n_per_m), clock, options.plugin_budget_ns());
+  if (!made) return tl::unexpected(made.error());
+  settings.name = (*made)->full_name();
+  return std::move(*made);
+}
+
 int run(const HapticsOptions& options) {
   const StopSignal stop;  // first, so that a signal ends the program in order at any point
   const auto hub = parse_address(options.hub);
   if (!hub) return give_up(hub.error());
   const auto key = find_role_key(options.key_file, *hub, KeyRole::haptics);
   if (!key) return give_up(key.error());
+  SteadyClock clock;
+  PluginEffects effects(clock, options.plugin_budget_ns());
+  if (const auto loaded = load_effects(options, effects); !loaded) return give_up(loaded.error());
   const auto scene_path = find_scene(options.scene);
   const auto scene = load_scene(scene_path, options.loading);
   if (!scene) return give_up(scene.error());
   for (const auto& note : scene->notes) log_info("{}", note);
   for (const auto& warning : find_inside_out(*scene)) log_warning("{}", warning);
-  SteadyClock clock;
   const SceneFacts facts = make_scene_facts(*scene);
+  const MakeMethod make = [&](MethodSettings& settings, const TouchScene& touched) { return make_any(options, settings, touched, clock); };
+  MethodSettings settings = options.method;
   auto method =
-      build_and_notify([&] { return make_method(options.method, scene->touch_scene()); },
+      build_and_notify([&] { return make(settings, scene->touch_scene()); },
                        [&, began_ns = clock.now_ns()](DoneSignal& done) { notify_hub(options, *hub, *key, clock, facts, began_ns, done); });
   if (!method) return give_up(method.error());
   log_method(**method);
@@ -76,20 +101,37 @@ int run(const HapticsOptions& options) {
   SealedClient sealed(**endpoint, clock, *key, *hub, sealing);
   HubClient client(sealed, clock, NodeRole::haptics, *hub);
   HapticsStep step(std::make_unique<TouchStep>(std::move(*method), scene->touch_scene()), options.method.offset_m);
-  MethodBuilder builder(options.method, scene->touch_scene(), step.touch().share_method());
-  HapticsSetup setup = make_haptics_setup(scene_path, options.loading, hash_scene(scene->touch_scene()), options.method);
+  if (!effects.empty()) step.use_effects(&effects);
+  MethodBuilder builder(options.method, scene->touch_scene(), step.touch().share_method(), make);
+  HapticsSetup setup = make_haptics_setup(scene_path, options.loading, hash_scene(scene->touch_scene()), settings);
   std::optional<ToolTask> tool_task;
   if (*tool != nullptr) {
     step.hold(tool->get());
     setup.method = describe_tool(**tool);
     tool_task.emplace(**tool);
   }
+  // Before the loop, which reads it.
+  GraspLink grasp_link;
+  std::optional<Grasp> grasp;
+  if (const auto movable = list_movable(*scene); std::find(movable.begin(), movable.end(), true) != movable.end()) {
+    if (*tool != nullptr) {
+      log_warning("the stylus holds a tool: the movable objects of the scene cannot be picked up");
+    } else if (options.watch_scene) {
+      return give_up({"--watch-scene does not go with movable objects yet; leave it out, or 'movable = true' in the scene file"});
+    } else {
+      step.set_grasp(&grasp.emplace(grasp_link, movable, std::uint32_t{1} << (options.grasp_button - 1)));
+      log_info("button {} of the stylus picks up movable objects while they are touched", options.grasp_button);
+    }
+  }
   std::mutex felt_mutex;
   TouchScene felt = couple_scene(scene->touch_scene(), options.method.coupling_n_per_m);
   PatchSender patches(felt, options.method.probe_radius_m, setup.scene_hash,
-                      PatchSender::can_offer({setup.method.data(), setup.method.size()}), {.bits_per_s = 1e6 * options.patch_mbit_per_s});
+                      effects.empty() && PatchSender::can_offer({setup.method.data(), setup.method.size()}),
+                      {.bits_per_s = 1e6 * options.patch_mbit_per_s});
   ReplyLoop loop(client, clock, step, builder, setup, options.method.build_on_approach, facts);
-  loop.set_patch_sender(&patches);
+  // What moves would not move in the parts that the hub keeps.
+  if (!grasp) loop.set_patch_sender(&patches);
+  if (!effects.empty()) loop.set_effects(&effects);
   StiffnessAdviser adviser(find_stiffest(felt));
   loop.set_stiffness_adviser(&adviser);
   MaterialTuner tuner(*scene, options.method.coupling_n_per_m, [&](const std::vector<Material>& materials) {
@@ -99,6 +141,7 @@ int run(const HapticsOptions& options) {
     patches.set_materials(materials);
   });
   loop.set_material_tuner(&tuner);
+  std::optional<GraspTask> grasp_task;
   const auto on_scene = [&](const TouchScene& now) {
     const std::scoped_lock lock(felt_mutex);
     felt = now;
@@ -112,6 +155,13 @@ int run(const HapticsOptions& options) {
                         .is_held = [&] { return patches.is_wanted(clock.now_ns()); }},
                        options.watch_scene ? *scene : Scene(), tuner, builder);
   if (options.watch_scene) watcher.start();
+  if (grasp) {
+    grasp_task.emplace(GraspTask::Options{.coupling_n_per_m = options.method.coupling_n_per_m,
+                                          .rotational_stiffness_nm_per_rad = options.tool_nm_per_rad,
+                                          .on_scene = on_scene},
+                       *scene, grasp_link, tuner, builder);
+    grasp_task->start();
+  }
   const auto realtime = enter_realtime(options.realtime);
   if (!realtime) return give_up(realtime.error());
   const auto lines = realtime->to_lines();
@@ -123,9 +173,14 @@ int run(const HapticsOptions& options) {
 
   loop.run(stop, options.seconds);
   fmt::print("{}", make_haptics_report(step, client, loop.compute_times(), loop.step_times()));
+  fmt::print("{}", effects.describe());
   if (tool_task) {
     tool_task->stop();
     fmt::print("{}", describe_times("pose of the tool", tool_task->pose_times()));
+  }
+  if (grasp_task) {
+    grasp_task->stop();
+    if (grasp_task->pose_times().count() > 0) fmt::print("{}", describe_times("pose of held objects", grasp_task->pose_times()));
   }
   if (options.seconds > 0.0 && client.counts().joins == 0 && !stop.stop_requested()) {
     return give_up(

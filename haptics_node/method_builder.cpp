@@ -13,8 +13,16 @@
 
 namespace hapton {
 
-MethodBuilder::MethodBuilder(MethodSettings settings, TouchScene scene, std::weak_ptr<ForceMethod> in_use)
-    : settings_(std::move(settings)), scene_(std::move(scene)), in_use_(std::move(in_use)), thread_(start_thread([this] { run(); })) {}
+Result<std::unique_ptr<ForceMethod>> make_built_in(MethodSettings& settings, const TouchScene& scene) {
+  return make_method(settings, scene);
+}
+
+MethodBuilder::MethodBuilder(MethodSettings settings, TouchScene scene, std::weak_ptr<ForceMethod> in_use, MakeMethod make)
+    : make_(std::move(make)),
+      settings_(std::move(settings)),
+      scene_(std::move(scene)),
+      in_use_(std::move(in_use)),
+      thread_(start_thread([this] { run(); })) {}
 
 MethodBuilder::~MethodBuilder() {
   stop_.store(true);
@@ -82,9 +90,9 @@ Result<void> MethodBuilder::build_scene(const std::shared_ptr<const NewScene>& s
   MethodSettings settings = settings_;
   if (method == nullptr) {
     settings.build_on_approach = false;
-    auto made = make_method(settings, scene->touch);
+    auto made = make_(settings, scene->touch);
     if (!made) return tl::unexpected(made.error());
-    log_method(**made);
+    if (scene->put_down == 0) log_method(**made);
     method = std::move(*made);
   }
   scene_ = scene->touch;
@@ -108,7 +116,7 @@ void MethodBuilder::build(const Request& request) {
   MethodSettings settings = settings_;
   settings.build_on_approach = false;
   settings.name.assign(request.name.data(), std::find(request.name.begin(), request.name.end(), '\0') - request.name.begin());
-  auto method = make_method(settings, scene_);
+  auto method = make_(settings, scene_);
   if (!method) {
     log_warning("{}; the current method stays in use", method.error().what);
     rejections_.draft().request_id = request.request_id;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <atomic>
+#include <functional>
 #include <future>
 #include <memory>
 #include <mutex>
@@ -15,6 +16,10 @@
 #include "runtime/mailbox.h"
 
 namespace hapton {
+
+// Makes a method for the scene; it may give the settings the method's full name. As make_method says, and not at once with itself.
+using MakeMethod = std::function<Result<std::unique_ptr<ForceMethod>>(MethodSettings& settings, const TouchScene& scene)>;
+Result<std::unique_ptr<ForceMethod>> make_built_in(MethodSettings& settings, const TouchScene& scene);
 
 // A method ready for use.
 struct BuiltMethod {
@@ -39,7 +44,7 @@ class MethodBuilder {
  public:
   using MethodName = std::array<char, 16>;  // NUL-padded
 
-  MethodBuilder(MethodSettings settings, TouchScene scene, std::weak_ptr<ForceMethod> in_use = {});
+  MethodBuilder(MethodSettings settings, TouchScene scene, std::weak_ptr<ForceMethod> in_use = {}, MakeMethod make = make_built_in);
   ~MethodBuilder();
   MethodBuilder(const MethodBuilder&) = delete;
   MethodBuilder& operator=(const MethodBuilder&) = delete;
@@ -77,6 +82,7 @@ class MethodBuilder {
   bool prepare();
   void free_retired() noexcept { delete retired_.exchange(nullptr, std::memory_order_acq_rel); }
 
+  MakeMethod make_;
   MethodSettings settings_;
   TouchScene scene_;
   Mailbox<Request> requests_;

@@ -6,6 +6,7 @@
 
 #include "core/force/touch_scene.h"
 #include "link/messages.h"
+#include "scene/scene_file.h"
 
 namespace hapton {
 
@@ -17,6 +18,10 @@ struct NewScene {
   SceneFacts facts;
   std::uint32_t revision = 0;  // counts the scenes that replaced another, from 1
   bool keeps_shape = false;    // its meshes are those of the scene before: the method in use feels it
+  std::uint32_t put_down = 0;  // order by which an object was put down (GraspOrder::serial); 0: none
 };
+
+// As `scene` is felt with a virtual coupling of that stiffness. revision and keeps_shape as above. RT: no.
+std::shared_ptr<NewScene> make_new_scene(const Scene& scene, double coupling_n_per_m, std::uint32_t revision, bool keeps_shape);
 
 }  // namespace hapton

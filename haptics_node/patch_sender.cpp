@@ -22,6 +22,7 @@ constexpr double kVelocityS = 0.1;  // over which the hand's velocity is a mean
 // Smooth normals are not among the parts yet.
 bool PatchSender::can_offer(std::string_view method_text) noexcept {
   method_text = method_text.substr(0, method_text.find('\0'));
+  if (method_text.find(" effects=") != std::string_view::npos) return false;
   return method_text.find("name=proxy") != std::string_view::npos && method_text.find("shading=") == std::string_view::npos;
 }
 

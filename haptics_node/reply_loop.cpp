@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "haptic_step/haptics_setup.h"
+#include "plugin/plugin_method.h"
 #include "runtime/log.h"
 
 namespace hapton {
@@ -17,6 +18,7 @@ constexpr std::int64_t kSetupEveryNs = kNanosecondsPerSecond;
 // After a change it is sent a few times more, soon, because a datagram may be lost.
 constexpr std::int64_t kSetupAgainNs = 100 * kNanosecondsPerMillisecond;
 constexpr int kSetupRepeats = 3;
+constexpr std::size_t kMostPosesAgain = 16;  // of objects, sent again with a setup
 // A first reply that waits no longer is not reported; otherwise vision nodes are notified at this interval.
 constexpr std::int64_t kShortWaitNs = 300 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kPreparingEveryNs = 200 * kNanosecondsPerMillisecond;
@@ -30,9 +32,25 @@ ReplyLoop::ReplyLoop(HubClient& hub, const Clock& clock, HapticsStep& step, Meth
       step_(step),
       builder_(builder),
       setup_(setup),
+      method_(setup.method),
       scene_(scene),
       builds_on_approach_(builds_on_approach),
       start_ns_(clock.now_ns()) {}
+
+void ReplyLoop::set_effects(PluginEffects* effects) {
+  effects_ = effects;
+  show_plugins();
+}
+
+// In the setup, with the effects beside it.
+void ReplyLoop::show_method(const HapticsSetup::Text& method) noexcept {
+  method_ = method;
+  setup_.method = method;
+  const auto end = std::find(setup_.method.begin(), setup_.method.end(), '\0');
+  const auto room = static_cast<std::size_t>(setup_.method.end() - end);
+  std::copy_n(effects_text_.begin(), std::min(room, effects_text_.size()), end);
+  setup_.method.back() = '\0';
+}
 
 void ReplyLoop::run(const StopSignal& stop, double seconds) {
   const std::int64_t end_ns =
@@ -55,10 +73,12 @@ void ReplyLoop::turn(std::int64_t deadline_ns) {
   if (patches_ != nullptr) send_patches();
   change_method();
   change_materials();
+  report_grasp();
   send_setup();
   report_hub_state();
   report_scene();
   report_tool();
+  report_plugins();
 }
 
 void ReplyLoop::drain() noexcept {
@@ -94,14 +114,19 @@ void ReplyLoop::handle(const Message& message) noexcept {
     // A requester repeats its request until the reply comes.
     if (settings->method_request != 0 && settings->method_request == last_request_) return;
     last_request_ = settings->method_request;
-    if (step_.holds_tool()) return reject_method(settings->method_request);
+    if (is_holding()) return reject_method(settings->method_request);
     builder_.request(settings->method, settings->method_request);
   }
 }
 
+// A rigid tool, from the start or picked up, or an object that is being put down.
+bool ReplyLoop::is_holding() const noexcept { return step_.holds_tool() || (step_.grasp() != nullptr && step_.grasp()->is_busy()); }
+
 void ReplyLoop::reject_method(std::uint32_t request) noexcept {
   setup_.method_request = request;
-  put_text("the stylus holds a rigid tool: methods are of a probe; start haptics_node without --tool", setup_.rejection);
+  put_text(step_.grasp() != nullptr ? "the stylus holds an object: methods are of a probe; put it down, then ask again"
+                                    : "the stylus holds a rigid tool: methods are of a probe; start haptics_node without --tool",
+           setup_.rejection);
   send_setup_soon();
 }
 
@@ -143,9 +168,10 @@ void ReplyLoop::answer() noexcept {
 
 void ReplyLoop::change_method() noexcept {
   if (auto built = builder_.take()) {
+    if (built->scene != nullptr && step_.grasp() != nullptr) step_.grasp()->note_built(built->scene->put_down);
     if (built->scene == nullptr && tuned_ != nullptr && tuned_->scene == scene_revision_) built->step->set_materials(tuned_->materials);
     built->step = step_.replace(std::move(built->step));
-    setup_.method = built->text;
+    show_method(built->text);
     setup_.material_serial = static_cast<std::uint32_t>(step_.counts().materials_taken);
     if (built->request_id != 0) setup_.method_request = built->request_id;
     setup_.rejection = {};
@@ -180,11 +206,10 @@ void ReplyLoop::request_materials(const MaterialRequest& request) noexcept {
   if (tuner_ == nullptr || request.request == last_material_request_) return;
   last_material_request_ = request.request;
   const bool has_patches = patches_ != nullptr && patches_->is_wanted(hub_.receive_time_ns());
-  if (!has_patches && !step_.holds_tool()) return tuner_->request(request);
+  if (!has_patches && !is_holding()) return tuner_->request(request);
   materials_.request = request.request;
-  put_text(step_.holds_tool()
-               ? "the stylus holds a rigid tool: its spring stays as it was at the start"
-               : "the hub works out forces from parts of the scene (io_node --touch): materials stay as the scene file has them",
+  put_text(is_holding() ? "the stylus holds a rigid tool: its spring stays as it was when it was taken up"
+                        : "the hub works out forces from parts of the scene (io_node --touch): materials stay as the scene file has them",
            materials_.rejection);
   send_setup_soon();
 }
@@ -237,6 +262,33 @@ void ReplyLoop::send_setup() noexcept {
   hub_.send(setup_);
   if (materials_.request != 0 || materials_.serial != 0) hub_.send(materials_);
   if (scene_.given_hash != 0) hub_.send(scene_);
+  send_poses();
+}
+
+// The one that changed last, and some of the others in turn: a datagram may be lost, and a vision node may have known another session.
+void ReplyLoop::send_poses() noexcept {
+  if (step_.grasp() == nullptr) return;
+  const std::span<const ObjectPose> poses = step_.grasp()->poses();
+  for (const ObjectPose& pose : poses) {
+    if (pose.serial == step_.grasp()->pose_serial() && pose.serial > 1) hub_.send(pose);
+  }
+  std::size_t sent = 0;
+  for (std::size_t looked = 0; looked < poses.size() && sent < kMostPosesAgain; ++looked) {
+    const ObjectPose& pose = poses[next_pose_];
+    next_pose_ = (next_pose_ + 1) % poses.size();
+    if (pose.serial == 0) continue;
+    hub_.send(pose);
+    ++sent;
+  }
+}
+
+// What the stylus holds counts as another method, and what has moved is sent at once.
+void ReplyLoop::report_grasp() noexcept {
+  const Grasp* grasp = step_.grasp();
+  if (grasp == nullptr || grasp->pose_serial() == pose_serial_) return;
+  pose_serial_ = grasp->pose_serial();
+  if (step_.holds_tool()) setup_.method = grasp->method();
+  send_setup_soon();
 }
 
 void ReplyLoop::report_scene() {
@@ -259,6 +311,32 @@ void ReplyLoop::report_tool() {
   } else {
     log_info("the tool is free of the scene: it is felt");
   }
+}
+
+bool ReplyLoop::is_method_cut_off() const noexcept {
+  const auto* method = dynamic_cast<const PluginMethod*>(&step_.touch().method());
+  return method != nullptr && method->guard().cut_off();
+}
+
+void ReplyLoop::report_plugins() {
+  const bool is_effect = effects_ != nullptr && effects_->has_notices();
+  const bool is_method = is_method_cut_off() != is_method_cut_off_;
+  if (!is_effect && !is_method) return;
+  if (is_effect) {
+    for (const std::string& notice : effects_->take_notices()) log_warning("{}", notice);
+  }
+  if (is_method) {
+    is_method_cut_off_ = !is_method_cut_off_;
+    if (is_method_cut_off_) log_warning("{}", dynamic_cast<const PluginMethod&>(step_.touch().method()).notice());
+  }
+  show_plugins();
+  send_setup_soon();
+}
+
+// In the setup, and so in recordings and reports: what depends on the time that calls took cannot be replayed.
+void ReplyLoop::show_plugins() {
+  put_text((effects_ != nullptr ? effects_->to_text() : std::string()) + (is_method_cut_off_ ? " cut=method" : ""), effects_text_);
+  show_method(HapticsSetup::Text(method_));
 }
 
 void ReplyLoop::report_hub_state() {

@@ -29,6 +29,9 @@ class ReplyLoop {
   void set_patch_sender(PatchSender* patches) noexcept { patches_ = patches; }
   // Before run: who works out changes of materials. Pre: outlives this.
   void set_material_tuner(MaterialTuner* tuner) noexcept { tuner_ = tuner; }
+  // Before run: effects from shared libraries, which the step adds. Who is cut off of these, or of methods from shared libraries, is
+  // logged. Pre: outlives this.
+  void set_effects(PluginEffects* effects);
   // Before run: who is told about the hub's loop. Pre: outlives this.
   void set_stiffness_adviser(StiffnessAdviser* adviser) noexcept { adviser_ = adviser; }
 
@@ -54,20 +57,31 @@ class ReplyLoop {
   void change_materials() noexcept;
   void take_scene(const NewScene& scene) noexcept;
   void send_patches() noexcept;
+  void show_method(const HapticsSetup::Text& method) noexcept;
   void send_setup_soon() noexcept;
   void wait_for_builder() noexcept;
   void send_setup() noexcept;
   void report_hub_state();
   void report_scene();
   void report_tool();
+  void report_grasp() noexcept;
+  bool is_holding() const noexcept;
+  void send_poses() noexcept;
+  void report_plugins();
+  bool is_method_cut_off() const noexcept;
+  void show_plugins();
 
   HubClient& hub_;
   const Clock& clock_;
   HapticsStep& step_;
   MethodBuilder& builder_;
   HapticsSetup setup_;
+  HapticsSetup::Text method_ = {};        // without effects from shared libraries
+  HapticsSetup::Text effects_text_ = {};  // of these
   SceneFacts scene_;
   PatchSender* patches_ = nullptr;
+  PluginEffects* effects_ = nullptr;
+  bool is_method_cut_off_ = false;  // as reported
   StiffnessAdviser* adviser_ = nullptr;
   MaterialTuner* tuner_ = nullptr;
   std::unique_ptr<TunedMaterials> tuned_;  // in use, if it is of this scene; null, or of another: those of the scene's file
@@ -92,7 +106,9 @@ class ReplyLoop {
   std::uint32_t last_material_request_ = 0;  // of a material
   JoinState state_reported_ = JoinState::joining;
   bool absence_reported_ = false;
-  bool is_tool_blocked_ = false;  // as reported
+  bool is_tool_blocked_ = false;   // as reported
+  std::uint32_t pose_serial_ = 0;  // of the objects' poses, as reported
+  std::size_t next_pose_ = 0;      // to be sent again
 };
 
 }  // namespace hapton

@@ -5,10 +5,8 @@
 
 #include "core/force/virtual_coupling.h"
 #include "haptic_step/scene_change.h"
-#include "haptic_step/scene_facts.h"
 #include "runtime/log.h"
 #include "runtime/start_thread.h"
-#include "scene/scene_hash.h"
 
 namespace hapton {
 
@@ -91,14 +89,7 @@ SceneWatcher::Look SceneWatcher::take(Scene scene) {
 
 SceneWatcher::Look SceneWatcher::take_scene(Scene scene, bool keeps_shape) {
   for (const auto& note : scene.notes) log_info("{}", note);
-  auto made = std::make_shared<NewScene>();
-  made->touch = scene.touch_scene();
-  for (const TouchObject& object : made->touch.objects)
-    made->materials.push_back(couple_material(object.material, options_.coupling_n_per_m));
-  made->hash = hash_scene(made->touch);
-  made->facts = make_scene_facts(scene);
-  made->revision = ++revision_;
-  made->keeps_shape = keeps_shape;
+  const auto made = make_new_scene(scene, options_.coupling_n_per_m, ++revision_, keeps_shape);
   // A tool that changes materials meanwhile names objects of the scene before: MaterialTuner rejects that by the revision.
   if (const auto built = builder_.follow(made); !built) {
     log_warning("{}: {}; the scene in use goes on", options_.path.string(), built.error().what);

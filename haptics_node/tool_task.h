@@ -13,8 +13,8 @@
 
 namespace hapton {
 
-// The rigid tool that the options or the scene name; null: a probe is felt. Materials count as far as that the tool's spring is as stiff as
-// the stiffest of them, coupled as --coupling says; what is left out is logged. Error: one line.
+// The rigid tool that the options or the scene name; null: a probe is felt. Of the materials friction counts, and that the tool's spring is
+// as stiff as the stiffest of them, coupled as --coupling says; what is left out is logged. Error: one line.
 Result<std::unique_ptr<HeldTool>> make_held_tool(const HapticsOptions& options, const Scene& scene);
 
 // What the hub is told in place of a method: "name=tool ...", with the coupling.

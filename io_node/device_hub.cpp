@@ -84,6 +84,7 @@ Result<Show> open_show(const IoOptions& options, std::unique_ptr<Device>& device
 SessionRecorder::Options recording_of(const IoOptions& options) {
   SessionRecorder::Options recording{options.record, find_flight_folder(options)};
   recording.makes_flight_folder = !options.flight.empty();
+  if (!options.record.empty()) recording.ring_bytes = SessionRecorder::kRecordRingBytes;
   return recording;
 }
 
@@ -91,6 +92,9 @@ void print_recording(const IoOptions& options, const SessionRecorder::Counts& co
   if (!options.record.empty()) {
     fmt::print("recorded {} entries, {:.1f} MB, {} dropped: {}\n", counts.entries, 1e-6 * static_cast<double>(counts.file_bytes),
                counts.dropped, options.record);
+    if (counts.lost_samples > 0)
+      log_warning("{}{}: {} samples are missing in the recording (column `lost` of its table): this program was kept from its CPU for long",
+                  name_prefix(options), options.record, counts.lost_samples);
   }
   if (counts.flights + counts.flights_left_out > 0) {
     fmt::print("faults: {} flight records written, {} skipped\n", counts.flights, counts.flights_left_out);
@@ -142,6 +146,7 @@ struct DeviceHub::Parts {
     servo->set_hop_meter(&ways);
     servo->set_budget(&budget);
     servo->set_report_server(&report_server);
+    servo->set_vrpn_feed(show.feed.get());
     if (options.touch != TouchChoice::remote) use_patches();
     session.set_report_server(&report_server);
     session.set_metrics(metrics.get());

@@ -104,7 +104,7 @@ bool DeviceLoop::run_cycle() noexcept {
   grant_requests();
   tick_ns_ += period_ns();
   cycle_.next_tick_ns = tick_ns_;
-  cycle_.local_written_n = written_.force_n;
+  cycle_.written = written_;
   cycle_.next_wake_ns = wake_ns();
   const std::size_t end = cycles_end_.load(std::memory_order_relaxed);
   if (end - cycles_begin_.load(std::memory_order_acquire) < kCyclesKept) {
@@ -195,7 +195,10 @@ void DeviceLoop::grant_requests() noexcept {
   if (!requests_box_.take()) return;
   const Requests& requests = requests_box_.value();
   if (requests.rate_hz > 0.0) stats_.rate_hz = requests.rate_hz;
-  if (std::exchange(hands_granted_, requests.hands) != requests.hands) device_.set_hand_target(requests.p_WH);
+  if (std::exchange(hands_granted_, requests.hands) != requests.hands) {
+    device_.set_hand_target(requests.p_WH);
+    device_.press_hand_buttons(requests.p_WH ? requests.buttons : 0);
+  }
   if (std::exchange(aims_granted_, requests.aims) != requests.aims) device_.aim_hand(std::span(requests.p_WA).first(requests.aim_count));
   const bool is_reset = std::exchange(resets_granted_, requests.resets) != requests.resets;
   const bool is_reset_if_held = std::exchange(resets_if_held_granted_, requests.resets_if_held) != requests.resets_if_held;
@@ -329,8 +332,9 @@ std::uint64_t DeviceLoop::post(const WrenchCommand& wanted) noexcept {
   return number;
 }
 
-void DeviceLoop::set_hand_target(const std::optional<Vec3>& p_WH) noexcept {
+void DeviceLoop::set_hand_target(const std::optional<Vec3>& p_WH, std::uint32_t buttons) noexcept {
   requests_.p_WH = p_WH;
+  requests_.buttons = buttons;
   ++requests_.hands;
   requests_box_.publish(requests_);
 }

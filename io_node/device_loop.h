@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "core/force/force_fade.h"
 #include "devices/device.h"
@@ -39,8 +40,8 @@ struct DeviceCycle {
   std::int64_t late_ns = 0;
   std::uint32_t missed = 0;  // cycles skipped before it
   MissCause cause = MissCause::none;
-  std::optional<LocalForce> local;      // the force of this sample, where it was worked out on this side
-  Vec3 local_written_n = Vec3::Zero();  // ... as the governor gave it to the motors
+  std::optional<LocalForce> local;  // the force of this sample, where it was worked out on this side
+  Wrench written;                   // on the motors at its end: not yet with a force of the haptics node for this sample
 };
 
 // The present state of the device side.
@@ -101,7 +102,9 @@ class DeviceLoop {
   static constexpr std::int64_t kMostCaughtUp = 10;
   // A cycle later than this means that the machine was stalled: no work, device or wake-up takes that long.
   static constexpr std::int64_t kStallNs = 10 * kNanosecondsPerMillisecond;
-  static constexpr std::size_t kCyclesKept = 64;
+  // Cycles that wait for the network side: 0.8 s at 10 kHz. No recording lacks a sample because that side was kept from its CPU for so
+  // long, or began so much later.
+  static constexpr std::size_t kCyclesKept = 8192;
 
   struct Options {
     double rate_hz = 1000.0;
@@ -159,7 +162,7 @@ class DeviceLoop {
   // Posts a force. Returns its number, see DeviceSide::command: normally governed and written when this returns.
   std::uint64_t post(const WrenchCommand& wanted) noexcept;
   // These take effect with the next cycle.
-  void set_hand_target(const std::optional<Vec3>& p_WH) noexcept;
+  void set_hand_target(const std::optional<Vec3>& p_WH, std::uint32_t buttons = 0) noexcept;
   void aim_hand(std::span<const Vec3> p_WA) noexcept;  // the first Device::kMostAims
   void reset_faults(ResetPresence presence) noexcept;
   void set_rate_hz(double rate_hz) noexcept;
@@ -190,6 +193,7 @@ class DeviceLoop {
   struct Requests {
     double rate_hz = 0.0;  // 0: as it is
     std::optional<Vec3> p_WH;
+    std::uint32_t buttons = 0;
     std::uint32_t hands = 0;
     std::array<Vec3, Device::kMostAims> p_WA;
     std::size_t aim_count = 0;
@@ -271,7 +275,7 @@ class DeviceLoop {
   Requests requests_;
   Mailbox<Requests> requests_box_;
 
-  std::array<DeviceCycle, kCyclesKept> cycles_ = {};
+  std::vector<DeviceCycle> cycles_ = std::vector<DeviceCycle>(kCyclesKept);  // a ring
   alignas(64) std::atomic<std::size_t> cycles_begin_{0};
   alignas(64) std::atomic<std::size_t> cycles_end_{0};
 };

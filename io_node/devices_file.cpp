@@ -77,7 +77,7 @@ IoOptions read_device(TomlReader& reader, const IoOptions& common) {
   }
   reader.read("device", options.device.name);
   const auto names = device_names();
-  if (std::find(names.begin(), names.end(), options.device.name) == names.end()) {
+  if (std::find(names.begin(), names.end(), kind_of(options.device.name)) == names.end()) {
     reader.reject("device", fmt::format("unknown device '{}'; choose one of {}", options.device.name, fmt::join(names, ", ")));
   }
   reader.read("bind", options.bind);

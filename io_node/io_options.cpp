@@ -45,6 +45,16 @@ std::optional<std::string> find_flag_of_one_device(const CLI::App& app) {
   return std::nullopt;
 }
 
+// One of the names, or plugin:FILE.so.
+CLI::Validator known_device() {
+  const CLI::IsMember is_name(device_names());
+  const auto check = [is_name](std::string& word) {
+    std::string kind(kind_of(word));
+    return is_name(kind);
+  };
+  return {check, is_name.get_description()};
+}
+
 }  // namespace
 
 std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv) {
@@ -56,7 +66,7 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
   app.add_option("--bind", options.bind, "Where to listen: ADDRESS:PORT; 0.0.0.0:4950 for a LAN, port 0: any free one")
       ->capture_default_str();
   app.add_option("--key", options.key_file, kKeyHelp);
-  app.add_option("--device", options.device.name, describe_devices())->check(CLI::IsMember(device_names()))->capture_default_str();
+  app.add_option("--device", options.device.name, describe_devices())->check(known_device())->capture_default_str();
   app.add_option("--devices", options.devices_file, "TOML with several devices, each a hub of its own (docs/devices.md)");
   app.add_option("--device-id", options.device.id,
                  "Serial number, path, index or the vendor's name for it (needed if several are plugged in; see hapton doctor)");

@@ -86,6 +86,8 @@ void add_counters(LatencyReport& report, const ServoStats& s) {
                      {"joins_rejected", whole(s.hub.rejections)},
                      {"peers_timed_out", whole(s.hub.timeouts)},
                      {"bad_settings", whole(s.bad_settings)},
+                     {"markers", whole(s.markers)},
+                     {"markers_refused", whole(s.markers_refused)},
                      {"vision_sent", whole(s.probe_states_sent)},
                      {"vision_unchanged", whole(s.probe_states_unchanged)},
                      {"views_forwarded", whole(s.views_forwarded)},

@@ -21,7 +21,7 @@ namespace hapton {
 namespace {
 
 constexpr std::int64_t kWatchEveryNs = kNanosecondsPerSecond / 4;
-constexpr std::int64_t kMetricsEveryNs = kNanosecondsPerSecond;
+constexpr std::int64_t kMetricsLeastNs = kNanosecondsPerSecond / 10;  // between two copies of the statistics for requests
 constexpr auto kLookEvery = std::chrono::milliseconds(20);
 
 std::string describe(const ServoEvent& event) {
@@ -139,6 +139,7 @@ Result<void> IoSession::run(const StopSignal& stop) {
   ends_.store(true, std::memory_order_relaxed);
   servo.join();
   device_.stop();
+  servo_.record_rest();
   release_watch_.stop();
   print_events();
   if (!started_) return started_;
@@ -216,14 +217,18 @@ void IoSession::notify_service() {
 void IoSession::note_requests(const StopSignal& stop) {
   const bool requested_by_tool = servo_.take_report_request();
   const bool requested_by_reader = report_server_ != nullptr && report_server_->take_request();
-  const bool metrics_due = metrics_ != nullptr && clock_.now_ns() >= next_metrics_ns_;
+  is_scraped_ = is_scraped_ || (metrics_ != nullptr && metrics_->take_request());
+  const bool metrics_due = is_scraped_ && clock_.now_ns() >= next_metrics_ns_;
   const std::uint32_t requested_before = std::exchange(reports_requested_, stop.report_requests());
   const bool requested_by_signal = reports_requested_ != requested_before;
   if (!requested_by_tool && !requested_by_reader && !metrics_due && !requested_by_signal) return;
   file_requested_ = file_requested_ || requested_by_tool || requested_by_signal;
   server_wants_report_ = server_wants_report_ || requested_by_reader;
   metrics_requested_ = metrics_requested_ || metrics_due;
-  if (metrics_due) next_metrics_ns_ = clock_.now_ns() + kMetricsEveryNs;
+  if (metrics_due) {
+    is_scraped_ = false;
+    next_metrics_ns_ = clock_.now_ns() + kMetricsLeastNs;
+  }
   servo_.request_snapshot();
 }
 

@@ -47,6 +47,9 @@ void LatchFile::forget() const {
 
 std::filesystem::path find_latch_file(std::string_view device, std::string_view bind) {
   const std::filesystem::path folder = find_runtime_folder();
+  // The name of a plug-in is a path, of which the end says more; a file's name has 255 letters at most.
+  constexpr std::size_t kLongest = 120;
+  if (device.size() > kLongest) device.remove_prefix(device.size() - kLongest);
   return folder.empty() ? folder : folder / ("latched-" + plain(device) + "-" + plain(bind));
 }
 

@@ -25,12 +25,18 @@ void SafetyNotices::check(const DeviceSide& side, const DeviceCycle& cycle, bool
   governor_noted_ = governor;
 }
 
-void SafetyNotices::note_cycle(const DeviceSide& side, const DeviceCycle& cycle, std::int64_t now_ns) noexcept {
+void SafetyNotices::note_overtaken(const DeviceCycle& cycle, std::int64_t now_ns) noexcept {
+  if (tap_ != nullptr) note_cycle({}, cycle, false, now_ns);
+}
+
+void SafetyNotices::note_cycle(const DeviceSide& side, const DeviceCycle& cycle, bool is_newest, std::int64_t now_ns) noexcept {
+  // The force that is on the motors now, if that is later than the end of the cycle: the newest cycle's own may have come since.
+  const Wrench& written = is_newest && !cycle.local ? side.written : cycle.written;
   const DeviceSample& sample = cycle.sample;
   CycleNote note{.sample = cycle.number,
                  .late_ns = cycle.late_ns,
-                 .written_n = cycle.local ? cycle.local_written_n : side.written.force_n,
-                 .written_nm = cycle.local ? Vec3(Vec3::Zero()) : side.written.torque_nm,
+                 .written_n = written.force_n,
+                 .written_nm = written.torque_nm,
                  .missed = cycle.missed,
                  .cause = cycle.cause,
                  .device = CycleSample{sample.time_ns, sample.p_WD, sample.q_WT, sample.buttons}};
@@ -39,7 +45,7 @@ void SafetyNotices::note_cycle(const DeviceSide& side, const DeviceCycle& cycle,
 }
 
 void SafetyNotices::record(const DeviceSide& side, const DeviceCycle& cycle, bool is_missed, std::int64_t now_ns) noexcept {
-  note_cycle(side, cycle, now_ns);
+  note_cycle(side, cycle, true, now_ns);
   const GovernorCounters& governor = side.governor.counters;
   record_fault(SessionFault::command_timeout, governor.command_timeouts > governor_noted_.command_timeouts && is_missed, now_ns);
   record_fault(SessionFault::not_finite, governor.not_finite > governor_noted_.not_finite, now_ns);

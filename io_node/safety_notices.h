@@ -25,10 +25,11 @@ class SafetyNotices {
   void start(std::int64_t now_ns) noexcept { status_since_ns_ = now_ns; }
   // Once a cycle. is_missed: a command timeout counts as a fault, as the hand was in contact and the haptics node is still there.
   void check(const DeviceSide& side, const DeviceCycle& cycle, bool is_missed, std::int64_t now_ns) noexcept;
-  // A cycle that a newer one has already superseded. Pre: there is a tap.
-  void note_cycle(const DeviceSide& side, const DeviceCycle& cycle, std::int64_t now_ns) noexcept;
+  // A cycle that a newer one has overtaken, for the recording.
+  void note_overtaken(const DeviceCycle& cycle, std::int64_t now_ns) noexcept;
 
  private:
+  void note_cycle(const DeviceSide& side, const DeviceCycle& cycle, bool is_newest, std::int64_t now_ns) noexcept;
   void notify(ServoEvent::Kind kind, SafetyFault fault) noexcept;
   void notify_status(ServoEvent::Kind kind) noexcept;
   void record(const DeviceSide& side, const DeviceCycle& cycle, bool is_missed, std::int64_t now_ns) noexcept;

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <variant>
 
+#include "core/math/rotation_vector.h"
+
 namespace hapton {
 namespace {
 
@@ -32,6 +34,7 @@ Servo::Servo(Device& device, HubPeers& peers, const Clock& clock, const Options&
       vision_(peers, stats_, options.vision_rate_hz),
       requests_(loop_, peers, clock, events_, stats_, options.rate_hz),
       loop_reporter_(peers, stats_, device.name()),
+      markers_(peers, tap, stats_),
       peer_notices_(events_, peers),
       safety_(events_, tap) {
   peers_.set_tap(tap_);
@@ -77,7 +80,7 @@ bool Servo::read_cycles() noexcept {
     is_newest = !loop_.has_cycle();
     forces_.add_cycle(cycle_, is_newest);
     if (cycle_.local) forces_.note_local(cycle_, view_.view() ? view_.view()->revision : 0);
-    if (!is_newest && tap_ != nullptr) safety_.note_cycle(loop_.latest(), cycle_, cycle_.sample.time_ns);
+    if (!is_newest) safety_.note_overtaken(cycle_, cycle_.sample.time_ns);
   }
   return true;
 }
@@ -95,6 +98,7 @@ void Servo::do_housekeeping() noexcept {
   if (peers_.count(NodeRole::vision) > 0) {
     vision_.send(forces_.history(), loop_.latest(), cycle_, view_.revision_in_use(forces_.history()), stats_.status, now_ns);
   }
+  show_proxy();
   view_.repeat_if_due(now_ns);
   // With patches the force does not cross the network.
   if (patches_ == nullptr || !patches_->is_wanted()) loop_reporter_.send_if_due(rate_hz(), now_ns);
@@ -108,6 +112,13 @@ void Servo::do_housekeeping() noexcept {
   forces_.note_written();
   publisher_.publish_if_requested(loop_, cycles_.has_device_thread(),
                                   [this](const DeviceLoopStats& device) -> const ServoStats& { return fill_stats(device); });
+}
+
+void Servo::show_proxy() noexcept {
+  if (vrpn_feed_ == nullptr || !vrpn_feed_->is_wanted()) return;
+  ProbeState probe;
+  forces_.history().show(loop_.latest().is_silent, probe);
+  vrpn_feed_->show_proxy({probe.p_WD + probe.visual_offset_m, turn_by(probe.visual_turn) * probe.q_WT, probe.contact});
 }
 
 void Servo::probe_echo(std::int64_t middle_ns) noexcept {
@@ -132,6 +143,7 @@ void Servo::on_message(const PeerEvent& event, const Datagram& datagram) noexcep
                               std::holds_alternative<PatchBegin>(message))) {
     return patches_->accept(message);
   }
+  if (const auto* marker = std::get_if<Marker>(&message)) return markers_.accept(*marker, event, cycle_.number, event.receive_time_ns);
   // Of these kinds the newest wins (KindOrder).
   if (event.arrival != Arrival::newest) return;
   if (const auto* view = std::get_if<ViewTransform>(&message)) return on_view(*view);
@@ -146,6 +158,11 @@ void Servo::on_message(const PeerEvent& event, const Datagram& datagram) noexcep
     peers_.send_to_role(NodeRole::tool, *state);
     return;
   }
+  if (const auto* pose = std::get_if<ObjectPose>(&message)) {
+    peers_.send_to_role(NodeRole::vision, *pose);
+    peers_.send_to_role(NodeRole::tool, *pose);
+    return;
+  }
   if (const auto* scene = std::get_if<SceneFacts>(&message)) return scene_.accept(*scene, event.role, view_.view());
   if (const auto* request = std::get_if<ReportRequest>(&message); request != nullptr && report_server_ != nullptr) {
     report_server_->accept(event.peer, *request);
@@ -155,6 +172,7 @@ void Servo::on_message(const PeerEvent& event, const Datagram& datagram) noexcep
 void Servo::on_joined(const PeerEvent& event) noexcept {
   if (hops_ != nullptr) hops_->on_joined(event.peer, peers_.peer(event.peer).address);
   requests_.on_peer_gone(event.peer);
+  markers_.on_peer_gone(event.peer);
   vision_.on_joined(event.peer);
   if (event.role != NodeRole::haptics) return;
   forces_.on_haptics_joined();
@@ -164,6 +182,7 @@ void Servo::on_joined(const PeerEvent& event) noexcept {
 
 void Servo::on_left(const PeerEvent& event) noexcept {
   requests_.on_peer_gone(event.peer);
+  markers_.on_peer_gone(event.peer);
   if (event.role == NodeRole::haptics) forces_.on_haptics_left();
 }
 
@@ -187,11 +206,16 @@ void Servo::finish() noexcept {
   for (std::int64_t now_ns = clock_.now_ns(); now_ns < end_ns; now_ns = clock_.now_ns()) {
     if (runs_device) loop_.hold();
     receiver_.receive_until(now_ns + kStepNs);
+    record_rest();
   }
   if (runs_device) loop_.finish();
   if (tap_ != nullptr && loop_.status() == DeviceStatus::fault) tap_->on_fault(SessionFault::device, clock_.now_ns());
   forces_.note_written();
   forces_.close(cycle_.sample.time_ns);
+}
+
+void Servo::record_rest() noexcept {
+  for (DeviceCycle cycle; loop_.take_cycle(cycle);) safety_.note_overtaken(cycle, cycle.sample.time_ns);
 }
 
 const ServoStats& Servo::fill_stats(const DeviceLoopStats& device) noexcept {

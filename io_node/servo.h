@@ -13,6 +13,7 @@
 #include "io_node/hop_meter.h"
 #include "io_node/hub_receiver.h"
 #include "io_node/loop_reporter.h"
+#include "io_node/marker_log.h"
 #include "io_node/patch_link.h"
 #include "io_node/peer_notices.h"
 #include "io_node/report_server.h"
@@ -24,6 +25,7 @@
 #include "io_node/stats_publisher.h"
 #include "io_node/view_relay.h"
 #include "io_node/vision_feed.h"
+#include "io_node/vrpn/vrpn_feed.h"
 #include "link/budgeted_endpoint.h"
 #include "link/hub_peers.h"
 #include "runtime/clock.h"
@@ -53,6 +55,8 @@ class Servo final : private PeerEventHandler {
 
   // Pre: all outlive the servo; rate within kMinServoRateHz .. kMaxServoRateHz. echo and tap may be null.
   Servo(Device& device, HubPeers& peers, const Clock& clock, const Options& options, EchoProbe* echo = nullptr, ServoTap* tap = nullptr);
+  // The hub's farewells come after this, and perhaps after the tap.
+  ~Servo() { peers_.set_tap(nullptr); }
 
   // Set up before start. Pre: each outlives the servo.
   void set_hop_meter(HopMeter* hops) noexcept;
@@ -60,6 +64,8 @@ class Servo final : private PeerEventHandler {
   void set_budget(BudgetedEndpoint* budget) noexcept;
   void set_patch_link(PatchLink* patches) noexcept { patches_ = patches; }
   void use_device_thread() noexcept { cycles_.use_device_thread(); }
+  // Shows the proxy of each force there, too.
+  void set_vrpn_feed(vrpn::Feed* feed) noexcept { vrpn_feed_ = feed; }
   DeviceLoop& device_loop() noexcept { return loop_; }
 
   // The device side starts its clock first.
@@ -68,6 +74,8 @@ class Servo final : private PeerEventHandler {
   void step() noexcept;
   // Receives the last replies and releases the force as the governor does after a command timeout; about 22 ms.
   void finish() noexcept;
+  // Records the cycles that the device side has made since. Threads: any, once the servo's and the device side's have ended.
+  void record_rest() noexcept;
 
   // The statistics so far. Threads: the servo's only.
   const ServoStats& collect_stats() noexcept { return fill_stats(loop_.collect_stats()); }
@@ -91,6 +99,7 @@ class Servo final : private PeerEventHandler {
   void await_force(std::int64_t deadline_ns) noexcept;
   void probe_echo(std::int64_t middle_ns) noexcept;
   void do_housekeeping() noexcept;
+  void show_proxy() noexcept;
 
   void handle(const PeerEvent& event, const Datagram& datagram) noexcept override;
   void on_message(const PeerEvent& event, const Datagram& datagram) noexcept;
@@ -110,6 +119,7 @@ class Servo final : private PeerEventHandler {
   ReportServer* report_server_ = nullptr;
   BudgetedEndpoint* budget_ = nullptr;
   PatchLink* patches_ = nullptr;
+  vrpn::Feed* vrpn_feed_ = nullptr;
   EventRing events_;
   ServoStats stats_;
 
@@ -121,6 +131,7 @@ class Servo final : private PeerEventHandler {
   VisionFeed vision_;
   RequestHandler requests_;
   LoopReporter loop_reporter_;
+  MarkerLog markers_;
   PeerNotices peer_notices_;
   SafetyNotices safety_;
   StatsPublisher publisher_;

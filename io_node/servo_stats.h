@@ -55,6 +55,8 @@ struct ServoStats {
   std::uint64_t drawn = 0;
   std::uint64_t views_forwarded = 0;
   std::uint64_t bad_settings = 0;
+  std::uint64_t markers = 0;            // recorded
+  std::uint64_t markers_refused = 0;    // sent, but not recorded
   std::uint64_t resets_denied = 0;      // requested without the right, or without a person at the device
   double frame_rate_hz = 0.0;           // as last reported by a vision node
   double max_force_n = 0.0;             // written to the device

@@ -24,6 +24,7 @@ constexpr std::size_t kWriteBytes = std::size_t{1} << 16;
 struct Note {
   SessionEntry::Kind kind = SessionEntry::Kind::received;
   SessionFault fault = SessionFault::none;
+  NodeRole source = NodeRole::io;  // of a marker
   std::uint16_t port = 0;
   std::int64_t time_ns = 0;
   std::array<std::uint8_t, 16> ip = {};
@@ -102,7 +103,12 @@ SessionEntry entry_of(std::span<const std::byte> record) {
   entry.time_ns = note.time_ns;
   entry.fault = note.fault;
   entry.peer = {note.ip, note.port};
-  if (note.kind == SessionEntry::Kind::cycle) {
+  if (note.kind == SessionEntry::Kind::marker) {
+    entry.marker.source = note.source;
+    std::memcpy(&entry.marker.sample, body.data(), sizeof entry.marker.sample);
+    const auto text = body.subspan(sizeof entry.marker.sample);
+    entry.marker.text = {reinterpret_cast<const char*>(text.data()), text.size()};
+  } else if (note.kind == SessionEntry::Kind::cycle) {
     PlainCycle cycle;
     std::memcpy(&cycle, body.data(), sizeof cycle);
     entry.cycle = note_of(cycle);
@@ -139,7 +145,12 @@ std::string time_text(std::int64_t unix_ns) {
 }  // namespace
 
 SessionRecorder::SessionRecorder(Options options, SessionHeader header, const Clock& clock)
-    : options_(std::move(options)), header_(std::move(header)), clock_(clock), ring_(options_.ring_bytes), file_(nullptr, &std::fclose) {}
+    : options_(std::move(options)),
+      records_all_(!options_.record.empty()),
+      header_(std::move(header)),
+      clock_(clock),
+      ring_(options_.ring_bytes),
+      file_(nullptr, &std::fclose) {}
 
 SessionRecorder::~SessionRecorder() { (void)stop(); }
 
@@ -209,6 +220,11 @@ void SessionRecorder::collect() {
 void SessionRecorder::take(const SessionEntry& entry) {
   newest_ns_ = std::max(newest_ns_, entry.time_ns);
   ++counts_.entries;
+  if (entry.kind == SessionEntry::Kind::cycle) {
+    const std::uint64_t sample = entry.cycle.sample;
+    if (sample > newest_sample_ + 1) counts_.lost_samples += sample - newest_sample_ - 1;
+    newest_sample_ = std::max(newest_sample_, sample);
+  }
   if (file_) codec_.append(entry, unwritten_);
   if (unwritten_.size() >= kWriteBytes) write_entries(false);
   if (entry.kind == SessionEntry::Kind::fault && !options_.flight_folder.empty()) plan_flight(entry);
@@ -292,6 +308,16 @@ void SessionRecorder::on_cycle(const CycleNote& n, std::int64_t time_ns) noexcep
 void SessionRecorder::on_fault(SessionFault fault, std::int64_t time_ns) noexcept {
   const Note note{.kind = SessionEntry::Kind::fault, .fault = fault, .time_ns = time_ns};
   ring_.push(bytes_of(note), {});
+}
+
+MarkerStatus SessionRecorder::on_marker(const MarkerNote& n, std::int64_t time_ns) noexcept {
+  const Note note{.kind = SessionEntry::Kind::marker, .source = n.source, .time_ns = time_ns};
+  std::array<std::byte, sizeof n.sample + MarkerText::kMostBytes> body;
+  std::memcpy(body.data(), &n.sample, sizeof n.sample);
+  const std::size_t size = std::min(n.text.size(), MarkerText::kMostBytes);
+  std::memcpy(body.data() + sizeof n.sample, n.text.data(), size);
+  const bool is_in = ring_.push(bytes_of(note), std::span(body).first(sizeof n.sample + size));
+  return !records_all_ ? MarkerStatus::no_recording : is_in ? MarkerStatus::recorded : MarkerStatus::no_room;
 }
 
 }  // namespace hapton

@@ -22,7 +22,7 @@ namespace hapton {
 
 // Records everything a servo does, at full rate, in its own thread: the whole session in one file and, after a fault, the last two seconds
 // in a flight record named after the fault. The servo only copies into a ring; entries that do not fit are counted, also in the file.
-// Flight records are limited: one of a kind in kFlightEveryNs, kMostFlights in a session; a folder keeps the newest kMostKept. RT: the four
+// Flight records are limited: one of a kind in kFlightEveryNs, kMostFlights in a session; a folder keeps the newest kMostKept. RT: the
 // on_ functions yes, wait-free; the rest set-up only. Threads: the servo's calls on_..., one other the rest.
 class SessionRecorder final : public ServoTap {
  public:
@@ -31,7 +31,8 @@ class SessionRecorder final : public ServoTap {
   static constexpr std::int64_t kFlightEveryNs = 10 * kNanosecondsPerSecond;
   static constexpr int kMostFlights = 16;
   static constexpr std::size_t kMostKept = 64;
-  static constexpr std::size_t kRingBytes = std::size_t{1} << 22;  // 0.8 s at 10 kHz
+  static constexpr std::size_t kRingBytes = std::size_t{1} << 22;        // 0.5 s at 10 kHz: enough for flight records
+  static constexpr std::size_t kRecordRingBytes = std::size_t{1} << 24;  // 2 s at 10 kHz: a recording is to have every sample
 
   struct Options {
     std::filesystem::path record = {};         // empty: no file of the whole session
@@ -42,6 +43,7 @@ class SessionRecorder final : public ServoTap {
   struct Counts {
     std::uint64_t entries = 0;  // that reached the writing thread
     std::uint64_t dropped = 0;
+    std::uint64_t lost_samples = 0;  // of the device, without their cycle here
     std::uint64_t file_bytes = 0;
     int flights = 0;
     int flights_left_out = 0;  // faults with no record of their own, because of the limits above
@@ -62,6 +64,7 @@ class SessionRecorder final : public ServoTap {
   void on_sent(const Address& to, std::span<const std::byte> datagram, std::int64_t time_ns) noexcept override;
   void on_cycle(const CycleNote& note, std::int64_t time_ns) noexcept override;
   void on_fault(SessionFault fault, std::int64_t time_ns) noexcept override;
+  MarkerStatus on_marker(const MarkerNote& note, std::int64_t time_ns) noexcept override;
 
  private:
   // A block drained from the ring, unchanged.
@@ -83,6 +86,7 @@ class SessionRecorder final : public ServoTap {
   void forget_old_flights() const;
 
   Options options_;
+  const bool records_all_;
   SessionHeader header_;
   const Clock& clock_;
   ByteRing ring_;
@@ -92,6 +96,7 @@ class SessionRecorder final : public ServoTap {
   std::vector<std::byte> drained_;
   std::deque<Block> window_;
   std::int64_t newest_ns_ = 0;
+  std::uint64_t newest_sample_ = 0;
   std::uint64_t dropped_reported_ = 0;
   std::optional<Flight> flight_;
   std::array<std::int64_t, 256> last_flight_ns_ = {};  // of each kind of fault; 0: none yet

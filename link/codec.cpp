@@ -92,12 +92,17 @@ constexpr std::tuple kMessageKinds{
                                                         &wire::Envelope::mutable_material_request},
     MessageKind<MaterialState, wire::MaterialState>{&wire::Envelope::has_material_state, &wire::Envelope::material_state,
                                                     &wire::Envelope::mutable_material_state},
+    MessageKind<ObjectPose, wire::ObjectPose>{&wire::Envelope::has_object_pose, &wire::Envelope::object_pose,
+                                              &wire::Envelope::mutable_object_pose},
+    MessageKind<Marker, wire::Marker>{&wire::Envelope::has_marker, &wire::Envelope::marker, &wire::Envelope::mutable_marker},
+    MessageKind<MarkerReply, wire::MarkerReply>{&wire::Envelope::has_marker_reply, &wire::Envelope::marker_reply,
+                                                &wire::Envelope::mutable_marker_reply},
     MessageKind<Bye, wire::Bye>{&wire::Envelope::has_bye, &wire::Envelope::bye, &wire::Envelope::mutable_bye},
 };
 constexpr std::size_t kKindCount = std::tuple_size_v<decltype(kMessageKinds)>;
 static_assert(kKindCount == std::variant_size_v<Message>);
 // Fields 1 to 5 of an Envelope are its header, the others one kind each, from 16 on.
-static_assert(wire::Envelope::kMaterialStateFieldNumber == 15 + kKindCount, "the last kind of hapton.proto, and its line in kMessageKinds");
+static_assert(wire::Envelope::kMarkerReplyFieldNumber == 15 + kKindCount, "the last kind of hapton.proto, and its line in kMessageKinds");
 
 // Calls visit with each kind until one returns true.
 template <class Visit>
@@ -222,6 +227,12 @@ void reserve(wire::MaterialState& m) {
   m.mutable_given()->Reserve(kMaxDatagramBytes);
   reserve_field(*m.mutable_numbers());
 }
+void reserve(wire::ObjectPose& m) {
+  reserve_field(*m.mutable_p_m());
+  reserve_field(*m.mutable_q());
+}
+void reserve(wire::Marker& m) { m.mutable_text()->reserve(kMaxDatagramBytes); }
+void reserve(wire::MarkerReply&) {}
 void reserve(wire::Bye&) {}
 
 }  // namespace

@@ -10,11 +10,13 @@ namespace {
 constexpr std::size_t kNowhere = HubPeers::kCapacity;
 
 bool may_send(NodeRole role, const Message& message) {
+  if (std::holds_alternative<Marker>(message)) return true;
   if (std::holds_alternative<SceneFacts>(message)) return role != NodeRole::tool;
   if (role == NodeRole::haptics) {
     return std::holds_alternative<ForceCommand>(message) || std::holds_alternative<HapticsSetup>(message) ||
            std::holds_alternative<MaterialState>(message) || std::holds_alternative<PatchTile>(message) ||
-           std::holds_alternative<PatchCell>(message) || std::holds_alternative<PatchBegin>(message);
+           std::holds_alternative<PatchCell>(message) || std::holds_alternative<PatchBegin>(message) ||
+           std::holds_alternative<ObjectPose>(message);
   }
   if (role == NodeRole::tool) {
     return std::holds_alternative<Settings>(message) || std::holds_alternative<MaterialRequest>(message) ||

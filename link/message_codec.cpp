@@ -140,6 +140,15 @@ void write(const FrameAck& from, wire::FrameAck& to) {
 void write(const HandTarget& from, wire::HandTarget& to) {
   to.set_active(from.active);
   write_vector(*to.mutable_p_wh_m(), from.p_WH);
+  to.set_buttons(from.buttons);
+}
+
+void write(const ObjectPose& from, wire::ObjectPose& to) {
+  to.set_serial(from.serial);
+  to.set_object(static_cast<std::uint32_t>(from.object));
+  to.set_is_held(from.is_held);
+  write_vector(*to.mutable_p_m(), from.p_m);
+  write_rotation(*to.mutable_q(), from.q);
 }
 
 void write(const Settings& from, wire::Settings& to) {
@@ -195,6 +204,17 @@ void write(const LoopFacts& from, wire::LoopFacts& to) {
   write_text(from.device, *to.mutable_device());
   to.set_servo_rate_hz(from.servo_rate_hz);
   to.set_round_trip_s(from.round_trip_s);
+}
+
+void write(const Marker& from, wire::Marker& to) {
+  to.set_request(from.request);
+  write_text(from.text, *to.mutable_text());
+}
+
+void write(const MarkerReply& from, wire::MarkerReply& to) {
+  to.set_request(from.request);
+  to.set_sample(from.sample);
+  to.set_status(static_cast<std::uint32_t>(from.status));
 }
 
 // --- reading: false for a value that the contract rules out ---
@@ -267,7 +287,16 @@ bool read(const wire::FrameAck& from, FrameAck& to) {
 
 bool read(const wire::HandTarget& from, HandTarget& to) {
   to.active = from.active();
+  to.buttons = from.buttons();
   return read_vector(from.p_wh_m(), to.p_WH);
+}
+
+bool read(const wire::ObjectPose& from, ObjectPose& to) {
+  to.serial = from.serial();
+  to.is_held = from.is_held();
+  if (to.serial == 0 || from.object() > static_cast<std::uint32_t>(std::numeric_limits<std::int32_t>::max())) return false;
+  to.object = static_cast<std::int32_t>(from.object());
+  return read_vector(from.p_m(), to.p_m) && read_rotation(from.q(), to.q);
 }
 
 bool read(const wire::Settings& from, Settings& to) {
@@ -339,6 +368,18 @@ bool read(const wire::LoopFacts& from, LoopFacts& to) {
   to.round_trip_s = from.round_trip_s();
   const bool is_rate = to.servo_rate_hz >= 0.0 && to.servo_rate_hz <= kMaxServoRateHz;
   return is_rate && is_amount(to.round_trip_s) && read_text(from.device(), to.device);
+}
+
+bool read(const wire::Marker& from, Marker& to) {
+  to.request = from.request();
+  return to.request != 0 && MarkerText::is_valid(from.text()) && read_text(from.text(), to.text);
+}
+
+bool read(const wire::MarkerReply& from, MarkerReply& to) {
+  to.request = from.request();
+  to.sample = from.sample();
+  to.status = static_cast<MarkerStatus>(from.status());
+  return to.request != 0 && from.status() <= static_cast<std::uint32_t>(MarkerStatus::no_room);
 }
 
 bool read(const wire::ViewTransform& from, ViewTransform& to) {

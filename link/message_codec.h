@@ -28,6 +28,9 @@ class PatchTile;
 class PatchStatus;
 class MaterialRequest;
 class MaterialState;
+class ObjectPose;
+class Marker;
+class MarkerReply;
 }  // namespace wire
 
 void write(const Hello& from, wire::Hello& to);
@@ -52,6 +55,9 @@ void write(const PatchTile& from, wire::PatchTile& to);
 void write(const PatchStatus& from, wire::PatchStatus& to);
 void write(const MaterialRequest& from, wire::MaterialRequest& to);
 void write(const MaterialState& from, wire::MaterialState& to);
+void write(const ObjectPose& from, wire::ObjectPose& to);
+void write(const Marker& from, wire::Marker& to);
+void write(const MarkerReply& from, wire::MarkerReply& to);
 
 // False for a value that the contract rules out; `to` is then not to be used.
 bool read(const wire::Hello& from, Hello& to);
@@ -75,6 +81,9 @@ bool read(const wire::PatchTile& from, PatchTile& to);
 bool read(const wire::PatchStatus& from, PatchStatus& to);
 bool read(const wire::MaterialRequest& from, MaterialRequest& to);
 bool read(const wire::MaterialState& from, MaterialState& to);
+bool read(const wire::ObjectPose& from, ObjectPose& to);
+bool read(const wire::Marker& from, Marker& to);
+bool read(const wire::MarkerReply& from, MarkerReply& to);
 bool read(const wire::ViewTransform& from, ViewTransform& to);
 
 }  // namespace hapton

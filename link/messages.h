@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "core/math/types.h"
+#include "link/marker_text.h"
 
 namespace hapton {
 
@@ -126,6 +127,7 @@ struct FrameAck {
 struct HandTarget {
   bool active = false;  // false: the hand returns to its script
   Vec3 p_WH = Vec3::Zero();
+  std::uint32_t buttons = 0;  // of the stylus, held down while active
 };
 
 constexpr double kMinServoRateHz = 250.0;
@@ -296,9 +298,39 @@ struct LoopFacts {
   float round_trip_s = 0.0F;  // from the sample to its force, p99 since the start
 };
 
+// haptics -> hub -> every vision node and tool, when it has changed and once a second: an object that the stylus has picked up
+// (docs/tool.md). A point v of the object as the scene file places it is at p_m + q v: in frame T of the stylus as it is drawn where the
+// object is held, in frame S otherwise.
+struct ObjectPose {
+  std::uint32_t serial = 0;  // counts the changes of all objects, from 1
+  std::int32_t object = 0;   // of the scene
+  bool is_held = false;
+  Vec3 p_m = Vec3::Zero();
+  Quat q = Quat::Identity();
+};
+
+// tool, vision or haptics -> hub: something happened, at the newest sample that the hub has. It is recorded (io_node --record).
+struct Marker {
+  std::uint32_t request = 0;                               // identifies the reply, never 0; the same again: a repetition
+  std::array<char, MarkerText::kMostBytes + 1> text = {};  // NUL-padded, MarkerText::is_valid
+};
+
+// hub -> the sender of a Marker.
+enum class MarkerStatus : std::uint8_t {
+  recorded = 0,
+  no_recording = 1,  // the hub was started without --record
+  too_many = 2,      // of this node, see MarkerLog
+  no_room = 3,       // the recording's buffer was full
+};
+struct MarkerReply {
+  std::uint32_t request = 0;
+  std::uint64_t sample = 0;  // that it belongs to
+  MarkerStatus status = MarkerStatus::recorded;
+};
+
 using Message = std::variant<Hello, Welcome, Bye, DeviceState, ForceCommand, ViewTransform, ProbeState, FrameAck, HandTarget, Settings,
                              HapticsSetup, ReportRequest, ReportPart, SceneFacts, ViewRejected, PatchBegin, PatchCell, PatchTile,
-                             PatchStatus, LoopFacts, MaterialRequest, MaterialState>;
+                             PatchStatus, LoopFacts, MaterialRequest, MaterialState, ObjectPose, Marker, MarkerReply>;
 
 // In front of every message.
 struct Header {

@@ -1,7 +1,9 @@
 #include "link/metrics_endpoint.h"
 
+#include <atomic>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
@@ -46,9 +48,15 @@ bool is_host_ours(std::string_view host) {
 
 using Response = http::response<http::string_body>;
 
+bool is_read(const http::request<http::empty_body>& request) {
+  return request.method() == http::verb::get || request.method() == http::verb::head;
+}
+bool is_target(const http::request<http::empty_body>& request) { return request.target() == "/metrics" || request.target() == "/"; }
+bool is_scrape(const http::request<http::empty_body>& request) { return is_read(request) && is_target(request); }
+
 Response respond(const http::request<http::empty_body>& request, std::string text) {
-  const bool is_get = request.method() == http::verb::get || request.method() == http::verb::head;
-  const bool is_there = request.target() == "/metrics" || request.target() == "/";
+  const bool is_get = is_read(request);
+  const bool is_there = is_target(request);
   const auto host = request.find(http::field::host);
   const bool is_ours = host == request.end() || is_host_ours(std::string_view(host->value().data(), host->value().size()));
   const http::status status = !is_ours   ? http::status::forbidden
@@ -76,8 +84,24 @@ struct MetricsEndpoint::State {
       parser.header_limit(kMostRequestBytes);
       stream.expires_after(kPatience);
       http::async_read_header(stream, buffer, parser, [self = shared_from_this()](const error_code& error, std::size_t) {
-        if (!error) self->answer();
+        if (!error) self->await_text();
       });
+    }
+
+    void await_text() {
+      if (!is_scrape(parser.get())) return answer();
+      is_waiting = true;
+      state.is_requested.store(true, std::memory_order_release);
+      patience.expires_after(std::chrono::nanoseconds(kFreshNs));
+      patience.async_wait([self = shared_from_this()](const error_code& ended) {
+        if (!ended) self->answer_if_waiting();
+      });
+    }
+
+    void answer_if_waiting() {
+      if (!std::exchange(is_waiting, false)) return;
+      patience.cancel();
+      answer();
     }
 
     void answer() {
@@ -94,6 +118,8 @@ struct MetricsEndpoint::State {
     beast::flat_buffer buffer{kMostRequestBytes};
     http::request_parser<http::empty_body> parser;
     Response response;
+    asio::steady_timer patience{stream.get_executor()};
+    bool is_waiting = false;
   };
 
   void listen() {
@@ -126,12 +152,19 @@ struct MetricsEndpoint::State {
     }
   }
 
+  // In the context's thread: a text has come.
+  void answer_waiting() {
+    for (const std::weak_ptr<Client>& one : order)
+      if (const auto client = one.lock()) client->answer_if_waiting();
+  }
+
   std::string text() {
     const std::lock_guard lock(mutex);
     return served;
   }
 
   std::deque<std::weak_ptr<Client>> order;  // as they came
+  std::atomic<bool> is_requested{false};
   std::mutex mutex;
   std::string served;
   Address local;
@@ -175,9 +208,14 @@ Result<std::unique_ptr<MetricsEndpoint>> MetricsEndpoint::open(std::string_view 
 }
 
 void MetricsEndpoint::set_text(std::string text) {
-  const std::lock_guard lock(state_->mutex);
-  state_->served = std::move(text);
+  {
+    const std::lock_guard lock(state_->mutex);
+    state_->served = std::move(text);
+  }
+  asio::post(state_->context, [state = state_.get()] { state->answer_waiting(); });
 }
+
+bool MetricsEndpoint::take_request() noexcept { return state_->is_requested.exchange(false, std::memory_order_acq_rel); }
 
 const Address& MetricsEndpoint::local_address() const { return state_->local; }
 

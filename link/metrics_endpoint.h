@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -9,8 +10,8 @@
 
 namespace hapton {
 
-// Serves one text by HTTP at /metrics, to this machine only, in its own thread, for Prometheus and curl. RT: no. Threads:
-// any.
+// Serves one text by HTTP at /metrics, to this machine only, in its own thread, for Prometheus and curl. Each request waits for a text that
+// is newer than itself, kFreshNs at most; then it gets the last one. RT: no. Threads: any.
 class MetricsEndpoint {
  public:
   // bind_address: a loopback address and port, port 0 takes a free one. Error: one line: not loopback, port in use, no address.
@@ -21,7 +22,12 @@ class MetricsEndpoint {
   MetricsEndpoint(const MetricsEndpoint&) = delete;
   MetricsEndpoint& operator=(const MetricsEndpoint&) = delete;
 
-  // Sets the text to serve.
+  // How long a request waits for a fresh text.
+  static constexpr std::int64_t kFreshNs = 500'000'000;
+
+  // True once when a request waits.
+  bool take_request() noexcept;
+  // Sets the text to serve: also to the requests that wait.
   void set_text(std::string text);
 
   const Address& local_address() const;

@@ -12,6 +12,12 @@
 namespace hapton {
 namespace {
 
+// The enumerations of the file are ours.
+static_assert(static_cast<int>(session::FAULT_ENERGY) == static_cast<int>(SessionFault::energy) &&
+              session::Fault_MAX == session::FAULT_ENERGY);
+static_assert(static_cast<int>(session::MISS_CAUSE_MACHINE_STALLED) == static_cast<int>(MissCause::machine_stalled) &&
+              session::MissCause_MAX == session::MISS_CAUSE_MACHINE_STALLED);
+
 constexpr std::size_t kCheckBytes = 5;  // one of tag, four of value
 constexpr char kCheckTag = 0x7D;        // field 15, fixed32
 // No message of ours comes near it; a length above it is damage.
@@ -83,7 +89,7 @@ bool read(const session::Cycle& from, CycleNote& to) {
   to.late_ns = from.late_ns();
   to.written_n = Vec3(from.written_n(0), from.written_n(1), from.written_n(2));
   to.missed = from.missed();
-  to.cause = static_cast<MissCause>(std::min(from.cause(), 255U));
+  to.cause = static_cast<MissCause>(std::clamp<int>(from.cause(), 0, 255));
   if (from.p_wd_m_size() != 0) {
     if (from.p_wd_m_size() != 3 || from.q_wt_size() != 4) return false;
     to.device = CycleSample{from.sample_time_ns(), Vec3(from.p_wd_m().data()), Quat(from.q_wt(0), from.q_wt(1), from.q_wt(2), from.q_wt(3)),
@@ -114,7 +120,7 @@ void write(const CycleNote& from, session::Cycle& to) {
   to.set_late_ns(from.late_ns);
   write(from.written_n, *to.mutable_written_n());
   to.set_missed(from.missed);
-  to.set_cause(static_cast<std::uint32_t>(from.cause));
+  to.set_cause(static_cast<session::MissCause>(from.cause));
   if (from.device) {
     to.set_sample_time_ns(from.device->time_ns);
     write(from.device->p_WD, *to.mutable_p_wd_m());
@@ -130,11 +136,28 @@ void write(const CycleNote& from, session::Cycle& to) {
   if (!from.written_nm.isZero(0.0)) write(from.written_nm, *to.mutable_written_nm());
 }
 
+void write(const MarkerNote& from, session::Marker& to) {
+  to.set_sample(from.sample);
+  to.set_text(from.text.data(), from.text.size());
+  to.set_source(static_cast<std::uint32_t>(from.source));
+}
+
+bool read(const session::Marker& from, MarkerNote& to) {
+  to.sample = from.sample();
+  to.text = from.text();
+  to.source = static_cast<NodeRole>(from.source());
+  const bool is_role =
+      from.source() >= static_cast<std::uint32_t>(NodeRole::io) && from.source() <= static_cast<std::uint32_t>(NodeRole::tool);
+  return is_role && MarkerText::is_valid(to.text);
+}
+
 }  // namespace
 
 struct SessionCodec::Wire {
   session::Entry entry;
   session::Header header;
+  session::Cycle cycle;
+  session::Event event;
 };
 
 SessionCodec::SessionCodec() : wire_(std::make_unique<Wire>()) {}
@@ -173,13 +196,31 @@ void SessionCodec::append(const SessionEntry& entry, std::string& to) {
       write(entry.cycle, *e.mutable_cycle());
       break;
     case SessionEntry::Kind::fault:
-      e.set_fault(static_cast<std::uint32_t>(entry.fault));
+      e.set_fault(static_cast<session::Fault>(entry.fault));
       break;
     case SessionEntry::Kind::dropped:
       e.set_dropped(entry.dropped);
       break;
+    case SessionEntry::Kind::marker:
+      write(entry.marker, *e.mutable_marker());
+      break;
   }
   append_checked(e, to);
+}
+
+void SessionCodec::append_alone(const CycleNote& cycle, std::string& to) {
+  session::Cycle& c = wire_->cycle;
+  c.Clear();
+  write(cycle, c);
+  c.AppendToString(&to);
+}
+
+void SessionCodec::append_alone(const SessionEvent& event, std::string& to) {
+  session::Event& e = wire_->event;
+  e.set_kind(event.kind.data(), event.kind.size());
+  e.set_name(event.name);
+  e.set_sample(event.sample);
+  e.AppendToString(&to);
 }
 
 SessionCodec::Read SessionCodec::read(std::string_view bytes, SessionHeader& header) {
@@ -211,10 +252,13 @@ SessionCodec::Read SessionCodec::read(std::string_view bytes, SessionEntry& entr
     is_good = hapton::read(e.cycle(), entry.cycle);
   } else if (e.has_fault()) {
     entry.kind = SessionEntry::Kind::fault;
-    entry.fault = static_cast<SessionFault>(std::min(e.fault(), 255U));
+    entry.fault = static_cast<SessionFault>(std::clamp<int>(e.fault(), 0, 255));
   } else if (e.has_dropped()) {
     entry.kind = SessionEntry::Kind::dropped;
     entry.dropped = e.dropped();
+  } else if (e.has_marker()) {
+    entry.kind = SessionEntry::Kind::marker;
+    is_good = hapton::read(e.marker(), entry.marker);
   } else {
     return {Status::unknown, frame.read.bytes};
   }

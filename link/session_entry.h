@@ -11,6 +11,7 @@
 
 #include "core/math/types.h"
 #include "link/endpoint.h"
+#include "link/messages.h"
 
 namespace hapton {
 
@@ -70,15 +71,30 @@ struct CycleNote {
   std::optional<CycleLocal> local = {};    // none: the force is remote
 };
 
+// What somebody marked, at the sample that was the newest when the marker came.
+struct MarkerNote {
+  std::uint64_t sample = 0;
+  NodeRole source = NodeRole::tool;
+  std::string_view text = {};  // MarkerText::is_valid; not owned
+};
+
+// What happened at a sample, for other formats.
+struct SessionEvent {
+  std::string_view kind;
+  std::string name;
+  std::uint64_t sample = 0;
+};
+
 // One thing that happened in a recorded session.
 struct SessionEntry {
-  enum class Kind : std::uint8_t { received, sent, cycle, fault, dropped };
+  enum class Kind : std::uint8_t { received, sent, cycle, fault, dropped, marker };
   Kind kind = Kind::received;
   std::int64_t time_ns = 0;             // hub's clock
   Address peer;                         // of received and sent
   std::span<const std::byte> datagram;  // of received and sent: as it is before sealing and after opening; not owned
   CycleNote cycle;
   SessionFault fault = SessionFault::none;
+  MarkerNote marker;
   std::uint64_t dropped = 0;  // entries that found no room since the one before
 };
 

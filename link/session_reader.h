@@ -20,7 +20,7 @@ class SessionReader {
 
   const SessionHeader& header() const { return header_; }
 
-  // The next entry; false at the end of the readable data. Post: entry.datagram is valid until the next call.
+  // The next entry; false at the end of the readable data. Post: entry.datagram and the marker's text are valid until the next call.
   bool next(SessionEntry& entry);
 
   // After next returned false: empty if the file ends with a complete entry, else one line that says where and how it is truncated.

@@ -159,6 +159,19 @@ void bind_client(py::module_& module) {
            "Moves what is touched: (4, 4), pose of the scene in W. Returns its revision; state()['view_revision'] reaches it when the "
            "forces do.")
       .def_property_readonly("joined", &LiveClient::is_joined, "A hub replies.")
+      .def(
+          "mark",
+          [](LiveClient& client, const std::string& text) {
+            auto sample = [&] {
+              const py::gil_scoped_release others_run;
+              return client.mark(text);
+            }();
+            return value_or_raise(std::move(sample));
+          },
+          py::arg("text"),
+          "Marks the recording (io_node --record) at the newest sample and returns that sample's number. text: 1 to 160 bytes of UTF-8 in "
+          "one line.\n"
+          "Raises where nothing is recorded, or above 50 markers a second.")
       .def("close", &LiveClient::stop, py::call_guard<py::gil_scoped_release>(), "Leaves the session.");
 }
 

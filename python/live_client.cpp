@@ -1,13 +1,18 @@
 #include "python/live_client.h"
 
+#include <chrono>
+
+#include "link/marker_request.h"
 #include "runtime/start_thread.h"
 
 namespace hapton::python {
 namespace {
 
 constexpr double kClientPatienceS = 5.0;
-constexpr std::int64_t kClientTurnNs = 5 * kNanosecondsPerMillisecond;
-constexpr std::int64_t kViewEveryNs = 50 * kNanosecondsPerMillisecond;  // until the forces use it, as a datagram may be lost
+constexpr std::int64_t kClientTurnNs = kNanosecondsPerMillisecond;  // a marker waits so long at most
+constexpr auto kMarkerPatience = std::chrono::seconds(2);
+constexpr std::int64_t kMarkerEveryNs = 100 * kNanosecondsPerMillisecond;  // until its reply comes
+constexpr std::int64_t kViewEveryNs = 50 * kNanosecondsPerMillisecond;     // until the forces use it, as a datagram may be lost
 
 }  // namespace
 
@@ -43,6 +48,28 @@ std::uint32_t LiveClient::turn_scene(const std::array<float, 12>& X_WS) {
   return ++view_.revision;
 }
 
+Result<std::uint64_t> LiveClient::mark(std::string_view text) {
+  const auto marker = make_marker(text);
+  if (!marker) return tl::unexpected(marker.error());
+  if (is_stopping_.load()) return fail("this client is closed");
+  const std::scoped_lock marking(marking_);
+  std::unique_lock lock(mutex_);
+  marker_ = *marker;
+  marker_reply_.reset();
+  next_marker_ns_ = 0;
+  const bool is_answered = marked_.wait_for(lock, kMarkerPatience, [&] { return marker_reply_.has_value(); });
+  marker_.reset();
+  if (!is_answered) return fail("no reply from the hub in {} s: it is gone, or of an earlier version", kMarkerPatience.count());
+  return read_reply(*marker_reply_);
+}
+
+void LiveClient::send_marker(std::int64_t now_ns) noexcept {
+  const std::scoped_lock lock(mutex_);
+  if (!marker_ || marker_reply_ || now_ns < next_marker_ns_) return;
+  next_marker_ns_ = now_ns + kMarkerEveryNs;
+  connection_->client().send(*marker_);
+}
+
 void LiveClient::run() {
   HubClient& client = connection_->client();
   const Clock& clock = connection_->clock();
@@ -51,7 +78,13 @@ void LiveClient::run() {
     const bool has_datagram = client.receive(datagram, clock.now_ns() + kClientTurnNs);
     is_joined_.store(client.state() == JoinState::joined, std::memory_order_relaxed);
     send_view(clock.now_ns());
+    send_marker(clock.now_ns());
     if (!has_datagram) continue;
+    if (const auto* reply = std::get_if<MarkerReply>(&datagram.message)) {
+      const std::scoped_lock lock(mutex_);
+      if (marker_ && reply->request == marker_->request) marker_reply_ = *reply;
+      marked_.notify_all();
+    }
     const auto* probe = std::get_if<ProbeState>(&datagram.message);
     if (probe == nullptr || client.last_arrival() == Arrival::reordered) continue;
     {

@@ -13,12 +13,17 @@ struct Columns {
   std::vector<std::vector<double>> numbers = std::vector<std::vector<double>>(joined_columns().size());
   std::vector<double> event_t_s;
   std::vector<std::string> event_names;
+  std::vector<std::string> event_kinds;
+  std::vector<std::uint64_t> event_samples;
 
   void add(const JoinedRow& row) {
     for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k].push_back(joined_columns()[k].of(row));
-    if (row.event.empty()) return;
-    event_t_s.push_back(row.sample_t_s);
-    event_names.push_back(row.event);
+    for_each_event(row, [&](const JoinedEvent& event) {
+      event_t_s.push_back(row.sample_t_s);
+      event_names.push_back(event.name);
+      event_kinds.emplace_back(event.kind);
+      event_samples.push_back(row.sample);
+    });
   }
 };
 
@@ -59,6 +64,9 @@ py::dict read_session(const std::string& path) {
   }
   session["event_t_s"] = give_away(std::move(columns.event_t_s));
   session["event"] = py::cast(columns.event_names);
+  session["event_kind"] = py::cast(columns.event_kinds);
+  session["event_sample"] =
+      py::array_t<std::uint64_t>(static_cast<py::ssize_t>(columns.event_samples.size()), columns.event_samples.data());
   session["units"] = units;
   session["header"] = describe_header(reader.header());
   session["problem"] = reader.problem();
@@ -70,7 +78,9 @@ py::dict read_session(const std::string& path) {
 void bind_sessions(py::module_& module) {
   module.def("read_session", &read_session, py::arg("path"),
              "Reads a recording of io_node --record: a dict of arrays, one row for each servo cycle, with the columns of docs/formats.md\n"
-             "(t_s, sample, x_m ... missed; not known: NaN), and event_t_s, event, units, header. problem is not empty where the file is\n"
+             "(t_s, sample, x_m ... lost; not known: NaN), and units and header. event (the faults of a row, or the text of a marker), "
+             "event_kind\n"
+             "(fault or marker), event_t_s and event_sample are what happened. problem is not empty where the file is\n"
              "truncated or damaged: what could be read is there.");
 }
 

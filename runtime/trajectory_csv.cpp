@@ -16,6 +16,7 @@ namespace {
 
 constexpr std::array<std::string_view, 8> kColumns = {"t_s", "x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"};
 constexpr std::string_view kSampleColumn = ",sample";
+constexpr std::string_view kButtonsColumn = ",buttons";
 constexpr std::string_view kShortHeader = "t_s,x_m,y_m,z_m";
 constexpr std::string_view kLongHeader = "t_s,x_m,y_m,z_m,qw,qx,qy,qz";
 constexpr double kQuaternionTolerance = 0.01;
@@ -72,33 +73,47 @@ class Parser {
 
   Result<void> read_header(std::string_view line) {
     has_samples_ = line.ends_with(kSampleColumn);
-    const std::string_view numbers = has_samples_ ? line.substr(0, line.size() - kSampleColumn.size()) : line;
+    std::string_view numbers = has_samples_ ? line.substr(0, line.size() - kSampleColumn.size()) : line;
+    has_buttons_ = numbers.ends_with(kButtonsColumn);
+    if (has_buttons_) numbers.remove_suffix(kButtonsColumn.size());
     if (numbers == kShortHeader) columns_ = 4;
     if (numbers == kLongHeader) columns_ = 8;
     if (columns_ == 0)
-      return fail("{}:{}: the header is {}; write {}[,qw,qx,qy,qz][,sample]", name_, line_number_, quoted(line), kShortHeader);
+      return fail("{}:{}: the header is {}; write {}[,qw,qx,qy,qz][,buttons][,sample]", name_, line_number_, quoted(line), kShortHeader);
     return {};
   }
 
   Result<void> read_row(std::string_view line) {
     std::array<double, 8> field = {0, 0, 0, 0, 1, 0, 0, 0};
-    const int columns = columns_ + (has_samples_ ? 1 : 0);
+    std::uint32_t buttons = 0;
+    const int columns = columns_ + (has_buttons_ ? 1 : 0) + (has_samples_ ? 1 : 0);
     for (int column = 0; column < columns; ++column) {
       const auto comma = line.find(',');
       if ((comma == std::string_view::npos) != (column == columns - 1))
         return fail("{}:{}: the row has {} fields than the header's {}; give it {}", name_, line_number_,
                     column == columns - 1 ? "more" : "fewer", columns, columns);
       const std::string_view text = trimmed(line.substr(0, comma));
-      const auto read = column == columns_ ? check_sample(text) : read_number(text, column, field[column]);
+      const bool is_buttons = has_buttons_ && column == columns_;
+      const auto read = is_buttons           ? read_buttons(text, buttons)
+                        : column >= columns_ ? check_sample(text)
+                                             : read_number(text, column, field[column]);
       if (!read) return read;
       line = comma == std::string_view::npos ? std::string_view{} : line.substr(comma + 1);
     }
-    return add_row(field);
+    return add_row(field, buttons);
   }
 
   Result<void> check_sample(std::string_view text) const {
     const bool is_count = !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
     if (!is_count) return fail("{}:{}: {} in column sample is not a count; write one like 12", name_, line_number_, quoted(text));
+    return {};
+  }
+
+  Result<void> read_buttons(std::string_view text, std::uint32_t& buttons) const {
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), buttons);
+    if (error != std::errc{} || end != text.data() + text.size() || text.empty())
+      return fail("{}:{}: {} in column buttons is not a number of 32 bits; write one bit for each button that is down: 0, 1, 2, 3 ...",
+                  name_, line_number_, quoted(text));
     return {};
   }
 
@@ -120,8 +135,9 @@ class Parser {
     return {};
   }
 
-  Result<void> add_row(const std::array<double, 8>& field) {
+  Result<void> add_row(const std::array<double, 8>& field, std::uint32_t buttons) {
     TrajectoryRow row;
+    row.buttons = buttons;
     row.t_s = field[0];
     row.p_WD = Vec3(field[1], field[2], field[3]);
     row.q_WT = Quat(field[4], field[5], field[6], field[7]);
@@ -140,6 +156,7 @@ class Parser {
   std::vector<TrajectoryRow> rows_;
   long line_number_ = 0;
   int columns_ = 0;  // of numbers
+  bool has_buttons_ = false;
   bool has_samples_ = false;
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,12 +15,13 @@ struct TrajectoryRow {
   double t_s = 0.0;
   Vec3 p_WD = Vec3::Zero();
   Quat q_WT = Quat::Identity();
+  std::uint32_t buttons = 0;  // held down from this row to the next, one bit each, lowest first
 };
 
-// Reads the project's trajectory format: a header line `t_s,x_m,y_m,z_m` or `t_s,x_m,y_m,z_m,qw,qx,qy,qz`, either with `,sample` at
-// its end (a number that joins the rows with other tables; ignored), one row per step, `#` comments and empty lines anywhere, LF or
-// CRLF. Strict: every field a finite number and nothing else, positions within 1,000 km of the origin and times within 30 years of
-// zero (beyond that it is another unit or a damaged file), times increasing, quaternions of unit length within 1 % (they are
+// Reads the project's trajectory format: a header line `t_s,x_m,y_m,z_m` or `t_s,x_m,y_m,z_m,qw,qx,qy,qz`, either with `,buttons` and
+// then `,sample` at its end (the latter joins the rows with other tables, and is ignored), one row per step, `#` comments and empty lines
+// anywhere, LF or CRLF. Strict: every field a finite number and nothing else, positions within 1,000 km of the origin and times within 30
+// years of zero (beyond that it is another unit or a damaged file), times increasing, quaternions of unit length within 1 % (they are
 // normalised), at least one row. Error: one line that names the file, the line and the column. RT: set-up only; about 10 million
 // numbers a second.
 Result<std::vector<TrajectoryRow>> read_trajectory_csv(const std::string& path);

@@ -44,7 +44,11 @@ Result<ObjectSpec> read_object(const toml::table& table, const std::string& name
   // A tool has a grip, and no material yet.
   std::vector<std::string_view> keys = {"name",     "mesh",         "part",       "unit",  "scale",
                                         "rotation", "rotation_deg", "position_m", "color", "seal_cracks"};
-  keys.emplace_back(name == kToolTable ? "grip" : "material");
+  if (name == kToolTable) {
+    keys.emplace_back("grip");
+  } else {
+    keys.insert(keys.end(), {"material", "movable"});
+  }
   reader.allow(keys);
   if (!reader.has("mesh")) reader.fail_at("mesh", "{} has no 'mesh': name its mesh file", name);
   reader.read("name", spec.name);
@@ -52,6 +56,7 @@ Result<ObjectSpec> read_object(const toml::table& table, const std::string& name
   reader.read("part", spec.part);
   reader.read("material", spec.material);
   reader.read("seal_cracks", spec.seal_cracks);
+  reader.read("movable", spec.is_movable);
   reader.read("scale", spec.scale, 0.0, kMaxScale, true);
   reader.read("color", spec.colour, 0.0, 1.0);
   spec.has_colour = reader.has("color");

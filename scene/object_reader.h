@@ -29,6 +29,7 @@ struct ObjectSpec {
   Vec3 p_SM = Vec3::Zero();
   std::string material;
   bool seal_cracks = true;
+  bool is_movable = false;
   std::array<double, 3> colour = {0.7, 0.7, 0.72};
   bool has_colour = false;  // then it replaces all colours of the mesh file
   ToolGrip grip = ToolGrip::origin;

@@ -348,7 +348,8 @@ Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& fol
                              .sealed = meshes[i].sealed,
                              .look = std::move(meshes[i].look),
                              .effects = material.effects,
-                             .material_name = object.material});
+                             .material_name = object.material,
+                             .is_movable = object.is_movable});
   }
   if (const auto added = add_effects(spec, scene); !added) return tl::unexpected(added.error());
   if (spec.tool) {

@@ -25,6 +25,7 @@ struct SceneObject {
   std::shared_ptr<const MeshLook> look = {};        // of the mesh file, in place of the colour; null: none
   SurfaceEffects effects = {};                      // of its material
   std::string material_name = {};                   // as in the scene file; empty: the default
+  bool is_movable = false;                          // the stylus can pick it up
 };
 
 // An effect in free space.

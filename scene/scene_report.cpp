@@ -66,10 +66,10 @@ std::string to_text(const SceneReport& report) {
     const Vec3 middle = 0.5 * (t.lowest + t.highest);
     fmt::format_to(std::back_inserter(text),
                    "{:<20} {:>8} triangles, {:.4g} x {:.4g} x {:.4g} m around ({:.4g}, {:.4g}, {:.4g}), {:.6g} N/m, friction {:.3g} / "
-                   "{:.3g}\n{:<20} {}\n",
+                   "{:.3g}{}\n{:<20} {}\n",
                    object.name, t.triangles, size.x(), size.y(), size.z(), middle.x(), middle.y(), middle.z(),
-                   object.material.stiffness_n_per_m, object.material.friction_static, object.material.friction_dynamic, "",
-                   to_text(report.flaws[i]));
+                   object.material.stiffness_n_per_m, object.material.friction_static, object.material.friction_dynamic,
+                   object.is_movable ? ", movable" : "", "", to_text(report.flaws[i]));
     if (const auto effects = names_of(object.effects); !effects.empty()) {
       fmt::format_to(std::back_inserter(text), "{:<20} effects: {}\n", "", fmt::join(effects, ", "));
     }
@@ -123,6 +123,7 @@ std::string to_json(const SceneReport& report) {
                        {"friction_static", object.material.friction_static},
                        {"friction_dynamic", object.material.friction_dynamic},
                        {"two_sided", object.material.two_sided},
+                       {"movable", object.is_movable},
                        {"effects", names_of(object.effects)}});
   }
   Json effects = Json::array();

@@ -49,6 +49,9 @@ void add_latency_command(CommandLine app, int& exit_code);
 // hapton loop zwidth|press|recommend|integrators|velocity|merge: hand, device and force program in closed loop.
 void add_loop_command(CommandLine app, int& exit_code);
 
+// hapton mark TEXT [--hub HOST:PORT]: marks the recording of a running session. Exit code 0: it is in the recording.
+void add_mark_command(CommandLine app, int& exit_code);
+
 // hapton plot DIR: draws DIR/latency.png from DIR/latency.csv with gnuplot.
 void add_plot_command(CommandLine app, int& exit_code);
 
@@ -141,6 +144,7 @@ inline constexpr ListedCommand kCommands[] = {
     {"Touch and watch", add_top_command},
     {"Set up", add_doctor_command},
     {"Set up", add_keygen_command},
+    {"Record and replay", add_mark_command},
     {"Record and replay", add_session_command},
     {"Record and replay", add_trajectory_command},
     {"Record and replay", add_replay_command},

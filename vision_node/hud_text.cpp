@@ -28,7 +28,10 @@ std::string force_text(const HudFacts& facts) {
     return fmt::format("NO FORCE YET: haptics_node prepares the scene, {:.0f} s", facts.preparing_s);
   }
   if (is_without_force(s.status)) return std::string(describe(s.status));
-  const std::string contact = !s.contact ? "free" : facts.touched.empty() ? "touching" : "touching " + facts.touched;
+  const std::string contact = !facts.held.empty()     ? "holding " + facts.held + (s.contact ? ", in contact" : "")
+                              : !s.contact            ? "free"
+                              : facts.touched.empty() ? "touching"
+                                                      : "touching " + facts.touched;
   const bool has_torque = s.torque_nm.allFinite() && !s.torque_nm.isZero(0.0);
   const std::string torque = has_torque ? fmt::format("  torque {:5.3f} Nm", s.torque_nm.norm()) : std::string();
   return fmt::format("force {:4.2f} N{}   {}{}{}{}{}", s.force_n.allFinite() ? s.force_n.norm() : 0.0, torque, contact,
@@ -76,7 +79,7 @@ std::string compose_hud(const HudFacts& facts) {
 }
 
 std::string_view keys_help() {
-  return "x X y Y z Z knob box   0 home   b cull   h hand   s screenshot   k help   q quit\n"
+  return "x X y Y z Z knob box   0 home   b cull   h hand   p pick up   s screenshot   n mark   k help   q quit\n"
          "wheel + - zoom   m stereo   e swap eyes   f frame   r reset view   g ground\n"
          "left drag: hand, wheel: press   right drag: look round, with shift: move";
 }

@@ -103,11 +103,20 @@ void Interaction::press_key(char key, const View& view) {
     case 's':
       requests_.screenshot = true;
       break;
+    case 'n':
+      requests_.mark = true;
+      break;
     case 'k':
       requests_.toggle_help = true;
       break;
     case 'q':
       requests_.quit = true;
+      break;
+    case 'p':
+      if (hand_.active) {
+        hand_.buttons ^= 1U;
+        hand_changed_ = true;
+      }
       break;
     case 'h':
       latched_ = !latched_;
@@ -134,6 +143,7 @@ void Interaction::take_hold(const View& view) {
 void Interaction::release_hand() {
   if (!hand_.active) return;
   hand_.active = false;
+  hand_.buttons = 0;
   hand_changed_ = true;
   farewells_ = kFarewells;
 }

@@ -34,13 +34,14 @@ struct UserRequests {
   bool next_stereo = false;
   bool swap_eyes = false;
   bool look_at_scene = false;
+  bool mark = false;
 };
 
 // Turns keys and mouse into dials, the camera, the hand's target and requests. Only the dials turn the haptic scene. Left drag (or any
 // motion while the hand is held with h) leads the hand: over the visible surface under the pointer, slightly inside it, so that there
 // is a force; beside the scene in the screen's plane; never through visible objects (hand_route.h). The wheel then presses deeper or
-// lifts the hand off. A right drag orbits the scene; with shift, or with the middle button, it pans; the wheel without a hand zooms.
-// RT: no.
+// lifts the hand off; p presses the stylus' first button, and releases it again. A right drag orbits the scene; with shift, or with the
+// middle button, it pans; the wheel without a hand zooms. RT: no.
 class Interaction {
  public:
   struct View {

@@ -103,6 +103,8 @@ int run(VisionOptions& options) {
   if (!other) return give_up(other.error());
   VisionSession session(**view, client, clock, options);
   session.set_scene(scene->given_hash);
+  MovedObjects moved(**view, *scene);
+  if (!*tool) session.set_moved_objects(&moved);
   if (*other) session.set_other_hand(&(*other)->hand);
   std::optional<SpaceKnobs> knobs;
   if (options.has_space_knobs) session.set_knobs(&knobs.emplace(make_hid_opener(HidKind::space_mouse, "")));

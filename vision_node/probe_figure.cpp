@@ -144,11 +144,19 @@ void ProbeFigure::set_tip_radius(double radius_m) {
   tip_radius_m_ = radius_m > 0.0 && std::isfinite(radius_m) ? radius_m : sizes_.tip_radius_m;
 }
 
-void ProbeFigure::set_tool(const SceneTool& tool) {
+void ProbeFigure::set_tool(const SceneTool& tool, bool with_stylus) {
   dress(tool_, make_poly_data(*tool.mesh), Vec3(tool.colour.data()), 0.3, 0.3);
   tool_->GetProperty()->SetInterpolationToFlat();
   has_tool_ = true;
+  has_stylus_ = with_stylus;
+  sizes_.tool_radius_m = 0.0;
   for (const Vec3& vertex : tool.mesh->vertices) sizes_.tool_radius_m = std::max(sizes_.tool_radius_m, vertex.norm());
+}
+
+void ProbeFigure::clear_tool() {
+  has_tool_ = false;
+  has_stylus_ = true;
+  sizes_.tool_radius_m = 0.0;
 }
 
 void ProbeFigure::set(const ProbeShown& probe) {
@@ -158,7 +166,7 @@ void ProbeFigure::set(const ProbeShown& probe) {
   for (vtkActor* actor : {tip_.Get(), ghost_tip_.Get()}) place(actor, probe.p_WP, Quat::Identity(), ball);
   place(tool_, probe.p_WP, probe.q_WP, Vec3::Ones());
   tool_->SetVisibility(has_tool_);
-  for (vtkActor* actor : {stylus_.Get(), grip_.Get(), tip_.Get(), ghost_tip_.Get()}) actor->SetVisibility(!has_tool_);
+  for (vtkActor* actor : {stylus_.Get(), grip_.Get(), tip_.Get(), ghost_tip_.Get()}) actor->SetVisibility(has_stylus_);
   place_arrow(probe);
   place_device_point(probe);
   place_shadow(probe);

@@ -34,7 +34,9 @@ class ProbeFigure {
   // The tip is a ball of this radius; 0: a pin, of the radius in sizes().
   void set_tip_radius(double radius_m);
   // From now on this is drawn at the probe's place, and no stylus or tip.
-  void set_tool(const SceneTool& tool);
+  // with_stylus: beside stylus and tip, as an object that was picked up; otherwise in place of them.
+  void set_tool(const SceneTool& tool, bool with_stylus = false);
+  void clear_tool();
   // Whether the tip throws a shadow on the ground.
   void set_shadow(bool thrown) { throws_shadow_ = thrown; }
   const ProbeSizes& sizes() const { return sizes_; }
@@ -64,6 +66,7 @@ class ProbeFigure {
   vtkNew<vtkActor> shadow_;
   vtkNew<vtkActor> tool_;
   bool has_tool_ = false;
+  bool has_stylus_ = true;
   std::array<vtkSmartPointer<vtkPolyData>, kMostRings + 1> ring_shapes_;  // by number of newtons
   int rings_shown_ = -1;
   bool throws_shadow_ = false;

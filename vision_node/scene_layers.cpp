@@ -32,6 +32,11 @@ bool SceneLayers::has_new_levels() {
   return has_new_levels_;
 }
 
+void SceneLayers::place_object(std::size_t object, const Pose& X_SO, bool is_shown) {
+  painter_->place_object(object, X_SO, is_shown);
+  for (Layer& each : layers_) each.is_valid = false;
+}
+
 void SceneLayers::prepare(std::span<const ScenePass> passes, const GlFormat& format) {
   const bool better = std::exchange(has_new_levels_, false) || painter_->take_levels();
   for (Layer& each : layers_) each.is_active = false;

@@ -23,6 +23,9 @@ class SceneLayers {
   // Draws those eyes' pictures that no longer match the passes. Leaves OpenGL's state unchanged.
   void prepare(std::span<const ScenePass> passes, const GlFormat& format);
 
+  // As ScenePainter has it; all pictures are drawn again.
+  void place_object(std::size_t object, const Pose& X_SO, bool is_shown);
+
   // Draws one more part in full detail. True when all eyes' pictures are complete; from then on copy() shows them.
   bool refine();
   // Whether the pictures show less than full detail, and more could be drawn.

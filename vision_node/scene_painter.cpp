@@ -46,7 +46,9 @@ struct Vertices {
 struct ScenePainter::Object {
   DetailFrame frame;
   Vec3 colour;
-  double radius_m = 0.0;                    // around frame.centre
+  double radius_m = 0.0;         // around frame.centre
+  Pose X_SO = Pose::Identity();  // moved by this, frame S
+  bool is_shown = true;
   std::unique_ptr<DetailLevel> whole;       // read by the builder
   std::unique_ptr<TextureLayers> textures;  // null: none
   bool is_painted = false;                  // its vertices have colours of their own
@@ -61,6 +63,9 @@ struct ScenePainter::Object {
 
   const FlatLevel& level(std::size_t i) const { return i > 0 ? coarser[i - 1] : full; }
   GLuint vertices(std::size_t i) const { return i > 0 ? coarser_vertices[i - 1].array : full_vertices.array; }
+
+  Vec3 centre() const { return X_SO * frame.centre; }
+  Mat4 X_SU() const { return X_SO.matrix() * frame.matrix(); }
 
   void list_facts() {
     facts = {{full.triangles(), 0.0}};
@@ -190,6 +195,11 @@ Result<std::unique_ptr<ScenePainter>> ScenePainter::make(const std::vector<Shown
   return painter;
 }
 
+void ScenePainter::place_object(std::size_t object, const Pose& X_SO, bool is_shown) {
+  objects_[object]->X_SO = X_SO;
+  objects_[object]->is_shown = is_shown;
+}
+
 bool ScenePainter::take_levels() {
   auto made = builder_->take_made();
   for (DetailBuilder::Made& one : made) {
@@ -215,7 +225,7 @@ bool ScenePainter::take_levels() {
 
 std::size_t ScenePainter::choose(const Object& object, const ScenePass& pass, double* error_px) const {
   // Where the object comes nearest to the viewer a metre has the most pixels.
-  const Vec3 p_VO = pass.screen.X_WV.inverse(Eigen::Isometry) * (pass.X_WS * object.frame.centre);
+  const Vec3 p_VO = pass.screen.X_WV.inverse(Eigen::Isometry) * (pass.X_WS * object.centre());
   const double nearest_m = std::max(pass.screen.near_m, pass.screen.distance_m - p_VO.z() - object.radius_m);
   const double pixels_per_m = pass.size.width_px / pass.screen.width_m * pass.screen.distance_m / nearest_m;
   const auto budget = static_cast<std::size_t>(static_cast<double>(kTriangleBudget) * static_cast<double>(object.full.triangles()) /
@@ -304,8 +314,8 @@ void ScenePainter::paint_shadow(const ScenePass& pass) {
   for (const auto& object : objects_) {
     const std::size_t coarsest = object->facts.size() - 1;
     const FlatLevel& level = object->level(coarsest);
-    if (level.triangles() > kShadowTriangles || object->radius_m > kShadowRadii * workspace_size_m().norm()) continue;
-    single_->set("to_clip", Mat4(to_clip * object->frame.matrix()));
+    if (!object->is_shown || level.triangles() > kShadowTriangles || object->radius_m > kShadowRadii * workspace_size_m().norm()) continue;
+    single_->set("to_clip", Mat4(to_clip * object->X_SU()));
     glBindVertexArray(object->vertices(coarsest));
     glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(level.indices.size() * sizeof(std::uint32_t)), level.indices.data(),
                  GL_STREAM_DRAW);
@@ -349,11 +359,11 @@ bool ScenePainter::has_blended() const {
 std::vector<std::size_t> ScenePainter::order_objects(PaintStage stage, const ScenePass& pass) const {
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < objects_.size(); ++i) {
-    if (stage == PaintStage::solid || objects_[i]->has_blended) order.push_back(i);
+    if (objects_[i]->is_shown && (stage == PaintStage::solid || objects_[i]->has_blended)) order.push_back(i);
   }
   if (stage == PaintStage::solid) return order;
   const Vec3 p_WE = compute_eye_position(pass.screen, pass.eye);
-  const auto far = [&](std::size_t i) { return (pass.X_WS * objects_[i]->frame.centre - p_WE).squaredNorm(); };
+  const auto far = [&](std::size_t i) { return (pass.X_WS * objects_[i]->centre() - p_WE).squaredNorm(); };
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return far(a) > far(b); });
   return order;
 }
@@ -389,7 +399,7 @@ void ScenePainter::gather(const Object& object, const FlatLevel& level, const Pa
 }
 
 std::size_t ScenePainter::paint_part(const Object& object, std::size_t level, const ScenePass& pass, const Part& part) {
-  const Mat4 X_WU = pass.X_WS.matrix() * object.frame.matrix();
+  const Mat4 X_WU = pass.X_WS.matrix() * object.X_SU();
   const Mat4 X_EU = compute_view_matrix(pass.screen, pass.eye) * X_WU;
   const Mat4 clip = compute_projection_matrix(pass.screen, pass.eye) * X_EU;
   const Vec3 p_UE = (X_WU.inverse() * compute_eye_position(pass.screen, pass.eye).homogeneous()).head<3>();

@@ -62,6 +62,9 @@ class ScenePainter {
   static Result<std::unique_ptr<ScenePainter>> make(const std::vector<ShownObject>& objects);
   ~ScenePainter();
 
+  // Moves an object, as its mesh has it, by X_SO from now on, or leaves it out.
+  void place_object(std::size_t object, const Pose& X_SO, bool is_shown);
+
   // Takes the levels made so far. True if there are any, so that a picture may look better than the last.
   bool take_levels();
   // How much of all levels has been made, 0 to 1.

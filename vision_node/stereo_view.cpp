@@ -371,7 +371,12 @@ void StereoView::set_depth_cues(bool shown) {
   window_->settings.depth_cues = shown;
   for (ProbeFigure* figure : {window_->probe.get(), window_->other_probe.get()}) figure->set_shadow(shown && !window_->settings.plain);
 }
-void StereoView::set_tool(const SceneTool& tool) { window_->probe->set_tool(tool); }
+void StereoView::set_tool(const SceneTool& tool, bool with_stylus) { window_->probe->set_tool(tool, with_stylus); }
+void StereoView::clear_tool() { window_->probe->clear_tool(); }
+void StereoView::place_object(std::size_t object, const Pose& X_SO, bool is_shown) {
+  window_->window->MakeCurrent();
+  window_->layers->place_object(object, X_SO, is_shown);
+}
 void StereoView::set_probe_radius(double radius_m) { window_->probe->set_tip_radius(radius_m); }
 
 void StereoView::draw(std::function<void()> before_probe) {

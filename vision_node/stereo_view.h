@@ -64,8 +64,12 @@ class StereoView {
   void set_hud(std::string_view facts, std::string_view help);
   void set_cull(bool cull);
   void set_depth_cues(bool shown);
-  // A rigid tool, drawn in place of stylus and tip.
-  void set_tool(const SceneTool& tool);
+  // A rigid tool, drawn in place of stylus and tip, or beside them.
+  void set_tool(const SceneTool& tool, bool with_stylus = false);
+  // The stylus holds nothing: stylus and tip are drawn.
+  void clear_tool();
+  // Moves an object, as its mesh has it, by X_SO from now on, or leaves it out. Pre: one of those the view was opened with.
+  void place_object(std::size_t object, const Pose& X_SO, bool is_shown);
   // The probe's true radius; 0: a point, drawn as a pin.
   void set_probe_radius(double radius_m);
 

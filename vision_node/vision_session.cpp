@@ -107,7 +107,12 @@ void VisionSession::take_states(std::int64_t deadline_ns) {
   for (bool more = hub_.receive(received, deadline_ns); more; more = hub_.receive(received, 0)) {
     if (const auto* rejected = std::get_if<ViewRejected>(&received.message)) step_.receive(*rejected);
     if (const auto* setup = std::get_if<HapticsSetup>(&received.message)) take_setup(*setup);
+    if (const auto* reply = std::get_if<MarkerReply>(&received.message)) {
+      if (const auto line = marks_.accept(*reply)) log_info("{}", *line);
+    }
     if (const auto* scene = std::get_if<SceneFacts>(&received.message)) take_scene(*scene);
+    const auto* pose = std::get_if<ObjectPose>(&received.message);
+    if (pose != nullptr && moved_ != nullptr && moved_->take(*pose)) step_.set_held_object(moved_->held());
     const auto* state = std::get_if<ProbeState>(&received.message);
     if (state == nullptr || hub_.last_arrival() != Arrival::newest) continue;
     received_ns_ = hub_.receive_time_ns();
@@ -170,6 +175,7 @@ Result<void> VisionSession::attend_window() {
   if (view_.take_stale()) step_.spoil();
   const UserRequests requests = step_.take_requests();
   quit_ = quit_ || requests.quit;
+  if (requests.mark) marks_.press(clock_.now_ns());
   change_stereo(requests);
   step_.set_detail_progress(view_.detail_progress());
   return requests.screenshot ? take_screenshot(next_screenshot_name()) : Result<void>{};
@@ -213,6 +219,7 @@ void VisionSession::speak() {
     hub_.send(SceneFacts{.given_hash = scene_hash_});
   }
   while (const auto message = step_.take_message(clock_.now_ns())) hub_.send(*message);
+  while (const auto marker = marks_.take_due(clock_.now_ns())) hub_.send(*marker);
 }
 
 Result<void> VisionSession::draw_if_wanted() {

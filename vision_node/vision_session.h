@@ -5,6 +5,8 @@
 #include "runtime/clock.h"
 #include "runtime/stop_signal.h"
 #include "scene/scene_file.h"
+#include "vision_node/marker_key.h"
+#include "vision_node/moved_objects.h"
 #include "vision_node/other_hand.h"
 #include "vision_node/scene_framing.h"
 #include "vision_node/space_knobs.h"
@@ -34,6 +36,9 @@ class VisionSession {
   // The scene that is shown (Scene::given_hash), to be compared with the haptic one.
   void set_scene(std::uint64_t given_hash) { scene_hash_ = given_hash; }
 
+  // What draws the objects that the stylus moves. Pre: it outlives the session.
+  void set_moved_objects(MovedObjects* moved) { moved_ = moved; }
+
   // Runs until the window is closed, the time is over or a signal requests the stop. Error: a screenshot that could not be written.
   Result<void> run(const StopSignal& stop);
 
@@ -60,11 +65,13 @@ class VisionSession {
 
   StereoView& view_;
   SpaceKnobs* knobs_ = nullptr;
+  MovedObjects* moved_ = nullptr;
   OtherHand* other_ = nullptr;
   HubClient& hub_;
   Clock& clock_;
   const VisionOptions& options_;
   VisionStep step_;
+  MarkerKey marks_;
   ScreenshotMoment moment_;
   std::uint64_t scene_hash_ = 0;
   bool is_other_scene_ = false;

@@ -105,6 +105,11 @@ class VisionStep {
   std::optional<FrameAck> take_unseen();
 
   Pose scene_pose() const { return interaction_.dials().compute_pose(settings_.p_WC); }
+  // The object that the stylus has picked up; -1: none.
+  void set_held_object(std::int32_t object) {
+    held_object_ = object;
+    spoil();
+  }
   // Whether haptics_node has another scene than the one shown.
   void set_other_scene(bool is_other) { is_other_scene_ = is_other; }
   const FrameLog& frames() const { return frames_; }
@@ -126,6 +131,7 @@ class VisionStep {
   std::optional<ProbeState> state_;
   bool connected_ = false;
   bool is_other_scene_ = false;
+  std::int32_t held_object_ = -1;
   bool stale_ = true;
   bool moved_ = false;   // a new state has come since the last frame
   bool unseen_ = false;  // and would look the same

@@ -48,7 +48,7 @@ std::vector<std::size_t> choose_starts(const Slide& slide, const std::vector<For
 void compare_windows(ReferenceMethod& reference, const Slide& slide, const std::vector<ForceSample>& felt, const MeshRunSettings& settings,
                      double least_move_m, Windows& windows) {
   for (const std::size_t start : choose_starts(slide, felt, settings, least_move_m)) {
-    reference.resume(felt[start].proxy, felt[start].device, true);
+    reference.continue_from(felt[start].proxy, felt[start].device, true);
     for (std::size_t i = start + 1; i <= start + settings.window_steps; ++i) {
       const MethodOutput expected = reference.step({.p_SD = felt[i].device});
       windows.method.push_back(felt[i]);

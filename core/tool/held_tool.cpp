@@ -1,15 +1,12 @@
 #include "core/tool/held_tool.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace hapton {
 namespace {
 
 double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
-
-constexpr double kLeastReach = 64.0 * ToolProxy::kContactOffset;
-// Of the tool's radius. Farther contacts would come earlier, and the next ones later: to find them takes longer.
-constexpr double kMostReach = 1.0 / 64.0;
 
 }  // namespace
 
@@ -18,21 +15,76 @@ ToolOutput HeldTool::step(const ToolInput& input, std::int64_t time_ns) noexcept
   output.X_WP = input.X_WD;
   if (!input.X_WD.matrix().allFinite() || !input.X_WS.matrix().allFinite()) return output;
   const Placement device = tool_->to_local(input);
-  samples_.publish({device, time_ns, serial_});
-  found_.take();
+  ++samples_since_new_;
+  const bool are_new = found_.take();
+  const bool are_late = are_new && samples_since_new_ > kPrompt;
+  if (are_new) samples_since_new_ = 0;
   const Found& found = found_.value();
   output.proxy = found.step;
-  const bool is_known = found.serial == serial_;
-  output.proxy.is_blocked = is_known && found.contacts.is_blocked;
-  age_s_ = is_known ? std::max(0.0, seconds(time_ns - found.time_ns)) : 0.0;
-  if (!is_known || output.proxy.is_blocked) return output;
+  is_known_ = found.serial == serial_;
+  output.proxy.is_blocked = is_known_ && found.contacts.is_blocked;
+  age_s_ = is_known_ ? std::max(0.0, seconds(time_ns - found.time_ns)) : 0.0;
+  const bool has_friction = tool_->has_friction();
+  if (!is_known_ || output.proxy.is_blocked) {
+    samples_.publish({device, device, time_ns, serial_});
+    friction_.forget();
+    felt_ = {};
+    change_share_ = 0.0;
+    felt_at_ = device;
+    felt_ns_ = time_ns;
+    return output;
+  }
   const ToolProxyStep step = output.proxy;
-  output = tool_->felt_at(input, device, found.contacts.constrain(device));
+  Placement goal = device;
+  if (has_friction) {
+    const ToolFriction::Step held = friction_.step(found.contacts, device);
+    goal = held.goal;
+    output = tool_->felt_at(input, device, held.at);
+  } else {
+    output = tool_->felt_at(input, device, found.contacts.constrain(device));
+  }
+  samples_.publish({device, goal, time_ns, serial_});
   output.proxy = step;
   const double share = std::clamp((kStaleS - age_s_) / (kStaleS - kFreshS), 0.0, 1.0);
   output.force_n *= share;
   output.torque_nm *= share;
+  blend(output, device, time_ns, are_late);
   return output;
+}
+
+// In the energy norm of the coupling: how far the device is from the proxy, local units.
+double HeldTool::length_of(const Felt& felt) const noexcept {
+  const ToolCoupling& coupling = tool_->coupling();
+  const double k = coupling.stiffness_n_per_m;
+  return std::sqrt(felt.force_n.squaredNorm() / (k * k) + felt.torque_nm.squaredNorm() / (k * coupling.rotational_stiffness_nm_per_rad)) /
+         tool_->scene().unit_m();
+}
+
+// With the same contacts the distance from device to proxy changes by no more than the device moves, as that from any point to a convex
+// set does. Twice that leaves room for the curvature of the contacts.
+void HeldTool::blend(ToolOutput& output, const Placement& device, std::int64_t time_ns, bool are_late) noexcept {
+  change_share_ = std::max(0.0, change_share_ - std::max(0.0, seconds(time_ns - felt_ns_)) / kHandOverS);
+  const Felt plain{output.force_n, output.torque_nm};
+  if (are_late) {
+    const Felt jump{felt_.force_n - plain.force_n - change_share_ * change_.force_n,
+                    felt_.torque_nm - plain.torque_nm - change_share_ * change_.torque_nm};
+    const ToolCoupling& coupling = tool_->coupling();
+    const Vec3 turn = turn_between(felt_at_.orientation, device.orientation);
+    const double lever_squared = coupling.rotational_stiffness_nm_per_rad / coupling.stiffness_n_per_m;
+    const double moved = std::sqrt((device.position - felt_at_.position).squaredNorm() +
+                                   turn.squaredNorm() * lever_squared / (tool_->scene().unit_m() * tool_->scene().unit_m()));
+    if (length_of(jump) > 2.0 * moved + ToolProxy::kContactOffset) {
+      change_ = {felt_.force_n - plain.force_n, felt_.torque_nm - plain.torque_nm};
+      change_share_ = 1.0;
+    }
+  }
+  if (change_share_ > 0.0) {
+    output.force_n += change_share_ * change_.force_n;
+    output.torque_nm += change_share_ * change_.torque_nm;
+  }
+  felt_ = {output.force_n, output.torque_nm};
+  felt_at_ = device;
+  felt_ns_ = time_ns;
 }
 
 bool HeldTool::follow() noexcept {
@@ -41,13 +93,13 @@ bool HeldTool::follow() noexcept {
   Found& found = found_.draft();
   ToolProxy& proxy = tool_->proxy();
   const bool is_first = sample.serial != last_.serial;
-  if (is_first) proxy.reset(sample.device);
-  found.step = proxy.step(sample.device);
+  if (is_first) proxy.reset(start_.value_or(sample.device));
+  start_.reset();
+  found.step = proxy.step(sample.goal);
   // As far as the device gets before the next contacts come, if it goes on like that.
   const RigidMotion moved{last_.device, sample.device.position - last_.device.position,
                           turn_between(last_.device.orientation, sample.device.orientation)};
-  const double reach = is_first ? kLeastReach : std::max(kLeastReach, 2.0 * moved.length(proxy.radius()));
-  proxy.find_local_contacts(std::min(reach, kMostReach * proxy.radius()), found.contacts);
+  proxy.find_local_contacts(proxy.local_reach(is_first ? 0.0 : moved.length(proxy.radius())), found.contacts);
   found.time_ns = sample.time_ns;
   found.serial = sample.serial;
   last_ = sample;

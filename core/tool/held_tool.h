@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "core/base/mailbox.h"
 #include "core/tool/tool_step.h"
@@ -19,13 +20,21 @@ class HeldTool {
   // The slow task is on time up to the first; the force has faded at the second.
   static constexpr double kFreshS = 0.05;
   static constexpr double kStaleS = 0.15;
+  // Contacts that come more than kPrompt samples after the last ones change the force at once; what of that is more than the device's
+  // motion explains fades in over this time.
+  static constexpr double kHandOverS = 0.02;
+  static constexpr int kPrompt = 2;
 
   explicit HeldTool(std::unique_ptr<ToolStep> tool) : tool_(std::move(tool)) {}
+  // The tool lies at X_SP before it is held (frame S), and goes from there to the device.
+  HeldTool(std::unique_ptr<ToolStep> tool, const Pose& X_SP) : tool_(std::move(tool)), start_(tool_->to_local({.X_WD = X_SP})) {}
 
   // Fast: force, torque and drawn pose for one device sample, with the contacts found last. output.proxy tells of the slow task's step.
   ToolOutput step(const ToolInput& input, std::int64_t time_ns) noexcept;
   // Fast: the tool is put where the device is at the next sample, as ToolStep::reset does.
   void restart() noexcept { ++serial_; }
+  // Fast: the last step knew where the tool is; before that it gives no force, and the tool is drawn where the device is.
+  bool is_known() const noexcept { return is_known_; }
   // Fast: how old the contacts of the last step were.
   double age_s() const noexcept { return age_s_; }
 
@@ -35,8 +44,16 @@ class HeldTool {
   const ToolStep& tool() const { return *tool_; }
 
  private:
+  struct Felt {
+    Vec3 force_n = Vec3::Zero();
+    Vec3 torque_nm = Vec3::Zero();
+  };
+  void blend(ToolOutput& output, const Placement& device, std::int64_t time_ns, bool are_late) noexcept;
+  double length_of(const Felt& felt) const noexcept;
+
   struct Sample {
     Placement device;
+    Placement goal;  // what the pose follows: the device, or where friction holds the tool
     std::int64_t time_ns = 0;
     std::uint32_t serial = 0;  // of restarts; 0: there has been no sample
   };
@@ -52,7 +69,17 @@ class HeldTool {
   Mailbox<Found> found_;
   std::uint32_t serial_ = 1;
   double age_s_ = 0.0;
+  bool is_known_ = false;
   Sample last_;  // followed
+  std::optional<Placement> start_;
+  ToolFriction friction_;
+  // The fast task's last step, and what is left of the change that the last contacts brought.
+  Felt felt_;
+  Felt change_;
+  double change_share_ = 0.0;
+  Placement felt_at_;
+  std::int64_t felt_ns_ = 0;
+  int samples_since_new_ = 0;
 };
 
 }  // namespace hapton

@@ -7,7 +7,7 @@ namespace hapton {
 namespace {
 
 // The motion of least energy from the proxy towards a wanted one; false: the bounds contradict each other.
-bool find_motion(const LocalContacts& local, const Vec6& wanted, const Mat6& inverse_root, RigidMotion& motion, int& active) noexcept {
+bool find_motion(const LocalContacts& local, const Vec6& wanted, const Mat6& inverse_root, LocalContacts::Held& held) noexcept {
   std::array<MotionBound, LocalContacts::kMost> scaled;
   const std::span<MotionBound> bounds(scaled.data(), local.count);
   for (std::size_t i = 0; i < local.count; ++i) {
@@ -20,38 +20,48 @@ bool find_motion(const LocalContacts& local, const Vec6& wanted, const Mat6& inv
     for (MotionBound& bound : bounds) bound.least = std::min(bound.least, 0.0);
     least = find_least_motion(goal, bounds, local.tolerance);
   }
-  const Vec6 y = inverse_root * least.y;
-  motion = {local.proxy, y.head<3>(), y.tail<3>()};
-  active = least.active_count;
+  held.motion = inverse_root * least.y;
+  held.active = least.active;
+  held.multipliers = least.multipliers;
+  held.active_count = least.active_count;
   return least.solved;
 }
 
 }  // namespace
 
-void LocalContacts::add(const MotionBound& bound) noexcept {
+void LocalContacts::add(const MotionBound& bound, const LocalContact& contact) noexcept {
   if (count < kMost) {
-    bounds[count++] = bound;
+    bounds[count] = bound;
+    contacts[count++] = contact;
     return;
   }
   const auto farthest =
       std::min_element(bounds.begin(), bounds.end(), [](const MotionBound& a, const MotionBound& b) { return a.least < b.least; });
-  if (bound.least > farthest->least) *farthest = bound;
+  if (!(bound.least > farthest->least)) return;
+  contacts[static_cast<std::size_t>(farthest - bounds.begin())] = contact;
+  *farthest = bound;
 }
 
-Placement LocalContacts::constrain(const Placement& device) const noexcept {
-  if (is_blocked) return device;
-  if (is_held) return proxy;
+LocalContacts::Held LocalContacts::solve(const Placement& device) const noexcept {
+  Held held;
+  held.at = is_blocked ? device : proxy;
+  if (is_blocked || is_held) return held;
   Vec6 wanted;
   wanted << device.position - proxy.position, turn_between(proxy.orientation, device.orientation);
   const bool is_free = std::all_of(bounds.begin(), bounds.begin() + static_cast<std::ptrdiff_t>(count),
                                    [&](const MotionBound& bound) { return bound.row.dot(wanted) >= bound.least - tolerance; });
-  if (is_free) return device;
-  RigidMotion motion;
-  int active = 0;
-  if (!find_motion(*this, wanted, inverse_root, motion, active)) return proxy;
+  if (is_free) {
+    held.at = device;
+    held.motion = wanted;
+    return held;
+  }
+  Held found = held;
+  bool is_found = find_motion(*this, wanted, inverse_root, found);
   // In the curved metric the bounds may let go of a motion that they would hold in the plain one.
-  if (active == 0 && !find_motion(*this, wanted, plain_inverse_root.asDiagonal(), motion, active)) return proxy;
-  return motion.at(1.0);
+  if (is_found && found.active_count == 0) is_found = find_motion(*this, wanted, plain_inverse_root.asDiagonal(), found);
+  if (!is_found) return held;
+  found.at = RigidMotion{proxy, found.motion.head<3>(), found.motion.tail<3>()}.at(1.0);
+  return found;
 }
 
 }  // namespace hapton

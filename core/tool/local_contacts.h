@@ -10,6 +10,18 @@ namespace hapton {
 
 using Mat6 = Eigen::Matrix<double, 6, 6>;
 
+// Coulomb friction of a surface; the dynamic one is not above the static one.
+struct SurfaceFriction {
+  double friction_static = 0.0;
+  double friction_dynamic = 0.0;
+};
+
+// What friction has to know of a contact: its point on the tool from the grip point, along the scene's axes, and the surface there.
+struct LocalContact {
+  Vec3 arm = Vec3::Zero();
+  SurfaceFriction friction;
+};
+
 // What a rigid tool touches or is about to touch: a local set in the sense of the FDH paper, which the slow task finds and the fast task
 // computes with. Each pair of features that is a local minimum of the distance keeps the tool on its side of a plane through its contact
 // (Ortega, Redon & Coquillart 2007, section 5: constraint-based force between two steps of the pose). Plain memory. Frame: local units.
@@ -18,6 +30,7 @@ struct LocalContacts {
 
   // Motions (shift, then turn about the grip point) from `proxy` with row . motion >= least keep the tool outside.
   std::array<MotionBound, kMost> bounds = {};
+  std::array<LocalContact, kMost> contacts = {};  // of each bound
   std::size_t count = 0;
   Placement proxy;                         // where the tool was found to be free
   Mat6 inverse_root = Mat6::Identity();    // as in ToolProxy: what contacts do as their levers turn included
@@ -28,11 +41,22 @@ struct LocalContacts {
   bool is_held = false;                    // too much was near: the tool stays where it is
 
   // Keeps the kMost with the least room.
-  void add(const MotionBound& bound) noexcept;
+  void add(const MotionBound& bound, const LocalContact& contact = {}) noexcept;
 
   // Where the bounds hold the tool while the device is there: the device itself where none does. RT: yes, at most kMost bounds a round of
   // find_least_motion.
-  Placement constrain(const Placement& device) const noexcept;
+  Placement constrain(const Placement& device) const noexcept { return solve(device).at; }
+
+  // The same, with what holds the tool there. The motion is from `proxy`; multipliers as LeastMotion has them, in local units: times the
+  // coupling's stiffness they are forces. None is active where the device is free, and where the tool stays for want of a solution.
+  struct Held {
+    Placement at;
+    Vec6 motion = Vec6::Zero();
+    std::array<int, 6> active = {-1, -1, -1, -1, -1, -1};
+    Vec6 multipliers = Vec6::Zero();
+    int active_count = 0;
+  };
+  Held solve(const Placement& device) const noexcept;
 };
 
 }  // namespace hapton

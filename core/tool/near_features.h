@@ -51,6 +51,9 @@ class NearFeatures {
   // True if triangles of tool and scene intersect (exact signs), or if there are too many near each other to tell.
   bool any_intersect(const Placement& placement) noexcept;
 
+  // The object of the scene that the pair is of.
+  std::uint32_t object_of(const FeaturePair& pair) const { return scene_->mesh_of(pair.scene_triangle); }
+
   // Largest distance of a point of the tool from the grip point.
   double radius() const { return radius_; }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Eigenvalues>
 
@@ -27,8 +28,12 @@ constexpr double kGrowth = 4.0;  // of the reach, where it has ended a round
 
 }  // namespace
 
-ToolProxy::ToolProxy(const ObjectGeometry& tool, const TouchGeometry& scene, double turn_length)
-    : turn_length_(turn_length), near_(tool, scene), bounds_(NearFeatures::kMostFeatures), bound_pairs_(NearFeatures::kMostFeatures) {}
+ToolProxy::ToolProxy(const ObjectGeometry& tool, const TouchGeometry& scene, double turn_length, std::vector<SurfaceFriction> friction)
+    : turn_length_(turn_length),
+      friction_(std::move(friction)),
+      near_(tool, scene),
+      bounds_(NearFeatures::kMostFeatures),
+      bound_pairs_(NearFeatures::kMostFeatures) {}
 
 bool ToolProxy::overlaps(const Placement& placement) noexcept {
   if (!near_.collect(placement, kOffset, 0.0)) return true;
@@ -276,7 +281,8 @@ void ToolProxy::find_local_contacts(double reach, LocalContacts& local) noexcept
     if (!near.is_minimum) continue;
     Vec6 row;
     row << near.gap.normal, near.gap.on_tool.cross(near.gap.normal);
-    local.add({row, kOffset - near.gap.distance});
+    const std::uint32_t object = near_.object_of(near.pair);
+    local.add({row, kOffset - near.gap.distance}, {near.gap.on_tool, object < friction_.size() ? friction_[object] : SurfaceFriction()});
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -51,7 +52,8 @@ class ToolProxy {
   static constexpr double kConverged = 0.25;  // of the offset
   static constexpr int kMostRounds = 24;
 
-  ToolProxy(const ObjectGeometry& tool, const TouchGeometry& scene, double turn_length);
+  // friction: of the scene's objects, for find_local_contacts; empty: none.
+  ToolProxy(const ObjectGeometry& tool, const TouchGeometry& scene, double turn_length, std::vector<SurfaceFriction> friction = {});
 
   // Puts the tool there. If it overlaps the scene, or nearly touches it, steps are blocked until the device has left.
   void reset(const Placement& device) noexcept;
@@ -59,6 +61,9 @@ class ToolProxy {
 
   const Placement& placement() const { return proxy_; }
   double radius() const { return near_.radius(); }  // of the tool about its grip point
+  // For find_local_contacts, where the device has moved so far since the last: as far as it gets before the next, if it goes on like that.
+  // Farther contacts would come earlier, and the next ones later: to find them takes longer.
+  double local_reach(double moved) const { return std::min(std::max(64.0 * kContactOffset, 2.0 * moved), radius() / 64.0); }
   // For the fast task, until the next step: what keeps the tool out within `reach` of where it is now.
   void find_local_contacts(double reach, LocalContacts& local) noexcept;
   // Of the last step.
@@ -89,6 +94,7 @@ class ToolProxy {
   bool round(const Placement& device, ToolProxyStep& report) noexcept;
 
   double turn_length_;
+  std::vector<SurfaceFriction> friction_;  // by object
   NearFeatures near_;
   Placement proxy_;
   Placement last_;      // the proxy before the last step

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -37,7 +38,7 @@ double turn_length_m(const ToolCoupling& coupling) {
 }  // namespace
 
 Result<std::unique_ptr<ToolStep>> ToolStep::make(const TriangleMesh& tool, std::vector<std::shared_ptr<const TriangleMesh>> scene,
-                                                 const ToolCoupling& coupling) {
+                                                 const ToolCoupling& coupling, std::vector<SurfaceFriction> friction) {
   if (tool.triangles.empty()) return fail("the tool has no triangles");
   std::size_t triangles = 0;
   for (const auto& mesh : scene) triangles += mesh->triangles.size();
@@ -49,8 +50,14 @@ Result<std::unique_ptr<ToolStep>> ToolStep::make(const TriangleMesh& tool, std::
     return fail("the tool's rotational stiffness is {} Nm/rad; give a positive one, or 0 for one derived from its size",
                 coupling.rotational_stiffness_nm_per_rad);
   }
+  for (const SurfaceFriction& one : friction) {
+    if (!(one.friction_dynamic >= 0.0) || !(one.friction_dynamic <= one.friction_static) || !std::isfinite(one.friction_static)) {
+      return fail("the friction of a surface is {} (static) and {} (dynamic); give 0 or more, the dynamic one not above the static one",
+                  one.friction_static, one.friction_dynamic);
+    }
+  }
   if (const auto numbered = TouchGeometry::check(scene); !numbered) return tl::unexpected(numbered.error());
-  std::unique_ptr<ToolStep> step(new ToolStep(tool, std::move(scene), completed(tool, coupling)));
+  std::unique_ptr<ToolStep> step(new ToolStep(tool, std::move(scene), completed(tool, coupling), std::move(friction)));
   constexpr double kMostSizes = 1e6;
   const double size = step->proxy_.radius();
   const double turn_length = turn_length_m(step->coupling_) / step->scene_.unit_m();
@@ -59,11 +66,13 @@ Result<std::unique_ptr<ToolStep>> ToolStep::make(const TriangleMesh& tool, std::
   return step;
 }
 
-ToolStep::ToolStep(const TriangleMesh& tool, std::vector<std::shared_ptr<const TriangleMesh>> scene, const ToolCoupling& coupling)
+ToolStep::ToolStep(const TriangleMesh& tool, std::vector<std::shared_ptr<const TriangleMesh>> scene, const ToolCoupling& coupling,
+                   std::vector<SurfaceFriction> friction)
     : coupling_(coupling),
+      has_friction_(std::any_of(friction.begin(), friction.end(), [](const SurfaceFriction& one) { return one.friction_static > 0.0; })),
       scene_(std::move(scene)),
       tool_(ObjectGeometry::make(tool, {Vec3::Zero(), scene_.unit_m()}, 2 * tool.triangles.size())),
-      proxy_(tool_, scene_, turn_length_m(coupling_) / scene_.unit_m()) {}
+      proxy_(tool_, scene_, turn_length_m(coupling_) / scene_.unit_m(), std::move(friction)) {}
 
 Placement ToolStep::to_local(const ToolInput& input) const noexcept {
   const Pose X_SD = input.X_WS.inverse(Eigen::Isometry) * input.X_WD;
@@ -71,7 +80,10 @@ Placement ToolStep::to_local(const ToolInput& input) const noexcept {
 }
 
 void ToolStep::reset(const ToolInput& input) noexcept {
-  if (input.X_WD.matrix().allFinite() && input.X_WS.matrix().allFinite()) proxy_.reset(to_local(input));
+  if (!input.X_WD.matrix().allFinite() || !input.X_WS.matrix().allFinite()) return;
+  last_ = to_local(input);
+  proxy_.reset(last_);
+  friction_.forget();
 }
 
 ToolOutput ToolStep::felt_at(const ToolInput& input, const Placement& device, const Placement& proxy) const noexcept {
@@ -94,10 +106,20 @@ ToolOutput ToolStep::step(const ToolInput& input) noexcept {
   output.X_WP = input.X_WD;
   if (!input.X_WD.matrix().allFinite() || !input.X_WS.matrix().allFinite()) return output;
   const Placement device = to_local(input);
-  const ToolProxyStep followed = proxy_.step(device);
+  const ToolProxyStep followed = has_friction_ ? follow(device) : proxy_.step(device);
   if (!followed.is_blocked) output = felt_at(input, device, proxy_.placement());
   output.proxy = followed;
   return output;
+}
+
+// Friction is found from the contacts where the proxy is, then the proxy follows to where it holds the tool.
+ToolProxyStep ToolStep::follow(const Placement& device) noexcept {
+  const RigidMotion moved{last_, device.position - last_.position, turn_between(last_.orientation, device.orientation)};
+  last_ = device;
+  proxy_.find_local_contacts(proxy_.local_reach(moved.length(proxy_.radius())), local_);
+  const ToolProxyStep followed = proxy_.step(friction_.step(local_, device).goal);
+  friction_.move_to(proxy_.placement());
+  return followed;
 }
 
 std::string ToolStep::describe() const {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/tool/tool_friction.h"
 #include "core/tool/tool_proxy.h"
 
 namespace hapton {
@@ -37,9 +38,10 @@ struct ToolOutput {
 class ToolStep {
  public:
   // tool: metres, from the grip point, along the stylus' axes. scene: frame S, metres, one mesh an object. Error: a mesh without triangles,
-  // numbers that are not finite, impossible stiffness, a tool more than a million times as large as the scene.
+  // numbers that are not finite, impossible stiffness or friction, a tool more than a million times as large as the scene.
+  // friction: of each object of the scene; empty: none.
   static Result<std::unique_ptr<ToolStep>> make(const TriangleMesh& tool, std::vector<std::shared_ptr<const TriangleMesh>> scene,
-                                                const ToolCoupling& coupling);
+                                                const ToolCoupling& coupling, std::vector<SurfaceFriction> friction = {});
 
   ToolOutput step(const ToolInput& input) noexcept;
   void reset(const ToolInput& input) noexcept;
@@ -53,17 +55,25 @@ class ToolStep {
   const ToolProxy& proxy() const { return proxy_; }
   const TouchGeometry& scene() const { return scene_; }
   const ObjectGeometry& tool() const { return tool_; }
+  bool has_friction() const { return has_friction_; }
   const ToolCoupling& coupling() const { return coupling_; }  // with the rotational stiffness that is used
   // A few lines for people.
   std::string describe() const;
 
  private:
-  ToolStep(const TriangleMesh& tool, std::vector<std::shared_ptr<const TriangleMesh>> scene, const ToolCoupling& coupling);
+  ToolStep(const TriangleMesh& tool, std::vector<std::shared_ptr<const TriangleMesh>> scene, const ToolCoupling& coupling,
+           std::vector<SurfaceFriction> friction);
+  ToolProxyStep follow(const Placement& device) noexcept;
 
   ToolCoupling coupling_;
+  bool has_friction_ = false;
   TouchGeometry scene_;
   ObjectGeometry tool_;
   ToolProxy proxy_;
+  // With friction only:
+  ToolFriction friction_;
+  LocalContacts local_;
+  Placement last_;  // device
 };
 
 }  // namespace hapton

@@ -8,6 +8,11 @@ namespace {
 
 constexpr std::string_view kPing = "vrpn_Base ping_message";
 constexpr std::string_view kWorkspaceRequest = "vrpn_Tracker Request_Tracker_Workspace";
+constexpr std::string_view kToRoomRequest = "vrpn_Tracker Request_Tracker_To_Room";
+constexpr std::string_view kUnitToSensorRequest = "vrpn_Tracker Request_Unit_To_Sensor";
+constexpr std::string_view kRateRequest = "vrpn_Tracker set_update_rate";
+constexpr std::string_view kRejection =
+    "forces are not accepted from VRPN clients: only the haptics node sends forces (Hapton, docs/vrpn.md)";
 constexpr std::string_view kForceDevice = "vrpn_ForceDevice ";
 
 bool contains(const std::vector<std::int32_t>& ids, std::int32_t id) { return std::find(ids.begin(), ids.end(), id) != ids.end(); }
@@ -70,8 +75,24 @@ bool Client::receive_message(const Message& message, Time now) {
   if (message.type < 0 || !is_about_us(message.sender)) return true;
   if (ping_type_ == message.type) append_empty(out_, header(OurType::pong, now));
   if (workspace_type_ == message.type) wants_workspace_ = true;
-  if (contains(force_types_, message.type)) ++rejected_forces_;
+  if (to_room_type_ == message.type) append_to_room(out_, header(OurType::to_room, now));
+  if (unit_to_sensor_type_ == message.type) {
+    for (const std::int32_t sensor : {kStylus, kProxy}) append_unit_to_sensor(out_, header(OurType::unit_to_sensor, now), sensor);
+  }
+  if (rate_type_ == message.type) {
+    const std::optional<double> rate_hz = number_of(message);
+    if (rate_hz && *rate_hz > 0.0) wanted_rate_hz_ = rate_hz;  // false for NaN as well
+  }
+  if (contains(force_types_, message.type)) reject_force(now);
   return true;
+}
+
+// A client that repeats itself a thousand times a second is told once a second.
+void Client::reject_force(Time now) {
+  ++rejected_forces_;
+  if (told_s_ == now.s) return;
+  told_s_ = now.s;
+  append_error_text(out_, header(OurType::text, now), kRejection);
 }
 
 // The number of the described sender is in the sender field.
@@ -86,6 +107,9 @@ void Client::receive_type(const Message& message) {
   const std::string_view name = name_of(message);
   if (name == kPing) ping_type_ = message.sender;
   if (name == kWorkspaceRequest) workspace_type_ = message.sender;
+  if (name == kToRoomRequest) to_room_type_ = message.sender;
+  if (name == kUnitToSensorRequest) unit_to_sensor_type_ = message.sender;
+  if (name == kRateRequest) rate_type_ = message.sender;
   if (name.starts_with(kForceDevice)) remember(force_types_, message.sender, kMostIds);
 }
 

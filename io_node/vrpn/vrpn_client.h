@@ -13,15 +13,32 @@
 namespace hapton::vrpn {
 
 // What we say, by the numbers that we give our types.
-enum class OurType : std::int32_t { pong, position, velocity, workspace, button_change, button_states, analog, force, force_error };
-constexpr std::array<std::string_view, 9> kOurTypes = {"vrpn_Base pong_message", "vrpn_Tracker Pos_Quat",  "vrpn_Tracker Velocity",
-                                                       "vrpn_Tracker Workspace", "vrpn_Button Change",     "vrpn_Button States",
-                                                       "vrpn_Analog Channel",    "vrpn_ForceDevice Force", "vrpn_ForceDevice Force_Error"};
+enum class OurType : std::int32_t {
+  pong,
+  position,
+  velocity,
+  workspace,
+  button_change,
+  button_states,
+  analog,
+  force,
+  force_error,
+  to_room,
+  unit_to_sensor,
+  contact_point,
+  text
+};
+constexpr std::array<std::string_view, 13> kOurTypes = {
+    "vrpn_Base pong_message",       "vrpn_Tracker Pos_Quat", "vrpn_Tracker Velocity",       "vrpn_Tracker Workspace",
+    "vrpn_Button Change",           "vrpn_Button States",    "vrpn_Analog Channel",         "vrpn_ForceDevice Force",
+    "vrpn_ForceDevice Force_Error", "vrpn_Tracker To_Room",  "vrpn_Tracker Unit_To_Sensor", "vrpn_ForceDevice SCP",
+    "vrpn_Base text_message"};
+constexpr std::int32_t kStylus = 0, kProxy = 1;  // sensors
 constexpr std::int32_t kOurSender = 0;
 
 // The protocol state of one VRPN client: parses its messages and puts the replies into out(). For any bytes, memory and time are bounded.
-// Pure: no socket, no clock. Forces that it requests (vrpn_ForceDevice Plane, Force_Field and the rest) are rejected and counted: see
-// docs/vrpn.md.
+// Pure: no socket, no clock. Forces that it requests (vrpn_ForceDevice Plane, Force_Field and the rest) are rejected and counted, and the
+// client is told so by a text message, once a second at most: see docs/vrpn.md.
 class Client {
  public:
   // name: of the device, what clients write before the '@'.
@@ -39,6 +56,8 @@ class Client {
   };
   const std::optional<UdpRequest>& udp_request() const { return udp_request_; }
   std::uint64_t rejected_forces() const { return rejected_forces_; }
+  // Reports a second that it wants; none: it has said nothing.
+  std::optional<double> wanted_rate_hz() const { return wanted_rate_hz_; }
   // Wants to know the workspace since the last call.
   bool take_workspace_request();
 
@@ -53,6 +72,7 @@ class Client {
   void receive_type(const Message& message);
   void receive_udp(const Message& message);
   void introduce(Time now);
+  void reject_force(Time now);
   bool is_about_us(std::int32_t sender) const;
 
   // Names may be described again and again: no more are kept than a client has reason to.
@@ -67,6 +87,11 @@ class Client {
   std::vector<std::int32_t> force_types_;
   std::optional<std::int32_t> ping_type_;
   std::optional<std::int32_t> workspace_type_;
+  std::optional<std::int32_t> to_room_type_;
+  std::optional<std::int32_t> unit_to_sensor_type_;
+  std::optional<std::int32_t> rate_type_;
+  std::optional<double> wanted_rate_hz_;
+  std::optional<std::uint32_t> told_s_;  // when it was last told that forces are rejected
   bool wants_workspace_ = false;
   std::optional<UdpRequest> udp_request_;
   std::uint64_t rejected_forces_ = 0;

@@ -8,6 +8,7 @@
 
 #include "devices/device.h"
 #include "runtime/byte_ring.h"
+#include "runtime/mailbox.h"
 
 namespace hapton::vrpn {
 
@@ -19,8 +20,16 @@ struct FeedSample {
   double motor_temperature = -1.0;
 };
 
+// The probe of the newest sample that has a force.
+struct FeedProxy {
+  Vec3 p_WP = Vec3::Zero();
+  Quat q_WP = Quat::Identity();
+  bool is_contact = false;
+};
+
 // Brings every sample from the servo to an observer. A slow observer loses samples; the servo never waits. RT: push yes, wait-free; take
-// no. Threads: one pushes, one takes.
+// no. Threads: one pushes, one shows the proxy,
+// one takes.
 class Feed {
  public:
   Feed() : ring_(kBytes) {}
@@ -29,7 +38,19 @@ class Feed {
     if (is_wanted_.load(std::memory_order_relaxed)) ring_.push(std::as_bytes(std::span(&sample, 1)), {});
   }
 
+  // The newest proxy. RT: yes, wait-free.
+  void show_proxy(const FeedProxy& proxy) noexcept {
+    if (is_wanted_.load(std::memory_order_relaxed)) proxies_.publish(proxy);
+  }
+  // None since the last call: false.
+  bool take_proxy(FeedProxy& proxy) noexcept {
+    if (!proxies_.take()) return false;
+    proxy = proxies_.value();
+    return true;
+  }
+
   // Whether anybody is there to see the samples.
+  bool is_wanted() const noexcept { return is_wanted_.load(std::memory_order_relaxed); }
   void set_wanted(bool is_wanted) noexcept { is_wanted_.store(is_wanted, std::memory_order_relaxed); }
 
   // Hands every sample since the last call to visit(const FeedSample&), oldest first.
@@ -46,6 +67,7 @@ class Feed {
   static constexpr std::size_t kBytes = 1 << 16;  // some hundred samples
 
   ByteRing ring_;
+  Mailbox<FeedProxy> proxies_;
   std::atomic<bool> is_wanted_{false};
 };
 
@@ -72,6 +94,8 @@ class WatchedDevice final : public Device {
   DeviceStatus status() const noexcept override { return device_->status(); }
   DeviceCondition condition() const noexcept override { return device_->condition(); }
   bool set_hand_target(const std::optional<Vec3>& p_WH) noexcept override { return device_->set_hand_target(p_WH); }
+  bool press_hand_buttons(std::uint32_t buttons) noexcept override { return device_->press_hand_buttons(buttons); }
+  bool aim_hand(std::span<const Vec3> p_WA) noexcept override { return device_->aim_hand(p_WA); }
 
  private:
   std::unique_ptr<Device> device_;

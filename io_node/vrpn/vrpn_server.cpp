@@ -22,6 +22,7 @@ constexpr std::int64_t kCookiePatienceNs = 5 * kNanosecondsPerSecond;
 constexpr std::int32_t kButtons = 32;
 constexpr std::int32_t kMiscellaneousError = 3, kNoError = 4;  // of vrpn_ForceDevice Force_Error
 constexpr int kNiceness = 10;
+constexpr double kSlowestHz = 0.1;
 
 // VRPN stamps its messages with the time of day.
 Time to_time_of_day(std::int64_t monotonic_ns) {
@@ -67,6 +68,8 @@ struct Server::State final : StreamEndpoint::Listener {
     bool is_reported = false;  // the log knows it
     bool knows_buttons = false;
     bool is_rejection_logged = false;
+    bool is_touching = false;  // as it was told last
+    std::int64_t next_report_ns = 0;
     std::optional<Address> udp;
   };
 
@@ -86,6 +89,7 @@ struct Server::State final : StreamEndpoint::Listener {
   void take_samples();
   void report();
   void report_to(Peer& peer, Time time);
+  bool is_due(Peer& peer) const;
   template <class Append>
   void to_those_who_know(OurType type, Append&& append);
   bool is_anybody_there() const {
@@ -98,6 +102,7 @@ struct Server::State final : StreamEndpoint::Listener {
   SteadyClock clock;
   std::map<StreamEndpoint::Id, Peer> peers;
   std::optional<FeedSample> newest, sent;
+  std::optional<FeedProxy> proxy;
   Vec3 v_m_per_s = Vec3::Zero();
   Quat turn = Quat::Identity();
   double dt_s = 0.0;
@@ -112,7 +117,10 @@ void Server::State::run() {
   while (!ends.load(std::memory_order_relaxed)) {
     const bool is_watched = is_anybody_there();
     feed.set_wanted(is_watched);
-    if (!is_watched) newest = sent = std::nullopt;
+    if (!is_watched) {
+      newest = sent = std::nullopt;
+      proxy.reset();
+    }
     endpoint->wait(is_watched ? next_ns : clock.now_ns() + kIdleNs, *this);
     const std::int64_t now_ns = clock.now_ns();
     drop_timed_out(now_ns);
@@ -237,7 +245,19 @@ void Server::State::take_samples() {
   });
 }
 
+// A client may ask for fewer reports than the others get.
+bool Server::State::is_due(Peer& peer) const {
+  const std::optional<double> wanted_hz = peer.client.wanted_rate_hz();
+  if (!wanted_hz || *wanted_hz >= options.rate_hz) return true;
+  const std::int64_t now_ns = newest->device.time_ns;
+  if (now_ns < peer.next_report_ns) return false;
+  const auto period_ns = static_cast<std::int64_t>(1e9 / std::max(*wanted_hz, kSlowestHz));
+  peer.next_report_ns = std::max(peer.next_report_ns + period_ns, now_ns);
+  return true;
+}
+
 void Server::State::report() {
+  if (FeedProxy shown; feed.take_proxy(shown)) proxy = shown;
   const bool is_new = newest && (!sent || newest->device.time_ns != sent->device.time_ns);
   // The pose of a device that is away or not calibrated is unknown.
   const bool is_known = is_new && newest->status == DeviceStatus::ready;
@@ -252,7 +272,7 @@ void Server::State::report() {
     if (newest && peer.client.is_connected() && !std::exchange(peer.knows_buttons, true)) {
       append_button_states(peer.client.out(), peer.client.header(OurType::button_states, time), newest->device.buttons, kButtons);
     }
-    if (is_known && peer.client.is_connected()) report_to(peer, time);
+    if (is_known && peer.client.is_connected() && is_due(peer)) report_to(peer, time);
     answer(id, peer);
   }
   if (is_new) sent = newest;
@@ -264,10 +284,16 @@ void Server::State::report_to(Peer& peer, Time time) {
   Bytes& out = peer.udp ? datagram : client.out();
   const Vec3 &f = newest->wrench.force_n, &t = newest->wrench.torque_nm;
   const std::array<double, 7> channels = {f.x(), f.y(), f.z(), t.x(), t.y(), t.z(), newest->motor_temperature};
-  append_position(out, client.header(OurType::position, time), newest->device.p_WD, newest->device.q_WT);
+  append_position(out, client.header(OurType::position, time), kStylus, newest->device.p_WD, newest->device.q_WT);
+  if (proxy) append_position(out, client.header(OurType::position, time), kProxy, proxy->p_WP, proxy->q_WP);
   append_velocity(out, client.header(OurType::velocity, time), v_m_per_s, turn, dt_s);
   append_force(out, client.header(OurType::force, time), f);
   append_analog(out, client.header(OurType::analog, time), channels);
+  // The end of contact is reported once.
+  if (proxy && (proxy->is_contact || std::exchange(peer.is_touching, false))) {
+    append_contact_point(out, client.header(OurType::contact_point, time), proxy->p_WP, proxy->q_WP, proxy->is_contact);
+    peer.is_touching = proxy->is_contact;
+  }
   // A lost datagram is not repeated: the next one follows soon.
   if (peer.udp) endpoint->send_datagram(*peer.udp, datagram);
 }

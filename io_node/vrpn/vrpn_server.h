@@ -18,9 +18,9 @@ namespace hapton::vrpn {
 
 constexpr std::uint16_t kPort = 3883;
 
-// Shows one device to VRPN clients, as NAME@host: Tracker, Button, Analog and ForceDevice. It accepts nothing from them: requested forces
-// are rejected. It has a thread of low priority that the servo never waits for, and takes samples from a Feed. RT: no. Threads: made and
-// ended by one.
+// Shows one device to VRPN clients, as NAME@host: Tracker (stylus and proxy), Button, Analog and ForceDevice. It accepts nothing from them:
+// requested forces are rejected. It has a thread of low priority that the servo never waits for, and takes samples from a Feed. RT: no.
+// Threads: made and ended by one.
 class Server {
  public:
   struct Options {

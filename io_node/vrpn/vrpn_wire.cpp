@@ -80,10 +80,10 @@ void append_description(Bytes& out, std::int32_t kind, std::int32_t id, std::str
   out.push_back(std::byte{0});
 }
 
-void append_position(Bytes& out, const Header& header, const Vec3& p_m, const Quat& q) {
+void append_position(Bytes& out, const Header& header, std::int32_t sensor, const Vec3& p_m, const Quat& q) {
   const MessageWriter writer(out, header);
-  put_int(out, kSensor);
-  put_int(out, kSensor);  // so that what follows lies aligned
+  put_int(out, sensor);
+  put_int(out, sensor);  // so that what follows lies aligned
   put_vector(out, p_m);
   put_quat(out, q);
 }
@@ -131,6 +131,38 @@ void append_force_error(Bytes& out, const Header& header, std::int32_t error) {
   put_int(out, error);
 }
 
+void append_to_room(Bytes& out, const Header& header) {
+  const MessageWriter writer(out, header);
+  put_vector(out, Vec3::Zero());
+  put_quat(out, Quat::Identity());
+}
+
+void append_unit_to_sensor(Bytes& out, const Header& header, std::int32_t sensor) {
+  const MessageWriter writer(out, header);
+  put_int(out, sensor);
+  put_int(out, 0);
+  put_vector(out, Vec3::Zero());
+  put_quat(out, Quat::Identity());
+}
+
+void append_contact_point(Bytes& out, const Header& header, const Vec3& p_m, const Quat& q, bool is_contact) {
+  const MessageWriter writer(out, header);
+  put_vector(out, is_contact ? p_m : Vec3(Vec3::Zero()));
+  put_quat(out, is_contact ? q : Quat(0.0, 0.0, 0.0, 0.0));
+}
+
+// VRPN's clients read a body of this size, whatever the text's length.
+void append_error_text(Bytes& out, const Header& header, std::string_view text) {
+  constexpr std::size_t kTextBytes = 1024;
+  constexpr std::int32_t kError = 2, kLevel = 0;
+  const MessageWriter writer(out, header);
+  put_int(out, kError);
+  put_int(out, kLevel);
+  const std::size_t begin = out.size();
+  put_text(out, text.substr(0, kTextBytes - 1));
+  out.resize(begin + kTextBytes);
+}
+
 void append_empty(Bytes& out, const Header& header) { const MessageWriter writer(out, header); }
 
 ReadStatus read_message(std::span<const std::byte>& bytes, Message& into) {
@@ -143,6 +175,11 @@ ReadStatus read_message(std::span<const std::byte>& bytes, Message& into) {
   into.body = bytes.subspan(kHeaderBytes, length - kHeaderBytes);
   bytes = bytes.subspan(padded(length));
   return ReadStatus::message;
+}
+
+std::optional<double> number_of(const Message& message) {
+  if (message.body.size() != sizeof(double)) return std::nullopt;
+  return std::bit_cast<double>(std::uint64_t{read_u32(message.body, 0)} << 32 | read_u32(message.body, 4));
 }
 
 std::string_view name_of(const Message& description) {

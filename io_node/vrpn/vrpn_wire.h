@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -48,12 +49,16 @@ bool is_cookie_good(std::span<const std::byte> cookie);
 // A name with the number that its sender uses for it.
 void append_description(Bytes& out, std::int32_t kind, std::int32_t id, std::string_view name, Time time, std::uint32_t sequence);
 
-// vrpn_Tracker Pos_Quat. SI; the quaternion as x, y, z, w.
-void append_position(Bytes& out, const Header& header, const Vec3& p_m, const Quat& q);
+// vrpn_Tracker Pos_Quat of a sensor. SI; the quaternion as x, y, z, w.
+void append_position(Bytes& out, const Header& header, std::int32_t sensor, const Vec3& p_m, const Quat& q);
 // vrpn_Tracker Velocity: m/s, and the turn made in dt_s.
 void append_velocity(Bytes& out, const Header& header, const Vec3& v_m_per_s, const Quat& turn, double dt_s);
 // vrpn_Tracker Workspace.
 void append_workspace(Bytes& out, const Header& header, const Vec3& low_m, const Vec3& high_m);
+// vrpn_Tracker To_Room: the tracker's frame is the room's.
+void append_to_room(Bytes& out, const Header& header);
+// vrpn_Tracker Unit_To_Sensor: the sensor's frame is the unit's.
+void append_unit_to_sensor(Bytes& out, const Header& header, std::int32_t sensor);
 // vrpn_Button Change.
 void append_button_change(Bytes& out, const Header& header, std::int32_t button, bool is_down);
 // vrpn_Button States: of the lowest `count` bits.
@@ -64,6 +69,10 @@ void append_analog(Bytes& out, const Header& header, std::span<const double> cha
 void append_force(Bytes& out, const Header& header, const Vec3& force_n);
 // vrpn_ForceDevice Force_Error.
 void append_force_error(Bytes& out, const Header& header, std::int32_t error);
+// vrpn_ForceDevice SCP, the surface contact point; zeros, also the quaternion, without contact.
+void append_contact_point(Bytes& out, const Header& header, const Vec3& p_m, const Quat& q, bool is_contact);
+// vrpn_Base text_message with the severity "error". Longer texts are cut.
+void append_error_text(Bytes& out, const Header& header, std::string_view text);
 // Without a body: vrpn_Base pong_message.
 void append_empty(Bytes& out, const Header& header);
 
@@ -82,6 +91,9 @@ enum class ReadStatus : std::uint8_t {
 
 // Takes one message off the front of bytes.
 ReadStatus read_message(std::span<const std::byte>& bytes, Message& into);
+
+// The one number of a body; none where it is not one.
+std::optional<double> number_of(const Message& message);
 
 // The name in a description's body, without its terminating zero; empty when it is not well-formed.
 std::string_view name_of(const Message& description);

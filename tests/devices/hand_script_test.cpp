@@ -67,6 +67,24 @@ Vec3 hand_on_path(HandScript& script, int steps) {
   return hand;
 }
 
+TEST(HandScript, HoldsTheButtonsOfAPathFromRowToRow) {
+  HandScript::Options options = path_over(true);
+  options.path[1].buttons = 3;
+  HandScript script(options);
+  const auto buttons_after = [&](int steps) {
+    std::uint32_t buttons = 0;
+    for (int step = 0; step < steps; ++step) buttons = script.step(Vec3::Zero(), Vec3::Zero()).buttons;
+    return buttons;
+  };
+  (void)hand_on_path(script, 500);
+  EXPECT_EQ(buttons_after(1), 0U);
+  EXPECT_EQ(buttons_after(600), 3U);
+  EXPECT_EQ(buttons_after(900), 0U) << "from its beginning again";
+  EXPECT_EQ(buttons_after(1000), 3U);
+  script.lead(Vec3(0.01, 0.0, 0.0));
+  EXPECT_EQ(buttons_after(2), 0U) << "who leads the hand presses its own";
+}
+
 TEST(HandScript, FollowsAPathRowByRowAndStaysAtItsEnd) {
   for (const auto& [steps, there] : {std::pair(500, Vec3(0.05, 0.01, 0)), {1500, Vec3(0.01, 0.02, 0)}, {9000, Vec3(-0.03, 0.02, 0)}}) {
     HandScript script(path_over(false));

@@ -72,6 +72,11 @@ bool write_sealed() {
                        {kToNode, PatchStatus{.is_wanted = true}}})) &&
          write("sealed", "vision",
                sealed({{kVision, Hello{NodeRole::vision}}, {kVision, ViewTransform()}, {kVision, FrameAck()}, {kVision, HandTarget()}})) &&
+         write("sealed", "object",
+               sealed({{kHaptics, Hello{NodeRole::haptics}},
+                       {kHaptics, ObjectPose{.serial = 1}},
+                       {kVision, ObjectPose{.serial = 1}},
+                       {kToNode, ObjectPose{.serial = 1}}})) &&
          write("sealed", "tool",
                sealed({{kTool, Hello{NodeRole::tool}}, {kTool, Settings{.servo_rate_hz = 1000.0}}, {kTool, ReportRequest()}})) &&
          write("sealed", "material",
@@ -81,6 +86,14 @@ bool write_sealed() {
                        {kHaptics, Hello{NodeRole::haptics}},
                        {kHaptics, MaterialState{.serial = 1, .request = 1, .object_count = 1, .objects = {{{-1, change.change}}}}},
                        {kToNode, change}})) &&
+         write("sealed", "marker",
+               sealed({{kTool, Hello{NodeRole::tool}},
+                       {kTool, Marker{.request = 1,
+                                      .text = {"gez\xC3\xBC"
+                                               "ckt"}}},
+                       {kTool, Marker{.request = 1, .text = {"again"}}},
+                       {kVision, Marker{.request = 2, .text = {"no node"}}},
+                       {kToNode, MarkerReply{1, 2, MarkerStatus::recorded}}})) &&
          write("sealed", "operator", sealed({{kOperator, Hello{NodeRole::tool}}, {kOperator, Settings{.reset_faults = true}}})) &&
          write("sealed", "wrong_role",
                sealed({{kVision, Hello{NodeRole::haptics}}, {kVision, Hello{NodeRole::vision}}, {kVision, force}})) &&

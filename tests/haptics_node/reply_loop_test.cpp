@@ -10,7 +10,9 @@
 
 #include "link/hub_peers.h"
 #include "link/memory_endpoint.h"
+#include "plugin/plugin_method.h"
 #include "scene/scene_file.h"
+#include "tests/standins/paths.h"
 #include "tests/support/made_meshes.h"
 #include "tests/support/time_units.h"
 
@@ -435,6 +437,54 @@ TEST_F(TunedLoopTest, AnotherSceneFadesInAndIsTold) {
   const MaterialState late = ask(request(9, "hull", 300.0));
   EXPECT_NE(std::string_view(late.rejection.data()).find("read again"), std::string_view::npos) << late.rejection.data();
   EXPECT_NEAR(exchange({0.01, 0.01, -0.002})->force_n[2], 0.8, 1e-4);
+}
+
+// What a recording and a report have to know of them.
+TEST_F(ReplyLoopTest, EffectsFromFilesAreInTheSetupAlsoAfterAChangeOfMethodAndWhenCutOff) {
+  PluginEffects effects(clock_);
+  ASSERT_TRUE(effects.add(*parse_plugin_choice(standin::library("plugins/odd_effect.so") + ":does=nan,after=3")));
+  step_.use_effects(&effects);
+  loop_.set_effects(&effects);
+  const auto newest_method = [&] {
+    for (int n = 0; n < 4; ++n) {
+      clock_.advance_ns(200 * kMs);
+      turn(1 * kMs);
+      receive_reply();
+    }
+    return std::string(setups_.back().method.data());
+  };
+  EXPECT_NE(newest_method().find(" effects=odd_one@"), std::string::npos) << newest_method();
+  MethodBuilder::MethodName name = {};
+  std::copy_n("proxy", 5, name.begin());
+  builder_.request(name);
+  for (int n = 0; n < 3000 && step_.counts().methods_taken == 0; ++n) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    turn(1 * kMs);
+  }
+  EXPECT_NE(newest_method().find("name=proxy"), std::string::npos);
+  EXPECT_NE(newest_method().find(" effects=odd_one@"), std::string::npos);
+  for (int n = 0; n < 5; ++n) ASSERT_TRUE(exchange({0.01, 0.01, 0.002}));
+  EXPECT_NE(newest_method().find("!cut"), std::string::npos) << newest_method();
+}
+
+TEST_F(ReplyLoopTest, AMethodFromAFileThatIsCutOffIsInTheSetupUntilAnotherTakesItsPlace) {
+  SimulatedClock still;
+  auto method = PluginMethod::make(*parse_plugin_choice(standin::library("plugins/odd_method.so") + ":does=nan"), one_sheet(), still);
+  ASSERT_TRUE(method);
+  const auto before = step_.replace(std::make_unique<TouchStep>(std::move(*method)));
+  ASSERT_TRUE(exchange({0.01, 0.01, 0.002}));
+  const auto newest_method = [&] {
+    for (int n = 0; n < 6; ++n) {
+      clock_.advance_ns(200 * kMs);
+      turn(1 * kMs);
+      receive_reply();
+    }
+    return std::string(setups_.back().method.data());
+  };
+  EXPECT_NE(newest_method().find(" cut=method"), std::string::npos) << newest_method();
+  step_.replace(std::make_unique<TouchStep>(*make_method({.name = "sweep"}, one_sheet())));
+  ASSERT_TRUE(exchange({0.01, 0.01, 0.002}));
+  EXPECT_EQ(newest_method().find(" cut=method"), std::string::npos) << newest_method();
 }
 
 }  // namespace

@@ -3,7 +3,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <iterator>
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <set>
+#include <string>
+
+#include "runtime/prometheus_text.h"
 
 namespace hapton {
 namespace {
@@ -171,6 +179,36 @@ TEST(IoReport, NamesNoDurationWhereNothingWasMeasured) {
   const std::string text = describe_run(ServoStats{});
   EXPECT_THAT(text, HasSubstr("0 samples"));
   EXPECT_THAT(text, ::testing::Not(HasSubstr("p50")));
+}
+
+// Every metric, hop and name in the expressions of the dashboard is one that we export.
+TEST(IoReport, TheDashboardAsksForMetricsThatAreThere) {
+  IoOptions options;
+  options.echo_probe = "127.0.0.1:9";
+  auto stats = two_seconds();
+  stats->peers[0].present = true;
+  SchedulingStats scheduling;
+  scheduling.is_known = true;
+  const std::string exported = to_prometheus(make_io_report(*stats, options, "", scheduling));
+  std::ifstream file(HAPTON_SOURCE_DIR "/deploy/grafana/hapton.json");
+  const auto dashboard = nlohmann::json::parse(file, nullptr, false);
+  ASSERT_TRUE(dashboard.is_object()) << "deploy/grafana/hapton.json";
+  std::size_t count = 0;
+  for (const auto& panel : dashboard.at("panels")) {
+    for (const auto& target : panel.value("targets", nlohmann::json::array())) {
+      const auto expression = target.at("expr").get<std::string>();
+      const std::regex metric("hapton_[a-z_]+"), label("(hop|name)=\"([a-z0-9_]+)\"");
+      for (std::sregex_iterator found(expression.begin(), expression.end(), metric), end; found != end; ++found) {
+        ++count;
+        const bool is_there =
+            exported.find("\n" + found->str() + "{") != std::string::npos || exported.find("\n" + found->str() + " ") != std::string::npos;
+        EXPECT_TRUE(is_there) << found->str() << " in: " << expression;
+      }
+      for (std::sregex_iterator found(expression.begin(), expression.end(), label), end; found != end; ++found)
+        EXPECT_TRUE(exported.find(found->str()) != std::string::npos) << found->str() << " in: " << expression;
+    }
+  }
+  EXPECT_GT(count, 10U);
 }
 
 }  // namespace

@@ -78,6 +78,33 @@ TEST_F(Servos, AChangeOfMaterialGoesOnToHapticsAndItsResultToTools) {
   EXPECT_EQ(material_states[0].second.request, 7U);
 }
 
+TEST_F(Servos, PosesOfObjectsGoToToolsAndVision) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  join(kVision, NodeRole::vision);
+  join(kTool, NodeRole::tool);
+  run(5);
+  say(kHaptics, ObjectPose{.serial = 2, .object = 1, .is_held = true});
+  say(kVision, ObjectPose{.serial = 3});  // it may not
+  run(2);
+  ASSERT_EQ(object_poses.size(), 2U);
+  EXPECT_EQ(object_poses[0].first, at(kVision));
+  EXPECT_EQ(object_poses[1].first, at(kTool));
+  EXPECT_EQ(object_poses[1].second.object, 1);
+}
+
+TEST_F(Servos, WhoLeadsTheHandHoldsItsButtons) {
+  make();
+  join(kVision, NodeRole::vision);
+  run(5);
+  say(kVision, HandTarget{true, Vec3(0.01, 0, 0), 1});
+  run(2);
+  EXPECT_EQ(device.buttons, 1U);
+  say(kVision, HandTarget{false, Vec3::Zero(), 1});
+  run(2);
+  EXPECT_EQ(device.buttons, 0U) << "let go";
+}
+
 TEST_F(Servos, TheHapticsSetupGoesToToolsAndVision) {
   make();
   join(kHaptics, NodeRole::haptics);

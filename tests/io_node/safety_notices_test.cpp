@@ -13,10 +13,15 @@ class Tap final : public ServoTap {
  public:
   void on_sent(const Address&, std::span<const std::byte>, std::int64_t) noexcept override {}
   void on_received(const Address&, std::span<const std::byte>, std::int64_t) noexcept override {}
-  void on_cycle(const CycleNote& note, std::int64_t) noexcept override { cycles.push_back(note.sample); }
+  void on_cycle(const CycleNote& note, std::int64_t) noexcept override {
+    cycles.push_back(note.sample);
+    written_n.push_back(note.written_n);
+  }
   void on_fault(SessionFault fault, std::int64_t) noexcept override { faults.push_back(fault); }
+  MarkerStatus on_marker(const MarkerNote&, std::int64_t) noexcept override { return MarkerStatus::recorded; }
   std::vector<std::uint64_t> cycles;
   std::vector<SessionFault> faults;
+  std::vector<Vec3> written_n;
 };
 
 struct SafetyNoticesTest : testing::Test {
@@ -56,6 +61,17 @@ TEST_F(SafetyNoticesTest, ALatchedFaultAndItsResetAreReportedOnce) {
   check();
   EXPECT_EQ(reported(), std::vector{ServoEvent::Kind::reset});
   EXPECT_EQ(tap.cycles.size(), 6U);
+}
+
+// A stalled network side records all at once what was on the motors cycle by cycle.
+TEST_F(SafetyNoticesTest, AnOvertakenCycleHasTheForceOfItsOwnEnd) {
+  side.written.force_n = Vec3(0, 0, 3);
+  cycle.written.force_n = Vec3(0, 0, 1);
+  notices.note_overtaken(cycle, now_ns);
+  check();
+  EXPECT_EQ(tap.written_n, (std::vector<Vec3>{Vec3(0, 0, 1), Vec3(0, 0, 3)}));
+  SafetyNotices untapped(events, nullptr);
+  untapped.note_overtaken(cycle, now_ns);
 }
 
 TEST_F(SafetyNoticesTest, ADeviceIsAwayWhenItStaysAway) {

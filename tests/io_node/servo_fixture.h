@@ -48,6 +48,11 @@ class BenchDevice final : public Device {
     hand = p_WH;
     return true;
   }
+  bool press_hand_buttons(std::uint32_t pressed) noexcept override {
+    buttons = pressed;
+    return true;
+  }
+  std::uint32_t buttons = 0;  // of the hand, pressed by who leads it
   Vec3 place = Vec3(0.01, 0.02, 0.03);
   Vec3 drift = Vec3::Zero();  // from one read to the next
   SimulatedClock* clock = nullptr;
@@ -85,6 +90,8 @@ struct Servos : testing::Test {
   std::vector<std::pair<Address, SceneFacts>> scenes;
   std::vector<std::pair<Address, MaterialRequest>> material_requests;
   std::vector<std::pair<Address, MaterialState>> material_states;
+  std::vector<std::pair<Address, ObjectPose>> object_poses;
+  std::vector<std::pair<Address, MarkerReply>> marker_replies;
   std::vector<LoopFacts> loop_facts;  // these two are for the haptics node alone
   std::vector<std::pair<std::int64_t, PatchStatus>> patch_statuses;
   // Delay of the haptics node's reply; -1: no reply.
@@ -126,6 +133,8 @@ struct Servos : testing::Test {
     if (const auto* scene = std::get_if<SceneFacts>(&datagram.message)) scenes.emplace_back(to, *scene);
     if (const auto* request = std::get_if<MaterialRequest>(&datagram.message)) material_requests.emplace_back(to, *request);
     if (const auto* state = std::get_if<MaterialState>(&datagram.message)) material_states.emplace_back(to, *state);
+    if (const auto* pose = std::get_if<ObjectPose>(&datagram.message)) object_poses.emplace_back(to, *pose);
+    if (const auto* reply = std::get_if<MarkerReply>(&datagram.message)) marker_replies.emplace_back(to, *reply);
     if (const auto* facts = std::get_if<LoopFacts>(&datagram.message)) {
       EXPECT_EQ(to, at(kHaptics));
       loop_facts.push_back(*facts);
@@ -171,10 +180,16 @@ class RecordingTap final : public ServoTap {
   void on_sent(const Address&, std::span<const std::byte>, std::int64_t) noexcept override { ++sent; }
   void on_cycle(const CycleNote& note, std::int64_t) noexcept override { cycles.push_back(note); }
   void on_fault(SessionFault fault, std::int64_t) noexcept override { faults.push_back(fault); }
+  MarkerStatus on_marker(const MarkerNote& note, std::int64_t) noexcept override {
+    markers.emplace_back(note.sample, note.text);
+    return marker_status;
+  }
   int received = 0;
   int sent = 0;
   std::vector<CycleNote> cycles;
   std::vector<SessionFault> faults;
+  std::vector<std::pair<std::uint64_t, std::string>> markers;
+  MarkerStatus marker_status = MarkerStatus::recorded;
 };
 
 // The events that came since, of these kinds.

@@ -105,6 +105,38 @@ TEST_F(Recorders, NeverWaitForRoomButCountWhatFoundNone) {
   EXPECT_EQ(entries.back().dropped, recorder.counts().dropped);
 }
 
+TEST_F(Recorders, KeepMarkersAndSayWhereTheyAre) {
+  auto recorder = make({file, {}});
+  ASSERT_TRUE(recorder.start());
+  const std::string longest(MarkerText::kMostBytes, 'x');
+  EXPECT_EQ(recorder.on_marker({7, NodeRole::vision, "gezückt"}, 8), MarkerStatus::recorded);
+  EXPECT_EQ(recorder.on_marker({9, NodeRole::tool, longest}, 10), MarkerStatus::recorded);
+  ASSERT_TRUE(recorder.stop());
+  auto reader = SessionReader::open(file);
+  ASSERT_TRUE(reader);
+  SessionEntry entry;
+  ASSERT_TRUE(reader->next(entry));
+  EXPECT_EQ(entry.kind, SessionEntry::Kind::marker);
+  EXPECT_EQ(entry.time_ns, 8);
+  EXPECT_EQ(entry.marker.sample, 7U);
+  EXPECT_EQ(entry.marker.source, NodeRole::vision);
+  EXPECT_EQ(entry.marker.text, "gezückt");
+  ASSERT_TRUE(reader->next(entry));
+  EXPECT_EQ(entry.marker.text, longest);
+  auto flights_only = make({{}, flights});
+  EXPECT_EQ(flights_only.on_marker({7, NodeRole::tool, "a"}, 8), MarkerStatus::no_recording);
+  auto full = make({.record = file, .ring_bytes = 64});
+  EXPECT_EQ(full.on_marker({9, NodeRole::tool, longest}, 10), MarkerStatus::no_room);
+}
+
+TEST_F(Recorders, CountSamplesWhoseCycleNeverCame) {
+  auto recorder = make({file, {}});
+  ASSERT_TRUE(recorder.start());
+  for (const std::uint64_t sample : {3U, 4U, 8U, 8U, 5U}) recorder.on_cycle({.sample = sample}, 1);
+  ASSERT_TRUE(recorder.stop());
+  EXPECT_EQ(recorder.counts().lost_samples, 2U + 3U);
+}
+
 TEST_F(Recorders, UseNoHeapOnTheServosThread) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   auto recorder = make({file, flights});

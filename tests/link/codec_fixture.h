@@ -81,7 +81,7 @@ class RandomDatagrams {
       case 7:
         return FrameAck{bits(), time, rate(), bits32(), bits32(), flag()};
       case 8:
-        return HandTarget{flag(), vector()};
+        return HandTarget{flag(), vector(), bits32()};
       case 9:
         return Settings{flag() ? 0.0 : number(kMinServoRateHz, kMaxServoRateHz), {'s', 'w', 'e', 'e', 'p'}, flag(), flag(), bits32()};
       case 10:
@@ -106,6 +106,12 @@ class RandomDatagrams {
         return MaterialRequest{bits32() | 1U, {"front hood"}, draw_change(1 + bits32() % MaterialChange::kAll)};
       case 21:
         return draw_materials();
+      case 22:
+        return ObjectPose{bits32() | 1U, static_cast<std::int32_t>(bits32() >> 1), flag(), vector(), rotation()};
+      case 23:
+        return draw_marker();
+      case 24:
+        return MarkerReply{bits32() | 1U, bits(), static_cast<MarkerStatus>(bits() % 4)};
       default:
         return LoopFacts{{'s', 'i', 'm'}, rate(), static_cast<float>(number(0, 1))};
     }
@@ -127,6 +133,14 @@ class RandomDatagrams {
       object += 1 + static_cast<std::int32_t>(bits32() % 1000);
     }
     return state;
+  }
+
+  Marker draw_marker() {
+    Marker marker{.request = bits32() | 1U,
+                  .text = {"gez\xC3\xBC"
+                           "ckt"}};
+    if (flag()) std::fill(marker.text.begin(), marker.text.end() - 1, 'm');
+    return marker;
   }
 
   PatchCell draw_cell() {
@@ -266,6 +280,10 @@ inline void expect_equal(const MaterialState& a, const MaterialState& b) {
     expect_equal(a.objects[i].change, b.objects[i].change);
   }
 }
+inline void expect_equal(const Marker& a, const Marker& b) { EXPECT_EQ(std::tie(a.request, a.text), std::tie(b.request, b.text)); }
+inline void expect_equal(const MarkerReply& a, const MarkerReply& b) {
+  EXPECT_EQ(std::tie(a.request, a.sample, a.status), std::tie(b.request, b.sample, b.status));
+}
 inline void expect_equal(const ViewTransform& a, const ViewTransform& b) {
   EXPECT_EQ(a.revision, b.revision);
   EXPECT_EQ(a.X_WS, b.X_WS);
@@ -300,6 +318,14 @@ inline void expect_equal(const FrameAck& a, const FrameAck& b) {
 inline void expect_equal(const HandTarget& a, const HandTarget& b) {
   EXPECT_EQ(a.active, b.active);
   EXPECT_EQ(a.p_WH, b.p_WH);
+  EXPECT_EQ(a.buttons, b.buttons);
+}
+inline void expect_equal(const ObjectPose& a, const ObjectPose& b) {
+  EXPECT_EQ(a.serial, b.serial);
+  EXPECT_EQ(a.object, b.object);
+  EXPECT_EQ(a.is_held, b.is_held);
+  EXPECT_EQ(a.p_m, b.p_m);
+  EXPECT_EQ(a.q.coeffs(), b.q.coeffs());
 }
 inline void expect_equal(const Settings& a, const Settings& b) {
   EXPECT_EQ(a.servo_rate_hz, b.servo_rate_hz);
@@ -440,6 +466,12 @@ inline void expect_sane(const Datagram& datagram) {
     EXPECT_EQ(request->object.back(), '\0');
     EXPECT_NE(request->change.given, 0U);
     expect_sane(request->change);
+  } else if (const auto* marker = std::get_if<Marker>(&datagram.message)) {
+    EXPECT_NE(marker->request, 0U);
+    EXPECT_EQ(marker->text.back(), '\0');
+    EXPECT_TRUE(MarkerText::is_valid(marker->text.data()));
+  } else if (const auto* reply = std::get_if<MarkerReply>(&datagram.message)) {
+    EXPECT_LE(reply->status, MarkerStatus::no_room);
   } else if (const auto* state_of_materials = std::get_if<MaterialState>(&datagram.message)) {
     ASSERT_LE(state_of_materials->object_count, state_of_materials->objects.size());
     EXPECT_EQ(state_of_materials->rejection.back(), '\0');
@@ -447,6 +479,11 @@ inline void expect_sane(const Datagram& datagram) {
       EXPECT_GE(state_of_materials->objects[i].object, -1);
       expect_sane(state_of_materials->objects[i].change);
     }
+  } else if (const auto* pose = std::get_if<ObjectPose>(&datagram.message)) {
+    EXPECT_NE(pose->serial, 0U);
+    EXPECT_GE(pose->object, 0);
+    EXPECT_TRUE(pose->p_m.allFinite());
+    EXPECT_NEAR(pose->q.norm(), 1.0, 1.1e-3);
   }
 }
 

@@ -242,6 +242,47 @@ TEST_F(CodecTest, RejectsChangesOfMaterialsThatMeanNothing) {
   EXPECT_EQ(round_trip(state), DecodeStatus::bad_value);
 }
 
+TEST_F(CodecTest, RejectsBadPosesOfObjects) {
+  const ObjectPose good{.serial = 1, .object = 2, .is_held = true};
+  EXPECT_EQ(round_trip(good), DecodeStatus::ok);
+  ObjectPose bad = good;
+  bad.serial = 0;
+  EXPECT_EQ(round_trip(bad), DecodeStatus::bad_value);
+  bad = good;
+  bad.object = -1;
+  EXPECT_EQ(round_trip(bad), DecodeStatus::bad_value);
+  bad = good;
+  bad.p_m.x() = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(round_trip(bad), DecodeStatus::bad_value);
+  bad = good;
+  bad.q = Quat(1.0, 1.0, 0.0, 0.0);
+  EXPECT_EQ(round_trip(bad), DecodeStatus::bad_value) << "not of unit length";
+}
+
+TEST_F(CodecTest, RejectsMarkersThatNoTableCanHold) {
+  EXPECT_EQ(round_trip(Marker{.request = 1, .text = {"trial 1"}}), DecodeStatus::ok);
+  EXPECT_EQ(round_trip(Marker{.request = 0, .text = {"trial 1"}}), DecodeStatus::bad_value) << "nobody could tell the reply";
+  EXPECT_EQ(round_trip(Marker{.request = 1}), DecodeStatus::bad_value) << "empty";
+  EXPECT_EQ(round_trip(Marker{.request = 1, .text = {'a', '\n'}}), DecodeStatus::bad_value);
+  EXPECT_EQ(round_trip(Marker{.request = 1, .text = {'a', '\xFF'}}), DecodeStatus::bad_value);
+  // One byte more than the longest: written by hand, as the struct has no room for it.
+  Marker longest{.request = 1};
+  std::fill(longest.text.begin(), longest.text.end() - 1, 'x');
+  Bytes bytes = encode(Datagram{{1, 2, 3, 4}, longest});
+  EXPECT_EQ(decode(bytes), DecodeStatus::ok);
+  const std::size_t text = bytes.size() - MarkerText::kMostBytes;
+  std::byte& text_length = bytes[text - 2];            // two bytes of varint before the text
+  std::byte& marker_length = bytes[text - 3 - 5 - 2];  // ... before its tag, the request, and its length
+  ASSERT_EQ(text_length, std::byte{0xA0});
+  ASSERT_EQ(marker_length, std::byte{0xA8});
+  text_length = std::byte{0xA1};
+  marker_length = std::byte{0xA9};
+  bytes.push_back(std::byte{'x'});
+  EXPECT_EQ(decode(bytes), DecodeStatus::bad_value);
+  EXPECT_EQ(round_trip(MarkerReply{1, 2, static_cast<MarkerStatus>(4)}), DecodeStatus::bad_value);
+  EXPECT_EQ(round_trip(MarkerReply{0, 2, MarkerStatus::recorded}), DecodeStatus::bad_value);
+}
+
 TEST_F(CodecTest, RejectsMoreThanADatagramHolds) {
   EXPECT_EQ(decode(Bytes(kMaxDatagramBytes + 1, std::byte{0x08})), DecodeStatus::bad_value);
 }

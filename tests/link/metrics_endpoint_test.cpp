@@ -56,6 +56,18 @@ TEST(MetricsEndpointTest, ServesTheNewestText) {
   EXPECT_THAT(get(at, "POST /metrics HTTP/1.1\r\nHost: localhost\r\nContent-Length: 0\r\n\r\n"), StartsWith("HTTP/1.1 405"));
 }
 
+TEST(MetricsEndpointTest, ARequestGetsATextThatIsNewerThanItself) {
+  const auto endpoint = MetricsEndpoint::open("127.0.0.1:0");
+  ASSERT_TRUE(endpoint) << endpoint.error().what;
+  (*endpoint)->set_text("old 1\n");
+  EXPECT_FALSE((*endpoint)->take_request());
+  const int client = say((*endpoint)->local_address(), "GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  for (int n = 0; n < 10'000 && !(*endpoint)->take_request(); ++n) ::usleep(1000);
+  EXPECT_FALSE((*endpoint)->take_request()) << "once";
+  (*endpoint)->set_text("fresh 1\n");
+  EXPECT_THAT(read_all(client), EndsWith("fresh 1\n"));
+}
+
 TEST(MetricsEndpointTest, HostileClientsNeitherStopNorFillIt) {
   const auto endpoint = MetricsEndpoint::open("127.0.0.1:0");
   ASSERT_TRUE(endpoint) << endpoint.error().what;

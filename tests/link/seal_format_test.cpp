@@ -40,7 +40,7 @@ void lengthen(ProbeState& m) {
   m = {kMost64, kLeastTime, kVector, kRotation, kVector, kVector, true, kMost32, kRate, kRate, kRate, kMost32, ProbeStatus::too_small};
 }
 void lengthen(FrameAck& m) { m = {kMost64, kLeastTime, kRate, kMost32}; }
-void lengthen(HandTarget& m) { m = {true, kVector}; }
+void lengthen(HandTarget& m) { m = {true, kVector, kMost32}; }
 void lengthen(Settings& m) {
   m.servo_rate_hz = kMaxServoRateHz;
   m.method.fill('x');
@@ -91,6 +91,12 @@ void lengthen(MaterialState& m) {
     m.objects[i] = {std::numeric_limits<std::int32_t>::max() - static_cast<std::int32_t>(m.objects.size() - i), kChange};
   }
 }
+void lengthen(ObjectPose& m) { m = {kMost32, std::numeric_limits<std::int32_t>::max(), true, kVector, kRotation}; }
+void lengthen(Marker& m) {
+  m.request = kMost32;
+  std::fill(m.text.begin(), m.text.end() - 1, 'x');
+}
+void lengthen(MarkerReply& m) { m = {kMost32, kMost64, MarkerStatus::no_room}; }
 void lengthen(ReportPart& m) {
   m.document = ReportDocument::csv;
   m.revision = kMost32;

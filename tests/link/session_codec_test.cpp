@@ -38,6 +38,9 @@ SessionEntry make(Kind kind) {
     case Kind::dropped:
       entry.dropped = 12;
       break;
+    case Kind::marker:
+      entry.marker = {1ULL << 60, NodeRole::vision, "trial 1"};
+      break;
   }
   return entry;
 }
@@ -68,9 +71,14 @@ void expect_equal(const SessionEntry& a, const SessionEntry& b) {
   }
   EXPECT_EQ(a.fault, b.fault);
   EXPECT_EQ(a.dropped, b.dropped);
+  EXPECT_EQ(a.marker.sample, b.marker.sample);
+  EXPECT_EQ(a.marker.text, b.marker.text);
+  if (a.kind == Kind::marker) {
+    EXPECT_EQ(a.marker.source, b.marker.source);
+  }
 }
 
-constexpr std::array kKinds = {Kind::received, Kind::sent, Kind::cycle, Kind::fault, Kind::dropped};
+constexpr std::array kKinds = {Kind::received, Kind::sent, Kind::cycle, Kind::fault, Kind::dropped, Kind::marker};
 
 TEST(SessionCodec, GivesBackEveryKindOfEntry) {
   SessionCodec codec;
@@ -82,6 +90,19 @@ TEST(SessionCodec, GivesBackEveryKindOfEntry) {
     ASSERT_EQ(result.status, Status::ok);
     EXPECT_EQ(result.bytes, bytes.size());
     expect_equal(make(kind), read);
+  }
+}
+
+// A file may hold any text: a reader gives out none that an export could not write.
+TEST(SessionCodec, AMarkerThatNoNodeMaySendIsDamage) {
+  SessionCodec codec;
+  for (const std::string_view text : {"", "a\nb", "\xFF"}) {
+    SessionEntry entry = make(Kind::marker);
+    entry.marker.text = text;
+    std::string bytes;
+    codec.append(entry, bytes);
+    SessionEntry read;
+    EXPECT_EQ(codec.read(bytes, read).status, Status::damaged) << text;
   }
 }
 

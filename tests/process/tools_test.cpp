@@ -83,7 +83,7 @@ TEST(Metrics, AreServedWhileTheSystemRuns) {
     text = read_metrics(std::stoi(port[1]));
     return std::regex_search(text, kContact);
   })) << text;
-  EXPECT_THAT(text, AllOf(HasSubstr("200 OK"), HasSubstr("hapton_latency_seconds{hop=\"round_trip\",quantile=\"0.99\"} "),
+  EXPECT_THAT(text, AllOf(HasSubstr("200 OK"), HasSubstr("hapton_latency_seconds_bucket{hop=\"round_trip\",le=\"0.001\"} "),
                           HasSubstr("hapton_node_received_total{role=\"haptics\",address=\"127.0.0.1:")));
   system.end_all();
 }

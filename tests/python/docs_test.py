@@ -35,7 +35,9 @@ class DocsTest(unittest.TestCase):
         with LiveSystem("--record", recording, scene="thin_wall.toml") as system:
             time.sleep(1.0)
             system.end_io()
-        with LiveSystem() as system:
+        marked = recording + ".marked"
+        self.addCleanup(lambda: os.path.exists(marked) and os.remove(marked))
+        with LiveSystem("--record", marked) as system:
             names = {"HUB": system.hub, "RECORDING": recording, "pose": np.eye(4)}
             for block in blocks:
                 for there, here in IN_A_TEST:

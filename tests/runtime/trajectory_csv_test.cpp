@@ -103,6 +103,14 @@ TEST(TrajectoryCsv, PassesOverTheSampleNumberOfAnExport) {
   EXPECT_TRUE(parse_trajectory_csv("t_s,x_m,y_m,z_m,sample\n0,1,2,3,17\n", "t.csv"));
   EXPECT_FALSE(parse_trajectory_csv("t_s,x_m,y_m,z_m,sample\n0,1,2,3\n", "t.csv"));
   EXPECT_FALSE(parse_trajectory_csv("t_s,x_m,y_m,z_m,sample\n0,1,2,3,x\n", "t.csv"));
+  const auto pressed = parse_trajectory_csv("t_s,x_m,y_m,z_m,buttons,sample\n0,1,2,3,5,17\n1,1,2,3,0,18\n", "t.csv");
+  ASSERT_TRUE(pressed) << pressed.error().what;
+  EXPECT_EQ(pressed->at(0).buttons, 5U);
+  EXPECT_EQ(pressed->at(1).buttons, 0U);
+  EXPECT_TRUE(parse_trajectory_csv("t_s,x_m,y_m,z_m,qw,qx,qy,qz,buttons\n0,1,2,3,1,0,0,0,1\n", "t.csv"));
+  for (const char* bad : {"-1", "1.5", "x", "", "4294967296"}) {
+    EXPECT_FALSE(parse_trajectory_csv(std::string("t_s,x_m,y_m,z_m,buttons\n0,1,2,3,") + bad + "\n", "t.csv")) << bad;
+  }
 }
 
 }  // namespace

@@ -248,6 +248,19 @@ TEST(ShippedScenes, TheAssemblyHasSixObjects) {
   EXPECT_NE(scene->objects[0].material.stiffness_n_per_m, scene->objects[2].material.stiffness_n_per_m);
 }
 
+TEST(ShippedScenes, TheWorkbenchHasPegsToPickUp) {
+  const auto scene = load_scene(HAPTON_SOURCE_DIR "/scenes/workbench.toml");
+  ASSERT_TRUE(scene) << scene.error().what;
+  ASSERT_THAT(scene->objects, SizeIs(6));
+  for (std::size_t o = 0; o < 6; ++o) EXPECT_EQ(scene->objects[o].is_movable, o >= 3) << o;
+  const ScratchFolder folder;
+  folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  EXPECT_THAT(load_scene(folder.write("a.toml", "[[object]]\nmesh = 'a.obj'\nmovable = 1\n")).error().what,
+              HasSubstr("'movable' in [[object]] 1 must be true or false"));
+  EXPECT_THAT(load_scene(folder.write("b.toml", "[[object]]\nmesh = 'a.obj'\n[tool]\nmesh = 'a.obj'\nmovable = true\n")).error().what,
+              HasSubstr("unknown key 'movable'"));
+}
+
 // The drawn and the haptic scene of one file are the same, however cracks are treated; another unit, pose or mesh is another scene.
 TEST(SceneAsGiven, HasAHashOfWhatTheFilesGive) {
   const ScratchFolder folder;

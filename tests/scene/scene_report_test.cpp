@@ -30,6 +30,15 @@ TEST(SceneReport, DescribesEveryObject) {
   EXPECT_EQ(json["objects"][2]["stiffness_n_per_m"], 800.0);
 }
 
+TEST(SceneReport, SaysWhatIsMovable) {
+  const auto report = make_scene_report(HAPTON_SOURCE_DIR "/scenes/workbench.toml");
+  ASSERT_TRUE(report) << report.error().what;
+  EXPECT_THAT(to_text(*report), HasSubstr("friction 0 / 0, movable\n"));
+  const auto json = nlohmann::json::parse(to_json(*report));
+  EXPECT_EQ(json["objects"][0]["movable"], false);
+  EXPECT_EQ(json["objects"][3]["movable"], true);
+}
+
 TEST(SceneReport, CountsOneObjectAsOne) {
   const auto report = make_scene_report(HAPTON_SOURCE_DIR "/scenes/car_front.toml");
   ASSERT_TRUE(report) << report.error().what;

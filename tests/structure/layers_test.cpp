@@ -16,7 +16,7 @@ namespace {
 
 const std::vector<std::string> kFolders = {"core",        "runtime", "link",         "hid",         "scene", "bench",
                                            "watchdog",    "devices", "safety",       "loop",        "patch", "remote",
-                                           "haptic_step", "io_node", "haptics_node", "vision_node", "tools", "python"};
+                                           "haptic_step", "io_node", "haptics_node", "vision_node", "tools", "python", "plugin"};
 
 // Which folders, or single headers, a folder's files may include. Its own are always allowed.
 const std::map<std::string, std::vector<std::string>> kMayInclude = {
@@ -35,18 +35,19 @@ const std::map<std::string, std::vector<std::string>> kMayInclude = {
     // Frames a second of the picture itself, beside VTK's.
     {"bench/frames", {"core", "runtime", "scene", "vision_node"}},
     {"watchdog", {"core/base", "runtime"}},
-    {"devices", {"core/base", "core/math", "runtime", "link", "hid", "watchdog"}},
+    {"plugin", {"core", "runtime"}},
+    {"devices", {"core/base", "core/math", "runtime", "link", "hid", "watchdog", "plugin"}},
     {"safety", {"core/math", "devices/device.h", "link/key_role.h"}},
     {"loop", {"core", "safety", "devices/device.h", "devices/model_a.h", "link/fault_injector.h"}},
     {"patch", {"core", "link", "runtime"}},
     {"remote", {"core", "link", "loop", "patch", "safety", "devices/device.h"}},
-    {"haptic_step", {"core", "link", "runtime", "scene"}},
+    {"haptic_step", {"core", "link", "runtime", "scene", "plugin"}},
     {"io_node", {"core", "runtime", "link", "hid", "watchdog", "devices", "safety", "patch"}},
-    {"haptics_node", {"core", "runtime", "link", "scene", "patch", "loop", "haptic_step"}},
+    {"haptics_node", {"core", "runtime", "link", "scene", "patch", "loop", "haptic_step", "plugin"}},
     {"vision_node", {"core", "runtime", "link", "hid", "scene"}},
     // The table of a recording is that of `hapton session export`.
     {"python", {"core", "runtime", "link", "scene", "tools/session/joined_table.h"}},
-    {"tools", {"core", "runtime", "link", "hid", "scene", "bench", "haptic_step", "devices", "safety", "loop", "patch", "remote"}},
+    {"tools", {"core", "runtime", "link", "hid", "scene", "bench", "haptic_step", "devices", "safety", "loop", "patch", "remote", "plugin"}},
 };
 
 bool is_under(const std::string& path, const std::string& folder) { return path.rfind(folder + "/", 0) == 0; }

@@ -57,6 +57,11 @@ TEST(Hud, NamesWhatIsTouched) {
   EXPECT_EQ(compose_hud(facts).find("hood"), std::string::npos) << "nothing is touched";
   facts.state.contact = true;
   EXPECT_NE(compose_hud(facts).find("touching hood (sheet metal)"), std::string::npos) << compose_hud(facts);
+  facts.held = "peg (steel)";
+  EXPECT_NE(compose_hud(facts).find("holding peg (steel), in contact"), std::string::npos) << compose_hud(facts);
+  facts.state.contact = false;
+  EXPECT_NE(compose_hud(facts).find("holding peg (steel)"), std::string::npos);
+  EXPECT_EQ(compose_hud(facts).find("free"), std::string::npos);
 }
 
 TEST(Hud, AMeterShowsTheEnergyThatTheHandWasGiven) {

@@ -50,6 +50,21 @@ TEST_F(InteractionTest, KeysTurnTheDialsBothWays) {
   EXPECT_EQ(hands_.dials().degrees, Vec3::Zero());
 }
 
+TEST_F(InteractionTest, AKeyHoldsTheStylusButtonWhileTheHandIsLed) {
+  give(key('p'));
+  EXPECT_FALSE(hands_.take_hand(1'000'000'000)) << "nobody leads the hand";
+  give(key('h'));
+  give(key('p'));
+  EXPECT_EQ(hands_.take_hand(2'000'000'000)->buttons, 1U);
+  give(key('p'));
+  EXPECT_EQ(hands_.take_hand(3'000'000'000)->buttons, 0U);
+  give(key('p'));
+  give(key('h'));
+  const auto released = hands_.take_hand(4'000'000'000);
+  EXPECT_FALSE(released->active);
+  EXPECT_EQ(released->buttons, 0U);
+}
+
 TEST_F(InteractionTest, RightDragGoesRoundTheSceneWithoutTurningIt) {
   give(mouse(Kind::press, 100, 100, Button::right));
   give(mouse(Kind::move, 110, 100));
@@ -224,9 +239,9 @@ TEST_F(InteractionTest, RequestsAreTakenOnce) {
   for (const char c : {'b', 's', 'q', 'k'}) give(key(c));
   const UserRequests requests = hands_.take_requests();
   EXPECT_TRUE(requests.toggle_cull && requests.screenshot && requests.quit && requests.toggle_help);
-  for (const char c : {'m', 'e', 'f', 'g'}) give(key(c));
+  for (const char c : {'m', 'e', 'f', 'g', 'n'}) give(key(c));
   const UserRequests more = hands_.take_requests();
-  EXPECT_TRUE(more.next_stereo && more.swap_eyes && more.look_at_scene && more.toggle_depth_cues);
+  EXPECT_TRUE(more.next_stereo && more.swap_eyes && more.look_at_scene && more.toggle_depth_cues && more.mark);
   EXPECT_FALSE(hands_.take_requests().quit);
   give(mouse(Kind::close, 0, 0));
   EXPECT_TRUE(hands_.take_requests().quit);

@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-constexpr PictureSize kSize{640, 720};
+constexpr PictureSize kWatchedSize{640, 720};
 
 TEST(ShowProbe, AddsTheVisualOffset) {
   ProbeState state;
@@ -57,54 +57,54 @@ TEST(Arrow, IsAsLongAsTheForceUpToItsLimit) {
 class Watch : public testing::Test {
  protected:
   Framing framing_ = frame_sphere(Vec3::Zero(), 0.12, 0.063);
-  StereoScreen screen_ = compute_screen(framing_, kSize);
+  StereoScreen screen_ = compute_screen(framing_, kWatchedSize);
   ProbeSizes sizes_ = scale_probe(framing_);
-  double pixel_m_ = screen_.width_m / kSize.width_px;
+  double pixel_m_ = screen_.width_m / kWatchedSize.width_px;
   PictureWatch watch_{0.5};
   ProbeShown probe_;
 };
 
-TEST_F(Watch, FirstPictureIsAlwaysWanted) { EXPECT_TRUE(watch_.differs(probe_, sizes_, screen_, kSize)); }
+TEST_F(Watch, FirstPictureIsAlwaysWanted) { EXPECT_TRUE(watch_.differs(probe_, sizes_, screen_, kWatchedSize)); }
 
 TEST_F(Watch, MotionBelowHalfAPixelIsNotAboveIs) {
-  watch_.drawn(probe_, sizes_, screen_, kSize);
-  EXPECT_FALSE(watch_.differs(probe_, sizes_, screen_, kSize));
+  watch_.drawn(probe_, sizes_, screen_, kWatchedSize);
+  EXPECT_FALSE(watch_.differs(probe_, sizes_, screen_, kWatchedSize));
   probe_.p_WP.x() = 0.4 * pixel_m_;
-  EXPECT_FALSE(watch_.differs(probe_, sizes_, screen_, kSize));
+  EXPECT_FALSE(watch_.differs(probe_, sizes_, screen_, kWatchedSize));
   probe_.p_WP.x() = 0.6 * pixel_m_;
-  EXPECT_TRUE(watch_.differs(probe_, sizes_, screen_, kSize));
+  EXPECT_TRUE(watch_.differs(probe_, sizes_, screen_, kWatchedSize));
 }
 
 TEST_F(Watch, SlowDriftAddsUp) {
-  watch_.drawn(probe_, sizes_, screen_, kSize);
+  watch_.drawn(probe_, sizes_, screen_, kWatchedSize);
   int pictures = 0;
   for (int i = 0; i < 1000; ++i) {
     probe_.p_WP.y() += 0.01 * pixel_m_;
-    if (!watch_.differs(probe_, sizes_, screen_, kSize)) continue;
+    if (!watch_.differs(probe_, sizes_, screen_, kWatchedSize)) continue;
     ++pictures;
-    watch_.drawn(probe_, sizes_, screen_, kSize);
+    watch_.drawn(probe_, sizes_, screen_, kWatchedSize);
   }
   EXPECT_GE(pictures, 17);  // 10 pixels in halves
   EXPECT_LE(pictures, 25);
 }
 
 TEST_F(Watch, TurningTheStylusAndAGrowingForceAreSeen) {
-  watch_.drawn(probe_, sizes_, screen_, kSize);
+  watch_.drawn(probe_, sizes_, screen_, kWatchedSize);
   ProbeShown turned = probe_;
   turned.q_WT = Eigen::AngleAxisd(0.05, Vec3::UnitX());
-  EXPECT_TRUE(watch_.differs(turned, sizes_, screen_, kSize));
+  EXPECT_TRUE(watch_.differs(turned, sizes_, screen_, kWatchedSize));
   ProbeShown pushed = probe_;
   pushed.force_n = {0.5, 0.0, 0.0};
-  EXPECT_TRUE(watch_.differs(pushed, sizes_, screen_, kSize));
+  EXPECT_TRUE(watch_.differs(pushed, sizes_, screen_, kWatchedSize));
   ProbeShown touching = probe_;
   touching.contact = true;
-  EXPECT_TRUE(watch_.differs(touching, sizes_, screen_, kSize));
+  EXPECT_TRUE(watch_.differs(touching, sizes_, screen_, kWatchedSize));
 }
 
 TEST_F(Watch, APointInTheEyesPlaneCountsAsMoved) {
-  watch_.drawn(probe_, sizes_, screen_, kSize);
+  watch_.drawn(probe_, sizes_, screen_, kWatchedSize);
   probe_.p_WP = compute_eye_position(screen_, Eye::left);
-  EXPECT_TRUE(watch_.differs(probe_, sizes_, screen_, kSize));
+  EXPECT_TRUE(watch_.differs(probe_, sizes_, screen_, kWatchedSize));
 }
 
 TEST(ShowProbe, KeepsTheDevicesOwnPlace) {

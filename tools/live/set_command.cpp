@@ -109,7 +109,8 @@ Result<Settings> make_settings(const SetOptions& options, bool has_material) {
   settings.servo_rate_hz = options.rate_hz;
   settings.report_now = options.report;
   settings.reset_faults = options.reset_faults;
-  if (!options.method.empty() && (options.method.size() >= settings.method.size() || !is_method_name(options.method))) {
+  if (!options.method.empty() &&
+      (options.method.size() >= settings.method.size() || !(is_method_name(options.method) || options.method == "plugin"))) {
     return fail("method '{}' is not known; choose one of: {}", options.method, method_names());
   }
   std::copy(options.method.begin(), options.method.end(), settings.method.begin());

@@ -5,15 +5,16 @@
 namespace hapton {
 namespace {
 
-std::string csv_text(const std::string& text) {
-  const std::string shown = printable(text);
-  if (shown.find_first_of(",\"") == std::string::npos) return shown;
-  std::string quoted = "\"";
-  for (const char c : shown) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
-}
+std::string csv_text(const std::string& text) { return csv_cell(printable(text)); }
 
 }  // namespace
+
+std::string csv_cell(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
 
 std::string csv_names(std::span<const ObjectName> names, int object) {
   if (object < 0 || object >= static_cast<int>(names.size())) return ",";

@@ -17,7 +17,9 @@ std::string line_of(const JoinedRow& row, std::span<const ObjectName> names) {
     if (!std::isnan(value)) line += fmt::format("{}", value);
     line += ',';
   }
-  return line + csv_names(names, row.object) + ',' + row.event + '\n';
+  std::string markers;
+  for (const std::string& marker : row.markers) markers += (markers.empty() ? "" : "; ") + marker;
+  return line + csv_names(names, row.object) + ',' + row.event + ',' + csv_cell(markers) + '\n';
 }
 
 }  // namespace
@@ -28,13 +30,13 @@ Result<JoinedCounts> write_joined_csv(SessionReader& reader, const std::filesyst
   if (!file) return failed();
   std::string header;
   for (const JoinedColumn& column : joined_columns()) header += std::string(column.name) + ",";
-  bool is_good = std::fputs((header + "object_name,material,event\n").c_str(), file.get()) >= 0;
+  bool is_good = std::fputs((header + "object_name,material,event,marker\n").c_str(), file.get()) >= 0;
   JoinedTable table(reader.header().start_ns,
                     [&](const JoinedRow& row) { is_good = is_good && std::fputs(line_of(row, names).c_str(), file.get()) >= 0; });
   table.add_all(reader);
   is_good = std::fclose(file.release()) == 0 && is_good;
   if (!is_good) return failed();
-  return JoinedCounts{table.rows(), table.without_sample()};
+  return JoinedCounts{table.rows(), table.without_sample(), table.lost(), table.gaps()};
 }
 
 }  // namespace hapton

@@ -15,15 +15,17 @@ namespace hapton {
 struct JoinedCounts {
   std::uint64_t rows = 0;
   std::uint64_t without_sample = 0;  // cycles of an older recording, which have no row
+  std::uint64_t lost = 0;            // samples of the device that the recording lacks
+  std::uint64_t gaps = 0;            // in so many places
 };
 
 // Writes the joined table of a recording to the end, or to the damage: reader.problem() says which. names: of the scene's objects, empty
 // where they are not known. RT: no. Error: one line with the path.
 Result<JoinedCounts> write_joined_csv(SessionReader& reader, const std::filesystem::path& path, std::span<const ObjectName> names = {});
 
-// As HDF5: /samples has a dataset for each column of numbers, with the attribute `unit`; /events has `t_s` and `name`; /objects has `name`
-// and `material` by the number of the object; the file's attributes say what the recording is: schema, build, session, start_unix_ns and
-// every setting.
+// As HDF5: /samples has a dataset for each column of numbers, with the attribute `unit`; /events has `t_s`, `sample`, `kind` (fault or
+// marker) and `name`; /objects has `name` and `material` by the number of the object; the file's attributes say what the recording is:
+// schema, build, session, start_unix_ns and every setting.
 Result<JoinedCounts> write_joined_hdf5(SessionReader& reader, const std::filesystem::path& path, std::span<const ObjectName> names = {});
 
 }  // namespace hapton

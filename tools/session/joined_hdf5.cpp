@@ -96,6 +96,9 @@ class JoinedHdf5 {
     event_times_.emplace(events, "t_s", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE);
     is_good_ = is_good_ && set_text(event_times_->set(), "unit", "s");
     event_names_.emplace(events, "name", text_type_, text_type_);
+    event_kinds_.emplace(events, "kind", text_type_, text_type_);
+    event_samples_.emplace(events, "sample", H5T_STD_U64LE, H5T_NATIVE_UINT64);
+    is_good_ = is_good_ && set_text(event_samples_->set(), "unit", "1");
     values_.resize(columns_.size());
   }
 
@@ -124,9 +127,12 @@ class JoinedHdf5 {
   void add(const JoinedRow& row) {
     for (std::size_t i = 0; i < columns_.size(); ++i) values_[i].push_back(joined_columns()[i].of(row));
     if (values_.front().size() == kBlock) write_block();
-    if (row.event.empty()) return;
-    const char* name = row.event.c_str();
-    is_good_ = is_good_ && event_times_->append(&row.sample_t_s, 1) && event_names_->append(&name, 1);
+    for_each_event(row, [&](const JoinedEvent& event) {
+      const char* const name = event.name.c_str();
+      const char* const kind = event.kind.data();
+      is_good_ = is_good_ && event_times_->append(&row.sample_t_s, 1) && event_names_->append(&name, 1) && event_kinds_->append(&kind, 1) &&
+                 event_samples_->append(&row.sample, 1);
+    });
   }
 
   // True: all was written.
@@ -148,6 +154,8 @@ class JoinedHdf5 {
   std::vector<Column> columns_;
   std::optional<Column> event_times_;
   std::optional<Column> event_names_;
+  std::optional<Column> event_kinds_;
+  std::optional<Column> event_samples_;
   std::vector<std::vector<double>> values_;
   bool is_good_ = true;
 };
@@ -162,7 +170,7 @@ Result<JoinedCounts> write_joined_hdf5(SessionReader& reader, const std::filesys
   JoinedTable table(reader.header().start_ns, [&](const JoinedRow& row) { file.add(row); });
   table.add_all(reader);
   if (!file.finish()) return fail("{}: could not be written to its end; is the disk full?", path.string());
-  return JoinedCounts{table.rows(), table.without_sample()};
+  return JoinedCounts{table.rows(), table.without_sample(), table.lost(), table.gaps()};
 }
 
 }  // namespace hapton

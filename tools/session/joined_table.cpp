@@ -56,6 +56,7 @@ constexpr JoinedColumn kJoinedColumns[] = {
     {"round_trip_s", "s", [](const JoinedRow& r) { return r.round_trip_s; }},
     {"late_s", "s", [](const JoinedRow& r) { return r.late_s; }},
     {"missed", "1", [](const JoinedRow& r) { return static_cast<double>(r.missed); }},
+    {"lost", "1", [](const JoinedRow& r) { return static_cast<double>(r.lost); }},
 };
 
 }  // namespace
@@ -68,6 +69,7 @@ void JoinedTable::add(const SessionEntry& entry, const Datagram* datagram) {
     events_ += events_.empty() ? "" : " ";
     events_ += to_string(entry.fault);
   }
+  if (entry.kind == SessionEntry::Kind::marker) add_marker(entry.marker);
   const auto* force = datagram != nullptr ? std::get_if<ForceCommand>(&datagram->message) : nullptr;
   if (force != nullptr && entry.kind == SessionEntry::Kind::received) add_force(*force, entry.time_ns);
   give_out(entry.time_ns);
@@ -88,6 +90,11 @@ void JoinedTable::add_cycle(const SessionEntry& entry) {
   row.q_WT = cycle.device->q_WT;
   if (before_ && cycle.device->time_ns > before_->time_ns)
     row.v_WD = (cycle.device->p_WD - before_->p_WD) / seconds_between(before_->time_ns, cycle.device->time_ns);
+  // A flight record begins somewhere within the session.
+  if (before_ && cycle.sample > sample_before_ + 1) row.lost = cycle.sample - sample_before_ - 1;
+  lost_ += row.lost;
+  gaps_ += row.lost > 0 ? 1 : 0;
+  sample_before_ = cycle.sample;
   before_ = cycle.device;
   row.buttons = cycle.device->buttons;
   row.p_WP = row.wanted_n = row.wanted_nm = Vec3::Constant(kUnknown);
@@ -98,6 +105,8 @@ void JoinedTable::add_cycle(const SessionEntry& entry) {
   row.late_s = seconds_between(0, cycle.late_ns);
   row.missed = cycle.missed;
   row.event = std::exchange(events_, {});
+  for (; !markers_.empty() && markers_.front().first <= row.sample; markers_.pop_front())
+    row.markers.push_back(std::move(markers_.front().second));
   if (cycle.local) {
     row.is_local = true;
     row.p_WP = row.p_WD + cycle.local->visual_offset_m;
@@ -110,6 +119,17 @@ void JoinedTable::add_cycle(const SessionEntry& entry) {
   }
   waiting_.push_back(std::move(added));
   for (const auto& [force, time_ns] : std::exchange(early_, {})) add_force(force, time_ns);
+}
+
+// The recording has a cycle when all its work is done: a marker usually comes before its row. Where that was lost, the next one has it.
+void JoinedTable::add_marker(const MarkerNote& marker) {
+  const auto is_before = [](const Waiting& waiting, std::uint64_t sample) { return waiting.row.sample < sample; };
+  const auto found = std::lower_bound(waiting_.begin(), waiting_.end(), marker.sample, is_before);
+  if (found != waiting_.end()) {
+    found->row.markers.emplace_back(marker.text);
+  } else {
+    markers_.emplace_back(marker.sample, marker.text);
+  }
 }
 
 void JoinedTable::add_force(const ForceCommand& force, std::int64_t time_ns) {
@@ -158,6 +178,8 @@ void JoinedTable::finish() {
     std::string& event = waiting_.back().row.event;
     event += (event.empty() ? "" : " ") + std::exchange(events_, {});
   }
+  if (!waiting_.empty())
+    for (; !markers_.empty(); markers_.pop_front()) waiting_.back().row.markers.push_back(std::move(markers_.front().second));
   while (!waiting_.empty()) give_out_front();
 }
 

@@ -36,8 +36,21 @@ struct JoinedRow {
   double round_trip_s = 0.0;
   double late_s = 0.0;  // the cycle began so long after its tick
   std::uint32_t missed = 0;
-  std::string event;  // faults since the row before, with spaces between
+  std::uint64_t lost = 0;            // samples right before this one that the recording lacks
+  std::string event;                 // faults since the row before, with spaces between
+  std::vector<std::string> markers;  // set while this sample was the newest
 };
+
+// What happened at a row, as its events table has it: its faults together, each marker alone.
+struct JoinedEvent {
+  std::string_view kind;  // "fault" or "marker"
+  const std::string& name;
+};
+template <class Visit>
+void for_each_event(const JoinedRow& row, Visit&& visit) {
+  if (!row.event.empty()) visit(JoinedEvent{"fault", row.event});
+  for (const std::string& marker : row.markers) visit(JoinedEvent{"marker", marker});
+}
 
 // A column of numbers, for every writer.
 struct JoinedColumn {
@@ -65,6 +78,9 @@ class JoinedTable {
 
   std::uint64_t rows() const noexcept { return rows_; }
   std::uint64_t without_sample() const noexcept { return without_sample_; }
+  // Samples of the device that the recording lacks, and in how many places.
+  std::uint64_t lost() const noexcept { return lost_; }
+  std::uint64_t gaps() const noexcept { return gaps_; }
 
  private:
   struct Waiting {
@@ -75,6 +91,7 @@ class JoinedTable {
 
   void add_cycle(const SessionEntry& entry);
   void add_force(const ForceCommand& force, std::int64_t time_ns);
+  void add_marker(const MarkerNote& marker);
   void give_out(std::int64_t now_ns);
   void give_out_front();
 
@@ -84,9 +101,13 @@ class JoinedTable {
   // Forces whose cycle is not written yet: it is recorded when all its work is done.
   std::deque<std::pair<ForceCommand, std::int64_t>> early_;
   std::optional<CycleSample> before_;
+  std::uint64_t sample_before_ = 0;
   std::string events_;
+  std::deque<std::pair<std::uint64_t, std::string>> markers_;  // whose row is still to come
   std::uint64_t rows_ = 0;
   std::uint64_t without_sample_ = 0;
+  std::uint64_t lost_ = 0;
+  std::uint64_t gaps_ = 0;
 };
 
 }  // namespace hapton

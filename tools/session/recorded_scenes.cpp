@@ -2,8 +2,10 @@
 
 #include <fmt/core.h>
 
+#include "core/force/virtual_coupling.h"
 #include "haptic_step/material_tuning.h"
 #include "haptic_step/method_text.h"
+#include "plugin/plugin_method.h"
 #include "scene/scene_file.h"
 #include "scene/scene_hash.h"
 
@@ -16,9 +18,22 @@ Result<std::unique_ptr<TouchStep>> RecordedScenes::make_touch(const HapticsSetup
   if (!settings) return tl::unexpected(settings.error());
   // No slow task runs beside these steps, so everything is built at the start.
   settings->build_on_approach = false;
-  auto method = make_method(*settings, (*scene)->touch);
+  auto method = make_recorded(*settings, (*scene)->touch);
   if (!method) return tl::unexpected(method.error());
   return std::make_unique<TouchStep>(std::move(*method), (*scene)->touch);
+}
+
+Result<std::unique_ptr<ForceMethod>> RecordedScenes::make_recorded(const MethodSettings& settings, const TouchScene& scene) const {
+  if (!is_plugin_method(settings.name)) return make_method(settings, scene);
+  if (!method_file_)
+    return fail("the session has a method from a file, {}: name the same file with the same parameters, --method FILE.so:KEY=VALUE,...",
+                settings.name);
+  auto made = PluginMethod::make(*method_file_, couple_scene(scene, settings.coupling_n_per_m), clock_);
+  if (!made) return tl::unexpected(made.error());
+  if ((*made)->full_name() != settings.name)
+    return fail("{}: is another method than the one of the session ({}, recorded {}); name that file, with its parameters",
+                method_file_->file, (*made)->full_name(), settings.name);
+  return std::move(*made);
 }
 
 Result<std::vector<Material>> RecordedScenes::make_materials(const HapticsSetup& setup, const MaterialState& state) {

@@ -10,6 +10,8 @@
 
 #include "core/force/touch_step.h"
 #include "link/messages.h"
+#include "plugin/plugin_choice.h"
+#include "runtime/clock.h"
 #include "scene/object_names.h"
 #include "scene/scene_loading.h"
 
@@ -22,6 +24,9 @@ class RecordedScenes {
  public:
   // scene: its file, where it is not where the haptics node had it; empty: it is.
   explicit RecordedScenes(std::string scene = {}) : file_(std::move(scene)) {}
+
+  // Before the first make_touch: the file of the method that the recording names.
+  void use_method_file(const PluginChoice& choice) { method_file_ = choice; }
 
   Result<std::unique_ptr<TouchStep>> make_touch(const HapticsSetup& setup);
   Result<std::vector<Material>> make_materials(const HapticsSetup& setup, const MaterialState& state);
@@ -37,7 +42,11 @@ class RecordedScenes {
   Result<const LoadedScene*> find_recorded(const HapticsSetup& setup);
   Result<const LoadedScene*> find(const std::string& path, const SceneLoading& loading);
 
+  Result<std::unique_ptr<ForceMethod>> make_recorded(const MethodSettings& settings, const TouchScene& scene) const;
+
   std::string file_;
+  std::optional<PluginChoice> method_file_;
+  SimulatedClock clock_;  // stands still: calls of a plug-in may take any time
   std::map<std::pair<std::string, std::uint32_t>, LoadedScene> scenes_;
 };
 

@@ -86,18 +86,20 @@ Result<std::optional<SceneTool>> choose_tool(const ReplayOptions& options, const
   return tool;
 }
 
-Result<std::unique_ptr<ToolStep>> make_tool(const ReplayOptions& options, const Scene& scene, const SceneTool& tool) {
+Result<std::unique_ptr<ToolStep>> make_tool(const ReplayOptions& options, const TouchScene& scene, const SceneTool& tool) {
   ToolCoupling coupling;
-  coupling.stiffness_n_per_m = options.stiffness_n_per_m.value_or(find_stiffest(scene.touch_scene()));
+  coupling.stiffness_n_per_m = find_stiffest(scene);
   coupling.rotational_stiffness_nm_per_rad = options.rotational_stiffness_nm_per_rad;
   if (!options.scene.empty()) {
-    fmt::print("tool: friction, damping and effects of {} are left out: {:g} N/m everywhere\n", options.scene, coupling.stiffness_n_per_m);
+    fmt::print("tool: damping and effects of {} are left out: {:g} N/m everywhere\n", options.scene, coupling.stiffness_n_per_m);
   }
   std::vector<std::shared_ptr<const TriangleMesh>> meshes;
-  for (const TouchObject& object : scene.touch_scene().objects) {
+  std::vector<SurfaceFriction> friction;
+  for (const TouchObject& object : scene.objects) {
     meshes.push_back(object.mesh);
+    friction.push_back({object.material.friction_static, object.material.friction_dynamic});
   }
-  return ToolStep::make(*tool.mesh, std::move(meshes), coupling);
+  return ToolStep::make(*tool.mesh, std::move(meshes), coupling, std::move(friction));
 }
 
 // What a point or a ball has and a tool does not have yet is said, not ignored.
@@ -112,9 +114,6 @@ Result<void> check_tool_options(const ReplayOptions& options, bool has_tool) {
   if (method.name != plain.name) return fail("--tool goes with --method proxy; '{}' has no tool", method.name);
   if (method.probe_radius_m > 0.0) return fail("--tool and --probe-radius are two probes; give one");
   if (method.shading > 0.0 || method.coupling_n_per_m > 0.0) return fail("--shading and --coupling do not go with --tool");
-  if (options.friction_static.value_or(0.0) > 0.0 || options.friction_dynamic.value_or(0.0) > 0.0) {
-    return fail("a tool has no friction yet; leave --friction-static and --friction-dynamic out");
-  }
   return {};
 }
 
@@ -152,7 +151,9 @@ Result<Replay> replay_probe(const ReplayOptions& options, const MethodSettings& 
 
 Result<Replay> replay_tool(const ReplayOptions& options, const Scene& scene, const SceneTool& held,
                            std::span<const TrajectoryRow> trajectory) {
-  const auto tool = make_tool(options, scene, held);
+  const auto touch_scene = make_scene(options, scene);
+  if (!touch_scene) return tl::unexpected(touch_scene.error());
+  const auto tool = make_tool(options, *touch_scene, held);
   if (!tool) {
     return tl::unexpected(tool.error());
   }

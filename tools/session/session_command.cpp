@@ -14,6 +14,7 @@
 #include "tools/session/recorded_scenes.h"
 #include "tools/session/session_entries.h"
 #include "tools/session/session_export.h"
+#include "tools/session/session_mcap.h"
 #include "tools/session/session_replay.h"
 #include "tools/session/session_summary.h"
 
@@ -25,6 +26,8 @@ struct SessionOptions {
   std::string out;
   std::string scene;
   std::string format = "tables";
+  std::vector<std::string> effects;
+  std::string method;
 };
 
 Result<void> summarize(SessionReader& reader, SessionSummary& summary) {
@@ -63,11 +66,19 @@ Result<void> write_joined(const SessionOptions& options, SessionReader& reader, 
   std::error_code error;
   std::filesystem::create_directories(options.out, error);
   if (error) return fail("{}: the folder cannot be made: {}", options.out, error.message());
+  if (options.format == "mcap") {
+    const auto path = std::filesystem::path(options.out) / "session.mcap";
+    const auto written = write_mcap(reader, path, names);
+    if (!written) return tl::unexpected(written.error());
+    fmt::print("{}: {} cycles, {} messages in all\n", path.string(), written->cycles, written->messages);
+    return check_end(reader);
+  }
   const bool is_hdf5 = options.format == "hdf5";
   const auto path = std::filesystem::path(options.out) / (is_hdf5 ? "session.h5" : "session.csv");
   const auto written = is_hdf5 ? write_joined_hdf5(reader, path, names) : write_joined_csv(reader, path, names);
   if (!written) return tl::unexpected(written.error());
   fmt::print("{}: {} rows\n", path.string(), written->rows);
+  if (written->lost > 0) fmt::print("{} samples in {} gaps are missing in the recording: column `lost`\n", written->lost, written->gaps);
   if (written->rows == 0 && written->without_sample > 0) {
     return fail("{}: an older recording, whose cycles lack the device's samples; --format tables writes what it has", options.file);
   }
@@ -106,6 +117,15 @@ std::string describe(const ReplayCounts& counts) {
   return text;
 }
 
+Result<void> load_effects(const SessionOptions& options, PluginEffects& effects) {
+  for (const std::string& text : options.effects) {
+    const auto choice = parse_plugin_choice(text);
+    if (!choice) return tl::unexpected(choice.error());
+    if (const auto added = effects.add(*choice); !added) return added;
+  }
+  return {};
+}
+
 Result<void> feel_again(const SessionOptions& options) {
   auto first = SessionReader::open(options.file);
   if (!first) return tl::unexpected(first.error());
@@ -115,9 +135,19 @@ Result<void> feel_again(const SessionOptions& options) {
   auto reader = SessionReader::open(options.file);
   if (!reader) return tl::unexpected(reader.error());
   RecordedScenes scenes(options.scene);
+  if (!options.method.empty()) {
+    const auto choice = parse_plugin_choice(options.method);
+    if (!choice) return tl::unexpected(choice.error());
+    scenes.use_method_file(*choice);
+  }
   SessionReplay comparison(
       summary.setups(), [&](const HapticsSetup& setup) { return scenes.make_touch(setup); }, summary.materials(),
       [&](const HapticsSetup& setup, const MaterialState& state) { return scenes.make_materials(setup, state); });
+  // How long a call took then is not known, so it may take any time now.
+  const SimulatedClock clock;
+  PluginEffects effects(clock);
+  if (const auto loaded = load_effects(options, effects); !loaded) return loaded;
+  if (!effects.empty()) comparison.use_effects(&effects);
   auto done = for_each_entry(*reader, [&](const SessionEntry& entry, const Datagram* datagram) -> Result<void> {
     if (datagram == nullptr || datagram->header.session != reader->header().session) return {};
     if (entry.kind == SessionEntry::Kind::sent) {
@@ -158,21 +188,26 @@ void add_session_command(CommandLine app, int& exit_code) {
   info.add_option("file", options->file, "Recorded session").required();
   info.on_run([options, &exit_code] { exit_code = report(show_info(*options), "info"); });
 
-  const CommandLine tables = session.add_subcommand("export", "Write it as tables: CSV or HDF5");
+  const CommandLine tables = session.add_subcommand("export", "Write it as tables (CSV, HDF5) or messages (MCAP)");
   tables.add_option("file", options->file, "Recorded session").required();
   tables.add_option("--scene", options->scene, "Scene file for the objects' names, when it is not where the haptics node had it");
   tables.add_option("--out", options->out, "Folder for the tables").folder_to_write().required();
   tables
-      .add_option(
-          "--format", options->format,
-          "tables: trajectory.csv, forces.csv and cycles.csv; csv: all joined by sample in session.csv; hdf5: the same in session.h5")
-      .one_of({"tables", "csv", "hdf5"})
+      .add_option("--format", options->format,
+                  "tables: trajectory.csv, forces.csv and cycles.csv; csv: all joined by sample in session.csv; hdf5: the same in "
+                  "session.h5; mcap: its messages in session.mcap")
+      .one_of({"tables", "csv", "hdf5", "mcap"})
       .shows_default();
   tables.on_run([options, &exit_code] { exit_code = report(write_tables(*options), "export"); });
 
   const CommandLine replay = session.add_subcommand("replay", "Replay it through the haptic step and compare every force bit for bit");
   replay.add_option("file", options->file, "Recorded session").required();
   replay.add_option("--scene", options->scene, "Scene file, when it is not where the haptics node had it");
+  replay
+      .add_option("--effect", options->effects,
+                  "Effect from a shared library, as haptics_node had it: FILE.so:KEY=VALUE,...; may be repeated")
+      .again_for_more();
+  replay.add_option("--method", options->method, "Method from a shared library, as haptics_node had it: FILE.so:KEY=VALUE,...");
   replay.on_run([options, &exit_code] { exit_code = report(feel_again(*options), "replay"); });
 }
 

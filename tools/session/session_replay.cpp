@@ -54,12 +54,31 @@ Result<void> SessionReplay::settle(std::uint64_t up_to_sample) {
   return {};
 }
 
+// The file of an effect is not in the recording, only its name and its hash.
+Result<void> SessionReplay::check_effects(const HapticsSetup& setup) const {
+  const std::string_view recorded = effects_in(setup.method.data());
+  const std::string text = effects_ != nullptr ? effects_->to_text() : "";
+  const std::string_view given = effects_in(text);
+  if (recorded.find("!cut") != std::string_view::npos)
+    return fail("an effect from a file was cut off in this session ({}), which depends on its timing: it cannot be replayed", recorded);
+  if (std::string_view(setup.method.data()).find(" cut=method") != std::string_view::npos)
+    return fail("the method from a file was cut off in this session, which depends on its timing: it cannot be replayed");
+  if (recorded == given) return {};
+  if (recorded.empty()) return fail("the session has no effects from files; leave --effect out");
+  return fail(
+      "the session has effects from files, {}: name the same files with the same parameters in the same order, --effect "
+      "FILE.so:KEY=VALUE,..."
+      " (given: {})",
+      recorded, given.empty() ? "none" : given);
+}
+
 Result<std::unique_ptr<TouchStep>> SessionReplay::make_method_of(const HapticsSetup& setup, double* offset_m) {
   if (std::string_view(setup.method.data()).starts_with("name=tool ")) {
     return fail(
         "the stylus held a rigid tool, whose forces depend on when its slow task was done; hapton session trajectory writes the motion, "
         "hapton replay --tool feels it");
   }
+  if (const auto checked = check_effects(setup); !checked) return tl::unexpected(checked.error());
   const auto settings = parse_method_text(setup.method.data());
   if (!settings) return tl::unexpected(settings.error());
   if (offset_m != nullptr) *offset_m = settings->offset_m;
@@ -88,6 +107,7 @@ Result<void> SessionReplay::begin(std::uint64_t sender, const ForceCommand& firs
   if (!materials_.empty()) (*touch)->set_materials(materials_);
   is_certain_ = is_method_known_ && are_materials_known_ && first.answered_before == 0;
   step_ = std::make_unique<HapticsStep>(std::move(*touch), offset_m);
+  step_->use_effects(effects_);
   return {};
 }
 
@@ -193,8 +213,8 @@ Result<void> SessionReplay::step_method(const ForceCommand& command) {
   // A device that was free then is free now: from here on nothing earlier matters.
   // Effects remember more: time, velocity.
   const bool had_gap = command.answered_before == 0 && last_sample_ != 0;
-  if (step_->touch().has_effects() && had_gap) is_certain_ = false;
-  if (!is_certain_ && is_method_known_ && are_materials_known_ && !command.contact && !step_->touch().has_effects()) {
+  if (step_->has_effects() && had_gap) is_certain_ = false;
+  if (!is_certain_ && is_method_known_ && are_materials_known_ && !command.contact && !step_->has_effects()) {
     step_->restart();
     is_certain_ = true;
   }
@@ -210,7 +230,7 @@ void SessionReplay::compare(const ForceCommand& recorded, const ForceCommand& re
   }
   ++counts_.compared;
   const bool is_same = recorded.contact == replayed.contact && same_bits(recorded.force_n, replayed.force_n) &&
-                       same_bits(recorded.visual_offset_m, replayed.visual_offset_m);
+                       same_bits(recorded.torque_nm, replayed.torque_nm) && same_bits(recorded.visual_offset_m, replayed.visual_offset_m);
   if (is_same) return;
   ++counts_.different;
   counts_.max_difference_n = std::max(counts_.max_difference_n, (recorded.force_n - replayed.force_n).norm());

@@ -52,6 +52,9 @@ class SessionReplay {
   // A recording without changes of materials needs only the first two.
   SessionReplay(HapticsSetups setups, MakeTouch make_touch, MaterialStates materials = {}, MakeMaterials make_materials = {});
 
+  // Before the first entry: effects from shared libraries, which must be those that the recording names. Pre: outlives this.
+  void use_effects(PluginEffects* effects) { effects_ = effects; }
+
   void on_state(const DeviceState& state);
   void on_view(const ViewTransform& view);
   Result<void> on_answer(std::uint64_t sender, const ForceCommand& command);
@@ -71,11 +74,13 @@ class SessionReplay {
   void turn(std::uint32_t revision);
   std::optional<ForceCommand> step(std::uint64_t sample);
   void compare(const ForceCommand& recorded, const ForceCommand& replayed);
+  Result<void> check_effects(const HapticsSetup& setup) const;
   Result<std::unique_ptr<TouchStep>> make_method_of(const HapticsSetup& setup, double* offset_m = nullptr);
 
   HapticsSetups setups_;
   MakeTouch make_touch_;
   MaterialStates material_states_;
+  PluginEffects* effects_ = nullptr;  // null: none
   MakeMaterials make_materials_;
   std::map<std::uint64_t, DeviceState> states_;    // not passed yet
   std::map<std::uint32_t, ViewTransform> views_;   // forwarded, by revision

@@ -10,12 +10,14 @@ namespace hapton {
 namespace {
 
 constexpr std::size_t kFaultsListed = 20;
+constexpr std::size_t kMarkersListed = 20;
 
 const char* name_of(const Message& message) {
-  constexpr std::array kNames = {
-      "Hello",      "Welcome",   "Bye",          "DeviceState",   "ForceCommand",    "ViewTransform", "ProbeState",   "FrameAck",
-      "HandTarget", "Settings",  "HapticsSetup", "ReportRequest", "ReportPart",      "SceneFacts",    "ViewRejected", "PatchBegin",
-      "PatchCell",  "PatchTile", "PatchStatus",  "LoopFacts",     "MaterialRequest", "MaterialState"};
+  constexpr std::array kNames = {"Hello",           "Welcome",       "Bye",        "DeviceState", "ForceCommand",
+                                 "ViewTransform",   "ProbeState",    "FrameAck",   "HandTarget",  "Settings",
+                                 "HapticsSetup",    "ReportRequest", "ReportPart", "SceneFacts",  "ViewRejected",
+                                 "PatchBegin",      "PatchCell",     "PatchTile",  "PatchStatus", "LoopFacts",
+                                 "MaterialRequest", "MaterialState", "ObjectPose", "Marker",      "MarkerReply"};
   static_assert(kNames.size() == std::variant_size_v<Message>);
   return kNames[message.index()];
 }
@@ -45,6 +47,11 @@ void SessionSummary::add(const SessionEntry& entry, const Datagram* datagram) {
       break;
     }
     case SessionEntry::Kind::cycle:
+      if (cycles_ > 0 && entry.cycle.sample > newest_sample_ + 1) {
+        lost_samples_ += entry.cycle.sample - newest_sample_ - 1;
+        ++gaps_;
+      }
+      newest_sample_ = entry.cycle.sample;
       ++cycles_;
       lateness_.record(entry.cycle.late_ns);
       max_written_n_ = std::max(max_written_n_, entry.cycle.written_n.norm());
@@ -57,6 +64,10 @@ void SessionSummary::add(const SessionEntry& entry, const Datagram* datagram) {
       return;
     case SessionEntry::Kind::dropped:
       dropped_ += entry.dropped;
+      return;
+    case SessionEntry::Kind::marker:
+      if (markers_.size() < kMarkersListed) markers_.push_back({entry.time_ns, entry.marker.sample, std::string(entry.marker.text)});
+      ++marker_count_;
       return;
   }
   if (datagram == nullptr || entry.kind == SessionEntry::Kind::sent) return;
@@ -103,6 +114,12 @@ std::string SessionSummary::to_text(const SessionHeader& header) const {
     text += fmt::format("fault at {:.6f} s: {}\n", 1e-9 * static_cast<double>(fault.time_ns - header.start_ns), to_string(fault.fault));
   }
   for (const auto& [fault, count] : fault_counts_) text += fmt::format("faults: {} {}\n", count, to_string(fault));
+  for (const Marker& marker : markers_) {
+    text += fmt::format("marker at {:.6f} s, sample {}: {}\n", 1e-9 * static_cast<double>(marker.time_ns - header.start_ns), marker.sample,
+                        marker.text);
+  }
+  if (marker_count_ > 0) text += fmt::format("markers: {}\n", marker_count_);
+  if (lost_samples_ > 0) text += fmt::format("missing in the recording: {} samples in {} gaps\n", lost_samples_, gaps_);
   if (dropped_ > 0) text += fmt::format("not recorded: {} entries (buffer full)\n", dropped_);
   return text;
 }

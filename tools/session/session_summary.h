@@ -35,6 +35,12 @@ class SessionSummary {
     SessionFault fault = SessionFault::none;
   };
 
+  struct Marker {
+    std::int64_t time_ns = 0;
+    std::uint64_t sample = 0;
+    std::string text;
+  };
+
   void add_force(const ForceCommand& force, std::int64_t time_ns);
   double seconds() const { return 1e-9 * static_cast<double>(last_ns_ - first_ns_); }
 
@@ -50,8 +56,13 @@ class SessionSummary {
   std::uint64_t cycles_ = 0;
   std::uint64_t missed_ = 0;
   std::map<MissCause, std::uint64_t> causes_;
+  std::uint64_t newest_sample_ = 0;
+  std::uint64_t lost_samples_ = 0;
+  std::uint64_t gaps_ = 0;
   std::uint64_t dropped_ = 0;
-  std::vector<Fault> faults_;  // the first of them
+  std::vector<Fault> faults_;    // the first of them
+  std::vector<Marker> markers_;  // the first of them
+  std::uint64_t marker_count_ = 0;
   std::map<SessionFault, std::uint64_t> fault_counts_;
   HapticsSetups setups_;
   MaterialStates materials_;

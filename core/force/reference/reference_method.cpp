@@ -231,7 +231,7 @@ MethodOutput ReferenceMethod::settle_from(const Vec3& p_SP, const Vec3& p_SD) no
   return compute_output(p_SD, proxy_->state().position, Vec3::Zero());
 }
 
-void ReferenceMethod::resume(const Vec3& p_SP, const Vec3& p_SD, bool sliding) noexcept {
+void ReferenceMethod::continue_from(const Vec3& p_SP, const Vec3& p_SD, bool sliding) noexcept {
   device_ = device_to_local(p_SD);
   has_sample_ = true;
   const Vec3 penetration = to_local(p_SP) - device_;

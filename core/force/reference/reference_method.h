@@ -72,7 +72,7 @@ class ReferenceMethod final : public ForceMethod {
   // Continues from another method's state: its proxy at p_SP, settled, with the device at p_SD; `sliding` says whether friction had it
   // slide. The proxy is lifted off the surface by twice a point's radius, away from the device; a point under friction is put onto the
   // faces nearest to it. The next step continues from there. Counters are kept.
-  void resume(const Vec3& p_SP, const Vec3& p_SD, bool sliding) noexcept;
+  void continue_from(const Vec3& p_SP, const Vec3& p_SD, bool sliding) noexcept;
 
   const ReferenceCounters& counters() const { return counters_; }
   const ReferenceStep& last_step() const { return last_; }

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <bit>
+#include <limits>
 #include <string>
 
 #include "tests/io_node/vrpn/hex.h"
@@ -49,11 +51,89 @@ TEST(VrpnClient, GetsOurNamesAfterItsCookie) {
   taken(client);
   ASSERT_TRUE(client.receive(Speaker().said, kNow));
   EXPECT_TRUE(client.is_connected());
-  EXPECT_THAT(messages_in(client.out()), ElementsAre("-1/0", "-2/0", "-2/1", "-2/2", "-2/3", "-2/4", "-2/5", "-2/6", "-2/7", "-2/8"));
+  EXPECT_THAT(messages_in(client.out()), ElementsAre("-1/0", "-2/0", "-2/1", "-2/2", "-2/3", "-2/4", "-2/5", "-2/6", "-2/7", "-2/8", "-2/9",
+                                                     "-2/10", "-2/11", "-2/12"));
   std::span<const std::byte> rest(client.out());
   Message message;
   read_message(rest, message);
   EXPECT_EQ(name_of(message), "Phantom0");
+}
+
+TEST(VrpnClient, IsToldThatForcesAreRejectedOnceASecond) {
+  Client client("Phantom0");
+  Speaker speaker;
+  speaker.describe_sender(3, "Phantom0");
+  speaker.describe_type(4, "vrpn_ForceDevice Plane2");
+  ASSERT_TRUE(client.receive(speaker.said, kNow));
+  taken(client);
+  speaker.said.clear();
+  for (int n = 0; n < 1000; ++n) speaker.say(3, 4);
+  ASSERT_TRUE(client.receive(speaker.said, kNow));
+  EXPECT_EQ(client.rejected_forces(), 1000U);
+  const Bytes told = taken(client);
+  std::span<const std::byte> rest(told);
+  Message message;
+  ASSERT_EQ(read_message(rest, message), ReadStatus::message);
+  EXPECT_TRUE(rest.empty());
+  EXPECT_EQ(message.type, static_cast<std::int32_t>(OurType::text));
+  ASSERT_EQ(message.body.size(), 8U + 1024U) << "VRPN reads so many bytes";
+  EXPECT_EQ(to_hex(Bytes(message.body.begin(), message.body.begin() + 8)), to_hex(hex("00000002 00000000"))) << "an error, level 0";
+  EXPECT_NE(std::string(reinterpret_cast<const char*>(message.body.data()) + 8).find("only the haptics node sends forces"),
+            std::string::npos);
+  ASSERT_TRUE(client.receive(speaker.said, {kNow.s + 1, 0}));
+  EXPECT_EQ(messages_in(taken(client)).size(), 1U);
+}
+
+TEST(VrpnClient, GetsTheTransformsItAsksFor) {
+  Client client("Phantom0");
+  Speaker speaker;
+  speaker.describe_sender(3, "Phantom0");
+  speaker.describe_type(4, "vrpn_Tracker Request_Tracker_To_Room");
+  speaker.describe_type(5, "vrpn_Tracker Request_Unit_To_Sensor");
+  ASSERT_TRUE(client.receive(speaker.said, kNow));
+  taken(client);
+  speaker.said.clear();
+  speaker.say(3, 4);
+  speaker.say(3, 5);
+  ASSERT_TRUE(client.receive(speaker.said, kNow));
+  const Bytes answers = taken(client);
+  EXPECT_THAT(messages_in(answers), ElementsAre("9/0", "10/0", "10/0"));
+  std::span<const std::byte> rest(answers);
+  const std::string identity =
+      to_hex(hex("0000000000000000 0000000000000000 0000000000000000"
+                 "0000000000000000 0000000000000000 0000000000000000 3ff0000000000000"));
+  for (const char* begin : {"", "00000000 00000000", "00000001 00000000"}) {
+    Message message;
+    ASSERT_EQ(read_message(rest, message), ReadStatus::message);
+    EXPECT_EQ(to_hex(Bytes(message.body.begin(), message.body.end())), to_hex(hex(begin)) + identity);
+  }
+}
+
+TEST(VrpnClient, SetsItsRateOfReports) {
+  Client client("Phantom0");
+  Speaker speaker;
+  speaker.describe_sender(3, "Phantom0");
+  speaker.describe_type(4, "vrpn_Tracker set_update_rate");
+  ASSERT_TRUE(client.receive(speaker.said, kNow));
+  EXPECT_FALSE(client.wanted_rate_hz());
+  const auto ask = [&](double rate_hz) {
+    Bytes said;
+    append_analog(said, {3, 4, kNow, 0}, {});  // one number: how many follow
+    const auto bits = std::bit_cast<std::uint64_t>(rate_hz);
+    for (std::size_t i = 0; i < 8; ++i) said[kHeaderBytes + i] = static_cast<std::byte>(bits >> (56 - 8 * i));
+    EXPECT_TRUE(client.receive(said, kNow));
+  };
+  ask(60.0);
+  EXPECT_EQ(client.wanted_rate_hz(), 60.0);
+  for (const double bad : {0.0, -5.0, std::numeric_limits<double>::quiet_NaN()}) {
+    ask(bad);
+    EXPECT_EQ(client.wanted_rate_hz(), 60.0);
+  }
+  Speaker without;
+  without.said.clear();
+  without.say(3, 4);  // no number
+  EXPECT_TRUE(client.receive(without.said, kNow));
+  EXPECT_EQ(client.wanted_rate_hz(), 60.0);
 }
 
 TEST(VrpnClient, MaySpeakAByteAtATime) {
@@ -141,7 +221,7 @@ TEST(VrpnClient, ThatRequestsForcesIsRejectedAndCounted) {
   speaker.say(4, 21);
   ASSERT_TRUE(client.receive(speaker.said, kNow));
   EXPECT_EQ(client.rejected_forces(), 2U);
-  EXPECT_TRUE(client.out().empty());
+  EXPECT_EQ(messages_in(client.out()).size(), 1U) << "one text for both";
 }
 
 TEST(VrpnClient, MayAskForTheWorkspace) {

@@ -142,6 +142,55 @@ TEST_F(VrpnServer, AnswersPingsAndSendsTheWorkspace) {
             to_hex(hex("c000000000000000 c000000000000000 c000000000000000 3ff0000000000000 3ff0000000000000 3fe0000000000000")));
 }
 
+TEST_F(VrpnServer, ShowsTheProxyAsSecondSensorAndAsContactPoint) {
+  open();
+  Program program;
+  program.connect(at());
+  ASSERT_TRUE(feed_until(program, [&] { return program.has_received(kPosition); }));
+  EXPECT_EQ(to_hex(program.last(kPosition)->body).substr(0, 11), "00 00 00 00") << "no proxy is known yet";
+  const std::string place =
+      to_hex(hex("3ff0000000000000 c000000000000000 3fe8000000000000"
+                 "0000000000000000 0000000000000000 0000000000000000 3ff0000000000000"));
+  ASSERT_TRUE(feed_until(program, [&] {
+    feed.show_proxy({Vec3(1, -2, 0.75), Quat::Identity(), true});
+    return program.has_received("vrpn_ForceDevice SCP");
+  }));
+  EXPECT_EQ(to_hex(program.last("vrpn_ForceDevice SCP")->body), place);
+  EXPECT_EQ(to_hex(program.last(kPosition)->body), to_hex(hex("00000001 00000001")) + place);
+  program.forget();
+  ASSERT_TRUE(feed_until(program, [&] {
+    feed.show_proxy({Vec3(1, -2, 0.75), Quat::Identity(), false});
+    return std::count_if(program.received().begin(), program.received().end(), [](const auto& r) { return r.name == kPosition; }) > 100;
+  }));
+  EXPECT_EQ(to_hex(program.last("vrpn_ForceDevice SCP")->body), to_hex(Bytes(56))) << "zeros: no contact";
+}
+
+TEST_F(VrpnServer, SendsAClientNoMoreReportsThanItAskedFor) {
+  open();
+  Program slow, fast;
+  slow.connect(at());
+  fast.connect(at());
+  slow.describe_sender(7, "Phantom0");
+  slow.describe_type(8, "vrpn_Tracker set_update_rate");
+  slow.say(hex("00000020 00000000 00000000 00000007 00000008 00000000 4024000000000000"));  // 10 a second
+  const auto positions = [](const Program& program) {
+    return std::count_if(program.received().begin(), program.received().end(), [](const auto& r) { return r.name == kPosition; });
+  };
+  ASSERT_TRUE(feed_until(slow, [&] {
+    fast.look();
+    return positions(slow) > 0 && positions(fast) > 0;
+  }));
+  slow.forget();
+  fast.forget();
+  const std::int64_t begin_ns = clock.now_ns();
+  ASSERT_TRUE(feed_until(slow, [&] {
+    fast.look();
+    return clock.now_ns() - begin_ns > kNanosecondsPerSecond;
+  }));
+  EXPECT_LE(positions(slow), 12);
+  EXPECT_GT(positions(fast), 2 * positions(slow));
+}
+
 TEST_F(VrpnServer, SendsVelocityAsDistanceOverTime) {
   open(100.0);
   Program program;

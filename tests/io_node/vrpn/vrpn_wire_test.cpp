@@ -59,7 +59,7 @@ TEST(VrpnWire, TypeDescription) {
 
 TEST(VrpnWire, TrackerPositionAndQuaternionInTheOrderXYZW) {
   Bytes out;
-  append_position(out, kHeader, {1, -2, 0.5}, Quat(/*w*/ 1, /*x*/ 0.5, /*y*/ 0, /*z*/ -2));
+  append_position(out, kHeader, 0, {1, -2, 0.5}, Quat(/*w*/ 1, /*x*/ 0.5, /*y*/ 0, /*z*/ -2));
   expect_bytes(out, {"00000058 ", kRest, "00000000 00000000 ", kOne, kMinusTwo, kHalf, kHalf, kZero, kMinusTwo, kOne});
 }
 

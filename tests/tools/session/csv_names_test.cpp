@@ -16,5 +16,11 @@ TEST(CsvNames, AreTwoFieldsWhateverIsInThem) {
   EXPECT_EQ(csv_names({}, 0), ",");
 }
 
+TEST(CsvNames, ACellHoldsAnyText) {
+  EXPECT_EQ(csv_cell("trial 1"), "trial 1");
+  EXPECT_EQ(csv_cell("a, \"b\""), "\"a, \"\"b\"\"\"");
+  EXPECT_EQ(csv_cell(""), "");
+}
+
 }  // namespace
 }  // namespace hapton

@@ -123,6 +123,44 @@ TEST(JoinedTable, LocalForcesEventsAndOlderRecordings) {
   EXPECT_EQ(joined.table.without_sample(), 1U);
 }
 
+TEST(JoinedTable, AGapIsNamedAndCounted) {
+  Joined joined;
+  for (const std::uint64_t sample : {40U, 41U, 157U, 158U, 158U, 160U}) joined.table.add(cycle_of(sample), nullptr);
+  joined.table.finish();
+  std::vector<std::uint64_t> lost;
+  for (const JoinedRow& row : joined.rows) lost.push_back(row.lost);
+  EXPECT_EQ(lost, (std::vector<std::uint64_t>{0, 0, 115, 0, 0, 1})) << "what was before a flight record is no gap";
+  EXPECT_EQ(joined.table.lost(), 116U);
+  EXPECT_EQ(joined.table.gaps(), 2U);
+}
+
+SessionEntry marker_of(std::uint64_t sample, std::string_view text) {
+  SessionEntry entry;
+  entry.kind = SessionEntry::Kind::marker;
+  entry.time_ns = sample_ns(sample) + 100'000;
+  entry.marker = {sample, NodeRole::tool, text};
+  return entry;
+}
+
+TEST(JoinedTable, AMarkerStandsAtItsSample) {
+  Joined joined;
+  joined.table.add(marker_of(1, "begin"), nullptr);  // within the cycle, as usual
+  joined.table.add(cycle_of(1), nullptr);
+  joined.force(1, sample_ns(1) + 250'000);
+  joined.table.add(marker_of(1, "after its force"), nullptr);
+  joined.table.add(marker_of(2, "of a lost row"), nullptr);
+  joined.table.add(cycle_of(4), nullptr);
+  joined.table.add(marker_of(5, "at the end"), nullptr);
+  joined.table.finish();
+  ASSERT_EQ(joined.rows.size(), 2U);
+  EXPECT_EQ(joined.rows[0].markers, (std::vector<std::string>{"begin", "after its force"}));
+  EXPECT_EQ(joined.rows[1].markers, (std::vector<std::string>{"of a lost row", "at the end"}));
+  Joined empty;
+  empty.table.add(marker_of(5, "without a row"), nullptr);
+  empty.table.finish();
+  EXPECT_TRUE(empty.rows.empty());
+}
+
 // As `--overrun stop` ends a session: the fault is the last entry.
 TEST(JoinedTable, AFaultBehindTheLastCycleIsNotLost) {
   Joined joined;
@@ -171,6 +209,11 @@ std::filesystem::path write_recording(const ScratchFolder& scratch, std::uint64_
       fault.kind = SessionEntry::Kind::fault;
       fault.fault = SessionFault::clamped;
       session.append(fault, bytes);
+      session.append(marker_of(10,
+                               "gez\xC3\xBC"
+                               "ckt"),
+                     bytes);
+      session.append(marker_of(11, "a, b"), bytes);
     }
   }
   return scratch.write("session.hapton", bytes);
@@ -191,10 +234,14 @@ TEST(JoinedCsv, HasAllColumnsAndLeavesEmptyWhatIsNotKnown) {
   ASSERT_EQ(lines.size(), 13U);
   EXPECT_EQ(lines[0].find("t_s,sample,x_m,y_m,z_m,qw,"), 0U);
   for (const std::string& line : lines)
-    EXPECT_EQ(std::count(line.begin(), line.end(), ','), std::count(lines[0].begin(), lines[0].end(), ','));
+    EXPECT_EQ(std::count(line.begin(), line.end(), ','),
+              std::count(lines[0].begin(), lines[0].end(), ',') + (line.find('"') != std::string::npos ? 1 : 0));
   EXPECT_NE(lines[1].find(",,,,,,"), std::string::npos) << "no force came for sample 1: " << lines[1];
-  EXPECT_EQ(lines[11].substr(lines[11].size() - 8), ",clamped");
-  EXPECT_NE(lines[0].find(",object_name,material,event"), std::string::npos);
+  EXPECT_EQ(lines[10].substr(lines[10].rfind(",")),
+            ",gez\xC3\xBC"
+            "ckt");
+  EXPECT_NE(lines[11].find(",clamped,\"a, b\""), std::string::npos) << lines[11];
+  EXPECT_NE(lines[0].find(",object_name,material,event,marker"), std::string::npos);
   EXPECT_NE(lines[2].find(",glass,hard,"), std::string::npos) << lines[2];
   EXPECT_EQ(lines[1].find("hood"), std::string::npos);
 }
@@ -204,6 +251,20 @@ std::vector<double> read_column(hid_t file, const std::string& name) {
   const hid_t space = H5Dget_space(set);
   std::vector<double> values(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)));
   EXPECT_GE(H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), 0) << name;
+  H5Sclose(space);
+  H5Dclose(set);
+  return values;
+}
+
+std::vector<std::string> read_texts(hid_t file, const std::string& name) {
+  const hid_t set = H5Dopen2(file, name.c_str(), H5P_DEFAULT);
+  const hid_t space = H5Dget_space(set);
+  const hid_t type = H5Dget_type(set);
+  std::vector<char*> texts(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)));
+  EXPECT_GE(H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, texts.data()), 0) << name;
+  std::vector<std::string> values(texts.begin(), texts.end());
+  H5Dvlen_reclaim(type, space, H5P_DEFAULT, texts.data());
+  H5Tclose(type);
   H5Sclose(space);
   H5Dclose(set);
   return values;
@@ -250,7 +311,12 @@ TEST(JoinedHdf5, HoldsEverySampleOfEveryBlockWithUnits) {
     H5Sclose(space);
     H5Dclose(set);
   }
-  EXPECT_EQ(read_column(file, "/events/t_s"), std::vector<double>{1e-9 * static_cast<double>(sample_ns(11) - kJoinedStartNs)});
+  EXPECT_EQ(read_column(file, "/events/sample"), (std::vector<double>{10, 11, 11}));
+  EXPECT_EQ(read_column(file, "/events/t_s")[2], 1e-9 * static_cast<double>(sample_ns(11) - kJoinedStartNs));
+  EXPECT_EQ(read_texts(file, "/events/kind"), (std::vector<std::string>{"marker", "fault", "marker"}));
+  EXPECT_EQ(read_texts(file, "/events/name"), (std::vector<std::string>{"gez\xC3\xBC"
+                                                                        "ckt",
+                                                                        "clamped", "a, b"}));
   EXPECT_EQ(read_text_attribute(file, "/", "schema"), "hapton.table/1");
   EXPECT_EQ(read_text_attribute(file, "/", "build"), "b1");
   EXPECT_EQ(read_text_attribute(file, "/", "session"), "00000000000000ab");

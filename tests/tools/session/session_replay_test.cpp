@@ -11,6 +11,8 @@
 #include "haptic_step/haptics_setup.h"
 #include "haptic_step/material_tuning.h"
 #include "haptic_step/method_text.h"
+#include "plugin/plugin_effects.h"
+#include "tests/standins/paths.h"
 #include "tests/support/made_meshes.h"
 
 namespace hapton {
@@ -379,6 +381,66 @@ TEST_F(EffectsReplayTest, AfterALongGapNothingIsCompared) {
   EXPECT_EQ(replay.counts().compared, 100U);
   EXPECT_EQ(replay.counts().not_compared, 100U);
   EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
+}
+
+// With an effect from a shared library beside the method.
+struct PluginReplayTest : SessionReplayTest {
+  SimulatedClock clock;
+  PluginEffects effects{clock};
+  PluginEffects replayed{clock};
+
+  void add(PluginEffects& into, const std::string& parameters) {
+    ASSERT_TRUE(into.add(*parse_plugin_choice(standin::library("plugins/odd_effect.so") + ":" + parameters)));
+  }
+  void record(const std::string& parameters) {
+    add(effects, parameters);
+    live.use_effects(&effects);
+    slide(200);
+    put_text(to_text({.name = "proxy"}) + effects.to_text(), setups.begin()->second.method);
+  }
+  std::string error_of(SessionReplay& replay) {
+    for (const auto& [state, command] : recorded) {
+      replay.on_state(state);
+      if (const auto done = replay.on_answer(kSender, *command); !done) return done.error().what;
+    }
+    return "";
+  }
+};
+
+TEST_F(PluginReplayTest, TheSameFileAndParametersGiveTheSameForces) {
+  record("does=copy");
+  add(replayed, "does=copy");
+  SessionReplay replay = make_replay();
+  replay.use_effects(&replayed);
+  feed(replay);
+  EXPECT_EQ(replay.counts().compared, 200U);
+  EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
+}
+
+TEST_F(PluginReplayTest, WithoutItOrWithAnotherNothingIsReplayed) {
+  record("does=copy");
+  SessionReplay without = make_replay();
+  EXPECT_NE(error_of(without).find("--effect FILE.so"), std::string::npos);
+  add(replayed, "does=copy,n=2");
+  SessionReplay other = make_replay();
+  other.use_effects(&replayed);
+  EXPECT_NE(error_of(other).find("same parameters"), std::string::npos);
+}
+
+TEST_F(PluginReplayTest, AnEffectTooManyIsNamed) {
+  slide(200);
+  add(replayed, "does=copy");
+  SessionReplay replay = make_replay();
+  replay.use_effects(&replayed);
+  EXPECT_NE(error_of(replay).find("leave --effect out"), std::string::npos);
+}
+
+TEST_F(PluginReplayTest, OneThatWasCutOffCannotBeReplayed) {
+  record("does=nan,after=100");
+  add(replayed, "does=nan,after=100");
+  SessionReplay replay = make_replay();
+  replay.use_effects(&replayed);
+  EXPECT_NE(error_of(replay).find("was cut off"), std::string::npos);
 }
 
 }  // namespace

@@ -121,12 +121,12 @@ TEST(ReferenceMethod, ResumeGoesOnFromAnotherMethodsProxy) {
   first->step({.p_SD = Vec3(0.0, 0.0, -0.001)});
   const Vec3 device(0.003, 0.001, -0.001);
   const MethodOutput sliding = first->step({.p_SD = device});
-  second->resume(sliding.p_SP, device, true);
+  second->continue_from(sliding.p_SP, device, true);
   for (int i = 1; i < 20; ++i) {
     const Vec3 next = device + Vec3(2e-5 * i, 5e-5 * i, 1e-6 * i);
     EXPECT_LT((first->step({.p_SD = next}).force_n - second->step({.p_SD = next}).force_n).norm(), 1e-9) << i;
   }
-  second->resume(Vec3(0.0, 0.0, 0.01), Vec3(0.0, 0.0, 0.01), false);
+  second->continue_from(Vec3(0.0, 0.0, 0.01), Vec3(0.0, 0.0, 0.01), false);
   EXPECT_FALSE(second->step({.p_SD = Vec3(0.0, 0.0, 0.005)}).contact);
 }
 

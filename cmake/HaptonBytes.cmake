@@ -1,0 +1,5 @@
+# cmake -DIN=FILE -DOUT=FILE.cc -DNAME=NAME -P: the bytes of a file as a C++ source with the array NAME and the number NAME_size.
+file(READ "${IN}" bytes HEX)
+string(REGEX REPLACE "(..)" "0x\\1," bytes "${bytes}")
+string(REGEX REPLACE "((0x..,){32})" "\\1\n" bytes "${bytes}")
+file(WRITE "${OUT}" "extern \"C\" const unsigned char ${NAME}[] = {\n${bytes}};\nextern \"C\" const unsigned long ${NAME}_size = sizeof ${NAME};\n")

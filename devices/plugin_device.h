@@ -1,0 +1,52 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "core/base/result.h"
+#include "devices/device.h"
+#include "devices/device_settings.h"
+#include "plugin/plugin_file.h"
+
+namespace hapton {
+
+// A device from a shared library (plugin/hapton_plugin.h). What it reports is checked by the governor like that of any device; one that
+// throws a C++ exception has a fault from then on. RT: as Device, as far as the plug-in keeps to it.
+class PluginDevice final : public Device {
+ public:
+  // Error: one line: the file cannot be used, the plug-in rejects its parameters, or its limits are impossible.
+  static Result<std::unique_ptr<PluginDevice>> make(const PluginChoice& choice);
+  // No force any more; closed.
+  ~PluginDevice() override;
+  PluginDevice(const PluginDevice&) = delete;
+  PluginDevice& operator=(const PluginDevice&) = delete;
+
+  std::string_view name() const noexcept override { return name_; }
+  const DeviceLimits& limits() const noexcept override { return limits_; }
+  DeviceSample read(std::int64_t now_ns) noexcept override;
+  void write(const Wrench& wrench, std::int64_t now_ns) noexcept override;
+  DeviceStatus status() const noexcept override { return status_; }
+  // The device's own code is in this process: its end is what releases the force.
+  void use_heartbeat_page(HeartbeatPage& page) noexcept override { page.set_means(CutMeans::kill); }
+  bool set_hand_target(const std::optional<Vec3>&) noexcept override { return false; }
+
+ private:
+  PluginDevice(PluginFile file, const hapton_device_api& api);
+  Result<void> take_limits(const hapton_device_limits& limits);
+
+  PluginFile file_;
+  const hapton_device_api& api_;
+  std::string name_;
+  void* device_ = nullptr;
+  DeviceLimits limits_;
+  DeviceStatus status_ = DeviceStatus::ready;
+  DeviceSample last_;  // good one
+};
+
+// How --device names one: "plugin:FILE.so:KEY=VALUE,...".
+constexpr std::string_view kPluginDevice = "plugin:";
+
+// RT: set-up only. Error: as PluginDevice::make.
+Result<std::unique_ptr<Device>> make_plugin_device(const DeviceSettings& settings);
+
+}  // namespace hapton

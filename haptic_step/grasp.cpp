@@ -1,0 +1,112 @@
+#include "haptic_step/grasp.h"
+
+#include <utility>
+
+namespace hapton {
+namespace {
+
+Pose pose_of(const DeviceState& state) {
+  Pose X_WD = Pose::Identity();
+  X_WD.translation() = state.p_WD;
+  X_WD.linear() = state.q_WT.normalized().toRotationMatrix();
+  return X_WD;
+}
+
+Pose relative(const Pose& X_WS, const Pose& X_WD) { return X_WS.inverse(Eigen::Isometry) * X_WD; }
+
+// A product of many rotations is kept one.
+Pose rigid(const Pose& pose) {
+  Pose kept = pose;
+  kept.linear() = Quat(pose.linear()).normalized().toRotationMatrix();
+  return kept;
+}
+
+}  // namespace
+
+Grasp::Grasp(GraspLink& link, const std::vector<bool>& movable, std::uint32_t buttons)
+    : link_(link), movable_(movable), buttons_(buttons), moved_(movable.size(), Pose::Identity()), poses_(movable.size()) {
+  for (std::size_t o = 0; o < poses_.size(); ++o) {
+    poses_[o].object = static_cast<std::int32_t>(o);
+    if (movable_[o]) poses_[o].serial = 1;
+  }
+}
+
+Grasp::Change Grasp::update(const DeviceState& state, const Pose& X_WS, int touched, const Vec3& visual_offset_m) noexcept {
+  const bool is_down = (state.buttons & buttons_) != 0;
+  const bool is_pressed = !std::exchange(was_down_, is_down) && is_down;
+  const bool is_answered = link_.answers.take() && link_.answers.value().serial == order_.serial;
+  switch (phase_) {
+    case Phase::idle:
+      if (is_pressed && touched >= 0 && static_cast<std::size_t>(touched) < movable_.size() &&
+          movable_[static_cast<std::size_t>(touched)]) {
+        begin(state, X_WS, touched, visual_offset_m);
+      }
+      return Change::none;
+    case Phase::asked:
+      if (!is_down || (is_answered && link_.answers.value().tool == nullptr)) {
+        send(GraspOrder::Kind::let_go);
+        phase_ = Phase::idle;
+        return Change::none;
+      }
+      if (!is_answered) return Change::none;
+      tool_ = link_.answers.value().tool;
+      phase_ = Phase::held;
+      set_pose(order_.X_SD.inverse(Eigen::Isometry) * order_.moved, true);
+      return Change::picked_up;
+    case Phase::held:
+      if (is_down) return Change::none;
+      tool_ = nullptr;
+      order_.moved = rigid(X_SP_ * order_.X_SD.inverse(Eigen::Isometry) * order_.moved);
+      moved_[static_cast<std::size_t>(order_.object)] = order_.moved;
+      set_pose(order_.moved, false);
+      send(GraspOrder::Kind::put_down);
+      phase_ = Phase::waiting;
+      return Change::put_down;
+    case Phase::waiting:
+      if (is_answered) phase_ = Phase::idle;  // the scene could not be built: the one before goes on
+      return Change::none;
+  }
+  return Change::none;
+}
+
+void Grasp::begin(const DeviceState& state, const Pose& X_WS, int object, const Vec3& visual_offset_m) noexcept {
+  order_.object = object;
+  order_.X_SD = relative(X_WS, pose_of(state));
+  order_.moved = moved_[static_cast<std::size_t>(object)];
+  X_SP_ = order_.X_SD;
+  p_DP_ = state.q_WT.conjugate() * visual_offset_m;
+  send(GraspOrder::Kind::pick_up);
+  phase_ = Phase::asked;
+}
+
+void Grasp::send(GraspOrder::Kind kind) noexcept {
+  ++order_.serial;
+  order_.kind = kind;
+  link_.orders.publish(order_);
+}
+
+void Grasp::set_pose(const Pose& pose, bool is_held) noexcept {
+  ObjectPose& shown = poses_[static_cast<std::size_t>(order_.object)];
+  shown.serial = ++pose_serial_;
+  shown.is_held = is_held;
+  shown.p_m = pose.translation();
+  shown.q = Quat(pose.linear()).normalized();
+}
+
+void Grasp::note_pose(const Pose& X_WP, const Pose& X_WS) noexcept {
+  if (tool_ != nullptr && tool_->is_known()) X_SP_ = relative(X_WS, X_WP);
+}
+
+void Grasp::note_built(std::uint32_t serial) noexcept {
+  if (phase_ != Phase::waiting || serial != order_.serial) return;
+  phase_ = Phase::idle;
+  has_start_ = true;
+}
+
+std::optional<Grasp::Start> Grasp::take_start(const Pose& X_WS) noexcept {
+  if (!std::exchange(has_start_, false) || p_DP_.isZero(0.0)) return std::nullopt;
+  const Pose X_WP = X_WS * X_SP_;
+  return Start{X_WP * p_DP_, (X_WP.linear() * p_DP_).normalized()};
+}
+
+}  // namespace hapton

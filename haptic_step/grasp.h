@@ -1,0 +1,99 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/base/mailbox.h"
+#include "core/tool/held_tool.h"
+#include "link/messages.h"
+
+namespace hapton {
+
+// What the step asks of the slow task.
+struct GraspOrder {
+  enum class Kind : std::uint8_t { pick_up, let_go, put_down };
+
+  std::uint32_t serial = 0;  // counts orders, from 1
+  Kind kind = Kind::let_go;
+  int object = -1;                // of the scene
+  Pose X_SD = Pose::Identity();   // pick_up: the stylus when the object was picked up
+  Pose moved = Pose::Identity();  // of the object: what its points, as the scene file places them, are moved by in frame S
+};
+
+// What the slow task answers: the tool of a pick_up, for the step to hold until its next order. Null: there is none, the log says why.
+struct GraspAnswer {
+  std::uint32_t serial = 0;  // of the order
+  HeldTool* tool = nullptr;
+  HapticsSetup::Text method = {};  // as HapticsSetup has it
+};
+
+// Between the step and the slow task. RT: yes. Threads: one on each side.
+struct GraspLink {
+  Mailbox<GraspOrder> orders;
+  Mailbox<GraspAnswer> answers;
+};
+
+// Picking up movable objects: the side of the step. A button of the stylus, pressed while a movable object is touched, picks it up: the
+// object is then the tool that the stylus holds, and collides with all others. Released, it lies where it is, and is touched there as soon
+// as the slow task has built the scene again.
+// RT: yes. Threads: the step's.
+class Grasp {
+ public:
+  // movable: by object. buttons: one of these picks up.
+  Grasp(GraspLink& link, const std::vector<bool>& movable, std::uint32_t buttons);
+
+  enum class Change : std::uint8_t { none, picked_up, put_down };
+  // Before the force of a sample. touched: the object in contact at the sample before, -1: none. visual_offset_m: of that sample, frame W.
+  Change update(const DeviceState& state, const Pose& X_WS, int touched, const Vec3& visual_offset_m) noexcept;
+
+  // What the stylus holds; null: nothing.
+  HeldTool* tool() const noexcept { return tool_; }
+  int object() const noexcept { return order_.object; }
+  // Of what the stylus holds, as HapticsSetup has it.
+  const HapticsSetup::Text& method() const noexcept { return link_.answers.value().method; }
+  // After each step of the tool: where it is drawn.
+  void note_pose(const Pose& X_WP, const Pose& X_WS) noexcept;
+
+  // An object has been put down, and the scene is not built again yet: nothing is felt.
+  bool is_waiting() const noexcept { return phase_ == Phase::waiting; }
+  // An object is picked up, held or put down: no other method may come into use.
+  bool is_busy() const noexcept { return phase_ != Phase::idle; }
+  // The scene was built for that order: the next method starts where the stylus touches the object.
+  void note_built(std::uint32_t serial) noexcept;
+  // Once after note_built: in frame W, where the probe was on the object as it was picked up, and the direction off its surface.
+  struct Start {
+    Vec3 p_W = Vec3::Zero();
+    Vec3 outward = Vec3::Zero();
+  };
+  std::optional<Start> take_start(const Pose& X_WS) noexcept;
+
+  // By object; a serial of 0: it is not movable.
+  std::span<const ObjectPose> poses() const noexcept { return poses_; }
+  // Counts the changes of the poses, from 1.
+  std::uint32_t pose_serial() const noexcept { return pose_serial_; }
+
+ private:
+  enum class Phase : std::uint8_t { idle, asked, held, waiting };
+
+  void begin(const DeviceState& state, const Pose& X_WS, int object, const Vec3& visual_offset_m) noexcept;
+  void send(GraspOrder::Kind kind) noexcept;
+  void set_pose(const Pose& pose, bool is_held) noexcept;
+
+  GraspLink& link_;
+  std::vector<bool> movable_;
+  std::uint32_t buttons_;
+  Phase phase_ = Phase::idle;
+  bool was_down_ = true;  // a button held down since before the start picks up nothing
+  GraspOrder order_;
+  HeldTool* tool_ = nullptr;
+  Vec3 p_DP_ = Vec3::Zero();      // the probe on the object when it was picked up, frame of the stylus
+  Pose X_SP_ = Pose::Identity();  // the tool's pose, frame S
+  bool has_start_ = false;
+  std::vector<Pose> moved_;  // by object
+  std::vector<ObjectPose> poses_;
+  std::uint32_t pose_serial_ = 1;
+};
+
+}  // namespace hapton

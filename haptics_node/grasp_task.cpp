@@ -1,0 +1,132 @@
+#include "haptics_node/grasp_task.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "core/force/stiffest.h"
+#include "core/force/virtual_coupling.h"
+#include "haptics_node/new_scene.h"
+#include "haptics_node/tool_task.h"
+#include "runtime/clock.h"
+#include "runtime/log.h"
+#include "runtime/start_thread.h"
+
+namespace hapton {
+namespace {
+
+// Between two looks for an order or a sample, as ToolTask has it.
+constexpr auto kPause = std::chrono::microseconds(100);
+// A longer time to make a tool is logged: the object did not follow the hand at once.
+constexpr double kNoticedS = 0.2;
+
+TriangleMesh moved_by(const Pose& pose, const TriangleMesh& mesh) {
+  TriangleMesh moved = mesh;
+  for (Vec3& vertex : moved.vertices) vertex = pose * vertex;
+  const Eigen::Matrix3f turn = pose.linear().cast<float>();
+  for (auto& corners : moved.authored_normals) {
+    for (Eigen::Vector3f& normal : corners) normal = turn * normal;
+  }
+  return moved;
+}
+
+}  // namespace
+
+std::vector<bool> list_movable(const Scene& scene) {
+  std::vector<bool> movable;
+  for (const SceneObject& object : scene.objects) movable.push_back(object.is_movable);
+  return movable;
+}
+
+GraspTask::GraspTask(Options options, Scene scene, GraspLink& link, MaterialTuner& tuner, MethodBuilder& builder)
+    : options_(std::move(options)), scene_(std::move(scene)), link_(link), tuner_(tuner), builder_(builder) {
+  for (const SceneObject& object : scene_.objects) as_loaded_.push_back(object.mesh);
+}
+
+GraspTask::~GraspTask() { stop(); }
+
+void GraspTask::start() {
+  thread_ = start_thread([this] { run(); });
+}
+
+void GraspTask::stop() noexcept {
+  stop_.store(true, std::memory_order_release);
+  if (thread_.joinable()) thread_.join();
+}
+
+void GraspTask::run() {
+  while (!stop_.load(std::memory_order_acquire)) {
+    if (!look()) std::this_thread::sleep_for(kPause);
+  }
+}
+
+bool GraspTask::look() {
+  if (link_.orders.take()) {
+    carry_out(link_.orders.value());
+    return true;
+  }
+  const SteadyClock clock;
+  const std::int64_t begin_ns = clock.now_ns();
+  if (tool_ == nullptr || !tool_->follow()) return false;
+  pose_times_.record(clock.now_ns() - begin_ns);
+  return true;
+}
+
+// With an order the step has let go of the tool before.
+void GraspTask::carry_out(const GraspOrder& order) {
+  tool_.reset();
+  if (order.kind == GraspOrder::Kind::pick_up) pick_up(order);
+  if (order.kind == GraspOrder::Kind::put_down) put_down(order);
+}
+
+void GraspTask::pick_up(const GraspOrder& order) {
+  const SteadyClock clock;
+  const std::int64_t begin_ns = clock.now_ns();
+  const auto number = static_cast<std::size_t>(order.object);
+  const std::string& name = scene_.objects[number].name;
+  std::vector<std::shared_ptr<const TriangleMesh>> others;
+  std::vector<SurfaceFriction> friction;
+  for (std::size_t o = 0; o < scene_.objects.size(); ++o) {
+    if (o == number) continue;
+    others.push_back(scene_.objects[o].mesh);
+    const Material& material = scene_.objects[o].material;
+    friction.push_back({material.friction_static, material.friction_dynamic});
+  }
+  const TriangleMesh held = moved_by(order.X_SD.inverse(Eigen::Isometry) * order.moved, *as_loaded_[number]);
+  auto step = ToolStep::make(held, std::move(others),
+                             {.stiffness_n_per_m = find_stiffest(couple_scene(scene_.touch_scene(), options_.coupling_n_per_m)),
+                              .rotational_stiffness_nm_per_rad = options_.rotational_stiffness_nm_per_rad},
+                             std::move(friction));
+  if (!step) {
+    log_warning("{} cannot be picked up: {}", name, step.error().what);
+    link_.answers.publish({order.serial});
+    return;
+  }
+  tool_ = std::make_unique<HeldTool>(std::move(*step), order.X_SD);
+  link_.answers.publish({order.serial, tool_.get(), describe_tool(*tool_)});
+  const double seconds = 1e-9 * static_cast<double>(clock.now_ns() - begin_ns);
+  if (seconds > kNoticedS) {
+    log_info("{} is picked up; its trees took {:.1f} s", name, seconds);
+  } else {
+    log_info("{} is picked up", name);
+  }
+}
+
+void GraspTask::put_down(const GraspOrder& order) {
+  SceneObject& object = scene_.objects[static_cast<std::size_t>(order.object)];
+  const std::shared_ptr<const TriangleMesh> before = object.mesh;
+  object.mesh = std::make_shared<const TriangleMesh>(moved_by(order.moved, *as_loaded_[static_cast<std::size_t>(order.object)]));
+  const auto made = make_new_scene(scene_, options_.coupling_n_per_m, ++revision_, false);
+  made->put_down = order.serial;
+  if (const auto built = builder_.follow(made); !built) {
+    log_warning("{} cannot be put down there: {}; it is felt where it was", object.name, built.error().what);
+    object.mesh = before;
+    link_.answers.publish({order.serial});
+    return;
+  }
+  tuner_.follow(scene_, made->revision);
+  if (options_.on_scene) options_.on_scene(couple_scene(made->touch, options_.coupling_n_per_m));
+  log_info("{} is put down", object.name);
+}
+
+}  // namespace hapton

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "haptic_step/grasp.h"
+#include "haptics_node/material_tuner.h"
+#include "haptics_node/method_builder.h"
+#include "runtime/latency_histogram.h"
+#include "scene/scene_file.h"
+
+namespace hapton {
+
+// The slow task of grasping: makes the tool of an object that is picked up, follows the device with its pose, and builds the scene again
+// with the object where it was put down. The trees are built anew for each; the force never waits for that.
+// Threads: one of its own, or whoever calls look(). RT: no.
+class GraspTask {
+ public:
+  struct Options {
+    double coupling_n_per_m = 0.0;
+    double rotational_stiffness_nm_per_rad = 0.0;  // 0: derived from the object's size
+    // Called after the scene is in use again: with what is felt now, coupled.
+    std::function<void(const TouchScene&)> on_scene = {};
+  };
+
+  // scene: as loaded. Pre: all outlive this.
+  GraspTask(Options options, Scene scene, GraspLink& link, MaterialTuner& tuner, MethodBuilder& builder);
+  ~GraspTask();
+  GraspTask(const GraspTask&) = delete;
+  GraspTask& operator=(const GraspTask&) = delete;
+
+  void start();
+  // Ends the thread; the times are complete then.
+  void stop() noexcept;
+  // One look: carries out an order, or follows the device once. False: there was nothing to do.
+  bool look();
+
+  const LatencyHistogram& pose_times() const noexcept { return pose_times_; }
+
+ private:
+  void run();
+  void carry_out(const GraspOrder& order);
+  void pick_up(const GraspOrder& order);
+  void put_down(const GraspOrder& order);
+
+  Options options_;
+  Scene scene_;                                                 // as it is now
+  std::vector<std::shared_ptr<const TriangleMesh>> as_loaded_;  // by object
+  GraspLink& link_;
+  MaterialTuner& tuner_;
+  MethodBuilder& builder_;
+  std::unique_ptr<HeldTool> tool_;  // the step holds it until it orders something else
+  std::uint32_t revision_ = 0;
+  LatencyHistogram pose_times_;
+  std::atomic<bool> stop_ = false;
+  std::thread thread_;
+};
+
+// By object: whether the stylus can pick it up.
+std::vector<bool> list_movable(const Scene& scene);
+
+}  // namespace hapton

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "io_node/servo_stats.h"
+#include "io_node/servo_tap.h"
+#include "link/hub_peers.h"
+#include "link/messages.h"
+#include "link/rate_limit.h"
+
+namespace hapton {
+
+// Records the markers that nodes send, each once, at the newest sample, and replies to each. A node gets kPerSecond in the long run and
+// kBurst at once; beyond that its markers are counted and not recorded. RT: yes. Threads: the servo's.
+class MarkerLog {
+ public:
+  static constexpr std::int64_t kPerSecond = 50;
+  static constexpr std::int64_t kBurst = 100;
+  static constexpr std::size_t kRemembered = 16;  // requests of a node, so that a repetition is known
+
+  // Pre: all outlive this; tap may be null.
+  MarkerLog(HubPeers& peers, ServoTap* tap, ServoStats& stats) noexcept : peers_(peers), tap_(tap), stats_(stats) {}
+
+  // sample: the newest.
+  void accept(const Marker& marker, const PeerEvent& event, std::uint64_t sample, std::int64_t now_ns) noexcept;
+  // The node in this slot has left, or another one has taken it.
+  void on_peer_gone(std::size_t peer) noexcept { sources_[peer] = {}; }
+
+ private:
+  struct Source {
+    std::array<MarkerReply, kRemembered> replies = {};  // a ring
+    std::size_t count = 0;
+    TokenBucket markers{kPerSecond, kBurst};
+    TokenBucket refusals{10, 10};  // replies to what is beyond the limit
+  };
+
+  MarkerReply record(const Marker& marker, NodeRole role, std::uint64_t sample, std::int64_t now_ns) noexcept;
+
+  HubPeers& peers_;
+  ServoTap* tap_;
+  ServoStats& stats_;
+  std::array<Source, HubPeers::kCapacity> sources_ = {};
+};
+
+}  // namespace hapton

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+namespace hapton {
+
+// Whether a plug-in keeps to its time. Each call that takes longer than the budget counts 1, one that takes longer than kFarNs counts 6,
+// and each good call takes 0.01 away; at 10 the budget is exhausted. So 10 overruns in a row exhaust it, two calls that alone cost the hub
+// its force, or more than 1 % of overruns in the long run; a machine that stands still once does not. RT: all. Threads: one.
+class CallBudget {
+ public:
+  static constexpr std::int64_t kDefaultNs = 100'000;  // a tenth of the period at 1 kHz
+  static constexpr std::int64_t kFarNs = 10'000'000;   // half of the time after which the hub releases the force
+  static constexpr double kMostOverruns = 10.0;
+
+  explicit CallBudget(std::int64_t budget_ns = kDefaultNs) : budget_ns_(budget_ns) {}
+
+  // False from the call on that exhausts it.
+  bool add(std::int64_t spent_ns) noexcept {
+    const double cost = spent_ns > kFarNs ? 6.0 : spent_ns > budget_ns_ ? 1.0 : -0.01;
+    overruns_ = std::max(0.0, overruns_ + cost);
+    is_exhausted_ = is_exhausted_ || overruns_ >= kMostOverruns;
+    return !is_exhausted_;
+  }
+
+  std::int64_t budget_ns() const noexcept { return budget_ns_; }
+
+ private:
+  std::int64_t budget_ns_;
+  double overruns_ = 0.0;
+  bool is_exhausted_ = false;
+};
+
+}  // namespace hapton

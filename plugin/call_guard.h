@@ -1,0 +1,89 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "core/math/types.h"
+#include "plugin/call_budget.h"
+#include "plugin/plugin_file.h"
+#include "runtime/clock.h"
+#include "runtime/latency_histogram.h"
+
+namespace hapton {
+
+// Why a plug-in is not called any more.
+struct CutOff {
+  enum class Reason : std::uint8_t { none, not_finite, too_strong, too_slow, exception };
+  Reason reason = Reason::none;
+  double value = 0.0;  // N, Nm or s
+  double limit = 0.0;
+  bool is_torque = false;
+
+  explicit operator bool() const noexcept { return reason != Reason::none; }
+};
+
+// "it gave 1e+09 N, its limit is 2 N". RT: no.
+std::string describe(const CutOff& cut_off);
+
+class CallGuard;
+// "1000 calls, maximum 1.2 N; p50 0.1 us, p99 0.2, worst 3; CUT OFF: why", a line. RT: no.
+std::string describe_calls(const CallGuard& guard);
+
+struct PluginForce {
+  Vec3 force_n = Vec3::Zero();
+  Vec3 torque_nm = Vec3::Zero();
+};
+
+// Stands between us and the calls of one plug-in: measures them, checks what they give, and cuts the plug-in off for good when it takes too
+// long or gives nonsense. The force of a plug-in that is cut off fades from its last good one to zero. Frame: the caller's. Units: SI. RT:
+// all but construction and the report: no heap, lock or system call. Threads: one.
+class CallGuard {
+ public:
+  // Of the last good force, after the cut; as ForceFade in contact.
+  static constexpr double kFadeS = 0.1;
+
+  // Pre: the clock outlives this.
+  CallGuard(const Clock& clock, std::int64_t budget_ns, double max_force_n, double max_torque_nm)
+      : clock_(clock), budget_(budget_ns), max_force_n_(max_force_n), max_torque_nm_(max_torque_nm) {}
+
+  // The plug-in is called, unless it is cut off. give: runs it and puts its result into the argument.
+  template <class Give>
+  PluginForce step(double dt_s, Give&& give) noexcept {
+    if (!cut_off_) {
+      PluginForce given;
+      const std::int64_t begin_ns = clock_.now_ns();
+      const bool is_calm = call_plugin([&] { give(given); });
+      judge(clock_.now_ns() - begin_ns, is_calm, given);
+    }
+    return cut_off_ ? fade(dt_s) : last_;
+  }
+
+  // A new session: nothing is felt of the one before.
+  void forget() noexcept {
+    last_ = {};
+    share_ = 0.0;
+  }
+  // Cuts it off for something that its caller has found.
+  void cut(const CutOff& cut_off) noexcept;
+
+  const CutOff& cut_off() const noexcept { return cut_off_; }
+  const LatencyHistogram& times() const noexcept { return times_; }
+  double most_n() const noexcept { return most_n_; }
+
+ private:
+  void judge(std::int64_t spent_ns, bool is_calm, const PluginForce& given) noexcept;
+  CutOff find_fault(std::int64_t spent_ns, bool is_calm, const PluginForce& given) noexcept;
+  PluginForce fade(double dt_s) noexcept;
+
+  const Clock& clock_;
+  CallBudget budget_;
+  double max_force_n_;
+  double max_torque_nm_;
+  LatencyHistogram times_;
+  PluginForce last_;    // good one
+  double share_ = 0.0;  // of it that is still felt, after the cut
+  double most_n_ = 0.0;
+  CutOff cut_off_;
+};
+
+}  // namespace hapton

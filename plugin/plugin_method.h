@@ -1,0 +1,57 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/force/force_method.h"
+#include "plugin/call_guard.h"
+#include "plugin/plugin_file.h"
+
+namespace hapton {
+
+// A force method from a shared library. One that is cut off gives no force until another method takes its place; its last good force fades.
+// RT and threads: as ForceMethod, as far as the plug-in keeps to it.
+class PluginMethod final : public ForceMethod {
+ public:
+  // Pre: the clock outlives it; the scene is coupled as make_method does it. Error: one line: the file cannot be used, the scene has
+  // nothing to touch, or the plug-in rejects scene or parameters.
+  static Result<std::unique_ptr<PluginMethod>> make(const PluginChoice& choice, const TouchScene& scene, const Clock& clock,
+                                                    std::int64_t budget_ns = CallBudget::kDefaultNs);
+  ~PluginMethod() override;
+
+  MethodOutput step(const MethodInput& input) noexcept override;
+  void reset(const Vec3& p_SD) noexcept override;
+  void set_materials(std::span<const Material> materials) noexcept override;
+  std::string describe() const override;
+
+  const std::string& name() const { return name_; }
+  const CallGuard& guard() const { return guard_; }
+  // For HapticsSetup::method: "plugin:NAME@HASH".
+  std::string full_name() const;
+  // "method NAME (FILE) is cut off: ...", for the log. Pre: it is.
+  std::string notice() const;
+
+ private:
+  PluginMethod(PluginFile file, const hapton_method_api& api, const TouchScene& scene, const Clock& clock, std::int64_t budget_ns);
+  void ask(const MethodInput& input, PluginForce& given);
+
+  PluginFile file_;
+  const hapton_method_api& api_;
+  std::string name_;
+  std::vector<std::shared_ptr<const TriangleMesh>> meshes_;  // which objects_ points to
+  std::vector<hapton_object> objects_;
+  std::vector<hapton_material> materials_;  // for set_materials
+  void* method_ = nullptr;
+  CallGuard guard_;
+  MethodOutput asked_;  // of the last call
+};
+
+// How --method and MethodSettings::name call a method from a file: "plugin", or with its full name.
+constexpr std::string_view kPluginMethod = "plugin";
+inline bool is_plugin_method(std::string_view name) noexcept { return name == kPluginMethod || name.starts_with("plugin:"); }
+// A word of --method that names a file: it holds ".so".
+inline bool names_plugin_file(std::string_view word) noexcept { return word.find(".so") != std::string_view::npos; }
+
+}  // namespace hapton

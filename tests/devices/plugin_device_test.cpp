@@ -1,0 +1,115 @@
+#include "devices/plugin_device.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "devices/device_maker.h"
+#include "safety/safety_governor.h"
+#include "tests/standins/paths.h"
+#include "tests/support/allocation_guard.h"
+
+namespace hapton {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+Result<std::unique_ptr<Device>> make(const std::string& parameters = "") {
+  DeviceSettings settings;
+  settings.name = "plugin:" + standin::library("plugins/odd_device.so") + (parameters.empty() ? "" : ":" + parameters);
+  return make_device(settings);
+}
+
+TEST(PluginDevice, IsReadAndDrivenWithinItsLimits) {
+  const auto device = std::move(*make());
+  EXPECT_EQ(device->name(), "plugin line");
+  EXPECT_EQ(device->limits().max_force_n, 3.0);
+  EXPECT_EQ(device->limits().workspace_max_m, Vec3(1, 1, 1));
+  device->write({.force_n = {0, 0.5, 0}}, 1000);
+  const DeviceSample sample = device->read(1'000'000'000);
+  EXPECT_EQ(sample.time_ns, 1'000'000'000);
+  EXPECT_NEAR(sample.p_WD.x(), 0.1, 1e-12);
+  EXPECT_EQ(sample.p_WD.y(), 0.5);
+  EXPECT_EQ(sample.buttons, 5U);
+  EXPECT_TRUE(sample.is_held);
+  EXPECT_EQ(device->status(), DeviceStatus::ready);
+}
+
+TEST(PluginDevice, GetsAForceOfZeroBeforeItIsClosed) {
+  const auto device = std::move(*make());
+  device->write({.force_n = {0, 2, 0}}, 1000);
+  EXPECT_EQ(device->read(2000).p_WD.y(), 2.0);
+}  // the stand-in aborts otherwise
+
+TEST(PluginDevice, WhatItSaysOfItselfIsItsStatus) {
+  const auto status_of = [](const char* does) {
+    const auto device = std::move(*make(std::string("does=") + does));
+    device->read(1000);
+    device->write({}, 1000);
+    return device->status();
+  };
+  EXPECT_EQ(status_of("fault"), DeviceStatus::fault);
+  EXPECT_EQ(status_of("ended"), DeviceStatus::ended);
+  EXPECT_EQ(status_of("unknown"), DeviceStatus::fault);
+  EXPECT_EQ(status_of("exception"), DeviceStatus::fault);
+  EXPECT_EQ(status_of("write_exception"), DeviceStatus::fault);
+}
+
+TEST(PluginDevice, AwayRepeatsTheLastSample) {
+  const auto device = std::move(*make("does=away"));
+  const Vec3 first = device->read(1'000'000'000).p_WD;
+  EXPECT_EQ(device->status(), DeviceStatus::ready);
+  EXPECT_EQ(device->read(2'000'000'000).p_WD, first);
+  EXPECT_EQ(device->status(), DeviceStatus::away);
+  EXPECT_NE(device->read(3'000'000'000).p_WD, first);
+}
+
+TEST(PluginDevice, AQuaternionThatIsRoundedIsNormalized) { EXPECT_EQ((*make("does=nearly"))->read(1000).q_WT.norm(), 1.0); }
+
+// What io_node does with it.
+TEST(PluginDevice, NonsenseReachesNoMotor) {
+  for (const char* does : {"nan", "q"}) {
+    const auto device = std::move(*make(std::string("after=100,does=") + does));
+    SafetyGovernor governor(device->limits());
+    double last_n = 0.0;
+    double most_n = 0.0;
+    for (std::int64_t now_ns = 1'000'000; now_ns < 1'000'000'000; now_ns += 1'000'000) {
+      governor.observe(device->read(now_ns), device->status());
+      const WrenchCommand wanted{.wrench = {.force_n = {1, 0, 0}}, .sample_time_ns = now_ns};
+      device->write(governor.step(wanted, now_ns), now_ns);
+      last_n = governor.output().force_n.norm();
+      most_n = std::max(most_n, last_n);
+    }
+    EXPECT_GT(most_n, 0.5) << does;
+    EXPECT_EQ(last_n, 0.0) << does;
+    EXPECT_NE(governor.fault(), SafetyFault::none) << does;
+  }
+}
+
+TEST(PluginDevice, EachFaultAtTheStartIsOneLine) {
+  EXPECT_THAT(make("does=reject").error().what, HasSubstr("plugin line does not start: nothing is plugged in"));
+  EXPECT_THAT(make("does=strong").error().what, HasSubstr("max_force_n of nan"));
+  EXPECT_THAT(make("does=no_slew").error().what, HasSubstr("no max_slew_n_per_s"));
+  EXPECT_THAT(make("does=no_box").error().what, HasSubstr("no workspace"));
+  DeviceSettings settings;
+  settings.name = "plugin";
+  EXPECT_THAT(make_device(settings).error().what, HasSubstr("--device plugin:FILE.so"));
+  settings.name = "plugin:" + standin::library("plugins/odd_effect.so");
+  EXPECT_THAT(make_device(settings).error().what, AllOf(HasSubstr("exports no hapton_device"), HasSubstr("an effect")));
+}
+
+TEST(PluginDevice, OurSideUsesNoHeap) {
+  if (!AllocationGuard::is_available()) GTEST_SKIP() << "allocations cannot be counted in this build";
+  const auto device = std::move(*make());
+  const AllocationGuard heap;
+  for (std::int64_t n = 1; n < 1000; ++n) {
+    device->read(n * 1'000'000);
+    device->write({}, n * 1'000'000);
+  }
+  EXPECT_EQ(heap.count(), 0U);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,244 @@
+#include "haptics_node/grasp_task.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+#include "core/geometry/mesh_shapes.h"
+#include "haptic_step/haptics_step.h"
+#include "tests/support/allocation_guard.h"
+
+namespace hapton {
+namespace {
+
+constexpr int kPlate = 0;
+constexpr int kCube = 1;
+constexpr int kWall = 2;
+constexpr double kSide = 0.02;
+constexpr double kPress = 0.0005;  // how deep the stylus presses
+
+SceneObject box_at(const char* name, const Vec3& size, const Vec3& centre, bool is_movable = false) {
+  TriangleMesh mesh = make_box(size);
+  for (Vec3& vertex : mesh.vertices) vertex += centre;
+  SceneObject object;
+  object.name = name;
+  object.mesh = std::make_shared<const TriangleMesh>(std::move(mesh));
+  object.material.stiffness_n_per_m = 800.0;
+  object.is_movable = is_movable;
+  return object;
+}
+
+// A cube a millimetre above a plate, and a wall beside it. Steps at 1 kHz; the slow task looks once a step, in the test's own thread.
+struct GraspTaskTest : testing::Test {
+  GraspTaskTest() {
+    scene.objects.push_back(box_at("plate", {0.2, 0.2, 0.01}, {0.0, 0.0, -0.005}));
+    scene.objects.push_back(box_at("cube", Vec3::Constant(kSide), {0.0, 0.0, 0.011}, true));
+    scene.objects.push_back(box_at("wall", {0.02, 0.1, 0.08}, {0.06, 0.0, 0.04}));
+    auto method = make_method({}, scene.touch_scene());
+    EXPECT_TRUE(method);
+    step.emplace(std::make_unique<TouchStep>(std::move(*method), scene.touch_scene()), 1e-5);
+    grasp.emplace(link, list_movable(scene), 1U);
+    step->set_grasp(&*grasp);
+    tuner.emplace(scene, 0.0);
+    builder.emplace(MethodSettings(), scene.touch_scene(), step->touch().share_method());
+    task.emplace(GraspTask::Options{}, scene, link, *tuner, *builder);
+  }
+
+  // As the reply loop does.
+  void take_method() {
+    auto built = builder->take();
+    if (built == nullptr) return;
+    if (built->scene != nullptr) grasp->note_built(built->scene->put_down);
+    built->step = step->replace(std::move(built->step));
+    if (built->scene != nullptr) step->set_materials(built->scene->materials);
+    builder->retire(std::move(built));
+    ++methods;
+  }
+
+  ForceCommand answer(const Vec3& p, std::uint32_t buttons, const Quat& q = Quat::Identity()) {
+    ++sample;
+    step->offer(
+        {.sample = sample, .sample_time_ns = static_cast<std::int64_t>(sample) * 1'000'000, .p_WD = p, .q_WT = q, .buttons = buttons});
+    const ForceCommand command = step->answer();
+    most_change_n = std::max(most_change_n, (command.force_n - last.force_n).norm());
+    most_change_nm = std::max(most_change_nm, (command.torque_nm - last.torque_nm).norm());
+    last = command;
+    at = p;
+    task->look();
+    take_method();
+    return command;
+  }
+  // At 50 mm/s.
+  ForceCommand go(const Vec3& to, std::uint32_t buttons) {
+    const Vec3 from = at;
+    const int steps = 1 + static_cast<int>((to - from).norm() / 5e-5);
+    for (int i = 1; i <= steps; ++i) answer(from + (to - from) * i / steps, buttons);
+    return rest(buttons, 150);
+  }
+  ForceCommand rest(std::uint32_t buttons, int steps) {
+    for (int i = 0; i < steps; ++i) answer(at, buttons);
+    return last;
+  }
+  // The builder has a thread of its own.
+  void wait_for_method(int count) {
+    for (int i = 0; i < 2000 && methods < count; ++i) {
+      rest(0, 1);
+      if (i > 50) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    ASSERT_EQ(methods, count);
+  }
+
+  Scene scene;
+  GraspLink link;
+  std::optional<HapticsStep> step;
+  std::optional<Grasp> grasp;
+  std::optional<MaterialTuner> tuner;
+  std::optional<MethodBuilder> builder;
+  std::optional<GraspTask> task;
+  std::uint64_t sample = 0;
+  Vec3 at = Vec3(0.0, 0.0, 0.05);
+  ForceCommand last;
+  double most_change_n = 0.0;
+  double most_change_nm = 0.0;
+  int methods = 0;
+};
+
+TEST_F(GraspTaskTest, AMovableObjectIsPickedUpPushedAgainstAnotherAndPutDown) {
+  answer(at, 0);
+  EXPECT_EQ(go({0.0, 0.0, 0.021 - kPress}, 0).object, kCube);
+  EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 1e-3);
+  go(at, 1);
+  EXPECT_TRUE(step->holds_tool());
+  EXPECT_EQ(last.object, kCube);
+  EXPECT_NEAR(last.force_n.norm(), 0.0, 1e-6) << "it weighs nothing";
+
+  go({0.0, 0.0, 0.04}, 1);
+  EXPECT_NEAR(last.force_n.norm(), 0.0, 1e-6);
+  go({0.041, 0.0, 0.04}, 1);
+  // The face of the cube, 0.01 ahead of the stylus, stands at the wall's, 0.05.
+  EXPECT_NEAR(last.force_n.x(), -800.0 * 0.001, 0.01);
+  EXPECT_NEAR(last.visual_offset_m.x(), -0.001, 1e-5);
+  go({0.03, 0.0, 0.04}, 1);
+  // Down on the plate: the stylus is 0.0205 - 0.001 above the cube's bottom.
+  go({0.03, 0.0, 0.0195 + 0.0005}, 1);
+  go({0.03, 0.0, 0.0195}, 1);
+  EXPECT_NEAR(last.force_n.norm(), 0.0, 0.01);
+  const double held_at = at.z() + last.visual_offset_m.z();
+
+  rest(0, 1);
+  EXPECT_FALSE(step->holds_tool());
+  wait_for_method(1);
+  rest(0, 200);
+  EXPECT_EQ(last.object, kCube) << "the stylus still presses where it has let go";
+  EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 0.05);
+  EXPECT_NEAR(held_at, at.z(), 1e-4);
+
+  ASSERT_EQ(grasp->poses().size(), 3U);
+  const ObjectPose& pose = grasp->poses()[kCube];
+  EXPECT_FALSE(pose.is_held);
+  EXPECT_EQ(pose.serial, 3U);
+  EXPECT_NEAR(pose.p_m.x(), 0.03, 1e-4);
+  EXPECT_NEAR(pose.p_m.z(), -0.001, 1e-4);
+  EXPECT_EQ(grasp->poses()[kPlate].serial, 0U);
+
+  go({0.03, 0.0, 0.05}, 0);
+  go({0.0, 0.0, 0.05}, 0);
+  EXPECT_EQ(go({0.0, 0.0, 0.0 - kPress}, 0).object, kPlate) << "nothing is left where it was";
+  EXPECT_LT(most_change_n, 800.0 * 1e-4 + 0.02) << "no force discontinuity";
+  EXPECT_LT(most_change_nm, 0.01);
+}
+
+TEST_F(GraspTaskTest, WhatHasMovedIsPickedUpAgain) {
+  answer(at, 0);
+  for (int turn = 1; turn <= 3; ++turn) {
+    const double x = 0.01 * (turn - 1);
+    go({x, 0.0, 0.05}, 0);
+    EXPECT_EQ(go({x, 0.0, 0.021 - kPress}, 0).object, kCube) << turn;
+    go(at, 1);
+    ASSERT_TRUE(step->holds_tool()) << turn;
+    go({x, 0.0, 0.04}, 1);
+    go({x + 0.01, 0.0, 0.04}, 1);
+    go({x + 0.01, 0.0, 0.021 - kPress}, 1);
+    rest(0, 1);
+    wait_for_method(turn);
+    EXPECT_NEAR(grasp->poses()[kCube].p_m.x(), 0.01 * turn, 1e-4);
+  }
+}
+
+TEST_F(GraspTaskTest, WhatIsNotMovableIsNotPickedUp) {
+  answer(at, 0);
+  go({-0.05, 0.0, 0.03}, 0);
+  EXPECT_EQ(go({-0.05, 0.0, -kPress}, 0).object, kPlate);
+  const Vec3 felt = last.force_n;
+  rest(1, 200);
+  EXPECT_FALSE(step->holds_tool());
+  EXPECT_EQ(last.force_n, felt);
+  EXPECT_FALSE(grasp->is_busy());
+}
+
+TEST_F(GraspTaskTest, AButtonThatWasDownBeforePicksUpNothingAndOneInTheAirNeither) {
+  answer(at, 1);
+  go({0.0, 0.0, 0.021 - kPress}, 1);
+  EXPECT_FALSE(step->holds_tool());
+  go({0.0, 0.0, 0.05}, 0);
+  rest(1, 10);
+  go({0.0, 0.0, 0.021 - kPress}, 1);
+  EXPECT_FALSE(step->holds_tool());
+  EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 1e-3);
+}
+
+TEST_F(GraspTaskTest, ABriefPressLeavesEverythingAsItWas) {
+  answer(at, 0);
+  go({0.0, 0.0, 0.021 - kPress}, 0);
+  for (int i = 0; i < 20; ++i) {
+    // Without the slow task between press and release, then with it.
+    step->offer({.sample = ++sample, .sample_time_ns = static_cast<std::int64_t>(sample) * 1'000'000, .p_WD = at, .buttons = 1});
+    (void)step->answer();
+    rest(0, 1 + i % 3);
+  }
+  rest(0, 200);
+  EXPECT_FALSE(grasp->is_busy());
+  EXPECT_EQ(last.object, kCube);
+  EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 1e-3);
+}
+
+TEST_F(GraspTaskTest, TheStepUsesNoHeap) {
+  if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
+  answer(at, 0);
+  go({0.0, 0.0, 0.021 - kPress}, 0);
+  const auto step_once = [&](std::uint32_t buttons) {
+    at.z() += buttons == 0 ? 0.0 : 1e-5;
+    step->offer({.sample = ++sample, .sample_time_ns = static_cast<std::int64_t>(sample) * 1'000'000, .p_WD = at, .buttons = buttons});
+    const AllocationGuard guard;
+    last = step->answer();
+    return guard.count();
+  };
+  for (int n = 0; n < 600; ++n) {
+    ASSERT_EQ(step_once(n < 400 ? 1 : 0), 0U) << n;
+    if (n % 3 == 0) task->look();
+  }
+  EXPECT_TRUE(grasp->is_waiting());
+}
+
+TEST_F(GraspTaskTest, TheSceneMayTurnWhileAnObjectIsHeld) {
+  answer(at, 0);
+  go({0.0, 0.0, 0.021 - kPress}, 0);
+  go(at, 1);
+  go({0.0, 0.0, 0.04}, 1);
+  ASSERT_TRUE(step->holds_tool());
+  // A quarter turn about z: what was at x is at y now. The object stays with the stylus.
+  ASSERT_TRUE(step->turn_scene({.revision = 1, .X_WS = {0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0}}));
+  rest(1, 100);
+  EXPECT_NEAR(last.force_n.norm(), 0.0, 1e-6);
+  go({0.0, 0.041, 0.04}, 1);
+  EXPECT_NEAR(last.force_n.y(), -800.0 * 0.001, 0.01) << "the wall has turned";
+  go({0.0, 0.03, 0.04}, 1);
+  rest(0, 1);
+  wait_for_method(1);
+  EXPECT_NEAR(grasp->poses()[kCube].p_m.x(), 0.03, 1e-4);
+}
+
+}  // namespace
+}  // namespace hapton

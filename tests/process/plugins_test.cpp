@@ -1,0 +1,247 @@
+// Plug-ins in the real programs: what a person types, what is recorded, and what happens to the force when one misbehaves.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "tests/process/system.h"
+#include "tests/standins/paths.h"
+#include "tests/support/scratch_folder.h"
+
+namespace hapton::process {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// So that a machine that stands still again and again cuts nothing off.
+const std::string kAmpleUs = "10000";
+
+std::string plugin(const std::string& name) { return standin::library("plugins/" + name + ".so"); }
+
+std::string noted(const Json& report, const char* name) { return report.at("notes").value(name, ""); }
+
+// One line on stderr, and no start.
+void expect_one_line(const std::string& program, const std::vector<std::string>& arguments, const std::string& says) {
+  const ScratchFolder scratch;
+  const auto ended = run(program, arguments, scratch.path());
+  ASSERT_TRUE(ended);
+  EXPECT_NE(ended->exit_code, 0);
+  EXPECT_THAT(ended->err, HasSubstr(says));
+  EXPECT_EQ(std::count(ended->err.begin(), ended->err.end(), '\n'), 1) << ended->err;
+}
+
+TEST(Plugins, AFileThatIsNoneIsOneLineAndNoStart) {
+  const ScratchFolder scratch;
+  const std::string text = scratch.write("text.so", "force = 2 N\n").string();
+  expect_one_line("haptics_node", {"--effect", scratch.path() / "gone.so"}, "No such file");
+  expect_one_line("haptics_node", {"--effect", text}, "is not a shared library");
+  expect_one_line("haptics_node", {"--effect", plugin("nothing")}, "exports no hapton_effect");
+  expect_one_line("haptics_node", {"--effect", plugin("old_effect")}, "version 0 of the plug-in interface");
+  expect_one_line("haptics_node", {"--effect", plugin("odd_effect") + ":does=reject,n=3"}, "n must be less than 3");
+  expect_one_line("haptics_node", {"--effect", plugin("odd_effect") + ":strong"}, "'strong' has no value");
+  expect_one_line("haptics_node", {"--effect", plugin("odd_device")}, "io_node --device plugin:FILE");
+  expect_one_line("io_node", {"--device", "plugin:" + text}, "is not a shared library");
+  expect_one_line("io_node", {"--device", "plugin:" + plugin("odd_device") + ":does=reject"}, "nothing is plugged in");
+}
+
+// The rows of session.csv with the time of the sample, the x of the force that haptics wanted (NaN: none came) and whether any was written.
+struct Row {
+  double t_s;
+  double wanted_n;
+  bool is_driven;
+};
+std::vector<Row> read_rows(const std::filesystem::path& csv) {
+  std::istringstream text(read_text(csv));
+  std::string line;
+  std::getline(text, line);
+  std::vector<std::string> names;
+  std::istringstream header(line);
+  for (std::string name; std::getline(header, name, ',');) names.push_back(name);
+  std::vector<Row> rows;
+  while (std::getline(text, line)) {
+    Row row = {.t_s = 0.0, .wanted_n = std::nan(""), .is_driven = false};
+    std::istringstream cells(line);
+    std::string cell;
+    for (std::size_t n = 0; n < names.size() && std::getline(cells, cell, ','); ++n) {
+      const double value = cell.empty() ? std::nan("") : std::atof(cell.c_str());
+      if (names[n] == "t_s") row.t_s = value;
+      if (names[n] == "wanted_x_n") row.wanted_n = value;
+      if (names[n].starts_with("written_") && names[n].ends_with("_n") && value != 0.0) row.is_driven = true;
+    }
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+// The force ends by the rule of the hub: 20 ms after the last sample that was answered. Each cycle is judged by its own time, so a machine
+// that stands still changes nothing. Two cycles are left for the one that notices and the one that writes.
+void expect_force_ends(const std::string& does) {
+  const ScratchFolder scratch;
+  const std::string file = (scratch.path() / "session.hapton").string();
+  System system({"--vision-rate", "1000", "--record", file});
+  system.add_arguments("haptics_node", {"--effect", plugin("odd_effect") + ":n=1,after=500,does=" + does});
+  system.start("io_node");
+  system.start("haptics_node");
+  Onlooker onlooker(system);
+  ProbeState state;
+  ASSERT_TRUE(onlooker.see_until(true, state)) << "no force";
+  ASSERT_TRUE(
+      System::wait_until([&] { return !system["haptics_node"].is_running() || count(system.request_report(), "command_timeouts") > 0; }));
+  ASSERT_TRUE(onlooker.see_until(false, state)) << "the force goes on";
+  const std::uint64_t first = state.sample;
+  while (state.sample < first + 200) ASSERT_TRUE(onlooker.see(state));
+  system["haptics_node"].kill();
+  system.end("io_node");
+  const Ended exported =
+      run("hapton", {"session", "export", file, "--format", "csv", "--out", scratch.path() / "table"}, scratch.path()).value_or(Ended{});
+  ASSERT_EQ(exported.exit_code, 0) << exported.err;
+  const std::vector<Row> rows = read_rows(scratch.path() / "table" / "session.csv");
+  const auto last = std::find_if(rows.rbegin(), rows.rend(), [](const Row& row) { return !std::isnan(row.wanted_n); });
+  ASSERT_NE(last, rows.rend());
+  std::size_t silent = 0;
+  for (const Row& row : rows) {
+    if (row.t_s <= last->t_s + 0.02 || ++silent <= 2) continue;
+    EXPECT_FALSE(row.is_driven) << 1e3 * (row.t_s - last->t_s) << " ms after the last sample that was answered";
+  }
+  EXPECT_GT(silent, 10U);
+}
+
+TEST(Plugins, OneThatNeverReturnsLeavesNoForceOnTheMotors) { expect_force_ends("forever"); }
+TEST(Plugins, OneThatAbortsLeavesNoForceOnTheMotors) { expect_force_ends("abort"); }
+
+struct RecordedPlugins : testing::Test {
+  ScratchFolder scratch;
+  const std::string file = (scratch.path() / "session.hapton").string();
+  System system{{"--record", file}};
+
+  // Until so many samples were felt with the method text that the hub reports.
+  Json run_until(const std::string& method_has) {
+    return system.wait_for_report(
+        [&](const Json& now) { return noted(now, "method").find(method_has) != std::string::npos && count(now, "contact_samples") > 300; });
+  }
+  Ended replay(std::vector<std::string> words) {
+    words.insert(words.begin(), {"session", "replay", file});
+    return run("hapton", words, scratch.path()).value_or(Ended{});
+  }
+  Ended set(std::vector<std::string> words) {
+    words.insert(words.begin(), {"set", "--hub", system.hub()});
+    return run("hapton", words, system.folder()).value_or(Ended{});
+  }
+};
+
+TEST_F(RecordedPlugins, ASessionWithAnEffectIsReplayedWithTheSameFileOnly) {
+  const std::string effect = plugin("odd_effect") + ":does=copy";
+  system.add_arguments("haptics_node", {"--effect", effect, "--plugin-budget", kAmpleUs});
+  system.start("io_node");
+  system.start("haptics_node");
+  EXPECT_THAT(noted(run_until(" effects="), "method"), HasSubstr("effects=odd_one@"));
+  system.end_all();
+  const Ended same = replay({"--effect", effect});
+  EXPECT_EQ(same.exit_code, 0) << same.out << same.err;
+  EXPECT_THAT(same.out, HasSubstr(" 0 different"));
+  const Ended without = replay({});
+  EXPECT_EQ(without.exit_code, 1);
+  EXPECT_THAT(without.err, HasSubstr("name the same files with the same parameters"));
+  EXPECT_EQ(replay({"--effect", effect + ",n=3"}).exit_code, 1);
+}
+
+TEST_F(RecordedPlugins, AMethodFromAFileIsSwitchedTunedAndReplayed) {
+  // Beside the cube, through the floor of the method.
+  std::ofstream(system.folder() / "taps.csv") << "t_s,x_m,y_m,z_m\n0,0.01,0.01,0.06\n0.5,0.01,-0.002,0.06\n1,0.01,0.01,0.06\n";
+  const std::string method = plugin("odd_method");
+  system.add_arguments("haptics_node", {"--method", method, "--plugin-budget", kAmpleUs});
+  system.start("io_node");
+  system.start("haptics_node");
+  const Json felt = run_until("name=plugin:floor@");
+  ASSERT_THAT(noted(felt, "method"), HasSubstr("name=plugin:floor@"));
+  EXPECT_GT(count(felt, "contact_samples"), 300);
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"--stiffness", "400"}, {"--method", "proxy"}, {"--method", "plugin"}, {"--method", "sweep"}}) {
+    const Ended done = set(words);
+    EXPECT_EQ(done.exit_code, 0) << words.back() << done.err;
+  }
+  system.end_all();
+  const Ended same = replay({"--method", method});
+  EXPECT_EQ(same.exit_code, 0) << same.out << same.err;
+  EXPECT_THAT(replay({}).err, HasSubstr("the session has a method from a file"));
+  EXPECT_THAT(replay({"--method", method + ":after=1"}).err, HasSubstr("another method than the one of the session"));
+}
+
+// Two at once, one of them bad; materials and methods change, the scene is read again.
+TEST_F(RecordedPlugins, ABadOneIsNamedInLogReportAndRecordingAndTheOthersGoOn) {
+  const std::string bad = plugin("odd_effect") + ":does=exception,after=300";
+  system.add_arguments("haptics_node",
+                       {"--effect", plugin("odd_effect") + ":n=0.5", "--effect", bad, "--watch-scene", "--plugin-budget", kAmpleUs});
+  system.start("io_node");
+  system.start("haptics_node");
+  ASSERT_THAT(noted(run_until("!cut"), "method"), HasSubstr("!cut"));
+  EXPECT_EQ(set({"--stiffness", "500"}).exit_code, 0);
+  EXPECT_EQ(set({"--method", "sweep"}).exit_code, 0);
+  std::ofstream(system.folder() / "cube.toml", std::ios::app) << "material = \"soft\"\n[material.soft]\nstiffness_n_per_m = 300\n";
+  ASSERT_TRUE(System::wait_until([&] { return system["haptics_node"].err().find("cube.toml") != std::string::npos; }));
+  system["haptics_node"].send_signal(SIGTERM);
+  const auto ended = system["haptics_node"].wait(kPatience);
+  ASSERT_TRUE(ended);
+  EXPECT_EQ(ended->exit_code, 0) << ended->err;
+  EXPECT_THAT(ended->err, AllOf(HasSubstr("odd_one"), HasSubstr("is cut off: it threw a C++ exception")));
+  EXPECT_EQ(ended->err.find("is cut off"), ended->err.rfind("is cut off")) << "once";
+  EXPECT_THAT(ended->out, AllOf(HasSubstr("CUT OFF"), HasSubstr("maximum 0.500 N")));
+  system.end("io_node");
+  const Ended again = replay({"--effect", plugin("odd_effect") + ":n=0.5", "--effect", bad});
+  EXPECT_EQ(again.exit_code, 1);
+  EXPECT_THAT(again.err, HasSubstr("was cut off in this session"));
+}
+
+TEST(Plugins, AnEffectActsBesideARigidTool) {
+  const ScratchFolder scratch;
+  const std::string hub = "127.0.0.1:" + find_free_port();
+  Program io("io_node", {"--bind", hub, "--device", "simulated-6dof", "--out", (scratch.path() / "out").string()}, scratch.path());
+  Program haptics("haptics_node",
+                  {"--hub", hub, "--scene", HAPTON_SOURCE_DIR "/scenes/pegs.toml", "--effect", plugin("odd_effect") + ":n=0.3"},
+                  scratch.path());
+  ASSERT_TRUE(System::wait_until([&] { return io.out().find("hub on ") != std::string::npos || !io.is_running(); }));
+  EXPECT_TRUE(System::wait_until([&] {
+    io.send_signal(SIGUSR1);
+    const Json report = Json::parse(read_text(scratch.path() / "out" / "report.json"), nullptr, false);
+    return report.is_object() && noted(report, "method").find("name=tool") == 0 && count(report, "contact_samples") > 100;
+  })) << haptics.err();
+  for (Program* program : {&haptics, &io}) {
+    program->send_signal(SIGTERM);
+    const auto ended = program->wait(kPatience);
+    ASSERT_TRUE(ended);
+    EXPECT_EQ(ended->exit_code, 0) << ended->err;
+    EXPECT_THAT(ended->out, Not(HasSubstr("CUT OFF")));
+  }
+}
+
+TEST(Plugins, ADeviceFromAFileIsDrivenAndItsFaultLatched) {
+  const ScratchFolder scratch;
+  const std::string hub = "127.0.0.1:" + find_free_port();
+  Program io(
+      "io_node",
+      {"--bind", hub, "--device", "plugin:" + plugin("odd_device") + ":does=nan,after=500", "--out", (scratch.path() / "out").string()},
+      scratch.path());
+  ASSERT_TRUE(System::wait_until([&] { return io.out().find("hub on ") != std::string::npos || !io.is_running(); }));
+  EXPECT_THAT(io.out(), HasSubstr("device plugin line"));
+  std::string fault;
+  EXPECT_TRUE(System::wait_until([&] {
+    io.send_signal(SIGUSR1);
+    const Json report = Json::parse(read_text(scratch.path() / "out" / "report.json"), nullptr, false);
+    fault = report.is_object() ? noted(report, "safety_fault") : "";
+    return !fault.empty() && fault != "none";
+  })) << io.err();
+  io.send_signal(SIGTERM);
+  ASSERT_TRUE(io.wait(kPatience));
+}
+
+}  // namespace
+}  // namespace hapton::process

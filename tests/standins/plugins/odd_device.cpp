@@ -1,0 +1,72 @@
+// A device on a straight line at 0.1 m/s, whose position in y is the force last written. does=nan|exception|fault|away|ended|q|reject|
+// no_slew|no_box|strong, after=READS.
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <stdexcept>
+#include <string>
+
+#include "plugin/hapton_plugin.h"
+
+namespace {
+
+struct Line {
+  std::string does;
+  long after = 0;
+  long reads = 0;
+  double force_n = 0.0;
+};
+
+void* open_line(const hapton_request* request, hapton_device_limits* limits) {
+  Line made;
+  for (std::size_t p = 0; p < request->parameter_count; ++p) {
+    const std::string key = request->parameters[p].key;
+    if (key == "does") made.does = request->parameters[p].value;
+    if (key == "after") made.after = std::atol(request->parameters[p].value);
+  }
+  if (made.does == "reject") {
+    std::snprintf(request->why, request->why_size, "nothing is plugged in");
+    return nullptr;
+  }
+  limits->max_force_n = made.does == "strong" ? std::nan("") : 3.0;
+  limits->max_slew_n_per_s = made.does == "no_slew" ? 0.0 : 3000.0;
+  for (int k = 0; k < 3 && made.does != "no_box"; ++k) {
+    limits->workspace_min_m[k] = -1.0;
+    limits->workspace_max_m[k] = 1.0;
+  }
+  return new Line(made);
+}
+
+int32_t read_line(void* device, int64_t now_ns, hapton_device_sample* sample) {
+  Line& line = *static_cast<Line*>(device);
+  const bool is_odd = line.reads++ >= line.after;
+  sample->position_m[0] = 1e-10 * static_cast<double>(now_ns % 5'000'000'000);
+  sample->position_m[1] = line.force_n;
+  sample->buttons = 5;
+  if (!is_odd) return HAPTON_DEVICE_READY;
+  if (line.does == "exception") throw std::runtime_error("cable");
+  if (line.does == "nan") sample->position_m[2] = std::nan("");
+  if (line.does == "q") sample->orientation[0] = 0.3;
+  if (line.does == "nearly") sample->orientation[0] = 1.0001;
+  if (line.does == "fault") return HAPTON_DEVICE_FAULT;
+  if (line.does == "away") return line.reads % 2 == 0 ? HAPTON_DEVICE_AWAY : HAPTON_DEVICE_READY;
+  if (line.does == "ended") return HAPTON_DEVICE_ENDED;
+  if (line.does == "unknown") return 99;
+  return HAPTON_DEVICE_READY;
+}
+
+void write_line(void* device, int64_t, const double force_n[3], const double*) {
+  Line& line = *static_cast<Line*>(device);
+  if (line.does == "write_exception") throw std::runtime_error("cable");
+  line.force_n = force_n[1];
+}
+
+void close_line(void* device) {
+  Line* line = static_cast<Line*>(device);
+  if (line->force_n != 0.0) std::abort();
+  delete line;
+}
+
+}  // namespace
+
+HAPTON_DEVICE("line", open_line, read_line, write_line, close_line);

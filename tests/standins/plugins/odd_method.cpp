@@ -1,0 +1,67 @@
+// A method: a floor at y = 0 with the stiffness of the first object's material, drawn at y = 0. does=nan|nan_proxy|exception|reject,
+// after=CALLS.
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <stdexcept>
+#include <string>
+
+#include "plugin/hapton_plugin.h"
+
+namespace {
+
+struct Floor {
+  std::string does;
+  long after = 0;
+  long calls = 0;
+  double stiffness_n_per_m = 0.0;
+  std::size_t vertices = 0;
+};
+
+void* create(const hapton_request* request, const hapton_object* objects, std::size_t object_count) {
+  Floor made;
+  for (std::size_t p = 0; p < request->parameter_count; ++p) {
+    const std::string key = request->parameters[p].key;
+    if (key == "does") made.does = request->parameters[p].value;
+    if (key == "after") made.after = std::atol(request->parameters[p].value);
+  }
+  if (object_count != 1 || made.does == "reject") {
+    std::snprintf(request->why, request->why_size, "it wants one object, not %zu", object_count);
+    return nullptr;
+  }
+  // Every number of the mesh is there.
+  double sum = 0.0;
+  for (std::size_t t = 0; t < 3 * objects[0].triangle_count; ++t) {
+    for (int k = 0; k < 3; ++k) sum += objects[0].vertices_m[3 * objects[0].triangles[t] + static_cast<unsigned>(k)];
+  }
+  if (!std::isfinite(sum)) return nullptr;
+  made.stiffness_n_per_m = objects[0].material.stiffness_n_per_m;
+  return new Floor(made);
+}
+
+void reset(void*, const double*) {}
+
+void step(void* method, const hapton_method_input* input, hapton_method_output* output) {
+  Floor& floor = *static_cast<Floor*>(method);
+  const bool is_odd = floor.calls++ >= floor.after;
+  if (is_odd && floor.does == "exception") throw std::runtime_error("through the boundary");
+  if (input->position_m[1] < 0.0) {
+    output->contact = 1;
+    output->object = 0;
+    output->force_n[1] = -floor.stiffness_n_per_m * input->position_m[1];
+    output->proxy_m[1] = 0.0;
+  }
+  if (is_odd && floor.does == "nan") output->contact = 1, output->force_n[0] = std::nan("");
+  if (is_odd && floor.does == "nan_proxy") output->proxy_m[2] = std::nan("");
+  if (is_odd && floor.does == "odd_object") output->object = 77;
+}
+
+void set_materials(void* method, const hapton_material* materials, std::size_t) {
+  static_cast<Floor*>(method)->stiffness_n_per_m = materials[0].stiffness_n_per_m;
+}
+
+void destroy(void* method) { delete static_cast<Floor*>(method); }
+
+}  // namespace
+
+HAPTON_METHOD("floor", 50.0, create, reset, step, set_materials, destroy);

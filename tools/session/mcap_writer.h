@@ -1,0 +1,99 @@
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <boost/crc.hpp>
+
+#include "core/base/result.h"
+
+namespace hapton {
+
+// Writes a file in the MCAP format, version 0 (https://mcap.dev/spec): messages in chunks of kChunkBytes without compression, each chunk
+// with its message indexes, a summary with statistics and the index of the chunks, and every checksum that the format has. Times: ns, as
+// the caller counts them. RT: no. Threads: one. Error: of a full or failing disk, when the file is closed; close returns it.
+class McapWriter {
+ public:
+  static constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
+  using Texts = std::map<std::string, std::string>;
+
+  struct Schema {
+    std::string name;
+    std::string encoding;
+    std::string data;
+  };
+  struct Channel {
+    std::uint16_t schema = 0;  // 1 + its place in the list of schemas; 0: none
+    std::string topic;
+    std::string encoding;
+  };
+
+  // Begins the file with its schemas and channels. A channel's number is its place in the list. Error: one line with the path.
+  static Result<McapWriter> open(const std::filesystem::path& path, const std::string& library, std::span<const Schema> schemas,
+                                 std::span<const Channel> channels);
+
+  // Pre: before the first message.
+  void add_metadata(const std::string& name, const Texts& texts);
+  // Pre: channel is one of those of open.
+  void add_message(std::uint16_t channel, std::uint64_t log_ns, std::uint64_t publish_ns, std::string_view data);
+  // Writes what is left, the summary and the end. Error: one line: the file is not complete.
+  Result<void> close();
+
+  std::uint64_t messages() const noexcept { return messages_; }
+
+ private:
+  struct IndexEntry {
+    std::uint64_t log_ns = 0;
+    std::uint64_t offset = 0;  // in the chunk
+  };
+  struct ChunkIndex {
+    std::uint64_t first_ns = 0;
+    std::uint64_t last_ns = 0;
+    std::uint64_t offset = 0;
+    std::uint64_t bytes = 0;
+    std::map<std::uint16_t, std::uint64_t> index_offsets = {};
+    std::uint64_t index_bytes = 0;
+    std::uint64_t record_bytes = 0;
+  };
+  struct MetadataIndex {
+    std::uint64_t offset = 0;
+    std::uint64_t bytes = 0;
+    std::string name;
+  };
+  using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
+
+  McapWriter(std::filesystem::path path, File file) : path_(std::move(path)), file_(std::move(file)) {}
+  void write(std::string_view bytes);
+  void write_chunk();
+  std::string make_summary() const;
+
+  std::filesystem::path path_;
+  File file_;
+  bool is_good_ = true;
+  int error_ = 0;
+  std::uint64_t offset_ = 0;
+  boost::crc_32_type crc_;  // of all bytes so far
+  std::string schema_records_;
+  std::string channel_records_;
+  std::size_t schema_count_ = 0;
+  std::vector<std::uint64_t> counts_;     // of each channel
+  std::vector<std::uint32_t> sequences_;  // likewise
+  std::vector<std::vector<IndexEntry>> index_;
+  std::string chunk_;
+  std::uint64_t chunk_first_ns_ = 0;
+  std::uint64_t chunk_last_ns_ = 0;
+  std::uint64_t first_ns_ = 0;
+  std::uint64_t last_ns_ = 0;
+  std::uint64_t messages_ = 0;
+  std::vector<ChunkIndex> chunks_;
+  std::vector<MetadataIndex> metadata_;
+};
+
+}  // namespace hapton

@@ -1,0 +1,142 @@
+#include "tools/session/session_mcap.h"
+
+#include <fmt/core.h>
+
+#include <array>
+#include <string>
+#include <utility>
+#include <variant>
+
+#include "link/message_payload.h"
+#include "link/wire_schema.h"
+#include "scene/text_cursor.h"
+#include "tools/session/mcap_writer.h"
+#include "tools/session/session_entries.h"
+
+namespace hapton {
+namespace {
+
+enum class McapTopic : std::uint16_t { cycle, state, force, probe, view, setup, event };
+
+constexpr std::array<std::pair<std::string_view, std::string_view>, 7> kMcapTopics = {{
+    {"/hapton/cycle", "hapton.session.Cycle"},
+    {"/hapton/state", "hapton.wire.DeviceState"},
+    {"/hapton/force", "hapton.wire.ForceCommand"},
+    {"/hapton/probe", "hapton.wire.ProbeState"},
+    {"/hapton/view", "hapton.wire.ViewTransform"},
+    {"/hapton/setup", "hapton.wire.HapticsSetup"},
+    {"/hapton/event", "hapton.session.Event"},
+}};
+
+Result<McapWriter> open_mcap(const std::filesystem::path& path) {
+  std::vector<McapWriter::Schema> schemas;
+  std::vector<McapWriter::Channel> channels;
+  for (const auto& [topic, message] : kMcapTopics) {
+    schemas.push_back({std::string(message), "protobuf", std::string(wire_schema())});
+    channels.push_back({static_cast<std::uint16_t>(schemas.size()), std::string(topic), "protobuf"});
+  }
+  return McapWriter::open(path, "hapton", schemas, channels);
+}
+
+McapWriter::Texts describe_header(const SessionHeader& header) {
+  McapWriter::Texts texts = {{"build", header.build},
+                             {"session", fmt::format("{:016x}", header.session)},
+                             {"start_unix_ns", fmt::format("{}", header.start_unix_ns)},
+                             {"fault", header.fault}};
+  for (const auto& [name, value] : header.settings) texts["setting " + name] = value;
+  return texts;
+}
+
+McapWriter::Texts describe_objects(std::span<const ObjectName> names) {
+  McapWriter::Texts texts;
+  for (std::size_t n = 0; n < names.size(); ++n) {
+    texts[fmt::format("{} name", n)] = printable(names[n].object);
+    texts[fmt::format("{} material", n)] = printable(names[n].material);
+  }
+  return texts;
+}
+
+// The messages of a recording, one after the other.
+class McapMessages {
+ public:
+  McapMessages(McapWriter& writer, const SessionHeader& header) : writer_(writer), header_(header) {}
+
+  void add(const SessionEntry& entry, const Datagram* datagram) {
+    switch (entry.kind) {
+      case SessionEntry::Kind::cycle:
+        return add_cycle(entry);
+      case SessionEntry::Kind::fault:
+        return add_event(entry, {"fault", std::string(to_string(entry.fault)), sample_});
+      case SessionEntry::Kind::marker:
+        return add_event(entry, {"marker", std::string(entry.marker.text), entry.marker.sample});
+      case SessionEntry::Kind::dropped:
+        return add_event(entry, {"dropped", fmt::format("{} entries", entry.dropped), sample_});
+      case SessionEntry::Kind::received:
+      case SessionEntry::Kind::sent:
+        if (datagram != nullptr) add_datagram(entry, *datagram);
+        return;
+    }
+  }
+  std::uint64_t cycles() const { return cycles_; }
+
+ private:
+  // Times are those of a file, which may hold any number.
+  std::uint64_t unix_ns(std::int64_t hub_ns) const {
+    const std::uint64_t ns = static_cast<std::uint64_t>(header_.start_unix_ns) +
+                             (static_cast<std::uint64_t>(hub_ns) - static_cast<std::uint64_t>(header_.start_ns));
+    return ns > static_cast<std::uint64_t>(INT64_MAX) ? 0 : ns;
+  }
+  void write(McapTopic topic, std::int64_t log_ns, std::int64_t publish_ns, std::string_view data) {
+    writer_.add_message(static_cast<std::uint16_t>(topic), unix_ns(log_ns), unix_ns(publish_ns), data);
+  }
+  void add_cycle(const SessionEntry& entry) {
+    if (cycles_++ > 0 && entry.cycle.sample > sample_ + 1)
+      add_event(entry, {"lost", fmt::format("{} samples", entry.cycle.sample - sample_ - 1), entry.cycle.sample});
+    sample_ = entry.cycle.sample;
+    buffer_.clear();
+    codec_.append_alone(entry.cycle, buffer_);
+    write(McapTopic::cycle, entry.time_ns, entry.cycle.device ? entry.cycle.device->time_ns : entry.time_ns, buffer_);
+  }
+  void add_event(const SessionEntry& entry, const SessionEvent& event) {
+    buffer_.clear();
+    codec_.append_alone(event, buffer_);
+    write(McapTopic::event, entry.time_ns, entry.time_ns, buffer_);
+  }
+  void add_datagram(const SessionEntry& entry, const Datagram& datagram) {
+    const bool is_sent = entry.kind == SessionEntry::Kind::sent;
+    const std::string_view payload = find_message_payload(entry.datagram);
+    if (const auto* state = std::get_if<DeviceState>(&datagram.message); state != nullptr && is_sent)
+      return write(McapTopic::state, entry.time_ns, state->sample_time_ns, payload);
+    if (const auto* probe = std::get_if<ProbeState>(&datagram.message); probe != nullptr && is_sent)
+      return write(McapTopic::probe, entry.time_ns, probe->sample_time_ns, payload);
+    if (is_sent) return;
+    if (std::holds_alternative<ForceCommand>(datagram.message)) write(McapTopic::force, entry.time_ns, entry.time_ns, payload);
+    if (std::holds_alternative<ViewTransform>(datagram.message)) write(McapTopic::view, entry.time_ns, entry.time_ns, payload);
+    if (std::holds_alternative<HapticsSetup>(datagram.message)) write(McapTopic::setup, entry.time_ns, entry.time_ns, payload);
+  }
+
+  McapWriter& writer_;
+  const SessionHeader& header_;
+  SessionCodec codec_;
+  std::string buffer_;
+  std::uint64_t sample_ = 0;
+  std::uint64_t cycles_ = 0;
+};
+
+}  // namespace
+
+Result<McapCounts> write_mcap(SessionReader& reader, const std::filesystem::path& path, std::span<const ObjectName> names) {
+  auto writer = open_mcap(path);
+  if (!writer) return tl::unexpected(writer.error());
+  writer->add_metadata("hapton.session", describe_header(reader.header()));
+  if (!names.empty()) writer->add_metadata("hapton.objects", describe_objects(names));
+  McapMessages messages(*writer, reader.header());
+  (void)for_each_entry(reader, [&](const SessionEntry& entry, const Datagram* datagram) -> Result<void> {
+    messages.add(entry, datagram);
+    return {};
+  });
+  if (const auto closed = writer->close(); !closed) return tl::unexpected(closed.error());
+  return McapCounts{messages.cycles(), writer->messages()};
+}
+
+}  // namespace hapton

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "link/messages.h"
+
+namespace hapton {
+
+// The key that marks the recording: "key 1", "key 2" and so on. A marker is sent again until its reply comes, as a datagram may be lost.
+// Units: ns of one clock. RT: no.
+class MarkerKey {
+ public:
+  static constexpr std::int64_t kRepeatNs = 100'000'000;
+  static constexpr std::int64_t kPatienceNs = 2'000'000'000;
+  static constexpr std::size_t kMostWaiting = 32;  // more presses are dropped
+
+  void press(std::int64_t now_ns);
+  // The next marker to send now, if any.
+  std::optional<Marker> take_due(std::int64_t now_ns);
+  // A line for the log; none for a reply to something else.
+  std::optional<std::string> accept(const MarkerReply& reply);
+
+ private:
+  struct Waiting {
+    Marker marker;
+    std::int64_t next_ns = 0;
+    std::int64_t end_ns = 0;
+  };
+
+  std::vector<Waiting> waiting_;
+  std::uint32_t presses_ = 0;
+};
+
+}  // namespace hapton
