@@ -25,6 +25,8 @@ constexpr int kMostRuns = 5;
 constexpr std::int64_t kLongestNs = 120 * hapton::kNanosecondsPerSecond;  // of all runs: no other begins after it
 constexpr std::int64_t kNoticedNs = StallWatch::kForceLifeNs / 2;
 
+double ms(std::int64_t ns) { return 1e-6 * static_cast<double>(ns); }
+
 // The command's exit code; 128 and more: it died of a signal.
 int run(char** words) {
   const pid_t child = ::fork();
@@ -57,13 +59,13 @@ int main(int argc, char** argv) {
       stall_ns = watch.longest_ns();
     }
     if (code == 0 || code == kSkipped || stall_ns < kNoticedNs) return code;
-    fmt::print("\nrun {} failed (exit code {}), and this machine stood still for up to {:.1f} ms meanwhile\n", n, code, 1e-6 * stall_ns);
+    fmt::print("\nrun {} failed (exit code {}), and this machine stood still for up to {:.1f} ms meanwhile\n", n, code, ms(stall_ns));
     std::fflush(stdout);
     least_ns = std::min(least_ns, stall_ns);
     if (n == kMostRuns || hapton::SteadyClock().now_ns() - begin_ns > kLongestNs) {
       if (least_ns < StallWatch::kForceLifeNs) return code;
       fmt::print("skipped: in each of {} runs this machine stood still for {:.1f} ms or more, longer than a force may live: not judged\n",
-                 n, 1e-6 * least_ns);
+                 n, ms(least_ns));
       return kSkipped;
     }
     ::sleep(1);
