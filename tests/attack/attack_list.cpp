@@ -77,7 +77,11 @@ class List {
   // know.
   double made(const std::string& name, const std::function<void(const std::string&)>& make);
 
+  double seconds_since_begin() const { return 1e-9 * static_cast<double>(SteadyClock().now_ns() - begin_ns_); }
+
   const Settings& settings_;
+  const std::int64_t begin_ns_ = SteadyClock().now_ns();
+  bool has_stalled_ = false;
   const std::function<void(const Row&)>& on_row_;
   std::vector<Row> rows_;
 };
@@ -319,17 +323,22 @@ double List::made(const std::string& name, const std::function<void(const std::s
 std::vector<Row> List::run() {
   const auto row = [&](const std::string& name, const std::function<void(const std::string&)>& make) {
     if (!is_wanted(name)) return;
+    if (has_stalled_ && seconds_since_begin() > settings_.give_up_s) {
+      rows_.push_back({.name = name, .is_skipped = true, .note = "not begun: this machine stands still too often"});
+      return on_row_(rows_.back());
+    }
     int stalls = 0;
     double least_ms = std::numeric_limits<double>::max();
     for (double stall_ms = made(name, make); is_stalled(rows_.back(), stall_ms); stall_ms = made(name, make)) {
+      has_stalled_ = true;
       least_ms = std::min(least_ms, stall_ms);
-      if (stalls == kMostStalls) break;
+      if (stalls == kMostStalls || seconds_since_begin() > settings_.give_up_s) break;
       rows_.pop_back();
       ++stalls;
     }
     Row& last = rows_.back();
     if (stalls > 0) last.note += fmt::format(" (repeated {} times because the machine stalled)", stalls);
-    if (last.is_broken && stalls == kMostStalls && least_ms >= kStallMs) {
+    if (last.is_broken && is_stalled(last, least_ms)) {
       last.is_broken = false;
       last.is_skipped = true;
       last.note += fmt::format("; not judged: in each run the machine stood still for {:.0f} ms or more", least_ms);
