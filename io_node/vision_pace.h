@@ -11,7 +11,8 @@ namespace hapton {
 
 // Paces the probe states to each vision node, so that it gets no more than it draws: the next one is sent when the node has acknowledged
 // the last with FrameAck and is about to draw again, and only if anything visible has changed. A lost or unchanged state is repeated after
-// kRepeatNs. RT: yes.
+// kRepeatNs. While a button of the stylus is held down, states do not wait for frames: a vision node that draws strokes has a point of each
+// (docs/vision.md). RT: yes.
 class VisionPace {
  public:
   static constexpr std::int64_t kRepeatNs = 100 * kNanosecondsPerMillisecond;

@@ -39,6 +39,13 @@ class Pen {
   // A key in place of a press of a measure button.
   void measure() { has_measure_key_ = true; }
 
+  // Whether receive() would use a touched point: finding one costs time.
+  bool wants_point(std::uint32_t buttons) const {
+    return is_key_down_ || has_measure_key_ || (buttons & (settings_.draw_buttons | settings_.measure_buttons)) != 0;
+  }
+  // The end: a stroke that is being drawn is finished.
+  void finish() { finish_stroke(); }
+
   // Takes away the newest: a stroke that is being drawn, the first end of a measure, or the last entry. False: there is nothing.
   bool undo();
   // Brings back what undo took away last, unless something was drawn or measured since.

@@ -108,6 +108,7 @@ std::string VisionStep::compose_hud_now() const {
   facts.is_other_scene = is_other_scene_;
   // The numbers of another scene's objects mean nothing here.
   if (!is_other_scene_) facts.touched = describe_object(settings_.names, touched_object());
+  facts.annotations = annotations_;
   facts.held = describe_object(settings_.names, held_object_);
   return compose_hud(facts);
 }

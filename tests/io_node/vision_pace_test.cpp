@@ -88,6 +88,28 @@ TEST(VisionPaces, EachNodeHasItsOwnPaceAndANewOneIsServedAtOnce) {
   EXPECT_EQ(pace.decide(0, state_at(3), 7 * kMs), Decision::send);
 }
 
+// A stroke has a point of each, however slowly pictures are drawn.
+TEST(VisionPaces, WhileAButtonIsDownStatesDoNotWaitForFrames) {
+  VisionPace pace(200.0);
+  const auto pressed = [](std::int64_t ms, std::uint32_t buttons) {
+    ProbeState state = state_at(static_cast<std::uint64_t>(ms));
+    state.buttons = buttons;
+    return state;
+  };
+  EXPECT_EQ(pace.decide(0, pressed(1, 0), kMs), Decision::send);
+  EXPECT_EQ(pace.decide(0, pressed(6, 0), 6 * kMs), Decision::wait);
+  int sent = 0;
+  for (std::int64_t ms = 7; ms < 107; ++ms) {
+    sent += pace.decide(0, pressed(ms, 2), ms * kMs) == Decision::send ? 1 : 0;
+    // A slow picture, and one that looks the same: neither delays the next state.
+    if (ms == 50) pace.on_frame_ack(0, FrameAck{.echo_sample = 47, .rest_ns = 30 * kMs, .unchanged = true}, ms * kMs);
+  }
+  EXPECT_EQ(sent, 20) << "one every 5 ms";
+  EXPECT_EQ(pace.decide(0, pressed(110, 0), 110 * kMs), Decision::wait) << "released: as before";
+  pace.on_frame_ack(0, FrameAck{.echo_sample = 102}, 111 * kMs);
+  EXPECT_EQ(pace.decide(0, pressed(112, 0), 112 * kMs), Decision::send);
+}
+
 TEST(VisionPaces, Rate0SendsNothing) {
   VisionPace pace(0.0);
   EXPECT_EQ(pace.decide(0, state_at(1), 0), Decision::wait);
