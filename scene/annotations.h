@@ -48,7 +48,7 @@ struct Annotations {
 };
 
 // Of all strokes and measures; a file with more is rejected, and nothing more is drawn.
-constexpr std::size_t kMostAnnotationPoints = 200'000;
+constexpr std::size_t kMostAnnotationPoints = 100'000;
 
 std::size_t count_points(const Annotations& annotations);
 // Along the polyline.

@@ -53,10 +53,15 @@ void TouchMenu::open(const StereoScreen& screen, const Vec3& p_WC) {
   const Vec3 right = screen.X_WV.linear().col(0);
   const Vec3 up = screen.X_WV.linear().col(1);
   const Vec3 half = kWithin * 0.5 * workspace_size_m();
-  // The upper right corner of the panel: to the right first, then up.
-  const Vec3 upper_right = 0.5 * kWidthM * right + 0.5 * kHeightM * up;
-  Vec3 middle = find_room(upper_right, right, half) * right;
-  middle += find_room(middle + upper_right, up, half) * up;
+  // As far as all its corners stay inside: to the right first, then up.
+  Vec3 middle = Vec3::Zero();
+  for (const Vec3& along : {right, up}) {
+    double room = std::numeric_limits<double>::infinity();
+    for (const double x : {-0.5, 0.5}) {
+      for (const double y : {-0.5, 0.5}) room = std::min(room, find_room(middle + x * kWidthM * right + y * kHeightM * up, along, half));
+    }
+    middle += room * along;
+  }
   Pose X_WM = screen.X_WV;
   X_WM.translation() = p_WC + middle;
   X_WM_ = X_WM;
