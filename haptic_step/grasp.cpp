@@ -31,6 +31,13 @@ Grasp::Grasp(GraspLink& link, const std::vector<bool>& movable, std::uint32_t bu
   }
 }
 
+void Grasp::place(int object, const Pose& X_SO) {
+  moved_[static_cast<std::size_t>(object)] = X_SO;
+  order_.object = object;
+  set_pose(X_SO, false);
+  order_.object = -1;
+}
+
 Grasp::Change Grasp::update(const DeviceState& state, const Pose& X_WS, int touched, const Vec3& visual_offset_m) noexcept {
   const bool is_down = (state.buttons & buttons_) != 0;
   const bool is_pressed = !std::exchange(was_down_, is_down) && is_down;

@@ -44,6 +44,9 @@ class Grasp {
   // movable: by object. buttons: one of these picks up.
   Grasp(GraspLink& link, const std::vector<bool>& movable, std::uint32_t buttons);
 
+  // An object lies elsewhere at the start: X_SO. Set-up only. Pre: of the scene, and movable.
+  void place(int object, const Pose& X_SO);
+
   enum class Change : std::uint8_t { none, picked_up, put_down };
   // Before the force of a sample. touched: the object in contact at the sample before, -1: none. visual_offset_m: of that sample, frame W.
   Change update(const DeviceState& state, const Pose& X_WS, int touched, const Vec3& visual_offset_m) noexcept;

@@ -2,6 +2,13 @@
 
 namespace hapton {
 
+Pose PutDown::pose() const {
+  Pose X_SO = Pose::Identity();
+  X_SO.translation() = p_m;
+  X_SO.linear() = q.normalized().toRotationMatrix();
+  return X_SO;
+}
+
 std::size_t count_points(const Annotations& annotations) {
   std::size_t points = 0;
   for (const Annotation& entry : annotations.entries) {

@@ -37,6 +37,8 @@ struct PutDown {
   std::int32_t object = -1;
   Vec3 p_m = Vec3::Zero();
   Quat q = Quat::Identity();
+
+  Pose pose() const;  // X_SO
 };
 
 // Objects are numbered as in `objects`: first those of the scene, in its order, then those of another scene that a file named. What is on

@@ -31,12 +31,7 @@ std::string describe_entries(const Annotations& annotations) {
   return plural(strokes, "stroke") + ", " + plural(annotations.entries.size() - strokes, "measure");
 }
 
-Pose pose_in_scene(const ObjectPose& pose) {
-  Pose X = Pose::Identity();
-  X.translation() = pose.p_m;
-  X.linear() = pose.q.normalized().toRotationMatrix();
-  return X;
-}
+PutDown put_down_of(const ObjectPose& pose) { return {pose.object, pose.p_m, pose.q}; }
 
 Result<void> check_names(const AnnotatorOptions& options) {
   if (!options.file.empty() && options.file.extension() != ".toml") {
@@ -146,6 +141,7 @@ void Annotator::receive(const ObjectPose& pose) {
   const bool has_moved = known.serial != 0 || was_elsewhere;
   known = pose;
   known.serial = std::max(1U, pose.serial);
+  if (was_elsewhere && !pose.is_held) log_info("{} was put down elsewhere", scene_.objects[static_cast<std::size_t>(pose.object)].name);
   if (!has_moved) return;
   held_ = -1;
   std::vector<PutDown> put_down;
@@ -156,8 +152,8 @@ void Annotator::receive(const ObjectPose& pose) {
       held_ = static_cast<std::int32_t>(o);
       continue;
     }
-    X_SO_[o] = pose_in_scene(each);
-    if (!each.p_m.isZero(0.0) || each.q.coeffs() != Quat::Identity().coeffs()) put_down.push_back({each.object, each.p_m, each.q});
+    X_SO_[o] = put_down_of(each).pose();
+    if (!each.p_m.isZero(0.0) || each.q.coeffs() != Quat::Identity().coeffs()) put_down.push_back(put_down_of(each));
   }
   // Poses of objects of another scene stay in the file.
   for (const PutDown& given : pen_.annotations().put_down) {
@@ -165,7 +161,7 @@ void Annotator::receive(const ObjectPose& pose) {
   }
   pen_.set_put_down(std::move(put_down));
   view_.annotation_figure().set_objects(X_SO_, held_,
-                                        held_ >= 0 ? pose_in_scene(poses_[static_cast<std::size_t>(held_)]) : Pose::Identity());
+                                        held_ >= 0 ? put_down_of(poses_[static_cast<std::size_t>(held_)]).pose() : Pose::Identity());
 }
 
 void Annotator::toggle_menu(const StereoScreen& screen, const Vec3& p_WC) {

@@ -1,6 +1,7 @@
 // Drawing and measuring with the three programs.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <signal.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -98,6 +99,45 @@ TEST(Annotations, AreDrawnSavedAndReadByTheProgram) {
     ASSERT_TRUE(ended);
     EXPECT_EQ(ended->exit_code, 0) << ended->err;
   }
+}
+
+// The block lies 30 mm higher than the scene file has it: only there the path touches it, and vision_node is told.
+TEST(Annotations, AnObjectLiesAtTheStartWhereTheFileHasIt) {
+  ScratchFolder scratch;
+  scratch.write("way.csv", "t_s,x_m,y_m,z_m\n0,0,0.01,0.09\n0.5,0,0.01,0.079\n100,0,0.01,0.079\n");
+  scratch.write("cube.obj", kCube);
+  const std::string scene = scratch.write("cube.toml", "[[object]]\nmesh = \"cube.obj\"\nname = \"block\"\nmovable = true\n").string();
+  const std::string notes = scratch
+                                .write("notes.toml",
+                                       "schema = \"hapton.annotations/1\"\nobjects = [\"block\"]\n[[stroke]]\nobject = 0\n"
+                                       "points_m = [[0.0, 0.0, 0.05]]\n[[pose]]\nobject = 0\nposition_m = [0.0, 0.0, 0.03]\n"
+                                       "rotation = [1.0, 0.0, 0.0, 0.0]\n")
+                                .string();
+  const std::string hub = "127.0.0.1:" + find_free_port();
+  const std::string out = (scratch.path() / "out").string();
+  const VirtualDisplay display;
+  Program io("io_node", {"--bind", hub, "--device", "replay", "--trajectory", (scratch.path() / "way.csv").string(), "--out", out},
+             scratch.path());
+  Program haptics("haptics_node", {"--hub", hub, "--scene", scene, "--annotations", notes}, scratch.path());
+  const std::string lines = (scratch.path() / "lines.obj").string();
+  Program vision("vision_node", {"--hub", hub, "--scene", scene, "--annotations", notes, "--strokes", lines, "--size", "320x240"},
+                 scratch.path(), display.name());
+  ASSERT_TRUE(System::wait_until([&] { return io.out().find("hub on ") != std::string::npos || !io.is_running(); }));
+  EXPECT_TRUE(System::wait_until([&] {
+    io.send_signal(SIGUSR1);
+    const Json report = Json::parse(read_text(scratch.path() / "out" / "report.json"), nullptr, false);
+    return report.is_object() && has_contact(report) && is_drawn(report);
+  })) << haptics.err()
+      << vision.err() << io.err();
+  EXPECT_THAT(haptics.err(), HasSubstr("block lies where "));
+  // Poses are repeated once a second; when one has come, the dot lies 30 mm higher.
+  EXPECT_TRUE(System::wait_until([&] { return vision.err().find("block was put down elsewhere") != std::string::npos; })) << vision.err();
+  vision.send_signal(SIGTERM);
+  const auto ended = vision.wait(kPatience);
+  ASSERT_TRUE(ended);
+  EXPECT_EQ(ended->exit_code, 0) << ended->err;
+  EXPECT_THAT(read_text(lines), HasSubstr("v 0 0 0.08\n"));
+  EXPECT_THAT(read_text(notes), HasSubstr("position_m = [0.0, 0.0, 0.03]"));
 }
 
 TEST(Annotations, AFileThatIsNoneIsOneLineAndIsLeftAlone) {
