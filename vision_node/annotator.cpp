@@ -33,6 +33,19 @@ std::string describe_entries(const Annotations& annotations) {
 
 PutDown put_down_of(const ObjectPose& pose) { return {pose.object, pose.p_m, pose.q}; }
 
+// Two functions of one button would both happen.
+Result<void> check_buttons(const AnnotatorOptions& options) {
+  const std::pair<const char*, int> all[] = {
+      {"--draw-button", options.draw_button}, {"--measure-button", options.measure_button}, {"--menu-button", options.menu_button}};
+  for (std::size_t i = 0; i < std::size(all); ++i) {
+    for (std::size_t k = i + 1; k < std::size(all); ++k) {
+      if (all[i].second == 0 || all[i].second != all[k].second) continue;
+      return fail("{} and {} are both {}; give them different buttons, or 0 for none", all[i].first, all[k].first, all[i].second);
+    }
+  }
+  return {};
+}
+
 Result<void> check_names(const AnnotatorOptions& options) {
   if (!options.file.empty() && options.file.extension() != ".toml") {
     return fail("--annotations {}: annotations are kept as TOML; give it a name that ends in .toml (--strokes writes .obj and .vtp)",
@@ -53,6 +66,7 @@ Result<void> check_names(const AnnotatorOptions& options) {
 Result<std::unique_ptr<Annotator>> Annotator::open(StereoView& view, const Scene& scene, double scene_radius_m,
                                                    const AnnotatorOptions& options, bool can_touch) {
   if (const auto checked = check_names(options); !checked) return tl::unexpected(checked.error());
+  if (const auto checked = check_buttons(options); !checked) return tl::unexpected(checked.error());
   const std::vector<std::string> names = list_names(scene);
   Annotations given;
   given.objects = names;
@@ -222,8 +236,10 @@ std::optional<Vec3> Annotator::find_menu(const StereoScreen& screen, PictureSize
 void Annotator::show(const Pose& X_WS) {
   AnnotationFigure& figure = view_.annotation_figure();
   figure.set_scene_pose(X_WS);
-  figure.set_first_end(pen_.first_end());
-  figure.set_current(pen_.current_object(), pen_.current());
+  if (std::exchange(shown_, pen_.revision()) != pen_.revision()) {
+    figure.set_first_end(pen_.first_end());
+    figure.set_current(pen_.current_object(), pen_.current());
+  }
   if (std::exchange(shown_entries_, pen_.entries_revision()) != pen_.entries_revision()) {
     figure.set_entries(pen_.annotations(), scene_.objects.size());
   }

@@ -90,7 +90,8 @@ class Annotator {
   bool wants_menu_ = false;
   std::optional<TouchMenu::Entry> chosen_;
   std::uint64_t menu_revision_ = 0;
-  std::uint64_t shown_entries_ = 0;  // revision of the entries in the view
+  std::uint64_t shown_ = 0;          // revision of the pen in the view
+  std::uint64_t shown_entries_ = 0;  // and of its entries
   std::uint64_t saved_entries_ = 0;
 };
 

@@ -148,6 +148,11 @@ TEST_F(AnnotatorTest, BadFilesAreRejectedBeforeAnything) {
   options.file.clear();
   options.strokes = folder.path() / "lines.stl";
   EXPECT_THAT(error(), HasSubstr(".vtp"));
+  options.strokes.clear();
+  options.measure_button = options.draw_button;
+  EXPECT_THAT(error(), HasSubstr("--draw-button and --measure-button are both 2"));
+  options.draw_button = options.measure_button = options.menu_button = 0;
+  EXPECT_EQ(error(), "opened");
 }
 
 TEST_F(AnnotatorTest, NothingIsDrawnWhereThereIsNoPointOnTheSceneShown) {
