@@ -159,6 +159,10 @@ void Servo::on_message(const PeerEvent& event, const Datagram& datagram) noexcep
     return;
   }
   if (const auto* pose = std::get_if<ObjectPose>(&message)) {
+    if (event.role == NodeRole::vision) {  // asks for it to be moved there
+      peers_.send_to_role(NodeRole::haptics, *pose);
+      return;
+    }
     peers_.send_to_role(NodeRole::vision, *pose);
     peers_.send_to_role(NodeRole::tool, *pose);
     return;

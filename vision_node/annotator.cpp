@@ -15,6 +15,10 @@
 namespace hapton {
 namespace {
 
+// A datagram may be lost; a scene that is being built again takes longer than that.
+constexpr std::int64_t kRequestEveryNs = 100'000'000;
+constexpr std::int64_t kRequestPatienceNs = 2'000'000'000;
+
 std::uint32_t button_bit(int button) { return button > 0 ? 1U << static_cast<unsigned>(button - 1) : 0U; }
 
 std::vector<std::string> list_names(const Scene& scene) {
@@ -94,8 +98,10 @@ Annotator::Annotator(StereoView& view, const Scene& scene, const AnnotatorOption
       surfaces_(scene.objects.size()),
       poses_(scene.objects.size()),
       X_SO_(scene.objects.size(), Pose::Identity()),
+      at_rest_(scene.objects.size()),
       saved_entries_(pen_.entries_revision()) {
   view_.annotation_figure().set_bound(pen.bound_m);
+  for (std::size_t o = 0; o < at_rest_.size(); ++o) at_rest_[o].object = static_cast<std::int32_t>(o);
 }
 
 // Of a million triangles, 0.3 s at the first touch; the states that come meanwhile wait in the socket.
@@ -150,11 +156,20 @@ void Annotator::receive(const ObjectPose& pose) {
   if (pose.object < 0 || static_cast<std::size_t>(pose.object) >= poses_.size()) return;
   ObjectPose& known = poses_[static_cast<std::size_t>(pose.object)];
   const bool is_same = known.serial != 0 && known.is_held == pose.is_held && known.p_m == pose.p_m && known.q.coeffs() == pose.q.coeffs();
-  if (is_same) return;
+  if (is_same) {
+    known.serial = std::max(1U, pose.serial);
+    return;
+  }
   const bool was_elsewhere = known.serial == 0 && (pose.is_held || !pose.p_m.isZero(0.0) || pose.q.coeffs() != Quat::Identity().coeffs());
   const bool has_moved = known.serial != 0 || was_elsewhere;
+  const bool was_held = known.serial != 0 && known.is_held;
   known = pose;
   known.serial = std::max(1U, pose.serial);
+  if (!pose.is_held) {
+    ObjectPose& rest = at_rest_[static_cast<std::size_t>(pose.object)];
+    if (was_held) moves_.push_back({rest, pen_.annotations().entries.size()});
+    rest = pose;
+  }
   if (was_elsewhere && !pose.is_held) log_info("{} was put down elsewhere", scene_.objects[static_cast<std::size_t>(pose.object)].name);
   if (!has_moved) return;
   held_ = -1;
@@ -212,7 +227,7 @@ void Annotator::choose(TouchMenu::Entry entry) {
       pen_.set_mode(PenMode::measure);
       break;
     case TouchMenu::Entry::undo:
-      if (!pen_.undo()) log_info("nothing to undo");
+      undo();
       return;
     case TouchMenu::Entry::redo:
       if (!pen_.redo()) log_info("nothing to redo");
@@ -224,6 +239,39 @@ void Annotator::choose(TouchMenu::Entry entry) {
       break;
   }
   menu_.close();
+}
+
+// What happened last: an object was put down, or something was drawn or measured.
+void Annotator::undo() {
+  if (!undo_move() && !pen_.undo()) log_info("nothing to undo");
+}
+
+bool Annotator::undo_move() {
+  const bool is_under_way = pen_.first_end() || pen_.current() != nullptr;
+  if (moves_.empty() || is_under_way || pen_.annotations().entries.size() > moves_.back().entries || held_ >= 0) return false;
+  request_ = moves_.back().before;
+  request_->serial = poses_[static_cast<std::size_t>(request_->object)].serial;
+  request_end_ns_ = request_next_ns_ = 0;
+  moves_.pop_back();
+  return true;
+}
+
+std::optional<ObjectPose> Annotator::take_due(std::int64_t now_ns) {
+  if (!request_) return std::nullopt;
+  const auto object = static_cast<std::size_t>(request_->object);
+  if (poses_[object].serial != request_->serial) {
+    request_.reset();  // it has been moved
+    return std::nullopt;
+  }
+  if (request_end_ns_ == 0) request_end_ns_ = now_ns + kRequestPatienceNs;
+  if (now_ns >= request_end_ns_) {
+    log_warning("{} was not put back: haptics_node is busy, or does not answer", scene_.objects[object].name);
+    request_.reset();
+    return std::nullopt;
+  }
+  if (now_ns < request_next_ns_) return std::nullopt;
+  request_next_ns_ = now_ns + kRequestEveryNs;
+  return request_;
 }
 
 std::optional<Vec3> Annotator::find_menu(const StereoScreen& screen, PictureSize size, int x_px, int y_px) const {

@@ -51,6 +51,10 @@ class Annotator {
   // The point of the open menu under a pixel of the first eye's picture.
   std::optional<Vec3> find_menu(const StereoScreen& screen, PictureSize size, int x_px, int y_px) const;
 
+  // A request to haptics_node that is due: an object is to be put back where it was. Repeated until its answer comes. Time: any monotonic
+  // clock, ns.
+  std::optional<ObjectPose> take_due(std::int64_t now_ns);
+
   // Counts what would change the picture.
   std::uint64_t revision() const { return pen_.revision() + menu_revision_; }
   // What is drawn next: the newest strokes, measures and menu.
@@ -69,6 +73,8 @@ class Annotator {
             bool can_touch);
   std::optional<SurfacePoint> find_touched(const ProbeState& state, const Pose& X_WS);
   const SurfaceFinder& surface(std::size_t object);
+  void undo();
+  bool undo_move();
   void choose(TouchMenu::Entry entry);
   void toggle_menu(const StereoScreen& screen, const Vec3& p_WC);
   void log_finished();
@@ -84,6 +90,16 @@ class Annotator {
   std::vector<std::unique_ptr<SurfaceFinder>> surfaces_;  // by object, made when it is first drawn on
   std::vector<ObjectPose> poses_;                         // by object; a serial of 0: where the scene file has it
   ObjectPoses X_SO_;
+  // An object was put down elsewhere.
+  struct Move {
+    ObjectPose before;
+    std::size_t entries = 0;  // strokes and measures that there were then
+  };
+  std::vector<ObjectPose> at_rest_;  // by object: where it was last put down
+  std::vector<Move> moves_;
+  std::optional<ObjectPose> request_;  // its serial: of the pose that is to be undone
+  std::int64_t request_end_ns_ = 0;    // 0: not sent yet
+  std::int64_t request_next_ns_ = 0;
   std::int32_t held_ = -1;
   bool is_other_scene_ = false;
   std::uint32_t last_buttons_ = ~0U;

@@ -252,6 +252,9 @@ void VisionSession::speak() {
     hub_.send(SceneFacts{.given_hash = scene_hash_});
   }
   while (const auto message = step_.take_message(clock_.now_ns())) hub_.send(*message);
+  if (annotator_ != nullptr) {
+    if (const auto pose = annotator_->take_due(clock_.now_ns())) hub_.send(*pose);
+  }
   while (const auto marker = marks_.take_due(clock_.now_ns())) hub_.send(*marker);
 }
 

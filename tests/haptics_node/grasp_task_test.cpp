@@ -195,6 +195,59 @@ TEST_F(PlacedGraspTest, AnObjectThatLiesElsewhereAtTheStartIsPickedUpFromThere) 
   EXPECT_EQ(rest(0, 100).object, kCube);
 }
 
+// As vision_node asks when a person takes a move back.
+TEST_F(GraspTaskTest, AnObjectIsMovedOnRequestWhileAnotherIsTouched) {
+  answer(at, 0);
+  go({-0.05, 0.0, 0.03}, 0);
+  EXPECT_EQ(go({-0.05, 0.0, -kPress}, 0).object, kPlate);
+  ObjectPose wanted{.serial = grasp->poses()[kCube].serial, .object = kCube, .p_m = {0.03, 0.0, 0.0}};
+  grasp->request(wanted);
+  rest(0, 1);
+  EXPECT_TRUE(grasp->is_waiting());
+  EXPECT_EQ(grasp->poses()[kCube].p_m, wanted.p_m) << "said at once";
+  EXPECT_GT(grasp->poses()[kCube].serial, wanted.serial);
+  grasp->request(wanted);  // again, as a reply may be lost
+  wait_for_method(1);
+  rest(0, 200);
+  EXPECT_EQ(last.object, kPlate) << "the probe has not sunk in";
+  EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 0.01);
+  grasp->request(wanted);
+  rest(0, 50);
+  EXPECT_FALSE(grasp->is_busy()) << "that pose has been left already";
+  go({-0.05, 0.0, 0.05}, 0);
+  go({0.03, 0.0, 0.05}, 0);
+  EXPECT_EQ(go({0.03, 0.0, 0.021 - kPress}, 0).object, kCube);
+  // Under the tip: nothing is left there to be felt.
+  wanted = {.serial = grasp->poses()[kCube].serial, .object = kCube};
+  grasp->request(wanted);
+  rest(0, 1);
+  wait_for_method(2);
+  rest(0, 200);
+  EXPECT_EQ(last.object, -1);
+  EXPECT_NEAR(last.force_n.norm(), 0.0, 1e-6);
+  EXPECT_LT(most_change_n, 800.0 * 1e-4 + 0.02) << "no force discontinuity";
+}
+
+TEST_F(GraspTaskTest, RequestsThatDoNotSuitAreIgnored) {
+  answer(at, 0);
+  const std::uint32_t serial = grasp->poses()[kCube].serial;
+  const Vec3 aside(0.03, 0.0, 0.0);
+  for (const ObjectPose& bad : {ObjectPose{.serial = serial + 1, .object = kCube, .p_m = aside},
+                                ObjectPose{.serial = serial, .object = kCube, .is_held = true, .p_m = aside},
+                                ObjectPose{.serial = 0, .object = kPlate, .p_m = aside}, ObjectPose{.serial = serial, .object = 3},
+                                ObjectPose{.serial = serial, .object = -1}}) {
+    grasp->request(bad);
+    rest(0, 2);
+    EXPECT_FALSE(grasp->is_busy()) << bad.object;
+  }
+  go({0.0, 0.0, 0.021 - kPress}, 0);
+  rest(1, 150);
+  ASSERT_TRUE(step->holds_tool());
+  grasp->request({.serial = grasp->poses()[kCube].serial, .object = kCube, .p_m = aside});
+  rest(1, 10);
+  EXPECT_TRUE(step->holds_tool()) << "not while it is held";
+}
+
 TEST_F(GraspTaskTest, WhatIsNotMovableIsNotPickedUp) {
   answer(at, 0);
   go({-0.05, 0.0, 0.03}, 0);

@@ -207,6 +207,43 @@ TEST_F(AnnotatorTest, StrokesGoWithAnObjectThatIsMovedAndItsPoseIsSaved) {
   EXPECT_EQ(read->annotations.put_down[0].p_m, by);
 }
 
+TEST_F(AnnotatorTest, UndoAsksForAnObjectToBePutBackInItsTurn) {
+  ASSERT_TRUE(view);
+  open();
+  const auto put = [&](std::uint32_t serial, const Vec3& p) {
+    annotator->receive(ObjectPose{.serial = serial, .object = 1, .is_held = true});
+    annotator->receive(ObjectPose{.serial = serial + 1, .object = 1, .p_m = p});
+  };
+  annotator->receive(ObjectPose{.serial = 1, .object = 1});
+  const Vec3 first(0.0, 0.05, 0.0);
+  put(2, first);
+  put(4, Vec3(0.0, 0.07, 0.0));
+  draw_arc(0);
+  ASSERT_EQ(entries().size(), 1U);
+  press({.undo = true});
+  EXPECT_TRUE(entries().empty()) << "the stroke was drawn last";
+  EXPECT_FALSE(annotator->take_due(0));
+  press({.undo = true});
+  const auto asked = annotator->take_due(1'000'000'000);
+  ASSERT_TRUE(asked);
+  EXPECT_EQ(asked->object, 1);
+  EXPECT_EQ(asked->serial, 5U);
+  EXPECT_FALSE(asked->is_held);
+  EXPECT_EQ(asked->p_m, first);
+  EXPECT_FALSE(annotator->take_due(1'050'000'000));
+  EXPECT_TRUE(annotator->take_due(1'100'000'000)) << "again, until there is an answer";
+  annotator->receive(ObjectPose{.serial = 6, .object = 1, .p_m = first});
+  EXPECT_FALSE(annotator->take_due(1'300'000'000));
+  press({.undo = true});
+  const auto home = annotator->take_due(2'000'000'000);
+  ASSERT_TRUE(home);
+  EXPECT_EQ(home->p_m, Vec3::Zero());
+  EXPECT_FALSE(annotator->take_due(4'000'000'000)) << "nobody answers";
+  EXPECT_FALSE(annotator->take_due(4'200'000'000));
+  press({.undo = true});
+  EXPECT_FALSE(annotator->take_due(5'000'000'000)) << "nothing is left";
+}
+
 TEST_F(AnnotatorTest, TheMenuIsOpenedAndChosenFrom) {
   ASSERT_TRUE(view);
   open();
