@@ -243,7 +243,8 @@ void Annotator::choose(TouchMenu::Entry entry) {
 
 // What happened last: an object was put down, or something was drawn or measured.
 void Annotator::undo() {
-  if (!undo_move() && !pen_.undo()) log_info("nothing to undo");
+  if (undo_move()) return;
+  log_info("{}", pen_.undo() ? "undone" : "nothing to undo");
 }
 
 bool Annotator::undo_move() {
@@ -253,6 +254,7 @@ bool Annotator::undo_move() {
   request_->serial = poses_[static_cast<std::size_t>(request_->object)].serial;
   request_end_ns_ = request_next_ns_ = 0;
   moves_.pop_back();
+  log_info("{} is to be put back", scene_.objects[static_cast<std::size_t>(request_->object)].name);
   return true;
 }
 

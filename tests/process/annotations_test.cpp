@@ -101,6 +101,33 @@ TEST(Annotations, AreDrawnSavedAndReadByTheProgram) {
   }
 }
 
+// With the view parallel to the device the menu hangs at the right and at the top of the workspace, in the plane z = 0, 8 % off its edge
+// (TouchMenu): its middle is at x = 0.46 * 0.2667 - 0.03, and the fourth of seven entries, Undo, at y = 0.46 * 0.1905 - 0.042. The menu is
+// opened in one round and closed in the next, so a press that a stalled machine misses costs a round.
+TEST(Annotations, TheMenuIsOperatedByTouch) {
+  ScratchFolder scratch;
+  scratch.write("way.csv",
+                "t_s,x_m,y_m,z_m,buttons\n0,-0.02,0.01,0.06,0\n0.2,-0.02,0.01,0.049,0\n0.4,-0.02,0.01,0.049,2\n0.9,0.02,0.01,0.049,0\n"
+                "1.2,0.02,0.01,0.06,8\n1.7,0.02,0.01,0.06,0\n2.0,0.0927,0.0456,0.06,0\n2.3,0.0927,0.0456,0,0\n2.6,0.0927,0.0456,0,1\n"
+                "3.1,0.0927,0.0456,0,0\n3.4,0.0927,0.0456,0.06,0\n3.9,-0.02,0.01,0.06,0\n");
+  scratch.write("cube.obj", kCube);
+  const std::string scene = scratch.write("cube.toml", "[[object]]\nmesh = \"cube.obj\"\nname = \"block\"\n").string();
+  const std::string hub = "127.0.0.1:" + find_free_port();
+  const VirtualDisplay display;
+  Program io("io_node", {"--bind", hub, "--device", "replay", "--loop", "--trajectory", (scratch.path() / "way.csv").string()},
+             scratch.path());
+  Program haptics("haptics_node", {"--hub", hub, "--scene", scene}, scratch.path());
+  Program vision("vision_node", {"--hub", hub, "--scene", scene, "--size", "320x240", "--view-yaw-deg", "0", "--view-pitch-deg", "0"},
+                 scratch.path(), display.name());
+  EXPECT_TRUE(System::wait_until([&] { return vision.err().find(" undone") != std::string::npos || !vision.is_running(); }))
+      << vision.err();
+  EXPECT_THAT(vision.err(), HasSubstr("drawn on block: "));
+  vision.send_signal(SIGTERM);
+  const auto ended = vision.wait(kPatience);
+  ASSERT_TRUE(ended);
+  EXPECT_EQ(ended->exit_code, 0) << ended->err;
+}
+
 // The block lies 30 mm higher than the scene file has it: only there the path touches it, and vision_node is told.
 TEST(Annotations, AnObjectLiesAtTheStartWhereTheFileHasIt) {
   ScratchFolder scratch;
