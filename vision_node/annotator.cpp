@@ -147,9 +147,9 @@ void Annotator::log_finished() {
     return;
   }
   const Measure& measure = std::get<Measure>(entry);
-  const std::string& from = name(measure.ends[0].object);
-  const std::string& to = name(measure.ends[1].object);
-  log_info("measured {} {}", describe_length(compute_length_m(measure, X_SO_)), from == to ? "on " + from : "from " + from + " to " + to);
+  const auto& [from, to] = measure.ends;
+  log_info("measured {} {}", describe_length(compute_length_m(measure, X_SO_)),
+           from.object == to.object ? "on " + name(from.object) : "from " + name(from.object) + " to " + name(to.object));
 }
 
 void Annotator::receive(const ObjectPose& pose) {

@@ -138,7 +138,6 @@ void VisionSession::annotate(const UserRequests& requests) {
   annotator_->handle(requests, view_.screen(), step_.workspace_centre());
   if (std::exchange(annotations_shown_, annotator_->revision()) == annotator_->revision()) return;
   step_.set_annotations(annotator_->describe());
-  step_.spoil();
 }
 
 void VisionSession::take_setup(const HapticsSetup& setup) {
