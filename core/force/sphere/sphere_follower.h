@@ -308,14 +308,17 @@ void SphereFollower::place_at_event(const CentrePath& path, Event& event, Place&
   place(event.time);
   const bool is_hit = event.slot >= 0;
   if ((!is_hit && event.contact < 0) || (is_hit && path.is_straight()) || event.time <= 0.0) return;
+  // The exact path may be through the triangle where its cubic stops: the distance counts on the side of the cubic.
+  const Vec3 side = is_hit ? near_.shape(event.slot).separation(path.at(event.time)).normal : Vec3(Vec3::Zero());
   for (int i = 0; i < kMostRounds; ++i) {
     ++work_;
     double gap = 0.0;
     double rate = 0.0;
     if (is_hit) {
       const Separation at = near_.shape(event.slot).separation(centre_);
-      gap = at.distance - clearance_.offset;
-      rate = at.normal.dot(path.slope(event.time));
+      const double sign = at.normal.dot(side) < 0.0 ? -1.0 : 1.0;
+      gap = sign * at.distance - clearance_.offset;
+      rate = sign * at.normal.dot(path.slope(event.time));
     } else {
       gap = kOnBoundary - event.exit.direction.dot(centre_ - event.exit.origin);
       rate = -event.exit.direction.dot(path.slope(event.time));
