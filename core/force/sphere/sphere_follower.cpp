@@ -126,11 +126,16 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
     time = 1.0;
     return Outcome::settled;
   }
-  const Vec3 seen = centre_ + (to - centre_) * (kFar / (to - centre_).norm());
-  is_descending_ = true;
-  double part = 0.0;
-  outcome = follow_near(seen, seen, part);
-  if (outcome != Outcome::settled) return outcome;
+  // Whether a centre is at a minimum depends on the direction alone, which turns as the centre moves.
+  for (int i = 0; i < kMostTurns; ++i) {
+    const Vec3 before = centre_;
+    const Vec3 seen = centre_ + (to - centre_) * (kFar / (to - centre_).norm());
+    is_descending_ = true;
+    double part = 0.0;
+    outcome = follow_near(seen, seen, part);
+    if (outcome != Outcome::settled) return outcome;
+    if (contact_count_ == 0 || (centre_ - before).norm() <= kAtMinimum) break;
+  }
   time = 1.0;
   if (contact_count_ == 0) centre_ = to;
   return outcome;

@@ -109,6 +109,7 @@ class SphereFollower {
   static constexpr double kCoplanar = 0x1p-50;   // distance between planes that counts as rounding
   static constexpr double kLeastGain = 0x1p-44;
   static constexpr double kFar = 32.0;         // local units; farther out, positions are coarser than the tolerance
+  static constexpr int kMostTurns = 64;        // of the direction to a device farther out
   static constexpr double kShallow = 0x1p-30;  // height of a barrier that does not hold a minimum: the reference's contact offset
   static constexpr int kMostIdle = 24;         // events without progress
   static constexpr int kMostSkips = 16;
