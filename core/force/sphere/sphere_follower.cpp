@@ -126,15 +126,22 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
     time = 1.0;
     return Outcome::settled;
   }
-  // Whether a centre is at a minimum depends on the direction alone, which turns as the centre moves.
+  // Whether a centre is at a minimum depends on the direction alone, which turns as the centre moves. Each turn is about the same share of
+  // the last one, so every third goes where the sum of all that follow would lead.
+  std::array<double, 3> moved{};
+  Vec3 ahead = Vec3::Zero();
   for (int i = 0; i < kMostTurns; ++i) {
     const Vec3 before = centre_;
-    const Vec3 seen = centre_ + (to - centre_) * (kFar / (to - centre_).norm());
+    const Vec3 seen = centre_ + (to - centre_) * (kFar / (to - centre_).norm()) + ahead;
     is_descending_ = true;
     double part = 0.0;
     outcome = follow_near(seen, seen, part);
     if (outcome != Outcome::settled) return outcome;
-    if (contact_count_ == 0 || (centre_ - before).norm() <= kAtMinimum) break;
+    const Vec3 turn = centre_ - before;
+    moved[static_cast<std::size_t>(i % 3)] = turn.norm();
+    if (contact_count_ == 0 || (i % 3 != 2 && turn.norm() <= kAtMinimum)) break;
+    const double share = i % 3 == 1 && moved[1] < moved[0] ? moved[1] / moved[0] : 0.0;
+    ahead = turn * std::min(share / (1.0 - share), 1.0 / turn.norm());
   }
   time = 1.0;
   if (contact_count_ == 0) centre_ = to;
