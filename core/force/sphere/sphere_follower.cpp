@@ -419,7 +419,7 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
   });
   if (!is_restored) return Next::failed;
   note_move(before);
-  if ((time - time_before) * (to - from).norm() > kLeastMotion) note_gain(on_path(from, to, time), true);
+  if ((time - time_before) * (to - from).norm() > least_progress()) note_gain(on_path(from, to, time), true);
   if (const auto next = end_leg(leg.path, event, is_whole, leg.released, on_path(from, to, time))) return *next;
   return time >= 1.0 ? Next::settled : Next::again;
 }

@@ -200,6 +200,8 @@ class SphereFollower {
   struct Span {
     double begin = 0.0, end = 1.0;
   };
+  // A shorter motion of the device counts as no progress: a point skips ahead where many such pieces follow each other.
+  double least_progress() const { return is_point_ ? kAtAxis : kLeastMotion; }
   static Span find_span(const Vec3& from, const Vec3& to);
   Outcome follow_near(const Vec3& from, const Vec3& to, double& time) noexcept;
   bool skip_ahead(const Vec3& from, const Vec3& to, double& time) noexcept;
