@@ -103,6 +103,7 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
   escape_work_ = 0;
   corner_tries_ = 0;
   skips_ = 0;
+  lingered_at_ = Vec3::Constant(std::numeric_limits<double>::infinity());
   if (!from.allFinite() || !to.allFinite()) return Outcome::failed;
   const Span span = find_span(from, to);
   Outcome outcome = Outcome::settled;
@@ -173,6 +174,7 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
       next = is_descending_ ? descend(on_path(from, to, time), to - from) : slide(from, to, time);
     }
     if (next == Next::wait) next = wait(from, to, time);
+    if (next == Next::again && has_lingered()) time = std::min(1.0, time + std::ldexp(4.0 * kAtAxis, lingering_ / 4) / (to - from).norm());
     if (next == Next::settled && !(has_friction_ && has_friction_here()) && leave_minimum(to, to - from)) next = Next::again;
   }
   queried_ += static_cast<std::uint64_t>(work_);
@@ -191,6 +193,17 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
     return !is_point_ && !(has_friction_ && has_friction_here()) && is_shallow(to, direction) ? Outcome::failed : Outcome::settled;
   is_descending_ = true;
   return Outcome::exhausted;
+}
+
+// Many events at one place, each with hardly any motion of the device: within rounding, what holds the centre changes from one to the next.
+bool SphereFollower::has_lingered() noexcept {
+  constexpr int kMany = 64;
+  if (is_descending_ && (centre_ - lingered_at_).norm() <= kLeastMotion) return ++lingering_ > 0;
+  if ((centre_ - lingered_at_).norm() > kLeastMotion) {
+    lingered_at_ = centre_;
+    lingering_ = -kMany;
+  }
+  return false;
 }
 
 // Events that make no progress: within rounding, the centre is at a point that may or may not be a minimum. A little later it is decided,

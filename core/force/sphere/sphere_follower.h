@@ -204,6 +204,7 @@ class SphereFollower {
   double least_progress() const { return is_point_ ? kAtAxis : kLeastMotion; }
   static Span find_span(const Vec3& from, const Vec3& to);
   Outcome follow_near(const Vec3& from, const Vec3& to, double& time) noexcept;
+  bool has_lingered() noexcept;
   bool skip_ahead(const Vec3& from, const Vec3& to, double& time) noexcept;
   Next drop_weaker(const Vec3& pull) noexcept;
   int most_work(const Vec3& from, const Vec3& to) const noexcept;
@@ -279,7 +280,9 @@ class SphereFollower {
   FrictionState friction_;
   bool is_tracking_ = false;
   bool is_descending_ = false;
-  bool has_lost_minimum_ = false;  // along the curve: it continues along hint_
+  Vec3 lingered_at_ = Vec3::Zero();  // where the last events were
+  int lingering_ = 0;                // their number, above those that are usual
+  bool has_lost_minimum_ = false;    // along the curve: it continues along hint_
   Vec3 centre_ = Vec3::Zero();
   std::array<OffsetContact, kMostContacts> contacts_;
   int active_count_ = 0;
