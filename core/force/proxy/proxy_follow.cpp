@@ -120,15 +120,23 @@ void ProxyMethod::hold_by_surface(const Vec3& device) noexcept {
   }
 }
 
+// Whether something is nearer to p than half of what sweeps keep.
+bool ProxyMethod::is_beside_surface(const Vec3& p) const noexcept {
+  double nearest = clearance_.offset;
+  geometry_.for_each_overlapping(Box{p, p}.inflated(clearance_.offset),
+                                 [&](std::uint32_t id) { nearest = std::min(nearest, geometry_.separation(id, p).distance); });
+  return nearest < 0.5 * clearance_.offset;
+}
+
 // Lifts the proxy to the distance that sweeps keep and away from every edge, so that nothing beyond an edge is nearer. On a triangle too
-// narrow for that, above the faces beside it as well.
+// narrow for that, above the faces beside it as well where they are nearer.
 void ProxyMethod::lift_off_surface() noexcept {
   const SurfacePoint::Inside from = surface_.at().inside(kBeside * kContactOffset);
   const ContactTriangle shape = surfaces_.shape_of(from.triangle);
   double room = std::numeric_limits<double>::infinity();
   for (int k = 0; k < 3; ++k) room = std::min(room, shape.inside(k, from.point) / shape.length(k));
-  const bool is_narrow = room < kNarrow * kContactOffset;
-  const Vec3 lifted = is_narrow ? surface_.at().lifted(clearance_.offset) : Vec3(from.point + clearance_.offset * from.normal);
+  Vec3 lifted = from.point + clearance_.offset * from.normal;
+  if (room < kNarrow * kContactOffset && is_beside_surface(lifted)) lifted = surface_.at().lifted(clearance_.offset);
   const bool slides = surface_.slides();
   surface_.leave();
   sphere_.stop_tracking();

@@ -140,7 +140,7 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
     if (outcome != Outcome::settled) return outcome;
     const Vec3 turn = centre_ - before;
     moved[static_cast<std::size_t>(i % 3)] = turn.norm();
-    if (contact_count_ == 0 || (i % 3 != 2 && turn.norm() <= kAtMinimum)) break;
+    if (contact_count_ == 0 || (i % 3 != 2 && turn.norm() <= kAtMinimum) || work_ > kLeastWork) break;
     const double share = i % 3 == 1 && moved[1] < moved[0] ? moved[1] / moved[0] : 0.0;
     ahead = turn * std::min(share / (1.0 - share), 1.0 / turn.norm());
   }
