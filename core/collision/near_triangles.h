@@ -21,7 +21,7 @@ namespace hapton {
 // Frame: TouchGeometry's local one. RT: yes, fixed capacity. Pre: the geometry outlives this object.
 class NearTriangles {
  public:
-  static constexpr int kCapacity = 1024;
+  static constexpr int kCapacity = 4096;  // a sphere reaches all triangles of the fan whose tip it touches
 
   // Collects all triangles within that distance, and possibly some that are farther by rounding. False, and empty, if there are more than
   // kCapacity. `queried`: is raised by the number of triangles whose distance was computed.

@@ -355,6 +355,7 @@ bool SphereFollower::cover(const CentrePath& path, double& until) noexcept {
 bool SphereFollower::gather(const Vec3& towards) noexcept {
   constexpr int kMostTries = 24;
   constexpr int kFew = 24;
+  constexpr int kMostFew = 256;
   constexpr double kWidest = 0.25;
   const double least = (is_point_ ? 64.0 : 0x1p-6) * clearance_.offset;
   if (!(gather_radius_ > 0.0)) gather_radius_ = std::max(least, 0.5 * clearance_.offset);
@@ -367,7 +368,7 @@ bool SphereFollower::gather(const Vec3& towards) noexcept {
     work_ += queried / 2;  // half of them are near the box and not near the ball
     if (!fits) continue;
     // Where the tree visits many triangles for each one that is near, as among slivers, a wider ball saves most.
-    const int few = std::max(kFew, std::min(queried / 8, NearTriangles::kCapacity / 4));
+    const int few = std::max(kFew, std::min(queried / 8, kMostFew));
     if (near_.count() < few) gather_radius_ = std::min(1.4 * gather_radius_, kWidest);
     if (near_.count() > 3 * few) gather_radius_ = std::max(0.7 * gather_radius_, least);
     return true;

@@ -83,6 +83,7 @@ struct OnceFaulty {
   bool has_friction = false;
   bool on_grid = false;
   double offset_extents = 0.0;
+  double probe_share = 0.0;
 };
 
 TEST(Stress, EpisodesThatOnceHadFaultsHaveNone) {
@@ -108,11 +109,14 @@ TEST(Stress, EpisodesThatOnceHadFaultsHaveNone) {
            {"sealed-box", 1, 21, false, false, 1000.0},  // a device a thousand extents off
            {"sealed-box-fine", 1, 128, false, false, 1000.0},
            {"sealed-star-fine", 1, 437, false, false, 10.0},  // thousands of events at one place
+           {"sliver-fan", 6, 352},                            // 3,000 triangles at one vertex
+           {"sliver-fan", 3, 82, false, false, 0.0, 0.001},
        }) {
     StressPlan plan;
     plan.method.name = "proxy";
     plan.seed = once.seed;
     plan.on_grid = once.on_grid;
+    plan.probe_share = once.probe_share;
     plan.variants = {{.offset_extents = once.offset_extents}};
     if (once.has_friction) plan.variants[0].friction_static = 0.5;
     if (once.has_friction) plan.variants[0].friction_dynamic = 0.4;
