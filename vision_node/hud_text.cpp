@@ -39,6 +39,11 @@ std::string force_text(const HudFacts& facts) {
                      describe(s.status));
 }
 
+// Millimetres down to the smallest scene: people compare it with the size that they know.
+std::string size_text(double length_m) {
+  return length_m >= 1.0 ? fmt::format("{:.3g} m", length_m) : fmt::format("{:.2g} mm", 1e3 * length_m);
+}
+
 }  // namespace
 
 std::string_view describe(ProbeStatus status) {
@@ -77,6 +82,25 @@ std::string compose_hud(const HudFacts& facts) {
   if (!facts.annotations.empty()) text += "\n" + facts.annotations;
   if (facts.is_other_scene) text += "\nANOTHER SCENE IS FELT than the one shown: start both nodes with the same --scene";
   return text;
+}
+
+std::string compose_notice(const HudFacts& facts) {
+  if (!facts.connected) return {};
+  if (facts.is_other_scene) {
+    return "haptics_node feels another scene than this one.\nStart both nodes with the same --scene, --unit and --no-fit.";
+  }
+  if (facts.state.status == ProbeStatus::too_small) {
+    return fmt::format(
+        "This scene is {} across, too small to touch.\nWrong unit? Give --unit, or unit and fit_m in the scene file; leave out --no-fit.",
+        size_text(facts.scene_across_m));
+  }
+  if (facts.state.status == ProbeStatus::out_of_reach) {
+    return fmt::format(
+        "The device cannot reach this scene: {} across, {} away.\nWrong unit? Give --unit, or unit and fit_m in the scene file; leave out "
+        "--no-fit.",
+        size_text(facts.scene_across_m), size_text(facts.scene_away_m));
+  }
+  return {};
 }
 
 std::string_view keys_help() {

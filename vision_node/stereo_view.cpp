@@ -374,8 +374,8 @@ void StereoView::set_probe(const ProbeShown& probe) {
 }
 void StereoView::set_other_probe(const ProbeShown& probe) { window_->other_probe->set(probe); }
 
-void StereoView::set_hud(std::string_view facts, std::string_view help) {
-  for (const auto& eye : window_->eyes) eye->hud.set(facts, help);
+void StereoView::set_hud(std::string_view facts, std::string_view help, std::string_view notice) {
+  for (const auto& eye : window_->eyes) eye->hud.set(facts, help, notice);
 }
 
 void StereoView::set_cull(bool cull) { window_->settings.cull = cull; }

@@ -64,7 +64,7 @@ class StereoView {
   void set_probe(const ProbeShown& probe);
   // Of another hand, likewise.
   void set_other_probe(const ProbeShown& probe);
-  void set_hud(std::string_view facts, std::string_view help);
+  void set_hud(std::string_view facts, std::string_view help, std::string_view notice = {});
   void set_cull(bool cull);
   void set_depth_cues(bool shown);
   // A rigid tool, drawn in place of stylus and tip, or beside them.

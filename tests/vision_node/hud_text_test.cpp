@@ -121,6 +121,33 @@ TEST(Hud, WarnsOfASceneOutOfReachOrDifferentFromTheHapticOne) {
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), lines + 1);
 }
 
+TEST(HudNotice, SaysWhyNothingCanBeTouchedHowLargeTheSceneIsAndWhatToDo) {
+  HudFacts facts;
+  facts.scene_across_m = 1e-4;
+  facts.state.status = ProbeStatus::too_small;
+  EXPECT_EQ(compose_notice(facts), "") << "without a hub that is what is wrong";
+  facts.connected = true;
+  EXPECT_NE(compose_notice(facts).find("0.1 mm across"), std::string::npos) << compose_notice(facts);
+  EXPECT_NE(compose_notice(facts).find("--unit"), std::string::npos);
+  facts.state.status = ProbeStatus::out_of_reach;
+  facts.scene_across_m = 0.25;
+  facts.scene_away_m = 254.0;
+  EXPECT_NE(compose_notice(facts).find("250 mm across, 254 m away"), std::string::npos) << compose_notice(facts);
+  facts.state.status = ProbeStatus::ok;
+  EXPECT_EQ(compose_notice(facts), "");
+  facts.is_other_scene = true;
+  EXPECT_NE(compose_notice(facts).find("another scene"), std::string::npos);
+}
+
+TEST(HudNotice, IsEmptyWhereTheCornerSaysItAll) {
+  HudFacts facts;
+  facts.connected = true;
+  for (const ProbeStatus status : {ProbeStatus::no_haptics, ProbeStatus::fault_latched, ProbeStatus::device_away, ProbeStatus::calibrating}) {
+    facts.state.status = status;
+    EXPECT_EQ(compose_notice(facts), "");
+  }
+}
+
 TEST(Hud, NamesEveryKey) {
   for (const char* key : {"x X", "y Y", "z Z", " b ", " s ", " h ", " q ", " m ", " e ", " f ", " r ", " g "})
     EXPECT_NE(keys_help().find(key), std::string_view::npos) << key;
