@@ -22,7 +22,8 @@ fs::path nearest_there(const fs::path& folder) {
   return at;
 }
 
-// By making a folder in it and removing it: permissions alone say too little of a share on the network, of /proc or of a full table of files.
+// By making a folder in it and removing it: permissions alone say too little of a share on the network, of /proc or of a full table of
+// files.
 bool can_make_in(const fs::path& folder) {
   std::string name = (folder / ".hapton-XXXXXX").string();
   return ::mkdtemp(name.data()) != nullptr && ::rmdir(name.c_str()) == 0;

@@ -393,6 +393,18 @@ AnnotationFigure& StereoView::annotation_figure() { return window_->annotations;
 MenuFigure& StereoView::menu_figure() { return window_->menu; }
 void StereoView::set_probe_radius(double radius_m) { window_->probe->set_tip_radius(radius_m); }
 
+void StereoView::prepare_shaders() {
+  ProbeShown probe;
+  const ProbeSizes& sizes = window_->probe->sizes();
+  probe.p_WD = Vec3(0.0, -sizes.tip_radius_m, 0.0);
+  probe.force_n = Vec3(0.0, 2.0 * sizes.arrow_max_m / sizes.arrow_m_per_n, 0.0);  // longer than the arrow may be
+  probe.contact = true;
+  window_->probe->set(probe);
+  window_->window->SetSwapBuffers(0);
+  window_->render();
+  window_->probe->hide();
+}
+
 void StereoView::draw(std::function<void()> before_probe) {
   if (window_->mode == StereoMode::emulate) {
     Eye& eye = window_->eyes.front()->eye;

@@ -86,6 +86,10 @@ class StereoView {
   // The scene's surface as the first eye sees it, in the newest picture. Null before the first one, and while edges are smoothed.
   std::shared_ptr<const SurfaceSeen> surface_seen();
 
+  // Draws the scene and a probe with all its marks, but not into the window: builds shaders, some tenth of a second that no probe then
+  // waits for.
+  void prepare_shaders();
+
   // Draws and waits until it is done. before_probe is called when the scene is drawn and the probe is not: the probe and HUD that it sets
   // are in the picture.
   void draw(std::function<void()> before_probe = {});

@@ -142,7 +142,8 @@ TEST(HudNotice, SaysWhyNothingCanBeTouchedHowLargeTheSceneIsAndWhatToDo) {
 TEST(HudNotice, IsEmptyWhereTheCornerSaysItAll) {
   HudFacts facts;
   facts.connected = true;
-  for (const ProbeStatus status : {ProbeStatus::no_haptics, ProbeStatus::fault_latched, ProbeStatus::device_away, ProbeStatus::calibrating}) {
+  for (const ProbeStatus status :
+       {ProbeStatus::no_haptics, ProbeStatus::fault_latched, ProbeStatus::device_away, ProbeStatus::calibrating}) {
     facts.state.status = status;
     EXPECT_EQ(compose_notice(facts), "");
   }

@@ -316,6 +316,24 @@ TEST(StereoView, HudLiesInTheSamePlaceOfBothEyesPictures) {
   EXPECT_EQ(parallax, 0);
 }
 
+TEST(StereoView, PreparingItsShadersLeavesNoProbeInThePicture) {
+  ViewSettings settings = plain_settings(StereoMode::mono, 320, 240);
+  settings.plain = false;
+  auto fresh = open_or_fail(settings, three_markers());
+  auto prepared = open_or_fail(settings, three_markers());
+  ASSERT_TRUE(fresh && prepared);
+  fresh->draw();
+  prepared->prepare_shaders();
+  prepared->draw();
+  EXPECT_EQ(prepared->read_picture().rgb, fresh->read_picture().rgb);
+  const ProbeShown probe{.force_n = Vec3(0.0, 5.0, 0.0), .contact = true};
+  for (StereoView* view : {fresh.get(), prepared.get()}) {
+    view->set_probe(probe);
+    view->draw();
+  }
+  EXPECT_EQ(prepared->read_picture().rgb, fresh->read_picture().rgb);
+}
+
 TEST(StereoView, ANoticeStandsInLargeLettersInTheMiddleOfEachEyesPicture) {
   for (const StereoMode mode : {StereoMode::mono, StereoMode::side_by_side}) {
     ViewSettings settings = plain_settings(mode, 1280, 720);
