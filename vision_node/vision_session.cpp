@@ -89,8 +89,8 @@ Result<void> VisionSession::run(const StopSignal& stop) {
   start_ns_ = clock_.now_ns();
   const std::int64_t end_ns = options_.seconds > 0.0 ? start_ns_ + static_cast<std::int64_t>(options_.seconds * 1e9) : INT64_MAX;
   // Before the hub is joined: what takes long only once delays no probe.
-  view_.prepare_shaders();
   if (auto drawn = draw_if_wanted(); !drawn) return drawn;
+  view_.prepare_shaders();
   while (!quit_ && !stop.stop_requested() && clock_.now_ns() < end_ns) {
     receive_from_hub(std::min(clock_.now_ns() + kTurnNs, end_ns));
     if (auto attended = attend_window(); !attended) return attended;
