@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "vision_node/probe_shown.h"
+
 namespace hapton {
 
 namespace {
@@ -30,6 +32,7 @@ std::string force_text(const HudFacts& facts) {
   if (is_without_force(s.status)) return std::string(describe(s.status));
   const std::string contact = !facts.held.empty()     ? "holding " + facts.held + (s.contact ? ", in contact" : "")
                               : !s.contact            ? "free"
+                              : !touches_surface(s)   ? "free, a force in space"
                               : facts.touched.empty() ? "touching"
                                                       : "touching " + facts.touched;
   const bool has_torque = s.torque_nm.allFinite() && !s.torque_nm.isZero(0.0);
@@ -41,7 +44,9 @@ std::string force_text(const HudFacts& facts) {
 
 // Millimetres down to the smallest scene: people compare it with the size that they know.
 std::string size_text(double length_m) {
-  return length_m >= 1.0 ? fmt::format("{:.3g} m", length_m) : fmt::format("{:.2g} mm", 1e3 * length_m);
+  if (length_m >= 10.0) return fmt::format("{:.0f} m", length_m);
+  if (length_m >= 1.0) return fmt::format("{:.2g} m", length_m);
+  return length_m >= 0.01 ? fmt::format("{:.0f} mm", 1e3 * length_m) : fmt::format("{:.2g} mm", 1e3 * length_m);
 }
 
 }  // namespace

@@ -126,7 +126,8 @@ class VisionStep {
   const FrameLog& frames() const { return frames_; }
   const ViewTransformSender& view_transform() const { return sender_; }
   const Interaction& interaction() const { return interaction_; }
-  bool contact() const { return state_ && state_->contact; }
+  // A surface is touched.
+  bool contact() const { return state_ && touches_surface(*state_); }
   // The number of the object touched, in haptics_node's scene; -1: none, or not known.
   std::int32_t touched_object() const { return contact() ? state_->object : -1; }
 

@@ -31,6 +31,7 @@ TEST(Hud, ShowsRatesLatencyForceContactAndMode) {
   facts.state.round_trip_p99_us = 81.0F;
   facts.state.force_n = {0.0, 3.0, 4.0};
   facts.state.contact = true;
+  facts.state.visual_offset_m = {0.0, 0.0, 0.001};
   facts.frame_rate_hz = 58.2;
   facts.stereo = "anaglyph";
   facts.cull = false;
@@ -56,12 +57,28 @@ TEST(Hud, NamesWhatIsTouched) {
   facts.touched = "hood (sheet metal)";
   EXPECT_EQ(compose_hud(facts).find("hood"), std::string::npos) << "nothing is touched";
   facts.state.contact = true;
+  facts.state.object = 0;
   EXPECT_NE(compose_hud(facts).find("touching hood (sheet metal)"), std::string::npos) << compose_hud(facts);
   facts.held = "peg (steel)";
   EXPECT_NE(compose_hud(facts).find("holding peg (steel), in contact"), std::string::npos) << compose_hud(facts);
   facts.state.contact = false;
   EXPECT_NE(compose_hud(facts).find("holding peg (steel)"), std::string::npos);
   EXPECT_EQ(compose_hud(facts).find("free"), std::string::npos);
+}
+
+// A magnet pulls, or the air is as thick as honey: nothing is touched.
+TEST(Hud, AForceInFreeSpaceIsNoTouch) {
+  HudFacts facts;
+  facts.connected = true;
+  facts.state.contact = true;
+  facts.state.force_n = {0.0, 0.0, 0.05};
+  EXPECT_EQ(compose_hud(facts).find("touching"), std::string::npos) << compose_hud(facts);
+  EXPECT_NE(compose_hud(facts).find("free, a force in space"), std::string::npos) << compose_hud(facts);
+  facts.state.visual_offset_m = {0.0, 0.0, 1e-6};
+  EXPECT_NE(compose_hud(facts).find("touching"), std::string::npos) << "a method that does not name the object";
+  facts.state.visual_offset_m.setZero();
+  facts.state.object = 2;
+  EXPECT_NE(compose_hud(facts).find("touching"), std::string::npos) << "a needle in it";
 }
 
 TEST(Hud, AMeterShowsTheEnergyThatTheHandWasGiven) {

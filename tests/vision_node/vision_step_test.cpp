@@ -326,6 +326,7 @@ TEST_F(VisionStepTest, HudNeverContradictsThePictureAboutContact) {
   step.receive(state);
   ASSERT_TRUE(turn(step, 0));
   state.contact = true;
+  state.object = 0;
   state.force_n = {0.0, 0.0, 1.25};
   step.receive(state);
   ASSERT_TRUE(step.wants_picture(11 * kMs, where_));
