@@ -3,7 +3,9 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
+#include <string>
 
 namespace hapton {
 namespace {
@@ -20,6 +22,13 @@ fs::path nearest_there(const fs::path& folder) {
   return at;
 }
 
+// By making a folder in it and removing it: permissions alone say too little of a share on the network, of /proc or of a full table of
+// files.
+bool can_make_in(const fs::path& folder) {
+  std::string name = (folder / ".hapton-XXXXXX").string();
+  return ::mkdtemp(name.data()) != nullptr && ::rmdir(name.c_str()) == 0;
+}
+
 }  // namespace
 
 Result<void> check_writable_folder(const fs::path& folder) {
@@ -28,7 +37,7 @@ Result<void> check_writable_folder(const fs::path& folder) {
   if (!fs::is_directory(there, error)) {
     return fail("{} cannot be a folder: {} is none; give another place", folder.string(), there.string());
   }
-  if (!may_write(there, W_OK | X_OK)) {
+  if (!may_write(there, W_OK | X_OK) || !can_make_in(there)) {
     return fail("{} cannot be written: {}: {}; give a folder that may be written to", folder.string(), there.string(),
                 std::strerror(errno));
   }

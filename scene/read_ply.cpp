@@ -201,10 +201,13 @@ class BinaryValues {
   const char* read(PlyType type, double& value) {
     const std::size_t size = size_of(type);
     if (left_ < size) return "the file ends too early: cut short; copy or export it again";
-    std::array<char, 8> raw = {};
-    std::memcpy(raw.data(), at_, size);
-    if (swap_) std::reverse(raw.begin(), raw.begin() + static_cast<std::ptrdiff_t>(size));
-    value = decode(type, raw);
+    if (swap_) {
+      std::array<char, 8> raw = {};
+      std::reverse_copy(at_, at_ + size, raw.begin());
+      value = decode(type, raw.data());
+    } else {
+      value = decode(type, at_);
+    }
     at_ += size;
     left_ -= size;
     offset_ += size;
@@ -216,13 +219,13 @@ class BinaryValues {
 
  private:
   template <class T>
-  static double as(const std::array<char, 8>& raw) {
+  static double as(const char* raw) {
     T value;
-    std::memcpy(&value, raw.data(), sizeof value);
+    std::memcpy(&value, raw, sizeof value);
     return static_cast<double>(value);
   }
 
-  static double decode(PlyType type, const std::array<char, 8>& raw) {
+  static double decode(PlyType type, const char* raw) {
     switch (type) {
       case PlyType::i8:
         return as<std::int8_t>(raw);
@@ -389,10 +392,11 @@ class BodyReader {
       return Error{"the faces do not have one list 'vertex_indices': export the file again"};
     }
     seen_faces_ = true;
+    const auto corners_at = std::find_if(element.properties.begin(), element.properties.end(), is_corners);
     raw_.mesh.triangles.reserve(raw_.mesh.triangles.size() + element.count);
     for (std::size_t i = 0; i < element.count; ++i) {
-      for (const Property& property : element.properties) {
-        if (auto error = is_corners(property) ? read_face(property, i) : skip(property)) return error;
+      for (auto property = element.properties.begin(); property != element.properties.end(); ++property) {
+        if (auto error = property == corners_at ? read_face(*property, i) : skip(*property)) return error;
       }
     }
     return std::nullopt;

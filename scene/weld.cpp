@@ -1,6 +1,8 @@
 #include "scene/weld.h"
 
+#include <array>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -9,6 +11,8 @@ namespace hapton {
 namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffU;
+// So many vertices ahead the table's slot is prefetched: of a large mesh it lies in no cache, and a slot is read for each vertex.
+constexpr std::size_t kAhead = 16;
 
 std::uint64_t mix(std::uint64_t h) {
   // The finaliser of MurmurHash3.
@@ -53,12 +57,22 @@ void weld_vertices(TriangleMesh& mesh) {
   // Open addressing, at most half full.
   std::vector<std::uint32_t> slots(std::bit_ceil(2 * mesh.vertices.size() + 1), kNone);
   const std::size_t mask = slots.size() - 1;
-  renumber(mesh, [&](std::uint32_t v) {
-    std::size_t slot = hash(mesh.vertices[v]) & mask;
+  std::array<std::size_t, kAhead> home = {};
+  const auto foresee = [&](std::size_t v) {
+    if (v >= mesh.vertices.size()) return;
+    home[v % kAhead] = hash(mesh.vertices[v]) & mask;
+    __builtin_prefetch(&slots[home[v % kAhead]], 1);
+  };
+  for (std::size_t v = 0; v < kAhead; ++v) foresee(v);
+  std::vector<std::uint32_t> twin(mesh.vertices.size());
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    std::size_t slot = home[v % kAhead];
+    foresee(v + kAhead);
     while (slots[slot] != kNone && mesh.vertices[slots[slot]] != mesh.vertices[v]) slot = (slot + 1) & mask;
-    if (slots[slot] == kNone) slots[slot] = v;
-    return slots[slot];
-  });
+    if (slots[slot] == kNone) slots[slot] = static_cast<std::uint32_t>(v);
+    twin[v] = slots[slot];
+  }
+  renumber(mesh, [&](std::uint32_t v) { return twin[v]; });
 }
 
 void drop_unused_vertices(TriangleMesh& mesh) {

@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 #include "runtime/start_thread.h"
@@ -19,6 +20,7 @@ constexpr std::size_t kCoarsest = 2'000;
 constexpr std::size_t kErrorSamples = 4'000;
 // The servo loop and the haptics node may live on the same cores.
 constexpr int kNiceness = 10;
+constexpr std::chrono::seconds kLongestWait(1);
 
 bool has_texture_or_alpha(const DetailLevel& level) {
   return std::any_of(level.paints.begin(), level.paints.end(),
@@ -40,6 +42,7 @@ DetailBuilder::DetailBuilder(std::vector<const DetailLevel*> full) : full_(std::
 
 DetailBuilder::~DetailBuilder() {
   stop_ = true;
+  begin();
   if (thread_.joinable()) thread_.join();
 }
 
@@ -53,7 +56,21 @@ void DetailBuilder::offer(Made made) {
   made_.push_back(std::move(made));
 }
 
+void DetailBuilder::begin() {
+  {
+    const std::lock_guard lock(mutex_);
+    has_begun_ = true;
+  }
+  begun_.notify_one();
+}
+
+void DetailBuilder::wait_for_begin() {
+  std::unique_lock lock(mutex_);
+  begun_.wait_for(lock, kLongestWait, [this] { return has_begun_; });
+}
+
 void DetailBuilder::run() {
+  wait_for_begin();
   // Of this thread alone, as Linux has it. If it fails, the work is the same.
   (void)setpriority(PRIO_PROCESS, 0, kNiceness);
   for (std::size_t i = 0; i < full_.size() && !stop_; ++i) {

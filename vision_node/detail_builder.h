@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <condition_variable>
 #include <cstddef>
 #include <memory>
 #include <mutex>
@@ -33,10 +34,13 @@ class DetailBuilder {
   // The levels made since the last call.
   std::vector<Made> take_made();
   // How much of all is made, 0 to 1.
+  // The first frame is drawn: begins now, and not a second later, as it would by itself. Until then the frame has the cores.
+  void begin();
   double progress() const { return progress_.load(std::memory_order_relaxed); }
 
  private:
   void run();
+  void wait_for_begin();
   void build(std::size_t object);
   void offer(Made made);
 
@@ -45,6 +49,8 @@ class DetailBuilder {
   std::atomic<bool> stop_{false};
   std::atomic<double> progress_{0.0};
   std::mutex mutex_;
+  std::condition_variable begun_;
+  bool has_begun_ = false;
   std::vector<Made> made_;
   std::thread thread_;
 };

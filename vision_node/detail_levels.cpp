@@ -131,6 +131,16 @@ DetailLevel make_full_level(const TriangleMesh& mesh, const DetailFrame& frame) 
   return level;
 }
 
+DetailLevel thin_out(const DetailLevel& full, std::size_t triangles) {
+  const std::size_t step = std::max<std::size_t>(1, (full.triangles() + triangles - 1) / triangles);
+  std::vector<std::uint32_t> indices;
+  for (std::size_t t = 0; t < full.triangles(); t += step) {
+    indices.insert(indices.end(), full.indices.begin() + 3 * static_cast<std::ptrdiff_t>(t),
+                   full.indices.begin() + 3 * static_cast<std::ptrdiff_t>(t) + 3);
+  }
+  return compact(full, std::move(indices));
+}
+
 std::optional<DetailLevel> make_rough_level(const DetailLevel& full, std::size_t triangles) {
   std::vector<std::uint32_t> indices(full.indices.size());
   const std::size_t kept = meshopt_simplifySloppy(indices.data(), full.indices.data(), full.indices.size(), floats(full.positions),

@@ -73,6 +73,10 @@ DetailFrame frame_detail(const TriangleMesh& mesh);
 // The mesh itself, as one cluster. RT: set-up only.
 DetailLevel make_full_level(const TriangleMesh& mesh, const DetailFrame& frame);
 
+// At most that many of the mesh's triangles, evenly spaced in its list, made at once: a picture with holes. Pre: triangles
+// above 0. Error not measured.
+DetailLevel thin_out(const DetailLevel& full, std::size_t triangles);
+
 // About that many triangles, made fast and less well (vertices clustered in a grid). None: the level has hardly more. Error not measured.
 std::optional<DetailLevel> make_rough_level(const DetailLevel& full, std::size_t triangles);
 

@@ -12,6 +12,9 @@
 namespace hapton {
 namespace {
 
+// Share of the picture's height: below the lines in the corner, above what is looked at.
+constexpr double kNoticeHeight = 0.79;
+
 // A text that did not change is not set: VTK would draw its letters again.
 void set_text(vtkTextActor* actor, std::string_view text) {
   const std::string owned(text);
@@ -22,7 +25,7 @@ void set_text(vtkTextActor* actor, std::string_view text) {
 }  // namespace
 
 void HudFigure::add_to(vtkRenderer* renderer) {
-  for (vtkTextActor* text : {facts_.Get(), help_.Get(), scale_label_.Get(), pointer_label_.Get()}) {
+  for (vtkTextActor* text : {facts_.Get(), help_.Get(), notice_.Get(), scale_label_.Get(), pointer_label_.Get()}) {
     vtkTextProperty* look = text->GetTextProperty();
     look->SetFontFamilyToArial();
     look->SetColor(0.96, 0.97, 0.98);
@@ -33,6 +36,11 @@ void HudFigure::add_to(vtkRenderer* renderer) {
     renderer->AddActor2D(text);
   }
   facts_->GetTextProperty()->SetVerticalJustificationToTop();
+  vtkTextProperty* warning = notice_->GetTextProperty();
+  warning->SetColor(1.0, 0.78, 0.10);
+  warning->SetBackgroundOpacity(0.8);
+  warning->SetJustificationToCentered();
+  warning->SetVerticalJustificationToCentered();
   scale_label_->GetTextProperty()->SetJustificationToCentered();
   scale_label_->GetTextProperty()->SetBackgroundOpacity(0.0);
   // A line with an upright end at either side.
@@ -107,12 +115,16 @@ void HudFigure::place(PictureSize size) {
   help_->GetTextProperty()->SetFontSize(std::max(9, font - 2));
   scale_label_->GetTextProperty()->SetFontSize(std::max(9, font - 2));
   pointer_label_->GetTextProperty()->SetFontSize(std::max(9, font - 2));
+  // Its longest line has some 85 letters, each half as wide as the font is high.
+  notice_->GetTextProperty()->SetFontSize(std::clamp(std::min(size.width_px / 46, size.height_px / 30), 9, 64));
+  notice_->SetPosition(0.5 * size.width_px, kNoticeHeight * size.height_px);
   facts_->SetPosition(edge, size.height_px - edge);
   help_->SetPosition(edge, edge);
 }
 
-void HudFigure::set(std::string_view facts, std::string_view help) {
+void HudFigure::set(std::string_view facts, std::string_view help, std::string_view notice) {
   set_text(facts_, facts);
+  set_text(notice_, notice);
   set_text(help_, help);
 }
 

@@ -15,12 +15,13 @@
 
 namespace hapton {
 
-// Lines of text in two corners of one eye's picture: at the same position for both eyes, so they lie in the screen's plane. RT: no.
+// Lines of text in two corners of one eye's picture, and a notice in its middle: at the same position for both eyes, so they lie in the
+// screen's plane. RT: no.
 class HudFigure {
  public:
   void add_to(vtkRenderer* renderer);
   void place(PictureSize size);
-  void set(std::string_view facts, std::string_view help);
+  void set(std::string_view facts, std::string_view help, std::string_view notice);
   // Above the right end of the picture's lower edge; hidden if its length is zero.
   void set_scale_bar(const ScaleBar& bar, PictureSize size);
   // At the picture's edge, in the probe's colour.
@@ -29,6 +30,7 @@ class HudFigure {
  private:
   vtkNew<vtkTextActor> facts_;
   vtkNew<vtkTextActor> help_;
+  vtkNew<vtkTextActor> notice_;
   vtkNew<vtkTextActor> scale_label_;
   vtkNew<vtkActor2D> scale_;
   vtkNew<vtkPoints> scale_corners_;

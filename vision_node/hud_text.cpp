@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "vision_node/probe_shown.h"
+
 namespace hapton {
 
 namespace {
@@ -30,6 +32,7 @@ std::string force_text(const HudFacts& facts) {
   if (is_without_force(s.status)) return std::string(describe(s.status));
   const std::string contact = !facts.held.empty()     ? "holding " + facts.held + (s.contact ? ", in contact" : "")
                               : !s.contact            ? "free"
+                              : !touches_surface(s)   ? "free, a force in space"
                               : facts.touched.empty() ? "touching"
                                                       : "touching " + facts.touched;
   const bool has_torque = s.torque_nm.allFinite() && !s.torque_nm.isZero(0.0);
@@ -37,6 +40,13 @@ std::string force_text(const HudFacts& facts) {
   return fmt::format("force {:4.2f} N{}   {}{}{}{}{}", s.force_n.allFinite() ? s.force_n.norm() : 0.0, torque, contact,
                      facts.hand_held ? ", hand on the mouse" : "", energy_text(s.energy_percent), s.status == ProbeStatus::ok ? "" : "   ",
                      describe(s.status));
+}
+
+// Millimetres down to the smallest scene: people compare it with the size that they know.
+std::string size_text(double length_m) {
+  if (length_m >= 10.0) return fmt::format("{:.0f} m", length_m);
+  if (length_m >= 1.0) return fmt::format("{:.2g} m", length_m);
+  return length_m >= 0.01 ? fmt::format("{:.0f} mm", 1e3 * length_m) : fmt::format("{:.2g} mm", 1e3 * length_m);
 }
 
 }  // namespace
@@ -77,6 +87,25 @@ std::string compose_hud(const HudFacts& facts) {
   if (!facts.annotations.empty()) text += "\n" + facts.annotations;
   if (facts.is_other_scene) text += "\nANOTHER SCENE IS FELT than the one shown: start both nodes with the same --scene";
   return text;
+}
+
+std::string compose_notice(const HudFacts& facts) {
+  if (!facts.connected) return {};
+  if (facts.is_other_scene) {
+    return "haptics_node feels another scene than this one.\nStart both nodes with the same --scene, --unit and --no-fit.";
+  }
+  if (facts.state.status == ProbeStatus::too_small) {
+    return fmt::format(
+        "This scene is {} across, too small to touch.\nWrong unit? Give --unit, or unit and fit_m in the scene file; leave out --no-fit.",
+        size_text(facts.scene_across_m));
+  }
+  if (facts.state.status == ProbeStatus::out_of_reach) {
+    return fmt::format(
+        "The device cannot reach this scene: {} across, {} away.\nWrong unit? Give --unit, or unit and fit_m in the scene file; leave out "
+        "--no-fit.",
+        size_text(facts.scene_across_m), size_text(facts.scene_away_m));
+  }
+  return {};
 }
 
 std::string_view keys_help() {

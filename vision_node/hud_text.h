@@ -21,6 +21,8 @@ struct HudFacts {
   std::string touched;           // name and material of the object touched; empty: none, or not known
   std::string annotations;       // what is drawn and measured, a line of its own; empty: nothing
   std::string held;              // the object that the stylus has picked up, likewise
+  double scene_across_m = 0.0;   // diameter of the scene
+  double scene_away_m = 0.0;     // of its middle from that of the workspace, as it is turned now
 };
 
 // What this state means for the user, and what to do; empty for ProbeStatus::ok.
@@ -28,6 +30,10 @@ std::string_view describe(ProbeStatus status);
 
 // The few lines in the picture's corner: rates, latency, force. Rounded so that irrelevant noise does not change it.
 std::string compose_hud(const HudFacts& facts);
+
+// What is wrong with the scene as a whole, and what to do: for large letters, so that it is seen before anything is looked for. Empty while
+// the device can touch what is shown.
+std::string compose_notice(const HudFacts& facts);
 
 // The keys and the mouse, for the picture's lower edge and for --help.
 std::string_view keys_help();

@@ -103,8 +103,7 @@ ProbeFigure::ProbeFigure(const ProbeSizes& sizes, const ProbeLook& colours) : si
   dress(shaft_, make_lathe({{0.0, 0.0}, {s, 0.0}, {s, 1.0}, {0.0, 1.0}}), colours.arrow, 0.55, 0.0);
   const double h = kHeadLengthInRadii * s;
   dress(head_, make_lathe({{0.0, -h}, {kHeadToShaftRadius * s, -h}, {0.0, 0.0}}), colours.arrow, 0.55, 0.0);
-  for (int newtons = 0; newtons <= kMostRings; ++newtons) ring_shapes_[newtons] = make_rings(sizes, newtons);
-  dress(rings_, ring_shapes_[0], 0.6 * colours.arrow, 0.7, 0.0);
+  dress(rings_, rings(0), 0.6 * colours.arrow, 0.7, 0.0);
   dress(limit_, make_lathe({{0.0, 0.0}, {kLimitToShaftRadius * s, 0.0}, {kLimitToShaftRadius * s, s}, {0.0, s}}), {0.95, 0.15, 0.10}, 0.7,
         0.0);
   dress(device_point_, make_ball(0.6 * sizes.tip_radius_m), {0.95, 0.25, 0.20}, 0.6, 0.0);
@@ -117,6 +116,10 @@ ProbeFigure::ProbeFigure(const ProbeSizes& sizes, const ProbeLook& colours) : si
   make_ghost(ghost_shaft_, shaft_);
   make_ghost(ghost_head_, head_);
   dress(tool_, make_ball(sizes.tip_radius_m), colours.grip, 0.3, 0.3);
+  hide();
+}
+
+void ProbeFigure::hide() {
   for (vtkActor* actor : actors()) actor->VisibilityOff();
 }
 
@@ -186,7 +189,14 @@ void ProbeFigure::place_arrow(const ProbeShown& probe) {
   const int newtons = std::clamp(static_cast<int>(shaft / sizes_.arrow_m_per_n), 0, kMostRings);
   if (newtons == rings_shown_) return;
   rings_shown_ = newtons;
-  vtkPolyDataMapper::SafeDownCast(rings_->GetMapper())->SetInputData(ring_shapes_[newtons]);
+  vtkPolyDataMapper::SafeDownCast(rings_->GetMapper())->SetInputData(rings(newtons));
+}
+
+// Made when they are first needed: all of them would take tens of milliseconds before the first frame.
+vtkPolyData* ProbeFigure::rings(int newtons) {
+  auto& shape = ring_shapes_[static_cast<std::size_t>(newtons)];
+  if (shape == nullptr) shape = make_rings(sizes_, newtons);
+  return shape;
 }
 
 void ProbeFigure::place_device_point(const ProbeShown& probe) {

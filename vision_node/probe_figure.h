@@ -31,6 +31,7 @@ class ProbeFigure {
   explicit ProbeFigure(const ProbeSizes& sizes, const ProbeLook& look = ProbeLook::first());
   void add_to(vtkRenderer* renderer);
   void set(const ProbeShown& probe);
+  void hide();
   // The tip is a ball of this radius; 0: a pin, of the radius in sizes().
   void set_tip_radius(double radius_m);
   // From now on this is drawn at the probe's place, and no stylus or tip.
@@ -47,6 +48,7 @@ class ProbeFigure {
   void place_arrow(const ProbeShown& probe);
   void place_device_point(const ProbeShown& probe);
   void place_shadow(const ProbeShown& probe);
+  vtkPolyData* rings(int newtons);
 
   ProbeSizes sizes_;
   double tip_radius_m_;

@@ -51,6 +51,8 @@ double find_probe_radius(std::string_view method) {
 }
 
 // About the axis at right angles to z and to the direction of the lean, 55 degrees up from the right.
+bool touches_surface(const ProbeState& state) { return state.contact && (state.object >= 0 || !state.visual_offset_m.isZero(0.0)); }
+
 Quat make_lean(double angle_rad) {
   constexpr double kTowards = 55.0 * std::numbers::pi / 180.0;
   return Quat(Eigen::AngleAxisd(angle_rad, Vec3(-std::sin(kTowards), std::cos(kTowards), 0.0)));

@@ -36,6 +36,9 @@ struct ProbeShown {
 // or left out: received data must never break the picture.
 ProbeShown show_probe(const ProbeState& state, const Quat& lean = Quat::Identity());
 
+// Whether a surface is touched. A contact of which no object is known and no offset comes is a force in free space, of an effect.
+bool touches_surface(const ProbeState& state);
+
 Quat make_lean(double angle_rad);
 
 // The radius in a haptics node's method text ("name=proxy probe_radius_m=0.015"), m; 0 if there is none.

@@ -101,6 +101,7 @@ bool SceneLayers::refine() {
 void SceneLayers::refine_whole() {
   const GlStateGuard guard;
   painter_->take_levels();
+  painter_->complete();
   for (Layer& here : layers_) {
     if (!here.is_active || !here.is_valid || here.is_full) continue;
     begin(here, here.shown);

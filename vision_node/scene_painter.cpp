@@ -55,6 +55,7 @@ struct ScenePainter::Object {
   bool is_finished = false;                 // some of those have alpha, or a texture that does not repeat
   bool has_blended = false;                 // some triangles show what is behind
   FlatLevel full;
+  bool is_preview = false;  // full is only a part of its triangles, until all of them are ready to be drawn
   Vertices full_vertices;
   std::vector<FlatLevel> coarser;  // from the finest
   std::vector<Vertices> coarser_vertices;
@@ -68,7 +69,7 @@ struct ScenePainter::Object {
   Mat4 X_SU() const { return X_SO.matrix() * frame.matrix(); }
 
   void list_facts() {
-    facts = {{full.triangles(), 0.0}};
+    facts = {{whole->triangles(), 0.0}};
     for (const FlatLevel& made : coarser) facts.push_back({made.triangles(), made.error * frame.scale_m});
   }
 };
@@ -187,8 +188,10 @@ Result<std::unique_ptr<ScenePainter>> ScenePainter::make(const std::vector<Shown
   }
   painter->builder_ = std::make_unique<DetailBuilder>(std::move(levels));
   for (const auto& object : painter->objects_) {
-    object->full = make_flat(*object->whole);
-    painter->all_triangles_ += object->full.triangles();
+    // All of a large mesh would take a tenth of a second; the builder makes them.
+    object->is_preview = object->whole->triangles() > kPreviewTriangles;
+    object->full = make_flat(object->is_preview ? thin_out(*object->whole, kPreviewTriangles) : *object->whole);
+    painter->all_triangles_ += object->whole->triangles();
     object->list_facts();
     object->full_vertices = upload(object->full, painter->index_buffer_);
   }
@@ -206,6 +209,7 @@ bool ScenePainter::take_levels() {
     Object& object = *objects_[one.object];
     if (one.is_full) {
       object.full = std::move(one.level);
+      object.is_preview = false;
       release(object.full_vertices);
       object.full_vertices = upload(object.full, index_buffer_);
       continue;
@@ -223,12 +227,22 @@ bool ScenePainter::take_levels() {
   return !made.empty();
 }
 
+void ScenePainter::complete() {
+  for (const auto& object : objects_) {
+    if (!object->is_preview) continue;
+    object->full = make_flat(*object->whole);
+    object->is_preview = false;
+    release(object->full_vertices);
+    object->full_vertices = upload(object->full, index_buffer_);
+  }
+}
+
 std::size_t ScenePainter::choose(const Object& object, const ScenePass& pass, double* error_px) const {
   // Where the object comes nearest to the viewer a metre has the most pixels.
   const Vec3 p_VO = pass.screen.X_WV.inverse(Eigen::Isometry) * (pass.X_WS * object.centre());
   const double nearest_m = std::max(pass.screen.near_m, pass.screen.distance_m - p_VO.z() - object.radius_m);
   const double pixels_per_m = pass.size.width_px / pass.screen.width_m * pass.screen.distance_m / nearest_m;
-  const auto budget = static_cast<std::size_t>(static_cast<double>(kTriangleBudget) * static_cast<double>(object.full.triangles()) /
+  const auto budget = static_cast<std::size_t>(static_cast<double>(kTriangleBudget) * static_cast<double>(object.whole->triangles()) /
                                                static_cast<double>(std::max<std::size_t>(1, all_triangles_)));
   const std::size_t level = choose_level(object.facts, pixels_per_m, budget);
   if (error_px != nullptr) *error_px = object.facts[level].error_m * pixels_per_m;
@@ -368,12 +382,11 @@ std::vector<std::size_t> ScenePainter::order_objects(PaintStage stage, const Sce
   return order;
 }
 
-// Clusters [from, to) in the stage's order, of each the first of `every` triangles.
+// Clusters [from, to) in the stage's order.
 struct ScenePainter::Part {
   PaintStage stage = PaintStage::solid;
   std::size_t from = 0;
   std::size_t to = 0;
-  std::uint32_t every = 1;
 };
 
 void ScenePainter::gather(const Object& object, const FlatLevel& level, const Part& part, const Mat4& clip, const Vec3& p_UE, bool cull) {
@@ -386,12 +399,12 @@ void ScenePainter::gather(const Object& object, const FlatLevel& level, const Pa
     const DetailCluster& cluster = level.clusters[is_solid ? i : order[i]];
     if (!culling.may_see(cluster)) continue;
     const auto first = level.indices.begin() + cluster.first;
-    if (part.every == 1 && !object.has_blended) {
+    if (!object.has_blended) {
       visible_.insert(visible_.end(), first, first + cluster.count);
       continue;
     }
-    for (std::uint32_t k = 0; k + 2 < cluster.count; k += 3 * part.every) {
-      if (object.has_blended && (level.paints[first[k]].is_blended == 0) != is_solid) continue;
+    for (std::uint32_t k = 0; k + 2 < cluster.count; k += 3) {
+      if ((level.paints[first[k]].is_blended == 0) != is_solid) continue;
       visible_.insert(visible_.end(), first + k, first + k + 3);
     }
   }
@@ -443,10 +456,7 @@ PaintCount ScenePainter::paint(const ScenePass& pass) {
       double error_px = 0.0;
       const std::size_t i = choose(object, pass, &error_px);
       const FlatLevel& level = object.level(i);
-      // A large mesh that has no level yet is drawn with a part of its triangles, so that a picture appears at once.
-      const bool is_preview = object.facts.size() == 1 && level.triangles() > kPreviewTriangles && builder_->progress() < 1.0;
-      const auto every = static_cast<std::uint32_t>(is_preview ? level.triangles() / kPreviewTriangles + 1 : 1);
-      const std::size_t sent = paint_part(object, i, pass, {stage, 0, level.clusters.size(), every});
+      const std::size_t sent = paint_part(object, i, pass, {stage, 0, level.clusters.size()});
       if (stage != PaintStage::blended_depth) count.sent += sent;
       if (stage != PaintStage::solid) continue;
       count.triangles += level.triangles();
@@ -454,6 +464,7 @@ PaintCount ScenePainter::paint(const ScenePass& pass) {
     }
   }
   begin_stage(PaintStage::solid);
+  builder_->begin();
   return count;
 }
 

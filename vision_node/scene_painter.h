@@ -65,6 +65,10 @@ class ScenePainter {
   // Moves an object, as its mesh has it, by X_SO from now on, or leaves it out.
   void place_object(std::size_t object, const Pose& X_SO, bool is_shown);
 
+  // Makes ready all triangles of large meshes, of which only a part is drawn until the builder has prepared them. Takes a tenth of a
+  // second.
+  void complete();
+
   // Takes the levels made so far. True if there are any, so that a picture may look better than the last.
   bool take_levels();
   // How much of all levels has been made, 0 to 1.

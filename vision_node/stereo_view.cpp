@@ -374,8 +374,8 @@ void StereoView::set_probe(const ProbeShown& probe) {
 }
 void StereoView::set_other_probe(const ProbeShown& probe) { window_->other_probe->set(probe); }
 
-void StereoView::set_hud(std::string_view facts, std::string_view help) {
-  for (const auto& eye : window_->eyes) eye->hud.set(facts, help);
+void StereoView::set_hud(std::string_view facts, std::string_view help, std::string_view notice) {
+  for (const auto& eye : window_->eyes) eye->hud.set(facts, help, notice);
 }
 
 void StereoView::set_cull(bool cull) { window_->settings.cull = cull; }
@@ -392,6 +392,18 @@ void StereoView::place_object(std::size_t object, const Pose& X_SO, bool is_show
 AnnotationFigure& StereoView::annotation_figure() { return window_->annotations; }
 MenuFigure& StereoView::menu_figure() { return window_->menu; }
 void StereoView::set_probe_radius(double radius_m) { window_->probe->set_tip_radius(radius_m); }
+
+void StereoView::prepare_shaders() {
+  ProbeShown probe;
+  const ProbeSizes& sizes = window_->probe->sizes();
+  probe.p_WD = Vec3(0.0, -sizes.tip_radius_m, 0.0);
+  probe.force_n = Vec3(0.0, 2.0 * sizes.arrow_max_m / sizes.arrow_m_per_n, 0.0);  // longer than the arrow may be
+  probe.contact = true;
+  window_->probe->set(probe);
+  window_->window->SetSwapBuffers(0);
+  window_->render();
+  window_->probe->hide();
+}
 
 void StereoView::draw(std::function<void()> before_probe) {
   if (window_->mode == StereoMode::emulate) {

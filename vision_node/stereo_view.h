@@ -64,7 +64,7 @@ class StereoView {
   void set_probe(const ProbeShown& probe);
   // Of another hand, likewise.
   void set_other_probe(const ProbeShown& probe);
-  void set_hud(std::string_view facts, std::string_view help);
+  void set_hud(std::string_view facts, std::string_view help, std::string_view notice = {});
   void set_cull(bool cull);
   void set_depth_cues(bool shown);
   // A rigid tool, drawn in place of stylus and tip, or beside them.
@@ -85,6 +85,10 @@ class StereoView {
 
   // The scene's surface as the first eye sees it, in the newest picture. Null before the first one, and while edges are smoothed.
   std::shared_ptr<const SurfaceSeen> surface_seen();
+
+  // Draws the scene and a probe with all its marks, but not into the window: builds shaders, some tenth of a second that no probe then
+  // waits for.
+  void prepare_shaders();
 
   // Draws and waits until it is done. before_probe is called when the scene is drawn and the probe is not: the probe and HUD that it sets
   // are in the picture.

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "runtime/log.h"
+#include "runtime/process_age.h"
 
 namespace hapton {
 namespace {
@@ -87,6 +88,9 @@ VisionSession::VisionSession(StereoView& view, HubClient& hub, Clock& clock, con
 Result<void> VisionSession::run(const StopSignal& stop) {
   start_ns_ = clock_.now_ns();
   const std::int64_t end_ns = options_.seconds > 0.0 ? start_ns_ + static_cast<std::int64_t>(options_.seconds * 1e9) : INT64_MAX;
+  // Before the hub is joined: what takes long only once delays no probe.
+  if (auto drawn = draw_if_wanted(); !drawn) return drawn;
+  view_.prepare_shaders();
   while (!quit_ && !stop.stop_requested() && clock_.now_ns() < end_ns) {
     receive_from_hub(std::min(clock_.now_ns() + kTurnNs, end_ns));
     if (auto attended = attend_window(); !attended) return attended;
@@ -271,7 +275,7 @@ Result<void> VisionSession::draw_if_wanted() {
   if (other_ != nullptr && other_->shown()) view_.set_other_probe(*other_->shown());
   view_.set_cull(shown.cull);
   view_.set_depth_cues(shown.depth_cues);
-  view_.set_hud(shown.hud, shown.help);
+  view_.set_hud(shown.hud, shown.help, shown.notice);
   // While the scene was drawn the probe has moved on.
   view_.draw([this, &shown] {
     take_states(0);
@@ -279,6 +283,9 @@ Result<void> VisionSession::draw_if_wanted() {
     if (const auto newest = step_.newest_probe()) view_.set_probe(*newest);
   });
   report_frame(is_wanted, begin_ns, clock_.now_ns());
+  if (step_.frames().drawn() == 1) {
+    if (const auto age_s = read_process_age_s()) log_info("first picture {:.2f} s after the start", *age_s);
+  }
   const bool keep = !options_.screenshot.empty() && moment_.is_now(begin_ns - start_ns_, step_.contact());
   return keep ? take_screenshot(options_.screenshot) : Result<void>{};
 }

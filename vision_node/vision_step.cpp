@@ -94,7 +94,7 @@ std::optional<Message> VisionStep::take_message(std::int64_t now_ns) {
   return std::nullopt;
 }
 
-std::string VisionStep::compose_hud_now() const {
+HudFacts VisionStep::hud_facts() const {
   HudFacts facts;
   facts.connected = connected_ && state_;
   if (state_) facts.state = *state_;
@@ -110,7 +110,9 @@ std::string VisionStep::compose_hud_now() const {
   if (!is_other_scene_) facts.touched = describe_object(settings_.names, touched_object());
   facts.annotations = annotations_;
   facts.held = describe_object(settings_.names, held_object_);
-  return compose_hud(facts);
+  facts.scene_across_m = 2.0 * settings_.scene_radius_m;
+  facts.scene_away_m = (scene_pose() * settings_.p_SO - settings_.p_WC).norm();
+  return facts;
 }
 
 bool VisionStep::may_draw(std::int64_t now_ns) const {
@@ -128,7 +130,7 @@ bool VisionStep::wants_picture(std::int64_t now_ns, const Screen& where) {
     frames_.skipped();
     unseen_ = true;
   }
-  return now_ns - hud_ns_ >= kHudPeriodNs && compose_hud_now() != hud_shown_;
+  return now_ns - hud_ns_ >= kHudPeriodNs && compose_hud(hud_facts()) != hud_shown_;
 }
 
 VisionStep::Shown VisionStep::compose(std::int64_t now_ns) {
@@ -137,12 +139,15 @@ VisionStep::Shown VisionStep::compose(std::int64_t now_ns) {
   shown.framing = interaction_.camera().apply(settings_.home);
   shown.probe = newest_probe();
   if (now_ns - hud_ns_ >= kHudRefreshNs || hud_shown_.empty() || stale_ || contact() != hud_contact_ || touched_object() != hud_object_) {
-    hud_shown_ = compose_hud_now();
+    const HudFacts facts = hud_facts();
+    hud_shown_ = compose_hud(facts);
+    notice_shown_ = compose_notice(facts);
     hud_contact_ = contact();
     hud_object_ = touched_object();
     hud_ns_ = now_ns;
   }
   shown.hud = hud_shown_;
+  shown.notice = notice_shown_;
   if (help_) shown.help = keys_help();
   shown.cull = cull_;
   shown.depth_cues = depth_cues_;

@@ -10,6 +10,7 @@
 #include "scene/object_names.h"
 #include "vision_node/camera_view.h"
 #include "vision_node/frame_log.h"
+#include "vision_node/hud_text.h"
 #include "vision_node/interaction.h"
 #include "vision_node/knob_box.h"
 #include "vision_node/probe_shown.h"
@@ -51,6 +52,7 @@ class VisionStep {
     std::optional<ProbeShown> probe;  // none before the hub has spoken
     std::string hud;
     std::string_view help;
+    std::string notice;  // what is wrong with the scene; empty: nothing
     bool cull = true;
     bool depth_cues = true;
   };
@@ -124,12 +126,13 @@ class VisionStep {
   const FrameLog& frames() const { return frames_; }
   const ViewTransformSender& view_transform() const { return sender_; }
   const Interaction& interaction() const { return interaction_; }
-  bool contact() const { return state_ && state_->contact; }
+  // A surface is touched.
+  bool contact() const { return state_ && touches_surface(*state_); }
   // The number of the object touched, in haptics_node's scene; -1: none, or not known.
   std::int32_t touched_object() const { return contact() ? state_->object : -1; }
 
  private:
-  std::string compose_hud_now() const;
+  HudFacts hud_facts() const;
   ProbeShown probe_shown() const { return show_probe(*state_, settings_.stylus_lean); }
 
   VisionStepSettings settings_;
@@ -155,6 +158,7 @@ class VisionStep {
   double detail_progress_ = 1.0;
   double preparing_s_ = 0.0;
   std::string hud_shown_;
+  std::string notice_shown_;
   bool hud_contact_ = false;
   std::int32_t hud_object_ = -1;
   std::int64_t hud_ns_ = 0;

@@ -148,6 +148,20 @@ TEST(Haptics, TheSecondOneWaitsUntilTheFirstIsGone) {
   system.end("io_node");
 }
 
+TEST(Hub, ThatEndsInOrderIsNoWarningAtTheOthers) {
+  System system;
+  for (const std::string& node : kNodes) system.start(node);
+  ASSERT_TRUE(is_complete(system.wait_for_report(is_complete)));
+  system.end("io_node");
+  for (const std::string& node : kNodes) {
+    if (node == "io_node") continue;
+    const auto says = [&](const char* what) { return system[node].err().find(what) != std::string::npos; };
+    EXPECT_TRUE(System::wait_until([&] { return says("the hub has ended its session"); })) << node << "\n" << system[node].err();
+    EXPECT_FALSE(says("stopped answering")) << system[node].err();
+    system.end(node);
+  }
+}
+
 TEST(Hub, KilledAndRestartedIsFoundAgainByAll) {
   System system;
   for (const std::string& node : kNodes) system.start(node);

@@ -11,7 +11,7 @@
 namespace hapton {
 namespace {
 
-LatencyReport sample_report() {
+LatencyReport prometheus_sample_report() {
   LatencyReport report;
   report.seconds = 2.5;
   report.counters = {{"lost", 3}, {"samples", 2500}, {"loop_waited_us", 2500}, {"longest_release_us", 20}};
@@ -44,7 +44,7 @@ std::map<std::string, double> parse(const std::string& text) {
 }
 
 TEST(PrometheusTextTest, HoldsEveryValueInItsGrammar) {
-  const auto samples = parse(to_prometheus(sample_report()));
+  const auto samples = parse(to_prometheus(prometheus_sample_report()));
   EXPECT_EQ(samples.at("hapton_up_seconds"), 2.5);
   EXPECT_EQ(samples.at("hapton_lost_total"), 3);
   EXPECT_EQ(samples.at("hapton_samples_total"), 2500);
@@ -64,7 +64,7 @@ double bucket(const std::map<std::string, double>& samples, const std::string& h
 }
 
 TEST(PrometheusTextTest, AHistogramCountsWhatIsWithinEachBound) {
-  const auto samples = parse(to_prometheus(sample_report()));
+  const auto samples = parse(to_prometheus(prometheus_sample_report()));
   EXPECT_NEAR(bucket(samples, "round_trip", "0.0005"), 500, 8) << "a bucket is 1.6 % wide";
   EXPECT_NEAR(bucket(samples, "round_trip", "0.0001"), 100, 2);
   EXPECT_EQ(bucket(samples, "round_trip", "1e-06"), 0) << "the record of 1,000 ns shares its bucket with longer ones";
@@ -81,7 +81,7 @@ TEST(PrometheusTextTest, AHistogramCountsWhatIsWithinEachBound) {
 
 // As `promtool check metrics` wants them.
 TEST(PrometheusTextTest, EachMetricIsTypedAndNamedAsPrometheusWants) {
-  std::istringstream lines(to_prometheus(sample_report()));
+  std::istringstream lines(to_prometheus(prometheus_sample_report()));
   std::map<std::string, std::string> types;
   std::set<std::string> helped;
   for (std::string line; std::getline(lines, line);) {

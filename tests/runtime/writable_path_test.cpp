@@ -33,5 +33,17 @@ TEST(WritablePath, RejectsAPathThatIsBlocked) {
   EXPECT_THAT(error_of(check_writable_file(folder.path() / "b/")), HasSubstr("it is a folder"));
 }
 
+// Its permissions say that root may write there.
+TEST(WritablePath, RejectsWhereNothingCanBeMadeThoughItMayBe) {
+  EXPECT_THAT(error_of(check_writable_folder("/proc/hapton")), HasSubstr("/proc/hapton cannot be written"));
+  EXPECT_THAT(error_of(check_writable_file("/proc/hapton.csv")), HasSubstr("cannot be written"));
+}
+
+TEST(WritablePath, LeavesNothingBehind) {
+  const ScratchFolder folder;
+  ASSERT_EQ(error_of(check_writable_folder(folder.path())), "");
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
 }  // namespace
 }  // namespace hapton

@@ -43,6 +43,20 @@ TEST(DetailBuilder, MakesLevelsFromTheFinestToTheCoarsestAndThenTheMeshInCluster
   EXPECT_EQ(made.back().level.error, 0.0);
 }
 
+TEST(DetailBuilder, BeginsByItselfWhenNobodyDraws) {
+  const DetailLevel mesh = level_of(make_bumpy_sphere(0.05, 0.25, 20'000, 1));
+  DetailBuilder builder({&mesh});
+  EXPECT_FALSE(take_all(builder).empty());
+}
+
+TEST(DetailBuilder, CanBeEndedBeforeItHasBegun) {
+  const DetailLevel mesh = level_of(make_bumpy_sphere(0.05, 0.25, 20'000, 1));
+  for (int i = 0; i < 20; ++i) {
+    DetailBuilder builder({&mesh});
+    if (i % 2 == 0) builder.begin();
+  }
+}
+
 TEST(DetailBuilder, OfALargeMeshARoughLevelComesFirst) {
   const DetailLevel large = level_of(make_bumpy_sphere(0.05, 0.25, 300'000, 1));
   DetailBuilder builder({&large});

@@ -74,6 +74,22 @@ TEST(DetailLevels, TheErrorIsHowFarTheFarthestVertexIs) {
   EXPECT_EQ(measure_level_error(pyramid, pyramid, 100), 0.0);
 }
 
+TEST(DetailLevels, ThinningOutLeavesTrianglesOfTheMeshAllOverIt) {
+  const DetailLevel full = full_level_of(make_bumpy_sphere(0.05, 0.25, 20'000, 1));
+  for (const std::size_t wanted : {std::size_t{1}, std::size_t{3'000}, full.triangles() - 1, full.triangles(), full.triangles() + 1}) {
+    const DetailLevel thin = thin_out(full, wanted);
+    EXPECT_LE(thin.triangles(), wanted);
+    EXPECT_GE(2 * thin.triangles() + 1, std::min(wanted, full.triangles()));
+    ASSERT_EQ(thin.clusters.size(), 1U);
+    EXPECT_EQ(thin.clusters.front().count, thin.indices.size());
+    for (const std::uint32_t corner : thin.indices) ASSERT_LT(corner, thin.positions.size());
+  }
+  const DetailLevel thin = thin_out(full, 3'000);
+  // The first triangle is the mesh's first, with the same corners in the same order.
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(thin.positions[thin.indices[k]], full.positions[full.indices[k]]);
+  EXPECT_LT(measure_level_error(thin, full, 4000), 0.1) << "all over it";
+}
+
 TEST(DetailLevels, ARoughLevelIsMadeAsWell) {
   const DetailLevel full = full_level_of(make_bumpy_sphere(0.05, 0.25, 20'000, 1));
   const auto rough = make_rough_level(full, 4'000);

@@ -31,6 +31,7 @@ TEST(Hud, ShowsRatesLatencyForceContactAndMode) {
   facts.state.round_trip_p99_us = 81.0F;
   facts.state.force_n = {0.0, 3.0, 4.0};
   facts.state.contact = true;
+  facts.state.visual_offset_m = {0.0, 0.0, 0.001};
   facts.frame_rate_hz = 58.2;
   facts.stereo = "anaglyph";
   facts.cull = false;
@@ -56,12 +57,28 @@ TEST(Hud, NamesWhatIsTouched) {
   facts.touched = "hood (sheet metal)";
   EXPECT_EQ(compose_hud(facts).find("hood"), std::string::npos) << "nothing is touched";
   facts.state.contact = true;
+  facts.state.object = 0;
   EXPECT_NE(compose_hud(facts).find("touching hood (sheet metal)"), std::string::npos) << compose_hud(facts);
   facts.held = "peg (steel)";
   EXPECT_NE(compose_hud(facts).find("holding peg (steel), in contact"), std::string::npos) << compose_hud(facts);
   facts.state.contact = false;
   EXPECT_NE(compose_hud(facts).find("holding peg (steel)"), std::string::npos);
   EXPECT_EQ(compose_hud(facts).find("free"), std::string::npos);
+}
+
+// A magnet pulls, or the air is as thick as honey: nothing is touched.
+TEST(Hud, AForceInFreeSpaceIsNoTouch) {
+  HudFacts facts;
+  facts.connected = true;
+  facts.state.contact = true;
+  facts.state.force_n = {0.0, 0.0, 0.05};
+  EXPECT_EQ(compose_hud(facts).find("touching"), std::string::npos) << compose_hud(facts);
+  EXPECT_NE(compose_hud(facts).find("free, a force in space"), std::string::npos) << compose_hud(facts);
+  facts.state.visual_offset_m = {0.0, 0.0, 1e-6};
+  EXPECT_NE(compose_hud(facts).find("touching"), std::string::npos) << "a method that does not name the object";
+  facts.state.visual_offset_m.setZero();
+  facts.state.object = 2;
+  EXPECT_NE(compose_hud(facts).find("touching"), std::string::npos) << "a needle in it";
 }
 
 TEST(Hud, AMeterShowsTheEnergyThatTheHandWasGiven) {
@@ -119,6 +136,34 @@ TEST(Hud, WarnsOfASceneOutOfReachOrDifferentFromTheHapticOne) {
   const std::string text = compose_hud(facts);
   EXPECT_NE(text.find("ANOTHER SCENE"), std::string::npos);
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), lines + 1);
+}
+
+TEST(HudNotice, SaysWhyNothingCanBeTouchedHowLargeTheSceneIsAndWhatToDo) {
+  HudFacts facts;
+  facts.scene_across_m = 1e-4;
+  facts.state.status = ProbeStatus::too_small;
+  EXPECT_EQ(compose_notice(facts), "") << "without a hub that is what is wrong";
+  facts.connected = true;
+  EXPECT_NE(compose_notice(facts).find("0.1 mm across"), std::string::npos) << compose_notice(facts);
+  EXPECT_NE(compose_notice(facts).find("--unit"), std::string::npos);
+  facts.state.status = ProbeStatus::out_of_reach;
+  facts.scene_across_m = 0.25;
+  facts.scene_away_m = 254.0;
+  EXPECT_NE(compose_notice(facts).find("250 mm across, 254 m away"), std::string::npos) << compose_notice(facts);
+  facts.state.status = ProbeStatus::ok;
+  EXPECT_EQ(compose_notice(facts), "");
+  facts.is_other_scene = true;
+  EXPECT_NE(compose_notice(facts).find("another scene"), std::string::npos);
+}
+
+TEST(HudNotice, IsEmptyWhereTheCornerSaysItAll) {
+  HudFacts facts;
+  facts.connected = true;
+  for (const ProbeStatus status :
+       {ProbeStatus::no_haptics, ProbeStatus::fault_latched, ProbeStatus::device_away, ProbeStatus::calibrating}) {
+    facts.state.status = status;
+    EXPECT_EQ(compose_notice(facts), "");
+  }
 }
 
 TEST(Hud, NamesEveryKey) {

@@ -1,12 +1,16 @@
 #include "vision_node/scene_layers.h"
 
 #include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <thread>
 
 #include <gtest/gtest.h>
 
 #include "core/geometry/mesh_shapes.h"
 #include "tests/vision_node/made_views.h"
+#include "vision_node/decode_image.h"
 #include "vision_node/depth_cues.h"
 #include "vision_node/knob_box.h"
 
@@ -128,6 +132,46 @@ TEST(SceneLayers, AScreenshotIsInFullDetail) {
   int parts = 0;
   while (!view->refine() && parts < 100) ++parts;
   EXPECT_LT(parts, 100) << "and the window's own picture is looked after again";
+}
+
+// Of a screenshot, as a picture of the view that took it.
+Picture screenshot_of(StereoView& view) {
+  const auto file = std::filesystem::temp_directory_path() / ("hapton_layers_" + std::to_string(getpid()) + ".png");
+  EXPECT_TRUE(view.save_png(file));
+  std::ifstream in(file, std::ios::binary);
+  const auto texels = decode_image({"screenshot", {std::istreambuf_iterator<char>(in), {}}});
+  std::filesystem::remove(file);
+  Picture picture;
+  if (!texels) {
+    ADD_FAILURE() << texels.error().what;
+    return picture;
+  }
+  picture.size = {texels->width, texels->height};
+  for (std::size_t i = 0; i < texels->rgba.size(); i += 4) {
+    picture.rgb.insert(picture.rgb.end(), texels->rgba.begin() + static_cast<std::ptrdiff_t>(i),
+                       texels->rgba.begin() + static_cast<std::ptrdiff_t>(i) + 3);
+  }
+  return picture;
+}
+
+// Its first frame has a part of the triangles, and holes where the others are.
+TEST(SceneLayers, AScreenshotOfALargeMeshIsInFullDetailFromTheFirstFrameOn) {
+  const std::vector<ShownObject> objects = {{bumpy(1'000'000), {0.6, 0.6, 0.6}}};
+  ViewSettings settings = lit_settings(StereoMode::mono, 480, 480);
+  settings.depth_cues = false;  // the shadow is that of a coarse level, and comes with it
+  auto early = open_or_fail(settings, objects);
+  ASSERT_TRUE(early);
+  early->draw();
+  const Picture preview = early->read_picture();
+  EXPECT_LT(early->paint_count().triangles, 300'000U) << "the test is about something";
+  const Picture at_once = screenshot_of(*early);
+  wait_for_levels(*early);
+  early->draw();
+  const Picture later = screenshot_of(*early);
+  ASSERT_EQ(at_once.rgb.size(), later.rgb.size());
+  ASSERT_EQ(preview.rgb.size(), later.rgb.size());
+  EXPECT_LT(share_differing(at_once, later, 3), 0.002);
+  EXPECT_GT(share_differing(preview, later, 3), 0.05);
 }
 
 TEST(SceneLayers, PickFindsTheSurfaceUnderAPixelInEitherHalf) {

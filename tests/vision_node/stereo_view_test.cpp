@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/vision_node/made_views.h"
+#include "vision_node/hud_text.h"
 #include "vision_node/knob_box.h"
 
 namespace hapton {
@@ -313,6 +314,63 @@ TEST(StereoView, HudLiesInTheSamePlaceOfBothEyesPictures) {
   }
   EXPECT_GT(changed, 500);
   EXPECT_EQ(parallax, 0);
+}
+
+TEST(StereoView, PreparingItsShadersLeavesNoProbeInThePicture) {
+  ViewSettings settings = plain_settings(StereoMode::mono, 320, 240);
+  settings.plain = false;
+  auto fresh = open_or_fail(settings, three_markers());
+  auto prepared = open_or_fail(settings, three_markers());
+  ASSERT_TRUE(fresh && prepared);
+  fresh->draw();
+  prepared->prepare_shaders();
+  prepared->draw();
+  EXPECT_EQ(prepared->read_picture().rgb, fresh->read_picture().rgb);
+  ProbeShown probe;
+  probe.force_n = Vec3(0.0, 5.0, 0.0);
+  probe.contact = true;
+  for (StereoView* view : {fresh.get(), prepared.get()}) {
+    view->set_probe(probe);
+    view->draw();
+  }
+  EXPECT_EQ(prepared->read_picture().rgb, fresh->read_picture().rgb);
+}
+
+TEST(StereoView, ANoticeStandsInLargeLettersInTheMiddleOfEachEyesPicture) {
+  for (const StereoMode mode : {StereoMode::mono, StereoMode::side_by_side}) {
+    ViewSettings settings = plain_settings(mode, 1280, 720);
+    settings.plain = false;
+    auto view = open_or_fail(settings, {});
+    ASSERT_TRUE(view);
+    HudFacts facts;
+    facts.connected = true;
+    facts.scene_across_m = 1e-4;
+    facts.state.status = ProbeStatus::too_small;
+    view->set_hud("", "", compose_notice(facts));
+    view->draw();
+    const Picture picture = view->read_picture();
+    const int width = view->picture_size().width_px;
+    // Amber letters: from where to where, in the first eye's picture.
+    int left = width, right = 0, letters = 0;
+    for (int y = 0; y < 720; ++y) {
+      for (int x = 0; x < width; ++x) {
+        const std::uint8_t* p = picture.at(x, y);
+        if (p[0] < 200 || p[1] < 120 || p[2] > 100) continue;
+        ++letters;
+        left = std::min(left, x);
+        right = std::max(right, x);
+      }
+    }
+    EXPECT_GT(letters, 300);
+    EXPECT_GT(left, 0) << "cut off";
+    EXPECT_LT(right, width - 1) << "cut off";
+    EXPECT_GT(right - left, width / 2);
+    EXPECT_NEAR(0.5 * (left + right), 0.5 * width, 0.05 * width);
+    view->set_hud("", "", "");
+    view->draw();
+    const Picture without = view->read_picture();
+    EXPECT_NE(picture.rgb, without.rgb);
+  }
 }
 
 TEST(StereoView, ScreenshotIsAPngOfTheWindow) {

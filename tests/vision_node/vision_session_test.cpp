@@ -57,6 +57,7 @@ class FakeHub {
       state.sample_time_ns = next_ns;
       if (moving) state.p_WD.x() = 0.05 * std::sin(0.01 * static_cast<double>(samples));
       state.contact = contact;
+      state.object = contact ? 0 : -1;
       state.servo_rate_hz = 500.0F;
       peers.send_to_role(NodeRole::vision, state);
     }

@@ -68,6 +68,24 @@ TEST_F(VisionStepTest, TheHudSaysThatHapticsPreparesUntilTheHubIsLost) {
   EXPECT_EQ(step.compose(kMs).hud.find("prepares"), std::string::npos);
 }
 
+TEST_F(VisionStepTest, ANoticeSaysHowFarAwayTheSceneIsAsItIsTurnedNow) {
+  VisionStepSettings aside = settings();
+  aside.p_SO = Vec3(2.0, 0.0, 0.0);
+  aside.scene_radius_m = 0.05;
+  VisionStep step(aside);
+  step.joined();
+  ProbeState state = state_at(0.0, 1);
+  step.receive(state);
+  EXPECT_EQ(step.compose(0).notice, "");
+  state.status = ProbeStatus::out_of_reach;
+  step.receive(state);
+  EXPECT_TRUE(step.wants_picture(1000 * kMs, where_)) << "a notice is drawn though nothing moves";
+  EXPECT_NE(step.compose(1000 * kMs).notice.find("100 mm across, 2 m away"), std::string::npos);
+  state.status = ProbeStatus::ok;
+  step.receive(state);
+  EXPECT_EQ(step.compose(2000 * kMs).notice, "");
+}
+
 TEST_F(VisionStepTest, TheHudNamesTheTouchedObjectOfTheSameScene) {
   VisionStepSettings with_names = settings();
   with_names.names = {{"hood", "tin"}, {"glass", ""}};
@@ -308,6 +326,7 @@ TEST_F(VisionStepTest, HudNeverContradictsThePictureAboutContact) {
   step.receive(state);
   ASSERT_TRUE(turn(step, 0));
   state.contact = true;
+  state.object = 0;
   state.force_n = {0.0, 0.0, 1.25};
   step.receive(state);
   ASSERT_TRUE(step.wants_picture(11 * kMs, where_));

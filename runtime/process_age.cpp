@@ -1,0 +1,35 @@
+#include "runtime/process_age.h"
+
+#include <ctime>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <string>
+
+#include <unistd.h>
+
+namespace hapton {
+namespace {
+
+// Words between the program's name and the time of its start, in /proc/self/stat (proc(5)).
+constexpr int kWordsBefore = 19;
+
+}  // namespace
+
+std::optional<double> read_process_age_s() {
+  std::ifstream file("/proc/self/stat");
+  const std::string stat{std::istreambuf_iterator<char>(file), {}};
+  // The name stands in brackets, and may contain some itself.
+  const auto after_name = stat.rfind(')');
+  if (after_name == std::string::npos) return std::nullopt;
+  std::istringstream words(stat.substr(after_name + 1));
+  std::string skipped;
+  for (int i = 0; i < kWordsBefore; ++i) words >> skipped;
+  double start_ticks = 0.0;
+  std::timespec now = {};
+  if (!(words >> start_ticks) || clock_gettime(CLOCK_BOOTTIME, &now) != 0) return std::nullopt;
+  const double now_s = static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+  return now_s - start_ticks / static_cast<double>(sysconf(_SC_CLK_TCK));
+}
+
+}  // namespace hapton

@@ -1,0 +1,79 @@
+// What people read first: README's commands work in the order they stand there, and every link of the docs leads somewhere.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <string>
+#include <vector>
+
+namespace hapton::structure {
+namespace {
+
+using ::testing::IsEmpty;
+namespace fs = std::filesystem;
+
+std::vector<std::string> read_lines(const fs::path& file) {
+  std::ifstream in(file);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+fs::path source_root() { return HAPTON_SOURCE_DIR; }
+
+bool is_command_of(const std::string& line, const std::string& program) { return line.starts_with(program + " ") || line == program; }
+
+TEST(Readme, PutsTheProgramsOnThePathBeforeItsFirstCommandOfTheirs) {
+  bool is_code = false;
+  bool has_path = false;
+  int commands = 0;
+  for (const std::string& line : read_lines(source_root() / "README.md")) {
+    if (line.starts_with("```")) is_code = !is_code;
+    if (!is_code) continue;
+    has_path = has_path || line.starts_with("export PATH=\"$PWD/build/release/bin:");
+    for (const char* program : {"hapton", "io_node", "haptics_node", "vision_node"}) {
+      if (!is_command_of(line, program)) continue;
+      ++commands;
+      EXPECT_TRUE(has_path) << line;
+    }
+  }
+  EXPECT_GT(commands, 5);
+}
+
+// Links and pictures to files of the tree: [text](file#part).
+std::vector<std::string> find_broken_links(const fs::path& page) {
+  static const std::regex link(R"(\]\(([^)\s#]+)(#[^)]*)?\))");
+  std::vector<std::string> broken;
+  bool is_code = false;
+  for (const std::string& line : read_lines(page)) {
+    if (line.starts_with("```")) is_code = !is_code;
+    if (is_code) continue;
+    for (std::sregex_iterator at(line.begin(), line.end(), link), end; at != end; ++at) {
+      const std::string target = (*at)[1];
+      if (target.find("://") != std::string::npos || target.starts_with("mailto:")) continue;
+      if (!fs::exists(page.parent_path() / target)) broken.push_back(page.filename().string() + ": " + target);
+    }
+  }
+  return broken;
+}
+
+TEST(Docs, EveryLinkAndPictureLeadsToAFileOfTheTree) {
+  std::vector<fs::path> pages = {source_root() / "README.md", source_root() / "CONTRIBUTING.md"};
+  for (const auto& entry : fs::recursive_directory_iterator(source_root() / "docs")) {
+    if (entry.path().extension() == ".md") pages.push_back(entry.path());
+  }
+  EXPECT_GT(pages.size(), 30U);
+  for (const fs::path& page : pages) EXPECT_THAT(find_broken_links(page), IsEmpty());
+}
+
+TEST(Docs, ABrokenLinkIsFound) {
+  const fs::path page = fs::temp_directory_path() / "hapton_docs_test.md";
+  std::ofstream(page) << "[a](nowhere.md#x) ![b](nowhere.png) [c](https://example.org/d)\n```\n[e](code)\n```\n";
+  EXPECT_EQ(find_broken_links(page).size(), 2U);
+  fs::remove(page);
+}
+
+}  // namespace
+}  // namespace hapton::structure
