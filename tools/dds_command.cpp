@@ -18,10 +18,12 @@ namespace {
 struct DdsOptions {
   dds::BridgeSettings bridge;
   std::optional<int> domain;
+  std::string realtime = "try";
 };
 
 Result<dds::BridgeSettings> check(const DdsOptions& options) {
   dds::BridgeSettings settings = options.bridge;
+  settings.realtime = *parse_realtime_mode(options.realtime);
   const auto domain = dds::choose_domain(options.domain, std::getenv("ROS_DOMAIN_ID"));
   if (!domain) return tl::unexpected(domain.error());
   settings.ros.domain = *domain;
@@ -73,6 +75,9 @@ void add_dds_command(CommandLine app, int& exit_code) {
   command.add_flag("--reliable", bridge.ros.is_reliable, "Topics reliable, for subscribers that take no best effort");
   command.add_option("--tf-rate", bridge.ros.tf_rate_hz, "Transforms a second on /tf, at most; 0: none")
       .between(0.0, 10'000.0)
+      .shows_default();
+  command.add_option("--rt", options->realtime, "Real-time scheduling, below that of the nodes: try, require or off")
+      .one_of({"try", "require", "off"})
       .shows_default();
   const CommandOption forces =
       command

@@ -12,6 +12,8 @@
 namespace hapton::dds {
 namespace {
 
+// Above ordinary programs, so that a sample is published before the next one comes, and below all nodes (80), which it must never hold up.
+constexpr int kPublisherPriority = 10;
 constexpr double kBridgePatienceS = 5.0;
 constexpr std::int64_t kBridgeTurnNs = 20 * kNanosecondsPerMillisecond;
 // After so long it is clear at what rate the hub sends.
@@ -86,7 +88,8 @@ Result<BridgeSummary> run_bridge(const BridgeSettings& settings, const std::func
     HubConnection::Settings hub = settings.hub;
     if (!settings.haptics_key_file.empty()) hub.key_file = settings.haptics_key_file;
     hub.has_worker = true;
-    auto started = ForceReplier::start(**node, {.hub = hub, .most_n = *settings.accept_forces_n, .frame = ros.frame});
+    auto started =
+        ForceReplier::start(**node, {.hub = hub, .most_n = *settings.accept_forces_n, .frame = ros.frame, .realtime = settings.realtime});
     if (!started) return tl::unexpected(started.error());
     replier = std::move(*started);
   }
@@ -94,6 +97,8 @@ Result<BridgeSummary> run_bridge(const BridgeSettings& settings, const std::func
       "publishing {0}/measured_cf and more in DDS domain {1}{2}", ros.prefix, ros.domain,
       ros.takes_forces ? fmt::format("; forces of up to {} N are taken from {}/servo_cf", *settings.accept_forces_n, ros.prefix) : ""));
 
+  const auto rights = enter_realtime({.mode = settings.realtime, .priority = kPublisherPriority, .lock_memory = false});
+  if (!rights) return tl::unexpected(rights.error());
   HubClient& client = (*connection)->client();
   const Clock& clock = (*connection)->clock();
   const std::int64_t start_ns = clock.now_ns();

@@ -8,6 +8,7 @@
 #include "core/base/result.h"
 #include "core/effects/smooth_velocity.h"
 #include "link/hub_connection.h"
+#include "runtime/realtime.h"
 #include "tools/dds/ros_node.h"
 #include "tools/dds/servo_force.h"
 #include "tools/dds/stamp_clock.h"
@@ -19,7 +20,8 @@ struct BridgeSettings {
   RosNode::Options ros;
   double seconds = 0.0;                   // 0: until stopped
   std::optional<double> accept_forces_n;  // none: no force is taken from DDS
-  std::string haptics_key_file;           // for that; empty: hub.key_file
+  RealtimeMode realtime = RealtimeMode::attempt;
+  std::string haptics_key_file;  // for that; empty: hub.key_file
 };
 
 // What a run did.

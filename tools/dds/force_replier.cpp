@@ -21,7 +21,7 @@ Result<std::unique_ptr<ForceReplier>> ForceReplier::start(RosNode& node, const S
 
 ForceReplier::ForceReplier(RosNode& node, const Settings& settings, std::unique_ptr<HubConnection> connection)
     : node_(node), connection_(std::move(connection)), force_(settings.frame, settings.most_n) {
-  thread_ = start_thread([this] { run(); });
+  thread_ = start_thread([this, realtime = settings.realtime] { run(realtime); });
 }
 
 ForceReplier::~ForceReplier() { stop(); }
@@ -45,7 +45,9 @@ void ForceReplier::take_commands() {
   });
 }
 
-void ForceReplier::run() {
+void ForceReplier::run(RealtimeMode realtime) {
+  // What is denied was said by the publisher, which asks for less.
+  (void)enter_realtime({.mode = realtime});
   HubClient& client = connection_->client();
   const Clock& clock = connection_->clock();
   Datagram datagram;

@@ -8,6 +8,7 @@
 
 #include "core/base/result.h"
 #include "link/hub_connection.h"
+#include "runtime/realtime.h"
 #include "tools/dds/ros_node.h"
 #include "tools/dds/servo_force.h"
 
@@ -22,6 +23,7 @@ class ForceReplier {
     HubConnection::Settings hub;
     double most_n = 0.0;  // larger forces are scaled down
     std::string frame;
+    RealtimeMode realtime = RealtimeMode::attempt;
   };
   // Error, one line: no hub, no right, or the hub has a haptics node. Pre: node takes forces and outlives this.
   static Result<std::unique_ptr<ForceReplier>> start(RosNode& node, const Settings& settings);
@@ -39,7 +41,7 @@ class ForceReplier {
 
  private:
   ForceReplier(RosNode& node, const Settings& settings, std::unique_ptr<HubConnection> connection);
-  void run();
+  void run(RealtimeMode realtime);
   void take_commands();
   void answer(const DeviceState& state, std::uint32_t states);
 
