@@ -31,12 +31,25 @@ Grasp::Grasp(GraspLink& link, const std::vector<bool>& movable, std::uint32_t bu
   }
 }
 
+void Grasp::place(int object, const Pose& X_SO) {
+  moved_[static_cast<std::size_t>(object)] = X_SO;
+  order_.object = object;
+  set_pose(X_SO, false);
+  order_.object = -1;
+}
+
 Grasp::Change Grasp::update(const DeviceState& state, const Pose& X_WS, int touched, const Vec3& visual_offset_m) noexcept {
   const bool is_down = (state.buttons & buttons_) != 0;
   const bool is_pressed = !std::exchange(was_down_, is_down) && is_down;
   const bool is_answered = link_.answers.take() && link_.answers.value().serial == order_.serial;
+  const std::optional<ObjectPose> request = std::exchange(requested_, std::nullopt);
   switch (phase_) {
     case Phase::idle:
+      if (request && may_move(*request)) {
+        note_stylus(state, X_WS, touched >= 0 ? visual_offset_m : Vec3(Vec3::Zero()));
+        move(*request);
+        return Change::put_down;
+      }
       if (is_pressed && touched >= 0 && static_cast<std::size_t>(touched) < movable_.size() &&
           movable_[static_cast<std::size_t>(touched)]) {
         begin(state, X_WS, touched, visual_offset_m);
@@ -69,12 +82,33 @@ Grasp::Change Grasp::update(const DeviceState& state, const Pose& X_WS, int touc
   return Change::none;
 }
 
-void Grasp::begin(const DeviceState& state, const Pose& X_WS, int object, const Vec3& visual_offset_m) noexcept {
-  order_.object = object;
+bool Grasp::may_move(const ObjectPose& pose) const noexcept {
+  const auto object = static_cast<std::size_t>(pose.object);
+  return pose.object >= 0 && object < movable_.size() && movable_[object] && !pose.is_held && pose.serial == poses_[object].serial;
+}
+
+// As if it had been held and put down there; the probe goes on from where it is.
+void Grasp::move(const ObjectPose& pose) noexcept {
+  order_.object = pose.object;
+  order_.moved = Pose::Identity();
+  order_.moved.translation() = pose.p_m;
+  order_.moved.linear() = pose.q.normalized().toRotationMatrix();
+  moved_[static_cast<std::size_t>(pose.object)] = order_.moved;
+  set_pose(order_.moved, false);
+  send(GraspOrder::Kind::put_down);
+  phase_ = Phase::waiting;
+}
+
+void Grasp::note_stylus(const DeviceState& state, const Pose& X_WS, const Vec3& visual_offset_m) noexcept {
   order_.X_SD = relative(X_WS, pose_of(state));
-  order_.moved = moved_[static_cast<std::size_t>(object)];
   X_SP_ = order_.X_SD;
   p_DP_ = state.q_WT.conjugate() * visual_offset_m;
+}
+
+void Grasp::begin(const DeviceState& state, const Pose& X_WS, int object, const Vec3& visual_offset_m) noexcept {
+  order_.object = object;
+  order_.moved = moved_[static_cast<std::size_t>(object)];
+  note_stylus(state, X_WS, visual_offset_m);
   send(GraspOrder::Kind::pick_up);
   phase_ = Phase::asked;
 }

@@ -44,6 +44,13 @@ class Grasp {
   // movable: by object. buttons: one of these picks up.
   Grasp(GraspLink& link, const std::vector<bool>& movable, std::uint32_t buttons);
 
+  // An object lies elsewhere at the start: X_SO. Set-up only. Pre: of the scene, and movable.
+  void place(int object, const Pose& X_SO);
+
+  // Somebody asks for an object to be moved from its pose of that serial to this one: update() does it if nothing is picked up, held or put
+  // down then. Otherwise, where the serial is not the object's newest, and for what is not movable, it is ignored: who asks repeats.
+  void request(const ObjectPose& pose) noexcept { requested_ = pose; }
+
   enum class Change : std::uint8_t { none, picked_up, put_down };
   // Before the force of a sample. touched: the object in contact at the sample before, -1: none. visual_offset_m: of that sample, frame W.
   Change update(const DeviceState& state, const Pose& X_WS, int touched, const Vec3& visual_offset_m) noexcept;
@@ -77,6 +84,9 @@ class Grasp {
  private:
   enum class Phase : std::uint8_t { idle, asked, held, waiting };
 
+  bool may_move(const ObjectPose& pose) const noexcept;
+  void move(const ObjectPose& pose) noexcept;
+  void note_stylus(const DeviceState& state, const Pose& X_WS, const Vec3& visual_offset_m) noexcept;
   void begin(const DeviceState& state, const Pose& X_WS, int object, const Vec3& visual_offset_m) noexcept;
   void send(GraspOrder::Kind kind) noexcept;
   void set_pose(const Pose& pose, bool is_held) noexcept;
@@ -91,6 +101,7 @@ class Grasp {
   Vec3 p_DP_ = Vec3::Zero();      // the probe on the object when it was picked up, frame of the stylus
   Pose X_SP_ = Pose::Identity();  // the tool's pose, frame S
   bool has_start_ = false;
+  std::optional<ObjectPose> requested_;
   std::vector<Pose> moved_;  // by object
   std::vector<ObjectPose> poses_;
   std::uint32_t pose_serial_ = 1;

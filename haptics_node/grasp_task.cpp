@@ -7,6 +7,7 @@
 #include "core/force/stiffest.h"
 #include "core/force/virtual_coupling.h"
 #include "haptics_node/new_scene.h"
+#include "haptics_node/placed_scene.h"
 #include "haptics_node/tool_task.h"
 #include "runtime/clock.h"
 #include "runtime/log.h"
@@ -20,16 +21,6 @@ constexpr auto kPause = std::chrono::microseconds(100);
 // A longer time to make a tool is logged: the object did not follow the hand at once.
 constexpr double kNoticedS = 0.2;
 
-TriangleMesh moved_by(const Pose& pose, const TriangleMesh& mesh) {
-  TriangleMesh moved = mesh;
-  for (Vec3& vertex : moved.vertices) vertex = pose * vertex;
-  const Eigen::Matrix3f turn = pose.linear().cast<float>();
-  for (auto& corners : moved.authored_normals) {
-    for (Eigen::Vector3f& normal : corners) normal = turn * normal;
-  }
-  return moved;
-}
-
 }  // namespace
 
 std::vector<bool> list_movable(const Scene& scene) {
@@ -38,9 +29,10 @@ std::vector<bool> list_movable(const Scene& scene) {
   return movable;
 }
 
-GraspTask::GraspTask(Options options, Scene scene, GraspLink& link, MaterialTuner& tuner, MethodBuilder& builder)
-    : options_(std::move(options)), scene_(std::move(scene)), link_(link), tuner_(tuner), builder_(builder) {
-  for (const SceneObject& object : scene_.objects) as_loaded_.push_back(object.mesh);
+GraspTask::GraspTask(Options options, const Scene& scene, const std::vector<PutDown>& put_down, GraspLink& link, MaterialTuner& tuner,
+                     MethodBuilder& builder)
+    : options_(std::move(options)), scene_(place_objects(scene, put_down)), link_(link), tuner_(tuner), builder_(builder) {
+  for (const SceneObject& object : scene.objects) as_loaded_.push_back(object.mesh);
 }
 
 GraspTask::~GraspTask() { stop(); }
@@ -92,7 +84,7 @@ void GraspTask::pick_up(const GraspOrder& order) {
     const Material& material = scene_.objects[o].material;
     friction.push_back({material.friction_static, material.friction_dynamic});
   }
-  const TriangleMesh held = moved_by(order.X_SD.inverse(Eigen::Isometry) * order.moved, *as_loaded_[number]);
+  const TriangleMesh held = move_mesh(order.X_SD.inverse(Eigen::Isometry) * order.moved, *as_loaded_[number]);
   auto step = ToolStep::make(held, std::move(others),
                              {.stiffness_n_per_m = find_stiffest(couple_scene(scene_.touch_scene(), options_.coupling_n_per_m)),
                               .rotational_stiffness_nm_per_rad = options_.rotational_stiffness_nm_per_rad},
@@ -115,7 +107,7 @@ void GraspTask::pick_up(const GraspOrder& order) {
 void GraspTask::put_down(const GraspOrder& order) {
   SceneObject& object = scene_.objects[static_cast<std::size_t>(order.object)];
   const std::shared_ptr<const TriangleMesh> before = object.mesh;
-  object.mesh = std::make_shared<const TriangleMesh>(moved_by(order.moved, *as_loaded_[static_cast<std::size_t>(order.object)]));
+  object.mesh = std::make_shared<const TriangleMesh>(move_mesh(order.moved, *as_loaded_[static_cast<std::size_t>(order.object)]));
   const auto made = make_new_scene(scene_, options_.coupling_n_per_m, ++revision_, false);
   made->put_down = order.serial;
   if (const auto built = builder_.follow(made); !built) {

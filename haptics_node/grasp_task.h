@@ -11,6 +11,7 @@
 #include "haptics_node/material_tuner.h"
 #include "haptics_node/method_builder.h"
 #include "runtime/latency_histogram.h"
+#include "scene/annotations.h"
 #include "scene/scene_file.h"
 
 namespace hapton {
@@ -27,8 +28,9 @@ class GraspTask {
     std::function<void(const TouchScene&)> on_scene = {};
   };
 
-  // scene: as loaded. Pre: all outlive this.
-  GraspTask(Options options, Scene scene, GraspLink& link, MaterialTuner& tuner, MethodBuilder& builder);
+  // scene: as loaded; put_down: what lies elsewhere at the start. Pre: the others outlive this.
+  GraspTask(Options options, const Scene& scene, const std::vector<PutDown>& put_down, GraspLink& link, MaterialTuner& tuner,
+            MethodBuilder& builder);
   ~GraspTask();
   GraspTask(const GraspTask&) = delete;
   GraspTask& operator=(const GraspTask&) = delete;

@@ -29,8 +29,9 @@ struct HapticsOptions {
   double plugin_budget_us = 1e-3 * static_cast<double>(CallBudget::kDefaultNs);  // of each call into a shared library
   // A rigid tool in place of a probe.
   ToolChoice tool;
-  double tool_nm_per_rad = 0.0;  // rotational stiffness; 0: derived from its size
-  int grasp_button = 1;          // of the stylus, from 1: picks up movable objects
+  double tool_nm_per_rad = 0.0;       // rotational stiffness; 0: derived from its size
+  std::filesystem::path annotations;  // of vision_node: where movable objects lie at the start; empty: none
+  int grasp_button = 1;               // of the stylus, from 1: picks up movable objects
   RealtimeSettings realtime;
   std::int64_t plugin_budget_ns() const { return static_cast<std::int64_t>(1e3 * plugin_budget_us); }
   double patch_mbit_per_s = 1.0;  // for parts of the scene, when the hub asks for them

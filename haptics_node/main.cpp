@@ -12,6 +12,7 @@
 #include "haptics_node/grasp_task.h"
 #include "haptics_node/haptics_options.h"
 #include "haptics_node/haptics_report.h"
+#include "haptics_node/placed_scene.h"
 #include "haptics_node/preparation_notice.h"
 #include "haptics_node/reply_loop.h"
 #include "haptics_node/scene_watcher.h"
@@ -77,8 +78,12 @@ int run(const HapticsOptions& options) {
   PluginEffects effects(clock, options.plugin_budget_ns());
   if (const auto loaded = load_effects(options, effects); !loaded) return give_up(loaded.error());
   const auto scene_path = find_scene(options.scene);
-  const auto scene = load_scene(scene_path, options.loading);
-  if (!scene) return give_up(scene.error());
+  const auto loaded = load_scene(scene_path, options.loading);
+  if (!loaded) return give_up(loaded.error());
+  const auto put_down = read_put_down(options.annotations, *loaded);
+  if (!put_down) return give_up(put_down.error());
+  const Scene placed = place_objects(*loaded, *put_down);
+  const Scene* const scene = &placed;
   for (const auto& note : scene->notes) log_info("{}", note);
   for (const auto& warning : find_inside_out(*scene)) log_warning("{}", warning);
   const SceneFacts facts = make_scene_facts(*scene);
@@ -120,6 +125,7 @@ int run(const HapticsOptions& options) {
       return give_up({"--watch-scene does not go with movable objects yet; leave it out, or 'movable = true' in the scene file"});
     } else {
       step.set_grasp(&grasp.emplace(grasp_link, movable, std::uint32_t{1} << (options.grasp_button - 1)));
+      for (const PutDown& each : *put_down) grasp->place(each.object, each.pose());
       log_info("button {} of the stylus picks up movable objects while they are touched", options.grasp_button);
     }
   }
@@ -159,7 +165,7 @@ int run(const HapticsOptions& options) {
     grasp_task.emplace(GraspTask::Options{.coupling_n_per_m = options.method.coupling_n_per_m,
                                           .rotational_stiffness_nm_per_rad = options.tool_nm_per_rad,
                                           .on_scene = on_scene},
-                       *scene, grasp_link, tuner, builder);
+                       *loaded, *put_down, grasp_link, tuner, builder);
     grasp_task->start();
   }
   const auto realtime = enter_realtime(options.realtime);

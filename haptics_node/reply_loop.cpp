@@ -108,6 +108,8 @@ void ReplyLoop::handle(const Message& message) noexcept {
     scene_shown_ = scene->given_hash;
   } else if (const auto* facts = std::get_if<LoopFacts>(&message)) {
     if (!overtaken && adviser_ != nullptr) adviser_->note(*facts);
+  } else if (const auto* pose = std::get_if<ObjectPose>(&message)) {
+    if (step_.grasp() != nullptr) step_.grasp()->request(*pose);
   } else if (const auto* request = std::get_if<MaterialRequest>(&message)) {
     request_materials(*request);
   } else if (const auto* settings = std::get_if<Settings>(&message); settings != nullptr && settings->method[0] != '\0') {

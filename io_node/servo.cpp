@@ -31,7 +31,7 @@ Servo::Servo(Device& device, HubPeers& peers, const Clock& clock, const Options&
       forces_(loop_, peers, clock, stats_),
       view_(peers, stats_),
       scene_(loop_, peers, events_, stats_),
-      vision_(peers, stats_, options.vision_rate_hz),
+      vision_(peers, stats_, options.vision_rate_hz, options.hold_button >= 0 ? 1U << static_cast<unsigned>(options.hold_button) : 0U),
       requests_(loop_, peers, clock, events_, stats_, options.rate_hz),
       loop_reporter_(peers, stats_, device.name()),
       markers_(peers, tap, stats_),
@@ -159,6 +159,10 @@ void Servo::on_message(const PeerEvent& event, const Datagram& datagram) noexcep
     return;
   }
   if (const auto* pose = std::get_if<ObjectPose>(&message)) {
+    if (event.role == NodeRole::vision) {  // asks for it to be moved there
+      peers_.send_to_role(NodeRole::haptics, *pose);
+      return;
+    }
     peers_.send_to_role(NodeRole::vision, *pose);
     peers_.send_to_role(NodeRole::tool, *pose);
     return;

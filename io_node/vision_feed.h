@@ -17,8 +17,9 @@ namespace hapton {
 // stats. Units: ns of the hub's clock. RT: yes. Threads: one.
 class VisionFeed {
  public:
-  // Pre: peers and stats outlive this. rate_hz: states a second to each node, at most; 0: none.
-  VisionFeed(HubPeers& peers, ServoStats& stats, double rate_hz) noexcept : peers_(peers), stats_(stats), pace_(rate_hz) {}
+  // Pre: peers and stats outlive this. rate_hz, ignored_buttons: as VisionPace has them.
+  VisionFeed(HubPeers& peers, ServoStats& stats, double rate_hz, std::uint32_t ignored_buttons = 0) noexcept
+      : peers_(peers), stats_(stats), pace_(rate_hz, ignored_buttons) {}
 
   void set_hop_meter(HopMeter* hops) noexcept { hops_ = hops; }
   void start(std::int64_t now_ns) noexcept { statistics_since_ns_ = now_ns; }

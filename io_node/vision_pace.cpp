@@ -17,20 +17,23 @@ bool looks_same(const ProbeState& a, const ProbeState& b) noexcept {
 
 }  // namespace
 
-VisionPace::VisionPace(double rate_hz) noexcept : period_ns_(rate_hz > 0.0 ? std::llround(1e9 / rate_hz) : 0) {}
+VisionPace::VisionPace(double rate_hz, std::uint32_t ignored_buttons) noexcept
+    : period_ns_(rate_hz > 0.0 ? std::llround(1e9 / rate_hz) : 0), ignored_buttons_(ignored_buttons) {}
 
 void VisionPace::on_frame_ack(std::size_t peer, const FrameAck& frame, std::int64_t now_ns) noexcept {
   Place& place = places_[peer];
   if (frame.echo_sample < place.sent.sample) return;
   place.is_waiting = false;
   const std::int64_t rest_ns = std::min<std::int64_t>(frame.rest_ns, kRepeatNs);
+  if ((place.sent.buttons & ~ignored_buttons_) != 0) return;
   place.next_ns = std::max(place.next_ns, now_ns + std::max(rest_ns, frame.unchanged ? kUnseenNs : 0));
 }
 
 VisionPace::Decision VisionPace::decide(std::size_t peer, const ProbeState& probe, std::int64_t now_ns) noexcept {
   Place& place = places_[peer];
+  const bool is_pressed = (probe.buttons & ~ignored_buttons_) != 0;
   const bool repeats = now_ns >= place.repeat_ns;
-  if (period_ns_ == 0 || now_ns < place.next_ns || (place.is_waiting && !repeats)) return Decision::wait;
+  if (period_ns_ == 0 || now_ns < place.next_ns || (place.is_waiting && !repeats && !is_pressed)) return Decision::wait;
   place.next_ns = std::max(place.next_ns + period_ns_, now_ns);
   if (!repeats && looks_same(probe, place.sent)) return Decision::skip;
   place.sent = probe;

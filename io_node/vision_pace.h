@@ -11,7 +11,8 @@ namespace hapton {
 
 // Paces the probe states to each vision node, so that it gets no more than it draws: the next one is sent when the node has acknowledged
 // the last with FrameAck and is about to draw again, and only if anything visible has changed. A lost or unchanged state is repeated after
-// kRepeatNs. RT: yes.
+// kRepeatNs. While a button of the stylus is held down, states do not wait for frames: a vision node that draws strokes has a point of each
+// (docs/vision.md). RT: yes.
 class VisionPace {
  public:
   static constexpr std::int64_t kRepeatNs = 100 * kNanosecondsPerMillisecond;
@@ -20,8 +21,8 @@ class VisionPace {
 
   enum class Decision : std::uint8_t { wait, skip, send };
 
-  // rate_hz: states a second to each node, at most; 0: none.
-  explicit VisionPace(double rate_hz) noexcept;
+  // rate_hz: states a second to each node, at most; 0: none. ignored_buttons: a dead man's switch is down all the time.
+  explicit VisionPace(double rate_hz, std::uint32_t ignored_buttons = 0) noexcept;
 
   void on_joined(std::size_t peer) noexcept { places_[peer] = {}; }
   void on_frame_ack(std::size_t peer, const FrameAck& frame, std::int64_t now_ns) noexcept;
@@ -38,6 +39,7 @@ class VisionPace {
   };
 
   std::int64_t period_ns_;
+  std::uint32_t ignored_buttons_;
   std::array<Place, HubPeers::kCapacity> places_ = {};
 };
 

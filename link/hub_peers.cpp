@@ -23,7 +23,7 @@ bool may_send(NodeRole role, const Message& message) {
            std::holds_alternative<ReportRequest>(message);
   }
   return std::holds_alternative<ViewTransform>(message) || std::holds_alternative<FrameAck>(message) ||
-         std::holds_alternative<HandTarget>(message);
+         std::holds_alternative<HandTarget>(message) || std::holds_alternative<ObjectPose>(message);
 }
 
 bool may_join(KeyRole key_role, NodeRole role) {

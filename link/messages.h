@@ -300,7 +300,7 @@ struct LoopFacts {
 
 // haptics -> hub -> every vision node and tool, when it has changed and once a second: an object that the stylus has picked up
 // (docs/tool.md). A point v of the object as the scene file places it is at p_m + q v: in frame T of the stylus as it is drawn where the
-// object is held, in frame S otherwise.
+// object is held, in frame S otherwise. vision -> hub -> haptics: a request to move it there from its pose of that serial.
 struct ObjectPose {
   std::uint32_t serial = 0;  // counts the changes of all objects, from 1
   std::int32_t object = 0;   // of the scene

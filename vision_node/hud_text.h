@@ -19,6 +19,7 @@ struct HudFacts {
   double preparing_s = 0.0;      // haptics_node has been building its scene for this long; 0: it is not
   bool is_other_scene = false;   // haptics_node has another scene than the one shown
   std::string touched;           // name and material of the object touched; empty: none, or not known
+  std::string annotations;       // what is drawn and measured, a line of its own; empty: nothing
   std::string held;              // the object that the stylus has picked up, likewise
 };
 

@@ -106,6 +106,24 @@ void Interaction::press_key(char key, const View& view) {
     case 'n':
       requests_.mark = true;
       break;
+    case 'd':
+      requests_.draw = true;
+      break;
+    case 'l':
+      requests_.measure = true;
+      break;
+    case 'u':
+      requests_.undo = true;
+      break;
+    case 'U':
+      requests_.redo = true;
+      break;
+    case 'w':
+      requests_.save = true;
+      break;
+    case 't':
+      requests_.menu = true;
+      break;
     case 'k':
       requests_.toggle_help = true;
       break;

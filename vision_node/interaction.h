@@ -35,6 +35,12 @@ struct UserRequests {
   bool swap_eyes = false;
   bool look_at_scene = false;
   bool mark = false;
+  bool draw = false;  // the pen down, or up again
+  bool measure = false;
+  bool undo = false;
+  bool redo = false;
+  bool save = false;
+  bool menu = false;
 };
 
 // Turns keys and mouse into dials, the camera, the hand's target and requests. Only the dials turn the haptic scene. Left drag (or any

@@ -48,7 +48,13 @@ void ViewTransformSender::set(const Pose& X_WS) {
   if (newest_.revision != 0 && floats == newest_.X_WS) return;
   newest_.X_WS = floats;
   ++newest_.revision;
+  note_newest();
   due_ = true;
+}
+
+std::optional<Pose> ViewTransformSender::find_pose(std::uint32_t revision) const {
+  const ViewTransform& known = history_[revision % kHistory];
+  return revision != 0 && known.revision == revision ? std::optional(from_twelve_floats(known.X_WS)) : std::nullopt;
 }
 
 void ViewTransformSender::confirm(std::uint32_t hub_revision) {
@@ -57,6 +63,7 @@ void ViewTransformSender::confirm(std::uint32_t hub_revision) {
   confirmed_ = hub_revision;
   if (first && newest_.revision != 0 && hub_revision >= newest_.revision) {
     newest_.revision = hub_revision + 1;
+    note_newest();
     due_ = true;
   }
 }

@@ -48,10 +48,17 @@ class ViewTransformSender {
   std::optional<ViewTransform> take_due(std::int64_t now_ns);
 
   std::uint32_t revision() const { return newest_.revision; }
+  // The pose of that revision, as it was sent; none if it is older than kHistory revisions, or not ours.
+  std::optional<Pose> find_pose(std::uint32_t revision) const;
   std::uint64_t sent() const { return sent_; }
 
+  static constexpr std::size_t kHistory = 64;
+
  private:
+  void note_newest() { history_[newest_.revision % kHistory] = newest_; }
+
   ViewTransform newest_;
+  std::array<ViewTransform, kHistory> history_ = {};  // by revision
   std::uint32_t confirmed_ = 0;
   std::uint32_t rejected_ = 0;  // 0: none
   bool has_received_ = false;

@@ -103,6 +103,9 @@ int run(VisionOptions& options) {
   if (!other) return give_up(other.error());
   VisionSession session(**view, client, clock, options);
   session.set_scene(scene->given_hash);
+  auto annotator = Annotator::open(**view, *scene, options.scene_radius_m, options.annotations, !*tool);
+  if (!annotator) return give_up(annotator.error());
+  session.set_annotator(annotator->get());
   MovedObjects moved(**view, *scene);
   if (!*tool) session.set_moved_objects(&moved);
   if (*other) session.set_other_hand(&(*other)->hand);

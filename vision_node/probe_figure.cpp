@@ -10,7 +10,6 @@
 #include <vtkMapper.h>
 #include <vtkPolyDataMapper.h>
 #include <vtkProperty.h>
-#include <vtkShaderProperty.h>
 
 #include "vision_node/depth_cues.h"
 #include "vision_node/vtk_shapes.h"
@@ -25,8 +24,7 @@ constexpr double kLimitToShaftRadius = 3.2;
 constexpr double kShadowInRadii = 2.0;
 // From the tip's middle to where the arrow begins.
 constexpr double kGapInRadii = 1.8;
-// Shares of the depth range, at its front, for what shows through the scene; the tip is in front of the arrow.
-constexpr double kGhostShare = 1e-3;
+// Share of the depth range, at its front: the tip is in front of the arrow.
 constexpr double kTipShare = 5e-4;
 
 void dress(vtkActor* actor, vtkPolyData* shape, const Vec3& colour, double ambient, double specular) {
@@ -42,16 +40,7 @@ void dress(vtkActor* actor, vtkPolyData* shape, const Vec3& colour, double ambie
   look->SetSpecularPower(30.0);
 }
 
-// Moves the drawing to the front part of the depth range, in its own order.
-void bring_to_front(vtkActor* actor, double share) {
-  actor->GetShaderProperty()->AddVertexShaderReplacement(
-      "//VTK::PositionVC::Impl", true,
-      fmt::format("//VTK::PositionVC::Impl\n  gl_Position.z = {0:.6f} * gl_Position.z - {1:.6f} * gl_Position.w;\n", share, 1.0 - share),
-      false);
-}
-
-// The original once more, over everything, with every other 2 x 2 block of pixels left out: blocks, because some stereo modes use patterns
-// of single pixels.
+// The original once more, dotted over everything.
 void make_ghost(vtkActor* ghost, vtkActor* original, double share = kGhostShare) {
   // A mapper of its own, because a mapper has one shader.
   vtkNew<vtkPolyDataMapper> mapper;
@@ -59,12 +48,7 @@ void make_ghost(vtkActor* ghost, vtkActor* original, double share = kGhostShare)
   mapper->ScalarVisibilityOff();
   ghost->SetMapper(mapper);
   ghost->SetProperty(original->GetProperty());
-  bring_to_front(ghost, share);
-  ghost->GetShaderProperty()->AddFragmentShaderReplacement(
-      "//VTK::Light::Impl", true,
-      "//VTK::Light::Impl\n"
-      "  if (((int(gl_FragCoord.x) / 2 + int(gl_FragCoord.y) / 2) & 1) == 1) discard;\n",
-      false);
+  show_through(ghost, share);
 }
 
 // A ring round the shaft at each newton.

@@ -20,9 +20,12 @@
 #include <vtkWindowToImageFilter.h>
 
 #include "runtime/atomic_file.h"
+#include "vision_node/annotation_figure.h"
 #include "vision_node/display.h"
 #include "vision_node/edge_pointer.h"
 #include "vision_node/hud_figure.h"
+#include "vision_node/label_figure.h"
+#include "vision_node/menu_figure.h"
 #include "vision_node/present.h"
 #include "vision_node/probe_figure.h"
 #include "vision_node/scene_layers.h"
@@ -99,6 +102,7 @@ struct EyeView {
   vtkNew<vtkLight> light;
   vtkNew<SceneProp> scene;
   HudFigure hud;
+  LabelFigure labels;
   PictureSize placed;
   bool shows_scale = false;
 
@@ -157,6 +161,8 @@ struct StereoView::Window {
   std::unique_ptr<SceneLayers> layers;
   std::unique_ptr<ProbeFigure> probe;
   std::unique_ptr<ProbeFigure> other_probe;
+  AnnotationFigure annotations;
+  MenuFigure menu;
   Pose X_WS = Pose::Identity();
   std::optional<Vec3> p_WP;  // the tip; none before it was first set
   bool stale = true;
@@ -246,6 +252,9 @@ void StereoView::Window::add_eye(Eye eye, const Viewport& part) {
   renderer->AddViewProp(view->scene);
   probe->add_to(renderer);
   other_probe->add_to(renderer);
+  annotations.add_to(renderer);
+  menu.add_to(renderer);
+  if (!settings.plain) view->labels.add_to(renderer);
   if (!settings.plain) view->hud.add_to(renderer);
   // Runs at the beginning of each pass of each picture, when VTK has chosen the eye and knows the viewport's size: nothing can be stale.
   vtkNew<vtkCallbackCommand> begin_pass;
@@ -267,6 +276,8 @@ void StereoView::Window::begin(EyeView& view) {
   view.shows_scale = settings.depth_cues && !settings.plain;
   const StereoScreen screen = view.screen(settings.framing);
   view.aim(screen);
+  annotations.aim(screen, pixels);
+  view.labels.place(annotations.labels(), screen, view.eye_now(), pixels);
   const bool points = p_WP && !settings.plain;
   view.hud.set_pointer(points ? find_edge_pointer(screen, view.eye_now(), pixels, *p_WP) : std::nullopt, pixels);
 }
@@ -358,6 +369,7 @@ std::shared_ptr<const SurfaceSeen> StereoView::surface_seen() {
 
 void StereoView::set_probe(const ProbeShown& probe) {
   window_->probe->set(probe);
+  window_->annotations.set_probe(probe);
   window_->p_WP = probe.p_WP;
 }
 void StereoView::set_other_probe(const ProbeShown& probe) { window_->other_probe->set(probe); }
@@ -377,6 +389,8 @@ void StereoView::place_object(std::size_t object, const Pose& X_SO, bool is_show
   window_->window->MakeCurrent();
   window_->layers->place_object(object, X_SO, is_shown);
 }
+AnnotationFigure& StereoView::annotation_figure() { return window_->annotations; }
+MenuFigure& StereoView::menu_figure() { return window_->menu; }
 void StereoView::set_probe_radius(double radius_m) { window_->probe->set_tip_radius(radius_m); }
 
 void StereoView::draw(std::function<void()> before_probe) {

@@ -20,6 +20,9 @@
 
 namespace hapton {
 
+class AnnotationFigure;
+class MenuFigure;
+
 struct ViewSettings {
   StereoMode stereo = StereoMode::automatic;
   int width_px = 1280;
@@ -70,6 +73,9 @@ class StereoView {
   void clear_tool();
   // Moves an object, as its mesh has it, by X_SO from now on, or leaves it out. Pre: one of those the view was opened with.
   void place_object(std::size_t object, const Pose& X_SO, bool is_shown);
+  // Strokes, measures and the menu in the workspace. They live as long as the view.
+  AnnotationFigure& annotation_figure();
+  MenuFigure& menu_figure();
   // The probe's true radius; 0: a point, drawn as a pin.
   void set_probe_radius(double radius_m);
 

@@ -104,6 +104,19 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   app.add_option("--seconds", options.seconds, "End after this long, 0: when the window is closed")
       ->check(between(0.0, 1e9))
       ->capture_default_str();
+  app.add_option("--annotations", options.annotations.file,
+                 "File (.toml) of strokes and measures: read at the start where it exists, written at the end and by the key w");
+  app.add_option("--strokes", options.annotations.strokes,
+                 "Write strokes and measures as polylines at the same moments: FILE.obj or FILE.vtp");
+  app.add_option("--draw-button", options.annotations.draw_button, "Button of the stylus that draws on what is touched, 0: none")
+      ->check(between(0, 32))
+      ->capture_default_str();
+  app.add_option("--measure-button", options.annotations.measure_button, "... that sets an end of a measure, 0: none")
+      ->check(between(0, 32))
+      ->capture_default_str();
+  app.add_option("--menu-button", options.annotations.menu_button, "... that opens and closes the menu in the workspace, 0: none")
+      ->check(between(0, 32))
+      ->capture_default_str();
   app.add_option("--screenshot", options.screenshot, "Write one picture to this PNG file");
   app.add_option("--screenshot-when", when, "contact, exit or SECONDS after the start; at the exit at the latest")
       ->check(accepts(ScreenshotMoment::parse))

@@ -8,6 +8,7 @@
 #include "scene/find_tool.h"
 #include "scene/object_names.h"
 #include "scene/scene_loading.h"
+#include "vision_node/annotator.h"
 #include "vision_node/screenshot_moment.h"
 #include "vision_node/stereo_mode.h"
 #include "vision_node/stereo_view.h"
@@ -23,6 +24,7 @@ struct VisionOptions {
   std::filesystem::path scene = "scenes/car_front.toml";
   SceneLoading loading = {.sealing = CrackSealing::off, .fit = MeshFit::workspace, .look = LookReading::on};  // drawn as it came
   ToolChoice tool;
+  AnnotatorOptions annotations;
   ViewSettings view;
   Vec3 dials_degrees = Vec3::Zero();
   std::vector<ObjectName> names;  // of the scene's objects

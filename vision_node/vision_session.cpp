@@ -97,8 +97,11 @@ Result<void> VisionSession::run(const StopSignal& stop) {
     refine_scene();
     lead_hand();
   }
-  if (!options_.screenshot.empty() && !moment_.taken()) return take_screenshot(options_.screenshot);
-  return {};
+  const Result<void> saved = annotator_ != nullptr ? annotator_->finish() : Result<void>{};
+  if (!options_.screenshot.empty() && !moment_.taken()) {
+    if (auto taken = take_screenshot(options_.screenshot); !taken) return taken;
+  }
+  return saved;
 }
 
 // Waits for one message, then takes all that have come: the newest state wins.
@@ -111,13 +114,30 @@ void VisionSession::take_states(std::int64_t deadline_ns) {
       if (const auto line = marks_.accept(*reply)) log_info("{}", *line);
     }
     if (const auto* scene = std::get_if<SceneFacts>(&received.message)) take_scene(*scene);
-    const auto* pose = std::get_if<ObjectPose>(&received.message);
-    if (pose != nullptr && moved_ != nullptr && moved_->take(*pose)) step_.set_held_object(moved_->held());
+    if (const auto* pose = std::get_if<ObjectPose>(&received.message)) take_pose(*pose);
     const auto* state = std::get_if<ProbeState>(&received.message);
-    if (state == nullptr || hub_.last_arrival() != Arrival::newest) continue;
-    received_ns_ = hub_.receive_time_ns();
-    step_.receive(*state);
+    if (state != nullptr && hub_.last_arrival() == Arrival::newest) take_state(*state);
   }
+}
+
+// A picture shows the newest; a stroke has a point of each.
+void VisionSession::take_state(const ProbeState& state) {
+  received_ns_ = hub_.receive_time_ns();
+  step_.receive(state);
+  if (annotator_ != nullptr) annotator_->receive(state, step_.find_scene_pose(state.view_revision));
+}
+
+void VisionSession::take_pose(const ObjectPose& pose) {
+  if (moved_ == nullptr) return;
+  if (moved_->take(pose)) step_.set_held_object(moved_->held());
+  if (annotator_ != nullptr) annotator_->receive(pose);
+}
+
+void VisionSession::annotate(const UserRequests& requests) {
+  if (annotator_ == nullptr) return;
+  annotator_->handle(requests, view_.screen(), step_.workspace_centre());
+  if (std::exchange(annotations_shown_, annotator_->revision()) == annotator_->revision()) return;
+  step_.set_annotations(annotator_->describe());
 }
 
 void VisionSession::take_setup(const HapticsSetup& setup) {
@@ -162,6 +182,7 @@ void VisionSession::compare_scene(const SceneFacts& haptic_scene) {
   if (is_other == is_other_scene_) return;
   is_other_scene_ = is_other;
   step_.set_other_scene(is_other);
+  if (annotator_ != nullptr) annotator_->set_other_scene(is_other);
   if (is_other) {
     log_warning("haptics_node feels another scene than the one shown; start both with the same --scene, --unit and --no-fit");
   } else {
@@ -176,6 +197,7 @@ Result<void> VisionSession::attend_window() {
   const UserRequests requests = step_.take_requests();
   quit_ = quit_ || requests.quit;
   if (requests.mark) marks_.press(clock_.now_ns());
+  annotate(requests);
   change_stereo(requests);
   step_.set_detail_progress(view_.detail_progress());
   return requests.screenshot ? take_screenshot(next_screenshot_name()) : Result<void>{};
@@ -188,8 +210,18 @@ void VisionSession::handle_events() {
     const WindowEvent& event = events[i];
     const bool is_move = event.kind == WindowEvent::Kind::move;
     if (is_move && i + 1 < events.size() && events[i + 1].kind == WindowEvent::Kind::move) continue;
-    step_.handle(event, where(), step_.wants_surface(event) ? view_.pick(event.x_px, event.y_px) : std::nullopt);
+    step_.handle(event, where(), step_.wants_surface(event) ? find_surface(event) : std::nullopt);
   }
+}
+
+// Under the pointer: the scene, or the menu where that is nearer to the viewer.
+std::optional<Vec3> VisionSession::find_surface(const WindowEvent& event) {
+  const std::optional<Vec3> scene = view_.pick(event.x_px, event.y_px);
+  if (annotator_ == nullptr) return scene;
+  const StereoScreen screen = view_.screen();
+  const std::optional<Vec3> menu = annotator_->find_menu(screen, view_.picture_size(), event.x_px, event.y_px);
+  const auto height = [&](const Vec3& p_W) { return (screen.X_WV.inverse(Eigen::Isometry) * p_W).z(); };
+  return menu && (!scene || height(*menu) > height(*scene)) ? menu : scene;
 }
 
 void VisionSession::change_stereo(const UserRequests& requests) {
@@ -219,6 +251,9 @@ void VisionSession::speak() {
     hub_.send(SceneFacts{.given_hash = scene_hash_});
   }
   while (const auto message = step_.take_message(clock_.now_ns())) hub_.send(*message);
+  if (annotator_ != nullptr) {
+    if (const auto pose = annotator_->take_due(clock_.now_ns())) hub_.send(*pose);
+  }
   while (const auto marker = marks_.take_due(clock_.now_ns())) hub_.send(*marker);
 }
 
@@ -238,8 +273,9 @@ Result<void> VisionSession::draw_if_wanted() {
   view_.set_depth_cues(shown.depth_cues);
   view_.set_hud(shown.hud, shown.help);
   // While the scene was drawn the probe has moved on.
-  view_.draw([this] {
+  view_.draw([this, &shown] {
     take_states(0);
+    if (annotator_ != nullptr) annotator_->show(shown.X_WS);
     if (const auto newest = step_.newest_probe()) view_.set_probe(*newest);
   });
   report_frame(is_wanted, begin_ns, clock_.now_ns());

@@ -5,6 +5,7 @@
 #include "runtime/clock.h"
 #include "runtime/stop_signal.h"
 #include "scene/scene_file.h"
+#include "vision_node/annotator.h"
 #include "vision_node/marker_key.h"
 #include "vision_node/moved_objects.h"
 #include "vision_node/other_hand.h"
@@ -39,6 +40,9 @@ class VisionSession {
   // What draws the objects that the stylus moves. Pre: it outlives the session.
   void set_moved_objects(MovedObjects* moved) { moved_ = moved; }
 
+  // What is drawn on the scene and measured. Pre: it outlives the session.
+  void set_annotator(Annotator* annotator) { annotator_ = annotator; }
+
   // Runs until the window is closed, the time is over or a signal requests the stop. Error: a screenshot that could not be written.
   Result<void> run(const StopSignal& stop);
 
@@ -47,6 +51,10 @@ class VisionSession {
  private:
   void receive_from_hub(std::int64_t deadline_ns);
   void take_states(std::int64_t deadline_ns);
+  void take_state(const ProbeState& state);
+  void take_pose(const ObjectPose& pose);
+  void annotate(const UserRequests& requests);
+  std::optional<Vec3> find_surface(const WindowEvent& event);
   void take_setup(const HapticsSetup& setup);
   void handle_events();
   void change_stereo(const UserRequests& requests);
@@ -67,6 +75,8 @@ class VisionSession {
   SpaceKnobs* knobs_ = nullptr;
   MovedObjects* moved_ = nullptr;
   OtherHand* other_ = nullptr;
+  Annotator* annotator_ = nullptr;
+  std::uint64_t annotations_shown_ = 0;
   HubClient& hub_;
   Clock& clock_;
   const VisionOptions& options_;

@@ -108,6 +108,7 @@ std::string VisionStep::compose_hud_now() const {
   facts.is_other_scene = is_other_scene_;
   // The numbers of another scene's objects mean nothing here.
   if (!is_other_scene_) facts.touched = describe_object(settings_.names, touched_object());
+  facts.annotations = annotations_;
   facts.held = describe_object(settings_.names, held_object_);
   return compose_hud(facts);
 }
@@ -119,7 +120,8 @@ bool VisionStep::may_draw(std::int64_t now_ns) const {
 
 bool VisionStep::wants_picture(std::int64_t now_ns, const Screen& where) {
   if (!may_draw(now_ns)) return false;
-  if (stale_ || settings_.always_changing || interaction_.dials().degrees != dials_shown_ || interaction_.camera() != camera_shown_)
+  if (stale_ || is_annotated_ || settings_.always_changing || interaction_.dials().degrees != dials_shown_ ||
+      interaction_.camera() != camera_shown_)
     return true;
   if (std::exchange(moved_, false)) {
     if (watch_.differs(probe_shown(), where.sizes, where.screen, where.picture)) return true;
@@ -144,7 +146,7 @@ VisionStep::Shown VisionStep::compose(std::int64_t now_ns) {
   if (help_) shown.help = keys_help();
   shown.cull = cull_;
   shown.depth_cues = depth_cues_;
-  stale_ = false;
+  stale_ = is_annotated_ = false;
   return shown;
 }
 

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "link/messages.h"
@@ -104,6 +105,14 @@ class VisionStep {
   // The acknowledgement of a state that wants_picture() found to look the same; once for each.
   std::optional<FrameAck> take_unseen();
 
+  // The pose of the scene that the forces of that revision were computed with; the newest where that is not known.
+  Pose find_scene_pose(std::uint32_t view_revision) const { return sender_.find_pose(view_revision).value_or(scene_pose()); }
+  const Vec3& workspace_centre() const { return settings_.p_WC; }
+  // What is drawn and measured has changed; its line for the picture's corner. The scene and the other numbers have not.
+  void set_annotations(std::string line) {
+    annotations_ = std::move(line);
+    is_annotated_ = true;
+  }
   Pose scene_pose() const { return interaction_.dials().compute_pose(settings_.p_WC); }
   // The object that the stylus has picked up; -1: none.
   void set_held_object(std::int32_t object) {
@@ -132,6 +141,8 @@ class VisionStep {
   bool connected_ = false;
   bool is_other_scene_ = false;
   std::int32_t held_object_ = -1;
+  std::string annotations_;
+  bool is_annotated_ = false;  // since the last frame
   bool stale_ = true;
   bool moved_ = false;   // a new state has come since the last frame
   bool unseen_ = false;  // and would look the same

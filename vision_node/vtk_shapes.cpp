@@ -3,10 +3,13 @@
 #include <cmath>
 #include <numbers>
 
+#include <fmt/format.h>
+
 #include <vtkCellArray.h>
 #include <vtkNew.h>
 #include <vtkPoints.h>
 #include <vtkPolyDataNormals.h>
+#include <vtkShaderProperty.h>
 #include <vtkSphereSource.h>
 
 namespace hapton {
@@ -60,6 +63,22 @@ vtkSmartPointer<vtkPolyData> make_ball(double radius_m) {
   ball->SetPhiResolution(18);
   ball->Update();
   return ball->GetOutput();
+}
+
+void bring_to_front(vtkActor* actor, double share) {
+  actor->GetShaderProperty()->AddVertexShaderReplacement(
+      "//VTK::PositionVC::Impl", true,
+      fmt::format("//VTK::PositionVC::Impl\n  gl_Position.z = {0:.6f} * gl_Position.z - {1:.6f} * gl_Position.w;\n", share, 1.0 - share),
+      false);
+}
+
+void show_through(vtkActor* actor, double share) {
+  bring_to_front(actor, share);
+  actor->GetShaderProperty()->AddFragmentShaderReplacement(
+      "//VTK::Light::Impl", true,
+      "//VTK::Light::Impl\n"
+      "  if (((int(gl_FragCoord.x) / 2 + int(gl_FragCoord.y) / 2) & 1) == 1) discard;\n",
+      false);
 }
 
 void copy_matrix(const Mat4& from, vtkMatrix4x4* to) {

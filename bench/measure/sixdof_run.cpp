@@ -39,53 +39,79 @@ class VectorError {
   std::size_t angles_ = 0;
 };
 
+void note_errors(SixdofRow& row, const SixdofScenario& scenario, const std::vector<ToolOutput>& felt) {
+  row.has_errors = static_cast<bool>(scenario.expected);
+  if (!row.has_errors) return;
+  VectorError force;
+  VectorError torque;
+  for (std::size_t i = 0; i < felt.size(); ++i) {
+    const Wrench6 expected = scenario.expected(scenario.device[i]);
+    force.add(felt[i].force_n, expected.force_n);
+    torque.add(felt[i].torque_nm, expected.torque_nm);
+  }
+  const double lever = std::sqrt(scenario.coupling.rotational_stiffness_nm_per_rad / scenario.coupling.stiffness_n_per_m);
+  row.force_error_percent = force.percent(0.0);
+  row.force_angle_deg = force.angle_deg();
+  row.torque_error_percent = torque.percent(torque.any() ? 0.0 : force.sum() * lever);
+  row.torque_angle_deg = torque.any() ? torque.angle_deg() : 0.0;
+}
+
+void note_gaps(SixdofRow& row, const ToolStep& exact, const std::vector<Placement>& placements,
+               const std::vector<std::uint8_t>& in_contact) {
+  // A search as far as a millimetre meets many pairs, and on the finest scene millions.
+  constexpr std::size_t kWideEvery = 16;
+  constexpr std::size_t kMostForWide = 200'000;
+  constexpr double kWideM = 1e-3;
+  PenetrationCheck check(exact.tool(), exact.scene());
+  row.least_gap = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < placements.size(); ++i) {
+    const bool penetrates = check.penetrates(placements[i]);
+    row.penetrations += penetrates ? 1 : 0;
+    const double gap = penetrates ? 0.0 : check.find_gap(placements[i], 2.0 * ToolProxy::kContactOffset);
+    row.least_gap = std::min(row.least_gap, gap / ToolProxy::kContactOffset);
+    if (penetrates || in_contact[i] == 0 || i % kWideEvery != 0 || exact.scene().triangle_count() > kMostForWide) continue;
+    const double gap_m = check.find_gap(placements[i], kWideM / exact.scene().unit_m()) * exact.scene().unit_m();
+    if (std::isfinite(gap_m)) row.widest_gap_um = std::max(row.widest_gap_um, 1e6 * gap_m);
+  }
+}
+
 }  // namespace
 
-Result<SixdofRow> measure_scenario(const SixdofScenario& scenario, const Stopwatch& watch, const TimingBudget& budget) {
-  auto made = ToolStep::make(*scenario.tool, {scenario.scene}, scenario.coupling);
+Result<SixdofRow> measure_scenario(const SixdofScenario& scenario, const SixdofMethodKind& kind, const Stopwatch& watch,
+                                   const TimingBudget& budget) {
+  // What is held against the meshes themselves, whatever the method.
+  auto exact = ToolStep::make(*scenario.tool, {scenario.scene}, scenario.coupling);
+  if (!exact) return tl::unexpected(exact.error());
+  auto made = kind.make(scenario);
   if (!made) return tl::unexpected(made.error());
-  ToolStep& step = **made;
+  SixdofMethod& method = **made;
   SixdofRow row;
   row.name = scenario.name;
+  row.method = kind.name;
   const std::size_t steps = scenario.device.size();
   std::vector<ToolOutput> felt(steps);
   std::vector<Placement> placements(steps);
   const TimedSteps timed = time_steps(
       watch, budget, steps,
       [&](std::size_t i) {
-        if (i == 0) step.reset({scenario.device[0]});
+        if (i == 0) method.reset(scenario.device[0]);
       },
-      [&](std::size_t i) { felt[i] = step.step({scenario.device[i]}); }, [&](std::size_t i) { placements[i] = step.proxy().placement(); });
+      [&](std::size_t i) { felt[i] = method.step(scenario.device[i]); }, [&](std::size_t i) { placements[i] = method.placement(**exact); });
 
-  PenetrationCheck check(step.tool(), step.scene());
-  VectorError force;
-  VectorError torque;
-  double rounds = 0.0;
-  row.least_gap = std::numeric_limits<double>::infinity();
   std::vector<std::uint8_t> in_contact(steps, 0);
+  double rounds = 0.0;
   for (std::size_t i = 0; i < steps; ++i) {
-    row.penetrations += check.penetrates(placements[i]) ? 1 : 0;
-    row.least_gap = std::min(row.least_gap, check.find_gap(placements[i], 2.0 * ToolProxy::kContactOffset) / ToolProxy::kContactOffset);
     row.unconverged += felt[i].proxy.converged ? 0 : 1;
     row.most_rounds = std::max(row.most_rounds, felt[i].proxy.rounds);
     row.most_haptons = std::max(row.most_haptons, felt[i].proxy.haptons);
-    if (scenario.expected) {
-      const Wrench6 expected = scenario.expected(scenario.device[i]);
-      force.add(felt[i].force_n, expected.force_n);
-      torque.add(felt[i].torque_nm, expected.torque_nm);
-    }
     if (!felt[i].contact) continue;
     in_contact[i] = 1;
     ++row.contact_steps;
     rounds += felt[i].proxy.rounds;
   }
-  row.has_errors = static_cast<bool>(scenario.expected);
   row.mean_rounds = row.contact_steps > 0 ? rounds / static_cast<double>(row.contact_steps) : 0.0;
-  const double lever = std::sqrt(scenario.coupling.rotational_stiffness_nm_per_rad / scenario.coupling.stiffness_n_per_m);
-  row.force_error_percent = force.percent(0.0);
-  row.force_angle_deg = force.angle_deg();
-  row.torque_error_percent = torque.percent(torque.any() ? 0.0 : force.sum() * lever);
-  row.torque_angle_deg = torque.any() ? torque.angle_deg() : 0.0;
+  note_errors(row, scenario, felt);
+  note_gaps(row, **exact, placements, in_contact);
   row.contact = spread_of_times(timed.least.only(in_contact));
   return row;
 }
@@ -95,30 +121,41 @@ Result<SixdofReport> measure_sixdof(const SixdofSettings& settings, const Stopwa
   SixdofReport report;
   report.conditions = begin_conditions(watch, settings.seed);
   std::vector<SixdofScenario> scenarios = make_analytic_scenarios(settings.steps);
-  scenarios.push_back(make_peg_scenario(settings.peg_steps, settings.seed));
   scenarios.push_back(make_size_scenario(1'000, 1'000, settings.steps, settings.seed));
   scenarios.push_back(make_size_scenario(5'000, 50'000, settings.steps, settings.seed));
   if (settings.with_large) scenarios.push_back(make_size_scenario(50'000, 1'000'000, settings.steps, settings.seed));
-  for (const SixdofScenario& scenario : scenarios) {
-    progress(scenario.name);
-    auto row = measure_scenario(scenario, watch, settings.budget);
-    if (!row) return tl::unexpected(row.error());
+  const auto measure = [&](const SixdofScenario& scenario, const SixdofMethodKind& kind) -> Result<void> {
+    progress(fmt::format("{}: {}", scenario.name, kind.name));
+    auto row = measure_scenario(scenario, kind, watch, settings.budget);
+    if (!row) return fail("{}: {}: {}", scenario.name, kind.name, row.error().what);
     report.rows.push_back(std::move(*row));
+    return {};
+  };
+  for (const SixdofScenario& scenario : scenarios) {
+    if (auto done = measure(scenario, proxy_tool()); !done) return tl::unexpected(done.error());
+    for (const SixdofMethodKind& kind : settings.compared) {
+      if (scenario.scene->triangles.size() > kind.most_triangles) continue;
+      if (auto done = measure(scenario, kind); !done) return tl::unexpected(done.error());
+    }
   }
+  if (auto done = measure(make_peg_scenario(settings.peg_steps, settings.seed), proxy_tool()); !done) return tl::unexpected(done.error());
+  for (const SixdofMethodKind& kind : settings.compared) report.methods.push_back(fmt::format("{}: {}", kind.name, kind.what));
   end_conditions(report.conditions, start, watch);
   return report;
 }
 
 std::string to_csv(const SixdofReport& report) {
   std::string text =
-      "scenario,contact_steps,force_error_percent,force_angle_deg,torque_error_percent,torque_angle_deg,penetrations,least_gap_offsets,"
+      "scenario,method,contact_steps,force_error_percent,force_angle_deg,torque_error_percent,torque_angle_deg,penetrations,least_gap_"
+      "offsets,widest_gap_um,"
       "unconverged,mean_rounds,most_rounds,most_haptons,p50_ns,p99_ns,worst_ns\n";
   for (const SixdofRow& row : report.rows) {
     const auto error = [&](double value) { return row.has_errors ? fmt::format("{:.6g}", value) : std::string(); };
-    fmt::format_to(std::back_inserter(text), "\"{}\",{},{},{},{},{},{},{:.6g},{},{:.4g},{},{},{:.6g},{:.6g},{:.6g}\n", row.name,
-                   row.contact_steps, error(row.force_error_percent), error(row.force_angle_deg), error(row.torque_error_percent),
-                   error(row.torque_angle_deg), row.penetrations, row.least_gap, row.unconverged, row.mean_rounds, row.most_rounds,
-                   row.most_haptons, row.contact.p50_ns, row.contact.p99_ns, row.contact.worst_ns);
+    fmt::format_to(std::back_inserter(text), "\"{}\",\"{}\",{},{},{},{},{},{},{:.6g},{:.6g},{},{:.4g},{},{},{:.6g},{:.6g},{:.6g}\n",
+                   row.name, row.method, row.contact_steps, error(row.force_error_percent), error(row.force_angle_deg),
+                   error(row.torque_error_percent), error(row.torque_angle_deg), row.penetrations, row.least_gap, row.widest_gap_um,
+                   row.unconverged, row.mean_rounds, row.most_rounds, row.most_haptons, row.contact.p50_ns, row.contact.p99_ns,
+                   row.contact.worst_ns);
   }
   return text;
 }
@@ -128,9 +165,11 @@ std::string to_json(const SixdofReport& report) {
   json["rows"] = Json::array();
   for (const SixdofRow& row : report.rows) {
     Json one{{"scenario", row.name},
+             {"method", row.method},
              {"contact_steps", row.contact_steps},
              {"penetrations", row.penetrations},
              {"least_gap_offsets", row.least_gap},
+             {"widest_gap_um", row.widest_gap_um},
              {"unconverged", row.unconverged},
              {"mean_rounds", row.mean_rounds},
              {"most_rounds", row.most_rounds},
@@ -150,21 +189,27 @@ std::string to_json(const SixdofReport& report) {
 }
 
 std::string to_text(const SixdofReport& report) {
-  std::string text = fmt::format("{:<34} {:>8} {:>8} {:>7} {:>8} {:>7} {:>7} {:>7} {:>7} {:>7} {:>9} {:>9} {:>9}\n", "", "contact", "force",
-                                 "angle", "torque", "angle", "pene-", "least", "uncon-", "rounds", "p50", "p99", "worst");
-  text += fmt::format("{:<34} {:>8} {:>8} {:>7} {:>8} {:>7} {:>7} {:>7} {:>7} {:>7} {:>9} {:>9} {:>9}\n", "scenario", "steps", "% RMS",
-                      "deg", "% RMS", "deg", "trates", "gap", "verged", "mean", "us", "us", "us");
+  const auto heading = [](const auto&... word) {
+    return fmt::format("{:<26} {:<15} {:>7} {:>8} {:>7} {:>8} {:>7} {:>7} {:>6} {:>8} {:>7} {:>6} {:>9} {:>9} {:>9}\n", word...);
+  };
+  std::string text = heading("", "", "contact", "force", "angle", "torque", "angle", "pene-", "least", "widest", "uncon-", "rounds", "p50",
+                             "p99", "worst");
+  text += heading("scenario", "method", "steps", "% RMS", "deg", "% RMS", "deg", "trates", "gap", "gap, um", "verged", "mean", "us", "us",
+                  "us");
   for (const SixdofRow& row : report.rows) {
     const auto error = [&](double value) { return row.has_errors ? fmt::format("{:.3f}", value) : std::string("-"); };
     fmt::format_to(std::back_inserter(text),
-                   "{:<34} {:>8} {:>8} {:>7} {:>8} {:>7} {:>7} {:>7.3f} {:>7} {:>7.2f} {:>9.1f} {:>9.1f} {:>9.1f}\n", row.name,
-                   row.contact_steps, error(row.force_error_percent), error(row.force_angle_deg), error(row.torque_error_percent),
-                   error(row.torque_angle_deg), row.penetrations, row.least_gap, row.unconverged, row.mean_rounds,
-                   1e-3 * row.contact.p50_ns, 1e-3 * row.contact.p99_ns, 1e-3 * row.contact.worst_ns);
+                   "{:<26} {:<15} {:>7} {:>8} {:>7} {:>8} {:>7} {:>7} {:>6.3f} {:>8.1f} {:>7} {:>6.2f} {:>9.1f} {:>9.1f} {:>9.1f}\n",
+                   row.name, row.method, row.contact_steps, error(row.force_error_percent), error(row.force_angle_deg),
+                   error(row.torque_error_percent), error(row.torque_angle_deg), row.penetrations, row.least_gap, row.widest_gap_um,
+                   row.unconverged, row.mean_rounds, 1e-3 * row.contact.p50_ns, 1e-3 * row.contact.p99_ns, 1e-3 * row.contact.worst_ns);
   }
   text +=
       "force, torque: of the expected one; a torque where none is expected: of the force times the coupling's lever. penetrates: steps in "
-      "which a triangle of the tool intersects the scene, by exact signs. least gap: of the contact offset.\n";
+      "which a triangle of the tool intersects the scene, by exact signs. least gap: of the contact offset. widest gap: in contact, in "
+      "every "
+      "16th step; 0: none up to 1 mm.\n";
+  for (const std::string& method : report.methods) text += method + ".\n";
   return text + report.conditions.to_text() + ".\n";
 }
 

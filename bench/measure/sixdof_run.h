@@ -6,7 +6,7 @@
 
 #include "bench/measure/pareto_run.h"
 #include "bench/measure/run_conditions.h"
-#include "bench/measure/sixdof_scenes.h"
+#include "bench/measure/sixdof_method.h"
 #include "bench/measure/step_times.h"
 
 namespace hapton {
@@ -17,11 +17,14 @@ struct SixdofSettings {
   std::uint64_t seed = 1;
   TimingBudget budget{.repetitions = 3, .seconds = 20.0};
   bool with_large = true;  // 50 k triangles over 1 M
+  // Besides ours; each on all scenarios but the peg, where its most_triangles allow.
+  std::vector<SixdofMethodKind> compared;
 };
 
-// One scenario. Errors are over the steps in which a force or torque of the given kind is expected.
+// One scenario by one method. Errors are over the steps in which a force or torque of the given kind is expected.
 struct SixdofRow {
   std::string name;
+  std::string method;
   std::size_t contact_steps = 0;
   double force_error_percent = 0.0;   // RMS of the difference over the RMS of the expected
   double force_angle_deg = 0.0;       // RMS
@@ -30,6 +33,7 @@ struct SixdofRow {
   bool has_errors = false;
   std::size_t penetrations = 0;  // steps in which a triangle of the tool intersects one of the scene (exact)
   double least_gap = 0.0;        // over all steps, as a share of the contact offset
+  double widest_gap_um = 0.0;    // what contact keeps apart: the largest gap of the steps in contact that are looked at; 0: none below 1 mm
   std::size_t unconverged = 0;
   int most_rounds = 0;
   double mean_rounds = 0.0;  // of the steps in contact
@@ -40,14 +44,16 @@ struct SixdofRow {
 struct SixdofReport {
   RunConditions conditions;
   std::vector<SixdofRow> rows;
+  std::vector<std::string> methods;  // those compared with: name and what they are
 };
 
 // Force and torque against the analytic scenarios, gaps by exact tests, and run time over sizes. Error: see ToolStep::make. RT: set-up
 // only.
 Result<SixdofReport> measure_sixdof(const SixdofSettings& settings, const Stopwatch& watch, const Progress& progress);
 
-// The same for one scenario.
-Result<SixdofRow> measure_scenario(const SixdofScenario& scenario, const Stopwatch& watch, const TimingBudget& budget);
+// The same for one scenario and method.
+Result<SixdofRow> measure_scenario(const SixdofScenario& scenario, const SixdofMethodKind& kind, const Stopwatch& watch,
+                                   const TimingBudget& budget);
 
 std::string to_csv(const SixdofReport& report);
 std::string to_json(const SixdofReport& report);

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <random>
 
+#include "bench/measure/gear_scenario.h"
 #include "core/force/contact_qp.h"
 #include "core/geometry/mesh_shapes.h"
 
@@ -213,8 +214,8 @@ SixdofScenario make_cone_scenario(std::size_t steps) {
 }  // namespace
 
 std::vector<SixdofScenario> make_analytic_scenarios(std::size_t steps) {
-  return {make_box_scenario(steps, 0.0), make_box_scenario(steps, 0.25), make_groove_scenario(steps), make_slot_scenario(steps),
-          make_cone_scenario(steps)};
+  return {make_box_scenario(steps, 0.0), make_box_scenario(steps, 0.25), make_groove_scenario(steps),
+          make_slot_scenario(steps),     make_cone_scenario(steps),      make_gear_scenario(steps)};
 }
 
 SixdofScenario make_peg_scenario(std::size_t steps, std::uint64_t seed) {

@@ -29,7 +29,7 @@ struct SixdofScenario {
   std::function<Wrench6(const Pose& X_SD)> expected;  // empty: none is known
 };
 
-// Box on plane, tilted box, cylinder in a V groove, peg in a slot, cone in cone: each with its wrench.
+// Box on plane, tilted box, cylinder in a V groove, peg in a slot, cone in cone, gear pair (gear_scenario.h): each with its wrench.
 std::vector<SixdofScenario> make_analytic_scenarios(std::size_t steps);
 
 // A square peg in a hole of 20 um clearance on each side, pressed and turned at up to 100 mm/s and 2 rad/s from the given seed.

@@ -66,6 +66,8 @@ int main(int argc, char** argv) {
                  "For a machine that is not idle: a bound exceeded by less than this is reported but is no failure")
       ->check(CLI::Range(0.0, 1e5))
       ->capture_default_str();
+  app.add_option("--give-up-seconds", settings.give_up_s, "On a machine that stood still meanwhile: what is not begun by then is skipped")
+      ->check(CLI::Range(1.0, 1e9));
   app.add_option("--json", json_file, "File for the table");
   CLI11_PARSE(app, argc, argv);
   fmt::print("{:<58} {:>8} {:>8} {:>6} {:>6}\n", "all times in ms", "sample", "event", "bound", "blind");

@@ -20,6 +20,7 @@ struct Settings {
   int repeat = 3;
   double flood_s = 3.0;
   double slack_ms = 0.0;
+  double give_up_s = 1e9;  // on a machine that stood still meanwhile, what is not begun by then is skipped
   std::string only;
 };
 

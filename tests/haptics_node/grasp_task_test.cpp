@@ -8,6 +8,7 @@
 
 #include "core/geometry/mesh_shapes.h"
 #include "haptic_step/haptics_step.h"
+#include "haptics_node/placed_scene.h"
 #include "tests/support/allocation_guard.h"
 
 namespace hapton {
@@ -32,18 +33,20 @@ SceneObject box_at(const char* name, const Vec3& size, const Vec3& centre, bool 
 
 // A cube a millimetre above a plate, and a wall beside it. Steps at 1 kHz; the slow task looks once a step, in the test's own thread.
 struct GraspTaskTest : testing::Test {
-  GraspTaskTest() {
+  explicit GraspTaskTest(const std::vector<PutDown>& put_down = {}) {
     scene.objects.push_back(box_at("plate", {0.2, 0.2, 0.01}, {0.0, 0.0, -0.005}));
     scene.objects.push_back(box_at("cube", Vec3::Constant(kSide), {0.0, 0.0, 0.011}, true));
     scene.objects.push_back(box_at("wall", {0.02, 0.1, 0.08}, {0.06, 0.0, 0.04}));
-    auto method = make_method({}, scene.touch_scene());
+    const Scene placed = place_objects(scene, put_down);
+    auto method = make_method({}, placed.touch_scene());
     EXPECT_TRUE(method);
-    step.emplace(std::make_unique<TouchStep>(std::move(*method), scene.touch_scene()), 1e-5);
+    step.emplace(std::make_unique<TouchStep>(std::move(*method), placed.touch_scene()), 1e-5);
     grasp.emplace(link, list_movable(scene), 1U);
+    for (const PutDown& each : put_down) grasp->place(each.object, each.pose());
     step->set_grasp(&*grasp);
-    tuner.emplace(scene, 0.0);
-    builder.emplace(MethodSettings(), scene.touch_scene(), step->touch().share_method());
-    task.emplace(GraspTask::Options{}, scene, link, *tuner, *builder);
+    tuner.emplace(placed, 0.0);
+    builder.emplace(MethodSettings(), placed.touch_scene(), step->touch().share_method());
+    task.emplace(GraspTask::Options{}, scene, put_down, link, *tuner, *builder);
   }
 
   // As the reply loop does.
@@ -167,6 +170,83 @@ TEST_F(GraspTaskTest, WhatHasMovedIsPickedUpAgain) {
   }
 }
 
+// A quarter turn and 30 mm aside: as a file of annotations has it.
+struct PlacedGraspTest : GraspTaskTest {
+  PlacedGraspTest() : GraspTaskTest({{kCube, {0.03, 0.0, 0.0}, Quat(std::sqrt(0.5), 0.0, 0.0, std::sqrt(0.5))}}) {}
+};
+
+TEST_F(PlacedGraspTest, AnObjectThatLiesElsewhereAtTheStartIsPickedUpFromThere) {
+  answer(at, 0);
+  EXPECT_EQ(grasp->poses()[kCube].p_m.x(), 0.03);
+  EXPECT_GT(grasp->poses()[kCube].serial, 1U);
+  EXPECT_EQ(go({0.0, 0.0, -kPress}, 0).object, kPlate) << "nothing is where the scene file has it";
+  go({0.0, 0.0, 0.05}, 0);
+  go({0.03, 0.0, 0.05}, 0);
+  EXPECT_EQ(go({0.03, 0.0, 0.021 - kPress}, 0).object, kCube);
+  rest(1, 150);
+  ASSERT_TRUE(step->holds_tool());
+  go({0.03, 0.0, 0.04}, 1);
+  go({0.01, 0.0, 0.04}, 1);
+  go({0.01, 0.0, 0.021 - kPress}, 1);
+  rest(0, 1);
+  wait_for_method(1);
+  EXPECT_NEAR(grasp->poses()[kCube].p_m.x(), 0.01, 1e-4);
+  EXPECT_NEAR(std::abs(grasp->poses()[kCube].q.z()), std::sqrt(0.5), 1e-3) << "its turn is kept";
+  EXPECT_EQ(rest(0, 100).object, kCube);
+}
+
+// As vision_node asks when a person takes a move back.
+TEST_F(GraspTaskTest, AnObjectIsMovedOnRequestWhileAnotherIsTouched) {
+  answer(at, 0);
+  go({-0.05, 0.0, 0.03}, 0);
+  EXPECT_EQ(go({-0.05, 0.0, -kPress}, 0).object, kPlate);
+  ObjectPose wanted{.serial = grasp->poses()[kCube].serial, .object = kCube, .p_m = {0.03, 0.0, 0.0}};
+  grasp->request(wanted);
+  rest(0, 1);
+  EXPECT_EQ(grasp->poses()[kCube].p_m, wanted.p_m) << "said at once";
+  EXPECT_GT(grasp->poses()[kCube].serial, wanted.serial);
+  grasp->request(wanted);  // again, as a reply may be lost
+  wait_for_method(1);
+  rest(0, 200);
+  EXPECT_EQ(last.object, kPlate) << "the probe has not sunk in";
+  EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 0.01);
+  grasp->request(wanted);
+  rest(0, 50);
+  EXPECT_FALSE(grasp->is_busy()) << "that pose has been left already";
+  go({-0.05, 0.0, 0.05}, 0);
+  go({0.03, 0.0, 0.05}, 0);
+  EXPECT_EQ(go({0.03, 0.0, 0.021 - kPress}, 0).object, kCube);
+  // Under the tip: nothing is left there to be felt.
+  wanted = {.serial = grasp->poses()[kCube].serial, .object = kCube};
+  grasp->request(wanted);
+  rest(0, 1);
+  wait_for_method(2);
+  rest(0, 200);
+  EXPECT_EQ(last.object, -1);
+  EXPECT_NEAR(last.force_n.norm(), 0.0, 1e-6);
+  EXPECT_LT(most_change_n, 800.0 * 1e-4 + 0.02) << "no force discontinuity";
+}
+
+TEST_F(GraspTaskTest, RequestsThatDoNotSuitAreIgnored) {
+  answer(at, 0);
+  const std::uint32_t serial = grasp->poses()[kCube].serial;
+  const Vec3 aside(0.03, 0.0, 0.0);
+  for (const ObjectPose& bad : {ObjectPose{.serial = serial + 1, .object = kCube, .p_m = aside},
+                                ObjectPose{.serial = serial, .object = kCube, .is_held = true, .p_m = aside},
+                                ObjectPose{.serial = 0, .object = kPlate, .p_m = aside}, ObjectPose{.serial = serial, .object = 3},
+                                ObjectPose{.serial = serial, .object = -1}}) {
+    grasp->request(bad);
+    rest(0, 2);
+    EXPECT_FALSE(grasp->is_busy()) << bad.object;
+  }
+  go({0.0, 0.0, 0.021 - kPress}, 0);
+  rest(1, 150);
+  ASSERT_TRUE(step->holds_tool());
+  grasp->request({.serial = grasp->poses()[kCube].serial, .object = kCube, .p_m = aside});
+  rest(1, 10);
+  EXPECT_TRUE(step->holds_tool()) << "not while it is held";
+}
+
 TEST_F(GraspTaskTest, WhatIsNotMovableIsNotPickedUp) {
   answer(at, 0);
   go({-0.05, 0.0, 0.03}, 0);
@@ -219,7 +299,6 @@ TEST_F(GraspTaskTest, TheStepUsesNoHeap) {
     ASSERT_EQ(step_once(n < 400 ? 1 : 0), 0U) << n;
     if (n % 3 == 0) task->look();
   }
-  EXPECT_TRUE(grasp->is_waiting());
 }
 
 TEST_F(GraspTaskTest, TheSceneMayTurnWhileAnObjectIsHeld) {

@@ -78,19 +78,24 @@ TEST_F(Servos, AChangeOfMaterialGoesOnToHapticsAndItsResultToTools) {
   EXPECT_EQ(material_states[0].second.request, 7U);
 }
 
-TEST_F(Servos, PosesOfObjectsGoToToolsAndVision) {
+TEST_F(Servos, PosesOfObjectsGoToToolsAndVisionAndRequestsForOneToHaptics) {
   make();
   join(kHaptics, NodeRole::haptics);
   join(kVision, NodeRole::vision);
   join(kTool, NodeRole::tool);
   run(5);
   say(kHaptics, ObjectPose{.serial = 2, .object = 1, .is_held = true});
-  say(kVision, ObjectPose{.serial = 3});  // it may not
   run(2);
   ASSERT_EQ(object_poses.size(), 2U);
   EXPECT_EQ(object_poses[0].first, at(kVision));
   EXPECT_EQ(object_poses[1].first, at(kTool));
   EXPECT_EQ(object_poses[1].second.object, 1);
+  say(kTool, ObjectPose{.serial = 4});  // it may not
+  say(kVision, ObjectPose{.serial = 3, .object = 1});
+  run(2);
+  ASSERT_EQ(object_poses.size(), 3U);
+  EXPECT_EQ(object_poses[2].first, at(kHaptics));
+  EXPECT_EQ(object_poses[2].second.serial, 3U);
 }
 
 TEST_F(Servos, WhoLeadsTheHandHoldsItsButtons) {

@@ -39,7 +39,7 @@ class BenchDevice final : public Device {
     reads.push_back(now_ns);
     if (clock != nullptr) clock->advance_ns(std::exchange(slow_read_ns, 0));
     place += drift;
-    return {now_ns, place, Quat::Identity(), 5, is_held};
+    return {now_ns, place, Quat::Identity(), down, is_held};
   }
   void write(const Wrench& wrench, std::int64_t now_ns) noexcept override { written.push_back({wrench.force_n, now_ns}); }
   DeviceStatus status() const noexcept override { return state; }
@@ -53,6 +53,7 @@ class BenchDevice final : public Device {
     return true;
   }
   std::uint32_t buttons = 0;  // of the hand, pressed by who leads it
+  std::uint32_t down = 5;     // of the stylus
   Vec3 place = Vec3(0.01, 0.02, 0.03);
   Vec3 drift = Vec3::Zero();  // from one read to the next
   SimulatedClock* clock = nullptr;

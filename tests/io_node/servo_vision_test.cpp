@@ -89,6 +89,7 @@ TEST_F(Servos, VisionGetsUnchangedStateTenTimesASecondAndChangesAtOnce) {
 TEST_F(Servos, VisionGetsNoMoreThanItDraws) {
   make();
   device.drift.x() = 1e-6;
+  device.down = 0;
   draw_ns = 20 * kMs;
   join(kVision, NodeRole::vision);
   run(1000);

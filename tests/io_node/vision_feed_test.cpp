@@ -19,7 +19,7 @@ struct Feed : testing::Test {
   ScriptedEndpoint endpoint{clock};
   HubPeers peers{endpoint, clock, kSession, 1000.0};
   std::unique_ptr<ServoStats> stats = std::make_unique<ServoStats>();
-  VisionFeed feed{peers, *stats, 1000.0};
+  VisionFeed feed{peers, *stats, 1000.0, 5};  // the buttons that are down below hurry nothing
   ProbeHistory memory;
   DeviceSide side;
   DeviceCycle cycle;

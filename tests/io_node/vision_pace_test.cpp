@@ -88,6 +88,39 @@ TEST(VisionPaces, EachNodeHasItsOwnPaceAndANewOneIsServedAtOnce) {
   EXPECT_EQ(pace.decide(0, state_at(3), 7 * kMs), Decision::send);
 }
 
+// A stroke has a point of each, however slowly pictures are drawn.
+TEST(VisionPaces, WhileAButtonIsDownStatesDoNotWaitForFrames) {
+  VisionPace pace(200.0);
+  const auto pressed = [](std::int64_t ms, std::uint32_t buttons) {
+    ProbeState state = state_at(static_cast<std::uint64_t>(ms));
+    state.buttons = buttons;
+    return state;
+  };
+  EXPECT_EQ(pace.decide(0, pressed(1, 0), kMs), Decision::send);
+  EXPECT_EQ(pace.decide(0, pressed(6, 0), 6 * kMs), Decision::wait);
+  int sent = 0;
+  for (std::int64_t ms = 10; ms < 110; ++ms) {
+    sent += pace.decide(0, pressed(ms, 2), ms * kMs) == Decision::send ? 1 : 0;
+    // A slow picture, and one that looks the same: neither delays the next state.
+    if (ms == 50) pace.on_frame_ack(0, FrameAck{.echo_sample = 50, .rest_ns = 30 * kMs, .unchanged = true}, ms * kMs);
+  }
+  EXPECT_NEAR(sent, 20, 1) << "one every 5 ms";
+  EXPECT_EQ(pace.decide(0, pressed(115, 0), 115 * kMs), Decision::wait) << "released: as before";
+  pace.on_frame_ack(0, FrameAck{.echo_sample = 105}, 116 * kMs);
+  EXPECT_EQ(pace.decide(0, pressed(117, 0), 117 * kMs), Decision::send);
+}
+
+TEST(VisionPaces, ADeadMansSwitchIsNoPress) {
+  VisionPace pace(200.0, 4);
+  ProbeState state = state_at(1);
+  state.buttons = 4;
+  EXPECT_EQ(pace.decide(0, state, kMs), Decision::send);
+  state.sample = 2;
+  EXPECT_EQ(pace.decide(0, state, 20 * kMs), Decision::wait);
+  state.buttons = 5;
+  EXPECT_EQ(pace.decide(0, state, 21 * kMs), Decision::send);
+}
+
 TEST(VisionPaces, Rate0SendsNothing) {
   VisionPace pace(0.0);
   EXPECT_EQ(pace.decide(0, state_at(1), 0), Decision::wait);

@@ -126,5 +126,12 @@ TEST(Hud, NamesEveryKey) {
     EXPECT_NE(keys_help().find(key), std::string_view::npos) << key;
 }
 
+TEST(Hud, WhatIsDrawnHasALineOfItsOwn) {
+  HudFacts facts;
+  const std::string without = compose_hud(facts);
+  facts.annotations = "3 strokes, 1 measure";
+  EXPECT_EQ(compose_hud(facts), without + "\n3 strokes, 1 measure");
+}
+
 }  // namespace
 }  // namespace hapton

@@ -142,5 +142,33 @@ TEST(ViewTransformSender, GoesOnFromTheRevisionsOfAnEarlierVisionNode) {
   EXPECT_FALSE(sender.take_due(1000 * kMs));
 }
 
+TEST(ViewTransformSender, KnowsThePoseOfARevisionForAWhile) {
+  ViewTransformSender sender;
+  EXPECT_FALSE(sender.find_pose(0));
+  Dials dials;
+  const auto turn_to = [&](double degrees) {
+    dials.degrees.y() = degrees;
+    sender.set(dials.compute_pose(Vec3::Zero()));
+  };
+  for (int i = 1; i <= 100; ++i) turn_to(0.5 * i);
+  EXPECT_FALSE(sender.find_pose(0));
+  EXPECT_FALSE(sender.find_pose(100 - ViewTransformSender::kHistory)) << "too long ago";
+  EXPECT_FALSE(sender.find_pose(101)) << "not yet";
+  for (const std::uint32_t revision : {100U - static_cast<std::uint32_t>(ViewTransformSender::kHistory) + 1U, 77U, 100U}) {
+    dials.degrees.y() = 0.5 * revision;
+    const auto pose = sender.find_pose(revision);
+    ASSERT_TRUE(pose) << revision;
+    EXPECT_TRUE(pose->isApprox(dials.compute_pose(Vec3::Zero()), 1e-6)) << revision;
+  }
+}
+
+TEST(ViewTransformSender, KnowsThePoseUnderTheNumberThatGoesOnFromAnEarlierVisionNode) {
+  ViewTransformSender sender;
+  sender.set(Pose::Identity());
+  sender.confirm(41);
+  EXPECT_TRUE(sender.find_pose(42));
+  EXPECT_FALSE(sender.find_pose(41));
+}
+
 }  // namespace
 }  // namespace hapton

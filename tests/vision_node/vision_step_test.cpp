@@ -332,5 +332,32 @@ TEST_F(VisionStepTest, HudFollowsButSlowly) {
   EXPECT_NE(step.compose(5000 * kMs).hud.find("4010"), std::string::npos);
 }
 
+TEST_F(VisionStepTest, WhatIsDrawnOnTheSceneCallsForAPictureAndLeavesTheSceneAtRest) {
+  VisionStep step(settings());
+  step.receive(state_at(0.0, 1));
+  ASSERT_TRUE(turn(step, 0));
+  EXPECT_FALSE(turn(step, 200 * kMs));
+  EXPECT_TRUE(step.is_scene_at_rest(200 * kMs));
+  step.set_annotations("1 stroke");
+  EXPECT_TRUE(step.is_scene_at_rest(200 * kMs));
+  ASSERT_TRUE(step.wants_picture(200 * kMs, where_));
+  EXPECT_NE(step.compose(200 * kMs).hud.find("1 stroke"), std::string::npos);
+  step.drew(200 * kMs, 205 * kMs, where_);
+  EXPECT_FALSE(turn(step, 300 * kMs));
+}
+
+// A dial that turns during a stroke does not smear it.
+TEST_F(VisionStepTest, TheSceneIsWhereTheForcesOfAStateHadIt) {
+  VisionStep step(settings());
+  step.receive(state_at(0.0, 1, 0));
+  const Pose before = step.scene_pose();
+  const std::uint32_t revision = step.view_transform().revision();
+  step.turn_dials({0.0, 30.0, 0.0});
+  EXPECT_TRUE(step.find_scene_pose(revision).isApprox(before, 1e-6));
+  EXPECT_TRUE(step.find_scene_pose(revision + 1).isApprox(step.scene_pose(), 1e-6));
+  EXPECT_FALSE(step.scene_pose().isApprox(before, 1e-6));
+  EXPECT_TRUE(step.find_scene_pose(revision + 7).isApprox(step.scene_pose(), 1e-12)) << "of somebody else";
+}
+
 }  // namespace
 }  // namespace hapton

@@ -5,7 +5,9 @@
 #include <string>
 
 #include "bench/measure/sixdof_run.h"
+#include "bench/peers/tool_peers.h"
 #include "tools/bench/bench_report.h"
+#include "tools/bench/sixdof_plot.h"
 #include "tools/commands.h"
 
 namespace hapton {
@@ -15,6 +17,7 @@ struct SixdofOptions {
   SixdofSettings settings;
   std::string out;
   bool quick = false;
+  bool proxy_only = false;
 };
 
 Result<void> measure_all_tools(SixdofOptions& options) {
@@ -24,8 +27,25 @@ Result<void> measure_all_tools(SixdofOptions& options) {
     options.settings.budget = {.repetitions = 1, .seconds = 1.0};
     options.settings.with_large = false;
   }
+  if (!options.proxy_only) {
+    for (const double voxel_m : {1e-3, 5e-4, 2.5e-4}) options.settings.compared.push_back(voxel_tool(voxel_m));
+    for (SixdofMethodKind& peer : tool_peers()) options.settings.compared.push_back(std::move(peer));
+  }
   const Stopwatch watch = Stopwatch::calibrate();
-  return measure_and_report(options.out, "sixdof", [&](const auto& progress) { return measure_sixdof(options.settings, watch, progress); });
+  std::vector<SixdofRow> rows;
+  auto done = measure_and_report(options.out, "sixdof", [&](const auto& progress) {
+    auto report = measure_sixdof(options.settings, watch, progress);
+    if (report) {
+      rows = report->rows;
+      if (!options.proxy_only) report->conditions.missing_peers = missing_tool_peers();
+    }
+    return report;
+  });
+  if (!done || options.out.empty()) return done;
+  const auto picture = draw_sixdof_plot(options.out, rows);
+  if (!picture) return tl::unexpected(picture.error());
+  fmt::print("picture: {}\n", picture->string());
+  return {};
 }
 
 }  // namespace
@@ -39,7 +59,8 @@ void add_bench_sixdof_command(CommandLine bench, int& exit_code) {
       .between(100, 10'000'000)
       .shows_default();
   command.add_option("--seed", options->settings.seed, "Seed of the motions and of the bumpy bodies").shows_default();
-  command.add_option("--out", options->out, "Folder for sixdof.txt, sixdof.csv and sixdof.json; default: none are written")
+  command.add_flag("--proxy-only", options->proxy_only, "Without voxels and the libraries it is compared with");
+  command.add_option("--out", options->out, "Folder for sixdof.txt, sixdof.csv, sixdof.json and sixdof.png; default: none are written")
       .folder_to_write();
   command.on_run([options, &exit_code] {
     const auto done = measure_all_tools(*options);

@@ -144,6 +144,12 @@ Replay run_replay(ToolStep& tool, std::span<const TrajectoryRow> trajectory, con
   return replay;
 }
 
+Replay run_replay(VoxelTool& tool, std::span<const TrajectoryRow> trajectory, const ReplaySettings& settings, const Clock& clock) {
+  Replay replay = run_rows<ToolRows>(tool, trajectory, settings, clock);
+  replay.has_tool = true;
+  return replay;
+}
+
 Result<void> write_replay_csv(const std::filesystem::path& path, const Replay& replay) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(open_file_for(path, FileReaders::everyone), &std::fclose);
   if (!file) {

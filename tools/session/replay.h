@@ -10,6 +10,7 @@
 #include "core/base/result.h"
 #include "core/force/touch_step.h"
 #include "core/tool/tool_step.h"
+#include "core/tool/voxel_tool.h"
 #include "runtime/clock.h"
 #include "runtime/trajectory_csv.h"
 
@@ -45,6 +46,7 @@ struct Replay {
 Replay run_replay(TouchStep& touch, std::span<const TrajectoryRow> trajectory, const ReplaySettings& settings, const Clock& clock);
 // The same for a rigid tool, whose grip frame follows positions and orientations.
 Replay run_replay(ToolStep& tool, std::span<const TrajectoryRow> trajectory, const ReplaySettings& settings, const Clock& clock);
+Replay run_replay(VoxelTool& tool, std::span<const TrajectoryRow> trajectory, const ReplaySettings& settings, const Clock& clock);
 
 // By nearest rank: no step in `fraction` of them takes longer. Orders the times. Pre: there are some.
 std::int64_t quantile_ns(std::vector<std::int64_t>& times, double fraction);

@@ -33,6 +33,7 @@ struct ReplayOptions {
   std::string tool_unit;
   std::string tool_grip = "origin";
   double rotational_stiffness_nm_per_rad = 0.0;
+  double tool_voxel_m = 0.0;  // 0: no voxels
   MethodFlags method;
   std::optional<double> stiffness_n_per_m;
   std::optional<double> friction_static;
@@ -86,20 +87,29 @@ Result<std::optional<SceneTool>> choose_tool(const ReplayOptions& options, const
   return tool;
 }
 
-Result<std::unique_ptr<ToolStep>> make_tool(const ReplayOptions& options, const TouchScene& scene, const SceneTool& tool) {
+struct ToolScene {
+  std::vector<std::shared_ptr<const TriangleMesh>> meshes;
+  std::vector<SurfaceFriction> friction;
   ToolCoupling coupling;
+
+  bool has_friction() const {
+    return std::any_of(friction.begin(), friction.end(), [](const SurfaceFriction& one) { return one.friction_static > 0.0; });
+  }
+};
+
+ToolScene scene_of_tool(const ReplayOptions& options, const TouchScene& scene) {
+  ToolScene made;
+  ToolCoupling& coupling = made.coupling;
   coupling.stiffness_n_per_m = find_stiffest(scene);
   coupling.rotational_stiffness_nm_per_rad = options.rotational_stiffness_nm_per_rad;
   if (!options.scene.empty()) {
     fmt::print("tool: damping and effects of {} are left out: {:g} N/m everywhere\n", options.scene, coupling.stiffness_n_per_m);
   }
-  std::vector<std::shared_ptr<const TriangleMesh>> meshes;
-  std::vector<SurfaceFriction> friction;
   for (const TouchObject& object : scene.objects) {
-    meshes.push_back(object.mesh);
-    friction.push_back({object.material.friction_static, object.material.friction_dynamic});
+    made.meshes.push_back(object.mesh);
+    made.friction.push_back({object.material.friction_static, object.material.friction_dynamic});
   }
-  return ToolStep::make(*tool.mesh, std::move(meshes), coupling, std::move(friction));
+  return made;
 }
 
 // What a point or a ball has and a tool does not have yet is said, not ignored.
@@ -109,6 +119,7 @@ Result<void> check_tool_options(const ReplayOptions& options, bool has_tool) {
   if (options.tool.empty() && !options.tool_unit.empty()) return fail("--tool-unit goes with --tool");
   if (!has_tool) {
     if (options.rotational_stiffness_nm_per_rad > 0.0) return fail("--rotational-stiffness goes with --tool");
+    if (options.tool_voxel_m > 0.0) return fail("--tool-voxels goes with --tool");
     return {};
   }
   if (method.name != plain.name) return fail("--tool goes with --method proxy; '{}' has no tool", method.name);
@@ -153,13 +164,16 @@ Result<Replay> replay_tool(const ReplayOptions& options, const Scene& scene, con
                            std::span<const TrajectoryRow> trajectory) {
   const auto touch_scene = make_scene(options, scene);
   if (!touch_scene) return tl::unexpected(touch_scene.error());
-  const auto tool = make_tool(options, *touch_scene, held);
-  if (!tool) {
-    return tl::unexpected(tool.error());
-  }
-  Replay done = run_replay(**tool, trajectory, options.replay, SteadyClock());
-  fmt::print("{}", (*tool)->describe());
-  return done;
+  ToolScene made = scene_of_tool(options, *touch_scene);
+  const auto felt = [&](const auto& tool) -> Result<Replay> {
+    if (!tool) return tl::unexpected(tool.error());
+    Replay done = run_replay(**tool, trajectory, options.replay, SteadyClock());
+    fmt::print("{}", (*tool)->describe());
+    return done;
+  };
+  if (options.tool_voxel_m <= 0.0) return felt(ToolStep::make(*held.mesh, made.meshes, made.coupling, made.friction));
+  if (made.has_friction()) fmt::print("tool: voxels have no friction, so the scene's is left out\n");
+  return felt(VoxelTool::make(*held.mesh, made.meshes, made.coupling, options.tool_voxel_m));
 }
 
 Result<void> replay(ReplayOptions& options) {
@@ -223,6 +237,10 @@ void add_replay_command(CommandLine app, int& exit_code) {
                   "With --tool, Nm/rad; 0: from --stiffness and the tool's size")
       .not_negative("Nm/rad")
       .shows_default();
+  command
+      .add_option("--tool-voxels", options->tool_voxel_m,
+                  "With --tool, m: follow it by voxels of that side and a shell of points instead (McNeely et al. 1999), for comparison")
+      .positive("m");
   command.add_option("--out", options->out, "CSV to write").file_to_write().required();
   add_method_flags(command, options->method);
   command.add_option("--stiffness", options->stiffness_n_per_m, "N/m (default: 1000, or as the scene says)").positive();

@@ -11,7 +11,7 @@ constexpr TimingBudget kOnce{.repetitions = 1, .seconds = 0.0};
 TEST(SixdofRun, ForcesAndTorquesAreWithinOnePercentOfTheoryAndNothingPenetrates) {
   const Stopwatch watch = Stopwatch::calibrate();
   for (const SixdofScenario& scenario : make_analytic_scenarios(400)) {
-    const auto row = measure_scenario(scenario, watch, kOnce);
+    const auto row = measure_scenario(scenario, proxy_tool(), watch, kOnce);
     ASSERT_TRUE(row) << row.error().what;
     EXPECT_GT(row->contact_steps, 100U) << row->name;
     EXPECT_LT(row->force_error_percent, 1.0) << row->name;
@@ -23,6 +23,17 @@ TEST(SixdofRun, ForcesAndTorquesAreWithinOnePercentOfTheoryAndNothingPenetrates)
   }
 }
 
+// Voxels keep apart by tenths of a millimetre, and so err by percents.
+TEST(SixdofRun, VoxelsAreFartherFromTheory) {
+  const SixdofScenario scenario = make_analytic_scenarios(1200).front();
+  const auto row = measure_scenario(scenario, voxel_tool(1e-3), Stopwatch::calibrate(), kOnce);
+  ASSERT_TRUE(row);
+  EXPECT_EQ(row->method, "voxels, 1 mm");
+  EXPECT_GT(row->contact_steps, 300U);
+  EXPECT_GT(row->force_error_percent, 1.0);
+  EXPECT_GT(row->widest_gap_um, 100.0);
+}
+
 TEST(SixdofRun, AWrongWrenchIsAnError) {
   const Stopwatch watch = Stopwatch::calibrate();
   SixdofScenario scenario = make_analytic_scenarios(400).front();
@@ -32,14 +43,14 @@ TEST(SixdofRun, AWrongWrenchIsAnError) {
     wrench.force_n.x() += 0.1 * wrench.force_n.z();
     return wrench;
   };
-  const auto row = measure_scenario(scenario, watch, kOnce);
+  const auto row = measure_scenario(scenario, proxy_tool(), watch, kOnce);
   ASSERT_TRUE(row);
   EXPECT_GT(row->force_error_percent, 5.0);
   EXPECT_GT(row->force_angle_deg, 3.0);
 }
 
 TEST(SixdofRun, APegIsNeverNearerThanHalfTheOffset) {
-  const auto row = measure_scenario(make_peg_scenario(2500, 7), Stopwatch::calibrate(), kOnce);
+  const auto row = measure_scenario(make_peg_scenario(2500, 7), proxy_tool(), Stopwatch::calibrate(), kOnce);
   ASSERT_TRUE(row);
   EXPECT_GT(row->contact_steps, 1000U);
   EXPECT_EQ(row->penetrations, 0U);
@@ -50,10 +61,11 @@ TEST(SixdofRun, TheReportNamesEachScenario) {
   SixdofReport report;
   SixdofRow row;
   row.name = "box on plane";
+  row.method = "proxy";
   row.has_errors = true;
   row.force_error_percent = 0.25;
   report.rows = {row};
-  EXPECT_THAT(to_csv(report), testing::HasSubstr("\"box on plane\",0,0.25,"));
+  EXPECT_THAT(to_csv(report), testing::HasSubstr("\"box on plane\",\"proxy\",0,0.25,"));
   EXPECT_THAT(to_json(report), testing::HasSubstr("\"force_error_percent\": 0.25"));
   EXPECT_THAT(to_text(report), testing::HasSubstr("box on plane"));
 }

@@ -113,6 +113,18 @@ TEST(Replay, CsvKeepsEveryBit) {
   }
 }
 
+// The same columns, by voxels.
+TEST(Replay, AToolByVoxelsIsFeltToo) {
+  auto tool = VoxelTool::make(make_box({0.02, 0.02, 0.02}), {std::make_shared<TriangleMesh>(make_plane_grid(0.2, 4))}, {}, 0.001);
+  ASSERT_TRUE(tool);
+  std::vector<TrajectoryRow> trajectory;
+  for (int n = 0; n < 400; ++n) trajectory.push_back({1e-3 * n, {0.0, 0.0, 0.02 - 3e-5 * n}, Quat::Identity()});
+  const Replay replay = run_replay(**tool, trajectory, {}, SteadyClock());
+  ASSERT_TRUE(replay.has_tool);
+  EXPECT_TRUE(replay.rows.back().contact);
+  EXPECT_NEAR(replay.rows.back().force_n.z(), 1.97, 1.0) << "a voxel is worth a newton";
+}
+
 TEST(Replay, AToolAddsItsOrientationAndTorque) {
   const TriangleMesh box = make_box({0.02, 0.02, 0.02});
   auto tool = ToolStep::make(box, {std::make_shared<TriangleMesh>(make_plane_grid(0.2, 4))}, {});

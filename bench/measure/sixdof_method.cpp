@@ -1,0 +1,61 @@
+#include "bench/measure/sixdof_method.h"
+
+#include <fmt/core.h>
+
+#include "core/tool/voxel_tool.h"
+
+namespace hapton {
+namespace {
+
+class ProxyTool final : public SixdofMethod {
+ public:
+  explicit ProxyTool(std::unique_ptr<ToolStep> tool) : tool_(std::move(tool)) {}
+  void reset(const Pose& X_SD) override { tool_->reset({X_SD}); }
+  ToolOutput step(const Pose& X_SD) override { return tool_->step({X_SD}); }
+  Placement placement(const ToolStep&) const override { return tool_->proxy().placement(); }
+
+ private:
+  std::unique_ptr<ToolStep> tool_;
+};
+
+class VoxelMethod final : public SixdofMethod {
+ public:
+  explicit VoxelMethod(std::unique_ptr<VoxelTool> tool) : tool_(std::move(tool)) {}
+  void reset(const Pose& X_SD) override { tool_->reset({X_SD}); }
+  ToolOutput step(const Pose& X_SD) override { return tool_->step({X_SD}); }
+  Placement placement(const ToolStep& exact) const override {
+    Pose X = Pose::Identity();
+    X.translation() = tool_->placement().position;
+    X.linear() = tool_->placement().orientation.toRotationMatrix();
+    return local_placement(exact, X);
+  }
+
+ private:
+  std::unique_ptr<VoxelTool> tool_;
+};
+
+}  // namespace
+
+Placement local_placement(const ToolStep& exact, const Pose& X_SP) { return exact.to_local({X_SP}); }
+
+SixdofMethodKind proxy_tool() {
+  return {.name = "proxy",
+          .what = "the 6-DOF god-object of haptics_node --tool",
+          .make = [](const SixdofScenario& scenario) -> Result<std::unique_ptr<SixdofMethod>> {
+            auto tool = ToolStep::make(*scenario.tool, {scenario.scene}, scenario.coupling);
+            if (!tool) return tl::unexpected(tool.error());
+            return std::make_unique<ProxyTool>(std::move(*tool));
+          }};
+}
+
+SixdofMethodKind voxel_tool(double voxel_m) {
+  return {.name = fmt::format("voxels, {:.4g} mm", 1e3 * voxel_m),
+          .what = "voxels and a shell of points (McNeely et al. 1999), quasi-static",
+          .make = [voxel_m](const SixdofScenario& scenario) -> Result<std::unique_ptr<SixdofMethod>> {
+            auto tool = VoxelTool::make(*scenario.tool, {scenario.scene}, scenario.coupling, voxel_m);
+            if (!tool) return tl::unexpected(tool.error());
+            return std::make_unique<VoxelMethod>(std::move(*tool));
+          }};
+}
+
+}  // namespace hapton

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/tool/surface_voxels.h"
+#include "core/tool/tool_step.h"
+
+namespace hapton {
+
+// A rigid tool by voxels and a shell of points, the way of industry since 1999, for comparison: what `sweep` is to a point probe. Not for
+// the live node.
+//
+// McNeely, Puterbaugh and Troy, "Six Degree-of-Freedom Haptic Rendering Using Voxel Sampling" (1999): the scene becomes the voxels that its
+// surface crosses, the tool the middles of such voxels of its own, with normals. A point in a voxel of the scene is pushed along the
+// point's normal, to the plane through the voxel's middle (tangent-plane force), and no farther apart are the bodies kept than about a
+// voxel. The tool's proxy is held by these springs and by the coupling to the device; as in Wan and McNeely, "Quasi-Static Approximation
+// for 6 Degrees- of-Freedom Haptic Rendering" (2003), it has no mass: each step it goes to where the springs, taken as linear, balance, but
+// no point of it farther than half a voxel, so that none passes a voxel unseen. Frames and units: as ToolStep. RT: step and reset yes, make
+// set-up only.
+class VoxelTool {
+ public:
+  // Of a contact point, in stiffnesses of the coupling; with more than kFullContacts points it is divided among them (the paper's section
+  // 7.3 limits the stiffness of many contacts alike).
+  static constexpr double kContactStiffness = 10.0;
+  static constexpr double kFullContacts = 10.0;
+  // Of the scene's grid, in bits: 128 MB.
+  static constexpr double kMostCells = 1 << 30;
+
+  // voxel_m: side of a voxel, of scene and tool alike. Error: as ToolStep::make, and a voxel size that is impossible.
+  static Result<std::unique_ptr<VoxelTool>> make(const TriangleMesh& tool, const std::vector<std::shared_ptr<const TriangleMesh>>& scene,
+                                                 const ToolCoupling& coupling, double voxel_m);
+
+  // ToolOutput::proxy tells nothing here but `haptons`, the points in contact.
+  ToolOutput step(const ToolInput& input) noexcept;
+  void reset(const ToolInput& input) noexcept;
+
+  // Where the tool is, frame S, metres.
+  const Placement& placement() const { return proxy_; }
+  std::size_t point_count() const { return points_.size(); }
+  // A line for people.
+  std::string describe() const;
+
+ private:
+  struct Point {
+    Vec3 r_m;     // from the grip point, along the tool's axes
+    Vec3 inward;  // length 1
+  };
+
+  VoxelTool() = default;
+  bool is_surface(const Eigen::Vector3i& cell) const noexcept;
+  int gather(const Placement& device, Eigen::Matrix<double, 6, 6>& hessian, Eigen::Matrix<double, 6, 1>& pull) const noexcept;
+
+  ToolCoupling coupling_;
+  VoxelGrid grid_;
+  Eigen::Vector3i cells_ = Eigen::Vector3i::Zero();
+  std::vector<std::uint64_t> is_surface_;  // a bit a cell
+  std::vector<Point> points_;
+  double radius_m_ = 0.0;
+  Placement proxy_;
+};
+
+}  // namespace hapton

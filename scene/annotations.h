@@ -1,0 +1,66 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/math/types.h"
+
+namespace hapton {
+
+// What a person has drawn and measured on the objects of a scene. Frame O of an object: its points as the scene file places them, in frame
+// S; an object that was picked up and put down elsewhere is moved from there by ObjectPose, and what was drawn on it goes along. Metres.
+
+// A point on an object's surface.
+struct SurfacePoint {
+  std::int32_t object = -1;
+  Vec3 p_O = Vec3::Zero();
+};
+
+// A line drawn on an object; one point alone is a dot.
+struct Stroke {
+  std::int32_t object = -1;
+  std::vector<Vec3> points_m;  // frame O
+};
+
+// The straight line between two touched points, of one object or of two.
+struct Measure {
+  std::array<SurfacePoint, 2> ends;
+};
+
+using Annotation = std::variant<Stroke, Measure>;
+
+// Where an object was put down: a point p of it, as the scene file has it, is at p_m + q p in frame S.
+struct PutDown {
+  std::int32_t object = -1;
+  Vec3 p_m = Vec3::Zero();
+  Quat q = Quat::Identity();
+
+  Pose pose() const;  // X_SO
+};
+
+// Objects are numbered as in `objects`: first those of the scene, in its order, then those of another scene that a file named. What is on
+// the latter is kept for the file and shown nowhere.
+struct Annotations {
+  std::vector<std::string> objects;
+  std::vector<Annotation> entries;  // in the order in which they were made
+  std::vector<PutDown> put_down;
+};
+
+// Of all strokes and measures; a file with more is rejected, and nothing more is drawn.
+constexpr std::size_t kMostAnnotationPoints = 100'000;
+
+std::size_t count_points(const Annotations& annotations);
+// Along the polyline.
+double compute_length_m(const Stroke& stroke);
+
+// Where the objects are: X_SO by object. Those beyond the list are where the scene file has them.
+using ObjectPoses = std::vector<Pose>;
+
+// Straight from one end to the other, with the objects where they are. Exact to the rounding of a difference and a norm.
+double compute_length_m(const Measure& measure, const ObjectPoses& X_SO);
+Vec3 place(const SurfacePoint& point, const ObjectPoses& X_SO);
+
+}  // namespace hapton

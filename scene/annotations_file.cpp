@@ -1,0 +1,337 @@
+#include "scene/annotations_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <vector>
+
+#include "scene/file_bytes.h"
+#include "scene/table_reader.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::string_view kSchema = "hapton.annotations/1";
+constexpr std::size_t kMostBytes = std::size_t{64} << 20;
+constexpr double kFarthestM = 1e6;
+constexpr std::size_t kMostObjects = 1'000'000;
+// Of a quaternion's length from one: the text has all its digits, and somebody may have typed three.
+constexpr double kUnitSlack = 1e-3;
+
+// Bytes of the character that begins there; 0: it is not UTF-8 (RFC 3629, table 3-7 of the Unicode standard).
+std::size_t utf8_length(std::string_view text) {
+  const auto at = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U; };
+  const unsigned first = at(0);
+  if (first < 0x80) return 1;
+  const std::size_t length = first >= 0xC2 && first < 0xE0 ? 2 : first >= 0xE0 && first < 0xF0 ? 3 : first >= 0xF0 && first < 0xF5 ? 4 : 0;
+  const unsigned least = first == 0xE0 ? 0xA0 : first == 0xF0 ? 0x90 : 0x80;
+  const unsigned most = first == 0xED ? 0x9F : first == 0xF4 ? 0x8F : 0xBF;
+  if (length == 0 || at(1) < least || at(1) > most) return 0;
+  for (std::size_t i = 2; i < length; ++i) {
+    if (at(i) < 0x80 || at(i) > 0xBF) return 0;
+  }
+  return length;
+}
+
+// A name as the file has it: bytes that are not UTF-8 are taken for Latin-1.
+std::string name_in_file(std::string_view name) {
+  std::string text;
+  while (!name.empty()) {
+    const std::size_t length = utf8_length(name);
+    if (length > 0) {
+      text += name.substr(0, length);
+    } else {
+      const auto byte = static_cast<unsigned char>(name.front());
+      text += static_cast<char>(0xC0 | (byte >> 6U));
+      text += static_cast<char>(0x80 | (byte & 0x3FU));
+    }
+    name.remove_prefix(std::max<std::size_t>(length, 1));
+  }
+  return text;
+}
+
+// A text in quotes: a quote, a backslash or a control character is escaped.
+std::string quote(std::string_view text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') {
+      quoted += '\\';
+      quoted += c;
+    } else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) {
+      quoted += fmt::format("\\u{:04X}", static_cast<unsigned char>(c));
+    } else {
+      quoted += c;
+    }
+  }
+  return quoted + '"';
+}
+
+// A number with a point, so that TOML takes it for one that need not be whole; all digits.
+std::string number_text(double value) {
+  std::string text = fmt::format("{}", value);
+  if (text.find_first_of(".e") == std::string::npos) text += ".0";
+  return text;
+}
+
+std::string point_text(const Vec3& p) { return fmt::format("[{}, {}, {}]", number_text(p.x()), number_text(p.y()), number_text(p.z())); }
+
+void write_entry(std::string& text, const Stroke& stroke) {
+  text += fmt::format("\n[[stroke]]\nobject = {}\npoints_m = [\n", stroke.object);
+  for (const Vec3& p : stroke.points_m) text += fmt::format("  {},\n", point_text(p));
+  text += "]\n";
+}
+
+void write_entry(std::string& text, const Measure& measure) {
+  const auto& [from, to] = measure.ends;
+  text += fmt::format("\n[[measure]]\nobjects = [{}, {}]\npoints_m = [{}, {}]\n", from.object, to.object, point_text(from.p_O),
+                      point_text(to.p_O));
+}
+
+// The numbers of the file's objects in the scene; those that it does not have follow after its own.
+class ObjectNumbers {
+ public:
+  ObjectNumbers(std::span<const std::string> names, Annotations& annotations) : scene_count_(names.size()), annotations_(annotations) {
+    annotations_.objects.assign(names.begin(), names.end());
+    for (std::size_t i = 0; i < names.size(); ++i) by_name_[name_in_file(names[i])].push_back(static_cast<std::int32_t>(i));
+  }
+
+  void add(const std::string& name) {
+    std::size_t& before = seen_[name];
+    const auto found = by_name_.find(name);
+    if (found != by_name_.end() && before < found->second.size()) {
+      numbers_.push_back(found->second[before]);
+    } else {
+      numbers_.push_back(static_cast<std::int32_t>(annotations_.objects.size()));
+      annotations_.objects.push_back(name);
+    }
+    ++before;
+  }
+
+  std::size_t count() const { return numbers_.size(); }
+  std::int32_t operator[](std::size_t in_file) const { return numbers_[in_file]; }
+  bool is_of_scene(std::int32_t object) const { return static_cast<std::size_t>(object) < scene_count_; }
+
+ private:
+  std::size_t scene_count_;
+  Annotations& annotations_;
+  std::map<std::string, std::vector<std::int32_t>> by_name_;
+  std::map<std::string, std::size_t> seen_;
+  std::vector<std::int32_t> numbers_;
+};
+
+// The tables of [[key]]; an error at the first that is none.
+class AnnotationsParser {
+ public:
+  AnnotationsParser(const toml::table& table, std::span<const std::string> names) : table_(table), objects_(names, read_.annotations) {}
+
+  Result<AnnotationsRead> parse(std::uint64_t scene_hash) {
+    read_head(scene_hash);
+    for_each("stroke", [this](const toml::table& each) { read_stroke(each); });
+    for_each("measure", [this](const toml::table& each) { read_measure(each); });
+    for_each("pose", [this](const toml::table& each) { read_pose(each); });
+    if (error_) return tl::unexpected(*error_);
+    return std::move(read_);
+  }
+
+ private:
+  template <class... Args>
+  void reject(const toml::node& node, fmt::format_string<Args...> format, Args&&... args) {
+    if (!error_) error_ = Error{fmt::format("line {}: {}", node.source().begin.line, fmt::format(format, std::forward<Args>(args)...))};
+  }
+
+  void keep(const TableReader& reader) {
+    if (!error_) error_ = reader.error();
+  }
+
+  void read_head(std::uint64_t scene_hash) {
+    TableReader head(table_, "the file");
+    head.allow({"schema", "scene_hash", "objects", "stroke", "measure", "pose"});
+    std::string schema;
+    std::string hash;
+    head.require("schema");
+    head.read("schema", schema);
+    head.read("scene_hash", hash);
+    if (!head.error() && schema != kSchema) {
+      head.fail_at("schema", "the schema is '{}', and this program reads '{}': save the annotations with a program of this version",
+                   printable(schema), kSchema);
+    }
+    keep(head);
+    if (error_) return;
+    read_.is_other_scene = hash != fmt::format("{:016x}", scene_hash);
+    const toml::node* names = table_.get("objects");
+    if (names == nullptr) return;
+    const toml::array* list = names->as_array();
+    if (list == nullptr || list->size() > kMostObjects)
+      return reject(*names, "'objects' must be a list of names, at most {}", kMostObjects);
+    for (const toml::node& name : *list) {
+      const auto text = name.value_exact<std::string>();
+      if (!text) return reject(name, "'objects' must be a list of names in quotes");
+      objects_.add(*text);
+    }
+  }
+
+  template <class Read>
+  void for_each(std::string_view key, Read&& read) {
+    const toml::node* node = table_.get(key);
+    if (error_ || node == nullptr) return;
+    const toml::array* list = node->as_array();
+    if (list == nullptr || !list->is_array_of_tables()) return reject(*node, "write [[{}]] tables", key);
+    for (const toml::node& each : *list) {
+      if (error_) return;
+      read(*each.as_table());
+    }
+  }
+
+  // The scene's number of the object that the file gives that number.
+  std::int32_t find_object(const toml::node& node) {
+    const auto given = node.value_exact<std::int64_t>();
+    if (!given || *given < 0 || static_cast<std::size_t>(*given) >= objects_.count()) {
+      reject(node, "an object is a number in the list 'objects', from 0 to {}", static_cast<std::int64_t>(objects_.count()) - 1);
+      return -1;
+    }
+    return objects_[static_cast<std::size_t>(*given)];
+  }
+
+  Vec3 read_point(const toml::node& node) {
+    const toml::array* list = node.as_array();
+    Vec3 p = Vec3::Zero();
+    if (list == nullptr || list->size() != 3) {
+      reject(node, "a point is a list of three numbers, in metres");
+      return p;
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      const toml::node& coordinate = *list->get(k);
+      const auto value = coordinate.is_number() ? coordinate.value<double>() : std::nullopt;
+      if (!value || !(std::abs(*value) <= kFarthestM)) {
+        reject(node, "a coordinate must be a number within {} m", kFarthestM);
+        return p;
+      }
+      p[static_cast<Eigen::Index>(k)] = *value;
+    }
+    return p;
+  }
+
+  std::vector<Vec3> read_points(const toml::table& table) {
+    const toml::array* list = table.get("points_m")->as_array();
+    if (list == nullptr || list->empty()) {
+      reject(*table.get("points_m"), "'points_m' must be a list of points");
+      return {};
+    }
+    points_ += list->size();
+    if (points_ > kMostAnnotationPoints) {
+      reject(*table.get("points_m"), "there are more than {} points: split the file", kMostAnnotationPoints);
+      return {};
+    }
+    std::vector<Vec3> points;
+    points.reserve(list->size());
+    for (const toml::node& each : *list) {
+      if (error_) return {};
+      points.push_back(read_point(each));
+    }
+    return points;
+  }
+
+  bool has_keys(const toml::table& table, const std::string& where, std::initializer_list<std::string_view> keys) {
+    TableReader reader(table, where);
+    reader.allow(keys);
+    for (const std::string_view key : keys) reader.require(key);
+    keep(reader);
+    return !error_;
+  }
+
+  void add(Annotation entry, bool fits) {
+    if (error_) return;
+    if (!fits) ++read_.left_out;
+    read_.annotations.entries.push_back(std::move(entry));
+  }
+
+  void read_stroke(const toml::table& table) {
+    if (!has_keys(table, "[[stroke]]", {"object", "points_m"})) return;
+    Stroke stroke{.object = find_object(*table.get("object")), .points_m = read_points(table)};
+    const bool fits = objects_.is_of_scene(stroke.object);
+    add(std::move(stroke), fits);
+  }
+
+  void read_measure(const toml::table& table) {
+    if (!has_keys(table, "[[measure]]", {"objects", "points_m"})) return;
+    const toml::array* objects = table.get("objects")->as_array();
+    const std::vector<Vec3> points = read_points(table);
+    if (objects == nullptr || objects->size() != 2 || points.size() != 2) {
+      return reject(table, "a measure has two objects and two points");
+    }
+    Measure measure;
+    for (std::size_t i = 0; i < 2; ++i) measure.ends[i] = {find_object(*objects->get(i)), points[i]};
+    add(measure, objects_.is_of_scene(measure.ends[0].object) && objects_.is_of_scene(measure.ends[1].object));
+  }
+
+  void read_pose(const toml::table& table) {
+    if (!has_keys(table, "[[pose]]", {"object", "position_m", "rotation"})) return;
+    TableReader reader(table, "[[pose]]");
+    Vec3 position_m = Vec3::Zero();
+    std::array<double, 4> wxyz = {1.0, 0.0, 0.0, 0.0};
+    reader.read("position_m", position_m, kFarthestM);
+    reader.read("rotation", wxyz, -1.0 - kUnitSlack, 1.0 + kUnitSlack);
+    const Quat rotation(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
+    if (!reader.error() && !(std::abs(rotation.norm() - 1.0) <= kUnitSlack)) {
+      reader.fail_at("rotation", "'rotation' must be a unit quaternion [w, x, y, z]");
+    }
+    keep(reader);
+    PutDown put_down{.object = find_object(*table.get("object"))};
+    if (error_) return;
+    put_down.p_m = position_m;
+    put_down.q = rotation;
+    if (!objects_.is_of_scene(put_down.object)) ++read_.left_out;
+    read_.annotations.put_down.push_back(put_down);
+  }
+
+  const toml::table& table_;
+  AnnotationsRead read_;
+  ObjectNumbers objects_;
+  std::size_t points_ = 0;
+  std::optional<Error> error_;
+};
+
+}  // namespace
+
+std::string AnnotationsRead::describe_misfit() const {
+  const std::size_t all = annotations.entries.size() + annotations.put_down.size();
+  if (left_out > 0) {
+    return fmt::format("{} of {} entries are on objects that this scene does not have; they stay in the file, and are not shown", left_out,
+                       all);
+  }
+  return is_other_scene && all > 0 ? "they were made with another scene, or another version of it: places may be off" : "";
+}
+
+std::string write_annotations(const Annotations& annotations, std::uint64_t scene_hash) {
+  std::string text = fmt::format("schema = \"{}\"\nscene_hash = \"{:016x}\"\nobjects = [", kSchema, scene_hash);
+  for (const std::string& name : annotations.objects) text += fmt::format("\n  {},", quote(name_in_file(name)));
+  text += annotations.objects.empty() ? "]\n" : "\n]\n";
+  for (const Annotation& entry : annotations.entries) {
+    std::visit([&](const auto& each) { write_entry(text, each); }, entry);
+  }
+  for (const PutDown& pose : annotations.put_down) {
+    text += fmt::format("\n[[pose]]\nobject = {}\nposition_m = {}\nrotation = [{}, {}, {}, {}]\n", pose.object, point_text(pose.p_m),
+                        number_text(pose.q.w()), number_text(pose.q.x()), number_text(pose.q.y()), number_text(pose.q.z()));
+  }
+  return text;
+}
+
+Result<AnnotationsRead> parse_annotations(std::string_view text, std::span<const std::string> names, std::uint64_t scene_hash) {
+  const toml::parse_result parsed = toml::parse(text);
+  if (!parsed) {
+    std::string what(parsed.error().description());
+    std::replace(what.begin(), what.end(), '\n', ' ');
+    return fail("line {}: {}", parsed.error().source().begin.line, what);
+  }
+  return AnnotationsParser(parsed.table(), names).parse(scene_hash);
+}
+
+Result<AnnotationsRead> read_annotations(const std::filesystem::path& path, std::span<const std::string> names, std::uint64_t scene_hash) {
+  const Result<std::string> bytes = read_file_bytes(path, kMostBytes);
+  if (!bytes) return tl::unexpected(bytes.error());
+  auto read = parse_annotations(*bytes, names, scene_hash);
+  if (!read) return fail("{}: {}", path.string(), read.error().what);
+  return read;
+}
+
+}  // namespace hapton

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "core/base/result.h"
+#include "scene/annotations.h"
+
+namespace hapton {
+
+// A file of annotations (TOML, docs/formats.md).
+struct AnnotationsRead {
+  Annotations annotations;      // numbered by the scene's objects
+  std::size_t left_out = 0;     // entries on objects that the scene does not have
+  bool is_other_scene = false;  // the file was made with another one: by its hash
+
+  // One line for a person about what does not fit; empty if all does.
+  std::string describe_misfit() const;
+};
+
+// As text: every number reads back to the same bits. scene_hash: Scene::given_hash.
+std::string write_annotations(const Annotations& annotations, std::uint64_t scene_hash);
+
+// names: of the scene's objects. An object is found by its name; where several have the same one, the first in the file is the first in the
+// scene, and so on. Error: one line with the line in the text: not TOML, unknown or missing keys, numbers that are not finite or beyond
+// 1,000 km, more than kMostAnnotationPoints points, a version that is not ours.
+Result<AnnotationsRead> parse_annotations(std::string_view text, std::span<const std::string> names, std::uint64_t scene_hash);
+// Error: names the file; also one that cannot be read, or is larger than 64 MiB.
+Result<AnnotationsRead> read_annotations(const std::filesystem::path& path, std::span<const std::string> names, std::uint64_t scene_hash);
+
+// For other programs: strokes and measures as polylines in frame S, in metres, objects where they are (X_SO). What is on objects of another
+// scene is left out. OBJ: a group for each entry, with elements l, or p for a dot. VTP: lines and vertices of a vtkPolyData with the cell
+// data `kind` (0 stroke, 1 measure), `object` (of the scene; of a measure's first end) and `length_m`.
+std::string write_annotations_obj(const Annotations& annotations, const ObjectPoses& X_SO, std::size_t scene_objects);
+std::string write_annotations_vtp(const Annotations& annotations, const ObjectPoses& X_SO, std::size_t scene_objects);
+
+}  // namespace hapton

@@ -1,0 +1,88 @@
+#include "core/tool/surface_voxels.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <set>
+
+#include "core/geometry/mesh_shapes.h"
+
+namespace hapton {
+namespace {
+
+using Key = std::array<int, 3>;
+
+std::set<Key> keys_of(const std::vector<SurfaceVoxel>& voxels) {
+  std::set<Key> keys;
+  for (const SurfaceVoxel& voxel : voxels) keys.insert({voxel.cell.x(), voxel.cell.y(), voxel.cell.z()});
+  return keys;
+}
+
+// The brute-force twin: points sown over the triangles lie in voxels that are found; and from the middle of a voxel that is found, some
+// triangle is no farther than half a diagonal.
+TEST(SurfaceVoxels, HoldEachPointOfTheSurfaceAndNothingFarther) {
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  for (const double voxel : {0.03, 0.007}) {
+    const TriangleMesh mesh = make_bumpy_sphere(0.05, 0.2, 300, 5);
+    const VoxelGrid grid{Vec3(0.01, -0.02, 0.003), voxel};
+    const auto found = find_surface_voxels(mesh, grid);
+    ASSERT_TRUE(found);
+    const std::set<Key> keys = keys_of(*found);
+    EXPECT_EQ(keys.size(), found->size()) << "each once";
+    std::vector<Vec3> sown;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      for (int n = 0; n < 200; ++n) {
+        double u = unit(random);
+        double v = unit(random);
+        if (u + v > 1.0) u = 1.0 - u, v = 1.0 - v;
+        const Vec3 p = mesh.corner(t, 0) + u * (mesh.corner(t, 1) - mesh.corner(t, 0)) + v * (mesh.corner(t, 2) - mesh.corner(t, 0));
+        sown.push_back(p);
+        const Vec3 cell = ((p - grid.origin_m) / voxel).array().floor();
+        ASSERT_TRUE(keys.contains({static_cast<int>(cell.x()), static_cast<int>(cell.y()), static_cast<int>(cell.z())}))
+            << p.transpose() << ", seed 11";
+      }
+    }
+    for (const SurfaceVoxel& one : *found) {
+      const Vec3 middle = grid.centre_m(one.cell);
+      double nearest = 1.0;
+      for (const Vec3& p : sown) nearest = std::min(nearest, (p - middle).norm());
+      // Sown points lie less than a tenth of a voxel's diagonal apart.
+      EXPECT_LE(nearest, (0.5 * std::sqrt(3.0) + 0.2) * voxel) << one.cell.transpose();
+    }
+  }
+}
+
+TEST(SurfaceVoxels, NormalsPointOutwards) {
+  const auto found = find_surface_voxels(make_icosphere(0.04, 4), {Vec3::Zero(), 0.005});
+  ASSERT_TRUE(found);
+  for (const SurfaceVoxel& one : *found) {
+    EXPECT_NEAR(one.normal.norm(), 1.0, 1e-12);
+    EXPECT_GT(one.normal.dot(VoxelGrid{Vec3::Zero(), 0.005}.centre_m(one.cell).normalized()), 0.9);
+  }
+}
+
+// A wall between two layers of voxels belongs to both.
+TEST(SurfaceVoxels, WhatTouchesASideBelongsToBothCells) {
+  TriangleMesh mesh;
+  mesh.vertices = {Vec3(0.25, 0.25, 1.0), Vec3(0.75, 0.25, 1.0), Vec3(0.25, 0.75, 1.0)};
+  mesh.triangles = {{0, 1, 2}};
+  const auto found = find_surface_voxels(mesh, {Vec3::Zero(), 1.0});
+  ASSERT_TRUE(found);
+  EXPECT_EQ(keys_of(*found), (std::set<Key>{{0, 0, 0}, {0, 0, 1}}));
+}
+
+TEST(SurfaceVoxels, ASizeThatDoesNotFitIsAnErrorThatNamesOne) {
+  const TriangleMesh mesh = make_icosphere(0.05, 2);
+  const auto tiny = find_surface_voxels(mesh, {Vec3::Zero(), 1e-9});
+  ASSERT_FALSE(tiny);
+  EXPECT_THAT(tiny.error().what, testing::HasSubstr("fits"));
+  const auto many = find_surface_voxels(mesh, {Vec3::Zero(), 0.001}, 100);
+  ASSERT_FALSE(many);
+  EXPECT_THAT(many.error().what, testing::HasSubstr("larger"));
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,73 @@
+// hapton_timed COMMAND [WORDS...]: runs a test that runs whole nodes against the clock. A node that stands still for longer than a force
+// may live lets go of the force, disconnects or is killed by its watchdog, as it should; a test that waits for touch then fails through no
+// fault of the nodes. So a command that failed while the machine itself stood still is run again; if it failed in every run, and the
+// machine stood still in every run for longer than a force may live, it is skipped (77) with a line that says so. On a machine that keeps
+// time nothing is repeated.
+#include <fmt/core.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <limits>
+
+#include "runtime/clock.h"
+#include "tests/timed/stall_watch.h"
+
+namespace {
+
+using hapton::StallWatch;
+
+constexpr int kSkipped = 77;
+constexpr int kMostRuns = 5;
+constexpr std::int64_t kLongestNs = 60 * hapton::kNanosecondsPerSecond;  // of all runs: no other begins after it
+constexpr std::int64_t kNoticedNs = StallWatch::kForceLifeNs / 2;
+
+double ms(std::int64_t ns) { return 1e-6 * static_cast<double>(ns); }
+
+// The command's exit code; 128 and more: it died of a signal.
+int run(char** words) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    ::execvp(words[0], words);
+    std::perror(words[0]);
+    ::_exit(127);
+  }
+  int status = 0;
+  if (child < 0 || ::waitpid(child, &status, 0) != child) return 1;
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 2) {
+    fmt::print(stderr, "hapton_timed: give the command to run\n");
+    return 2;
+  }
+  const std::int64_t begin_ns = hapton::SteadyClock().now_ns();
+  std::int64_t least_ns = std::numeric_limits<std::int64_t>::max();
+  for (int n = 1;; ++n) {
+    int code = 0;
+    std::int64_t stall_ns = 0;
+    {
+      const StallWatch watch;
+      code = run(argv + 1);
+      stall_ns = watch.longest_ns();
+    }
+    if (code == 0 || code == kSkipped || stall_ns < kNoticedNs) return code;
+    fmt::print("\nrun {} failed (exit code {}), and this machine stood still for up to {:.1f} ms meanwhile\n", n, code, ms(stall_ns));
+    std::fflush(stdout);
+    least_ns = std::min(least_ns, stall_ns);
+    if (n == kMostRuns || hapton::SteadyClock().now_ns() - begin_ns > kLongestNs) {
+      if (least_ns < StallWatch::kForceLifeNs) return code;
+      fmt::print("skipped: in each of {} runs this machine stood still for {:.1f} ms or more, longer than a force may live: not judged\n",
+                 n, ms(least_ns));
+      return kSkipped;
+    }
+    ::sleep(1);
+  }
+}

@@ -1,0 +1,61 @@
+// A command that stops hapton_timed for a while is to it a machine that stood still.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <string>
+
+#include "tests/support/scratch_folder.h"
+
+namespace hapton {
+namespace {
+
+struct Timed : testing::Test {
+  ScratchFolder folder;
+  const std::string runs = (folder.path() / "runs").string();
+
+  // Runs a shell script and returns the exit code.
+  int run(const std::string& script) {
+    const auto file = folder.path() / "script";
+    std::ofstream(file) << "echo run >> " << runs << "\n" << script << "\n";
+    return WEXITSTATUS(std::system((std::string(HAPTON_TIMED) + " sh " + file.string() + " > " + runs + ".out").c_str()));
+  }
+  int runs_made() const {
+    std::ifstream file(runs);
+    int n = 0;
+    for (std::string line; std::getline(file, line);) ++n;
+    return n;
+  }
+  const std::string stall = "kill -STOP $PPID; sleep 0.2; kill -CONT $PPID; sleep 0.05; ";
+};
+
+TEST_F(Timed, WhatPassesIsRunOnce) {
+  EXPECT_EQ(run(stall + "exit 0"), 0);
+  EXPECT_EQ(runs_made(), 1);
+}
+
+TEST_F(Timed, AFailureOnAMachineThatStoodStillIsTriedAgain) {
+  EXPECT_EQ(run(stall + "test $(wc -l < " + runs + ") -ge 3"), 0);
+  EXPECT_EQ(runs_made(), 3);
+}
+
+TEST_F(Timed, WhatFailsInEachRunWhileTheMachineStandsStillIsSkipped) {
+  EXPECT_EQ(run(stall + "exit 1"), 77);
+  EXPECT_EQ(runs_made(), 5);
+}
+
+// Only where this machine keeps time can it be known that nothing is repeated; the exit code holds elsewhere too.
+TEST_F(Timed, AFailureIsAFailure) {
+  const int code = run("exit 3");
+  EXPECT_TRUE(code == 3 || (code == 77 && runs_made() == 5)) << code;
+  EXPECT_TRUE(runs_made() == 1 || runs_made() == 5 || code == 3);
+}
+
+TEST_F(Timed, ACommandThatIsNotThere) {
+  const int code = WEXITSTATUS(std::system((std::string(HAPTON_TIMED) + " /no/such/command 2> " + runs + ".err").c_str()));
+  EXPECT_TRUE(code == 127 || code == 77) << code;
+}
+
+}  // namespace
+}  // namespace hapton

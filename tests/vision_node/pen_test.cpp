@@ -1,0 +1,224 @@
+#include "vision_node/pen.h"
+
+#include <gtest/gtest.h>
+
+namespace hapton {
+namespace {
+
+constexpr std::uint32_t kDraw = 2;
+constexpr std::uint32_t kMeasure = 4;
+
+PenSettings pen_settings() { return {.draw_buttons = kDraw, .measure_buttons = kMeasure, .bound_m = 1e-4}; }
+
+struct PenTest : testing::Test {
+  // Along x, so many points, with these buttons.
+  void move(std::uint32_t buttons, int points = 10, std::int32_t object = 0) {
+    for (int i = 0; i < points; ++i) pen.receive(SurfacePoint{object, Vec3(x_m += 0.001, 0, 0)}, buttons);
+  }
+  void lift(std::uint32_t buttons = 0) { pen.receive(std::nullopt, buttons); }
+  std::size_t entries() const { return pen.annotations().entries.size(); }
+  const Stroke& stroke(std::size_t i) const { return std::get<Stroke>(pen.annotations().entries.at(i)); }
+  const Measure& measure(std::size_t i) const { return std::get<Measure>(pen.annotations().entries.at(i)); }
+
+  Pen pen{pen_settings(), {}};
+  double x_m = 0.0;
+};
+
+TEST_F(PenTest, AStrokeLastsFromThePressToTheRelease) {
+  move(0);
+  move(kDraw);
+  EXPECT_EQ(entries(), 0U);
+  ASSERT_NE(pen.current(), nullptr);
+  move(0);
+  ASSERT_EQ(entries(), 1U);
+  EXPECT_EQ(pen.current(), nullptr);
+  EXPECT_EQ(stroke(0).object, 0);
+  EXPECT_DOUBLE_EQ(stroke(0).points_m.front().x(), 0.011);
+  EXPECT_DOUBLE_EQ(stroke(0).points_m.back().x(), 0.020);
+  EXPECT_EQ(stroke(0).points_m.size(), 2U);
+  EXPECT_EQ(pen.take_finished(), 0U);
+  EXPECT_EQ(pen.take_finished(), std::nullopt);
+}
+
+TEST_F(PenTest, InFreeSpaceNothingIsDrawnAndAnotherObjectIsAnotherStroke) {
+  lift();
+  lift(kDraw);
+  EXPECT_EQ(pen.current(), nullptr);
+  move(kDraw);
+  lift(kDraw);
+  move(kDraw, 5, 0);
+  move(kDraw, 5, 1);
+  lift();
+  ASSERT_EQ(entries(), 3U);
+  EXPECT_EQ(stroke(2).object, 1);
+}
+
+TEST_F(PenTest, AButtonHeldSinceTheStartDoesNothing) {
+  move(kDraw | kMeasure);
+  EXPECT_EQ(pen.current(), nullptr);
+  EXPECT_FALSE(pen.first_end());
+  move(0, 1);
+  move(kDraw);
+  EXPECT_NE(pen.current(), nullptr);
+}
+
+TEST_F(PenTest, TwoPressesMeasure) {
+  move(0);
+  const double from = x_m + 0.001;
+  move(kMeasure, 3);
+  ASSERT_TRUE(pen.first_end());
+  EXPECT_EQ(entries(), 0U);
+  move(0, 20);
+  lift();
+  lift(kMeasure);  // not in contact: nothing is taken
+  EXPECT_EQ(entries(), 0U);
+  lift();
+  move(kMeasure, 1, 3);
+  ASSERT_EQ(entries(), 1U);
+  EXPECT_EQ(measure(0).ends[0].object, 0);
+  EXPECT_EQ(measure(0).ends[1].object, 3);
+  EXPECT_EQ(measure(0).ends[0].p_O.x(), from);
+  EXPECT_EQ(measure(0).ends[1].p_O.x(), x_m);
+  EXPECT_FALSE(pen.first_end());
+}
+
+TEST_F(PenTest, KeysStandForButtons) {
+  move(0);
+  pen.toggle_draw_key();
+  move(0);
+  EXPECT_NE(pen.current(), nullptr);
+  pen.toggle_draw_key();
+  move(0, 1);
+  EXPECT_EQ(entries(), 1U);
+  pen.measure();
+  move(0, 1);
+  EXPECT_TRUE(pen.first_end());
+  pen.measure();
+  move(0, 1);
+  EXPECT_EQ(entries(), 2U);
+  pen.measure();
+  lift();
+  move(0, 1);
+  EXPECT_FALSE(pen.first_end()) << "a key in free space takes nothing later";
+}
+
+TEST_F(PenTest, TheModeSaysWhatTheDrawButtonDoes) {
+  lift();
+  pen.set_mode(PenMode::off);
+  move(kDraw);
+  lift();
+  EXPECT_EQ(entries(), 0U);
+  pen.set_mode(PenMode::measure);
+  move(kDraw);
+  lift();
+  move(kDraw);
+  lift();
+  ASSERT_EQ(entries(), 1U);
+  EXPECT_TRUE(std::holds_alternative<Measure>(pen.annotations().entries[0]));
+}
+
+TEST_F(PenTest, AnotherModeFinishesTheStroke) {
+  lift();
+  move(kDraw);
+  pen.set_mode(PenMode::measure);
+  EXPECT_EQ(entries(), 1U);
+  EXPECT_EQ(pen.current(), nullptr);
+}
+
+TEST_F(PenTest, UndoAndRedo) {
+  lift();
+  EXPECT_FALSE(pen.undo());
+  EXPECT_FALSE(pen.redo());
+  for (int i = 0; i < 3; ++i) {
+    move(kDraw);
+    lift();
+  }
+  const double last = stroke(2).points_m.front().x();
+  EXPECT_TRUE(pen.undo());
+  EXPECT_TRUE(pen.undo());
+  EXPECT_EQ(entries(), 1U);
+  EXPECT_TRUE(pen.redo());
+  EXPECT_TRUE(pen.redo());
+  EXPECT_FALSE(pen.redo());
+  ASSERT_EQ(entries(), 3U);
+  EXPECT_EQ(stroke(2).points_m.front().x(), last);
+  EXPECT_TRUE(pen.undo());
+  move(kDraw);
+  lift();
+  EXPECT_FALSE(pen.redo()) << "something else was drawn since";
+  EXPECT_EQ(entries(), 3U);
+}
+
+TEST_F(PenTest, UndoOfWhatIsUnderWay) {
+  lift();
+  move(kMeasure, 1);
+  EXPECT_TRUE(pen.undo());
+  EXPECT_FALSE(pen.first_end());
+  EXPECT_EQ(entries(), 0U);
+  move(kDraw);
+  EXPECT_TRUE(pen.undo());
+  EXPECT_EQ(entries(), 0U);
+  EXPECT_EQ(pen.current(), nullptr);
+  move(kDraw);
+  EXPECT_EQ(pen.current(), nullptr) << "not before it is pressed again";
+  lift();
+  move(kDraw);
+  EXPECT_NE(pen.current(), nullptr);
+}
+
+TEST_F(PenTest, WhatAFileHadCanBeUndone) {
+  Annotations given;
+  given.entries = {Stroke{0, {Vec3::Zero()}}};
+  pen = Pen(pen_settings(), given);
+  EXPECT_TRUE(pen.undo());
+  EXPECT_EQ(entries(), 0U);
+  EXPECT_TRUE(pen.redo());
+  EXPECT_EQ(entries(), 1U);
+}
+
+TEST_F(PenTest, ThereIsRoomForSoManyPointsAndNoMore) {
+  Annotations given;
+  given.entries = {Stroke{0, std::vector<Vec3>(kMostAnnotationPoints - 3, Vec3::Zero())}};
+  pen = Pen(pen_settings(), given);
+  lift();
+  for (int i = 0; i < 20; ++i) pen.receive(SurfacePoint{0, Vec3(0.01 * (i % 2), 0.001 * i, 0.0)}, kDraw);
+  EXPECT_TRUE(pen.take_full());
+  EXPECT_FALSE(pen.take_full()) << "said once";
+  lift();
+  EXPECT_LE(count_points(pen.annotations()), kMostAnnotationPoints);
+  EXPECT_EQ(entries(), 2U);
+  move(kMeasure, 1);
+  lift();
+  move(kMeasure, 1);
+  EXPECT_EQ(entries(), 2U);
+  EXPECT_TRUE(pen.undo());
+  move(0, 1);
+  move(kMeasure, 1);
+  lift();
+  move(kMeasure, 1);
+  EXPECT_EQ(entries(), 2U) << "undo made room";
+}
+
+TEST_F(PenTest, RevisionsCountWhatChanges) {
+  lift();
+  const auto before = pen.revision();
+  lift();
+  EXPECT_EQ(pen.revision(), before);
+  move(kDraw, 1);
+  EXPECT_GT(pen.revision(), before);
+  EXPECT_EQ(pen.entries_revision(), 1U);
+  lift();
+  EXPECT_EQ(pen.entries_revision(), 2U);
+}
+
+TEST_F(PenTest, AskForAPointOnlyWhereOneIsUsed) {
+  EXPECT_FALSE(pen.wants_point(0));
+  EXPECT_FALSE(pen.wants_point(1));
+  EXPECT_TRUE(pen.wants_point(kDraw));
+  EXPECT_TRUE(pen.wants_point(kMeasure));
+  pen.measure();
+  EXPECT_TRUE(pen.wants_point(0));
+}
+
+}  // namespace
+}  // namespace hapton

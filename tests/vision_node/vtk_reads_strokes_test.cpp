@@ -1,0 +1,53 @@
+// Strokes that are exported are what VTK reads.
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include <vtkCell.h>
+#include <vtkCellData.h>
+#include <vtkDataArray.h>
+#include <vtkNew.h>
+#include <vtkPolyData.h>
+#include <vtkXMLPolyDataReader.h>
+
+#include "scene/annotations_file.h"
+#include "tests/support/scratch_folder.h"
+
+namespace hapton {
+namespace {
+
+TEST(VtkReadsStrokes, PointsCellsAndTheirData) {
+  Annotations made;
+  made.objects = {"a", "b"};
+  made.entries = {Stroke{1, {{0.1, 0.2, 1.0 / 3.0}, {0.1, 0.25, 0.3}, {0.1, 0.3, 0.3}}}, Stroke{0, {{1, 2, 3}}},
+                  Measure{{{{0, {0, 0, 0}}, {1, {0, 0, 0.5}}}}}};
+  Pose X = Pose::Identity();
+  X.translation() = Vec3(0, 0, 1);
+  ScratchFolder scratch;
+  const std::string file = scratch.write("a.vtp", write_annotations_vtp(made, {Pose::Identity(), X}, 2)).string();
+  vtkNew<vtkXMLPolyDataReader> reader;
+  reader->SetFileName(file.c_str());
+  reader->Update();
+  vtkPolyData* data = reader->GetOutput();
+  ASSERT_EQ(data->GetNumberOfPoints(), 6);
+  ASSERT_EQ(data->GetNumberOfVerts(), 1);
+  ASSERT_EQ(data->GetNumberOfLines(), 2);
+  double p[3];
+  data->GetPoint(0, p);
+  EXPECT_EQ(Vec3(p[0], p[1], p[2]), Vec3(0.1, 0.2, 1.0 / 3.0 + 1.0));
+  // The vertex first, then the lines: as VTK numbers its cells.
+  const auto value = [&](const char* name, vtkIdType cell) { return data->GetCellData()->GetArray(name)->GetTuple1(cell); };
+  EXPECT_EQ(data->GetCell(0)->GetNumberOfPoints(), 1);
+  EXPECT_EQ(value("object", 0), 0);
+  EXPECT_EQ(data->GetCell(1)->GetNumberOfPoints(), 3);
+  EXPECT_EQ(value("kind", 1), 0);
+  EXPECT_EQ(value("object", 1), 1);
+  EXPECT_NEAR(value("length_m", 1), compute_length_m(std::get<Stroke>(made.entries[0])), 1e-15);
+  EXPECT_EQ(data->GetCell(2)->GetNumberOfPoints(), 2);
+  EXPECT_EQ(value("kind", 2), 1);
+  EXPECT_EQ(value("length_m", 2), 1.5);
+}
+
+}  // namespace
+}  // namespace hapton

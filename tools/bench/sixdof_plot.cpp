@@ -1,0 +1,73 @@
+#include "tools/bench/sixdof_plot.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+
+#include "tools/gnuplot.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::array kColours = {"#0050c8", "#e69f00", "#d55e00", "#cc79a7", "#009e73", "#7f7f7f"};
+// An error of nothing has no logarithm.
+constexpr double kLeastPercent = 1e-4;
+
+std::vector<SixdofRow> drawable(const std::vector<SixdofRow>& rows) {
+  std::vector<SixdofRow> kept;
+  std::copy_if(rows.begin(), rows.end(), std::back_inserter(kept),
+               [](const SixdofRow& row) { return row.has_errors && row.contact.count > 0; });
+  return kept;
+}
+
+std::vector<std::string> different(const std::vector<SixdofRow>& rows, std::string SixdofRow::*field) {
+  std::vector<std::string> found;
+  for (const SixdofRow& row : rows) {
+    if (std::find(found.begin(), found.end(), row.*field) == found.end()) found.push_back(row.*field);
+  }
+  return found;
+}
+
+}  // namespace
+
+std::string make_sixdof_plot(const std::vector<SixdofRow>& rows, const std::string& picture) {
+  const std::vector<SixdofRow> shown = drawable(rows);
+  const std::vector<std::string> scenarios = different(shown, &SixdofRow::name);
+  const std::vector<std::string> methods = different(shown, &SixdofRow::method);
+  const std::size_t columns = std::min<std::size_t>(3, scenarios.size());
+  const std::size_t lines = (scenarios.size() + columns - 1) / std::max<std::size_t>(columns, 1);
+  std::string script = fmt::format(
+      "set terminal pngcairo size {},{} font 'sans,10'\nset output '{}'\n"
+      "set multiplot layout {},{} title 'Rigid tool: time of a step against force error'\n"
+      "set xlabel 'step in contact, p50, us'\nset ylabel 'force error, RMS, %'\nset logscale xy\n"
+      "set xrange [1:1e5]\nset yrange [{:g}:1e4]\nset format x '10^{{%T}}'\nset format y '10^{{%T}}'\n"
+      "set grid linetype 1 linecolor rgb '#dddddd'\nset key below samplen 1\n",
+      480 * columns, 420 * lines, picture, lines, columns, 0.1 * kLeastPercent);
+  for (const std::string& scenario : scenarios) {
+    script += fmt::format("set title '{}'\nplot ", scenario);
+    std::string data;
+    for (std::size_t m = 0; m < methods.size(); ++m) {
+      script += fmt::format("{}'-' using 1:2 with points pointtype {} pointsize 1.6 linecolor rgb '{}' title '{}'", m > 0 ? ", " : "",
+                            m == 0 ? 7 : 5 + 2 * (m % 3), kColours[m % kColours.size()], methods[m]);
+      for (const SixdofRow& row : shown) {
+        if (row.name != scenario || row.method != methods[m]) continue;
+        fmt::format_to(std::back_inserter(data), "{:.6g} {:.6g}\n", 1e-3 * row.contact.p50_ns,
+                       std::max(row.force_error_percent, kLeastPercent));
+      }
+      data += "e\n";
+    }
+    script += "\n" + data;
+  }
+  return script + "unset multiplot\n";
+}
+
+Result<std::filesystem::path> draw_sixdof_plot(const std::filesystem::path& folder, const std::vector<SixdofRow>& rows) {
+  if (drawable(rows).empty())
+    return fail("{}: no scenario with a known force was felt, so there is nothing to draw", (folder / "sixdof.png").string());
+  return draw_with_gnuplot(folder, "sixdof.png", make_sixdof_plot(rows, "sixdof.png.part"));
+}
+
+}  // namespace hapton

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <vtkActor.h>
+#include <vtkNew.h>
+#include <vtkPolyData.h>
+#include <vtkRenderer.h>
+
+#include "scene/annotations.h"
+#include "vision_node/probe_shown.h"
+#include "vision_node/stereo_camera.h"
+
+namespace hapton {
+
+// A text at a point of the world.
+struct InkLabel {
+  Vec3 p_W = Vec3::Zero();
+  std::string text;
+};
+
+// A length for a person, with its unit: "42.31 mm".
+std::string describe_length(double length_m);
+
+// Strokes and measures as VTK actors. A stroke is hidden by what is in front of it, a measure shows through, dotted. Lines are drawn a
+// little nearer to the eye than they are, along the same ray: by the bound that strokes were thinned with, within which they may dip below
+// a curved surface, and by one pixel's width at their depth, so that neither the depth buffer nor the levels of detail hide them. Frames:
+// scene/annotations.h; W. Metres. RT: no.
+class AnnotationFigure {
+ public:
+  AnnotationFigure();
+  void add_to(vtkRenderer* renderer);
+
+  // How far strokes may be from the surface.
+  void set_bound(double bound_m) { bound_m_ = bound_m; }
+  void set_scene_pose(const Pose& X_WS);
+  // X_SO of all objects. held: the object that the stylus holds, at X_TO instead; -1: none.
+  void set_objects(ObjectPoses X_SO, std::int32_t held, const Pose& X_TO);
+  // Pre: annotations outlive this, or the next call. Those of objects that the scene does not have are left out.
+  void set_entries(const Annotations& annotations, std::size_t scene_objects);
+  // A stroke that is being drawn; null: none.
+  void set_current(std::int32_t object, const std::vector<Vec3>* points_m);
+  // The first end of a measure; from there a line goes to the tip.
+  void set_first_end(const std::optional<SurfacePoint>& first) { first_end_ = first; }
+  void set_probe(const ProbeShown& probe);
+
+  // At the beginning of each eye's picture.
+  void aim(const StereoScreen& screen, PictureSize size);
+  // Of the newest measures, in the picture.
+  std::vector<InkLabel> labels() const;
+
+ private:
+  bool is_shown(std::int32_t object) const { return object >= 0 && static_cast<std::size_t>(object) < scene_objects_; }
+  const std::vector<Annotation>& entries() const;
+  Vec3 find_in_world(const SurfacePoint& point) const;
+  void build_strokes();
+  void build_measures();
+  std::array<vtkActor*, 5> actors() { return {strokes_, held_strokes_, current_, measures_, hidden_measures_}; }
+
+  double bound_m_ = 0.0;
+  Pose X_WS_ = Pose::Identity();
+  Pose X_WT_ = Pose::Identity();
+  ObjectPoses X_SO_;
+  std::int32_t held_ = -1;
+  Pose X_TO_ = Pose::Identity();
+  const Annotations* annotations_ = nullptr;
+  std::size_t scene_objects_ = 0;
+  std::optional<SurfacePoint> first_end_;
+  std::optional<Vec3> p_WP_;
+  vtkNew<vtkActor> strokes_;       // frame S
+  vtkNew<vtkActor> held_strokes_;  // frame T
+  vtkNew<vtkActor> current_;       // frame O of its object, as strokes_
+  vtkNew<vtkActor> measures_;      // frame W
+  vtkNew<vtkActor> hidden_measures_;
+};
+
+}  // namespace hapton

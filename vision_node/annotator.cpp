@@ -1,0 +1,354 @@
+#include "vision_node/annotator.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "runtime/atomic_file.h"
+#include "runtime/log.h"
+#include "runtime/writable_path.h"
+#include "scene/annotations_file.h"
+#include "vision_node/annotation_figure.h"
+#include "vision_node/menu_figure.h"
+
+namespace hapton {
+namespace {
+
+// A datagram may be lost; a scene that is being built again takes longer than that.
+constexpr std::int64_t kRequestEveryNs = 100'000'000;
+constexpr std::int64_t kRequestPatienceNs = 2'000'000'000;
+
+std::uint32_t button_bit(int button) { return button > 0 ? 1U << static_cast<unsigned>(button - 1) : 0U; }
+
+std::vector<std::string> list_names(const Scene& scene) {
+  std::vector<std::string> names;
+  for (const SceneObject& object : scene.objects) names.push_back(object.name);
+  return names;
+}
+
+std::string plural(std::size_t count, std::string_view noun) { return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s"); }
+
+std::string describe_entries(const Annotations& annotations) {
+  std::size_t strokes = 0;
+  for (const Annotation& entry : annotations.entries) strokes += std::holds_alternative<Stroke>(entry) ? 1 : 0;
+  return plural(strokes, "stroke") + ", " + plural(annotations.entries.size() - strokes, "measure");
+}
+
+PutDown put_down_of(const ObjectPose& pose) { return {pose.object, pose.p_m, pose.q}; }
+
+// Two functions of one button would both happen.
+Result<void> check_buttons(const AnnotatorOptions& options) {
+  const std::pair<const char*, int> all[] = {
+      {"--draw-button", options.draw_button}, {"--measure-button", options.measure_button}, {"--menu-button", options.menu_button}};
+  for (std::size_t i = 0; i < std::size(all); ++i) {
+    for (std::size_t k = i + 1; k < std::size(all); ++k) {
+      if (all[i].second == 0 || all[i].second != all[k].second) continue;
+      return fail("{} and {} are both {}; give them different buttons, or 0 for none", all[i].first, all[k].first, all[i].second);
+    }
+  }
+  return {};
+}
+
+Result<void> check_names(const AnnotatorOptions& options) {
+  if (!options.file.empty() && options.file.extension() != ".toml") {
+    return fail("--annotations {}: annotations are kept as TOML; give it a name that ends in .toml (--strokes writes .obj and .vtp)",
+                options.file.string());
+  }
+  if (!options.strokes.empty() && options.strokes.extension() != ".obj" && options.strokes.extension() != ".vtp") {
+    return fail("--strokes {}: strokes are written as OBJ or VTP; give it a name that ends in .obj or .vtp", options.strokes.string());
+  }
+  for (const auto* file : {&options.file, &options.strokes}) {
+    if (file->empty()) continue;
+    if (auto writable = check_writable_file(*file); !writable) return writable;
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Annotator>> Annotator::open(StereoView& view, const Scene& scene, double scene_radius_m,
+                                                   const AnnotatorOptions& options, bool can_touch) {
+  if (const auto checked = check_names(options); !checked) return tl::unexpected(checked.error());
+  if (const auto checked = check_buttons(options); !checked) return tl::unexpected(checked.error());
+  const std::vector<std::string> names = list_names(scene);
+  Annotations given;
+  given.objects = names;
+  if (!options.file.empty() && std::filesystem::exists(options.file)) {
+    auto read = read_annotations(options.file, names, scene.given_hash);
+    if (!read) return tl::unexpected(read.error());
+    log_info("{}: {}", options.file.string(), describe_entries(read->annotations));
+    if (const std::string misfit = read->describe_misfit(); !misfit.empty()) log_warning("{}: {}", options.file.string(), misfit);
+    given = std::move(read->annotations);
+  }
+  PenSettings pen;
+  pen.draw_buttons = button_bit(options.draw_button);
+  pen.measure_buttons = button_bit(options.measure_button);
+  pen.bound_m = kBoundShare * 2.0 * scene_radius_m;
+  return std::unique_ptr<Annotator>(new Annotator(view, scene, options, pen, std::move(given), can_touch));
+}
+
+Annotator::Annotator(StereoView& view, const Scene& scene, const AnnotatorOptions& options, const PenSettings& pen, Annotations given,
+                     bool can_touch)
+    : view_(view),
+      scene_(scene),
+      options_(options),
+      can_touch_(can_touch),
+      pen_(pen, std::move(given)),
+      surfaces_(scene.objects.size()),
+      poses_(scene.objects.size()),
+      X_SO_(scene.objects.size(), Pose::Identity()),
+      at_rest_(scene.objects.size()),
+      saved_entries_(pen_.entries_revision()) {
+  view_.annotation_figure().set_bound(pen.bound_m);
+  for (std::size_t o = 0; o < at_rest_.size(); ++o) at_rest_[o].object = static_cast<std::int32_t>(o);
+}
+
+// Of a million triangles, 0.3 s at the first touch; the states that come meanwhile wait in the socket.
+const SurfaceFinder& Annotator::surface(std::size_t object) {
+  if (surfaces_[object] == nullptr) surfaces_[object] = std::make_unique<SurfaceFinder>(scene_.objects[object].mesh);
+  return *surfaces_[object];
+}
+
+// The point of the drawn mesh that is closest to the probe: of a ball its surface, not its centre, and where the surface felt differs from
+// the one drawn (sealed cracks, bumps), the latter.
+std::optional<SurfacePoint> Annotator::find_touched(const ProbeState& state, const Pose& X_WS) {
+  const auto object = static_cast<std::size_t>(state.object);
+  const bool is_known = state.contact && state.object >= 0 && object < scene_.objects.size() && !is_other_scene_;
+  if (!is_known || !can_touch_ || held_ >= 0) return std::nullopt;
+  const Vec3 p_WP = state.p_WD + state.visual_offset_m;
+  if (!p_WP.allFinite()) return std::nullopt;
+  const Vec3 p_O = X_SO_[object].inverse(Eigen::Isometry) * (X_WS.inverse(Eigen::Affine) * p_WP);
+  return SurfacePoint{state.object, surface(object).find_closest(p_O)};
+}
+
+void Annotator::receive(const ProbeState& state, const Pose& X_WS) {
+  const std::uint32_t pressed = state.buttons & ~std::exchange(last_buttons_, state.buttons);
+  wants_menu_ = wants_menu_ != ((pressed & button_bit(options_.menu_button)) != 0);
+  const Vec3 p_WP = state.p_WD + state.visual_offset_m;
+  const auto lit_before = menu_.lit();
+  if (const auto entry = menu_.receive(p_WP, state.buttons & ~button_bit(options_.menu_button))) chosen_ = entry;
+  if (menu_.lit() != lit_before) ++menu_revision_;
+  const bool is_wanted = pen_.wants_point(state.buttons) && !menu_.lit();
+  pen_.receive(is_wanted ? find_touched(state, X_WS) : std::nullopt, state.buttons);
+  log_finished();
+}
+
+void Annotator::log_finished() {
+  if (pen_.take_full()) {
+    log_warning("nothing more can be drawn: there are {} points; save, and start with another file", kMostAnnotationPoints);
+  }
+  const auto finished = pen_.take_finished();
+  if (!finished) return;
+  const Annotation& entry = pen_.annotations().entries[*finished];
+  const auto name = [&](std::int32_t object) -> const std::string& { return scene_.objects[static_cast<std::size_t>(object)].name; };
+  if (const auto* stroke = std::get_if<Stroke>(&entry)) {
+    log_info("drawn on {}: {}, {} points", name(stroke->object), describe_length(compute_length_m(*stroke)), stroke->points_m.size());
+    return;
+  }
+  const Measure& measure = std::get<Measure>(entry);
+  const auto& [from, to] = measure.ends;
+  log_info("measured {} {}", describe_length(compute_length_m(measure, X_SO_)),
+           from.object == to.object ? "on " + name(from.object) : "from " + name(from.object) + " to " + name(to.object));
+}
+
+void Annotator::receive(const ObjectPose& pose) {
+  if (pose.object < 0 || static_cast<std::size_t>(pose.object) >= poses_.size()) return;
+  ObjectPose& known = poses_[static_cast<std::size_t>(pose.object)];
+  const bool is_same = known.serial != 0 && known.is_held == pose.is_held && known.p_m == pose.p_m && known.q.coeffs() == pose.q.coeffs();
+  if (is_same) {
+    known.serial = std::max(1U, pose.serial);
+    return;
+  }
+  const bool was_elsewhere = known.serial == 0 && (pose.is_held || !pose.p_m.isZero(0.0) || pose.q.coeffs() != Quat::Identity().coeffs());
+  const bool has_moved = known.serial != 0 || was_elsewhere;
+  const bool was_held = known.serial != 0 && known.is_held;
+  known = pose;
+  known.serial = std::max(1U, pose.serial);
+  if (!pose.is_held) {
+    ObjectPose& rest = at_rest_[static_cast<std::size_t>(pose.object)];
+    if (was_held) moves_.push_back({rest, pen_.annotations().entries.size()});
+    rest = pose;
+  }
+  if (was_elsewhere && !pose.is_held) log_info("{} was put down elsewhere", scene_.objects[static_cast<std::size_t>(pose.object)].name);
+  if (!has_moved) return;
+  held_ = -1;
+  std::vector<PutDown> put_down;
+  for (std::size_t o = 0; o < poses_.size(); ++o) {
+    const ObjectPose& each = poses_[o];
+    if (each.serial == 0) continue;
+    if (each.is_held) {
+      held_ = static_cast<std::int32_t>(o);
+      continue;
+    }
+    X_SO_[o] = put_down_of(each).pose();
+    if (!each.p_m.isZero(0.0) || each.q.coeffs() != Quat::Identity().coeffs()) put_down.push_back(put_down_of(each));
+  }
+  // Poses of objects of another scene stay in the file.
+  for (const PutDown& given : pen_.annotations().put_down) {
+    if (static_cast<std::size_t>(given.object) >= scene_.objects.size()) put_down.push_back(given);
+  }
+  pen_.set_put_down(std::move(put_down));
+  view_.annotation_figure().set_objects(X_SO_, held_,
+                                        held_ >= 0 ? put_down_of(poses_[static_cast<std::size_t>(held_)]).pose() : Pose::Identity());
+}
+
+void Annotator::toggle_menu(const StereoScreen& screen, const Vec3& p_WC) {
+  menu_.is_open() ? menu_.close() : menu_.open(screen, p_WC);
+  ++menu_revision_;
+}
+
+void Annotator::handle(const UserRequests& requests, const StereoScreen& screen, const Vec3& p_WC) {
+  if (requests.menu != std::exchange(wants_menu_, false)) toggle_menu(screen, p_WC);
+  if (requests.draw) {
+    if (const auto entry = menu_.choose()) {
+      chosen_ = entry;
+    } else {
+      pen_.toggle_draw_key();
+    }
+  }
+  if (requests.measure) pen_.measure();
+  if (requests.undo) choose(TouchMenu::Entry::undo);
+  if (requests.redo) choose(TouchMenu::Entry::redo);
+  if (requests.save) save();
+  if (const auto entry = std::exchange(chosen_, std::nullopt)) choose(*entry);
+}
+
+void Annotator::choose(TouchMenu::Entry entry) {
+  ++menu_revision_;
+  switch (entry) {
+    case TouchMenu::Entry::off:
+      pen_.set_mode(PenMode::off);
+      break;
+    case TouchMenu::Entry::draw:
+      pen_.set_mode(PenMode::draw);
+      break;
+    case TouchMenu::Entry::measure:
+      pen_.set_mode(PenMode::measure);
+      break;
+    case TouchMenu::Entry::undo:
+      undo();
+      return;
+    case TouchMenu::Entry::redo:
+      if (!pen_.redo()) log_info("nothing to redo");
+      return;
+    case TouchMenu::Entry::save:
+      save();
+      return;
+    case TouchMenu::Entry::close:
+      break;
+  }
+  menu_.close();
+}
+
+// What happened last: an object was put down, or something was drawn or measured.
+void Annotator::undo() {
+  if (undo_move()) return;
+  log_info("{}", pen_.undo() ? "undone" : "nothing to undo");
+}
+
+bool Annotator::undo_move() {
+  const bool is_under_way = pen_.first_end() || pen_.current() != nullptr;
+  if (moves_.empty() || is_under_way || pen_.annotations().entries.size() > moves_.back().entries || held_ >= 0) return false;
+  request_ = moves_.back().before;
+  request_->serial = poses_[static_cast<std::size_t>(request_->object)].serial;
+  request_end_ns_ = request_next_ns_ = 0;
+  moves_.pop_back();
+  log_info("{} is to be put back", scene_.objects[static_cast<std::size_t>(request_->object)].name);
+  return true;
+}
+
+std::optional<ObjectPose> Annotator::take_due(std::int64_t now_ns) {
+  if (!request_) return std::nullopt;
+  const auto object = static_cast<std::size_t>(request_->object);
+  if (poses_[object].serial != request_->serial) {
+    request_.reset();  // it has been moved
+    return std::nullopt;
+  }
+  if (request_end_ns_ == 0) request_end_ns_ = now_ns + kRequestPatienceNs;
+  if (now_ns >= request_end_ns_) {
+    log_warning("{} was not put back: haptics_node is busy, or does not answer", scene_.objects[object].name);
+    request_.reset();
+    return std::nullopt;
+  }
+  if (now_ns < request_next_ns_) return std::nullopt;
+  request_next_ns_ = now_ns + kRequestEveryNs;
+  return request_;
+}
+
+std::optional<Vec3> Annotator::find_menu(const StereoScreen& screen, PictureSize size, int x_px, int y_px) const {
+  if (!menu_.is_open() || x_px < 0 || y_px < 0 || x_px >= size.width_px || y_px >= size.height_px) return std::nullopt;
+  const Vec3 on_screen_V(((x_px + 0.5) / size.width_px - 0.5) * screen.width_m, ((y_px + 0.5) / size.height_px - 0.5) * screen.height_m,
+                         0.0);
+  return menu_.find_behind(compute_eye_position(screen, Eye::centre), screen.X_WV * on_screen_V);
+}
+
+void Annotator::show(const Pose& X_WS) {
+  AnnotationFigure& figure = view_.annotation_figure();
+  figure.set_scene_pose(X_WS);
+  if (std::exchange(shown_, pen_.revision()) != pen_.revision()) {
+    figure.set_first_end(pen_.first_end());
+    figure.set_current(pen_.current_object(), pen_.current());
+  }
+  if (std::exchange(shown_entries_, pen_.entries_revision()) != pen_.entries_revision()) {
+    figure.set_entries(pen_.annotations(), scene_.objects.size());
+  }
+  view_.menu_figure().set(menu_, pen_.mode());
+}
+
+std::string Annotator::describe() const {
+  const std::vector<Annotation>& entries = pen_.annotations().entries;
+  std::string text;
+  const auto add = [&text](const std::string& more) { text += (text.empty() ? "" : "   ") + more; };
+  if (pen_.first_end()) add("MEASURING: touch the other end and press again");
+  if (pen_.current() != nullptr) {
+    add("drawing");
+  } else if (pen_.is_key_down()) {
+    add(pen_.mode() == PenMode::off ? "the pen is off" : "pen down");
+  } else if (pen_.mode() != PenMode::draw) {
+    add(pen_.mode() == PenMode::off ? "the pen is off" : "the pen measures");
+  }
+  if (!entries.empty()) add(describe_entries(pen_.annotations()));
+  const auto last =
+      std::find_if(entries.rbegin(), entries.rend(), [](const Annotation& each) { return std::holds_alternative<Measure>(each); });
+  if (last != entries.rend()) add("measured " + describe_length(compute_length_m(std::get<Measure>(*last), X_SO_)));
+  return text;
+}
+
+Result<void> Annotator::write_files(const std::filesystem::path& file) const {
+  if (!file.empty()) {
+    if (auto written = write_file_atomically(file, write_annotations(pen_.annotations(), scene_.given_hash)); !written) return written;
+    log_info("{} saved in {}", describe_entries(pen_.annotations()), file.string());
+  }
+  if (options_.strokes.empty()) return {};
+  const auto write = options_.strokes.extension() == ".vtp" ? write_annotations_vtp : write_annotations_obj;
+  if (auto written = write_file_atomically(options_.strokes, write(pen_.annotations(), X_SO_, scene_.objects.size())); !written)
+    return written;
+  log_info("strokes and measures written to {}", options_.strokes.string());
+  return {};
+}
+
+// Without a file of its own, under the next free name.
+void Annotator::save() {
+  std::filesystem::path file = options_.file;
+  for (int i = 1; file.empty() || (options_.file.empty() && std::filesystem::exists(file)); ++i) {
+    file = fmt::format("hapton_annotations_{:03}.toml", i);
+  }
+  if (auto written = write_files(file); !written) {
+    // A person who draws must not lose it to a full disk.
+    log_warning("{}", written.error().what);
+    return;
+  }
+  saved_entries_ = pen_.entries_revision();
+}
+
+Result<void> Annotator::finish() {
+  pen_.finish();
+  log_finished();
+  if (pen_.entries_revision() == saved_entries_) return {};
+  if (!options_.file.empty() || !options_.strokes.empty()) return write_files(options_.file);
+  log_info("{} not saved: press w, or start with --annotations FILE", describe_entries(pen_.annotations()));
+  return {};
+}
+
+}  // namespace hapton

@@ -1,0 +1,114 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "link/messages.h"
+#include "scene/scene_file.h"
+#include "vision_node/interaction.h"
+#include "vision_node/pen.h"
+#include "vision_node/stereo_view.h"
+#include "vision_node/surface_finder.h"
+#include "vision_node/touch_menu.h"
+
+namespace hapton {
+
+struct AnnotatorOptions {
+  std::filesystem::path file;     // .toml: read at the start where it exists, written at the end and on a key; empty: none
+  std::filesystem::path strokes;  // .obj or .vtp: written with it, for other programs; empty: none
+  int draw_button = 2;            // of the stylus, from 1; 0: none
+  int measure_button = 3;
+  int menu_button = 4;
+};
+
+// Drawing and measuring on the scene: joins the pen, the menu in the workspace, what is drawn of both and the files. Threads: the
+// window's. RT: no.
+class Annotator {
+ public:
+  // How far a stroke may be from the points touched, as a share of the diameter of a sphere around the scene: a tenth of a pixel of a
+  // picture of 720 lines that shows the whole scene.
+  static constexpr double kBoundShare = 0x1p-13;
+
+  // Pre: all outlive this; the view was opened with the scene's objects. can_touch: whether what is touched is a point, not a rigid tool.
+  // Error: a file that cannot be read, is none of ours, or cannot be written.
+  static Result<std::unique_ptr<Annotator>> open(StereoView& view, const Scene& scene, double scene_radius_m,
+                                                 const AnnotatorOptions& options, bool can_touch);
+
+  // Each state received, in order. X_WS: the pose of the scene that its contact was computed with.
+  void receive(const ProbeState& state, const Pose& X_WS);
+  // Where an object is.
+  void receive(const ObjectPose& pose);
+  // haptics_node has another scene: its objects are not those shown.
+  void set_other_scene(bool is_other) { is_other_scene_ = is_other; }
+
+  // The person's keys.
+  void handle(const UserRequests& requests, const StereoScreen& screen, const Vec3& p_WC);
+  // The point of the open menu under a pixel of the first eye's picture.
+  std::optional<Vec3> find_menu(const StereoScreen& screen, PictureSize size, int x_px, int y_px) const;
+
+  // A request to haptics_node that is due: an object is to be put back where it was. Repeated until its answer comes. Time: any monotonic
+  // clock, ns.
+  std::optional<ObjectPose> take_due(std::int64_t now_ns);
+
+  // Counts what would change the picture.
+  std::uint64_t revision() const { return pen_.revision() + menu_revision_; }
+  // What is drawn next: the newest strokes, measures and menu.
+  void show(const Pose& X_WS);
+  // A line for the picture's corner; empty before anything was drawn.
+  std::string describe() const;
+
+  // At the end: writes what has changed, where there is a file for it. Error: one that cannot be written.
+  Result<void> finish();
+
+  const Pen& pen() const { return pen_; }
+  const TouchMenu& menu() const { return menu_; }
+
+ private:
+  Annotator(StereoView& view, const Scene& scene, const AnnotatorOptions& options, const PenSettings& pen, Annotations given,
+            bool can_touch);
+  std::optional<SurfacePoint> find_touched(const ProbeState& state, const Pose& X_WS);
+  const SurfaceFinder& surface(std::size_t object);
+  void undo();
+  bool undo_move();
+  void choose(TouchMenu::Entry entry);
+  void toggle_menu(const StereoScreen& screen, const Vec3& p_WC);
+  void log_finished();
+  void save();
+  Result<void> write_files(const std::filesystem::path& file) const;
+
+  StereoView& view_;
+  const Scene& scene_;
+  AnnotatorOptions options_;
+  bool can_touch_;
+  Pen pen_;
+  TouchMenu menu_;
+  std::vector<std::unique_ptr<SurfaceFinder>> surfaces_;  // by object, made when it is first drawn on
+  std::vector<ObjectPose> poses_;                         // by object; a serial of 0: where the scene file has it
+  ObjectPoses X_SO_;
+  // An object was put down elsewhere.
+  struct Move {
+    ObjectPose before;
+    std::size_t entries = 0;  // strokes and measures that there were then
+  };
+  std::vector<ObjectPose> at_rest_;  // by object: where it was last put down
+  std::vector<Move> moves_;
+  std::optional<ObjectPose> request_;  // its serial: of the pose that is to be undone
+  std::int64_t request_end_ns_ = 0;    // 0: not sent yet
+  std::int64_t request_next_ns_ = 0;
+  std::int32_t held_ = -1;
+  bool is_other_scene_ = false;
+  std::uint32_t last_buttons_ = ~0U;
+  bool wants_menu_ = false;
+  std::optional<TouchMenu::Entry> chosen_;
+  std::uint64_t menu_revision_ = 0;
+  std::uint64_t shown_ = 0;          // revision of the pen in the view
+  std::uint64_t shown_entries_ = 0;  // and of its entries
+  std::uint64_t saved_entries_ = 0;
+};
+
+}  // namespace hapton

@@ -1,0 +1,40 @@
+#include "vision_node/label_figure.h"
+
+#include <algorithm>
+
+#include <vtkTextProperty.h>
+
+namespace hapton {
+
+void LabelFigure::add_to(vtkRenderer* renderer) {
+  for (std::size_t i = 0; i < kMost; ++i) {
+    auto text = vtkSmartPointer<vtkTextActor>::New();
+    vtkTextProperty* look = text->GetTextProperty();
+    look->SetFontFamilyToArial();
+    look->SetColor(0.98, 0.98, 0.95);
+    look->SetBackgroundColor(0.03, 0.04, 0.06);
+    look->SetBackgroundOpacity(0.7);
+    look->SetJustificationToCentered();
+    look->SetVerticalJustificationToCentered();
+    text->SetVisibility(false);
+    renderer->AddActor2D(text);
+    texts_.push_back(text);
+  }
+}
+
+void LabelFigure::place(const std::vector<InkLabel>& labels, const StereoScreen& screen, Eye eye, PictureSize size) {
+  const int font = std::clamp(std::min(size.width_px / 48, size.height_px / 50), 9, 36);
+  for (std::size_t i = 0; i < texts_.size(); ++i) {
+    vtkTextActor* text = texts_[i];
+    const bool shown = i < labels.size() && screen.distance_m - (screen.X_WV.inverse(Eigen::Isometry) * labels[i].p_W).z() > screen.near_m;
+    text->SetVisibility(shown);
+    if (!shown) continue;
+    const Vec2 at = project_to_pixel(screen, eye, size, labels[i].p_W);
+    text->SetPosition(at.x(), at.y());
+    text->GetTextProperty()->SetFontSize(font);
+    // A text that did not change is not set: VTK would draw its letters again.
+    if (text->GetInput() == nullptr || labels[i].text != text->GetInput()) text->SetInput(labels[i].text.c_str());
+  }
+}
+
+}  // namespace hapton

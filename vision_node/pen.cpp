@@ -1,0 +1,116 @@
+#include "vision_node/pen.h"
+
+#include <utility>
+
+namespace hapton {
+
+void Pen::receive(const std::optional<SurfacePoint>& touched, std::uint32_t buttons) {
+  ignored_buttons_ &= buttons;
+  const std::uint32_t down = buttons & ~ignored_buttons_;
+  const std::uint32_t pressed = down & ~last_buttons_;
+  last_buttons_ = buttons;
+  const bool is_key_pressed = is_key_down_ && !was_key_down_;
+  was_key_down_ = is_key_down_;
+
+  const bool is_draw_down = (down & settings_.draw_buttons) != 0 || is_key_down_;
+  const bool draws = mode_ == PenMode::draw && is_draw_down && touched.has_value();
+  if (!draws || (thinner_ && touched->object != object_)) finish_stroke();
+  if (draws) draw(*touched);
+
+  const bool is_draw_pressed = (pressed & settings_.draw_buttons) != 0 || is_key_pressed;
+  const bool measures = (pressed & settings_.measure_buttons) != 0 || std::exchange(has_measure_key_, false) ||
+                        (mode_ == PenMode::measure && is_draw_pressed);
+  if (measures && touched) end_measure(*touched);
+}
+
+void Pen::set_mode(PenMode mode) {
+  if (mode == mode_) return;
+  finish_stroke();
+  is_key_down_ = false;
+  mode_ = mode;
+  ++revision_;
+}
+
+void Pen::draw(const SurfacePoint& at) {
+  if (!has_room(thinner_ ? thinner_->points().size() + 1 : 1)) return;
+  if (!thinner_) {
+    thinner_.emplace(settings_.bound_m);
+    object_ = at.object;
+  }
+  if (thinner_->add(at.p_O)) ++revision_;
+}
+
+void Pen::finish_stroke() {
+  if (!thinner_) return;
+  add(Stroke{object_, thinner_->points()});
+  thinner_.reset();
+}
+
+void Pen::end_measure(const SurfacePoint& at) {
+  ++revision_;
+  if (!first_end_) {
+    first_end_ = at;
+    return;
+  }
+  if (has_room(2)) add(Measure{{*first_end_, at}});
+  first_end_.reset();
+}
+
+void Pen::add(Annotation entry) {
+  annotations_.entries.push_back(std::move(entry));
+  points_ = count_points(annotations_);
+  undone_.clear();
+  finished_ = annotations_.entries.size() - 1;
+  ++revision_;
+  ++entries_revision_;
+}
+
+bool Pen::has_room(std::size_t points) {
+  if (points_ + points <= kMostAnnotationPoints) {
+    was_full_ = false;
+    return true;
+  }
+  is_full_ = is_full_ || !std::exchange(was_full_, true);
+  return false;
+}
+
+bool Pen::undo() {
+  is_key_down_ = false;
+  if (std::exchange(first_end_, std::nullopt)) {
+    ++revision_;
+    return true;
+  }
+  finish_stroke();
+  // What is down now must be pressed again to draw on.
+  ignored_buttons_ |= last_buttons_ & settings_.draw_buttons;
+  if (annotations_.entries.empty()) return false;
+  undone_.push_back(std::move(annotations_.entries.back()));
+  annotations_.entries.pop_back();
+  points_ = count_points(annotations_);
+  finished_.reset();
+  ++revision_;
+  ++entries_revision_;
+  return true;
+}
+
+bool Pen::redo() {
+  if (undone_.empty()) return false;
+  annotations_.entries.push_back(std::move(undone_.back()));
+  undone_.pop_back();
+  points_ = count_points(annotations_);
+  ++revision_;
+  ++entries_revision_;
+  return true;
+}
+
+void Pen::set_put_down(std::vector<PutDown> put_down) {
+  annotations_.put_down = std::move(put_down);
+  ++entries_revision_;
+  ++revision_;
+}
+
+std::optional<std::size_t> Pen::take_finished() { return std::exchange(finished_, std::nullopt); }
+
+bool Pen::take_full() { return std::exchange(is_full_, false); }
+
+}  // namespace hapton

@@ -1,0 +1,99 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scene/annotations.h"
+#include "vision_node/stroke_thinner.h"
+
+namespace hapton {
+
+// What the draw button does.
+enum class PenMode : std::uint8_t { off, draw, measure };
+
+struct PenSettings {
+  std::uint32_t draw_buttons = 0;     // of the stylus, one bit each; 0: none
+  std::uint32_t measure_buttons = 0;  // likewise
+  double bound_m = 1e-4;              // how far a stroke may be from the points touched (StrokeThinner)
+};
+
+// Strokes and measures from touched points, buttons and keys; undo and redo. A stroke lasts as long as a draw button is down and one object
+// is touched. A measure takes two presses; each takes the point touched then. Frame O (scene/annotations.h), metres. RT: no.
+class Pen {
+ public:
+  // given: read from a file; undo takes away those as well, the last first.
+  Pen(const PenSettings& settings, Annotations given) : settings_(settings), annotations_(std::move(given)) {}
+
+  // What the person does next: each state of the probe, in order. touched: none in free space, or where there is no such point.
+  // Buttons that were down at the first call do nothing until they are pressed again.
+  void receive(const std::optional<SurfacePoint>& touched, std::uint32_t buttons);
+
+  void set_mode(PenMode mode);
+  PenMode mode() const { return mode_; }
+  // A key in place of the draw button: down, and up again.
+  void toggle_draw_key() { is_key_down_ = !is_key_down_; }
+  bool is_key_down() const { return is_key_down_; }
+  void release_draw_key() { is_key_down_ = false; }
+  // A key in place of a press of a measure button.
+  void measure() { has_measure_key_ = true; }
+
+  // Whether receive() would use a touched point: finding one costs time.
+  bool wants_point(std::uint32_t buttons) const {
+    return is_key_down_ || has_measure_key_ || (buttons & (settings_.draw_buttons | settings_.measure_buttons)) != 0;
+  }
+  // The end: a stroke that is being drawn is finished.
+  void finish() { finish_stroke(); }
+
+  // Takes away the newest: a stroke that is being drawn, the first end of a measure, or the last entry. False: there is nothing.
+  bool undo();
+  // Brings back what undo took away last, unless something was drawn or measured since.
+  bool redo();
+
+  // Objects that were put down, to be saved.
+  void set_put_down(std::vector<PutDown> put_down);
+
+  const Annotations& annotations() const { return annotations_; }
+  // The stroke that is being drawn; null: none.
+  const std::vector<Vec3>* current() const { return thinner_ ? &thinner_->points() : nullptr; }
+  std::int32_t current_object() const { return object_; }
+  // The first end of a measure whose second one is awaited.
+  const std::optional<SurfacePoint>& first_end() const { return first_end_; }
+
+  // Counts all changes of what can be seen, and of the entries alone.
+  std::uint64_t revision() const { return revision_; }
+  std::uint64_t entries_revision() const { return entries_revision_; }
+  // What has been finished since the last call: its place among the entries.
+  std::optional<std::size_t> take_finished();
+  // True once, when something was not taken because there is no room (kMostAnnotationPoints).
+  bool take_full();
+
+ private:
+  void draw(const SurfacePoint& at);
+  void finish_stroke();
+  void end_measure(const SurfacePoint& at);
+  void add(Annotation entry);
+  bool has_room(std::size_t points);
+
+  PenSettings settings_;
+  Annotations annotations_;
+  std::vector<Annotation> undone_;
+  PenMode mode_ = PenMode::draw;
+  bool is_key_down_ = false;
+  bool was_key_down_ = false;
+  bool has_measure_key_ = false;
+  std::uint32_t last_buttons_ = ~0U;
+  std::uint32_t ignored_buttons_ = ~0U;  // down since before the first call
+  std::optional<StrokeThinner> thinner_;
+  std::int32_t object_ = -1;
+  std::optional<SurfacePoint> first_end_;
+  std::size_t points_ = count_points(annotations_);  // of all entries
+  std::uint64_t revision_ = 1;
+  std::uint64_t entries_revision_ = 1;
+  std::optional<std::size_t> finished_;
+  bool is_full_ = false;
+  bool was_full_ = false;
+};
+
+}  // namespace hapton
