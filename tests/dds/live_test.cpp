@@ -1,10 +1,13 @@
 // The device as another DDS sees it, and forces that it sends: names, types, QoS, values, frames, stamps.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #if defined(HAPTON_WITH_DDS) && defined(HAPTON_WITH_FAST_DDS)
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -36,8 +39,25 @@ const std::string kWrench = "geometry_msgs::msg::dds_::WrenchStamped_";
 const std::string kJoy = "sensor_msgs::msg::dds_::Joy_";
 const std::string kTransforms = "tf2_msgs::msg::dds_::TFMessage_";
 
-// One that others on this host hardly use; its ports are below those that the system gives out.
-int domain() { return 1 + static_cast<int>(::getpid()) % 90; }
+// One that no other run of these tests on this host uses until this program ends; its ports are below those that the system gives out.
+int choose_own_domain() {
+  for (int i = 0;; ++i) {
+    const int domain = 1 + (static_cast<int>(::getpid()) + i) % 90;
+    const int socket = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    sockaddr_un name = {};
+    name.sun_family = AF_UNIX;
+    // A name that begins with a zero is no file, and goes with its socket.
+    const std::string text = "hapton dds_test in domain " + std::to_string(domain);
+    text.copy(name.sun_path + 1, sizeof(name.sun_path) - 1);
+    if (::bind(socket, reinterpret_cast<const sockaddr*>(&name), sizeof(name)) == 0) return domain;
+    ::close(socket);
+    if (i == 90) return domain;
+  }
+}
+int domain() {
+  static const int own = choose_own_domain();
+  return own;
+}
 
 // `hapton dds` beside a system's nodes.
 class Bridge {
@@ -159,6 +179,8 @@ TEST(DdsLive, TopicsHaveTheNamesTypesAndQosOfRos2) {
   }
   // Off by default.
   EXPECT_THAT(ros.readers(), Not(Contains(Key("rt/arm/pen/servo_cf"))));
+  ros.subscribe("rt/arm/pen/measured_cp", kPose);
+  EXPECT_TRUE(System::wait_until([&] { return !ros.take("rt/arm/pen/measured_cp").empty(); }));
   EXPECT_THAT(bridge.end(), HasSubstr("messages published, 0 failed"));
   system.end_all();
 }
@@ -186,7 +208,6 @@ TEST(DdsLive, ValuesAreInTheirFieldsAndFrames) {
   std::map<std::int64_t, std::vector<double>> proxies;
   std::map<std::int64_t, std::vector<double>> twists;
   std::map<std::int64_t, std::vector<double>> wrenches;
-  std::int64_t last_ns = 0;
   std::optional<Joy> joy;
   std::vector<Transform> transforms;
   const auto collect = [&](const std::string& topic, std::size_t numbers, auto& into) {
@@ -220,8 +241,12 @@ TEST(DdsLive, ValuesAreInTheirFieldsAndFrames) {
   for (const auto& [unused, pose] : poses) expect_on_the_line(pose);
   // Time of day, in seconds; the stamps tell how much time passed on the line.
   EXPECT_NEAR(static_cast<double>(poses.begin()->first) * 1e-9, static_cast<double>(start_s), 60.0);
-  const double by_stamps_s = 1e-9 * static_cast<double>(poses.rbegin()->first - poses.begin()->first);
-  EXPECT_NEAR(time_of(poses.rbegin()->second) - time_of(poses.begin()->second), by_stamps_s, 1e-3 * by_stamps_s + 1e-4);
+  // Half of them at least: a machine that stands still between a position and its time makes some late.
+  std::vector<double> offsets_s;
+  for (const auto& [stamp, pose] : poses) offsets_s.push_back(1e-9 * static_cast<double>(stamp - poses.begin()->first) - time_of(pose));
+  std::sort(offsets_s.begin(), offsets_s.end());
+  const std::size_t quarter = offsets_s.size() / 4;
+  EXPECT_LT(offsets_s[offsets_s.size() - quarter] - offsets_s[quarter], 1e-3);
 
   std::size_t pairs = 0;
   for (const auto& [stamp, proxy] : proxies) {
@@ -261,7 +286,6 @@ TEST(DdsLive, ValuesAreInTheirFieldsAndFrames) {
   EXPECT_EQ(transforms[1].child_frame_id, "hapton/proxy");
   expect_on_the_line(transforms[0].numbers);
   EXPECT_NEAR(transforms[1].numbers[2] - transforms[0].numbers[2], -0.003, 1e-12);
-  (void)last_ns;
   EXPECT_THAT(bridge.end(), HasSubstr(", 0 failed"));
 }
 

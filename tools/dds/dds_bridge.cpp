@@ -121,7 +121,7 @@ Result<BridgeSummary> run_bridge(const BridgeSettings& settings, const std::func
     const auto* probe = has_datagram ? std::get_if<ProbeState>(&datagram.message) : nullptr;
     if (probe == nullptr || client.last_arrival() == Arrival::reordered) continue;
     // First: it asks for the next state.
-    client.send(FrameAck{.echo_sample = probe->sample, .echo_sample_time_ns = probe->sample_time_ns});
+    client.send(FrameAck{.echo_sample = probe->sample, .echo_sample_time_ns = probe->sample_time_ns, .every_sample = true});
     const auto sample = maker.make(*probe, client.session(), client.receive_time_ns(), day_offset_ns(clock));
     if (!sample) continue;
     (*node)->publish(*sample);
@@ -130,11 +130,9 @@ Result<BridgeSummary> run_bridge(const BridgeSettings& settings, const std::func
     is_rate_told = true;
     const double all = static_cast<double>(summary.samples + maker.skipped());
     if (static_cast<double>(maker.skipped()) < kMostSkipped * all) continue;
-    say(fmt::format(
-        "{:.0f} of {:.0f} samples a second come; for all of them start io_node with --vision-rate {:.0f}. A device that does not move is "
-        "shown ten "
-        "times a second",
-        static_cast<double>(summary.samples) / all * client.servo_rate_hz(), client.servo_rate_hz(), 2.0 * client.servo_rate_hz()));
+    say(fmt::format("{:.0f} of {:.0f} samples a second come; for all of them start io_node with --vision-rate {:.0f}",
+                    static_cast<double>(summary.samples) / all * client.servo_rate_hz(), client.servo_rate_hz(),
+                    2.0 * client.servo_rate_hz()));
   }
   if (replier) {
     replier->stop();
