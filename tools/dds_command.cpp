@@ -69,7 +69,7 @@ void add_dds_command(CommandLine app, int& exit_code) {
   command.add_option("--seconds", bridge.seconds, "End after this long; 0: when stopped (Ctrl-C)").between(0.0, 1e9).shows_default();
   command.add_option("--domain", options->domain, "DDS domain, 0 to 232 (default: ROS_DOMAIN_ID, or 0)");
   command.add_option("--interface", bridge.ros.interface,
-                     "Network interface, by name or address; auto: as DDS chooses (default: CYCLONEDDS_URI, or this host alone)");
+                     "Network interface, by name or address; auto: as DDS chooses (default: CYCLONEDDS_URI, or programs on this host)");
   command.add_option("--prefix", bridge.ros.prefix, "What the topics' names begin with").shows_default();
   command.add_option("--frame", bridge.ros.frame, "frame_id of all positions and forces: Hapton's frame W").shows_default();
   command.add_flag("--reliable", bridge.ros.is_reliable, "Topics reliable, for subscribers that take no best effort");

@@ -123,15 +123,17 @@ struct FastNode::State {
   }
 };
 
-FastNode::FastNode(int domain) : state_(std::make_unique<State>()) {
+FastNode::FastNode(int domain, Reach reach) : state_(std::make_unique<State>()) {
   fast::DomainParticipantQos qos = fast::PARTICIPANT_QOS_DEFAULT;
-  auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
-  udp->interfaceWhiteList.emplace_back("127.0.0.1");
-  qos.transport().use_builtin_transports = false;
-  qos.transport().user_transports.push_back(udp);
-  rtps::Locator_t peer;
-  rtps::IPLocator::setIPv4(peer, "127.0.0.1");
-  qos.wire_protocol().builtin.initialPeersList.push_back(peer);
+  if (reach == Reach::loopback) {
+    auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+    udp->interfaceWhiteList.emplace_back("127.0.0.1");
+    qos.transport().use_builtin_transports = false;
+    qos.transport().user_transports.push_back(udp);
+    rtps::Locator_t peer;
+    rtps::IPLocator::setIPv4(peer, "127.0.0.1");
+    qos.wire_protocol().builtin.initialPeersList.push_back(peer);
+  }
   state_->participant = fast::DomainParticipantFactory::get_instance()->create_participant(static_cast<fast::DomainId_t>(domain), qos,
                                                                                            &state_->discoveries, fast::StatusMask::none());
   if (state_->participant == nullptr) throw std::runtime_error("no participant of Fast DDS");

@@ -41,10 +41,14 @@ struct Transform {
 };
 
 // A participant of another DDS (Fast DDS), which reads and writes bytes that it takes apart and puts together itself: it shares nothing
-// with what it checks, not even the IDL. On loopback alone. Threads: one, besides those of the engine.
+// with what it checks, not even the IDL. Threads: one, besides those of the engine.
 class FastNode {
  public:
-  explicit FastNode(int domain);
+  enum class Reach {
+    loopback,
+    as_ros,  // the default settings, as nodes of ROS 2 have them
+  };
+  explicit FastNode(int domain, Reach reach = Reach::loopback);
   ~FastNode();
   FastNode(const FastNode&) = delete;
   FastNode& operator=(const FastNode&) = delete;

@@ -1,9 +1,6 @@
-// The device as another DDS sees it, and forces that it sends: names, types, QoS, values, frames, stamps.
+// The device as another DDS sees it: names, types, QoS, values, frames, stamps.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/socket.h>
-#include <sys/un.h>
-#include <unistd.h>
 
 #if defined(HAPTON_WITH_DDS) && defined(HAPTON_WITH_FAST_DDS)
 
@@ -12,79 +9,23 @@
 #include <chrono>
 #include <cmath>
 #include <fstream>
-#include <limits>
 #include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "tests/dds/bridge.h"
 #include "tests/dds/fast_node.h"
 #include "tests/process/system.h"
 
 namespace hapton::dds_test {
 namespace {
 
-using process::kPatience;
-using process::Program;
-using process::Seconds;
 using process::System;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Key;
 using ::testing::Not;
-
-const std::string kPose = "geometry_msgs::msg::dds_::PoseStamped_";
-const std::string kTwist = "geometry_msgs::msg::dds_::TwistStamped_";
-const std::string kWrench = "geometry_msgs::msg::dds_::WrenchStamped_";
-const std::string kJoy = "sensor_msgs::msg::dds_::Joy_";
-const std::string kTransforms = "tf2_msgs::msg::dds_::TFMessage_";
-
-// One that no other run of these tests on this host uses until this program ends; its ports are below those that the system gives out.
-int choose_own_domain() {
-  for (int i = 0;; ++i) {
-    const int domain = 1 + (static_cast<int>(::getpid()) + i) % 90;
-    const int socket = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-    sockaddr_un name = {};
-    name.sun_family = AF_UNIX;
-    // A name that begins with a zero is no file, and goes with its socket.
-    const std::string text = "hapton dds_test in domain " + std::to_string(domain);
-    text.copy(name.sun_path + 1, sizeof(name.sun_path) - 1);
-    if (::bind(socket, reinterpret_cast<const sockaddr*>(&name), sizeof(name)) == 0) return domain;
-    ::close(socket);
-    if (i == 90) return domain;
-  }
-}
-int domain() {
-  static const int own = choose_own_domain();
-  return own;
-}
-
-// `hapton dds` beside a system's nodes.
-class Bridge {
- public:
-  Bridge(const System& system, std::vector<std::string> more = {}) {
-    std::vector<std::string> arguments = {"dds", "--hub", system.hub(), "--domain", std::to_string(domain())};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    program_ = std::make_unique<Program>("hapton", arguments, system.folder());
-  }
-  bool is_publishing() {
-    return System::wait_until([&] { return program_->out().starts_with("publishing ") || !program_->is_running(); }) &&
-           program_->is_running();
-  }
-  // As Ctrl-C does. What it printed.
-  std::string end() {
-    program_->send_signal(SIGINT);
-    const auto ended = program_->wait(kPatience);
-    if (!ended) return "does not end";
-    EXPECT_EQ(ended->exit_code, 0) << ended->err;
-    return ended->out;
-  }
-  std::string out() const { return program_->out(); }
-  std::string err() const { return program_->err(); }
-
- private:
-  std::unique_ptr<Program> program_;
-};
 
 // A haptics node that answers with a constant.
 class Responder {
@@ -182,6 +123,39 @@ TEST(DdsLive, TopicsHaveTheNamesTypesAndQosOfRos2) {
   ros.subscribe("rt/arm/pen/measured_cp", kPose);
   EXPECT_TRUE(System::wait_until([&] { return !ros.take("rt/arm/pen/measured_cp").empty(); }));
   EXPECT_THAT(bridge.end(), HasSubstr("messages published, 0 failed"));
+  system.end_all();
+}
+
+// As a node of ROS 2 does, which names an address of the network as its own where there is one.
+TEST(DdsLive, AProgramOfThisHostWithDefaultSettingsSeesIt) {
+  ::unsetenv("CYCLONEDDS_URI");
+  System system;
+  system.start("io_node");
+  Bridge bridge(system, {}, "");
+  ASSERT_TRUE(bridge.is_publishing()) << bridge.err();
+  FastNode ros(domain(), FastNode::Reach::as_ros);
+  ros.subscribe("rt/hapton/measured_cp", kPose);
+  EXPECT_TRUE(System::wait_until([&] { return !ros.take("rt/hapton/measured_cp").empty(); }));
+  bridge.end();
+  system.end_all();
+}
+
+TEST(DdsLive, TwoAtATimeDoNotDisturbEachOther) {
+  System system;
+  system.start("io_node");
+  Bridge left(system, {"--prefix", "left"});
+  Bridge right(system, {"--prefix", "right"});
+  ASSERT_TRUE(left.is_publishing()) << left.err();
+  ASSERT_TRUE(right.is_publishing()) << right.err();
+  FastNode ros(domain());
+  for (const char* side : {"left", "right"}) ros.subscribe(std::string("rt/") + side + "/measured_cp", kPose);
+  for (const char* side : {"left", "right"}) {
+    EXPECT_TRUE(System::wait_until([&] { return !ros.take(std::string("rt/") + side + "/measured_cp").empty(); })) << side;
+  }
+  left.end();
+  ros.take("rt/right/measured_cp");
+  EXPECT_TRUE(System::wait_until([&] { return !ros.take("rt/right/measured_cp").empty(); }));
+  right.end();
   system.end_all();
 }
 
@@ -337,87 +311,6 @@ TEST(DdsLive, ItWaitsForAHubThatIsStartedAnew) {
   EXPECT_TRUE(System::wait_until(comes));
   bridge.end();
   system.end_all();
-}
-
-// The forces on the hand as ROS 2 sees them, while commands are sent.
-class CommandTest : public ::testing::Test {
- protected:
-  void begin(const std::vector<std::string>& more) {
-    write_line(system_);
-    system_.start("io_node");
-    bridge_.emplace(system_, more);
-    ASSERT_TRUE(bridge_->is_publishing()) << bridge_->err();
-    ros_.emplace(domain());
-    ros_->subscribe("rt/hapton/measured_cf", kWrench);
-    ASSERT_TRUE(System::wait_until([&] { return ros_->is_matched("rt/hapton/measured_cf"); }));
-  }
-  // Until holds(force) of the newest wrench, with send between; false: never.
-  template <class Send, class Holds>
-  bool reaches(Send&& send, Holds&& holds) {
-    const auto end = std::chrono::steady_clock::now() + kPatience;
-    while (std::chrono::steady_clock::now() < end) {
-      send();
-      std::this_thread::sleep_for(std::chrono::milliseconds(2));
-      for (const auto& bytes : ros_->take("rt/hapton/measured_cf")) {
-        const auto numbers = FastNode::read_stamped(bytes, 6).numbers;
-        force_ = Vec3(numbers[0], numbers[1], numbers[2]);
-        most_n_ = std::max(most_n_, force_.norm());
-        ++wrenches_;
-      }
-      if (wrenches_ > 0 && holds(force_)) return true;
-    }
-    return false;
-  }
-
-  System system_{{"--vision-rate", "2000"}};
-  std::optional<Bridge> bridge_;
-  std::optional<FastNode> ros_;
-  Vec3 force_ = Vec3::Zero();
-  double most_n_ = 0.0;
-  int wrenches_ = 0;
-};
-
-bool is_zero(const Vec3& force) { return force.isZero(0.0); }
-
-TEST_F(CommandTest, AForceIsScaledDownAndEndsWithItsPublisher) {
-  begin({"--accept-forces", "0.5"});
-  const auto command = [&] { ros_->write_wrench("rt/hapton/servo_cf", "world", 0.0, 3.0, -4.0); };
-  EXPECT_TRUE(reaches(command, [](const Vec3& force) { return (force - Vec3(0.0, 0.3, -0.4)).norm() < 1e-9; })) << force_.transpose();
-  EXPECT_TRUE(reaches([] {}, is_zero)) << "a command counts for 20 ms";
-  EXPECT_LE(most_n_, 0.5 + 1e-9);
-  // Again, smaller than allowed.
-  const auto smaller = [&] { ros_->write_wrench("rt/hapton/servo_cf", "world", 0.25, 0.0, 0.0); };
-  EXPECT_TRUE(reaches(smaller, [](const Vec3& force) { return (force - Vec3(0.25, 0.0, 0.0)).norm() < 1e-9; })) << force_.transpose();
-  const std::string out = bridge_->end();
-  EXPECT_THAT(out, HasSubstr("forces taken"));
-  EXPECT_THAT(out, HasSubstr("scaled down"));
-  system_.end_all();
-}
-
-TEST_F(CommandTest, WhatIsNoForceReleasesIt) {
-  begin({"--accept-forces", "1"});
-  const auto good = [&] { ros_->write_wrench("rt/hapton/servo_cf", "world", 0.0, 0.4, 0.0); };
-  const auto is_full = [](const Vec3& force) { return (force - Vec3(0.0, 0.4, 0.0)).norm() < 1e-9; };
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  ASSERT_TRUE(reaches(good, is_full));
-  EXPECT_TRUE(reaches([&] { ros_->write_wrench("rt/hapton/servo_cf", "world", nan, 0.0, 0.0); }, is_zero));
-  ASSERT_TRUE(reaches(good, is_full));
-  EXPECT_TRUE(reaches([&] { ros_->write_wrench("rt/hapton/servo_cf", "world", 0.0, 0.4, 0.0, 0.1); }, is_zero)) << "with a torque";
-  ASSERT_TRUE(reaches(good, is_full));
-  EXPECT_TRUE(reaches([&] { ros_->write_wrench("rt/hapton/servo_cf", "camera", 0.0, 0.4, 0.0); }, is_zero)) << "in another frame";
-  EXPECT_LE(most_n_, 0.4 + 1e-9);
-  bridge_->end();
-  system_.end_all();
-}
-
-TEST_F(CommandTest, WithoutConsentNothingIsTaken) {
-  begin({});
-  for (int i = 0; i < 100; ++i)
-    reaches([&] { ros_->write_wrench("rt/hapton/servo_cf", "world", 0.0, 1.0, 0.0); }, [](const Vec3&) { return true; });
-  EXPECT_EQ(most_n_, 0.0);
-  EXPECT_THAT(ros_->readers(), Not(Contains(Key("rt/hapton/servo_cf"))));
-  bridge_->end();
-  system_.end_all();
 }
 
 }  // namespace

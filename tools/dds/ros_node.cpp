@@ -8,6 +8,8 @@
 #include <array>
 #include <cstdlib>
 #include <mutex>
+#include <string>
+#include <vector>
 
 #include "core/math/rotation_vector.h"
 #include "ros2_messages.h"
@@ -64,18 +66,26 @@ tl::unexpected<Error> engine_error(fmt::format_string<Args...> what, Args&&... a
   return fail("{}{}{}", fmt::format(what, std::forward<Args>(args)...), log.empty() ? "" : ": ", log);
 }
 
-// Loopback has no multicast: participants of this host are asked one by one.
-std::string make_configuration(const std::string& interface) {
-  if (interface == "auto") return "<General/>";
+// What a participant that does not use multicast needs to find others of this host: it asks each place where one may be, every second.
+constexpr std::string_view kAskThisHost =
+    "<Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>50</MaxAutoParticipantIndex>"
+    "<SPDPInterval>1s</SPDPInterval><Peers><Peer address=\"127.0.0.1\"/></Peers></Discovery>";
+constexpr std::string_view kLoopbackInterface = "<NetworkInterface address=\"127.0.0.1\" multicast=\"false\"/>";
+
+std::string configure(std::string_view interfaces, bool is_this_host) {
+  return fmt::format("<CycloneDDS><Domain><General><Interfaces>{}</Interfaces>{}</General>{}</Domain></CycloneDDS>", interfaces,
+                     is_this_host ? "<AllowMulticast>false</AllowMulticast>" : "", is_this_host ? kAskThisHost : "");
+}
+
+// What to try in turn. Programs with the default settings of ROS 2 name an address of the network as theirs, not loopback, also to
+// participants of this host; without a network there is loopback alone.
+std::vector<std::string> make_configurations(const std::string& interface) {
+  constexpr std::string_view kAuto = "<NetworkInterface autodetermine=\"true\"/>";
+  if (interface.empty()) return {configure(fmt::format("{}{}", kLoopbackInterface, kAuto), true), configure(kLoopbackInterface, true)};
+  if (interface == "auto") return {configure(kAuto, false)};
+  if (interface == "lo" || interface.starts_with("127.")) return {configure(kLoopbackInterface, true)};
   const bool is_address = interface.find_first_not_of("0123456789.") == std::string::npos || interface.find(':') != std::string::npos;
-  const bool is_loopback = interface == "lo" || interface.starts_with("127.");
-  const std::string chosen = fmt::format("<Interfaces><NetworkInterface {}=\"{}\"{}/></Interfaces>", is_address ? "address" : "name",
-                                         interface, is_loopback ? " multicast=\"false\"" : "");
-  if (!is_loopback) return fmt::format("<General>{}</General>", chosen);
-  return fmt::format(
-      "<General>{}<AllowMulticast>false</AllowMulticast></General><Discovery><ParticipantIndex>auto</ParticipantIndex>"
-      "<MaxAutoParticipantIndex>50</MaxAutoParticipantIndex><Peers><Peer address=\"127.0.0.1\"/></Peers></Discovery>",
-      chosen);
+  return {configure(fmt::format("<NetworkInterface {}=\"{}\"/>", is_address ? "address" : "name", interface), false)};
 }
 
 struct QosDeleter {
@@ -159,10 +169,16 @@ Result<void> RosNode::State::join() {
   const auto id = static_cast<dds_domainid_t>(options.domain);
   const char* uri = std::getenv("CYCLONEDDS_URI");
   const bool is_configured = options.interface.empty() && uri != nullptr && *uri != '\0';
-  const std::string interface = options.interface.empty() ? "127.0.0.1" : options.interface;
   if (!is_configured) {
-    domain = dds_create_domain(id, ("<CycloneDDS><Domain>" + make_configuration(interface) + "</Domain></CycloneDDS>").c_str());
-    if (domain < 0) return engine_error("no DDS domain {} on network interface {} (`ip address` lists them)", options.domain, interface);
+    for (const std::string& configuration : make_configurations(options.interface)) {
+      engine_log.clear();
+      domain = dds_create_domain(id, configuration.c_str());
+      if (domain > 0) break;
+    }
+    if (domain < 0) {
+      return engine_error("no DDS domain {} on network interface {} (`ip address` lists them)", options.domain,
+                          options.interface.empty() ? "127.0.0.1" : options.interface);
+    }
   }
   const Qos qos(dds_create_qos());
   // What ROS 2 looks for in a participant: outside any enclave of its security.

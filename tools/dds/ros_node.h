@@ -31,7 +31,7 @@ class RosNode {
  public:
   struct Options {
     int domain = 0;
-    std::string interface = {};      // name or address; "auto": DDS chooses; empty: what CYCLONEDDS_URI says, and without that 127.0.0.1
+    std::string interface = {};      // name or address; "auto": DDS chooses; empty: what CYCLONEDDS_URI says, and without that this host
     std::string prefix = "/hapton";  // of make_prefix
     std::string frame = "world";     // frame W
     bool is_reliable = false;        // best effort otherwise, as ROS 2 sends sensor data

@@ -101,7 +101,9 @@ TEST(ServoForce, StaysWithinItsBoundsForAnyCommands) {
       const Vec3 given = force.force_n(later);
       ASSERT_TRUE(given.allFinite()) << seed;
       ASSERT_LE(given.norm(), 1.5 + 1e-12) << seed;
-      if (later - last_good >= ServoForce::kAgeNs) ASSERT_TRUE(given.isZero(0.0)) << seed;
+      if (later - last_good >= ServoForce::kAgeNs) {
+        ASSERT_TRUE(given.isZero(0.0)) << seed;
+      }
     }
   }
 }
