@@ -3,6 +3,7 @@
 #ifdef HAPTON_WITH_DDS
 
 #include <dds/dds.h>
+#include <ros2_messages.h>
 
 #include <algorithm>
 #include <array>
@@ -12,7 +13,6 @@
 #include <vector>
 
 #include "core/math/rotation_vector.h"
-#include "ros2_messages.h"
 #include "tools/dds/ros_names.h"
 
 namespace hapton::dds {
