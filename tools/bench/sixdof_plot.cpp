@@ -42,9 +42,9 @@ std::string make_sixdof_plot(const std::vector<SixdofRow>& rows, const std::stri
   std::string script = fmt::format(
       "set terminal pngcairo size {},{} font 'sans,10'\nset output '{}'\n"
       "set multiplot layout {},{} title 'Rigid tool: time of a step against force error'\n"
-      "set xlabel 'step in contact, p50, us'\nset ylabel 'force error, RMS, %'\nset logscale xy\n"
+      "set xlabel 'step in contact, p50, us' offset 0,0.6\nset ylabel 'force error, RMS, %'\nset logscale xy\n"
       "set xrange [1:1e5]\nset yrange [{:g}:1e4]\nset format x '10^{{%T}}'\nset format y '10^{{%T}}'\n"
-      "set grid linetype 1 linecolor rgb '#dddddd'\nset key below samplen 1\n",
+      "set grid linetype 1 linecolor rgb '#dddddd'\nset key below samplen 1 height 1\nset bmargin 6\n",
       480 * columns, 420 * lines, picture, lines, columns, 0.1 * kLeastPercent);
   for (const std::string& scenario : scenarios) {
     script += fmt::format("set title '{}'\nplot ", scenario);

@@ -37,7 +37,7 @@ StressSettings settings_of(const StressPlan& plan, const StressVariant& variant)
 
 StressBody as_planned(StressBody body, const StressPlan& plan) {
   if (plan.probe_share > 0.0) body.probe_share = plan.probe_share;
-  return plan.by_patches ? on_patch_grid(std::move(body)) : body;
+  return plan.by_patches || plan.on_grid ? on_patch_grid(std::move(body)) : body;
 }
 
 Result<StressRun> make_run(const StressBody& body, const StressPlan& plan, const StressVariant& variant) {
@@ -67,7 +67,8 @@ std::string again(const StressResult& result, const StressFinding& finding, cons
   return fmt::format("--method {} --body {} --seed {}{} --friction-static {:g} --friction-dynamic {:g} --episode {}", plan.method.name,
                      result.body, plan.seed, place, result.variant.friction_static, result.variant.friction_dynamic, finding.episode) +
          (plan.method.smooth_layer > 0.0 ? fmt::format(" --layer {:g}", plan.method.smooth_layer) : "") +
-         (plan.probe_share > 0.0 ? fmt::format(" --probe-share {:g}", plan.probe_share) : "") + (plan.no_seal ? " --no-seal" : "");
+         (plan.probe_share > 0.0 ? fmt::format(" --probe-share {:g}", plan.probe_share) : "") + (plan.no_seal ? " --no-seal" : "") +
+         (plan.on_grid ? " --on-grid" : "");
 }
 
 // A fault that was not looked for is no zero.
@@ -179,6 +180,7 @@ std::string to_json(const std::vector<StressResult>& results, const StressPlan& 
             {"method", plan.method.name},
             {"smooth_layer", plan.method.smooth_layer},
             {"by_patches", plan.by_patches},
+            {"on_grid", plan.on_grid},
             {"seed", plan.seed},
             {"machine",
              {{"host", machine.host},

@@ -30,6 +30,7 @@ struct StressPlan {
   std::size_t compare_every = 64;
   double probe_share = 0.0;  // above 0: this probe for every body instead of its own, as a share of its longest side
   bool by_patches = false;   // the scene is felt by patches (patch_method.h); method proxy
+  bool on_grid = false;      // the vertices are rounded to the grid of patches, and felt whole
   bool no_seal = false;      // mesh files are taken as they are, their cracks open
   unsigned threads = 1;
   std::vector<StressVariant> variants = standard_variants();

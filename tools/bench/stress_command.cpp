@@ -171,6 +171,11 @@ void add_stress_command(CommandLine app, int& exit_code) {
   const CommandOption tool =
       command.add_flag("--tool", options->tool, "Press rigid tools of six shapes on each body instead: penetration by exact signs, gaps");
   tool.excludes(patches);
+  const CommandOption on_grid = command.add_flag("--on-grid", options->plan.on_grid,
+                                                 "Round the vertices to the grid of patches first, and feel the body whole: what --patches "
+                                                 "finds there as well is not the patches' fault");
+  on_grid.excludes(patches);
+  on_grid.excludes(tool);
   const CommandOption probe_share =
       command.add_option("--probe-share", options->plan.probe_share, "Probe radius as a share of the longest side; 0: as the body says");
   probe_share.between(0.0, 1.0);

@@ -19,6 +19,7 @@ namespace hapton {
 namespace {
 
 constexpr double kFallThroughShare = 0.0025;
+constexpr double kUnsureShare = 2e-7;  // nearer to the surface PointInMesh may name either side
 constexpr double kInsideShare = 1e-6;  // larger than a probe's contact offset and the rounding of an offset of a million extents
 constexpr double kStuckShare = 0.10;
 constexpr double kStuckGain = 0.01;
@@ -235,7 +236,7 @@ struct StressRun::Impl {
 
   bool is_free(const Vec3& p) const {
     if (!solid) return true;
-    if (is_wrong(p)) return false;
+    if (is_wrong(p) || solid->compute_distance(p) <= kUnsureShare * extent) return false;
     return probe_radius == 0.0 || solid->compute_distance(p) > 1.01 * probe_radius;
   }
 

@@ -1,5 +1,6 @@
 // One step of the proxy: from event to event where the surface is walkable, straight through free space, by sweeps elsewhere.
 #include <algorithm>
+#include <limits>
 
 #include "core/force/proxy/proxy_method.h"
 
@@ -8,6 +9,7 @@ namespace {
 
 constexpr double kFarFromScene = 4.0;                 // local units: positions farther out are too coarse to be exact on the surface
 constexpr double kLift = 0.5 * SurfacePoint::kClear;  // distance from the surface at which a flight starts
+constexpr double kNarrow = 8.0;                       // contact offsets: a triangle whose middle is nearer to an edge has no room
 constexpr int kMostLegs = 64;                         // flights in one step
 
 bool is_far(const Vec3& p) { return !(p.cwiseAbs().maxCoeff() <= kFarFromScene); }
@@ -118,19 +120,33 @@ void ProxyMethod::hold_by_surface(const Vec3& device) noexcept {
   }
 }
 
-// Lifts the proxy to the distance that sweeps keep and away from every edge, so that nothing beyond an edge is nearer.
+// Whether something is nearer to p than half of what sweeps keep.
+bool ProxyMethod::is_beside_surface(const Vec3& p) const noexcept {
+  double nearest = clearance_.offset;
+  geometry_.for_each_overlapping(Box{p, p}.inflated(clearance_.offset),
+                                 [&](std::uint32_t id) { nearest = std::min(nearest, geometry_.separation(id, p).distance); });
+  return nearest < 0.5 * clearance_.offset;
+}
+
+// Lifts the proxy to the distance that sweeps keep and away from every edge, so that nothing beyond an edge is nearer. On a triangle too
+// narrow for that, above the faces beside it as well where they are nearer.
 void ProxyMethod::lift_off_surface() noexcept {
   const SurfacePoint::Inside from = surface_.at().inside(kBeside * kContactOffset);
+  const ContactTriangle shape = surfaces_.shape_of(from.triangle);
+  double room = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 3; ++k) room = std::min(room, shape.inside(k, from.point) / shape.length(k));
+  Vec3 lifted = from.point + clearance_.offset * from.normal;
+  if (room < kNarrow * kContactOffset && is_beside_surface(lifted)) lifted = surface_.at().lifted(clearance_.offset);
   const bool slides = surface_.slides();
   surface_.leave();
   sphere_.stop_tracking();
   sphere_.forget_near();
-  proxy_.settle_at(from.point + clearance_.offset * from.normal);
+  proxy_.settle_at(lifted);
   proxy_.is_free = false;
   proxy_.slides = slides;
   ProxyContact& contact = proxy_.contacts[proxy_.contact_count++];
   contact.triangle = from.triangle;
-  contact.shape = surfaces_.shape_of(from.triangle);
+  contact.shape = shape;
   contact.separation = {clearance_.offset, from.normal, from.point, Feature::face};
 }
 

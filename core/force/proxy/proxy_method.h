@@ -81,6 +81,7 @@ class ProxyMethod final : public ForceMethod {
   bool follow_offset(const Vec3& last, const Vec3& device, double& time) noexcept;
   void copy_sphere_state(const Vec3& device) noexcept;
   void clear_start() noexcept;
+  bool is_beside_surface(const Vec3& p) const noexcept;
   void lift_off_surface() noexcept;
   bool land_on_surface() noexcept;
   void hold_by_surface(const Vec3& device) noexcept;

@@ -147,7 +147,7 @@ SphereFollower::Next SphereFollower::drag(const Vec3& from, const Vec3& to, doub
   });
   if (!is_restored) return Next::failed;
   note_move(before);
-  if ((time - time_before) * (to - from).norm() > kLeastMotion) note_gain(on_path(from, to, time), true);
+  if ((time - time_before) * (to - from).norm() > least_progress()) note_gain(on_path(from, to, time), true);
   if (const auto next = end_leg(leg.path, event, is_whole, leg.released, on_path(from, to, time))) return *next;
   if (leg.stops) friction_.drags = false;
   if (leg.jumps) {

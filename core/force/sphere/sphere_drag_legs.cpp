@@ -14,13 +14,17 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kLeast = OffsetDrag::kLeastPull;
 constexpr double kNearZero = 0x1p-51;  // rounding of a value that crosses zero
 constexpr double kPositionRounding = 0x1p-52;
-// How far the middle of a piece may be off its cubic: a share of the offset, and of the length. Events are placed on the exact path.
+// How far the middle of a piece may be off its cubic: a share of the offset, and of the length. Events are found on the cubic and placed on
+// the exact path: an offset away from everything, so a centre that moves by a small part of the offset meets nothing.
 constexpr double kUneven = 0x1p-16;
 constexpr double kUnevenShare = 0x1p-20;
+constexpr double kMostUneven = 0.125;
 constexpr double kUnresolved =
     kLeast;                            // how far a centre that counts as on the cone may be off it: no shorter piece is nearer to its cubic
 constexpr double kExact = 0x1p-42;     // within this the cubic counts as the exact path
 constexpr double kReleased = 0x1p-24;  // a pull at which the device counts as out
+
+double most_uneven(double offset, double length) { return kUneven * offset + std::min(kUnevenShare * length, kMostUneven * offset); }
 
 }  // namespace
 
@@ -156,7 +160,7 @@ bool SphereFollower::make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& p
     const Vec3 guess = 0.5 * (centre_ + reached) + 0.125 * (length * direction - slope_there * direction_there);
     const double uneven = (end - guess).norm();
     slip.is_exact = uneven <= kExact;
-    if (i == kMostRounds || uneven <= kUneven * clearance_.offset + kUnevenShare * length) break;
+    if (i == kMostRounds || uneven <= most_uneven(clearance_.offset, length)) break;
     length *= 0.5;
     slip.stops = false;
     slip.released = -1;
@@ -225,7 +229,7 @@ SphereFollower::DragOutcome SphereFollower::make_drag_leg(const OffsetDrag& drag
                       span * (rate - rate_there).norm() <= 0x1p-48;
         const double uneven = (middle - guess).norm();
         leg.is_exact = active_count_ == 1 && uneven <= kExact;
-        if (is_straight || uneven <= kUneven * clearance_.offset + kUnresolved + kUnevenShare * (end - centre_).norm()) break;
+        if (is_straight || uneven <= kUnresolved + most_uneven(clearance_.offset, (end - centre_).norm())) break;
         leg.is_clear = is_flat && active_count_ == 1 && is_clear_over_face(end, rate.normalized(), rate_there.normalized());
         if (leg.is_clear) break;
       }
@@ -345,8 +349,7 @@ SphereFollower::DragOutcome SphereFollower::make_flow_leg(const OffsetDrag& drag
     if (!go(length) || find_turn(end.centre - centre_) > 2.0 * kTurn) continue;
     step = end.step;
     const Vec3 guess = 0.5 * (centre_ + end.centre) + 0.125 * length * (slope - end.slope);
-    const double most_uneven = kUneven * clearance_.offset + kUnresolved + kUnevenShare * (end.centre - centre_).norm();
-    if ((middle.centre - guess).norm() > most_uneven) continue;
+    if ((middle.centre - guess).norm() > kUnresolved + most_uneven(clearance_.offset, (end.centre - centre_).norm())) continue;
     // A little farther, to the end of the leg.
     for (int round = 0; round < kMostRounds && i == 0 && length < most && left() > 0.0; ++round) {
       const double on = left() / std::max(stability_there(), 0x1p-10);

@@ -103,6 +103,7 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
   escape_work_ = 0;
   corner_tries_ = 0;
   skips_ = 0;
+  lingered_at_ = Vec3::Constant(std::numeric_limits<double>::infinity());
   if (!from.allFinite() || !to.allFinite()) return Outcome::failed;
   const Span span = find_span(from, to);
   Outcome outcome = Outcome::settled;
@@ -126,11 +127,23 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
     time = 1.0;
     return Outcome::settled;
   }
-  const Vec3 seen = centre_ + (to - centre_) * (kFar / (to - centre_).norm());
-  is_descending_ = true;
-  double part = 0.0;
-  outcome = follow_near(seen, seen, part);
-  if (outcome != Outcome::settled) return outcome;
+  // Whether a centre is at a minimum depends on the direction alone, which turns as the centre moves. Each turn is about the same share of
+  // the last one, so every third goes where the sum of all that follow would lead.
+  std::array<double, 3> moved{};
+  Vec3 ahead = Vec3::Zero();
+  for (int i = 0; i < kMostTurns; ++i) {
+    const Vec3 before = centre_;
+    const Vec3 seen = centre_ + (to - centre_) * (kFar / (to - centre_).norm()) + ahead;
+    is_descending_ = true;
+    double part = 0.0;
+    outcome = follow_near(seen, seen, part);
+    if (outcome != Outcome::settled) return outcome;
+    const Vec3 turn = centre_ - before;
+    moved[static_cast<std::size_t>(i % 3)] = turn.norm();
+    if (contact_count_ == 0 || (i % 3 != 2 && turn.norm() <= kAtMinimum) || work_ > kLeastWork) break;
+    const double share = i % 3 == 1 && moved[1] < moved[0] ? moved[1] / moved[0] : 0.0;
+    ahead = turn * std::min(share / (1.0 - share), 1.0 / turn.norm());
+  }
   time = 1.0;
   if (contact_count_ == 0) centre_ = to;
   return outcome;
@@ -161,6 +174,7 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
       next = is_descending_ ? descend(on_path(from, to, time), to - from) : slide(from, to, time);
     }
     if (next == Next::wait) next = wait(from, to, time);
+    if (next == Next::again && has_lingered()) time = std::min(1.0, time + std::ldexp(4.0 * kAtAxis, lingering_ / 4) / (to - from).norm());
     if (next == Next::settled && !(has_friction_ && has_friction_here()) && leave_minimum(to, to - from)) next = Next::again;
   }
   queried_ += static_cast<std::uint64_t>(work_);
@@ -179,6 +193,17 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
     return !is_point_ && !(has_friction_ && has_friction_here()) && is_shallow(to, direction) ? Outcome::failed : Outcome::settled;
   is_descending_ = true;
   return Outcome::exhausted;
+}
+
+// Many events at one place, each with hardly any motion of the device: within rounding, what holds the centre changes from one to the next.
+bool SphereFollower::has_lingered() noexcept {
+  constexpr int kMany = 64;
+  if (is_descending_ && (centre_ - lingered_at_).norm() <= kLeastMotion) return ++lingering_ > 0;
+  if ((centre_ - lingered_at_).norm() > kLeastMotion) {
+    lingered_at_ = centre_;
+    lingering_ = -kMany;
+  }
+  return false;
 }
 
 // Events that make no progress: within rounding, the centre is at a point that may or may not be a minimum. A little later it is decided,
@@ -407,7 +432,7 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
   });
   if (!is_restored) return Next::failed;
   note_move(before);
-  if ((time - time_before) * (to - from).norm() > kLeastMotion) note_gain(on_path(from, to, time), true);
+  if ((time - time_before) * (to - from).norm() > least_progress()) note_gain(on_path(from, to, time), true);
   if (const auto next = end_leg(leg.path, event, is_whole, leg.released, on_path(from, to, time))) return *next;
   return time >= 1.0 ? Next::settled : Next::again;
 }

@@ -109,6 +109,7 @@ class SphereFollower {
   static constexpr double kCoplanar = 0x1p-50;   // distance between planes that counts as rounding
   static constexpr double kLeastGain = 0x1p-44;
   static constexpr double kFar = 32.0;         // local units; farther out, positions are coarser than the tolerance
+  static constexpr int kMostTurns = 64;        // of the direction to a device farther out
   static constexpr double kShallow = 0x1p-30;  // height of a barrier that does not hold a minimum: the reference's contact offset
   static constexpr int kMostIdle = 24;         // events without progress
   static constexpr int kMostSkips = 16;
@@ -199,8 +200,11 @@ class SphereFollower {
   struct Span {
     double begin = 0.0, end = 1.0;
   };
+  // A shorter motion of the device counts as no progress: a point skips ahead where many such pieces follow each other.
+  double least_progress() const { return is_point_ ? kAtAxis : kLeastMotion; }
   static Span find_span(const Vec3& from, const Vec3& to);
   Outcome follow_near(const Vec3& from, const Vec3& to, double& time) noexcept;
+  bool has_lingered() noexcept;
   bool skip_ahead(const Vec3& from, const Vec3& to, double& time) noexcept;
   Next drop_weaker(const Vec3& pull) noexcept;
   int most_work(const Vec3& from, const Vec3& to) const noexcept;
@@ -276,7 +280,9 @@ class SphereFollower {
   FrictionState friction_;
   bool is_tracking_ = false;
   bool is_descending_ = false;
-  bool has_lost_minimum_ = false;  // along the curve: it continues along hint_
+  Vec3 lingered_at_ = Vec3::Zero();  // where the last events were
+  int lingering_ = 0;                // their number, above those that are usual
+  bool has_lost_minimum_ = false;    // along the curve: it continues along hint_
   Vec3 centre_ = Vec3::Zero();
   std::array<OffsetContact, kMostContacts> contacts_;
   int active_count_ = 0;
@@ -308,14 +314,17 @@ void SphereFollower::place_at_event(const CentrePath& path, Event& event, Place&
   place(event.time);
   const bool is_hit = event.slot >= 0;
   if ((!is_hit && event.contact < 0) || (is_hit && path.is_straight()) || event.time <= 0.0) return;
+  // The exact path may be through the triangle where its cubic stops: the distance counts on the side of the cubic.
+  const Vec3 side = is_hit ? near_.shape(event.slot).separation(path.at(event.time)).normal : Vec3(Vec3::Zero());
   for (int i = 0; i < kMostRounds; ++i) {
     ++work_;
     double gap = 0.0;
     double rate = 0.0;
     if (is_hit) {
       const Separation at = near_.shape(event.slot).separation(centre_);
-      gap = at.distance - clearance_.offset;
-      rate = at.normal.dot(path.slope(event.time));
+      const double sign = at.normal.dot(side) < 0.0 ? -1.0 : 1.0;
+      gap = sign * at.distance - clearance_.offset;
+      rate = sign * at.normal.dot(path.slope(event.time));
     } else {
       gap = kOnBoundary - event.exit.direction.dot(centre_ - event.exit.origin);
       rate = -event.exit.direction.dot(path.slope(event.time));

@@ -7,6 +7,7 @@ namespace hapton {
 namespace {
 
 constexpr double kSameDirection = 0x1p-20;  // rad; closer directions count as equal
+constexpr double kClosed = 0x1p-17;         // rad; a slit this narrow is closed: the ends of its sheets are known to kSameDirection only
 
 Vec3 tangent(const Vec3& normal, const Vec3& at, bool ahead) { return ahead ? Vec3(normal.cross(at)) : Vec3(at.cross(normal)); }
 
@@ -91,7 +92,7 @@ TangentCone::Turn TangentCone::find_turn(const Vec3& at, const Vec3& back, const
       if (ahead ? ends : begins) continue;
       const Vec3 heading = tangent(arc.normal, at, ahead);
       double angle = std::atan2(heading.dot(up), heading.dot(back));
-      if (angle <= kSameDirection) angle += 2.0 * std::numbers::pi;
+      if (angle <= kClosed) angle += 2.0 * std::numbers::pi;
       if (angle >= first.opening) continue;
       first = {j, ahead, angle};
     }
@@ -180,7 +181,11 @@ TangentCone::Steepest TangentCone::find_steepest(const Vec3& pull, double below)
     const Vec3 along = pull - piece.normal.dot(pull) * piece.normal;
     const double length = along.norm();
     const Vec3 axis = piece.from.cross(piece.to);
-    if (length > 0.0 && piece.from.cross(along).dot(axis) > 0.0 && along.cross(piece.to).dot(axis) > 0.0) offer(along / length, i);
+    if (!(length > 0.0)) continue;
+    // Where the pull is nearly normal to the piece, most of the difference is rounding: the part along the normal goes once more.
+    const Vec3 rough = along / length;
+    const Vec3 direction = (rough - piece.normal.dot(rough) * piece.normal).normalized();
+    if (piece.from.cross(direction).dot(axis) > 0.0 && direction.cross(piece.to).dot(axis) > 0.0) offer(direction, i);
   }
   return best;
 }

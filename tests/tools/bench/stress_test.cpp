@@ -75,5 +75,53 @@ TEST(Stress, RejectsAnUnknownMethod) {
   EXPECT_FALSE(run_stress({make_stress_body("box")}, plan, [](const StressResult&) {}).has_value());
 }
 
+// Each of these episodes once had faults, most of them fall-throughs.
+struct OnceFaulty {
+  std::string_view body;
+  std::uint64_t seed = 1;
+  std::uint64_t episode = 0;
+  bool has_friction = false;
+  bool on_grid = false;
+  double offset_extents = 0.0;
+};
+
+TEST(Stress, EpisodesThatOnceHadFaultsHaveNone) {
+  constexpr std::uint64_t kWalk = 4294967296;
+  for (const OnceFaulty& once : std::vector<OnceFaulty>{
+           {"turned-room", 1, 13, true},  // a drag through a wall: a hit taken for one from behind
+           {"round-room", 1, 25, true},
+           {"turned-room", 5, 236, true},  // in a corner, on its vertex: taken to be free
+           {"touching-parts", 1, 16, true},
+           {"touching-parts", 1, kWalk, true},
+           {"overlapping-parts", 1, 4, true},
+           {"overlapping-parts-2", 1, 7, true},
+           {"overlapping-parts-2", 1, 15, true},
+           {"star", 1, 263, true},
+           {"staircase", 1, 395, true},
+           {"sealed-ball-fine", 1, 214, true},
+           {"overlapping-parts-2", 1, 18, false, true},  // into the slit between sheets that cross at 3e-6 rad
+           {"overlapping-parts-2", 1, 32, false, true},
+           {"overlapping-parts", 1, 1016, false, true},  // a direction that was mostly rounding
+           {"overlapping-parts", 3, 110, false, true},
+           {"needles", 1, 75, false, true},              // lifted off a needle, behind the face beside it
+           {"turned-room", 1, 116, false, true},         // the start was on the wrong side
+           {"sealed-box", 1, 21, false, false, 1000.0},  // a device a thousand extents off
+           {"sealed-box-fine", 1, 128, false, false, 1000.0},
+           {"sealed-star-fine", 1, 437, false, false, 10.0},  // thousands of events at one place
+       }) {
+    StressPlan plan;
+    plan.method.name = "proxy";
+    plan.seed = once.seed;
+    plan.on_grid = once.on_grid;
+    plan.variants = {{.offset_extents = once.offset_extents}};
+    if (once.has_friction) plan.variants[0].friction_static = 0.5;
+    if (once.has_friction) plan.variants[0].friction_dynamic = 0.4;
+    const auto results = run_episode({make_stress_body(once.body)}, plan, once.episode);
+    ASSERT_TRUE(results) << results.error().what;
+    EXPECT_EQ(sum_of(*results).total_faults(), 0U) << to_text(*results, plan);
+    EXPECT_GT(sum_of(*results).contact_steps, 0U) << once.body;
+  }
+}
+
 }  // namespace
 }  // namespace hapton

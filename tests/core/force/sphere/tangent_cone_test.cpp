@@ -129,6 +129,41 @@ TEST(TangentCone, FindsTheSteepestDirectionOfRandomFans) {
   }
 }
 
+// A device straight below a face pulls along its normal but for rounding, and that rounding is no direction.
+TEST(TangentCone, SteepestDirectionsLieInTheirPieceWhereThePullIsNormalToIt) {
+  constexpr std::uint64_t kSeed = 20261123;
+  SCOPED_TRACE(kSeed);
+  std::mt19937_64 random(kSeed);
+  for (int round = 0; round < 2000; ++round) {
+    const Vec3 normal = random_direction(random);
+    const Vec3 u = normal.cross(random_direction(random)).normalized();
+    const Vec3 v = normal.cross(u);
+    TangentCone cone = cone_of(Vec3::Zero(), {ContactTriangle(5.0 * u, -4.0 * u + 6.0 * v, -4.0 * u - 7.0 * v)});
+    ASSERT_TRUE(cone.find_boundary(normal));
+    const double off = std::pow(2.0, -40.0 - static_cast<double>(random() % 14));
+    const TangentCone::Steepest found = cone.find_steepest(off * u - 0.1 * normal);
+    EXPECT_LE(std::fabs(found.direction.dot(normal)), 1e-14) << round;
+  }
+}
+
+// Two sheets that cross at 3e-6 rad, and a wall across both. The border of what is above them does not lead into the slit between them.
+TEST(TangentCone, ASlitBetweenSheetsThatCrossIsClosed) {
+  for (const double angle : {1.2e-6, 2.7e-6, 6e-6}) {
+    const auto sheet = [](double slope) {
+      return ContactTriangle(Vec3(8.0, -9.0, 8.0 * slope), Vec3(-9.0, 0.5, -9.0 * slope), Vec3(8.0, 9.5, 8.0 * slope));
+    };
+    const ContactTriangle wall(Vec3(0.3, 9.0, -8.0), Vec3(-0.2, -0.1, 9.0), Vec3(-0.25, -9.0, -8.0));
+    TangentCone cone = cone_of(Vec3::Zero(), {sheet(0.5 * angle), sheet(-0.5 * angle)});
+    ASSERT_TRUE(cone.add(wall, 0.1));
+    ASSERT_TRUE(cone.find_boundary(Vec3(0.6, 0.1, 0.7).normalized())) << angle;
+    for (const TangentCone::Piece& piece : cone.boundary()) {
+      EXPECT_GE(piece.to.z(), -1e-5) << angle;
+      EXPECT_GE(piece.normal.z(), -0.1) << angle;
+      EXPECT_GT(piece.opening, 1e-3) << angle;
+    }
+  }
+}
+
 // One after the other, from the steepest to the least steep.
 TEST(TangentCone, TellsTheNextSteepestDirections) {
   TangentCone cone = cone_of(Vec3::Zero(), cube_corner());
