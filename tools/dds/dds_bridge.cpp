@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <chrono>
 #include <limits>
 
@@ -19,6 +20,7 @@ constexpr std::int64_t kBridgeTurnNs = 20 * kNanosecondsPerMillisecond;
 // After so long it is clear at what rate the hub sends.
 constexpr std::int64_t kRateKnownNs = 3 * kNanosecondsPerSecond;
 constexpr double kMostSkipped = 0.1;
+constexpr double kMostVisionHz = 10'000.0;  // of io_node --vision-rate
 constexpr std::int64_t kWarnEveryNs = 5 * kNanosecondsPerSecond;
 
 // The time of day minus the clock's. Again, if this thread was held up between the two.
@@ -141,9 +143,9 @@ Result<BridgeSummary> run_bridge(const BridgeSettings& settings, const std::func
     is_rate_told = true;
     const double all = static_cast<double>(summary.samples + maker.skipped());
     if (static_cast<double>(maker.skipped()) < kMostSkipped * all) continue;
-    say(fmt::format("{:.0f} of {:.0f} samples a second come; for all of them start io_node with --vision-rate {:.0f}",
+    say(fmt::format("{:.0f} of {:.0f} samples a second come; for more start io_node with --vision-rate {:.0f}",
                     static_cast<double>(summary.samples) / all * client.servo_rate_hz(), client.servo_rate_hz(),
-                    2.0 * client.servo_rate_hz()));
+                    std::min(2.0 * client.servo_rate_hz(), kMostVisionHz)));
   }
   if (replier) {
     replier->stop();
