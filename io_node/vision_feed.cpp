@@ -17,7 +17,7 @@ void VisionFeed::on_frame_ack(const Header& header, const FrameAck& frame, std::
       frame.echo_sample != 0 && frame.echo_sample <= newest_sample && age_ns >= 0 && frame.echo_sample_time_ns >= stats_.start_ns;
   if (!is_ours) return;
   pace_.on_frame_ack(peer, frame, now_ns);
-  if (frame.unchanged) return;
+  if (frame.unchanged || frame.every_sample) return;  // no frame to measure
   ++stats_.drawn;
   stats_.device_to_drawn.record(age_ns);
   if (hops_ != nullptr) hops_->on_frame_ack(header, frame, peer);

@@ -24,6 +24,7 @@ void VisionPace::on_frame_ack(std::size_t peer, const FrameAck& frame, std::int6
   Place& place = places_[peer];
   if (frame.echo_sample < place.sent.sample) return;
   place.is_waiting = false;
+  place.wants_every_sample = frame.every_sample;
   const std::int64_t rest_ns = std::min<std::int64_t>(frame.rest_ns, kRepeatNs);
   if ((place.sent.buttons & ~ignored_buttons_) != 0) return;
   place.next_ns = std::max(place.next_ns, now_ns + std::max(rest_ns, frame.unchanged ? kUnseenNs : 0));
@@ -35,7 +36,7 @@ VisionPace::Decision VisionPace::decide(std::size_t peer, const ProbeState& prob
   const bool repeats = now_ns >= place.repeat_ns;
   if (period_ns_ == 0 || now_ns < place.next_ns || (place.is_waiting && !repeats && !is_pressed)) return Decision::wait;
   place.next_ns = std::max(place.next_ns + period_ns_, now_ns);
-  if (!repeats && looks_same(probe, place.sent)) return Decision::skip;
+  if (!repeats && !place.wants_every_sample && looks_same(probe, place.sent)) return Decision::skip;
   place.sent = probe;
   place.repeat_ns = now_ns + kRepeatNs;
   place.is_waiting = true;

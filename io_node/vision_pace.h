@@ -12,7 +12,7 @@ namespace hapton {
 // Paces the probe states to each vision node, so that it gets no more than it draws: the next one is sent when the node has acknowledged
 // the last with FrameAck and is about to draw again, and only if anything visible has changed. A lost or unchanged state is repeated after
 // kRepeatNs. While a button of the stylus is held down, states do not wait for frames: a vision node that draws strokes has a point of each
-// (docs/vision.md). RT: yes.
+// (docs/vision.md). A node that passes states on (FrameAck::every_sample) gets those in which nothing has changed too. RT: yes.
 class VisionPace {
  public:
   static constexpr std::int64_t kRepeatNs = 100 * kNanosecondsPerMillisecond;
@@ -36,6 +36,7 @@ class VisionPace {
     std::int64_t repeat_ns = 0;  // interval at which a state is sent again
     std::int64_t next_ns = 0;    // no sooner than that
     bool is_waiting = false;     // for its frame acknowledgement
+    bool wants_every_sample = false;
   };
 
   std::int64_t period_ns_;

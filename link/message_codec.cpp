@@ -135,6 +135,7 @@ void write(const FrameAck& from, wire::FrameAck& to) {
   to.set_held_ns(from.held_ns);
   to.set_rest_ns(from.rest_ns);
   to.set_unchanged(from.unchanged);
+  to.set_every_sample(from.every_sample);
 }
 
 void write(const HandTarget& from, wire::HandTarget& to) {
@@ -282,6 +283,7 @@ bool read(const wire::FrameAck& from, FrameAck& to) {
   to.held_ns = from.held_ns();
   to.rest_ns = from.rest_ns();
   to.unchanged = from.unchanged();
+  to.every_sample = from.every_sample();
   return is_amount(to.frame_rate_hz);
 }
 

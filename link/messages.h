@@ -121,6 +121,7 @@ struct FrameAck {
   std::uint32_t held_ns = 0;  // from receiving the state to this message, vision's clock; 0: unknown
   std::uint32_t rest_ns = 0;  // from this message until vision can draw again
   bool unchanged = false;     // no frame was drawn: it would look the same
+  bool every_sample = false;  // no frame was drawn: the sender passes states on, and wants those in which nothing has changed too
 };
 
 // vision -> hub: where the mouse moves the hand of the simulated device.

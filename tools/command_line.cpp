@@ -56,6 +56,7 @@ template CommandOption CommandLine::add_option(const std::string&, int&, const s
 template CommandOption CommandLine::add_option(const std::string&, unsigned&, const std::string&) const;
 template CommandOption CommandLine::add_option(const std::string&, std::size_t&, const std::string&) const;
 template CommandOption CommandLine::add_option(const std::string&, double&, const std::string&) const;
+template CommandOption CommandLine::add_option(const std::string&, std::optional<int>&, const std::string&) const;
 template CommandOption CommandLine::add_option(const std::string&, std::optional<std::uint64_t>&, const std::string&) const;
 template CommandOption CommandLine::add_option(const std::string&, std::optional<double>&, const std::string&) const;
 template CommandOption CommandLine::add_option(const std::string&, std::vector<std::string>&, const std::string&) const;

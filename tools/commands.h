@@ -15,6 +15,9 @@ void add_bench_command(CommandLine app, int& exit_code);
 // hapton check FILE: what is wrong with a scene before anyone touches it. Exit code 0: nothing found, 1: findings, 2: it cannot be checked.
 void add_check_command(CommandLine app, int& exit_code);
 
+// hapton dds [--domain N] [--prefix NAME] [--accept-forces N]: shows the device to ROS 2 and other DDS programs. Exit code 0: samples came.
+void add_dds_command(CommandLine app, int& exit_code);
+
 // hapton demo [--only N] [--headless --seconds S --out DIR] [--list]: a tour without hardware, to touch and to see. Headless: exit code 0
 // only if every step showed what it promises.
 void add_demo_command(CommandLine app, int& exit_code);
@@ -139,6 +142,7 @@ struct ListedCommand {
 // All of them, in the order of --help.
 inline constexpr ListedCommand kCommands[] = {
     {"Touch and watch", add_demo_command},
+    {"Touch and watch", add_dds_command},
     {"Touch and watch", add_info_command},
     {"Touch and watch", add_set_command},
     {"Touch and watch", add_top_command},

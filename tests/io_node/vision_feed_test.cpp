@@ -90,6 +90,19 @@ TEST_F(Feed, AWordAboutWhatWasNeverSentIsPassedOver) {
   EXPECT_EQ(stats->drawn, 0U);
 }
 
+// As `hapton dds` does: its messages are no frames, and do not count as such.
+TEST_F(Feed, ANodeThatPassesStatesOnDrawsNothing) {
+  for (int n = 0; n < 10; ++n) {
+    report(0.01);
+    FrameAck passed = drawn();
+    passed.every_sample = true;
+    feed.on_frame_ack({}, passed, place, cycle.number, clock.now_ns());
+  }
+  EXPECT_EQ(received.size(), 10U);
+  EXPECT_EQ(stats->drawn, 0U);
+  EXPECT_EQ(stats->frame_rate_hz, 0.0);
+}
+
 TEST_F(Feed, ReportsTheRateOfTheSamplesSinceTheLastStatistics) {
   for (int n = 0; n < 500; ++n) {
     report(0.001 * n);

@@ -31,6 +31,35 @@ TEST(VisionPaces, ALostStateIsSentAgain) {
   EXPECT_EQ(pace.decide(0, state_at(3), VisionPace::kRepeatNs), Decision::send);
 }
 
+// Nothing changes but the sample.
+TEST(VisionPaces, ANodeThatPassesStatesOnGetsEverySample) {
+  VisionPace pace(2000.0);
+  for (const bool every : {true, false}) {
+    EXPECT_EQ(pace.decide(0, ProbeState{.sample = 1}, 0), Decision::send);
+    pace.on_frame_ack(0, FrameAck{.echo_sample = 1, .every_sample = every}, kMs / 4);
+    int sent = 0;
+    for (std::int64_t ms = 1; ms < 50; ++ms) {
+      ProbeState same{.sample = static_cast<std::uint64_t>(ms) + 1};
+      if (pace.decide(0, same, ms * kMs) != Decision::send) continue;
+      ++sent;
+      pace.on_frame_ack(0, FrameAck{.echo_sample = same.sample, .every_sample = every}, ms * kMs + kMs / 4);
+    }
+    EXPECT_EQ(sent, every ? 49 : 0);
+    pace.on_joined(0);
+  }
+}
+
+TEST(VisionPaces, EverySampleIsNoMoreThanTheRate) {
+  VisionPace pace(100.0);
+  EXPECT_EQ(pace.decide(0, ProbeState{.sample = 1}, 0), Decision::send);
+  int sent = 0;
+  for (std::int64_t ms = 1; ms <= 1000; ++ms) {
+    pace.on_frame_ack(0, FrameAck{.echo_sample = static_cast<std::uint64_t>(ms), .every_sample = true}, ms * kMs);
+    if (pace.decide(0, ProbeState{.sample = static_cast<std::uint64_t>(ms) + 1}, ms * kMs) == Decision::send) ++sent;
+  }
+  EXPECT_EQ(sent, 100);
+}
+
 TEST(VisionPaces, AFrameOfAnOlderStateRequestsNothing) {
   VisionPace pace(240.0);
   EXPECT_EQ(pace.decide(0, state_at(7), 0), Decision::send);

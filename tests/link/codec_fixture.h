@@ -79,7 +79,7 @@ class RandomDatagrams {
                           vector(),
                           vector()};
       case 7:
-        return FrameAck{bits(), time, rate(), bits32(), bits32(), flag()};
+        return FrameAck{bits(), time, rate(), bits32(), bits32(), flag(), flag()};
       case 8:
         return HandTarget{flag(), vector(), bits32()};
       case 9:
@@ -314,6 +314,7 @@ inline void expect_equal(const FrameAck& a, const FrameAck& b) {
   EXPECT_EQ(a.held_ns, b.held_ns);
   EXPECT_EQ(a.rest_ns, b.rest_ns);
   EXPECT_EQ(a.unchanged, b.unchanged);
+  EXPECT_EQ(a.every_sample, b.every_sample);
 }
 inline void expect_equal(const HandTarget& a, const HandTarget& b) {
   EXPECT_EQ(a.active, b.active);

@@ -241,6 +241,7 @@ const std::map<std::string, std::string> kMayReadTheDate = {
     {"io_node/session_setup.cpp", "a recording contains the day on which it was made"},
     {"link/random_id.cpp", "one more random source, if the system has none"},
     {"io_node/vrpn/vrpn_server.cpp", "VRPN stamps its messages with the time of day"},
+    {"tools/dds/dds_bridge.cpp", "ROS 2 stamps its messages with the time of day"},
 };
 
 TEST(Clocks, OnlyTheSteadyOneKeepsTime) {

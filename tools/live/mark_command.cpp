@@ -9,13 +9,19 @@
 
 #include "link/hub_connection.h"
 #include "link/marker_request.h"
+#include "runtime/realtime.h"
+#include "runtime/stop_signal.h"
 #include "tools/commands.h"
+#include "tools/live/marker_line.h"
 
 namespace hapton {
 namespace {
 
 struct MarkOptions {
   std::string text;
+  std::string line;  // empty: one marker, now
+  std::string edges = "on";
+  double seconds = 0.0;
   HubConnection::Settings hub;
 };
 
@@ -48,7 +54,71 @@ Result<std::uint64_t> mark(const MarkOptions& options) {
   return fail("no reply to the marker: the hub is gone, or of an earlier version");
 }
 
+constexpr std::int64_t kLookNs = 500'000;  // at the line: twice a sample at 1 kHz
+constexpr int kLinePriority = 10;          // below all nodes (80), above ordinary programs
+
+Result<LineMarker> make_line_marker(const MarkOptions& options, const SerialInput& input) {
+  const Edges edges = options.edges == "on" ? Edges::on : options.edges == "off" ? Edges::off : Edges::both;
+  const std::string& name = options.text.empty() ? input.name : options.text;
+  const bool is_plain = !options.text.empty() && edges != Edges::both;
+  const std::string on = is_plain ? name : name + " on";
+  const std::string off = is_plain ? name : name + " off";
+  for (const std::string& text : {on, off}) {
+    if (const auto valid = make_marker(text); !valid) return tl::unexpected(valid.error());
+  }
+  return LineMarker(edges, on, off);
+}
+
+// Until Ctrl-C or time is up.
+Result<LineMarker::Counts> follow_line(const MarkOptions& options) {
+  const auto input = parse_serial_input(options.line);
+  if (!input) return tl::unexpected(input.error());
+  auto marker = make_line_marker(options, *input);
+  if (!marker) return tl::unexpected(marker.error());
+  const auto line = open_serial_input(*input);
+  if (!line) return tl::unexpected(line.error());
+  const auto connection = HubConnection::open(NodeRole::tool, options.hub);
+  if (!connection) return tl::unexpected(connection.error());
+  if (const auto joined = (*connection)->wait_until_joined(kJoinPatienceS); !joined) return tl::unexpected(joined.error());
+  (void)enter_realtime({.mode = RealtimeMode::attempt, .priority = kLinePriority, .lock_memory = false});
+  fmt::print("marks {} of {}; Ctrl-C ends it\n", input->name, input->device);
+  std::fflush(stdout);
+  const StopSignal stop;
+  HubClient& client = (*connection)->client();
+  const Clock& clock = (*connection)->clock();
+  const std::int64_t end_ns = clock.now_ns() + static_cast<std::int64_t>(1e9 * options.seconds);
+  while (!stop.stop_requested() && (options.seconds <= 0.0 || clock.now_ns() < end_ns)) {
+    const auto is_on = (*line)->is_on();
+    if (!is_on) return tl::unexpected(is_on.error());
+    marker->see(*is_on, clock.now_ns());
+    while (const auto next = marker->next(clock.now_ns())) client.send(*next);
+    const std::int64_t look_ns = clock.now_ns() + kLookNs;
+    Datagram datagram;
+    while (client.receive(datagram, look_ns)) {
+      const auto* reply = std::get_if<MarkerReply>(&datagram.message);
+      const auto said = reply != nullptr ? marker->take(*reply) : std::nullopt;
+      if (said) fmt::print("{}\n", *said);
+      if (said) std::fflush(stdout);
+    }
+  }
+  if (const auto all = (*line)->changes(); all && *all > marker->counts().changes) {
+    fmt::print("{} changes were too short to be seen\n", *all - marker->counts().changes);
+  }
+  return marker->counts();
+}
+
+int run_line(const MarkOptions& options) {
+  const auto counts = follow_line(options);
+  if (!counts) {
+    fmt::print(stderr, "hapton mark: {}\n", counts.error().what);
+    return 1;
+  }
+  fmt::print("{} changes, {} marked, {} refused, {} not answered\n", counts->changes, counts->marked, counts->refused, counts->given_up);
+  return counts->refused + counts->given_up == 0 ? 0 : 1;
+}
+
 int run(const MarkOptions& options) {
+  if (!options.line.empty()) return run_line(options);
   const auto sample = mark(options);
   if (!sample) {
     fmt::print(stderr, "hapton mark: {}\n", sample.error().what);
@@ -63,7 +133,18 @@ int run(const MarkOptions& options) {
 void add_mark_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<MarkOptions>();
   const CommandLine command = app.add_subcommand("mark", "Mark the recording of a running session at its newest sample");
-  command.add_option("text", options->text, "What happened: one line of at most 160 bytes").required();
+  command.add_option("text", options->text, "What happened: one line of at most 160 bytes; with --line, what the line is called");
+  const CommandOption line =
+      command.add_option("--line", options->line,
+                         "Mark the changes of a serial port's input until Ctrl-C: DEVICE:CTS (or DSR, DCD, RI), as in /dev/ttyS0:CTS");
+  command.add_option("--edges", options->edges, "With --line: mark when it goes on, off, or both")
+      .one_of({"on", "off", "both"})
+      .shows_default()
+      .needs(line);
+  command.add_option("--seconds", options->seconds, "With --line: end after this long; 0: when stopped (Ctrl-C)")
+      .between(0.0, 1e9)
+      .shows_default()
+      .needs(line);
   command.add_option("--hub", options->hub.hub, "Where io_node is: HOST or HOST:PORT").shows_default();
   command.add_option("--key", options->hub.key_file, kKeyHelp);
   command.on_run([options, &exit_code] { exit_code = run(*options); });

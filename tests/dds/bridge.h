@@ -1,0 +1,40 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tests/process/system.h"
+
+namespace hapton::dds_test {
+
+// Type names of ROS 2 on DDS.
+inline const std::string kPose = "geometry_msgs::msg::dds_::PoseStamped_";
+inline const std::string kTwist = "geometry_msgs::msg::dds_::TwistStamped_";
+inline const std::string kWrench = "geometry_msgs::msg::dds_::WrenchStamped_";
+inline const std::string kJoy = "sensor_msgs::msg::dds_::Joy_";
+inline const std::string kTransforms = "tf2_msgs::msg::dds_::TFMessage_";
+
+// A DDS domain that no other run of these tests on this host uses until this program ends; its ports are below those that the system gives
+// out.
+int domain();
+
+// `hapton dds` beside a system's nodes, in domain(). Threads: one.
+class Bridge {
+ public:
+  // interface: empty: none given.
+  explicit Bridge(const process::System& system, const std::vector<std::string>& more = {}, const std::string& interface = "127.0.0.1");
+
+  bool is_publishing();
+  // As Ctrl-C does, and expects it to end well. What it printed.
+  std::string end();
+  // As a crash does.
+  void kill() { program_->kill(); }
+  std::string out() const { return program_->out(); }
+  std::string err() const { return program_->err(); }
+
+ private:
+  std::unique_ptr<process::Program> program_;
+};
+
+}  // namespace hapton::dds_test

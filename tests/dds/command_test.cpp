@@ -1,0 +1,163 @@
+// Forces that another DDS sends: bounded, short-lived, off by default.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#if defined(HAPTON_WITH_DDS) && defined(HAPTON_WITH_FAST_DDS)
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <limits>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/dds/bridge.h"
+#include "tests/dds/fast_node.h"
+#include "tests/process/system.h"
+
+namespace hapton::dds_test {
+namespace {
+
+using process::kPatience;
+using process::System;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::Key;
+using ::testing::Not;
+
+const std::string kServo = "rt/hapton/servo_cf";
+
+// The forces on the hand as ROS 2 sees them, while commands are sent.
+class CommandTest : public ::testing::Test {
+ protected:
+  // Over System's own trajectory: at rest above the cube.
+  void rest() const { std::ofstream(system_.folder() / "taps.csv") << "t_s,x_m,y_m,z_m\n0,0.01,0.02,0.07\n600,0.01,0.02,0.07\n"; }
+  void begin(const std::vector<std::string>& more) {
+    rest();
+    system_.start("io_node");
+    bridge_.emplace(system_, more);
+    ASSERT_TRUE(bridge_->is_publishing()) << bridge_->err();
+    ros_.emplace(domain());
+    if (more == std::vector<std::string>{"--prefix", "watch"}) wrench_ = "rt/watch/measured_cf";
+    ros_->subscribe(wrench_, kWrench);
+    ASSERT_TRUE(System::wait_until([&] { return ros_->is_matched(wrench_); }));
+  }
+  // Until holds(force) of the newest wrench, with send between; false: never.
+  template <class Send, class Holds>
+  bool reaches(Send&& send, Holds&& holds) {
+    const auto end = std::chrono::steady_clock::now() + kPatience;
+    while (std::chrono::steady_clock::now() < end) {
+      send();
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      for (const auto& bytes : ros_->take(wrench_)) {
+        const auto numbers = FastNode::read_stamped(bytes, 6).numbers;
+        force_ = Vec3(numbers[0], numbers[1], numbers[2]);
+        most_n_ = std::max(most_n_, force_.norm());
+        ++wrenches_;
+      }
+      if (wrenches_ > 0 && holds(force_)) return true;
+    }
+    return false;
+  }
+
+  System system_{{"--vision-rate", "2000"}};
+  std::optional<Bridge> bridge_;
+  std::optional<FastNode> ros_;
+  std::string wrench_ = "rt/hapton/measured_cf";
+  Vec3 force_ = Vec3::Zero();
+  double most_n_ = 0.0;
+  int wrenches_ = 0;
+};
+
+bool is_zero(const Vec3& force) { return force.isZero(0.0); }
+
+TEST_F(CommandTest, AForceIsScaledDownAndEndsWithItsPublisher) {
+  begin({"--accept-forces", "0.5"});
+  const auto command = [&] { ros_->write_wrench(kServo, "world", 0.0, 3.0, -4.0); };
+  EXPECT_TRUE(reaches(command, [](const Vec3& force) { return (force - Vec3(0.0, 0.3, -0.4)).norm() < 1e-9; })) << force_.transpose();
+  EXPECT_TRUE(reaches([] {}, is_zero)) << "a command counts for 20 ms";
+  EXPECT_LE(most_n_, 0.5 + 1e-9);
+  // Again, smaller than allowed.
+  const auto smaller = [&] { ros_->write_wrench(kServo, "world", 0.25, 0.0, 0.0); };
+  EXPECT_TRUE(reaches(smaller, [](const Vec3& force) { return (force - Vec3(0.25, 0.0, 0.0)).norm() < 1e-9; })) << force_.transpose();
+  const std::string out = bridge_->end();
+  EXPECT_THAT(out, HasSubstr("forces taken"));
+  EXPECT_THAT(out, HasSubstr("scaled down"));
+  system_.end_all();
+}
+
+TEST_F(CommandTest, WhatIsNoForceReleasesIt) {
+  begin({"--accept-forces", "1"});
+  const auto good = [&] { ros_->write_wrench(kServo, "world", 0.0, 0.4, 0.0); };
+  const auto is_full = [](const Vec3& force) { return (force - Vec3(0.0, 0.4, 0.0)).norm() < 1e-9; };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  ASSERT_TRUE(reaches(good, is_full));
+  EXPECT_TRUE(reaches([&] { ros_->write_wrench(kServo, "world", nan, 0.0, 0.0); }, is_zero));
+  ASSERT_TRUE(reaches(good, is_full));
+  EXPECT_TRUE(reaches([&] { ros_->write_wrench(kServo, "world", 0.0, 0.4, 0.0, 0.1); }, is_zero)) << "with a torque";
+  ASSERT_TRUE(reaches(good, is_full));
+  EXPECT_TRUE(reaches([&] { ros_->write_wrench(kServo, "camera", 0.0, 0.4, 0.0); }, is_zero)) << "in another frame";
+  EXPECT_LE(most_n_, 0.4 + 1e-9);
+  bridge_->end();
+  system_.end_all();
+}
+
+TEST_F(CommandTest, AFloodIsHeldWithinTheLimit) {
+  begin({"--accept-forces", "0.5"});
+  int written = 0;
+  const auto flood = [&] {
+    for (int i = 0; i < 50; ++i) ros_->write_wrench(kServo, "world", 0.0, i % 2 == 0 ? 1e300 : 0.4, 0.0);
+    written += 50;
+  };
+  EXPECT_TRUE(reaches(flood, [&](const Vec3& force) { return written >= 5'000 && force.y() > 0.1; })) << force_.transpose();
+  EXPECT_TRUE(reaches([] {}, is_zero));
+  EXPECT_LE(most_n_, 0.5 + 1e-9);
+  EXPECT_THAT(bridge_->end(), HasSubstr(", 0 failed"));
+  system_.end_all();
+}
+
+TEST_F(CommandTest, OfTwoPublishersOneCounts) {
+  begin({"--accept-forces", "1"});
+  FastNode other(domain());
+  const auto both = [&] {
+    ros_->write_wrench(kServo, "world", 0.0, 0.4, 0.0);
+    other.write_wrench(kServo, "world", 0.0, 0.4, 0.0);
+  };
+  EXPECT_TRUE(reaches(both, [&](const Vec3& force) {
+    return force.y() > 0.39 && bridge_->out().find("two publishers at a time") != std::string::npos;
+  })) << bridge_->out();
+  EXPECT_LE(most_n_, 0.4 + 1e-9);
+  bridge_->end();
+  system_.end_all();
+}
+
+// Seen by another one, which takes no forces.
+TEST_F(CommandTest, ACrashLeavesNoForce) {
+  begin({"--prefix", "watch"});
+  Bridge taker(system_, {"--accept-forces", "1", "--prefix", "hapton"});
+  ASSERT_TRUE(taker.is_publishing()) << taker.err();
+  const auto command = [&] { ros_->write_wrench(kServo, "world", 0.0, 0.4, 0.0); };
+  ASSERT_TRUE(reaches(command, [](const Vec3& force) { return force.y() > 0.39; })) << force_.transpose();
+  taker.kill();
+  EXPECT_TRUE(reaches(command, is_zero)) << force_.transpose();
+  const process::Json report = system_.request_report();
+  EXPECT_GE(process::count(report, "command_timeouts"), 1);
+  bridge_->end();
+  system_.end_all();
+}
+
+TEST_F(CommandTest, WithoutConsentNothingIsTaken) {
+  begin({});
+  for (int i = 0; i < 100; ++i) reaches([&] { ros_->write_wrench(kServo, "world", 0.0, 1.0, 0.0); }, [](const Vec3&) { return true; });
+  EXPECT_EQ(most_n_, 0.0);
+  EXPECT_THAT(ros_->readers(), Not(Contains(Key(kServo))));
+  bridge_->end();
+  system_.end_all();
+}
+
+}  // namespace
+}  // namespace hapton::dds_test
+
+#endif

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace hapton::dds_test {
+
+// What a writer says of itself when it is discovered.
+struct FoundTopic {
+  std::string type;
+  bool is_reliable = false;
+  bool is_transient = false;
+  bool has_key = false;
+};
+
+struct Header {
+  std::int32_t sec = 0;
+  std::uint32_t nanosec = 0;
+  std::string frame_id;
+  std::int64_t stamp_ns() const { return 1'000'000'000LL * sec + nanosec; }
+};
+
+// PoseStamped (position, then quaternion x, y, z, w), TwistStamped (linear, angular) and WrenchStamped (force, torque) are a header and
+// numbers.
+struct Stamped {
+  Header header;
+  std::vector<double> numbers;
+};
+struct Joy {
+  Header header;
+  std::vector<float> axes;
+  std::vector<std::int32_t> buttons;
+};
+struct Transform {
+  Header header;
+  std::string child_frame_id;
+  std::vector<double> numbers;  // translation, then quaternion x, y, z, w
+};
+
+// A participant of another DDS (Fast DDS), which reads and writes bytes that it takes apart and puts together itself: it shares nothing
+// with what it checks, not even the IDL. Threads: one, besides those of the engine.
+class FastNode {
+ public:
+  enum class Reach {
+    loopback,
+    as_ros,  // the default settings, as nodes of ROS 2 have them
+  };
+  explicit FastNode(int domain, Reach reach = Reach::loopback);
+  ~FastNode();
+  FastNode(const FastNode&) = delete;
+  FastNode& operator=(const FastNode&) = delete;
+
+  // A reader as a ROS 2 subscription has it: of that DDS topic and type.
+  void subscribe(const std::string& topic, const std::string& type, bool is_reliable = false);
+  bool is_matched(const std::string& topic) const;
+  // All since the last call, oldest first.
+  std::vector<std::vector<unsigned char>> take(const std::string& topic);
+
+  static Stamped read_stamped(const std::vector<unsigned char>& bytes, std::size_t numbers);
+  static Joy read_joy(const std::vector<unsigned char>& bytes);
+  static std::vector<Transform> read_transforms(const std::vector<unsigned char>& bytes);
+
+  // Writes a WrenchStamped, as a ROS 2 publisher of that DDS topic does (reliable). The first call for a topic makes it.
+  void write_wrench(const std::string& topic, const std::string& frame_id, double fx, double fy, double fz, double tx = 0.0);
+
+  // Of other participants, by DDS topic.
+  std::map<std::string, FoundTopic> writers() const;
+  std::map<std::string, FoundTopic> readers() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace hapton::dds_test

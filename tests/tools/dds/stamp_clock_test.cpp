@@ -1,0 +1,60 @@
+#include "tools/dds/stamp_clock.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace hapton::dds {
+namespace {
+
+constexpr std::int64_t kMs = 1'000'000;
+constexpr std::int64_t kDayOffset = 1'700'000'000'000'000'000;
+
+TEST(StampClock, OnTheHubsHostAStampIsTheTimeOfTheSample) {
+  StampClock clock(true);
+  for (std::int64_t i = 1; i < 100; ++i) EXPECT_EQ(clock.stamp_ns(i * kMs, i * kMs + i % 7 * 10'000, kDayOffset), i * kMs + kDayOffset);
+}
+
+// The hub's clock is 5 s off ours, and a state takes 0.2 to 3 ms.
+TEST(StampClock, FromAnotherHostAStampIsLateByTheFastestWay) {
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    std::mt19937_64 random(seed);
+    std::uniform_int_distribution<std::int64_t> way(200'000, 3 * kMs);
+    StampClock clock(false);
+    const std::int64_t ahead = 5'000 * kMs;
+    std::int64_t last = 0;
+    for (std::int64_t i = 1; i < 30'000; ++i) {
+      const std::int64_t taken = i * kMs;
+      const std::int64_t stamp = clock.stamp_ns(taken + ahead, taken + way(random), kDayOffset);
+      EXPECT_GT(stamp, last) << seed;
+      last = stamp;
+      if (i < 1'000) continue;
+      EXPECT_GE(stamp - kDayOffset - taken, 200'000) << seed;
+      EXPECT_LE(stamp - kDayOffset - taken, 300'000) << seed;
+    }
+  }
+}
+
+TEST(StampClock, AClockThatDriftsAwayIsFollowedWithinTwoWindows) {
+  StampClock clock(false);
+  std::int64_t stamp = 0;
+  std::int64_t taken = 0;
+  // Our clock gains 1 ms in 10 s: the fastest way of an old window would keep the stamps behind by more and more.
+  for (std::int64_t i = 1; i < 100'000; ++i) {
+    taken = i * kMs;
+    stamp = clock.stamp_ns(taken - i * 100, taken, 0);
+  }
+  EXPECT_LE(taken - stamp, 2 * kMs + 1'000);
+  EXPECT_LE(stamp, taken);
+}
+
+TEST(StampClock, StampsIncreaseWhateverTheTimeOfDayDoes) {
+  StampClock clock(true);
+  const std::int64_t first = clock.stamp_ns(1'000 * kMs, 1'000 * kMs, kDayOffset);
+  // Set back by 0.5 s: stamps wait. By an hour: they follow.
+  EXPECT_EQ(clock.stamp_ns(1'001 * kMs, 1'001 * kMs, kDayOffset - 500 * kMs), first + 1);
+  EXPECT_EQ(clock.stamp_ns(1'002 * kMs, 1'002 * kMs, kDayOffset - 3'600'000 * kMs), 1'002 * kMs + kDayOffset - 3'600'000 * kMs);
+}
+
+}  // namespace
+}  // namespace hapton::dds

@@ -1,0 +1,145 @@
+#include "tools/live/marker_line.h"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <random>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "tests/support/scratch_folder.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::int64_t kLineMs = 1'000'000;
+
+std::string text_of(const Marker& marker) { return marker.text.data(); }
+
+TEST(SerialInputs, AreADeviceAndAnInput) {
+  const auto input = parse_serial_input("/dev/serial/by-id/a:b:DSR");
+  ASSERT_TRUE(input);
+  EXPECT_EQ(input->device, "/dev/serial/by-id/a:b");
+  EXPECT_EQ(input->name, "DSR");
+  for (const char* bad : {"", ":", "CTS", ":CTS", "/dev/ttyS0", "/dev/ttyS0:", "/dev/ttyS0:cts", "/dev/ttyS0:RTS", "/dev/ttyS0:CTS "}) {
+    EXPECT_FALSE(parse_serial_input(bad)) << bad;
+  }
+}
+
+TEST(SerialInputs, WhatIsNoSerialPortIsRejected) {
+  const ScratchFolder scratch;
+  const std::string file = scratch.write("file", "text").string();
+  EXPECT_FALSE(open_serial_input({file, "CTS", parse_serial_input("x:CTS")->bit}));
+  EXPECT_FALSE(open_serial_input({(scratch.path() / "none").string(), "CTS", 0}));
+  // A terminal without modem lines.
+  const int terminal = ::posix_openpt(O_RDWR | O_NOCTTY);
+  ASSERT_GE(terminal, 0);
+  ASSERT_EQ(::grantpt(terminal), 0);
+  ASSERT_EQ(::unlockpt(terminal), 0);
+  const auto opened = open_serial_input({::ptsname(terminal), "CTS", parse_serial_input("x:CTS")->bit});
+  ASSERT_FALSE(opened);
+  EXPECT_NE(opened.error().what.find("no serial port with a CTS input"), std::string::npos) << opened.error().what;
+  ::close(terminal);
+}
+
+TEST(LineMarkers, EachChangeThatCountsIsOneMarker) {
+  struct Case {
+    Edges edges;
+    std::vector<std::string> texts;
+  };
+  for (const Case& one : {Case{Edges::on, {"up", "up"}}, Case{Edges::off, {"down"}}, Case{Edges::both, {"up", "down", "up"}}}) {
+    LineMarker line(one.edges, "up", "down");
+    std::vector<std::string> texts;
+    std::int64_t now = 0;
+    for (const bool is_on : {false, false, true, true, true, false, false, true}) {
+      line.see(is_on, now += kLineMs);
+      while (const auto marker = line.next(now)) texts.push_back(text_of(*marker));
+    }
+    EXPECT_EQ(texts, one.texts);
+    EXPECT_EQ(line.counts().changes, 3U);
+  }
+}
+
+TEST(LineMarkers, ALineThatIsOnAtTheStartMarksNothing) {
+  LineMarker line(Edges::both, "up", "down");
+  for (int i = 0; i < 10; ++i) line.see(true, i);
+  EXPECT_FALSE(line.next(20));
+  line.see(false, 30);
+  EXPECT_EQ(text_of(*line.next(30)), "down");
+}
+
+TEST(LineMarkers, AMarkerIsRepeatedUntilItsReply) {
+  LineMarker line(Edges::on, "up", "down");
+  line.see(false, 0);
+  line.see(true, 0);
+  const auto first = line.next(0);
+  ASSERT_TRUE(first);
+  EXPECT_FALSE(line.next(LineMarker::kRepeatNs - 1));
+  const auto again = line.next(LineMarker::kRepeatNs);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->request, first->request);
+  EXPECT_FALSE(line.take({.request = first->request + 1, .sample = 5}));
+  EXPECT_EQ(*line.take({.request = first->request, .sample = 5}), "marked sample 5: up");
+  EXPECT_FALSE(line.take({.request = first->request, .sample = 5})) << "only once";
+  EXPECT_FALSE(line.next(10 * LineMarker::kRepeatNs));
+  EXPECT_EQ(line.counts().marked, 1U);
+}
+
+TEST(LineMarkers, ARefusalIsSaidAndCounted) {
+  LineMarker line(Edges::on, "up", "down");
+  line.see(false, 0);
+  line.see(true, 0);
+  const auto said = line.take({.request = line.next(0)->request, .status = MarkerStatus::no_recording});
+  ASSERT_TRUE(said);
+  EXPECT_EQ(said->find("not marked: up: "), 0U) << *said;
+  EXPECT_EQ(line.counts().refused, 1U);
+  EXPECT_EQ(line.counts().marked, 0U);
+}
+
+TEST(LineMarkers, WithoutAHubTheyAreGivenUp) {
+  LineMarker line(Edges::both, "up", "down");
+  for (int i = 0; i < 100; ++i) line.see(i % 2 == 1, i * kLineMs);
+  int sent = 0;
+  while (line.next(100 * kLineMs)) ++sent;
+  EXPECT_EQ(sent, static_cast<int>(LineMarker::kMostWaiting));
+  EXPECT_FALSE(line.next(100 * kLineMs + LineMarker::kPatienceNs));
+  EXPECT_FALSE(line.is_waiting());
+  EXPECT_EQ(line.counts().given_up, 99U);
+}
+
+// Whatever is lost on the way: each change is marked, refused or given up, once.
+TEST(LineMarkers, NoChangeIsCountedTwice) {
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    std::mt19937_64 random(seed);
+    LineMarker line(Edges::both, "up", "down");
+    std::set<std::uint32_t> recorded;
+    std::vector<MarkerReply> replies;
+    bool is_on = false;
+    std::int64_t now = 0;
+    line.see(is_on, now);
+    for (int i = 0; i < 20'000; ++i) {
+      now += kLineMs;
+      if (random() % 40 == 0) line.see(is_on = !is_on, now);
+      while (const auto marker = line.next(now)) {
+        if (random() % 3 == 0) continue;  // lost
+        recorded.insert(marker->request);
+        if (random() % 3 != 0) replies.push_back({.request = marker->request, .sample = 1});
+      }
+      if (random() % 5 == 0) {
+        for (const MarkerReply& reply : replies) line.take(reply);
+        replies.clear();
+      }
+    }
+    const auto& counts = line.counts();
+    EXPECT_LE(counts.marked + counts.refused + counts.given_up, counts.changes) << seed;
+    EXPECT_GE(counts.marked + counts.refused + counts.given_up + LineMarker::kMostWaiting, counts.changes) << seed;
+    EXPECT_LE(counts.marked, recorded.size()) << seed;
+    EXPECT_GT(counts.marked, 300U) << seed;
+  }
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,86 @@
+#include "tools/dds/force_replier.h"
+
+#include <algorithm>
+
+#include "runtime/start_thread.h"
+
+namespace hapton::dds {
+namespace {
+
+constexpr double kReplierPatienceS = 5.0;
+constexpr std::int64_t kReplierTurnNs = 20 * kNanosecondsPerMillisecond;
+
+}  // namespace
+
+Result<std::unique_ptr<ForceReplier>> ForceReplier::start(RosNode& node, const Settings& settings) {
+  auto connection = HubConnection::open(NodeRole::haptics, settings.hub);
+  if (!connection) return tl::unexpected(connection.error());
+  if (const auto joined = (*connection)->wait_until_joined(kReplierPatienceS); !joined) return tl::unexpected(joined.error());
+  return std::unique_ptr<ForceReplier>(new ForceReplier(node, settings, std::move(*connection)));
+}
+
+ForceReplier::ForceReplier(RosNode& node, const Settings& settings, std::unique_ptr<HubConnection> connection)
+    : node_(node), connection_(std::move(connection)), force_(settings.frame, settings.most_n) {
+  thread_ = start_thread([this, realtime = settings.realtime] { run(realtime); });
+}
+
+ForceReplier::~ForceReplier() { stop(); }
+
+void ForceReplier::stop() {
+  is_stopping_.store(true);
+  if (thread_.joinable()) thread_.join();
+  connection_.reset();  // with a Bye: the hub releases the force at once
+}
+
+std::optional<ServoForce::Verdict> ForceReplier::take_warning() noexcept {
+  const int warning = warning_.exchange(-1);
+  if (warning < 0) return std::nullopt;
+  return static_cast<ServoForce::Verdict>(warning);
+}
+
+void ForceReplier::take_commands() {
+  node_.take_forces([this](const ServoCommand& command) {
+    const ServoForce::Verdict verdict = force_.take(command, connection_->clock().now_ns());
+    if (verdict != ServoForce::Verdict::accepted) warning_.store(static_cast<int>(verdict));
+  });
+}
+
+void ForceReplier::run(RealtimeMode realtime) {
+  // What is denied was said by the publisher, which asks for less.
+  (void)enter_realtime({.mode = realtime});
+  HubClient& client = connection_->client();
+  const Clock& clock = connection_->clock();
+  Datagram datagram;
+  while (!is_stopping_.load(std::memory_order_relaxed)) {
+    if (!client.receive(datagram, clock.now_ns() + kReplierTurnNs)) {
+      take_commands();  // so that none waits, and counts as new, while there is no hub
+      continue;
+    }
+    std::optional<DeviceState> newest;
+    std::uint32_t states = 0;
+    do {
+      const auto* state = std::get_if<DeviceState>(&datagram.message);
+      if (state == nullptr || client.last_arrival() == Arrival::reordered) continue;
+      newest = *state;
+      ++states;
+    } while (client.receive(datagram, 0));
+    if (newest) answer(*newest, states);
+  }
+}
+
+void ForceReplier::answer(const DeviceState& state, std::uint32_t states) {
+  take_commands();
+  HubClient& client = connection_->client();
+  const std::int64_t now_ns = connection_->clock().now_ns();
+  command_.force_n = force_.force_n(now_ns);
+  const std::uint64_t passed = state.sample - command_.echo_sample;
+  command_.answered_before = answers_ == 0 || passed - 1 >= 63 ? 0 : command_.answered_before << passed | std::uint64_t{1} << (passed - 1);
+  command_.echo_sample = state.sample;
+  command_.echo_sample_time_ns = state.sample_time_ns;
+  command_.skipped_samples = states - 1;
+  command_.compute_ns = static_cast<std::uint32_t>(std::max<std::int64_t>(0, now_ns - client.receive_time_ns()));
+  client.send(command_);
+  ++answers_;
+}
+
+}  // namespace hapton::dds

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <thread>
+
+#include "core/base/result.h"
+#include "link/hub_connection.h"
+#include "runtime/realtime.h"
+#include "tools/dds/ros_node.h"
+#include "tools/dds/servo_force.h"
+
+namespace hapton::dds {
+
+// A haptics node whose forces are those of servo_cf: it answers each sample of the device with the command that counts then, or with zero.
+// It has the hub's one place for a haptics node, and the governor of io_node bounds what it answers. RT: no. Threads: a thread of its own;
+// the functions one other.
+class ForceReplier {
+ public:
+  struct Settings {
+    HubConnection::Settings hub;
+    double most_n = 0.0;  // larger forces are scaled down
+    std::string frame;
+    RealtimeMode realtime = RealtimeMode::attempt;
+  };
+  // Error, one line: no hub, no right, or the hub has a haptics node. Pre: node takes forces and outlives this.
+  static Result<std::unique_ptr<ForceReplier>> start(RosNode& node, const Settings& settings);
+  ~ForceReplier();
+  ForceReplier(const ForceReplier&) = delete;
+  ForceReplier& operator=(const ForceReplier&) = delete;
+
+  // Ends the thread. The hub releases the force.
+  void stop();
+  // After stop.
+  const ServoForce::Counts& counts() const noexcept { return force_.counts(); }
+  std::uint64_t answers() const noexcept { return answers_; }
+  // The first command since the last call that was dropped, for a line to a person.
+  std::optional<ServoForce::Verdict> take_warning() noexcept;
+
+ private:
+  ForceReplier(RosNode& node, const Settings& settings, std::unique_ptr<HubConnection> connection);
+  void run(RealtimeMode realtime);
+  void take_commands();
+  void answer(const DeviceState& state, std::uint32_t states);
+
+  RosNode& node_;
+  std::unique_ptr<HubConnection> connection_;
+  ServoForce force_;
+  ForceCommand command_;
+  std::uint64_t answers_ = 0;
+  std::atomic<int> warning_{-1};
+  std::atomic<bool> is_stopping_{false};
+  std::thread thread_;
+};
+
+}  // namespace hapton::dds

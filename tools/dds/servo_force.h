@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "core/math/types.h"
+
+namespace hapton::dds {
+
+// A servo_cf as it came from DDS. Frame W if frame_id names it.
+struct ServoCommand {
+  std::uint64_t writer = 0;  // who wrote it, not 0
+  std::string_view frame_id;
+  Vec3 force_n = Vec3::Zero();
+  Vec3 torque_nm = Vec3::Zero();
+};
+
+// Which forces from DDS count: those of one writer at a time, in the frame that we publish, finite, no larger than allowed, for 20 ms each.
+// The governor of io_node stands behind this and trusts none of it. Units: N, ns. RT: yes. Threads: one.
+class ServoForce {
+ public:
+  // As the governor's command timeout.
+  static constexpr std::int64_t kAgeNs = 20'000'000;
+
+  enum class Verdict : std::uint8_t {
+    accepted,
+    reduced,       // accepted, scaled down to the largest force
+    wrong_frame,   // dropped
+    not_finite,    // dropped, and the force is released
+    has_torque,    // dropped, and the force is released: torques are not passed on
+    other_writer,  // dropped: another one's command counts
+  };
+  struct Counts {
+    std::uint64_t accepted = 0;  // those reduced among them
+    std::uint64_t reduced = 0;
+    std::uint64_t wrong_frame = 0;
+    std::uint64_t not_finite = 0;
+    std::uint64_t has_torque = 0;
+    std::uint64_t other_writer = 0;
+  };
+
+  // Pre: most_n is finite and not negative.
+  ServoForce(std::string frame, double most_n) : frame_(std::move(frame)), most_n_(most_n) {}
+
+  Verdict take(const ServoCommand& command, std::int64_t now_ns) noexcept;
+  // Frame W. Zero if no command came within kAgeNs.
+  Vec3 force_n(std::int64_t now_ns) const noexcept { return is_fresh(now_ns) ? force_n_ : Vec3(Vec3::Zero()); }
+  const Counts& counts() const noexcept { return counts_; }
+
+ private:
+  bool is_fresh(std::int64_t now_ns) const noexcept { return writer_ != 0 && now_ns - taken_ns_ < kAgeNs; }
+  Verdict judge(const ServoCommand& command, std::int64_t now_ns) noexcept;
+
+  std::string frame_;
+  double most_n_;
+  std::uint64_t writer_ = 0;
+  std::int64_t taken_ns_ = 0;
+  Vec3 force_n_ = Vec3::Zero();
+  Counts counts_;
+};
+
+}  // namespace hapton::dds

@@ -1,0 +1,130 @@
+#include "tools/live/marker_line.h"
+
+#include <fcntl.h>
+#include <linux/serial.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "link/marker_request.h"
+
+namespace hapton {
+namespace {
+
+struct Pin {
+  std::string_view name;
+  int bit;
+};
+constexpr Pin kPins[] = {{"CTS", TIOCM_CTS}, {"DSR", TIOCM_DSR}, {"DCD", TIOCM_CD}, {"RI", TIOCM_RI}};
+
+class SerialLine : public DigitalLine {
+ public:
+  SerialLine(int descriptor, SerialInput input) : descriptor_(descriptor), input_(std::move(input)) { before_ = count(); }
+  ~SerialLine() override { ::close(descriptor_); }
+  SerialLine(const SerialLine&) = delete;
+  SerialLine& operator=(const SerialLine&) = delete;
+
+  Result<bool> is_on() override {
+    int bits = 0;
+    if (::ioctl(descriptor_, TIOCMGET, &bits) != 0) return fail("{} cannot be read any more: {}", input_.device, std::strerror(errno));
+    return (bits & input_.bit) != 0;
+  }
+  std::optional<std::uint64_t> changes() override {
+    const auto now = count();
+    if (!now || !before_) return std::nullopt;
+    return static_cast<std::uint32_t>(*now - *before_);
+  }
+
+ private:
+  std::optional<std::uint32_t> count() const {
+    serial_icounter_struct all = {};
+    if (::ioctl(descriptor_, TIOCGICOUNT, &all) != 0) return std::nullopt;
+    switch (input_.bit) {
+      case TIOCM_CTS:
+        return static_cast<std::uint32_t>(all.cts);
+      case TIOCM_DSR:
+        return static_cast<std::uint32_t>(all.dsr);
+      case TIOCM_CD:
+        return static_cast<std::uint32_t>(all.dcd);
+      default:
+        return std::nullopt;  // of RI only one edge is counted
+    }
+  }
+  int descriptor_;
+  SerialInput input_;
+  std::optional<std::uint32_t> before_;
+};
+
+}  // namespace
+
+Result<SerialInput> parse_serial_input(std::string_view text) {
+  const std::size_t colon = text.rfind(':');
+  if (colon != std::string_view::npos && colon > 0) {
+    const std::string_view name = text.substr(colon + 1);
+    const auto* pin = std::find_if(std::begin(kPins), std::end(kPins), [&](const Pin& one) { return one.name == name; });
+    if (pin != std::end(kPins)) return SerialInput{std::string(text.substr(0, colon)), std::string(name), pin->bit};
+  }
+  return fail("--line '{}' is no input of a serial port: give DEVICE:CTS, DEVICE:DSR, DEVICE:DCD or DEVICE:RI, as in /dev/ttyS0:CTS", text);
+}
+
+Result<std::unique_ptr<DigitalLine>> open_serial_input(const SerialInput& input) {
+  // Without waiting for a carrier.
+  const int descriptor = ::open(input.device.c_str(), O_RDONLY | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  if (descriptor < 0) {
+    return fail("{} cannot be opened: {}{}", input.device, std::strerror(errno),
+                errno == EACCES ? "; `sudo adduser $USER dialout`, then log in again" : "");
+  }
+  auto line = std::make_unique<SerialLine>(descriptor, input);
+  if (!line->is_on()) return fail("{} is no serial port with a {} input", input.device, input.name);
+  return line;
+}
+
+LineMarker::LineMarker(Edges edges, std::string on_text, std::string off_text)
+    : edges_(edges), on_text_(std::move(on_text)), off_text_(std::move(off_text)) {}
+
+void LineMarker::see(bool is_on, std::int64_t now_ns) {
+  if (!is_on_ || *is_on_ == is_on) {
+    is_on_ = is_on;
+    return;
+  }
+  is_on_ = is_on;
+  ++counts_.changes;
+  if (!matters(is_on)) return;
+  const std::string& text = is_on ? on_text_ : off_text_;
+  const auto marker = make_marker(text);
+  if (!marker || waiting_.size() >= kMostWaiting) {
+    ++counts_.given_up;
+    return;
+  }
+  waiting_.push_back({.marker = *marker, .text = text, .made_ns = now_ns, .next_ns = now_ns});
+}
+
+std::optional<Marker> LineMarker::next(std::int64_t now_ns) {
+  while (!waiting_.empty() && now_ns - waiting_.front().made_ns >= kPatienceNs) {
+    waiting_.pop_front();
+    ++counts_.given_up;
+  }
+  for (Waiting& one : waiting_) {
+    if (one.next_ns > now_ns) continue;
+    one.next_ns = now_ns + kRepeatNs;
+    return one.marker;
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> LineMarker::take(const MarkerReply& reply) {
+  const auto found =
+      std::find_if(waiting_.begin(), waiting_.end(), [&](const Waiting& one) { return one.marker.request == reply.request; });
+  if (found == waiting_.end()) return std::nullopt;
+  const std::string text = found->text;
+  waiting_.erase(found);
+  const auto sample = read_reply(reply);
+  ++(sample ? counts_.marked : counts_.refused);
+  return sample ? fmt::format("marked sample {}: {}", *sample, text) : fmt::format("not marked: {}: {}", text, sample.error().what);
+}
+
+}  // namespace hapton
