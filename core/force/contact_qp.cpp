@@ -56,14 +56,15 @@ ConstrainedMotion constrain_motion(const Vec3& goal, std::span<const ContactPlan
   result.motion = goal;
   double scale = goal.norm();
   for (const ContactPlane& plane : planes) scale = std::max(scale, std::fabs(plane.height));
-  const double tolerance = 32.0 * kUnitRounding * scale;  // rounding error of one plane's value
+  // Rounding error of one plane's value at y. Between nearly opposite planes y is far longer than the heights.
+  const auto tolerance = [&](const Vec3& y) { return 32.0 * kUnitRounding * std::max(scale, y.cwiseAbs().maxCoeff()); };
 
   const auto slack = [&](int i, const Vec3& y) { return planes[i].normal.dot(y) - planes[i].height; };
   // Each round moves the optimum away from the goal to a new active set. Only rounding can repeat a set, so the bound ends the loop.
   const int rounds = 8 + 4 * static_cast<int>(planes.size());
   for (int round = 0; round < rounds; ++round) {
     int worst = -1;
-    double worst_slack = -tolerance;
+    double worst_slack = -tolerance(result.motion);
     for (int i = 0; i < static_cast<int>(planes.size()); ++i) {
       const double s = slack(i, result.motion);
       if (s < worst_slack) {
@@ -79,8 +80,9 @@ ConstrainedMotion constrain_motion(const Vec3& goal, std::span<const ContactPlan
     double best_distance = std::numeric_limits<double>::infinity();
     const auto consider = [&](const Trial& trial, std::array<int, 3> set, int count) {
       if (!trial.valid) return;
+      const double least = -tolerance(trial.y);
       for (int k = 0; k < n; ++k) {
-        if (slack(old[k], trial.y) < -tolerance) return;
+        if (slack(old[k], trial.y) < least) return;
       }
       const double distance = (trial.y - goal).squaredNorm();
       if (distance >= best_distance) return;

@@ -110,5 +110,26 @@ TEST(ContactQp, ThreePlanesThatCloseLeaveNoMotion) {
   EXPECT_LE(found.motion.norm(), 1e-15);
 }
 
+// A lift out of a groove of a hundredth of a radian, whose walls are not at quite the same distance: the shortest one is two hundred times
+// as long as it is high.
+TEST(ContactQp, LiftsOutOfANarrowGroove) {
+  constexpr std::uint64_t kSeed = 20261123;
+  SCOPED_TRACE(kSeed);
+  std::mt19937_64 random(kSeed);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  for (int round = 0; round < 5000; ++round) {
+    const Vec3 one = Vec3(uniform(random), uniform(random), uniform(random)).normalized();
+    const Vec3 aside = one.cross(Vec3(uniform(random), uniform(random), uniform(random))).normalized();
+    const double angle = std::pow(10.0, -1.0 - 2.0 * std::fabs(uniform(random)));
+    const Vec3 other = (-std::cos(angle) * one + std::sin(angle) * aside).normalized();
+    const double height = 5.7e-14;
+    const std::array<ContactPlane, 2> walls{{{other, height * (1.0 + 0.1 * uniform(random))}, {one, height}}};
+    const ConstrainedMotion lift = constrain_motion(Vec3::Zero(), walls);
+    ASSERT_TRUE(lift.solved) << round << " " << angle;
+    for (const ContactPlane& wall : walls) EXPECT_NEAR(wall.normal.dot(lift.motion), wall.height, 1e-3 * height) << round;
+    EXPECT_NEAR(lift.motion.norm() * std::sin(0.5 * angle), height, 0.2 * height) << round;
+  }
+}
+
 }  // namespace
 }  // namespace hapton

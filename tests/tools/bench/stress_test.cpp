@@ -104,6 +104,7 @@ TEST(Stress, EpisodesThatOnceHadFaultsHaveNone) {
            {"overlapping-parts-2", 1, 32, false, true},
            {"overlapping-parts", 1, 1016, false, true},  // a direction that was mostly rounding
            {"overlapping-parts", 3, 110, false, true},
+           {"knife-gutter", 8, 280},                     // no lift out of a narrow groove
            {"needles", 1, 75, false, true},              // lifted off a needle, behind the face beside it
            {"turned-room", 1, 116, false, true},         // the start was on the wrong side
            {"sealed-box", 1, 21, false, false, 1000.0},  // a device a thousand extents off
