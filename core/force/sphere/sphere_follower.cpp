@@ -179,7 +179,8 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
   }
   queried_ += static_cast<std::uint64_t>(work_);
   const bool has_stuck = has_friction_ && centre_ == start;
-  if (contact_count_ != 0 && !has_stuck && !is_clear_here(2.0 * clearance_.slop)) {
+  const bool is_astray = next == Next::failed && !touches_all();
+  if (contact_count_ != 0 && !has_stuck && (is_astray || !is_clear_here(2.0 * clearance_.slop))) {
     centre_ = start;
     active_count_ = 0;
     contact_count_ = 0;
@@ -193,6 +194,13 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
     return !is_point_ && !(has_friction_ && has_friction_here()) && is_shallow(to, direction) ? Outcome::failed : Outcome::settled;
   is_descending_ = true;
   return Outcome::exhausted;
+}
+
+// A centre that is off its own contacts was put there by an equation that had no solution, perhaps behind a face.
+bool SphereFollower::touches_all() const noexcept {
+  constexpr double kTouches = 0x1p-36;
+  return std::all_of(contacts_.begin(), contacts_.begin() + contact_count_,
+                     [&](const OffsetContact& contact) { return contact.proximity(centre_).distance <= clearance_.offset + kTouches; });
 }
 
 // Many events at one place, each with hardly any motion of the device: within rounding, what holds the centre changes from one to the next.
