@@ -344,6 +344,12 @@ bool SphereFollower::find_active(const Vec3& pull, const Vec3& motion, Vec3& des
   return true;
 }
 
+// The path is clear of everything by an offset. A centre farther from it than a part of that may be on the other side of a face.
+bool SphereFollower::is_near_path(const Vec3& centre, const CentrePath& path, double share) const noexcept {
+  constexpr double kNear = 0.25;
+  return (centre - path.at(share)).norm() <= kNear * clearance_.offset;
+}
+
 // With the device held: one piece of the steepest descent, until the centre is at a minimum.
 SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& motion) noexcept {
   const Vec3 pull = device - centre_;
@@ -387,7 +393,7 @@ SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& mot
   bool is_restored = true;
   place_at_event(path, event, [&](double share) {
     centre_ = path.at(share);
-    is_restored = restore(centre_);
+    is_restored = restore(centre_) && is_near_path(centre_, path, share);
   });
   if (!is_restored) {
     centre_ = before;
@@ -434,7 +440,7 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
   place_at_event(leg.path, event, [&](double share) {
     time = share >= 1.0 ? leg.time : time_before + share * (leg.time - time_before);
     centre_ = leg.path.at(share);
-    if (leg.path.is_straight() || solve(on_path(from, to, time), centre_)) return;
+    if (leg.path.is_straight() || (solve(on_path(from, to, time), centre_) && is_near_path(centre_, leg.path, share))) return;
     centre_ = leg.path.at(share);
     is_restored = restore(centre_);
   });

@@ -204,6 +204,7 @@ class SphereFollower {
   double least_progress() const { return is_point_ ? kAtAxis : kLeastMotion; }
   static Span find_span(const Vec3& from, const Vec3& to);
   Outcome follow_near(const Vec3& from, const Vec3& to, double& time) noexcept;
+  bool is_near_path(const Vec3& centre, const CentrePath& path, double share) const noexcept;
   bool touches_all() const noexcept;
   bool has_lingered() noexcept;
   bool skip_ahead(const Vec3& from, const Vec3& to, double& time) noexcept;
