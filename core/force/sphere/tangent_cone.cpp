@@ -7,7 +7,7 @@ namespace hapton {
 namespace {
 
 constexpr double kSameDirection = 0x1p-20;  // rad; closer directions count as equal
-constexpr double kClosed = 0x1p-17;         // rad; a slit this narrow is closed: the ends of its sheets are known to kSameDirection only
+constexpr double kClosed = 0x1p-17;         // rad; a slit this narrow is closed where its tip is not known to kSameDirection
 
 Vec3 tangent(const Vec3& normal, const Vec3& at, bool ahead) { return ahead ? Vec3(normal.cross(at)) : Vec3(at.cross(normal)); }
 
@@ -92,7 +92,8 @@ TangentCone::Turn TangentCone::find_turn(const Vec3& at, const Vec3& back, const
       if (ahead ? ends : begins) continue;
       const Vec3 heading = tangent(arc.normal, at, ahead);
       double angle = std::atan2(heading.dot(up), heading.dot(back));
-      if (angle <= kClosed) angle += 2.0 * std::numbers::pi;
+      const bool is_tip = std::fabs(arc.normal.dot(at)) <= kSameDirection * angle;
+      if (angle <= (is_tip ? kSameDirection : kClosed)) angle += 2.0 * std::numbers::pi;
       if (angle >= first.opening) continue;
       first = {j, ahead, angle};
     }
