@@ -46,9 +46,10 @@ bool SphereFollower::find_apex(Vec3& apex) const noexcept {
   return (apex - centre_).norm() <= kWedge * clearance_.offset;
 }
 
-// The directions in which the point could leave its corner. False: there is no corner, or its boundary is not found.
-bool SphereFollower::find_cone() noexcept {
-  if ((centre_ - cone_at_).norm() <= 4.0 * clearance_.offset) return has_cone_;
+// The directions in which the point could leave its corner, as found for a centre no farther from this one than `moved`. False: there is no
+// corner, or its boundary is not found.
+bool SphereFollower::find_cone(double moved) noexcept {
+  if ((centre_ - cone_at_).norm() <= moved) return has_cone_;
   cone_at_ = centre_;
   has_cone_ = false;
   Vec3 apex;
@@ -75,7 +76,7 @@ double SphereFollower::least_corner_exit(const Vec3& pull) const noexcept {
 
 // The time at which an edge of the corner first leads nearer to the device; 2: none does.
 double SphereFollower::time_to_corner_exit(const Vec3& from, const Vec3& to, double time) noexcept {
-  if (!is_point_ || corner_tries_ >= kMostTries || !find_cone()) return 2.0;
+  if (!is_point_ || corner_tries_ >= kMostTries || !find_cone(4.0 * clearance_.offset)) return 2.0;
   const Vec3 pull = from - cone_.apex();
   const Vec3 pull_then = to - cone_.apex();
   const double least = 1.0625 * std::max(least_corner_exit(pull), least_corner_exit(pull_then));
@@ -110,7 +111,8 @@ bool SphereFollower::leave_corner(const Vec3& device, const Vec3& motion) noexce
 // Leaves a minimum in the steepest direction that leads to a nearer one. False, and nothing changed: no direction does.
 bool SphereFollower::leave_minimum(const Vec3& device, const Vec3& motion) noexcept {
   if (!is_point_ || contact_count_ == 0) return false;
-  if (find_cone() && leave_corner(device, motion)) return true;
+  // The way out begins where the centre is.
+  if (find_cone(0.0) && leave_corner(device, motion)) return true;
   if (last_fly_over_ == step_) return false;
   last_fly_over_ = step_;
   const auto leads_over = [&](const Vec3& direction) {

@@ -249,7 +249,7 @@ class SphereFollower {
   int find_rising(const OffsetContact& contact, int edge, const Vec3& direction) noexcept;
   static constexpr int kMostEscapeWork = 16384;
   bool find_apex(Vec3& apex) const noexcept;
-  bool find_cone() noexcept;
+  bool find_cone(double moved) noexcept;
   double least_corner_exit(const Vec3& pull) const noexcept;
   double time_to_corner_exit(const Vec3& from, const Vec3& to, double time) noexcept;
   bool leave_minimum(const Vec3& device, const Vec3& motion) noexcept;
