@@ -153,8 +153,8 @@ bool TangentCone::find_boundary(const Vec3& inside) {
       --piece_count_;
       return true;
     }
-    if (is_again && start.from.dot(tangent(own.normal, here.from, here.ahead)) > 0.0 &&
-        start.from.dot(here.from) >= piece.to.dot(here.from)) {
+    const bool is_to_start = (piece.to - start.from).norm() <= 2.0 * kSameDirection || start.from.dot(here.from) >= piece.to.dot(here.from);
+    if (is_again && is_to_start && start.from.dot(tangent(own.normal, here.from, here.ahead)) > 0.0) {
       piece.to = start.from;
       piece.back = tangent(own.normal, start.from, !here.ahead);
       piece.opening = std::numbers::pi;
