@@ -183,19 +183,24 @@ struct StressRun::Impl {
     return p;
   }
 
-  // Starts the reference from a little farther off as well: from within a contact offset of a vertex, it may take the wrong side of a face.
-  bool gains_from_outside(const Vec3& p, const Vec3& device) const {
-    const Vec3 extension = p - device;
-    const Vec3 start = clear_start(p + (kOutsideShare * extent / extension.norm()) * extension);
-    return extension.norm() - (reference->settle_from(start, device).p_SP - device).norm() > kUnconvergedGain * extent;
+  bool gains(const Vec3& start, const Vec3& p, const Vec3& device) const {
+    return (p - device).norm() - (reference->settle_from(start, device).p_SP - device).norm() > kUnconvergedGain * extent;
   }
 
-  // For device positions on all sides of this one: where the path grazes a face, rounding decides on which side it passes.
+  // A little farther off: from within a contact offset of an edge or vertex, the reference may take the wrong side of a face.
+  Vec3 outside_start(const Vec3& p, const Vec3& device) const {
+    return clear_start(p + kOutsideShare * extent * (p - device).normalized());
+  }
+
+  // For device positions on all sides of this one: where the path grazes a face or an edge, rounding decides on which side it passes. From
+  // the same start, and from one that is moved along with the device where nothing is in between.
   bool gains_from_beside(const Vec3& p, const Vec3& device) const {
     for (int corner = 0; corner < 8; ++corner) {
-      const Vec3 beside = device + kBesideShare * extent * corner_direction(corner);
-      if ((p - beside).norm() - (reference->settle_from(clear_start(p), beside).p_SP - beside).norm() <= kUnconvergedGain * extent)
-        return false;
+      const Vec3 beside = kBesideShare * extent * corner_direction(corner);
+      const Vec3 start = outside_start(p, device);
+      if (!gains(clear_start(p), p, device + beside)) return false;
+      if (find_crossing(body.touched, start, start + beside) || (solid && is_beyond(start + beside))) continue;
+      if (!gains(start + beside, p + beside, device + beside)) return false;
     }
     return true;
   }
@@ -224,7 +229,7 @@ struct StressRun::Impl {
     if (is_wrong(end) && solid->compute_distance(end) > 2.0 * kInsideShare * extent && !is_wrong(p)) return;
     // A device on the surface itself has two valid proxies: at the convex edge that it came in by, and at the device.
     const double depth = solid ? solid->compute_distance(device) : extent;
-    if (depth <= kTieShare * extent || is_near_boundary(p, kCrackShare * extent) || !gains_from_outside(p, device) ||
+    if (depth <= kTieShare * extent || is_near_boundary(p, kCrackShare * extent) || !gains(outside_start(p, device), p, device) ||
         !gains_from_beside(p, device) || is_minimum_close_up(p, device))
       return;
     note(solid && gain > kStuckGain * extent && length > depth + kStuckShare * extent ? StressFault::stuck : StressFault::unconverged,
