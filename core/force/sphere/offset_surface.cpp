@@ -93,4 +93,12 @@ bool OffsetContact::is_shared_with(const ContactTriangle& other) const noexcept 
   }
 }
 
+bool OffsetContact::is_same_part(const OffsetContact& other) const noexcept {
+  if (part != other.part || part == Part::face) return false;
+  if (part == Part::vertex) return origin() == other.origin();
+  const Vec3& end = shape.corner((index + 1) % 3);
+  const Vec3& other_end = other.shape.corner((other.index + 1) % 3);
+  return (origin() == other.origin() && end == other_end) || (origin() == other_end && end == other.origin());
+}
+
 }  // namespace hapton

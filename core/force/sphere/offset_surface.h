@@ -49,6 +49,8 @@ struct OffsetContact {
 
   // Whether another triangle has the same face, edge or corner. Compares coordinates, so duplicated vertices count.
   bool is_shared_with(const ContactTriangle& other) const noexcept;
+  // Whether both are on the same edge or corner, of whichever triangle.
+  bool is_same_part(const OffsetContact& other) const noexcept;
 };
 
 }  // namespace hapton

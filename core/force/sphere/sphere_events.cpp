@@ -147,6 +147,10 @@ bool SphereFollower::apply_event(const Event& event, const CentrePath& path) noe
       return true;
     }
     move_to_next_part(event.contact, event.exit, path.slope(event.time));
+    if (is_held_twice(event.contact)) {
+      remove_contact(event.contact);
+      return true;
+    }
     if (restore(centre_)) return true;
     if (!is_point_) return false;
     // No position fits it and the others. The others are hit again if they are in the way.
@@ -160,6 +164,14 @@ bool SphereFollower::apply_event(const Event& event, const CentrePath& path) noe
     return add_contact(OffsetContact::nearest(near_.triangle(event.slot), near_.shape(event.slot), centre_));
   }
   return true;
+}
+
+// Whether another contact that is active is on the same edge or corner, of another triangle.
+bool SphereFollower::is_held_twice(int i) const noexcept {
+  for (int k = 0; k < active_count_; ++k) {
+    if (k != i && contacts_[k].is_same_part(contacts_[i])) return true;
+  }
+  return false;
 }
 
 // Across an edge of a face the adjacent face may rise by so little that it was not hit before. Returns a slot; -1: none.

@@ -246,6 +246,7 @@ class SphereFollower {
   bool apply_event(const Event& event, const CentrePath& path) noexcept;
   std::optional<Next> end_leg(const CentrePath& path, const Event& event, bool is_whole, int released, const Vec3& device) noexcept;
   void move_to_next_part(int i, const Exit& exit, const Vec3& direction) noexcept;
+  bool is_held_twice(int i) const noexcept;
   int find_rising(const OffsetContact& contact, int edge, const Vec3& direction) noexcept;
   static constexpr int kMostEscapeWork = 16384;
   bool find_apex(Vec3& apex) const noexcept;
