@@ -7,6 +7,7 @@ namespace hapton {
 namespace {
 
 constexpr double kLeastStep = 0x1p-50;   // of a path's time
+constexpr double kAtCorner = 0x1p-44;    // local units; beyond the end of an edge by less, a contact is still on it
 constexpr double kSlopeError = 0x1p-11;  // of its length
 
 double rate_error(const ContactTriangle& triangle, const Separation& at, const Vec3& velocity) {
@@ -216,12 +217,21 @@ double CentrePath::find_turning_point(const Vec3& direction, double low, double 
   return before;
 }
 
+// The corner that guides the path and is nearest to it. An edge beyond, in line with the one that is touched, is as near all along the
+// path.
+int CentrePath::find_guiding_corner(const ContactTriangle& triangle, unsigned guiding, const Vec3& nearest) const noexcept {
+  for (int k = 0; k < 3; ++k) {
+    if ((guiding >> k & 1U) != 0 && (triangle.corner(k) - nearest).squaredNorm() <= kAtCorner * kAtCorner) return k;
+  }
+  return -1;
+}
+
 // When another point of the triangle becomes nearer than the corner.
 double CentrePath::time_to_leave_corner(const ContactTriangle& triangle, int corner, double from, double until) const noexcept {
   double time = kNever;
   const int before = (corner + 2) % 3;
   const auto leave = [&](const Vec3& direction) {
-    time = std::min(time, time_to_cross(triangle.corner(corner), direction, 0.0, from, std::min(until, time)));
+    time = std::min(time, time_to_cross(triangle.corner(corner), direction, kAtCorner, from, std::min(until, time)));
   };
   if (triangle.length(corner) > 0.0) leave(triangle.edge(corner) / triangle.length(corner));
   if (triangle.length(before) > 0.0) leave(triangle.edge(before) / -triangle.length(before));
@@ -240,10 +250,8 @@ CentrePath::Block CentrePath::find_below(const ContactTriangle& triangle, const 
     ++tests;
     const Vec3 point = at(time);
     const Separation now = triangle.separation(point);
-    if (guiding != 0 && now.feature == Feature::vertex) {
-      int corner = 0;
-      while (corner < 2 && triangle.corner(corner) != now.nearest) ++corner;
-      if ((guiding >> corner & 1U) != 0) {
+    if (guiding != 0 && now.feature != Feature::face) {
+      if (const int corner = find_guiding_corner(triangle, guiding, now.nearest); corner >= 0) {
         const double leaves = time_to_leave_corner(triangle, corner, time, until);
         time = std::max(leaves, time) + least_step;
         if (!(time < until)) return {};
