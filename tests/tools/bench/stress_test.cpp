@@ -84,6 +84,7 @@ struct OnceFaulty {
   bool on_grid = false;
   double offset_extents = 0.0;
   double probe_share = 0.0;
+  double scale = 1.0;
 };
 
 TEST(Stress, EpisodesThatOnceHadFaultsHaveNone) {
@@ -112,13 +113,17 @@ TEST(Stress, EpisodesThatOnceHadFaultsHaveNone) {
            {"sealed-star-fine", 1, 437, false, false, 10.0},  // thousands of events at one place
            {"sliver-fan", 6, 352},                            // 3,000 triangles at one vertex
            {"sliver-fan", 3, 82, false, false, 0.0, 0.001},
+           {"needles", 8, 153, false, false, 0.0, 0.0, 1e6},  // one edge held the point twice
+           {"probe-star", 9, 194},                            // rolled about the end of an edge, along another in line with it
+           {"probe-staircase", 9, 372, false, false, 10.0},
+           {"overlapping-parts-2", 8, 128},  // the device exactly below a convex edge
        }) {
     StressPlan plan;
     plan.method.name = "proxy";
     plan.seed = once.seed;
     plan.on_grid = once.on_grid;
     plan.probe_share = once.probe_share;
-    plan.variants = {{.offset_extents = once.offset_extents}};
+    plan.variants = {{.scale = once.scale, .offset_extents = once.offset_extents}};
     if (once.has_friction) plan.variants[0].friction_static = 0.5;
     if (once.has_friction) plan.variants[0].friction_dynamic = 0.4;
     const auto results = run_episode({make_stress_body(once.body)}, plan, once.episode);

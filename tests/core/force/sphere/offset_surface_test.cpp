@@ -174,6 +174,14 @@ TEST_F(OffsetSurface, PartsAreEqualByTheirPositions) {
   EXPECT_TRUE(!face.is_shared_with(at_corner) && !edge.is_shared_with(at_corner) && vertex.is_shared_with(at_corner));
   EXPECT_FALSE(OffsetContact::on_edge(0, shape, 1).is_shared_with(beside));
   EXPECT_FALSE(OffsetContact::on_vertex(0, shape, 2).is_shared_with(at_corner));
+  EXPECT_TRUE(edge.is_same_part(OffsetContact::on_edge(1, beside, 0)));
+  EXPECT_FALSE(edge.is_same_part(OffsetContact::on_edge(1, beside, 1)));
+  EXPECT_FALSE(edge.is_same_part(OffsetContact::on_edge(1, copy, 0)));
+  EXPECT_TRUE(edge.is_same_part(OffsetContact::on_edge(1, copy, 1)));
+  EXPECT_TRUE(vertex.is_same_part(OffsetContact::on_vertex(1, at_corner, 1)));
+  EXPECT_FALSE(vertex.is_same_part(OffsetContact::on_vertex(1, at_corner, 0)));
+  EXPECT_FALSE(vertex.is_same_part(edge));
+  EXPECT_FALSE(face.is_same_part(OffsetContact::on_face(1, copy, copy.normal())));
 }
 
 }  // namespace

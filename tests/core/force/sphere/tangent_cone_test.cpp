@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <random>
+#include <utility>
 #include <vector>
 
 namespace hapton {
@@ -165,6 +167,55 @@ TEST(TangentCone, ASlitBetweenSheetsThatCrossIsClosed) {
 }
 
 // One after the other, from the steepest to the least steep.
+// A vertex of the NIST assembly (local coordinates). The direction the point is in is nearest to the end of an arc, so the walk begins
+// there.
+TEST(TangentCone, ClosesWhereItBeganAtTheEndOfAnArc) {
+  const Vec3 apex(0.377247445811, 0.224334866022, -0.195035136);
+  const Vec3 right(0.378984936243, 0.223001706496, -0.195035136);
+  const Vec3 left(0.375914496, 0.226072146739, -0.195035136);
+  const Vec3 far(0.212786059674, 0.224334866022, -0.195035136);
+  const Vec3 farther(0.2141192192, 0.226072146739, -0.195035136);
+  const Vec3 up(0.0, 0.0, 0.023068672);
+  TangentCone cone = cone_of(apex, {{right, far, apex},
+                                    {apex, far, farther},
+                                    {apex, farther, left},
+                                    {apex, Vec3(right + up), right},
+                                    {Vec3(right + up), apex, Vec3(apex + up)},
+                                    {Vec3(left + up), apex, left},
+                                    {apex, Vec3(left + up), Vec3(apex + up)}});
+  ASSERT_TRUE(cone.find_boundary(Vec3(0.707113, 0.707101, 0.0).normalized()));
+  EXPECT_LE(cone.boundary().size(), 10U);
+  double edges = 0;
+  for (const TangentCone::Piece& piece : cone.boundary()) edges += std::fabs(piece.opening - kPi) > 1e-6 ? 1 : 0;
+  EXPECT_EQ(edges, 3);
+}
+
+// Directions at a vertex of barkour_body_dirty, where two sheets meet at 6.6e-6 rad: the boundary goes into the wedge between them and out
+// again.
+TEST(TangentCone, AWedgeWithATipIsNoSlit) {
+  const std::vector<std::pair<Vec3, Vec3>> arcs = {{{0.92391485, 0.33257945, -0.18913558}, {0.0, 0.84845166, -0.52927289}},
+                                                   {{0.0, 0.91376631, 0.40624023}, {0.99395900, 0.06546079, 0.08809308}},
+                                                   {{0.99395900, 0.06546079, 0.08809308}, {0.98010665, 0.09923547, -0.17188157}},
+                                                   {{0.98010665, 0.09923547, -0.17188157}, {0.92391485, 0.33257945, -0.18913558}},
+                                                   {{0.0, -0.41741980, 0.90871377}, {0.0, 0.91376631, 0.40624023}},
+                                                   {{0.0, 0.89879413, -0.43837097}, {-0.99996626, -0.00461100, -0.00679895}},
+                                                   {{-0.99996626, -0.00461100, -0.00679895}, {-0.00000580, 0.83069180, 0.55673255}},
+                                                   {{0.0, -0.97698402, 0.21331253}, {0.0, -0.82116357, 0.57069290}},
+                                                   {{0.0, -0.93804699, -0.34650808}, {0.0, -0.97698402, 0.21331253}},
+                                                   {{0.0, -0.08398919, 0.99646667}, {0.0, -0.93804699, -0.34650808}},
+                                                   {{-0.00000580, 0.83069180, 0.55673255}, {0.0, -0.08398919, 0.99646667}},
+                                                   {{0.0, -0.82116357, 0.57069290}, {0.0, -0.41741980, 0.90871377}},
+                                                   {{0.0, 0.84845166, -0.52927289}, {0.0, -0.93804699, -0.34650808}},
+                                                   {{0.0, -0.93804699, -0.34650808}, {0.0, 0.89879413, -0.43837097}}};
+  std::vector<ContactTriangle> triangles;
+  for (const auto& [a, b] : arcs) triangles.emplace_back(Vec3::Zero(), a, b);
+  TangentCone cone = cone_of(Vec3::Zero(), triangles);
+  ASSERT_TRUE(cone.find_boundary(Vec3(0.968926, 0.246824, -0.016160).normalized()));
+  const auto narrowest =
+      std::min_element(cone.boundary().begin(), cone.boundary().end(), [](const auto& a, const auto& b) { return a.opening < b.opening; });
+  EXPECT_NEAR(narrowest->opening, 6.6e-6, 1e-7);
+}
+
 TEST(TangentCone, TellsTheNextSteepestDirections) {
   TangentCone cone = cone_of(Vec3::Zero(), cube_corner());
   ASSERT_TRUE(cone.find_boundary(Vec3::Ones().normalized()));
