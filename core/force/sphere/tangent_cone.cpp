@@ -7,7 +7,7 @@ namespace hapton {
 namespace {
 
 constexpr double kSameDirection = 0x1p-20;  // rad; closer directions count as equal
-constexpr double kClosed = 0x1p-17;         // rad; a slit this narrow is closed where its tip is not known to kSameDirection
+constexpr double kClosed = 0x1p-17;         // rad; a slit this narrow is closed, unless it is the wedge at the end of an arc
 
 Vec3 tangent(const Vec3& normal, const Vec3& at, bool ahead) { return ahead ? Vec3(normal.cross(at)) : Vec3(at.cross(normal)); }
 
@@ -79,8 +79,9 @@ Vec3 TangentCone::find_end(int arc, bool ahead, const Vec3& from) const {
   return stop;
 }
 
-// The first arc met by a rotation about `at` from `back` through `up`.
-TangentCone::Turn TangentCone::find_turn(const Vec3& at, const Vec3& back, const Vec3& up) const {
+// The first arc met by a rotation about `at` from `back` through `up`. Sheets that cross at a small angle are one within rounding for a
+// long way, so nothing leads into the slit between them; the wedge between two that meet at the end of one has an exact tip.
+TangentCone::Turn TangentCone::find_turn(const Vec3& at, const Vec3& back, const Vec3& up, bool is_end) const {
   Turn first;
   first.opening = std::numeric_limits<double>::infinity();
   for (int j = 0; j < arc_count_; ++j) {
@@ -92,7 +93,7 @@ TangentCone::Turn TangentCone::find_turn(const Vec3& at, const Vec3& back, const
       if (ahead ? ends : begins) continue;
       const Vec3 heading = tangent(arc.normal, at, ahead);
       double angle = std::atan2(heading.dot(up), heading.dot(back));
-      const bool is_tip = std::fabs(arc.normal.dot(at)) <= kSameDirection * angle;
+      const bool is_tip = (is_end || begins || ends) && std::fabs(arc.normal.dot(at)) <= kSameDirection * angle;
       if (angle <= (is_tip ? kSameDirection : kClosed)) angle += 2.0 * std::numbers::pi;
       if (angle >= first.opening) continue;
       first = {j, ahead, angle};
@@ -125,13 +126,13 @@ bool TangentCone::find_start(const Vec3& inside, Walk& start) const {
   const Vec3 back = inside - start.from.dot(inside) * start.from;
   const double length = back.norm();
   if (!(length > kSameDirection)) return false;
-  start = turn(start.from, back / length, start.from.cross(back / length)).walk;
+  start = turn(start.from, back / length, start.from.cross(back / length), true).walk;
   return start.arc >= 0;
 }
 
 // From one piece to the next at the direction `at`.
-TangentCone::Turned TangentCone::turn(const Vec3& at, const Vec3& back, const Vec3& up) const {
-  const Turn turn = find_turn(at, back, up);
+TangentCone::Turned TangentCone::turn(const Vec3& at, const Vec3& back, const Vec3& up, bool is_end) const {
+  const Turn turn = find_turn(at, back, up, is_end);
   if (turn.arc < 0) return {};
   const Vec3 to_free = std::sin(turn.opening) * back - std::cos(turn.opening) * up;
   return {{turn.arc, turn.ahead, arcs_[static_cast<std::size_t>(turn.arc)].normal.dot(to_free) > 0.0, at}, turn.opening};
@@ -161,7 +162,8 @@ bool TangentCone::find_boundary(const Vec3& inside) {
       return true;
     }
     piece.back = tangent(own.normal, piece.to, !here.ahead);
-    const Turned turned = turn(piece.to, piece.back, piece.normal);
+    const bool is_end = (piece.to - (here.ahead ? own.b : own.a)).norm() <= 2.0 * kSameDirection;
+    const Turned turned = turn(piece.to, piece.back, piece.normal, is_end);
     if (turned.walk.arc < 0) return false;
     piece.opening = turned.opening;
     here = turned.walk;

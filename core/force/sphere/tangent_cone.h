@@ -71,8 +71,8 @@ class TangentCone {
   bool add_arcs(const ContactTriangle& shape, double near);
   static bool is_on(const Arc& arc, const Vec3& direction);
   Vec3 find_end(int arc, bool ahead, const Vec3& from) const;
-  Turn find_turn(const Vec3& at, const Vec3& back, const Vec3& up) const;
-  Turned turn(const Vec3& at, const Vec3& back, const Vec3& up) const;
+  Turn find_turn(const Vec3& at, const Vec3& back, const Vec3& up, bool is_end) const;
+  Turned turn(const Vec3& at, const Vec3& back, const Vec3& up, bool is_end) const;
   bool find_start(const Vec3& inside, Walk& start) const;
 
   Vec3 apex_ = Vec3::Zero();

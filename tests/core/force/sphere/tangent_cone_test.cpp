@@ -166,7 +166,6 @@ TEST(TangentCone, ASlitBetweenSheetsThatCrossIsClosed) {
   }
 }
 
-// One after the other, from the steepest to the least steep.
 // A vertex of the NIST assembly (local coordinates). The direction the point is in is nearest to the end of an arc, so the walk begins
 // there.
 TEST(TangentCone, ClosesWhereItBeganAtTheEndOfAnArc) {
@@ -216,6 +215,7 @@ TEST(TangentCone, AWedgeWithATipIsNoSlit) {
   EXPECT_NEAR(narrowest->opening, 6.6e-6, 1e-7);
 }
 
+// One after the other, from the steepest to the least steep.
 TEST(TangentCone, TellsTheNextSteepestDirections) {
   TangentCone cone = cone_of(Vec3::Zero(), cube_corner());
   ASSERT_TRUE(cone.find_boundary(Vec3::Ones().normalized()));
