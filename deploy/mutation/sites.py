@@ -1,7 +1,7 @@
 """Where a source file can be changed by a plausible mistake, and the text of the change.
 
 A site is an expression or a statement of a function that is not constexpr. Every mutant of a build is compiled in at once, and the environment
-variable HAPTON_MUTANT chooses one: `a < b` becomes `(hapton_mutant == 7 ? (a <= b) : (a < b))`.
+variable HAPTON_MUTANT chooses one: `a < b` becomes `(hapton_has_mutant(7) ? (a <= b) : (a < b))`.
 """
 
 from dataclasses import dataclass
@@ -38,9 +38,9 @@ class Mutant:
     number: int = 0
 
     def code(self) -> str:
-        chosen = f"hapton_mutant == {self.number}"
+        chosen = f"hapton_has_mutant({self.number})"
         if self.operator == "statement deleted":
-            return f"if (hapton_mutant != {self.number}) {self.original}"
+            return f"if (!{chosen}) {self.original}"
         if self.operator == "compound assignment":
             return f"if ({chosen}) {{ {self.mutated}; }} else {self.original}"
         return f"({chosen} ? ({self.mutated}) : ({self.original}))"

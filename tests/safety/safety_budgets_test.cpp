@@ -113,6 +113,17 @@ TEST(SafetyGovernor, TheEndOfTheWorkspaceRemovesOutwardForceAndAddsNothing) {
   EXPECT_GT(bench.governor.counters().stopped, 200U);
 }
 
+TEST(SafetyGovernor, OnAShortAxisTheForceFadesOverATenthOfIt) {
+  DeviceLimits limits = device_limits();
+  limits.workspace_min_m.z() = -0.02;
+  limits.workspace_max_m.z() = 0.02;
+  for (const auto& [z_m, share] : {std::pair{0.0155, 1.0}, {0.018, 0.5}, {0.02, 0.0}}) {
+    Bench bench(limits);
+    bench.sample.p_WD.z() = z_m;
+    EXPECT_NEAR(bench.press(4.0, 300).z(), 4.0 * share, 1e-9) << z_m;
+  }
+}
+
 TEST(SafetyGovernor, HotMotorsGetTheContinuousForceWithoutAJump) {
   DeviceLimits limits = device_limits();
   limits.continuous_force_n = 2.0;
