@@ -24,6 +24,17 @@ TEST(SafetyGovernor, AForceThatAcceleratesAFastDeviceFadesToDamping) {
   EXPECT_LT(before, -2.0);
 }
 
+TEST(SafetyGovernor, ASoftDeviceIsDampedNoMoreThanItsStiffnessBears) {
+  DeviceLimits limits = device_limits();
+  limits.max_stiffness_n_per_m = 0.5;
+  Bench bench(limits);
+  bench.sample.p_WD.z() = -0.09;
+  bench.press(1.0, 200);
+  sweep(bench, 1.9, 50);
+  EXPECT_GT(bench.governor.counters().braked, 0U);
+  EXPECT_GT(bench.out.force_n.z(), -0.01) << "2 ms of 0.5 N/m, at 2 m/s";
+}
+
 TEST(SafetyGovernor, ADeviceFasterThanItsLimitLatches) {
   Bench bench;
   bench.sample.p_WD.z() = -0.09;
