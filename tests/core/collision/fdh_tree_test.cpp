@@ -167,10 +167,11 @@ TYPED_TEST(FdhTreeOf, ASweepFromTheCentreFindsWhatItJustReachesAtItsEnd) {
   for (int i = 0; i < 3000; ++i) {
     const auto t = static_cast<std::uint32_t>(points.random() % mesh.triangles.size());
     const Vec3 to = mesh.corner(t, i % 3) + 1e-5 * points.direction();
-    const double distance = std::sqrt(segment_triangle_distance_squared<double>(
-        of3(tree->centre()), of3(to), of3(mesh.corner(t, 0)), of3(mesh.corner(t, 1)), of3(mesh.corner(t, 2))));
+    const double distance = std::sqrt(segment_triangle_distance_squared<double>(of3(tree->centre()), of3(to), of3(mesh.corner(t, 0)),
+                                                                                of3(mesh.corner(t, 1)), of3(mesh.corner(t, 2))));
     bool is_visited = false;
-    tree->for_each_overlapping(FdhSweep{tree->centre(), to, distance * (1.0 + 1e-9)}, [&](std::uint32_t found) { is_visited |= found == t; });
+    tree->for_each_overlapping(FdhSweep{tree->centre(), to, distance * (1.0 + 1e-9)},
+                               [&](std::uint32_t found) { is_visited |= found == t; });
     EXPECT_TRUE(is_visited) << i;
   }
 }
