@@ -108,7 +108,7 @@ TEST(SafetyGovernor, ACommandThatComesExactlyAtTheTimeoutRampsIn) {
   EXPECT_LT(command_at(answered_ns + kCommandTimeoutNs + 3 * kMs), 1.0);
   // A command that is that old itself is no command.
   const std::uint64_t rejected = bench.governor.counters().rejected_old;
-  bench.governor.step(WrenchCommand{{Vec3(0, 0, 4), Vec3::Zero()}, bench.now_ns}, bench.now_ns + kCommandTimeoutNs);
+  bench.governor.step(WrenchCommand{{Vec3(0, 0, 4), Vec3::Zero()}, bench.now_ns + 1}, bench.now_ns + 1 + kCommandTimeoutNs);
   EXPECT_EQ(bench.governor.counters().rejected_old, rejected + 1);
 }
 

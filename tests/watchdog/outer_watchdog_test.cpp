@@ -152,7 +152,7 @@ TEST(ForceCutterTest, ClosesNoFileButItsOwn) {
     std::ofstream(path).flush();
     page->set_hid(path, std::vector<std::uint8_t>{1});
     cutter.prepare();
-    page->set_hid(path + ".gone", std::vector<std::uint8_t>{1});
+    page->set_hid("", std::vector<std::uint8_t>{1});
     cutter.prepare();
   }
   EXPECT_NE(::fcntl(STDOUT_FILENO, F_GETFD), -1);

@@ -125,13 +125,13 @@ TriangleMesh crowded_tip(std::uint32_t n, double side) {
 
 // More pairs than fit lie within reach of the whole motion: a shorter one is made, and what is left is not taken for done.
 TEST(ToolProxy, WhereTooMuchIsNearItGoesInShorterStepsAndSaysSo) {
-  const TriangleMesh tip = crowded_tip(400, -1.0);
+  const TriangleMesh tip = crowded_tip(1500, -1.0);
   const TouchGeometry scene{std::vector<const TriangleMesh*>{&tip}};
-  const ObjectGeometry tool{crowded_tip(400, 1.0), {Vec3::Zero(), scene.unit_m()}};
+  const ObjectGeometry tool{crowded_tip(1500, 1.0), {Vec3::Zero(), scene.unit_m()}};
   ToolProxy proxy{tool, scene, 0.2};
   const auto at = [&](const Vec3& p_m) { return Placement{scene.to_local(p_m), Quat::Identity()}; };
-  proxy.reset(at({0.0, 0.0, 0.02}));
-  const Placement device = at({0.25, 0.0, 0.02});
+  proxy.reset(at({0.0, 0.0, 0.003}));
+  const Placement device = at({0.25, 0.0, 0.003});
   int unfinished = 0;
   bool has_arrived = false;
   for (int n = 0; n < 50 && !has_arrived; ++n) {
