@@ -116,7 +116,7 @@ TEST(ProxySlide, SlidingGoesOnOverCracks) {
   rough.friction_static = 0.8;
   rough.friction_dynamic = 0.3;
   const double depth = 0.002;
-  const auto proxy = point_over(scene_of(make_torn(make_plane_grid(0.1, 16), 1e-7), rough));
+  const auto proxy = point_over(scene_of(make_torn(make_plane_grid(0.1, 16), 1e-11), rough));
   const Vec3 start(-0.04, 0.0013, 0.001);
   proxy->reset(start);
   proxy->step({.p_SD = Vec3(start.x(), start.y(), -depth)});
