@@ -8,7 +8,6 @@
 #include "core/force/evaluation/force_error.h"
 #include "core/force/proxy/proxy_method.h"
 #include "core/force/reference/reference_method.h"
-#include "core/geometry/cracked_shapes.h"
 #include "core/geometry/mesh_shapes.h"
 #include "tests/support/made_scene.h"
 
@@ -107,29 +106,6 @@ TEST(ProxySlide, FrictionIsTheReferencesAndInsideItsCone) {
     squares += (felt[i].force_n - expected[i].force_n).squaredNorm() / expected[i].force_n.squaredNorm();
   }
   EXPECT_LE(std::sqrt(squares / static_cast<double>(contacts)), 0.02);
-}
-
-// Where a mesh is torn, sweeps carry the proxy from one face to the next: what slides goes on sliding, and is not held by the static
-// coefficient again.
-TEST(ProxySlide, SlidingGoesOnOverCracks) {
-  Material rough;
-  rough.friction_static = 0.8;
-  rough.friction_dynamic = 0.3;
-  const double depth = 0.002;
-  const auto proxy = point_over(scene_of(make_torn(make_plane_grid(0.1, 16), 1e-11), rough));
-  const Vec3 start(-0.04, 0.0013, 0.001);
-  proxy->reset(start);
-  proxy->step({.p_SD = Vec3(start.x(), start.y(), -depth)});
-  int slides = 0;
-  for (int i = 1; i <= 700; ++i) {
-    const Vec3 force = proxy->step({.p_SD = Vec3(start.x() + 1e-4 * i, start.y() + 2e-5 * i, -depth)}).force_n;
-    if (i < 40) continue;
-    ASSERT_GT(force.z(), 0.0) << i;
-    ASSERT_LE(std::hypot(force.x(), force.y()), 0.3 * force.z() * (1.0 + 1e-3)) << i;
-    ++slides;
-  }
-  EXPECT_EQ(slides, 661);
-  EXPECT_GT(proxy->counters().swept, 0U);
 }
 
 // Vertices are numbered per object: a triangle with the same vertex numbers may be another object's.
