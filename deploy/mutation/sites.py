@@ -36,6 +36,7 @@ class Mutant:
     original: str
     mutated: str
     number: int = 0
+    context: str = ""  # of a number: its line
 
     def code(self) -> str:
         chosen = f"hapton_has_mutant({self.number})"
@@ -47,7 +48,8 @@ class Mutant:
 
     def key(self) -> str:
         """What names a mutant as long as its line stays as it is."""
-        return f"{self.path}: {self.original} -> {self.mutated or '(deleted)'}".replace("\n", " ")
+        where = f" in: {self.context}" if self.context else ""
+        return f"{self.path}: {self.original} -> {self.mutated or '(deleted)'}{where}".replace("\n", " ")
 
     def describe(self) -> str:
         return f"{self.path}:{self.line}: {self.operator}: {' '.join(self.original.split())} -> {' '.join(self.mutated.split()) or '(deleted)'}"
@@ -84,7 +86,9 @@ class SiteFinder:
 
     def add(self, cursor, operator: str, mutated: str):
         start, end = cursor.extent.start.offset, cursor.extent.end.offset
-        self.mutants.append(Mutant(self.path, cursor.extent.start.line, operator, start, end, self.source(cursor), mutated))
+        line = cursor.extent.start.line
+        context = self.text.splitlines()[line - 1].decode(errors="replace").strip() if operator == "number" else ""
+        self.mutants.append(Mutant(self.path, line, operator, start, end, self.source(cursor), mutated, context=context))
 
     def add_sites(self, cursor, parent):
         kind = cursor.kind

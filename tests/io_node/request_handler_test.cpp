@@ -153,33 +153,31 @@ TEST_F(Servos, AnotherVisionNodeDoesNotReleaseTheHand) {
   make();
   join(kVision, NodeRole::vision);
   constexpr std::uint16_t kOther = 9;
-  const auto other_says = [&](std::uint64_t sequence, const Message& message) {
-    endpoint.arrive(clock.now_ns(), at(kOther), {{sequence == 1 ? 0 : kSession, 1009, sequence, clock.now_ns()}, message});
-  };
-  other_says(1, Hello{NodeRole::vision});
-  run(2);
+  say(kOther, Hello{NodeRole::vision});
+  run(3);
+  ASSERT_EQ(peers.count(NodeRole::vision), 2U);
   say(kVision, HandTarget{true, Vec3(0.01, 0, 0)});
-  run(2);
-  other_says(2, HandTarget{});
-  run(2);
+  run(3);
+  ASSERT_TRUE(device.hand);
+  say(kOther, HandTarget{});
+  run(3);
   EXPECT_TRUE(device.hand);
-  other_says(3, Bye{});
-  run(2);
+  say(kOther, Bye{});
+  run(3);
+  EXPECT_EQ(peers.count(NodeRole::vision), 1U);
   EXPECT_TRUE(device.hand);
 }
 
 TEST_F(Servos, ARequestThatANewerOneOvertookIsIgnored) {
   make();
   join(kTool, NodeRole::tool);
-  run(2);
-  const auto rate_of = [&](std::uint64_t sequence, double rate_hz) {
-    endpoint.arrive(clock.now_ns(), at(kTool), {{kSession, 1000ULL + kTool, sequence, clock.now_ns()}, Settings{.servo_rate_hz = rate_hz}});
-  };
-  const std::uint64_t last = sequences[kTool];
-  rate_of(last + 2, 2000.0);
-  run(2);
-  rate_of(last + 1, 500.0);
-  run(2);
+  run(10);
+  const std::uint64_t overtaken = ++sequences[kTool];
+  say(kTool, Settings{2000.0, {}, false});
+  run(3);
+  ASSERT_EQ(servo->rate_hz(), 2000.0);
+  endpoint.arrive(clock.now_ns(), at(kTool), {{kSession, 1000ULL + kTool, overtaken, clock.now_ns()}, Settings{500.0, {}, false}});
+  run(3);
   EXPECT_EQ(servo->rate_hz(), 2000.0);
 }
 
