@@ -168,19 +168,6 @@ TEST_F(Servos, AnotherVisionNodeDoesNotReleaseTheHand) {
   EXPECT_TRUE(device.hand);
 }
 
-TEST_F(Servos, ARequestThatANewerOneOvertookIsIgnored) {
-  make();
-  join(kTool, NodeRole::tool);
-  run(10);
-  const std::uint64_t overtaken = ++sequences[kTool];
-  say(kTool, Settings{2000.0, {}, false});
-  run(3);
-  ASSERT_EQ(servo->rate_hz(), 2000.0);
-  endpoint.arrive(clock.now_ns(), at(kTool), {{kSession, 1000ULL + kTool, overtaken, clock.now_ns()}, Settings{500.0, {}, false}});
-  run(3);
-  EXPECT_EQ(servo->rate_hz(), 2000.0);
-}
-
 TEST_F(Servos, ALatchedFaultIsReportedRecordedAndResetByAToolAlone) {
   RecordingTap tap;
   make({.hold_button = 2}, nullptr, &tap);  // held: someone is at the device
