@@ -1,7 +1,7 @@
 """Where a source file can be changed by a plausible mistake, and the text of the change.
 
 A site is an expression or a statement of a function that is not constexpr. Every mutant of a build is compiled in at once, and the environment
-variable HAPTON_MUTANT chooses one: `a < b` becomes `(hapton_mutant == 7 ? (a <= b) : (a < b))`.
+variable HAPTON_MUTANT chooses one: `a < b` becomes `(hapton_has_mutant(7) ? (a <= b) : (a < b))`.
 """
 
 from dataclasses import dataclass
@@ -36,18 +36,20 @@ class Mutant:
     original: str
     mutated: str
     number: int = 0
+    context: str = ""  # of a number: its line
 
     def code(self) -> str:
-        chosen = f"hapton_mutant == {self.number}"
+        chosen = f"hapton_has_mutant({self.number})"
         if self.operator == "statement deleted":
-            return f"if (hapton_mutant != {self.number}) {self.original}"
+            return f"if (!{chosen}) {self.original}"
         if self.operator == "compound assignment":
             return f"if ({chosen}) {{ {self.mutated}; }} else {self.original}"
         return f"({chosen} ? ({self.mutated}) : ({self.original}))"
 
     def key(self) -> str:
         """What names a mutant as long as its line stays as it is."""
-        return f"{self.path}: {self.original} -> {self.mutated or '(deleted)'}".replace("\n", " ")
+        where = f" in: {self.context}" if self.context else ""
+        return f"{self.path}: {self.original} -> {self.mutated or '(deleted)'}{where}".replace("\n", " ")
 
     def describe(self) -> str:
         return f"{self.path}:{self.line}: {self.operator}: {' '.join(self.original.split())} -> {' '.join(self.mutated.split()) or '(deleted)'}"
@@ -84,7 +86,9 @@ class SiteFinder:
 
     def add(self, cursor, operator: str, mutated: str):
         start, end = cursor.extent.start.offset, cursor.extent.end.offset
-        self.mutants.append(Mutant(self.path, cursor.extent.start.line, operator, start, end, self.source(cursor), mutated))
+        line = cursor.extent.start.line
+        context = self.text.splitlines()[line - 1].decode(errors="replace").strip() if operator == "number" else ""
+        self.mutants.append(Mutant(self.path, line, operator, start, end, self.source(cursor), mutated, context=context))
 
     def add_sites(self, cursor, parent):
         kind = cursor.kind

@@ -1,23 +1,32 @@
 """Which test programs concern a mutant, and whether they notice it."""
 
+import contextlib
 import os
 import re
+import signal
 import subprocess
+import tempfile
+import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from pathlib import Path
 
 # Of each layer: its own tests first, then those of its nearest users.
 PROGRAMS = {
     "core/base": ["core_base_test", "core_force_test"],
     "core/math": ["core_math_test", "core_geometry_test", "core_collision_test", "core_force_test"],
+    "core/effects": ["core_effects_test", "haptic_step_test", "haptics_node_test"],
     "core/geometry": ["core_geometry_test", "core_collision_test", "core_force_test", "scene_test"],
-    "core/collision": ["core_collision_test", "core_force_test"],
+    "core/collision": ["core_collision_test", "core_force_test", "core_tool_test"],
     "core/force": ["core_force_test", "haptic_step_test", "tools_test"],
+    "core/tool": ["core_tool_test", "haptic_step_test", "haptics_node_test"],
     "runtime": ["runtime_test", "io_node_test", "tools_test"],
-    "link": ["link_test", "io_node_test", "tools_test"],
+    "plugin": ["plugin_test", "haptic_step_test", "tools_test"],
+    "link": ["link_test", "io_node_test", "haptics_node_test", "tools_test"],
     "hid": ["hid_test", "devices_test"],
-    "scene": ["scene_test", "haptics_node_test"],
-    "watchdog": ["watchdog_test"],
+    "scene": ["scene_test", "haptics_node_test", "tools_test"],
+    "watchdog": ["watchdog_test", "io_node_test"],
     "devices": ["devices_test", "io_node_test"],
     "safety": ["safety_test", "io_node_test"],
     "haptic_step": ["haptic_step_test", "haptics_node_test", "tools_test"],
@@ -27,68 +36,108 @@ PROGRAMS = {
     "io_node": ["io_node_test", "process_test"],
     "haptics_node": ["haptics_node_test", "process_test"],
     "vision_node": ["vision_node_test", "vision_node_display_test"],
-    "tools": ["tools_test", "process_test"],
+    "tools": ["tools_test", "dds_test", "process_test"],
 }
-PATIENCE = 4.0  # times what the program took without a mutant: an endless loop is noticed, too
-LEAST_S = 20.0
+# Whole programs against the clock: one at a time.
+SERIAL = ("process_test", "vision_node_display_test")
+PATIENCE = 4.0  # times what the tests took without a mutant, and some seconds: an endless loop is noticed, too
+SPARE_S = 10.0
+LONGEST_S = 300.0
+QUICK_S = 0.3
 
 
 def layer_of(path: str) -> str:
     return next((layer for layer in sorted(PROGRAMS, key=len, reverse=True) if path.startswith(layer + "/")), "")
 
 
+@dataclass
+class Test:
+    program: str
+    name: str
+    passed: bool  # without a mutant
+    seconds: float
+    reached: set[int]  # the mutants it came by
+
+
 class TestRunner:
-    """Runs test programs of a build; those tests that fail without a mutant are left out."""
+    """Runs tests of a build. Each runs once alone without a mutant: only those that came by a mutant's place can notice it."""
 
-    def __init__(self, root: Path):
-        self.root = root
+    def __init__(self, root: Path, count: int, jobs: int):
         self.folder = root / "build/release/tests"
-        self.seconds: dict[str, float] = {}
-        self.failing: dict[str, list[str]] = {}
+        self.count = count
+        self.jobs = jobs
+        self.tests: list[Test] = []
+        self.serial = threading.Lock()
 
-    def run(self, program: str, chosen: str, mutant: int, at_most_s: float) -> tuple[bool, str, bool]:
-        """Whether all passed, the output, and whether there was a test to run."""
-        left_out = ":".join(self.failing.get(program, []))
-        chosen = f"{chosen or '*'}-{left_out}" if left_out else chosen
-        words = [str(self.folder / program), "--gtest_brief=1", f"--gtest_filter={chosen or '*'}"]
-        words += ["--gtest_fail_fast"] if mutant else []
-        if program == "vision_node_display_test" and "DISPLAY" not in os.environ:
-            words = ["xvfb-run", "-a", "-s", "-screen 0 1280x1024x24"] + words
+    def run(self, program: str, chosen: list[str], mutant: int, at_most_s: float, reached: Path | None = None) -> tuple[int | None, str]:
+        """The exit code, None: took too long; and the output."""
+        words = [str(self.folder / program), "--gtest_brief=1", f"--gtest_filter={':'.join(chosen)}"] + (["--gtest_fail_fast"] if mutant else [])
         environment = dict(os.environ, HAPTON_MUTANT=str(mutant))
-        try:
-            done = subprocess.run(words, cwd=self.folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=at_most_s)
-        except subprocess.TimeoutExpired:
-            return False, "took too long", True
-        text = done.stdout.decode(errors="replace")
-        return done.returncode == 0, text, re.search(r"\b0 tests from|\b0 tests ran", text) is None
+        if reached is not None:
+            environment["HAPTON_MUTANTS_REACHED"] = str(reached)
+        with self.serial if program in SERIAL else contextlib.nullcontext():
+            process = subprocess.Popen(words, cwd=self.folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True)
+            try:
+                output = process.communicate(timeout=at_most_s)[0]
+                return process.returncode, output.decode(errors="replace")
+            except subprocess.TimeoutExpired:
+                return None, ""
+            finally:
+                with contextlib.suppress(ProcessLookupError):
+                    os.killpg(process.pid, signal.SIGKILL)  # it and what it started
+                process.communicate()
 
-    def measure(self, program: str):
-        """How long it takes without a mutant, and which of its tests fail then."""
+    def list_tests(self, program: str) -> list[str]:
+        text = subprocess.run([str(self.folder / program), "--gtest_list_tests"], cwd=self.folder, check=True, stdout=subprocess.PIPE, text=True).stdout
+        names, suite = [], ""
+        for line in text.splitlines():
+            word = line.split("#")[0].strip()
+            if not line.startswith(" "):
+                suite = word if word.endswith(".") else ""
+            elif suite and "DISABLED_" not in suite + word:
+                names.append(suite + word)
+        return names
+
+    def measure(self, programs: list[str]):
+        with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(self.jobs) as pool:
+            todo = [(program, name) for program in programs for name in self.list_tests(program)]
+            self.tests = list(pool.map(lambda at: self.measure_one(Path(folder) / str(at[0]), *at[1]), enumerate(todo)))
+
+    def measure_one(self, reached: Path, program: str, name: str) -> Test:
+        reached.write_bytes(bytes(self.count + 1))
         start = time.monotonic()
-        passed, text, _ = self.run(program, "", 0, 1800.0)
-        self.seconds[program] = time.monotonic() - start
-        if not passed:
-            self.failing[program] = sorted(set(re.findall(r"\[  FAILED  \] ([\w/]+\.[\w/]+)", text)))
-            if not self.failing[program]:
-                raise SystemExit(f"mutate: {program} ends without a result: {text[-300:]}")
+        code, _ = self.run(program, [name], 0, LONGEST_S, reached)
+        numbers = {number for number, byte in enumerate(reached.read_bytes()) if byte}
+        reached.unlink()
+        return Test(program, name, code == 0, time.monotonic() - start, numbers)
 
-    def own_tests(self, path: str) -> str:
-        """The filter of the tests that mirror a file: tests/core/math/types_test.cpp for core/math/types.h."""
-        mirror = self.root / "tests" / re.sub(r"\.(cpp|h)$", "_test.cpp", path)
-        if not mirror.exists():
-            return ""
-        suites = set(re.findall(r"^(?:TYPED_)?TEST(?:_F|_P)?\((\w+),", mirror.read_text(), re.MULTILINE))
-        return ":".join(f"{suite}.*:*/{suite}.*" for suite in sorted(suites))
+    def find_concerned(self, path: str, number: int) -> list[Test]:
+        return [test for test in self.tests if test.passed and number in test.reached and test.program in PROGRAMS[layer_of(path)]]
 
     def find_noticing(self, path: str, number: int) -> str:
-        """The program that notices the mutant; empty: none does."""
-        programs = [p for p in PROGRAMS[layer_of(path)] if (self.folder / p).exists()]
-        own = self.own_tests(path)
-        if own:
-            passed, _, has_run = self.run(programs[0], own, number, max(LEAST_S, PATIENCE * self.seconds[programs[0]]))
-            if has_run and not passed:
-                return programs[0]
-        for program in programs:
-            if not self.run(program, "", number, max(LEAST_S, PATIENCE * self.seconds[program]))[0]:
-                return program
+        """The program and test that notice the mutant; empty: none does. Quick tests first."""
+        concerned = self.find_concerned(path, number)
+        for are_quick in (True, False):
+            for program in PROGRAMS[layer_of(path)]:
+                chosen = [test for test in concerned if test.program == program and (test.seconds < QUICK_S) == are_quick]
+                if chosen:
+                    noticed = self.find_failure(program, chosen, number)
+                    if noticed:
+                        return noticed
         return ""
+
+    def find_failure(self, program: str, chosen: list[Test], number: int) -> str:
+        at_most_s = SPARE_S + PATIENCE * sum(test.seconds for test in chosen)
+        code, text = self.run(program, [test.name for test in chosen], number, at_most_s)
+        if code == 0:
+            return ""
+        if code is None:
+            return f"{program} took too long"
+        failed = sorted(set(re.findall(r"\[  FAILED  \] ([\w/]+\.[\w/]+)", text)))
+        if not failed:
+            return f"{program} ended with {code}"
+        # One that failed because the machine stood still passes when asked again.
+        if self.run(program, failed, number, at_most_s)[0] == 0:
+            rest = [test for test in chosen if test.name not in failed]
+            return self.find_failure(program, rest, number) if rest else ""
+        return f"{program} {failed[0]}"

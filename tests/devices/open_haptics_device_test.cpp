@@ -66,6 +66,15 @@ TEST_F(OpenHaptics, LimitsAreTheDevicesOwn) {
   EXPECT_EQ(limits.max_torque_nm, 0.0);
 }
 
+TEST_F(OpenHaptics, AStiffnessThatNoDeviceHasIsBounded) {
+  for (const auto& [given, used] : {std::pair{0.15, 150.0}, {0.01, 100.0}, {50.0, 5000.0}}) {
+    board->max_stiffness = given;
+    open();
+    EXPECT_NEAR(device->limits().max_stiffness_n_per_m, used, 1e-9) << given;
+    device.reset();
+  }
+}
+
 TEST_F(OpenHaptics, SaysWhatItIs) {
   open();
   ASSERT_TRUE(serve_until_ready());

@@ -213,6 +213,17 @@ TEST_F(Wooden, WithCountsResetInUseIsNotTrustedUntilItHasBeenAtRest) {
   EXPECT_LT(receive({0, 0, 0, 0}).sample.p_WD.norm(), 0.1) << "where it had been when it was plugged in";
 }
 
+TEST_F(Wooden, PluggedInAgainDuringItsRestBeginsTheRestAnew) {
+  begin();
+  receive(kInTheMiddle);
+  begin_again();
+  for (int n = 0; n < 1500; ++n) EXPECT_EQ(receive({0, 0, 0, 0}).status, DeviceStatus::calibrating);
+  begin_again();
+  int rested = 0;
+  while (receive({0, 0, 0, 0}).status == DeviceStatus::calibrating) ASSERT_LT(++rested, 3000);
+  EXPECT_GE(rested, 1990);
+}
+
 TEST_F(Wooden, ThatTremblesIsNotAtRest) {
   begin();
   receive(kInTheMiddle);
@@ -269,6 +280,20 @@ TEST_F(LaterWooden, SaysWhereTheHandIsAndHowItIsTurnedOnlyIfItsWristIsDescribed)
   EXPECT_NEAR(at_rest.angularDistance(turned), 0.5 * 3.14159265358979, 1e-9);
   const Eigen::AngleAxisd in_world(turned * at_rest.conjugate());
   EXPECT_LT((in_world.axis() - Vec3::UnitZ()).norm(), 1e-9);
+}
+
+TEST_F(LaterWooden, AWristEncoderMayCountBeyondItsLastNumber) {
+  WoodenSettings settings = WoodenSettings::make_default();
+  settings.wrist = WoodenWrist{};
+  begin(settings);
+  receive({0, 2667, 2333, 32'000, 0, 0, 0});
+  begin_again();
+  int rested = 0;
+  while (receive({0, 0, 0, 32'000, 0, 0, 0}).status == DeviceStatus::calibrating) ASSERT_LT(++rested, 3000);
+  const Quat at_rest = reading_.sample.q_WT;
+  // 500 of 2,000 counts a turn are a quarter.
+  EXPECT_NEAR(at_rest.angularDistance(receive({0, 0, 0, 32'500, 0, 0, 0}).sample.q_WT), 0.5 * 3.14159265358979, 1e-9);
+  EXPECT_NEAR(at_rest.angularDistance(receive({0, 0, 0, 33'000 - 65'536, 0, 0, 0}).sample.q_WT), 3.14159265358979, 1e-6);
 }
 
 TEST_F(LaterWooden, SendsNoCommandBesidesItsCurrents) {

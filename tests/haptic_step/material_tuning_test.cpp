@@ -61,6 +61,14 @@ TEST_F(Tuned, OneObjectOrAllOfANameOrAllChange) {
   EXPECT_EQ(stiffnesses(), (std::vector{500.0, 500.0, 900.0, 500.0}));
 }
 
+TEST_F(Tuned, WhatTheSceneFileSaysNowIsNoChangeOfTheLastRequest) {
+  const std::string nothing = tuning.describe_last();
+  EXPECT_EQ(change("hull", stiffness(800.0)), "");
+  EXPECT_NE(tuning.describe_last(), nothing);
+  tuning.follow(MaterialState());
+  EXPECT_EQ(tuning.describe_last(), nothing);
+}
+
 TEST_F(Tuned, NumbersThatAreNotGivenStay) {
   EXPECT_EQ(change("hull", stiffness(800.0)), "");
   EXPECT_EQ(change("", friction(0.4)), "");

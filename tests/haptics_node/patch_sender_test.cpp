@@ -99,6 +99,17 @@ TEST(PatchSender, AMethodThatPartsDoNotServeGetsAnEpochWithoutAny) {
 }
 
 // What a part says holds within its epoch, and a part has a material.
+TEST(PatchSender, AWithdrawnSceneIsNotOfferedAgain) {
+  SenderStage stage;
+  ASSERT_TRUE(stage.receive_until([&] { return stage.is_whole(); }));
+  const std::uint32_t epoch = stage.store.status().epoch;
+  stage.sender.withdraw();
+  stage.sender.set_offered(true);
+  ASSERT_TRUE(stage.receive_until([&] { return stage.store.status().epoch == epoch + 1; }));
+  stage.receive_for(std::chrono::milliseconds(200));
+  EXPECT_EQ(stage.store.make_piece(Vec3::Zero(), 1.0, 100'000).triangles, 0U);
+}
+
 TEST(PatchSender, OtherMaterialsComeInAnEpochOfTheirOwn) {
   SenderStage stage;
   ASSERT_TRUE(stage.receive_until([&] { return stage.is_whole(); }));

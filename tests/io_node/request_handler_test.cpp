@@ -149,6 +149,25 @@ TEST_F(Servos, TheMouseLeadsTheHandUntilItLetsGoOrLeaves) {
   EXPECT_FALSE(device.hand);
 }
 
+TEST_F(Servos, AnotherVisionNodeDoesNotReleaseTheHand) {
+  make();
+  join(kVision, NodeRole::vision);
+  constexpr std::uint16_t kOther = 9;
+  say(kOther, Hello{NodeRole::vision});
+  run(3);
+  ASSERT_EQ(peers.count(NodeRole::vision), 2U);
+  say(kVision, HandTarget{true, Vec3(0.01, 0, 0)});
+  run(3);
+  ASSERT_TRUE(device.hand);
+  say(kOther, HandTarget{});
+  run(3);
+  EXPECT_TRUE(device.hand);
+  say(kOther, Bye{});
+  run(3);
+  EXPECT_EQ(peers.count(NodeRole::vision), 1U);
+  EXPECT_TRUE(device.hand);
+}
+
 TEST_F(Servos, ALatchedFaultIsReportedRecordedAndResetByAToolAlone) {
   RecordingTap tap;
   make({.hold_button = 2}, nullptr, &tap);  // held: someone is at the device

@@ -134,6 +134,28 @@ TEST_F(HubClientTest, JoinsARestartedHubByItself) {
   EXPECT_EQ(client_->sequence_counts().restarts, 1U);
 }
 
+// The hub has forgotten where its numbers were: another node has had the place.
+TEST_F(HubClientTest, AReturningNodeHearsAHubThatCountsFromOneAgain) {
+  start_hub(1);
+  start_client();
+  run(3000, 1);
+  const auto other_endpoint = *network_.open(memory_address(3, 0));
+  std::optional<HubClient> other(std::in_place, *other_endpoint, clock_, NodeRole::haptics, hub_endpoint_->local_address());
+  for (int ms = 0; ms < 700; ++ms) {
+    clock_.advance_ns(kMs);
+    turn_hub(0);
+    Datagram datagram;
+    other->receive(datagram, 0);
+  }
+  ASSERT_EQ(other->state(), JoinState::joined);
+  other.reset();
+  run(150);
+  ASSERT_EQ(client_->state(), JoinState::joined);
+  states_ = 0;
+  run(100, 1);
+  EXPECT_GE(states_, 99);
+}
+
 TEST_F(HubClientTest, AHubsByeIsReceived) {
   start_hub(1);
   start_client();

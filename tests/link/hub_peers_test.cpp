@@ -201,6 +201,19 @@ TEST_F(HubPeersTest, DropsTheSilentAfterASecond) {
   EXPECT_EQ(hub_->count(NodeRole::tool), 1U);
 }
 
+TEST_F(HubPeersTest, ItsNumbersGoOnForAPeerThatReturns) {
+  RawNode node = raw_node(2, 20);
+  send(node, Hello{NodeRole::vision}, 0);
+  events();
+  for (int n = 0; n < 10; ++n) hub_->send_to_role(NodeRole::vision, ProbeState{});
+  const std::uint64_t last = received_by(node).back().header.sequence;
+  clock_.advance_ns(1200 * kMs);
+  EXPECT_EQ(event().kind, Kind::left);
+  send(node, Hello{NodeRole::vision}, 0);
+  EXPECT_EQ(event().kind, Kind::joined);
+  EXPECT_EQ(received_by(node).front().header.sequence, last + 1);
+}
+
 TEST_F(HubPeersTest, SendsToOneRoleOnly) {
   RawNode haptics = raw_node(2, 20);
   RawNode vision = raw_node(3, 30);

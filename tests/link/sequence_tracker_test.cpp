@@ -82,6 +82,17 @@ TEST(SequenceTrackerTest, WrapsAround) {
   EXPECT_EQ(tracker.counts().jumps, 0U);
 }
 
+TEST(SequenceTrackerTest, WhatIsSkippedAcrossTheWrapIsStillAwaited) {
+  SequenceTracker tracker;
+  for (std::uint64_t before = 2000; before > 2; --before) tracker.track(kSender, 0 - before);
+  EXPECT_EQ(tracker.track(kSender, 2), Arrival::newest);
+  EXPECT_EQ(tracker.counts().lost, 4U);
+  for (const std::uint64_t late : {std::uint64_t{0} - 2, std::uint64_t{0} - 1, std::uint64_t{0}, std::uint64_t{1}}) {
+    EXPECT_EQ(tracker.track(kSender, late), Arrival::reordered) << late;
+  }
+  EXPECT_EQ(tracker.counts().lost, 0U);
+}
+
 TEST(SequenceTrackerTest, TooLateToCheckIsADuplicate) {
   SequenceTracker tracker;
   tracker.track(kSender, 1);

@@ -16,6 +16,7 @@ TEST(AxisMotion, AMassOnASpringSwingsAsTheFormulaSays) {
   for (int ms = 1; ms <= 1000; ++ms) {
     motion.advance(state, {}, kMs);
     EXPECT_NEAR(state.position_m(), 0.01 * std::cos(omega * 1e-3 * ms), 1e-10);
+    EXPECT_NEAR(state.velocity_m_per_s(), -0.01 * omega * std::sin(omega * 1e-3 * ms), 1e-8);
   }
 }
 

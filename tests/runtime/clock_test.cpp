@@ -2,12 +2,22 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/signal_rain.h"
+
 namespace hapton {
 namespace {
 
 TEST(SteadyClockTest, SleepsUntilTheDeadlineAndNotLess) {
   SteadyClock clock;
   const std::int64_t deadline_ns = clock.now_ns() + 5 * kNanosecondsPerMillisecond;
+  clock.sleep_until_ns(deadline_ns);
+  EXPECT_GE(clock.now_ns(), deadline_ns);
+}
+
+TEST(SteadyClockTest, ASignalDoesNotEndASleep) {
+  SteadyClock clock;
+  const SignalRain rain;
+  const std::int64_t deadline_ns = clock.now_ns() + 50 * kNanosecondsPerMillisecond;
   clock.sleep_until_ns(deadline_ns);
   EXPECT_GE(clock.now_ns(), deadline_ns);
 }

@@ -51,6 +51,7 @@ class ConfigTest : public testing::Test {
     EXPECT_THAT(error_, testing::StartsWith("io_node: "));
     EXPECT_THAT(error_, HasSubstr(part));
     EXPECT_EQ(error_.find('\n'), error_.size() - 1) << error_;
+    EXPECT_THAT(error_, testing::Not(HasSubstr(" \n")));
   }
 
   std::filesystem::path path_ = std::filesystem::temp_directory_path() / fmt::format("hapton_config_{}.toml", getpid());

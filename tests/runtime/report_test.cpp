@@ -58,7 +58,11 @@ TEST(ReportTest, JsonHoldsEveryFigure) {
 
 TEST(ReportTest, NamesTheMachine) {
   const MachineInfo machine = read_machine_info();
-  EXPECT_FALSE(machine.cpu.empty());
+  std::stringstream cpuinfo;
+  cpuinfo << std::ifstream("/proc/cpuinfo").rdbuf();
+  const bool is_named = cpuinfo.str().find("model name\t: ") != std::string::npos;
+  EXPECT_EQ(machine.cpu != "unknown", is_named);
+  EXPECT_NE(cpuinfo.str().find(is_named ? machine.cpu : ""), std::string::npos);
   EXPECT_GE(machine.cpu_count, 1);
   EXPECT_THAT(machine.kernel, HasSubstr("Linux"));
   EXPECT_THAT(machine.compiler, testing::AnyOf(HasSubstr("g++"), HasSubstr("clang")));

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "runtime/clock.h"
+#include "tests/support/signal_rain.h"
 
 namespace hapton {
 namespace {
@@ -17,6 +18,17 @@ TEST(TickTimer, WaitsUntilTheTimeThatWasSetLast) {
   timer.wait();
   EXPECT_GE(clock.now_ns() - begin_ns, 20 * kNanosecondsPerMillisecond);
   EXPECT_LT(clock.now_ns() - begin_ns, 400 * kNanosecondsPerMillisecond);
+}
+
+TEST(TickTimer, ASignalDoesNotEndAWait) {
+  SteadyClock clock;
+  TickTimer timer;
+  ASSERT_TRUE(timer.open());
+  const std::int64_t until_ns = clock.now_ns() + 50 * kNanosecondsPerMillisecond;
+  timer.set(until_ns);
+  const SignalRain rain;
+  timer.wait();
+  EXPECT_GE(clock.now_ns(), until_ns);
 }
 
 TEST(TickTimer, ATimeThatHasPassedOrWasNeverSetIsNotWaitedFor) {

@@ -78,6 +78,13 @@ TEST(MotionMonitor, QAndItsNegativeAreOneRotation) {
   sample.q_WT.coeffs() *= -1.0;
   EXPECT_EQ(motion.look(sample, kMs, 3.0, true), MotionMonitor::Verdict::fine);
   EXPECT_LT(motion.turned_rad().norm(), 1e-12);
+  for (const double sign : {1.0, -1.0}) {
+    const Vec3 before = sample.q_WT.vec();
+    sample.q_WT = Quat(Eigen::AngleAxisd(before.norm() < 1e-3 ? 0.2 : 0.4, Vec3::UnitX()));
+    sample.q_WT.coeffs() *= sign;
+    EXPECT_EQ(motion.look(sample, (sign > 0.0 ? 20 : 40) * kMs, 3.0, true), MotionMonitor::Verdict::fine);
+    EXPECT_NEAR(motion.turned_rad().x(), 0.2, 1e-3) << sign;
+  }
 }
 
 TEST(MotionMonitor, WhatWasForgottenIsNoJump) {

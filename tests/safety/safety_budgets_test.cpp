@@ -24,6 +24,17 @@ TEST(SafetyGovernor, AForceThatAcceleratesAFastDeviceFadesToDamping) {
   EXPECT_LT(before, -2.0);
 }
 
+TEST(SafetyGovernor, ASoftDeviceIsDampedNoMoreThanItsStiffnessBears) {
+  DeviceLimits limits = device_limits();
+  limits.max_stiffness_n_per_m = 0.5;
+  Bench bench(limits);
+  bench.sample.p_WD.z() = -0.09;
+  bench.press(1.0, 200);
+  sweep(bench, 1.9, 50);
+  EXPECT_GT(bench.governor.counters().braked, 0U);
+  EXPECT_GT(bench.out.force_n.z(), -0.01) << "2 ms of 0.5 N/m, at 2 m/s";
+}
+
 TEST(SafetyGovernor, ADeviceFasterThanItsLimitLatches) {
   Bench bench;
   bench.sample.p_WD.z() = -0.09;
@@ -111,6 +122,17 @@ TEST(SafetyGovernor, TheEndOfTheWorkspaceRemovesOutwardForceAndAddsNothing) {
   EXPECT_NEAR(at(-0.095, -4.0), -2.0, 1e-9);
   EXPECT_EQ(at(-0.1, -4.0), 0.0);
   EXPECT_GT(bench.governor.counters().stopped, 200U);
+}
+
+TEST(SafetyGovernor, OnAShortAxisTheForceFadesOverATenthOfIt) {
+  DeviceLimits limits = device_limits();
+  limits.workspace_min_m.z() = -0.02;
+  limits.workspace_max_m.z() = 0.02;
+  for (const auto& [z_m, share] : {std::pair{0.0155, 1.0}, {0.018, 0.5}, {0.02, 0.0}}) {
+    Bench bench(limits);
+    bench.sample.p_WD.z() = z_m;
+    EXPECT_NEAR(bench.press(4.0, 300).z(), 4.0 * share, 1e-9) << z_m;
+  }
 }
 
 TEST(SafetyGovernor, HotMotorsGetTheContinuousForceWithoutAJump) {

@@ -88,6 +88,19 @@ TEST(SafetyGovernor, AReleasedStylusGetsNoForceAndRampsBack) {
   EXPECT_EQ(bench.press(4.0, 100).z(), 4.0);
 }
 
+TEST(SafetyGovernor, AReleaseThatEndsWithinACycleIsFollowedByARampToo) {
+  Bench bench;
+  bench.press(4.0, 300);
+  for (const bool is_held : {false, true}) {
+    bench.now_ns += kMs / 4;
+    bench.sample.time_ns = bench.now_ns;
+    bench.sample.is_held = is_held;
+    bench.governor.observe(bench.sample, bench.status);
+  }
+  EXPECT_LT(bench.press(4.0, 20).z(), 1.0);
+  EXPECT_EQ(bench.press(4.0, 100).z(), 4.0);
+}
+
 TEST(SafetyGovernor, AButtonCanBeRequired) {
   Bench bench;
   bench.governor.require_button(1);

@@ -93,6 +93,25 @@ TEST(SafetyGovernor, IsZeroTwentyMillisecondsAfterTheLastCommandAndRampsBack) {
   }
 }
 
+TEST(SafetyGovernor, ACommandThatComesExactlyAtTheTimeoutRampsIn) {
+  Bench bench;
+  bench.press(4.0, 300);
+  const std::int64_t answered_ns = bench.now_ns - 100'000;
+  bench.wait(19);
+  const auto command_at = [&](std::int64_t now_ns) {
+    bench.sample.time_ns = bench.now_ns = now_ns;
+    bench.governor.observe(bench.sample, bench.status);
+    return bench.governor.step(WrenchCommand{{Vec3(0, 0, 4), Vec3::Zero()}, now_ns}, now_ns).force_n.z();
+  };
+  command_at(answered_ns + kCommandTimeoutNs);
+  EXPECT_EQ(bench.governor.counters().command_timeouts, 1U);
+  EXPECT_LT(command_at(answered_ns + kCommandTimeoutNs + 3 * kMs), 1.0);
+  // A command that is that old itself is no command.
+  const std::uint64_t rejected = bench.governor.counters().rejected_old;
+  bench.governor.step(WrenchCommand{{Vec3(0, 0, 4), Vec3::Zero()}, bench.now_ns + 1}, bench.now_ns + 1 + kCommandTimeoutNs);
+  EXPECT_EQ(bench.governor.counters().rejected_old, rejected + 1);
+}
+
 // A late force has used up its time: its age counts from its sample, not from its arrival.
 TEST(SafetyGovernor, IsZeroTwentyMillisecondsAfterTheSampleHoweverLateItsForceCame) {
   for (const std::int64_t age_ns : {kMs, 8 * kMs, 15 * kMs, 18 * kMs}) {
@@ -146,6 +165,20 @@ TEST(SafetyGovernor, BadNumbersAgainAndAgainLatch) {
     bench.cycle(wrench);
     EXPECT_EQ(bench.governor.fault(), is_torque ? SafetyFault::torque : SafetyFault::not_finite);
     EXPECT_EQ(bench.press(4.0, 300), Vec3::Zero());
+  }
+}
+
+TEST(SafetyGovernor, AResetForgetsTheBadNumbersThatLatched) {
+  for (const bool is_torque : {false, true}) {
+    Bench bench;
+    bench.press(4.0, 300);
+    Wrench wrench{Vec3(0, 0, 4), Vec3::Zero()};
+    (is_torque ? wrench.torque_nm : wrench.force_n).y() = kNan;
+    for (int n = 0; n < 5; ++n) bench.cycle(wrench);
+    ASSERT_NE(bench.governor.fault(), SafetyFault::none);
+    ASSERT_TRUE(bench.governor.reset_faults());
+    for (int n = 0; n < 4; ++n) bench.cycle(wrench);
+    EXPECT_EQ(bench.governor.fault(), SafetyFault::none) << is_torque;
   }
 }
 

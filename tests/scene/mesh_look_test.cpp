@@ -115,6 +115,9 @@ TEST_F(MeshLooks, OfAPlyFileAreColoursAndATexture) {
   const MeshFile bright = load("f.ply", header + "property float red\nproperty float green\nproperty float blue\n" + faces +
                                             "0 0 0 1 0.2 0\n1 0 0 0 0 0\n0 1 0 9 nan 0\n3 0 1 2\n");
   EXPECT_EQ(bright.look.triangles.at(0).corners[0].colour, (Rgb{255, 51, 0}));
+  const MeshFile fine = load("w.ply", header + "property ushort red\nproperty ushort green\nproperty ushort blue\n" + faces +
+                                          "0 0 0 65535 257 2570\n1 0 0 0 0 0\n0 1 0 0 0 0\n3 0 1 2\n");
+  EXPECT_EQ(fine.look.triangles.at(0).corners[0].colour, (Rgb{255, 1, 10}));
 }
 
 std::string look_floats(std::initializer_list<float> values) {

@@ -134,7 +134,7 @@ class Hardware {
         return;
       }
       case 0x2602:
-        *values = 1.26;
+        *values = board.max_stiffness;
         return;
       case 0x2603:
         *values = board.max_force_n;

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "tools/mesh_choice.h"
+
 namespace hapton {
 namespace {
 
@@ -109,6 +111,14 @@ TEST_F(CommandLineTest, WantsAsManyOfAGroupAsWasSaid) {
   EXPECT_NE(rejection(""), "");
   EXPECT_NE(rejection("--mesh m --shape s"), "");
   EXPECT_EQ(rejection("--shape s"), "");
+}
+
+TEST_F(CommandLineTest, WantsAMeshFileOrAShapeAndNotBoth) {
+  MeshChoice choice;
+  add_mesh_options(line_, choice);
+  EXPECT_NE(rejection(""), "");
+  EXPECT_NE(rejection("--mesh m.ply --shape torus"), "");
+  EXPECT_EQ(rejection("--shape torus"), "");
 }
 
 TEST_F(CommandLineTest, ShowsInItsHelpWhatAVariableHolds) {

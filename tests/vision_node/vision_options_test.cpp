@@ -39,6 +39,7 @@ TEST(VisionOptions, FlagsArrive) {
   EXPECT_EQ(options.screenshot, "a.png");
   EXPECT_EQ(options.hub, "box:5000");
   EXPECT_TRUE(options.has_space_knobs);
+  EXPECT_EQ(std::get<VisionOptions>(parse({"--unit", "mm"})).loading.unit, Unit::mm);
 }
 
 TEST(VisionOptions, ASecondHubIsAnotherHand) {

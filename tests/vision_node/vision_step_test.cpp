@@ -251,6 +251,8 @@ TEST_F(VisionStepTest, EveryPictureIsReportedWithTheSampleItShows) {
   EXPECT_EQ(drawn->echo_sample_time_ns, 42 * kMs);
   EXPECT_FALSE(drawn->unchanged);
   EXPECT_FALSE(step.take_unseen());
+  EXPECT_FALSE(step.wants_picture(50 * kMs, where_));
+  EXPECT_FALSE(step.take_unseen()) << "no state has come since";
 }
 
 TEST_F(VisionStepTest, SaysWhenItWouldDrawAgain) {

@@ -26,6 +26,7 @@ TEST(VtkShapes, LatheReachesItsProfile) {
   EXPECT_NEAR(bounds[1], 0.5, 1e-6);
   EXPECT_NEAR(bounds[4], 0.0, 1e-6);
   EXPECT_NEAR(bounds[5], 2.0, 1e-6);
+  EXPECT_GT(cone->GetNumberOfPolys(), 0);
 }
 
 TEST(VtkShapes, MatrixIsCopiedRowByRow) {

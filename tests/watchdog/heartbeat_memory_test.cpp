@@ -18,6 +18,15 @@ TEST(HeartbeatMemoryTest, OneSideSeesWhatTheOtherWrites) {
   EXPECT_EQ(ours.page().is_cut.load(), 1U);
 }
 
+TEST(HeartbeatMemoryTest, MayBeTheFirstFileOfAProcess) {
+  const auto make_it = [] {
+    ::close(0);
+    HeartbeatMemory memory;
+    _exit(memory.make() ? 0 : 1);
+  };
+  EXPECT_EXIT(make_it(), testing::ExitedWithCode(0), "");
+}
+
 TEST(HeartbeatMemoryTest, OtherMemoryIsRejected) {
   const int small = ::memfd_create("small", MFD_CLOEXEC);
   HeartbeatMemory memory;

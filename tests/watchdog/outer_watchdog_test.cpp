@@ -1,5 +1,6 @@
 #include "watchdog/outer_watchdog.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -140,6 +141,21 @@ TEST(ForceCutterTest, FollowsADeviceThatWasPluggedInAgain) {
     EXPECT_TRUE(cutter.cut());
     EXPECT_EQ(std::filesystem::file_size(path), 1U);
   }
+}
+
+TEST(ForceCutterTest, ClosesNoFileButItsOwn) {
+  ScratchFolder folder;
+  const auto page = std::make_unique<HeartbeatPage>();
+  {
+    ForceCutter cutter(*page, 0);
+    const std::string path = (folder.path() / "hidraw").string();
+    std::ofstream(path).flush();
+    page->set_hid(path, std::vector<std::uint8_t>{1});
+    cutter.prepare();
+    page->set_hid("", std::vector<std::uint8_t>{1});
+    cutter.prepare();
+  }
+  EXPECT_NE(::fcntl(STDOUT_FILENO, F_GETFD), -1);
 }
 
 TEST(ForceCutterTest, AReportThatIsTooLongMakesItADeviceWithoutMeans) {

@@ -32,6 +32,15 @@ TEST(SmoothVelocity, WeightsFallLinearly) {
   }
 }
 
+TEST(SmoothVelocity, AMovedFrameIsNoMotion) {
+  SmoothVelocity velocity;
+  velocity.add(Vec3::Zero(), kMillisecond);
+  velocity.move_last(Vec3(5, 0, 0));
+  velocity.move_last(Vec3(std::numeric_limits<double>::quiet_NaN(), 0, 0));
+  velocity.add(Vec3(5.001, 0, 0), kMillisecond);
+  EXPECT_NEAR(velocity.newest().x(), 1.0, 1e-9);
+}
+
 TEST(SmoothVelocity, ForgetsAllAfterItsSamples) {
   SmoothVelocity wild;
   SmoothVelocity fresh;

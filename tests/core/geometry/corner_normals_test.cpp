@@ -107,6 +107,19 @@ TEST(CornerNormals, AuthoredOnesOfAFlippedMeshPointTheOppositeWay) {
   EXPECT_EQ(count_authored_normals(both).used, 36U);
 }
 
+// They have no common outside, however round the mesh is meant to be.
+TEST(CornerNormals, InconsistentlyOrientedNeighboursShareNone) {
+  TriangleMesh sheet;
+  sheet.vertices = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 1, 0), Vec3(0, 1, 0)};
+  sheet.triangles = {{0, 1, 2}, {0, 3, 2}};
+  CornerNormalReport report;
+  const ShadedMesh shaded = shade(sheet, 180.0, report);
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_EQ(shaded.normal(0, k), Vec3(0, 0, 1));
+    EXPECT_EQ(shaded.normal(1, k), Vec3(0, 0, -1));
+  }
+}
+
 // The angle, not the number of triangles, gives a face its weight.
 TEST(CornerNormals, DoNotDependOnHowAFaceIsCut) {
   CornerNormalReport report;

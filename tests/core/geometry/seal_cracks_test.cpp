@@ -36,6 +36,11 @@ TEST(SealCracks, LeavesClosedMeshesAsTheyCame) {
     const made::Sealed sealed = seal_checked(mesh, "closed");
     EXPECT_FALSE(sealed.report.has_sealed());
     EXPECT_TRUE(are_equal(sealed.mesh, mesh));
+    SealReport report;
+    std::vector<std::uint32_t> source;
+    seal_cracks(mesh, report, kSealedShare, &source);
+    ASSERT_EQ(source.size(), mesh.triangles.size());
+    EXPECT_EQ(source.back(), mesh.triangles.size() - 1);
   }
 }
 

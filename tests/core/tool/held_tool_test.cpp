@@ -94,11 +94,13 @@ TEST(HeldTool, GivesNoForceBeforeItKnowsAndWhereItOverlaps) {
   HeldTool held(held_step(make_box({0.02, 0.02, 0.02}), make_plane_grid(0.2, 8)));
   ToolOutput out = held.step(input_at({0.0, 0.0, 0.005}), 0);
   EXPECT_FALSE(out.proxy.is_blocked) << "not known yet";
+  EXPECT_FALSE(held.is_known());
   EXPECT_EQ(out.force_n, Vec3(Vec3::Zero()));
   EXPECT_TRUE(held.follow());
   EXPECT_FALSE(held.follow()) << "there is nothing new";
   out = held.step(input_at({0.0, 0.0, 0.005}), kTickNs);
   EXPECT_TRUE(out.proxy.is_blocked);
+  EXPECT_TRUE(held.is_known());
   EXPECT_EQ(out.force_n, Vec3(Vec3::Zero()));
   // Out, and in again: now it is felt.
   for (int n = 0; n <= 300; ++n) {

@@ -79,6 +79,12 @@ TEST(SurfaceVoxels, ASizeThatDoesNotFitIsAnErrorThatNamesOne) {
   const auto tiny = find_surface_voxels(mesh, {Vec3::Zero(), 1e-9});
   ASSERT_FALSE(tiny);
   EXPECT_THAT(tiny.error().what, testing::HasSubstr("fits"));
+  TriangleMesh from_origin;
+  from_origin.vertices = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)};
+  from_origin.triangles = {{0, 1, 2}};
+  const auto at_one_end = find_surface_voxels(from_origin, {Vec3::Zero(), 1e-9});
+  ASSERT_FALSE(at_one_end);
+  EXPECT_THAT(at_one_end.error().what, testing::HasSubstr("fits"));
   const auto many = find_surface_voxels(mesh, {Vec3::Zero(), 0.001}, 100);
   ASSERT_FALSE(many);
   EXPECT_THAT(many.error().what, testing::HasSubstr("larger"));

@@ -218,6 +218,8 @@ const std::vector<Fault> kFaults = {
      "vrpn_server (process 89) has it", "kill 89"},
     {"KeyOpenToOthers", [](FakeMachine& m) { write_key(m, 48, 0644); }, Verdict::problem, "is open to other users (mode 0644)",
      "chmod 600 /home/ada/.config/hapton/master"},
+    {"KeyOpenToItsGroup", [](FakeMachine& m) { write_key(m, 48, 0640); }, Verdict::problem, "is open to other users (mode 0640)",
+     "chmod 600 /home/ada/.config/hapton/master"},
     {"KeyOfWrongLength", [](FakeMachine& m) { write_key(m, 31, 0600); }, Verdict::problem, "holds 31 bytes where a key file has 48",
      "hapton keygen /home/ada/.config/hapton/master"},
     {"KeyOfAnOlderVersion", [](FakeMachine& m) { write_key(m, 32, 0600); }, Verdict::problem, "is a key of an older Hapton",
@@ -280,6 +282,14 @@ TEST(Diagnosis, FindsNothingToFixOnAHealthyMachine) {
         "--stereo crystal_eyes", "obstacles to 1 kHz: none\nno problem, 0 warnings\n"}) {
     EXPECT_THAT(text, HasSubstr(lines));
   }
+}
+
+TEST(Diagnosis, CountsTheCpusOfAList) {
+  FakeMachine machine;
+  machine.write("/sys/devices/system/cpu/online", "0-3,5,8-9\n");
+  machine.write("/sys/devices/system/cpu/isolated", "2-3\n");
+  const std::string text = to_text(diagnose(machine.look(), std::vector<std::string>{"cpus"}), false);
+  EXPECT_THAT(text, HasSubstr("7, of which 2-3 are isolated for real time: io_node --cpu 2"));
 }
 
 TEST(Diagnosis, ChecksOnlyWhatIsRequested) {

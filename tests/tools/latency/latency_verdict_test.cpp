@@ -45,6 +45,11 @@ TEST(LatencyVerdict, TheMeasuredRateIsNotHeldWhenTooManyCyclesAreMissed) {
   ASSERT_TRUE(verdict);
   EXPECT_FALSE(verdict->holds);
   EXPECT_THAT(verdict->reason, HasSubstr("0.53 %"));
+  for (const char* cause : {"late", "lost", "superseded"}) {
+    auto other = report(1000, 20.0, 4.0);
+    other["counters"][cause] = 50;
+    EXPECT_FALSE(evaluate_latency(other)->holds) << cause;
+  }
 }
 
 TEST(LatencyVerdict, AReportWithoutForcesIsAnError) {

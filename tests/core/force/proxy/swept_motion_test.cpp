@@ -89,6 +89,22 @@ TEST(SweptMotion, FrictionHoldsItUpToTheConesEdge) {
   }
 }
 
+TEST(SweptMotion, BreaksAwayAtTheStaticConeAndSticksAgainWhereThePullHasFallen) {
+  SweptStage stage(make_box(Vec3::Constant(0.1), 3), kClearance, {.friction_static = 0.6, .friction_dynamic = 0.3});
+  stage.put(Vec3(0.07, 0.0, 0.0));
+  stage.move(Vec3(0.04, 0.0, 0.0));
+  stage.move(Vec3(0.04, 0.0059, 0.0));
+  EXPECT_LE((stage.position() - Vec3(0.05, 0.0, 0.0)).norm(), 1e-9);
+  stage.move(Vec3(0.04, 0.008, 0.0));
+  EXPECT_NEAR(stage.position().y(), 0.005, 1e-8) << "0.003 behind";
+  stage.move(Vec3(0.04, 0.0098, 0.0));
+  EXPECT_NEAR(stage.position().y(), 0.0068, 1e-8) << "it slides on";
+  stage.move(Vec3(0.04, 0.007, 0.0));
+  EXPECT_FALSE(stage.proxy.slides);
+  stage.move(Vec3(0.04, 0.0127, 0.0));
+  EXPECT_NEAR(stage.position().y(), 0.0068, 1e-8) << "held up to 0.006";
+}
+
 class SweptMotionInSoup : public testing::TestWithParam<unsigned> {};
 
 // Random triangles that cross and touch each other: nothing else keeps the proxy off them.

@@ -203,6 +203,11 @@ TEST(ReferenceMethod, FrictionHoldsInsideTheConeAndDragsOnIt) {
     }
   }
   EXPECT_TRUE(slid);
+  // Back until the pull is a tenth of the dynamic cone: it sticks there again, up to the static cone.
+  const double held_x = 0.002 - 0.0003;
+  method->step({.p_SD = Vec3(held_x + 0.00003, 0.0, -0.001)});
+  EXPECT_NEAR(method->step({.p_SD = Vec3(held_x + 0.00045, 0.0, -0.001)}).force_n.x(), -kStiffness * 0.00045, 1e-6);
+  EXPECT_NEAR(method->step({.p_SD = Vec3(held_x + 0.00055, 0.0, -0.001)}).force_n.x(), -kStiffness * 0.0003, 1e-6);
 }
 
 TEST(ReferenceMethod, DampingResistsGoingInAndNeverPulls) {
