@@ -1,0 +1,165 @@
+// What dies, freezes, is cut off or floods, with whole programs, while the force comes from the haptics node and while it comes from
+// patches of the scene beside the device. The exact bounds are those of tests/faults, on simulated time.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <fstream>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "tests/process/system.h"
+#include "tests/process/watched_force.h"
+
+namespace hapton::process {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double kTopM = 0.05;  // of the cube
+
+// How io_node is to work out forces, and through which network. At so long a round trip no remote force is used.
+struct Way {
+  std::string name;
+  std::string touch;
+  std::vector<std::string> relay;  // empty: none
+};
+const Way kRemote = {"Remote", "remote", {}};
+const Way kPatch = {"Patch", "patch", {}};
+const Way kAutoFar = {"AutoFar", "auto", {"--delay-ms", "25"}};
+const Way kPatchLossy = {
+    "PatchLossy", "patch", {"--delay-ms", "10", "--loss", "0.3", "--jitter-ms", "20", "--duplicate", "0.1", "--corrupt", "0.05"}};
+
+class TouchedWay : public ::testing::TestWithParam<Way> {
+ protected:
+  bool has_patches() const { return GetParam().touch != "remote"; }
+
+  // The hand comes down onto the cube and stays in contact.
+  void press() {
+    start("io_node");
+    if (!GetParam().relay.empty()) system.start_relay(GetParam().relay);
+    start("haptics_node");
+    onlooker.emplace(system);
+    onlooker->hold_hand(Vec3(0.01, 0.02, kTopM - 0.0025));
+    ASSERT_TRUE(onlooker->see_until(true, state)) << "no contact";
+    if (has_patches()) {
+      ASSERT_TRUE(feels_patches(system)) << "no patches";
+    }
+    expect_felt();
+  }
+  void start(const std::string& name) { system.start(name); }
+
+  // The force ends, and does not come back by itself.
+  void expect_released() {
+    ASSERT_TRUE(onlooker->see_until(false, state)) << "the force stays";
+    for (int n = 0; n < 300; ++n) {
+      ASSERT_TRUE(onlooker->see(state));
+      EXPECT_EQ(state.force_n, Vec3::Zero());
+      EXPECT_FALSE(state.contact);
+    }
+  }
+  // A force comes, of the size that the hand presses with.
+  void expect_felt() {
+    bool is_felt = false;
+    for (const std::int64_t end_ns = onlooker->now_ns() + std::int64_t(1e9 * kPatience.count()); !is_felt && onlooker->now_ns() < end_ns;) {
+      ASSERT_TRUE(onlooker->see(state));
+      is_felt = state.contact && state.force_n.z() > 0.2;
+    }
+    EXPECT_TRUE(is_felt) << state.force_n.transpose();
+    EXPECT_GT(expect_bounded(*onlooker, 0.5).force, 0);
+  }
+  void expect_felt_again() {
+    expect_felt();
+    if (has_patches()) {
+      EXPECT_TRUE(feels_patches(system)) << "patches do not take over again";
+    }
+    expect_felt();
+    const Json report = system.request_report();
+    expect_sane(report);
+    EXPECT_EQ(report.at("notes").at("safety_fault"), "none");
+  }
+
+  System system{[] {
+    std::vector<std::string> options = tight_limits(GetParam().touch);
+    options.insert(options.end(), {"--device", "simulated"});
+    return options;
+  }()};
+  std::optional<Onlooker> onlooker;
+  ProbeState state;
+};
+
+TEST_P(TouchedWay, HapticsKilledLeavesNoForceAndBringsItBack) {
+  ASSERT_NO_FATAL_FAILURE(press());
+  system["haptics_node"].kill();
+  ASSERT_NO_FATAL_FAILURE(expect_released());
+  start("haptics_node");
+  expect_felt_again();
+  system.end_all();
+}
+
+TEST_P(TouchedWay, HapticsFrozenLeavesNoForceAndBringsItBack) {
+  ASSERT_NO_FATAL_FAILURE(press());
+  system["haptics_node"].send_signal(SIGSTOP);
+  ASSERT_NO_FATAL_FAILURE(expect_released());
+  system["haptics_node"].send_signal(SIGCONT);
+  expect_felt_again();
+  system.end_all();
+}
+
+TEST_P(TouchedWay, ASecondHapticsNodeTakesOver) {
+  ASSERT_NO_FATAL_FAILURE(press());
+  const auto second = system.start_another("haptics_node");
+  ASSERT_TRUE(waits_for(system, [](const Json& report) { return count(report, "joins_rejected") > 0; }));
+  expect_felt();
+  system["haptics_node"].kill();
+  ASSERT_TRUE(System::wait_until([&] { return second->err().find("joined the hub") != std::string::npos; }));
+  expect_felt_again();
+  second->send_signal(SIGTERM);
+  EXPECT_TRUE(second->wait(kPatience));
+}
+
+TEST_P(TouchedWay, TheHubKilledAndRestartedIsFelt) {
+  ASSERT_NO_FATAL_FAILURE(press());
+  system["io_node"].kill();
+  start("io_node");
+  expect_felt_again();
+  system.end_all();
+}
+
+TEST_P(TouchedWay, TheHubFrozenAndContinuedIsFelt) {
+  ASSERT_NO_FATAL_FAILURE(press());
+  SteadyClock clock;
+  for (const int ms : {50, 1500}) {
+    system["io_node"].send_signal(SIGSTOP);
+    clock.sleep_until_ns(clock.now_ns() + ms * kNanosecondsPerMillisecond);
+    system["io_node"].send_signal(SIGCONT);
+    expect_felt_again();
+  }
+  system.end_all();
+}
+
+// Up by half a millimetre, and turned about z: the hand is that much deeper.
+TEST_P(TouchedWay, AMovedSceneIsFeltWhereItIs) {
+  ASSERT_NO_FATAL_FAILURE(press());
+  ViewTransform view;
+  view.revision = 5;
+  view.X_WS = {0.8F, -0.6F, 0.0F, 0.0F, 0.6F, 0.8F, 0.0F, 0.0F, 0.0F, 0.0F, 1.0F, 0.0005F};
+  bool is_there = false;
+  for (int n = 0; n < 20'000 && !is_there; ++n) {
+    if (n % 100 == 0) onlooker->send(view);
+    ASSERT_TRUE(onlooker->see(state));
+    is_there = state.contact && state.view_revision == 5 && std::abs(state.p_WD.z() + state.visual_offset_m.z() - kTopM - 0.0005) < 1e-6;
+  }
+  EXPECT_TRUE(is_there) << state.p_WD.z() + state.visual_offset_m.z();
+  expect_felt_again();
+  system.end_all();
+}
+
+void PrintTo(const Way& way, std::ostream* out) { *out << way.name; }
+
+INSTANTIATE_TEST_SUITE_P(All, TouchedWay, ::testing::Values(kRemote, kPatch, kAutoFar, kPatchLossy),
+                         [](const auto& way) { return way.param.name; });
+
+}  // namespace
+}  // namespace hapton::process
