@@ -41,6 +41,7 @@ void PatchLink::choose(ForceExchange& forces, std::int64_t now_ns) noexcept {
     orders_.is_wanted = true;
     was_local_ = false;
     status_ns_ = told_ns_ = 0;
+    start_at_rest(forces);
   }
   if (state_ == State::patch && !is_wanted) {
     state_ = State::leaving;
@@ -52,6 +53,18 @@ void PatchLink::choose(ForceExchange& forces, std::int64_t now_ns) noexcept {
     local_.publish(orders_);
     send_status(round_trip_s_, now_ns);
   }
+}
+
+// A haptics node that has just joined is told where contact was, and so is the device side: a patch that is there before its first reply
+// must not take a hand inside a body for free.
+void PatchLink::start_at_rest(const ForceExchange& forces) noexcept {
+  const ProbeHistory::Pose& newest = forces.history().newest();
+  const std::optional<Vec3> p_WP = forces.history().find_resume_point(newest.p_WD);
+  if (!p_WP) return;
+  ++orders_.start;
+  orders_.start_ns = newest.time_ns;
+  orders_.p_WP = *p_WP;
+  orders_.outward_W = (*p_WP - newest.p_WD).normalized();
 }
 
 // Where patches begin anew, the haptics node goes on from where they had the probe.

@@ -161,7 +161,10 @@ class Onlooker {
       if (const auto* probe = std::get_if<ProbeState>(&datagram.message)) {
         state = *probe;
         sent_ns_ = datagram.header.send_time_ns;
-        client_.send(FrameAck{probe->sample, probe->sample_time_ns, 60.0F});
+        client_.send(FrameAck{.echo_sample = probe->sample,
+                              .echo_sample_time_ns = probe->sample_time_ns,
+                              .frame_rate_hz = 60.0F,
+                              .every_sample = hand_.active});
         if (hand_.active) client_.send(hand_);
         return true;
       }

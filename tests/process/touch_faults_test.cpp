@@ -41,6 +41,12 @@ class TouchedWay : public ::testing::TestWithParam<Way> {
     if (!GetParam().relay.empty()) system.start_relay(GetParam().relay);
     start("haptics_node");
     onlooker.emplace(system);
+    onlooker->hold_hand(Vec3(0.01, 0.02, kTopM + 0.005));
+    const auto is_over_it = [&] { return onlooker->see(state) && std::abs(state.p_WD.z() - kTopM - 0.005) < 1e-4; };
+    ASSERT_TRUE(System::wait_until(is_over_it)) << state.p_WD.transpose();
+    // Who meets a hand inside a body for the first time cannot know where it came in.
+    const std::int64_t over_it = count(system.request_report(), "forces");
+    ASSERT_TRUE(waits_for(system, [&](const Json& report) { return count(report, "forces") > over_it; }));
     onlooker->hold_hand(Vec3(0.01, 0.02, kTopM - 0.0025));
     ASSERT_TRUE(onlooker->see_until(true, state)) << "no contact";
     if (has_patches()) {
