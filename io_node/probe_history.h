@@ -48,7 +48,7 @@ class ProbeHistory {
   // The scene was turned: the last position is no longer valid.
   void forget_rest() noexcept { p_WP_.reset(); }
 
-  // Where a new haptics node resumes contact, if the device is still near (kResumeReachM).
+  // Where a new haptics node resumes contact, if the device is still near (kResumeReachM) and has not left the surface.
   std::optional<Vec3> find_resume_point(const Vec3& p_WD) const noexcept;
   const ForceCommand& last_answer() const noexcept { return last_; }
   const Pose& newest() const noexcept { return poses_[newest_ % kSamples]; }
@@ -66,7 +66,8 @@ class ProbeHistory {
   std::uint64_t newest_ = 0;
   std::uint64_t asked_ = 0;  // the newest sample at note_new_haptics
   ForceCommand last_;
-  std::optional<Vec3> p_WP_;  // in contact, as far as known
+  std::optional<Vec3> p_WP_;       // in contact, as far as known
+  Vec3 outward_W_ = Vec3::Zero();  // ... from the device to there
   bool is_haptics_new_ = false;
 };
 

@@ -96,8 +96,10 @@ TEST(PatchBuilder, AfterAClearNothingOfBeforeIsUsed) {
   stage.time_ns += kMs;
   EXPECT_FALSE(stage.local.step({stage.time_ns, Vec3(0, 0, -0.001), Quat::Identity(), 0, true}));
   ASSERT_TRUE(stage.builder.clear());
-  EXPECT_TRUE(stage.step_until([&](const auto&) { return stage.builder.take_status(); }));
-  EXPECT_EQ(stage.builder.status().epoch, 0U);
+  EXPECT_TRUE(stage.step_until([&](const auto&) {
+    (void)stage.builder.take_status();
+    return stage.builder.status().epoch == 0U;
+  }));
   // Another haptics node, whose epochs begin anew.
   stage.send_all(1);
   EXPECT_TRUE(stage.step_until(is_felt));

@@ -37,22 +37,23 @@ class TouchedWay : public ::testing::TestWithParam<Way> {
 
   // The hand comes down onto the cube and stays in contact.
   void press() {
+    // Over it from the start: who meets a hand inside a body for the first time cannot know where it came in.
+    std::ofstream(system.folder() / "taps.csv") << "t_s,x_m,y_m,z_m\n0,0.01,0.02,0.055\n600,0.01,0.02,0.055\n";
+    system.add_arguments("io_node", {"--trajectory", (system.folder() / "taps.csv").string()});
     start("io_node");
     if (!GetParam().relay.empty()) system.start_relay(GetParam().relay);
     start("haptics_node");
     onlooker.emplace(system);
-    onlooker->hold_hand(Vec3(0.01, 0.02, kTopM + 0.005));
-    const auto is_over_it = [&] { return onlooker->see(state) && std::abs(state.p_WD.z() - kTopM - 0.005) < 1e-4; };
-    ASSERT_TRUE(System::wait_until(is_over_it)) << state.p_WD.transpose();
-    // Who meets a hand inside a body for the first time cannot know where it came in.
-    const std::int64_t over_it = count(system.request_report(), "forces");
-    ASSERT_TRUE(waits_for(system, [&](const Json& report) { return count(report, "forces") > over_it; }));
-    onlooker->hold_hand(Vec3(0.01, 0.02, kTopM - 0.0025));
-    ASSERT_TRUE(onlooker->see_until(true, state)) << "no contact";
+    ASSERT_TRUE(waits_for(system, [&](const Json& report) { return count(report, "forces") > 0; }));
+    press_on();
     if (has_patches()) {
       ASSERT_TRUE(feels_patches(system)) << "no patches";
     }
     expect_felt();
+  }
+  void press_on() {
+    onlooker->hold_hand(Vec3(0.01, 0.02, kTopM - 0.0025));
+    ASSERT_TRUE(onlooker->see_until(true, state)) << "no contact";
   }
   void start(const std::string& name) { system.start(name); }
 
@@ -101,6 +102,31 @@ TEST_P(TouchedWay, HapticsKilledLeavesNoForceAndBringsItBack) {
   ASSERT_NO_FATAL_FAILURE(expect_released());
   start("haptics_node");
   expect_felt_again();
+  system.end_all();
+}
+
+// Where contact was is known to who was there. It is of no use to a hand that has left meanwhile: it would be held from the other side.
+TEST_P(TouchedWay, NothingPullsAHandBackThatHasLeftMeanwhile) {
+  ASSERT_NO_FATAL_FAILURE(press());
+  for (const char* node : {"haptics_node", "io_node"}) {
+    system[node].kill();
+    if (node == std::string("haptics_node")) {
+      ASSERT_NO_FATAL_FAILURE(expect_released());
+      onlooker->hold_hand(Vec3(0.01, 0.02, kTopM + 0.005));
+      ASSERT_TRUE(System::wait_until([&] { return onlooker->see(state) && state.p_WD.z() > kTopM + 0.0045; }));
+    }
+    start(node);
+    const std::int64_t before = node == std::string("haptics_node") ? count(system.request_report(), "forces") : 0;
+    ASSERT_TRUE(waits_for(system, [&](const Json& report) { return count(report, "forces") > before + 20; }));
+    onlooker->hold_hand(Vec3(0.01, 0.02, kTopM + 0.005));
+    for (int n = 0; n < 300; ++n) {
+      ASSERT_TRUE(onlooker->see(state));
+      ASSERT_EQ(state.force_n, Vec3::Zero()) << node;
+      ASSERT_FALSE(state.contact);
+    }
+    ASSERT_NO_FATAL_FAILURE(press_on());
+    expect_felt();
+  }
   system.end_all();
 }
 
