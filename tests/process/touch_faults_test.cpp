@@ -193,5 +193,43 @@ void PrintTo(const Way& way, std::ostream* out) { *out << way.name; }
 INSTANTIATE_TEST_SUITE_P(All, TouchedWay, ::testing::Values(kRemote, kPatch, kAutoFar, kPatchLossy),
                          [](const auto& way) { return way.param.name; });
 
+// What parts of the scene do not hold is felt all the same, from the haptics node, and a line says why.
+struct Unserved {
+  std::string name;
+  std::string scene;
+  std::vector<std::string> haptics;
+  std::string line;
+};
+void PrintTo(const Unserved& unserved, std::ostream* out) { *out << unserved.name; }
+
+class TouchUnserved : public ::testing::TestWithParam<Unserved> {};
+
+TEST_P(TouchUnserved, IsFeltFromTheHapticsNodeAndALineSaysWhy) {
+  System system({"--touch", "patch"});
+  std::ofstream(system.folder() / "cube.toml") << GetParam().scene;
+  system.add_arguments("haptics_node", GetParam().haptics);
+  system.start("io_node");
+  system.start("haptics_node");
+  EXPECT_TRUE(System::wait_until([&] { return system["haptics_node"].err().find(GetParam().line) != std::string::npos; }))
+      << system["haptics_node"].err();
+  EXPECT_TRUE(waits_for(system, [](const Json& report) {
+    return count(report, "contact_samples") > 300 && std::stod(report.at("notes").at("max_force_written_n").get<std::string>()) > 0.5;
+  }));
+  EXPECT_EQ(count(system.request_report(), "local_forces"), 0);
+  system.end_all();
+}
+
+const std::string kPlainScene = "[[object]]\nmesh = \"cube.obj\"\nunit = \"m\"\n";
+INSTANTIATE_TEST_SUITE_P(
+    All, TouchUnserved,
+    ::testing::Values(Unserved{"Shading", kPlainScene, {"--shading", "1"}, "but force shading is on: forces stay this node's"},
+                      Unserved{"Method", kPlainScene, {"--method", "sweep"}, "but the method is another than proxy: forces stay"},
+                      Unserved{"Movable", kPlainScene + "movable = true\n", {}, "but objects of the scene are movable: forces stay"},
+                      Unserved{"Effects",
+                               kPlainScene + "material = \"honey\"\n[material.honey]\nviscosity_ns_per_m = 1.0\n",
+                               {},
+                               "but the scene has effects: forces stay"}),
+    [](const auto& unserved) { return unserved.param.name; });
+
 }  // namespace
 }  // namespace hapton::process
