@@ -76,8 +76,10 @@ void PatchLink::follow_source(ForceExchange& forces) noexcept {
   forces.request_resume();
 }
 
-// A place of the probe in the scene where it is now.
+// A place of the probe in the scene where it is now. Only what the haptics node that is there has replied: from an older place, a hand that
+// has gone elsewhere meanwhile would meet what lies between.
 void PatchLink::note_probe(const ForceExchange& forces, std::uint32_t view_revision, std::int64_t now_ns) noexcept {
+  if (!forces.has_resumed()) return;
   const ForceCommand& last = forces.history().last_answer();
   if (now_ns - told_ns_ < kProbeNs || last.view_revision != view_revision || last.echo_sample_time_ns <= orders_.start_ns) return;
   const std::optional<Vec3> p_WP = forces.history().find_probe();
