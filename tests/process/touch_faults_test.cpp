@@ -36,12 +36,12 @@ class TouchedWay : public ::testing::TestWithParam<Way> {
   bool has_patches() const { return GetParam().touch != "remote"; }
 
   // The hand comes down onto the cube and stays in contact.
-  void press() {
+  void press(bool through_relay = false) {
     // Over it from the start: who meets a hand inside a body for the first time cannot know where it came in.
     std::ofstream(system.folder() / "taps.csv") << "t_s,x_m,y_m,z_m\n0,0.01,0.02,0.055\n600,0.01,0.02,0.055\n";
     system.add_arguments("io_node", {"--trajectory", (system.folder() / "taps.csv").string()});
     start("io_node");
-    if (!GetParam().relay.empty()) system.start_relay(GetParam().relay);
+    if (through_relay || !GetParam().relay.empty()) system.start_relay(GetParam().relay);
     start("haptics_node");
     onlooker.emplace(system);
     ASSERT_TRUE(waits_for(system, [&](const Json& report) { return count(report, "forces") > 0; }));
@@ -135,6 +135,16 @@ TEST_P(TouchedWay, HapticsFrozenLeavesNoForceAndBringsItBack) {
   system["haptics_node"].send_signal(SIGSTOP);
   ASSERT_NO_FATAL_FAILURE(expect_released());
   system["haptics_node"].send_signal(SIGCONT);
+  expect_felt_again();
+  system.end_all();
+}
+
+// What it held back comes all at once when it is back.
+TEST_P(TouchedWay, TheNetworkCutLeavesNoForceAndBringsItBack) {
+  ASSERT_NO_FATAL_FAILURE(press(true));
+  system["relay"].send_signal(SIGSTOP);
+  ASSERT_NO_FATAL_FAILURE(expect_released());
+  system["relay"].send_signal(SIGCONT);
   expect_felt_again();
   system.end_all();
 }
