@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/math/left_contact.h"
 #include "core/math/rigid_pose.h"
 
 namespace hapton {
@@ -144,6 +145,7 @@ TouchInput HapticsStep::make_start() noexcept {
   if (!p_WP) return start;
   const Vec3 outward = *p_WP - input_.p_WD;
   if (!(outward.norm() > 0.0 && outward.norm() <= kResumeReachM)) return start;
+  if (!state_.is_resumed && has_left_contact(*p_WP, outward_W_, input_.p_WD)) return start;
   start.p_WD = *p_WP + offset_m_ * outward.normalized();
   // What this node remembers of an earlier session is in no recording of this one.
   if (!state_.is_resumed) answered_before_ = kUnknownBefore;
@@ -164,6 +166,7 @@ void HapticsStep::resume() noexcept {
   const bool is_felt = running_ && output_.contact;
   restart();
   if (is_felt) p_WP_ = input_.p_WD + output_.visual_offset_m;
+  outward_W_ = output_.visual_offset_m;
 }
 
 // Shifts the known replies by the number of samples passed, and adds the last one.

@@ -111,11 +111,12 @@ class HapticsStep {
   Pose X_WS_ = Pose::Identity();
   ViewTransform view_;
   DeviceState state_;
-  TouchInput input_;          // of the last reply
-  TouchOutput output_;        // of the last reply, by the method alone
-  ForceFade fade_;            // from the method before
-  ForceFade torque_fade_;     // Nm
-  std::optional<Vec3> p_WP_;  // where the probe rested when the session ended
+  TouchInput input_;               // of the last reply
+  TouchOutput output_;             // of the last reply, by the method alone
+  ForceFade fade_;                 // from the method before
+  ForceFade torque_fade_;          // Nm
+  std::optional<Vec3> p_WP_;       // where the probe rested when the session ended
+  Vec3 outward_W_ = Vec3::Zero();  // ... from the device to there
   std::int64_t last_time_ns_ = 0;
   std::uint64_t last_sample_ = 0;      // of the last reply
   std::uint64_t answered_before_ = 0;  // as in ForceCommand, for the next reply: without last_sample_

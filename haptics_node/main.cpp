@@ -136,7 +136,11 @@ int run(const HapticsOptions& options) {
                       {.bits_per_s = 1e6 * options.patch_mbit_per_s});
   ReplyLoop loop(client, clock, step, builder, setup, options.method.build_on_approach, facts);
   // What moves would not move in the parts that the hub keeps.
-  if (!grasp) loop.set_patch_sender(&patches);
+  if (grasp) {
+    loop.set_patch_obstacle("objects of the scene are movable");
+  } else {
+    loop.set_patch_sender(&patches);
+  }
   if (!effects.empty()) loop.set_effects(&effects);
   StiffnessAdviser adviser(find_stiffest(felt));
   loop.set_stiffness_adviser(&adviser);
@@ -158,7 +162,7 @@ int run(const HapticsOptions& options) {
                         .loading = options.loading,
                         .coupling_n_per_m = options.method.coupling_n_per_m,
                         .on_scene = on_scene,
-                        .is_held = [&] { return patches.is_wanted(clock.now_ns()); }},
+                        .is_held = [&] { return patches.is_wanted(clock.now_ns()) && patches.is_offered(); }},
                        options.watch_scene ? *scene : Scene(), tuner, builder);
   if (options.watch_scene) watcher.start();
   if (grasp) {

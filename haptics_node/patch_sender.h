@@ -36,6 +36,13 @@ class PatchSender {
   void set_offered(bool is_offered) noexcept {
     is_offered_.store(is_offered && !has_effects_ && !is_withdrawn_.load(std::memory_order_acquire), std::memory_order_release);
   }
+  // The hub gets parts when it asks. False: it keeps to the force of this node. Threads: any.
+  bool is_offered() const noexcept { return is_offered_.load(std::memory_order_acquire); }
+  // Why not, whatever the method: a clause; empty: the method decides. Threads: any.
+  std::string_view obstacle() const noexcept {
+    if (has_effects_) return "the scene has effects";
+    return is_withdrawn_.load(std::memory_order_acquire) ? "the scene was read again" : "";
+  }
   // Another scene is felt: this one is offered no more. Threads: any.
   void withdraw() noexcept {
     is_withdrawn_.store(true, std::memory_order_release);

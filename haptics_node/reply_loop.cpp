@@ -79,6 +79,7 @@ void ReplyLoop::turn(std::int64_t deadline_ns) {
   report_scene();
   report_tool();
   report_plugins();
+  report_patches();
 }
 
 void ReplyLoop::drain() noexcept {
@@ -101,6 +102,7 @@ void ReplyLoop::handle(const Message& message) noexcept {
     step_.offer(*state);
     if (patches_ != nullptr && patches_->is_wanted(arrival_ns_)) patches_->note_hand(*state, step_.view().X_WS);
   } else if (const auto* status = std::get_if<PatchStatus>(&message)) {
+    if (!overtaken) wants_patches_ = status->is_wanted;
     if (!overtaken && patches_ != nullptr) patches_->accept(*status, hub_.receive_time_ns());
   } else if (const auto* view = std::get_if<ViewTransform>(&message)) {
     if (!overtaken) step_.turn_scene(*view);
@@ -207,7 +209,7 @@ void ReplyLoop::take_scene(const NewScene& scene) noexcept {
 void ReplyLoop::request_materials(const MaterialRequest& request) noexcept {
   if (tuner_ == nullptr || request.request == last_material_request_) return;
   last_material_request_ = request.request;
-  const bool has_patches = patches_ != nullptr && patches_->is_wanted(hub_.receive_time_ns());
+  const bool has_patches = patches_ != nullptr && patches_->is_wanted(hub_.receive_time_ns()) && patches_->is_offered();
   if (!has_patches && !is_holding()) return tuner_->request(request);
   materials_.request = request.request;
   put_text(is_holding() ? "the stylus holds a rigid tool: its spring stays as it was when it was taken up"
@@ -313,6 +315,26 @@ void ReplyLoop::report_tool() {
   } else {
     log_info("the tool is free of the scene: it is felt");
   }
+}
+
+std::string_view ReplyLoop::find_patch_obstacle() const noexcept {
+  if (patches_ == nullptr) return patch_obstacle_;
+  if (patches_->is_offered()) return "";
+  if (is_holding()) return "the stylus holds a rigid tool";
+  if (const std::string_view why = patches_->obstacle(); !why.empty()) return why;
+  if (effects_ != nullptr) return "effects from shared libraries are felt";
+  const std::string_view method(setup_.method.data());
+  return method.find("name=proxy") != std::string_view::npos ? "force shading is on" : "the method is another than proxy";
+}
+
+// Once each time: whoever told the hub to feel parts of the scene must know where they are not.
+void ReplyLoop::report_patches() {
+  const std::string_view why = wants_patches_ ? find_patch_obstacle() : "";
+  if (why == patch_obstacle_reported_) return;
+  const bool has_ended = why.empty() && wants_patches_;
+  patch_obstacle_reported_ = why;
+  if (!why.empty()) log_warning("the hub asks for the scene in parts (io_node --touch), but {}: forces stay this node's", why);
+  if (has_ended) log_info("the hub gets the scene in parts again");
 }
 
 bool ReplyLoop::is_method_cut_off() const noexcept {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string_view>
 
 #include "haptic_step/haptics_step.h"
 #include "haptics_node/material_tuner.h"
@@ -27,6 +28,8 @@ class ReplyLoop {
 
   // Before run: what offers the hub the scene in parts. Pre: outlives this.
   void set_patch_sender(PatchSender* patches) noexcept { patches_ = patches; }
+  // Before run: why there is no such sender, a clause, for a hub that asks for parts.
+  void set_patch_obstacle(std::string_view why) noexcept { patch_obstacle_ = why; }
   // Before run: who works out changes of materials. Pre: outlives this.
   void set_material_tuner(MaterialTuner* tuner) noexcept { tuner_ = tuner; }
   // Before run: effects from shared libraries, which the step adds. Who is cut off of these, or of methods from shared libraries, is
@@ -64,6 +67,8 @@ class ReplyLoop {
   void report_hub_state();
   void report_scene();
   void report_tool();
+  void report_patches();
+  std::string_view find_patch_obstacle() const noexcept;
   void report_grasp() noexcept;
   bool is_holding() const noexcept;
   void send_poses() noexcept;
@@ -80,6 +85,9 @@ class ReplyLoop {
   HapticsSetup::Text effects_text_ = {};  // of these
   SceneFacts scene_;
   PatchSender* patches_ = nullptr;
+  std::string_view patch_obstacle_;           // without a sender
+  std::string_view patch_obstacle_reported_;  // to a hub that asks; empty: none
+  bool wants_patches_ = false;                // the hub
   PluginEffects* effects_ = nullptr;
   bool is_method_cut_off_ = false;  // as reported
   StiffnessAdviser* adviser_ = nullptr;

@@ -8,6 +8,7 @@ namespace {
 
 constexpr double kFirstStepS = 1e-3;
 constexpr double kLongestStepS = 0.02;  // after a gap
+constexpr std::uint32_t kNoGeneration = 0xFFFFFFFF;
 
 }  // namespace
 
@@ -35,7 +36,9 @@ std::optional<LocalForce> LocalPatch::step(const DeviceSample& sample) noexcept 
     return std::nullopt;
   }
   exchange_patches();
-  touch_.set_generation(generation_.load(std::memory_order_acquire));
+  // Where a haptics node has just joined, what is there is of the one before, until the builder has seen to it.
+  const bool is_cleared = cleared_.load(std::memory_order_acquire) == orders.clears;
+  touch_.set_generation(is_cleared ? generation_.load(std::memory_order_acquire) : kNoGeneration);
   const Pose X_SW = orders.X_WS.inverse(Eigen::Isometry);
   if (std::exchange(started_, orders.start) != orders.start && !touch_.has_arrived()) {
     touch_.start_at(X_SW * orders.p_WP, X_SW.linear() * orders.outward_W, 1e-9 * static_cast<double>(last_ns_ - orders.start_ns));

@@ -22,6 +22,8 @@ struct PatchOrders {
   std::int64_t start_ns = 0;
   Vec3 p_WP = Vec3::Zero();
   Vec3 outward_W = Vec3::Zero();  // unit, zero: free
+  // How many haptics nodes have joined whose parts are kept apart: patches are used once the builder has dropped those of the node before.
+  std::uint32_t clears = 0;
 };
 
 // Force from patches of the scene, on the device's own thread. Patches come from a thread that builds them, and go back to it to be freed.
@@ -52,6 +54,8 @@ class LocalPatch final : public LocalTouch {
   void offer(std::unique_ptr<Patch> patch) noexcept { delete built_.exchange(patch.release(), std::memory_order_acq_rel); }
   // Patches of other generations are not used from now on.
   void set_generation(std::uint32_t generation) noexcept { generation_.store(generation, std::memory_order_release); }
+  // So often all parts were dropped (PatchOrders::clears). The generation of what comes is set before.
+  void set_cleared(std::uint32_t clears) noexcept { cleared_.store(clears, std::memory_order_release); }
   void free_retired() noexcept { delete retired_.exchange(nullptr, std::memory_order_acq_rel); }
 
  private:
@@ -63,6 +67,7 @@ class LocalPatch final : public LocalTouch {
   std::atomic<Patch*> built_ = nullptr;
   std::atomic<Patch*> retired_ = nullptr;
   std::atomic<std::uint32_t> generation_ = 0;
+  std::atomic<std::uint32_t> cleared_ = 0;
 
   // The device's thread.
   PatchTouch touch_;

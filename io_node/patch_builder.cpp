@@ -71,6 +71,7 @@ bool PatchBuilder::drain() {
       maker_.forget();
       local_.set_generation(++generation_);
     }
+    if (slot.is_clear) local_.set_cleared(++cleared_);
     begin_.store(at + 1, std::memory_order_release);
   }
   return first != end;

@@ -66,6 +66,7 @@ class PatchBuilder {
   // The builder's thread.
   PatchStore store_;
   std::uint32_t generation_ = 0;
+  std::uint32_t cleared_ = 0;
   std::uint32_t epoch_ = 0;
   PatchMaker maker_;
   PatchBuilderCounts told_;

@@ -41,6 +41,7 @@ void PatchLink::choose(ForceExchange& forces, std::int64_t now_ns) noexcept {
     orders_.is_wanted = true;
     was_local_ = false;
     status_ns_ = told_ns_ = 0;
+    start_at_rest(forces);
   }
   if (state_ == State::patch && !is_wanted) {
     state_ = State::leaving;
@@ -54,6 +55,18 @@ void PatchLink::choose(ForceExchange& forces, std::int64_t now_ns) noexcept {
   }
 }
 
+// A haptics node that has just joined is told where contact was, and so is the device side: a patch that is there before its first reply
+// must not take a hand inside a body for free.
+void PatchLink::start_at_rest(const ForceExchange& forces) noexcept {
+  const ProbeHistory::Pose& newest = forces.history().newest();
+  const std::optional<Vec3> p_WP = forces.history().find_resume_point(newest.p_WD);
+  if (!p_WP) return;
+  ++orders_.start;
+  orders_.start_ns = newest.time_ns;
+  orders_.p_WP = *p_WP;
+  orders_.outward_W = (*p_WP - newest.p_WD).normalized();
+}
+
 // Where patches begin anew, the haptics node goes on from where they had the probe.
 void PatchLink::follow_source(ForceExchange& forces) noexcept {
   const bool has_ended = was_local_ && !forces.is_local();
@@ -63,8 +76,10 @@ void PatchLink::follow_source(ForceExchange& forces) noexcept {
   forces.request_resume();
 }
 
-// A place of the probe in the scene where it is now.
+// A place of the probe in the scene where it is now. Only what the haptics node that is there has replied: from an older place, a hand that
+// has gone elsewhere meanwhile would meet what lies between.
 void PatchLink::note_probe(const ForceExchange& forces, std::uint32_t view_revision, std::int64_t now_ns) noexcept {
+  if (!forces.has_resumed()) return;
   const ForceCommand& last = forces.history().last_answer();
   if (now_ns - told_ns_ < kProbeNs || last.view_revision != view_revision || last.echo_sample_time_ns <= orders_.start_ns) return;
   const std::optional<Vec3> p_WP = forces.history().find_probe();

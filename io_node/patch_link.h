@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 
 #include "io_node/force_exchange.h"
 #include "io_node/local_patch.h"
@@ -32,7 +33,7 @@ class PatchLink {
 
   // A part of the scene.
   void accept(const Message& part) noexcept;
-  void on_haptics_joined() noexcept { must_clear_ = true; }
+  void on_haptics_joined() noexcept { orders_.clears += std::exchange(must_clear_, true) ? 0 : 1; }
   // Once a cycle, after the force. view: where the scene is; none: at W.
   void look_after(ForceExchange& forces, const std::optional<ViewTransform>& view, std::int64_t now_ns) noexcept;
 
@@ -46,6 +47,7 @@ class PatchLink {
   void choose(ForceExchange& forces, std::int64_t now_ns) noexcept;
   void follow_source(ForceExchange& forces) noexcept;
   void note_probe(const ForceExchange& forces, std::uint32_t view_revision, std::int64_t now_ns) noexcept;
+  void start_at_rest(const ForceExchange& forces) noexcept;
   void send_status(double round_trip_s, std::int64_t now_ns) noexcept;
 
   HubPeers& peers_;

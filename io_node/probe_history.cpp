@@ -1,5 +1,7 @@
 #include "io_node/probe_history.h"
 
+#include "core/math/left_contact.h"
+
 namespace hapton {
 
 void ProbeHistory::note_sample(std::uint64_t number, const DeviceSample& sample) noexcept {
@@ -16,10 +18,12 @@ void ProbeHistory::note_local(const ForceCommand& command) noexcept {
   last_ = command;
   const bool is_at_rest = command.contact && is_known(command.echo_sample);
   p_WP_ = is_at_rest ? std::optional<Vec3>(poses_[command.echo_sample % kSamples].p_WD + command.visual_offset_m) : std::nullopt;
+  outward_W_ = command.visual_offset_m;
 }
 
 std::optional<Vec3> ProbeHistory::find_resume_point(const Vec3& p_WD) const noexcept {
-  return is_haptics_new_ && p_WP_ && (*p_WP_ - p_WD).norm() <= kResumeReachM ? p_WP_ : std::nullopt;
+  if (!is_haptics_new_ || !p_WP_ || (*p_WP_ - p_WD).norm() > kResumeReachM) return std::nullopt;
+  return has_left_contact(*p_WP_, outward_W_, p_WD) ? std::nullopt : p_WP_;
 }
 
 std::optional<Vec3> ProbeHistory::find_probe() const noexcept {

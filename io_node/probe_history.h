@@ -1,13 +1,14 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "core/math/types.h"
 #include "devices/device.h"
 #include "io_node/device_loop.h"
+#include "io_node/response_tracker.h"
 #include "link/messages.h"
 
 namespace hapton {
@@ -17,8 +18,15 @@ namespace hapton {
 // Threads: one.
 class ProbeHistory {
  public:
-  // Samples kept: a force that replies to an older one has no pose.
-  static constexpr std::size_t kSamples = 256;
+  // Samples kept: a force that replies to an older one has no pose. As many as the response tracker knows: across a slow network every
+  // reply is of a sample long ago, and tells where contact is nevertheless.
+  static constexpr std::size_t kSamples = ResponseTracker::kCapacity;
+
+  struct Pose {
+    std::int64_t time_ns = 0;
+    Vec3 p_WD = Vec3::Zero();
+    Quat q_WT = Quat::Identity();
+  };
 
   // Pre: samples count up.
   void note_sample(std::uint64_t number, const DeviceSample& sample) noexcept;
@@ -40,9 +48,10 @@ class ProbeHistory {
   // The scene was turned: the last position is no longer valid.
   void forget_rest() noexcept { p_WP_.reset(); }
 
-  // Where a new haptics node resumes contact, if the device is still near (kResumeReachM).
+  // Where a new haptics node resumes contact, if the device is still near (kResumeReachM) and has not left the surface.
   std::optional<Vec3> find_resume_point(const Vec3& p_WD) const noexcept;
   const ForceCommand& last_answer() const noexcept { return last_; }
+  const Pose& newest() const noexcept { return poses_[newest_ % kSamples]; }
   // Where the probe was in the sample answered last, if that is known still.
   std::optional<Vec3> find_probe() const noexcept;
 
@@ -51,19 +60,14 @@ class ProbeHistory {
   void show(bool is_silent, ProbeState& probe) const noexcept;
 
  private:
-  struct Pose {
-    std::int64_t time_ns = 0;
-    Vec3 p_WD = Vec3::Zero();
-    Quat q_WT = Quat::Identity();
-  };
-
   bool is_known(std::uint64_t sample) const noexcept { return sample != 0 && newest_ - sample < kSamples; }
 
-  std::array<Pose, kSamples> poses_ = {};  // by number
+  std::vector<Pose> poses_ = std::vector<Pose>(kSamples);  // by number
   std::uint64_t newest_ = 0;
   std::uint64_t asked_ = 0;  // the newest sample at note_new_haptics
   ForceCommand last_;
-  std::optional<Vec3> p_WP_;  // in contact, as far as known
+  std::optional<Vec3> p_WP_;       // in contact, as far as known
+  Vec3 outward_W_ = Vec3::Zero();  // ... from the device to there
   bool is_haptics_new_ = false;
 };
 

@@ -62,6 +62,10 @@ int main(int argc, char** argv) {
       ->take_last()
       ->capture_default_str();
   app.add_option("--only", settings.only, "Those alone whose name contains this");
+  app.add_option("--touch", settings.touch,
+                 "Where forces are worked out, as io_node --touch; with patch each row begins once they are felt")
+      ->check(CLI::IsMember({"remote", "auto", "patch"}))
+      ->capture_default_str();
   app.add_option("--slack-ms", settings.slack_ms,
                  "For a machine that is not idle: a bound exceeded by less than this is reported but is no failure")
       ->check(CLI::Range(0.0, 1e5))
@@ -74,6 +78,7 @@ int main(int argc, char** argv) {
   const std::vector<Row> rows = run_list(settings, print);
   print_worst(rows, Kind::inside, "io_node running (from the sample that the force answers)", kInsideMs);
   print_worst(rows, Kind::outside, "io_node frozen or killed (from the event)", kOutsideMs);
+  print_worst(rows, Kind::alone, "patches felt without the haptics node (from the event)", kAloneMs);
   if (!json_file.empty()) {
     nlohmann::json table = nlohmann::json::array();
     for (const Row& row : rows) table.push_back(json_of(row));

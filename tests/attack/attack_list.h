@@ -10,11 +10,13 @@ namespace hapton::attack {
 // long after that.
 constexpr double kInsideMs = 21.0;
 constexpr double kOutsideMs = 50.0;
+// Where patches of the scene are felt, they are for a second after haptics was heard last.
+constexpr double kAloneMs = 1000.0 + kInsideMs;
 // A flood that a hub must bear without more late forces than this share.
 constexpr double kBearablePerS = 200'000.0;
 constexpr double kMostLateShare = 0.01;
 
-enum class Kind { inside, outside };
+enum class Kind { inside, outside, alone };
 
 struct Settings {
   int repeat = 3;
@@ -22,6 +24,7 @@ struct Settings {
   double slack_ms = 0.0;
   double give_up_s = 1e9;  // on a machine that stood still meanwhile, what is not begun by then is skipped
   std::string only;
+  std::string touch = "remote";  // of io_node --touch
 };
 
 // One attack or fault, and what became of the force. Times below 0: not measured.

@@ -26,14 +26,15 @@ bool wait_until(const std::function<bool()>& holds) {
   return false;
 }
 
-TestBed::TestBed() {
+TestBed::TestBed(const std::string& touch) : touch_(touch) {
   const std::string out = folder().string() + "/out";
   rlimit before = {};
   ::getrlimit(RLIMIT_RTTIME, &before);
   const rlimit units = {.rlim_cur = std::min(kUnitsRealtimeUs, before.rlim_max), .rlim_max = before.rlim_max};
   ::setrlimit(RLIMIT_RTTIME, &units);
   io_ = std::make_unique<Program>(
-      "io_node", std::vector<std::string>{"--bind", hub_, "--device", "simulated", "--out", out, "--flight", "off"}, folder());
+      "io_node", std::vector<std::string>{"--bind", hub_, "--device", "simulated", "--out", out, "--flight", "off", "--touch", touch},
+      folder());
   ::setrlimit(RLIMIT_RTTIME, &before);
   haptics_ = std::make_unique<Program>(
       "haptics_node", std::vector<std::string>{"--hub", hub_, "--scene", std::string(HAPTON_SOURCE_DIR) + "/scenes/car_front.toml"},
@@ -45,7 +46,17 @@ std::string TestBed::await_contact() {
     return "io_node does not start: " + io_->err();
   }
   if (!haptics_->is_running()) return "haptics_node does not start: " + haptics_->err();
+  if (touch_ == "patch" && !wait_until([&] { return has_patches(); })) return "no force from patches within 30 s";
   return observer_.await_force(kForceN, kPatienceS) ? "" : "no force came within 30 s";
+}
+
+bool TestBed::has_patches() {
+  const auto count = [&] {
+    const auto report = request_report();
+    return report.is_object() ? report.at("counters").value("local_forces", 0.0) : 0.0;
+  };
+  const double before = count();
+  return count() > before + 20.0;
 }
 
 std::string TestBed::haptics_address() const {

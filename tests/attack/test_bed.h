@@ -18,9 +18,10 @@ class TestBed {
   // A force of that size is waited for before anything is done to it.
   static constexpr double kForceN = 0.3;
 
-  TestBed();
+  // touch: of io_node --touch.
+  explicit TestBed(const std::string& touch = "remote");
 
-  // A line when something does not start or no force comes; "" when a force is out.
+  // A line when something does not start or no force comes; "" when a force is out, from patches where io_node was told so.
   std::string await_contact();
 
   process::Program& io() { return *io_; }
@@ -36,7 +37,10 @@ class TestBed {
   nlohmann::json request_report();
 
  private:
+  bool has_patches();
+
   ScratchFolder folder_;
+  std::string touch_;
   std::string hub_ = "127.0.0.1:" + process::find_free_port();
   std::unique_ptr<process::Program> io_;
   std::unique_ptr<process::Program> haptics_;

@@ -86,6 +86,22 @@ TEST(HapticsStep, KeepsContactInANewSessionUnlessReset) {
   }
 }
 
+// Contact there would hold the hand back from the other side of the sheet.
+TEST(HapticsStep, ANewSessionFindsAHandFreeThatHasLeftTheSurface) {
+  for (const double z_m : {0.0001, 0.001, 0.01}) {
+    HapticsStep step(make_touch(), kOffset);
+    States states;
+    answer(step, states.at({0.01, 0.01, 0.001}));
+    ASSERT_TRUE(answer(step, states.at({0.01, 0.01, -0.002})).contact);
+    step.resume();
+    const ForceCommand first = answer(step, states.at({0.01, 0.011, z_m}));
+    EXPECT_FALSE(first.contact) << z_m;
+    EXPECT_EQ(first.answered_before, 0U);
+    // It is felt again where it comes back.
+    EXPECT_NEAR(answer(step, states.at({0.01, 0.011, -0.001})).force_n.z(), 1.0, 1e-6);
+  }
+}
+
 TEST(HapticsStep, LookingAroundBuildsWhatIsNearAndChangesNothingElse) {
   const TouchScene scene = {.objects = {{made::shared(made::sheet(0.1, 0.0, 6)), {}}}};
   auto touch = std::make_unique<TouchStep>(*make_method({.name = "proxy", .build_on_approach = true}, scene));

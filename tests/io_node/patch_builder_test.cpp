@@ -91,10 +91,15 @@ TEST(PatchBuilder, AfterAClearNothingOfBeforeIsUsed) {
   BuilderStage stage;
   stage.send_all();
   ASSERT_TRUE(stage.step_until(is_felt));
+  // Asked for, but not done: at once.
+  stage.local.publish({.is_wanted = true, .until_ns = 1'000'000 * kMs, .clears = 1});
+  stage.time_ns += kMs;
+  EXPECT_FALSE(stage.local.step({stage.time_ns, Vec3(0, 0, -0.001), Quat::Identity(), 0, true}));
   ASSERT_TRUE(stage.builder.clear());
-  EXPECT_TRUE(stage.step_until([](const auto& force) { return !force.has_value(); }));
-  EXPECT_TRUE(stage.builder.take_status());
-  EXPECT_EQ(stage.builder.status().epoch, 0U);
+  EXPECT_TRUE(stage.step_until([&](const auto&) {
+    (void)stage.builder.take_status();
+    return stage.builder.status().epoch == 0U;
+  }));
   // Another haptics node, whose epochs begin anew.
   stage.send_all(1);
   EXPECT_TRUE(stage.step_until(is_felt));

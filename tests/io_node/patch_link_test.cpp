@@ -70,17 +70,18 @@ TEST_F(PatchLinks, AutomaticGoesByTheRoundTrip) {
   EXPECT_FALSE(patch_statuses.back().second.is_wanted);
 }
 
+std::unique_ptr<Patch> floor_patch(std::uint32_t generation) {
+  auto patch = std::make_unique<Patch>();
+  patch->step = std::make_unique<TouchStep>(*make_method({}, scene_of(made::sheet(0.05, 0.0, 20))));
+  patch->radius_m = 1.0;
+  patch->lift_m = 1e-7;
+  patch->generation = generation;
+  return patch;
+}
+
 // The hand presses 2 mm into the haptics node's floor while patches are wanted: its force goes on until one is there, and again when they
 // begin anew.
 TEST_F(PatchLinks, TheRemoteForceGoesOnUntilAPatchIsThere) {
-  const auto patch_of = [](std::uint32_t generation) {
-    auto patch = std::make_unique<Patch>();
-    patch->step = std::make_unique<TouchStep>(*make_method({}, scene_of(made::sheet(0.05, 0.0, 20))));
-    patch->radius_m = 1.0;
-    patch->lift_m = 1e-7;
-    patch->generation = generation;
-    return patch;
-  };
   device.place = Vec3(0.001, 0.002, 0.002);
   floor_z_m = 0.0;
   answer.force_n = Vec3::Zero();
@@ -106,7 +107,7 @@ TEST_F(PatchLinks, TheRemoteForceGoesOnUntilAPatchIsThere) {
   EXPECT_GT(least_in(3000), 1.999);
   const std::uint64_t before = stats().local_forces;
   EXPECT_EQ(before, 0U);
-  local.offer(patch_of(7));
+  local.offer(floor_patch(7));
   EXPECT_GT(least_in(1000), 1.999) << "a patch takes over";
   EXPECT_GT(stats().local_forces, 900U);
   states.clear();
@@ -115,10 +116,49 @@ TEST_F(PatchLinks, TheRemoteForceGoesOnUntilAPatchIsThere) {
   EXPECT_GT(std::count_if(states.begin(), states.end(), [](const DeviceState& state) { return state.is_resumed; }), 0)
       << "the haptics node goes on where they were";
   local.free_retired();
-  local.offer(patch_of(8));
+  local.offer(floor_patch(8));
   EXPECT_GT(least_in(1000), 1.999);
   EXPECT_GT(stats().local_forces, 1900U);
   EXPECT_EQ(stats().governor.counters.command_timeouts, 0U);
+}
+
+// The hand stays 2 mm below the floor, which only the hub knows. What it has of the node before is not felt, nor a first patch of the new
+// one as if the hand were free: contact would be lost for good.
+TEST_F(PatchLinks, ContactOutlivesAHapticsNodeWhosePatchesWereFelt) {
+  device.place = Vec3(0.001, 0.002, 0.002);
+  floor_z_m = 0.0;
+  answer.force_n = Vec3::Zero();
+  answer.contact = false;
+  start(TouchChoice::patch);
+  servo->device_loop().set_local_touch(&local);
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  local.set_generation(7);
+  local.offer(floor_patch(7));
+  run(300);
+  device.place.z() = -0.002;
+  run(300);
+  EXPECT_NEAR(device.written.back().force_n.z(), 2.0, 1e-6);
+  const std::uint64_t before = stats().local_forces;
+  EXPECT_GT(before, 500U);
+  say(kHaptics, Bye{});
+  sequences.erase(kHaptics);
+  run(1500);
+  EXPECT_EQ(device.written.back().force_n, Vec3(Vec3::Zero()));
+
+  answer_delay_ns = -1;
+  states.clear();
+  join(kHaptics, NodeRole::haptics);
+  run(20);
+  // The builder has dropped what it had, and one patch of the new node is there before its first reply.
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  local.set_generation(9);
+  local.free_retired();
+  local.offer(floor_patch(9));
+  run(300);
+  EXPECT_NEAR(device.written.back().force_n.z(), 2.0, 1e-6) << stats().local_forces - before;
+  ASSERT_FALSE(states.empty());
+  EXPECT_TRUE(states.front().is_resumed);
+  EXPECT_NEAR(states.front().p_WP.z(), 0.0, 1e-6);
 }
 
 TEST_F(PatchLinks, WithoutAHapticsNodeNothingIsWanted) {

@@ -74,6 +74,18 @@ TEST_F(Memory, ANewHapticsNodeKeepsTheProbeInPlaceUntilItReplies) {
   EXPECT_FALSE(memory.find_resume_point(Vec3(0.1, 0, 0)));  // it has no position
 }
 
+// The surface is 2 mm above the device. Beyond it there is nothing to go on with: contact would hold the hand from within.
+TEST_F(Memory, NoContactGoesOnForADeviceThatHasLeftTheSurface) {
+  memory.note_sample(1, sample_at(1, 0.1));
+  memory.note_answer(answer_to(1, true));
+  memory.note_new_haptics();
+  EXPECT_TRUE(memory.find_resume_point(Vec3(0.105, 0.001, 0.0019)));
+  EXPECT_FALSE(memory.find_resume_point(Vec3(0.1, 0, 0.0021)));
+  EXPECT_FALSE(memory.find_resume_point(Vec3(0.105, 0.001, 0.01)));
+  // It may come back: then contact is where it was.
+  EXPECT_EQ(memory.find_resume_point(Vec3(0.1, 0, 0.001)), Vec3(0.1, 0, 0.002));
+}
+
 TEST_F(Memory, AReplyToASampleFromBeforeTheRequestDoesNotCount) {
   memory.note_sample(1, sample_at(1, 0.1));
   memory.note_answer(answer_to(1, true));

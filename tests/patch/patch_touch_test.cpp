@@ -139,6 +139,23 @@ TEST(PatchTouch, GivesNothingBeforeAPatchHasReachedTheHand) {
   EXPECT_FALSE(touch.step({.p_WD = circling_hand(2000)}).has_value());
 }
 
+// A scene so small that no place near the hand can be told from it: it gives nothing, and the next scene is felt.
+TEST(PatchTouch, AScenePastAllRoundingDoesNotKeepTheNextOneOut) {
+  const TouchScene scene = scene_of(rolling_sheet(kSheetHalf, 60));
+  PatchTouch touch;
+  auto tiny = patch_of(scene, Vec3::Zero(), 1.0);
+  tiny->lift_m = 1e-300;
+  (void)touch.offer(std::move(tiny));
+  (void)touch.step({.p_WD = circling_hand(1000)});
+  EXPECT_FALSE(touch.step({.p_WD = circling_hand(1001)}).has_value());
+  touch.set_generation(1);
+  auto next = patch_of(scene, Vec3::Zero(), 1.0);
+  next->generation = 1;
+  (void)touch.offer(std::move(next));
+  (void)touch.take_retired();
+  EXPECT_TRUE(touch.step({.p_WD = circling_hand(1002)}).has_value());
+}
+
 // Told again and again where the probe was a while ago, it comes to where the whole scene has it.
 TEST(PatchTouch, FollowsTheHandFromWhereTheProbeWasThen) {
   constexpr int kAge = 300;

@@ -20,20 +20,15 @@
 
 #include "link/codec.h"
 #include "tests/process/system.h"
+#include "tests/process/watched_force.h"
 
 namespace hapton::process {
 namespace {
 
 using ::testing::HasSubstr;
 
-constexpr double kMaxForceN = 1.5;
-constexpr double kMaxSlewNPerS = 100.0;
-// Forces cross the network, however slow it is: with --touch auto a storm of delays has them worked out beside the device.
-const std::vector<std::string> kTightLimits = {"--vision-rate", "1000", "--max-force", "1.5", "--max-slew", "100", "--touch", "remote"};
 const std::vector<std::string> kStorm = {"--loss",      "0.3", "--jitter-ms", "20",   "--reorder",     "0.1",
                                          "--duplicate", "0.1", "--corrupt",   "0.05", "--burst-share", "0.05"};
-
-bool waits_for(System& system, const std::function<bool(const Json&)>& holds) { return holds(system.wait_for_report(holds)); }
 
 // Contact continues from here for this many samples.
 bool feels_on(System& system, std::int64_t samples = 300) {
@@ -41,35 +36,8 @@ bool feels_on(System& system, std::int64_t samples = 300) {
   return waits_for(system, [&](const Json& report) { return count(report, "contact_samples") > before + samples; });
 }
 
-// Observes the force for this long: its largest value and its fastest growth.
-struct Watched {
-  int seen = 0;
-  int force = 0;
-};
-Watched expect_bounded(Onlooker& onlooker, double seconds) {
-  Watched watched;
-  ProbeState last;
-  std::int64_t last_sent_ns = 0;
-  ProbeState state;
-  const std::int64_t end_ns = onlooker.now_ns() + static_cast<std::int64_t>(1e9 * seconds);
-  while (onlooker.now_ns() < end_ns && onlooker.see(state)) {
-    EXPECT_TRUE(state.force_n.allFinite());
-    EXPECT_LE(state.force_n.norm(), kMaxForceN + 1e-9);
-    // A force may have been written a cycle after its sample, and later while replies are too old to be shown: the force is the newest.
-    const std::int64_t passed_ns = std::max(state.sample_time_ns - last.sample_time_ns, onlooker.sent_ns() - last_sent_ns);
-    const double passed_s = 1e-9 * static_cast<double>(passed_ns) + 2e-3;
-    const double risen_n = state.force_n.norm() - last.force_n.norm();
-    EXPECT_TRUE(watched.seen == 0 || risen_n <= kMaxSlewNPerS * passed_s) << risen_n << " N in " << passed_s << " s";
-    last = state;
-    last_sent_ns = onlooker.sent_ns();
-    ++watched.seen;
-    watched.force += state.force_n.norm() > 0.0 ? 1 : 0;
-  }
-  return watched;
-}
-
 TEST(Network, LossJitterReorderCopiesAndCorruptionLeaveTheForceBounded) {
-  System system(kTightLimits);
+  System system(tight_limits("remote"));
   system.start("io_node");
   system.start_relay(kStorm);
   system.start("haptics_node");
@@ -97,7 +65,7 @@ TEST(Network, LossJitterReorderCopiesAndCorruptionLeaveTheForceBounded) {
 }
 
 TEST(Network, APartitionTakesTheForceAwayAndItComesBackByItself) {
-  System system(kTightLimits);
+  System system(tight_limits("remote"));
   std::ofstream(system.folder() / "script.toml") << "repeat = true\n[[phase]]\nname = \"good\"\nseconds = 1.5\n"
                                                     "[[phase]]\nname = \"cut\"\nseconds = 1\npartition = true\n";
   system.start("io_node");
@@ -118,7 +86,7 @@ TEST(Network, APartitionTakesTheForceAwayAndItComesBackByItself) {
 
 // The hand never leaves the body: the force after the restart is that of the earlier contact.
 TEST(Haptics, RestartedExertsForceWithoutTheHandHavingLeft) {
-  System system(kTightLimits);
+  System system(tight_limits("remote"));
   std::ofstream(system.folder() / "taps.csv") << "t_s,x_m,y_m,z_m\n0,0.01,0.02,0.06\n1,0.01,0.02,0.049\n600,0.011,0.02,0.049\n";
   system.start("io_node");
   system.start("haptics_node");
@@ -168,7 +136,7 @@ TEST(Safety, ALatchedFaultIsRecordedAndHoldsUntilAPersonResetsIt) {
 }
 
 TEST(Haptics, FrozenLeavesNoForceAndThawedBringsItBackSlowly) {
-  System system(kTightLimits);
+  System system(tight_limits("remote"));
   system.start("io_node");
   system.start("haptics_node");
   Onlooker onlooker(system);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <algorithm>
 #include <functional>
 #include <map>
 #include <memory>
@@ -21,7 +22,7 @@ namespace hapton::process {
 
 using Json = nlohmann::json;
 
-// A folder, a port and the programs that use them.
+// A folder, a port and the programs that use them. The device is a replay of taps on a cube, unless io_options name another.
 class System {
  public:
   explicit System(std::vector<std::string> io_options = {});
@@ -106,6 +107,7 @@ class System {
     if (name == "io_node") {
       std::vector<std::string> arguments = {"--bind", hub_, "--out", folder + "/out"};
       arguments.insert(arguments.end(), io_options_.begin(), io_options_.end());
+      if (std::find(io_options_.begin(), io_options_.end(), "--device") != io_options_.end()) return with_more(name, std::move(arguments));
       for (const char* word : {"--device", "replay", "--loop", "--trajectory"}) arguments.emplace_back(word);
       arguments.push_back(folder + "/taps.csv");
       return with_more(name, std::move(arguments));
@@ -159,7 +161,11 @@ class Onlooker {
       if (const auto* probe = std::get_if<ProbeState>(&datagram.message)) {
         state = *probe;
         sent_ns_ = datagram.header.send_time_ns;
-        client_.send(FrameAck{probe->sample, probe->sample_time_ns, 60.0F});
+        client_.send(FrameAck{.echo_sample = probe->sample,
+                              .echo_sample_time_ns = probe->sample_time_ns,
+                              .frame_rate_hz = 60.0F,
+                              .every_sample = hand_.active});
+        if (hand_.active) client_.send(hand_);
         return true;
       }
     }
@@ -175,6 +181,10 @@ class Onlooker {
     return false;
   }
 
+  // From then on: where the hand of a simulated device is.
+  void hold_hand(const Vec3& p_WH) { hand_ = {.active = true, .p_WH = p_WH}; }
+  void send(const Message& message) { client_.send(message); }
+
   std::int64_t now_ns() const { return clock_.now_ns(); }
   std::int64_t sent_ns() const { return sent_ns_; }  // when the hub sent the last one seen
 
@@ -185,6 +195,7 @@ class Onlooker {
   SealedClient sealed_;
   HubClient client_{sealed_, clock_, NodeRole::vision, hub_};
   std::int64_t sent_ns_ = 0;
+  HandTarget hand_;
 };
 
 }  // namespace hapton::process

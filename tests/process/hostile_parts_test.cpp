@@ -1,0 +1,173 @@
+// A haptics node gone bad: it holds the right key and sends an io_node that feels parts of the scene what no scene has.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "tests/process/system.h"
+#include "tests/process/watched_force.h"
+
+namespace hapton::process {
+namespace {
+
+class HostileHaptics {
+ public:
+  explicit HostileHaptics(const System& system)
+      : hub_(*parse_address(system.hub())), sealed_(*endpoint_, clock_, RoleKey(system.key(), KeyRole::haptics), hub_) {}
+
+  // Joined, and the newest state received.
+  bool join() {
+    const std::int64_t end_ns = clock_.now_ns() + static_cast<std::int64_t>(1e9 * kPatience.count());
+    while (!has_state_ && clock_.now_ns() < end_ns) listen(20 * kNanosecondsPerMillisecond);
+    return has_state_;
+  }
+  void listen(std::int64_t for_ns) {
+    Datagram datagram;
+    for (const std::int64_t end_ns = clock_.now_ns() + for_ns; client_.receive(datagram, end_ns);) {
+      if (const auto* state = std::get_if<DeviceState>(&datagram.message)) {
+        state_ = *state;
+        has_state_ = true;
+      }
+      if (clock_.now_ns() >= end_ns) return;
+    }
+  }
+  void send(const Message& message) { client_.send(message); }
+  const DeviceState& state() const { return state_; }
+
+ private:
+  SteadyClock clock_;
+  Address hub_;
+  std::unique_ptr<Endpoint> endpoint_ = *open_udp_endpoint("127.0.0.1:0");
+  SealedClient sealed_;
+  HubClient client_{sealed_, clock_, NodeRole::haptics, hub_};
+  DeviceState state_;
+  bool has_state_ = false;
+};
+
+// Parts that the codec lets through, each number from the whole range that it has.
+class Parts {
+ public:
+  explicit Parts(unsigned seed) : random_(seed) {}
+
+  void begin_epoch() {
+    ++epoch_;
+    serial_ = 0;
+  }
+  Message begin() {
+    PatchBegin begin{.epoch = epoch_, .serial = ++serial_, .scene_hash = 7};
+    begin.origin_m = Vec3(any(), any(), any());
+    begin.step_m = std::abs(any()) + 1e-300;
+    begin.probe_radius_m = one_in(2) ? 0.0 : std::abs(any());
+    return begin;
+  }
+  // About the hand, and all of it at once: as many triangles through one another as one cell holds.
+  void send_tangle(HostileHaptics& hostile, const Vec3& p_WD) {
+    begin_epoch();
+    const double wide_m = 0.1;
+    const double step_m = std::ldexp(wide_m, -kPatchGridBits);
+    hostile.send(PatchBegin{.epoch = epoch_, .serial = ++serial_, .origin_m = p_WD - Vec3::Constant(0.5 * wide_m), .step_m = step_m});
+    PatchCell cell{.epoch = epoch_, .serial = ++serial_};
+    cell.tile_count = PatchCell::kMostTiles;
+    for (std::uint32_t n = 0; n < cell.tile_count; ++n) cell.tiles[n] = n;
+    hostile.send(cell);
+    for (std::uint32_t n = 0; n < cell.tile_count; ++n) {
+      PatchTile tile = std::get<PatchTile>(this->tile());
+      tile.tile = n;
+      tile.stiffness_n_per_m = 1e5;
+      tile.triangle_count = PatchTile::kMostTriangles;
+      hostile.send(tile);
+      if (n % 16 == 0) hostile.listen(5 * kNanosecondsPerMillisecond);
+    }
+  }
+  Message cell() {
+    PatchCell cell{.epoch = epoch_, .serial = ++serial_};
+    cell.level = one_in(3) ? 0U : static_cast<std::uint32_t>(random_() % (kPatchDeepestLevel + 1));
+    for (auto& index : cell.index) index = static_cast<std::uint32_t>(random_() % (std::uint64_t{1} << cell.level));
+    for (std::uint32_t n = 0; n < cell.level; ++n) cell.empty_children[n] = static_cast<std::uint8_t>(random_());
+    cell.tile_count = PatchCell::kMostTiles;
+    for (auto& tile : cell.tiles) tile = static_cast<std::uint32_t>(one_in(20) ? random_() : random_() % 600);
+    return cell;
+  }
+  Message tile() {
+    PatchTile tile{.epoch = epoch_, .serial = ++serial_};
+    tile.tile = static_cast<std::uint32_t>(one_in(50) ? random_() : random_() % 600);
+    tile.object = static_cast<std::uint32_t>(one_in(5) ? random_() : random_() % 3);
+    tile.stiffness_n_per_m = std::abs(any());
+    tile.damping_ns_per_m = one_in(2) ? 0.0 : std::abs(any());
+    tile.friction_static = one_in(2) ? 0.0 : std::abs(any());
+    tile.friction_dynamic = tile.friction_static * 0.5;
+    tile.two_sided = one_in(2);
+    tile.vertex_count = static_cast<std::uint8_t>(1 + random_() % PatchTile::kMostVertices);
+    tile.triangle_count = static_cast<std::uint8_t>(1 + random_() % PatchTile::kMostTriangles);
+    for (auto& byte : tile.vertices) byte = static_cast<std::uint8_t>(one_in(4) ? 0 : random_());
+    for (auto& corner : tile.triangles) corner = static_cast<std::uint8_t>(random_() % tile.vertex_count);
+    return tile;
+  }
+  Message force(const DeviceState& state) {
+    ForceCommand force{.echo_sample = state.sample, .echo_sample_time_ns = state.sample_time_ns};
+    force.force_n = Vec3(any(), any(), any());
+    force.visual_offset_m = Vec3(any(), any(), any());
+    force.contact = one_in(2);
+    force.object = static_cast<std::int32_t>(random_());
+    return force;
+  }
+  bool one_in(unsigned n) { return random_() % n == 0; }
+
+ private:
+  double any() {
+    constexpr double kValues[] = {0.0, 1e-300, 1e-12, 1e-9, 1e-6, 1e-3, 0.05, 1.0, 1e3, 1e9, 1e30, 1e300};
+    const double value = kValues[random_() % std::size(kValues)] * std::uniform_real_distribution(0.5, 1.5)(random_);
+    return one_in(2) ? value : -value;
+  }
+
+  std::mt19937_64 random_;
+  std::uint32_t epoch_ = 0;
+  std::uint32_t serial_ = 0;
+};
+
+TEST(Hostile, PartsOfTheSceneLeaveTheForceBoundedAndTheNextHapticsNodeServed) {
+  System system(tight_limits("patch"));
+  system.start("io_node");
+  const auto first = 1 + static_cast<unsigned>(::testing::UnitTest::GetInstance()->random_seed());  // --gtest_random_seed
+  for (unsigned seed = first; seed < first + 3; ++seed) {
+    HostileHaptics hostile(system);
+    ASSERT_TRUE(hostile.join());
+    Onlooker onlooker(system);
+    Parts parts(seed);
+    for (int round = 0; round < 40; ++round) {
+      if (round % 4 == 0) {
+        parts.begin_epoch();
+        hostile.send(parts.begin());
+      }
+      if (round % 20 == 18) {
+        parts.send_tangle(hostile, hostile.state().p_WD);
+        EXPECT_GT(expect_bounded(onlooker, 0.3).seen, 0);
+      }
+      for (int n = 0; n < 60; ++n) hostile.send(parts.one_in(5) ? parts.cell() : parts.tile());
+      hostile.send(parts.force(hostile.state()));
+      hostile.listen(5 * kNanosecondsPerMillisecond);
+      ASSERT_TRUE(system["io_node"].is_running()) << "seed " << seed << "\n" << system["io_node"].err();
+      if (round % 10 == 9) {
+        EXPECT_GT(expect_bounded(onlooker, 0.1).seen, 0);
+      }
+    }
+  }
+  const Json report = system.request_report();
+  ASSERT_TRUE(report.is_object());
+  EXPECT_GT(count(report, "patch_parts"), 1000) << "they were taken";
+  std::printf("%ld parts, %ld patches built, %ld steps on them\n", count(report, "patch_parts"), count(report, "patches_built"),
+              count(report, "local_forces"));
+  system.start("haptics_node");
+  Onlooker onlooker(system);
+  ProbeState state;
+  EXPECT_TRUE(feels_patches(system));
+  EXPECT_TRUE(onlooker.see_until(true, state));
+  expect_bounded(onlooker, 0.5);
+  system.end_all();
+}
+
+}  // namespace
+}  // namespace hapton::process

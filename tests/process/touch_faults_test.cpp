@@ -1,0 +1,245 @@
+// What dies, freezes, is cut off or floods, with whole programs, while the force comes from the haptics node and while it comes from
+// patches of the scene beside the device. The exact bounds are those of tests/faults, on simulated time.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <fstream>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "tests/process/system.h"
+#include "tests/process/watched_force.h"
+
+namespace hapton::process {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double kTopM = 0.05;  // of the cube
+
+// How io_node is to work out forces, and through which network. At so long a round trip no remote force is used.
+struct Way {
+  std::string name;
+  std::string touch;
+  std::vector<std::string> relay;  // empty: none
+};
+const Way kRemote = {"Remote", "remote", {}};
+const Way kPatch = {"Patch", "patch", {}};
+const Way kAutoFar = {"AutoFar", "auto", {"--delay-ms", "25"}};
+const Way kPatchLossy = {
+    "PatchLossy", "patch", {"--delay-ms", "10", "--loss", "0.3", "--jitter-ms", "20", "--duplicate", "0.1", "--corrupt", "0.05"}};
+
+class TouchedWay : public ::testing::TestWithParam<Way> {
+ protected:
+  bool has_patches() const { return GetParam().touch != "remote"; }
+
+  // The hand comes down onto the cube and stays in contact.
+  void press(bool through_relay = false) {
+    // Over it from the start: who meets a hand inside a body for the first time cannot know where it came in.
+    std::ofstream(system.folder() / "taps.csv") << "t_s,x_m,y_m,z_m\n0,0.01,0.02,0.055\n600,0.01,0.02,0.055\n";
+    system.add_arguments("io_node", {"--trajectory", (system.folder() / "taps.csv").string()});
+    start("io_node");
+    if (through_relay || !GetParam().relay.empty()) system.start_relay(GetParam().relay);
+    start("haptics_node");
+    onlooker.emplace(system);
+    ASSERT_TRUE(waits_for(system, [&](const Json& report) { return count(report, "forces") > 0; }));
+    press_on();
+    if (has_patches()) {
+      ASSERT_TRUE(feels_patches(system)) << "no patches";
+    }
+    expect_felt();
+  }
+  void press_on() {
+    onlooker->hold_hand(Vec3(0.01, 0.02, kTopM - 0.0025));
+    ASSERT_TRUE(onlooker->see_until(true, state)) << "no contact";
+  }
+  void start(const std::string& name) { system.start(name); }
+
+  // The force ends, and does not come back by itself.
+  void expect_released() {
+    ASSERT_TRUE(onlooker->see_until(false, state)) << "the force stays";
+    for (int n = 0; n < 300; ++n) {
+      ASSERT_TRUE(onlooker->see(state));
+      EXPECT_EQ(state.force_n, Vec3::Zero());
+      EXPECT_FALSE(state.contact);
+    }
+  }
+  // A force comes, of the size that the hand presses with.
+  void expect_felt() {
+    bool is_felt = false;
+    for (const std::int64_t end_ns = onlooker->now_ns() + std::int64_t(1e9 * kPatience.count()); !is_felt && onlooker->now_ns() < end_ns;) {
+      ASSERT_TRUE(onlooker->see(state));
+      is_felt = state.contact && state.force_n.z() > 0.2;
+    }
+    EXPECT_TRUE(is_felt) << state.force_n.transpose();
+    EXPECT_GT(expect_bounded(*onlooker, 0.5).force, 0);
+  }
+  void expect_felt_again() {
+    expect_felt();
+    if (has_patches()) {
+      EXPECT_TRUE(feels_patches(system)) << "patches do not take over again";
+    }
+    expect_felt();
+    const Json report = system.request_report();
+    expect_sane(report);
+    EXPECT_EQ(report.at("notes").at("safety_fault"), "none");
+  }
+
+  System system{[] {
+    std::vector<std::string> options = tight_limits(GetParam().touch);
+    options.insert(options.end(), {"--device", "simulated"});
+    return options;
+  }()};
+  std::optional<Onlooker> onlooker;
+  ProbeState state;
+};
+
+TEST_P(TouchedWay, HapticsKilledLeavesNoForceAndBringsItBack) {
+  ASSERT_NO_FATAL_FAILURE(press());
+  system["haptics_node"].kill();
+  ASSERT_NO_FATAL_FAILURE(expect_released());
+  start("haptics_node");
+  expect_felt_again();
+  system.end_all();
+}
+
+// Where contact was is known to who was there. It is of no use to a hand that has left meanwhile: it would be held from the other side.
+TEST_P(TouchedWay, NothingPullsAHandBackThatHasLeftMeanwhile) {
+  ASSERT_NO_FATAL_FAILURE(press());
+  for (const char* node : {"haptics_node", "io_node"}) {
+    system[node].kill();
+    if (node == std::string("haptics_node")) {
+      ASSERT_NO_FATAL_FAILURE(expect_released());
+      onlooker->hold_hand(Vec3(0.01, 0.02, kTopM + 0.005));
+      ASSERT_TRUE(System::wait_until([&] { return onlooker->see(state) && state.p_WD.z() > kTopM + 0.0045; }));
+    }
+    start(node);
+    const std::int64_t before = node == std::string("haptics_node") ? count(system.request_report(), "forces") : 0;
+    ASSERT_TRUE(waits_for(system, [&](const Json& report) { return count(report, "forces") > before + 20; }));
+    onlooker->hold_hand(Vec3(0.01, 0.02, kTopM + 0.005));
+    for (int n = 0; n < 300; ++n) {
+      ASSERT_TRUE(onlooker->see(state));
+      ASSERT_EQ(state.force_n, Vec3::Zero()) << node;
+      ASSERT_FALSE(state.contact);
+    }
+    ASSERT_NO_FATAL_FAILURE(press_on());
+    expect_felt();
+  }
+  system.end_all();
+}
+
+TEST_P(TouchedWay, HapticsFrozenLeavesNoForceAndBringsItBack) {
+  ASSERT_NO_FATAL_FAILURE(press());
+  system["haptics_node"].send_signal(SIGSTOP);
+  ASSERT_NO_FATAL_FAILURE(expect_released());
+  system["haptics_node"].send_signal(SIGCONT);
+  expect_felt_again();
+  system.end_all();
+}
+
+// What it held back comes all at once when it is back.
+TEST_P(TouchedWay, TheNetworkCutLeavesNoForceAndBringsItBack) {
+  ASSERT_NO_FATAL_FAILURE(press(true));
+  system["relay"].send_signal(SIGSTOP);
+  ASSERT_NO_FATAL_FAILURE(expect_released());
+  system["relay"].send_signal(SIGCONT);
+  expect_felt_again();
+  system.end_all();
+}
+
+TEST_P(TouchedWay, ASecondHapticsNodeTakesOver) {
+  ASSERT_NO_FATAL_FAILURE(press());
+  const auto second = system.start_another("haptics_node");
+  ASSERT_TRUE(waits_for(system, [](const Json& report) { return count(report, "joins_rejected") > 0; }));
+  expect_felt();
+  system["haptics_node"].kill();
+  ASSERT_TRUE(System::wait_until([&] { return second->err().find("joined the hub") != std::string::npos; }));
+  expect_felt_again();
+  second->send_signal(SIGTERM);
+  EXPECT_TRUE(second->wait(kPatience));
+}
+
+TEST_P(TouchedWay, TheHubKilledAndRestartedIsFelt) {
+  ASSERT_NO_FATAL_FAILURE(press());
+  system["io_node"].kill();
+  start("io_node");
+  expect_felt_again();
+  system.end_all();
+}
+
+TEST_P(TouchedWay, TheHubFrozenAndContinuedIsFelt) {
+  ASSERT_NO_FATAL_FAILURE(press());
+  SteadyClock clock;
+  for (const int ms : {50, 1500}) {
+    system["io_node"].send_signal(SIGSTOP);
+    clock.sleep_until_ns(clock.now_ns() + ms * kNanosecondsPerMillisecond);
+    system["io_node"].send_signal(SIGCONT);
+    expect_felt_again();
+  }
+  system.end_all();
+}
+
+// Up by half a millimetre, and turned about z: the hand is that much deeper.
+TEST_P(TouchedWay, AMovedSceneIsFeltWhereItIs) {
+  ASSERT_NO_FATAL_FAILURE(press());
+  ViewTransform view;
+  view.revision = 5;
+  view.X_WS = {0.8F, -0.6F, 0.0F, 0.0F, 0.6F, 0.8F, 0.0F, 0.0F, 0.0F, 0.0F, 1.0F, 0.0005F};
+  bool is_there = false;
+  for (int n = 0; n < 20'000 && !is_there; ++n) {
+    if (n % 100 == 0) onlooker->send(view);
+    ASSERT_TRUE(onlooker->see(state));
+    is_there = state.contact && state.view_revision == 5 && std::abs(state.p_WD.z() + state.visual_offset_m.z() - kTopM - 0.0005) < 1e-6;
+  }
+  EXPECT_TRUE(is_there) << state.p_WD.z() + state.visual_offset_m.z();
+  expect_felt_again();
+  system.end_all();
+}
+
+void PrintTo(const Way& way, std::ostream* out) { *out << way.name; }
+
+INSTANTIATE_TEST_SUITE_P(All, TouchedWay, ::testing::Values(kRemote, kPatch, kAutoFar, kPatchLossy),
+                         [](const auto& way) { return way.param.name; });
+
+// What parts of the scene do not hold is felt all the same, from the haptics node, and a line says why.
+struct Unserved {
+  std::string name;
+  std::string scene;
+  std::vector<std::string> haptics;
+  std::string line;
+};
+void PrintTo(const Unserved& unserved, std::ostream* out) { *out << unserved.name; }
+
+class TouchUnserved : public ::testing::TestWithParam<Unserved> {};
+
+TEST_P(TouchUnserved, IsFeltFromTheHapticsNodeAndALineSaysWhy) {
+  System system({"--touch", "patch"});
+  std::ofstream(system.folder() / "cube.toml") << GetParam().scene;
+  system.add_arguments("haptics_node", GetParam().haptics);
+  system.start("io_node");
+  system.start("haptics_node");
+  EXPECT_TRUE(System::wait_until([&] { return system["haptics_node"].err().find(GetParam().line) != std::string::npos; }))
+      << system["haptics_node"].err();
+  EXPECT_TRUE(waits_for(system, [](const Json& report) {
+    return count(report, "contact_samples") > 300 && std::stod(report.at("notes").at("max_force_written_n").get<std::string>()) > 0.5;
+  }));
+  EXPECT_EQ(count(system.request_report(), "local_forces"), 0);
+  system.end_all();
+}
+
+const std::string kPlainScene = "[[object]]\nmesh = \"cube.obj\"\nunit = \"m\"\n";
+INSTANTIATE_TEST_SUITE_P(
+    All, TouchUnserved,
+    ::testing::Values(Unserved{"Shading", kPlainScene, {"--shading", "1"}, "but force shading is on: forces stay this node's"},
+                      Unserved{"Method", kPlainScene, {"--method", "sweep"}, "but the method is another than proxy: forces stay"},
+                      Unserved{"Movable", kPlainScene + "movable = true\n", {}, "but objects of the scene are movable: forces stay"},
+                      Unserved{"Effects",
+                               kPlainScene + "material = \"honey\"\n[material.honey]\nviscosity_ns_per_m = 1.0\n",
+                               {},
+                               "but the scene has effects: forces stay"}),
+    [](const auto& unserved) { return unserved.param.name; });
+
+}  // namespace
+}  // namespace hapton::process
