@@ -217,7 +217,8 @@ bool SphereFollower::fly_over(const Vec3& displacement, double height) noexcept 
   return (centre_ - from).norm() >= 4.0 * height;
 }
 
-// Flies along the path of `go` and descends from there with the device held. False, and undone: that ends no nearer to the device.
+// Flies along the path of `go` and descends from there with the device held, until the centre is nearer to the device: a descent only comes
+// nearer still. False, and undone: it never is.
 template <class Go>
 bool SphereFollower::try_escape(const Vec3& device, const Vec3& motion, Go&& go) noexcept {
   constexpr int kMostEvents = 256;
@@ -249,7 +250,8 @@ bool SphereFollower::try_escape(const Vec3& device, const Vec3& motion, Go&& go)
   hint_ = centre_ - centre;
   is_descending_ = true;
   least_distance_ = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < kMostEvents && idle_ <= kMostIdle; ++i) {
+  const double nearer = distance - kLeastBetter * clearance_.offset;
+  for (int i = 0; i < kMostEvents && idle_ <= kMostIdle && !((device - centre_).norm() < nearer); ++i) {
     ++work_;
     double until = 1.0;
     if (contact_count_ != 0 && !is_descending_) break;
@@ -257,8 +259,7 @@ bool SphereFollower::try_escape(const Vec3& device, const Vec3& motion, Go&& go)
     if (next == Next::settled) break;
     if (next != Next::again) return end(false);
   }
-  const bool is_done = contact_count_ == 0 ? centre_ == device : !is_descending_;
-  return end(is_done && (device - centre_).norm() < distance - kLeastBetter * clearance_.offset);
+  return end((device - centre_).norm() < nearer);
 }
 
 // The shortest displacement that is `height` above everything near.
