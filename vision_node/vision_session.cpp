@@ -354,8 +354,6 @@ std::string run_bench(StereoView& view, Clock& clock, int frames) {
   view.draw();  // the first frame builds shaders
   const double first_ms = static_cast<double>(clock.now_ns() - first_ns) * 1e-6;
   Dials dials;
-  // Levels of detail are made once; the bench measures drawing with them.
-  while (view.detail_progress() < 1.0) clock.sleep_until_ns(clock.now_ns() + kTurnNs);
   FrameLog log;
   const auto turn_and_draw = [&](FrameLog& into, const std::function<void()>& before_probe) {
     const std::int64_t start_ns = clock.now_ns();
@@ -366,19 +364,27 @@ std::string run_bench(StereoView& view, Clock& clock, int frames) {
     view.draw(before_probe);
     into.drew(start_ns, clock.now_ns());
   };
+  BenchProbe probe(0.25 * std::min(view.screen().width_m, view.screen().height_m));
+  const auto turn_with_probe = [&](FrameLog& into) {
+    turn_and_draw(into, [&] { view.set_probe(probe.newest(clock.now_ns())); });
+    into.moved(clock.now_ns() - probe.sample_ns());
+  };
+  FrameLog unprepared;  // while the levels of detail are made, which happens once
+  while (view.detail_progress() < 1.0) turn_with_probe(unprepared);
   for (int i = 0; i < frames; ++i) turn_and_draw(log, {});
   FrameLog moving;  // with a probe, which takes time itself
-  BenchProbe probe(0.25 * std::min(view.screen().width_m, view.screen().height_m));
-  for (int i = 0; i < frames; ++i) {
-    turn_and_draw(moving, [&] { view.set_probe(probe.newest(clock.now_ns())); });
-    moving.moved(clock.now_ns() - probe.sample_ns());
-  }
+  for (int i = 0; i < frames; ++i) turn_with_probe(moving);
   const PictureSize size = view.picture_size();
+  const std::string before = unprepared.draw_time().count() == 0 ? std::string()
+                                                                 : fmt::format(", {:.1f} Hz while its levels of detail were made, {}",
+                                                                               unprepared.rate_hz(), unprepared.describe_motion());
   return fmt::format(
-      "bench: {} pictures, {:.1f} Hz, {}, {}x{} an eye, drawing p50 {:.1f} ms p99 {:.1f} ms, first picture {:.0f} ms, {}, {} triangles an "
+      "bench: {} pictures, {:.1f} Hz, {}, {}x{} an eye, drawing p50 {:.1f} ms p99 {:.1f} ms, first picture {:.0f} ms, {}{}, {} triangles "
+      "an "
       "eye, {}",
       frames, log.rate_hz(), stereo_mode_name(view.mode()), size.width_px, size.height_px, log.draw_time().quantile_ns(0.5) * 1e-6,
-      log.draw_time().quantile_ns(0.99) * 1e-6, first_ms, moving.describe_motion(), view.paint_count().triangles, view.renderer_name());
+      log.draw_time().quantile_ns(0.99) * 1e-6, first_ms, moving.describe_motion(), before, view.paint_count().triangles,
+      view.renderer_name());
 }
 
 }  // namespace hapton
