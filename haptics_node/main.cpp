@@ -68,6 +68,16 @@ Result<std::unique_ptr<ForceMethod>> make_any(const HapticsOptions& options, Met
   return std::move(*made);
 }
 
+// Why it has not joined in all its time.
+Error explain_no_hub(JoinState state, const Address& hub, double seconds) {
+  if (state == JoinState::rejected) {
+    return {fmt::format("the hub at {} had another haptics node for all of {} s; end that one, or give this one more --seconds to wait",
+                        to_string(hub), seconds)};
+  }
+  return {fmt::format("no hub at {} accepted it within {} s; start io_node there, give another address with --hub, or give the hub's --key",
+                      to_string(hub), seconds)};
+}
+
 int run(const HapticsOptions& options) {
   const StopSignal stop;  // first, so that a signal ends the program in order at any point
   const auto hub = parse_address(options.hub);
@@ -193,9 +203,7 @@ int run(const HapticsOptions& options) {
     if (grasp_task->pose_times().count() > 0) fmt::print("{}", describe_times("pose of held objects", grasp_task->pose_times()));
   }
   if (options.seconds > 0.0 && client.counts().joins == 0 && !stop.stop_requested()) {
-    return give_up(
-        {fmt::format("no hub at {} accepted it within {} s; start io_node there, give another address with --hub, or give the hub's --key",
-                     to_string(*hub), options.seconds)});
+    return give_up(explain_no_hub(client.state(), *hub, options.seconds));
   }
   return 0;
 }

@@ -148,6 +148,20 @@ TEST(Haptics, TheSecondOneWaitsUntilTheFirstIsGone) {
   system.end("io_node");
 }
 
+TEST(Haptics, TheSecondOneSaysAtItsEndThatThereWasAnother) {
+  System system;
+  system.start("io_node");
+  system.start("haptics_node");
+  ASSERT_TRUE(has_contact(system.wait_for_report(has_contact)));
+  system.add_arguments("haptics_node", {"--seconds", "3"});
+  const auto second = system.start_another("haptics_node");
+  const auto ended = second->wait(kPatience);
+  ASSERT_TRUE(ended);
+  EXPECT_EQ(ended->exit_code, 1);
+  EXPECT_NE(ended->err.find("had another haptics node for all of 3 s; end that one"), std::string::npos) << ended->err;
+  system.end_all();
+}
+
 TEST(Hub, ThatEndsInOrderIsNoWarningAtTheOthers) {
   System system;
   for (const std::string& node : kNodes) system.start(node);
