@@ -15,7 +15,8 @@ function(hapton_component name)
     string(REPLACE "hapton_" "" exported ${target})
     set_target_properties(${target} PROPERTIES EXPORT_NAME ${exported})
   endforeach()
-  install(TARGETS ${ARG_TARGETS} EXPORT hapton-${name} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}/hapton COMPONENT dev)
+  install(TARGETS ${ARG_TARGETS} EXPORT hapton-${name} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}/hapton COMPONENT dev
+    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT hapton NAMELINK_COMPONENT dev)
   install(EXPORT hapton-${name} NAMESPACE hapton:: DESTINATION ${hapton_cmake_folder} FILE hapton-${name}.cmake COMPONENT dev)
   foreach(folder IN LISTS ARG_FOLDERS)
     # scene/gltf reads files for scene, and nobody else.
@@ -62,7 +63,8 @@ install(FILES plugin/hapton_plugin.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/hap
 find_file(HAPTON_EXPECTED_HEADER tl/expected.hpp REQUIRED)
 install(FILES "${HAPTON_EXPECTED_HEADER}" DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/hapton/tl COMPONENT dev)
 install(FILES proto/hapton.proto proto/session.proto DESTINATION ${CMAKE_INSTALL_DATADIR}/hapton/proto COMPONENT dev)
-install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DATADIR}/hapton COMPONENT dev)
+# examples/python comes with the Python module.
+install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DATADIR}/hapton COMPONENT dev PATTERN "python" EXCLUDE)
 
 set(hapton_reads_draco OFF)
 if(TARGET hapton_scene)

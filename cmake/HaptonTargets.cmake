@@ -5,6 +5,11 @@ set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/bin")
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+# Of installed programs and libraries: where the libraries of the package are, if they are shared.
+include(GNUInstallDirs)
+if(BUILD_SHARED_LIBS)
+  set(CMAKE_INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}" "$ORIGIN")
+endif()
 if(NOT CMAKE_BUILD_TYPE)
   set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
 endif()
@@ -53,7 +58,7 @@ endif()
 # GCC 12 reports false positives inside Eigen and the standard library at -O3.
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   set(hapton_false_positives -Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread -Wno-restrict)
-  # The libraries are static: nobody puts another function in place of one of theirs, and calls within a file may be inlined.
+  # Nobody puts another function in place of one of a library's, and calls within a file may be inlined, in shared libraries too.
   target_compile_options(hapton_options INTERFACE "$<BUILD_INTERFACE:${hapton_false_positives};-fno-semantic-interposition>")
 endif()
 
@@ -86,6 +91,21 @@ function(hapton_join_sources name)
   endif()
 endfunction()
 
+# The libraries that find_package(hapton) finds (HaptonPackage.cmake), which may be shared ones.
+set(hapton_package_libraries hapton_core_base hapton_core_math hapton_core_effects hapton_core_geometry hapton_core_collision hapton_core_force
+  hapton_core_tool hapton_runtime hapton_proto hapton_link hapton_scene hapton_safety hapton_hid hapton_guard hapton_plugin_host hapton_devices)
+
+# hapton_add_library(NAME SOURCES ...): as add_library, of the kind that is asked for.
+function(hapton_add_library name)
+  if(BUILD_SHARED_LIBS AND name IN_LIST hapton_package_libraries)
+    add_library(${name} SHARED ${ARGN})
+    # No macro of its own: its objects are those of the static library. Versions are compatible as those of the package are.
+    set_target_properties(${name} PROPERTIES DEFINE_SYMBOL "" VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+  else()
+    add_library(${name} STATIC ${ARGN})
+  endif()
+endfunction()
+
 # hapton_library(NAME [UNHURRIED] [JOINED] LINKS ...): the library of this folder, from its *.cpp; header-only when it has none.
 # UNHURRIED: what it does is done once or for a person, so that the compiler's time matters more.
 # JOINED: its sources may be compiled several at a time (UNHURRIED ones may, too). Not for a layer of the hot path, which each build compiles alike.
@@ -101,7 +121,7 @@ function(hapton_library name)
     set_source_files_properties(${unhurried} PROPERTIES COMPILE_OPTIONS "$<$<CONFIG:Release>:-O1>" SKIP_PRECOMPILE_HEADERS ON)
   endif()
   if(sources)
-    add_library(${name} STATIC ${sources})
+    hapton_add_library(${name} ${sources})
     target_link_libraries(${name} PUBLIC hapton_options ${ARG_LINKS})
     if(ARG_UNHURRIED)
       target_compile_options(${name} PRIVATE "$<$<CONFIG:Release>:-O1>")

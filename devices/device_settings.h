@@ -30,6 +30,7 @@ struct DeviceSettings {
   double passive_friction_n = 0.0;
   double passive_position_step_m = 0.0;
   int hold_button = -1;                           // that must be held for force to be there, lowest bit 0; below 0: none
+  int clutch_button = 0;                          // that holds the device point where it is, counted from 1; 0: none
   std::optional<RealtimeSettings> realtime = {};  // of the thread that talks to it, where there is one; none: an ordinary thread
   Pose X_WB = Pose::Identity();                   // of the device's base, as the maker knows it, in W: two hands side by side
 };

@@ -1,6 +1,6 @@
 #pragma once
 
-// toml++, with one of its functions mended. Include this instead of <toml++/toml.h>.
+// toml++, with one of its functions corrected. Include this instead of <toml++/toml.h>.
 //
 // Its is_non_ascii_horizontal_whitespace (3.3.0, Debian 12) calls "unreachable" for most characters from U+00A1 to U+0499: a file with an
 // e-acute outside of quotes, or after a line-ending backslash within them, is undefined behaviour. It should say that those are no

@@ -32,7 +32,9 @@ ForceCommand HapticsStep::answer() noexcept {
   input_.dt_s = running_ && step_ns > 0 ? 1e-9 * static_cast<double>(step_ns) : kFirstStepS;
   input_.p_WD = state_.p_WD;
   input_.X_WS = X_WS_;
+  input_.buttons = state_.buttons;
   last_time_ns_ = state_.sample_time_ns;
+  advance_scene(step_ns);
   ForceCommand reply;
   const bool begins = !running_;
   if (grasp_ != nullptr) update_grasp();
@@ -58,7 +60,14 @@ ForceCommand HapticsStep::answer() noexcept {
   reply.method_serial = static_cast<std::uint32_t>(counts_.methods_taken);
   reply.answered_before = answered_before_;
   reply.material_serial = static_cast<std::uint32_t>(counts_.materials_taken);
+  reply.scene_time_ns = scene_time_ns_;
   return reply;
+}
+
+void HapticsStep::advance_scene(std::int64_t step_ns) noexcept {
+  if (running_ && touch_->has_motion()) scene_time_ns_ += std::clamp<std::int64_t>(step_ns, 0, kMostSceneStepNs);
+  scene_time_ns_ = std::exchange(next_scene_time_ns_, std::nullopt).value_or(scene_time_ns_);
+  input_.time_s = 1e-9 * static_cast<double>(scene_time_ns_);
 }
 
 void HapticsStep::feel_probe(ForceCommand& reply) noexcept {
@@ -155,7 +164,7 @@ TouchInput HapticsStep::make_start() noexcept {
 void HapticsStep::look_around() noexcept {
   const std::optional<Vec3> p_WP = p_WP_;
   const std::uint64_t answered_before = answered_before_;
-  input_ = {.p_WD = state_.p_WD, .X_WS = X_WS_, .dt_s = kFirstStepS};
+  input_ = {.p_WD = state_.p_WD, .X_WS = X_WS_, .dt_s = kFirstStepS, .time_s = 1e-9 * static_cast<double>(scene_time_ns_)};
   touch_->reset(make_start());
   touch_->step(input_);
   p_WP_ = p_WP;

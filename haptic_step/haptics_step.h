@@ -67,6 +67,11 @@ class HapticsStep {
   // Moves the static scene; false if the pose is not rigid: the scene stays.
   bool turn_scene(const ViewTransform& view) noexcept;
 
+  // Objects that move by keyframes are at this time in the next reply, and go on from there. Otherwise their time begins at 0 with the
+  // first reply and runs with the samples; in a gap between two (kMostSceneStepNs), and between two sessions, they stand still.
+  void set_scene_time(std::int64_t time_ns) noexcept { next_scene_time_ns_ = time_ns; }
+  static constexpr std::int64_t kMostSceneStepNs = 50'000'000;
+
   // Replaces the method and returns the old one. In contact the new one starts where the old one's probe is, on the same side of the
   // surface, so its first step has the same contact; in free space at the device point. Where the forces of the two differ, the difference
   // fades (ForceFade).
@@ -99,6 +104,7 @@ class HapticsStep {
   void feel_tool(ForceCommand& reply) noexcept;
   void feel_nothing(ForceCommand& reply) noexcept;
   void update_grasp() noexcept;
+  void advance_scene(std::int64_t step_ns) noexcept;
   void add_effects(ForceCommand& reply, bool begins) noexcept;
   TouchInput make_start() noexcept;
 
@@ -118,6 +124,8 @@ class HapticsStep {
   std::optional<Vec3> p_WP_;       // where the probe rested when the session ended
   Vec3 outward_W_ = Vec3::Zero();  // ... from the device to there
   std::int64_t last_time_ns_ = 0;
+  std::int64_t scene_time_ns_ = 0;
+  std::optional<std::int64_t> next_scene_time_ns_;
   std::uint64_t last_sample_ = 0;      // of the last reply
   std::uint64_t answered_before_ = 0;  // as in ForceCommand, for the next reply: without last_sample_
   std::uint32_t skipped_ = 0;

@@ -5,8 +5,12 @@
 namespace hapton {
 namespace {
 
+bool is_same_motion(const SceneObject& a, const SceneObject& b) {
+  return a.motion == b.motion || (a.motion != nullptr && b.motion != nullptr && *a.motion == *b.motion);
+}
+
 bool is_same_shape(const SceneObject& a, const SceneObject& b) {
-  return a.material.two_sided == b.material.two_sided && hash_mesh(*a.mesh) == hash_mesh(*b.mesh) &&
+  return is_same_motion(a, b) && a.material.two_sided == b.material.two_sided && hash_mesh(*a.mesh) == hash_mesh(*b.mesh) &&
          a.mesh->authored_normals == b.mesh->authored_normals;
 }
 

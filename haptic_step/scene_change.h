@@ -13,7 +13,7 @@ enum class SceneChange : std::uint8_t {
   none,
   materials,  // stiffness, damping and friction of some objects
   effects,    // of surfaces or of space, or names: the meshes are the same
-  shape       // meshes, their poses, their number, or which of their sides are felt
+  shape       // meshes, their poses, motions and number, or which of their sides are felt
 };
 
 // Of everything that is felt, and of names. RT: no.

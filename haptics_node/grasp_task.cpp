@@ -12,6 +12,7 @@
 #include "runtime/clock.h"
 #include "runtime/log.h"
 #include "runtime/start_thread.h"
+#include "runtime/worker_threads.h"
 
 namespace hapton {
 namespace {
@@ -88,7 +89,7 @@ void GraspTask::pick_up(const GraspOrder& order) {
   auto step = ToolStep::make(held, std::move(others),
                              {.stiffness_n_per_m = find_stiffest(couple_scene(scene_.touch_scene(), options_.coupling_n_per_m)),
                               .rotational_stiffness_nm_per_rad = options_.rotational_stiffness_nm_per_rad},
-                             std::move(friction));
+                             std::move(friction), make_worker_team(options_.threads));
   if (!step) {
     log_warning("{} cannot be picked up: {}", name, step.error().what);
     link_.answers.publish({order.serial});

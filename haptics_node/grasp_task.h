@@ -24,6 +24,7 @@ class GraspTask {
   struct Options {
     double coupling_n_per_m = 0.0;
     double rotational_stiffness_nm_per_rad = 0.0;  // 0: derived from the object's size
+    int threads = 1;                               // that share the search for contacts
     // Called after the scene is in use again: with what is felt now, coupled.
     std::function<void(const TouchScene&)> on_scene = {};
   };

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "core/base/worker_team.h"
 #include "core/collision/grid_division.h"
 #include "link/link_key.h"
 #include "plugin/plugin_method.h"
@@ -53,6 +54,8 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
   app.add_option("--effect", effects,
                  "Effect from a shared library, added to the force: FILE.so or FILE.so:KEY=VALUE,... (docs/plugins.md); may be repeated")
       ->check(accepts(parse_plugin_choice));
+  app.add_flag("--allow-plugins", options.allow_plugins,
+               "Load the shared libraries that the scene file names as effects, which runs their code; default: such a scene is rejected");
   app.add_option("--plugin-budget", options.plugin_budget_us,
                  "Time for each call of a plug-in, us; one that overruns it too often is cut off")
       ->check(between(1.0, 1e4))
@@ -100,6 +103,10 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
       ->needs(tool);
   app.add_option("--rotational-stiffness", options.tool_nm_per_rad, "Rotational stiffness of the tool, Nm/rad; 0: derived from its size")
       ->check(between(0.0, 1e6))
+      ->capture_default_str();
+  app.add_option("--tool-threads", options.tool_threads,
+                 "Threads that share the search for contacts of a tool, beside the one of the force; the pose is the same with any number")
+      ->check(between(1, WorkerTeam::kMost))
       ->capture_default_str();
   app.add_option("--grasp-button", options.grasp_button,
                  "Button of the stylus that picks up an object that the scene marks movable, and puts it down when released (docs/tool.md)")

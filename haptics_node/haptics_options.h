@@ -26,9 +26,11 @@ struct HapticsOptions {
   MethodSettings method;
   std::optional<PluginChoice> method_file;                                       // of the method 'plugin'
   std::vector<PluginChoice> effects;                                             // from shared libraries
+  bool allow_plugins = false;                                                    // load the libraries that the scene file names
   double plugin_budget_us = 1e-3 * static_cast<double>(CallBudget::kDefaultNs);  // of each call into a shared library
   // A rigid tool in place of a probe.
   ToolChoice tool;
+  int tool_threads = 1;               // that share the search for contacts
   double tool_nm_per_rad = 0.0;       // rotational stiffness; 0: derived from its size
   std::filesystem::path annotations;  // of vision_node: where movable objects lie at the start; empty: none
   int grasp_button = 1;               // of the stylus, from 1: picks up movable objects

@@ -15,6 +15,8 @@
 #include "haptics_node/placed_scene.h"
 #include "haptics_node/preparation_notice.h"
 #include "haptics_node/reply_loop.h"
+#include "haptics_node/scene_motion.h"
+#include "haptics_node/scene_plugins.h"
 #include "haptics_node/scene_watcher.h"
 #include "haptics_node/tool_task.h"
 #include "link/link_key.h"
@@ -49,8 +51,9 @@ void notify_hub(const HapticsOptions& options, const Address& hub, const RoleKey
   notify_preparation(client, clock, facts, began_ns, done);
 }
 
-Result<void> load_effects(const HapticsOptions& options, PluginEffects& effects) {
-  for (const PluginChoice& choice : options.effects) {
+// Those of the command line, then those of the scene.
+Result<void> load_effects(const std::vector<PluginChoice>& choices, PluginEffects& effects) {
+  for (const PluginChoice& choice : choices) {
     if (const auto added = effects.add(choice); !added) return added;
     log_info("effect {}", choice.to_text());
   }
@@ -61,6 +64,7 @@ Result<void> load_effects(const HapticsOptions& options, PluginEffects& effects)
 Result<std::unique_ptr<ForceMethod>> make_any(const HapticsOptions& options, MethodSettings& settings, const TouchScene& scene,
                                               const Clock& clock) {
   if (!is_plugin_method(settings.name)) return make_built_in(settings, scene);
+  if (scene.has_motion()) return fail("method '{}': objects of the scene move by keyframes; choose method proxy", settings.name);
   if (!options.method_file) return fail("method '{}': haptics_node was started without one; give it --method FILE.so", settings.name);
   auto made = PluginMethod::make(*options.method_file, couple_scene(scene, settings.coupling_n_per_m), clock, options.plugin_budget_ns());
   if (!made) return tl::unexpected(made.error());
@@ -86,14 +90,18 @@ int run(const HapticsOptions& options) {
   if (!key) return give_up(key.error());
   SteadyClock clock;
   PluginEffects effects(clock, options.plugin_budget_ns());
-  if (const auto loaded = load_effects(options, effects); !loaded) return give_up(loaded.error());
+  if (const auto loaded = load_effects(options.effects, effects); !loaded) return give_up(loaded.error());
   const auto scene_path = find_scene(options.scene);
   const auto loaded = load_scene(scene_path, options.loading);
   if (!loaded) return give_up(loaded.error());
+  const auto named = choose_scene_plugins(*loaded, scene_path, options.allow_plugins);
+  if (!named) return give_up(named.error());
+  if (const auto added = load_effects(*named, effects); !added) return give_up(added.error());
   const auto put_down = read_put_down(options.annotations, *loaded);
   if (!put_down) return give_up(put_down.error());
   const Scene placed = place_objects(*loaded, *put_down);
   const Scene* const scene = &placed;
+  if (const auto checked = check_motion(*scene, !options.tool.file.empty() || scene->tool); !checked) return give_up(checked.error());
   for (const auto& note : scene->notes) log_info("{}", note);
   for (const auto& warning : find_inside_out(*scene)) log_warning("{}", warning);
   const SceneFacts facts = make_scene_facts(*scene);
@@ -178,6 +186,7 @@ int run(const HapticsOptions& options) {
   if (grasp) {
     grasp_task.emplace(GraspTask::Options{.coupling_n_per_m = options.method.coupling_n_per_m,
                                           .rotational_stiffness_nm_per_rad = options.tool_nm_per_rad,
+                                          .threads = options.tool_threads,
                                           .on_scene = on_scene},
                        *loaded, *put_down, grasp_link, tuner, builder);
     grasp_task->start();

@@ -17,6 +17,11 @@ constexpr auto kIdleLookEvery = std::chrono::milliseconds(50);
 constexpr auto kLookEvery = std::chrono::milliseconds(4);
 constexpr double kVelocityS = 0.1;  // over which the hand's velocity is a mean
 
+std::string_view find_scene_obstacle(const TouchScene& scene) {
+  if (scene.has_effects()) return "the scene has effects";
+  return scene.has_motion() ? "objects of the scene move by keyframes" : "";
+}
+
 }  // namespace
 
 // Smooth normals are not among the parts yet.
@@ -29,11 +34,11 @@ bool PatchSender::can_offer(std::string_view method_text) noexcept {
 PatchSender::PatchSender(TouchScene scene, double probe_radius_m, std::uint64_t scene_hash, bool is_offered,
                          const PatchSource::Options& options)
     : scene_(std::move(scene)),
-      has_effects_(scene_.has_effects()),
+      scene_obstacle_(find_scene_obstacle(scene_)),
       probe_radius_m_(probe_radius_m),
       scene_hash_(scene_hash),
       options_(options),
-      is_offered_(is_offered && !has_effects_),
+      is_offered_(is_offered && scene_obstacle_.empty()),
       thread_(start_thread([this] { run(); })) {}
 
 PatchSender::~PatchSender() {

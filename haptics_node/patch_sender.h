@@ -32,15 +32,16 @@ class PatchSender {
   void accept(const PatchStatus& status, std::int64_t now_ns) noexcept;
   // Frames: W, and the scene in it.
   void note_hand(const DeviceState& state, const std::array<float, 12>& X_WS) noexcept;
-  // Another method is in use: parts of the scene are as good as it, or not. Parts hold no effects, so a scene with any is never offered.
+  // Another method is in use: parts of the scene are as good as it, or not. Parts hold no effects and stand still, so a scene with effects
+  // or with objects that move is never offered.
   void set_offered(bool is_offered) noexcept {
-    is_offered_.store(is_offered && !has_effects_ && !is_withdrawn_.load(std::memory_order_acquire), std::memory_order_release);
+    is_offered_.store(is_offered && scene_obstacle_.empty() && !is_withdrawn_.load(std::memory_order_acquire), std::memory_order_release);
   }
   // The hub gets parts when it asks. False: it keeps to the force of this node. Threads: any.
   bool is_offered() const noexcept { return is_offered_.load(std::memory_order_acquire); }
   // Why not, whatever the method: a clause; empty: the method decides. Threads: any.
   std::string_view obstacle() const noexcept {
-    if (has_effects_) return "the scene has effects";
+    if (!scene_obstacle_.empty()) return scene_obstacle_;
     return is_withdrawn_.load(std::memory_order_acquire) ? "the scene was read again" : "";
   }
   // Another scene is felt: this one is offered no more. Threads: any.
@@ -84,7 +85,7 @@ class PatchSender {
   bool fill(std::int64_t now_ns);
 
   TouchScene scene_;
-  bool has_effects_;
+  std::string_view scene_obstacle_;  // as obstacle(), of the scene it was made for
   double probe_radius_m_;
   std::uint64_t scene_hash_;
   PatchSource::Options options_;

@@ -5,6 +5,7 @@
 
 #include "core/force/virtual_coupling.h"
 #include "haptic_step/scene_change.h"
+#include "haptics_node/scene_plugins.h"
 #include "runtime/log.h"
 #include "runtime/start_thread.h"
 
@@ -65,6 +66,10 @@ SceneWatcher::Look SceneWatcher::look() {
   auto scene = load_scene(options_.path, options_.loading);
   if (!scene) {
     log_warning("{}; the scene in use goes on", scene.error().what);
+    return Look::rejected;
+  }
+  if (!has_same_plugins(used_, *scene)) {
+    log_warning("{}: its plug-ins are others: start haptics_node again to use it; the scene in use goes on", options_.path.string());
     return Look::rejected;
   }
   return take(std::move(*scene));

@@ -10,6 +10,7 @@
 #include "runtime/clock.h"
 #include "runtime/log.h"
 #include "runtime/start_thread.h"
+#include "runtime/worker_threads.h"
 
 namespace hapton {
 namespace {
@@ -44,7 +45,7 @@ Result<std::unique_ptr<HeldTool>> make_held_tool(const HapticsOptions& options, 
   }
   auto step = ToolStep::make(*(*tool)->mesh, std::move(meshes),
                              {.stiffness_n_per_m = find_stiffest(felt), .rotational_stiffness_nm_per_rad = options.tool_nm_per_rad},
-                             std::move(friction));
+                             std::move(friction), make_worker_team(options.tool_threads));
   if (!step) return fail("tool {}: {}", (*tool)->name, step.error().what);
   log_info("the stylus holds {}", (*tool)->name);
   std::istringstream text((*step)->describe());

@@ -159,6 +159,7 @@ struct DeviceHub::Parts {
             .forbids_force = options.device.max_force_n == 0.0,
             .passive = passive_mechanics(options.device),
             .hold_button = options.device.hold_button,
+            .clutch_button = options.device.clutch_button,
             .overrun = overrun_policy(options),
             .spin_share = options.spin_share};
   }

@@ -19,7 +19,12 @@ void relax() noexcept {
 }  // namespace
 
 DeviceLoop::DeviceLoop(Device& device, const Clock& clock, const Options& options)
-    : device_(device), clock_(clock), policy_(options.overrun), governor_(device.limits()), spin_(options.spin_share) {
+    : device_(device),
+      clock_(clock),
+      policy_(options.overrun),
+      governor_(device.limits()),
+      clutch_(options.clutch_button > 0 ? 1U << static_cast<unsigned>(options.clutch_button - 1) : 0U),
+      spin_(options.spin_share) {
   governor_.tighten(options.tighter);
   if (options.forbids_force) governor_.forbid_force();
   governor_.require_button(options.hold_button);
@@ -159,7 +164,9 @@ void DeviceLoop::sample_device() noexcept {
   device_ns_ += cycle_.sample.time_ns - begin_ns;
   const DeviceStatus status = device_.status();
   status_.store(status, std::memory_order_release);
+  // The governor guards the hardware, so it sees where that is; everybody else sees the device as the clutch moves it.
   governor_.observe(cycle_.sample, status);
+  cycle_.sample = clutch_.move(cycle_.sample);
   cycle_.number = ++stats_.samples;
 }
 
@@ -196,10 +203,14 @@ void DeviceLoop::grant_requests() noexcept {
   const Requests& requests = requests_box_.value();
   if (requests.rate_hz > 0.0) stats_.rate_hz = requests.rate_hz;
   if (std::exchange(hands_granted_, requests.hands) != requests.hands) {
-    device_.set_hand_target(requests.p_WH);
+    device_.set_hand_target(requests.p_WH ? std::optional<Vec3>(*requests.p_WH - clutch_.offset_m()) : std::nullopt);
     device_.press_hand_buttons(requests.p_WH ? requests.buttons : 0);
   }
-  if (std::exchange(aims_granted_, requests.aims) != requests.aims) device_.aim_hand(std::span(requests.p_WA).first(requests.aim_count));
+  if (std::exchange(aims_granted_, requests.aims) != requests.aims) {
+    std::array<Vec3, Device::kMostAims> aims = requests.p_WA;
+    for (Vec3& aim : aims) aim -= clutch_.offset_m();
+    device_.aim_hand(std::span(aims).first(requests.aim_count));
+  }
   const bool is_reset = std::exchange(resets_granted_, requests.resets) != requests.resets;
   const bool is_reset_if_held = std::exchange(resets_if_held_granted_, requests.resets_if_held) != requests.resets_if_held;
   if (is_reset || (is_reset_if_held && governor_.is_switch_held())) {
@@ -249,7 +260,9 @@ void DeviceLoop::serve_command(const Command& command) noexcept {
 
 void DeviceLoop::govern(const WrenchCommand& wanted) noexcept {
   const std::uint64_t accepted = governor_.counters().accepted;
-  governor_.step(wanted, clock_.now_ns());
+  WrenchCommand shared = wanted;
+  if (clutch_.share() < 1.0) shared.wrench = {clutch_.share() * wanted.wrench.force_n, clutch_.share() * wanted.wrench.torque_nm};
+  governor_.step(shared, clock_.now_ns());
   governed_ready_ns_ = clock_.now_ns();
   if (governor_.counters().accepted != accepted) answered_ns_ = wanted.sample_time_ns;
   write(governor_.output());

@@ -10,6 +10,7 @@
 
 #include "core/force/force_fade.h"
 #include "devices/device.h"
+#include "io_node/clutch.h"
 #include "io_node/local_touch.h"
 #include "link/session_entry.h"
 #include "runtime/adaptive_spin.h"
@@ -111,6 +112,7 @@ class DeviceLoop {
     DeviceLimits tighter = {};
     bool forbids_force = false;
     int hold_button = -1;
+    int clutch_button = 0;  // counted from 1; 0: there is no clutch
     std::optional<PassivityController::Mechanics> passive = {};
     OverrunPolicy overrun = OverrunPolicy::skip;
     double spin_share = 0.0;
@@ -229,6 +231,7 @@ class DeviceLoop {
   HeartbeatPage* guard_ = nullptr;
   LocalTouch* local_ = nullptr;
   SafetyGovernor governor_;
+  Clutch clutch_;  // owned by the holder of the claim
   DeviceLoopStats stats_;
   AdaptiveSpin spin_;
 

@@ -59,6 +59,7 @@ IoOptions read_device(TomlReader& reader, const IoOptions& common) {
                 "continuous_force_n",
                 "max_speed_m_per_s",
                 "hold_button",
+                "clutch_button",
                 "passive_mass_kg",
                 "passive_damping_ns_per_m",
                 "passive_friction_n",
@@ -97,6 +98,14 @@ IoOptions read_device(TomlReader& reader, const IoOptions& common) {
   std::int64_t hold_button = options.device.hold_button;
   reader.read("hold_button", hold_button, -1, 31);
   options.device.hold_button = static_cast<int>(hold_button);
+  std::int64_t clutch_button = options.device.clutch_button;
+  reader.read("clutch_button", clutch_button, 0, 32);
+  options.device.clutch_button = static_cast<int>(clutch_button);
+  if (clutch_button > 0 && clutch_button == hold_button + 1) {
+    reader.reject("clutch_button",
+                  fmt::format("'clutch_button' = {} is the button of 'hold_button' = {}, which counts from 0: take another one",
+                              clutch_button, hold_button));
+  }
   reader.read("passive_mass_kg", options.device.passive_mass_kg, 0.0, 100.0);
   reader.read("passive_damping_ns_per_m", options.device.passive_damping_ns_per_m, 0.0, 1000.0);
   reader.read("passive_friction_n", options.device.passive_friction_n, 0.0, 100.0);

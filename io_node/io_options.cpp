@@ -18,28 +18,11 @@ constexpr int kBadCommandLine = 2;
 
 // The first given flag that applies to one device and belongs into the file of several.
 std::optional<std::string> find_flag_of_one_device(const CLI::App& app) {
-  for (const char* flag : {"--device",
-                           "--device-id",
-                           "--device-file",
-                           "--trajectory",
-                           "--loop",
-                           "--seed",
-                           "--max-force",
-                           "--max-slew",
-                           "--max-torque",
-                           "--continuous-force",
-                           "--max-speed",
-                           "--hold-button",
-                           "--passive-mass",
-                           "--passive-damping",
-                           "--passive-friction",
-                           "--passive-step",
-                           "--bind",
-                           "--metrics",
-                           "--vrpn",
-                           "--vrpn-name",
-                           "--record",
-                           "--cpu"}) {
+  for (const char* flag :
+       {"--device",        "--device-id",    "--device-file",     "--trajectory",       "--loop",         "--seed",
+        "--max-force",     "--max-slew",     "--max-torque",      "--continuous-force", "--max-speed",    "--hold-button",
+        "--clutch-button", "--passive-mass", "--passive-damping", "--passive-friction", "--passive-step", "--bind",
+        "--metrics",       "--vrpn",         "--vrpn-name",       "--record",           "--cpu"}) {
     if (app.count(flag) > 0) return flag;
   }
   return std::nullopt;
@@ -100,6 +83,10 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
   app.add_option("--hold-button", options.device.hold_button,
                  "Dead man's switch: force only while this button is held, 0 the first; -1: none")
       ->check(between(-1, 31));
+  app.add_option(
+         "--clutch-button", options.device.clutch_button,
+         "Clutch: while this button is held the probe stands still, without force, and the hand can be moved back; 1 the first; 0: none")
+      ->check(between(0, 32));
   auto* passive =
       app.add_option("--passive-mass", options.device.passive_mass_kg,
                      "Passivity controller: give the hand no more energy than it put in; apparent mass of the device, kg; 0: off")
@@ -160,6 +147,11 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
                  options.devices_file);
       return kBadCommandLine;
     }
+  }
+  if (options.device.clutch_button > 0 && options.device.clutch_button == options.device.hold_button + 1) {
+    fmt::print(stderr, "io_node: --clutch-button {} is the button of --hold-button {}, which counts from 0: take another one\n",
+               options.device.clutch_button, options.device.hold_button);
+    return kBadCommandLine;
   }
   options.touch = touch == "remote" ? TouchChoice::remote : touch == "patch" ? TouchChoice::patch : TouchChoice::automatic;
   options.realtime.mode = *parse_realtime_mode(realtime);

@@ -43,6 +43,7 @@ void ProbeHistory::show(bool is_silent, ProbeState& probe) const noexcept {
   probe.contact = is_live && last_.contact;
   probe.visual_offset_m = is_live ? last_.visual_offset_m : Vec3(Vec3::Zero());
   probe.object = is_live ? last_.object : -1;
+  probe.scene_time_ns = last_.scene_time_ns;  // without replies nothing moves
   probe.visual_turn = is_live ? last_.visual_turn : Vec3(Vec3::Zero());
 }
 

@@ -19,6 +19,7 @@ Servo::Servo(Device& device, HubPeers& peers, const Clock& clock, const Options&
              .tighter = options.tighter,
              .forbids_force = options.forbids_force,
              .hold_button = options.hold_button,
+             .clutch_button = options.clutch_button,
              .passive = options.passive,
              .overrun = options.overrun,
              .spin_share = options.spin_share}),
@@ -57,6 +58,7 @@ void Servo::start() noexcept {
   stats_.start_ns = clock_.now_ns() + std::llround(1e9 / rate_hz());
   cycle_.next_wake_ns = cycle_.next_tick_ns = stats_.start_ns;
   view_.start(stats_.start_ns);
+  vision_.set_force_limit(loop_.limits().max_force_n);
   vision_.start(stats_.start_ns);
   safety_.start(stats_.start_ns);
   next_statistics_ns_ = stats_.start_ns + kStatisticsNs;

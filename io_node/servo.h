@@ -48,7 +48,8 @@ class Servo final : private PeerEventHandler {
     DeviceLimits tighter = {};                                   // limits below the device's own, field by field; 0: the device's own
     bool forbids_force = false;                                  // the device is read and shown, but never gets a force
     std::optional<PassivityController::Mechanics> passive = {};  // of the device; none: no passivity controller
-    int hold_button = -1;  // dead man's switch: button that must be held for force, lowest bit 0; below 0: none
+    int hold_button = -1;   // dead man's switch: button that must be held for force, lowest bit 0; below 0: none
+    int clutch_button = 0;  // that holds the device point where it is (clutch.h), counted from 1; 0: none
     OverrunPolicy overrun = OverrunPolicy::skip;
     double spin_share = 0.0;  // largest share of a period spent spinning before each tick; 0: sleeps until the tick
   };

@@ -22,6 +22,8 @@ class VisionFeed {
       : peers_(peers), stats_(stats), pace_(rate_hz, ignored_buttons) {}
 
   void set_hop_meter(HopMeter* hops) noexcept { hops_ = hops; }
+  // The largest force that the device may get, for the picture.
+  void set_force_limit(double limit_n) noexcept { probe_.force_limit_n = static_cast<float>(limit_n); }
   void start(std::int64_t now_ns) noexcept { statistics_since_ns_ = now_ns; }
 
   void on_joined(std::size_t peer) noexcept { pace_.on_joined(peer); }

@@ -101,6 +101,7 @@ void write(const ForceCommand& from, wire::ForceCommand& to) {
   to.set_touched(write_object(from.object));
   write_vector(*to.mutable_torque_nm(), from.torque_nm);
   write_vector(*to.mutable_visual_turn(), from.visual_turn);
+  to.set_scene_time_ns(from.scene_time_ns);
 }
 
 void write(const ViewTransform& from, wire::ViewTransform& to) {
@@ -125,7 +126,9 @@ void write(const ProbeState& from, wire::ProbeState& to) {
   to.set_energy_percent(from.energy_percent);
   to.set_touched(write_object(from.object));
   write_vector(*to.mutable_torque_nm(), from.torque_nm);
+  to.set_force_limit_n(from.force_limit_n);
   write_vector(*to.mutable_visual_turn(), from.visual_turn);
+  to.set_scene_time_ns(from.scene_time_ns);
 }
 
 void write(const FrameAck& from, wire::FrameAck& to) {
@@ -252,6 +255,7 @@ bool read(const wire::ForceCommand& from, ForceCommand& to) {
   to.answered_before = from.answered_before();
   to.material_serial = from.material_serial();
   to.object = read_object(from.touched());
+  to.scene_time_ns = from.scene_time_ns();
   return read_vector(from.force_n(), to.force_n) && read_vector(from.visual_offset_m(), to.visual_offset_m) &&
          read_optional_vector(from.torque_nm(), to.torque_nm) && read_optional_vector(from.visual_turn(), to.visual_turn);
 }
@@ -266,14 +270,16 @@ bool read(const wire::ProbeState& from, ProbeState& to) {
   to.round_trip_p99_us = from.round_trip_p99_us();
   to.view_revision = from.view_revision();
   to.energy_percent = from.energy_percent();
+  to.force_limit_n = from.force_limit_n();
   to.object = read_object(from.touched());
+  to.scene_time_ns = from.scene_time_ns();
   // An unknown status of a newer hub is no reason to reject the state.
   to.status =
       from.status() <= static_cast<std::uint32_t>(ProbeStatus::too_small) ? static_cast<ProbeStatus>(from.status()) : ProbeStatus::ok;
   return read_vector(from.p_wd_m(), to.p_WD) && read_rotation(from.q_wt(), to.q_WT) &&
          read_vector(from.visual_offset_m(), to.visual_offset_m) && read_vector(from.force_n(), to.force_n) &&
          read_optional_vector(from.torque_nm(), to.torque_nm) && read_optional_vector(from.visual_turn(), to.visual_turn) &&
-         is_amount(to.servo_rate_hz) && is_amount(to.round_trip_p50_us) && is_amount(to.round_trip_p99_us);
+         is_amount(to.servo_rate_hz) && is_amount(to.round_trip_p50_us) && is_amount(to.round_trip_p99_us) && is_amount(to.force_limit_n);
 }
 
 bool read(const wire::FrameAck& from, FrameAck& to) {

@@ -60,6 +60,8 @@ struct ForceCommand {
   // Of a rigid tool; a probe leaves both zero:
   Vec3 torque_nm = Vec3::Zero();    // about the device point
   Vec3 visual_turn = Vec3::Zero();  // rotation vector from the stylus to the tool as it is drawn, rad
+  // Where the objects were that move by keyframes: the time of KeyframeMotion. 0: at its beginning, or the scene has none.
+  std::int64_t scene_time_ns = 0;
 };
 
 // ForceCommand::answered_before of a first reply that resumes contact of an earlier session.
@@ -110,6 +112,8 @@ struct ProbeState {
   std::int32_t object = -1;         // touched in that sample, as in ForceCommand
   Vec3 torque_nm = Vec3::Zero();    // the newest, of a rigid tool
   Vec3 visual_turn = Vec3::Zero();  // of that sample, as in ForceCommand
+  float force_limit_n = 0.0F;       // the largest force that the device may get; 0: unknown
+  std::int64_t scene_time_ns = 0;   // of the newest sample with a reply, as in ForceCommand
 };
 
 // vision -> hub: frame acknowledgement, after a frame was drawn or skipped because it would look the same: which sample it shows. Requests

@@ -71,6 +71,7 @@ class SocketStreams final : public StreamEndpoint {
  public:
   // 0, or the system's error.
   int open(const Address& at);
+  int open_to_connect();
 
   const Address& local_address() const override { return local_; }
   void wait(std::int64_t deadline_ns, Listener& listener) override;
@@ -126,9 +127,13 @@ int SocketStreams::open_at(const Address& at) {
   return ::listen(listening_.get(), SOMAXCONN) == 0 ? 0 : errno;
 }
 
-int SocketStreams::open(const Address& at) {
+int SocketStreams::open_to_connect() {
   waker_ = Descriptor(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC));
-  if (waker_.get() < 0) return errno;
+  return waker_.get() < 0 ? errno : 0;
+}
+
+int SocketStreams::open(const Address& at) {
+  if (const int none = open_to_connect(); none != 0) return none;
   int error = open_at(at);
   for (int n = 1; at.port == 0 && error == EADDRINUSE && n < kTriesForAPort; ++n) error = open_at(at);
   return error;
@@ -319,6 +324,12 @@ Result<std::unique_ptr<StreamEndpoint>> StreamEndpoint::open(std::string_view bi
   if (error == EADDRNOTAVAIL)
     return fail("cannot listen on TCP and UDP {}: this host has no such address; use one of its own", to_string(*at));
   if (error != 0) return fail("cannot listen on TCP and UDP {}: {}", to_string(*at), std::strerror(error));
+  return streams;
+}
+
+Result<std::unique_ptr<StreamEndpoint>> StreamEndpoint::open_to_connect() {
+  auto streams = std::make_unique<SocketStreams>();
+  if (const int error = streams->open_to_connect(); error != 0) return fail("cannot connect to anybody: {}", std::strerror(error));
   return streams;
 }
 

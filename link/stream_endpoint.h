@@ -34,6 +34,9 @@ class StreamEndpoint {
   // Listens at the address, by TCP and UDP; port 0 takes one that is free for both. Error: one line: bad address, port in use.
   static Result<std::unique_ptr<StreamEndpoint>> open(std::string_view bind_address, std::uint16_t default_port);
 
+  // Only connects to others: nothing listens, and it has no address of its own.
+  static Result<std::unique_ptr<StreamEndpoint>> open_to_connect();
+
   virtual ~StreamEndpoint() = default;
 
   virtual const Address& local_address() const = 0;

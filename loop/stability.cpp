@@ -4,6 +4,7 @@
 #include <limits>
 #include <numbers>
 
+#include "core/effects/smooth_velocity.h"
 #include "core/math/dense_matrix.h"
 #include "core/math/find_zero.h"
 #include "loop/largest_value.h"
@@ -28,28 +29,42 @@ Complex difference(double angle, double period_s) {
   return Complex(2.0 * half * half, std::sin(angle)) / period_s;
 }
 
-// 1 + (fixed + s * direction) L = 0 for s. One of the two is stiffness, the other damping.
+// Force of a virtual mass of 1 kg over the position, less the sign: MassEffect with the velocity of SmoothVelocity.
+Complex acceleration(double angle, double period_s, double filter_s) {
+  constexpr int kDifferences = static_cast<int>(SmoothVelocity::kSamples);
+  const Complex back = std::polar(1.0, -angle);
+  Complex mean;
+  for (int i = kDifferences - 1; i >= 0; --i) mean = mean * back + Complex(kDifferences - i);
+  mean /= 0.5 * kDifferences * (kDifferences + 1);
+  const double share = -std::expm1(-period_s / filter_s);
+  return share / (1.0 - (1.0 - share) * back) * mean * difference(angle, period_s) * difference(angle, period_s);
+}
+
+// 1 + (fixed + s * direction) L = 0 for s. One of the two is stiffness, the other damping; or s is a virtual mass, and nothing is fixed.
 class Boundary {
  public:
-  enum class Along { stiffness, damping };
+  enum class Along { stiffness, damping, mass };
 
-  Boundary(const SampledPlant& plant, Along along, double fixed) : plant_(plant), along_(along), fixed_(fixed) {}
+  Boundary(const SampledPlant& plant, Along along, double fixed, double filter_s = 0.0)
+      : plant_(plant), along_(along), fixed_(fixed), filter_s_(filter_s) {}
 
   struct Point {
     double angle = 0.0;
     Complex inverse;  // 1/L without the turn of whole periods
+    Complex direction;
     Complex s;
     double least = 0.0;  // |s| is no less, whatever whole periods turn
   };
 
   Point at(double angle) const {
-    Point point{.angle = angle, .inverse = 1.0 / plant_.response(angle), .s = {}};
+    Point point{.angle = angle, .inverse = 1.0 / plant_.response(angle), .direction = 1.0, .s = {}};
     const Complex turn = std::polar(1.0, std::remainder(angle * plant_.whole_periods(), 2.0 * std::numbers::pi));
     const Complex velocity = difference(angle, plant_.period_s());
-    const Complex direction = along_ == Along::stiffness ? Complex(1.0) : velocity;
+    if (along_ == Along::damping) point.direction = velocity;
+    if (along_ == Along::mass) point.direction = acceleration(angle, plant_.period_s(), filter_s_);
     const Complex fixed = along_ == Along::stiffness ? fixed_ * velocity : Complex(fixed_);
-    point.s = -(point.inverse * turn + fixed) / direction;
-    point.least = std::fabs(std::abs(point.inverse) - std::abs(fixed)) / std::abs(direction);
+    point.s = -(point.inverse * turn + fixed) / point.direction;
+    point.least = std::fabs(std::abs(point.inverse) - std::abs(fixed)) / std::abs(point.direction);
     return point;
   }
 
@@ -76,7 +91,9 @@ class Boundary {
  private:
   // Of what two neighbouring points may differ by.
   double share_of_most(const Point& here, const Point& next, double best) const {
-    const Complex ratio = next.inverse / here.inverse;
+    Complex ratio = next.inverse / here.inverse;
+    // A filter turns by itself; a difference by half of the angle.
+    if (along_ == Along::mass) ratio /= next.direction / here.direction;
     const double own_turn = std::fabs(std::arg(ratio));
     const double growth = std::fabs(std::log(std::abs(ratio)));
     const bool is_far = std::min(here.least, next.least) > kFarAbove * best;
@@ -105,6 +122,7 @@ class Boundary {
   const SampledPlant& plant_;
   Along along_;
   double fixed_;
+  double filter_s_;
 };
 
 Eigen::MatrixXd make_loop_matrix(const SampledPlant& plant, const WallGains& wall) {
@@ -143,6 +161,11 @@ StabilityLimit find_stable_damping(const SampledPlant& plant, double stiffness_n
   if (!plant.is_stable_alone()) return {};
   if (stiffness_n_per_m > 0.0 && stiffness_n_per_m >= Boundary(plant, Boundary::Along::stiffness, 0.0).find_first().value) return {};
   return Boundary(plant, Boundary::Along::damping, stiffness_n_per_m).find_first();
+}
+
+StabilityLimit find_stable_mass(const SampledPlant& plant, double filter_s) {
+  if (!plant.is_stable_alone()) return {};
+  return Boundary(plant, Boundary::Along::mass, 0.0, filter_s).find_first();
 }
 
 double compute_spectral_radius(const SampledPlant& plant, const WallGains& wall) {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "core/effects/mass_effect.h"
 #include "loop/device_model.h"
 #include "loop/hand_model.h"
 #include "loop/passivity.h"
@@ -14,14 +15,16 @@ struct ZWidthCase {
   DeviceModel device;
   HandModel hand;
   double rate_hz = 1000.0;
-  double delay_s = 0.0;                // from the sample to its force on the motors; the hold comes on top
-  double wall_damping_ns_per_m = 0.0;  // by finite difference, beside the stiffness
+  double delay_s = 0.0;                          // from the sample to its force on the motors; the hold comes on top
+  double wall_damping_ns_per_m = 0.0;            // by finite difference, beside the stiffness
+  double mass_filter_s = MassEffect().filter_s;  // of a virtual mass
 };
 
 // Largest stable and largest passive wall.
 struct ZWidth {
   StabilityLimit stiffness;               // stable, with the case's wall damping
   StabilityLimit damping_ns_per_m;        // stable, without stiffness
+  StabilityLimit mass_kg;                 // stable virtual mass, without a wall
   PassiveStiffness passive;               // whatever passive hand holds the device
   double passive_damping_ns_per_m = 0.0;  // without stiffness
   double linear_rule_n_per_m = 0.0;       // b / (T/2 + delay), with the damping of device and hand

@@ -43,7 +43,7 @@ PatchWay PatchTouch::way() const noexcept {
   return {0.5 * (low + high), 0.5 * (high - low).norm()};
 }
 
-// Within a patch the last step ended with the proxy at p_SP_ and the device at last_p_SD_; before it is handed over, the step's device
+// Within a patch the last step has followed the device to last_p_SD_, with the proxy at p_SP_; before it is handed over, the step's device
 // starts at the proxy.
 bool PatchTouch::reaches(const Patch& patch, const Vec3& p_SD) const noexcept {
   if (patch.generation != generation_) return false;
@@ -137,6 +137,10 @@ Vec3 PatchTouch::step_retired(const TouchInput& input) noexcept {
   return retired_->step != nullptr ? retired_->step->step(input).force_n : Vec3(Vec3::Zero());
 }
 
+std::optional<Vec3> PatchTouch::carried_from() const noexcept {
+  return is_over_ && patch_ != nullptr && patch_->step != nullptr ? patch_->step->method().carried_from() : std::nullopt;
+}
+
 // could_go_on: the patch before this step held the proxy and reaches this sample; where another takes over, its force is known, too.
 PatchOutput PatchTouch::step_patch(const TouchInput& input, const Vec3& p_SD, bool could_go_on) noexcept {
   PatchOutput output;
@@ -158,7 +162,7 @@ PatchOutput PatchTouch::step_patch(const TouchInput& input, const Vec3& p_SD, bo
   p_SP_ = (patch_->step != nullptr ? patch_->step->method().held_at() : std::nullopt).value_or(p_SD);
   outward_S_ = touched.contact && depth > 0.0 ? Vec3(R_SW * touched.visual_offset_m / depth) : Vec3(Vec3::Zero());
   stiffness_n_per_m_ = depth > 0.0 ? force_n_ / depth : 0.0;
-  last_p_SD_ = p_SD;
+  last_p_SD_ = carried_from().value_or(p_SD);
   is_placed_ = is_on_grid_ = true;
   ++counts_.steps;
   counts_.contact_steps += touched.contact ? 1 : 0;

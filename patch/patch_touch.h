@@ -102,6 +102,9 @@ class PatchTouch {
   // rounding is larger than a patch's lift (10^9 sizes of the scene): it changes nothing.
   std::optional<PatchOutput> step(const TouchInput& input) noexcept;
 
+  // See ForceMethod. Frame: S.
+  std::optional<Vec3> carried_from() const noexcept;
+
   const Counts& counts() const noexcept { return counts_; }
   bool is_placed() const noexcept { return is_placed_; }
   // Where the hand is, for whoever makes the next patch.
@@ -131,7 +134,7 @@ class PatchTouch {
   Vec3 outward_S_ = Vec3::Zero();   // unit, of its force; zero: free
   double stiffness_n_per_m_ = 0.0;  // ... of force and penetration
   double force_n_ = 0.0;            // ... its magnitude
-  Vec3 last_p_SD_ = Vec3::Zero();   // of the last step within
+  Vec3 last_p_SD_ = Vec3::Zero();   // of the last step within, or where it ran out of work
   Vec3 newest_p_SD_ = Vec3::Zero();
   DevicePath path_;
   bool is_beyond_ = false;

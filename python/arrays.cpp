@@ -2,7 +2,11 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
 
 #include "core/math/rigid_pose.h"
 
@@ -13,6 +17,16 @@ std::string shape_of(const Doubles& array) {
   std::string text = "(";
   for (py::ssize_t k = 0; k < array.ndim(); ++k) text += fmt::format("{}{}", k == 0 ? "" : ", ", array.shape(k));
   return text + ")";
+}
+
+// 16 numbers, row by row. Nothing: no rigid pose.
+std::optional<Pose> pose_of(const double* numbers) {
+  std::array<float, 12> rows = {};
+  for (std::size_t k = 0; k < rows.size(); ++k) rows[k] = static_cast<float>(numbers[k]);
+  Pose pose = Pose::Identity();
+  pose.matrix() = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(numbers);
+  if (!find_rigid_pose(rows) || pose.matrix().row(3) != Eigen::RowVector4d(0, 0, 0, 1)) return std::nullopt;
+  return pose;
 }
 
 }  // namespace
@@ -43,16 +57,28 @@ Pose read_pose(const Doubles& array, const char* name) {
   if (array.ndim() != 2 || array.shape(0) != 4 || array.shape(1) != 4) {
     raise_value_error(fmt::format("{} has shape {}; give (4, 4)", name, shape_of(array)));
   }
-  std::array<float, 12> rows = {};
-  Pose pose = Pose::Identity();
-  for (int i = 0; i < 4; ++i) {
-    for (int k = 0; k < 4; ++k) pose.matrix()(i, k) = array.at(i, k);
+  const std::optional<Pose> pose = pose_of(array.data());
+  if (!pose) raise_value_error(fmt::format("{} is not a rigid pose; give [R t; 0 0 0 1] with a rotation R and metres", name));
+  return *pose;
+}
+
+std::vector<Pose> read_poses(const Doubles& array, const char* name) {
+  const py::ssize_t first = array.ndim() - 2;
+  if (first < 0 || first > 1 || array.shape(first) != 4 || array.shape(first + 1) != 4) {
+    raise_value_error(fmt::format("{} has shape {}; give (n, 4, 4)", name, shape_of(array)));
   }
-  for (std::size_t k = 0; k < rows.size(); ++k) rows[k] = static_cast<float>(array.data()[k]);
-  if (!find_rigid_pose(rows) || pose.matrix().row(3) != Eigen::RowVector4d(0, 0, 0, 1)) {
-    raise_value_error(fmt::format("{} is not a rigid pose; give [R t; 0 0 0 1] with a rotation R and metres", name));
+  std::vector<Pose> poses(first == 0 ? 1 : static_cast<std::size_t>(array.shape(0)));
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const double* numbers = array.data() + 16 * i;
+    if (!std::all_of(numbers, numbers + 16, [](double number) { return std::isfinite(number); })) {
+      poses[i].matrix().setConstant(std::numeric_limits<double>::quiet_NaN());
+      continue;
+    }
+    const std::optional<Pose> pose = pose_of(numbers);
+    if (!pose) raise_value_error(fmt::format("{}[{}] is not a rigid pose; give [R t; 0 0 0 1] with a rotation R and metres", name, i));
+    poses[i] = *pose;
   }
-  return pose;
+  return poses;
 }
 
 py::array_t<double> make_point(const Vec3& point) {
@@ -68,5 +94,7 @@ py::array_t<double> make_pose(const Pose& pose) {
   }
   return array;
 }
+
+py::array_t<double> make_points(std::size_t count) { return py::array_t<double>({static_cast<py::ssize_t>(count), py::ssize_t{3}}); }
 
 }  // namespace hapton::python

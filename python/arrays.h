@@ -32,7 +32,10 @@ std::vector<Vec3> read_points(const Doubles& array, const char* name, bool takes
 Vec3 read_point(const Doubles& array, const char* name);
 // (4, 4) with a rotation and (0, 0, 0, 1) below.
 Pose read_pose(const Doubles& array, const char* name);
+// (n, 4, 4) or, for one, (4, 4). One with a number that is not finite stays so.
+std::vector<Pose> read_poses(const Doubles& array, const char* name);
 py::array_t<double> make_point(const Vec3& point);
 py::array_t<double> make_pose(const Pose& pose);
+py::array_t<double> make_points(std::size_t count);  // (count, 3), to be written
 
 }  // namespace hapton::python

@@ -7,6 +7,8 @@ namespace hapton::python {
 namespace {
 
 constexpr double kMostNumber = 1e6;
+constexpr double kMostMassKg = 5.0;  // as in scene files, like the next
+constexpr double kMostFilterS = 1.0;
 
 // What Python holds: one of several laws.
 struct PythonField {
@@ -35,6 +37,17 @@ PythonField make_viscous(double damping, double most_n) {
   law.damping_ns_per_m = check_number(damping, "damping_ns_per_m");
   law.max_force_n = check_number(most_n, "max_force_n");
   return {law};
+}
+
+PythonField make_mass(double mass_kg, double filter_s, double most_n) {
+  if (!(filter_s >= MassEffect::kLeastFilterS && filter_s <= kMostFilterS)) {
+    raise_value_error(fmt::format("filter_s is {}; give at least {} s, at most {}", filter_s, MassEffect::kLeastFilterS, kMostFilterS));
+  }
+  if (!(mass_kg >= 0.0 && mass_kg <= kMostMassKg))
+    raise_value_error(fmt::format("mass_kg is {}; give at least 0, at most {}", mass_kg, kMostMassKg));
+  MassField field;
+  field.law = {.mass_kg = mass_kg, .filter_s = filter_s, .max_force_n = check_number(most_n, "max_force_n")};
+  return {field};
 }
 
 PythonField make_constant(const Doubles& force) {
@@ -74,7 +87,7 @@ std::vector<Field> laws_of(const std::vector<PythonField>& fields) {
 py::array_t<double> evaluate_fields(const std::vector<PythonField>& fields, const Doubles& positions, double dt_s) {
   const std::vector<Vec3> points = read_points(positions, "positions", true);
   check_number(dt_s, "dt_s", false);
-  py::array_t<double> forces({static_cast<py::ssize_t>(points.size()), py::ssize_t{3}});
+  py::array_t<double> forces = make_points(points.size());
   double* force_n = forces.mutable_data();
   {
     const py::gil_scoped_release others_run;
@@ -100,6 +113,8 @@ void bind_fields(py::module_& module) {
   py::class_<PythonField>(fields, "Field", "A force by formula; made by the functions of this module.");
   fields.def("spring", &make_spring, py::arg("centre_m"), py::arg("stiffness_n_per_m"), py::arg("max_force_n") = 5.0, "-k (p - centre).");
   fields.def("viscous", &make_viscous, py::arg("damping_ns_per_m"), py::arg("max_force_n") = 5.0, "-b v.");
+  fields.def("mass", &make_mass, py::arg("mass_kg"), py::arg("filter_s") = 0.02, py::arg("max_force_n") = 5.0,
+             "-m a, the acceleration behind a low-pass of filter_s: a mass that the hand tows through a damper of m / filter_s.");
   fields.def("constant", &make_constant, py::arg("force_n"), "The same force everywhere.");
   fields.def("sine", &make_sine, py::arg("direction"), py::arg("amplitude_n"), py::arg("frequency_hz"),
              "amplitude sin(2 pi f t) along a direction.");

@@ -8,7 +8,7 @@ Vec3 FieldLaw::step(const Vec3& p_WD, double dt_s) noexcept {
   time_s_ += dt_s;
   const EffectSample hand{.p_SD = p_WD, .v_SD = velocity_.mean(), .time_s = time_s_};
   Vec3 force_n = Vec3::Zero();
-  for (const Field& field : fields_) force_n += std::visit([&](const auto& law) { return law.force(hand); }, field);
+  for (Field& field : fields_) force_n += std::visit([&](auto& law) { return law.force(hand); }, field);
   return force_n;
 }
 

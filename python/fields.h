@@ -6,6 +6,7 @@
 
 #include "core/effects/bounded_force.h"
 #include "core/effects/constant_effect.h"
+#include "core/effects/mass_effect.h"
 #include "core/effects/smooth_velocity.h"
 #include "core/effects/spring_effect.h"
 #include "core/effects/viscous_effect.h"
@@ -56,7 +57,15 @@ struct PulseField {
   }
 };
 
-using Field = std::variant<SpringEffect, ViscousEffect, ConstantEffect, WaveEffect, WallField, ChannelField, PulseField>;
+// A virtual mass (core/effects/mass_effect.h), which remembers its velocity: at rest when the fields are set. RT: yes.
+struct MassField {
+  MassEffect law;
+  MassEffect::State state = {};
+
+  Vec3 force(const EffectSample& hand) noexcept { return law.force(hand, state); }
+};
+
+using Field = std::variant<SpringEffect, ViscousEffect, ConstantEffect, WaveEffect, WallField, ChannelField, PulseField, MassField>;
 
 // The sum of fields over the samples of a device, with what it remembers of them. RT: step yes. Threads: one.
 class FieldLaw {

@@ -3,6 +3,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <utility>
 
 #include "core/force/touch_step.h"
 #include "python/bindings.h"
@@ -24,8 +25,8 @@ Material make_material(double stiffness_n_per_m, double damping_ns_per_m, double
 // All that a batch gives, an entry for each position.
 struct Batch {
   explicit Batch(std::size_t count)
-      : force_n({static_cast<py::ssize_t>(count), py::ssize_t{3}}),
-        proxy_m({static_cast<py::ssize_t>(count), py::ssize_t{3}}),
+      : force_n(make_points(count)),
+        proxy_m(make_points(count)),
         contact(static_cast<py::ssize_t>(count)),
         object(static_cast<py::ssize_t>(count)),
         step_ns(static_cast<py::ssize_t>(count)) {}
@@ -69,6 +70,8 @@ class PythonTouch {
   std::mutex mutex_;
   std::unique_ptr<TouchStep> touch_;
   bool has_begun_ = false;
+  bool is_running_ = false;  // there was a step
+  double time_s_ = 0.0;      // of the scene: the sum of all dt_s but the first
 };
 
 // Pre: the lock is held.
@@ -109,6 +112,8 @@ py::dict PythonTouch::step(const Doubles& positions, const Doubles& dt_s, const 
     for (std::size_t i = 0; i < points.size(); ++i) {
       input.p_WD = points[i];
       input.dt_s = dt_s.data()[times == 1 ? 0 : i];
+      if (std::exchange(is_running_, true)) time_s_ += input.dt_s;
+      input.time_s = time_s_;
       if (!has_begun_ && points[i].allFinite()) prepare(input);
       const std::int64_t begin_ns = clock.now_ns();
       const TouchOutput output = touch_->step(input);
@@ -122,8 +127,36 @@ py::dict PythonTouch::step(const Doubles& positions, const Doubles& dt_s, const 
   return batch.to_dict();
 }
 
-// A mesh, or a list of meshes and (mesh, material) pairs.
-TouchScene make_scene(const py::object& objects, const Material& material) {
+std::unique_ptr<PythonTouch> make_touch(const py::object& objects, const Material& material, const std::string& method,
+                                        const py::kwargs& settings) {
+  return std::make_unique<PythonTouch>(read_objects(objects, material), read_method(method, settings));
+}
+
+std::unique_ptr<PythonTouch> make_from_scene(const std::string& path, const std::optional<std::string>& unit, bool fit,
+                                             const std::string& method, const py::kwargs& settings) {
+  const MethodSettings read = read_method(method, settings);
+  SceneLoading loading;
+  if (unit) loading.unit = value_or_raise(parse_unit(*unit));
+  loading.fit = fit ? MeshFit::workspace : MeshFit::off;
+  Result<Scene> scene = fail("not loaded");
+  {
+    const py::gil_scoped_release others_run;
+    scene = load_scene(find_scene(path), loading);
+  }
+  const Scene loaded = value_or_raise(std::move(scene));
+  warn_of_libraries(loaded);
+  return std::make_unique<PythonTouch>(loaded.touch_scene(), read);
+}
+
+}  // namespace
+
+void warn_of_libraries(const Scene& scene) {
+  for (const LibraryEffect& named : scene.libraries) {
+    if (PyErr_WarnEx(PyExc_UserWarning, named.describe().c_str(), 2) != 0) throw py::error_already_set();
+  }
+}
+
+TouchScene read_objects(const py::object& objects, const Material& material) {
   TouchScene scene;
   const auto add = [&](const py::handle& object) {
     if (py::isinstance<PythonMesh>(object)) {
@@ -142,27 +175,6 @@ TouchScene make_scene(const py::object& objects, const Material& material) {
   }
   return scene;
 }
-
-std::unique_ptr<PythonTouch> make_touch(const py::object& objects, const Material& material, const std::string& method,
-                                        const py::kwargs& settings) {
-  return std::make_unique<PythonTouch>(make_scene(objects, material), read_method(method, settings));
-}
-
-std::unique_ptr<PythonTouch> make_from_scene(const std::string& path, const std::optional<std::string>& unit, bool fit,
-                                             const std::string& method, const py::kwargs& settings) {
-  const MethodSettings read = read_method(method, settings);
-  SceneLoading loading;
-  if (unit) loading.unit = value_or_raise(parse_unit(*unit));
-  loading.fit = fit ? MeshFit::workspace : MeshFit::off;
-  Result<Scene> scene = fail("not loaded");
-  {
-    const py::gil_scoped_release others_run;
-    scene = load_scene(find_scene(path), loading);
-  }
-  return std::make_unique<PythonTouch>(value_or_raise(std::move(scene)).touch_scene(), read);
-}
-
-}  // namespace
 
 void bind_touch(py::module_& module) {
   py::class_<Material>(module, "Material", "What a surface feels like. SI units.")

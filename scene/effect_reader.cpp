@@ -1,6 +1,7 @@
 #include "scene/effect_reader.h"
 
 #include <array>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -16,7 +17,11 @@ constexpr double kEffectMaxLengthM = 10.0;
 constexpr double kEffectMaxPositionM = 1e6;
 constexpr double kEffectMaxTimeS = 60.0;
 constexpr double kEffectMaxFrequencyHz = 1000.0;  // the skin feels no more
-constexpr double kMostBumpShare = 1.0 / 3.0;      // of their length: a slope of pi / 3
+constexpr double kMostButtons = 32.0;
+constexpr double kEffectLeastMassKg = 1e-3;
+constexpr double kEffectMostMassKg = 5.0;
+constexpr double kEffectMostFilterS = 1.0;
+constexpr double kMostBumpShare = 1.0 / 3.0;  // of their length: a slope of pi / 3
 
 constexpr std::array<std::string_view, 13> kSurfaceKeys = {
     "progressive_n_per_m2", "viscosity_ns_per_m", "snap_range_m",   "snap_stiffness_n_per_m", "bump_height_m",
@@ -86,14 +91,13 @@ Result<void> read_layers(const toml::table& table, const std::string& material_n
                          SurfaceEffects& effects) {
   const toml::node* node = table.get("layer");
   if (node == nullptr || reader.error()) return {};
-  const auto line_of = [](const toml::node& at) { return at.source().begin.line; };
   const std::string header = fmt::format("[[material.{}.layer]]", printable(material_name));
   const toml::array* array = node->as_array();
   if (array == nullptr || array->empty() || !array->is_array_of_tables()) {
-    return fail("line {}: 'layer' must be tables that begin with {}", line_of(*node), header);
+    return fail("{}'layer' must be tables that begin with {}", line_prefix(*node), header);
   }
   if (array->size() > TissueLayers::kMost)
-    return fail("line {}: {} layers: give at most {}", line_of(*node), array->size(), TissueLayers::kMost);
+    return fail("{}{} layers: give at most {}", line_prefix(*node), array->size(), TissueLayers::kMost);
   for (const toml::node& one : *array) {
     const std::size_t number = effects.layers.count() + 1;
     const auto layer = read_layer(*one.as_table(), fmt::format("{} {}", header, number));
@@ -101,11 +105,11 @@ Result<void> read_layers(const toml::table& table, const std::string& material_n
     if (number > 1) {
       const TissueLayer& before = effects.layers[number - 2];
       if (!(layer->depth_m > before.depth_m)) {
-        return fail("line {}: 'depth_m' in {} {} is {}: it must be more than that of the layer before, {}", line_of(one), header, number,
+        return fail("{}'depth_m' in {} {} is {}: it must be more than that of the layer before, {}", line_prefix(one), header, number,
                     layer->depth_m, before.depth_m);
       }
       if (!(before.pop_force_n <= kMostEffectForceN)) {
-        return fail("line {}: {} {} is never reached: give the layer before it a 'pop_force_n'", line_of(one), header, number);
+        return fail("{}{} {} is never reached: give the layer before it a 'pop_force_n'", line_prefix(one), header, number);
       }
     }
     effects.layers.add(*layer);
@@ -192,6 +196,14 @@ void read_effect(TableReader& reader, EffectSpec& spec, ViscousEffect& viscous) 
   read_volume(reader, spec, viscous.volume);
 }
 
+void read_effect(TableReader& reader, EffectSpec& spec, MassEffect& mass) {
+  reader.require("mass_kg");
+  reader.read("mass_kg", mass.mass_kg, kEffectLeastMassKg, kEffectMostMassKg);
+  reader.read("filter_s", mass.filter_s, MassEffect::kLeastFilterS, kEffectMostFilterS);
+  read_max_force(reader, mass.max_force_n);
+  read_volume(reader, spec, mass.volume);
+}
+
 void read_effect(TableReader& reader, EffectSpec& spec, WaveEffect& wave) {
   std::size_t form = 0;
   reader.read_choice("waveform", kWaveforms, form);
@@ -210,8 +222,10 @@ void read_effect(TableReader& reader, EffectSpec& spec, BurstEffect& burst) {
   reader.read("frequency_hz", burst.frequency_hz, 0.0, kEffectMaxFrequencyHz, true);
   reader.read("decay_s", burst.decay_s, 0.0, kEffectMaxTimeS, true);
   reader.read("duration_s", burst.duration_s, 0.0, kEffectMaxTimeS, true);
-  if (spec.object.empty() && !reader.has("position_m"))
-    reader.fail_at("position_m", "a burst needs a volume to enter: give 'position_m' with 'radius_m' or 'size_m', or 'object'");
+  if (spec.object.empty() && !reader.has("position_m") && !reader.has("button")) {
+    reader.fail_at("position_m",
+                   "a burst needs a volume to enter: give 'position_m' with 'radius_m' or 'size_m', or 'object'; or a 'button'");
+  }
   read_volume(reader, spec, burst.volume);
 }
 
@@ -230,6 +244,7 @@ const std::vector<EffectType>& effect_types() {
       {"plane_snap", SnapEffect{.target = SnapEffect::Target::plane}, {"position_m", "normal", "range_m", "max_force_n"}},
       {"gravity_well", GravityWellEffect(), {"position_m", "radius_m", "max_force_n"}},
       {"viscous", ViscousEffect(), {"damping_ns_per_m", "max_force_n", "position_m", "radius_m", "size_m"}},
+      {"mass", MassEffect(), {"mass_kg", "filter_s", "max_force_n", "position_m", "radius_m", "size_m"}},
       {"wave", WaveEffect(), {"waveform", "direction", "amplitude_n", "frequency_hz", "position_m", "radius_m", "size_m"}},
       {"burst", BurstEffect(), {"direction", "amplitude_n", "frequency_hz", "decay_s", "duration_s", "position_m", "radius_m", "size_m"}},
   };
@@ -247,6 +262,43 @@ struct PlaceAt {
     effect.volume = EffectVolume::box(low, high);
   }
 };
+
+// ---- [[effect]] of type "plugin" ----------------------------------------------------------------------------------------
+
+constexpr std::string_view kParametersKey = "parameters";
+
+// As a command line has it: a whole number without a point.
+Result<std::string> parameter_text(const toml::node& node, std::string_view key, std::size_t number) {
+  const std::size_t line = node.source().begin.line;
+  if (const auto* flag = node.as_boolean()) return std::string(flag->get() ? "true" : "false");
+  if (const auto* whole = node.as_integer()) return fmt::format("{}", whole->get());
+  if (const auto* value = node.as_floating_point()) return fmt::format("{}", value->get());
+  const auto* text = node.as_string();
+  if (text == nullptr)
+    return fail("line {}: parameter '{}' in [[effect]] {} must be a text, a number, true or false", line, printable(key), number);
+  if (text->get().find(',') != std::string::npos) {
+    return fail("line {}: parameter '{}' in [[effect]] {} has a comma, which separates parameters", line, printable(key), number);
+  }
+  return text->get();
+}
+
+Result<void> read_parameters(const toml::table& table, std::size_t number, LibraryEffect& effect) {
+  const toml::node* node = table.get(kParametersKey);
+  if (node == nullptr) return {};
+  if (!node->is_table()) {
+    return fail("line {}: 'parameters' in [[effect]] {} must be a table such as {{ range_m = 0.04 }}", node->source().begin.line, number);
+  }
+  for (const auto& [key, value] : *node->as_table()) {
+    const std::string name(key.str());
+    if (name.empty() || name.find_first_of(",=:") != std::string::npos) {
+      return fail("line {}: '{}' in [[effect]] {} is no name of a parameter", value.source().begin.line, printable(name), number);
+    }
+    auto text = parameter_text(value, name, number);
+    if (!text) return tl::unexpected(text.error());
+    effect.parameters.emplace_back(name, std::move(*text));
+  }
+  return {};
+}
 
 }  // namespace
 
@@ -270,15 +322,17 @@ Result<void> read_surface_effects(const toml::table& table, const std::string& m
 
 Result<EffectSpec> read_space_effect(const toml::table& table, std::size_t number) {
   TableReader reader(table, fmt::format("[[effect]] {}", number));
-  std::array<std::string_view, 9> names = {};
-  for (std::size_t i = 0; i < names.size(); ++i) names[i] = effect_types()[i].name;
+  std::array<std::string_view, 11> names = {};
+  for (std::size_t i = 0; i + 1 < names.size(); ++i) names[i] = effect_types()[i].name;
+  names.back() = "plugin";  // library_effect.h
   reader.require("type");
   std::size_t type = 0;
   reader.read_choice("type", names, type);
   if (reader.error()) return tl::unexpected(*reader.error());
+  if (type == effect_types().size()) return fail("[[effect]] {} is a plug-in, not computed here", number);
   const EffectType& known = effect_types()[type];
   std::vector<std::string_view> keys = known.keys;
-  keys.insert(keys.end(), {"type", "name", "object"});
+  keys.insert(keys.end(), {"type", "name", "object", "button"});
   reader.allow(keys);
   EffectSpec spec = {.name = std::string(known.name), .effect = known.made, .object = "", .object_line = 0};
   reader.read("name", spec.name);
@@ -287,9 +341,33 @@ Result<EffectSpec> read_space_effect(const toml::table& table, std::size_t numbe
     spec.object_line = table.get("object")->source().begin.line;
     if (spec.object.empty()) reader.fail_at("object", "'object' in [[effect]] {} is empty: name an object", number);
   }
+  double button = 0.0;
+  reader.read("button", button, 1.0, kMostButtons);
+  if (button != std::floor(button))
+    reader.fail_at("button", "'button' in [[effect]] {} is {}: buttons are counted 1, 2, 3 ...", number, button);
+  if (button >= 1.0 && !reader.error()) spec.on.button = std::uint32_t{1} << (static_cast<unsigned>(button) - 1U);
   std::visit([&](auto& effect) { read_effect(reader, spec, effect); }, spec.effect);
   if (reader.error()) return tl::unexpected(*reader.error());
   return spec;
+}
+
+bool is_library_effect(const toml::table& table) { return table["type"].value_exact<std::string>() == "plugin"; }
+
+Result<LibraryEffect> read_library_effect(const toml::table& table, std::size_t number) {
+  TableReader reader(table, fmt::format("[[effect]] {}", number));
+  reader.allow({"type", "name", "library", kParametersKey});
+  reader.require("library");
+  LibraryEffect effect;
+  effect.line = table.source().begin.line;
+  std::string library;
+  reader.read("name", effect.name);
+  reader.read("library", library);
+  if (reader.has("library") && library.empty()) reader.fail_at("library", "'library' in [[effect]] {} is empty: name a file", number);
+  if (reader.error()) return tl::unexpected(*reader.error());
+  effect.library = library;
+  if (effect.name.empty()) effect.name = effect.library.stem().string();
+  if (const auto read = read_parameters(table, number, effect); !read) return tl::unexpected(read.error());
+  return effect;
 }
 
 void place_at_object(SpaceEffect& effect, const Vec3& low, const Vec3& high) { std::visit(PlaceAt{low, high}, effect); }

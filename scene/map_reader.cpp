@@ -19,7 +19,7 @@ constexpr std::array<std::string_view, 6> kMapKeys = {"bump_map",     "stiffness
 void read_file_name(const toml::table& table, TableReader& reader, std::string_view key, MapSpec& spec) {
   reader.read(key, spec.file);
   if (!reader.has(key)) return;
-  spec.line = table.get(key)->source().begin.line;
+  spec.where = fmt::format("line {}", table.get(key)->source().begin.line);
   if (spec.file.empty()) reader.fail_at(key, "'{}' is empty: name an image, PNG or JPEG", key);
 }
 
@@ -103,13 +103,20 @@ void read_maps(const toml::table& table, TableReader& reader, Material& material
   if (reader.has("map_repeat") && !specs.any()) reader.fail_at("map_repeat", "'map_repeat' has no effect without a map");
 }
 
+std::filesystem::path MapMaker::shown_path(const MapSpec& spec) const {
+  return spec.bytes != nullptr ? std::filesystem::path(spec.file) : (folder_ / spec.file).lexically_normal();
+}
+
 Result<ImageMap> MapMaker::make_map(const MapSpec& spec, std::string_view key) {
   ImageMap map{.image = {}, .at_black = spec.at_black, .at_white = spec.at_white};
   if (spec.file.empty()) return map;
   auto found = images_.find(spec.file);
   if (found == images_.end()) {
-    auto image = read_grey_image((folder_ / spec.file).lexically_normal());
-    if (!image) return fail("line {}: '{}': {}", spec.line, key, image.error().what);
+    const auto image = spec.bytes != nullptr ? decode_grey_image(*spec.bytes).map_error([&](const Error& error) {
+      return Error{fmt::format("{} {}", spec.file, error.what)};
+    })
+                                             : read_grey_image(shown_path(spec));
+    if (!image) return fail("{}: '{}': {}", spec.where, key, image.error().what);
     found = images_.emplace(spec.file, std::make_shared<const SurfaceImage>(std::move(*image))).first;
   }
   map.image = found->second;
@@ -124,8 +131,7 @@ Result<SurfaceMaps> MapMaker::make(const MapSpecs& specs, const MapSource& sourc
     const bool is_height = !specs.height.file.empty();
     const MapSpec& first = is_height ? specs.height : specs.stiffness.file.empty() ? specs.friction : specs.stiffness;
     const char* key = is_height ? "bump_map" : specs.stiffness.file.empty() ? "friction_map" : "stiffness_map";
-    return fail("line {}: '{}' needs texture coordinates, and the mesh of object '{}' has none: unwrap it", first.line, key,
-                printable(object));
+    return fail("{}: '{}' needs texture coordinates, and the mesh of object '{}' has none: unwrap it", first.where, key, printable(object));
   }
   maps.triangles = std::make_shared<const std::vector<MappedTriangle>>(std::move(triangles));
   const struct {
@@ -148,8 +154,8 @@ Result<SurfaceMaps> MapMaker::make(const MapSpecs& specs, const MapSource& sourc
   if (given > SurfaceMaps::kSteepest) {
     notes.push_back(
         fmt::format("{}: object '{}': bumps of slope {:.3g}, above {}, are smoothed to {} x {} texels; a lower bump_height_m keeps them",
-                    (folder_ / specs.height.file).lexically_normal().string(), printable(object), given, SurfaceMaps::kSteepest,
-                    maps.height.image->width(), maps.height.image->height()));
+                    shown_path(specs.height).string(), printable(object), given, SurfaceMaps::kSteepest, maps.height.image->width(),
+                    maps.height.image->height()));
   }
   return maps;
 }

@@ -17,10 +17,11 @@
 
 namespace hapton {
 
-// A map of a material as its table has it: the number at black and at white, in an image file beside the scene.
+// A map of a material as its table has it: the number at black and at white, in an image file beside the scene, or in a mesh file.
 struct MapSpec {
-  std::string file;  // empty: none
-  std::size_t line = 0;
+  std::string file;                               // empty: none. Of an image in a mesh file: as messages call it
+  std::string where;                              // for errors: "line 7"
+  std::shared_ptr<const std::string> bytes = {};  // of an image in a mesh file; null: it is a file beside the scene
   double at_black = 0.0;
   double at_white = 0.0;
 };
@@ -53,11 +54,12 @@ class MapMaker {
  public:
   explicit MapMaker(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
-  // object: its name. A height map that is steeper than SurfaceMaps::kSteepest is halved until it is not, with a note. Error: "line N:
-  // ...": an image that cannot be read; a mesh without texture coordinates.
+  // object: its name. A height map that is steeper than SurfaceMaps::kSteepest is halved until it is not, with a note. Error: where it
+  // is: an image that cannot be read; a mesh without texture coordinates.
   Result<SurfaceMaps> make(const MapSpecs& specs, const MapSource& source, const std::string& object, std::vector<std::string>& notes);
 
  private:
+  std::filesystem::path shown_path(const MapSpec& spec) const;
   Result<ImageMap> make_map(const MapSpec& spec, std::string_view key);
 
   std::filesystem::path folder_;

@@ -1,6 +1,7 @@
 #include "scene/mesh_file.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <cstring>
@@ -72,6 +73,8 @@ Result<MeshFile> to_metres(RawMesh raw, Unit unit, bool unit_is_known) {
   file.format = std::move(raw.format);
   file.unit = unit;
   file.notes = std::move(raw.notes);
+  file.haptics = std::move(raw.haptics);
+  file.animations = std::move(raw.animations);
   if (raw.look.says_anything() || raw.look.has_texcoords()) file.look = std::move(raw.look);
   const double longest = (highest - lowest).maxCoeff();
   if (!unit_is_known && (longest > 10.0 || longest < 1e-3)) {
@@ -106,31 +109,59 @@ Result<MeshFile> load_mesh_file(const std::filesystem::path& path, std::optional
 
 std::string full_name(const MeshPart& part) { return part.object.empty() ? part.name : part.object + "/" + part.name; }
 
-Result<TriangleMesh> extract_part(const MeshFile& file, const std::string& name, MeshLook* look) {
-  TriangleMesh part;
-  std::string names;
-  const bool has_look = look != nullptr && !file.look.triangles.empty();
-  if (has_look) *look = {.images = file.look.images, .materials = file.look.materials, .triangles = {}};
-  for (const MeshPart& run : file.parts) {
-    const std::string full = full_name(run);
-    if (name == run.name || name == full || (!name.empty() && name == run.object)) {
-      const auto first = file.mesh.triangles.begin() + static_cast<std::ptrdiff_t>(run.first_triangle);
-      part.triangles.insert(part.triangles.end(), first, first + static_cast<std::ptrdiff_t>(run.triangle_count));
-      if (has_look) {
-        const auto from = file.look.triangles.begin() + static_cast<std::ptrdiff_t>(run.first_triangle);
-        look->triangles.insert(look->triangles.end(), from, from + static_cast<std::ptrdiff_t>(run.triangle_count));
-      }
-      if (file.mesh.has_authored_normals()) {
-        const auto from = file.mesh.authored_normals.begin() + static_cast<std::ptrdiff_t>(run.first_triangle);
-        part.authored_normals.insert(part.authored_normals.end(), from, from + static_cast<std::ptrdiff_t>(run.triangle_count));
-      }
-    }
-    if (names.size() < 200) names += (names.empty() ? "'" : ", '") + full + "'";
+bool is_named(const MeshPart& part, const std::string& name) {
+  return name == part.name || name == full_name(part) || (!name.empty() && name == part.object);
+}
+
+namespace {
+
+// Appends a part's run of something that the file has for each triangle.
+template <class Each>
+void append_run(const std::vector<Each>& from, const MeshPart& part, std::vector<Each>& to) {
+  const auto first = from.begin() + static_cast<std::ptrdiff_t>(part.first_triangle);
+  to.insert(to.end(), first, first + static_cast<std::ptrdiff_t>(part.triangle_count));
+}
+
+template <class Wanted>
+TriangleMesh extract_if(const MeshFile& file, MeshLook* look, MeshLook* haptics, const Wanted& wanted) {
+  TriangleMesh mesh;
+  struct Look {
+    const MeshLook& from;
+    MeshLook* into;
+  };
+  const std::array<Look, 2> looks = {Look{file.look, look}, Look{file.haptics.maps, haptics}};
+  for (const auto& [from, into] : looks) {
+    if (into != nullptr && !from.triangles.empty()) *into = {.images = from.images, .materials = from.materials, .triangles = {}};
   }
-  if (part.triangles.empty()) return fail("has no part '{}': it has {}", name, names);
-  part.vertices = file.mesh.vertices;
-  drop_unused_vertices(part);
-  return part;
+  for (const MeshPart& part : file.parts) {
+    if (!wanted(part)) continue;
+    append_run(file.mesh.triangles, part, mesh.triangles);
+    for (const auto& [from, into] : looks) {
+      if (into != nullptr && !from.triangles.empty()) append_run(from.triangles, part, into->triangles);
+    }
+    if (file.mesh.has_authored_normals()) append_run(file.mesh.authored_normals, part, mesh.authored_normals);
+  }
+  if (mesh.triangles.empty()) return mesh;
+  mesh.vertices = file.mesh.vertices;
+  drop_unused_vertices(mesh);
+  return mesh;
+}
+
+}  // namespace
+
+Result<TriangleMesh> extract_part(const MeshFile& file, const std::string& name, MeshLook* look, MeshLook* haptics) {
+  TriangleMesh mesh = extract_if(file, look, haptics, [&](const MeshPart& part) { return is_named(part, name); });
+  if (!mesh.triangles.empty()) return mesh;
+  std::string names;
+  for (const MeshPart& part : file.parts) {
+    if (names.size() < 200) names += (names.empty() ? "'" : ", '") + full_name(part) + "'";
+  }
+  return fail("has no part '{}': it has {}", name, names);
+}
+
+TriangleMesh extract_nodes(const MeshFile& file, const std::vector<std::size_t>& nodes, MeshLook* look, MeshLook* haptics) {
+  return extract_if(file, look, haptics,
+                    [&](const MeshPart& part) { return std::find(nodes.begin(), nodes.end(), part.node) != nodes.end(); });
 }
 
 }  // namespace hapton

@@ -8,6 +8,8 @@
 
 #include "core/base/result.h"
 #include "core/geometry/triangle_mesh.h"
+#include "scene/mesh_animation.h"
+#include "scene/mesh_haptics.h"
 #include "scene/mesh_look.h"
 #include "scene/unit.h"
 
@@ -19,17 +21,20 @@ struct MeshPart {
   std::size_t first_triangle = 0;
   std::size_t triangle_count = 0;
   std::string object = {};  // of an OBJ group: the object that it lies in
+  std::size_t node = 0;     // of glTF: its number in the file
 };
 
 // What a mesh file holds.
 struct MeshFile {
-  TriangleMesh mesh;               // metres, the file's own frame; node transforms applied
-  std::vector<MeshPart> parts;     // in order, together all triangles; names need not differ, and may be empty
-  std::string format;              // "OBJ", "ASCII STL", "binary PLY" ...
-  Unit unit = Unit::m;             // what the numbers in the file were taken to be
-  std::size_t file_vertices = 0;   // before equal ones were welded and unused ones dropped, instances counted each
-  std::vector<std::string> notes;  // what was skipped or looks odd, one line each; not errors
-  MeshLook look;                   // with no triangles if it was not requested or the file has none
+  TriangleMesh mesh;                           // metres, the file's own frame; node transforms applied
+  std::vector<MeshPart> parts;                 // in order, together all triangles; names need not differ, and may be empty
+  std::string format;                          // "OBJ", "ASCII STL", "binary PLY" ...
+  Unit unit = Unit::m;                         // what the numbers in the file were taken to be
+  std::size_t file_vertices = 0;               // before equal ones were welded and unused ones dropped, instances counted each
+  std::vector<std::string> notes;              // what was skipped or looks odd, one line each; not errors
+  MeshLook look;                               // with no triangles if it was not requested or the file has none
+  MeshHaptics haptics = {};                    // of glTF: MPEG_haptic_material
+  std::vector<MeshAnimation> animations = {};  // of glTF
 };
 
 // No file we read may hold more, whatever its header says: about 4 GB once loaded.
@@ -41,7 +46,7 @@ constexpr std::size_t kMaxMeshFileBytes = std::size_t{1} << 31;
 // order and winding, degenerate ones stay. Positions are scaled to metres. unit: what the file's numbers are in;
 // none given means metres. glTF is in metres by its standard, any other unit is rejected. Post: every coordinate is
 // finite, every index in range, at least one triangle. look: whether colours and textures are read as well; a
-// texture that cannot be found is a note, not an error. Error: one line with the file, the place in it (line,
+// texture that cannot be found is a note, not an error; one that is felt is an error. Error: one line with the file, the place in it (line,
 // vertex, byte) and what to do. RT: set-up only. Memory is bounded by the file's size, never by what its header
 // claims.
 Result<MeshFile> load_mesh_file(const std::filesystem::path& path, std::optional<Unit> unit = std::nullopt,
@@ -52,10 +57,14 @@ bool is_mesh_file_name(const std::filesystem::path& path);
 
 // "object/name", or the one of them that there is.
 std::string full_name(const MeshPart& part);
+// That name means the part: its own, its full name, or that of the object that it lies in.
+bool is_named(const MeshPart& part, const std::string& name);
 
-// The triangles of every part of that name, of every part of the object of that name, or of those with that full name; with the vertices
-// they use. Error: no such part; names those there are.
-// look: if not null, becomes what is seen of those triangles.
-Result<TriangleMesh> extract_part(const MeshFile& file, const std::string& name, MeshLook* look = nullptr);
+// The triangles of every part that the name means, with the vertices they use. Error: no such part; names those there are.
+// look, haptics: if not null, becomes what is seen, and felt, of those triangles.
+Result<TriangleMesh> extract_part(const MeshFile& file, const std::string& name, MeshLook* look = nullptr, MeshLook* haptics = nullptr);
+// The same of the parts of these nodes. Pre: one of them has triangles.
+TriangleMesh extract_nodes(const MeshFile& file, const std::vector<std::size_t>& nodes, MeshLook* look = nullptr,
+                           MeshLook* haptics = nullptr);
 
 }  // namespace hapton

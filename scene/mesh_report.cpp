@@ -3,11 +3,34 @@
 #include <fmt/core.h>
 
 #include <nlohmann/json.hpp>
+#include <utility>
+#include <vector>
 
 namespace hapton {
 namespace {
 
 constexpr double kCrackShare = 1e-3;  // of the longest side
+
+// "tissue: stiffness, friction".
+std::string describe(const HapticMaterial& material) {
+  std::string text = material.name.empty() ? "(no name)" : material.name;
+  const char* before = ": ";
+  for (const auto& [image, name] :
+       {std::pair(material.height, "bumps"), {material.stiffness, "stiffness"}, {material.friction, "friction"}}) {
+    if (!image) continue;
+    text += fmt::format("{}{}", std::exchange(before, ", "), name);
+  }
+  return text + (material.has_maps() ? " from an image" : "");
+}
+
+// Those that triangles have.
+std::vector<const HapticMaterial*> haptic_materials_of(const MeshFile& file) {
+  std::vector<const HapticMaterial*> found;
+  for (const std::uint32_t index : materials_among(file.haptics.maps)) {
+    if (index != TriangleLook::kNoMaterial) found.push_back(&file.haptics.materials[index]);
+  }
+  return found;
+}
 
 }  // namespace
 
@@ -99,6 +122,7 @@ std::string to_text(const MeshReport& report) {
   line("parts", "{}", report.file.parts.size());
   for (const MeshPart& part : report.file.parts)
     line("", "{:>9} triangles  {}", part.triangle_count, part.name.empty() ? "(no name)" : full_name(part));
+  for (const HapticMaterial* material : haptic_materials_of(report.file)) line("haptic material", "{}", describe(*material));
   line("for touch", "{}", report.sealed.boundary_edges == 0 ? "nothing to seal" : report.sealed.describe());
   line("closed for touch", "{} ({} boundary edges: {} open, {} of cracks)", report.is_closed_for_touch ? "yes" : "no",
        report.left.open + report.left.cracks, report.left.open, report.left.cracks);
@@ -115,6 +139,8 @@ std::string to_json(const MeshReport& report) {
     parts.push_back({{"name", part.name}, {"triangles", part.triangle_count}});
     if (!part.object.empty()) parts.back()["object"] = part.object;
   }
+  Json haptic_materials = Json::array();
+  for (const HapticMaterial* material : haptic_materials_of(report.file)) haptic_materials.push_back(describe(*material));
   const auto corner = [](const Vec3& p) { return Json::array({p.x(), p.y(), p.z()}); };
   const Json json = {{"schema", "hapton-mesh-info-2"},
                      {"file", report.path},
@@ -162,6 +188,7 @@ std::string to_json(const MeshReport& report) {
                      {"closed_bodies", report.flaws.bodies.count},
                      {"bodies_inside_out", report.flaws.bodies.inside_out},
                      {"parts", parts},
+                     {"haptic_materials", haptic_materials},
                      {"notes", report.file.notes}};
   // Names come from the file and need not be UTF-8.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

@@ -1,33 +1,13 @@
 #include "scene/object_reader.h"
 
-#include <cmath>
-#include <numbers>
 #include <vector>
+
+#include "scene/rotation_reader.h"
 
 namespace hapton {
 namespace {
 
 constexpr double kMaxScale = 1e9;
-
-// rotation: a unit quaternion w, x, y, z. rotation_deg: about the fixed x axis, then y, then z.
-void read_rotation(const toml::table& table, TableReader& reader, Quat& q_SM) {
-  if (table.contains("rotation") && table.contains("rotation_deg")) {
-    return reader.fail_at("rotation_deg", "both 'rotation' and 'rotation_deg' are given: keep one");
-  }
-  std::array<double, 4> wxyz = {1, 0, 0, 0};
-  reader.read("rotation", wxyz, -2.0, 2.0);
-  const Quat given(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
-  if (std::abs(given.norm() - 1.0) > 1e-3) {
-    return reader.fail_at("rotation", "'rotation' has length {:.6g}: a rotation is a quaternion [w, x, y, z] of length 1", given.norm());
-  }
-  std::array<double, 3> degrees = {};
-  reader.read("rotation_deg", degrees, -360.0, 360.0);
-  Quat turned = Quat::Identity();
-  for (int axis = 0; axis < 3; ++axis) {
-    turned = Eigen::AngleAxisd(degrees[axis] * std::numbers::pi / 180.0, Vec3::Unit(axis)) * turned;
-  }
-  q_SM = given.normalized() * turned;
-}
 
 }  // namespace
 
@@ -47,7 +27,7 @@ Result<ObjectSpec> read_object(const toml::table& table, const std::string& name
   if (name == kToolTable) {
     keys.emplace_back("grip");
   } else {
-    keys.insert(keys.end(), {"material", "movable"});
+    keys.insert(keys.end(), {"material", "movable", "keyframe", "loop", "pivot_m", "animation", "animation_speed"});
   }
   reader.allow(keys);
   if (!reader.has("mesh")) reader.fail_at("mesh", "{} has no 'mesh': name its mesh file", name);
@@ -81,6 +61,12 @@ Result<ObjectSpec> read_object(const toml::table& table, const std::string& name
       reader.fail_at("unit", "{}", parsed.error().what);
   }
   if (reader.error()) return tl::unexpected(*reader.error());
+  auto motion = read_motion(table, name);
+  if (!motion) return tl::unexpected(motion.error());
+  spec.motion = std::move(*motion);
+  if (spec.is_movable && spec.motion.any()) {
+    return fail("line {}: {} is movable and moves by itself: keep one", line_of("movable"), name);
+  }
   return spec;
 }
 

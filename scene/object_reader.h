@@ -2,12 +2,16 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/base/result.h"
+#include "core/math/keyframe_motion.h"
 #include "core/math/types.h"
+#include "scene/keyframe_reader.h"
 #include "scene/scene_tool.h"
 #include "scene/table_reader.h"
 #include "scene/unit.h"
@@ -30,9 +34,15 @@ struct ObjectSpec {
   std::string material;
   bool seal_cracks = true;
   bool is_movable = false;
+  MotionSpec motion = {};
+  std::vector<std::size_t> nodes = {};          // only those of a glTF file, in place of `part`; no key: split_animated sets it
+  std::optional<KeyframeMotion> animated = {};  // ... and how they move, in the file's frame
   std::array<double, 3> colour = {0.7, 0.7, 0.72};
-  bool has_colour = false;  // then it replaces all colours of the mesh file
+  bool has_colour = false;                            // then it replaces all colours of the mesh file
+  std::optional<std::uint32_t> haptic_material = {};  // only the triangles with this one of MeshHaptics; no key: load_scene sets it
   ToolGrip grip = ToolGrip::origin;
+  bool moves() const { return !motion.keyframes.empty() || animated.has_value(); }
+
   std::size_t mesh_line = 0;  // in the scene file
   std::size_t part_line = 0;
   std::size_t material_line = 0;

@@ -61,6 +61,7 @@ void RawMesh::end_normals() {
 
 void RawMesh::end_look() {
   if (!look.triangles.empty()) look.resize(mesh.triangles.size());
+  if (haptics.any()) haptics.maps.resize(mesh.triangles.size());
 }
 
 }  // namespace hapton

@@ -10,6 +10,7 @@
 #include "core/base/result.h"
 #include "core/geometry/triangle_mesh.h"
 #include "scene/mesh_file.h"
+#include "scene/mesh_haptics.h"
 #include "scene/mesh_look.h"
 
 namespace hapton {
@@ -27,8 +28,10 @@ struct RawMesh {
   TriangleMesh mesh;
   std::vector<MeshPart> parts;
   std::vector<std::string> notes;
-  MeshLook look = {};                       // without triangles if it was not requested or the file has none
-  std::vector<std::string> mtl_files = {};  // an OBJ file's material libraries, not read yet
+  MeshLook look = {};                          // without triangles if it was not requested or the file has none
+  MeshHaptics haptics = {};                    // of glTF files
+  std::vector<MeshAnimation> animations = {};  // of glTF files
+  std::vector<std::string> mtl_files = {};     // an OBJ file's material libraries, not read yet
 
   // Every triangle from here on belongs to a part of this name.
   void begin_part(std::string name);
@@ -42,7 +45,7 @@ struct RawMesh {
   void add_triangle(const Triangle& triangle, const std::array<Eigen::Vector3f, 3>& normals);
   // Once at the end: triangles that were added without normals have zero ones, when others have some.
   void end_normals();
-  // Once at the end: triangles that were added without a look have none, when others have one.
+  // Once at the end: triangles that were added without a look have none, when others have one; and so for their haptics.
   void end_look();
 };
 

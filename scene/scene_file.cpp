@@ -2,18 +2,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <string_view>
 #include <tuple>
 #include <utility>
 
 #include "core/base/near_miss.h"
+#include "scene/animated_object.h"
 #include "scene/effect_reader.h"
 #include "scene/file_bytes.h"
 #include "scene/map_reader.h"
-#include "scene/material_limits.h"
+#include "scene/material_reader.h"
+#include "scene/mesh_cache.h"
 #include "scene/mesh_file.h"
+#include "scene/object_motion.h"
 #include "scene/object_reader.h"
+#include "scene/scene_fit.h"
 #include "scene/scene_hash.h"
 #include "scene/table_reader.h"
 #include "scene/text_cursor.h"
@@ -23,47 +28,14 @@ namespace {
 
 constexpr std::size_t kMaxSceneFileBytes = std::size_t{1} << 24;
 
-struct MaterialSpec {
-  Material material;
-  SurfaceEffects effects;
-  MapSpecs maps;
-};
-
-void read_number(TableReader& reader, const MaterialLimit& limit, double& value) {
-  reader.read(limit.key, value, 0.0, limit.most, limit.above_zero);
-}
-
-Result<MaterialSpec> read_material(const toml::table& table, const std::string& name) {
-  MaterialSpec spec;
-  Material& material = spec.material;
-  TableReader reader(table, fmt::format("[material.{}]", printable(name)));
-  std::vector<std::string_view> keys = {kStiffnessLimit.key, kDampingLimit.key, kFrictionStaticLimit.key, kFrictionDynamicLimit.key,
-                                        "two_sided"};
-  keys.insert(keys.end(), surface_effect_keys().begin(), surface_effect_keys().end());
-  keys.insert(keys.end(), map_keys().begin(), map_keys().end());
-  reader.allow(keys);
-  read_number(reader, kStiffnessLimit, material.stiffness_n_per_m);
-  read_number(reader, kDampingLimit, material.damping_ns_per_m);
-  read_number(reader, kFrictionStaticLimit, material.friction_static);
-  read_number(reader, kFrictionDynamicLimit, material.friction_dynamic);
-  reader.read("two_sided", material.two_sided);
-  if (!reader.error() && material.friction_dynamic > material.friction_static) {
-    reader.fail_at("friction_dynamic", "'friction_dynamic' is {}, more than 'friction_static' {}: make it at most that",
-                   material.friction_dynamic, material.friction_static);
-  }
-  const auto effects = read_surface_effects(table, name, material, reader, spec.effects);
-  read_maps(table, reader, material, spec.effects, spec.maps);
-  if (reader.error()) return tl::unexpected(*reader.error());
-  if (!effects) return tl::unexpected(effects.error());
-  return spec;
-}
-
 struct SceneSpec {
   std::vector<ObjectSpec> objects;
   std::map<std::string, MaterialSpec, std::less<>> materials;
   std::vector<EffectSpec> effects;
+  std::vector<LibraryEffect> libraries;
   std::optional<ObjectSpec> tool;
   std::optional<Vec3> fit_m;
+  bool is_plain = false;  // stands for a mesh file alone
 
   bool has_maps() const {
     return std::any_of(materials.begin(), materials.end(), [](const auto& one) { return one.second.maps.any(); });
@@ -99,7 +71,14 @@ Result<void> read_effects(const toml::table& table, SceneSpec& spec) {
     return fail("line {}: 'effect' must be tables that begin with [[effect]]", node->source().begin.line);
   }
   for (const toml::node& one : *effects) {
-    Result<EffectSpec> effect = read_space_effect(*one.as_table(), spec.effects.size() + 1);
+    const std::size_t number = spec.effects.size() + spec.libraries.size() + 1;
+    if (is_library_effect(*one.as_table())) {
+      Result<LibraryEffect> library = read_library_effect(*one.as_table(), number);
+      if (!library) return tl::unexpected(library.error());
+      spec.libraries.push_back(std::move(*library));
+      continue;
+    }
+    Result<EffectSpec> effect = read_space_effect(*one.as_table(), number);
     if (!effect) return tl::unexpected(effect.error());
     spec.effects.push_back(std::move(*effect));
   }
@@ -143,71 +122,6 @@ Result<SceneSpec> read_spec(const toml::table& table) {
   return spec;
 }
 
-// Each file is read once, and each of its parts made ready for touch once, however many objects are made of it.
-class MeshCache {
- public:
-  struct ReadyMesh {
-    TriangleMesh mesh;
-    SealReport sealed;
-    std::vector<Vec3> vertices_before;  // if it was sealed: the vertices before that
-    std::uint64_t given_hash = 0;
-    std::shared_ptr<const MeshLook> look;  // null: none
-    MapSource map;                         // if there are maps: the mesh before it was sealed
-  };
-
-  // has_maps: texture coordinates are needed, whether colours are or not.
-  MeshCache(CrackSealing sealing, LookReading look, bool has_maps) : sealing_(sealing), look_(look), has_maps_(has_maps) {}
-
-  // A part of a file, or all of it where no part is named.
-  Result<const ReadyMesh*> load(const std::filesystem::path& path, const ObjectSpec& object, std::vector<std::string>& notes) {
-    const CrackSealing sealing = object.seal_cracks ? sealing_ : CrackSealing::off;
-    const auto key = std::make_tuple(path.string(), object.unit, object.part, sealing);
-    auto found = meshes_.find(key);
-    if (found == meshes_.end()) {
-      const Result<const MeshFile*> file = load(path, object.unit, notes);
-      if (!file) return fail("line {}: {}", object.mesh_line, file.error().what);
-      MeshLook look;
-      if (object.part.empty()) look = (*file)->look;
-      Result<TriangleMesh> mesh = object.part.empty() ? Result<TriangleMesh>((*file)->mesh) : extract_part(**file, object.part, &look);
-      if (!mesh) return fail("line {}: {}: {}", object.part_line, path.string(), mesh.error().what);
-      ReadyMesh ready;
-      std::vector<Vec3> vertices = mesh->vertices;
-      ready.given_hash = hash_mesh(*mesh);
-      if (has_maps_) ready.map = {{}, std::make_shared<const TriangleMesh>(*mesh), std::make_shared<const MeshLook>(look)};
-      ready.sealed = seal_for_touch(*mesh, sealing);
-      ready.mesh = std::move(*mesh);
-      if (ready.sealed.has_sealed()) ready.vertices_before = std::move(vertices);
-      if (look_ == LookReading::on && !ready.sealed.has_sealed() && look.says_anything())
-        ready.look = std::make_shared<const MeshLook>(std::move(look));
-      if (ready.sealed.is_worth_a_note()) {
-        notes.push_back(
-            fmt::format("{}{}: {}", path.string(), object.part.empty() ? "" : " " + printable(object.part), ready.sealed.describe()));
-      }
-      found = meshes_.emplace(key, std::move(ready)).first;
-    }
-    return &found->second;
-  }
-
- private:
-  Result<const MeshFile*> load(const std::filesystem::path& path, std::optional<Unit> unit, std::vector<std::string>& notes) {
-    const auto key = std::make_pair(path.string(), unit);
-    auto found = files_.find(key);
-    if (found == files_.end()) {
-      Result<MeshFile> file = load_mesh_file(path, unit, has_maps_ ? LookReading::on : look_);
-      if (!file) return tl::unexpected(file.error());
-      for (const std::string& note : file->notes) notes.push_back(fmt::format("{}: {}", path.string(), note));
-      found = files_.emplace(key, std::move(*file)).first;
-    }
-    return &found->second;
-  }
-
-  CrackSealing sealing_;
-  LookReading look_;
-  bool has_maps_;
-  std::map<std::pair<std::string, std::optional<Unit>>, MeshFile> files_;
-  std::map<std::tuple<std::string, std::optional<Unit>, std::string, CrackSealing>, ReadyMesh> meshes_;
-};
-
 // A mesh in its pose.
 struct PosedMesh {
   TriangleMesh mesh;
@@ -217,11 +131,6 @@ struct PosedMesh {
   std::shared_ptr<const MeshLook> look;
   MapSource map = {};  // if there are maps
 };
-
-void scale_widths(SealReport& sealed, double scale) {
-  sealed.widest_gap *= scale;
-  sealed.tolerance *= scale;
-}
 
 Result<PosedMesh> make_mesh(const ObjectSpec& object, const std::filesystem::path& folder, MeshCache& cache,
                             std::vector<std::string>& notes) {
@@ -247,35 +156,25 @@ Result<PosedMesh> make_mesh(const ObjectSpec& object, const std::filesystem::pat
   return posed;
 }
 
-// Scales and shifts a mesh. RT: no.
-struct Fit {
-  Vec3 centre;
-  double scale;
-  void apply(TriangleMesh& mesh, SealReport& sealed) const {
-    for (Vec3& vertex : mesh.vertices) vertex = scale * (vertex - centre);
-    scale_widths(sealed, scale);
-  }
-};
-
-// The largest scale, and the shift, that fit the box into one of size_m around the origin.
-Result<Fit> find_fit(const Eigen::AlignedBox3d& box, const Vec3& size_m) {
-  if (!(box.sizes().maxCoeff() > 0.0)) return fail("all vertices are one point, which no scale makes larger");
-  return Fit{box.center(), (size_m.array() / box.sizes().array()).minCoeff()};
+// Of a mesh file alone.
+std::string describe_fit(const std::string& path, const Eigen::AlignedBox3d& box, const SceneFit& fit) {
+  return fmt::format("{}: is {:.4g} m long, shown {:.4g} times its size in the middle of the workspace; --no-fit leaves it as it is", path,
+                     box.sizes().maxCoeff(), fit.scale);
 }
 
-// Fits all meshes together into a box of size_m.
-Result<double> fit(std::vector<PosedMesh>& meshes, const Vec3& size_m, std::vector<std::string>& notes) {
+// Fits all meshes together into the box of spec.fit_m.
+Result<SceneFit> fit(std::vector<PosedMesh>& meshes, const SceneSpec& spec, std::vector<std::string>& notes) {
   Eigen::AlignedBox3d box;
   for (const PosedMesh& posed : meshes) box.extend(posed.box);
-  const Result<Fit> fit = find_fit(box, size_m);
+  const Result<SceneFit> fit = find_fit(box, *spec.fit_m);
   if (!fit) return fail("fit_m: {}: leave fit_m out", fit.error().what);
   for (PosedMesh& posed : meshes) {
     fit->apply(posed.mesh, posed.sealed);
-    for (Vec3& vertex : posed.map.vertices) vertex = fit->scale * (vertex - fit->centre);
+    for (Vec3& vertex : posed.map.vertices) vertex = fit->apply(vertex);
   }
-  const double scale = fit->scale;
-  notes.push_back(fmt::format("fit_m: everything is shown {:.4g} times its size", scale));
-  return scale;
+  notes.push_back(spec.is_plain ? describe_fit(spec.objects[0].mesh, box, *fit)
+                                : fmt::format("fit_m: everything is shown {:.4g} times its size", fit->scale));
+  return *fit;
 }
 
 // In its pose from the mesh's origin, then held where its grip is, as large as the scene.
@@ -294,7 +193,7 @@ Result<void> add_tool(const ObjectSpec& spec, const std::filesystem::path& folde
 // Effects that an object places go to it; its box is that of the mesh as it is touched.
 Result<void> add_effects(const SceneSpec& spec, Scene& scene) {
   for (const EffectSpec& effect : spec.effects) {
-    scene.effects.push_back({.name = effect.name, .effect = effect.effect});
+    scene.effects.push_back({.name = effect.name, .effect = effect.effect, .on = effect.on});
     if (effect.object.empty()) continue;
     std::vector<std::string_view> names;
     Eigen::AlignedBox3d box;
@@ -314,34 +213,116 @@ Result<void> add_effects(const SceneSpec& spec, Scene& scene) {
   return {};
 }
 
+std::string name_of(const ObjectSpec& object) {
+  if (!object.name.empty()) return object.name;
+  return object.part.empty() ? std::filesystem::path(object.mesh).stem().string() : object.part;
+}
+
+// One that plays an animation becomes one for each motion.
+Result<std::vector<ObjectSpec>> split_objects(const SceneSpec& spec, const std::filesystem::path& folder, MeshCache& cache,
+                                              std::vector<std::string>& notes) {
+  std::vector<ObjectSpec> objects;
+  for (const ObjectSpec& object : spec.objects) {
+    if (object.motion.animation.empty()) {
+      objects.push_back(object);
+      continue;
+    }
+    const std::filesystem::path path = (folder / object.mesh).lexically_normal();
+    const auto file = cache.load_file(path, object, notes);
+    if (!file) return tl::unexpected(file.error());
+    auto split = split_animated(object, name_of(object), **file);
+    if (!split) return fail("line {}: {}: {}", object.motion.animation_line, path.string(), split.error().what);
+    objects.insert(objects.end(), std::make_move_iterator(split->begin()), std::make_move_iterator(split->end()));
+  }
+  return objects;
+}
+
+struct FeltObject {
+  ObjectSpec object;
+  MaterialSpec material;
+};
+
+// The objects with their materials. One that the scene file gives no material has those of its mesh file: it becomes one object for each.
+Result<std::vector<FeltObject>> find_materials(const SceneSpec& spec, const std::filesystem::path& folder, MeshCache& cache,
+                                               std::vector<std::string>& notes) {
+  std::vector<FeltObject> felt;
+  const auto objects = split_objects(spec, folder, cache, notes);
+  if (!objects) return tl::unexpected(objects.error());
+  for (const ObjectSpec& object : *objects) {
+    if (!object.material.empty()) {
+      felt.push_back({object, spec.materials.find(object.material)->second});
+      continue;
+    }
+    const std::filesystem::path path = (folder / object.mesh).lexically_normal();
+    const auto choice = cache.find_haptics(path, object, notes);
+    if (!choice) return tl::unexpected(choice.error());
+    if (object.is_movable && choice->materials.size() > 1) {
+      return fail(
+          "line {}: object '{}' is movable, and its triangles have {} haptic materials (none counts as one): name a part that has one, "
+          "or give it a material",
+          object.mesh_line, printable(name_of(object)), choice->materials.size());
+    }
+    if (choice->haptics == nullptr) felt.push_back({object, {}});
+    for (const std::uint32_t index : choice->materials) {
+      FeltObject part = {object, {}};
+      part.object.haptic_material = index;
+      if (index != TriangleLook::kNoMaterial) {
+        const HapticMaterial& haptic = choice->haptics->materials[index];
+        auto material = read_material(haptic, choice->haptics->maps, path.string());
+        if (!material) return tl::unexpected(material.error());
+        part.material = std::move(*material);
+        const std::string own = haptic.name.empty() ? fmt::format("haptic material {}", index) : haptic.name;
+        if (choice->materials.size() > 1) part.object.name = fmt::format("{}/{}", name_of(object), own);
+      }
+      felt.push_back(std::move(part));
+    }
+  }
+  return felt;
+}
+
+// Effects of a surface are worked out in S, where the touched point of what moves goes along.
+Result<std::shared_ptr<const KeyframeMotion>> make_felt_motion(const ObjectSpec& object, const MaterialSpec& material, const SceneFit& fit,
+                                                               const TriangleMesh& mesh) {
+  if (object.moves() && (material.effects.any() || material.maps.any())) {
+    return fail("line {}: '{}' moves by itself: its material may have stiffness, damping and friction only", object.motion.line(),
+                printable(name_of(object)));
+  }
+  return make_motion(object, name_of(object), fit, mesh);
+}
+
 Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& folder, const SceneLoading& loading) {
   Scene scene;
   MeshCache cache(loading.sealing, loading.look, spec.has_maps());
   MapMaker map_maker(folder);
+  Result<std::vector<FeltObject>> felt = find_materials(spec, folder, cache, scene.notes);
+  if (!felt) return tl::unexpected(felt.error());
   std::vector<PosedMesh> meshes;
-  for (const ObjectSpec& object : spec.objects) {
-    Result<PosedMesh> mesh = make_mesh(object, folder, cache, scene.notes);
+  for (const FeltObject& one : *felt) {
+    Result<PosedMesh> mesh = make_mesh(one.object, folder, cache, scene.notes);
     if (!mesh) return tl::unexpected(mesh.error());
     meshes.push_back(std::move(*mesh));
   }
+  SceneFit fitted;
   if (spec.fit_m) {
-    const auto fitted = fit(meshes, *spec.fit_m, scene.notes);
-    if (!fitted) return tl::unexpected(fitted.error());
-    scene.fit_scale = *fitted;
+    const auto found = fit(meshes, spec, scene.notes);
+    if (!found) return tl::unexpected(found.error());
+    fitted = *found;
+    scene.fit_scale = fitted.scale;
   }
   const Vec3 fit_m = spec.fit_m.value_or(Vec3::Zero());
   scene.given_hash = hash_numbers(std::array{fit_m.x(), fit_m.y(), fit_m.z()});
   for (const PosedMesh& posed : meshes) scene.given_hash = combine_hashes(scene.given_hash, posed.given_hash);
   for (std::size_t i = 0; i < meshes.size(); ++i) {
-    const ObjectSpec& object = spec.objects[i];
-    const std::string own_name = object.part.empty() ? std::filesystem::path(object.mesh).stem().string() : object.part;
-    MaterialSpec material = object.material.empty() ? MaterialSpec() : spec.materials.find(object.material)->second;
+    auto& [object, material] = (*felt)[i];
     if (material.maps.any()) {
-      auto maps = map_maker.make(material.maps, meshes[i].map, object.name.empty() ? own_name : object.name, scene.notes);
+      auto maps = map_maker.make(material.maps, meshes[i].map, name_of(object), scene.notes);
       if (!maps) return tl::unexpected(maps.error());
       material.effects.maps = std::move(*maps);
     }
-    scene.objects.push_back({.name = object.name.empty() ? own_name : object.name,
+    auto motion = make_felt_motion(object, material, fitted, meshes[i].mesh);
+    if (!motion) return tl::unexpected(motion.error());
+    if (*motion != nullptr) scene.given_hash = combine_hashes(scene.given_hash, hash_motion(**motion));
+    scene.objects.push_back({.name = name_of(object),
                              .mesh = std::make_shared<const TriangleMesh>(std::move(meshes[i].mesh)),
                              .material = material.material,
                              .colour = object.colour,
@@ -349,31 +330,50 @@ Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& fol
                              .look = std::move(meshes[i].look),
                              .effects = material.effects,
                              .material_name = object.material,
-                             .is_movable = object.is_movable});
+                             .is_movable = object.is_movable,
+                             .motion = std::move(*motion)});
   }
   if (const auto added = add_effects(spec, scene); !added) return tl::unexpected(added.error());
+  for (const LibraryEffect& named : spec.libraries) {
+    scene.libraries.push_back(named);
+    // With a slash, so that the loader looks nowhere else.
+    std::filesystem::path& library = scene.libraries.back().library;
+    library = (folder / named.library).lexically_normal();
+    if (!library.has_parent_path()) library = "./" / library;
+    scene.notes.push_back(scene.libraries.back().describe());
+  }
   if (spec.tool) {
     if (const auto added = add_tool(*spec.tool, folder, cache, scene); !added) return tl::unexpected(added.error());
   }
   return scene;
 }
 
+// A mesh file that says how it feels.
+Result<Scene> load_felt_mesh_as_scene(const std::filesystem::path& path, const SceneLoading& loading) {
+  SceneSpec spec;
+  spec.is_plain = true;
+  spec.objects.emplace_back();
+  spec.objects[0].mesh = path.string();
+  spec.objects[0].unit = loading.unit;
+  if (loading.fit == MeshFit::workspace) spec.fit_m = fitted_size_m();
+  return make_scene(spec, {}, loading);
+}
+
 Result<Scene> load_mesh_as_scene(const std::filesystem::path& path, const SceneLoading& loading) {
   Result<TouchMesh> file = load_touch_mesh(path, loading.unit, loading.sealing, loading.look);
   if (!file) return tl::unexpected(file.error());
+  if (file->has_haptics) return load_felt_mesh_as_scene(path, loading);
   Scene scene;
   for (const std::string& note : file->notes) scene.notes.push_back(fmt::format("{}: {}", path.string(), note));
   scene.given_hash = combine_hashes(file->given_hash, static_cast<std::uint64_t>(loading.fit));
   if (loading.fit == MeshFit::workspace) {
     Eigen::AlignedBox3d box;
     for (const Vec3& vertex : file->mesh.vertices) box.extend(vertex);
-    const Result<Fit> fit = find_fit(box, fitted_size_m());
+    const Result<SceneFit> fit = find_fit(box, fitted_size_m());
     if (!fit) return fail("{}: {}", path.string(), fit.error().what);
     fit->apply(file->mesh, file->sealed);
     scene.fit_scale = fit->scale;
-    scene.notes.push_back(
-        fmt::format("{}: is {:.4g} m long, shown {:.4g} times its size in the middle of the workspace; --no-fit leaves it as it is",
-                    path.string(), box.sizes().maxCoeff(), fit->scale));
+    scene.notes.push_back(describe_fit(path.string(), box, *fit));
   }
   std::shared_ptr<const MeshLook> look;
   if (file->look.says_anything()) look = std::make_shared<const MeshLook>(std::move(file->look));
@@ -400,9 +400,9 @@ Result<SceneSpec> parse_spec(const std::string& text) {
 TouchScene Scene::touch_scene() const {
   TouchScene touch;
   for (const SceneObject& object : objects) {
-    touch.objects.push_back({.mesh = object.mesh, .material = object.material, .effects = object.effects});
+    touch.objects.push_back({.mesh = object.mesh, .material = object.material, .effects = object.effects, .motion = object.motion});
   }
-  for (const SceneEffect& effect : effects) touch.effects.push_back(effect.effect);
+  for (const SceneEffect& effect : effects) touch.effects.emplace_back(effect.effect, effect.on);
   return touch;
 }
 

@@ -10,6 +10,7 @@
 #include "core/base/result.h"
 #include "core/force/touch_scene.h"
 #include "core/geometry/triangle_mesh.h"
+#include "scene/library_effect.h"
 #include "scene/scene_loading.h"
 #include "scene/scene_tool.h"
 
@@ -20,25 +21,28 @@ struct SceneObject {
   std::string name;
   std::shared_ptr<const TriangleMesh> mesh;  // frame S, metres, pose and scale baked in
   Material material;
-  std::array<double, 3> colour = {0.7, 0.7, 0.72};  // sRGB, 0..1
-  SealReport sealed = {};                           // cracks sealed in the mesh; widths in S
-  std::shared_ptr<const MeshLook> look = {};        // of the mesh file, in place of the colour; null: none
-  SurfaceEffects effects = {};                      // of its material
-  std::string material_name = {};                   // as in the scene file; empty: the default
-  bool is_movable = false;                          // the stylus can pick it up
+  std::array<double, 3> colour = {0.7, 0.7, 0.72};    // sRGB, 0..1
+  SealReport sealed = {};                             // cracks sealed in the mesh; widths in S
+  std::shared_ptr<const MeshLook> look = {};          // of the mesh file, in place of the colour; null: none
+  SurfaceEffects effects = {};                        // of its material
+  std::string material_name = {};                     // as in the scene file; empty: the default
+  bool is_movable = false;                            // the stylus can pick it up
+  std::shared_ptr<const KeyframeMotion> motion = {};  // moves it by itself; null: it stands still
 };
 
 // An effect in free space.
 struct SceneEffect {
   std::string name;
   SpaceEffect effect;  // frame S
+  EffectSwitch on = {};
 };
 
 // All objects of a scene. Frame S.
 struct Scene {
   std::vector<SceneObject> objects;  // at least one
   std::vector<SceneEffect> effects;
-  std::vector<std::string> notes;  // warnings: skipped or suspicious content, one line each
+  std::vector<LibraryEffect> libraries = {};  // effects that are plug-ins: named, and not loaded here
+  std::vector<std::string> notes;             // warnings: skipped or suspicious content, one line each
   // Hash of the mesh files, their poses and their fit, independent of file paths and sealing. Never 0.
   std::uint64_t given_hash = 0;
   std::optional<SceneTool> tool = {};  // that the stylus holds in place of a probe

@@ -64,6 +64,10 @@ struct AddEffect {
     for (const double number : {e.damping_ns_per_m, e.max_force_n}) hash.add(number);
     add_volume(hash, e.volume);
   }
+  void operator()(const MassEffect& e) const {
+    for (const double number : {e.mass_kg, e.filter_s, e.max_force_n}) hash.add(number);
+    add_volume(hash, e.volume);
+  }
   void operator()(const WaveEffect& e) const {
     hash.add(static_cast<std::uint64_t>(e.waveform));
     add_vector(hash, e.direction);
@@ -122,12 +126,32 @@ std::uint64_t hash_numbers(std::span<const double> numbers) {
   return hash.value();
 }
 
+std::uint64_t hash_motion(const KeyframeMotion& motion) {
+  Hash hash;
+  add_vector(hash, motion.pivot());
+  hash.add(std::uint64_t{motion.loops()});
+  for (const Keyframe& one : motion.keyframes()) {
+    hash.add(one.time_s);
+    add_vector(hash, one.p_S);
+    for (int k = 0; k < 4; ++k) hash.add(one.turn.coeffs()[k]);
+  }
+  return hash.value();
+}
+
 std::uint64_t combine_hashes(std::uint64_t first, std::uint64_t second) {
   Hash hash;
   hash.add(first);
   hash.add(second);
   return hash.value() == 0 ? 1 : hash.value();
 }
+
+namespace {
+
+void add_motions(Hash& hash, const TouchScene& scene) {
+  for (const TouchObject& object : scene.objects) hash.add(object.motion != nullptr ? hash_motion(*object.motion) : std::uint64_t{0});
+}
+
+}  // namespace
 
 std::uint64_t hash_scene(const TouchScene& scene) {
   Hash hash;
@@ -138,11 +162,13 @@ std::uint64_t hash_scene(const TouchScene& scene) {
     for (const double value : {m.stiffness_n_per_m, m.damping_ns_per_m, m.friction_static, m.friction_dynamic}) hash.add(value);
     hash.add(std::uint64_t{m.two_sided});
   }
+  if (scene.has_motion()) add_motions(hash, scene);
   if (!scene.has_effects()) return hash.value();
   for (const TouchObject& object : scene.objects) add_surface(hash, object.effects);
-  for (const SpaceEffect& effect : scene.effects) {
-    hash.add(std::uint64_t{effect.index()});
-    std::visit(AddEffect{hash}, effect);
+  for (const SwitchedEffect& one : scene.effects) {
+    hash.add(std::uint64_t{one.effect.index()});
+    std::visit(AddEffect{hash}, one.effect);
+    if (one.on.button != 0) hash.add(std::uint64_t{one.on.button});
   }
   return hash.value();
 }

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <fmt/format.h>
 
+#include <bit>
 #include <iterator>
 #include <nlohmann/json.hpp>
 
@@ -21,6 +22,11 @@ std::string_view name_of(Passivity passivity) {
   return "";
 }
 
+Passivity passivity_of(const SceneEffect& effect) { return SwitchedEffect(effect.effect, effect.on).passivity(); }
+
+// Counted from 1. Pre: it has one.
+int button_number(const SceneEffect& effect) { return 1 + std::countr_zero(effect.on.button); }
+
 std::vector<std::string> names_of(const SurfaceEffects& effects) {
   std::vector<std::string> names;
   if (effects.progressive.is_on()) names.emplace_back("progressive stiffness");
@@ -35,6 +41,11 @@ std::vector<std::string> names_of(const SurfaceEffects& effects) {
   if (effects.snap.is_on()) names.emplace_back("snap");
   if (effects.tap.is_on()) names.emplace_back("vibration on tap");
   return names;
+}
+
+std::string describe_motion(const KeyframeMotion& motion) {
+  return fmt::format("moves by {} keyframes for {:g} s{}", motion.keyframes().size(), motion.duration_s(),
+                     motion.loops() ? ", again and again" : "");
 }
 
 }  // namespace
@@ -73,11 +84,12 @@ std::string to_text(const SceneReport& report) {
     if (const auto effects = names_of(object.effects); !effects.empty()) {
       fmt::format_to(std::back_inserter(text), "{:<20} effects: {}\n", "", fmt::join(effects, ", "));
     }
+    if (object.motion != nullptr) fmt::format_to(std::back_inserter(text), "{:<20} {}\n", "", describe_motion(*object.motion));
     if (object.sealed.is_worth_a_note()) fmt::format_to(std::back_inserter(text), "{:<20} {}\n", "", object.sealed.describe());
   }
   for (const SceneEffect& effect : report.scene.effects) {
-    fmt::format_to(std::back_inserter(text), "effect {}: {}, at most {:.3g} N\n", effect.name, name_of(passivity_of(effect.effect)),
-                   bound_of(effect.effect));
+    fmt::format_to(std::back_inserter(text), "effect {}: {}, at most {:.3g} N{}\n", effect.name, name_of(passivity_of(effect)),
+                   bound_of(effect.effect), effect.on.button == 0 ? "" : fmt::format(", by button {}", button_number(effect)));
   }
   for (const std::string& note : report.scene.notes) text += "note: " + note + "\n";
   return text;
@@ -124,14 +136,20 @@ std::string to_json(const SceneReport& report) {
                        {"friction_dynamic", object.material.friction_dynamic},
                        {"two_sided", object.material.two_sided},
                        {"movable", object.is_movable},
+                       {"keyframes", object.motion != nullptr ? object.motion->keyframes().size() : std::size_t{0}},
+                       {"motion_s", object.motion != nullptr ? object.motion->duration_s() : 0.0},
                        {"effects", names_of(object.effects)}});
   }
   Json effects = Json::array();
   for (const SceneEffect& effect : report.scene.effects) {
-    effects.push_back({{"name", effect.name}, {"passivity", name_of(passivity_of(effect.effect))}, {"bound_n", bound_of(effect.effect)}});
+    effects.push_back({{"name", effect.name}, {"passivity", name_of(passivity_of(effect))}, {"bound_n", bound_of(effect.effect)}});
+    if (effect.on.button != 0) effects.back()["button"] = button_number(effect);
   }
+  Json plugins = Json::array();
+  for (const LibraryEffect& one : report.scene.libraries) plugins.push_back({{"name", one.name}, {"library", one.library.string()}});
   const Json json = {
-      {"schema", "hapton-scene-info-1"}, {"file", report.path}, {"objects", objects}, {"effects", effects}, {"notes", report.scene.notes}};
+      {"schema", "hapton-scene-info-1"}, {"file", report.path}, {"objects", objects}, {"effects", effects}, {"plugins", plugins},
+      {"notes", report.scene.notes}};
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

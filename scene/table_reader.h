@@ -22,6 +22,12 @@
 
 namespace hapton {
 
+// "line N: " of a node that comes from a file's text; nothing for one that was made.
+inline std::string line_prefix(const toml::node& node) {
+  const auto line = node.source().begin.line;
+  return line == 0 ? std::string() : fmt::format("line {}: ", line);
+}
+
 // Reads typed values out of one table; the first error stays and the rest is skipped. An error is one line: the line in the file, the key
 // and the table, what is wrong with the value and which ones are allowed. RT: set-up only.
 class TableReader {
@@ -131,7 +137,7 @@ class TableReader {
   template <class... Args>
   void set_error(const toml::node& node, fmt::format_string<Args...> format, Args&&... args) {
     if (error_) return;
-    error_ = Error{fmt::format("line {}: {}", node.source().begin.line, fmt::format(format, std::forward<Args>(args)...))};
+    error_ = Error{line_prefix(node) + fmt::format(format, std::forward<Args>(args)...)};
   }
 
   const toml::table& table_;

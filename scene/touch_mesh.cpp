@@ -16,8 +16,12 @@ SealReport seal_for_touch(TriangleMesh& mesh, CrackSealing sealing) {
 Result<TouchMesh> load_touch_mesh(const std::filesystem::path& path, std::optional<Unit> unit, CrackSealing sealing, LookReading look) {
   Result<MeshFile> file = load_mesh_file(path, unit, look);
   if (!file) return tl::unexpected(file.error());
-  TouchMesh touch{
-      .mesh = std::move(file->mesh), .sealed = {}, .given_hash = 0, .notes = std::move(file->notes), .look = std::move(file->look)};
+  TouchMesh touch{.mesh = std::move(file->mesh),
+                  .sealed = {},
+                  .given_hash = 0,
+                  .notes = std::move(file->notes),
+                  .has_haptics = file->haptics.any(),
+                  .look = std::move(file->look)};
   touch.given_hash = hash_mesh(touch.mesh);
   touch.sealed = seal_for_touch(touch.mesh, sealing);
   if (touch.sealed.has_sealed()) touch.look = {};

@@ -26,6 +26,7 @@ struct TouchMesh {
   SealReport sealed;
   std::uint64_t given_hash = 0;    // hash_mesh before it was sealed
   std::vector<std::string> notes;  // what was sealed, skipped or looks odd, one line each
+  bool has_haptics = false;        // the file says how some of its triangles feel
   MeshLook look;                   // without triangles if it was not requested, or if the mesh was sealed, which changes its triangles
 };
 

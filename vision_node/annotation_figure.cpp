@@ -194,10 +194,11 @@ void AnnotationFigure::build_measures() {
   shape.show_in(hidden_measures_);
 }
 
-void AnnotationFigure::aim(const StereoScreen& screen, PictureSize size) {
-  const double scale = 2.0 * screen.far_m * screen.near_m / (screen.far_m - screen.near_m);
+void AnnotationFigure::aim(const StereoScreen& screen, Eye eye, PictureSize size) {
+  const EyeDepths depths = compute_eye_depths(screen, eye);
+  const double scale = 2.0 * depths.far_m * depths.near_m / (depths.far_m - depths.near_m);
   // A pixel at the depth w is w width / (distance width_px) wide.
-  const double share = kLiftPx * screen.width_m / (screen.distance_m * size.width_px);
+  const double share = kLiftPx * screen.width_m / (depths.eye_m * size.width_px);
   for (vtkActor* actor : {strokes_.Get(), held_strokes_.Get(), current_.Get(), measures_.Get()}) {
     vtkUniforms* uniforms = actor->GetShaderProperty()->GetVertexCustomUniforms();
     uniforms->SetUniformf("inkLiftM", static_cast<float>(2.0 * bound_m_));

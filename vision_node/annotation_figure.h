@@ -48,7 +48,7 @@ class AnnotationFigure {
   void set_probe(const ProbeShown& probe);
 
   // At the beginning of each eye's picture.
-  void aim(const StereoScreen& screen, PictureSize size);
+  void aim(const StereoScreen& screen, Eye eye, PictureSize size);
   // Of the newest measures, in the picture.
   std::vector<InkLabel> labels() const;
 

@@ -189,6 +189,19 @@ void Annotator::receive(const ObjectPose& pose) {
     if (static_cast<std::size_t>(given.object) >= scene_.objects.size()) put_down.push_back(given);
   }
   pen_.set_put_down(std::move(put_down));
+  show_objects();
+}
+
+void Annotator::place_moving(const std::vector<Pose>& X_SO) {
+  for (std::size_t o = 0; o < X_SO_.size(); ++o) {
+    if (scene_.objects[o].motion == nullptr || X_SO_[o].matrix() == X_SO[o].matrix()) continue;
+    X_SO_[o] = X_SO[o];
+    has_moved_ = true;
+  }
+}
+
+void Annotator::show_objects() {
+  has_moved_ = false;
   view_.annotation_figure().set_objects(X_SO_, held_,
                                         held_ >= 0 ? put_down_of(poses_[static_cast<std::size_t>(held_)]).pose() : Pose::Identity());
 }
@@ -286,6 +299,10 @@ std::optional<Vec3> Annotator::find_menu(const StereoScreen& screen, PictureSize
 void Annotator::show(const Pose& X_WS) {
   AnnotationFigure& figure = view_.annotation_figure();
   figure.set_scene_pose(X_WS);
+  if (has_moved_ && (!pen_.annotations().entries.empty() || pen_.current() != nullptr)) {
+    show_objects();
+    figure.set_current(pen_.current_object(), pen_.current());
+  }
   if (std::exchange(shown_, pen_.revision()) != pen_.revision()) {
     figure.set_first_end(pen_.first_end());
     figure.set_current(pen_.current_object(), pen_.current());

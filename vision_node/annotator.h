@@ -43,6 +43,8 @@ class Annotator {
   void receive(const ProbeState& state, const Pose& X_WS);
   // Where an object is.
   void receive(const ObjectPose& pose);
+  // Where the objects are that move by keyframes (MovedObjects::moving); what is drawn on them goes along.
+  void place_moving(const std::vector<Pose>& X_SO);
   // haptics_node has another scene: its objects are not those shown.
   void set_other_scene(bool is_other) { is_other_scene_ = is_other; }
 
@@ -73,6 +75,7 @@ class Annotator {
             bool can_touch);
   std::optional<SurfacePoint> find_touched(const ProbeState& state, const Pose& X_WS);
   const SurfaceFinder& surface(std::size_t object);
+  void show_objects();
   void undo();
   bool undo_move();
   void choose(TouchMenu::Entry entry);
@@ -90,6 +93,7 @@ class Annotator {
   std::vector<std::unique_ptr<SurfaceFinder>> surfaces_;  // by object, made when it is first drawn on
   std::vector<ObjectPose> poses_;                         // by object; a serial of 0: where the scene file has it
   ObjectPoses X_SO_;
+  bool has_moved_ = false;  // by keyframes, since they were shown
   // An object was put down elsewhere.
   struct Move {
     ObjectPose before;

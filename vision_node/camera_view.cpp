@@ -41,7 +41,8 @@ Framing CameraView::apply(const Framing& home) const {
   seen.pitch_rad = std::clamp(home.pitch_rad + pitch_rad, -kSteepest, kSteepest);
   seen.view_m /= zoom;
   seen.aside_m = is_centred ? Vec2(0.0, 0.0) : Vec2(home.aside_m / zoom);
-  seen.ipd_m /= std::max(1.0, zoom);
+  // Where the screen's width is known the whole viewer grows and shrinks with the picture.
+  if (!(home.screen_width_m > 0.0)) seen.ipd_m /= std::max(1.0, zoom);
   seen.depth_m += pan_m.norm();
   return seen;
 }

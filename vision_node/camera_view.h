@@ -20,7 +20,8 @@ struct CameraView {
   void look_at(const Framing& home, const Vec3& p_WO, double radius_m);
 
   // The framing of this view; home is the initial one. The view is never straight from above or below, where up is undefined. The eyes come
-  // nearer to each other as the picture is magnified, so that depth looks the same.
+  // nearer to each other as the picture is magnified, so that depth looks the same; the whole viewer does where the screen's width is
+  // known.
   Framing apply(const Framing& home) const;
 
   friend bool operator==(const CameraView&, const CameraView&) = default;

@@ -22,7 +22,8 @@ std::string describe_length(double length_m) {
 std::optional<EdgePointer> find_edge_pointer(const StereoScreen& screen, Eye eye, PictureSize size, const Vec3& p_W) {
   if (!p_W.allFinite() || size.width_px <= 0 || size.height_px <= 0) return std::nullopt;
   const Vec3 p_V = screen.X_WV.inverse(Eigen::Isometry) * p_W;
-  const bool is_behind = p_V.z() >= screen.distance_m - screen.near_m;
+  const EyeDepths depths = compute_eye_depths(screen, eye);
+  const bool is_behind = p_V.z() >= depths.eye_m - depths.near_m;
   const Vec2 middle(0.5 * size.width_px, 0.5 * size.height_px);
   // A point beside the eye or behind it has no pixel; its direction is that to its side.
   const Vec2 away = is_behind ? Vec2(p_V.head<2>()) : Vec2(project_to_pixel(screen, eye, size, p_W) - middle);

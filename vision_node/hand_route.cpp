@@ -93,7 +93,7 @@ bool is_behind(const SurfaceSeen& seen, const LedTip& tip, const Vec2& pixel, do
 Vec3 route_hand(const SurfaceSeen& seen, const LedTip& led, const Vec3& p_WG) {
   const double tip_m = seen.depth_of(led.p_WP);
   const double goal_m = seen.depth_of(p_WG);
-  if (!(tip_m > seen.screen().near_m && goal_m > seen.screen().near_m)) return p_WG;
+  if (!(tip_m > seen.near_m() && goal_m > seen.near_m())) return p_WG;
   const double clearance_m = kClearance * std::min(seen.screen().width_m, seen.screen().height_m);
   const double clearance_px = kClearance * std::min(seen.size().width_px, seen.size().height_px);
   const Vec2 tip = seen.pixel_of(led.p_WP);

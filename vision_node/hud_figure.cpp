@@ -75,6 +75,7 @@ void HudFigure::add_to(vtkRenderer* renderer) {
   pointer_->GetProperty()->SetColor(1.0, 0.78, 0.10);
   pointer_->VisibilityOff();
   renderer->AddActor2D(pointer_);
+  plots_.add_to(renderer);
 }
 
 void HudFigure::set_pointer(const std::optional<EdgePointer>& pointer, PictureSize size) {

@@ -11,6 +11,7 @@
 
 #include "vision_node/depth_cues.h"
 #include "vision_node/edge_pointer.h"
+#include "vision_node/plot_figure.h"
 #include "vision_node/stereo_camera.h"
 
 namespace hapton {
@@ -24,6 +25,7 @@ class HudFigure {
   void set(std::string_view facts, std::string_view help, std::string_view notice);
   // Above the right end of the picture's lower edge; hidden if its length is zero.
   void set_scale_bar(const ScaleBar& bar, PictureSize size);
+  void set_plots(const std::vector<PlotShown>& plots, PictureSize size) { plots_.set(plots, size); }
   // At the picture's edge, in the probe's colour.
   void set_pointer(const std::optional<EdgePointer>& pointer, PictureSize size);
 
@@ -37,6 +39,7 @@ class HudFigure {
   vtkNew<vtkTextActor> pointer_label_;
   vtkNew<vtkActor2D> pointer_;
   vtkNew<vtkPoints> pointer_corners_;
+  PlotFigure plots_;
 };
 
 }  // namespace hapton

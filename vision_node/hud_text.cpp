@@ -84,6 +84,8 @@ std::string compose_hud(const HudFacts& facts) {
   text += fmt::format("{:.0f} frames/s   {}{}   dials {:.0f} {:.0f} {:.0f}", facts.frame_rate_hz, facts.stereo,
                       facts.cull ? "" : ", no cull", facts.dials_degrees.x(), facts.dials_degrees.y(), facts.dials_degrees.z());
   if (facts.detail_progress < 1.0) text += fmt::format("   preparing detail {:.0f} %", 100.0 * facts.detail_progress);
+  if (!facts.head.empty()) text += "   " + facts.head;
+  if (!facts.head_notice.empty()) text += "\nHEAD: " + facts.head_notice;
   if (!facts.annotations.empty()) text += "\n" + facts.annotations;
   if (facts.is_other_scene) text += "\nANOTHER SCENE IS FELT than the one shown: start both nodes with the same --scene";
   return text;
@@ -110,8 +112,8 @@ std::string compose_notice(const HudFacts& facts) {
 
 std::string_view keys_help() {
   return "x X y Y z Z knob box   0 home   b cull   h hand   p pick up   s screenshot   n mark   k help   q quit\n"
-         "wheel + - zoom   m stereo   e swap eyes   f frame   r reset view   g ground\n"
-         "d draw   l measure   u undo   U redo   w save   t touch menu\n"
+         "wheel + - zoom   m stereo   e swap eyes   f frame   r reset view   g ground   c curves\n"
+         "d draw   l measure   u undo   U redo   w save   t touch menu   arrows, page keys: head, home: back\n"
          "left drag: hand, wheel: press   right drag: look round, with shift: move";
 }
 

@@ -21,6 +21,8 @@ struct HudFacts {
   std::string touched;           // name and material of the object touched; empty: none, or not known
   std::string annotations;       // what is drawn and measured, a line of its own; empty: nothing
   std::string held;              // the object that the stylus has picked up, likewise
+  std::string head;              // where it is; empty: where it was at first
+  std::string head_notice;       // what is wrong with its tracker, a line of its own; empty: nothing
   double scene_across_m = 0.0;   // diameter of the scene
   double scene_away_m = 0.0;     // of its middle from that of the workspace, as it is turned now
 };

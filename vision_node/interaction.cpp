@@ -10,6 +10,7 @@ namespace {
 constexpr double kDialKeyDegrees = 5.0;
 constexpr double kOrbitRadiansPerPixel = 0.4 * std::numbers::pi / 180.0;
 constexpr double kZoomPerNotch = 1.1;
+constexpr double kHeadStepM = 0.01;
 // Shares of the picture's smaller side: how deep inside the surface the hand is led at first (3 mm of a picture of 300: a newton or two
 // with the softest of the shipped materials), one notch of the wheel, and how deep and how far off it may be moved.
 constexpr double kPressShare = 0.01;
@@ -29,7 +30,7 @@ void Interaction::handle(const WindowEvent& event, const View& view) {
       requests_.quit = true;
       break;
     case Kind::key:
-      press_key(event.key, view);
+      event.pad == WindowEvent::Pad::none ? press_key(event.key, view) : press_pad(event.pad);
       break;
     case Kind::press:
       held_ = event.button;
@@ -100,6 +101,9 @@ void Interaction::press_key(char key, const View& view) {
     case 'g':
       requests_.toggle_depth_cues = true;
       break;
+    case 'c':
+      requests_.toggle_plots = true;
+      break;
     case 's':
       requests_.screenshot = true;
       break;
@@ -144,6 +148,37 @@ void Interaction::press_key(char key, const View& view) {
         release_hand();
       break;
     default:
+      break;
+  }
+}
+
+void Interaction::press_pad(WindowEvent::Pad pad) {
+  using Pad = WindowEvent::Pad;
+  Vec3& by_m = requests_.head_by_m;
+  switch (pad) {
+    case Pad::left:
+      by_m.x() -= kHeadStepM;
+      break;
+    case Pad::right:
+      by_m.x() += kHeadStepM;
+      break;
+    case Pad::up:
+      by_m.y() += kHeadStepM;
+      break;
+    case Pad::down:
+      by_m.y() -= kHeadStepM;
+      break;
+    case Pad::page_up:
+      by_m.z() -= kHeadStepM;
+      break;
+    case Pad::page_down:
+      by_m.z() += kHeadStepM;
+      break;
+    case Pad::home:
+      requests_.reset_head = true;
+      by_m.setZero();
+      break;
+    case Pad::none:
       break;
   }
 }

@@ -15,8 +15,11 @@ namespace hapton {
 struct WindowEvent {
   enum class Kind { key, press, release, move, wheel, close };
   enum class Button { none, left, middle, right };
+  // Keys without a letter.
+  enum class Pad { none, left, right, up, down, page_up, page_down, home };
   Kind kind = Kind::key;
   char key = 0;
+  Pad pad = Pad::none;
   Button button = Button::none;
   int x_px = 0;
   int y_px = 0;
@@ -31,6 +34,7 @@ struct UserRequests {
   bool toggle_cull = false;
   bool toggle_help = false;
   bool toggle_depth_cues = false;
+  bool toggle_plots = false;
   bool next_stereo = false;
   bool swap_eyes = false;
   bool look_at_scene = false;
@@ -41,13 +45,16 @@ struct UserRequests {
   bool redo = false;
   bool save = false;
   bool menu = false;
+  Vec3 head_by_m = Vec3::Zero();  // the viewer's head, in the screen's frame
+  bool reset_head = false;
 };
 
 // Turns keys and mouse into dials, the camera, the hand's target and requests. Only the dials turn the haptic scene. Left drag (or any
 // motion while the hand is held with h) leads the hand: over the visible surface under the pointer, slightly inside it, so that there
 // is a force; beside the scene in the screen's plane; never through visible objects (hand_route.h). The wheel then presses deeper or
 // lifts the hand off; p presses the stylus' first button, and releases it again. A right drag orbits the scene; with shift, or with the
-// middle button, it pans; the wheel without a hand zooms. RT: no.
+// middle button, it pans; the wheel without a hand zooms. The arrows, page up and page down move the viewer's head before the screen by a
+// centimetre, home brings it back. RT: no.
 class Interaction {
  public:
   struct View {
@@ -77,6 +84,7 @@ class Interaction {
 
  private:
   void press_key(char key, const View& view);
+  void press_pad(WindowEvent::Pad pad);
   void take_hold(const View& view);
   void release_hand();
   void drag(const WindowEvent& event, const View& view);

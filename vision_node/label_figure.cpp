@@ -24,9 +24,10 @@ void LabelFigure::add_to(vtkRenderer* renderer) {
 
 void LabelFigure::place(const std::vector<InkLabel>& labels, const StereoScreen& screen, Eye eye, PictureSize size) {
   const int font = std::clamp(std::min(size.width_px / 48, size.height_px / 50), 9, 36);
+  const EyeDepths depths = compute_eye_depths(screen, eye);
   for (std::size_t i = 0; i < texts_.size(); ++i) {
     vtkTextActor* text = texts_[i];
-    const bool shown = i < labels.size() && screen.distance_m - (screen.X_WV.inverse(Eigen::Isometry) * labels[i].p_W).z() > screen.near_m;
+    const bool shown = i < labels.size() && depths.eye_m - (screen.X_WV.inverse(Eigen::Isometry) * labels[i].p_W).z() > depths.near_m;
     text->SetVisibility(shown);
     if (!shown) continue;
     const Vec2 at = project_to_pixel(screen, eye, size, labels[i].p_W);

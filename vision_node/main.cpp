@@ -73,13 +73,22 @@ Result<std::unique_ptr<OtherLink>> open_other_link(const VisionOptions& options,
   return std::make_unique<OtherLink>(std::move(*endpoint), clock, *key, *hub, options);
 }
 
+// Null if there is none.
+Result<std::unique_ptr<HeadTracker>> open_head_tracker(const VisionOptions& options) {
+  if (!options.head_source.tracker) return std::unique_ptr<HeadTracker>();
+  return HeadTracker::open(options.head_source, 1e-3 * options.ipd_mm);
+}
+
 int run(VisionOptions& options) {
   const StopSignal stop;  // first, so that a signal ends the program in order at any point
   const auto hub = parse_address(options.hub);
   if (!hub) return give_up(hub.error());
   if (const auto writable = check_screenshot(options.screenshot); !writable) return give_up(writable.error());
+  if (const auto possible = check_head(options); !possible) return give_up(possible.error());
   const auto key = find_role_key(options.key_file, *hub, KeyRole::vision);
   if (!key) return give_up(key.error());
+  const auto head = open_head_tracker(options);
+  if (!head) return give_up(head.error());
   const auto scene = load_scene(find_scene(options.scene), options.loading);
   if (!scene) return give_up(scene.error());
   for (const auto& note : scene->notes) log_info("{}", note);
@@ -92,7 +101,7 @@ int run(VisionOptions& options) {
   if (*tool) (*view)->set_tool(**tool);
   SteadyClock clock;
   if (options.bench_frames > 0) {
-    fmt::print("{}\n", run_bench(**view, clock, options.bench_frames));
+    fmt::print("{}\n", run_bench(**view, clock, options.bench_frames, options.plots));
     return 0;
   }
   auto endpoint = open_udp_endpoint(options.bind.empty() ? any_address_like(*hub) : options.bind);
@@ -109,7 +118,10 @@ int run(VisionOptions& options) {
   MovedObjects moved(**view, *scene);
   if (!*tool) session.set_moved_objects(&moved);
   if (*other) session.set_other_hand(&(*other)->hand);
+  std::optional<SpaceHead> space_head;
+  if (options.has_space_head) session.set_space_head(&space_head.emplace(make_hid_opener(HidKind::space_mouse, "")));
   std::optional<SpaceKnobs> knobs;
+  session.set_head_tracker(head->get());
   if (options.has_space_knobs) session.set_knobs(&knobs.emplace(make_hid_opener(HidKind::space_mouse, "")));
   const auto ended = session.run(stop);
   fmt::print("vision_node: {}; view transforms sent {}\n", session.step().frames().describe(), session.step().view_transform().sent());

@@ -20,6 +20,30 @@ SceneTool tool_of(const SceneObject& object, const Pose& X_TO) {
 
 }  // namespace
 
+MovedObjects::MovedObjects(StereoView& view, const Scene& scene)
+    : view_(view), scene_(scene), known_(scene.objects.size()), X_SO_(scene.objects.size(), Pose::Identity()) {
+  for (const SceneObject& object : scene.objects) has_motion_ = has_motion_ || object.motion != nullptr;
+  set_time(0);
+  place_moving();
+}
+
+bool MovedObjects::set_time(std::int64_t scene_time_ns) {
+  bool has_moved = false;
+  for (std::size_t o = 0; o < X_SO_.size(); ++o) {
+    if (scene_.objects[o].motion == nullptr) continue;
+    const Pose X_SO = scene_.objects[o].motion->pose_at(1e-9 * static_cast<double>(scene_time_ns));
+    has_moved = has_moved || X_SO.matrix() != X_SO_[o].matrix();
+    X_SO_[o] = X_SO;
+  }
+  return has_moved;
+}
+
+void MovedObjects::place_moving() {
+  for (std::size_t o = 0; o < X_SO_.size(); ++o) {
+    if (scene_.objects[o].motion != nullptr) view_.place_object(o, X_SO_[o], true);
+  }
+}
+
 std::int32_t MovedObjects::held() const {
   for (std::size_t o = 0; o < known_.size(); ++o) {
     if (known_[o].is_held) return static_cast<std::int32_t>(o);
@@ -30,6 +54,7 @@ std::int32_t MovedObjects::held() const {
 bool MovedObjects::take(const ObjectPose& pose) {
   if (pose.object < 0 || static_cast<std::size_t>(pose.object) >= known_.size()) return false;
   const auto number = static_cast<std::size_t>(pose.object);
+  if (scene_.objects[number].motion != nullptr) return false;
   ObjectPose& known = known_[number];
   if (is_same(known, pose)) return false;
   const bool was_held = known.is_held;

@@ -128,6 +128,8 @@ Framing frame_scene(const Scene& scene, const VisionOptions& options) {
   framing.pitch_rad = options.view_pitch_deg * std::numbers::pi / 180.0;
   if (!is_speck && !is_far) fit(framing, eye_size(options.view), eyes_of(options.view.stereo), workspace_corners());
   if (options.view_mm > 0.0) framing.view_m = options.view_mm * 1e-3;
+  framing.screen_width_m = options.screen_width_mm * 1e-3;
+  framing.head = options.head;
   return framing;
 }
 

@@ -11,7 +11,8 @@ constexpr std::size_t kPart = 60'000;
 
 bool same_screen(const StereoScreen& a, const StereoScreen& b) {
   return a.X_WV.matrix() == b.X_WV.matrix() && a.width_m == b.width_m && a.height_m == b.height_m && a.distance_m == b.distance_m &&
-         a.ipd_m == b.ipd_m && a.near_m == b.near_m && a.far_m == b.far_m;
+         a.eyes_aside_m == b.eyes_aside_m && a.to_right_V == b.to_right_V && a.ipd_m == b.ipd_m && a.near_m == b.near_m &&
+         a.far_m == b.far_m;
 }
 
 bool same_pass(const ScenePass& a, const ScenePass& b) {

@@ -240,8 +240,9 @@ void ScenePainter::complete() {
 std::size_t ScenePainter::choose(const Object& object, const ScenePass& pass, double* error_px) const {
   // Where the object comes nearest to the viewer a metre has the most pixels.
   const Vec3 p_VO = pass.screen.X_WV.inverse(Eigen::Isometry) * (pass.X_WS * object.centre());
-  const double nearest_m = std::max(pass.screen.near_m, pass.screen.distance_m - p_VO.z() - object.radius_m);
-  const double pixels_per_m = pass.size.width_px / pass.screen.width_m * pass.screen.distance_m / nearest_m;
+  const EyeDepths depths = compute_eye_depths(pass.screen, pass.eye);
+  const double nearest_m = std::max(depths.near_m, depths.eye_m - p_VO.z() - object.radius_m);
+  const double pixels_per_m = pass.size.width_px / pass.screen.width_m * depths.eye_m / nearest_m;
   const auto budget = static_cast<std::size_t>(static_cast<double>(kTriangleBudget) * static_cast<double>(object.whole->triangles()) /
                                                static_cast<double>(std::max<std::size_t>(1, all_triangles_)));
   const std::size_t level = choose_level(object.facts, pixels_per_m, budget);

@@ -5,8 +5,7 @@
 namespace hapton {
 namespace {
 
-// Arm's length to a desk display, and the largest sphere that is comfortable to view from there.
-constexpr double kDeskDistance = 0.6;
+// The largest sphere that is comfortable to view from arm's length.
 constexpr double kDeskRadius = 0.2;
 // A smaller one is viewed from nearer, in proportion: from the desk's distance its pixels would be below the resolution of single
 // precision.
@@ -16,10 +15,32 @@ constexpr double kMargin = 1.06;
 
 Vec3 eye_in_view(const StereoScreen& screen, Eye eye) {
   const double side = eye == Eye::left ? -0.5 : eye == Eye::right ? 0.5 : 0.0;
-  return {side * screen.ipd_m, 0.0, screen.distance_m};
+  return Vec3(screen.eyes_aside_m.x(), screen.eyes_aside_m.y(), screen.distance_m) + side * screen.ipd_m * screen.to_right_V;
+}
+
+// The nearest that is drawn, as a share of the distance: nearer the depth buffer would have no resolution left for the rest.
+constexpr double kNearShare = 0.05;
+
+void place_eyes(const Framing& framing, StereoScreen& screen) {
+  const double scale = compute_viewer_scale(framing, screen.width_m);
+  const double grown = scale * kDeskDistance / framing.distance_m;  // exactly 1 where the screen's width is not known
+  const Vec3 from_desk = framing.head.p_RH - Head().p_RH;
+  screen.distance_m = grown * framing.distance_m + scale * from_desk.z();
+  screen.eyes_aside_m = scale * from_desk.head<2>();
+  screen.to_right_V = framing.head.q_RH * Vec3::UnitX();
+  screen.ipd_m = grown * framing.ipd_m;
 }
 
 }  // namespace
+
+double compute_viewer_scale(const Framing& framing, double width_m) {
+  return framing.screen_width_m > 0.0 ? width_m / framing.screen_width_m : framing.distance_m / kDeskDistance;
+}
+
+bool is_possible(const Head& head, double ipd_m) {
+  const double height_m = head.p_RH.z() - 0.5 * ipd_m * std::abs((head.q_RH * Vec3::UnitX()).z());
+  return height_m >= kNearestEyeM && head.p_RH.norm() <= kFarthestHeadM;  // false for NaN
+}
 
 Framing frame_sphere(const Vec3& p_WC, double radius_m, double ipd_m) {
   const double scale = radius_m < kSmallRadius ? radius_m / kSmallRadius : std::max(1.0, radius_m / kDeskRadius);
@@ -44,14 +65,19 @@ StereoScreen compute_screen(const Framing& framing, PictureSize size) {
   const double metres_per_pixel = framing.view_m / std::min(width, height);
   screen.width_m = width * metres_per_pixel;
   screen.height_m = height * metres_per_pixel;
-  screen.distance_m = framing.distance_m;
-  screen.ipd_m = framing.ipd_m;
-  screen.near_m = std::max(0.05 * framing.distance_m, framing.distance_m - framing.depth_m);
-  screen.far_m = framing.distance_m + framing.depth_m;
+  place_eyes(framing, screen);
+  screen.near_m = std::max(kNearShare * screen.distance_m, screen.distance_m - framing.depth_m);
+  screen.far_m = screen.distance_m + framing.depth_m;
   return screen;
 }
 
 Vec3 compute_eye_position(const StereoScreen& screen, Eye eye) { return screen.X_WV * eye_in_view(screen, eye); }
+
+EyeDepths compute_eye_depths(const StereoScreen& screen, Eye eye) {
+  const double eye_m = eye_in_view(screen, eye).z();
+  const double nearer_m = screen.distance_m - eye_m;
+  return {eye_m, std::max(kNearShare * eye_m, screen.near_m - nearer_m), screen.far_m - nearer_m};
+}
 
 Mat4 compute_view_matrix(const StereoScreen& screen, Eye eye) {
   const Pose X_VE(Eigen::Translation3d(eye_in_view(screen, eye)));
@@ -63,12 +89,11 @@ Mat4 compute_view_matrix(const StereoScreen& screen, Eye eye) {
 //   x_ndc = (2 d / w) (x / -z) - 2 c_x / w, and alike for y. Depth is OpenGL's, -1 at near, 1 at far.
 Mat4 compute_projection_matrix(const StereoScreen& screen, Eye eye) {
   const Vec3 e = eye_in_view(screen, eye);
-  const double n = screen.near_m;
-  const double f = screen.far_m;
+  const auto [d, n, f] = compute_eye_depths(screen, eye);
   Mat4 P = Mat4::Zero();
-  P(0, 0) = 2.0 * screen.distance_m / screen.width_m;
+  P(0, 0) = 2.0 * d / screen.width_m;
   P(0, 2) = -2.0 * e.x() / screen.width_m;
-  P(1, 1) = 2.0 * screen.distance_m / screen.height_m;
+  P(1, 1) = 2.0 * d / screen.height_m;
   P(1, 2) = -2.0 * e.y() / screen.height_m;
   P(2, 2) = -(f + n) / (f - n);
   P(2, 3) = -2.0 * f * n / (f - n);

@@ -9,15 +9,27 @@ using Mat4 = Eigen::Matrix4d;
 
 enum class Eye { left, right, centre };
 
+// From arm's length people look at a desk display; where the viewer is until somebody says otherwise.
+constexpr double kDeskDistance = 0.6;
+
+// The viewer's head before the screen, in real size. Frames: R, the screen's (origin in its centre, x right, y up, z towards the viewer),
+// and H, the head's: origin midway between the eyes, x towards the right eye, y up. Units: metres.
+struct Head {
+  Vec3 p_RH = Vec3(0.0, 0.0, kDeskDistance);
+  Quat q_RH = Quat::Identity();
+};
+
 // A window into the world: the picture is the rectangle width_m x height_m in the plane z = 0 of the view frame V, and each eye looks
 // through that same rectangle. Points in the plane have no parallax; nearer points appear in front of the screen. Frames: V has its origin
-// in the rectangle's centre, x right, y up, z out of the screen towards the viewer. Units: metres. Pre: every length positive (ipd_m may be
-// 0: no depth), near_m < far_m; both are measured from the eye along -z of V.
+// in the rectangle's centre, x right, y up, z out of the screen towards the viewer. Units: metres of the world. Pre: every length positive
+// (ipd_m may be 0: no depth), near_m < far_m; both are measured from between the eyes along -z of V. Both eyes are before the plane.
 struct StereoScreen {
   Pose X_WV = Pose::Identity();
   double width_m = 0.52;
   double height_m = 0.29;
-  double distance_m = 0.6;
+  double distance_m = 0.6;            // from the plane to the middle between the eyes ...
+  Vec2 eyes_aside_m = Vec2::Zero();   // ... which is so far to the right of the rectangle's centre, and above it
+  Vec3 to_right_V = Vec3(1.0, 0, 0);  // from the left eye to the right one, of length 1
   double ipd_m = 0.063;
   double near_m = 0.06;
   double far_m = 6.0;
@@ -32,15 +44,27 @@ struct PictureSize {
 
 // What shall be seen, before it is known how large the window is.
 struct Framing {
-  Vec3 p_WC = Vec3::Zero();     // workspace centre: on the zero-parallax plane, in the middle of the screen but for aside_m
-  Vec2 aside_m = Vec2::Zero();  // of the screen's centre from there, in the screen's plane: right, up
-  double yaw_rad = 0.0;         // the viewer is this far to the right ...
-  double pitch_rad = 0.0;       // ... and this far above the centre's z axis
-  double view_m = 0.3;          // the picture's smaller side, on the zero-parallax plane
-  double distance_m = 0.6;      // from the eyes to the zero-parallax plane
-  double ipd_m = 0.063;         // between the eyes: mean of adults (Dodgson 2004)
-  double depth_m = 0.5;         // everything drawn lies within this distance of p_WC
+  Vec3 p_WC = Vec3::Zero();           // workspace centre: on the zero-parallax plane, in the middle of the screen but for aside_m
+  Vec2 aside_m = Vec2::Zero();        // of the screen's centre from there, in the screen's plane: right, up
+  double yaw_rad = 0.0;               // the viewer is this far to the right ...
+  double pitch_rad = 0.0;             // ... and this far above the centre's z axis
+  double view_m = 0.3;                // the picture's smaller side, on the zero-parallax plane
+  double distance_m = kDeskDistance;  // from the eyes to the zero-parallax plane, while the head is where it is at first
+  double ipd_m = 0.063;               // between the eyes: mean of adults (Dodgson 2004)
+  double depth_m = 0.5;               // everything drawn lies within this distance of p_WC
+  Head head;
+  // How wide the picture is on the desk, m; 0: not known. Where it is known the viewer is exactly as much larger than in reality as the
+  // picture is; distance_m and ipd_m are then those of a viewer as large as they say.
+  double screen_width_m = 0.0;
 };
+
+// Metres of the world for one of the viewer's, in a picture that is width_m wide in the world.
+double compute_viewer_scale(const Framing& framing, double width_m);
+
+// Whether both eyes, ipd_m apart, are at least kNearestEyeM before the screen and no farther than kFarthestHeadM. Real metres.
+constexpr double kNearestEyeM = 0.05;
+constexpr double kFarthestHeadM = 100.0;
+bool is_possible(const Head& head, double ipd_m);
 
 // The framing that shows a whole sphere of radius_m around p_WC. Scenes larger than a desk are seen by a proportionally larger viewer
 // (distance and ipd grow alike), so that depth looks the same at every scale.
@@ -51,6 +75,14 @@ StereoScreen compute_screen(const Framing& framing, PictureSize size);
 
 // Eye position in the world, p_WE.
 Vec3 compute_eye_position(const StereoScreen& screen, Eye eye);
+
+// How far that eye is from the plane, and from which distance to which it sees, along -z of V.
+struct EyeDepths {
+  double eye_m = 0.0;
+  double near_m = 0.0;
+  double far_m = 0.0;
+};
+EyeDepths compute_eye_depths(const StereoScreen& screen, Eye eye);
 
 // World to eye coordinates: X_EW; the eye looks along -z, both eyes' axes parallel.
 Mat4 compute_view_matrix(const StereoScreen& screen, Eye eye);
@@ -63,7 +95,7 @@ Mat4 compute_projection_matrix(const StereoScreen& screen, Eye eye);
 Vec2 project_to_pixel(const StereoScreen& screen, Eye eye, PictureSize size, const Vec3& p_W);
 
 // Right eye's picture minus left eye's, on the screen plane, of a point z_m in front of that plane: ipd z / (z - d). Zero on the plane,
-// negative (crossed) in front of it, at most ipd_m behind it.
+// negative (crossed) in front of it, at most ipd_m behind it. Pre: the eyes are beside each other (to_right_V is x).
 double compute_disparity_m(const StereoScreen& screen, double z_m);
 
 // World displacement, parallel to the screen, that moves a point at depth z_m (V) by that many pixels.

@@ -125,12 +125,13 @@ struct EyeView {
   void aim(const StereoScreen& screen) {
     const Eye now = eye_now();
     const Vec3 p_WE = compute_eye_position(screen, now);
-    const Vec3 ahead = p_WE - screen.distance_m * screen.X_WV.linear().col(2);
+    const EyeDepths depths = compute_eye_depths(screen, now);
+    const Vec3 ahead = p_WE - depths.eye_m * screen.X_WV.linear().col(2);
     const Vec3 up = screen.X_WV.linear().col(1);
     camera->SetPosition(p_WE.data());
     camera->SetFocalPoint(ahead.data());
     camera->SetViewUp(up.data());
-    camera->SetClippingRange(screen.near_m, screen.far_m);
+    camera->SetClippingRange(depths.near_m, depths.far_m);
     vtkNew<vtkMatrix4x4> projection;
     copy_matrix(compute_projection_matrix(screen, now), projection);
     camera->SetExplicitProjectionTransformMatrix(projection);
@@ -276,7 +277,7 @@ void StereoView::Window::begin(EyeView& view) {
   view.shows_scale = settings.depth_cues && !settings.plain;
   const StereoScreen screen = view.screen(settings.framing);
   view.aim(screen);
-  annotations.aim(screen, pixels);
+  annotations.aim(screen, view.eye_now(), pixels);
   view.labels.place(annotations.labels(), screen, view.eye_now(), pixels);
   const bool points = p_WP && !settings.plain;
   view.hud.set_pointer(points ? find_edge_pointer(screen, view.eye_now(), pixels, *p_WP) : std::nullopt, pixels);
@@ -378,6 +379,9 @@ void StereoView::set_hud(std::string_view facts, std::string_view help, std::str
   for (const auto& eye : window_->eyes) eye->hud.set(facts, help, notice);
 }
 
+void StereoView::set_plots(const std::vector<PlotShown>& plots) {
+  for (const auto& eye : window_->eyes) eye->hud.set_plots(plots, eye->size());
+}
 void StereoView::set_cull(bool cull) { window_->settings.cull = cull; }
 void StereoView::set_depth_cues(bool shown) {
   window_->settings.depth_cues = shown;

@@ -12,6 +12,7 @@
 #include "core/base/result.h"
 #include "scene/scene_tool.h"
 #include "vision_node/interaction.h"
+#include "vision_node/live_plots.h"
 #include "vision_node/probe_shown.h"
 #include "vision_node/scene_painter.h"
 #include "vision_node/stereo_camera.h"
@@ -65,6 +66,8 @@ class StereoView {
   // Of another hand, likewise.
   void set_other_probe(const ProbeShown& probe);
   void set_hud(std::string_view facts, std::string_view help, std::string_view notice = {});
+  // Over the last seconds, at the right; empty: none.
+  void set_plots(const std::vector<PlotShown>& plots);
   void set_cull(bool cull);
   void set_depth_cues(bool shown);
   // A rigid tool, drawn in place of stylus and tip, or beside them.

@@ -7,7 +7,7 @@
 namespace hapton {
 
 SurfaceSeen::SurfaceSeen(const StereoScreen& screen, Eye eye, PictureSize size, std::vector<float> depths)
-    : screen_(screen), eye_(eye), size_(size), depths_(std::move(depths)) {}
+    : screen_(screen), eye_(eye), depths_of_eye_(compute_eye_depths(screen, eye)), size_(size), depths_(std::move(depths)) {}
 
 double SurfaceSeen::depth_m(const Vec2& pixel) const {
   constexpr double kNothing = std::numeric_limits<double>::infinity();
@@ -15,8 +15,8 @@ double SurfaceSeen::depth_m(const Vec2& pixel) const {
   const auto at = static_cast<std::size_t>(pixel.y()) * static_cast<std::size_t>(size_.width_px) + static_cast<std::size_t>(pixel.x());
   if (at >= depths_.size() || !(depths_[at] < 1.0F)) return kNothing;
   const double ndc = 2.0 * static_cast<double>(depths_[at]) - 1.0;
-  const double n = screen_.near_m;
-  const double f = screen_.far_m;
+  const double n = depths_of_eye_.near_m;
+  const double f = depths_of_eye_.far_m;
   return 2.0 * f * n / (f + n - ndc * (f - n));
 }
 
@@ -28,7 +28,7 @@ std::optional<Vec3> SurfaceSeen::find(const Vec2& pixel) const {
 Vec3 SurfaceSeen::place(const Vec2& pixel, double depth_m) const {
   const Vec3 p_VE = screen_.X_WV.inverse(Eigen::Isometry) * compute_eye_position(screen_, eye_);
   const Vec3 on_screen_V((pixel.x() / size_.width_px - 0.5) * screen_.width_m, (pixel.y() / size_.height_px - 0.5) * screen_.height_m, 0.0);
-  return screen_.X_WV * Vec3(p_VE + depth_m / screen_.distance_m * (on_screen_V - p_VE));
+  return screen_.X_WV * Vec3(p_VE + depth_m / depths_of_eye_.eye_m * (on_screen_V - p_VE));
 }
 
 }  // namespace hapton

@@ -20,7 +20,9 @@ class SurfaceSeen {
   std::optional<Vec3> find(const Vec2& pixel) const;
 
   Vec2 pixel_of(const Vec3& p_W) const { return project_to_pixel(screen_, eye_, size_, p_W); }
-  double depth_of(const Vec3& p_W) const { return screen_.distance_m - (screen_.X_WV.inverse(Eigen::Isometry) * p_W).z(); }
+  double depth_of(const Vec3& p_W) const { return depths_of_eye_.eye_m - (screen_.X_WV.inverse(Eigen::Isometry) * p_W).z(); }
+  // The least that it can see.
+  double near_m() const { return depths_of_eye_.near_m; }
   // The point at that depth that is seen at that pixel.
   Vec3 place(const Vec2& pixel, double depth_m) const;
 
@@ -30,6 +32,7 @@ class SurfaceSeen {
  private:
   StereoScreen screen_;
   Eye eye_;
+  EyeDepths depths_of_eye_;
   PictureSize size_;
   std::vector<float> depths_;
 };

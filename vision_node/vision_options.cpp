@@ -1,6 +1,7 @@
 #include "vision_node/vision_options.h"
 
 #include <cstdio>
+#include <numbers>
 
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
@@ -24,7 +25,89 @@ Result<PictureSize> parse_size(std::string_view text) {
   return size;
 }
 
+Result<Vec3> parse_triple(std::string_view text) {
+  Vec3 numbers = Vec3::Zero();
+  char rest = 0;
+  const std::string owned(text);
+  const bool is_one = std::sscanf(owned.c_str(), "%lf,%lf,%lf%c", &numbers.x(), &numbers.y(), &numbers.z(), &rest) == 3;
+  constexpr double kMost = 1e6;
+  if (!is_one || !(numbers.cwiseAbs().array() <= kMost).all()) return fail("'{}' is no triple; give X,Y,Z without spaces", text);
+  return numbers;
+}
+
+// About the screen's x, then its y, then its z.
+Quat turn_of(const Vec3& degrees) {
+  const Vec3 turn = degrees * std::numbers::pi / 180.0;
+  return Eigen::AngleAxisd(turn.z(), Vec3::UnitZ()) * Eigen::AngleAxisd(turn.y(), Vec3::UnitY()) *
+         Eigen::AngleAxisd(turn.x(), Vec3::UnitX());
+}
+
+// What the words about the viewer's head say.
+struct HeadWords {
+  std::string source = "keys";
+  std::string at_mm = "0,0,600";
+  std::string turn_deg = "0,0,0";
+  std::string tracker_mm = "0,0,0";
+  std::string tracker_turn_deg = "0,0,0";
+  std::string eyes_mm = "0,0,0";
+};
+
+void add_head_options(CLI::App& app, HeadWords& words, VisionOptions& options) {
+  app.add_option("--screen-width-mm", options.screen_width_mm,
+                 "Width of the picture on the desk, as each eye sees it: eyes and head are then in true proportion to it (default: a "
+                 "viewer at a desk, as large as the scene asks for)")
+      ->check(between(10.0, 100'000.0));
+  const auto head = app.add_option("--head", words.source,
+                                   "Where the viewer's head is: keys (arrows, page up, page down, home) alone, spacemouse (pushes of its "
+                                   "cap) or vrpn:NAME@HOST[:PORT], a tracker, too")
+                        ->check(accepts(parse_head_input))
+                        ->capture_default_str();
+  app.add_option("--head-mm", words.at_mm,
+                 "The head at the start, between the eyes: X,Y,Z in mm from the screen's centre: right, up, towards the viewer")
+      ->check(accepts(parse_triple))
+      ->capture_default_str();
+  app.add_option("--head-turn-deg", words.turn_deg, "... and turned by X,Y,Z degrees about the screen's x, then y, then z")
+      ->check(accepts(parse_triple))
+      ->capture_default_str();
+  app.add_option("--head-sensor", options.head_source.sensor, "Number of the tracker's sensor on the head")
+      ->check(between(0, 1000))
+      ->capture_default_str()
+      ->needs(head);
+  app.add_option("--eyes-mm", words.eyes_mm, "The middle between the eyes as that sensor has it: X,Y,Z in its own frame")
+      ->check(accepts(parse_triple))
+      ->capture_default_str()
+      ->needs(head);
+  app.add_option("--tracker-mm", words.tracker_mm, "The tracker's origin, as --head-mm")
+      ->check(accepts(parse_triple))
+      ->capture_default_str()
+      ->needs(head);
+  app.add_option("--tracker-turn-deg", words.tracker_turn_deg, "The tracker's axes, as --head-turn-deg")
+      ->check(accepts(parse_triple))
+      ->capture_default_str()
+      ->needs(head);
+}
+
+// Pre: each of the words is accepted.
+void set_head(const HeadWords& words, VisionOptions& options) {
+  options.head = {1e-3 * *parse_triple(words.at_mm), turn_of(*parse_triple(words.turn_deg))};
+  HeadSource& source = options.head_source;
+  const HeadInput input = *parse_head_input(words.source);
+  options.has_space_head = input.is_space_mouse;
+  source.tracker = input.tracker;
+  source.p_BH = 1e-3 * *parse_triple(words.eyes_mm);
+  source.X_RT = Eigen::Translation3d(1e-3 * *parse_triple(words.tracker_mm)) * turn_of(*parse_triple(words.tracker_turn_deg));
+}
+
 }  // namespace
+
+Result<void> check_head(const VisionOptions& options) {
+  if (is_possible(options.head, 1e-3 * options.ipd_mm)) return {};
+  const Vec3 mm = 1e3 * options.head.p_RH;
+  return fail(
+      "--head-mm {:g},{:g},{:g}: both eyes must be at least {:g} mm before the screen and the head within {:g} m; the third number is "
+      "the distance",
+      mm.x(), mm.y(), mm.z(), 1e3 * kNearestEyeM, kFarthestHeadM);
+}
 
 std::variant<VisionOptions, int> parse_vision_options(int argc, const char* const* argv) {
   VisionOptions options;
@@ -40,6 +123,7 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   bool no_cull = false;
   bool no_help = false;
   bool no_depth_cues = false;
+  HeadWords head;
 
   CLI::App app{
       "Draws the scene and the probe, in stereo where asked for, sends the knob box' view transform, and lets the mouse be the hand.\n\nIn "
@@ -76,6 +160,7 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   app.add_option("--ipd-mm", options.ipd_mm, "Distance between the eyes, mm; 0: no depth")
       ->check(between(0.0, 200.0))
       ->capture_default_str();
+  add_head_options(app, head, options);
   app.add_option("--view-mm", options.view_mm, "Smaller side of the picture in the screen's plane, mm (default: the scene fits)")
       ->check(between(0.0, 1e9));
   app.add_option("--view-yaw-deg", options.view_yaw_deg, "The viewer stands this far to the right; 0: screen and device are parallel")
@@ -100,6 +185,7 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   app.add_option("--msaa", options.view.msaa, "Samples per pixel; slow in software")->check(between(0, 16))->capture_default_str();
   app.add_flag("--no-cull", no_cull, "Draw triangles seen from behind as well");
   app.add_flag("--no-keys-help", no_help, "Leave the keys out of the picture (k brings them back)");
+  app.add_flag("--plots", options.plots, "Plot force and age of what is drawn over the last 5 s (c switches it)");
   app.add_flag("--offscreen", options.view.offscreen, "Show no window; an X display is still needed");
   app.add_option("--seconds", options.seconds, "End after this long, 0: when the window is closed")
       ->check(between(0.0, 1e9))
@@ -127,6 +213,7 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
       ->check(between(0, 1'000'000));
 
   if (const auto code = parse_command_line(app, argc, argv)) return *code;
+  set_head(head, options);
   options.hub = hubs.front();
   if (hubs.size() > 1) options.other_hub = hubs.back();
   const PictureSize pixels = *parse_size(size);

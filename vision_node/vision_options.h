@@ -9,6 +9,7 @@
 #include "scene/object_names.h"
 #include "scene/scene_loading.h"
 #include "vision_node/annotator.h"
+#include "vision_node/head_tracker.h"
 #include "vision_node/screenshot_moment.h"
 #include "vision_node/stereo_mode.h"
 #include "vision_node/stereo_view.h"
@@ -37,10 +38,15 @@ struct VisionOptions {
   double probe_radius_m = -1.0;  // below 0: as the haptics node says
   double view_mm = 0.0;          // 0: as the scene needs
   double ipd_mm = 63.0;
-  double rate_limit_hz = -1;  // below 0: chosen by the renderer
-  double seconds = 0.0;       // 0: until the window is closed
+  double screen_width_mm = 0.0;  // 0: not known
+  Head head;                     // at the start
+  HeadSource head_source;
+  bool has_space_head = false;  // a SpaceMouse moves the head
+  double rate_limit_hz = -1;    // below 0: chosen by the renderer
+  double seconds = 0.0;         // 0: until the window is closed
   int bench_frames = 0;
   bool help = true;
+  bool plots = false;
   bool has_space_knobs = false;  // a SpaceMouse turns the dials, too
   std::filesystem::path screenshot;
   ScreenshotMoment screenshot_moment;
@@ -48,5 +54,8 @@ struct VisionOptions {
 
 // The options, or the exit code to leave main with. RT: set-up only.
 std::variant<VisionOptions, int> parse_vision_options(int argc, const char* const* argv);
+
+// Error: a head from which the screen cannot be seen, one line.
+Result<void> check_head(const VisionOptions& options);
 
 }  // namespace hapton

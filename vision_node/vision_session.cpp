@@ -33,6 +33,9 @@ VisionStepSettings make_step_settings(const StereoView& view, const VisionOption
   settings.p_SO = options.p_SO;
   settings.scene_radius_m = options.scene_radius_m;
   settings.names = options.names;
+  settings.plots = options.plots;
+  settings.head = options.head;
+  settings.ipd_m = 1e-3 * options.ipd_mm;
   return settings;
 }
 
@@ -127,7 +130,11 @@ void VisionSession::take_states(std::int64_t deadline_ns) {
 // A picture shows the newest; a stroke has a point of each.
 void VisionSession::take_state(const ProbeState& state) {
   received_ns_ = hub_.receive_time_ns();
-  step_.receive(state);
+  step_.receive(state, received_ns_);
+  if (moved_ != nullptr && moved_->has_motion()) {
+    if (moved_->set_time(state.scene_time_ns)) step_.spoil();
+    if (annotator_ != nullptr) annotator_->place_moving(moved_->moving());
+  }
   if (annotator_ != nullptr) annotator_->receive(state, step_.find_scene_pose(state.view_revision));
 }
 
@@ -197,6 +204,7 @@ void VisionSession::compare_scene(const SceneFacts& haptic_scene) {
 Result<void> VisionSession::attend_window() {
   handle_events();
   if (knobs_ != nullptr) step_.turn_dials(knobs_->take_turn_degrees(clock_.now_ns()));
+  follow_head();
   if (view_.take_stale()) step_.spoil();
   const UserRequests requests = step_.take_requests();
   quit_ = quit_ || requests.quit;
@@ -205,6 +213,14 @@ Result<void> VisionSession::attend_window() {
   change_stereo(requests);
   step_.set_detail_progress(view_.detail_progress());
   return requests.screenshot ? take_screenshot(next_screenshot_name()) : Result<void>{};
+}
+
+void VisionSession::follow_head() {
+  const std::int64_t now_ns = clock_.now_ns();
+  if (space_head_ != nullptr) step_.move_head(space_head_->take_move_m(now_ns));
+  if (head_tracker_ == nullptr) return;
+  if (const auto head = head_tracker_->take_head(now_ns)) step_.set_head(*head);
+  step_.set_head_notice(head_tracker_->describe(now_ns));
 }
 
 // Of motions that came together only the last one counts.
@@ -276,9 +292,13 @@ Result<void> VisionSession::draw_if_wanted() {
   view_.set_cull(shown.cull);
   view_.set_depth_cues(shown.depth_cues);
   view_.set_hud(shown.hud, shown.help, shown.notice);
-  // While the scene was drawn the probe has moved on.
-  view_.draw([this, &shown] {
-    take_states(0);
+  view_.set_plots(shown.plots);
+  // While the scene was drawn the probe has moved on; but where objects move, all is of one sample: the probe must not leave a surface that
+  // carries it.
+  const bool is_moving = moved_ != nullptr && moved_->has_motion();
+  if (is_moving) moved_->place_moving();
+  view_.draw([this, &shown, is_moving] {
+    if (!is_moving) take_states(0);
     if (annotator_ != nullptr) annotator_->show(shown.X_WS);
     if (const auto newest = step_.newest_probe()) view_.set_probe(*newest);
   });
@@ -301,7 +321,7 @@ void VisionSession::report_frame(bool is_for_us, std::int64_t begin_ns, std::int
   const VisionStep::Screen at = where();
   auto drawn = step_.drew(begin_ns, end_ns, at);
   if (drawn && is_for_us) {
-    step_.record_motion(end_ns - received_ns_);
+    step_.record_motion(end_ns - received_ns_, end_ns);
     drawn->held_ns =
         static_cast<std::uint32_t>(std::clamp<std::int64_t>(end_ns - received_ns_, 1, std::numeric_limits<std::uint32_t>::max()));
     hub_.send(*drawn);
@@ -347,22 +367,34 @@ class BenchProbe {
   std::int64_t sample_ns_ = 0;
 };
 
+// A force that goes up and down, for plots.
+ProbeState bench_state(std::int64_t now_ns) {
+  ProbeState state;
+  state.force_n = Vec3(0.0, 4.0 + 3.0 * std::sin(3e-9 * static_cast<double>(now_ns % 1'000'000'000'000)), 0.0);
+  state.force_limit_n = 8.5F;
+  return state;
+}
+
 }  // namespace
 
-std::string run_bench(StereoView& view, Clock& clock, int frames) {
+std::string run_bench(StereoView& view, Clock& clock, int frames, bool with_plots) {
   const std::int64_t first_ns = clock.now_ns();
   view.draw();  // the first frame builds shaders
   const double first_ms = static_cast<double>(clock.now_ns() - first_ns) * 1e-6;
   Dials dials;
   FrameLog log;
+  LivePlots plots(with_plots);
   const auto turn_and_draw = [&](FrameLog& into, const std::function<void()>& before_probe) {
     const std::int64_t start_ns = clock.now_ns();
     dials.turn(1, 3.0);
     dials.turn(0, 1.0);
     view.set_scene_pose(dials.compute_pose(Vec3::Zero()));
     view.poll_events();
+    view.set_plots(plots.compose(start_ns));
     view.draw(before_probe);
     into.drew(start_ns, clock.now_ns());
+    plots.receive(bench_state(start_ns), start_ns);
+    plots.drew(clock.now_ns() - start_ns, start_ns);
   };
   BenchProbe probe(0.25 * std::min(view.screen().width_m, view.screen().height_m));
   const auto turn_with_probe = [&](FrameLog& into) {

@@ -10,6 +10,7 @@
 #include "vision_node/moved_objects.h"
 #include "vision_node/other_hand.h"
 #include "vision_node/scene_framing.h"
+#include "vision_node/space_head.h"
 #include "vision_node/space_knobs.h"
 #include "vision_node/stereo_view.h"
 #include "vision_node/vision_options.h"
@@ -30,6 +31,12 @@ class VisionSession {
 
   // What turns the dials besides keys and mouse. Pre: it outlives the session.
   void set_knobs(SpaceKnobs* knobs) { knobs_ = knobs; }
+
+  // What sees the viewer's head. Pre: it outlives the session.
+  void set_head_tracker(HeadTracker* tracker) { head_tracker_ = tracker; }
+
+  // What moves it besides keys. Pre: it outlives the session.
+  void set_space_head(SpaceHead* head) { space_head_ = head; }
 
   // Another hand to show. Pre: it outlives the session.
   void set_other_hand(OtherHand* other) { other_ = other; }
@@ -57,6 +64,7 @@ class VisionSession {
   std::optional<Vec3> find_surface(const WindowEvent& event);
   void take_setup(const HapticsSetup& setup);
   void handle_events();
+  void follow_head();
   void change_stereo(const UserRequests& requests);
   void refine_scene();
   void lead_hand();
@@ -73,6 +81,8 @@ class VisionSession {
 
   StereoView& view_;
   SpaceKnobs* knobs_ = nullptr;
+  HeadTracker* head_tracker_ = nullptr;
+  SpaceHead* space_head_ = nullptr;
   MovedObjects* moved_ = nullptr;
   OtherHand* other_ = nullptr;
   Annotator* annotator_ = nullptr;
@@ -97,6 +107,6 @@ class VisionSession {
 };
 
 // Draws that many frames without pause, the dials turning, once all levels of detail are made, and returns the rate as text.
-std::string run_bench(StereoView& view, Clock& clock, int frames);
+std::string run_bench(StereoView& view, Clock& clock, int frames, bool with_plots = false);
 
 }  // namespace hapton

@@ -24,13 +24,17 @@ VisionStep::VisionStep(VisionStepSettings settings)
       watch_(settings_.threshold_px),
       cull_(settings_.cull),
       help_(settings_.help),
-      depth_cues_(settings_.depth_cues) {
+      depth_cues_(settings_.depth_cues),
+      plots_(settings_.plots),
+      head_(settings_.head, settings_.ipd_m),
+      head_shown_(settings_.head) {
   interaction_.dials() = settings_.dials;
   sender_.set(settings_.dials.compute_pose(settings_.p_WC));
 }
 
-void VisionStep::receive(const ProbeState& state) {
+void VisionStep::receive(const ProbeState& state, std::int64_t received_ns) {
   state_ = state;
+  plots_.receive(state, received_ns);
   connected_ = true;
   moved_ = true;
   sender_.confirm(state.view_revision);
@@ -70,7 +74,10 @@ UserRequests VisionStep::take_requests() {
   cull_ = cull_ != requests.toggle_cull;
   help_ = help_ != requests.toggle_help;
   depth_cues_ = depth_cues_ != requests.toggle_depth_cues;
-  stale_ = stale_ || requests.toggle_cull || requests.toggle_help || requests.toggle_depth_cues;
+  if (requests.toggle_plots) plots_.toggle();
+  stale_ = stale_ || requests.toggle_cull || requests.toggle_help || requests.toggle_depth_cues || requests.toggle_plots;
+  if (requests.reset_head) head_.reset();
+  head_.move(requests.head_by_m);
   if (requests.look_at_scene) interaction_.camera().look_at(settings_.home, scene_pose() * settings_.p_SO, settings_.scene_radius_m);
   return requests;
 }
@@ -85,7 +92,7 @@ std::optional<ProbeShown> VisionStep::newest_probe() const { return state_ ? std
 
 bool VisionStep::is_scene_at_rest(std::int64_t now_ns) const {
   return frames_.drawn() > 0 && !stale_ && interaction_.dials().degrees == dials_shown_ && interaction_.camera() == camera_shown_ &&
-         now_ns - scene_moved_ns_ >= kRestNs;
+         is_head_at_rest_ && now_ns - scene_moved_ns_ >= kRestNs;
 }
 
 std::optional<Message> VisionStep::take_message(std::int64_t now_ns) {
@@ -109,6 +116,8 @@ HudFacts VisionStep::hud_facts() const {
   // The numbers of another scene's objects mean nothing here.
   if (!is_other_scene_) facts.touched = describe_object(settings_.names, touched_object());
   facts.annotations = annotations_;
+  facts.head = describe_head(head_.head(), settings_.head);
+  facts.head_notice = head_notice_;
   facts.held = describe_object(settings_.names, held_object_);
   facts.scene_across_m = 2.0 * settings_.scene_radius_m;
   facts.scene_away_m = (scene_pose() * settings_.p_SO - settings_.p_WC).norm();
@@ -120,9 +129,17 @@ bool VisionStep::may_draw(std::int64_t now_ns) const {
          static_cast<double>(now_ns - last_start_ns_) >= 1e9 / settings_.max_rate_hz;
 }
 
+// Nothing that lies behind the screen, or before it up to half way to the eyes, moves farther in the picture than an eye does.
+bool VisionStep::has_head_moved(const Screen& where) const {
+  const double moved_m = compute_eye_motion_m(head_shown_, head_.head(), settings_.ipd_m);
+  const double pixels_per_m = compute_viewer_scale(settings_.home, where.screen.width_m) / where.screen.width_m * where.picture.width_px;
+  return moved_m * pixels_per_m > settings_.threshold_px;
+}
+
 bool VisionStep::wants_picture(std::int64_t now_ns, const Screen& where) {
+  is_head_at_rest_ = !has_head_moved(where);
   if (!may_draw(now_ns)) return false;
-  if (stale_ || is_annotated_ || settings_.always_changing || interaction_.dials().degrees != dials_shown_ ||
+  if (stale_ || !is_head_at_rest_ || is_annotated_ || settings_.always_changing || interaction_.dials().degrees != dials_shown_ ||
       interaction_.camera() != camera_shown_)
     return true;
   if (std::exchange(moved_, false)) {
@@ -130,6 +147,7 @@ bool VisionStep::wants_picture(std::int64_t now_ns, const Screen& where) {
     frames_.skipped();
     unseen_ = true;
   }
+  if (plots_.wants_picture(now_ns)) return true;
   return now_ns - hud_ns_ >= kHudPeriodNs && compose_hud(hud_facts()) != hud_shown_;
 }
 
@@ -137,6 +155,8 @@ VisionStep::Shown VisionStep::compose(std::int64_t now_ns) {
   Shown shown;
   shown.X_WS = interaction_.dials().compute_pose(settings_.p_WC);
   shown.framing = interaction_.camera().apply(settings_.home);
+  if (!is_head_at_rest_) head_shown_ = head_.head();  // less would have the whole scene drawn again for nothing that can be seen
+  shown.framing.head = head_shown_;
   shown.probe = newest_probe();
   if (now_ns - hud_ns_ >= kHudRefreshNs || hud_shown_.empty() || stale_ || contact() != hud_contact_ || touched_object() != hud_object_) {
     const HudFacts facts = hud_facts();
@@ -151,6 +171,7 @@ VisionStep::Shown VisionStep::compose(std::int64_t now_ns) {
   if (help_) shown.help = keys_help();
   shown.cull = cull_;
   shown.depth_cues = depth_cues_;
+  shown.plots = plots_.compose(now_ns);
   stale_ = is_annotated_ = false;
   return shown;
 }
@@ -158,7 +179,10 @@ VisionStep::Shown VisionStep::compose(std::int64_t now_ns) {
 std::optional<FrameAck> VisionStep::drew(std::int64_t start_ns, std::int64_t end_ns, const Screen& where) {
   last_start_ns_ = start_ns;
   frames_.drew(start_ns, end_ns);
-  if (interaction_.dials().degrees != dials_shown_ || interaction_.camera() != camera_shown_) scene_moved_ns_ = start_ns;
+  if (interaction_.dials().degrees != dials_shown_ || interaction_.camera() != camera_shown_ || !is_head_at_rest_) {
+    scene_moved_ns_ = start_ns;
+    is_head_at_rest_ = true;
+  }
   dials_shown_ = interaction_.dials().degrees;
   camera_shown_ = interaction_.camera();
   moved_ = false;

@@ -13,8 +13,10 @@
 #include "vision_node/hud_text.h"
 #include "vision_node/interaction.h"
 #include "vision_node/knob_box.h"
+#include "vision_node/live_plots.h"
 #include "vision_node/probe_shown.h"
 #include "vision_node/stereo_camera.h"
+#include "vision_node/viewer_head.h"
 
 namespace hapton {
 
@@ -33,6 +35,9 @@ struct VisionStepSettings {
   double scene_radius_m = 0.0;
   double threshold_px = 0.5;      // smaller motion causes no frame
   std::vector<ObjectName> names;  // of the objects shown
+  bool plots = false;
+  Head head;             // at the start
+  double ipd_m = 0.063;  // the viewer's own
 };
 
 // All decisions of the vision node, without a window, socket or clock. Inputs: messages of the hub and the user's requests; outputs: when
@@ -55,12 +60,13 @@ class VisionStep {
     std::string notice;  // what is wrong with the scene; empty: nothing
     bool cull = true;
     bool depth_cues = true;
+    std::vector<PlotShown> plots;
   };
 
   explicit VisionStep(VisionStepSettings settings);
 
-  // The newest state received. Pre: never older than the one before (newest wins at the caller).
-  void receive(const ProbeState& state);
+  // The newest state received. Pre: never older than the one before (newest wins at the caller). received_ns: for plots.
+  void receive(const ProbeState& state, std::int64_t received_ns = 0);
   // The hub rejected a view transform of ours: one line in the log for each.
   void receive(const ViewRejected& rejected) { sender_.reject(rejected.revision); }
   // The hub was joined, for the first time or again.
@@ -69,6 +75,7 @@ class VisionStep {
   void lost() {
     connected_ = false;
     preparing_s_ = 0.0;
+    plots_.lost();
   }
   // p_WQ: the surface of the scene seen under the pointer, where the event wants it.
   void handle(const WindowEvent& event, const Screen& where, const std::optional<Vec3>& p_WQ = {});
@@ -78,6 +85,12 @@ class VisionStep {
   bool wants_surface(const WindowEvent& event) const;
   // The knob box' dials were turned, degrees each.
   void turn_dials(const Vec3& degrees);
+  // The head is there. Pre: is_possible().
+  void set_head(const Head& head) { head_.track(head); }
+  // It is moved on by so much, as by keys.
+  void move_head(const Vec3& by_m) { head_.move(by_m); }
+  // What is wrong with its tracker, a line for the picture's corner; empty: nothing.
+  void set_head_notice(std::string line) { head_notice_ = std::move(line); }
   // The window has to be drawn whatever moved (uncovered, resized).
   void spoil() { stale_ = true; }
 
@@ -103,7 +116,10 @@ class VisionStep {
   // The frame of the last compose() is in the window. Returns its acknowledgement for the hub.
   std::optional<FrameAck> drew(std::int64_t start_ns, std::int64_t end_ns, const Screen& where);
   // Records the age of that frame's probe when it was in the window.
-  void record_motion(std::int64_t motion_to_photon_ns) { frames_.moved(motion_to_photon_ns); }
+  void record_motion(std::int64_t motion_to_photon_ns, std::int64_t now_ns) {
+    frames_.moved(motion_to_photon_ns);
+    plots_.drew(motion_to_photon_ns, now_ns);
+  }
   // The acknowledgement of a state that wants_picture() found to look the same; once for each.
   std::optional<FrameAck> take_unseen();
 
@@ -133,6 +149,7 @@ class VisionStep {
 
  private:
   HudFacts hud_facts() const;
+  bool has_head_moved(const Screen& where) const;
   ProbeShown probe_shown() const { return show_probe(*state_, settings_.stylus_lean); }
 
   VisionStepSettings settings_;
@@ -154,6 +171,11 @@ class VisionStep {
   bool depth_cues_;
   Vec3 dials_shown_ = Vec3::Zero();
   CameraView camera_shown_;
+  LivePlots plots_;
+  ViewerHead head_;
+  Head head_shown_;
+  bool is_head_at_rest_ = true;
+  std::string head_notice_;
   std::int64_t scene_moved_ns_ = 0;
   double detail_progress_ = 1.0;
   double preparing_s_ = 0.0;

@@ -1,11 +1,32 @@
 #include "vision_node/window_listener.h"
 
+#include <array>
+#include <string_view>
 #include <utility>
 
 #include <vtkCallbackCommand.h>
 #include <vtkNew.h>
 
 namespace hapton {
+namespace {
+
+WindowEvent::Pad find_pad(const char* symbol) {
+  using Pad = WindowEvent::Pad;
+  // X's names.
+  static constexpr std::array<std::pair<std::string_view, Pad>, 7> kPads = {{{"Left", Pad::left},
+                                                                             {"Right", Pad::right},
+                                                                             {"Up", Pad::up},
+                                                                             {"Down", Pad::down},
+                                                                             {"Prior", Pad::page_up},
+                                                                             {"Next", Pad::page_down},
+                                                                             {"Home", Pad::home}}};
+  for (const auto& [name, pad] : kPads) {
+    if (symbol != nullptr && name == symbol) return pad;
+  }
+  return Pad::none;
+}
+
+}  // namespace
 
 WindowListener::WindowListener(vtkRenderWindow* window) {
   // VTK warns that the library with its own mouse styles is not linked; we bring our own.
@@ -40,6 +61,7 @@ void WindowListener::receive(unsigned long event) {
     case vtkCommand::KeyPressEvent:
       received.kind = Kind::key;
       received.key = interactor_->GetKeyCode();
+      received.pad = find_pad(interactor_->GetKeySym());
       break;
     case vtkCommand::LeftButtonPressEvent:
       received.kind = Kind::press;

@@ -19,7 +19,7 @@ using Json = nlohmann::ordered_json;
 struct EffectCase {
   std::string name;
   SurfaceEffects surface;
-  std::vector<SpaceEffect> space;
+  std::vector<SwitchedEffect> space;
 };
 
 SurfaceEffects made_layers() {
@@ -75,7 +75,7 @@ std::vector<EffectCase> map_cases(const TriangleMesh& mesh) {
           {"all images", {.maps = all}, {}}};
 }
 
-std::vector<SpaceEffect> all_of_space() {
+std::vector<SwitchedEffect> all_of_space() {
   const auto everywhere = EffectVolume::ball(Vec3::Zero(), 1.0);
   return {SpringEffect{},
           ConstantEffect{.force_n = {0, -0.2, 0}, .volume = everywhere},
@@ -85,6 +85,7 @@ std::vector<SpaceEffect> all_of_space() {
           GravityWellEffect{},
           ViscousEffect{.volume = everywhere},
           WaveEffect{.volume = everywhere},
+          MassEffect{.volume = everywhere},
           BurstEffect{.decay_s = 50.0, .duration_s = 60.0, .volume = EffectVolume::box({-1, -1, 0}, {1, 1, 1})}};
 }
 
@@ -101,8 +102,8 @@ std::vector<EffectCase> make_cases() {
       {"all of a surface", all_of_a_surface(), {}},
   };
   const std::vector<std::string> names = {"spring",       "constant", "magnet", "line snap", "plane snap",
-                                          "gravity well", "viscous",  "wave",   "burst"};
-  const std::vector<SpaceEffect> space = all_of_space();
+                                          "gravity well", "viscous",  "wave",   "mass",      "burst"};
+  const std::vector<SwitchedEffect> space = all_of_space();
   for (std::size_t i = 0; i < space.size(); ++i) cases.push_back({names[i], {}, {space[i]}});
   cases.push_back({"all of space", {}, space});
   cases.push_back({"all of both", all_of_a_surface(), space});

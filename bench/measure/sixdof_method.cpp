@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include "core/tool/voxel_tool.h"
+#include "runtime/worker_threads.h"
 
 namespace hapton {
 namespace {
@@ -38,11 +39,11 @@ class VoxelMethod final : public SixdofMethod {
 
 Placement local_placement(const ToolStep& exact, const Pose& X_SP) { return exact.to_local({X_SP}); }
 
-SixdofMethodKind proxy_tool() {
-  return {.name = "proxy",
-          .what = "the 6-DOF god-object of haptics_node --tool",
-          .make = [](const SixdofScenario& scenario) -> Result<std::unique_ptr<SixdofMethod>> {
-            auto tool = ToolStep::make(*scenario.tool, {scenario.scene}, scenario.coupling);
+SixdofMethodKind proxy_tool(int threads) {
+  return {.name = threads > 1 ? fmt::format("proxy x{}", threads) : "proxy",
+          .what = threads > 1 ? fmt::format("the same on {} threads", threads) : "the 6-DOF god-object of haptics_node --tool",
+          .make = [threads](const SixdofScenario& scenario) -> Result<std::unique_ptr<SixdofMethod>> {
+            auto tool = ToolStep::make(*scenario.tool, {scenario.scene}, scenario.coupling, {}, make_worker_team(threads));
             if (!tool) return tl::unexpected(tool.error());
             return std::make_unique<ProxyTool>(std::move(*tool));
           }};

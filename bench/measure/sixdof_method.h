@@ -28,8 +28,8 @@ struct SixdofMethodKind {
   std::function<Result<std::unique_ptr<SixdofMethod>>(const SixdofScenario&)> make;
 };
 
-// ToolStep. Its placements are those of its proxy, to the bit.
-SixdofMethodKind proxy_tool();
+// ToolStep. Its placements are those of its proxy, to the bit. threads: that share the search for contacts.
+SixdofMethodKind proxy_tool(int threads = 1);
 // VoxelTool with voxels of that size.
 SixdofMethodKind voxel_tool(double voxel_m);
 

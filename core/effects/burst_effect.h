@@ -8,7 +8,8 @@
 namespace hapton {
 
 // A burst of vibration when the device enters a volume: F = amplitude exp(-t / decay) sin(2 pi frequency t) direction for duration_s after
-// the entry, inside or not. An entry during a burst starts it again. Frame: S. Units: SI. RT: yes. Bound: amplitude_n. Passivity: active;
+// the entry, inside or not. An entry during a burst starts it again. With a button (EffectSwitch) it is the press inside that starts it.
+// Frame: S. Units: SI. RT: yes. Bound: amplitude_n. Passivity: active;
 // one burst gives at most amplitude_n times the way of the hand within duration_s.
 struct BurstEffect {
   static constexpr Passivity kPassivity = Passivity::active;
@@ -38,6 +39,20 @@ struct BurstEffect {
     }
     state.has_sample = true;
     state.is_inside = is_inside;
+    return ring(sample, state);
+  }
+
+  // Of a burst with a button.
+  Vec3 force_on_press(const EffectSample& sample, bool is_pressed, State& state) const noexcept {
+    if (is_pressed && volume.contains(sample.p_SD)) {
+      state.has_begun = true;
+      state.began_s = sample.time_s;
+    }
+    return ring(sample, state);
+  }
+
+ private:
+  Vec3 ring(const EffectSample& sample, const State& state) const noexcept {
     const double time_s = sample.time_s - state.began_s;
     if (!state.has_begun || !(time_s < duration_s)) return Vec3::Zero();
     return bounded_force((amplitude_n * decaying_sine(time_s, frequency_hz, decay_s)) * direction, amplitude_n);

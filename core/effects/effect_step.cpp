@@ -10,8 +10,10 @@ namespace {
 struct ForceOf {
   const EffectSample& sample;
   BurstEffect::State& burst;
+  MassEffect::State& mass;
 
   Vec3 operator()(const BurstEffect& effect) const noexcept { return effect.force(sample, burst); }
+  Vec3 operator()(const MassEffect& effect) const noexcept { return effect.force(sample, mass); }
   template <class Effect>
   Vec3 operator()(const Effect& effect) const noexcept {
     return effect.force(sample);
@@ -34,9 +36,9 @@ Vec3 tangential(const Vec3& v, const Vec3& normal) noexcept { return v - v.dot(n
 
 }  // namespace
 
-EffectStep::EffectStep(std::vector<SurfaceEffects> surfaces, std::vector<SpaceEffect> space)
+EffectStep::EffectStep(std::vector<SurfaceEffects> surfaces, std::vector<SwitchedEffect> space)
     : surfaces_(std::move(surfaces)), states_(surfaces_.size()) {
-  for (SpaceEffect& effect : space) space_.push_back({.effect = std::move(effect), .burst = {}});
+  for (SwitchedEffect& effect : space) space_.push_back({.effect = std::move(effect), .burst = {}, .mass = {}, .on = {}});
 }
 
 void EffectStep::reset() noexcept {
@@ -47,10 +49,14 @@ void EffectStep::reset() noexcept {
   in_contact_ = false;
   contacts_ = 0;
   for (ObjectState& state : states_) state = {};
-  for (Placed& placed : space_) placed.burst = {};
+  for (Placed& placed : space_) {
+    placed.burst = {};
+    placed.mass = {};
+    placed.on = {};
+  }
 }
 
-EffectResult EffectStep::step(const Vec3& p_SD, double dt_s, const SurfaceContact& contact) noexcept {
+EffectResult EffectStep::step(const Vec3& p_SD, double dt_s, const SurfaceContact& contact, std::uint32_t buttons) noexcept {
   if (!p_SD.allFinite()) return {.force_n = Vec3::Zero(), .p_SP = contact.p_SP, .is_felt = false};
   velocity_.add(p_SD, dt_s);
   if (dt_s > 0.0) time_s_ += std::min(dt_s, kLongestS);
@@ -64,7 +70,7 @@ EffectResult EffectStep::step(const Vec3& p_SD, double dt_s, const SurfaceContac
   } else {
     result.force_n += leave_surface(sample);
   }
-  result.force_n += space_force(sample);
+  result.force_n += space_force(sample, buttons);
   if (!result.force_n.allFinite()) result.force_n = contact.force_n;
   if (!result.p_SP.allFinite()) result.p_SP = p_SD;
   result.is_felt = contact.contact || !result.force_n.isZero(0.0);
@@ -129,9 +135,22 @@ Vec3 EffectStep::leave_surface(const EffectSample& sample) noexcept {
   return surfaces_[object].snap.force(sample, states_[object].effects.snap);
 }
 
-Vec3 EffectStep::space_force(const EffectSample& sample) noexcept {
+Vec3 EffectStep::space_force(const EffectSample& sample, std::uint32_t buttons) noexcept {
   Vec3 sum = Vec3::Zero();
-  for (Placed& placed : space_) sum += std::visit(ForceOf{sample, placed.burst}, placed.effect);
+  for (auto& [effect, burst, mass, on] : space_) {
+    const bool is_pressed = effect.on.update(buttons, sample.time_s, on);
+    if (effect.on.button == 0) {
+      sum += std::visit(ForceOf{sample, burst, mass}, effect.effect);
+    } else if (const auto* started = std::get_if<BurstEffect>(&effect.effect)) {
+      sum += started->force_on_press(sample, is_pressed, burst);
+    } else if (const auto* towed = std::get_if<MassEffect>(&effect.effect)) {
+      sum += on.gain * towed->force(sample, mass);  // follows the hand while the button is up, so that a press begins without a jolt
+    } else if (on.gain > 0.0) {
+      EffectSample since_press = sample;
+      since_press.time_s -= on.began_s;
+      sum += on.gain * std::visit(ForceOf{since_press, burst, mass}, effect.effect);
+    }
+  }
   return sum;
 }
 

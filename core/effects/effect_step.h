@@ -32,10 +32,11 @@ struct EffectResult {
 class EffectStep {
  public:
   // surfaces: one for each object of the scene.
-  EffectStep(std::vector<SurfaceEffects> surfaces, std::vector<SpaceEffect> space);
+  EffectStep(std::vector<SurfaceEffects> surfaces, std::vector<SwitchedEffect> space);
 
-  // dt_s: since the sample before; one that is not above zero counts as the same moment, one above kLongestS as kLongestS.
-  EffectResult step(const Vec3& p_SD, double dt_s, const SurfaceContact& contact) noexcept;
+  // dt_s: since the sample before; one that is not above zero counts as the same moment, one above kLongestS as kLongestS. buttons: of the
+  // stylus that are down, a bit each.
+  EffectResult step(const Vec3& p_SD, double dt_s, const SurfaceContact& contact, std::uint32_t buttons = 0) noexcept;
   void reset() noexcept;
   // The scene was moved under the device, whose last point is here now: that is no motion of the hand.
   void note_scene_moved(const Vec3& last_p_SD) noexcept {
@@ -52,14 +53,16 @@ class EffectStep {
     std::uint64_t contact = 0;
   };
   struct Placed {
-    SpaceEffect effect;
+    SwitchedEffect effect;
     BurstEffect::State burst;
+    MassEffect::State mass;
+    EffectSwitch::State on;
   };
 
   SurfaceEffectState& state_of(int object) noexcept;
   Vec3 surface_force(const EffectSample& sample, const Vec3& motion, const SurfaceContact& contact, Vec3& p_SP) noexcept;
   Vec3 leave_surface(const EffectSample& sample) noexcept;
-  Vec3 space_force(const EffectSample& sample) noexcept;
+  Vec3 space_force(const EffectSample& sample, std::uint32_t buttons) noexcept;
 
   std::vector<SurfaceEffects> surfaces_;  // by object
   std::vector<Placed> space_;

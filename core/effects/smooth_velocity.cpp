@@ -5,7 +5,7 @@
 namespace hapton {
 
 void SmoothVelocity::add(const Vec3& p, double dt_s) noexcept {
-  if (!p.allFinite() || !(dt_s > 0.0)) return;
+  if (!p.allFinite() || (has_point_ && !(dt_s > 0.0))) return;
   const Vec3 moved = p - last_;
   last_ = p;
   if (!has_point_) {

@@ -20,7 +20,7 @@ class SmoothVelocity {
 
   void reset() noexcept { *this = {}; }
 
-  // The next sample. One that is not finite, or no later than the one before (dt_s not above 0), changes nothing.
+  // The next sample. One that is not finite, or no later than the one before (dt_s not above 0), changes nothing; of the first, dt_s does not count.
   void add(const Vec3& p, double dt_s) noexcept;
 
   // The point of the last sample is here: the frame has moved under it.

@@ -1,10 +1,14 @@
 #pragma once
 
+#include <type_traits>
+#include <utility>
 #include <variant>
 
 #include "core/effects/burst_effect.h"
 #include "core/effects/constant_effect.h"
+#include "core/effects/effect_switch.h"
 #include "core/effects/gravity_well_effect.h"
+#include "core/effects/mass_effect.h"
 #include "core/effects/snap_effect.h"
 #include "core/effects/spring_effect.h"
 #include "core/effects/viscous_effect.h"
@@ -13,7 +17,8 @@
 namespace hapton {
 
 // An effect in free space: it acts on the device whether a surface is touched or not.
-using SpaceEffect = std::variant<SpringEffect, ConstantEffect, SnapEffect, GravityWellEffect, ViscousEffect, WaveEffect, BurstEffect>;
+using SpaceEffect =
+    std::variant<SpringEffect, ConstantEffect, SnapEffect, GravityWellEffect, ViscousEffect, WaveEffect, BurstEffect, MassEffect>;
 
 struct PassivityOf {
   Passivity operator()(const ConstantEffect& effect) const noexcept { return effect.passivity(); }
@@ -29,5 +34,21 @@ inline Passivity passivity_of(const SpaceEffect& effect) noexcept { return std::
 inline double bound_of(const SpaceEffect& effect) noexcept {
   return std::visit([](const auto& e) { return e.bound_n(); }, effect);
 }
+
+// An effect, and when it acts. An effect alone always acts.
+struct SwitchedEffect {
+  SpaceEffect effect;
+  EffectSwitch on = {};
+
+  template <class Effect>
+  requires(!std::is_same_v<std::remove_cvref_t<Effect>, SwitchedEffect> && std::is_constructible_v<SpaceEffect, Effect>)
+      SwitchedEffect(Effect&& made, EffectSwitch when = {})
+      : effect(std::forward<Effect>(made)), on(when) {}
+
+  Passivity passivity() const noexcept {
+    const Passivity always = passivity_of(effect);
+    return on.button == 0 || always == Passivity::dissipative ? always : Passivity::active;
+  }
+};
 
 }  // namespace hapton

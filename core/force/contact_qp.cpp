@@ -23,13 +23,20 @@ Trial on_one(const Vec3& goal, const ContactPlane& a) {
   return {goal + multiplier * a.normal, {multiplier, 0, 0}, multiplier >= 0.0};
 }
 
-// The goal's component along the planes' common line, plus the line's point nearest to zero. No large numbers cancel, even for nearly
-// parallel planes.
+// Below this sine of the angle between planes their common point is found to the rounding of a plane's value only by a second, corrected
+// solution: the terms of the first cancel to that share.
+constexpr double kSmallSine = 0x1p-5;
+
+// The goal's component along the planes' common line, plus the line's point nearest to zero.
 Trial on_two(const Vec3& goal, const ContactPlane& a, const ContactPlane& b) {
   const Vec3 line = accurate_cross(a.normal, b.normal);
   const double sine_squared = line.squaredNorm();
   if (!(sine_squared > 16.0 * kUnitRounding * kUnitRounding)) return {};  // parallel up to rounding
-  const Vec3 y = (line * line.dot(goal) + a.height * b.normal.cross(line) + b.height * line.cross(a.normal)) / sine_squared;
+  const auto nearest_to = [&](double height_a, double height_b) {
+    return Vec3((height_a * b.normal.cross(line) + height_b * line.cross(a.normal)) / sine_squared);
+  };
+  Vec3 y = line * (line.dot(goal) / sine_squared) + nearest_to(a.height, b.height);
+  if (sine_squared < kSmallSine * kSmallSine) y += nearest_to(a.height - a.normal.dot(y), b.height - b.normal.dot(y));
   const Vec3 correction = y - goal;  // = multiplier_a * a.normal + multiplier_b * b.normal
   const double multiplier_a = b.normal.cross(line).dot(correction) / sine_squared;
   const double multiplier_b = line.cross(a.normal).dot(correction) / sine_squared;
@@ -42,7 +49,11 @@ Trial on_three(const Vec3& goal, const ContactPlane& a, const ContactPlane& b, c
   const Vec3 ab = accurate_cross(a.normal, b.normal);
   const double det = a.normal.dot(bc);
   if (!(std::fabs(det) > 16.0 * kUnitRounding)) return {};
-  const Vec3 y = (a.height * bc + b.height * ca + c.height * ab) / det;
+  const auto meeting_at = [&](double height_a, double height_b, double height_c) {
+    return Vec3((height_a * bc + height_b * ca + height_c * ab) / det);
+  };
+  Vec3 y = meeting_at(a.height, b.height, c.height);
+  if (std::fabs(det) < kSmallSine) y += meeting_at(a.height - a.normal.dot(y), b.height - b.normal.dot(y), c.height - c.normal.dot(y));
   const Vec3 correction = y - goal;
   Trial trial{y, {bc.dot(correction) / det, ca.dot(correction) / det, ab.dot(correction) / det}, false};
   trial.valid = trial.multipliers[0] >= 0.0 && trial.multipliers[1] >= 0.0 && trial.multipliers[2] >= 0.0;

@@ -18,6 +18,7 @@ namespace hapton {
 struct MethodInput {
   Vec3 p_SD = Vec3::Zero();  // device point, m
   double dt_s = 1e-3;        // time since the sample before
+  double time_s = 0.0;       // of the scene: where the objects are that move by themselves
 };
 
 // The result of that sample.
@@ -31,7 +32,8 @@ struct MethodOutput {
 };
 
 // A method that turns device samples into forces. It keeps its own state between samples (the proxy, the last position).
-// RT: step, reset, held_at, resume and set_materials yes (no heap, lock, system call, log or throw); everything else set-up only.
+// RT: step, reset, held_at, resume, carried_from and set_materials yes (no heap, lock, system call, log or throw); everything else set-up
+// only.
 class ForceMethod {
  public:
   virtual ~ForceMethod() = default;
@@ -48,6 +50,9 @@ class ForceMethod {
   // A method without a proxy starts anew.
   virtual std::optional<Vec3> held_at() const noexcept { return std::nullopt; }
   virtual void resume(const Vec3& p_SP) noexcept { reset(p_SP); }
+
+  // Where on its way the device was when the last step ran out of work: the next step follows the rest first. None: it was finished.
+  virtual std::optional<Vec3> carried_from() const noexcept { return std::nullopt; }
 
   // The materials have changed, and nothing else: proxy and contact stay, and the next step's force is that of these. Pre: one for each
   // object of the scene, as stiff as couple_material makes it, two_sided as before. Threads: as step.

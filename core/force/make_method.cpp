@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/force/force_method.h"
+#include "core/force/moving_method.h"
 #include "core/force/proxy/proxy_method.h"
 #include "core/force/reference/reference_method.h"
 #include "core/force/smooth/smooth_method.h"
@@ -15,11 +16,12 @@ namespace {
 struct Entry {
   std::string_view name;
   Result<std::unique_ptr<ForceMethod>> (*make)(const MethodSettings&, const TouchScene&);
+  bool feels_motion = false;  // has a proxy that does not cross a surface, whatever comes upon it
 };
 
 constexpr std::array kMethods = {
-    Entry{"proxy", &ProxyMethod::make},
-    Entry{"reference", &ReferenceMethod::make},
+    Entry{"proxy", &ProxyMethod::make, true},
+    Entry{"reference", &ReferenceMethod::make, true},
     Entry{"smooth", &SmoothMethod::make},
     Entry{"sweep", &SweepMethod::make},
 };
@@ -56,9 +58,11 @@ Result<std::unique_ptr<ForceMethod>> make_method(const MethodSettings& settings,
                 settings.coupling_n_per_m);
   }
   for (const Entry& entry : kMethods) {
-    if (entry.name == settings.name) {
-      return entry.make(settings, couple_scene(scene, settings.coupling_n_per_m));
-    }
+    if (entry.name != settings.name) continue;
+    const TouchScene coupled = couple_scene(scene, settings.coupling_n_per_m);
+    if (!scene.has_motion()) return entry.make(settings, coupled);
+    if (entry.feels_motion) return MovingMethod::make(entry.make, settings, coupled);
+    return fail("method {}: objects of the scene move by keyframes, which it does not feel; choose proxy or reference", settings.name);
   }
   return fail("method '{}' is not known; choose one of: {}", settings.name, method_names());
 }

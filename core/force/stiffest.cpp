@@ -25,7 +25,7 @@ double find_stiffest(const TouchScene& scene) {
   double stiffest_n_per_m = 0.0;
   for (const TouchObject& object : scene.objects)
     stiffest_n_per_m = std::max(stiffest_n_per_m, stiffest_of(object.material, object.effects));
-  for (const SpaceEffect& effect : scene.effects) stiffest_n_per_m = std::max(stiffest_n_per_m, stiffest_of(effect));
+  for (const SwitchedEffect& one : scene.effects) stiffest_n_per_m = std::max(stiffest_n_per_m, stiffest_of(one.effect));
   return stiffest_n_per_m;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -7,6 +8,7 @@
 #include "core/effects/space_effect.h"
 #include "core/effects/surface_effects.h"
 #include "core/geometry/triangle_mesh.h"
+#include "core/math/keyframe_motion.h"
 
 namespace hapton {
 
@@ -23,13 +25,14 @@ struct Material {
 struct TouchObject {
   std::shared_ptr<const TriangleMesh> mesh;  // frame S, metres
   Material material;
-  SurfaceEffects effects = {};  // beyond the material; TouchStep adds them
+  SurfaceEffects effects = {};                             // beyond the material; TouchStep adds them
+  std::shared_ptr<const KeyframeMotion> motion = nullptr;  // moves the mesh from where it is by itself; null: it stands still
 };
 
 // All objects that can be touched. Frame S.
 struct TouchScene {
   std::vector<TouchObject> objects;
-  std::vector<SpaceEffect> effects = {};  // in free space
+  std::vector<SwitchedEffect> effects = {};  // in free space
   // Where the objects are a part of a larger scene: what that one lies in. All its parts are then touched in one local frame, with one
   // contact offset (object_geometry.h). Empty: the objects are the whole scene.
   Box part_of = {};
@@ -38,6 +41,9 @@ struct TouchScene {
     bool any = !effects.empty();
     for (const TouchObject& object : objects) any = any || object.effects.any();
     return any;
+  }
+  bool has_motion() const {
+    return std::any_of(objects.begin(), objects.end(), [](const TouchObject& object) { return object.motion != nullptr; });
   }
 };
 

@@ -10,12 +10,14 @@ MethodInput to_static_scene(const TouchInput& input) {
   const Vec3 from_origin = input.p_WD - input.X_WS.translation();
   sample.p_SD.noalias() = input.X_WS.linear().transpose().lazyProduct(from_origin);
   sample.dt_s = input.dt_s;
+  sample.time_s = input.time_s;
   return sample;
 }
 
 }  // namespace
 
-TouchStep::TouchStep(std::shared_ptr<ForceMethod> method, const TouchScene& scene) : method_(std::move(method)) {
+TouchStep::TouchStep(std::shared_ptr<ForceMethod> method, const TouchScene& scene)
+    : method_(std::move(method)), has_motion_(scene.has_motion()) {
   if (!scene.has_effects()) return;
   std::vector<SurfaceEffects> surfaces;
   for (const TouchObject& object : scene.objects) {
@@ -52,7 +54,7 @@ TouchOutput TouchStep::step(const TouchInput& input) noexcept {
   if (result.contact && result.object >= 0 && result.object < static_cast<int>(maps_.size())) {
     if (MapFinder* finder = maps_[static_cast<std::size_t>(result.object)].get()) contact.map = &map.emplace(finder->find(result.p_SP));
   }
-  const EffectResult felt = effects_->step(sample.p_SD, sample.dt_s, contact);
+  const EffectResult felt = effects_->step(sample.p_SD, sample.dt_s, contact, input.buttons);
   TouchOutput output;
   output.contact = felt.is_felt;
   output.object = result.object;

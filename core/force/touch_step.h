@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -16,6 +17,8 @@ struct TouchInput {
   Vec3 p_WD = Vec3::Zero();      // device point, m
   Pose X_WS = Pose::Identity();  // static scene in world (the view transform)
   double dt_s = 1e-3;
+  std::uint32_t buttons = 0;  // of the stylus that are down, a bit each, the first one lowest; of use to effects only
+  double time_s = 0.0;        // as in MethodInput
 };
 
 struct TouchOutput {
@@ -43,6 +46,8 @@ class TouchStep {
   void set_materials(std::span<const Material> materials) noexcept { method_->set_materials(materials); }
   const ForceMethod& method() const { return *method_; }
   bool has_effects() const { return effects_ != nullptr; }
+  // Objects of the scene move by themselves: the force depends on TouchInput::time_s.
+  bool has_motion() const { return has_motion_; }
   // Shared with the slow task, which calls prepare() beside step().
   std::shared_ptr<ForceMethod> share_method() const { return method_; }
 
@@ -54,6 +59,7 @@ class TouchStep {
   std::unique_ptr<EffectStep> effects_;           // null: the scene has none
   std::vector<std::unique_ptr<MapFinder>> maps_;  // by object; null: it has none; used with effects only
   TouchInput last_;                               // of the last step; used with effects only
+  bool has_motion_ = false;
 };
 
 }  // namespace hapton

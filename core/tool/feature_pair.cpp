@@ -152,6 +152,47 @@ double part_time(const FeaturePair& pair, const FeatureGap& gap, const Placement
   return gap.feature == TriangleFeature::face ? std::max(by_plane, line_time(pair, gap, placement, m, floor)) : by_plane;
 }
 
+// The second derivative of n . R(w) a by the rotation vector w, at w = 0: n . (e_i x (e_j x a)), symmetric in i and j.
+Mat3 turn_curvature(const Vec3& n, const Vec3& a) { return 0.5 * (n * a.transpose() + a * n.transpose()) - n.dot(a) * Mat3::Identity(); }
+
+// [v] with [v] x = v x x.
+Mat3 cross_matrix(const Vec3& v) {
+  Mat3 m;
+  m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
+  return m;
+}
+
+// Of two edges that are closest inside both: f = N . u / |N|, where N = d x e turns with the tool's edge d, and u is from the scene's edge
+// to the tool's.
+Mat6 edge_curvature(const FeaturePair& pair, const FeatureGap& gap, const Placement& placement) {
+  const Vec3 d = placement.orientation * (pair.tool[1] - pair.tool[0]);
+  const Vec3 e = pair.scene[1] - pair.scene[0];
+  Vec3 unit = d.cross(e);
+  const double length = unit.norm();
+  if (!(length > 0x1p-48 * d.norm() * e.norm())) return Mat6::Zero();
+  unit /= unit.dot(gap.normal) < 0.0 ? -length : length;
+  const double side = unit.dot(d.cross(e)) < 0.0 ? -1.0 : 1.0;
+  // Over |N|: the derivatives of N by the turn, in columns, ...
+  const Mat3 normal = side / length * (cross_matrix(e) * cross_matrix(d));
+  const auto by_second = [&](const Vec3& v) { return Mat3(side / length * turn_curvature(e.cross(v), d)); };  // ... and v . N''
+  const Vec3 u = gap.distance * gap.normal;
+  const Vec3& a = gap.on_tool;
+  const Mat3 point = -cross_matrix(a);  // of u, in columns
+  const Vec3 first = normal.transpose() * u + point.transpose() * unit;
+  const Mat3 crossed = normal.transpose() * point;
+  const Vec3 length_slope = normal.transpose() * unit;  // of |N|, over it
+  const Mat3 length_curvature = normal.transpose() * normal + by_second(unit) - length_slope * length_slope.transpose();
+  const Mat3 second = by_second(u) + crossed + crossed.transpose() + turn_curvature(unit, a);
+  const double value = unit.dot(u);
+  const Mat3 mixed = first * length_slope.transpose();
+  Mat6 curvature = Mat6::Zero();
+  curvature.bottomRightCorner<3, 3>() =
+      second - (mixed + mixed.transpose()) - value * (length_curvature - 2.0 * length_slope * length_slope.transpose());
+  curvature.bottomLeftCorner<3, 3>() = normal.transpose() - length_slope * unit.transpose();
+  curvature.topRightCorner<3, 3>() = curvature.bottomLeftCorner<3, 3>().transpose();
+  return curvature;
+}
+
 }  // namespace
 
 FeatureGap measure_gap(const FeaturePair& pair, const Placement& placement) noexcept {
@@ -205,6 +246,21 @@ double gap_along(const FeaturePair& pair, const FeatureGap& gap, const Placement
     if (std::fabs(cosine) > 0.5 * length) return normal.dot(between) / (cosine < 0.0 ? -length : length);
   }
   return gap.normal.dot(between);
+}
+
+Mat6 gap_curvature(const FeaturePair& pair, const FeatureGap& gap, const Placement& placement) noexcept {
+  const bool is_inside = gap.feature == TriangleFeature::face;
+  if (pair.kind == Kind::edge_edge && is_inside) return edge_curvature(pair, gap, placement);
+  Mat6 curvature = Mat6::Zero();
+  if (pair.kind == Kind::face_vertex && is_inside) {
+    // Seen from the face, the vertex moves: n . R(-w) (position + shift - vertex).
+    curvature.bottomRightCorner<3, 3>() = turn_curvature(gap.normal, placement.position - gap.on_scene);
+    curvature.bottomLeftCorner<3, 3>() = cross_matrix(gap.normal);
+    curvature.topRightCorner<3, 3>() = curvature.bottomLeftCorner<3, 3>().transpose();
+  } else {
+    curvature.bottomRightCorner<3, 3>() = turn_curvature(gap.normal, gap.on_tool);
+  }
+  return curvature;
 }
 
 double find_safe_time(const FeaturePair& pair, const FeatureGap& gap, const RigidMotion& motion, double floor, double until) noexcept {

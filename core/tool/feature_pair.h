@@ -42,6 +42,10 @@ bool is_beyond(const FeaturePair& pair, const Placement& placement, double dista
 // to second order of the motion between the two, where the distance itself may meanwhile be attained elsewhere. RT: yes.
 double gap_along(const FeaturePair& pair, const FeatureGap& gap, const Placement& from, const Placement& to) noexcept;
 
+// The second derivative of gap_along at no motion, by the shift and the turn (a rotation vector), in this order. Edges that are parallel to
+// rounding: zero. RT: yes. Pre: gap is the pair's at the placement.
+Mat6 gap_curvature(const FeaturePair& pair, const FeatureGap& gap, const Placement& placement) noexcept;
+
 // The time until which the pair certainly stays at least `floor` apart over the motion, up to `until`. A lower bound: each part of the
 // motion is covered by a bound of second order (conservative advancement, Mirtich 1996; we differ in bounding a vertex against a triangle
 // in the triangle's frame, where the distance is a convex function of the point, and edges by their volume), and after kMostParts of them

@@ -8,8 +8,6 @@
 
 namespace hapton {
 
-using Mat6 = Eigen::Matrix<double, 6, 6>;
-
 // Coulomb friction of a surface; the dynamic one is not above the static one.
 struct SurfaceFriction {
   double friction_static = 0.0;

@@ -40,7 +40,7 @@ bool is_top_of(const SurfaceFeatures& surface, std::uint32_t t, TriangleFeature 
 
 }  // namespace
 
-NearFeatures::NearFeatures(const ObjectGeometry& tool, const TouchGeometry& scene)
+NearFeatures::NearFeatures(const ObjectGeometry& tool, const TouchGeometry& scene, WorkerTeam& team)
     : tool_(&tool),
       scene_(&scene),
       tool_features_(tool),
@@ -49,10 +49,15 @@ NearFeatures::NearFeatures(const ObjectGeometry& tool, const TouchGeometry& scen
       scene_tree_(scene),
       pairs_(tool, scene, kMostTrianglePairs),
       radius_(radius_of(tool)),
-      front_(tool_tree_, scene_tree_, radius_),
+      front_(tool_tree_, scene_tree_, radius_, team),
       features_(kMostFeatures),
       known_(kMostFeatures),
-      swept_(kSwept) {}
+      workers_(static_cast<std::size_t>(team.size())) {
+  for (Worker& worker : workers_) {
+    worker.swept.resize(kSwept);
+    worker.found.reserve(kMostFeatures);
+  }
+}
 
 void NearFeatures::SweptTriangle::place(const ObjectGeometry::Corners& own, const SweptMotion& motion, double within) {
   const std::array<Vec3, 3> arm = {motion.orientation * own.a, motion.orientation * own.b, motion.orientation * own.c};
@@ -93,10 +98,11 @@ bool NearFeatures::collect(const Placement& placement, double distance, double t
 bool NearFeatures::extend(const RigidMotion& motion, double distance) noexcept {
   if (motion.length(radius_) + distance <= within_) return true;
   const SweptMotion path(motion);
-  fits_ = true;
   ++walk_;
-  return front_.for_each_near(path, distance, [&](std::uint32_t own, std::uint32_t id) {
-    const SweptTriangle& tool = swept(own, path, distance);
+  for (Worker& worker : workers_) worker.found.clear();
+  const bool is_whole = front_.for_each_near(path, distance, [&](PatchFront::Turn turn, std::uint32_t own, std::uint32_t id) {
+    Worker& worker = workers_[static_cast<std::size_t>(turn.worker)];
+    const SweptTriangle& tool = swept(worker, own, path, distance);
     const ObjectGeometry::Corners c = scene_->corners(id);
     const PlacedTriangle scene(c.a, c.b, c.c);
     bool apart = false;
@@ -105,15 +111,33 @@ bool NearFeatures::extend(const RigidMotion& motion, double distance) noexcept {
     FeaturePair pair;
     pair.tool_triangle = own;
     pair.scene_triangle = id;
-    Gaps gaps;
-    add_vertices(pair, tool, scene, gaps);
-    add_edges(pair, tool, scene, gaps);
-    return PatchFront::Visited{std::max(gap, std::sqrt(gaps.all_squared)), std::max(gap, std::sqrt(gaps.rest_squared)), fits_};
+    Visit visit{worker, turn.place, tool, scene};
+    add_vertices(pair, visit);
+    add_edges(pair, visit);
+    return PatchFront::Visited{std::max(gap, std::sqrt(visit.all_squared)), std::max(gap, std::sqrt(visit.rest_squared)), visit.fits};
   });
+  if (!is_whole || !take_over()) {
+    front_.restart();
+    return false;
+  }
+  return true;
 }
 
-const NearFeatures::SweptTriangle& NearFeatures::swept(std::uint32_t triangle, const SweptMotion& motion, double distance) noexcept {
-  SweptTriangle& tool = swept_[triangle % kSwept];
+bool NearFeatures::take_over() noexcept {
+  std::size_t found = 0;
+  for (const Worker& worker : workers_) found += worker.found.size();
+  if (count_ + found > features_.size()) return false;
+  PatchFront::for_each_by_place(
+      workers_, [](const Worker& worker) -> const std::vector<Found>& { return worker.found; },
+      [&](const Found& one) {
+        if (known_.insert(one.near.pair)) features_[count_++] = one.near;
+      });
+  return true;
+}
+
+const NearFeatures::SweptTriangle& NearFeatures::swept(Worker& worker, std::uint32_t triangle, const SweptMotion& motion,
+                                                       double distance) const noexcept {
+  SweptTriangle& tool = worker.swept[triangle % kSwept];
   if (tool.walk != walk_ || tool.triangle != triangle) {
     tool.place(tool_->corners(triangle), motion, distance);
     tool.walk = walk_;
@@ -156,12 +180,13 @@ double NearFeatures::find_plane_gap(const SweptTriangle& tool, const PlacedTrian
   return gap;
 }
 
-void NearFeatures::add_vertices(FeaturePair& pair, const SweptTriangle& tool, const PlacedTriangle& scene, Gaps& gaps) noexcept {
+void NearFeatures::add_vertices(FeaturePair& pair, Visit& visit) const noexcept {
+  const SweptTriangle& tool = visit.tool;
   const SurfaceFeatures& scene_features = scene_features_[scene_->mesh_of(pair.scene_triangle)];
   const std::uint32_t scene_triangle = scene_->triangle_of(pair.scene_triangle);
   const ObjectGeometry::Corners t = tool_->corners(pair.tool_triangle);
   const std::array<Vec3, 3> own = {t.a, t.b, t.c};
-  const std::array<Vec3, 3>& s = scene.corner;
+  const std::array<Vec3, 3>& s = visit.scene.corner;
   for (int k = 0; k < 3; ++k) {
     pair.tool_corner = pair.scene_corner = k;
     if (tool_features_.owns_vertex(pair.tool_triangle, k)) {
@@ -169,19 +194,21 @@ void NearFeatures::add_vertices(FeaturePair& pair, const SweptTriangle& tool, co
       pair.kind = Kind::vertex_face;
       pair.tool[0] = own[k];
       pair.scene = s;
-      add(pair, tool, squared, gaps);
+      add(pair, squared, visit);
     }
     if (scene_features.owns_vertex(scene_triangle, k)) {
       const double squared = triangle_distance_squared(s[k], tool.corner[0], tool.corner[1], tool.corner[2]);
       pair.kind = Kind::face_vertex;
       pair.tool = own;
       pair.scene[0] = s[k];
-      add(pair, tool, squared, gaps);
+      add(pair, squared, visit);
     }
   }
 }
 
-void NearFeatures::add_edges(FeaturePair& pair, const SweptTriangle& tool, const PlacedTriangle& scene, Gaps& gaps) noexcept {
+void NearFeatures::add_edges(FeaturePair& pair, Visit& visit) const noexcept {
+  const SweptTriangle& tool = visit.tool;
+  const PlacedTriangle& scene = visit.scene;
   const SurfaceFeatures& scene_features = scene_features_[scene_->mesh_of(pair.scene_triangle)];
   const std::uint32_t scene_triangle = scene_->triangle_of(pair.scene_triangle);
   const ObjectGeometry::Corners t = tool_->corners(pair.tool_triangle);
@@ -200,21 +227,22 @@ void NearFeatures::add_edges(FeaturePair& pair, const SweptTriangle& tool, const
       const double squared = detail::segment_segment_distance_squared(of3(a), of3(d), of3(b), of3(Vec3(b_end - b)));
       pair.scene_corner = k;
       pair.scene = {b, b_end, Vec3::Zero()};
-      add(pair, tool, squared, gaps);
+      add(pair, squared, visit);
     }
   }
 }
 
-void NearFeatures::add(const FeaturePair& pair, const SweptTriangle& tool, double distance_squared, Gaps& gaps) noexcept {
-  gaps.all_squared = std::min(gaps.all_squared, distance_squared);
-  const double reach = tool.reach + tool.most_moved;
-  if (distance_squared <= reach * reach && add_if_near(pair, tool)) return;
-  gaps.rest_squared = std::min(gaps.rest_squared, distance_squared);
+void NearFeatures::add(const FeaturePair& pair, double distance_squared, Visit& visit) const noexcept {
+  visit.all_squared = std::min(visit.all_squared, distance_squared);
+  const double reach = visit.tool.reach + visit.tool.most_moved;
+  if (distance_squared <= reach * reach && add_if_near(pair, visit)) return;
+  visit.rest_squared = std::min(visit.rest_squared, distance_squared);
 }
 
 // Skips a pair that a plane between its closest points, held fixed, separates over the motion.
-bool NearFeatures::add_if_near(const FeaturePair& pair, const SweptTriangle& tool) noexcept {
+bool NearFeatures::add_if_near(const FeaturePair& pair, Visit& visit) const noexcept {
   if (known_.has(pair)) return true;
+  const SweptTriangle& tool = visit.tool;
   const FeatureGap gap = measure_gap(pair, placement_);
   double approach = 0.0;
   if (pair.kind == Kind::face_vertex) {
@@ -224,10 +252,10 @@ bool NearFeatures::add_if_near(const FeaturePair& pair, const SweptTriangle& too
     if (pair.kind == Kind::edge_edge) approach = std::min(approach, gap.normal.dot(tool.moved[(pair.tool_corner + 1) % 3]));
   }
   if (gap.distance + approach > tool.reach) return false;
-  fits_ = fits_ && count_ < features_.size();
-  if (!fits_) return false;
-  known_.insert(pair);
-  features_[count_++] = {pair, gap, is_minimum(pair, gap)};
+  std::vector<Found>& found = visit.worker.found;
+  visit.fits = visit.fits && count_ + found.size() < features_.size();
+  if (!visit.fits) return false;
+  found.push_back({{pair, gap, is_minimum(pair, gap)}, visit.place});
   return true;
 }
 

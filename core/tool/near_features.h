@@ -28,14 +28,15 @@ struct NearFeature {
 // The pairs of features of tool and scene that matter for a motion of the tool: all within a distance, and those that come within it on the
 // way. A pair that slides along itself needs no attention however fast it is, so few are left of those that are near (constraint
 // generation: the caller finds a motion from few pairs, and adds those that it brings together).
+// The workers of a team share the work; what they find does not depend on their number.
 // Work: at most PatchFront::kMostTests pairs of boxes a call, and kMostFeatures pairs of features. RT: collect, extend and any_intersect
-// yes, construction set-up only. Pre: the geometries outlive this; the scene is built at once.
+// yes with one worker, construction set-up only. Pre: the geometries and the team outlive this; the scene is built at once.
 class NearFeatures {
  public:
   static constexpr std::size_t kMostTrianglePairs = 1U << 17;
   static constexpr std::size_t kMostFeatures = 1U << 14;
 
-  NearFeatures(const ObjectGeometry& tool, const TouchGeometry& scene);
+  NearFeatures(const ObjectGeometry& tool, const TouchGeometry& scene, WorkerTeam& team = calling_thread());
   NearFeatures(const NearFeatures&) = delete;  // front_ points to the trees
   NearFeatures& operator=(const NearFeatures&) = delete;
 
@@ -46,6 +47,8 @@ class NearFeatures {
   // Adds all pairs that come as near as `distance` during a motion, and some that do not. Their gaps are those at its start. False if there
   // are more than fit. Pre: motion.from is the placement of the last collect.
   bool extend(const RigidMotion& motion, double distance) noexcept;
+  // Forgets where the last walk has ended: the next one is as the first.
+  void restart() noexcept { front_.restart(); }
   // Those of the last collect, then those that each extend has added.
   std::span<const NearFeature> features() const { return {features_.data(), count_}; }
   // True if triangles of tool and scene intersect (exact signs), or if there are too many near each other to tell.
@@ -89,19 +92,36 @@ class NearFeatures {
     Box swept;           // its path, inflated by the reach
   };
 
-  const SweptTriangle& swept(std::uint32_t triangle, const SweptMotion& motion, double distance) noexcept;
-  // How far apart the triangles are at least; `apart` if a plane of either, held fixed, separates them over the motion.
-  static double find_plane_gap(const SweptTriangle& tool, const PlacedTriangle& scene, bool& apart) noexcept;
-  // These add features that matter, and tell how far apart at least all are, and all that are not in features_.
-  struct Gaps {
+  struct Found {
+    NearFeature near;
+    std::uint32_t place;
+  };
+  // What one worker has of a call.
+  struct Worker {
+    std::vector<SweptTriangle> swept;  // by the last bits of the triangle's number
+    std::vector<Found> found;          // pairs that are not in features_
+  };
+  // A pair of triangles that is visited, and the least distances of their features: of all, and of those that are not known yet.
+  struct Visit {
+    Worker& worker;
+    std::uint32_t place;
+    const SweptTriangle& tool;
+    const PlacedTriangle& scene;
+    bool fits = true;
     double all_squared = std::numeric_limits<double>::infinity();
     double rest_squared = std::numeric_limits<double>::infinity();
   };
-  void add_vertices(FeaturePair& pair, const SweptTriangle& tool, const PlacedTriangle& scene, Gaps& gaps) noexcept;
-  void add_edges(FeaturePair& pair, const SweptTriangle& tool, const PlacedTriangle& scene, Gaps& gaps) noexcept;
-  void add(const FeaturePair& pair, const SweptTriangle& tool, double distance_squared, Gaps& gaps) noexcept;
-  bool add_if_near(const FeaturePair& pair, const SweptTriangle& tool) noexcept;  // false: it was not added
+
+  const SweptTriangle& swept(Worker& worker, std::uint32_t triangle, const SweptMotion& motion, double distance) const noexcept;
+  // How far apart the triangles are at least; `apart` if a plane of either, held fixed, separates them over the motion.
+  static double find_plane_gap(const SweptTriangle& tool, const PlacedTriangle& scene, bool& apart) noexcept;
+  // These add features that matter to what the worker has found.
+  void add_vertices(FeaturePair& pair, Visit& visit) const noexcept;
+  void add_edges(FeaturePair& pair, Visit& visit) const noexcept;
+  void add(const FeaturePair& pair, double distance_squared, Visit& visit) const noexcept;
+  bool add_if_near(const FeaturePair& pair, Visit& visit) const noexcept;  // false: it was not added
   bool is_minimum(const FeaturePair& pair, const FeatureGap& gap) const noexcept;
+  bool take_over() noexcept;  // what the workers have found. False: there are more than fit
 
   const ObjectGeometry* tool_;
   const TouchGeometry* scene_;
@@ -118,8 +138,7 @@ class NearFeatures {
   std::vector<NearFeature> features_;
   std::size_t count_ = 0;
   FeatureSet known_;  // what features_ holds
-  bool fits_ = true;
-  std::vector<SweptTriangle> swept_;  // by the last bits of the triangle's number
+  std::vector<Worker> workers_;
   std::uint64_t walk_ = 0;
 };
 

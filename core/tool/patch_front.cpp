@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 namespace hapton {
 namespace {
@@ -45,15 +46,23 @@ double largest_of(const Lanes4& a, const Lanes4& b) {
 
 }  // namespace
 
-PatchFront::PatchFront(const PatchTree& tool, const PatchTree& scene, double radius)
+PatchFront::PatchFront(const PatchTree& tool, const PatchTree& scene, double radius, WorkerTeam& team)
     : tool_(&tool),
       scene_(&scene),
       radius_(radius),
+      team_(&team),
+      walkers_(static_cast<std::size_t>(team.size())),
       ended_(kMostEnded),
       until_(kMostEnded),
+      lowest_(kMostEnded / kBlock),
       rest_until_(kMostEnded),
-      visited_in_(kMostEnded),
-      boxes_(kBoxes) {}
+      visited_in_(kMostEnded) {
+  places_.reserve(kMostEnded);
+  for (Walker& walker : walkers_) {
+    walker.boxes.resize(kBoxes);
+    walker.added.reserve(kMostEnded);
+  }
+}
 
 void PatchFront::ToolBox::place(const PatchTree::Node& tool, const SweptMotion& motion) {
   const Vec3 arm = motion.orientation * tool.at();
@@ -70,14 +79,22 @@ void PatchFront::ToolBox::place(const PatchTree::Node& tool, const SweptMotion& 
   slack = still_slack + motion.angle * radius + motion.sagitta * (length + radius);
 }
 
-const PatchFront::ToolBox& PatchFront::placed(std::uint32_t node, const SweptMotion& motion) noexcept {
-  ToolBox& box = boxes_[node % kBoxes];
+const PatchFront::ToolBox& PatchFront::placed(Walker& walker, std::uint32_t node, const SweptMotion& motion) const noexcept {
+  ToolBox& box = walker.boxes[node % kBoxes];
   if (box.walk != walk_ || box.node != node) {
     box.place(tool_->nodes()[node], motion);
     box.walk = walk_;
     box.node = node;
   }
   return box;
+}
+
+bool PatchFront::is_end(Pair pair) const noexcept { return tool_->nodes()[pair.tool].is_leaf() && scene_->nodes()[pair.scene].is_leaf(); }
+
+bool PatchFront::splits_tool(Pair pair) const noexcept {
+  const PatchTree::Node& tool = tool_->nodes()[pair.tool];
+  const PatchTree::Node& scene = scene_->nodes()[pair.scene];
+  return !tool.is_leaf() && (scene.is_leaf() || tool.half[2] > scene.half[2]);
 }
 
 PatchFront::Apart PatchFront::test(const ToolBox& tool, const PatchTree::Node& scene, double clearance) noexcept {
@@ -105,33 +122,83 @@ PatchFront::Apart PatchFront::test(const ToolBox& tool, const PatchTree::Node& s
           largest_of(moved_scene, moved_tool) * kAxisLength - rounding - tool.slack > clearance};
 }
 
-float PatchFront::begin(const SweptMotion& motion, double distance) noexcept {
+void PatchFront::begin(const SweptMotion& motion, double distance) noexcept {
   const double rounding = 0x1p-45 * (1.0 + radius_);
   travelled_ +=
       (motion.from.position - at_.position).norm() + radius_ * turn_between(at_.orientation, motion.from.orientation).norm() + rounding;
   at_ = motion.from;
-  tests_ = 0;
   ++walk_;
-  if (count_ == 0 || count_ > 2 * first_count_ + 64) {
-    ended_[0] = {0, 0};
-    until_[0] = rest_until_[0] = -1.0F;
-    count_ = 1;
-    first_count_ = 0;
-    travelled_ = 0.0;
+  for (Walker& walker : walkers_) {
+    walker.added.clear();
+    walker.tests = 0;
   }
-  const double enough = travelled_ + motion.shift.norm() + radius_ * motion.angle + distance + rounding;
-  return -rounded_down(-enough);
+  if (count_ == 0 || count_ > 2 * first_count_ + 64) begin_at_roots(motion, distance);
+  find_places(-rounded_down(-(travelled_ + motion.shift.norm() + radius_ * motion.angle + distance + rounding)));
 }
 
-bool PatchFront::keep(Pair pair, double distance, double rest) noexcept {
-  std::size_t at = free_;
-  free_ = kNone;
-  if (at == kNone) at = count_++;
-  if (at == ended_.size()) return false;
-  ended_[at] = pair;
-  until_[at] = rounded_down(travelled_ + distance);
-  rest_until_[at] = rounded_down(travelled_ + rest);
-  visited_in_[at] = epoch_;
+// A front has tens of thousands of pairs, and a walk begins at few of them.
+void PatchFront::find_places(float enough) noexcept {
+  places_.clear();
+  for (std::size_t block = 0; block * kBlock < count_; ++block) {
+    if (lowest_[block] > enough) continue;
+    const std::size_t before = places_.size();
+    float lowest = std::numeric_limits<float>::infinity();
+    const std::size_t end = std::min((block + 1) * kBlock, count_);
+    for (std::size_t i = block * kBlock; i < end; ++i) {
+      lowest = std::min(lowest, until_[i]);
+      if (until_[i] <= enough && (visited_in_[i] != epoch_ || rest_until_[i] <= enough)) places_.push_back(static_cast<std::uint32_t>(i));
+    }
+    // The walk changes what it begins at.
+    lowest_[block] = places_.size() > before ? -std::numeric_limits<float>::infinity() : lowest;
+  }
+}
+
+// The pairs a few levels below the roots, as if a walk had ended there.
+void PatchFront::begin_at_roots(const SweptMotion& motion, double distance) noexcept {
+  travelled_ = 0.0;
+  first_count_ = 0;
+  ended_[0] = {0, 0};
+  count_ = 1;
+  for (std::size_t before = 0; before != count_ && count_ < kFirst;) {
+    before = count_;
+    for (std::size_t i = 0; i < before; ++i) {
+      const Pair pair = ended_[i];
+      if (is_end(pair) || test(placed(walkers_[0], pair.tool, motion), scene_->nodes()[pair.scene], distance).over_motion) continue;
+      const bool is_tool = splits_tool(pair);
+      const std::uint32_t link = is_tool ? tool_->nodes()[pair.tool].link : scene_->nodes()[pair.scene].link;
+      ended_[i] = is_tool ? Pair{link, pair.scene} : Pair{pair.tool, link};
+      ended_[count_++] = is_tool ? Pair{link + 1, pair.scene} : Pair{pair.tool, link + 1};
+    }
+  }
+  for (std::size_t i = 0; i < count_; ++i) put(i, {ended_[i], -1.0F, -1.0F, 0});
+  std::fill(lowest_.begin(), lowest_.end(), -std::numeric_limits<float>::infinity());
+}
+
+PatchFront::End PatchFront::end_of(Pair pair, double distance, double rest, std::uint32_t place) const noexcept {
+  return {pair, rounded_down(travelled_ + distance), rounded_down(travelled_ + rest), place};
+}
+
+void PatchFront::put(std::size_t i, const End& end) noexcept {
+  ended_[i] = end.pair;
+  until_[i] = end.until;
+  rest_until_[i] = end.rest_until;
+  visited_in_[i] = epoch_;
+}
+
+bool PatchFront::finish() noexcept {
+  std::size_t tests = 0;
+  std::size_t added = 0;
+  for (const Walker& walker : walkers_) {
+    tests += walker.tests;
+    added += walker.added.size();
+  }
+  if (tests > kMostTests || count_ + added > kMostEnded) return false;
+  for_each_by_place(
+      walkers_, [](const Walker& walker) -> const std::vector<End>& { return walker.added; },
+      [&](const End& end) {
+        lowest_[count_ / kBlock] = std::min(lowest_[count_ / kBlock], end.until);
+        put(count_++, end);
+      });
   return true;
 }
 

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
+#include "core/base/worker_team.h"
 #include "core/geometry/triangle_distance.h"
 #include "core/tool/patch_tree.h"
 #include "core/tool/swept_motion.h"
@@ -17,14 +20,24 @@ namespace hapton {
 //
 // The pairs of boxes where a walk has ended are kept, each with a lower bound of its distance (front tracking, Li & Chen 1998). The next
 // walk begins there, and tests again only what the tool's motion since then, and over the walk's own motion, could bring together.
-// Work: at most kMostTests pairs of boxes a walk. RT: for_each_near yes, construction set-up only. Pre: the trees outlive this.
+//
+// The pairs to begin at are shared out among the workers of a team. What they find is put together in the order of these pairs, so that
+// the front, and whether a walk ends, is the same with any number of workers.
+// Work: at most kMostTests pairs of boxes a walk. RT: for_each_near yes with one worker, construction set-up only. Pre: the trees and the
+// team outlive this.
 class PatchFront {
  public:
   static constexpr std::size_t kMostTests = 1U << 20;
 
   // radius: the largest distance of a point of the tool from the grip point.
-  PatchFront(const PatchTree& tool, const PatchTree& scene, double radius);
+  PatchFront(const PatchTree& tool, const PatchTree& scene, double radius, WorkerTeam& team = calling_thread());
 
+  // The worker that visits, and the place of the visit in the walk: visits of one worker come in rising order, those of one place all by
+  // the same worker.
+  struct Turn {
+    int worker;
+    std::uint32_t place;
+  };
   // What a visitor found of a pair of triangles.
   struct Visited {
     double gap;    // how far apart at least the two are at the start of the motion, as far as the visitor is interested in them
@@ -33,11 +46,18 @@ class PatchFront {
   };
   // The visitors of the next walks know nothing.
   void forget() noexcept { ++epoch_; }
-  // Calls visit(tool_triangle, scene_triangle) for all pairs that come within `distance` over the motion, and for some that nearly do, but
-  // for those where what is left to know is farther. The next walks visit a pair again when it may have come near. False if the walk was
-  // ended, or was longer than kMostTests; pairs are then left out.
+  // The next walk begins at the roots.
+  void restart() noexcept { count_ = 0; }
+  // Calls visit(turn, tool_triangle, scene_triangle) for all pairs that come within `distance` over the motion, and for some that nearly
+  // do, but for those where what is left to know is farther. The next walks visit a pair again when it may have come near. False if the
+  // walk was ended, or was longer than kMostTests; pairs are then left out. Threads: visits of different workers come at the same time.
   template <class Visit>
   bool for_each_near(const SweptMotion& motion, double distance, Visit&& visit) noexcept;
+
+  // Puts together what each worker has found: calls use(item) for the items of all lists, in the order of their places. list_of gives the
+  // list of a worker; its items have a `place`, in rising order.
+  template <class Workers, class ListOf, class Use>
+  static void for_each_by_place(const Workers& workers, ListOf&& list_of, Use&& use) noexcept;
 
  private:
   struct Pair {
@@ -63,36 +83,59 @@ class PatchFront {
     double distance;  // lower bound at the start of the motion
     bool over_motion;
   };
+  // A pair where a walk has ended.
+  struct End {
+    Pair pair;
+    float until;       // lower bound of its distance, plus what the tool had travelled then
+    float rest_until;  // the same without what visitors know
+    std::uint32_t place;
+  };
+  // What one worker has of a walk.
+  struct Walker {
+    std::vector<ToolBox> boxes;  // by the last bits of the node's number
+    std::vector<End> added;      // pairs that come on top of those that the walk began at
+    std::size_t tests = 0;
+  };
 
   static Apart test(const ToolBox& tool, const PatchTree::Node& scene, double clearance) noexcept;
-  const ToolBox& placed(std::uint32_t node, const SweptMotion& motion) noexcept;
-  // Prepares a walk; returns the distance above which a pair of boxes needs no test.
-  float begin(const SweptMotion& motion, double distance) noexcept;
-  // Keeps a pair where the walk has ended, in place of the one that it came from, or as a new one. False if there is no room.
-  bool keep(Pair pair, double distance, double rest) noexcept;
-  // Walks from a pair down. False if the walk has to end.
+  const ToolBox& placed(Walker& walker, std::uint32_t node, const SweptMotion& motion) const noexcept;
+  // Prepares a walk: which pairs it begins at.
+  void begin(const SweptMotion& motion, double distance) noexcept;
+  void find_places(float enough) noexcept;
+  void begin_at_roots(const SweptMotion& motion, double distance) noexcept;
+  // Puts the walkers' ends together. False if there is no room, or there were too many tests.
+  bool finish() noexcept;
+  End end_of(Pair pair, double distance, double rest, std::uint32_t place) const noexcept;
+  void put(std::size_t i, const End& end) noexcept;
+  bool splits_tool(Pair pair) const noexcept;
+  bool is_end(Pair pair) const noexcept;  // two leaves
+  // Walks from the pair at a place down. False if the walk has to end.
   template <class Visit>
-  bool descend(Pair from, const SweptMotion& motion, double distance, Visit&& visit) noexcept;
+  bool descend(Turn turn, const SweptMotion& motion, double distance, Visit&& visit) noexcept;
 
   static constexpr std::size_t kMostEnded = 1U << 17;
-  static constexpr std::size_t kNone = ~std::size_t{0};
+  static constexpr std::size_t kBlock = 64;  // pairs that share a bound
   static constexpr std::size_t kBoxes = 512;
+  static constexpr std::size_t kFirst = 256;   // pairs that a walk from the roots begins at, to be shared out
+  static constexpr std::size_t kTogether = 8;  // places that a worker takes at a time
+  static constexpr std::size_t kWorthIt = 32;  // places: fewer are walked by one worker
 
   const PatchTree* tool_;
   const PatchTree* scene_;
   double radius_;
+  WorkerTeam* team_;
+  std::vector<Walker> walkers_;
   std::vector<Pair> ended_;
-  std::vector<float> until_;               // by pair: lower bound of its distance, plus what the tool had travelled then
-  std::vector<float> rest_until_;          // the same without what visitors know, of pairs that they have visited
+  std::vector<float> until_;               // see End
+  std::vector<float> lowest_;              // by block of pairs: no until_ is lower
+  std::vector<float> rest_until_;          // see End; of pairs that visitors have seen
   std::vector<std::uint64_t> visited_in_;  // epoch in which rest_until_ was found
   std::uint64_t epoch_ = 1;                // counts up when visitors forget
   std::size_t count_ = 0;
-  std::size_t free_ = kNone;     // index of the pair that is replaced
-  std::size_t first_count_ = 0;  // of the walk from the roots
-  std::size_t tests_ = 0;
+  std::vector<std::uint32_t> places_;  // of the walk: the pairs that it begins at
+  std::size_t first_count_ = 0;        // of the walk from the roots
   Placement at_;
-  double travelled_ = 0.0;      // since the walk from the roots
-  std::vector<ToolBox> boxes_;  // by the last bits of the node's number
+  double travelled_ = 0.0;  // since the walk from the roots
   std::uint64_t walk_ = 0;
 };
 
@@ -101,37 +144,58 @@ class PatchFront {
 template <class Visit>
 bool PatchFront::for_each_near(const SweptMotion& motion, double distance, Visit&& visit) noexcept {
   if (tool_->nodes().empty() || scene_->nodes().empty()) return true;
-  const float enough = begin(motion, distance);
-  bool goes_on = true;
-  const std::size_t before = count_;
-  for (std::size_t i = 0; i < before && goes_on; ++i) {
-    if (until_[i] > enough || (visited_in_[i] == epoch_ && rest_until_[i] > enough)) continue;
-    free_ = i;
-    goes_on = descend(ended_[i], motion, distance, visit);
+  begin(motion, distance);
+  std::atomic<std::size_t> next = 0;
+  std::atomic<bool> goes_on = true;
+  const auto walk = [&](int worker) noexcept {
+    while (goes_on.load(std::memory_order_relaxed)) {
+      const std::size_t first = next.fetch_add(kTogether, std::memory_order_relaxed);
+      if (first >= places_.size()) return;
+      const std::size_t last = std::min(first + kTogether, places_.size());
+      for (std::size_t place = first; place < last; ++place) {
+        if (descend({worker, static_cast<std::uint32_t>(place)}, motion, distance, visit)) continue;
+        goes_on.store(false, std::memory_order_relaxed);
+        return;
+      }
+    }
+  };
+  if (places_.size() < kWorthIt) {
+    walk(0);
+  } else {
+    team_->run(walk);
   }
-  if (!goes_on) count_ = 0;
+  const bool is_whole = goes_on && finish();
+  if (!is_whole) count_ = 0;
   if (first_count_ == 0) first_count_ = count_;
-  return goes_on;
+  return is_whole;
 }
 
 template <class Visit>
-bool PatchFront::descend(Pair from, const SweptMotion& motion, double distance, Visit&& visit) noexcept {
+bool PatchFront::descend(Turn turn, const SweptMotion& motion, double distance, Visit&& visit) noexcept {
+  Walker& walker = walkers_[static_cast<std::size_t>(turn.worker)];
+  const std::uint32_t from = places_[turn.place];
+  bool has_replaced = false;
   std::array<Pair, 2 * PatchTree::kMostDepth + 2> stack;
   int top = 0;
-  stack[top++] = from;
+  stack[top++] = ended_[from];
   while (top > 0) {
     const Pair pair = stack[--top];
-    if (++tests_ > kMostTests) return false;
+    if (++walker.tests > kMostTests) return false;
     const PatchTree::Node& tool = tool_->nodes()[pair.tool];
     const PatchTree::Node& scene = scene_->nodes()[pair.scene];
-    const Apart apart = test(placed(pair.tool, motion), scene, distance);
-    if (apart.over_motion || (tool.is_leaf() && scene.is_leaf())) {
-      const Visited found = apart.over_motion ? Visited{0.0, 0.0, true} : visit(tool_->triangle(tool), scene_->triangle(scene));
-      if (!found.goes_on || !keep(pair, std::max(apart.distance, found.gap), std::max(apart.distance, found.rest))) return false;
-      continue;
-    }
-    const bool splits_tool = !tool.is_leaf() && (scene.is_leaf() || tool.half[2] > scene.half[2]);
-    if (splits_tool) {
+    const Apart apart = test(placed(walker, pair.tool, motion), scene, distance);
+    if (apart.over_motion || is_end(pair)) {
+      const Visited found = apart.over_motion ? Visited{0.0, 0.0, true} : visit(turn, tool_->triangle(tool), scene_->triangle(scene));
+      if (!found.goes_on) return false;
+      const End end = end_of(pair, std::max(apart.distance, found.gap), std::max(apart.distance, found.rest), turn.place);
+      if (!has_replaced) {
+        put(from, end);
+        has_replaced = true;
+      } else {
+        if (walker.added.size() == kMostEnded) return false;
+        walker.added.push_back(end);
+      }
+    } else if (splits_tool(pair)) {
       stack[top++] = {tool.link + 1, pair.scene};
       stack[top++] = {tool.link, pair.scene};
     } else {
@@ -140,6 +204,25 @@ bool PatchFront::descend(Pair from, const SweptMotion& motion, double distance, 
     }
   }
   return true;
+}
+
+template <class Workers, class ListOf, class Use>
+void PatchFront::for_each_by_place(const Workers& workers, ListOf&& list_of, Use&& use) noexcept {
+  std::array<std::size_t, WorkerTeam::kMost> at = {};
+  for (;;) {
+    // The worker whose next item comes first has all items of that place.
+    std::size_t first = workers.size();
+    std::uint32_t place = std::numeric_limits<std::uint32_t>::max();
+    for (std::size_t w = 0; w < workers.size(); ++w) {
+      const auto& list = list_of(workers[w]);
+      if (at[w] == list.size() || list[at[w]].place >= place) continue;
+      first = w;
+      place = list[at[w]].place;
+    }
+    if (first == workers.size()) return;
+    const auto& list = list_of(workers[first]);
+    for (; at[first] < list.size() && list[at[first]].place == place; ++at[first]) use(list[at[first]]);
+  }
 }
 
 }  // namespace hapton

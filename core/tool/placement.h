@@ -5,6 +5,8 @@
 
 namespace hapton {
 
+using Mat6 = Eigen::Matrix<double, 6, 6>;  // of a shift and a turn, in this order
+
 // Where the tool is: its grip point and its orientation, in the frame of the contact computation (local units of the scene). A point r of
 // the tool, from the grip point along the tool's axes, is at position + orientation * r.
 struct Placement {

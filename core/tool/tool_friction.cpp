@@ -1,9 +1,13 @@
 #include "core/tool/tool_friction.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace hapton {
 namespace {
+
+// Of the device's motion: what moves the tool by less is no slide.
+constexpr double kLeastPull = 0x1p-10;
 
 // What friction takes from a slide: static and dynamic.
 SurfaceFriction find_loss(const LocalContacts& local, const LocalContacts::Held& held, const Vec6& slide) {
@@ -20,6 +24,12 @@ SurfaceFriction find_loss(const LocalContacts& local, const LocalContacts::Held&
   return loss;
 }
 
+Vec6 motion_between(const Placement& from, const Placement& to) {
+  Vec6 motion;
+  motion << to.position - from.position, turn_between(from.orientation, to.orientation);
+  return motion;
+}
+
 Placement displaced(const Placement& from, const Vec6& by) {
   return {from.position + by.head<3>(), (turn_by(by.tail<3>()) * from.orientation).normalized()};
 }
@@ -29,19 +39,18 @@ Placement displaced(const Placement& from, const Vec6& by) {
 void ToolFriction::reset(const Placement& at) noexcept {
   at_ = at;
   is_placed_ = true;
-  sticks_ = false;
+  sticks_ = slides_ = false;
 }
 
 ToolFriction::Step ToolFriction::step(const LocalContacts& local, const Placement& device) noexcept {
   const LocalContacts::Held held = local.solve(device);
+  const Vec6 moved = motion_between(std::exchange(device_, device), device);
   if (!is_placed_ || held.active_count == 0) {
     reset(held.at);
     return {held.at, device, false};
   }
-  Vec6 here;
-  here << at_.position - local.proxy.position, turn_between(local.proxy.orientation, at_.orientation);
-  Vec6 wanted;
-  wanted << device.position - local.proxy.position, turn_between(local.proxy.orientation, device.orientation);
+  const Vec6 here = motion_between(local.proxy, at_);
+  const Vec6 wanted = motion_between(local.proxy, device);
   const Vec6 slide = held.motion - here;
   const double pull = local.stiffness.cwiseProduct(wanted - here).dot(slide);
   const double bend = local.stiffness.cwiseProduct(slide).dot(slide);
@@ -52,7 +61,11 @@ ToolFriction::Step ToolFriction::step(const LocalContacts& local, const Placemen
   } else if (bend > 0.0) {
     kept = std::min(1.0, loss.friction_dynamic / bend);
   }
-  sticks_ = kept >= 1.0 && loss.friction_static > 0.0;
+  const Vec6 pulled = local.stiffness.cwiseProduct(moved);
+  const bool pulls_onward = pulled.dot(slide) > kLeastPull * pulled.dot(moved);
+  const bool has_slid = bend > 0.0 && kept < 1.0;
+  slides_ = has_slid || (slides_ && pulls_onward);
+  sticks_ = kept >= 1.0 && loss.friction_static > 0.0 && !slides_;
   Step step;
   step.sticks = sticks_;
   step.goal = displaced(device, -kept * slide);

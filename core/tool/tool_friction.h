@@ -9,7 +9,8 @@ namespace hapton {
 // The tool slides along one direction at a time, from where it is to where the contacts alone would hold it. Along that slide s the
 // coupling pulls with the power of its force, and friction takes the power of each contact's: sum of friction * multiplier * length of the
 // contact point's tangential motion. The tool stays while the static one is not less; otherwise it slides until the dynamic one balances
-// the pull. Exact for a slide that keeps its direction (maximum dissipation along it); a turn about a single contact's normal meets no
+// the pull. It sticks again once the device no longer pulls onward: the share of each of many contacts is not unique, and from step to step
+// the power of the same slide differs by some per cent. Exact for a slide that keeps its direction (maximum dissipation along it); a turn about a single contact's normal meets no
 // friction, as at a point.
 //
 // The pose is followed towards a goal that lies off the device by what friction takes: held by the contacts alone, it comes to rest where
@@ -35,8 +36,10 @@ class ToolFriction {
 
  private:
   Placement at_;
+  Placement device_;  // of the step before
   bool is_placed_ = false;
   bool sticks_ = false;
+  bool slides_ = false;  // has slid, and the device has pulled onward since
 };
 
 }  // namespace hapton

@@ -28,10 +28,11 @@ constexpr double kGrowth = 4.0;  // of the reach, where it has ended a round
 
 }  // namespace
 
-ToolProxy::ToolProxy(const ObjectGeometry& tool, const TouchGeometry& scene, double turn_length, std::vector<SurfaceFriction> friction)
+ToolProxy::ToolProxy(const ObjectGeometry& tool, const TouchGeometry& scene, double turn_length, std::vector<SurfaceFriction> friction,
+                     WorkerTeam& team)
     : turn_length_(turn_length),
       friction_(std::move(friction)),
-      near_(tool, scene),
+      near_(tool, scene, team),
       bounds_(NearFeatures::kMostFeatures),
       bound_pairs_(NearFeatures::kMostFeatures) {}
 
@@ -44,6 +45,11 @@ bool ToolProxy::overlaps(const Placement& placement) noexcept {
 }
 
 void ToolProxy::reset(const Placement& device) noexcept {
+  near_.restart();
+  place(device);
+}
+
+void ToolProxy::place(const Placement& device) noexcept {
   proxy_ = last_ = device;
   contact_count_ = 0;
   reach_ = 0.0;
@@ -72,33 +78,12 @@ RigidMotion ToolProxy::to_motion(const Vec6& y) const noexcept {
   return {proxy_, motion.head<3>(), motion.tail<3>()};
 }
 
-// The second derivative of a gap by the motion, from differences over small ones. By the shift alone there is none.
-Mat6 ToolProxy::bend_of(const NearFeature& near) const noexcept {
-  constexpr double kSmall = 0x1p-12;  // rad and local units: the error of third order and that of rounding are both below 1e-3
-  const auto gap_after = [&](const Vec3& shift, const Vec3& turn) {
-    return gap_along(near.pair, near.gap, proxy_, RigidMotion{proxy_, shift, turn}.at(1.0));
-  };
-  std::array<double, 3> turned;
-  for (int i = 0; i < 3; ++i) turned[i] = gap_after(Vec3::Zero(), kSmall * Vec3::Unit(i));
-  Mat6 bend = Mat6::Zero();
-  for (int i = 0; i < 3; ++i) {
-    for (int j = i; j < 3; ++j) {
-      const double both = gap_after(Vec3::Zero(), kSmall * (Vec3::Unit(i) + Vec3::Unit(j)));
-      bend(3 + i, 3 + j) = bend(3 + j, 3 + i) = (both - turned[i] - turned[j] + near.gap.distance) / (kSmall * kSmall);
-    }
-    for (int j = 0; j < 3; ++j) {
-      const double both = gap_after(kSmall * Vec3::Unit(j), kSmall * Vec3::Unit(i));
-      bend(3 + i, j) = bend(j, 3 + i) = (both - turned[i] - kSmall * near.gap.normal[j]) / (kSmall * kSmall);
-    }
-  }
-  return bend;
-}
-
 void ToolProxy::update_curvature() noexcept {
   Mat6 curvature = Mat6::Identity();
   curvature.bottomRightCorner<3, 3>() *= turn_length_ * turn_length_;
   for (int k = 0; k < least_.active_count; ++k) {
-    curvature -= least_.multipliers[k] * bend_of(near_.features()[bound_pairs_[least_.active[k]]]);
+    const NearFeature& near = near_.features()[bound_pairs_[least_.active[k]]];
+    curvature -= least_.multipliers[k] * gap_curvature(near.pair, near.gap, proxy_);
   }
   // In coordinates in which the coupling's own curvature is the identity.
   const Vec6 unit = (Vec6() << Vec3::Ones(), Vec3::Constant(1.0 / turn_length_)).finished();
@@ -288,7 +273,7 @@ void ToolProxy::find_local_contacts(double reach, LocalContacts& local) noexcept
 
 ToolProxyStep ToolProxy::step(const Placement& device) noexcept {
   ToolProxyStep report;
-  if (is_blocked_) reset(device);
+  if (is_blocked_) place(device);
   if (is_blocked_) {
     report.is_blocked = true;
     return report;

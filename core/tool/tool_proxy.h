@@ -41,8 +41,8 @@ struct ToolProxyStep {
 // Nearest is meant in the energy of the coupling: the squared distance of the grip points plus the squared turn times turn_length^2. At the
 // end the coupling's force and torque are then exactly the sum of what frictionless contacts give.
 //
-// Frames: the scene's local one; the tool's mesh is in local units from its grip point, along its axes. RT: step and reset yes,
-// construction set-up only. Pre: the geometries outlive this; the scene is built at once; 0 < turn_length.
+// Frames: the scene's local one; the tool's mesh is in local units from its grip point, along its axes. RT: step and reset yes with
+// one worker, construction set-up only. Pre: geometries and team outlive this; the scene is built at once; 0 < turn_length.
 class ToolProxy {
  public:
   // Local units, where the scene's diagonal is 1 to 2: 0.5 to 1 um in a scene of a metre. Far above the rounding of a distance, 2^-50.
@@ -52,10 +52,13 @@ class ToolProxy {
   static constexpr double kConverged = 0.25;  // of the offset
   static constexpr int kMostRounds = 24;
 
-  // friction: of the scene's objects, for find_local_contacts; empty: none.
-  ToolProxy(const ObjectGeometry& tool, const TouchGeometry& scene, double turn_length, std::vector<SurfaceFriction> friction = {});
+  // friction: of the scene's objects, for find_local_contacts; empty: none. team: shares the search for contacts; steps are the same to the
+  // bit with any number of workers.
+  ToolProxy(const ObjectGeometry& tool, const TouchGeometry& scene, double turn_length, std::vector<SurfaceFriction> friction = {},
+            WorkerTeam& team = calling_thread());
 
-  // Puts the tool there. If it overlaps the scene, or nearly touches it, steps are blocked until the device has left.
+  // Puts the tool there, as if it were new: steps from here on are the same to the bit. If it overlaps the scene, or nearly touches it,
+  // steps are blocked until the device has left.
   void reset(const Placement& device) noexcept;
   ToolProxyStep step(const Placement& device) noexcept;
 
@@ -72,12 +75,12 @@ class ToolProxy {
  private:
   // True if some pair is nearer than kLeastGap, or some triangles intersect.
   bool overlaps(const Placement& placement) noexcept;
+  void place(const Placement& device) noexcept;
   RigidMotion wanted_motion(const Placement& device) const noexcept;
   // Coordinates in which the squared distance of two motions is, to second order, the energy between them: the coupling's, less what the
   // contacts' forces do as their levers turn (sequential quadratic programming).
   Vec6 to_coordinates(const RigidMotion& motion) const noexcept;
   Vec6 goal_of(const RigidMotion& wanted) const noexcept;
-  Mat6 bend_of(const NearFeature& near) const noexcept;
   void update_curvature() noexcept;
   void set_plain_curvature() noexcept;
   RigidMotion to_motion(const Vec6& y) const noexcept;

@@ -38,7 +38,8 @@ double turn_length_m(const ToolCoupling& coupling) {
 }  // namespace
 
 Result<std::unique_ptr<ToolStep>> ToolStep::make(const TriangleMesh& tool, std::vector<std::shared_ptr<const TriangleMesh>> scene,
-                                                 const ToolCoupling& coupling, std::vector<SurfaceFriction> friction) {
+                                                 const ToolCoupling& coupling, std::vector<SurfaceFriction> friction,
+                                                 std::unique_ptr<WorkerTeam> team) {
   if (tool.triangles.empty()) return fail("the tool has no triangles");
   std::size_t triangles = 0;
   for (const auto& mesh : scene) triangles += mesh->triangles.size();
@@ -57,7 +58,7 @@ Result<std::unique_ptr<ToolStep>> ToolStep::make(const TriangleMesh& tool, std::
     }
   }
   if (const auto numbered = TouchGeometry::check(scene); !numbered) return tl::unexpected(numbered.error());
-  std::unique_ptr<ToolStep> step(new ToolStep(tool, std::move(scene), completed(tool, coupling), std::move(friction)));
+  std::unique_ptr<ToolStep> step(new ToolStep(tool, std::move(scene), completed(tool, coupling), std::move(friction), std::move(team)));
   constexpr double kMostSizes = 1e6;
   const double size = step->proxy_.radius();
   const double turn_length = turn_length_m(step->coupling_) / step->scene_.unit_m();
@@ -67,12 +68,13 @@ Result<std::unique_ptr<ToolStep>> ToolStep::make(const TriangleMesh& tool, std::
 }
 
 ToolStep::ToolStep(const TriangleMesh& tool, std::vector<std::shared_ptr<const TriangleMesh>> scene, const ToolCoupling& coupling,
-                   std::vector<SurfaceFriction> friction)
-    : coupling_(coupling),
+                   std::vector<SurfaceFriction> friction, std::unique_ptr<WorkerTeam> team)
+    : team_(std::move(team)),
+      coupling_(coupling),
       has_friction_(std::any_of(friction.begin(), friction.end(), [](const SurfaceFriction& one) { return one.friction_static > 0.0; })),
       scene_(std::move(scene)),
       tool_(ObjectGeometry::make(tool, {Vec3::Zero(), scene_.unit_m()}, 2 * tool.triangles.size())),
-      proxy_(tool_, scene_, turn_length_m(coupling_) / scene_.unit_m(), std::move(friction)) {}
+      proxy_(tool_, scene_, turn_length_m(coupling_) / scene_.unit_m(), std::move(friction), team_ ? *team_ : calling_thread()) {}
 
 Placement ToolStep::to_local(const ToolInput& input) const noexcept {
   const Pose X_SD = input.X_WS.inverse(Eigen::Isometry) * input.X_WD;

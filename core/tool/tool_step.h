@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/base/worker_team.h"
 #include "core/tool/tool_friction.h"
 #include "core/tool/tool_proxy.h"
 
@@ -34,14 +35,15 @@ struct ToolOutput {
 // One haptic step of a rigid tool, shared by the live node, replay, tests and benches: the 6-DOF counterpart of TouchStep.
 //   force  = stiffness * (p_WP - p_WD)
 //   torque = rotational_stiffness * rotation vector from device to proxy
-// RT: step and reset yes, make set-up only.
+// RT: step and reset yes without a team, make set-up only.
 class ToolStep {
  public:
   // tool: metres, from the grip point, along the stylus' axes. scene: frame S, metres, one mesh an object. Error: a mesh without triangles,
   // numbers that are not finite, impossible stiffness or friction, a tool more than a million times as large as the scene.
-  // friction: of each object of the scene; empty: none.
+  // friction: of each object of the scene; empty: none. team: shares the search for contacts; null: the calling thread does it alone.
   static Result<std::unique_ptr<ToolStep>> make(const TriangleMesh& tool, std::vector<std::shared_ptr<const TriangleMesh>> scene,
-                                                const ToolCoupling& coupling, std::vector<SurfaceFriction> friction = {});
+                                                const ToolCoupling& coupling, std::vector<SurfaceFriction> friction = {},
+                                                std::unique_ptr<WorkerTeam> team = nullptr);
 
   ToolOutput step(const ToolInput& input) noexcept;
   void reset(const ToolInput& input) noexcept;
@@ -62,9 +64,10 @@ class ToolStep {
 
  private:
   ToolStep(const TriangleMesh& tool, std::vector<std::shared_ptr<const TriangleMesh>> scene, const ToolCoupling& coupling,
-           std::vector<SurfaceFriction> friction);
+           std::vector<SurfaceFriction> friction, std::unique_ptr<WorkerTeam> team);
   ToolProxyStep follow(const Placement& device) noexcept;
 
+  std::unique_ptr<WorkerTeam> team_;
   ToolCoupling coupling_;
   bool has_friction_ = false;
   TouchGeometry scene_;

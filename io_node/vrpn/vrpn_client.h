@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "io_node/vrpn/vrpn_wire.h"
+#include "vrpn/vrpn_wire.h"
 
 namespace hapton::vrpn {
 

@@ -9,11 +9,14 @@
 namespace hapton::gltf {
 namespace {
 
-constexpr std::array<std::string_view, 6> kRead = {"KHR_mesh_quantization",   "KHR_draco_mesh_compression", "EXT_meshopt_compression",
-                                                   "EXT_mesh_gpu_instancing", "KHR_node_visibility",        "EXT_mesh_manifold"};
+constexpr std::array<std::string_view, 7> kRead = {"KHR_mesh_quantization",   "KHR_draco_mesh_compression", "EXT_meshopt_compression",
+                                                   "EXT_mesh_gpu_instancing", "KHR_node_visibility",        "EXT_mesh_manifold",
+                                                   "MPEG_haptic_material"};
+// What drafts of the standard called it, with another structure.
+constexpr std::string_view kEarlierHaptics = "MPEG_material_haptic";
 
 // Surfaces, pictures, light, sound, motion and descriptions; of each other extension a file may have more shape than is read.
-constexpr std::array<std::string_view, 21> kHarmless = {"KHR_materials_",
+constexpr std::array<std::string_view, 22> kHarmless = {"KHR_materials_",
                                                         "KHR_texture_",
                                                         "EXT_texture_",
                                                         "MSFT_texture_",
@@ -33,7 +36,8 @@ constexpr std::array<std::string_view, 21> kHarmless = {"KHR_materials_",
                                                         "EXT_materials_",
                                                         "AGI_",
                                                         "FB_geometry_metadata",
-                                                        "KHR_node_selectability"};
+                                                        "KHR_node_selectability",
+                                                        "MPEG_haptic"};
 
 bool is_shape_complete_with(std::string_view extension) {
   for (const std::string_view read : kRead) {
@@ -62,6 +66,13 @@ std::vector<std::string> note_unread_extensions(const Json& root) {
   }
   std::vector<std::string> notes;
   for (const std::string& extension : unread) {
+    if (extension == kEarlierHaptics) {
+      notes.push_back(
+          fmt::format("uses the glTF extension '{}', a draft of MPEG_haptic_material that is not read: what it says of touch is not "
+                      "felt; export it as MPEG_haptic_material",
+                      extension));
+      continue;
+    }
     notes.push_back(fmt::format("uses the glTF extension '{}', which is not read: what it adds to the shape is missing", extension));
   }
   return notes;

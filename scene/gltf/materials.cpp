@@ -101,27 +101,40 @@ void read_alpha(const Json& json, const std::string& where, LookMaterial& materi
   }
 }
 
-// offset T, rotation R counter-clockwise in the image, scale S: T R S, by the extension's own matrices.
-TexturePlace read_place(const Json& info, const std::string& where) {
-  TexturePlace place;
-  const Json& transform = extension_of(info, "KHR_texture_transform");
-  const auto set = count_or(member(info, "texCoord"), 0, where + ".texCoord");
-  if (set) place.set = *set;
-  if (!transform.is_object()) return place;
-  const auto moved = count_or(member(transform, "texCoord"), place.set, where + ".texCoord");
-  if (moved) place.set = *moved;
-  const auto offset = numbers_of<2>(member(transform, "offset"), where);
-  const auto scale = numbers_of<2>(member(transform, "scale"), where);
-  const Json& rotation = member(transform, "rotation");
-  Eigen::Affine2d made = Eigen::Affine2d::Identity();
-  if (offset) made.translate(Eigen::Vector2d((*offset)[0], (*offset)[1]));
-  if (rotation.is_number() && std::isfinite(rotation.get<double>())) made.rotate(-rotation.get<double>());
-  if (scale) made.scale(Eigen::Vector2d((*scale)[0], (*scale)[1]));
-  place.place = made.cast<float>();
-  return place;
+// Two numbers, or those that stand for none.
+Result<Eigen::Vector2d> pair_or(const Json& value, const Eigen::Vector2d& absent, const std::string& where) {
+  if (value.is_null()) return absent;
+  return numbers_of<2>(value, where).map([](const std::array<double, 2>& pair) { return Eigen::Vector2d(pair[0], pair[1]); });
 }
 
 }  // namespace
+
+// offset T, rotation R counter-clockwise in the image, scale S: T R S, by the extension's own matrices.
+Result<TexturePlace> read_texture_place(const Json& info, const std::string& where) {
+  TexturePlace place;
+  const auto set = count_or(member(info, "texCoord"), 0, where + ".texCoord");
+  if (!set) return tl::unexpected(set.error());
+  place.set = *set;
+  const Json& transform = extension_of(info, "KHR_texture_transform");
+  if (transform.is_null()) return place;
+  const std::string name = where + ".extensions.KHR_texture_transform";
+  const auto moved = count_or(member(transform, "texCoord"), place.set, name + ".texCoord");
+  if (!moved) return tl::unexpected(moved.error());
+  place.set = *moved;
+  const auto offset = pair_or(member(transform, "offset"), Eigen::Vector2d::Zero(), name + ".offset");
+  if (!offset) return tl::unexpected(offset.error());
+  const auto scale = pair_or(member(transform, "scale"), Eigen::Vector2d::Ones(), name + ".scale");
+  if (!scale) return tl::unexpected(scale.error());
+  const Json& rotation = member(transform, "rotation");
+  if (!rotation.is_null() && !(rotation.is_number() && std::isfinite(rotation.get<double>()))) {
+    return fail("{}.rotation is not a finite number: {}", name, kExportAgain);
+  }
+  const Eigen::Affine2d made = Eigen::Translation2d(*offset) *
+                               Eigen::Affine2d(Eigen::Rotation2Dd(rotation.is_null() ? 0.0 : -rotation.get<double>())) *
+                               Eigen::Scaling((*scale)[0], (*scale)[1]);
+  place.place = made.cast<float>();
+  return place;
+}
 
 std::vector<TexturePlace> read_materials(const Document& document, const std::filesystem::path& folder, RawMesh& raw) {
   const Json& materials = member(document.root, "materials");
@@ -137,7 +150,9 @@ std::vector<TexturePlace> read_materials(const Document& document, const std::fi
       material.alpha = static_cast<float>(std::clamp((*rgba)[3], 0.0, 1.0));
     }
     const Json& texture = member(surface, "baseColorTexture");
-    places.push_back(read_place(texture, where + ".baseColorTexture"));
+    const auto place = read_texture_place(texture, where + ".baseColorTexture");
+    if (!place) raw.notes.push_back(fmt::format("a texture lies elsewhere: {}", place.error().what));
+    places.push_back(place.value_or(TexturePlace()));
     if (texture.is_object()) material.image = read_texture(document, texture, where + ".baseColorTexture", folder, raw);
     if (material.image) material.wrap = read_wraps(document, texture, where + ".baseColorTexture", raw);
     raw.look.materials.push_back(std::move(material));

@@ -15,6 +15,9 @@ struct TexturePlace {
   Eigen::Affine2f place = Eigen::Affine2f::Identity();
 };
 
+// Of a textureInfo. Error: a number that is not valid.
+Result<TexturePlace> read_texture_place(const Json& info, const std::string& where);
+
 // The file's materials become those of raw.look: base colour and base colour texture, alpha mode and
 // cutoff, the wrap modes of the texture's sampler. Returns where each one's texture finds its
 // coordinates. What cannot be read is a note, never an error: the shape is what matters.

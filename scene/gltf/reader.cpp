@@ -3,8 +3,10 @@
 #include <string>
 #include <vector>
 
+#include "scene/gltf/animation.h"
 #include "scene/gltf/buffers.h"
 #include "scene/gltf/extensions.h"
+#include "scene/gltf/haptics.h"
 #include "scene/gltf/json.h"
 #include "scene/gltf/materials.h"
 #include "scene/gltf/primitive.h"
@@ -72,9 +74,15 @@ bool is_hidden(const Json& node) { return member(extension_of(node, "KHR_node_vi
 
 class SceneReader {
  public:
-  // places: of the materials' textures; empty where no look is wanted.
-  SceneReader(const Document& document, std::size_t max_triangles, std::vector<TexturePlace> places, bool wants_look, RawMesh& raw)
-      : document_(document), max_triangles_(max_triangles), places_(std::move(places)), wants_look_(wants_look), raw_(raw) {}
+  // places: of the materials' textures; empty where no look is wanted. haptic_places: of the haptic materials' textures.
+  SceneReader(const Document& document, std::size_t max_triangles, std::vector<TexturePlace> places, bool wants_look,
+              std::vector<HapticPlace> haptic_places, RawMesh& raw)
+      : document_(document),
+        max_triangles_(max_triangles),
+        places_(std::move(places)),
+        wants_look_(wants_look),
+        haptic_places_(std::move(haptic_places)),
+        raw_(raw) {}
 
   // Depth first with its own stack, so that a deep chain of nodes cannot exhaust ours. Each node hangs in one place [3.5.2].
   std::optional<Error> read(const std::vector<std::size_t>& roots) {
@@ -135,22 +143,48 @@ class SceneReader {
     std::string name = text_of(member(node, "name"));
     if (name.empty()) name = text_of(member(meshes[*mesh], "name"));
     raw_.begin_part(name.empty() ? fmt::format("node {}", index) : name);
+    raw_.parts.back().node = index;
     const Json& primitives = member(meshes[*mesh], "primitives");
     const auto poses = instances_of(node, document_, where);
     if (!poses) return poses.error();
+    const auto haptic = haptic_material_of(document_, *mesh, raw_.haptics);
+    if (!haptic) return haptic.error();
     for (std::size_t p = 0; p < size_of_array(primitives); ++p) {
-      const auto primitive = read_primitive(document_, primitives[p], fmt::format("meshes[{}].primitives[{}]", *mesh, p), max_triangles_);
+      const std::string place = fmt::format("meshes[{}].primitives[{}]", *mesh, p);
+      const auto primitive = read_primitive(document_, primitives[p], place, max_triangles_);
       if (!primitive) return primitive.error();
       count_flaws(*primitive);
       if (!*primitive || (*primitive)->triangles.empty()) continue;
       VertexLooks looks;
       if (wants_look_) looks = read_vertex_looks(document_, primitives[p], (*primitive)->positions.size(), places_, where);
+      VertexLooks haptics;
+      if (*haptic) {
+        const auto read = read_haptics(primitives[p], **haptic, (*primitive)->positions.size(), place);
+        if (!read) return read.error();
+        haptics = *read;
+      }
       for (const Eigen::Affine3d& X_NI : *poses) {
-        if (auto error = add_instance(**primitive, where, X_SN * X_NI, looks)) return error;
+        if (auto error = add_instance(**primitive, where, X_SN * X_NI, {looks, haptics})) return error;
       }
     }
     return std::nullopt;
   }
+
+  // How the vertices of a primitive feel, as what is seen of them.
+  Result<VertexLooks> read_haptics(const Json& primitive, std::uint32_t material, std::size_t vertices, const std::string& where) {
+    VertexLooks haptics{.material = material, .has_colours = false, .vertices = std::vector<CornerLook>(vertices)};
+    if (!raw_.haptics.materials[material].has_maps()) return haptics;
+    const auto places = read_haptic_places(document_, primitive, vertices, haptic_places_[material], where);
+    if (!places) return tl::unexpected(places.error());
+    for (std::size_t i = 0; i < vertices; ++i) haptics.vertices[i].texcoord = (*places)[i];
+    return haptics;
+  }
+
+  // What is seen and felt of a primitive's vertices.
+  struct Surface {
+    const VertexLooks& looks;
+    const VertexLooks& haptics;
+  };
 
   void count_flaws(const std::optional<Primitive>& primitive) {
     not_triangles_ += primitive ? 0 : 1;
@@ -159,7 +193,7 @@ class SceneReader {
   }
 
   std::optional<Error> add_instance(const Primitive& primitive, const std::string& where, const Eigen::Affine3d& X_SN,
-                                    const VertexLooks& looks) {
+                                    const Surface& surface) {
     const std::size_t first = raw_.mesh.vertices.size();
     if (first + primitive.positions.size() > 3 * max_triangles_ ||
         raw_.mesh.triangles.size() + primitive.triangles.size() > max_triangles_) {
@@ -170,13 +204,13 @@ class SceneReader {
       if (!p_SV.allFinite()) return Error{fmt::format("{}: its pose takes a vertex beyond all numbers: {}", where, kExportAgain)};
       raw_.mesh.vertices.push_back(p_SV);
     }
-    add_triangles(primitive, static_cast<std::uint32_t>(first), X_SN, looks);
+    add_triangles(primitive, static_cast<std::uint32_t>(first), X_SN, surface);
     return std::nullopt;
   }
 
   // A mirroring transform turns the winding round [3.7.4]. Normals go by the inverse transpose, which keeps them at right angles to the
   // surface.
-  void add_triangles(const Primitive& primitive, std::uint32_t first, const Eigen::Affine3d& X_SN, const VertexLooks& looks) {
+  void add_triangles(const Primitive& primitive, std::uint32_t first, const Eigen::Affine3d& X_SN, const Surface& surface) {
     const bool is_mirrored = X_SN.linear().determinant() < 0;
     const Eigen::Matrix3d turn = X_SN.linear().inverse().transpose();
     const auto normal_of = [&](std::uint32_t corner) -> Eigen::Vector3f {
@@ -190,17 +224,24 @@ class SceneReader {
       } else {
         raw_.add_triangle(triangle, {normal_of(local[0]), normal_of(local[1]), normal_of(local[2])});
       }
-      if (looks.vertices.empty()) continue;
-      const auto& seen = looks.vertices;
-      raw_.look.resize(raw_.mesh.triangles.size() - 1);
-      raw_.look.triangles.push_back({looks.material, looks.has_colours, {seen[local[0]], seen[local[1]], seen[local[2]]}});
+      add_look(surface.looks, local, raw_.look);
+      add_look(surface.haptics, local, raw_.haptics.maps);
     }
+  }
+
+  // Of the last triangle.
+  void add_look(const VertexLooks& looks, const Triangle& local, MeshLook& into) {
+    if (looks.vertices.empty()) return;
+    const auto& seen = looks.vertices;
+    into.resize(raw_.mesh.triangles.size() - 1);
+    into.triangles.push_back({looks.material, looks.has_colours, {seen[local[0]], seen[local[1]], seen[local[2]]}});
   }
 
   const Document& document_;
   std::size_t max_triangles_;
   std::vector<TexturePlace> places_;
   bool wants_look_;
+  std::vector<HapticPlace> haptic_places_;
   RawMesh& raw_;
   std::size_t not_triangles_ = 0;
   std::size_t hidden_ = 0;
@@ -224,12 +265,18 @@ Result<RawMesh> read_document(std::string_view json, std::optional<std::string_v
   RawMesh raw;
   raw.format = format;
   const bool wants_look = look == LookReading::on;
+  auto haptic_places = read_haptic_materials(document, folder, raw);
+  if (!haptic_places) return tl::unexpected(haptic_places.error());
   SceneReader reader(document, max_triangles, wants_look ? read_materials(document, folder, raw) : std::vector<TexturePlace>(), wants_look,
-                     raw);
+                     std::move(*haptic_places), raw);
   if (auto error = reader.read(*roots)) return tl::unexpected(std::move(*error));
   reader.add_notes();
   for (std::string& note : note_unread_extensions(*root)) raw.notes.push_back(std::move(note));
   raw.end_parts();
+  // Who does not play them misses nothing.
+  if (const auto read = read_animations(document, raw); !read) {
+    raw.notes.push_back(fmt::format("its animations cannot be read: {}", read.error().what));
+  }
   return raw;
 }
 

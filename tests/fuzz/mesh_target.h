@@ -3,6 +3,7 @@
 #include <string_view>
 
 #include "core/geometry/seal_cracks.h"
+#include "scene/material_reader.h"
 #include "scene/mesh_report.h"
 #include "scene/raw_mesh.h"
 #include "scene/weld.h"
@@ -42,6 +43,22 @@ inline void require_sound(const MeshLook& look, std::size_t triangles) {
   }
 }
 
+// The same of what is felt; every image that is used is there, and every triangle's material is one of the file's.
+inline void require_sound(const MeshHaptics& haptics, std::size_t triangles) {
+  require(haptics.maps.triangles.empty() || haptics.maps.triangles.size() == triangles);
+  for (const HapticMaterial& material : haptics.materials) {
+    for (const auto& image : {material.height, material.stiffness, material.friction})
+      require(!image || *image < haptics.maps.images.size());
+  }
+  for (const TriangleLook& triangle : haptics.maps.triangles) {
+    if (triangle.material == TriangleLook::kNoMaterial) continue;
+    require(triangle.material < haptics.materials.size());
+    for (const CornerLook& corner : triangle.corners) require(corner.texcoord.allFinite());
+    const auto read = read_material(haptics.materials[triangle.material], haptics.maps, "file");
+    require(read ? read->material.stiffness_n_per_m > 0.0 : read.error().what.find('\n') == std::string::npos);
+  }
+}
+
 // The promise of every reader: one line that says what is wrong, or a mesh with every coordinate finite and every index in range.
 inline void require_sound(Result<RawMesh> raw) {
   if (!raw) {
@@ -52,6 +69,7 @@ inline void require_sound(Result<RawMesh> raw) {
   require_sound(raw->mesh);
   raw->end_look();
   require_sound(raw->look, raw->mesh.triangles.size());
+  require_sound(raw->haptics, raw->mesh.triangles.size());
   std::size_t next = 0;
   for (const MeshPart& part : raw->parts) {
     require(part.first_triangle == next);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -229,6 +230,21 @@ TEST(HapticsStep, EffectsKeepTheTimeOfTheSamples) {
     const ForceCommand command = answer(step, states.at({0.01, 0.01, 0.001}));
     EXPECT_NEAR(command.force_n.z(), std::sin(2.0 * std::numbers::pi * 20.0 * 1e-3 * i), 1e-9);
     EXPECT_EQ(command.visual_offset_m, Vec3::Zero());
+  }
+}
+
+TEST(HapticsStep, ButtonsOfTheDeviceReachTheEffects) {
+  const TouchScene scene = {.objects = {{made::shared(made::sheet(0.1, 0.0, 6)), {}}},
+                            .effects = {{ConstantEffect{.force_n = {0, 0, 2}}, EffectSwitch{.button = 2}}}};
+  HapticsStep step(std::make_unique<TouchStep>(*make_method({.name = "proxy"}, scene), scene), kOffset);
+  States states;
+  for (int i = 0; i < 80; ++i) {
+    DeviceState state = states.at({0.01, 0.01, 0.001});
+    state.buttons = i >= 10 && i < 40 ? 2 : 1;
+    const ForceCommand command = answer(step, state);
+    const double gain = std::clamp((i - 10) / 20.0, 0.0, 1.0) - std::clamp((i - 40) / 20.0, 0.0, 1.0);
+    EXPECT_NEAR(command.force_n.z(), 2.0 * gain, 1e-9) << i;
+    EXPECT_EQ(command.contact, command.force_n.z() != 0.0) << i;
   }
 }
 

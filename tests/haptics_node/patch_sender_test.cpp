@@ -135,6 +135,17 @@ TEST(PatchSender, ASceneWithEffectsIsNeverOffered) {
   EXPECT_EQ(stage.store.make_piece(Vec3::Zero(), 1.0, 100'000).triangles, 0U);
 }
 
+// What moves would stand still in the parts that the hub keeps.
+TEST(PatchSender, ASceneThatMovesIsNeverOffered) {
+  TouchScene scene = scene_of(made::sheet(0.05, 0.0, 20));
+  scene.objects[0].motion = std::make_shared<const KeyframeMotion>(
+      Vec3::Zero(), std::vector<Keyframe>{{0.0, Vec3::Zero(), Quat::Identity()}, {1.0, Vec3::Zero(), Quat::Identity()}}, false);
+  SenderStage stage(true, scene);
+  stage.sender.set_offered(true);
+  EXPECT_FALSE(stage.sender.is_offered());
+  EXPECT_EQ(stage.sender.obstacle(), "objects of the scene move by keyframes");
+}
+
 TEST(PatchSender, OffersWhatPartsServe) {
   EXPECT_TRUE(PatchSender::can_offer("name=proxy probe_radius_m=0"));
   EXPECT_FALSE(PatchSender::can_offer("name=proxy probe_radius_m=0 shading=0.5"));

@@ -120,6 +120,13 @@ TEST_F(SceneWatcherTest, EffectsComeWithTheSameMethodAndAnotherShapeWithANewOne)
   EXPECT_EQ(result->scene, 2U);
 }
 
+TEST_F(SceneWatcherTest, APlugInThatAppearsIsNotLoaded) {
+  write("stiffness_n_per_m = 700\n[[effect]]\ntype = 'plugin'\nlibrary = 'x.so'");
+  EXPECT_EQ(look_twice(), SceneWatcher::Look::rejected);
+  EXPECT_EQ(tuner->take(), nullptr);
+  EXPECT_EQ(builder->take(), nullptr);
+}
+
 TEST_F(SceneWatcherTest, AFileWithAnErrorChangesNothingUntilItIsGood) {
   write("stifness_n_per_m = 700");
   EXPECT_EQ(look_twice(), SceneWatcher::Look::rejected);

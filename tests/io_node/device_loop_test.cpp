@@ -238,6 +238,74 @@ TEST_F(DeviceLoops, ANetworkSideThatIsFarBehindLosesCyclesButNotTheNewestOrder) 
   EXPECT_EQ(loop.collect_stats().cycles_unreported, DeviceLoop::kCyclesKept);
 }
 
+// Forces fade, and come back without a step larger than the fade; the reported device stands still meanwhile.
+TEST_F(DeviceLoops, TheClutchTakesTheForceAwayAndMovesTheDevice) {
+  DeviceLoop clutched(device, clock, {.clutch_button = 2});
+  const auto cycle_with = [&](const Vec3& force_n) {
+    clock.sleep_until_ns(clutched.tick_ns());
+    clutched.begin_cycle();
+    ASSERT_TRUE(clutched.run_cycle());
+    for (DeviceCycle reported; clutched.take_cycle(reported);) newest = reported;
+    clock.advance_ns(100'000);
+    clutched.post({{.force_n = force_n}, newest.sample.time_ns});
+  };
+  const Vec3 place = device.place;
+  for (int n = 0; n < 300; ++n) cycle_with({0, 0, 2});
+  EXPECT_NEAR(device.force_n(), 2.0, 1e-9);
+  device.buttons = 1U << 1;
+  double before_n = 2.0;
+  for (int n = 0; n < 50; ++n) {
+    device.place.x() -= 1e-4;
+    cycle_with({0, 0, 2});
+    EXPECT_EQ(newest.sample.p_WD, place + Vec3(-1e-4, 0, 0)) << "where it was when the button went down";
+    EXPECT_LE(device.force_n(), before_n + 1e-12) << n;
+    before_n = device.force_n();
+    if (n >= 11) {
+      EXPECT_EQ(device.force_n(), 0.0) << n;
+    }
+  }
+  device.buttons = 0;
+  for (int n = 0; n < 200; ++n) {
+    cycle_with({0, 0, 2});
+    EXPECT_EQ(newest.sample.p_WD, place + Vec3(-1e-4, 0, 0));
+    EXPECT_LE(device.force_n(), before_n + 2.0 * 1e-3 / Clutch::kBackS + 1e-9) << n;
+    before_n = device.force_n();
+  }
+  EXPECT_NEAR(device.force_n(), 2.0, 1e-9);
+  device.place.x() += 1e-3;
+  cycle_with({0, 0, 2});
+  EXPECT_LT((newest.sample.p_WD - place - Vec3(9e-4, 0, 0)).norm(), 1e-12);
+}
+
+// The governor guards the hardware: the end of its workspace is where the device is, not where the clutch has moved it.
+TEST_F(DeviceLoops, TheGovernorSeesTheDeviceWhereItIs) {
+  DeviceLoop clutched(device, clock, {.clutch_button = 1});
+  const auto run = [&](int cycles, const Vec3& force_n) {
+    for (int n = 0; n < cycles; ++n) {
+      clock.sleep_until_ns(clutched.tick_ns());
+      clutched.begin_cycle();
+      ASSERT_TRUE(clutched.run_cycle());
+      for (DeviceCycle reported; clutched.take_cycle(reported);) newest = reported;
+      clock.advance_ns(100'000);
+      clutched.post({{.force_n = force_n}, newest.sample.time_ns});
+    }
+  };
+  const auto lead = [&](double from, double to) {
+    for (double x = from; std::abs(x - to) > 1e-9; x += to > from ? 1e-3 : -1e-3) {
+      device.place.x() = x;
+      run(1, Vec3::Zero());
+    }
+    device.place.x() = to;
+  };
+  device.buttons = 1;
+  lead(0.01, -0.07);
+  device.buttons = 0;
+  lead(-0.07, 0.05);
+  run(300, {2, 0, 0});
+  EXPECT_NEAR(newest.sample.p_WD.x(), 0.13, 1e-9) << "beyond the workspace, 0.1 m";
+  EXPECT_NEAR(device.force_n(), 2.0, 1e-9) << "the device is within it";
+}
+
 TEST_F(DeviceLoops, UsesNeitherHeapNorSystemCalls) {
   if (AllocationGuard::is_available()) {
     AllocationGuard guard;

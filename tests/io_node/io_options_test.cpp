@@ -5,6 +5,8 @@
 #include <fstream>
 #include <vector>
 
+#include "tests/support/option_range.h"
+
 namespace hapton {
 namespace {
 
@@ -51,6 +53,14 @@ TEST(IoOptions, ReadTheDevicesMechanicsForThePassivityController) {
   EXPECT_TRUE(std::holds_alternative<int>(parse({"--passive-step", "3e-5"}))) << "without a mass it does nothing";
 }
 
+TEST(IoOptions, TheClutchTakesAButtonThatIsNotTheDeadMansSwitch) {
+  EXPECT_EQ(std::get<IoOptions>(parse({})).device.clutch_button, 0);
+  EXPECT_EQ(std::get<IoOptions>(parse({"--clutch-button", "1", "--hold-button", "1"})).device.clutch_button, 1);
+  EXPECT_EQ(std::get<int>(parse({"--clutch-button", "2", "--hold-button", "1"})), 2) << "the one counts from 1, the other from 0";
+  EXPECT_TRUE(std::holds_alternative<int>(parse({"--clutch-button", "33"})));
+  EXPECT_TRUE(std::holds_alternative<int>(parse({"--devices", "two.toml", "--clutch-button", "2"})));
+}
+
 TEST(IoOptions, VrpnIsOffUnlessAnAddressIsGiven) {
   EXPECT_EQ(std::get<IoOptions>(parse({})).vrpn, "");
   const auto options = std::get<IoOptions>(parse({"--vrpn", "127.0.0.1:3883", "--vrpn-name", "left"}));
@@ -86,6 +96,36 @@ TEST(IoOptions, ReadsAConfigFileThatTheCommandLineOverrides) {
   const auto options = std::get<IoOptions>(parse({"--config", path.c_str(), "--seed", "3"}));
   EXPECT_EQ(options.rate_hz, 2000.0);
   EXPECT_EQ(options.device.seed, 3U);
+}
+
+TEST(IoOptions, NumbersHaveTheRangesThatHelpNames) {
+  const OptionRange<IoOptions> ranges[] = {
+      {"--rate", "250", "10000", "249", "10001", [](const IoOptions& o) { return static_cast<double>(o.rate_hz); }},
+      {"--vision-rate", "0", "10000", "-1", "10001", [](const IoOptions& o) { return static_cast<double>(o.vision_rate_hz); }},
+      {"--seconds", "0", "1e9", "-0.1", "1.1e9", [](const IoOptions& o) { return static_cast<double>(o.seconds); }},
+      {"--max-force", "0", "1000", "-0.1", "1001", [](const IoOptions& o) { return static_cast<double>(o.device.max_force_n); }},
+      {"--max-slew", "0", "1e6", "-0.1", "1.1e6", [](const IoOptions& o) { return static_cast<double>(o.device.max_slew_n_per_s); }},
+      {"--max-torque", "0", "1000", "-0.1", "1001", [](const IoOptions& o) { return static_cast<double>(o.device.max_torque_nm); }},
+      {"--continuous-force", "0", "1000", "-0.1", "1001",
+       [](const IoOptions& o) { return static_cast<double>(o.device.continuous_force_n); }},
+      {"--max-speed", "0", "100", "-0.1", "100.1", [](const IoOptions& o) { return static_cast<double>(o.device.max_speed_m_per_s); }},
+      {"--hold-button", "-1", "31", "-2", "32", [](const IoOptions& o) { return static_cast<double>(o.device.hold_button); }},
+      {"--passive-mass", "0", "100", "-0.1", "100.1", [](const IoOptions& o) { return static_cast<double>(o.device.passive_mass_kg); }},
+      {"--spin", "0", "0.5", "-0.01", "0.51", [](const IoOptions& o) { return static_cast<double>(o.spin_share); }},
+      {"--rt-priority", "0", "99", "-1", "100", [](const IoOptions& o) { return static_cast<double>(o.realtime.priority); }},
+      {"--cpu", "-1", "4095", "-2", "4096", [](const IoOptions& o) { return static_cast<double>(o.realtime.cpu); }},
+  };
+  for (const auto& range : ranges) expect_range(range, parse);
+  const OptionRange<IoOptions> of_the_controller[] = {
+      {"--passive-damping", "0", "1000", "-0.1", "1001",
+       [](const IoOptions& o) { return static_cast<double>(o.device.passive_damping_ns_per_m); }},
+      {"--passive-friction", "0", "100", "-0.1", "100.1",
+       [](const IoOptions& o) { return static_cast<double>(o.device.passive_friction_n); }},
+      {"--passive-step", "0", "0.01", "-0.001", "0.011",
+       [](const IoOptions& o) { return static_cast<double>(o.device.passive_position_step_m); }},
+  };
+  for (const auto& range : of_the_controller) expect_range(range, parse, {"--passive-mass", "0.1"});
+  EXPECT_NE(std::get<int>(parse({"--passive-damping", "1"})), 0) << "without the mass it means nothing";
 }
 
 }  // namespace

@@ -52,6 +52,20 @@ TEST_F(Memory, WithoutRepliesShowsTheNewestSampleAsItIsAndNeverGoesBack) {
   EXPECT_EQ(shown.sample, 2U);
 }
 
+// Objects that move by keyframes stay where they were felt last.
+TEST_F(Memory, ShowsTheSceneTimeOfTheLastAnswer) {
+  memory.note_sample(1, sample_at(1, 0.1));
+  ForceCommand command = answer_to(1, true);
+  command.scene_time_ns = 70'000'000;
+  memory.note_answer(command);
+  memory.show(false, shown);
+  EXPECT_EQ(shown.scene_time_ns, 70'000'000);
+  memory.note_sample(2, sample_at(2, 0.2));
+  memory.show(true, shown);
+  EXPECT_EQ(shown.sample, 2U);
+  EXPECT_EQ(shown.scene_time_ns, 70'000'000);
+}
+
 TEST_F(Memory, AnAnswerToAForgottenSampleHasNoPose) {
   for (std::uint64_t n = 1; n <= 1 + ProbeHistory::kSamples; ++n) memory.note_sample(n, sample_at(n, 0.1));
   memory.note_answer(answer_to(1, true));

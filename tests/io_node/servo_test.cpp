@@ -121,5 +121,43 @@ TEST_F(Servos, TighterLimitsHold) {
   EXPECT_NEAR(device.written.back().force_n.z(), 1.5, 1e-9);
 }
 
+// Datagrams overtake each other: what a node said before is not what it wants now, whatever the kind.
+TEST_F(Servos, WhatWasOvertakenByItsSuccessorChangesNothing) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  join(kVision, NodeRole::vision);
+  join(kTool, NodeRole::tool);
+  run(20);
+  views.clear();
+  const std::int64_t late_ns = 5 * kMs;
+  const auto say_both = [&](std::uint16_t port, const Message& older, const Message& newer) {
+    say(port, older, late_ns);
+    say(port, newer);
+  };
+  ViewTransform turned;
+  turned.revision = 1;
+  turned.X_WS[3] = 0.01F;
+  ViewTransform back = turned;
+  back.X_WS[3] = 0.02F;
+  say_both(kVision, turned, back);
+  say_both(kVision, HandTarget{true, Vec3(0.01, 0, 0)}, HandTarget{true, Vec3(0.02, 0, 0)});
+  HapticsSetup setup;
+  setup.method_serial = 1;
+  HapticsSetup newer_setup;
+  newer_setup.method_serial = 2;
+  say_both(kHaptics, setup, newer_setup);
+  say_both(kHaptics, MaterialState{.serial = 1}, MaterialState{.serial = 2});
+  say_both(kHaptics, ObjectPose{.serial = 1}, ObjectPose{.serial = 2});
+  run(20);
+  for (const ViewTransform& view : views) EXPECT_EQ(view.X_WS[3], 0.02F);
+  EXPECT_EQ(device.hand, Vec3(0.02, 0, 0));
+  ASSERT_FALSE(setups.empty());
+  for (const auto& [to, each] : setups) EXPECT_EQ(each.method_serial, 2U);
+  ASSERT_FALSE(material_states.empty());
+  for (const auto& [to, each] : material_states) EXPECT_EQ(each.serial, 2U);
+  ASSERT_FALSE(object_poses.empty());
+  for (const auto& [to, each] : object_poses) EXPECT_EQ(each.serial, 2U);
+}
+
 }  // namespace
 }  // namespace hapton

@@ -70,6 +70,12 @@ TEST_F(Feed, SendsTheProbeAtOnceAndTheNextOneWhenItIsDrawn) {
   EXPECT_EQ(stats->frame_rate_hz, 60.0);
 }
 
+TEST_F(Feed, SendsTheForceLimit) {
+  feed.set_force_limit(7.5);
+  report(0.01);
+  EXPECT_EQ(received.back().force_limit_n, 7.5F);
+}
+
 TEST_F(Feed, SendsHowMuchOfTheEnergyBudgetIsSpent) {
   side.governor.energy_most_j = 0.2;
   side.governor.energy_spent_j = 0.0679;

@@ -106,6 +106,16 @@ TEST(VisionPaces, WhatHasNotChangedIsSpared) {
   EXPECT_EQ(pace.decide(0, later, VisionPace::kRepeatNs), Decision::send);
 }
 
+// The hand holds still, and the scene moves.
+TEST(VisionPaces, ASceneThatMovesIsSent) {
+  VisionPace pace(240.0);
+  EXPECT_EQ(pace.decide(0, ProbeState{.sample = 1, .scene_time_ns = 1}, 0), Decision::send);
+  pace.on_frame_ack(0, FrameAck{1, 0, 60.0F}, 10 * kMs);
+  EXPECT_EQ(pace.decide(0, ProbeState{.sample = 2, .scene_time_ns = 2}, 20 * kMs), Decision::send);
+  pace.on_frame_ack(0, FrameAck{2, 0, 60.0F}, 30 * kMs);
+  EXPECT_NE(pace.decide(0, ProbeState{.sample = 3, .scene_time_ns = 2}, 40 * kMs), Decision::send);
+}
+
 TEST(VisionPaces, EachNodeHasItsOwnPaceAndANewOneIsServedAtOnce) {
   VisionPace pace(240.0);
   EXPECT_EQ(pace.decide(0, state_at(1), 0), Decision::send);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Random datagrams, how to compare them, and a codec to pass them through.
+// Random datagrams, and a codec to pass them through.
 #include <gtest/gtest.h>
 #include <algorithm>
 #include <array>
@@ -14,6 +14,7 @@
 #include <vector>
 #include "link/codec.h"
 #include "link/endpoint.h"
+#include "tests/link/message_equality.h"
 #include "tests/support/allocation_guard.h"
 
 namespace hapton {
@@ -56,8 +57,8 @@ class RandomDatagrams {
       case 3:
         return draw_state(time);
       case 4:
-        return ForceCommand{bits(),   time,     vector(), vector(), flag(),   bits32(), bits32(),
-                            bits32(), bits32(), bits(),   bits32(), object(), vector(), vector()};
+        return ForceCommand{bits(),   time,   vector(), vector(), flag(),   bits32(), bits32(), bits32(),
+                            bits32(), bits(), bits32(), object(), vector(), vector(), time};
       case 5:
         return draw_view();
       case 6:
@@ -77,7 +78,9 @@ class RandomDatagrams {
                           bits32(),
                           object(),
                           vector(),
-                          vector()};
+                          vector(),
+                          rate(),
+                          time};
       case 7:
         return FrameAck{bits(), time, rate(), bits32(), bits32(), flag(), flag()};
       case 8:
@@ -226,181 +229,6 @@ class RandomDatagrams {
 };
 
 constexpr std::size_t kKinds = std::variant_size_v<Message>;
-
-inline void expect_equal(const Hello& a, const Hello& b) { EXPECT_EQ(a.role, b.role); }
-inline void expect_equal(const Welcome& a, const Welcome& b) {
-  EXPECT_EQ(a.accepted, b.accepted);
-  EXPECT_EQ(a.servo_rate_hz, b.servo_rate_hz);
-}
-inline void expect_equal(const Bye&, const Bye&) {}
-inline void expect_equal(const DeviceState& a, const DeviceState& b) {
-  EXPECT_EQ(a.sample, b.sample);
-  EXPECT_EQ(a.sample_time_ns, b.sample_time_ns);
-  EXPECT_EQ(a.p_WD, b.p_WD);
-  EXPECT_EQ(a.q_WT.coeffs(), b.q_WT.coeffs());
-  EXPECT_EQ(a.buttons, b.buttons);
-  EXPECT_EQ(a.is_resumed, b.is_resumed);
-  EXPECT_EQ(a.p_WP, b.p_WP);
-}
-inline void expect_equal(const ForceCommand& a, const ForceCommand& b) {
-  EXPECT_EQ(a.echo_sample, b.echo_sample);
-  EXPECT_EQ(a.echo_sample_time_ns, b.echo_sample_time_ns);
-  EXPECT_EQ(a.force_n, b.force_n);
-  EXPECT_EQ(a.visual_offset_m, b.visual_offset_m);
-  EXPECT_EQ(a.contact, b.contact);
-  EXPECT_EQ(a.compute_ns, b.compute_ns);
-  EXPECT_EQ(a.skipped_samples, b.skipped_samples);
-  EXPECT_EQ(a.view_revision, b.view_revision);
-  EXPECT_EQ(a.method_serial, b.method_serial);
-  EXPECT_EQ(a.answered_before, b.answered_before);
-  EXPECT_EQ(a.material_serial, b.material_serial);
-  EXPECT_EQ(a.object, b.object);
-  EXPECT_EQ(a.torque_nm, b.torque_nm);
-  EXPECT_EQ(a.visual_turn, b.visual_turn);
-}
-inline void expect_equal(const MaterialChange& a, const MaterialChange& b) {
-  EXPECT_EQ(a.given, b.given);
-  EXPECT_EQ(a.stiffness_n_per_m, b.stiffness_n_per_m);
-  EXPECT_EQ(a.damping_ns_per_m, b.damping_ns_per_m);
-  EXPECT_EQ(a.friction_static, b.friction_static);
-  EXPECT_EQ(a.friction_dynamic, b.friction_dynamic);
-}
-inline void expect_equal(const MaterialRequest& a, const MaterialRequest& b) {
-  EXPECT_EQ(a.request, b.request);
-  EXPECT_EQ(a.object, b.object);
-  expect_equal(a.change, b.change);
-}
-inline void expect_equal(const MaterialState& a, const MaterialState& b) {
-  EXPECT_EQ(a.serial, b.serial);
-  EXPECT_EQ(a.request, b.request);
-  EXPECT_EQ(a.rejection, b.rejection);
-  ASSERT_EQ(a.object_count, b.object_count);
-  for (std::size_t i = 0; i < a.object_count; ++i) {
-    EXPECT_EQ(a.objects[i].object, b.objects[i].object);
-    expect_equal(a.objects[i].change, b.objects[i].change);
-  }
-}
-inline void expect_equal(const Marker& a, const Marker& b) { EXPECT_EQ(std::tie(a.request, a.text), std::tie(b.request, b.text)); }
-inline void expect_equal(const MarkerReply& a, const MarkerReply& b) {
-  EXPECT_EQ(std::tie(a.request, a.sample, a.status), std::tie(b.request, b.sample, b.status));
-}
-inline void expect_equal(const ViewTransform& a, const ViewTransform& b) {
-  EXPECT_EQ(a.revision, b.revision);
-  EXPECT_EQ(a.X_WS, b.X_WS);
-}
-inline void expect_equal(const ProbeState& a, const ProbeState& b) {
-  EXPECT_EQ(a.sample, b.sample);
-  EXPECT_EQ(a.sample_time_ns, b.sample_time_ns);
-  EXPECT_EQ(a.p_WD, b.p_WD);
-  EXPECT_EQ(a.q_WT.coeffs(), b.q_WT.coeffs());
-  EXPECT_EQ(a.visual_offset_m, b.visual_offset_m);
-  EXPECT_EQ(a.force_n, b.force_n);
-  EXPECT_EQ(a.contact, b.contact);
-  EXPECT_EQ(a.buttons, b.buttons);
-  EXPECT_EQ(a.servo_rate_hz, b.servo_rate_hz);
-  EXPECT_EQ(a.round_trip_p50_us, b.round_trip_p50_us);
-  EXPECT_EQ(a.round_trip_p99_us, b.round_trip_p99_us);
-  EXPECT_EQ(a.view_revision, b.view_revision);
-  EXPECT_EQ(a.status, b.status);
-  EXPECT_EQ(a.energy_percent, b.energy_percent);
-  EXPECT_EQ(a.object, b.object);
-  EXPECT_EQ(a.torque_nm, b.torque_nm);
-  EXPECT_EQ(a.visual_turn, b.visual_turn);
-}
-inline void expect_equal(const FrameAck& a, const FrameAck& b) {
-  EXPECT_EQ(a.echo_sample, b.echo_sample);
-  EXPECT_EQ(a.echo_sample_time_ns, b.echo_sample_time_ns);
-  EXPECT_EQ(a.frame_rate_hz, b.frame_rate_hz);
-  EXPECT_EQ(a.held_ns, b.held_ns);
-  EXPECT_EQ(a.rest_ns, b.rest_ns);
-  EXPECT_EQ(a.unchanged, b.unchanged);
-  EXPECT_EQ(a.every_sample, b.every_sample);
-}
-inline void expect_equal(const HandTarget& a, const HandTarget& b) {
-  EXPECT_EQ(a.active, b.active);
-  EXPECT_EQ(a.p_WH, b.p_WH);
-  EXPECT_EQ(a.buttons, b.buttons);
-}
-inline void expect_equal(const ObjectPose& a, const ObjectPose& b) {
-  EXPECT_EQ(a.serial, b.serial);
-  EXPECT_EQ(a.object, b.object);
-  EXPECT_EQ(a.is_held, b.is_held);
-  EXPECT_EQ(a.p_m, b.p_m);
-  EXPECT_EQ(a.q.coeffs(), b.q.coeffs());
-}
-inline void expect_equal(const Settings& a, const Settings& b) {
-  EXPECT_EQ(a.servo_rate_hz, b.servo_rate_hz);
-  EXPECT_EQ(a.method, b.method);
-  EXPECT_EQ(a.report_now, b.report_now);
-  EXPECT_EQ(a.reset_faults, b.reset_faults);
-  EXPECT_EQ(a.method_request, b.method_request);
-}
-inline void expect_equal(const HapticsSetup& a, const HapticsSetup& b) {
-  EXPECT_EQ(a.method_serial, b.method_serial);
-  EXPECT_EQ(a.view_revision, b.view_revision);
-  EXPECT_EQ(a.X_WS, b.X_WS);
-  EXPECT_EQ(a.scene_hash, b.scene_hash);
-  EXPECT_EQ(a.scene, b.scene);
-  EXPECT_EQ(a.build, b.build);
-  EXPECT_EQ(a.method, b.method);
-  EXPECT_EQ(a.method_request, b.method_request);
-  EXPECT_EQ(a.rejection, b.rejection);
-  EXPECT_EQ(a.scene_loading, b.scene_loading);
-}
-
-inline void expect_equal(const ReportRequest& a, const ReportRequest& b) {
-  EXPECT_EQ(a.document, b.document);
-  EXPECT_EQ(a.revision, b.revision);
-  EXPECT_EQ(a.part, b.part);
-}
-inline void expect_equal(const ReportPart& a, const ReportPart& b) {
-  EXPECT_EQ(a.document, b.document);
-  EXPECT_EQ(a.revision, b.revision);
-  EXPECT_EQ(a.part, b.part);
-  EXPECT_EQ(a.parts, b.parts);
-  EXPECT_EQ(std::string_view(a.text.data(), a.size), std::string_view(b.text.data(), b.size));
-}
-inline void expect_equal(const SceneFacts& a, const SceneFacts& b) {
-  EXPECT_EQ(a.given_hash, b.given_hash);
-  EXPECT_EQ(a.lowest_m, b.lowest_m);
-  EXPECT_EQ(a.highest_m, b.highest_m);
-  EXPECT_EQ(a.point_count, b.point_count);
-  EXPECT_EQ(a.points_m, b.points_m);
-  EXPECT_EQ(a.preparing_s, b.preparing_s);
-}
-
-inline void expect_equal(const ViewRejected& a, const ViewRejected& b) { EXPECT_EQ(a.revision, b.revision); }
-inline void expect_equal(const LoopFacts& a, const LoopFacts& b) {
-  EXPECT_EQ(std::tie(a.device, a.servo_rate_hz, a.round_trip_s), std::tie(b.device, b.servo_rate_hz, b.round_trip_s));
-}
-inline void expect_equal(const PatchBegin& a, const PatchBegin& b) {
-  EXPECT_EQ(std::tie(a.epoch, a.serial, a.step_m, a.probe_radius_m, a.scene_hash),
-            std::tie(b.epoch, b.serial, b.step_m, b.probe_radius_m, b.scene_hash));
-  EXPECT_EQ(a.origin_m, b.origin_m);
-}
-inline void expect_equal(const PatchCell& a, const PatchCell& b) {
-  EXPECT_EQ(std::tie(a.epoch, a.serial, a.level, a.index, a.empty_children, a.tile_count, a.tiles),
-            std::tie(b.epoch, b.serial, b.level, b.index, b.empty_children, b.tile_count, b.tiles));
-}
-inline void expect_equal(const PatchTile& a, const PatchTile& b) {
-  EXPECT_EQ(std::tie(a.epoch, a.serial, a.tile, a.object, a.stiffness_n_per_m, a.damping_ns_per_m, a.friction_static, a.friction_dynamic,
-                     a.two_sided, a.vertex_count, a.triangle_count, a.vertices, a.triangles),
-            std::tie(b.epoch, b.serial, b.tile, b.object, b.stiffness_n_per_m, b.damping_ns_per_m, b.friction_static, b.friction_dynamic,
-                     b.two_sided, b.vertex_count, b.triangle_count, b.vertices, b.triangles));
-}
-inline void expect_equal(const PatchStatus& a, const PatchStatus& b) {
-  EXPECT_EQ(std::tie(a.is_wanted, a.epoch, a.newest_serial, a.received, a.round_trip_s),
-            std::tie(b.is_wanted, b.epoch, b.newest_serial, b.received, b.round_trip_s));
-}
-
-inline void expect_equal(const Datagram& a, const Datagram& b) {
-  EXPECT_EQ(a.header.session, b.header.session);
-  EXPECT_EQ(a.header.sender, b.header.sender);
-  EXPECT_EQ(a.header.sequence, b.header.sequence);
-  EXPECT_EQ(a.header.send_time_ns, b.header.send_time_ns);
-  ASSERT_EQ(a.message.index(), b.message.index());
-  std::visit([&](const auto& m) { expect_equal(m, std::get<std::decay_t<decltype(m)>>(b.message)); }, a.message);
-}
 
 inline void expect_sane(const MaterialChange& change) {
   EXPECT_LE(change.given, MaterialChange::kAll);

@@ -56,12 +56,12 @@ TEST_F(CodecTest, WhatTheHandFeelsHasOneLengthWhateverItSays) {
   }
 }
 
-// A haptics node of an earlier build says nothing of objects, or of a tool.
+// A haptics node of an earlier build says nothing of objects, of a tool, or of what moves.
 TEST_F(CodecTest, AForceWithoutItsObjectTouchesNoneThatIsKnown) {
-  Bytes bytes = encode({{}, ForceCommand{.echo_sample = 9, .contact = true, .object = 3, .torque_nm = Vec3(1, 2, 3)}});
+  Bytes bytes = encode({{}, ForceCommand{.echo_sample = 9, .contact = true, .object = 3, .torque_nm = Vec3(1, 2, 3), .scene_time_ns = 7}});
   // The message is the last field of the envelope. The last of the message are its object, a byte of tag and four of the number, torque and
-  // turn, each a byte of tag, one of length and three numbers.
-  constexpr std::size_t kLeftOut = 5 + 2 * (2 + 24);
+  // turn, each a byte of tag, one of length and three numbers, and the time of the scene, a byte of tag and eight of the number.
+  constexpr std::size_t kLeftOut = 5 + 2 * (2 + 24) + 9;
   const auto low = [&](std::size_t i) { return std::to_integer<std::size_t>(bytes[i]) & 0x7FU; };
   std::size_t at = 2;
   while (at + 1 < bytes.size() &&
@@ -77,6 +77,7 @@ TEST_F(CodecTest, AForceWithoutItsObjectTouchesNoneThatIsKnown) {
   ASSERT_EQ(Codec().decode(bytes, decoded), DecodeStatus::ok);
   EXPECT_EQ(std::get<ForceCommand>(decoded.message).object, -1);
   EXPECT_EQ(std::get<ForceCommand>(decoded.message).torque_nm, Vec3(Vec3::Zero()));
+  EXPECT_EQ(std::get<ForceCommand>(decoded.message).scene_time_ns, 0);
   EXPECT_EQ(std::get<ForceCommand>(decoded.message).echo_sample, 9U);
 }
 
@@ -169,6 +170,7 @@ TEST_F(CodecTest, RejectsValuesOutsideTheContract) {
     EXPECT_EQ(round_trip(ForceCommand{.visual_turn = Vec3(0, bad, 0)}), DecodeStatus::bad_value);
     EXPECT_EQ(round_trip(ProbeState{.torque_nm = Vec3(0, bad, 0)}), DecodeStatus::bad_value);
     EXPECT_EQ(round_trip(ProbeState{.visual_turn = Vec3(0, bad, 0)}), DecodeStatus::bad_value);
+    EXPECT_EQ(round_trip(ProbeState{.force_limit_n = static_cast<float>(bad)}), DecodeStatus::bad_value);
     EXPECT_EQ(round_trip(ProbeState{.round_trip_p99_us = static_cast<float>(bad)}), DecodeStatus::bad_value);
     EXPECT_EQ(round_trip(HandTarget{true, Vec3(bad, 0, 0)}), DecodeStatus::bad_value);
     EXPECT_EQ(round_trip(Welcome{true, bad}), DecodeStatus::bad_value);

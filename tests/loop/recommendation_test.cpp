@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "loop/zwidth.h"
 
 namespace hapton {
@@ -21,6 +23,25 @@ TEST(Recommendation, IsNoMoreThanTheDeviceBears) {
   const Recommendation advice = recommend_stiffness(device.model, device.limits, *find_hand_preset("stylus"), 10'000.0, 0.0);
   EXPECT_EQ(advice.stiffness_n_per_m, device.limits.max_stiffness_n_per_m);
   EXPECT_TRUE(advice.is_limited_by_device);
+}
+
+// The least over all delays up to the one that is named, of both limits.
+TEST(Recommendation, IsTheLeastOfAllShorterDelays) {
+  const DevicePreset& device = *find_device_preset("omega.3");
+  const HandModel hand = *find_hand_preset("stylus");
+  constexpr double kDelayS = 0.2;
+  double stable = 1e12;
+  double passive = 1e12;
+  for (int i = 0; i <= 32; ++i) {
+    const ZWidth width = find_zwidth({.device = device.model, .hand = hand, .delay_s = kDelayS * i / 32});
+    stable = std::min(stable, width.stiffness.value);
+    passive = std::min(passive, width.passive.least_n_per_m());
+  }
+  const Recommendation advice = recommend_stiffness(device.model, {.max_stiffness_n_per_m = 0.0}, hand, 1000.0, kDelayS);
+  EXPECT_DOUBLE_EQ(advice.stable_n_per_m, stable);
+  EXPECT_DOUBLE_EQ(advice.passive_n_per_m, passive);
+  EXPECT_LT(passive, stable);
+  EXPECT_FALSE(advice.is_limited_by_device) << "of a device that names no limit";
 }
 
 // Although a loop may be stable at a delay and not at a shorter one.

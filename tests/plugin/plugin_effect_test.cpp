@@ -28,5 +28,21 @@ TEST(PluginEffect, HasItsNameAndForgetsAtAReset) {
   EXPECT_EQ(effect.step(input).force_n, Vec3(0, 0, 0));
 }
 
+// Force and torque along each axis are the plug-in's, and what it writes into its input is its own.
+TEST(PluginEffect, EachAxisIsItsOwn) {
+  SimulatedClock clock;
+  const auto made = PluginEffect::make(*parse_plugin_choice(standin::library("plugins/odd_effect.so") + ":does=copy,after=9"), clock, 1000);
+  ASSERT_TRUE(made) << made.error().what;
+  hapton_effect_input input = {};
+  input.dt_s = 1e-3;
+  for (int k = 0; k < 3; ++k) {
+    input.velocity_m_per_s[k] = 1.0 + k;
+    input.contact_force_n[k] = 4.0 + k;
+  }
+  const PluginForce given = (*made)->step(input);
+  EXPECT_LT((given.force_n - Vec3(0.1, 0.2, 0.3)).norm(), 1e-12);
+  EXPECT_LT((given.torque_nm - Vec3(0.04, 0.05, 0.06)).norm(), 1e-12);
+}
+
 }  // namespace
 }  // namespace hapton

@@ -53,6 +53,19 @@ TEST(Plugins, AFileThatIsNoneIsOneLineAndNoStart) {
   expect_one_line("io_node", {"--device", "plugin:" + plugin("odd_device") + ":does=reject"}, "nothing is plugged in");
 }
 
+TEST(Plugins, ASceneThatNamesOneIsOneLineAndNoStartUnlessItIsAllowed) {
+  const ScratchFolder scratch;
+  scratch.write("a.obj", "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nf 1 2 3\n");
+  const auto scene = [&](const std::string& name, const std::string& library) {
+    return scratch.write(name, "[[object]]\nmesh = 'a.obj'\n[[effect]]\ntype = 'plugin'\nlibrary = '" + library + "'\n").string();
+  };
+  // Neither is there a library, nor would the other one start: without the flag none is looked at.
+  expect_one_line("haptics_node", {"--scene", scene("gone.toml", "gone.so")}, "give --allow-plugins if you trust it");
+  expect_one_line("haptics_node", {"--scene", scene("none.toml", plugin("nothing"))}, "line 3: effect nothing would run the code of");
+  expect_one_line("haptics_node", {"--allow-plugins", "--scene", scene("gone.toml", "gone.so")}, "No such file");
+  expect_one_line("haptics_node", {"--allow-plugins", "--scene", scene("none.toml", plugin("nothing"))}, "exports no hapton_effect");
+}
+
 // The rows of session.csv with the time of the sample, the x of the force that haptics wanted (NaN: none came) and whether any was written.
 struct Row {
   double t_s;
@@ -152,6 +165,19 @@ TEST_F(RecordedPlugins, ASessionWithAnEffectIsReplayedWithTheSameFileOnly) {
   EXPECT_EQ(without.exit_code, 1);
   EXPECT_THAT(without.err, HasSubstr("name the same files with the same parameters"));
   EXPECT_EQ(replay({"--effect", effect + ",n=3"}).exit_code, 1);
+}
+
+TEST_F(RecordedPlugins, ASceneWithOneIsFeltAndReplayedAsIfTheCommandLineHadNamedIt) {
+  std::ofstream(system.folder() / "cube.toml", std::ios::app)
+      << "[[effect]]\ntype = \"plugin\"\nlibrary = \"" << plugin("odd_effect") << "\"\nparameters = { does = \"copy\", n = 0.5 }\n";
+  system.add_arguments("haptics_node", {"--allow-plugins", "--plugin-budget", kAmpleUs});
+  system.start("io_node");
+  system.start("haptics_node");
+  EXPECT_THAT(noted(run_until(" effects="), "method"), HasSubstr("effects=odd_one@"));
+  system.end_all();
+  const Ended same = replay({"--effect", plugin("odd_effect") + ":does=copy,n=0.5"});
+  EXPECT_EQ(same.exit_code, 0) << same.out << same.err;
+  EXPECT_THAT(same.out, HasSubstr(" 0 different"));
 }
 
 TEST_F(RecordedPlugins, AMethodFromAFileIsSwitchedTunedAndReplayed) {

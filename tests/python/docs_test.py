@@ -6,7 +6,7 @@ import unittest
 
 import numpy as np
 
-from live_system import SOURCE, LiveSystem
+from live_system import BIN, SOURCE, LiveSystem
 
 # What a reader has and a test has not: the usual port, a recording of Monday, ten seconds.
 IN_A_TEST = [
@@ -30,6 +30,7 @@ class DocsTest(unittest.TestCase):
         for there, here in IN_A_TEST:
             self.assertEqual(text.count(there), 1, there)
         os.chdir(SOURCE)
+        os.environ["PATH"] = BIN + os.pathsep + os.environ["PATH"]  # where hapton is
         recording = os.path.join(os.environ.get("TMPDIR", "/tmp"), f"hapton-docs-{os.getpid()}.hapton")
         self.addCleanup(lambda: os.path.exists(recording) and os.remove(recording))
         with LiveSystem("--record", recording, scene="thin_wall.toml") as system:

@@ -24,6 +24,18 @@ class FieldsTest(unittest.TestCase):
     def test_constant(self):
         np.testing.assert_allclose(at(fields.constant([0, -1.5, 0]), [9, 9, 9]), [0, -1.5, 0])
 
+    def test_mass_is_towed_through_its_damper(self):
+        t_s = np.arange(1, 501) * 1e-3
+        acceleration = np.array([1.5, 0.0, -0.5])
+        path = 0.5 * np.vstack([[0.0], t_s[:, None]]) ** 2 * acceleration
+        np.testing.assert_allclose(fields.evaluate([fields.mass(0.2)], path)[-1], -0.2 * acceleration, rtol=1e-6)
+        # Full speed at once: the mass follows as 1 - exp(-t / filter), and the mean of eight differences is whole after eight.
+        path = np.vstack([[0.0], t_s[:, None]]) * np.array([0.3, 0.0, 0.0])
+        force_n = fields.evaluate([fields.mass(0.1, filter_s=0.05)], path)[8:, 0]
+        np.testing.assert_allclose(force_n[1:] / force_n[:-1], np.exp(-1e-3 / 0.05), rtol=1e-6)
+        self.assertLess(np.sum(force_n) * 1e-3 / (0.1 * 0.3), -0.85)  # most of its momentum after those eight
+        self.assertLessEqual(np.abs(fields.evaluate([fields.mass(5.0, max_force_n=2.0)], path)).max(), 2.0 + 1e-12)
+
     def test_sine(self):
         np.testing.assert_allclose(at(fields.sine([0, 0, 2], 0.7, 2.5), [0, 0, 0], t_s=0.1), [0, 0, 0.7], rtol=1e-6)
 
@@ -57,6 +69,8 @@ class FieldsTest(unittest.TestCase):
             (lambda: fields.wall([0, 0, 0], [0, 0, 0]), "normal is zero"),
             (lambda: fields.constant([np.inf, 0, 0]), "not finite"),
             (lambda: fields.pulse([1, 0, 0], duration_s=0.0), "duration_s is 0"),
+            (lambda: fields.mass(0.1, filter_s=0.001), "filter_s is 0.001"),
+            (lambda: fields.mass(-0.1), "mass_kg is -0.1"),
             (lambda: fields.viscous(float("nan")), "damping_ns_per_m is nan"),
         ]:
             with self.subTest(word), self.assertRaisesRegex(ValueError, word):

@@ -153,9 +153,16 @@ amplitude_n = 1.1
 frequency_hz = 90
 decay_s = 0.04
 duration_s = 0.15
+[[effect]]
+type = "mass"
+mass_kg = 0.3
+filter_s = 0.05
+max_force_n = 4
+position_m = [0, 0, 0]
+radius_m = 0.1
 )");
   ASSERT_TRUE(scene) << scene.error().what;
-  ASSERT_THAT(scene->effects, SizeIs(9));
+  ASSERT_THAT(scene->effects, SizeIs(10));
   EXPECT_EQ(scene->effects[0].name, "home");
   EXPECT_EQ(scene->effects[1].name, "constant");
   const auto& spring = std::get<SpringEffect>(scene->effects[0].effect);
@@ -184,10 +191,27 @@ duration_s = 0.15
   const auto& burst = std::get<BurstEffect>(scene->effects[8].effect);
   EXPECT_EQ(burst.decay_s, 0.04);
   EXPECT_EQ(burst.duration_s, 0.15);
+  const auto& mass = std::get<MassEffect>(scene->effects[9].effect);
+  EXPECT_EQ(mass.mass_kg, 0.3);
+  EXPECT_EQ(mass.filter_s, 0.05);
+  EXPECT_EQ(mass.max_force_n, 4);
+  EXPECT_FALSE(mass.volume.contains({0.11, 0, 0}));
   // The tetrahedron's box is 1.5 x 2.25 x 0.125.
   EXPECT_TRUE(burst.volume.contains({1.4, 2.2, -0.1}));
   EXPECT_FALSE(burst.volume.contains({1.6, 0.1, -0.1}));
   EXPECT_FALSE(burst.volume.contains({1.4, 2.2, 0.1}));
+}
+
+TEST_F(EffectReader, AnyEffectMayHaveAButton) {
+  const auto scene = load(
+      "[[object]]\nmesh = 'a.obj'\n[[effect]]\ntype = 'burst'\ndirection = [0, 0, 1]\nbutton = 2\n"
+      "[[effect]]\ntype = 'spring'\nobject = 'a'\nbutton = 32\n[[effect]]\ntype = 'spring'\nobject = 'a'\n");
+  ASSERT_TRUE(scene) << scene.error().what;
+  EXPECT_EQ(scene->effects[0].on.button, 2U);
+  EXPECT_TRUE(std::get<BurstEffect>(scene->effects[0].effect).volume.is_everywhere());
+  EXPECT_EQ(scene->effects[1].on.button, 1U << 31);
+  EXPECT_EQ(scene->effects[2].on.button, 0U);
+  EXPECT_EQ(scene->touch_scene().effects[1].on.button, 1U << 31);
 }
 
 TEST_F(EffectReader, AnObjectPlacesAnEffectWhereItIs) {
@@ -226,9 +250,16 @@ TEST_F(EffectReader, NamesTheLineTheKeyAndWhatIsAllowed) {
   EXPECT_THAT(error_of(with_effect("type = 'constant'\nforce_n = [1, 0, 0]\nposition_m = [0, 0, 0]")), HasSubstr("give both, or neither"));
   EXPECT_THAT(error_of(with_effect("type = 'constant'\nforce_n = [1, 0, 0]\nposition_m = [0, 0, 0]\nradius_m = 1\nsize_m = [1, 1, 1]")),
               HasSubstr("keep one"));
+  EXPECT_THAT(error_of(with_effect("type = 'mass'")), HasSubstr("has no 'mass_kg'"));
+  EXPECT_THAT(error_of(with_effect("type = 'mass'\nmass_kg = 0.1\nfilter_s = 0.001")), HasSubstr("it must be at least 0.005"));
   EXPECT_THAT(error_of(with_effect("type = 'viscous'")), HasSubstr("has no 'damping_ns_per_m'"));
   EXPECT_THAT(error_of(with_effect("type = 'viscous'\ndamping_ns_per_m = nan")), HasSubstr("it must be above 0"));
   EXPECT_THAT(error_of(with_effect("type = 'burst'\ndirection = [0, 0, 1]")), HasSubstr("a burst needs a volume to enter"));
+  EXPECT_THAT(error_of(with_effect("type = 'constant'\nforce_n = [1, 0, 0]\nbutton = 0")),
+              HasSubstr("line 7: 'button' in [[effect]] 1 is 0"));
+  EXPECT_THAT(error_of(with_effect("type = 'constant'\nforce_n = [1, 0, 0]\nbutton = 33")), HasSubstr("at most 32"));
+  EXPECT_THAT(error_of(with_effect("type = 'constant'\nforce_n = [1, 0, 0]\nbutton = 1.5")), HasSubstr("buttons are counted 1, 2, 3"));
+  EXPECT_THAT(error_of(with_effect("type = 'constant'\nforce_n = [1, 0, 0]\nbutton = 'a'")), HasSubstr("must be a number"));
   EXPECT_THAT(error_of(with_effect("type = 'wave'\nfrequency_hz = 3")), HasSubstr("has no 'direction'"));
   EXPECT_THAT(error_of(with_effect("type = 'plane_snap'\nposition_m = [0, 0, 0]\ndirection = [0, 0, 1]")),
               HasSubstr("unknown key 'direction'"));
@@ -300,6 +331,8 @@ TEST_F(EffectReader, EveryKeyIsPartOfTheHash) {
   add(with_effect("type = 'plane_snap'" + at + "normal = [0, 0, 1]"));
   add(with_effect("type = 'constant'\nforce_n = [1, 0, 0]"));
   add(with_effect("type = 'constant'\nforce_n = [2, 0, 0]"));
+  add(with_effect("type = 'constant'\nforce_n = [2, 0, 0]\nbutton = 1"));
+  add(with_effect("type = 'constant'\nforce_n = [2, 0, 0]\nbutton = 3"));
   add(with_effect("type = 'constant'\nforce_n = [1, 0, 0]\nradius_m = 1" + at));
   add(with_effect("type = 'constant'\nforce_n = [1, 0, 0]\nradius_m = 2" + at));
   add(with_effect("type = 'constant'\nforce_n = [1, 0, 0]\nsize_m = [2, 2, 2]" + at));

@@ -278,7 +278,9 @@ TEST(MeshFile, ThoseThatAreShippedNameNoFileThatIsNotThere) {
     const auto json = nlohmann::json::parse(in);
     for (const char* kind : {"buffers", "images"}) {
       for (const auto& item : json.value(kind, nlohmann::json::array())) {
-        EXPECT_TRUE(std::filesystem::exists(folder / item.value("uri", "?"))) << entry.path() << " " << item;
+        const std::string uri = item.value("uri", "?");
+        if (uri.starts_with("data:")) continue;
+        EXPECT_TRUE(std::filesystem::exists(folder / uri)) << entry.path() << " " << item;
       }
     }
   }

@@ -33,7 +33,16 @@ TEST(SceneHash, WhateverChangesTheForceChangesIt) {
   hashes.insert(hash_of(corner(), {.two_sided = false}));
   const auto shared = std::make_shared<const TriangleMesh>(corner());
   hashes.insert(hash_scene({{{shared, {}}, {shared, {}}}}));
-  EXPECT_EQ(hashes.size(), 9U);
+  const auto moved_for = [&](double seconds, bool loops) {
+    TouchScene scene{{{shared, {}}}};
+    scene.objects[0].motion = std::make_shared<const KeyframeMotion>(
+        Vec3::Zero(), std::vector<Keyframe>{{0.0, Vec3::Zero(), Quat::Identity()}, {seconds, Vec3::Zero(), Quat::Identity()}}, loops);
+    return hash_scene(scene);
+  };
+  for (const bool loops : {false, true}) {
+    for (const double seconds : {1.0, 2.0}) hashes.insert(moved_for(seconds, loops));
+  }
+  EXPECT_EQ(hashes.size(), 13U);
 }
 
 }  // namespace

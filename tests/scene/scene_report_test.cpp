@@ -39,6 +39,13 @@ TEST(SceneReport, SaysWhatIsMovable) {
   EXPECT_EQ(json["objects"][3]["movable"], true);
 }
 
+TEST(SceneReport, SaysWhatMovesByItself) {
+  const auto report = make_scene_report(HAPTON_SOURCE_DIR "/scenes/machine.toml");
+  ASSERT_TRUE(report) << report.error().what;
+  EXPECT_NE(to_text(*report).find("moves by 5 keyframes for 4.8 s, again and again"), std::string::npos) << to_text(*report);
+  EXPECT_NE(to_json(*report).find("\"motion_s\": 4.8"), std::string::npos);
+}
+
 TEST(SceneReport, CountsOneObjectAsOne) {
   const auto report = make_scene_report(HAPTON_SOURCE_DIR "/scenes/car_front.toml");
   ASSERT_TRUE(report) << report.error().what;

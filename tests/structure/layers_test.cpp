@@ -14,9 +14,9 @@
 namespace hapton::structure {
 namespace {
 
-const std::vector<std::string> kFolders = {"core",        "runtime", "link",         "hid",         "scene", "bench",
-                                           "watchdog",    "devices", "safety",       "loop",        "patch", "remote",
-                                           "haptic_step", "io_node", "haptics_node", "vision_node", "tools", "python", "plugin"};
+const std::vector<std::string> kFolders = {"core",         "runtime",     "link",  "hid",    "scene",  "bench",       "watchdog",
+                                           "devices",      "safety",      "loop",  "patch",  "remote", "haptic_step", "io_node",
+                                           "haptics_node", "vision_node", "tools", "python", "plugin", "vrpn"};
 
 // Which folders, or single headers, a folder's files may include. Its own are always allowed.
 const std::map<std::string, std::vector<std::string>> kMayInclude = {
@@ -30,6 +30,7 @@ const std::map<std::string, std::vector<std::string>> kMayInclude = {
     {"runtime", {"core/base", "core/math"}},
     {"link", {"core/base", "core/math", "runtime"}},
     {"hid", {"core/base", "core/math", "runtime"}},
+    {"vrpn", {"core/base", "core/math", "runtime", "link"}},
     {"scene", {"core"}},
     {"bench", {"core", "runtime", "link"}},
     // Frames a second of the picture itself, beside VTK's.
@@ -42,12 +43,13 @@ const std::map<std::string, std::vector<std::string>> kMayInclude = {
     {"patch", {"core", "link", "runtime"}},
     {"remote", {"core", "link", "loop", "patch", "safety", "devices/device.h"}},
     {"haptic_step", {"core", "link", "runtime", "scene", "plugin"}},
-    {"io_node", {"core", "runtime", "link", "hid", "watchdog", "devices", "safety", "patch"}},
+    {"io_node", {"core", "runtime", "link", "hid", "vrpn", "watchdog", "devices", "safety", "patch"}},
     {"haptics_node", {"core", "runtime", "link", "scene", "patch", "loop", "haptic_step", "plugin"}},
-    {"vision_node", {"core", "runtime", "link", "hid", "scene"}},
+    {"vision_node", {"core", "runtime", "link", "hid", "vrpn", "scene"}},
     // The table of a recording is that of `hapton session export`.
     {"python", {"core", "runtime", "link", "scene", "tools/session/joined_table.h"}},
-    {"tools", {"core", "runtime", "link", "hid", "scene", "bench", "haptic_step", "devices", "safety", "loop", "patch", "remote", "plugin"}},
+    {"tools",
+     {"core", "runtime", "link", "hid", "scene", "bench", "haptic_step", "devices", "safety", "loop", "patch", "remote", "plugin"}},
 };
 
 bool is_under(const std::string& path, const std::string& folder) { return path.rfind(folder + "/", 0) == 0; }

@@ -167,7 +167,8 @@ TEST(HudNotice, IsEmptyWhereTheCornerSaysItAll) {
 }
 
 TEST(Hud, NamesEveryKey) {
-  for (const char* key : {"x X", "y Y", "z Z", " b ", " s ", " h ", " q ", " m ", " e ", " f ", " r ", " g "})
+  for (const char* key :
+       {"x X", "y Y", "z Z", " b ", " s ", " h ", " q ", " m ", " e ", " f ", " r ", " g ", " c ", "arrows", "page", "home"})
     EXPECT_NE(keys_help().find(key), std::string_view::npos) << key;
 }
 

@@ -239,9 +239,9 @@ TEST_F(InteractionTest, RequestsAreTakenOnce) {
   for (const char c : {'b', 's', 'q', 'k'}) give(key(c));
   const UserRequests requests = hands_.take_requests();
   EXPECT_TRUE(requests.toggle_cull && requests.screenshot && requests.quit && requests.toggle_help);
-  for (const char c : {'m', 'e', 'f', 'g', 'n'}) give(key(c));
+  for (const char c : {'m', 'e', 'f', 'g', 'n', 'c'}) give(key(c));
   const UserRequests more = hands_.take_requests();
-  EXPECT_TRUE(more.next_stereo && more.swap_eyes && more.look_at_scene && more.toggle_depth_cues && more.mark);
+  EXPECT_TRUE(more.toggle_plots && more.next_stereo && more.swap_eyes && more.look_at_scene && more.toggle_depth_cues && more.mark);
   EXPECT_FALSE(hands_.take_requests().quit);
   give(mouse(Kind::close, 0, 0));
   EXPECT_TRUE(hands_.take_requests().quit);
@@ -254,6 +254,29 @@ TEST_F(InteractionTest, KeysOfThePenAreRequestsOnce) {
   const UserRequests none = hands_.take_requests();
   EXPECT_FALSE(none.draw || none.measure || none.undo || none.redo || none.save || none.menu);
   EXPECT_FALSE(hands_.hand_active());
+}
+
+TEST_F(InteractionTest, ArrowsAndPageKeysMoveTheHeadByACentimetre) {
+  using Pad = WindowEvent::Pad;
+  const auto pad = [](Pad which) {
+    WindowEvent event;
+    event.pad = which;
+    return event;
+  };
+  const std::pair<Pad, Vec3> moves[] = {{Pad::left, {-0.01, 0, 0}}, {Pad::right, {0.01, 0, 0}},    {Pad::up, {0, 0.01, 0}},
+                                        {Pad::down, {0, -0.01, 0}}, {Pad::page_up, {0, 0, -0.01}}, {Pad::page_down, {0, 0, 0.01}}};
+  for (const auto& [which, by_m] : moves) {
+    give(pad(which));
+    give(pad(which));
+    EXPECT_EQ(hands_.take_requests().head_by_m, 2.0 * by_m);
+    EXPECT_TRUE(hands_.take_requests().head_by_m.isZero(0.0)) << "once";
+  }
+  give(pad(Pad::left));
+  give(pad(Pad::home));
+  const UserRequests back = hands_.take_requests();
+  EXPECT_TRUE(back.reset_head && back.head_by_m.isZero(0.0));
+  EXPECT_FALSE(hands_.take_requests().reset_head);
+  EXPECT_EQ(hands_.dials().degrees, Vec3::Zero());
 }
 
 }  // namespace

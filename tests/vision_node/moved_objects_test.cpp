@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+
 #include "tests/vision_node/made_views.h"
 
 namespace hapton {
@@ -52,28 +55,63 @@ TEST_F(MovedObjectsTest, AnObjectIsDrawnWhereItWasPutDown) {
 TEST_F(MovedObjectsTest, AnObjectThatIsHeldGoesWithTheStylus) {
   ASSERT_TRUE(view);
   MovedObjects moved(*view, scene);
-  // Held a centimetre beside the tip.
-  EXPECT_TRUE(moved.take({.serial = 2, .object = 0, .is_held = true, .p_m = Vec3(0.01, 0, 0) - kRedAt}));
-  EXPECT_EQ(moved.held(), 0);
   const Vec3 tip(0.02, -0.05, 0.01);
   ProbeShown probe;
   probe.p_WP = probe.p_WD = tip;
   view->set_probe(probe);
   view->draw();
-  const Picture held = view->read_picture();
   const Vec2 there = expected(tip + Vec3(0.01, 0, 0));
+  const Picture empty_handed = view->read_picture();
+  const std::uint8_t* beside = empty_handed.at(static_cast<int>(there.x()), static_cast<int>(there.y()));
+  const std::array<std::uint8_t, 3> bare = {beside[0], beside[1], beside[2]};
+  // Held a centimetre beside the tip.
+  EXPECT_TRUE(moved.take({.serial = 2, .object = 0, .is_held = true, .p_m = Vec3(0.01, 0, 0) - kRedAt}));
+  EXPECT_EQ(moved.held(), 0);
+  view->set_probe(probe);
+  view->draw();
+  const Picture held = view->read_picture();
   const std::uint8_t* red = held.at(static_cast<int>(there.x()), static_cast<int>(there.y()));
   EXPECT_GT(red[0], 60);
   EXPECT_LT(red[1], red[0] / 2);
+  EXPECT_FALSE(std::equal(red, red + 3, bare.begin()));
   const Vec3 down(0.0, 0.02, 0.0);
   EXPECT_TRUE(moved.take({.serial = 3, .object = 0, .p_m = down}));
   EXPECT_EQ(moved.held(), -1);
+  view->set_probe(probe);
   view->draw();
   const Picture picture = view->read_picture();
   const auto at = expected(kRedAt + down);
   const std::uint8_t* middle = picture.at(static_cast<int>(at.x()), static_cast<int>(at.y()));
   EXPECT_GT(middle[0], 200);
   EXPECT_EQ(middle[1], 0);
+  const std::uint8_t* after = picture.at(static_cast<int>(there.x()), static_cast<int>(there.y()));
+  EXPECT_TRUE(std::equal(after, after + 3, bare.begin())) << "the stylus holds it no more";
+}
+
+// Where the felt one is at that time: both evaluate the same keyframes.
+TEST_F(MovedObjectsTest, AnObjectThatMovesByKeyframesIsDrawnWhereItIsAtThatTime) {
+  ASSERT_TRUE(view);
+  const auto motion = std::make_shared<const KeyframeMotion>(
+      Vec3::Zero(), std::vector<Keyframe>{{0.0, Vec3(0.01, 0, 0), Quat::Identity()}, {2.0, Vec3(0.05, -0.06, 0.02), Quat::Identity()}},
+      false);
+  scene.objects[0].motion = motion;
+  MovedObjects moved(*view, scene);
+  EXPECT_TRUE(moved.has_motion());
+  EXPECT_LT((*find(0) - expected(kRedAt + Vec3(0.01, 0, 0))).norm(), 0.6) << "where it begins";
+  EXPECT_TRUE(moved.set_time(1'500'000'000));
+  EXPECT_FALSE(moved.set_time(1'500'000'000)) << "the same again";
+  moved.place_moving();
+  EXPECT_LT((*find(0) - expected(motion->pose_at(1.5) * kRedAt)).norm(), 0.6);
+  EXPECT_LT((*find(1) - expected(kGreenAt)).norm(), 0.6) << "the other stays";
+  EXPECT_EQ(moved.moving()[0].matrix(), motion->pose_at(1.5).matrix());
+  EXPECT_FALSE(moved.take({.serial = 2, .object = 0, .p_m = Vec3::UnitX()})) << "nobody picks it up";
+}
+
+TEST_F(MovedObjectsTest, NothingMovesInASceneWithoutKeyframes) {
+  ASSERT_TRUE(view);
+  MovedObjects moved(*view, scene);
+  EXPECT_FALSE(moved.has_motion());
+  EXPECT_FALSE(moved.set_time(1'500'000'000));
 }
 
 TEST_F(MovedObjectsTest, AnObjectThatTheSceneDoesNotHaveIsLeftOut) {

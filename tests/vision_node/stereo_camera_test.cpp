@@ -2,7 +2,11 @@
 
 #include <random>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -162,6 +166,116 @@ TEST(StereoScreen, MovedAsideShowsThatPlaceInItsMiddleWithoutParallax) {
     EXPECT_LT((project_to_pixel(compute_screen(framing, {800, 600}), eye, {800, 600}, p_W) - Vec2(400.0, 300.0)).norm(), 1e-9);
     EXPECT_LT((project_to_pixel(before, eye, {800, 600}, framing.p_WC) - Vec2(400.0, 300.0)).norm(), 1e-9);
   }
+}
+
+// Heads before the screen: left, right and up, near, far, tilted, turned, all of it.
+std::vector<Head> some_heads() {
+  const auto turn = [](double about_x, double about_y, double about_z) {
+    return Quat(Eigen::AngleAxisd(about_z, Vec3::UnitZ()) * Eigen::AngleAxisd(about_y, Vec3::UnitY()) *
+                Eigen::AngleAxisd(about_x, Vec3::UnitX()));
+  };
+  return {{},
+          {{-0.2, 0.0, 0.6}, Quat::Identity()},
+          {{0.15, 0.12, 0.55}, Quat::Identity()},
+          {{0.0, 0.0, 0.3}, Quat::Identity()},
+          {{0.1, -0.05, 1.4}, Quat::Identity()},
+          {{0.0, 0.0, 0.6}, turn(0.0, 0.0, 0.4)},
+          {{0.0, 0.0, 0.6}, turn(0.2, 0.7, 0.0)},
+          {{-0.1, 0.1, 0.4}, turn(-0.3, 0.5, -0.6)}};
+}
+
+// By hand: the eyes where the head has them, in metres of the world, and the straight line from each through the screen.
+TEST(StereoCamera, AHeadAnywhereSeesThroughTheSameScreen) {
+  constexpr std::uint64_t kSeed = 23;
+  std::mt19937_64 random(kSeed);
+  std::uniform_real_distribution<double> within(-0.13, 0.13);
+  for (const double screen_width_m : {0.0, 0.3, 1.1}) {
+    for (const Head& head : some_heads()) {
+      Framing framing = tilted();
+      framing.head = head;
+      framing.screen_width_m = screen_width_m;
+      const StereoScreen screen = compute_screen(framing, kSize);
+      const double scale = screen_width_m > 0.0 ? screen.width_m / screen_width_m : 1.0;
+      for (const Eye eye : {Eye::left, Eye::right, Eye::centre}) {
+        const double side = eye == Eye::left ? -1.0 : eye == Eye::right ? 1.0 : 0.0;
+        const Vec3 e = scale * (head.p_RH + side * 0.0315 * (head.q_RH * Vec3::UnitX()));
+        EXPECT_LT((compute_eye_position(screen, eye) - screen.X_WV * e).norm(), 1e-12);
+        EXPECT_NEAR(compute_eye_depths(screen, eye).eye_m, e.z(), 1e-12);
+        for (int i = 0; i < 100; ++i) {
+          const Vec3 p_V(within(random), within(random), std::min(within(random), 0.7 * e.z()));
+          const Vec3 hit = e + e.z() / (e.z() - p_V.z()) * (p_V - e);
+          const Vec2 expected((hit.x() / screen.width_m + 0.5) * kSize.width_px, (hit.y() / screen.height_m + 0.5) * kSize.height_px);
+          const Vec3 p_W = screen.X_WV * p_V;
+          ASSERT_LT((pixel_by_matrices(screen, eye, p_W) - expected).norm(), 1e-6) << "seed " << kSeed;
+          ASSERT_LT((project_to_pixel(screen, eye, kSize, p_W) - expected).norm(), 1e-6) << "seed " << kSeed;
+        }
+      }
+    }
+  }
+}
+
+TEST(StereoCamera, EachEyesDepthsEndAtTheSamePlanes) {
+  for (const Head& head : some_heads()) {
+    Framing framing = frame_sphere(Vec3::Zero(), 0.05, 0.063);
+    framing.head = head;
+    const StereoScreen screen = compute_screen(framing, kSize);
+    for (const Eye eye : {Eye::left, Eye::right}) {
+      const auto [eye_m, near_m, far_m] = compute_eye_depths(screen, eye);
+      EXPECT_GT(near_m, 0.0);
+      EXPECT_NEAR(eye_m - far_m, -framing.depth_m, 1e-12) << "everything behind the screen";
+      const double before_m = std::min(framing.depth_m, 0.95 * std::min(eye_m, screen.distance_m));
+      EXPECT_GT(eye_m - near_m, before_m - 1e-12) << "and before it, but for what is at the eyes";
+      const Mat4 P = compute_projection_matrix(screen, eye);
+      for (const auto& [depth, ndc] : {std::pair(near_m, -1.0), std::pair(far_m, 1.0)}) {
+        const Eigen::Vector4d clip = P * Eigen::Vector4d(0.01, 0.02, -depth, 1.0);
+        EXPECT_NEAR(clip.z() / clip.w(), ndc, 1e-9);
+      }
+    }
+  }
+}
+
+TEST(StereoCamera, WithoutAHeadNothingChanges) {
+  for (const double radius : {1e-4, 0.1, 3.0}) {
+    const Framing framing = frame_sphere(Vec3::Zero(), radius, 0.063);
+    const StereoScreen screen = compute_screen(framing, kSize);
+    EXPECT_EQ(screen.distance_m, framing.distance_m);
+    EXPECT_EQ(screen.ipd_m, framing.ipd_m);
+    EXPECT_TRUE(screen.eyes_aside_m.isZero(0.0));
+  }
+}
+
+// A model of half the size on a screen of half the size, seen by a viewer of half the size, is the same picture.
+TEST(StereoCamera, AKnownScreenMakesTheViewerAsLargeAsThePicture) {
+  Framing framing = frame_sphere(Vec3::Zero(), 0.1, 0.06);
+  framing.head = {{0.05, -0.02, 0.5}, Quat(Eigen::AngleAxisd(0.2, Vec3::UnitZ()))};
+  framing.screen_width_m = 0.4;
+  const StereoScreen screen = compute_screen(framing, kSize);
+  EXPECT_NEAR(screen.ipd_m / screen.width_m, 0.06 / 0.4, 1e-15);
+  EXPECT_NEAR(screen.distance_m / screen.width_m, 0.5 / 0.4, 1e-15);
+  EXPECT_NEAR(screen.eyes_aside_m.x() / screen.width_m, 0.05 / 0.4, 1e-15);
+  EXPECT_NEAR(compute_viewer_scale(framing, screen.width_m), screen.width_m / 0.4, 1e-15);
+  Framing larger = framing;
+  larger.view_m *= 2.0;
+  const Vec3 p_W(0.03, 0.02, 0.04);
+  for (const Eye eye : {Eye::left, Eye::right}) {
+    EXPECT_LT((project_to_pixel(screen, eye, kSize, p_W) - project_to_pixel(compute_screen(larger, kSize), eye, kSize, 2.0 * p_W)).norm(),
+              1e-9);
+  }
+}
+
+TEST(StereoCamera, ImpossibleHeadsAreKnown) {
+  const Quat straight = Quat::Identity();
+  const Quat sideways(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitY()));
+  EXPECT_TRUE(is_possible({}, 0.063));
+  EXPECT_TRUE(is_possible({{0, 0, 0.0501}, straight}, 0.2));
+  EXPECT_FALSE(is_possible({{0, 0, 0.0501}, sideways}, 0.063)) << "one eye in the screen";
+  EXPECT_TRUE(is_possible({{0, 0, 0.09}, sideways}, 0.063));
+  EXPECT_FALSE(is_possible({{0, 0, 0.0499}, straight}, 0.0));
+  EXPECT_FALSE(is_possible({{0, 0, -0.6}, straight}, 0.063));
+  EXPECT_FALSE(is_possible({{0, 101.0, 0.6}, straight}, 0.063));
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(is_possible({{0, 0, kNaN}, straight}, 0.063));
+  EXPECT_FALSE(is_possible({{kNaN, 0, 0.6}, straight}, 0.063));
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "vision_node/stereo_view.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -314,6 +315,54 @@ TEST(StereoView, HudLiesInTheSamePlaceOfBothEyesPictures) {
   }
   EXPECT_GT(changed, 500);
   EXPECT_EQ(parallax, 0);
+}
+
+// A curve of constant height and one that rises, each in its colour and place, alike in both eyes' pictures; and nothing where there is
+// none.
+TEST(StereoView, PlotsAreDrawnToScaleAtTheRight) {
+  ViewSettings settings = plain_settings(StereoMode::side_by_side, 1280, 720);
+  settings.plain = false;
+  settings.depth_cues = false;
+  auto view = open_or_fail(settings, {});
+  ASSERT_TRUE(view);
+  view->draw();
+  const Picture without = view->read_picture();
+  PlotShown flat{"force", {}, 10.0, 7.5}, rising{"age", {}, 10.0, 0.0};
+  for (int n = 249; n >= 0; --n) {
+    flat.points.push_back({0.02 * n, 2.5});
+    rising.points.push_back({0.02 * n, 10.0 - 0.04 * n});
+  }
+  view->set_plots({flat, rising});
+  view->draw();
+  const Picture with = view->read_picture();
+  int changed_left_of_them = 0, parallax = 0;
+  std::vector<double> green_y, red_y, blue_x, blue_y;
+  for (int y = 0; y < 720; ++y) {
+    for (int x = 0; x < 640; ++x) {
+      const std::uint8_t* p = with.at(x, y);
+      parallax += !same(p, with.at(x + 640, y));
+      changed_left_of_them += x < 380 && !same(p, without.at(x, y));
+      if (p[1] > p[0] + 80 && p[1] > p[2] + 60) green_y.push_back(y);
+      if (p[0] > p[1] + 80 && p[0] > p[2] + 80) red_y.push_back(y);
+      if (p[2] > p[0] + 80 && p[1] > p[0] + 50) {
+        blue_x.push_back(x);
+        blue_y.push_back(y);
+      }
+    }
+  }
+  EXPECT_EQ(parallax, 0);
+  EXPECT_EQ(changed_left_of_them, 0);
+  ASSERT_TRUE(green_y.size() > 150 && red_y.size() > 150 && blue_x.size() > 150);
+  const auto [low_green, high_green] = std::minmax_element(green_y.begin(), green_y.end());
+  EXPECT_LE(*high_green - *low_green, 3.0) << "a constant is a level line";
+  const double limit_above = red_y.front() - green_y.front();
+  EXPECT_NEAR(limit_above, 0.5 * 0.13 * 720, 3.0) << "from a quarter of the scale to three quarters";
+  const auto [low_blue, high_blue] = std::minmax_element(blue_y.begin(), blue_y.end());
+  EXPECT_NEAR(*high_blue - *low_blue, 0.13 * 720, 4.0);
+  EXPECT_LT(*high_blue, *low_green) << "the second one is below the first";
+  view->set_plots({});
+  view->draw();
+  EXPECT_EQ(view->read_picture().rgb, without.rgb);
 }
 
 TEST(StereoView, PreparingItsShadersLeavesNoProbeInThePicture) {

@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
+#include "tests/support/option_range.h"
+
 namespace hapton {
 namespace {
 
@@ -20,6 +24,8 @@ TEST(VisionOptions, DefaultsAreTheDocumentedOnes) {
   EXPECT_EQ(options.view.msaa, 0);
   EXPECT_TRUE(options.view.cull);
   EXPECT_FALSE(options.has_space_knobs);
+  EXPECT_FALSE(options.plots);
+  EXPECT_TRUE(std::get<VisionOptions>(parse({"--plots"})).plots);
   EXPECT_EQ(options.scene, "scenes/car_front.toml");
 }
 
@@ -51,6 +57,39 @@ TEST(VisionOptions, ASecondHubIsAnotherHand) {
   EXPECT_EQ(two.other_hub, "b:2");
 }
 
+TEST(VisionOptions, TheHeadArrivesInMetresAndItsFrames) {
+  const auto options = std::get<VisionOptions>(
+      parse({"--head", "vrpn:Head0@10.0.0.2:3884", "--head-sensor", "2", "--head-mm", "-80,20.5,550", "--head-turn-deg", "0,0,90",
+             "--tracker-mm", "0,300,-20", "--tracker-turn-deg", "90,0,90", "--eyes-mm", "0,-80,10", "--screen-width-mm", "520"}));
+  EXPECT_LT((options.head.p_RH - Vec3(-0.08, 0.0205, 0.55)).norm(), 1e-15);
+  EXPECT_LT((options.head.q_RH * Vec3::UnitX() - Vec3::UnitY()).norm(), 1e-15);
+  ASSERT_TRUE(options.head_source.tracker);
+  EXPECT_EQ(options.head_source.tracker->device, "Head0");
+  EXPECT_EQ(options.head_source.tracker->host, "10.0.0.2:3884");
+  EXPECT_EQ(options.head_source.sensor, 2);
+  EXPECT_LT((options.head_source.p_BH - Vec3(0.0, -0.08, 0.01)).norm(), 1e-15);
+  EXPECT_LT((options.head_source.X_RT.translation() - Vec3(0.0, 0.3, -0.02)).norm(), 1e-15);
+  // About x first: y becomes z, then about z it stays.
+  EXPECT_LT((options.head_source.X_RT.linear() * Vec3::UnitY() - Vec3::UnitZ()).norm(), 1e-15);
+  EXPECT_EQ(options.screen_width_mm, 520.0);
+  EXPECT_TRUE(std::get<VisionOptions>(parse({"--head", "spacemouse"})).has_space_head);
+  const auto plain = std::get<VisionOptions>(parse({}));
+  EXPECT_FALSE(plain.has_space_head);
+  EXPECT_FALSE(plain.head_source.tracker);
+  EXPECT_EQ(plain.head.p_RH, Vec3(0.0, 0.0, 0.6));
+  EXPECT_EQ(plain.screen_width_mm, 0.0);
+}
+
+TEST(VisionOptions, AHeadThatSeesNoScreenIsOneLine) {
+  for (const char* at : {"0,0,0", "0,0,-600", "0,0,79", "0,200000,600"}) {
+    const auto possible = check_head(std::get<VisionOptions>(parse({"--head-mm", at, "--ipd-mm", "60", "--head-turn-deg", "0,90,0"})));
+    ASSERT_FALSE(possible) << at;
+    EXPECT_NE(possible.error().what.find("--head-mm " + std::string(at)), std::string::npos) << possible.error().what;
+    EXPECT_EQ(possible.error().what.find('\n'), std::string::npos);
+  }
+  EXPECT_TRUE(check_head(std::get<VisionOptions>(parse({"--head-mm", "0,0,81", "--ipd-mm", "60", "--head-turn-deg", "0,90,0"}))));
+}
+
 TEST(VisionOptions, WrongOnesEndWithAnErrorCode) {
   for (const auto& words : std::vector<std::vector<const char*>>{{"--stereo", "3d"},
                                                                  {"--knobs", "three"},
@@ -63,11 +102,43 @@ TEST(VisionOptions, WrongOnesEndWithAnErrorCode) {
                                                                  {"--screenshot-when", "soon"},
                                                                  {"--frames-per-second-limit", "-2"},
                                                                  {"--hub", "a", "--hub", "b", "--hub", "c"},
+                                                                 {"--head", "mouse"},
+                                                                 {"--head", "vrpn:Head0"},
+                                                                 {"--head-mm", "1,2"},
+                                                                 {"--head-mm", "1,2,3,4"},
+                                                                 {"--head-mm", "0,0,nan"},
+                                                                 {"--head-mm", "0,0,6e9"},
+                                                                 {"--head-turn-deg", "up"},
+                                                                 {"--head-sensor", "1"},
+                                                                 {"--head", "vrpn:a@b", "--head-sensor", "-1"},
+                                                                 {"--screen-width-mm", "0"},
                                                                  {"--unheard-of"}}) {
     const auto parsed = parse(words);
     ASSERT_TRUE(std::holds_alternative<int>(parsed)) << words[0];
     EXPECT_NE(std::get<int>(parsed), 0) << words[0];
   }
+}
+
+TEST(VisionOptions, NumbersHaveTheRangesThatHelpNames) {
+  const OptionRange<VisionOptions> ranges[] = {
+      {"--ipd-mm", "0", "200", "-0.1", "200.1", [](const VisionOptions& o) { return static_cast<double>(o.ipd_mm); }},
+      {"--screen-width-mm", "10", "100000", "9", "100001", [](const VisionOptions& o) { return o.screen_width_mm; }},
+      {"--view-yaw-deg", "-180", "180", "-180.1", "180.1", [](const VisionOptions& o) { return static_cast<double>(o.view_yaw_deg); }},
+      {"--view-pitch-deg", "-89", "89", "-89.1", "89.1", [](const VisionOptions& o) { return static_cast<double>(o.view_pitch_deg); }},
+      {"--stylus-lean-deg", "0", "90", "-0.1", "90.1", [](const VisionOptions& o) { return static_cast<double>(o.stylus_lean_deg); }},
+      {"--dial-x-deg", "-360", "360", "-361", "361", [](const VisionOptions& o) { return static_cast<double>(o.dials_degrees.x()); }},
+      {"--dial-y-deg", "-360", "360", "-361", "361", [](const VisionOptions& o) { return static_cast<double>(o.dials_degrees.y()); }},
+      {"--dial-z-deg", "-360", "360", "-361", "361", [](const VisionOptions& o) { return static_cast<double>(o.dials_degrees.z()); }},
+      {"--probe-radius", "0", "1", "-0.1", "1.1", [](const VisionOptions& o) { return o.probe_radius_m; }},
+      {"--frames-per-second-limit", "0", "10000", "-1", "10001", [](const VisionOptions& o) { return o.rate_limit_hz; }},
+      {"--msaa", "0", "16", "-1", "17", [](const VisionOptions& o) { return static_cast<double>(o.view.msaa); }},
+      {"--seconds", "0", "1e9", "-0.1", "1.1e9", [](const VisionOptions& o) { return static_cast<double>(o.seconds); }},
+      {"--draw-button", "0", "32", "-1", "33", [](const VisionOptions& o) { return static_cast<double>(o.annotations.draw_button); }},
+      {"--measure-button", "0", "32", "-1", "33", [](const VisionOptions& o) { return static_cast<double>(o.annotations.measure_button); }},
+      {"--menu-button", "0", "32", "-1", "33", [](const VisionOptions& o) { return static_cast<double>(o.annotations.menu_button); }},
+      {"--bench-frames", "0", "1000000", "-1", "1000001", [](const VisionOptions& o) { return static_cast<double>(o.bench_frames); }},
+  };
+  for (const auto& range : ranges) expect_range(range, parse);
 }
 
 }  // namespace

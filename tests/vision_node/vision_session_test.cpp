@@ -12,6 +12,7 @@
 #include "link/random_id.h"
 #include "link/udp_endpoint.h"
 #include "tests/vision_node/made_views.h"
+#include "tests/vrpn/made_tracker.h"
 
 // Last: it brings X's macros.
 #include "tests/vision_node/window_person.h"
@@ -143,6 +144,38 @@ TEST(VisionSession, DrawsWhatMovesAndReportsEveryPicture) {
     EXPECT_LT(drawn.held_ns, 1e9);
   }
   EXPECT_GT(hub.drawn.back().echo_sample, hub.samples / 2) << "newest wins: pictures do not lag behind the hub";
+}
+
+// The tracker says one place, then nothing more: the picture is drawn for it, and stays so.
+TEST(VisionSession, DrawsForATrackedHeadAndKeepsItWhenTheTrackerIsGone) {
+  FakeHub hub;
+  hub.moving = false;
+  vrpn::MadeTracker tracker;
+  std::atomic<bool> ends{false};
+  std::thread speaks([&] {
+    SteadyClock clock;
+    const std::int64_t silent_ns = clock.now_ns() + 400 * kNanosecondsPerMillisecond;
+    while (!ends) {
+      tracker.attend();
+      if (clock.now_ns() < silent_ns) tracker.say(vrpn::say_pose(0, {0.12, 0.05, 0.7}));
+      clock.sleep_until_ns(clock.now_ns() + 5 * kNanosecondsPerMillisecond);
+    }
+  });
+  VisionOptions options;
+  options.head_source.tracker = vrpn::TrackerName{"Head0", to_string(tracker.address())};
+  options.seconds = 1.5;
+  Session vision(hub.address(), options);
+  const auto head = std::move(*HeadTracker::open(options.head_source, 0.063));
+  vision.session->set_head_tracker(head.get());
+  const StereoScreen before = vision.view->screen();
+  ASSERT_TRUE(vision.session->run(vision.stop));
+  ends = true;
+  speaks.join();
+  const StereoScreen after = vision.view->screen();
+  const double scale = before.distance_m / kDeskDistance;
+  EXPECT_NEAR(after.distance_m, 0.7 * scale, 1e-9);
+  EXPECT_LT((after.eyes_aside_m - scale * Vec2(0.12, 0.05)).norm(), 1e-9);
+  EXPECT_NE(head->describe(vision.clock.now_ns()).find("it stays where it was"), std::string::npos);
 }
 
 TEST(VisionSession, RestsWhileNothingMoves) {

@@ -181,6 +181,84 @@ TEST_F(VisionStepTest, TheSceneRestsAWhileAfterItWasTurnedThoughTheProbeMovesOn)
   EXPECT_TRUE(step.is_scene_at_rest(1300 * kMs));
 }
 
+TEST_F(VisionStepTest, AHeadThatMovesByMoreThanHalfAPixelIsDrawn) {
+  VisionStepSettings made = settings();
+  made.home = frame_sphere(Vec3::Zero(), 0.12, 0.063);
+  VisionStep step(made);
+  ASSERT_TRUE(turn(step, 0));
+  ASSERT_TRUE(step.is_scene_at_rest(500 * kMs));
+  const double half_pixel_m = 0.5 * where_.screen.width_m / where_.picture.width_px;
+  step.set_head({{0.9 * half_pixel_m, 0.0, 0.6}, Quat::Identity()});
+  EXPECT_FALSE(turn(step, 500 * kMs));
+  EXPECT_TRUE(step.is_scene_at_rest(500 * kMs));
+  step.spoil();
+  ASSERT_TRUE(step.wants_picture(520 * kMs, where_));
+  EXPECT_EQ(step.compose(520 * kMs).framing.head.p_RH.x(), 0.0) << "nor does it change a picture that is drawn for something else";
+  step.drew(520 * kMs, 525 * kMs, where_);
+  step.set_head({{1.1 * half_pixel_m, 0.0, 0.6}, Quat::Identity()});
+  ASSERT_TRUE(step.wants_picture(540 * kMs, where_));
+  EXPECT_FALSE(step.is_scene_at_rest(1000 * kMs));
+  EXPECT_EQ(step.compose(540 * kMs).framing.head.p_RH.x(), 1.1 * half_pixel_m);
+  step.drew(540 * kMs, 545 * kMs, where_);
+  EXPECT_FALSE(step.wants_picture(560 * kMs, where_));
+  EXPECT_FALSE(step.is_scene_at_rest(600 * kMs));
+  EXPECT_TRUE(step.is_scene_at_rest(700 * kMs));
+  // Turned where it is: the eyes move.
+  step.set_head({{1.1 * half_pixel_m, 0.0, 0.6}, Quat(Eigen::AngleAxisd(0.1, Vec3::UnitZ()))});
+  EXPECT_TRUE(turn(step, 720 * kMs));
+}
+
+TEST_F(VisionStepTest, KeysMoveTheHeadBeforeTheScreenAndTheHudSaysWhereItIs) {
+  VisionStepSettings made = settings();
+  made.home = frame_sphere(Vec3::Zero(), 0.12, 0.063);
+  VisionStep step(made);
+  ASSERT_TRUE(turn(step, 0));
+  WindowEvent right;
+  right.pad = WindowEvent::Pad::right;
+  for (int n = 0; n < 3; ++n) step.handle(right, where_);
+  step.take_requests();
+  ASSERT_TRUE(step.wants_picture(500 * kMs, where_));
+  const VisionStep::Shown shown = step.compose(500 * kMs);
+  EXPECT_NEAR(shown.framing.head.p_RH.x(), 0.03, 1e-15);
+  EXPECT_NE(shown.hud.find("head 3 0 60 cm"), std::string::npos) << shown.hud;
+  step.drew(500 * kMs, 505 * kMs, where_);
+  WindowEvent home;
+  home.pad = WindowEvent::Pad::home;
+  step.handle(home, where_);
+  step.take_requests();
+  ASSERT_TRUE(step.wants_picture(520 * kMs, where_));
+  EXPECT_EQ(step.compose(520 * kMs).framing.head.p_RH, Head().p_RH);
+}
+
+TEST_F(VisionStepTest, PlotsAreSwitchedByAKeyAndKeepThePictureGoing) {
+  VisionStep step(settings());
+  step.joined();
+  step.receive(state_at(0.0, 1), 0);
+  ASSERT_TRUE(turn(step, 0));
+  EXPECT_TRUE(step.compose(0).plots.empty());
+  WindowEvent curves;
+  curves.key = 'c';
+  step.handle(curves, where_);
+  step.take_requests();
+  ASSERT_TRUE(step.wants_picture(20 * kMs, where_));
+  EXPECT_EQ(step.compose(20 * kMs).plots.size(), 2u);
+  step.drew(20 * kMs, 25 * kMs, where_);
+  int pictures = 0;
+  for (int ms = 30; ms < 1030; ms += 10) pictures += turn(step, ms * kMs);
+  EXPECT_GE(pictures, 9);
+  EXPECT_LE(pictures, 11);
+  EXPECT_TRUE(step.is_scene_at_rest(1030 * kMs)) << "the scene itself is not drawn again";
+  step.lost();
+  for (int ms = 1030; ms < 1430; ms += 10) turn(step, ms * kMs);
+  EXPECT_FALSE(turn(step, 1900 * kMs)) << "nothing new comes";
+}
+
+TEST_F(VisionStepTest, TheHudSaysWhatIsWrongWithTheTracker) {
+  VisionStep step(settings());
+  step.set_head_notice("nobody answers");
+  EXPECT_NE(step.compose(0).hud.find("\nHEAD: nobody answers"), std::string::npos);
+}
+
 TEST_F(VisionStepTest, ThePointersSurfaceIsWantedWhereTheHandIsLed) {
   VisionStep step(settings());
   WindowEvent event;

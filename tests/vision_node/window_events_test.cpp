@@ -54,6 +54,19 @@ TEST_F(WindowEvents, KeysArriveWithTheirCase) {
   EXPECT_EQ(received[2].key, '0');
 }
 
+TEST_F(WindowEvents, ArrowsAndPageKeysArriveByName) {
+  using Pad = WindowEvent::Pad;
+  const std::pair<KeySym, Pad> keys[] = {{XK_Left, Pad::left},     {XK_Right, Pad::right},    {XK_Up, Pad::up},     {XK_Down, Pad::down},
+                                         {XK_Prior, Pad::page_up}, {XK_Next, Pad::page_down}, {XK_Home, Pad::home}, {XK_x, Pad::none}};
+  for (const auto& [symbol, pad] : keys) person_->press_key(symbol);
+  const auto received = receive(std::size(keys));
+  ASSERT_EQ(received.size(), std::size(keys));
+  for (std::size_t n = 0; n < received.size(); ++n) {
+    EXPECT_EQ(received[n].kind, Kind::key) << n;
+    EXPECT_EQ(received[n].pad, keys[n].second) << n;
+  }
+}
+
 TEST_F(WindowEvents, NoKeyEndsTheProgramBehindOurBack) {
   for (const KeySym symbol : {XK_q, XK_e, XK_w, XK_p, XK_r, XK_3, XK_space, XK_Escape, XK_F1}) person_->press_key(symbol);
   receive(9);

@@ -1,9 +1,14 @@
 #include "watchdog/watchdog_process.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <unistd.h>
 
+#include <array>
+#include <filesystem>
 #include <functional>
+#include <string>
 
 #include "runtime/clock.h"
 #include "tests/support/time_units.h"
@@ -43,11 +48,62 @@ TEST_F(WatchdogProcessTest, LooksAndIsStartedAgainWhenItDied) {
 TEST_F(WatchdogProcessTest, AStalledOneIsReplaced) {
   ASSERT_TRUE(watchdog.start(memory, program(), 0));
   ASSERT_TRUE(wait_until([&] { return memory.page().guard_beat_ns.load() > 0; }));
-  ::kill(watchdog.id(), SIGSTOP);
+  const pid_t stalled = watchdog.id();
+  ::kill(stalled, SIGSTOP);
   ASSERT_TRUE(wait_until([&] { return watchdog.look_after(clock.now_ns()); }));
+  EXPECT_NE(watchdog.id(), stalled);
+  EXPECT_EQ(::kill(stalled, 0), -1) << "it is gone, and no zombie";
   const std::int64_t replaced_ns = clock.now_ns();
   EXPECT_TRUE(wait_until([&] { return memory.page().guard_beat_ns.load() > replaced_ns; }));
   ::kill(watchdog.id(), SIGKILL);
+}
+
+// Whatever stood on the stack before.
+[[gnu::noinline]] void soil_the_stack() {
+  std::array<volatile unsigned char, 16384> dirt;
+  for (auto& byte : dirt) byte = 0xa5;
+}
+
+// Ctrl-C at the terminal is for the node; and what the node has open, such as its port, must be free once the node is gone.
+TEST_F(WatchdogProcessTest, IsAGroupOfItsOwnAndHoldsNothingOfTheNode) {
+  std::array<int, 2> pipe = {};
+  ASSERT_EQ(::pipe(pipe.data()), 0);  // inherited by whoever does not look out
+  soil_the_stack();
+  ASSERT_TRUE(watchdog.start(memory, program(), 0));
+  ASSERT_TRUE(wait_until([&] { return memory.page().guard_beat_ns.load() > 0; }));
+  EXPECT_EQ(::getpgid(watchdog.id()), watchdog.id());
+  const auto held = [&](int file) {
+    std::error_code error;
+    return std::filesystem::read_symlink(fmt::format("/proc/{}/fd/{}", watchdog.id(), file), error).string();
+  };
+  for (const int file : pipe) EXPECT_EQ(held(file).find("pipe:"), std::string::npos) << file;
+  for (const int file : pipe) ::close(file);
+  ::kill(watchdog.id(), SIGKILL);
+}
+
+// It beats: that it ends is not noticed before it could have been missed.
+TEST_F(WatchdogProcessTest, IsNotReplacedBeforeItHadTimeToBegin) {
+  ASSERT_TRUE(watchdog.start(memory, program(), 0));
+  const std::int64_t started_ns = clock.now_ns();
+  ::kill(watchdog.id(), SIGKILL);
+  EXPECT_FALSE(watchdog.look_after(started_ns));
+  EXPECT_FALSE(WatchdogProcess().look_after(started_ns + 3'600'000 * kMs)) << "none was started";
+  ASSERT_TRUE(wait_until([&] { return watchdog.look_after(clock.now_ns()); }));
+  EXPECT_EQ(watchdog.restarts(), 1U);
+  ::kill(watchdog.id(), SIGKILL);
+}
+
+// Its program was removed: the node goes on, and tries again once in a while.
+TEST_F(WatchdogProcessTest, WhatCannotBeStartedAgainIsNotTriedAllTheTime) {
+  const std::filesystem::path copy = std::filesystem::path(testing::TempDir()) / fmt::format("watchdog_copy_{}", ::getpid());
+  std::filesystem::copy_file(program(), copy, std::filesystem::copy_options::overwrite_existing);
+  ASSERT_TRUE(watchdog.start(memory, copy, 0));
+  ASSERT_TRUE(wait_until([&] { return memory.page().guard_beat_ns.load() > 0; }));
+  std::filesystem::remove(copy);
+  ::kill(watchdog.id(), SIGKILL);
+  std::int64_t tried_ns = 0;
+  ASSERT_TRUE(wait_until([&] { return watchdog.look_after(tried_ns = clock.now_ns()); }));
+  EXPECT_FALSE(watchdog.look_after(tried_ns + 1));
 }
 
 TEST_F(WatchdogProcessTest, WhatEndsAUnitDoesNotEndIt) {

@@ -6,6 +6,7 @@
 
 #include "bench/measure/sixdof_run.h"
 #include "bench/peers/tool_peers.h"
+#include "core/base/worker_team.h"
 #include "tools/bench/bench_report.h"
 #include "tools/bench/sixdof_plot.h"
 #include "tools/commands.h"
@@ -18,6 +19,7 @@ struct SixdofOptions {
   std::string out;
   bool quick = false;
   bool proxy_only = false;
+  int threads = 1;
 };
 
 Result<void> measure_all_tools(SixdofOptions& options) {
@@ -27,6 +29,7 @@ Result<void> measure_all_tools(SixdofOptions& options) {
     options.settings.budget = {.repetitions = 1, .seconds = 1.0};
     options.settings.with_large = false;
   }
+  if (options.threads > 1) options.settings.compared.push_back(proxy_tool(options.threads));
   if (!options.proxy_only) {
     for (const double voxel_m : {1e-3, 5e-4, 2.5e-4}) options.settings.compared.push_back(voxel_tool(voxel_m));
     for (SixdofMethodKind& peer : tool_peers()) options.settings.compared.push_back(std::move(peer));
@@ -60,6 +63,9 @@ void add_bench_sixdof_command(CommandLine bench, int& exit_code) {
       .shows_default();
   command.add_option("--seed", options->settings.seed, "Seed of the motions and of the bumpy bodies").shows_default();
   command.add_flag("--proxy-only", options->proxy_only, "Without voxels and the libraries it is compared with");
+  command.add_option("--threads", options->threads, "Measure the tool on so many threads as well")
+      .between(1, WorkerTeam::kMost)
+      .shows_default();
   command.add_option("--out", options->out, "Folder for sixdof.txt, sixdof.csv, sixdof.json and sixdof.png; default: none are written")
       .folder_to_write();
   command.on_run([options, &exit_code] {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -24,6 +25,7 @@ class PatchMethod final : public ForceMethod {
 
   MethodOutput step(const MethodInput& input) noexcept override;
   void reset(const Vec3& p_SD) noexcept override;
+  std::optional<Vec3> carried_from() const noexcept override { return touch_.carried_from(); }
   // Nothing: in tiles another material is another scene.
   void set_materials(std::span<const Material> materials) noexcept override { (void)materials; }
   std::string describe() const override;

@@ -148,11 +148,11 @@ StressCount sum_of(const std::vector<StressResult>& results) {
 }
 
 std::string to_text(const std::vector<StressResult>& results, const StressPlan& plan) {
-  std::string text = fmt::format("{:<20}{:>12}{:>12}{:>10}", "body", "steps", "contact", "compared");
+  std::string text = fmt::format("{:<20}{:>12}{:>12}{:>10}{:>9}", "body", "steps", "contact", "compared", "carried");
   for (std::size_t fault = 0; fault < kFaults; ++fault) text += fmt::format("{:>15}", name_of(static_cast<StressFault>(fault)));
   text += '\n';
   auto line = [&](const std::string& name, const StressCount& count) {
-    text += fmt::format("{:<20}{:>12}{:>12}{:>10}", name, count.steps, count.contact_steps, count.compared_steps);
+    text += fmt::format("{:<20}{:>12}{:>12}{:>10}{:>9}", name, count.steps, count.contact_steps, count.compared_steps, count.carried_steps);
     for (std::size_t fault = 0; fault < kFaults; ++fault) text += fmt::format("{:>15}", cell_of(count, fault));
     text += '\n';
   };
@@ -199,7 +199,8 @@ std::string to_json(const std::vector<StressResult>& results, const StressPlan& 
                {"steps", result.count.steps},
                {"contact_steps", result.count.contact_steps},
                {"episodes", result.count.episodes},
-               {"compared_steps", result.count.compared_steps}};
+               {"compared_steps", result.count.compared_steps},
+               {"carried_steps", result.count.carried_steps}};
     for (std::size_t fault = 0; fault < kFaults; ++fault)
       entry[std::string(name_of(static_cast<StressFault>(fault)))] =
           result.count.covered[fault] ? Json(result.count.faults[fault]) : Json(nullptr);

@@ -18,6 +18,8 @@ std::string_view name_of(SceneFault fault) noexcept {
       return "stiffer-than-device";
     case SceneFault::stiffer_than_loop:
       return "stiffer-than-loop";
+    case SceneFault::heavier_than_loop:
+      return "heavier-than-loop";
     case SceneFault::out_of_reach:
       return "out-of-reach";
     case SceneFault::too_small:

@@ -19,9 +19,10 @@ enum class SceneFault : std::uint8_t {
   inside_out,  // a closed body with its fronts inside
   stiffer_than_device,
   stiffer_than_loop,
-  out_of_reach,  // all or a part of an object lies outside the workspace
-  too_small,     // a speck in the workspace
-  too_slow,      // the force takes longer than the loop allows
+  heavier_than_loop,  // a virtual mass
+  out_of_reach,       // all or a part of an object lies outside the workspace
+  too_small,          // a speck in the workspace
+  too_slow,           // the force takes longer than the loop allows
 };
 // "thin-wall", "opening" ...
 std::string_view name_of(SceneFault fault) noexcept;

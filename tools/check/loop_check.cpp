@@ -8,6 +8,7 @@
 
 #include "core/force/stiffest.h"
 #include "loop/recommendation.h"
+#include "loop/stability.h"
 
 namespace hapton {
 namespace {
@@ -74,6 +75,25 @@ CheckFindings check_stiffness(const SceneEffect& effect, const HeldStiffness& he
   const bool is_spring = std::holds_alternative<SpringEffect>(effect.effect);
   return compare_stiffness(fmt::format("effect {}", effect.name), stiffest_of(effect.effect),
                            is_spring ? "its stiffness_n_per_m" : "4 max_force_n / range_m", held, rate_hz, delay_s);
+}
+
+CheckFindings check_mass(const SceneEffect& effect, std::span<const NamedLoop> loops, double rate_hz, double delay_s) {
+  const auto* mass = std::get_if<MassEffect>(&effect.effect);
+  if (mass == nullptr) return {};
+  const NamedLoop* least = nullptr;
+  double safe_kg = mass->mass_kg;
+  for (const NamedLoop& loop : loops) {
+    const SampledPlant plant(make_axis_plant(loop.device_model, loop.hand_model), 1.0 / rate_hz, delay_s);
+    const double held_kg = find_stable_mass(plant, mass->filter_s).value / kGainMargin;
+    if (held_kg >= safe_kg) continue;
+    safe_kg = held_kg;
+    least = &loop;
+  }
+  if (least == nullptr) return {};
+  return {{SceneFault::heavier_than_loop, fmt::format("effect {}", effect.name), std::nullopt,
+           fmt::format("a virtual mass of {:.4g} kg, but {} in hand {} at {:g} Hz with forces after {:.3g} ms holds {:.3g} kg safely",
+                       mass->mass_kg, least->device, least->hand, rate_hz, 1e3 * delay_s, safe_kg),
+           "set its mass_kg to that or less, or its filter_s to more (hapton loop zwidth --mass-filter)"}};
 }
 
 }  // namespace hapton

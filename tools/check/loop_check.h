@@ -23,4 +23,7 @@ CheckFindings check_stiffness(const SceneObject& object, const HeldStiffness& he
 // A spring or a snap in free space.
 CheckFindings check_stiffness(const SceneEffect& effect, const HeldStiffness& held, double rate_hz, double delay_s);
 
+// A virtual mass in free space of more than half of what is stable, with its own filter, in the least of the loops. Pre: as above.
+CheckFindings check_mass(const SceneEffect& effect, std::span<const NamedLoop> loops, double rate_hz, double delay_s);
+
 }  // namespace hapton

@@ -57,6 +57,9 @@ Result<SceneCheck> check_scene(const std::string& path, const Scene& scene, cons
   SceneCheck check{.path = path, .findings = {}, .notes = scene.notes, .objects = scene.objects.size(), .triangles = 0, .cost = {}};
   const HeldStiffness held = find_held_stiffness(settings.loops, settings.rate_hz, settings.delay_s);
   if (scene.tool) check.notes.push_back(fmt::format("not checked: the tool '{}'; everything here is of a probe", scene.tool->name));
+  if (scene.touch_scene().has_motion()) {
+    check.notes.emplace_back("checked where the mesh files and their poses have it: objects that move by keyframes are not followed");
+  }
   const std::vector<const DevicePreset*> reaching = known_workspaces(settings.loops, check.notes);
   for (const SceneObject& object : scene.objects) {
     check.triangles += object.mesh->triangles.size();
@@ -64,7 +67,10 @@ Result<SceneCheck> check_scene(const std::string& path, const Scene& scene, cons
     append(check_stiffness(object, held, settings.rate_hz, settings.delay_s), check.findings);
     for (const DevicePreset* device : reaching) append(check_reach(object, device->limits), check.findings);
   }
-  for (const SceneEffect& effect : scene.effects) append(check_stiffness(effect, held, settings.rate_hz, settings.delay_s), check.findings);
+  for (const SceneEffect& effect : scene.effects) {
+    append(check_stiffness(effect, held, settings.rate_hz, settings.delay_s), check.findings);
+    append(check_mass(effect, settings.loops, settings.rate_hz, settings.delay_s), check.findings);
+  }
   for (const DevicePreset* device : reaching) append(check_size(scene, device->limits), check.findings);
   auto cost = measure_step_cost(scene, {.probe_radius_m = settings.probe_radius_m, .rate_hz = settings.rate_hz, .seed = settings.seed});
   if (!cost) return tl::unexpected(Error{fmt::format("{}: {}", path, cost.error().what)});

@@ -22,6 +22,7 @@ struct ZWidthOptions {
   std::string wall_dampings = "0";
   std::string shard = "1/1";
   std::uint64_t seed = 1;
+  double mass_filter_s = MassEffect().filter_s;
   std::filesystem::path csv;
   std::filesystem::path plot;
   bool presses = false;
@@ -53,6 +54,7 @@ Result<ZWidthGrid> make_grid(const ZWidthOptions& options) {
   if (filled) filled = fill(grid.losses, read_range("--loss", options.losses, 0.0, 0.99, "as a share"));
   grid.seed = options.seed;
   grid.presses = options.presses;
+  grid.mass_filter_s = options.mass_filter_s;
   if (filled) filled = fill(grid.wall_dampings_ns_per_m, read_range("--wall-damping", options.wall_dampings, 0.0, 1e6, "Ns/m"));
   if (!filled) return tl::unexpected(filled.error());
   return grid;
@@ -60,12 +62,13 @@ Result<ZWidthGrid> make_grid(const ZWidthOptions& options) {
 
 std::string to_text(const ZWidthRow& row) {
   return fmt::format(
-      "{} in hand {}, {:g} Hz, {:g} ms{}: stable up to {:.6g} N/m{}, passive up to {:.6g} N/m{}; linear rule {:.6g} N/m\n",
+      "{} in hand {}, {:g} Hz, {:g} ms{}: stable up to {:.6g} N/m{}, passive up to {:.6g} N/m{}; linear rule {:.6g} N/m; virtual mass "
+      "stable up to {:.3g} kg\n",
       row.loop->device, row.loop->hand, row.inputs.rate_hz, row.delay_ms,
       row.is_simulated() ? fmt::format(", jitter {:g} ms, loss {:g}, seed {}", row.jitter_ms, row.loss, row.seed) : "",
       row.found.stiffness.value, row.is_simulated() ? "" : fmt::format(" (swings at {:.3g} Hz)", row.found.stiffness.frequency_hz),
       row.found.passive.least_n_per_m(), row.rest_n_per_m ? fmt::format(", a press comes to rest up to {:.4g} N/m", *row.rest_n_per_m) : "",
-      row.found.linear_rule_n_per_m);
+      row.found.linear_rule_n_per_m, row.found.mass_kg.value);
 }
 
 Result<void> run(const ZWidthOptions& options) {
@@ -109,6 +112,9 @@ void add_loop_zwidth_command(CommandLine loop, int& exit_code) {
   command.add_option("--loss", options->losses, "Share of the datagrams lost each way; a list or range").shows_default();
   command.add_option("--seed", options->seed, "Seed of jitter and loss").shows_default();
   command.add_option("--wall-damping", options->wall_dampings, "Damping of the wall by finite difference, Ns/m; a list or range")
+      .shows_default();
+  command.add_option("--mass-filter", options->mass_filter_s, "Filter of a virtual mass, s (docs/effects.md)")
+      .between(MassEffect::kLeastFilterS, 1.0)
       .shows_default();
   command.add_option("--shard", options->shard, "Only part I of N of the grid, as I/N").shows_default();
   command.add_flag("--press", options->presses,

@@ -22,7 +22,7 @@ constexpr std::string_view kColumns =
     "amplifier_hz,modes,rate_hz,delay_ms,jitter_ms,loss,seed,wall_damping_ns_per_m,stable_stiffness_n_per_m,stable_frequency_hz,passive_"
     "stiffness_n_per_m,"
     "viscous_passive_n_per_m,quantised_passive_n_per_m,linear_rule_n_per_m,stable_damping_ns_per_m,passive_damping_ns_per_m,rest_stiffness_"
-    "n_per_m";
+    "n_per_m,mass_filter_s,stable_mass_kg,mass_frequency_hz";
 
 // FNV-1a over what a grid is made of: parts of one grid agree.
 std::uint64_t fingerprint(const ZWidthGrid& grid) {
@@ -39,7 +39,7 @@ std::uint64_t fingerprint(const ZWidthGrid& grid) {
   for (const auto* numbers : {&grid.rates_hz, &grid.delays_ms, &grid.jitters_ms, &grid.losses, &grid.wall_dampings_ns_per_m}) {
     add(fmt::format("{}", fmt::join(*numbers, " ")));
   }
-  add(fmt::format("{} {}", grid.seed, grid.presses));
+  add(fmt::format("{} {} {}", grid.seed, grid.presses, grid.mass_filter_s));
   return hash;
 }
 
@@ -89,6 +89,7 @@ ZWidthRow measure_cell(const ZWidthGrid& grid, std::size_t cell) {
   };
   ZWidthRow row{.cell = cell, .inputs = {}, .found = {}, .rest_n_per_m = {}};
   row.inputs.wall_damping_ns_per_m = take(grid.wall_dampings_ns_per_m);
+  row.inputs.mass_filter_s = grid.mass_filter_s;
   row.loss = take(grid.losses);
   row.jitter_ms = take(grid.jitters_ms);
   row.seed = grid.seed;
@@ -143,10 +144,13 @@ nlohmann::ordered_json to_json(const ZWidthRow& row) {
         {"jitter_ms", row.jitter_ms},
         {"loss", row.loss},
         {"seed", row.seed},
-        {"wall_damping_ns_per_m", row.inputs.wall_damping_ns_per_m}}},
+        {"wall_damping_ns_per_m", row.inputs.wall_damping_ns_per_m},
+        {"mass_filter_s", row.inputs.mass_filter_s}}},
       {"stable_stiffness_n_per_m", json_number(row.found.stiffness.value)},
       {"stable_frequency_hz", row.found.stiffness.frequency_hz},
       {"stable_damping_ns_per_m", json_number(row.found.damping_ns_per_m.value)},
+      {"stable_mass_kg", json_number(row.found.mass_kg.value)},
+      {"mass_frequency_hz", row.found.mass_kg.frequency_hz},
       {"passive_stiffness_n_per_m", json_number(row.found.passive.least_n_per_m())},
       {"viscous_passive_stiffness_n_per_m", json_number(row.found.passive.viscous_n_per_m)},
       {"quantised_passive_stiffness_n_per_m", json_number(row.found.passive.quantised_n_per_m)},
@@ -172,14 +176,15 @@ std::string csv_header(const ZWidthGrid& grid) {
 std::string csv_line(const ZWidthRow& row) {
   const DeviceModel& d = row.inputs.device;
   const HandModel& h = row.inputs.hand;
-  return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", row.cell, row.loop->device,
-                     row.loop->hand, d.mass_kg, d.damping_ns_per_m, h.mass_kg, h.damping_ns_per_m, h.stiffness_n_per_m, d.friction_n,
-                     d.encoder_step_m, d.amplifier_hz, d.mode_count, row.inputs.rate_hz, row.delay_ms, row.jitter_ms, row.loss, row.seed,
-                     row.inputs.wall_damping_ns_per_m, csv_number(row.found.stiffness.value), row.found.stiffness.frequency_hz,
-                     csv_number(row.found.passive.least_n_per_m()), csv_number(row.found.passive.viscous_n_per_m),
-                     csv_number(row.found.passive.quantised_n_per_m), row.found.linear_rule_n_per_m,
-                     csv_number(row.found.damping_ns_per_m.value), row.found.passive_damping_ns_per_m,
-                     row.rest_n_per_m ? csv_number(*row.rest_n_per_m) : "");
+  return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", row.cell,
+                     row.loop->device, row.loop->hand, d.mass_kg, d.damping_ns_per_m, h.mass_kg, h.damping_ns_per_m, h.stiffness_n_per_m,
+                     d.friction_n, d.encoder_step_m, d.amplifier_hz, d.mode_count, row.inputs.rate_hz, row.delay_ms, row.jitter_ms,
+                     row.loss, row.seed, row.inputs.wall_damping_ns_per_m, csv_number(row.found.stiffness.value),
+                     row.found.stiffness.frequency_hz, csv_number(row.found.passive.least_n_per_m()),
+                     csv_number(row.found.passive.viscous_n_per_m), csv_number(row.found.passive.quantised_n_per_m),
+                     row.found.linear_rule_n_per_m, csv_number(row.found.damping_ns_per_m.value), row.found.passive_damping_ns_per_m,
+                     row.rest_n_per_m ? csv_number(*row.rest_n_per_m) : "", row.inputs.mass_filter_s, csv_number(row.found.mass_kg.value),
+                     row.found.mass_kg.frequency_hz);
 }
 
 Result<std::string> merge_csv(const std::vector<std::filesystem::path>& parts) {

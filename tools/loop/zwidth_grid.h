@@ -24,7 +24,8 @@ struct ZWidthGrid {
   std::vector<double> losses = {0.0};
   std::vector<double> wall_dampings_ns_per_m = {0.0};
   std::uint64_t seed = 1;
-  bool presses = false;  // find the rest stiffness of each cell too
+  double mass_filter_s = MassEffect().filter_s;  // of the virtual mass
+  bool presses = false;                          // find the rest stiffness of each cell too
 
   std::size_t cells() const noexcept {
     return loops.size() * rates_hz.size() * delays_ms.size() * jitters_ms.size() * losses.size() * wall_dampings_ns_per_m.size();

@@ -33,7 +33,10 @@ struct TouchRows {
   using Output = TouchOutput;
 
   static Input input(std::span<const TrajectoryRow> trajectory, std::size_t i) {
-    return {.p_WD = trajectory[i].p_WD, .dt_s = i == 0 ? kFirstStepS : trajectory[i].t_s - trajectory[i - 1].t_s};
+    return {.p_WD = trajectory[i].p_WD,
+            .dt_s = i == 0 ? kFirstStepS : trajectory[i].t_s - trajectory[i - 1].t_s,
+            .buttons = trajectory[i].buttons,
+            .time_s = trajectory[i].t_s - trajectory[0].t_s};
   }
   static void fill(ReplayRow& row, const Input& input, const Output& output) {
     row.p_WP = input.p_WD + output.visual_offset_m;

@@ -13,6 +13,7 @@
 #include "core/force/stiffest.h"
 #include "core/tool/tool_step.h"
 #include "runtime/trajectory_csv.h"
+#include "runtime/worker_threads.h"
 #include "scene/find_tool.h"
 #include "scene/scene_file.h"
 #include "tools/commands.h"
@@ -34,6 +35,7 @@ struct ReplayOptions {
   std::string tool_grip = "origin";
   double rotational_stiffness_nm_per_rad = 0.0;
   double tool_voxel_m = 0.0;  // 0: no voxels
+  int tool_threads = 1;
   MethodFlags method;
   std::optional<double> stiffness_n_per_m;
   std::optional<double> friction_static;
@@ -120,8 +122,10 @@ Result<void> check_tool_options(const ReplayOptions& options, bool has_tool) {
   if (!has_tool) {
     if (options.rotational_stiffness_nm_per_rad > 0.0) return fail("--rotational-stiffness goes with --tool");
     if (options.tool_voxel_m > 0.0) return fail("--tool-voxels goes with --tool");
+    if (options.tool_threads > 1) return fail("--tool-threads goes with --tool");
     return {};
   }
+  if (options.tool_threads > 1 && options.tool_voxel_m > 0.0) return fail("--tool-threads does not go with --tool-voxels");
   if (method.name != plain.name) return fail("--tool goes with --method proxy; '{}' has no tool", method.name);
   if (method.probe_radius_m > 0.0) return fail("--tool and --probe-radius are two probes; give one");
   if (method.shading > 0.0 || method.coupling_n_per_m > 0.0) return fail("--shading and --coupling do not go with --tool");
@@ -164,6 +168,7 @@ Result<Replay> replay_tool(const ReplayOptions& options, const Scene& scene, con
                            std::span<const TrajectoryRow> trajectory) {
   const auto touch_scene = make_scene(options, scene);
   if (!touch_scene) return tl::unexpected(touch_scene.error());
+  if (touch_scene->has_motion()) return fail("objects of {} move by keyframes, which a rigid tool does not feel yet", options.scene);
   ToolScene made = scene_of_tool(options, *touch_scene);
   const auto felt = [&](const auto& tool) -> Result<Replay> {
     if (!tool) return tl::unexpected(tool.error());
@@ -171,7 +176,8 @@ Result<Replay> replay_tool(const ReplayOptions& options, const Scene& scene, con
     fmt::print("{}", (*tool)->describe());
     return done;
   };
-  if (options.tool_voxel_m <= 0.0) return felt(ToolStep::make(*held.mesh, made.meshes, made.coupling, made.friction));
+  if (options.tool_voxel_m <= 0.0)
+    return felt(ToolStep::make(*held.mesh, made.meshes, made.coupling, made.friction, make_worker_team(options.tool_threads)));
   if (made.has_friction()) fmt::print("tool: voxels have no friction, so the scene's is left out\n");
   return felt(VoxelTool::make(*held.mesh, made.meshes, made.coupling, options.tool_voxel_m));
 }
@@ -241,6 +247,11 @@ void add_replay_command(CommandLine app, int& exit_code) {
       .add_option("--tool-voxels", options->tool_voxel_m,
                   "With --tool, m: follow it by voxels of that side and a shell of points instead (McNeely et al. 1999), for comparison")
       .positive("m");
+  command
+      .add_option("--tool-threads", options->tool_threads,
+                  "With --tool: threads that share the search for contacts; the result is the same")
+      .between(1, WorkerTeam::kMost)
+      .shows_default();
   command.add_option("--out", options->out, "CSV to write").file_to_write().required();
   add_method_flags(command, options->method);
   command.add_option("--stiffness", options->stiffness_n_per_m, "N/m (default: 1000, or as the scene says)").positive();

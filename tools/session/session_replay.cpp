@@ -197,6 +197,9 @@ void SessionReplay::step_lost(const ForceCommand& before) {
     if (!was_answered || back >= before.echo_sample || before.echo_sample - back <= last_sample_) continue;
     const bool is_before_the_recording = states_.empty() || before.echo_sample - back < states_.begin()->first;
     if (last_sample_ == 0 && is_before_the_recording) continue;
+    if (const auto state = states_.find(before.echo_sample - back); last_sample_ == 0 && state != states_.end()) {
+      step_->set_scene_time(before.scene_time_ns - (before.echo_sample_time_ns - state->second.sample_time_ns));
+    }
     if (step(before.echo_sample - back)) ++counts_.lost_answers;
   }
 }
@@ -218,6 +221,7 @@ Result<void> SessionReplay::step_method(const ForceCommand& command) {
     step_->restart();
     is_certain_ = true;
   }
+  step_->set_scene_time(command.scene_time_ns);
   const auto replayed = step(command.echo_sample);
   if (replayed) compare(command, *replayed);
   return {};

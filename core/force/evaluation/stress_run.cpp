@@ -34,6 +34,7 @@ constexpr double kCrackShare =
 constexpr double kProofOffsets = 4.0;  // radius, in contact offsets, of the proof that a position is a minimum
 constexpr double kThroughStep = 0.01;
 constexpr double kRelative = 4e-9;        // a method may use this share of the extent as contact offset and leave it out of the force
+constexpr int kMostCarried = 128;         // steps that a motion may take
 constexpr std::size_t kMostFindings = 1;  // of each fault in each motion
 
 // Where the segment crosses a face, well away from its edges. Tests every triangle.
@@ -90,6 +91,7 @@ void StressCount::add(const StressCount& other) {
   contact_steps += other.contact_steps;
   episodes += other.episodes;
   compared_steps += other.compared_steps;
+  carried_steps += other.carried_steps;
   for (std::size_t i = 0; i < faults.size(); ++i) {
     faults[i] += other.faults[i];
     covered[i] = covered[i] || other.covered[i];
@@ -236,6 +238,14 @@ struct StressRun::Impl {
          gain);
   }
 
+  // Out of work, a method carries the rest of a motion into the next step. The same sample again leads to where it can be judged.
+  MethodOutput finish(const MethodOutput& first, const Vec3& device, StressCount& count) {
+    MethodOutput output = first;
+    count.carried_steps += method->carried_from().has_value();
+    for (int i = 0; method->carried_from() && i < kMostCarried; ++i) output = method->step({.p_SD = device});
+    return output;
+  }
+
   // On the side where the device must not be.
   bool is_wrong(const Vec3& p) const { return solid && solid->is_inside(p) != body.room; }
 
@@ -330,11 +340,12 @@ std::size_t StressRun::run_episode(std::uint64_t number, StressCount& count) {
   output_before.p_SP = before;
   for (std::size_t i = 0; i < in.positions.size(); ++i) {
     const Vec3& device = in.positions[i];
-    const MethodOutput output = in.method->step({.p_SD = device});
+    const MethodOutput first = in.method->step({.p_SD = device});
+    const MethodOutput output = in.finish(first, device, count);
     ++count.steps;
     count.contact_steps += output.contact;
     const auto note = [&](StressFault fault, double size) { in.note(count, fault, episode.motion(), number, i, size / extent); };
-    if (!output.force_n.allFinite() || !output.p_SP.allFinite()) {
+    if (!output.force_n.allFinite() || !output.p_SP.allFinite() || !first.force_n.allFinite()) {
       note(StressFault::not_finite, 0.0);
       continue;
     }
@@ -357,7 +368,7 @@ std::size_t StressRun::run_episode(std::uint64_t number, StressCount& count) {
       note(StressFault::broken, (output.force_n / stiffness - extension).norm());
     if (!output.contact && length > slop) note(StressFault::broken, length);
     if (in.solid) {
-      if (!output.contact && in.is_wrong(device)) {
+      if (!(first.contact && output.contact) && in.is_wrong(device)) {
         const double depth = in.solid->compute_distance(device);
         if (depth > kFallThroughShare * extent) note(StressFault::fall_through, depth);
       }

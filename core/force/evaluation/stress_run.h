@@ -47,6 +47,7 @@ struct StressCount {
   std::uint64_t contact_steps = 0;
   std::uint64_t episodes = 0;
   std::uint64_t compared_steps = 0;  // steps compared with the reference
+  std::uint64_t carried_steps = 0;   // out of work: stepped again with the same sample until they were finished, and judged then
   std::array<std::uint64_t, static_cast<std::size_t>(StressFault::count)> faults{};
   std::array<bool, static_cast<std::size_t>(StressFault::count)> covered{};  // false: not tested, so a zero says nothing
   std::vector<StressFinding> findings;                                       // the first few of each fault

@@ -60,7 +60,7 @@ bool ProxyMethod::follow_surface(const Vec3& last, const Vec3& device, double& t
     outcome = has_settled ? surface_.follow(last, device, time) : surface_.descend(here);
     if (outcome == Outcome::unwalkable) return false;
     if (outcome == Outcome::exhausted) {
-      ++counters_.exhausted;
+      carry(on_path(last, device, time));
       unconverged_ = true;
     }
     if (outcome == Outcome::exhausted || (outcome == Outcome::settled && time >= 1.0)) {
@@ -92,13 +92,19 @@ bool ProxyMethod::follow_surface(const Vec3& last, const Vec3& device, double& t
     }
     has_settled = met == Met::nothing;
   }
-  ++counters_.exhausted;
   unconverged_ = surface_.is_on_surface();
   if (surface_.is_on_surface()) {
+    carry(on_path(last, device, time));
     hold_by_surface(device);
     return true;
   }
   return false;
+}
+
+// The rest of the motion, from there on, follows with the next sample.
+void ProxyMethod::carry(const Vec3& device) noexcept {
+  ++counters_.exhausted;
+  carried_from_ = device;
 }
 
 void ProxyMethod::clear_start() noexcept { proxy_.position = flight_.clear_of_surfaces(proxy_.position, kBeside * kContactOffset); }

@@ -71,11 +71,17 @@ std::optional<Vec3> ProxyMethod::held_at() const noexcept {
   return geometry_.to_scene(proxy_.position);
 }
 
+std::optional<Vec3> ProxyMethod::carried_from() const noexcept {
+  if (!carried_from_) return std::nullopt;
+  return geometry_.to_scene(*carried_from_);
+}
+
 void ProxyMethod::resume(const Vec3& p_SP) noexcept {
   surface_.leave();
   sphere_.stop_tracking();
   sphere_.forget_near();
   ball_.reset();
+  carried_from_.reset();
   has_sample_ = p_SP.allFinite();
   proxy_.settle_at(within_limits(geometry_.to_local(p_SP)));
   geometry_.place_probe(proxy_.position);
@@ -117,6 +123,8 @@ MethodOutput ProxyMethod::step_outside(const MethodInput& input) noexcept {
   const Vec3 moved = device - last;
   const double displacement = moved.norm();
   last_device_ = device;
+  const Vec3 from = carried_from_.value_or(last);
+  carried_from_.reset();
   const std::size_t waiting = geometry_.waiting_count();
   const double may_go = geometry_.request_ahead(proxy_.position, kLookAheadSteps * displacement);
   if (geometry_.waiting_count() != waiting) sphere_.forget_near();  // new objects are not in what it has gathered
@@ -129,7 +137,7 @@ MethodOutput ProxyMethod::step_outside(const MethodInput& input) noexcept {
     ball_.enter(geometry_, input.p_SD, clear);
   } else {
     const std::uint64_t events = surface_.events();
-    follow(last, device);
+    follow(from, device);
     counters_.most_events = std::max(counters_.most_events, surface_.events() - events);
   }
   if (proxy_.is_free) return {.force_n = Vec3::Zero(), .p_SP = input.p_SD, .contact = false};

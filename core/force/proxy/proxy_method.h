@@ -41,7 +41,7 @@ struct ProxyCounters {
 // magnitude or the proxy; describe() reports by how much.
 //
 // Force = stiffness * (proxy - device), less damping * normal velocity; Coulomb friction limits how far the proxy follows.
-// Frame: S. RT: step, reset, held_at and resume yes.
+// Frame: S. RT: step, reset, held_at, resume and carried_from yes.
 class ProxyMethod final : public ForceMethod {
  public:
   static Result<std::unique_ptr<ForceMethod>> make(const MethodSettings& settings, const TouchScene& scene);
@@ -49,6 +49,7 @@ class ProxyMethod final : public ForceMethod {
   MethodOutput step(const MethodInput& input) noexcept override;
   void reset(const Vec3& p_SD) noexcept override;
   std::optional<Vec3> held_at() const noexcept override;
+  std::optional<Vec3> carried_from() const noexcept override;
   void resume(const Vec3& p_SP) noexcept override;
   void set_materials(std::span<const Material> materials) noexcept override;
   bool prepare() override;
@@ -80,6 +81,7 @@ class ProxyMethod final : public ForceMethod {
   bool follow_surface(const Vec3& last, const Vec3& device, double& time) noexcept;
   bool follow_offset(const Vec3& last, const Vec3& device, double& time) noexcept;
   void copy_sphere_state(const Vec3& device) noexcept;
+  void carry(const Vec3& device) noexcept;
   void clear_start() noexcept;
   bool is_beside_surface(const Vec3& p) const noexcept;
   void lift_off_surface() noexcept;
@@ -100,9 +102,10 @@ class ProxyMethod final : public ForceMethod {
   EmptyBall ball_;  // proxy_ and last_device_ are not updated while one is known
 
   ProxyState proxy_;
-  Vec3 last_device_ = Vec3::Zero();  // local
-  bool has_sample_ = false;          // a first sample has arrived
-  bool unconverged_ = false;         // the last step ran out of events
+  Vec3 last_device_ = Vec3::Zero();   // local
+  std::optional<Vec3> carried_from_;  // out of work: the device's position, on its way, from which the next step goes on; local
+  bool has_sample_ = false;           // a first sample has arrived
+  bool unconverged_ = false;          // the last step ran out of events
   ProxyCounters counters_;
 };
 

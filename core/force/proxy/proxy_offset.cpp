@@ -21,7 +21,7 @@ bool ProxyMethod::follow_offset(const Vec3& last, const Vec3& device, double& ti
     if (is_point_) clear_start();
     return false;
   }
-  if (outcome == SphereFollower::Outcome::exhausted) ++counters_.exhausted;
+  if (outcome == SphereFollower::Outcome::exhausted) carry(on_path(last, device, time));
   copy_sphere_state(device);
   return true;
 }

@@ -17,9 +17,8 @@ std::string ProxyMethod::describe() const {
           "most; the rest is carried into the next step\n",
           SurfaceFollower::kLeastEvents, SurfaceFollower::kEventsPerEdge, SurfaceFollower::kMostEvents);
   const std::string bound = fmt::format(
-      "proxy: sphere: a step has {} pieces of work (an event, a triangle tested or gathered), {:g} more for each edge that a path as long "
-      "as the motion and twice the spring extension crosses on average, {} at most; the rest is carried into the next step\n",
-      SphereFollower::kLeastWork, SphereFollower::kWorkPerEdge, SphereFollower::kMostWork);
+      "proxy: sphere: a step has {} pieces of work (an event, a triangle tested or gathered); the rest is carried into the next step\n",
+      SphereFollower::kMostWork);
   return counters_.steps == 0 ? what + bound : what + bound + describe_steps();
 }
 

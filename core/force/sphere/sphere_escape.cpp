@@ -113,8 +113,8 @@ bool SphereFollower::leave_minimum(const Vec3& device, const Vec3& motion) noexc
   if (!is_point_ || contact_count_ == 0) return false;
   // The way out begins where the centre is.
   if (find_cone(0.0) && leave_corner(device, motion)) return true;
-  if (last_fly_over_ == step_) return false;
-  last_fly_over_ = step_;
+  if (last_fly_over_ == motion_) return false;
+  last_fly_over_ = motion_;
   const auto leads_over = [&](const Vec3& direction) {
     return std::any_of(std::begin(kHeights), std::end(kHeights), [&](double height) {
       return try_escape(device, motion,

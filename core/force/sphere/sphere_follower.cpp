@@ -43,6 +43,7 @@ bool SphereFollower::start(const Vec3& centre, bool is_free, double short_by, bo
   active_count_ = 0;
   contact_count_ = 0;
   is_descending_ = true;
+  is_carried_ = false;
   has_lost_minimum_ = false;
   hint_ = Vec3::Zero();
   if (!near_.covers(centre_, clearance_.offset + 2.0 * clearance_.tolerance) && !gather(Vec3::Zero())) return false;
@@ -79,6 +80,7 @@ void SphereFollower::start_free(const Vec3& centre) noexcept {
   active_count_ = 0;
   contact_count_ = 0;
   friction_ = {};
+  is_carried_ = false;
   is_tracking_ = true;
 }
 
@@ -95,16 +97,29 @@ SphereFollower::Span SphereFollower::find_span(const Vec3& from, const Vec3& to)
   return {std::max(0.0, (closest - half) / length), std::min(1.0, (closest + half) / length)};
 }
 
-// While the device is beyond the resolution of positions, only its direction from the centre counts.
+// What has been tried in vain counts across the steps of a motion that is carried on.
 SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to, double& time) noexcept {
   work_ = 0;
-  idle_ = 0;
-  ++step_;
-  escape_work_ = 0;
-  corner_tries_ = 0;
-  skips_ = 0;
-  lingered_at_ = Vec3::Constant(std::numeric_limits<double>::infinity());
-  if (!from.allFinite() || !to.allFinite()) return Outcome::failed;
+  if (!is_carried_) {
+    idle_ = 0;
+    ++motion_;
+    escape_work_ = 0;
+    corner_tries_ = 0;
+    skips_ = 0;
+    lingered_at_ = Vec3::Constant(std::numeric_limits<double>::infinity());
+  }
+  const Outcome outcome = from.allFinite() && to.allFinite() ? follow_finite(from, to, time) : Outcome::failed;
+  is_carried_ = outcome == Outcome::exhausted;
+  const bool is_far = from.squaredNorm() > kFar * kFar || to.squaredNorm() > kFar * kFar;
+  if (is_carried_ && is_far) {  // places out there are too coarse to go on from
+    time = 1.0;
+    is_descending_ = contact_count_ != 0;
+  }
+  return outcome;
+}
+
+// While the device is beyond the resolution of positions, only its direction from the centre counts.
+SphereFollower::Outcome SphereFollower::follow_finite(const Vec3& from, const Vec3& to, double& time) noexcept {
   const Span span = find_span(from, to);
   Outcome outcome = Outcome::settled;
   bool is_with_device = contact_count_ == 0 && centre_ == on_path(from, to, time);
@@ -140,7 +155,7 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
     if (outcome != Outcome::settled) return outcome;
     const Vec3 turn = centre_ - before;
     moved[static_cast<std::size_t>(i % 3)] = turn.norm();
-    if (contact_count_ == 0 || (i % 3 != 2 && turn.norm() <= kAtMinimum) || work_ > kLeastWork) break;
+    if (contact_count_ == 0 || (i % 3 != 2 && turn.norm() <= kAtMinimum) || work_ > kMostWork) break;
     const double share = i % 3 == 1 && moved[1] < moved[0] ? moved[1] / moved[0] : 0.0;
     ahead = turn * std::min(share / (1.0 - share), 1.0 / turn.norm());
   }
@@ -154,15 +169,9 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
   const Vec3 start = centre_;
   const double began = time;
   Next next = Next::again;
-  int most = kLeastWork;
-  bool has_touched = false;
-  while (next == Next::again && work_ <= most) {
+  while (next == Next::again && work_ <= kMostWork) {
     ++events_;
     ++work_;
-    if (!has_touched && contact_count_ != 0) {
-      has_touched = true;
-      most = most_work(from, to);
-    }
     if (idle_ > kMostIdle && !(is_point_ && skip_ahead(from, to, time))) break;
     if (contact_count_ == 0) {
       next = fly(from, to, time);
@@ -192,7 +201,6 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
   Vec3 direction;
   if (next == Next::settled)
     return !is_point_ && !(has_friction_ && has_friction_here()) && is_shallow(to, direction) ? Outcome::failed : Outcome::settled;
-  is_descending_ = true;
   return Outcome::exhausted;
 }
 
@@ -224,12 +232,6 @@ bool SphereFollower::skip_ahead(const Vec3& from, const Vec3& to, double& time) 
   idle_ = 0;
   is_descending_ = contact_count_ != 0;
   return true;
-}
-
-int SphereFollower::most_work(const Vec3& from, const Vec3& to) const noexcept {
-  const double length = (to - from).norm() + 2.0 * (from - centre_).norm();
-  const double work = kLeastWork + kWorkPerEdge * geometry_.edges_per_length(contacts_[0].triangle) * length;
-  return static_cast<int>(std::min(work, static_cast<double>(kMostWork)));
 }
 
 // Straight to the device, and on with it.

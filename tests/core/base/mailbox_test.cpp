@@ -29,6 +29,52 @@ TEST(MailboxTest, TheNewestWins) {
   EXPECT_EQ(mailbox.value(), 3);
 }
 
+TEST(MailboxTest, ADraftIsNotSeenBeforeItIsPublished) {
+  Mailbox<int> mailbox(7);
+  mailbox.draft() = 8;
+  EXPECT_FALSE(mailbox.take());
+  EXPECT_EQ(mailbox.value(), 7);
+  mailbox.publish_draft();
+  EXPECT_TRUE(mailbox.take());
+  EXPECT_EQ(mailbox.value(), 8);
+  EXPECT_EQ(Mailbox<int>().value(), 0);
+}
+
+// Writer, reader and the way between them have a slot each, whoever comes how often.
+TEST(MailboxTest, NoSlotIsAnybodyElses) {
+  Mailbox<int> mailbox(0);
+  std::uint32_t state = 12345;
+  int published = 0;
+  int taken = 0;
+  for (int n = 0; n < 1000; ++n) {
+    state = state * 1664525U + 1013904223U;
+    const bool writes = (state >> 24) % 3 != 0;
+    if (writes) {
+      const int held = mailbox.value();
+      mailbox.draft() = -1;
+      EXPECT_EQ(mailbox.value(), held);
+      mailbox.publish(++published);
+      EXPECT_EQ(mailbox.value(), held);
+    } else {
+      EXPECT_EQ(mailbox.take(), published != taken);
+      taken = published;
+      EXPECT_EQ(mailbox.value(), published);
+    }
+  }
+  EXPECT_GT(published, 300);
+}
+
+// What a reader has taken may be changed in place, and is the reader's alone.
+TEST(MailboxTest, TheReaderMayWorkInPlace) {
+  Mailbox<std::string> mailbox("a");
+  mailbox.value() += "b";
+  EXPECT_EQ(mailbox.value(), "ab");
+  mailbox.publish("c");
+  EXPECT_EQ(mailbox.value(), "ab");
+  EXPECT_TRUE(mailbox.take());
+  EXPECT_EQ(mailbox.value(), "c");
+}
+
 TEST(MailboxTest, TheReadersValueStaysWhileTheWriterGoesOn) {
   Mailbox<int> mailbox;
   mailbox.publish(1);

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <string>
+#include <string_view>
 
 namespace hapton {
 namespace {
@@ -22,6 +24,53 @@ TEST(NearMiss, FindsTheNearestWordOrNone) {
   EXPECT_EQ(find_near_miss("--sceen", known), "--scene");
   EXPECT_EQ(find_near_miss("--second", known), "--seconds");
   EXPECT_EQ(find_near_miss("--volume", known), "");
+}
+
+// How many changes a word of so many letters may be away: two, or a third of them.
+TEST(NearMiss, ALongWordMayBeFartherOff) {
+  const auto found = [](std::string_view word, std::string_view known) { return find_near_miss(word, std::array{known}) == known; };
+  EXPECT_TRUE(found("abc", "abXYc"));
+  EXPECT_FALSE(found("abc", "abXYZc"));
+  EXPECT_TRUE(found("abcdefgh", "abXYefgh"));
+  EXPECT_FALSE(found("abcdefgh", "aXYZefgh"));
+  EXPECT_TRUE(found("abcdefghi", "aXYZefghi"));
+  EXPECT_FALSE(found("abcdefghi", "XYZWefghi"));
+  EXPECT_TRUE(found("", "ab"));
+  EXPECT_FALSE(found("", "abc"));
+}
+
+// Insertions, deletions and changes count one each, at whichever end they are.
+TEST(NearMiss, TheFewestChangesWin) {
+  struct Row {
+    const char* word;
+    const char* nearer;
+    const char* farther;
+  };
+  const Row rows[] = {{"force", "forc", "fort"},   {"force", "xforce", "xxforce"},  {"force", "farce", "fancy"},
+                      {"force", "orce", "rce"},    {"kitten", "sitten", "sitting"}, {"abcd", "abXcd", "abXYcd"},
+                      {"abcdef", "abdf", "abYZWf"}};
+  for (const Row& row : rows) {
+    EXPECT_EQ(find_near_miss(row.word, std::array<std::string_view, 2>{row.farther, row.nearer}), row.nearer) << row.word;
+    EXPECT_EQ(find_near_miss(row.word, std::array<std::string_view, 2>{row.nearer, row.farther}), row.nearer) << row.word;
+  }
+  EXPECT_EQ(find_near_miss("farce", std::array<std::string_view, 2>{"force", "farme"}), "force") << "of equals the first";
+}
+
+TEST(NearMiss, AWordOfFourLettersMayBeABeginning) {
+  constexpr std::array<std::string_view, 2> known = {"stiff", "stiffness_n_per_m"};
+  EXPECT_EQ(find_near_miss("stiffness", known), "stiffness_n_per_m");
+  EXPECT_EQ(find_near_miss("stif", std::array<std::string_view, 1>{"stiffness_n_per_m"}), "stiffness_n_per_m");
+  EXPECT_EQ(find_near_miss("sti", std::array<std::string_view, 1>{"stiffness_n_per_m"}), "");
+  EXPECT_EQ(find_near_miss("forces", std::array<std::string_view, 2>{"farces", "forces_of_all"}), "forces_of_all")
+      << "and is nearer than any";
+}
+
+// Comparing takes the product of the lengths.
+TEST(NearMiss, AWordThatIsTooLongIsNearNothing) {
+  const std::string word(64, 'x');
+  EXPECT_EQ(find_near_miss(word, std::array<std::string_view, 1>{std::string_view(word).substr(1)}), std::string_view(word).substr(1));
+  const std::string longer(65, 'x');
+  EXPECT_EQ(find_near_miss(longer, std::array<std::string_view, 1>{std::string_view(longer).substr(1)}), "");
 }
 
 }  // namespace

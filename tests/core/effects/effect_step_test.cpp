@@ -31,7 +31,7 @@ SurfaceEffects everything() {
           .tap = {.ns_per_m = 5}};
 }
 
-std::vector<SpaceEffect> everywhere() {
+std::vector<SwitchedEffect> everywhere() {
   return {SpringEffect{},
           ConstantEffect{.force_n = {0, -0.3, 0}},
           SnapEffect{},
@@ -39,8 +39,11 @@ std::vector<SpaceEffect> everywhere() {
           SnapEffect{.target = SnapEffect::Target::plane},
           GravityWellEffect{},
           ViscousEffect{},
+          MassEffect{},
           WaveEffect{},
-          BurstEffect{.volume = EffectVolume::ball(Vec3::Zero(), 0.01)}};
+          BurstEffect{.volume = EffectVolume::ball(Vec3::Zero(), 0.01)},
+          {SpringEffect{}, EffectSwitch{.button = 1}},
+          {BurstEffect{}, EffectSwitch{.button = 2}}};
 }
 
 TEST(EffectStep, WithoutEffectsIsTheMethodsForce) {
@@ -187,6 +190,70 @@ TEST(EffectStep, SpaceEffectsActInContactAndOutside) {
   }
 }
 
+// In free space: no surface is near.
+Vec3 free_force(EffectStep& step, const Vec3& p, std::uint32_t buttons) { return step.step(p, kMs, {}, buttons).force_n; }
+
+// gain * F, with the closed form of both; no step is larger than the ramp allows.
+TEST(EffectStep, AnEffectWithAButtonActsWhileItIsHeld) {
+  const SpringEffect spring = {.centre = {0.01, 0, 0}, .stiffness_n_per_m = 100, .max_force_n = 3};
+  EffectStep step({}, {{spring, EffectSwitch{.button = 2}}, ConstantEffect{.force_n = {0, 0.5, 0}}});
+  Vec3 before = Vec3(0, 0.5, 0);
+  for (int n = 0; n < 200; ++n) {
+    const bool is_down = n >= 20 && n < 120;
+    const Vec3 force_n = free_force(step, {0.0, 0, 0}, is_down ? 2 : 1);
+    const double gain = std::clamp((n - 20) / 20.0, 0.0, 1.0) - std::clamp((n - 120) / 20.0, 0.0, 1.0);
+    EXPECT_LT((force_n - Vec3(gain * 1.0, 0.5, 0)).norm(), 1e-12) << n;
+    EXPECT_LT((force_n - before).norm(), 1.0 * kMs / EffectSwitch::kRampS + 1e-12) << n;
+    before = force_n;
+  }
+}
+
+TEST(EffectStep, TheTimeOfAWaveWithAButtonBeginsWithThePress) {
+  EffectStep step({}, {{WaveEffect{.amplitude_n = 0.2, .frequency_hz = 30}, EffectSwitch{.button = 1}}});
+  for (int n = 0; n < 100; ++n) {
+    const Vec3 force_n = free_force(step, Vec3::Zero(), n >= 33 ? 1 : 0);
+    const double since_s = kMs * (n - 33);
+    const double gain = std::clamp(since_s / EffectSwitch::kRampS, 0.0, 1.0);
+    EXPECT_NEAR(force_n.z(), gain * 0.2 * std::sin(2 * std::numbers::pi * 30 * since_s), 1e-9) << n;
+  }
+}
+
+TEST(EffectStep, ABurstWithAButtonBeginsWithEachPressInside) {
+  const BurstEffect burst = {
+      .amplitude_n = 1.5, .frequency_hz = 80, .decay_s = 0.02, .duration_s = 0.1, .volume = EffectVolume::ball(Vec3::Zero(), 0.01)};
+  EffectStep step({}, {{burst, EffectSwitch{.button = 1}}});
+  const auto ring = [&](double since_s) {
+    return since_s < 0.1 ? 1.5 * std::exp(-since_s / 0.02) * std::sin(2 * std::numbers::pi * 80 * since_s) : 0.0;
+  };
+  free_force(step, {0, 0, 0.02}, 0);
+  for (int n = 0; n < 10; ++n) EXPECT_TRUE(free_force(step, Vec3::Zero(), 0).isZero(0.0)) << "entering starts nothing";
+  // It rings on after the release, and outside.
+  for (int n = 0; n < 150; ++n) EXPECT_NEAR(free_force(step, {0, 0, n > 20 ? 0.02 : 0.0}, n < 5 ? 1 : 0).z(), ring(kMs * n), 1e-9) << n;
+  free_force(step, {0, 0, 0.02}, 0);
+  for (int n = 0; n < 10; ++n) EXPECT_TRUE(free_force(step, {0, 0, 0.02}, 1).isZero(0.0)) << "pressed outside";
+  for (int n = 0; n < 10; ++n) EXPECT_TRUE(free_force(step, Vec3::Zero(), 1).isZero(0.0)) << "the press was outside";
+  free_force(step, Vec3::Zero(), 0);
+  for (int n = 0; n < 30; ++n) EXPECT_NEAR(free_force(step, Vec3::Zero(), 1).z(), ring(kMs * n), 1e-9) << n;
+}
+
+// What a switched spring gives on a closed path is at most its bound times the way of the hand while it acts.
+TEST(EffectStep, AnEffectWithAButtonGivesNoMoreThanItsBoundTimesTheWay) {
+  const SpringEffect spring = {.stiffness_n_per_m = 400, .max_force_n = 1.25};
+  EffectStep step({}, {{spring, EffectSwitch{.button = 1}}});
+  double given_j = 0.0;
+  double way_m = 0.0;
+  Vec3 last = Vec3::Zero();
+  int n = 0;
+  for (const Vec3& p : paths::closed(12, 4000, {0, 0, 0}, 0.02)) {
+    const Vec3 force_n = free_force(step, p, n++ % 400 > 130 ? 1 : 0);
+    ASSERT_LE(force_n.norm(), 1.25 * (1 + 1e-12));
+    given_j += force_n.dot(p - last);
+    way_m += (p - last).norm();
+    last = p;
+  }
+  EXPECT_LE(given_j, 1.25 * way_m);
+}
+
 TEST(EffectStep, ResetForgetsEverything) {
   EffectStep used({everything()}, everywhere());
   EffectStep fresh({everything()}, everywhere());
@@ -229,7 +296,7 @@ TEST(EffectStep, IsFiniteAndBoundedForAnyInput) {
   const std::vector<SurfaceEffects> surfaces = {everything(), needle, SurfaceEffects()};
   EffectStep step(surfaces, everywhere());
   double space_n = 0.0;
-  for (const SpaceEffect& effect : everywhere()) space_n += bound_of(effect);
+  for (const SwitchedEffect& effect : everywhere()) space_n += bound_of(effect.effect);
   const double bumpy = std::sqrt(1.0 + everything().bumps.slope() * everything().bumps.slope());
   for (int k = 0; k < 200000; ++k) {
     if (k % 997 == 0) step.reset();
@@ -241,7 +308,7 @@ TEST(EffectStep, IsFiniteAndBoundedForAnyInput) {
       contact.force_n = Vec3(0.1, -2, 3) * static_cast<double>(random() % 3);
       contact.p_SP = Vec3(pick(lengths), pick(lengths), pick(lengths));
     }
-    const EffectResult result = step.step(p, pick(times), contact);
+    const EffectResult result = step.step(p, pick(times), contact, static_cast<std::uint32_t>(random()));
     ASSERT_TRUE(result.force_n.allFinite()) << "step " << k << ", seed " << kSeed;
     const double surface_n =
         (contact.force_n.norm() + kMostEffectForceN) * (1.0 + bumpy) + everything().tap.max_force_n + everything().snap.bound_n();

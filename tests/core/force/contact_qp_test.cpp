@@ -92,6 +92,29 @@ TEST(ContactQp, NearlyParallelPlanesLeaveTheirCommonDirectionExact) {
   }
 }
 
+// A point a little off a convex edge is lifted off both faces. The terms of the solution cancel to the planes' angle.
+TEST(ContactQp, LiftsOffNearlyParallelPlanes) {
+  constexpr unsigned kSeed = 7;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  std::mt19937_64 random(kSeed);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> exponent(-7.0, -0.5);
+  const double height = 0x1p-30;
+  for (int i = 0; i < 4000; ++i) {
+    const double angle = std::pow(10.0, exponent(random));
+    const Vec3 first = Vec3(normal(random), normal(random), normal(random)).normalized();
+    std::vector<ContactPlane> planes = {{first, height}};
+    for (int k = 1; k < (i % 2 == 0 ? 2 : 3); ++k) {
+      const Vec3 beside = first.cross(Vec3(normal(random), normal(random), normal(random))).normalized();
+      planes.push_back({(std::cos(angle) * first + std::sin(angle) * beside).normalized(), height * (1.0 + 0.1 * angle * normal(random))});
+    }
+    const ConstrainedMotion found = constrain_motion(Vec3::Zero(), planes);
+    ASSERT_TRUE(found.solved) << "case " << i << ", angle " << angle;
+    for (const ContactPlane& plane : planes) ASSERT_GE(plane.normal.dot(found.motion), plane.height - 1e-14 * height) << "case " << i;
+    ASSERT_LE(found.motion.norm(), 4.0 * height) << "case " << i;
+  }
+}
+
 TEST(ContactQp, WithoutPlanesTheGoalIsReached) {
   const Vec3 goal(0.1, -0.2, 0.3);
   EXPECT_EQ(constrain_motion(goal, {}).motion, goal);

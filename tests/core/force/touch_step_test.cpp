@@ -47,7 +47,7 @@ TEST(TouchStep, TurningTheSceneIntoAStationaryProbeExertsAForce) {
   EXPECT_GT(felt.force_n[2], 2.5);
 }
 
-TouchScene sheet_with(const SurfaceEffects& effects, std::vector<SpaceEffect> space = {}) {
+TouchScene sheet_with(const SurfaceEffects& effects, std::vector<SwitchedEffect> space = {}) {
   return {.objects = {{made::shared(made::sheet(0.1, 0.0, 4)), {}, effects}}, .effects = std::move(space)};
 }
 

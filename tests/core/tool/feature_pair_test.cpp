@@ -124,6 +124,30 @@ TEST_F(FeaturePairTest, GapsAlongAMotionAreThoseAfterItToSecondOrder) {
   EXPECT_GT(inside, 100);
 }
 
+// Against differences of second order; what they leave out is of fourth order of the motion.
+TEST_F(FeaturePairTest, TheCurvatureIsTheSecondDerivativeAlongAnyMotion) {
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  constexpr double kSize = 0x1p-12;
+  int inside = 0;
+  for (int n = 0; n < 6000; ++n) {
+    const FeaturePair pair = draw_pair(kKinds[n % 3]);
+    const Placement from = draw_placement();
+    const FeatureGap gap = measure_gap(pair, from);
+    const Vec3 d = (from.orientation * (pair.tool[1] - pair.tool[0])).normalized();
+    const Vec3 e = (pair.scene[1] - pair.scene[0]).normalized();
+    if (gap.distance < 0.01 || d.cross(e).norm() < 0.25) continue;
+    inside += gap.feature == TriangleFeature::face ? 1 : 0;
+    const RigidMotion motion{from, draw(kSize), draw(kSize)};
+    const double second = gap_along(pair, gap, from, motion.at(1.0)) + gap_along(pair, gap, from, motion.at(-1.0)) - 2.0 * gap.distance;
+    Eigen::Matrix<double, 6, 1> moved;
+    moved << motion.shift, motion.turn;
+    const Mat6 curvature = gap_curvature(pair, gap, from);
+    ASSERT_NEAR(second, moved.dot(curvature * moved), 1e-3 * kSize * kSize) << "case " << n;
+    ASSERT_TRUE(curvature.isApprox(curvature.transpose())) << "case " << n;
+  }
+  EXPECT_GT(inside, 500);
+}
+
 TEST_F(FeaturePairTest, ParallelEdgesAreLeftToTheirEnds) {
   FeaturePair pair;
   pair.kind = Kind::edge_edge;

@@ -2,11 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <atomic>
 #include <random>
 #include <set>
+#include <vector>
 
 #include "core/geometry/mesh_shapes.h"
 #include "core/geometry/triangle_distance.h"
+#include "tests/support/thread_team.h"
 
 namespace hapton {
 namespace {
@@ -74,7 +78,7 @@ TEST_F(PatchFrontTest, VisitsEveryPairThatABruteForceSearchFinds) {
     const RigidMotion motion{at, is_still ? Vec3::Zero() : Vec3(length * vector()), is_still ? Vec3::Zero() : Vec3(length * vector())};
     const double distance = 0.03 * std::abs(uniform(random));
     std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
-    ASSERT_TRUE(front.for_each_near(SweptMotion(motion), distance, [&](std::uint32_t t, std::uint32_t id) {
+    ASSERT_TRUE(front.for_each_near(SweptMotion(motion), distance, [&](PatchFront::Turn, std::uint32_t t, std::uint32_t id) {
       pairs.insert({t, id});
       const double gap = distance_of(tool_at(t, at), scene_at(id)) * 0.999;
       return PatchFront::Visited{gap, gap, true};
@@ -98,7 +102,7 @@ TEST_F(PatchFrontTest, AWalkThatIsEndedIsMadeAgainInFull) {
   const RigidMotion motion{{Vec3(0.0, 0.0, 0.4), Quat::Identity()}, Vec3::Zero(), Vec3::Zero()};
   const auto walk = [&](std::size_t most) {
     std::size_t visits = 0;
-    const bool complete = front.for_each_near(SweptMotion(motion), 0.2, [&](std::uint32_t, std::uint32_t) {
+    const bool complete = front.for_each_near(SweptMotion(motion), 0.2, [&](PatchFront::Turn, std::uint32_t, std::uint32_t) {
       return PatchFront::Visited{0.0, 0.0, ++visits != most};
     });
     EXPECT_EQ(complete, visits < most);
@@ -116,7 +120,7 @@ TEST_F(PatchFrontTest, APairThatIsKnownIsVisitedAgainWhenItIsForgotten) {
   const RigidMotion motion{{Vec3(0.0, 0.0, 0.4), Quat::Identity()}, Vec3::Zero(), Vec3::Zero()};
   const auto walk = [&] {
     std::size_t visits = 0;
-    EXPECT_TRUE(front.for_each_near(SweptMotion(motion), 0.2, [&](std::uint32_t, std::uint32_t) {
+    EXPECT_TRUE(front.for_each_near(SweptMotion(motion), 0.2, [&](PatchFront::Turn, std::uint32_t, std::uint32_t) {
       ++visits;
       return PatchFront::Visited{0.0, 1.0, true};
     }));
@@ -131,6 +135,47 @@ TEST_F(PatchFrontTest, APairThatIsKnownIsVisitedAgainWhenItIsForgotten) {
   EXPECT_LE(again, all);
 }
 
+// The same pairs at the same places, whatever the number of workers; also after walks that a visitor has ended.
+TEST_F(PatchFrontTest, WorkersFindTogetherWhatOneFindsAlone) {
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  using Visits = std::vector<std::array<std::uint32_t, 3>>;
+  const auto walk = [&](PatchFront& shared, const RigidMotion& motion, double distance, std::size_t most, int workers) {
+    std::vector<Visits> by_worker(static_cast<std::size_t>(workers));
+    std::atomic<std::size_t> count = 0;
+    const bool is_whole =
+        shared.for_each_near(SweptMotion(motion), distance, [&](PatchFront::Turn turn, std::uint32_t t, std::uint32_t id) {
+          by_worker[static_cast<std::size_t>(turn.worker)].push_back({turn.place, t, id});
+          const double gap = distance_of(tool_at(t, motion.from), scene_at(id)) * 0.999;
+          return PatchFront::Visited{gap, gap, ++count <= most};
+        });
+    Visits all;
+    for (const Visits& visits : by_worker) {
+      EXPECT_TRUE(std::is_sorted(visits.begin(), visits.end(), [](const auto& a, const auto& b) { return a[0] < b[0]; }));
+      all.insert(all.end(), visits.begin(), visits.end());
+    }
+    std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a[0] < b[0]; });
+    return is_whole ? all : Visits();
+  };
+  for (const int workers : {2, 3, 8}) {
+    made::ThreadTeam team(workers);
+    PatchFront together(tool_tree, scene_tree, radius, team);
+    PatchFront alone(tool_tree, scene_tree, radius);
+    std::size_t found = 0;
+    Placement at;
+    for (int n = 0; n < 60; ++n) {
+      if (n % 15 == 0) at = {vector().normalized() * 0.45, turn_by(3.0 * vector())};
+      const RigidMotion motion{at, Vec3(0.02 * vector()), Vec3(0.02 * vector())};
+      const std::size_t most = n % 10 == 7 ? 20 : ~std::size_t{0};
+      const double distance = 0.1 * std::abs(uniform(random));
+      const Visits expected = walk(alone, motion, distance, most, 1);
+      ASSERT_EQ(walk(together, motion, distance, most, workers), expected) << workers << " workers, walk " << n;
+      found += expected.size();
+      at = motion.at(1.0);
+    }
+    EXPECT_GT(found, 1000U);
+  }
+}
+
 // A fast motion along a surface brings few of the boxes together.
 TEST_F(PatchFrontTest, SlidingAlongAPlaneVisitsWhatIsNearIt) {
   const TriangleMesh grid = make_plane_grid(1.0, 40);
@@ -141,7 +186,7 @@ TEST_F(PatchFrontTest, SlidingAlongAPlaneVisitsWhatIsNearIt) {
   PatchFront sliding(box_tree, plane_tree, 0.1 / plane.unit_m());
   const Placement above{plane.to_local({0.0, 0.0, 0.06}), Quat::Identity()};
   std::size_t visits = 0;
-  const auto count = [&](std::uint32_t, std::uint32_t) {
+  const auto count = [&](PatchFront::Turn, std::uint32_t, std::uint32_t) {
     ++visits;
     return PatchFront::Visited{0.0, 0.0, true};
   };

@@ -92,13 +92,20 @@ TEST(ToolFriction, ABoxOnItsCornersResistsATurn) {
   const auto step = make_rough_step(make_plane_grid(0.2, 1), kRough);
   step->reset(rub_at({0.0, 0.0, 0.03}));
   for (int n = 0; n <= 220; ++n) step->step(rub_at({0.0, 0.0, 0.03 - 0.0001 * n}));
-  ToolOutput out;
-  double turn = 0.0;
-  for (int n = 0; n < 400; ++n, turn += 1e-3) out = step->step(rub_at({0.0, 0.0, 0.008}, turn));
   const double corner = 0.01 * std::numbers::sqrt2;
-  EXPECT_NEAR(out.torque_nm.z(), -kRough.friction_dynamic * kRubK * kDepth * corner,
-              0.1 * kRubK * kDepth * corner * kRough.friction_dynamic);
-  EXPECT_NEAR(out.force_n.z(), kRubK * kDepth, 0.01);
+  const double limit_nm = kRubK * kDepth * corner;
+  double most_nm = 0.0;
+  double turn = 0.0;
+  // It slides on as long as it is turned, whichever of its contacts carry it.
+  for (int n = 0; n < 400; ++n, turn += 1e-3) {
+    const ToolOutput out = step->step(rub_at({0.0, 0.0, 0.008}, turn));
+    most_nm = std::max(most_nm, -out.torque_nm.z());
+    ASSERT_NEAR(out.force_n.z(), kRubK * kDepth, 0.01) << n;
+    if (n >= 140) {
+      ASSERT_NEAR(-out.torque_nm.z(), kRough.friction_dynamic * limit_nm, 0.15 * kRough.friction_dynamic * limit_nm) << n;
+    }
+  }
+  EXPECT_NEAR(most_nm, kRough.friction_static * limit_nm, 0.02 * limit_nm);
 }
 
 TEST(ToolFriction, WithoutFrictionNothingChangesToTheBit) {

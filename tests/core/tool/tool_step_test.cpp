@@ -10,6 +10,7 @@
 #include "core/collision/triangle_pair.h"
 #include "core/geometry/mesh_shapes.h"
 #include "tests/support/allocation_guard.h"
+#include "tests/support/thread_team.h"
 
 namespace hapton {
 namespace {
@@ -133,6 +134,36 @@ TEST(ToolStep, UsesNoHeap) {
   }
   if (!AllocationGuard::is_available()) GTEST_SKIP();
   EXPECT_EQ(count, 0U);
+}
+
+// Force, torque and pose, to the bit, over motions that slide, turn and press.
+TEST(ToolStep, WorkersChangeNothingButTheTime) {
+  const TriangleMesh scene = make_bumpy_sphere(0.05, 0.1, 1200, 3);
+  const TriangleMesh tool = make_bumpy_sphere(0.01, 0.1, 300, 5);
+  const auto alone = make_step(tool, scene);
+  for (const int workers : {2, 5}) {
+    auto made = ToolStep::make(tool, {std::make_shared<TriangleMesh>(scene)}, {}, {}, std::make_unique<made::ThreadTeam>(workers));
+    ASSERT_TRUE(made);
+    ToolStep& together = **made;
+    int contacts = 0;
+    for (int n = 0; n < 400; ++n) {
+      const double angle = 0.004 * n;
+      const Vec3 out(std::cos(angle), std::sin(angle), 0.2 * std::sin(3.0 * angle));
+      const ToolInput input{pose_at((n == 0 ? 0.09 : 0.056) * out, Vec3(2.0 * angle, -angle, 0.0))};
+      if (n == 0) {
+        alone->reset(input);
+        together.reset(input);
+      }
+      const ToolOutput expected = alone->step(input);
+      const ToolOutput output = together.step(input);
+      ASSERT_EQ(output.force_n, expected.force_n) << "step " << n << ", " << workers << " workers";
+      ASSERT_EQ(output.torque_nm, expected.torque_nm);
+      ASSERT_EQ(output.X_WP.matrix(), expected.X_WP.matrix());
+      ASSERT_EQ(output.proxy.feature_count, expected.proxy.feature_count);
+      contacts += expected.contact ? 1 : 0;
+    }
+    EXPECT_GT(contacts, 300);
+  }
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include <limits>
 #include <string>
 
-#include "tests/io_node/vrpn/hex.h"
+#include "tests/vrpn/hex.h"
 
 namespace hapton::vrpn {
 namespace {

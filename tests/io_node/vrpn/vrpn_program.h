@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "io_node/vrpn/vrpn_wire.h"
+#include "vrpn/vrpn_wire.h"
 #include "link/endpoint.h"
 
 namespace hapton::vrpn {

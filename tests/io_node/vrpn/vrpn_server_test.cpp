@@ -2,6 +2,7 @@
 #include "io_node/vrpn/vrpn_server.h"
 
 #include <arpa/inet.h>
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
@@ -10,6 +11,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <fstream>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <vector>
@@ -17,8 +20,9 @@
 #include "link/udp_endpoint.h"
 #include "runtime/clock.h"
 #include "runtime/log.h"
-#include "tests/io_node/vrpn/hex.h"
 #include "tests/io_node/vrpn/vrpn_program.h"
+#include "tests/support/scratch_folder.h"
+#include "tests/vrpn/hex.h"
 
 namespace hapton::vrpn {
 namespace {
@@ -288,14 +292,40 @@ TEST_F(VrpnServer, SilentClientsKeepNoOtherOut) {
   for (const int client : silent) ::close(client);
 }
 
+// What goes to stderr while it lives, to be read at any time: between two captures by gtest a line of another thread is lost.
+class StderrFile {
+ public:
+  StderrFile() : before_(::dup(STDERR_FILENO)) {
+    const int file = ::open(path().c_str(), O_CREAT | O_TRUNC | O_APPEND | O_WRONLY | O_CLOEXEC, 0600);
+    ::dup2(file, STDERR_FILENO);
+    ::close(file);
+  }
+  ~StderrFile() {
+    ::dup2(before_, STDERR_FILENO);
+    ::close(before_);
+  }
+  StderrFile(const StderrFile&) = delete;
+  StderrFile& operator=(const StderrFile&) = delete;
+
+  std::string read() const {
+    std::ifstream file(path());
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+
+ private:
+  std::string path() const { return (folder_.path() / "stderr").string(); }
+
+  ScratchFolder folder_;
+  int before_;
+};
+
 TEST_F(VrpnServer, DisconnectsClientsThatDoNotReadAndServesTheNext) {
   open(10'000.0);
   Program lazy;
   lazy.connect(at(), 4096);
   // Its cookie, so that it is served at all; from then on it does not read.
   lazy.look();
-  testing::internal::CaptureStderr();
-  std::string said;
+  const StderrFile log;
   Program nobody;
   ASSERT_TRUE(feed_until(nobody, [&] {
     for (int n = 0; n < 10; ++n) {
@@ -303,11 +333,8 @@ TEST_F(VrpnServer, DisconnectsClientsThatDoNotReadAndServesTheNext) {
       sample.device.buttons ^= 0xFFFFFFFF;
       feed.push(sample);
     }
-    said += testing::internal::GetCapturedStderr();
-    testing::internal::CaptureStderr();
-    return said.find("left") != std::string::npos;
+    return log.read().find("left") != std::string::npos;
   }));
-  testing::internal::GetCapturedStderr();
   Program program;
   program.connect(at());
   EXPECT_TRUE(feed_until(program, [&] { return program.has_received(kPosition); }));

@@ -50,7 +50,8 @@ TEST(Stress, FindingsComeWithTheCommandThatShowsThemAgain) {
 TEST(Stress, WhatWasNotLookedForIsNoZero) {
   const auto results = run_stress({make_stress_body("tetrahedron")}, small_plan(1), [](const StressResult&) {});
   ASSERT_TRUE(results.has_value());
-  EXPECT_THAT(to_text(*results, small_plan(1)), ::testing::ContainsRegex("tetrahedron +[0-9]+ +[0-9]+ +[0-9]+ +0 +0 +- +0 +0 +- +0 +0\n"));
+  EXPECT_THAT(to_text(*results, small_plan(1)),
+              ::testing::ContainsRegex("tetrahedron +[0-9]+ +[0-9]+ +[0-9]+ +0 +0 +0 +- +0 +0 +- +0 +0\n"));
   EXPECT_THAT(to_text(*results, small_plan(1)), ::testing::HasSubstr("discontinuity   the force changed by more than"));
   const std::string json = to_json(*results, small_plan(1));
   EXPECT_THAT(json, ::testing::HasSubstr("\"discontinuity\": null"));
@@ -110,8 +111,11 @@ TEST(Stress, EpisodesThatOnceHadFaultsHaveNone) {
            {"turned-room", 1, 116, false, true},         // the start was on the wrong side
            {"sealed-box", 1, 21, false, false, 1000.0},  // a device a thousand extents off
            {"sealed-box-fine", 1, 128, false, false, 1000.0},
-           {"sealed-star-fine", 1, 437, false, false, 10.0},  // thousands of events at one place
-           {"sliver-fan", 6, 352},                            // 3,000 triangles at one vertex
+           {"sealed-star-fine", 1, 437, false, false, 10.0},   // thousands of events at one place
+           {"sliver-fan", 6, 352},                             // 3,000 triangles at one vertex
+           {"needles", 8, 301, false, false, 0.0, 0.0, 1e-6},  // two nearly parallel planes
+           {"overlapping-parts", 8, 364, false, false, 0.0, 0.0, 1e6},
+           {"sliver-fan", 8, 399},  // steps of a few milliseconds, now carried on
            {"sliver-fan", 3, 82, false, false, 0.0, 0.001},
            {"needles", 8, 153, false, false, 0.0, 0.0, 1e6},  // one edge held the point twice
            {"probe-star", 9, 194},                            // rolled about the end of an edge, along another in line with it
@@ -131,6 +135,19 @@ TEST(Stress, EpisodesThatOnceHadFaultsHaveNone) {
     EXPECT_EQ(sum_of(*results).total_faults(), 0U) << to_text(*results, plan);
     EXPECT_GT(sum_of(*results).contact_steps, 0U) << once.body;
   }
+}
+
+TEST(Stress, StepsOutOfWorkAreFinishedAndCounted) {
+  StressPlan plan;
+  plan.method.name = "proxy";
+  plan.seed = 8;
+  plan.variants.resize(1);
+  const auto results = run_episode({make_stress_body("sliver-fan")}, plan, 399);
+  ASSERT_TRUE(results) << results.error().what;
+  const StressCount count = sum_of(*results);
+  EXPECT_GT(count.carried_steps, 0U);
+  EXPECT_LT(count.carried_steps, count.steps);
+  EXPECT_THAT(to_json(*results, plan), ::testing::HasSubstr("\"carried_steps\": " + std::to_string(count.carried_steps)));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "loop/recommendation.h"
+#include "loop/stability.h"
 
 namespace hapton {
 namespace {
@@ -70,6 +71,25 @@ TEST(LoopCheck, EffectsCountAsStiffAsTheyAre) {
   ASSERT_EQ(sprung.size(), 1U);
   EXPECT_EQ(sprung[0].object, "effect home");
   EXPECT_TRUE(check_stiffness(SceneEffect{.name = "wind", .effect = ConstantEffect{}}, held, 1000.0, 1e-3).empty());
+}
+
+TEST(LoopCheck, AVirtualMassIsHeldToHalfOfWhatIsStable) {
+  const auto loops = loops_for_check("omega.3,touch", "off,firm");
+  double least_kg = std::numeric_limits<double>::infinity();
+  for (const NamedLoop& loop : loops) {
+    const SampledPlant plant(make_axis_plant(loop.device_model, loop.hand_model), 1e-3, 2e-3);
+    least_kg = std::min(least_kg, find_stable_mass(plant, 0.03).value / kGainMargin);
+  }
+  const auto mass_of = [](double mass_kg) {
+    return SceneEffect{.name = "lead", .effect = MassEffect{.mass_kg = mass_kg, .filter_s = 0.03}};
+  };
+  EXPECT_TRUE(check_mass(mass_of(least_kg), loops, 1000.0, 2e-3).empty());
+  const CheckFindings above = check_mass(mass_of(1.01 * least_kg), loops, 1000.0, 2e-3);
+  ASSERT_EQ(above.size(), 1U);
+  EXPECT_EQ(name_of(above[0].fault), "heavier-than-loop");
+  EXPECT_EQ(above[0].object, "effect lead");
+  EXPECT_THAT(above[0].what, HasSubstr("touch in hand firm at 1000 Hz with forces after 2 ms holds"));
+  EXPECT_TRUE(check_mass({.name = "wind", .effect = ConstantEffect{}}, loops, 1000.0, 2e-3).empty());
 }
 
 TEST(LoopCheck, ALoopOfOnesOwnHasNoMaker) {

@@ -318,6 +318,49 @@ TEST_F(SessionReplayTest, ARecordingWithoutSetupsIsRejectedInOneLine) {
   EXPECT_NE(done.error().what.find("does not name"), std::string::npos);
 }
 
+// ---- objects that move by keyframes, whose time is in the replies ----
+
+std::unique_ptr<TouchStep> make_moving_touch() {
+  TouchScene scene = one_sphere();
+  const Quat there(Eigen::AngleAxisd(0.5, Vec3(1, 2, 3).normalized()));
+  scene.objects[0].motion = std::make_shared<const KeyframeMotion>(
+      Vec3(0.001, 0, 0),
+      std::vector<Keyframe>{{0.0, Vec3::Zero(), Quat::Identity()}, {0.1, Vec3(0.005, 0, 0), there}, {0.2, Vec3::Zero(), Quat::Identity()}},
+      true);
+  return std::make_unique<TouchStep>(*make_method({.name = "proxy"}, scene), scene);
+}
+
+struct MovingReplayTest : SessionReplayTest {
+  MovingReplayTest() : SessionReplayTest(make_moving_touch()) {}
+
+  SessionReplay make_moving_replay() {
+    return SessionReplay(setups, [](const HapticsSetup&) -> Result<std::unique_ptr<TouchStep>> { return make_moving_touch(); });
+  }
+};
+
+TEST_F(MovingReplayTest, TheyGiveTheSameForcesToTheLastBit) {
+  slide(500);
+  for (std::size_t n = 50; n < 250; n += 3) recorded[n].second.reset();
+  SessionReplay replay = make_moving_replay();
+  feed(replay);
+  EXPECT_GT(replay.counts().compared, 400U);
+  EXPECT_GT(replay.counts().contact_steps, 300U);
+  EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
+}
+
+// They had moved for a while, and the first reply of the recording was lost.
+TEST_F(MovingReplayTest, ARecordingThatBeginsLaterKnowsWhereTheyWere) {
+  slide(100);
+  slide_in_again(100);
+  recorded.erase(recorded.begin(), recorded.begin() + 100);
+  recorded[0].second.reset();
+  SessionReplay replay = make_moving_replay();
+  feed(replay);
+  EXPECT_GT(replay.counts().compared, 40U);
+  EXPECT_GT(replay.counts().contact_steps, 20U);
+  EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
+}
+
 // ---- effects, which remember time and velocity in free space ----
 
 TouchScene sphere_with_effects() {

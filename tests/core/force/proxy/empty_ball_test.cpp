@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kRest = 1e-6;
+constexpr double kRestOffset = 1e-6;
 constexpr double kFar = 1e9;
 
 class EmptyBallTest : public testing::Test {
@@ -34,12 +34,12 @@ TEST_F(EmptyBallTest, NoTriangleIsInAnyBallFound) {
   for (int i = 0; i < 2000; ++i) {
     const Vec3 p(unit(random), unit(random), unit(random));
     EmptyBall ball;
-    const double radius = ball.find(geometry_, p, 0.01, kRest, kFar);
+    const double radius = ball.find(geometry_, p, 0.01, kRestOffset, kFar);
     const double distance = distance_by_brute_force(p);
-    ASSERT_LE(radius, std::max(0.0, distance - kRest)) << p.transpose();
+    ASSERT_LE(radius, std::max(0.0, distance - kRestOffset)) << p.transpose();
     // Not much smaller than it could be: neighbours hardly nearer are skipped.
     const bool is_limited = radius == 0.0 || distance > 0.5;
-    EXPECT_GE(radius, is_limited ? 0.0 : 0.7 * (distance - 2.0 * kRest)) << p.transpose();
+    EXPECT_GE(radius, is_limited ? 0.0 : 0.7 * (distance - 2.0 * kRestOffset)) << p.transpose();
     found += radius > 0.0 ? 1 : 0;
   }
   EXPECT_GT(found, 1900);
@@ -48,8 +48,8 @@ TEST_F(EmptyBallTest, NoTriangleIsInAnyBallFound) {
 TEST_F(EmptyBallTest, IsNoLargerThanAsked) {
   EmptyBall ball;
   const Vec3 outside = geometry_.to_local(Vec3(0.2, 0.0, 0.0));
-  EXPECT_LE(ball.find(geometry_, outside, 1.0, kRest, 0.125), 0.125);
-  EXPECT_EQ(ball.find(geometry_, outside, 1.0, kRest, -1.0), 0.0);
+  EXPECT_LE(ball.find(geometry_, outside, 1.0, kRestOffset, 0.125), 0.125);
+  EXPECT_EQ(ball.find(geometry_, outside, 1.0, kRestOffset, -1.0), 0.0);
 }
 
 TEST_F(EmptyBallTest, HoldsWhatIsNearerThanItsRadiusUntilItIsLeft) {
@@ -73,7 +73,7 @@ TEST_F(EmptyBallTest, HoldsWhatIsNearerThanItsRadiusUntilItIsLeft) {
 TEST_F(EmptyBallTest, IsSearchedAgainAfterSomeWayOnly) {
   EmptyBall ball;
   EXPECT_TRUE(ball.is_due());
-  const double radius = ball.find(geometry_, geometry_.to_local(Vec3(0.07, 0.0, 0.0)), 0.01, kRest, kFar);
+  const double radius = ball.find(geometry_, geometry_.to_local(Vec3(0.07, 0.0, 0.0)), 0.01, kRestOffset, kFar);
   ASSERT_GT(radius, 0.0);
   EXPECT_FALSE(ball.is_due());
   ball.note_motion(std::max(0.25 * radius, 0.04));

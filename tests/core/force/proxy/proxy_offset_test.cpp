@@ -47,6 +47,48 @@ TEST(ProxyOffset, IsTheReferenceOverABumpySphere) {
   EXPECT_EQ(counters.exhausted, 0U);
 }
 
+// Bumps a fifth of the probe wide: a jump across the sheet takes many times the work of a step.
+TEST(ProxyOffset, AMotionOutOfWorkGoesOnWithTheNextSteps) {
+  constexpr int kParts = 2000;
+  TriangleMesh bumps = made::sheet(0.05, 0.0, 200);
+  for (Vec3& p : bumps.vertices) p.z() = 0.0001 * std::sin(2500.0 * p.x()) * std::sin(1900.0 * p.y() + 1.0);
+  for (const double friction : {0.0, 0.4}) {
+    const TouchScene scene{.objects = {{made::shared(bumps), {.friction_static = friction, .friction_dynamic = 0.75 * friction}}}};
+    const auto at_once = make_method({.name = "proxy", .probe_radius_m = 0.002}, scene).value();
+    const auto in_parts = make_method({.name = "proxy", .probe_radius_m = 0.002}, scene).value();
+    const Vec3 from(-0.0443, 0.0029, 0.001);
+    const Vec3 to(0.03, 0.01, 0.0);
+    for (const auto& method : {at_once.get(), in_parts.get()}) {
+      method->reset({-0.0442, 0.0027, 0.01});
+      (void)method->step({.p_SD = from});
+      ASSERT_FALSE(method->carried_from());
+    }
+    for (int i = 1; i < kParts; ++i) {
+      (void)in_parts->step({.p_SD = from + (to - from) * i / kParts});
+      ASSERT_FALSE(in_parts->carried_from()) << i;
+    }
+    const MethodOutput expected = in_parts->step({.p_SD = to});
+    MethodOutput output = at_once->step({.p_SD = to});
+    int steps = 1;
+    double left_m = (to - from).norm();
+    for (; at_once->carried_from() && steps < 200; ++steps) {
+      const Vec3 reached = *at_once->carried_from();
+      ASSERT_LE((reached - to).norm(), left_m);
+      ASSERT_LE((reached - from).cross((to - from).normalized()).norm(), 1e-12) << "on the motion";
+      left_m = (reached - to).norm();
+      ASSERT_TRUE(output.contact);
+      ASSERT_NEAR((output.force_n - 1000.0 * (output.p_SP - to)).norm(), 0.0, 1e-3) << "the force is that of the proxy on its way";
+      output = at_once->step({.p_SD = to});
+    }
+    for (const auto& method : {at_once.get(), in_parts.get()}) EXPECT_EQ(static_cast<const ProxyMethod&>(*method).counters().swept, 0U);
+    EXPECT_GT(steps, 5) << "friction " << friction;
+    EXPECT_FALSE(at_once->carried_from());
+    // Friction adds up what the cubics of longer paths are off.
+    EXPECT_LE((output.p_SP - expected.p_SP).norm(), (friction > 0.0 ? 1e-3 : 1e-8) * 0.002) << "friction " << friction;
+    EXPECT_EQ(at_once->step({.p_SD = to}).p_SP, output.p_SP);
+  }
+}
+
 // Friction. Two kinds of differences are counted separately: a jump over an edge whose radius is smaller than the depth, which the
 // reference cuts short; and a step in which the reference is unsettled. Then both start again.
 struct RubbingPath {

@@ -94,7 +94,7 @@ TEST_P(OverBumpsWithFriction, OneStepIsTheSameMotionInParts) {
     const Vec3 from = stage.device;
     const Vec3 to = stage.geometry.to_local(wanderer.next(i % 4 == 0 ? 0.2 : 0.05));
     SphereFollower in_parts(*stage.follower);
-    ASSERT_EQ(stage.move_local(to), Outcome::settled) << "step " << i;
+    ASSERT_EQ(stage.finish(to), Outcome::settled) << "step " << i;
     ASSERT_GE(stage.distance_to_nearest(), stage.offset - kSlop) << "step " << i;
     ASSERT_TRUE(follow_in_parts(in_parts, from, to)) << "step " << i;
     const double error = kStiffness * stage.unit() * (stage.follower->centre() - in_parts.centre()).norm();

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/force/sphere/sphere_follower.h"
+#include "core/math/straight_motion.h"
 #include "tests/support/made_meshes.h"
 
 namespace hapton {
@@ -31,7 +32,13 @@ struct Stage {
   Outcome move_local(const Vec3& to) {
     double time = 0.0;
     const Outcome outcome = follower->follow(device, to, time);
-    device = to;
+    device = outcome == Outcome::exhausted ? on_path(device, to, time) : to;
+    return outcome;
+  }
+  // In as many steps as it takes.
+  Outcome finish(const Vec3& to) {
+    Outcome outcome = move_local(to);
+    for (int i = 0; i < 100 && outcome == Outcome::exhausted; ++i) outcome = move_local(to);
     return outcome;
   }
   Vec3 centre() const { return geometry.to_scene(follower->centre()); }

@@ -20,8 +20,10 @@ using Bytes = std::vector<std::byte>;
 constexpr std::size_t kCookieBytes = 24;
 constexpr std::size_t kHeaderBytes = 24;
 constexpr std::size_t kPadding = 8;
-// Longer than anything a client has to say to a server of ours; VRPN itself stops at 64000.
+// Longer than anything a client has to say to a server of ours.
 constexpr std::size_t kMostMessageBytes = 16384;
+// VRPN's own limit: what a server may say.
+constexpr std::size_t kMostServerMessageBytes = 64000;
 // VRPN's own limit of a datagram with messages.
 constexpr std::size_t kMostDatagramBytes = 1472;
 
@@ -89,11 +91,20 @@ enum class ReadStatus : std::uint8_t {
   broken,      // no valid message: ignore the sender from now on
 };
 
-// Takes one message off the front of bytes.
-ReadStatus read_message(std::span<const std::byte>& bytes, Message& into);
+// Takes one message off the front of bytes. A longer one than most_bytes is broken.
+ReadStatus read_message(std::span<const std::byte>& bytes, Message& into, std::size_t most_bytes = kMostMessageBytes);
 
 // The one number of a body; none where it is not one.
 std::optional<double> number_of(const Message& message);
+
+// A sensor's pose in the tracker's frame, as it came: any numbers. Units: m.
+struct SensorPose {
+  std::int32_t sensor = 0;
+  Vec3 p_m = Vec3::Zero();
+  Quat q = Quat::Identity();
+};
+// Of a vrpn_Tracker Pos_Quat; none where the body is not one.
+std::optional<SensorPose> position_of(const Message& message);
 
 // The name in a description's body, without its terminating zero; empty when it is not well-formed.
 std::string_view name_of(const Message& description);

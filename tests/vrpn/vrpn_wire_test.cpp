@@ -1,9 +1,9 @@
 // Byte for byte against messages composed by hand from the protocol.
-#include "io_node/vrpn/vrpn_wire.h"
+#include "vrpn/vrpn_wire.h"
 
 #include <gtest/gtest.h>
 
-#include "tests/io_node/vrpn/hex.h"
+#include "tests/vrpn/hex.h"
 
 namespace hapton::vrpn {
 namespace {

@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-#include "io_node/vrpn/vrpn_wire.h"
+#include "vrpn/vrpn_wire.h"
 
 namespace hapton::vrpn {
 

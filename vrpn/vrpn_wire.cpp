@@ -1,4 +1,4 @@
-#include "io_node/vrpn/vrpn_wire.h"
+#include "vrpn/vrpn_wire.h"
 
 #include <algorithm>
 #include <bit>
@@ -31,6 +31,10 @@ std::uint32_t read_u32(std::span<const std::byte> bytes, std::size_t at) {
   std::uint32_t value = 0;
   for (std::size_t i = 0; i < 4; ++i) value = (value << 8) | std::to_integer<std::uint32_t>(bytes[at + i]);
   return value;
+}
+
+double read_double(std::span<const std::byte> bytes, std::size_t at) {
+  return std::bit_cast<double>(std::uint64_t{read_u32(bytes, at)} << 32 | read_u32(bytes, at + 4));
 }
 
 std::size_t padded(std::size_t bytes) { return (bytes + kPadding - 1) / kPadding * kPadding; }
@@ -165,10 +169,10 @@ void append_error_text(Bytes& out, const Header& header, std::string_view text) 
 
 void append_empty(Bytes& out, const Header& header) { const MessageWriter writer(out, header); }
 
-ReadStatus read_message(std::span<const std::byte>& bytes, Message& into) {
+ReadStatus read_message(std::span<const std::byte>& bytes, Message& into, std::size_t most_bytes) {
   if (bytes.size() < kHeaderBytes) return ReadStatus::incomplete;
   const std::size_t length = read_u32(bytes, 0);
-  if (length < kHeaderBytes || length > kMostMessageBytes) return ReadStatus::broken;
+  if (length < kHeaderBytes || length > most_bytes) return ReadStatus::broken;
   if (bytes.size() < padded(length)) return ReadStatus::incomplete;
   into.sender = static_cast<std::int32_t>(read_u32(bytes, 12));
   into.type = static_cast<std::int32_t>(read_u32(bytes, 16));
@@ -179,7 +183,18 @@ ReadStatus read_message(std::span<const std::byte>& bytes, Message& into) {
 
 std::optional<double> number_of(const Message& message) {
   if (message.body.size() != sizeof(double)) return std::nullopt;
-  return std::bit_cast<double>(std::uint64_t{read_u32(message.body, 0)} << 32 | read_u32(message.body, 4));
+  return read_double(message.body, 0);
+}
+
+std::optional<SensorPose> position_of(const Message& message) {
+  constexpr std::size_t kBytes = 64, kPosition = 8, kTurn = 32;
+  if (message.body.size() != kBytes) return std::nullopt;
+  const auto number = [&](std::size_t from, std::size_t n) { return read_double(message.body, from + sizeof(double) * n); };
+  SensorPose pose;
+  pose.sensor = static_cast<std::int32_t>(read_u32(message.body, 0));
+  pose.p_m = Vec3(number(kPosition, 0), number(kPosition, 1), number(kPosition, 2));
+  pose.q = Quat(number(kTurn, 3), number(kTurn, 0), number(kTurn, 1), number(kTurn, 2));
+  return pose;
 }
 
 std::string_view name_of(const Message& description) {

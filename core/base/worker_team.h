@@ -1,0 +1,42 @@
+#pragma once
+
+#include <memory>
+
+namespace hapton {
+
+// Workers that run one function at the same time. Code in core shares its work out through this and knows no threads; those are
+// WorkerThreads (runtime/worker_threads.h).
+// Threads: run is called by one thread at a time. RT: run is bounded if the function is, but waits for threads: not for a force step.
+class WorkerTeam {
+ public:
+  static constexpr int kMost = 64;
+
+  virtual ~WorkerTeam() = default;
+
+  virtual int size() const noexcept = 0;  // with the calling thread: 1 to kMost
+
+  // Calls work(worker) for each worker, 0 to size() - 1, at the same time, and returns when all have returned.
+  template <class Work>
+  void run(const Work& work) noexcept {
+    run_each([](const void* context, int worker) noexcept { (*static_cast<const Work*>(context))(worker); }, std::addressof(work));
+  }
+
+ protected:
+  using Function = void (*)(const void* context, int worker) noexcept;
+  virtual void run_each(Function function, const void* context) noexcept = 0;
+};
+
+// The team of the calling thread alone; any number of threads may use it.
+inline WorkerTeam& calling_thread() noexcept {
+  class Alone final : public WorkerTeam {
+   public:
+    int size() const noexcept override { return 1; }
+
+   private:
+    void run_each(Function function, const void* context) noexcept override { function(context, 0); }
+  };
+  static Alone team;
+  return team;
+}
+
+}  // namespace hapton

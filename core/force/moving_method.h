@@ -1,0 +1,65 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/force/force_method.h"
+
+namespace hapton {
+
+// Feels a scene in which objects move by themselves (TouchObject::motion): one method for the objects of each motion, made in the frame
+// that moves along, and one for those that stand still. Nothing is built again when something moves.
+//
+// In a frame that moves along, it is the device that moves, also while the hand holds still: its path from sample to sample is taken as
+// straight there, and the proxy follows as ever. So a surface that comes upon the hand pushes the proxy ahead, and none is passed.
+// The methods stand in a row. Each follows the proxy of the one before in place of the device:
+//
+//   device -> what stands still -> first motion -> ... -> last motion -> what stands still = proxy of all
+//
+// The last one is a second method for what stands still, without friction and damping: it takes part while something that moves pushes, so
+// that this never pushes the proxy into what stands still. The force is the sum of theirs. It is that of one proxy where one of them is
+// touched, and where two meet at right angles. A surface of speed v that comes upon a hand changes the force by stiffness times v dt in a
+// step.
+//
+// Frame: S. RT: step, reset and set_materials yes. Threads: as ForceMethod.
+class MovingMethod final : public ForceMethod {
+ public:
+  using Make = Result<std::unique_ptr<ForceMethod>> (*)(const MethodSettings&, const TouchScene&);
+
+  // make: makes the method of the objects that move or stand together. Pre: the scene has motion; MethodOutput::p_SP of these methods is a
+  // proxy. Error: whatever make rejects.
+  static Result<std::unique_ptr<ForceMethod>> make(Make make, const MethodSettings& settings, const TouchScene& scene);
+
+  MethodOutput step(const MethodInput& input) noexcept override;
+  void reset(const Vec3& p_SD) noexcept override { start_ = p_SD; }
+  void set_materials(std::span<const Material> materials) noexcept override;
+  bool prepare() override;
+  std::string describe() const override;
+
+ private:
+  // Objects with one motion.
+  struct Group {
+    std::shared_ptr<const KeyframeMotion> motion;  // null: they stand still
+    std::vector<int> objects;                      // of the scene
+    bool is_second = false;                        // holds against what moves, without friction and damping
+    std::unique_ptr<ForceMethod> method = nullptr;
+    std::vector<Material> materials = {};  // room for set_materials
+  };
+
+  explicit MovingMethod(std::vector<Group> groups) : groups_(std::move(groups)) {}
+  static std::vector<Group> group_objects(const TouchScene& scene);
+  static Result<void> make_method_of(Group& group, Make make, const MethodSettings& settings, const TouchScene& scene);
+  static Material material_in(const Group& group, const Material& material) noexcept;
+  // Adds what the group feels at the proxy of those before it. True: it is in contact.
+  static bool feel(Group& group, const Pose& X_SO, double dt_s, MethodOutput& output, double& most_n) noexcept;
+
+  std::vector<Group> groups_;                 // in the order of the row
+  bool is_pushed_ = false;                    // something that moves was in contact in the last step
+  std::optional<Vec3> last_p_SP_;             // of the last step
+  std::optional<Vec3> start_ = std::nullopt;  // reset() was called: where the next step begins
+};
+
+}  // namespace hapton

@@ -1,0 +1,185 @@
+#include <fmt/core.h>
+
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "core/force/stiffest.h"
+#include "core/tool/tool_step.h"
+#include "python/bindings.h"
+#include "runtime/clock.h"
+#include "scene/find_scene.h"
+#include "scene/find_tool.h"
+
+namespace hapton::python {
+namespace {
+
+// All that a batch of a tool gives, an entry for each pose.
+struct ToolBatch {
+  explicit ToolBatch(std::size_t count)
+      : force_n(make_points(count)),
+        torque_nm(make_points(count)),
+        proxy({static_cast<py::ssize_t>(count), py::ssize_t{4}, py::ssize_t{4}}),
+        contact(static_cast<py::ssize_t>(count)),
+        blocked(static_cast<py::ssize_t>(count)),
+        step_ns(static_cast<py::ssize_t>(count)) {}
+
+  py::dict to_dict() const {
+    py::dict batch;
+    batch["force_n"] = force_n;
+    batch["torque_nm"] = torque_nm;
+    batch["proxy"] = proxy;
+    batch["contact"] = contact;
+    batch["blocked"] = blocked;
+    batch["step_ns"] = step_ns;
+    return batch;
+  }
+
+  py::array_t<double> force_n;
+  py::array_t<double> torque_nm;
+  py::array_t<double> proxy;
+  py::array_t<bool> contact;
+  py::array_t<bool> blocked;
+  py::array_t<std::int64_t> step_ns;
+};
+
+// The step of a rigid tool and what it remembers. Threads: any; one batch at a time.
+class PythonTool {
+ public:
+  PythonTool(const TriangleMesh& tool, const TouchScene& scene, double rotational_nm_per_rad);
+
+  py::dict step(const Doubles& poses, const std::optional<Doubles>& scene_pose);
+  void reset(const Doubles& pose, const std::optional<Doubles>& scene_pose);
+  std::string describe() const { return tool_->describe(); }
+
+ private:
+  std::mutex mutex_;
+  std::unique_ptr<ToolStep> tool_;
+  bool has_begun_ = false;
+};
+
+// Friction and the stiffest of the materials, as haptics_node has it.
+PythonTool::PythonTool(const TriangleMesh& tool, const TouchScene& scene, double rotational_nm_per_rad) {
+  if (!(rotational_nm_per_rad >= 0.0 && rotational_nm_per_rad <= 1e6)) {
+    raise_value_error(fmt::format("rotational_stiffness_nm_per_rad is {}; give at least 0, at most 1e6", rotational_nm_per_rad));
+  }
+  std::vector<std::shared_ptr<const TriangleMesh>> meshes;
+  std::vector<SurfaceFriction> friction;
+  bool is_whole = scene.effects.empty();
+  for (const TouchObject& object : scene.objects) {
+    meshes.push_back(object.mesh);
+    friction.push_back({object.material.friction_static, object.material.friction_dynamic});
+    is_whole = is_whole && object.material.damping_ns_per_m == 0.0 && !object.effects.any();
+  }
+  if (!is_whole && PyErr_WarnEx(PyExc_UserWarning, "damping and effects are left out: a rigid tool has friction only", 2) != 0) {
+    throw py::error_already_set();
+  }
+  if (meshes.empty()) raise_value_error("there are no objects; give at least one");
+  const ToolCoupling coupling = {.stiffness_n_per_m = find_stiffest(scene), .rotational_stiffness_nm_per_rad = rotational_nm_per_rad};
+  Result<std::unique_ptr<ToolStep>> made = fail("not made");
+  {
+    const py::gil_scoped_release others_run;
+    made = ToolStep::make(tool, std::move(meshes), coupling, std::move(friction));
+  }
+  tool_ = value_or_raise(std::move(made));
+}
+
+void PythonTool::reset(const Doubles& pose, const std::optional<Doubles>& scene_pose) {
+  const ToolInput input{.X_WD = read_pose(pose, "pose"), .X_WS = scene_pose ? read_pose(*scene_pose, "scene_pose") : Pose::Identity()};
+  const py::gil_scoped_release others_run;
+  const std::scoped_lock lock(mutex_);
+  tool_->reset(input);
+  has_begun_ = true;
+}
+
+py::dict PythonTool::step(const Doubles& poses, const std::optional<Doubles>& scene_pose) {
+  std::vector<ToolInput> inputs;
+  const Pose X_WS = scene_pose ? read_pose(*scene_pose, "scene_pose") : Pose::Identity();
+  for (const Pose& X_WD : read_poses(poses, "poses")) inputs.push_back({.X_WD = X_WD, .X_WS = X_WS});
+  ToolBatch batch(inputs.size());
+  double* force_n = batch.force_n.mutable_data();
+  double* torque_nm = batch.torque_nm.mutable_data();
+  double* proxy = batch.proxy.mutable_data();
+  bool* contact = batch.contact.mutable_data();
+  bool* blocked = batch.blocked.mutable_data();
+  std::int64_t* step_ns = batch.step_ns.mutable_data();
+  {
+    const py::gil_scoped_release others_run;
+    const std::scoped_lock lock(mutex_);
+    const SteadyClock clock;
+    for (std::size_t i = 0; i < inputs.size(); ++i) {
+      if (!has_begun_ && inputs[i].X_WD.matrix().allFinite()) {
+        tool_->reset(inputs[i]);
+        has_begun_ = true;
+      }
+      const std::int64_t begin_ns = clock.now_ns();
+      const ToolOutput output = tool_->step(inputs[i]);
+      step_ns[i] = clock.now_ns() - begin_ns;
+      Eigen::Map<Vec3>(force_n + 3 * i) = output.force_n;
+      Eigen::Map<Vec3>(torque_nm + 3 * i) = output.torque_nm;
+      Eigen::Map<Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(proxy + 16 * i) = output.X_WP.matrix();
+      contact[i] = output.contact;
+      blocked[i] = output.proxy.is_blocked;
+    }
+  }
+  return batch.to_dict();
+}
+
+std::unique_ptr<PythonTool> make_tool(const PythonMesh& tool, const py::object& objects, const Material& material,
+                                      double rotational_nm_per_rad) {
+  return std::make_unique<PythonTool>(*tool.mesh, read_objects(objects, material), rotational_nm_per_rad);
+}
+
+std::unique_ptr<PythonTool> make_tool_from_scene(const std::string& path, const std::string& tool_path,
+                                                 const std::optional<std::string>& tool_unit, const std::string& grip,
+                                                 const std::optional<std::string>& unit, bool fit, double rotational_nm_per_rad) {
+  SceneLoading loading;
+  if (unit) loading.unit = value_or_raise(parse_unit(*unit));
+  loading.fit = fit ? MeshFit::workspace : MeshFit::off;
+  ToolChoice choice{.file = tool_path};
+  if (tool_unit) choice.unit = value_or_raise(parse_unit(*tool_unit));
+  choice.grip = value_or_raise(parse_tool_grip(grip));
+  Result<Scene> scene = fail("not loaded");
+  Result<std::optional<SceneTool>> tool = std::optional<SceneTool>();
+  {
+    const py::gil_scoped_release others_run;
+    scene = load_scene(find_scene(path), loading);
+    std::vector<std::string> notes;
+    if (scene) tool = find_tool(choice, *scene, loading, notes);
+  }
+  const Scene loaded = value_or_raise(std::move(scene));
+  warn_of_libraries(loaded);
+  const std::optional<SceneTool> held = value_or_raise(std::move(tool));
+  if (!held) raise_value_error(fmt::format("{} has no [tool]; give tool='FILE'", path));
+  return std::make_unique<PythonTool>(*held->mesh, loaded.touch_scene(), rotational_nm_per_rad);
+}
+
+}  // namespace
+
+void bind_tools(py::module_& module) {
+  py::class_<PythonTool>(
+      module, "ToolStep",
+      "The haptic step of a rigid tool, as of haptics_node --tool and hapton replay --tool: poses of the stylus in, forces and\n"
+      "torques out. It remembers contact.")
+      .def(py::init(&make_tool), py::arg("tool"), py::arg("objects"), py::arg("material") = Material(),
+           py::arg("rotational_stiffness_nm_per_rad") = 0.0,
+           "tool: a Mesh from the grip point, along the stylus' axes. objects: a Mesh, or a list of Mesh or (Mesh, Material). Its spring "
+           "is as\n"
+           "stiff as the stiffest material; 0 Nm/rad: from that and the tool's size.")
+      .def_static("from_scene", &make_tool_from_scene, py::arg("path"), py::arg("tool") = "", py::arg("tool_unit") = py::none(),
+                  py::arg("grip") = "origin", py::arg("unit") = py::none(), py::arg("fit") = false,
+                  py::arg("rotational_stiffness_nm_per_rad") = 0.0,
+                  "From a scene file with its [tool] and materials, or from a mesh file in `unit`; tool: the mesh file of another tool, "
+                  "held at its\n"
+                  "origin or its center (grip).")
+      .def("step", &PythonTool::step, py::arg("poses"), py::arg("scene_pose") = py::none(),
+           "One step for each of the (n, 4, 4) poses of the grip point in W. scene_pose: (4, 4), of the scene in W.\n"
+           "Returns a dict of arrays: force_n (n, 3) and torque_nm (n, 3) about the grip point, proxy (n, 4, 4): where the tool is drawn,\n"
+           "contact (n,), blocked (n,): it overlaps the scene since it was put there and gives no force, step_ns (n,).\n"
+           "The first pose of all is where the tool is put. Other Python threads run meanwhile.")
+      .def("reset", &PythonTool::reset, py::arg("pose"), py::arg("scene_pose") = py::none(),
+           "Forgets all contact and puts the tool at `pose`.")
+      .def("describe", &PythonTool::describe, "A few lines about what was built.");
+}
+
+}  // namespace hapton::python

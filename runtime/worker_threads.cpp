@@ -1,0 +1,62 @@
+#include "runtime/worker_threads.h"
+
+#include "runtime/start_thread.h"
+
+namespace hapton {
+namespace {
+
+// Some 20 to 50 us: calls within one step follow each other closer than that, and waking a thread takes 5 to 50.
+constexpr int kLooks = 2000;
+
+void pause_briefly() noexcept {
+#if defined(__x86_64__)
+  __builtin_ia32_pause();
+#elif defined(__aarch64__)
+  asm volatile("yield");
+#endif
+}
+
+}  // namespace
+
+WorkerThreads::WorkerThreads(int size) {
+  for (int worker = 1; worker < size; ++worker) {
+    threads_.push_back(start_thread([this, worker] { serve(worker); }));
+  }
+}
+
+WorkerThreads::~WorkerThreads() {
+  stop_.store(true, std::memory_order_relaxed);
+  calls_.fetch_add(1, std::memory_order_release);
+  calls_.notify_all();
+  for (std::thread& thread : threads_) thread.join();
+}
+
+void WorkerThreads::run_each(Function function, const void* context) noexcept {
+  if (threads_.empty()) return function(context, 0);
+  function_ = function;
+  context_ = context;
+  busy_.store(static_cast<int>(threads_.size()), std::memory_order_relaxed);
+  calls_.fetch_add(1, std::memory_order_release);
+  calls_.notify_all();
+  function(context, 0);
+  for (int looks = 0; looks < kLooks && busy_.load(std::memory_order_acquire) != 0; ++looks) pause_briefly();
+  for (int busy = busy_.load(std::memory_order_acquire); busy != 0; busy = busy_.load(std::memory_order_acquire)) {
+    busy_.wait(busy, std::memory_order_acquire);
+  }
+}
+
+void WorkerThreads::serve(int worker) noexcept {
+  std::uint32_t seen = 0;
+  for (;;) {
+    for (int looks = 0; looks < kLooks && calls_.load(std::memory_order_acquire) == seen; ++looks) pause_briefly();
+    calls_.wait(seen, std::memory_order_acquire);
+    ++seen;  // a call begins only when the one before has ended, so none is missed
+    if (stop_.load(std::memory_order_relaxed)) return;
+    function_(context_, worker);
+    if (busy_.fetch_sub(1, std::memory_order_acq_rel) == 1) busy_.notify_one();
+  }
+}
+
+std::unique_ptr<WorkerTeam> make_worker_team(int size) { return size > 1 ? std::make_unique<WorkerThreads>(size) : nullptr; }
+
+}  // namespace hapton

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "core/base/worker_team.h"
+
+namespace hapton {
+
+// A team of the calling thread and others that are kept ready. Between two calls of run they look for the next one for a short time, then
+// sleep. RT: run allocates nothing; a sleeping worker is woken by a system call.
+class WorkerThreads final : public WorkerTeam {
+ public:
+  // size: with the calling thread. Pre: 1 <= size <= kMost.
+  explicit WorkerThreads(int size);
+  ~WorkerThreads() override;
+  WorkerThreads(const WorkerThreads&) = delete;
+  WorkerThreads& operator=(const WorkerThreads&) = delete;
+
+  int size() const noexcept override { return static_cast<int>(threads_.size()) + 1; }
+
+ private:
+  void run_each(Function function, const void* context) noexcept override;
+  void serve(int worker) noexcept;
+
+  Function function_ = nullptr;  // of the call whose number is calls_
+  const void* context_ = nullptr;
+  std::atomic<std::uint32_t> calls_ = 0;
+  std::atomic<int> busy_ = 0;  // workers that have not returned yet
+  std::atomic<bool> stop_ = false;
+  std::vector<std::thread> threads_;
+};
+
+// Null for a team of the calling thread alone. Pre: as WorkerThreads.
+std::unique_ptr<WorkerTeam> make_worker_team(int size);
+
+}  // namespace hapton

@@ -1,0 +1,280 @@
+#include "scene/gltf/animation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "scene/gltf/transform.h"
+#include "scene/text_cursor.h"
+
+namespace hapton::gltf {
+namespace {
+
+// A turn of at most that is no deformation: numbers in a file have seven digits.
+constexpr double kRigid = 1e-5;
+
+template <class Value>
+struct Track {
+  std::vector<double> times;
+  std::vector<Value> values;
+};
+
+// What an animation does to a node.
+struct NodeTracks {
+  std::optional<Track<Vec3>> translation;
+  std::optional<Track<Quat>> rotation;
+};
+
+struct LeftOut {
+  std::size_t scales = 0;  // and all else that is no translation or rotation
+  std::size_t steps = 0;
+  std::size_t splines = 0;
+  std::size_t deformed = 0;
+};
+
+template <class Value, class Mix>
+Value value_at(const Track<Value>& track, double time, const Mix& mix) {
+  const auto after = std::upper_bound(track.times.begin(), track.times.end(), time);
+  if (after == track.times.begin()) return track.values.front();
+  if (after == track.times.end()) return track.values.back();
+  const auto i = static_cast<std::size_t>(after - track.times.begin());
+  const double share = (time - track.times[i - 1]) / (track.times[i] - track.times[i - 1]);
+  return mix(track.values[i - 1], track.values[i], share);
+}
+
+// A node's own transform at a time: what is animated replaces what the node says.
+Eigen::Affine3d local_at(const NodeTracks* tracks, const Eigen::Affine3d& X_PN, double time) {
+  if (tracks == nullptr) return X_PN;
+  Mat3 turn;
+  Mat3 scale;
+  X_PN.computeRotationScaling(&turn, &scale);
+  Eigen::Affine3d moved = Eigen::Affine3d::Identity();
+  moved.translation() = X_PN.translation();
+  if (tracks->translation) {
+    moved.translation() =
+        value_at(*tracks->translation, time, [](const Vec3& a, const Vec3& b, double s) { return Vec3(a + s * (b - a)); });
+  }
+  if (tracks->rotation) {
+    const auto slerp = [](const Quat& a, const Quat& b, double s) { return a.slerp(s, b).normalized(); };
+    turn = value_at(*tracks->rotation, time, slerp).toRotationMatrix();
+  }
+  moved.linear() = turn * scale;
+  return moved;
+}
+
+Result<std::vector<double>> read_times(const Document& document, const Json& sampler, const std::string& where) {
+  const auto input = read_accessor(document, member(sampler, "input"), where + ".input", "SCALAR", 1);
+  if (!input) return tl::unexpected(input.error());
+  std::vector<double> times;
+  for (std::size_t i = 0; i < input->count; ++i) {
+    times.push_back(input->component(i, 0));
+    const bool grows = times.size() < 2 || times.back() > times[times.size() - 2];
+    if (!(times.back() >= 0.0) || !std::isfinite(times.back()) || !grows) {
+      return fail("{}: its times do not grow from 0 on: {}", where, kExportAgain);
+    }
+  }
+  if (times.empty()) return fail("{} has no keyframes: {}", where, kExportAgain);
+  return times;
+}
+
+// Each third value of a CUBICSPLINE sampler, between its tangents [3.11].
+template <class Value, class Make>
+Result<Track<Value>> read_track(const Document& document, const Json& sampler, const std::string& where, const char* type,
+                                std::size_t components, const Make& make) {
+  auto times = read_times(document, sampler, where);
+  if (!times) return tl::unexpected(times.error());
+  const auto output = read_accessor(document, member(sampler, "output"), where + ".output", type, components);
+  if (!output) return tl::unexpected(output.error());
+  const bool is_spline = text_of(member(sampler, "interpolation")) == "CUBICSPLINE";
+  const std::size_t each = is_spline ? 3 : 1;
+  if (output->count != each * times->size()) {
+    return fail("{} has {} times and {} values: {}", where, times->size(), output->count, kExportAgain);
+  }
+  Track<Value> track{std::move(*times), {}};
+  for (std::size_t i = 0; i < track.times.size(); ++i) {
+    const std::optional<Value> value = make(*output, each * i + each / 2);
+    if (!value) return fail("{}: value {} is not finite, or no rotation: {}", where, i, kExportAgain);
+    track.values.push_back(*value);
+  }
+  return track;
+}
+
+std::optional<Vec3> make_vector(const Accessor& from, std::size_t i) {
+  const Vec3 vector(from.component(i, 0), from.component(i, 1), from.component(i, 2));
+  return vector.allFinite() ? std::optional(vector) : std::nullopt;
+}
+
+std::optional<Quat> make_rotation(const Accessor& from, std::size_t i) {
+  const Quat q(from.component(i, 3), from.component(i, 0), from.component(i, 1), from.component(i, 2));
+  return q.coeffs().allFinite() && q.norm() > 0.0 ? std::optional(q.normalized()) : std::nullopt;
+}
+
+Result<std::map<std::size_t, NodeTracks>> read_tracks(const Document& document, const Json& animation, const std::string& where,
+                                                      LeftOut& left_out) {
+  std::map<std::size_t, NodeTracks> tracks;
+  const Json& samplers = member(animation, "samplers");
+  const Json& channels = member(animation, "channels");
+  for (std::size_t c = 0; c < size_of_array(channels); ++c) {
+    const std::string place = fmt::format("{}.channels[{}]", where, c);
+    const Json& target = member(channels[c], "target");
+    const std::string path = text_of(member(target, "path"));
+    if (member(target, "node").is_null() || (path != "translation" && path != "rotation")) {
+      ++left_out.scales;
+      continue;
+    }
+    const auto node = index_of(member(target, "node"), member(document.root, "nodes"), place + ".target.node");
+    if (!node) return tl::unexpected(node.error());
+    const auto index = index_of(member(channels[c], "sampler"), samplers, place + ".sampler");
+    if (!index) return tl::unexpected(index.error());
+    const Json& sampler = samplers[*index];
+    const std::string interpolation = text_of(member(sampler, "interpolation"));
+    left_out.steps += interpolation == "STEP" ? 1 : 0;
+    left_out.splines += interpolation == "CUBICSPLINE" ? 1 : 0;
+    if (interpolation == "STEP") continue;
+    const std::string from = fmt::format("{}.samplers[{}]", where, *index);
+    if (path == "translation") {
+      auto track = read_track<Vec3>(document, sampler, from, "VEC3", 3, make_vector);
+      if (!track) return tl::unexpected(track.error());
+      tracks[*node].translation = std::move(*track);
+    } else {
+      auto track = read_track<Quat>(document, sampler, from, "VEC4", 4, make_rotation);
+      if (!track) return tl::unexpected(track.error());
+      tracks[*node].rotation = std::move(*track);
+    }
+  }
+  return tracks;
+}
+
+// The nodes of the file, as they hang under each other.
+class NodeTree {
+ public:
+  static Result<NodeTree> make(const Json& root) {
+    const Json& nodes = member(root, "nodes");
+    NodeTree tree;
+    tree.parents_.resize(size_of_array(nodes));
+    for (std::size_t n = 0; n < tree.parents_.size(); ++n) {
+      const auto local = transform_of(nodes[n], fmt::format("nodes[{}]", n));
+      if (!local) return tl::unexpected(local.error());
+      tree.locals_.push_back(*local);
+      for (const Json& child : member(nodes[n], "children")) {
+        const auto index = index_of(child, nodes, fmt::format("a child of nodes[{}]", n));
+        if (!index) return tl::unexpected(index.error());
+        tree.parents_[*index] = n;
+      }
+    }
+    return tree;
+  }
+
+  // From the root down. Pre: the node hangs in one place, not under itself.
+  std::vector<std::size_t> path_to(std::size_t node) const {
+    std::vector<std::size_t> path = {node};
+    while (parents_[path.back()] && path.size() <= parents_.size()) path.push_back(*parents_[path.back()]);
+    std::reverse(path.begin(), path.end());
+    return path;
+  }
+  const Eigen::Affine3d& local(std::size_t node) const { return locals_[node]; }
+
+ private:
+  std::vector<std::optional<std::size_t>> parents_;
+  std::vector<Eigen::Affine3d> locals_;
+};
+
+// The pose of a path's last node, or of the one at `end`; tracks: null at rest.
+Eigen::Affine3d pose_of_path(const NodeTree& tree, std::span<const std::size_t> path, const std::map<std::size_t, NodeTracks>* tracks,
+                             double time) {
+  Eigen::Affine3d X_FN = Eigen::Affine3d::Identity();
+  for (const std::size_t node : path) {
+    const NodeTracks* moves = tracks != nullptr && tracks->contains(node) ? &tracks->at(node) : nullptr;
+    X_FN = X_FN * local_at(moves, tree.local(node), time);
+  }
+  return X_FN;
+}
+
+void add_times(const NodeTracks& tracks, std::set<double>& times) {
+  if (tracks.translation) times.insert(tracks.translation->times.begin(), tracks.translation->times.end());
+  if (tracks.rotation) times.insert(tracks.rotation->times.begin(), tracks.rotation->times.end());
+}
+
+// None: it does not move, or would be deformed.
+std::optional<KeyframeMotion> find_motion(const NodeTree& tree, const std::map<std::size_t, NodeTracks>& tracks, std::size_t node,
+                                          double duration_s, LeftOut& left_out) {
+  const std::vector<std::size_t> path = tree.path_to(node);
+  std::set<double> times;
+  std::size_t last_moved = 0;
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const auto found = tracks.find(path[i]);
+    if (found == tracks.end()) continue;
+    add_times(found->second, times);
+    last_moved = i;
+  }
+  if (times.empty()) return std::nullopt;
+  times.insert(duration_s);  // all parts begin again together
+  if (times.size() < 2) return std::nullopt;
+  const Vec3 pivot = pose_of_path(tree, std::span(path).first(last_moved + 1), nullptr, 0.0).translation();
+  const Eigen::Affine3d X_FN = pose_of_path(tree, path, nullptr, 0.0);
+  std::vector<Keyframe> keyframes;
+  for (const double time : times) {
+    const Eigen::Affine3d moved = pose_of_path(tree, path, &tracks, time) * X_FN.inverse();
+    const bool is_rigid = moved.matrix().allFinite() &&
+                          (moved.linear() * moved.linear().transpose() - Mat3::Identity()).cwiseAbs().maxCoeff() <= kRigid &&
+                          moved.linear().determinant() > 0.0;
+    if (!is_rigid) {
+      ++left_out.deformed;
+      return std::nullopt;
+    }
+    keyframes.push_back({time, moved * pivot, Quat(moved.rotation()).normalized()});
+  }
+  return KeyframeMotion(pivot, std::move(keyframes), false);
+}
+
+double last_time(const std::map<std::size_t, NodeTracks>& tracks) {
+  std::set<double> times = {0.0};
+  for (const auto& [node, each] : tracks) add_times(each, times);
+  return *times.rbegin();
+}
+
+void add_notes(const MeshAnimation& animation, const LeftOut& left_out, RawMesh& raw) {
+  const std::string name = printable(animation.name);
+  const std::pair<std::size_t, std::string_view> notes[] = {
+      {left_out.scales, "animation '{}': {} channels of scales, weights or pointers are left out"},
+      {left_out.steps, "animation '{}': {} channels that jump (STEP) are left out"},
+      {left_out.splines, "animation '{}': {} channels of splines are straight between their keyframes"},
+      {left_out.deformed, "animation '{}': {} parts would be deformed, and stand still"}};
+  for (const auto& [count, text] : notes) {
+    if (count > 0) raw.notes.push_back(fmt::format(fmt::runtime(text), name, count));
+  }
+  if (animation.motions.empty()) return;
+  raw.notes.push_back(
+      fmt::format("has the animation '{}', {:g} s: 'animation' of an [[object]] in a scene file plays it", name, animation.duration_s));
+}
+
+}  // namespace
+
+Result<void> read_animations(const Document& document, RawMesh& raw) {
+  const Json& animations = member(document.root, "animations");
+  if (size_of_array(animations) == 0) return {};
+  const auto tree = NodeTree::make(document.root);
+  if (!tree) return tl::unexpected(tree.error());
+  for (std::size_t a = 0; a < size_of_array(animations); ++a) {
+    LeftOut left_out;
+    const auto tracks = read_tracks(document, animations[a], fmt::format("animations[{}]", a), left_out);
+    if (!tracks) return tl::unexpected(tracks.error());
+    MeshAnimation animation{.name = text_of(member(animations[a], "name")), .duration_s = last_time(*tracks), .motions = {}};
+    if (animation.name.empty()) animation.name = fmt::format("animation {}", a);
+    for (const MeshPart& part : raw.parts) {
+      if (animation.motions.contains(part.node)) continue;
+      if (!member(member(document.root, "nodes")[part.node], "skin").is_null()) continue;  // its skeleton is what would move it
+      if (auto motion = find_motion(*tree, *tracks, part.node, animation.duration_s, left_out)) {
+        animation.motions.emplace(part.node, std::move(*motion));
+      }
+    }
+    add_notes(animation, left_out, raw);
+    raw.animations.push_back(std::move(animation));
+  }
+  return {};
+}
+
+}  // namespace hapton::gltf

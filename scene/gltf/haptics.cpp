@@ -1,0 +1,244 @@
+#include "scene/gltf/haptics.h"
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
+#include "scene/file_bytes.h"
+#include "scene/gltf/uri.h"
+#include "scene/text_cursor.h"
+
+namespace hapton::gltf {
+namespace {
+
+constexpr const char* kHapticExtension = "MPEG_haptic_material";
+constexpr std::array<std::string_view, 3> kHapticTypes = {"High_Resolution", "Low_Resolution", "Other"};  // the best first
+constexpr std::string_view kReferenceType = "Reference";  // into haptic data of another file
+
+// A property of a haptic material: its textures, and the key of its numbers.
+struct HapticProperty {
+  const char* name;
+  const char* numbers;
+  std::optional<std::size_t> HapticMaterial::*image;
+};
+
+constexpr std::array<HapticProperty, 3> kProperties = {{{"vibrotactileTexture", "bump_height_m", &HapticMaterial::height},
+                                                        {"stiffness", "stiffness_map_n_per_m", &HapticMaterial::stiffness},
+                                                        {"friction", "friction_map_range", &HapticMaterial::friction}}};
+constexpr std::size_t kMaxHapticImageBytes = std::size_t{1} << 28;
+constexpr std::array<const char*, 3> kNotFelt = {"vibration", "temperature", "custom"};
+
+Result<std::string> read_image_bytes(const Document& document, const Json& json, const std::string& where,
+                                     const std::filesystem::path& folder) {
+  const std::string uri = text_of(member(json, "uri"));
+  if (uri.starts_with("data:")) {
+    const auto comma = uri.find(";base64,");
+    if (comma == std::string::npos) return fail("{} is inline but not base64: {}", where, kExportAgain);
+    return decode_base64(std::string_view(uri).substr(comma + 8), where);
+  }
+  if (uri.find("://") != std::string::npos) return fail("{} is on the network ({}): put it beside the file", where, printable(uri));
+  if (!uri.empty()) {
+    auto bytes = read_file_bytes(folder / decode_percent(uri), kMaxHapticImageBytes);
+    if (!bytes) return fail("{}: '{}' cannot be read: put it beside the file", where, printable(uri));
+    return bytes;
+  }
+  if (member(json, "bufferView").is_null()) return fail("{} has neither a uri nor a buffer view: {}", where, kExportAgain);
+  return document.buffers.view(member(json, "bufferView"), where + ".bufferView").map([](const Buffers::View& view) {
+    return std::string(view.bytes);
+  });
+}
+
+// The texture of one property that is used: the best of its types. None: there is none. Error: what is not as the extension has it.
+Result<const Json*> choose_texture(const Json& list, const std::string& where) {
+  const Json* best = nullptr;
+  std::size_t best_type = kHapticTypes.size();
+  if (!list.is_array()) return fail("{} is not a list of textures: {}", where, kExportAgain);
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    // The extension's schema has High_Resolution where it is not said.
+    const Json& given = member(list[i], "type");
+    const std::string type = given.is_null() ? std::string(kHapticTypes[0]) : text_of(given);
+    const auto found = std::find(kHapticTypes.begin(), kHapticTypes.end(), type);
+    if (found == kHapticTypes.end() && type != kReferenceType) {
+      return fail("{}[{}].type is '{}': it must be High_Resolution, Low_Resolution, Reference or Other", where, i, printable(type));
+    }
+    const auto rank = static_cast<std::size_t>(found - kHapticTypes.begin());
+    if (rank < best_type) {
+      best = &list[i];
+      best_type = rank;
+    }
+  }
+  return best;
+}
+
+// A sampler's wrap mode in one direction [5.26].
+Result<bool> repeats(const Json& sampler, const char* key, const std::string& where) {
+  const Json& value = member(sampler, key);
+  if (value.is_null() || value == 10497) return true;
+  if (value == 33648 || value == 33071) return false;
+  return fail("{}.{} is none of 10497, 33071 and 33648: {}", where, key, kExportAgain);
+}
+
+class HapticReader {
+ public:
+  HapticReader(const Document& document, const std::filesystem::path& folder, RawMesh& raw)
+      : document_(document), folder_(folder), raw_(raw) {}
+
+  Result<HapticPlace> add(const Json& json, const std::string& where) {
+    if (!json.is_object()) return fail("{} is not an object: {}", where, kExportAgain);
+    HapticMaterial material{.name = printable(text_of(member(json, "name"))), .where = where, .numbers = {}};
+    const Json& numbers = member(member(json, "extras"), "hapton");
+    if (!numbers.is_null() && !numbers.is_object()) return fail("{}.extras.hapton is not an object", where);
+    if (numbers.is_object() && !numbers.empty()) material.numbers = numbers.dump(-1, ' ', false, Json::error_handler_t::replace);
+    std::optional<HapticPlace> place;
+    for (const HapticProperty& property : kProperties) {
+      const Json& list = member(json, property.name);
+      if (list.is_null()) continue;
+      const std::string list_where = fmt::format("{}.{}", where, property.name);
+      const auto texture = choose_texture(list, list_where);
+      if (!texture) return tl::unexpected(texture.error());
+      if (*texture == nullptr) {
+        if (!list.empty()) note("{} only refers to haptic data, which is not read: it is not felt", list_where);
+        continue;
+      }
+      if (member(numbers, property.numbers).is_null()) {
+        note("{} is not felt, because the extension has no units: add \"extras\": {{\"hapton\": {{\"{}\": ...}}}} to {}", list_where,
+             property.numbers, where);
+        continue;
+      }
+      const auto read = read_texture_of(**texture, list_where, material.*property.image);
+      if (!read) return tl::unexpected(read.error());
+      if (place && !is_same(*place, *read)) {
+        return fail(
+            "{}: its texture lies on other texture coordinates than those before it: give all textures of a haptic material one "
+            "texCoord, one KHR_texture_transform and one way to wrap",
+            list_where);
+      }
+      place = *read;
+    }
+    for (const char* name : kNotFelt) {
+      if (size_of_array(member(json, name)) > 0)
+        note("{}.{} is not felt: only stiffness, friction and vibrotactileTexture are", where, name);
+    }
+    raw_.haptics.materials.push_back(std::move(material));
+    return place.value_or(HapticPlace());
+  }
+
+ private:
+  static bool is_same(const HapticPlace& a, const HapticPlace& b) {
+    return a.texture.set == b.texture.set && a.texture.place.matrix() == b.texture.place.matrix() && a.repeats == b.repeats;
+  }
+
+  template <class... Args>
+  void note(fmt::format_string<Args...> format, Args&&... args) {
+    raw_.notes.push_back(fmt::format(format, std::forward<Args>(args)...));
+  }
+
+  // where: of the property's list of textures.
+  Result<HapticPlace> read_texture_of(const Json& item, const std::string& where, std::optional<std::size_t>& image) {
+    const Json& info = member(item, "texture");
+    const Json& textures = member(document_.root, "textures");
+    const auto texture = index_of(member(info, "index"), textures, where + ".texture.index");
+    if (!texture) return tl::unexpected(texture.error());
+    const std::string name = fmt::format("textures[{}]", *texture);
+    const Json& images = member(document_.root, "images");
+    if (member(textures[*texture], "source").is_null()) return fail("{}: {} has no PNG or JPEG image: {}", where, name, kExportAgain);
+    const auto source = index_of(member(textures[*texture], "source"), images, name + ".source");
+    if (!source) return tl::unexpected(source.error());
+    const auto added = add_image(images[*source], fmt::format("images[{}]", *source));
+    if (!added) return tl::unexpected(added.error());
+    image = *added;
+    auto place = read_texture_place(info, where + ".texture");
+    if (!place) return tl::unexpected(place.error());
+    HapticPlace made{.texture = *place};
+    const Json& given = member(textures[*texture], "sampler");
+    if (given.is_null()) return made;
+    const Json& samplers = member(document_.root, "samplers");
+    const auto sampler = index_of(given, samplers, name + ".sampler");
+    if (!sampler) return tl::unexpected(sampler.error());
+    constexpr std::array<const char*, 2> kWraps = {"wrapS", "wrapT"};
+    for (std::size_t k = 0; k < 2; ++k) {
+      const auto one = repeats(samplers[*sampler], kWraps[k], fmt::format("samplers[{}]", *sampler));
+      if (!one) return tl::unexpected(one.error());
+      made.repeats[k] = *one;
+    }
+    return made;
+  }
+
+  Result<std::size_t> add_image(const Json& json, const std::string& name) {
+    auto& images = raw_.haptics.maps.images;
+    const auto found = std::find_if(images.begin(), images.end(), [&](const LookImage& image) { return image.name == name; });
+    if (found != images.end()) return static_cast<std::size_t>(found - images.begin());
+    auto bytes = read_image_bytes(document_, json, name, folder_);
+    if (!bytes) return tl::unexpected(bytes.error());
+    images.push_back({name, std::move(*bytes)});
+    return images.size() - 1;
+  }
+
+  const Document& document_;
+  const std::filesystem::path& folder_;
+  RawMesh& raw_;
+};
+
+}  // namespace
+
+Result<std::vector<HapticPlace>> read_haptic_materials(const Document& document, const std::filesystem::path& folder, RawMesh& raw) {
+  std::vector<HapticPlace> places;
+  const Json& extension = extension_of(document.root, kHapticExtension);
+  if (extension.is_null()) return places;
+  const std::string where = fmt::format("extensions.{}.materials", kHapticExtension);
+  const Json& materials = member(extension, "materials");
+  if (size_of_array(materials) == 0) return fail("{} is not a list with at least one material: {}", where, kExportAgain);
+  HapticReader reader(document, folder, raw);
+  for (std::size_t m = 0; m < materials.size(); ++m) {
+    auto place = reader.add(materials[m], fmt::format("{}[{}]", where, m));
+    if (!place) return tl::unexpected(place.error());
+    places.push_back(*place);
+  }
+  return places;
+}
+
+Result<std::optional<std::uint32_t>> haptic_material_of(const Document& document, std::size_t mesh, const MeshHaptics& haptics) {
+  const Json& extension = extension_of(member(document.root, "meshes")[mesh], kHapticExtension);
+  if (extension.is_null()) return std::optional<std::uint32_t>();
+  const std::string where = fmt::format("meshes[{}].extensions.{}.hapticMaterialIndex", mesh, kHapticExtension);
+  const Json& materials = member(extension_of(document.root, kHapticExtension), "materials");
+  const auto index = index_of(member(extension, "hapticMaterialIndex"), materials, where);
+  if (!index) return tl::unexpected(index.error());
+  if (!haptics.materials[*index].says_anything()) return std::optional<std::uint32_t>();
+  return std::optional(static_cast<std::uint32_t>(*index));
+}
+
+Result<std::vector<Eigen::Vector2f>> read_haptic_places(const Document& document, const Json& primitive, std::size_t vertices,
+                                                        const HapticPlace& place, const std::string& where) {
+  if (extension_of(primitive, "KHR_draco_mesh_compression").is_object()) {
+    return fail(
+        "{} has a haptic material with textures and is compressed with Draco, of which texture coordinates are not read: export it "
+        "without",
+        where);
+  }
+  const std::string name = fmt::format("TEXCOORD_{}", place.texture.set);
+  const Json& index = member(member(primitive, "attributes"), name.c_str());
+  if (index.is_null()) return fail("{} has a haptic material with textures, and no {}: unwrap it", where, name);
+  const auto values = read_accessor(document, index, fmt::format("{}.attributes.{}", where, name), "VEC2", 2);
+  if (!values) return tl::unexpected(values.error());
+  if (values->count != vertices)
+    return fail("{}: {} texture coordinates for {} vertices: {}", values->where, values->count, vertices, kExportAgain);
+  std::vector<Eigen::Vector2f> places;
+  places.reserve(vertices);
+  for (std::size_t i = 0; i < vertices; ++i) {
+    const Eigen::Vector2f given(static_cast<float>(values->component(i, 0)), static_cast<float>(values->component(i, 1)));
+    places.push_back(place.texture.place * given);
+    const Eigen::Vector2f& made = places.back();
+    if (!made.allFinite()) return fail("{}: texture coordinate {} is not finite: {}", values->where, i, kExportAgain);
+    for (int k = 0; k < 2; ++k) {
+      if (place.repeats[static_cast<std::size_t>(k)] || (made[k] >= 0.0F && made[k] <= 1.0F)) continue;
+      return fail(
+          "{}: texture coordinate {} is {:.6g}, and the sampler of its haptic texture does not repeat: haptic textures only repeat, "
+          "so keep the coordinates within 0 to 1",
+          values->where, i, made[k]);
+    }
+  }
+  return places;
+}
+
+}  // namespace hapton::gltf

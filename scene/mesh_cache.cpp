@@ -1,0 +1,75 @@
+#include "scene/mesh_cache.h"
+
+#include "scene/scene_hash.h"
+#include "scene/text_cursor.h"
+
+namespace hapton {
+namespace {
+
+// look, maps: what is seen and felt of the triangles.
+Result<TriangleMesh> cut(const MeshFile& file, const std::filesystem::path& path, const ObjectSpec& object, MeshLook& look,
+                         MeshLook& maps) {
+  if (!object.nodes.empty()) return extract_nodes(file, object.nodes, &look, &maps);
+  if (object.part.empty()) {
+    look = file.look;
+    maps = file.haptics.maps;
+    return file.mesh;
+  }
+  auto mesh = extract_part(file, object.part, &look, &maps);
+  if (!mesh) return fail("line {}: {}: {}", object.part_line, path.string(), mesh.error().what);
+  return mesh;
+}
+
+}  // namespace
+
+Result<const MeshCache::ReadyMesh*> MeshCache::load(const std::filesystem::path& path, const ObjectSpec& object,
+                                                    std::vector<std::string>& notes) {
+  const CrackSealing sealing = object.seal_cracks ? sealing_ : CrackSealing::off;
+  const Key key(path.string(), object.unit, object.part, object.nodes, sealing, object.haptic_material);
+  if (const auto found = meshes_.find(key); found != meshes_.end()) return &found->second;
+  const Result<const MeshFile*> file = load_file(path, object, notes);
+  if (!file) return tl::unexpected(file.error());
+  MeshLook look;
+  MeshLook maps;
+  Result<TriangleMesh> mesh = cut(**file, path, object, look, maps);
+  if (!mesh) return tl::unexpected(mesh.error());
+  if (object.haptic_material) keep_haptic_material(*object.haptic_material, *mesh, look, maps);
+  ReadyMesh ready;
+  std::vector<Vec3> vertices = mesh->vertices;
+  ready.given_hash = hash_mesh(*mesh);
+  if (has_maps_ || object.haptic_material) {
+    ready.map = {{}, std::make_shared<const TriangleMesh>(*mesh), std::make_shared<const MeshLook>(object.haptic_material ? maps : look)};
+  }
+  ready.sealed = seal_for_touch(*mesh, sealing);
+  ready.mesh = std::move(*mesh);
+  if (ready.sealed.has_sealed()) ready.vertices_before = std::move(vertices);
+  if (look_ == LookReading::on && !ready.sealed.has_sealed() && look.says_anything())
+    ready.look = std::make_shared<const MeshLook>(std::move(look));
+  if (ready.sealed.is_worth_a_note()) {
+    notes.push_back(
+        fmt::format("{}{}: {}", path.string(), object.part.empty() ? "" : " " + printable(object.part), ready.sealed.describe()));
+  }
+  return &meshes_.emplace(key, std::move(ready)).first->second;
+}
+
+Result<MeshCache::HapticChoice> MeshCache::find_haptics(const std::filesystem::path& path, const ObjectSpec& object,
+                                                        std::vector<std::string>& notes) {
+  const Result<const MeshFile*> file = load_file(path, object, notes);
+  if (!file) return tl::unexpected(file.error());
+  if (!(*file)->haptics.any()) return HapticChoice();
+  MeshLook look;
+  MeshLook maps;
+  if (const auto mesh = cut(**file, path, object, look, maps); !mesh) return tl::unexpected(mesh.error());
+  return HapticChoice{&(*file)->haptics, materials_among(maps)};
+}
+
+Result<const MeshFile*> MeshCache::load_file(const std::filesystem::path& path, const ObjectSpec& object, std::vector<std::string>& notes) {
+  const auto key = std::make_pair(path.string(), object.unit);
+  if (const auto found = files_.find(key); found != files_.end()) return &found->second;
+  Result<MeshFile> file = load_mesh_file(path, object.unit, has_maps_ ? LookReading::on : look_);
+  if (!file) return fail("line {}: {}", object.mesh_line, file.error().what);
+  for (const std::string& note : file->notes) notes.push_back(fmt::format("{}: {}", path.string(), note));
+  return &files_.emplace(key, std::move(*file)).first->second;
+}
+
+}  // namespace hapton

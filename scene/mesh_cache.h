@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "core/base/result.h"
+#include "scene/map_reader.h"
+#include "scene/mesh_file.h"
+#include "scene/object_reader.h"
+#include "scene/touch_mesh.h"
+
+namespace hapton {
+
+// The meshes of a scene file: each file is read once, and each of its parts made ready for touch once, however many objects are made of it.
+// RT: set-up only. Error: one line with the line in the scene file.
+class MeshCache {
+ public:
+  struct ReadyMesh {
+    TriangleMesh mesh;
+    SealReport sealed;
+    std::vector<Vec3> vertices_before;  // if it was sealed: the vertices before that
+    std::uint64_t given_hash = 0;
+    std::shared_ptr<const MeshLook> look;  // null: none
+    MapSource map;                         // if there are maps: the mesh before it was sealed
+  };
+
+  // has_maps: texture coordinates are needed, whether colours are or not.
+  MeshCache(CrackSealing sealing, LookReading look, bool has_maps) : sealing_(sealing), look_(look), has_maps_(has_maps) {}
+
+  // What the object names: a part of a file, some of its nodes, or all of it.
+  Result<const ReadyMesh*> load(const std::filesystem::path& path, const ObjectSpec& object, std::vector<std::string>& notes);
+  // The file itself.
+  Result<const MeshFile*> load_file(const std::filesystem::path& path, const ObjectSpec& object, std::vector<std::string>& notes);
+
+  // What the file says of how the object feels, and which of its materials the object has; null: nothing.
+  struct HapticChoice {
+    const MeshHaptics* haptics = nullptr;
+    std::vector<std::uint32_t> materials = {};
+  };
+  Result<HapticChoice> find_haptics(const std::filesystem::path& path, const ObjectSpec& object, std::vector<std::string>& notes);
+
+ private:
+  using Key =
+      std::tuple<std::string, std::optional<Unit>, std::string, std::vector<std::size_t>, CrackSealing, std::optional<std::uint32_t>>;
+
+  CrackSealing sealing_;
+  LookReading look_;
+  bool has_maps_;
+  std::map<std::pair<std::string, std::optional<Unit>>, MeshFile> files_;
+  std::map<Key, ReadyMesh> meshes_;
+};
+
+}  // namespace hapton

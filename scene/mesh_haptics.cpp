@@ -1,0 +1,41 @@
+#include "scene/mesh_haptics.h"
+
+#include <algorithm>
+
+#include "scene/weld.h"
+
+namespace hapton {
+namespace {
+
+// Keeps the elements of those triangles that are kept; a list without elements stays empty.
+template <class Element>
+void keep_of(const std::vector<bool>& is_kept, std::vector<Element>& elements) {
+  std::size_t count = 0;
+  for (std::size_t t = 0; t < elements.size(); ++t) {
+    if (is_kept[t]) elements[count++] = elements[t];
+  }
+  elements.resize(count);
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> materials_among(const MeshLook& maps) {
+  std::vector<std::uint32_t> found;
+  for (const TriangleLook& triangle : maps.triangles) {
+    if (std::find(found.begin(), found.end(), triangle.material) == found.end()) found.push_back(triangle.material);
+  }
+  return found;
+}
+
+void keep_haptic_material(std::uint32_t material, TriangleMesh& mesh, MeshLook& look, MeshLook& maps) {
+  std::vector<bool> is_kept;
+  for (const TriangleLook& triangle : maps.triangles) is_kept.push_back(triangle.material == material);
+  if (std::find(is_kept.begin(), is_kept.end(), false) == is_kept.end()) return;
+  keep_of(is_kept, mesh.triangles);
+  keep_of(is_kept, mesh.authored_normals);
+  keep_of(is_kept, look.triangles);
+  keep_of(is_kept, maps.triangles);
+  drop_unused_vertices(mesh);
+}
+
+}  // namespace hapton

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/geometry/triangle_mesh.h"
+#include "scene/mesh_look.h"
+
+namespace hapton {
+
+// How a mesh file says that some of its triangles feel: a material of glTF's MPEG_haptic_material.
+struct HapticMaterial {
+  std::string name;
+  std::string where;    // its place in the file, for errors
+  std::string numbers;  // a JSON object with keys of [material.NAME]; empty: none
+  // Of MeshHaptics::maps; each has its numbers.
+  std::optional<std::size_t> height = {};
+  std::optional<std::size_t> stiffness = {};
+  std::optional<std::size_t> friction = {};
+
+  bool has_maps() const { return height || stiffness || friction; }
+  bool says_anything() const { return has_maps() || !numbers.empty(); }
+};
+
+// How a mesh file says that its triangles feel.
+struct MeshHaptics {
+  std::vector<HapticMaterial> materials;
+  // Its images, and by triangle of the mesh: the haptic material, and the places in its images, which repeat. Without triangles if no
+  // triangle has a haptic material.
+  MeshLook maps;
+
+  bool any() const { return !maps.triangles.empty(); }
+};
+
+// The haptic materials that occur among these triangles, in their order; TriangleLook::kNoMaterial where some have none. RT: set-up only.
+std::vector<std::uint32_t> materials_among(const MeshLook& maps);
+
+// Leaves of a mesh only the triangles of one haptic material, with what is seen of them (unless the look has no triangles). Pre: maps has
+// as many triangles as the mesh. RT: set-up only.
+void keep_haptic_material(std::uint32_t material, TriangleMesh& mesh, MeshLook& look, MeshLook& maps);
+
+}  // namespace hapton

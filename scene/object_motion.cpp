@@ -1,0 +1,106 @@
+#include "scene/object_motion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "scene/text_cursor.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kSameTurn = 1e-9;
+// Of the object's radius: numbers in a binary file have seven digits.
+constexpr double kSameEnd = 1e-5;
+// A share of the largest speed: 90 degrees in the least time named, rounded up to a millisecond, must be accepted.
+constexpr double kSpeedRounding = 1e-9;
+
+double radius_about(const Vec3& pivot, const TriangleMesh& mesh) {
+  double most = 0.0;
+  for (const Vec3& vertex : mesh.vertices) most = std::max(most, (vertex - pivot).norm());
+  return most;
+}
+
+Vec3 pivot_at(const MotionSpec& motion, double scale, const Vec3& p_SM, const Quat& q_SM) { return p_SM + q_SM * (scale * motion.p_MP); }
+
+std::vector<Keyframe> place_keyframes(const ObjectSpec& object, const SceneFit& fit) {
+  const Vec3 at_rest = pivot_at(object.motion, object.scale, object.p_SM, object.q_SM);
+  std::vector<Keyframe> placed;
+  for (const KeyframeSpec& one : object.motion.keyframes) {
+    const Quat q_SM = one.q_SM.value_or(object.q_SM);
+    const Vec3 pivot = one.p_SM ? pivot_at(object.motion, object.scale, *one.p_SM, q_SM) : at_rest;
+    placed.push_back({one.time_s, fit.apply(pivot), (q_SM * object.q_SM.conjugate()).normalized()});
+  }
+  return placed;
+}
+
+// A motion of the mesh file, where the object's pose and scale take it.
+std::vector<Keyframe> place_animation(const ObjectSpec& object, const SceneFit& fit) {
+  std::vector<Keyframe> placed;
+  for (const Keyframe& one : object.animated->keyframes()) {
+    placed.push_back({one.time_s / object.motion.animation_speed, fit.apply(object.p_SM + object.q_SM * (object.scale * one.p_S)),
+                      (object.q_SM * one.turn * object.q_SM.conjugate()).normalized()});
+  }
+  return placed;
+}
+
+// By how much the farthest point differs between two poses, at most.
+double difference(const Keyframe& a, const Keyframe& b, double radius_m) {
+  return (a.p_S - b.p_S).norm() + radius_m * a.turn.angularDistance(b.turn);
+}
+
+// In the scene file: of the keyframe, or of the animation.
+std::size_t line_of(const MotionSpec& motion, std::size_t i) {
+  return motion.keyframes.empty() ? motion.animation_line : motion.keyframes[i].line;
+}
+
+Result<void> check_turns(const MotionSpec& given, const std::vector<Keyframe>& keyframes, const std::string& name) {
+  for (std::size_t i = 1; i < keyframes.size(); ++i) {
+    if (keyframes[i - 1].turn.angularDistance(keyframes[i].turn) < std::numbers::pi - kSameTurn) continue;
+    return fail("line {}: keyframe {} of '{}' is half a turn from the one before, which may go either way: put one between them",
+                line_of(given, i), i + 1, name);
+  }
+  return {};
+}
+
+Result<void> check_speed(const MotionSpec& given, const KeyframeMotion& motion, double radius_m, const std::string& name) {
+  const std::vector<Keyframe>& keyframes = motion.keyframes();
+  for (std::size_t i = 1; i < keyframes.size(); ++i) {
+    const double fastest = motion.fastest_m_per_s(i - 1, radius_m);
+    if (fastest <= kMostSurfaceSpeed * (1.0 + kSpeedRounding)) continue;
+    const double seconds = keyframes[i].time_s - keyframes[i - 1].time_s;
+    return fail(
+        "line {}: up to keyframe {} '{}' moves with up to {:.3g} m/s; a surface may push a hand with {:g} m/s: give it {:.3f} s or more",
+        line_of(given, i), i + 1, name, fastest, kMostSurfaceSpeed, std::ceil(1e3 * seconds * fastest / kMostSurfaceSpeed) / 1e3);
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<std::shared_ptr<const KeyframeMotion>> make_motion(const ObjectSpec& object, const std::string& name, const SceneFit& fit,
+                                                          const TriangleMesh& mesh) {
+  if (!object.moves()) return std::shared_ptr<const KeyframeMotion>();
+  const MotionSpec& given = object.motion;
+  const Vec3 in_mesh = object.animated ? object.animated->pivot() : given.p_MP;
+  const Vec3 pivot = fit.apply(object.p_SM + object.q_SM * (object.scale * in_mesh));
+  const double radius_m = radius_about(pivot, mesh);
+  std::vector<Keyframe> keyframes = object.animated ? place_animation(object, fit) : place_keyframes(object, fit);
+  if (const auto checked = check_turns(given, keyframes, printable(name)); !checked) return tl::unexpected(checked.error());
+  if (given.loops) {
+    Keyframe& last = keyframes.back();
+    if (difference(keyframes.front(), last, radius_m) > kSameEnd * radius_m) {
+      return fail(
+          "line {}: the last keyframe of '{}' is not where the first is, so it would jump as it begins again: end with the first pose, "
+          "or leave out 'loop'",
+          line_of(given, keyframes.size() - 1), printable(name));
+    }
+    last.p_S = keyframes.front().p_S;
+    last.turn = keyframes.front().turn;
+  }
+  auto motion = std::make_shared<const KeyframeMotion>(pivot, std::move(keyframes), given.loops);
+  if (const auto checked = check_speed(given, *motion, radius_m, printable(name)); !checked) return tl::unexpected(checked.error());
+  return motion;
+}
+
+}  // namespace hapton

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "core/base/result.h"
+#include "core/geometry/triangle_mesh.h"
+#include "core/math/types.h"
+#include "scene/touch_mesh.h"
+
+namespace hapton {
+
+// Scales and shifts a scene so that it fits. Frame: S. RT: no.
+struct SceneFit {
+  Vec3 centre = Vec3::Zero();
+  double scale = 1.0;
+
+  Vec3 apply(const Vec3& p_S) const { return scale * (p_S - centre); }
+  void apply(TriangleMesh& mesh, SealReport& sealed) const;
+};
+
+// The lengths of a report on cracks, scaled with its mesh.
+void scale_widths(SealReport& sealed, double scale);
+
+// The largest scale, and the shift, that fit the box into one of size_m around the origin. Error: the box is a point.
+Result<SceneFit> find_fit(const Eigen::AlignedBox3d& box, const Vec3& size_m);
+
+}  // namespace hapton

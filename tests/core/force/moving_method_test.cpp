@@ -1,0 +1,478 @@
+#include "core/force/moving_method.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <numbers>
+#include <random>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "core/force/touch_step.h"
+#include "tests/support/allocation_guard.h"
+#include "tests/support/made_meshes.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kPlateStiffness = 1000.0;
+constexpr double kPlateSpeed = 0.25;  // m/s
+
+std::shared_ptr<const KeyframeMotion> shift_motion(const Vec3& from, const Vec3& to, double seconds) {
+  return std::make_shared<const KeyframeMotion>(
+      Vec3::Zero(), std::vector<Keyframe>{{0.0, from, Quat::Identity()}, {seconds, to, Quat::Identity()}}, false);
+}
+
+std::shared_ptr<const KeyframeMotion> turn_motion(const Vec3& pivot, const Vec3& axis, double radians, double seconds) {
+  const Quat end(Eigen::AngleAxisd(radians, axis));
+  return std::make_shared<const KeyframeMotion>(pivot, std::vector<Keyframe>{{0.0, pivot, Quat::Identity()}, {seconds, pivot, end}}, false);
+}
+
+TouchObject felt_plate(const Vec3& low, const Vec3& high, std::shared_ptr<const KeyframeMotion> motion = nullptr, Material material = {}) {
+  return {.mesh = made::shared(made::box(low, high)), .material = material, .motion = std::move(motion)};
+}
+
+std::unique_ptr<ForceMethod> make_felt(const TouchScene& scene, const MethodSettings& settings = {}) {
+  auto made = make_method(settings, scene);
+  EXPECT_TRUE(made) << (made ? "" : made.error().what);
+  return made ? std::move(*made) : nullptr;
+}
+
+// A plate that comes from one side upon a hand that holds still, at the largest speed; plates that stand still lie beside it.
+struct PlateSweep {
+  double rate_hz;
+  double radius_m;
+  double side;  // +1: the plate comes from above and pushes down
+  std::string name = "proxy";
+};
+
+class MovingSweep : public testing::TestWithParam<std::tuple<double, double, double, std::string>> {
+ protected:
+  PlateSweep sweep() const { return {std::get<0>(GetParam()), std::get<1>(GetParam()), std::get<2>(GetParam()), std::get<3>(GetParam())}; }
+  MethodSettings settings() const { return {.name = sweep().name, .probe_radius_m = sweep().radius_m}; }
+};
+
+// The force is stiffness times how far the face has passed the hand, in every step, long after the whole plate is on the other side.
+TEST_P(MovingSweep, PushesAHandAheadAndIsNeverPassed) {
+  const auto [rate_hz, radius, side, name] = sweep();
+  const double seconds = 0.2;
+  TouchScene scene;
+  // 4 mm thick; its leading face starts 10 mm before the hand and ends 40 mm behind it.
+  const auto motion = shift_motion(Vec3::Zero(), {0, 0, -side * kPlateSpeed * seconds}, seconds);
+  scene.objects.push_back(felt_plate({-0.06, -0.06, side > 0 ? 0.010 : -0.014}, {0.06, 0.06, side > 0 ? 0.014 : -0.010}, motion));
+  scene.objects.push_back(felt_plate({0.08, -0.06, -0.01}, {0.1, 0.06, 0.01}));  // stands still, out of reach
+  const auto method = make_felt(scene, settings());
+  ASSERT_TRUE(method);
+  const Vec3 hand(0.0123, -0.0045, 0.0);
+  method->reset(hand);
+  double last_n = 0.0;
+  for (int i = 0; i <= static_cast<int>(seconds * rate_hz); ++i) {
+    const double time = i / rate_hz;
+    const MethodOutput felt = method->step({.p_SD = hand, .dt_s = 1.0 / rate_hz, .time_s = time});
+    const double passed = kPlateSpeed * time - 0.010 + radius;
+    const Vec3 expected(0, 0, -side * kPlateStiffness * std::max(0.0, passed));
+    ASSERT_LT((felt.force_n - expected).norm(), 2e-6 * kPlateStiffness * 0.1 + 1e-3) << "at " << time << " s";
+    ASSERT_LE(felt.force_n.norm() - last_n, kPlateStiffness * kPlateSpeed / rate_hz * (1.0 + 1e-6) + 1e-9) << "at " << time << " s";
+    if (passed > 1e-6) {
+      ASSERT_TRUE(felt.contact) << "at " << time << " s";
+      ASSERT_EQ(felt.object, 0);
+    }
+    last_n = felt.force_n.norm();
+  }
+  EXPECT_GT(last_n, 39.0);
+}
+
+// Plates that stand still lie right behind the moving one and right before the hand's other side: they stay closed, and the moving one is
+// not felt through them.
+TEST_P(MovingSweep, PassesNothingBetweenPlatesThatStandStill) {
+  const auto [rate_hz, radius, side, name] = sweep();
+  const double seconds = 0.24;
+  TouchScene scene;
+  const auto at = [side](double low, double high, std::shared_ptr<const KeyframeMotion> motion = nullptr) {
+    return felt_plate({-0.06, -0.06, side > 0 ? low : -high}, {0.06, 0.06, side > 0 ? high : -low}, std::move(motion));
+  };
+  scene.objects.push_back(at(-0.030, -0.020));  // the floor, 20 mm before the hand
+  scene.objects.push_back(at(0.010, 0.014, shift_motion(Vec3::Zero(), {0, 0, -side * kPlateSpeed * seconds}, seconds)));
+  scene.objects.push_back(at(0.0145, 0.020));  // behind the plate as it begins
+  const auto method = make_felt(scene, settings());
+  ASSERT_TRUE(method);
+  const Vec3 hand(0.0123, -0.0045, 0.0);
+  method->reset(hand);
+  Vec3 last = Vec3::Zero();
+  for (int i = 0; i <= static_cast<int>(seconds * rate_hz); ++i) {
+    const double time = i / rate_hz;
+    const MethodOutput felt = method->step({.p_SD = hand, .dt_s = 1.0 / rate_hz, .time_s = time});
+    // The probe never leaves the room before the floor, whatever comes.
+    ASSERT_GE(side * felt.p_SP.z(), -0.020 + radius - 1e-9) << "at " << time << " s";
+    ASSERT_LE((felt.force_n - last).norm(), kPlateStiffness * kPlateSpeed / rate_hz * (1.0 + 1e-6) + 1e-9) << "at " << time << " s";
+    const double pushed = std::max(0.0, kPlateSpeed * time - 0.010 + radius);
+    const double room = 0.020 - radius;
+    ASSERT_NEAR(-side * felt.force_n.z(), kPlateStiffness * std::min(pushed, room), 1e-3) << "at " << time << " s";
+    last = felt.force_n;
+  }
+}
+
+// A lid on a hinge comes upon the hand from above, to the end of its way; the hand is 60 mm from the hinge.
+TEST_P(MovingSweep, ALidThatClosesPushesTheHandAhead) {
+  const auto [rate_hz, radius, side, name] = sweep();
+  const double seconds = 0.5;
+  const double angle = kPlateSpeed * seconds / 0.08;  // the lid's edge is 80 mm from the hinge
+  TouchScene scene;
+  scene.objects.push_back(
+      felt_plate({-0.08, -0.05, -0.002}, {0.0, 0.05, 0.002}, turn_motion(Vec3::Zero(), Vec3::UnitY(), -side * angle, seconds)));
+  const auto method = make_felt(scene, settings());
+  ASSERT_TRUE(method);
+  const Vec3 hand(-0.06, 0.011, -side * 0.015);
+  method->reset(hand);
+  double last_n = 0.0;
+  bool was_touched = false;
+  for (int i = 0; i <= static_cast<int>(seconds * rate_hz); ++i) {
+    const double time = i / rate_hz;
+    const MethodOutput felt = method->step({.p_SD = hand, .dt_s = 1.0 / rate_hz, .time_s = time});
+    const Pose X_SO = scene.objects[0].motion->pose_at(time);
+    const Vec3 in_lid = X_SO.inverse(Eigen::Isometry) * hand;
+    const double passed = side * in_lid.z() + 0.002 + radius;
+    ASSERT_NEAR(felt.force_n.norm(), kPlateStiffness * std::max(0.0, passed), 1e-3) << "at " << time << " s";
+    ASSERT_LE(felt.force_n.norm() - last_n, kPlateStiffness * kPlateSpeed / rate_hz * (1.0 + 1e-3)) << "at " << time << " s";
+    if (passed > 1e-6) {
+      const Vec3 normal = X_SO.linear() * Vec3(0, 0, -side);
+      ASSERT_GT(felt.force_n.normalized().dot(normal), 1.0 - 1e-9) << "at " << time << " s";
+    }
+    was_touched = was_touched || passed > 0.01;
+    last_n = felt.force_n.norm();
+  }
+  EXPECT_TRUE(was_touched);
+}
+
+INSTANTIATE_TEST_SUITE_P(Rates, MovingSweep,
+                         testing::Combine(testing::Values(250.0, 1000.0, 4000.0), testing::Values(0.0, 0.003), testing::Values(1.0, -1.0),
+                                          testing::Values("proxy")),
+                         [](const auto& given) {
+                           return std::to_string(static_cast<int>(std::get<0>(given.param))) + "_Hz_" +
+                                  (std::get<1>(given.param) > 0 ? "sphere" : "point") +
+                                  (std::get<2>(given.param) > 0 ? "_from_above_" : "_from_below_") + std::get<3>(given.param);
+                         });
+INSTANTIATE_TEST_SUITE_P(Reference, MovingSweep,
+                         testing::Combine(testing::Values(250.0), testing::Values(0.0, 0.003), testing::Values(1.0, -1.0),
+                                          testing::Values("reference")),
+                         [](const auto& given) {
+                           return std::string(std::get<1>(given.param) > 0 ? "sphere" : "point") +
+                                  (std::get<2>(given.param) > 0 ? "_from_above" : "_from_below");
+                         });
+
+// Without friction it slides off; with friction it is carried along.
+TEST(MovingMethod, CarriesTheProxyAlongByFriction) {
+  for (const double friction : {0.0, 0.8}) {
+    TouchScene scene;
+    scene.objects.push_back(felt_plate({-0.05, -0.05, -0.01}, {0.05, 0.05, 0.0}, shift_motion(Vec3::Zero(), {0.02, 0, 0}, 0.2),
+                                       {.friction_static = friction, .friction_dynamic = friction}));
+    const auto method = make_felt(scene);
+    ASSERT_TRUE(method);
+    method->reset({0, 0, 0.001});
+    const Vec3 hand(0, 0, -0.003);  // 3 N: friction holds 2.4 N, so the proxy lags by 2.4 mm at most
+    MethodOutput felt;
+    for (int i = 0; i <= 200; ++i) felt = method->step({.p_SD = hand, .dt_s = 1e-3, .time_s = 1e-3 * i});
+    EXPECT_NEAR(felt.force_n.z(), 3.0, 1e-3);
+    EXPECT_NEAR(felt.force_n.x(), friction * 3.0, 1e-2) << "friction " << friction;
+  }
+}
+
+TEST(MovingMethod, DampsAgainstTheSurfaceThatComes) {
+  TouchScene scene;
+  scene.objects.push_back(
+      felt_plate({-0.05, -0.05, -0.01}, {0.05, 0.05, 0.0}, shift_motion(Vec3::Zero(), {0, 0, 0.02}, 0.1), {.damping_ns_per_m = 2.0}));
+  const auto method = make_felt(scene);
+  ASSERT_TRUE(method);
+  const Vec3 hand(0, 0, 0.005);
+  method->reset(hand);
+  MethodOutput felt;
+  for (int i = 0; i <= 50; ++i) felt = method->step({.p_SD = hand, .dt_s = 1e-3, .time_s = 1e-3 * i});
+  // 10 mm up, 5 mm beyond the hand, at 0.2 m/s: 5 N, and 0.4 N of damping.
+  EXPECT_NEAR(felt.force_n.z(), 5.4, 1e-3);
+}
+
+// The hand presses deeper into the floor than the wall reaches: it is the probe on the floor that the wall comes upon.
+TEST(MovingMethod, FeelsTwoAtOnceInARightAngleAsOneProxy) {
+  TouchScene scene;
+  scene.objects.push_back(felt_plate({-0.05, -0.05, -0.01}, {0.05, 0.05, 0.0}));
+  scene.objects.push_back(felt_plate({0.010, -0.05, -0.0005}, {0.02, 0.05, 0.05}, shift_motion(Vec3::Zero(), {-0.008, 0, 0}, 0.1)));
+  const auto method = make_felt(scene);
+  ASSERT_TRUE(method);
+  method->reset({0.004, 0, 0.002});
+  const Vec3 hand(0.004, 0, -0.001);
+  MethodOutput felt;
+  for (int i = 0; i <= 100; ++i) {
+    felt = method->step({.p_SD = hand, .dt_s = 1e-3, .time_s = 1e-3 * i});
+    const double wall = 0.010 - 0.08e-3 * i;
+    ASSERT_NEAR(felt.force_n.x(), -kPlateStiffness * std::max(0.0, 0.004 - wall), 1e-3) << i;
+    ASSERT_NEAR(felt.force_n.z(), 1.0, 1e-3) << i;
+  }
+  EXPECT_LT((felt.p_SP - Vec3(0.002, 0, 0)).norm(), 1e-6);
+  EXPECT_EQ(felt.object, 1) << "which pushes more";
+}
+
+// A block comes down upon a hand that lies on the floor: it holds the hand down, and never presses it into the floor.
+TEST(MovingMethod, NeverPressesTheHandIntoWhatStandsStill) {
+  TouchScene scene;
+  scene.objects.push_back(felt_plate({-0.05, -0.05, -0.01}, {0.05, 0.05, 0.0}));
+  scene.objects.push_back(felt_plate({-0.03, -0.03, 0.004}, {0.03, 0.03, 0.02}, shift_motion(Vec3::Zero(), {0, 0, -0.009}, 0.1)));
+  const auto method = make_felt(scene);
+  ASSERT_TRUE(method);
+  method->reset({0, 0, 0.001});
+  MethodOutput felt;
+  for (int i = 0; i <= 100; ++i) {
+    felt = method->step({.p_SD = {0, 0, -0.001}, .dt_s = 1e-3, .time_s = 1e-3 * i});
+    ASSERT_NEAR(felt.force_n.z(), 1.0, 1e-3) << "the floor's, whatever comes from above, at " << i << " ms";
+    ASSERT_GE(felt.p_SP.z(), 0.0) << i;
+  }
+  // Lifted, it is held between them; in the end the block is 5 mm down in the floor.
+  EXPECT_NEAR(method->step({.p_SD = {0, 0, 0.002}, .dt_s = 1e-3, .time_s = 0.1}).force_n.z(), -2.0, 1e-3);
+}
+
+// Random boxes that move and turn about a hand that moves as well. No step has a point within a box, or a ball nearer than its radius.
+TEST(MovingMethod, NoStepHasTheProbeWithinABody) {
+  const std::uint64_t seed = 20261124;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  const auto vector = [&](double most) { return Vec3(most * unit(random), most * unit(random), most * unit(random)); };
+  int touched = 0;
+  for (int run = 0; run < 60; ++run) {
+    const bool has_still = run % 2 == 1;
+    const double rate_hz = std::array{250.0, 1000.0, 4000.0}[static_cast<std::size_t>(run % 3)];
+    const Vec3 half = Vec3::Constant(0.012) + vector(0.008);
+    const Vec3 centre = vector(0.01);
+    std::vector<Keyframe> keyframes;
+    Vec3 place = centre + 0.05 * vector(1.0).normalized();
+    Quat turn(Eigen::AngleAxisd(unit(random), vector(1.0).normalized()));
+    for (int k = 0; k < 6; ++k) {
+      keyframes.push_back({0.2 * k, place, turn});
+      place += 0.025 * vector(1.0).normalized();
+      turn = turn * Quat(Eigen::AngleAxisd(0.9 * unit(random), vector(1.0).normalized()));
+    }
+    const auto motion = std::make_shared<const KeyframeMotion>(centre, keyframes, false);
+    TouchScene scene;
+    scene.objects.push_back(felt_plate(centre - half, centre + half, motion, {.friction_static = 0.3, .friction_dynamic = 0.2}));
+    const Vec3 low(-0.03, -0.03, -0.04);
+    const Vec3 high(0.03, 0.03, -0.015);
+    if (has_still) scene.objects.push_back(felt_plate(low, high));
+    const double radius = run % 4 < 2 ? 0.0 : 0.003;
+    const auto method = make_felt(scene, {.probe_radius_m = radius});
+    ASSERT_TRUE(method);
+    const double deep = 1e-6;  // a few contact offsets
+    const auto is_within = [&](const Vec3& p, const Vec3& from, const Vec3& to) {
+      if (radius > 0.0) return (from - p).cwiseMax(p - to).cwiseMax(0.0).norm() < radius - deep;
+      return ((p - from).array() > deep).all() && ((to - p).array() > deep).all();
+    };
+    Vec3 hand(0, 0, 0.02);
+    Vec3 velocity = Vec3::Zero();
+    bool begins = true;
+    for (int i = 0; i < static_cast<int>(rate_hz); ++i) {
+      const double time = i / rate_hz;
+      velocity = 0.999 * velocity + vector(0.01) - 0.02 * hand;
+      hand += velocity / rate_hz;
+      const Vec3 in_body = motion->pose_at(time).inverse(Eigen::Isometry) * hand;
+      if (begins && is_within(in_body, centre - half, centre + half)) continue;
+      if (begins) method->reset(hand);
+      begins = false;
+      const MethodOutput felt = method->step({.p_SD = hand, .dt_s = 1.0 / rate_hz, .time_s = time});
+      touched += felt.contact ? 1 : 0;
+      const Vec3 probe = motion->pose_at(time).inverse(Eigen::Isometry) * felt.p_SP;
+      ASSERT_TRUE(felt.force_n.allFinite());
+      if (has_still) {
+        ASSERT_FALSE(is_within(felt.p_SP, low, high)) << "run " << run << " step " << i;
+      } else {
+        ASSERT_FALSE(is_within(probe, centre - half, centre + half)) << "run " << run << " step " << i;
+      }
+    }
+  }
+  EXPECT_GT(touched, 5000);
+}
+
+// Where nothing moves, it is what one method for all feels.
+TEST(MovingMethod, IsTheSameAsOneMethodAsLongAsOneObjectIsTouched) {
+  TouchScene still;
+  still.objects.push_back({made::shared(made::sphere(0.03, 24, 0.05)), {.friction_static = 0.4, .friction_dynamic = 0.3}});
+  still.objects.push_back(felt_plate({0.2, -0.05, -0.01}, {0.25, 0.05, 0.0}));
+  TouchScene resting = still;
+  resting.objects[1].motion = shift_motion(Vec3::Zero(), Vec3(0.001, 0, 0), 100.0);
+  const auto one = make_felt(still);
+  const auto several = make_felt(resting);
+  ASSERT_TRUE(one && several);
+  const std::uint64_t seed = 17;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal(0.0, 0.0008);
+  Vec3 hand(0, 0, 0.035);
+  one->reset(hand);
+  several->reset(hand);
+  int touched = 0;
+  for (int i = 0; i < 4000; ++i) {
+    hand += Vec3(normal(random), normal(random), normal(random));
+    hand *= 0.029 / hand.norm() * 0.05 + 0.95;
+    const MethodOutput a = one->step({.p_SD = hand, .time_s = 1e-3 * i});
+    const MethodOutput b = several->step({.p_SD = hand, .time_s = 1e-3 * i});
+    // Another contact offset: that of the smaller scene.
+    ASSERT_LT((a.force_n - b.force_n).norm(), 2e-3 + 2e-3 * a.force_n.norm()) << i;
+    touched += a.contact ? 1 : 0;
+  }
+  EXPECT_GT(touched, 1000);
+}
+
+// The same as a scene that stands still and a hand that moves the other way.
+TEST(MovingMethod, FeelsAMovingObjectAsAHandThatMovesTheOtherWay) {
+  TouchScene moving;
+  const auto motion = turn_motion({0.01, 0, 0}, Vec3(1, 2, 3).normalized(), 1.5, 10.0);
+  moving.objects.push_back({.mesh = made::shared(made::sphere(0.03, 24, 0.05)), .material = {}, .motion = motion});
+  TouchScene still = moving;
+  still.objects[0].motion = nullptr;
+  const auto a = make_felt(moving);
+  const auto b = make_felt(still);
+  ASSERT_TRUE(a && b);
+  const std::uint64_t seed = 5;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal(0.0, 0.0006);
+  Vec3 hand(0, 0, 0.035);
+  a->reset(hand);
+  b->reset(hand);
+  for (int i = 0; i < 10000; ++i) {
+    hand += Vec3(normal(random), normal(random), normal(random));
+    hand *= 0.029 / hand.norm() * 0.05 + 0.95;
+    const Pose X_SO = motion->pose_at(1e-3 * i);
+    const MethodOutput in_scene = a->step({.p_SD = hand, .time_s = 1e-3 * i});
+    const Pose X_OS = X_SO.inverse(Eigen::Isometry);
+    const MethodOutput in_object = b->step({.p_SD = X_OS * hand});
+    ASSERT_LT((in_scene.force_n - X_SO.linear() * in_object.force_n).norm(), 1e-6 * (1.0 + in_object.force_n.norm())) << i;
+    ASSERT_EQ(in_scene.contact, in_object.contact) << i;
+  }
+}
+
+TEST(MovingMethod, StartsWhereItIsReset) {
+  TouchScene scene;
+  scene.objects.push_back(felt_plate({-0.05, -0.05, -0.01}, {0.05, 0.05, 0.0}, shift_motion(Vec3::Zero(), {0, 0, 0.02}, 1.0)));
+  const auto method = make_felt(scene);
+  ASSERT_TRUE(method);
+  // At 0.5 s the top is at 10 mm. From above it, the first step comes into contact.
+  method->reset({0, 0, 0.012});
+  EXPECT_NEAR(method->step({.p_SD = {0, 0, 0.008}, .time_s = 0.5}).force_n.z(), 2.0, 1e-3);
+  method->reset({0, 0, 0.03});
+  EXPECT_FALSE(method->step({.p_SD = {0, 0, 0.03}, .time_s = 0.5}).contact);
+}
+
+TEST(MovingMethod, ASampleThatIsNotFiniteGivesNoForceAndChangesNothing) {
+  TouchScene scene;
+  scene.objects.push_back(felt_plate({-0.05, -0.05, -0.01}, {0.05, 0.05, 0.0}, shift_motion(Vec3::Zero(), {0, 0, 0.02}, 1.0)));
+  const auto method = make_felt(scene);
+  ASSERT_TRUE(method);
+  method->reset({0, 0, 0.002});
+  const MethodInput pressed{.p_SD = {0, 0, -0.001}, .time_s = 0.0};
+  const double before = method->step(pressed).force_n.z();
+  EXPECT_GT(before, 0.9);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(method->step({.p_SD = Vec3::Constant(nan)}).force_n.isZero(0.0));
+  EXPECT_TRUE(method->step({.p_SD = pressed.p_SD, .time_s = nan}).force_n.isZero(0.0));
+  EXPECT_EQ(method->step(pressed).force_n.z(), before);
+}
+
+TEST(MovingMethod, TakesOtherMaterialsByObject) {
+  TouchScene scene;
+  scene.objects.push_back(felt_plate({-0.05, -0.05, -0.01}, {0.0, 0.05, 0.0}));
+  scene.objects.push_back(felt_plate({0.001, -0.05, -0.01}, {0.05, 0.05, 0.0}, shift_motion(Vec3::Zero(), {0, 0, 0.001}, 1.0)));
+  const auto method = make_felt(scene);
+  ASSERT_TRUE(method);
+  method->set_materials(std::vector<Material>{{.stiffness_n_per_m = 400.0}, {.stiffness_n_per_m = 700.0}});
+  method->reset({-0.02, 0, 0.001});
+  const MethodOutput left = method->step({.p_SD = {-0.02, 0, -0.001}});
+  EXPECT_NEAR(left.force_n.z(), 0.4, 1e-4);
+  EXPECT_EQ(left.object, 0);
+  method->reset({0.02, 0, 0.001});
+  const MethodOutput right = method->step({.p_SD = {0.02, 0, -0.001}});
+  EXPECT_NEAR(right.force_n.z(), 0.7, 1e-4);
+  EXPECT_EQ(right.object, 1);
+}
+
+TEST(MovingMethod, OtherMethodsSayWhatFeelsMotion) {
+  TouchScene scene;
+  scene.objects.push_back(felt_plate({-0.05, -0.05, -0.01}, {0.05, 0.05, 0.0}, shift_motion(Vec3::Zero(), {0, 0, 0.02}, 1.0)));
+  for (const char* name : {"smooth", "sweep"}) {
+    const auto made = make_method({.name = name}, scene);
+    ASSERT_FALSE(made) << name;
+    EXPECT_EQ(made.error().what, std::string("method ") + name +
+                                     ": objects of the scene move by keyframes, which it does not feel; choose proxy or reference");
+  }
+}
+
+TEST(MovingMethod, BuildsOnApproachInEveryGroup) {
+  TouchScene scene;
+  scene.objects.push_back(felt_plate({-0.05, -0.05, -0.01}, {0.0, 0.05, 0.0}));
+  scene.objects.push_back(felt_plate({0.001, -0.05, -0.01}, {0.05, 0.05, 0.0}, shift_motion(Vec3::Zero(), {0, 0, 0.001}, 1.0)));
+  MethodSettings settings;
+  settings.build_on_approach = true;
+  const auto method = make_felt(scene, settings);
+  ASSERT_TRUE(method);
+  for (const double x : {-0.02, 0.02}) {
+    method->reset({x, 0, 0.003});
+    (void)method->step({.p_SD = {x, 0, 0.002}});
+    while (method->prepare()) {
+    }
+    EXPECT_NEAR(method->step({.p_SD = {x, 0, -0.001}}).force_n.z(), 1.0, 1e-3) << x;
+  }
+}
+
+TEST(MovingMethod, StepsWithoutHeap) {
+  if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
+  TouchScene scene;
+  scene.objects.push_back(felt_plate({-0.05, -0.05, -0.01}, {0.05, 0.05, 0.0}, shift_motion(Vec3::Zero(), {0, 0, 0.02}, 0.1)));
+  scene.objects.push_back(felt_plate({-0.05, -0.05, 0.03}, {0.05, 0.05, 0.04}));
+  const auto method = make_felt(scene);
+  ASSERT_TRUE(method);
+  const AllocationGuard guard;
+  method->reset({0, 0, 0.005});
+  double most = 0.0;
+  for (int i = 0; i < 400; ++i) most = std::max(most, method->step({.p_SD = {0, 0, 0.005 + 1e-4 * i}, .time_s = 1e-3 * i}).force_n.norm());
+  EXPECT_EQ(guard.count(), 0U);
+  EXPECT_GT(most, 1.0);
+}
+
+TEST(MovingMethod, SaysWhatMovesAndWhatStands) {
+  TouchScene scene;
+  scene.objects.push_back(felt_plate({-0.05, -0.05, -0.01}, {0.0, 0.05, 0.0}));
+  for (int i = 0; i < 2; ++i) {
+    // Equal motions are one group.
+    scene.objects.push_back(felt_plate({0.001, -0.05, -0.01}, {0.05, 0.05, 0.0}, shift_motion(Vec3::Zero(), {0, 0, 0.001}, 1.0)));
+  }
+  const std::string text = make_felt(scene)->describe();
+  EXPECT_EQ(text.find("1 of the objects stand still, and are built twice:"), 0U) << text;
+  EXPECT_NE(text.find("2 of the objects move by themselves for 1 s:"), std::string::npos) << text;
+}
+
+// TouchStep passes the time on, and the scene may be turned meanwhile.
+TEST(MovingMethod, IsFeltInAScenesPose) {
+  TouchScene scene;
+  scene.objects.push_back(felt_plate({-0.05, -0.05, -0.01}, {0.05, 0.05, 0.0}, shift_motion(Vec3::Zero(), {0, 0, 0.02}, 0.1)));
+  auto made = make_method({}, scene);
+  ASSERT_TRUE(made);
+  TouchStep touch(std::move(*made), scene);
+  EXPECT_TRUE(touch.has_motion());
+  Pose X_WS = Pose::Identity();
+  X_WS.linear() = Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitX()).toRotationMatrix();
+  TouchInput input{.p_WD = X_WS * Vec3(0, 0, 0.005), .X_WS = X_WS};
+  touch.reset(input);
+  TouchOutput felt;
+  for (int i = 0; i <= 50; ++i) {
+    input.time_s = 1e-3 * i;
+    felt = touch.step(input);
+  }
+  EXPECT_LT((felt.force_n - X_WS.linear() * Vec3(0, 0, 5.0)).norm(), 1e-3);
+  scene.objects[0].motion = nullptr;
+  EXPECT_FALSE(TouchStep(touch.share_method(), scene).has_motion());
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,185 @@
+// Past the edge of a patch, by hand: the plane of the last contact, and what takes over from it.
+#include <gtest/gtest.h>
+
+#include "core/force/force_method.h"
+#include "patch/patch_touch.h"
+#include "tests/support/made_scene.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kEdgeStiffness = 1000.0;
+constexpr double kHeldDepth = 0.003;
+
+// A flat sheet at z = 0, known within 10 mm of the origin.
+struct PatchEdge : testing::Test {
+  PatchEdge() { (void)touch.offer(make_patch(Vec3::Zero(), 0.01)); }
+  static std::unique_ptr<Patch> make_patch(const Vec3& p_SC, double radius_m, bool is_way_unknown = false) {
+    auto patch = std::make_unique<Patch>();
+    patch->step =
+        std::make_unique<TouchStep>(*make_method({}, scene_of(made::sheet(0.05, 0.0, 10), {.stiffness_n_per_m = kEdgeStiffness})));
+    patch->objects = {4};
+    patch->p_SC = p_SC;
+    patch->radius_m = radius_m;
+    patch->lift_m = 1e-9;
+    patch->is_way_unknown = is_way_unknown;
+    return patch;
+  }
+  std::optional<PatchOutput> go(double x, double depth_m, double dt_s = 1e-3) {
+    (void)touch.take_retired();
+    return touch.step({.p_WD = {x, 0.0005, -depth_m}, .dt_s = dt_s});
+  }
+  // Down at the middle, and to 12 mm beside it, 1 mm a step.
+  PatchOutput go_past_the_edge() {
+    for (int n = 0; n <= 5; ++n) last = *go(0.0, -0.002 + 0.001 * n);
+    EXPECT_FALSE(last.is_beyond);
+    EXPECT_EQ(last.object, 4) << "the scene's number";
+    for (int n = 1; n <= 12; ++n) last = *go(0.001 * n, kHeldDepth);
+    return last;
+  }
+  PatchTouch touch;
+  PatchOutput last;
+};
+
+TEST_F(PatchEdge, ThePlaneHoldsWhileTheHandGoesOnAtItsDepth) {
+  const PatchOutput beyond = go_past_the_edge();
+  ASSERT_TRUE(beyond.is_beyond);
+  EXPECT_TRUE(beyond.contact);
+  EXPECT_NEAR((beyond.force_n - Vec3(0, 0, kEdgeStiffness * kHeldDepth)).norm(), 0.0, 0.01);
+  EXPECT_NEAR((beyond.visual_offset_m - Vec3(0, 0, kHeldDepth)).norm(), 0.0, 1e-5);
+  EXPECT_EQ(beyond.object, -1);
+  EXPECT_EQ(touch.counts().beyond, 1U);
+  EXPECT_GT(touch.counts().beyond_steps, 1U);
+  EXPECT_EQ(touch.counts().steps + touch.counts().beyond_steps, 18U);
+}
+
+// Spring, damper against the motion, no pull, and no more than twice the last force within.
+TEST_F(PatchEdge, ThePlaneIsADampedSpringWithinBounds) {
+  (void)go_past_the_edge();
+  const double x = 0.012;
+  struct Row {
+    double depth_m, dt_s, force_n;
+  };
+  const Row rows[] = {{0.0035, 1.0, 3.5},                          // rather slowly
+                      {0.0036, 1e-3, 3.6 + 1000.0 * 0.005 * 0.1},  // 0.1 m/s inwards
+                      {0.0035, 1e-3, 3.5 - 1000.0 * 0.005 * 0.1},  // and out
+                      {0.0055, 1e-3, 6.0},                         // 2 m/s: twice 3 N
+                      {0.009, 1.0, 6.0},                           // so deep
+                      {0.005, 1e-3, 0.0},                          // 4 m/s outwards: no pull
+                      {0.005, 1e-3, 5.0}};
+  for (const Row& row : rows) {
+    const auto felt = go(x, row.depth_m, row.dt_s);
+    ASSERT_TRUE(felt.has_value() && felt->is_beyond);
+    EXPECT_NEAR(felt->force_n.z(), row.force_n, 0.02) << row.depth_m;
+    EXPECT_TRUE(felt->contact);
+    EXPECT_FALSE(felt->is_handed_over);
+  }
+  const auto out = go(x, -0.001);
+  ASSERT_TRUE(out.has_value());
+  EXPECT_TRUE(out->is_beyond);
+  EXPECT_FALSE(out->contact);
+  EXPECT_EQ(out->force_n, Vec3(Vec3::Zero()));
+  EXPECT_EQ(out->visual_offset_m, Vec3(Vec3::Zero()));
+}
+
+TEST_F(PatchEdge, APatchThatReachesTheHandIsCaughtUpWith) {
+  (void)go_past_the_edge();
+  (void)touch.offer(make_patch({0.012, 0, 0}, 0.04));
+  const auto felt = go(0.012, kHeldDepth);
+  ASSERT_TRUE(felt.has_value());
+  EXPECT_FALSE(felt->is_beyond);
+  EXPECT_TRUE(felt->is_handed_over);
+  EXPECT_NEAR(felt->force_n.z(), kEdgeStiffness * kHeldDepth, 0.01);
+  EXPECT_GT(touch.counts().followed, 0U);
+  EXPECT_FALSE(go(0.012, kHeldDepth)->is_handed_over);
+}
+
+// One that does not reach back to the last proxy within takes over only if it says that the way is not known.
+TEST_F(PatchEdge, APatchBesideTheWayTakesOverFromAboveThePlane) {
+  for (const bool is_way_unknown : {false, true}) {
+    touch = PatchTouch();
+    (void)touch.offer(make_patch(Vec3::Zero(), 0.01));
+    (void)go_past_the_edge();
+    for (int n = 13; n < 40; ++n) (void)go(0.001 * n, kHeldDepth);
+    (void)touch.offer(make_patch({0.039, 0, 0}, 0.03, is_way_unknown));
+    const auto felt = go(0.039, kHeldDepth);
+    ASSERT_TRUE(felt.has_value());
+    EXPECT_EQ(felt->is_beyond, !is_way_unknown);
+    EXPECT_EQ(touch.counts().raised, is_way_unknown ? 1U : 0U);
+    EXPECT_NEAR(felt->force_n.z(), kEdgeStiffness * kHeldDepth, 0.02);
+  }
+}
+
+TEST_F(PatchEdge, ASmallPatchBesideTheWayHasToGrowFirst) {
+  (void)go_past_the_edge();
+  for (int n = 13; n < 40; ++n) (void)go(0.001 * n, kHeldDepth);
+  // Its room must hold twice the last penetration.
+  (void)touch.offer(make_patch({0.039, 0, 0}, 0.0095, true));
+  EXPECT_TRUE(go(0.039, kHeldDepth)->is_beyond);
+  (void)touch.offer(make_patch({0.039, 0, 0}, 0.0099, true));
+  EXPECT_FALSE(go(0.039, kHeldDepth)->is_beyond);
+}
+
+TEST_F(PatchEdge, AFreeHandThatStaysAwayBeginsAnew) {
+  for (int n = 0; n < 20; ++n) (void)go(0.001 * n, -0.002);
+  EXPECT_TRUE(touch.is_placed());
+  for (int n = 0; n < 4; ++n) EXPECT_TRUE(go(0.02, -0.002, 1.0).has_value()) << "within five seconds";
+  EXPECT_TRUE(touch.has_arrived());
+  EXPECT_FALSE(go(0.02, -0.002, 1.0).has_value());
+  EXPECT_EQ(touch.counts().begun_anew, 1U);
+  EXPECT_FALSE(touch.is_placed());
+  EXPECT_FALSE(touch.has_arrived());
+  (void)touch.offer(make_patch({0.02, 0, 0}, 0.01));
+  EXPECT_TRUE(go(0.02, -0.002).has_value());
+}
+
+// In contact there is no such end.
+TEST_F(PatchEdge, AHandOnThePlaneIsHeldForAsLongAsItStays) {
+  (void)go_past_the_edge();
+  for (int n = 0; n < 20; ++n) {
+    const auto held = go(0.012, kHeldDepth, 1.0);
+    ASSERT_TRUE(held.has_value());
+    EXPECT_NEAR(held->force_n.z(), kEdgeStiffness * kHeldDepth, 0.01);
+  }
+  EXPECT_EQ(touch.counts().begun_anew, 0U);
+}
+
+TEST_F(PatchEdge, WhatIsNoPlaceChangesNothing) {
+  (void)go_past_the_edge();
+  EXPECT_FALSE(touch.step({.p_WD = {std::nan(""), 0, 0}, .dt_s = 1e-3}).has_value());
+  EXPECT_FALSE(touch.step({.p_WD = {1e10, 0, 0}, .dt_s = 1e-3}).has_value()) << "its rounding is more than the lift";
+  EXPECT_NEAR(go(0.012, kHeldDepth)->force_n.z(), kEdgeStiffness * kHeldDepth, 0.01);
+}
+
+// Where the hand is, and what a patch has to reach.
+TEST_F(PatchEdge, TheWayHoldsTheLastProxyAndThePlacesSince) {
+  const Vec3 hand(0.001, 0.002, 0.003);
+  EXPECT_FALSE(touch.hand_at(hand, 7).is_beyond);
+  EXPECT_EQ(touch.hand_at(hand, 7).p_SD, hand);
+  EXPECT_EQ(touch.hand_at(hand, 7).time_ns, 7);
+  (void)go_past_the_edge();
+  const PatchHand at = touch.hand_at(hand, 8);
+  ASSERT_TRUE(at.is_beyond);
+  const Vec3 far = Vec3(0.012, 0.0005, -kHeldDepth);
+  EXPECT_LE((far - at.way.p_SC).norm(), at.way.radius_m + 1e-9);
+  EXPECT_NEAR(at.way.p_SC.z(), -0.5 * kHeldDepth, 1e-4) << "half way between proxy and hand";
+  EXPECT_GT(at.way.p_SC.x(), 0.006);
+  EXPECT_LT(at.way.radius_m, 0.006);
+}
+
+TEST_F(PatchEdge, AnotherGenerationIsAnotherScene) {
+  (void)go_past_the_edge();
+  touch.set_generation(1);
+  EXPECT_FALSE(go(0.012, kHeldDepth).has_value()) << "its patches are of no use";
+  (void)touch.offer(make_patch({0.012, 0, 0}, 0.04));
+  EXPECT_FALSE(go(0.012, kHeldDepth).has_value());
+  auto next = make_patch({0.012, 0, 0}, 0.04);
+  next->generation = 1;
+  (void)touch.offer(std::move(next));
+  const auto felt = go(0.012, kHeldDepth);
+  ASSERT_TRUE(felt.has_value());
+  EXPECT_NEAR(felt->force_n.z(), kEdgeStiffness * kHeldDepth, 0.01);
+}
+
+}  // namespace
+}  // namespace hapton

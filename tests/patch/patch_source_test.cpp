@@ -1,0 +1,241 @@
+#include "patch/patch_source.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+
+#include "tests/patch/patch_stage.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::int64_t kStartNs = 1'000'000'000;
+constexpr std::int64_t kMs = 1'000'000;
+
+// A sheet 100 mm wide whose middle is at the origin, and what of it has been sent.
+struct PatchSourceTest : testing::Test {
+  void start(const PatchSource::Options& options, int squares = 40) {
+    source = std::make_unique<PatchSource>(make_tiles(scene_of(rolling_sheet(0.05, squares))), 0.001, 7, 5, options);
+  }
+  // All that is due from then on for so long.
+  std::vector<Message> take(std::int64_t from_ns, std::int64_t for_ns = 0) {
+    std::vector<Message> taken;
+    for (std::int64_t now_ns = from_ns; now_ns <= from_ns + for_ns; now_ns += kMs) {
+      while (auto part = source->take(now_ns)) taken.push_back(*part);
+    }
+    return taken;
+  }
+  // The same, each confirmed at once: whatever is in reach.
+  std::vector<Message> take_confirmed(double round_trip_s = 0.0) {
+    std::vector<Message> taken;
+    for (std::int64_t n = 0; n < 1000; ++n) {
+      while (auto part = source->take(kStartNs + n * kMs)) taken.push_back(*part);
+      source->accept(status_without(static_cast<std::uint32_t>(taken.size()), {}, round_trip_s));
+    }
+    return taken;
+  }
+  std::size_t part_count() const { return 1 + source->scene().cells.size() + source->scene().tiles.size(); }
+  static std::uint32_t serial_of(const Message& part) {
+    if (const auto* tile = std::get_if<PatchTile>(&part)) return tile->serial;
+    if (const auto* cell = std::get_if<PatchCell>(&part)) return cell->serial;
+    return std::get<PatchBegin>(part).serial;
+  }
+  double distance_m(const TileCell& cell, const Vec3& p_S) const {
+    const PatchGrid& grid = source->scene().grid;
+    return grid.step_m * std::sqrt(cell.key.bounds().distance_squared(grid.to_steps(p_S)));
+  }
+  // What a hub says that has all up to newest but these.
+  static PatchStatus status_without(std::uint32_t newest, const std::set<std::uint32_t>& lost, double round_trip_s = 0.0) {
+    PatchStatus status;
+    status.epoch = 5;
+    status.newest_serial = newest;
+    status.round_trip_s = static_cast<float>(round_trip_s);
+    for (std::uint32_t back = 0; back < PatchStatus::kSerials && back < newest; ++back) {
+      if (!lost.contains(newest - back))
+        status.received[back / 8] = static_cast<std::uint8_t>(status.received[back / 8] | (1U << (back % 8)));
+    }
+    return status;
+  }
+  static constexpr PatchSource::Options kAll = {.bits_per_s = 1e12, .least_reach_m = 1.0};
+
+  std::unique_ptr<PatchSource> source;
+};
+
+TEST_F(PatchSourceTest, TheBeginningComesFirstAndEachCellBeforeItsTiles) {
+  start(kAll);
+  const auto parts = take(kStartNs, 2000 * kMs);
+  ASSERT_GE(parts.size(), part_count());
+  const auto* begin = std::get_if<PatchBegin>(&parts.front());
+  ASSERT_NE(begin, nullptr);
+  EXPECT_EQ(begin->epoch, 5U);
+  EXPECT_EQ(begin->scene_hash, 7U);
+  EXPECT_EQ(begin->probe_radius_m, 0.001);
+  EXPECT_EQ(begin->step_m, source->scene().grid.step_m);
+  std::set<std::uint32_t> listed;
+  std::uint32_t serial = 0;
+  for (std::size_t n = 0; n < part_count(); ++n) {
+    EXPECT_EQ(serial_of(parts[n]), ++serial);
+    if (const auto* cell = std::get_if<PatchCell>(&parts[n])) {
+      EXPECT_EQ(cell->epoch, 5U);
+      listed.insert(cell->tiles.begin(), cell->tiles.begin() + cell->tile_count);
+    } else if (const auto* tile = std::get_if<PatchTile>(&parts[n])) {
+      EXPECT_EQ(tile->epoch, 5U);
+      EXPECT_TRUE(listed.contains(tile->tile));
+    }
+  }
+  EXPECT_EQ(listed.size(), source->scene().tiles.size());
+}
+
+// Ahead counts as farther away, by half of how far ahead: where the hand will be within 0.1 s and a round trip, and half way there.
+TEST_F(PatchSourceTest, WhatIsNearestToTheHandAndToItsWayComesFirst) {
+  const Vec3 hand(0.01, -0.01, 0.0);
+  for (const Vec3& velocity : {Vec3(0, 0, 0), Vec3(0.2, 0, 0), Vec3(-0.1, 0.15, 0)}) {
+    SCOPED_TRACE(testing::Message() << velocity.transpose());
+    start({.bits_per_s = 1e12, .least_reach_m = 1.0}, 160);
+    source->aim({hand, velocity});
+    source->accept(status_without(0, {}, 0.1));
+    std::map<std::array<std::uint32_t, 4>, double> distances;
+    for (const TileCell& cell : source->scene().cells) {
+      const Vec3 way = 0.2 * velocity;
+      const double near = std::min({distance_m(cell, hand), distance_m(cell, hand + 0.5 * way) + 0.25 * way.norm(),
+                                    distance_m(cell, hand + way) + 0.5 * way.norm()});
+      distances[{cell.key.level, cell.key.index[0], cell.key.index[1], cell.key.index[2]}] = near;
+    }
+    double last_m = 0.0;
+    std::size_t cells = 0;
+    for (const Message& part : take_confirmed(0.1)) {
+      const auto* cell = std::get_if<PatchCell>(&part);
+      if (cell == nullptr) continue;
+      const double now_m = distances.at({cell->level, cell->index[0], cell->index[1], cell->index[2]});
+      EXPECT_GE(now_m, last_m * (1.0 - 1e-6)) << "a round trip is told as a float";
+      last_m = now_m;
+      ++cells;
+    }
+    EXPECT_EQ(cells, source->scene().cells.size());
+    EXPECT_GT(last_m, 0.02);
+  }
+}
+
+// The reach: 10 mm, and what a hand at 50 mm/s covers within twice 0.1 s and the round trip.
+TEST_F(PatchSourceTest, WhatIsOutOfReachIsNotSent) {
+  for (const double round_trip_s : {0.0, 0.1, 0.25}) {
+    SCOPED_TRACE(testing::Message() << round_trip_s << " s");
+    start({.bits_per_s = 1e12, .least_reach_m = 0.01, .fastest_m_per_s = 0.05}, 100);
+    const Vec3 hand(-0.04, 0.0, 0.0);
+    source->aim({hand, Vec3::Zero()});
+    source->accept(status_without(0, {}, round_trip_s));
+    const double reach_m = 0.01 + 2.0 * (0.1 + round_trip_s) * 0.05;
+    std::size_t expected = 0;
+    for (const TileCell& cell : source->scene().cells) expected += distance_m(cell, hand) <= reach_m ? 1 : 0;
+    ASSERT_LT(expected, source->scene().cells.size());
+    std::set<std::array<std::uint32_t, 3>> sent;
+    for (const Message& part : take_confirmed(round_trip_s)) {
+      if (const auto* cell = std::get_if<PatchCell>(&part)) sent.insert(cell->index);
+    }
+    EXPECT_EQ(sent.size(), expected);
+  }
+}
+
+// 150 ms, for the hub's status to come, and 1.2 round trips; half a round trip where that is long: what is lost is missed for long.
+TEST_F(PatchSourceTest, WhatNobodyConfirmsIsSentAgainAfterAWhile) {
+  const std::pair<double, std::int64_t> cases[] = {{0.0, 150}, {0.1, 270}, {0.29, 498}, {0.31, 305}, {1.0, 650}, {60.0, 5150}};
+  for (const auto& [round_trip_s, patience_ms] : cases) {
+    SCOPED_TRACE(testing::Message() << round_trip_s << " s");
+    start({.bits_per_s = 1e12, .least_reach_m = 1.0}, 4);
+    source->accept(status_without(0, {}, round_trip_s));
+    const auto first = take(kStartNs).size();
+    ASSERT_EQ(first, part_count()) << "small enough to be sent at once";
+    EXPECT_EQ(take(kStartNs + (patience_ms - 1) * kMs).size(), 0U);
+    EXPECT_EQ(source->counts().repeated, 0U);
+    EXPECT_EQ(take(kStartNs + (patience_ms + 1) * kMs, 20 * kMs).size(), first);
+    EXPECT_EQ(source->counts().sent, 2 * first);
+    EXPECT_EQ(source->counts().repeated, first);
+  }
+}
+
+TEST_F(PatchSourceTest, WhatIsConfirmedIsNotSentAgain) {
+  start(kAll, 4);
+  const auto count = static_cast<std::uint32_t>(take(kStartNs).size());
+  source->accept(status_without(count, {2}));
+  EXPECT_EQ(source->counts().held, count - 1);
+  source->accept(status_without(count, {2}));
+  EXPECT_EQ(source->counts().held, count - 1) << "said twice";
+  const auto again = take(kStartNs + 1000 * kMs);
+  ASSERT_EQ(again.size(), 1U);
+  EXPECT_EQ(serial_of(again[0]), count + 1);
+  EXPECT_EQ(source->counts().repeated, 1U);
+}
+
+// A part 64 serials behind the newest that arrived did not only fall back on the way.
+TEST_F(PatchSourceTest, WhatIsLostIsSentAgainAtOnce) {
+  start(kAll, 80);
+  const auto count = static_cast<std::uint32_t>(take(kStartNs, 119 * kMs).size());
+  ASSERT_EQ(count, part_count());
+  ASSERT_GT(count, 150U);
+  source->accept(status_without(count, {count - 10, count - 63, count - 64, count - 70}));
+  const auto again = take(kStartNs + 160 * kMs);
+  EXPECT_EQ(again.size(), 2U);
+  source->accept(status_without(count, {count - 10, count - 63, count - 64, count - 70}));
+  EXPECT_EQ(take(kStartNs + 180 * kMs).size(), 0U) << "what was sent again since has another serial";
+  EXPECT_EQ(take(kStartNs + 285 * kMs).size(), 2U) << "what may only be late, once its time is over";
+}
+
+TEST_F(PatchSourceTest, AStatusOfSomethingElseSaysNothing) {
+  start(kAll, 4);
+  const auto count = static_cast<std::uint32_t>(take(kStartNs).size());
+  PatchStatus other = status_without(count, {});
+  other.epoch = 4;
+  source->accept(other);
+  source->accept(status_without(count + 1, {}));
+  EXPECT_EQ(source->counts().held, 0U);
+  PatchStatus begun_anew;
+  source->accept(begun_anew);
+  EXPECT_EQ(take(kStartNs + 100 * kMs).size(), 0U) << "the hub had nothing yet: what is on its way may still come";
+  source->accept(status_without(count, {}));
+  EXPECT_EQ(source->counts().held, count);
+  source->accept(begun_anew);
+  EXPECT_EQ(source->counts().held, 0U);
+  EXPECT_EQ(take(kStartNs + 120 * kMs).size(), count) << "the hub has begun anew";
+}
+
+TEST_F(PatchSourceTest, ABurstAtFirstAndThenNoMoreThanTheBandwidth) {
+  start({.bits_per_s = 8e4, .least_reach_m = 1.0}, 80);
+  const std::size_t first = take(kStartNs).size();
+  EXPECT_GT(first, 5U);
+  EXPECT_LE(source->counts().bytes, 5000U);
+  EXPECT_GT(source->counts().bytes, 4000U);
+  const auto before = source->counts().bytes;
+  (void)take(kStartNs, 1000 * kMs);
+  EXPECT_NEAR(static_cast<double>(source->counts().bytes - before), 10'000.0, 900.0) << "in a second";
+  // A rest saves no more than one burst.
+  const auto later = source->counts().bytes;
+  (void)take(kStartNs + 60'000 * kMs);
+  EXPECT_LE(source->counts().bytes - later, 5000U);
+  // A part that cannot be paid is no part sent: serials have no gap.
+  const auto part = take(kStartNs + 61'000 * kMs);
+  ASSERT_FALSE(part.empty());
+  EXPECT_EQ(serial_of(part.back()), source->counts().sent);
+}
+
+// As large as the packet in which it goes: what it holds, and 150 bytes round it.
+TEST_F(PatchSourceTest, CountsWhatAPartTakesOnTheWay) {
+  start(kAll, 40);
+  std::uint64_t bytes = 0;
+  for (const Message& part : take(kStartNs, 100 * kMs)) {
+    bytes += 150;
+    if (const auto* tile = std::get_if<PatchTile>(&part)) bytes += PatchTile::kVertexBytes * tile->vertex_count + 3 * tile->triangle_count;
+    if (const auto* cell = std::get_if<PatchCell>(&part)) bytes += 3 * cell->tile_count;
+  }
+  EXPECT_EQ(source->counts().bytes, bytes);
+}
+
+TEST_F(PatchSourceTest, OfNothingSendsItsBeginningAlone) {
+  source = std::make_unique<PatchSource>(make_tiles(TouchScene()), 0.0, 7, 5, kAll);
+  const auto parts = take(kStartNs, 100 * kMs);
+  ASSERT_EQ(parts.size(), 1U);
+  EXPECT_TRUE(std::holds_alternative<PatchBegin>(parts[0]));
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,228 @@
+#include "scene/gltf/animation.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <string>
+
+#include "scene/mesh_file.h"
+#include "scene/scene_file.h"
+#include "tests/scene/sample_files.h"
+#include "tests/support/scratch_folder.h"
+
+namespace hapton {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using Json = nlohmann::json;
+
+// A triangle of 0.1 m hangs from an arm of 0.1 m, which hangs from a base; a second one stands beside them.
+struct GltfAnimation : testing::Test {
+  GltfAnimation() {
+    for (const float x : {0.0F, 0.0F, 0.0F, 0.1F, 0.0F, 0.0F, 0.0F, 0.1F, 0.0F}) sample::append(bytes, x);
+    document["asset"]["version"] = "2.0";
+    document["accessors"] = Json::array();
+    document["bufferViews"] = Json::array();
+    add_accessor("VEC3", 3, 0);
+    document["meshes"] = {{{"primitives", {{{"attributes", {{"POSITION", 0}}}}}}}};
+    document["nodes"] = {{{"name", "base"}, {"children", {1}}, {"translation", {1, 0, 0}}},
+                         {{"name", "arm"}, {"children", {2}}, {"rotation", {0, 0, 0, 1}}},
+                         {{"name", "hand"}, {"mesh", 0}, {"translation", {0.1, 0, 0}}},
+                         {{"name", "post"}, {"mesh", 0}}};
+    document["scenes"] = {{{"nodes", {0, 3}}}};
+  }
+
+  std::size_t add_accessor(const char* type, std::size_t count, std::size_t first) {
+    const std::size_t number = document["accessors"].size();
+    document["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", first}, {"byteLength", bytes.size() - first}});
+    document["accessors"].push_back({{"bufferView", number}, {"componentType", 5126}, {"count", count}, {"type", type}});
+    return number;
+  }
+  std::size_t add_numbers(const char* type, std::size_t components, const std::vector<float>& numbers) {
+    const std::size_t first = bytes.size();
+    for (const float number : numbers) sample::append(bytes, number);
+    return add_accessor(type, numbers.size() / components, first);
+  }
+  // A channel of the animation of that number.
+  void add_channel(std::size_t animation, std::size_t node, const char* path, const std::vector<float>& times,
+                   const std::vector<float>& values, const char* interpolation = "LINEAR") {
+    Json& one = document["animations"][animation];
+    const std::size_t sampler = one["samplers"].size();
+    const bool is_rotation = std::string(path) == "rotation";
+    const std::size_t input = add_numbers("SCALAR", 1, times);
+    const std::size_t output = add_numbers(is_rotation ? "VEC4" : "VEC3", is_rotation ? 4 : 3, values);
+    one["samplers"].push_back({{"input", input}, {"output", output}, {"interpolation", interpolation}});
+    one["channels"].push_back({{"sampler", sampler}, {"target", {{"node", node}, {"path", path}}}});
+  }
+  static std::vector<float> about_z(const std::vector<double>& degrees) {
+    std::vector<float> values;
+    for (const double each : degrees) {
+      const double half = each * std::numbers::pi / 360.0;
+      for (const double number : {0.0, 0.0, std::sin(half), std::cos(half)}) values.push_back(static_cast<float>(number));
+    }
+    return values;
+  }
+
+  std::filesystem::path write() {
+    document["buffers"] = {{{"uri", "a.bin"}, {"byteLength", bytes.size()}}};
+    folder.write("a.bin", bytes);
+    return folder.write("a.gltf", document.dump());
+  }
+  MeshFile load() {
+    auto file = load_mesh_file(write());
+    EXPECT_TRUE(file) << (file ? "" : file.error().what);
+    return file ? *file : MeshFile();
+  }
+  std::string scene_error(const std::string& keys) {
+    write();
+    const auto scene = load_scene(folder.write("a.toml", "[[object]]\nmesh = 'a.gltf'\n" + keys));
+    return scene ? "it was read" : scene.error().what;
+  }
+
+  ScratchFolder folder;
+  std::string bytes;
+  Json document;
+};
+
+// The arm turns about the base, and the hand goes with it.
+TEST_F(GltfAnimation, ANodeMovesWithTheOneAboveIt) {
+  document["animations"] = {{{"name", "swing"}}};
+  add_channel(0, 1, "rotation", {0.0F, 1.0F, 2.0F}, about_z({0, 90, 0}));
+  const MeshFile file = load();
+  ASSERT_EQ(file.animations.size(), 1U);
+  const MeshAnimation& swing = file.animations[0];
+  EXPECT_EQ(swing.name, "swing");
+  EXPECT_EQ(swing.duration_s, 2.0);
+  ASSERT_EQ(swing.motions.size(), 1U) << "the post stands still";
+  const KeyframeMotion& hand = swing.motions.at(2);
+  EXPECT_LT((hand.pivot() - Vec3(1, 0, 0)).norm(), 1e-7);
+  const Vec3 at_rest(1.1, 0, 0);
+  for (const double degrees : {0.0, 30.0, 90.0}) {
+    const double angle = degrees * std::numbers::pi / 180.0;
+    EXPECT_LT((hand.pose_at(degrees / 90.0) * at_rest - Vec3(1 + 0.1 * std::cos(angle), 0.1 * std::sin(angle), 0)).norm(), 1e-6);
+  }
+  EXPECT_THAT(file.notes, Contains(HasSubstr("has the animation 'swing', 2 s")));
+}
+
+TEST_F(GltfAnimation, TwoNodesOfAPathMoveTogether) {
+  add_channel(0, 0, "translation", {0.0F, 2.0F}, {1, 0, 0, 1, 0.2F, 0});
+  add_channel(0, 1, "rotation", {1.0F, 2.0F}, about_z({0, 90}));
+  const MeshFile file = load();
+  ASSERT_EQ(file.animations.size(), 1U);
+  EXPECT_EQ(file.animations[0].name, "animation 0");
+  const KeyframeMotion& hand = file.animations[0].motions.at(2);
+  EXPECT_EQ(hand.keyframes().size(), 3U) << "the times of both";
+  EXPECT_LT((hand.pose_at(1.0) * Vec3(1.1, 0, 0) - Vec3(1.1, 0.1, 0)).norm(), 1e-6);
+  EXPECT_LT((hand.pose_at(2.0) * Vec3(1.1, 0, 0) - Vec3(1.0, 0.3, 0)).norm(), 1e-6);
+}
+
+// An animation replaces what the node itself says, also at its beginning.
+TEST_F(GltfAnimation, MayBeginElsewhereThanTheFileRests) {
+  add_channel(0, 3, "translation", {0.5F, 1.0F}, {0, 0, 0.3F, 0, 0, 0.4F});
+  const KeyframeMotion post = load().animations.at(0).motions.at(3);
+  EXPECT_LT((post.pose_at(0.0) * Vec3::Zero() - Vec3(0, 0, 0.3)).norm(), 1e-7);
+  EXPECT_LT((post.pose_at(0.75) * Vec3::Zero() - Vec3(0, 0, 0.35)).norm(), 1e-7);
+}
+
+TEST_F(GltfAnimation, WhatIsNotRigidIsLeftOutWithANote) {
+  add_channel(0, 3, "scale", {0.0F, 1.0F}, {1, 1, 1, 2, 2, 2});
+  add_channel(0, 2, "translation", {0.0F, 1.0F}, {0.1F, 0, 0, 0.2F, 0, 0}, "STEP");
+  const MeshFile file = load();
+  EXPECT_TRUE(file.animations.at(0).motions.empty());
+  EXPECT_THAT(file.notes, Contains(HasSubstr("1 channels of scales, weights or pointers are left out")));
+  EXPECT_THAT(file.notes, Contains(HasSubstr("1 channels that jump (STEP) are left out")));
+  EXPECT_THAT(file.notes, Not(Contains(HasSubstr("has the animation"))));
+}
+
+// A turn above a node that is wider than high.
+TEST_F(GltfAnimation, APartThatWouldBeShearedStandsStill) {
+  document["nodes"][0]["scale"] = {2, 1, 1};
+  add_channel(0, 1, "rotation", {0.0F, 1.0F}, about_z({0, 45}));
+  const MeshFile file = load();
+  EXPECT_TRUE(file.animations.at(0).motions.empty());
+  EXPECT_THAT(file.notes, Contains(HasSubstr("1 parts would be deformed, and stand still")));
+}
+
+TEST_F(GltfAnimation, ScalesAtRestStayAsTheyAre) {
+  document["nodes"][2]["scale"] = {1, 2, 3};
+  document["nodes"][0]["scale"] = {0.5, 0.5, 0.5};
+  add_channel(0, 1, "rotation", {0.0F, 1.0F}, about_z({0, 90}));
+  const KeyframeMotion hand = load().animations.at(0).motions.at(2);
+  EXPECT_LT((hand.pose_at(1.0) * Vec3(1.05, 0, 0) - Vec3(1, 0.05, 0)).norm(), 1e-6);
+}
+
+TEST_F(GltfAnimation, SplinesAreReadAtTheirKeyframes) {
+  add_channel(0, 3, "translation", {0.0F, 1.0F}, {9, 9, 9, 0, 0, 0, 9, 9, 9, 9, 9, 9, 0.1F, 0, 0, 9, 9, 9}, "CUBICSPLINE");
+  const MeshFile file = load();
+  EXPECT_LT((file.animations.at(0).motions.at(3).pose_at(0.5).translation() - Vec3(0.05, 0, 0)).norm(), 1e-7);
+  EXPECT_THAT(file.notes, Contains(HasSubstr("1 channels of splines are straight between their keyframes")));
+}
+
+// The shape is what matters.
+TEST_F(GltfAnimation, ABrokenAnimationIsANote) {
+  const std::size_t before = bytes.size();
+  for (const auto& [times, values, what] :
+       {std::tuple(std::vector<float>{1, 1}, std::vector<float>{0, 0, 0, 0, 0, 0}, "do not grow"),
+        std::tuple(std::vector<float>{0, 1, 2}, std::vector<float>{0, 0, 0, 0, 0, 0}, "3 times and 2 values"),
+        std::tuple(std::vector<float>{0, 1}, std::vector<float>{0, 0, 0, 0, 0, NAN}, "not finite")}) {
+    const Json whole = document;
+    add_channel(0, 3, "translation", times, values);
+    const MeshFile file = load();
+    EXPECT_EQ(file.mesh.triangles.size(), 2U);
+    EXPECT_THAT(file.notes, Contains(HasSubstr(what)));
+    document = whole;
+    bytes.resize(before);
+  }
+}
+
+TEST_F(GltfAnimation, AnObjectThatPlaysItBecomesOneForEachMotion) {
+  document["animations"] = {{{"name", "swing"}}};
+  add_channel(0, 1, "rotation", {0.0F, 0.5F, 1.0F}, about_z({0, 45, 0}));
+  write();
+  const auto scene = load_scene(folder.write(
+      "a.toml", "[[object]]\nname = 'crane'\nmesh = 'a.gltf'\nposition_m = [0, 0, 0.5]\nscale = 0.5\nanimation = 'swing'\nloop = true\n"));
+  ASSERT_TRUE(scene) << scene.error().what;
+  ASSERT_EQ(scene->objects.size(), 2U);
+  EXPECT_EQ(scene->objects[0].name, "crane");
+  EXPECT_EQ(scene->objects[0].motion, nullptr);
+  EXPECT_EQ(scene->objects[0].mesh->triangles.size(), 1U);
+  EXPECT_EQ(scene->objects[1].name, "crane/hand");
+  ASSERT_NE(scene->objects[1].motion, nullptr);
+  EXPECT_TRUE(scene->objects[1].motion->loops());
+  const Vec3 half_way = Vec3(0.5, 0, 0.5) + 0.05 * Vec3(1, 1, 0).normalized();
+  EXPECT_LT((scene->objects[1].motion->pose_at(0.5) * Vec3(0.55, 0, 0.5) - half_way).norm(), 1e-6);
+}
+
+TEST_F(GltfAnimation, IsPlayedSlower) {
+  add_channel(0, 1, "rotation", {0.0F, 0.5F}, about_z({0, 90}));
+  EXPECT_THAT(scene_error("animation = 'animation 0'"), HasSubstr("line 3: up to keyframe 2 'a/hand' moves with up to"));
+  EXPECT_EQ(scene_error("animation = 'animation 0'\nanimation_speed = 0.1"), "it was read");
+}
+
+TEST_F(GltfAnimation, SaysWhichThereAre) {
+  EXPECT_THAT(scene_error("animation = 'swing'"), HasSubstr("line 3: "));
+  EXPECT_THAT(scene_error("animation = 'swing'"), HasSubstr("has no animations"));
+  document["animations"] = {{{"name", "swing"}}, {{"name", "walk"}}};
+  add_channel(0, 1, "rotation", {0.0F, 9.0F}, about_z({0, 90}));
+  add_channel(1, 3, "translation", {0.0F, 9.0F}, {0, 0, 0, 0.1F, 0, 0});
+  EXPECT_THAT(scene_error("animation = 'swin'"), HasSubstr("has no animation 'swin': it has 'swing', 'walk'"));
+  EXPECT_EQ(scene_error("animation = 'walk'\npart = 'post'"), "it was read");
+  EXPECT_THAT(scene_error("animation = 'swing'\npart = 'post'"), HasSubstr("animation 'swing' moves nothing here"));
+  EXPECT_THAT(scene_error("animation = 'walk'\nmovable = true"), HasSubstr("movable and moves by itself"));
+}
+
+TEST(GltfAnimationOfTheTruck, TurnsItsWheels) {
+  const auto file = load_mesh_file(HAPTON_SOURCE_DIR "/meshes/CesiumMilkTruck.gltf");
+  ASSERT_TRUE(file) << file.error().what;
+  ASSERT_EQ(file->animations.size(), 1U);
+  EXPECT_EQ(file->animations[0].motions.size(), 2U);
+  EXPECT_EQ(file->animations[0].duration_s, 1.25);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,29 @@
+#include "scene/scene_fit.h"
+
+#include <gtest/gtest.h>
+
+namespace hapton {
+namespace {
+
+TEST(SceneFit, FillsTheBoxInOneDirectionAround0) {
+  const Eigen::AlignedBox3d box(Vec3(1, 2, 3), Vec3(3, 3, 4));
+  const auto fit = find_fit(box, {0.1, 0.1, 0.1});
+  ASSERT_TRUE(fit);
+  EXPECT_DOUBLE_EQ(fit->scale, 0.05);
+  EXPECT_LT((fit->apply(Vec3(3, 3, 4)) - Vec3(0.05, 0.025, 0.025)).norm(), 1e-16);
+  TriangleMesh mesh{.vertices = {{1, 2, 3}}, .triangles = {}};
+  SealReport sealed;
+  sealed.widest_gap = 2.0;
+  sealed.tolerance = 4.0;
+  fit->apply(mesh, sealed);
+  EXPECT_LT((mesh.vertices[0] + Vec3(0.05, 0.025, 0.025)).norm(), 1e-16);
+  EXPECT_DOUBLE_EQ(sealed.widest_gap, 0.1);
+  EXPECT_DOUBLE_EQ(sealed.tolerance, 0.2);
+}
+
+TEST(SceneFit, OfAPointThereIsNone) { EXPECT_FALSE(find_fit(Eigen::AlignedBox3d(Vec3(1, 1, 1), Vec3(1, 1, 1)), {1, 1, 1})); }
+
+TEST(SceneFit, WithoutOneEverythingStays) { EXPECT_EQ(SceneFit().apply(Vec3(1, 2, 3)), Vec3(1, 2, 3)); }
+
+}  // namespace
+}  // namespace hapton

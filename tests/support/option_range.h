@@ -1,0 +1,43 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace hapton {
+
+// An option that is a number: the least and the most that it takes, a number beyond either, and where it goes.
+template <class Options>
+struct OptionRange {
+  const char* flag;
+  const char* least;
+  const char* most;
+  const char* below;
+  const char* beyond;
+  double (*value)(const Options&);
+};
+
+// parse: std::variant<Options, int> of a vector of words. needed: words without which the options mean nothing.
+template <class Options, class Parse>
+void expect_range(const OptionRange<Options>& range, const Parse& parse, const std::vector<const char*>& needed = {}) {
+  const auto given = [&](const char* number) {
+    std::vector<const char*> words = needed;
+    words.insert(words.end(), {range.flag, number});
+    return parse(words);
+  };
+  SCOPED_TRACE(range.flag);
+  for (const char* number : {range.least, range.most}) {
+    const auto parsed = given(number);
+    ASSERT_TRUE(std::holds_alternative<Options>(parsed)) << number;
+    EXPECT_DOUBLE_EQ(range.value(std::get<Options>(parsed)), std::stod(number));
+  }
+  for (const char* number : {range.below, range.beyond, "nan", "much"}) {
+    const auto parsed = given(number);
+    ASSERT_TRUE(std::holds_alternative<int>(parsed)) << number;
+    EXPECT_NE(std::get<int>(parsed), 0) << number;
+  }
+}
+
+}  // namespace hapton

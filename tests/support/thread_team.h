@@ -1,0 +1,27 @@
+#pragma once
+
+#include <thread>
+#include <vector>
+
+#include "core/base/worker_team.h"
+
+namespace hapton::made {
+
+// Starts a thread for each worker and each call.
+class ThreadTeam final : public WorkerTeam {
+ public:
+  explicit ThreadTeam(int size) : size_(size) {}
+  int size() const noexcept override { return size_; }
+
+ private:
+  void run_each(Function function, const void* context) noexcept override {
+    std::vector<std::thread> threads;
+    for (int worker = 1; worker < size_; ++worker) threads.emplace_back([=] { function(context, worker); });
+    function(context, 0);
+    for (std::thread& thread : threads) thread.join();
+  }
+
+  int size_;
+};
+
+}  // namespace hapton::made

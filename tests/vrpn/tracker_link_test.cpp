@@ -1,0 +1,131 @@
+#include "vrpn/tracker_link.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "runtime/log.h"
+#include "tests/vrpn/made_tracker.h"
+
+namespace hapton::vrpn {
+namespace {
+
+struct VrpnTrackerLink : testing::Test {
+  static void SetUpTestSuite() { start_log("test"); }
+
+  std::unique_ptr<MadeTracker> server = std::make_unique<MadeTracker>();
+  std::unique_ptr<TrackerLink> link;
+  std::optional<TrackerPose> pose;
+
+  void open() { link = std::move(*TrackerLink::open({"Head0", to_string(server->address())}, 0)); }
+  // The server says the pose until the link has it.
+  bool wait_for_pose(double x) {
+    const Bytes said = say_pose(0, {x, 0, 0});
+    return server->attend_until([&](std::int64_t now_ns) {
+      server->say(said);
+      if (const auto newest = link->take_newest(now_ns)) pose = newest;
+      return pose && pose->p_m.x() == x;
+    });
+  }
+};
+
+TEST(VrpnTrackerName, IsADeviceAndAHost) {
+  for (const char* text : {"Head0@127.0.0.1:4000", "Head0@tcp://127.0.0.1:4000"}) {
+    const auto name = parse_tracker_name(text);
+    ASSERT_TRUE(name) << text;
+    EXPECT_EQ(name->device, "Head0");
+    EXPECT_EQ(name->host, "127.0.0.1:4000");
+  }
+  for (const std::string& text : {std::string(), std::string("Head0"), std::string("@host"), std::string("Head0@"), std::string("a b@host"),
+                                  std::string("a\n@host"), std::string(65, 'a') + "@host", std::string("Head0@tcp://")}) {
+    const auto name = parse_tracker_name(text);
+    ASSERT_FALSE(name) << text;
+    EXPECT_EQ(name.error().what.find("NAME@HOST") == std::string::npos && name.error().what.find("letters") == std::string::npos, false);
+  }
+}
+
+TEST_F(VrpnTrackerLink, BringsPoses) {
+  open();
+  EXPECT_FALSE(link->is_connected());
+  EXPECT_TRUE(wait_for_pose(1.5));
+  EXPECT_TRUE(link->is_connected());
+  EXPECT_EQ(link->describe_devices(), "Head0");
+}
+
+TEST_F(VrpnTrackerLink, WaitsForAServerThatStartsLaterOrAgain) {
+  const std::string at = to_string(server->address());
+  open();
+  server.reset();
+  SteadyClock clock;
+  for (int n = 0; n < 5; ++n) EXPECT_FALSE(link->take_newest(clock.now_ns()));
+  server = std::make_unique<MadeTracker>(at);
+  EXPECT_TRUE(wait_for_pose(2.0));
+  server->hang_up();
+  EXPECT_TRUE(wait_for_pose(3.0));
+  EXPECT_EQ(server->calls(), 2);
+}
+
+TEST_F(VrpnTrackerLink, AsksASilentServerForASignOfLifeAndThenConnectsAnew) {
+  open();
+  ASSERT_TRUE(wait_for_pose(1.0));
+  // Cookie, two descriptions.
+  const std::size_t greeting = 24 + 40 + 56;
+  ASSERT_TRUE(server->attend_until([&](std::int64_t now_ns) {
+    link->take_newest(now_ns);
+    return server->heard().size() == greeting;
+  }));
+  // Times to come, in which nobody says anything.
+  const std::int64_t asked_ns = SteadyClock().now_ns() + 2 * TrackerLink::kPingNs;
+  link->take_newest(asked_ns);
+  ASSERT_TRUE(server->attend_until([&](std::int64_t) { return server->heard().size() > greeting; }));
+  EXPECT_EQ(server->heard().size(), greeting + kHeaderBytes) << "one ping";
+  const std::int64_t gone_ns = asked_ns + TrackerLink::kPatienceNs;
+  link->take_newest(gone_ns);
+  EXPECT_FALSE(link->is_connected());
+  EXPECT_TRUE(server->attend_until([&](std::int64_t) {
+    link->take_newest(gone_ns + TrackerLink::kRetryNs);
+    return server->calls() == 2;
+  }));
+}
+
+TEST_F(VrpnTrackerLink, LeavesAServerThatIsNotVrpnAndTriesOnceASecond) {
+  const std::string text = "HTTP/1.1 400 Bad Request\r\n";
+  const auto said = std::as_bytes(std::span(text));
+  server->set_hello(Bytes(said.begin(), said.end()));
+  open();
+  SteadyClock clock;
+  const std::int64_t start_ns = clock.now_ns();
+  ASSERT_TRUE(server->attend_until([&](std::int64_t now_ns) {
+    EXPECT_FALSE(link->take_newest(now_ns));
+    return now_ns - start_ns > TrackerLink::kRetryNs / 2 && !server->has_client() && server->calls() > 0;
+  }));
+  EXPECT_LE(server->calls(), static_cast<int>((clock.now_ns() - start_ns) / TrackerLink::kRetryNs) + 1);
+  EXPECT_FALSE(link->is_connected());
+}
+
+// However much a server says, one call takes a bounded part of it.
+TEST_F(VrpnTrackerLink, AFloodDelaysNoPicture) {
+  open();
+  ASSERT_TRUE(wait_for_pose(1.0));
+  Bytes flood;
+  while (flood.size() < 200'000) {
+    const Bytes one = say_pose(0, {static_cast<double>(flood.size()), 0, 0});
+    flood.insert(flood.end(), one.begin(), one.end());
+  }
+  server->say(flood);
+  ASSERT_TRUE(server->attend_until([&](std::int64_t now_ns) {
+    if (const auto newest = link->take_newest(now_ns)) pose = newest;
+    return pose->p_m.x() > 199'000.0;
+  }));
+  EXPECT_TRUE(link->is_connected());
+}
+
+TEST(VrpnTrackerOpen, AHostWithoutAnAddressIsOneLine) {
+  const auto link = TrackerLink::open({"Head0", "127.0.0.1:99999"}, 0);
+  ASSERT_FALSE(link);
+  EXPECT_NE(link.error().what.find("99999"), std::string::npos);
+  EXPECT_EQ(link.error().what.find('\n'), std::string::npos);
+}
+
+}  // namespace
+}  // namespace hapton::vrpn

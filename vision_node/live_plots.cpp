@@ -1,0 +1,61 @@
+#include "vision_node/live_plots.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+#include <fmt/format.h>
+
+namespace hapton {
+namespace {
+
+constexpr double kLeastTopN = 1.0;
+constexpr double kLeastTopMs = 20.0;
+
+PlotShown make_plot(const RecentCurve& curve, std::string_view name, std::string_view unit, double limit, double least_top,
+                    std::int64_t now_ns) {
+  PlotShown plot;
+  plot.points = curve.points(now_ns);
+  plot.limit = limit;
+  double largest = limit;
+  for (const CurvePoint& point : plot.points) largest = std::max(largest, point.value);
+  plot.top = choose_top(largest, least_top);
+  const double newest = plot.points.empty() ? 0.0 : plot.points.back().value;
+  const std::string limited = limit > 0.0 ? fmt::format(", limit {:.3g}", limit) : std::string();
+  plot.title = fmt::format("{} {:.3g} {}{}   (0 to {:g}, {:g} s)", name, newest, unit, limited, plot.top, RecentCurve::kSeconds);
+  return plot;
+}
+
+}  // namespace
+
+double choose_top(double value, double least) {
+  const double wanted = std::isfinite(value) ? std::max(value, least) : least;
+  double power = std::pow(10.0, std::floor(std::log10(wanted)));
+  for (;; power *= 10.0) {
+    for (const double step : {1.0, 2.0, 5.0}) {
+      if (step * power >= wanted) return step * power;
+    }
+  }
+}
+
+void LivePlots::receive(const ProbeState& state, std::int64_t now_ns) {
+  newest_n_ = state.force_n.norm();
+  force_n_.add(now_ns, *newest_n_);
+  limit_n_ = std::isfinite(state.force_limit_n) ? static_cast<double>(std::max(0.0F, state.force_limit_n)) : 0.0;
+}
+
+void LivePlots::drew(std::int64_t age_ns, std::int64_t now_ns) { age_ms_.add(now_ns, 1e-6 * static_cast<double>(age_ns)); }
+
+bool LivePlots::wants_picture(std::int64_t now_ns) const { return is_shown_ && newest_n_ && now_ns - composed_ns_ >= kPeriodNs; }
+
+const std::vector<PlotShown>& LivePlots::compose(std::int64_t now_ns) {
+  if (!is_shown_) composed_.clear();
+  if (!is_shown_ || (!composed_.empty() && now_ns - composed_ns_ < kPeriodNs)) return composed_;
+  composed_ns_ = now_ns;
+  // A force of which nothing new was told is still there: the hub sends no state that looks the same.
+  if (newest_n_) force_n_.add(now_ns, *newest_n_);
+  composed_ = {make_plot(force_n_, "force", "N", limit_n_, kLeastTopN, now_ns), make_plot(age_ms_, "age", "ms", 0.0, kLeastTopMs, now_ns)};
+  return composed_;
+}
+
+}  // namespace hapton

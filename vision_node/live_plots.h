@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "link/messages.h"
+#include "vision_node/recent_curve.h"
+
+namespace hapton {
+
+// One curve as it is drawn: from zero to top.
+struct PlotShown {
+  std::string title;  // with the unit, the newest value and the scale
+  std::vector<CurvePoint> points;
+  double top = 1.0;
+  double limit = 0.0;  // a line; 0: none
+  friend bool operator==(const PlotShown&, const PlotShown&) = default;
+};
+
+// The force on the hand and the age of what is drawn, over the last seconds. Times: any one monotonic clock, ns. RT: no.
+class LivePlots {
+ public:
+  // Ten pictures a second are enough for a curve.
+  static constexpr std::int64_t kPeriodNs = 100'000'000;
+
+  explicit LivePlots(bool is_shown) : is_shown_(is_shown) {}
+
+  void toggle() { is_shown_ = !is_shown_; }
+  bool is_shown() const { return is_shown_; }
+
+  void receive(const ProbeState& state, std::int64_t now_ns);
+  // The hub no longer replies: there is no force to be told.
+  void lost() { newest_n_.reset(); }
+  // From the arrival of the newest state in the picture until it was in the window.
+  void drew(std::int64_t age_ns, std::int64_t now_ns);
+
+  // They are shown, a hub is there, and what is in the picture is older than the period.
+  bool wants_picture(std::int64_t now_ns) const;
+  // Force, then age; empty where they are not shown. Another one only after the period: what does not change costs little to draw.
+  const std::vector<PlotShown>& compose(std::int64_t now_ns);
+
+ private:
+  bool is_shown_;
+  RecentCurve force_n_;
+  RecentCurve age_ms_;
+  double limit_n_ = 0.0;            // 0: not known
+  std::optional<double> newest_n_;  // holds until another one comes
+  std::vector<PlotShown> composed_;
+  std::int64_t composed_ns_ = 0;
+};
+
+// The least of 1, 2 and 5 times a power of ten that is no less than the value, and no less than `least`.
+double choose_top(double value, double least);
+
+}  // namespace hapton

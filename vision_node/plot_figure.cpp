@@ -1,0 +1,127 @@
+#include "vision_node/plot_figure.h"
+
+#include <algorithm>
+#include <initializer_list>
+
+#include <vtkCellArray.h>
+#include <vtkPointData.h>
+#include <vtkPoints.h>
+#include <vtkPolyDataMapper2D.h>
+#include <vtkTextProperty.h>
+#include <vtkUnsignedCharArray.h>
+
+namespace hapton {
+namespace {
+
+using Colour = std::array<unsigned char, 3>;
+constexpr Colour kGrid = {120, 126, 134};
+constexpr Colour kLimit = {240, 80, 70};
+constexpr std::array<Colour, PlotFigure::kMost> kCurves = {{{90, 230, 120}, {120, 200, 255}}};
+// Without a value for longer than this a curve has a gap.
+constexpr double kGapS = 1.0;
+
+// Lines of several colours, for one actor.
+class ColouredLines {
+ public:
+  ColouredLines() {
+    colours_->SetNumberOfComponents(3);
+    colours_->SetName("colours");
+  }
+
+  void begin(const Colour& colour) {
+    end();
+    colour_ = colour;
+  }
+  void add(const Vec2& at) {
+    line_.push_back(points_->InsertNextPoint(at.x(), at.y(), 0.0));
+    colours_->InsertNextTypedTuple(colour_.data());
+  }
+  void add_line(const Colour& colour, std::initializer_list<Vec2> at) {
+    begin(colour);
+    for (const Vec2& each : at) add(each);
+  }
+  void show_in(vtkPolyData* shape) {
+    end();
+    shape->SetPoints(points_);
+    shape->SetLines(cells_);
+    shape->GetPointData()->SetScalars(colours_);
+  }
+
+ private:
+  void end() {
+    if (line_.size() > 1) cells_->InsertNextCell(static_cast<vtkIdType>(line_.size()), line_.data());
+    line_.clear();
+  }
+
+  vtkNew<vtkPoints> points_;
+  vtkNew<vtkCellArray> cells_;
+  vtkNew<vtkUnsignedCharArray> colours_;
+  std::vector<vtkIdType> line_;
+  Colour colour_ = kGrid;
+};
+
+// Frame, half of the scale, limit and curve. at: the place in the picture of shares of the frame.
+template <class At>
+void add_curve(const PlotShown& plot, const Colour& colour, At&& at, ColouredLines& lines) {
+  lines.add_line(kGrid, {at(0, 0), at(1, 0), at(1, 1), at(0, 1), at(0, 0)});
+  lines.add_line(kGrid, {at(0, 0.5), at(1, 0.5)});
+  if (plot.limit > 0.0) lines.add_line(kLimit, {at(0, plot.limit / plot.top), at(1, plot.limit / plot.top)});
+  lines.begin(colour);
+  double last_age_s = RecentCurve::kSeconds;
+  for (const CurvePoint& point : plot.points) {
+    if (last_age_s - point.age_s > kGapS) lines.begin(colour);
+    last_age_s = point.age_s;
+    lines.add(at(1.0 - point.age_s / RecentCurve::kSeconds, std::clamp(point.value / plot.top, 0.0, 1.0)));
+  }
+}
+
+}  // namespace
+
+void PlotFigure::add_to(vtkRenderer* renderer) {
+  vtkNew<vtkPolyDataMapper2D> mapper;
+  mapper->SetInputData(lines_);
+  line_actor_->SetMapper(mapper);
+  line_actor_->VisibilityOff();
+  renderer->AddActor2D(line_actor_);
+  for (const auto& title : titles_) {
+    vtkTextProperty* look = title->GetTextProperty();
+    look->SetFontFamilyToArial();
+    look->SetColor(0.96, 0.97, 0.98);
+    title->VisibilityOff();
+    renderer->AddActor2D(title);
+  }
+}
+
+// Above the scale bar and its label, the first plot on top.
+PlotFigure::Frame PlotFigure::place(std::size_t plot, PictureSize size) {
+  const double edge = 0.03 * std::min(size.width_px, size.height_px);
+  const Vec2 each(0.34 * size.width_px, 0.13 * size.height_px);
+  const double above = static_cast<double>(kMost - 1 - plot) * (each.y() + 1.6 * edge);
+  return {Vec2(size.width_px - edge - each.x(), 6.0 * edge + above), each};
+}
+
+void PlotFigure::set(const std::vector<PlotShown>& plots, PictureSize size) {
+  const bool is_shown = !plots.empty();
+  line_actor_->SetVisibility(is_shown);
+  for (const auto& title : titles_) title->SetVisibility(is_shown);
+  if (!is_shown || (plots == shown_ && size == size_)) return;
+  shown_ = plots;
+  size_ = size;
+  ColouredLines lines;
+  for (std::size_t i = 0; i < std::min(plots.size(), kMost); ++i) {
+    const Frame frame = place(i, size);
+    add_curve(
+        plots[i], kCurves[i],
+        [&](double x, double y) {
+          return frame.at({x, y});
+        },
+        lines);
+    titles_[i]->SetPosition(frame.low.x(), frame.at({0, 1}).y() + 3.0);
+    titles_[i]->GetTextProperty()->SetFontSize(std::clamp(std::min(size.width_px / 52, size.height_px / 52), 9, 32));
+    // A text that did not change is not set: VTK would draw its letters again.
+    if (titles_[i]->GetInput() == nullptr || plots[i].title != titles_[i]->GetInput()) titles_[i]->SetInput(plots[i].title.c_str());
+  }
+  lines.show_in(lines_);
+}
+
+}  // namespace hapton

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include <vtkActor2D.h>
+#include <vtkNew.h>
+#include <vtkPolyData.h>
+#include <vtkRenderer.h>
+#include <vtkTextActor.h>
+
+#include "vision_node/live_plots.h"
+#include "vision_node/stereo_camera.h"
+
+namespace hapton {
+
+// Plots one above the other at the right of one eye's picture, in the screen's plane. All their lines are one actor, because each actor of
+// the HUD costs as much as hundreds of lines; a panel behind them would cost more than all of it where the CPU draws. RT: no.
+class PlotFigure {
+ public:
+  static constexpr std::size_t kMost = 2;
+
+  void add_to(vtkRenderer* renderer);
+  // Hidden where there are none. At most kMost are drawn.
+  void set(const std::vector<PlotShown>& plots, PictureSize size);
+
+ private:
+  // In pixels of the picture.
+  struct Frame {
+    Vec2 low = Vec2::Zero();
+    Vec2 size = Vec2::Zero();
+    Vec2 at(const Vec2& share) const { return low + size.cwiseProduct(share); }
+  };
+  static Frame place(std::size_t plot, PictureSize size);
+
+  std::vector<PlotShown> shown_;
+  PictureSize size_;
+  vtkNew<vtkPolyData> lines_;
+  vtkNew<vtkActor2D> line_actor_;
+  std::array<vtkNew<vtkTextActor>, kMost> titles_;
+};
+
+}  // namespace hapton

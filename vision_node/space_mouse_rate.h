@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+
+#include "core/math/types.h"
+#include "hid/space_mouse_reader.h"
+
+namespace hapton {
+
+// A speed by the cap of a SpaceMouse: along each axis it grows with the square of the deflection, for fine work. Times: CLOCK_MONOTONIC,
+// ns. RT: no.
+class SpaceMouseRate {
+ public:
+  // axes: SpaceMouseState's push or turn; full_per_s: the speed at full deflection. Begins to look for the SpaceMouse; none may be there,
+  // now or at any time. The log says when it comes and goes.
+  SpaceMouseRate(HidOpener opener, Vec3 SpaceMouseState::*axes, double full_per_s);
+
+  // How far it has gone since the last call.
+  Vec3 take(std::int64_t now_ns);
+
+ private:
+  SpaceMouseReader reader_;
+  Vec3 SpaceMouseState::*axes_;
+  double full_per_s_;
+  std::int64_t taken_ns_ = -1;
+};
+
+}  // namespace hapton

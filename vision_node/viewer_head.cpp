@@ -1,0 +1,39 @@
+#include "vision_node/viewer_head.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace hapton {
+namespace {
+
+Head moved_by(const Head& head, const Vec3& by_m) { return {head.p_RH + by_m, head.q_RH}; }
+
+}  // namespace
+
+void ViewerHead::move(const Vec3& by_m) {
+  if (is_possible(moved_by(seen_, moved_m_ + by_m), ipd_m_)) moved_m_ += by_m;
+}
+
+// A tracked head that comes near the screen takes no move with it that would lead through the screen.
+Head ViewerHead::head() const {
+  const Head moved = moved_by(seen_, moved_m_);
+  return is_possible(moved, ipd_m_) ? moved : seen_;
+}
+
+double compute_eye_motion_m(const Head& from, const Head& to, double ipd_m) {
+  const Vec3 middle = to.p_RH - from.p_RH;
+  const Vec3 turned = 0.5 * ipd_m * (to.q_RH * Vec3::UnitX() - from.q_RH * Vec3::UnitX());
+  return std::max((middle + turned).norm(), (middle - turned).norm());
+}
+
+std::string describe_head(const Head& head, const Head& home) {
+  constexpr double kShownM = 0.01;
+  if ((head.p_RH - home.p_RH).norm() < 0.5 * kShownM) return {};
+  // A zero has no sign.
+  const auto cm = [](double length_m) { return std::round(100.0 * length_m) + 0.0; };
+  return fmt::format("head {:.0f} {:.0f} {:.0f} cm", cm(head.p_RH.x()), cm(head.p_RH.y()), cm(head.p_RH.z()));
+}
+
+}  // namespace hapton

@@ -1,0 +1,111 @@
+#include "vrpn/tracker_client.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace hapton::vrpn {
+namespace {
+
+constexpr std::string_view kPosition = "vrpn_Tracker Pos_Quat";
+constexpr std::string_view kPing = "vrpn_Base ping_message";
+// Our numbers for our own messages.
+constexpr std::int32_t kSender = 0, kPingType = 0;
+
+// A quaternion of single precision, or one that was summed up, is not quite of length 1; one that is far from it is none.
+constexpr double kLeastLength = 0.5, kMostLength = 2.0;
+
+std::string printable(std::string_view name) {
+  std::string text(name);
+  std::replace_if(
+      text.begin(), text.end(), [](char letter) { return letter < ' ' || letter > '~'; }, '?');
+  return text;
+}
+
+}  // namespace
+
+TrackerClient::TrackerClient(std::string_view device, std::int32_t sensor) : device_(device), sensor_(sensor) { append_cookie(out_); }
+
+bool TrackerClient::receive(std::span<const std::byte> bytes) {
+  in_.insert(in_.end(), bytes.begin(), bytes.end());
+  if (!is_connected_) {
+    if (in_.size() < kCookieBytes) return true;
+    if (!take_cookie()) return false;
+  }
+  std::span<const std::byte> rest(in_);
+  while (true) {
+    Message message;
+    const ReadStatus status = read_message(rest, message, kMostServerMessageBytes);
+    if (status == ReadStatus::broken) return false;
+    if (status == ReadStatus::incomplete) break;
+    if (!receive_message(message)) return false;
+  }
+  in_.erase(in_.begin(), in_.end() - static_cast<std::ptrdiff_t>(rest.size()));
+  return true;
+}
+
+bool TrackerClient::take_cookie() {
+  if (!is_cookie_good(std::span(in_).first(kCookieBytes))) return false;
+  in_.erase(in_.begin(), in_.begin() + kCookieBytes);
+  is_connected_ = true;
+  append_description(out_, kSenderDescription, kSender, device_, {}, ++sequence_);
+  append_description(out_, kTypeDescription, kPingType, kPing, {}, ++sequence_);
+  return true;
+}
+
+bool TrackerClient::receive_message(const Message& message) {
+  switch (message.type) {
+    case kSenderDescription:
+      receive_sender(message);
+      return true;
+    case kTypeDescription:
+      receive_type(message);
+      return true;
+    case kDisconnect:
+      return false;
+    default:
+      if (tracker_ == message.sender && position_type_ == message.type) receive_position(message);
+      return true;
+  }
+}
+
+// The number that is described is in the sender field; it may mean something else from now on.
+void TrackerClient::receive_sender(const Message& message) {
+  const std::string_view name = name_of(message);
+  if (name == device_) {
+    tracker_ = message.sender;
+  } else if (tracker_ == message.sender) {
+    tracker_.reset();
+  }
+  const std::string shown = printable(name);
+  const bool is_known = std::find(devices_.begin(), devices_.end(), shown) != devices_.end();
+  if (!shown.empty() && !is_known && devices_.size() < kMostDevices) devices_.push_back(shown);
+}
+
+void TrackerClient::receive_type(const Message& message) {
+  if (name_of(message) == kPosition) {
+    position_type_ = message.sender;
+  } else if (position_type_ == message.sender) {
+    position_type_.reset();
+  }
+}
+
+void TrackerClient::receive_position(const Message& message) {
+  const std::optional<SensorPose> pose = position_of(message);
+  if (!pose || pose->sensor != sensor_ || !pose->p_m.allFinite()) return;
+  const double length = pose->q.norm();
+  if (!(length > kLeastLength && length < kMostLength)) return;  // NaN as well
+  newest_ = TrackerPose{pose->p_m, pose->q.normalized()};
+}
+
+std::optional<TrackerPose> TrackerClient::take_newest() { return std::exchange(newest_, std::nullopt); }
+
+void TrackerClient::ping() { append_empty(out_, {kSender, kPingType, {}, ++sequence_}); }
+
+std::string TrackerClient::describe_devices() const {
+  std::string text;
+  for (const std::string& device : devices_) text += (text.empty() ? "" : ", ") + device;
+  return text;
+}
+
+}  // namespace hapton::vrpn
