@@ -99,6 +99,18 @@ void expect_marker(const Picture& picture, const Shown& shown, const NamedHead& 
       << named.name << ", eye " << static_cast<int>(shown.eye) << ", found " << found->transpose() << ", expected " << theory.transpose();
 }
 
+Framing framing_of(const ViewSettings& settings, const NamedHead& named) {
+  Framing framing = settings.framing;
+  framing.head = named.head;
+  return framing;
+}
+
+Picture draw_picture(StereoView& view, const Framing& framing) {
+  view.set_framing(framing);
+  view.draw();
+  return view.read_picture();
+}
+
 void expect_every_head(StereoMode mode) {
   const int width_px = mode == StereoMode::side_by_side ? 2 * kWidth : kWidth;
   for (const Vec3& p_W : {kNear, kFar, kOnScreen}) {
@@ -106,11 +118,8 @@ void expect_every_head(StereoMode mode) {
     auto view = open_or_fail(settings, {{make_marker(p_W, 0.004), Vec3(1, 1, 1)}});
     ASSERT_TRUE(view);
     for (const NamedHead& named : heads()) {
-      Framing framing = settings.framing;
-      framing.head = named.head;
-      view->set_framing(framing);
-      view->draw();
-      const Picture picture = view->read_picture();
+      const Framing framing = framing_of(settings, named);
+      const Picture picture = draw_picture(*view, framing);
       for (const Shown& shown : shown_by(mode)) expect_marker(picture, shown, named, p_W, framing);
     }
   }
@@ -134,11 +143,8 @@ void expect_woven(StereoMode mode) {
     auto view = open_or_fail(settings, {{make_marker(p_W, 0.002), Vec3(1, 1, 1)}});
     ASSERT_TRUE(view);
     for (const NamedHead& named : heads()) {
-      Framing framing = settings.framing;
-      framing.head = named.head;
-      view->set_framing(framing);
-      view->draw();
-      const Picture picture = view->read_picture();
+      const Framing framing = framing_of(settings, named);
+      const Picture picture = draw_picture(*view, framing);
       const Vec2 left = closed_form(named.head, Eye::left, p_W, framing, Vec2(kWidth, kHeight));
       const Vec2 right = closed_form(named.head, Eye::right, p_W, framing, Vec2(kWidth, kHeight));
       const double reach = 0.5 * (left - right).cwiseAbs().maxCoeff();

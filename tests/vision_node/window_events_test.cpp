@@ -54,6 +54,18 @@ TEST_F(WindowEvents, KeysArriveWithTheirCase) {
   EXPECT_EQ(received[2].key, '0');
 }
 
+TEST_F(WindowEvents, ShiftArrivesWithTheButtonOfTheMouse) {
+  for (const unsigned state : {0U, static_cast<unsigned>(ShiftMask)}) {
+    person_->button(ButtonPress, Button3, 100, 90, state);
+    const auto received = receive(1);
+    ASSERT_FALSE(received.empty());
+    EXPECT_EQ(received[0].kind, Kind::press);
+    EXPECT_EQ(received[0].shift, state != 0);
+    person_->button(ButtonRelease, Button3, 100, 90, state);
+    receive(1);
+  }
+}
+
 TEST_F(WindowEvents, ArrowsAndPageKeysArriveByName) {
   using Pad = WindowEvent::Pad;
   const std::pair<KeySym, Pad> keys[] = {{XK_Left, Pad::left},     {XK_Right, Pad::right},    {XK_Up, Pad::up},     {XK_Down, Pad::down},

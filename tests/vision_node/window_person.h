@@ -27,7 +27,7 @@ class Person {
     send(key, KeyPressMask);
   }
 
-  void button(int type, unsigned number, int x, int y) {
+  void button(int type, unsigned number, int x, int y, unsigned state = 0) {
     XButtonEvent event = {};
     event.type = type;
     event.window = window_;
@@ -35,6 +35,7 @@ class Person {
     event.button = number;
     event.x = x;
     event.y = y;
+    event.state = state;
     event.same_screen = True;
     send(event, type == ButtonPress ? ButtonPressMask : ButtonReleaseMask);
   }

@@ -294,6 +294,20 @@ TEST(MovingMethod, NoStepHasTheProbeWithinABody) {
   EXPECT_GT(touched, 5000);
 }
 
+// Wanders over a ball of 30 mm at the origin.
+struct WanderingHand {
+  WanderingHand(std::uint64_t seed, double step_m) : random(seed), normal(0.0, step_m) {}
+  const Vec3& next() {
+    p += Vec3(normal(random), normal(random), normal(random));
+    p *= 0.029 / p.norm() * 0.05 + 0.95;
+    return p;
+  }
+
+  std::mt19937_64 random;
+  std::normal_distribution<double> normal;
+  Vec3 p = Vec3(0, 0, 0.035);
+};
+
 // Where nothing moves, it is what one method for all feels.
 TEST(MovingMethod, IsTheSameAsOneMethodAsLongAsOneObjectIsTouched) {
   TouchScene still;
@@ -306,17 +320,14 @@ TEST(MovingMethod, IsTheSameAsOneMethodAsLongAsOneObjectIsTouched) {
   ASSERT_TRUE(one && several);
   const std::uint64_t seed = 17;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
-  std::mt19937_64 random(seed);
-  std::normal_distribution<double> normal(0.0, 0.0008);
-  Vec3 hand(0, 0, 0.035);
-  one->reset(hand);
-  several->reset(hand);
+  WanderingHand hand(seed, 0.0008);
+  one->reset(hand.p);
+  several->reset(hand.p);
   int touched = 0;
   for (int i = 0; i < 4000; ++i) {
-    hand += Vec3(normal(random), normal(random), normal(random));
-    hand *= 0.029 / hand.norm() * 0.05 + 0.95;
-    const MethodOutput a = one->step({.p_SD = hand, .time_s = 1e-3 * i});
-    const MethodOutput b = several->step({.p_SD = hand, .time_s = 1e-3 * i});
+    const Vec3& p_SD = hand.next();
+    const MethodOutput a = one->step({.p_SD = p_SD, .time_s = 1e-3 * i});
+    const MethodOutput b = several->step({.p_SD = p_SD, .time_s = 1e-3 * i});
     // Another contact offset: that of the smaller scene.
     ASSERT_LT((a.force_n - b.force_n).norm(), 2e-3 + 2e-3 * a.force_n.norm()) << i;
     touched += a.contact ? 1 : 0;
@@ -336,18 +347,15 @@ TEST(MovingMethod, FeelsAMovingObjectAsAHandThatMovesTheOtherWay) {
   ASSERT_TRUE(a && b);
   const std::uint64_t seed = 5;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
-  std::mt19937_64 random(seed);
-  std::normal_distribution<double> normal(0.0, 0.0006);
-  Vec3 hand(0, 0, 0.035);
-  a->reset(hand);
-  b->reset(hand);
+  WanderingHand hand(seed, 0.0006);
+  a->reset(hand.p);
+  b->reset(hand.p);
   for (int i = 0; i < 10000; ++i) {
-    hand += Vec3(normal(random), normal(random), normal(random));
-    hand *= 0.029 / hand.norm() * 0.05 + 0.95;
+    const Vec3& p_SD = hand.next();
     const Pose X_SO = motion->pose_at(1e-3 * i);
-    const MethodOutput in_scene = a->step({.p_SD = hand, .time_s = 1e-3 * i});
+    const MethodOutput in_scene = a->step({.p_SD = p_SD, .time_s = 1e-3 * i});
     const Pose X_OS = X_SO.inverse(Eigen::Isometry);
-    const MethodOutput in_object = b->step({.p_SD = X_OS * hand});
+    const MethodOutput in_object = b->step({.p_SD = X_OS * p_SD});
     ASSERT_LT((in_scene.force_n - X_SO.linear() * in_object.force_n).norm(), 1e-6 * (1.0 + in_object.force_n.norm())) << i;
     ASSERT_EQ(in_scene.contact, in_object.contact) << i;
   }

@@ -1,0 +1,100 @@
+#include "haptics_node/tool_task.h"
+
+#include <chrono>
+#include <string>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "runtime/log.h"
+#include "tests/support/made_meshes.h"
+
+namespace hapton {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr char kLeftOut[] = "damping and effects of the scene are left out";
+
+// A ball of 5 cm, felt with a cube of 1 cm.
+Scene scene_with_tool() {
+  Scene scene;
+  SceneObject ball;
+  ball.mesh = made::shared(made::sphere(0.05, 8));
+  scene.objects = {ball};
+  scene.tool = SceneTool{.name = "cube", .mesh = made::shared(made::box(Vec3::Constant(-0.005), Vec3::Constant(0.005)))};
+  return scene;
+}
+
+// What is logged as the tool is made.
+std::string log_of(const Scene& scene) {
+  testing::internal::CaptureStderr();
+  start_log("haptics_node");
+  const auto tool = make_held_tool({}, scene);
+  const std::string log = testing::internal::GetCapturedStderr();
+  EXPECT_TRUE(tool && *tool) << (tool ? "no tool" : tool.error().what);
+  return log;
+}
+
+TEST(HeldToolOfAScene, NamesWhatOfTheSceneIsLeftOut) {
+  Scene scene = scene_with_tool();
+  EXPECT_THAT(log_of(scene), Not(HasSubstr(kLeftOut)));
+  EXPECT_THAT(log_of(scene), HasSubstr("the stylus holds cube"));
+  scene.objects[0].material.damping_ns_per_m = 0.5;
+  EXPECT_THAT(log_of(scene), HasSubstr(kLeftOut)) << "damping";
+  scene = scene_with_tool();
+  scene.objects[0].effects.viscosity.damping_ns_per_m = 1.0;
+  EXPECT_THAT(log_of(scene), HasSubstr(kLeftOut)) << "the effect of a surface";
+  scene = scene_with_tool();
+  scene.effects.emplace_back();
+  EXPECT_THAT(log_of(scene), HasSubstr(kLeftOut)) << "an effect in space";
+}
+
+TEST(HeldToolOfAScene, IsNoneWhereNoneIsNamed) {
+  Scene scene = scene_with_tool();
+  scene.tool.reset();
+  const auto tool = make_held_tool({}, scene);
+  ASSERT_TRUE(tool);
+  EXPECT_EQ(*tool, nullptr);
+}
+
+TEST(HeldToolOfAScene, IsRejectedBesideWhatItDoesNotGoWith) {
+  HapticsOptions watched;
+  watched.watch_scene = true;
+  const auto with_watch = make_held_tool(watched, scene_with_tool());
+  ASSERT_FALSE(with_watch);
+  EXPECT_THAT(with_watch.error().what, HasSubstr("--watch-scene"));
+  HapticsOptions ball;
+  ball.method.probe_radius_m = 0.001;
+  const auto with_probe = make_held_tool(ball, scene_with_tool());
+  ASSERT_FALSE(with_probe);
+  EXPECT_THAT(with_probe.error().what, HasSubstr("--probe-radius"));
+}
+
+TEST(ToolTask, FollowsTheHandUntilItIsStopped) {
+  auto tool = make_held_tool({}, scene_with_tool());
+  ASSERT_TRUE(tool && *tool);
+  ToolTask task(**tool);
+  std::int64_t sample = 0;
+  ToolInput input;
+  const auto go_on = [&](int steps) {
+    for (int n = 0; n < steps; ++n) {
+      input.X_WD.translation().z() -= 1e-5;
+      (*tool)->step(input, 1'000'000 * ++sample);
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  };
+  input.X_WD.translation().z() = 0.1;
+  go_on(100);
+  task.stop();
+  const auto poses = task.pose_times().count();
+  EXPECT_GE(poses, 1U);
+  EXPECT_LE(poses, 100U) << "more than there were samples";
+  go_on(5);
+  EXPECT_EQ(task.pose_times().count(), poses);
+}
+
+}  // namespace
+}  // namespace hapton

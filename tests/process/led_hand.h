@@ -1,0 +1,68 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "tests/process/program.h"
+#include "tests/process/system.h"
+#include "tests/support/scratch_folder.h"
+
+namespace hapton::process {
+
+// A hand that a trajectory leads over a scene: io_node with a simulated device and haptics_node, as real programs, recorded.
+struct LedHand {
+  // scene: a file of scenes/.
+  LedHand(const std::string& device, const std::string& way_csv, const std::string& scene)
+      : io("io_node",
+           {"--bind", hub, "--device", device, "--trajectory", written(way_csv), "--record", file, "--out",
+            (scratch.path() / "out").string()},
+           scratch.path()),
+        haptics("haptics_node", {"--hub", hub, "--scene", HAPTON_SOURCE_DIR "/scenes/" + scene}, scratch.path()) {}
+
+  // The report's note has gone above `least`.
+  testing::AssertionResult goes_above(const std::string& note, double least) {
+    if (System::wait_until([&] { return io.out().find("hub on ") != std::string::npos || !io.is_running(); }) && io.is_running() &&
+        System::wait_until([&] { return read_note(note) > least; })) {
+      return testing::AssertionSuccess();
+    }
+    return testing::AssertionFailure() << note << " is not above " << least << "\n" << haptics.err() << io.err();
+  }
+
+  // Ends both, with exit code 0; what haptics_node said at its end.
+  std::string end() {
+    std::string summary;
+    for (Program* program : {&haptics, &io}) {
+      program->send_signal(SIGTERM);
+      const auto ended = program->wait(kPatience);
+      EXPECT_TRUE(ended) << "does not end";
+      if (!ended) continue;
+      EXPECT_EQ(ended->exit_code, 0) << ended->err;
+      if (program == &haptics) summary = ended->out;
+    }
+    return summary;
+  }
+
+  Ended replay() const { return run("hapton", {"session", "replay", file}, scratch.path()).value_or(Ended{}); }
+
+  ScratchFolder scratch;
+  std::string hub = "127.0.0.1:" + find_free_port();
+  std::string file = (scratch.path() / "session.hapton").string();
+  Program io;
+  Program haptics;
+
+ private:
+  std::string written(const std::string& way_csv) {
+    scratch.write("way.csv", way_csv);
+    return (scratch.path() / "way.csv").string();
+  }
+
+  double read_note(const std::string& note) {
+    io.send_signal(SIGUSR1);
+    const Json report = Json::parse(read_text(scratch.path() / "out" / "report.json"), nullptr, false);
+    return report.is_object() ? std::stod(report.at("notes").at(note).get<std::string>()) : 0.0;
+  }
+};
+
+}  // namespace hapton::process
