@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "runtime/spin_pause.h"
+
 namespace hapton {
 namespace {
 
@@ -10,13 +12,6 @@ namespace {
 // and the kernel throttles it.
 constexpr std::uint32_t kMaxBehind = 8;
 constexpr std::int64_t kFewestDatagrams = 32;  // of a cycle's budget, however high the rate
-
-// Tells the CPU that this thread is spinning.
-void relax() noexcept {
-#ifdef __x86_64__
-  __builtin_ia32_pause();
-#endif
-}
 
 }  // namespace
 
@@ -59,7 +54,7 @@ bool CycleSource::await_device_thread(const DeviceCycle& last) noexcept {
   const std::int64_t now_ns = clock_.now_ns();
   receiver_.receive_until(now_ns < wake_ns ? wake_ns : now_ns + kLongestSpinNs);
   const std::int64_t end_ns = std::max(last.next_tick_ns, clock_.now_ns()) + kLongestSpinNs;
-  while (!loop_.has_cycle() && clock_.now_ns() < end_ns) relax();
+  while (!loop_.has_cycle() && clock_.now_ns() < end_ns) spin_pause();
   return loop_.has_cycle();
 }
 

@@ -4,17 +4,12 @@
 #include <cmath>
 #include <utility>
 
+#include "runtime/spin_pause.h"
+
 namespace hapton {
 namespace {
 
 constexpr std::int64_t kLookNs = 250 * kNanosecondsPerMillisecond;
-
-// Tells the CPU that this thread is spinning.
-void relax() noexcept {
-#ifdef __x86_64__
-  __builtin_ia32_pause();
-#endif
-}
 
 }  // namespace
 
@@ -44,7 +39,7 @@ void DeviceLoop::start() noexcept {
 void DeviceLoop::begin_cycle() noexcept {
   std::int64_t now_ns = clock_.now_ns();
   const std::int64_t begin_ns = now_ns;
-  for (; now_ns < tick_ns_; now_ns = clock_.now_ns()) relax();
+  for (; now_ns < tick_ns_; now_ns = clock_.now_ns()) spin_pause();
   spin_.note_spun(now_ns - begin_ns);
   const std::int64_t late_ns = now_ns - tick_ns_;
   stats_.wake_lateness.record(late_ns);
