@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -40,6 +41,19 @@ inline std::map<std::string, Cross>& crossovers() {
 // What must hold of whatever passes: a fuzzer sees an abort as a crash.
 inline void require(bool holds) {
   if (!holds) std::abort();
+}
+
+// The bytes after the first, as they come from a stream: in pieces whose length the first byte gives, until `receive` says that it is over.
+template <class Receive>
+void feed_in_pieces(std::span<const std::uint8_t> bytes, Receive&& receive) {
+  if (bytes.empty()) return;
+  const std::size_t piece = std::size_t{bytes[0]} + 1;
+  bool goes_on = true;
+  for (auto rest = bytes.subspan(1); goes_on && !rest.empty();) {
+    const auto now = rest.first(std::min(piece, rest.size()));
+    rest = rest.subspan(now.size());
+    goes_on = receive(std::as_bytes(now));
+  }
 }
 
 // Counts the inputs that pass what a random change breaks: a seal, a tag, a checksum, a count.

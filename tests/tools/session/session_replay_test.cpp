@@ -89,6 +89,9 @@ struct SessionReplayTest : testing::Test {
     }
   }
 
+  SessionReplay replay_with(std::unique_ptr<TouchStep> (*make)()) const {
+    return SessionReplay(setups, [make](const HapticsSetup&) -> Result<std::unique_ptr<TouchStep>> { return make(); });
+  }
   SessionReplay make_replay() {
     return SessionReplay(
         setups,
@@ -333,15 +336,13 @@ std::unique_ptr<TouchStep> make_moving_touch() {
 struct MovingReplayTest : SessionReplayTest {
   MovingReplayTest() : SessionReplayTest(make_moving_touch()) {}
 
-  SessionReplay make_moving_replay() {
-    return SessionReplay(setups, [](const HapticsSetup&) -> Result<std::unique_ptr<TouchStep>> { return make_moving_touch(); });
-  }
+  SessionReplay make_replay() { return replay_with(make_moving_touch); }
 };
 
 TEST_F(MovingReplayTest, TheyGiveTheSameForcesToTheLastBit) {
   slide(500);
   for (std::size_t n = 50; n < 250; n += 3) recorded[n].second.reset();
-  SessionReplay replay = make_moving_replay();
+  SessionReplay replay = make_replay();
   feed(replay);
   EXPECT_GT(replay.counts().compared, 400U);
   EXPECT_GT(replay.counts().contact_steps, 300U);
@@ -354,7 +355,7 @@ TEST_F(MovingReplayTest, ARecordingThatBeginsLaterKnowsWhereTheyWere) {
   slide_in_again(100);
   recorded.erase(recorded.begin(), recorded.begin() + 100);
   recorded[0].second.reset();
-  SessionReplay replay = make_moving_replay();
+  SessionReplay replay = make_replay();
   feed(replay);
   EXPECT_GT(replay.counts().compared, 40U);
   EXPECT_GT(replay.counts().contact_steps, 20U);
@@ -384,9 +385,7 @@ std::unique_ptr<TouchStep> make_effects_touch() {
 struct EffectsReplayTest : SessionReplayTest {
   EffectsReplayTest() : SessionReplayTest(make_effects_touch()) {}
 
-  SessionReplay make_effects_replay() {
-    return SessionReplay(setups, [](const HapticsSetup&) -> Result<std::unique_ptr<TouchStep>> { return make_effects_touch(); });
-  }
+  SessionReplay make_replay() { return replay_with(make_effects_touch); }
 };
 
 TEST_F(EffectsReplayTest, EffectsGiveTheSameForcesToTheLastBit) {
@@ -395,7 +394,7 @@ TEST_F(EffectsReplayTest, EffectsGiveTheSameForcesToTheLastBit) {
   send_setup("proxy");
   slide(200);
   for (std::size_t n = 50; n < 250; n += 3) recorded[n].second.reset();
-  SessionReplay replay = make_effects_replay();
+  SessionReplay replay = make_replay();
   feed(replay);
   EXPECT_GT(replay.counts().compared, 600U);
   EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
@@ -406,7 +405,7 @@ TEST_F(EffectsReplayTest, WhatBeganBeforeTheRecordingIsNotCompared) {
   slide(300);
   slide_in_again(300);
   recorded.erase(recorded.begin(), recorded.begin() + 100);
-  SessionReplay replay = make_effects_replay();
+  SessionReplay replay = make_replay();
   feed(replay);
   EXPECT_EQ(replay.counts().compared, 0U);
   EXPECT_EQ(replay.counts().not_compared, 250U);
@@ -419,7 +418,7 @@ TEST_F(EffectsReplayTest, AfterALongGapNothingIsCompared) {
   sample += 200;
   live.restart();
   slide(100);
-  SessionReplay replay = make_effects_replay();
+  SessionReplay replay = make_replay();
   feed(replay);
   EXPECT_EQ(replay.counts().compared, 100U);
   EXPECT_EQ(replay.counts().not_compared, 100U);
