@@ -194,17 +194,23 @@ struct StressRun::Impl {
     return clear_start(p + kOutsideShare * extent * (p - device).normalized());
   }
 
-  // For device positions on all sides of this one: where the path grazes a face or an edge, rounding decides on which side it passes. From
-  // the same start, and from one that is moved along with the device where nothing is in between.
-  bool gains_from_beside(const Vec3& p, const Vec3& device) const {
+  // For device positions on all sides of this one: where the path grazes a face or an edge, rounding decides on which side it passes. And
+  // for one on the path that it came by: a minimum that vanishes just here still held there.
+  bool gains_from_beside(const Vec3& p, const Vec3& device, const Vec3& before) const {
     for (int corner = 0; corner < 8; ++corner) {
-      const Vec3 beside = kBesideShare * extent * corner_direction(corner);
-      const Vec3 start = outside_start(p, device);
-      if (!gains(clear_start(p), p, device + beside)) return false;
-      if (find_crossing(body.touched, start, start + beside) || (solid && is_beyond(start + beside))) continue;
-      if (!gains(start + beside, p + beside, device + beside)) return false;
+      if (!gains_with_moved(kBesideShare * extent * corner_direction(corner), p, device)) return false;
     }
-    return true;
+    const Vec3 back = before - device;
+    const double length = back.norm();
+    return !(length > 0.0) || gains_with_moved(std::min(length, kBesideShare * extent) / length * back, p, device);
+  }
+
+  // From the same start, and from one that is moved along with the device where nothing is in between.
+  bool gains_with_moved(const Vec3& move, const Vec3& p, const Vec3& device) const {
+    const Vec3 start = outside_start(p, device);
+    if (!gains(clear_start(p), p, device + move)) return false;
+    if (find_crossing(body.touched, start, start + move) || (solid && is_beyond(start + move))) return true;
+    return gains(start + move, p + move, device + move);
   }
 
   // The minimum is proved, even if the reference climbs over the step that holds the point.
@@ -219,9 +225,9 @@ struct StressRun::Impl {
            is_minimum_in_close_up(body.touched, settings.material, p, kCloseUpShare * extent, clear_start(p), device);
   }
 
-  // Checks with the reference whether p is a local minimum.
+  // Checks with the reference whether p is a local minimum for the device, which was at `before` one sample ago.
   template <class Note>
-  void check_minimum(const Vec3& p, const Vec3& device, const Note& note) const {
+  void check_minimum(const Vec3& p, const Vec3& device, const Vec3& before, const Note& note) const {
     const double length = (p - device).norm();
     if (!(length - (reference->settle_from(p, device).p_SP - device).norm() > kUnconvergedGain * extent)) return;
     const Vec3 end = reference->settle_from(clear_start(p), device).p_SP;
@@ -232,7 +238,7 @@ struct StressRun::Impl {
     // A device on the surface itself has two valid proxies: at the convex edge that it came in by, and at the device.
     const double depth = solid ? solid->compute_distance(device) : extent;
     if (depth <= kTieShare * extent || is_near_boundary(p, kCrackShare * extent) || !gains(outside_start(p, device), p, device) ||
-        !gains_from_beside(p, device) || is_minimum_close_up(p, device))
+        !gains_from_beside(p, device, before) || is_minimum_close_up(p, device))
       return;
     note(solid && gain > kStuckGain * extent && length > depth + kStuckShare * extent ? StressFault::stuck : StressFault::unconverged,
          gain);
@@ -388,7 +394,7 @@ std::size_t StressRun::run_episode(std::uint64_t number, StressCount& count) {
     if (output.contact && !in.has_friction() &&
         (suspicious || (in.settings.compare_every > 0 && (i + number) % in.settings.compare_every == 0))) {
       ++count.compared_steps;
-      if (!in.is_proved(output.p_SP, device, slop)) in.check_minimum(output.p_SP, device, note);
+      if (!in.is_proved(output.p_SP, device, slop)) in.check_minimum(output.p_SP, device, before, note);
     }
     if (in.shows_discontinuities() && i > 0 && before.allFinite()) {
       const double jump = (output.force_n - output_before.force_n).norm() / stiffness;

@@ -14,9 +14,55 @@ constexpr int kMostLegs = 64;                         // flights in one step
 
 bool is_far(const Vec3& p) { return !(p.cwiseAbs().maxCoeff() <= kFarFromScene); }
 
+// The times between which a straight motion is not far from the scene. Empty: begin > end.
+struct NearSpan {
+  double begin = 0.0, end = 1.0;
+};
+
+NearSpan find_near_span(const Vec3& from, const Vec3& to) {
+  NearSpan span;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double side : {1.0, -1.0}) {
+      const double beyond = side * from[axis] - kFarFromScene;
+      const double beyond_then = side * to[axis] - kFarFromScene;
+      if (beyond <= 0.0 && beyond_then <= 0.0) continue;
+      if (beyond > 0.0 && beyond_then > 0.0) return {1.0, 0.0};
+      const double crossing = beyond / (beyond - beyond_then);
+      if (beyond > 0.0) {
+        span.begin = std::max(span.begin, crossing);
+      } else {
+        span.end = std::min(span.end, crossing);
+      }
+    }
+  }
+  return span;
+}
+
+Vec3 not_far(const Vec3& p) { return p.cwiseMax(-kFarFromScene).cwiseMin(kFarFromScene); }
+
 }  // namespace
 
+// A point's motion is split where it comes near the scene and where it leaves it. On its way in a device is only known to be far out in
+// some direction, so a proxy in contact descends to where the device comes in.
 void ProxyMethod::follow(const Vec3& last, const Vec3& device) noexcept {
+  const NearSpan near = find_near_span(last, device);
+  if (!is_point_ || near.begin > near.end || (near.begin == 0.0 && near.end == 1.0)) return follow_piece(last, device);
+  const Vec3 enter = near.begin > 0.0 ? not_far(on_path(last, device, near.begin)) : last;
+  const Vec3 exit = near.end < 1.0 ? not_far(on_path(last, device, near.end)) : device;
+  if (near.begin > 0.0) come_near(enter);
+  follow_piece(enter, exit);
+  if (near.end >= 1.0 || carried_from_) return;
+  follow_piece(exit, device);
+}
+
+// The device has come from afar, to there.
+void ProxyMethod::come_near(const Vec3& device) noexcept {
+  if (proxy_.is_free) return proxy_.settle_at(device);
+  if (!surface_.is_on_surface()) sphere_.stop_tracking();
+  unconverged_ = true;
+}
+
+void ProxyMethod::follow_piece(const Vec3& last, const Vec3& device) noexcept {
   double time = 0.0;
   if (is_point_ && (surface_.is_on_surface() || proxy_.is_free || land_on_surface())) {
     if (follow_surface(last, device, time)) return;

@@ -78,6 +78,8 @@ class ProxyMethod final : public ForceMethod {
   Vec3 shaded(const Vec3& extension) noexcept;
   Vec3 force_of(const Vec3& extension_m, const Vec3& velocity_m_per_s) const noexcept;
   void follow(const Vec3& last, const Vec3& device) noexcept;
+  void come_near(const Vec3& device) noexcept;
+  void follow_piece(const Vec3& last, const Vec3& device) noexcept;
   bool follow_surface(const Vec3& last, const Vec3& device, double& time) noexcept;
   bool follow_offset(const Vec3& last, const Vec3& device, double& time) noexcept;
   void copy_sphere_state(const Vec3& device) noexcept;
