@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -28,7 +29,7 @@ constexpr double kTieShare = 1e-6;
 constexpr double kOutsideShare = 1e-7;
 constexpr double kBesideShare = 1e-6;  // farther than the reference lifts itself over a step
 constexpr double kClearShare = 0.05;   // of the contact offset that a proxy may keep: above rounding, so the side is certain
-constexpr double kCloseUpShare = 0x1p-10;
+constexpr double kCloseUpShares[] = {0x1p-10, 0x1p-18};
 constexpr double kCrackShare =
     1e-5;  // at the entrance of a crack narrower than one of the two contact offsets, only the other proxy gets in
 constexpr double kProofOffsets = 4.0;  // radius, in contact offsets, of the proof that a position is a minimum
@@ -218,11 +219,12 @@ struct StressRun::Impl {
     return probe_radius == 0.0 && is_certain_minimum(body.touched, p, device, kProofOffsets * contact_offset);
   }
 
-  // What holds the proxy may be lower than the steps that the reference lifts itself over in the whole body; this test uses a point a
-  // thousand times smaller.
+  // What holds the proxy may be lower than the steps that the reference lifts itself over in the whole body; these tests use points a
+  // thousand and a quarter of a million times smaller.
   bool is_minimum_close_up(const Vec3& p, const Vec3& device) const {
-    return probe_radius == 0.0 &&
-           is_minimum_in_close_up(body.touched, settings.material, p, kCloseUpShare * extent, clear_start(p), device);
+    return probe_radius == 0.0 && std::any_of(std::begin(kCloseUpShares), std::end(kCloseUpShares), [&](double share) {
+             return is_minimum_in_close_up(body.touched, settings.material, p, share * extent, clear_start(p), device);
+           });
   }
 
   // Checks with the reference whether p is a local minimum for the device, which was at `before` one sample ago.
