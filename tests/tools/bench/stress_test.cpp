@@ -120,7 +120,11 @@ TEST(Stress, EpisodesThatOnceHadFaultsHaveNone) {
            {"needles", 8, 153, false, false, 0.0, 0.0, 1e6},  // one edge held the point twice
            {"probe-star", 9, 194},                            // rolled about the end of an edge, along another in line with it
            {"probe-staircase", 9, 372, false, false, 10.0},
-           {"overlapping-parts-2", 8, 128},  // the device exactly below a convex edge
+           {"overlapping-parts-2", 8, 128},             // the device exactly below a convex edge
+           {"sliver-fan", 9, 338, false, false, 10.0},  // a device at 1e300 m: two events a step among 3,000 triangles on its way back
+           {"sliver-fan", 8, 31, false, false, 0.0, 0.0, 1e6},
+           {"probe-star", 10, 308, false, false, 0.0, 0.0, 1e6},  // a minimum that vanishes exactly at the sample
+           {"needles", 8, 644, false, false, 1e6},                // a groove of 1e-10 of the extent holds the point
        }) {
     StressPlan plan;
     plan.method.name = "proxy";
