@@ -39,6 +39,7 @@ class CentrePath {
   // Upper bound of the distance between path and chord.
   double bulge() const { return 0.125 * bulge_; }
   bool is_straight() const { return bend_ == 0.0; }
+  bool is_guided() const { return guide_count_ > 0; }
 
   // The beginning of the path up to a time, with the point and derivative there; computed once for many triangles.
   struct Prefix {

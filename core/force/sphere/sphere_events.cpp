@@ -1,6 +1,7 @@
 // The first event on a piece of a sphere's path, and the contacts after it.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/force/sphere/sphere_follower.h"
 
@@ -44,11 +45,14 @@ bool SphereFollower::find_event(const CentrePath& path, Event& event) noexcept {
     if (event.time < exit_time) event.contact = -1;
   }
   const bool is_on_plane = (path.is_straight() || active_count_ == 1) && active_count_ > 0 && contacts_[0].part == Part::face;
+  tangent_count_ = -1;
   for (int i = 0; i < candidate_count_; ++i) {
     const int slot = candidates_[static_cast<std::size_t>(i)];
     if (near_.distance_bound(slot, path.start()) > near && near_.distance_bound(slot, prefix.end) > near) continue;
     if (cannot_stop(slot, path.start(), is_on_plane)) continue;
     const ContactTriangle& shape = near_.shape(slot);
+    if (tangent_count_ < 0) note_tangents(path);
+    if (is_below_tangents(shape)) continue;
     const CentrePath::Block block = path.find_block(shape, clearance_, path.is_straight() ? 0U : guiding_corners(shape), prefix, work_);
     if (!(block.time < event.time)) continue;
     event.time = block.time;
@@ -69,6 +73,45 @@ bool SphereFollower::cannot_stop(int slot, const Vec3& from, bool is_on_plane) n
     if (std::max({up.dot(shape.corner(0)), up.dot(shape.corner(1)), up.dot(shape.corner(2))}) <= level) return true;
   }
   return holds_part_of(shape, near_.triangle(slot)) || !can_touch(near_.triangle(slot), shape, from);
+}
+
+// Over a face both planes are its own. Over an edge the plane turns about it, to one side only where the path does not turn back: that is
+// checked for the cubic, with room for what the curve differs.
+void SphereFollower::note_tangents(const CentrePath& path) noexcept {
+  constexpr double kLeastPace = 0.25;
+  constexpr double kMostPace = 2.5;
+  tangent_count_ = 0;
+  if (!path.is_guided() && !path.is_straight()) return;
+  for (int i = 0; i < active_count_; ++i) {
+    const OffsetContact& contact = contacts_[i];
+    TangentSpan& span = tangents_[static_cast<std::size_t>(tangent_count_)];
+    if (contact.part == Part::face) {
+      span = {contact.shape.corner(0), {contact.normal, contact.normal}};
+      ++tangent_count_;
+    } else if (contact.part == Part::edge && path.is_guided()) {
+      span = {contact.origin(), {contact.proximity(path.start()).normal, contact.proximity(path.end()).normal}};
+      const Vec3 turn = clearance_.offset * (span.normal[1] - span.normal[0]);
+      const double whole = turn.squaredNorm();
+      const double first = turn.dot(path.slope(0.0));
+      const double last = turn.dot(path.slope(1.0));
+      if (std::min(first, last) >= kLeastPace * whole && std::max(first, last) <= kMostPace * whole) ++tangent_count_;
+    }
+  }
+}
+
+// Such a triangle is below the tangent plane in each place of the path, and never nearer than the contact.
+bool SphereFollower::is_below_tangents(const ContactTriangle& shape) const noexcept {
+  const double level = 0.25 * clearance_.slop;
+  for (int i = 0; i < tangent_count_; ++i) {
+    const TangentSpan& span = tangents_[static_cast<std::size_t>(i)];
+    double highest = -std::numeric_limits<double>::infinity();
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 off = shape.corner(k) - span.origin;
+      highest = std::max({highest, span.normal[0].dot(off), span.normal[1].dot(off)});
+    }
+    if (highest <= level) return true;
+  }
+  return false;
 }
 
 // Collects the triangles that may come that near to the beginning of the path. Where they are many because the ball of gathered triangles

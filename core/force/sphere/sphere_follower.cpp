@@ -425,13 +425,9 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
   active_count_ = contact_count_;
   if (active_count_ == 3) return stay(from, to, time);
   Leg leg;
-  if (!make_leg(from, to, time, leg)) {  // the minimum vanishes here
-    has_lost_minimum_ = true;
-    is_descending_ = true;
-    hint_ = find_rate(centre_, on_path(from, to, time), to - from);
-    if (!hint_.allFinite() || hint_.isZero(0.0)) hint_ = to - from;
-    ++idle_;
-    return Next::again;
+  if (!make_leg(from, to, time, leg)) {
+    const Vec3 rate = find_rate(centre_, on_path(from, to, time), to - from);
+    return lose_minimum(rate.allFinite() && !rate.isZero(0.0) ? rate : Vec3(to - from));
   }
   Event event;
   if (!find_event(leg.path, event)) return Next::failed;
@@ -442,6 +438,11 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
   place_at_event(leg.path, event, [&](double share) {
     time = share >= 1.0 ? leg.time : time_before + share * (leg.time - time_before);
     centre_ = leg.path.at(share);
+    if (leg.is_on_curve) {
+      is_restored = restore(centre_);
+      if (share < 1.0) time = std::clamp(time_on_curve(from, to), time_before, leg.time);
+      return;
+    }
     if (leg.path.is_straight() || (solve(on_path(from, to, time), centre_) && is_near_path(centre_, leg.path, share))) return;
     centre_ = leg.path.at(share);
     is_restored = restore(centre_);
@@ -450,7 +451,17 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
   note_move(before);
   if ((time - time_before) * (to - from).norm() > least_progress()) note_gain(on_path(from, to, time), true);
   if (const auto next = end_leg(leg.path, event, is_whole, leg.released, on_path(from, to, time))) return *next;
+  if (leg.vanishes) return lose_minimum(leg.path.slope(1.0));
   return time >= 1.0 ? Next::settled : Next::again;
+}
+
+// The minimum along the curve vanishes here; hint: the direction in which the centre came.
+SphereFollower::Next SphereFollower::lose_minimum(const Vec3& hint) noexcept {
+  has_lost_minimum_ = true;
+  is_descending_ = true;
+  hint_ = hint;
+  ++idle_;
+  return Next::again;
 }
 
 // Applies the event at the end of a leg, or releases the contact whose multiplier is zero there. None: the leg reached its end without
@@ -461,6 +472,7 @@ std::optional<SphereFollower::Next> SphereFollower::end_leg(const CentrePath& pa
   if (event.contact >= 0 || event.slot >= 0 || !is_whole) return Next::again;
   if (released < 0) return std::nullopt;
   ++idle_;
+  hint_ = contacts_[released].proximity(centre_).normal;  // where the others alone do not hold it, it goes away from this one
   remove_contact(released);
   if (contact_count_ == 0) centre_ = device;
   is_descending_ = contact_count_ != 0;

@@ -129,8 +129,23 @@ class SphereFollower {
   // A piece of the path with the device moving.
   struct Leg {
     CentrePath path;
-    double time = 1.0;  // of the device at its end
-    int released = -1;  // the contact whose multiplier is zero there; -1: none
+    double time = 1.0;         // of the device at its end
+    int released = -1;         // the contact whose multiplier is zero there; -1: none
+    bool is_on_curve = false;  // made by length: the time of a place is that at which the device makes it the minimum
+    bool vanishes = false;     // the minimum vanishes at its end
+  };
+  // The tangent planes of the parts below a contact that the centre stays on along a path, at its start and its end.
+  struct TangentSpan {
+    Vec3 origin = Vec3::Zero();  // on both
+    std::array<Vec3, 2> normal;  // unit, towards the centre
+  };
+  // A place on the curve where two contacts meet.
+  struct CurvePlace {
+    Vec3 centre = Vec3::Zero();
+    ContactFrame frame;
+    Vec3 along = Vec3::Zero();  // unit, in the direction of travel
+    double time = 0.0;          // of the device when this is its minimum
+    double stability = 0.0;     // then
   };
 
   // Coulomb friction: stick, slip, or drag.
@@ -221,6 +236,11 @@ class SphereFollower {
   void place_at_event(const CentrePath& path, Event& event, Place&& place) noexcept;
   Next stay(const Vec3& from, const Vec3& to, double& time) noexcept;
   bool make_leg(const Vec3& from, const Vec3& to, double time, Leg& leg) const noexcept;
+  bool make_curve_leg(const Vec3& from, const Vec3& to, double time, Leg& leg) const noexcept;
+  bool find_on_curve(const Vec3& from, const Vec3& motion, const Vec3& direction, double ahead, CurvePlace& place) const noexcept;
+  double time_on_curve(const Vec3& from, const Vec3& to) const noexcept;
+  double longest_on_curve(const ContactFrame& frame, const Vec3& direction) const noexcept;
+  Next lose_minimum(const Vec3& hint) noexcept;
   bool make_descent(const Vec3& device, bool is_unstable, CentrePath& path) const noexcept;
   CentrePath roll(const OffsetContact& contact, const Vec3& device) const noexcept;
   bool descend_along_curve(const Vec3& device, bool is_unstable, CentrePath& path) const noexcept;
@@ -237,6 +257,8 @@ class SphereFollower {
   bool gather(const Vec3& towards) noexcept;
   bool find_event(const CentrePath& path, Event& event) noexcept;
   bool cannot_stop(int slot, const Vec3& from, bool is_on_plane) noexcept;
+  void note_tangents(const CentrePath& path) noexcept;
+  bool is_below_tangents(const ContactTriangle& shape) const noexcept;
   int find_exits(const OffsetContact& contact) noexcept;
   bool find_candidates(const CentrePath& path, double near, CentrePath::Prefix& prefix) noexcept;
   void note_candidates(const Vec3& from, const Vec3& to, double near) noexcept;
@@ -292,6 +314,8 @@ class SphereFollower {
   NearTriangles near_;
   double gather_radius_ = 0.0;                            // of the next gather()
   std::array<int, NearTriangles::kCapacity> candidates_;  // slots in near_ that a path may hit
+  std::array<TangentSpan, 3> tangents_;
+  int tangent_count_ = 0;
   int candidate_count_ = 0;
   std::array<Exit, kMostExits> exits_;
   int work_ = 0;                 // units of work in this step

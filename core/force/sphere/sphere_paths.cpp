@@ -194,6 +194,7 @@ bool SphereFollower::make_leg(const Vec3& from, const Vec3& to, double time, Leg
     leg.time = span >= 1.0 - time ? 1.0 : time + span;
     end = centre_;
     if (solve(on_path(from, to, leg.time), end) && (is_straight || is_even(end, leg.time))) break;
+    if (i == 0 && active_count_ == 2 && !is_straight && make_curve_leg(from, to, time, leg)) return true;
     span *= 0.5;
   }
   // The first multiplier that reaches zero ends the leg.
@@ -320,6 +321,7 @@ bool SphereFollower::make_curve_piece(const Vec3& direction, double length, cons
     if (!(direction_there.dot(direction) > 1.0 - 2.0 * kTurn * kTurn)) return false;
     if (must_lead_on && !(direction_there.dot(device - end) > 0.0)) return false;
     const double chord = (end - centre_).norm();
+    if (!(direction.dot(end - centre_) > 0.5 * chord)) return false;  // surfaces at a small angle: brought back to a place behind
     path = CentrePath::curved(centre_, end, chord * direction, chord * direction_there);
     guide(path);
     return true;
@@ -327,7 +329,7 @@ bool SphereFollower::make_curve_piece(const Vec3& direction, double length, cons
   if (!is_straight) {
     // As far as a piece may turn, or to the minimum if that is nearer.
     const double stability = find_stability(centre_, device);
-    const double most = kTurn / std::max(find_turn(direction), 0x1p-10);
+    const double most = longest_on_curve(here, direction);
     const double to_minimum = !is_unstable && stability > kLeastStability ? length / stability : most;
     length = std::min(to_minimum, most);
     if (to_minimum < most && 8.0 * to_minimum > most && go(most, true)) return true;

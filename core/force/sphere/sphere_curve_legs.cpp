@@ -1,0 +1,130 @@
+// Along the curve where two offset surfaces meet, with the device moving, by length: near the end of a minimum the centre moves ever
+// faster, and a piece made by time would have to be ever shorter.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/force/sphere/sphere_follower.h"
+#include "core/math/find_zero.h"
+#include "core/math/straight_motion.h"
+
+namespace hapton {
+
+// A piece of that length turns by kTurn: about an edge or a vertex, or in its direction, which two surfaces at a small angle turn faster.
+double SphereFollower::longest_on_curve(const ContactFrame& frame, const Vec3& direction) const noexcept {
+  Vec3 bend = Vec3::Zero();
+  for (std::size_t i = 0; i < 2; ++i) bend += contacts_[i].curvature(direction, clearance_.offset) * frame.dual[i];
+  return kTurn / std::max({find_turn(direction), bend.norm(), 0x1p-10});
+}
+
+// The place that far along the curve. A place on the curve is the minimum when the device is level with it: a linear equation for the time.
+// False: the curve turns too far, or does not lead there.
+bool SphereFollower::find_on_curve(const Vec3& from, const Vec3& motion, const Vec3& direction, double ahead,
+                                   CurvePlace& place) const noexcept {
+  place.centre = centre_ + ahead * direction;
+  if (!restore(place.centre) || !find_frame(place.centre, place.frame)) return false;
+  const Vec3 chord = place.centre - centre_;
+  if (!(direction.dot(chord) > 0.5 * chord.norm())) return false;
+  place.along = place.frame.along.dot(direction) < 0.0 ? Vec3(-place.frame.along) : place.frame.along;
+  if (!(place.along.dot(direction) > 1.0 - 2.0 * kTurn * kTurn)) return false;
+  const double pace = place.along.dot(motion);
+  place.time = pace > 0.0 ? place.along.dot(place.centre - from) / pace : std::numeric_limits<double>::infinity();
+  const Vec3 device = from + std::min(place.time, 1.0) * motion;
+  place.stability = 1.0;
+  for (int i = 0; i < 2; ++i) {
+    place.stability -= std::max(0.0, place.frame.dual[i].dot(place.centre - device)) *
+                       contacts_[static_cast<std::size_t>(i)].curvature(place.frame.along, clearance_.offset);
+  }
+  return true;
+}
+
+// The time at which the device makes this centre the minimum.
+double SphereFollower::time_on_curve(const Vec3& from, const Vec3& to) const noexcept {
+  ContactFrame frame;
+  if (!find_frame(centre_, frame)) return 0.0;
+  const double pace = frame.along.dot(to - from);
+  return pace != 0.0 ? frame.along.dot(centre_ - from) / pace : 0.0;
+}
+
+// As far as a piece may turn, until the device arrives, or to where the minimum vanishes or a multiplier reaches zero. False: the device
+// moves across the curve, or the curve is too sharp.
+bool SphereFollower::make_curve_leg(const Vec3& from, const Vec3& to, double time, Leg& leg) const noexcept {
+  constexpr int kMostHalvings = 8;
+  constexpr int kMostGrowing = 8;
+  constexpr double kLeastPace = 0x1p-10;  // of the device's speed, along the curve
+  constexpr double kNearZero = 0x1p-30;   // of a share of what is left
+  constexpr double kNearNone = 0x1p-50;   // rounding of a multiplier
+  const Vec3 motion = to - from;
+  ContactFrame here;
+  if (!find_frame(centre_, here)) return false;
+  const double pace = here.along.dot(motion);
+  if (!(std::fabs(pace) > kLeastPace * motion.norm())) return false;
+  const Vec3 direction = pace < 0.0 ? Vec3(-here.along) : here.along;
+  if (!(find_stability(centre_, on_path(from, to, time)) > kLeastStability)) return false;
+
+  CurvePlace end;
+  const auto left = [&](const CurvePlace& place) { return (1.0 - place.time) / (1.0 - time); };
+  const auto room = [&](const CurvePlace& place) { return std::max(-1.0, std::min(place.stability, left(place))); };
+  const auto room_at = [&](double ahead) {
+    return find_on_curve(from, motion, direction, ahead, end) ? room(end) : std::numeric_limits<double>::quiet_NaN();
+  };
+  double length = longest_on_curve(here, direction);
+  bool is_found = false;
+  for (int i = 0; i < kMostHalvings && !is_found; ++i, length *= is_found ? 1.0 : 0.5) {
+    CurvePlace middle;
+    if (!find_on_curve(from, motion, direction, 0.5 * length, middle) || !find_on_curve(from, motion, direction, length, end)) continue;
+    if (!(room(middle) > 0.0)) continue;
+    is_found = !(room(end) > 0.0) || (time < middle.time && middle.time < end.time);
+  }
+  if (!is_found) return false;
+  if (!(room(end) > 0.0)) {
+    length = find_zero(0.0, 1.0, length, room(end), kNearZero, room_at);
+    if (!find_on_curve(from, motion, direction, length, end)) return false;
+    leg.vanishes = end.stability < left(end);
+    if (!leg.vanishes && solve(to, end.centre) && find_frame(end.centre, end.frame)) {
+      end.time = 1.0;
+      end.along = end.frame.along.dot(direction) < 0.0 ? Vec3(-end.frame.along) : end.frame.along;
+    }
+  }
+  leg.time = std::clamp(end.time, time, 1.0);
+
+  leg.released = -1;
+  for (int i = 0; i < 2; ++i) {
+    const auto multiplier = [&](const CurvePlace& place) {
+      return place.frame.dual[static_cast<std::size_t>(i)].dot(place.centre - on_path(from, to, place.time));
+    };
+    const double at_end = multiplier(end);
+    if (!(at_end < -kAtMinimum)) continue;
+    const auto multiplier_at = [&](double ahead) {
+      return find_on_curve(from, motion, direction, ahead, end) ? multiplier(end) : std::numeric_limits<double>::quiet_NaN();
+    };
+    double begin = 0.0;
+    double at_begin = std::max(0.0, here.dual[static_cast<std::size_t>(i)].dot(centre_ - on_path(from, to, time)));
+    // The multiplier of a new contact begins at zero, and may rise before it falls to zero again.
+    for (int k = 1; k <= kMostGrowing && at_begin <= kAtMinimum; ++k) {
+      const double grown = multiplier_at(std::ldexp(length, -2 * k));
+      if (!(grown > kAtMinimum)) continue;
+      begin = std::ldexp(length, -2 * k);
+      at_begin = grown;
+    }
+    length = find_zero(begin, at_begin, length, at_end, kNearNone, multiplier_at);
+    leg.released = i;
+    leg.vanishes = false;
+    if (length > 0.0) {
+      if (!find_on_curve(from, motion, direction, length, end)) return false;
+      leg.time = std::clamp(end.time, time, 1.0);
+    } else {
+      end.centre = centre_;
+      end.along = direction;
+      leg.time = time;
+    }
+  }
+  const double chord = (end.centre - centre_).norm();
+  leg.is_on_curve = true;
+  leg.path = chord > 0.0 ? CentrePath::curved(centre_, end.centre, chord * direction, chord * end.along)
+                         : CentrePath::straight(centre_, end.centre);
+  if (chord > 0.0) guide(leg.path);
+  return true;
+}
+
+}  // namespace hapton
