@@ -439,7 +439,7 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
     time = share >= 1.0 ? leg.time : time_before + share * (leg.time - time_before);
     centre_ = leg.path.at(share);
     if (leg.is_on_curve) {
-      is_restored = restore(centre_);
+      is_restored = restore(centre_) && is_near_path(centre_, leg.path, share);
       if (share < 1.0) time = std::clamp(time_on_curve(from, to), time_before, leg.time);
       return;
     }

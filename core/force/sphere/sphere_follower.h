@@ -237,7 +237,7 @@ class SphereFollower {
   Next stay(const Vec3& from, const Vec3& to, double& time) noexcept;
   bool make_leg(const Vec3& from, const Vec3& to, double time, Leg& leg) const noexcept;
   bool make_curve_leg(const Vec3& from, const Vec3& to, double time, Leg& leg) const noexcept;
-  bool find_on_curve(const Vec3& from, const Vec3& motion, const Vec3& direction, double ahead, CurvePlace& place) const noexcept;
+  bool find_on_curve(const Vec3& from, const Vec3& motion, double sense, double ahead, CurvePlace& place) const noexcept;
   double time_on_curve(const Vec3& from, const Vec3& to) const noexcept;
   double longest_on_curve(const ContactFrame& frame, const Vec3& direction) const noexcept;
   Next lose_minimum(const Vec3& hint) noexcept;

@@ -203,7 +203,7 @@ bool SphereFollower::make_leg(const Vec3& from, const Vec3& to, double time, Leg
     const double at_end = multiplier(end, on_path(from, to, leg.time), i);
     if (!(at_end < -kAtMinimum)) continue;
     const auto multiplier_then = [&](double then) {
-      Vec3 c = end;
+      Vec3 c = centre_ + (then - time) / (leg.time - time) * (end - centre_);
       return solve(on_path(from, to, then), c) ? multiplier(c, on_path(from, to, then), i) : std::numeric_limits<double>::quiet_NaN();
     };
     double begin = time;
@@ -302,6 +302,7 @@ bool SphereFollower::descend_along_curve(const Vec3& device, bool is_unstable, C
 bool SphereFollower::make_curve_piece(const Vec3& direction, double length, const Vec3& device, bool is_unstable,
                                       CentrePath& path) const noexcept {
   constexpr int kMostHalvings = 24;
+  constexpr double kRounding = 0x1p-50;
   const bool is_straight = !contacts_[0].is_curved() && !contacts_[1].is_curved();
   ContactFrame here;
   if (!find_frame(centre_, here)) return false;
@@ -314,15 +315,19 @@ bool SphereFollower::make_curve_piece(const Vec3& direction, double length, cons
       path = CentrePath::straight(centre_, end);
       return true;
     }
-    if ((is_unstable || must_lead_on) && !((device - end).squaredNorm() < (device - centre_).squaredNorm())) return false;
+    const Vec3 chord = end - centre_;
+    const Vec3 pull = device - centre_;
+    // Half of what the squared distance loses. Within rounding nothing may be lost at the end of a descent.
+    const double gain = chord.dot(pull - 0.5 * chord);
+    if (!(gain > (is_unstable || must_lead_on ? 0.0 : -kRounding * pull.norm()))) return false;
     ContactFrame there;
     if (!find_frame(end, there)) return false;
     const Vec3 direction_there = sense < 0.0 ? Vec3(-there.along) : there.along;  // opposite: the curve on the other side of a crest
     if (!(direction_there.dot(direction) > 1.0 - 2.0 * kTurn * kTurn)) return false;
     if (must_lead_on && !(direction_there.dot(device - end) > 0.0)) return false;
-    const double chord = (end - centre_).norm();
-    if (!(direction.dot(end - centre_) > 0.5 * chord)) return false;  // surfaces at a small angle: brought back to a place behind
-    path = CentrePath::curved(centre_, end, chord * direction, chord * direction_there);
+    const double length_there = chord.norm();
+    if (!(direction.dot(chord) > 0.5 * length_there)) return false;  // surfaces at a small angle: brought back to a place behind
+    path = CentrePath::curved(centre_, end, length_there * direction, length_there * direction_there);
     guide(path);
     return true;
   };
