@@ -79,7 +79,7 @@ void NearTriangles::bound(const Corners& corners, Bounds& bounds) noexcept {
 }
 
 // In batches, so that the memory of several triangles is prefetched at a time.
-bool NearTriangles::gather(const TouchGeometry& geometry, const Vec3& centre, double within, int& queried) noexcept {
+bool NearTriangles::gather(const TouchGeometry& geometry, const Vec3& centre, double within, int& queried, int most) noexcept {
   geometry_ = &geometry;
   centre_ = centre;
   within_ = within;
@@ -92,13 +92,13 @@ bool NearTriangles::gather(const TouchGeometry& geometry, const Vec3& centre, do
     batch[static_cast<std::size_t>(waiting++)] = triangle;
     if (waiting == kBatch) {
       queried += waiting;
-      fits = add(batch, waiting);
+      fits = add(batch, waiting, most);
       waiting = 0;
     }
     return fits;
   });
   queried += waiting;
-  if (fits) fits = add(batch, waiting);
+  if (fits) fits = add(batch, waiting, most);
   if (!fits) {
     clear();
     return false;
@@ -110,7 +110,7 @@ bool NearTriangles::gather(const TouchGeometry& geometry, const Vec3& centre, do
   return true;
 }
 
-bool NearTriangles::add(const Batch& batch, int count) noexcept {
+bool NearTriangles::add(const Batch& batch, int count, int most) noexcept {
   for (int i = 0; i < count; ++i) geometry_->prefetch_corners(batch[static_cast<std::size_t>(i)]);
   for (int first = 0; first < count; first += 4) {
     const int lanes = std::min(4, count - first);
@@ -127,7 +127,7 @@ bool NearTriangles::add(const Batch& batch, int count) noexcept {
     bound(corners, bounds);
     for (int lane = 0; lane < lanes; ++lane) {
       if (bounds.distance[lane] > within_ - kRounding) continue;
-      if (count_ == kCapacity) return false;
+      if (count_ == most) return false;
       distance_[count_] = bounds.distance[lane];
       for (int k = 0; k < 3; ++k) normal_[k][count_] = bounds.normal[k][lane];
       triangle_[count_] = batch[static_cast<std::size_t>(first + lane)];

@@ -24,8 +24,8 @@ class NearTriangles {
   static constexpr int kCapacity = 4096;  // a sphere reaches all triangles of the fan whose tip it touches
 
   // Collects all triangles within that distance, and possibly some that are farther by rounding. False, and empty, if there are more than
-  // kCapacity. `queried`: is raised by the number of triangles whose distance was computed.
-  bool gather(const TouchGeometry& geometry, const Vec3& centre, double within, int& queried) noexcept;
+  // `most`, at most kCapacity. `queried`: is raised by the number of triangles whose distance was computed.
+  bool gather(const TouchGeometry& geometry, const Vec3& centre, double within, int& queried, int most = kCapacity) noexcept;
   void clear() {
     count_ = 0;
     within_ = -1.0;
@@ -94,7 +94,7 @@ class NearTriangles {
   // Of a bound at that distance from the centre.
   static double rounding(double off) { return 0x1p-44 + 0x1p-40 * off; }
   static void bound(const Corners& corners, Bounds& bounds) noexcept;
-  bool add(const Batch& batch, int count) noexcept;
+  bool add(const Batch& batch, int count, int most) noexcept;
 
   const TouchGeometry* geometry_ = nullptr;
   Vec3 centre_ = Vec3::Zero();

@@ -312,6 +312,7 @@ class SphereFollower {
   int contact_count_ = 0;     // number of contacts_: the first active_count_ are active, the others were hit at this point
   Vec3 hint_ = Vec3::Zero();  // the last direction of motion
   NearTriangles near_;
+  int gathered_count_ = 0;                                // triangles the last time
   double gather_radius_ = 0.0;                            // of the next gather()
   std::array<int, NearTriangles::kCapacity> candidates_;  // slots in near_ that a path may hit
   std::array<TangentSpan, 3> tangents_;

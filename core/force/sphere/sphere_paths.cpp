@@ -361,19 +361,26 @@ bool SphereFollower::cover(const CentrePath& path, double& until) noexcept {
 // The ball's centre lies ahead on the path. Its radius is adapted so that it holds some dozens of triangles.
 bool SphereFollower::gather(const Vec3& towards) noexcept {
   constexpr int kMostTries = 24;
+  constexpr int kMostGuesses = 2;
   constexpr int kFew = 24;
   constexpr int kMostFew = 256;
   constexpr double kWidest = 0.25;
+  constexpr double kDenser = 0.35;
   const double least = (is_point_ ? 64.0 : 0x1p-6) * clearance_.offset;
   if (!(gather_radius_ > 0.0)) gather_radius_ = std::max(least, 0.5 * clearance_.offset);
   const double length = towards.norm();
-  for (int i = 0; i < kMostTries; ++i, gather_radius_ *= 0.5) {
+  bool is_guess = false;
+  for (int i = 0; i < kMostTries; ++i, gather_radius_ *= is_guess ? kDenser : 0.5) {
+    // Where the triangles are much smaller than at the last place, the radius was too large. At the tip of a fan none is small enough.
+    is_guess = i < kMostGuesses && gathered_count_ <= kMostFew && gather_radius_ > least;
     const Vec3 ahead = length > 0.0 ? Vec3(towards * (0.6 * gather_radius_ / length)) : Vec3::Zero();
     int queried = 0;
     ++gathered_;
-    const bool fits = near_.gather(geometry_, centre_ + ahead, clearance_.offset + gather_radius_ + 4.0 * clearance_.slop, queried);
+    const bool fits = near_.gather(geometry_, centre_ + ahead, clearance_.offset + gather_radius_ + 4.0 * clearance_.slop, queried,
+                                   is_guess ? kMostFew : NearTriangles::kCapacity);
     work_ += queried / 2;  // half of them are near the box and not near the ball
     if (!fits) continue;
+    gathered_count_ = near_.count();
     // Where the tree visits many triangles for each one that is near, as among slivers, a wider ball saves most.
     const int few = std::max(kFew, std::min(queried / 8, kMostFew));
     if (near_.count() < few) gather_radius_ = std::min(1.4 * gather_radius_, kWidest);
