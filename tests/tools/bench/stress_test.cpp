@@ -125,6 +125,7 @@ TEST(Stress, EpisodesThatOnceHadFaultsHaveNone) {
            {"sliver-fan", 8, 31, false, false, 0.0, 0.0, 1e6},
            {"probe-star", 10, 308, false, false, 0.0, 0.0, 1e6},  // a minimum that vanishes exactly at the sample
            {"needles", 8, 644, false, false, 1e6},                // a groove of 1e-10 of the extent holds the point
+           {"overlapping-parts", 21, 39, false, false, 1e6},      // a piece of path went over to the other of two nearly parallel lines
        }) {
     StressPlan plan;
     plan.method.name = "proxy";

@@ -1,0 +1,96 @@
+// A ball on a floor leans on a slanted ridge. The curve where both hold it is an ellipse, and a minimum on it vanishes where the device
+// leaves the ellipse's evolute: closed form.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <string>
+
+#include "tests/core/force/sphere/sphere_stage.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kSine = 0.5;  // of the ridge's slope
+constexpr double kLong = kOffset / kSine;
+constexpr double kDepth = -0.3;   // of the device; not so deep, the ridge would lift the ball off the floor
+constexpr double kNearTo = 1e-5;  // of the way; nearer still, the barrier is lower than what holds a minimum
+
+// The ridge goes up along x, through the middle of the ball's plane.
+TriangleMesh floor_with_ridge() {
+  TriangleMesh mesh = made::sheet(0.5, 0.0, 5);
+  const Vec3 middle(0.0, 0.0, kOffset);
+  const Vec3 along(std::sqrt(1.0 - kSine * kSine), 0.0, kSine);
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  mesh.vertices.push_back(middle - 0.3 * along);
+  mesh.vertices.push_back(middle + 0.5 * along);
+  mesh.vertices.push_back({0.433, 0.0, -0.05});
+  mesh.triangles.push_back({first, first + 1, first + 2});
+  return mesh;
+}
+
+// (a x)^(2/3) + (b y)^(2/3) = (a^2 - b^2)^(2/3)
+double evolute_at(double x) {
+  const double all = std::cbrt(std::pow(kLong * kLong - kOffset * kOffset, 2));
+  const double of_x = std::cbrt(std::pow(kLong * x, 2));
+  return std::pow(all - of_x, 1.5) / kOffset;
+}
+
+class VanishingMinimum : public ::testing::TestWithParam<double> {
+ protected:
+  VanishingMinimum() {
+    stage_.put({x_, -0.3, 0.4});
+    EXPECT_EQ(stage_.move({x_, -0.3, kDepth}), Outcome::settled);
+    EXPECT_EQ(stage_.move({x_, -0.05, kDepth}), Outcome::settled);
+  }
+  void move_to(double y) { EXPECT_EQ(stage_.move({x_, y, kDepth}), Outcome::settled); }
+  void expect_on_ellipse_at_minimum() const {
+    const Vec3 c = stage_.centre();
+    const Vec3 pull = stage_.geometry.to_scene(stage_.device) - c;
+    EXPECT_NEAR(std::hypot(c.x() / kLong, c.y() / kOffset), 1.0, 1e-9);
+    EXPECT_NEAR(c.z(), kOffset, 1e-9);
+    const Vec3 tangent = Vec3(-c.y() * kLong / kOffset, c.x() * kOffset / kLong, 0.0).normalized();
+    EXPECT_NEAR(tangent.dot(pull), 0.0, 1e-9);
+    EXPECT_GE(stage_.distance_to_nearest(), stage_.offset - kSlop);
+  }
+
+  const double x_ = GetParam();
+  const double end_ = evolute_at(x_);
+  Stage stage_{floor_with_ridge(), kOffset};
+};
+
+TEST_P(VanishingMinimum, HoldsUpToTheEvoluteAndNotBeyond) {
+  move_to(0.5 * end_);
+  expect_on_ellipse_at_minimum();
+  move_to((1.0 - kNearTo) * end_);
+  expect_on_ellipse_at_minimum();
+  EXPECT_LT(stage_.centre().y(), 0.0);
+  move_to((1.0 + kNearTo) * end_);
+  expect_on_ellipse_at_minimum();
+  EXPECT_GT(stage_.centre().y(), 0.0);
+}
+
+TEST_P(VanishingMinimum, IsPassedInFewEventsFromHoweverFar) {
+  const std::uint64_t before = stage_.follower->events();
+  move_to(1.01 * end_);
+  expect_on_ellipse_at_minimum();
+  EXPECT_GT(stage_.centre().y(), 0.0);
+  EXPECT_LE(stage_.follower->events() - before, 40U);
+}
+
+// Where it jumps depends on the path alone.
+TEST_P(VanishingMinimum, PartsOfTheMotionEndWhereTheWholeDoes) {
+  Stage whole(floor_with_ridge(), kOffset);
+  whole.put({x_, -0.3, 0.4});
+  ASSERT_EQ(whole.move({x_, -0.3, kDepth}), Outcome::settled);
+  ASSERT_EQ(whole.move({x_, 1.1 * end_, kDepth}), Outcome::settled);
+  const Vec3 to = stage_.geometry.to_local({x_, 1.1 * end_, kDepth});
+  ASSERT_TRUE(follow_in_parts(*stage_.follower, stage_.device, to));
+  EXPECT_LT((whole.centre() - stage_.centre()).norm(), 1e-9);
+}
+
+INSTANTIATE_TEST_SUITE_P(Devices, VanishingMinimum, ::testing::Values(-0.06, -0.08, -0.1, -0.12),
+                         [](const auto& info) { return "X" + std::to_string(static_cast<int>(-100.0 * info.param)); });
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,52 @@
+// Steps of a ball of 0.5 mm over meshes of the project that once stayed at one place until their work was used up.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <ostream>
+#include <string>
+
+#include "core/force/proxy/proxy_method.h"
+#include "core/geometry/touch_trajectory.h"
+#include "tools/bench/bench_meshes.h"
+
+namespace hapton {
+namespace {
+
+struct SlowSlide {
+  const char* mesh;
+  std::uint64_t seed;
+  std::size_t last;  // the step
+};
+
+std::ostream& operator<<(std::ostream& out, const SlowSlide& slide) { return out << slide.mesh << " " << slide.seed; }
+
+class BallOnMesh : public ::testing::TestWithParam<SlowSlide> {};
+
+TEST_P(BallOnMesh, IsFollowedWithoutAStall) {
+  const SlowSlide& slide = GetParam();
+  const auto mesh = make_bench_mesh(slide.mesh, std::filesystem::path(HAPTON_SOURCE_DIR) / "meshes");
+  ASSERT_TRUE(mesh) << mesh.error().what;
+  const auto trajectory = make_slide_trajectory(*mesh->mesh, {.seed = slide.seed, .rows = slide.last + 1});
+  ASSERT_TRUE(trajectory) << trajectory.error().what;
+  TouchScene scene;
+  scene.objects.push_back({mesh->mesh, {}});
+  const auto made = ProxyMethod::make({.probe_radius_m = 0.0005}, scene);
+  ASSERT_TRUE(made) << made.error().what;
+  auto& proxy = static_cast<ProxyMethod&>(**made);
+  const std::size_t first = slide.last / trajectory->reset_every * trajectory->reset_every;
+  proxy.reset(trajectory->p_SD[first]);
+  for (std::size_t i = first; i <= slide.last; ++i) proxy.step({.p_SD = trajectory->p_SD[i]});
+  EXPECT_EQ(proxy.counters().exhausted, 0U);
+  EXPECT_EQ(proxy.counters().swept, 0U);
+  EXPECT_GT(proxy.counters().contact_steps, 0U);
+}
+
+// What went on without end: a piece of path that ended behind its start; a contact left towards itself; two pieces that each overshot a
+// minimum; a multiplier taken for zero.
+INSTANTIATE_TEST_SUITE_P(Slides, BallOnMesh,
+                         ::testing::Values(SlowSlide{"nefertiti_70k.ply", 2, 4441}, SlowSlide{"nefertiti_70k.ply", 2, 1615},
+                                           SlowSlide{"mountain_51k_open.ply", 2, 4880}, SlowSlide{"fish_22k.obj", 2, 6272}),
+                         [](const auto& info) { return "Row" + std::to_string(info.index); });
+
+}  // namespace
+}  // namespace hapton
