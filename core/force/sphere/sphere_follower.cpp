@@ -493,8 +493,9 @@ bool SphereFollower::find_escape_direction(const Vec3& motion) noexcept {
     }
     return true;
   };
+  const bool may_turn = idle_ <= kMostIdle / 4;  // to and fro between two contacts leads nowhere
   for (const double sign : {1.0, -1.0}) {
-    if (!is_open(sign * direction)) continue;
+    if (!is_open(sign * direction) || (sign < 0.0 && !may_turn)) continue;
     hint_ = sign * direction;
     return true;
   }

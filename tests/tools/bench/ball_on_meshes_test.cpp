@@ -46,7 +46,7 @@ TEST_P(BallOnMesh, IsFollowedWithoutAStall) {
 INSTANTIATE_TEST_SUITE_P(Slides, BallOnMesh,
                          ::testing::Values(SlowSlide{"nefertiti_70k.ply", 2, 4441}, SlowSlide{"nefertiti_70k.ply", 2, 1615},
                                            SlowSlide{"mountain_51k_open.ply", 2, 4880}, SlowSlide{"fish_22k.obj", 2, 6272}),
-                         [](const auto& info) { return "Row" + std::to_string(info.index); });
+                         [](const auto& slide) { return "Row" + std::to_string(slide.index); });
 
 }  // namespace
 }  // namespace hapton

@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kSine = 0.5;  // of the ridge's slope
 constexpr double kLong = kOffset / kSine;
-constexpr double kDepth = -0.3;   // of the device; not so deep, the ridge would lift the ball off the floor
-constexpr double kNearTo = 1e-5;  // of the way; nearer still, the barrier is lower than what holds a minimum
+constexpr double kDeviceHeight = -0.3;  // of the device; not so deep, the ridge would lift the ball off the floor
+constexpr double kNearTo = 1e-5;        // of the way; nearer still, the barrier is lower than what holds a minimum
 
 // The ridge goes up along x, through the middle of the ball's plane.
 TriangleMesh floor_with_ridge() {
@@ -40,10 +40,10 @@ class VanishingMinimum : public ::testing::TestWithParam<double> {
  protected:
   VanishingMinimum() {
     stage_.put({x_, -0.3, 0.4});
-    EXPECT_EQ(stage_.move({x_, -0.3, kDepth}), Outcome::settled);
-    EXPECT_EQ(stage_.move({x_, -0.05, kDepth}), Outcome::settled);
+    EXPECT_EQ(stage_.move({x_, -0.3, kDeviceHeight}), Outcome::settled);
+    EXPECT_EQ(stage_.move({x_, -0.05, kDeviceHeight}), Outcome::settled);
   }
-  void move_to(double y) { EXPECT_EQ(stage_.move({x_, y, kDepth}), Outcome::settled); }
+  void move_to(double y) { EXPECT_EQ(stage_.move({x_, y, kDeviceHeight}), Outcome::settled); }
   void expect_on_ellipse_at_minimum() const {
     const Vec3 c = stage_.centre();
     const Vec3 pull = stage_.geometry.to_scene(stage_.device) - c;
@@ -82,15 +82,15 @@ TEST_P(VanishingMinimum, IsPassedInFewEventsFromHoweverFar) {
 TEST_P(VanishingMinimum, PartsOfTheMotionEndWhereTheWholeDoes) {
   Stage whole(floor_with_ridge(), kOffset);
   whole.put({x_, -0.3, 0.4});
-  ASSERT_EQ(whole.move({x_, -0.3, kDepth}), Outcome::settled);
-  ASSERT_EQ(whole.move({x_, 1.1 * end_, kDepth}), Outcome::settled);
-  const Vec3 to = stage_.geometry.to_local({x_, 1.1 * end_, kDepth});
+  ASSERT_EQ(whole.move({x_, -0.3, kDeviceHeight}), Outcome::settled);
+  ASSERT_EQ(whole.move({x_, 1.1 * end_, kDeviceHeight}), Outcome::settled);
+  const Vec3 to = stage_.geometry.to_local({x_, 1.1 * end_, kDeviceHeight});
   ASSERT_TRUE(follow_in_parts(*stage_.follower, stage_.device, to));
   EXPECT_LT((whole.centre() - stage_.centre()).norm(), 1e-9);
 }
 
 INSTANTIATE_TEST_SUITE_P(Devices, VanishingMinimum, ::testing::Values(-0.06, -0.08, -0.1, -0.12),
-                         [](const auto& info) { return "X" + std::to_string(static_cast<int>(-100.0 * info.param)); });
+                         [](const auto& device) { return "X" + std::to_string(static_cast<int>(-100.0 * device.param)); });
 
 }  // namespace
 }  // namespace hapton
