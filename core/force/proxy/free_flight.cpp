@@ -77,14 +77,18 @@ bool FreeFlight::is_vertex_seen_from(const Vec3& p, const Vec3& to, std::uint32_
 }
 
 Vec3 FreeFlight::clear_of_surfaces(const Vec3& p, double farthest) noexcept {
+  constexpr double kNoDirection = 0x1p-48;
   std::size_t count = 0;
   surfaces_.geometry().for_each_overlapping(Box{p, p}.inflated(clearance_.offset), [&](std::uint32_t id) {
     const ContactTriangle shape = surfaces_.shape_of(id);
     const Separation at = shape.separation(p);
     if (at.distance >= clearance_.offset || count == planes_.size() || !surfaces_.can_touch(id, p)) return;
+    // On the triangle only the side of its plane is known. On an edge or a corner the direction to the nearest point is none either.
     Vec3 normal = at.normal;
-    if (at.feature == Feature::face) {
+    const bool is_on_it = !(at.distance > kNoDirection) && !shape.normal().isZero(0.0);
+    if (is_on_it || at.feature == Feature::face) {
       const double side = side_sign(shape.corner(0), shape.corner(1), shape.corner(2), p);
+      if (is_on_it) normal = shape.normal();
       if ((side > 0.0) != (shape.normal().dot(normal) > 0.0)) normal = -normal;
     }
     planes_[count++] = {normal, clearance_.offset - normal.dot(p - at.nearest)};

@@ -123,9 +123,11 @@ TEST(Stress, EpisodesThatOnceHadFaultsHaveNone) {
            {"overlapping-parts-2", 8, 128},             // the device exactly below a convex edge
            {"sliver-fan", 9, 338, false, false, 10.0},  // a device at 1e300 m: two events a step among 3,000 triangles on its way back
            {"sliver-fan", 8, 31, false, false, 0.0, 0.0, 1e6},
-           {"probe-star", 10, 308, false, false, 0.0, 0.0, 1e6},  // a minimum that vanishes exactly at the sample
-           {"needles", 8, 644, false, false, 1e6},                // a groove of 1e-10 of the extent holds the point
-           {"overlapping-parts", 21, 39, false, false, 1e6},      // a piece of path went over to the other of two nearly parallel lines
+           {"probe-bumpy", 9, 254, false, false, 1e6},                // a device on an edge: to and fro between two neighbours
+           {"probe-star", 10, 308, false, false, 0.0, 0.0, 1e6},      // a minimum that vanishes exactly at the sample
+           {"needles", 8, 644, false, false, 1e6},                    // a groove of 1e-10 of the extent holds the point
+           {"touching-parts", 22, 307, false, false, 0.0, 0.0, 1e6},  // from a place exactly on an edge, within the plane of a face
+           {"overlapping-parts", 21, 39, false, false, 1e6},          // a piece of path went over to the other of two nearly parallel lines
        }) {
     StressPlan plan;
     plan.method.name = "proxy";

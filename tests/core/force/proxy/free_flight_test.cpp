@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 #include "core/geometry/mesh_shapes.h"
@@ -90,6 +91,17 @@ TEST(FreeFlight, APointTooNearIsMovedOffOnItsOwnSide) {
   }
   const Vec3 far = stage.geometry.to_local(Vec3(0.06, 0.012, 0.013));
   EXPECT_EQ(stage.flight.clear_of_surfaces(far, 1.0), far);
+}
+
+TEST(FreeFlight, APointExactlyOnAnEdgeOrACornerIsMovedOffTheFacesThere) {
+  FlightStage stage(make_box(Vec3::Constant(0.125), 1));  // its corners are exact in local units
+  const double face = stage.geometry.to_local(Vec3(0.0625, 0.0, 0.0)).x();
+  for (const int far : {0, 1, 2}) {  // along how many axes, after x, the point is at the end of the box
+    const Vec3 p(face, far >= 1 ? -face : 0.0101 * face, far >= 2 ? face : 0.0203 * face);
+    const Vec3 off = stage.flight.clear_of_surfaces(p, 16.0 * kOffset) - p;
+    for (int axis = 0; axis <= far; ++axis) EXPECT_NEAR(std::fabs(off[axis]), kOffset, 1e-3 * kOffset) << "ends " << far;
+    for (int axis = far + 1; axis < 3; ++axis) EXPECT_NEAR(off[axis], 0.0, 1e-3 * kOffset) << "ends " << far;
+  }
 }
 
 TEST(FreeFlight, APointOnASurfaceTakesTheOuterSide) {
