@@ -83,12 +83,15 @@ class SessionTest(unittest.TestCase):
         cut = os.path.join(self.folder.name, "cut.hapton")
         with open(self.recording, "rb") as file:
             data = file.read()
-        with open(cut, "wb") as file:
-            file.write(data[: len(data) * 2 // 3])
-        session = hapton.read_session(cut)
-        self.assertTrue(session["problem"])
-        self.assertGreater(len(session["t_s"]), 10)
-        self.assertLess(len(session["t_s"]), len(self.session["t_s"]))
+        problems = []
+        for shorter in (0, 1):  # one of the two ends within a record
+            with open(cut, "wb") as file:
+                file.write(data[: len(data) * 2 // 3 - shorter])
+            session = hapton.read_session(cut)
+            problems.append(session["problem"])
+            self.assertGreater(len(session["t_s"]), 10)
+            self.assertLess(len(session["t_s"]), len(self.session["t_s"]))
+        self.assertTrue(any(problems))
 
     def test_rejects_what_is_no_recording(self):
         with self.assertRaisesRegex(ValueError, "nowhere.hapton"):
