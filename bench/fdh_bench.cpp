@@ -128,50 +128,38 @@ void nearest_1(benchmark::State& state) {
   }
 }
 
-// From one sample to the next, and long ones through the whole mesh.
-template <int K>
-void segment(benchmark::State& state) {
+// One query an iteration at each sample of the walk but the last `ahead`, again and again. make_query: of the walk and the number of the
+// sample.
+template <int K, class MakeQuery>
+void query_along_walk(benchmark::State& state, std::size_t ahead, MakeQuery&& make_query) {
   const FdhTree<K>& tree = tree_of<K>(state.range(0));
   const auto& walk = walk_over(state.range(0));
   FdhVisits visits;
   std::size_t i = 0;
   std::uint64_t found = 0;
   for (auto _ : state) {
-    visits += tree.for_each_overlapping(FdhSweep{walk[i], walk[i + 1], 0.0}, [&](std::uint32_t) { ++found; });
-    if (++i + 1 == walk.size()) i = 0;
+    visits += tree.for_each_overlapping(make_query(walk, i), [&](std::uint32_t) { ++found; });
+    if (++i + ahead == walk.size()) i = 0;
   }
   benchmark::DoNotOptimize(found);
   count(state, visits);
 }
 
+// From one sample to the next.
+template <int K>
+void segment(benchmark::State& state) {
+  query_along_walk<K>(state, 1, [](const auto& walk, std::size_t i) { return FdhSweep{walk[i], walk[i + 1], 0.0}; });
+}
+
+// Long ones through the whole mesh.
 template <int K>
 void long_segment(benchmark::State& state) {
-  const FdhTree<K>& tree = tree_of<K>(state.range(0));
-  const auto& walk = walk_over(state.range(0));
-  FdhVisits visits;
-  std::size_t i = 0;
-  std::uint64_t found = 0;
-  for (auto _ : state) {
-    visits += tree.for_each_overlapping(FdhSweep{walk[i], walk[(i + 7919) % walk.size()], 0.0}, [&](std::uint32_t) { ++found; });
-    if (++i == walk.size()) i = 0;
-  }
-  benchmark::DoNotOptimize(found);
-  count(state, visits);
+  query_along_walk<K>(state, 0, [](const auto& walk, std::size_t i) { return FdhSweep{walk[i], walk[(i + 7919) % walk.size()], 0.0}; });
 }
 
 template <int K>
 void ball(benchmark::State& state) {
-  const FdhTree<K>& tree = tree_of<K>(state.range(0));
-  const auto& walk = walk_over(state.range(0));
-  FdhVisits visits;
-  std::size_t i = 0;
-  std::uint64_t found = 0;
-  for (auto _ : state) {
-    visits += tree.for_each_overlapping(FdhBall{walk[i], 0.0005}, [&](std::uint32_t) { ++found; });
-    if (++i == walk.size()) i = 0;
-  }
-  benchmark::DoNotOptimize(found);
-  count(state, visits);
+  query_along_walk<K>(state, 0, [](const auto& walk, std::size_t i) { return FdhBall{walk[i], 0.0005}; });
 }
 
 TouchScene touch_scene(std::int64_t triangles) {

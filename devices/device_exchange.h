@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
+#include <utility>
 
 #include "devices/device.h"
 #include "runtime/clock.h"
@@ -20,7 +21,8 @@ class DeviceExchange {
   static constexpr std::int64_t kServoSilenceNs = 20 * kNanosecondsPerMillisecond;
   // Drivers tick a thousand times a second; a hundred missed ticks are more than load explains.
   static constexpr std::int64_t kDriverSilenceNs = 100 * kNanosecondsPerMillisecond;
-  // Duration of the ramp up for a device that has become ready.
+  // Duration of the ramp up for a device that has become ready, from its first command on: a driver that is late after its first sample
+  // must not begin in the middle of it.
   static constexpr std::int64_t kRampNs = 200 * kNanosecondsPerMillisecond;
 
   // What the driver reports about the device. The sample's time is the driver's.
@@ -62,27 +64,25 @@ class DeviceExchange {
 
   // Driver: the newest sample. Its status determines what wrench() returns.
   void publish(const Reading& reading) noexcept {
-    const bool is_ready = reading.status == DeviceStatus::ready;
-    if (!is_ready) ready_since_ns_ = -1;
-    if (is_ready && ready_since_ns_ < 0) ready_since_ns_ = reading.sample.time_ns;
+    const bool was_ready = std::exchange(is_ready_, reading.status == DeviceStatus::ready);
+    if (!was_ready) restart_ramp();
     readings_.publish(reading);
   }
 
   // Driver: releases the force and ramps it up again, although the device stays ready.
-  void restart_ramp(std::int64_t now_ns) noexcept {
-    if (ready_since_ns_ >= 0) ready_since_ns_ = now_ns;
-  }
+  void restart_ramp() noexcept { ramp_begin_ns_ = kNotBegun; }
 
   // Driver: the wrench to apply now: the servo's newest; zero while the device is not ready or the servo has timed out.
   Wrench wrench(std::int64_t now_ns) noexcept {
     commands_.take();
     const Command& command = commands_.value();
-    if (ready_since_ns_ < 0) return {};
+    if (!is_ready_) return {};
     if (now_ns - command.time_ns > kServoSilenceNs || is_cut_.load(std::memory_order_acquire)) {
-      ready_since_ns_ = now_ns;
+      restart_ramp();
       return {};
     }
-    const double share = std::clamp(static_cast<double>(now_ns - ready_since_ns_) / static_cast<double>(kRampNs), 0.0, 1.0);
+    if (ramp_begin_ns_ == kNotBegun) ramp_begin_ns_ = now_ns;
+    const double share = std::clamp(static_cast<double>(now_ns - ramp_begin_ns_) / static_cast<double>(kRampNs), 0.0, 1.0);
     return {share * command.wrench.force_n, share * command.wrench.torque_nm};
   }
 
@@ -95,11 +95,14 @@ class DeviceExchange {
     std::int64_t time_ns = -kNanosecondsPerSecond;
   };
 
+  static constexpr std::int64_t kNotBegun = -1;
+
   Mailbox<Reading> readings_;
   Mailbox<Command> commands_;
-  Command command_;                   // the servo's
-  std::int64_t now_ns_ = 0;           // the servo's
-  std::int64_t ready_since_ns_ = -1;  // the driver's
+  Command command_;                         // the servo's
+  std::int64_t now_ns_ = 0;                 // the servo's
+  bool is_ready_ = false;                   // the driver's
+  std::int64_t ramp_begin_ns_ = kNotBegun;  // the driver's
   std::atomic<bool> is_cut_{false};
 };
 

@@ -10,13 +10,13 @@
 
 namespace hapton {
 
-// Which device, with which parameters, and where it is placed in W.
+// A device, its parameters, and its pose in W.
 struct DeviceSettings {
   std::string name = "simulated";  // one of device_makers()
-  std::string id;                  // which of several: serial number, path, index or the vendor's name for it; empty: the first found
+  std::string id;                  // selects one of several: serial number, path, index or the vendor's name for it; empty: the first found
   std::string file;                // TOML with the device's own parameters; empty: those of its maker
   std::string trajectory;          // CSV of the replay, or the path of the simulated hand
-  bool loop = false;               // it begins again
+  bool loop = false;               // repeat the trajectory
   std::uint64_t seed = 1;          // of the simulated hand's script
   // Tighter than the device's own limit; 0: no force at all; infinite: the device's own.
   double max_force_n = std::numeric_limits<double>::infinity();
@@ -29,10 +29,10 @@ struct DeviceSettings {
   double passive_damping_ns_per_m = 0.0;
   double passive_friction_n = 0.0;
   double passive_position_step_m = 0.0;
-  int hold_button = -1;                           // that must be held for force to be there, lowest bit 0; below 0: none
-  int clutch_button = 0;                          // that holds the device point where it is, counted from 1; 0: none
-  std::optional<RealtimeSettings> realtime = {};  // of the thread that talks to it, where there is one; none: an ordinary thread
-  Pose X_WB = Pose::Identity();                   // of the device's base, as the maker knows it, in W: two hands side by side
+  int dead_mans_switch = 0;                       // button that must be held for a force, counted from 1; 0: none
+  int clutch_button = 0;                          // button of the clutch, counted from 1; 0: none
+  std::optional<RealtimeSettings> realtime = {};  // of the device's own thread, if it has one; none: ordinary priority
+  Pose X_WB = Pose::Identity();                   // pose of the device's base frame in W, for two hands side by side
 };
 
 }  // namespace hapton

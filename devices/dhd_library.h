@@ -10,28 +10,28 @@
 namespace hapton::dhd {
 
 // The part of the Force Dimension SDK (DHD and DRD, 3.x) that we use, declared from its documented binary interface: plain C calls, the
-// device's number last. SI units; a result of -1 is an error, 1 and 2 are none. Axes: x towards the user, y to the right, z up.
+// device's number last. SI units; a result of -1 is an error, 1 and 2 are not. Axes: x towards the user, y to the right, z up.
 using Id = char;
 
 constexpr int kOk = 0;
-constexpr int kTimeguard = 1;       // called again too soon: the library returned the previous answer
-constexpr int kMotorSaturated = 2;  // a motor cannot give more
+constexpr int kTimeguard = 1;       // called again too soon: the library returned the previous result
+constexpr int kMotorSaturated = 2;  // a motor has reached its maximum
 
-// Places in what get_status fills; newer releases have more of them.
+// Indices into the array that get_status fills; newer releases have more of them.
 constexpr std::size_t kStatusPower = 0, kStatusConnected = 1, kStatusStarted = 2, kStatusForce = 5, kStatusBrake = 6;
 constexpr std::size_t kStatusError = 9, kStatusTimeguard = 11, kStatusForceOffCause = 14;
 using Status = std::array<int, 32>;
 
 constexpr int kFalcon = 60;
 
-// The watchdog of the firmware lets the motors go when no force has come for so long; in units of 125 us.
-constexpr unsigned char kWatchdogUnits = 255;  // 31.9 ms, the longest there is: a servo at 250 Hz needs 4
+// Time without a force after which the watchdog of the firmware turns the motors off, in units of 125 us.
+constexpr unsigned char kWatchdogUnits = 255;  // 31.9 ms, its maximum; a servo at 250 Hz needs 4 ms
 
-// "button released", "velocity threshold", ... : why the firmware let the force go.
+// "button released", "velocity threshold", ... : why the firmware released the force.
 std::string_view name_of_force_off_cause(int cause);
 
-// What a system bears, by its type: the library does not say. Our own figures, careful ones, to be checked against the maker's data sheet;
-// unknown types get little.
+// Limits of a device by its type, because the library does not report them. Our own conservative values, to be checked against the maker's
+// data sheet; unknown types get low ones.
 struct System {
   int type;
   std::string_view name;
@@ -68,7 +68,7 @@ struct Library {
   std::string file;
 };
 
-// Loads libdrd, else libdhd, by their names, or the one file. Error: one line, see VendorLibrary. RT: set-up only.
+// Loads libdrd, otherwise libdhd, by their names, or the given file. Error: one line, see VendorLibrary. RT: set-up only.
 Result<Library> load(const std::string& file = "");
 
 }  // namespace hapton::dhd

@@ -254,7 +254,7 @@ void ForceDimensionDevice::look_at_status(std::int64_t now_ns) {
   if (!reading_.is_calibrated) return;
   const bool was_off = std::exchange(is_force_off_, status[dhd::kStatusForce] == 0);
   if (!is_force_off_) return;
-  exchange_.restart_ramp(now_ns);
+  exchange_.restart_ramp();
   if (!was_off && now_ns >= next_line_ns_) {
     next_line_ns_ = now_ns + kSayEveryNs;
     log_warning("{} has released its force: {}; it returns by itself, or with the device's force button", model_,

@@ -8,6 +8,7 @@
 
 #include "devices/haply_messages.h"
 #include "devices/vendor_device.h"
+#include "link/http_endpoint.h"
 #include "link/udp_endpoint.h"
 #include "link/websocket_endpoint.h"
 #include "runtime/clock.h"
@@ -61,6 +62,7 @@ class HaplyDevice final : public VendorDevice {
 
  private:
   void run();
+  Result<void> judge_version(const Result<std::string>& text);
   bool tick();
   void take(const haply::State& state, std::int64_t now_ns);
   void publish(DeviceStatus status, std::int64_t now_ns);
@@ -78,14 +80,35 @@ class HaplyDevice final : public VendorDevice {
   std::unique_ptr<WebSocketEndpoint> socket_;
   DeviceExchange::Reading reading_;
   std::string said_;
+  haply::Session session_;
+  bool is_scale_logged_ = false;
   int absences_ = 0;
   bool is_calibration_logged_ = false;
   std::int64_t next_try_ns_ = 0;
 };
 
+// A service of another version takes our messages and does nothing with their forces.
+Result<void> HaplyDevice::judge_version(const Result<std::string>& text) {
+  const auto version = text ? haply::read_version(*text) : tl::unexpected(text.error());
+  if (!version) {
+    log_warning("the Haply Inverse Service at {} does not tell its version ({}); 3.5 is assumed", to_string(service_),
+                version.error().what);
+    return {};
+  }
+  if (const std::string why = haply::why_unknown(*version); !why.empty()) {
+    return fail("the Haply Inverse Service at {} is version {}.{}; {}", to_string(service_), version->major, version->minor, why);
+  }
+  return {};
+}
+
 Result<void> HaplyDevice::open() {
+  const bool is_first = model_.empty();
+  const Result<std::string> version = is_first ? read_http(service_, "/version", kConnectPatienceNs) : fail("");
   auto socket = WebSocketEndpoint::connect(service_, kConnectPatienceNs);
   if (!socket) return fail("the Haply Inverse Service does not answer at {}; {}", socket.error().what, kRemedy);
+  if (is_first) {
+    if (const auto judged = judge_version(version); !judged) return judged;
+  }
   if (!(*socket)->receive(said_, kConnectPatienceNs)) {
     return fail("the Haply Inverse Service at {} sends no data: {}; {}", to_string(service_), (*socket)->reason(), kRemedy);
   }
@@ -97,13 +120,15 @@ Result<void> HaplyDevice::open() {
     return fail("the Haply Inverse Service finds {}; check its cable and power, and the Haply Hub",
                 inventory->arms.empty() ? "no Inverse3" : "no Inverse3 of that --device-id");
   }
-  if (model_.empty()) {
+  if (is_first) {
     id_ = arm->id;
     model_ = arm->model.empty() ? "inverse3" : arm->model;
     firmware_ = arm->firmware;
   }
   if (!(*socket)->send(haply::first_message(id_), kAnswerPatienceNs)) return fail("{}: {}", to_string(service_), (*socket)->reason());
   socket_ = std::move(*socket);
+  session_ = {};
+  session_.update(*arm);
   absences_ = 0;
   return {};
 }
@@ -135,6 +160,7 @@ void HaplyDevice::run() {
   if (socket_->receive(said_, kAnswerPatienceNs) && socket_->send(haply::force_message(id_, Vec3::Zero()), kAnswerPatienceNs)) {
     socket_->receive(said_, kAnswerPatienceNs);
   }
+  socket_->close(kAnswerPatienceNs);
 }
 
 void HaplyDevice::look_for_service(std::int64_t now_ns) {
@@ -150,7 +176,7 @@ bool HaplyDevice::tick() {
   const std::int64_t now_ns = clock_.now_ns();
   // A state that cannot be read is as good as none.
   if (const auto state = haply::read_state(said_)) take(*state, now_ns);
-  return socket_->send(haply::force_message(id_, exchange_.wrench(now_ns).force_n), kAnswerPatienceNs);
+  return socket_->send(haply::force_message(id_, session_.force_from_w(exchange_.wrench(now_ns).force_n)), kAnswerPatienceNs);
 }
 
 void HaplyDevice::take(const haply::State& state, std::int64_t now_ns) {
@@ -161,7 +187,16 @@ void HaplyDevice::take(const haply::State& state, std::int64_t now_ns) {
     return;
   }
   if (std::exchange(absences_, 0) >= kMostAbsences) log_info("{} {} is back", model_, id_);
-  reading_.sample.p_WD = arm->p_WD;
+  session_.update(*arm);
+  if (session_.is_scaled()) {
+    if (!std::exchange(is_scale_logged_, true)) {
+      log_warning("{} {}: the session's mount or transform has a scale, which would change how stiff things are: no force until it is 1",
+                  model_, id_);
+    }
+    return publish(DeviceStatus::away, now_ns);
+  }
+  is_scale_logged_ = false;
+  reading_.sample.p_WD = session_.to_w(arm->position_m);
   reading_.is_calibrated = arm->is_calibrated;
   if (state.grip) {
     reading_.sample.q_WT = state.grip->q_WT;

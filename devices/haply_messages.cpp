@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 
 namespace hapton::haply {
@@ -39,13 +40,22 @@ std::optional<Vec3> vector(const Json* in) {
   return x && y && z ? std::optional(Vec3(*x, *y, *z)) : std::nullopt;
 }
 
-std::optional<Quat> quaternion(const Json* in) {
-  const auto v = vector(in);
-  const auto w = number(in, "w");
+std::optional<Quat> quaternion(const Json& in) {
+  const auto v = vector(&in);
+  const auto w = number(&in, "w");
   if (!v || !w) return std::nullopt;
   const Quat q(*w, v->x(), v->y(), v->z());
   constexpr double kTolerance = 0.1;
   return std::abs(q.norm() - 1.0) < kTolerance ? std::optional(q.normalized()) : std::nullopt;
+}
+
+Placement read_placement(const Json* in) {
+  Placement placement;
+  if (in == nullptr) return placement;
+  if (const Json* position = find(*in, "position")) placement.position_m = vector(position);
+  if (const Json* rotation = find(*in, "rotation")) placement.rotation = quaternion(*rotation);
+  if (const Json* scale = find(*in, "scale")) placement.scale = vector(scale);
+  return placement;
 }
 
 std::optional<Arm> read_arm(const Json& json) {
@@ -54,8 +64,10 @@ std::optional<Arm> read_arm(const Json& json) {
   Arm arm;
   arm.id = text(&json, "device_id");
   if (!position || arm.id.empty()) return std::nullopt;
-  arm.p_WD = to_w(*position);
+  arm.position_m = *position;
+  arm.transform = read_placement(find(*state, "transform"));
   const Json* config = find(json, "config");
+  if (config != nullptr) arm.mount = read_placement(find(*config, "mount"));
   arm.model = text(config, "type");
   arm.firmware = text(config, "extended_firmware_version");
   const Json* status = find(json, "status");
@@ -68,7 +80,8 @@ std::optional<Grip> read_grip(const Json& json) {
   const Json* state = find(json, "state");
   if (state == nullptr) return std::nullopt;
   Grip grip;
-  if (const auto q = quaternion(find(*state, "orientation"))) grip.q_WT = to_w(*q);
+  const Json* orientation = find(*state, "orientation");
+  if (const auto q = orientation != nullptr ? quaternion(*orientation) : std::nullopt) grip.q_WT = to_w(*q);
   const Json* buttons = find(*state, "buttons");
   unsigned bit = 1;
   for (const char* name : {"a", "b", "c"}) {
@@ -112,14 +125,52 @@ Result<State> read_state(std::string_view text) {
   return state;
 }
 
+Result<Version> read_version(std::string_view text) {
+  const Json json = Json::parse(text, nullptr, false);
+  const Json* data = find(json, "data");
+  const std::string said = hapton::haply::text(data != nullptr ? data : &json, "project_version");
+  Version version;
+  if (std::sscanf(said.c_str(), "%d.%d", &version.major, &version.minor) != 2) return fail("no project_version in its reply");
+  return version;
+}
+
+std::string why_unknown(const Version& version) {
+  const bool is_old = version.major < 3 || (version.major == 3 && version.minor < 5);
+  if (is_old) return "this io_node needs 3.5 or later, whose messages are others: update it with the Haply Hub";
+  return version.major > 3 ? "this io_node knows 3.5 and later versions of 3 only: install one of them, or a newer Hapton" : "";
+}
+
+void Placement::update(const Placement& newer) {
+  if (newer.position_m) position_m = newer.position_m;
+  if (newer.rotation) rotation = newer.rotation;
+  if (newer.scale) scale = newer.scale;
+}
+
+bool Placement::is_scaled() const {
+  constexpr double kTolerance = 1e-6;
+  return scale && (scale->array() - 1.0).abs().maxCoeff() > kTolerance;
+}
+
+Vec3 Placement::inverse(const Vec3& p_m) const {
+  return rotation.value_or(Quat::Identity()).conjugate() * (p_m - position_m.value_or(Vec3::Zero()));
+}
+
+Vec3 Placement::turn(const Vec3& vector) const { return rotation.value_or(Quat::Identity()) * vector; }
+
+void Session::update(const Arm& arm) {
+  mount.update(arm.mount);
+  transform.update(arm.transform);
+}
+
+Vec3 Session::to_w(const Vec3& position_m) const { return haply::to_w(mount.inverse(transform.inverse(position_m))); }
+Vec3 Session::force_from_w(const Vec3& force_n) const { return transform.turn(mount.turn(haply::force_from_w(force_n))); }
+
 std::string first_message(std::string_view arm_id) {
   constexpr std::string_view kSession =
       R"("session":{"configure":{"profile":{"name":"org.hapton:io_node"},"basis":{"permutation":"XYZ"}}})";
   return fmt::format("{{{},{}}}", kSession, command(arm_id, Vec3::Zero()));
 }
 
-std::string force_message(std::string_view arm_id, const Vec3& force_n) {
-  return fmt::format("{{{}}}", command(arm_id, force_from_w(force_n)));
-}
+std::string force_message(std::string_view arm_id, const Vec3& force_n) { return fmt::format("{{{}}}", command(arm_id, force_n)); }
 
 }  // namespace hapton::haply

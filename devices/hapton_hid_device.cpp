@@ -25,7 +25,7 @@ DeviceLimits to_device_limits(const hapton_hid::Limits& limits) {
 // In the order of importance: what is broken, what cannot push now, what does not know where it is.
 DeviceStatus status_of(const hapton_hid::State& state) noexcept {
   if (state.has_fault) return DeviceStatus::fault;
-  if (state.has_barked) return DeviceStatus::away;
+  if (state.has_tripped) return DeviceStatus::away;
   return state.is_calibrated ? DeviceStatus::ready : DeviceStatus::calibrating;
 }
 

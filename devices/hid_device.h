@@ -15,19 +15,19 @@
 namespace hapton {
 
 // A force-feedback device that speaks HID. Two threads of its own talk to it, because a write may wait for the bus: one reads and drains
-// (HidPort), one writes the newest wrench as soon as there is one, and every kRepeatNs what then holds, so that a watchdog in the device
-// is content. The servo only exchanges newest values with them. Unplugged, the device is away and looked for; when it is back, its force
-// begins at zero and ramps in. While the servo is silent the device is commanded to release the force.
+// (HidPort), one writes the newest wrench as soon as there is one, and repeats it every kRepeatNs, so that a watchdog in the device does
+// not trip. The servo only exchanges newest values with them. An unplugged device is away; it is searched for, and when it is back its
+// force starts at zero and ramps up. While no command comes from the servo, the device is commanded to release the force.
 // RT and Threads: as Device says.
 class HidDevice final : public Device, private HidListener {
  public:
   static constexpr std::int64_t kRepeatNs = 2 * kNanosecondsPerMillisecond;
-  // A device that is opened must have reported by then.
+  // A device must have sent its first report so long after it was opened.
   static constexpr std::int64_t kFirstReportNs = 2 * kNanosecondsPerSecond;
   // After so many rejected reports in a row the device is reopened.
   static constexpr int kMostRejected = 100;
 
-  // Opens it and waits until it has said where it is. Error: it is not there, cannot be driven or says nothing, one line.
+  // Opens it and waits for its first position. Error: it is not there, cannot be driven or sends no report; one line.
   static Result<std::unique_ptr<HidDevice>> open(std::unique_ptr<HidBackend> backend, HidOpener opener,
                                                  std::optional<RealtimeSettings> realtime = {});
   ~HidDevice() override;
@@ -67,7 +67,7 @@ class HidDevice final : public Device, private HidListener {
   std::optional<RealtimeSettings> realtime_;
   SteadyClock clock_;
   DeviceExchange exchange_;
-  // Held for a decoding, an encoding or a beginning, never over a read or a write; the servo does not take it.
+  // Held while a report is decoded or encoded and while a device is set up, never during a read or a write; the servo does not lock it.
   std::mutex driver_mutex_;
   DeviceExchange::Reading reading_;
   bool has_news_ = false;

@@ -230,7 +230,7 @@ hd::Enum OpenHapticsDevice::on_tick(void* self) noexcept {
 void OpenHapticsDevice::tick() noexcept {
   const std::int64_t now_ns = clock_.now_ns();
   // Another device was opened or closed: all stood still.
-  if (now_ns - reading_.sample.time_ns > DeviceExchange::kDriverSilenceNs) exchange_.restart_ramp(now_ns);
+  if (now_ns - reading_.sample.time_ns > DeviceExchange::kDriverSilenceNs) exchange_.restart_ramp();
   reading_.sample.time_ns = now_ns;
   hd_.make_current_device(device_);
   hd_.begin_frame(device_);
@@ -316,7 +316,7 @@ void OpenHapticsDevice::collect_errors(std::int64_t now_ns) noexcept {
     if (error.code == hd::kSuccess) return;
     if (hd::is_force_error(error.code)) {
       pause_until_ns_ = now_ns + kForceErrorPauseNs;
-      exchange_.restart_ramp(pause_until_ns_);
+      exchange_.restart_ramp();
       force_error_.store(error.code, std::memory_order_relaxed);
     } else if (hd::is_device_error(error.code)) {
       device_error_.store(error.code, std::memory_order_relaxed);

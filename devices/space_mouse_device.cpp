@@ -12,7 +12,7 @@ namespace {
 const Vec3 kHalfWorkspaceM(0.15, 0.12, 0.15);
 constexpr double kLongestStepS = 0.02;
 
-// No motors: the force limit is what an ordinary device has, so that contact is worked out in full.
+// No motors: the force limit is what an ordinary device has, so that contact is computed in full.
 DeviceLimits make_limits() {
   return {.max_force_n = 8.0,
           .max_slew_n_per_s = 2000.0,

@@ -17,7 +17,7 @@ namespace hapton {
 // Little-endian, without report numbers. The motors are on while reports come, and off 0.5 s after the last.
 //
 // The encoders count from where the arm was when its electronics got power: that must be its rest pose, upper arm upright, lower arm
-// hanging down. When they begin anew while in use, the device is calibrating until the arm has rested for kRestNs, which is taken for the
+// hanging down. When they start again while in use, the device is calibrating until the arm has rested for kRestNs, which is taken for the
 // rest pose. W: x is the base's y (right), y its z (up), z its x (from the column to the person).
 class WoodenHapticsBackend final : public HidBackend {
  public:

@@ -7,8 +7,8 @@
 
 namespace hapton {
 
-// The arm of a WoodenHaptics device. The numbers given are those of the "2016 edition"; other builds name their own in a TOML file.
-// A body is what a motor turns through a capstan and a cable: a the column, b the upper arm, c the lower arm.
+// The arm of a WoodenHaptics device. The numbers given are those of the "2016 edition"; other builds give theirs in a TOML file.
+// A motor turns each body through a capstan and a cable: a the column, b the upper arm, c the lower arm.
 struct WoodenArm {
   struct Body {
     double capstan_diameter_m = 0.010;
@@ -29,15 +29,15 @@ struct WoodenArm {
   Vec3 origin_m = Vec3(0.22, 0.0, 0.08);  // of the workspace, in the arm's base frame
 };
 
-// Frame: B, the base: z up along the column's axis, x forward where all angles are zero, y as the right hand rule says; its origin is
+// Frame: B, the base: z up along the column's axis, x forward where all angles are zero, y by the right-hand rule; its origin is
 // WoodenArm::origin_m. Units: m, rad, N, N m, A. RT: yes, all of it pure.
 //
 // With angles a, b, c and the lengths La, Lb, Lc:
 //   x = cos a (Lb sin b + Lc sin c) - x0
 //   y = sin a (Lb sin b + Lc sin c) - y0
 //   z = La + Lb cos b - Lc cos c - z0
-// so that at zero the upper arm stands upright and the lower arm hangs down along it. b and c are both measured against the vertical:
-// a cable drives c, not the elbow.
+// so that at zero the upper arm stands upright and the lower arm hangs down along it. b and c are both measured from the vertical, because
+// the cable drives c directly, not the elbow angle.
 class WoodenKinematics {
  public:
   explicit WoodenKinematics(const WoodenArm& arm) noexcept : arm_(arm) {}
@@ -47,9 +47,9 @@ class WoodenKinematics {
   // d position / d angles.
   Mat3 jacobian(const Vec3& angles_rad) const noexcept;
 
-  // Of the two moving arms, in the field of the Earth; zero at height zero of the base frame before the origin was moved.
+  // Potential energy of the two moving arms under gravity; zero at height zero of the base frame before the origin was moved.
   double potential_energy_j(const Vec3& angles_rad) const noexcept;
-  // What the joints must give to carry the arms: the gradient of that energy.
+  // Joint torques that hold the arms against gravity: the gradient of that energy.
   Vec3 gravity_torque_nm(const Vec3& angles_rad) const noexcept;
 
   // The joints' torque for a force on the device point: J^T F.
@@ -60,7 +60,7 @@ class WoodenKinematics {
   Quat lower_arm(const Vec3& angles_rad) const noexcept;
 
  private:
-  // Turns of the joint for a turn of the motor, signed.
+  // Transmission ratio with sign: turns of the joint for one turn of the motor.
   double ratio(std::size_t body) const noexcept;
 
   WoodenArm arm_;

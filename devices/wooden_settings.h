@@ -9,21 +9,21 @@
 
 namespace hapton {
 
-// Three encoders between the lower arm and the stylus, in this order: each turns about an axis of the frame that the one before it left.
+// Three encoders between the lower arm and the stylus, in this order: each axis is in the frame after the previous rotation.
 struct WoodenWrist {
   struct Joint {
-    Vec3 axis = Vec3::UnitZ();  // of unit length, in the frame of the lower arm where all is zero
+    Vec3 axis = Vec3::UnitZ();  // of unit length, in the frame of the lower arm with all angles zero
     double counts_per_turn = 2000.0;
     double direction = 1.0;
-    double offset_rad = 0.0;  // the angle where the encoder says zero
+    double offset_rad = 0.0;  // the angle at encoder zero
   };
   std::array<Joint, 3> joints = {};
 };
 
-// Of one build of a WoodenHaptics device.
+// Parameters of one build of a WoodenHaptics device.
 struct WoodenSettings {
   WoodenArm arm;
-  std::optional<WoodenWrist> wrist;  // none: the stylus' orientation is not known, it points as the world does
+  std::optional<WoodenWrist> wrist;  // none: the orientation is unknown, the stylus keeps that of W
   DeviceLimits limits;               // force, stiffness, workspace in W
   double max_current_a = 3.0;        // of each motor; the firmware's full scale
   bool has_gravity_compensation = true;
@@ -33,7 +33,7 @@ struct WoodenSettings {
   static WoodenSettings make_default();
 };
 
-// docs/wooden-haptics.md has the keys; what is left out is as in the default. Error: one line with file, line and key.
+// docs/wooden-haptics.md has the keys; absent keys have their defaults. Error: one line with file, line and key.
 Result<WoodenSettings> read_wooden_settings(const std::filesystem::path& path);
 
 }  // namespace hapton

@@ -47,8 +47,8 @@ class Grasp {
   // An object lies elsewhere at the start: X_SO. Set-up only. Pre: of the scene, and movable.
   void place(int object, const Pose& X_SO);
 
-  // Somebody asks for an object to be moved from its pose of that serial to this one: update() does it if nothing is picked up, held or put
-  // down then. Otherwise, where the serial is not the object's newest, and for what is not movable, it is ignored: who asks repeats.
+  // Requests that an object is moved from its pose of that serial to this one: update() does it if nothing is picked up, held or put
+  // down then. Otherwise, where the serial is not the object's newest, and for what is not movable, it is ignored: the sender repeats it.
   void request(const ObjectPose& pose) noexcept { requested_ = pose; }
 
   enum class Change : std::uint8_t { none, picked_up, put_down };

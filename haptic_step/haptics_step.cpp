@@ -20,7 +20,7 @@ void HapticsStep::offer(const DeviceState& state) noexcept {
     ++skipped_;
     ++counts_.skipped;
   }
-  // The hub worked out the force itself for a while and wants this node to go on from there.
+  // The hub computed the force itself for a while and wants this node to go on from there.
   if (state.is_resumed && !state_.is_resumed && running_) restart();
   state_ = state;
   has_state_ = true;
@@ -61,7 +61,14 @@ ForceCommand HapticsStep::answer() noexcept {
   reply.answered_before = answered_before_;
   reply.material_serial = static_cast<std::uint32_t>(counts_.materials_taken);
   reply.scene_time_ns = scene_time_ns_;
+  reply.move_serial = static_cast<std::uint32_t>(counts_.moves_taken);
   return reply;
+}
+
+bool HapticsStep::command(int object, const CommandedMove& move) noexcept {
+  if (!touch_->command(object, move)) return false;
+  ++counts_.moves_taken;
+  return true;
 }
 
 void HapticsStep::advance_scene(std::int64_t step_ns) noexcept {
@@ -72,7 +79,9 @@ void HapticsStep::advance_scene(std::int64_t step_ns) noexcept {
 
 void HapticsStep::feel_probe(ForceCommand& reply) noexcept {
   if (!running_) {
-    touch_->reset(make_start());
+    const TouchInput start = make_start();
+    free_starts_ += start.p_WD == input_.p_WD ? 1 : 0;
+    touch_->reset(start);
   } else {
     remember_answered();
   }
@@ -204,6 +213,7 @@ bool HapticsStep::turn_scene(const ViewTransform& view) noexcept {
 std::unique_ptr<TouchStep> HapticsStep::replace(std::unique_ptr<TouchStep> touch) noexcept {
   ++counts_.methods_taken;
   std::swap(touch_, touch);
+  touch_->follow_commands(*touch);
   if (running_) {
     TouchInput start = input_;
     const std::optional<Grasp::Start> put_down = grasp_ != nullptr ? grasp_->take_start(X_WS_) : std::nullopt;

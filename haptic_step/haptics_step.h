@@ -23,6 +23,7 @@ struct HapticsCounts {
   std::uint64_t views_rejected = 0;  // not rigid
   std::uint64_t methods_taken = 0;   // changes while running
   std::uint64_t materials_taken = 0;
+  std::uint64_t moves_taken = 0;  // of objects, by programs
   double max_force_n = 0.0;
   // Of a rigid tool:
   double max_torque_nm = 0.0;
@@ -56,6 +57,11 @@ class HapticsStep {
   bool has_state() const noexcept { return has_state_; }
   // There was a reply since the start or the last restart().
   bool is_running() const noexcept { return running_; }
+  // How often the probe's contact began at the device point, with nothing known of contact before.
+  std::uint32_t free_starts() const noexcept { return free_starts_; }
+  // The device point of the last reply, and whether the method had contact there. Frame S.
+  Vec3 p_SD() const noexcept { return input_.X_WS.inverse(Eigen::Isometry) * input_.p_WD; }
+  bool has_contact() const noexcept { return output_.contact; }
 
   // Lets the method see where it will start, so that its slow task can build the objects there; changes nothing else. Pre: has_state(), not
   // is_running().
@@ -72,9 +78,14 @@ class HapticsStep {
   void set_scene_time(std::int64_t time_ns) noexcept { next_scene_time_ns_ = time_ns; }
   static constexpr std::int64_t kMostSceneStepNs = 50'000'000;
 
-  // Replaces the method and returns the old one. In contact the new one starts where the old one's probe is, on the same side of the
-  // surface, so its first step has the same contact; in free space at the device point. Where the forces of the two differ, the difference
-  // fades (ForceFade).
+  std::int64_t scene_time_ns() const noexcept { return scene_time_ns_; }
+
+  // Moves an object from the next reply on, as TouchStep::command. Its start is the scene time of a reply.
+  bool command(int object, const CommandedMove& move) noexcept;
+
+  // Replaces the method and returns the old one; objects that programs moved stay where they are. In contact the new one starts where the
+  // old one's probe is, on the same side of the surface, so its first step has the same contact; in free space at the device point. Where
+  // the forces of the two differ, the difference fades (ForceFade).
   std::unique_ptr<TouchStep> replace(std::unique_ptr<TouchStep> touch) noexcept;
 
   // The materials have changed, as ForceMethod::set_materials has them; the proxy stays. In contact the difference of the forces fades
@@ -129,6 +140,7 @@ class HapticsStep {
   std::uint64_t last_sample_ = 0;      // of the last reply
   std::uint64_t answered_before_ = 0;  // as in ForceCommand, for the next reply: without last_sample_
   std::uint32_t skipped_ = 0;
+  std::uint32_t free_starts_ = 0;
   bool has_state_ = false;
   bool running_ = false;  // there was a last reply
   HapticsCounts counts_;

@@ -9,9 +9,18 @@ bool is_same_motion(const SceneObject& a, const SceneObject& b) {
   return a.motion == b.motion || (a.motion != nullptr && b.motion != nullptr && *a.motion == *b.motion);
 }
 
+bool is_same_deformation(const SceneObject& a, const SceneObject& b) {
+  return a.deformation == b.deformation || (a.deformation != nullptr && b.deformation != nullptr && *a.deformation == *b.deformation);
+}
+
+bool is_commanded_alike(const SceneObject& a, const SceneObject& b) {
+  if (a.commanded == nullptr || b.commanded == nullptr) return a.commanded == b.commanded;
+  return a.commanded->pivot() == b.commanded->pivot() && a.commanded->radius_m() == b.commanded->radius_m();
+}
+
 bool is_same_shape(const SceneObject& a, const SceneObject& b) {
-  return is_same_motion(a, b) && a.material.two_sided == b.material.two_sided && hash_mesh(*a.mesh) == hash_mesh(*b.mesh) &&
-         a.mesh->authored_normals == b.mesh->authored_normals;
+  return is_same_motion(a, b) && is_commanded_alike(a, b) && is_same_deformation(a, b) && a.material.two_sided == b.material.two_sided &&
+         hash_mesh(*a.mesh) == hash_mesh(*b.mesh) && a.mesh->authored_normals == b.mesh->authored_normals;
 }
 
 bool is_same_material(const Material& a, const Material& b) {

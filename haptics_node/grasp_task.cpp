@@ -4,7 +4,6 @@
 #include <chrono>
 #include <utility>
 
-#include "core/force/stiffest.h"
 #include "core/force/virtual_coupling.h"
 #include "haptics_node/new_scene.h"
 #include "haptics_node/placed_scene.h"
@@ -13,11 +12,12 @@
 #include "runtime/log.h"
 #include "runtime/start_thread.h"
 #include "runtime/worker_threads.h"
+#include "scene/tool_obstacles.h"
 
 namespace hapton {
 namespace {
 
-// Between two looks for an order or a sample, as ToolTask has it.
+// Between two checks for an order or a sample, as ToolTask has it.
 constexpr auto kPause = std::chrono::microseconds(100);
 // A longer time to make a tool is logged: the object did not follow the hand at once.
 constexpr double kNoticedS = 0.2;
@@ -49,11 +49,11 @@ void GraspTask::stop() noexcept {
 
 void GraspTask::run() {
   while (!stop_.load(std::memory_order_acquire)) {
-    if (!look()) std::this_thread::sleep_for(kPause);
+    if (!run_once()) std::this_thread::sleep_for(kPause);
   }
 }
 
-bool GraspTask::look() {
+bool GraspTask::run_once() {
   if (link_.orders.take()) {
     carry_out(link_.orders.value());
     return true;
@@ -65,7 +65,7 @@ bool GraspTask::look() {
   return true;
 }
 
-// With an order the step has let go of the tool before.
+// Before it sends an order, the step releases the tool.
 void GraspTask::carry_out(const GraspOrder& order) {
   tool_.reset();
   if (order.kind == GraspOrder::Kind::pick_up) pick_up(order);
@@ -77,19 +77,12 @@ void GraspTask::pick_up(const GraspOrder& order) {
   const std::int64_t begin_ns = clock.now_ns();
   const auto number = static_cast<std::size_t>(order.object);
   const std::string& name = scene_.objects[number].name;
-  std::vector<std::shared_ptr<const TriangleMesh>> others;
-  std::vector<SurfaceFriction> friction;
-  for (std::size_t o = 0; o < scene_.objects.size(); ++o) {
-    if (o == number) continue;
-    others.push_back(scene_.objects[o].mesh);
-    const Material& material = scene_.objects[o].material;
-    friction.push_back({material.friction_static, material.friction_dynamic});
-  }
+  ToolObstacles obstacles = make_tool_obstacles(couple_scene(scene_.touch_scene(), options_.coupling_n_per_m), number);
   const TriangleMesh held = move_mesh(order.X_SD.inverse(Eigen::Isometry) * order.moved, *as_loaded_[number]);
-  auto step = ToolStep::make(held, std::move(others),
-                             {.stiffness_n_per_m = find_stiffest(couple_scene(scene_.touch_scene(), options_.coupling_n_per_m)),
-                              .rotational_stiffness_nm_per_rad = options_.rotational_stiffness_nm_per_rad},
-                             std::move(friction), make_worker_team(options_.threads));
+  auto step = ToolStep::make(
+      held, std::move(obstacles.meshes),
+      {.stiffness_n_per_m = obstacles.stiffness_n_per_m, .rotational_stiffness_nm_per_rad = options_.rotational_stiffness_nm_per_rad},
+      std::move(obstacles.friction), make_worker_team(options_.threads));
   if (!step) {
     log_warning("{} cannot be picked up: {}", name, step.error().what);
     link_.answers.publish({order.serial});

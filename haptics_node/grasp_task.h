@@ -17,8 +17,8 @@
 namespace hapton {
 
 // The slow task of grasping: makes the tool of an object that is picked up, follows the device with its pose, and builds the scene again
-// with the object where it was put down. The trees are built anew for each; the force never waits for that.
-// Threads: one of its own, or whoever calls look(). RT: no.
+// with the object where it was put down. The trees are rebuilt for each; the force never waits for that.
+// Threads: one of its own, or the caller of run_once(). RT: no.
 class GraspTask {
  public:
   struct Options {
@@ -39,8 +39,8 @@ class GraspTask {
   void start();
   // Ends the thread; the times are complete then.
   void stop() noexcept;
-  // One look: carries out an order, or follows the device once. False: there was nothing to do.
-  bool look();
+  // Carries out one order, or follows the device once. False: there was nothing to do.
+  bool run_once();
 
   const LatencyHistogram& pose_times() const noexcept { return pose_times_; }
 

@@ -97,7 +97,7 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
   app.add_option("--tool-unit", tool_unit, "Unit of the tool's file: m, cm, mm or in (default: --unit)")
       ->check(accepts(parse_unit))
       ->needs(tool);
-  app.add_option("--tool-grip", tool_grip, "Where the stylus holds it: origin (of its mesh) or center (of its box)")
+  app.add_option("--tool-grip", tool_grip, "Where the stylus holds it: origin (of its mesh) or centre (of its box)")
       ->check(accepts(parse_tool_grip))
       ->capture_default_str()
       ->needs(tool);
@@ -105,7 +105,7 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
       ->check(between(0.0, 1e6))
       ->capture_default_str();
   app.add_option("--tool-threads", options.tool_threads,
-                 "Threads that share the search for contacts of a tool, beside the one of the force; the pose is the same with any number")
+                 "Threads that share the search for contacts of a tool, beside that of the force; the pose is the same with any number")
       ->check(between(1, WorkerTeam::kMost))
       ->capture_default_str();
   app.add_option("--grasp-button", options.grasp_button,
@@ -122,7 +122,7 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
       ->capture_default_str();
   app.add_option("--cpu", options.realtime.cpu, "Pin to this CPU; -1: any")->check(between(-1, 1023))->capture_default_str();
   app.add_option("--patch-bandwidth", options.patch_mbit_per_s,
-                 "Mbit/s at most for parts of the scene, which the hub asks for when the network is slow (docs/remote.md)")
+                 "Mbit/s at most for parts of the scene, which the hub requests when the network is slow (docs/remote.md)")
       ->check(between(0.01, 1000.0))
       ->capture_default_str();
   app.add_option("--seconds", options.seconds, "End after this long, 0: when stopped")->check(between(0.0, 1e9))->capture_default_str();

@@ -5,13 +5,16 @@
 #include <mutex>
 #include <optional>
 
+#include "core/base/button_bit.h"
 #include "core/force/stiffest.h"
 #include "core/force/virtual_coupling.h"
 #include "haptic_step/haptics_setup.h"
+#include "haptic_step/object_mover.h"
 #include "haptic_step/scene_facts.h"
 #include "haptics_node/grasp_task.h"
 #include "haptics_node/haptics_options.h"
 #include "haptics_node/haptics_report.h"
+#include "haptics_node/inside_watch.h"
 #include "haptics_node/placed_scene.h"
 #include "haptics_node/preparation_notice.h"
 #include "haptics_node/reply_loop.h"
@@ -20,6 +23,7 @@
 #include "haptics_node/scene_watcher.h"
 #include "haptics_node/tool_task.h"
 #include "link/link_key.h"
+#include "link/random_id.h"
 #include "link/sealed_client.h"
 #include "link/udp_endpoint.h"
 #include "plugin/plugin_method.h"
@@ -64,7 +68,7 @@ Result<void> load_effects(const std::vector<PluginChoice>& choices, PluginEffect
 Result<std::unique_ptr<ForceMethod>> make_any(const HapticsOptions& options, MethodSettings& settings, const TouchScene& scene,
                                               const Clock& clock) {
   if (!is_plugin_method(settings.name)) return make_built_in(settings, scene);
-  if (scene.has_motion()) return fail("method '{}': objects of the scene move by keyframes; choose method proxy", settings.name);
+  if (scene.has_motion()) return fail("method '{}': objects of the scene move; choose method proxy", settings.name);
   if (!options.method_file) return fail("method '{}': haptics_node was started without one; give it --method FILE.so", settings.name);
   auto made = PluginMethod::make(*options.method_file, couple_scene(scene, settings.coupling_n_per_m), clock, options.plugin_budget_ns());
   if (!made) return tl::unexpected(made.error());
@@ -102,6 +106,9 @@ int run(const HapticsOptions& options) {
   const Scene placed = place_objects(*loaded, *put_down);
   const Scene* const scene = &placed;
   if (const auto checked = check_motion(*scene, !options.tool.file.empty() || scene->tool); !checked) return give_up(checked.error());
+  if (options.watch_scene && scene->touch_scene().has_commanded()) {
+    return give_up({"--watch-scene does not go with objects that programs move yet; leave it out, or 'moved_by' in the scene file"});
+  }
   for (const auto& note : scene->notes) log_info("{}", note);
   for (const auto& warning : find_inside_out(*scene)) log_warning("{}", warning);
   const SceneFacts facts = make_scene_facts(*scene);
@@ -142,7 +149,7 @@ int run(const HapticsOptions& options) {
     } else if (options.watch_scene) {
       return give_up({"--watch-scene does not go with movable objects yet; leave it out, or 'movable = true' in the scene file"});
     } else {
-      step.set_grasp(&grasp.emplace(grasp_link, movable, std::uint32_t{1} << (options.grasp_button - 1)));
+      step.set_grasp(&grasp.emplace(grasp_link, movable, button_bit(options.grasp_button)));
       for (const PutDown& each : *put_down) grasp->place(each.object, each.pose());
       log_info("button {} of the stylus picks up movable objects while they are touched", options.grasp_button);
     }
@@ -162,6 +169,8 @@ int run(const HapticsOptions& options) {
   if (!effects.empty()) loop.set_effects(&effects);
   StiffnessAdviser adviser(find_stiffest(felt));
   loop.set_stiffness_adviser(&adviser);
+  InsideWatch inside(felt);
+  loop.set_inside_watch(&inside);
   MaterialTuner tuner(*scene, options.method.coupling_n_per_m, [&](const std::vector<Material>& materials) {
     const std::scoped_lock lock(felt_mutex);
     for (std::size_t o = 0; o < std::min(materials.size(), felt.objects.size()); ++o) felt.objects[o].material = materials[o];
@@ -169,11 +178,14 @@ int run(const HapticsOptions& options) {
     patches.set_materials(materials);
   });
   loop.set_material_tuner(&tuner);
+  ObjectMover mover(*scene, static_cast<std::uint32_t>(make_random_id()) | 1U);
+  loop.set_object_mover(&mover);
   std::optional<GraspTask> grasp_task;
   const auto on_scene = [&](const TouchScene& now) {
     const std::scoped_lock lock(felt_mutex);
     felt = now;
     adviser.set_stiffest(find_stiffest(felt));
+    inside.set_scene(felt);
     patches.withdraw();
   };
   SceneWatcher watcher({.path = scene_path,

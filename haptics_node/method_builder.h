@@ -52,7 +52,7 @@ class MethodBuilder {
   // Requests a method; a later request replaces one that has not started.
   void request(const MethodName& name, std::uint32_t request_id = 0) noexcept { requests_.publish({name, request_id}); }
 
-  // From now on methods are made for this scene; the method in use is made anew for it, or kept where the shape is. Returns when that is
+  // From now on methods are made for this scene; the method in use is made again for it, or kept where the shape is. Returns when that is
   // ready to be taken. Error: one line: it cannot be built, and the scene before goes on. Threads: any but the caller of take. RT: no.
   Result<void> follow(std::shared_ptr<const NewScene> scene);
 

@@ -49,7 +49,7 @@ class PatchSender {
     is_withdrawn_.store(true, std::memory_order_release);
     is_offered_.store(false, std::memory_order_release);
   }
-  // The scene's materials have changed: the hub gets all parts anew. Pre: one for each object. RT: no. Threads: any.
+  // The scene's materials have changed: the hub gets all parts again. Pre: one for each object. RT: no. Threads: any.
   void set_materials(const std::vector<Material>& materials);
   // The hub asked for parts a moment ago. Threads: any.
   bool is_wanted(std::int64_t now_ns) const noexcept { return now_ns < wanted_until_ns_.load(std::memory_order_relaxed); }

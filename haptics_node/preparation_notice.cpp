@@ -9,8 +9,6 @@
 namespace hapton {
 namespace {
 
-// A shorter preparation is not reported.
-constexpr std::int64_t kMomentNs = 300 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kNotifyEveryNs = 200 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kLookNs = 20 * kNanosecondsPerMillisecond;
 
@@ -43,14 +41,14 @@ void notify_preparation(HubClient& hub, const Clock& clock, SceneFacts scene, st
 }
 
 Result<std::unique_ptr<ForceMethod>> build_and_notify(const std::function<Result<std::unique_ptr<ForceMethod>>()>& build,
-                                                      const std::function<void(DoneSignal&)>& notify) {
+                                                      const std::function<void(DoneSignal&)>& notify, std::int64_t moment_ns) {
   std::optional<Result<std::unique_ptr<ForceMethod>>> built;
   DoneSignal done;
   std::thread builder = start_thread([&] {
     built.emplace(build());
     done.set();
   });
-  if (!done.wait_ns(kMomentNs)) notify(done);
+  if (!done.wait_ns(moment_ns)) notify(done);
   builder.join();
   return std::move(*built);
 }

@@ -30,9 +30,13 @@ class DoneSignal {
 // Commands nothing. began_ns: of the clock. RT: no.
 void notify_preparation(HubClient& hub, const Clock& clock, SceneFacts scene, std::int64_t began_ns, DoneSignal& done);
 
+// A shorter preparation is not reported.
+inline constexpr std::int64_t kPreparationMomentNs = 300 * kNanosecondsPerMillisecond;
+
 // Builds a method in its own thread. If that takes longer than a moment, calls `notify` once meanwhile, which must return when the given
 // signal is set. RT: set-up only.
 Result<std::unique_ptr<ForceMethod>> build_and_notify(const std::function<Result<std::unique_ptr<ForceMethod>>()>& build,
-                                                      const std::function<void(DoneSignal&)>& notify);
+                                                      const std::function<void(DoneSignal&)>& notify,
+                                                      std::int64_t moment_ns = kPreparationMomentNs);
 
 }  // namespace hapton

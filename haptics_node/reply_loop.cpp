@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "haptic_step/haptics_setup.h"
 #include "plugin/plugin_method.h"
@@ -19,6 +20,8 @@ constexpr std::int64_t kSetupEveryNs = kNanosecondsPerSecond;
 constexpr std::int64_t kSetupAgainNs = 100 * kNanosecondsPerMillisecond;
 constexpr int kSetupRepeats = 3;
 constexpr std::size_t kMostPosesAgain = 16;  // of objects, sent again with a setup
+// Between two requests of programs that are carried out: each is sent to every vision node.
+constexpr std::int64_t kMoveEveryNs = 4 * kNanosecondsPerMillisecond;
 // A first reply that waits no longer is not reported; otherwise vision nodes are notified at this interval.
 constexpr std::int64_t kShortWaitNs = 300 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kPreparingEveryNs = 200 * kNanosecondsPerMillisecond;
@@ -73,11 +76,14 @@ void ReplyLoop::turn(std::int64_t deadline_ns) {
   if (patches_ != nullptr) send_patches();
   change_method();
   change_materials();
+  move_objects();
+  repeat_move();
   report_grasp();
   send_setup();
   report_hub_state();
   report_scene();
   report_tool();
+  report_inside();
   report_plugins();
   report_patches();
 }
@@ -112,6 +118,8 @@ void ReplyLoop::handle(const Message& message) noexcept {
     if (!overtaken && adviser_ != nullptr) adviser_->note(*facts);
   } else if (const auto* pose = std::get_if<ObjectPose>(&message)) {
     if (step_.grasp() != nullptr) step_.grasp()->request(*pose);
+  } else if (const auto* move = std::get_if<MoveRequest>(&message)) {
+    if (!overtaken && mover_ != nullptr) mover_->request(*move);
   } else if (const auto* request = std::get_if<MaterialRequest>(&message)) {
     request_materials(*request);
   } else if (const auto* settings = std::get_if<Settings>(&message); settings != nullptr && settings->method[0] != '\0') {
@@ -168,6 +176,15 @@ void ReplyLoop::answer() noexcept {
   hub_.send(command);
   compute_times_.record(spent_ns);
   step_times_.record(end_ns - begin_ns);
+  if (inside_ != nullptr) note_hand();
+}
+
+void ReplyLoop::note_hand() noexcept {
+  if (std::exchange(free_starts_, step_.free_starts()) != step_.free_starts()) {
+    inside_->note_start(step_.p_SD());
+  } else if (inside_->is_watching()) {
+    inside_->note_hand(step_.p_SD(), step_.has_contact());
+  }
 }
 
 void ReplyLoop::change_method() noexcept {
@@ -194,9 +211,10 @@ void ReplyLoop::change_method() noexcept {
 void ReplyLoop::take_scene(const NewScene& scene) noexcept {
   scene_revision_ = scene.revision;
   setup_.scene_hash = scene.hash;
-  const float preparing_s = scene_.preparing_s;
+  const SceneFacts before = scene_;
   scene_ = scene.facts;
-  scene_.preparing_s = preparing_s;
+  scene_.preparing_s = before.preparing_s;
+  scene_.is_hand_inside = before.is_hand_inside;
   step_.set_materials(scene.materials);
   materials_.serial = static_cast<std::uint32_t>(step_.counts().materials_taken);
   materials_.object_count = 0;
@@ -267,6 +285,7 @@ void ReplyLoop::send_setup() noexcept {
   if (materials_.request != 0 || materials_.serial != 0) hub_.send(materials_);
   if (scene_.given_hash != 0) hub_.send(scene_);
   send_poses();
+  send_moves();
 }
 
 // The one that changed last, and some of the others in turn: a datagram may be lost, and a vision node may have known another session.
@@ -283,6 +302,56 @@ void ReplyLoop::send_poses() noexcept {
     if (pose.serial == 0) continue;
     hub_.send(pose);
     ++sent;
+  }
+}
+
+// After the reply, and one at a time: however many requests come, the force never waits for them. The move is announced before the first
+// reply that has it.
+void ReplyLoop::move_objects() {
+  if (mover_ == nullptr || !mover_->has_request()) return;
+  const std::int64_t now_ns = clock_.now_ns();
+  if (now_ns < next_move_ns_) return;
+  next_move_ns_ = now_ns + kMoveEveryNs;
+  const ObjectMover::Done done = mover_->work(step_);
+  if (done.move) hub_.send(*done.move);
+  hub_.send(done.reply);
+  if (done.move) {
+    move_repeats_ = kSetupRepeats;
+    repeat_move_ns_ = now_ns + kSetupAgainNs;
+  }
+  report_move(done);
+}
+
+// The newest, soon, as a datagram may be lost.
+void ReplyLoop::repeat_move() noexcept {
+  if (move_repeats_ == 0 || clock_.now_ns() < repeat_move_ns_) return;
+  --move_repeats_;
+  repeat_move_ns_ += kSetupAgainNs;
+  const auto by_serial = [](const ObjectMove& a, const ObjectMove& b) { return a.serial < b.serial; };
+  hub_.send(*std::max_element(mover_->moves().begin(), mover_->moves().end(), by_serial));
+}
+
+// A program that sends poses without pause is logged once.
+void ReplyLoop::report_move(const ObjectMover::Done& done) {
+  const std::int64_t now_ns = clock_.now_ns();
+  if (done.reply.rejection[0] != '\0') {
+    if (now_ns - move_rejected_ns_ < kNanosecondsPerSecond && move_rejected_ns_ != 0) return;
+    move_rejected_ns_ = now_ns;
+    log_warning("a program's request was rejected: {}", done.reply.rejection.data());
+  } else if (done.move) {
+    const bool is_first = last_move_ns_ == 0 || now_ns - last_move_ns_ > kNanosecondsPerSecond;
+    last_move_ns_ = now_ns;
+    if (is_first) log_info("a program moves {}, in {:.3g} s", mover_->name_of(done.reply.object), done.reply.over_s);
+  }
+}
+
+// As send_poses.
+void ReplyLoop::send_moves() noexcept {
+  if (mover_ == nullptr || mover_->moves().empty()) return;
+  const std::span<const ObjectMove> moves = mover_->moves();
+  for (std::size_t sent = 0; sent < std::min(kMostPosesAgain, moves.size()); ++sent) {
+    hub_.send(moves[next_move_]);
+    next_move_ = (next_move_ + 1) % moves.size();
   }
 }
 
@@ -317,6 +386,13 @@ void ReplyLoop::report_tool() {
   }
 }
 
+// The log has it already; for the picture, and for hapton top.
+void ReplyLoop::report_inside() noexcept {
+  if (inside_ == nullptr || inside_->is_inside() == scene_.is_hand_inside) return;
+  scene_.is_hand_inside = !scene_.is_hand_inside;
+  send_setup_soon();
+}
+
 std::string_view ReplyLoop::find_patch_obstacle() const noexcept {
   if (patches_ == nullptr) return patch_obstacle_;
   if (patches_->is_offered()) return "";
@@ -327,7 +403,7 @@ std::string_view ReplyLoop::find_patch_obstacle() const noexcept {
   return method.find("name=proxy") != std::string_view::npos ? "force shading is on" : "the method is another than proxy";
 }
 
-// Once each time: whoever told the hub to feel parts of the scene must know where they are not.
+// Once each time: a person who asked for forces from parts of the scene must know where there are none.
 void ReplyLoop::report_patches() {
   const std::string_view why = wants_patches_ ? find_patch_obstacle() : "";
   if (why == patch_obstacle_reported_) return;

@@ -5,6 +5,8 @@
 #include <string_view>
 
 #include "haptic_step/haptics_step.h"
+#include "haptic_step/object_mover.h"
+#include "haptics_node/inside_watch.h"
 #include "haptics_node/material_tuner.h"
 #include "haptics_node/method_builder.h"
 #include "haptics_node/patch_sender.h"
@@ -32,11 +34,15 @@ class ReplyLoop {
   void set_patch_obstacle(std::string_view why) noexcept { patch_obstacle_ = why; }
   // Before run: who works out changes of materials. Pre: outlives this.
   void set_material_tuner(MaterialTuner* tuner) noexcept { tuner_ = tuner; }
-  // Before run: effects from shared libraries, which the step adds. Who is cut off of these, or of methods from shared libraries, is
-  // logged. Pre: outlives this.
+  // Before run: who carries out what programs request of the objects. Without one, such requests are left out. Pre: outlives this.
+  void set_object_mover(ObjectMover* mover) noexcept { mover_ = mover; }
+  // Before run: effects from shared libraries, which the step adds. Logs each of these, and each method from a shared library, that is
+  // cut off. Pre: outlives this.
   void set_effects(PluginEffects* effects);
-  // Before run: who is told about the hub's loop. Pre: outlives this.
+  // Before run: gets the hub's reports about its loop. Pre: outlives this.
   void set_stiffness_adviser(StiffnessAdviser* adviser) noexcept { adviser_ = adviser; }
+  // Before run: who notices a hand that is inside a body from the start. Pre: outlives this.
+  void set_inside_watch(InsideWatch* inside) noexcept { inside_ = inside; }
 
   // Runs until a signal requests the stop or, if `seconds` is above 0, for that time.
   void run(const StopSignal& stop, double seconds);
@@ -67,11 +73,17 @@ class ReplyLoop {
   void report_hub_state();
   void report_scene();
   void report_tool();
+  void note_hand() noexcept;
+  void report_inside() noexcept;
   void report_patches();
   std::string_view find_patch_obstacle() const noexcept;
   void report_grasp() noexcept;
   bool is_holding() const noexcept;
   void send_poses() noexcept;
+  void move_objects();
+  void repeat_move() noexcept;
+  void send_moves() noexcept;
+  void report_move(const ObjectMover::Done& done);
   void report_plugins();
   bool is_method_cut_off() const noexcept;
   void show_plugins();
@@ -91,6 +103,8 @@ class ReplyLoop {
   PluginEffects* effects_ = nullptr;
   bool is_method_cut_off_ = false;  // as reported
   StiffnessAdviser* adviser_ = nullptr;
+  InsideWatch* inside_ = nullptr;
+  std::uint32_t free_starts_ = 0;  // of the step, as noted there
   MaterialTuner* tuner_ = nullptr;
   std::unique_ptr<TunedMaterials> tuned_;  // in use, if it is of this scene; null, or of another: those of the scene's file
   std::uint32_t scene_revision_ = 0;       // NewScene::revision of the scene in use
@@ -117,6 +131,13 @@ class ReplyLoop {
   bool is_tool_blocked_ = false;   // as reported
   std::uint32_t pose_serial_ = 0;  // of the objects' poses, as reported
   std::size_t next_pose_ = 0;      // to be sent again
+  ObjectMover* mover_ = nullptr;
+  std::size_t next_move_ = 0;          // of mover_->moves(), to be sent again
+  std::int64_t next_move_ns_ = 0;      // no request is carried out before
+  std::int64_t repeat_move_ns_ = 0;    // the newest move is sent again then
+  int move_repeats_ = 0;               // so often
+  std::int64_t last_move_ns_ = 0;      // a request was carried out
+  std::int64_t move_rejected_ns_ = 0;  // the log spoke of one
 };
 
 }  // namespace hapton

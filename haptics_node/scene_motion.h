@@ -5,8 +5,8 @@
 
 namespace hapton {
 
-// Whether the objects of a scene that move by keyframes can be felt beside the rest. has_tool: the stylus holds a rigid tool. RT: no.
-// Error: one line: with a rigid tool, and beside movable objects, they cannot yet.
+// Whether the objects of a scene that move by keyframes, or deform, can be felt beside the rest. has_tool: the stylus holds a rigid tool.
+// RT: no. Error: one line: with a rigid tool, and beside movable objects, they cannot yet.
 Result<void> check_motion(const Scene& scene, bool has_tool);
 
 }  // namespace hapton

@@ -73,7 +73,7 @@ void StiffnessAdviser::advise(const LoopFacts& facts, double stiffest_n_per_m) {
   }
   log_warning(
       "the scene asks for {:.0f} N/m, but {} at {:g} Hz with forces after {:.3g} ms holds {:.0f} N/m safely (hand: {}); lower "
-      "stiffness_n_per_m, or shorten the delay (see hapton loop recommend)",
+      "stiffness_n_per_m, start with --coupling, or shorten the delay (see hapton loop recommend)",
       stiffest_n_per_m, advice->device, facts.servo_rate_hz, 1e3 * static_cast<double>(facts.round_trip_s), advice->safe_n_per_m,
       advice->hand);
 }

@@ -4,27 +4,19 @@
 #include <sstream>
 #include <utility>
 
-#include "core/force/stiffest.h"
 #include "core/force/virtual_coupling.h"
 #include "haptic_step/haptics_setup.h"
 #include "runtime/clock.h"
 #include "runtime/log.h"
 #include "runtime/start_thread.h"
 #include "runtime/worker_threads.h"
+#include "scene/tool_obstacles.h"
 
 namespace hapton {
 namespace {
 
-// Between two looks for a new sample: little against a step of the pose, and a processor's thousandth.
+// Between two checks for a new sample: little against a step of the pose, and a processor's thousandth.
 constexpr auto kLook = std::chrono::microseconds(100);
-
-bool has_damping_or_effects(const Scene& scene) {
-  if (!scene.effects.empty()) return true;
-  for (const SceneObject& object : scene.objects) {
-    if (object.material.damping_ns_per_m > 0.0 || object.effects.any()) return true;
-  }
-  return false;
-}
 
 }  // namespace
 
@@ -36,21 +28,15 @@ Result<std::unique_ptr<HeldTool>> make_held_tool(const HapticsOptions& options, 
   if (!*tool) return std::unique_ptr<HeldTool>();
   if (options.watch_scene) return fail("--watch-scene does not go with a tool yet; leave one of them out");
   if (options.method.probe_radius_m > 0.0) return fail("a tool and --probe-radius are two probes; leave one of them out");
-  const TouchScene felt = couple_scene(scene.touch_scene(), options.method.coupling_n_per_m);
-  std::vector<std::shared_ptr<const TriangleMesh>> meshes;
-  std::vector<SurfaceFriction> friction;
-  for (const TouchObject& object : felt.objects) {
-    meshes.push_back(object.mesh);
-    friction.push_back({object.material.friction_static, object.material.friction_dynamic});
-  }
-  auto step = ToolStep::make(*(*tool)->mesh, std::move(meshes),
-                             {.stiffness_n_per_m = find_stiffest(felt), .rotational_stiffness_nm_per_rad = options.tool_nm_per_rad},
-                             std::move(friction), make_worker_team(options.tool_threads));
+  ToolObstacles obstacles = make_tool_obstacles(couple_scene(scene.touch_scene(), options.method.coupling_n_per_m));
+  auto step = ToolStep::make(*(*tool)->mesh, std::move(obstacles.meshes),
+                             {.stiffness_n_per_m = obstacles.stiffness_n_per_m, .rotational_stiffness_nm_per_rad = options.tool_nm_per_rad},
+                             std::move(obstacles.friction), make_worker_team(options.tool_threads));
   if (!step) return fail("tool {}: {}", (*tool)->name, step.error().what);
   log_info("the stylus holds {}", (*tool)->name);
   std::istringstream text((*step)->describe());
   for (std::string line; std::getline(text, line);) log_info("{}", line);
-  if (has_damping_or_effects(scene)) log_warning("damping and effects of the scene are left out: a tool has friction only");
+  if (obstacles.leaves_out) log_warning("damping and effects of the scene are left out: a tool has friction only");
   return std::make_unique<HeldTool>(std::move(*step));
 }
 

@@ -13,11 +13,11 @@
 
 namespace hapton {
 
-// The rigid tool that the options or the scene name; null: a probe is felt. Of the materials friction counts, and that the tool's spring is
-// as stiff as the stiffest of them, coupled as --coupling says; what is left out is logged. Error: one line.
+// The rigid tool that the options or the scene name; null: the stylus is a probe. The tool feels the friction of the materials. Its spring
+// is as stiff as the stiffest of them, coupled as --coupling says. Logs what is left out. Error: one line.
 Result<std::unique_ptr<HeldTool>> make_held_tool(const HapticsOptions& options, const Scene& scene);
 
-// What the hub is told in place of a method: "name=tool ...", with the coupling.
+// What the hub gets in place of a method's description: "name=tool ...", with the coupling.
 HapticsSetup::Text describe_tool(const HeldTool& tool);
 
 // The slow task of a held tool in a thread of its own: follows the device, one step of the pose after the other. RT: none of it is on the

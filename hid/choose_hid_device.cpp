@@ -71,6 +71,12 @@ Result<HidDescription> choose_hid_device(std::span<const HidDescription> devices
   return fail("no {} has the serial number, path or place '{}'; plugged in are: {}", to_string(kind), id, list(of_kind));
 }
 
+Result<HidDescription> find_hid_device_again(std::span<const HidDescription> devices, const HidDescription& chosen, HidKind kind) {
+  std::vector<HidDescription> same(devices.begin(), devices.end());
+  std::erase_if(same, [&](const HidDescription& device) { return !is_same_device(device, chosen); });
+  return choose_hid_device(same, kind, same.size() > 1 ? chosen.path : "");
+}
+
 bool is_same_device(const HidDescription& a, const HidDescription& b) noexcept {
   return a.vid == b.vid && a.pid == b.pid && a.serial == b.serial;
 }

@@ -17,7 +17,7 @@ constexpr double kTemperatureSteps = 200.0;
 constexpr double kQuaternionTolerance = 0.01;
 
 // Of the status.
-constexpr std::uint8_t kCalibrated = 1, kOn = 2, kHeld = 4, kBarked = 8, kHot = 16, kFault = 32;
+constexpr std::uint8_t kCalibrated = 1, kOn = 2, kHeld = 4, kTripped = 8, kHot = 16, kFault = 32;
 // Of the abilities.
 constexpr std::uint8_t kOrientation = 1, kKnowsHeld = 2, kTorque = 4;
 constexpr std::uint8_t kFlagOn = 1;
@@ -123,7 +123,7 @@ std::optional<State> decode_state(std::span<const std::uint8_t> report) noexcept
   state.is_calibrated = (report[1] & kCalibrated) != 0;
   state.is_on = (report[1] & kOn) != 0;
   state.is_held = (report[1] & kHeld) != 0;
-  state.has_barked = (report[1] & kBarked) != 0;
+  state.has_tripped = (report[1] & kTripped) != 0;
   state.is_hot = (report[1] & kHot) != 0;
   state.has_fault = (report[1] & kFault) != 0;
   state.sequence = get16(report, 2);

@@ -59,7 +59,7 @@ struct State {
   bool is_calibrated = false;
   bool is_on = false;  // the motors are
   bool is_held = false;
-  bool has_barked = false;  // its watchdog has tripped: the motors stay off until they are commanded off
+  bool has_tripped = false;  // its watchdog: the motors stay off until they are commanded off
   bool is_hot = false;
   bool has_fault = false;
   std::uint16_t sequence = 0;

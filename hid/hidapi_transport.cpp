@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "hid/choose_hid_device.h"
+#include "hid/utf8.h"
 #include "runtime/clock.h"
 
 namespace hapton {
@@ -22,31 +23,6 @@ std::mutex hidapi_turn;
 
 constexpr std::int64_t kAccessPatienceNs = kNanosecondsPerSecond;
 constexpr std::int64_t kAccessEveryNs = 20 * kNanosecondsPerMillisecond;
-
-void append_utf8(std::string& text, std::uint32_t code) {
-  const auto tail = [&](int shift) { text += static_cast<char>(0x80 | ((code >> shift) & 0x3F)); };
-  if (code < 0x80) {
-    text += static_cast<char>(code);
-  } else if (code < 0x800) {
-    text += static_cast<char>(0xC0 | (code >> 6));
-    tail(0);
-  } else if (code < 0x10000) {
-    text += static_cast<char>(0xE0 | (code >> 12));
-    tail(6);
-    tail(0);
-  } else {
-    text += static_cast<char>(0xF0 | ((code >> 18) & 7));
-    tail(12);
-    tail(6);
-    tail(0);
-  }
-}
-
-std::string to_utf8(const wchar_t* wide) {
-  std::string text;
-  for (; wide != nullptr && *wide != 0; ++wide) append_utf8(text, static_cast<std::uint32_t>(*wide));
-  return text;
-}
 
 HidLayout read_layout(const std::string& path) {
   const std::string node = path.substr(path.find_last_of('/') + 1);
@@ -128,12 +104,6 @@ Result<HidHandle> open_handle(const std::string& path) {
   }
 }
 
-// Its node may have another name now; where several look the same, it must not.
-Result<HidDescription> find_again(std::vector<HidDescription> devices, const HidDescription& chosen, HidKind kind) {
-  std::erase_if(devices, [&](const HidDescription& device) { return !is_same_device(device, chosen); });
-  return choose_hid_device(devices, kind, devices.size() > 1 ? chosen.path : "");
-}
-
 }  // namespace
 
 std::vector<HidDescription> list_hid_devices() {
@@ -162,8 +132,8 @@ Result<std::unique_ptr<HidTransport>> open_hid_device(const HidDescription& devi
 
 HidOpener make_hid_opener(HidKind kind, std::string id) {
   return [kind, id = std::move(id), chosen = std::optional<HidDescription>()]() mutable -> Result<std::unique_ptr<HidTransport>> {
-    std::vector<HidDescription> devices = list_hid_devices();
-    const auto device = chosen ? find_again(devices, *chosen, kind) : choose_hid_device(devices, kind, id);
+    const std::vector<HidDescription> devices = list_hid_devices();
+    const auto device = chosen ? find_hid_device_again(devices, *chosen, kind) : choose_hid_device(devices, kind, id);
     if (!device) return tl::unexpected(device.error());
     auto opened = open_hid_device(*device);
     if (opened) chosen = *device;

@@ -15,16 +15,23 @@ constexpr std::int64_t kFewestDatagrams = 32;  // of a cycle's budget, however h
 
 }  // namespace
 
-bool CycleSource::await(const DeviceCycle& last, double rate_hz) noexcept {
-  renew_budget(rate_hz);
+bool CycleSource::await(const DeviceCycle& last, double rate_hz, std::int64_t rest_ns) noexcept {
+  // In the middle of a period, when the device side has made its cycle: the two may share a CPU.
+  const std::int64_t rest_end_ns = last.tick_ns + rest_ns + (last.next_tick_ns - last.tick_ns) / 2;
+  if (has_device_thread_ && rests(last, rest_ns) && clock_.now_ns() < rest_end_ns) {
+    renew_budget(rest_ns);
+    cycles_behind_ = 0;
+    receiver_.receive_until(rest_end_ns);
+    return loop_.has_cycle();
+  }
+  renew_budget(std::llround(1e9 / rate_hz));
   if (has_device_thread_) return await_device_thread(last);
   run_device_cycle();
   return true;
 }
 
-void CycleSource::renew_budget(double rate_hz) noexcept {
+void CycleSource::renew_budget(std::int64_t period_ns) noexcept {
   if (budget_ == nullptr) return;
-  const std::int64_t period_ns = std::llround(1e9 / rate_hz);
   budget_->renew(static_cast<std::uint32_t>(std::max(kDatagramsPerMs * period_ns / kNanosecondsPerMillisecond, kFewestDatagrams)));
 }
 
@@ -58,8 +65,8 @@ bool CycleSource::await_device_thread(const DeviceCycle& last) noexcept {
   return loop_.has_cycle();
 }
 
-void CycleSource::prepare_next_wait(const DeviceCycle& cycle) noexcept {
-  if (!has_device_thread_) return;
+void CycleSource::prepare_next_wait(const DeviceCycle& cycle, std::int64_t rest_ns) noexcept {
+  if (!has_device_thread_ || rests(cycle, rest_ns)) return;
   peers_.prepare_wait(cycle.next_wake_ns);
   peers_.prepare_wait(cycle.next_tick_ns + (cycle.next_tick_ns - cycle.tick_ns) / 2);
 }

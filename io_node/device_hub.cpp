@@ -64,21 +64,21 @@ DeviceSettings device_settings(const IoOptions& options) {
   return settings;
 }
 
-// The device's other observers; empty if there are none.
-struct Show {
+// What VRPN programs see of the device; empty without --vrpn.
+struct VrpnOutput {
   std::unique_ptr<vrpn::Feed> feed;
   std::unique_ptr<vrpn::Server> server;
 };
 
-Result<Show> open_show(const IoOptions& options, std::unique_ptr<Device>& device) {
-  Show show;
-  if (options.vrpn.empty()) return show;
-  show.feed = std::make_unique<vrpn::Feed>();
-  auto server = vrpn::Server::open(*show.feed, {.address = options.vrpn, .name = options.vrpn_name, .limits = device->limits()});
+Result<VrpnOutput> open_vrpn(const IoOptions& options, std::unique_ptr<Device>& device) {
+  VrpnOutput output;
+  if (options.vrpn.empty()) return output;
+  output.feed = std::make_unique<vrpn::Feed>();
+  auto server = vrpn::Server::open(*output.feed, {.address = options.vrpn, .name = options.vrpn_name, .limits = device->limits()});
   if (!server) return tl::unexpected(server.error());
-  show.server = std::move(*server);
-  device = std::make_unique<vrpn::WatchedDevice>(std::move(device), *show.feed);
-  return show;
+  output.server = std::move(*server);
+  device = std::make_unique<vrpn::WatchedDevice>(std::move(device), *output.feed);
+  return output;
 }
 
 SessionRecorder::Options recording_of(const IoOptions& options) {
@@ -126,10 +126,10 @@ void warn_of_loose_limits(const IoOptions& options, const DeviceLimits& own) {
 
 // In the order in which they need each other.
 struct DeviceHub::Parts {
-  Parts(const IoOptions& wanted, const Clock& steady, Show shown, std::unique_ptr<Device> owned, std::unique_ptr<Endpoint> socket,
+  Parts(const IoOptions& wanted, const Clock& steady, VrpnOutput shown, std::unique_ptr<Device> owned, std::unique_ptr<Endpoint> socket,
         Echo bare_echo, std::unique_ptr<MetricsEndpoint> served, const LinkKey& key)
       : options(wanted),
-        show(std::move(shown)),
+        vrpn_output(std::move(shown)),
         device(std::move(owned)),
         endpoint(std::move(socket)),
         echo(std::move(bare_echo)),
@@ -140,13 +140,13 @@ struct DeviceHub::Parts {
         recorder(recording_of(options), make_session_header(options, session_id, steady), steady),
         peers(sealed, steady, session_id, options.rate_hz),
         servo(std::make_unique<Servo>(*device, peers, steady, servo_options(), echo.probe.get(), tap())),
-        ways(metered),
+        hops(metered),
         latch_file(find_latch_file(options.device.name + options.device.id, options.bind)),
         session(*servo, steady, options) {
-    servo->set_hop_meter(&ways);
+    servo->set_hop_meter(&hops);
     servo->set_budget(&budget);
     servo->set_report_server(&report_server);
-    servo->set_vrpn_feed(show.feed.get());
+    servo->set_vrpn_feed(vrpn_output.feed.get());
     if (options.touch != TouchChoice::remote) use_patches();
     session.set_report_server(&report_server);
     session.set_metrics(metrics.get());
@@ -158,7 +158,7 @@ struct DeviceHub::Parts {
             .tighter = tighter_limits(options.device),
             .forbids_force = options.device.max_force_n == 0.0,
             .passive = passive_mechanics(options.device),
-            .hold_button = options.device.hold_button,
+            .dead_mans_switch = options.device.dead_mans_switch,
             .clutch_button = options.device.clutch_button,
             .overrun = overrun_policy(options),
             .spin_share = options.spin_share};
@@ -173,7 +173,7 @@ struct DeviceHub::Parts {
   ServoTap* tap() { return options.record.empty() && find_flight_folder(options).empty() ? nullptr : &recorder; }
 
   const IoOptions options;
-  Show show;
+  VrpnOutput vrpn_output;
   std::unique_ptr<Device> device;
   std::unique_ptr<Endpoint> endpoint;
   Echo echo;
@@ -189,7 +189,7 @@ struct DeviceHub::Parts {
   std::unique_ptr<PatchBuilder> patch_builder;
   std::unique_ptr<PatchLink> patch_link;
   std::unique_ptr<Servo> servo;
-  HopMeter ways;
+  HopMeter hops;
   ReportServer report_server;
   HeartbeatMemory guard;
   WatchdogProcess watchdog;
@@ -213,11 +213,11 @@ Result<std::unique_ptr<DeviceHub>> DeviceHub::open(const IoOptions& options, con
   if (!echo) return tl::unexpected(echo.error());
   auto metrics = open_metrics(options);
   if (!metrics) return tl::unexpected(metrics.error());
-  auto show = open_show(options, *device);
-  if (!show) return tl::unexpected(show.error());
+  auto output = open_vrpn(options, *device);
+  if (!output) return tl::unexpected(output.error());
   warn_of_loose_limits(options, (*device)->limits());
   return std::unique_ptr<DeviceHub>(new DeviceHub(std::make_unique<Parts>(
-      options, clock, std::move(*show), std::move(*device), std::move(*endpoint), std::move(*echo), std::move(*metrics), *key)));
+      options, clock, std::move(*output), std::move(*device), std::move(*endpoint), std::move(*echo), std::move(*metrics), *key)));
 }
 
 Address DeviceHub::address() const { return parts_->endpoint->local_address(); }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/button_bit.h"
 #include "runtime/spin_pause.h"
 
 namespace hapton {
@@ -18,11 +19,11 @@ DeviceLoop::DeviceLoop(Device& device, const Clock& clock, const Options& option
       clock_(clock),
       policy_(options.overrun),
       governor_(device.limits()),
-      clutch_(options.clutch_button > 0 ? 1U << static_cast<unsigned>(options.clutch_button - 1) : 0U),
+      clutch_(button_bit(options.clutch_button)),
       spin_(options.spin_share) {
   governor_.tighten(options.tighter);
   if (options.forbids_force) governor_.forbid_force();
-  governor_.require_button(options.hold_button);
+  governor_.require_button(options.dead_mans_switch);
   if (options.passive) governor_.keep_passive(*options.passive);
   stats_.rate_hz = options.rate_hz;
   start();

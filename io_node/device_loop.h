@@ -41,7 +41,7 @@ struct DeviceCycle {
   std::int64_t late_ns = 0;
   std::uint32_t missed = 0;  // cycles skipped before it
   MissCause cause = MissCause::none;
-  std::optional<LocalForce> local;  // the force of this sample, where it was worked out on this side
+  std::optional<LocalForce> local;  // the force of this sample, where it was computed on this side
   Wrench written;                   // on the motors at its end: not yet with a force of the haptics node for this sample
 };
 
@@ -74,7 +74,7 @@ struct DeviceLoopStats {
   double max_torque_nm = 0.0;
   std::int64_t longest_release_ns = 0;  // sample of the last force -> zero on the device, over all command timeouts
   std::uint64_t commands = 0;           // force commands governed
-  std::uint64_t local_forces = 0;       // worked out on this side
+  std::uint64_t local_forces = 0;       // computed on this side
   std::uint64_t commands_unused = 0;    // force commands that came while it was
   std::uint64_t waits = 0;              // cycles that found the network side in the middle of writing a force
   std::uint64_t resets_denied = 0;      // the switch was released before they took effect
@@ -111,8 +111,8 @@ class DeviceLoop {
     double rate_hz = 1000.0;
     DeviceLimits tighter = {};
     bool forbids_force = false;
-    int hold_button = -1;
-    int clutch_button = 0;  // counted from 1; 0: there is no clutch
+    int dead_mans_switch = 0;  // button, counted from 1; 0: none
+    int clutch_button = 0;     // counted from 1; 0: there is no clutch
     std::optional<PassivityController::Mechanics> passive = {};
     OverrunPolicy overrun = OverrunPolicy::skip;
     double spin_share = 0.0;

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numbers>
 #include <string_view>
 
+#include "core/math/turn_by_degrees.h"
 #include "devices/device_maker.h"
 #include "link/messages.h"
 #include "runtime/toml_reader.h"
@@ -27,18 +27,27 @@ bool is_good_name(std::string_view name) {
 
 bool has_free_port(std::string_view bind) { return bind.ends_with(":0"); }
 
-// rotation_deg: about W's x axis, then y, then z, as in scene files.
+// Frame W; rotation_deg as in scene files.
 Pose read_place(TomlReader& reader) {
   Vec3 position_m = Vec3::Zero();
   Vec3 rotation_deg = Vec3::Zero();
   reader.read("position_m", position_m, -kFarthestM, kFarthestM);
   reader.read("rotation_deg", rotation_deg, -360.0, 360.0);
   Pose X_WB = Pose::Identity();
-  for (int axis = 0; axis < 3; ++axis) {
-    if (rotation_deg[axis] != 0.0) X_WB.prerotate(Eigen::AngleAxisd(rotation_deg[axis] * std::numbers::pi / 180.0, Vec3::Unit(axis)));
-  }
+  X_WB.linear() = turn_by_degrees(rotation_deg).toRotationMatrix();
   X_WB.translation() = position_m;
   return X_WB;
+}
+
+// The button, counted from 1; 0: none. hold_button, its old name, counts from 0.
+int read_dead_mans_switch(TomlReader& reader, int otherwise) {
+  std::int64_t button = otherwise;
+  std::int64_t from_zero = button - 1;
+  reader.read("dead_mans_switch", button, 0, 32);
+  reader.read("hold_button", from_zero, -1, 31);
+  if (!reader.has("hold_button")) return static_cast<int>(button);
+  if (reader.has("dead_mans_switch")) reader.reject("hold_button", "'hold_button' is the old name of 'dead_mans_switch': leave it out");
+  return static_cast<int>(from_zero + 1);
 }
 
 IoOptions read_device(TomlReader& reader, const IoOptions& common) {
@@ -58,6 +67,7 @@ IoOptions read_device(TomlReader& reader, const IoOptions& common) {
                 "max_torque_nm",
                 "continuous_force_n",
                 "max_speed_m_per_s",
+                "dead_mans_switch",
                 "hold_button",
                 "clutch_button",
                 "passive_mass_kg",
@@ -95,16 +105,13 @@ IoOptions read_device(TomlReader& reader, const IoOptions& common) {
   reader.read("max_torque_nm", options.device.max_torque_nm, 0.0, kMostForceN);
   reader.read("continuous_force_n", options.device.continuous_force_n, 0.0, kMostForceN);
   reader.read("max_speed_m_per_s", options.device.max_speed_m_per_s, 0.0, 100.0);
-  std::int64_t hold_button = options.device.hold_button;
-  reader.read("hold_button", hold_button, -1, 31);
-  options.device.hold_button = static_cast<int>(hold_button);
+  options.device.dead_mans_switch = read_dead_mans_switch(reader, options.device.dead_mans_switch);
   std::int64_t clutch_button = options.device.clutch_button;
   reader.read("clutch_button", clutch_button, 0, 32);
   options.device.clutch_button = static_cast<int>(clutch_button);
-  if (clutch_button > 0 && clutch_button == hold_button + 1) {
+  if (clutch_button > 0 && clutch_button == options.device.dead_mans_switch) {
     reader.reject("clutch_button",
-                  fmt::format("'clutch_button' = {} is the button of 'hold_button' = {}, which counts from 0: take another one",
-                              clutch_button, hold_button));
+                  fmt::format("'clutch_button' = {} is also the button of 'dead_mans_switch': take another one", clutch_button));
   }
   reader.read("passive_mass_kg", options.device.passive_mass_kg, 0.0, 100.0);
   reader.read("passive_damping_ns_per_m", options.device.passive_damping_ns_per_m, 0.0, 1000.0);

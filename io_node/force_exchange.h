@@ -27,7 +27,7 @@ class ForceExchange {
 
   // A cycle of the device side. is_newest false: a newer one is there already, so this sample is never sent.
   void add_cycle(const DeviceCycle& cycle, bool is_newest) noexcept;
-  // The newest sample, to the haptics node. While the force is worked out on the device side the haptics node needs it only to see where
+  // The newest sample, to the haptics node. While the force is computed on the device side the haptics node needs it only to see where
   // the hand goes, kThinnedHz times a second.
   void send(const DeviceCycle& cycle) noexcept;
   // The force for the newest sample may still arrive.
@@ -47,7 +47,7 @@ class ForceExchange {
   bool is_local() const noexcept { return is_local_; }
   // The median of the round trips of the last second or so; below 0: too few so far.
   double find_round_trip_s() const noexcept;
-  // view_revision: of the view that forces of the device side are worked out with.
+  // view_revision: of the view that forces of the device side are computed with.
   void note_local(const DeviceCycle& cycle, std::uint32_t view_revision) noexcept;
 
   // The scene was turned.

@@ -18,11 +18,30 @@ constexpr int kBadCommandLine = 2;
 
 // The first given flag that applies to one device and belongs into the file of several.
 std::optional<std::string> find_flag_of_one_device(const CLI::App& app) {
-  for (const char* flag :
-       {"--device",        "--device-id",    "--device-file",     "--trajectory",       "--loop",         "--seed",
-        "--max-force",     "--max-slew",     "--max-torque",      "--continuous-force", "--max-speed",    "--hold-button",
-        "--clutch-button", "--passive-mass", "--passive-damping", "--passive-friction", "--passive-step", "--bind",
-        "--metrics",       "--vrpn",         "--vrpn-name",       "--record",           "--cpu"}) {
+  for (const char* flag : {"--device",
+                           "--device-id",
+                           "--device-file",
+                           "--trajectory",
+                           "--loop",
+                           "--seed",
+                           "--max-force",
+                           "--max-slew",
+                           "--max-torque",
+                           "--continuous-force",
+                           "--max-speed",
+                           "--dead-mans-switch",
+                           "--hold-button",
+                           "--clutch-button",
+                           "--passive-mass",
+                           "--passive-damping",
+                           "--passive-friction",
+                           "--passive-step",
+                           "--bind",
+                           "--metrics",
+                           "--vrpn",
+                           "--vrpn-name",
+                           "--record",
+                           "--cpu"}) {
     if (app.count(flag) > 0) return flag;
   }
   return std::nullopt;
@@ -80,9 +99,21 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
   app.add_option("--max-speed", options.device.max_speed_m_per_s,
                  "Tighter limit on the device's speed, m/s: beyond it a fault is latched (0: the device's own)")
       ->check(between(0.0, 100.0));
-  app.add_option("--hold-button", options.device.hold_button,
-                 "Dead man's switch: force only while this button is held, 0 the first; -1: none")
-      ->check(between(-1, 31));
+  auto* dead_mans_switch = app.add_option("--dead-mans-switch", options.device.dead_mans_switch,
+                                          "Dead man's switch: force only while this button is held; 1 the first; 0: none")
+                               ->check(between(0, 32));
+  // Its old name counts from 0, unlike all other buttons.
+  app.add_option_function<int>(
+         "--hold-button",
+         [&](int button) {
+           fmt::print(stderr, "io_node: --hold-button {} is now --dead-mans-switch {}: like all buttons, it counts from 1\n", button,
+                      button + 1);
+           options.device.dead_mans_switch = button + 1;
+         },
+         "Old name of --dead-mans-switch, counted from 0")
+      ->check(between(-1, 31))
+      ->group("")
+      ->excludes(dead_mans_switch);
   app.add_option(
          "--clutch-button", options.device.clutch_button,
          "Clutch: while this button is held the probe stands still, without force, and the hand can be moved back; 1 the first; 0: none")
@@ -107,7 +138,8 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
       ->check(file_to_write());
   app.add_option("--flight", options.flight,
                  "Folder for flight records, the last 2 s before a fault; off: none (default: OUT/flight, without --out the state folder)");
-  app.add_option("--overrun", options.overrun, "A cycle is missed: skip it, catch-up (run up to 10 late ones at once), or stop the session")
+  app.add_option("--overrun", options.overrun,
+                 "When a cycle is missed: skip it, catch-up (run up to 10 late ones at once), or stop the session")
       ->check(CLI::IsMember({"skip", "catch-up", "stop"}))
       ->capture_default_str();
   app.add_option("--spin", options.spin_share,
@@ -122,10 +154,9 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
   app.add_option("--vrpn", options.vrpn,
                  "Show the stylus to VRPN programs at this address, TCP and UDP: 127.0.0.1:3883 (default: off; see docs/vrpn.md)");
   app.add_option("--vrpn-name", options.vrpn_name, "The device's name there, NAME@host")->capture_default_str();
-  app.add_option(
-         "--touch", touch,
-         "Where forces are worked out: by the haptics node (remote), here on the parts of the scene that it sends (patch), or by the "
-         "round trip (auto; docs/remote.md)")
+  app.add_option("--touch", touch,
+                 "Where forces are computed: by the haptics node (remote), here on the parts of the scene that it sends (patch), or by the "
+                 "round trip (auto; docs/remote.md)")
       ->check(CLI::IsMember({"remote", "patch", "auto"}))
       ->capture_default_str();
   app.add_option("--rt", realtime, "Real-time scheduling: try, require or off")
@@ -148,9 +179,9 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
       return kBadCommandLine;
     }
   }
-  if (options.device.clutch_button > 0 && options.device.clutch_button == options.device.hold_button + 1) {
-    fmt::print(stderr, "io_node: --clutch-button {} is the button of --hold-button {}, which counts from 0: take another one\n",
-               options.device.clutch_button, options.device.hold_button);
+  if (options.device.clutch_button > 0 && options.device.clutch_button == options.device.dead_mans_switch) {
+    fmt::print(stderr, "io_node: --clutch-button {} is also the button of --dead-mans-switch: take another one\n",
+               options.device.clutch_button);
     return kBadCommandLine;
   }
   options.touch = touch == "remote" ? TouchChoice::remote : touch == "patch" ? TouchChoice::patch : TouchChoice::automatic;

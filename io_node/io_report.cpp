@@ -88,6 +88,7 @@ void add_counters(LatencyReport& report, const ServoStats& s) {
                      {"bad_settings", whole(s.bad_settings)},
                      {"markers", whole(s.markers)},
                      {"markers_refused", whole(s.markers_refused)},
+                     {"moves_rejected", whole(s.moves_rejected)},
                      {"vision_sent", whole(s.probe_states_sent)},
                      {"vision_unchanged", whole(s.probe_states_unchanged)},
                      {"views_forwarded", whole(s.views_forwarded)},
@@ -233,6 +234,8 @@ const char* describe_status(ProbeStatus status) {
       return "the scene is out of the device's reach";
     case ProbeStatus::too_small:
       return "the scene is a speck in the device's workspace";
+    case ProbeStatus::hand_inside:
+      return "the stylus has been inside a body since haptics_node began: it is felt from within, or not at all";
   }
   return "ok";
 }

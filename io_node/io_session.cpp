@@ -59,7 +59,7 @@ std::string describe(const ServoEvent& event) {
     case ServoEvent::Kind::reset_without_person:
       return fmt::format(
           "fault reset rejected: the operator at {} is on another host and no dead man's switch is held; reset it here, or while someone "
-          "holds the switch (--hold-button)",
+          "holds the switch (--dead-mans-switch)",
           to_string(event.address));
     case ServoEvent::Kind::flood:
       return fmt::format("flood of {} from {}{}, {:.0f} a second: {}; the force is not delayed", describe(event.flood),

@@ -48,7 +48,7 @@ std::optional<LocalForce> LocalPatch::step(const DeviceSample& sample) noexcept 
   const std::optional<PatchOutput> output = touch_.step({sample.p_WD, orders.X_WS, dt_s});
   counts_.publish(touch_.counts());
   hands_.publish(touch_.hand_at(X_SW * sample.p_WD, sample.time_ns));
-  // The proxy goes on following the device, so that the surface is the same once haptics is heard again.
+  // The proxy goes on following the device, so that the surface is the same once haptics replies again.
   if (!output || sample.time_ns >= orders.until_ns) return std::nullopt;
   return LocalForce{output->force_n,        output->visual_offset_m, output->contact,
                     output->is_handed_over, output->difference_n,    output->object};

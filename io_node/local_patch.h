@@ -11,12 +11,12 @@
 
 namespace hapton {
 
-// What the network side tells the device side of patches.
+// What the network side hands to the device side about patches.
 struct PatchOrders {
   bool is_wanted = false;     // force from patches, where there are any
   std::int64_t until_ns = 0;  // no longer than until then: haptics is silent for too long by then
   Pose X_WS = Pose::Identity();
-  // Where the probe was as far as haptics knows, in the sample of that time; counts how often that was told. Used until a patch reaches the
+  // Where the probe was as far as haptics knows, in the sample of that time; counts the notifications. Used until a patch reaches the
   // hand.
   std::uint32_t start = 0;
   std::int64_t start_ns = 0;

@@ -7,7 +7,7 @@
 
 namespace hapton {
 
-// What one sample feels like, worked out beside the device.
+// The result of one sample, computed beside the device.
 struct LocalForce {
   Vec3 force_n = Vec3::Zero();
   Vec3 visual_offset_m = Vec3::Zero();  // proxy minus device point

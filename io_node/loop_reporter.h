@@ -10,7 +10,7 @@
 
 namespace hapton {
 
-// Reports device, rate and round trip to the haptics node once a second, so that it can tell whether the scene is too stiff for them.
+// Reports device, rate and round trip to the haptics node once a second, so that it can warn of a scene that is too stiff for them.
 // Units: ns of the hub's clock. RT: yes. Threads: the servo's.
 class LoopReporter {
  public:

@@ -55,7 +55,7 @@ void PatchLink::choose(ForceExchange& forces, std::int64_t now_ns) noexcept {
   }
 }
 
-// A haptics node that has just joined is told where contact was, and so is the device side: a patch that is there before its first reply
+// A haptics node that has just joined gets the place of contact, and so does the device side: a patch that is there before its first reply
 // must not take a hand inside a body for free.
 void PatchLink::start_at_rest(const ForceExchange& forces) noexcept {
   const ProbeHistory::Pose& newest = forces.history().newest();
@@ -67,7 +67,7 @@ void PatchLink::start_at_rest(const ForceExchange& forces) noexcept {
   orders_.outward_W = (*p_WP - newest.p_WD).normalized();
 }
 
-// Where patches begin anew, the haptics node goes on from where they had the probe.
+// Where patches start again, the haptics node goes on from where they had the probe.
 void PatchLink::follow_source(ForceExchange& forces) noexcept {
   const bool has_ended = was_local_ && !forces.is_local();
   was_local_ = forces.is_local();

@@ -13,13 +13,13 @@
 namespace hapton {
 
 // The network side of touch by patches: asks the haptics node for parts of the scene while they are wanted, passes on those that come,
-// tells which came, and tells the device side from when and until when it may use them.
+// acknowledges those that came, and notifies the device side from when and until when it may use them.
 //
 //   remote ---- wanted ----> patch ---- no longer wanted ----> leaving ---- haptics has replied from where the probe is ----> remote
 //
-// The remote force goes on until a patch reaches the hand, and where patches begin anew. Meanwhile the device side is told again and again
-// where the haptics node has the probe: the first patch takes over from there. The force without any datagram of haptics ends kAloneNs
-// after the last one. Units: ns of the hub's clock. RT: yes. Threads: the servo's.
+// The remote force goes on until a patch reaches the hand, and where patches start again. Meanwhile the device side is notified again and
+// again where the haptics node has the probe: the first patch takes over from there. The force without any datagram of haptics ends
+// kAloneNs after the last one. Units: ns of the hub's clock. RT: yes. Threads: the servo's.
 class PatchLink {
  public:
   static constexpr std::int64_t kAloneNs = 1000 * kNanosecondsPerMillisecond;
@@ -58,7 +58,7 @@ class PatchLink {
   PatchOrders orders_;
   bool must_clear_ = false;
   bool was_local_ = false;    // the force of the cycle before came from a patch
-  std::int64_t told_ns_ = 0;  // when the device side was told the probe
+  std::int64_t told_ns_ = 0;  // when the device side got the probe's position
   bool has_news_ = false;
   std::int64_t status_ns_ = 0;     // the last one
   std::int64_t next_look_ns_ = 0;  // at the round trip

@@ -19,7 +19,7 @@ namespace hapton {
 class ProbeHistory {
  public:
   // Samples kept: a force that replies to an older one has no pose. As many as the response tracker knows: across a slow network every
-  // reply is of a sample long ago, and tells where contact is nevertheless.
+  // reply is of a sample long ago, but has the place of contact nevertheless.
   static constexpr std::size_t kSamples = ResponseTracker::kCapacity;
 
   struct Pose {
@@ -32,7 +32,7 @@ class ProbeHistory {
   void note_sample(std::uint64_t number, const DeviceSample& sample) noexcept;
   // The reply to the newest sample that has one.
   void note_answer(const ForceCommand& command) noexcept;
-  // The force of the newest sample, worked out on the device side.
+  // The force of the newest sample, computed on the device side.
   void note_local(const ForceCommand& command) noexcept;
   // The haptics node has replied to that sample while the device side works out the force.
   void note_resumed(std::uint64_t echo_sample) noexcept {

@@ -1,5 +1,6 @@
 #include "io_node/request_handler.h"
 
+#include <algorithm>
 #include <optional>
 
 #include "link/key_role.h"
@@ -35,6 +36,22 @@ void RequestHandler::accept(const MaterialRequest& request, const PeerEvent& eve
   events_.push({ServoEvent::Kind::material_requested, event.role, {}, 0.0, {}, {}});
 }
 
+void RequestHandler::accept(const MoveRequest& request, const PeerEvent& event) noexcept {
+  if (!move_rates_[event.peer].take(event.receive_time_ns)) {
+    ++stats_.moves_rejected;
+    return;
+  }
+  awaited_moves_[next_awaited_] = {request.request, event.peer};
+  next_awaited_ = (next_awaited_ + 1) % kMovesAwaited;
+  peers_.send_to_role(NodeRole::haptics, request);
+}
+
+void RequestHandler::accept(const MoveReply& reply) noexcept {
+  const auto awaited = std::find_if(awaited_moves_.begin(), awaited_moves_.end(),
+                                    [&](const AwaitedMove& one) { return one.request == reply.request && one.peer != kNobody; });
+  if (awaited != awaited_moves_.end()) peers_.send_to(awaited->peer, reply);
+}
+
 void RequestHandler::reset_faults(const Peer& sender) noexcept {
   const DeviceSide& side = loop_.latest();
   if (side.governor.fault == SafetyFault::none) return;
@@ -65,6 +82,10 @@ void RequestHandler::accept(const HandTarget& target, std::size_t peer) noexcept
 
 void RequestHandler::on_peer_gone(std::size_t peer) noexcept {
   if (peer == hand_controller_) accept(HandTarget{}, peer);
+  for (AwaitedMove& one : awaited_moves_) {
+    if (one.peer == peer) one.peer = kNobody;
+  }
+  move_rates_[peer] = TokenBucket(kMovesPerSecond, kMovesAtOnce);
 }
 
 }  // namespace hapton

@@ -1,5 +1,8 @@
 #include "io_node/safety_notices.h"
 
+#include <algorithm>
+#include <utility>
+
 #include "io_node/session_fault_of.h"
 
 namespace hapton {
@@ -26,6 +29,7 @@ void SafetyNotices::check(const DeviceSide& side, const DeviceCycle& cycle, bool
 }
 
 void SafetyNotices::note_overtaken(const DeviceCycle& cycle, std::int64_t now_ns) noexcept {
+  latest_ns_ = std::max(latest_ns_, cycle.late_ns);
   if (tap_ != nullptr) note_cycle({}, cycle, false, now_ns);
 }
 
@@ -51,7 +55,7 @@ void SafetyNotices::record(const DeviceSide& side, const DeviceCycle& cycle, boo
   record_fault(SessionFault::not_finite, governor.not_finite > governor_noted_.not_finite, now_ns);
   record_fault(SessionFault::rejected_future, governor.rejected_future > governor_noted_.rejected_future, now_ns);
   record_fault(SessionFault::clamped, governor.clamped > governor_noted_.clamped, now_ns);
-  record_fault(SessionFault::stalled, cycle.late_ns >= kCommandTimeoutNs, now_ns);
+  record_fault(SessionFault::stalled, std::max(cycle.late_ns, std::exchange(latest_ns_, 0)) >= kCommandTimeoutNs, now_ns);
   record_fault(SessionFault::overrun, side.has_overrun, now_ns);
   record_fault(SessionFault::energy, side.is_energy_gone, now_ns);
   if (governor.latched > governor_noted_.latched) tap_->on_fault(session_fault_of(side.governor.fault), now_ns);

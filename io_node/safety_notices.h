@@ -25,7 +25,7 @@ class SafetyNotices {
   void start(std::int64_t now_ns) noexcept { status_since_ns_ = now_ns; }
   // Once a cycle. is_missed: a command timeout counts as a fault, as the hand was in contact and the haptics node is still there.
   void check(const DeviceSide& side, const DeviceCycle& cycle, bool is_missed, std::int64_t now_ns) noexcept;
-  // A cycle that a newer one has overtaken, for the recording.
+  // A cycle that a newer one has overtaken: for the recording, and for the faults of the next check.
   void note_overtaken(const DeviceCycle& cycle, std::int64_t now_ns) noexcept;
 
  private:
@@ -42,6 +42,7 @@ class SafetyNotices {
   DeviceStatus status_noted_ = DeviceStatus::ready;
   std::int64_t status_since_ns_ = 0;  // the newest cycle with that status
   std::uint32_t faults_ = 0;          // of the newest cycle, a bit each
+  std::int64_t latest_ns_ = 0;        // the latest of the cycles overtaken since the last check
 };
 
 }  // namespace hapton

@@ -32,13 +32,14 @@ void SceneRelay::place(const std::optional<ViewTransform>& view) noexcept {
   if (was_lost && reach_ == SceneReach::in_reach) notify(ServoEvent::Kind::in_reach);
 }
 
-ProbeStatus find_probe_status(const DeviceSide& side, bool has_haptics, SceneReach reach) noexcept {
+ProbeStatus find_probe_status(const DeviceSide& side, bool has_haptics, SceneReach reach, bool is_hand_inside) noexcept {
   if (side.governor.fault != SafetyFault::none) return ProbeStatus::fault_latched;
   if (side.status == DeviceStatus::away || side.status == DeviceStatus::fault) return ProbeStatus::device_away;
   if (side.status == DeviceStatus::calibrating) return ProbeStatus::calibrating;
   if (!has_haptics || side.is_silent) return ProbeStatus::no_haptics;
   if (reach == SceneReach::out_of_reach) return ProbeStatus::out_of_reach;
-  return reach == SceneReach::too_small ? ProbeStatus::too_small : ProbeStatus::ok;
+  if (reach == SceneReach::too_small) return ProbeStatus::too_small;
+  return is_hand_inside ? ProbeStatus::hand_inside : ProbeStatus::ok;
 }
 
 }  // namespace hapton

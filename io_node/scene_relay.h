@@ -25,6 +25,8 @@ class SceneRelay {
   // The scene was turned.
   void place(const std::optional<ViewTransform>& view) noexcept;
   SceneReach reach() const noexcept { return reach_; }
+  // As the haptics node says.
+  bool is_hand_inside() const noexcept { return scene_ && scene_->is_hand_inside; }
 
  private:
   void notify(ServoEvent::Kind kind) noexcept { events_.push({kind, NodeRole::haptics, {}, 0.0, {}, {}}); }
@@ -38,6 +40,6 @@ class SceneRelay {
 };
 
 // Why there is no force, or not the right one; of several causes the one to fix first. RT: yes.
-ProbeStatus find_probe_status(const DeviceSide& side, bool has_haptics, SceneReach reach) noexcept;
+ProbeStatus find_probe_status(const DeviceSide& side, bool has_haptics, SceneReach reach, bool is_hand_inside = false) noexcept;
 
 }  // namespace hapton

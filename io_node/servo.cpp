@@ -1,8 +1,10 @@
 #include "io_node/servo.h"
 
+#include <algorithm>
 #include <cmath>
 #include <variant>
 
+#include "core/base/button_bit.h"
 #include "core/math/rotation_vector.h"
 
 namespace hapton {
@@ -18,7 +20,7 @@ Servo::Servo(Device& device, HubPeers& peers, const Clock& clock, const Options&
             {.rate_hz = options.rate_hz,
              .tighter = options.tighter,
              .forbids_force = options.forbids_force,
-             .hold_button = options.hold_button,
+             .dead_mans_switch = options.dead_mans_switch,
              .clutch_button = options.clutch_button,
              .passive = options.passive,
              .overrun = options.overrun,
@@ -32,12 +34,13 @@ Servo::Servo(Device& device, HubPeers& peers, const Clock& clock, const Options&
       forces_(loop_, peers, clock, stats_),
       view_(peers, stats_),
       scene_(loop_, peers, events_, stats_),
-      vision_(peers, stats_, options.vision_rate_hz, options.hold_button >= 0 ? 1U << static_cast<unsigned>(options.hold_button) : 0U),
+      vision_(peers, stats_, options.vision_rate_hz, button_bit(options.dead_mans_switch)),
       requests_(loop_, peers, clock, events_, stats_, options.rate_hz),
       loop_reporter_(peers, stats_, device.name()),
       markers_(peers, tap, stats_),
       peer_notices_(events_, peers),
-      safety_(events_, tap) {
+      safety_(events_, tap),
+      local_rest_ns_(std::llround(1e9 / std::max(kRestedHz, options.vision_rate_hz))) {
   peers_.set_tap(tap_);
   start();
 }
@@ -71,12 +74,12 @@ void Servo::step() noexcept {
   await_force(middle_ns);  // governed and written as it arrives: ForceExchange::accept
   do_housekeeping();
   probe_echo(middle_ns);
-  cycles_.prepare_next_wait(cycle_);
+  cycles_.prepare_next_wait(cycle_, rest_ns());
 }
 
 // Up to the cycle that is newest now: its sample is sent, whatever the device side does meanwhile. False: the next cycle is late.
 bool Servo::read_cycles() noexcept {
-  if (!cycles_.await(cycle_, rate_hz())) return false;
+  if (!cycles_.await(cycle_, rate_hz(), rest_ns())) return false;
   bool is_newest = false;
   while (!is_newest && loop_.take_cycle(cycle_)) {
     is_newest = !loop_.has_cycle();
@@ -88,7 +91,7 @@ bool Servo::read_cycles() noexcept {
 }
 
 void Servo::await_force(std::int64_t deadline_ns) noexcept {
-  receiver_.receive_while([this] { return forces_.is_awaited(); }, deadline_ns);
+  receiver_.receive_while([this] { return forces_.is_awaited() && !forces_.is_local(); }, deadline_ns);
 }
 
 // Once a cycle, when the force path is done.
@@ -96,7 +99,7 @@ void Servo::do_housekeeping() noexcept {
   const std::int64_t now_ns = clock_.now_ns();
   forces_.settle(now_ns);
   if (patches_ != nullptr) patches_->look_after(forces_, view_.view(), now_ns);
-  stats_.status = find_probe_status(loop_.latest(), peers_.has_haptics(), scene_.reach());
+  stats_.status = find_probe_status(loop_.latest(), peers_.has_haptics(), scene_.reach(), scene_.is_hand_inside());
   if (peers_.count(NodeRole::vision) > 0) {
     vision_.send(forces_.history(), loop_.latest(), cycle_, view_.revision_in_use(forces_.history()), stats_.status, now_ns);
   }
@@ -146,6 +149,12 @@ void Servo::on_message(const PeerEvent& event, const Datagram& datagram) noexcep
     return patches_->accept(message);
   }
   if (const auto* marker = std::get_if<Marker>(&message)) return markers_.accept(*marker, event, cycle_.number, event.receive_time_ns);
+  // Each has a number of its own: of several objects, or senders.
+  if (const auto* reply = std::get_if<MoveReply>(&message)) return requests_.accept(*reply);
+  if (const auto* move = std::get_if<ObjectMove>(&message)) {
+    peers_.send_to_role(NodeRole::vision, *move);
+    return;
+  }
   // Of these kinds the newest wins (KindOrder).
   if (event.arrival != Arrival::newest) return;
   if (const auto* view = std::get_if<ViewTransform>(&message)) return on_view(*view);
@@ -155,6 +164,7 @@ void Servo::on_message(const PeerEvent& event, const Datagram& datagram) noexcep
   if (const auto* target = std::get_if<HandTarget>(&message)) return requests_.accept(*target, event.peer);
   if (const auto* settings = std::get_if<Settings>(&message)) return requests_.accept(*settings, event);
   if (const auto* request = std::get_if<MaterialRequest>(&message)) return requests_.accept(*request, event);
+  if (const auto* request = std::get_if<MoveRequest>(&message)) return requests_.accept(*request, event);
   if (const auto* setup = std::get_if<HapticsSetup>(&message)) return on_setup(*setup);
   if (const auto* state = std::get_if<MaterialState>(&message)) {
     peers_.send_to_role(NodeRole::tool, *state);

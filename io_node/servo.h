@@ -37,18 +37,21 @@ namespace hapton {
 // writes as it arrives; then housekeeping (probe states, statistics) and, halfway, a bare echo.
 //
 // Of several forces the newest applies. If this side stalls, the device side continues and releases the force in time. If the device side
-// has no thread of its own (tests on simulated time), step runs its cycles as well.
+// has no thread of its own (tests on simulated time), step runs its cycles as well. While the device side works out the forces itself
+// (patches), this side wakes kRestedHz times a second, or as often as vision nodes get states, and reads the cycles since together.
 // Units: ns of the hub's clock. RT: step and finish yes; making one is set-up only. Threads: one, but for request_snapshot, take_snapshot,
 // snapshot, take_report_request and events (one other), and for device_loop, see there.
 class Servo final : private PeerEventHandler {
  public:
+  static constexpr double kRestedHz = 1000.0;
+
   struct Options {
     double rate_hz = 1000.0;
     double vision_rate_hz = 240.0;                               // most ProbeStates a second to each vision node (vision_pace.h); 0: none
     DeviceLimits tighter = {};                                   // limits below the device's own, field by field; 0: the device's own
     bool forbids_force = false;                                  // the device is read and shown, but never gets a force
     std::optional<PassivityController::Mechanics> passive = {};  // of the device; none: no passivity controller
-    int hold_button = -1;   // dead man's switch: button that must be held for force, lowest bit 0; below 0: none
+    int dead_mans_switch = 0;                                    // button that must be held for force, counted from 1; 0: none
     int clutch_button = 0;  // that holds the device point where it is (clutch.h), counted from 1; 0: none
     OverrunPolicy overrun = OverrunPolicy::skip;
     double spin_share = 0.0;  // largest share of a period spent spinning before each tick; 0: sleeps until the tick
@@ -137,7 +140,11 @@ class Servo final : private PeerEventHandler {
   SafetyNotices safety_;
   StatsPublisher publisher_;
 
+  // How long this side may rest after the newest cycle; 0: not beyond the next one.
+  std::int64_t rest_ns() const noexcept { return forces_.is_local() ? local_rest_ns_ : 0; }
+
   DeviceCycle cycle_;  // the newest
+  const std::int64_t local_rest_ns_;
   std::int64_t next_statistics_ns_ = 0;
 };
 

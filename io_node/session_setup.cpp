@@ -25,7 +25,7 @@ SessionHeader make_session_header(const IoOptions& options, std::uint64_t sessio
                      {"max-torque", fmt::format("{}", options.device.max_torque_nm)},
                      {"continuous-force", fmt::format("{}", options.device.continuous_force_n)},
                      {"max-speed", fmt::format("{}", options.device.max_speed_m_per_s)},
-                     {"hold-button", fmt::format("{}", options.device.hold_button)},
+                     {"dead-mans-switch", fmt::format("{}", options.device.dead_mans_switch)},
                      {"clutch-button", fmt::format("{}", options.device.clutch_button)},
                      {"passive-mass", fmt::format("{}", options.device.passive_mass_kg)},
                      {"passive-damping", fmt::format("{}", options.device.passive_damping_ns_per_m)},

@@ -5,7 +5,7 @@
 
 namespace hapton {
 
-// Where forces are worked out: by the haptics node (remote), by the hub on the patches that it sends (patch), or as the round trip advises.
+// Where forces are computed: by the haptics node (remote), by the hub from the patches that it gets (patch), or chosen by the round trip.
 enum class TouchChoice : std::uint8_t { remote, patch, automatic };
 
 // Chooses by the round trip, with hysteresis: patches above kSlowS, remote force again when it has stayed below kFastS for kSettledNs. A

@@ -97,12 +97,18 @@ constexpr std::tuple kMessageKinds{
     MessageKind<Marker, wire::Marker>{&wire::Envelope::has_marker, &wire::Envelope::marker, &wire::Envelope::mutable_marker},
     MessageKind<MarkerReply, wire::MarkerReply>{&wire::Envelope::has_marker_reply, &wire::Envelope::marker_reply,
                                                 &wire::Envelope::mutable_marker_reply},
+    MessageKind<MoveRequest, wire::MoveRequest>{&wire::Envelope::has_move_request, &wire::Envelope::move_request,
+                                                &wire::Envelope::mutable_move_request},
+    MessageKind<MoveReply, wire::MoveReply>{&wire::Envelope::has_move_reply, &wire::Envelope::move_reply,
+                                            &wire::Envelope::mutable_move_reply},
+    MessageKind<ObjectMove, wire::ObjectMove>{&wire::Envelope::has_object_move, &wire::Envelope::object_move,
+                                              &wire::Envelope::mutable_object_move},
     MessageKind<Bye, wire::Bye>{&wire::Envelope::has_bye, &wire::Envelope::bye, &wire::Envelope::mutable_bye},
 };
 constexpr std::size_t kKindCount = std::tuple_size_v<decltype(kMessageKinds)>;
 static_assert(kKindCount == std::variant_size_v<Message>);
 // Fields 1 to 5 of an Envelope are its header, the others one kind each, from 16 on.
-static_assert(wire::Envelope::kMarkerReplyFieldNumber == 15 + kKindCount, "the last kind of hapton.proto, and its line in kMessageKinds");
+static_assert(wire::Envelope::kObjectMoveFieldNumber == 15 + kKindCount, "the last kind of hapton.proto, and its line in kMessageKinds");
 
 // Calls visit with each kind until one returns true.
 template <class Visit>
@@ -233,6 +239,18 @@ void reserve(wire::ObjectPose& m) {
 }
 void reserve(wire::Marker& m) { m.mutable_text()->reserve(kMaxDatagramBytes); }
 void reserve(wire::MarkerReply&) {}
+void reserve(wire::MoveRequest& m) {
+  m.mutable_object()->reserve(kMaxDatagramBytes);
+  reserve_field(*m.mutable_p_m());
+  reserve_field(*m.mutable_q());
+}
+void reserve(wire::MoveReply& m) { m.mutable_rejection()->reserve(kMaxDatagramBytes); }
+void reserve(wire::ObjectMove& m) {
+  reserve_field(*m.mutable_from_p_m());
+  reserve_field(*m.mutable_from_q());
+  reserve_field(*m.mutable_to_p_m());
+  reserve_field(*m.mutable_to_q());
+}
 void reserve(wire::Bye&) {}
 
 }  // namespace

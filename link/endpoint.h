@@ -22,13 +22,13 @@ struct Received {
   KeyRole role = KeyRole::unsealed;  // of the key that it was sealed with
 };
 
-// Datagrams that a socket received besides those for its owner.
+// Counters of datagrams at a socket that are not data from known peers.
 struct SocketCounts {
   std::uint64_t oversized = 0;      // longer than kMaxDatagramBytes, or empty
-  std::uint64_t unknown_peers = 0;  // handed out, but not data from a known peer: handshakes, junk, oversized ones
-  std::uint64_t dropped = 0;        // by the kernel: kept out during a flood, or no room
-  std::uint64_t kept_out = 0;       // of these, those during a flood
-  std::uint64_t floods = 0;         // that began
+  std::uint64_t unknown_peers = 0;  // received, but not data from a known peer: handshakes, junk, oversized ones
+  std::uint64_t dropped = 0;        // by the kernel: filtered during a flood, or no room
+  std::uint64_t kept_out = 0;       // those of `dropped` that were filtered during a flood
+  std::uint64_t floods = 0;         // floods that began
   double flood_per_s = 0.0;         // datagrams a second, of the newest flood
   Address last_unknown_sender;
   Address last_oversized;
@@ -46,8 +46,8 @@ class Endpoint {
   // Waits until a datagram is there or clock time deadline_ns (CLOCK_MONOTONIC) has come; a deadline in the past polls.
   virtual Received receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept = 0;
 
-  // Optional: sets a timer for later receives with exactly this deadline, so that they need not; the newest two of these are kept. Where
-  // setting a timer is slow (a virtual machine: 5 us), a loop calls this before it takes the time that it measures.
+  // Optional: sets a timer in advance for later receives with exactly this deadline; the newest two are kept. Setting a timer may be slow
+  // (5 us on a virtual machine), so a loop calls this outside the interval that it measures.
   virtual void prepare_wait(std::int64_t /*deadline_ns*/) noexcept {}
 
   virtual Address local_address() const = 0;
@@ -64,7 +64,7 @@ class Endpoint {
   // The counters of a socket; all zero for others.
   virtual SocketCounts socket_counts() const noexcept { return {}; }
 
-  // A flood that a person should know about, once a second at most; none for endpoints that are not sealed.
+  // A flood to be logged, at most once a second; none for endpoints that are not sealed.
   virtual std::optional<Flood> take_flood(std::int64_t /*now_ns*/) noexcept { return std::nullopt; }
 };
 

@@ -12,36 +12,37 @@
 
 namespace hapton {
 
-// Detects a flood from unknown peers at the hub's socket, and makes the kernel program that drops their datagrams before they cost this
-// process a system call each. Known are the addresses that agreed on a session, or were sent data, within kKnownNs, and that session. Data
-// from them in that session passes; all else passes at random, so rarely that about kPassedPerS get through: nodes can still join, and
-// rejected datagrams are still counted, as a sample. Without a flood nothing is filtered. The filter examines source, version, kind,
-// session and length; authentication is left to sealing. Units: ns of the caller's clock, datagrams. RT: yes, no heap; installing the
+// Detects a flood from unknown peers at the hub's socket, and makes the BPF program with which the kernel drops their datagrams, so that
+// they cost this process no system calls. A peer is known for kKnownNs after it agreed on a session or was sent data. Data of known peers
+// in their sessions passes. Other datagrams pass at random, about kPassedPerS in all, so nodes can still join, and rejected datagrams are
+// counted as a sample. Without a flood nothing is filtered. The filter examines source, version, kind, session and length; it does not
+// authenticate. Units: ns of the caller's clock, datagrams. RT: yes, no heap; installing the
 // program is the caller's. Threads: one.
 class FloodFilter {
  public:
   static constexpr std::size_t kKnown = 32;
   static constexpr std::int64_t kKnownNs = 5'000'000'000;
-  // Period of the evaluation; more datagrams from unknown peers than this in one period are a flood (10,000 a second), and it is over after
-  // less than a tenth of that for kQuietNs.
+  // Period of the evaluation. More datagrams from unknown peers than this in one period are a flood (10,000 a second); it ends after
+  // kQuietNs with less than a tenth of that.
   static constexpr std::int64_t kWindowNs = 5'000'000;
   static constexpr std::uint64_t kFlood = 50;
   static constexpr std::int64_t kQuietNs = 2'000'000'000;
   static constexpr double kPassedPerS = 5000.0;
   static constexpr std::size_t kMostInstructions = 640;
 
-  // What to do with the socket's filter.
+  // The action on the socket's filter.
   enum class Action : std::uint8_t { none, install, remove };
 
   // Data of this session is expected from there.
   void note_expected(const Address& from, std::uint32_t connection, std::int64_t now_ns) noexcept;
   void note_sent(const Address& to, std::span<const std::byte> datagram, std::int64_t now_ns) noexcept;
-  // A datagram came; an oversized one with the part of it that was read.
+  // A datagram was received; of an oversized one, only the part that was read.
   void note_received(const Address& from, std::span<const std::byte> datagram, bool is_oversized) noexcept;
 
   bool is_due(std::int64_t now_ns) const noexcept { return now_ns >= due_ns_ || has_news(); }
   bool is_shut() const noexcept { return is_shut_; }
-  // Evaluates the last period. dropped: what the kernel has dropped at this socket so far, by the filter or for lack of room; modulo 2^32.
+  // Evaluates the last period. dropped: number of datagrams that the kernel has dropped at this socket, by the filter or for lack of room;
+  // modulo 2^32.
   Action end_period(std::uint32_t dropped, std::int64_t now_ns) noexcept;
   // After Action::install: the program, valid until the next end_period().
   std::span<sock_filter> program() noexcept { return std::span(program_).first(program_size_); }
@@ -51,13 +52,13 @@ class FloodFilter {
  private:
   struct Known {
     Address address;
-    std::uint32_t session = 0;  // its number's bytes as a filter loads them
+    std::uint32_t session = 0;  // session number in the byte order in which a filter loads it
     std::int64_t time_ns = 0;
     bool was_sent_data = false;
     bool is(const Address& at, std::uint32_t in) const noexcept { return session == in && address == at; }
   };
 
-  // Someone has become known whom the program does not let in yet.
+  // There is a new known peer that the program does not admit yet.
   bool has_news() const noexcept { return is_shut_ && may_hasten_ && built_changes_ != known_changes_; }
   void remember(const Known& known) noexcept;
   Action install() noexcept;
@@ -67,7 +68,7 @@ class FloodFilter {
   void add_known(const Known& known) noexcept;
 
   std::array<Known, kKnown> known_ = {};
-  std::size_t last_known_ = 0;  // sent to last
+  std::size_t last_known_ = 0;  // last one that was sent data
   std::uint64_t known_changes_ = 0;
   std::uint64_t built_changes_ = 0;
   SocketCounts counts_;

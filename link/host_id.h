@@ -4,8 +4,8 @@
 
 namespace hapton {
 
-// Names a CLOCK_MONOTONIC: the same number in every process that reads this clock, another one after a restart of the host and on every
-// other host. From the kernel's boot identity and the time namespace; a random number where neither can be read. RT: set-up only.
+// Identifies a CLOCK_MONOTONIC: the same number in every process that reads this clock, a different one after a reboot and on every other
+// host. From the kernel's boot id and the time namespace; a random number if neither can be read. RT: set-up only.
 std::uint64_t find_host_id();
 
 }  // namespace hapton

@@ -16,8 +16,10 @@ bool may_send(NodeRole role, const Message& message) {
     return std::holds_alternative<ForceCommand>(message) || std::holds_alternative<HapticsSetup>(message) ||
            std::holds_alternative<MaterialState>(message) || std::holds_alternative<PatchTile>(message) ||
            std::holds_alternative<PatchCell>(message) || std::holds_alternative<PatchBegin>(message) ||
-           std::holds_alternative<ObjectPose>(message);
+           std::holds_alternative<ObjectPose>(message) || std::holds_alternative<MoveReply>(message) ||
+           std::holds_alternative<ObjectMove>(message);
   }
+  if (std::holds_alternative<MoveRequest>(message)) return true;
   if (role == NodeRole::tool) {
     return std::holds_alternative<Settings>(message) || std::holds_alternative<MaterialRequest>(message) ||
            std::holds_alternative<ReportRequest>(message);

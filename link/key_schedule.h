@@ -11,10 +11,10 @@
 
 namespace hapton {
 
-// From the master key to the keys of a role, and to those that prove and open its handshakes: BLAKE2b, keyed, with a label in all that is
-// derived, so that no key serves two purposes. The keys of a session come from the Noise handshake (noise.h). docs/formats.md has it in
-// words; tests/link/key_schedule_test.cpp holds known answers.
-// RT: yes (no heap, lock, throw or system call). Threads: any.
+// Derives the key of a role from the master key, and from that the keys that authenticate and decrypt its handshakes: keyed BLAKE2b, with a
+// different label for each derived key, so that no key has two purposes. The keys of a session come from the Noise handshake (noise.h).
+// docs/formats.md describes it in words; tests/link/key_schedule_test.cpp has known answers. RT: yes (no heap, lock, throw or system call).
+// Threads: any.
 namespace seal {
 
 using Secret = std::array<std::uint8_t, 32>;
@@ -34,17 +34,17 @@ struct SessionKeys {
 // The key of a role, from the master key. The same in every protocol version: a node's key file outlives an update.
 Secret derive_role_key(const LinkKey& master, KeyRole role) noexcept;
 
-// Of a role's key: the key of the tags of its handshakes, and the psk of its Noise handshakes. Others in every protocol version.
+// From a role's key: the key for the tags of its handshakes, and the psk of its Noise handshakes. Different in every protocol version.
 Secret derive_handshake_key(const RoleKey& key) noexcept;
 Secret derive_psk(const RoleKey& key) noexcept;
 
 Tag compute_tag(const Secret& key, std::span<const std::uint8_t> bytes) noexcept;
-// In the same time whatever differs.
+// Comparison in constant time.
 bool is_tag(const Tag& expected, const std::uint8_t* found) noexcept;
 
 void wipe(Secret& secret) noexcept;
 
-// Before any of the above; more often does no harm. find_link_key and read_key_file do it. RT: set-up only.
+// To be called before any of the above; may be called again. find_link_key and read_key_file do it. RT: set-up only.
 // Error: the system has no random numbers, or the processor no AES instructions.
 Result<void> start_crypto();
 

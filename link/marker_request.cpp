@@ -23,7 +23,7 @@ Result<std::uint64_t> read_reply(const MarkerReply& reply) {
     case MarkerStatus::no_recording:
       return fail("the hub does not record; start io_node with --record FILE");
     case MarkerStatus::too_many:
-      return fail("the hub refused it: more than 50 markers a second");
+      return fail("the hub rejected it: more than 50 markers a second");
     case MarkerStatus::no_room:
       break;
   }

@@ -15,25 +15,6 @@
 namespace hapton {
 namespace {
 
-constexpr double kUnitTolerance = 1e-3;
-
-template <class Field>
-void write_rotation(Field& field, const Quat& q) {
-  field.Clear();
-  for (const double value : {q.w(), q.x(), q.y(), q.z()}) {
-    field.AddAlreadyReserved(value);
-  }
-}
-
-template <class Field>
-bool read_rotation(const Field& field, Quat& q) {
-  if (field.size() != 4) {
-    return false;
-  }
-  q = Quat(field.Get(0), field.Get(1), field.Get(2), field.Get(3));
-  return std::abs(q.norm() - 1.0) <= kUnitTolerance;  // false for NaN as well
-}
-
 template <class Field>
 bool read_pose(const Field& field, std::array<float, 12>& X) {
   if (field.size() != static_cast<int>(X.size())) {
@@ -102,6 +83,7 @@ void write(const ForceCommand& from, wire::ForceCommand& to) {
   write_vector(*to.mutable_torque_nm(), from.torque_nm);
   write_vector(*to.mutable_visual_turn(), from.visual_turn);
   to.set_scene_time_ns(from.scene_time_ns);
+  to.set_move_serial(from.move_serial);
 }
 
 void write(const ViewTransform& from, wire::ViewTransform& to) {
@@ -186,6 +168,7 @@ void write(const SceneFacts& from, wire::SceneFacts& to) {
     add_numbers(from.points_m[i], *to.mutable_points_m());
   }
   to.set_preparing_s(from.preparing_s);
+  to.set_is_hand_inside(from.is_hand_inside);
 }
 
 void write(const ReportRequest& from, wire::ReportRequest& to) {
@@ -256,6 +239,7 @@ bool read(const wire::ForceCommand& from, ForceCommand& to) {
   to.material_serial = from.material_serial();
   to.object = read_object(from.touched());
   to.scene_time_ns = from.scene_time_ns();
+  to.move_serial = from.move_serial();
   return read_vector(from.force_n(), to.force_n) && read_vector(from.visual_offset_m(), to.visual_offset_m) &&
          read_optional_vector(from.torque_nm(), to.torque_nm) && read_optional_vector(from.visual_turn(), to.visual_turn);
 }
@@ -275,7 +259,7 @@ bool read(const wire::ProbeState& from, ProbeState& to) {
   to.scene_time_ns = from.scene_time_ns();
   // An unknown status of a newer hub is no reason to reject the state.
   to.status =
-      from.status() <= static_cast<std::uint32_t>(ProbeStatus::too_small) ? static_cast<ProbeStatus>(from.status()) : ProbeStatus::ok;
+      from.status() <= static_cast<std::uint32_t>(ProbeStatus::hand_inside) ? static_cast<ProbeStatus>(from.status()) : ProbeStatus::ok;
   return read_vector(from.p_wd_m(), to.p_WD) && read_rotation(from.q_wt(), to.q_WT) &&
          read_vector(from.visual_offset_m(), to.visual_offset_m) && read_vector(from.force_n(), to.force_n) &&
          read_optional_vector(from.torque_nm(), to.torque_nm) && read_optional_vector(from.visual_turn(), to.visual_turn) &&
@@ -340,6 +324,7 @@ bool read(const wire::SceneFacts& from, SceneFacts& to) {
   }
   to.point_count = static_cast<std::uint32_t>(numbers / 3);
   to.preparing_s = from.preparing_s();
+  to.is_hand_inside = from.is_hand_inside();
   if (!(to.preparing_s >= 0.0F && std::isfinite(to.preparing_s))) return false;
   for (int i = 0; i < numbers / 3; ++i) {
     if (!read_point(from.points_m(), 3 * i, to.points_m[static_cast<std::size_t>(i)])) return false;

@@ -31,6 +31,9 @@ class MaterialState;
 class ObjectPose;
 class Marker;
 class MarkerReply;
+class MoveRequest;
+class MoveReply;
+class ObjectMove;
 }  // namespace wire
 
 void write(const Hello& from, wire::Hello& to);
@@ -58,6 +61,9 @@ void write(const MaterialState& from, wire::MaterialState& to);
 void write(const ObjectPose& from, wire::ObjectPose& to);
 void write(const Marker& from, wire::Marker& to);
 void write(const MarkerReply& from, wire::MarkerReply& to);
+void write(const MoveRequest& from, wire::MoveRequest& to);
+void write(const MoveReply& from, wire::MoveReply& to);
+void write(const ObjectMove& from, wire::ObjectMove& to);
 
 // False for a value that the contract rules out; `to` is then not to be used.
 bool read(const wire::Hello& from, Hello& to);
@@ -84,6 +90,9 @@ bool read(const wire::MaterialState& from, MaterialState& to);
 bool read(const wire::ObjectPose& from, ObjectPose& to);
 bool read(const wire::Marker& from, Marker& to);
 bool read(const wire::MarkerReply& from, MarkerReply& to);
+bool read(const wire::MoveRequest& from, MoveRequest& to);
+bool read(const wire::MoveReply& from, MoveReply& to);
+bool read(const wire::ObjectMove& from, ObjectMove& to);
 bool read(const wire::ViewTransform& from, ViewTransform& to);
 
 }  // namespace hapton

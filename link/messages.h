@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <variant>
 
 #include "core/math/types.h"
@@ -60,8 +61,9 @@ struct ForceCommand {
   // Of a rigid tool; a probe leaves both zero:
   Vec3 torque_nm = Vec3::Zero();    // about the device point
   Vec3 visual_turn = Vec3::Zero();  // rotation vector from the stylus to the tool as it is drawn, rad
-  // Where the objects were that move by keyframes: the time of KeyframeMotion. 0: at its beginning, or the scene has none.
+  // Where the objects were that move: the time of KeyframeMotion and CommandedMotion. 0: at its beginning, or the scene has none.
   std::int64_t scene_time_ns = 0;
+  std::uint32_t move_serial = 0;  // of the newest move of an object that it was computed with, as ObjectMove counts
 };
 
 // ForceCommand::answered_before of a first reply that resumes contact of an earlier session.
@@ -87,6 +89,7 @@ enum class ProbeStatus : std::uint8_t {
   calibrating = 4,    // the device's position is not valid yet
   out_of_reach = 5,   // no part of the scene lies in the device's workspace
   too_small = 6,      // the scene is tiny in it: probably a wrong unit
+  hand_inside = 7,    // the hand has been inside a body since haptics began to feel it: felt from within, or not at all
 };
 
 // hub -> every vision node. Pose, contact and visual offset belong to one sample: the newest with a reply, or without replies the
@@ -215,6 +218,7 @@ struct SceneFacts {
   std::uint32_t point_count = 0;
   std::array<Point, kMostPoints> points_m = {};  // spread over its surface
   float preparing_s = 0.0F;                      // above 0: haptics has been preparing its method for this long, and there is no force yet
+  bool is_hand_inside = false;                   // a body, since haptics began to feel: felt from within, or not at all
 };
 
 // tool -> hub: a part of the hub's report.
@@ -333,9 +337,45 @@ struct MarkerReply {
   MarkerStatus status = MarkerStatus::recorded;
 };
 
-using Message = std::variant<Hello, Welcome, Bye, DeviceState, ForceCommand, ViewTransform, ProbeState, FrameAck, HandTarget, Settings,
-                             HapticsSetup, ReportRequest, ReportPart, SceneFacts, ViewRejected, PatchBegin, PatchCell, PatchTile,
-                             PatchStatus, LoopFacts, MaterialRequest, MaterialState, ObjectPose, Marker, MarkerReply>;
+// tool or vision -> hub -> haptics: moves an object that programs may move (docs/scene-files.md). Pose as position_m and rotation of the
+// scene file; what is not given stays as it is when the move begins.
+struct MoveRequest {
+  static constexpr double kMostSeconds = 86'400.0;
+
+  std::uint32_t request = 0;       // identifies the reply, never 0; the same again: a repetition
+  HapticsSetup::Text object = {};  // name; empty: the object of that number
+  std::int32_t number = 0;         // of the scene, from 0
+  std::optional<Vec3> p_m = {};    // one of the two is given
+  std::optional<Quat> q = {};
+  std::optional<double> over_s = {};  // above 0, at most kMostSeconds; none: the least time allowed
+};
+
+// haptics -> hub -> the sender of a MoveRequest.
+struct MoveReply {
+  std::uint32_t request = 0;
+  HapticsSetup::Text rejection = {};  // why the object does not move; empty: it does
+  std::int32_t object = 0;            // of the scene
+  double over_s = 0.0;                // more than requested: slowed to the largest speed of a surface
+  std::uint32_t serial = 0;           // of its ObjectMove
+};
+
+// haptics -> hub -> every vision node, when a program moved an object, and in turn once a second: a CommandedMove.
+struct ObjectMove {
+  std::uint32_t source = 0;   // of the haptics process, random, never 0
+  std::uint32_t serial = 0;   // counts the moves of all objects, from 1; 0: not moved yet
+  std::int32_t object = 0;    // of the scene
+  std::int64_t start_ns = 0;  // scene time
+  std::int64_t end_ns = 0;
+  Vec3 from_p_m = Vec3::Zero();  // of the pivot, frame S
+  Quat from_q = Quat::Identity();
+  Vec3 to_p_m = Vec3::Zero();
+  Quat to_q = Quat::Identity();
+};
+
+using Message =
+    std::variant<Hello, Welcome, Bye, DeviceState, ForceCommand, ViewTransform, ProbeState, FrameAck, HandTarget, Settings, HapticsSetup,
+                 ReportRequest, ReportPart, SceneFacts, ViewRejected, PatchBegin, PatchCell, PatchTile, PatchStatus, LoopFacts,
+                 MaterialRequest, MaterialState, ObjectPose, Marker, MarkerReply, MoveRequest, MoveReply, ObjectMove>;
 
 // In front of every message.
 struct Header {

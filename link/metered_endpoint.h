@@ -8,7 +8,7 @@
 namespace hapton {
 
 // An endpoint that counts what passes through another one, and notes when.
-// RT: yes, as the other is; two looks at the clock more. Threads: as the other.
+// RT: yes, as the other is, and two clock readings. Threads: as the other.
 class MeteredEndpoint final : public Endpoint {
  public:
   struct Counts {

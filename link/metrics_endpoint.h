@@ -10,8 +10,8 @@
 
 namespace hapton {
 
-// Serves one text by HTTP at /metrics, to this machine only, in its own thread, for Prometheus and curl. Each request waits for a text that
-// is newer than itself, kFreshNs at most; then it gets the last one. RT: no. Threads: any.
+// Serves one text by HTTP at /metrics, to this machine only, in its own thread, for Prometheus and curl. Each request waits up to kFreshNs
+// for a text that is newer than the request; otherwise it gets the last one. RT: no. Threads: any.
 class MetricsEndpoint {
  public:
   // bind_address: a loopback address and port, port 0 takes a free one. Error: one line: not loopback, port in use, no address.
@@ -27,7 +27,7 @@ class MetricsEndpoint {
 
   // True once when a request waits.
   bool take_request() noexcept;
-  // Sets the text to serve: also to the requests that wait.
+  // Sets the text to serve, also to waiting requests.
   void set_text(std::string text);
 
   const Address& local_address() const;

@@ -9,7 +9,7 @@
 
 namespace hapton {
 
-// Lets `per_second` events through in the long run and `burst` at once. RT: yes. Threads: one.
+// Token bucket: permits `per_second` events in the long run and `burst` at once. RT: yes. Threads: one.
 class TokenBucket {
  public:
   constexpr TokenBucket() = default;
@@ -32,8 +32,8 @@ class TokenBucket {
   std::int64_t last_ns_ = 0;
 };
 
-// A limit for each source address (without port) and one for all together. Sources share kSources buckets by a hash: two in one bucket are
-// limited together, so never more is let through. RT: yes. Threads: one.
+// One limit for each source address (without port) and one for all sources. A hash assigns sources to kSources buckets; sources in one
+// bucket share its limit, so the limit of a source is never exceeded. RT: yes. Threads: one.
 class SourceLimit {
  public:
   struct Rates {
@@ -44,7 +44,7 @@ class SourceLimit {
   };
   static constexpr std::size_t kSources = 64;
 
-  // seed: unknown to senders, so that none can aim at another's bucket.
+  // seed: of the hash, unknown to senders, so that none can target another's bucket.
   SourceLimit(const Rates& rates, std::uint64_t seed) : seed_(seed), all_(rates.all_per_second, rates.all_burst) {
     buckets_.fill(TokenBucket(rates.source_per_second, rates.source_burst));
   }

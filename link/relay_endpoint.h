@@ -11,7 +11,7 @@
 namespace hapton {
 
 struct RelaySettings {
-  std::string listen = "127.0.0.1:0";  // where the nodes look for the hub
+  std::string listen = "127.0.0.1:0";  // address at which the nodes find the hub
   Address hub;
   FaultSchedule schedule;
   std::uint64_t seed = 1;
@@ -22,20 +22,20 @@ struct RelayCounts {
   std::uint64_t received = 0;
   std::uint64_t forwarded = 0;      // copies included
   std::uint64_t lost = 0;           // at random, independently
-  std::uint64_t lost_in_burst = 0;  // in a bad spell
+  std::uint64_t lost_in_burst = 0;  // within a burst
   std::uint64_t partitioned = 0;
   std::uint64_t held_back = 0;
   std::uint64_t duplicated = 0;
   std::uint64_t corrupted = 0;
   std::uint64_t overflowed = 0;  // the queue was full
-  std::uint64_t rejected = 0;    // too long, or from one node too many
+  std::uint64_t rejected = 0;    // too long, or from a node beyond kMaxClients
   std::uint64_t send_failures = 0;
 };
 
 // A bad network between the nodes and their hub: a UDP relay that loses, delays, reorders, duplicates and corrupts what it forwards,
-// by the schedule and the seed. It forwards bytes without decoding them. The hub sees each node under a port of its own. Bounded: at
-// most kMaxQueued datagrams wait, at most kMaxClients nodes are known; one silent for kIdleNs makes room for another. RT: no. Threads:
-// one.
+// by the schedule and the seed. It forwards bytes without decoding them. The hub sees a different port for each node. Bounded:
+// at most kMaxQueued datagrams wait, at most kMaxClients nodes are known; a node idle for kIdleNs is replaced by a new one. RT: no.
+// Threads: one.
 class RelayEndpoint {
  public:
   static constexpr std::size_t kMaxQueued = 16'384;
@@ -58,7 +58,7 @@ class RelayEndpoint {
   const RelayCounts& to_nodes() const;
   // Nodes seen so far.
   std::uint64_t clients() const;
-  // The index of the present phase in the schedule, or one behind the last.
+  // The index of the present phase in the schedule, or one past the last.
   std::size_t phase() const;
 
  private:

@@ -11,16 +11,15 @@
 
 namespace hapton {
 
-// What sealed datagrams look like; docs/formats.md says the same in words. Numbers are little-endian.
+// The layout of sealed datagrams, as in docs/formats.md. Numbers are little-endian.
 //
-//   lead     08 VERSION KIND 00   the first two bytes are field 1 of an Envelope (proto/hapton.proto): any version knows another by them
-//   request  lead  role:1 000000  host:8  timestamp:8  first:48  cookie:16  tag:16   node -> hub; cookie zero until the hub has given one
-//   retry    lead  timestamp:8  cookie:16  tag:16                                    hub -> node
-//   answer   lead  timestamp:8  second:52  tag:16                                    hub -> node
-//   data     lead  connection:4  counter:8  ciphertext:n tag:16                      either way
+//   lead     08 VERSION KIND 00   the first two bytes are field 1 of an Envelope (proto/hapton.proto): every version recognises another by
+//   them request  lead  role:1 000000  host:8  timestamp:8  first:48  cookie:16  tag:16   node -> hub; cookie zero until the hub has given
+//   one retry    lead  timestamp:8  cookie:16  tag:16                                    hub -> node answer   lead  timestamp:8  second:52
+//   tag:16                                    hub -> node data     lead  connection:4  counter:8  ciphertext:n tag:16 both directions
 //
 // first and second are the two messages of the Noise handshake (noise.h); its prologue is all of the request before them. Retry and answer
-// repeat the timestamp of the request that they belong to.
+// repeat the timestamp of their request.
 namespace seal {
 
 enum class Kind : std::uint8_t { request = 1, retry = 2, answer = 3, data = 4 };
@@ -31,7 +30,7 @@ constexpr std::size_t kTagBytes = 16;
 using Cookie = std::array<std::uint8_t, kCookieBytes>;
 
 constexpr std::size_t kFirstBytes = 48;   // a public key, the tag of an empty payload
-constexpr std::size_t kSecondBytes = 52;  // a public key, the connection's number sealed
+constexpr std::size_t kSecondBytes = 52;  // a public key, the encrypted connection number
 
 constexpr std::size_t kLeadBytes = 4;
 constexpr std::size_t kRoleAt = kLeadBytes;
@@ -84,18 +83,18 @@ void write_lead(Kind kind, std::uint8_t* into) noexcept;
 
 enum class OpenStatus : std::uint8_t {
   opened,
-  malformed,        // no sealed datagram at all
+  malformed,        // not a sealed datagram
   wrong_version,    // of another protocol version
   unknown_session,  // of another session
   replayed,         // seen before, or too old to check
-  forged,           // not by the other side of this session
+  forged,           // not from the other side of this session
 };
 
 void count(OpenStatus status, SealCounts& counts) noexcept;
 
 // The kind that a datagram claims to be.
 struct SealedKind {
-  OpenStatus status = OpenStatus::malformed;  // opened: one of our version, with the length of its kind; else malformed or wrong_version
+  OpenStatus status = OpenStatus::malformed;  // opened: our version, and the length of its kind; else malformed or wrong_version
   seal::Kind kind = seal::Kind::data;
 };
 SealedKind classify_sealed(std::span<const std::byte> datagram) noexcept;

@@ -14,7 +14,7 @@ namespace hapton {
 // The first bytes of a session file.
 inline constexpr std::string_view kSessionMagic = "hapton.session/1\n";
 
-// Turns headers and entries into the messages of proto/session.proto and back, each with its length in front and its check at the end.
+// Encodes and decodes headers and entries as messages of proto/session.proto, each with its length in front and its CRC at the end.
 // RT: no. Threads: one.
 class SessionCodec {
  public:
@@ -33,13 +33,13 @@ class SessionCodec {
 
   enum class Status : std::uint8_t {
     ok,
-    unknown,  // whole, but of a kind that this build does not know
-    cut,      // the bytes end within it
-    damaged,  // its check does not hold, or it is no such message
+    unknown,  // complete, but of a kind that this build does not know
+    cut,      // the bytes end within the message
+    damaged,  // its CRC is wrong, or it is not a valid message
   };
   struct Read {
     Status status = Status::cut;
-    std::size_t bytes = 0;  // of the whole message with its length; 0 unless ok or unknown
+    std::size_t bytes = 0;  // size of the message with its length; 0 unless ok or unknown
   };
 
   // Reads the message that begins at the front of `bytes`. Post: entry.datagram points into this codec, until its next call.

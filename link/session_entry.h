@@ -52,7 +52,7 @@ struct CycleSample {
   std::uint32_t buttons = 0;
 };
 
-// What a sample felt like on parts of the scene, worked out beside the device, before the governor. N, m, frame W.
+// What a sample felt like on parts of the scene, computed beside the device, before the governor. N, m, frame W.
 struct CycleLocal {
   Vec3 force_n = Vec3::Zero();
   Vec3 visual_offset_m = Vec3::Zero();  // probe minus device point

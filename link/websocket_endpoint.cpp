@@ -51,6 +51,15 @@ class BeastEndpoint final : public WebSocketEndpoint {
     return is_there;
   }
 
+  bool close(std::int64_t patience_ns) override {
+    const bool is_closed = run(patience_ns, [&](auto&& done) {
+      stream_.async_close(websocket::close_code::normal, [done](const error_code& error) { done(error); });
+    });
+    if (is_closed) reason_ = "closed by this side";
+    is_over_ = true;
+    return is_closed;
+  }
+
   const std::string& reason() const override { return reason_; }
 
  private:

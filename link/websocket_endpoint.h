@@ -26,6 +26,9 @@ class WebSocketEndpoint {
   virtual bool send(std::string_view text, std::int64_t patience_ns) = 0;
   virtual bool receive(std::string& into, std::int64_t patience_ns) = 0;
 
+  // Ends the connection in order: a close frame, and the peer's own awaited. False: as above.
+  virtual bool close(std::int64_t patience_ns) = 0;
+
   // Why the connection is over.
   virtual const std::string& reason() const = 0;
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string>
 
 #include "core/math/types.h"
@@ -36,6 +37,25 @@ template <class Field>
 bool read_optional_vector(const Field& field, Vec3& v) {
   v = Vec3::Zero();
   return field.empty() || read_vector(field, v);
+}
+
+constexpr double kUnitTolerance = 1e-3;
+
+template <class Field>
+void write_rotation(Field& field, const Quat& q) {
+  field.Clear();
+  for (const double value : {q.w(), q.x(), q.y(), q.z()}) {
+    field.AddAlreadyReserved(value);
+  }
+}
+
+template <class Field>
+bool read_rotation(const Field& field, Quat& q) {
+  if (field.size() != 4) {
+    return false;
+  }
+  q = Quat(field.Get(0), field.Get(1), field.Get(2), field.Get(3));
+  return std::abs(q.norm() - 1.0) <= kUnitTolerance;  // false for NaN as well
 }
 
 template <class Numbers, class Field>

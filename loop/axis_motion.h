@@ -9,7 +9,7 @@
 namespace hapton {
 
 // The motion of one axis of device and hand (axis_plant.h) with Coulomb friction at the motors, exact: between two events (the motor mass
-// comes to rest, breaks away) the system is linear, and its step over 2^k ns is a matrix exponential worked out once. An event is bracketed
+// comes to rest, breaks away) the system is linear, and its step over 2^k ns is a matrix exponential computed once. An event is bracketed
 // to 1 ns by descending through these powers of two. Energies are quadratic in the state, so their integrals are exact as well. The method
 // is that of devices/stylus_dynamics.h, for any number of joints, with an amplifier and with energies. Units SI, ns. RT: no heap in
 // advance; making one is set-up only.

@@ -9,7 +9,7 @@
 
 namespace hapton {
 
-// How the motion between two samples is worked out: exactly, event by event (axis_motion.h), or in steps as simulators do.
+// How the motion between two samples is computed: exactly, event by event (axis_motion.h), or in steps as simulators do.
 enum class Integrator : std::uint8_t { exact, runge_kutta, semi_implicit_euler };
 std::string_view to_string(Integrator integrator) noexcept;
 

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/effects/smooth_velocity.h"
+
 namespace hapton {
 namespace {
 
@@ -86,6 +88,21 @@ class AdaptiveWindow final : public VelocityEstimator {
   double now_s_ = 0.0;
   std::int64_t count_ = 0;
   std::array<Point, kPoints> points_ = {};
+};
+
+class Mean final : public VelocityEstimator {
+ public:
+  void reset(double position_m) noexcept override {
+    velocity_.reset();
+    velocity_.add(Vec3(position_m, 0.0, 0.0), 0.0);
+  }
+  double step(double position_m, double dt_s) noexcept override {
+    velocity_.add(Vec3(position_m, 0.0, 0.0), dt_s);
+    return velocity_.mean().x();
+  }
+
+ private:
+  SmoothVelocity velocity_;
 };
 
 class Kalman final : public VelocityEstimator {
@@ -181,6 +198,8 @@ std::string VelocityFilter::name() const {
       return fmt::format("first-order {:g} Hz", parameter);
     case Kind::adaptive:
       return fmt::format("adaptive {:g} samples", parameter);
+    case Kind::mean:
+      return fmt::format("mean {} samples", SmoothVelocity::kSamples);
     case Kind::kalman:
       return fmt::format("kalman {:g} m/s^2", parameter);
   }
@@ -189,9 +208,11 @@ std::string VelocityFilter::name() const {
 
 std::vector<VelocityFilter> velocity_filters() {
   using Kind = VelocityFilter::Kind;
-  return {{Kind::difference},        {Kind::first_order, 200.0}, {Kind::first_order, 100.0}, {Kind::first_order, 50.0},
-          {Kind::first_order, 20.0}, {Kind::adaptive, 8.0},      {Kind::adaptive, 16.0},     {Kind::adaptive, 32.0},
-          {Kind::kalman, 30.0},      {Kind::kalman, 10.0},       {Kind::kalman, 3.0},        {Kind::kalman, 1.0}};
+  return {{Kind::difference},        {Kind::first_order, 200.0}, {Kind::first_order, 100.0},
+          {Kind::first_order, 50.0}, {Kind::first_order, 20.0},  {Kind::adaptive, 8.0},
+          {Kind::adaptive, 16.0},    {Kind::adaptive, 32.0},     {Kind::mean},
+          {Kind::kalman, 30.0},      {Kind::kalman, 10.0},       {Kind::kalman, 3.0},
+          {Kind::kalman, 1.0}};
 }
 
 std::unique_ptr<VelocityEstimator> make_velocity_estimator(const VelocityFilter& filter, double step_m) {
@@ -200,6 +221,8 @@ std::unique_ptr<VelocityEstimator> make_velocity_estimator(const VelocityFilter&
       return std::make_unique<FirstOrder>(filter.parameter);
     case VelocityFilter::Kind::adaptive:
       return std::make_unique<AdaptiveWindow>(static_cast<int>(filter.parameter), step_m);
+    case VelocityFilter::Kind::mean:
+      return std::make_unique<Mean>();
     case VelocityFilter::Kind::kalman:
       return std::make_unique<Kalman>(filter.parameter, step_m);
     case VelocityFilter::Kind::difference:

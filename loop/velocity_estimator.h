@@ -23,10 +23,11 @@ class VelocityEstimator {
 //   first_order   the same behind a first-order low-pass; parameter: cutoff, Hz
 //   adaptive      the longest window whose end-to-end line passes all positions within an encoder step; parameter: longest window, samples.
 //                 Source: Janabi-Sharifi, Hayward, Chen 2000, "Discrete-time adaptive windowing for velocity estimation", end-fit
+//   mean          the weighted mean of the last 8 differences that effects run with (core/effects/smooth_velocity.h)
 //   kalman        a mass pushed by white noise, read by an encoder with an error of a twelfth of a squared step; parameter: RMS of its
 //                 acceleration, m/s^2
 struct VelocityFilter {
-  enum class Kind : std::uint8_t { difference, first_order, adaptive, kalman };
+  enum class Kind : std::uint8_t { difference, first_order, adaptive, mean, kalman };
   static constexpr int kMostWindow = 64;
 
   Kind kind = Kind::difference;

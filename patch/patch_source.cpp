@@ -50,7 +50,7 @@ bool PatchSource::is_due(const Item& item, std::int64_t now_ns) const noexcept {
 
 void PatchSource::accept(const PatchStatus& status) noexcept {
   round_trip_s_ = status.round_trip_s;
-  // The hub has begun anew: what it had is gone.
+  // The hub has started again: what it had is gone.
   if (status.epoch == 0 && counts_.held > 0) {
     std::fill(items_.begin(), items_.end(), Item());
     counts_.held = 0;

@@ -39,7 +39,7 @@ class PatchStore {
   void accept(const PatchBegin& begin);
   void accept(const PatchCell& cell);
   void accept(const PatchTile& tile);
-  // Another sender: epochs begin anew.
+  // Another sender: epochs start again.
   void clear();
 
   bool has_begun() const noexcept { return begin_.has_value(); }

@@ -60,7 +60,7 @@ struct PatchHand {
 // reaches there, the proxy follows the device from place to place, kMostFollowed a step, until it has caught up: it comes to where the
 // whole scene has it, whatever lay on the way. A patch with is_way_unknown need not wait for that: in contact it takes over from above the
 // plane, by a share of the way that the hand went past the edge, and the surface that is met first from there is felt. A hand that was free
-// for kBeyondS begins anew where it is.
+// for kBeyondS starts again where it is.
 //
 // Frames: W and S as named. Units: SI. RT: all. Threads: one.
 class PatchTouch {
@@ -98,8 +98,8 @@ class PatchTouch {
   // A patch has reached the hand since the start. Until then the force has to come from elsewhere.
   bool has_arrived() const noexcept { return has_arrived_; }
 
-  // None: no patch has reached the hand yet, since the start or since it began anew; or a sample that is not finite, or so far off that its
-  // rounding is larger than a patch's lift (10^9 sizes of the scene): it changes nothing.
+  // None: no patch has reached the hand yet, since the start or since it started again; or a sample that is not finite, or so far off that
+  // its rounding is larger than a patch's lift (10^9 sizes of the scene): it changes nothing.
   std::optional<PatchOutput> step(const TouchInput& input) noexcept;
 
   // See ForceMethod. Frame: S.

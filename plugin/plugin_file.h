@@ -19,7 +19,7 @@ class PluginFile {
   static Result<PluginFile> open(const PluginChoice& choice);
 
   // The constants that it exports, of this version and size, with every function that is not optional and bounds in range. Error: one line
-  // that says what is missing, or what to compile anew.
+  // that says what is missing, or what to recompile.
   Result<const hapton_effect_api*> find_effect() const;
   Result<const hapton_method_api*> find_method() const;
   Result<const hapton_device_api*> find_device() const;

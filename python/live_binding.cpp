@@ -1,7 +1,14 @@
 #include <fmt/core.h>
 
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+
 #include "core/effects/smooth_velocity.h"
 #include "core/math/rigid_pose.h"
+#include "core/math/turn_by_degrees.h"
 #include "python/bindings.h"
 #include "python/field_node.h"
 #include "python/live_client.h"
@@ -54,6 +61,40 @@ std::uint32_t turn_scene(LiveClient& client, const Doubles& scene_pose) {
     for (int k = 0; k < 4; ++k) rows[static_cast<std::size_t>(4 * i + k)] = static_cast<float>(pose.matrix()(i, k));
   }
   return client.turn_scene(rows);
+}
+
+using ObjectKey = std::variant<std::int64_t, std::string>;  // number in the scene, or name
+
+std::string name_of(const ObjectKey& key) {
+  const auto* number = std::get_if<std::int64_t>(&key);
+  return number != nullptr ? fmt::format("#{}", *number) : std::get<std::string>(key);
+}
+
+double move_object(LiveClient& client, const ObjectKey& object, const std::optional<Doubles>& position_m,
+                   const std::optional<Doubles>& rotation, const std::optional<Doubles>& rotation_deg, std::optional<double> over_s) {
+  MoveTarget target{.over_s = over_s};
+  const auto read = [](const Doubles& numbers, const char* name, double* to, py::ssize_t count) {
+    if (numbers.ndim() != 1 || numbers.shape(0) != count) raise_value_error(fmt::format("{} must be {} numbers", name, count));
+    for (py::ssize_t k = 0; k < count; ++k) to[k] = numbers.at(k);
+  };
+  if (rotation && rotation_deg) raise_value_error("rotation and rotation_deg are given: keep one");
+  if (position_m) read(*position_m, "position_m", target.position_m.emplace().data(), 3);
+  if (rotation) {
+    std::array<double, 4> q = {};
+    read(*rotation, "rotation", q.data(), 4);
+    target.rotation = Quat(q[0], q[1], q[2], q[3]);
+  }
+  if (rotation_deg) {
+    Vec3 degrees = Vec3::Zero();
+    read(*rotation_deg, "rotation_deg", degrees.data(), 3);
+    target.rotation = turn_by_degrees(degrees);
+  }
+  const std::string named = name_of(object);
+  auto seconds = [&] {
+    const py::gil_scoped_release others_run;
+    return client.move_object(named, target);
+  }();
+  return value_or_raise(std::move(seconds));
 }
 
 py::dict describe_node(FieldNode& node) {
@@ -172,6 +213,15 @@ void bind_client(py::module_& module) {
           "Marks the recording (io_node --record) at the newest sample and returns that sample's number. text: 1 to 160 bytes of UTF-8 in "
           "one line.\n"
           "Raises where nothing is recorded, or above 50 markers a second.")
+      .def("move_object", &move_object, py::arg("object"), py::arg("position_m") = py::none(), py::kw_only(),
+           py::arg("rotation") = py::none(), py::arg("rotation_deg") = py::none(), py::arg("over_s") = py::none(),
+           "Moves an object that has moved_by = \"program\" in the scene file, in over_s seconds, and returns the time that it takes: "
+           "longer "
+           "where\n"
+           "a point of it would be faster than 0.25 m/s; without over_s as fast as that. object: its name, or its number. position_m and "
+           "rotation\n"
+           "(w, x, y, z) or rotation_deg: as in the scene file; what is left out stays. A newer request takes over from where the object "
+           "is.")
       .def("close", &LiveClient::stop, py::call_guard<py::gil_scoped_release>(), "Leaves the session.");
 }
 

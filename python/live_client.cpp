@@ -11,8 +11,8 @@ namespace {
 constexpr double kClientPatienceS = 5.0;
 constexpr std::int64_t kClientTurnNs = kNanosecondsPerMillisecond;  // a marker waits so long at most
 constexpr auto kMarkerPatience = std::chrono::seconds(2);
-constexpr std::int64_t kMarkerEveryNs = 100 * kNanosecondsPerMillisecond;  // until its reply comes
-constexpr std::int64_t kViewEveryNs = 50 * kNanosecondsPerMillisecond;     // until the forces use it, as a datagram may be lost
+constexpr auto kMovePatience = std::chrono::seconds(3);
+constexpr std::int64_t kViewEveryNs = 50 * kNanosecondsPerMillisecond;  // until the forces use it, as a datagram may be lost
 
 }  // namespace
 
@@ -52,22 +52,18 @@ Result<std::uint64_t> LiveClient::mark(std::string_view text) {
   const auto marker = make_marker(text);
   if (!marker) return tl::unexpected(marker.error());
   if (is_stopping_.load()) return fail("this client is closed");
-  const std::scoped_lock marking(marking_);
-  std::unique_lock lock(mutex_);
-  marker_ = *marker;
-  marker_reply_.reset();
-  next_marker_ns_ = 0;
-  const bool is_answered = marked_.wait_for(lock, kMarkerPatience, [&] { return marker_reply_.has_value(); });
-  marker_.reset();
-  if (!is_answered) return fail("no reply from the hub in {} s: it is gone, or of an earlier version", kMarkerPatience.count());
-  return read_reply(*marker_reply_);
+  const auto reply = markers_.request(*marker, kMarkerPatience);
+  if (!reply) return fail("no reply from the hub in {} s: it is gone, or of an earlier version", kMarkerPatience.count());
+  return read_reply(*reply);
 }
 
-void LiveClient::send_marker(std::int64_t now_ns) noexcept {
-  const std::scoped_lock lock(mutex_);
-  if (!marker_ || marker_reply_ || now_ns < next_marker_ns_) return;
-  next_marker_ns_ = now_ns + kMarkerEveryNs;
-  connection_->client().send(*marker_);
+Result<double> LiveClient::move_object(std::string_view object, const MoveTarget& target) {
+  const auto request = make_move_request(object, target);
+  if (!request) return tl::unexpected(request.error());
+  if (is_stopping_.load()) return fail("this client is closed");
+  const auto reply = moves_.request(*request, kMovePatience);
+  if (!reply) return fail("no haptics node replied in {} s; start haptics_node, or it is of an earlier version", kMovePatience.count());
+  return read_reply(*reply);
 }
 
 void LiveClient::run() {
@@ -78,13 +74,11 @@ void LiveClient::run() {
     const bool has_datagram = client.receive(datagram, clock.now_ns() + kClientTurnNs);
     is_joined_.store(client.state() == JoinState::joined, std::memory_order_relaxed);
     send_view(clock.now_ns());
-    send_marker(clock.now_ns());
+    markers_.send(client, clock.now_ns());
+    moves_.send(client, clock.now_ns());
     if (!has_datagram) continue;
-    if (const auto* reply = std::get_if<MarkerReply>(&datagram.message)) {
-      const std::scoped_lock lock(mutex_);
-      if (marker_ && reply->request == marker_->request) marker_reply_ = *reply;
-      marked_.notify_all();
-    }
+    markers_.take(datagram.message);
+    moves_.take(datagram.message);
     const auto* probe = std::get_if<ProbeState>(&datagram.message);
     if (probe == nullptr || client.last_arrival() == Arrival::reordered) continue;
     {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <atomic>
-#include <condition_variable>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -10,6 +9,8 @@
 
 #include "link/hub_connection.h"
 #include "link/messages.h"
+#include "link/move_request.h"
+#include "python/reply_awaiter.h"
 
 namespace hapton::python {
 
@@ -29,24 +30,22 @@ class LiveClient {
   std::uint32_t turn_scene(const std::array<float, 12>& X_WS);
   // Marks the recording; the number of the sample. Error, one line: nothing is recorded, too many, or no reply. Threads: any.
   Result<std::uint64_t> mark(std::string_view text);
+  // Requests that an object moves; the time that the move takes, s. Error, one line: why it does not, or no reply. Threads: any.
+  Result<double> move_object(std::string_view object, const MoveTarget& target);
   void stop();
 
  private:
   explicit LiveClient(std::unique_ptr<HubConnection> connection);
   void run();
   void send_view(std::int64_t now_ns) noexcept;
-  void send_marker(std::int64_t now_ns) noexcept;
 
   std::unique_ptr<HubConnection> connection_;
   std::mutex mutex_;  // of the next two
   std::optional<ProbeState> newest_;
   ViewTransform view_ = {};
   std::int64_t next_view_ns_ = 0;
-  std::mutex marking_;              // one marker at a time
-  std::condition_variable marked_;  // with mutex_
-  std::optional<Marker> marker_;    // that waits for its reply; by mutex_, as these
-  std::optional<MarkerReply> marker_reply_;
-  std::int64_t next_marker_ns_ = 0;
+  ReplyAwaiter<Marker, MarkerReply> markers_;
+  ReplyAwaiter<MoveRequest, MoveReply> moves_;
   std::atomic<bool> is_joined_{true};
   std::atomic<bool> is_stopping_{false};
   std::thread thread_;

@@ -4,12 +4,12 @@
 #include <mutex>
 #include <optional>
 
-#include "core/force/stiffest.h"
 #include "core/tool/tool_step.h"
 #include "python/bindings.h"
 #include "runtime/clock.h"
 #include "scene/find_scene.h"
 #include "scene/find_tool.h"
+#include "scene/tool_obstacles.h"
 
 namespace hapton::python {
 namespace {
@@ -63,23 +63,17 @@ PythonTool::PythonTool(const TriangleMesh& tool, const TouchScene& scene, double
   if (!(rotational_nm_per_rad >= 0.0 && rotational_nm_per_rad <= 1e6)) {
     raise_value_error(fmt::format("rotational_stiffness_nm_per_rad is {}; give at least 0, at most 1e6", rotational_nm_per_rad));
   }
-  std::vector<std::shared_ptr<const TriangleMesh>> meshes;
-  std::vector<SurfaceFriction> friction;
-  bool is_whole = scene.effects.empty();
-  for (const TouchObject& object : scene.objects) {
-    meshes.push_back(object.mesh);
-    friction.push_back({object.material.friction_static, object.material.friction_dynamic});
-    is_whole = is_whole && object.material.damping_ns_per_m == 0.0 && !object.effects.any();
-  }
-  if (!is_whole && PyErr_WarnEx(PyExc_UserWarning, "damping and effects are left out: a rigid tool has friction only", 2) != 0) {
+  ToolObstacles obstacles = make_tool_obstacles(scene);
+  if (obstacles.leaves_out && PyErr_WarnEx(PyExc_UserWarning, "damping and effects are left out: a rigid tool has friction only", 2) != 0) {
     throw py::error_already_set();
   }
-  if (meshes.empty()) raise_value_error("there are no objects; give at least one");
-  const ToolCoupling coupling = {.stiffness_n_per_m = find_stiffest(scene), .rotational_stiffness_nm_per_rad = rotational_nm_per_rad};
+  if (obstacles.meshes.empty()) raise_value_error("there are no objects; give at least one");
+  const ToolCoupling coupling = {.stiffness_n_per_m = obstacles.stiffness_n_per_m,
+                                 .rotational_stiffness_nm_per_rad = rotational_nm_per_rad};
   Result<std::unique_ptr<ToolStep>> made = fail("not made");
   {
     const py::gil_scoped_release others_run;
-    made = ToolStep::make(tool, std::move(meshes), coupling, std::move(friction));
+    made = ToolStep::make(tool, std::move(obstacles.meshes), coupling, std::move(obstacles.friction));
   }
   tool_ = value_or_raise(std::move(made));
 }
@@ -171,7 +165,7 @@ void bind_tools(py::module_& module) {
                   py::arg("rotational_stiffness_nm_per_rad") = 0.0,
                   "From a scene file with its [tool] and materials, or from a mesh file in `unit`; tool: the mesh file of another tool, "
                   "held at its\n"
-                  "origin or its center (grip).")
+                  "origin or its centre (grip).")
       .def("step", &PythonTool::step, py::arg("poses"), py::arg("scene_pose") = py::none(),
            "One step for each of the (n, 4, 4) poses of the grip point in W. scene_pose: (4, 4), of the scene in W.\n"
            "Returns a dict of arrays: force_n (n, 3) and torque_nm (n, 3) about the grip point, proxy (n, 4, 4): where the tool is drawn,\n"

@@ -36,8 +36,8 @@ class PredictedSignal {
   bool has_value_ = false;
 };
 
-// Weber's law: a change below this share of the last value is not felt, so it is not sent. The sender knows what a receiver predicts whom
-// every update reaches without delay. Source: Hinterseer, Hirche, Chaudhuri, Steinbach and Buss, "Perception-based data reduction and
+// Weber's law: a change below this share of the last value is not felt, so it is not sent. The sender assumes a receiver that
+// gets every update without delay. Source: Hinterseer, Hirche, Chaudhuri, Steinbach and Buss, "Perception-based data reduction and
 // transmission of haptic data in telepresence and teleaction systems", IEEE Trans. Signal Processing 56 (2008); IEEE 1918.1.1-2024, codec
 // without delay robustness. Theirs draws the line through the last two updates. Ours has the slope of the signal over kSlopeRows values in
 // each update: on a mesh of facets the other sends more than without prediction, and a lost update bends it. RT: yes. Threads: one.

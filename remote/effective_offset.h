@@ -22,8 +22,8 @@ struct EffectiveOffset {
 // above `least`. Late only: a force cannot come before the motion that it is for.
 //
 // After: Kroep, Gokhale, Verburg and Venkatesha Prasad, "ETVO: Effectively Measuring Tactile Internet with Experimental Validation"
-// (arXiv 2107.05343), which refines dynamic time warping in the same sense; band and step cost are ours, and so the figures are
-// comparable with each other only. Pre: both as long as each other. Time and memory: samples times most_late. RT: no.
+// (arXiv 2107.05343), which refines dynamic time warping in the same sense. Band and step cost are ours, so the figures can only be
+// compared with each other. Pre: both have the same length. Time and memory: samples times most_late. RT: no.
 EffectiveOffset find_effective_offset(const std::vector<Vec3>& signal, const std::vector<Vec3>& reference, double period_s,
                                       std::size_t most_late, double step_cost, double least);
 

@@ -14,7 +14,7 @@
 namespace hapton {
 
 // Patches of the scene beside the device: the parts of patch/, at the rates at which the nodes run them. The haptics node gets 20 samples a
-// second and replies to each; the hub tells what has come every 100 ms, or 50 where something has; another patch takes kTriangleNs a
+// second and replies to each; the hub acknowledges what has come every 100 ms, or 50 where something has; another patch takes kTriangleNs a
 // triangle to make.
 class RemotePatch final : public RemoteTouch {
  public:

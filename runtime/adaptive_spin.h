@@ -6,9 +6,9 @@
 
 namespace hapton {
 
-// How long before a deadline a loop ends its sleep and spins, so that it is there in time although it wakes late. It learns from
-// every wake-up: the margin goes up when one came later than the margin covers and down, a ninety-ninth as far, when not, and so stays at
-// the lateness that one wake-up in a hundred exceeds. It never takes more than a share of the period. Source: stochastic approximation of a
+// How long before a deadline a loop ends its sleep and spins, so that it is on time although wake-ups are late. The margin adapts to every
+// wake-up: it grows if the wake-up was later than the margin, and otherwise shrinks by a ninety-ninth of that, so it converges to the
+// lateness that one wake-up in a hundred exceeds. It never exceeds a share of the period. Source: stochastic approximation of a
 // quantile, Robbins & Monro 1951. Units: ns. RT: yes. Threads: the loop's; set_limit and the totals also another.
 class AdaptiveSpin {
  public:
@@ -26,14 +26,14 @@ class AdaptiveSpin {
     return std::min(static_cast<std::int64_t>(margin_), static_cast<std::int64_t>(limit() * static_cast<double>(period_ns)));
   }
 
-  // The sleep that was to end `margin` before the deadline ended so much later.
+  // Lateness of the sleep that should have ended `margin` before the deadline.
   void note_wake_up(std::int64_t late_ns) noexcept {
     const bool is_covered = static_cast<double>(late_ns) <= margin_;
     margin_ = std::max(0.0, margin_ + kStepNs * (is_covered ? kCovered - 1.0 : kCovered));
   }
 
   void note_spun(std::int64_t ns) noexcept { spun_ns_.store(spun_ns_.load(std::memory_order_relaxed) + ns, std::memory_order_relaxed); }
-  // In all.
+  // Totals.
   std::int64_t spun_ns() const noexcept { return spun_ns_.load(std::memory_order_relaxed); }
 
  private:

@@ -8,7 +8,7 @@ namespace hapton {
 constexpr std::int64_t kNanosecondsPerMillisecond = 1'000'000;
 constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
 
-// Where time comes from, so that tests can supply their own.
+// Source of time, so that tests can supply their own.
 // Units: nanoseconds of CLOCK_MONOTONIC. RT: yes. Threads: any.
 class Clock {
  public:
@@ -20,21 +20,21 @@ class Clock {
   virtual void sleep_until_ns(std::int64_t deadline_ns) noexcept = 0;
 };
 
-// CLOCK_MONOTONIC and clock_nanosleep to absolute times, so that lateness never adds up.
+// CLOCK_MONOTONIC and clock_nanosleep to absolute times, so that lateness does not accumulate.
 class SteadyClock final : public Clock {
  public:
   std::int64_t now_ns() const noexcept override;
   void sleep_until_ns(std::int64_t deadline_ns) noexcept override;
 };
 
-// Time that moves only on request, or when someone sleeps.
+// Simulated time: advances only on request, or when a sleep advances it.
 class SimulatedClock final : public Clock {
  public:
   explicit SimulatedClock(std::int64_t start_ns = kNanosecondsPerSecond) : now_(start_ns) {}
 
   std::int64_t now_ns() const noexcept override { return now_.load(std::memory_order_acquire); }
 
-  // Moves time on to deadline_ns and returns at once; never backwards.
+  // Advances time to deadline_ns and returns at once; never backwards.
   void sleep_until_ns(std::int64_t deadline_ns) noexcept override;
 
   // Pre: duration_ns >= 0.

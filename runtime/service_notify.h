@@ -14,9 +14,9 @@ class ServiceNotify {
   ServiceNotify();
 
   bool is_wanted() const noexcept { return !socket_path_.empty(); }
-  // The interval at which the manager expects a sign of life; 0: never.
+  // The interval at which the manager expects a WATCHDOG=1; 0: never.
   std::int64_t watchdog_ns() const noexcept { return watchdog_ns_; }
-  // "READY=1", "WATCHDOG=1", "STOPPING=1", "STATUS=..."; false: it did not go out.
+  // "READY=1", "WATCHDOG=1", "STOPPING=1", "STATUS=..."; false: it could not be sent.
   bool send(std::string_view text) const;
 
  private:

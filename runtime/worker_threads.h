@@ -10,11 +10,11 @@
 
 namespace hapton {
 
-// A team of the calling thread and others that are kept ready. Between two calls of run they look for the next one for a short time, then
-// sleep. RT: run allocates nothing; a sleeping worker is woken by a system call.
+// A team of the calling thread and worker threads. Between two calls of run the workers spin for a short time, then sleep. RT: run
+// allocates nothing; waking a sleeping worker takes a system call.
 class WorkerThreads final : public WorkerTeam {
  public:
-  // size: with the calling thread. Pre: 1 <= size <= kMost.
+  // size: including the calling thread. Pre: 1 <= size <= kMost.
   explicit WorkerThreads(int size);
   ~WorkerThreads() override;
   WorkerThreads(const WorkerThreads&) = delete;
@@ -29,12 +29,12 @@ class WorkerThreads final : public WorkerTeam {
   Function function_ = nullptr;  // of the call whose number is calls_
   const void* context_ = nullptr;
   std::atomic<std::uint32_t> calls_ = 0;
-  std::atomic<int> busy_ = 0;  // workers that have not returned yet
+  std::atomic<int> busy_ = 0;  // workers that have not finished
   std::atomic<bool> stop_ = false;
   std::vector<std::thread> threads_;
 };
 
-// Null for a team of the calling thread alone. Pre: as WorkerThreads.
+// Null if the team is only the calling thread. Pre: as WorkerThreads.
 std::unique_ptr<WorkerTeam> make_worker_team(int size);
 
 }  // namespace hapton

@@ -12,12 +12,11 @@ struct WrenchCommand {
   std::int64_t sample_time_ns = 0;
 };
 
-// Decides which commands are valid, and for how long.
-//   finite   a command that is not finite is rejected and also ends the one before
-//   fresh    a command is rejected if it replies to a future sample, to one of age kCommandTimeoutNs or more, or to none newer than the
-//   last timeout  a command is valid until kCommandTimeoutNs after its sample. Counted from its arrival instead, a force that travelled for
-//   19 ms
-//            would be held until its sample is 39 ms old
+// Decides which commands are valid, and for how long:
+// - finite: one that is not finite is rejected, and ends the one before as well.
+// - fresh: one that replies to a future sample is rejected, or to one of age kCommandTimeoutNs or more, or to none newer than the last.
+// - timeout: a command is valid until kCommandTimeoutNs after its sample, not after its arrival. A force that travelled for 19 ms would
+//   otherwise be held until its sample is 39 ms old.
 // RT: yes.
 class CommandFilter {
  public:

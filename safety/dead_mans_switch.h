@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "core/base/button_bit.h"
 #include "devices/device.h"
 
 namespace hapton {
@@ -11,12 +12,8 @@ namespace hapton {
 // RT: yes.
 class DeadMansSwitch {
  public:
-  static constexpr int kMostButtons = 32;
-
-  // button: 0 .. 31, lowest bit first; any other number has no effect.
-  void require_button(int button) noexcept {
-    if (button >= 0 && button < kMostButtons) buttons_ |= std::uint32_t{1} << button;
-  }
+  // Counted from 1; a number that no button has changes nothing.
+  void require_button(int button) noexcept { buttons_ |= button_bit(button); }
   bool is_held(const DeviceSample& sample) const noexcept { return sample.is_held && (sample.buttons & buttons_) == buttons_; }
   std::uint32_t required_buttons() const noexcept { return buttons_; }
 

@@ -42,7 +42,7 @@ MotionMonitor::Verdict MotionMonitor::look(const DeviceSample& sample, std::int6
     return Verdict::fine;
   }
   const Vec3 turned_rad = has_torque ? turn_between(before, q_WT_) : Vec3(Vec3::Zero());
-  if (passed_ns > kGapNs) {
+  if (passed_ns >= kGapNs) {
     rest();
   } else if (moved_m.norm() > max_speed_m_per_s * passed_s + kJumpM || turned_rad.norm() > kFastestTurnRadPerS * passed_s + kJumpRad) {
     rest();

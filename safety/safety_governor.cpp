@@ -197,7 +197,7 @@ void SafetyGovernor::follow(double ramp, double share, double left_s, double pas
   const double ball_n = std::min(share * limits.max_force_n, limits_.release_n_per_s() * left_s);
   out_.force_n = force_.follow(ramp > 0.0 ? shaped_n(ramp) : Vec3(Vec3::Zero()), ball_n,
                                {limits.max_slew_n_per_s * passed_s, limits_.release_n_per_s() * passed_s});
-  if (limits.max_torque_nm == 0.0) return;
+  if (limits_.device().max_torque_nm == 0.0) return;
   const double ball_nm = std::min(share * limits.max_torque_nm, limits_.release_nm_per_s() * left_s);
   out_.torque_nm = torque_.follow(ramp * shortened(filter_.wanted().torque_nm, limits.max_torque_nm), ball_nm,
                                   {limits.max_torque_slew_nm_per_s * passed_s, limits_.release_nm_per_s() * passed_s});

@@ -61,11 +61,12 @@ struct GovernorStats {
 //   gate        latched fault, device away or calibrating, no valid sample for 20 ms, dead man's switch: no force
 //   ramp        when the gate opens, and after a command timeout, the force ramps up over kRampNs
 //   speed       force along the motion of a fast device fades, and damping rises; at max_speed a fault is latched
-//   passivity   where it is asked for: no more energy than the hand put in
+//   passivity   if it is enabled: no more energy than the hand put in
 //   energy      a source that gives the hand more energy than it took is damped, then limited
 //   workspace   outward force fades to zero at the end of the workspace
-//   magnitude   the force limit: max_force, the thermal budget, the energy budget, and what can still be released before the command
-//   timeout slew        the output follows at the rate limit, within the magnitude limit
+//   magnitude   the force limit: max_force, the thermal budget, the energy budget, and the force that can still be released by the
+//               command timeout
+//   slew        the output follows at the rate limit, within the magnitude limit
 //
 // So the output is always finite, within max_force and max_torque, within their slews, and within the thermal and the energy budget; zero
 // after 20 ms without a force. Nothing switches a stage off: limits can only be tightened, buttons only be required.

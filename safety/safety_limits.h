@@ -11,10 +11,10 @@ constexpr std::int64_t kCommandTimeoutNs = 20'000'000;
 constexpr std::int64_t kRampNs = 100'000'000;
 constexpr std::int64_t kLongestReleaseNs = kCommandTimeoutNs / 2;
 
-// For a device without max_speed: no hand moves a stylus so fast.
+// For a device without max_speed: faster than any hand moves a stylus.
 constexpr double kFastestHandMPerS = 5.0;
 
-// The limits that apply to a device: its own, where they are valid. They can only be tightened.
+// The limits that apply to a device: its own, if they are valid. They can only be tightened.
 //   a device with an invalid force or slew limit (not between 1e-9 and 1e9) gets no force, one without torque limits no torque
 //   a rate limit too low to release the force within kLongestReleaseNs is raised until it does
 //   an axis of the workspace that is empty or not finite is unlimited; a device without max_speed gets kFastestHandMPerS

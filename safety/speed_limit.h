@@ -6,8 +6,8 @@
 
 namespace hapton {
 
-// Keeps forces from accelerating a fast device: from kSoftShare of max_speed on, force along the motion fades and damping rises. At
-// max_speed no force along the motion is left; a device that is still faster is out of control (is_broken). RT: yes.
+// Prevents forces from accelerating a fast device: above kSoftShare of max_speed, force along the motion fades and damping rises. At
+// max_speed there is no force along the motion; a device above it is out of control (is_broken). RT: yes.
 class SpeedLimit {
  public:
   static constexpr double kSoftShare = 0.6;

@@ -1,6 +1,8 @@
 #include "scene/animated_object.h"
 
 #include <algorithm>
+#include <memory>
+#include <optional>
 
 #include "scene/text_cursor.h"
 
@@ -28,19 +30,26 @@ Result<std::vector<ObjectSpec>> split_animated(const ObjectSpec& object, const s
   std::vector<ObjectSpec> moving;
   for (const MeshPart& part : file.parts) {
     if (!object.part.empty() && !is_named(part, object.part)) continue;
-    const auto motion = (*animation)->motions.find(part.node);
-    if (motion == (*animation)->motions.end()) {
+    const auto moved = (*animation)->motions.find(part.node);
+    const auto weights = (*animation)->weights.find(part.node);
+    const auto morphs = file.morphs.find(part.node);
+    const bool deforms = weights != (*animation)->weights.end() && morphs != file.morphs.end();
+    const auto motion = moved != (*animation)->motions.end() ? std::optional(moved->second) : std::nullopt;
+    if (!motion && !deforms) {
       still.nodes.push_back(part.node);
       continue;
     }
-    const auto same = [&](const ObjectSpec& each) { return each.animated == motion->second; };
-    auto found = std::find_if(moving.begin(), moving.end(), same);
+    // What deforms is an object of its own.
+    const auto same = [&](const ObjectSpec& each) { return !deforms && each.animated_morphs == nullptr && each.animated == motion; };
+    const auto own = [&](const ObjectSpec& each) { return deforms && each.nodes == std::vector{part.node}; };
+    auto found = std::find_if(moving.begin(), moving.end(), [&](const ObjectSpec& each) { return same(each) || own(each); });
     if (found == moving.end()) {
       found = moving.insert(moving.end(), object);
       found->name = name + "/" + full_name(part);
-      found->animated = motion->second;
+      found->animated = motion;
+      if (deforms) found->animated_morphs = std::make_shared<const AnimatedMorphs>(AnimatedMorphs{morphs->second, weights->second});
     }
-    found->nodes.push_back(part.node);
+    if (!own(*found)) found->nodes.push_back(part.node);
   }
   if (moving.empty()) return fail("animation '{}' moves nothing here: leave it out", printable(object.motion.animation));
   if (!still.nodes.empty()) moving.insert(moving.begin(), std::move(still));

@@ -41,8 +41,8 @@ struct PutDown {
   Pose pose() const;  // X_SO
 };
 
-// Objects are numbered as in `objects`: first those of the scene, in its order, then those of another scene that a file named. What is on
-// the latter is kept for the file and shown nowhere.
+// Objects are numbered as in `objects`: first those of the scene, in its order, then those of another scene that a file named. Entries
+// on the latter are kept for the file and not shown.
 struct Annotations {
   std::vector<std::string> objects;
   std::vector<Annotation> entries;  // in the order in which they were made

@@ -42,6 +42,21 @@ Result<std::vector<KeyframeSpec>> read_keyframes(const toml::node& node, const s
   return keyframes;
 }
 
+void read_moved_by(const toml::table& object, TableReader& reader, const std::string& name, MotionSpec& spec) {
+  std::string by;
+  reader.read("moved_by", by);
+  if (!reader.has("moved_by")) return;
+  spec.by_program = by == "program";
+  if (!spec.by_program) {
+    reader.fail_at("moved_by", "'moved_by' in {} is '{}': it may be \"program\"; what the stylus picks up has 'movable = true'", name,
+                   printable(by));
+  }
+  for (const char* key : {"keyframe", "animation", "morph"}) {
+    if (object.contains(key)) reader.fail_at("moved_by", "{} has 'moved_by' and '{}': keep one", name, key);
+  }
+  if (object["movable"].value_or(false)) reader.fail_at("moved_by", "{} has 'moved_by' and 'movable': keep one", name);
+}
+
 }  // namespace
 
 Result<MotionSpec> read_motion(const toml::table& object, const std::string& name) {
@@ -51,6 +66,7 @@ Result<MotionSpec> read_motion(const toml::table& object, const std::string& nam
   reader.read("pivot_m", spec.p_MP, kMaxLengthM);
   reader.read("animation", spec.animation);
   reader.read("animation_speed", spec.animation_speed, 1e-6, 1e6);
+  read_moved_by(object, reader, name, spec);
   const toml::node* keyframes = object.get("keyframe");
   const toml::node* animation = object.get("animation");
   if (animation != nullptr) spec.animation_line = animation->source().begin.line;
@@ -59,11 +75,12 @@ Result<MotionSpec> read_motion(const toml::table& object, const std::string& nam
   if (animation == nullptr && reader.has("animation_speed")) {
     reader.fail_at("animation_speed", "'animation_speed' in {} goes with 'animation': add it, or leave this out", name);
   }
-  if (keyframes == nullptr && reader.has("pivot_m")) {
-    reader.fail_at("pivot_m", "'pivot_m' in {} goes with keyframes: add [[object.keyframe]] tables, or leave it out", name);
+  if (keyframes == nullptr && !spec.by_program && reader.has("pivot_m")) {
+    reader.fail_at("pivot_m", "'pivot_m' in {} goes with keyframes or 'moved_by': add one of them, or leave it out", name);
   }
-  if (keyframes == nullptr && animation == nullptr && reader.has("loop")) {
-    reader.fail_at("loop", "'loop' in {} goes with keyframes: add [[object.keyframe]] tables, or leave it out", name);
+  if (keyframes == nullptr && animation == nullptr && object.get("morph") == nullptr && reader.has("loop")) {
+    reader.fail_at("loop",
+                   "'loop' in {} goes with keyframes or morphs: add [[object.keyframe]] or [[object.morph]] tables, or leave it out", name);
   }
   if (reader.error()) return tl::unexpected(*reader.error());
   if (keyframes == nullptr) return spec;

@@ -18,7 +18,7 @@ struct KeyframeSpec {
   std::size_t line = 0;
 };
 
-// How an object of a scene file moves by itself: by keyframes, by an animation of its mesh file, or not at all.
+// How an object of a scene file moves: by keyframes, by an animation of its mesh file, by programs, or not at all.
 struct MotionSpec {
   std::vector<KeyframeSpec> keyframes;
   Vec3 p_MP = Vec3::Zero();    // pivot_m: of the mesh, m, before scale and pose
@@ -26,14 +26,16 @@ struct MotionSpec {
   double animation_speed = 1.0;
   std::size_t animation_line = 0;
   bool loops = false;
+  bool by_program = false;  // moved_by
 
+  // By itself.
   bool any() const { return !keyframes.empty() || !animation.empty(); }
   // Where an error of the object's motion is.
   std::size_t line() const { return keyframes.empty() ? animation_line : keyframes.front().line; }
 };
 
-// The keys keyframe, pivot_m, animation, animation_speed and loop of the table of an object. RT: set-up only. Error: one line with the line
-// in the file: fewer than two keyframes, times that do not grow, keys that do not go together.
+// The keys keyframe, pivot_m, animation, animation_speed, loop and moved_by of the table of an object. RT: set-up only. Error: one line
+// with the line in the file: fewer than two keyframes, times that do not grow, keys that do not go together.
 Result<MotionSpec> read_motion(const toml::table& object, const std::string& name);
 
 }  // namespace hapton

@@ -8,17 +8,17 @@
 
 namespace hapton {
 
-// An [[effect]] of type "plugin": a shared library that the scene file names (docs/plugins.md). Whoever reads a scene reads the name alone;
-// only haptics_node --allow-plugins loads the library, which runs its code.
+// An [[effect]] of type "plugin": a shared library that the scene file names (docs/plugins.md). Reading a scene only reads the
+// name; only haptics_node --allow-plugins loads the library, which runs its code.
 struct LibraryEffect {
   std::string name;               // default: the library's file name
   std::filesystem::path library;  // relative ones start at the scene file's folder
   std::vector<std::pair<std::string, std::string>> parameters = {};
   std::size_t line = 0;  // in the scene file
 
-  // Whether the same would be loaded, wherever it stands in the file.
+  // Whether both load the same library with the same parameters, independent of their lines in the file.
   bool same_as(const LibraryEffect& other) const { return library == other.library && parameters == other.parameters; }
-  // For people: that it is not run by reading the scene.
+  // For users: says that reading the scene does not run it.
   std::string describe() const;
 };
 

@@ -17,20 +17,20 @@
 
 namespace hapton {
 
-// A map of a material as its table has it: the number at black and at white, in an image file beside the scene, or in a mesh file.
+// A map of a material as its table has it: the values at black and at white, and an image file beside the scene or an image in a mesh file.
 struct MapSpec {
-  std::string file;                               // empty: none. Of an image in a mesh file: as messages call it
+  std::string file;                               // empty: none. For an image in a mesh file: its name in messages
   std::string where;                              // for errors: "line 7"
-  std::shared_ptr<const std::string> bytes = {};  // of an image in a mesh file; null: it is a file beside the scene
+  std::shared_ptr<const std::string> bytes = {};  // an image in a mesh file; null: a file beside the scene
   double at_black = 0.0;
   double at_white = 0.0;
 };
 
 struct MapSpecs {
   MapSpec height;     // m
-  MapSpec stiffness;  // share of the material's
+  MapSpec stiffness;  // share of the material's stiffness
   MapSpec friction;
-  std::array<double, 2> repeat = {1.0, 1.0};  // of the images, along u and v
+  std::array<double, 2> repeat = {1.0, 1.0};  // repetitions of the images, along u and v
 
   bool any() const { return !height.file.empty() || !stiffness.file.empty() || !friction.file.empty(); }
 };
@@ -38,15 +38,15 @@ struct MapSpecs {
 // The keys of [material.NAME] for maps. docs/effects.md has each with its range.
 std::span<const std::string_view> map_keys();
 
-// Reads them. The stiffness of a material with a stiffness map becomes that at its stiffest. An error stays in the reader: values out of
-// range, a key whose map is missing, maps that exclude what else the material has. RT: set-up only.
+// Reads these keys. The stiffness of a material with a stiffness map becomes the largest value of the map. An error stays in the reader:
+// values out of range, a key whose map is missing, maps that exclude other properties of the material. RT: set-up only.
 void read_maps(const toml::table& table, TableReader& reader, Material& material, const SurfaceEffects& effects, MapSpecs& specs);
 
 // A mesh with its texture coordinates, in the frame of the scene.
 struct MapSource {
   std::vector<Vec3> vertices;
   std::shared_ptr<const TriangleMesh> mesh;  // its triangles
-  std::shared_ptr<const MeshLook> look;      // as many as it has; null: there are no texture coordinates
+  std::shared_ptr<const MeshLook> look;      // one entry for each triangle; null: no texture coordinates
 };
 
 // Makes the maps of objects; each image is read once.
@@ -54,8 +54,8 @@ class MapMaker {
  public:
   explicit MapMaker(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
-  // object: its name. A height map that is steeper than SurfaceMaps::kSteepest is halved until it is not, with a note. Error: where it
-  // is: an image that cannot be read; a mesh without texture coordinates.
+  // object: its name. A height map steeper than SurfaceMaps::kSteepest is halved in resolution until it is not, with a note. Error, with
+  // its position: an image that cannot be read; a mesh without texture coordinates.
   Result<SurfaceMaps> make(const MapSpecs& specs, const MapSource& source, const std::string& object, std::vector<std::string>& notes);
 
  private:

@@ -8,7 +8,7 @@
 
 namespace hapton {
 
-// What a number of a material may be: 0 to `most`. Far beyond any surface and any device, so that a typing error is rejected.
+// Range of a value of a material: 0 to `most`. Far beyond any surface and any device; rejects typing errors.
 struct MaterialLimit {
   std::string_view key;  // in scene files
   double most = 0.0;
@@ -23,8 +23,9 @@ inline constexpr MaterialLimit kFrictionDynamicLimit{"friction_dynamic", 10.0, f
 // Error: "WHAT is VALUE: it must be ...", for a value out of range. RT: no.
 Result<void> check_number(const MaterialLimit& limit, std::string_view what, double value);
 
-// The same checks as a scene file's, for an object whose material has changed. Error: one line with the object's name, the number that is
-// out of range, above another or without meaning beside the surface's effects. `before`: what the scene file had, which is valid. RT: no.
+// The checks of a scene file, for an object whose material has changed. Error: one line with the object's name and the value that is out of
+// range, inconsistent with another, or without effect because of the surface's effects. `before`: the valid values of the scene file. RT:
+// no.
 Result<void> check_material(const Material& material, const Material& before, const SurfaceEffects& effects, std::string_view object);
 
 }  // namespace hapton

@@ -75,6 +75,7 @@ Result<MeshFile> to_metres(RawMesh raw, Unit unit, bool unit_is_known) {
   file.notes = std::move(raw.notes);
   file.haptics = std::move(raw.haptics);
   file.animations = std::move(raw.animations);
+  file.morphs = std::move(raw.morphs);
   if (raw.look.says_anything() || raw.look.has_texcoords()) file.look = std::move(raw.look);
   const double longest = (highest - lowest).maxCoeff();
   if (!unit_is_known && (longest > 10.0 || longest < 1e-3)) {

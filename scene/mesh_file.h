@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,15 +27,16 @@ struct MeshPart {
 
 // What a mesh file holds.
 struct MeshFile {
-  TriangleMesh mesh;                           // metres, the file's own frame; node transforms applied
-  std::vector<MeshPart> parts;                 // in order, together all triangles; names need not differ, and may be empty
-  std::string format;                          // "OBJ", "ASCII STL", "binary PLY" ...
-  Unit unit = Unit::m;                         // what the numbers in the file were taken to be
-  std::size_t file_vertices = 0;               // before equal ones were welded and unused ones dropped, instances counted each
-  std::vector<std::string> notes;              // what was skipped or looks odd, one line each; not errors
-  MeshLook look;                               // with no triangles if it was not requested or the file has none
-  MeshHaptics haptics = {};                    // of glTF: MPEG_haptic_material
-  std::vector<MeshAnimation> animations = {};  // of glTF
+  TriangleMesh mesh;                              // metres, the file's own frame; node transforms applied
+  std::vector<MeshPart> parts;                    // in order, together all triangles; names need not differ, and may be empty
+  std::string format;                             // "OBJ", "ASCII STL", "binary PLY" ...
+  Unit unit = Unit::m;                            // what the numbers in the file were taken to be
+  std::size_t file_vertices = 0;                  // before equal ones were welded and unused ones dropped, instances counted each
+  std::vector<std::string> notes;                 // what was skipped or looks odd, one line each; not errors
+  MeshLook look;                                  // with no triangles if it was not requested or the file has none
+  MeshHaptics haptics = {};                       // of glTF: MPEG_haptic_material
+  std::vector<MeshAnimation> animations = {};     // of glTF
+  std::map<std::size_t, MeshMorphs> morphs = {};  // of glTF, by MeshPart::node
 };
 
 // No file we read may hold more, whatever its header says: about 4 GB once loaded.

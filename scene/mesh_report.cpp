@@ -142,7 +142,7 @@ std::string to_json(const MeshReport& report) {
   Json haptic_materials = Json::array();
   for (const HapticMaterial* material : haptic_materials_of(report.file)) haptic_materials.push_back(describe(*material));
   const auto corner = [](const Vec3& p) { return Json::array({p.x(), p.y(), p.z()}); };
-  const Json json = {{"schema", "hapton-mesh-info-2"},
+  const Json json = {{"schema", "hapton.mesh_info/3"},
                      {"file", report.path},
                      {"format", report.file.format},
                      {"unit", name_of(report.file.unit)},

@@ -15,14 +15,14 @@
 
 namespace hapton {
 
-// The flaws of a mesh, and what method smooth would repair. The other methods use the mesh as it is, except that cracks are sealed when it
-// is loaded.
+// The flaws of a mesh, and the repairs that method smooth would make. The other methods use the mesh as it is, except that cracks are
+// sealed when it is loaded.
 struct MeshFlaws {
   MeshTopology topology;  // metres
   BoundaryEdges borders;  // its boundary edges: cracks are up to a thousandth of the longest side wide
   RepairReport repair;
-  ClosedBodies bodies;           // distinguished by the side that their fronts are on
-  AuthoredNormalReport normals;  // what force shading finds of the file's own vertex normals
+  ClosedBodies bodies;           // by the side on which their fronts are
+  AuthoredNormalReport normals;  // vertex normals of the file that force shading can use
 };
 
 // Gaps up to this width count as cracks, wider ones as openings: a thousandth of the longest side.
@@ -31,7 +31,7 @@ double crack_width(const MeshTopology& topology);
 // RT: set-up only.
 MeshFlaws find_flaws(const TriangleMesh& mesh);
 
-// "closed", or "not closed", and every flaw that there is with its count. Half a line.
+// "closed", or "not closed", and every flaw with its count. Half a line.
 std::string to_text(const MeshFlaws& flaws);
 
 // "2 of 3 closed bodies are inside out: ..."; empty when none is.
@@ -41,16 +41,16 @@ std::string describe_inside_out(const ClosedBodies& bodies);
 struct MeshReport {
   std::string path;
   MeshFile file;
-  MeshFlaws flaws;     // of the welded mesh, as the file has it
-  SealReport sealed;   // what is done to it before it is touched
-  BoundaryEdges left;  // its boundary edges then
+  MeshFlaws flaws;     // of the welded mesh of the file
+  SealReport sealed;   // changes by sealing, before it is touched
+  BoundaryEdges left;  // boundary edges that remain after sealing
   bool is_closed_for_touch = false;
 };
 
 // Error: whatever load_mesh_file rejects. RT: set-up only.
 Result<MeshReport> make_mesh_report(const std::filesystem::path& path, std::optional<Unit> unit);
 
-// For people, a line a fact.
+// For users, one line for each fact.
 std::string to_text(const MeshReport& report);
 
 // One JSON object with a schema version.

@@ -15,12 +15,6 @@ constexpr double kSameEnd = 1e-5;
 // A share of the largest speed: 90 degrees in the least time named, rounded up to a millisecond, must be accepted.
 constexpr double kSpeedRounding = 1e-9;
 
-double radius_about(const Vec3& pivot, const TriangleMesh& mesh) {
-  double most = 0.0;
-  for (const Vec3& vertex : mesh.vertices) most = std::max(most, (vertex - pivot).norm());
-  return most;
-}
-
 Vec3 pivot_at(const MotionSpec& motion, double scale, const Vec3& p_SM, const Quat& q_SM) { return p_SM + q_SM * (scale * motion.p_MP); }
 
 std::vector<Keyframe> place_keyframes(const ObjectSpec& object, const SceneFit& fit) {
@@ -77,6 +71,12 @@ Result<void> check_speed(const MotionSpec& given, const KeyframeMotion& motion, 
 }
 
 }  // namespace
+
+double radius_about(const Vec3& point, const TriangleMesh& mesh) {
+  double most = 0.0;
+  for (const Vec3& vertex : mesh.vertices) most = std::max(most, (vertex - point).norm());
+  return most;
+}
 
 Result<std::shared_ptr<const KeyframeMotion>> make_motion(const ObjectSpec& object, const std::string& name, const SceneFit& fit,
                                                           const TriangleMesh& mesh) {

@@ -11,12 +11,15 @@
 
 namespace hapton {
 
-// No surface pushes a hand faster than this, m/s: that of a robot with people beside it (reduced speed of ISO 10218-1).
+// Largest speed of a surface that moves by itself, m/s: the reduced speed of ISO 10218-1 for robots beside people.
 constexpr double kMostSurfaceSpeed = 0.25;
 
-// The motion of an object of a scene file in S, by its keyframes or its animation; null: it stands still. mesh: as it is touched at rest,
-// in S after `fit`. RT: no. Error: one line with the line in the file: a vertex would move faster than kMostSurfaceSpeed (the least time
-// that allows it is named), the end is not the beginning of a loop, half a turn at once, which has no direction.
+// The largest distance of a vertex from a point, m.
+double radius_about(const Vec3& point, const TriangleMesh& mesh);
+
+// The motion of an object of a scene file in S, by its keyframes or its animation; null: static. mesh: as touched at rest, in S after
+// `fit`. RT: no. Error: one line with the line in the file: a vertex would move faster than kMostSurfaceSpeed (the error has the shortest
+// time allowed), a loop does not end at its first pose, or half a turn between two keyframes, whose direction is undefined.
 Result<std::shared_ptr<const KeyframeMotion>> make_motion(const ObjectSpec& object, const std::string& name, const SceneFit& fit,
                                                           const TriangleMesh& mesh);
 

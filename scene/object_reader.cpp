@@ -27,7 +27,7 @@ Result<ObjectSpec> read_object(const toml::table& table, const std::string& name
   if (name == kToolTable) {
     keys.emplace_back("grip");
   } else {
-    keys.insert(keys.end(), {"material", "movable", "keyframe", "loop", "pivot_m", "animation", "animation_speed"});
+    keys.insert(keys.end(), {"material", "movable", "moved_by", "keyframe", "loop", "pivot_m", "animation", "animation_speed", "morph"});
   }
   reader.allow(keys);
   if (!reader.has("mesh")) reader.fail_at("mesh", "{} has no 'mesh': name its mesh file", name);
@@ -64,8 +64,15 @@ Result<ObjectSpec> read_object(const toml::table& table, const std::string& name
   auto motion = read_motion(table, name);
   if (!motion) return tl::unexpected(motion.error());
   spec.motion = std::move(*motion);
+  auto morphs = read_morphs(table, name);
+  if (!morphs) return tl::unexpected(morphs.error());
+  spec.morphs = std::move(*morphs);
   if (spec.is_movable && spec.motion.any()) {
     return fail("line {}: {} is movable and moves by itself: keep one", line_of("movable"), name);
+  }
+  if (spec.is_movable && spec.deforms()) return fail("line {}: {} is movable and deforms: keep one", line_of("movable"), name);
+  if (!spec.motion.animation.empty() && spec.deforms()) {
+    return fail("line {}: {} plays an animation and has morphs: keep one", line_of("animation"), name);
   }
   return spec;
 }

@@ -8,12 +8,12 @@
 
 namespace hapton {
 
-// A polygon that is not convex may have this many corners: cutting ears off is at least quadratic.
+// Largest number of corners of a polygon that is not convex: ear clipping takes at least quadratic time.
 constexpr std::size_t kMaxPolygonCorners = 1024;
 
-// Appends corners.size() - 2 triangles that cover the polygon with its own winding: a fan when it is convex, ears cut off
-// otherwise. A polygon that crosses itself or has no area still gives that many triangles, a fan.
-// False, and nothing appended, when it has too many corners. Pre: corners.size() >= 3, every corner < vertices.size().
+// Appends corners.size() - 2 triangles that cover the polygon with its own winding: a fan if it is convex, otherwise by ear
+// clipping. A polygon that crosses itself or has no area gives a fan with as many triangles.
+// False, and nothing appended, if it has too many corners. Pre: corners.size() >= 3, every corner < vertices.size().
 // RT: set-up only.
 bool triangulate_polygon(std::span<const std::uint32_t> corners, std::span<const Vec3> vertices, std::vector<Triangle>& into);
 

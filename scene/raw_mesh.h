@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <span>
 #include <string>
 #include <string_view>
@@ -28,10 +29,11 @@ struct RawMesh {
   TriangleMesh mesh;
   std::vector<MeshPart> parts;
   std::vector<std::string> notes;
-  MeshLook look = {};                          // without triangles if it was not requested or the file has none
-  MeshHaptics haptics = {};                    // of glTF files
-  std::vector<MeshAnimation> animations = {};  // of glTF files
-  std::vector<std::string> mtl_files = {};     // an OBJ file's material libraries, not read yet
+  MeshLook look = {};                             // without triangles if it was not requested or the file has none
+  MeshHaptics haptics = {};                       // of glTF files
+  std::vector<MeshAnimation> animations = {};     // of glTF files
+  std::map<std::size_t, MeshMorphs> morphs = {};  // of glTF files, by MeshPart::node
+  std::vector<std::string> mtl_files = {};        // an OBJ file's material libraries, not read yet
 
   // Every triangle from here on belongs to a part of this name.
   void begin_part(std::string name);

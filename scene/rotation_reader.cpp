@@ -1,7 +1,8 @@
 #include "scene/rotation_reader.h"
 
 #include <cmath>
-#include <numbers>
+
+#include "core/math/turn_by_degrees.h"
 
 namespace hapton {
 
@@ -23,10 +24,7 @@ void read_rotation(const toml::table& table, TableReader& reader, Quat& q) {
   if (!has_degrees) return;
   std::array<double, 3> degrees = {};
   reader.read("rotation_deg", degrees, -360.0, 360.0);
-  q = Quat::Identity();
-  for (int axis = 0; axis < 3; ++axis) {
-    q = Eigen::AngleAxisd(degrees[static_cast<std::size_t>(axis)] * std::numbers::pi / 180.0, Vec3::Unit(axis)) * q;
-  }
+  q = turn_by_degrees(Vec3(degrees.data()));
 }
 
 }  // namespace hapton

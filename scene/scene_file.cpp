@@ -16,6 +16,7 @@
 #include "scene/material_reader.h"
 #include "scene/mesh_cache.h"
 #include "scene/mesh_file.h"
+#include "scene/object_deformation.h"
 #include "scene/object_motion.h"
 #include "scene/object_reader.h"
 #include "scene/scene_fit.h"
@@ -129,7 +130,8 @@ struct PosedMesh {
   Eigen::AlignedBox3d box;       // of the mesh before sealing
   std::uint64_t given_hash = 0;  // of that mesh and its pose
   std::shared_ptr<const MeshLook> look;
-  MapSource map = {};  // if there are maps
+  MapSource map = {};              // if there are maps
+  std::vector<Vec3> in_file = {};  // of one that deforms by an animation: the vertices before the pose
 };
 
 Result<PosedMesh> make_mesh(const ObjectSpec& object, const std::filesystem::path& folder, MeshCache& cache,
@@ -140,6 +142,7 @@ Result<PosedMesh> make_mesh(const ObjectSpec& object, const std::filesystem::pat
   const auto pose = [&](const Vec3& vertex) { return Vec3(object.p_SM + object.q_SM * (object.scale * vertex)); };
   PosedMesh posed{.mesh = (*loaded)->mesh, .sealed = (*loaded)->sealed, .box = {}, .given_hash = 0, .look = (*loaded)->look};
   if (object.has_colour) posed.look.reset();
+  if (object.animated_morphs != nullptr) posed.in_file = posed.mesh.vertices;
   const Vec3& p_SM = object.p_SM;
   const std::array numbers = {object.scale,    object.q_SM.w(), object.q_SM.x(), object.q_SM.y(),
                               object.q_SM.z(), p_SM.x(),        p_SM.y(),        p_SM.z()};
@@ -256,11 +259,11 @@ Result<std::vector<FeltObject>> find_materials(const SceneSpec& spec, const std:
     const std::filesystem::path path = (folder / object.mesh).lexically_normal();
     const auto choice = cache.find_haptics(path, object, notes);
     if (!choice) return tl::unexpected(choice.error());
-    if (object.is_movable && choice->materials.size() > 1) {
+    if ((object.is_movable || object.motion.by_program) && choice->materials.size() > 1) {
       return fail(
-          "line {}: object '{}' is movable, and its triangles have {} haptic materials (none counts as one): name a part that has one, "
+          "line {}: object '{}' is {}, and its triangles have {} haptic materials (none counts as one): name a part that has one, "
           "or give it a material",
-          object.mesh_line, printable(name_of(object)), choice->materials.size());
+          object.mesh_line, printable(name_of(object)), object.is_movable ? "movable" : "moved by programs", choice->materials.size());
     }
     if (choice->haptics == nullptr) felt.push_back({object, {}});
     for (const std::uint32_t index : choice->materials) {
@@ -280,12 +283,18 @@ Result<std::vector<FeltObject>> find_materials(const SceneSpec& spec, const std:
   return felt;
 }
 
-// Effects of a surface are worked out in S, where the touched point of what moves goes along.
+// Of what moves the object.
+std::size_t moves_line(const ObjectSpec& object) {
+  if (!object.morphs.empty()) return object.morphs.front().line;
+  return object.motion.by_program ? object.mesh_line : object.motion.line();
+}
+
+// Effects of a surface are computed in S, where the touched point of what moves goes along.
 Result<std::shared_ptr<const KeyframeMotion>> make_felt_motion(const ObjectSpec& object, const MaterialSpec& material, const SceneFit& fit,
                                                                const TriangleMesh& mesh) {
-  if (object.moves() && (material.effects.any() || material.maps.any())) {
-    return fail("line {}: '{}' moves by itself: its material may have stiffness, damping and friction only", object.motion.line(),
-                printable(name_of(object)));
+  if ((object.moves() || object.deforms() || object.motion.by_program) && (material.effects.any() || material.maps.any())) {
+    return fail("line {}: '{}' {}: its material may have stiffness, damping and friction only", moves_line(object),
+                printable(name_of(object)), object.motion.by_program ? "is moved by programs" : "moves by itself");
   }
   return make_motion(object, name_of(object), fit, mesh);
 }
@@ -322,6 +331,15 @@ Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& fol
     auto motion = make_felt_motion(object, material, fitted, meshes[i].mesh);
     if (!motion) return tl::unexpected(motion.error());
     if (*motion != nullptr) scene.given_hash = combine_hashes(scene.given_hash, hash_motion(**motion));
+    auto deformation = make_deformation(object, name_of(object), fitted, meshes[i].in_file, meshes[i].mesh, motion->get());
+    if (!deformation) return tl::unexpected(deformation.error());
+    if (*deformation != nullptr) scene.given_hash = combine_hashes(scene.given_hash, hash_deformation(**deformation));
+    std::shared_ptr<const CommandedObject> commanded;
+    if (object.motion.by_program) {
+      commanded = std::make_shared<const CommandedObject>(object, fitted, meshes[i].mesh);
+      scene.given_hash = combine_hashes(scene.given_hash,
+                                        hash_numbers(std::array{commanded->pivot().x(), commanded->pivot().y(), commanded->pivot().z()}));
+    }
     scene.objects.push_back({.name = name_of(object),
                              .mesh = std::make_shared<const TriangleMesh>(std::move(meshes[i].mesh)),
                              .material = material.material,
@@ -331,7 +349,9 @@ Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& fol
                              .effects = material.effects,
                              .material_name = object.material,
                              .is_movable = object.is_movable,
-                             .motion = std::move(*motion)});
+                             .motion = std::move(*motion),
+                             .deformation = std::move(*deformation),
+                             .commanded = std::move(commanded)});
   }
   if (const auto added = add_effects(spec, scene); !added) return tl::unexpected(added.error());
   for (const LibraryEffect& named : spec.libraries) {
@@ -400,7 +420,12 @@ Result<SceneSpec> parse_spec(const std::string& text) {
 TouchScene Scene::touch_scene() const {
   TouchScene touch;
   for (const SceneObject& object : objects) {
-    touch.objects.push_back({.mesh = object.mesh, .material = object.material, .effects = object.effects, .motion = object.motion});
+    touch.objects.push_back({.mesh = object.mesh,
+                             .material = object.material,
+                             .effects = object.effects,
+                             .motion = object.motion,
+                             .deformation = object.deformation,
+                             .command_pivot = object.commanded ? std::optional(object.commanded->pivot()) : std::nullopt});
   }
   for (const SceneEffect& effect : effects) touch.effects.emplace_back(effect.effect, effect.on);
   return touch;

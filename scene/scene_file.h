@@ -10,6 +10,7 @@
 #include "core/base/result.h"
 #include "core/force/touch_scene.h"
 #include "core/geometry/triangle_mesh.h"
+#include "scene/commanded_object.h"
 #include "scene/library_effect.h"
 #include "scene/scene_loading.h"
 #include "scene/scene_tool.h"
@@ -21,13 +22,17 @@ struct SceneObject {
   std::string name;
   std::shared_ptr<const TriangleMesh> mesh;  // frame S, metres, pose and scale baked in
   Material material;
-  std::array<double, 3> colour = {0.7, 0.7, 0.72};    // sRGB, 0..1
-  SealReport sealed = {};                             // cracks sealed in the mesh; widths in S
-  std::shared_ptr<const MeshLook> look = {};          // of the mesh file, in place of the colour; null: none
-  SurfaceEffects effects = {};                        // of its material
-  std::string material_name = {};                     // as in the scene file; empty: the default
-  bool is_movable = false;                            // the stylus can pick it up
-  std::shared_ptr<const KeyframeMotion> motion = {};  // moves it by itself; null: it stands still
+  std::array<double, 3> colour = {0.7, 0.7, 0.72};          // sRGB, 0..1
+  SealReport sealed = {};                                   // cracks sealed in the mesh; widths in S
+  std::shared_ptr<const MeshLook> look = {};                // of the mesh file, in place of the colour; null: none
+  SurfaceEffects effects = {};                              // of its material
+  std::string material_name = {};                           // as in the scene file; empty: the default
+  bool is_movable = false;                                  // the stylus can pick it up
+  std::shared_ptr<const KeyframeMotion> motion = {};        // moves it by itself; null: it stands still
+  std::shared_ptr<const MeshDeformation> deformation = {};  // deforms its mesh by itself, before the motion; null: it is rigid
+  std::shared_ptr<const CommandedObject> commanded = {};    // programs may move it; null: they may not
+
+  bool moves() const { return motion != nullptr || deformation != nullptr || commanded != nullptr; }
 };
 
 // An effect in free space.

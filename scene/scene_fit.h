@@ -21,7 +21,7 @@ struct SceneFit {
 // The lengths of a report on cracks, scaled with its mesh.
 void scale_widths(SealReport& sealed, double scale);
 
-// The largest scale, and the shift, that fit the box into one of size_m around the origin. Error: the box is a point.
+// The largest scale, and the translation, that fit the box into one of size_m around the origin. Error: the box is a point.
 Result<SceneFit> find_fit(const Eigen::AlignedBox3d& box, const Vec3& size_m);
 
 }  // namespace hapton

@@ -138,6 +138,21 @@ std::uint64_t hash_motion(const KeyframeMotion& motion) {
   return hash.value();
 }
 
+std::uint64_t hash_deformation(const MeshDeformation& deformation) {
+  Hash hash;
+  hash.add(std::uint64_t{deformation.loops()});
+  for (const MorphTarget& target : deformation.targets()) {
+    hash.add(std::uint64_t{target.vertices.size()});
+    for (const std::uint32_t vertex : target.vertices) hash.add(std::uint64_t{vertex});
+    for (const Vec3& displacement : target.displacements) add_vector(hash, displacement);
+  }
+  for (const MorphKey& key : deformation.keys()) {
+    hash.add(key.time_s);
+    for (const double weight : key.weights) hash.add(weight);
+  }
+  return hash.value();
+}
+
 std::uint64_t combine_hashes(std::uint64_t first, std::uint64_t second) {
   Hash hash;
   hash.add(first);
@@ -149,6 +164,14 @@ namespace {
 
 void add_motions(Hash& hash, const TouchScene& scene) {
   for (const TouchObject& object : scene.objects) hash.add(object.motion != nullptr ? hash_motion(*object.motion) : std::uint64_t{0});
+  for (const TouchObject& object : scene.objects) {
+    if (object.deformation != nullptr) hash.add(hash_deformation(*object.deformation));
+  }
+  for (std::size_t o = 0; o < scene.objects.size(); ++o) {
+    if (!scene.objects[o].command_pivot) continue;
+    hash.add(std::uint64_t{o});
+    add_vector(hash, *scene.objects[o].command_pivot);
+  }
 }
 
 }  // namespace

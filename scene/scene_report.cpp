@@ -48,6 +48,12 @@ std::string describe_motion(const KeyframeMotion& motion) {
                      motion.loops() ? ", again and again" : "");
 }
 
+std::string describe_deformation(const MeshDeformation& deformation) {
+  return fmt::format("deforms by {} morph{} for {:g} s{}: {} vertices move", deformation.targets().size(),
+                     deformation.targets().size() == 1 ? "" : "s", deformation.duration_s(), deformation.loops() ? ", again and again" : "",
+                     deformation.moved().size());
+}
+
 }  // namespace
 
 Result<SceneReport> make_scene_report(const std::filesystem::path& path) {
@@ -80,11 +86,16 @@ std::string to_text(const SceneReport& report) {
                    "{:.3g}{}\n{:<20} {}\n",
                    object.name, t.triangles, size.x(), size.y(), size.z(), middle.x(), middle.y(), middle.z(),
                    object.material.stiffness_n_per_m, object.material.friction_static, object.material.friction_dynamic,
-                   object.is_movable ? ", movable" : "", "", to_text(report.flaws[i]));
+                   object.commanded != nullptr ? ", moved by programs"
+                   : object.is_movable         ? ", movable"
+                                               : "",
+                   "", to_text(report.flaws[i]));
     if (const auto effects = names_of(object.effects); !effects.empty()) {
       fmt::format_to(std::back_inserter(text), "{:<20} effects: {}\n", "", fmt::join(effects, ", "));
     }
     if (object.motion != nullptr) fmt::format_to(std::back_inserter(text), "{:<20} {}\n", "", describe_motion(*object.motion));
+    if (object.deformation != nullptr)
+      fmt::format_to(std::back_inserter(text), "{:<20} {}\n", "", describe_deformation(*object.deformation));
     if (object.sealed.is_worth_a_note()) fmt::format_to(std::back_inserter(text), "{:<20} {}\n", "", object.sealed.describe());
   }
   for (const SceneEffect& effect : report.scene.effects) {
@@ -136,8 +147,11 @@ std::string to_json(const SceneReport& report) {
                        {"friction_dynamic", object.material.friction_dynamic},
                        {"two_sided", object.material.two_sided},
                        {"movable", object.is_movable},
+                       {"moved_by", object.commanded != nullptr ? Json("program") : Json()},
                        {"keyframes", object.motion != nullptr ? object.motion->keyframes().size() : std::size_t{0}},
                        {"motion_s", object.motion != nullptr ? object.motion->duration_s() : 0.0},
+                       {"morphs", object.deformation != nullptr ? object.deformation->targets().size() : std::size_t{0}},
+                       {"deformation_s", object.deformation != nullptr ? object.deformation->duration_s() : 0.0},
                        {"effects", names_of(object.effects)}});
   }
   Json effects = Json::array();
@@ -148,7 +162,7 @@ std::string to_json(const SceneReport& report) {
   Json plugins = Json::array();
   for (const LibraryEffect& one : report.scene.libraries) plugins.push_back({{"name", one.name}, {"library", one.library.string()}});
   const Json json = {
-      {"schema", "hapton-scene-info-1"}, {"file", report.path}, {"objects", objects}, {"effects", effects}, {"plugins", plugins},
+      {"schema", "hapton.scene_info/2"}, {"file", report.path}, {"objects", objects}, {"effects", effects}, {"plugins", plugins},
       {"notes", report.scene.notes}};
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -6,8 +6,8 @@ namespace hapton {
 
 Result<ToolGrip> parse_tool_grip(std::string_view text) {
   if (text == "origin") return ToolGrip::origin;
-  if (text == "center") return ToolGrip::center;
-  return fail("'{}' is no grip: origin (of the mesh) or center (of its box)", text);
+  if (text == "centre" || text == "center") return ToolGrip::center;
+  return fail("'{}' is no grip: origin (of the mesh) or centre (of its box)", text);
 }
 
 TriangleMesh from_grip(TriangleMesh mesh, ToolGrip grip, double scale) {

@@ -18,7 +18,7 @@ struct SceneTool {
   std::array<double, 3> colour = {0.85, 0.6, 0.2};  // sRGB, 0..1
 };
 
-// Where the stylus holds it: at the origin of its mesh, or in the middle of its box.
+// Where the stylus holds it: at the origin of its mesh, or in the middle of its box ("centre"; "center" is accepted as well).
 enum class ToolGrip : std::uint8_t { origin, center };
 Result<ToolGrip> parse_tool_grip(std::string_view text);
 

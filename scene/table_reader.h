@@ -22,7 +22,7 @@
 
 namespace hapton {
 
-// "line N: " of a node that comes from a file's text; nothing for one that was made.
+// "line N: " for a node read from a file; empty for a generated one.
 inline std::string line_prefix(const toml::node& node) {
   const auto line = node.source().begin.line;
   return line == 0 ? std::string() : fmt::format("line {}: ", line);
@@ -64,7 +64,7 @@ class TableReader {
     }
   }
 
-  // above: the least value itself is not allowed.
+  // above: the lower bound itself is not allowed.
   void read(std::string_view key, double& value, double least, double most, bool above = false) {
     if (const toml::node* node = find(key)) read_number(*node, fmt::format("'{}'", key), value, least, most, above);
   }
@@ -86,7 +86,7 @@ class TableReader {
     value = Vec3(numbers[0], numbers[1], numbers[2]);
   }
 
-  // A direction of any length but zero; becomes a unit vector.
+  // A direction of any length except zero; normalised.
   void read_direction(std::string_view key, Vec3& value) {
     if (!has(key)) return;
     Vec3 given = Vec3::Zero();
@@ -96,7 +96,7 @@ class TableReader {
     value = given.normalized();
   }
 
-  // One of the names; its place among them.
+  // One of the names; returns its index.
   template <std::size_t N>
   void read_choice(std::string_view key, const std::array<std::string_view, N>& names, std::size_t& value) {
     std::string name;

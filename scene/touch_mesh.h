@@ -17,16 +17,16 @@ namespace hapton {
 // Whether cracks and T-junctions up to kSealedShare of a mesh's longest side are sealed before it is touched (core/geometry/seal_cracks.h).
 enum class CrackSealing { on, off };
 
-// Nothing is done, and nothing reported, with sealing off. RT: set-up only.
+// With sealing off, the mesh is unchanged and the report empty. RT: set-up only.
 SealReport seal_for_touch(TriangleMesh& mesh, CrackSealing sealing = CrackSealing::on);
 
-// A mesh file as it is touched.
+// A mesh file as loaded for touch.
 struct TouchMesh {
   TriangleMesh mesh;  // metres, the file's own frame
   SealReport sealed;
   std::uint64_t given_hash = 0;    // hash_mesh before it was sealed
   std::vector<std::string> notes;  // what was sealed, skipped or looks odd, one line each
-  bool has_haptics = false;        // the file says how some of its triangles feel
+  bool has_haptics = false;        // the file has haptic materials for some of its triangles
   MeshLook look;                   // without triangles if it was not requested, or if the mesh was sealed, which changes its triangles
 };
 

@@ -55,6 +55,9 @@ void add_loop_command(CommandLine app, int& exit_code);
 // hapton mark TEXT [--hub HOST:PORT]: marks the recording of a running session. Exit code 0: it is in the recording.
 void add_mark_command(CommandLine app, int& exit_code);
 
+// hapton move OBJECT [--to X,Y,Z] [--rotate X,Y,Z] [--over S]: moves an object of a running scene. Exit code 0: it moves.
+void add_move_command(CommandLine app, int& exit_code);
+
 // hapton plot DIR: draws DIR/latency.png from DIR/latency.csv with gnuplot.
 void add_plot_command(CommandLine app, int& exit_code);
 
@@ -67,7 +70,7 @@ void add_replay_command(CommandLine app, int& exit_code);
 // hapton session info|export|replay FILE: works on a recorded session.
 void add_session_command(CommandLine app, int& exit_code);
 
-// hapton set --hub HOST:PORT: changes a running system: servo rate, force method, or a report now.
+// hapton set --hub HOST:PORT: changes a running system: servo rate, force method, materials, a report now, reset of faults.
 void add_set_command(CommandLine app, int& exit_code);
 
 // hapton soak: runs the nodes for hours. Exit code 0: memory, descriptors, threads and losses stayed flat, 1: not.
@@ -144,6 +147,7 @@ inline constexpr ListedCommand kCommands[] = {
     {"Touch and watch", add_demo_command},
     {"Touch and watch", add_dds_command},
     {"Touch and watch", add_info_command},
+    {"Touch and watch", add_move_command},
     {"Touch and watch", add_set_command},
     {"Touch and watch", add_top_command},
     {"Set up", add_doctor_command},

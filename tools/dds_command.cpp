@@ -85,6 +85,12 @@ void add_dds_command(CommandLine app, int& exit_code) {
                       "Take forces of up to so many newtons from PREFIX/servo_cf, in place of haptics_node (default: none)")
           .between(0.0, 1000.0);
   command
+      .add_option("--accept-torques", bridge.accept_torques_nm,
+                  "With --accept-forces: torques of up to so many newton metres, for devices that have motors for them; 0: none")
+      .between(0.0, 100.0)
+      .shows_default()
+      .needs(forces);
+  command
       .add_option("--haptics-key", bridge.haptics_key_file,
                   "For --accept-forces, where the key of --key is a vision node's: a haptics node's")
       .needs(forces);

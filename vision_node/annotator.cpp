@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "core/base/button_bit.h"
 #include "runtime/atomic_file.h"
 #include "runtime/log.h"
 #include "runtime/writable_path.h"
@@ -18,8 +19,6 @@ namespace {
 // A datagram may be lost; a scene that is being built again takes longer than that.
 constexpr std::int64_t kRequestEveryNs = 100'000'000;
 constexpr std::int64_t kRequestPatienceNs = 2'000'000'000;
-
-std::uint32_t button_bit(int button) { return button > 0 ? 1U << static_cast<unsigned>(button - 1) : 0U; }
 
 std::vector<std::string> list_names(const Scene& scene) {
   std::vector<std::string> names;
@@ -194,7 +193,7 @@ void Annotator::receive(const ObjectPose& pose) {
 
 void Annotator::place_moving(const std::vector<Pose>& X_SO) {
   for (std::size_t o = 0; o < X_SO_.size(); ++o) {
-    if (scene_.objects[o].motion == nullptr || X_SO_[o].matrix() == X_SO[o].matrix()) continue;
+    if ((scene_.objects[o].motion == nullptr && scene_.objects[o].commanded == nullptr) || X_SO_[o].matrix() == X_SO[o].matrix()) continue;
     X_SO_[o] = X_SO[o];
     has_moved_ = true;
   }

@@ -108,8 +108,7 @@ bool GlTarget::shape(PictureSize size, const GlFormat& format) {
   glBindRenderbuffer(GL_RENDERBUFFER, static_cast<GLuint>(renderbuffer));
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
   glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, colour_);
-  const bool has_stencil = format.depth == GL_DEPTH24_STENCIL8 || format.depth == GL_DEPTH32F_STENCIL8;
-  glFramebufferRenderbuffer(GL_FRAMEBUFFER, has_stencil ? GL_DEPTH_STENCIL_ATTACHMENT : GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_);
+  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_);
   return true;
 }
 

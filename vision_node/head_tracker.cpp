@@ -9,9 +9,9 @@
 namespace hapton {
 namespace {
 
-// A tracker that sees the head now and then fills no log.
+// So that a tracker that loses the head again and again does not fill the log.
 constexpr std::int64_t kLogPauseNs = 5'000'000'000;
-// A server that is there has answered by then.
+// A running server has answered by then.
 constexpr std::int64_t kFirstPatienceNs = 1'000'000'000;
 
 }  // namespace
@@ -79,8 +79,9 @@ std::string HeadTracker::describe(std::int64_t now_ns) const {
     case State::lost:
       return fmt::format("{} has not seen it for {} s; it stays where it was", name, (now_ns - *seen_ns_) / 1'000'000'000);
     case State::impossible:
-      return fmt::format("{} says {:.4g} {:.4g} {:.4g} mm, which is not before the screen; check --tracker-mm and --tracker-turn-deg", name,
-                         1e3 * impossible_m_.x(), 1e3 * impossible_m_.y(), 1e3 * impossible_m_.z());
+      return fmt::format(
+          "{} reports the head at {:.4g} {:.4g} {:.4g} mm, which is not in front of the screen; check --tracker-mm and --tracker-turn-deg",
+          name, 1e3 * impossible_m_.x(), 1e3 * impossible_m_.y(), 1e3 * impossible_m_.z());
   }
   return {};
 }

@@ -12,7 +12,8 @@ namespace {
 
 // Where no force can be, "free, 0.00 N" would say that all is well.
 bool is_without_force(ProbeStatus status) {
-  return status != ProbeStatus::ok && status != ProbeStatus::out_of_reach && status != ProbeStatus::too_small;
+  return status != ProbeStatus::ok && status != ProbeStatus::out_of_reach && status != ProbeStatus::too_small &&
+         status != ProbeStatus::hand_inside;
 }
 
 // Ten marks of the energy budget; empty while the device has given the hand no more than it took.
@@ -67,6 +68,8 @@ std::string_view describe(ProbeStatus status) {
       return "THE DEVICE CANNOT REACH THE SCENE: check --unit, --no-fit";
     case ProbeStatus::too_small:
       return "THE SCENE IS A SPECK: check --unit, --no-fit";
+    case ProbeStatus::hand_inside:
+      return "INSIDE A BODY SINCE THE START: lead the stylus out; if it is held, start haptics_node again";
   }
   return {};
 }

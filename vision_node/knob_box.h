@@ -41,7 +41,7 @@ class ViewTransformSender {
   // The hub rejected the transform of that revision: it is not sent again, and the log says so once.
   void reject(std::uint32_t revision);
 
-  // The hub has (again) welcomed us: everything must be sent again.
+  // The hub has accepted this node, perhaps once more: everything must be sent again.
   void rejoin();
 
   // The message to send now, if any; counts as sent.

@@ -52,7 +52,7 @@ const std::vector<PlotShown>& LivePlots::compose(std::int64_t now_ns) {
   if (!is_shown_) composed_.clear();
   if (!is_shown_ || (!composed_.empty() && now_ns - composed_ns_ < kPeriodNs)) return composed_;
   composed_ns_ = now_ns;
-  // A force of which nothing new was told is still there: the hub sends no state that looks the same.
+  // Without a new state the force is still the last one: the hub sends no state that would be drawn the same.
   if (newest_n_) force_n_.add(now_ns, *newest_n_);
   composed_ = {make_plot(force_n_, "force", "N", limit_n_, kLeastTopN, now_ns), make_plot(age_ms_, "age", "ms", 0.0, kLeastTopMs, now_ns)};
   return composed_;

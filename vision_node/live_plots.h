@@ -31,7 +31,7 @@ class LivePlots {
   bool is_shown() const { return is_shown_; }
 
   void receive(const ProbeState& state, std::int64_t now_ns);
-  // The hub no longer replies: there is no force to be told.
+  // The hub no longer replies: no force is known.
   void lost() { newest_n_.reset(); }
   // From the arrival of the newest state in the picture until it was in the window.
   void drew(std::int64_t age_ns, std::int64_t now_ns);

@@ -1,11 +1,15 @@
 #include "vision_node/moved_objects.h"
 
+#include <utility>
+
+#include "link/commanded_move.h"
+
 namespace hapton {
 namespace {
 
 bool is_same(const ObjectPose& a, const ObjectPose& b) { return a.is_held == b.is_held && a.p_m == b.p_m && a.q.coeffs() == b.q.coeffs(); }
 
-Pose pose_of(const ObjectPose& pose) {
+Pose matrix_of(const ObjectPose& pose) {
   Pose X = Pose::Identity();
   X.translation() = pose.p_m;
   X.linear() = pose.q.normalized().toRotationMatrix();
@@ -21,26 +25,62 @@ SceneTool tool_of(const SceneObject& object, const Pose& X_TO) {
 }  // namespace
 
 MovedObjects::MovedObjects(StereoView& view, const Scene& scene)
-    : view_(view), scene_(scene), known_(scene.objects.size()), X_SO_(scene.objects.size(), Pose::Identity()) {
-  for (const SceneObject& object : scene.objects) has_motion_ = has_motion_ || object.motion != nullptr;
+    : view_(view),
+      scene_(scene),
+      known_(scene.objects.size()),
+      commanded_(scene.objects.size()),
+      X_SO_(scene.objects.size(), Pose::Identity()),
+      weights_(scene.objects.size()),
+      drawn_weights_(scene.objects.size()) {
+  for (const SceneObject& object : scene.objects) has_motion_ = has_motion_ || object.moves();
+  forget_moves();
   set_time(0);
   place_moving();
 }
 
+void MovedObjects::forget_moves() {
+  for (std::size_t o = 0; o < commanded_.size(); ++o) {
+    if (const auto& commanded = scene_.objects[o].commanded) commanded_[o].emplace(commanded->pivot());
+  }
+}
+
+bool MovedObjects::take(const ObjectMove& move) {
+  const auto number = static_cast<std::size_t>(move.object);
+  if (number >= commanded_.size() || !commanded_[number]) return false;
+  // The serials of another haptics process begin again, and so does its scene time.
+  if (std::exchange(source_, move.source) != move.source) forget_moves();
+  return commanded_[number]->begin(to_command(move));
+}
+
+std::optional<Pose> MovedObjects::pose_of(std::size_t object, double time_s) const {
+  if (commanded_[object]) return commanded_[object]->pose_at(time_s);
+  const auto& motion = scene_.objects[object].motion;
+  return motion != nullptr ? std::optional(motion->pose_at(time_s)) : std::nullopt;
+}
+
 bool MovedObjects::set_time(std::int64_t scene_time_ns) {
+  const double time_s = 1e-9 * static_cast<double>(scene_time_ns);
   bool has_moved = false;
   for (std::size_t o = 0; o < X_SO_.size(); ++o) {
-    if (scene_.objects[o].motion == nullptr) continue;
-    const Pose X_SO = scene_.objects[o].motion->pose_at(1e-9 * static_cast<double>(scene_time_ns));
-    has_moved = has_moved || X_SO.matrix() != X_SO_[o].matrix();
-    X_SO_[o] = X_SO;
+    if (scene_.objects[o].deformation != nullptr) {
+      weights_[o] = scene_.objects[o].deformation->weights_at(time_s);
+      has_moved = has_moved || weights_[o] != drawn_weights_[o];
+    }
+    const auto X_SO = pose_of(o, time_s);
+    if (!X_SO) continue;
+    has_moved = has_moved || X_SO->matrix() != X_SO_[o].matrix();
+    X_SO_[o] = *X_SO;
   }
   return has_moved;
 }
 
 void MovedObjects::place_moving() {
   for (std::size_t o = 0; o < X_SO_.size(); ++o) {
-    if (scene_.objects[o].motion != nullptr) view_.place_object(o, X_SO_[o], true);
+    const SceneObject& object = scene_.objects[o];
+    if (object.motion != nullptr || object.commanded != nullptr) view_.place_object(o, X_SO_[o], true);
+    if (object.deformation == nullptr || drawn_weights_[o] == weights_[o]) continue;
+    view_.reshape_object(o, object.deformation->vertices_at(object.mesh->vertices, weights_[o]));
+    drawn_weights_[o] = weights_[o];
   }
 }
 
@@ -54,17 +94,17 @@ std::int32_t MovedObjects::held() const {
 bool MovedObjects::take(const ObjectPose& pose) {
   if (pose.object < 0 || static_cast<std::size_t>(pose.object) >= known_.size()) return false;
   const auto number = static_cast<std::size_t>(pose.object);
-  if (scene_.objects[number].motion != nullptr) return false;
+  if (scene_.objects[number].moves()) return false;
   ObjectPose& known = known_[number];
   if (is_same(known, pose)) return false;
   const bool was_held = known.is_held;
   known = pose;
   if (pose.is_held) {
-    view_.set_tool(tool_of(scene_.objects[number], pose_of(pose)), true);
+    view_.set_tool(tool_of(scene_.objects[number], matrix_of(pose)), true);
   } else if (was_held) {
     view_.clear_tool();
   }
-  view_.place_object(number, pose.is_held ? Pose::Identity() : pose_of(pose), !pose.is_held);
+  view_.place_object(number, pose.is_held ? Pose::Identity() : matrix_of(pose), !pose.is_held);
   return true;
 }
 

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
+#include "core/math/commanded_motion.h"
 #include "link/messages.h"
 #include "scene/scene_file.h"
 #include "vision_node/stereo_view.h"
@@ -9,7 +11,8 @@
 namespace hapton {
 
 // Draws objects where the haptics node has them: one that the stylus picked up at the stylus, others where they were put down, and those
-// that move by keyframes where they were at the time of the sample that is shown. Threads: the window's. RT: no.
+// that move by keyframes or programs, or deform, where they were, and in their shape, at the time of the sample that is shown. Threads: the
+// window's. RT: no.
 class MovedObjects {
  public:
   // Pre: both outlive this; the view was opened with the scene's objects.
@@ -18,23 +21,33 @@ class MovedObjects {
   // True if the picture has changed. A pose of an object that the scene does not have is left out.
   bool take(const ObjectPose& pose);
 
-  // Some move by keyframes.
+  // A program moved an object: set_time() places it from then on. False: it is known already, or not of an object that programs may move.
+  bool take(const ObjectMove& move);
+
+  // Some move by keyframes or by programs, or deform.
   bool has_motion() const { return has_motion_; }
-  // The time of ProbeState: true if one of them is then elsewhere than it is drawn. place_moving() draws them there.
+  // The time of ProbeState: true if one of them is then elsewhere than it is drawn, or has another shape. place_moving() draws them so.
   bool set_time(std::int64_t scene_time_ns);
   void place_moving();
-  // By object, at the time set last: X_SO; the identity for what does not move by keyframes.
+  // By object, at the time set last: X_SO; the identity for what moves neither by keyframes nor by programs.
   const std::vector<Pose>& moving() const { return X_SO_; }
 
   // The object that is held; -1: none.
   std::int32_t held() const;
 
  private:
+  std::optional<Pose> pose_of(std::size_t object, double time_s) const;
+  void forget_moves();
+
   StereoView& view_;
   const Scene& scene_;
   std::vector<ObjectPose> known_;  // by object
   bool has_motion_ = false;
+  std::vector<std::optional<CommandedMotion>> commanded_;  // by object; none: programs do not move it
+  std::uint32_t source_ = 0;                               // of their moves; 0: none yet
   std::vector<Pose> X_SO_;
+  std::vector<MeshDeformation::Weights> weights_;                       // by object, at the time set last
+  std::vector<std::optional<MeshDeformation::Weights>> drawn_weights_;  // none: as the mesh is
 };
 
 }  // namespace hapton

@@ -28,6 +28,11 @@ Result<std::unique_ptr<SceneLayers>> SceneLayers::make(const std::vector<ShownOb
   return std::unique_ptr<SceneLayers>(new SceneLayers(std::move(*painter)));
 }
 
+void SceneLayers::reshape_object(std::size_t object, std::vector<Vec3> vertices) {
+  painter_->reshape_object(object, std::move(vertices));
+  for (Layer& each : layers_) each.is_valid = false;
+}
+
 bool SceneLayers::has_new_levels() {
   has_new_levels_ = painter_->take_levels() || has_new_levels_;
   return has_new_levels_;

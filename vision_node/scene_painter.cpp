@@ -10,6 +10,7 @@
 #include "vision_node/depth_cues.h"
 #include "vision_node/depth_order.h"
 #include "vision_node/detail_choice.h"
+#include "vision_node/flat_buffers.h"
 #include "vision_node/scene_shaders.h"
 #include "vision_node/surface_paint.h"
 #include "vision_node/texture_layers.h"
@@ -35,15 +36,10 @@ constexpr double kAboveGround = 1e-3;
 // From over the viewer's left shoulder.
 const Vec3 kLight_V = Vec3(-0.40, 0.62, 0.85).normalized();
 
-struct Vertices {
-  GLuint array = 0;
-  GLuint buffer = 0;
-  GLuint paints = 0;  // 0: of one colour
-};
-
 }  // namespace
 
 struct ScenePainter::Object {
+  ShownObject shown;
   DetailFrame frame;
   Vec3 colour;
   double radius_m = 0.0;         // around frame.centre
@@ -56,10 +52,11 @@ struct ScenePainter::Object {
   bool has_blended = false;                 // some triangles show what is behind
   FlatLevel full;
   bool is_preview = false;  // full is only a part of its triangles, until all of them are ready to be drawn
-  Vertices full_vertices;
+  FlatBuffers full_vertices;
   std::vector<FlatLevel> coarser;  // from the finest
-  std::vector<Vertices> coarser_vertices;
+  std::vector<FlatBuffers> coarser_vertices;
   bool has_rough = false;
+  bool is_reshaped = false;       // the builder's levels are not of its shape
   std::vector<LevelFacts> facts;  // full, then coarser
 
   const FlatLevel& level(std::size_t i) const { return i > 0 ? coarser[i - 1] : full; }
@@ -74,64 +71,17 @@ struct ScenePainter::Object {
   }
 };
 
-namespace {
-
-void release(Vertices& vertices) {
-  if (vertices.array != 0) glDeleteVertexArrays(1, &vertices.array);
-  if (vertices.buffer != 0) glDeleteBuffers(1, &vertices.buffer);
-  if (vertices.paints != 0) glDeleteBuffers(1, &vertices.paints);
-  vertices = {};
-}
-
-// Into the vertex array that is bound.
-GLuint upload_paints(const std::vector<VertexPaint>& paints) {
-  GLuint buffer = 0;
-  glGenBuffers(1, &buffer);
-  glBindBuffer(GL_ARRAY_BUFFER, buffer);
-  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(paints.size() * sizeof(VertexPaint)), paints.data(), GL_STATIC_DRAW);
-  glEnableVertexAttribArray(2);
-  glVertexAttribPointer(2, 4, GL_UNSIGNED_BYTE, GL_TRUE, sizeof(VertexPaint), nullptr);
-  glEnableVertexAttribArray(3);
-  glVertexAttribPointer(3, 2, GL_FLOAT, GL_FALSE, sizeof(VertexPaint), reinterpret_cast<const void*>(offsetof(VertexPaint, place)));
-  glEnableVertexAttribArray(4);
-  glVertexAttribPointer(4, 4, GL_UNSIGNED_BYTE, GL_TRUE, sizeof(VertexPaint), reinterpret_cast<const void*>(offsetof(VertexPaint, alpha)));
-  return buffer;
-}
-
-Vertices upload(const FlatLevel& level, GLuint index_buffer) {
-  const std::vector<FlatVertex>& vertices = level.vertices;
-  Vertices made;
-  glGenVertexArrays(1, &made.array);
-  glGenBuffers(1, &made.buffer);
-  glBindVertexArray(made.array);
-  glBindBuffer(GL_ARRAY_BUFFER, made.buffer);
-  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(FlatVertex)), vertices.data(), GL_STATIC_DRAW);
-  glEnableVertexAttribArray(0);
-  glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(FlatVertex), nullptr);
-  glEnableVertexAttribArray(1);
-  glVertexAttribPointer(1, 4, GL_INT_2_10_10_10_REV, GL_TRUE, sizeof(FlatVertex),
-                        reinterpret_cast<const void*>(offsetof(FlatVertex, normal)));
-  if (!level.paints.empty()) made.paints = upload_paints(level.paints);
-  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, index_buffer);
-  glBindVertexArray(0);
-  glBindBuffer(GL_ARRAY_BUFFER, 0);
-  return made;
-}
-
-}  // namespace
-
 ScenePainter::ScenePainter() = default;
 
 // With its colours and images where the mesh has some.
 DetailLevel ScenePainter::make_whole_level(const ShownObject& shown, Object& object) {
   const MeshLook* look = shown.look.get();
   object.is_painted = look != nullptr && look->triangles.size() == shown.mesh->triangles.size();
-  if (!object.is_painted) return make_full_level(*shown.mesh, object.frame);
+  if (!object.is_painted) return make_level_of(*shown.mesh, object);
   std::vector<std::string> notes;
   object.textures = TextureLayers::make(*look, notes);
   for (const std::string& note : notes) log_warning("{}", note);
-  DetailLevel level = make_painted_level(*shown.mesh, object.frame, *look, shown.colour,
-                                         object.textures != nullptr ? object.textures->layer_of() : std::vector<std::uint8_t>());
+  DetailLevel level = make_level_of(*shown.mesh, object);
   for (const VertexPaint& paint : level.paints) {
     object.is_finished = object.is_finished || !paint.is_plain();
     object.has_blended = object.has_blended || paint.is_blended != 0;
@@ -139,11 +89,17 @@ DetailLevel ScenePainter::make_whole_level(const ShownObject& shown, Object& obj
   return level;
 }
 
+DetailLevel ScenePainter::make_level_of(const TriangleMesh& mesh, const Object& object) {
+  if (!object.is_painted) return make_full_level(mesh, object.frame);
+  return make_painted_level(mesh, object.frame, *object.shown.look, object.shown.colour,
+                            object.textures != nullptr ? object.textures->layer_of() : std::vector<std::uint8_t>());
+}
+
 ScenePainter::~ScenePainter() {
   builder_.reset();
   for (const auto& object : objects_) {
     release(object->full_vertices);
-    for (Vertices& vertices : object->coarser_vertices) release(vertices);
+    for (FlatBuffers& vertices : object->coarser_vertices) release(vertices);
   }
   if (line_vertices_ != 0) glDeleteVertexArrays(1, &line_vertices_);
   if (line_buffer_ != 0) glDeleteBuffers(1, &line_buffer_);
@@ -179,6 +135,7 @@ Result<std::unique_ptr<ScenePainter>> ScenePainter::make(const std::vector<Shown
   std::vector<const DetailLevel*> levels;
   for (const ShownObject& shown : objects) {
     auto object = std::make_unique<Object>();
+    object->shown = shown;
     object->frame = frame_detail(*shown.mesh);
     object->colour = shown.colour;
     object->whole = std::make_unique<DetailLevel>(make_whole_level(shown, *object));
@@ -203,10 +160,25 @@ void ScenePainter::place_object(std::size_t object, const Pose& X_SO, bool is_sh
   objects_[object]->is_shown = is_shown;
 }
 
+void ScenePainter::reshape_object(std::size_t number, std::vector<Vec3> vertices) {
+  Object& object = *objects_[number];
+  TriangleMesh mesh{.vertices = std::move(vertices), .triangles = object.shown.mesh->triangles};
+  object.is_reshaped = true;
+  object.is_preview = false;
+  object.full = make_flat(make_level_of(mesh, object));
+  release(object.full_vertices);
+  object.full_vertices = upload(object.full, index_buffer_);
+  object.coarser.clear();
+  for (FlatBuffers& coarser : object.coarser_vertices) release(coarser);
+  object.coarser_vertices.clear();
+  object.list_facts();
+}
+
 bool ScenePainter::take_levels() {
   auto made = builder_->take_made();
   for (DetailBuilder::Made& one : made) {
     Object& object = *objects_[one.object];
+    if (object.is_reshaped) continue;
     if (one.is_full) {
       object.full = std::move(one.level);
       object.is_preview = false;
@@ -216,7 +188,7 @@ bool ScenePainter::take_levels() {
     }
     if (object.has_rough && !one.is_rough) {
       object.coarser.clear();
-      for (Vertices& vertices : object.coarser_vertices) release(vertices);
+      for (FlatBuffers& vertices : object.coarser_vertices) release(vertices);
       object.coarser_vertices.clear();
     }
     object.has_rough = one.is_rough;

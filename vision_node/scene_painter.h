@@ -65,6 +65,9 @@ class ScenePainter {
   // Moves an object, as its mesh has it, by X_SO from now on, or leaves it out.
   void place_object(std::size_t object, const Pose& X_SO, bool is_shown);
 
+  // Gives an object's mesh other vertices, as many as it has. It is drawn as it is from now on, in one level of detail. Linear in the mesh.
+  void reshape_object(std::size_t object, std::vector<Vec3> vertices);
+
   // Makes ready all triangles of large meshes, of which only a part is drawn until the builder has prepared them. Takes a tenth of a
   // second.
   void complete();
@@ -88,6 +91,7 @@ class ScenePainter {
   ScenePainter();
   std::size_t choose(const Object& object, const ScenePass& pass, double* error_px = nullptr) const;
   static DetailLevel make_whole_level(const ShownObject& shown, Object& object);
+  static DetailLevel make_level_of(const TriangleMesh& mesh, const Object& object);
   Result<void> make_programs();
   void upload_lines();
   void paint_lines(const ScenePass& pass) const;

@@ -7,14 +7,9 @@
 #include <utility>
 
 #include <vtkCallbackCommand.h>
-#include <vtkCamera.h>
-#include <vtkCullerCollection.h>
-#include <vtkLight.h>
 #include <vtkNew.h>
-#include <vtkObjectFactory.h>
 #include <vtkOpenGLRenderWindow.h>
 #include <vtkPNGWriter.h>
-#include <vtkProp.h>
 #include <vtkRenderer.h>
 #include <vtkUnsignedCharArray.h>
 #include <vtkWindowToImageFilter.h>
@@ -23,21 +18,17 @@
 #include "vision_node/annotation_figure.h"
 #include "vision_node/display.h"
 #include "vision_node/edge_pointer.h"
-#include "vision_node/hud_figure.h"
-#include "vision_node/label_figure.h"
+#include "vision_node/eye_view.h"
 #include "vision_node/menu_figure.h"
 #include "vision_node/present.h"
 #include "vision_node/probe_figure.h"
 #include "vision_node/scene_layers.h"
-#include "vision_node/vtk_shapes.h"
 #include "vision_node/window_listener.h"
 
 namespace hapton {
 namespace {
 
 constexpr int kScreenshotSamples = 8;
-// From over the viewer's left shoulder, as the scene's.
-const Vec3 kLight_V(-0.40, 0.62, 0.85);
 
 int vtk_stereo_type(StereoMode mode) {
   switch (mode) {
@@ -70,80 +61,6 @@ int vtk_stereo_type(StereoMode mode) {
   }
   return 0;
 }
-
-// The static scene in VTK's list of things to draw: first, and where it lies nothing is cleared before.
-class SceneProp : public vtkProp {
- public:
-  static SceneProp* New();
-  vtkTypeMacro(SceneProp, vtkProp) std::function<void()> draw;
-  int RenderOpaqueGeometry(vtkViewport*) override {
-    draw();
-    return 1;
-  }
-};
-vtkStandardNewMacro(SceneProp)
-
-    // A part of the window, as shares of it from the lower left corner.
-    struct Viewport {
-  double from_x = 0.0;
-  double from_y = 0.0;
-  double to_x = 1.0;
-  double to_y = 1.0;
-};
-
-// One viewport: the whole window, or one eye's half of it.
-struct EyeView {
-  Eye eye = Eye::centre;
-  bool composed = false;  // VTK draws both eyes through this view and says which by the camera's LeftEye
-  bool swapped = false;   // and these are the other way round
-  int squeeze = 1;        // the display stretches the picture to so many times its height
-  vtkNew<vtkRenderer> renderer;
-  vtkNew<vtkCamera> camera;
-  vtkNew<vtkLight> light;
-  vtkNew<SceneProp> scene;
-  HudFigure hud;
-  LabelFigure labels;
-  PictureSize placed;
-  bool shows_scale = false;
-
-  PictureSize size() {
-    const int* pixels = renderer->GetSize();
-    return {pixels[0], pixels[1]};
-  }
-
-  StereoScreen screen(const Framing& framing) {
-    const PictureSize drawn = size();
-    return compute_screen(framing, {drawn.width_px, squeeze * drawn.height_px});
-  }
-
-  Eye eye_now() const {
-    if (!composed) return eye;
-    return (camera->GetLeftEye() != 0) != swapped ? Eye::left : Eye::right;
-  }
-
-  // VTK's own view matrix from position, focal point and up is exactly ours; its projection is replaced.
-  void aim(const StereoScreen& screen) {
-    const Eye now = eye_now();
-    const Vec3 p_WE = compute_eye_position(screen, now);
-    const EyeDepths depths = compute_eye_depths(screen, now);
-    const Vec3 ahead = p_WE - depths.eye_m * screen.X_WV.linear().col(2);
-    const Vec3 up = screen.X_WV.linear().col(1);
-    camera->SetPosition(p_WE.data());
-    camera->SetFocalPoint(ahead.data());
-    camera->SetViewUp(up.data());
-    camera->SetClippingRange(depths.near_m, depths.far_m);
-    vtkNew<vtkMatrix4x4> projection;
-    copy_matrix(compute_projection_matrix(screen, now), projection);
-    camera->SetExplicitProjectionTransformMatrix(projection);
-    camera->UseExplicitProjectionTransformMatrixOn();
-    const Vec3 towards = screen.X_WV.linear() * kLight_V;
-    light->SetPosition(towards.x(), towards.y(), towards.z());
-    hud.set_scale_bar(shows_scale ? choose_scale_bar(screen, size()) : ScaleBar{}, size());
-    if (size() == placed) return;
-    placed = size();
-    hud.place(placed);
-  }
-};
 
 }  // namespace
 
@@ -231,26 +148,16 @@ void StereoView::Window::arrange() {
 }
 
 void StereoView::Window::add_eye(Eye eye, const Viewport& part) {
-  auto view = std::make_unique<EyeView>();
+  auto view = std::make_unique<EyeView>(part);
   view->eye = eye;
   view->composed = vtk_stereo_type(mode) != 0;
   view->swapped = swapped;
   view->squeeze = mode == StereoMode::top_bottom ? 2 : 1;
-  vtkRenderer* renderer = view->renderer;
-  renderer->SetViewport(part.from_x, part.from_y, part.to_x, part.to_y);
-  renderer->SetActiveCamera(view->camera);
-  renderer->AutomaticLightCreationOff();
-  renderer->GetCullers()->RemoveAllItems();
-  renderer->EraseOff();
-  view->light->SetLightTypeToSceneLight();
-  view->light->PositionalOff();
-  view->light->SetFocalPoint(0.0, 0.0, 0.0);
-  renderer->AddLight(view->light);
-  view->scene->draw = [this, each = view.get()] {
+  view->draw_scene = [this, each = view.get()] {
     const int* origin = each->renderer->GetOrigin();
     layers->copy_to_bound(each->eye_now(), origin[0], origin[1]);
   };
-  renderer->AddViewProp(view->scene);
+  vtkRenderer* renderer = view->renderer;
   probe->add_to(renderer);
   other_probe->add_to(renderer);
   annotations.add_to(renderer);
@@ -393,6 +300,10 @@ void StereoView::place_object(std::size_t object, const Pose& X_SO, bool is_show
   window_->window->MakeCurrent();
   window_->layers->place_object(object, X_SO, is_shown);
 }
+void StereoView::reshape_object(std::size_t object, std::vector<Vec3> vertices) {
+  window_->window->MakeCurrent();
+  window_->layers->reshape_object(object, std::move(vertices));
+}
 AnnotationFigure& StereoView::annotation_figure() { return window_->annotations; }
 MenuFigure& StereoView::menu_figure() { return window_->menu; }
 void StereoView::set_probe_radius(double radius_m) { window_->probe->set_tip_radius(radius_m); }
@@ -448,7 +359,7 @@ Picture StereoView::read_picture() {
 }
 
 Result<void> StereoView::save_png(const std::filesystem::path& file) {
-  // Tried first, because VTK would write its own lines about it to stderr, and wait for who reads from a pipe.
+  // Tried first, because VTK would write its own lines about it to stderr, and block on a pipe without a reader.
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> tried(open_file_for(file, FileReaders::everyone), &std::fclose);
   if (!tried) {
     return fail("cannot write the screenshot {}: does its folder exist, may it be written to?", file.string());

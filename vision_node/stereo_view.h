@@ -76,6 +76,8 @@ class StereoView {
   void clear_tool();
   // Moves an object, as its mesh has it, by X_SO from now on, or leaves it out. Pre: one of those the view was opened with.
   void place_object(std::size_t object, const Pose& X_SO, bool is_shown);
+  // Gives an object's mesh other vertices, as many as it has, in the frame of that mesh.
+  void reshape_object(std::size_t object, std::vector<Vec3> vertices);
   // Strokes, measures and the menu in the workspace. They live as long as the view.
   AnnotationFigure& annotation_figure();
   MenuFigure& menu_figure();

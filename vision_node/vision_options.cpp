@@ -1,11 +1,11 @@
 #include "vision_node/vision_options.h"
 
 #include <cstdio>
-#include <numbers>
 
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
 
+#include "core/math/turn_by_degrees.h"
 #include "link/link_key.h"
 #include "runtime/config.h"
 #include "runtime/flag_checks.h"
@@ -35,13 +35,6 @@ Result<Vec3> parse_triple(std::string_view text) {
   return numbers;
 }
 
-// About the screen's x, then its y, then its z.
-Quat turn_of(const Vec3& degrees) {
-  const Vec3 turn = degrees * std::numbers::pi / 180.0;
-  return Eigen::AngleAxisd(turn.z(), Vec3::UnitZ()) * Eigen::AngleAxisd(turn.y(), Vec3::UnitY()) *
-         Eigen::AngleAxisd(turn.x(), Vec3::UnitX());
-}
-
 // What the words about the viewer's head say.
 struct HeadWords {
   std::string source = "keys";
@@ -55,7 +48,7 @@ struct HeadWords {
 void add_head_options(CLI::App& app, HeadWords& words, VisionOptions& options) {
   app.add_option("--screen-width-mm", options.screen_width_mm,
                  "Width of the picture on the desk, as each eye sees it: eyes and head are then in true proportion to it (default: a "
-                 "viewer at a desk, as large as the scene asks for)")
+                 "viewer at a desk, scaled with the scene)")
       ->check(between(10.0, 100'000.0));
   const auto head = app.add_option("--head", words.source,
                                    "Where the viewer's head is: keys (arrows, page up, page down, home) alone, spacemouse (pushes of its "
@@ -89,13 +82,13 @@ void add_head_options(CLI::App& app, HeadWords& words, VisionOptions& options) {
 
 // Pre: each of the words is accepted.
 void set_head(const HeadWords& words, VisionOptions& options) {
-  options.head = {1e-3 * *parse_triple(words.at_mm), turn_of(*parse_triple(words.turn_deg))};
+  options.head = {1e-3 * *parse_triple(words.at_mm), turn_by_degrees(*parse_triple(words.turn_deg))};
   HeadSource& source = options.head_source;
   const HeadInput input = *parse_head_input(words.source);
   options.has_space_head = input.is_space_mouse;
   source.tracker = input.tracker;
   source.p_BH = 1e-3 * *parse_triple(words.eyes_mm);
-  source.X_RT = Eigen::Translation3d(1e-3 * *parse_triple(words.tracker_mm)) * turn_of(*parse_triple(words.tracker_turn_deg));
+  source.X_RT = Eigen::Translation3d(1e-3 * *parse_triple(words.tracker_mm)) * turn_by_degrees(*parse_triple(words.tracker_turn_deg));
 }
 
 }  // namespace
@@ -126,7 +119,8 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   HeadWords head;
 
   CLI::App app{
-      "Draws the scene and the probe, in stereo where asked for, sends the knob box' view transform, and lets the mouse be the hand.\n\nIn "
+      "Draws the scene and the probe, in stereo with --stereo, sends the view transform of the knob box, and lets the mouse be the "
+      "hand.\n\nIn "
       "the window:\n" +
           std::string(keys_help()),
       "vision_node"};
@@ -137,13 +131,13 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   app.add_option("--key", options.key_file, kKeyHelp);
   app.add_option("--scene", options.scene, "Scene file (TOML) or mesh file")->capture_default_str();
   app.add_flag("--no-fit", no_fit, "Leave a mesh file where and as large as it is; haptics_node needs the same option");
-  app.add_option("--unit", unit, "What a mesh file's numbers are in: m (default), cm, mm or in")->check(accepts(parse_unit));
+  app.add_option("--unit", unit, "Unit of a mesh file: m (default), cm, mm or in")->check(accepts(parse_unit));
   const auto tool =
       app.add_option("--tool", options.tool.file, "Mesh of the tool that the stylus holds, as haptics_node has it (default: the scene's)");
   app.add_option("--tool-unit", tool_unit, "Unit of the tool's file: m, cm, mm or in (default: --unit)")
       ->check(accepts(parse_unit))
       ->needs(tool);
-  app.add_option("--tool-grip", tool_grip, "Where the stylus holds it: origin (of its mesh) or center (of its box)")
+  app.add_option("--tool-grip", tool_grip, "Where the stylus holds it: origin (of its mesh) or centre (of its box)")
       ->check(accepts(parse_tool_grip))
       ->capture_default_str()
       ->needs(tool);
@@ -174,9 +168,10 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
                  "Draw the probe with this radius, metres; 0: a pin (default: what the haptics node feels with)")
       ->check(between(0.0, 1.0));
   app.add_flag("--no-depth-cues", no_depth_cues, "Leave out ground, shadow, workspace, haze and scale bar (g brings them back)");
-  app.add_option("--dial-x-deg", options.dials_degrees.x(), "Knob box at the start")->check(between(-360.0, 360.0));
-  app.add_option("--dial-y-deg", options.dials_degrees.y(), "")->check(between(-360.0, 360.0));
-  app.add_option("--dial-z-deg", options.dials_degrees.z(), "")->check(between(-360.0, 360.0));
+  app.add_option("--dial-x-deg", options.dials_degrees.x(), "Knob box at the start: degrees about the x axis")
+      ->check(between(-360.0, 360.0));
+  app.add_option("--dial-y-deg", options.dials_degrees.y(), "... about the y axis")->check(between(-360.0, 360.0));
+  app.add_option("--dial-z-deg", options.dials_degrees.z(), "... about the z axis")->check(between(-360.0, 360.0));
   app.add_option("--knobs", knobs, "What turns the dials: window (keys and mouse), or spacemouse, too: turns of its cap")
       ->check(CLI::IsMember({"window", "spacemouse"}))
       ->capture_default_str();

@@ -7,7 +7,7 @@
 
 namespace hapton {
 
-// An axis-aligned box. Empty (nothing inside) until it is grown.
+// An axis-aligned box, empty until it is grown.
 struct Box {
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
   Vec3 high = Vec3::Constant(-std::numeric_limits<double>::infinity());

@@ -16,7 +16,7 @@ struct FdhItem {
   std::uint32_t unused = 0;
 };
 
-// Which items lie under which node: the part of a hierarchy that does not depend on the number of directions.
+// The tree structure of a hierarchy, without bounds: it does not depend on the number of directions.
 struct FdhTopology {
   static constexpr int kWidth = 8;
   static constexpr std::uint32_t kLeafSize = 4;
@@ -34,13 +34,13 @@ struct FdhTopology {
 
   using Children = std::array<std::uint32_t, kWidth>;
   std::vector<Children> nodes;       // the root first; every node before its children; used children first
-  std::vector<std::uint32_t> order;  // item ids in tree order: leaves are runs of it
+  std::vector<std::uint32_t> order;  // item ids in tree order: a leaf is a contiguous range
   int depth = 0;                     // levels of nodes, <= kMaxDepth
 };
 
 // Builds by the binned surface-area heuristic on boxes (MacDonald & Booth 1990; Wald 2007), directly with nodes of kWidth children: a node
-// opens the child of largest area until it is full. When only halving still fits kMaxDepth, it halves. Reorders items. Pre: items.size() <=
-// kMaxItems, every number finite. RT: set-up only.
+// opens the child of largest area until it is full. If only median splits can respect kMaxDepth, it splits at the median. Reorders items.
+// Pre: items.size() <= kMaxItems, every number finite. RT: set-up only.
 FdhTopology build_fdh_topology(std::span<FdhItem> items);
 
 }  // namespace hapton

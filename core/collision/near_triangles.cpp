@@ -87,7 +87,7 @@ bool NearTriangles::gather(const TouchGeometry& geometry, const Vec3& centre, do
   Batch batch;
   int waiting = 0;
   bool fits = true;
-  geometry.for_each_overlapping(Box{centre, centre}.inflated(within), [&](std::uint32_t triangle) {
+  geometry.for_each_within(centre, within, [&](std::uint32_t triangle) {
     geometry.prefetch_indices(triangle);
     batch[static_cast<std::size_t>(waiting++)] = triangle;
     if (waiting == kBatch) {

@@ -14,14 +14,14 @@ namespace hapton {
 
 // All triangles within a distance of a centre, each with a lower bound of its distance from any point.
 //
-// A triangle lies behind the plane through its point closest to the centre whose normal points from there to the centre. The distance from
-// that plane is a lower bound everywhere, and a tight one near the centre. Six vector instructions bound four triangles, and few triangles
+// A triangle lies behind the plane through its point closest to the centre, with the normal from that point to the centre. The distance
+// from this plane is a lower bound everywhere, and tight near the centre. Six vector instructions bound four triangles, so few triangles
 // need the exact query.
 //
 // Frame: TouchGeometry's local one. RT: yes, fixed capacity. Pre: the geometry outlives this object.
 class NearTriangles {
  public:
-  static constexpr int kCapacity = 4096;  // a sphere reaches all triangles of the fan whose tip it touches
+  static constexpr int kCapacity = 4096;  // a sphere at a vertex reaches all triangles of its fan
 
   // Collects all triangles within that distance, and possibly some that are farther by rounding. False, and empty, if there are more than
   // `most`, at most kCapacity. `queried`: is raised by the number of triangles whose distance was computed.
@@ -33,7 +33,7 @@ class NearTriangles {
 
   // Whether every triangle within `distance` of p was collected.
   bool covers(const Vec3& p, double distance) const { return (p - centre_).norm() + distance <= within_; }
-  // Whether p is in the inner half of the ball. Farther out, the bounds of triangles on the other side of the centre say little.
+  // Whether p is in the inner half of the ball. Farther out, the bounds of triangles on the other side of the centre are weak.
   bool is_central(const Vec3& p) const { return (p - centre_).norm() <= 0.5 * within_; }
   int count() const { return count_; }
   std::uint32_t triangle(int slot) const { return triangle_[slot]; }

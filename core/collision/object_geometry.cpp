@@ -1,8 +1,8 @@
 #include "core/collision/object_geometry.h"
 
 #include <algorithm>
-#include <numbers>
 #include <numeric>
+#include <utility>
 
 #include "core/geometry/corner_normals.h"
 #include "core/geometry/touch_resolution.h"
@@ -10,47 +10,35 @@
 namespace hapton {
 namespace {
 
-Box box_of(const std::vector<Vec3>& vertices, const Triangle& triangle) {
+Box box_of(std::span<const Vec3> vertices, const Triangle& triangle) {
   const Vec3& a = vertices[triangle[0]];
   const Vec3& b = vertices[triangle[1]];
   const Vec3& c = vertices[triangle[2]];
   return {a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)};
 }
 
-double count_edges_per_length(const std::vector<Vec3>& vertices, const std::vector<Triangle>& triangles) {
-  double lengths = 0.0;  // each edge counts half in each of its two triangles
-  double area = 0.0;
-  for (const auto& [a, b, c] : triangles) {
-    const Vec3 ab = vertices[b] - vertices[a];
-    const Vec3 ac = vertices[c] - vertices[a];
-    lengths += 0.5 * (ab.norm() + ac.norm() + (ac - ab).norm());
-    area += 0.5 * ab.cross(ac).norm();
-  }
-  return area > 0.0 ? 2.0 * lengths / (std::numbers::pi * area) : 0.0;
-}
-
 }  // namespace
 
-ObjectGeometry::ObjectGeometry(const TriangleMesh& mesh, const LocalFrame& frame, std::optional<double> shading_crease_rad)
+ObjectGeometry::ObjectGeometry(const TriangleMesh& mesh, const LocalFrame& frame, std::optional<double> shading_crease_rad,
+                               std::vector<std::uint32_t>* numbers)
     : tree_(std::span<const Box>{}) {
   constexpr double kGrid = 0x1p-51;
-  std::vector<Vec3> vertices;
+  LargeVector<Vec3> vertices;
   vertices.reserve(mesh.vertices.size());
   for (const Vec3& v : mesh.vertices) vertices.push_back((frame.to_local(v) / kGrid).array().round() * kGrid);
   tree_ = WideBvh(mesh.triangles.size(), [&](std::size_t t) { return box_of(vertices, mesh.triangles[t]); });
 
   // Triangles in tree order, vertices in the order of their first use: what is near in space is near in memory.
-  const std::vector<std::uint32_t> order = tree_.items_in_tree_order();
-  constexpr std::uint32_t kUnset = 0xFFFFFFFFU;
-  std::vector<std::uint32_t> new_vertex(vertices.size(), kUnset);
-  std::vector<std::uint32_t> new_triangle(mesh.triangles.size());
+  const LargeVector<std::uint32_t> order = tree_.items_in_tree_order();
+  std::vector<std::uint32_t> new_vertex(vertices.size(), kUnused);
+  LargeVector<std::uint32_t> new_triangle(mesh.triangles.size());
   vertices_.reserve(vertices.size());
   triangles_.reserve(mesh.triangles.size());
   for (const std::uint32_t old : order) {
     new_triangle[old] = static_cast<std::uint32_t>(triangles_.size());
     Triangle t = mesh.triangles[old];
     for (std::uint32_t& v : t) {
-      if (new_vertex[v] == kUnset) {
+      if (new_vertex[v] == kUnused) {
         new_vertex[v] = static_cast<std::uint32_t>(vertices_.size());
         vertices_.push_back(vertices[v]);
       }
@@ -59,6 +47,7 @@ ObjectGeometry::ObjectGeometry(const TriangleMesh& mesh, const LocalFrame& frame
     triangles_.push_back(t);
   }
   vertices_.shrink_to_fit();
+  if (numbers != nullptr) *numbers = std::move(new_vertex);
   if (shading_crease_rad) {
     std::vector<std::uint32_t> source(mesh.triangles.size());
     std::iota(source.begin(), source.end(), 0U);
@@ -70,7 +59,6 @@ ObjectGeometry::ObjectGeometry(const TriangleMesh& mesh, const LocalFrame& frame
     for (const std::uint32_t old : order) corner_normals_.push_back(shaded.corner_normals[old]);
   }
   tree_.renumber_items(new_triangle);
-  edges_per_length_ = count_edges_per_length(vertices_, triangles_);
   adjacency_ = SurfaceAdjacency(vertices_.size(), triangles_);
   adjacency_.find_walkable(vertices_, triangles_, tree_, kWalkableMargin);
 }
@@ -84,6 +72,9 @@ ObjectGeometry ObjectGeometry::make(const TriangleMesh& mesh, const LocalFrame& 
   const bool fits = resolved && resolved->triangles.size() <= most_triangles;
   return fits ? ObjectGeometry(*resolved, frame, shading_crease_rad) : std::move(geometry);
 }
+
+// In [2, 4) doubles are the multiples of 2^-51.
+void ObjectGeometry::move_vertex(std::uint32_t vertex, const Vec3& local) noexcept { vertices_[vertex] = (local.array() + 3.0) - 3.0; }
 
 bool ObjectGeometry::is_walkable() const {
   for (std::uint32_t t = 0; t < triangle_count(); ++t) {

@@ -3,8 +3,10 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
+#include "core/base/large_vector.h"
 #include "core/collision/surface_adjacency.h"
 #include "core/collision/wide_bvh.h"
 #include "core/geometry/point_triangle.h"
@@ -27,7 +29,8 @@ struct LocalFrame {
 //
 // Coordinates are rounded to a grid of 2^-51. Two such coordinates subtract exactly, so edges are exact and the normals of the thinnest
 // slivers keep their direction (point_triangle.h).
-// Threads: immutable once in use. RT: queries yes, construction and mark_unwalkable_near set-up only.
+// Threads: immutable once in use, but for a surface that deforms: none but one may use it then. RT: queries, move_vertex and swap_tree yes,
+// construction and mark_unwalkable_near set-up only.
 class ObjectGeometry {
  public:
   // Local units. Any other part of the surface is at least this far from a walkable triangle (surface_adjacency.h).
@@ -38,7 +41,10 @@ class ObjectGeometry {
 
   // shading_crease_rad: if set, smooth normals are kept too: the mesh's authored ones where they are valid, otherwise computed ones; edges
   // with a larger angle between the faces' normals stay sharp (corner_normals.h).
-  ObjectGeometry(const TriangleMesh& mesh, const LocalFrame& frame, std::optional<double> shading_crease_rad = std::nullopt);
+  // new_vertex: if there is one, it becomes the number here of each of the mesh's vertices, kUnused of those that no triangle has.
+  static constexpr std::uint32_t kUnused = 0xFFFFFFFFU;
+  ObjectGeometry(const TriangleMesh& mesh, const LocalFrame& frame, std::optional<double> shading_crease_rad = std::nullopt,
+                 std::vector<std::uint32_t>* new_vertex = nullptr);
   // The same, with features finer than the resolution removed (touch_resolution.h), unless that gives more than most_triangles.
   static ObjectGeometry make(const TriangleMesh& mesh, const LocalFrame& frame, std::size_t most_triangles,
                              std::optional<double> shading_crease_rad = std::nullopt);
@@ -64,34 +70,45 @@ class ObjectGeometry {
     return separation_from_triangle(p, vertices_[corners[0]], vertices_[corners[1]], vertices_[corners[2]]);
   }
 
+  // For a surface that deforms. Puts a vertex to local coordinates, rounded to the grid. The boxes of the tree stay: until the tree is
+  // another one, no query may need a triangle outside its box. Pre: within 1 of the origin.
+  void move_vertex(std::uint32_t vertex, const Vec3& local) noexcept;
+  // Exchanges the tree for one of the same items with other boxes.
+  void swap_tree(WideBvh& other) noexcept { std::swap(tree_, other); }
+  bool is_walkable() const;  // every triangle is: nothing is narrower than kWalkableMargin, so there is nothing to resolve
+
   const SurfaceAdjacency& adjacency() const { return adjacency_; }
   // Makes triangles near another object unwalkable, or near its box if it is not built. The objects may overlap.
   void mark_unwalkable_near(const ObjectGeometry& other);
   void mark_unwalkable_near(const Box& other);
-
-  // The number of edges that a straight line on the surface crosses per length, averaged over all positions and directions: 2 E / (pi A)
-  // for edges of total length E on an area A. Source: Buffon's needle; Santalo, Integral Geometry and Geometric Probability (1976), I.3.
-  double edges_per_length() const { return edges_per_length_; }
 
   // The smooth unit normal at a point of triangle t, interpolated between its corners; zero if none were kept.
   Vec3 smooth_normal(std::uint32_t t, const Vec3& on_triangle) const noexcept;
 
   // Prefetch a triangle: first its indices, later its corners.
   void prefetch_indices(std::uint32_t t) const { __builtin_prefetch(&triangles_[t]); }
+  // Prefetches what a walk over edge k of a triangle reads: first the triangle there, later its corner opposite the edge.
+  void prefetch_across(std::uint32_t t, int k) const {
+    const SurfaceAdjacency::Adjacent across = adjacency_.adjacent(t, k);
+    if (!across.exists) return;
+    adjacency_.prefetch(across.triangle);
+    prefetch_indices(across.triangle);
+  }
+  void prefetch_opposite(std::uint32_t t, int k) const {
+    const SurfaceAdjacency::Adjacent across = adjacency_.adjacent(t, k);
+    if (across.exists) __builtin_prefetch(&vertices_[triangles_[across.triangle][(across.edge + 2) % 3]]);
+  }
   void prefetch_corners(std::uint32_t t) const {
     for (const std::uint32_t v : triangles_[t]) __builtin_prefetch(&vertices_[v]);
   }
 
  private:
-  bool is_walkable() const;  // every triangle is: nothing is narrower than kWalkableMargin, so there is nothing to resolve
-
-  std::vector<Vec3> vertices_;
-  std::vector<Triangle> triangles_;
+  LargeVector<Vec3> vertices_;
+  LargeVector<Triangle> triangles_;
   std::vector<Eigen::Vector3f> normals_;
   std::vector<Triangle> corner_normals_;  // indices into normals_, per corner
   WideBvh tree_;
   SurfaceAdjacency adjacency_;
-  double edges_per_length_ = 0.0;
 };
 
 }  // namespace hapton

@@ -145,16 +145,15 @@ bool is_pair_walkable(std::span<const Vec3> vertices, const Triangle& s, const T
   return are_sectors_apart(edges(s, in_s[0]), edges(t, in_t[0]));
 }
 
-SurfaceAdjacency::SurfaceAdjacency(std::size_t vertex_count, std::span<const Triangle> triangles)
-    : adjacent_(3 * triangles.size(), kNone), walkable_(triangles.size(), 0) {
+SurfaceAdjacency::SurfaceAdjacency(std::size_t vertex_count, std::span<const Triangle> triangles) : sides_(triangles.size()) {
   pair_edges(vertex_count, triangles);
 }
 
 // Half edges are listed by their lower vertex; among those of one vertex, the few with the same upper vertex are found. A list uses the
 // slots of the half edges' neighbours until those are known.
 void SurfaceAdjacency::pair_edges(std::size_t vertex_count, std::span<const Triangle> triangles) {
-  const auto place = [&](std::uint32_t code) -> std::uint32_t& { return adjacent_[3 * std::size_t{code >> 3} + (code >> 1 & 3U)]; };
-  std::vector<std::uint32_t> last(vertex_count, kNone);
+  const auto place = [&](std::uint32_t code) -> std::uint32_t& { return sides_[code >> 3].adjacent[code >> 1 & 3U]; };
+  LargeVector<std::uint32_t> last(vertex_count, kNone);
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     const Triangle& corner = triangles[t];
     if (repeats_vertex(corner)) continue;
@@ -199,7 +198,7 @@ void SurfaceAdjacency::pair_edges(std::size_t vertex_count, std::span<const Tria
 }
 
 std::size_t SurfaceAdjacency::walkable_count() const {
-  return static_cast<std::size_t>(std::count(walkable_.begin(), walkable_.end(), std::uint8_t{1}));
+  return static_cast<std::size_t>(std::count_if(sides_.begin(), sides_.end(), [](const Sides& sides) { return sides.is_walkable != 0; }));
 }
 
 // Goes round a vertex from side to side, always over the edge that was not the entry. An open fan is traversed on both sides.
@@ -234,7 +233,7 @@ std::vector<SurfaceAdjacency::Fan> SurfaceAdjacency::find_even_fans(std::span<co
     bool is_even = true;
   };
   static_assert(kMostValence < 65535);
-  std::vector<Round> rounds(vertices.size());
+  LargeVector<Round> rounds(vertices.size());
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     const Triangle& corner = triangles[t];
     const Vec3& a = vertices[corner[0]];
@@ -307,7 +306,7 @@ void SurfaceAdjacency::find_walkable(std::span<const Vec3> vertices, std::span<c
     const Triangle& corner = triangles[t];
     bool ok = !repeats_vertex(corner);
     for (int k = 0; k < 3 && ok; ++k) ok = adjacent(t, k).exists && fans[corner[k]] != Fan::broken;
-    walkable_[t] = ok && is_high(corners_of(vertices, corner));
+    sides_[t].is_walkable = ok && is_high(corners_of(vertices, corner)) ? 1 : 0;
   }
   // Triangles with a common vertex that has an even fan need no test: that fan contains both.
   std::array<std::uint32_t, WideBvh::kWidth> item;
@@ -337,9 +336,10 @@ void SurfaceAdjacency::find_walkable(std::span<const Vec3> vertices, std::span<c
         near &= ~sign_bits(settled);
         for (; near != 0; near &= near - 1) {
           const std::uint32_t u = item[std::countr_zero(near)];
-          if ((walkable_[t] | walkable_[u]) == 0 || is_pair_walkable(vertices, triangles[t], triangles[u], margin)) continue;
-          walkable_[t] = 0;
-          walkable_[u] = 0;
+          if ((sides_[t].is_walkable | sides_[u].is_walkable) == 0 || is_pair_walkable(vertices, triangles[t], triangles[u], margin))
+            continue;
+          sides_[t].is_walkable = 0;
+          sides_[u].is_walkable = 0;
         }
       });
 }

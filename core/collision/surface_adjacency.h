@@ -1,9 +1,11 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "core/base/large_vector.h"
 #include "core/collision/wide_bvh.h"
 #include "core/geometry/triangle_mesh.h"
 
@@ -41,13 +43,14 @@ class SurfaceAdjacency {
 
   // Edge k of triangle t runs from its corner k to the next.
   Adjacent adjacent(std::uint32_t t, int k) const {
-    const std::uint32_t code = adjacent_[3 * std::size_t{t} + static_cast<std::size_t>(k)];
+    const std::uint32_t code = sides_[t].adjacent[static_cast<std::size_t>(k)];
     return {code >> 3, static_cast<int>(code >> 1 & 3U), (code & 1U) != 0, code != kNone};
   }
-  bool is_walkable(std::uint32_t t) const { return walkable_[t] != 0; }
-  void mark_unwalkable(std::uint32_t t) { walkable_[t] = 0; }
+  bool is_walkable(std::uint32_t t) const { return sides_[t].is_walkable != 0; }
+  void mark_unwalkable(std::uint32_t t) { sides_[t].is_walkable = 0; }
+  void prefetch(std::uint32_t t) const { __builtin_prefetch(&sides_[t]); }
   std::size_t walkable_count() const;
-  std::size_t bytes() const { return adjacent_.capacity() * sizeof(std::uint32_t) + walkable_.capacity(); }
+  std::size_t bytes() const { return sides_.capacity() * sizeof(Sides); }
 
   // Determines the walkable triangles. `tree` is over the triangles' boxes, item t is triangle t.
   void find_walkable(std::span<const Vec3> vertices, std::span<const Triangle> triangles, const WideBvh& tree, double margin);
@@ -66,8 +69,12 @@ class SurfaceAdjacency {
   std::vector<Fan> find_even_fans(std::span<const Vec3> vertices, std::span<const Triangle> triangles) const;
   bool is_whole_fan(std::span<const Triangle> triangles, std::uint32_t start, int corner, std::uint32_t valence) const;
 
-  std::vector<std::uint32_t> adjacent_;  // (adjacent triangle << 3) | (its edge << 1) | flips
-  std::vector<std::uint8_t> walkable_;
+  // Of one triangle, together in a cache line.
+  struct alignas(16) Sides {
+    std::array<std::uint32_t, 3> adjacent{kNone, kNone, kNone};  // (adjacent triangle << 3) | (its edge << 1) | flips
+    std::uint32_t is_walkable = 0;
+  };
+  LargeVector<Sides> sides_;
 };
 
 // Whether two triangles of a mesh leave each other walkable: apart, or apart except for the vertices they share. RT: yes.

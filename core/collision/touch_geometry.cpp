@@ -71,6 +71,7 @@ TouchGeometry::TouchGeometry(const std::vector<const TriangleMesh*>& meshes) : T
 TouchGeometry::TouchGeometry(std::vector<std::shared_ptr<const TriangleMesh>> meshes, BuildPolicy policy,
                              std::optional<double> shading_crease_rad, const Box& part_of)
     : shading_crease_rad_(shading_crease_rad),
+      policy_(policy),
       triangle_bits_(bits_for_triangles(meshes)),
       triangle_mask_((1U << triangle_bits_) - 1U),
       active_(meshes.size(), nullptr),
@@ -81,7 +82,7 @@ TouchGeometry::TouchGeometry(std::vector<std::shared_ptr<const TriangleMesh>> me
   std::vector<Box> bounds;
   Box scene;
   for (const auto& mesh : meshes) {
-    bounds.push_back(bounds_of(*mesh));
+    bounds.push_back(policy == BuildPolicy::to_deform ? part_of : bounds_of(*mesh));
     scene.grow(bounds.back());
   }
   frame_ = frame_of(part_of.is_empty() ? scene : part_of);
@@ -218,7 +219,9 @@ bool TouchGeometry::build_wanted() {
   if (begun_ == requested_count_.load(std::memory_order_acquire)) return false;
   const std::uint32_t o = requested_[begun_++];
   Slot& slot = slots_[o];
-  slot.built = std::make_unique<ObjectGeometry>(ObjectGeometry::make(*slot.mesh, frame_, triangle_mask_, shading_crease_rad_));
+  slot.built = policy_ == BuildPolicy::to_deform
+                   ? std::make_unique<ObjectGeometry>(*slot.mesh, frame_, shading_crease_rad_, &new_vertex_)
+                   : std::make_unique<ObjectGeometry>(ObjectGeometry::make(*slot.mesh, frame_, triangle_mask_, shading_crease_rad_));
   // Objects not yet built are represented by their boxes; those built before have already taken this one's into account.
   if (approach_.object_count() > 0) {
     hierarchy_.for_each_overlapping(hierarchy_.bounds(o).inflated(ObjectGeometry::kWalkableMargin), [&](std::uint32_t other) {

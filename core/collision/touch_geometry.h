@@ -12,27 +12,28 @@
 
 namespace hapton {
 
-// When the structures of an object are built: all at once, or each when the probe first comes near.
-enum class BuildPolicy : std::uint8_t { at_once, on_approach };
+// When the structures of an object are built: all at once, or each when the probe first comes near. to_deform: at once, of one object whose
+// vertices will move within part_of.
+enum class BuildPolicy : std::uint8_t { at_once, on_approach, to_deform };
 
 // All triangles of a scene for contact queries in one local frame: a hierarchy over the objects, and under each object the tree over its
-// triangles. A query costs what lies near it, however many objects there are.
+// triangles. The cost of a query depends on the triangles near it, not on the number of objects.
 //
 // Triangles are numbered across objects: the object in the high bits, its triangle in the low ones.
 // With BuildPolicy::on_approach an object costs only its bounding box until the probe comes near. request_ahead (RT) then requests it,
 // build_wanted (a slow task, any thread) builds it, nearest first, and the next request_ahead with the probe outside its bounds activates
-// it. An object that appeared round the probe would trap it, so it waits until the probe has left, unless the probe was placed there.
+// it. An object activated around the probe would trap it, so it waits until the probe has left, unless the probe was placed there.
 // RT: queries, place_probe and request_ahead yes; construction and build_wanted set-up only.
 // Threads: one for the RT side, one for build_wanted.
 class TouchGeometry {
  public:
-  // The local frame is that of part_of, the box of a larger scene, or where that is empty of the meshes' own box.
+  // The local frame is that of part_of, the box of a larger scene, or if that is empty, of the meshes' bounding box.
   // Pre: check(meshes, part_of) holds.
   explicit TouchGeometry(std::vector<std::shared_ptr<const TriangleMesh>> meshes, BuildPolicy policy = BuildPolicy::at_once,
                          std::optional<double> shading_crease_rad = std::nullopt, const Box& part_of = {});
   explicit TouchGeometry(const std::vector<const TriangleMesh*>& meshes);  // built at once; the meshes need not outlive this
 
-  // Error: more objects and triangles than can be numbered; a mesh outside part_of, or one that is not finite.
+  // Error: too many objects and triangles for their numbers; a mesh outside part_of, or one that is not finite.
   static Result<void> check(const std::vector<std::shared_ptr<const TriangleMesh>>& meshes, const Box& part_of = {});
 
   const LocalFrame& frame() const { return frame_; }
@@ -51,9 +52,12 @@ class TouchGeometry {
   ObjectGeometry::Corners corners(std::uint32_t id) const { return object(id).corners(id & triangle_mask_); }
   Separation separation(std::uint32_t id, const Vec3& p) const { return object(id).separation(id & triangle_mask_, p); }
   std::uint32_t mesh_of(std::uint32_t id) const { return id >> triangle_bits_; }
-  std::uint32_t triangle_of(std::uint32_t id) const { return id & triangle_mask_; }  // its number in the object
+  std::uint32_t triangle_of(std::uint32_t id) const { return id & triangle_mask_; }  // its index in the object
   // An object's own structures. Pre: it is built.
   const ObjectGeometry& object_geometry(std::uint32_t mesh) const { return *slots_[mesh].built; }
+  // With BuildPolicy::to_deform: the object, and the number there of each of its mesh's vertices. Nothing else may use this meanwhile.
+  ObjectGeometry& deforming_object() { return *slots_[0].built; }
+  const std::vector<std::uint32_t>& new_vertex() const { return new_vertex_; }
   std::uint32_t object_bits() const { return ~triangle_mask_; }  // mask of the object in a triangle's number
   // Side k of a triangle is at its edge k, see SurfaceAdjacency.
   struct Adjacent {
@@ -66,8 +70,6 @@ class TouchGeometry {
     const SurfaceAdjacency::Adjacent across = object(id).adjacency().adjacent(id & triangle_mask_, k);
     return {(id & ~triangle_mask_) | across.triangle, across.edge, across.flips, across.exists};
   }
-  // Of the triangle's object.
-  double edges_per_length(std::uint32_t id) const { return object(id).edges_per_length(); }
   bool is_walkable(std::uint32_t id) const { return object(id).adjacency().is_walkable(id & triangle_mask_); }
 
   // Where a segment crosses a triangle, and from which side. Every decision is an exact sign (side_sign.h), so no segment passes between
@@ -87,12 +89,16 @@ class TouchGeometry {
     return object(id).smooth_normal(id & triangle_mask_, on_triangle);
   }
   void prefetch_indices(std::uint32_t id) const { object(id).prefetch_indices(id & triangle_mask_); }
+  void prefetch_across(std::uint32_t id, int k) const { object(id).prefetch_across(id & triangle_mask_, k); }
+  void prefetch_opposite(std::uint32_t id, int k) const { object(id).prefetch_opposite(id & triangle_mask_, k); }
   void prefetch_corners(std::uint32_t id) const { object(id).prefetch_corners(id & triangle_mask_); }
 
-  // Calls visit(id) for every triangle whose box overlaps the query, and for some that nearly do. A visit that returns false ends the
-  // search.
+  // Calls visit(id) for every triangle whose box overlaps the query, and for some near it. A visit that returns false ends the search.
   template <class Visit>
   void for_each_overlapping(const Box& query, Visit&& visit) const;
+  // The same for triangles whose boxes come within `radius` of p. visit returns false to end the search.
+  template <class Visit>
+  void for_each_within(const Vec3& p, double radius, Visit&& visit) const;
 
   // Calls bound_squared = visit(id, bound_squared) for triangles whose boxes may be nearer to p than sqrt(bound_squared).
   template <class Visit>
@@ -111,7 +117,7 @@ class TouchGeometry {
 
  private:
   struct Slot {
-    std::shared_ptr<const TriangleMesh> mesh;  // the builder's, once requested
+    std::shared_ptr<const TriangleMesh> mesh;  // owned by the builder, once requested
     std::unique_ptr<ObjectGeometry> built;     // written by the builder, before the object counts as finished
     double size = 0.0;                         // the diagonal of its bounds
     bool requested = false;                    // RT side only, like the next
@@ -129,6 +135,8 @@ class TouchGeometry {
   LocalFrame frame_;
   double units_per_m_ = 1.0;
   std::optional<double> shading_crease_rad_;
+  BuildPolicy policy_ = BuildPolicy::at_once;
+  std::vector<std::uint32_t> new_vertex_;
   int triangle_bits_ = 31;
   std::uint32_t triangle_mask_ = 0x7FFFFFFFU;
   ObjectHierarchy hierarchy_;                  // over local bounds, with a margin for rounding
@@ -185,6 +193,17 @@ void TouchGeometry::for_each_overlapping(const Box& query, Visit&& visit) const 
       visit(first_id | t);
       return true;
     });
+    return goes_on;
+  });
+}
+
+template <class Visit>
+void TouchGeometry::for_each_within(const Vec3& p, double radius, Visit&& visit) const {
+  hierarchy_.for_each_overlapping(Box{p, p}.inflated(radius), [&](std::uint32_t o) {
+    bool goes_on = true;
+    if (active_[o] == nullptr) return goes_on;
+    const std::uint32_t first_id = o << triangle_bits_;
+    active_[o]->tree().for_each_within(p, radius, [&](std::uint32_t t) { return goes_on = visit(first_id | t); });
     return goes_on;
   });
 }

@@ -54,8 +54,8 @@ static_assert(kFew == WideBvh::kWidth * WideBvh::kWidth);
 }  // namespace
 
 struct WideBvh::Builder {
-  std::vector<Item> items;
-  std::vector<Node>& nodes;
+  LargeVector<Item> items;
+  LargeVector<Node>& nodes;
   int depth = 0;
 
   Range range_of(std::uint32_t begin, std::uint32_t end) const {
@@ -296,8 +296,8 @@ WideBvh::WideBvh(std::size_t count, const std::function<Box(std::size_t)>& box_o
   depth_ = builder.depth;
 }
 
-std::vector<std::uint32_t> WideBvh::items_in_tree_order() const {
-  std::vector<std::uint32_t> order;
+LargeVector<std::uint32_t> WideBvh::items_in_tree_order() const {
+  LargeVector<std::uint32_t> order;
   std::vector<std::uint32_t> stack;
   if (!nodes_.empty()) stack.push_back(0);
   while (!stack.empty()) {
@@ -343,6 +343,29 @@ void WideBvh::refit(std::uint32_t item, const Box& box, const Parents& parents) 
     for (int k = 0; k < 3; ++k) {
       above.low[k][at % kWidth] = *std::min_element(nodes_[n].low[k].begin(), nodes_[n].low[k].end());
       above.high[k][at % kWidth] = *std::max_element(nodes_[n].high[k].begin(), nodes_[n].high[k].end());
+    }
+  }
+}
+
+// Nodes come after those above them.
+void WideBvh::refit_all(const std::function<Box(std::size_t)>& box_of) {
+  for (std::size_t n = nodes_.size(); n-- > 0;) {
+    Node& node = nodes_[n];
+    for (int c = 0; c < kWidth; ++c) {
+      if (!(node.low[0][c] <= node.high[0][c])) continue;
+      if ((node.child[c] & kItemBit) != 0) {
+        const Box box = box_of(node.child[c] & ~kItemBit);
+        for (int k = 0; k < 3; ++k) {
+          node.low[k][c] = detail::round_down(box.low[k]);
+          node.high[k][c] = detail::round_up(box.high[k]);
+        }
+        continue;
+      }
+      const Node& below = nodes_[node.child[c]];
+      for (int k = 0; k < 3; ++k) {
+        node.low[k][c] = *std::min_element(below.low[k].begin(), below.low[k].end());
+        node.high[k][c] = *std::max_element(below.high[k].begin(), below.high[k].end());
+      }
     }
   }
 }

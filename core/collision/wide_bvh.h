@@ -10,6 +10,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "core/base/large_vector.h"
 #include "core/collision/box.h"
 #include "core/math/float8.h"
 
@@ -36,6 +37,11 @@ class WideBvh {
   template <class Visit>
   void for_each_overlapping(const Box& query, Visit&& visit) const;
 
+  // Calls visit(item) for every item whose box comes within `radius` of p, and for some that nearly do. A visit that returns false ends the
+  // search.
+  template <class Visit>
+  void for_each_within(const Vec3& p, double radius, Visit&& visit) const;
+
   // Every pair of items whose boxes come within `margin` of each other along each axis, once, and some that nearly do. Items are taken up
   // to eight at a time: begin(items, lanes) gives them lane by lane, with bit i of `lanes` set if lane i is used; then visit(item, lanes)
   // is called for each item near some of them, with those lanes.
@@ -54,7 +60,7 @@ class WideBvh {
   void visit_along(const Vec3& p, const Vec3& motion, double radius, double until, Visit&& visit) const;
 
   // Items in tree order: neighbours in space are neighbours in this list. Empty for an empty tree.
-  std::vector<std::uint32_t> items_in_tree_order() const;
+  LargeVector<std::uint32_t> items_in_tree_order() const;
 
   // Where the box of each item and of each node is stored, as node * kWidth + child: the path upwards, for refit. The root's is kNoParent.
   // RT: set-up only.
@@ -68,6 +74,9 @@ class WideBvh {
   // Gives the item a new box and updates those above it; no query finds an empty box. Work: one node per level. Pre: the parents are this
   // tree's. RT: yes.
   void refit(std::uint32_t item, const Box& box, const Parents& parents) noexcept;
+
+  // Gives every item a new box: box_of(i), called once. Linear in the items. RT: set-up only.
+  void refit_all(const std::function<Box(std::size_t)>& box_of);
 
   std::size_t node_count() const { return nodes_.size(); }
   std::size_t bytes() const { return nodes_.capacity() * sizeof(Node); }
@@ -124,9 +133,18 @@ class WideBvh {
   }
   static unsigned item_lanes(const Node& node);
 
+  // Lower bounds of the squared distances of a point from the boxes of a node, in single precision.
+  struct PointDistance {
+    explicit PointDistance(const Vec3& p);
+    Float8 squared(const Node& node) const;
+
+    Float8 point[3];
+    Float8 error;  // of the point
+  };
+
   struct Builder;
 
-  std::vector<Node> nodes_;
+  LargeVector<Node> nodes_;
   int depth_ = 0;
 };
 
@@ -143,6 +161,30 @@ inline float round_up(double x) {
 }
 
 }  // namespace detail
+
+// The point's own rounding is below 2^-24 of its magnitude, and subtracted from every distance. The relative rounding of the subtraction,
+// square and sum is below 8 units of 2^-24.
+inline WideBvh::PointDistance::PointDistance(const Vec3& p) {
+  float most = 0.0F;
+  for (int k = 0; k < 3; ++k) {
+    point[k] = Float8(static_cast<float>(p[k]));
+    most = std::max(most, detail::round_up(std::abs(p[k]) / 8388608.0));
+  }
+  error = Float8(most);
+}
+
+inline Float8 WideBvh::PointDistance::squared(const Node& node) const {
+  constexpr float kRounding = 1.0F - 16.0F / 16777216.0F;
+  const Float8 zero = Float8(0.0F);
+  Float8 sum = zero;
+  for (int k = 0; k < 3; ++k) {
+    const Float8 below = Float8::load(node.low[k].data()) - point[k];
+    const Float8 above = point[k] - Float8::load(node.high[k].data());
+    const Float8 outside = max(max(below, above) - error, zero);
+    sum = sum + outside * outside;
+  }
+  return sum * Float8(kRounding);
+}
 
 template <class Visit>
 void WideBvh::for_each_overlapping(const Box& query, Visit&& visit) const {
@@ -235,20 +277,31 @@ void WideBvh::for_each_near_pair(double margin, Begin&& begin, Visit&& visit) co
 }
 
 template <class Visit>
+void WideBvh::for_each_within(const Vec3& p, double radius, Visit&& visit) const {
+  if (nodes_.empty()) return;
+  const PointDistance distance_of(p);
+  const Float8 bound = Float8(detail::round_up(radius * radius));
+  std::array<std::uint32_t, kMaxStack> stack;
+  int top = 0;
+  stack[top++] = 0;
+  while (top > 0) {
+    const Node& node = nodes_[stack[--top]];
+    for (auto mask = sign_bits(distance_of.squared(node) <= bound); mask != 0; mask &= mask - 1) {
+      const std::uint32_t child = node.child[std::countr_zero(mask)];
+      if ((child & kItemBit) == 0) {
+        prefetch(nodes_[child]);
+        stack[top++] = child;
+      } else if (!visit(child & ~kItemBit)) {
+        return;
+      }
+    }
+  }
+}
+
+template <class Visit>
 void WideBvh::visit_nearest(const Vec3& p, double bound_squared, Visit&& visit) const {
   if (nodes_.empty()) return;
-  // Distances are computed in single precision from a point rounded to float: kRounding makes them lower bounds. The relative rounding of
-  // the subtraction, square and sum is below 8 units of 2^-24; the point's own rounding is below 2^-24 of its magnitude, subtracted from
-  // every distance.
-  constexpr float kRounding = 1.0F - 16.0F / 16777216.0F;
-  Float8 point[3];
-  float error = 0.0F;
-  for (int k = 0; k < 3; ++k) {
-    point[k] = Float8(static_cast<float>(p[k]));
-    error = std::max(error, detail::round_up(std::abs(p[k]) / 8388608.0));
-  }
-  const Float8 error_8 = Float8(error);
-  const Float8 zero = Float8(0.0F);
+  const PointDistance distance_of(p);
   struct Entry {
     std::uint32_t child;
     float distance_squared;
@@ -264,14 +317,7 @@ void WideBvh::visit_nearest(const Vec3& p, double bound_squared, Visit&& visit) 
       continue;
     }
     const Node& node = nodes_[entry.child];
-    Float8 sum = zero;
-    for (int k = 0; k < 3; ++k) {
-      const Float8 below = Float8::load(node.low[k].data()) - point[k];
-      const Float8 above = point[k] - Float8::load(node.high[k].data());
-      const Float8 outside = max(max(below, above) - error_8, zero);
-      sum = sum + outside * outside;
-    }
-    sum = sum * Float8(kRounding);
+    const Float8 sum = distance_of.squared(node);
     const Float8 bound = Float8(detail::round_up(bound_squared));
     auto mask = sign_bits(sum < bound);
     alignas(32) std::array<float, kWidth> distance;

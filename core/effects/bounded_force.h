@@ -5,10 +5,10 @@
 namespace hapton {
 
 // The largest force of any single effect, N. The strongest devices of docs/vendor-devices.md give 20 N, and the governor limits every force
-// to its device, so a larger number in a scene file is a typing error.
+// to the device's, so a larger number in a scene file is probably a typing error.
 constexpr double kMostEffectForceN = 100.0;
 
-// The force, shortened to most_n; zero if it is not finite. RT: yes.
+// The force, scaled to a magnitude of at most most_n; zero if it is not finite. RT: yes.
 inline Vec3 bounded_force(const Vec3& force_n, double most_n) noexcept {
   const double largest = force_n.cwiseAbs().maxCoeff();
   if (!(largest > 0.0) || !force_n.allFinite()) return Vec3::Zero();

@@ -7,8 +7,8 @@
 namespace hapton {
 
 // A constant force in a volume: weight, buoyancy, wind. Frame: S. Units: SI. RT: yes.
-// Bound: |force_n|. Passivity: conservative everywhere; active in a bounded volume, because a path that enters where it is against the
-// force and leaves where it is with it gains up to |force_n| times the volume's size.
+// Bound: |force_n|. Passivity: conservative if it acts everywhere; active in a bounded volume, because a path that crosses it along
+// the force and returns outside gains up to |force_n| times the size of the volume.
 struct ConstantEffect {
   Vec3 force_n = Vec3::Zero();
   EffectVolume volume = EffectVolume::everywhere();

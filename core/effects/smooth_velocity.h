@@ -10,20 +10,21 @@ namespace hapton {
 // The velocity of a point from its samples: a weighted mean of the last kSamples differences, the newest with the largest weight, falling
 // linearly to zero.
 //
-// Why these weights: for samples at equal intervals the sum of v_k . (mean at k) is never negative, whatever the motion, because the real
-// part of the filter's frequency response is half a Fejer kernel plus a constant. So a damper on this velocity never gives energy. And the
-// memory ends after kSamples: two steps with the same last samples agree to the last bit. The mean lags by (kSamples - 1) / 3 samples;
-// noise of single differences falls to 0.40 of itself. Units: m, s, m/s. RT: yes. Threads: one.
+// Why these weights: for samples at equal intervals the sum of v_k . (mean at k) is never negative for any motion, because the real part of
+// the filter's frequency response is half a Fejer kernel plus a constant. So a damper on this velocity never gives energy. The memory ends
+// after kSamples: two steps with the same last samples agree to the last bit. The mean lags by (kSamples - 1) / 3 samples, and reduces the
+// noise of single differences to 0.40 of its value. Units: m, s, m/s. RT: yes. Threads: one.
 class SmoothVelocity {
  public:
   static constexpr std::size_t kSamples = 8;
 
   void reset() noexcept { *this = {}; }
 
-  // The next sample. One that is not finite, or no later than the one before (dt_s not above 0), changes nothing; of the first, dt_s does not count.
+  // The next sample. One that is not finite, or no later than the one before (dt_s not above 0), changes nothing; of the first, dt_s does
+  // not count.
   void add(const Vec3& p, double dt_s) noexcept;
 
-  // The point of the last sample is here: the frame has moved under it.
+  // The frame has moved: the point of the last sample now has these coordinates.
   void move_last(const Vec3& p) noexcept {
     if (p.allFinite()) last_ = p;
   }
@@ -34,7 +35,7 @@ class SmoothVelocity {
   Vec3 newest() const noexcept { return has_point_ ? differences_[newest_] : Vec3(Vec3::Zero()); }
 
  private:
-  // Far above any hand; keeps sums finite.
+  // Far above the speed of any hand; keeps sums finite.
   static constexpr double kMostMPerS = 1e6;
 
   std::array<Vec3, kSamples> differences_ = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero(),

@@ -6,8 +6,8 @@
 
 namespace hapton {
 
-// A grey image as a smooth function of texture coordinates: u to the right, v down, 0 to 1 across the image, which repeats beyond. Between
-// texels it is the quadratic B-spline with the texels as its control values, so it and its gradient are continuous everywhere. It
+// A grey image as a smooth function of texture coordinates: u to the right, v down, 0 to 1 across the image, periodic. Between texels it
+// is the quadratic B-spline with the texels as its control values, so it and its gradient are continuous everywhere. It
 // reproduces ramps exactly, lies between the darkest and the brightest texel around, and a sine of n texels a period has cos(pi / n)^2 of
 // its height or more. RT: sample yes, everything else set-up only. Source: Schoenberg (1946); de Boor, A Practical Guide to Splines (1978),
 // IX.
@@ -27,7 +27,7 @@ class SurfaceImage {
 
   // The largest slope anywhere along u, and along v: that between two neighbouring texels.
   Vec2d steepest() const;
-  // Half as wide and high, each texel the mean of four; of an odd side the last texel is left out, and a side of 1 stays.
+  // The image at half the resolution, each texel the mean of four. The last texel of an odd side is dropped; a side of 1 stays.
   SurfaceImage halved() const;
 
   int width() const { return width_; }

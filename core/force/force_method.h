@@ -18,7 +18,9 @@ namespace hapton {
 struct MethodInput {
   Vec3 p_SD = Vec3::Zero();  // device point, m
   double dt_s = 1e-3;        // time since the sample before
-  double time_s = 0.0;       // of the scene: where the objects are that move by themselves
+  double time_s = 0.0;       // scene time, for objects that move or deform
+  // Where programs have moved objects, by their number among those with a TouchObject::command_pivot: X_SO at that time. Empty: at rest.
+  std::span<const Pose> commanded = {};
 };
 
 // The result of that sample.
@@ -26,8 +28,8 @@ struct MethodOutput {
   Vec3 force_n = Vec3::Zero();  // acts on the device, frame S
   Vec3 p_SP = Vec3::Zero();     // proxy: where the probe is drawn; the device point itself in free space
   bool contact = false;         // force_n is not zero
-  // In contact: the object touched, an index into TouchScene::objects; with several, the one that pushes most. -1: none, or a method that
-  // sums over objects (smooth, in the layer outside the surface).
+  // In contact: the object touched, an index into TouchScene::objects; of several, the one with the largest force. -1: none, or a
+  // method that sums over objects (smooth, in the layer outside the surface).
   int object = -1;
 };
 
@@ -44,25 +46,26 @@ class ForceMethod {
   // Forgets all contact and puts the probe at p_SD in free space.
   virtual void reset(const Vec3& p_SD) noexcept = 0;
 
-  // For going on with another instance of the method, on a part of the same surface in the same local frame (TouchScene::part_of):
-  // Where the probe is held off the device, with a force or just without one; none: it is free, at the device. And: forgets all contact
-  // and puts the probe exactly there, on the side of the surface that it is on, however near; the next step goes from there to the device.
-  // A method without a proxy starts anew.
+  // To continue with another instance of the method, on a part of the same surface in the same local frame (TouchScene::part_of).
+  // held_at: the position of a proxy that a surface holds, also at zero force; none: the proxy is free, at the device. resume: forgets
+  // all contact and puts the proxy exactly there, on its present side of the surface, however near; the next step moves it from there
+  // towards the device. A method without a proxy is reset.
   virtual std::optional<Vec3> held_at() const noexcept { return std::nullopt; }
   virtual void resume(const Vec3& p_SP) noexcept { reset(p_SP); }
 
-  // Where on its way the device was when the last step ran out of work: the next step follows the rest first. None: it was finished.
+  // If the last step reached its work limit: how far along the device's path it got. The next step follows the rest first. None: it was
+  // finished.
   virtual std::optional<Vec3> carried_from() const noexcept { return std::nullopt; }
 
-  // The materials have changed, and nothing else: proxy and contact stay, and the next step's force is that of these. Pre: one for each
-  // object of the scene, as stiff as couple_material makes it, two_sided as before. Threads: as step.
+  // Only the materials have changed: proxy and contact stay, and the next step uses the new ones. Pre: one for each object of the scene,
+  // with the stiffness from couple_material, two_sided as before. Threads: as step.
   virtual void set_materials(std::span<const Material> materials) noexcept = 0;
 
   // The slow task: does one piece of work that steps have requested, such as building the structures of an object that the probe
   // approaches. Returns true if there was any. RT: no. Threads: may run beside step and reset, in one thread at a time.
   virtual bool prepare() { return false; }
 
-  // A few lines for people: what was built, what was skipped, counters.
+  // A few lines for users: what was built, what was skipped, counters.
   virtual std::string describe() const = 0;
 };
 

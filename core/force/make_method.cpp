@@ -16,11 +16,12 @@ namespace {
 struct Entry {
   std::string_view name;
   Result<std::unique_ptr<ForceMethod>> (*make)(const MethodSettings&, const TouchScene&);
-  bool feels_motion = false;  // has a proxy that does not cross a surface, whatever comes upon it
+  bool feels_motion = false;       // has a proxy that does not cross a surface, whatever comes upon it
+  bool feels_deformation = false;  // is the proxy of DeformingMethod
 };
 
 constexpr std::array kMethods = {
-    Entry{"proxy", &ProxyMethod::make, true},
+    Entry{"proxy", &ProxyMethod::make, true, true},
     Entry{"reference", &ReferenceMethod::make, true},
     Entry{"smooth", &SmoothMethod::make},
     Entry{"sweep", &SweepMethod::make},
@@ -61,8 +62,11 @@ Result<std::unique_ptr<ForceMethod>> make_method(const MethodSettings& settings,
     if (entry.name != settings.name) continue;
     const TouchScene coupled = couple_scene(scene, settings.coupling_n_per_m);
     if (!scene.has_motion()) return entry.make(settings, coupled);
+    if (scene.has_deformation() && !entry.feels_deformation) {
+      return fail("method {}: objects of the scene deform, which it does not feel; choose proxy", settings.name);
+    }
     if (entry.feels_motion) return MovingMethod::make(entry.make, settings, coupled);
-    return fail("method {}: objects of the scene move by keyframes, which it does not feel; choose proxy or reference", settings.name);
+    return fail("method {}: objects of the scene move, which it does not feel; choose proxy or reference", settings.name);
   }
   return fail("method '{}' is not known; choose one of: {}", settings.name, method_names());
 }

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/force/deforming_method.h"
+
 namespace hapton {
 namespace {
 
@@ -18,15 +20,21 @@ Vec3 to_frame(const Pose& X_SO, const Vec3& p_S) { return X_SO.linear().transpos
 // What stands still first and last, the others in the order of the scene.
 std::vector<MovingMethod::Group> MovingMethod::group_objects(const TouchScene& scene) {
   std::vector<Group> groups;
+  int commanded = 0;
   for (std::size_t o = 0; o < scene.objects.size(); ++o) {
     const auto& motion = scene.objects[o].motion;
-    const auto same = [&](const Group& group) { return is_same_motion(group.motion.get(), motion.get()); };
+    const bool is_deforming = scene.objects[o].deformation != nullptr;
+    const bool is_alone = is_deforming || scene.objects[o].command_pivot.has_value();
+    const auto same = [&](const Group& group) {
+      return !is_alone && !group.is_alone() && is_same_motion(group.motion.get(), motion.get());
+    };
     auto found = std::find_if(groups.begin(), groups.end(), same);
-    if (found == groups.end()) found = groups.insert(groups.end(), Group{.motion = motion, .objects = {}});
+    if (found == groups.end()) found = groups.insert(groups.end(), Group{.motion = motion, .objects = {}, .is_deforming = is_deforming});
+    if (scene.objects[o].command_pivot) found->commanded = commanded++;
     found->objects.push_back(static_cast<int>(o));
   }
-  std::stable_partition(groups.begin(), groups.end(), [](const Group& group) { return group.motion == nullptr; });
-  if (groups.front().motion == nullptr) groups.push_back({.motion = nullptr, .objects = groups.front().objects, .is_second = true});
+  std::stable_partition(groups.begin(), groups.end(), [](const Group& group) { return !group.moves(); });
+  if (!groups.front().moves()) groups.push_back({.motion = nullptr, .objects = groups.front().objects, .is_second = true});
   return groups;
 }
 
@@ -41,13 +49,14 @@ Result<void> MovingMethod::make_method_of(Group& group, Make make, const MethodS
     part.objects.push_back(scene.objects[static_cast<std::size_t>(object)]);
     TouchObject& own = part.objects.back();
     own.motion = nullptr;
+    own.command_pivot.reset();
     own.material = material_in(group, own.material);
     group.materials.push_back(own.material);
   }
   MethodSettings own = settings;
   // It takes part when something pushes, and all of it must be there then.
   if (group.is_second) own.build_on_approach = false;
-  auto method = make(own, part);
+  auto method = group.is_deforming ? DeformingMethod::make(own, part) : make(own, part);
   if (!method) return tl::unexpected(method.error());
   group.method = std::move(*method);
   return {};
@@ -61,8 +70,8 @@ Result<std::unique_ptr<ForceMethod>> MovingMethod::make(Make make, const MethodS
   return std::unique_ptr<ForceMethod>(new MovingMethod(std::move(groups)));
 }
 
-bool MovingMethod::feel(Group& group, const Pose& X_SO, double dt_s, MethodOutput& output, double& most_n) noexcept {
-  const MethodOutput felt = group.method->step({.p_SD = to_frame(X_SO, output.p_SP), .dt_s = dt_s});
+bool MovingMethod::feel(Group& group, const Pose& X_SO, const MethodInput& input, MethodOutput& output, double& most_n) noexcept {
+  const MethodOutput felt = group.method->step({.p_SD = to_frame(X_SO, output.p_SP), .dt_s = input.dt_s, .time_s = input.time_s});
   if (!felt.contact) return false;
   output.contact = true;
   output.force_n += X_SO.linear() * felt.force_n;
@@ -72,6 +81,13 @@ bool MovingMethod::feel(Group& group, const Pose& X_SO, double dt_s, MethodOutpu
     output.object = group.objects[static_cast<std::size_t>(felt.object)];
   }
   return true;
+}
+
+Pose MovingMethod::Group::pose_at(const MethodInput& input) const noexcept {
+  if (commanded >= 0 && static_cast<std::size_t>(commanded) < input.commanded.size()) {
+    return input.commanded[static_cast<std::size_t>(commanded)];
+  }
+  return motion != nullptr ? motion->pose_at(input.time_s) : Pose(Pose::Identity());
 }
 
 MethodOutput MovingMethod::step(const MethodInput& input) noexcept {
@@ -86,13 +102,13 @@ MethodOutput MovingMethod::step(const MethodInput& input) noexcept {
       if (!is_pushed_) continue;
       // It was where the proxy was, which all others have left outside of what stands still.
       if (!was_pushed) group.method->resume(last);
-      feel(group, Pose::Identity(), input.dt_s, output, most_n);
+      feel(group, Pose::Identity(), input, output, most_n);
       continue;
     }
-    const Pose X_SO = group.motion != nullptr ? group.motion->pose_at(input.time_s) : Pose(Pose::Identity());
+    const Pose X_SO = group.pose_at(input);
     if (begins) group.method->reset(to_frame(X_SO, last));
-    const bool is_touched = feel(group, X_SO, input.dt_s, output, most_n);
-    is_pushed_ = is_pushed_ || (is_touched && group.motion != nullptr);
+    const bool is_touched = feel(group, X_SO, input, output, most_n);
+    is_pushed_ = is_pushed_ || (is_touched && group.moves());
   }
   start_.reset();
   last_p_SP_ = output.p_SP;
@@ -119,9 +135,14 @@ std::string MovingMethod::describe() const {
   std::string text;
   for (const Group& group : groups_) {
     if (group.is_second) continue;
-    text += group.motion != nullptr ? fmt::format("{} of the objects move by themselves for {:g} s{}:\n", group.objects.size(),
-                                                  group.motion->duration_s(), group.motion->loops() ? ", again and again" : "")
-                                    : fmt::format("{} of the objects stand still, and are built twice:\n", group.objects.size());
+    if (group.motion != nullptr) {
+      text += fmt::format("{} of the objects move by themselves for {:g} s{}:\n", group.objects.size(), group.motion->duration_s(),
+                          group.motion->loops() ? ", again and again" : "");
+    } else if (group.commanded >= 0) {
+      text += "1 of the objects moves where programs command it:\n";
+    } else if (!group.is_deforming) {
+      text += fmt::format("{} of the objects stand still, and are built twice:\n", group.objects.size());
+    }
     text += group.method->describe();
   }
   return text;

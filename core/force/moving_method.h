@@ -11,7 +11,9 @@
 namespace hapton {
 
 // Feels a scene in which objects move by themselves (TouchObject::motion): one method for the objects of each motion, made in the frame
-// that moves along, and one for those that stand still. Nothing is built again when something moves.
+// that moves along, and one for those that stand still. Nothing is built again when something moves. Each object that deforms
+// (TouchObject::deformation) has a method of its own, a DeformingMethod, in the frame that moves along if it moves as well. Each object
+// that programs may move (TouchObject::command_pivot) has a method of its own, too; where it is, the step says (MethodInput::commanded).
 //
 // In a frame that moves along, it is the device that moves, also while the hand holds still: its path from sample to sample is taken as
 // straight there, and the proxy follows as ever. So a surface that comes upon the hand pushes the proxy ahead, and none is passed.
@@ -30,7 +32,7 @@ class MovingMethod final : public ForceMethod {
   using Make = Result<std::unique_ptr<ForceMethod>> (*)(const MethodSettings&, const TouchScene&);
 
   // make: makes the method of the objects that move or stand together. Pre: the scene has motion; MethodOutput::p_SP of these methods is a
-  // proxy. Error: whatever make rejects.
+  // proxy; where something deforms, make is ProxyMethod's. Error: whatever make, or DeformingMethod, rejects.
   static Result<std::unique_ptr<ForceMethod>> make(Make make, const MethodSettings& settings, const TouchScene& scene);
 
   MethodOutput step(const MethodInput& input) noexcept override;
@@ -44,9 +46,15 @@ class MovingMethod final : public ForceMethod {
   struct Group {
     std::shared_ptr<const KeyframeMotion> motion;  // null: they stand still
     std::vector<int> objects;                      // of the scene
+    bool is_deforming = false;                     // one object
     bool is_second = false;                        // holds against what moves, without friction and damping
+    int commanded = -1;                            // number in MethodInput::commanded of its one object; -1: no program moves it
     std::unique_ptr<ForceMethod> method = nullptr;
     std::vector<Material> materials = {};  // room for set_materials
+
+    bool is_alone() const { return is_deforming || commanded >= 0; }
+    bool moves() const { return motion != nullptr || is_deforming || commanded >= 0; }
+    Pose pose_at(const MethodInput& input) const noexcept;
   };
 
   explicit MovingMethod(std::vector<Group> groups) : groups_(std::move(groups)) {}
@@ -54,7 +62,7 @@ class MovingMethod final : public ForceMethod {
   static Result<void> make_method_of(Group& group, Make make, const MethodSettings& settings, const TouchScene& scene);
   static Material material_in(const Group& group, const Material& material) noexcept;
   // Adds what the group feels at the proxy of those before it. True: it is in contact.
-  static bool feel(Group& group, const Pose& X_SO, double dt_s, MethodOutput& output, double& most_n) noexcept;
+  static bool feel(Group& group, const Pose& X_SO, const MethodInput& input, MethodOutput& output, double& most_n) noexcept;
 
   std::vector<Group> groups_;                 // in the order of the row
   bool is_pushed_ = false;                    // something that moves was in contact in the last step

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/collision/box.h"
 #include "core/effects/space_effect.h"
 #include "core/effects/surface_effects.h"
+#include "core/geometry/mesh_deformation.h"
 #include "core/geometry/triangle_mesh.h"
 #include "core/math/keyframe_motion.h"
 
@@ -25,16 +27,21 @@ struct Material {
 struct TouchObject {
   std::shared_ptr<const TriangleMesh> mesh;  // frame S, metres
   Material material;
-  SurfaceEffects effects = {};                             // beyond the material; TouchStep adds them
-  std::shared_ptr<const KeyframeMotion> motion = nullptr;  // moves the mesh from where it is by itself; null: it stands still
+  SurfaceEffects effects = {};                                   // in addition to the material; TouchStep applies them
+  std::shared_ptr<const KeyframeMotion> motion = nullptr;        // prescribed motion of the mesh from its rest pose; null: static
+  std::shared_ptr<const MeshDeformation> deformation = nullptr;  // prescribed deformation of the mesh, before the motion; null: rigid
+  std::optional<Vec3> command_pivot =
+      {};  // a program may move the mesh (CommandedMotion), in place of a motion: the pivot; none: it may not
+
+  bool moves() const { return motion != nullptr || deformation != nullptr || command_pivot.has_value(); }
 };
 
 // All objects that can be touched. Frame S.
 struct TouchScene {
   std::vector<TouchObject> objects;
   std::vector<SwitchedEffect> effects = {};  // in free space
-  // Where the objects are a part of a larger scene: what that one lies in. All its parts are then touched in one local frame, with one
-  // contact offset (object_geometry.h). Empty: the objects are the whole scene.
+  // If the objects are a part of a larger scene: the bounding box of that scene. All its parts then have the same local frame and the
+  // same contact offset (object_geometry.h). Empty: the objects are the whole scene.
   Box part_of = {};
 
   bool has_effects() const {
@@ -42,8 +49,15 @@ struct TouchScene {
     for (const TouchObject& object : objects) any = any || object.effects.any();
     return any;
   }
+  bool has_deformation() const {
+    return std::any_of(objects.begin(), objects.end(), [](const TouchObject& object) { return object.deformation != nullptr; });
+  }
+  bool has_commanded() const {
+    return std::any_of(objects.begin(), objects.end(), [](const TouchObject& object) { return object.command_pivot.has_value(); });
+  }
+  // By keyframes, by commands, or as they deform.
   bool has_motion() const {
-    return std::any_of(objects.begin(), objects.end(), [](const TouchObject& object) { return object.motion != nullptr; });
+    return std::any_of(objects.begin(), objects.end(), [](const TouchObject& object) { return object.moves(); });
   }
 };
 

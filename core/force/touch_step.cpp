@@ -1,5 +1,9 @@
 #include "core/force/touch_step.h"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
 namespace hapton {
 namespace {
 
@@ -18,6 +22,10 @@ MethodInput to_static_scene(const TouchInput& input) {
 
 TouchStep::TouchStep(std::shared_ptr<ForceMethod> method, const TouchScene& scene)
     : method_(std::move(method)), has_motion_(scene.has_motion()) {
+  for (std::size_t o = 0; o < scene.objects.size(); ++o) {
+    if (const auto& pivot = scene.objects[o].command_pivot) commanded_.push_back({static_cast<int>(o), CommandedMotion(*pivot)});
+  }
+  X_SO_.resize(commanded_.size(), Pose::Identity());
   if (!scene.has_effects()) return;
   std::vector<SurfaceEffects> surfaces;
   for (const TouchObject& object : scene.objects) {
@@ -28,7 +36,11 @@ TouchStep::TouchStep(std::shared_ptr<ForceMethod> method, const TouchScene& scen
 }
 
 TouchOutput TouchStep::step(const TouchInput& input) noexcept {
-  const MethodInput sample = to_static_scene(input);
+  MethodInput sample = to_static_scene(input);
+  if (has_motion_) [[unlikely]] {
+    place_commanded(input.time_s);
+    sample.commanded = X_SO_;
+  }
   const MethodOutput result = method_->step(sample);
   // One variable for every return: it is built where the caller wants it, and never copied.
   TouchOutput output;
@@ -61,6 +73,45 @@ TouchOutput TouchStep::step(const TouchInput& input) noexcept {
   if (felt.is_felt) output.force_n = input.X_WS.linear() * felt.force_n;
   if (result.contact) output.visual_offset_m = input.X_WS.linear() * (felt.p_SP - sample.p_SD);
   return output;
+}
+
+// Once all moves have ended, all stay where they are.
+void TouchStep::place_commanded(double time_s) noexcept {
+  if (placed_s_ >= commanded_until_s_ && time_s >= placed_s_) return;
+  for (std::size_t n = 0; n < commanded_.size(); ++n) X_SO_[n] = commanded_[n].motion.pose_at(time_s);
+  placed_s_ = time_s;
+}
+
+bool TouchStep::command(int object, const CommandedMove& move) noexcept {
+  for (Commanded& each : commanded_) {
+    if (each.object != object) continue;
+    if (!each.motion.begin(move)) return false;
+    // Also where the move takes no time.
+    placed_s_ = std::min(placed_s_, move.from.time_s);
+    commanded_until_s_ = std::max(commanded_until_s_, std::nextafter(move.to.time_s, std::numeric_limits<double>::infinity()));
+    return true;
+  }
+  return false;
+}
+
+const CommandedMotion* TouchStep::find_commanded(int object) const noexcept {
+  for (const Commanded& each : commanded_) {
+    if (each.object == object) return &each.motion;
+  }
+  return nullptr;
+}
+
+std::vector<int> TouchStep::commanded_objects() const {
+  std::vector<int> objects;
+  for (const Commanded& each : commanded_) objects.push_back(each.object);
+  return objects;
+}
+
+void TouchStep::follow_commands(const TouchStep& other) noexcept {
+  if (commanded_.size() != other.commanded_.size()) return;
+  std::copy(other.commanded_.begin(), other.commanded_.end(), commanded_.begin());
+  placed_s_ = -std::numeric_limits<double>::infinity();
+  commanded_until_s_ = other.commanded_until_s_;
 }
 
 void TouchStep::reset(const TouchInput& input) noexcept {

@@ -9,6 +9,7 @@
 #include "core/effects/effect_step.h"
 #include "core/force/force_method.h"
 #include "core/force/map_finder.h"
+#include "core/math/commanded_motion.h"
 
 namespace hapton {
 
@@ -29,8 +30,8 @@ struct TouchOutput {
 };
 
 // One haptic step: transforms the device point into the static scene's frame, runs the method, adds the scene's effects, and transforms
-// force and visual offset back to the world. The live node, replay, tests and benches all call it. RT: step, reset, resume and
-// set_materials yes.
+// force and visual offset back to the world. The live node, replay, tests and benches all call it. RT: step, reset, resume, set_materials,
+// command and follow_commands yes.
 class TouchStep {
  public:
   // Without effects.
@@ -48,10 +49,25 @@ class TouchStep {
   bool has_effects() const { return effects_ != nullptr; }
   // Objects of the scene move by themselves: the force depends on TouchInput::time_s.
   bool has_motion() const { return has_motion_; }
+  // Moves an object of the scene that programs may move (TouchObject::command_pivot), from the next step on. object: of the scene. False:
+  // it is none of these, or the move is not newer than the last one.
+  bool command(int object, const CommandedMove& move) noexcept;
+  // The motion of such an object; null: it is none of these.
+  const CommandedMotion* find_commanded(int object) const noexcept;
+  // All of these. RT: no.
+  std::vector<int> commanded_objects() const;
+  // They move as those of `other`, which has as many: it is of the same scene.
+  void follow_commands(const TouchStep& other) noexcept;
   // Shared with the slow task, which calls prepare() beside step().
   std::shared_ptr<ForceMethod> share_method() const { return method_; }
 
  private:
+  struct Commanded {
+    int object = -1;  // of the scene
+    CommandedMotion motion;
+  };
+
+  void place_commanded(double time_s) noexcept;
   void forget_effects(const TouchInput& input) noexcept;
   TouchOutput add_effects(const TouchInput& input, const MethodInput& sample, const MethodOutput& result) noexcept;
 
@@ -60,6 +76,10 @@ class TouchStep {
   std::vector<std::unique_ptr<MapFinder>> maps_;  // by object; null: it has none; used with effects only
   TouchInput last_;                               // of the last step; used with effects only
   bool has_motion_ = false;
+  std::vector<Commanded> commanded_;  // in the order of the scene
+  std::vector<Pose> X_SO_;            // of these, at the time of the last step
+  double placed_s_ = 0.0;             // that time
+  double commanded_until_s_ = 0.0;    // the last of their moves ends
 };
 
 }  // namespace hapton

@@ -15,7 +15,7 @@ TriangleMesh make_torn(const TriangleMesh& mesh, double width);
 // Each triangle has its own vertices, moved by up to half the width at random: cracks that gape and overlap.
 TriangleMesh make_shaken(const TriangleMesh& mesh, double width, std::uint64_t seed);
 
-// A box about the origin whose six faces are separate sheets, each with another number of squares. Vertices along their rims are moved by
+// A box about the origin whose six faces are separate sheets with different numbers of squares. Vertices along their rims are moved by
 // up to half the width at random: T-junctions and cracks along all twelve right-angled edges.
 TriangleMesh make_patched_box(const Vec3& size_m, double width, std::uint64_t seed);
 

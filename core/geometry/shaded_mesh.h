@@ -17,7 +17,7 @@ struct ShadedMesh {
   std::vector<Triangle> corner_normals;  // indices into normals, corner by corner
   std::vector<std::uint32_t> source;     // the triangle of the original mesh that each one is (part of)
 
-  // The last so many vertices / normals lie midway between two earlier ones each.
+  // The last vertices and normals of the lists lie midway between two earlier ones: these two, for each.
   std::vector<std::array<std::uint32_t, 2>> middle_vertices;
   std::vector<std::array<std::uint32_t, 2>> middle_normals;
 

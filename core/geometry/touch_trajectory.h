@@ -9,8 +9,8 @@
 
 namespace hapton {
 
-// A prescribed motion of the device for replays and benches, one row every 1 / rate_hz. All lengths scale with the mesh: "mm" below is a
-// hundredth of its longest side, so a mesh of 100 mm gets real millimetres.
+// A prescribed motion of the device for replays and benches, one row every 1 / rate_hz. All lengths scale with the mesh: "mm" below means a
+// hundredth of its longest side, which is 1 mm for a mesh of 100 mm.
 struct TrajectorySettings {
   std::uint64_t seed = 1;
   std::size_t rows = 20000;
@@ -26,7 +26,7 @@ struct TouchTrajectory {
 // target 1 to 2 mm deep (a sine of 0.8 s) along the inward normal, low-passed with 20 ms. Error: no triangle has an area.
 Result<TouchTrajectory> make_slide_trajectory(const TriangleMesh& mesh, const TrajectorySettings& settings);
 
-// Round the mesh, one turn in 4 s, never in contact: 1 to 11 mm outside everything within 11 mm of the plane of the orbit.
+// Orbits around the mesh in 4 s, without contact: 1 to 11 mm outside all vertices within 11 mm of the plane of the orbit.
 Result<TouchTrajectory> make_free_trajectory(const TriangleMesh& mesh, const TrajectorySettings& settings);
 
 // Taps of 40 ms at 500 mm/s: from 5 mm outside straight to 1.5 mm inside and back. The first third at random positions, then at vertices,

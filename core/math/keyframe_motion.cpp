@@ -6,6 +6,25 @@
 
 namespace hapton {
 
+// At rest between two equal keyframes, to the last bit.
+Keyframe keyframe_between(const Keyframe& from, const Keyframe& to, double share) noexcept {
+  Keyframe between;
+  between.p_S = from.p_S + share * (to.p_S - from.p_S);
+  between.turn = from.turn.coeffs() == to.turn.coeffs() ? from.turn : from.turn.slerp(share, to.turn).normalized();
+  return between;
+}
+
+Pose pose_of(const Keyframe& keyframe, const Vec3& pivot_S) noexcept {
+  Pose X_SO = Pose::Identity();
+  X_SO.linear() = keyframe.turn.toRotationMatrix();
+  X_SO.translation() = keyframe.p_S - X_SO.linear() * pivot_S;
+  return X_SO;
+}
+
+double most_travel_m(const Keyframe& from, const Keyframe& to, double radius_m) noexcept {
+  return (to.p_S - from.p_S).norm() + radius_m * from.turn.angularDistance(to.turn);
+}
+
 KeyframeMotion::KeyframeMotion(const Vec3& pivot_S, std::vector<Keyframe> keyframes, bool loops)
     : pivot_S_(pivot_S), keyframes_(std::move(keyframes)), loops_(loops) {}
 
@@ -17,20 +36,13 @@ Pose KeyframeMotion::pose_at(double time_s) const noexcept {
   const Keyframe& from = after == keyframes_.begin() ? keyframes_.front() : *(after - 1);
   const double length = to.time_s - from.time_s;
   const double share = length > 0.0 ? (time - from.time_s) / length : 0.0;
-  // At rest between two equal keyframes, to the last bit.
-  const Vec3 p = from.p_S + share * (to.p_S - from.p_S);
-  const Quat turn = from.turn.coeffs() == to.turn.coeffs() ? from.turn : from.turn.slerp(share, to.turn).normalized();
-  Pose X_SO = Pose::Identity();
-  X_SO.linear() = turn.toRotationMatrix();
-  X_SO.translation() = p - X_SO.linear() * pivot_S_;
-  return X_SO;
+  return pose_of(keyframe_between(from, to, share), pivot_S_);
 }
 
 double KeyframeMotion::fastest_m_per_s(std::size_t i, double radius_m) const {
   const Keyframe& from = keyframes_[i];
   const Keyframe& to = keyframes_[i + 1];
-  const double way = (to.p_S - from.p_S).norm() + radius_m * from.turn.angularDistance(to.turn);
-  return way / (to.time_s - from.time_s);
+  return most_travel_m(from, to, radius_m) / (to.time_s - from.time_s);
 }
 
 }  // namespace hapton

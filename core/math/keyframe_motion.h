@@ -18,6 +18,14 @@ struct Keyframe {
   }
 };
 
+// X_SO: what the points of a body at rest are moved by at a keyframe. pivot_S: on the body at rest. RT: yes.
+Pose pose_of(const Keyframe& keyframe, const Vec3& pivot_S) noexcept;
+// Between two keyframes, at a share from 0 to 1 of the time between them: the pivot moves straight, and the body turns about one axis, the
+// shorter way (slerp: Shoemake 1985). The time of the result is 0. RT: yes.
+Keyframe keyframe_between(const Keyframe& from, const Keyframe& to, double share) noexcept;
+// How far a point of the body moves between two keyframes at most, m: no point is farther than radius_m from the pivot. RT: yes.
+double most_travel_m(const Keyframe& from, const Keyframe& to, double radius_m) noexcept;
+
 // The motion of a rigid body through keyframes: between two of them its pivot moves straight and evenly, and the body turns evenly about
 // one axis, the shorter way (slerp: Shoemake 1985), as with LINEAR samplers of glTF 2.0. Before the first keyframe it is where that one has
 // it. After the last it stays, or begins again where that motion loops. A function of time alone. Frame: S. RT: pose_at yes, the rest

@@ -8,8 +8,8 @@
 
 namespace hapton {
 
-// Two features of tool and scene that can touch: a vertex of one and a triangle of the other, or an edge of each. While no such pair comes
-// together, the surfaces do not intersect.
+// Two features of tool and scene that can touch: a vertex of one and a triangle of the other, or an edge of each. While the distance of
+// every such pair is above zero, the surfaces do not intersect.
 struct FeaturePair {
   enum class Kind : std::uint8_t { vertex_face, face_vertex, edge_edge };  // the tool's feature is named first
 
@@ -25,7 +25,7 @@ struct FeaturePair {
 // The distance of a pair at one placement. Frame: the scene's local one.
 struct FeatureGap {
   double distance = 0.0;
-  Vec3 normal = Vec3::Zero();    // unit, from the scene to the tool; zero if they meet
+  Vec3 normal = Vec3::Zero();    // unit, from the scene to the tool; zero at distance zero
   Vec3 on_tool = Vec3::Zero();   // closest point, from the grip point
   Vec3 on_scene = Vec3::Zero();  // closest point
   // The feature of the triangle that is closest. edge_edge: `face` if the points lie inside both edges, `vertex0` if one is an end.

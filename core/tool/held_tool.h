@@ -29,7 +29,7 @@ class HeldTool {
   // The tool lies at X_SP before it is held (frame S), and goes from there to the device.
   HeldTool(std::unique_ptr<ToolStep> tool, const Pose& X_SP) : tool_(std::move(tool)), start_(tool_->to_local({.X_WD = X_SP})) {}
 
-  // Fast: force, torque and drawn pose for one device sample, with the contacts found last. output.proxy tells of the slow task's step.
+  // Fast: force, torque and drawn pose for one sample, with the contacts found last. output.proxy: the slow task's last step.
   ToolOutput step(const ToolInput& input, std::int64_t time_ns) noexcept;
   // Fast: the tool is put where the device is at the next sample, as ToolStep::reset does.
   void restart() noexcept { ++serial_; }

@@ -6,7 +6,7 @@
 namespace hapton {
 namespace {
 
-// The active rows as Q R: Q has orthonormal columns, R is upper triangular. At most six columns, so it is made anew when one is dropped.
+// The active rows as Q R: Q has orthonormal columns, R is upper triangular. At most six columns, so it is made again when one is dropped.
 class ActiveRows {
  public:
   // Coordinates of `row` along the active rows' span, and what is left of it.

@@ -57,7 +57,7 @@ LocalContacts::Held LocalContacts::solve(const Placement& device) const noexcept
   }
   Held found = held;
   bool is_found = find_motion(*this, wanted, inverse_root, found);
-  // In the curved metric the bounds may let go of a motion that they would hold in the plain one.
+  // In the curved metric the bounds may allow a motion that they would forbid in the flat one.
   if (is_found && found.active_count == 0) is_found = find_motion(*this, wanted, plain_inverse_root.asDiagonal(), found);
   if (!is_found) return held;
   found.at = RigidMotion{proxy, found.motion.head<3>(), found.motion.tail<3>()}.at(1.0);

@@ -14,17 +14,17 @@
 
 namespace hapton {
 
-// Walks the trees of tool and scene together over a motion of the tool, and finds the triangles that may come within a distance of each
-// other. Two boxes are apart if one of their six axes, held fixed over the motion, separates their paths: a motion along a surface does not
-// bring boxes together that face each other across the gap.
+// Simultaneous traversal (a walk) of the trees of tool and scene over a motion of the tool: finds the pairs of triangles that may come
+// within a distance of each other. Two boxes are separate if one of their six axes, fixed over the motion, separates their paths. So for a
+// motion along a surface, boxes on both sides of the gap stay separate.
 //
-// The pairs of boxes where a walk has ended are kept, each with a lower bound of its distance (front tracking, Li & Chen 1998). The next
-// walk begins there, and tests again only what the tool's motion since then, and over the walk's own motion, could bring together.
+// The pairs of boxes at which a walk ended are kept, each with a lower bound of its distance (front tracking, Li & Chen 1998). The next
+// walk begins there, and tests again only the pairs that the tool's motion since then and during the walk could bring close enough.
 //
-// The pairs to begin at are shared out among the workers of a team. What they find is put together in the order of these pairs, so that
-// the front, and whether a walk ends, is the same with any number of workers.
-// Work: at most kMostTests pairs of boxes a walk. RT: for_each_near yes with one worker, construction set-up only. Pre: the trees and the
-// team outlive this.
+// These pairs are distributed among the workers of a team. Their results are merged in the order of the pairs, so that the front, and
+// whether a walk ends early, is the same with any number of workers.
+// Work: at most kMostTests pairs of boxes in each walk. RT: for_each_near yes with one worker, construction set-up only. Pre: the trees and
+// the team outlive this.
 class PatchFront {
  public:
   static constexpr std::size_t kMostTests = 1U << 20;
@@ -32,30 +32,31 @@ class PatchFront {
   // radius: the largest distance of a point of the tool from the grip point.
   PatchFront(const PatchTree& tool, const PatchTree& scene, double radius, WorkerTeam& team = calling_thread());
 
-  // The worker that visits, and the place of the visit in the walk: visits of one worker come in rising order, those of one place all by
-  // the same worker.
+  // The worker of a visit, and the place of the visit in the walk. One worker visits in ascending order of places, and makes all visits of
+  // a place.
   struct Turn {
     int worker;
     std::uint32_t place;
   };
-  // What a visitor found of a pair of triangles.
+  // A visitor's result for a pair of triangles.
   struct Visited {
-    double gap;    // how far apart at least the two are at the start of the motion, as far as the visitor is interested in them
-    double rest;   // the same without what it knows already
+    double gap;    // lower bound of the distance at the start of the motion, of the features that matter to the visitor
+    double rest;   // the same for the features that it has not found before
     bool goes_on;  // false ends the walk
   };
-  // The visitors of the next walks know nothing.
+  // From now on no features count as found before.
   void forget() noexcept { ++epoch_; }
   // The next walk begins at the roots.
   void restart() noexcept { count_ = 0; }
-  // Calls visit(turn, tool_triangle, scene_triangle) for all pairs that come within `distance` over the motion, and for some that nearly
-  // do, but for those where what is left to know is farther. The next walks visit a pair again when it may have come near. False if the
-  // walk was ended, or was longer than kMostTests; pairs are then left out. Threads: visits of different workers come at the same time.
+  // Calls visit(turn, tool_triangle, scene_triangle) for all pairs that come within `distance` over the motion, and for some slightly
+  // farther ones, except pairs whose new features (Visited::rest) stay farther away. Later walks visit a pair again if it may have come
+  // within the distance. False: a visitor ended the walk, or it took more than kMostTests, and pairs are missing. Threads: workers visit
+  // concurrently.
   template <class Visit>
   bool for_each_near(const SweptMotion& motion, double distance, Visit&& visit) noexcept;
 
-  // Puts together what each worker has found: calls use(item) for the items of all lists, in the order of their places. list_of gives the
-  // list of a worker; its items have a `place`, in rising order.
+  // Merges the results of the workers: calls use(item) for the items of all lists in the order of their places. list_of returns the list of
+  // a worker; its items have a `place`, in ascending order.
   template <class Workers, class ListOf, class Use>
   static void for_each_by_place(const Workers& workers, ListOf&& list_of, Use&& use) noexcept;
 

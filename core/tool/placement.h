@@ -5,10 +5,10 @@
 
 namespace hapton {
 
-using Mat6 = Eigen::Matrix<double, 6, 6>;  // of a shift and a turn, in this order
+using Mat6 = Eigen::Matrix<double, 6, 6>;  // rows and columns: translation (shift), then rotation vector (turn)
 
-// Where the tool is: its grip point and its orientation, in the frame of the contact computation (local units of the scene). A point r of
-// the tool, from the grip point along the tool's axes, is at position + orientation * r.
+// Pose of the tool: position of its grip point, and orientation, in the frame of the contact computation (local units of the scene). A
+// point r of the tool, relative to the grip point in the tool's axes, is at position + orientation * r.
 struct Placement {
   Vec3 position = Vec3::Zero();
   Quat orientation = Quat::Identity();
@@ -16,8 +16,8 @@ struct Placement {
   Vec3 at(const Vec3& r) const { return position + orientation * r; }
 };
 
-// A motion of the tool over the times 0..1: its grip point moves straight by `shift`, and it turns about that point by `turn` (a rotation
-// vector) at a constant rate. RT: yes.
+// A motion of the tool over the times 0..1: its grip point moves on a straight line by `shift`, and the tool turns about that point by
+// `turn` (a rotation vector), both at constant rates. RT: yes.
 struct RigidMotion {
   Placement from;
   Vec3 shift = Vec3::Zero();

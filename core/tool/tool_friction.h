@@ -4,31 +4,31 @@
 
 namespace hapton {
 
-// Coulomb friction of a rigid tool: where the contacts let the tool slide, friction holds it back.
+// Coulomb friction of a rigid tool.
 //
-// The tool slides along one direction at a time, from where it is to where the contacts alone would hold it. Along that slide s the
-// coupling pulls with the power of its force, and friction takes the power of each contact's: sum of friction * multiplier * length of the
-// contact point's tangential motion. The tool stays while the static one is not less; otherwise it slides until the dynamic one balances
-// the pull. It sticks again once the device no longer pulls onward: the share of each of many contacts is not unique, and from step to step
-// the power of the same slide differs by some per cent. Exact for a slide that keeps its direction (maximum dissipation along it); a turn about a single contact's normal meets no
-// friction, as at a point.
+// The tool slides along one direction at a time, from its pose to the pose that the frictionless contacts would allow. Along that slide s
+// the coupling does work, and friction dissipates at each contact friction * multiplier * length of the contact point's tangential motion.
+// The tool sticks while the sum with the static coefficients is not less than the work; otherwise it slides until the dynamic one balances
+// the work. It sticks again once the device no longer pulls onward, not when static friction would suffice again: the multipliers of many
+// contacts are not unique, and from step to step the dissipation of the same slide differs by some per cent. Exact for a slide that keeps
+// its direction (maximum dissipation along it); a rotation about the normal of a single contact has no friction, as at a point.
 //
-// The pose is followed towards a goal that lies off the device by what friction takes: held by the contacts alone, it comes to rest where
-// friction holds the tool. So the slow task needs to know nothing of friction.
+// The slow task moves the proxy towards a goal pose, which differs from the device's pose by the effect of friction: with frictionless
+// contacts, the proxy comes to rest where friction holds the tool. So the slow task does not depend on friction.
 // Frame: local units. RT: yes. Threads: one.
 class ToolFriction {
  public:
-  // The tool is put there: it slides from there on.
+  // Places the tool: its next slide begins here.
   void reset(const Placement& at) noexcept;
   bool is_placed() const noexcept { return is_placed_; }
   void forget() noexcept { is_placed_ = false; }
 
-  // The pose came to rest here, where friction was to hold it: the next slide begins here.
+  // The proxy came to rest here under friction: the next slide begins here.
   void move_to(const Placement& at) noexcept { at_ = at; }
 
   struct Step {
-    Placement at;    // where the tool is, with friction
-    Placement goal;  // what the pose follows
+    Placement at;    // pose of the tool, with friction
+    Placement goal;  // goal pose of the slow task
     bool sticks = false;
   };
   // Where the device is at `device` and `local` holds the tool. Without contact: at the device.
@@ -36,10 +36,10 @@ class ToolFriction {
 
  private:
   Placement at_;
-  Placement device_;  // of the step before
+  Placement device_;  // of the previous step
   bool is_placed_ = false;
   bool sticks_ = false;
-  bool slides_ = false;  // has slid, and the device has pulled onward since
+  bool slides_ = false;  // it has slid, and the device has pulled onward since
 };
 
 }  // namespace hapton

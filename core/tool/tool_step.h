@@ -14,7 +14,7 @@ namespace hapton {
 struct ToolCoupling {
   double stiffness_n_per_m = 1000.0;
   // About the grip point. 0: the stiffness times the tool's mean squared lever about any axis through the grip point (two thirds of the
-  // mean squared distance of its surface), as if the spring pulled at the whole surface.
+  // mean squared distance of its surface), as for springs distributed over the whole surface.
   double rotational_stiffness_nm_per_rad = 0.0;
 };
 
@@ -38,8 +38,8 @@ struct ToolOutput {
 // RT: step and reset yes without a team, make set-up only.
 class ToolStep {
  public:
-  // tool: metres, from the grip point, along the stylus' axes. scene: frame S, metres, one mesh an object. Error: a mesh without triangles,
-  // numbers that are not finite, impossible stiffness or friction, a tool more than a million times as large as the scene.
+  // tool: metres, from the grip point, along the stylus' axes. scene: frame S, metres, one mesh for each object. Error: a mesh without
+  // triangles, numbers that are not finite, impossible stiffness or friction, a tool more than a million times as large as the scene.
   // friction: of each object of the scene; empty: none. team: shares the search for contacts; null: the calling thread does it alone.
   static Result<std::unique_ptr<ToolStep>> make(const TriangleMesh& tool, std::vector<std::shared_ptr<const TriangleMesh>> scene,
                                                 const ToolCoupling& coupling, std::vector<SurfaceFriction> friction = {},
@@ -50,7 +50,7 @@ class ToolStep {
 
   // The parts of a step, for a slow and a fast task (held_tool.h). Pre of to_local: finite.
   Placement to_local(const ToolInput& input) const noexcept;
-  // Force, torque and drawn pose where the device is at `device` and the tool at `proxy`.
+  // Force, torque and drawn pose for these poses of device and tool.
   ToolOutput felt_at(const ToolInput& input, const Placement& device, const Placement& proxy) const noexcept;
   ToolProxy& proxy() { return proxy_; }
 
@@ -59,7 +59,7 @@ class ToolStep {
   const ObjectGeometry& tool() const { return tool_; }
   bool has_friction() const { return has_friction_; }
   const ToolCoupling& coupling() const { return coupling_; }  // with the rotational stiffness that is used
-  // A few lines for people.
+  // A few lines for users.
   std::string describe() const;
 
  private:

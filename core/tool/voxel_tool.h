@@ -9,14 +9,14 @@
 
 namespace hapton {
 
-// A rigid tool by voxels and a shell of points, the way of industry since 1999, for comparison: what `sweep` is to a point probe. Not for
+// A rigid tool by voxels and a shell of points, as in industry since 1999, for comparison: what `sweep` is to a point probe. Not for
 // the live node.
 //
 // McNeely, Puterbaugh and Troy, "Six Degree-of-Freedom Haptic Rendering Using Voxel Sampling" (1999): the scene becomes the voxels that its
 // surface crosses, the tool the middles of such voxels of its own, with normals. A point in a voxel of the scene is pushed along the
-// point's normal, to the plane through the voxel's middle (tangent-plane force), and no farther apart are the bodies kept than about a
-// voxel. The tool's proxy is held by these springs and by the coupling to the device; as in Wan and McNeely, "Quasi-Static Approximation
-// for 6 Degrees- of-Freedom Haptic Rendering" (2003), it has no mass: each step it goes to where the springs, taken as linear, balance, but
+// point's normal, to the plane through the voxel's middle (tangent-plane force), so the bodies stay at most a voxel
+// apart. The tool's proxy is held by these springs and by the coupling to the device; as in Wan and McNeely, "Quasi-Static Approximation
+// for 6 Degrees-of-Freedom Haptic Rendering" (2003), it has no mass: each step it goes to where the springs, taken as linear, balance, but
 // no point of it farther than half a voxel, so that none passes a voxel unseen. Frames and units: as ToolStep. RT: step and reset yes, make
 // set-up only.
 class VoxelTool {
@@ -32,7 +32,7 @@ class VoxelTool {
   static Result<std::unique_ptr<VoxelTool>> make(const TriangleMesh& tool, const std::vector<std::shared_ptr<const TriangleMesh>>& scene,
                                                  const ToolCoupling& coupling, double voxel_m);
 
-  // ToolOutput::proxy tells nothing here but `haptons`, the points in contact.
+  // Of ToolOutput::proxy only `haptons` is set, the points in contact.
   ToolOutput step(const ToolInput& input) noexcept;
   void reset(const ToolInput& input) noexcept;
 

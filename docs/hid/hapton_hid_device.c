@@ -36,7 +36,7 @@ const uint8_t hapton_hid_descriptor[HAPTON_HID_DESCRIPTOR_BYTES] = {
     0x09, 0x15,                   /*   Usage (buttons)                      */
     0x81, 0x02,                   /*   Input (Data, Variable, Absolute)     */
     0x75, 0x10,                   /*   Report Size (16)                     */
-    0x09, 0x16,                   /*   Usage (newest force heard)           */
+    0x09, 0x16,                   /*   Usage (newest force received)        */
     0x81, 0x02,                   /*   Input (Data, Variable, Absolute)     */
     0x75, 0x08,                   /*   Report Size (8)                      */
     0x95, 0x02,                   /*   Report Count (2)                     */
@@ -67,7 +67,7 @@ const uint8_t hapton_hid_descriptor[HAPTON_HID_DESCRIPTOR_BYTES] = {
     0xC0,                         /* End Collection                         */
 };
 
-enum { STATUS_CALIBRATED = 1, STATUS_ON = 2, STATUS_HELD = 4, STATUS_BARKED = 8, STATUS_HOT = 16, STATUS_FAULT = 32 };
+enum { STATUS_CALIBRATED = 1, STATUS_ON = 2, STATUS_HELD = 4, STATUS_TRIPPED = 8, STATUS_HOT = 16, STATUS_FAULT = 32 };
 enum { FLAG_ON = 1 };
 enum { ABLE_ORIENTATION = 1, ABLE_HELD = 2, ABLE_TORQUE = 4 };
 
@@ -110,11 +110,12 @@ static void let_go(struct hapton_hid_device* device) {
   device->is_on = false;
 }
 
+/* While the motors are off there is nothing to release, so the watchdog does not trip. */
 static void watch(struct hapton_hid_device* device, uint32_t now_us) {
   if (!device->is_on || now_us - device->force_us <= 1000u * device->limits.watchdog_ms) return;
   let_go(device);
   device->may_arm = false;
-  device->has_barked = true;
+  device->has_tripped = true;
 }
 
 /* Shortens a vector to its limit. */
@@ -129,17 +130,23 @@ void hapton_hid_init(struct hapton_hid_device* device, const struct hapton_hid_l
   device->limits = *limits;
 }
 
+void hapton_hid_fault(struct hapton_hid_device* device) {
+  let_go(device);
+  device->has_fault = true;
+}
+
 void hapton_hid_state(struct hapton_hid_device* device, const struct hapton_hid_measured* measured, uint32_t now_us,
                       uint8_t report[HAPTON_HID_STATE_BYTES]) {
   unsigned status = 0;
   int n;
   watch(device, now_us);
+  if (measured->has_fault) hapton_hid_fault(device);
   if (measured->is_calibrated) status |= STATUS_CALIBRATED;
   if (device->is_on) status |= STATUS_ON;
   if (measured->is_held || !device->limits.knows_held) status |= STATUS_HELD;
-  if (device->has_barked) status |= STATUS_BARKED;
+  if (device->has_tripped) status |= STATUS_TRIPPED;
   if (measured->is_hot) status |= STATUS_HOT;
-  if (measured->has_fault) status |= STATUS_FAULT;
+  if (device->has_fault) status |= STATUS_FAULT;
   memset(report, 0, HAPTON_HID_STATE_BYTES);
   report[0] = HAPTON_HID_STATE_ID;
   report[1] = (uint8_t)status;
@@ -163,10 +170,10 @@ bool hapton_hid_take_force(struct hapton_hid_device* device, const uint8_t* repo
   if (!on) {
     let_go(device);
     device->may_arm = true;
-    device->has_barked = false;
+    device->has_tripped = false;
     return true;
   }
-  if (!device->may_arm) return true;
+  if (!device->may_arm || device->has_fault) return true;
   device->is_on = true;
   for (n = 0; n < 3; ++n) {
     device->force_n[n] = (float)(1e-6 * get32(report + 8 + 4 * n));

@@ -87,7 +87,7 @@ bool Client::receive_message(const Message& message, Time now) {
   return true;
 }
 
-// A client that repeats itself a thousand times a second is told once a second.
+// A client that repeats itself a thousand times a second is notified once a second.
 void Client::reject_force(Time now) {
   ++rejected_forces_;
   if (told_s_ == now.s) return;

@@ -38,7 +38,7 @@ constexpr std::int32_t kOurSender = 0;
 
 // The protocol state of one VRPN client: parses its messages and puts the replies into out(). For any bytes, memory and time are bounded.
 // Pure: no socket, no clock. Forces that it requests (vrpn_ForceDevice Plane, Force_Field and the rest) are rejected and counted, and the
-// client is told so by a text message, once a second at most: see docs/vrpn.md.
+// client is notified by a text message, once a second at most: see docs/vrpn.md.
 class Client {
  public:
   // name: of the device, what clients write before the '@'.
@@ -91,7 +91,7 @@ class Client {
   std::optional<std::int32_t> unit_to_sensor_type_;
   std::optional<std::int32_t> rate_type_;
   std::optional<double> wanted_rate_hz_;
-  std::optional<std::uint32_t> told_s_;  // when it was last told that forces are rejected
+  std::optional<std::uint32_t> told_s_;  // when it was last notified that forces are rejected
   bool wants_workspace_ = false;
   std::optional<UdpRequest> udp_request_;
   std::uint64_t rejected_forces_ = 0;

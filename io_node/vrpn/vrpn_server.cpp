@@ -68,7 +68,7 @@ struct Server::State final : StreamEndpoint::Listener {
     bool is_reported = false;  // the log knows it
     bool knows_buttons = false;
     bool is_rejection_logged = false;
-    bool is_touching = false;  // as it was told last
+    bool is_touching = false;  // as last notified
     std::int64_t next_report_ns = 0;
     std::optional<Address> udp;
   };

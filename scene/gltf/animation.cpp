@@ -26,10 +26,11 @@ struct Track {
 struct NodeTracks {
   std::optional<Track<Vec3>> translation;
   std::optional<Track<Quat>> rotation;
+  std::optional<Track<std::vector<double>>> weights;  // as many as the node has targets
 };
 
 struct LeftOut {
-  std::size_t scales = 0;  // and all else that is no translation or rotation
+  std::size_t scales = 0;  // and all else that is no translation, rotation or weight
   std::size_t steps = 0;
   std::size_t splines = 0;
   std::size_t deformed = 0;
@@ -112,8 +113,30 @@ std::optional<Quat> make_rotation(const Accessor& from, std::size_t i) {
   return q.coeffs().allFinite() && q.norm() > 0.0 ? std::optional(q.normalized()) : std::nullopt;
 }
 
+// Each keyframe has the weights of all targets, one after the other [3.11].
+Result<Track<std::vector<double>>> read_weights(const Document& document, const Json& sampler, const std::string& where,
+                                                std::size_t targets) {
+  auto times = read_times(document, sampler, where);
+  if (!times) return tl::unexpected(times.error());
+  const auto output = read_accessor(document, member(sampler, "output"), where + ".output", "SCALAR", 1);
+  if (!output) return tl::unexpected(output.error());
+  const std::size_t each = text_of(member(sampler, "interpolation")) == "CUBICSPLINE" ? 3 : 1;
+  if (output->count != each * targets * times->size()) {
+    return fail("{} has {} times, {} morph targets and {} weights: {}", where, times->size(), targets, output->count, kExportAgain);
+  }
+  Track<std::vector<double>> track{std::move(*times), {}};
+  for (std::size_t i = 0; i < track.times.size(); ++i) {
+    std::vector<double>& weights = track.values.emplace_back();
+    for (std::size_t t = 0; t < targets; ++t) {
+      weights.push_back(output->component((each * i + each / 2) * targets + t, 0));
+      if (!std::isfinite(weights.back())) return fail("{}: weight {} is not finite: {}", where, i, kExportAgain);
+    }
+  }
+  return track;
+}
+
 Result<std::map<std::size_t, NodeTracks>> read_tracks(const Document& document, const Json& animation, const std::string& where,
-                                                      LeftOut& left_out) {
+                                                      const std::map<std::size_t, MeshMorphs>& morphs, LeftOut& left_out) {
   std::map<std::size_t, NodeTracks> tracks;
   const Json& samplers = member(animation, "samplers");
   const Json& channels = member(animation, "channels");
@@ -121,7 +144,7 @@ Result<std::map<std::size_t, NodeTracks>> read_tracks(const Document& document, 
     const std::string place = fmt::format("{}.channels[{}]", where, c);
     const Json& target = member(channels[c], "target");
     const std::string path = text_of(member(target, "path"));
-    if (member(target, "node").is_null() || (path != "translation" && path != "rotation")) {
+    if (member(target, "node").is_null() || (path != "translation" && path != "rotation" && path != "weights")) {
       ++left_out.scales;
       continue;
     }
@@ -135,7 +158,13 @@ Result<std::map<std::size_t, NodeTracks>> read_tracks(const Document& document, 
     left_out.splines += interpolation == "CUBICSPLINE" ? 1 : 0;
     if (interpolation == "STEP") continue;
     const std::string from = fmt::format("{}.samplers[{}]", where, *index);
-    if (path == "translation") {
+    if (path == "weights") {
+      const auto found = morphs.find(*node);
+      if (found == morphs.end()) continue;  // of no triangles, or a note says that they cannot be read
+      auto track = read_weights(document, sampler, from, found->second.displacements.size());
+      if (!track) return tl::unexpected(track.error());
+      tracks[*node].weights = std::move(*track);
+    } else if (path == "translation") {
       auto track = read_track<Vec3>(document, sampler, from, "VEC3", 3, make_vector);
       if (!track) return tl::unexpected(track.error());
       tracks[*node].translation = std::move(*track);
@@ -198,6 +227,14 @@ void add_times(const NodeTracks& tracks, std::set<double>& times) {
   if (tracks.rotation) times.insert(tracks.rotation->times.begin(), tracks.rotation->times.end());
 }
 
+// All begin again together: the last are held to the end.
+std::vector<MorphKey> find_weights(const Track<std::vector<double>>& track, double duration_s) {
+  std::vector<MorphKey> keys;
+  for (std::size_t i = 0; i < track.times.size(); ++i) keys.push_back({track.times[i], track.values[i]});
+  if (keys.back().time_s < duration_s) keys.push_back({duration_s, keys.back().weights});
+  return keys;
+}
+
 // None: it does not move, or would be deformed.
 std::optional<KeyframeMotion> find_motion(const NodeTree& tree, const std::map<std::size_t, NodeTracks>& tracks, std::size_t node,
                                           double duration_s, LeftOut& left_out) {
@@ -232,21 +269,24 @@ std::optional<KeyframeMotion> find_motion(const NodeTree& tree, const std::map<s
 
 double last_time(const std::map<std::size_t, NodeTracks>& tracks) {
   std::set<double> times = {0.0};
-  for (const auto& [node, each] : tracks) add_times(each, times);
+  for (const auto& [node, each] : tracks) {
+    add_times(each, times);
+    if (each.weights) times.insert(each.weights->times.begin(), each.weights->times.end());
+  }
   return *times.rbegin();
 }
 
 void add_notes(const MeshAnimation& animation, const LeftOut& left_out, RawMesh& raw) {
   const std::string name = printable(animation.name);
   const std::pair<std::size_t, std::string_view> notes[] = {
-      {left_out.scales, "animation '{}': {} channels of scales, weights or pointers are left out"},
+      {left_out.scales, "animation '{}': {} channels of scales or pointers are left out"},
       {left_out.steps, "animation '{}': {} channels that jump (STEP) are left out"},
       {left_out.splines, "animation '{}': {} channels of splines are straight between their keyframes"},
       {left_out.deformed, "animation '{}': {} parts would be deformed, and stand still"}};
   for (const auto& [count, text] : notes) {
     if (count > 0) raw.notes.push_back(fmt::format(fmt::runtime(text), name, count));
   }
-  if (animation.motions.empty()) return;
+  if (animation.motions.empty() && animation.weights.empty()) return;
   raw.notes.push_back(
       fmt::format("has the animation '{}', {:g} s: 'animation' of an [[object]] in a scene file plays it", name, animation.duration_s));
 }
@@ -260,15 +300,19 @@ Result<void> read_animations(const Document& document, RawMesh& raw) {
   if (!tree) return tl::unexpected(tree.error());
   for (std::size_t a = 0; a < size_of_array(animations); ++a) {
     LeftOut left_out;
-    const auto tracks = read_tracks(document, animations[a], fmt::format("animations[{}]", a), left_out);
+    const auto tracks = read_tracks(document, animations[a], fmt::format("animations[{}]", a), raw.morphs, left_out);
     if (!tracks) return tl::unexpected(tracks.error());
     MeshAnimation animation{.name = text_of(member(animations[a], "name")), .duration_s = last_time(*tracks), .motions = {}};
     if (animation.name.empty()) animation.name = fmt::format("animation {}", a);
     for (const MeshPart& part : raw.parts) {
-      if (animation.motions.contains(part.node)) continue;
+      if (animation.motions.contains(part.node) || animation.weights.contains(part.node)) continue;
       if (!member(member(document.root, "nodes")[part.node], "skin").is_null()) continue;  // its skeleton is what would move it
       if (auto motion = find_motion(*tree, *tracks, part.node, animation.duration_s, left_out)) {
         animation.motions.emplace(part.node, std::move(*motion));
+      }
+      const auto own = tracks->find(part.node);
+      if (own != tracks->end() && own->second.weights) {
+        animation.weights.emplace(part.node, find_weights(*own->second.weights, animation.duration_s));
       }
     }
     add_notes(animation, left_out, raw);

@@ -10,21 +10,21 @@
 
 namespace hapton::gltf {
 
-// The bytes of a document's buffers, read when something needs them: what only textures need is never missed.
+// The bytes of a document's buffers, read on first use: a missing buffer that only textures use is no error.
 class Buffers {
  public:
-  // root: the document, which must outlive this. binary: a GLB's second chunk. folder: where relative addresses begin.
+  // root: the document, which must outlive this. binary: a GLB's second chunk. folder: base of relative URIs.
   Buffers(const Json& root, std::optional<std::string_view> binary, const std::filesystem::path& folder)
       : root_(root), binary_(binary), folder_(folder), bytes_read_(binary ? binary->size() : 0) {}
 
   struct View {
     std::string_view bytes;  // live as long as the Buffers
-    std::size_t stride = 0;  // 0: items lie side by side
+    std::size_t stride = 0;  // 0: tightly packed
   };
-  // A buffer view [3.6.1]; of one that EXT_meshopt_compression describes, what it unfolds to.
+  // A buffer view [3.6.1]; one with EXT_meshopt_compression is decompressed.
   Result<View> view(const Json& index_json, const std::string& where);
 
-  // Of everything that has been read so far, before anything was unfolded: what the file really holds.
+  // Size of all buffers read so far, before decompression.
   std::size_t bytes_read() const { return bytes_read_; }
 
  private:

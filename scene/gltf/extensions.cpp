@@ -15,7 +15,7 @@ constexpr std::array<std::string_view, 7> kRead = {"KHR_mesh_quantization",   "K
 // What drafts of the standard called it, with another structure.
 constexpr std::string_view kEarlierHaptics = "MPEG_material_haptic";
 
-// Surfaces, pictures, light, sound, motion and descriptions; of each other extension a file may have more shape than is read.
+// Surfaces, images, light, sound, motion and descriptions; any other extension may contain geometry that is not read.
 constexpr std::array<std::string_view, 22> kHarmless = {"KHR_materials_",
                                                         "KHR_texture_",
                                                         "EXT_texture_",

@@ -9,10 +9,10 @@
 
 namespace hapton::gltf {
 
-// An error when the file cannot be shown without an extension that is not read.
+// An error if the file requires an extension that is not supported.
 std::optional<Error> check_required_extensions(const Json& root);
 
-// One line for each extension the file uses that is not read and may change its shape.
+// One line for each unsupported extension in the file that may change its shape.
 std::vector<std::string> note_unread_extensions(const Json& root);
 
 }  // namespace hapton::gltf

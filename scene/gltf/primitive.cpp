@@ -41,6 +41,23 @@ void read_normals(const Document& document, const Json& index, const std::string
   for (std::size_t i = 0; i < normals->count; ++i) primitive.normals.push_back(vector_at(*normals, i));
 }
 
+// Of the positions alone. Who does not deform it misses nothing.
+void read_morphs(const Document& document, const Json& targets, const std::string& where, Primitive& primitive) {
+  for (std::size_t t = 0; t < size_of_array(targets); ++t) {
+    std::vector<Vec3>& displacements = primitive.morphs.emplace_back(primitive.positions.size(), Vec3::Zero());
+    const Json& index = member(targets[t], "POSITION");
+    if (index.is_null()) continue;
+    const auto read = read_accessor(document, index, fmt::format("{}.targets[{}].POSITION", where, t), "VEC3", 3);
+    bool is_good = read && read->count == primitive.positions.size();
+    for (std::size_t i = 0; is_good && i < displacements.size(); ++i) {
+      displacements[i] = vector_at(*read, i);
+      is_good = displacements[i].allFinite();
+    }
+    primitive.has_bad_morphs = primitive.has_bad_morphs || !is_good;
+  }
+  if (primitive.has_bad_morphs) primitive.morphs.clear();
+}
+
 Result<std::vector<std::uint32_t>> read_corners(const Document& document, const Json& indices, const std::string& where,
                                                 std::size_t vertex_count) {
   std::vector<std::uint32_t> corners;
@@ -138,7 +155,12 @@ Result<std::optional<Primitive>> read_primitive(const Document& document, const 
   const Json& draco = extension_of(json, "KHR_draco_mesh_compression");
   auto primitive =
       draco.is_object() ? read_draco(document, json, draco, where, max_triangles) : read_plain(document, json, *mode, where, max_triangles);
-  if (primitive && *primitive) (*primitive)->has_morphs = size_of_array(member(json, "targets")) > 0;
+  const Json& targets = member(json, "targets");
+  if (primitive && *primitive && size_of_array(targets) > 0) {
+    // Draco orders the vertices anew.
+    (*primitive)->has_bad_morphs = draco.is_object();
+    if (!draco.is_object()) read_morphs(document, targets, where, **primitive);
+  }
   return primitive;
 }
 

@@ -12,10 +12,11 @@ namespace hapton::gltf {
 
 // A primitive's triangles in the frame of its node.
 struct Primitive {
-  std::vector<Vec3> positions;      // finite
-  std::vector<Vec3> normals;        // one a position, any length; empty: none, or they cannot be read
-  std::vector<Triangle> triangles;  // of positions
-  bool has_morphs = false;
+  std::vector<Vec3> positions;            // finite
+  std::vector<Vec3> normals;              // one a position, any length; empty: none, or they cannot be read
+  std::vector<Triangle> triangles;        // of positions
+  std::vector<std::vector<Vec3>> morphs;  // displacements by morph target, then by position; empty: none, or they cannot be read
+  bool has_bad_morphs = false;
   bool has_bad_normals = false;
 };
 

@@ -121,7 +121,7 @@ class SceneReader {
         {hidden_, "{} nodes are marked as not visible and were skipped, with all under them"},
         {skinned_, "{} skinned nodes are shown as they rest, not posed by their skeleton"},
         {bad_normals_, "the normals of {} primitives cannot be read: computed there"},
-        {morphed_, "{} primitives have morph targets, which were skipped"}};
+        {bad_morphs_, "{} primitives have morph targets that cannot be read, which were skipped"}};
     for (const auto& [count, text] : notes) {
       if (count > 0) raw_.notes.push_back(fmt::format(fmt::runtime(text), count));
     }
@@ -188,7 +188,7 @@ class SceneReader {
 
   void count_flaws(const std::optional<Primitive>& primitive) {
     not_triangles_ += primitive ? 0 : 1;
-    morphed_ += primitive && primitive->has_morphs ? 1 : 0;
+    bad_morphs_ += primitive && primitive->has_bad_morphs ? 1 : 0;
     bad_normals_ += primitive && primitive->has_bad_normals ? 1 : 0;
   }
 
@@ -205,7 +205,25 @@ class SceneReader {
       raw_.mesh.vertices.push_back(p_SV);
     }
     add_triangles(primitive, static_cast<std::uint32_t>(first), X_SN, surface);
+    add_morphs(primitive, first, X_SN);
     return std::nullopt;
+  }
+
+  // All primitives of a mesh have as many targets [3.7.2.2]; what has fewer is not moved by the others.
+  void add_morphs(const Primitive& primitive, std::size_t first, const Eigen::Affine3d& X_SN) {
+    if (primitive.morphs.empty()) return;
+    MeshMorphs& morphs = raw_.morphs[raw_.parts.back().node];
+    const std::size_t before = morphs.at_rest.size();
+    morphs.at_rest.insert(morphs.at_rest.end(), raw_.mesh.vertices.begin() + static_cast<std::ptrdiff_t>(first), raw_.mesh.vertices.end());
+    morphs.displacements.resize(std::max(morphs.displacements.size(), primitive.morphs.size()));
+    for (std::size_t t = 0; t < morphs.displacements.size(); ++t) {
+      std::vector<Vec3>& into = morphs.displacements[t];
+      into.resize(before, Vec3::Zero());
+      if (t < primitive.morphs.size()) {
+        for (const Vec3& displacement : primitive.morphs[t]) into.push_back(X_SN.linear() * displacement);
+      }
+      into.resize(morphs.at_rest.size(), Vec3::Zero());
+    }
   }
 
   // A mirroring transform turns the winding round [3.7.4]. Normals go by the inverse transpose, which keeps them at right angles to the
@@ -247,7 +265,7 @@ class SceneReader {
   std::size_t hidden_ = 0;
   std::size_t skinned_ = 0;
   std::size_t bad_normals_ = 0;
-  std::size_t morphed_ = 0;
+  std::size_t bad_morphs_ = 0;
 };
 
 }  // namespace
@@ -273,7 +291,7 @@ Result<RawMesh> read_document(std::string_view json, std::optional<std::string_v
   reader.add_notes();
   for (std::string& note : note_unread_extensions(*root)) raw.notes.push_back(std::move(note));
   raw.end_parts();
-  // Who does not play them misses nothing.
+  // An error here is a note only: a scene that plays no animation needs none.
   if (const auto read = read_animations(document, raw); !read) {
     raw.notes.push_back(fmt::format("its animations cannot be read: {}", read.error().what));
   }

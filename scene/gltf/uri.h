@@ -7,10 +7,10 @@
 
 namespace hapton::gltf {
 
-// The bytes of base64 text. where: what an error names.
+// Decodes base64 text. where: the position that an error names.
 Result<std::string> decode_base64(std::string_view text, const std::string& where);
 
-// Addresses write a blank as %20.
+// Decodes percent-encoding: URIs write a space as %20.
 std::string decode_percent(const std::string& uri);
 
 }  // namespace hapton::gltf

@@ -63,7 +63,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--only", settings.only, "Those alone whose name contains this");
   app.add_option("--touch", settings.touch,
-                 "Where forces are worked out, as io_node --touch; with patch each row begins once they are felt")
+                 "Where forces are computed, as io_node --touch; with patch each row begins once patches are in use")
       ->check(CLI::IsMember({"remote", "auto", "patch"}))
       ->capture_default_str();
   app.add_option("--slack-ms", settings.slack_ms,

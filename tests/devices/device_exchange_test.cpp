@@ -31,6 +31,7 @@ TEST(DeviceExchange, TheNewestSampleAndTheNewestWrenchPass) {
     exchange.publish(ready_at(t * kMs));
     exchange.read(t * kMs);
     exchange.write({.force_n = Vec3(0, 0, 2), .torque_nm = Vec3(0.01, 0, 0)}, t * kMs);
+    exchange.wrench(t * kMs);
   }
   const Wrench wrench = exchange.wrench(1299 * kMs);
   EXPECT_EQ(wrench.force_n, Vec3(0, 0, 2));
@@ -48,6 +49,22 @@ TEST(DeviceExchange, ADeviceThatHasBecomeReadyGetsItsForceOverTheRamp) {
     before_n = n;
   }
   EXPECT_DOUBLE_EQ(before_n, 2.0);
+}
+
+// Where the driver stands still between its first sample and its first command, or after a restart of the ramp.
+TEST(DeviceExchange, TheRampBeginsWithTheFirstCommandHoweverLateThatIs) {
+  DeviceExchange exchange;
+  std::int64_t t = 0;
+  for (int round = 0; round < 3; ++round) {
+    exchange.publish(ready_at(t * kMs));
+    t += 150;
+    for (const double share : {0.0, 0.25, 0.5, 0.75, 1.0}) {
+      exchange.write({.force_n = Vec3(0, 0, 2)}, t * kMs);
+      EXPECT_DOUBLE_EQ(exchange.wrench(t * kMs).force_n.z(), 2.0 * share) << round;
+      t += 50;
+    }
+    exchange.restart_ramp();
+  }
 }
 
 TEST(DeviceExchange, NoForceWhileTheDeviceIsNotReady) {
@@ -68,7 +85,10 @@ TEST(DeviceExchange, AServoThatTimedOutExertsNoForceAndRampsUpAgain) {
   DeviceExchange exchange;
   std::int64_t t = 0;
   exchange.publish(ready_at(0));
-  for (; t <= 300; ++t) exchange.write({.force_n = Vec3(0, 0, 2)}, t * kMs);
+  for (; t <= 300; ++t) {
+    exchange.write({.force_n = Vec3(0, 0, 2)}, t * kMs);
+    exchange.wrench(t * kMs);
+  }
   t = 300;
   EXPECT_EQ(exchange.wrench((t + 20) * kMs).force_n, Vec3(0, 0, 2));
   EXPECT_EQ(exchange.wrench((t + 21) * kMs).force_n, Vec3::Zero());

@@ -40,7 +40,7 @@ TEST(HaplyMessages, AStateGivesCursorGripAndCalibration) {
   EXPECT_EQ(state->arms[0].model, "inverse3x");
   EXPECT_EQ(state->arms[0].firmware, "7.4");
   EXPECT_FALSE(state->arms[0].is_calibrated);
-  EXPECT_NEAR(state->arms[0].p_WD.x(), 0.01, 1e-12);
+  EXPECT_NEAR(state->arms[0].position_m.x(), 0.01, 1e-12);
   ASSERT_TRUE(state->grip);
   EXPECT_EQ(state->grip->buttons, 5U);
 }
@@ -71,7 +71,73 @@ TEST(HaplyMessages, TheFirstNamesUsAndTheAxesAndExertsNoForce) {
 
 TEST(HaplyMessages, TheOthersCarryTheForceAlone) {
   EXPECT_EQ(force_message("049D", Vec3(1, 0.5, -0.25)),
-            R"({"inverse3":[{"device_id":"049D","commands":{"set_cursor_force":{"vector":{"x":1,"y":0.25,"z":0.5}}}}]})");
+            R"({"inverse3":[{"device_id":"049D","commands":{"set_cursor_force":{"vector":{"x":1,"y":0.5,"z":-0.25}}}}]})");
+  EXPECT_EQ(Session().force_from_w(Vec3(1, 0.5, -0.25)), Vec3(1, 0.25, 0.5));
+}
+
+TEST(HaplyMessages, TheVersionIsReadWithAndWithoutAnEnvelope) {
+  for (const char* text : {R"({"project_version":"3.5.2.0","git_tag":"x"})", R"({"ok":true,"data":{"project_version":"3.5.2.0"}})"}) {
+    const auto version = read_version(text);
+    ASSERT_TRUE(version) << text;
+    EXPECT_EQ(version->major, 3);
+    EXPECT_EQ(version->minor, 5);
+  }
+  for (const char* text : {"", "7", "{}", "[]", R"({"project_version":7})", R"({"project_version":"new"})"}) {
+    EXPECT_FALSE(read_version(text)) << text;
+  }
+}
+
+TEST(HaplyMessages, OtherVersionsAreNamedWithWhatToDo) {
+  EXPECT_EQ(why_unknown({3, 5}), "");
+  EXPECT_EQ(why_unknown({3, 12}), "");
+  for (const Version old : {Version{2, 9}, Version{3, 0}, Version{3, 4}}) EXPECT_THAT(why_unknown(old), testing::HasSubstr("update it"));
+  EXPECT_THAT(why_unknown({4, 0}), testing::HasSubstr("a newer Hapton"));
+}
+
+// The service's own order: device, mount, workspace, application.
+TEST(HaplyMessages, PositionsAndForcesAreThoseOfTheDeviceWhateverTheSessionPlacesIt) {
+  Session session;
+  Arm arm;
+  arm.mount = {Vec3(0.1, 0.2, 0.3), Quat(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized())), Vec3::Ones()};
+  arm.transform = {Vec3(-0.5, 0, 0.25), Quat(Eigen::AngleAxisd(-1.9, Vec3(0, 1, 1).normalized())), Vec3::Ones()};
+  session.update(arm);
+  ASSERT_FALSE(session.is_scaled());
+  const auto placed = [&](const Vec3& p) {
+    const Vec3 mounted = *arm.mount.position_m + *arm.mount.rotation * p;
+    return Vec3(*arm.transform.position_m + *arm.transform.rotation * mounted);
+  };
+  const Vec3 p(0.02, -0.1, 0.17), f_W(0.5, -1, 2);
+  EXPECT_TRUE(session.to_w(placed(p)).isApprox(to_w(p), 1e-12));
+  // Work is the same in both.
+  const Vec3 step(1e-3, -2e-3, 5e-4);
+  EXPECT_NEAR(session.force_from_w(f_W).dot(placed(p + step) - placed(p)), f_W.dot(to_w(p + step) - to_w(p)), 1e-15);
+}
+
+TEST(HaplyMessages, ATransformThatIsSaidInPartKeepsTheRest) {
+  Session session;
+  Arm arm;
+  arm.transform.position_m = Vec3(0.1, 0, 0);
+  session.update(arm);
+  arm.transform = {};
+  arm.transform.rotation = Quat(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitZ()));
+  session.update(arm);
+  session.update(Arm{});
+  EXPECT_TRUE(session.to_w(Vec3(0.1, 0.02, 0)).isApprox(to_w(Vec3(0.02, 0, 0)), 1e-12));
+  arm.transform.scale = Vec3(1, 1, 3);
+  session.update(arm);
+  EXPECT_TRUE(session.is_scaled());
+}
+
+TEST(HaplyMessages, MountAndTransformAreReadFromAnInventory) {
+  const auto state = read_state(R"({"inverse3":[{"device_id":"a",
+    "config":{"mount":{"position":{"x":1,"y":2,"z":3},"rotation":{"w":1,"x":0,"y":0,"z":0},"scale":{"x":1,"y":1,"z":2}}},
+    "state":{"cursor_position":{"x":0,"y":0,"z":0},"transform":{"position":{"x":"1","y":0,"z":0},"rotation":{"w":9,"x":0,"y":0,"z":0}}}}]})");
+  ASSERT_TRUE(state && state->arms.size() == 1);
+  const Arm& arm = state->arms[0];
+  ASSERT_TRUE(arm.mount.position_m && arm.mount.rotation && arm.mount.scale);
+  EXPECT_EQ(*arm.mount.position_m, Vec3(1, 2, 3));
+  EXPECT_TRUE(arm.mount.is_scaled());
+  EXPECT_FALSE(arm.transform.position_m || arm.transform.rotation || arm.transform.scale) << "what is none is not said";
 }
 
 TEST(HaplyMessages, AnIdCannotBreakOutOfItsQuotes) {

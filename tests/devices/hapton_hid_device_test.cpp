@@ -87,6 +87,34 @@ TEST_F(HaptonHid, IsWhatItsMakerSays) {
   EXPECT_EQ(backend_.condition().firmware, "1.0");
 }
 
+// Each number differs, so that none can stand for another.
+TEST_F(HaptonHid, EveryLimitOfItsMakerIsKept) {
+  hapton_hid_limits said = maker_limits();
+  said.has_torque = true;
+  said.max_stiffness_n_per_m = 900.0f;
+  said.peak_s = 3.0f;
+  said.max_torque_nm = 0.25f;
+  said.max_torque_slew_nm_per_s = 40.0f;
+  said.max_speed_m_per_s = 2.5f;
+  for (int n = 0; n < 3; ++n) {
+    said.workspace_min_m[n] = -0.05f - 0.01f * static_cast<float>(n);
+    said.workspace_max_m[n] = 0.15f + 0.01f * static_cast<float>(n);
+  }
+  give(said);
+  ASSERT_TRUE(begin());
+  const DeviceLimits limits = backend_.limits();
+  EXPECT_NEAR(limits.max_force_n, 6.0, 1e-6);
+  EXPECT_NEAR(limits.max_slew_n_per_s, 2000.0, 1e-3);
+  EXPECT_NEAR(limits.max_stiffness_n_per_m, 900.0, 1e-3);
+  EXPECT_NEAR(limits.continuous_force_n, 2.0, 1e-6);
+  EXPECT_NEAR(limits.peak_s, 3.0, 1e-6);
+  EXPECT_NEAR(limits.max_torque_nm, 0.25, 1e-6);
+  EXPECT_NEAR(limits.max_torque_slew_nm_per_s, 40.0, 1e-3);
+  EXPECT_NEAR(limits.max_speed_m_per_s, 2.5, 1e-6);
+  EXPECT_LT((limits.workspace_min_m - Vec3(-0.05, -0.06, -0.07)).norm(), 1e-6);
+  EXPECT_LT((limits.workspace_max_m - Vec3(0.15, 0.16, 0.17)).norm(), 1e-6);
+}
+
 TEST_F(HaptonHid, ExertsTheRequestedForce) {
   ASSERT_TRUE(begin());
   EXPECT_EQ(cycle(Vec3(1, 2, 2), true), 0.0) << "not before it was commanded off";

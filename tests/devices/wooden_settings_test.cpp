@@ -26,6 +26,10 @@ TEST_F(WoodenSettingsFile, AnEmptyOneIsTheEditionOf2016) {
   const auto settings = read("");
   ASSERT_TRUE(settings) << settings.error().what;
   EXPECT_EQ(settings->limits.max_force_n, 5.0);
+  EXPECT_EQ(settings->limits.max_slew_n_per_s, 1250.0);
+  EXPECT_EQ(settings->limits.max_stiffness_n_per_m, 1000.0);
+  EXPECT_EQ(settings->limits.max_speed_m_per_s, 5.0);
+  EXPECT_EQ(settings->limits.workspace_min_m, Vec3::Constant(-0.1));
   EXPECT_EQ(settings->limits.workspace_max_m, Vec3::Constant(0.1));
   EXPECT_EQ(settings->arm.bodies[0].body_diameter_m, 0.160);
   EXPECT_EQ(settings->arm.bodies[1].length_m, 0.205);
@@ -37,6 +41,11 @@ TEST_F(WoodenSettingsFile, AnEmptyOneIsTheEditionOf2016) {
 TEST_F(WoodenSettingsFile, EveryNumberOfABuildCanBeNamed) {
   const auto settings = read(R"(
 max_force_n = 9.5
+max_slew_n_per_s = 800
+max_stiffness_n_per_m = 700
+continuous_force_n = 3.5
+peak_s = 6
+max_speed_m_per_s = 2
 max_current_a = 2.0
 workspace_radius_m = 0.15
 origin_m = [0.1, 0.0, 0.2]
@@ -60,6 +69,11 @@ offset_deg = 180
 )");
   ASSERT_TRUE(settings) << settings.error().what;
   EXPECT_EQ(settings->limits.max_force_n, 9.5);
+  EXPECT_EQ(settings->limits.max_slew_n_per_s, 800.0);
+  EXPECT_EQ(settings->limits.max_stiffness_n_per_m, 700.0);
+  EXPECT_EQ(settings->limits.continuous_force_n, 3.5);
+  EXPECT_EQ(settings->limits.peak_s, 6.0);
+  EXPECT_EQ(settings->limits.max_speed_m_per_s, 2.0);
   EXPECT_EQ(settings->limits.workspace_min_m, Vec3::Constant(-0.15));
   EXPECT_EQ(settings->max_current_a, 2.0);
   EXPECT_FALSE(settings->has_gravity_compensation);

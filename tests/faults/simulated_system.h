@@ -213,9 +213,10 @@ class SimulatedSystem {
     vision->send(view);
     run_for_ns(100 * kMs);
   }
-  // Until the force comes from patches; the threads that make them take their own time. False: it does not.
+  // Until the force comes from patches; the threads that make them take their own time, more of it on a busy machine. False: it does not.
   bool wait_for_patches() {
-    for (int n = 0; n < 500; ++n) {
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+    while (std::chrono::steady_clock::now() < deadline) {
       const std::uint64_t before = stats().local_forces;
       run_for_ns(5 * kMs);
       if (stats().local_forces > before + 3) return true;

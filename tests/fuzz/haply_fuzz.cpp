@@ -6,13 +6,17 @@
 
 FUZZ_TARGET(haply) {
   using namespace hapton;
+  (void)haply::read_version({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   const auto state = haply::read_state({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   if (!state) {
     fuzz::require(!state.error().what.empty());
     return;
   }
   for (const haply::Arm& arm : state->arms) {
-    fuzz::require(!arm.id.empty() && arm.p_WD.allFinite());
+    fuzz::require(!arm.id.empty() && arm.position_m.allFinite());
+    haply::Session session;
+    session.update(arm);
+    if (!session.is_scaled()) fuzz::require(session.force_from_w(Vec3::UnitX()).allFinite());
     // Its id is sent back to it, and cannot break the text around it.
     fuzz::require(haply::read_state(haply::force_message(arm.id, Vec3::Zero())).has_value());
   }

@@ -60,6 +60,7 @@ std::vector<ListedDatagram> sealed(std::initializer_list<Said> all) {
 
 bool write_sealed() {
   const MaterialRequest change{.request = 1, .object = {"hull"}, .change = {.given = MaterialChange::kStiffness, .stiffness_n_per_m = 800}};
+  const MoveRequest move{.request = 1, .object = {"lid"}, .p_m = Vec3(0.1, 0, 0), .q = Quat::Identity(), .over_s = 0.5};
   ForceCommand force{.echo_sample = 1, .force_n = Vec3(1, 2, 3), .contact = true, .object = 0};
   return write("sealed", "haptics",
                sealed({{kHaptics, Hello{NodeRole::haptics}}, {kHaptics, force}, {kHaptics, HapticsSetup()}, {kHaptics, Bye()}})) &&
@@ -94,6 +95,14 @@ bool write_sealed() {
                        {kTool, Marker{.request = 1, .text = {"again"}}},
                        {kVision, Marker{.request = 2, .text = {"no node"}}},
                        {kToNode, MarkerReply{1, 2, MarkerStatus::recorded}}})) &&
+         write("sealed", "move",
+               sealed({{kTool, Hello{NodeRole::tool}},
+                       {kTool, move},
+                       {kVision, move},
+                       {kHaptics, Hello{NodeRole::haptics}},
+                       {kHaptics, MoveReply{.request = 1, .over_s = 0.5, .serial = 1}},
+                       {kHaptics, ObjectMove{.source = 1, .serial = 1, .end_ns = 500'000'000}},
+                       {kToNode, move}})) &&
          write("sealed", "operator", sealed({{kOperator, Hello{NodeRole::tool}}, {kOperator, Settings{.reset_faults = true}}})) &&
          write("sealed", "wrong_role",
                sealed({{kVision, Hello{NodeRole::haptics}}, {kVision, Hello{NodeRole::vision}}, {kVision, force}})) &&

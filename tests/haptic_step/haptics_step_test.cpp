@@ -209,6 +209,20 @@ TEST(HapticsStep, AMethodTakesOverInContactWithoutAForceDiscontinuity) {
   }
 }
 
+// As where an object is taken out of the scene while it is pressed.
+TEST(HapticsStep, TheForceFadesWhereTheNextMethodHasNoSurface) {
+  const TouchScene elsewhere = {.objects = {{made::shared(made::sheet(0.1, -0.05, 6)), {}}}};
+  HapticsStep step(make_touch(), kOffset);
+  States states;
+  answer(step, states.at({0.01, 0.01, 0.001}));
+  ASSERT_NEAR(answer(step, states.at({0.01, 0.01, -0.002})).force_n.z(), 2.0, 1e-9);
+  step.replace(std::make_unique<TouchStep>(*make_method({.name = "sweep"}, elsewhere)));
+  for (int i = 1; i <= 12; ++i) {
+    const double left_n = 2.0 * std::max(0.0, 1.0 - 1e-3 * i / ForceFade::kInAirS);
+    EXPECT_NEAR(answer(step, states.at({0.01, 0.01, -0.002})).force_n.z(), left_n, 1e-9) << i;
+  }
+}
+
 // An effect may push into the surface harder than the surface pushes out: the new method still starts outside.
 TEST(HapticsStep, AMethodTakesOverOnTheSameSideWithEffects) {
   const TouchScene scene = {.objects = {{made::shared(made::sheet(0.1, 0.0, 6)), {}}}, .effects = {ConstantEffect{.force_n = {0, 0, -5}}}};

@@ -97,7 +97,7 @@ TEST_P(MaterialChanges, InFreeSpaceThereIsNothingToFade) {
   EXPECT_NEAR(first.force_n.z(), 2.0, 1e-5);
 }
 
-// Of two objects only the one changes that is said.
+// Of two objects each gets its own material.
 TEST_P(MaterialChanges, EachObjectHasItsOwn) {
   TriangleMesh beside = made::sheet(0.1, 0.0, 6);
   for (Vec3& vertex : beside.vertices) vertex.x() += 0.3;

@@ -59,6 +59,7 @@ TEST_F(Tuned, OneObjectOrAllOfANameOrAllChange) {
   EXPECT_EQ(tuning.state().object_count, 1U);
   EXPECT_EQ(change("mast", stiffness(900.0)), "");
   EXPECT_EQ(stiffnesses(), (std::vector{500.0, 500.0, 900.0, 500.0}));
+  EXPECT_EQ(tuning.describe_last(), "object 'mast': stiffness 900 N/m, damping 0 Ns/m, friction 0 / 0 (static / dynamic)");
 }
 
 TEST_F(Tuned, WhatTheSceneFileSaysNowIsNoChangeOfTheLastRequest) {

@@ -35,12 +35,22 @@ TEST_F(SceneChanges, AreToldApart) {
   }
   EXPECT_EQ(compare_scenes(before, scene("name = 'other'", "stiffness_n_per_m = 500")), SceneChange::effects);
   EXPECT_EQ(compare_scenes(before, scene("position_m = [0, 0, 0.01]", "stiffness_n_per_m = 500")), SceneChange::shape);
+  const std::string deforms = "[[object.morph]]\npush_m = [0, 0, 0.01]\nkeys = [[0, 0], [1, ";
+  const Scene deforming = scene(deforms + "1]]", "stiffness_n_per_m = 500");
+  EXPECT_EQ(compare_scenes(before, deforming), SceneChange::shape);
+  EXPECT_EQ(compare_scenes(deforming, scene(deforms + "1]]", "stiffness_n_per_m = 500")), SceneChange::none);
+  EXPECT_EQ(compare_scenes(deforming, scene(deforms + "0.9]]", "stiffness_n_per_m = 500")), SceneChange::shape);
   const std::string moves = "[[object.keyframe]]\ntime_s = 0\n[[object.keyframe]]\ntime_s = ";
   const Scene moving = scene(moves + "1", "stiffness_n_per_m = 500");
   EXPECT_EQ(compare_scenes(before, moving), SceneChange::shape);
   EXPECT_EQ(compare_scenes(moving, before), SceneChange::shape);
   EXPECT_EQ(compare_scenes(moving, scene(moves + "2", "stiffness_n_per_m = 500")), SceneChange::shape);
   EXPECT_EQ(compare_scenes(moving, scene(moves + "1", "stiffness_n_per_m = 500")), SceneChange::none);
+  const Scene commanded = scene("moved_by = 'program'", "stiffness_n_per_m = 500");
+  EXPECT_EQ(compare_scenes(before, commanded), SceneChange::shape);
+  EXPECT_EQ(compare_scenes(commanded, before), SceneChange::shape);
+  EXPECT_EQ(compare_scenes(commanded, scene("moved_by = 'program'", "stiffness_n_per_m = 500")), SceneChange::none);
+  EXPECT_EQ(compare_scenes(commanded, scene("moved_by = 'program'\npivot_m = [0.1, 0, 0]", "stiffness_n_per_m = 500")), SceneChange::shape);
   EXPECT_EQ(compare_scenes(before, scene("", "stiffness_n_per_m = 500\ntwo_sided = false")), SceneChange::shape);
   EXPECT_EQ(compare_scenes(before, scene("[[object]]\nmesh = 'a.obj'", "stiffness_n_per_m = 500")), SceneChange::shape);
 }

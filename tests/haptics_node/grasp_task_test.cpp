@@ -31,7 +31,7 @@ SceneObject box_at(const char* name, const Vec3& size, const Vec3& centre, bool 
   return object;
 }
 
-// A cube a millimetre above a plate, and a wall beside it. Steps at 1 kHz; the slow task looks once a step, in the test's own thread.
+// A cube a millimetre above a plate, and a wall beside it. Steps at 1 kHz; the slow task runs once a step, in the test's own thread.
 struct GraspTaskTest : testing::Test {
   explicit GraspTaskTest(const std::vector<PutDown>& put_down = {}) {
     scene.objects.push_back(box_at("plate", {0.2, 0.2, 0.01}, {0.0, 0.0, -0.005}));
@@ -69,7 +69,7 @@ struct GraspTaskTest : testing::Test {
     most_change_nm = std::max(most_change_nm, (command.torque_nm - last.torque_nm).norm());
     last = command;
     at = p;
-    task->look();
+    task->run_once();
     take_method();
     return command;
   }
@@ -86,7 +86,7 @@ struct GraspTaskTest : testing::Test {
   }
   // The builder has a thread of its own.
   void wait_for_method(int count) {
-    for (int i = 0; i < 2000 && methods < count; ++i) {
+    for (int i = 0; i < 30'000 && methods < count; ++i) {
       rest(0, 1);
       if (i > 50) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
@@ -134,7 +134,7 @@ TEST_F(GraspTaskTest, AMovableObjectIsPickedUpPushedAgainstAnotherAndPutDown) {
   EXPECT_FALSE(step->holds_tool());
   wait_for_method(1);
   rest(0, 200);
-  EXPECT_EQ(last.object, kCube) << "the stylus still presses where it has let go";
+  EXPECT_EQ(last.object, kCube) << "the stylus still presses where it released the object";
   EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 0.05);
   EXPECT_NEAR(held_at, at.z(), 1e-4);
 
@@ -297,7 +297,7 @@ TEST_F(GraspTaskTest, TheStepUsesNoHeap) {
   };
   for (int n = 0; n < 600; ++n) {
     ASSERT_EQ(step_once(n < 400 ? 1 : 0), 0U) << n;
-    if (n % 3 == 0) task->look();
+    if (n % 3 == 0) task->run_once();
   }
 }
 

@@ -50,7 +50,7 @@ TEST(HapticsOptions, UnitsAndWordsArrive) {
   const auto options = std::get<HapticsOptions>(parse_haptics(
       {"--offset-in",    "0.5",   "--simplify", "0.2mm", "--grid",          "7",      "--unit", "mm",          "--no-seal", "--no-fit",
        "--probe-radius", "0.003", "--rt",       "off",   "--build-at-once", "--tool", "t.obj",  "--tool-unit", "in",        "--tool-grip",
-       "center"}));
+       "centre"}));
   EXPECT_DOUBLE_EQ(options.method.offset_m, 0.0127);
   EXPECT_DOUBLE_EQ(options.method.simplify_m, 0.0002);
   EXPECT_EQ(options.method.probe_radius_m, 0.003);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <mutex>
 #include <string_view>
@@ -11,6 +12,7 @@
 #include "scene/scene_file.h"
 #include "tests/support/allocation_guard.h"
 #include "tests/support/made_meshes.h"
+#include "tests/support/patience.h"
 
 namespace hapton {
 namespace {
@@ -30,7 +32,7 @@ MaterialRequest stiffness_request(std::uint32_t number, std::string_view object,
 }
 
 std::unique_ptr<TunedMaterials> wait_for_result(MaterialTuner& tuner) {
-  for (int i = 0; i < 500; ++i) {
+  for (int i = 0; i < 3000; ++i) {
     if (auto result = tuner.take()) return result;
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
@@ -71,11 +73,12 @@ TEST(MaterialTuner, ARejectedRequestHasNoMaterials) {
 
 // An accepted change that nobody has taken yet is not replaced by the result of the next request.
 TEST(MaterialTuner, NoResultIsLost) {
-  MaterialTuner tuner(hull_and_deck(), 0.0);
+  std::atomic<bool> is_worked_out = false;
+  MaterialTuner tuner(hull_and_deck(), 0.0, [&](const std::vector<Material>&) { is_worked_out = true; });
   tuner.request(stiffness_request(1, "hull", 700.0));
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  ASSERT_TRUE(wait_until([&] { return is_worked_out.load(); })) << "a later request replaces one that has not started";
   tuner.request(stiffness_request(2, "nobody", 800.0));
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));  // it may look several times
   auto first = wait_for_result(tuner);
   ASSERT_NE(first, nullptr);
   EXPECT_EQ(first->state.request, 1U);

@@ -22,7 +22,7 @@ MethodBuilder::MethodName name_of(std::string_view text) {
 }
 
 std::unique_ptr<BuiltMethod> wait_for_method(MethodBuilder& builder) {
-  for (int i = 0; i < 500; ++i) {
+  for (int i = 0; i < 3000; ++i) {
     if (auto built = builder.take()) {
       return built;
     }
@@ -32,7 +32,7 @@ std::unique_ptr<BuiltMethod> wait_for_method(MethodBuilder& builder) {
 }
 
 const RejectedMethod* wait_for_refusal(MethodBuilder& builder) {
-  for (int i = 0; i < 500; ++i) {
+  for (int i = 0; i < 3000; ++i) {
     if (const RejectedMethod* rejected = builder.take_rejection()) return rejected;
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }

@@ -147,7 +147,7 @@ TEST_F(ReplyLoopTest, AMethodChangesWhileInContact) {
   const std::string_view name = "sweep";
   std::copy(name.begin(), name.end(), settings.method.begin());
   send(settings);
-  for (int i = 0; i < 500 && step_.counts().methods_taken == 0; ++i) {
+  for (int i = 0; i < 6000 && step_.counts().methods_taken == 0; ++i) {
     const auto command = exchange({0.01, 0.01, -0.002});
     ASSERT_TRUE(command);
     ASSERT_NEAR(command->force_n[2], 2.0, 1e-9);
@@ -162,7 +162,7 @@ TEST_F(ReplyLoopTest, ARequesterOfAMethodIsNotifiedOfTheResult) {
   const auto request_method = [&](std::string_view name, std::uint32_t number) {
     Settings settings{.method_request = number};
     std::copy(name.begin(), name.end(), settings.method.begin());
-    for (int i = 0; i < 500 && setups_.back().method_request != number; ++i) {
+    for (int i = 0; i < 6000 && setups_.back().method_request != number; ++i) {
       send(settings);  // repeated, because datagrams may be lost
       exchange({0.01, 0.01, 0.001});
       std::this_thread::sleep_for(std::chrono::milliseconds(5));  // the builder lives in real time
@@ -198,7 +198,7 @@ TEST_F(ReplyLoopTest, TheHubGetsTheSetupAtOnceSoonAgainOnceASecondAndWhenTheMeth
   const std::string_view name = "sweep";
   std::copy(name.begin(), name.end(), settings.method.begin());
   send(settings);
-  for (int i = 0; i < 500 && step_.counts().methods_taken == 0; ++i) {
+  for (int i = 0; i < 6000 && step_.counts().methods_taken == 0; ++i) {
     exchange({0.01, 0.01, 0.001});
     std::this_thread::sleep_for(std::chrono::milliseconds(5));  // the builder lives in real time
   }
@@ -213,7 +213,7 @@ TEST_F(ReplyLoopTest, TheFirstAnswerWaitsUntilWhatIsNearIsBuilt) {
   MethodBuilder builder(proxy, one_sheet(), step.touch().share_method());
   ReplyLoop loop(client_, clock_, step, builder, {}, true);
   std::optional<ForceCommand> first;
-  for (int i = 0; i < 1000 && !first; ++i) {
+  for (int i = 0; i < 6000 && !first; ++i) {
     send_state({0.01, 0.01, 0.001});
     loop.turn(clock_.now_ns() + kMs);
     first = receive_reply();
@@ -269,9 +269,9 @@ TEST_F(ReplyLoopTest, WhileTheFirstReplyIsPendingVisionIsNotifiedForHowLong) {
   EXPECT_GE(scenes_.size(), 10U) << "several times a second";
   EXPECT_EQ(step.counts().answered, 0U);
   done = true;
-  for (int i = 0; i < 500 && step.counts().answered == 0; ++i) {
+  for (int i = 0; i < 6000 && step.counts().answered == 0; ++i) {
     turn_on(1);
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   turn_on(5);
   ASSERT_GT(step.counts().answered, 0U);
@@ -334,7 +334,7 @@ class TunedLoopTest : public ReplyLoopTest {
 
   // Presses 2 mm deep until the reply to the request comes. The request is repeated, because datagrams may be lost.
   MaterialState ask(const MaterialRequest& asked) {
-    for (int i = 0; i < 500 && (materials_.empty() || materials_.back().request != asked.request); ++i) {
+    for (int i = 0; i < 6000 && (materials_.empty() || materials_.back().request != asked.request); ++i) {
       send(asked);
       const auto command = exchange({0.01, 0.01, -0.002});
       if (command) forces_n_.push_back(command->force_n[2]);
@@ -387,7 +387,7 @@ TEST_F(TunedLoopTest, AnotherMethodTakesOverWithTheMaterialsInUse) {
   const std::string_view name = "proxy";
   std::copy(name.begin(), name.end(), settings.method.begin());
   send(settings);
-  for (int i = 0; i < 500 && step_.counts().methods_taken == 0; ++i) {
+  for (int i = 0; i < 6000 && step_.counts().methods_taken == 0; ++i) {
     exchange({0.01, 0.01, -0.002});
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
@@ -397,7 +397,7 @@ TEST_F(TunedLoopTest, AnotherMethodTakesOverWithTheMaterialsInUse) {
   EXPECT_EQ(setups_.front().material_serial, 0U);
 }
 
-// The hub would receive all parts anew, and feel nothing meanwhile.
+// The hub would receive all parts again, and give no force meanwhile.
 TEST_F(TunedLoopTest, WhileTheHubWorksOutForcesItselfMaterialsStay) {
   PatchSender patches(one_sheet(), 0.0, 42, true);
   loop_.set_patch_sender(&patches);

@@ -5,6 +5,8 @@
 #include <memory>
 #include <vector>
 
+#include "scene/object_reader.h"
+
 namespace hapton {
 namespace {
 
@@ -33,6 +35,31 @@ TEST(SceneMotion, DoesNotGoWithAToolOrMovableObjects) {
             "object 'lid' moves by keyframes, which a rigid tool does not feel yet: leave out the tool, or the keyframes");
   EXPECT_EQ(check_motion(moving_scene_with(true, true), false).error().what,
             "object 'lid' moves by keyframes and 'peg' is movable, which do not go together yet: keep one of the two");
+}
+
+TEST(SceneMotion, WhatDeformsIsToldLikewise) {
+  Scene scene = moving_scene_with(false, true);
+  scene.objects[0].deformation = std::make_shared<const MeshDeformation>(std::vector<MorphTarget>{{{0}, {Vec3::UnitX()}}},
+                                                                         std::vector<MorphKey>{{0.0, {0.0}}, {1.0, {1.0}}}, false);
+  EXPECT_EQ(check_motion(scene, true).error().what,
+            "object 'lid' deforms, which a rigid tool does not feel yet: leave out the tool, or the morphs");
+  EXPECT_EQ(check_motion(scene, false).error().what,
+            "object 'lid' deforms and 'peg' is movable, which do not go together yet: keep one of the two");
+  scene.objects[1].is_movable = false;
+  EXPECT_TRUE(check_motion(scene, false));
+}
+
+TEST(SceneMotion, WhatProgramsMoveIsToldLikewise) {
+  Scene scene = moving_scene_with(false, true);
+  ObjectSpec spec;
+  spec.motion.by_program = true;
+  scene.objects[0].commanded = std::make_shared<const CommandedObject>(spec, SceneFit(), TriangleMesh());
+  EXPECT_EQ(check_motion(scene, true).error().what,
+            "object 'lid' is moved by programs, which a rigid tool does not feel yet: leave out the tool, or 'moved_by'");
+  EXPECT_EQ(check_motion(scene, false).error().what,
+            "object 'lid' is moved by programs and 'peg' is movable, which do not go together yet: keep one of the two");
+  scene.objects[1].is_movable = false;
+  EXPECT_TRUE(check_motion(scene, false));
 }
 
 }  // namespace

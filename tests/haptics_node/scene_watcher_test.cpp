@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <thread>
 
+#include "tests/support/patience.h"
 #include "tests/support/scratch_folder.h"
 
 namespace hapton {
@@ -38,11 +38,9 @@ struct SceneWatcherTest : testing::Test {
     return watcher->look();
   }
   std::unique_ptr<TunedMaterials> wait_for_materials() {
-    for (int i = 0; i < 500; ++i) {
-      if (auto result = tuner->take()) return result;
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
-    return nullptr;
+    std::unique_ptr<TunedMaterials> result;
+    wait_until([&] { return (result = tuner->take()) != nullptr; });
+    return result;
   }
 
   ScratchFolder folder;
@@ -101,11 +99,7 @@ TEST_F(SceneWatcherTest, EffectsComeWithTheSameMethodAndAnotherShapeWithANewOne)
 
   write("stiffness_n_per_m = 600", "[[object]]\nmesh = 'a.obj'\nposition_m = [0, 0, 0.02]");
   EXPECT_EQ(look_twice(), SceneWatcher::Look::scene);
-  for (int i = 0; i < 500 && built == nullptr; ++i) {
-    built = builder->take();
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  ASSERT_NE(built, nullptr);
+  ASSERT_TRUE(wait_until([&] { return (built = builder->take()) != nullptr; }));
   EXPECT_NE(built->step->share_method(), method);
   EXPECT_EQ(built->scene->revision, 2U);
   EXPECT_EQ(built->scene->touch.objects.size(), 2U);

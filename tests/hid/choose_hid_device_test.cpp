@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <string>
+#include <vector>
+
 namespace hapton {
 namespace {
 
@@ -60,6 +63,22 @@ TEST(ChooseHidDevice, AHaptonHidDeviceIsFoundByAnyOfItsUsages) {
 TEST(ChooseHidDevice, TheSameDeviceMayComeBackAtAnotherNode) {
   EXPECT_TRUE(is_same_device(wooden("/dev/hidraw1", "A"), wooden("/dev/hidraw7", "A")));
   EXPECT_FALSE(is_same_device(wooden("/dev/hidraw1", "A"), wooden("/dev/hidraw1", "B")));
+}
+
+// After it was unplugged. Two devices without serial numbers look the same: the wrong one must not exert the force of the other.
+TEST(ChooseHidDevice, IsFoundAgainWhereverItIsUnlessAnotherLooksTheSame) {
+  const auto again = [](const std::vector<HidDescription>& devices, const HidDescription& chosen) {
+    const auto found = find_hid_device_again(devices, chosen, HidKind::wooden_haptics);
+    return found ? found->path : found.error().what;
+  };
+  const HidDescription mouse = device("/dev/hidraw0", 0x046d, 0xc077);
+  EXPECT_EQ(again({mouse, wooden("/dev/hidraw7", "A")}, wooden("/dev/hidraw1", "A")), "/dev/hidraw7");
+  EXPECT_EQ(again({wooden("/dev/hidraw1", "B"), wooden("/dev/hidraw7", "A")}, wooden("/dev/hidraw1", "A")), "/dev/hidraw7");
+  EXPECT_THAT(again({mouse, wooden("/dev/hidraw1", "B")}, wooden("/dev/hidraw1", "A")), HasSubstr("no WoodenHaptics is plugged in"));
+  const std::vector twins = {wooden("/dev/hidraw1"), wooden("/dev/hidraw4")};
+  EXPECT_EQ(again(twins, wooden("/dev/hidraw4")), "/dev/hidraw4");
+  EXPECT_EQ(again(twins, wooden("/dev/hidraw1")), "/dev/hidraw1");
+  EXPECT_THAT(again(twins, wooden("/dev/hidraw5")), HasSubstr("/dev/hidraw5")) << "neither is certainly the one";
 }
 
 }  // namespace

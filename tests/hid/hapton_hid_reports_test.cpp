@@ -141,7 +141,7 @@ TEST(HaptonHidReports, AStateComesThroughWithinItsResolution) {
     for (int n = 0; n < 4; ++n) measured.orientation[n] = static_cast<float>(q.coeffs()[n]);
     measured.is_held = turn % 2 == 0;
     measured.is_hot = turn % 3 == 0;
-    measured.has_fault = turn % 5 == 0;
+    measured.has_fault = turn == 500;  // and stays
     measured.buttons = static_cast<std::uint32_t>(random());
     measured.temperature = turn % 7 == 0 ? -1.0f : 0.5f;
     Bytes report(kStateBytes);
@@ -156,7 +156,7 @@ TEST(HaptonHidReports, AStateComesThroughWithinItsResolution) {
     EXPECT_TRUE(state->is_calibrated);
     EXPECT_EQ(state->is_held, turn % 2 == 0);
     EXPECT_EQ(state->is_hot, turn % 3 == 0);
-    EXPECT_EQ(state->has_fault, turn % 5 == 0);
+    EXPECT_EQ(state->has_fault, turn >= 500);
     EXPECT_DOUBLE_EQ(state->temperature, turn % 7 == 0 ? -1.0 : 0.5);
   }
 }
@@ -242,8 +242,9 @@ class MakersDevice : public ::testing::Test {
     EXPECT_TRUE(is_on || n == 0.0);
     return n;
   }
-  State state(std::uint32_t now_us) {
-    const hapton_hid_measured measured = rest();
+  State state(std::uint32_t now_us, bool has_fault = false) {
+    hapton_hid_measured measured = rest();
+    measured.has_fault = has_fault;
     Bytes report(kStateBytes);
     hapton_hid_state(&device_, &measured, now_us, report.data());
     return *decode_state(report);
@@ -269,13 +270,64 @@ TEST_F(MakersDevice, ReleasesOnTimeoutAndStaysOffUntilSwitchedOff) {
   take(true, 2000);
   EXPECT_EQ(pushes(22'000), 1.0);
   EXPECT_EQ(pushes(22'001), 0.0);
-  EXPECT_TRUE(state(22'001).has_barked);
+  EXPECT_TRUE(state(22'001).has_tripped);
   take(true, 23'000);
   EXPECT_EQ(pushes(23'000), 0.0);
   take(false, 24'000);
-  EXPECT_FALSE(state(24'000).has_barked);
+  EXPECT_FALSE(state(24'000).has_tripped);
   take(true, 25'000);
   EXPECT_EQ(pushes(25'000), 1.0);
+}
+
+TEST_F(MakersDevice, AFaultTurnsTheMotorsOffUntilThePowerIsCycled) {
+  for (const bool is_found_by_the_state : {true, false}) {
+    SetUp();
+    take(false, 1000);
+    take(true, 2000);
+    ASSERT_EQ(pushes(2000), 1.0);
+    if (is_found_by_the_state) {
+      EXPECT_TRUE(state(2100, true).has_fault);
+    } else {
+      hapton_hid_fault(&device_);
+    }
+    EXPECT_EQ(pushes(2100), 0.0);
+    EXPECT_FALSE(state(2200).is_on);
+    EXPECT_TRUE(state(2200).has_fault);
+    take(true, 3000);
+    EXPECT_EQ(pushes(3000), 0.0);
+    take(false, 4000);
+    take(true, 5000);
+    EXPECT_EQ(pushes(5000), 0.0) << "arming does not clear a fault";
+    EXPECT_TRUE(state(5000).has_fault);
+    EXPECT_EQ(state(5000).newest_force, sequence_) << "reports are still received";
+  }
+  SetUp();
+  take(false, 6000);
+  take(true, 7000);
+  EXPECT_EQ(pushes(7000), 1.0);
+  EXPECT_FALSE(state(7000).has_fault);
+}
+
+TEST_F(MakersDevice, TheWatchdogDoesNotTripWhileTheMotorsAreOff) {
+  EXPECT_FALSE(state(900'000).has_tripped) << "before the first report";
+  take(false, 1'000'000);
+  EXPECT_FALSE(state(9'000'000).has_tripped) << "after one that left them off";
+  take(true, 9'000'000);
+  EXPECT_EQ(pushes(9'000'000), 1.0) << "still armed";
+  take(false, 9'001'000);
+  EXPECT_FALSE(state(20'000'000).has_tripped) << "after they were turned off";
+}
+
+TEST_F(MakersDevice, TheNewestForceIsTheNewestReportObeyedOrNot) {
+  EXPECT_EQ(state(0).newest_force, 0) << "none yet";
+  take(true, 1000);
+  EXPECT_EQ(state(1000).newest_force, 1) << "not armed";
+  take(false, 2000);
+  EXPECT_EQ(state(2000).newest_force, 2);
+  take(true, 3000);
+  EXPECT_TRUE(state(50'000).has_tripped);
+  take(true, 51'000);
+  EXPECT_EQ(state(51'000).newest_force, 4) << "its watchdog has tripped";
 }
 
 TEST_F(MakersDevice, KeepsItsOwnForceLimitWhateverIsRequested) {

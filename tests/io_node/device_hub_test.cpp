@@ -4,15 +4,21 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <string>
 
 #include "link/link_key.h"
 #include "link/udp_endpoint.h"
+#include "runtime/log.h"
 #include "tests/support/scratch_folder.h"
 
 namespace hapton {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 struct DeviceHubs : testing::Test {
@@ -22,6 +28,11 @@ struct DeviceHubs : testing::Test {
     options.bind = "127.0.0.1:0";
     options.flight = "off";
     options.realtime.mode = RealtimeMode::off;
+  }
+
+  static std::string read(const std::string& file) {
+    std::ifstream in(file);
+    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
   }
 
   ScratchFolder scratch;
@@ -57,6 +68,88 @@ TEST_F(DeviceHubs, SayWhyTheyCannotBe) {
   EXPECT_THAT(DeviceHub::open(options, clock).error().what, HasSubstr(options.bind));
   options.device.name = "replay";
   EXPECT_THAT(DeviceHub::open(options, clock).error().what, HasSubstr("--trajectory"));
+}
+
+TEST_F(DeviceHubs, DescribeWhatTheyRun) {
+  options.rate_hz = 2000.0;
+  options.device.seed = 42;
+  options.device.max_force_n = 1.5;
+  const auto hub = DeviceHub::open(options, clock);
+  ASSERT_TRUE(hub);
+  EXPECT_THAT((*hub)->describe(), HasSubstr("2000 Hz, at most 1.50 N, seed 42"));
+}
+
+// A limit is only ever tightened; what asks for more is told so.
+TEST_F(DeviceHubs, WarnOfALimitAboveTheDevicesOwn) {
+  const auto log_of = [&](double max_force_n, double max_slew_n_per_s) {
+    options.device.max_force_n = max_force_n;
+    options.device.max_slew_n_per_s = max_slew_n_per_s;
+    testing::internal::CaptureStderr();
+    start_log("io_node");
+    EXPECT_TRUE(DeviceHub::open(options, clock));
+    return testing::internal::GetCapturedStderr();
+  };
+  constexpr char kLoose[] = "limits can only be tightened: the device's own apply";
+  EXPECT_THAT(log_of(1e3, 0.0), HasSubstr(kLoose));
+  EXPECT_THAT(log_of(0.5, 1e9), HasSubstr(kLoose));
+  EXPECT_THAT(log_of(0.5, 1.0), Not(HasSubstr(kLoose)));
+  EXPECT_THAT(log_of(std::numeric_limits<double>::infinity(), 0.0), Not(HasSubstr(kLoose)));
+}
+
+TEST_F(DeviceHubs, ServeMetricsOnlyWhereTheyAreWanted) {
+  const auto log_of = [&](const std::string& metrics) {
+    options.metrics = metrics;
+    testing::internal::CaptureStderr();
+    start_log("io_node");
+    EXPECT_TRUE(DeviceHub::open(options, clock));
+    return testing::internal::GetCapturedStderr();
+  };
+  EXPECT_THAT(log_of(""), Not(HasSubstr("metrics")));
+  EXPECT_THAT(log_of("127.0.0.1:0"), HasSubstr("metrics at http://127.0.0.1:"));
+  options.metrics = "9464";  // a port, or an address?
+  EXPECT_FALSE(DeviceHub::open(options, clock));
+}
+
+TEST_F(DeviceHubs, MeasureABareEchoOnlyWhereOneIsNamed) {
+  const auto report_of = [&](const std::string& responder) {
+    options.seconds = 0.05;
+    options.echo_probe = responder;
+    options.out = (scratch.path() / ("echo" + std::to_string(responder.size()))).string();
+    const StopSignal stop;
+    const auto hub = DeviceHub::open(options, clock);
+    EXPECT_TRUE(hub && (*hub)->run(stop));
+    return read(options.out + "/report.json");
+  };
+  EXPECT_THAT(report_of(""), Not(HasSubstr("\"echo_probe\"")));
+  const auto responder = open_udp_endpoint("127.0.0.1:0");
+  ASSERT_TRUE(responder);
+  EXPECT_THAT(report_of(to_string((*responder)->local_address())), HasSubstr("\"echo_probe\""));
+  options.echo_probe = "4950";
+  EXPECT_FALSE(DeviceHub::open(options, clock));
+}
+
+TEST_F(DeviceHubs, RecordTheSessionAndPrintHowMuch) {
+  options.seconds = 0.05;
+  options.record = (scratch.path() / "session.hapton").string();
+  const StopSignal stop;
+  const auto hub = DeviceHub::open(options, clock);
+  ASSERT_TRUE(hub);
+  testing::internal::CaptureStdout();
+  EXPECT_TRUE((*hub)->run(stop));
+  EXPECT_THAT(testing::internal::GetCapturedStdout(), HasSubstr("0 dropped: " + options.record));
+  EXPECT_GT(std::filesystem::file_size(options.record), 1000U);
+}
+
+TEST_F(DeviceHubs, PrintNothingOfRecordingsWhereThereAreNone) {
+  options.seconds = 0.05;
+  const StopSignal stop;
+  const auto hub = DeviceHub::open(options, clock);
+  ASSERT_TRUE(hub);
+  testing::internal::CaptureStdout();
+  EXPECT_TRUE((*hub)->run(stop));
+  const std::string out = testing::internal::GetCapturedStdout();
+  EXPECT_THAT(out, Not(HasSubstr("recorded")));
+  EXPECT_THAT(out, Not(HasSubstr("flight")));
 }
 
 }  // namespace

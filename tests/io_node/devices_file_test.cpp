@@ -77,11 +77,20 @@ TEST_F(DevicesFiles, GiveThePassivityControllerTheDevicesMechanics) {
 }
 
 TEST_F(DevicesFiles, GiveEachDeviceItsButtons) {
-  const auto devices = read(kLeft + "hold_button = 0\nclutch_button = 2\n" + kRight);
+  const auto devices = read(kLeft + "dead_mans_switch = 1\nclutch_button = 2\n" + kRight);
   ASSERT_TRUE(devices) << devices.error().what;
-  EXPECT_EQ(devices->front().device.hold_button, 0);
+  EXPECT_EQ(devices->front().device.dead_mans_switch, 1);
   EXPECT_EQ(devices->front().device.clutch_button, 2);
+  EXPECT_EQ(devices->back().device.dead_mans_switch, 0);
   EXPECT_EQ(devices->back().device.clutch_button, 0);
+}
+
+TEST_F(DevicesFiles, TheOldNameOfTheDeadMansSwitchCountsFromZero) {
+  const auto devices = read(kLeft + "hold_button = 0\n" + kRight + "hold_button = -1\n");
+  ASSERT_TRUE(devices) << devices.error().what;
+  EXPECT_EQ(devices->front().device.dead_mans_switch, 1);
+  EXPECT_EQ(devices->back().device.dead_mans_switch, 0);
+  EXPECT_THAT(rejection(kLeft + "hold_button = 0\ndead_mans_switch = 1\n"), HasSubstr("'hold_button' is the old name"));
 }
 
 TEST_F(DevicesFiles, TurnAboutXThenYThenZOfTheWorld) {
@@ -114,8 +123,8 @@ TEST_F(DevicesFiles, SayWhatIsWrongWhereAndHowToFixIt) {
   EXPECT_THAT(rejection(kLeft + "position_m = [0, 0, 1e9]\n"), HasSubstr("number 3 of 'position_m'"));
   EXPECT_THAT(rejection(kLeft + "posiiton_m = [0, 0, 0]\n"), HasSubstr(":5: unknown key 'posiiton_m' in [[device]] 1"));
   EXPECT_THAT(rejection(kLeft + "clutch_button = 33\n"), HasSubstr("'clutch_button' in [[device]] 1 is 33"));
-  EXPECT_THAT(rejection(kLeft + "hold_button = 0\nclutch_button = 1\n"),
-              HasSubstr("'clutch_button' = 1 is the button of 'hold_button' = 0"));
+  EXPECT_THAT(rejection(kLeft + "dead_mans_switch = 1\nclutch_button = 1\n"),
+              HasSubstr("'clutch_button' = 1 is also the button of 'dead_mans_switch'"));
   EXPECT_THAT(rejection(kLeft + kLeft), HasSubstr("two devices 'left'"));
   EXPECT_THAT(rejection(kLeft + "[[device]]\nname = \"right\"\ndevice = \"simulated\"\nbind = \"127.0.0.1:4950\"\n"),
               HasSubstr(":8: 'left' and 'right' both listen at 127.0.0.1:4950"));

@@ -1,5 +1,6 @@
 #include "io_node/io_options.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -55,10 +56,22 @@ TEST(IoOptions, ReadTheDevicesMechanicsForThePassivityController) {
 
 TEST(IoOptions, TheClutchTakesAButtonThatIsNotTheDeadMansSwitch) {
   EXPECT_EQ(std::get<IoOptions>(parse({})).device.clutch_button, 0);
-  EXPECT_EQ(std::get<IoOptions>(parse({"--clutch-button", "1", "--hold-button", "1"})).device.clutch_button, 1);
-  EXPECT_EQ(std::get<int>(parse({"--clutch-button", "2", "--hold-button", "1"})), 2) << "the one counts from 1, the other from 0";
+  EXPECT_EQ(std::get<IoOptions>(parse({"--clutch-button", "1", "--dead-mans-switch", "2"})).device.clutch_button, 1);
+  EXPECT_EQ(std::get<int>(parse({"--clutch-button", "2", "--dead-mans-switch", "2"})), 2);
   EXPECT_TRUE(std::holds_alternative<int>(parse({"--clutch-button", "33"})));
   EXPECT_TRUE(std::holds_alternative<int>(parse({"--devices", "two.toml", "--clutch-button", "2"})));
+}
+
+TEST(IoOptions, TheOldNameOfTheDeadMansSwitchCountsFromZero) {
+  EXPECT_EQ(std::get<IoOptions>(parse({})).device.dead_mans_switch, 0);
+  EXPECT_EQ(std::get<IoOptions>(parse({"--dead-mans-switch", "1"})).device.dead_mans_switch, 1);
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(std::get<IoOptions>(parse({"--hold-button", "0"})).device.dead_mans_switch, 1);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), testing::HasSubstr("--hold-button 0 is now --dead-mans-switch 1"));
+  EXPECT_EQ(std::get<IoOptions>(parse({"--hold-button", "-1"})).device.dead_mans_switch, 0);
+  EXPECT_TRUE(std::holds_alternative<int>(parse({"--hold-button", "0", "--dead-mans-switch", "1"})));
+  EXPECT_TRUE(std::holds_alternative<int>(parse({"--devices", "two.toml", "--dead-mans-switch", "1"})));
+  EXPECT_TRUE(std::holds_alternative<int>(parse({"--devices", "two.toml", "--hold-button", "1"})));
 }
 
 TEST(IoOptions, VrpnIsOffUnlessAnAddressIsGiven) {
@@ -109,7 +122,8 @@ TEST(IoOptions, NumbersHaveTheRangesThatHelpNames) {
       {"--continuous-force", "0", "1000", "-0.1", "1001",
        [](const IoOptions& o) { return static_cast<double>(o.device.continuous_force_n); }},
       {"--max-speed", "0", "100", "-0.1", "100.1", [](const IoOptions& o) { return static_cast<double>(o.device.max_speed_m_per_s); }},
-      {"--hold-button", "-1", "31", "-2", "32", [](const IoOptions& o) { return static_cast<double>(o.device.hold_button); }},
+      {"--dead-mans-switch", "0", "32", "-1", "33", [](const IoOptions& o) { return static_cast<double>(o.device.dead_mans_switch); }},
+      {"--hold-button", "-1", "31", "-2", "32", [](const IoOptions& o) { return o.device.dead_mans_switch - 1.0; }},
       {"--passive-mass", "0", "100", "-0.1", "100.1", [](const IoOptions& o) { return static_cast<double>(o.device.passive_mass_kg); }},
       {"--spin", "0", "0.5", "-0.01", "0.51", [](const IoOptions& o) { return static_cast<double>(o.spin_share); }},
       {"--rt-priority", "0", "99", "-1", "100", [](const IoOptions& o) { return static_cast<double>(o.realtime.priority); }},

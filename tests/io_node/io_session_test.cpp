@@ -17,6 +17,7 @@
 #include "link/hub_client.h"
 #include "link/random_id.h"
 #include "link/udp_endpoint.h"
+#include "tests/support/patience.h"
 #include "tests/support/scratch_folder.h"
 
 namespace hapton {
@@ -85,9 +86,14 @@ struct Sessions : testing::Test {
 };
 
 TEST_F(Sessions, RunsForItsTimeAndLeavesAReport) {
-  SimulatedPhantom device({});
-  const auto ended = run(device);
-  ASSERT_TRUE(ended) << ended.error().what;
+  // On a busy machine the haptics node may come too late for a short session.
+  for (; forces == 0 && options.seconds < 30.0; options.seconds *= 2.0) {
+    SimulatedPhantom device({});
+    const std::int64_t begin_ns = clock.now_ns();
+    const auto ended = run(device);
+    ASSERT_TRUE(ended) << ended.error().what;
+    EXPECT_GE(clock.now_ns() - begin_ns, static_cast<std::int64_t>(1e9 * options.seconds));
+  }
   EXPECT_GT(forces, 0U);
   EXPECT_NE(report().find("\"round_trip\""), std::string::npos);
   EXPECT_TRUE(std::filesystem::exists(folder / "latency.csv"));
@@ -140,12 +146,12 @@ TEST_F(Sessions, EndsOnRequestAndReportsOnRequest) {
   SimulatedPhantom device({});
   std::atomic<bool> seen{false};
   std::thread asker([&] {
-    std::this_thread::sleep_for(std::chrono::milliseconds(300));
-    std::raise(SIGUSR1);
-    for (int n = 0; n < 200 && !seen; ++n) {
+    // A request from before the session began is of no session.
+    seen = wait_until([&] {
+      std::raise(SIGUSR1);
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
-      seen = std::filesystem::exists(folder / "report.json");
-    }
+      return std::filesystem::exists(folder / "report.json");
+    });
     stop.request_stop();
   });
   EXPECT_TRUE(run(device));

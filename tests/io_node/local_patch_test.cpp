@@ -169,7 +169,7 @@ TEST_F(LoopWithPatch, AForceFromTheNetworkIsNotUsedMeanwhile) {
   EXPECT_EQ(loop->collect_stats().commands_unused, 300U);
 }
 
-// Patches are wanted, and none reaches the hand for a second, then one does; later they begin anew. The network's force goes on meanwhile.
+// Patches are wanted, and none reaches the hand for a second, then one does; later they start again. The network's force goes on meanwhile.
 TEST_F(LoopWithPatch, TheForceOfTheNetworkGoesOnUntilAPatchReachesTheHand) {
   PatchOrders orders = orders_until(clock.now_ns() + 100'000 * kMs);
   local.publish(orders);

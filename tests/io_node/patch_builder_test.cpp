@@ -42,9 +42,9 @@ struct BuilderStage {
     for (const TileCell& cell : tiled.cells) send(to_message(cell, 0, 0), epoch);
     for (const PatchTile& tile : tiled.tiles) send(tile, epoch);
   }
-  // Steps the device 1 mm below the sheet until that holds; false: not within 10 s.
+  // Steps the device 1 mm below the sheet until that holds; false: not within 30 s.
   bool step_until(const std::function<bool(const std::optional<LocalForce>&)>& holds) {
-    for (int n = 0; n < 5000; ++n) {
+    for (int n = 0; n < 15000; ++n) {
       time_ns += kMs;
       if (holds(local.step({time_ns, Vec3(0, 0, -0.001), Quat::Identity(), 0, true}))) return true;
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
@@ -100,7 +100,7 @@ TEST(PatchBuilder, AfterAClearNothingOfBeforeIsUsed) {
     (void)stage.builder.take_status();
     return stage.builder.status().epoch == 0U;
   }));
-  // Another haptics node, whose epochs begin anew.
+  // Another haptics node, whose epochs start again.
   stage.send_all(1);
   EXPECT_TRUE(stage.step_until(is_felt));
 }

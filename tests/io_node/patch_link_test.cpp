@@ -3,13 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <chrono>
-#include <thread>
 #include <vector>
 
 #include "core/force/force_method.h"
 #include "tests/io_node/servo_fixture.h"
 #include "tests/support/made_scene.h"
+#include "tests/support/patience.h"
 
 namespace hapton {
 namespace {
@@ -26,6 +25,13 @@ struct PatchLinks : Servos {
     servo->set_patch_link(link.get());
     join(kHaptics, NodeRole::haptics);
     run(100);
+  }
+  // The builder has seen to all that it was told up to now, such as that a node joined: it takes everything in order, and counts a part of
+  // no epoch, which changes nothing, as rejected.
+  bool builder_has_caught_up() {
+    const std::uint64_t before = builder.counts().store.rejected;
+    builder.push(PatchTile{});
+    return wait_until([&] { return builder.counts().store.rejected > before; });
   }
 };
 
@@ -80,7 +86,7 @@ std::unique_ptr<Patch> floor_patch(std::uint32_t generation) {
 }
 
 // The hand presses 2 mm into the haptics node's floor while patches are wanted: its force goes on until one is there, and again when they
-// begin anew.
+// start again.
 TEST_F(PatchLinks, TheRemoteForceGoesOnUntilAPatchIsThere) {
   device.place = Vec3(0.001, 0.002, 0.002);
   floor_z_m = 0.0;
@@ -88,8 +94,7 @@ TEST_F(PatchLinks, TheRemoteForceGoesOnUntilAPatchIsThere) {
   answer.contact = false;
   start(TouchChoice::patch);
   servo->device_loop().set_local_touch(&local);
-  // What the builder does when the node joined is done by now.
-  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  ASSERT_TRUE(builder_has_caught_up());
   local.set_generation(7);
   run(300);
   device.place.z() = -0.002;
@@ -112,7 +117,7 @@ TEST_F(PatchLinks, TheRemoteForceGoesOnUntilAPatchIsThere) {
   EXPECT_GT(stats().local_forces, 900U);
   states.clear();
   local.set_generation(8);
-  EXPECT_GT(least_in(1000), 1.999) << "patches begin anew";
+  EXPECT_GT(least_in(1000), 1.999) << "patches start again";
   EXPECT_GT(std::count_if(states.begin(), states.end(), [](const DeviceState& state) { return state.is_resumed; }), 0)
       << "the haptics node goes on where they were";
   local.free_retired();
@@ -131,7 +136,7 @@ TEST_F(PatchLinks, ContactOutlivesAHapticsNodeWhosePatchesWereFelt) {
   answer.contact = false;
   start(TouchChoice::patch);
   servo->device_loop().set_local_touch(&local);
-  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  ASSERT_TRUE(builder_has_caught_up());
   local.set_generation(7);
   local.offer(floor_patch(7));
   run(300);
@@ -150,7 +155,7 @@ TEST_F(PatchLinks, ContactOutlivesAHapticsNodeWhosePatchesWereFelt) {
   join(kHaptics, NodeRole::haptics);
   run(20);
   // The builder has dropped what it had, and one patch of the new node is there before its first reply.
-  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  ASSERT_TRUE(builder_has_caught_up());
   local.set_generation(9);
   local.free_retired();
   local.offer(floor_patch(9));

@@ -98,6 +98,75 @@ TEST_F(Servos, PosesOfObjectsGoToToolsAndVisionAndRequestsForOneToHaptics) {
   EXPECT_EQ(object_poses[2].second.serial, 3U);
 }
 
+MoveRequest request_to_move(std::uint32_t request) { return {.request = request, .object = {"lid"}, .p_m = Vec3(0.1, 0, 0)}; }
+
+TEST_F(Servos, ARequestToMoveGoesOnToHapticsAndItsReplyToWhoSentIt) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  join(kTool, NodeRole::tool);
+  join(kVision, NodeRole::vision);
+  run(5);
+  say(kTool, request_to_move(7));
+  run(1);
+  say(kVision, request_to_move(8));
+  run(1);
+  ASSERT_EQ(move_requests.size(), 2U);
+  for (const auto& [to, request] : move_requests) EXPECT_EQ(to, at(kHaptics));
+  EXPECT_EQ(move_requests[0].second.request, 7U);
+  say(kHaptics, MoveReply{.request = 8});
+  run(1);
+  say(kHaptics, MoveReply{.request = 7});
+  run(1);
+  say(kHaptics, MoveReply{.request = 9});  // of nobody
+  say(kTool, MoveReply{.request = 7});     // it may not
+  say(kHaptics, ObjectMove{.source = 3, .serial = 1, .object = 2});
+  run(2);
+  ASSERT_EQ(move_replies.size(), 2U);
+  EXPECT_EQ(move_replies[0].first, at(kVision));
+  EXPECT_EQ(move_replies[1].first, at(kTool));
+  ASSERT_EQ(object_moves.size(), 1U);
+  EXPECT_EQ(object_moves[0].first, at(kVision)) << "who draws it";
+  EXPECT_EQ(object_moves[0].second.object, 2);
+}
+
+// One sender's flood neither crowds out another sender nor reaches the haptics node.
+TEST_F(Servos, AFloodOfRequestsToMoveIsCutOffAndCounted) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  join(kTool, NodeRole::tool);
+  join(kVision, NodeRole::vision);
+  run(5);
+  std::uint32_t request = 1000;
+  for (int cycle = 0; cycle < 1000; ++cycle) {
+    for (int n = 0; n < 4; ++n) say(kTool, request_to_move(++request));
+    if (cycle % 100 == 0) say(kVision, request_to_move(1 + static_cast<std::uint32_t>(cycle)));
+    run(1);
+  }
+  run(5);
+  const auto from_flood =
+      std::count_if(move_requests.begin(), move_requests.end(), [](const auto& one) { return one.second.request > 1000; });
+  EXPECT_LE(from_flood, RequestHandler::kMovesPerSecond + RequestHandler::kMovesAtOnce + 2);
+  EXPECT_GT(from_flood, RequestHandler::kMovesPerSecond / 2);
+  EXPECT_EQ(move_requests.size() - static_cast<std::size_t>(from_flood), 10U) << "all of the other sender";
+  EXPECT_EQ(stats().moves_rejected, 4000U - static_cast<std::uint64_t>(from_flood));
+}
+
+TEST_F(Servos, AReplyGoesToNobodyWhoTookTheSendersPlace) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  join(kTool, NodeRole::tool);
+  run(5);
+  say(kTool, request_to_move(7));
+  run(1);
+  say(kTool, Bye{});
+  run(1);
+  join(kVision, NodeRole::vision);
+  run(2);
+  say(kHaptics, MoveReply{.request = 7});
+  run(2);
+  EXPECT_TRUE(move_replies.empty());
+}
+
 TEST_F(Servos, WhoLeadsTheHandHoldsItsButtons) {
   make();
   join(kVision, NodeRole::vision);
@@ -107,7 +176,7 @@ TEST_F(Servos, WhoLeadsTheHandHoldsItsButtons) {
   EXPECT_EQ(device.buttons, 1U);
   say(kVision, HandTarget{false, Vec3::Zero(), 1});
   run(2);
-  EXPECT_EQ(device.buttons, 0U) << "let go";
+  EXPECT_EQ(device.buttons, 0U) << "released";
 }
 
 TEST_F(Servos, TheHapticsSetupGoesToToolsAndVision) {
@@ -170,7 +239,7 @@ TEST_F(Servos, AnotherVisionNodeDoesNotReleaseTheHand) {
 
 TEST_F(Servos, ALatchedFaultIsReportedRecordedAndResetByAToolAlone) {
   RecordingTap tap;
-  make({.hold_button = 2}, nullptr, &tap);  // held: someone is at the device
+  make({.dead_mans_switch = 3}, nullptr, &tap);  // held: someone is at the device
   join(kHaptics, NodeRole::haptics);
   join(kVision, NodeRole::vision);
   join(kTool, NodeRole::tool);
@@ -201,7 +270,7 @@ TEST_F(Servos, ALatchedFaultIsReportedRecordedAndResetByAToolAlone) {
 }
 
 TEST_F(Servos, AResetIsRejectedWhileTheCauseIsThere) {
-  make({.hold_button = 2});
+  make({.dead_mans_switch = 3});
   join(kHaptics, NodeRole::haptics);
   join(kTool, NodeRole::tool);
   run(300);
@@ -228,9 +297,9 @@ TEST_F(Servos, AResetTakesAnOperatorsKeyAndAPersonAtTheDevice) {
   };
   Settings reset;
   reset.reset_faults = true;
-  const auto reset_by = [&](KeyRole key_role, int hold_button) {
+  const auto reset_by = [&](KeyRole key_role, int dead_mans_switch) {
     tools_key = key_role;
-    make({.hold_button = hold_button});
+    make({.dead_mans_switch = dead_mans_switch});
     join(kHaptics, NodeRole::haptics);
     join(kTool, NodeRole::tool);
     run(300);
@@ -251,10 +320,10 @@ TEST_F(Servos, AResetTakesAnOperatorsKeyAndAPersonAtTheDevice) {
     return reported.empty() ? ServoEvent::Kind::joined : reported[0].kind;
   };
   // From another host, with no dead man's switch, or with one that is held.
-  EXPECT_EQ(reset_by(KeyRole::tool, -1), ServoEvent::Kind::reset_without_right);
-  EXPECT_EQ(reset_by(KeyRole::tool, 2), ServoEvent::Kind::reset_without_right);
-  EXPECT_EQ(reset_by(KeyRole::operator_role, -1), ServoEvent::Kind::reset_without_person);
-  EXPECT_EQ(reset_by(KeyRole::operator_role, 2), ServoEvent::Kind::reset);
+  EXPECT_EQ(reset_by(KeyRole::tool, 0), ServoEvent::Kind::reset_without_right);
+  EXPECT_EQ(reset_by(KeyRole::tool, 3), ServoEvent::Kind::reset_without_right);
+  EXPECT_EQ(reset_by(KeyRole::operator_role, 0), ServoEvent::Kind::reset_without_person);
+  EXPECT_EQ(reset_by(KeyRole::operator_role, 3), ServoEvent::Kind::reset);
 }
 
 TEST_F(Servos, DeniedResetsAreAllCountedAndReportedOnceASecond) {

@@ -56,6 +56,14 @@ TEST_F(Servos, VisionIsNotifiedWhyThereIsNoForce) {
   join(kHaptics, NodeRole::haptics);
   run(500);
   EXPECT_EQ(probes.back().status, ProbeStatus::ok);
+  SceneFacts facts{.given_hash = 1, .lowest_m = {-0.02F, -0.02F, -0.02F}, .highest_m = {0.02F, 0.02F, 0.02F}, .is_hand_inside = true};
+  say(kHaptics, facts);
+  run(200);
+  EXPECT_EQ(probes.back().status, ProbeStatus::hand_inside);
+  facts.is_hand_inside = false;
+  say(kHaptics, facts);
+  run(200);
+  EXPECT_EQ(probes.back().status, ProbeStatus::ok);
   device.state = DeviceStatus::calibrating;
   run(200);
   EXPECT_EQ(probes.back().status, ProbeStatus::calibrating);

@@ -92,6 +92,9 @@ struct Servos : testing::Test {
   std::vector<std::pair<Address, MaterialRequest>> material_requests;
   std::vector<std::pair<Address, MaterialState>> material_states;
   std::vector<std::pair<Address, ObjectPose>> object_poses;
+  std::vector<std::pair<Address, MoveRequest>> move_requests;
+  std::vector<std::pair<Address, MoveReply>> move_replies;
+  std::vector<std::pair<Address, ObjectMove>> object_moves;
   std::vector<std::pair<Address, MarkerReply>> marker_replies;
   std::vector<LoopFacts> loop_facts;  // these two are for the haptics node alone
   std::vector<std::pair<std::int64_t, PatchStatus>> patch_statuses;
@@ -135,6 +138,9 @@ struct Servos : testing::Test {
     if (const auto* request = std::get_if<MaterialRequest>(&datagram.message)) material_requests.emplace_back(to, *request);
     if (const auto* state = std::get_if<MaterialState>(&datagram.message)) material_states.emplace_back(to, *state);
     if (const auto* pose = std::get_if<ObjectPose>(&datagram.message)) object_poses.emplace_back(to, *pose);
+    if (const auto* request = std::get_if<MoveRequest>(&datagram.message)) move_requests.emplace_back(to, *request);
+    if (const auto* reply = std::get_if<MoveReply>(&datagram.message)) move_replies.emplace_back(to, *reply);
+    if (const auto* move = std::get_if<ObjectMove>(&datagram.message)) object_moves.emplace_back(to, *move);
     if (const auto* reply = std::get_if<MarkerReply>(&datagram.message)) marker_replies.emplace_back(to, *reply);
     if (const auto* facts = std::get_if<LoopFacts>(&datagram.message)) {
       EXPECT_EQ(to, at(kHaptics));

@@ -58,11 +58,11 @@ TEST_F(Servos, ADeviceThatIsAwayIsReportedAndItsForceRampsUpOnReturn) {
 }
 
 TEST_F(Servos, TheDeadMansSwitchLetsGo) {
-  make({.hold_button = 1});
+  make({.dead_mans_switch = 2});
   join(kHaptics, NodeRole::haptics);
   run(300);  // the device holds buttons 0 and 2
   EXPECT_TRUE(device.written.empty() || device.written.back().force_n == Vec3::Zero());
-  make({.hold_button = 2});
+  make({.dead_mans_switch = 3});
   run(300);
   EXPECT_EQ(device.written.back().force_n, answer.force_n);
   device.is_held = false;
@@ -148,6 +148,8 @@ TEST_F(Servos, WhatWasOvertakenByItsSuccessorChangesNothing) {
   say_both(kHaptics, setup, newer_setup);
   say_both(kHaptics, MaterialState{.serial = 1}, MaterialState{.serial = 2});
   say_both(kHaptics, ObjectPose{.serial = 1}, ObjectPose{.serial = 2});
+  say_both(kTool, MoveRequest{.request = 1, .p_m = Vec3::Zero()}, MoveRequest{.request = 2, .p_m = Vec3::Zero()});
+  say_both(kHaptics, ObjectMove{.source = 1, .serial = 1}, ObjectMove{.source = 1, .serial = 2, .object = 1});
   run(20);
   for (const ViewTransform& view : views) EXPECT_EQ(view.X_WS[3], 0.02F);
   EXPECT_EQ(device.hand, Vec3(0.02, 0, 0));
@@ -157,6 +159,9 @@ TEST_F(Servos, WhatWasOvertakenByItsSuccessorChangesNothing) {
   for (const auto& [to, each] : material_states) EXPECT_EQ(each.serial, 2U);
   ASSERT_FALSE(object_poses.empty());
   for (const auto& [to, each] : object_poses) EXPECT_EQ(each.serial, 2U);
+  ASSERT_EQ(move_requests.size(), 1U);
+  EXPECT_EQ(move_requests[0].second.request, 2U);
+  EXPECT_EQ(object_moves.size(), 2U) << "each of its own object";
 }
 
 }  // namespace

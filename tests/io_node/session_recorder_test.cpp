@@ -185,6 +185,28 @@ TEST_F(Recorders, AFaultIsFollowedForAWhileAndThenWrittenWithoutWaitingForTheEnd
   ASSERT_TRUE(recorder.stop());
 }
 
+// Three faults within two seconds, each written before the next one comes: the last record goes back to the first.
+TEST_F(Recorders, ARecordGoesBackTwoSecondsOverWhatWasWrittenBefore) {
+  auto recorder = make({{}, flights});
+  ASSERT_TRUE(recorder.start());
+  const std::int64_t first_ns = clock.now_ns();
+  const std::pair<SessionFault, std::int64_t> faults[] = {
+      {SessionFault::clamped, first_ns}, {SessionFault::stalled, first_ns + 1900 * kMs}, {SessionFault::device, first_ns + 1950 * kMs}};
+  for (std::size_t n = 0; n < std::size(faults); ++n) {
+    recorder.on_fault(faults[n].first, faults[n].second);
+    clock.advance_ns(faults[n].second + SessionRecorder::kAfterFaultNs - clock.now_ns());
+    const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (flight_files().size() <= n && std::chrono::steady_clock::now() < give_up) std::this_thread::yield();
+  }
+  auto files = flight_files();
+  ASSERT_EQ(files.size(), std::size(faults));
+  const auto entries = read(*std::max_element(files.begin(), files.end()));  // the newest, by its name
+  ASSERT_EQ(entries.size(), std::size(faults));
+  EXPECT_EQ(entries.front().time_ns, first_ns);
+  EXPECT_EQ(entries.back().fault, SessionFault::device);
+  ASSERT_TRUE(recorder.stop());
+}
+
 TEST_F(Recorders, FlightRecordsAreFew) {
   auto recorder = make({{}, flights});
   ASSERT_TRUE(recorder.start());

@@ -58,7 +58,7 @@ class RandomDatagrams {
         return draw_state(time);
       case 4:
         return ForceCommand{bits(),   time,   vector(), vector(), flag(),   bits32(), bits32(), bits32(),
-                            bits32(), bits(), bits32(), object(), vector(), vector(), time};
+                            bits32(), bits(), bits32(), object(), vector(), vector(), time,     bits32()};
       case 5:
         return draw_view();
       case 6:
@@ -115,6 +115,12 @@ class RandomDatagrams {
         return draw_marker();
       case 24:
         return MarkerReply{bits32() | 1U, bits(), static_cast<MarkerStatus>(bits() % 4)};
+      case 25:
+        return draw_move_request();
+      case 26:
+        return draw_move_reply();
+      case 27:
+        return draw_move();
       default:
         return LoopFacts{{'s', 'i', 'm'}, rate(), static_cast<float>(number(0, 1))};
     }
@@ -136,6 +142,30 @@ class RandomDatagrams {
       object += 1 + static_cast<std::int32_t>(bits32() % 1000);
     }
     return state;
+  }
+
+  std::int32_t number_of_object() { return static_cast<std::int32_t>(bits32() >> 1); }
+
+  MoveRequest draw_move_request() {
+    MoveRequest request{.request = bits32() | 1U, .number = number_of_object()};
+    if (flag()) request.object = {"front hood"};
+    const bool has_position = flag();
+    if (has_position) request.p_m = vector();
+    if (!has_position || flag()) request.q = rotation();
+    if (flag()) request.over_s = number(1e-3, MoveRequest::kMostSeconds);
+    return request;
+  }
+
+  MoveReply draw_move_reply() {
+    MoveReply reply{.request = bits32() | 1U, .object = number_of_object(), .over_s = number(0, 1e5), .serial = bits32()};
+    if (flag()) std::fill(reply.rejection.begin(), reply.rejection.end() - 1, 'r');
+    return reply;
+  }
+
+  ObjectMove draw_move() {
+    const auto start_ns = static_cast<std::int64_t>(bits() >> 2);
+    return {bits32() | 1U, bits32(),   number_of_object(), start_ns,  start_ns + static_cast<std::int64_t>(bits32()),
+            vector(),      rotation(), vector(),           rotation()};
   }
 
   Marker draw_marker() {
@@ -181,6 +211,7 @@ class RandomDatagrams {
     facts.point_count = bits32() % (SceneFacts::kMostPoints + 1);
     for (std::size_t i = 0; i < facts.point_count; ++i) facts.points_m[i] = point();
     facts.preparing_s = static_cast<float>(bits32() % 100);
+    facts.is_hand_inside = flag();
     return facts;
   }
 
@@ -308,6 +339,26 @@ inline void expect_sane(const Datagram& datagram) {
       EXPECT_GE(state_of_materials->objects[i].object, -1);
       expect_sane(state_of_materials->objects[i].change);
     }
+  } else if (const auto* wanted = std::get_if<MoveRequest>(&datagram.message)) {
+    EXPECT_NE(wanted->request, 0U);
+    EXPECT_EQ(wanted->object.back(), '\0');
+    EXPECT_GE(wanted->number, 0);
+    EXPECT_TRUE(wanted->p_m || wanted->q);
+    EXPECT_TRUE(!wanted->p_m || wanted->p_m->allFinite());
+    EXPECT_TRUE(!wanted->q || std::abs(wanted->q->norm() - 1.0) <= 1.1e-3);
+    EXPECT_TRUE(!wanted->over_s || (*wanted->over_s > 0.0 && *wanted->over_s <= MoveRequest::kMostSeconds));
+  } else if (const auto* move_reply = std::get_if<MoveReply>(&datagram.message)) {
+    EXPECT_NE(move_reply->request, 0U);
+    EXPECT_EQ(move_reply->rejection.back(), '\0');
+    EXPECT_TRUE(std::isfinite(move_reply->over_s) && move_reply->over_s >= 0.0);
+  } else if (const auto* move = std::get_if<ObjectMove>(&datagram.message)) {
+    EXPECT_NE(move->source, 0U);
+    EXPECT_GE(move->object, 0);
+    EXPECT_GE(move->start_ns, 0);
+    EXPECT_GE(move->end_ns, move->start_ns);
+    EXPECT_TRUE(move->from_p_m.allFinite() && move->to_p_m.allFinite());
+    EXPECT_NEAR(move->from_q.norm(), 1.0, 1.1e-3);
+    EXPECT_NEAR(move->to_q.norm(), 1.0, 1.1e-3);
   } else if (const auto* pose = std::get_if<ObjectPose>(&datagram.message)) {
     EXPECT_NE(pose->serial, 0U);
     EXPECT_GE(pose->object, 0);

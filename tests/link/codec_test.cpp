@@ -58,10 +58,12 @@ TEST_F(CodecTest, WhatTheHandFeelsHasOneLengthWhateverItSays) {
 
 // A haptics node of an earlier build says nothing of objects, of a tool, or of what moves.
 TEST_F(CodecTest, AForceWithoutItsObjectTouchesNoneThatIsKnown) {
-  Bytes bytes = encode({{}, ForceCommand{.echo_sample = 9, .contact = true, .object = 3, .torque_nm = Vec3(1, 2, 3), .scene_time_ns = 7}});
+  Bytes bytes = encode(
+      {{}, ForceCommand{.echo_sample = 9, .contact = true, .object = 3, .torque_nm = Vec3(1, 2, 3), .scene_time_ns = 7, .move_serial = 5}});
   // The message is the last field of the envelope. The last of the message are its object, a byte of tag and four of the number, torque and
-  // turn, each a byte of tag, one of length and three numbers, and the time of the scene, a byte of tag and eight of the number.
-  constexpr std::size_t kLeftOut = 5 + 2 * (2 + 24) + 9;
+  // turn, each a byte of tag, one of length and three numbers, the time of the scene, a byte of tag and eight of the number, and the serial
+  // of the newest move, two bytes of tag and four of the number.
+  constexpr std::size_t kLeftOut = 5 + 2 * (2 + 24) + 9 + 6;
   const auto low = [&](std::size_t i) { return std::to_integer<std::size_t>(bytes[i]) & 0x7FU; };
   std::size_t at = 2;
   while (at + 1 < bytes.size() &&
@@ -78,6 +80,7 @@ TEST_F(CodecTest, AForceWithoutItsObjectTouchesNoneThatIsKnown) {
   EXPECT_EQ(std::get<ForceCommand>(decoded.message).object, -1);
   EXPECT_EQ(std::get<ForceCommand>(decoded.message).torque_nm, Vec3(Vec3::Zero()));
   EXPECT_EQ(std::get<ForceCommand>(decoded.message).scene_time_ns, 0);
+  EXPECT_EQ(std::get<ForceCommand>(decoded.message).move_serial, 0U);
   EXPECT_EQ(std::get<ForceCommand>(decoded.message).echo_sample, 9U);
 }
 
@@ -242,6 +245,56 @@ TEST_F(CodecTest, RejectsChangesOfMaterialsThatMeanNothing) {
   EXPECT_EQ(round_trip(state), DecodeStatus::bad_value) << "a number that is not given";
   state.objects[1] = {3, {.given = MaterialChange::kAll + 1}};
   EXPECT_EQ(round_trip(state), DecodeStatus::bad_value);
+}
+
+constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
+
+TEST_F(CodecTest, RejectsBadRequestsToMove) {
+  const MoveRequest good{.request = 1, .object = {"lid"}, .p_m = Vec3(0.1, 0, 0), .q = Quat::Identity(), .over_s = 0.5};
+  EXPECT_EQ(round_trip(good), DecodeStatus::ok);
+  const auto with = [&](auto&& change) {
+    MoveRequest bad = good;
+    change(bad);
+    return round_trip(bad);
+  };
+  EXPECT_EQ(with([](MoveRequest& m) { m.request = 0; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](MoveRequest& m) { m.object = {'a', '\n'}; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](MoveRequest& m) { m.number = -1; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](MoveRequest& m) { m.p_m->x() = kNotANumber; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](MoveRequest& m) { m.p_m->x() = 2e9; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](MoveRequest& m) { m.q = Quat(1.0, 0.1, 0.0, 0.0); }), DecodeStatus::bad_value) << "not of unit length";
+  EXPECT_EQ(with([](MoveRequest& m) { m.q->w() = kNotANumber; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](MoveRequest& m) { m.p_m.reset(); }), DecodeStatus::ok);
+  EXPECT_EQ(with([](MoveRequest& m) { m.q.reset(); }), DecodeStatus::ok);
+  EXPECT_EQ(with([](MoveRequest& m) { m.over_s.reset(); }), DecodeStatus::ok);
+  EXPECT_EQ(with([](MoveRequest& m) { m.p_m.reset(), m.q.reset(); }), DecodeStatus::bad_value) << "it moves nothing";
+  for (const double seconds : {0.0, -1.0, kNotANumber, 86'401.0}) {
+    EXPECT_EQ(with([&](MoveRequest& m) { m.over_s = seconds; }), DecodeStatus::bad_value) << seconds;
+  }
+}
+
+TEST_F(CodecTest, RejectsBadMovesOfObjects) {
+  const ObjectMove good{.source = 1, .serial = 2, .object = 3, .start_ns = 4, .end_ns = 5};
+  EXPECT_EQ(round_trip(good), DecodeStatus::ok);
+  const auto with = [&](auto&& change) {
+    ObjectMove bad = good;
+    change(bad);
+    return round_trip(bad);
+  };
+  EXPECT_EQ(with([](ObjectMove& m) { m.serial = 0; }), DecodeStatus::ok) << "not moved yet";
+  EXPECT_EQ(with([](ObjectMove& m) { m.source = 0; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](ObjectMove& m) { m.object = -1; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](ObjectMove& m) { m.start_ns = -1; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](ObjectMove& m) { m.end_ns = 3; }), DecodeStatus::bad_value) << "before it starts";
+  EXPECT_EQ(with([](ObjectMove& m) { m.from_p_m.y() = kNotANumber; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](ObjectMove& m) { m.to_p_m.y() = kNotANumber; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](ObjectMove& m) { m.from_q = Quat(0.5, 0, 0, 0); }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](ObjectMove& m) { m.to_q = Quat(0.5, 0, 0, 0); }), DecodeStatus::bad_value);
+  MoveReply reply{.request = 1, .over_s = 0.5};
+  EXPECT_EQ(round_trip(reply), DecodeStatus::ok);
+  reply.over_s = -1.0;
+  EXPECT_EQ(round_trip(reply), DecodeStatus::bad_value);
+  EXPECT_EQ(round_trip(MoveReply{.request = 0}), DecodeStatus::bad_value);
 }
 
 TEST_F(CodecTest, RejectsBadPosesOfObjects) {

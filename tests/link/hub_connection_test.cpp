@@ -72,7 +72,7 @@ TEST_F(HubConnectionTest, ASecondHapticsNodeIsToldWhy) {
       });
       const auto second = HubConnection::open(NodeRole::haptics, {.hub = hub, .key_file = key_.string()});
       if (second) {
-        if (const auto joined = (*second)->wait_until_joined(0.5); !joined) why = joined.error().what;
+        if (const auto joined = (*second)->wait_until_joined(30.0); !joined) why = joined.error().what;
       }
       is_done = true;
       alive.join();

@@ -364,10 +364,17 @@ TEST_F(RoleRights, APeerIsAcceptedUnderItsOwnKeyAlone) {
 
 TEST_F(RoleRights, EachRoleSendsWhatIsItsOwn) {
   const MaterialRequest material{.request = 1, .change = {.given = MaterialChange::kDamping}};
-  const std::vector<std::pair<Message, NodeRole>> messages = {
-      {ForceCommand{}, NodeRole::haptics}, {HapticsSetup{}, NodeRole::haptics}, {ViewTransform{}, NodeRole::vision},
-      {FrameAck{}, NodeRole::vision},      {HandTarget{}, NodeRole::vision},    {Settings{}, NodeRole::tool},
-      {ReportRequest{}, NodeRole::tool},   {material, NodeRole::tool},          {MaterialState{}, NodeRole::haptics}};
+  const std::vector<std::pair<Message, NodeRole>> messages = {{ForceCommand{}, NodeRole::haptics},
+                                                              {HapticsSetup{}, NodeRole::haptics},
+                                                              {ViewTransform{}, NodeRole::vision},
+                                                              {FrameAck{}, NodeRole::vision},
+                                                              {HandTarget{}, NodeRole::vision},
+                                                              {Settings{}, NodeRole::tool},
+                                                              {ReportRequest{}, NodeRole::tool},
+                                                              {material, NodeRole::tool},
+                                                              {MaterialState{}, NodeRole::haptics},
+                                                              {MoveReply{.request = 1}, NodeRole::haptics},
+                                                              {ObjectMove{.source = 1}, NodeRole::haptics}};
   const std::vector<std::pair<NodeRole, KeyRole>> nodes = {
       {NodeRole::haptics, KeyRole::haptics}, {NodeRole::vision, KeyRole::vision}, {NodeRole::tool, KeyRole::tool}};
   for (std::size_t n = 0; n < nodes.size(); ++n) {
@@ -378,12 +385,14 @@ TEST_F(RoleRights, EachRoleSendsWhatIsItsOwn) {
       EXPECT_EQ(event.kind == Kind::message, owner == nodes[n].first) << message.index();
     }
   }
-  EXPECT_EQ(hub_->counts().wrong_role, 18U);
+  EXPECT_EQ(hub_->counts().wrong_role, 22U);
   // Two roles have a scene; where its objects are one says, and the other asks for.
   for (std::size_t n = 0; n < nodes.size(); ++n) {
     const Address at = memory_address(static_cast<std::uint8_t>(10 + n), 9);
     EXPECT_EQ(say(nodes[n].second, SceneFacts{}, 100 + n, at).kind == Kind::message, nodes[n].first != NodeRole::tool);
     EXPECT_EQ(say(nodes[n].second, ObjectPose{.serial = 1}, 100 + n, at).kind == Kind::message, nodes[n].first != NodeRole::tool);
+    const MoveRequest move{.request = 1, .p_m = Vec3::Zero()};
+    EXPECT_EQ(say(nodes[n].second, move, 100 + n, at).kind == Kind::message, nodes[n].first != NodeRole::haptics);
   }
 }
 

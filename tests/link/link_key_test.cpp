@@ -14,6 +14,7 @@
 
 #include "link/key_schedule.h"
 #include "link/udp_endpoint.h"
+#include "tests/support/open_files.h"
 #include "tests/support/scratch_folder.h"
 
 namespace hapton {
@@ -305,6 +306,15 @@ TEST_F(LinkKeyTest, OnLoopbackTheUsersOwnKeyIsFound) {
   };
   restore("XDG_RUNTIME_DIR", old_runtime);
   restore("HOME", old_home);
+}
+
+TEST_F(LinkKeyTest, IsClosedAgain) {
+  const auto good = write_key("good", kKeyFileBytes, 0600);
+  const auto open_to_all = write_key("open", kKeyFileBytes, 0644);
+  EXPECT_FALSE(leaves_files_open([&] {
+    EXPECT_TRUE(read_key_file(good));
+    EXPECT_FALSE(read_key_file(open_to_all));
+  }));
 }
 
 }  // namespace

@@ -42,6 +42,7 @@ inline void expect_equal(const ForceCommand& a, const ForceCommand& b) {
   EXPECT_EQ(a.torque_nm, b.torque_nm);
   EXPECT_EQ(a.visual_turn, b.visual_turn);
   EXPECT_EQ(a.scene_time_ns, b.scene_time_ns);
+  EXPECT_EQ(a.move_serial, b.move_serial);
 }
 inline void expect_equal(const MaterialChange& a, const MaterialChange& b) {
   EXPECT_EQ(a.given, b.given);
@@ -68,6 +69,22 @@ inline void expect_equal(const MaterialState& a, const MaterialState& b) {
 inline void expect_equal(const Marker& a, const Marker& b) { EXPECT_EQ(std::tie(a.request, a.text), std::tie(b.request, b.text)); }
 inline void expect_equal(const MarkerReply& a, const MarkerReply& b) {
   EXPECT_EQ(std::tie(a.request, a.sample, a.status), std::tie(b.request, b.sample, b.status));
+}
+inline void expect_equal(const MoveRequest& a, const MoveRequest& b) {
+  EXPECT_EQ(std::tie(a.request, a.object, a.number, a.over_s), std::tie(b.request, b.object, b.number, b.over_s));
+  EXPECT_EQ(a.p_m, b.p_m);
+  ASSERT_EQ(a.q.has_value(), b.q.has_value());
+  EXPECT_TRUE(!a.q || a.q->coeffs() == b.q->coeffs());
+}
+inline void expect_equal(const MoveReply& a, const MoveReply& b) {
+  EXPECT_EQ(std::tie(a.request, a.rejection, a.object, a.over_s, a.serial), std::tie(b.request, b.rejection, b.object, b.over_s, b.serial));
+}
+inline void expect_equal(const ObjectMove& a, const ObjectMove& b) {
+  EXPECT_EQ(std::tie(a.source, a.serial, a.object, a.start_ns, a.end_ns), std::tie(b.source, b.serial, b.object, b.start_ns, b.end_ns));
+  EXPECT_EQ(a.from_p_m, b.from_p_m);
+  EXPECT_EQ(a.from_q.coeffs(), b.from_q.coeffs());
+  EXPECT_EQ(a.to_p_m, b.to_p_m);
+  EXPECT_EQ(a.to_q.coeffs(), b.to_q.coeffs());
 }
 inline void expect_equal(const ViewTransform& a, const ViewTransform& b) {
   EXPECT_EQ(a.revision, b.revision);
@@ -154,6 +171,7 @@ inline void expect_equal(const SceneFacts& a, const SceneFacts& b) {
   EXPECT_EQ(a.point_count, b.point_count);
   EXPECT_EQ(a.points_m, b.points_m);
   EXPECT_EQ(a.preparing_s, b.preparing_s);
+  EXPECT_EQ(a.is_hand_inside, b.is_hand_inside);
 }
 
 inline void expect_equal(const ViewRejected& a, const ViewRejected& b) { EXPECT_EQ(a.revision, b.revision); }

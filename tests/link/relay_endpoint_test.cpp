@@ -9,13 +9,14 @@
 
 #include "link/udp_endpoint.h"
 #include "runtime/clock.h"
+#include "tests/support/patience.h"
 #include "tests/support/text_bytes.h"
 #include "tests/support/time_units.h"
 
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kPatienceNs = 10'000 * kMs;
+constexpr std::int64_t kPatienceNs = 30'000 * kMs;
 
 // A hub, some nodes and the relay between them, all in this thread.
 struct Relays : testing::Test {
@@ -45,10 +46,14 @@ struct Relays : testing::Test {
     }
   }
 
-  std::vector<std::string> receive_rest(Endpoint& at) {
+  // All that comes: at least so many, however long they take, and what else is there within a moment.
+  std::vector<std::string> receive_rest(Endpoint& at, std::size_t at_least) {
     std::vector<std::string> texts;
-    for (std::string text = receive(at, 100 * kMs); !text.empty(); text = receive(at, 100 * kMs)) texts.push_back(text);
-    return texts;
+    for (;;) {
+      const std::string text = receive(at, texts.size() < at_least ? kPatienceNs : 100 * kMs);
+      if (text.empty()) return texts;
+      texts.push_back(text);
+    }
   }
 
   SteadyClock clock;
@@ -79,7 +84,7 @@ TEST_F(Relays, CarryBothWaysAndGiveEachNodeAPortOfItsOwn) {
 TEST_F(Relays, LoseWhatTheyCountAsLostAndNothingElse) {
   open({.loss = 0.5});
   send_numbered(*node, 200);
-  const auto arrived = receive_rest(*hub);
+  const auto arrived = receive_rest(*hub, relay->to_hub().forwarded);
   EXPECT_EQ(arrived.size(), relay->to_hub().forwarded);
   EXPECT_EQ(relay->to_hub().forwarded + relay->to_hub().lost, 200U);
   EXPECT_GT(relay->to_hub().lost, 60U);
@@ -89,7 +94,7 @@ TEST_F(Relays, LoseWhatTheyCountAsLostAndNothingElse) {
 TEST_F(Relays, CopyAndSpoil) {
   open({.duplicate = 1.0});
   send_numbered(*node, 20);
-  EXPECT_EQ(receive_rest(*hub).size(), 40U);
+  EXPECT_EQ(receive_rest(*hub, 40).size(), 40U);
   open({.corrupt = 1.0});
   ASSERT_TRUE(node->send(relay->local_address(), bytes_of("whole")));
   const std::string spoilt = receive(*hub);
@@ -106,7 +111,7 @@ TEST_F(Relays, DeliverLateWhatIsDelayedAndOutOfOrderWhatIsHeldBack) {
 
   open({.reorder = 0.3, .reorder_by_ns = 20 * kMs});
   send_numbered(*node, 50);
-  const auto arrived = receive_rest(*hub);
+  const auto arrived = receive_rest(*hub, 50);
   EXPECT_EQ(std::set<std::string>(arrived.begin(), arrived.end()).size(), 50U);
   EXPECT_GT(relay->to_hub().held_back, 0U);
 }
@@ -114,6 +119,10 @@ TEST_F(Relays, DeliverLateWhatIsDelayedAndOutOfOrderWhatIsHeldBack) {
 TEST_F(Relays, KeepTheTwoWaysApart) {
   open({.partition = true}, {});
   ASSERT_TRUE(node->send(relay->local_address(), bytes_of("x")));
+  EXPECT_TRUE(wait_until([&] {
+    EXPECT_EQ(receive(*hub, kMs), "");
+    return relay->to_hub().partitioned == 1U;
+  }));
   EXPECT_EQ(receive(*hub, 50 * kMs), "");
   EXPECT_EQ(relay->to_hub().partitioned, 1U);
 }

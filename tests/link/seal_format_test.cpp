@@ -92,6 +92,18 @@ void lengthen(MaterialState& m) {
   }
 }
 void lengthen(ObjectPose& m) { m = {kMost32, std::numeric_limits<std::int32_t>::max(), true, kVector, kRotation}; }
+void lengthen(MoveRequest& m) {
+  m = {kMost32, {}, std::numeric_limits<std::int32_t>::max(), kVector, kRotation, 1.0 / 3.0};
+  fill_text(m.object);
+}
+void lengthen(MoveReply& m) {
+  m = {kMost32, {}, std::numeric_limits<std::int32_t>::max(), 1.0 / 3.0, kMost32};
+  fill_text(m.rejection);
+}
+void lengthen(ObjectMove& m) {
+  constexpr std::int64_t kMostTime = std::numeric_limits<std::int64_t>::max();
+  m = {kMost32, kMost32, std::numeric_limits<std::int32_t>::max(), kMostTime, kMostTime, kVector, kRotation, kVector, kRotation};
+}
 void lengthen(Marker& m) {
   m.request = kMost32;
   std::fill(m.text.begin(), m.text.end() - 1, 'x');

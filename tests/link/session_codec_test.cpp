@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <limits>
+#include <utility>
 
 namespace hapton {
 namespace {
@@ -121,6 +123,21 @@ TEST(SessionCodec, ACycleMayLackTheDevicesSampleAndALocalForce) {
   expect_equal(entry, read);
   ASSERT_EQ(codec.read(std::string_view(bytes).substr(first.bytes), read).status, Status::ok);
   expect_equal(make(Kind::cycle), read);
+}
+
+// The file counts objects from 1, and its counter can be larger than any index.
+TEST(SessionCodec, AnObjectThatNoSceneCanHaveIsNone) {
+  SessionCodec codec;
+  constexpr std::int32_t kLargest = std::numeric_limits<std::int32_t>::max();
+  for (const auto& [written, read_back] : {std::pair{-1, -1}, {0, 0}, {1, 1}, {kLargest - 1, kLargest - 1}, {kLargest, -1}}) {
+    SessionEntry entry = make(Kind::cycle);
+    entry.cycle.local->object = written;
+    std::string bytes;
+    codec.append(entry, bytes);
+    SessionEntry read;
+    ASSERT_EQ(codec.read(bytes, read).status, Status::ok);
+    EXPECT_EQ(read.cycle.local->object, read_back) << written;
+  }
 }
 
 TEST(SessionCodec, GivesBackAHeader) {

@@ -15,6 +15,8 @@
 #include "link/metered_endpoint.h"
 #include "runtime/clock.h"
 #include "tests/support/allocation_guard.h"
+#include "tests/support/open_files.h"
+#include "tests/support/patience.h"
 #include "tests/support/text_bytes.h"
 #include "tests/support/time_units.h"
 
@@ -31,7 +33,7 @@ class UdpEndpointTest : public testing::Test {
     return endpoint ? std::move(*endpoint) : nullptr;
   }
 
-  std::string receive(Endpoint& endpoint, std::int64_t wait_ns = 1000 * kMs) {
+  std::string receive(Endpoint& endpoint, std::int64_t wait_ns = 30'000 * kMs) {
     received_ = endpoint.receive(buffer_, clock_.now_ns() + wait_ns);
     return {reinterpret_cast<const char*>(buffer_.data()), received_.bytes};
   }
@@ -105,7 +107,7 @@ TEST_F(UdpEndpointTest, WaitsUntilTheDeadlineAndNotBeyondReason) {
     const std::int64_t start_ns = clock_.now_ns();
     EXPECT_EQ(receive(*a, wait_ns), "");
     EXPECT_GE(clock_.now_ns() - start_ns, wait_ns);
-    EXPECT_LT(clock_.now_ns() - start_ns, 10 * kNanosecondsPerSecond);
+    EXPECT_LT(clock_.now_ns() - start_ns, 30 * kNanosecondsPerSecond);
   }
 }
 
@@ -118,7 +120,7 @@ TEST_F(UdpEndpointTest, APreparedWaitEndsWithADatagramOrAtItsDeadline) {
     a->send(b->local_address(), bytes_of("early"));
     EXPECT_EQ(b->receive(buffer_, deadline_ns).bytes, 5U);
     EXPECT_EQ(b->receive(buffer_, deadline_ns - 15 * kMs).bytes, 0U);  // another deadline than the prepared one
-    EXPECT_LT(clock_.now_ns(), deadline_ns + kNanosecondsPerSecond);
+    EXPECT_LT(clock_.now_ns(), deadline_ns + 30 * kNanosecondsPerSecond);
     EXPECT_EQ(b->receive(buffer_, deadline_ns).bytes, 0U);
     EXPECT_GE(clock_.now_ns(), deadline_ns);
     EXPECT_EQ(b->receive(buffer_, deadline_ns).bytes, 0U);  // past by now
@@ -134,8 +136,9 @@ TEST_F(UdpEndpointTest, APastDeadlineOnlyTakesWhatIsThere) {
   EXPECT_EQ(receive(*b, -kMs), "");
   a->send(b->local_address(), bytes_of("1"));
   a->send(b->local_address(), bytes_of("2"));
-  EXPECT_EQ(receive(*b, -kMs), "1");
-  EXPECT_EQ(b->receive(buffer_, 0).bytes, 1U);
+  // The kernel may deliver in a thread of its own.
+  EXPECT_TRUE(wait_until([&] { return receive(*b, -kMs) == "1"; }));
+  EXPECT_TRUE(wait_until([&] { return b->receive(buffer_, 0).bytes == 1U; }));
   EXPECT_EQ(b->receive(buffer_, std::numeric_limits<std::int64_t>::min() / 2).bytes, 0U);
 }
 
@@ -159,7 +162,7 @@ TEST_F(UdpEndpointTest, PassesOverDatagramsThatAreTooLongOrEmpty) {
   a->send(b->local_address(), bytes_of("far too long for sixteen bytes"));
   a->send(b->local_address(), {});
   a->send(b->local_address(), bytes_of("fits"));
-  const Received received = b->receive(small, clock_.now_ns() + 1000 * kMs);
+  const Received received = b->receive(small, clock_.now_ns() + 30'000 * kMs);
   EXPECT_EQ(received.bytes, 4U);
   EXPECT_EQ(std::memcmp(small.data(), "fits", 4), 0);
   EXPECT_EQ(b->socket_counts().oversized, 2U);
@@ -178,7 +181,7 @@ TEST_F(UdpEndpointTest, AFloodOfOverlongDatagramsCannotHoldAPoll) {
   }
   a->send(b->local_address(), bytes_of("fits"));
   EXPECT_EQ(b->receive(small, 0).bytes, 0U);
-  EXPECT_EQ(b->receive(small, 0).bytes, 4U);
+  EXPECT_TRUE(wait_until([&] { return b->receive(small, 0).bytes == 4U; }));
 }
 
 TEST_F(UdpEndpointTest, ASignalDoesNotCutAWaitShort) {
@@ -224,11 +227,16 @@ TEST_F(UdpEndpointTest, UsesNoHeapForADatagram) {
   std::size_t received = 0;
   for (int i = 0; i < 100; ++i) {
     a->send(to, bytes_of("datagram"));
-    received += b->receive(buffer_, clock_.now_ns() + 1000 * kMs).bytes;
+    received += b->receive(buffer_, clock_.now_ns() + 30'000 * kMs).bytes;
     b->receive(buffer_, clock_.now_ns() + 10'000);
   }
   EXPECT_EQ(guard.count(), 0U);
   EXPECT_EQ(received, 800U);
+}
+
+// A tool that asks the hub for its state once a second opens one each time.
+TEST_F(UdpEndpointTest, IsClosedAgain) {
+  EXPECT_FALSE(leaves_files_open([&] { const auto endpoint = open("127.0.0.1:0"); }));
 }
 
 }  // namespace

@@ -154,7 +154,7 @@ TEST(ForceChain, AStageSeesEachSampleAndWhatIsWrittenOfItsForce) {
   chain.sample(along_x(0.9), 3 * kMillisecond);
   EXPECT_NEAR((chain.force_n() - Vec3(std::sqrt(0.5), std::sqrt(0.5), 0.0)).norm(), 0.0, 1e-11) << "shortened after the stage";
   EXPECT_EQ(stage.written.back(), chain.force_n());
-  // The newest force stays, and is shaped anew.
+  // The newest force stays, and is shaped again.
   const std::size_t written = stage.written.size();
   chain.sample(along_x(0.0), 4 * kMillisecond);
   EXPECT_EQ(stage.written.size(), written + 1);

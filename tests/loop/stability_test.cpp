@@ -20,7 +20,7 @@ struct Cell {
   double mass_kg, damping, stiffness, delay_s, expected, linear_rule;
 };
 
-// Largest stable stiffness from the eigenvalues of the exactly sampled loop at 1 kHz, worked out elsewhere and rounded to 1 N/m.
+// Largest stable stiffness from the eigenvalues of the exactly sampled loop at 1 kHz, computed elsewhere and rounded to 1 N/m.
 constexpr Cell kCells[] = {
     {0.875, 5.5, 30.0, 0.0, 11'012.0, 11'000.0},
     {0.875, 5.5, 30.0, 0.1, 63.0, 55.0},

@@ -37,6 +37,8 @@ TEST(VelocityEstimators, LagAsTheoryHasIt) {
     const double expected = (0.5 + (1.0 - share) / share) * kPeriod;
     EXPECT_NEAR(measure_velocity({Kind::first_order, cutoff_hz}, kPeriod, 0.0).lag_s, expected, 1e-6) << cutoff_hz;
   }
+  // Of the weights 8, 7 .. 1: 7/3 samples, on top of the difference's half.
+  EXPECT_NEAR(measure_velocity({Kind::mean}, kPeriod, 0.0).lag_s, (0.5 + 7.0 / 3.0) * kPeriod, 1e-9);
 }
 
 // A step of D seen every so often: the difference is off by at most a step a period, and RMS by D/T sqrt(f (1 - f)) where a share f of the

@@ -120,6 +120,19 @@ TEST_F(PatchEdge, ASmallPatchBesideTheWayHasToGrowFirst) {
   EXPECT_FALSE(go(0.039, kHeldDepth)->is_beyond);
 }
 
+// Over a short way the surface cannot have risen far.
+TEST_F(PatchEdge, AfterAShortWayLessRoomIsEnough) {
+  (void)go_past_the_edge();
+  (void)touch.offer(make_patch({0.012, 0, 0}, 0.0075, true));
+  EXPECT_TRUE(go(0.012, kHeldDepth)->is_beyond);
+  (void)touch.offer(make_patch({0.012, 0, 0}, 0.009, true));
+  const auto felt = go(0.012, kHeldDepth);
+  ASSERT_TRUE(felt.has_value());
+  EXPECT_FALSE(felt->is_beyond);
+  EXPECT_EQ(touch.counts().raised, 1U);
+  EXPECT_NEAR(felt->force_n.z(), kEdgeStiffness * kHeldDepth, 0.02);
+}
+
 TEST_F(PatchEdge, AFreeHandThatStaysAwayBeginsAnew) {
   for (int n = 0; n < 20; ++n) (void)go(0.001 * n, -0.002);
   EXPECT_TRUE(touch.is_placed());

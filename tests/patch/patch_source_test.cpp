@@ -196,7 +196,7 @@ TEST_F(PatchSourceTest, AStatusOfSomethingElseSaysNothing) {
   EXPECT_EQ(source->counts().held, count);
   source->accept(begun_anew);
   EXPECT_EQ(source->counts().held, 0U);
-  EXPECT_EQ(take(kStartNs + 120 * kMs).size(), count) << "the hub has begun anew";
+  EXPECT_EQ(take(kStartNs + 120 * kMs).size(), count) << "the hub has started again";
 }
 
 TEST_F(PatchSourceTest, ABurstAtFirstAndThenNoMoreThanTheBandwidth) {

@@ -21,6 +21,9 @@ namespace {
 
 using ::testing::HasSubstr;
 
+// A picture that comes too late for a press costs a round of the hand.
+constexpr Seconds kRoundsPatience = 4 * kPatience;
+
 // A line of 40 mm on the top of a cube with button 2, then a measure from its one end to the other with button 3; over and over.
 constexpr const char* kWay =
     "t_s,x_m,y_m,z_m,buttons\n0,-0.02,0.01,0.06,0\n0.3,-0.02,0.01,0.049,0\n0.6,-0.02,0.01,0.049,2\n1.6,0.02,0.01,0.049,0\n"
@@ -56,10 +59,13 @@ TEST(Annotations, AreDrawnSavedAndReadByTheProgram) {
       "--hub", hub, "--scene", scene, "--size", "320x240", "--strokes", (scratch.path() / "lines.obj").string(), "--annotations", notes};
   {
     Program vision("vision_node", arguments, scratch.path(), display.name());
-    EXPECT_TRUE(System::wait_until([&] {
-      return (vision.err().find("drawn on block: ") != std::string::npos && vision.err().find("measured 40.0") != std::string::npos) ||
-             !vision.is_running();
-    })) << vision.err();
+    EXPECT_TRUE(System::wait_until(
+        [&] {
+          return (vision.err().find("drawn on block: ") != std::string::npos && vision.err().find("measured 40.0") != std::string::npos) ||
+                 !vision.is_running();
+        },
+        kRoundsPatience))
+        << vision.err();
     vision.send_signal(SIGTERM);
     const auto ended = vision.wait(kPatience);
     ASSERT_TRUE(ended);
@@ -119,7 +125,8 @@ TEST(Annotations, TheMenuIsOperatedByTouch) {
   Program haptics("haptics_node", {"--hub", hub, "--scene", scene}, scratch.path());
   Program vision("vision_node", {"--hub", hub, "--scene", scene, "--size", "320x240", "--view-yaw-deg", "0", "--view-pitch-deg", "0"},
                  scratch.path(), display.name());
-  EXPECT_TRUE(System::wait_until([&] { return vision.err().find(" undone") != std::string::npos || !vision.is_running(); }))
+  EXPECT_TRUE(
+      System::wait_until([&] { return vision.err().find(" undone") != std::string::npos || !vision.is_running(); }, kRoundsPatience))
       << vision.err();
   EXPECT_THAT(vision.err(), HasSubstr("drawn on block: "));
   vision.send_signal(SIGTERM);

@@ -14,6 +14,7 @@
 #include <cstdio>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <random>
 #include <regex>
 #include <thread>
@@ -44,7 +45,7 @@ TEST(Network, LossJitterReorderCopiesAndCorruptionLeaveTheForceBounded) {
   Onlooker onlooker(system);
   ProbeState state;
   ASSERT_TRUE(onlooker.see_until(true, state)) << "no contact through the storm";
-  const Watched watched = expect_bounded(onlooker, 3.0);
+  const Watched watched = expect_bounded(onlooker, 3.0, Until::force);
   EXPECT_GT(watched.seen, 100);
   EXPECT_GT(watched.force, 0);
   const Json report = system.request_report();
@@ -99,7 +100,7 @@ TEST(Haptics, RestartedExertsForceWithoutTheHandHavingLeft) {
   const std::int64_t started_ns = onlooker.now_ns();
   ASSERT_TRUE(onlooker.see_until(true, state)) << "no contact after the restart";
   std::printf("felt %.0f ms after the program was started\n", 1e-6 * static_cast<double>(onlooker.now_ns() - started_ns));
-  EXPECT_GT(expect_bounded(onlooker, 0.5).force, 0);
+  EXPECT_GT(expect_bounded(onlooker, 0.5, Until::force).force, 0);
   expect_sane(system.request_report());
   system.end_all();
 }
@@ -108,13 +109,22 @@ std::string note(const Json& report, const char* name) { return report.at("notes
 
 // The hand comes down at 11 mm/s, which is too fast here, and then stays in contact.
 TEST(Safety, ALatchedFaultIsRecordedAndHoldsUntilAPersonResetsIt) {
-  System system({"--max-speed", "0.008", "--vision-rate", "1000"});
-  std::ofstream(system.folder() / "taps.csv") << "t_s,x_m,y_m,z_m\n0,0.01,0.02,0.06\n1,0.01,0.02,0.049\n600,0.011,0.02,0.049\n";
-  system.start("io_node");
-  system.start("haptics_node");
-  const Json latched = system.wait_for_report(
-      [](const Json& report) { return note(report, "safety_fault") == "speed" && count(report, "contact_samples") > 300; });
-  ASSERT_EQ(note(latched, "safety_fault"), "speed");
+  // For ten seconds after a record, such as that of a machine that stood still, there is no other: then it is tried again.
+  std::optional<System> latching;
+  Json latched;
+  for (int attempt = 0; attempt < 3; ++attempt) {
+    latching.emplace(std::vector<std::string>{"--max-speed", "0.008", "--vision-rate", "1000"});
+    std::ofstream(latching->folder() / "taps.csv") << "t_s,x_m,y_m,z_m\n0,0.01,0.02,0.06\n1,0.01,0.02,0.049\n600,0.011,0.02,0.049\n";
+    latching->start("io_node");
+    latching->start("haptics_node");
+    latched = latching->wait_for_report(
+        [](const Json& report) { return note(report, "safety_fault") == "speed" && count(report, "contact_samples") > 300; });
+    ASSERT_EQ(note(latched, "safety_fault"), "speed");
+    if ((*latching)["io_node"].err().find("its last 2 s are in") == std::string::npos ||
+        (*latching)["io_node"].err().find("-speed.hapton") != std::string::npos)
+      break;
+  }
+  System& system = *latching;
   EXPECT_EQ(note(latched, "governor"), "latched");
   EXPECT_EQ(latched.at("notes").at("max_force_written_n"), "0.000");
   ASSERT_TRUE(System::wait_until([&] { return system["io_node"].err().find("-speed.hapton") != std::string::npos; }));

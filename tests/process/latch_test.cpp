@@ -35,10 +35,15 @@ struct Latched : testing::Test {
                    folder.path());
   }
   bool says(const Program& program, const std::string& text) {
-    for (int tries = 0; tries < 2000 && program.err().find(text) == std::string::npos; ++tries) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    return System::wait_until([&] { return program.err().find(text) != std::string::npos; });
+  }
+  // In the runtime folder, which is the test's own.
+  bool is_kept() const {
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.path())) {
+      const std::string name = entry.path().filename().string();
+      if (name.starts_with("latched-") && !name.ends_with(".part")) return true;
     }
-    return program.err().find(text) != std::string::npos;
+    return false;
   }
   int reset() { return run("hapton", {"set", "--hub", hub, "--reset-faults"}, folder.path()).value_or(Ended{}).exit_code; }
 };
@@ -52,7 +57,7 @@ TEST_F(Latched, OutlivesTheProcessUntilItIsReset) {
     Program io = start("jumps.csv");
     ASSERT_TRUE(says(io, kLatched)) << io.err();
     EXPECT_THAT(io.err(), Not(HasSubstr(kStill)));
-    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    ASSERT_TRUE(System::wait_until([&] { return is_kept(); })) << "no fault is kept in " << folder.path();
     io.kill();
   }
   for (const bool resets : {false, true}) {

@@ -1,6 +1,9 @@
-// Objects that move by keyframes, in the real programs.
+// Objects that move by keyframes or deform, in the real programs.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
 
 #include "tests/process/led_hand.h"
 
@@ -17,6 +20,60 @@ TEST(MovingObjects, PushAHandThatHoldsStillAndAreReplayed) {
   const Ended replayed = hand.replay();
   EXPECT_EQ(replayed.exit_code, 0) << replayed.out << replayed.err;
   EXPECT_THAT(replayed.out, HasSubstr(" 0 different"));
+}
+
+// A hand that holds still over the block of scenes/deforming.toml is pushed up by its first hump.
+TEST(DeformingObjects, PushAHandThatHoldsStillAndAreReplayed) {
+  LedHand hand("simulated", "t_s,x_m,y_m,z_m\n0,-0.0543,0,-0.006\n0.5,-0.0543,-0.030,-0.006\n60,-0.0543,-0.030,-0.006\n", "deforming.toml");
+  EXPECT_TRUE(hand.goes_above("max_force_written_n", 0.5));
+  hand.end();
+  const Ended replayed = hand.replay();
+  EXPECT_EQ(replayed.exit_code, 0) << replayed.out << replayed.err;
+  EXPECT_THAT(replayed.out, HasSubstr(" 0 different"));
+}
+
+Ended move_with(const LedHand& hand, std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "move");
+  arguments.insert(arguments.end(), {"--hub", hand.hub});
+  return run("hapton", arguments, hand.scratch.path()).value_or(Ended{});
+}
+
+// The programs may still be starting, or the machine may stand still for seconds.
+Ended moved_at_last(const LedHand& hand, const std::vector<std::string>& arguments) {
+  Ended moved;
+  System::wait_until([&] {
+    moved = move_with(hand, arguments);
+    return moved.exit_code == 0;
+  });
+  EXPECT_EQ(moved.exit_code, 0) << moved.err;
+  return moved;
+}
+
+// A hand that holds still over the platform of scenes/lift.toml is pushed up when a program lifts it.
+TEST(ObjectsThatProgramsMove, PushAHandThatHoldsStillAndAreReplayed) {
+  LedHand hand("simulated", "t_s,x_m,y_m,z_m\n0,-0.05,0.06,0.01\n0.5,-0.05,0.029,0.01\n600,-0.05,0.029,0.01\n", "lift.toml");
+  const Ended moved = moved_at_last(hand, {"platform", "--to", "-0.05,-0.005,0", "--over", "0.2"});
+  EXPECT_EQ(moved.out, "platform moves, for 0.200 s\n");
+  EXPECT_TRUE(hand.goes_above("max_force_written_n", 0.5));
+  const Ended slowed = moved_at_last(hand, {"platform", "--to", "-0.05,-0.02,0", "--over", "0.01"});
+  EXPECT_THAT(slowed.out, HasSubstr(" s, not 0.01 s: no point of it may be faster than 0.25 m/s\n"));
+  moved_at_last(hand, {"#2", "--rotate", "-90,0,70"});
+  Ended refused;
+  const auto is_refused = [&] {
+    refused = move_with(hand, {"ground", "--to", "0,0,0"});
+    return refused.err.find("rejected") != std::string::npos;
+  };
+  EXPECT_TRUE(System::wait_until(is_refused));
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_EQ(
+      refused.err,
+      "hapton move: the haptics node rejected it: programs may not move 'ground': give it moved_by = \"program\" in the scene file\n");
+  hand.end();
+  const Ended replayed = hand.replay();
+  EXPECT_EQ(replayed.exit_code, 0) << replayed.out << replayed.err;
+  EXPECT_THAT(replayed.out, HasSubstr(" 0 different"));
+  const Ended info = run("hapton", {"session", "info", hand.file}, hand.scratch.path()).value_or(Ended{});
+  EXPECT_THAT(info.out, HasSubstr("objects moved by programs: "));
 }
 
 }  // namespace

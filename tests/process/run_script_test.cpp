@@ -30,6 +30,18 @@ class RunScript : public ::testing::Test {
     words.insert(words.end(), more.begin(), more.end());
     return Program(HAPTON_SOURCE_DIR "/deploy/run", words, folder_.path(), display);
   }
+  // For five seconds. A machine that stands still may leave too little of them for a touch: then for longer.
+  std::optional<Ended> run_headless(const std::vector<std::string>& more) {
+    std::optional<Ended> ended;
+    for (const char* seconds : {"5", "20"}) {
+      std::vector<std::string> words = {"--headless", "--seconds", seconds};
+      words.insert(words.end(), more.begin(), more.end());
+      Program script = start(words);
+      ended = script.wait(kRunPatience);
+      if (!ended || ended->out.find("\nrun: touched ") != std::string::npos) break;
+    }
+    return ended;
+  }
   // Until all nodes have been started and touch.
   static bool wait_until_touching(Program& run) {
     for (int i = 0; i < 1200 && run.out().find("run: touching") == std::string::npos && run.is_running(); ++i)
@@ -60,7 +72,7 @@ TEST_F(RunScript, StoppedBySignalsBeforeItsTimeStillSumsUpAndSaysSo) {
   for (const int signal : {SIGINT, SIGTERM}) {
     Program run = start({"--headless", "--seconds", "200"});
     ASSERT_TRUE(wait_until_touching(run)) << run.out() << run.err();
-    (void)run.wait(Seconds(2));
+    (void)run.wait(Seconds(3));
     run.send_signal(signal);
     const auto ended = run.wait(kRunPatience);
     ASSERT_TRUE(ended) << "still runs";
@@ -77,8 +89,7 @@ TEST_F(RunScript, TouchesAMeshInAnyUnitAndItsRecordingReplays) {
   const std::string mesh = HAPTON_SOURCE_DIR "/meshes/wingnut.obj";
   for (const char* unit : {"m", "mm", "in"}) {
     const std::string recording = (folder_.path() / unit).string() + ".hapton";
-    Program script = start({"--headless", "--seconds", "5", "--scene", mesh, "--unit", unit, "--record", recording});
-    const auto ended = script.wait(kRunPatience);
+    const auto ended = run_headless({"--scene", mesh, "--unit", unit, "--record", recording});
     ASSERT_TRUE(ended) << "still runs";
     EXPECT_EQ(ended->exit_code, 0) << ended->out << ended->err;
     EXPECT_THAT(ended->out, HasSubstr("\nrun: touched " + mesh));
@@ -95,8 +106,7 @@ TEST_F(RunScript, TouchesASmallThingThatLiesAside) {
   for (const double x : {-1.0, 1.0}) file << "v " << x << " 0.4 0\nv " << x + 0.02 << " 0.4 0\nv " << x << " 0.42 0\n";
   file << "f 1 2 3\nf 4 5 6\n";
   file.close();
-  Program script = start({"--headless", "--seconds", "5", "--scene", mesh.string()});
-  const auto ended = script.wait(kRunPatience);
+  const auto ended = run_headless({"--scene", mesh.string()});
   ASSERT_TRUE(ended) << "still runs";
   EXPECT_EQ(ended->exit_code, 0) << ended->out << ended->err;
   EXPECT_THAT(ended->out, HasSubstr("\nrun: touched " + mesh.string()));
@@ -121,7 +131,7 @@ TEST_F(RunScript, WithoutATimeIsStoppedBySignalsAsItShouldBe) {
   const VirtualDisplay display;
   Program run = start({}, display.name());
   ASSERT_TRUE(wait_until_touching(run)) << run.out() << run.err();
-  (void)run.wait(Seconds(2));
+  (void)run.wait(Seconds(3));
   run.send_signal(SIGINT);
   const auto ended = run.wait(kRunPatience);
   ASSERT_TRUE(ended) << "still runs";

@@ -149,24 +149,26 @@ TEST_F(Sessions, AnotherSceneThanTheRecordedOneIsRejected) {
 
 TEST_F(Sessions, AHapticsNodeKilledInContactLeavesItsLastTwoSeconds) {
   system.start("io_node");
-  system.start("haptics_node");
   Onlooker onlooker(system);
   ProbeState state;
-  ASSERT_TRUE(onlooker.see_until(true, state)) << "no contact";
-  system["haptics_node"].kill();
   const std::filesystem::path flights = system.folder() / "out/flight";
-  std::vector<std::filesystem::path> files;
-  EXPECT_TRUE(System::wait_until([&] {
-    files.clear();
+  std::filesystem::path record;
+  const auto has_come = [&] {
     std::error_code not_there_yet;
     for (const auto& entry : std::filesystem::directory_iterator(flights, not_there_yet)) {
-      if (entry.path().extension() == ".hapton") files.push_back(entry.path());
+      if (entry.path().filename().string().ends_with("-command-timeout.hapton")) record = entry.path();
     }
-    return !files.empty();
-  }));
-  ASSERT_FALSE(files.empty());
-  EXPECT_THAT(files[0].filename().string(), HasSubstr("-command-timeout.hapton"));
-  const Ended text = session({"info", files[0].string()});
+    return !record.empty();
+  };
+  // For ten seconds after a record, such as that of a machine that stood still, there is no other: then it is tried again.
+  for (int attempt = 0; attempt < 3 && record.empty(); ++attempt) {
+    system.start("haptics_node");
+    ASSERT_TRUE(onlooker.see_until(true, state)) << "no contact";
+    system["haptics_node"].kill();
+    System::wait_until(has_come);
+  }
+  ASSERT_FALSE(record.empty());
+  const Ended text = session({"info", record.string()});
   EXPECT_EQ(text.exit_code, 0) << text.err;
   EXPECT_THAT(text.out, HasSubstr("flight record: command-timeout"));
   system.end("io_node");

@@ -85,9 +85,9 @@ class System {
   }
 
   template <class Condition>
-  static bool wait_until(Condition&& holds) {
+  static bool wait_until(Condition&& holds, Seconds at_most = kPatience) {
     SteadyClock clock;
-    const std::int64_t end_ns = clock.now_ns() + static_cast<std::int64_t>(1e9 * kPatience.count());
+    const std::int64_t end_ns = clock.now_ns() + static_cast<std::int64_t>(1e9 * at_most.count());
     while (!holds()) {
       if (clock.now_ns() > end_ns) return false;
       clock.sleep_until_ns(clock.now_ns() + 50 * kNanosecondsPerMillisecond);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -56,25 +57,36 @@ std::int64_t answered_by(Program& haptics_node) {
 }
 
 TEST(SystemRun, ReportsWhatItMeasured) {
-  System system({"--seconds", "2"});
-  system.start("haptics_node");
-  const SteadyClock clock;
-  const std::int64_t begin_ns = clock.now_ns();
-  system.start("io_node");
-  const auto ended = system["io_node"].wait(kPatience);
-  const double elapsed_s = 1e-9 * static_cast<double>(clock.now_ns() - begin_ns);
-  ASSERT_TRUE(ended);
-  EXPECT_EQ(ended->exit_code, 0) << ended->err;
-  system.end("haptics_node");
-
-  const Json report = system.read_report();
+  // A short run that a busy machine kept from its samples is repeated as a longer one.
+  std::optional<System> run;
+  Json report;
+  double elapsed_s = 0.0;
+  double seconds = 2.0;
+  for (;; seconds *= 2.0) {
+    run.emplace(std::vector<std::string>{"--seconds", std::to_string(seconds)});
+    run->start("haptics_node");
+    const SteadyClock clock;
+    const std::int64_t begin_ns = clock.now_ns();
+    run->start("io_node");
+    const auto ended = (*run)["io_node"].wait(Seconds(seconds) + kPatience);
+    elapsed_s = 1e-9 * static_cast<double>(clock.now_ns() - begin_ns);
+    ASSERT_TRUE(ended);
+    EXPECT_EQ(ended->exit_code, 0) << ended->err;
+    run->end("haptics_node");
+    report = run->read_report();
+    ASSERT_TRUE(report.is_object());
+    const bool is_representative = count(report, "contact_samples") > 0 && static_cast<double>(count(report, "samples")) >= 500.0 * seconds;
+    if (is_representative || seconds > 15.0) break;
+  }
+  System& system = *run;
   expect_sane(report);
   EXPECT_GT(count(report, "contact_samples"), 0);
-  EXPECT_NEAR(report.at("seconds").get<double>(), 2.0, 0.5);
+  EXPECT_GE(report.at("seconds").get<double>(), seconds - 0.5);
   // Independent measurements: the time by this process, the samples by the haptics node.
   EXPECT_LE(report.at("seconds").get<double>(), elapsed_s);
   EXPECT_LE(count(report, "samples") + count(report, "missed_cycles"), std::llround(1000.0 * elapsed_s));
-  EXPECT_GE(count(report, "samples"), 1000) << "less than half of the rate: the machine is overloaded or the loop is broken";
+  EXPECT_GE(static_cast<double>(count(report, "samples")), 500.0 * seconds)
+      << "less than half of the rate: the machine is overloaded or the loop is broken";
   const std::int64_t answered = answered_by(system["haptics_node"]);
   EXPECT_GE(answered, count(report, "forces"));
   EXPECT_LE(answered, count(report, "states_sent"));
@@ -154,9 +166,14 @@ TEST(Haptics, TheSecondOneSaysAtItsEndThatThereWasAnother) {
   system.start("haptics_node");
   ASSERT_TRUE(has_contact(system.wait_for_report(has_contact)));
   system.add_arguments("haptics_node", {"--seconds", "3"});
-  const auto second = system.start_another("haptics_node");
-  const auto ended = second->wait(kPatience);
-  ASSERT_TRUE(ended);
+  // Where the first one stands still the second rightly takes over; then it is tried again.
+  std::optional<Ended> ended;
+  for (int attempt = 0; attempt < 5; ++attempt) {
+    ended = system.start_another("haptics_node")->wait(kPatience);
+    ASSERT_TRUE(ended);
+    if (ended->exit_code == 1) break;
+    ASSERT_TRUE(has_contact(system.wait_for_report(has_contact)));
+  }
   EXPECT_EQ(ended->exit_code, 1);
   EXPECT_NE(ended->err.find("had another haptics node for all of 3 s; end that one"), std::string::npos) << ended->err;
   system.end_all();
@@ -166,10 +183,13 @@ TEST(Hub, ThatEndsInOrderIsNoWarningAtTheOthers) {
   System system;
   for (const std::string& node : kNodes) system.start(node);
   ASSERT_TRUE(is_complete(system.wait_for_report(is_complete)));
+  // A hub that stood still before may have been missed for a moment.
+  std::map<std::string, std::size_t> said;
+  for (const std::string& node : kNodes) said[node] = system[node].err().size();
   system.end("io_node");
   for (const std::string& node : kNodes) {
     if (node == "io_node") continue;
-    const auto says = [&](const char* what) { return system[node].err().find(what) != std::string::npos; };
+    const auto says = [&](const char* what) { return system[node].err().find(what, said[node]) != std::string::npos; };
     EXPECT_TRUE(System::wait_until([&] { return says("the hub has ended its session"); })) << node << "\n" << system[node].err();
     EXPECT_FALSE(says("stopped answering")) << system[node].err();
     system.end(node);

@@ -57,13 +57,15 @@ class TouchedWay : public ::testing::TestWithParam<Way> {
   }
   void start(const std::string& name) { system.start(name); }
 
-  // The force ends, and does not come back by itself.
+  // The force ends, and does not come back by itself. From patches it ends a second after the last that was heard of haptics; before, a
+  // machine that stands still may take it away for a moment.
   void expect_released() {
-    ASSERT_TRUE(onlooker->see_until(false, state)) << "the force stays";
-    for (int n = 0; n < 300; ++n) {
+    const std::int64_t over_ns = onlooker->now_ns() + 5 * kNanosecondsPerSecond;
+    for (int released = 0; released < 300;) {
       ASSERT_TRUE(onlooker->see(state));
-      EXPECT_EQ(state.force_n, Vec3::Zero());
-      EXPECT_FALSE(state.contact);
+      const bool is_released = state.force_n == Vec3::Zero() && !state.contact;
+      released = is_released ? released + 1 : 0;
+      ASSERT_TRUE(is_released || state.sample_time_ns < over_ns) << "the force stays, or comes back: " << state.force_n.transpose();
     }
   }
   // A force comes, of the size that the hand presses with.
@@ -74,7 +76,7 @@ class TouchedWay : public ::testing::TestWithParam<Way> {
       is_felt = state.contact && state.force_n.z() > 0.2;
     }
     EXPECT_TRUE(is_felt) << state.force_n.transpose();
-    EXPECT_GT(expect_bounded(*onlooker, 0.5).force, 0);
+    EXPECT_GT(expect_bounded(*onlooker, 0.5, Until::force).force, 0);
   }
   void expect_felt_again() {
     expect_felt();

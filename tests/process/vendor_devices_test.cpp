@@ -81,16 +81,22 @@ TEST_F(VendorDevices, OpenHapticsIsTouchedPulledOutInContactAndTouchedAgain) {
   ASSERT_TRUE(System::wait_until([&] { return board->force[2] > 0.3; })) << io->err() << haptics->err();
   EXPECT_LE(board->largest_force, board->max_force_n);
 
-  board->is_plugged = 0;
-  ASSERT_TRUE(System::wait_until([&] { return board->closed == 1U; })) << io->err();
-  EXPECT_TRUE(io->is_running());
-  EXPECT_THAT(io->err(), HasSubstr("HD_COMM_ERROR (0x302)"));
-  board->hand_m[2] = 0.03;
-  board->is_plugged = 1;
-  ASSERT_TRUE(System::wait_until([&] { return board->opened == 2U; })) << io->err();
-  press();
-  EXPECT_TRUE(System::wait_until([&] { return board->force[2] > 0.3; })) << io->err() << haptics->err();
-  EXPECT_LE(board->largest_force, board->max_force_n);
+  // On a machine that stands still it may have been disconnected for that: then it is pulled out again.
+  bool is_said = false;
+  for (int attempt = 0; attempt < 5 && !is_said; ++attempt) {
+    board->is_plugged = 0;
+    ASSERT_TRUE(System::wait_until([&] { return board->closed == board->opened; })) << io->err();
+    EXPECT_TRUE(io->is_running());
+    board->hand_m[2] = 0.03;
+    const std::uint64_t closed = board->closed;
+    board->is_plugged = 1;
+    ASSERT_TRUE(System::wait_until([&] { return board->opened > closed; })) << io->err();
+    is_said = io->err().find("HD_COMM_ERROR (0x302)") != std::string::npos;
+    press();
+    ASSERT_TRUE(System::wait_until([&] { return board->force[2] > 0.3; })) << io->err() << haptics->err();
+    EXPECT_LE(board->largest_force, board->max_force_n);
+  }
+  EXPECT_TRUE(is_said) << io->err();
   end();
   EXPECT_EQ(board->force[2], 0.0);
   EXPECT_EQ(board->opened, board->closed);

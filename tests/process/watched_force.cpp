@@ -15,13 +15,18 @@ bool feels_patches(System& system) {
   return waits_for(system, [&](const Json& report) { return count(report, "local_forces") > before + 100; });
 }
 
-Watched expect_bounded(Onlooker& onlooker, double seconds) {
+Watched expect_bounded(Onlooker& onlooker, double seconds, Until until) {
   Watched watched;
   ProbeState last;
   std::int64_t last_sent_ns = 0;
   ProbeState state;
-  const std::int64_t end_ns = onlooker.now_ns() + static_cast<std::int64_t>(1e9 * seconds);
-  while (onlooker.now_ns() < end_ns && onlooker.see(state)) {
+  const std::int64_t begin_ns = onlooker.now_ns();
+  const auto goes_on = [&] {
+    const double passed_s = 1e-9 * static_cast<double>(onlooker.now_ns() - begin_ns);
+    const bool has_seen = (until == Until::force ? watched.force : watched.seen) > 0;
+    return passed_s < (has_seen ? seconds : seconds + kPatience.count());
+  };
+  while (goes_on() && onlooker.see(state)) {
     EXPECT_TRUE(state.force_n.allFinite());
     EXPECT_LE(state.force_n.norm(), kMaxForceN + 1e-9);
     // A force may have been written a cycle after its sample, and later while replies are too old to be shown: the force is the newest.

@@ -1,7 +1,6 @@
 """The Python of docs/python.md, run from top to bottom beside a session."""
 import os
 import re
-import time
 import unittest
 
 import numpy as np
@@ -34,7 +33,7 @@ class DocsTest(unittest.TestCase):
         recording = os.path.join(os.environ.get("TMPDIR", "/tmp"), f"hapton-docs-{os.getpid()}.hapton")
         self.addCleanup(lambda: os.path.exists(recording) and os.remove(recording))
         with LiveSystem("--record", recording, scene="thin_wall.toml") as system:
-            time.sleep(1.0)
+            system.record_for(1.0, recording)
             system.end_io()
         marked = recording + ".marked"
         self.addCleanup(lambda: os.path.exists(marked) and os.remove(marked))

@@ -44,6 +44,13 @@ class LiveSystem:
         with open(log) as file:
             raise AssertionError(f"{pattern!r} does not come:\n{file.read()}")
 
+    def record_for(self, seconds, recording, least_bytes=200_000):
+        """Lets the recording grow that long, and until it holds as much as a second of cycles and forces does: a machine may stand still."""
+        time.sleep(seconds)
+        end = time.monotonic() + 30
+        while os.path.getsize(recording) < least_bytes and time.monotonic() < end:
+            time.sleep(0.02)
+
     def end_io(self):
         """Ends io_node as a person does; what it printed."""
         self.io.send_signal(signal.SIGTERM)

@@ -17,11 +17,11 @@ import os, sys, hapton
 def force(hand):
     if hand.t_s > 0.5: os.kill(os.getpid(), 9)
     return (0, 1.0, 0)
-hapton.run_haptics_node(force, 10.0, hub=sys.argv[1])
+hapton.run_haptics_node(force, 40.0, hub=sys.argv[1])
 """
 
 
-def wait_until(holds, seconds=20):
+def wait_until(holds, seconds=30):
     end = time.monotonic() + seconds
     while not holds() and time.monotonic() < end:
         time.sleep(0.01)
@@ -77,6 +77,33 @@ class LiveTest(unittest.TestCase):
         row = list(session["sample"]).index(second)
         self.assertEqual(session["event_t_s"][markers[1]], session["t_s"][row])
 
+    def test_a_client_moves_what_programs_may_move(self):
+        system = self.start(scene="lift.toml")
+        client = hapton.Client(system.hub)
+        self.assertTrue(wait_until(lambda: client.state() is not None))
+        self.assertAlmostEqual(client.move_object("platform", [-0.05, 0.0, 0.0], over_s=1.5), 1.5)
+        slowed = client.move_object("lid", rotation_deg=(-90, 0, 70), over_s=0.001)
+        self.assertGreater(slowed, 0.1)
+        self.assertGreater(client.move_object(1, (-0.05, 0.0, 0.0), rotation=(1, 0, 0, 0)), 0.0)
+        for arguments, why in [
+            (("ground", (0, 0, 0)), "programs may not move 'ground'"),
+            (("lit", (0, 0, 0)), "there is no object 'lit'; programs may move 'platform' and others"),
+            ((7, (0, 0, 0)), "there is no object 7"),
+            (("lid",), "give a position, a rotation, or both"),
+            (("lid", (0, 0)), "position_m must be 3 numbers"),
+            (("lid", (0, float("nan"), 0)), "three numbers in metres"),
+        ]:
+            with self.assertRaisesRegex(ValueError, why):
+                client.move_object(*arguments)
+        for keywords in [{"rotation": (1, 1, 0, 0)}, {"rotation": (1, 0, 0, 0), "rotation_deg": (0, 0, 0)}, {"over_s": 0}, {"over_s": -1}]:
+            with self.assertRaises(ValueError):
+                client.move_object("lid", (0, 0, 0), **keywords)
+        with self.assertRaises(TypeError):
+            client.move_object(1.5, (0, 0, 0))
+        client.close()
+        with self.assertRaisesRegex(ValueError, "closed"):
+            client.move_object("lid", (0, 0, 0))
+
     def test_a_client_learns_that_nothing_is_recorded(self):
         client = hapton.Client(self.start().hub)
         with self.assertRaisesRegex(ValueError, "--record"):
@@ -91,9 +118,12 @@ class LiveTest(unittest.TestCase):
         self.assertTrue(wait_until(lambda: node.state()["changes"] == 1 and node.state()["answers"] > 1000))
         node.set([hapton.fields.constant([0, 3.0, 0])])  # above the limit
         self.assertTrue(wait_until(lambda: node.state()["changes"] == 2))
-        time.sleep(0.5)
+        self.assertTrue(wait_until(lambda: np.allclose(node.state()["force_n"], [0, 3.0, 0], atol=1e-6)))
+        # Felt, however often the machine stalls the ramp.
+        client = hapton.Client(system.hub)
+        self.assertTrue(wait_until(lambda: client.state() is not None and client.state()["force_n"][1] > 0.5))
+        client.close()
         state = node.state()
-        np.testing.assert_allclose(state["force_n"], [0, 3.0, 0], atol=1e-6)
         self.assertGreater(state["rate_hz"], 0)
         node.close()
         system.end_io()
@@ -115,7 +145,12 @@ class LiveTest(unittest.TestCase):
             self.assertEqual(hand.velocity_m_per_s.shape, (3,))
             return -30.0 * hand.position_m
 
-        report = hapton.run_haptics_node(force, 1.5, hub=system.hub)
+        # A machine that stands still may leave too little of a short time.
+        for seconds in (1.5, 6.0, 24.0):
+            hands.clear()
+            report = hapton.run_haptics_node(force, seconds, hub=system.hub)
+            if report["answers"] > 10:
+                break
         self.assertEqual(report["answers"], len(hands))
         self.assertGreater(report["answers"], 10)
         self.assertAlmostEqual(report["rate_hz"], report["answers"] / report["seconds"])
@@ -132,7 +167,7 @@ class LiveTest(unittest.TestCase):
             (lambda hand: "up", ValueError, "no three numbers at sample"),
         ]:
             with self.subTest(error), self.assertRaisesRegex(error, word):
-                hapton.run_haptics_node(force, 5.0, hub=system.hub)
+                hapton.run_haptics_node(force, 30.0, hub=system.hub)
 
     def test_a_killed_python_leaves_no_force_on_the_motors(self):
         recording = os.path.join(os.environ.get("TMPDIR", "/tmp"), f"hapton-kill-{os.getpid()}.hapton")
@@ -140,7 +175,9 @@ class LiveTest(unittest.TestCase):
         system = self.start("--record", recording)
         killed = subprocess.run([sys.executable, "-c", CRASH, system.hub], timeout=60)
         self.assertEqual(killed.returncode, -signal.SIGKILL)
-        time.sleep(0.5)
+        client = hapton.Client(system.hub)
+        self.assertTrue(wait_until(lambda: client.state() is not None and not client.state()["force_n"].any()))
+        client.close()
         self.assertRegex(system.end_io(), r"command timeouts [1-9]")
         session = hapton.read_session(recording)
         force_n = np.abs(session["written_y_n"])

@@ -25,7 +25,7 @@ class McapTest(unittest.TestCase):
         cls.folder = tempfile.TemporaryDirectory()
         cls.recording = os.path.join(cls.folder.name, "monday.hapton")
         with LiveSystem("--record", cls.recording, scene="thin_wall.toml") as system:
-            time.sleep(1.0)
+            system.record_for(1.0, cls.recording)
             cls.marked = hapton("mark", "gezückt, \"a\"", "--hub", system.hub)
             time.sleep(0.5)
             cls.log = system.end_io()

@@ -1,4 +1,5 @@
 """`io_node --metrics`, as Prometheus reads it."""
+import pathlib
 import re
 import shutil
 import socket
@@ -26,17 +27,27 @@ class MetricsTest(unittest.TestCase):
         cls.system.close()
 
     def scrape(self):
-        with urllib.request.urlopen(f"http://{self.address}/metrics", timeout=20) as answer:
+        with urllib.request.urlopen(f"http://{self.address}/metrics", timeout=60) as answer:
             return answer.read().decode()
 
     def test_each_scrape_is_measured_anew(self):
-        seconds = [float(re.search(r"^hapton_up_seconds (\S+)", self.scrape(), re.MULTILINE).group(1)) for _ in range(4)]
-        self.assertEqual(seconds, sorted(set(seconds)), "each later than the one before")
+        def up_s():
+            return float(re.search(r"^hapton_up_seconds (\S+)", self.scrape(), re.MULTILINE).group(1))
+
+        # An io_node that stands still for half a second is not waited for: the text of before is served. Then it is tried again.
+        for _ in range(20):
+            seconds = [up_s() for _ in range(4)]
+            self.assertEqual(seconds, sorted(seconds))
+            if len(set(seconds)) == 4:
+                return
+        self.fail(f"{seconds}: each is to be later than the one before")
 
     def test_promtool_finds_nothing(self):
-        if not shutil.which("promtool"):  # Debian: prometheus
-            self.skipTest("promtool is not installed")
-        checked = subprocess.run(["promtool", "check", "metrics"], input=self.scrape(), capture_output=True, text=True)
+        fetched = pathlib.Path(__file__).parents[2] / "build/promtool/usr/bin"
+        promtool = shutil.which("promtool") or shutil.which("promtool", path=fetched)
+        if not promtool:
+            self.skipTest("promtool is not here: deploy/promtool")
+        checked = subprocess.run([promtool, "check", "metrics"], input=self.scrape(), capture_output=True, text=True)
         self.assertEqual((checked.returncode, checked.stdout + checked.stderr), (0, ""))
 
 

@@ -3,7 +3,6 @@ import csv
 import os
 import subprocess
 import tempfile
-import time
 import unittest
 
 import numpy as np
@@ -23,7 +22,7 @@ class SessionTest(unittest.TestCase):
         cls.folder = tempfile.TemporaryDirectory()
         cls.recording = os.path.join(cls.folder.name, "monday.hapton")
         with LiveSystem("--record", cls.recording, scene="thin_wall.toml") as system:
-            time.sleep(1.5)
+            system.record_for(1.5, cls.recording)
             subprocess.run([os.path.join(BIN, "hapton"), "mark", "gezückt", "--hub", system.hub], check=True, capture_output=True)
             system.end_io()
         export = [os.path.join(BIN, "hapton"), "session", "export", cls.recording, "--format", "csv", "--out", cls.folder.name]

@@ -95,7 +95,7 @@ class ToolTest(unittest.TestCase):
             self.assertTrue(np.isfinite(felt["force_n"]).all())
             self.assertIn("tool: ", tool.describe())
             peg = os.path.join(SOURCE, "meshes", "peg.obj")
-            hapton.ToolStep.from_scene(os.path.join(SOURCE, "scenes", "thin_wall.toml"), tool=peg, tool_unit="mm", grip="center")
+            hapton.ToolStep.from_scene(os.path.join(SOURCE, "scenes", "thin_wall.toml"), tool=peg, tool_unit="mm", grip="centre")
         with self.assertRaisesRegex(ValueError, r"thin_wall.toml has no \[tool\]; give tool="):
             hapton.ToolStep.from_scene(os.path.join(SOURCE, "scenes", "thin_wall.toml"))
         with self.assertRaisesRegex(ValueError, "nowhere.toml"):

@@ -146,23 +146,26 @@ class TouchTest(unittest.TestCase):
     def test_other_threads_run_during_a_batch(self):
         touch = hapton.TouchStep(make_ball())
         positions = np.tile(press(-0.045, above_m=0.06), (2000, 1))
-        times = []
 
-        def run_batch():
-            times.append(time.perf_counter())
-            touch.step(positions)
-            times.append(time.perf_counter())
+        def turns_in_the_middle():
+            times = []
 
-        batch = threading.Thread(target=run_batch)
-        batch.start()
-        turns = []
-        while batch.is_alive():
-            turns.append(time.perf_counter())
-        batch.join()
-        # With the lock held, this loop would turn only at the beginning and the end.
-        begin, end = times
-        middle = [turn for turn in turns if 0.25 < (turn - begin) / (end - begin) < 0.75]
-        self.assertGreater(len(middle), 10)
+            def run_batch():
+                times.append(time.perf_counter())
+                touch.step(positions)
+                times.append(time.perf_counter())
+
+            batch = threading.Thread(target=run_batch)
+            batch.start()
+            turns = []
+            while batch.is_alive():
+                turns.append(time.perf_counter())
+            batch.join()
+            begin, end = times
+            return sum(0.25 < (turn - begin) / (end - begin) < 0.75 for turn in turns)
+
+        # With the lock held, this loop would turn only at the beginning and the end. A busy machine may keep this thread from turning, too.
+        self.assertTrue(any(turns_in_the_middle() > 10 for _ in range(20)))
 
     def test_threads_may_share_a_step(self):
         touch = hapton.TouchStep(make_ball())

@@ -58,9 +58,11 @@ TEST_P(RealMesh, PatchesAreTheWholeSceneWhereTheMachineStalls) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     RemoteCase which = case_of("patch", 0.1, 0.1, seed);
     which.stall_s = 0.15;
-    const auto touch = run_prescribed(scene_, path(0.1, 0.1), device_, which);
+    const SlidePath slide = path(0.1, 0.1);
+    const auto touch = run_prescribed(scene_, slide, device_, which);
     ASSERT_TRUE(touch) << touch.error().what;
     EXPECT_GT(touch->missed, 1000U);
+    EXPECT_EQ(touch->missed + touch->rows.size(), slide.rows.size()) << "each period of the path is one or the other";
     EXPECT_EQ(touch->force.falls, 0U);
     EXPECT_LT(touch->force.error_rms, 1e-4);
   }

@@ -3,10 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <cstdio>
 #include <fstream>
 #include <iterator>
+
+#include "tests/support/open_files.h"
 
 namespace hapton {
 namespace {
@@ -58,6 +62,32 @@ TEST_F(AtomicFileTest, AFullDiskLeavesTheOldFile) {
   ASSERT_FALSE(written);
   EXPECT_THAT(written.error().what, testing::HasSubstr("No space left"));
   EXPECT_EQ(read(path), "old");
+}
+
+// Whatever the process allows others, and whatever they were allowed before.
+TEST_F(AtomicFileTest, WhatIsTheOwnersIsReadableByNobodyElse) {
+  const auto others_of = [&](const std::filesystem::path& path) {
+    return std::filesystem::status(path).permissions() & (std::filesystem::perms::group_all | std::filesystem::perms::others_all);
+  };
+  std::ofstream(folder_ / "old") << "text";
+  ASSERT_EQ(::chmod((folder_ / "old").c_str(), 0644), 0);
+  const mode_t before = ::umask(0);
+  const bool is_written = write_file_atomically(folder_ / "key", "secret", FileReaders::owner).has_value() &&
+                          write_file_atomically(folder_ / "report", "text").has_value();
+  std::FILE* const old = open_file_for(folder_ / "old", FileReaders::owner);
+  ::umask(before);
+  ASSERT_TRUE(is_written && old != nullptr);
+  std::fclose(old);
+  EXPECT_EQ(others_of(folder_ / "key"), std::filesystem::perms::none);
+  EXPECT_EQ(others_of(folder_ / "old"), std::filesystem::perms::none);
+  EXPECT_NE(others_of(folder_ / "report"), std::filesystem::perms::none);
+}
+
+TEST_F(AtomicFileTest, IsClosedAgain) {
+  EXPECT_FALSE(leaves_files_open([&] {
+    EXPECT_TRUE(write_file_atomically(folder_ / "file", "text"));
+    EXPECT_FALSE(write_file_atomically(folder_ / "file" / "below", "text"));
+  }));
 }
 
 }  // namespace

@@ -7,6 +7,8 @@
 
 #include <fstream>
 
+#include "tests/support/open_files.h"
+
 namespace hapton {
 namespace {
 
@@ -49,6 +51,16 @@ TEST_F(RegularFileTest, OtherFilesAreRejectedInOneLine) {
   EXPECT_THAT(rejection(folder_ / "gone"), HasSubstr("No such file"));
   std::ofstream(folder_ / "long") << std::string(1001, 'x');
   EXPECT_THAT(rejection(folder_ / "long"), HasSubstr("1001 bytes"));
+}
+
+// A hub reads the same files again whenever a scene changes.
+TEST_F(RegularFileTest, IsClosedAgain) {
+  std::ofstream(folder_ / "file") << "text";
+  std::ofstream(folder_ / "long") << std::string(1001, 'x');
+  EXPECT_FALSE(leaves_files_open([&] {
+    EXPECT_TRUE(read_regular_file(folder_ / "file", ""));
+    EXPECT_FALSE(read_regular_file(folder_ / "long", "", 1000));
+  }));
 }
 
 }  // namespace

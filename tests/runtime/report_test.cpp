@@ -62,7 +62,7 @@ TEST(ReportTest, NamesTheMachine) {
   cpuinfo << std::ifstream("/proc/cpuinfo").rdbuf();
   const bool is_named = cpuinfo.str().find("model name\t: ") != std::string::npos;
   EXPECT_EQ(machine.cpu != "unknown", is_named);
-  EXPECT_NE(cpuinfo.str().find(is_named ? machine.cpu : ""), std::string::npos);
+  EXPECT_NE(cpuinfo.str().find(is_named ? "model name\t: " + machine.cpu + "\n" : ""), std::string::npos) << machine.cpu;
   EXPECT_GE(machine.cpu_count, 1);
   EXPECT_THAT(machine.kernel, HasSubstr("Linux"));
   EXPECT_THAT(machine.compiler, testing::AnyOf(HasSubstr("g++"), HasSubstr("clang")));

@@ -6,10 +6,12 @@
 #include <unistd.h>
 
 #include <array>
+#include <cstddef>
 #include <cstdlib>
 #include <cstring>
 #include <string>
 
+#include "tests/support/open_files.h"
 #include "tests/support/scratch_folder.h"
 
 namespace hapton {
@@ -48,6 +50,27 @@ TEST_F(ServiceNotifyTest, TheManagerReceivesItAndSaysHowOftenItExpectsIt) {
   ::close(manager);
   ASSERT_GT(size, 0);
   EXPECT_EQ(std::string(received.data(), static_cast<std::size_t>(size)), "READY=1");
+}
+
+// systemd's own is abstract where the unit runs in a container: its name begins with @ in the variable, with a zero byte in the address.
+TEST_F(ServiceNotifyTest, AnAbstractSocketIsNotifiedAndTheSenderClosed) {
+  const std::string name = "hapton_notify_" + std::to_string(::getpid());
+  const int manager = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  sockaddr_un at = {};
+  at.sun_family = AF_UNIX;
+  std::memcpy(at.sun_path + 1, name.data(), name.size());
+  ASSERT_EQ(
+      ::bind(manager, reinterpret_cast<const sockaddr*>(&at), static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size())),
+      0);
+  ::setenv("NOTIFY_SOCKET", ("@" + name).c_str(), 1);
+  const ServiceNotify notify;
+  const auto send_and_receive = [&] {
+    EXPECT_TRUE(notify.send("WATCHDOG=1"));
+    std::array<char, 64> received = {};
+    EXPECT_EQ(::recv(manager, received.data(), received.size(), MSG_DONTWAIT), 10);
+  };
+  EXPECT_FALSE(leaves_files_open(send_and_receive)) << "it beats for as long as the node runs";
+  ::close(manager);
 }
 
 TEST_F(ServiceNotifyTest, InvalidTextInTheEnvironmentIsNoPeriod) {

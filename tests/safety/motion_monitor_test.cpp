@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "safety/fault_debouncer.h"
 #include "tests/support/time_units.h"
@@ -95,6 +96,32 @@ TEST(MotionMonitor, WhatWasForgottenIsNoJump) {
   EXPECT_EQ(motion.look(at(Vec3(1, 0, 0)), kMs, 3.0, false), MotionMonitor::Verdict::fine);
   EXPECT_EQ(motion.moved_m(), Vec3::Zero());
   EXPECT_EQ(motion.look(at(Vec3(0.9, 0, 0)), 2 * kMs, 3.0, false), MotionMonitor::Verdict::jump);
+}
+
+// A tenth of a second without a sample: the hand may have moved anywhere meanwhile.
+TEST(MotionMonitor, AGapBeginsAtATenthOfASecond) {
+  for (const auto& [gap_ns, expected] :
+       {std::pair{100 * kMs - 1, MotionMonitor::Verdict::jump}, {100 * kMs, MotionMonitor::Verdict::fine}}) {
+    MotionMonitor motion;
+    motion.look(at(Vec3::Zero()), 0, 3.0, false);
+    EXPECT_EQ(motion.look(at(Vec3(1, 0, 0)), gap_ns, 3.0, false), expected) << gap_ns;
+  }
+}
+
+// 50 rad/s, and 0.2 rad more. Where no torque is exerted, a stylus may turn as it likes.
+TEST(MotionMonitor, ATurnFasterThanAnyHandIsAJump) {
+  for (const auto& [turn_rad, expected] : {std::pair{0.69, MotionMonitor::Verdict::fine}, {0.74, MotionMonitor::Verdict::jump}}) {
+    for (const double sign : {1.0, -1.0}) {
+      DeviceSample turned = at(Vec3::Zero());
+      turned.q_WT = Quat(Eigen::AngleAxisd(sign * turn_rad, Vec3(1, 2, 2) / 3.0));
+      MotionMonitor motion;
+      motion.look(at(Vec3::Zero()), 0, 3.0, true);
+      EXPECT_EQ(motion.look(turned, 10 * kMs, 3.0, true), expected) << sign * turn_rad;
+      MotionMonitor without_torque;
+      without_torque.look(at(Vec3::Zero()), 0, 3.0, false);
+      EXPECT_EQ(without_torque.look(turned, 10 * kMs, 3.0, false), MotionMonitor::Verdict::fine);
+    }
+  }
 }
 
 TEST(FaultDebouncer, FiveWithinHalfASecondAreTooMany) {

@@ -103,14 +103,14 @@ TEST(SafetyGovernor, AReleaseThatEndsWithinACycleIsFollowedByARampToo) {
 
 TEST(SafetyGovernor, AButtonCanBeRequired) {
   Bench bench;
-  bench.governor.require_button(1);
+  bench.governor.require_button(2);
   bench.sample.buttons = 0b101;
   EXPECT_EQ(bench.press(4.0, 300), Vec3::Zero());
   bench.sample.buttons = 0b010;
   EXPECT_EQ(bench.press(4.0, 300).z(), 4.0);
   // It can be required, never waived.
-  for (const int nonsense : {-1, 32, 1000}) bench.governor.require_button(nonsense);
-  bench.governor.require_button(2);
+  for (const int nonsense : {-1, 0, 33, 1000}) bench.governor.require_button(nonsense);
+  bench.governor.require_button(3);
   EXPECT_EQ(bench.press(4.0, 300), Vec3::Zero());
   bench.sample.buttons = 0b110;
   EXPECT_EQ(bench.press(4.0, 300).z(), 4.0);
@@ -121,7 +121,7 @@ TEST(SafetyGovernor, ASwitchIsHeldOnlyWhileTheDeviceReportsIt) {
   bench.sample.buttons = 0b010;
   bench.press(4.0, 300);
   EXPECT_FALSE(bench.governor.is_switch_held()) << "none was asked for";
-  bench.governor.require_button(1);
+  bench.governor.require_button(2);
   bench.wait(1);
   EXPECT_TRUE(bench.governor.is_switch_held());
   // A device that is away repeats its last sample, button and all.

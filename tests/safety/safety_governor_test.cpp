@@ -37,6 +37,25 @@ TEST(SafetyGovernor, ADeviceWithoutTorqueGetsNone) {
   EXPECT_EQ(bench.out.force_n, Vec3(0, 0, 1));
 }
 
+TEST(SafetyGovernor, AForceAtTheLimitIsNotCountedAsClamped) {
+  Bench bench;
+  bench.press(8.0, 300);
+  EXPECT_EQ(bench.governor.counters().clamped, 0U);
+  bench.press(8.001, 1);
+  EXPECT_EQ(bench.governor.counters().clamped, 1U);
+}
+
+TEST(SafetyGovernor, WhatIsForbiddenWhileItIsOutIsReleased) {
+  Bench bench;
+  for (int n = 0; n < 300; ++n) bench.cycle(Wrench{Vec3(0, 0, 4), Vec3(0.3, 0, 0)});
+  ASSERT_NEAR(bench.out.force_n.z(), 4.0, 1e-9);
+  ASSERT_NEAR(bench.out.torque_nm.x(), 0.3, 1e-9);
+  bench.governor.forbid_force();
+  for (int n = 0; n < 10; ++n) bench.cycle(Wrench{Vec3(0, 0, 4), Vec3(0.3, 0, 0)});
+  EXPECT_EQ(bench.out.force_n, Vec3::Zero());
+  EXPECT_EQ(bench.out.torque_nm, Vec3::Zero());
+}
+
 TEST(SafetyGovernor, ChangesNoFasterThanTheSlew) {
   Bench bench;
   bench.press(1.0, 200);
@@ -180,6 +199,29 @@ TEST(SafetyGovernor, AResetForgetsTheBadNumbersThatLatched) {
     for (int n = 0; n < 4; ++n) bench.cycle(wrench);
     EXPECT_EQ(bench.governor.fault(), SafetyFault::none) << is_torque;
   }
+}
+
+TEST(SafetyGovernor, AResetForgetsTheInvalidPosesThatLatched) {
+  Bench bench;
+  bench.press(4.0, 300);
+  const auto lose_pose = [&](int cycles) {
+    bench.sample.p_WD.x() = kNan;
+    bench.press(4.0, cycles);
+    bench.sample.p_WD.x() = 0.0;
+    bench.press(4.0, 1);
+  };
+  lose_pose(5);
+  ASSERT_EQ(bench.governor.fault(), SafetyFault::position);
+  bench.sample.p_WD.x() = kNan;
+  bench.press(4.0, 25);
+  EXPECT_FALSE(bench.governor.reset_faults()) << "nobody knows where the device is";
+  bench.sample.p_WD.x() = 0.0;
+  bench.press(4.0, 500);
+  ASSERT_TRUE(bench.governor.reset_faults());
+  lose_pose(4);
+  EXPECT_EQ(bench.governor.fault(), SafetyFault::none) << "five are too many, counted from the reset on";
+  lose_pose(1);
+  EXPECT_EQ(bench.governor.fault(), SafetyFault::position);
 }
 
 TEST(SafetyGovernor, BadNumbersNowAndThenDoNotLatch) {

@@ -85,11 +85,11 @@ TEST(DeadMansSwitch, WhatIsRequiredStaysRequired) {
   DeadMansSwitch hold;
   EXPECT_TRUE(hold.is_held({.buttons = 0, .is_held = true}));
   EXPECT_FALSE(hold.is_held({.buttons = ~0U, .is_held = false}));
-  for (const int none : {-1, 32, 33}) hold.require_button(none);
+  for (const int none : {-1, 0, 33}) hold.require_button(none);
   EXPECT_EQ(hold.required_buttons(), 0U);
-  hold.require_button(0);
-  hold.require_button(31);
-  hold.require_button(0);
+  hold.require_button(1);
+  hold.require_button(32);
+  hold.require_button(1);
   EXPECT_EQ(hold.required_buttons(), 0x80000001U);
   EXPECT_FALSE(hold.is_held({.buttons = 1U, .is_held = true}));
   EXPECT_FALSE(hold.is_held({.buttons = 0x80000000U, .is_held = true}));

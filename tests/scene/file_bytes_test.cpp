@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/open_files.h"
 #include "tests/support/scratch_folder.h"
 
 namespace hapton {
@@ -28,6 +29,15 @@ TEST(FileBytes, RejectsWithTheReason) {
   EXPECT_THAT(read_file_bytes("/dev/zero", 4).error().what, HasSubstr("not a regular file"));
   std::filesystem::create_symlink("loop", folder.path() / "loop");
   EXPECT_THAT(read_file_bytes(folder.path() / "loop", 4).error().what, HasSubstr("cannot open"));
+}
+
+TEST(FileBytes, IsClosedAgain) {
+  const ScratchFolder folder;
+  const auto path = folder.write("a", "12345");
+  EXPECT_FALSE(leaves_files_open([&] {
+    EXPECT_TRUE(read_file_bytes(path, 5));
+    EXPECT_FALSE(read_file_bytes(path, 4));
+  }));
 }
 
 }  // namespace

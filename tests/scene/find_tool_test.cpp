@@ -36,7 +36,7 @@ TEST_F(FindTool, ASceneMayNameOneInItsOwnPose) {
 }
 
 TEST_F(FindTool, IsAsLargeAsTheSceneIsShownAndHeldWhereAskedFor) {
-  const auto scene = load("fit_m = [0.1, 0.1, 0.1]\n" + std::string(kObject) + "[tool]\nmesh = 'a.obj'\ngrip = 'center'\n");
+  const auto scene = load("fit_m = [0.1, 0.1, 0.1]\n" + std::string(kObject) + "[tool]\nmesh = 'a.obj'\ngrip = 'centre'\n");
   ASSERT_TRUE(scene) << scene.error().what;
   EXPECT_NEAR(compute_bounds(*scene->tool->mesh).extent(), 0.1, 1e-12);
   EXPECT_LT(compute_bounds(*scene->tool->mesh).centre().norm(), 1e-12);
@@ -48,6 +48,12 @@ TEST_F(FindTool, IsAsLargeAsTheSceneIsShownAndHeldWhereAskedFor) {
   const auto own = find_tool({}, *scene, {}, notes);
   ASSERT_TRUE(own && *own);
   EXPECT_EQ((*own)->mesh, scene->tool->mesh);
+}
+
+TEST(ToolGrips, KeepTheSpellingOfEarlierVersions) {
+  EXPECT_EQ(parse_tool_grip("origin"), ToolGrip::origin);
+  EXPECT_EQ(parse_tool_grip("centre"), ToolGrip::center);
+  EXPECT_EQ(parse_tool_grip("center"), ToolGrip::center);
 }
 
 TEST_F(FindTool, SaysWhatIsWrongAndWhere) {

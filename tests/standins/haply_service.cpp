@@ -7,6 +7,7 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/beast/core/buffers_to_string.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/http.hpp>
 #include <boost/beast/websocket/stream.hpp>
 #include <cerrno>
 #include <chrono>
@@ -74,8 +75,20 @@ void HaplyService::serve(void* accepted) {
   auto& socket = *static_cast<tcp::socket*>(accepted);
   error_code error;
   socket.set_option(tcp::no_delay(true), error);
+  beast::flat_buffer request_buffer;
+  beast::http::request<beast::http::string_body> request;
+  beast::http::read(socket, request_buffer, request, error);
+  if (error) return;
+  if (!beast::websocket::is_upgrade(request)) {
+    const bool is_there = request.target() == "/version" && !version.empty();
+    beast::http::response<beast::http::string_body> response{is_there ? beast::http::status::ok : beast::http::status::not_found, 11};
+    response.body() = fmt::format(R"({{"project_name":"haply-inverse-service","project_version":"{}"}})", version);
+    response.prepare_payload();
+    beast::http::write(socket, response, error);
+    return;
+  }
   beast::websocket::stream<tcp::socket&> stream(socket);
-  stream.accept(error);
+  stream.accept(request, error);
   if (error) return;
   ++connections;
   stream.text(true);
@@ -84,6 +97,7 @@ void HaplyService::serve(void* accepted) {
     if (!await_message(socket.native_handle())) return;
     beast::flat_buffer buffer;
     stream.read(buffer, error);
+    closed_in_order += error == beast::websocket::error::closed ? 1 : 0;
     if (error) return;
     receive(beast::buffers_to_string(buffer.cdata()), is_first);
     if (is_silent) continue;
@@ -95,10 +109,16 @@ std::string HaplyService::state(bool with_config) const {
   std::string arms;
   if (is_plugged) {
     const std::string config =
-        with_config ? R"("config":{"type":"inverse3","extended_firmware_version":"7.4.0","handedness":"right"},)" : "";
+        with_config ? fmt::format(R"("config":{{"type":"inverse3","extended_firmware_version":"7.4.0","handedness":"right"{}}},)",
+                                  mount.empty() ? "" : ",\"mount\":" + mount)
+                    : "";
+    std::string placed = with_config && !transform.empty() ? ",\"transform\":" + transform : "";
+    if (is_scaled) placed = R"(,"transform":{"scale":{"x":2,"y":2,"z":2}})";
+    if (!with_config && !is_scaled && was_scaled_.exchange(false)) placed = R"(,"transform":{"scale":{"x":1,"y":1,"z":1}})";
+    if (is_scaled) was_scaled_ = true;
     arms = fmt::format(
-        R"({{"device_id":"049D",{}"state":{{"cursor_position":{{"x":{},"y":{},"z":{}}},"cursor_velocity":{{"x":0,"y":0,"z":0}}}},"status":{{"calibrated":{}}}}})",
-        config, position_m[0].load(), position_m[1].load(), position_m[2].load(), is_calibrated ? "true" : "false");
+        R"({{"device_id":"049D",{}"state":{{"cursor_position":{{"x":{},"y":{},"z":{}}},"cursor_velocity":{{"x":0,"y":0,"z":0}}{}}},"status":{{"calibrated":{}}}}})",
+        config, position_m[0].load(), position_m[1].load(), position_m[2].load(), placed, is_calibrated ? "true" : "false");
   }
   std::string grips;
   if (has_grip) {

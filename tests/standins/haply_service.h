@@ -27,6 +27,11 @@ class HaplyService {
   std::atomic<bool> has_grip{true};
   std::atomic<bool> is_silent{false};   // accepts messages and never replies
   std::atomic<bool> sends_junk{false};  // replies with something else
+  std::atomic<bool> is_scaled{false};   // its session's transform has a scale
+  // Before a client connects.
+  std::string version = "3.5.1.0";  // at /version; empty: there is no such page
+  std::string mount;                // of its config, JSON; empty: none
+  std::string transform;            // of its first state, JSON
   std::array<std::atomic<double>, 3> position_m{0.0, -0.12, 0.15};
   std::atomic<int> buttons{0};
 
@@ -35,6 +40,7 @@ class HaplyService {
   std::atomic<double> largest_force_n{0.0};
   std::atomic<std::uint64_t> messages{0};
   std::atomic<std::uint64_t> connections{0};
+  std::atomic<std::uint64_t> closed_in_order{0};  // by a close frame
   std::string first_message() const {
     const std::lock_guard lock(mutex_);
     return first_message_;
@@ -51,6 +57,7 @@ class HaplyService {
   std::unique_ptr<Listening> listening_;
   std::uint16_t port_ = 0;
   std::atomic<bool> ends_{false};
+  mutable std::atomic<bool> was_scaled_{false};
   mutable std::mutex mutex_;
   std::string first_message_;
   std::thread thread_;

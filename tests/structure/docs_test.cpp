@@ -2,8 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <regex>
 #include <string>
 #include <vector>
@@ -72,6 +74,52 @@ TEST(Docs, ABrokenLinkIsFound) {
   const fs::path page = fs::temp_directory_path() / "hapton_docs_test.md";
   std::ofstream(page) << "[a](nowhere.md#x) ![b](nowhere.png) [c](https://example.org/d)\n```\n[e](code)\n```\n";
   EXPECT_EQ(find_broken_links(page).size(), 2U);
+  fs::remove(page);
+}
+
+// "Suite.Name" of every test of the tree.
+std::vector<std::string> list_tests() {
+  static const std::regex test(R"(\b(?:TYPED_)?TEST(?:_F|_P)?\(\s*(\w+),\s*(\w+)\))");
+  std::vector<std::string> tests;
+  for (const auto& entry : fs::recursive_directory_iterator(source_root() / "tests")) {
+    if (entry.path().extension() != ".cpp") continue;
+    std::ifstream in(entry.path());
+    const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+    for (std::sregex_iterator at(text.begin(), text.end(), test), end; at != end; ++at)
+      tests.push_back((*at)[1].str() + "." + (*at)[2].str());
+  }
+  return tests;
+}
+
+// Names as `link_test.Suite.Name`, or `link_test.Suite.Beginning…`, that no test has.
+std::vector<std::string> find_unknown_tests(const fs::path& page, const std::vector<std::string>& tests) {
+  static const std::regex name(R"(`[a-z_]+_test\.(?:[A-Za-z]+/)?([A-Z]\w*\.[A-Za-z]\w*)(…)?`)");
+  std::vector<std::string> unknown;
+  for (const std::string& line : read_lines(page)) {
+    for (std::sregex_iterator at(line.begin(), line.end(), name), end; at != end; ++at) {
+      const std::string wanted = (*at)[1];
+      const bool is_beginning = (*at)[2].matched;
+      const bool is_known = std::any_of(tests.begin(), tests.end(),
+                                        [&](const std::string& one) { return is_beginning ? one.starts_with(wanted) : one == wanted; });
+      if (!is_known) unknown.push_back(page.filename().string() + ": " + wanted);
+    }
+  }
+  return unknown;
+}
+
+TEST(Docs, EveryTestThatIsNamedIsThere) {
+  const std::vector<std::string> tests = list_tests();
+  EXPECT_GT(tests.size(), 3000U);
+  for (const auto& entry : fs::directory_iterator(source_root() / "docs")) {
+    if (entry.path().extension() != ".md") continue;
+    EXPECT_THAT(find_unknown_tests(entry.path(), tests), IsEmpty());
+  }
+}
+
+TEST(Docs, ATestThatIsNotThereIsFound) {
+  const fs::path page = fs::temp_directory_path() / "hapton_docs_tests.md";
+  std::ofstream(page) << "`a_test.Suite.Name`, `a_test.Suite.Na…`, `a_test.Suite.Other`, `a_test.All/Suite.Nam`, `a_test.Suite.…`\n";
+  EXPECT_EQ(find_unknown_tests(page, {"Suite.Name"}).size(), 2U);
   fs::remove(page);
 }
 

@@ -220,8 +220,12 @@ TEST(Layers, OnlyVisionAndBenchPeersSeeVtk) {
               IsEmpty());
 }
 
+// One exception: memory is asked for in large pages when a mesh is prepared.
 TEST(Core, TouchesNothingOfTheMachine) {
-  EXPECT_THAT(find_wrong({"core", "loop", "remote"}, [](const SourceFile&, const Include& include) { return is_impure(include.path); }),
+  EXPECT_THAT(find_wrong({"core", "loop", "remote"},
+                         [](const SourceFile& file, const Include& include) {
+                           return is_impure(include.path) && !(file.path == "core/base/large_vector.cpp" && include.path == "sys/mman.h");
+                         }),
               IsEmpty());
 }
 

@@ -10,17 +10,21 @@ StallWatch::StallWatch() {
   cpu_set_t cpus;
   CPU_ZERO(&cpus);
   if (::sched_getaffinity(0, sizeof cpus, &cpus) != 0) CPU_SET(0, &cpus);
+  std::latch are_looking(CPU_COUNT(&cpus));
   for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
-    if (CPU_ISSET(cpu, &cpus)) threads_.emplace_back([this, cpu] { look(cpu); });
+    if (CPU_ISSET(cpu, &cpus)) threads_.emplace_back([this, cpu, &are_looking] { look(cpu, are_looking); });
   }
+  are_looking.wait();
 }
 
-StallWatch::~StallWatch() {
+std::int64_t StallWatch::end() {
   is_ending_ = true;
   for (std::thread& thread : threads_) thread.join();
+  threads_.clear();
+  return longest_ns();
 }
 
-void StallWatch::look(int cpu) {
+void StallWatch::look(int cpu, std::latch& are_looking) {
   cpu_set_t only;
   CPU_ZERO(&only);
   CPU_SET(cpu, &only);
@@ -28,8 +32,10 @@ void StallWatch::look(int cpu) {
   const sched_param highest{.sched_priority = ::sched_get_priority_max(SCHED_FIFO)};
   (void)::sched_setscheduler(0, SCHED_FIFO, &highest);
   SteadyClock clock;
-  while (!is_ending_) {
-    const std::int64_t next_ns = clock.now_ns() + kNanosecondsPerMillisecond;
+  std::int64_t next_ns = clock.now_ns() + kNanosecondsPerMillisecond;
+  are_looking.count_down();
+  for (bool is_last = false; !is_last; next_ns = clock.now_ns() + kNanosecondsPerMillisecond) {
+    is_last = is_ending_;
     clock.sleep_until_ns(next_ns);
     const std::int64_t late_ns = clock.now_ns() - next_ns;
     std::int64_t longest_ns = longest_ns_.load();

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <latch>
 #include <thread>
 #include <vector>
 
@@ -12,20 +13,23 @@ namespace hapton {
 // hypervisor ran something else. Units: ns. Threads: any.
 class StallWatch {
  public:
-  // A force may be as old as that (docs/safety-case.md): who stalls for longer must let go of it, and a test sees that.
+  // A force may be as old as that (docs/safety-case.md): a node that stalls for longer must release it, and a test sees that.
   static constexpr std::int64_t kForceLifeNs = 20'000'000;
 
+  // Returns when every thread looks.
   StallWatch();
-  ~StallWatch();
+  ~StallWatch() { end(); }
   StallWatch(const StallWatch&) = delete;
   StallWatch& operator=(const StallWatch&) = delete;
 
-  // The longest time since construction or restart() that a thread came too late.
+  // The longest time since construction or restart() that a thread came too late. A stall counts once the thread has looked again.
   std::int64_t longest_ns() const { return longest_ns_.load(); }
   void restart() { longest_ns_ = 0; }
+  // Lets every thread look once more and ends them: the longest time, with a stall that ends now.
+  std::int64_t end();
 
  private:
-  void look(int cpu);
+  void look(int cpu, std::latch& are_looking);
 
   std::atomic<bool> is_ending_{false};
   std::atomic<std::int64_t> longest_ns_{0};

@@ -1,5 +1,5 @@
 // hapton_timed COMMAND [WORDS...]: runs a test that runs whole nodes against the clock. A node that stands still for longer than a force
-// may live lets go of the force, disconnects or is killed by its watchdog, as it should; a test that waits for touch then fails through no
+// may live releases the force, disconnects or is killed by its watchdog, as it should; a test that waits for touch then fails through no
 // fault of the nodes. So a command that failed while the machine itself stood still is run again; if it failed in every run, and the
 // machine stood still in every run for longer than a force may live, it is skipped (77) with a line that says so. On a machine that keeps
 // time nothing is repeated.
@@ -51,13 +51,9 @@ int main(int argc, char** argv) {
   const std::int64_t begin_ns = hapton::SteadyClock().now_ns();
   std::int64_t least_ns = std::numeric_limits<std::int64_t>::max();
   for (int n = 1;; ++n) {
-    int code = 0;
-    std::int64_t stall_ns = 0;
-    {
-      const StallWatch watch;
-      code = run(argv + 1);
-      stall_ns = watch.longest_ns();
-    }
+    StallWatch watch;
+    const int code = run(argv + 1);
+    const std::int64_t stall_ns = watch.end();
     if (code == 0 || code == kSkipped || stall_ns < kNoticedNs) return code;
     fmt::print("\nrun {} failed (exit code {}), and this machine stood still for up to {:.1f} ms meanwhile\n", n, code, ms(stall_ns));
     std::fflush(stdout);

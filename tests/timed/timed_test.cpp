@@ -27,7 +27,7 @@ struct Timed : testing::Test {
     for (std::string line; std::getline(file, line);) ++n;
     return n;
   }
-  const std::string stall = "kill -STOP $PPID; sleep 0.2; kill -CONT $PPID; sleep 0.05; ";
+  const std::string stall = "kill -STOP $PPID; sleep 0.2; kill -CONT $PPID; ";
 };
 
 TEST_F(Timed, WhatPassesIsRunOnce) {

@@ -27,7 +27,7 @@ std::string take_text(const std::filesystem::path& path) {
 TEST(ChildProcess, GivesTheExitCode) {
   auto child = ChildProcess::start({.program = "sh", .arguments = {"-c", "exit 7"}, .folder = {}, .output = {}});
   ASSERT_TRUE(child);
-  EXPECT_EQ(child->wait(10.0), 7);
+  EXPECT_EQ(child->wait(30.0), 7);
   EXPECT_EQ(child->wait(0.0), 7);
   EXPECT_EQ(child->stop(), 7);
 }
@@ -37,7 +37,7 @@ TEST(ChildProcess, ArgumentsArriveAsTheyAre) {
   auto child =
       ChildProcess::start({.program = "printf", .arguments = {"%s|", "a b", "$HOME", "'; exit 3", "*"}, .folder = "/", .output = out});
   ASSERT_TRUE(child);
-  EXPECT_EQ(child->wait(10.0), 0);
+  EXPECT_EQ(child->wait(30.0), 0);
   EXPECT_EQ(take_text(out), "a b|$HOME|'; exit 3|*|");
 }
 
@@ -45,7 +45,7 @@ TEST(ChildProcess, RunsInItsFolder) {
   const auto out = scratch("pwd");
   auto child = ChildProcess::start({.program = "pwd", .arguments = {}, .folder = "/usr", .output = out});
   ASSERT_TRUE(child);
-  EXPECT_EQ(child->wait(10.0), 0);
+  EXPECT_EQ(child->wait(30.0), 0);
   EXPECT_EQ(take_text(out), "/usr\n");
 }
 

@@ -12,9 +12,12 @@
 #include <iterator>
 #include <map>
 #include <sstream>
+#include <string>
+#include <thread>
 #include <vector>
 
 #include "link/link_key.h"
+#include "tests/tools/command_run.h"
 #include "tools/commands.h"
 
 namespace hapton {
@@ -22,29 +25,6 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
-
-// What a person sees of a command.
-struct Seen {
-  int code = -1;
-  std::string out;
-  std::string err;
-};
-
-Seen run(std::vector<std::string> words) {
-  words.insert(words.begin(), "hapton");
-  std::vector<const char*> argv;
-  for (const std::string& word : words) {
-    argv.push_back(word.c_str());
-  }
-  testing::internal::CaptureStdout();
-  testing::internal::CaptureStderr();
-  Seen seen;
-  seen.code = run_hapton_command(static_cast<int>(argv.size()), argv.data());
-  std::fflush(stdout);
-  seen.out = testing::internal::GetCapturedStdout();
-  seen.err = testing::internal::GetCapturedStderr();
-  return seen;
-}
 
 class HaptonCommandTest : public ::testing::Test {
  protected:
@@ -68,13 +48,13 @@ class HaptonCommandTest : public ::testing::Test {
 };
 
 TEST_F(HaptonCommandTest, HelpAndVersion) {
-  const Seen help = run({"--help"});
+  const CommandRun help = run_hapton({"--help"});
   EXPECT_EQ(help.code, 0);
   for (const char* command : {"replay", "echo", "keygen", "latency", "plot", "set", "info"}) {
     EXPECT_THAT(help.out, HasSubstr(command));
-    EXPECT_EQ(run({command, "--help"}).code, 0) << command;
+    EXPECT_EQ(run_hapton({command, "--help"}).code, 0) << command;
   }
-  const Seen version = run({"--version"});
+  const CommandRun version = run_hapton({"--version"});
   EXPECT_EQ(version.code, 0);
   EXPECT_THAT(version.out, HasSubstr("hapton 0."));
 }
@@ -82,7 +62,7 @@ TEST_F(HaptonCommandTest, HelpAndVersion) {
 // The line that lists a command, and the heading above it.
 TEST_F(HaptonCommandTest, HelpListsEachCommandInALineUnderWhatPeopleWantToDo) {
   std::map<std::string, std::string> group_of;
-  std::istringstream help(run({"--help"}).out);
+  std::istringstream help(run_hapton({"--help"}).out);
   std::string group;
   for (std::string line; std::getline(help, line);) {
     EXPECT_LE(line.size(), 100U) << line;
@@ -102,74 +82,76 @@ TEST_F(HaptonCommandTest, HelpListsEachCommandInALineUnderWhatPeopleWantToDo) {
   EXPECT_EQ(group_of["figures"], "Develop:");
   EXPECT_EQ(group_of.size(), std::size(kCommands));
   EXPECT_FALSE(group_of.contains("judge")) << "an old name";
-  EXPECT_THAT(run({"bench", "--help"}).out, HasSubstr("\nSubcommands:\n  effects")) << "groups are of the commands, not of theirs";
+  EXPECT_THAT(run_hapton({"bench", "--help"}).out, HasSubstr("\nSubcommands:\n  effects")) << "groups are of the commands, not of theirs";
 }
 
 TEST_F(HaptonCommandTest, KeygenMakesAKeyOnceAndSaysHowToUseIt) {
-  const Seen made = run({"keygen", path("key")});
+  const CommandRun made = run_hapton({"keygen", path("key")});
   EXPECT_EQ(made.code, 0) << made.err;
   EXPECT_THAT(made.out, HasSubstr("--key " + path("key")));
   EXPECT_EQ(std::filesystem::file_size(path("key")), kKeyFileBytes);
   EXPECT_EQ(std::filesystem::status(path("key")).permissions(), std::filesystem::perms(0600));
-  const Seen again = run({"keygen", path("key")});
+  const CommandRun again = run_hapton({"keygen", path("key")});
   EXPECT_EQ(again.code, 1);
   EXPECT_THAT(again.err, HasSubstr("already exists"));
-  EXPECT_EQ(run({"keygen"}).code, 2);
+  EXPECT_EQ(run_hapton({"keygen"}).code, 2);
 }
 
 TEST_F(HaptonCommandTest, KeygenMakesTheKeysOfRolesFromAMasterKey) {
-  ASSERT_EQ(run({"keygen", path("master")}).code, 0);
+  ASSERT_EQ(run_hapton({"keygen", path("master")}).code, 0);
   for (const std::string role : {"haptics", "vision", "tool", "operator"}) {
-    const Seen made = run({"keygen", "--role", role, "--master", path("master"), path(role)});
+    const CommandRun made = run_hapton({"keygen", "--role", role, "--master", path("master"), path(role)});
     EXPECT_EQ(made.code, 0) << made.err;
     EXPECT_THAT(made.out, HasSubstr("the key of role " + role));
     const auto key = read_role_key_file(path(role), *find_node_key_role(role));
     ASSERT_TRUE(key) << key.error().what;
     EXPECT_EQ(key->bytes(), RoleKey(*read_key_file(path("master")), *find_node_key_role(role)).bytes());
   }
-  EXPECT_THAT(run({"keygen", "--role", "io", "--master", path("master"), path("io")}).err, HasSubstr("choose one of"));
-  EXPECT_THAT(run({"keygen", "--role", "tool", "--master", path("vision"), path("x")}).err, HasSubstr("is the key of role vision"));
-  EXPECT_THAT(run({"keygen", "--master", path("master"), path("x")}).err, HasSubstr("--role"));
+  EXPECT_THAT(run_hapton({"keygen", "--role", "io", "--master", path("master"), path("io")}).err, HasSubstr("choose one of"));
+  EXPECT_THAT(run_hapton({"keygen", "--role", "tool", "--master", path("vision"), path("x")}).err, HasSubstr("is the key of role vision"));
+  EXPECT_THAT(run_hapton({"keygen", "--master", path("master"), path("x")}).err, HasSubstr("--role"));
   EXPECT_FALSE(std::filesystem::exists(path("x")));
 }
 
 TEST_F(HaptonCommandTest, AWrongOptionIsReportedInOneLine) {
-  const Seen seen = run({"relay", "--loss", "2"});
+  const CommandRun seen = run_hapton({"relay", "--loss", "2"});
   EXPECT_EQ(seen.code, 2);
   EXPECT_THAT(seen.err, HasSubstr("hapton relay: --loss"));
   EXPECT_EQ(std::count(seen.err.begin(), seen.err.end(), '\n'), 1);
-  EXPECT_EQ(run({"relay", "--delay-ms", "nan"}).code, 2);
-  EXPECT_THAT(run({"latency", "run", "--hosts", "x", "--rate", "1000"}).err, HasSubstr("see hapton latency run --help"));
+  EXPECT_EQ(run_hapton({"relay", "--delay-ms", "nan"}).code, 2);
+  EXPECT_THAT(run_hapton({"latency", "run", "--hosts", "x", "--rate", "1000"}).err, HasSubstr("see hapton latency run --help"));
 }
 
 TEST_F(HaptonCommandTest, UnknownCommandsAreHinted) {
-  const Seen seen = run({"replya"});
+  const CommandRun seen = run_hapton({"replya"});
   EXPECT_EQ(seen.code, 2);
   EXPECT_EQ(seen.err, "hapton: unknown command 'replya'; did you mean 'replay'?\n");
-  EXPECT_EQ(run({"bench", "numbres"}).err, "hapton bench: unknown command 'numbres'; did you mean 'numbers'?\n");
-  EXPECT_THAT(run({"session", "xyzzy", "file"}).err, HasSubstr("unknown command 'xyzzy'; known are info, export, replay"));
-  EXPECT_EQ(run({"session", "xyzzy"}).code, 2);
-  EXPECT_EQ(run({}).code, 2);
-  EXPECT_EQ(run({"--no-such-flag"}).code, 2);
+  EXPECT_EQ(run_hapton({"bench", "numbres"}).err, "hapton bench: unknown command 'numbres'; did you mean 'numbers'?\n");
+  EXPECT_THAT(run_hapton({"session", "xyzzy", "file"}).err, HasSubstr("unknown command 'xyzzy'; known are info, export, replay"));
+  EXPECT_EQ(run_hapton({"session", "xyzzy"}).code, 2);
+  EXPECT_EQ(run_hapton({}).code, 2);
+  EXPECT_EQ(run_hapton({"--no-such-flag"}).code, 2);
 }
 
 TEST_F(HaptonCommandTest, UnknownFlagsAreHinted) {
-  const Seen seen = run({"replay", "--trajectroy", path("t.csv"), "--out", path("r.csv"), "--mesh", path("t.obj")});
+  const CommandRun seen = run_hapton({"replay", "--trajectroy", path("t.csv"), "--out", path("r.csv"), "--mesh", path("t.obj")});
   EXPECT_EQ(seen.code, 2);
   EXPECT_THAT(seen.err, HasSubstr("did you mean '--trajectory'?"));
-  const Seen grouped = run(replay({"--mehs", path("t.obj")}));
+  const CommandRun grouped = run_hapton(replay({"--mehs", path("t.obj")}));
   EXPECT_EQ(grouped.code, 2);
   EXPECT_THAT(grouped.err, HasSubstr("did you mean '--mesh'?"));
 }
 
 TEST_F(HaptonCommandTest, AnOutputThatCannotBeWrittenIsRejectedBeforeTheWork) {
-  const Seen seen = run({"replay", "--trajectory", path("none.csv"), "--out", path("t.obj/r.csv"), "--mesh", path("none.obj")});
+  const CommandRun seen =
+      run_hapton({"replay", "--trajectory", path("none.csv"), "--out", path("t.obj/r.csv"), "--mesh", path("none.obj")});
   EXPECT_EQ(seen.code, 2);
   EXPECT_THAT(seen.err, HasSubstr("cannot be a folder"));
 }
 
 TEST_F(HaptonCommandTest, ReplayWritesTheForces) {
-  const Seen seen = run(replay({"--mesh", path("t.obj"), "--unit", "mm", "--stiffness", "2000", "--repeat", "2", "--grid", "4x3x2"}));
+  const CommandRun seen =
+      run_hapton(replay({"--mesh", path("t.obj"), "--unit", "mm", "--stiffness", "2000", "--repeat", "2", "--grid", "4x3x2"}));
   EXPECT_EQ(seen.code, 0) << seen.err;
   EXPECT_THAT(seen.out, HasSubstr("4 x 3 x 2 cells"));
   EXPECT_THAT(seen.out, HasSubstr("3 steps, 2 in contact, force max 2 N"));
@@ -188,9 +170,9 @@ TEST_F(HaptonCommandTest, ReplaySaysWhatItCannotDo) {
     *(std::find(words.begin(), words.end(), flag) + 1) = value;
     return words;
   };
-  EXPECT_THAT(run(replaced("--method", "swep")).err, HasSubstr("swep"));
-  EXPECT_THAT(run(replaced("--trajectory", path("gone.csv"))).err, HasSubstr("gone.csv"));
-  EXPECT_THAT(run(replaced("--out", path("gone/r.csv"))).err, HasSubstr("gone/r.csv"));
+  EXPECT_THAT(run_hapton(replaced("--method", "swep")).err, HasSubstr("swep"));
+  EXPECT_THAT(run_hapton(replaced("--trajectory", path("gone.csv"))).err, HasSubstr("gone.csv"));
+  EXPECT_THAT(run_hapton(replaced("--out", path("gone/r.csv"))).err, HasSubstr("gone/r.csv"));
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
       {{"--mesh", path("gone.obj")}, "gone.obj"},
       {{"--mesh", path("t.obj"), "--unit", "furlong"}, "furlong"},
@@ -201,66 +183,74 @@ TEST_F(HaptonCommandTest, ReplaySaysWhatItCannotDo) {
       {{"--mesh", path("t.obj"), "--simplify", "2 furlong"}, "--simplify: '2 furlong' is no length"},
   };
   for (const auto& [more, word] : cases) {
-    const Seen seen = run(replay(more));
+    const CommandRun seen = run_hapton(replay(more));
     EXPECT_NE(seen.code, 0) << word;
     EXPECT_THAT(seen.err, HasSubstr(word));
   }
-  EXPECT_EQ(run(replay({})).code, 2);  // neither mesh nor scene
-  EXPECT_EQ(run(replay({"--mesh", path("t.obj"), "--scene", path("t.toml")})).code, 2);
-  EXPECT_EQ(run(replay({"--mesh", path("t.obj"), "--stiffness", "-1"})).code, 2);
-  EXPECT_EQ(run(replay({"--mesh", path("t.obj"), "--repeat", "0"})).code, 2);
+  EXPECT_EQ(run_hapton(replay({})).code, 2);  // neither mesh nor scene
+  EXPECT_EQ(run_hapton(replay({"--mesh", path("t.obj"), "--scene", path("t.toml")})).code, 2);
+  EXPECT_EQ(run_hapton(replay({"--mesh", path("t.obj"), "--stiffness", "-1"})).code, 2);
+  EXPECT_EQ(run_hapton(replay({"--mesh", path("t.obj"), "--repeat", "0"})).code, 2);
 }
 
 TEST_F(HaptonCommandTest, SmoothSaysHowItSimplifiedAndWhatCountedAsSharp) {
   std::vector<std::string> words = replay({"--mesh", path("t.obj"), "--unit", "mm", "--simplify", "0.5mm", "--crease", "70"});
   *(std::find(words.begin(), words.end(), "sweep")) = "smooth";
-  const Seen seen = run(words);
+  const CommandRun seen = run_hapton(words);
   EXPECT_EQ(seen.code, 0) << seen.err;
   EXPECT_THAT(seen.out, HasSubstr("simplify: 4 triangles, none merged within 0.0005 m"));
   EXPECT_THAT(seen.out, HasSubstr("faces turn by more than 70 degrees"));
 }
 
 TEST_F(HaptonCommandTest, EvaluateIsStillFoundUnderItsOldName) {
-  const Seen seen = run({"judge", "--shape", "torus", "--rows", "50", "--threads", "1"});
+  const CommandRun seen = run_hapton({"judge", "--shape", "torus", "--rows", "50", "--threads", "1"});
   EXPECT_EQ(seen.code, 0) << seen.err;
   EXPECT_THAT(seen.err, HasSubstr("hapton judge is now hapton evaluate"));
   EXPECT_THAT(seen.out, HasSubstr("force error"));
-  EXPECT_THAT(run({"--help"}).out, Not(HasSubstr("judge")));
+  EXPECT_THAT(run_hapton({"--help"}).out, Not(HasSubstr("judge")));
 }
 
 TEST_F(HaptonCommandTest, EvaluateLabelsAShadedForce) {
-  const Seen seen = run({"evaluate", "--shape", "torus", "--rows", "100", "--shading", "1", "--threads", "1"});
+  const CommandRun seen = run_hapton({"evaluate", "--shape", "torus", "--rows", "100", "--shading", "1", "--threads", "1"});
   EXPECT_EQ(seen.code, 0) << seen.err;
   EXPECT_THAT(seen.out, HasSubstr("force shading 1: the shaded force against the unshaded reference"));
 }
 
 TEST_F(HaptonCommandTest, GovernorHoldsAndSaysHowNearItCame) {
-  const Seen seen = run({"governor", "--steps", "2e5", "--seed", "5", "--threads", "2"});
+  const CommandRun seen = run_hapton({"governor", "--steps", "2e5", "--seed", "5", "--threads", "2"});
   EXPECT_EQ(seen.code, 0) << seen.out;
   EXPECT_THAT(seen.out, HasSubstr("seed 5"));
   EXPECT_THAT(seen.out, HasSubstr("worst, 1 is the limit: force "));
   EXPECT_THAT(seen.out, HasSubstr("governor: 0 breaches in 2"));
-  EXPECT_EQ(run({"governor", "--steps", "0"}).code, 2);
-  EXPECT_EQ(run({"governor", "--program", "7"}).code, 0);
+  EXPECT_EQ(run_hapton({"governor", "--steps", "0"}).code, 2);
+  EXPECT_EQ(run_hapton({"governor", "--program", "7"}).code, 0);
+}
+
+// On a machine of 64 CPUs a run of an hour would take days otherwise.
+TEST_F(HaptonCommandTest, LongRunsUseEveryCpuUnlessToldOtherwise) {
+  const unsigned all = std::max(1U, std::thread::hardware_concurrency());
+  for (const char* command : {"stress", "governor", "evaluate"}) {
+    EXPECT_THAT(run_hapton({command, "--help"}).out, HasSubstr("--threads UINT:[1, 1024]=" + std::to_string(all) + " ")) << command;
+  }
 }
 
 TEST_F(HaptonCommandTest, SetRejectsBeforeItContactsTheHub) {
-  EXPECT_THAT(run({"set"}).err, HasSubstr("nothing to set"));
-  EXPECT_THAT(run({"set", "--method", "nope"}).err, HasSubstr("'nope'"));
-  EXPECT_EQ(run({"set", "--rate", "100"}).code, 2);
-  EXPECT_THAT(run({"set", "--object", "hull"}).err, HasSubstr("nothing to set for object 'hull'"));
-  EXPECT_THAT(run({"set", "--object", std::string(300, 'x'), "--damping", "1"}).err, HasSubstr("no name of 300"));
-  for (const char* value : {"0", "-1", "2e6", "soft"}) EXPECT_EQ(run({"set", "--stiffness", value}).code, 2) << value;
-  EXPECT_THAT(run({"set", "--friction", "11"}).err, HasSubstr("10"));
-  EXPECT_EQ(run({"set", "--friction", "0.3", "--friction-dynamic", "0.2"}).code, 2);
-  EXPECT_THAT(run({"set", "--help"}).out, HasSubstr("layers"));
-  EXPECT_THAT(run({"set", "--hub", "no port:x", "--report"}).err, HasSubstr("no port"));
+  EXPECT_THAT(run_hapton({"set"}).err, HasSubstr("nothing to set"));
+  EXPECT_THAT(run_hapton({"set", "--method", "nope"}).err, HasSubstr("'nope'"));
+  EXPECT_EQ(run_hapton({"set", "--rate", "100"}).code, 2);
+  EXPECT_THAT(run_hapton({"set", "--object", "hull"}).err, HasSubstr("nothing to set for object 'hull'"));
+  EXPECT_THAT(run_hapton({"set", "--object", std::string(300, 'x'), "--damping", "1"}).err, HasSubstr("no name of 300"));
+  for (const char* value : {"0", "-1", "2e6", "soft"}) EXPECT_EQ(run_hapton({"set", "--stiffness", value}).code, 2) << value;
+  EXPECT_THAT(run_hapton({"set", "--friction", "11"}).err, HasSubstr("10"));
+  EXPECT_EQ(run_hapton({"set", "--friction", "0.3", "--friction-dynamic", "0.2"}).code, 2);
+  EXPECT_THAT(run_hapton({"set", "--help"}).out, HasSubstr("layers"));
+  EXPECT_THAT(run_hapton({"set", "--hub", "no port:x", "--report"}).err, HasSubstr("no port"));
 }
 
 // It takes the flags of `bench numbers`, and checks its folder before it measures.
 TEST_F(HaptonCommandTest, BenchAloneMeasuresTheNumbersToBeat) {
   std::ofstream(folder_ / "a file");
-  const Seen seen = run({"bench", "--quick", "--compared-steps", "20", "--out", path("a file/numbers")});
+  const CommandRun seen = run_hapton({"bench", "--quick", "--compared-steps", "20", "--out", path("a file/numbers")});
   EXPECT_EQ(seen.code, 2);
   EXPECT_THAT(seen.err, HasSubstr("a file is none"));
 }
@@ -268,25 +258,25 @@ TEST_F(HaptonCommandTest, BenchAloneMeasuresTheNumbersToBeat) {
 TEST_F(HaptonCommandTest, BenchTakesTheOldNameOfComparedStepsAndSaysSo) {
   std::ofstream(folder_ / "a file");
   for (const std::string kind : {"numbers", "pareto"}) {
-    const Seen seen = run({"bench", kind, "--quick", "--judged-steps", "20", "--out", path("a file/numbers")});
+    const CommandRun seen = run_hapton({"bench", kind, "--quick", "--judged-steps", "20", "--out", path("a file/numbers")});
     EXPECT_EQ(seen.code, 2) << kind;
     EXPECT_THAT(seen.err, HasSubstr("--judged-steps is now --compared-steps")) << kind;
-    EXPECT_THAT(run({"bench", kind, "--judged-steps", "1", "--out", path("numbers")}).err, HasSubstr("--compared-steps")) << kind;
-    EXPECT_THAT(run({"bench", kind, "--help"}).out, Not(HasSubstr("judged"))) << kind;
+    EXPECT_THAT(run_hapton({"bench", kind, "--judged-steps", "1", "--out", path("numbers")}).err, HasSubstr("--compared-steps")) << kind;
+    EXPECT_THAT(run_hapton({"bench", kind, "--help"}).out, Not(HasSubstr("judged"))) << kind;
   }
 }
 
 TEST_F(HaptonCommandTest, StressRejectsADynamicFrictionAboveTheStaticOne) {
-  const Seen seen = run({"stress", "--body", "box", "--friction-dynamic", "0.3"});
+  const CommandRun seen = run_hapton({"stress", "--body", "box", "--friction-dynamic", "0.3"});
   EXPECT_EQ(seen.code, 1);
   EXPECT_THAT(seen.err, HasSubstr("dynamic friction 0.3 is above static friction 0"));
 }
 
 TEST_F(HaptonCommandTest, EchoEndsWhenItsTimeIsOver) {
-  const Seen seen = run({"echo", "--bind", "127.0.0.1:0", "--seconds", "0.05"});
+  const CommandRun seen = run_hapton({"echo", "--bind", "127.0.0.1:0", "--seconds", "0.05"});
   EXPECT_EQ(seen.code, 0);
   EXPECT_THAT(seen.out, HasSubstr("echo at 127.0.0.1:"));
-  EXPECT_EQ(run({"echo", "--bind", "somewhere else"}).code, 1);
+  EXPECT_EQ(run_hapton({"echo", "--bind", "somewhere else"}).code, 1);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 
 #include "runtime/clock.h"
 
+#include "tests/support/patience.h"
 #include "tests/support/scratch_folder.h"
 
 namespace hapton {
@@ -72,9 +73,7 @@ TEST(LocalNode, EndsWithAProgramThatIsKilled) {
   ASSERT_EQ(::waitpid(program, &status, 0), program);
   ASSERT_TRUE(WIFSIGNALED(status)) << "the node was not started";
   const pid_t node = std::stoi(read_text(scratch.path() / "node.log"));
-  SteadyClock clock;
-  for (int i = 0; i < 500 && !has_ended(node); ++i) clock.sleep_until_ns(clock.now_ns() + 10 * kNanosecondsPerMillisecond);
-  EXPECT_TRUE(has_ended(node));
+  EXPECT_TRUE(wait_until([&] { return has_ended(node); }));
 }
 
 }  // namespace

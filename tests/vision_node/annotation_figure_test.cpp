@@ -190,10 +190,83 @@ TEST_F(AnnotationFigureTest, FromTheFirstEndALineGoesToTheTip) {
   EXPECT_GT(find_ink(*view, is_rule, 0, 640).count, 20);
 }
 
+TEST_F(AnnotationFigureTest, TheStrokeBeingDrawnGoesWithTheSceneAndItsObject) {
+  open(StereoMode::mono, {});
+  Pose X_WS = Pose::Identity();
+  X_WS.translation() = Vec3(0.0, 0.03, 0.0);
+  Pose X_SO = Pose::Identity();
+  X_SO.translation() = Vec3(-0.04, 0.0, 0.0);
+  view->annotation_figure().set_scene_pose(X_WS);
+  view->annotation_figure().set_objects({X_SO}, -1, Pose::Identity());
+  const std::vector<Vec3> dot = {{0.01, 0.0, 0.0}};
+  view->annotation_figure().set_current(0, &dot);
+  const InkFound found = find_ink(*view, is_ink, 0, 640);
+  ASSERT_GT(found.count, 4);
+  EXPECT_LT((found.middle - project_to_pixel(view->screen(), Eye::centre, {640, 480}, X_WS * (X_SO * dot[0]))).norm(), 0.8);
+}
+
+TEST_F(AnnotationFigureTest, AMeasureIsDrawnBetweenItsEndsWhereTheSceneIsNow) {
+  open(StereoMode::mono, {});
+  const Vec3 from(-0.02, 0.01, 0.0);
+  const Vec3 to(0.04, 0.01, 0.0);
+  show({Measure{{{{0, from}, {1, to}}}}});
+  Pose X_WS = Pose::Identity();
+  X_WS.translation() = Vec3(0.01, -0.05, 0.0);
+  view->annotation_figure().set_scene_pose(X_WS);
+  const Vec3 middle = X_WS * Vec3(0.5 * (from + to));
+  const auto labels = view->annotation_figure().labels();
+  ASSERT_EQ(labels.size(), 1U);
+  EXPECT_LT((labels[0].p_W - middle).norm(), 1e-12);
+  const InkFound line = find_ink(*view, is_rule, 0, 640);
+  ASSERT_GT(line.count, 50);
+  EXPECT_LT((line.middle - project_to_pixel(view->screen(), Eye::centre, {640, 480}, middle)).norm(), 1.0);
+}
+
+TEST_F(AnnotationFigureTest, AMeasureOfTheHeldObjectFollowsTheStylus) {
+  open(StereoMode::mono, {});
+  show({Measure{{{{0, Vec3::Zero()}, {1, Vec3::Zero()}}}}});
+  Pose X_TO = Pose::Identity();
+  X_TO.translation() = Vec3(0.0, -0.01, 0.0);
+  view->annotation_figure().set_objects({Pose::Identity(), Pose::Identity()}, 1, X_TO);
+  ProbeShown probe;
+  probe.p_WP = Vec3(0.03, 0.01, 0.0);
+  view->annotation_figure().set_probe(probe);
+  const auto labels = view->annotation_figure().labels();
+  ASSERT_EQ(labels.size(), 1U);
+  EXPECT_EQ(labels[0].text, "30.00 mm") << "from the origin to the object in the hand";
+  EXPECT_LT((labels[0].p_W - Vec3(0.015, 0.0, 0.0)).norm(), 1e-12);
+}
+
+TEST_F(AnnotationFigureTest, OfManyMeasuresTheNewestTwelveHaveLabels) {
+  open(StereoMode::mono, {});
+  std::vector<Annotation> entries;
+  for (int i = 1; i <= 15; ++i) entries.push_back(Measure{{{{0, Vec3::Zero()}, {1, {0.001 * i, 0.0, 0.0}}}}});
+  show(entries);
+  const auto labels = view->annotation_figure().labels();
+  ASSERT_EQ(labels.size(), 12U);
+  EXPECT_EQ(labels.front().text, "15.00 mm");
+  EXPECT_EQ(labels.back().text, "4.00 mm");
+}
+
+TEST_F(AnnotationFigureTest, TheLabelOfABegunMeasureIsInItsMiddle) {
+  open(StereoMode::mono, {});
+  ProbeShown probe;
+  probe.p_WP = Vec3(0.03, 0.02, 0.0);
+  view->annotation_figure().set_first_end(SurfacePoint{0, Vec3(-0.01, 0.02, 0.0)});
+  EXPECT_TRUE(view->annotation_figure().labels().empty()) << "no tip is known";
+  view->annotation_figure().set_probe(probe);
+  ASSERT_EQ(view->annotation_figure().labels().size(), 1U);
+  EXPECT_LT((view->annotation_figure().labels()[0].p_W - Vec3(0.01, 0.02, 0.0)).norm(), 1e-12);
+  view->annotation_figure().set_first_end(std::nullopt);
+  EXPECT_TRUE(view->annotation_figure().labels().empty());
+}
+
 TEST(DescribeLength, HasAUnitThatSuits) {
   EXPECT_EQ(describe_length(0.0), "0.00 mm");
   EXPECT_EQ(describe_length(0.0423149), "42.31 mm");
   EXPECT_EQ(describe_length(12.5), "12.5000 m");
+  EXPECT_EQ(describe_length(1.0), "1.0000 m");
+  EXPECT_EQ(describe_length(1e-4), "0.10 mm");
   EXPECT_EQ(describe_length(3.21e-6), "3.21 um");
 }
 

@@ -131,6 +131,9 @@ TEST(Hud, WarnsOfASceneOutOfReachOrDifferentFromTheHapticOne) {
   EXPECT_NE(compose_hud(facts).find("free"), std::string::npos);
   facts.state.status = ProbeStatus::too_small;
   EXPECT_NE(compose_hud(facts).find("SPECK"), std::string::npos);
+  facts.state.status = ProbeStatus::hand_inside;
+  EXPECT_NE(compose_hud(facts).find("INSIDE A BODY"), std::string::npos);
+  EXPECT_NE(compose_hud(facts).find("free"), std::string::npos);
   facts.state.status = ProbeStatus::ok;
   facts.is_other_scene = true;
   const std::string text = compose_hud(facts);

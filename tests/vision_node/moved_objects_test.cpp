@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
 
+#include "link/commanded_move.h"
+#include "scene/object_reader.h"
 #include "tests/vision_node/made_views.h"
 
 namespace hapton {
@@ -44,11 +47,11 @@ TEST_F(MovedObjectsTest, AnObjectIsDrawnWhereItWasPutDown) {
   EXPECT_LT((*find(0) - expected(kRedAt)).norm(), 0.6);
   const Vec3 by(0.03, -0.06, 0.02);
   const Quat turned(Eigen::AngleAxisd(0.5, Vec3::UnitZ()));
-  EXPECT_TRUE(moved.take({.serial = 2, .object = 0, .p_m = by, .q = turned}));
+  EXPECT_TRUE(moved.take(ObjectPose{.serial = 2, .object = 0, .p_m = by, .q = turned}));
   EXPECT_LT((*find(0) - expected(turned * kRedAt + by)).norm(), 0.6);
   EXPECT_LT((*find(1) - expected(kGreenAt)).norm(), 0.6) << "the other stays";
-  EXPECT_FALSE(moved.take({.serial = 2, .object = 0, .p_m = by, .q = turned})) << "said again";
-  EXPECT_TRUE(moved.take({.serial = 1, .object = 0})) << "of another haptics node: where the scene file has it";
+  EXPECT_FALSE(moved.take(ObjectPose{.serial = 2, .object = 0, .p_m = by, .q = turned})) << "said again";
+  EXPECT_TRUE(moved.take(ObjectPose{.serial = 1, .object = 0})) << "of another haptics node: where the scene file has it";
   EXPECT_LT((*find(0) - expected(kRedAt)).norm(), 0.6);
 }
 
@@ -65,7 +68,7 @@ TEST_F(MovedObjectsTest, AnObjectThatIsHeldGoesWithTheStylus) {
   const std::uint8_t* beside = empty_handed.at(static_cast<int>(there.x()), static_cast<int>(there.y()));
   const std::array<std::uint8_t, 3> bare = {beside[0], beside[1], beside[2]};
   // Held a centimetre beside the tip.
-  EXPECT_TRUE(moved.take({.serial = 2, .object = 0, .is_held = true, .p_m = Vec3(0.01, 0, 0) - kRedAt}));
+  EXPECT_TRUE(moved.take(ObjectPose{.serial = 2, .object = 0, .is_held = true, .p_m = Vec3(0.01, 0, 0) - kRedAt}));
   EXPECT_EQ(moved.held(), 0);
   view->set_probe(probe);
   view->draw();
@@ -75,7 +78,7 @@ TEST_F(MovedObjectsTest, AnObjectThatIsHeldGoesWithTheStylus) {
   EXPECT_LT(red[1], red[0] / 2);
   EXPECT_FALSE(std::equal(red, red + 3, bare.begin()));
   const Vec3 down(0.0, 0.02, 0.0);
-  EXPECT_TRUE(moved.take({.serial = 3, .object = 0, .p_m = down}));
+  EXPECT_TRUE(moved.take(ObjectPose{.serial = 3, .object = 0, .p_m = down}));
   EXPECT_EQ(moved.held(), -1);
   view->set_probe(probe);
   view->draw();
@@ -104,7 +107,95 @@ TEST_F(MovedObjectsTest, AnObjectThatMovesByKeyframesIsDrawnWhereItIsAtThatTime)
   EXPECT_LT((*find(0) - expected(motion->pose_at(1.5) * kRedAt)).norm(), 0.6);
   EXPECT_LT((*find(1) - expected(kGreenAt)).norm(), 0.6) << "the other stays";
   EXPECT_EQ(moved.moving()[0].matrix(), motion->pose_at(1.5).matrix());
-  EXPECT_FALSE(moved.take({.serial = 2, .object = 0, .p_m = Vec3::UnitX()})) << "nobody picks it up";
+  EXPECT_FALSE(moved.take(ObjectPose{.serial = 2, .object = 0, .p_m = Vec3::UnitX()})) << "nobody picks it up";
+}
+
+SceneObject commanded_marker(const SceneObject& marker) {
+  SceneObject object = marker;
+  ObjectSpec spec;
+  spec.motion.by_program = true;
+  object.commanded = std::make_shared<const CommandedObject>(spec, SceneFit(), *object.mesh);
+  return object;
+}
+
+// Where the felt one is at the scene time of the sample shown, also if that is of a moment before the newest move.
+TEST_F(MovedObjectsTest, AnObjectThatAProgramMovesIsDrawnWhereItIsAtThatTime) {
+  ASSERT_TRUE(view);
+  scene.objects[0] = commanded_marker(scene.objects[0]);
+  MovedObjects moved(*view, scene);
+  EXPECT_TRUE(moved.has_motion());
+  EXPECT_FALSE(moved.set_time(400'000'000));
+  EXPECT_LT((*find(0) - expected(kRedAt)).norm(), 0.6) << "at rest";
+  ObjectMove first{.source = 5, .serial = 1, .start_ns = 500'000'000, .end_ns = 1'500'000'000, .to_p_m = Vec3(0.04, -0.06, 0.02)};
+  first.to_q = Quat(Eigen::AngleAxisd(0.3, Vec3::UnitZ()));
+  ASSERT_TRUE(moved.take(first));
+  EXPECT_FALSE(moved.take(first)) << "announced again";
+  EXPECT_FALSE(moved.set_time(450'000'000)) << "of before its start";
+  EXPECT_TRUE(moved.set_time(1'250'000'000));
+  moved.place_moving();
+  CommandedMotion felt(scene.objects[0].commanded->pivot());
+  felt.begin(to_command(first));
+  EXPECT_EQ(moved.moving()[0].matrix(), felt.pose_at(1e-9 * 1'250'000'000).matrix());
+  EXPECT_LT((*find(0) - expected(felt.pose_at(1.25) * kRedAt)).norm(), 0.6);
+  EXPECT_LT((*find(1) - expected(kGreenAt)).norm(), 0.6) << "the other stays";
+  // A newer one takes over at 1.3 s; a sample of 1.2 s is still shown as it was felt.
+  const Keyframe at_takeover = felt.keyframe_at(1.3);
+  ASSERT_TRUE(moved.take(ObjectMove{.source = 5,
+                                    .serial = 2,
+                                    .start_ns = 1'300'000'000,
+                                    .end_ns = 2'000'000'000,
+                                    .from_p_m = at_takeover.p_S,
+                                    .from_q = at_takeover.turn}));
+  moved.set_time(1'200'000'000);
+  EXPECT_EQ(moved.moving()[0].matrix(), felt.pose_at(1e-9 * 1'200'000'000).matrix());
+  moved.set_time(3'000'000'000);
+  EXPECT_EQ(moved.moving()[0].matrix(), Pose::Identity().matrix());
+}
+
+// Its scene time and its serials begin again.
+TEST_F(MovedObjectsTest, AnotherHapticsProcessHasOtherMoves) {
+  ASSERT_TRUE(view);
+  scene.objects[0] = commanded_marker(scene.objects[0]);
+  MovedObjects moved(*view, scene);
+  const Vec3 there(0.04, -0.06, 0.02);
+  ASSERT_TRUE(moved.take(ObjectMove{.source = 5, .serial = 9, .start_ns = 1, .end_ns = 2, .to_p_m = there}));
+  moved.set_time(1'000'000'000);
+  EXPECT_EQ(moved.moving()[0].translation(), there);
+  EXPECT_FALSE(moved.take(ObjectMove{.source = 6, .serial = 0})) << "not moved yet";
+  EXPECT_TRUE(moved.set_time(1'000'000'000));
+  EXPECT_EQ(moved.moving()[0].matrix(), Pose::Identity().matrix());
+  EXPECT_TRUE(moved.take(ObjectMove{.source = 6, .serial = 1, .start_ns = 1, .end_ns = 2, .to_p_m = there}));
+}
+
+TEST_F(MovedObjectsTest, ProgramsMoveNoOtherObjects) {
+  ASSERT_TRUE(view);
+  scene.objects[0] = commanded_marker(scene.objects[0]);
+  MovedObjects moved(*view, scene);
+  for (const std::int32_t object : {-1, 1, 2, 1'000'000}) {
+    EXPECT_FALSE(moved.take(ObjectMove{.source = 5, .serial = 1, .object = object, .to_p_m = Vec3::UnitX()})) << object;
+  }
+  EXPECT_FALSE(moved.take(ObjectPose{.serial = 2, .object = 0, .p_m = Vec3::UnitX()})) << "nobody picks it up";
+}
+
+// In its shape of that time: pushed to the right by half of 60 mm.
+TEST_F(MovedObjectsTest, AnObjectThatDeformsIsDrawnInItsShapeOfThatTime) {
+  ASSERT_TRUE(view);
+  MorphTarget target;
+  for (std::uint32_t v = 0; v < scene.objects[0].mesh->vertices.size(); ++v) {
+    target.vertices.push_back(v);
+    target.displacements.push_back({0.06, 0.0, 0.0});
+  }
+  scene.objects[0].deformation =
+      std::make_shared<const MeshDeformation>(std::vector{target}, std::vector<MorphKey>{{0.0, {0.0}}, {2.0, {1.0}}}, false);
+  MovedObjects moved(*view, scene);
+  EXPECT_TRUE(moved.has_motion());
+  EXPECT_LT((*find(0) - expected(kRedAt)).norm(), 0.6);
+  EXPECT_TRUE(moved.set_time(1'000'000'000));
+  moved.place_moving();
+  EXPECT_FALSE(moved.set_time(1'000'000'000)) << "the same again";
+  EXPECT_LT((*find(0) - expected(kRedAt + Vec3(0.03, 0, 0))).norm(), 0.6);
+  EXPECT_LT((*find(1) - expected(kGreenAt)).norm(), 0.6) << "the other stays";
+  EXPECT_FALSE(moved.take(ObjectPose{.serial = 2, .object = 0, .p_m = Vec3::UnitX()})) << "nobody picks it up";
 }
 
 TEST_F(MovedObjectsTest, NothingMovesInASceneWithoutKeyframes) {
@@ -117,8 +208,8 @@ TEST_F(MovedObjectsTest, NothingMovesInASceneWithoutKeyframes) {
 TEST_F(MovedObjectsTest, AnObjectThatTheSceneDoesNotHaveIsLeftOut) {
   ASSERT_TRUE(view);
   MovedObjects moved(*view, scene);
-  EXPECT_FALSE(moved.take({.serial = 2, .object = 2, .p_m = Vec3::UnitX()}));
-  EXPECT_FALSE(moved.take({.serial = 2, .object = -1, .p_m = Vec3::UnitX()}));
+  EXPECT_FALSE(moved.take(ObjectPose{.serial = 2, .object = 2, .p_m = Vec3::UnitX()}));
+  EXPECT_FALSE(moved.take(ObjectPose{.serial = 2, .object = -1, .p_m = Vec3::UnitX()}));
 }
 
 }  // namespace

@@ -1,9 +1,8 @@
-#include <chrono>
 #include <memory>
-#include <thread>
 
 #include <gtest/gtest.h>
 
+#include "tests/support/patience.h"
 #include "tests/vision_node/made_views.h"
 
 // Last: it brings X's macros.
@@ -28,13 +27,13 @@ class WindowEvents : public testing::Test {
     ASSERT_TRUE(person_->found());
   }
 
-  // All events received until `count` have come or a second has passed.
+  // All events received until `count` have come or half a minute has passed.
   std::vector<WindowEvent> receive(std::size_t count) {
     std::vector<WindowEvent> received;
-    for (int i = 0; i < 100 && received.size() < count; ++i) {
+    wait_until([&] {
       for (const auto& event : view_->poll_events()) received.push_back(event);
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
+      return received.size() >= count;
+    });
     return received;
   }
 
@@ -118,13 +117,10 @@ TEST_F(WindowEvents, RightButtonAndWheel) {
 TEST_F(WindowEvents, ResizeMakesThePictureStaleAndKeepsItsShape) {
   view_->take_stale();
   person_->resize(800, 300);
-  bool stale = false;
-  for (int i = 0; i < 100 && !stale; ++i) {
+  EXPECT_TRUE(wait_until([&] {
     view_->poll_events();
-    stale = view_->take_stale();
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  EXPECT_TRUE(stale);
+    return view_->take_stale();
+  }));
   view_->draw();
   EXPECT_EQ(view_->picture_size(), (PictureSize{400, 300}));
   const auto left = centroid(view_->read_picture(), 0, 0, 400);

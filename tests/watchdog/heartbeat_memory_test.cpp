@@ -4,6 +4,8 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include "tests/support/open_files.h"
+
 namespace hapton {
 namespace {
 
@@ -38,6 +40,15 @@ TEST(HeartbeatMemoryTest, OtherMemoryIsRejected) {
   const auto opened = zeros.open(other);
   ASSERT_FALSE(opened);
   EXPECT_NE(opened.error().what.find("version"), std::string::npos);
+}
+
+TEST(HeartbeatMemoryTest, IsClosedAgain) {
+  EXPECT_FALSE(leaves_files_open([] {
+    HeartbeatMemory ours;
+    ASSERT_TRUE(ours.make());
+    HeartbeatMemory theirs;
+    ASSERT_TRUE(theirs.open(::dup(ours.file())));
+  }));
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <memory>
 #include <sstream>
 
+#include "tests/support/open_files.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/time_units.h"
 
@@ -53,6 +54,27 @@ TEST_F(Watched, AFrozenLoopWithAForceOutIsNoticedWithin30Ms) {
   EXPECT_GT(after_ms, 20.0);
   EXPECT_LE(after_ms, 30.0);
   EXPECT_GT(watchdog.force_age_ns(), 20 * kMs);
+}
+
+// 21 ms without a cycle, 30 ms with a force of one sample, and 4 ms more in which the machine may have stood still: to the nanosecond.
+TEST_F(Watched, EachLimitIsReachedAtItsOwnTime) {
+  const std::int64_t grace_ns = 4 * kMs;
+  for (const bool is_frozen : {true, false}) {
+    const std::int64_t limit_ns = (is_frozen ? 21 : 30) * kMs;
+    for (const std::int64_t early_ns : {0, 1}) {
+      live(2);
+      const std::int64_t begin_ns = now_ns;
+      page.heartbeat_ns = page.force_sample_ns = begin_ns;
+      const auto look_after = [&](std::int64_t after_ns) {
+        now_ns = begin_ns + after_ns;
+        if (!is_frozen) page.heartbeat_ns = now_ns;
+        return watchdog.look(page, false, now_ns);
+      };
+      EXPECT_EQ(look_after(limit_ns - early_ns), Verdict::fine) << "it may be the whole machine";
+      const Verdict expected = early_ns > 0 ? Verdict::fine : is_frozen ? Verdict::frozen : Verdict::stale;
+      EXPECT_EQ(look_after(limit_ns - early_ns + grace_ns), expected) << is_frozen << early_ns;
+    }
+  }
 }
 
 TEST_F(Watched, WithoutAForceThereIsNothingToTakeAway) {
@@ -141,6 +163,20 @@ TEST(ForceCutterTest, FollowsADeviceThatWasPluggedInAgain) {
     EXPECT_TRUE(cutter.cut());
     EXPECT_EQ(std::filesystem::file_size(path), 1U);
   }
+}
+
+TEST(ForceCutterTest, ADeviceThatIsPluggedInOftenIsOpenOnce) {
+  ScratchFolder folder;
+  const std::string path = (folder.path() / "hidraw").string();
+  std::ofstream(path).flush();
+  const auto page = std::make_unique<HeartbeatPage>();
+  EXPECT_FALSE(leaves_files_open([&] {
+    ForceCutter cutter(*page, 0);
+    for (int n = 0; n < 2; ++n) {
+      page->set_hid(path, std::vector<std::uint8_t>{1});
+      cutter.prepare();
+    }
+  }));
 }
 
 TEST(ForceCutterTest, ClosesNoFileButItsOwn) {

@@ -227,7 +227,7 @@ std::string processes_to_text(const RemoteGrid& grid, const std::vector<RemotePr
   std::string text = fmt::format(
       "hub, relay and haptics node on this host; {:g} N/m; jitter {:g} ms. Error: of the force on the motors against the whole scene's, "
       "for "
-      "the same sample; local: before the governor, where it was worked out beside the device; simulated: of the same cell in simulated "
+      "the same sample; local: before the governor, where it was computed beside the device; simulated: of the same cell in simulated "
       "time.\n{:16}{:18}{:>5}{:>6}{:>7}{:>7}{:>13}{:>13}{:>13}{:>9}{:>11}{:>7}{:>9}{:>12}{:>12}{:>8}\n",
       grid.stiffness_n_per_m, 1e3 * grid.jitter_s, "method", "mesh", "seed", "mm/s", "ms", "loss %", "error RMS %", "local %",
       "simulated %", "max N", "direction", "falls", "given mJ", "packets/s", "kB/s", "missed");

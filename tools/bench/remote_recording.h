@@ -19,7 +19,7 @@ struct RecordedTouch {
   RemoteRates rates;             // between the two times given
   double scene_kb = 0.0;         // parts of the scene, in all
   double ready_s = 0.0;          // from the first sample to the last new part of the scene
-  double local_share = 0;        // of the cycles in contact: worked out beside the device
+  double local_share = 0;        // of the cycles in contact: computed beside the device
   double local_error_rms = 0.0;  // of those forces, before the governor: share of the zero-delay force
   double local_error_max_n = 0.0;
   std::uint64_t cycles = 0;

@@ -58,7 +58,7 @@ Result<SceneCheck> check_scene(const std::string& path, const Scene& scene, cons
   const HeldStiffness held = find_held_stiffness(settings.loops, settings.rate_hz, settings.delay_s);
   if (scene.tool) check.notes.push_back(fmt::format("not checked: the tool '{}'; everything here is of a probe", scene.tool->name));
   if (scene.touch_scene().has_motion()) {
-    check.notes.emplace_back("checked where the mesh files and their poses have it: objects that move by keyframes are not followed");
+    check.notes.emplace_back("checked where the mesh files and their poses have it: objects that move or deform are not followed");
   }
   const std::vector<const DevicePreset*> reaching = known_workspaces(settings.loops, check.notes);
   for (const SceneObject& object : scene.objects) {
@@ -102,7 +102,7 @@ std::string to_json(const SceneCheck& check, const SceneCheckSettings& settings)
   }
   Json loops = Json::array();
   for (const NamedLoop& loop : settings.loops) loops.push_back({{"device", loop.device}, {"hand", loop.hand}});
-  const Json json = {{"schema", "hapton-scene-check-1"},
+  const Json json = {{"schema", "hapton.scene_check/2"},
                      {"file", check.path},
                      {"loops", loops},
                      {"rate_hz", settings.rate_hz},

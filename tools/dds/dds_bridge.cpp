@@ -20,7 +20,6 @@ constexpr std::int64_t kBridgeTurnNs = 20 * kNanosecondsPerMillisecond;
 // After so long it is clear at what rate the hub sends.
 constexpr std::int64_t kRateKnownNs = 3 * kNanosecondsPerSecond;
 constexpr double kMostSkipped = 0.1;
-constexpr double kMostVisionHz = 10'000.0;  // of io_node --vision-rate
 constexpr std::int64_t kWarnEveryNs = 5 * kNanosecondsPerSecond;
 
 // The time of day minus the clock's. Again, if this thread was held up between the two.
@@ -42,13 +41,15 @@ std::int64_t day_offset_ns(const Clock& clock) {
 std::string why_dropped(ServoForce::Verdict verdict, const BridgeSettings& settings) {
   switch (verdict) {
     case ServoForce::Verdict::reduced:
-      return fmt::format("servo_cf: forces above {} N are scaled down (--accept-forces)", *settings.accept_forces_n);
+      return fmt::format(
+          "servo_cf: forces above {} N are scaled down (--accept-forces){}", *settings.accept_forces_n,
+          settings.accept_torques_nm > 0.0 ? fmt::format(", and torques above {} Nm (--accept-torques)", settings.accept_torques_nm) : "");
     case ServoForce::Verdict::wrong_frame:
       return fmt::format("servo_cf: dropped a force whose frame_id is not {}", settings.ros.frame);
     case ServoForce::Verdict::not_finite:
       return "servo_cf: dropped a force that is no number, and released the force";
     case ServoForce::Verdict::has_torque:
-      return "servo_cf: dropped a wrench with a torque, and released the force; torques are not passed on, send zero";
+      return "servo_cf: dropped a wrench with a torque, and released the force; send zero, or allow torques with --accept-torques";
     case ServoForce::Verdict::other_writer:
       return "servo_cf: two publishers at a time; only the first one's forces count";
     case ServoForce::Verdict::accepted:
@@ -101,14 +102,21 @@ Result<BridgeSummary> run_bridge(const BridgeSettings& settings, const std::func
     HubConnection::Settings hub = settings.hub;
     if (!settings.haptics_key_file.empty()) hub.key_file = settings.haptics_key_file;
     hub.has_worker = true;
-    auto started =
-        ForceReplier::start(**node, {.hub = hub, .most_n = *settings.accept_forces_n, .frame = ros.frame, .realtime = settings.realtime});
+    auto started = ForceReplier::start(**node, {.hub = hub,
+                                                .most_n = *settings.accept_forces_n,
+                                                .most_nm = settings.accept_torques_nm,
+                                                .frame = ros.frame,
+                                                .realtime = settings.realtime});
     if (!started) return tl::unexpected(started.error());
     replier = std::move(*started);
   }
   say(fmt::format(
       "publishing {0}/measured_cf and more in DDS domain {1}{2}", ros.prefix, ros.domain,
-      ros.takes_forces ? fmt::format("; forces of up to {} N are taken from {}/servo_cf", *settings.accept_forces_n, ros.prefix) : ""));
+      ros.takes_forces
+          ? fmt::format("; forces of up to {} N{} are taken from {}/servo_cf", *settings.accept_forces_n,
+                        settings.accept_torques_nm > 0.0 ? fmt::format(" and torques of up to {} Nm", settings.accept_torques_nm) : "",
+                        ros.prefix)
+          : ""));
 
   const auto rights = enter_realtime({.mode = settings.realtime, .priority = kPublisherPriority, .lock_memory = false});
   if (!rights) return tl::unexpected(rights.error());
@@ -145,7 +153,7 @@ Result<BridgeSummary> run_bridge(const BridgeSettings& settings, const std::func
     if (static_cast<double>(maker.skipped()) < kMostSkipped * all) continue;
     say(fmt::format("{:.0f} of {:.0f} samples a second come; with io_node --vision-rate {:.0f} all that this host keeps up with",
                     static_cast<double>(summary.samples) / all * client.servo_rate_hz(), client.servo_rate_hz(),
-                    std::min(2.0 * client.servo_rate_hz(), kMostVisionHz)));
+                    std::min(2.0 * client.servo_rate_hz(), kMaxServoRateHz)));
   }
   if (replier) {
     replier->stop();

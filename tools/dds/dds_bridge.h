@@ -20,6 +20,7 @@ struct BridgeSettings {
   RosNode::Options ros;
   double seconds = 0.0;                   // 0: until stopped
   std::optional<double> accept_forces_n;  // none: no force is taken from DDS
+  double accept_torques_nm = 0.0;         // with forces; 0: none
   RealtimeMode realtime = RealtimeMode::attempt;
   std::string haptics_key_file;  // for that; empty: hub.key_file
 };
@@ -41,7 +42,7 @@ class SampleMaker {
  public:
   explicit SampleMaker(bool has_hub_clock) noexcept : stamps_(has_hub_clock) {}
 
-  // None for a state no newer than the one before. session: the hub's; another one begins anew. The other times as in StampClock.
+  // None for a state no newer than the one before. session: the hub's; another one starts again. The other times as in StampClock.
   std::optional<RosSample> make(const ProbeState& probe, std::uint64_t session, std::int64_t received_ns,
                                 std::int64_t day_offset_ns) noexcept;
   // Samples of one session between those made.

@@ -20,7 +20,7 @@ Result<std::unique_ptr<ForceReplier>> ForceReplier::start(RosNode& node, const S
 }
 
 ForceReplier::ForceReplier(RosNode& node, const Settings& settings, std::unique_ptr<HubConnection> connection)
-    : node_(node), connection_(std::move(connection)), force_(settings.frame, settings.most_n) {
+    : node_(node), connection_(std::move(connection)), force_(settings.frame, settings.most_n, settings.most_nm) {
   thread_ = start_thread([this, realtime = settings.realtime] { run(realtime); });
 }
 
@@ -73,6 +73,7 @@ void ForceReplier::answer(const DeviceState& state, std::uint32_t states) {
   HubClient& client = connection_->client();
   const std::int64_t now_ns = connection_->clock().now_ns();
   command_.force_n = force_.force_n(now_ns);
+  command_.torque_nm = force_.torque_nm(now_ns);
   const std::uint64_t passed = state.sample - command_.echo_sample;
   command_.answered_before = answers_ == 0 || passed - 1 >= 63 ? 0 : command_.answered_before << passed | std::uint64_t{1} << (passed - 1);
   command_.echo_sample = state.sample;

@@ -1,14 +1,25 @@
 #include "tools/dds/servo_force.h"
 
 namespace hapton::dds {
+namespace {
+
+// stableNorm: a square of 1e200 N has no place in a double.
+bool is_above(const Vec3& vector, double most) { return vector.stableNorm() > most; }
+
+// Shortened with its direction, in two steps, as the largest numbers have no product.
+Vec3 shortened(const Vec3& vector, double most) {
+  if (!is_above(vector, most)) return vector;
+  return most * (vector / vector.cwiseAbs().maxCoeff()).normalized();
+}
+
+}  // namespace
 
 ServoForce::Verdict ServoForce::judge(const ServoCommand& command, std::int64_t now_ns) noexcept {
   if (is_fresh(now_ns) && command.writer != writer_) return Verdict::other_writer;
   if (command.frame_id != frame_) return Verdict::wrong_frame;
   if (!command.force_n.allFinite() || !command.torque_nm.allFinite()) return Verdict::not_finite;
-  if (!command.torque_nm.isZero(0.0)) return Verdict::has_torque;
-  // stableNorm: a square of 1e200 N has no place in a double.
-  return command.force_n.stableNorm() > most_n_ ? Verdict::reduced : Verdict::accepted;
+  if (most_nm_ == 0.0 && !command.torque_nm.isZero(0.0)) return Verdict::has_torque;
+  return is_above(command.force_n, most_n_) || is_above(command.torque_nm, most_nm_) ? Verdict::reduced : Verdict::accepted;
 }
 
 ServoForce::Verdict ServoForce::take(const ServoCommand& command, std::int64_t now_ns) noexcept {
@@ -37,12 +48,8 @@ ServoForce::Verdict ServoForce::take(const ServoCommand& command, std::int64_t n
   ++counts_.accepted;
   writer_ = command.writer;
   taken_ns_ = now_ns;
-  force_n_ = command.force_n;
-  if (verdict == Verdict::reduced) {
-    // In two steps, as the largest numbers have no product.
-    const double largest = command.force_n.cwiseAbs().maxCoeff();
-    force_n_ = most_n_ * (command.force_n / largest).normalized();
-  }
+  force_n_ = shortened(command.force_n, most_n_);
+  torque_nm_ = shortened(command.torque_nm, most_nm_);
   return verdict;
 }
 

@@ -16,8 +16,8 @@ struct ServoCommand {
   Vec3 torque_nm = Vec3::Zero();
 };
 
-// Which forces from DDS count: those of one writer at a time, in the frame that we publish, finite, no larger than allowed, for 20 ms each.
-// The governor of io_node stands behind this and trusts none of it. Units: N, ns. RT: yes. Threads: one.
+// Which forces and torques from DDS count: those of one writer at a time, in the frame that we publish, finite, no larger than allowed, for
+// 20 ms each. The governor of io_node stands behind this and trusts none of it. Units: N, Nm, ns. RT: yes. Threads: one.
 class ServoForce {
  public:
   // As the governor's command timeout.
@@ -25,10 +25,10 @@ class ServoForce {
 
   enum class Verdict : std::uint8_t {
     accepted,
-    reduced,       // accepted, scaled down to the largest force
+    reduced,       // accepted, scaled down to the largest force or torque
     wrong_frame,   // dropped
     not_finite,    // dropped, and the force is released
-    has_torque,    // dropped, and the force is released: torques are not passed on
+    has_torque,    // dropped, and the force is released: no torques are allowed
     other_writer,  // dropped: another one's command counts
   };
   struct Counts {
@@ -40,12 +40,13 @@ class ServoForce {
     std::uint64_t other_writer = 0;
   };
 
-  // Pre: most_n is finite and not negative.
-  ServoForce(std::string frame, double most_n) : frame_(std::move(frame)), most_n_(most_n) {}
+  // most_nm: of torques; 0: none are allowed. Pre: both are finite and not negative.
+  ServoForce(std::string frame, double most_n, double most_nm = 0.0) : frame_(std::move(frame)), most_n_(most_n), most_nm_(most_nm) {}
 
   Verdict take(const ServoCommand& command, std::int64_t now_ns) noexcept;
   // Frame W. Zero if no command came within kAgeNs.
   Vec3 force_n(std::int64_t now_ns) const noexcept { return is_fresh(now_ns) ? force_n_ : Vec3(Vec3::Zero()); }
+  Vec3 torque_nm(std::int64_t now_ns) const noexcept { return is_fresh(now_ns) ? torque_nm_ : Vec3(Vec3::Zero()); }
   const Counts& counts() const noexcept { return counts_; }
 
  private:
@@ -54,9 +55,11 @@ class ServoForce {
 
   std::string frame_;
   double most_n_;
+  double most_nm_;
   std::uint64_t writer_ = 0;
   std::int64_t taken_ns_ = 0;
   Vec3 force_n_ = Vec3::Zero();
+  Vec3 torque_nm_ = Vec3::Zero();
   Counts counts_;
 };
 

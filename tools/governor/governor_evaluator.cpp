@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/button_bit.h"
+
 namespace hapton {
 namespace {
 
@@ -39,7 +41,7 @@ std::string_view to_string(GovernorBreach breach) noexcept {
 
 GovernorEvaluator::GovernorEvaluator(const HostileProgram& program, const SafetyGovernor& governor) noexcept
     : governor_(governor), is_physical_(program.is_physical()) {
-  if (program.button() >= 0 && program.button() < 32) buttons_ = std::uint32_t{1} << program.button();
+  buttons_ = button_bit(program.button());
   const DeviceLimits& device = governor.device_limits();
   const double ratio = device.continuous_force_n / device.max_force_n;
   if (device.peak_s > 0.0 && ratio < 1.0) time_constant_s_ = -device.peak_s / std::log(1.0 - ratio * ratio);

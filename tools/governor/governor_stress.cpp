@@ -62,7 +62,7 @@ std::uint64_t GovernorStress::program_seed(std::uint64_t program) const noexcept
 void GovernorStress::run(std::uint64_t program_seed, GovernorStressCount& count) noexcept {
   HostileProgram program(program_seed);
   SafetyGovernor governor(program.device());
-  if (program.button() >= 0) governor.require_button(program.button());
+  governor.require_button(program.button());
   GovernorEvaluator evaluator(program, governor);
   auto breaches = evaluator.breaches();
   Wrench out;

@@ -27,7 +27,7 @@ HostileProgram::HostileProgram(std::uint64_t seed) noexcept : random_(seed) {
   is_calm_in_time_ = is_physical_ || random_.once_in(2);
   is_calm_in_motion_ = is_physical_ || random_.once_in(2);
   is_calm_in_state_ = random_.once_in(2);
-  button_ = random_.once_in(4) ? static_cast<int>(random_.below(34)) - 1 : -1;
+  button_ = random_.once_in(4) ? static_cast<int>(random_.below(34)) : 0;
   period_ns_ = std::llround(1e9 / std::pow(10.0, random_.uniform(std::log10(250.0), 4.0)));
   clock_ns_ = random_.once_in(10) ? -kHourNs : static_cast<std::int64_t>(random_.below(1'000'000'000'000'000));
   step_.sample.buttons = ~0U;

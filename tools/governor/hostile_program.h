@@ -52,7 +52,7 @@ class HostileProgram {
   explicit HostileProgram(std::uint64_t seed) noexcept;
 
   const DeviceLimits& device() const noexcept { return device_; }
-  // Button that the governor must require; below 0: none.
+  // Button that the governor must require, counted from 1; 0 or above 32: none.
   int button() const noexcept { return button_; }
   // How many turns it is meant for.
   int turns() const noexcept { return turns_; }
@@ -81,7 +81,7 @@ class HostileProgram {
   DeviceLimits device_;
   HostileStep step_;
   int turns_ = 0;
-  int button_ = -1;
+  int button_ = 0;
   bool is_physical_ = false;
   bool is_calm_in_time_ = false;
   bool is_calm_in_motion_ = false;

@@ -43,8 +43,8 @@ Result<LatencyVerdict> evaluate_latency(const nlohmann::json& report) {
     verdict.reason =
         fmt::format("wake-up and round trip take {:.1f} us at p99.9, and a period is {:.1f} us", verdict.need_us, 1e6 / verdict.rate_hz);
   } else if (verdict.missed_share > kMaxMissedShare) {
-    verdict.reason = fmt::format("{:.2f} % of the cycles were late, lost or missed, and {:g} % may be", 100.0 * verdict.missed_share,
-                                 100.0 * kMaxMissedShare);
+    verdict.reason = fmt::format("{:.2f} % of the cycles were late, lost, superseded or missed; at most {:g} % are allowed",
+                                 100.0 * verdict.missed_share, 100.0 * kMaxMissedShare);
   }
   verdict.holds = verdict.reason.empty();
   return verdict;

@@ -57,7 +57,7 @@ Result<std::uint64_t> mark(const MarkOptions& options) {
 constexpr std::int64_t kLookNs = 500'000;  // at the line: twice a sample at 1 kHz
 constexpr int kLinePriority = 10;          // below all nodes (80), above ordinary programs
 
-Result<LineMarker> make_line_marker(const MarkOptions& options, const SerialInput& input) {
+Result<LineMarker> make_line_marker(const MarkOptions& options, const LineInput& input) {
   const Edges edges = options.edges == "on" ? Edges::on : options.edges == "off" ? Edges::off : Edges::both;
   const std::string& name = options.text.empty() ? input.name : options.text;
   const bool is_plain = !options.text.empty() && edges != Edges::both;
@@ -71,11 +71,11 @@ Result<LineMarker> make_line_marker(const MarkOptions& options, const SerialInpu
 
 // Until Ctrl-C or time is up.
 Result<LineMarker::Counts> follow_line(const MarkOptions& options) {
-  const auto input = parse_serial_input(options.line);
+  const auto input = parse_line_input(options.line);
   if (!input) return tl::unexpected(input.error());
   auto marker = make_line_marker(options, *input);
   if (!marker) return tl::unexpected(marker.error());
-  const auto line = open_serial_input(*input);
+  const auto line = open_line_input(*input);
   if (!line) return tl::unexpected(line.error());
   const auto connection = HubConnection::open(NodeRole::tool, options.hub);
   if (!connection) return tl::unexpected(connection.error());
@@ -136,7 +136,8 @@ void add_mark_command(CommandLine app, int& exit_code) {
   command.add_option("text", options->text, "What happened: one line of at most 160 bytes; with --line, what the line is called");
   const CommandOption line =
       command.add_option("--line", options->line,
-                         "Mark the changes of a serial port's input until Ctrl-C: DEVICE:CTS (or DSR, DCD, RI), as in /dev/ttyS0:CTS");
+                         "Mark the changes of a port's input until Ctrl-C: DEVICE:PIN, as in /dev/ttyS0:CTS (serial: CTS, DSR, DCD, RI) or "
+                         "/dev/parport0:ACK (parallel: ACK, BUSY, PAPEROUT, SELECT, ERROR)");
   command.add_option("--edges", options->edges, "With --line: mark when it goes on, off, or both")
       .one_of({"on", "off", "both"})
       .shows_default()

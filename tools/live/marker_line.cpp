@@ -1,6 +1,8 @@
 #include "tools/live/marker_line.h"
 
 #include <fcntl.h>
+#include <linux/parport.h>
+#include <linux/ppdev.h>
 #include <linux/serial.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
@@ -17,13 +19,22 @@ namespace {
 
 struct Pin {
   std::string_view name;
+  bool is_parallel;
   int bit;
 };
-constexpr Pin kPins[] = {{"CTS", TIOCM_CTS}, {"DSR", TIOCM_DSR}, {"DCD", TIOCM_CD}, {"RI", TIOCM_RI}};
+constexpr Pin kPins[] = {{"CTS", false, TIOCM_CTS},
+                         {"DSR", false, TIOCM_DSR},
+                         {"DCD", false, TIOCM_CD},
+                         {"RI", false, TIOCM_RI},
+                         {"ACK", true, PARPORT_STATUS_ACK},
+                         {"BUSY", true, PARPORT_STATUS_BUSY},
+                         {"PAPEROUT", true, PARPORT_STATUS_PAPEROUT},
+                         {"SELECT", true, PARPORT_STATUS_SELECT},
+                         {"ERROR", true, PARPORT_STATUS_ERROR}};
 
 class SerialLine : public DigitalLine {
  public:
-  SerialLine(int descriptor, SerialInput input) : descriptor_(descriptor), input_(std::move(input)) { before_ = count(); }
+  SerialLine(int descriptor, LineInput input) : descriptor_(descriptor), input_(std::move(input)) { before_ = count(); }
   ~SerialLine() override { ::close(descriptor_); }
   SerialLine(const SerialLine&) = delete;
   SerialLine& operator=(const SerialLine&) = delete;
@@ -55,28 +66,64 @@ class SerialLine : public DigitalLine {
     }
   }
   int descriptor_;
-  SerialInput input_;
+  LineInput input_;
   std::optional<std::uint32_t> before_;
+};
+
+class ParallelLine : public DigitalLine {
+ public:
+  ParallelLine(int descriptor, LineInput input) : descriptor_(descriptor), input_(std::move(input)) {}
+  ~ParallelLine() override { ::close(descriptor_); }  // which releases the port
+  ParallelLine(const ParallelLine&) = delete;
+  ParallelLine& operator=(const ParallelLine&) = delete;
+
+  // False: it is no parallel port, or another program has it.
+  bool claim() { return ::ioctl(descriptor_, PPCLAIM) == 0; }
+  Result<bool> is_on() override {
+    unsigned char status = 0;
+    if (::ioctl(descriptor_, PPRSTATUS, &status) != 0) return fail("{} cannot be read any more: {}", input_.device, std::strerror(errno));
+    return is_high(input_, status);
+  }
+
+ private:
+  int descriptor_;
+  LineInput input_;
 };
 
 }  // namespace
 
-Result<SerialInput> parse_serial_input(std::string_view text) {
+Result<LineInput> parse_line_input(std::string_view text) {
   const std::size_t colon = text.rfind(':');
   if (colon != std::string_view::npos && colon > 0) {
     const std::string_view name = text.substr(colon + 1);
     const auto* pin = std::find_if(std::begin(kPins), std::end(kPins), [&](const Pin& one) { return one.name == name; });
-    if (pin != std::end(kPins)) return SerialInput{std::string(text.substr(0, colon)), std::string(name), pin->bit};
+    if (pin != std::end(kPins)) return LineInput{std::string(text.substr(0, colon)), std::string(name), pin->is_parallel, pin->bit};
   }
-  return fail("--line '{}' is no input of a serial port: give DEVICE:CTS, DEVICE:DSR, DEVICE:DCD or DEVICE:RI, as in /dev/ttyS0:CTS", text);
+  return fail(
+      "--line '{}' is no input of a port: give DEVICE:PIN, as in /dev/ttyS0:CTS (serial: CTS, DSR, DCD, RI) or /dev/parport0:ACK "
+      "(parallel: "
+      "ACK, BUSY, PAPEROUT, SELECT, ERROR)",
+      text);
 }
 
-Result<std::unique_ptr<DigitalLine>> open_serial_input(const SerialInput& input) {
+bool is_high(const LineInput& input, unsigned char status) noexcept { return ((status ^ PARPORT_STATUS_BUSY) & input.bit) != 0; }
+
+Result<std::unique_ptr<DigitalLine>> open_line_input(const LineInput& input) {
   // Without waiting for a carrier.
-  const int descriptor = ::open(input.device.c_str(), O_RDONLY | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  const int descriptor = ::open(input.device.c_str(), (input.is_parallel ? O_RDWR : O_RDONLY) | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
   if (descriptor < 0) {
+    const std::string group = input.is_parallel ? "lp" : "dialout";
     return fail("{} cannot be opened: {}{}", input.device, std::strerror(errno),
-                errno == EACCES ? "; `sudo adduser $USER dialout`, then log in again" : "");
+                errno == EACCES                        ? fmt::format("; `sudo adduser $USER {}`, then log in again", group)
+                : input.is_parallel && errno == ENOENT ? "; `sudo modprobe ppdev` makes it, where there is such a port"
+                                                       : std::string());
+  }
+  if (input.is_parallel) {
+    auto line = std::make_unique<ParallelLine>(descriptor, input);
+    if (!line->claim() || !line->is_on()) {
+      return fail("{} is no parallel port, or another program has it (`sudo rmmod lp` for the printer's)", input.device);
+    }
+    return line;
   }
   auto line = std::make_unique<SerialLine>(descriptor, input);
   if (!line->is_on()) return fail("{} is no serial port with a {} input", input.device, input.name);

@@ -13,15 +13,19 @@
 
 namespace hapton {
 
-// An input of a serial port: "/dev/ttyS0:CTS".
-struct SerialInput {
+// An input of a serial or parallel port: "/dev/ttyS0:CTS", "/dev/parport0:ACK".
+struct LineInput {
   std::string device;
-  std::string name;  // CTS, DSR, DCD or RI
-  int bit = 0;       // of TIOCMGET
+  std::string name;          // CTS, DSR, DCD or RI; ACK, BUSY, PAPEROUT, SELECT or ERROR
+  bool is_parallel = false;  // port
+  int bit = 0;               // of TIOCMGET, or of the parallel port's status
 };
 
 // Error, one line: not DEVICE:PIN, or no such pin. RT: no.
-Result<SerialInput> parse_serial_input(std::string_view text);
+Result<LineInput> parse_line_input(std::string_view text);
+
+// Whether that pin is high in the status byte of a parallel port, whose hardware inverts BUSY. Pre: is_parallel. RT: yes.
+bool is_high(const LineInput& input, unsigned char status) noexcept;
 
 // A line that is on or off. RT: no. Threads: one.
 class DigitalLine {
@@ -34,7 +38,8 @@ class DigitalLine {
 };
 
 // Error, one line: no such device, no right to it, or it has no such inputs. Opening a serial port turns its RTS and DTR on, as ever.
-Result<std::unique_ptr<DigitalLine>> open_serial_input(const SerialInput& input);
+// A parallel port belongs to this program then.
+Result<std::unique_ptr<DigitalLine>> open_line_input(const LineInput& input);
 
 enum class Edges : std::uint8_t { on, off, both };
 
@@ -56,7 +61,7 @@ class LineMarker {
   // on_text, off_text: of the markers; both are valid.
   LineMarker(Edges edges, std::string on_text, std::string off_text);
 
-  // The line, as it is now. The first call tells how it stands, and marks nothing.
+  // The line, as it is now. The first call reads the level, and marks nothing.
   void see(bool is_on, std::int64_t now_ns);
   // What to send now: new ones first in the order of their changes, then repetitions. None: nothing is due.
   std::optional<Marker> next(std::int64_t now_ns);

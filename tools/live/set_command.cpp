@@ -111,7 +111,8 @@ Result<Settings> make_settings(const SetOptions& options, bool has_material) {
   settings.reset_faults = options.reset_faults;
   if (!options.method.empty() &&
       (options.method.size() >= settings.method.size() || !(is_method_name(options.method) || options.method == "plugin"))) {
-    return fail("method '{}' is not known; choose one of: {}", options.method, method_names());
+    return fail("method '{}' is not known; choose one of: {}, or plugin, the one that haptics_node was started with", options.method,
+                method_names());
   }
   std::copy(options.method.begin(), options.method.end(), settings.method.begin());
   if (!options.method.empty()) settings.method_request = static_cast<std::uint32_t>(make_random_id()) | 1U;
@@ -267,7 +268,8 @@ void add_set_command(CommandLine app, int& exit_code) {
   command.add_option("--hub", options->hub, "Where io_node is: HOST or HOST:PORT").shows_default();
   command.add_option("--key", options->key_file, kKeyHelp);
   command.add_option("--rate", options->rate_hz, "Servo rate, Hz").between(kMinServoRateHz, kMaxServoRateHz);
-  command.add_option("--method", options->method, "Force method, one of: " + method_names());
+  command.add_option("--method", options->method,
+                     "Force method, one of: " + method_names() + "; or plugin, the one that haptics_node was started with");
   command.add_option("--object", options->object, "Object whose material changes, by its name in the scene; default: all objects");
   command
       .add_option("--stiffness", options->stiffness_n_per_m, "N/m; fades in. Not for layers: they and other effects are the scene file's")

@@ -10,7 +10,7 @@ namespace hapton {
 // Names what a hub's report says is touched, from the scene that the report names, if that is on this host. Loads it once. RT: no.
 class TouchedNames {
  public:
-  // "touching hood (sheet metal)", "touching object 3" where its name is not known here; empty: nothing is touched, or not told.
+  // "touching hood (sheet metal)", "touching object 3" where its name is not known here; empty: nothing is touched, or it is unknown.
   std::string describe(const nlohmann::ordered_json& report);
 
  private:

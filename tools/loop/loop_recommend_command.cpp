@@ -75,8 +75,8 @@ Result<void> run(const RecommendOptions& options) {
   fmt::print("{:.4g} N/m for {} at {:g} Hz and {:.4g} ms: {}\n", advice.stiffness_n_per_m, least->loop->device, latency->rate_hz,
              1e3 * latency->delay_s,
              advice.is_limited_by_device
-                 ? "what is known of the device"
-                 : fmt::format("half of what is stable in hand {} ({:.4g} N/m)", least->loop->hand, advice.stable_n_per_m));
+                 ? "the documented limit of the device"
+                 : fmt::format("half of the stable limit with hand {} ({:.4g} N/m)", least->loop->hand, advice.stable_n_per_m));
   fmt::print(
       "Up to {:.4g} N/m no hand can draw energy from it. In a scene file: stiffness_n_per_m = {:.4g}. For any material: haptics_node "
       "--coupling {:.4g}\n",

@@ -66,7 +66,7 @@ std::string to_text(const ZWidthRow& row) {
       "stable up to {:.3g} kg\n",
       row.loop->device, row.loop->hand, row.inputs.rate_hz, row.delay_ms,
       row.is_simulated() ? fmt::format(", jitter {:g} ms, loss {:g}, seed {}", row.jitter_ms, row.loss, row.seed) : "",
-      row.found.stiffness.value, row.is_simulated() ? "" : fmt::format(" (swings at {:.3g} Hz)", row.found.stiffness.frequency_hz),
+      row.found.stiffness.value, row.is_simulated() ? "" : fmt::format(" (oscillates at {:.3g} Hz)", row.found.stiffness.frequency_hz),
       row.found.passive.least_n_per_m(), row.rest_n_per_m ? fmt::format(", a press comes to rest up to {:.4g} N/m", *row.rest_n_per_m) : "",
       row.found.linear_rule_n_per_m, row.found.mass_kg.value);
 }

@@ -32,7 +32,7 @@ struct JoinedRow {
   Vec3 written_nm = Vec3::Zero();
   bool is_contact = false;
   std::int32_t object = -1;  // touched, of the scene's; -1: none, or not recorded
-  bool is_local = false;     // worked out on parts of the scene, beside the device
+  bool is_local = false;     // computed on parts of the scene, beside the device
   double round_trip_s = 0.0;
   double late_s = 0.0;  // the cycle began so long after its tick
   std::uint32_t missed = 0;

@@ -1,6 +1,5 @@
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <memory>
@@ -10,12 +9,12 @@
 #include <utility>
 #include <vector>
 
-#include "core/force/stiffest.h"
 #include "core/tool/tool_step.h"
 #include "runtime/trajectory_csv.h"
 #include "runtime/worker_threads.h"
 #include "scene/find_tool.h"
 #include "scene/scene_file.h"
+#include "scene/tool_obstacles.h"
 #include "tools/commands.h"
 #include "tools/method_flags.h"
 #include "tools/session/replay.h"
@@ -89,31 +88,6 @@ Result<std::optional<SceneTool>> choose_tool(const ReplayOptions& options, const
   return tool;
 }
 
-struct ToolScene {
-  std::vector<std::shared_ptr<const TriangleMesh>> meshes;
-  std::vector<SurfaceFriction> friction;
-  ToolCoupling coupling;
-
-  bool has_friction() const {
-    return std::any_of(friction.begin(), friction.end(), [](const SurfaceFriction& one) { return one.friction_static > 0.0; });
-  }
-};
-
-ToolScene scene_of_tool(const ReplayOptions& options, const TouchScene& scene) {
-  ToolScene made;
-  ToolCoupling& coupling = made.coupling;
-  coupling.stiffness_n_per_m = find_stiffest(scene);
-  coupling.rotational_stiffness_nm_per_rad = options.rotational_stiffness_nm_per_rad;
-  if (!options.scene.empty()) {
-    fmt::print("tool: damping and effects of {} are left out: {:g} N/m everywhere\n", options.scene, coupling.stiffness_n_per_m);
-  }
-  for (const TouchObject& object : scene.objects) {
-    made.meshes.push_back(object.mesh);
-    made.friction.push_back({object.material.friction_static, object.material.friction_dynamic});
-  }
-  return made;
-}
-
 // What a point or a ball has and a tool does not have yet is said, not ignored.
 Result<void> check_tool_options(const ReplayOptions& options, bool has_tool) {
   const MethodSettings& method = options.method.settings;
@@ -168,8 +142,13 @@ Result<Replay> replay_tool(const ReplayOptions& options, const Scene& scene, con
                            std::span<const TrajectoryRow> trajectory) {
   const auto touch_scene = make_scene(options, scene);
   if (!touch_scene) return tl::unexpected(touch_scene.error());
-  if (touch_scene->has_motion()) return fail("objects of {} move by keyframes, which a rigid tool does not feel yet", options.scene);
-  ToolScene made = scene_of_tool(options, *touch_scene);
+  if (touch_scene->has_motion()) return fail("objects of {} move, which a rigid tool does not feel yet", options.scene);
+  const ToolObstacles obstacles = make_tool_obstacles(*touch_scene);
+  const ToolCoupling coupling{.stiffness_n_per_m = obstacles.stiffness_n_per_m,
+                              .rotational_stiffness_nm_per_rad = options.rotational_stiffness_nm_per_rad};
+  if (obstacles.leaves_out) {
+    fmt::print("tool: damping and effects of {} are left out: {:g} N/m everywhere\n", options.scene, coupling.stiffness_n_per_m);
+  }
   const auto felt = [&](const auto& tool) -> Result<Replay> {
     if (!tool) return tl::unexpected(tool.error());
     Replay done = run_replay(**tool, trajectory, options.replay, SteadyClock());
@@ -177,9 +156,9 @@ Result<Replay> replay_tool(const ReplayOptions& options, const Scene& scene, con
     return done;
   };
   if (options.tool_voxel_m <= 0.0)
-    return felt(ToolStep::make(*held.mesh, made.meshes, made.coupling, made.friction, make_worker_team(options.tool_threads)));
-  if (made.has_friction()) fmt::print("tool: voxels have no friction, so the scene's is left out\n");
-  return felt(VoxelTool::make(*held.mesh, made.meshes, made.coupling, options.tool_voxel_m));
+    return felt(ToolStep::make(*held.mesh, obstacles.meshes, coupling, obstacles.friction, make_worker_team(options.tool_threads)));
+  if (obstacles.has_friction()) fmt::print("tool: voxels have no friction, so the scene's is left out\n");
+  return felt(VoxelTool::make(*held.mesh, obstacles.meshes, coupling, options.tool_voxel_m));
 }
 
 Result<void> replay(ReplayOptions& options) {
@@ -236,7 +215,7 @@ void add_replay_command(CommandLine app, int& exit_code) {
   command.add_option("--tool", options->tool,
                      "Mesh of a rigid tool instead of a point or a ball: force and torque (default: the scene's [tool], if it has one)");
   command.add_option("--tool-unit", options->tool_unit, "Unit of the tool's mesh (default: as --unit)");
-  command.add_option("--tool-grip", options->tool_grip, "Where the stylus holds it: origin (of its mesh) or center (of its box)")
+  command.add_option("--tool-grip", options->tool_grip, "Where the stylus holds it: origin (of its mesh) or centre (of its box)")
       .shows_default();
   command
       .add_option("--rotational-stiffness", options->rotational_stiffness_nm_per_rad,

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cstring>
 #include <iterator>
+#include <set>
 #include <string_view>
 
 #include "haptic_step/method_text.h"
+#include "link/commanded_move.h"
 
 namespace hapton {
 namespace {
@@ -105,10 +107,39 @@ Result<void> SessionReplay::begin(std::uint64_t sender, const ForceCommand& firs
   if (!known) return tl::unexpected(known.error());
   are_materials_known_ = *known;
   if (!materials_.empty()) (*touch)->set_materials(materials_);
-  is_certain_ = is_method_known_ && are_materials_known_ && first.answered_before == 0;
   step_ = std::make_unique<HapticsStep>(std::move(*touch), offset_m);
   step_->use_effects(effects_);
+  begin_moves(first.move_serial);
+  is_certain_ = is_known() && first.answered_before == 0;
   return {};
+}
+
+// Before a recording began, objects may have been moved: the haptics node repeats the newest move of each.
+void SessionReplay::begin_moves(std::uint32_t serial) {
+  are_moves_known_ = true;
+  move_serial_ = serial;
+  if (serial == 0) return;
+  std::set<int> known;
+  for (auto move = moves_.lower_bound({sender_, 0, 0}); move != moves_.end(); ++move) {
+    const auto& [sender, number, object] = move->first;
+    if (sender != sender_ || number > serial) break;
+    step_->command(object, to_command(move->second));
+    known.insert(object);
+  }
+  const std::vector<int> all = step_->touch().commanded_objects();
+  are_moves_known_ = std::all_of(all.begin(), all.end(), [&](int object) { return known.contains(object); });
+}
+
+bool SessionReplay::apply_move(std::uint32_t serial) {
+  const auto move = moves_.lower_bound({sender_, serial, 0});
+  const bool is_there = move != moves_.end() && std::get<0>(move->first) == sender_ && std::get<1>(move->first) == serial;
+  return is_there && step_->command(move->second.object, to_command(move->second));
+}
+
+// A move says itself from when on it counts, so these are begun before the samples whose replies were lost.
+void SessionReplay::change_moves(std::uint32_t serial) {
+  while (move_serial_ < serial) are_moves_known_ = apply_move(++move_serial_) && are_moves_known_;
+  if (!are_moves_known_) is_certain_ = false;
 }
 
 // Makes the changes of that moment again. If the recording does not name the method, its forces are unknown.
@@ -206,6 +237,7 @@ void SessionReplay::step_lost(const ForceCommand& before) {
 
 Result<void> SessionReplay::step_method(const ForceCommand& command) {
   const std::uint64_t lost_before = counts_.lost_answers;
+  change_moves(command.move_serial);
   step_lost(command);
   // It is unknown which of the lost replies was the first with the new method, or with the new materials.
   const bool is_other = command.method_serial != serial_ || command.material_serial != material_serial_;
@@ -217,7 +249,7 @@ Result<void> SessionReplay::step_method(const ForceCommand& command) {
   // Effects remember more: time, velocity.
   const bool had_gap = command.answered_before == 0 && last_sample_ != 0;
   if (step_->has_effects() && had_gap) is_certain_ = false;
-  if (!is_certain_ && is_method_known_ && are_materials_known_ && !command.contact && !step_->has_effects()) {
+  if (!is_certain_ && is_known() && !command.contact && !step_->has_effects()) {
     step_->restart();
     is_certain_ = true;
   }
@@ -229,7 +261,7 @@ Result<void> SessionReplay::step_method(const ForceCommand& command) {
 
 void SessionReplay::compare(const ForceCommand& recorded, const ForceCommand& replayed) {
   if (!is_certain_) {
-    ++(is_method_known_ && are_materials_known_ ? counts_.not_compared : counts_.unknown_method);
+    ++(is_known() ? counts_.not_compared : counts_.unknown_method);
     return;
   }
   ++counts_.compared;

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -25,6 +26,9 @@ using MakeTouch = std::function<Result<std::unique_ptr<TouchStep>>(const Haptics
 // Likewise the states of the materials, by their serial.
 using MaterialStates = std::map<std::pair<std::uint64_t, std::uint32_t>, MaterialState>;
 
+// The moves of objects that programs requested, by sender number, serial and object: of serial 0 there is one for each object.
+using ObjectMoves = std::map<std::tuple<std::uint64_t, std::uint32_t, std::int32_t>, ObjectMove>;
+
 // Works out the materials of a state, in the scene and with the coupling that a setup names. Error: as above.
 using MakeMaterials = std::function<Result<std::vector<Material>>(const HapticsSetup& setup, const MaterialState& state)>;
 
@@ -37,7 +41,7 @@ struct ReplayCounts {
   std::uint64_t lost_answers = 0;    // replayed, but the original reply is unknown because it was lost
   std::uint64_t not_compared = 0;    // in contact before the first step in free space, with earlier contact unknown; with effects, all
                                      // steps after one that is unknown
-  std::uint64_t unknown_method = 0;  // computed by a method, or with materials, that the recording does not name: they were lost
+  std::uint64_t unknown_method = 0;  // computed by a method, or with materials or moves, that the recording does not name: they were lost
   std::uint64_t missing_states = 0;  // with a reply, but the state is not in the recording
   std::uint64_t missing_views = 0;
   double max_difference_n = 0.0;
@@ -55,6 +59,9 @@ class SessionReplay {
   // Before the first entry: effects from shared libraries, which must be those that the recording names. Pre: outlives this.
   void use_effects(PluginEffects* effects) { effects_ = effects; }
 
+  // Before the first entry: of a recording in which programs moved objects.
+  void use_moves(ObjectMoves moves) { moves_ = std::move(moves); }
+
   void on_state(const DeviceState& state);
   void on_view(const ViewTransform& view);
   Result<void> on_answer(std::uint64_t sender, const ForceCommand& command);
@@ -71,6 +78,10 @@ class SessionReplay {
   Result<void> change_method(std::uint32_t serial);
   Result<void> change_materials(std::uint32_t serial);
   Result<bool> find_materials(const HapticsSetup& setup, std::uint32_t serial);
+  void begin_moves(std::uint32_t serial);
+  void change_moves(std::uint32_t serial);
+  bool apply_move(std::uint32_t serial);
+  bool is_known() const { return is_method_known_ && are_materials_known_ && are_moves_known_; }
   void turn(std::uint32_t revision);
   std::optional<ForceCommand> step(std::uint64_t sample);
   void compare(const ForceCommand& recorded, const ForceCommand& replayed);
@@ -80,6 +91,7 @@ class SessionReplay {
   HapticsSetups setups_;
   MakeTouch make_touch_;
   MaterialStates material_states_;
+  ObjectMoves moves_;
   PluginEffects* effects_ = nullptr;  // null: none
   MakeMaterials make_materials_;
   std::map<std::uint64_t, DeviceState> states_;    // not passed yet
@@ -94,6 +106,8 @@ class SessionReplay {
   HapticsSetup setup_;                // one of this sender
   bool is_method_known_ = false;      // of the steps now
   bool are_materials_known_ = false;  // likewise
+  std::uint32_t move_serial_ = 0;     // of the moves begun
+  bool are_moves_known_ = true;       // all of them
   bool is_certain_ = false;           // no unknown earlier contact matters any more
   std::int64_t first_time_ns_ = 0;
   ReplayCounts counts_;

@@ -13,11 +13,11 @@ constexpr std::size_t kFaultsListed = 20;
 constexpr std::size_t kMarkersListed = 20;
 
 const char* name_of(const Message& message) {
-  constexpr std::array kNames = {"Hello",           "Welcome",       "Bye",        "DeviceState", "ForceCommand",
-                                 "ViewTransform",   "ProbeState",    "FrameAck",   "HandTarget",  "Settings",
-                                 "HapticsSetup",    "ReportRequest", "ReportPart", "SceneFacts",  "ViewRejected",
-                                 "PatchBegin",      "PatchCell",     "PatchTile",  "PatchStatus", "LoopFacts",
-                                 "MaterialRequest", "MaterialState", "ObjectPose", "Marker",      "MarkerReply"};
+  constexpr std::array kNames = {
+      "Hello",         "Welcome",    "Bye",       "DeviceState",  "ForceCommand",  "ViewTransform", "ProbeState",
+      "FrameAck",      "HandTarget", "Settings",  "HapticsSetup", "ReportRequest", "ReportPart",    "SceneFacts",
+      "ViewRejected",  "PatchBegin", "PatchCell", "PatchTile",    "PatchStatus",   "LoopFacts",     "MaterialRequest",
+      "MaterialState", "ObjectPose", "Marker",    "MarkerReply",  "MoveRequest",   "MoveReply",     "ObjectMove"};
   static_assert(kNames.size() == std::variant_size_v<Message>);
   return kNames[message.index()];
 }
@@ -74,6 +74,9 @@ void SessionSummary::add(const SessionEntry& entry, const Datagram* datagram) {
   if (const auto* force = std::get_if<ForceCommand>(&datagram->message)) add_force(*force, entry.time_ns);
   if (const auto* setup = std::get_if<HapticsSetup>(&datagram->message)) setups_[{datagram->header.sender, setup->method_serial}] = *setup;
   if (const auto* state = std::get_if<MaterialState>(&datagram->message)) materials_[{datagram->header.sender, state->serial}] = *state;
+  if (const auto* move = std::get_if<ObjectMove>(&datagram->message)) {
+    moves_[{datagram->header.sender, move->serial, move->object}] = *move;
+  }
 }
 
 void SessionSummary::add_force(const ForceCommand& force, std::int64_t time_ns) {
@@ -96,6 +99,8 @@ std::string SessionSummary::to_text(const SessionHeader& header) const {
   }
   const auto changes = std::count_if(materials_.begin(), materials_.end(), [](const auto& one) { return one.first.second > 0; });
   if (changes > 0) text += fmt::format("materials changed while running: {} times\n", changes);
+  const auto moves = std::count_if(moves_.begin(), moves_.end(), [](const auto& one) { return one.second.serial > 0; });
+  if (moves > 0) text += fmt::format("objects moved by programs: {} times\n", moves);
   text += fmt::format("  {:<14} {:>10} {:>10} {:>9}\n", "datagrams", "received", "sent", "kB/s");
   for (const auto& [name, traffic] : traffic_) {
     const double rate = seconds() > 0.0 ? 1e-3 * static_cast<double>(traffic.bytes) / seconds() : 0.0;

@@ -23,6 +23,7 @@ class SessionSummary {
 
   const HapticsSetups& setups() const { return setups_; }
   const MaterialStates& materials() const { return materials_; }
+  const ObjectMoves& moves() const { return moves_; }
 
  private:
   struct Traffic {
@@ -66,6 +67,7 @@ class SessionSummary {
   std::map<SessionFault, std::uint64_t> fault_counts_;
   HapticsSetups setups_;
   MaterialStates materials_;
+  ObjectMoves moves_;
 };
 
 }  // namespace hapton

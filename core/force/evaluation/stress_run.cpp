@@ -35,7 +35,7 @@ constexpr double kCrackShare =
 constexpr double kProofOffsets = 4.0;  // radius, in contact offsets, of the proof that a position is a minimum
 constexpr double kThroughStep = 0.01;
 constexpr double kRelative = 4e-9;        // a method may use this share of the extent as contact offset and leave it out of the force
-constexpr int kMostCarried = 128;         // steps that a motion may take
+constexpr int kMostCarried = 1024;        // steps that a motion may take
 constexpr std::size_t kMostFindings = 1;  // of each fault in each motion
 
 // Where the segment crosses a face, well away from its edges. Tests every triangle.

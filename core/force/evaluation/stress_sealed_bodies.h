@@ -5,10 +5,10 @@
 
 namespace hapton {
 
-// Bodies with cracks and T-junctions, sealed as a mesh is when loaded for touch. Each is its own solid, so a body that the seal does not
-// close has none. About 0.1 m long. width_share: width of the widest gap as a share of the extent.
+// Bodies with cracks and T-junctions, sealed as a mesh is when it is loaded for touch. The sealed mesh defines the solid; a body that is
+// not closed after sealing has none. About 0.1 m long. width_share: width of the widest gap as a share of the extent.
 
-// Separated at every edge: a sphere, and a star with sharp spikes.
+// Cracks at every edge: a sphere, and a star with sharp spikes.
 StressBody make_sealed_tears(double width_share);
 StressBody make_sealed_star(double width_share);
 // Faces with different tessellations, flat: a box.

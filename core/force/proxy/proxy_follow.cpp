@@ -72,10 +72,17 @@ void ProxyMethod::follow_piece(const Vec3& last, const Vec3& device) noexcept {
   ++counters_.swept;
   active_offset_ = kContactOffset;
   if (proxy_.is_free && is_point_) clear_start();
-  if (!proxy_.is_free && time > 0.0) swept_.descend(proxy_, on_path(last, device, time));
-  swept_.descend(proxy_, device);
+  const Vec3 there = on_path(last, device, time);
+  if (!proxy_.is_free && time > 0.0 && !sweep_to(there)) return carry(there);
+  if (!sweep_to(device)) return carry(device);
   double here = 0.0;
   if (!proxy_.is_free) follow_offset(device, device, here);
+}
+
+bool ProxyMethod::sweep_to(const Vec3& device) noexcept {
+  const bool has_settled = swept_.descend(proxy_, device, std::max(work_left_, kLeastSweptWork));
+  work_left_ -= swept_.work();
+  return has_settled;
 }
 
 // True if the step was finished on the surface and in free space. Otherwise the proxy is on the surface, or free, with the device at
@@ -87,11 +94,12 @@ bool ProxyMethod::follow_surface(const Vec3& last, const Vec3& device, double& t
   Outcome outcome = Outcome::settled;
   bool has_settled = !unconverged_;
   unconverged_ = false;
-  for (int leg = 0; leg < kMostLegs; ++leg) {
+  for (int leg = 0; leg < kMostLegs && work_left_ > 0; ++leg) {
     const Vec3 here = on_path(last, device, time);
     if (!surface_.is_on_surface()) {
       double until = 1.0;
       const Met met = flight_.fly(here, device, false, surface_, until);
+      work_left_ -= kWorkOfFlight;
       if (met == Met::nothing) {
         proxy_.settle_at(device);
         return true;
@@ -103,7 +111,8 @@ bool ProxyMethod::follow_surface(const Vec3& last, const Vec3& device, double& t
       time = std::min(1.0, time + (1.0 - time) * until);
       has_settled = true;
     }
-    outcome = has_settled ? surface_.follow(last, device, time) : surface_.descend(here);
+    outcome = has_settled ? surface_.follow(last, device, time, work_left_) : surface_.descend(here, work_left_);
+    work_left_ = surface_.work_left();
     if (outcome == Outcome::unwalkable) return false;
     if (outcome == Outcome::exhausted) {
       carry(on_path(last, device, time));
@@ -116,6 +125,7 @@ bool ProxyMethod::follow_surface(const Vec3& last, const Vec3& device, double& t
     has_settled = true;
     if (outcome == Outcome::settled) continue;
     ++counters_.flights;
+    work_left_ -= kWorkOfFlight;
     if (outcome == Outcome::released) {
       double until = 1.0;
       const Met met = flight_.fly(surface_.at().lifted_towards(device, kLift), device, false, surface_, until);

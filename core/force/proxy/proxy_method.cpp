@@ -22,6 +22,11 @@ std::vector<Material> materials_of(const TouchScene& scene) {
   return materials;
 }
 
+BuildPolicy policy_of(const MethodSettings& settings, const TouchScene& scene) {
+  if (scene.objects.front().deformation != nullptr) return BuildPolicy::to_deform;
+  return settings.build_on_approach ? BuildPolicy::on_approach : BuildPolicy::at_once;
+}
+
 // Clamps a device farther out than a billion scene sizes to that distance, so that its squares stay finite.
 Vec3 within_limits(const Vec3& local) {
   constexpr double kFarthest = 0x1p30;
@@ -43,7 +48,7 @@ Result<std::unique_ptr<ForceMethod>> ProxyMethod::make(const MethodSettings& set
 }
 
 ProxyMethod::ProxyMethod(const MethodSettings& settings, const TouchScene& scene)
-    : geometry_(meshes_of(scene), settings.build_on_approach ? BuildPolicy::on_approach : BuildPolicy::at_once,
+    : geometry_(meshes_of(scene), policy_of(settings, scene),
                 settings.shading > 0.0 ? std::optional(settings.crease_deg * std::numbers::pi / 180.0) : std::nullopt, scene.part_of),
       materials_(materials_of(scene)),
       surfaces_(geometry_, materials_),
@@ -78,17 +83,17 @@ std::optional<Vec3> ProxyMethod::carried_from() const noexcept {
 
 void ProxyMethod::resume(const Vec3& p_SP) noexcept {
   surface_.leave();
-  sphere_.stop_tracking();
-  sphere_.forget_near();
+  sphere_.forget();
   ball_.reset();
   carried_from_.reset();
+  unconverged_ = false;
   has_sample_ = p_SP.allFinite();
   proxy_.settle_at(within_limits(geometry_.to_local(p_SP)));
   geometry_.place_probe(proxy_.position);
   last_device_ = proxy_.position;
 }
 
-// Where friction has changed, the proxy settles anew at the beginning of the next step: what held it may hold it no longer.
+// Where friction has changed, the proxy settles again at the beginning of the next step: what held it may hold it no longer.
 void ProxyMethod::set_materials(std::span<const Material> materials) noexcept {
   bool is_friction_other = false;
   for (std::size_t i = 0; i < std::min(materials.size(), materials_.size()); ++i) {
@@ -125,6 +130,7 @@ MethodOutput ProxyMethod::step_outside(const MethodInput& input) noexcept {
   last_device_ = device;
   const Vec3 from = carried_from_.value_or(last);
   carried_from_.reset();
+  work_left_ = StepWork::kMost;
   const std::size_t waiting = geometry_.waiting_count();
   const double may_go = geometry_.request_ahead(proxy_.position, kLookAheadSteps * displacement);
   if (geometry_.waiting_count() != waiting) sphere_.forget_near();  // new objects are not in what it has gathered

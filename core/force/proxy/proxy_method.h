@@ -23,7 +23,7 @@ struct ProxyCounters {
   double shading_most = 0.0;      // largest |shaded - unshaded| / |unshaded|
   std::uint64_t flights = 0;      // motions through free space
   std::uint64_t swept = 0;        // steps finished by sweeps
-  std::uint64_t exhausted = 0;    // steps that ran out of events; the rest was carried into the next step
+  std::uint64_t exhausted = 0;    // steps that ran out of work; the rest was carried into the next step
   std::uint64_t most_events = 0;  // in one step
 };
 
@@ -36,6 +36,8 @@ struct ProxyCounters {
 //   SphereFollower    a probe with a radius; a point on triangles that are not walkable
 //   SweptMotion       steps whose events cannot be told apart
 //   EmptyBall         free space
+//
+// Where the surface deforms between two steps (DeformingMethod), it takes the probe along: see Anchor.
 //
 // Optional force shading (Morgenbesser & Srinivasan 1996) turns the force towards interpolated smooth normals without changing its
 // magnitude or the proxy; describe() reports by how much.
@@ -55,6 +57,23 @@ class ProxyMethod final : public ForceMethod {
   bool prepare() override;
   std::string describe() const override;
 
+  // A place on one side of the surface, where the probe is held, or that lies nearest to it and in its sight. However the surface deforms
+  // without touching itself, the same place of the deformed surface is on the probe's side of all of it.
+  struct Anchor {
+    bool exists = false;
+    std::uint32_t triangle = 0;
+    bool back = false;
+    Vec3 weights = Vec3::Zero();  // of the triangle's corners
+    Vec3 point = Vec3::Zero();    // local, like the next
+    double distance = 0.0;        // of a free probe; the end of the search if there is none
+  };
+  // Before the surface deforms. A free probe has none where nothing is nearer than reach_m, and needs none where nothing moves farther.
+  Anchor anchor(double reach_m) noexcept;
+  // After it: puts the probe there and the device where that place has taken it, so that the next step goes from there to the device.
+  void ride(const Anchor& anchor) noexcept;
+  // Made of one object that deforms.
+  TouchGeometry& deforming_geometry() { return geometry_; }
+
   const ProxyCounters& counters() const { return counters_; }
   const SweptMotion& swept() const { return swept_; }
   const SphereFollower& sphere() const { return sphere_; }
@@ -73,6 +92,10 @@ class ProxyMethod final : public ForceMethod {
   static Clearance clearance_of(const MethodSettings& settings, double unit_m);
   std::string describe_steps() const;
 
+  // Units of work (step_work.h).
+  static constexpr int kWorkOfFlight = 16;
+  static constexpr int kLeastSweptWork = 100;  // however little is left, so that a motion that the followers cannot finish goes on
+
   [[gnu::noinline]] MethodOutput step_outside(const MethodInput& input) noexcept;
   void leave_ball() noexcept;
   Vec3 shaded(const Vec3& extension) noexcept;
@@ -82,9 +105,11 @@ class ProxyMethod final : public ForceMethod {
   void follow_piece(const Vec3& last, const Vec3& device) noexcept;
   bool follow_surface(const Vec3& last, const Vec3& device, double& time) noexcept;
   bool follow_offset(const Vec3& last, const Vec3& device, double& time) noexcept;
+  bool sweep_to(const Vec3& device) noexcept;
   void copy_sphere_state(const Vec3& device) noexcept;
   void carry(const Vec3& device) noexcept;
   void clear_start() noexcept;
+  std::optional<std::uint32_t> find_nearest(const Vec3& p, double reach, Separation& at) const noexcept;
   bool is_beside_surface(const Vec3& p) const noexcept;
   void lift_off_surface() noexcept;
   bool land_on_surface() noexcept;
@@ -106,8 +131,9 @@ class ProxyMethod final : public ForceMethod {
   ProxyState proxy_;
   Vec3 last_device_ = Vec3::Zero();   // local
   std::optional<Vec3> carried_from_;  // out of work: the device's position, on its way, from which the next step goes on; local
+  int work_left_ = 0;                 // of this step
   bool has_sample_ = false;           // a first sample has arrived
-  bool unconverged_ = false;          // the last step ran out of events
+  bool unconverged_ = false;          // the last step ran out of work
   ProxyCounters counters_;
 };
 

@@ -13,7 +13,8 @@ bool ProxyMethod::follow_offset(const Vec3& last, const Vec3& device, double& ti
   } else if (!sphere_.is_tracking() && !sphere_.start(proxy_.position, false, clearance_.slop, proxy_.slides)) {
     return false;
   }
-  const SphereFollower::Outcome outcome = sphere_.follow(last, device, time);
+  const SphereFollower::Outcome outcome = sphere_.follow(last, device, time, work_left_);
+  work_left_ -= sphere_.work();
   if (outcome == SphereFollower::Outcome::failed) {
     copy_sphere_state(time < 1.0 ? Vec3(last + time * (device - last)) : device);
     sphere_.stop_tracking();

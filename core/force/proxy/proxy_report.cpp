@@ -12,14 +12,9 @@ std::string ProxyMethod::describe() const {
                   geometry_.built_count(), geometry_.object_count(), geometry_.triangle_count(),
                   static_cast<double>(geometry_.bytes()) * 1e-6, (clearance_.offset - kContactOffset) * geometry_.unit_m(),
                   kContactOffset * geometry_.unit_m()) +
-      fmt::format(
-          "proxy: a step has {} events, {:g} more for each edge that a path as long crosses on average, {} at "
-          "most; the rest is carried into the next step\n",
-          SurfaceFollower::kLeastEvents, SurfaceFollower::kEventsPerEdge, SurfaceFollower::kMostEvents);
-  const std::string bound = fmt::format(
-      "proxy: sphere: a step has {} pieces of work (an event, a triangle tested or gathered); the rest is carried into the next step\n",
-      SphereFollower::kMostWork);
-  return counters_.steps == 0 ? what + bound : what + bound + describe_steps();
+      fmt::format("proxy: a step has at most {} units of work, some 0.1 us each; the rest is carried into the next step\n",
+                  StepWork::kMost);
+  return counters_.steps == 0 ? what : what + describe_steps();
 }
 
 std::string ProxyMethod::describe_steps() const {
@@ -27,8 +22,8 @@ std::string ProxyMethod::describe_steps() const {
   const auto c = static_cast<double>(std::max<std::uint64_t>(counters_.contact_steps, 1));
   const SweptMotion::Counters& swept = swept_.counters();
   std::string text = fmt::format(
-      "proxy: {} steps, {:.1f} % in the empty ball, {} in contact; {} events, at most {} in one step, {} flights, {} out of events\n"
-      "proxy: sphere: {:.2f} events a contact step, {} slips, {} flights, {:.3f} gatherings, {:.1f} pieces of work\n"
+      "proxy: {} steps, {:.1f} % in the empty ball, {} in contact; {} events, at most {} in one step, {} flights, {} out of work\n"
+      "proxy: sphere: {:.2f} events a contact step, {} slips, {} flights, {:.3f} gatherings, {:.1f} units of work\n"
       "proxy: {} steps by sweeps: {} motions, {} sweeps, {} triangle tests, {} unconverged\n",
       counters_.steps, 100.0 * static_cast<double>(counters_.skipped) / n, counters_.contact_steps, surface_.events(),
       counters_.most_events, counters_.flights, counters_.exhausted, static_cast<double>(sphere_.events()) / c, sphere_.slips(),

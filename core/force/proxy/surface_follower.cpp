@@ -27,20 +27,19 @@ bool SurfaceFollower::land_on_edge(std::uint32_t triangle, bool back, int k, con
   return true;
 }
 
-int SurfaceFollower::most_events(double path_length, const Vec3& device) const noexcept {
-  const double crossed = at_.edges_per_length() * (path_length + 2.0 * (device - at_.point()).norm());
-  return static_cast<int>(std::min<double>(kMostEvents, kLeastEvents + kEventsPerEdge * crossed));
-}
-
 // A vertex costs more with more facets.
 void SurfaceFollower::spend() noexcept {
-  budget_ -= 1;
-  if (at_.on() == On::vertex) budget_ -= static_cast<int>(at_.fan().size()) / kFacetsPerEvent;
+  work_left_ -= 1;
+  if (at_.on() == On::vertex) work_left_ -= static_cast<int>(at_.fan().size()) / kFacetsPerEvent;
 }
 
-SurfaceFollower::Outcome SurfaceFollower::descend(const Vec3& device) noexcept {
-  if (budget_ <= 0) budget_ = most_events(0.0, device);
-  for (; budget_ > 0; spend()) {
+SurfaceFollower::Outcome SurfaceFollower::descend(const Vec3& device, int most_work) noexcept {
+  work_left_ = most_work;
+  return descend_on(device);
+}
+
+SurfaceFollower::Outcome SurfaceFollower::descend_on(const Vec3& device) noexcept {
+  for (; work_left_ > 0; spend()) {
     ++events_;
     const Next next = next_descent(device);
     if (next != Next::again) return outcome_of(next);
@@ -61,13 +60,13 @@ SurfaceFollower::Outcome SurfaceFollower::outcome_of(Next next) noexcept {
   }
 }
 
-SurfaceFollower::Outcome SurfaceFollower::follow(const Vec3& from, const Vec3& to, double& time) noexcept {
-  for (budget_ = most_events((to - from).norm(), from); budget_ > 0; spend()) {
+SurfaceFollower::Outcome SurfaceFollower::follow(const Vec3& from, const Vec3& to, double& time, int most_work) noexcept {
+  for (work_left_ = most_work; work_left_ > 0; spend()) {
     ++events_;
     const Next next = next_event(from, to, time);
     if (next == Next::again) continue;
     if (next != Next::descend) return outcome_of(next);
-    const Outcome outcome = descend(on_path(from, to, time));
+    const Outcome outcome = descend_on(on_path(from, to, time));
     if (outcome != Outcome::settled) return outcome;
   }
   return Outcome::exhausted;

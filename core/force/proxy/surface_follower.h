@@ -6,6 +6,7 @@
 
 #include "core/force/proxy/surface_friction.h"
 #include "core/force/proxy/surface_point.h"
+#include "core/force/step_work.h"
 
 namespace hapton {
 
@@ -24,13 +25,9 @@ namespace hapton {
 //
 // Frame: TouchGeometry's local one. RT: yes.
 //
-// Bounded: a call has kLeastEvents events, plus kEventsPerEdge for each edge that a straight line of the length of the device's path plus
-// twice the pull crosses on average on this object; at most kMostEvents.
+// Bounded: a call has StepWork::kMost events at the most, a unit of work each (step_work.h).
 class SurfaceFollower {
  public:
-  static constexpr int kLeastEvents = 1024;
-  static constexpr double kEventsPerEdge = 32.0;
-  static constexpr int kMostEvents = 16384;
   static constexpr int kFacetsPerEvent = 16;  // at a vertex: this many facets cost one event more
 
   enum class Outcome : std::uint8_t {
@@ -38,7 +35,7 @@ class SurfaceFollower {
     airborne,    // the device is on the free side: the point leaves the surface, straight towards it
     released,    // the device has come to the surface from behind at the point: both leave together
     unwalkable,  // the path leads to a triangle that is not walkable; the point is on a face just before it
-    exhausted,   // out of events: short of the minimum; the next call continues
+    exhausted,   // out of work: short of the minimum; the next call continues
   };
 
   // See SurfacePoint.
@@ -55,10 +52,11 @@ class SurfaceFollower {
   bool land_on_edge(std::uint32_t triangle, bool back, int k, const Vec3& p, bool slides = false) noexcept;
 
   // The device is held still. Pre: is_on_surface().
-  Outcome descend(const Vec3& device) noexcept;
+  Outcome descend(const Vec3& device, int most_work = StepWork::kMost) noexcept;
   // The device moves straight from `from` (time 0) to `to` (time 1). Follows it from `time` until the outcome and sets `time` to that
   // moment. Pre: is_on_surface(), settled at `time`.
-  Outcome follow(const Vec3& from, const Vec3& to, double& time) noexcept;
+  Outcome follow(const Vec3& from, const Vec3& to, double& time, int most_work = StepWork::kMost) noexcept;
+  int work_left() const { return work_left_; }  // of the last call
 
   std::uint64_t events() const { return events_; }  // since construction
 
@@ -68,8 +66,8 @@ class SurfaceFollower {
   static constexpr double kBalance = 0x1p-28;
 
   static Outcome outcome_of(Next next) noexcept;
+  Outcome descend_on(const Vec3& device) noexcept;
   void spend() noexcept;
-  int most_events(double path_length, const Vec3& device) const noexcept;
   Next next_descent(const Vec3& device) noexcept;
   Next next_event(const Vec3& from, const Vec3& to, double& time) noexcept;
   Next settle_on_face(const Vec3& p, const Vec3& device) noexcept;
@@ -82,7 +80,7 @@ class SurfaceFollower {
 
   SurfacePoint at_;
   SurfaceFriction friction_;
-  int budget_ = 0;
+  int work_left_ = 0;
   std::uint64_t events_ = 0;
 };
 

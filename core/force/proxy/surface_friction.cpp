@@ -165,7 +165,7 @@ SurfaceNext SurfaceFriction::descend_on_edge(SurfacePoint& at, const Vec3& devic
 SurfaceNext SurfaceFriction::descend_at_vertex(SurfacePoint& at, const Vec3& device) noexcept {
   const Vec3 pull = device - at.point();
   const SurfacePoint::Descent descent = at.find_steepest(pull, at.least_slope(device));
-  if (descent.facet == nullptr && at.is_free_at_vertex(pull)) return SurfaceNext::airborne;
+  if (descent.facet == nullptr ? at.is_free_at_vertex(pull) : at.is_free_along(descent, pull)) return SurfaceNext::airborne;
   const double depth = std::sqrt(std::max(0.0, pull.squaredNorm() - descent.length * descent.length));
   if (descent.facet == nullptr || !moves(descent.length, depth)) {
     hold(descent.facet == nullptr ? 0.0 : descent.length, depth);
@@ -212,7 +212,11 @@ SurfaceNext SurfaceFriction::stay(SurfacePoint& at, const Vec3& from, const Vec3
     // The device may also come to the front of the face, exactly through the point.
     const double height = at.a().normal().dot(pull.start) - kClear;
     const double there = at.a().normal().dot(pull.at(1.0)) - kClear;
-    if (there > 0.0) soonest = std::min(soonest, time_of_zero(std::min(height, 0.0), there, 0.0));
+    const double leaves = there > 0.0 ? time_of_zero(std::min(height, 0.0), there, 0.0) : kNever;
+    if (leaves <= std::min(soonest, 1.0)) {
+      time = std::min(1.0, time + leaves * (1.0 - time));
+      return at.release(on_path(from, to, time), to);
+    }
   } else if (at.on() == On::edge) {
     const auto is_over = [&](const SurfacePoint::Facet& facet, int k) {
       return [&facet, k](const Vec3& w) {
@@ -270,9 +274,9 @@ SurfaceNext SurfaceFriction::slide_on_face(SurfacePoint& at, const Vec3& from, c
     const Vec3 inward = normal.cross(face.edge(k)) * at.a().side;
     // The point crosses an edge at most once: its speed across changes sign at most once, with inward . pull.
     const double turn = std::min(leave, sliding.time_across(inward));
-    const bool fall_throughs = inward.dot(sliding.at(0.5 * turn)) < 0.0;
-    double low = fall_throughs ? 0.0 : turn;
-    const double high = fall_throughs ? turn : leave;
+    const bool falls = inward.dot(sliding.at(0.5 * turn)) < 0.0;
+    double low = falls ? 0.0 : turn;
+    const double high = falls ? turn : leave;
     const auto inside = [&](double t) { return SurfacePoint::inside_by(-kOnEdge, at.a(), k, point(t)); };
     if (!(inside(high) <= 0.0)) continue;
     if (inside(low) > 0.0) {

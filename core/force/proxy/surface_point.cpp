@@ -25,6 +25,7 @@ bool SurfacePoint::load_adjacent(int k) noexcept {
   const TouchGeometry::Adjacent adjacent = geometry_.adjacent(a().id, k);
   const bool back = a().is_back() != adjacent.flips;
   if (!adjacent.exists || !holds(adjacent.id, back)) return false;
+  for (const int onward : {(adjacent.edge + 1) % 3, (adjacent.edge + 2) % 3}) geometry_.prefetch_across(adjacent.id, onward);
   load(adjacent.id, back, facets_[1 - first_]);
   other_edge_ = adjacent.edge;
   return true;
@@ -87,6 +88,7 @@ void SurfacePoint::cross_edge() noexcept {
   first_ = 1 - first_;
   move_on_face(p_);
   entry_edge_ = other_edge_;
+  for (const int onward : {(entry_edge_ + 1) % 3, (entry_edge_ + 2) % 3}) geometry_.prefetch_opposite(a().id, onward);
 }
 
 void SurfacePoint::return_from_edge() noexcept {
@@ -247,6 +249,17 @@ SurfacePoint::Descent SurfacePoint::find_steepest(const Vec3& to_device, double 
     }
   }
   return best;
+}
+
+bool SurfacePoint::is_free_along(const Descent& descent, const Vec3& to_device) const noexcept {
+  const FanFacet& facet = *descent.facet;
+  const bool is_before = facet.normal.dot(to_device) > kClear;
+  if (descent.over_face) return is_before;
+  const auto index = static_cast<int>(&facet - fan_.data());
+  const FanFacet& across = fan_[static_cast<std::size_t>((index + 1) % fan_count_)];
+  const bool is_before_across = across.normal.dot(to_device) > kClear;
+  if (is_before == is_before_across) return is_before;
+  return across.id == facet.id || facet.normal.dot(across.direction) < 0.0;  // over a boundary or a convex edge
 }
 
 SurfaceNext SurfacePoint::descend_along(const Descent& descent, const Vec3& device) noexcept {

@@ -89,7 +89,6 @@ class SurfacePoint {
   int entry_edge() const { return entry_edge_; }   // on a face: the edge it entered by, or -1
   int corner() const { return corner_; }           // of a(): the vertex that the point is on; on a face the vertex it came from, or -1
   std::span<const FanFacet> fan() const { return {fan_.data(), static_cast<std::size_t>(fan_count_)}; }  // at a vertex, in order
-  double edges_per_length() const { return geometry_.edges_per_length(a().id); }                         // see ObjectGeometry
   const Material& material() const { return materials_[geometry_.mesh_of(a().id)]; }
 
   void leave() { is_on_surface_ = false; }
@@ -139,6 +138,8 @@ class SurfacePoint {
     double length = 0.0;
   };
   Descent find_steepest(const Vec3& to_device, double least) const noexcept;
+  // Whether the device is on the free side of what that descent leads over. Pre: it has a facet.
+  bool is_free_along(const Descent& descent, const Vec3& to_device) const noexcept;
   SurfaceNext descend_along(const Descent& descent, const Vec3& device) noexcept;
   // The device comes to the free side of the face a() at `device`, on its path to `to`: the point goes there.
   SurfaceNext release(const Vec3& device, const Vec3& to) noexcept;

@@ -19,7 +19,9 @@ Vec3 shortened(const Vec3& motion) {
 }  // namespace
 
 // Every motion leads nearer to the device or adds an active constraint.
-void SweptMotion::descend(ProxyState& proxy, const Vec3& device) noexcept {
+bool SweptMotion::descend(ProxyState& proxy, const Vec3& device, int most_work) noexcept {
+  work_ = 0;
+  most_work_ = most_work;
   proxy.active_count = 0;                            // until it has settled
   const double least_motion = clearance_.tolerance;  // shorter motions are below the tolerance of the clearance
   constexpr double kRounding = 0x1p-48;              // share of a distance within the scene
@@ -27,8 +29,9 @@ void SweptMotion::descend(ProxyState& proxy, const Vec3& device) noexcept {
   double nearest = std::numeric_limits<double>::infinity();
   int idle = 0;
   bool has_forgotten = false;
-  for (int i = 0; i < kMostMotions; ++i) {
-    if (proxy.contact_count == 0 && cross_empty_space(proxy, device)) return;
+  for (int i = 0; i < kMostMotions && work_ <= most_work_; ++i) {
+    work_ += kWorkOfMotion;
+    if (proxy.contact_count == 0 && cross_empty_space(proxy, device)) return true;
     Vec3 goal = device - proxy.position;
     const double distance = goal.norm();
     const bool arrives = distance <= kLongestMotion;
@@ -38,14 +41,14 @@ void SweptMotion::descend(ProxyState& proxy, const Vec3& device) noexcept {
     if (idle > kMostIdle && proxy.contact_count > 0) {  // moving back and forth within the slop of the clearance
       proxy.active_count = 1;
       proxy.multipliers[0] = distance;
-      return;
+      return true;
     }
     if (proxy.contact_count == 0) {
       if (advance(proxy, shortened(goal))) {
         proxy.is_free = false;
       } else if (arrives) {
         proxy.settle_at(device);
-        return;
+        return true;
       }
       continue;
     }
@@ -58,14 +61,15 @@ void SweptMotion::descend(ProxyState& proxy, const Vec3& device) noexcept {
         continue;
       }
       bring_active_first(proxy, constrained);
-      return;
+      return true;
     }
     if (!advance(proxy, shortened(motion)) && constrained.active_count == 0 && arrives) {
       proxy.settle_at(device);
-      return;
+      return true;
     }
   }
   ++counters_.unconverged;
+  return false;
 }
 
 // Far outside the scene there are no contacts and positions are coarse: the proxy goes straight to the device (true), or to where its path
@@ -154,7 +158,7 @@ bool SweptMotion::advance(ProxyState& proxy, const Vec3& motion) noexcept {
 }
 
 // The first time at which the moving proxy must stop; above 1: never. A long path is searched in growing pieces, because a blocker is
-// mostly near the start.
+// mostly near the start. Out of work, the proxy stops at the end of a piece.
 double SweptMotion::sweep(ProxyState& proxy, const Vec3& motion) noexcept {
   constexpr double kFirstPiece = 0x1p-6;
   constexpr double kGrowth = 4.0;
@@ -170,6 +174,7 @@ double SweptMotion::sweep(ProxyState& proxy, const Vec3& motion) noexcept {
     geometry.for_each_overlapping(path, [&](std::uint32_t triangle) {
       const TriangleView shape{geometry, triangle};
       ++counters_.tests;
+      ++work_;
       if (!is_point_) note_grazed(proxy, shape.separation(from), triangle);
       const double t = time_to_block(shape, from, motion, std::min(end, first), clearance_);
       if (t > 1.0 || !surfaces_.can_touch(triangle, from)) return;
@@ -179,6 +184,7 @@ double SweptMotion::sweep(ProxyState& proxy, const Vec3& motion) noexcept {
     if (first <= end) return first;
     blocker_count_ = 0;
     done = end;
+    if (work_ > most_work_ && done < 1.0) return done;
   }
   return kNever;
 }

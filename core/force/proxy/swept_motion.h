@@ -5,6 +5,7 @@
 #include "core/collision/swept_sphere.h"
 #include "core/force/contact_qp.h"
 #include "core/force/proxy/proxy_state.h"
+#include "core/force/step_work.h"
 
 namespace hapton {
 
@@ -15,7 +16,7 @@ namespace hapton {
 // Distances decide, never signs of volumes: the proxy's distance to every triangle stays above clearance.offset - clearance.slop on its
 // whole path, so edges, vertices and cracks narrower than that are as tight as faces, and both sides of a sheet are equal.
 //
-// Frame: TouchGeometry's local one. RT: yes; at most kMostMotions motions in a call. Keeps references.
+// Frame: TouchGeometry's local one. RT: yes; at most kMostMotions motions in a call, and no more work than it is given. Keeps references.
 class SweptMotion {
  public:
   static constexpr int kMostMotions = 256;
@@ -25,19 +26,22 @@ class SweptMotion {
     std::uint64_t motions = 0;      // constrained motions solved
     std::uint64_t sweeps = 0;       // continuous collision queries
     std::uint64_t tests = 0;        // triangle against moving sphere
-    std::uint64_t unconverged = 0;  // calls stopped by kMostMotions: the proxy is valid but short of the minimum
+    std::uint64_t unconverged = 0;  // calls that ran out of motions or work: the proxy is valid but short of the minimum
   };
 
   SweptMotion(const ProxySurfaces& surfaces, const Clearance& clearance, bool is_point)
       : surfaces_(surfaces), clearance_(clearance), is_point_(is_point) {}
 
+  // False: out of motions, or of that many units of work (step_work.h).
   // Pre: the proxy is at least clearance.offset - clearance.slop from each triangle that it can touch.
-  void descend(ProxyState& proxy, const Vec3& device) noexcept;
+  bool descend(ProxyState& proxy, const Vec3& device, int most_work = StepWork::kMost) noexcept;
+  int work() const { return work_; }  // units, of the last call
 
   const Counters& counters() const { return counters_; }
 
  private:
-  static constexpr int kMostIdle = 6;  // motions that lead no nearer
+  static constexpr int kMostIdle = 6;      // motions that lead no nearer
+  static constexpr int kWorkOfMotion = 5;  // units, beside the triangles that it queries
 
   struct Blocker {
     std::uint32_t triangle = 0;
@@ -62,6 +66,8 @@ class SweptMotion {
   std::array<ContactPlane, ProxyState::kMostContacts> planes_;
   std::array<Blocker, ProxyState::kMostContacts> blockers_;  // triangles that stopped the last sweep
   int blocker_count_ = 0;
+  int work_ = 0;
+  int most_work_ = 0;
   Counters counters_;
 };
 

@@ -7,17 +7,12 @@
 namespace hapton {
 namespace {
 
-constexpr double kEscapeGain = 4.0;  // contact offsets: height of a step that a point would not feel
-constexpr double kOpenFace = 16.0;   // rest offsets: farther than this from its boundary, a face alone holds a point
-constexpr std::size_t kMostNear = 48;
-constexpr std::size_t kMostDirections = 1536;
-constexpr double kAtVertex = 32.0;              // rest offsets: this near to a vertex, a point is at the vertex
-constexpr double kLeastSlope = 0x1p-30;         // of the distance to the device: a smaller slope does not lead away from a vertex
-const double kStill = std::ldexp(1.0, -46);     // shorter motions count as zero
-const double kFeasible = std::ldexp(1.0, -44);  // tolerance of the projection onto half-spaces
-constexpr double kLeastRoll = 1e-10;            // rad
-constexpr double kFarthestHeld = 64.0;          // rest offsets: farthest that another method's proxy may be off the surface
-constexpr double kSameHeight = 0x1p-10;         // relative: closer heights are equal
+constexpr double kEscapeGain = 4.0;      // contact offsets: height of a step that a point would not feel
+constexpr double kOpenFace = 16.0;       // rest offsets: farther than this from its boundary, a face alone holds a point
+constexpr double kAtVertex = 32.0;       // rest offsets: this near to a vertex, a point is at the vertex
+constexpr double kLeastSlope = 0x1p-30;  // of the distance to the device: a smaller slope does not lead away from a vertex
+constexpr double kFarthestHeld = 64.0;   // rest offsets: farthest that another method's proxy may be off the surface
+constexpr double kSameHeight = 0x1p-10;  // relative: closer heights are equal
 
 }  // namespace
 
@@ -116,6 +111,12 @@ bool ReferenceProxy::place_on_surface(const Vec3& p, bool sliding) noexcept {
   for (const Contact& contact : near_) meet(contact.face);
   update_contacts();
   return !state_.contacts.empty();
+}
+
+bool ReferenceProxy::has_room(const Vec3& p) noexcept {
+  const double least = rest_offset_ - 0.25 * kPointRadius;
+  collect_near(p, rest_offset_);
+  return std::none_of(near_.begin(), near_.end(), [&](const Contact& contact) { return contact.near.distance < least; });
 }
 
 const std::vector<Vec3>& ReferenceProxy::directions_out(const Vec3& start, const Vec3& pull, double within) noexcept {

@@ -1,7 +1,9 @@
 // Coulomb friction of the reference.
 #include <algorithm>
+#include <array>
 
 #include "core/force/contact_material.h"
+#include "core/force/friction_drag.h"
 #include "core/force/reference/reference_proxy.h"
 
 namespace hapton {
@@ -19,6 +21,14 @@ Material ReferenceProxy::material_of(const Pull& pull) const noexcept {
   return material.mean();
 }
 
+// Whether a pull along the surface exceeds the cone, so that the proxy slides.
+bool ReferenceProxy::exceeds_friction(double pull, double depth, const Material& material) noexcept {
+  const double held = (state_.sliding ? material.friction_dynamic : material.friction_static) * depth;
+  const bool exceeds = pull > held + kStill;
+  state_.sliding = exceeds || (state_.sliding && pull >= FrictionMotion::kRestick * material.friction_dynamic * depth);
+  return exceeds;
+}
+
 // Coulomb friction: the part of the frictionless motion outside the cone.
 Vec3 ReferenceProxy::limit_by_friction(const Pull& pull) noexcept {
   const Vec3& motion = pull.motion.point;
@@ -31,6 +41,35 @@ Vec3 ReferenceProxy::limit_by_friction(const Pull& pull) noexcept {
   const double pressure = pressure_of(normal_pull.norm());
   if (!exceeds_friction(length, pressure, material)) return Vec3::Zero();
   return motion * ((length - material.friction_dynamic * pressure) / length);
+}
+
+// Friction on one plane, in closed form. Return mapping has an error of the square of the sub-step in every sub-step.
+void ReferenceProxy::drag(const Vec3& device_from, const Vec3& device_to) noexcept {
+  if (!has_friction() || device_from == device_to) return;
+  update_contacts();
+  const Pull before = project_pull(device_from - state_.position);
+  if (before.motion.count != 1 || before.strongest->near.feature != TriangleFeature::face) return;
+  Vec3 on_edge;
+  std::array<Side, 2> sides;
+  if (find_vertex(before) != nullptr || find_concave_edge(before, on_edge, sides)) return;
+  const Vec3 normal = before.strongest->near.direction;
+  const Pull after = project_pull(device_to - state_.position);
+  if (after.motion.count != 1 || after.strongest->near.direction.dot(normal) < 1.0 - kSamePlane) return;
+  const auto in_plane = [&](const Vec3& v) { return Vec3(v - v.dot(normal) * normal); };
+  const Material material = material_of(after);
+  FrictionMotion input;
+  input.pull = in_plane(device_from - state_.position);
+  input.motion = in_plane(device_to - device_from);
+  input.pressure_start = pressure_of(before.motion.multiplier[0]);
+  input.pressure_end = pressure_of(after.motion.multiplier[0]);
+  input.friction_static = material.friction_static;
+  input.friction_dynamic = material.friction_dynamic;
+  input.sliding = state_.sliding;
+  if (!(input.pressure_start > 0.0 && input.pressure_end > 0.0)) return;
+  const FrictionDrag dragged = drag_by_friction(input);
+  const Vec3 motion = cut_at_boundary(after, input.pull + input.motion - dragged.pull);
+  state_.sliding = dragged.sliding;
+  if (motion.norm() > kStill && motion.norm() <= kLongestMotion) advance(motion);
 }
 
 }  // namespace hapton

@@ -239,8 +239,10 @@ void ReferenceMethod::continue_from(const Vec3& p_SP, const Vec3& p_SD, bool sli
   if (!(length > 0.0)) return proxy_->place_free(device_);
   proxy_->place_free(device_);
   gather(device_, length + 128.0 * proxy_->rest_offset());
-  if (proxy_->place_on_surface(device_ + penetration, sliding)) return;
-  proxy_->place_held(device_ + (1.0 + 2.0 * ReferenceProxy::kPointRadius / length) * penetration, sliding);
+  const Vec3 position = device_ + penetration;
+  if (proxy_->place_on_surface(position, sliding)) return;
+  const double lift = proxy_->has_room(position) ? 0.0 : 2.0 * ReferenceProxy::kPointRadius / length;
+  proxy_->place_held(position + lift * penetration, sliding);
   proxy_->follow(device_, device_, {});
   if (!proxy_->state().free) proxy_->set_sliding(sliding);
 }

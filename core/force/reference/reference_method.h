@@ -46,10 +46,9 @@ struct ReferenceStep {
 // radius of a point probe has been subtracted.
 //
 // There is no search structure. Each step takes all triangles whose boxes are within the ball that the proxy cannot leave, because its
-// distance to the device never grows by more than the device's own motion. With `prefilter` false it takes all triangles; the result is the
-// same to the bit. All computation is relative to the scene's centre, in units of the next power of two above its diagonal, so scale and
-// position do not matter.
-// Frame: S. RT: no heap, lock or system call in step and reset, but unbounded time.
+// distance to the device never grows by more than the device's own motion. With `prefilter` false it takes all triangles; the result is
+// bit for bit the same. All computation is relative to the scene's centre, in units of the next power of two above its diagonal, so scale
+// and position do not matter. Frame: S. RT: no heap, lock or system call in step and reset, but unbounded time.
 class ReferenceMethod final : public ForceMethod {
  public:
   static constexpr double kAgreement = 1e-9;
@@ -69,9 +68,9 @@ class ReferenceMethod final : public ForceMethod {
   MethodOutput settle_from(const Vec3& p_SP, const Vec3& p_SD) noexcept;
 
   void set_materials(std::span<const Material> materials) noexcept override { proxy_->set_materials(materials); }
-  // Continues from another method's state: its proxy at p_SP, settled, with the device at p_SD; `sliding` says whether friction had it
-  // slide. The proxy is lifted off the surface by twice a point's radius, away from the device; a point under friction is put onto the
-  // faces nearest to it. The next step continues from there. Counters are kept.
+  // Continues from another method's state: its proxy at rest at p_SP, with the device at p_SD; `sliding`: the proxy was sliding under
+  // friction. The proxy is put exactly there if it has room, otherwise lifted off the surface by twice a point's radius, away from the
+  // device; a point under friction is put onto the faces nearest to it. The next step continues from there. Counters are kept.
   void continue_from(const Vec3& p_SP, const Vec3& p_SD, bool sliding) noexcept;
 
   const ReferenceCounters& counters() const { return counters_; }

@@ -3,36 +3,23 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <utility>
 
-#include "core/force/friction_drag.h"
 #include "core/force/reference/convex_sweep.h"
 
 namespace hapton {
 namespace {
 
 // In local units: the scene's diagonal lies in (1/2, 1].
-const double kTolerance = std::ldexp(1.0, -38);  // a 64th of the contact offset, far above rounding
-const double kRounding = std::ldexp(1.0, -48);   // bound on the error of a distance between points within the scene
-const double kErosion = std::ldexp(1.0, -47);    // largest loss of one motion from a distance that is already minimal
-const double kStill = std::ldexp(1.0, -46);      // shorter motions count as zero
-const double kIdleGain = std::ldexp(1.0, -50);   // coming nearer to the device by less does not count
-const double kFeasible = std::ldexp(1.0, -44);   // tolerance of the projection onto half-spaces
-constexpr double kLongestMotion = 4.0;           // so that a distant device does not cost significant digits
-constexpr double kLeastRoll = 1e-10;             // rad
-constexpr double kLongestRoll = std::numbers::pi / 3.0;
-constexpr double kLongestTip = std::numbers::pi / 6.0;
-constexpr double kNearBoundary = 1e-3;  // rest offsets: a face contact this near to the boundary may be at the edge
-constexpr int kIdleMotions = 8;
-constexpr int kMostMotions = 16000;
-constexpr int kMostEscapes = 64;
-constexpr double kLocal = 0x1p-7;  // half side of the cube whose faces are listed: a few hundred of a million
+constexpr double kRounding = 0x1p-48;  // bound on the error of a distance between points within the scene
+constexpr double kErosion = 0x1p-47;   // largest loss of one motion from a distance that is already minimal: twice the rounding error
+constexpr double kIdleGain = 0x1p-50;  // coming nearer to the device by less does not count
+constexpr int kIdleMotions = 8;        // a descent ends after so many in turn that come no nearer
+constexpr int kMostMotions = 16000;    // of one descent; Counters::unconverged tells where that was too few
+constexpr int kMostEscapes = 64;       // of one sub-step
+constexpr double kLocal = 0x1p-7;      // half side of the cube whose faces are listed: a few hundred of a million
 constexpr std::size_t kMostContacts = 256;
-constexpr double kSamePlane = 1e-14;  // coplanar normals differ by less in their cosine
-constexpr double kSteepest = 4.0;     // rest offsets: farther off the surface, in a wedge below 29 degrees, the radius is not subtracted
-constexpr std::size_t kMostNear = 48;
-constexpr std::size_t kMostDirections = 1536;
+constexpr double kSteepest = 4.0;  // rest offsets: farther off the surface, in a wedge below 29 degrees, the radius is not subtracted
 
 bool boxes_meet(const Vec3& low_a, const Vec3& high_a, const Vec3& low_b, const Vec3& high_b) {
   return (low_a.array() <= high_b.array()).all() && (low_b.array() <= high_a.array()).all();
@@ -99,35 +86,6 @@ void ReferenceProxy::follow(const Vec3& device_from, const Vec3& device_to, cons
   for (int i = 0; i < kMostEscapes && escape(device_to); ++i) ++counters_.escapes;
   state_.free = state_.position == device_to && state_.contacts.empty();
   if (state_.free) state_.sliding = false;
-}
-
-// Friction on one plane, in closed form. Return mapping has an error of the square of the sub-step in every sub-step.
-void ReferenceProxy::drag(const Vec3& device_from, const Vec3& device_to) noexcept {
-  if (!has_friction() || device_from == device_to) return;
-  update_contacts();
-  const Pull before = project_pull(device_from - state_.position);
-  if (before.motion.count != 1 || before.strongest->near.feature != TriangleFeature::face) return;
-  Vec3 on_edge;
-  std::array<Side, 2> sides;
-  if (find_vertex(before) != nullptr || find_concave_edge(before, on_edge, sides)) return;
-  const Vec3 normal = before.strongest->near.direction;
-  const Pull after = project_pull(device_to - state_.position);
-  if (after.motion.count != 1 || after.strongest->near.direction.dot(normal) < 1.0 - kSamePlane) return;
-  const auto in_plane = [&](const Vec3& v) { return Vec3(v - v.dot(normal) * normal); };
-  const Material material = material_of(after);
-  FrictionMotion input;
-  input.pull = in_plane(device_from - state_.position);
-  input.motion = in_plane(device_to - device_from);
-  input.pressure_start = pressure_of(before.motion.multiplier[0]);
-  input.pressure_end = pressure_of(after.motion.multiplier[0]);
-  input.friction_static = material.friction_static;
-  input.friction_dynamic = material.friction_dynamic;
-  input.sliding = state_.sliding;
-  if (!(input.pressure_start > 0.0 && input.pressure_end > 0.0)) return;
-  const FrictionDrag dragged = drag_by_friction(input);
-  const Vec3 motion = cut_at_boundary(after, input.pull + input.motion - dragged.pull);
-  state_.sliding = dragged.sliding;
-  if (motion.norm() > kStill && motion.norm() <= kLongestMotion) advance(motion);
 }
 
 Vec3 ReferenceProxy::surface_position(const Vec3& device) noexcept {
@@ -287,14 +245,6 @@ ReferenceProxy::Pull ReferenceProxy::project_pull(const Vec3& pull) noexcept {
   return result;
 }
 
-// Whether a pull along the surface exceeds the cone, so that the proxy slides.
-bool ReferenceProxy::exceeds_friction(double pull, double depth, const Material& material) noexcept {
-  const double held = (state_.sliding ? material.friction_dynamic : material.friction_static) * depth;
-  const bool exceeds = pull > held + kStill;
-  state_.sliding = exceeds || (state_.sliding && pull >= FrictionMotion::kRestick * material.friction_dynamic * depth);
-  return exceeds;
-}
-
 // Where the proxy jumps, its path matters, not only its end: it must not leave the surface beyond what holds the proxy.
 Vec3 ReferenceProxy::cut_at_boundary(const Pull& pull, const Vec3& motion) noexcept {
   const double length = motion.norm();
@@ -346,85 +296,6 @@ double ReferenceProxy::share_on_plane(const Contact& contact, const Vec3& motion
     until = std::max(until, stay.until);
   }
   return until;
-}
-
-// A sphere over a single edge or vertex moves round it to the point nearest to the device, at most sixty degrees.
-bool ReferenceProxy::roll(const Vec3& device, const Pull& pull) noexcept {
-  if (pull.motion.count != 1 || rest_offset_ <= 16.0 * kPointRadius || has_friction()) return false;
-  const Contact& contact = *pull.strongest;
-  if (contact.near.feature == TriangleFeature::face || contact.near.distance < rest_offset_ - 2.0 * kTolerance) return false;
-  const Vec3 aim = perpendicular_to_feature(contact, device - pivot_of(contact));
-  const Vec3 sideways = aim - aim.dot(contact.near.direction) * contact.near.direction;
-  const double side = sideways.norm();
-  const double angle = std::min(std::atan2(side, aim.dot(contact.near.direction)), kLongestRoll);
-  return side > 0.0 && angle > kLeastRoll && go_round(contact, sideways / side, angle);
-}
-
-// The proxy has stopped but not at a minimum: on an edge or vertex with the device beyond it, it balances like a ball on a crest. It moves
-// round to either side if that is free and nearer to the device. The very boundary of a face counts as an edge. Friction would hold it
-// there.
-bool ReferenceProxy::tip_over(const Vec3& device, const Pull& pull) noexcept {
-  if (has_friction()) return false;
-  for (int i = 0; i < pull.motion.count; ++i) {
-    Contact contact = state_.contacts[pull.motion.active[i]];
-    if (contact.near.distance < rest_offset_ - 2.0 * kTolerance) continue;
-    if (contact.near.feature != TriangleFeature::face) {
-      if (tip_over(device, contact)) return true;
-      continue;
-    }
-    for (int k = 0; k < 3 && rules_.tips_at_boundaries; ++k) {
-      const PreparedTriangle& shape = contact.face.shape;
-      if (shape.inward[k].dot(state_.position - shape.corner[k]) > kNearBoundary * rest_offset_ * shape.edge[k].norm()) continue;
-      contact.near.feature = static_cast<TriangleFeature>(static_cast<int>(TriangleFeature::edge0) + k);
-      if (tip_over(device, contact)) return true;
-    }
-  }
-  return false;
-}
-
-bool ReferenceProxy::tip_over(const Vec3& device, const Contact& contact) noexcept {
-  const Vec3& normal = contact.near.direction;
-  if ((device - pivot_of(contact)).dot(normal) >= 0.0) return false;
-  // Along an edge as well, because the edge may end here.
-  const Vec3 first = is_edge(contact.near.feature) ? Vec3(normal.cross(edge_of(contact)).normalized()) : normal.unitOrthogonal();
-  const Vec3 second = normal.cross(first);
-  const Vec3 start = state_.position;
-  const double tip = std::min(
-      kLongestTip, std::sqrt(kPointRadius / rest_offset_));  // climbs half a contact offset: over no convex edge that holds a sphere
-  for (const Vec3& tangent : {first, Vec3(-first), second, Vec3(-second)}) {
-    if (!go_round(contact, tangent, tip)) continue;
-    if ((device - state_.position).squaredNorm() < (device - start).squaredNorm()) return true;
-    state_.position = start;
-  }
-  return false;
-}
-
-// The point the sphere touches.
-Vec3 ReferenceProxy::pivot_of(const Contact& contact) const noexcept {
-  return state_.position - contact.near.distance * contact.near.direction;
-}
-
-Vec3 ReferenceProxy::edge_of(const Contact& contact) noexcept {
-  return contact.face.shape.edge[static_cast<int>(contact.near.feature) - static_cast<int>(TriangleFeature::edge0)];
-}
-
-Vec3 ReferenceProxy::perpendicular_to_feature(const Contact& contact, const Vec3& v) noexcept {
-  if (!is_edge(contact.near.feature)) return v;
-  const Vec3 edge = edge_of(contact);
-  return v - (v.dot(edge) / edge.squaredNorm()) * edge;
-}
-
-// Moves round the touched edge or vertex by an angle, along the tangents at the ends of the arc. Returns false, and moves nothing, if
-// something is in the path.
-bool ReferenceProxy::go_round(const Contact& contact, const Vec3& tangent, double angle) noexcept {
-  const Vec3 start = state_.position;
-  const Vec3 pivot = pivot_of(contact);
-  const Vec3 normal = contact.near.direction;
-  const Vec3 corner = pivot + rest_offset_ * (normal + std::tan(0.5 * angle) * tangent);
-  const Vec3 end = pivot + rest_offset_ * (std::cos(angle) * normal + std::sin(angle) * tangent);
-  if (advance(corner - start) && advance(end - corner)) return true;
-  state_.position = start;
-  return false;
 }
 
 // Lists the faces in a cube about the proxy, in the order of all faces, so that short motions test only those. The list is valid until the

@@ -77,6 +77,8 @@ class ReferenceProxy {
   // Puts a point probe with friction onto the surface near p, in contact with the faces nearest to p. Returns false, with no contacts, if
   // there is no such position or the probe needs none. Pre: the faces there have been added.
   bool place_on_surface(const Vec3& p, bool sliding) noexcept;
+  // Whether a held proxy can be exactly there: no face is nearer than its offset, up to a quarter of a point's radius. Pre: as above.
+  bool has_room(const Vec3& p) noexcept;
 
   // With friction, the position depends on the device's path, not only on the device.
   bool has_memory() const { return !frictionless_; }
@@ -116,6 +118,17 @@ class ReferenceProxy {
     double until = 1.0;  // share of the motion
     const Face* face = nullptr;
   };
+
+  // In local units. A distance within the scene is good to 2^-48.
+  static constexpr double kTolerance = 0x1p-38;  // a 64th of a point's radius, far above rounding: contacts within it count
+  static constexpr double kStill = 0x1p-46;      // shorter motions count as zero: four times the rounding error
+  static constexpr double kFeasible = 0x1p-44;   // of the projection onto half-spaces: 16 times the rounding error
+  static constexpr double kLongestMotion = 4.0;  // a few scenes, so that a distant device does not cost significant digits
+  static constexpr double kSamePlane = 1e-14;    // coplanar normals differ by less in their cosine
+  static constexpr double kLeastRoll = 1e-10;    // rad; a shorter arc counts as zero
+  // Capacities, so that a step needs no heap.
+  static constexpr std::size_t kMostNear = 48;          // faces nearby that offer directions at a vertex
+  static constexpr std::size_t kMostDirections = 1536;  // above 1 + 4 * 48 of pull, faces and edges and 1,128 of pairs of faces
 
   // A face at an edge.
   struct Side {

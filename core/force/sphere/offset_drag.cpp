@@ -124,16 +124,15 @@ bool OffsetDrag::restore(Vec3& c) const noexcept {
 }
 
 // Dormand & Prince 5(4), from 0 to `length`. `step`: in, the first step, 0: the whole length; out, the last good one. rate(at, rate)
-// returns false where the rate is undefined.
+// returns false where the rate is undefined. Returns how far it came.
 template <class Rate>
-bool OffsetDrag::integrate(Eigen::Vector4d& at, double length, double& step, int& tests, Rate&& rate) noexcept {
+double OffsetDrag::integrate(Eigen::Vector4d& at, double length, double& step, int& tests, Rate&& rate) noexcept {
   using State = Eigen::Vector4d;
-  constexpr int kMostSteps = 64;
-  constexpr int kWork = 4;  // units of work of one step
+  constexpr int kWork = 7;  // units of work of one step
   double left = length;
   if (step == 0.0) step = std::fabs(length);
   State k1;
-  if (!rate(at, k1)) return false;
+  if (!rate(at, k1)) return 0.0;
   for (int i = 0; i < kMostSteps; ++i) {
     tests += kWork;
     const bool is_last = 1.0625 * step >= std::fabs(left);
@@ -157,17 +156,17 @@ bool OffsetDrag::integrate(Eigen::Vector4d& at, double length, double& step, int
     }
     if (!(error <= kMostError)) {
       step = std::fabs(h) * (std::isfinite(error) ? std::clamp(0.9 * std::pow(kMostError / error, 0.2), 0.1, 0.9) : 0.25);
-      if (!(step > 0x1p-30 * std::fabs(length))) return false;
+      if (!(step > 0x1p-30 * std::fabs(length))) break;
       continue;
     }
     at = end;
     const double next = std::fabs(h) * std::clamp(0.9 * std::pow(kMostError / std::max(error, 0x1p-70), 0.2), 0.5, 5.0);
     step = is_last ? std::max(step, next) : next;
-    if (is_last) return true;
+    if (is_last) return length;
     left -= h;
     k1 = k7;
   }
-  return false;
+  return length - left;
 }
 
 // Removes the integration error: projects onto the surface, and onto the cone by a change of position or, where the cone hardly depends on
@@ -197,6 +196,7 @@ bool OffsetDrag::flow(const Vec3& from, const Vec3& to, double length, Flow& at,
   // The pull begins at zero, where it has no direction, and integrating from there would take many small steps. It points along the motion
   // of the device, up to second order in this first piece.
   Pull start;
+  at.followed = 0.0;
   if (!find_pull(at.centre, from + at.time * motion, start)) return false;
   const Vec3 slope = find_slope(start, motion);
   const double stability = find_stability(start);
@@ -206,10 +206,11 @@ bool OffsetDrag::flow(const Vec3& from, const Vec3& to, double length, Flow& at,
     at.time += first * stability;
     return_to_flow(from, motion, at);
     length -= first;
+    at.followed = first;
   }
   // The time scaled to a length, so that one tolerance fits all components.
   Eigen::Vector4d state(at.centre.x(), at.centre.y(), at.centre.z(), at.time * speed);
-  const bool is_done = integrate(state, length, at.step, tests, [&](const Eigen::Vector4d& here, Eigen::Vector4d& rate) {
+  const double followed = integrate(state, length, at.step, tests, [&](const Eigen::Vector4d& here, Eigen::Vector4d& rate) {
     Pull pull;
     const Vec3 c = here.head<3>();
     if (!find_pull(c, from + (here[3] / speed) * motion, pull)) return false;
@@ -219,7 +220,8 @@ bool OffsetDrag::flow(const Vec3& from, const Vec3& to, double length, Flow& at,
     rate[3] = speed * (1.0 - (1.0 + mu * mu) * sum_curvature(pull, direction));
     return true;
   });
-  if (!is_done) return false;
+  at.followed += followed;
+  if (followed != length) return false;
   at.centre = state.head<3>();
   at.time = state[3] / speed;
   return_to_flow(from, motion, at);
@@ -232,8 +234,10 @@ bool OffsetDrag::flow(const Vec3& from, const Vec3& to, double length, Flow& at,
 // Where the curve of two contacts meets the plane normal to `ahead` at that distance.
 bool OffsetDrag::move_along_curve(const Vec3& ahead, double length, Vec3& c, int& tests) const noexcept {
   constexpr int kMostRounds = 16;
+  constexpr int kFewRounds = 4;
   const Vec3 start = c;
   c += length * ahead;
+  double most_before = std::numeric_limits<double>::infinity();
   for (int round = 0; round < kMostRounds; ++round) {
     ++tests;
     ContactFrame frame;
@@ -248,7 +252,10 @@ bool OffsetDrag::move_along_curve(const Vec3& ahead, double length, Vec3& c, int
     short_by[2] = length - ahead.dot(c - start);
     if (!frame.prepare()) return false;
     for (std::size_t i = 0; i < 3; ++i) c += short_by[i] * frame.dual[i];
-    if (std::max({std::fabs(short_by[0]), std::fabs(short_by[1]), std::fabs(short_by[2])}) <= 0x1p-51) return true;
+    const double most = std::max({std::fabs(short_by[0]), std::fabs(short_by[1]), std::fabs(short_by[2])});
+    if (most <= 0x1p-51) return true;
+    if (round >= kFewRounds && most > 0.5 * most_before) break;  // there is no such place
+    most_before = most;
   }
   return restore(c);
 }
@@ -308,7 +315,7 @@ bool OffsetDrag::follow_on_curve(const Vec3& from, const Vec3& to, Vec3& c, int&
   Vec3 direction = direction_of(before, to - from);
   if (direction.isZero(0.0)) return false;
   for (int round = 0; round < kMostRounds; ++round) {
-    ++tests;
+    tests += 2;
     ContactFrame frame;
     std::array<double, 2> short_by{};
     frame.count = 2;
@@ -336,23 +343,75 @@ bool OffsetDrag::follow(const Vec3& from, const Vec3& to, Vec3& c, int& tests) c
   return contacts_.size() == 2 ? follow_on_curve(from, to, c, tests) : follow_on_face(from, to, c);
 }
 
-bool OffsetDrag::descend(const Vec3& device, const Vec3& direction, double length, Vec3& c, int& tests) const noexcept {
-  if (contacts_.size() == 2) return move_along_curve(direction, length, c, tests);
-  if (is_flat()) {
-    c += length * direction;
-    return restore(c);
+// Around an edge or a vertex, dc = w ds. Let R be the offset, and about the axis phi the angle from the centre to the device, rho the
+// device's distance from it; z is how far the device is ahead along the axis (of a vertex: zero). Then dphi = -rho / R sin phi ds and
+// dz = -z ds, so with s from the start
+//
+//   tan(phi / 2) = tan(phi_0 / 2) exp(-rho / R s),   z = z_0 exp(-s).
+//
+// The parameter is R (phi_0 - phi) or z_0 - z, whichever begins faster, in units of length at the start.
+void OffsetDrag::descend_around(const Vec3& device, double length, Descent& at) const noexcept {
+  constexpr double kLeast = std::numeric_limits<double>::min();
+  const OffsetContact& contact = contacts_[0];
+  const Vec3 normal = contact.proximity(at.centre).normal;
+  const bool is_edge = contact.part == OffsetContact::Part::edge;
+  const Vec3 axis = is_edge ? contact.axis() : Vec3(Vec3::Zero());
+  const double rise = is_edge ? axis.dot(device - at.centre) : 0.0;
+  const Vec3 off = device - contact.origin();
+  const Vec3 across = off - axis.dot(off) * axis;
+  const double ahead = normal.dot(across);
+  Vec3 sideways = across - ahead * normal;
+  sideways -= axis.dot(sideways) * axis;
+  const double side = sideways.norm();
+  const double rho = std::hypot(side, ahead);
+  const double pull = std::hypot(side, rise);
+  const Vec3 direction = side > 0.0 ? Vec3(sideways / side) : Vec3(Vec3::Zero());
+  const double tangent = ahead > 0.0 ? side / (rho + ahead) : (rho - ahead) / std::max(side, kLeast);
+  const bool is_by_angle = side >= std::fabs(rise);
+  const double fast = std::max(side, std::fabs(rise));
+  const double part = length * fast / pull;
+  double turned = 0.0;  // tan of half the angle from the start
+  double left = 0.0;    // exp(-s)
+  if (is_by_angle) {
+    turned = std::min(std::tan(std::min(0.5 * part / offset_, 1.5)), tangent);
+    const double lost = turned * (1.0 / tangent + tangent) / (1.0 + tangent * turned);  // share of the tangent
+    left = lost < 1.0 ? std::exp(offset_ / rho * std::log1p(-lost)) : 0.0;
+  } else {
+    left = std::max(0.0, 1.0 - part / std::fabs(rise));
+    const double lost = left > 0.0 ? -std::expm1(rho / offset_ * std::log(left)) : rho > 0.0 ? 1.0 : 0.0;
+    turned = tangent * lost / (1.0 + tangent * tangent * (1.0 - lost));
   }
-  Eigen::Vector4d state(c.x(), c.y(), c.z(), 0.0);
-  double step = 0.0;
-  const bool is_done = integrate(state, length, step, tests, [&](const Eigen::Vector4d& here, Eigen::Vector4d& rate) {
-    Pull pull;
-    if (!find_pull(here.head<3>(), device, pull) || !(pull.length > 0.0)) return false;
-    rate.head<3>() = pull.tangential / pull.length;
-    rate[3] = 0.0;
+  const double squared = turned * turned;
+  const double sine = 2.0 * turned / (1.0 + squared);
+  const double less = 2.0 * squared / (1.0 + squared);  // 1 - cosine
+  const double climbed = is_by_angle ? rise * (1.0 - left) : std::copysign(std::min(part, std::fabs(rise)), rise);
+  at.centre += offset_ * (sine * direction - less * normal) + climbed * axis;
+  // w there, in units of its faster component.
+  const double side_there = side * (1.0 - less) - ahead * sine;
+  const double rise_there = rise * left;
+  const double scale = fast / pull / std::max(is_by_angle ? side_there : std::fabs(rise_there), kLeast);
+  at.slope = scale * (side_there * ((1.0 - less) * direction - sine * normal) + rise_there * axis);
+}
+
+bool OffsetDrag::descend(const Vec3& device, const Vec3& along, double length, Descent& at, int& tests) const noexcept {
+  ++tests;
+  if (contacts_.size() == 2) {
+    ContactFrame frame;
+    frame.count = 2;
+    if (!move_along_curve(along, length, at.centre, tests)) return false;
+    for (std::size_t i = 0; i < 2; ++i) frame.normal[i] = contacts_[i].proximity(at.centre).normal;
+    if (!frame.prepare()) return false;
+    const double ahead = frame.along.dot(along);
+    at.slope = frame.along * ((ahead < 0.0 ? -1.0 : 1.0) / std::max(0.5, std::fabs(ahead)));
     return true;
-  });
-  c = state.head<3>();
-  return is_done && restore(c);
+  }
+  if (is_flat()) {
+    at.centre += length * along;
+    at.slope = along;
+  } else {
+    descend_around(device, length, at);
+  }
+  return restore(at.centre) && at.slope.allFinite();
 }
 
 double OffsetDrag::time_of_release(const Vec3& from, const Vec3& to, const Pull& pull) const noexcept {

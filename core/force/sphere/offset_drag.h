@@ -21,13 +21,15 @@ struct FrictionCoefficients {
 //   e (e + mu n) . v / (1 - (1 + mu^2) K).
 //
 // On a plane the solution is the tractrix, in closed form (SlidingPull). Around an edge or a vertex the equation is integrated by the
-// method of Dormand & Prince (1980), with an error below 2^-42. Along a curve |w| = mu d is one equation in one unknown: Newton's method.
+// method of Dormand & Prince (1980), with an error below 2^-36 a step. Along a curve |w| = mu d is one equation in one unknown: Newton's
+// method. With the device held the centre follows w, in closed form on every part.
 //
 // Frame: that of the contacts. RT: yes. Pre: one or two contacts, which outlive it.
 class OffsetDrag {
  public:
   static constexpr double kLeastPull = 0x1p-42;       // a shorter pull has no direction
   static constexpr double kLeastStability = 0x1p-26;  // below it the centre moves too fast to follow
+  static constexpr int kMostSteps = 24;  // of one integration: a shallow drag needs short ones, and is followed in shorter pieces
 
   struct Pull {
     Vec3 tangential = Vec3::Zero();  // w
@@ -60,14 +62,21 @@ class OffsetDrag {
     double time = 0.0;
     double step = 0.0;          // of the integration, as it was last; 0: not known
     Vec3 slope = Vec3::Zero();  // derivative of the centre by that parameter; output only
+    double followed = 0.0;      // how much of the length, where it could not be followed to its end; output only
   };
   Vec3 find_slope(const Pull& pull, const Vec3& motion) const noexcept;
   bool flow(const Vec3& from, const Vec3& to, double length, Flow& at, int& tests) const noexcept;
   // On flat parts: the centre while the device moves straight between the two. `c`: in, the sliding centre before; out, after. False: the
   // solution is not found over that distance. `tests`: counts units of work.
   bool follow(const Vec3& from, const Vec3& to, Vec3& c, int& tests) const noexcept;
-  // With the device held: down along w, by that length; on a curve: along `direction`, that of w before.
-  bool descend(const Vec3& device, const Vec3& direction, double length, Vec3& c, int& tests) const noexcept;
+  // A position on the line along w with the device held. The lines are parametrized so that `slope`, the derivative of the centre by that
+  // parameter, has length 1 where they begin.
+  struct Descent {
+    Vec3 centre = Vec3::Zero();
+    Vec3 slope = Vec3::Zero();  // output only
+  };
+  // Down along w, by `length` of that parameter; at most to where w is zero. `along`: the unit vector along w before.
+  bool descend(const Vec3& device, const Vec3& along, double length, Descent& at, int& tests) const noexcept;
   // Projects onto the offset of all contacts.
   bool restore(Vec3& c) const noexcept;
 
@@ -80,12 +89,13 @@ class OffsetDrag {
   double sum_curvature(const Pull& pull, const Vec3& direction) const noexcept;
   Vec3 direction_of(const Pull& pull, const Vec3& motion) const noexcept;
   bool move_along_curve(const Vec3& ahead, double length, Vec3& c, int& tests) const noexcept;
+  void descend_around(const Vec3& device, double length, Descent& at) const noexcept;
   bool flow_on_curve(const Vec3& from, const Vec3& motion, double length, Flow& at, int& tests) const noexcept;
   bool follow_on_face(const Vec3& from, const Vec3& to, Vec3& c) const noexcept;
   bool follow_on_curve(const Vec3& from, const Vec3& to, Vec3& c, int& tests) const noexcept;
   void return_to_flow(const Vec3& from, const Vec3& motion, Flow& at) const noexcept;
   template <class Rate>
-  static bool integrate(Eigen::Vector4d& at, double length, double& step, int& tests, Rate&& rate) noexcept;
+  static double integrate(Eigen::Vector4d& at, double length, double& step, int& tests, Rate&& rate) noexcept;
 
   std::span<const OffsetContact> contacts_;
   std::span<const FrictionCoefficients> friction_;

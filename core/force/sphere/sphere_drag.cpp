@@ -84,8 +84,9 @@ SphereFollower::Next SphereFollower::descend_with_friction(const Vec3& device, c
   const Vec3 before = centre_;
   bool is_restored = true;
   place_at_event(slip.path, event, [&](double share) {
-    centre_ = slip.is_exact ? slip.path.at(share) : before;
-    is_restored = slip.is_exact || share <= 0.0 || drag.descend(device, slip.direction, share * slip.length, centre_, work_);
+    OffsetDrag::Descent at{slip.is_exact ? slip.path.at(share) : before};
+    is_restored = slip.is_exact || share <= 0.0 || drag.descend(device, slip.direction, share * slip.length, at, work_);
+    centre_ = at.centre;
   });
   if (!is_restored) return Next::failed;
   note_move(before);
@@ -128,6 +129,7 @@ SphereFollower::Next SphereFollower::drag(const Vec3& from, const Vec3& to, doub
     time = share >= 1.0 ? leg.time : leg.is_exact ? leg.time_at(time_before, share) : time_before + share * (leg.time - time_before);
     centre_ = leg.path.at(share);
     if (share >= 1.0 || leg.is_exact) return;
+    if (leg.is_line) time = time_on_line(drag, from, to, before, time_before, leg, share);
     if (leg.flow > 0.0) {
       OffsetDrag::Flow at{before, time_before};
       if (drag.flow(from, to, share * leg.flow, at, work_)) {
@@ -157,6 +159,21 @@ SphereFollower::Next SphereFollower::drag(const Vec3& from, const Vec3& to, doub
     return Next::again;
   }
   return time >= 1.0 ? Next::settled : Next::again;
+}
+
+// When the device has dragged the centre along that share of a line.
+double SphereFollower::time_on_line(const OffsetDrag& drag, const Vec3& from, const Vec3& to, const Vec3& start, double time,
+                                    const DragLeg& leg, double share) noexcept {
+  const Vec3 line = leg.path.at(1.0) - start;
+  const double length = line.norm();
+  if (!(length > 0.0)) return time;
+  const Vec3 device = on_path(from, to, time);
+  const auto left_at = [&](double t) {
+    Vec3 c = start;
+    return drag.follow(device, on_path(from, to, t), c, work_) ? share * length - line.dot(c - start) / length
+                                                               : std::numeric_limits<double>::quiet_NaN();
+  };
+  return find_zero(time, share * length, leg.time, -(1.0 - share) * length, kNearZero, left_at);
 }
 
 // The pull on a centre that stays, resolved against all its contacts.

@@ -23,6 +23,7 @@ constexpr double kUnresolved =
     kLeast;                            // how far a centre that counts as on the cone may be off it: no shorter piece is nearer to its cubic
 constexpr double kExact = 0x1p-42;     // within this the cubic counts as the exact path
 constexpr double kReleased = 0x1p-24;  // a pull at which the device counts as out
+constexpr int kMostSearch = 16;        // rounds that look for an end; where a path can hardly be resolved, more find nothing nearer
 
 double most_uneven(double offset, double length) { return kUneven * offset + std::min(kUnevenShare * length, kMostUneven * offset); }
 
@@ -99,10 +100,10 @@ bool SphereFollower::make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& p
   const double turn = kTurn / std::max(find_turn(direction), 0x1p-100);
   const double most = active_count_ == 1 ? std::min(turn, distance_to_boundary(direction)) : turn;
   OffsetDrag::Pull there;
-  Vec3 end;
+  OffsetDrag::Descent end;
   const auto go = [&](double length) {
-    end = centre_;
-    return drag.descend(device, direction, length, end, work_) && drag.find_pull(end, device, there);
+    end.centre = centre_;
+    return drag.descend(device, direction, length, end, work_) && drag.find_pull(end.centre, device, there);
   };
   const double rounding = std::max(kNearZero, rounding_of(pull));
   slip.stops = false;
@@ -113,7 +114,7 @@ bool SphereFollower::make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& p
       if (!go(length)) return false;
       const double left = there.excess();
       slip.stops = std::fabs(left) <= 2.0 * rounding || drag.is_flat();
-      const double slope = drag.find_stability(there);
+      const double slope = drag.find_stability(there) * end.slope.norm();
       if (slip.stops || !(slope > kLeastStability)) break;
       length += left / slope;
       if (!(length > 0.0) || !(length <= most)) break;
@@ -121,7 +122,8 @@ bool SphereFollower::make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& p
     if (!slip.stops) length = most;
   }
   const auto cut_at = [&](double at_start, double at_end, auto&& value) {
-    length = find_zero(0.0, at_start, length, at_end, rounding, [&](double l) { return go(l) ? value() : -1.0; });
+    length = find_zero(
+        0.0, at_start, length, at_end, rounding, [&](double l) { return go(l) ? value() : -1.0; }, kMostSearch);
     slip.stops = false;
     return go(length);
   };
@@ -147,18 +149,14 @@ bool SphereFollower::make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& p
   for (int i = 0;; ++i) {
     slip.length = length;
     if (drag.is_flat() || !(length > 0.0)) {
-      slip.path = CentrePath::straight(centre_, end);
+      slip.path = CentrePath::straight(centre_, end.centre);
       return true;
     }
-    Vec3 direction_there = there.length > kLeast ? Vec3(there.tangential / there.length) : direction;
-    if (direction_there.dot(direction) < 0.0) direction_there = -direction_there;
-    // On a curve the parameter is the position along its tangent at the start.
-    const double slope_there = active_count_ == 1 ? length : length / std::max(0.5, direction_there.dot(direction));
-    slip.path = CentrePath::curved(centre_, end, length * direction, slope_there * direction_there);
-    const Vec3 reached = end;
+    const OffsetDrag::Descent last = end;
+    slip.path = CentrePath::curved(centre_, last.centre, length * direction, length * last.slope);
     if (!go(0.5 * length)) return false;
-    const Vec3 guess = 0.5 * (centre_ + reached) + 0.125 * (length * direction - slope_there * direction_there);
-    const double uneven = (end - guess).norm();
+    const Vec3 guess = 0.5 * (centre_ + last.centre) + 0.125 * length * (direction - last.slope);
+    const double uneven = (end.centre - guess).norm();
     slip.is_exact = uneven <= kExact;
     if (i == kMostRounds || uneven <= most_uneven(clearance_.offset, length)) break;
     length *= 0.5;
@@ -186,6 +184,7 @@ SphereFollower::DragOutcome SphereFollower::make_drag_leg(const OffsetDrag& drag
   leg.released = -1;
   leg.stops = false;
   leg.is_clear = false;
+  leg.is_line = false;
   double span = 1.0 - time;
   double release = kInfinity;
   if (active_count_ == 1) {
@@ -229,6 +228,8 @@ SphereFollower::DragOutcome SphereFollower::make_drag_leg(const OffsetDrag& drag
                       span * (rate - rate_there).norm() <= 0x1p-48;
         const double uneven = (middle - guess).norm();
         leg.is_exact = active_count_ == 1 && uneven <= kExact;
+        leg.is_line = is_flat && active_count_ == 2 && (middle - centre_).dot(end - middle) >= 0.0;
+        if (leg.is_line) break;
         if (is_straight || uneven <= kUnresolved + most_uneven(clearance_.offset, (end - centre_).norm())) break;
         leg.is_clear = is_flat && active_count_ == 1 && is_clear_over_face(end, rate.normalized(), rate_there.normalized());
         if (leg.is_clear) break;
@@ -266,7 +267,7 @@ SphereFollower::DragOutcome SphereFollower::make_drag_leg(const OffsetDrag& drag
     if (leg.time <= time) return DragOutcome::stops;
   }
   const double part = leg.time - time;
-  if (is_straight || leg.is_clear || !(part > 0.0)) {
+  if (is_straight || leg.is_clear || leg.is_line || !(part > 0.0)) {
     leg.path = CentrePath::straight(centre_, end);
     return DragOutcome::moves;
   }
@@ -280,7 +281,9 @@ SphereFollower::DragOutcome SphereFollower::make_drag_leg(const OffsetDrag& drag
 SphereFollower::DragOutcome SphereFollower::make_flow_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time,
                                                           DragLeg& leg) noexcept {
   constexpr int kMostHalvings = 40;
+  constexpr int kFewHalvings = 3;
   constexpr int kMostRounds = 8;
+  constexpr double kMostShrunk = 0x1p-10;
   constexpr double kLeastExcessRate = 0x1p-46;  // of the motion
   const Vec3 motion = to - from;
   const double speed = motion.norm();
@@ -308,13 +311,18 @@ SphereFollower::DragOutcome SphereFollower::make_flow_leg(const OffsetDrag& drag
   const double turn = kTurn / std::max(find_turn(slope), 0x1p-100);
   const double most =
       active_count_ == 1 && excess_rate > 0.0 ? std::min(turn, distance_to_boundary(slope / excess_rate) / excess_rate) : turn;
-  double length = std::min(most, (target - time) / stability);
+  // No longer than one integration leads, as far as the last one tells. Along the curve of two contacts nothing is integrated.
+  constexpr int kStepsOfLeg = OffsetDrag::kMostSteps - 4;
+  const double within_reach = active_count_ == 1 && friction_.step > 0.0 ? std::min(most, kStepsOfLeg * friction_.step) : most;
+  double length = std::min(within_reach, (target - time) / stability);
   OffsetDrag::Flow end{centre_, time};
   OffsetDrag::Pull there;
   OffsetDrag::Flow middle;
   double half = 0.0;       // the length to `middle`
   double travelled = 0.0;  // the length to `end`
-  double step = 0.0;
+  double& step = friction_.step;
+  double shrink = 0.5;  // the next length, as a share of this one
+  double off = 0.0;     // how far the centre is from the cone: contacts at a small angle make a large distance of a small tolerance
   // From the start or from the last position, whichever is nearer.
   const auto go = [&](double l) {
     if (std::fabs(l - travelled) >= l || active_count_ == 2) {
@@ -325,31 +333,45 @@ SphereFollower::DragOutcome SphereFollower::make_flow_leg(const OffsetDrag& drag
     travelled = l;
     if (advance == 0.0 || (drag.flow(from, to, advance, end, work_) && drag.find_pull(end.centre, from + end.time * motion, there)))
       return true;
+    travelled += end.followed - advance;
+    step = end.step;
+    shrink = std::clamp(0.75 * travelled / length, kMostShrunk, 0.5);
     end = {centre_, time};
     travelled = 0.0;
     return false;
   };
   const auto seek = [&](double at_start, double at_end, double rounding, auto&& value) {
-    length = find_zero(0.0, at_start, length, at_end, std::max(kNearZero, rounding), [&](double l) { return go(l) ? value() : -1.0; });
+    length = find_zero(
+        0.0, at_start, length, at_end, std::max(kNearZero, rounding), [&](double l) { return go(l) ? value() : -1.0; }, kMostSearch);
     return go(length);
   };
   const double of_pull = rounding_of(pull);
   const auto left = [&] { return target - end.time; };
   const auto stability_there = [&] { return drag.find_stability(there); };
   bool is_at_target = false;
-  for (int i = 0;; ++i, length *= 0.5) {
+  for (int i = 0;; ++i, length *= shrink) {
     if (i == kMostHalvings) return DragOutcome::jumps;
+    shrink = 0.5;
     is_at_target = false;
     leg.jumps = false;
     end = {centre_, time, step};
     travelled = 0.0;
+    if (i == kFewHalvings) {
+      if (!go(std::ldexp(length, kFewHalvings - kMostHalvings))) return DragOutcome::jumps;  // however short
+      off = (end.centre - centre_).norm();
+    }
     if (!go(0.5 * length)) continue;
     middle = end;
     half = 0.5 * length;
     if (!go(length) || find_turn(end.centre - centre_) > 2.0 * kTurn) continue;
     step = end.step;
     const Vec3 guess = 0.5 * (centre_ + end.centre) + 0.125 * length * (slope - end.slope);
-    if ((middle.centre - guess).norm() > kUnresolved + most_uneven(clearance_.offset, (end.centre - centre_).norm())) continue;
+    const double uneven = (middle.centre - guess).norm();
+    const double most_off = kUnresolved + off + most_uneven(clearance_.offset, (end.centre - centre_).norm());
+    if (uneven > most_off) {  // of fourth order in the length
+      shrink = std::clamp(0.9 * std::sqrt(std::sqrt(most_off / uneven)), kMostShrunk, 0.5);
+      continue;
+    }
     // A little farther, to the end of the leg.
     for (int round = 0; round < kMostRounds && i == 0 && length < most && left() > 0.0; ++round) {
       const double on = left() / std::max(stability_there(), 0x1p-10);
@@ -374,7 +396,7 @@ SphereFollower::DragOutcome SphereFollower::make_flow_leg(const OffsetDrag& drag
       target = 1.0;
       length = std::min(most, (target - time) / stability);
       i = -1;
-      length *= 2.0;
+      shrink = 1.0;
       continue;
     }
     break;

@@ -108,13 +108,23 @@ bool SphereFollower::leave_corner(const Vec3& device, const Vec3& motion) noexce
   return false;
 }
 
-// Leaves a minimum in the steepest direction that leads to a nearer one. False, and nothing changed: no direction does.
+// Leaves a minimum in the steepest direction that leads to a nearer one. False, and nothing changed: no direction does, or work has run
+// out before all were tried.
 bool SphereFollower::leave_minimum(const Vec3& device, const Vec3& motion) noexcept {
-  if (!is_point_ || contact_count_ == 0) return false;
+  if (!is_point_ || contact_count_ == 0 || is_in_wedge()) return false;
+  escapes_ = 0;
   // The way out begins where the centre is.
-  if (find_cone(0.0) && leave_corner(device, motion)) return true;
-  if (last_fly_over_ == motion_) return false;
-  last_fly_over_ = motion_;
+  bool has_left = find_cone(0.0) && leave_corner(device, motion);
+  if (!has_left && last_fly_over_ != motion_) {
+    has_left = leave_by_flight(device, motion);
+    if (!has_escapes_left_) last_fly_over_ = motion_;
+  }
+  if (!has_escapes_left_) failed_escapes_ = 0;
+  return has_left;
+}
+
+// Over a barrier lower than the sphere, once in a motion.
+bool SphereFollower::leave_by_flight(const Vec3& device, const Vec3& motion) noexcept {
   const auto leads_over = [&](const Vec3& direction) {
     return std::any_of(std::begin(kHeights), std::end(kHeights), [&](double height) {
       return try_escape(device, motion,
@@ -218,22 +228,24 @@ bool SphereFollower::fly_over(const Vec3& displacement, double height) noexcept 
 }
 
 // Flies along the path of `go` and descends from there with the device held, until the centre is nearer to the device: a descent only comes
-// nearer still. False, and undone: it never is.
+// nearer still. False, and undone: it never is, it has been tried before, or work has run out. One that has had half of a step's work is
+// not tried again.
 template <class Go>
 bool SphereFollower::try_escape(const Vec3& device, const Vec3& motion, Go&& go) noexcept {
   constexpr int kMostEvents = 256;
-  if (escape_work_ > kMostEscapeWork) return false;
+  if (has_escapes_left_ || escapes_++ < failed_escapes_) return false;
   const int work_before = work_;
   const Vec3 centre = centre_;
   const auto contacts = contacts_;
   const int count = active_count_;
   const int touching = contact_count_;
   const double distance = (device - centre_).norm();
+  const double nearer = distance - kLeastBetter * clearance_.offset;
   const auto end = [&](bool is_better) {
-    escape_work_ += work_ - work_before;
-    work_ = work_before;
     idle_ = 0;
     if (is_better) return true;
+    has_escapes_left_ = work_ > most_work_ && 2 * work_before > most_work_;
+    failed_escapes_ += has_escapes_left_ ? 0 : 1;
     centre_ = centre;
     contacts_ = contacts;
     active_count_ = count;
@@ -250,9 +262,8 @@ bool SphereFollower::try_escape(const Vec3& device, const Vec3& motion, Go&& go)
   hint_ = centre_ - centre;
   is_descending_ = true;
   least_distance_ = std::numeric_limits<double>::infinity();
-  const double nearer = distance - kLeastBetter * clearance_.offset;
-  for (int i = 0; i < kMostEvents && idle_ <= kMostIdle && !((device - centre_).norm() < nearer); ++i) {
-    ++work_;
+  for (int i = 0; i < kMostEvents && idle_ <= kMostIdle && work_ <= most_work_ && !((device - centre_).norm() < nearer); ++i) {
+    work_ += kWorkOfEvent;
     double until = 1.0;
     if (contact_count_ != 0 && !is_descending_) break;
     const Next next = contact_count_ == 0 ? fly_to(device, until) : descend(device, motion);

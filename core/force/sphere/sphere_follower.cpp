@@ -75,6 +75,23 @@ bool SphereFollower::start(const Vec3& centre, bool is_free, double short_by, bo
   return is_tracking_ = is_clear(clearance_.slop);
 }
 
+void SphereFollower::forget() noexcept {
+  stop_tracking();
+  forget_near();
+  gathered_count_ = 0;
+  gather_radius_ = 0.0;
+  hint_ = Vec3::Zero();
+  lingered_at_ = Vec3::Zero();
+  lingering_ = 0;
+  idle_ = 0;
+  has_lost_minimum_ = false;
+  has_cone_ = false;
+  has_escapes_left_ = false;
+  failed_escapes_ = 0;
+  motion_ = 1;
+  last_fly_over_ = 0;
+}
+
 void SphereFollower::start_free(const Vec3& centre) noexcept {
   centre_ = centre;
   active_count_ = 0;
@@ -98,16 +115,18 @@ SphereFollower::Span SphereFollower::find_span(const Vec3& from, const Vec3& to)
 }
 
 // What has been tried in vain counts across the steps of a motion that is carried on.
-SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to, double& time) noexcept {
+SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to, double& time, int most_work) noexcept {
   work_ = 0;
+  most_work_ = most_work;
   if (!is_carried_) {
     idle_ = 0;
     ++motion_;
-    escape_work_ = 0;
     corner_tries_ = 0;
     skips_ = 0;
     lingered_at_ = Vec3::Constant(std::numeric_limits<double>::infinity());
   }
+  if (!has_escapes_left_) failed_escapes_ = 0;
+  has_escapes_left_ = false;
   const Outcome outcome = from.allFinite() && to.allFinite() ? follow_finite(from, to, time) : Outcome::failed;
   is_carried_ = outcome == Outcome::exhausted;
   const bool is_far = from.squaredNorm() > kFar * kFar || to.squaredNorm() > kFar * kFar;
@@ -155,7 +174,7 @@ SphereFollower::Outcome SphereFollower::follow_finite(const Vec3& from, const Ve
     if (outcome != Outcome::settled) return outcome;
     const Vec3 turn = centre_ - before;
     moved[static_cast<std::size_t>(i % 3)] = turn.norm();
-    if (contact_count_ == 0 || (i % 3 != 2 && turn.norm() <= kAtMinimum) || work_ > kMostWork) break;
+    if (contact_count_ == 0 || (i % 3 != 2 && turn.norm() <= kAtMinimum) || work_ > most_work_) break;
     const double share = i % 3 == 1 && moved[1] < moved[0] ? moved[1] / moved[0] : 0.0;
     ahead = turn * std::min(share / (1.0 - share), 1.0 / turn.norm());
   }
@@ -165,13 +184,13 @@ SphereFollower::Outcome SphereFollower::follow_finite(const Vec3& from, const Ve
 }
 
 SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3& to, double& time) noexcept {
-  least_distance_ = std::numeric_limits<double>::infinity();
+  if (!is_carried_) least_distance_ = std::numeric_limits<double>::infinity();
   const Vec3 start = centre_;
   const double began = time;
   Next next = Next::again;
-  while (next == Next::again && work_ <= kMostWork) {
+  while (next == Next::again && work_ <= most_work_) {
     ++events_;
-    ++work_;
+    work_ += kWorkOfEvent;
     if (idle_ > kMostIdle && !(is_point_ && skip_ahead(from, to, time))) break;
     if (contact_count_ == 0) {
       next = fly(from, to, time);
@@ -198,6 +217,7 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
   }
   if (next == Next::failed || idle_ > kMostIdle) return Outcome::failed;
   note_multipliers(to);
+  if (has_escapes_left_) return Outcome::exhausted;
   Vec3 direction;
   if (next == Next::settled)
     return !is_point_ && !(has_friction_ && has_friction_here()) && is_shallow(to, direction) ? Outcome::failed : Outcome::settled;
@@ -365,6 +385,7 @@ SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& mot
 
   bool is_unstable = false;
   if (active_count_ == 3 || descent.norm() <= kAtMinimum) {
+    if (is_point_ && straighten_in_slit()) return Next::again;
     is_unstable = active_count_ < 3 && !is_on_axis(device) && (has_lost_minimum_ || find_stability(centre_, device) <= 0.0);
     if (!is_unstable) {
       activate_opposing(device, motion);

@@ -14,6 +14,7 @@
 #include "core/force/sphere/offset_drag.h"
 #include "core/force/sphere/offset_surface.h"
 #include "core/force/sphere/tangent_cone.h"
+#include "core/force/step_work.h"
 #include "core/force/touch_scene.h"
 
 namespace hapton {
@@ -35,11 +36,10 @@ namespace hapton {
 //
 // The centre never comes nearer to a triangle than offset - slop.
 //
-// Frame: TouchGeometry's local one. RT: yes, bounded. Work is counted in units: one for an event, a queried triangle, or a round of a
-// search. A step has kMostWork units: some 0.4 ms at the most on a processor of 2023, so that a cycle of 1 ms is not missed (decision 139).
+// Frame: TouchGeometry's local one. RT: yes, bounded: a call has StepWork::kMost units of work at the most (step_work.h), and ends the
+// event that it has begun.
 class SphereFollower {
  public:
-  static constexpr int kMostWork = 2048;
   static constexpr int kMostContacts = 8;
 
   enum class Outcome : std::uint8_t {
@@ -54,7 +54,7 @@ class SphereFollower {
       : geometry_(geometry), materials_(materials), clearance_{offset, kSlop, kTolerance}, is_point_(is_point) {
     note_friction();
   }
-  // That of the materials has changed: a centre in contact settles anew at the beginning of the next motion.
+  // That of the materials has changed: a centre in contact settles again at the beginning of the next motion.
   void note_friction() noexcept {
     has_friction_ = false;
     for (const Material& material : materials_) has_friction_ |= material.friction_static > 0.0;
@@ -70,13 +70,16 @@ class SphereFollower {
   bool slides() const { return friction_.slides; }  // the dynamic coefficient applies
   // The set of triangles has changed: gather them again.
   void forget_near() { near_.clear(); }
+  // All but the counters: what follows depends on nothing that was before.
+  void forget() noexcept;
 
   // Begins with a centre that is free and at the device.
   void start_free(const Vec3& centre) noexcept;
   // Begins with a centre that is free, or in contact and nearer than the offset by at most `short_by`. False: the centre is unusable.
   bool start(const Vec3& centre, bool is_free, double short_by, bool slides = false) noexcept;
   // The device moves straight from `from` (time 0) to `to` (time 1), beginning at `time`. Pre: is_tracking().
-  Outcome follow(const Vec3& from, const Vec3& to, double& time) noexcept;
+  Outcome follow(const Vec3& from, const Vec3& to, double& time, int most_work = StepWork::kMost) noexcept;
+  int work() const { return work_; }  // units, of the last call
 
   double offset() const { return clearance_.offset; }
   const Vec3& centre() const { return centre_; }
@@ -108,6 +111,7 @@ class SphereFollower {
   static constexpr double kFar = 32.0;         // local units; farther out, positions are coarser than the tolerance
   static constexpr int kMostTurns = 64;        // of the direction to a device farther out
   static constexpr double kShallow = 0x1p-30;  // height of a barrier that does not hold a minimum: the reference's contact offset
+  static constexpr int kWorkOfEvent = 5;       // units, beside what it queries
   static constexpr int kMostIdle = 24;         // events without progress
   static constexpr int kMostSkips = 16;
   static constexpr int kMostExits = 128;
@@ -134,6 +138,13 @@ class SphereFollower {
     bool is_on_curve = false;  // made by length: the time of a place is that at which the device makes it the minimum
     bool vanishes = false;     // the minimum vanishes at its end
   };
+  // A plane that holds the centre, which is above it.
+  struct Wall {
+    Vec3 normal = Vec3::Zero();  // unit
+    Vec3 origin = Vec3::Zero();
+
+    double height(const Vec3& p) const { return normal.dot(p - origin); }
+  };
   // The tangent planes of the parts below a contact that the centre stays on along a path, at its start and its end.
   struct TangentSpan {
     Vec3 origin = Vec3::Zero();  // on both
@@ -154,6 +165,7 @@ class SphereFollower {
     bool drags = false;     // the pull is on its cone and the device drags the centre
     bool slips = false;     // the pull has just left the cone
     bool vanished = false;  // the equilibrium on the cone has vanished
+    double step = 0.0;      // of the last integration of a drag; 0: none yet
     std::array<FrictionCoefficients, 3> coefficients;
   };
   struct Slip {
@@ -176,6 +188,7 @@ class SphereFollower {
     double flow = 0.0;                        // length in the parameter of OffsetDrag::Flow; 0: a flat contact
     bool is_exact = false;                    // path and time are within kExact of the exact ones
     bool is_clear = false;                    // nothing changes the contact on the way: no event but its end
+    bool is_line = false;                     // along the line where two planes meet, at the pace that the pull makes
     std::array<double, 2> pace = {0.0, 0.0};  // derivative of the time at both ends; zero: constant
 
     double time_at(double start, double share) const {
@@ -203,6 +216,8 @@ class SphereFollower {
   DragOutcome make_drag_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept;
   DragOutcome make_flow_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept;
   DragOutcome make_last_leg(const Vec3& device, double time, const Vec3& normal, DragLeg& leg) const noexcept;
+  double time_on_line(const OffsetDrag& drag, const Vec3& from, const Vec3& to, const Vec3& start, double time, const DragLeg& leg,
+                      double share) noexcept;
   double rounding_of(const OffsetDrag::Pull& pull) const noexcept;
   double distance_to_boundary(const Vec3& direction) noexcept;
   bool is_clear_over_face(const Vec3& end, const Vec3& direction, const Vec3& direction_there) noexcept;
@@ -267,11 +282,17 @@ class SphereFollower {
   void move_to_next_part(int i, const Exit& exit, const Vec3& direction) noexcept;
   bool is_held_twice(int i) const noexcept;
   int find_rising(const OffsetContact& contact, int edge, const Vec3& direction) noexcept;
-  static constexpr int kMostEscapeWork = 16384;
   bool find_apex(Vec3& apex) const noexcept;
   bool find_cone(double moved) noexcept;
   double least_corner_exit(const Vec3& pull) const noexcept;
   double time_to_corner_exit(const Vec3& from, const Vec3& to, double time) noexcept;
+  bool is_in_wedge() noexcept;
+  bool leave_by_flight(const Vec3& device, const Vec3& motion) noexcept;
+  bool find_wall(const OffsetContact& contact, Wall& wall) noexcept;
+  int find_face_there(const OffsetContact& contact) noexcept;
+  bool straighten_in_slit() noexcept;
+  bool goes_on(const Wall& wall, std::span<const Wall> walls, std::span<const int> slots, double far) noexcept;
+  bool is_outside_wedge(const ContactTriangle& shape, std::span<const Wall> walls) const noexcept;
   bool leave_minimum(const Vec3& device, const Vec3& motion) noexcept;
   bool leave_corner(const Vec3& device, const Vec3& motion) noexcept;
   bool pass_corner(const TangentCone::Steepest& to, double wide) noexcept;
@@ -319,16 +340,19 @@ class SphereFollower {
   int tangent_count_ = 0;
   int candidate_count_ = 0;
   std::array<Exit, kMostExits> exits_;
-  int work_ = 0;                 // units of work in this step
+  mutable int work_ = 0;  // units, in this call
+  int most_work_ = 0;
   int idle_ = 0;                 // events without progress
   double least_distance_ = 0.0;  // least distance to the device since the device moved
   TangentCone cone_;             // of the corner that the centre was last held in
   bool has_cone_ = false;
   Vec3 cone_at_ = Vec3::Constant(std::numeric_limits<double>::infinity());
-  int corner_tries_ = 0;  // in this motion
-  int skips_ = 0;         // in this motion
-  std::uint64_t motion_ = 1;
-  int escape_work_ = 0;  // in this motion, on escapes from a minimum
+  int corner_tries_ = 0;           // in this motion
+  int skips_ = 0;                  // in this motion
+  std::uint64_t motion_ = 1;       // its number
+  bool has_escapes_left_ = false;  // out of work before all ways out of a minimum were tried: the next call goes on with them
+  int escapes_ = 0;                // tried at this minimum
+  int failed_escapes_ = 0;         // tried there by the calls before
   std::uint64_t last_fly_over_ = 0;
   std::uint64_t events_ = 0, slips_ = 0, flights_ = 0, gathered_ = 0, queried_ = 0;
 };

@@ -86,7 +86,7 @@ SphereFollower::Next SphereFollower::stay(const Vec3& from, const Vec3& to, doub
     time = opens;
     // A failed attempt is not repeated in this step.
     ++corner_tries_;
-    leave_minimum(on_path(from, to, time), to - from);
+    if (!leave_minimum(on_path(from, to, time), to - from) && has_escapes_left_) --corner_tries_;
     return Next::again;
   }
   if (released < 0) {

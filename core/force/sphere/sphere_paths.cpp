@@ -31,6 +31,7 @@ bool SphereFollower::restore(Vec3& c) const noexcept {
     ContactFrame frame;
     std::array<double, 3> short_by{};
     double most = 0.0;
+    ++work_;
     frame.count = active_count_;
     for (int i = 0; i < active_count_; ++i) {
       const OffsetContact::Proximity proximity = contacts_[i].proximity(c);
@@ -93,6 +94,7 @@ bool SphereFollower::solve_on_curve(const Vec3& device, Vec3& c) const noexcept 
   const bool is_line = !contacts_[0].is_curved() && !contacts_[1].is_curved();
   Vec3 along = Vec3::Zero();
   for (int round = 0; round < kMostRounds; ++round) {
+    ++work_;
     ContactFrame frame;
     std::array<double, 2> short_by{};
     frame.count = 2;
@@ -366,8 +368,9 @@ bool SphereFollower::gather(const Vec3& towards) noexcept {
   constexpr int kMostFew = 256;
   constexpr double kWidest = 0.25;
   constexpr double kDenser = 0.35;
+  constexpr double kMuchWider = 4.0;
   const double least = (is_point_ ? 64.0 : 0x1p-6) * clearance_.offset;
-  if (!(gather_radius_ > 0.0)) gather_radius_ = std::max(least, 0.5 * clearance_.offset);
+  if (!(gather_radius_ > 0.0)) gather_radius_ = (is_point_ ? 4096.0 : 0.5) * clearance_.offset;
   const double length = towards.norm();
   bool is_guess = false;
   for (int i = 0; i < kMostTries; ++i, gather_radius_ *= is_guess ? kDenser : 0.5) {
@@ -378,12 +381,12 @@ bool SphereFollower::gather(const Vec3& towards) noexcept {
     ++gathered_;
     const bool fits = near_.gather(geometry_, centre_ + ahead, clearance_.offset + gather_radius_ + 4.0 * clearance_.slop, queried,
                                    is_guess ? kMostFew : NearTriangles::kCapacity);
-    work_ += queried / 2;  // half of them are near the box and not near the ball
+    work_ += queried + queried / 4;  // in a large mesh each waits for memory
     if (!fits) continue;
     gathered_count_ = near_.count();
     // Where the tree visits many triangles for each one that is near, as among slivers, a wider ball saves most.
     const int few = std::max(kFew, std::min(queried / 8, kMostFew));
-    if (near_.count() < few) gather_radius_ = std::min(1.4 * gather_radius_, kWidest);
+    if (near_.count() < few) gather_radius_ = std::min((near_.count() < few / 4 ? kMuchWider : 1.4) * gather_radius_, kWidest);
     if (near_.count() > 3 * few) gather_radius_ = std::max(0.7 * gather_radius_, least);
     return true;
   }

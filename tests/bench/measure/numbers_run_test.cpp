@@ -58,8 +58,8 @@ TEST(Numbers, MeasureEveryRow) {
       measure_numbers(settings, Stopwatch::calibrate(), structures,
                       {{"box", std::make_shared<TriangleMesh>(make_box(Vec3(0.1, 0.06, 0.04)))}}, [](const std::string&) {});
   ASSERT_TRUE(report.has_value()) << report.error().what;
-  EXPECT_EQ(report->rows.size(), 102U);
-  EXPECT_EQ(report->measured(), 32U);
+  EXPECT_EQ(report->rows.size(), 103U);
+  EXPECT_EQ(report->measured(), 33U);
   for (const NumberRow& one : report->rows) {
     if (one.what.starts_with("fall-through") || one.what.starts_with("stuck")) {
       EXPECT_EQ(*one.ours, 0.0) << one.what << ": " << one.note;

@@ -51,6 +51,16 @@ TEST(FdhTopology, HoldsEveryItemOnce) {
   }
 }
 
+// The heuristic cuts even ground near its middle: a tree that peels it off piece by piece is several times as deep, and slow to query.
+TEST(FdhTopology, EvenlySpreadItemsMakeAShallowTree) {
+  constexpr unsigned kSeed = 12;
+  std::mt19937 random(kSeed);
+  std::uniform_real_distribution<float> unit(-1.0F, 1.0F);
+  std::vector<FdhItem> items;
+  for (std::uint32_t i = 0; i < 20000; ++i) items.push_back(item_at(unit(random), unit(random), unit(random), 0.01F, i));
+  EXPECT_LE(check(build_fdh_topology(items), items.size()), 8) << "seed " << kSeed << "; as wide as can be it has 5 levels";
+}
+
 TEST(FdhTopology, AllItemsInOnePlaceAreHalved) {
   std::vector<FdhItem> items;
   for (std::uint32_t i = 0; i < 5000; ++i) items.push_back(item_at(0.5F, 0.5F, 0.5F, 0.1F, i));

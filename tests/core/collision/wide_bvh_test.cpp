@@ -57,6 +57,48 @@ TEST(WideBvh, OverlapQueriesAgreeWithBruteForce) {
   }
 }
 
+// Everything within the radius is found, once; anything else found is as near but for single precision's rounding.
+TEST(WideBvh, BallQueriesAgreeWithBruteForce) {
+  constexpr unsigned kSeed = 1997;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  std::mt19937_64 random(kSeed);
+  std::uniform_real_distribution<double> place(-1.2, 1.2);
+  std::uniform_real_distribution<double> size(0.0, 0.4);
+  for (const std::size_t count : {1U, 7U, 8U, 9U, 64U, 65U, 1000U, 20000U}) {
+    const std::vector<Box> boxes = random_boxes(count, 0.1, random);
+    const WideBvh tree(boxes);
+    for (int k = 0; k < 60; ++k) {
+      const Vec3 p(place(random), place(random), place(random));
+      const double radius = k % 10 == 0 ? 0.0 : size(random);
+      std::vector<std::uint32_t> found;
+      tree.for_each_within(p, radius, [&](std::uint32_t item) {
+        found.push_back(item);
+        return true;
+      });
+      std::sort(found.begin(), found.end());
+      EXPECT_EQ(std::adjacent_find(found.begin(), found.end()), found.end()) << "an item was visited twice";
+      for (std::uint32_t i = 0; i < boxes.size(); ++i) {
+        const double distance = (p - p.cwiseMax(boxes[i].low).cwiseMin(boxes[i].high)).norm();
+        const bool here = std::binary_search(found.begin(), found.end(), i);
+        if (distance <= radius) {
+          EXPECT_TRUE(here) << "item " << i << " was missed";
+        }
+        if (here) {
+          EXPECT_LE(distance, radius + 4e-6) << "item " << i << " is far from the ball";
+        }
+      }
+    }
+  }
+}
+
+TEST(WideBvh, ABallQueryEndsWhenTheVisitSaysSo) {
+  std::mt19937_64 random(1998);
+  const WideBvh tree(random_boxes(1000, 0.1, random));
+  int visited = 0;
+  tree.for_each_within(Vec3::Zero(), 10.0, [&](std::uint32_t) { return ++visited < 5; });
+  EXPECT_EQ(visited, 5);
+}
+
 // Each pair once, from whichever of its two items, and none that is farther apart than the margin and single precision's rounding.
 void expect_near_pairs_as_brute_force(const std::vector<Box>& boxes, const WideBvh& tree, double margin) {
   std::set<std::pair<std::uint32_t, std::uint32_t>> found;
@@ -172,7 +214,7 @@ TEST(WideBvh, TreeOrderListsEveryItemOnceAndRenumberingFollows) {
   std::mt19937_64 random(kSeed);
   std::vector<Box> boxes = random_boxes(777, 0.1, random);
   WideBvh tree(boxes);
-  const std::vector<std::uint32_t> order = tree.items_in_tree_order();
+  const auto order = tree.items_in_tree_order();
   ASSERT_EQ(std::set<std::uint32_t>(order.begin(), order.end()).size(), boxes.size());
   std::vector<std::uint32_t> new_number(boxes.size());
   std::vector<Box> reordered;
@@ -213,6 +255,7 @@ TEST(WideBvh, QueriesUseNoHeap) {
   std::size_t seen = 0;
   const AllocationGuard guard;
   tree.for_each_overlapping(Box::around({-1, -1, -1}, {1, 1, 1}), [&](std::uint32_t) { ++seen; });
+  tree.for_each_within(Vec3::Zero(), 1.0, [&](std::uint32_t) { return ++seen > 0; });
   tree.visit_nearest({3, 0, 0}, 1e9, [&](std::uint32_t, double bound) {
     ++seen;
     return bound;

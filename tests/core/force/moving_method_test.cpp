@@ -411,8 +411,8 @@ TEST(MovingMethod, OtherMethodsSayWhatFeelsMotion) {
   for (const char* name : {"smooth", "sweep"}) {
     const auto made = make_method({.name = name}, scene);
     ASSERT_FALSE(made) << name;
-    EXPECT_EQ(made.error().what, std::string("method ") + name +
-                                     ": objects of the scene move by keyframes, which it does not feel; choose proxy or reference");
+    EXPECT_EQ(made.error().what,
+              std::string("method ") + name + ": objects of the scene move, which it does not feel; choose proxy or reference");
   }
 }
 

@@ -27,6 +27,16 @@ TEST(NormalFans, ABoxGetsFansAlongEdgesAndInCorners) {
   }
 }
 
+// At either end of the crease of two triangles the normals turn one way only: there is no corner to fill, and the report says so.
+TEST(NormalFans, ACreaseThatEndsOnABoundaryLeavesOpenCorners) {
+  const TriangleMesh roof = {{Vec3(0, 0, 1), Vec3(1, 0, 1), Vec3(0, 1, 0), Vec3(0, -1, 0)}, {{0, 1, 2}, {1, 0, 3}}};
+  SmoothSurfaceReport report;
+  ASSERT_TRUE(make_smooth_surface(roof, {.longest_edge = 0.0}, report));
+  EXPECT_EQ(report.fans.edge_fans, 2U);
+  EXPECT_EQ(report.fans.corner_fans, 0U);
+  EXPECT_EQ(report.fans.open_corners, 2U);
+}
+
 // The fans close the surface of normals: at every side of every triangle, degenerate or not, another one runs the other way with the same
 // normals, so no direction is left out and none is covered twice.
 TEST(NormalFans, FansLeaveNoGapBetweenNormals) {

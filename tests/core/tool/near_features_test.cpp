@@ -8,24 +8,10 @@
 #include <vector>
 
 #include "core/geometry/mesh_shapes.h"
-#include "core/geometry/triangle_distance.h"
+#include "tests/support/triangle_gap.h"
 
 namespace hapton {
 namespace {
-
-// The distance of two triangles that do not intersect, from points and edges.
-double triangle_gap(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b) {
-  double least = 1e300;
-  for (int k = 0; k < 3; ++k) {
-    least = std::min(least, triangle_distance_squared(a[k], b[0], b[1], b[2]));
-    least = std::min(least, triangle_distance_squared(b[k], a[0], a[1], a[2]));
-    for (int j = 0; j < 3; ++j) {
-      least = std::min(least, detail::segment_segment_distance_squared(of3(a[k]), of3(Vec3(a[(k + 1) % 3] - a[k])), of3(b[j]),
-                                                                       of3(Vec3(b[(j + 1) % 3] - b[j]))));
-    }
-  }
-  return std::sqrt(least);
-}
 
 class NearFeaturesTest : public testing::Test {
  protected:

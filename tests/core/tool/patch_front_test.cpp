@@ -9,27 +9,13 @@
 #include <vector>
 
 #include "core/geometry/mesh_shapes.h"
-#include "core/geometry/triangle_distance.h"
 #include "tests/support/thread_team.h"
+#include "tests/support/triangle_gap.h"
 
 namespace hapton {
 namespace {
 
 using Corners3 = std::array<Vec3, 3>;
-
-// Of two triangles, from points and edges; intersections through a face alone are left out.
-double distance_of(const Corners3& a, const Corners3& b) {
-  double least = 1e300;
-  for (int k = 0; k < 3; ++k) {
-    least = std::min(least, triangle_distance_squared(a[k], b[0], b[1], b[2]));
-    least = std::min(least, triangle_distance_squared(b[k], a[0], a[1], a[2]));
-    for (int j = 0; j < 3; ++j) {
-      least = std::min(least, detail::segment_segment_distance_squared(of3(a[k]), of3(Vec3(a[(k + 1) % 3] - a[k])), of3(b[j]),
-                                                                       of3(Vec3(b[(j + 1) % 3] - b[j]))));
-    }
-  }
-  return std::sqrt(least);
-}
 
 class PatchFrontTest : public testing::Test {
  protected:
@@ -59,7 +45,7 @@ class PatchFrontTest : public testing::Test {
   // The least distance at some times of the motion.
   double distance_over(const RigidMotion& motion, std::uint32_t t, std::uint32_t id) const {
     double least = 1e300;
-    for (double time = 0.0; time <= 1.0; time += 0.125) least = std::min(least, distance_of(tool_at(t, motion.at(time)), scene_at(id)));
+    for (double time = 0.0; time <= 1.0; time += 0.125) least = std::min(least, triangle_gap(tool_at(t, motion.at(time)), scene_at(id)));
     return least;
   }
 };
@@ -80,14 +66,14 @@ TEST_F(PatchFrontTest, VisitsEveryPairThatABruteForceSearchFinds) {
     std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
     ASSERT_TRUE(front.for_each_near(SweptMotion(motion), distance, [&](PatchFront::Turn, std::uint32_t t, std::uint32_t id) {
       pairs.insert({t, id});
-      const double gap = distance_of(tool_at(t, at), scene_at(id)) * 0.999;
+      const double gap = triangle_gap(tool_at(t, at), scene_at(id)) * 0.999;
       return PatchFront::Visited{gap, gap, true};
     }));
     visited += pairs.size();
     for (std::uint32_t t = 0; t < tool.triangle_count(); ++t) {
       for (const std::uint32_t id : scene_ids) {
         if (pairs.count({t, id}) > 0) continue;
-        if (distance_of(tool_at(t, at), scene_at(id)) > distance + motion.length(radius)) continue;
+        if (triangle_gap(tool_at(t, at), scene_at(id)) > distance + motion.length(radius)) continue;
         ASSERT_GT(distance_over(motion, t, id), distance) << "case " << n;
       }
     }
@@ -145,7 +131,7 @@ TEST_F(PatchFrontTest, WorkersFindTogetherWhatOneFindsAlone) {
     const bool is_whole =
         shared.for_each_near(SweptMotion(motion), distance, [&](PatchFront::Turn turn, std::uint32_t t, std::uint32_t id) {
           by_worker[static_cast<std::size_t>(turn.worker)].push_back({turn.place, t, id});
-          const double gap = distance_of(tool_at(t, motion.from), scene_at(id)) * 0.999;
+          const double gap = triangle_gap(tool_at(t, motion.from), scene_at(id)) * 0.999;
           return PatchFront::Visited{gap, gap, ++count <= most};
         });
     Visits all;

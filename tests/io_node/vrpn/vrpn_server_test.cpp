@@ -39,6 +39,8 @@ struct VrpnServer : testing::Test {
   std::unique_ptr<Server> server;
   FeedSample sample;
   SteadyClock clock;
+  double speed_m_per_s = 0.0;  // along x
+  std::int64_t fed_ns = clock.now_ns();
 
   VrpnServer() { sample.device.p_WD = Vec3(1, -2, 0.5); }
 
@@ -59,6 +61,8 @@ struct VrpnServer : testing::Test {
     while (!holds()) {
       if (clock.now_ns() > end_ns) return false;
       sample.device.time_ns = clock.now_ns();
+      sample.device.p_WD.x() +=
+          speed_m_per_s * 1e-9 * static_cast<double>(sample.device.time_ns - std::exchange(fed_ns, sample.device.time_ns));
       feed.push(sample);
       program.look();
       clock.sleep_until_ns(clock.now_ns() + kNanosecondsPerMillisecond);
@@ -187,22 +191,20 @@ TEST_F(VrpnServer, SendsAClientNoMoreReportsThanItAskedFor) {
   slow.forget();
   fast.forget();
   const std::int64_t begin_ns = clock.now_ns();
-  ASSERT_TRUE(feed_until(slow, [&] {
+  // On a busy machine the samples themselves are few, and a second is longer.
+  EXPECT_TRUE(feed_until(slow, [&] {
     fast.look();
-    return clock.now_ns() - begin_ns > kNanosecondsPerSecond;
+    return clock.now_ns() - begin_ns > kNanosecondsPerSecond && positions(slow) > 0 && positions(fast) > 2 * positions(slow);
   }));
-  EXPECT_LE(positions(slow), 12);
-  EXPECT_GT(positions(fast), 2 * positions(slow));
+  EXPECT_LE(positions(slow), 2 + 10 * (clock.now_ns() - begin_ns) / kNanosecondsPerSecond);
 }
 
 TEST_F(VrpnServer, SendsVelocityAsDistanceOverTime) {
   open(100.0);
   Program program;
   program.connect(at());
-  const std::int64_t start_ns = clock.now_ns();
+  speed_m_per_s = 1.0;
   ASSERT_TRUE(feed_until(program, [&] {
-    // A metre a second along x.
-    sample.device.p_WD.x() = 1e-9 * static_cast<double>(clock.now_ns() - start_ns);
     return std::count_if(program.received().begin(), program.received().end(),
                          [](const auto& received) { return received.name == "vrpn_Tracker Velocity"; }) > 20;
   }));

@@ -134,9 +134,108 @@ TEST_F(GltfAnimation, WhatIsNotRigidIsLeftOutWithANote) {
   add_channel(0, 2, "translation", {0.0F, 1.0F}, {0.1F, 0, 0, 0.2F, 0, 0}, "STEP");
   const MeshFile file = load();
   EXPECT_TRUE(file.animations.at(0).motions.empty());
-  EXPECT_THAT(file.notes, Contains(HasSubstr("1 channels of scales, weights or pointers are left out")));
+  EXPECT_THAT(file.notes, Contains(HasSubstr("1 channels of scales or pointers are left out")));
   EXPECT_THAT(file.notes, Contains(HasSubstr("1 channels that jump (STEP) are left out")));
   EXPECT_THAT(file.notes, Not(Contains(HasSubstr("has the animation"))));
+}
+
+struct GltfMorphs : GltfAnimation {
+  GltfMorphs() {
+    // The post's triangle has two targets; the hand's, which is the same mesh, has them as well.
+    const std::size_t up = add_numbers("VEC3", 3, {0, 0, 0, 0, 0, 0.02F, 0, 0, 0});
+    const std::size_t aside = add_numbers("VEC3", 3, {0.01F, 0, 0, 0.01F, 0, 0, 0.01F, 0, 0});
+    document["meshes"][0]["primitives"][0]["targets"] = {{{"POSITION", up}}, {{"POSITION", aside}}};
+  }
+  void add_weights(std::size_t node, const std::vector<float>& times, const std::vector<float>& weights, const char* how = "LINEAR") {
+    add_channel(0, node, "weights", times, {0, 0, 0}, how);
+    document["animations"][0]["samplers"].back()["output"] = add_numbers("SCALAR", 1, weights);
+  }
+  Result<Scene> load_playing(const std::string& more) {
+    write();
+    return load_scene(folder.write("a.toml", "[[object]]\nname = 'a'\nmesh = 'a.gltf'\nanimation = 'animation 0'\n" + more));
+  }
+};
+
+TEST_F(GltfMorphs, ReadsTargetsInTheFilesFrame) {
+  document["nodes"][3]["rotation"] = {0, 0, std::sqrt(0.5), std::sqrt(0.5)};
+  document["nodes"][3]["scale"] = {2, 2, 2};
+  const MeshFile file = load();
+  ASSERT_TRUE(file.morphs.contains(3));
+  const MeshMorphs& post = file.morphs.at(3);
+  ASSERT_EQ(post.displacements.size(), 2U);
+  ASSERT_EQ(post.at_rest.size(), 3U);
+  EXPECT_LT((post.at_rest[1] - Vec3(0, 0.2, 0)).norm(), 1e-7);
+  EXPECT_LT((post.displacements[0][1] - Vec3(0, 0, 0.04)).norm(), 1e-7);
+  EXPECT_LT((post.displacements[1][2] - Vec3(0, 0.02, 0)).norm(), 1e-7);
+}
+
+TEST_F(GltfMorphs, AnimationsOfWeightsDeformTheirNode) {
+  add_weights(3, {0.5F, 1.0F}, {0, 0, 1, 0.5F});
+  const auto scene = load_playing("animation_speed = 0.5");
+  ASSERT_TRUE(scene) << scene.error().what;
+  ASSERT_EQ(scene->objects.size(), 2U);
+  EXPECT_EQ(scene->objects[0].name, "a") << "the hand stands still";
+  EXPECT_FALSE(scene->objects[0].moves());
+  const SceneObject& post = scene->objects[1];
+  EXPECT_EQ(post.name, "a/post");
+  EXPECT_FALSE(post.motion);
+  ASSERT_TRUE(post.deformation);
+  EXPECT_EQ(post.deformation->duration_s(), 2.0);
+  const auto at = post.deformation->vertices_at(post.mesh->vertices, post.deformation->weights_at(1.5));
+  for (std::size_t v = 0; v < 3; ++v) {
+    const Vec3 expected = post.mesh->vertices[v] + Vec3(0.0025, 0, post.mesh->vertices[v].x() > 0.05 ? 0.01 : 0.0);
+    EXPECT_LT((at[v] - expected).norm(), 1e-7) << v;
+  }
+}
+
+// A node that moves and deforms does both; a file of splines is read at its keyframes.
+TEST_F(GltfMorphs, MotionAndWeightsGoTogether) {
+  add_channel(0, 3, "translation", {0.0F, 1.0F}, {0, 0, 0, 0, 0, 0.1F});
+  add_weights(3, {0.0F, 1.0F}, {9, 9, 0, 0, 9, 9, 9, 9, 0, 1, 9, 9}, "CUBICSPLINE");
+  const auto scene = load_playing("");
+  ASSERT_TRUE(scene) << scene.error().what;
+  const SceneObject& post = scene->objects.back();
+  ASSERT_TRUE(post.motion && post.deformation);
+  EXPECT_EQ(post.deformation->targets().size(), 1U) << "the other one is not used";
+  EXPECT_NEAR(post.deformation->weights_at(0.5)[0], 0.5, 1e-7);
+}
+
+TEST_F(GltfMorphs, SaysWhatCannotBeDeformed) {
+  const auto error_of = [&] {
+    const auto scene = load_playing("");
+    return scene ? "it was read" : scene.error().what;
+  };
+  add_weights(3, {0.0F, 0.05F}, {0, 0, 1, 0});
+  EXPECT_THAT(error_of(), HasSubstr("line 4: from 0 to 0.05 s 'a/post' deforms with up to 0.4 m/s"));
+  document["animations"] = Json::array();
+  add_weights(3, {0.0F, 1.0F}, {0, 0, 0, 0});
+  EXPECT_THAT(error_of(), HasSubstr("animation 'animation 0' does not deform 'a/post'"));
+  document["animations"] = Json::array();
+  add_weights(3, {0.0F, 1.0F}, {0, 0, 1});
+  const MeshFile file = load();
+  EXPECT_THAT(file.notes, Contains(HasSubstr("has 2 times, 2 morph targets and 3 weights")));
+}
+
+TEST_F(GltfMorphs, TargetsThatCannotBeReadAreANote) {
+  document["meshes"][0]["primitives"][0]["targets"][0]["POSITION"] = 99;
+  const MeshFile file = load();
+  EXPECT_TRUE(file.morphs.empty());
+  EXPECT_THAT(file.notes, Contains(HasSubstr("2 primitives have morph targets that cannot be read")));
+}
+
+// Two corners of one place that go two ways.
+TEST_F(GltfMorphs, ASurfaceThatWouldBeTornIsRejected) {
+  for (const float x : {0.0F, 0.0F, 0.0F, 0.1F, 0.0F, 0.0F, 0.0F, 0.1F, 0.0F, 0.1F, 0.0F, 0.0F, 0.1F, 0.1F, 0.0F, 0.0F, 0.1F, 0.0F}) {
+    sample::append(bytes, x);
+  }
+  const std::size_t positions = add_accessor("VEC3", 6, bytes.size() - 72);
+  const std::size_t apart = add_numbers("VEC3", 3, {0, 0, 0, 0, 0, 0.01F, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
+  document["meshes"][1] = {{"primitives", {{{"attributes", {{"POSITION", positions}}}, {"targets", {{{"POSITION", apart}}}}}}}};
+  document["nodes"][3]["mesh"] = 1;
+  add_weights(3, {0.0F, 1.0F}, {0, 1});
+  const auto scene = load_playing("");
+  ASSERT_FALSE(scene);
+  EXPECT_THAT(scene.error().what, HasSubstr("'a/post' would be torn at (0.1, 0, 0) m"));
 }
 
 // A turn above a node that is wider than high.

@@ -17,31 +17,16 @@
 #include "core/geometry/cracked_shapes.h"
 #include "core/geometry/mesh_shapes.h"
 #include "tests/support/scratch_folder.h"
-#include "tools/hapton_command.h"
+#include "tests/tools/command_run.h"
 
 namespace hapton {
 namespace {
 
 using ::testing::HasSubstr;
 
-struct Checked {
-  int code = -1;
-  std::string out;
-  std::string err;
-};
-
-Checked check(std::vector<std::string> words) {
-  words.insert(words.begin(), {"hapton", "check"});
-  std::vector<const char*> argv;
-  for (const std::string& word : words) argv.push_back(word.c_str());
-  testing::internal::CaptureStdout();
-  testing::internal::CaptureStderr();
-  Checked seen;
-  seen.code = run_hapton_command(static_cast<int>(argv.size()), argv.data());
-  std::fflush(stdout);
-  seen.out = testing::internal::GetCapturedStdout();
-  seen.err = testing::internal::GetCapturedStderr();
-  return seen;
+CommandRun check(std::vector<std::string> words) {
+  words.insert(words.begin(), "check");
+  return run_hapton(std::move(words));
 }
 
 std::string obj_of(const TriangleMesh& mesh) {
@@ -158,7 +143,7 @@ nlohmann::json check_seeded(const SeededFault& seeded, const ScratchFolder& fold
                                                     seeded.material + "[material.good]\nstiffness_n_per_m = 20.0\n");
   std::vector<std::string> words = {scene.string(), "--json"};
   words.insert(words.end(), seeded.flags.begin(), seeded.flags.end());
-  const Checked seen = check(words);
+  const CommandRun seen = check(words);
   code = seen.code;
   EXPECT_EQ(seen.err, "");
   return nlohmann::json::parse(seen.out, nullptr, false);
@@ -250,7 +235,7 @@ TEST(CheckCommand, SaysWhereWhatAndHowToFixInOneLine) {
   folder.write("part.obj", obj_of(flipped(good_ball())));
   const auto scene =
       folder.write("scene.toml", "[[object]]\nmesh = 'part.obj'\nname = 'lamp'\nmaterial = 'm'\n[material.m]\nstiffness_n_per_m = 20.0\n");
-  const Checked seen = check({scene.string()});
+  const CommandRun seen = check({scene.string()});
   EXPECT_EQ(seen.code, 1);
   const std::string first = seen.out.substr(0, seen.out.find('\n'));
   EXPECT_THAT(first, HasSubstr("scene.toml: object 'lamp' at ("));
@@ -264,10 +249,10 @@ TEST(CheckCommand, ACleanSceneEndsWithZero) {
   const ScratchFolder folder;
   folder.write("part.obj", obj_of(good_ball()));
   const auto scene = folder.write("scene.toml", "[[object]]\nmesh = 'part.obj'\nmaterial = 'm'\n[material.m]\nstiffness_n_per_m = 20.0\n");
-  const Checked seen = check({scene.string()});
+  const CommandRun seen = check({scene.string()});
   EXPECT_EQ(seen.code, 0) << seen.out;
   EXPECT_THAT(seen.out, HasSubstr("nothing found in 1 object"));
-  const Checked unknown = check({scene.string(), "--device", "falcon", "--hand", "stylus"});
+  const CommandRun unknown = check({scene.string(), "--device", "falcon", "--hand", "stylus"});
   EXPECT_EQ(unknown.code, 0) << unknown.out;
   EXPECT_THAT(unknown.out, HasSubstr("note: not checked: whether falcon reaches the scene"));
 }
@@ -285,7 +270,7 @@ TEST(CheckCommand, WhatCannotBeCheckedEndsWithTwo) {
                                                 {},
                                                 {good.string(), "--probe-radius", "-1"},
                                                 {good.string(), "--mass-kg", "0.1"}}) {
-    const Checked seen = check(words);
+    const CommandRun seen = check(words);
     EXPECT_EQ(seen.code, 2) << testing::PrintToString(words) << seen.out;
     EXPECT_EQ(std::count(seen.err.begin(), seen.err.end(), '\n'), 1) << seen.err;
     EXPECT_EQ(seen.out, "");
@@ -296,12 +281,12 @@ TEST(CheckCommand, APlainMeshIsFittedAsTheNodesFitIt) {
   const ScratchFolder folder;
   const auto large = folder.write("large.obj", obj_of(scaled_and_moved(good_ball(), 1000.0, Vec3(5, 6, 7))));
   EXPECT_THAT(check({large.string(), "--no-fit"}).out, HasSubstr("outside the workspace"));
-  const Checked fitted = check({large.string()});
+  const CommandRun fitted = check({large.string()});
   EXPECT_THAT(fitted.out, testing::Not(HasSubstr("outside the workspace")));
 }
 
 TEST(SceneChecks, SaysThatAToolIsNotChecked) {
-  const Checked seen = check({HAPTON_SOURCE_DIR "/scenes/pegs.toml"});
+  const CommandRun seen = check({HAPTON_SOURCE_DIR "/scenes/pegs.toml"});
   EXPECT_EQ(seen.code, 0) << seen.out << seen.err;
   EXPECT_THAT(seen.out, HasSubstr("not checked: the tool 'peg'"));
 }

@@ -59,6 +59,29 @@ TEST(ServoForce, WhatIsNoForceReleasesTheLastOne) {
   EXPECT_EQ(force.counts().has_torque, 1U);
 }
 
+TEST(ServoForce, TorquesAreTakenWhereTheyAreAllowedAndScaledDown) {
+  ServoForce force("world", 2.0, 0.1);
+  ServoCommand turning = command(Vec3(1.0, 0.0, 0.0));
+  turning.torque_nm = Vec3(0.0, 0.03, 0.04);
+  EXPECT_EQ(force.take(turning, 0), Verdict::accepted);
+  EXPECT_EQ(force.force_n(0), turning.force_n);
+  EXPECT_EQ(force.torque_nm(0), turning.torque_nm);
+  EXPECT_TRUE(force.torque_nm(20 * kServoMs).isZero(0.0));
+  turning.torque_nm = Vec3(0.0, kHuge, 0.0);
+  EXPECT_EQ(force.take(turning, 0), Verdict::reduced);
+  EXPECT_EQ(force.force_n(0), turning.force_n);
+  EXPECT_LT((force.torque_nm(0) - Vec3(0.0, 0.1, 0.0)).norm(), 1e-12);
+  turning.torque_nm = Vec3(0.0, kNan, 0.0);
+  EXPECT_EQ(force.take(turning, 0), Verdict::not_finite);
+  EXPECT_TRUE(force.force_n(0).isZero(0.0) && force.torque_nm(0).isZero(0.0));
+  EXPECT_EQ(force.counts().has_torque, 0U);
+  // A command without one leaves none.
+  turning.torque_nm = Vec3(0.0, 0.05, 0.0);
+  force.take(turning, 0);
+  force.take(command(Vec3(1.0, 0.0, 0.0)), 0);
+  EXPECT_TRUE(force.torque_nm(0).isZero(0.0));
+}
+
 TEST(ServoForce, AnotherFrameDoesNotRenewAForce) {
   ServoForce force("world", 2.0);
   force.take(command(Vec3(1.0, 0.0, 0.0)), 0);

@@ -8,6 +8,7 @@
 #include <random>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/support/scratch_folder.h"
@@ -19,30 +20,63 @@ constexpr std::int64_t kLineMs = 1'000'000;
 
 std::string text_of(const Marker& marker) { return marker.text.data(); }
 
-TEST(SerialInputs, AreADeviceAndAnInput) {
-  const auto input = parse_serial_input("/dev/serial/by-id/a:b:DSR");
+TEST(LineInputs, AreADeviceAndAnInput) {
+  const auto input = parse_line_input("/dev/serial/by-id/a:b:DSR");
   ASSERT_TRUE(input);
   EXPECT_EQ(input->device, "/dev/serial/by-id/a:b");
   EXPECT_EQ(input->name, "DSR");
   for (const char* bad : {"", ":", "CTS", ":CTS", "/dev/ttyS0", "/dev/ttyS0:", "/dev/ttyS0:cts", "/dev/ttyS0:RTS", "/dev/ttyS0:CTS "}) {
-    EXPECT_FALSE(parse_serial_input(bad)) << bad;
+    EXPECT_FALSE(parse_line_input(bad)) << bad;
   }
 }
 
-TEST(SerialInputs, WhatIsNoSerialPortIsRejected) {
+TEST(LineInputs, WhatIsNoSerialPortIsRejected) {
   const ScratchFolder scratch;
   const std::string file = scratch.write("file", "text").string();
-  EXPECT_FALSE(open_serial_input({file, "CTS", parse_serial_input("x:CTS")->bit}));
-  EXPECT_FALSE(open_serial_input({(scratch.path() / "none").string(), "CTS", 0}));
+  EXPECT_FALSE(open_line_input(*parse_line_input(file + ":CTS")));
+  EXPECT_FALSE(open_line_input(*parse_line_input((scratch.path() / "none").string() + ":CTS")));
   // A terminal without modem lines.
   const int terminal = ::posix_openpt(O_RDWR | O_NOCTTY);
   ASSERT_GE(terminal, 0);
   ASSERT_EQ(::grantpt(terminal), 0);
   ASSERT_EQ(::unlockpt(terminal), 0);
-  const auto opened = open_serial_input({::ptsname(terminal), "CTS", parse_serial_input("x:CTS")->bit});
+  const auto opened = open_line_input(*parse_line_input(std::string(::ptsname(terminal)) + ":CTS"));
   ASSERT_FALSE(opened);
   EXPECT_NE(opened.error().what.find("no serial port with a CTS input"), std::string::npos) << opened.error().what;
   ::close(terminal);
+}
+
+TEST(LineInputs, OfAParallelPortAreKnownByTheirNames) {
+  const auto input = parse_line_input("/dev/parport0:BUSY");
+  ASSERT_TRUE(input);
+  EXPECT_TRUE(input->is_parallel);
+  EXPECT_EQ(input->device, "/dev/parport0");
+  EXPECT_FALSE(parse_line_input("/dev/ttyS0:CTS")->is_parallel);
+  for (const char* bad : {"/dev/parport0", "/dev/parport0:D0", "/dev/parport0:ack"}) EXPECT_FALSE(parse_line_input(bad)) << bad;
+}
+
+// The status byte of a port with nothing on it is 0x7f: all inputs are pulled up, and the hardware inverts BUSY (IEEE 1284).
+TEST(LineInputs, OfAParallelPortAreHighWhereTheirPinIs) {
+  const std::pair<const char*, unsigned char> pins[] = {{"ACK", 0x40}, {"PAPEROUT", 0x20}, {"SELECT", 0x10}, {"ERROR", 0x08}};
+  for (const auto& [name, bit] : pins) {
+    const LineInput input = *parse_line_input(std::string("/dev/parport0:") + name);
+    EXPECT_TRUE(is_high(input, 0x7f)) << name;
+    EXPECT_FALSE(is_high(input, static_cast<unsigned char>(0x7f & ~bit))) << name;
+  }
+  const LineInput busy = *parse_line_input("/dev/parport0:BUSY");
+  EXPECT_TRUE(is_high(busy, 0x7f));
+  EXPECT_FALSE(is_high(busy, 0xff));
+}
+
+TEST(LineInputs, WhatIsNoParallelPortIsRejected) {
+  const ScratchFolder scratch;
+  const std::string file = scratch.write("file", "text").string();
+  const auto opened = open_line_input(*parse_line_input(file + ":ACK"));
+  ASSERT_FALSE(opened);
+  EXPECT_NE(opened.error().what.find("is no parallel port"), std::string::npos) << opened.error().what;
+  const auto missing = open_line_input(*parse_line_input((scratch.path() / "parport9").string() + ":ACK"));
+  ASSERT_FALSE(missing);
+  EXPECT_NE(missing.error().what.find("modprobe ppdev"), std::string::npos) << missing.error().what;
 }
 
 TEST(LineMarkers, EachChangeThatCountsIsOneMarker) {

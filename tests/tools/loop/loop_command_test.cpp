@@ -7,36 +7,21 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "tools/hapton_command.h"
+#include "tests/tools/command_run.h"
 
 namespace hapton {
 namespace {
 
 using ::testing::HasSubstr;
 
-struct Seen {
-  int code = -1;
-  std::string out;
-  std::string err;
-};
-
-Seen run(std::vector<std::string> words) {
-  words.insert(words.begin(), {"hapton", "loop"});
-  std::vector<const char*> argv;
-  for (const std::string& word : words) argv.push_back(word.c_str());
-  testing::internal::CaptureStdout();
-  testing::internal::CaptureStderr();
-  Seen seen;
-  seen.code = run_hapton_command(static_cast<int>(argv.size()), argv.data());
-  std::fflush(stdout);
-  seen.out = testing::internal::GetCapturedStdout();
-  seen.err = testing::internal::GetCapturedStderr();
-  return seen;
+CommandRun run(std::vector<std::string> words) {
+  words.insert(words.begin(), "loop");
+  return run_hapton(std::move(words));
 }
 
 // The cells of tests/loop/stability_test.cpp, as a person asks for them.
 TEST(LoopCommand, ZWidthOfALoopOfOnesOwn) {
-  const Seen seen =
+  const CommandRun seen =
       run({"zwidth", "--mass-kg", "0.225", "--damping-ns-per-m", "5", "--hand-stiffness-n-per-m", "500", "--delay", "100", "--json"});
   ASSERT_EQ(seen.code, 0) << seen.err;
   const auto json = nlohmann::json::parse(seen.out);
@@ -50,7 +35,7 @@ TEST(LoopCommand, SeveralCellsAreAList) {
 }
 
 TEST(LoopCommand, PressSaysWhetherItGeneratedEnergy) {
-  const Seen calm = run({"press", "--device", "omega.3", "--stiffness", "500", "--json"});
+  const CommandRun calm = run({"press", "--device", "omega.3", "--stiffness", "500", "--json"});
   ASSERT_EQ(calm.code, 0) << calm.err;
   EXPECT_LT(nlohmann::json::parse(calm.out)["generated_j"].get<double>(), 0.0);
   const auto wild = nlohmann::json::parse(run({"press", "--device", "omega.3", "--stiffness", "3000", "--delay", "10", "--json"}).out);
@@ -59,7 +44,7 @@ TEST(LoopCommand, PressSaysWhetherItGeneratedEnergy) {
 }
 
 TEST(LoopCommand, PressWithThePassivityControllerGeneratesNone) {
-  const Seen seen = run({"press", "--device", "omega.3", "--stiffness", "3000", "--delay", "10", "--passivity", "--json"});
+  const CommandRun seen = run({"press", "--device", "omega.3", "--stiffness", "3000", "--delay", "10", "--passivity", "--json"});
   ASSERT_EQ(seen.code, 0) << seen.err;
   const auto json = nlohmann::json::parse(seen.out);
   EXPECT_LT(json["generated_j"].get<double>(), 0.0);
@@ -67,7 +52,7 @@ TEST(LoopCommand, PressWithThePassivityControllerGeneratesNone) {
 }
 
 TEST(LoopCommand, PressOnAMeshThroughTheGovernor) {
-  const Seen seen = run({"press", "--device", "touch", "--mesh", "--gate", "governor", "--impedance"});
+  const CommandRun seen = run({"press", "--device", "touch", "--mesh", "--gate", "governor", "--impedance"});
   ASSERT_EQ(seen.code, 0) << seen.err;
   EXPECT_THAT(seen.out, HasSubstr("bounded"));
   EXPECT_THAT(seen.out, HasSubstr("rendered at"));
@@ -77,7 +62,7 @@ TEST(LoopCommand, RecommendReadsAMeasuredLatency) {
   const std::filesystem::path report = std::filesystem::temp_directory_path() / ("loop_report_" + std::to_string(::getpid()) + ".json");
   std::ofstream(report)
       << R"({"schema":"hapton.report/3","hops":{"round_trip":{"n":10,"p99_9_us":30000.0}},"rates_hz":{"servo_requested":1000}})";
-  const Seen seen = run({"recommend", "--device", "touch", "--latency", report.string(), "--json"});
+  const CommandRun seen = run({"recommend", "--device", "touch", "--latency", report.string(), "--json"});
   std::filesystem::remove(report);
   ASSERT_EQ(seen.code, 0) << seen.err;
   const auto json = nlohmann::json::parse(seen.out);
@@ -98,7 +83,7 @@ TEST(LoopCommand, BadInputGetsOneLine) {
            {{"recommend", "--device", "touch"}, "give --latency"},
            {{"recommend", "--device", "touch", "--latency", "/nowhere"}, "/nowhere"},
            {{"merge", "/nowhere", "--out", "/nowhere/all.csv"}, "cannot be read"}}) {
-    const Seen seen = run(words);
+    const CommandRun seen = run(words);
     EXPECT_EQ(seen.code, 1) << reason;
     EXPECT_THAT(seen.err, HasSubstr(reason));
     EXPECT_EQ(std::count(seen.err.begin(), seen.err.end(), '\n'), 1) << seen.err;

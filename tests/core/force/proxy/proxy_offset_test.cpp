@@ -50,6 +50,13 @@ TEST(ProxyOffset, IsTheReferenceOverABumpySphere) {
 // Bumps a fifth of the probe wide: a jump across the sheet takes many times the work of a step.
 TEST(ProxyOffset, AMotionOutOfWorkGoesOnWithTheNextSteps) {
   constexpr int kParts = 2000;
+  const auto finish = [](ForceMethod& method, const Vec3& device) {
+    for (int i = 0; i < 100; ++i) {
+      (void)method.step({.p_SD = device});
+      if (!method.carried_from()) return true;
+    }
+    return false;
+  };
   TriangleMesh bumps = made::sheet(0.05, 0.0, 200);
   for (Vec3& p : bumps.vertices) p.z() = 0.0001 * std::sin(2500.0 * p.x()) * std::sin(1900.0 * p.y() + 1.0);
   for (const double friction : {0.0, 0.4}) {
@@ -60,18 +67,17 @@ TEST(ProxyOffset, AMotionOutOfWorkGoesOnWithTheNextSteps) {
     const Vec3 to(0.03, 0.01, 0.0);
     for (const auto& method : {at_once.get(), in_parts.get()}) {
       method->reset({-0.0442, 0.0027, 0.01});
-      (void)method->step({.p_SD = from});
-      ASSERT_FALSE(method->carried_from());
+      ASSERT_TRUE(finish(*method, from));
     }
     for (int i = 1; i < kParts; ++i) {
-      (void)in_parts->step({.p_SD = from + (to - from) * i / kParts});
-      ASSERT_FALSE(in_parts->carried_from()) << i;
+      const Vec3 device = from + (to - from) * i / kParts;
+      ASSERT_TRUE(finish(*in_parts, device)) << i;
     }
     const MethodOutput expected = in_parts->step({.p_SD = to});
     MethodOutput output = at_once->step({.p_SD = to});
     int steps = 1;
     double left_m = (to - from).norm();
-    for (; at_once->carried_from() && steps < 200; ++steps) {
+    for (; at_once->carried_from() && steps < 1000; ++steps) {
       const Vec3 reached = *at_once->carried_from();
       ASSERT_LE((reached - to).norm(), left_m);
       ASSERT_LE((reached - from).cross((to - from).normalized()).norm(), 1e-12) << "on the motion";

@@ -150,5 +150,125 @@ TEST(ProxySlide, AnActivatedObjectIsTouchedAtOnce) {
   }
 }
 
+// A tap that ends exactly where it began: under friction the proxy stays where the device went in, and the device comes out through that
+// very point, in or between two samples. On a face, an edge or a vertex, a saddle among them, it is free from there on.
+TEST(ProxySlide, ADeviceThatLeavesThroughItsProxyIsFree) {
+  constexpr int kSteps = 10;  // each way
+  const TouchScene smooth = scene_of(make_bumpy_sphere(0.045, 0.25, 5000, 3));
+  const TriangleMesh& bumps = *smooth.objects[0].mesh;
+  std::vector<Vec3> normals(bumps.vertices.size(), Vec3::Zero());
+  for (const auto& [a, b, c] : bumps.triangles) {
+    const Vec3 normal = (bumps.vertices[b] - bumps.vertices[a]).cross(bumps.vertices[c] - bumps.vertices[a]);
+    for (const std::uint32_t v : {a, b, c}) normals[v] += normal;
+  }
+  for (Vec3& normal : normals) normal.normalize();
+  int taps = 0;
+  for (const double friction : {0.0, 0.5}) {
+    TouchScene scene = smooth;
+    scene.objects[0].material.friction_static = friction;
+    scene.objects[0].material.friction_dynamic = 0.8 * friction;
+    const auto proxy = point_over(scene);
+    const auto tap = [&](const Vec3& p, const Vec3& out, double first) {
+      const auto at = [&](int i) { return Vec3(p + (first - 0.0005 * i) * out); };
+      proxy->reset(at(0));
+      bool has_touched = false;
+      for (int i = 1; i <= kSteps; ++i) has_touched |= proxy->step({.p_SD = at(i)}).contact;
+      ASSERT_TRUE(has_touched);
+      for (int i = kSteps - 1; i >= 0; --i) {
+        const MethodOutput felt = proxy->step({.p_SD = at(i)});
+        if (first - 0.0005 * i > 1e-5) {
+          ASSERT_FALSE(felt.contact) << "friction " << friction << ", " << p.transpose() << ", step " << i;
+        }
+      }
+      ++taps;
+    };
+    for (const double first : {0.002, 0.00225}) {  // a sample at the surface, and none
+      for (std::size_t t = 0; t < bumps.triangles.size(); t += 97) {
+        const auto [a, b, c] = bumps.triangles[t];
+        const Vec3& va = bumps.vertices[a];
+        const Vec3& vb = bumps.vertices[b];
+        const Vec3& vc = bumps.vertices[c];
+        tap((va + vb + vc) / 3.0, (vb - va).cross(vc - va).normalized(), first);
+        tap(0.5 * (va + vb), (normals[a] + normals[b]).normalized(), first);
+        tap(va, normals[a], first);
+      }
+    }
+  }
+  EXPECT_GT(taps, 500);
+}
+
+// A sliding proxy goes on sliding where one follower hands it over to another: with a static coefficient far above the dynamic one, a proxy
+// that forgot that it slides would stick, and the force would rise to four times as much.
+constexpr double kStaticCone = 0.8;
+constexpr double kDynamicCone = 0.2;
+constexpr double kFinnedSide = 0.1;
+constexpr int kFinnedCells = 20;
+
+// A sheet in the plane z = 0, `bend` radians up on either side of y = 0. In cells of x within -5 to 5 mm, where `has_fins`, a triangle
+// below it stands on every edge along y: three triangles at an edge are not walkable.
+TriangleMesh make_finned_sheet(double bend, bool has_fins) {
+  TriangleMesh sheet = make_plane_grid(kFinnedSide, kFinnedCells);
+  for (Vec3& v : sheet.vertices) v = Vec3(v.x(), v.y() * std::cos(bend), std::abs(v.y()) * std::sin(bend));
+  if (!has_fins) return sheet;
+  const auto at = [](int i, int j) { return static_cast<std::uint32_t>(j * (kFinnedCells + 1) + i); };
+  for (int i = 9; i <= 11; ++i) {
+    for (int j = 0; j < kFinnedCells; ++j) {
+      const Vec3 below = 0.5 * (sheet.vertices[at(i, j)] + sheet.vertices[at(i, j + 1)]) - Vec3(0, 0, 0.02);
+      sheet.vertices.push_back(below);
+      sheet.triangles.push_back({at(i, j), at(i, j + 1), static_cast<std::uint32_t>(sheet.vertices.size() - 1)});
+    }
+  }
+  return sheet;
+}
+
+struct FinnedSlide {
+  double least = 1e9;  // tangential over normal force, once it slides
+  double most = 0.0;
+  std::uint64_t walkable_steps = 0;
+  std::uint64_t other_steps = 0;
+};
+
+// The device moves along x, 1 mm below the sheet, at a height y beside its middle.
+FinnedSlide slide_over_fins(const TriangleMesh& sheet, double y) {
+  Material rough;
+  rough.friction_static = kStaticCone;
+  rough.friction_dynamic = kDynamicCone;
+  auto made = ProxyMethod::make(MethodSettings(), scene_of(sheet, rough));
+  EXPECT_TRUE(made);
+  auto& proxy = static_cast<ProxyMethod&>(**made);
+  const auto device = [&](double x, double z) { return Vec3(x, y, z); };
+  proxy.reset(device(-0.04, 0.002));
+  for (int i = 0; i <= 30; ++i) proxy.step({.p_SD = device(-0.04, 0.002 - 0.0001 * i)});
+  FinnedSlide slide;
+  for (int i = 0; i <= 800; ++i) {
+    const double x = -0.04 + 0.0001 * i;
+    const MethodOutput felt = proxy.step({.p_SD = device(x, -0.001)});
+    EXPECT_TRUE(felt.contact) << "at x = " << x;
+    if (x < -0.03) continue;
+    const double ratio = std::abs(felt.force_n.x()) / std::hypot(felt.force_n.y(), felt.force_n.z());
+    slide.least = std::min(slide.least, ratio);
+    slide.most = std::max(slide.most, ratio);
+    (std::abs(x) < 0.005 ? slide.other_steps : slide.walkable_steps) += 1;
+  }
+  return slide;
+}
+
+TEST(ProxySlide, GoesOnSlidingOverTrianglesThatAreNotWalkable) {
+  for (const bool has_fins : {false, true}) {
+    const FinnedSlide slide = slide_over_fins(make_finned_sheet(0.0, has_fins), 0.0013);
+    EXPECT_NEAR(slide.least, kDynamicCone, 0.02 * kDynamicCone) << has_fins;
+    EXPECT_NEAR(slide.most, kDynamicCone, 0.02 * kDynamicCone) << has_fins;
+    EXPECT_GT(slide.other_steps, 90U);
+  }
+}
+
+TEST(ProxySlide, GoesOnSlidingAlongAConcaveEdge) {
+  for (const bool has_fins : {false, true}) {
+    const FinnedSlide slide = slide_over_fins(make_finned_sheet(0.5, has_fins), 0.0);
+    EXPECT_NEAR(slide.least, kDynamicCone, 0.02 * kDynamicCone) << has_fins;
+    EXPECT_NEAR(slide.most, kDynamicCone, 0.02 * kDynamicCone) << has_fins;
+  }
+}
+
 }  // namespace
 }  // namespace hapton

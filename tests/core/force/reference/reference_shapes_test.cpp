@@ -74,6 +74,8 @@ TEST(ReferenceMethod, SphereProbeRollsAboutAnOpenEdge) {
     if (out.norm() < radius) expected = radius * out.normalized() + Vec3(0, device.y(), 0);
     ASSERT_LT((felt.p_SP - expected).norm(), 1e-9) << i;
   }
+  // Along the edge and round it, and a third that finds nothing left to do: the arc does not lead away along the edge.
+  EXPECT_NE(method->describe().find("at most 3 motions in one sub-step"), std::string::npos) << method->describe();
 }
 
 }  // namespace

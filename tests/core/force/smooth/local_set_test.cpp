@@ -21,7 +21,7 @@ TEST(LocalSet, CoversItsRadiusRoundItsPath) {
   EXPECT_DOUBLE_EQ(set->clearance_at(Vec3(1, 0, 0.25)), 0.25);
 }
 
-TEST(LocalSet, AWayMayBeAPoint) {
+TEST(LocalSet, APathMayBeAPoint) {
   const auto set = std::make_unique<LocalSet>();
   set->from = set->to = Vec3(1, 1, 1);
   set->radius = 2.0;

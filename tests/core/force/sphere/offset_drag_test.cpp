@@ -120,7 +120,14 @@ TEST_P(RoundAnEdgeOrVertex, ItIsTheLimitOfSmallSteps) {
       if (!(single.drag.find_excess_rate(pull, to - from) > 0.0)) continue;
       for (int i = 0; i < 20; ++i) {
         ASSERT_TRUE(single.drag.find_pull(at.centre, from + at.time * (to - from), pull));
-        ASSERT_TRUE(single.drag.flow(from, to, (1.0 - at.time) / single.drag.find_stability(pull), at, tests));
+        const OffsetDrag::Flow before{.centre = at.centre, .time = at.time};
+        double length = (1.0 - at.time) / single.drag.find_stability(pull);
+        // A part of it where that takes too many steps.
+        while (!single.drag.flow(from, to, length, at, tests)) {
+          ASSERT_GT(at.followed, 0.0);
+          length = 0.75 * at.followed;
+          at = before;
+        }
       }
       ASSERT_NEAR(at.time, 1.0, 1e-15);
       ASSERT_TRUE(single.drag.find_pull(at.centre, to, pull));
@@ -167,29 +174,77 @@ TEST(OffsetDrag, TwoMaterialsShareACone) {
   EXPECT_NEAR(pull.friction.dynamic_mu, 0.3, 1e-14);
 }
 
-// The device held, over the axis of an edge and beside it: straight down the pull, and on the offset all the while.
-TEST(OffsetDrag, DescendsInTheSteepestDirection) {
-  const Single single(OffsetContact::on_edge(0, kFlat, 0));
-  const Vec3 device(0.13, -1.02, -0.05);
-  Vec3 c(0.05, -1.0, kOffset);
-  c.y() += 0.06;
-  ASSERT_TRUE(single.drag.restore(c));
-  Vec3 plain = c;
-  int tests = 0;
-  OffsetDrag::Pull pull;
-  ASSERT_TRUE(single.drag.find_pull(c, device, pull));
-  const Vec3 way = pull.tangential / pull.length;
-  ASSERT_TRUE(single.drag.descend(device, way, 0.03, c, tests));
-  constexpr int kSteps = 20000;
-  for (int i = 0; i < kSteps; ++i) {  // the midpoint rule
-    ASSERT_TRUE(single.drag.find_pull(plain, device, pull));
-    Vec3 middle = plain + (0.5 * 0.03 / kSteps) * pull.tangential / pull.length;
-    ASSERT_TRUE(single.drag.find_pull(middle, device, pull));
-    plain += (0.03 / kSteps) * pull.tangential / pull.length;
+// With the device held, around an edge or a vertex: begins as a unit of length along w, is everywhere along w, and stays on the offset.
+class DescentAroundAnEdgeOrVertex : public testing::TestWithParam<std::uint64_t> {};
+
+TEST_P(DescentAroundAnEdgeOrVertex, FollowsThePullEverywhere) {
+  RecordProperty("seed", std::to_string(GetParam()));
+  std::mt19937_64 random(GetParam());
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  const auto vector = [&] {
+    const double x = unit(random);
+    const double y = unit(random);
+    return Vec3(x, y, unit(random));
+  };
+  int seen = 0;
+  for (int i = 0; i < 200; ++i) {
+    const bool is_edge = i % 2 == 0;
+    const Single single(is_edge ? OffsetContact::on_edge(0, kFlat, 0) : OffsetContact::on_vertex(0, kFlat, 0));
+    const Vec3 origin(is_edge ? 0.1 : -1.0, -1.0, 0.0);
+    Vec3 start = origin + vector().normalized() * kOffset;
+    ASSERT_TRUE(single.drag.restore(start));
+    const double reach = i % 3 == 0 ? 1e-3 : 0.9;  // near the axis, and up to the surface
+    const Vec3 device =
+        origin + reach * kOffset * vector() + (is_edge && i % 5 == 0 ? Vec3(0.3 * unit(random), 0.0, 0.0) : Vec3(0.0, 0.0, 0.0));
+    OffsetDrag::Pull pull;
+    ASSERT_TRUE(single.drag.find_pull(start, device, pull));
+    if (!(pull.length > 1e-6)) continue;
+    const Vec3 along = pull.tangential / pull.length;
+    int tests = 0;
+    const auto go = [&](double length) {
+      OffsetDrag::Descent at{.centre = start};
+      EXPECT_TRUE(single.drag.descend(device, along, length, at, tests));
+      return at;
+    };
+    constexpr double kStep = 1e-7;
+    EXPECT_LT((go(1e-9).centre - start - 1e-9 * along).norm(), 1e-13);
+    for (const double length : {0.001, 0.004, 0.0125, 0.03}) {
+      const OffsetDrag::Descent at = go(length);
+      EXPECT_NEAR(single.contacts[0].proximity(at.centre).distance, kOffset, 1e-15);
+      ASSERT_TRUE(single.drag.find_pull(at.centre, device, pull));
+      if (!(pull.length > 1e-3)) continue;  // at the end of the line
+      const Vec3 direction = pull.tangential / pull.length;
+      EXPECT_GT(at.slope.dot(direction), 0.0);
+      EXPECT_LT((at.slope - at.slope.dot(direction) * direction).norm(), 1e-9 * at.slope.norm()) << i << ' ' << length;
+      const Vec3 measured = (go(length + kStep).centre - go(length - kStep).centre) / (2.0 * kStep);
+      EXPECT_LT((measured - at.slope).norm(), 1e-6 * at.slope.squaredNorm()) << i << ' ' << length;
+      ++seen;
+    }
   }
-  EXPECT_LT((c - plain).norm(), 1e-9);
-  EXPECT_NEAR(single.contacts[0].proximity(c).distance, kOffset, 1e-15);
+  EXPECT_GT(seen, 200);
 }
+
+// Beyond the end of the line it is at the place nearest to the device.
+TEST_P(DescentAroundAnEdgeOrVertex, EndsNearestToTheDevice) {
+  std::mt19937_64 random(GetParam());
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  for (const bool is_edge : {true, false}) {
+    const Single single(is_edge ? OffsetContact::on_edge(0, kFlat, 0) : OffsetContact::on_vertex(0, kFlat, 0));
+    const Vec3 origin(is_edge ? 0.1 : -1.0, -1.0, 0.0);
+    Vec3 start = origin + kOffset * Vec3(is_edge ? 0.0 : 0.1 * unit(random), -0.5, 1.0).normalized();
+    ASSERT_TRUE(single.drag.restore(start));
+    const Vec3 device = origin + 0.5 * kOffset * Vec3(0.0, unit(random), 1.0);
+    OffsetDrag::Pull pull;
+    ASSERT_TRUE(single.drag.find_pull(start, device, pull));
+    int tests = 0;
+    OffsetDrag::Descent at{.centre = start};
+    ASSERT_TRUE(single.drag.descend(device, pull.tangential / pull.length, 0.25, at, tests));
+    const Vec3 off = device - origin;
+    EXPECT_LT((at.centre - origin - kOffset * off.normalized()).norm(), 1e-12);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, DescentAroundAnEdgeOrVertex, testing::Values(1, 2, 3, 4));
 
 TEST(OffsetDrag, ADeviceComesOutOnTheSideOfTheCentre) {
   const Single single(OffsetContact::on_edge(0, kFlat, 0));

@@ -84,9 +84,13 @@ inline bool follow_in_parts(SphereFollower& follower, const Vec3& from, const Ve
   Vec3 before = from;
   for (int k = 1; k <= kParts; ++k) {
     const Vec3 part = k == kParts ? to : Vec3(from + (to - from) * k / kParts);
-    double time = 0.0;
-    if (follower.follow(before, part, time) != Outcome::settled) return false;
-    before = part;
+    Outcome outcome = Outcome::exhausted;
+    for (int i = 0; i < 100 && outcome == Outcome::exhausted; ++i) {
+      double time = 0.0;
+      outcome = follower.follow(before, part, time);
+      before = outcome == Outcome::exhausted ? on_path(before, part, time) : part;
+    }
+    if (outcome != Outcome::settled) return false;
   }
   return true;
 }

@@ -83,7 +83,7 @@ TEST_P(VanishingMinimum, PartsOfTheMotionEndWhereTheWholeDoes) {
   Stage whole(floor_with_ridge(), kOffset);
   whole.put({x_, -0.3, 0.4});
   ASSERT_EQ(whole.move({x_, -0.3, kDeviceHeight}), Outcome::settled);
-  ASSERT_EQ(whole.move({x_, 1.1 * end_, kDeviceHeight}), Outcome::settled);
+  ASSERT_EQ(whole.finish(whole.geometry.to_local({x_, 1.1 * end_, kDeviceHeight})), Outcome::settled);
   const Vec3 to = stage_.geometry.to_local({x_, 1.1 * end_, kDeviceHeight});
   ASSERT_TRUE(follow_in_parts(*stage_.follower, stage_.device, to));
   EXPECT_LT((whole.centre() - stage_.centre()).norm(), 1e-9);

@@ -14,9 +14,10 @@
 namespace hapton {
 namespace {
 
-constexpr double kOffset = 0.0005 * 0.0254;
+constexpr double kOffsetVector = 0.0005 * 0.0254;
 
-std::unique_ptr<SweepMethod> make_sweep(const TouchScene& scene, std::array<int, 3> division = {32, 32, 32}, double offset_m = kOffset) {
+std::unique_ptr<SweepMethod> make_sweep(const TouchScene& scene, std::array<int, 3> division = {32, 32, 32},
+                                        double offset_m = kOffsetVector) {
   MethodSettings settings;
   settings.grid_division = division;
   settings.offset_m = offset_m;
@@ -46,7 +47,7 @@ TEST(SweepMethod, EqualsItsBruteForceTwinToTheBit) {
   for (const TouchScene& scene : scenes) {
     for (const auto& division : {std::array<int, 3>{32, 32, 32}, std::array<int, 3>{1, 1, 1}, std::array<int, 3>{5, 60, 13}}) {
       const auto method = make_sweep(scene, division);
-      made::BruteForceSweep twin(scene, kOffset);
+      made::BruteForceSweep twin(scene, kOffsetVector);
       Vec3 p = 0.08 * vector().normalized();
       method->reset(p);
       twin.reset(p);
@@ -92,7 +93,7 @@ TEST(SweepMethod, TheNextLineStartsAtTheOffsetFromTheCollisionPoint) {
   // Sliding in depth: the line from the offset start meets the plane at the share offset / (offset + depth) of the path to the new
   // position.
   constexpr double kDepth = 0.001;
-  for (const double offset : {kOffset, 1e-4, 1e-3}) {
+  for (const double offset : {kOffsetVector, 1e-4, 1e-3}) {
     const auto method = make_sweep(scene_of(made::sheet(0.1, 0.0, 7)), {32, 32, 32}, offset);
     method->reset({0.0, 0.0, 0.01});
     double x = step(*method, {0.0, 0.0, -kDepth}).p_SP[0];
@@ -265,7 +266,7 @@ TEST(SweepMethod, RejectsWhatItCannotDo) {
     settings.offset_m = offset;
     EXPECT_FALSE(SweepMethod::make(settings, scene)) << offset;
   }
-  settings.offset_m = kOffset;
+  settings.offset_m = kOffsetVector;
   settings.grid_division = {0, 1, 1};
   EXPECT_FALSE(SweepMethod::make(settings, scene));
   settings.grid_division = {32, 32, 32};

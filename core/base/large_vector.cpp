@@ -1,0 +1,43 @@
+#include "core/base/large_vector.h"
+
+#include <new>
+
+#ifdef __linux__
+#include <sys/mman.h>
+#endif
+
+namespace hapton {
+namespace {
+
+constexpr std::size_t kLargePage = std::size_t{1} << 21;  // x86-64 and aarch64 with pages of 4 KiB
+constexpr std::size_t kLeast = 2 * kLargePage;
+
+std::align_val_t alignment_of(std::size_t bytes, std::size_t alignment) {
+  return std::align_val_t{bytes >= kLeast ? kLargePage : alignment};
+}
+
+// Taken at once: once filled, the pages stay as they are. Otherwise the system might join small ones later, and stop whoever reads them.
+void use_large_pages(void* memory, std::size_t bytes) {
+#if defined(__linux__) && defined(MADV_POPULATE_WRITE)
+  const bool are_filled = ::madvise(memory, bytes, MADV_HUGEPAGE) == 0 && ::madvise(memory, bytes, MADV_POPULATE_WRITE) == 0;
+  if (are_filled) (void)::madvise(memory, bytes, MADV_NOHUGEPAGE);
+#else
+  (void)memory;
+  (void)bytes;
+#endif
+}
+
+}  // namespace
+
+void* allocate_large(std::size_t bytes, std::size_t alignment) {
+  void* const memory = ::operator new(bytes, alignment_of(bytes, alignment));
+  // Whole large pages only: the last one would keep what nobody uses.
+  if (bytes >= kLeast) use_large_pages(memory, bytes / kLargePage * kLargePage);
+  return memory;
+}
+
+void free_large(void* memory, std::size_t bytes, std::size_t alignment) noexcept {
+  ::operator delete(memory, alignment_of(bytes, alignment));
+}
+
+}  // namespace hapton

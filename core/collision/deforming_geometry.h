@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/collision/touch_geometry.h"
+#include "core/geometry/mesh_deformation.h"
+
+namespace hapton {
+
+// The box that holds a mesh at rest and in all its shapes, with room for rounding. RT: set-up only.
+Box bounds_of_all_shapes(const TriangleMesh& mesh, const MeshDeformation& deformation);
+
+// Whether a surface can be felt as it deforms: by adjacency alone, at rest and in the shapes at its keys and half-way between them, of
+// about kMostShapes of them, fewer of large meshes, evenly chosen. RT: set-up only, a tree for each shape. Error: at which time how many
+// triangles are not walkable (SurfaceAdjacency): where it comes near itself, or more than two triangles meet.
+constexpr std::size_t kMostShapes = 64;
+Result<void> check_shapes(const TriangleMesh& mesh, const MeshDeformation& deformation);
+
+// Gives the one object of a TouchGeometry the shape of a time.
+//
+// The vertices that the deformation moves are put where they are then: linear in their number, some ns each. The tree is not built again,
+// nor refitted by a step: there is one for each of up to kMostTrees equal parts of the deformation, the same nodes with boxes that hold
+// their triangles in all shapes of that part, refitted beforehand.
+//
+// Threads: one. RT: shape and construction aside, yes.
+class DeformingGeometry {
+ public:
+  static constexpr std::size_t kMostTrees = 64;
+  static constexpr std::size_t kMostBytes = std::size_t{64} << 20;  // of all trees
+
+  // Pre: the geometry was made with BuildPolicy::to_deform of this mesh, in bounds_of_all_shapes(). It outlives this. Begins with the shape
+  // at 0 s.
+  DeformingGeometry(TouchGeometry& geometry, std::shared_ptr<const TriangleMesh> mesh, std::shared_ptr<const MeshDeformation> deformation);
+
+  void shape(double time_s) noexcept;
+
+  const MeshDeformation& deformation() const { return *deformation_; }
+  std::size_t tree_count() const { return trees_.size(); }
+  std::size_t bytes() const;
+
+ private:
+  void make_arrays();
+  void make_trees();
+  void move_vertices(const MeshDeformation::Weights& weights) noexcept;
+  std::size_t part_at(double time_s) const noexcept;
+  std::size_t choose_count() const;
+
+  TouchGeometry& geometry_;
+  std::shared_ptr<const TriangleMesh> mesh_;
+  std::shared_ptr<const MeshDeformation> deformation_;
+  std::vector<std::uint32_t> vertex_;  // of the object, those that move, ascending
+  // In their order, three numbers each, local: at rest, and the displacements target by target.
+  std::vector<double> rest_;
+  std::vector<double> displacements_;
+  std::vector<WideBvh> trees_;  // by part; that of part_ is in the geometry, whose first one is here
+  std::size_t part_ = 0;
+};
+
+}  // namespace hapton

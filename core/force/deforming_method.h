@@ -1,0 +1,56 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "core/collision/deforming_geometry.h"
+#include "core/force/force_method.h"
+#include "core/force/proxy/proxy_method.h"
+
+namespace hapton {
+
+// Feels one object that deforms by itself (TouchObject::deformation): the proxy on the mesh of the time of each sample.
+//
+// Before each step the surface is put into its shape of that time (DeformingGeometry), and takes the probe along: a probe that it holds, or
+// that it may have passed, goes to the same place of the deformed surface, on the same side (ProxyMethod::Anchor), and the device of the
+// last sample by as much. From there the proxy follows the device as ever. So a surface that comes upon the hand pushes the proxy ahead,
+// friction and damping are those against the surface, and nothing is passed, however far the surface has come since the last step.
+//
+// While the hand is farther from the surface than it can have come since the last search, a step is a few comparisons.
+//
+// Frame: S. RT: step and reset yes: linear in the vertices that move, a few ns each, where the hand is near. Threads: as ForceMethod.
+class DeformingMethod final : public ForceMethod {
+ public:
+  // Pre: the scene is one object, which deforms. Error: what ProxyMethod rejects; a probe with a radius, shading; a surface that is not
+  // walkable at rest (check_shapes tells of the other shapes).
+  static Result<std::unique_ptr<ForceMethod>> make(const MethodSettings& settings, const TouchScene& scene);
+
+  MethodOutput step(const MethodInput& input) noexcept override;
+  void reset(const Vec3& p_SD) noexcept override { start_ = p_SD; }
+  void set_materials(std::span<const Material> materials) noexcept override { method_->set_materials(materials); }
+  std::string describe() const override;
+
+ private:
+  DeformingMethod(std::unique_ptr<ForceMethod> method, const TouchObject& object);
+
+  void begin(const MethodInput& input) noexcept;
+  void come_near() noexcept;
+  void deform(const MethodInput& input, const MeshDeformation::Weights& weights, double reach_m) noexcept;
+  void look_round(const Vec3& p_SD, double moved_m) noexcept;
+
+  std::unique_ptr<ForceMethod> method_;
+  ProxyMethod& proxy_;  // the same
+  DeformingGeometry surface_;
+  MeshDeformation::Weights weights_ = {};  // of the shape
+  std::optional<Vec3> start_;              // reset() was called: where the next step begins
+  bool has_begun_ = false;
+  Vec3 last_p_SD_ = Vec3::Zero();
+  double last_time_s_ = 0.0;
+  Vec3 clear_from_ = Vec3::Zero();
+  double clear_m_ = 0.0;      // round clear_from_ nothing of the shape is nearer; 0: not known
+  double to_travel_m_ = 0.0;  // of hand and surface, before the next look round
+};
+
+}  // namespace hapton

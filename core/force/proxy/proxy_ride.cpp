@@ -1,0 +1,109 @@
+// A surface that deforms takes the probe along.
+#include <algorithm>
+#include <cmath>
+
+#include "core/force/proxy/proxy_method.h"
+#include "core/math/side_sign.h"
+
+namespace hapton {
+namespace {
+
+// Local units: farther off an edge than what counts as on it, far below what can be felt.
+constexpr double kOffEdges = 0x1p-42;
+// By how much a flight to the nearest place goes beyond it: of the distance, and local units.
+constexpr double kBeyond = 0x1p-20;
+constexpr double kLeastBeyond = 0x1p-40;
+
+Vec3 weights_on(const ContactTriangle& shape, const Vec3& p) {
+  Vec3 weights;
+  for (int k = 0; k < 3; ++k) weights[(k + 2) % 3] = std::max(0.0, shape.inside(k, p));
+  const double sum = weights.sum();
+  return sum > 0.0 ? Vec3(weights / sum) : Vec3(Vec3::Constant(1.0 / 3.0));
+}
+
+}  // namespace
+
+// Of several at an edge or vertex the one that faces p most.
+std::optional<std::uint32_t> ProxyMethod::find_nearest(const Vec3& p, double reach, Separation& at) const noexcept {
+  constexpr double kSame = 1.0 + 0x1p-40;
+  std::optional<std::uint32_t> found;
+  double best_facing = 0.0;
+  geometry_.visit_nearest(p, reach * reach, [&](std::uint32_t id, double bound) {
+    const ContactTriangle shape = surfaces_.shape_of(id);
+    const Separation here = shape.separation(p);
+    if (here.distance > reach) return bound;
+    const double facing = std::fabs(shape.normal().dot(here.normal));
+    const bool is_nearer = !found || here.distance * kSame < at.distance;
+    if (is_nearer || (here.distance <= at.distance * kSame && facing > best_facing)) {
+      found = id;
+      at = here;
+      best_facing = facing;
+    }
+    const double farthest = at.distance * kSame;
+    return std::min(bound, farthest * farthest * kSame);
+  });
+  return found;
+}
+
+ProxyMethod::Anchor ProxyMethod::anchor(double reach_m) noexcept {
+  leave_ball();
+  Anchor anchor{.distance = reach_m / geometry_.unit_m()};
+  if (!has_sample_) return anchor;
+  if (!proxy_.is_free) anchor.distance = 0.0;
+  if (!surface_.is_on_surface()) {
+    const Vec3 p = proxy_.position;
+    const double reach = proxy_.is_free ? anchor.distance : kBeside * kContactOffset;
+    Separation nearest;
+    const std::optional<std::uint32_t> id = find_nearest(p, reach, nearest);
+    if (!id) return anchor;
+    if (proxy_.is_free) anchor.distance = nearest.distance;
+    const Vec3 towards = nearest.nearest - p;
+    const double length = towards.norm();
+    double time = 1.0;
+    const Vec3 beyond = length > 0.0 ? Vec3(nearest.nearest + (kBeyond + kLeastBeyond / length) * towards) : p;
+    // Exact at edges and vertices. It may pass beside the boundary of a sheet.
+    if (length > 0.0 && flight_.fly(p, beyond, proxy_.slides, surface_, time) != FreeFlight::Met::walkable) surface_.leave();
+    if (!surface_.is_on_surface()) {
+      const ContactTriangle shape = surfaces_.shape_of(*id);
+      anchor.exists = true;
+      anchor.triangle = *id;
+      anchor.back = side_sign(shape.corner(0), shape.corner(1), shape.corner(2), p) < 0.0;
+      anchor.weights = weights_on(shape, nearest.nearest);
+      anchor.point = nearest.nearest;
+      return anchor;
+    }
+  }
+  anchor.exists = true;
+  anchor.triangle = surface_.at().a().id;
+  anchor.back = surface_.at().a().is_back();
+  anchor.point = surface_.point();
+  anchor.weights = weights_on(surface_.at().a().shape, anchor.point);
+  if (proxy_.is_free) surface_.leave();
+  return anchor;
+}
+
+void ProxyMethod::ride(const Anchor& anchor) noexcept {
+  if (!anchor.exists) return;
+  const bool slides = proxy_.slides;
+  const ContactTriangle shape = surfaces_.shape_of(anchor.triangle);
+  Vec3 place = Vec3::Zero();
+  for (int k = 0; k < 3; ++k) place += anchor.weights[k] * shape.corner(k);
+  const Vec3 moved = place - anchor.point;
+  const Vec3 to_middle = (shape.corner(0) + shape.corner(1) + shape.corner(2)) / 3.0 - place;
+  const double length = to_middle.norm();
+  if (length > 0.0) place += std::min(0.5, kOffEdges / length) * to_middle;
+  place -= shape.normal().dot(place - shape.corner(0)) * shape.normal();
+  surface_.leave();
+  sphere_.stop_tracking();
+  sphere_.forget_near();
+  // A side that holds nothing lets the probe through.
+  if (!surface_.land(anchor.triangle, anchor.back, place, slides)) return;
+  proxy_.settle_at(place);
+  proxy_.is_free = false;
+  proxy_.slides = slides;
+  last_device_ += moved;
+  if (carried_from_) *carried_from_ += moved;
+  unconverged_ = true;
+}
+
+}  // namespace hapton

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/math/types.h"
+
+namespace hapton {
+
+// Where the vertices of a mesh are displaced to, in part or wholly (a morph target of glTF 2.0).
+struct MorphTarget {
+  std::vector<std::uint32_t> vertices;  // of the mesh, ascending; the others stay
+  std::vector<Vec3> displacements;      // of these, at a weight of 1
+};
+
+// How much of each target there is at a time.
+struct MorphKey {
+  double time_s = 0.0;
+  std::vector<double> weights;  // one for each target
+
+  friend bool operator==(const MorphKey&, const MorphKey&) = default;
+};
+
+// The deformation of a mesh that is known beforehand: vertex v is at rest(v) + sum of weight_j * displacement_j(v). Between two keys the
+// weights change evenly (LINEAR samplers of glTF 2.0), so every vertex moves straight. Before the first key it is as there; after the last
+// it stays, or begins again where it loops. A function of time alone. Frame and units: the mesh's. RT: weights_at, position_of and
+// most_displacement yes, the rest set-up only. Threads: const calls from any number.
+class MeshDeformation {
+ public:
+  static constexpr std::size_t kMostTargets = 16;
+  using Weights = std::array<double, kMostTargets>;  // unused ones are 0
+
+  // Pre: 1 to kMostTargets targets, none with a vertex twice; one key or more, times from 0 on, each after the one before. Where it loops,
+  // the first and the last have the same weights.
+  MeshDeformation(std::vector<MorphTarget> targets, std::vector<MorphKey> keys, bool loops);
+
+  // Pre: a finite time. Before 0 it is as at 0.
+  Weights weights_at(double time_s) const noexcept;
+  // The time within the first round, or before the last key.
+  double time_in_round(double time_s) const noexcept;
+
+  // All vertices that any target moves, ascending.
+  std::span<const std::uint32_t> moved() const { return moved_; }
+  // Of moved()[i], which is at `rest`.
+  Vec3 position_of(std::size_t i, const Vec3& rest, const Weights& weights) const noexcept {
+    Vec3 p = rest;
+    for (std::size_t j = 0; j < targets_.size(); ++j) {
+      if (weights[j] != 0.0) p += weights[j] * displacements_[j * moved_.size() + i];
+    }
+    return p;
+  }
+  // All vertices of the mesh.
+  std::vector<Vec3> vertices_at(std::span<const Vec3> rest, const Weights& weights) const;
+
+  // No vertex is farther than this from where it is with the other weights.
+  double most_displacement(const Weights& a, const Weights& b) const noexcept;
+  // Of any vertex, between keys i and i + 1. Pre: i + 1 is a key.
+  double fastest_per_s(std::size_t i) const;
+
+  const std::vector<MorphTarget>& targets() const { return targets_; }
+  const std::vector<MorphKey>& keys() const { return keys_; }
+  bool loops() const { return loops_; }
+  // Until it ends or begins again.
+  double duration_s() const { return keys_.back().time_s; }
+
+ private:
+  std::vector<MorphTarget> targets_;
+  std::vector<MorphKey> keys_;
+  bool loops_;
+  std::vector<std::uint32_t> moved_;
+  std::vector<Vec3> displacements_;  // of moved_, target by target; 0 where a target does not move it
+  std::vector<double> longest_;      // displacement of each target
+};
+
+// Same numbers.
+bool operator==(const MeshDeformation& a, const MeshDeformation& b);
+
+}  // namespace hapton

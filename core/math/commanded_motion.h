@@ -1,0 +1,58 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/math/keyframe_motion.h"
+
+namespace hapton {
+
+// A move of a rigid body that a program commanded: from one pose to another, straight and evenly as between keyframes; at rest after it.
+struct CommandedMove {
+  std::uint32_t serial = 0;  // counts the moves of all bodies, from 1; 0: none, the body is as at the start
+  Keyframe from;
+  Keyframe to;
+};
+
+// The motion of a rigid body by commanded moves, each of which takes over from the one before. A function of time alone for all who know
+// the moves: at each time, the newest move counts that started before it; before the first the body is at rest. The newest kMoves are kept,
+// the rest at the start as one of them. Frame: S. RT: yes. Threads: const calls from any number.
+class CommandedMotion {
+ public:
+  static constexpr std::size_t kMoves = 8;
+
+  // pivot_S: on the body at rest.
+  explicit CommandedMotion(const Vec3& pivot_S) noexcept;
+
+  // A newer move. One that starts with the newest, or before it, replaces that one. False: it is not newer, and changes nothing.
+  // Pre: turns of unit length, finite numbers, `to` not earlier than `from`.
+  bool begin(const CommandedMove& move) noexcept;
+
+  // X_SO: what the points of the body at rest are moved by.
+  Pose pose_at(double time_s) const noexcept { return pose_of(keyframe_at(time_s), pivot_S_); }
+  // Likewise as a keyframe: the pivot, and the turn about it. Its time is not that time.
+  Keyframe keyframe_at(double time_s) const noexcept;
+
+  const Vec3& pivot() const noexcept { return pivot_S_; }
+  const CommandedMove& newest() const noexcept { return moves_[newest_]; }
+
+ private:
+  // The move that counts at that time.
+  const CommandedMove& move_at(double time_s) const noexcept;
+
+  Vec3 pivot_S_;
+  std::array<CommandedMove, kMoves> moves_;  // a ring
+  std::size_t newest_ = 0;
+  std::size_t count_ = 1;
+};
+
+// The time that a move takes, s: the one requested, or the least in which no point of the body is faster than most_m_per_s. radius_m: no
+// point of the body is farther from the pivot. Pre: requested_s 0 or more, most_m_per_s above 0. RT: yes.
+double compute_move_time_s(const Keyframe& from, const Keyframe& to, double requested_s, double radius_m, double most_m_per_s) noexcept;
+
+// A move from where the motion is at time_s to `to`, which takes compute_move_time_s. RT: yes.
+CommandedMove make_move(const CommandedMotion& motion, std::uint32_t serial, double time_s, const Keyframe& to, double requested_s,
+                        double radius_m, double most_m_per_s) noexcept;
+
+}  // namespace hapton

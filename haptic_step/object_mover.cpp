@@ -1,0 +1,168 @@
+#include "haptic_step/object_mover.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "haptic_step/haptics_setup.h"
+#include "link/commanded_move.h"
+#include "scene/object_motion.h"
+
+namespace hapton {
+namespace {
+
+// Without heap; what is too long is cut.
+template <class... Args>
+void say(HapticsSetup::Text& into, fmt::format_string<Args...> text, Args&&... args) noexcept {
+  std::array<char, std::tuple_size_v<HapticsSetup::Text> - 1> line;
+  const auto end = fmt::format_to_n(line.data(), line.size(), text, std::forward<Args>(args)...);
+  put_text({line.data(), std::min(end.size, line.size())}, into);
+}
+
+std::string_view text_of(const HapticsSetup::Text& text) noexcept {
+  return {text.data(), static_cast<std::size_t>(std::find(text.begin(), text.end(), '\0') - text.begin())};
+}
+
+bool is_before(const std::pair<std::string_view, std::int32_t>& one, std::string_view name) noexcept { return one.first < name; }
+
+}  // namespace
+
+ObjectMover::ObjectMover(const Scene& scene, std::uint32_t source) {
+  names_.reserve(scene.objects.size());  // by_name_ has views of them
+  for (const SceneObject& object : scene.objects) {
+    const auto number = static_cast<std::int32_t>(names_.size());
+    names_.push_back(object.name);
+    objects_.push_back(object.commanded);
+    by_name_.emplace_back(names_.back(), number);
+    if (object.commanded == nullptr) continue;
+    const Vec3& pivot = object.commanded->pivot();
+    moves_.push_back({.source = source, .object = number, .from_p_m = pivot, .to_p_m = pivot});
+  }
+  std::sort(by_name_.begin(), by_name_.end());
+}
+
+std::string_view ObjectMover::name_of(std::int32_t object) const noexcept {
+  return static_cast<std::size_t>(object) < names_.size() ? std::string_view(names_[static_cast<std::size_t>(object)]) : "";
+}
+
+ObjectMover::Found ObjectMover::find(const MoveRequest& request) const noexcept {
+  const std::string_view name = text_of(request.object);
+  if (name.empty()) {
+    const bool is_there = static_cast<std::size_t>(request.number) < names_.size();
+    return is_there ? Found{request.number, 1} : Found{};
+  }
+  const auto first = std::lower_bound(by_name_.begin(), by_name_.end(), name, is_before);
+  Found found;
+  for (auto one = first; one != by_name_.end() && one->first == name; ++one) ++found.count;
+  if (found.count == 1) found.object = first->second;
+  return found;
+}
+
+void ObjectMover::request(const MoveRequest& request) noexcept {
+  const Waiting fresh{request, find(request).object};
+  const auto end = waiting_.begin() + static_cast<std::ptrdiff_t>(waiting_count_);
+  const auto same = std::find_if(waiting_.begin(), end, [&](const Waiting& one) { return one.object == fresh.object; });
+  if (same != end) {
+    if (same->request.request == request.request) return;
+    // A repetition of what was carried out must not displace what is new.
+    if (recall(request.request) == nullptr) {
+      remember_overtaken(*same);
+      *same = fresh;
+    }
+    return;
+  }
+  if (waiting_count_ == kMostWaiting) {
+    ++overflows_;
+    return;
+  }
+  waiting_[waiting_count_++] = fresh;
+}
+
+ObjectMover::Done ObjectMover::work(HapticsStep& step) noexcept {
+  const Waiting first = waiting_.front();
+  std::move(waiting_.begin() + 1, waiting_.begin() + static_cast<std::ptrdiff_t>(waiting_count_), waiting_.begin());
+  --waiting_count_;
+  Done done;
+  if (const MoveReply* known = recall(first.request.request)) {
+    done.reply = *known;
+    return done;
+  }
+  done.reply.request = first.request.request;
+  if (first.object < 0 || objects_[static_cast<std::size_t>(first.object)] == nullptr) {
+    reject_unknown(first.request, done.reply.rejection);
+  } else {
+    move(step, first, done);
+  }
+  remember(done.reply);
+  return done;
+}
+
+void ObjectMover::move(HapticsStep& step, const Waiting& waiting, Done& done) noexcept {
+  const CommandedMotion* motion = step.touch().find_commanded(waiting.object);
+  const CommandedObject& object = *objects_[static_cast<std::size_t>(waiting.object)];
+  if (motion == nullptr) return say(done.reply.rejection, "the method in use does not move objects");
+  const std::int64_t start_ns = step.scene_time_ns();
+  const MoveRequest& requested = waiting.request;
+  const Keyframe from = motion->keyframe_at(1e-9 * static_cast<double>(start_ns));
+  const Keyframe to = object.place(requested.p_m, requested.q, from);
+  const double seconds = compute_move_time_s(from, to, requested.over_s.value_or(0.0), object.radius_m(), kMostSurfaceSpeed);
+  if (!(seconds <= MoveRequest::kMostSeconds)) {
+    return say(done.reply.rejection, "'{}' would need {:.3g} s at {:g} m/s: it may take a day at most", name_of(waiting.object), seconds,
+               kMostSurfaceSpeed);
+  }
+  const auto own = std::find_if(moves_.begin(), moves_.end(), [&](const ObjectMove& one) { return one.object == waiting.object; });
+  own->serial = static_cast<std::uint32_t>(step.counts().moves_taken) + 1;
+  own->start_ns = start_ns;
+  own->end_ns = start_ns + static_cast<std::int64_t>(std::ceil(1e9 * seconds));
+  own->from_p_m = from.p_S;
+  own->from_q = from.turn;
+  own->to_p_m = to.p_S;
+  own->to_q = to.turn;
+  step.command(waiting.object, to_command(*own));
+  done.reply.object = waiting.object;
+  done.reply.over_s = seconds;
+  done.reply.serial = own->serial;
+  done.move = *own;
+}
+
+void ObjectMover::reject_unknown(const MoveRequest& request, HapticsSetup::Text& why) const noexcept {
+  const std::string_view name = text_of(request.object);
+  const Found found = find(request);
+  if (found.object >= 0) {
+    say(why, "programs may not move '{}': give it moved_by = \"program\" in the scene file", name_of(found.object));
+  } else if (found.count > 1) {
+    say(why, "{} objects are named '{}': give the number of one, from 0", found.count, name);
+  } else if (name.empty()) {
+    say(why, "there is no object {}: the scene has {}, numbered from 0", request.number, names_.size());
+  } else if (moves_.empty()) {
+    say(why, "there is no object '{}', and none that programs may move (moved_by = \"program\" in the scene file)", name);
+  } else {
+    say(why, "there is no object '{}'; programs may move '{}'{}", name, name_of(moves_.front().object),
+        moves_.size() > 1 ? " and others" : "");
+  }
+}
+
+const MoveReply* ObjectMover::recall(std::uint32_t request) const noexcept {
+  const auto known = std::find_if(replies_.begin(), replies_.end(), [&](const MoveReply& one) { return one.request == request; });
+  return known != replies_.end() ? &*known : nullptr;
+}
+
+void ObjectMover::remember(const MoveReply& reply) noexcept {
+  replies_[next_reply_] = reply;
+  next_reply_ = (next_reply_ + 1) % kRemembered;
+}
+
+void ObjectMover::remember_overtaken(const Waiting& waiting) noexcept {
+  MoveReply reply{.request = waiting.request.request};
+  if (waiting.object >= 0) {
+    reply.object = waiting.object;
+    say(reply.rejection, "another request for '{}' came at the same time, and counts", name_of(waiting.object));
+  } else {
+    reject_unknown(waiting.request, reply.rejection);
+  }
+  remember(reply);
+}
+
+}  // namespace hapton

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "haptic_step/haptics_step.h"
+#include "link/messages.h"
+#include "scene/scene_file.h"
+
+namespace hapton {
+
+// Carries out what programs request of the objects that the scene lets them move (`moved_by = "program"`): a request becomes a move from
+// the pose that the object has at the scene time of the last reply, so it is felt from the next one on, without a jump. No point of an
+// object gets faster than kMostSurfaceSpeed: a faster move takes longer than requested, and the reply says so.
+//
+// A flood costs little: request() only keeps the request, one for each object, kMostWaiting at most; work() carries out one, and its
+// caller sets the pace. RT: request and work yes. Threads: the step's.
+class ObjectMover {
+ public:
+  static constexpr std::size_t kMostWaiting = 16;
+  static constexpr std::size_t kRemembered = 128;  // for longer than a sender waits until it repeats
+
+  // source: as in ObjectMove.
+  ObjectMover(const Scene& scene, std::uint32_t source);
+  ObjectMover(const ObjectMover&) = delete;
+  ObjectMover& operator=(const ObjectMover&) = delete;
+
+  // To be carried out. For one object the newest counts: an earlier one that waits is rejected. Beyond kMostWaiting it is counted and left
+  // out; its sender repeats it. One that was carried out already only gets its reply again.
+  void request(const MoveRequest& request) noexcept;
+  bool has_request() const noexcept { return waiting_count_ > 0; }
+
+  // Carries out the request that has waited longest. Result: the object's new move, for all who draw it; none where the request was
+  // rejected or has been carried out before. Pre: has_request().
+  struct Done {
+    MoveReply reply;
+    std::optional<ObjectMove> move;
+  };
+  Done work(HapticsStep& step) noexcept;
+
+  // The newest move of each object that programs may move, in the order of the scene; serial 0: not moved yet.
+  std::span<const ObjectMove> moves() const noexcept { return moves_; }
+  // Requests left out as too many waited.
+  std::uint64_t overflows() const noexcept { return overflows_; }
+  std::string_view name_of(std::int32_t object) const noexcept;
+
+ private:
+  struct Waiting {
+    MoveRequest request;
+    std::int32_t object = -1;  // of the scene; -1: none
+  };
+  struct Found {
+    std::int32_t object = -1;
+    std::size_t count = 0;  // of objects with that name
+  };
+
+  Found find(const MoveRequest& request) const noexcept;
+  void move(HapticsStep& step, const Waiting& waiting, Done& done) noexcept;
+  void reject_unknown(const MoveRequest& request, HapticsSetup::Text& why) const noexcept;
+  const MoveReply* recall(std::uint32_t request) const noexcept;
+  void remember(const MoveReply& reply) noexcept;
+  void remember_overtaken(const Waiting& waiting) noexcept;
+
+  std::vector<std::string> names_;                                  // by object
+  std::vector<std::pair<std::string_view, std::int32_t>> by_name_;  // sorted
+  std::vector<std::shared_ptr<const CommandedObject>> objects_;     // by object; null: programs may not move it
+  std::vector<ObjectMove> moves_;
+  std::array<Waiting, kMostWaiting> waiting_ = {};  // the first has waited longest
+  std::size_t waiting_count_ = 0;
+  std::array<MoveReply, kRemembered> replies_ = {};  // the newest, a ring
+  std::size_t next_reply_ = 0;
+  std::uint64_t overflows_ = 0;
+};
+
+}  // namespace hapton

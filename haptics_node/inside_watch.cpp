@@ -1,0 +1,79 @@
+#include "haptics_node/inside_watch.h"
+
+#include <chrono>
+#include <utility>
+
+#include "core/collision/box.h"
+#include "core/geometry/winding_number.h"
+#include "runtime/log.h"
+#include "runtime/start_thread.h"
+
+namespace hapton {
+namespace {
+
+// Of a closed body it is a whole number; small holes take a little off.
+constexpr double kLeastWinding = 0.9;
+constexpr auto kLookEvery = std::chrono::milliseconds(50);
+constexpr int kLooksBetween = 6;  // while the hand is inside: a look may take long
+
+Box box_of(const TriangleMesh& mesh) {
+  Box box;
+  for (const Vec3& vertex : mesh.vertices) box.grow(vertex);
+  return box;
+}
+
+}  // namespace
+
+Enclosure find_enclosure(const TouchScene& scene, const Vec3& p_S) {
+  for (const TouchObject& object : scene.objects) {
+    if (object.motion != nullptr || object.command_pivot || box_of(*object.mesh).distance_squared(p_S) > 0.0) continue;
+    if (compute_winding_number(*object.mesh, p_S) > kLeastWinding) return {true, object.material.two_sided};
+  }
+  return {};
+}
+
+InsideWatch::InsideWatch(TouchScene scene) : scene_(std::move(scene)), thread_(start_thread([this] { run(); })) {}
+
+InsideWatch::~InsideWatch() {
+  stop_.store(true);
+  thread_.join();
+}
+
+void InsideWatch::set_scene(TouchScene scene) {
+  const std::scoped_lock lock(mutex_);
+  scene_ = std::move(scene);
+}
+
+// Polls, as the loop that replies makes no system call to wake it.
+void InsideWatch::run() {
+  for (int rest = 0; !stop_.load();) {
+    std::this_thread::sleep_for(kLookEvery);
+    if (rest-- > 0 || !hands_.take()) continue;
+    look(hands_.value());
+    rest = is_inside() ? kLooksBetween : 0;
+  }
+}
+
+void InsideWatch::look(const Hand& hand) {
+  const bool is_start = std::exchange(looked_, hand.start) != hand.start;
+  const bool was_inside = is_inside();
+  if (!is_start && !was_inside) return;  // whoever came in since is felt
+  Enclosure enclosure;
+  {
+    const std::scoped_lock lock(mutex_);
+    enclosure = find_enclosure(scene_, is_start ? hand.p_SStart : hand.p_S);
+  }
+  // A device that is pressed out through a wall is still held by it from within.
+  const bool is_inside_now = enclosure.is_inside || (was_inside && !is_start && hand.contact);
+  is_inside_.store(is_inside_now, std::memory_order_release);
+  is_watching_.store(is_inside_now, std::memory_order_release);
+  if (is_inside_now && !was_inside && enclosure.two_sided) {
+    log_warning(
+        "the stylus is inside a body of the scene, which is felt from within: end haptics_node, lead the stylus out, and start it again");
+  } else if (is_inside_now && !was_inside) {
+    log_warning("the stylus is inside a body of the scene: no force of it until the stylus has been led out");
+  }
+  if (was_inside && !is_inside_now) log_info("the stylus is outside now: the scene is felt");
+}
+
+}  // namespace hapton

@@ -1,0 +1,68 @@
+#include "link/http_endpoint.h"
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/http.hpp>
+#include <chrono>
+
+#include "link/address_endpoint.h"
+#include "link/asio_guard.h"
+
+namespace hapton {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = boost::beast::http;
+using asio::ip::tcp;
+using boost::system::error_code;
+
+constexpr std::size_t kMostBytes = 1 << 16;
+
+// One exchange, with one time limit for all of it.
+class HttpExchange {
+ public:
+  error_code run(const Address& to, std::string_view target, std::int64_t patience_ns) {
+    request_.method(http::verb::get);
+    request_.target(beast::string_view(target.data(), target.size()));
+    request_.set(http::field::host, to_string(to));
+    request_.set(http::field::connection, "close");
+    parser_.body_limit(kMostBytes);
+    error_code result;
+    stream_.expires_after(std::chrono::nanoseconds(patience_ns));
+    stream_.async_connect(tcp::endpoint(to_asio(to), to.port), [&](const error_code& connected) {
+      if (result = connected; result) return;
+      http::async_write(stream_, request_, [&](const error_code& written, std::size_t) {
+        if (result = written; result) return;
+        http::async_read(stream_, buffer_, parser_, [&](const error_code& read, std::size_t) { result = read; });
+      });
+    });
+    context_.run();
+    return result;
+  }
+  const http::response<http::string_body>& response() const { return parser_.get(); }
+
+ private:
+  asio::io_context context_{1};
+  beast::tcp_stream stream_{context_};
+  beast::flat_buffer buffer_{kMostBytes};
+  http::request<http::empty_body> request_;
+  http::response_parser<http::string_body> parser_;
+};
+
+}  // namespace
+
+Result<std::string> read_http(const Address& to, std::string_view target, std::int64_t patience_ns) {
+  auto exchange = make_with_context<HttpExchange>();
+  if (!exchange) return tl::unexpected(exchange.error());
+  const error_code error = (*exchange)->run(to, target, patience_ns);
+  if (error) return fail("{}", error == beast::error::timeout ? "no reply in time" : error.message());
+  const auto& response = (*exchange)->response();
+  if (response.result() != http::status::ok) return fail("HTTP status {} for {}", response.result_int(), target);
+  if (response.body().size() > kMostBytes) return fail("more than {} bytes from {}", kMostBytes, target);
+  return response.body();
+}
+
+}  // namespace hapton

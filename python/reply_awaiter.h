@@ -1,0 +1,57 @@
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <mutex>
+#include <optional>
+
+#include "link/hub_client.h"
+#include "link/messages.h"
+#include "runtime/clock.h"
+
+namespace hapton::python {
+
+// One request at a time that waits for the reply with its number, and is repeated until it comes, as a datagram may be lost. Threads: any
+// for request; send and take the one that owns the connection.
+template <class Request, class Reply>
+class ReplyAwaiter {
+ public:
+  // Blocks until the reply or the end of the time; none: no reply came.
+  std::optional<Reply> request(const Request& request, std::chrono::seconds patience) {
+    const std::scoped_lock one_at_a_time(requesting_);
+    std::unique_lock lock(mutex_);
+    request_ = request;
+    reply_.reset();
+    next_send_ns_ = 0;
+    came_.wait_for(lock, patience, [&] { return reply_.has_value(); });
+    request_.reset();
+    return reply_;
+  }
+
+  void send(HubClient& client, std::int64_t now_ns) {
+    const std::scoped_lock lock(mutex_);
+    if (!request_ || reply_ || now_ns < next_send_ns_) return;
+    next_send_ns_ = now_ns + 100 * kNanosecondsPerMillisecond;
+    client.send(*request_);
+  }
+
+  void take(const Message& message) {
+    const auto* reply = std::get_if<Reply>(&message);
+    if (reply == nullptr) return;
+    const std::scoped_lock lock(mutex_);
+    if (!request_ || reply->request != request_->request) return;
+    reply_ = *reply;
+    came_.notify_all();
+  }
+
+ private:
+  std::mutex requesting_;
+  std::mutex mutex_;  // of all below
+  std::condition_variable came_;
+  std::optional<Request> request_;
+  std::optional<Reply> reply_;
+  std::int64_t next_send_ns_ = 0;
+};
+
+}  // namespace hapton::python

@@ -1,0 +1,23 @@
+#include "scene/commanded_object.h"
+
+#include "scene/object_motion.h"
+#include "scene/object_reader.h"
+
+namespace hapton {
+
+CommandedObject::CommandedObject(const ObjectSpec& object, const SceneFit& fit, const TriangleMesh& mesh)
+    : p_MP_(object.scale * object.motion.p_MP),
+      q_SM_(object.q_SM),
+      fit_(fit),
+      pivot_S_(fit.apply(object.p_SM + object.q_SM * p_MP_)),
+      radius_m_(radius_about(pivot_S_, mesh)) {}
+
+Keyframe CommandedObject::place(const std::optional<Vec3>& p_SM, const std::optional<Quat>& q_SM, const Keyframe& now) const noexcept {
+  const Quat q = q_SM ? q_SM->normalized() : (now.turn * q_SM_).normalized();
+  Keyframe placed;
+  placed.p_S = p_SM ? fit_.apply(*p_SM + q * p_MP_) : now.p_S;
+  placed.turn = q_SM ? (q * q_SM_.conjugate()).normalized() : now.turn;
+  return placed;
+}
+
+}  // namespace hapton

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "core/force/touch_scene.h"
+#include "core/tool/tool_friction.h"
+
+namespace hapton {
+
+// What a rigid tool feels of a scene: shapes and friction. ToolStep::make takes it, with the stiffness for its spring.
+struct ToolObstacles {
+  std::vector<std::shared_ptr<const TriangleMesh>> meshes;  // frame S, metres, one for each object
+  std::vector<SurfaceFriction> friction;                    // of each mesh
+  double stiffness_n_per_m = 0.0;                           // of the stiffest material or effect of the whole scene
+  bool leaves_out = false;                                  // the scene has damping or effects, which a tool does not feel
+
+  bool has_friction() const;
+};
+
+// The meshes are shared, where they are at rest. held: the number of the object that is the tool itself; its mesh and friction are not
+// among the obstacles. RT: set-up only. Pre: held is a number of an object.
+ToolObstacles make_tool_obstacles(const TouchScene& scene, std::optional<std::size_t> held = std::nullopt);
+
+}  // namespace hapton

@@ -1,0 +1,61 @@
+#include "core/base/large_vector.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <fstream>
+#include <numeric>
+#include <string>
+
+namespace hapton {
+namespace {
+
+constexpr std::size_t kLargePage = std::size_t{1} << 21;
+
+TEST(LargeVector, HoldsWhatIsPutIn) {
+  LargeVector<std::uint64_t> numbers;
+  for (std::uint64_t i = 0; i < 2'000'000; ++i) numbers.push_back(i);
+  numbers.resize(1'500'000);
+  numbers.shrink_to_fit();
+  const LargeVector<std::uint64_t> copy = numbers;
+  EXPECT_EQ(std::accumulate(copy.begin(), copy.end(), std::uint64_t{0}), std::uint64_t{1'500'000} * 1'499'999 / 2);
+}
+
+TEST(LargeVector, BeginsAtALargePageOnceItHasTwo) {
+  const LargeVector<std::uint8_t> large(2 * kLargePage + 1);
+  EXPECT_EQ(reinterpret_cast<std::uintptr_t>(large.data()) % kLargePage, 0U);
+  struct alignas(64) Line {
+    std::uint8_t bytes[64];
+  };
+  const LargeVector<Line> small(3);
+  EXPECT_EQ(reinterpret_cast<std::uintptr_t>(small.data()) % alignof(Line), 0U);
+}
+
+TEST(LargeVector, SaysThatItCannotHoldMoreThanThereIs) {
+  LargeVector<std::uint64_t> numbers;
+  EXPECT_THROW(numbers.reserve(static_cast<std::size_t>(-1) / 16), std::exception);
+}
+
+// No later join of small pages, during which a reader would wait.
+TEST(LargeVector, LeavesNothingForTheSystemToJoinLater) {
+  const LargeVector<std::uint8_t> large(4 * kLargePage);
+  std::ifstream maps("/proc/self/smaps");
+  std::string line;
+  bool is_inside = false;
+  std::string flags;
+  while (std::getline(maps, line)) {
+    unsigned long begin = 0;
+    unsigned long end = 0;
+    if (std::sscanf(line.c_str(), "%lx-%lx ", &begin, &end) == 2) {
+      const auto at = reinterpret_cast<std::uintptr_t>(large.data());
+      is_inside = begin <= at && at < end;
+    } else if (is_inside && line.starts_with("VmFlags:")) {
+      flags = line;
+    }
+  }
+  if (flags.empty()) GTEST_SKIP() << "this system does not say how its memory is used";
+  EXPECT_EQ(flags.find(" hg"), std::string::npos) << flags;
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,129 @@
+#include "core/collision/deforming_geometry.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <set>
+
+#include "tests/support/made_meshes.h"
+
+namespace hapton {
+namespace {
+
+constexpr int kBands = 12;
+
+std::shared_ptr<const MeshDeformation> make_waves(const TriangleMesh& mesh, bool loops) {
+  std::vector<MorphTarget> targets(2);
+  for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
+    const Vec3& p = mesh.vertices[v];
+    targets[0].vertices.push_back(v);
+    targets[0].displacements.push_back(0.2 * p);
+    if (p.z() <= 0.0) continue;
+    targets[1].vertices.push_back(v);
+    targets[1].displacements.push_back({0.0, 0.5 * p.z(), 0.2 * p.z()});
+  }
+  return std::make_shared<const MeshDeformation>(
+      std::move(targets), std::vector<MorphKey>{{0.0, {0.0, 0.0}}, {0.3, {1.0, 0.2}}, {0.35, {0.5, 1.0}}, {1.0, {0.0, 0.0}}}, loops);
+}
+
+struct Deforming {
+  explicit Deforming(TriangleMesh of) : mesh(made::shared(std::move(of))), deformation(make_waves(*mesh, true)) {
+    geometry = std::make_unique<TouchGeometry>(std::vector<std::shared_ptr<const TriangleMesh>>{mesh}, BuildPolicy::to_deform, std::nullopt,
+                                               bounds_of_all_shapes(*mesh, *deformation));
+    deforming = std::make_unique<DeformingGeometry>(*geometry, mesh, deformation);
+  }
+  std::shared_ptr<const TriangleMesh> mesh;
+  std::shared_ptr<const MeshDeformation> deformation;
+  std::unique_ptr<TouchGeometry> geometry;
+  std::unique_ptr<DeformingGeometry> deforming;
+};
+
+// The corners are those of a geometry that is built of the mesh of that time.
+TEST(DeformingGeometry, HasTheShapeOfEachTime) {
+  const Deforming one(made::sphere(0.05, kBands, 0.05));
+  for (const double time : {0.0, 0.1, 0.3, 0.32, 0.99, 1.0, 1.1, 7.77}) {
+    one.deforming->shape(time);
+    const auto expected = one.deformation->vertices_at(one.mesh->vertices, one.deformation->weights_at(time));
+    for (std::size_t v = 0; v < expected.size(); ++v) {
+      const Vec3& is = one.geometry->deforming_object().vertices()[one.geometry->new_vertex()[v]];
+      EXPECT_LE((is - one.geometry->to_local(expected[v])).norm(), 0x1p-50) << "at " << time << " s";
+      for (int k = 0; k < 3; ++k) EXPECT_EQ(std::ldexp(is[k], 51), std::rint(std::ldexp(is[k], 51))) << "on the grid";
+    }
+  }
+}
+
+// Brute force: every triangle that is there is found, whichever of the trees is in use.
+TEST(DeformingGeometry, FindsEveryTriangleAtEachTime) {
+  const Deforming one(made::sphere(0.05, kBands, 0.05));
+  EXPECT_GT(one.deforming->tree_count(), 5U);
+  std::mt19937_64 random(6);
+  SCOPED_TRACE("seed 6");
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  for (int i = 0; i < 400; ++i) {
+    one.deforming->shape(1.5 + 1.5 * unit(random));
+    const Vec3 p(unit(random), unit(random), unit(random));
+    const Box query = Box{p, p}.inflated(0.1);
+    std::set<std::uint32_t> found;
+    one.geometry->for_each_overlapping(query, [&](std::uint32_t id) { found.insert(id); });
+    double nearest = 1e300;
+    for (std::uint32_t id = 0; id < one.mesh->triangles.size(); ++id) {
+      Box box;
+      for (int k = 0; k < 3; ++k) box.grow(one.geometry->corner(id, k));
+      if (box.overlaps(query)) {
+        EXPECT_TRUE(found.contains(id)) << id;
+      }
+      nearest = std::min(nearest, one.geometry->separation(id, p).distance);
+    }
+    double by_tree = 1e300;
+    one.geometry->visit_nearest(p, 1e300, [&](std::uint32_t id, double) {
+      by_tree = std::min(by_tree, one.geometry->separation(id, p).distance);
+      return by_tree * by_tree;
+    });
+    EXPECT_EQ(by_tree, nearest);
+  }
+}
+
+// One that is never at rest.
+TEST(DeformingGeometry, TheBoundsHoldTheMeshAtRestAsWell) {
+  const TriangleMesh sheet = made::sheet(0.05, 0.0, 2);
+  const MeshDeformation away({{{0, 1, 2, 3, 4, 5, 6, 7, 8}, std::vector<Vec3>(9, Vec3(0, 0, 1))}}, {{0.0, {1.0}}, {1.0, {2.0}}}, false);
+  const Box bounds = bounds_of_all_shapes(sheet, away);
+  EXPECT_LE(bounds.low.z(), 0.0);
+  EXPECT_GE(bounds.high.z(), 2.0);
+  EXPECT_LE(bounds.high.z(), 2.0 + 1e-9);
+}
+
+TEST(DeformingGeometry, OneTreeIsEnoughForWhatHardlyMoves) {
+  const auto mesh = made::shared(made::sheet(0.05, 0.0, 4));
+  const auto deformation = std::make_shared<const MeshDeformation>(std::vector<MorphTarget>{{{0}, {Vec3(0, 0, 1e-6)}}},
+                                                                   std::vector<MorphKey>{{0.0, {0.0}}, {1.0, {1.0}}}, false);
+  TouchGeometry geometry(std::vector<std::shared_ptr<const TriangleMesh>>{mesh}, BuildPolicy::to_deform, std::nullopt,
+                         bounds_of_all_shapes(*mesh, *deformation));
+  EXPECT_EQ(DeformingGeometry(geometry, mesh, deformation).tree_count(), 1U);
+}
+
+TEST(DeformingGeometry, SaysWhereASurfaceComesUponItself) {
+  TriangleMesh two = made::sheet(0.05, 0.0, 4);
+  EXPECT_TRUE(check_shapes(two, *make_waves(two, false)));
+  const TriangleMesh above = made::sheet(0.04, 0.01, 4);
+  const auto shift = static_cast<std::uint32_t>(two.vertices.size());
+  two.vertices.insert(two.vertices.end(), above.vertices.begin(), above.vertices.end());
+  for (const Triangle& t : above.triangles) two.triangles.push_back({t[0] + shift, t[1] + shift, t[2] + shift});
+  MorphTarget down;
+  for (std::uint32_t v = shift; v < two.vertices.size(); ++v) {
+    down.vertices.push_back(v);
+    down.displacements.push_back({0, 0, -0.02});
+  }
+  // Half-way between its keys the upper sheet is on the lower one.
+  const MeshDeformation through({down}, {{0.0, {0.0}}, {1.0, {1.0}}}, false);
+  const auto checked = check_shapes(two, through);
+  ASSERT_FALSE(checked);
+  EXPECT_TRUE(
+      check_shapes(made::box({0, 0, 0}, {1, 1, 1}), MeshDeformation({{{0}, {Vec3(-1, -1, -1)}}}, {{0.0, {0.0}}, {1.0, {1.0}}}, false)));
+  EXPECT_EQ(checked.error().what.find("at 0.5 s 64 of its 64 triangles are where the surface touches"), 0U) << checked.error().what;
+}
+
+}  // namespace
+}  // namespace hapton

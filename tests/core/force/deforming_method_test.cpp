@@ -1,0 +1,353 @@
+#include "core/force/deforming_method.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <random>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "core/force/reference/reference_method.h"
+#include "core/geometry/winding_number.h"
+#include "tests/support/allocation_guard.h"
+#include "tests/support/made_meshes.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kSkinStiffness = 1000.0;
+constexpr double kSheetSpeed = 0.25;  // m/s
+
+template <class Displacement>
+MorphTarget morph_target_of(const TriangleMesh& mesh, const Displacement& displacement) {
+  MorphTarget target;
+  for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
+    target.vertices.push_back(v);
+    target.displacements.push_back(displacement(mesh.vertices[v]));
+  }
+  return target;
+}
+
+TouchScene deforming_scene(TriangleMesh mesh, std::vector<MorphTarget> targets, std::vector<MorphKey> keys, bool loops,
+                           Material material = {}) {
+  TouchScene scene;
+  scene.objects.push_back({.mesh = made::shared(std::move(mesh)),
+                           .material = material,
+                           .deformation = std::make_shared<const MeshDeformation>(std::move(targets), std::move(keys), loops)});
+  return scene;
+}
+
+std::unique_ptr<ForceMethod> make_shaped(const TouchScene& scene, const MethodSettings& settings = {}) {
+  auto made = make_method(settings, scene);
+  EXPECT_TRUE(made) << (made ? "" : made.error().what);
+  return made ? std::move(*made) : nullptr;
+}
+
+TriangleMesh deformed_mesh(const TouchObject& object, double time_s) {
+  TriangleMesh mesh = *object.mesh;
+  mesh.vertices = object.deformation->vertices_at(mesh.vertices, object.deformation->weights_at(time_s));
+  return mesh;
+}
+
+// A sheet of 60 mm that comes from one side upon a hand that holds still, shifted as a whole, at the largest speed.
+TouchScene coming_sheet(double side, double seconds) {
+  TriangleMesh sheet = made::sheet(0.03, side * 0.010, 12);
+  const auto target = morph_target_of(sheet, [&](const Vec3&) { return Vec3(0, 0, -side * kSheetSpeed * seconds); });
+  return deforming_scene(std::move(sheet), {target}, {{0.0, {0.0}}, {seconds, {1.0}}}, false);
+}
+
+class DeformingSweep : public testing::TestWithParam<std::tuple<double, double>> {};
+
+// The force is stiffness times how far the sheet has passed the hand, in every step, to the end of its way.
+TEST_P(DeformingSweep, PushesAHandAheadAndIsNeverPassed) {
+  const auto [rate_hz, side] = GetParam();
+  const double seconds = 0.2;
+  const auto method = make_shaped(coming_sheet(side, seconds));
+  ASSERT_TRUE(method);
+  // On an edge, at a vertex, and within a face.
+  for (const Vec3& hand : {Vec3(0.0025, -0.0025, 0), Vec3(0.005, -0.005, 0), Vec3(0.0123, -0.0045, 0)}) {
+    method->reset(hand);
+    double last_n = 0.0;
+    for (int i = 0; i <= static_cast<int>(seconds * rate_hz); ++i) {
+      const double time = i / rate_hz;
+      const MethodOutput felt = method->step({.p_SD = hand, .dt_s = 1.0 / rate_hz, .time_s = time});
+      const double passed = kSheetSpeed * time - 0.010;
+      const Vec3 expected(0, 0, -side * kSkinStiffness * std::max(0.0, passed));
+      ASSERT_LT((felt.force_n - expected).norm(), 1e-3) << "at " << time << " s";
+      ASSERT_LE(felt.force_n.norm() - last_n, kSkinStiffness * kSheetSpeed / rate_hz * (1.0 + 1e-6) + 1e-6) << "at " << time << " s";
+      if (passed > 1e-6) {
+        ASSERT_TRUE(felt.contact) << "at " << time << " s";
+      }
+      last_n = felt.force_n.norm();
+    }
+    EXPECT_GT(last_n, 39.0);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Rates, DeformingSweep, testing::Combine(testing::Values(250.0, 1000.0, 4000.0), testing::Values(1.0, -1.0)),
+                         [](const auto& given) {
+                           return std::to_string(static_cast<int>(std::get<0>(given.param))) + "_Hz_" +
+                                  (std::get<1>(given.param) > 0 ? "from_above" : "from_below");
+                         });
+
+// A bumpy ball that breathes, lengthens and has a dent that comes and goes.
+TouchScene breathing_ball(Material material = {}) {
+  TriangleMesh ball = made::sphere(0.03, 20, 0.05);
+  const MorphTarget breath = morph_target_of(ball, [](const Vec3& p) { return Vec3(0.15 * p); });
+  const MorphTarget longer = morph_target_of(ball, [](const Vec3& p) { return Vec3(0, 0, 0.3 * p.z()); });
+  const MorphTarget dent = morph_target_of(ball, [](const Vec3& p) {
+    const double r = (p - Vec3(0, 0.02, 0.02)).norm() / 0.015;
+    return Vec3(-0.3 * std::pow(std::max(0.0, 1.0 - r * r), 2) * p);
+  });
+  return deforming_scene(std::move(ball), {breath, longer, dent},
+                         {{0.0, {0.0, 0.0, 0.0}}, {0.1, {1.0, 0.0, 0.5}}, {0.25, {0.3, 1.0, 1.0}}, {0.4, {0.0, 0.0, 0.0}}}, true, material);
+}
+
+// A hand that wanders over the ball, in and out.
+struct BreathingHand {
+  explicit BreathingHand(std::uint64_t seed) : random(seed) {}
+  const Vec3& next(double dt_s) {
+    const Vec3 aim = (0.031 + 0.004 * std::sin(9.0 * time)) * p.normalized();
+    velocity = 0.99 * velocity + Vec3(normal(random), normal(random), normal(random)) * 0.02 + 10.0 * (aim - p) * dt_s * 40.0;
+    p += velocity * dt_s;
+    time += dt_s;
+    return p;
+  }
+
+  std::mt19937_64 random;
+  std::normal_distribution<double> normal;
+  Vec3 p = Vec3(0.01, 0.02, 0.035);
+  Vec3 velocity = Vec3::Zero();
+  double time = 0.0;
+};
+
+// The twin: the reference on the mesh of that time, over all triangles. Where the proxy is, is where it stays.
+TEST(DeformingMethod, IsWhereTheReferenceStaysOnTheMeshOfThatTime) {
+  const TouchScene scene = breathing_ball();
+  int touched = 0;
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    const double rate_hz = seed == 2 ? 300.0 : 1000.0;
+    const auto method = make_shaped(scene);
+    ASSERT_TRUE(method);
+    BreathingHand hand(seed);
+    method->reset(hand.p);
+    for (int i = 0; i < 2500; ++i) {
+      const double time = i / rate_hz;
+      const Vec3& p_SD = hand.next(1.0 / rate_hz);
+      const MethodOutput felt = method->step({.p_SD = p_SD, .dt_s = 1.0 / rate_hz, .time_s = time});
+      const TriangleMesh shape = deformed_mesh(scene.objects[0], time);
+      const double winding = compute_winding_number(shape, p_SD);
+      if (winding > 1.0 - 1e-6) {
+        ASSERT_TRUE(felt.contact) << "step " << i << ": the hand is within the body";
+      }
+      if (!felt.contact) continue;
+      ++touched;
+      ASSERT_NEAR(compute_winding_number(shape, felt.p_SP + 1e-9 * felt.force_n.normalized()), 0.0, 0.02) << "step " << i;
+      if (i % 10 != 0) continue;
+      TouchScene still;
+      still.objects.push_back({.mesh = made::shared(shape), .material = {}});
+      auto reference = ReferenceMethod::make_reference({}, still);
+      ASSERT_TRUE(reference);
+      const MethodOutput settled = (*reference)->settle_from(felt.p_SP + 1e-10 * felt.force_n.normalized(), p_SD);
+      ASSERT_LT((settled.p_SP - felt.p_SP).norm(), 1e-7) << "step " << i;
+      ASSERT_LT((settled.force_n - felt.force_n).norm(), 1e-3 * (0.1 + felt.force_n.norm())) << "step " << i;
+    }
+  }
+  EXPECT_GT(touched, 2000);
+}
+
+// A hand that holds still and is passed over again and again, for 20 rounds.
+TEST(DeformingMethod, AHandThatHoldsStillIsNeverFallenThrough) {
+  const TouchScene scene = breathing_ball({.friction_static = 0.4, .friction_dynamic = 0.3});
+  std::mt19937_64 random(7);
+  SCOPED_TRACE("seed 7");
+  std::normal_distribution<double> normal;
+  int touched = 0;
+  for (int h = 0; h < 40; ++h) {
+    const Vec3 direction = Vec3(normal(random), normal(random), normal(random)).normalized();
+    const Vec3 hand = 0.0325 * direction;
+    if (std::fabs(compute_winding_number(*scene.objects[0].mesh, hand)) > 1e-3) continue;
+    const auto method = make_shaped(scene);
+    ASSERT_TRUE(method);
+    method->reset(hand);
+    for (int i = 0; i < 2000; ++i) {
+      const double time = 4e-3 * i;
+      const MethodOutput felt = method->step({.p_SD = hand, .dt_s = 4e-3, .time_s = time});
+      touched += felt.contact ? 1 : 0;
+      if (i % 7 != 0) continue;
+      const double winding = compute_winding_number(deformed_mesh(scene.objects[0], time), hand);
+      if (winding > 1.0 - 1e-6) {
+        ASSERT_TRUE(felt.contact) << "hand " << h << " step " << i;
+      } else if (winding < 1e-6) {
+        ASSERT_FALSE(felt.contact) << "hand " << h << " step " << i;
+      }
+    }
+  }
+  EXPECT_GT(touched, 10'000);
+}
+
+// A gap in the samples, of any length, passes nothing either.
+TEST(DeformingMethod, AGapInTheSamplesPassesNothing) {
+  for (const double gap_s : {0.02, 0.05, 0.15}) {
+    const auto method = make_shaped(coming_sheet(1.0, 0.2));
+    ASSERT_TRUE(method);
+    const Vec3 hand(0.0123, -0.0045, 0.0);
+    method->reset(hand);
+    (void)method->step({.p_SD = hand, .dt_s = 1e-3, .time_s = 0.035});
+    const MethodOutput felt = method->step({.p_SD = hand, .dt_s = gap_s, .time_s = 0.035 + gap_s});
+    EXPECT_NEAR(felt.force_n.z(), -kSkinStiffness * std::max(0.0, kSheetSpeed * (0.035 + gap_s) - 0.010), 1e-3) << gap_s;
+  }
+}
+
+// Far from it the shape is not worked out; the hand then comes at it at once.
+TEST(DeformingMethod, IsFeltAfterALongTimeFarAway) {
+  const TouchScene scene = breathing_ball({.damping_ns_per_m = 1.0});
+  const auto method = make_shaped(scene);
+  ASSERT_TRUE(method);
+  method->reset({0, 0, 0.2});
+  double most = 0.0;
+  for (int i = 0; i <= 3000; ++i) {
+    const double z = i < 2000 ? 0.2 : 0.2 - 0.17 * (i - 2000) / 1000.0;
+    const MethodOutput felt = method->step({.p_SD = {0.001, 0.0005, z}, .dt_s = 1e-3, .time_s = 1e-3 * i});
+    const bool is_inside = compute_winding_number(deformed_mesh(scene.objects[0], 1e-3 * i), {0.001, 0.0005, z}) > 0.999;
+    if (is_inside) {
+      ASSERT_TRUE(felt.contact) << i;
+    }
+    most = std::max(most, felt.force_n.norm());
+    ASSERT_LT(felt.force_n.norm(), 20.0) << i;
+  }
+  EXPECT_GT(most, 3.0);
+}
+
+// Where nothing changes, it is what the proxy feels on the mesh.
+TEST(DeformingMethod, IsTheProxyWhereNothingChanges) {
+  TouchScene scene = breathing_ball({.friction_static = 0.4, .friction_dynamic = 0.3});
+  TouchScene still = scene;
+  still.objects[0].deformation = nullptr;
+  const auto a = make_shaped(scene);
+  const auto b = make_shaped(still);
+  ASSERT_TRUE(a && b);
+  BreathingHand hand(11);
+  SCOPED_TRACE("seed 11");
+  a->reset(hand.p);
+  b->reset(hand.p);
+  int touched = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const Vec3& p_SD = hand.next(1e-3);
+    const MethodOutput deforming = a->step({.p_SD = p_SD, .time_s = 0.0});
+    const MethodOutput rigid = b->step({.p_SD = p_SD, .time_s = 0.0});
+    ASSERT_LT((deforming.force_n - rigid.force_n).norm(), 1e-5 * (1.0 + rigid.force_n.norm())) << i;
+    touched += rigid.contact ? 1 : 0;
+  }
+  EXPECT_GT(touched, 500);
+}
+
+// Without friction the probe slides off; with friction it is carried along.
+TEST(DeformingMethod, CarriesTheProxyAlongByFriction) {
+  for (const double friction : {0.0, 0.8}) {
+    TriangleMesh sheet = made::sheet(0.05, 0.0, 10);
+    const auto target = morph_target_of(sheet, [](const Vec3&) { return Vec3(0.02, 0, 0); });
+    const auto method = make_shaped(deforming_scene(std::move(sheet), {target}, {{0.0, {0.0}}, {0.2, {1.0}}}, false,
+                                                    {.friction_static = friction, .friction_dynamic = friction}));
+    ASSERT_TRUE(method);
+    method->reset({0, 0, 0.001});
+    const Vec3 hand(0, 0, -0.003);  // 3 N: friction holds 2.4 N
+    MethodOutput felt;
+    for (int i = 0; i <= 200; ++i) felt = method->step({.p_SD = hand, .dt_s = 1e-3, .time_s = 1e-3 * i});
+    EXPECT_NEAR(felt.force_n.z(), 3.0, 1e-3);
+    EXPECT_NEAR(felt.force_n.x(), friction * 3.0, 1e-2) << "friction " << friction;
+  }
+}
+
+TEST(DeformingMethod, DampsAgainstTheSurfaceThatComes) {
+  TriangleMesh sheet = made::sheet(0.05, 0.0, 10);
+  const auto target = morph_target_of(sheet, [](const Vec3&) { return Vec3(0, 0, 0.02); });
+  const auto method =
+      make_shaped(deforming_scene(std::move(sheet), {target}, {{0.0, {0.0}}, {0.1, {1.0}}}, false, {.damping_ns_per_m = 2.0}));
+  ASSERT_TRUE(method);
+  const Vec3 hand(0.001, 0.002, 0.005);
+  method->reset(hand);
+  MethodOutput felt;
+  for (int i = 0; i <= 50; ++i) felt = method->step({.p_SD = hand, .dt_s = 1e-3, .time_s = 1e-3 * i});
+  // 10 mm up, 5 mm beyond the hand, at 0.2 m/s: 5 N, and 0.4 N of damping.
+  EXPECT_NEAR(felt.force_n.z(), 5.4, 1e-3);
+}
+
+// In a row with what stands still: it never presses the hand into the floor, and the floor is felt beside it.
+TEST(DeformingMethod, StandsInARowWithWhatStandsStill) {
+  TouchScene scene = coming_sheet(1.0, 0.2);
+  scene.objects.push_back({.mesh = made::shared(made::box({-0.1, -0.1, -0.03}, {0.1, 0.1, -0.02})), .material = {}});
+  const auto method = make_shaped(scene);
+  ASSERT_TRUE(method);
+  const Vec3 hand(0.0123, -0.0045, 0.0);
+  method->reset(hand);
+  for (int i = 0; i <= 200; ++i) {
+    const MethodOutput felt = method->step({.p_SD = hand, .dt_s = 1e-3, .time_s = 1e-3 * i});
+    ASSERT_GE(felt.p_SP.z(), -0.02 - 1e-9) << i;
+    ASSERT_NEAR(felt.force_n.z(), -kSkinStiffness * std::clamp(kSheetSpeed * 1e-3 * i - 0.010, 0.0, 0.020), 1e-3) << i;
+  }
+}
+
+// Of an object that moves as well: a sheet that rises as it deforms down by as much stays where it is.
+TEST(DeformingMethod, DeformsInTheFrameThatMovesAlong) {
+  TouchScene scene = coming_sheet(1.0, 0.2);
+  scene.objects[0].motion = std::make_shared<const KeyframeMotion>(
+      Vec3::Zero(), std::vector<Keyframe>{{0.0, Vec3::Zero(), Quat::Identity()}, {0.2, Vec3(0, 0, kSheetSpeed * 0.2), Quat::Identity()}},
+      false);
+  const auto method = make_shaped(scene);
+  ASSERT_TRUE(method);
+  const Vec3 hand(0.0123, -0.0045, 0.011);
+  method->reset({0.0123, -0.0045, 0.009});
+  (void)method->step({.p_SD = {0.0123, -0.0045, 0.009}, .dt_s = 1e-3, .time_s = 0.0});
+  for (int i = 1; i <= 200; ++i) {
+    const MethodOutput felt = method->step({.p_SD = hand, .dt_s = 1e-3, .time_s = 1e-3 * i});
+    ASSERT_NEAR(felt.force_n.z(), -1.0, 1e-3) << i;
+  }
+}
+
+TEST(DeformingMethod, StepsWithoutHeap) {
+  if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
+  const auto method = make_shaped(breathing_ball());
+  ASSERT_TRUE(method);
+  BreathingHand hand(3);
+  const AllocationGuard guard;
+  method->reset(hand.p);
+  double most = 0.0;
+  for (int i = 0; i < 3000; ++i) most = std::max(most, method->step({.p_SD = hand.next(1e-3), .time_s = 1e-3 * i}).force_n.norm());
+  EXPECT_EQ(guard.count(), 0U);
+  EXPECT_GT(most, 1.0);
+}
+
+TEST(DeformingMethod, SaysWhatItDoesNotFeel) {
+  const TouchScene scene = breathing_ball();
+  for (const char* name : {"smooth", "sweep", "reference"}) {
+    const auto made = make_method({.name = name}, scene);
+    ASSERT_FALSE(made) << name;
+    EXPECT_NE(made.error().what.find("choose proxy"), std::string::npos) << made.error().what;
+  }
+  EXPECT_FALSE(make_method({.probe_radius_m = 0.001}, scene));
+  EXPECT_FALSE(make_method({.shading = 0.5}, scene));
+  TouchScene crossing = scene;
+  TriangleMesh two = made::sphere(0.03, 8);
+  const TriangleMesh other = made::sphere(0.031, 7);
+  const auto shift = static_cast<std::uint32_t>(two.vertices.size());
+  for (const Vec3& v : other.vertices) two.vertices.push_back(v + Vec3(0.01, 0, 0));
+  for (const Triangle& t : other.triangles) two.triangles.push_back({t[0] + shift, t[1] + shift, t[2] + shift});
+  crossing.objects[0].deformation = std::make_shared<const MeshDeformation>(
+      std::vector{morph_target_of(two, [](const Vec3& p) { return p; })}, std::vector<MorphKey>{{0.0, {0.0}}, {1.0, {0.1}}}, false);
+  crossing.objects[0].mesh = made::shared(std::move(two));
+  EXPECT_FALSE(make_method({}, crossing));
+}
+
+TEST(DeformingMethod, SaysHowItDeforms) {
+  const std::string text = make_shaped(breathing_ball())->describe();
+  EXPECT_NE(text.find("deforms for 0.4 s, again and again: 762 vertices move"), std::string::npos) << text;
+}
+
+}  // namespace
+}  // namespace hapton

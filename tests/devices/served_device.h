@@ -1,0 +1,54 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "core/base/result.h"
+#include "devices/device.h"
+#include "runtime/log.h"
+#include "tests/devices/servo_hand.h"
+
+namespace hapton {
+
+// One device of a vendor, driven as the servo drives it.
+struct ServedDevice : testing::Test {
+  static void SetUpTestSuite() { start_log("test"); }
+  // Before what stands in for the hardware goes, which the test's own fixture holds.
+  void TearDown() override { device.reset(); }
+
+  // The device of that id; empty: the first one.
+  virtual Result<std::unique_ptr<Device>> make(const std::string& id) = 0;
+  Result<std::unique_ptr<Device>> make() { return make(""); }
+  // Where the machine stands still for longer than a device is waited for, it is tried again.
+  void open() {
+    auto made = make("");
+    for (int attempt = 1; attempt < 4 && !made; ++attempt) made = make("");
+    ASSERT_TRUE(made) << made.error().what;
+    device = std::move(*made);
+  }
+  template <class Condition>
+  bool serve_until(Condition&& holds, const Wrench& wrench = {}) {
+    return hand.serve_until(*device, holds, wrench);
+  }
+  // Unplugs the device and plugs it in again, until the force is seen to come back in small steps: a test that stands still meanwhile sees
+  // no more than the end of the ramp, so it is tried again. unplug has the number of the attempt, from 1.
+  bool ramps_up(const std::function<void(std::uint64_t)>& unplug, const std::function<bool()>& is_small) {
+    for (std::uint64_t attempt = 1; attempt <= 10 && !HasFatalFailure(); ++attempt) {
+      unplug(attempt);
+      if (is_small()) return true;
+    }
+    return false;
+  }
+  bool serve_until_ready() {
+    return serve_until([&] { return device->status() == DeviceStatus::ready; });
+  }
+
+  std::unique_ptr<Device> device;
+  ServoHand hand;
+};
+
+}  // namespace hapton

@@ -1,0 +1,261 @@
+#include "haptic_step/object_mover.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <random>
+#include <string>
+
+#include "link/commanded_move.h"
+#include "scene/object_motion.h"
+#include "scene/object_reader.h"
+#include "tests/support/allocation_guard.h"
+#include "tests/support/made_meshes.h"
+
+namespace hapton {
+namespace {
+
+using ::testing::HasSubstr;
+
+SceneObject box_object(const char* name, const Vec3& low, const Vec3& high, bool by_program) {
+  SceneObject object;
+  object.name = name;
+  object.mesh = made::shared(made::box(low, high));
+  if (by_program) {
+    ObjectSpec spec;
+    spec.motion.by_program = true;
+    object.commanded = std::make_shared<const CommandedObject>(spec, SceneFit(), *object.mesh);
+  }
+  return object;
+}
+
+// 0: a floor that no program moves; 1: a plate above it; 2 and 3: two of one name.
+Scene movers_scene() {
+  Scene scene;
+  scene.objects.push_back(box_object("floor", {-0.2, -0.2, -0.06}, {0.2, 0.2, -0.05}, false));
+  scene.objects.push_back(box_object("plate", {-0.05, -0.05, -0.004}, {0.05, 0.05, 0.0}, true));
+  scene.objects.push_back(box_object("leg", {0.1, 0.0, 0.0}, {0.11, 0.01, 0.01}, true));
+  scene.objects.push_back(box_object("leg", {0.1, 0.1, 0.0}, {0.11, 0.11, 0.01}, true));
+  return scene;
+}
+
+constexpr std::uint32_t kSource = 42;
+
+struct ObjectMoverTest : testing::Test {
+  Scene scene = movers_scene();
+  HapticsStep step{std::make_unique<TouchStep>(*make_method({}, scene.touch_scene()), scene.touch_scene()), 1e-5};
+  ObjectMover mover{scene, kSource};
+  std::uint64_t sample = 0;
+  std::uint32_t last_request = 100;
+
+  ForceCommand answer(const Vec3& hand = {0.01, 0.02, 0.02}) {
+    ++sample;
+    step.offer({.sample = sample, .sample_time_ns = 1'000'000 * static_cast<std::int64_t>(sample), .p_WD = hand});
+    return step.answer();
+  }
+  MoveRequest lift(double height_m, std::optional<double> over_s = std::nullopt) {
+    return {.request = ++last_request, .object = {"plate"}, .p_m = Vec3(0, 0, height_m), .over_s = over_s};
+  }
+  ObjectMover::Done ask(const MoveRequest& request) {
+    mover.request(request);
+    EXPECT_TRUE(mover.has_request());
+    return mover.work(step);
+  }
+  std::string rejection_of(const MoveRequest& request) {
+    const ObjectMover::Done done = ask(request);
+    EXPECT_FALSE(done.move);
+    EXPECT_EQ(done.reply.request, request.request);
+    return done.reply.rejection.data();
+  }
+  double height() const {
+    return step.touch().find_commanded(1)->pose_at(1e-9 * static_cast<double>(step.scene_time_ns())).translation().z();
+  }
+};
+
+// What is felt, what is announced and what the reply says are one motion.
+TEST_F(ObjectMoverTest, ARequestBecomesAMoveThatIsFelt) {
+  for (int i = 0; i < 10; ++i) answer();
+  const ObjectMover::Done done = ask(lift(0.03, 0.4));
+  ASSERT_TRUE(done.move);
+  EXPECT_STREQ(done.reply.rejection.data(), "");
+  EXPECT_EQ(done.reply.object, 1);
+  EXPECT_DOUBLE_EQ(done.reply.over_s, 0.4);
+  EXPECT_EQ(done.reply.serial, 1U);
+  EXPECT_EQ(done.move->source, kSource);
+  EXPECT_EQ(done.move->serial, 1U);
+  EXPECT_EQ(done.move->object, 1);
+  EXPECT_EQ(done.move->start_ns, 9'000'000) << "the scene time of the last reply";
+  EXPECT_EQ(done.move->end_ns, 409'000'000);
+  EXPECT_EQ(mover.moves()[0].serial, 1U);
+  CommandedMotion shown(scene.objects[1].commanded->pivot());
+  shown.begin(to_command(*done.move));
+  int contacts = 0;
+  for (int i = 0; i < 600; ++i) {
+    const ForceCommand reply = answer();
+    EXPECT_EQ(reply.move_serial, 1U);
+    const double top = shown.pose_at(1e-9 * static_cast<double>(reply.scene_time_ns)).translation().z();
+    ASSERT_NEAR(reply.force_n.z(), 1000.0 * std::max(0.0, top - 0.02), 1e-3) << i;
+    contacts += reply.contact ? 1 : 0;
+  }
+  EXPECT_GT(contacts, 200);
+  EXPECT_EQ(height(), 0.03);
+}
+
+TEST_F(ObjectMoverTest, NoSurfaceGetsFasterThanAllowed) {
+  answer();
+  const ObjectMover::Done slowed = ask(lift(0.05, 0.01));
+  ASSERT_TRUE(slowed.move);
+  EXPECT_NEAR(slowed.reply.over_s, 0.05 / kMostSurfaceSpeed, 1e-9) << "not 0.01 s";
+  const ObjectMover::Done fastest = ask(lift(0.05));
+  EXPECT_NEAR(fastest.reply.over_s, 0.05 / kMostSurfaceSpeed, 1e-9);
+  double before = height();
+  for (int i = 0; i < 300; ++i) {
+    answer();
+    EXPECT_LE(height() - before, 1e-3 * kMostSurfaceSpeed * (1.0 + 1e-9));
+    before = height();
+  }
+  EXPECT_EQ(height(), 0.05);
+  MoveRequest turn{.request = 7, .object = {"plate"}, .q = Quat(Eigen::AngleAxisd(1.0, Vec3::UnitZ()))};
+  const double radius = scene.objects[1].commanded->radius_m();
+  EXPECT_NEAR(ask(turn).reply.over_s, radius / kMostSurfaceSpeed, 1e-9);
+}
+
+TEST_F(ObjectMoverTest, ANewerRequestTakesOverWithoutAJump) {
+  answer();
+  ask(lift(0.05, 1.0));
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> target(-0.04, 0.05);
+  double before = height();
+  for (int i = 0; i < 2000; ++i) {
+    if (i % 7 == 0) ask(lift(target(random), 0.02));
+    EXPECT_EQ(height(), before) << "at the moment of the request, " << i;
+    answer();
+    ASSERT_LE(std::abs(height() - before), 1e-3 * kMostSurfaceSpeed * (1.0 + 1e-9)) << i;
+    before = height();
+  }
+  EXPECT_EQ(step.counts().moves_taken, 1U + 286U);
+}
+
+TEST_F(ObjectMoverTest, WhatIsNotGivenStaysAsItIs) {
+  answer();
+  ask(lift(0.02, 0.1));
+  for (int i = 0; i < 200; ++i) answer();
+  const Quat turned(Eigen::AngleAxisd(0.5, Vec3::UnitX()));
+  const ObjectMover::Done done = ask({.request = 5, .object = {"plate"}, .q = turned});
+  ASSERT_TRUE(done.move);
+  EXPECT_EQ(done.move->to_p_m, Vec3(0, 0, 0.02));
+  EXPECT_LT(done.move->to_q.angularDistance(turned), 1e-12);
+}
+
+TEST_F(ObjectMoverTest, ARepetitionOnlyGetsItsReplyAgain) {
+  answer();
+  const MoveRequest first = lift(0.02, 0.5);
+  const ObjectMover::Done done = ask(first);
+  const MoveRequest second = lift(-0.01, 0.5);
+  ask(second);
+  const ObjectMover::Done again = ask(first);
+  EXPECT_FALSE(again.move) << "it would take over from the second";
+  EXPECT_EQ(again.reply.serial, done.reply.serial);
+  EXPECT_EQ(again.reply.over_s, done.reply.over_s);
+  EXPECT_EQ(step.counts().moves_taken, 2U);
+  const MoveRequest unknown{.request = 900, .object = {"lid"}, .p_m = Vec3::Zero()};
+  EXPECT_EQ(rejection_of(unknown), rejection_of(unknown));
+}
+
+TEST_F(ObjectMoverTest, OthersAreRejectedWithOneLine) {
+  answer();
+  const auto at = [&](const char* name) {
+    MoveRequest request{.request = ++last_request, .p_m = Vec3::Zero()};
+    std::copy_n(name, std::char_traits<char>::length(name), request.object.begin());
+    return request;
+  };
+  EXPECT_THAT(rejection_of(at("floor")), HasSubstr("programs may not move 'floor': give it moved_by = \"program\" in the scene file"));
+  EXPECT_THAT(rejection_of(at("plat")), HasSubstr("there is no object 'plat'; programs may move 'plate' and others"));
+  EXPECT_THAT(rejection_of(at("leg")), HasSubstr("2 objects are named 'leg': give the number of one"));
+  EXPECT_THAT(rejection_of({.request = 1, .number = 4, .p_m = Vec3::Zero()}), HasSubstr("there is no object 4: the scene has 4"));
+  EXPECT_THAT(rejection_of({.request = 2, .number = 0, .p_m = Vec3::Zero()}), HasSubstr("programs may not move 'floor'"));
+  EXPECT_THAT(rejection_of(lift(1e9)), HasSubstr("it may take a day at most"));
+  EXPECT_EQ(step.counts().moves_taken, 0U);
+  EXPECT_TRUE(ask({.request = 3, .number = 3, .p_m = Vec3::Zero()}).move) << "by its number";
+  Scene none = movers_scene();
+  for (SceneObject& object : none.objects) object.commanded.reset();
+  ObjectMover nothing(none, kSource);
+  nothing.request(at("lid"));
+  EXPECT_THAT(nothing.work(step).reply.rejection.data(), HasSubstr("none that programs may move (moved_by = \"program\""));
+  EXPECT_TRUE(nothing.moves().empty());
+}
+
+// Of those that wait for one object the newest counts, and who sent the others gets to know it.
+TEST_F(ObjectMoverTest, AFloodKeepsOneRequestForEachObject) {
+  answer();
+  std::vector<MoveRequest> flood;
+  for (int n = 0; n < 5000; ++n) flood.push_back(lift(0.01 + 1e-6 * n));
+  for (const MoveRequest& request : flood) mover.request(request);
+  mover.request({.request = 1, .number = 3, .p_m = Vec3::Zero()});
+  const ObjectMover::Done done = mover.work(step);
+  ASSERT_TRUE(done.move);
+  EXPECT_EQ(done.reply.request, flood.back().request);
+  EXPECT_EQ(mover.work(step).reply.object, 3);
+  EXPECT_FALSE(mover.has_request());
+  EXPECT_THAT(ask(flood[4990]).reply.rejection.data(), HasSubstr("another request for 'plate' came at the same time"));
+  EXPECT_EQ(step.counts().moves_taken, 2U);
+}
+
+TEST_F(ObjectMoverTest, MoreThanCanWaitAreCounted) {
+  Scene many = movers_scene();
+  for (int n = 0; n < 30; ++n) many.objects.push_back(box_object("more", {0.1 * n, 0.0, 0.0}, {0.1 * n + 0.05, 0.1, 0.1}, true));
+  ObjectMover crowded(many, kSource);
+  for (std::int32_t n = 0; n < 30; ++n)
+    crowded.request({.request = 500U + static_cast<std::uint32_t>(n), .number = n, .p_m = Vec3::Zero()});
+  EXPECT_EQ(crowded.overflows(), 30U - ObjectMover::kMostWaiting);
+}
+
+// No heap for requests, good or bad, however many: the loop that replies to the device calls this.
+TEST_F(ObjectMoverTest, TakesNoHeap) {
+  if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
+  answer();
+  std::vector<MoveRequest> requests = {lift(0.02, 0.5),
+                                       lift(1e9),
+                                       {.request = 1, .object = {"floor"}, .p_m = Vec3::Zero()},
+                                       {.request = 2, .object = {"leg"}, .p_m = Vec3::Zero()},
+                                       {.request = 3, .number = 77, .p_m = Vec3::Zero()}};
+  MoveRequest long_name{.request = 4, .p_m = Vec3::Zero()};
+  std::fill(long_name.object.begin(), long_name.object.end() - 1, 'x');
+  requests.push_back(long_name);
+  const AllocationGuard guard;
+  for (std::uint32_t n = 0; n < 300; ++n) {
+    MoveRequest request = requests[n % requests.size()];
+    request.request = 1000 + n;
+    mover.request(request);
+    if (n % 3 == 0) mover.work(step);
+    answer();
+  }
+  EXPECT_EQ(guard.count(), 0U);
+  EXPECT_GT(step.counts().moves_taken, 10U);
+}
+
+// The same requests at the same samples give the same forces, to the last bit, as the announced moves do in a replay.
+TEST_F(ObjectMoverTest, TheAnnouncedMovesGiveTheSameForces) {
+  std::vector<std::pair<std::size_t, ObjectMove>> announced;
+  std::vector<ForceCommand> felt;
+  for (std::size_t n = 0; n < 800; ++n) {
+    felt.push_back(answer());
+    if (n % 50 == 10) announced.emplace_back(n + 1, *ask(lift(n % 100 < 50 ? 0.05 : 0.01, 0.03)).move);
+  }
+  HapticsStep again{std::make_unique<TouchStep>(*make_method({}, scene.touch_scene()), scene.touch_scene()), 1e-5};
+  std::size_t next = 0;
+  int contacts = 0;
+  for (std::size_t n = 0; n < felt.size(); ++n) {
+    for (; next < announced.size() && announced[next].first == n; ++next) again.command(1, to_command(announced[next].second));
+    again.offer({.sample = n + 1, .sample_time_ns = 1'000'000 * static_cast<std::int64_t>(n + 1), .p_WD = {0.01, 0.02, 0.02}});
+    const ForceCommand reply = again.answer();
+    ASSERT_EQ(reply.force_n, felt[n].force_n) << n;
+    ASSERT_EQ(reply.move_serial, felt[n].move_serial) << n;
+    contacts += reply.contact ? 1 : 0;
+  }
+  EXPECT_GT(contacts, 100);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,121 @@
+#include "haptics_node/inside_watch.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <thread>
+
+#include "core/geometry/mesh_shapes.h"
+#include "runtime/log.h"
+#include "tests/support/made_meshes.h"
+#include "tests/support/made_scene.h"
+#include "tests/support/patience.h"
+
+namespace hapton {
+namespace {
+
+using ::testing::HasSubstr;
+
+TriangleMesh turned_inside_out(TriangleMesh mesh) {
+  for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
+  return mesh;
+}
+
+TEST(FindEnclosure, IsWithinFacesThatPointOutwards) {
+  const TouchScene scene = scene_of(made::sphere(0.05, 30));
+  EXPECT_TRUE(find_enclosure(scene, Vec3::Zero()).is_inside);
+  EXPECT_TRUE(find_enclosure(scene, Vec3(0, 0, 0.049)).is_inside);
+  EXPECT_FALSE(find_enclosure(scene, Vec3(0, 0, 0.051)).is_inside);
+  EXPECT_FALSE(find_enclosure(scene, Vec3(0.045, 0.045, 0.045)).is_inside) << "in its box, outside of it";
+  EXPECT_FALSE(find_enclosure({}, Vec3::Zero()).is_inside);
+  TouchScene commanded = scene;
+  commanded.objects[0].command_pivot = Vec3::Zero();
+  EXPECT_FALSE(find_enclosure(commanded, Vec3::Zero()).is_inside) << "it may be elsewhere";
+}
+
+TEST(FindEnclosure, ARoomIsNoBodyAndNorIsAnOpenShell) {
+  EXPECT_FALSE(find_enclosure(scene_of(turned_inside_out(made::sphere(0.05, 30))), Vec3::Zero()).is_inside);
+  TriangleMesh shell = made::sphere(0.05, 30);
+  shell.triangles.resize(shell.triangles.size() * 3 / 4);
+  EXPECT_FALSE(find_enclosure(scene_of(std::move(shell)), Vec3::Zero()).is_inside);
+  TriangleMesh scanned = made::sphere(0.05, 30);
+  scanned.triangles.pop_back();
+  EXPECT_TRUE(find_enclosure(scene_of(std::move(scanned)), Vec3::Zero()).is_inside) << "a small hole";
+}
+
+TEST(FindEnclosure, LooksAtEachBodyByItself) {
+  TouchScene scene = scene_of(made::box(Vec3::Constant(0.1), Vec3::Constant(0.2)));
+  scene.objects.push_back({made::shared(made::sphere(0.05, 30)), {.two_sided = false}});
+  const Enclosure first = find_enclosure(scene, Vec3::Constant(0.15));
+  EXPECT_TRUE(first.is_inside && first.two_sided);
+  const Enclosure second = find_enclosure(scene, Vec3(0.01, 0, 0));
+  EXPECT_TRUE(second.is_inside && !second.two_sided);
+}
+
+struct InsideWatchTest : testing::Test {
+  static void SetUpTestSuite() { start_log("haptics_node"); }
+  // Long enough for several looks.
+  static void pause() { std::this_thread::sleep_for(std::chrono::milliseconds(600)); }
+
+  TouchScene ball(bool two_sided) { return scene_of(made::sphere(0.05, 30), {.two_sided = two_sided}); }
+};
+
+TEST_F(InsideWatchTest, WarnsOnceOfAHandInsideAndSaysWhenItIsOut) {
+  testing::internal::CaptureStderr();
+  {
+    InsideWatch watch(ball(false));
+    EXPECT_FALSE(watch.is_watching());
+    watch.note_start(Vec3(0.01, 0, 0));
+    EXPECT_TRUE(watch.is_watching());
+    ASSERT_TRUE(wait_until([&] { return watch.is_inside(); }));
+    watch.note_hand(Vec3(0.02, 0, 0), false);
+    pause();
+    EXPECT_TRUE(watch.is_inside() && watch.is_watching());
+    watch.note_hand(Vec3(0.06, 0, 0), false);
+    ASSERT_TRUE(wait_until([&] { return !watch.is_inside(); }));
+    EXPECT_FALSE(watch.is_watching());
+  }
+  const std::string log = testing::internal::GetCapturedStderr();
+  const std::string warning = "no force of it until the stylus has been led out";
+  EXPECT_THAT(log, HasSubstr(warning));
+  EXPECT_EQ(log.find(warning), log.rfind(warning)) << "once";
+  EXPECT_THAT(log, HasSubstr("the stylus is outside now"));
+}
+
+TEST_F(InsideWatchTest, AHandThatIsHeldFromWithinIsStillInside) {
+  testing::internal::CaptureStderr();
+  {
+    InsideWatch watch(ball(true));
+    watch.note_start(Vec3::Zero());
+    ASSERT_TRUE(wait_until([&] { return watch.is_inside(); }));
+    watch.note_hand(Vec3(0.055, 0, 0), true);
+    pause();
+    EXPECT_TRUE(watch.is_inside());
+    watch.note_start(Vec3(0.055, 0, 0));
+    EXPECT_TRUE(wait_until([&] { return !watch.is_inside(); })) << "contact began anew, outside";
+  }
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("end haptics_node, lead the stylus out, and start it again"));
+}
+
+TEST_F(InsideWatchTest, AHandThatComesInLaterIsFeltAndSoIsOneThatStartsOutside) {
+  testing::internal::CaptureStderr();
+  {
+    InsideWatch watch(ball(true));
+    watch.note_start(Vec3(0.051, 0, 0));
+    watch.note_hand(Vec3(0.049, 0, 0), true);  // before the first look
+    ASSERT_TRUE(wait_until([&] { return !watch.is_watching(); }));
+    EXPECT_FALSE(watch.is_inside());
+    watch.note_hand(Vec3(0.03, 0, 0), true);
+    pause();
+    EXPECT_FALSE(watch.is_inside());
+    watch.set_scene({});
+    watch.note_start(Vec3::Zero());
+    ASSERT_TRUE(wait_until([&] { return !watch.is_watching(); }));
+    EXPECT_FALSE(watch.is_inside()) << "another scene";
+  }
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,175 @@
+// Objects that programs move, in the loop of the haptics node: on simulated time, with a hub.
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "haptics_node/reply_loop.h"
+#include "link/commanded_move.h"
+#include "link/hub_peers.h"
+#include "link/memory_endpoint.h"
+#include "scene/object_reader.h"
+#include "tests/support/made_meshes.h"
+#include "tests/support/time_units.h"
+
+namespace hapton {
+namespace {
+
+const Vec3 kHandOverPlate(0.01, 0.01, 0.01);
+
+Scene plate_scene() {
+  Scene scene;
+  for (const char* name : {"plate", "wall"}) {
+    SceneObject object;
+    object.name = name;
+    const double x = scene.objects.empty() ? 0.0 : 0.3;
+    object.mesh = made::shared(made::box(Vec3(x - 0.05, -0.05, -0.02), Vec3(x + 0.05, 0.05, 0.0)));
+    ObjectSpec spec;
+    spec.motion.by_program = true;
+    object.commanded = std::make_shared<const CommandedObject>(spec, SceneFit(), *object.mesh);
+    scene.objects.push_back(object);
+  }
+  return scene;
+}
+
+class ReplyLoopMoves : public ::testing::Test {
+ protected:
+  ReplyLoopMoves() {
+    loop_.set_object_mover(&mover_);
+    for (int i = 0; i < 10 && client_.state() != JoinState::joined; ++i) cycle();
+    cycle();
+  }
+
+  // A sample, a turn of the loop, and what the hub receives in a millisecond.
+  ForceCommand cycle(const Vec3& hand = kHandOverPlate) {
+    send(DeviceState{.sample = ++sample_, .sample_time_ns = clock_.now_ns(), .p_WD = hand});
+    loop_.turn(clock_.now_ns() + kMs);
+    const std::int64_t end_ns = clock_.now_ns() + kMs;
+    Datagram datagram;
+    order_.clear();
+    while (clock_.now_ns() < end_ns) {
+      if (hub_.receive(datagram, end_ns).kind == PeerEvent::Kind::message) take(datagram.message);
+    }
+    return force_;
+  }
+  void take(const Message& message) {
+    order_.push_back(message.index());
+    if (const auto* got = std::get_if<ForceCommand>(&message)) force_ = *got;
+    if (const auto* got = std::get_if<MoveReply>(&message)) replies_.push_back(*got);
+    if (const auto* got = std::get_if<ObjectMove>(&message)) moves_.push_back(*got);
+    if (std::holds_alternative<HapticsSetup>(message)) ++setups_;
+  }
+  void send(const Message& message) { hub_.send_to_role(NodeRole::haptics, message); }
+  MoveRequest lift(std::uint32_t request, double height_m, std::int32_t object = 0) const {
+    return {.request = request, .number = object, .p_m = Vec3(0, 0, height_m)};
+  }
+  std::vector<ObjectMove> newest_moves(std::uint32_t serial) const {
+    std::vector<ObjectMove> found;
+    for (const ObjectMove& move : moves_) {
+      if (move.serial == serial) found.push_back(move);
+    }
+    return found;
+  }
+
+  SimulatedClock clock_;
+  MemoryNetwork network_{clock_};
+  std::unique_ptr<Endpoint> hub_endpoint_ = *network_.open(memory_address(1, 4950));
+  std::unique_ptr<Endpoint> endpoint_ = *network_.open(memory_address(2, 0));
+  HubPeers hub_{*hub_endpoint_, clock_, 1, 1000.0};
+  HubClient client_{*endpoint_, clock_, NodeRole::haptics, memory_address(1, 4950)};
+  Scene scene_ = plate_scene();
+  HapticsStep step_{std::make_unique<TouchStep>(*make_method({}, scene_.touch_scene()), scene_.touch_scene()), 1e-5};
+  MethodBuilder builder_{{}, scene_.touch_scene()};
+  ObjectMover mover_{scene_, 42};
+  ReplyLoop loop_{client_, clock_, step_, builder_, {.scene_hash = 42}};
+  std::vector<MoveReply> replies_;
+  std::vector<ObjectMove> moves_;
+  std::vector<std::size_t> order_;  // kinds, in the last cycle
+  ForceCommand force_;
+  int setups_ = 0;
+  std::uint64_t sample_ = 0;
+};
+
+// The announced motion, evaluated at the scene time of each reply, is what the forces are of.
+TEST_F(ReplyLoopMoves, ForcesAndTheAnnouncedMotionAgree) {
+  ASSERT_EQ(client_.state(), JoinState::joined);
+  moves_.clear();
+  send(lift(7, 0.02));
+  cycle();
+  ASSERT_EQ(replies_.size(), 1U);
+  EXPECT_EQ(replies_[0].request, 7U);
+  EXPECT_STREQ(replies_[0].rejection.data(), "");
+  ASSERT_EQ(newest_moves(1).size(), 1U);
+  CommandedMotion shown(scene_.objects[0].commanded->pivot());
+  shown.begin(to_command(newest_moves(1)[0]));
+  double most_n = 0.0;
+  for (int n = 0; n < 200; ++n) {
+    const ForceCommand force = cycle();
+    EXPECT_EQ(force.move_serial, 1U);
+    const double top = shown.pose_at(1e-9 * static_cast<double>(force.scene_time_ns)).translation().z();
+    ASSERT_NEAR(force.force_n.z(), 1000.0 * std::max(0.0, top - kHandOverPlate.z()), 1e-3) << n;
+    most_n = std::max(most_n, force.force_n.z());
+  }
+  EXPECT_NEAR(most_n, 10.0, 1e-3);
+}
+
+// A vision node knows the motion before the first sample that is felt with it.
+TEST_F(ReplyLoopMoves, TheMotionIsAnnouncedBeforeTheFirstForceWithIt) {
+  send(lift(7, 0.02));
+  EXPECT_EQ(cycle().move_serial, 0U) << "the sample at hand is answered first";
+  ASSERT_EQ(newest_moves(1).size(), 1U);
+  EXPECT_EQ(cycle().move_serial, 1U);
+  EXPECT_LT(newest_moves(1)[0].start_ns, force_.scene_time_ns);
+}
+
+TEST_F(ReplyLoopMoves, WhatWasLostOrCameLaterIsAnnouncedAgain) {
+  send(lift(7, 0.02));
+  for (int n = 0; n < 600; ++n) cycle();
+  EXPECT_GE(newest_moves(1).size(), 4U) << "soon, a few times";
+  moves_.clear();
+  for (int n = 0; n < 2500; ++n) cycle();
+  EXPECT_GE(newest_moves(1).size(), 1U) << "once a second, for who joins later";
+  EXPECT_GE(newest_moves(0).size(), 1U) << "also those that were not moved: another haptics process may have moved them";
+  for (const ObjectMove& move : moves_) EXPECT_EQ(move.source, 42U);
+}
+
+TEST_F(ReplyLoopMoves, ARequestIsRepeatedUntilItsReplyComes) {
+  send(lift(7, 0.02));
+  cycle();
+  for (int n = 0; n < 20; ++n) cycle();
+  send(lift(7, 0.02));
+  for (int n = 0; n < 10; ++n) cycle();
+  EXPECT_EQ(replies_.size(), 2U);
+  EXPECT_EQ(step_.counts().moves_taken, 1U);
+}
+
+// However many come: each sample has its reply, before anything else is sent, and one request is carried out every few milliseconds.
+TEST_F(ReplyLoopMoves, AFloodNeverComesBeforeAForce) {
+  const int setups_before = setups_;
+  const std::uint64_t answered = step_.counts().answered;
+  std::uint32_t request = 100;
+  for (int n = 0; n < 400; ++n) {
+    for (int k = 0; k < 20; ++k) send(lift(++request, 1e-4 * (k % 7), k % 2));
+    const std::uint64_t echoed = sample_ + 1;
+    ASSERT_EQ(cycle().echo_sample, echoed);
+    ASSERT_FALSE(order_.empty());
+    ASSERT_EQ(order_[0], Message(ForceCommand()).index()) << n;
+    ASSERT_LE(order_.size(), 8U);
+  }
+  EXPECT_EQ(step_.counts().answered, answered + 400U);
+  EXPECT_LE(step_.counts().moves_taken, 400U * 2U / 4U + 2U) << "one in 4 ms, of 20 a cycle of 2 ms";
+  EXPECT_GE(step_.counts().moves_taken, 50U);
+  EXPECT_LE(setups_ - setups_before, 4);
+}
+
+TEST_F(ReplyLoopMoves, WithoutAMoverRequestsAreLeftOut) {
+  loop_.set_object_mover(nullptr);
+  send(lift(7, 0.02));
+  for (int n = 0; n < 10; ++n) cycle();
+  EXPECT_TRUE(replies_.empty());
+  EXPECT_EQ(step_.counts().moves_taken, 0U);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,129 @@
+// The network side beside a device side that works out its forces itself.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "tests/io_node/servo_fixture.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kRestRateHz = 10'000.0;
+constexpr std::int64_t kRestPeriodNs = 100 * kUs;
+
+class LocalFloor final : public LocalTouch {
+ public:
+  std::optional<LocalForce> step(const DeviceSample&) noexcept override {
+    return is_there ? std::optional(LocalForce{.force_n = Vec3(0, 0, 1), .contact = true}) : std::nullopt;
+  }
+  bool is_there = true;
+};
+
+// The network side sleeps in this endpoint, and meanwhile the device side makes its cycles, as its own thread would.
+class SleepingEndpoint final : public Endpoint {
+ public:
+  explicit SleepingEndpoint(SimulatedClock& clock) : clock_(clock) {}
+  bool send(const Address&, std::span<const std::byte>) noexcept override { return true; }
+  Received receive(std::span<std::byte>, std::int64_t deadline_ns) noexcept override {
+    while (loop != nullptr && loop->tick_ns() <= std::max(deadline_ns, clock_.now_ns())) {
+      clock_.sleep_until_ns(loop->tick_ns() + std::exchange(late_ns, 0));
+      loop->begin_cycle();
+      loop->run_cycle();
+    }
+    clock_.sleep_until_ns(deadline_ns);
+    return {};
+  }
+  Address local_address() const override { return {}; }
+  DeviceLoop* loop = nullptr;
+  std::int64_t late_ns = 0;  // of the next cycle
+
+ private:
+  SimulatedClock& clock_;
+};
+
+class CycleTap final : public ServoTap {
+ public:
+  void on_sent(const Address&, std::span<const std::byte>, std::int64_t) noexcept override {}
+  void on_received(const Address&, std::span<const std::byte>, std::int64_t) noexcept override {}
+  void on_cycle(const CycleNote& note, std::int64_t) noexcept override { samples.push_back(note.sample); }
+  void on_fault(SessionFault fault, std::int64_t) noexcept override { faults.push_back(fault); }
+  MarkerStatus on_marker(const MarkerNote&, std::int64_t) noexcept override { return MarkerStatus::recorded; }
+  std::vector<std::uint64_t> samples;
+  std::vector<SessionFault> faults;
+};
+
+struct ServoRest : testing::Test {
+  SimulatedClock clock{1'000'000'000};
+  SleepingEndpoint endpoint{clock};
+  HubPeers peers{endpoint, clock, kSession, kRestRateHz};
+  BenchDevice device;
+  LocalFloor floor;
+  CycleTap tap;
+  std::unique_ptr<Servo> servo;
+
+  void make(double vision_rate_hz = 240.0) {
+    servo = std::make_unique<Servo>(device, peers, clock, Servo::Options{.rate_hz = kRestRateHz, .vision_rate_hz = vision_rate_hz}, nullptr,
+                                    &tap);
+    servo->device_loop().set_local_touch(&floor);
+    servo->use_device_thread();
+    servo->device_loop().start();
+    servo->start();
+    endpoint.loop = &servo->device_loop();
+  }
+  // How often the network side wakes in so many cycles of the device side.
+  int count_steps(int cycles) {
+    const std::size_t before = device.reads.size();
+    int steps = 0;
+    for (; device.reads.size() < before + static_cast<std::size_t>(cycles); ++steps) servo->step();
+    return steps;
+  }
+};
+
+TEST_F(ServoRest, WakesOnceInAMillisecondAndMissesNoCycle) {
+  make();
+  count_steps(100);
+  EXPECT_NEAR(count_steps(10'000), 1000, 10);
+  servo->step();
+  ASSERT_FALSE(tap.samples.empty());
+  for (std::size_t n = 0; n < tap.samples.size(); ++n) ASSERT_EQ(tap.samples[n], n + 1);
+  EXPECT_GE(tap.samples.size(), 10'090U);
+  EXPECT_EQ(servo->collect_stats().missed_cycles, 0U);
+  EXPECT_TRUE(tap.faults.empty());
+}
+
+TEST_F(ServoRest, AsOftenAsAVisionNodeMayHaveStates) {
+  make(4000.0);
+  count_steps(100);
+  // The rest ends in the middle of a period.
+  EXPECT_NEAR(count_steps(10'000), 3333, 40);
+}
+
+TEST_F(ServoRest, NotWhileForcesComeFromTheNetwork) {
+  make();
+  floor.is_there = false;
+  count_steps(100);
+  EXPECT_NEAR(count_steps(1000), 1000, 10);
+  floor.is_there = true;
+  count_steps(20);
+  EXPECT_NEAR(count_steps(1000), 100, 5);
+  floor.is_there = false;
+  count_steps(20);
+  EXPECT_NEAR(count_steps(1000), 1000, 10) << "the network side is back within a rest";
+}
+
+TEST_F(ServoRest, AStallIsAFaultAlsoWhereNewerCyclesFollowedBeforeItWoke) {
+  make();
+  count_steps(1000);
+  EXPECT_TRUE(tap.faults.empty());
+  endpoint.late_ns = kCommandTimeoutNs + kRestPeriodNs;
+  servo->step();
+  servo->step();
+  EXPECT_EQ(tap.faults, std::vector{SessionFault::stalled});
+  count_steps(1000);
+  EXPECT_EQ(tap.faults.size(), 1U);
+}
+
+}  // namespace
+}  // namespace hapton

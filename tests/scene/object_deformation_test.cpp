@@ -1,0 +1,136 @@
+#include "scene/object_deformation.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "scene/scene_file.h"
+#include "scene/scene_hash.h"
+#include "scene/scene_report.h"
+#include "tests/support/scratch_folder.h"
+
+namespace hapton {
+namespace {
+
+using ::testing::HasSubstr;
+
+// A square of 0.1 m of two triangles, its corner at the origin of the mesh.
+struct ObjectDeformation : testing::Test {
+  ObjectDeformation() { folder.write("a.obj", "v 0 0 0\nv 0.1 0 0\nv 0.1 0.1 0\nv 0 0.1 0\nf 1 2 3\nf 1 3 4\n"); }
+
+  Result<Scene> load(const std::string& object, const std::string& morphs, const std::string& head = "") {
+    return load_scene(folder.write("a.toml", head + "[[object]]\nname = 'skin'\nmesh = 'a.obj'\n" + object + "\n" + morphs));
+  }
+  std::string error_of(const std::string& object, const std::string& morphs, const std::string& head = "") {
+    const auto scene = load(object, morphs, head);
+    return scene ? "it was read" : scene.error().what;
+  }
+  static std::string morph(const std::string& text) { return "[[object.morph]]\n" + text + "\n"; }
+  static std::vector<Vec3> shape(const SceneObject& object, double time_s) {
+    return object.deformation->vertices_at(object.mesh->vertices, object.deformation->weights_at(time_s));
+  }
+
+  ScratchFolder folder;
+};
+
+// Lengths and directions are the mesh's, where scale, pose and fit take them.
+TEST_F(ObjectDeformation, APushIsThatOfTheMesh) {
+  const auto scene =
+      load("position_m = [0, 0, 0.01]\nrotation_deg = [0, 0, 90]\nscale = 2", morph("push_m = [0.01, 0, 0.02]\nkeys = [[0, 0], [1, 1]]"));
+  ASSERT_TRUE(scene) << scene.error().what;
+  const SceneObject& skin = scene->objects[0];
+  ASSERT_TRUE(skin.deformation);
+  EXPECT_EQ(shape(skin, 0.0), skin.mesh->vertices) << "as at rest";
+  for (std::size_t v = 0; v < 4; ++v) {
+    EXPECT_LT((shape(skin, 0.5)[v] - skin.mesh->vertices[v] - Vec3(0, 0.01, 0.02)).norm(), 1e-15) << v;
+  }
+  EXPECT_EQ(scene->touch_scene().objects[0].deformation, skin.deformation);
+  EXPECT_FALSE(skin.deformation->loops());
+}
+
+TEST_F(ObjectDeformation, WithARadiusItFallsOff) {
+  const auto scene = load("", morph("push_m = [0, 0, 0.01]\ncenter_m = [0.1, 0, 0]\nradius_m = 0.11\nkeys = [[0, 0], [1, 1]]"));
+  ASSERT_TRUE(scene) << scene.error().what;
+  const auto at = shape(scene->objects[0], 1.0);
+  EXPECT_DOUBLE_EQ(at[1].z(), 0.01);
+  const double share = 1.0 - 0.01 / 0.0121;
+  EXPECT_NEAR(at[0].z(), 0.01 * share * share, 1e-15);
+  EXPECT_EQ(at[3].z(), 0.0) << "farther than the radius";
+  EXPECT_EQ(scene->objects[0].deformation->moved().size(), 3U);
+}
+
+TEST_F(ObjectDeformation, StretchesAlongTheMeshsAxes) {
+  const auto scene = load("rotation_deg = [0, 0, 90]", morph("stretch = [1.2, 1, 1]\ncenter_m = [0.05, 0, 0]\nkeys = [[0, 0], [1, 1]]"));
+  ASSERT_TRUE(scene) << scene.error().what;
+  const auto at = shape(scene->objects[0], 1.0);
+  EXPECT_LT((at[0] - Vec3(0, -0.01, 0)).norm(), 1e-15);
+  EXPECT_LT((at[2] - Vec3(-0.1, 0.11, 0)).norm(), 1e-15);
+}
+
+TEST_F(ObjectDeformation, SeveralAddUpWithTheirOwnTimes) {
+  const auto scene = load("loop = true", morph("push_m = [0, 0, 0.01]\nkeys = [[0, 0], [1, 1], [2, 0]]") +
+                                             morph("push_m = [0.01, 0, 0]\nkeys = [[0.5, 1], [1.5, 0], [3, 1]]"));
+  ASSERT_TRUE(scene) << scene.error().what;
+  const SceneObject& skin = scene->objects[0];
+  EXPECT_LT((shape(skin, 0.75)[0] - Vec3(0.0075, 0, 0.0075)).norm(), 1e-15);
+  EXPECT_LT((shape(skin, 2.5)[0] - Vec3(0.01 * 2.0 / 3.0, 0, 0)).norm(), 1e-15);
+  EXPECT_LT((shape(skin, 3.75)[0] - shape(skin, 0.75)[0]).norm(), 1e-12);
+}
+
+TEST_F(ObjectDeformation, AFitScalesIt) {
+  const std::string morphs = morph("push_m = [0, 0, 0.01]\nkeys = [[0, 0], [1, 1]]");
+  const auto scene = load("", morphs, "fit_m = [0.2, 0.2, 0.2]\n");
+  ASSERT_TRUE(scene) << scene.error().what;
+  EXPECT_NEAR((shape(scene->objects[0], 1.0)[0] - scene->objects[0].mesh->vertices[0]).z(), 0.02, 1e-12);
+}
+
+TEST_F(ObjectDeformation, AFastOneNamesTheTimeThatWouldDo) {
+  const auto fast = [](const char* keys) { return "push_m = [0, 0, 0.1]\nkeys = " + std::string(keys); };
+  EXPECT_THAT(
+      error_of("", morph(fast("[[0, 0], [0.2, 1]]"))),
+      HasSubstr("line 5: from 0 to 0.2 s 'skin' deforms with up to 0.5 m/s; a surface may push a hand with 0.25 m/s: give it 0.400 s "
+                "or more"));
+  EXPECT_TRUE(load("", morph(fast("[[0, 0], [0.4, 1]]"))));
+  // Together with its motion.
+  const std::string moving = "[[object.keyframe]]\ntime_s = 0\n[[object.keyframe]]\ntime_s = 1\nposition_m = [0.2, 0, 0]\n";
+  EXPECT_THAT(error_of("", morph(fast("[[0, 0], [1, 1]]")) + moving), HasSubstr("deforms with up to 0.1 m/s and moves with up to 0.2"));
+  EXPECT_TRUE(load("", morph(fast("[[0, 0], [2, 1]]")) + moving));
+}
+
+TEST_F(ObjectDeformation, RejectsWhatCannotBeFelt) {
+  const std::string good = morph("push_m = [0, 0, 0.01]\nkeys = [[0, 0], [1, 1]]");
+  EXPECT_THAT(error_of("loop = true", good), HasSubstr("line 5: 'skin' does not end with the weights that it begins with"));
+  EXPECT_THAT(error_of("", morph("push_m = [0, 0, 0.01]\ncenter_m = [5, 0, 0]\nradius_m = 0.1\nkeys = [[0, 0], [1, 1]]")),
+              HasSubstr("moves no vertex of 'skin'"));
+  EXPECT_THAT(error_of("movable = true", good), HasSubstr("movable and deforms"));
+  EXPECT_THAT(error_of("material = 'm'", good, "[material.m]\nstiffness_n_per_m = 500\nviscosity_ns_per_m = 1\n"),
+              HasSubstr("its material may have stiffness, damping and friction only"));
+  EXPECT_THAT(error_of("loop = true", ""), HasSubstr("'loop' in [[object]] 1 goes with keyframes or morphs"));
+  // Pressed flat, its triangles are one line.
+  EXPECT_THAT(error_of("", morph("stretch = [0, 1, 1]\nkeys = [[0, 0], [1, 1]]")),
+              HasSubstr("'skin' deforms, and at 1 s 2 of its 2 triangles"));
+}
+
+TEST_F(ObjectDeformation, IsPartOfTheHashes) {
+  const auto hashes = [&](const char* keys) {
+    const auto scene = load("", morph("push_m = [0, 0, 0.01]\nkeys = " + std::string(keys)));
+    EXPECT_TRUE(scene);
+    return std::pair(scene->given_hash, hash_scene(scene->touch_scene()));
+  };
+  const auto one = hashes("[[0, 0], [1, 1]]");
+  EXPECT_EQ(one, hashes("[[0, 0], [1, 1]]"));
+  EXPECT_NE(one.first, hashes("[[0, 0], [1, 0.9]]").first);
+  EXPECT_NE(one.second, hashes("[[0, 0], [1, 0.9]]").second);
+}
+
+TEST_F(ObjectDeformation, IsReported) {
+  ASSERT_TRUE(load("", morph("push_m = [0, 0, 0.01]\nkeys = [[0, 0], [1, 1]]")));
+  const auto report = make_scene_report(folder.path() / "a.toml");
+  ASSERT_TRUE(report);
+  EXPECT_THAT(to_text(*report), HasSubstr("deforms by 1 morph for 1 s: 4 vertices move"));
+  EXPECT_THAT(to_json(*report), HasSubstr("\"morphs\": 1"));
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,70 @@
+#include "scene/tool_obstacles.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/made_meshes.h"
+
+namespace hapton {
+namespace {
+
+// Three spheres, each with its own stiffness and friction.
+TouchScene three_spheres() {
+  TouchScene scene;
+  for (int i = 0; i < 3; ++i) {
+    TouchObject object;
+    object.mesh = made::shared(made::sphere(0.01 * (i + 1), 8));
+    object.material.stiffness_n_per_m = 100.0 * (i + 1);
+    object.material.friction_static = 0.2 * i;
+    object.material.friction_dynamic = 0.1 * i;
+    scene.objects.push_back(object);
+  }
+  return scene;
+}
+
+TEST(ToolObstacles, AreTheObjectsWithTheirFriction) {
+  const TouchScene scene = three_spheres();
+  const ToolObstacles obstacles = make_tool_obstacles(scene);
+  ASSERT_EQ(obstacles.meshes.size(), 3U);
+  ASSERT_EQ(obstacles.friction.size(), 3U);
+  for (std::size_t o = 0; o < 3; ++o) {
+    EXPECT_EQ(obstacles.meshes[o], scene.objects[o].mesh);
+    EXPECT_EQ(obstacles.friction[o].friction_static, scene.objects[o].material.friction_static);
+    EXPECT_EQ(obstacles.friction[o].friction_dynamic, scene.objects[o].material.friction_dynamic);
+  }
+  EXPECT_EQ(obstacles.stiffness_n_per_m, 300.0);
+}
+
+TEST(ToolObstacles, LeaveOutTheHeldObjectButNotItsStiffness) {
+  const TouchScene scene = three_spheres();
+  const ToolObstacles obstacles = make_tool_obstacles(scene, 2);
+  ASSERT_EQ(obstacles.meshes.size(), 2U);
+  EXPECT_EQ(obstacles.meshes[0], scene.objects[0].mesh);
+  EXPECT_EQ(obstacles.meshes[1], scene.objects[1].mesh);
+  ASSERT_EQ(obstacles.friction.size(), 2U);
+  EXPECT_EQ(obstacles.friction[1].friction_static, 0.2);
+  EXPECT_EQ(obstacles.stiffness_n_per_m, 300.0) << "the held object is as stiff as it was to a probe";
+}
+
+TEST(ToolObstacles, SayWhetherAnyHasFriction) {
+  TouchScene scene = three_spheres();
+  EXPECT_TRUE(make_tool_obstacles(scene).has_friction());
+  scene.objects.resize(1);
+  EXPECT_FALSE(make_tool_obstacles(scene).has_friction()) << "the first sphere has none";
+}
+
+TEST(ToolObstacles, SayThatDampingOrAnyEffectIsLeftOut) {
+  EXPECT_FALSE(make_tool_obstacles(three_spheres()).leaves_out);
+  TouchScene damped = three_spheres();
+  damped.objects[1].material.damping_ns_per_m = 0.5;
+  EXPECT_TRUE(make_tool_obstacles(damped).leaves_out);
+  TouchScene viscous = three_spheres();
+  viscous.objects[1].effects.viscosity.damping_ns_per_m = 1.0;
+  EXPECT_TRUE(make_tool_obstacles(viscous).leaves_out);
+  TouchScene with_spring = three_spheres();
+  with_spring.effects.emplace_back(SpringEffect{.stiffness_n_per_m = 900.0});
+  EXPECT_TRUE(make_tool_obstacles(with_spring).leaves_out);
+  EXPECT_EQ(make_tool_obstacles(with_spring).stiffness_n_per_m, 900.0);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,149 @@
+// vision_node runs for hours, and meshes are reshaped and their levels of detail replaced again and again: the graphics driver must not be
+// left with what is no longer drawn.
+#include "vision_node/flat_buffers.h"
+
+#include <memory>
+#include <vector>
+
+#include <GL/glew.h>
+#include <gtest/gtest.h>
+
+#include "tests/vision_node/made_views.h"
+#include "vision_node/gl_target.h"
+#include "vision_node/scene_painter.h"
+
+namespace hapton {
+namespace {
+
+struct DriverMemory : testing::Test {
+  // Makes the context current in which all is made.
+  void SetUp() override {
+    view = open_or_fail(plain_settings(StereoMode::mono, 64, 64), {});
+    ASSERT_TRUE(view);
+    before = count_objects();
+  }
+  // Of all kinds that are released by hand. Names count from 1.
+  static int count_objects() {
+    int count = 0;
+    for (GLuint name = 1; name < 4096; ++name) {
+      count += glIsVertexArray(name) + glIsBuffer(name) + glIsTexture(name) + glIsRenderbuffer(name) + glIsFramebuffer(name) +
+               glIsProgram(name) + glIsShader(name);
+    }
+    return count;
+  }
+  static FlatLevel make_level(bool is_painted) {
+    FlatLevel level;
+    level.vertices.resize(3);
+    level.indices = {0, 1, 2};
+    if (is_painted) level.paints.resize(3);
+    return level;
+  }
+
+  std::unique_ptr<StereoView> view;
+  int before = 0;
+};
+
+TEST_F(DriverMemory, ALevelOfDetailThatIsReleasedLeavesNothing) {
+  for (const bool is_painted : {false, true}) {
+    FlatBuffers buffers = upload(make_level(is_painted), 0);
+    EXPECT_EQ(count_objects(), before + (is_painted ? 3 : 2));
+    release(buffers);
+    EXPECT_EQ(count_objects(), before);
+    release(buffers);  // there is nothing left of it
+    EXPECT_EQ(count_objects(), before);
+  }
+}
+
+TEST_F(DriverMemory, AReshapedMeshReplacesTheOneBefore) {
+  const auto ball = make_marker(Vec3::Zero(), 0.05);
+  auto painter = ScenePainter::make({ShownObject{.mesh = ball}});
+  ASSERT_TRUE(painter) << painter.error().what;
+  (*painter)->reshape_object(0, ball->vertices);
+  const int held = count_objects();
+  EXPECT_GT(held, before);
+  for (int i = 0; i < 5; ++i) (*painter)->reshape_object(0, ball->vertices);
+  EXPECT_EQ(count_objects(), held);
+  painter->reset();
+  EXPECT_EQ(count_objects(), before) << "and all goes with the painter";
+}
+
+TEST_F(DriverMemory, AFramebufferOfAnotherSizeReplacesTheOneBefore) {
+  const GlStateGuard guard;
+  {
+    GlTarget target;
+    EXPECT_TRUE(target.shape({32, 16}, {}));
+    const int held = count_objects();
+    EXPECT_EQ(held, before + 3);
+    EXPECT_FALSE(target.shape({32, 16}, {})) << "its content is kept";
+    EXPECT_TRUE(target.shape({16, 32}, {}));
+    EXPECT_EQ(count_objects(), held);
+  }
+  EXPECT_EQ(count_objects(), before);
+}
+
+// VTK keeps a copy of what it has set, and draws wrong where that is no longer so.
+TEST_F(DriverMemory, WhatIsSetInAScopeIsAsItWasAfterIt) {
+  const auto read = [] {
+    std::vector<GLint> values;
+    for (const GLenum name : {GL_DRAW_FRAMEBUFFER_BINDING,
+                              GL_READ_FRAMEBUFFER_BINDING,
+                              GL_CURRENT_PROGRAM,
+                              GL_VERTEX_ARRAY_BINDING,
+                              GL_ARRAY_BUFFER_BINDING,
+                              GL_DEPTH_FUNC,
+                              GL_CULL_FACE_MODE,
+                              GL_FRONT_FACE,
+                              GL_VIEWPORT,
+                              GL_SCISSOR_BOX,
+                              GL_COLOR_CLEAR_VALUE,
+                              GL_DEPTH_WRITEMASK,
+                              GL_COLOR_WRITEMASK,
+                              GL_BLEND_SRC_RGB,
+                              GL_BLEND_DST_RGB,
+                              GL_BLEND_SRC_ALPHA,
+                              GL_BLEND_DST_ALPHA,
+                              GL_SCISSOR_TEST,
+                              GL_DEPTH_TEST,
+                              GL_BLEND,
+                              GL_CULL_FACE}) {
+      GLint value[4] = {};
+      glGetIntegerv(name, value);
+      values.insert(values.end(), value, value + 4);
+    }
+    return values;
+  };
+  glDisable(GL_SCISSOR_TEST);
+  glEnable(GL_DEPTH_TEST);
+  glDisable(GL_BLEND);
+  glEnable(GL_CULL_FACE);
+  const std::vector<GLint> as_it_was = read();
+  GlTarget target;
+  FlatBuffers buffers;
+  {
+    const GlStateGuard guard;
+    target.shape({32, 16}, {});
+    target.bind();
+    buffers = upload(make_level(false), 0);
+    glBindVertexArray(buffers.array);
+    glBindBuffer(GL_ARRAY_BUFFER, buffers.buffer);
+    glDepthFunc(GL_ALWAYS);
+    glCullFace(GL_FRONT);
+    glFrontFace(GL_CW);
+    glViewport(1, 2, 3, 4);
+    glScissor(5, 6, 7, 8);
+    glClearColor(0.2F, 0.4F, 0.6F, 0.8F);
+    glDepthMask(GL_FALSE);
+    glColorMask(GL_FALSE, GL_TRUE, GL_FALSE, GL_TRUE);
+    glBlendFuncSeparate(GL_ONE, GL_ZERO, GL_DST_COLOR, GL_SRC_COLOR);
+    glEnable(GL_SCISSOR_TEST);
+    glDisable(GL_DEPTH_TEST);
+    glEnable(GL_BLEND);
+    glDisable(GL_CULL_FACE);
+    EXPECT_NE(read(), as_it_was);
+  }
+  EXPECT_EQ(read(), as_it_was);
+  release(buffers);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,105 @@
+#include <fmt/core.h>
+
+#include <array>
+#include <charconv>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/math/turn_by_degrees.h"
+#include "link/hub_connection.h"
+#include "link/move_request.h"
+#include "tools/commands.h"
+
+namespace hapton {
+namespace {
+
+struct MoveOptions {
+  std::string object;
+  std::string to;
+  std::string rotate;
+  std::optional<double> over_s;
+  HubConnection::Settings hub;
+};
+
+constexpr double kMoveJoinS = 2.0;
+constexpr double kMoveReplyS = 5.0;
+// More than requested, by which a time is not only rounded.
+constexpr double kSlowed = 1e-6;
+
+// "0.1,0,-0.05". None: it is no such list.
+std::optional<std::vector<double>> read_numbers(std::string_view text) {
+  std::vector<double> numbers;
+  const char* next = text.data();
+  const char* const end = text.data() + text.size();
+  while (true) {
+    const auto [stop, error] = std::from_chars(next, end, numbers.emplace_back());
+    if (error != std::errc()) return std::nullopt;
+    if (stop == end) return numbers;
+    if (*stop != ',') return std::nullopt;
+    next = stop + 1;
+  }
+}
+
+Result<MoveTarget> read_target(const MoveOptions& options) {
+  MoveTarget target{.over_s = options.over_s};
+  if (!options.to.empty()) {
+    const auto numbers = read_numbers(options.to);
+    if (!numbers || numbers->size() != 3) return fail("--to {}: give three numbers in metres, X,Y,Z", options.to);
+    target.position_m = Vec3(numbers->data());
+  }
+  if (!options.rotate.empty()) {
+    const auto numbers = read_numbers(options.rotate);
+    if (!numbers || (numbers->size() != 3 && numbers->size() != 4)) {
+      return fail("--rotate {}: give three angles in degrees, X,Y,Z, or a quaternion W,X,Y,Z", options.rotate);
+    }
+    const std::vector<double>& n = *numbers;
+    target.rotation = n.size() == 4 ? Quat(n[0], n[1], n[2], n[3]) : turn_by_degrees(Vec3(n.data()));
+  }
+  if (!target.position_m && !target.rotation) return fail("nothing to move to; give --to, --rotate, or both");
+  return target;
+}
+
+Result<double> move(const MoveOptions& options) {
+  const auto target = read_target(options);
+  if (!target) return tl::unexpected(target.error());
+  const auto request = make_move_request(options.object, *target);
+  if (!request) return tl::unexpected(request.error());
+  const auto connection = HubConnection::open(NodeRole::tool, options.hub);
+  if (!connection) return tl::unexpected(connection.error());
+  if (const auto joined = (*connection)->wait_until_joined(kMoveJoinS); !joined) return tl::unexpected(joined.error());
+  return move_object((*connection)->client(), (*connection)->clock(), *request, kMoveReplyS);
+}
+
+int run(const MoveOptions& options) {
+  const auto seconds = move(options);
+  if (!seconds) {
+    fmt::print(stderr, "hapton move: {}\n", seconds.error().what);
+    return 1;
+  }
+  const bool is_slowed = options.over_s && *seconds > *options.over_s * (1.0 + kSlowed);
+  fmt::print("{} moves, for {:.3f} s{}\n", options.object, *seconds,
+             is_slowed ? fmt::format(", not {:g} s: no point of it may be faster than 0.25 m/s", *options.over_s) : "");
+  return 0;
+}
+
+}  // namespace
+
+void add_move_command(CommandLine app, int& exit_code) {
+  auto options = std::make_shared<MoveOptions>();
+  const CommandLine command = app.add_subcommand("move", "Move an object of a running scene that has moved_by = \"program\"");
+  command.add_option("object", options->object, "Its name in the scene, or #N, its number from 0").required();
+  command.add_option("--to", options->to, "X,Y,Z in m: its position_m then, as in the scene file; left out: its pivot stays where it is");
+  command.add_option("--rotate", options->rotate,
+                     "X,Y,Z in degrees, or a quaternion W,X,Y,Z: its rotation then, as in the scene file; left out: it does not turn");
+  command.add_option("--over", options->over_s, "Time that it takes, s; left out, or too short: as fast as a surface may be (0.25 m/s)")
+      .positive("seconds");
+  command.add_option("--hub", options->hub.hub, "Where io_node is: HOST or HOST:PORT").shows_default();
+  command.add_option("--key", options->hub.key_file, kKeyHelp);
+  command.on_run([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace hapton

@@ -1,0 +1,87 @@
+#include "vision_node/eye_view.h"
+
+#include <vtkCullerCollection.h>
+#include <vtkMatrix4x4.h>
+#include <vtkObjectFactory.h>
+#include <vtkProp.h>
+
+#include "vision_node/depth_cues.h"
+#include "vision_node/vtk_shapes.h"
+
+namespace hapton {
+namespace {
+
+// From over the viewer's left shoulder, as the scene's.
+const Vec3 kLight_V(-0.40, 0.62, 0.85);
+
+// The static scene in VTK's list of things to draw: first, and nothing is cleared before. VTK's macros take no semicolon.
+// clang-format off
+class SceneProp : public vtkProp {
+ public:
+  static SceneProp* New();
+  vtkTypeMacro(SceneProp, vtkProp)
+  EyeView* view = nullptr;
+  int RenderOpaqueGeometry(vtkViewport*) override {
+    view->draw_scene();
+    return 1;
+  }
+};
+vtkStandardNewMacro(SceneProp)
+// clang-format on
+
+}  // namespace
+
+EyeView::EyeView(const Viewport& part) {
+  renderer->SetViewport(part.from_x, part.from_y, part.to_x, part.to_y);
+  renderer->SetActiveCamera(camera_);
+  renderer->AutomaticLightCreationOff();
+  renderer->GetCullers()->RemoveAllItems();
+  renderer->EraseOff();
+  light_->SetLightTypeToSceneLight();
+  light_->PositionalOff();
+  light_->SetFocalPoint(0.0, 0.0, 0.0);
+  renderer->AddLight(light_);
+  vtkNew<SceneProp> scene;
+  scene->view = this;
+  renderer->AddViewProp(scene);
+}
+
+PictureSize EyeView::size() {
+  const int* pixels = renderer->GetSize();
+  return {pixels[0], pixels[1]};
+}
+
+StereoScreen EyeView::screen(const Framing& framing) {
+  const PictureSize drawn = size();
+  return compute_screen(framing, {drawn.width_px, squeeze * drawn.height_px});
+}
+
+Eye EyeView::eye_now() const {
+  if (!composed) return eye;
+  return (camera_->GetLeftEye() != 0) != swapped ? Eye::left : Eye::right;
+}
+
+// VTK's own view matrix from position, focal point and up is exactly ours; its projection is replaced.
+void EyeView::aim(const StereoScreen& screen) {
+  const Eye now = eye_now();
+  const Vec3 p_WE = compute_eye_position(screen, now);
+  const EyeDepths depths = compute_eye_depths(screen, now);
+  const Vec3 ahead = p_WE - depths.eye_m * screen.X_WV.linear().col(2);
+  const Vec3 up = screen.X_WV.linear().col(1);
+  camera_->SetPosition(p_WE.data());
+  camera_->SetFocalPoint(ahead.data());
+  camera_->SetViewUp(up.data());
+  camera_->SetClippingRange(depths.near_m, depths.far_m);
+  vtkNew<vtkMatrix4x4> projection;
+  copy_matrix(compute_projection_matrix(screen, now), projection);
+  camera_->SetExplicitProjectionTransformMatrix(projection);
+  camera_->UseExplicitProjectionTransformMatrixOn();
+  const Vec3 towards = screen.X_WV.linear() * kLight_V;
+  light_->SetPosition(towards.x(), towards.y(), towards.z());
+  hud.set_scale_bar(shows_scale ? choose_scale_bar(screen, size()) : ScaleBar{}, size());
+  if (size() == placed_) return;
+  placed_ = size();
+  hud.place(placed_);
+}
+
+}  // namespace hapton

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <functional>
+
+#include <vtkCamera.h>
+#include <vtkLight.h>
+#include <vtkNew.h>
+#include <vtkRenderer.h>
+
+#include "vision_node/hud_figure.h"
+#include "vision_node/label_figure.h"
+#include "vision_node/stereo_camera.h"
+
+namespace hapton {
+
+// A part of the window, as shares of it from the lower left corner.
+struct Viewport {
+  double from_x = 0.0;
+  double from_y = 0.0;
+  double to_x = 1.0;
+  double to_y = 1.0;
+};
+
+// One viewport: the whole window, or one eye's half of it. Threads: the window's. RT: no.
+struct EyeView {
+  // A renderer for that part of the window. It clears nothing, and draws the scene first.
+  explicit EyeView(const Viewport& part);
+
+  Eye eye = Eye::centre;
+  bool composed = false;             // VTK draws both eyes through this view and says which by the camera's LeftEye
+  bool swapped = false;              // and these are the other way round
+  int squeeze = 1;                   // the display stretches the picture to so many times its height
+  bool shows_scale = false;          // a scale bar
+  std::function<void()> draw_scene;  // into the bound framebuffer, over the whole viewport
+  vtkNew<vtkRenderer> renderer;
+  HudFigure hud;
+  LabelFigure labels;
+
+  // In pixels, as drawn.
+  PictureSize size();
+  // The window into the world that the viewport shows.
+  StereoScreen screen(const Framing& framing);
+  // The eye that VTK is drawing.
+  Eye eye_now() const;
+  // Gives the camera that eye's position and projection, moves the light along, and places the HUD where the viewport was resized.
+  void aim(const StereoScreen& screen);
+
+ private:
+  vtkNew<vtkCamera> camera_;
+  vtkNew<vtkLight> light_;
+  PictureSize placed_;  // of the HUD
+};
+
+}  // namespace hapton
