@@ -38,7 +38,7 @@ const std::map<std::string, std::vector<std::string>> kMayInclude = {
     {"watchdog", {"core/base", "runtime"}},
     {"plugin", {"core", "runtime"}},
     {"devices", {"core/base", "core/math", "runtime", "link", "hid", "watchdog", "plugin"}},
-    {"safety", {"core/math", "devices/device.h", "link/key_role.h"}},
+    {"safety", {"core/base/button_bit.h", "core/math", "devices/device.h", "link/key_role.h"}},
     {"loop", {"core", "safety", "devices/device.h", "devices/model_a.h", "link/fault_injector.h"}},
     {"patch", {"core", "link", "runtime"}},
     {"remote", {"core", "link", "loop", "patch", "safety", "devices/device.h"}},

@@ -370,7 +370,7 @@ bool SphereFollower::gather(const Vec3& towards) noexcept {
   constexpr double kDenser = 0.35;
   constexpr double kMuchWider = 4.0;
   const double least = (is_point_ ? 64.0 : 0x1p-6) * clearance_.offset;
-  if (!(gather_radius_ > 0.0)) gather_radius_ = (is_point_ ? 4096.0 : 0.5) * clearance_.offset;
+  if (!(gather_radius_ > 0.0)) gather_radius_ = std::max(least, 0.5 * clearance_.offset);
   const double length = towards.norm();
   bool is_guess = false;
   for (int i = 0; i < kMostTries; ++i, gather_radius_ *= is_guess ? kDenser : 0.5) {
