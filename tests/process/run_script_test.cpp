@@ -6,6 +6,8 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <optional>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -138,6 +140,29 @@ TEST_F(RunScript, WithoutATimeIsStoppedBySignalsAsItShouldBe) {
   EXPECT_EQ(ended->exit_code, 0) << ended->out << ended->err;
   EXPECT_THAT(ended->out, HasSubstr("\nrun: touched "));
   EXPECT_TRUE(has("report.json") && has("latency.png"));
+}
+
+TEST_F(RunScript, SaysHowOtherProgramsJoin) {
+  Program script = start({"--headless", "--seconds", "200", "--scene", HAPTON_SOURCE_DIR "/scenes/lift.toml"});
+  ASSERT_TRUE(wait_until_touching(script)) << script.out() << script.err();
+  std::smatch found;
+  std::string printed;
+  for (int i = 0; i < 1200 && found.empty(); ++i) {
+    printed = script.out();
+    if (!std::regex_search(printed, found, std::regex("run: other programs join with --hub (\\S+) --key (\\S+) .*\n")))
+      (void)script.wait(Seconds(0.05));
+  }
+  ASSERT_FALSE(found.empty()) << printed;
+  const std::string hub = found[1], key = found[2];
+  // The nodes may still be starting.
+  std::optional<Ended> moved;
+  for (int i = 0; i < 20 && (!moved || moved->exit_code != 0); ++i)
+    moved = run("hapton", {"move", "platform", "--to", "-0.05,-0.005,0", "--hub", hub, "--key", key}, folder_.path());
+  ASSERT_TRUE(moved);
+  EXPECT_EQ(moved->exit_code, 0) << moved->err;
+  script.send_signal(SIGINT);
+  ASSERT_TRUE(script.wait(kRunPatience)) << "still runs";
+  EXPECT_FALSE(std::filesystem::exists(key)) << "the key of a run goes with it";
 }
 
 }  // namespace
