@@ -26,7 +26,7 @@ Result<void> check_shapes(const TriangleMesh& mesh, const MeshDeformation& defor
 // nor refitted by a step: there is one for each of up to kMostTrees equal parts of the deformation, the same nodes with boxes that hold
 // their triangles in all shapes of that part, refitted beforehand.
 //
-// Threads: one. RT: shape and construction aside, yes.
+// Threads: one. RT: yes, shape() linear in the vertices that move; construction is set-up only.
 class DeformingGeometry {
  public:
   static constexpr std::size_t kMostTrees = 64;

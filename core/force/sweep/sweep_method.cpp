@@ -226,7 +226,8 @@ std::string SweepMethod::describe() const {
         "length, step 4 {:.1f} % out of the triangle, step 5 {} collisions{}\n",
         percent_of(total_.empty_cells, total_.cells_visited), percent_of(total_.parallel, total_.triangles_tested),
         percent_of(total_.out_of_length, total_.triangles_tested), percent_of(total_.out_of_triangle, total_.triangles_tested),
-        total_.collisions, total_.from_behind > 0 ? fmt::format(", and {} with the back of what is one-sided", total_.from_behind) : "");
+        total_.collisions,
+        total_.from_behind > 0 ? fmt::format(", {} more rejected: with the back of a one-sided triangle", total_.from_behind) : "");
   }
   for (const Material& material : materials_) {
     if (material.friction_static > 0 || material.friction_dynamic > 0 || material.damping_ns_per_m > 0) {

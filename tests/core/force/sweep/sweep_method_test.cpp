@@ -144,7 +144,7 @@ TEST(SweepMethod, OneSidedSurfaceIsTouchedFromItsFrontOnly) {
   EXPECT_EQ(method->step_counters().from_behind, 1U);
   EXPECT_EQ(method->step_counters().out_of_length, 0U);
   const std::string text = method->describe();
-  EXPECT_NE(text.find("step 5 1 collisions, and 1 with the back of what is one-sided"), std::string::npos) << text;
+  EXPECT_NE(text.find("step 5 1 collisions, 1 more rejected: with the back of a one-sided triangle"), std::string::npos) << text;
 }
 
 TEST(SweepMethod, CountersShowWhereTheWorkEnded) {
