@@ -91,7 +91,7 @@ class HaplyDevice final : public VendorDevice {
 Result<void> HaplyDevice::judge_version(const Result<std::string>& text) {
   const auto version = text ? haply::read_version(*text) : tl::unexpected(text.error());
   if (!version) {
-    log_warning("the Haply Inverse Service at {} does not tell its version ({}); 3.5 is assumed", to_string(service_),
+    log_warning("the Haply Inverse Service at {} does not report its version ({}); 3.5 is assumed", to_string(service_),
                 version.error().what);
     return {};
   }

@@ -136,7 +136,7 @@ Result<Version> read_version(std::string_view text) {
 
 std::string why_unknown(const Version& version) {
   const bool is_old = version.major < 3 || (version.major == 3 && version.minor < 5);
-  if (is_old) return "this io_node needs 3.5 or later, whose messages are others: update it with the Haply Hub";
+  if (is_old) return "this io_node needs 3.5 or later, which has another message format: update the service with the Haply Hub";
   return version.major > 3 ? "this io_node knows 3.5 and later versions of 3 only: install one of them, or a newer Hapton" : "";
 }
 

@@ -9,9 +9,9 @@
 
 namespace hapton {
 
-// A SpaceMouse as a hand of six degrees of freedom. The cap's way is a speed: the further it is pushed, the faster the point goes, as the
-// square for fine work; released, it stays. There are no motors: a force that is written moves the point as it would move a light hand in
-// thick oil, so that the point comes to rest near a surface that it was pushed into.
+// A SpaceMouse as a 6-DOF input device. The displacement of the cap sets the velocity of the device point (rate control), by its square for
+// fine control near the centre; when the cap is released, the point stays. There are no motors: a force that is written moves the point
+// against a viscous resistance (kOilNsPerM), so that the point comes to rest near a surface that it was pushed into.
 // RT and Threads: as Device says.
 class SpaceMouseDevice final : public Device {
  public:

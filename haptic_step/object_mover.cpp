@@ -158,7 +158,7 @@ void ObjectMover::remember_overtaken(const Waiting& waiting) noexcept {
   MoveReply reply{.request = waiting.request.request};
   if (waiting.object >= 0) {
     reply.object = waiting.object;
-    say(reply.rejection, "another request for '{}' came at the same time, and counts", name_of(waiting.object));
+    say(reply.rejection, "a newer request for '{}' replaced this one", name_of(waiting.object));
   } else {
     reject_unknown(waiting.request, reply.rejection);
   }

@@ -105,7 +105,7 @@ void GraspTask::put_down(const GraspOrder& order) {
   const auto made = make_new_scene(scene_, options_.coupling_n_per_m, ++revision_, false);
   made->put_down = order.serial;
   if (const auto built = builder_.follow(made); !built) {
-    log_warning("{} cannot be put down there: {}; it is felt where it was", object.name, built.error().what);
+    log_warning("{} cannot be put down there: {}; the forces keep its position before it was picked up", object.name, built.error().what);
     object.mesh = before;
     link_.answers.publish({order.serial});
     return;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kMetresPerInch = 0.0254;
 
-// A name that is none is rejected with the scene at hand.
+// Checks only the form of a plug-in's file name and parameters. An unknown method name is rejected later, once the scene is loaded.
 std::string check_method(const std::string& word) {
   if (!names_plugin_file(word)) return {};
   const auto choice = parse_plugin_choice(word);

@@ -17,7 +17,7 @@ struct NewScene {
   std::uint64_t hash = 0;           // hash_scene of touch
   SceneFacts facts;
   std::uint32_t revision = 0;  // counts the scenes that replaced another, from 1
-  bool keeps_shape = false;    // its meshes are those of the scene before: the method in use feels it
+  bool keeps_shape = false;    // same meshes as the scene before: the method in use is kept
   std::uint32_t put_down = 0;  // order by which an object was put down (GraspOrder::serial); 0: none
 };
 

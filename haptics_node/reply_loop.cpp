@@ -136,8 +136,8 @@ bool ReplyLoop::is_holding() const noexcept { return step_.holds_tool() || (step
 
 void ReplyLoop::reject_method(std::uint32_t request) noexcept {
   setup_.method_request = request;
-  put_text(step_.grasp() != nullptr ? "the stylus holds an object: methods are of a probe; put it down, then ask again"
-                                    : "the stylus holds a rigid tool: methods are of a probe; start haptics_node without --tool",
+  put_text(step_.grasp() != nullptr ? "the stylus holds an object, and methods need a probe; put it down, then request again"
+                                    : "the stylus holds a rigid tool, and methods need a probe; start haptics_node without --tool",
            setup_.rejection);
   send_setup_soon();
 }
@@ -244,7 +244,7 @@ void ReplyLoop::change_materials() noexcept {
     materials_ = result->state;
   } else {
     materials_.request = result->state.request;
-    put_text("the scene was read again meanwhile; ask once more", materials_.rejection);
+    put_text("the scene was read again meanwhile; request it again", materials_.rejection);
   }
   if (result->scene == scene_revision_ && !result->materials.empty()) {
     step_.set_materials(result->materials);
@@ -400,7 +400,7 @@ std::string_view ReplyLoop::find_patch_obstacle() const noexcept {
   if (const std::string_view why = patches_->obstacle(); !why.empty()) return why;
   if (effects_ != nullptr) return "effects from shared libraries are felt";
   const std::string_view method(setup_.method.data());
-  return method.find("name=proxy") != std::string_view::npos ? "force shading is on" : "the method is another than proxy";
+  return method.find("name=proxy") != std::string_view::npos ? "force shading is on" : "the method is not proxy";
 }
 
 // Once each time: a person who asked for forces from parts of the scene must know where there are none.
@@ -409,7 +409,7 @@ void ReplyLoop::report_patches() {
   if (why == patch_obstacle_reported_) return;
   const bool has_ended = why.empty() && wants_patches_;
   patch_obstacle_reported_ = why;
-  if (!why.empty()) log_warning("the hub asks for the scene in parts (io_node --touch), but {}: forces stay this node's", why);
+  if (!why.empty()) log_warning("the hub requests the scene in parts (io_node --touch), but {}: this node computes the forces", why);
   if (has_ended) log_info("the hub gets the scene in parts again");
 }
 

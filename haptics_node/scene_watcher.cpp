@@ -69,7 +69,7 @@ SceneWatcher::Look SceneWatcher::look() {
     return Look::rejected;
   }
   if (!has_same_plugins(used_, *scene)) {
-    log_warning("{}: its plug-ins are others: start haptics_node again to use it; the scene in use goes on", options_.path.string());
+    log_warning("{}: its plug-ins have changed: start haptics_node again to use it; the scene in use goes on", options_.path.string());
     return Look::rejected;
   }
   return take(std::move(*scene));

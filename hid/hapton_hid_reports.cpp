@@ -68,10 +68,10 @@ Result<void> check(const Limits& limits) {
                 kMostWorkspaceM);
   }
   if (limits.max_force_n <= 0.0 || limits.max_force_n > kMostForceN || limits.continuous_force_n > limits.max_force_n) {
-    return fail("its force limits are {:g} N and {:g} N without end; more than 0, at most {} N, and the second below the first is possible",
+    return fail("its force limits are {:g} N and {:g} N (continuous); the first must be above 0 and at most {} N, the second no larger",
                 limits.max_force_n, limits.continuous_force_n, kMostForceN);
   }
-  if (limits.max_slew_n_per_s <= 0.0) return fail("it says no limit on how fast the force may change");
+  if (limits.max_slew_n_per_s <= 0.0) return fail("it states no limit on how fast the force may change");
   if (limits.has_torque &&
       (limits.max_torque_nm <= 0.0 || limits.max_torque_nm > kMostTorqueNm || limits.max_torque_slew_nm_per_s <= 0.0)) {
     return fail("its torque limits are {:g} Nm and {:g} Nm/s; more than 0 and at most {} Nm is possible", limits.max_torque_nm,

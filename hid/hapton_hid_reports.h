@@ -87,7 +87,7 @@ Result<Names> decode_names(std::span<const std::uint8_t> report);
 // None: too short, another report, or an invalid quaternion. Longer reports are accepted: a later version may add to them. RT: yes.
 std::optional<State> decode_state(std::span<const std::uint8_t> report) noexcept;
 
-// What is beyond the format's range, 2147 N, is cut to it; what is no number is zero. RT: yes.
+// Values beyond the format's range, 2147 N, are clamped to it; NaN becomes zero. RT: yes.
 std::array<std::uint8_t, kForceBytes> encode_force(const Force& force) noexcept;
 
 }  // namespace hapton_hid

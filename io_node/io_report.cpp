@@ -343,8 +343,8 @@ std::string describe_run(const ServoStats& s, const SchedulingStats& scheduling)
   }
   if (s.seal.rejected() > 0) {
     text += fmt::format(
-        "rejected without a reply: {} with another key, {} of another version, {} forged, {} replayed, {} of no session, {} malformed, {} "
-        "replayed handshakes, {} handshakes above the rate limit\n",
+        "rejected without a reply: {} with another key, {} of another version, {} forged, {} replayed, {} of an unknown session, "
+        "{} malformed, {} replayed handshakes, {} handshakes above the rate limit\n",
         s.seal.wrong_key, s.seal.wrong_version, s.seal.forged, s.seal.replayed, s.seal.unknown_session + s.seal.no_place,
         s.seal.malformed + s.seal.oversized, s.seal.replayed_handshakes, s.seal.too_many_handshakes);
   }

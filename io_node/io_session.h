@@ -69,7 +69,7 @@ class IoSession {
   bool file_requested_ = false;
   bool server_wants_report_ = false;
   bool metrics_requested_ = false;
-  bool is_scraped_ = false;              // and no copy is on its way for it
+  bool is_scraped_ = false;              // metrics were requested, and no copy of the statistics is under way for them
   std::uint32_t reports_requested_ = 0;  // by signal, so far
   std::int64_t next_metrics_ns_ = 0;
   std::string realtime_;

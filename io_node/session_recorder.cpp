@@ -20,7 +20,7 @@ namespace {
 constexpr auto kCollectEvery = std::chrono::milliseconds(10);
 constexpr std::size_t kWriteBytes = std::size_t{1} << 16;
 
-// The ring's header of a datagram, or an entry without one.
+// Header of each record in the ring, before its datagram, cycle or marker; a fault has only the header.
 struct Note {
   SessionEntry::Kind kind = SessionEntry::Kind::received;
   SessionFault fault = SessionFault::none;
@@ -30,7 +30,7 @@ struct Note {
   std::array<std::uint8_t, 16> ip = {};
 };
 
-// Of CycleNote, without Eigen's types: plain memory.
+// The contents of a CycleNote without Eigen's types: trivially copyable.
 struct PlainCycle {
   std::uint64_t sample = 0;
   std::int64_t late_ns = 0;

@@ -6,10 +6,11 @@ namespace hapton {
 
 // How far the clock of another host is ahead of ours, from datagrams that go there and back, with an error bound.
 //
-// An exchange leaves us at t1 and arrives there at t2 on their clock; the reply leaves at t3 on theirs and arrives here at t4. Whatever the
-// two directions took, the offset is between t3 - t4 and t2 - t1; the middle is the estimate, and half the time on the wire its error
-// bound. The shortest exchange is the most accurate; its bound grows with its age by kDriftShare, the fastest drift of two clocks that the
-// kernel may each slew by that much. Source: D. Mills, RFC 5905 (NTP), section 10, the clock filter. Units: ns. RT: yes. Threads: one.
+// An exchange leaves us at t1 and arrives there at t2 on their clock; the reply leaves at t3 on theirs and arrives here at t4. However
+// long each direction took, the offset is between t3 - t4 and t2 - t1. The middle is the estimate, and half the time on the wire its error
+// bound. The shortest exchange is the most accurate. Its bound grows with its age by kDriftShare, the fastest relative drift of two clocks
+// that the kernel slews in opposite directions. Source: D. Mills, RFC 5905 (NTP), section 10, the clock filter. Units: ns. RT: yes.
+// Threads: one.
 class ClockOffset {
  public:
   static constexpr double kDriftShare = 1e-3;  // 500 ppm each, the most that adjtime(2) slews

@@ -106,7 +106,7 @@ Result<void> check(const std::filesystem::path& path, const struct stat& found) 
   if (!S_ISREG(found.st_mode)) return fail("{}: is not a regular file; make a key with: hapton keygen FILE", path.string());
   const bool is_credential = is_systemd_credential(found);
   if (found.st_uid != geteuid() && !is_credential) {
-    return fail("{}: belongs to user {}, and this program runs as user {}; a key must be its user's own: chown {} {}", path.string(),
+    return fail("{}: belongs to user {}, and this program runs as user {}; a key file must belong to its user: chown {} {}", path.string(),
                 found.st_uid, geteuid(), geteuid(), path.string());
   }
   if ((found.st_mode & (S_IRWXG | S_IRWXO)) != 0 && !is_credential) {
@@ -160,7 +160,7 @@ Result<KeyFile> read_any_key_file(const std::filesystem::path& path) {
   }
   if (!key.role()) return fail("{}: is not a Hapton key file; make one with: hapton keygen FILE", path.string());
   if (std::all_of(key.bytes.begin(), key.bytes.end(), [&](std::uint8_t byte) { return byte == key.bytes[0]; })) {
-    return fail("{}: all bytes of the key are the same, so it is no secret; make one with: hapton keygen FILE", path.string());
+    return fail("{}: all bytes of the key are the same, so it is not secret; make one with: hapton keygen FILE", path.string());
   }
   return key;
 }

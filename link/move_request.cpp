@@ -17,7 +17,7 @@ Result<void> put_object(std::string_view object, MoveRequest& request) {
     const char* const end = object.data() + object.size();
     const auto [stop, error] = std::from_chars(object.data() + 1, end, request.number);
     if (error == std::errc() && stop == end && request.number >= 0) return {};
-    return fail("'{}' is no number of an object; give #N with N from 0, or its name", object);
+    return fail("'{}' is not the number of an object; give #N with N from 0, or its name", object);
   }
   if (object.empty()) return fail("no object is named; give its name, or #N with its number from 0");
   if (!read_text(std::string(object), request.object)) return fail("no object has that name: a name is one line of at most 255 bytes");
@@ -65,7 +65,7 @@ Result<double> move_object(HubClient& client, const Clock& clock, const MoveRequ
       if (reply != nullptr && reply->request == request.request) return read_reply(*reply);
     }
   }
-  return fail("no haptics node replied within {:g} s; start haptics_node, or it is of an earlier version", seconds);
+  return fail("no haptics node replied within {:g} s; start haptics_node, or update it to this version", seconds);
 }
 
 }  // namespace hapton

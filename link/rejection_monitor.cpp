@@ -17,7 +17,7 @@ std::string_view describe(Rejection rejection) noexcept {
     case Rejection::no_place:
       return "handshakes above the hub's capacity";
     case Rejection::unknown_session:
-      return "datagrams of no session";
+      return "datagrams of an unknown session";
     case Rejection::replayed:
       return "replayed datagrams";
     case Rejection::forged:

@@ -54,7 +54,7 @@ bool SessionReader::next(SessionEntry& entry) {
     if (read.status == SessionCodec::Status::cut && refill()) continue;
     if (read.status == SessionCodec::Status::cut && begin_ == buffer_.size()) return false;
     if (read.status == SessionCodec::Status::cut || read.status == SessionCodec::Status::damaged) {
-      problem_ = fmt::format("{}: {} after {} entries, at byte {}; what stands before it was read", path_.string(),
+      problem_ = fmt::format("{}: {} after {} entries, at byte {}; the entries before it were read", path_.string(),
                              read.status == SessionCodec::Status::cut ? "is cut short" : "is damaged", entries_, buffer_offset_ + begin_);
       return false;
     }

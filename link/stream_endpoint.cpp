@@ -329,7 +329,9 @@ Result<std::unique_ptr<StreamEndpoint>> StreamEndpoint::open(std::string_view bi
 
 Result<std::unique_ptr<StreamEndpoint>> StreamEndpoint::open_to_connect() {
   auto streams = std::make_unique<SocketStreams>();
-  if (const int error = streams->open_to_connect(); error != 0) return fail("cannot connect to anybody: {}", std::strerror(error));
+  if (const int error = streams->open_to_connect(); error != 0) {
+    return fail("cannot create an event descriptor: {}; allow the process more open files (ulimit -n)", std::strerror(error));
+  }
   return streams;
 }
 

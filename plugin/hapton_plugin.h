@@ -143,7 +143,7 @@ typedef struct hapton_device_limits {
   double max_torque_nm; /* 0: no motor turns the stylus */
   double max_torque_slew_nm_per_s;
   double continuous_force_n; /* 0: max_force_n */
-  double peak_s;             /* how long cold motors bear max_force_n; 0: without end */
+  double peak_s;             /* how long cold motors can hold max_force_n; 0: indefinitely */
   double max_speed_m_per_s;  /* faster, and an encoder is broken; 0: unknown */
 } hapton_device_limits;
 

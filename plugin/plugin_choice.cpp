@@ -37,7 +37,7 @@ Result<PluginChoice> parse_plugin_choice(std::string_view text) {
     const std::string_view word = rest.substr(0, comma);
     if (!is_last) rest.remove_prefix(comma + 1);
     const std::size_t sign = word.find('=');
-    if (sign == std::string_view::npos || sign == 0) return fail("plug-in '{}': '{}' is no parameter; write KEY=VALUE", text, word);
+    if (sign == std::string_view::npos || sign == 0) return fail("plug-in '{}': '{}' is not a parameter; write KEY=VALUE", text, word);
     const std::string key(word.substr(0, sign));
     if (std::ranges::any_of(choice.parameters, [&](const auto& known) { return known.first == key; }))
       return fail("plug-in '{}': '{}' is given twice; leave one out", text, key);

@@ -20,7 +20,7 @@ constexpr std::array<RemoteMethod, 9> kMethods = {{
      .title = "remote force as io_node uses it: released 20 ms after its sample",
      .way = Way::force,
      .has_governor = true},
-    {.name = "remote-held", .title = "remote force, the newest one held without end", .way = Way::force},
+    {.name = "remote-held", .title = "remote force, the newest one held indefinitely", .way = Way::force},
     {.name = "remote-passive", .title = "remote force held, and the passivity controller", .way = Way::force, .is_passive = true},
     {.name = "plane", .title = "one plane, a new one with each reply", .way = Way::plane},
     {.name = "deadband", .title = "deadband coding, the last force held", .way = Way::deadband},

@@ -35,7 +35,7 @@ Result<void> check_writable_folder(const fs::path& folder) {
   const fs::path there = nearest_there(folder);
   std::error_code error;
   if (!fs::is_directory(there, error)) {
-    return fail("{} cannot be a folder: {} is none; give another place", folder.string(), there.string());
+    return fail("{} cannot be a folder: {} is not a folder; give another place", folder.string(), there.string());
   }
   if (!may_write(there, W_OK | X_OK) || !can_make_in(there)) {
     return fail("{} cannot be written: {}: {}; give a folder that may be written to", folder.string(), there.string(),

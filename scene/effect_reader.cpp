@@ -291,7 +291,7 @@ Result<void> read_parameters(const toml::table& table, std::size_t number, Libra
   for (const auto& [key, value] : *node->as_table()) {
     const std::string name(key.str());
     if (name.empty() || name.find_first_of(",=:") != std::string::npos) {
-      return fail("line {}: '{}' in [[effect]] {} is no name of a parameter", value.source().begin.line, printable(name), number);
+      return fail("line {}: '{}' in [[effect]] {} is not a parameter name", value.source().begin.line, printable(name), number);
     }
     auto text = parameter_text(value, name, number);
     if (!text) return tl::unexpected(text.error());

@@ -107,7 +107,7 @@ std::string to_text(const MeshReport& report) {
   line("boundary edges", "{} ({} open, {} of cracks up to {:g} of the longest side wide)", t.boundary_edges, report.flaws.borders.open,
        report.flaws.borders.cracks, kCrackShare);
   if (report.flaws.borders.has_given_up) {
-    line("", "not all cracks were looked for: its boundary edges lie across one another; these triangles are no surface");
+    line("", "not all cracks were looked for: too many boundary edges lie across each other; these triangles do not form a surface");
   }
   line("non-manifold edges", "{}", t.nonmanifold_edges);
   line("inconsistent edges", "{}", t.inconsistent_edges);

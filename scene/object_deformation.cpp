@@ -131,7 +131,7 @@ Result<std::vector<std::vector<Vec3>>> match_vertices(const MeshMorphs& morphs, 
     for (std::size_t t = 0; t < matched.size(); ++t) {
       Vec3& displacement = matched[t][place->second];
       if (is_matched[place->second] && (displacement - morphs.displacements[t][i]).norm() > kSame * longest) {
-        return fail("'{}' would be torn at ({:.4g}, {:.4g}, {:.4g}) m: its morph targets take one place to two", name,
+        return fail("'{}' would be torn at ({:.4g}, {:.4g}, {:.4g}) m: its morph targets move vertices at this point apart", name,
                     morphs.at_rest[i].x(), morphs.at_rest[i].y(), morphs.at_rest[i].z());
       }
       displacement = morphs.displacements[t][i];

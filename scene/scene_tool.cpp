@@ -7,7 +7,7 @@ namespace hapton {
 Result<ToolGrip> parse_tool_grip(std::string_view text) {
   if (text == "origin") return ToolGrip::origin;
   if (text == "centre" || text == "center") return ToolGrip::center;
-  return fail("'{}' is no grip: origin (of the mesh) or centre (of its box)", text);
+  return fail("'{}' is not a grip point: give origin (of the mesh) or centre (of its box)", text);
 }
 
 TriangleMesh from_grip(TriangleMesh mesh, ToolGrip grip, double scale) {

@@ -20,7 +20,7 @@ Result<double> parse_length(std::string_view text) {
   const auto unit = rest.empty() && end == text.data() + text.size() ? Result<Unit>(Unit::m) : parse_unit(rest);
   const double length = unit ? number * metres_per(*unit) : 0.0;
   if (error != std::errc() || !unit || !std::isfinite(length) || length < 0.0) {
-    return fail("'{}' is no length: give a number, 0 or more, and m, cm, mm or in, as 0.1mm", text);
+    return fail("'{}' is not a length: give a number, 0 or more, and m, cm, mm or in, as 0.1mm", text);
   }
   return length;
 }

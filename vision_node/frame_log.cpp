@@ -46,7 +46,7 @@ std::string FrameLog::describe_motion(std::string_view name) const {
 
 std::string FrameLog::describe() const {
   std::string text = fmt::format(
-      "pictures drawn {}, states that looked the same {}, {:.1f} pictures/s while moving, drawing p50 {:.1f} ms p99 {:.1f} ms, the first "
+      "frames drawn {}, states that needed no frame {}, {:.1f} frames/s while moving, drawing p50 {:.1f} ms p99 {:.1f} ms, the first "
       "{:.0f} ms",
       drawn_, skipped_, rate_hz(), draw_time_.quantile_ns(0.5) * 1e-6, draw_time_.quantile_ns(0.99) * 1e-6, first_draw_ms_);
   if (motion_to_photon_.count() > 0) text += ", " + describe_motion("state to photon");

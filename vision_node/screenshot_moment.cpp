@@ -20,7 +20,7 @@ Result<ScreenshotMoment> ScreenshotMoment::parse(std::string_view text) {
   double seconds = 0.0;
   const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), seconds);
   if (status != std::errc() || end != text.data() + text.size() || !(seconds >= 0.0) || seconds > 1e6) {
-    return fail("'{}' is no moment; give contact, exit or a number of seconds", text);
+    return fail("'{}' is not known; give contact, exit or a number of seconds", text);
   }
   moment.kind_ = Kind::time;
   moment.at_ns_ = static_cast<std::int64_t>(seconds * 1e9);

@@ -20,7 +20,7 @@ Result<PictureSize> parse_size(std::string_view text) {
   const std::string owned(text);
   if (std::sscanf(owned.c_str(), "%dx%d%c", &size.width_px, &size.height_px, &rest) != 2 || size.width_px < 64 || size.height_px < 64 ||
       size.width_px > 16384 || size.height_px > 16384) {
-    return fail("'{}' is no size; give WIDTHxHEIGHT in pixels, from 64x64 to 16384x16384", text);
+    return fail("'{}' is not a size; give WIDTHxHEIGHT in pixels, from 64x64 to 16384x16384", text);
   }
   return size;
 }
@@ -31,7 +31,7 @@ Result<Vec3> parse_triple(std::string_view text) {
   const std::string owned(text);
   const bool is_one = std::sscanf(owned.c_str(), "%lf,%lf,%lf%c", &numbers.x(), &numbers.y(), &numbers.z(), &rest) == 3;
   constexpr double kMost = 1e6;
-  if (!is_one || !(numbers.cwiseAbs().array() <= kMost).all()) return fail("'{}' is no triple; give X,Y,Z without spaces", text);
+  if (!is_one || !(numbers.cwiseAbs().array() <= kMost).all()) return fail("'{}' is not a triple; give X,Y,Z without spaces", text);
   return numbers;
 }
 
@@ -204,7 +204,7 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
       ->capture_default_str();
   app.add_option(
          "--bench-frames", options.bench_frames,
-         "Draw so many pictures as fast as possible with turning dials, print the rate, the first picture's time and motion to photon, end")
+         "Draw this many frames as fast as possible with turning dials, print rate, time of the first frame and motion to photon, then end")
       ->check(between(0, 1'000'000));
 
   if (const auto code = parse_command_line(app, argc, argv)) return *code;

@@ -65,7 +65,7 @@ Result<std::unique_ptr<StereoView>> open_view(const Scene& scene, VisionOptions&
   if (!view) return view;
   const std::string renderer = (*view)->renderer_name();
   options.rate_limit_hz = choose_rate_limit(options, renderer);
-  log_info("stereo mode {}{}, drawn by {}, {} pictures a second at most", stereo_mode_name((*view)->mode()),
+  log_info("stereo mode {}{}, drawn by {}, {} frames a second at most", stereo_mode_name((*view)->mode()),
            options.view.stereo == StereoMode::automatic ? " (chosen by auto)" : "", renderer,
            options.rate_limit_hz > 0.0 ? fmt::format("{:g}", options.rate_limit_hz) : "any");
   return view;
@@ -412,9 +412,8 @@ std::string run_bench(StereoView& view, Clock& clock, int frames, bool with_plot
                                                                  : fmt::format(", {:.1f} Hz while its levels of detail were made, {}",
                                                                                unprepared.rate_hz(), unprepared.describe_motion());
   return fmt::format(
-      "bench: {} pictures, {:.1f} Hz, {}, {}x{} an eye, drawing p50 {:.1f} ms p99 {:.1f} ms, first picture {:.0f} ms, {}{}, {} triangles "
-      "an "
-      "eye, {}",
+      "bench: {} frames, {:.1f} Hz, {}, {}x{} an eye, drawing p50 {:.1f} ms p99 {:.1f} ms, first frame {:.0f} ms, {}{}, {} triangles "
+      "an eye, {}",
       frames, log.rate_hz(), stereo_mode_name(view.mode()), size.width_px, size.height_px, log.draw_time().quantile_ns(0.5) * 1e-6,
       log.draw_time().quantile_ns(0.99) * 1e-6, first_ms, moving.describe_motion(), before, view.paint_count().triangles,
       view.renderer_name());

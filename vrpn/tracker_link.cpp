@@ -16,11 +16,11 @@ Result<TrackerName> parse_tracker_name(std::string_view text) {
   constexpr std::string_view kTcp = "tcp://";
   const std::size_t at = text.find('@');
   const bool has_both = at != std::string_view::npos && at > 0 && at + 1 < text.size();
-  if (!has_both) return fail("'{}' is no VRPN tracker; give NAME@HOST or NAME@HOST:PORT", text);
+  if (!has_both) return fail("'{}' is not a VRPN tracker; give NAME@HOST or NAME@HOST:PORT", text);
   const std::string_view device = text.substr(0, at);
   const bool is_printable = std::all_of(device.begin(), device.end(), [](char letter) { return letter > ' ' && letter <= '~'; });
   if (device.size() > kLongestDevice || !is_printable) {
-    return fail("'{}' is no name of a VRPN device; give at most {} letters without spaces before the '@'", device, kLongestDevice);
+    return fail("'{}' is not the name of a VRPN device; give at most {} letters without spaces before the '@'", device, kLongestDevice);
   }
   std::string_view host = text.substr(at + 1);
   if (host.starts_with(kTcp)) host.remove_prefix(kTcp.size());

@@ -31,7 +31,7 @@ struct HeartbeatPage {
   std::atomic<std::int64_t> force_sample_ns{0};   // time of the sample that the force on the motors replies to; 0: no force
   std::array<std::atomic<double>, 3> motors_n{};  // of simulated motors: what was written
 
-  std::atomic<std::uint32_t> is_cut_within{0};  // ... and whether io_node has cut them itself
+  std::atomic<std::uint32_t> is_cut_within{0};  // of simulated motors: 1 while io_node itself has cut them off
 
   // io_node, or another process that opens the device. generation is odd while it is written.
   std::atomic<std::uint32_t> generation{0};

@@ -17,9 +17,9 @@ struct Wrench6 {
   Vec3 torque_nm = Vec3::Zero();
 };
 
-// A rigid tool, a scene and a motion of the device, with the wrench that frictionless contact and the coupling give where that has a closed
-// form or is the minimum of an energy of one variable (the analytic scenarios of Weller, Sagardia et al., "A Benchmarking Suite for 6-DOF
-// Real Time Collision Response Algorithms", 2010; the formulas are ours, each beside its scenario).
+// A rigid tool, a scene and a motion of the device. `expected` is the wrench of frictionless contact and coupling, where it has a closed
+// form or minimises an energy of one variable. The analytic scenarios are those of Weller, Sagardia et al., "A Benchmarking Suite for 6-DOF
+// Real Time Collision Response Algorithms", 2010; the formulas are ours, each beside its scenario.
 struct SixdofScenario {
   std::string name;
   std::shared_ptr<const TriangleMesh> tool;

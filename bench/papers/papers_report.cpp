@@ -125,12 +125,12 @@ PapersReport make_papers_report() {
 
 std::optional<double> parse_bench_rate(std::string_view output) {
   constexpr std::string_view kBench = "bench: ";
-  constexpr std::string_view kPictures = " pictures, ";
+  constexpr std::string_view kFrames = " frames, ";
   const std::size_t line = output.rfind(kBench);
-  const std::size_t pictures = line == std::string_view::npos ? line : output.find(kPictures, line);
-  if (pictures == std::string_view::npos) return std::nullopt;
+  const std::size_t frames = line == std::string_view::npos ? line : output.find(kFrames, line);
+  if (frames == std::string_view::npos) return std::nullopt;
   double rate = 0.0;
-  const char* const from = output.data() + pictures + kPictures.size();
+  const char* const from = output.data() + frames + kFrames.size();
   const auto [end, error] = std::from_chars(from, output.data() + output.size(), rate);
   const std::string_view rest(end, static_cast<std::size_t>(output.data() + output.size() - end));
   if (error != std::errc() || !rest.starts_with(" Hz") || !(rate > 0.0)) return std::nullopt;

@@ -43,7 +43,7 @@ Result<void> check_shape(const TriangleMesh& shape, const LocalFrame& frame, con
   while (geometry.adjacency().is_walkable(first)) ++first;
   const Vec3 at = frame.to_scene(geometry.corner(first, 0));
   return fail(
-      "{} {} of its {} triangles are where the surface touches or comes near itself or is no plain surface, one at "
+      "{} {} of its {} triangles touch or nearly touch another part of the surface or are not locally manifold, one at "
       "({:.4g}, {:.4g}, {:.4g}) m",
       when, shape.triangles.size() - walkable, shape.triangles.size(), at.x(), at.y(), at.z());
 }

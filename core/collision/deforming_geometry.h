@@ -14,9 +14,9 @@ namespace hapton {
 // The box that holds a mesh at rest and in all its shapes, with room for rounding. RT: set-up only.
 Box bounds_of_all_shapes(const TriangleMesh& mesh, const MeshDeformation& deformation);
 
-// Whether a surface can be felt as it deforms: by adjacency alone, at rest and in the shapes at its keys and half-way between them, of
-// about kMostShapes of them, fewer of large meshes, evenly chosen. RT: set-up only, a tree for each shape. Error: at which time how many
-// triangles are not walkable (SurfaceAdjacency): where it comes near itself, or more than two triangles meet.
+// Checks that all triangles of a deforming surface are walkable (SurfaceAdjacency): at rest, and in about kMostShapes evenly chosen shapes
+// at the keys and half-way between them (in fewer for large meshes). RT: set-up only, a tree for each shape. Error: how many triangles are
+// not walkable at which time, because the surface comes near itself or more than two triangles meet.
 constexpr std::size_t kMostShapes = 64;
 Result<void> check_shapes(const TriangleMesh& mesh, const MeshDeformation& deformation);
 

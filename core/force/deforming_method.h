@@ -15,8 +15,8 @@ namespace hapton {
 //
 // Before each step the surface is put into its shape of that time (DeformingGeometry), and takes the probe along: a probe that it holds, or
 // that it may have passed, goes to the same place of the deformed surface, on the same side (ProxyMethod::Anchor), and the device of the
-// last sample by as much. From there the proxy follows the device as ever. So a surface that comes upon the hand pushes the proxy ahead,
-// friction and damping are those against the surface, and nothing is passed, however far the surface has come since the last step.
+// last sample by as much. From there the proxy follows the device as usual. So a surface that moves into the hand pushes the proxy ahead,
+// friction and damping are relative to the surface, and the proxy never passes it, however far the surface moved since the last step.
 //
 // While the hand is farther from the surface than it can have come since the last search, a step is a few comparisons.
 //

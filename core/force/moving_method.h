@@ -15,9 +15,9 @@ namespace hapton {
 // (TouchObject::deformation) has a method of its own, a DeformingMethod, in the frame that moves along if it moves as well. Each object
 // that programs may move (TouchObject::command_pivot) has a method of its own, too; where it is, the step says (MethodInput::commanded).
 //
-// In a frame that moves along, it is the device that moves, also while the hand holds still: its path from sample to sample is taken as
-// straight there, and the proxy follows as ever. So a surface that comes upon the hand pushes the proxy ahead, and none is passed.
-// The methods stand in a row. Each follows the proxy of the one before in place of the device:
+// In the frame of a moving object the device moves even while the hand holds still. Its path between two samples is taken as straight in
+// that frame, and the proxy follows as usual. So a surface that moves into the hand pushes the proxy ahead and never passes it. The methods
+// form a chain. Each follows the proxy of the one before instead of the device:
 //
 //   device -> what stands still -> first motion -> ... -> last motion -> what stands still = proxy of all
 //

@@ -20,8 +20,8 @@ class HeldTool {
   // The slow task is on time up to the first; the force has faded at the second.
   static constexpr double kFreshS = 0.05;
   static constexpr double kStaleS = 0.15;
-  // Contacts that come more than kPrompt samples after the last ones change the force at once; what of that is more than the device's
-  // motion explains fades in over this time.
+  // If new contacts come more than kPrompt samples after the previous ones and change the force by more than the device's motion explains,
+  // the force fades to the new one over this time.
   static constexpr double kHandOverS = 0.02;
   static constexpr int kPrompt = 2;
 

@@ -26,7 +26,7 @@ struct NearFeature {
 };
 
 // The pairs of features of tool and scene that matter for a motion of the tool: all within a distance, and those that come within it on the
-// way. A pair that slides along itself needs no attention however fast it is, so few are left of those that are near (constraint
+// way. A pair that only slides tangentially is left out, however fast it is, so only a few of the near pairs remain (constraint
 // generation: the caller finds a motion from few pairs, and adds those that it brings together).
 // The workers of a team share the work; what they find does not depend on their number.
 // Work: at most PatchFront::kMostTests pairs of boxes a call, and kMostFeatures pairs of features. RT: collect, extend and any_intersect
@@ -88,7 +88,7 @@ class NearFeatures {
 
     std::array<Vec3, 3> moved;  // displacement of each corner
     double most_moved = 0.0;
-    double reach = 0.0;  // what two paths that are that far apart as straight lines may come within `within` of each other
+    double reach = 0.0;  // if the straight lines from start to end are farther apart than this, the paths stay farther than `within`
     Box swept;           // its path, inflated by the reach
   };
 

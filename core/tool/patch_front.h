@@ -77,8 +77,8 @@ class PatchFront {
     Lanes4 lanes[3];    // of the axes, by coordinate
     Lanes4 half_lanes;
     Lanes4 displacement_lanes;  // along the axes
-    double slack = 0.0;         // what the box's paths may differ by from that of its centre
-    double still_slack = 0.0;   // without the motion
+    double slack = 0.0;         // most that the displacement of a point of the box differs from that of the centre, with rounding
+    double still_slack = 0.0;   // the part of rounding alone
   };
   struct Apart {
     double distance;  // lower bound at the start of the motion

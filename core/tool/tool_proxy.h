@@ -64,8 +64,8 @@ class ToolProxy {
 
   const Placement& placement() const { return proxy_; }
   double radius() const { return near_.radius(); }  // of the tool about its grip point
-  // For find_local_contacts, where the device has moved so far since the last: as far as it gets before the next, if it goes on like that.
-  // Farther contacts would come earlier, and the next ones later: to find them takes longer.
+  // The reach for find_local_contacts; `moved`: how far the device has moved since the last call. At the same speed the device stays within
+  // it until the next call, unless radius() / 64 limits it. A longer reach would find contacts earlier, but the search would take longer.
   double local_reach(double moved) const { return std::min(std::max(64.0 * kContactOffset, 2.0 * moved), radius() / 64.0); }
   // For the fast task, until the next step: what keeps the tool out within `reach` of where it is now.
   void find_local_contacts(double reach, LocalContacts& local) noexcept;
@@ -77,8 +77,8 @@ class ToolProxy {
   bool overlaps(const Placement& placement) noexcept;
   void place(const Placement& device) noexcept;
   RigidMotion wanted_motion(const Placement& device) const noexcept;
-  // Coordinates in which the squared distance of two motions is, to second order, the energy between them: the coupling's, less what the
-  // contacts' forces do as their levers turn (sequential quadratic programming).
+  // Coordinates in which the squared distance of two motions is, to second order, the energy between them: that of the coupling, less
+  // multiplier times curvature of the gap (gap_curvature) for each active contact (sequential quadratic programming).
   Vec6 to_coordinates(const RigidMotion& motion) const noexcept;
   Vec6 goal_of(const RigidMotion& wanted) const noexcept;
   void update_curvature() noexcept;

@@ -85,7 +85,7 @@ static uint16_t get16(const uint8_t* at) { return (uint16_t)(at[0] | (at[1] << 8
 
 static int32_t get32(const uint8_t* at) { return (int32_t)(get16(at) | ((uint32_t)get16(at + 2) << 16)); }
 
-/* To the nearest count, within least .. most; what is no number is 0. */
+/* To the nearest count, clamped to least .. most; NaN gives 0. */
 static double counts(double value, double least, double most) {
   const double rounded = floor(value + 0.5);
   if (!(value == value)) return 0.0;

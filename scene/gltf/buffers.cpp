@@ -77,7 +77,7 @@ Result<std::string_view> Buffers::buffer(const Json& index_json, const std::stri
 }
 
 Result<std::string> Buffers::load_buffer(const std::string& uri, const std::string& name) const {
-  if (uri.empty()) return fail("{} has no uri and no binary chunk stands for it: {}", name, kExportAgain);
+  if (uri.empty()) return fail("{} has neither a uri nor a binary chunk: {}", name, kExportAgain);
   if (uri.starts_with("data:")) {
     const auto comma = uri.find(";base64,");
     if (comma == std::string::npos) return fail("{} is inline but not base64: {}", name, kExportAgain);

@@ -91,7 +91,8 @@ std::optional<Error> decode_any(std::string_view bytes, std::size_t max_triangle
   draco::DracoHeader header = {};
   if (!draco::PointCloudDecoder::DecodeHeader(&buffer, &header).ok())
     return Error{fmt::format("{}: holds no Draco data: {}", where, kExportAgain)};
-  if (header.encoder_type != draco::TRIANGULAR_MESH) return Error{fmt::format("{}: its Draco data are no mesh: {}", where, kExportAgain)};
+  if (header.encoder_type != draco::TRIANGULAR_MESH)
+    return Error{fmt::format("{}: its Draco data are not a triangle mesh: {}", where, kExportAgain)};
   if (header.version_major != 2 || header.version_minor != 2) {
     return Error{fmt::format("{}: its Draco data are of version {}.{}, and glTF has 2.2: {}", where, header.version_major,
                              header.version_minor, kExportAgain)};

@@ -68,8 +68,8 @@ std::vector<std::string> note_unread_extensions(const Json& root) {
   for (const std::string& extension : unread) {
     if (extension == kEarlierHaptics) {
       notes.push_back(
-          fmt::format("uses the glTF extension '{}', a draft of MPEG_haptic_material that is not read: what it says of touch is not "
-                      "felt; export it as MPEG_haptic_material",
+          fmt::format("uses the glTF extension '{}', a draft of MPEG_haptic_material that is not read: its haptic materials are "
+                      "ignored; export it as MPEG_haptic_material",
                       extension));
       continue;
     }

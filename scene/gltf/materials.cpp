@@ -97,7 +97,7 @@ void read_alpha(const Json& json, const std::string& where, LookMaterial& materi
     // Beyond 2 it means the same, and 2 is safe in single precision.
     material.alpha_cutoff = static_cast<float>(std::min(2.0, cutoff.get<double>()));
   } else {
-    raw.notes.push_back(fmt::format("{}.alphaCutoff is no number from 0 on: 0.5 is taken", where));
+    raw.notes.push_back(fmt::format("{}.alphaCutoff is not a number of 0 or more: 0.5 is used", where));
   }
 }
 

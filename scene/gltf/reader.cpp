@@ -94,7 +94,7 @@ class SceneReader {
       const Pending next = pending.back();
       pending.pop_back();
       const std::string where = fmt::format("nodes[{}]", next.node);
-      if (visited[next.node]) return Error{fmt::format("{} hangs in two places or under itself: {}", where, kExportAgain)};
+      if (visited[next.node]) return Error{fmt::format("{} appears twice in the node tree, or below itself: {}", where, kExportAgain)};
       visited[next.node] = true;
       const Json& node = nodes[next.node];
       if (is_hidden(node)) {
@@ -201,7 +201,7 @@ class SceneReader {
     }
     for (const Vec3& p_NV : primitive.positions) {
       const Vec3 p_SV = X_SN * p_NV;
-      if (!p_SV.allFinite()) return Error{fmt::format("{}: its pose takes a vertex beyond all numbers: {}", where, kExportAgain)};
+      if (!p_SV.allFinite()) return Error{fmt::format("{}: its pose makes a coordinate of a vertex overflow: {}", where, kExportAgain)};
       raw_.mesh.vertices.push_back(p_SV);
     }
     add_triangles(primitive, static_cast<std::uint32_t>(first), X_SN, surface);

@@ -28,10 +28,10 @@ void expect_refusal(std::vector<std::string> arguments, const std::string& says)
 
 TEST(DdsRefusals, NamesThatRos2DoesNotTake) {
   for (const char* prefix : {"", "/", "//a", "/a/", "a//b", "9a", "a b", "a__b", "a-b", "~/a", "/{x}", "\"/><x", "\xff\n"}) {
-    expect_refusal({"--prefix", prefix}, "is no name in ROS 2");
+    expect_refusal({"--prefix", prefix}, "is not a name in ROS 2");
   }
-  expect_refusal({"--prefix", std::string(300, 'a')}, "is no name in ROS 2");
-  for (const char* frame : {"", "/world", "my world", "a\nb", "\xc3\xa4"}) expect_refusal({"--frame", frame}, "is no frame in ROS 2");
+  expect_refusal({"--prefix", std::string(300, 'a')}, "is not a name in ROS 2");
+  for (const char* frame : {"", "/world", "my world", "a\nb", "\xc3\xa4"}) expect_refusal({"--frame", frame}, "is not a frame in ROS 2");
 }
 
 TEST(DdsRefusals, DomainsThatDoNotExist) {
@@ -45,8 +45,8 @@ TEST(DdsRefusals, DomainsThatDoNotExist) {
 }
 
 TEST(DdsRefusals, InterfacesThatAreNone) {
-  expect_refusal({"--interface", "\"/><Tracing/>"}, "is no network interface");
-  expect_refusal({"--interface", "a b"}, "is no network interface");
+  expect_refusal({"--interface", "\"/><Tracing/>"}, "is not a network interface");
+  expect_refusal({"--interface", "a b"}, "is not a network interface");
 }
 
 TEST(DdsRefusals, ForcesWithoutASensibleLimit) {

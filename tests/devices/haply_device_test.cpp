@@ -179,7 +179,7 @@ TEST_F(Haply, AServiceOfAnotherVersionIsOneClearLine) {
   service->version = "";
   testing::internal::CaptureStderr();
   EXPECT_TRUE(make());
-  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("does not tell its version (HTTP status 404 for /version)"));
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("does not report its version (HTTP status 404 for /version)"));
 }
 
 // A quarter turn about the service's z, and a place: the hand is where it was, and feels what it felt.

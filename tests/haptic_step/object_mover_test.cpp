@@ -198,7 +198,7 @@ TEST_F(ObjectMoverTest, AFloodKeepsOneRequestForEachObject) {
   EXPECT_EQ(done.reply.request, flood.back().request);
   EXPECT_EQ(mover.work(step).reply.object, 3);
   EXPECT_FALSE(mover.has_request());
-  EXPECT_THAT(ask(flood[4990]).reply.rejection.data(), HasSubstr("another request for 'plate' came at the same time"));
+  EXPECT_THAT(ask(flood[4990]).reply.rejection.data(), HasSubstr("a newer request for 'plate' replaced this one"));
   EXPECT_EQ(step.counts().moves_taken, 2U);
 }
 

@@ -107,7 +107,7 @@ TEST(HaptonHidReports, ImpossibleLimitsAreRejectedWithAReason) {
   EXPECT_THAT(with([](auto& l) { l.workspace_max_m[1] = -0.5f; }), HasSubstr("workspace"));
   EXPECT_THAT(with([](auto& l) { l.max_force_n = 0.0f; }), HasSubstr("force limits are 0 N"));
   EXPECT_THAT(with([](auto& l) { l.max_force_n = 4000.0f; }), HasSubstr("force limits"));
-  EXPECT_THAT(with([](auto& l) { l.continuous_force_n = 8.0f; }), HasSubstr("8 N without end"));
+  EXPECT_THAT(with([](auto& l) { l.continuous_force_n = 8.0f; }), HasSubstr("8 N (continuous)"));
   EXPECT_THAT(with([](auto& l) { l.max_slew_n_per_s = 0.0f; }), HasSubstr("how fast"));
   EXPECT_THAT(with([](auto& l) { l.max_torque_nm = 0.0f; }), HasSubstr("torque limits are 0 Nm"));
   EXPECT_EQ(with([](auto& l) {

@@ -249,9 +249,10 @@ TEST_F(IoReportNumbers, TheLinesAtTheEndNameEachCause) {
   const std::string text = describe_run(*stats);
   EXPECT_THAT(text,
               HasSubstr("late 1, lost 2, superseded 3, reordered 4, missed cycles 5, command timeouts 6, clamped 7, rate-limited 8\n"));
-  EXPECT_THAT(text,
-              HasSubstr("rejected without a reply: 10 with another key, 20 of another version, 30 forged, 40 replayed, 51 of no session, "
-                        "62 malformed, 70 replayed handshakes, 80 handshakes above the rate limit\n"));
+  EXPECT_THAT(
+      text,
+      HasSubstr("rejected without a reply: 10 with another key, 20 of another version, 30 forged, 40 replayed, 51 of an unknown session, "
+                "62 malformed, 70 replayed handshakes, 80 handshakes above the rate limit\n"));
   EXPECT_THAT(text, HasSubstr("cycles missed: 5 skipped, 9 caught up; causes: 6 late wake-up, 8 machine stalled\n"));
 }
 

@@ -31,8 +31,8 @@ TEST(PluginChoice, WhatIsWrongIsNamed) {
   EXPECT_THAT(parse_plugin_choice("").error().what, HasSubstr("names no file"));
   EXPECT_THAT(parse_plugin_choice(":a=b").error().what, HasSubstr("names no file"));
   EXPECT_THAT(parse_plugin_choice("b.so:strong").error().what, HasSubstr("'strong' has no value"));
-  EXPECT_THAT(parse_plugin_choice("b.so:a=1,strong").error().what, HasSubstr("'strong' is no parameter"));
-  EXPECT_THAT(parse_plugin_choice("b.so:a=1,").error().what, HasSubstr("is no parameter"));
+  EXPECT_THAT(parse_plugin_choice("b.so:a=1,strong").error().what, HasSubstr("'strong' is not a parameter"));
+  EXPECT_THAT(parse_plugin_choice("b.so:a=1,").error().what, HasSubstr("is not a parameter"));
   EXPECT_THAT(parse_plugin_choice("b.so:a=1,a=2").error().what, HasSubstr("'a' is given twice"));
 }
 

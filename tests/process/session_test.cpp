@@ -79,7 +79,7 @@ TEST_F(Sessions, ABadNetworkAndChangesOfMethodAreReplayedToo) {
   const Ended replayed = session({"replay", file.string()});
   EXPECT_EQ(replayed.exit_code, 0) << replayed.out << replayed.err;
   EXPECT_THAT(replayed.out, HasSubstr(" 0 different"));
-  EXPECT_THAT(replayed.out, HasSubstr("answers were lost: replayed but not compared"));
+  EXPECT_THAT(replayed.out, HasSubstr("replies were lost: replayed but not compared"));
   EXPECT_THAT(session({"info", file.string()}).out, HasSubstr("name=smooth"));
 }
 

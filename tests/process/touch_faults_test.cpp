@@ -237,13 +237,13 @@ TEST_P(TouchUnserved, IsFeltFromTheHapticsNodeAndALineSaysWhy) {
 const std::string kPlainScene = "[[object]]\nmesh = \"cube.obj\"\nunit = \"m\"\n";
 INSTANTIATE_TEST_SUITE_P(
     All, TouchUnserved,
-    ::testing::Values(Unserved{"Shading", kPlainScene, {"--shading", "1"}, "but force shading is on: forces stay this node's"},
-                      Unserved{"Method", kPlainScene, {"--method", "sweep"}, "but the method is another than proxy: forces stay"},
-                      Unserved{"Movable", kPlainScene + "movable = true\n", {}, "but objects of the scene are movable: forces stay"},
+    ::testing::Values(Unserved{"Shading", kPlainScene, {"--shading", "1"}, "but force shading is on: this node computes the forces"},
+                      Unserved{"Method", kPlainScene, {"--method", "sweep"}, "but the method is not proxy: this node computes"},
+                      Unserved{"Movable", kPlainScene + "movable = true\n", {}, "but objects of the scene are movable: this node computes"},
                       Unserved{"Effects",
                                kPlainScene + "material = \"honey\"\n[material.honey]\nviscosity_ns_per_m = 1.0\n",
                                {},
-                               "but the scene has effects: forces stay"}),
+                               "but the scene has effects: this node computes"}),
     [](const auto& unserved) { return unserved.param.name; });
 
 }  // namespace

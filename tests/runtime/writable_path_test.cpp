@@ -26,9 +26,9 @@ TEST(WritablePath, TakesWhatIsThereAndWhatCanBeMade) {
 TEST(WritablePath, RejectsAPathThatIsBlocked) {
   const ScratchFolder folder;
   const auto file = folder.write("a.csv", "x");
-  EXPECT_THAT(error_of(check_writable_folder(file)), HasSubstr("a.csv is none"));
-  EXPECT_THAT(error_of(check_writable_folder(file / "b")), HasSubstr("a.csv is none"));
-  EXPECT_THAT(error_of(check_writable_file(file / "b.csv")), HasSubstr("a.csv is none"));
+  EXPECT_THAT(error_of(check_writable_folder(file)), HasSubstr("a.csv is not a folder"));
+  EXPECT_THAT(error_of(check_writable_folder(file / "b")), HasSubstr("a.csv is not a folder"));
+  EXPECT_THAT(error_of(check_writable_file(file / "b.csv")), HasSubstr("a.csv is not a folder"));
   EXPECT_THAT(error_of(check_writable_file(folder.path())), HasSubstr("it is a folder"));
   EXPECT_THAT(error_of(check_writable_file(folder.path() / "b/")), HasSubstr("it is a folder"));
 }

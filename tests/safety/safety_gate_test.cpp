@@ -36,7 +36,7 @@ TEST(SafetyGovernor, TimesOutWithoutSamplesOfTheDevice) {
   }
 }
 
-TEST(SafetyGovernor, PositionsThatAreNoneAreLeftOutAndLatchWhenTheyDoNotEnd) {
+TEST(SafetyGovernor, InvalidPosesAreIgnoredAndLatchWhenTheyRepeat) {
   Bench bench;
   bench.press(4.0, 300);
   const DeviceSample good = bench.sample;

@@ -63,7 +63,7 @@ TEST_F(FindTool, SaysWhatIsWrongAndWhere) {
   };
   EXPECT_THAT(error_of("[tool]\nname = 'x'\n"), HasSubstr("[tool] has no 'mesh'"));
   EXPECT_THAT(error_of("[tool]\nmesh = 'a.obj'\nmaterial = 'steel'\n"), HasSubstr("line 5"));
-  EXPECT_THAT(error_of("[tool]\nmesh = 'a.obj'\ngrip = 'handle'\n"), HasSubstr("'handle' is no grip"));
+  EXPECT_THAT(error_of("[tool]\nmesh = 'a.obj'\ngrip = 'handle'\n"), HasSubstr("'handle' is not a grip point"));
   EXPECT_THAT(error_of("[[tool]]\nmesh = 'a.obj'\n"), HasSubstr("one table [tool]"));
   std::vector<std::string> notes;
   const auto scene = load(kObject);

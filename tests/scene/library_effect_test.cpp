@@ -94,7 +94,7 @@ TEST_F(LibraryEffectTest, SaysWhatIsWrong) {
               HasSubstr("line 7: 'parameters' in [[effect]] 1 must be a table"));
   EXPECT_THAT(error_of("type = 'plugin'\nlibrary = 'x.so'\nparameters = { a = [1] }"), HasSubstr("line 7: parameter 'a'"));
   EXPECT_THAT(error_of("type = 'plugin'\nlibrary = 'x.so'\nparameters = { a = '1,2' }"), HasSubstr("has a comma"));
-  EXPECT_THAT(error_of("type = 'plugin'\nlibrary = 'x.so'\nparameters = { 'a=b' = 1 }"), HasSubstr("is no name of a parameter"));
+  EXPECT_THAT(error_of("type = 'plugin'\nlibrary = 'x.so'\nparameters = { 'a=b' = 1 }"), HasSubstr("is not a parameter name"));
   EXPECT_THAT(error_of("type = 'plugin'\nlibrary = 'x.so'\n[[effect]]\ntype = 'spring'"), HasSubstr("[[effect]] 2 has no 'position_m'"));
   EXPECT_THAT(error_of("type = 'plug-in'"), HasSubstr("wave, burst, plugin"));
 }

@@ -25,7 +25,7 @@ TEST(Unit, ALengthIsANumberAndItsUnit) {
   for (const char* wrong : {"", "mm", "1 ", "1  mm", "1ft", "-1mm", "nan", "inf", "1e999", "1mm2", " 1mm"}) {
     const auto length = parse_length(wrong);
     ASSERT_FALSE(length) << wrong;
-    EXPECT_THAT(length.error().what, ::testing::HasSubstr("is no length"));
+    EXPECT_THAT(length.error().what, ::testing::HasSubstr("is not a length"));
   }
 }
 

@@ -180,7 +180,7 @@ TEST_F(HaptonCommandTest, ReplaySaysWhatItCannotDo) {
       {{"--mesh", path("t.obj"), "--friction-dynamic", "0.5"}, "--friction-static"},
       {{"--mesh", path("t.obj"), "--probe-radius", "0.001"}, "radius"},
       {{"--mesh", path("t.obj"), "--crease", "181"}, "--crease"},
-      {{"--mesh", path("t.obj"), "--simplify", "2 furlong"}, "--simplify: '2 furlong' is no length"},
+      {{"--mesh", path("t.obj"), "--simplify", "2 furlong"}, "--simplify: '2 furlong' is not a length"},
   };
   for (const auto& [more, word] : cases) {
     const CommandRun seen = run_hapton(replay(more));
@@ -239,7 +239,7 @@ TEST_F(HaptonCommandTest, SetRejectsBeforeItContactsTheHub) {
   EXPECT_THAT(run_hapton({"set", "--method", "nope"}).err, HasSubstr("'nope'"));
   EXPECT_EQ(run_hapton({"set", "--rate", "100"}).code, 2);
   EXPECT_THAT(run_hapton({"set", "--object", "hull"}).err, HasSubstr("nothing to set for object 'hull'"));
-  EXPECT_THAT(run_hapton({"set", "--object", std::string(300, 'x'), "--damping", "1"}).err, HasSubstr("no name of 300"));
+  EXPECT_THAT(run_hapton({"set", "--object", std::string(300, 'x'), "--damping", "1"}).err, HasSubstr("bytes, not 300"));
   for (const char* value : {"0", "-1", "2e6", "soft"}) EXPECT_EQ(run_hapton({"set", "--stiffness", value}).code, 2) << value;
   EXPECT_THAT(run_hapton({"set", "--friction", "11"}).err, HasSubstr("10"));
   EXPECT_EQ(run_hapton({"set", "--friction", "0.3", "--friction-dynamic", "0.2"}).code, 2);
@@ -252,7 +252,7 @@ TEST_F(HaptonCommandTest, BenchAloneMeasuresTheNumbersToBeat) {
   std::ofstream(folder_ / "a file");
   const CommandRun seen = run_hapton({"bench", "--quick", "--compared-steps", "20", "--out", path("a file/numbers")});
   EXPECT_EQ(seen.code, 2);
-  EXPECT_THAT(seen.err, HasSubstr("a file is none"));
+  EXPECT_THAT(seen.err, HasSubstr("a file is not a folder"));
 }
 
 TEST_F(HaptonCommandTest, BenchTakesTheOldNameOfComparedStepsAndSaysSo) {

@@ -58,7 +58,7 @@ TEST(VisionProgram, WritesAScreenshotWithoutAPerson) {
   const Ended run = run_vision("--scene meshes/car_front_3300.obj --size 320x180 --seconds 0.5 --screenshot " + file.string());
   EXPECT_EQ(run.code, 0) << run.output;
   EXPECT_TRUE(std::filesystem::exists(file));
-  EXPECT_NE(run.output.find("pictures drawn"), std::string::npos);
+  EXPECT_NE(run.output.find("frames drawn"), std::string::npos);
   std::filesystem::remove(file);
 }
 
@@ -103,12 +103,12 @@ TEST(VisionProgram, BenchSaysItsRate) {
   ASSERT_EQ(std::sscanf(run.output.c_str() + drawing, "drawing p50 %lf ms p99 %lf ms", &p50_ms, &p99_ms), 2) << run.output;
   EXPECT_GT(p50_ms, 0.0);
   EXPECT_GE(p99_ms, p50_ms);
-  const std::size_t motion = run.output.find("first picture ", at);
+  const std::size_t motion = run.output.find("first frame ", at);
   ASSERT_NE(motion, std::string::npos) << run.output;
   double first_ms = 0.0;
   double motion_p50_ms = 0.0;
   double motion_p50_frames = 0.0;
-  ASSERT_EQ(std::sscanf(run.output.c_str() + motion, "first picture %lf ms, motion to photon p50 %lf ms p99 %*f ms (%lf, %*f frames)",
+  ASSERT_EQ(std::sscanf(run.output.c_str() + motion, "first frame %lf ms, motion to photon p50 %lf ms p99 %*f ms (%lf, %*f frames)",
                         &first_ms, &motion_p50_ms, &motion_p50_frames),
             3)
       << run.output;

@@ -95,7 +95,7 @@ TEST_F(VrpnTrackerClient, ANumberThatIsDescribedAnewMeansTheNewThing) {
   EXPECT_FALSE(client.take_newest());
 }
 
-TEST_F(VrpnTrackerClient, PosesThatAreNoneAreLeftOut) {
+TEST_F(VrpnTrackerClient, InvalidPosesAreIgnored) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
   for (const Vec3& p : {Vec3(kNaN, 0, 0), Vec3(0, kInfinite, 0), Vec3(0, 0, -kInfinite)}) client.receive(say_pose(0, p));

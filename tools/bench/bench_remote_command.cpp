@@ -175,8 +175,8 @@ void add_bench_remote_command(CommandLine bench, int& exit_code) {
   command.add_option("--jitter", options->jitter_ms, "Up to this much more each way, ms").between(0.0, 1000.0).shows_default();
   const CommandOption stall = command
                                   .add_option("--stall", options->stall_ms,
-                                              "The device's machine stands still about five times a second, so long on average, ms; "
-                                              "of the force on a given path, not of energy and stiffness")
+                                              "Mean length of the stalls of the device's machine, about five a second, ms; for the "
+                                              "force on a given path only, not for energy and stiffness")
                                   .between(0.0, 1000.0)
                                   .shows_default();
   command.add_option("--stiffness", options->stiffness_n_per_m, "Of the surface, N/m").between(1.0, 1e6).shows_default();

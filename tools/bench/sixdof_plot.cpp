@@ -66,7 +66,8 @@ std::string make_sixdof_plot(const std::vector<SixdofRow>& rows, const std::stri
 
 Result<std::filesystem::path> draw_sixdof_plot(const std::filesystem::path& folder, const std::vector<SixdofRow>& rows) {
   if (drawable(rows).empty())
-    return fail("{}: no scenario with a known force was felt, so there is nothing to draw", (folder / "sixdof.png").string());
+    return fail("{}: no contact was measured in a scenario with a known force, so there is nothing to draw",
+                (folder / "sixdof.png").string());
   return draw_with_gnuplot(folder, "sixdof.png", make_sixdof_plot(rows, "sixdof.png.part"));
 }
 

@@ -74,7 +74,7 @@ Result<std::vector<StressBody>> make_bodies(const StressOptions& options) {
 
 Result<void> choose_variant(StressOptions& options) {
   if (options.plan.by_patches) {
-    if (options.plan.method.name != "proxy") return fail("--patches: only method proxy is felt by patches; leave out --method");
+    if (options.plan.method.name != "proxy") return fail("--patches supports only method proxy; leave out --method");
     options.plan.variants = patch_variants();
   }
   if (!options.scale && !options.offset && !options.friction_static && !options.friction_dynamic) return {};
@@ -167,13 +167,13 @@ void add_stress_command(CommandLine app, int& exit_code) {
                    "Touch mesh files as they are: cracks up to 1e-4 of the longest side are not sealed");
   const CommandOption patches = command.add_flag(
       "--patches", options->plan.by_patches,
-      "Feel each body by patches of its parts, as io_node --touch patch does, at its own scale and place, without and with friction");
+      "Compute the force from patches of each body, as io_node --touch patch does, at its own scale and place, without and with friction");
   const CommandOption tool =
       command.add_flag("--tool", options->tool, "Press rigid tools of six shapes on each body instead: penetration by exact signs, gaps");
   tool.excludes(patches);
   const CommandOption on_grid = command.add_flag("--on-grid", options->plan.on_grid,
-                                                 "Round the vertices to the grid of patches first, and feel the body whole: what --patches "
-                                                 "finds there as well is not the patches' fault");
+                                                 "Round the vertices to the grid of patches first, and use the whole body: a fault that "
+                                                 "--patches finds as well is not caused by patches");
   on_grid.excludes(patches);
   on_grid.excludes(tool);
   const CommandOption probe_share =

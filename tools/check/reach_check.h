@@ -15,10 +15,10 @@ struct Unreached {
 // Exact up to rounding: triangles are cut at the box. A mesh without area counts by its vertices. RT: set-up only.
 Unreached find_unreached(const TriangleMesh& mesh, const Vec3& low, const Vec3& high);
 
-// An object of which a part lies outside the device's workspace. S lies on W, as before anyone turns the knob box. RT: set-up only.
+// Finds whether a part of the object lies outside the device's workspace. S lies on W: the knob box is at zero. RT: set-up only.
 CheckFindings check_reach(const SceneObject& object, const DeviceLimits& limits);
 
-// The whole scene is a speck in the workspace, by the share of SceneReach. RT: set-up only.
+// Finds whether the whole scene is too small for the workspace: below the same share as SceneReach::too_small. RT: set-up only.
 CheckFindings check_size(const Scene& scene, const DeviceLimits& limits);
 
 }  // namespace hapton

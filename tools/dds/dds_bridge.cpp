@@ -47,7 +47,7 @@ std::string why_dropped(ServoForce::Verdict verdict, const BridgeSettings& setti
     case ServoForce::Verdict::wrong_frame:
       return fmt::format("servo_cf: dropped a force whose frame_id is not {}", settings.ros.frame);
     case ServoForce::Verdict::not_finite:
-      return "servo_cf: dropped a force that is no number, and released the force";
+      return "servo_cf: dropped a force that is not finite, and released the force";
     case ServoForce::Verdict::has_torque:
       return "servo_cf: dropped a wrench with a torque, and released the force; send zero, or allow torques with --accept-torques";
     case ServoForce::Verdict::other_writer:

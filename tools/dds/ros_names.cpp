@@ -41,7 +41,7 @@ Result<std::string> make_prefix(std::string_view prefix) {
   }
   if (is_good) return made;
   return fail(
-      "--prefix '{}' is no name in ROS 2: give words of letters, digits and single underscores, none beginning with a digit, as in "
+      "--prefix '{}' is not a name in ROS 2: give words of letters, digits and single underscores, none beginning with a digit, as in "
       "/hapton/left",
       printable(prefix));
 }
@@ -51,7 +51,7 @@ std::string dds_topic(std::string_view ros_topic) { return "rt" + std::string(ro
 Result<void> check_frame(std::string_view frame) {
   const bool is_plain = std::all_of(frame.begin(), frame.end(), [](char c) { return c > ' ' && c <= '~'; });
   if (is_plain && !frame.empty() && frame.size() <= kLongestName && !frame.starts_with('/')) return {};
-  return fail("--frame '{}' is no frame in ROS 2: give a name without blanks and without a slash at its beginning, as in world",
+  return fail("--frame '{}' is not a frame in ROS 2: give a name without blanks and without a slash at its beginning, as in world",
               printable(frame));
 }
 
@@ -60,7 +60,7 @@ Result<void> check_interface(std::string_view interface) {
     return is_letter(c) || is_digit(c) || c == '.' || c == ':' || c == '-' || c == '@' || c == '%';
   });
   if (is_plain && !interface.empty() && interface.size() <= kLongestName) return {};
-  return fail("--interface '{}' is no network interface: give a name or an address of `ip address`, as in eth0 or 192.168.1.5, or auto",
+  return fail("--interface '{}' is not a network interface: give a name or an address of `ip address`, as in eth0 or 192.168.1.5, or auto",
               printable(interface));
 }
 
@@ -74,7 +74,7 @@ Result<int> choose_domain(std::optional<int> given, const char* ros_domain_id) {
   int domain = -1;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), domain);
   if (error == std::errc() && end == text.data() + text.size() && domain >= 0 && domain <= kHighestDomain) return domain;
-  return fail("ROS_DOMAIN_ID '{}' is no domain: set it to 0 to {}, or give --domain", printable(text), kHighestDomain);
+  return fail("ROS_DOMAIN_ID '{}' is not a domain: set it to a number from 0 to {}, or give --domain", printable(text), kHighestDomain);
 }
 
 }  // namespace hapton::dds

@@ -85,7 +85,8 @@ Result<bool> run_in_window(const DemoOptions& options, const DemoSettings& setti
   if (std::getenv("DISPLAY") == nullptr) return fail("no DISPLAY is set; --headless runs the tour by script and saves pictures");
   const StopSignal stop;
   KeyReader keys;
-  if (!keys.is_terminal() && !settings.seconds) return fail("stdin is no terminal to press keys in; give --seconds N, or --headless");
+  if (!keys.is_terminal() && !settings.seconds)
+    return fail("stdin is not a terminal, so no key can be read; give --seconds N, or --headless");
   fmt::print("Keys in this terminal: 1 to {} go to a step, n or Enter to the next one, q quits.\n\n", demo_steps().size());
   auto [number, last] = range_of(options);
   while (number <= last) {

@@ -54,7 +54,7 @@ Finding check_key_file(const Machine& machine, const std::string& subject, const
   const auto file = machine.facts(path);
   const User& user = machine.user();
   if (!file) return problem(subject, path + " is not there", "hapton keygen " + path);
-  if (!file->is_regular) return problem(subject, path + " is no regular file", fmt::format("rm -r {0} && hapton keygen {0}", path));
+  if (!file->is_regular) return problem(subject, path + " is not a regular file", fmt::format("rm -r {0} && hapton keygen {0}", path));
   if (is_own && file->uid != user.uid) {
     return problem(subject,
                    fmt::format("{} belongs to user {}, and the nodes of {} (user {}) reject it", path, file->uid, user.name, user.uid),
@@ -110,7 +110,7 @@ void check_system_key(const Machine& machine, Findings& findings) {
 Finding check_rules(const Machine& machine, const std::string& name, const std::string& rules_file, const std::string& remedy) {
   const auto rules = machine.read(rules_file);
   const std::string port = std::to_string(machine.settings().hub_port);
-  if (!rules) return note(name, fmt::format("is on; its rules are for root's eyes. Other hosts need UDP port {}", port), remedy);
+  if (!rules) return note(name, fmt::format("is on; only root can read its rules. Other hosts need UDP port {}", port), remedy);
   if (rules->find(port) != rules->npos) return good(name, fmt::format("is on and lets port {} through", port));
   return warning(name, fmt::format("is on and does not name port {}: other hosts do not reach the hub (this one does)", port), remedy);
 }

@@ -30,7 +30,7 @@ Finding check_number(const Machine& machine) {
   const std::string isolated = machine.read(fmt::format("{}/isolated", kCpuFolder)).value_or("");
   if (online.empty()) return note("CPUs", "not known: the kernel does not say");
   if (count < 2) {
-    return warning("CPUs", "one: whatever runs besides the loop waits for it, and the other way round",
+    return warning("CPUs", "one: the loop and every other program delay each other",
                    "give the machine a second CPU, or run vision_node on another host");
   }
   if (isolated.empty()) return good("CPUs", fmt::format("{}; none is isolated, io_node --cpu N pins the loop to one", count));
@@ -52,7 +52,7 @@ Finding check_governor(const Machine& machine) {
   constexpr const char* kMend = "echo performance | sudo tee /sys/devices/system/cpu/cpu*/cpufreq/scaling_governor";
   const std::string subject = "CPU frequency";
   const auto governors = find_governors(machine);
-  if (governors.empty()) return good(subject, "not this kernel's business (a virtual machine, or a fixed frequency)");
+  if (governors.empty()) return good(subject, "not controlled by this kernel (a virtual machine, or a fixed frequency)");
   const std::string driver = machine.read(fmt::format("{}/cpu0/cpufreq/scaling_driver", kCpuFolder)).value_or("");
   // With these drivers, a governor of this name does raise the frequency, if late.
   const bool adapts = driver.find("pstate") != driver.npos;

@@ -101,13 +101,13 @@ std::string to_csv(const std::vector<HopCounts>& hops) {
 
 Result<std::vector<HopCounts>> parse_latency_csv(std::string_view text, std::string_view name) {
   if (take_until(text, '\n') != kHeader) {
-    return fail("{}:1: is no latency table; its header must be {}", name, kHeader);
+    return fail("{}:1: is not a latency table; its header must be {}", name, kHeader);
   }
   std::vector<HopCounts> hops;
   for (int line_number = 2; !text.empty(); ++line_number) {
     const std::string_view line = take_until(text, '\n');
     if (!line.empty() && !add_row(line, hops)) {
-      return fail("{}:{}: '{}' is no row hop,lower_ns,upper_ns,count", name, line_number, line);
+      return fail("{}:{}: '{}' is not a row hop,lower_ns,upper_ns,count", name, line_number, line);
     }
   }
   std::erase_if(hops, [](const HopCounts& hop) { return hop.total() == 0; });

@@ -186,7 +186,7 @@ Result<LatencyRun> make_report(const std::filesystem::path& file, const BareTime
   const bool wants_echo = timer != nullptr;
   auto json = Json::parse(read_text(file), nullptr, false);
   if (!json.is_object() || !json.contains("hops") || !json["hops"].is_object()) {
-    return fail("{}: is no latency report", file.string());
+    return fail("{}: is not a latency report", file.string());
   }
   const auto verdict = evaluate_latency(json);
   if (!verdict) {

@@ -27,7 +27,7 @@ std::string khz(double rate_hz) { return fmt::format("{:g} kHz", 1e-3 * rate_hz)
 }  // namespace
 
 Result<LatencyVerdict> evaluate_latency(const nlohmann::json& report) {
-  if (!report.is_object()) return fail("is no latency report");
+  if (!report.is_object()) return fail("is not a latency report");
   const double round_trip_us = hop_us(report, "round_trip", "p99_9_us");
   const double samples = count(report, "samples");
   if (round_trip_us < 0.0 || samples <= 0.0) return fail("no force was measured; see the logs beside the report");

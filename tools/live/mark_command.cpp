@@ -113,7 +113,8 @@ int run_line(const MarkOptions& options) {
     fmt::print(stderr, "hapton mark: {}\n", counts.error().what);
     return 1;
   }
-  fmt::print("{} changes, {} marked, {} refused, {} not answered\n", counts->changes, counts->marked, counts->refused, counts->given_up);
+  fmt::print("{} changes, {} marked, {} rejected, {} without a reply\n", counts->changes, counts->marked, counts->refused,
+             counts->given_up);
   return counts->refused + counts->given_up == 0 ? 0 : 1;
 }
 

@@ -100,7 +100,7 @@ Result<LineInput> parse_line_input(std::string_view text) {
     if (pin != std::end(kPins)) return LineInput{std::string(text.substr(0, colon)), std::string(name), pin->is_parallel, pin->bit};
   }
   return fail(
-      "--line '{}' is no input of a port: give DEVICE:PIN, as in /dev/ttyS0:CTS (serial: CTS, DSR, DCD, RI) or /dev/parport0:ACK "
+      "--line '{}' is not an input of a port: give DEVICE:PIN, as in /dev/ttyS0:CTS (serial: CTS, DSR, DCD, RI) or /dev/parport0:ACK "
       "(parallel: "
       "ACK, BUSY, PAPEROUT, SELECT, ERROR)",
       text);
@@ -121,12 +121,12 @@ Result<std::unique_ptr<DigitalLine>> open_line_input(const LineInput& input) {
   if (input.is_parallel) {
     auto line = std::make_unique<ParallelLine>(descriptor, input);
     if (!line->claim() || !line->is_on()) {
-      return fail("{} is no parallel port, or another program has it (`sudo rmmod lp` for the printer's)", input.device);
+      return fail("{} is not a parallel port, or another program has it (`sudo rmmod lp` for the printer's)", input.device);
     }
     return line;
   }
   auto line = std::make_unique<SerialLine>(descriptor, input);
-  if (!line->is_on()) return fail("{} is no serial port with a {} input", input.device, input.name);
+  if (!line->is_on()) return fail("{} is not a serial port with a {} input", input.device, input.name);
   return line;
 }
 

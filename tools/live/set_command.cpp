@@ -91,7 +91,9 @@ Result<std::optional<MaterialRequest>> make_material_request(const SetOptions& o
     if (options.object.empty()) return std::nullopt;
     return fail("nothing to set for object '{}'; give --stiffness, --damping or --friction", options.object);
   }
-  if (options.object.size() >= request.object.size()) return fail("an object has no name of {} letters", options.object.size());
+  if (options.object.size() >= request.object.size()) {
+    return fail("the name of an object has at most {} bytes, not {}", request.object.size() - 1, options.object.size());
+  }
   std::copy(options.object.begin(), options.object.end(), request.object.begin());
   request.request = static_cast<std::uint32_t>(make_random_id()) | 1U;
   return request;

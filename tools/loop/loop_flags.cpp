@@ -103,7 +103,7 @@ Result<std::vector<double>> read_numbers(const std::string& flag, const std::str
   if (colon == std::string::npos) {
     for (const std::string& word : split_list(text)) {
       const auto number = number_of(word);
-      if (!number) return fail("{} '{}' is no number; give 1000, or 250,1000,4000, or 0:500:11, or 250:20000:7log", flag, word);
+      if (!number) return fail("{} '{}' is not a number; give 1000, or 250,1000,4000, or 0:500:11, or 250:20000:7log", flag, word);
       numbers.push_back(*number);
     }
     if (numbers.empty()) return fail("{}: no number is given", flag);
@@ -116,7 +116,7 @@ Result<std::vector<double>> read_numbers(const std::string& flag, const std::str
   const auto high = second == std::string::npos ? std::nullopt : number_of(std::string_view(text).substr(colon + 1, second - colon - 1));
   const auto count = number_of(count_text);
   if (!low || !high || !count || *count < 2.0 || *count != std::floor(*count) || *count > static_cast<double>(kMostNumbers)) {
-    return fail("{} '{}' is no range; give LOW:HIGH:COUNT, or LOW:HIGH:COUNTlog for equal ratios", flag, text);
+    return fail("{} '{}' is not a range; give LOW:HIGH:COUNT, or LOW:HIGH:COUNTlog for equal ratios", flag, text);
   }
   if (is_log && !(*low > 0.0 && *high > 0.0)) return fail("{} '{}': equal ratios need numbers above zero", flag, text);
   for (int i = 0; i < static_cast<int>(*count); ++i) {

@@ -113,7 +113,7 @@ Result<Shard> read_shard(const std::string& text) {
     const auto [last, second_error] = std::from_chars(slash + 1, end, shard.count);
     if (second_error == std::errc() && last == end && shard.index >= 1 && shard.index <= shard.count) return shard;
   }
-  return fail("--shard '{}' is no part of a whole; give I/N with I from 1 to N, such as 2/8", text);
+  return fail("--shard '{}' is not a part I/N; give I from 1 to N, such as 2/8", text);
 }
 
 nlohmann::ordered_json to_json(const ZWidthRow& row) {
@@ -197,7 +197,7 @@ Result<std::string> merge_csv(const std::vector<std::filesystem::path>& parts) {
     if (!std::getline(stream, first) || !std::getline(stream, columns)) return fail("{}: cannot be read", part.string());
     const std::size_t cells_at = first.find(" cells=");
     if (!first.starts_with("# ") || first.find(".loop.") == std::string::npos || cells_at == std::string::npos) {
-      return fail("{}: line 1: is no grid of hapton loop", part.string());
+      return fail("{}: line 1: is not a grid of hapton loop", part.string());
     }
     const std::string own_head = first + "\n" + columns + "\n";
     if (head.empty()) {

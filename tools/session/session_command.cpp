@@ -107,13 +107,13 @@ Result<void> write_tables(const SessionOptions& options) {
 std::string describe(const ReplayCounts& counts) {
   std::string text = fmt::format("replayed: {} steps, {} in contact; {} compared bit for bit, {} different\n", counts.steps,
                                  counts.contact_steps, counts.compared, counts.different);
-  if (counts.lost_answers > 0) text += fmt::format("{} answers were lost: replayed but not compared\n", counts.lost_answers);
+  if (counts.lost_answers > 0) text += fmt::format("{} replies were lost: replayed but not compared\n", counts.lost_answers);
   if (counts.not_compared > 0)
     text += fmt::format("{} steps not compared: contact, or an effect, began before the recording\n", counts.not_compared);
   if (counts.unknown_method > 0)
     text += fmt::format("{} steps not compared: the recording does not name their method, materials or moves\n", counts.unknown_method);
-  if (counts.missing_states > 0) text += fmt::format("{} answers to states that are not in the recording\n", counts.missing_states);
-  if (counts.missing_views > 0) text += fmt::format("{} answers with a view that is not in the recording\n", counts.missing_views);
+  if (counts.missing_states > 0) text += fmt::format("{} replies to states that are not in the recording\n", counts.missing_states);
+  if (counts.missing_views > 0) text += fmt::format("{} replies with a view that is not in the recording\n", counts.missing_views);
   return text;
 }
 

@@ -72,7 +72,7 @@ std::string_view meaning_of(StressFault fault) {
   constexpr std::array<std::string_view, static_cast<std::size_t>(StressFault::count)> kMeanings = {
       "no force with the device more than 0.25 % of the extent inside; closed bodies",
       "the proxy itself inside; closed bodies",
-      "straight through a face from one free position to another, where the reference does not get; open meshes, point probe",
+      "straight through a face from one free position to another that the reference does not reach; open meshes, point probe",
       "proxy more than 10 % of the extent farther from the device than the surface, and not at a minimum; closed bodies, no friction",
       "proxy not at a minimum: the reference, started there, comes nearer by 0.1 % of the extent; no friction",
       "the force changed by more than stiffness times motion; convex rooms, no friction",

@@ -42,8 +42,8 @@ Vec3 not_far(const Vec3& p) { return p.cwiseMax(-kFarFromScene).cwiseMin(kFarFro
 
 }  // namespace
 
-// A point's motion is split where it comes near the scene and where it leaves it. On its way in a device is only known to be far out in
-// some direction, so a proxy in contact descends to where the device comes in.
+// With a point probe, the device's motion is split where it enters and where it leaves the region near the scene. Far out, the position of
+// the device is too coarse to be exact on the surface, so a proxy in contact descends towards the point where the device enters.
 void ProxyMethod::follow(const Vec3& last, const Vec3& device) noexcept {
   const NearSpan near = find_near_span(last, device);
   if (!is_point_ || near.begin > near.end || (near.begin == 0.0 && near.end == 1.0)) return follow_piece(last, device);

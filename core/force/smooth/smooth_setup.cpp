@@ -175,11 +175,11 @@ void SmoothMethod::use_all_triangles() {
 std::string SmoothMethod::describe() const {
   const SmoothCounters& c = counters_;
   std::string text = fmt::format("smooth: RADIUS {:g} m, layer {:g} m, sets of {} triangles\n", radius_, layer_, set_size_);
-  if (leaves_out_) text += "friction and damping of the materials are left out: not this method's\n";
+  if (leaves_out_) text += "friction and damping of the materials are ignored: this method has none\n";
   text += scene_->describe();
   text += fmt::format(
       "steps {}: {} skipped in free space, {} entries, {} releases, {} astray; {} hidden VCPs\n"
-      "sets: {} selected here ({} late), {} offered by the slow task, {} looks beyond a set answered by the tree\n",
+      "sets: {} selected here ({} late), {} offered by the slow task, {} queries beyond a set, answered by the tree\n",
       c.steps, c.skipped, c.entries, c.releases, c.astray, c.hidden, c.selections, c.late, c.offered, c.overflows);
   return text;
 }

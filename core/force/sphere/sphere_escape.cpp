@@ -145,8 +145,8 @@ bool SphereFollower::leave_by_flight(const Vec3& device, const Vec3& motion) noe
   return false;
 }
 
-// To the direction that leads on, where within `wide` of the corner all triangles go through it: there the free space is a cone, and both
-// positions are in the same part of it, because the boundary of that part has both.
+// Moves the centre past the corner in one step, in the given direction, if all triangles near it go through the corner: the free space
+// there is a cone, and both positions are in the same connected part of it, because both are beside the boundary of that part.
 bool SphereFollower::pass_corner(const TangentCone::Steepest& to, double wide) noexcept {
   const Vec3& apex = cone_.apex();
   const TangentCone::Piece& piece = cone_.boundary()[static_cast<std::size_t>(to.piece)];
@@ -227,9 +227,9 @@ bool SphereFollower::fly_over(const Vec3& displacement, double height) noexcept 
   return (centre_ - from).norm() >= 4.0 * height;
 }
 
-// Flies along the path of `go` and descends from there with the device held, until the centre is nearer to the device: a descent only comes
-// nearer still. False, and undone: it never is, it has been tried before, or work has run out. One that has had half of a step's work is
-// not tried again.
+// Moves along the path of `go`, then descends with the device held, until the centre is nearer to the device than before; a descent never
+// moves away from the device. Returns false, with the state restored, if the centre does not come nearer, if this escape failed before, or
+// if work has run out. An escape that had half of a step's work is not tried again.
 template <class Go>
 bool SphereFollower::try_escape(const Vec3& device, const Vec3& motion, Go&& go) noexcept {
   constexpr int kMostEvents = 256;

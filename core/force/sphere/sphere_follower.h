@@ -44,7 +44,7 @@ class SphereFollower {
 
   enum class Outcome : std::uint8_t {
     settled,    // at a local minimum for the device at the end of its motion, or free there
-    exhausted,  // out of work with the device at `time`: a valid position on the way; a step from there goes on as if nothing had ended
+    exhausted,  // out of work with the device at `time`: a valid position on the path, from which the next step continues seamlessly
     failed,     // cannot continue: the centre is at a valid position for the device at `time`
   };
 
@@ -54,7 +54,7 @@ class SphereFollower {
       : geometry_(geometry), materials_(materials), clearance_{offset, kSlop, kTolerance}, is_point_(is_point) {
     note_friction();
   }
-  // That of the materials has changed: a centre in contact settles again at the beginning of the next motion.
+  // The friction of the materials has changed: a centre in contact settles again at the beginning of the next motion.
   void note_friction() noexcept {
     has_friction_ = false;
     for (const Material& material : materials_) has_friction_ |= material.friction_static > 0.0;
@@ -70,7 +70,7 @@ class SphereFollower {
   bool slides() const { return friction_.slides; }  // the dynamic coefficient applies
   // The set of triangles has changed: gather them again.
   void forget_near() { near_.clear(); }
-  // All but the counters: what follows depends on nothing that was before.
+  // Resets everything except the counters: later steps do not depend on earlier ones.
   void forget() noexcept;
 
   // Begins with a centre that is free and at the device.
@@ -135,7 +135,7 @@ class SphereFollower {
     CentrePath path;
     double time = 1.0;         // of the device at its end
     int released = -1;         // the contact whose multiplier is zero there; -1: none
-    bool is_on_curve = false;  // made by length: the time of a place is that at which the device makes it the minimum
+    bool is_on_curve = false;  // parametrised by length; time of a point: when the device makes it the minimum
     bool vanishes = false;     // the minimum vanishes at its end
   };
   // A plane that holds the centre, which is above it.
@@ -364,7 +364,7 @@ void SphereFollower::place_at_event(const CentrePath& path, Event& event, Place&
   place(event.time);
   const bool is_hit = event.slot >= 0;
   if ((!is_hit && event.contact < 0) || (is_hit && path.is_straight()) || event.time <= 0.0) return;
-  // The exact path may be through the triangle where its cubic stops: the distance counts on the side of the cubic.
+  // Where the cubic approximation stops, the exact path may already have crossed the triangle: the distance is signed by the cubic's side.
   const Vec3 side = is_hit ? near_.shape(event.slot).separation(path.at(event.time)).normal : Vec3(Vec3::Zero());
   for (int i = 0; i < kMostRounds; ++i) {
     ++work_;

@@ -95,9 +95,9 @@ TEST(PapersReport, TextCsvAndJsonSayTheSame) {
 }
 
 TEST(ParseBenchRate, ReadsVisionNodesLine) {
-  const std::string line = "bench: 200 pictures, 47.3 Hz, side_by_side, 640x720 an eye, drawing p50 20.1 ms p99 25.0 ms, llvmpipe";
+  const std::string line = "bench: 200 frames, 47.3 Hz, side_by_side, 640x720 an eye, drawing p50 20.1 ms p99 25.0 ms, llvmpipe";
   EXPECT_DOUBLE_EQ(parse_bench_rate("log\n" + line + "\n").value_or(0.0), 47.3);
-  for (const char* none : {"", "bench: ", "bench: 200 pictures, ", "bench: 200 pictures, fast", "bench: 200 pictures, 0.0 Hz", "47.3 Hz"}) {
+  for (const char* none : {"", "bench: ", "bench: 200 frames, ", "bench: 200 frames, fast", "bench: 200 frames, 0.0 Hz", "47.3 Hz"}) {
     EXPECT_FALSE(parse_bench_rate(none)) << none;
   }
 }

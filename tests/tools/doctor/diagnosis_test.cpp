@@ -193,7 +193,7 @@ const std::vector<Fault> kFaults = {
      "echo performance | sudo tee /sys/devices/system/cpu/cpu*/cpufreq/scaling_governor"},
     {"LateGovernor", [](FakeMachine& m) { m.write("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor", "schedutil\n"); },
      Verdict::warning, "governor schedutil", "echo performance | sudo tee"},
-    {"OneCpu", [](FakeMachine& m) { m.write("/sys/devices/system/cpu/online", "0\n"); }, Verdict::warning, "one: whatever runs besides",
+    {"OneCpu", [](FakeMachine& m) { m.write("/sys/devices/system/cpu/online", "0\n"); }, Verdict::warning, "one: the loop and every other",
      "give the machine a second CPU"},
     {"Hypervisor", [](FakeMachine& m) { m.write("/proc/cpuinfo", "flags\t\t: fpu hypervisor avx2\n"); }, Verdict::warning,
      "a hypervisor shares out the CPUs", "bare machine"},

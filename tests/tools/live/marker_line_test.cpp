@@ -73,7 +73,7 @@ TEST(LineInputs, WhatIsNoParallelPortIsRejected) {
   const std::string file = scratch.write("file", "text").string();
   const auto opened = open_line_input(*parse_line_input(file + ":ACK"));
   ASSERT_FALSE(opened);
-  EXPECT_NE(opened.error().what.find("is no parallel port"), std::string::npos) << opened.error().what;
+  EXPECT_NE(opened.error().what.find("is not a parallel port"), std::string::npos) << opened.error().what;
   const auto missing = open_line_input(*parse_line_input((scratch.path() / "parport9").string() + ":ACK"));
   ASSERT_FALSE(missing);
   EXPECT_NE(missing.error().what.find("modprobe ppdev"), std::string::npos) << missing.error().what;
