@@ -90,7 +90,7 @@ TEST(HaplyMessages, TheVersionIsReadWithAndWithoutAnEnvelope) {
 TEST(HaplyMessages, OtherVersionsAreNamedWithWhatToDo) {
   EXPECT_EQ(why_unknown({3, 5}), "");
   EXPECT_EQ(why_unknown({3, 12}), "");
-  for (const Version old : {Version{2, 9}, Version{3, 0}, Version{3, 4}}) EXPECT_THAT(why_unknown(old), testing::HasSubstr("update it"));
+  for (const Version old : {Version{2, 9}, Version{3, 0}, Version{3, 4}}) EXPECT_THAT(why_unknown(old), testing::HasSubstr("update the service"));
   EXPECT_THAT(why_unknown({4, 0}), testing::HasSubstr("a newer Hapton"));
 }
 

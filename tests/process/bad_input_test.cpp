@@ -251,7 +251,7 @@ const std::vector<BadCall> kTools = {
     {"MarkOfTwoLines", "hapton", {"mark", "a\nb"}, "line ends"},
     {"MarkLineWithoutInput", "hapton", {"mark", "--line", "/dev/ttyS0"}, "DEVICE:PIN"},
     {"MarkLineGone", "hapton", {"mark", "--line", "FOLDER/gone:CTS"}, "cannot be opened"},
-    {"MarkLineIsAFile", "hapton", {"mark", "--line", "FOLDER/good.obj:CTS"}, "no serial port"},
+    {"MarkLineIsAFile", "hapton", {"mark", "--line", "FOLDER/good.obj:CTS"}, "not a serial port"},
     {"MarkEdgesWithoutLine", "hapton", {"mark", "a", "--edges", "both"}, "--line"},
     {"MarkBeyondLoopbackWithoutKey", "hapton", {"mark", "a", "--hub", "192.0.2.1"}, "--key FILE"},
     {"KeygenOverAFile", "hapton", {"keygen", "FOLDER/good.obj"}, "good.obj"},

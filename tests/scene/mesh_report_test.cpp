@@ -144,7 +144,7 @@ TEST(MeshReport, SaysThatNotAllCracksWereLookedFor) {
   EXPECT_THAT(to_text(*report), Not(HasSubstr("not all cracks")));
   EXPECT_TRUE(nlohmann::json::parse(to_json(*report)).at("crack_edges_all_counted").get<bool>());
   report->flaws.borders.has_given_up = true;
-  EXPECT_THAT(to_text(*report), HasSubstr("not all cracks were looked for: its boundary edges lie across one another"));
+  EXPECT_THAT(to_text(*report), HasSubstr("not all cracks were looked for: too many boundary edges lie across each other"));
   EXPECT_THAT(to_text(report->flaws), HasSubstr(", not all cracks looked for"));
   EXPECT_FALSE(nlohmann::json::parse(to_json(*report)).at("crack_edges_all_counted").get<bool>());
 }

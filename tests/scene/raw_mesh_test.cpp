@@ -183,7 +183,7 @@ TEST(ReadGltf, SaysWhatIsWrong) {
   EXPECT_THAT(gltf_with("\"mesh\":0", "\"mesh\":5"), HasSubstr("nodes[0].mesh is 5, out of range"));
   EXPECT_THAT(gltf_with("\"mesh\":0", "\"mesh\":-1"), HasSubstr("nodes[0].mesh is -1"));
   EXPECT_THAT(gltf_with("\"mesh\":0", "\"mesh\":\"x\""), HasSubstr("not a number"));
-  EXPECT_THAT(gltf_with("\"mesh\":0", "\"mesh\":0,\"children\":[0]"), HasSubstr("under itself"));
+  EXPECT_THAT(gltf_with("\"mesh\":0", "\"mesh\":0,\"children\":[0]"), HasSubstr("below itself"));
   EXPECT_THAT(gltf_with("\"mesh\":0", "\"mesh\":0,\"children\":[7]"), HasSubstr("out of range"));
   EXPECT_THAT(gltf_with("\"mesh\":0", "\"mesh\":0,\"rotation\":[0,0,0,0]"), HasSubstr("rotation is zero"));
   EXPECT_THAT(gltf_with("\"mesh\":0", "\"mesh\":0,\"matrix\":[1,2]"), HasSubstr("16 numbers"));

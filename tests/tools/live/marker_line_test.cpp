@@ -42,7 +42,7 @@ TEST(LineInputs, WhatIsNoSerialPortIsRejected) {
   ASSERT_EQ(::unlockpt(terminal), 0);
   const auto opened = open_line_input(*parse_line_input(std::string(::ptsname(terminal)) + ":CTS"));
   ASSERT_FALSE(opened);
-  EXPECT_NE(opened.error().what.find("no serial port with a CTS input"), std::string::npos) << opened.error().what;
+  EXPECT_NE(opened.error().what.find("not a serial port with a CTS input"), std::string::npos) << opened.error().what;
   ::close(terminal);
 }
 
