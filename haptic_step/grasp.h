@@ -11,7 +11,7 @@
 
 namespace hapton {
 
-// What the step asks of the slow task.
+// A request of the step to the slow task.
 struct GraspOrder {
   enum class Kind : std::uint8_t { pick_up, let_go, put_down };
 
@@ -19,10 +19,10 @@ struct GraspOrder {
   Kind kind = Kind::let_go;
   int object = -1;                // of the scene
   Pose X_SD = Pose::Identity();   // pick_up: the stylus when the object was picked up
-  Pose moved = Pose::Identity();  // of the object: what its points, as the scene file places them, are moved by in frame S
+  Pose moved = Pose::Identity();  // of the object, frame S: the transform of its points from where the scene file places them
 };
 
-// What the slow task answers: the tool of a pick_up, for the step to hold until its next order. Null: there is none, the log says why.
+// The reply of the slow task: the tool of a pick_up, which the step holds until its next order. Null: there is none; the log says why.
 struct GraspAnswer {
   std::uint32_t serial = 0;  // of the order
   HeldTool* tool = nullptr;
@@ -35,9 +35,9 @@ struct GraspLink {
   Mailbox<GraspAnswer> answers;
 };
 
-// Picking up movable objects: the side of the step. A button of the stylus, pressed while a movable object is touched, picks it up: the
-// object is then the tool that the stylus holds, and collides with all others. Released, it lies where it is, and is touched there as soon
-// as the slow task has built the scene again.
+// The step's side of picking up movable objects. If a button of the stylus is pressed while a movable object is touched, that object
+// becomes the tool that the stylus holds, and collides with all others. When the button is released, the object stays where it is, and can
+// be touched there as soon as the slow task has built the scene again.
 // RT: yes. Threads: the step's.
 class Grasp {
  public:
@@ -47,8 +47,8 @@ class Grasp {
   // An object lies elsewhere at the start: X_SO. Set-up only. Pre: of the scene, and movable.
   void place(int object, const Pose& X_SO);
 
-  // Requests that an object is moved from its pose of that serial to this one: update() does it if nothing is picked up, held or put
-  // down then. Otherwise, where the serial is not the object's newest, and for what is not movable, it is ignored: the sender repeats it.
+  // Requests to move an object from its pose of that serial to this one. update() does so, unless an object is being picked up, held or put
+  // down, the serial is not the object's newest, or the object is not movable: then it ignores the request, and the sender repeats it.
   void request(const ObjectPose& pose) noexcept { requested_ = pose; }
 
   enum class Change : std::uint8_t { none, picked_up, put_down };
@@ -63,7 +63,7 @@ class Grasp {
   // After each step of the tool: where it is drawn.
   void note_pose(const Pose& X_WP, const Pose& X_WS) noexcept;
 
-  // An object has been put down, and the scene is not built again yet: nothing is felt.
+  // An object has been put down, and the scene is not built again yet: there is no force.
   bool is_waiting() const noexcept { return phase_ == Phase::waiting; }
   // An object is picked up, held or put down: no other method may come into use.
   bool is_busy() const noexcept { return phase_ != Phase::idle; }

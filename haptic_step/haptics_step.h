@@ -57,13 +57,13 @@ class HapticsStep {
   bool has_state() const noexcept { return has_state_; }
   // There was a reply since the start or the last restart().
   bool is_running() const noexcept { return running_; }
-  // How often the probe's contact began at the device point, with nothing known of contact before.
+  // How often the probe started at the device point, because there was no earlier contact to continue.
   std::uint32_t free_starts() const noexcept { return free_starts_; }
   // The device point of the last reply, and whether the method had contact there. Frame S.
   Vec3 p_SD() const noexcept { return input_.X_WS.inverse(Eigen::Isometry) * input_.p_WD; }
   bool has_contact() const noexcept { return output_.contact; }
 
-  // Lets the method see where it will start, so that its slow task can build the objects there; changes nothing else. Pre: has_state(), not
+  // Tells the method where it will start, so that its slow task can build the objects there; changes nothing else. Pre: has_state(), not
   // is_running().
   void look_around() noexcept;
 
@@ -73,8 +73,8 @@ class HapticsStep {
   // Moves the static scene; false if the pose is not rigid: the scene stays.
   bool turn_scene(const ViewTransform& view) noexcept;
 
-  // Objects that move by keyframes are at this time in the next reply, and go on from there. Otherwise their time begins at 0 with the
-  // first reply and runs with the samples; in a gap between two (kMostSceneStepNs), and between two sessions, they stand still.
+  // Sets the scene time of the next reply, from which keyframes continue. Without this call scene time begins at 0 with the first reply and
+  // advances with the samples. A gap between two samples counts as at most kMostSceneStepNs, the time between two sessions as 0.
   void set_scene_time(std::int64_t time_ns) noexcept { next_scene_time_ns_ = time_ns; }
   static constexpr std::int64_t kMostSceneStepNs = 50'000'000;
 

@@ -12,20 +12,21 @@ namespace hapton {
 
 struct Scene;
 
-// The materials of a scene, by object, in a state that a haptics node reported; coupled, for ForceMethod::set_materials. What the state
-// says of objects that the scene does not have is left out. RT: set-up only.
+// The materials of a scene, by object, in a state that a haptics node reported; coupled, for ForceMethod::set_materials. Entries for
+// objects that the scene does not have are ignored. RT: set-up only.
 std::vector<Material> tuned_materials(const TouchScene& scene, const MaterialState& state, double coupling_n_per_m);
 
-// Keeps in what the materials in use differ from those of the scene file. RT: no. Threads: one.
+// Keeps the differences between the materials in use and those of the scene file. RT: no. Threads: one.
 class MaterialTuning {
  public:
   explicit MaterialTuning(const Scene& scene);
 
-  // Changes the material of one object (or of several that have one name), or of all: of these too, all or none. Error: one line; nothing
-  // is changed: no such object, with the nearest name; a number that a scene file could not have either; too many objects changed.
+  // Changes the material of one object (or of several with the same name), or of all objects; if one of them cannot change, none does.
+  // Error: one line, and nothing is changed: an unknown object, with the nearest name; a number that a scene file must not have either; too
+  // many changed objects.
   Result<void> change(const MaterialRequest& request);
 
-  // The scene file says something else now: that state, whatever was changed before. Pre: of this scene's objects.
+  // The scene file has changed: this state replaces all earlier changes. Pre: of this scene's objects.
   void follow(const MaterialState& state) {
     state_ = state;
     last_.clear();

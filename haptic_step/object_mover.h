@@ -17,9 +17,9 @@
 
 namespace hapton {
 
-// Carries out what programs request of the objects that the scene lets them move (`moved_by = "program"`): a request becomes a move from
-// the pose that the object has at the scene time of the last reply, so it is felt from the next one on, without a jump. No point of an
-// object gets faster than kMostSurfaceSpeed: a faster move takes longer than requested, and the reply says so.
+// Carries out the requests of programs to move objects with `moved_by = "program"`. A request becomes a move that begins at the pose of the
+// object at the scene time of the last reply, so that the next reply continues without a jump. No point of an object moves faster than
+// kMostSurfaceSpeed: a move that would be faster takes longer than requested, and the reply says so.
 //
 // A flood costs little: request() only keeps the request, one for each object, kMostWaiting at most; work() carries out one, and its
 // caller sets the pace. RT: request and work yes. Threads: the step's.

@@ -8,7 +8,7 @@
 
 namespace hapton {
 
-// In what a scene file that was read again differs from before, from the least to the most.
+// What has changed in a scene file that was read again, in ascending order of effect.
 enum class SceneChange : std::uint8_t {
   none,
   materials,  // stiffness, damping and friction of some objects
@@ -16,11 +16,11 @@ enum class SceneChange : std::uint8_t {
   shape       // meshes, their poses, motions and number, or which of their sides are felt
 };
 
-// Of everything that is felt, and of names. RT: no.
+// Compares everything that affects the forces, and names. RT: no.
 SceneChange compare_scenes(const Scene& before, const Scene& after);
 
-// In what the materials of `after` differ from those of `before`, object by object, without serial and request. None: in more objects than
-// a state holds. Pre: as many objects. RT: no.
+// The differences between the materials of `after` and those of `before`, object by object, without serial and request. None: more objects
+// differ than a state holds. Pre: as many objects. RT: no.
 std::optional<MaterialState> describe_materials(const Scene& before, const Scene& after);
 
 }  // namespace hapton

@@ -69,14 +69,16 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
   app.add_option("--layer", options.method.smooth_layer,
                  "smooth: share of RADIUS over which force builds up outside, 0 to 1; 1 is the FDH paper's Algorithm 1 at full strength")
       ->capture_default_str();
-  app.add_option("--directions", options.method.hull_directions, "smooth: of its bounding hulls: 6, 14, 18 or 26")->capture_default_str();
+  app.add_option("--directions", options.method.hull_directions, "smooth: directions of its bounding hulls: 6, 14, 18 or 26")
+      ->capture_default_str();
   app.add_option("--crease", options.method.crease_deg, "smooth, proxy with shading: edges whose faces turn by more degrees count as sharp")
       ->check(between(0.0, 180.0))
       ->capture_default_str();
   app.add_option("--simplify", simplify, "smooth: simplify the mesh; largest distance from the surface: 0.1mm; 0: do not simplify")
       ->check(accepts(parse_length))
       ->capture_default_str();
-  app.add_option("--probe-radius", options.method.probe_radius_m, "Radius of the probe, metres; 0: a point (sweep has only points)")
+  app.add_option("--probe-radius", options.method.probe_radius_m,
+                 "Radius of the probe, metres; 0: a point (sweep and smooth have only points)")
       ->check(zero_or_more("metres"))
       ->capture_default_str();
   app.add_option("--coupling", options.method.coupling_n_per_m,
@@ -105,7 +107,7 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
       ->check(between(0.0, 1e6))
       ->capture_default_str();
   app.add_option("--tool-threads", options.tool_threads,
-                 "Threads that share the search for contacts of a tool, beside that of the force; the pose is the same with any number")
+                 "Threads that share a tool's search for contacts, in addition to the force's thread; the pose is the same with any number")
       ->check(between(1, WorkerTeam::kMost))
       ->capture_default_str();
   app.add_option("--grasp-button", options.grasp_button,
@@ -113,7 +115,7 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
       ->check(between(1, 32))
       ->capture_default_str();
   app.add_option("--annotations", options.annotations,
-                 "File of vision_node --annotations: movable objects lie at the start where it has them (docs/tool.md)");
+                 "File of vision_node --annotations, with the poses of movable objects at the start (docs/tool.md)");
   app.add_option("--rt", realtime, "Real-time priority, memory lock and wake-up latency: off, try or require")
       ->check(accepts(parse_realtime_mode))
       ->capture_default_str();
@@ -122,7 +124,7 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
       ->capture_default_str();
   app.add_option("--cpu", options.realtime.cpu, "Pin to this CPU; -1: any")->check(between(-1, 1023))->capture_default_str();
   app.add_option("--patch-bandwidth", options.patch_mbit_per_s,
-                 "Mbit/s at most for parts of the scene, which the hub requests when the network is slow (docs/remote.md)")
+                 "Largest bandwidth for parts of the scene, Mbit/s; the hub requests them if the network is slow (docs/remote.md)")
       ->check(between(0.01, 1000.0))
       ->capture_default_str();
   app.add_option("--seconds", options.seconds, "End after this long, 0: when stopped")->check(between(0.0, 1e9))->capture_default_str();

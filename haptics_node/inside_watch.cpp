@@ -69,11 +69,11 @@ void InsideWatch::look(const Hand& hand) {
   is_watching_.store(is_inside_now, std::memory_order_release);
   if (is_inside_now && !was_inside && enclosure.two_sided) {
     log_warning(
-        "the stylus is inside a body of the scene, which is felt from within: end haptics_node, lead the stylus out, and start it again");
+        "the stylus is inside a body of the scene and feels its inner side: end haptics_node, lead the stylus out, and start it again");
   } else if (is_inside_now && !was_inside) {
-    log_warning("the stylus is inside a body of the scene: no force of it until the stylus has been led out");
+    log_warning("the stylus is inside a body of the scene: that body gives no force until the stylus has left it");
   }
-  if (was_inside && !is_inside_now) log_info("the stylus is outside now: the scene is felt");
+  if (was_inside && !is_inside_now) log_info("the stylus is outside now: the body gives a force like any other");
 }
 
 }  // namespace hapton

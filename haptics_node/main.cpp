@@ -69,7 +69,8 @@ Result<std::unique_ptr<ForceMethod>> make_any(const HapticsOptions& options, Met
                                               const Clock& clock) {
   if (!is_plugin_method(settings.name)) return make_built_in(settings, scene);
   if (scene.has_motion()) return fail("method '{}': objects of the scene move; choose method proxy", settings.name);
-  if (!options.method_file) return fail("method '{}': haptics_node was started without one; give it --method FILE.so", settings.name);
+  if (!options.method_file)
+    return fail("method '{}': no shared library was given; start haptics_node with --method FILE.so", settings.name);
   auto made = PluginMethod::make(*options.method_file, couple_scene(scene, settings.coupling_n_per_m), clock, options.plugin_budget_ns());
   if (!made) return tl::unexpected(made.error());
   settings.name = (*made)->full_name();
@@ -107,7 +108,7 @@ int run(const HapticsOptions& options) {
   const Scene* const scene = &placed;
   if (const auto checked = check_motion(*scene, !options.tool.file.empty() || scene->tool); !checked) return give_up(checked.error());
   if (options.watch_scene && scene->touch_scene().has_commanded()) {
-    return give_up({"--watch-scene does not go with objects that programs move yet; leave it out, or 'moved_by' in the scene file"});
+    return give_up({"--watch-scene does not support objects that programs move; leave out --watch-scene, or 'moved_by' in the scene file"});
   }
   for (const auto& note : scene->notes) log_info("{}", note);
   for (const auto& warning : find_inside_out(*scene)) log_warning("{}", warning);
@@ -147,7 +148,7 @@ int run(const HapticsOptions& options) {
     if (*tool != nullptr) {
       log_warning("the stylus holds a tool: the movable objects of the scene cannot be picked up");
     } else if (options.watch_scene) {
-      return give_up({"--watch-scene does not go with movable objects yet; leave it out, or 'movable = true' in the scene file"});
+      return give_up({"--watch-scene does not support movable objects; leave out --watch-scene, or 'movable = true' in the scene file"});
     } else {
       step.set_grasp(&grasp.emplace(grasp_link, movable, button_bit(options.grasp_button)));
       for (const PutDown& each : *put_down) grasp->place(each.object, each.pose());

@@ -101,7 +101,7 @@ void PatchSender::follow_method() {
   was_offered_ = is_offered;
   if (!tiles_) {
     tiles_ = std::make_unique<TiledScene>(make_tiles(scene_));
-    log_info("the hub asks for the scene in parts: {} tiles in {} cells, at most {:g} Mbit/s", tiles_->tiles.size(), tiles_->cells.size(),
+    log_info("the hub requests the scene in parts: {} tiles in {} cells, at most {:g} Mbit/s", tiles_->tiles.size(), tiles_->cells.size(),
              1e-6 * options_.bits_per_s);
   }
   TiledScene offered = is_offered ? *tiles_ : TiledScene{.grid = tiles_->grid, .tiles = {}, .tile_bounds = {}, .nodes = {}, .cells = {}};

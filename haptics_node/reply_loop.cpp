@@ -222,16 +222,16 @@ void ReplyLoop::take_scene(const NewScene& scene) noexcept {
   scene_reported_ = 0;
 }
 
-// A requester repeats its request until the reply comes. Forces that the hub works out itself would change without a fade, when it has
-// received all tiles again.
+// A requester repeats its request until the reply comes. While the hub computes the forces from parts of the scene, it would have to
+// receive all tiles again, and the forces would then change without a fade: the request is rejected.
 void ReplyLoop::request_materials(const MaterialRequest& request) noexcept {
   if (tuner_ == nullptr || request.request == last_material_request_) return;
   last_material_request_ = request.request;
   const bool has_patches = patches_ != nullptr && patches_->is_wanted(hub_.receive_time_ns()) && patches_->is_offered();
   if (!has_patches && !is_holding()) return tuner_->request(request);
   materials_.request = request.request;
-  put_text(is_holding() ? "the stylus holds a rigid tool: its spring stays as it was when it was taken up"
-                        : "the hub works out forces from parts of the scene (io_node --touch): materials stay as the scene file has them",
+  put_text(is_holding() ? "the stylus holds a rigid tool or an object, whose spring cannot be changed while it is held"
+                        : "the hub computes the forces from parts of the scene (io_node --touch): materials cannot be changed meanwhile",
            materials_.rejection);
   send_setup_soon();
 }
@@ -369,9 +369,9 @@ void ReplyLoop::report_scene() {
   const bool was_other = scene_reported_ != 0 && scene_reported_ != scene_.given_hash;
   scene_reported_ = scene_shown_;
   if (scene_shown_ != scene_.given_hash) {
-    log_warning("vision_node shows another scene than the one that is felt; start both with the same --scene, --unit and --no-fit");
+    log_warning("vision_node shows another scene than the one touched here; start both with the same --scene, --unit and --no-fit");
   } else if (was_other) {
-    log_info("vision_node shows the scene that is felt");
+    log_info("vision_node shows the same scene again");
   }
 }
 
@@ -380,9 +380,9 @@ void ReplyLoop::report_tool() {
   if (step_.is_tool_blocked() == is_tool_blocked_ || !step_.is_running()) return;
   is_tool_blocked_ = !is_tool_blocked_;
   if (is_tool_blocked_) {
-    log_warning("the tool overlaps the scene where it is: no force until it is moved out");
+    log_warning("the tool overlaps the scene: no force until it is moved out");
   } else {
-    log_info("the tool is free of the scene: it is felt");
+    log_info("the tool no longer overlaps the scene: it gives forces now");
   }
 }
 
@@ -398,7 +398,7 @@ std::string_view ReplyLoop::find_patch_obstacle() const noexcept {
   if (patches_->is_offered()) return "";
   if (is_holding()) return "the stylus holds a rigid tool";
   if (const std::string_view why = patches_->obstacle(); !why.empty()) return why;
-  if (effects_ != nullptr) return "effects from shared libraries are felt";
+  if (effects_ != nullptr) return "effects from shared libraries are in use";
   const std::string_view method(setup_.method.data());
   return method.find("name=proxy") != std::string_view::npos ? "force shading is on" : "the method is not proxy";
 }

@@ -12,18 +12,18 @@ Result<void> check_motion(const Scene& scene, bool has_tool) {
   if (moving == scene.objects.end()) return {};
   if (has_tool) {
     if (moving->commanded != nullptr) {
-      return fail("object '{}' is moved by programs, which a rigid tool does not feel yet: leave out the tool, or 'moved_by'",
+      return fail("object '{}' is moved by programs, which a rigid tool does not support: leave out the tool, or 'moved_by'",
                   printable(moving->name));
     }
     if (moving->motion == nullptr) {
-      return fail("object '{}' deforms, which a rigid tool does not feel yet: leave out the tool, or the morphs", printable(moving->name));
+      return fail("object '{}' deforms, which a rigid tool does not support: leave out the tool, or the morphs", printable(moving->name));
     }
-    return fail("object '{}' moves by keyframes, which a rigid tool does not feel yet: leave out the tool, or the keyframes",
+    return fail("object '{}' moves by keyframes, which a rigid tool does not support: leave out the tool, or the keyframes",
                 printable(moving->name));
   }
   const auto movable = std::find_if(scene.objects.begin(), scene.objects.end(), [](const SceneObject& each) { return each.is_movable; });
   if (movable == scene.objects.end()) return {};
-  return fail("object '{}' {} and '{}' is movable, which do not go together yet: keep one of the two", printable(moving->name),
+  return fail("object '{}' {} and '{}' is movable, which cannot be combined: keep one of the two", printable(moving->name),
               moving->commanded != nullptr ? "is moved by programs"
               : moving->motion != nullptr  ? "moves by keyframes"
                                            : "deforms",

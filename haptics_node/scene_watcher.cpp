@@ -55,7 +55,7 @@ SceneWatcher::Look SceneWatcher::look() {
   }
   if (options_.is_held && options_.is_held()) {
     if (!std::exchange(has_said_held_, true)) {
-      log_warning("{} has changed, but the hub works out forces from parts of the scene (io_node --touch): it is read when that is over",
+      log_warning("{} has changed; it is read once the hub no longer computes the forces from parts of the scene (io_node --touch)",
                   options_.path.string());
     }
     return Look::held;
@@ -65,11 +65,12 @@ SceneWatcher::Look SceneWatcher::look() {
   seen_.reset();
   auto scene = load_scene(options_.path, options_.loading);
   if (!scene) {
-    log_warning("{}; the scene in use goes on", scene.error().what);
+    log_warning("{}; the present scene stays in use", scene.error().what);
     return Look::rejected;
   }
   if (!has_same_plugins(used_, *scene)) {
-    log_warning("{}: its plug-ins have changed: start haptics_node again to use it; the scene in use goes on", options_.path.string());
+    log_warning("{}: its plug-ins have changed: start haptics_node again to use it; the present scene stays in use",
+                options_.path.string());
     return Look::rejected;
   }
   return take(std::move(*scene));
@@ -78,7 +79,7 @@ SceneWatcher::Look SceneWatcher::look() {
 SceneWatcher::Look SceneWatcher::take(Scene scene) {
   const SceneChange change = compare_scenes(used_, scene);
   if (change == SceneChange::none) {
-    log_info("{} was read again: nothing that is felt has changed", options_.path.string());
+    log_info("{} was read again: nothing that affects the forces has changed", options_.path.string());
     return Look::same;
   }
   if (change == SceneChange::materials) {
@@ -97,7 +98,7 @@ SceneWatcher::Look SceneWatcher::take_scene(Scene scene, bool keeps_shape) {
   const auto made = make_new_scene(scene, options_.coupling_n_per_m, ++revision_, keeps_shape);
   // A tool that changes materials meanwhile names objects of the scene before: MaterialTuner rejects that by the revision.
   if (const auto built = builder_.follow(made); !built) {
-    log_warning("{}: {}; the scene in use goes on", options_.path.string(), built.error().what);
+    log_warning("{}: {}; the present scene stays in use", options_.path.string(), built.error().what);
     return Look::rejected;
   }
   tuner_.follow(scene, made->revision);

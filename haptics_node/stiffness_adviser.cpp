@@ -67,12 +67,12 @@ void StiffnessAdviser::advise(const LoopFacts& facts, double stiffest_n_per_m) {
   const auto advice = advise_stiffness(facts);
   if (!advice || stiffest_n_per_m <= advice->safe_n_per_m) return;
   if (advice->is_limited_by_device) {
-    log_warning("the scene asks for {:.0f} N/m, but {} is known to hold {:.0f} N/m at most; lower stiffness_n_per_m", stiffest_n_per_m,
+    log_warning("the scene has up to {:.0f} N/m, but the stiffness limit of {} is {:.0f} N/m; lower stiffness_n_per_m", stiffest_n_per_m,
                 advice->device, advice->safe_n_per_m);
     return;
   }
   log_warning(
-      "the scene asks for {:.0f} N/m, but {} at {:g} Hz with forces after {:.3g} ms holds {:.0f} N/m safely (hand: {}); lower "
+      "the scene has up to {:.0f} N/m, but {} at {:g} Hz with forces after {:.3g} ms is safe only up to {:.0f} N/m (hand: {}); lower "
       "stiffness_n_per_m, start with --coupling, or shorten the delay (see hapton loop recommend)",
       stiffest_n_per_m, advice->device, facts.servo_rate_hz, 1e3 * static_cast<double>(facts.round_trip_s), advice->safe_n_per_m,
       advice->hand);

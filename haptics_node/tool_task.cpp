@@ -26,8 +26,8 @@ Result<std::unique_ptr<HeldTool>> make_held_tool(const HapticsOptions& options, 
   if (!tool) return tl::unexpected(tool.error());
   for (const std::string& note : notes) log_info("tool: {}", note);
   if (!*tool) return std::unique_ptr<HeldTool>();
-  if (options.watch_scene) return fail("--watch-scene does not go with a tool yet; leave one of them out");
-  if (options.method.probe_radius_m > 0.0) return fail("a tool and --probe-radius are two probes; leave one of them out");
+  if (options.watch_scene) return fail("--watch-scene does not support a rigid tool; leave one of them out");
+  if (options.method.probe_radius_m > 0.0) return fail("a rigid tool takes the place of the probe; leave out the tool or --probe-radius");
   ToolObstacles obstacles = make_tool_obstacles(couple_scene(scene.touch_scene(), options.method.coupling_n_per_m));
   auto step = ToolStep::make(*(*tool)->mesh, std::move(obstacles.meshes),
                              {.stiffness_n_per_m = obstacles.stiffness_n_per_m, .rotational_stiffness_nm_per_rad = options.tool_nm_per_rad},
@@ -36,7 +36,7 @@ Result<std::unique_ptr<HeldTool>> make_held_tool(const HapticsOptions& options, 
   log_info("the stylus holds {}", (*tool)->name);
   std::istringstream text((*step)->describe());
   for (std::string line; std::getline(text, line);) log_info("{}", line);
-  if (obstacles.leaves_out) log_warning("damping and effects of the scene are left out: a tool has friction only");
+  if (obstacles.leaves_out) log_warning("damping and effects of the scene are ignored: a rigid tool supports only stiffness and friction");
   return std::make_unique<HeldTool>(std::move(*step));
 }
 

@@ -93,7 +93,7 @@ void print_recording(const IoOptions& options, const SessionRecorder::Counts& co
     fmt::print("recorded {} entries, {:.1f} MB, {} dropped: {}\n", counts.entries, 1e-6 * static_cast<double>(counts.file_bytes),
                counts.dropped, options.record);
     if (counts.lost_samples > 0)
-      log_warning("{}{}: {} samples are missing in the recording (column `lost` of its table): this program was kept from its CPU for long",
+      log_warning("{}{}: {} samples are missing in the recording (column `lost` of its table): io_node got no CPU for too long",
                   name_prefix(options), options.record, counts.lost_samples);
   }
   if (counts.flights + counts.flights_left_out > 0) {

@@ -83,8 +83,8 @@ IoOptions read_device(TomlReader& reader, const IoOptions& common) {
   for (const char* key : {"name", "device", "bind"}) reader.require(key);
   reader.read("name", options.name);
   if (!is_good_name(options.name)) {
-    reader.reject("name",
-                  fmt::format("'name' is '{}': take 1 to {} of a-z, 0-9, - and _; a folder is named so", options.name, kLongestName));
+    reader.reject("name", fmt::format("'name' is '{}': give 1 to {} characters of a-z, 0-9, - and _; it is also the name of a folder",
+                                      options.name, kLongestName));
   }
   reader.read("device", options.device.name);
   const auto names = device_names();

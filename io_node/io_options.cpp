@@ -69,17 +69,17 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
       ->capture_default_str();
   app.add_option("--key", options.key_file, kKeyHelp);
   app.add_option("--device", options.device.name, describe_devices())->check(known_device())->capture_default_str();
-  app.add_option("--devices", options.devices_file, "TOML with several devices, each a hub of its own (docs/devices.md)");
+  app.add_option("--devices", options.devices_file, "TOML file that describes several devices, each with its own hub (docs/devices.md)");
   app.add_option("--device-id", options.device.id,
                  "Serial number, path, index or the vendor's name for it (needed if several are plugged in; see hapton doctor)");
   app.add_option("--device-file", options.device.file, "TOML with the device's own parameters (docs/devices.md)");
   app.add_option("--trajectory", options.device.trajectory,
-                 "CSV of what the device plays (replay), or of the path its hand takes (simulated): t_s,x_m,y_m,z_m[,qw,qx,qy,qz]");
+                 "CSV of the motion that is replayed (replay), or that the simulated hand follows: t_s,x_m,y_m,z_m[,qw,qx,qy,qz]");
   app.add_flag("--loop", options.device.loop,
                "Repeat the trajectory; without it a replay ends the program, and the simulated hand stays at its last row");
   app.add_option("--rate", options.rate_hz, "Servo rate, Hz")->check(between(kMinServoRateHz, kMaxServoRateHz))->capture_default_str();
   app.add_option("--vision-rate", options.vision_rate_hz,
-                 "Probe positions a second to each vision node, at most; it gets no more than it draws; 0: none")
+                 "Most probe states a second to each vision node; it gets no more than it draws; 0: none")
       ->check(between(0.0, kMaxServoRateHz))
       ->capture_default_str();
   app.add_option("--seconds", options.seconds, "End after this long; 0: when stopped (Ctrl-C)")
@@ -143,7 +143,7 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
       ->check(CLI::IsMember({"skip", "catch-up", "stop"}))
       ->capture_default_str();
   app.add_option("--spin", options.spin_share,
-                 "Share of a period that the loop may spin before its tick, at most; 0: it sleeps to the tick")
+                 "Largest share of a period that the loop may spin before its tick; 0: it sleeps until the tick")
       ->check(between(0.0, 0.5))
       ->capture_default_str();
   app.add_option("--echo-size", options.echo_bytes, "Bytes of the bare echo's datagrams; 0: as many as a device sample's")
@@ -155,8 +155,8 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
                  "Show the stylus to VRPN programs at this address, TCP and UDP: 127.0.0.1:3883 (default: off; see docs/vrpn.md)");
   app.add_option("--vrpn-name", options.vrpn_name, "The device's name there, NAME@host")->capture_default_str();
   app.add_option("--touch", touch,
-                 "Where forces are computed: by the haptics node (remote), here on the parts of the scene that it sends (patch), or by the "
-                 "round trip (auto; docs/remote.md)")
+                 "Where forces are computed: by the haptics node (remote), by io_node from the parts of the scene that it gets (patch), or "
+                 "as the round trip requires (auto; docs/remote.md)")
       ->check(CLI::IsMember({"remote", "patch", "auto"}))
       ->capture_default_str();
   app.add_option("--rt", realtime, "Real-time scheduling: try, require or off")

@@ -233,9 +233,9 @@ const char* describe_status(ProbeStatus status) {
     case ProbeStatus::out_of_reach:
       return "the scene is out of the device's reach";
     case ProbeStatus::too_small:
-      return "the scene is a speck in the device's workspace";
+      return "the scene is far too small for the device's workspace";
     case ProbeStatus::hand_inside:
-      return "the stylus has been inside a body since haptics_node began: it is felt from within, or not at all";
+      return "the stylus has been inside a body since haptics_node started: that body gives no force, or holds the stylus inside";
   }
   return "ok";
 }

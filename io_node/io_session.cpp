@@ -72,7 +72,7 @@ std::string describe(const ServoEvent& event) {
       return "the scene is out of the device's reach: give its --unit, place it with a scene file (docs/scene-files.md), or leave out "
              "--no-fit";
     case ServoEvent::Kind::too_small:
-      return "the scene is a speck in the device's workspace: give its --unit, scale it in a scene file, or leave out --no-fit";
+      return "the scene is far too small for the device's workspace: give its --unit, scale it in a scene file, or leave out --no-fit";
     case ServoEvent::Kind::in_reach:
       return "the scene is within the device's reach";
     case ServoEvent::Kind::away:

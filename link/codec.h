@@ -14,16 +14,16 @@ namespace hapton {
 // In every datagram; a receiver drops those of another version. The rules of change are in proto/hapton.proto.
 constexpr std::uint32_t kProtocolVersion = 3;
 
-// Lengths (m) and forces (N) beyond this are not believed: their squares and products stay finite.
+// Lengths (m) and forces (N) beyond this are rejected, so that squares and products of accepted ones stay finite.
 constexpr double kMaxWireMagnitude = kMaxTranslationM;
 
 enum class DecodeStatus : std::uint8_t {
   ok,
-  truncated,        // ends early, or is no well-formed Envelope at all
+  truncated,        // ends early, or is not a well-formed Envelope
   wrong_version,    // of another protocol version
   unknown_message,  // well formed, of this version, of a kind this build does not know
-  bad_value,        // not finite, out of range, a vector of the wrong length, no rotation, two messages in one
-  not_rigid,        // a ViewTransform, complete but for its pose (core/math/rigid_pose.h)
+  bad_value,        // not finite, out of range, a vector of the wrong length, not a rotation, two messages in one
+  not_rigid,        // a ViewTransform that is valid except for its pose (core/math/rigid_pose.h)
 };
 
 std::string_view to_string(DecodeStatus status) noexcept;

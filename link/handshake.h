@@ -27,15 +27,14 @@ namespace hapton {
 //                                               <----    answer(timestamp, second)
 //   data sealed with the session keys           ---->    first one opened: the session lives
 //
-// Every message carries a tag under a key of the role; what has none is not answered. A node that receives no answer sends another
-// request, with a new timestamp and a new key pair.
+// Every message carries a tag under a key of the role; a message without a valid tag gets no reply. A node that receives no answer sends
+// another request, with a new timestamp and a new key pair.
 
 // The node's side of one attempt after another.
 // RT: as its worker. begin makes no system call. Threads: one.
 class ClientHandshake {
  public:
-  // Requests whose reply may still come: one is sent every 50 ms, and one more for each retry, so that a round trip of 1.6 s has its
-  // answer.
+  // Requests whose reply may still come. One is sent every 50 ms, and one more for each retry, so this covers a round trip of 1.6 s.
   static constexpr std::size_t kAttempts = 64;
 
   enum class Finished : std::uint8_t {
@@ -107,7 +106,7 @@ class HubHandshake {
   static constexpr std::int64_t kCookieTimeNs = 2'000'000'000;
 
   enum class Verdict : std::uint8_t {
-    malformed,     // of a role that there is not
+    malformed,     // of an unknown role
     wrong_key,     // made without the key of that role
     replayed,      // no later than one that was seen before
     wants_cookie,  // write_retry makes the reply

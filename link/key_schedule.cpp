@@ -83,7 +83,7 @@ Result<void> start_crypto() {
   if (sodium_init() < 0) return fail("libsodium does not start: this system provides no random numbers (getrandom, /dev/urandom)");
   if (crypto_aead_aes256gcm_is_available() == 0) {
     return fail(
-        "this processor has no AES instructions (aes, pclmulqdq), with which datagrams are sealed; a virtual machine must pass them on");
+        "this processor has no AES instructions (aes, pclmulqdq), which the encryption needs; in a virtual machine, enable them for it");
   }
   return {};
 }

@@ -11,8 +11,8 @@
 
 namespace hapton {
 
-// The order of one sender's messages by kind. Of each kind the newest wins; a message that another kind overtook is as good as new: a setup
-// that is sent once a second is not out of date because a force of the next millisecond came first.
+// The order of one sender's messages, for each kind separately. A message is outdated only if a newer one of its own kind came before it: a
+// setup that is sent once a second stays valid although a force that was sent a millisecond later came first.
 // RT: yes. Threads: one.
 class KindOrder {
  public:

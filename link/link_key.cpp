@@ -94,12 +94,11 @@ Result<void> check_size(const std::filesystem::path& path, off_t bytes) {
   if (bytes == static_cast<off_t>(kKeyFileBytes)) return {};
   if (bytes == static_cast<off_t>(LinkKey::kBytes)) {
     return fail(
-        "{}: is a key of an older Hapton, one for all nodes; now the hub has a master key (hapton keygen FILE) and every other host the "
-        "key of "
-        "its role (hapton keygen --role vision --master FILE vision.key); remove this one and make those",
+        "{}: is a key of an older Hapton, which had one key for all nodes; now the hub has a master key (hapton keygen FILE), and every "
+        "other host the key of its role (hapton keygen --role vision --master FILE vision.key); remove this key and make those",
         path.string());
   }
-  return fail("{}: holds {} bytes where a key file has {}; make one with: hapton keygen FILE", path.string(), bytes, kKeyFileBytes);
+  return fail("{}: has {} bytes, but a key file has {}; make one with: hapton keygen FILE", path.string(), bytes, kKeyFileBytes);
 }
 
 Result<void> check(const std::filesystem::path& path, const struct stat& found) {
@@ -156,7 +155,7 @@ Result<KeyFile> read_any_key_file(const std::filesystem::path& path) {
   if (const auto good = check_folders(path); !good) return tl::unexpected(good.error());
   KeyFile key;
   if (read(file.number(), &key, sizeof key) != static_cast<ssize_t>(sizeof key)) {
-    return fail("{}: the key cannot be read whole; make one with: hapton keygen FILE", path.string());
+    return fail("{}: the key cannot be read completely; make one with: hapton keygen FILE", path.string());
   }
   if (!key.role()) return fail("{}: is not a Hapton key file; make one with: hapton keygen FILE", path.string());
   if (std::all_of(key.bytes.begin(), key.bytes.end(), [&](std::uint8_t byte) { return byte == key.bytes[0]; })) {

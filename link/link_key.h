@@ -37,7 +37,7 @@ class LinkKey {
 
 // A key file is 16 bytes that name the key ("hapton-master", "hapton-vision" ..., NUL-padded) and the 32 bytes of it: a regular file of the
 // user who reads it, closed to everyone else (or a systemd credential), in a folder that not everyone may change. A key whose bytes are all
-// the same is none.
+// the same is rejected.
 // Error: one line that says what is wrong with the file and which command fixes it. RT: set-up only.
 constexpr std::size_t kKeyFileBytes = 16 + LinkKey::kBytes;
 
@@ -54,7 +54,7 @@ Result<void> make_role_key_file(const std::filesystem::path& path, const LinkKey
 // calls.
 Result<LinkKey> find_or_make_shared_key(const std::filesystem::path& folder);
 
-// $XDG_RUNTIME_DIR/hapton, else ~/.config/hapton. Error: neither variable says where.
+// $XDG_RUNTIME_DIR/hapton, else ~/.config/hapton. Error: neither XDG_RUNTIME_DIR nor HOME is set.
 Result<std::filesystem::path> find_shared_key_folder();
 
 // The key for a hub at this address (where it listens, or where a node looks for it): from the file where one was named; on loopback the

@@ -8,7 +8,7 @@
 
 namespace hapton {
 
-// A marker with a random request number. Error, one line: the text is empty, too long, or has what no marker may have. RT: no.
+// A marker with a random request number. Error, one line: the text is empty, too long, or has a character that MarkerText rejects. RT: no.
 Result<Marker> make_marker(std::string_view text);
 
 // The number of the sample that was marked. Error, one line: why it was not.

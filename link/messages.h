@@ -61,7 +61,7 @@ struct ForceCommand {
   // Of a rigid tool; a probe leaves both zero:
   Vec3 torque_nm = Vec3::Zero();    // about the device point
   Vec3 visual_turn = Vec3::Zero();  // rotation vector from the stylus to the tool as it is drawn, rad
-  // Where the objects were that move: the time of KeyframeMotion and CommandedMotion. 0: at its beginning, or the scene has none.
+  // The time of KeyframeMotion and CommandedMotion, which determines where moving objects were. 0: their beginning, or nothing moves.
   std::int64_t scene_time_ns = 0;
   std::uint32_t move_serial = 0;  // of the newest move of an object that it was computed with, as ObjectMove counts
 };
@@ -183,15 +183,15 @@ struct MaterialChange {
   double friction_dynamic = 0.0;
 };
 
-// tool -> hub -> haptics: changes the material of one object while it is touched. What it may be, the haptics node knows: it has the scene.
+// tool -> hub -> haptics: changes the material of one object while it is touched. The haptics node checks the values: it has the scene.
 struct MaterialRequest {
   std::uint32_t request = 0;       // identifies the reply in MaterialState; never 0
   HapticsSetup::Text object = {};  // name; empty: all objects
   MaterialChange change;
 };
 
-// haptics -> hub -> every tool, when it has changed and once a second from the first request on: in what the materials differ from the
-// scene's, so that a recording can be replayed, and the result of the last request.
+// haptics -> hub -> every tool, when it has changed and once a second from the first request on: the differences between the materials in
+// use and those of the scene file, so that a recording can be replayed, and the result of the last request.
 struct MaterialState {
   static constexpr std::size_t kMostObjects = 20;
   struct Object {
@@ -206,8 +206,8 @@ struct MaterialState {
   std::array<Object, kMostObjects> objects = {};
 };
 
-// haptics -> hub -> every vision node, vision -> hub -> haptics, when a session begins and once a second: the scene that a node has, so
-// that two nodes with different ones know of it; of haptics, where it can be touched, so that a simulated hand finds it. Frame S, m.
+// haptics -> hub -> every vision node, vision -> hub -> haptics, when a session begins and once a second: identifies a node's scene, so
+// that two nodes notice if their scenes differ. From haptics also points of its surface, to which a simulated hand can go. Frame S, m.
 struct SceneFacts {
   static constexpr std::size_t kMostPoints = 16;
   using Point = std::array<float, 3>;
@@ -218,7 +218,7 @@ struct SceneFacts {
   std::uint32_t point_count = 0;
   std::array<Point, kMostPoints> points_m = {};  // spread over its surface
   float preparing_s = 0.0F;                      // above 0: haptics has been preparing its method for this long, and there is no force yet
-  bool is_hand_inside = false;                   // a body, since haptics began to feel: felt from within, or not at all
+  bool is_hand_inside = false;                   // of a body since haptics began: the body gives no force, or holds the hand inside
 };
 
 // tool -> hub: a part of the hub's report.
@@ -239,10 +239,10 @@ struct ReportPart {
   std::array<char, 896> text = {};
 };
 
-// --- ContactPatch: the scene's surface in parts, so that the hub's own step can feel it (docs/decisions/0116-contact-patch.md). Positions
-// lie on a grid of the static scene: p_S = origin_m + step_m * (x, y, z), each a whole number below 2^kPatchGridBits. What a part says
-// holds for ever within its epoch; another epoch begins with nothing. A serial counts the parts sent within an epoch, repeats included,
-// from 1.
+// --- ContactPatch: the scene's surface in parts, from which the hub computes forces itself (docs/decisions/0116-contact-patch.md).
+// Positions lie on a grid of the static scene: p_S = origin_m + step_m * (x, y, z), each a whole number below 2^kPatchGridBits. The content
+// of a part stays valid within its epoch; a new epoch begins without parts. A serial counts the parts sent within an epoch, repeats
+// included, from 1.
 
 constexpr int kPatchGridBits = 24;
 constexpr int kPatchDeepestLevel = 14;

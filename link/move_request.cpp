@@ -20,7 +20,7 @@ Result<void> put_object(std::string_view object, MoveRequest& request) {
     return fail("'{}' is not the number of an object; give #N with N from 0, or its name", object);
   }
   if (object.empty()) return fail("no object is named; give its name, or #N with its number from 0");
-  if (!read_text(std::string(object), request.object)) return fail("no object has that name: a name is one line of at most 255 bytes");
+  if (!read_text(std::string(object), request.object)) return fail("the name of an object must be one line of at most 255 bytes");
   return {};
 }
 

@@ -17,8 +17,8 @@ struct MoveTarget {
   std::optional<double> over_s = {};    // time that the move takes; none: the least time allowed
 };
 
-// With a random request number. object: its name, or "#N", its number in the scene, from 0. Error, one line: what no request may have. RT:
-// no.
+// A request with a random number. object: its name, or "#N", its number in the scene, from 0. Error, one line: a name, pose or time that a
+// request must not have. RT: no.
 Result<MoveRequest> make_move_request(std::string_view object, const MoveTarget& target);
 
 // The time that the move takes, s. Error, one line: why the object does not move.

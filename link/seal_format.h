@@ -13,13 +13,15 @@ namespace hapton {
 
 // The layout of sealed datagrams, as in docs/formats.md. Numbers are little-endian.
 //
-//   lead     08 VERSION KIND 00   the first two bytes are field 1 of an Envelope (proto/hapton.proto): every version recognises another by
-//   them request  lead  role:1 000000  host:8  timestamp:8  first:48  cookie:16  tag:16   node -> hub; cookie zero until the hub has given
-//   one retry    lead  timestamp:8  cookie:16  tag:16                                    hub -> node answer   lead  timestamp:8  second:52
-//   tag:16                                    hub -> node data     lead  connection:4  counter:8  ciphertext:n tag:16 both directions
+//   lead     08 VERSION KIND 00
+//   request  lead  role:1 000000  host:8  timestamp:8  first:48  cookie:16  tag:16   node -> hub
+//   retry    lead  timestamp:8  cookie:16  tag:16                                    hub -> node
+//   answer   lead  timestamp:8  second:52  tag:16                                    hub -> node
+//   data     lead  connection:4  counter:8  ciphertext:n  tag:16                     both directions
 //
-// first and second are the two messages of the Noise handshake (noise.h); its prologue is all of the request before them. Retry and answer
-// repeat the timestamp of their request.
+// The first two bytes of the lead are field 1 of an Envelope (proto/hapton.proto), by which every version recognises another one. The
+// cookie of a request is zero until the hub has sent one. `first` and `second` are the two messages of the Noise handshake (noise.h); its
+// prologue is the request up to `first`. Retry and answer repeat the timestamp of their request.
 namespace seal {
 
 enum class Kind : std::uint8_t { request = 1, retry = 2, answer = 3, data = 4 };

@@ -14,27 +14,26 @@
 
 namespace hapton {
 
-// A node's sealed connection to its hub: it seals what it sends, hands out only what it could open, and agrees on the sessions that this
-// takes by itself, within send and receive.
-//   silence   When nothing was received from the hub for kPeerTimeoutNs and a round trip, a new session is requested. The old one stays in
-//             use until the hub sends in the new one: a hub that has restarted is found again, and with a hub that was only slow nothing is
-//             lost. The round trip is that of the handshake.
+// A node's sealed connection to its hub. It seals every datagram that it sends and returns only datagrams that it could open. It sets up
+// the sessions that this needs by itself, within send and receive.
+//   silence   If nothing was received from the hub for kPeerTimeoutNs plus the round trip of the handshake, a new session is requested. The
+//             old one stays in use until the hub sends in the new one. So a restarted hub is found again, and nothing is lost if the hub
+//             was only slow.
 //   rekeying  A session is replaced every rekey_every_ns, and after rekey_after datagrams. Datagrams in the old one are accepted for
-//             kOverlapNs after the hub has changed over, so that the change neither loses nor delays any.
-// While no session is agreed on, the newest datagrams are held, and sent when there is one. A datagram that is sent while the hub is
-// silent and a new session is requested is sent in both, so it may arrive twice.
-// Pre: the user calls send or receive at least every 100 ms.
-// Pre: ten times a second it sends a message that the hub answers.
+//             kOverlapNs after the hub has changed to the new one, so that the change neither loses nor delays any.
+// While there is no session, the newest datagrams are kept, and sent when there is one. While the hub is silent and a new session is
+// requested, each datagram is sent in both sessions, so it may arrive twice.
+// Pre: the user calls send or receive at least every 100 ms, and sends, ten times a second, a message to which the hub replies.
 // RT: yes with a worker thread, but for X25519 in the caller (0.1 ms for each request and each session) without; construction and
 // destruction set-up only. Threads: one.
 class SealedClient final : public Endpoint {
  public:
   static constexpr std::int64_t kPeerTimeoutNs = 200 * kNanosecondsPerMillisecond;
-  static constexpr std::int64_t kMostTripNs = 2 * kNanosecondsPerSecond;  // that the timeout is longer by, at most
+  static constexpr std::int64_t kMostTripNs = 2 * kNanosecondsPerSecond;  // most that the round trip adds to the timeout
   static constexpr std::int64_t kRequestPeriodNs = 50 * kNanosecondsPerMillisecond;
   static constexpr std::int64_t kRekeyRequestPeriodNs = 250 * kNanosecondsPerMillisecond;
   static constexpr std::int64_t kRekeyEveryNs = 120 * kNanosecondsPerSecond;
-  // AES-256-GCM stays far from its limits, and what one key opens stays small: half an hour at 10 kHz.
+  // Far from the limits of AES-256-GCM, and limits how much one key can open: half an hour at 10 kHz.
   static constexpr std::uint64_t kRekeyAfter = std::uint64_t{1} << 24;
   static constexpr std::int64_t kOverlapNs = kNanosecondsPerSecond;
 

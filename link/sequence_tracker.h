@@ -28,7 +28,7 @@ class SequenceTracker {
  public:
   // Later arrivals than this many numbers behind the newest are taken for duplicates.
   static constexpr std::uint64_t kWindow = 1024;
-  // A larger jump (100 s at 10 kHz), in either direction, is no loss but a sender that counts from elsewhere.
+  // A larger jump (100 s at 10 kHz), in either direction, is not a loss: the sender has begun to count from another number.
   static constexpr std::uint64_t kMaxGap = 1'000'000;
 
   // may_begin_again: the sender has joined again, and a number behind the newest means that it counts from there now.

@@ -21,7 +21,7 @@ enum class MissCause : std::uint8_t {
   late_wake_up,     // the loop was waiting in time and woke late
   device_slow,      // reading and writing the device took most of it
   work_long,        // the loop's own work did
-  machine_stalled,  // late by more than anyone's work can be: the process or the machine stood still
+  machine_stalled,  // late by more than any work of the loop takes: the process or the machine was stopped
 };
 std::string_view to_string(MissCause cause) noexcept;
 
@@ -29,12 +29,12 @@ std::string_view to_string(MissCause cause) noexcept;
 enum class SessionFault : std::uint8_t {
   none,
   command_timeout,  // no force for 20 ms, in contact
-  not_finite,       // a force that is no number
+  not_finite,       // a force that is not finite
   rejected_future,  // a force for a sample that was not taken
   clamped,          // a force above the limit
-  stalled,          // the loop stood still longer than a force may be old
+  stalled,          // the loop stopped for longer than the command timeout
   device,           // the device failed
-  overrun,          // a cycle was missed where none may be
+  overrun,          // a cycle was missed under --overrun stop
   speed,            // from here on the faults latched by the safety governor (safety/safety_fault.h)
   position,
   jump,
@@ -52,7 +52,7 @@ struct CycleSample {
   std::uint32_t buttons = 0;
 };
 
-// What a sample felt like on parts of the scene, computed beside the device, before the governor. N, m, frame W.
+// The force that io_node computed for a sample from parts of the scene, before the governor. N, m, frame W.
 struct CycleLocal {
   Vec3 force_n = Vec3::Zero();
   Vec3 visual_offset_m = Vec3::Zero();  // probe minus device point
@@ -71,7 +71,7 @@ struct CycleNote {
   std::optional<CycleLocal> local = {};    // none: the force is remote
 };
 
-// What somebody marked, at the sample that was the newest when the marker came.
+// A marker, at the sample that was the newest when the hub received it.
 struct MarkerNote {
   std::uint64_t sample = 0;
   NodeRole source = NodeRole::tool;

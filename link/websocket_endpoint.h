@@ -22,11 +22,11 @@ class WebSocketEndpoint {
 
   virtual ~WebSocketEndpoint() = default;
 
-  // False: the connection is over, or was not done within patience_ns, which ends it too.
+  // False: the connection is closed, or the call took longer than patience_ns, which closes it as well.
   virtual bool send(std::string_view text, std::int64_t patience_ns) = 0;
   virtual bool receive(std::string& into, std::int64_t patience_ns) = 0;
 
-  // Ends the connection in order: a close frame, and the peer's own awaited. False: as above.
+  // Closes the connection in order: sends a close frame and waits for that of the peer. False: as above.
   virtual bool close(std::int64_t patience_ns) = 0;
 
   // Why the connection is over.

@@ -7,7 +7,7 @@
 
 namespace hapton {
 
-// One axis of device and hand as a linear system: masses in a row, motors first, a joint between each two, the hand at the last.
+// One axis of device and hand as a linear system: a chain of masses and joints, with the motors at the first mass and the hand at the last.
 //
 //   u -> [amplifier] -> [motor mass] ==joint== [..] ==joint== [last mass + hand mass] ==hand== intended position h
 //                           friction f
@@ -15,7 +15,7 @@ namespace hapton {
 //   state  x0 v0 [x1 v1 [x2 v2]] [force of the amplifier]        inputs  h, h', u, f
 //   d/dt state = a state + b inputs;  h' is the rate of h
 //
-// x0 is what the encoder reads. Coulomb friction is an input here: what it is depends on the motion (axis_motion.h).
+// x0 is the position that the encoder reads. Coulomb friction is an input here, because it depends on the motion (axis_motion.h).
 // Units SI. RT: no.
 struct AxisPlant {
   static constexpr int kMostStates = 2 * (DeviceModel::kMostModes + 1) + 1;
@@ -33,7 +33,7 @@ struct AxisPlant {
   int masses() const noexcept { return states() / 2; }
 };
 
-// Pre: every mass above zero, mode_count within 0..DeviceModel::kMostModes. A hand of mass only is one too.
+// Pre: every mass above zero, mode_count within 0..DeviceModel::kMostModes. A hand without spring and damper is allowed.
 AxisPlant make_axis_plant(const DeviceModel& device, const HandModel& hand);
 
 }  // namespace hapton

@@ -36,21 +36,21 @@ struct DeviceModel {
   DeviceModel with_modes(int most) const noexcept;
 };
 
-// A device that people have. Each value has its source; "memory": from memory of a data sheet or paper, not verified.
+// A real device. Each value has its source; "memory": quoted from memory of a data sheet or paper, not verified.
 struct DevicePreset {
   std::string_view name;
   std::string_view title;
   DeviceModel model;
   DeviceLimits limits;
   std::array<std::string_view, 6> sources;  // of mass, damping, friction, encoder step, largest force, modes
-  bool is_workspace_known = false;          // false: that of `limits` is a cube in place of it
+  bool is_workspace_known = false;          // false: the workspace in `limits` is a placeholder cube
 };
 
 // model-a, premium-1.5, touch, omega.3, falcon, wooden. RT: yes.
 std::span<const DevicePreset> device_presets() noexcept;
 // Null when there is none of that name. RT: yes.
 const DevicePreset* find_device_preset(std::string_view name) noexcept;
-// What a kind of device (Device::name) may be; empty where none of them is. RT: set-up only.
+// The presets that a device with this Device::name may be; empty if there is none. RT: set-up only.
 std::vector<const DevicePreset*> presets_of_device(std::string_view kind);
 // "model-a, premium-1.5, ..." for help texts. RT: set-up only.
 std::string device_preset_names();

@@ -12,7 +12,7 @@
 
 namespace hapton {
 
-// What stands between the accepted force and the motors beside the governor, such as a passivity controller. RT: yes.
+// An additional stage between the accepted force and the motors, such as a passivity controller. RT: yes.
 class ForceStage {
  public:
   virtual ~ForceStage() = default;
@@ -20,16 +20,16 @@ class ForceStage {
   virtual void observe(const Vec3& p_WD, std::int64_t now_ns) noexcept = 0;
   // The force to write now in place of `force_n`.
   virtual Vec3 shape(const Vec3& force_n, std::int64_t now_ns) noexcept = 0;
-  // What saturation left of it.
+  // The force that was written, after saturation.
   virtual void note_written(const Vec3& /*force_n*/) noexcept {}
 };
 
 // From the device's position to the force on its motors: encoder, link to the force law and back, command filter or governor, saturation.
 // The command filter and the governor are the ones that io_node runs. Samples and forces travel as datagrams do: late, lost, overtaken; the
-// newest wins on both sides. In simulated time: nothing is awaited. Units SI, ns; frame W. RT: no.
+// newest wins on both sides. Time is simulated, so no call waits. Units SI, ns; frame W. RT: no.
 class ForceChain {
  public:
-  // newest: the newest command holds without end, as linear theory has it. filter: for 20 ms. governor: io_node's, with all of its stages.
+  // newest: the newest command is held indefinitely, as linear theory assumes. filter: for 20 ms. governor: that of io_node, all stages.
   enum class Gate : std::uint8_t { newest, filter, governor };
 
   struct Options {
@@ -57,7 +57,7 @@ class ForceChain {
   void sample(const Vec3& p_WD, std::int64_t now_ns);
   // Takes what is due at now_ns.
   void receive(std::int64_t now_ns);
-  // When something is due next; nothing when nothing is on its way.
+  // When the next packet is due; empty if none is in transit.
   std::optional<std::int64_t> next_ns() const noexcept;
 
   // On the motors now.

@@ -6,7 +6,7 @@
 
 namespace hapton {
 
-// What the program feels for a device sample: the haptics node's part of the loop. Frame W, SI. RT: step and reset yes.
+// The force that the program computes for a device sample: the haptics node's part of the loop. Frame W, SI. RT: step and reset yes.
 class ForceLaw {
  public:
   virtual ~ForceLaw() = default;
@@ -15,8 +15,8 @@ class ForceLaw {
   virtual void reset(const Vec3& p_WD) noexcept = 0;
 };
 
-// A flat wall that fills x < 0: spring, and damping by finite difference. One-sided as touch is, pushing only; two-sided as linear theory
-// has it.
+// A flat wall that fills x < 0: a spring, and damping by finite difference. One-sided: it only pushes, like a real surface. Two-sided: it
+// pulls as well, as linear theory assumes.
 class WallLaw final : public ForceLaw {
  public:
   struct Wall {

@@ -7,7 +7,7 @@
 
 namespace hapton {
 
-// A hand that holds the device point: a mass that moves with the device, held to where the hand wants to be by a spring and a damper.
+// A hand that holds the device point: a mass that moves with the device, and a spring and a damper to the intended position.
 struct HandModel {
   double mass_kg = 0.0;
   double damping_ns_per_m = 0.0;

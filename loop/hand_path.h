@@ -7,7 +7,7 @@
 
 namespace hapton {
 
-// Where the hand wants to be, and how it pushes besides: straight lines between points in time, at rest before the first and after the
+// The intended position of the hand, and an additional push: straight lines between points in time, at rest before the first and after the
 // last. Frame W, SI, ns. RT: no heap in the queries.
 class HandPath {
  public:

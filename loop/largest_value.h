@@ -17,12 +17,12 @@ double bisect(double low, double high, double fine, const Holds& holds) {
 struct ValueRange {
   double first = 1.0;       // above zero; where the search begins
   double stride = 1.3;      // above one; ratio of one value tried to the next
-  double least = HUGE_VAL;  // above zero; below first it searches down to this, not at all by default
+  double least = HUGE_VAL;  // above zero; if first fails, the search goes down to this; default: not at all
   double most = HUGE_VAL;
 };
 
 // The largest value up to which `holds` was found true: searched upwards by equal ratios, then by bisection to the relative `fine`.
-// range.most where it holds as far up as that; zero where it does not at range.least.
+// range.most if it holds up to there; zero if it fails at range.least.
 template <class Holds>
 double find_largest_value(const ValueRange& range, double fine, const Holds& holds) {
   double low = 0.0;

@@ -7,7 +7,7 @@
 
 namespace hapton {
 
-// A hand comes to a wall at x = 0 from 5 mm outside, presses with a given force, holds and leaves.
+// A hand approaches a wall at x = 0 from 5 mm outside, presses with a given force, holds and leaves.
 struct PressPlan {
   double press_n = 1.0;  // static force at which it holds
   double speed_m_per_s = 0.1;
@@ -16,7 +16,7 @@ struct PressPlan {
   double wall_n_per_m = 1000.0;  // where the hand's intention has to be for that force
 };
 
-// The way of the hand. One without a spring (off) pushes with press_n, and pulls as much to leave.
+// The path of the hand. A hand without a spring (off) pushes with press_n, and pulls with the same force to leave.
 struct PressPath {
   HandPath path;
   Vec3 start_m = Vec3::Zero();
@@ -25,9 +25,9 @@ struct PressPath {
 };
 PressPath make_press_path(const HandModel& hand, const PressPlan& plan);
 
-// What a press and release was like.
+// Measurements of a press and release.
 struct PressMeasures {
-  bool is_bounded = true;      // false: it ran away, and the rest is of what was seen before
+  bool is_bounded = true;      // false: the motion diverged, and the other values are from the time before
   double contact_s = 0.0;      // first force
   double depth_m = 0.0;        // mean of the last quarter of the hold
   double overshoot = 0.0;      // deepest point beyond depth_m, as a share of it
@@ -36,15 +36,15 @@ struct PressMeasures {
   double buzz_hz = 0.0;        // strongest frequency of the force in the second half of the hold
   double buzz_n = 0.0;         // its amplitude
   double wall_j = 0.0;         // work of the motors over press and release: above zero the wall gave energy
-  double generated_j = 0.0;    // that, less what the device turned to heat, to the hand: above zero a passive hand gained
-  double most_generated_j = 0.0;  // the largest that it was on the way, less what is stored in the wall's spring
+  double generated_j = 0.0;    // wall_j less the heat in the device: above zero a passive hand gained energy
+  double most_generated_j = 0.0;  // its largest value at any time, less the energy stored in the wall's spring
 };
 
 // Pre: rows of one press, samples one period apart. RT: no.
 PressMeasures measure_press(const std::vector<LoopRow>& rows, const PressPath& path, std::int64_t period_ns, double encoder_step_m,
                             bool is_bounded);
 
-// A device in a hand at a link of known faults, and how it presses.
+// A device in a hand, with a link of known faults to the wall.
 struct PressCase {
   DeviceModel device;
   HandModel hand;

@@ -8,7 +8,7 @@
 
 namespace hapton {
 
-// A linear loop over a link that delays at random and loses.
+// A linear loop over a link with random delay and loss.
 struct RandomLoop {
   DeviceModel device;  // friction, encoder steps and saturation are left out: the loop is linear
   HandModel hand;

@@ -7,12 +7,12 @@
 
 namespace hapton {
 
-// What a material's stiffness may be on one system.
+// The stiffest safe material of one system.
 struct Recommendation {
   double stiffness_n_per_m = 0.0;  // the stiffest safe one
   double stable_n_per_m = 0.0;     // limit of stability, the least over all delays up to the given one
   double passive_n_per_m = 0.0;    // limit of passivity: below it no hand at all draws energy
-  double device_n_per_m = 0.0;     // what the device is known to hold; 0: nothing
+  double device_n_per_m = 0.0;     // the stiffness stated for the device; 0: none
   bool is_limited_by_device = false;
 };
 

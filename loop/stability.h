@@ -10,7 +10,7 @@ struct WallGains {
   double damping_ns_per_m = 0.0;
 };
 
-// Where the loop stops being stable, and at what frequency it then swings.
+// The limit of stability, and the frequency of the oscillation there.
 struct StabilityLimit {
   double value = 0.0;  // infinite: no limit was found
   double frequency_hz = 0.0;
@@ -21,7 +21,7 @@ struct StabilityLimit {
 //
 // The limit is where, counted up from zero, an eigenvalue first reaches the unit circle. There 1 + (K + B (1 - 1/z) / T) L(z) = 0 with
 // z = e^(j w T), so K follows from w: K(w) = -1/L - B (1 - 1/z) / T, wherever that is real and positive. The least such K is the limit,
-// with no matrix to be solved: its cost grows with the delay and not with its cube. Units SI. RT: no.
+// found without solving a matrix: the cost grows with the delay, not with its cube. Units SI. RT: no.
 
 // The largest stiffness below which all are stable, with this damping in the wall. 0: not stable without stiffness. Pre: damping >= 0.
 StabilityLimit find_stable_stiffness(const SampledPlant& plant, double damping_ns_per_m);

@@ -57,7 +57,7 @@ struct VelocityRow {
 };
 // All velocity_filters(). RT: no.
 std::vector<VelocityRow> compare_velocity(double period_s, double step_m);
-// The least lag with no more noise than that; null: none is that quiet.
+// The filter with the least lag whose noise is at most this; null: all have more noise.
 const VelocityRow* choose_velocity(const std::vector<VelocityRow>& rows, double most_noise_m_per_s) noexcept;
 
 }  // namespace hapton

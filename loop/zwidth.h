@@ -10,7 +10,7 @@
 
 namespace hapton {
 
-// One loop whose Z-width is asked for: a device in a hand, against a wall computed elsewhere.
+// The loop whose Z-width is computed: a device in a hand, against a wall that another node computes.
 struct ZWidthCase {
   DeviceModel device;
   HandModel hand;

@@ -8,9 +8,9 @@
 
 namespace hapton {
 
-// Places of the device that are still to be felt, oldest first. Where there is no room for another, every second one is left out, and those
-// that come are kept no closer together from then on: the path gets coarser, alike all along, and never shorter. The newest place is always
-// kept. Frame: S. Units: SI. RT: all. Threads: one.
+// Positions of the device through which the proxy has not followed it yet, oldest first. If the path is full, every second position is
+// removed, and later ones are kept at least as far apart from then on. So the path gets coarser, uniformly, but never shorter. The newest
+// position is always kept. Frame: S. Units: SI. RT: all. Threads: one.
 class DevicePath {
  public:
   static constexpr std::size_t kMost = 1024;  // a second at 1 kHz
@@ -33,7 +33,7 @@ class DevicePath {
     first_ = (first_ + 1) % kMost;
     if (--size_ == 0) clear();
   }
-  // Of the places kept, those that are no older than this; the newest one's age is 0. An age of 0 or less: none.
+  // Keeps only positions that are no older than this; the age of the newest is 0. An age of 0 or less keeps none.
   void keep_newest(double age_s) noexcept {
     std::size_t kept = 0;
     for (double ago_s = 0.0; kept < size_ && ago_s < age_s; ++kept) ago_s += at(size_ - 1 - kept).dt_s;
@@ -63,7 +63,7 @@ class DevicePath {
   std::array<Place, kMost> places_;
   std::size_t first_ = 0;
   std::size_t size_ = 0;
-  double spacing_m_ = 0.0;  // of those that come
+  double spacing_m_ = 0.0;  // least distance of positions that are added
 };
 
 }  // namespace hapton

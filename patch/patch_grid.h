@@ -38,7 +38,7 @@ struct PatchGrid {
   // Of the whole grid. Every part of the scene is touched in this box's local frame, in which a contact offset is a 64th of a step.
   Box box() const noexcept { return {origin_m, origin_m + Vec3::Constant(std::ldexp(step_m, kPatchGridBits))}; }
 
-  // The nearest point of the grid; of what lies beyond it the nearest there is.
+  // The nearest point of the grid, also for a position outside of it.
   GridPoint round(const Vec3& p_S) const noexcept {
     const Vec3 steps = to_steps(p_S).array().round().max(0.0).min(std::ldexp(1.0, kPatchGridBits) - 1.0);
     return {static_cast<std::uint32_t>(steps.x()), static_cast<std::uint32_t>(steps.y()), static_cast<std::uint32_t>(steps.z())};

@@ -11,9 +11,9 @@
 
 namespace hapton {
 
-// Decides when the hand needs another patch, and makes it: around where the hand will be once it is made, as wide as the scene is known
-// there, and of no more triangles than can be made while the hand is still within the patch before. So patches grow, up to the whole scene,
-// where a small one has been made first. For a hand past the edge: over the whole way there.
+// Decides when the hand needs a new patch, and makes it. Its centre is where the hand will be when the patch is ready. It is as wide as the
+// scene is known there, but has no more triangles than can be processed before the hand leaves the present patch. So patches grow, from a
+// small first one up to the whole scene. For a hand past the edge the patch covers the whole path since the edge.
 // Frame: S. Units: SI. RT: no. Threads: one.
 class PatchMaker {
  public:
@@ -28,9 +28,9 @@ class PatchMaker {
   void note_hand(const PatchHand& hand) noexcept;
   // How long the newest patch took to make, and to be handed to the device.
   void note_made(double seconds) noexcept;
-  // What was made before is of no use any more.
+  // Earlier patches are no longer valid.
   void forget() noexcept { p_SC_.reset(); }
-  // Null: the newest will do, or nothing is known there.
+  // Null: the newest patch suffices, or nothing is known there.
   std::unique_ptr<Patch> make_if_due(const PatchStore& store, std::uint32_t generation);
 
   std::size_t triangles() const noexcept { return triangles_; }  // of the newest

@@ -17,15 +17,15 @@ struct HandMotion {
   Vec3 v_SD = Vec3::Zero();  // m/s
 };
 
-// Decides which part of a scene goes to the hub next: what is missing there nearest to the hand and to where it is going, within a
-// bandwidth. A part is sent again when the hub's status shows that it was lost, or says nothing of it for too long.
+// Decides which part of a scene goes to the hub next, within a bandwidth: of the parts that the hub does not have, the one nearest to the
+// hand and to where it is moving. A part is sent again if the hub's status shows that it was lost, or does not confirm it for too long.
 //
 // Units: SI, ns of one clock. Time is a parameter. RT: no. Threads: one.
 class PatchSource {
  public:
   struct Options {
     double bits_per_s = 1e6;      // of IP packets
-    double least_reach_m = 0.03;  // around the hand; the farther the hand gets within two round trips, the more
+    double least_reach_m = 0.03;  // parts this near to the hand are sent, and those that a fast hand may come near meanwhile
     double fastest_m_per_s = 0.3;
   };
   struct Counts {

@@ -13,8 +13,8 @@
 
 namespace hapton {
 
-// The parts of a scene that have come, and what is known by them: within the known radius of a point every triangle of the scene is here.
-// Parts may come in any order, twice or never. Of what does not fit its bounded memory it takes none, and never confirms it.
+// The parts of a scene that have arrived. Within the known radius of a point, all triangles of the scene are here. Parts may arrive in any
+// order, twice or never. The memory is bounded: a part that does not fit is dropped, and never confirmed.
 //
 // Frame: S. Units: m. RT: no. Threads: one.
 class PatchStore {
@@ -49,11 +49,11 @@ class PatchStore {
   std::uint64_t revision() const noexcept { return counts_.parts; }
   const Counts& counts() const noexcept { return counts_; }
 
-  // How far from there every triangle of the scene is here; infinity when all are. Pre: has_begun().
+  // The radius around a point within which no triangle of the scene is missing here; infinity if none is missing. Pre: has_begun().
   double known_radius(const Vec3& p_S) const;
 
-  // All that is known around a point, no farther than most_m, and less until it is no more than so many triangles, or twice as
-  // many as the tiles at the point have. Pre: has_begun().
+  // The triangles around a point, up to its known radius and most_m. The radius is reduced until there are at most most_triangles, or twice
+  // as many as the tiles at the point itself have, if that is more. Pre: has_begun().
   Piece make_piece(const Vec3& p_S, double most_m, std::size_t most_triangles) const;
 
  private:

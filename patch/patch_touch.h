@@ -11,15 +11,15 @@
 
 namespace hapton {
 
-// A piece of the scene, ready to be felt: within radius_m of the centre no triangle is missing. Frame: S. Units: m.
+// A piece of the scene on which forces can be computed: within radius_m of the centre no triangle is missing. Frame: S. Units: m.
 struct Patch {
   std::unique_ptr<TouchStep> step;  // null: there is no triangle
   std::vector<int> objects = {};    // the scene's number of each object of it
   Vec3 p_SC = Vec3::Zero();
   double radius_m = 0.0;
-  double lift_m = 0.0;           // how far off the surface a proxy starts that no patch has held: above what the grid rounds
-  std::uint32_t generation = 0;  // of the scene that it is of
-  bool is_way_unknown = false;   // when it was made, not all of the scene between the last proxy within and the hand had come
+  double lift_m = 0.0;           // distance off the surface at which a proxy starts that no patch has held: above the rounding of the grid
+  std::uint32_t generation = 0;  // of its scene
+  bool is_way_unknown = false;   // when it was made, parts of the scene between the last proxy within a patch and the hand were missing
 };
 
 // One step on a patch.
@@ -33,7 +33,8 @@ struct PatchOutput {
   int object = -1;                   // touched, of the scene's objects; -1: none, or beyond
 };
 
-// What a patch has to reach for the hand to be caught up with: a ball about the proxy, last within, and the places since. Frame S.
+// What a patch has to cover so that the proxy can follow the hand: a ball around the last proxy within a patch and the positions of the
+// device since. Frame S.
 struct PatchWay {
   Vec3 p_SC = Vec3::Zero();
   double radius_m = 0.0;
@@ -47,20 +48,20 @@ struct PatchHand {
   PatchWay way;            // ... this
 };
 
-// Feels a scene by patches of it, one after the other. The force is that of the whole scene as long as all that the step can meet lies
-// within the patch: device and proxy move within |device - centre| + |proxy - device| + |motion| of its centre.
+// Computes the force of a scene from patches of it, one after the other. The force is that of the whole scene as long as everything that
+// the step can meet lies within the patch: device and proxy stay within |device - centre| + |proxy - device| + |motion| of its centre.
 //
-// Another patch takes over where the proxy is: its step starts there and goes from there to the device. So the path of the proxy has no
-// gap, and the surface that was felt is felt: both have the same triangles on the same grid. A proxy that no patch has held is lifted off
-// first, along the force. Both patches are stepped with that sample, so that what the hand's motion changes is not taken for a difference
-// between them.
+// A new patch takes over at the proxy: its step starts there and goes to the device. So the path of the proxy has no gap, and contact
+// continues with the same surface, because both patches have the same triangles on the same grid. A proxy that no patch has held is lifted
+// off the surface first, along the force. Both patches compute that sample, so that the effect of the hand's motion does not count as a
+// difference between them.
 //
-// Past the edge the places of the device are kept, and the plane of the last contact holds: its force is that of the surface's stiffness,
-// damped, and never larger than kMostBeyond times the last force within. Without contact there is no force past the edge. Once a patch
-// reaches there, the proxy follows the device from place to place, kMostFollowed a step, until it has caught up: it comes to where the
-// whole scene has it, whatever lay on the way. A patch with is_way_unknown need not wait for that: in contact it takes over from above the
-// plane, by a share of the way that the hand went past the edge, and the surface that is met first from there is felt. A hand that was free
-// for kBeyondS starts again where it is.
+// Past the edge of a patch the positions of the device are stored, and the plane of the last contact acts as the surface. Its force has the
+// stiffness of the surface and damping, and is at most kMostBeyond times the last force within the patch. Without contact there is no force
+// past the edge. When a patch reaches there, the proxy follows the stored positions, kMostFollowed in each step, until it has caught up: it
+// is then where the whole scene would have it. A patch with is_way_unknown does not wait for that: in contact it takes over from a point
+// above the plane, higher the farther the hand went past the edge, and contact continues with the surface met first from there. A hand that
+// was free for kBeyondS past the edge starts again where it is.
 //
 // Frames: W and S as named. Units: SI. RT: all. Threads: one.
 class PatchTouch {
@@ -76,30 +77,30 @@ class PatchTouch {
   struct Counts {
     std::uint64_t steps = 0;
     std::uint64_t contact_steps = 0;
-    std::uint64_t followed = 0;      // ... that were late: places of the device past the edge of the patch of then
+    std::uint64_t followed = 0;      // ... that were late: for stored positions, past the edge of the patch at that time
     std::uint64_t handed_over = 0;   // patches that took over
     std::uint64_t beyond = 0;        // times that the hand came past the edge
     std::uint64_t beyond_steps = 0;  // steps there
     std::uint64_t raised = 0;        // patches that took over from above the plane
-    std::uint64_t begun_anew = 0;    // times that the hand stayed there, free, for too long
+    std::uint64_t begun_anew = 0;    // times that a free hand stayed past the edge for longer than kBeyondS
   };
 
   // Offers a patch: it takes over with the first step that lies within it. Returns the one that was offered before and did not.
   std::unique_ptr<Patch> offer(std::unique_ptr<Patch> patch) noexcept;
-  // The patch that was taken over from, to be freed by whoever may. No other takes over before it is taken.
+  // The replaced patch, so that a thread that is not real-time can free it. No other patch takes over before this was called.
   std::unique_ptr<Patch> take_retired() noexcept;
-  // Forgets contact; the next step starts where it is told to, or at the device.
+  // Forgets contact; the next step starts as start_at says, or at the device.
   void forget() noexcept;
-  // Only patches of this generation count from now on; where it is another one than before, they start where the probe was.
+  // Only patches of this generation are used from now on. If it is a new one, they start where the probe was.
   void set_generation(std::uint32_t generation) noexcept;
-  // Where contact rested, or the device was free, before the first patch, and how long ago: from there the proxy follows the places of the
-  // device since. outward: unit, of the force; zero: free.
+  // Where the proxy of a contact was, or the free device, before the first patch, and how long ago: from there the proxy follows the
+  // positions of the device since. outward: unit, of the force; zero: free.
   void start_at(const Vec3& p_SP, const Vec3& outward, double age_s = 0.0) noexcept;
   // A patch has reached the hand since the start. Until then the force has to come from elsewhere.
   bool has_arrived() const noexcept { return has_arrived_; }
 
-  // None: no patch has reached the hand yet, since the start or since it started again; or a sample that is not finite, or so far off that
-  // its rounding is larger than a patch's lift (10^9 sizes of the scene): it changes nothing.
+  // None: no patch has reached the hand since the start or the last new start; or the sample is not finite, or so far away that its
+  // rounding exceeds a patch's lift (10^9 sizes of the scene): such a sample changes nothing.
   std::optional<PatchOutput> step(const TouchInput& input) noexcept;
 
   // See ForceMethod. Frame: S.

@@ -40,9 +40,9 @@ inline PatchCell to_message(const TileCell& cell, std::uint32_t epoch, std::uint
   return message;
 }
 
-// Parts the scene's triangles into compact tiles of one object each, that fit a datagram each, and space into cells of few tiles. Triangles
-// that have no area on the grid because two corners fall together are left out: their neighbours meet there. No more nodes than
-// PatchStore::kMostCells: where tiles lie across each other, cells stay larger. Time: n log n. RT: no.
+// Divides the scene's triangles into compact tiles, each of one object and small enough for one datagram, and space into cells with few
+// tiles. Triangles without area on the grid, because two corners coincide, are left out: their neighbours meet there. There are at most
+// PatchStore::kMostCells nodes: where many tiles overlap, cells stay larger. Time: n log n. RT: no.
 // Threads: one.
 TiledScene make_tiles(const TouchScene& scene);
 

@@ -9,7 +9,7 @@
 
 namespace hapton {
 
-// How a receiver goes on between two updates: with the last value, or along a line.
+// How a receiver continues a signal between two updates: with the last value, or along a line.
 enum class Prediction : std::uint8_t { hold, linear };
 
 // What is sent of a signal.
@@ -39,13 +39,13 @@ class PredictedSignal {
 // Weber's law: a change below this share of the last value is not felt, so it is not sent. The sender assumes a receiver that
 // gets every update without delay. Source: Hinterseer, Hirche, Chaudhuri, Steinbach and Buss, "Perception-based data reduction and
 // transmission of haptic data in telepresence and teleaction systems", IEEE Trans. Signal Processing 56 (2008); IEEE 1918.1.1-2024, codec
-// without delay robustness. Theirs draws the line through the last two updates. Ours has the slope of the signal over kSlopeRows values in
-// each update: on a mesh of facets the other sends more than without prediction, and a lost update bends it. RT: yes. Threads: one.
+// without delay robustness. They draw the line through the last two updates. Our updates contain the slope of the signal over kSlopeRows
+// values: on a faceted mesh their prediction sends more updates than none at all, and a lost update distorts it. RT: yes. Threads: one.
 class DeadbandCoder {
  public:
   static constexpr std::size_t kSlopeRows = 10;
 
-  // fraction: Weber's; 0 sends each value. least: a value below it counts as one.
+  // fraction: Weber's; 0 sends each value. least: a smaller value counts as this one.
   DeadbandCoder(double fraction, double least, Prediction prediction) noexcept
       : fraction_(fraction), least_(least), prediction_(prediction) {}
 

@@ -7,7 +7,7 @@
 
 namespace hapton {
 
-// How late a signal is, and how wrong once that is taken off.
+// The delay of a signal, and the error that remains after removing the delay.
 struct EffectiveOffset {
   double time_s = 0.0;  // mean
   double value = 0.0;   // mean, in the signals' unit
@@ -18,8 +18,8 @@ struct EffectiveOffset {
 //
 //     sum |signal(i) - reference(i - d(i))|  +  step_cost * sum |d(i) - d(i-1)|
 //
-// found by dynamic programming. Where reference and signal say nothing, d stays as it is. Means are over the samples at which either is
-// above `least`. Late only: a force cannot come before the motion that it is for.
+// found by dynamic programming. Where reference and signal do not determine d, it does not change. Means are over the samples at which
+// either is above `least`. d is never negative, because a force cannot precede the motion that causes it.
 //
 // After: Kroep, Gokhale, Verburg and Venkatesha Prasad, "ETVO: Effectively Measuring Tactile Internet with Experimental Validation"
 // (arXiv 2107.05343), which refines dynamic time warping in the same sense. Band and step cost are ours, so the figures can only be

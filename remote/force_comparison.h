@@ -12,10 +12,10 @@ struct ForceRow {
   Vec3 p_WD = Vec3::Zero();
   Vec3 force_n = Vec3::Zero();
   Vec3 zero_delay_n = Vec3::Zero();  // no more than the device can
-  double penetration_m = 0.0;  // zero-delay proxy to device
+  double penetration_m = 0.0;        // zero-delay proxy to device
 };
 
-// A force held against the one without delay, over a whole touch that begins and ends in free space.
+// Comparison of a force with the one without delay, over a whole touch that begins and ends in free space.
 struct ForceComparison {
   double error_rms = 0.0;  // share of the zero-delay force: root of sum |F - F0|^2 / sum |F0|^2
   double error_max_n = 0.0;
@@ -23,14 +23,14 @@ struct ForceComparison {
   double direction_max_deg = 0.0;
   double time_offset_s = 0.0;  // effective_offset.h
   double value_offset = 0.0;   // share of the zero-delay force's RMS
-  std::uint64_t falls = 0;     // fall-throughs: times that it began to hold the device by nothing
-  double fall_s = 0.0;         // together
-  double generated_j = 0.0;    // the most energy that the hand had got in all, so far, at any time: 0 where it had always given more
+  std::uint64_t falls = 0;     // number of fall-throughs
+  double fall_s = 0.0;         // their total duration
+  double generated_j = 0.0;    // the largest net energy that the hand had received at any time; 0 if it had always put in more
   double zero_delay_generated_j = 0.0;
   double contact_s = 0.0;  // of the zero-delay force
 };
 
-// Fall-through: no force, or one along which the zero-delay one has no share, while the device is deeper than kFallM.
+// Fall-through: no force, or one without a component along the zero-delay force, while the device is deeper than kFallM.
 constexpr double kFallM = 0.25e-3;
 constexpr double kLeastN = 0.05;
 

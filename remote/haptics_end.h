@@ -18,7 +18,7 @@ struct ReplyOnTheWay {
   TouchOutput touch;
 };
 
-// The node that has the scene: the step on the whole of it, for each sample that is newer than those before. Units: SI, ns. RT: no.
+// The haptics node: computes the step on the whole scene, for each sample that is newer than those before. Units: SI, ns. RT: no.
 class HapticsEnd {
  public:
   // Pre: nobody else steps the method meanwhile.

@@ -9,13 +9,14 @@
 
 namespace hapton {
 
-// When the device's machine stands still, all of it: gaps and stalls of exponential length. Rows of one period each. RT: no. Threads: one.
+// Random stalls of the device's whole machine. Gaps and stalls have exponentially distributed lengths; a stall is at most kLongest times
+// the mean. One row is one period. RT: no. Threads: one.
 class MachineStalls {
  public:
-  static constexpr double kGapS = 0.2;     // mean, between two
-  static constexpr double kLongest = 5.0;  // of the mean
+  static constexpr double kGapS = 0.2;     // mean gap between two stalls
+  static constexpr double kLongest = 5.0;  // longest stall, in mean stalls
 
-  // mean_s: zero: never.
+  // mean_s: mean length of a stall; 0: no stalls.
   MachineStalls(double mean_s, double period_s, std::uint64_t seed)
       : mean_rows_(mean_s / period_s), gap_rows_(kGapS / period_s), random_(seed) {
     next_ = mean_s > 0.0 ? draw(gap_rows_) : std::numeric_limits<double>::infinity();

@@ -20,7 +20,7 @@ struct Traffic {
   Traffic operator-(const Traffic& before) const noexcept { return {packets - before.packets, bytes - before.bytes}; }
 };
 
-// One direction of a network in simulated time: datagrams come late, in another order, twice or never. Units: ns. RT: no. Threads: one.
+// One direction of a network in simulated time: datagrams arrive late, in another order, twice or never. Units: ns. RT: no. Threads: one.
 template <class Payload>
 class NetworkPath {
  public:
@@ -37,7 +37,7 @@ class NetworkPath {
     }
   }
 
-  // The next that is due, by the time at which it is due and then as they were sent.
+  // The next datagram that is due: the earliest one, and of several at the same time the one sent first.
   std::optional<Payload> receive(std::int64_t now_ns) {
     if (under_way_.empty() || under_way_.front().due_ns > now_ns) return std::nullopt;
     std::pop_heap(under_way_.begin(), under_way_.end(), is_later);

@@ -11,18 +11,18 @@
 
 namespace hapton {
 
-// Deadband coding both ways. Up go position and velocity, when the velocity has changed by Weber's fraction, or when the place that the
-// haptics node takes the device to be at is off by that fraction of kPositionM; in between it follows the velocity. It works the force out
-// at the device's rate, and sends it when that has changed by the fraction, or when contact begins or ends. Beside the device the force
-// holds, or goes on by linear prediction.
+// Deadband coding both ways. The device sends position and velocity when the velocity has changed by Weber's fraction, or when the position
+// that the haptics node extrapolates from the last velocity is off by that fraction of kPositionM. The haptics node computes the force at
+// the device's rate, and sends it when it has changed by the fraction, or when contact begins or ends. Beside the device the last force is
+// held, or continued by linear prediction.
 //
-// The codec is meant for no delay: neither end corrects for the time on the way. Units: SI, ns. RT: no. Threads: one.
+// The codec assumes zero delay: neither end corrects for the transit time. Units: SI, ns. RT: no. Threads: one.
 class RemoteDeadband final : public RemoteTouch {
  public:
   static constexpr double kPositionM = 1e-3;
   static constexpr double kLeastForceN = 0.1;       // a smaller force counts as that
   static constexpr double kLeastSpeed = 0.05;       // m/s, so does a slower motion
-  static constexpr std::size_t kVelocityRows = 20;  // samples over which velocity is a mean: the encoder's noise would be sent else
+  static constexpr std::size_t kVelocityRows = 20;  // samples over which the velocity is a mean; otherwise encoder noise would be sent
 
   struct Options {
     double fraction = 0.1;

@@ -7,8 +7,7 @@
 
 namespace hapton {
 
-// Remote force: the newest force that has come holds until a newer one does. Whether an old one is used is left to what stands before the
-// motors.
+// Remote force: the newest force received is held until a newer one arrives. Only the stage before the motors limits its age.
 class RemoteForce final : public RemoteTouch {
  public:
   RemoteForce(std::shared_ptr<ForceMethod> method, const RemoteNetwork& network) : link_(std::move(method), network) {}

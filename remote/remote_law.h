@@ -10,8 +10,9 @@
 
 namespace hapton {
 
-// A way to touch across a network as the force law of the laboratory's chain, which has no link of its own then; with io_node's governor
-// where the method has it. One period a step. RT: no, whatever ForceLaw says: it is run in simulated time.
+// A method of touch across a network, as the force law of the laboratory's chain. It simulates the network itself, so the chain must have
+// no link; it contains io_node's governor if the method has one. One step is one period. RT: no, unlike other force laws: for simulated
+// time only.
 class RemoteLaw final : public ForceLaw {
  public:
   struct Device {
@@ -21,11 +22,11 @@ class RemoteLaw final : public ForceLaw {
 
   RemoteLaw(const RemoteMethod& method, std::unique_ptr<RemoteTouch> touch, const Device& device, std::int64_t period_ns);
 
-  // The device stays at a place, in free space, until the method has what it needs around it; at least least_s. Seconds that it took; none:
-  // not within most_s.
+  // Keeps the device at a position in free space until the method has received what it needs around it, for at least least_s. Returns the
+  // seconds that this took; none: more than most_s.
   std::optional<double> wait(const Vec3& p_WD, double least_s, double most_s);
 
-  // The machine stands still for so many periods.
+  // The machine stalls for this number of periods.
   void skip(std::size_t periods) noexcept { now_ns_ += static_cast<std::int64_t>(periods) * period_ns_; }
   Vec3 step(const Vec3& p_WD, double dt_s) noexcept override;
   void reset(const Vec3& p_WD) noexcept override { (void)p_WD; }

@@ -14,7 +14,7 @@
 
 namespace hapton {
 
-// A way to touch across a network, and what stands between its force and the motors.
+// A method of touch across a network, and the stages between its force and the motors.
 struct RemoteMethod {
   enum class Way : std::uint8_t { whole, force, plane, deadband, patch };
 

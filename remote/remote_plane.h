@@ -6,10 +6,10 @@
 
 namespace hapton {
 
-// One plane: the haptics node sends where the surface was below a sample, and its stiffness; beside the device the newest plane is the
-// surface. It is one-sided, and without contact at the sample there is none. Its numbers are those of a ForceCommand: the visual offset
-// leads to the plane, along its normal. Source: Mark, Randolph, Finch, Van Verth and Taylor, "Adding force feedback to graphics systems"
-// (1996); their recovery time, which eases the change from plane to plane, is left out.
+// The haptics node sends the plane of the surface below each sample, and its stiffness; beside the device the newest plane acts as the
+// surface. The plane is one-sided, and there is none if the sample had no contact. It is described by a ForceCommand: the visual offset
+// leads from the device to the plane, along its normal. Source: Mark, Randolph, Finch, Van Verth and Taylor, "Adding force feedback to
+// graphics systems" (1996); we leave out their recovery time, which smooths the change from plane to plane.
 class RemotePlane final : public RemoteTouch {
  public:
   RemotePlane(std::shared_ptr<ForceMethod> method, const RemoteNetwork& network) : link_(std::move(method), network) {}

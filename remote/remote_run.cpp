@@ -65,7 +65,7 @@ RemoteRates rates_of(const RemoteTraffic& traffic, double seconds) {
 
 Result<double> wait_for_scene(RemoteLaw& law, const RemoteMethod& method, const Vec3& p_WD, double round_trip_s) {
   const auto ready_s = law.wait(p_WD, kLeastWaitS + 2.0 * round_trip_s, kMostWaitS);
-  if (!ready_s) return fail("{}: the scene around the hand had not come after {:g} s", method.name, kMostWaitS);
+  if (!ready_s) return fail("{}: the scene around the hand had not arrived after {:g} s", method.name, kMostWaitS);
   return *ready_s;
 }
 

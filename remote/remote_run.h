@@ -25,10 +25,10 @@ struct RemoteCase {
   RemoteNetwork network;
   double round_trip_s = 0.0;
   RemoteSettings settings;
-  double stall_s = 0.0;  // the device's machine stands still for so long on average (machine_stalls.h); given path only
+  double stall_s = 0.0;  // mean length of the stalls of the device's machine (machine_stalls.h); run_prescribed only
 };
 
-// Datagrams and bytes of IP packets a second; greetings of the nodes (ten a second each way) among them.
+// Datagrams, and bytes of IP packets, a second; including the nodes' Hello and Welcome (ten a second each way).
 struct RemoteRates {
   double packets_up = 0.0;
   double packets_down = 0.0;
@@ -36,13 +36,13 @@ struct RemoteRates {
   double bytes_down = 0.0;
 };
 
-// The hand goes along the path whatever the force.
+// The hand follows the path, whatever the force.
 struct PrescribedTouch {
   ForceComparison force;
   RemoteRates rates;       // while it slides and rests
-  double scene_kb = 0.0;   // parts of the scene, in all
-  double ready_s = 0.0;    // until all around the hand was there
-  std::size_t missed = 0;  // periods that the machine stood still for
+  double scene_kb = 0.0;   // all parts of the scene
+  double ready_s = 0.0;    // until the scene around the hand had arrived
+  std::size_t missed = 0;  // periods in which the machine was stalled
   std::vector<ForceRow> rows;
 };
 // Error: what the method needs around the hand does not come within two minutes.
@@ -52,8 +52,8 @@ Result<PrescribedTouch> run_prescribed(const RemoteScene& scene, const SlidePath
 // Hand and device in closed loop, the hand aiming along the path. Measures as in loop/press.h.
 struct ClosedLoopTouch {
   bool is_bounded = true;
-  double limit_cycle_m = 0.0;  // while the hand rests: half of the largest distance between two places in the last half of it
-  double generated_j = 0.0;    // the most energy that the hand had got in all, so far, at any time, less what the device had turned to heat
+  double limit_cycle_m = 0.0;  // half of the largest distance between two positions in the second half of the hand's rest
+  double generated_j = 0.0;    // the largest net energy that the hand had received at any time, less the heat in the device
   double path_error_m = 0.0;   // RMS distance from where the device is with zero delay, sliding and resting
   double most_force_n = 0.0;
   std::vector<Vec3> p_WD;  // each period
@@ -62,8 +62,8 @@ struct ClosedLoopTouch {
 Result<ClosedLoopTouch> run_closed_loop(const RemoteScene& scene, const SlidePath& path, const RemoteDevice& device,
                                         const RemoteCase& which, const std::vector<Vec3>* zero_delay);
 
-// The largest stiffness of a flat wall, a mesh, at which a press of 1 N comes to rest within a second: a limit cycle of two encoder steps,
-// or 1 % of the depth, at most, and half of the newton at least. 0: at none. Searched upwards to most_n_per_m. The hand has a spring.
+// The largest stiffness of a flat wall (a mesh) at which a press of 1 N comes to rest within a second: with a limit cycle of at most two
+// encoder steps or 1 % of the depth, and at least 0.5 N held. 0: at no stiffness. Searched upwards to most_n_per_m. The hand has a spring.
 Result<double> find_rest_stiffness_of(const RemoteDevice& device, const RemoteCase& which, double most_n_per_m);
 
 }  // namespace hapton

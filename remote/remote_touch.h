@@ -34,14 +34,14 @@ struct RemoteStep {
   std::int64_t sample_ns = 0;
 };
 
-// One way to touch a scene across a network: both ends, and the network between them, in simulated time. The force of a step is written at
-// once and held until the next; datagrams are taken at steps only. Frames: W and S are one. Units: SI, ns. RT: no. Threads: one.
+// A method of touch across a network: both ends and the network between them, in simulated time. The force of a step is written at once and
+// held until the next step; datagrams are received at steps only. Frames: W and S are one. Units: SI, ns. RT: no. Threads: one.
 class RemoteTouch {
  public:
   virtual ~RemoteTouch() = default;
-  // A sample of the device. Pre: now_ns rises, by one period of the device.
+  // A sample of the device. Pre: now_ns increases by one period of the device.
   virtual RemoteStep step(const Vec3& p_WD, std::int64_t now_ns) = 0;
-  // Whatever it needs to have near the device is there.
+  // Everything that it needs near the device has arrived.
   virtual bool is_ready() const { return true; }
   virtual RemoteTraffic traffic() const = 0;
 };

@@ -9,13 +9,13 @@
 
 namespace hapton {
 
-// Samples to the haptics node and its replies, across the network: at once for each sample that arrives. Units: SI, ns. RT: no.
+// Carries samples to the haptics node across the network and its replies back. The node replies at once. Units: SI, ns. RT: no.
 class SampleLink {
  public:
   // period_ns: least time between two samples that are sent; 0: each is.
   SampleLink(std::shared_ptr<ForceMethod> method, const RemoteNetwork& network, std::int64_t period_ns = 0);
 
-  // Sends this sample if one is due, and takes what has come by now. None: no reply newer than those before.
+  // Sends this sample if one is due, and receives what has arrived by now. None: no reply is newer than those before.
   std::optional<ReplyOnTheWay> exchange(const SampleOnTheWay& sample);
   // The newest sample that has come to the haptics node, if one came in the last exchange.
   const std::optional<SampleOnTheWay>& received() const noexcept { return received_; }

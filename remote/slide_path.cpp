@@ -122,8 +122,7 @@ Result<SlidePath> make_slide_path(const TriangleMesh& mesh, ForceMethod& method,
       return path;
     }
   }
-  return fail("slide: no way over the surface was found along which the hand can follow it, in {} draws with seed {}", kMostDraws,
-              plan.seed);
+  return fail("slide: no path over the surface was found that the hand can follow, in {} draws with seed {}", kMostDraws, plan.seed);
 }
 
 }  // namespace hapton

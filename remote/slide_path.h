@@ -10,7 +10,7 @@
 
 namespace hapton {
 
-// A hand comes to a mesh, slides over it to and fro, rests there, and leaves.
+// A hand approaches a mesh, slides back and forth over it, rests there, and leaves.
 struct SlidePlan {
   std::uint64_t seed = 1;  // of the place and the direction
   double speed_m_per_s = 0.1;
@@ -22,7 +22,7 @@ struct SlidePlan {
   double period_s = 1e-3;
 };
 
-// Where the surface is that the hand is at, and how deep below it the device is meant to be; above it: below zero. One row a period.
+// The point of the surface at the hand, and the intended depth of the device below it (negative: above it). One row for each period.
 struct SlideRow {
   Vec3 p_SQ = Vec3::Zero();
   Vec3 outward_S = Vec3::Zero();  // unit
@@ -42,9 +42,9 @@ struct SlidePath {
   HandPath make_hand_path(double hand_n_per_m, double surface_n_per_m, double period_s) const;
 };
 
-// A walk over the surface in a straight line or a wide curve, depth along a normal that is smoothed over 2 mm. Drawn until the way there
-// and the way off are free and the zero-delay proxy stays within two depths of the device: where a hand can slide. `method` is stepped to
-// see that. Error: none in 1000 draws.
+// A walk over the surface in a straight line or a wide curve, with depth along a normal that is smoothed over 2 mm. Walks are drawn at
+// random until approach and departure are free and the zero-delay proxy stays within two depths of the device, so that a hand can slide
+// there; `method` is stepped to check this. Error: no such walk in 1000 draws.
 Result<SlidePath> make_slide_path(const TriangleMesh& mesh, ForceMethod& method, const SlidePlan& plan);
 
 }  // namespace hapton

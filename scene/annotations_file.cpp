@@ -299,7 +299,7 @@ std::string AnnotationsRead::describe_misfit() const {
     return fmt::format("{} of {} entries are on objects that this scene does not have; they stay in the file, and are not shown", left_out,
                        all);
   }
-  return is_other_scene && all > 0 ? "they were made with another scene, or another version of it: places may be off" : "";
+  return is_other_scene && all > 0 ? "they were made with another scene, or another version of it: positions may not match" : "";
 }
 
 std::string write_annotations(const Annotations& annotations, std::uint64_t scene_hash) {

@@ -33,7 +33,7 @@ Result<std::vector<KeyframeSpec>> read_keyframes(const toml::node& node, const s
     auto read = read_keyframe(*table.as_table(), fmt::format("keyframe {} of {}", keyframes.size() + 1, name));
     if (!read) return tl::unexpected(read.error());
     if (!keyframes.empty() && !(read->time_s > keyframes.back().time_s)) {
-      return fail("{}keyframe {} of {} is at {} s, the one before at {} s: their times must grow", line_prefix(table), keyframes.size() + 1,
+      return fail("{}keyframe {} of {} is at {} s, the one before at {} s: times must increase", line_prefix(table), keyframes.size() + 1,
                   name, read->time_s, keyframes.back().time_s);
     }
     keyframes.push_back(*read);

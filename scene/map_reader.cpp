@@ -33,7 +33,7 @@ void read_height(const toml::table& table, TableReader& reader, const Material& 
   read_file_name(table, reader, "bump_map", spec);
   if (!reader.has("bump_map")) return;
   for (const char* key : {"bump_length_m", "bump_pattern", "bump_direction"}) {
-    if (reader.has(key)) reader.fail_at(key, "'{}' is of bumps by a formula: leave it out beside 'bump_map'", key);
+    if (reader.has(key)) reader.fail_at(key, "'{}' belongs to bumps by a formula: leave it out, or leave out 'bump_map'", key);
   }
   if (!reader.has("bump_height_m")) reader.fail_at("bump_map", "'bump_map' needs 'bump_height_m': from black to white");
   double height_m = 0.0;
@@ -67,7 +67,7 @@ void read_friction(const toml::table& table, TableReader& reader, const Material
   need_both(reader, "friction_map", "friction_map_range");
   if (!reader.has("friction_map")) return;
   if (material.friction_static > 0.0) {
-    reader.fail_at("friction_map", "'friction_map' takes the place of 'friction_static' and 'friction_dynamic': leave these out");
+    reader.fail_at("friction_map", "'friction_map' replaces 'friction_static' and 'friction_dynamic': leave these out");
   }
   std::array<double, 2> range = {};
   reader.read("friction_map_range", range, 0.0, kFrictionStaticLimit.most);

@@ -35,7 +35,7 @@ Result<void> check_material(const Material& material, const Material& before, co
   }
   const bool has_relief = effects.bumps.is_on() || effects.maps.height.is_on() || effects.maps.stiffness.is_on();
   if (effects.maps.friction.is_on() && material.friction_static > 0.0) {
-    return fail("object '{}' has a friction map, which takes the place of friction: change that in the scene file", printable(object));
+    return fail("object '{}' has a friction map instead of friction coefficients: change the map in the scene file", printable(object));
   }
   if (has_relief && material.damping_ns_per_m > 0.0) {
     return fail("object '{}' has bumps or a stiffness map, which would turn 'damping_ns_per_m' = {} into a source of energy: leave it at 0",

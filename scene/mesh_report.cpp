@@ -70,9 +70,8 @@ std::string to_text(const MeshFlaws& flaws) {
 std::string describe_inside_out(const ClosedBodies& bodies) {
   if (bodies.inside_out == 0) return {};
   return fmt::format(
-      "{} of {} closed bod{} inside out: touched with two_sided = false only from within; turn the normals round (\"recalculate outside\") "
-      "and "
-      "export again",
+      "{} of {} closed bod{} inside out: with two_sided = false only the inner side can be touched; flip the normals (\"recalculate "
+      "outside\") and export again",
       bodies.inside_out, bodies.count, bodies.count == 1 ? "y is" : "ies are");
 }
 

@@ -31,7 +31,7 @@ Result<std::vector<MorphSpec::Key>> read_keys(const toml::node& node, const std:
       return fail("{}a weight in 'keys' of {} is {}: give {:g} to {:g}", line_prefix(each), where, *weight, -kMostWeight, kMostWeight);
     }
     if (!keys.empty() && !(*time > keys.back().time_s)) {
-      return fail("{}the times in 'keys' of {} must grow: {} s comes after {} s", line_prefix(each), where, *time, keys.back().time_s);
+      return fail("{}the times in 'keys' of {} must increase: {} s comes after {} s", line_prefix(each), where, *time, keys.back().time_s);
     }
     keys.push_back({*time, *weight});
   }

@@ -178,8 +178,7 @@ Result<void> check_deformation(const MeshDeformation& deformation, const std::st
                                const KeyframeMotion* motion) {
   if (deformation.loops() && deformation.keys().front().weights != deformation.keys().back().weights) {
     return fail(
-        "'{}' does not end with the weights that it begins with, so it would jump as it begins again: end as it begins, or leave out "
-        "'loop'",
+        "'{}' does not end with the weights at its beginning, so it would jump at each repetition: make them equal, or leave out 'loop'",
         name);
   }
   if (auto checked = check_speed(deformation, fastest_motion(motion, mesh, deformation), name); !checked) return checked;

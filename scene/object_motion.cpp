@@ -91,8 +91,8 @@ Result<std::shared_ptr<const KeyframeMotion>> make_motion(const ObjectSpec& obje
     Keyframe& last = keyframes.back();
     if (difference(keyframes.front(), last, radius_m) > kSameEnd * radius_m) {
       return fail(
-          "line {}: the last keyframe of '{}' is not where the first is, so it would jump as it begins again: end with the first pose, "
-          "or leave out 'loop'",
+          "line {}: the last keyframe of '{}' has another pose than the first, so it would jump at each repetition: end with the first "
+          "pose, or leave out 'loop'",
           line_of(given, keyframes.size() - 1), printable(name));
     }
     last.p_S = keyframes.front().p_S;

@@ -71,7 +71,7 @@ class ObjReader {
       return std::nullopt;
     }
     if (unknown_++ == 0) {
-      raw_.notes.push_back(at_line("'{}' is not read by us; such lines were skipped", printable(keyword)).what);
+      raw_.notes.push_back(at_line("'{}' is not supported; such lines were skipped", printable(keyword)).what);
     }
     return std::nullopt;
   }

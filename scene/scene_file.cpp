@@ -261,8 +261,8 @@ Result<std::vector<FeltObject>> find_materials(const SceneSpec& spec, const std:
     if (!choice) return tl::unexpected(choice.error());
     if ((object.is_movable || object.motion.by_program) && choice->materials.size() > 1) {
       return fail(
-          "line {}: object '{}' is {}, and its triangles have {} haptic materials (none counts as one): name a part that has one, "
-          "or give it a material",
+          "line {}: object '{}' is {}, but its triangles have {} haptic materials ('none' counts as one): name a part with only one, or "
+          "give it a material",
           object.mesh_line, printable(name_of(object)), object.is_movable ? "movable" : "moved by programs", choice->materials.size());
     }
     if (choice->haptics == nullptr) felt.push_back({object, {}});

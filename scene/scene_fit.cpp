@@ -13,7 +13,7 @@ void scale_widths(SealReport& sealed, double scale) {
 }
 
 Result<SceneFit> find_fit(const Eigen::AlignedBox3d& box, const Vec3& size_m) {
-  if (!(box.sizes().maxCoeff() > 0.0)) return fail("all vertices are one point, which no scale makes larger");
+  if (!(box.sizes().maxCoeff() > 0.0)) return fail("all vertices are at one point, so the scene cannot be scaled to a size");
   return SceneFit{box.center(), (size_m.array() / box.sizes().array()).minCoeff()};
 }
 

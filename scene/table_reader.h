@@ -92,7 +92,7 @@ class TableReader {
     Vec3 given = Vec3::Zero();
     read(key, given, kMostDirection);
     if (error_) return;
-    if (!(given.norm() > 0.0)) return fail_at(key, "'{}' in {} is zero: it must point somewhere", key, where_);
+    if (!(given.norm() > 0.0)) return fail_at(key, "'{}' in {} has length 0: give a direction", key, where_);
     value = given.normalized();
   }
 

@@ -9,7 +9,7 @@ Result<Unit> parse_unit(std::string_view text) {
   for (const Unit unit : {Unit::m, Unit::cm, Unit::mm, Unit::in}) {
     if (text == name_of(unit)) return unit;
   }
-  return fail("unknown unit '{}': say m, cm, mm or in", text);
+  return fail("unknown unit '{}': give m, cm, mm or in", text);
 }
 
 Result<double> parse_length(std::string_view text) {

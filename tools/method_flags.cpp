@@ -32,7 +32,7 @@ void add_method_flags(CommandLine command, MethodFlags& flags) {
       .add_option("--layer", method.smooth_layer,
                   "smooth: share of RADIUS over which force builds up outside, 0 to 1; 1 is the FDH paper's Algorithm 1 at full strength")
       .shows_default();
-  command.add_option("--directions", method.hull_directions, "smooth: of its bounding hulls: 6, 14, 18 or 26").shows_default();
+  command.add_option("--directions", method.hull_directions, "smooth: directions of its bounding hulls: 6, 14, 18 or 26").shows_default();
   command.add_option("--grid", flags.grid, "sweep: cells along each axis, N or NxNxN").shows_default();
   command.add_option("--offset-in", flags.offset_in, "sweep: length of the offset vector, inches").positive("inches").shows_default();
 }

@@ -169,7 +169,9 @@ void Annotator::receive(const ObjectPose& pose) {
     if (was_held) moves_.push_back({rest, pen_.annotations().entries.size()});
     rest = pose;
   }
-  if (was_elsewhere && !pose.is_held) log_info("{} was put down elsewhere", scene_.objects[static_cast<std::size_t>(pose.object)].name);
+  if (was_elsewhere && !pose.is_held) {
+    log_info("{} is not where the scene file places it", scene_.objects[static_cast<std::size_t>(pose.object)].name);
+  }
   if (!has_moved) return;
   held_ = -1;
   std::vector<PutDown> put_down;

@@ -77,7 +77,7 @@ std::string HeadTracker::describe(std::int64_t now_ns) const {
       return fmt::format("{} sends no pose of sensor {} (its server has: {}); check --head and --head-sensor", name, source_.sensor,
                          link_->describe_devices());
     case State::lost:
-      return fmt::format("{} has not seen it for {} s; it stays where it was", name, (now_ns - *seen_ns_) / 1'000'000'000);
+      return fmt::format("{} has sent no pose for {} s; the head stays where it was", name, (now_ns - *seen_ns_) / 1'000'000'000);
     case State::impossible:
       return fmt::format(
           "{} reports the head at {:.4g} {:.4g} {:.4g} mm, which is not in front of the screen; check --tracker-mm and --tracker-turn-deg",
@@ -93,7 +93,7 @@ void HeadTracker::report(std::int64_t now_ns) {
   reported_ = now;
   reported_ns_ = now_ns;
   if (now == State::seen) {
-    log_info("the head is seen by {}@{}", source_.tracker->device, source_.tracker->host);
+    log_info("{}@{} tracks the head", source_.tracker->device, source_.tracker->host);
   } else {
     log_warning("head: {}", describe(now_ns));
   }

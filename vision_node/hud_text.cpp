@@ -67,7 +67,7 @@ std::string_view describe(ProbeStatus status) {
     case ProbeStatus::out_of_reach:
       return "THE DEVICE CANNOT REACH THE SCENE: check --unit, --no-fit";
     case ProbeStatus::too_small:
-      return "THE SCENE IS A SPECK: check --unit, --no-fit";
+      return "THE SCENE IS FAR TOO SMALL: check --unit, --no-fit";
     case ProbeStatus::hand_inside:
       return "INSIDE A BODY SINCE THE START: lead the stylus out; if it is held, start haptics_node again";
   }
@@ -90,14 +90,14 @@ std::string compose_hud(const HudFacts& facts) {
   if (!facts.head.empty()) text += "   " + facts.head;
   if (!facts.head_notice.empty()) text += "\nHEAD: " + facts.head_notice;
   if (!facts.annotations.empty()) text += "\n" + facts.annotations;
-  if (facts.is_other_scene) text += "\nANOTHER SCENE IS FELT than the one shown: start both nodes with the same --scene";
+  if (facts.is_other_scene) text += "\nhaptics_node HAS ANOTHER SCENE than the one shown: start both nodes with the same --scene";
   return text;
 }
 
 std::string compose_notice(const HudFacts& facts) {
   if (!facts.connected) return {};
   if (facts.is_other_scene) {
-    return "haptics_node feels another scene than this one.\nStart both nodes with the same --scene, --unit and --no-fit.";
+    return "haptics_node has another scene than the one shown.\nStart both nodes with the same --scene, --unit and --no-fit.";
   }
   if (facts.state.status == ProbeStatus::too_small) {
     return fmt::format(

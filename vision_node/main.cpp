@@ -41,8 +41,7 @@ Result<void> check_screenshot(const std::filesystem::path& file) {
   }
   const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
   if (::access(folder.c_str(), W_OK | X_OK) != 0) {
-    return fail("--screenshot {}: cannot be written: {}; name a folder that is there and may be written to", file.string(),
-                std::strerror(errno));
+    return fail("--screenshot {}: cannot be written: {}; name a folder that exists and is writable", file.string(), std::strerror(errno));
   }
   return {};
 }
@@ -129,7 +128,7 @@ int run(VisionOptions& options) {
   // If only a picture was requested, it exists.
   if (options.seconds > 0.0 && client.counts().joins == 0 && options.screenshot.empty() && !stop.stop_requested()) {
     return give_up(
-        {fmt::format("no hub let it join at {} in {} s; start io_node there, name another place with --hub, or give the hub's --key",
+        {fmt::format("no hub at {} accepted it within {} s; start io_node there, give another address with --hub, or give the hub's --key",
                      to_string(*hub), options.seconds)});
   }
   return 0;

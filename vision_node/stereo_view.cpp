@@ -362,7 +362,7 @@ Result<void> StereoView::save_png(const std::filesystem::path& file) {
   // Tried first, because VTK would write its own lines about it to stderr, and block on a pipe without a reader.
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> tried(open_file_for(file, FileReaders::everyone), &std::fclose);
   if (!tried) {
-    return fail("cannot write the screenshot {}: does its folder exist, may it be written to?", file.string());
+    return fail("cannot write the screenshot {}: does its folder exist, and is it writable?", file.string());
   }
   // Once, for a picture that stays, smooth edges are worth their time.
   window_->window->SetMultiSamples(std::max(kScreenshotSamples, window_->settings.msaa));

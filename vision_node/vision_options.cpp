@@ -47,34 +47,34 @@ struct HeadWords {
 
 void add_head_options(CLI::App& app, HeadWords& words, VisionOptions& options) {
   app.add_option("--screen-width-mm", options.screen_width_mm,
-                 "Width of the picture on the desk, as each eye sees it: eyes and head are then in true proportion to it (default: a "
-                 "viewer at a desk, scaled with the scene)")
+                 "Physical width of the picture for each eye: eyes and head are then in true proportion to it (default: a viewer at a "
+                 "desk, scaled with the scene)")
       ->check(between(10.0, 100'000.0));
   const auto head = app.add_option("--head", words.source,
-                                   "Where the viewer's head is: keys (arrows, page up, page down, home) alone, spacemouse (pushes of its "
-                                   "cap) or vrpn:NAME@HOST[:PORT], a tracker, too")
+                                   "What moves the viewer's head: keys (arrows, page up, page down, home); or in addition spacemouse "
+                                   "(pushes of its cap) or vrpn:NAME@HOST[:PORT] (a tracker)")
                         ->check(accepts(parse_head_input))
                         ->capture_default_str();
   app.add_option("--head-mm", words.at_mm,
-                 "The head at the start, between the eyes: X,Y,Z in mm from the screen's centre: right, up, towards the viewer")
+                 "The point midway between the eyes at the start: X,Y,Z in mm from the screen's centre, right, up, towards the viewer")
       ->check(accepts(parse_triple))
       ->capture_default_str();
-  app.add_option("--head-turn-deg", words.turn_deg, "... and turned by X,Y,Z degrees about the screen's x, then y, then z")
+  app.add_option("--head-turn-deg", words.turn_deg, "Rotation of the head at the start: X,Y,Z in degrees, about the screen's x, y, z")
       ->check(accepts(parse_triple))
       ->capture_default_str();
   app.add_option("--head-sensor", options.head_source.sensor, "Number of the tracker's sensor on the head")
       ->check(between(0, 1000))
       ->capture_default_str()
       ->needs(head);
-  app.add_option("--eyes-mm", words.eyes_mm, "The middle between the eyes as that sensor has it: X,Y,Z in its own frame")
+  app.add_option("--eyes-mm", words.eyes_mm, "The point midway between the eyes in the frame of that sensor: X,Y,Z in mm")
       ->check(accepts(parse_triple))
       ->capture_default_str()
       ->needs(head);
-  app.add_option("--tracker-mm", words.tracker_mm, "The tracker's origin, as --head-mm")
+  app.add_option("--tracker-mm", words.tracker_mm, "Position of the tracker's origin, in the frame of --head-mm")
       ->check(accepts(parse_triple))
       ->capture_default_str()
       ->needs(head);
-  app.add_option("--tracker-turn-deg", words.tracker_turn_deg, "The tracker's axes, as --head-turn-deg")
+  app.add_option("--tracker-turn-deg", words.tracker_turn_deg, "Rotation of the tracker's axes, as --head-turn-deg")
       ->check(accepts(parse_triple))
       ->capture_default_str()
       ->needs(head);
@@ -97,8 +97,8 @@ Result<void> check_head(const VisionOptions& options) {
   if (is_possible(options.head, 1e-3 * options.ipd_mm)) return {};
   const Vec3 mm = 1e3 * options.head.p_RH;
   return fail(
-      "--head-mm {:g},{:g},{:g}: both eyes must be at least {:g} mm before the screen and the head within {:g} m; the third number is "
-      "the distance",
+      "--head-mm {:g},{:g},{:g}: both eyes must be at least {:g} mm in front of the screen and the head within {:g} m; the third number "
+      "is the distance",
       mm.x(), mm.y(), mm.z(), 1e3 * kNearestEyeM, kFarthestHeadM);
 }
 
@@ -119,18 +119,17 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   HeadWords head;
 
   CLI::App app{
-      "Draws the scene and the probe, in stereo with --stereo, sends the view transform of the knob box, and lets the mouse be the "
-      "hand.\n\nIn "
-      "the window:\n" +
+      "Draws the scene and the probe, in stereo with --stereo, sends the view transform of the knob box, and lets the mouse move the "
+      "simulated hand.\n\nIn the window:\n" +
           std::string(keys_help()),
       "vision_node"};
   app.add_option("--hub", hubs,
-                 "Where io_node is: HOST or HOST:PORT (default: 127.0.0.1); given twice, the second one's hand is shown as well")
+                 "Where io_node is: HOST or HOST:PORT (default: 127.0.0.1); if given twice, the hand of the second hub is shown as well")
       ->expected(1, 2);
   app.add_option("--bind", options.bind, "Local address: ADDRESS:PORT (default: any)");
   app.add_option("--key", options.key_file, kKeyHelp);
   app.add_option("--scene", options.scene, "Scene file (TOML) or mesh file")->capture_default_str();
-  app.add_flag("--no-fit", no_fit, "Leave a mesh file where and as large as it is; haptics_node needs the same option");
+  app.add_flag("--no-fit", no_fit, "Keep a mesh file's position and size; haptics_node needs the same option");
   app.add_option("--unit", unit, "Unit of a mesh file: m (default), cm, mm or in")->check(accepts(parse_unit));
   const auto tool =
       app.add_option("--tool", options.tool.file, "Mesh of the tool that the stylus holds, as haptics_node has it (default: the scene's)");
@@ -142,7 +141,7 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
       ->capture_default_str()
       ->needs(tool);
   app.add_option("--stereo", stereo,
-                 fmt::format("One of: {}. auto: quad-buffer where the display can, else mono",
+                 fmt::format("One of: {}. auto: quad-buffer if the display supports it, else mono",
                              [] {
                                std::string all;
                                for (const auto& name : stereo_mode_names()) all += (all.empty() ? "" : ", ") + name;
@@ -157,30 +156,33 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   add_head_options(app, head, options);
   app.add_option("--view-mm", options.view_mm, "Smaller side of the picture in the screen's plane, mm (default: the scene fits)")
       ->check(between(0.0, 1e9));
-  app.add_option("--view-yaw-deg", options.view_yaw_deg, "The viewer stands this far to the right; 0: screen and device are parallel")
+  app.add_option("--view-yaw-deg", options.view_yaw_deg,
+                 "The viewer stands this many degrees to the right; 0: screen and device are parallel")
       ->check(between(-180.0, 180.0))
       ->capture_default_str();
-  app.add_option("--view-pitch-deg", options.view_pitch_deg, "... and this far above")->check(between(-89.0, 89.0))->capture_default_str();
-  app.add_option("--stylus-lean-deg", options.stylus_lean_deg, "Lean the drawn stylus this much further to the upper right; 0: as reported")
+  app.add_option("--view-pitch-deg", options.view_pitch_deg, "... and this many degrees above")
+      ->check(between(-89.0, 89.0))
+      ->capture_default_str();
+  app.add_option("--stylus-lean-deg", options.stylus_lean_deg, "Tilt the drawn stylus this much further to the upper right; 0: as reported")
       ->check(between(0.0, 90.0))
       ->capture_default_str();
   app.add_option("--probe-radius", options.probe_radius_m,
-                 "Draw the probe with this radius, metres; 0: a pin (default: what the haptics node feels with)")
+                 "Draw the probe with this radius, metres; 0: a pin (default: the radius that haptics_node uses)")
       ->check(between(0.0, 1.0));
   app.add_flag("--no-depth-cues", no_depth_cues, "Leave out ground, shadow, workspace, haze and scale bar (g brings them back)");
   app.add_option("--dial-x-deg", options.dials_degrees.x(), "Knob box at the start: degrees about the x axis")
       ->check(between(-360.0, 360.0));
   app.add_option("--dial-y-deg", options.dials_degrees.y(), "... about the y axis")->check(between(-360.0, 360.0));
   app.add_option("--dial-z-deg", options.dials_degrees.z(), "... about the z axis")->check(between(-360.0, 360.0));
-  app.add_option("--knobs", knobs, "What turns the dials: window (keys and mouse), or spacemouse, too: turns of its cap")
+  app.add_option("--knobs", knobs, "What turns the dials: window (keys and mouse); or in addition spacemouse (turns of its cap)")
       ->check(CLI::IsMember({"window", "spacemouse"}))
       ->capture_default_str();
   app.add_option("--frames-per-second-limit", options.rate_limit_hz, "Maximum frames a second, 0: no limit (default: 60, in software 30)")
       ->check(between(0.0, 10000.0));
   app.add_option("--msaa", options.view.msaa, "Samples per pixel; slow in software")->check(between(0, 16))->capture_default_str();
   app.add_flag("--no-cull", no_cull, "Draw triangles seen from behind as well");
-  app.add_flag("--no-keys-help", no_help, "Leave the keys out of the picture (k brings them back)");
-  app.add_flag("--plots", options.plots, "Plot force and age of what is drawn over the last 5 s (c switches it)");
+  app.add_flag("--no-keys-help", no_help, "Do not show the help on keys (k shows it)");
+  app.add_flag("--plots", options.plots, "Plot the force, and the age of the drawn state, over the last 5 s (c switches the plots)");
   app.add_flag("--offscreen", options.view.offscreen, "Show no window; an X display is still needed");
   app.add_option("--seconds", options.seconds, "End after this long, 0: when the window is closed")
       ->check(between(0.0, 1e9))

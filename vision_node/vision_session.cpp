@@ -196,9 +196,9 @@ void VisionSession::compare_scene(const SceneFacts& haptic_scene) {
   step_.set_other_scene(is_other);
   if (annotator_ != nullptr) annotator_->set_other_scene(is_other);
   if (is_other) {
-    log_warning("haptics_node feels another scene than the one shown; start both with the same --scene, --unit and --no-fit");
+    log_warning("haptics_node has another scene than the one shown; start both with the same --scene, --unit and --no-fit");
   } else {
-    log_info("haptics_node feels the scene shown");
+    log_info("haptics_node has the scene shown");
   }
 }
 
@@ -305,7 +305,7 @@ Result<void> VisionSession::draw_if_wanted() {
   });
   report_frame(is_wanted, begin_ns, clock_.now_ns());
   if (step_.frames().drawn() == 1) {
-    if (const auto age_s = read_process_age_s()) log_info("first picture {:.2f} s after the start", *age_s);
+    if (const auto age_s = read_process_age_s()) log_info("first frame {:.2f} s after the start", *age_s);
   }
   const bool keep = !options_.screenshot.empty() && moment_.is_now(begin_ns - start_ns_, step_.contact());
   return keep ? take_screenshot(options_.screenshot) : Result<void>{};

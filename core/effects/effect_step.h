@@ -26,8 +26,8 @@ struct EffectResult {
   bool is_felt = false;      // contact, or force_n is not zero
 };
 
-// Adds all effects of a scene to the force of a method, sample by sample, and holds what they remember: time, velocity, punctured layers,
-// the surface that holds on, the last tap. The result is finite whenever the method's force is. A sample that is not finite gives zero
+// Adds all effects of a scene to the force of a method, sample by sample, and holds their state: time, velocity, punctured layers, the
+// surface that holds the device (snap), the last tap. The result is finite if the method's force is. A sample that is not finite gives zero
 // force and changes nothing. Frame: S. Units: SI. RT: step and reset yes; construction set-up only. Threads: one.
 class EffectStep {
  public:

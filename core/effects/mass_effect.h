@@ -13,10 +13,10 @@ namespace hapton {
 //
 //   F = -m du/dt,   du/dt = (v - u) / filter_s,   u: the mass's own velocity
 //
-// which is -m times the acceleration behind a first-order low-pass of time constant filter_s. Differentiating positions twice would make
-// noise of them, and a loop that any delay makes unstable where m is more than the mass of the device; the damper bounds both. Slower than
-// 1 / (2 pi filter_s) it feels like m, faster like the damper. In a volume the mass is at rest until the hand comes, and is left behind
-// where the hand leaves. Frame: S. Units: SI. RT: yes.
+// which is -m times the acceleration behind a first-order low-pass of time constant filter_s. Differentiating positions twice would amplify
+// noise, and any delay would make the loop unstable if m exceeds the mass of the device; the damper limits both. Below the frequency
+// 1 / (2 pi filter_s) it feels like the mass, above it like the damper. In a volume the mass is at rest until the hand enters, and stays
+// behind when the hand leaves. Frame: S. Units: SI. RT: yes.
 // Bound: max_force_n, where the damper slips.
 // Passivity: dissipative below max_force_n, with the velocity of SmoothVelocity: for samples at equal intervals the damper's high-pass
 // leads the velocity by 0 to 90 degrees at any frequency and the mean lags by 0 to 90 (the conjugate Fejér kernel is positive), so that the

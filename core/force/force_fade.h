@@ -14,8 +14,8 @@ class ForceFade {
 
   // The next step is another method's.
   void begin() noexcept { is_due_ = true; }
-  // The next step is another method's, which at that step differs by this from the one before: one force less the other, both for the same
-  // sample. What the device's motion has changed since the step before is then no part of what fades.
+  // The next step is another method's. difference_n: the previous method's force less the new one's, both for the sample of that step. The
+  // change of force due to the device's motion since the step before is then not part of the difference that fades.
   void begin_from(const Vec3& difference_n) noexcept { known_n_ += difference_n; }
 
   void forget() noexcept { *this = {}; }

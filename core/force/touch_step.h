@@ -50,13 +50,13 @@ class TouchStep {
   // Objects of the scene move by themselves: the force depends on TouchInput::time_s.
   bool has_motion() const { return has_motion_; }
   // Moves an object of the scene that programs may move (TouchObject::command_pivot), from the next step on. object: of the scene. False:
-  // it is none of these, or the move is not newer than the last one.
+  // programs may not move it, or the move is not newer than the last one.
   bool command(int object, const CommandedMove& move) noexcept;
-  // The motion of such an object; null: it is none of these.
+  // The motion of such an object; null: programs may not move it.
   const CommandedMotion* find_commanded(int object) const noexcept;
-  // All of these. RT: no.
+  // All objects that programs may move. RT: no.
   std::vector<int> commanded_objects() const;
-  // They move as those of `other`, which has as many: it is of the same scene.
+  // Takes over the commanded motions of `other`, a step for the same scene. If the numbers of such objects differ, it does nothing.
   void follow_commands(const TouchStep& other) noexcept;
   // Shared with the slow task, which calls prepare() beside step().
   std::shared_ptr<ForceMethod> share_method() const { return method_; }

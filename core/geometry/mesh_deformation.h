@@ -25,9 +25,9 @@ struct MorphKey {
 };
 
 // The deformation of a mesh that is known beforehand: vertex v is at rest(v) + sum of weight_j * displacement_j(v). Between two keys the
-// weights change evenly (LINEAR samplers of glTF 2.0), so every vertex moves straight. Before the first key it is as there; after the last
-// it stays, or begins again where it loops. A function of time alone. Frame and units: the mesh's. RT: weights_at, position_of and
-// most_displacement yes, the rest set-up only. Threads: const calls from any number.
+// weights change linearly (LINEAR samplers of glTF 2.0), so every vertex moves straight. Before the first key it is as at that key;
+// after the last it stays, or begins again if it loops. A function of time alone. Frame and units: the mesh's. RT: weights_at, position_of
+// and most_displacement yes, the rest set-up only. Threads: const calls from any number.
 class MeshDeformation {
  public:
   static constexpr std::size_t kMostTargets = 16;

@@ -15,9 +15,9 @@ struct CommandedMove {
   Keyframe to;
 };
 
-// The motion of a rigid body by commanded moves, each of which takes over from the one before. A function of time alone for all who know
-// the moves: at each time, the newest move counts that started before it; before the first the body is at rest. The newest kMoves are kept,
-// the rest at the start as one of them. Frame: S. RT: yes. Threads: const calls from any number.
+// The motion of a rigid body by commanded moves, each of which takes over from the one before. Whoever knows the moves can compute the pose
+// from the time alone: at each time the newest move that started before it determines the pose; before the first move the body is at rest.
+// Only the newest kMoves are kept; the rest pose at the start counts as a move. Frame: S. RT: yes. Threads: const calls from any number.
 class CommandedMotion {
  public:
   static constexpr std::size_t kMoves = 8;

@@ -28,7 +28,7 @@ double most_travel_m(const Keyframe& from, const Keyframe& to, double radius_m) 
 
 // The motion of a rigid body through keyframes: between two of them its pivot moves straight and evenly, and the body turns evenly about
 // one axis, the shorter way (slerp: Shoemake 1985), as with LINEAR samplers of glTF 2.0. Before the first keyframe it is where that one has
-// it. After the last it stays, or begins again where that motion loops. A function of time alone. Frame: S. RT: pose_at yes, the rest
+// it. After the last it stays, or begins again if the motion loops. A function of time alone. Frame: S. RT: pose_at yes, the rest
 // set-up only. Threads: const calls from any number.
 class KeyframeMotion {
  public:

@@ -5,9 +5,9 @@
 
 namespace hapton {
 
-// The first t >= 0 at which a t^2 + 2 b t + c rises above zero. If it is zero or more and rises at t = 0: at once. If it falls: when it
-// rises again, or, if it stays above zero, when it is back at its value at t = 0. A dip that stays above zero, or does not go below it by
-// more than `play`, is ignored. Infinite if it never rises. RT: yes.
+// The first t >= 0 at which f(t) = a t^2 + 2 b t + c rises above zero; infinite if it never does. If f(0) >= 0 and f rises at 0: 0. If
+// f(0) >= 0 and f falls at 0: the time at which it rises above zero again, or, if it stays above zero, is back at f(0). A rise to a maximum
+// of at most `play` is ignored. RT: yes.
 inline double time_of_rise(double a, double b, double c, double play = -std::numeric_limits<double>::infinity()) noexcept {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   if (a < 0.0 && b > 0.0 && c - b * b / a <= play) return kInfinity;

@@ -11,13 +11,13 @@
 namespace hapton {
 
 // A rigid tool in two tasks: the slow one follows the device with the proxy of ToolStep, which may take milliseconds on fine meshes, and
-// leaves the contacts there; the fast one computes force and torque with these at the device's own rate, and never waits (Ortega, Redon &
-// Coquillart 2007, sections 4 and 5). What the slow task has not seen yet gives no force. Where it stalls, the force fades.
+// passes on the contacts that it finds; the fast one computes force and torque from these at the device's rate, and never waits (Ortega,
+// Redon & Coquillart 2007, sections 4 and 5). A contact that the slow task has not found yet gives no force. If it stalls, the force fades.
 // Threads: step, restart and age in one, follow in one other. RT: step and restart yes, at most LocalContacts::kMost contacts; follow as
 // ToolStep::step.
 class HeldTool {
  public:
-  // The slow task is on time up to the first; the force has faded at the second.
+  // Age of the contacts at which the force begins to fade, and at which it is zero.
   static constexpr double kFreshS = 0.05;
   static constexpr double kStaleS = 0.15;
   // If new contacts come more than kPrompt samples after the previous ones and change the force by more than the device's motion explains,
@@ -33,7 +33,7 @@ class HeldTool {
   ToolOutput step(const ToolInput& input, std::int64_t time_ns) noexcept;
   // Fast: the tool is put where the device is at the next sample, as ToolStep::reset does.
   void restart() noexcept { ++serial_; }
-  // Fast: the last step knew where the tool is; before that it gives no force, and the tool is drawn where the device is.
+  // Fast: the slow task had found the tool's pose before the last step. Until then there is no force, and the tool is drawn at the device.
   bool is_known() const noexcept { return is_known_; }
   // Fast: how old the contacts of the last step were.
   double age_s() const noexcept { return age_s_; }

@@ -14,7 +14,7 @@ struct SurfaceFriction {
   double friction_dynamic = 0.0;
 };
 
-// What friction has to know of a contact: its point on the tool from the grip point, along the scene's axes, and the surface there.
+// The data of a contact that friction needs: its point on the tool from the grip point, along the scene's axes, and the surface there.
 struct LocalContact {
   Vec3 arm = Vec3::Zero();
   SurfaceFriction friction;

@@ -20,8 +20,8 @@ namespace hapton {
 struct NearFeature {
   FeaturePair pair;
   FeatureGap gap;
-  // The distance of the surfaces has a local minimum here. Other pairs have a nearer one beside them, which bounds the motion in their
-  // place; as constraints they would be walls that are not there.
+  // The distance of the surfaces has a local minimum here. Beside any other pair there is a nearer one, which bounds the motion in its
+  // place; as a constraint such a pair would act as a wall that does not exist.
   bool is_minimum = false;
 };
 
@@ -40,9 +40,9 @@ class NearFeatures {
   NearFeatures(const NearFeatures&) = delete;  // front_ points to the trees
   NearFeatures& operator=(const NearFeatures&) = delete;
 
-  // Finds the pairs that are no farther apart than `distance`. False if there are more than fit: they are then incomplete. What becomes a
-  // minimum when the tool turns by `turn` counts as one, if its closest points are inside a face or two edges, whose normal then holds
-  // still.
+  // Finds the pairs that are no farther apart than `distance`. False if there are more than fit: they are then incomplete. A pair that
+  // becomes a minimum when the tool turns by `turn` counts as one, if its closest points are inside a face or inside two edges, so that its
+  // normal does not change.
   bool collect(const Placement& placement, double distance, double turn) noexcept;
   // Adds all pairs that come as near as `distance` during a motion, and some that do not. Their gaps are those at its start. False if there
   // are more than fit. Pre: motion.from is the placement of the last collect.

@@ -24,7 +24,7 @@ struct ToolContact {
 // What a step of the proxy did.
 struct ToolProxyStep {
   bool is_blocked = false;  // the tool overlaps the scene since it was placed there; the proxy follows the device, and gives no force
-  bool converged = true;    // the proxy is where the contacts let it be; else what is left of the motion is made in the next steps
+  bool converged = true;    // the proxy is as near to the device as the contacts allow; otherwise the next steps continue the motion
   int rounds = 0;
   int haptons = 0;                // pairs of triangles in contact (a unit of the memo, section 5)
   std::size_t feature_count = 0;  // most pairs of features in a round

@@ -74,7 +74,7 @@ Result<std::vector<double>> read_times(const Document& document, const Json& sam
     times.push_back(input->component(i, 0));
     const bool grows = times.size() < 2 || times.back() > times[times.size() - 2];
     if (!(times.back() >= 0.0) || !std::isfinite(times.back()) || !grows) {
-      return fail("{}: its times do not grow from 0 on: {}", where, kExportAgain);
+      return fail("{}: its times do not increase from 0: {}", where, kExportAgain);
     }
   }
   if (times.empty()) return fail("{} has no keyframes: {}", where, kExportAgain);
@@ -97,7 +97,7 @@ Result<Track<Value>> read_track(const Document& document, const Json& sampler, c
   Track<Value> track{std::move(*times), {}};
   for (std::size_t i = 0; i < track.times.size(); ++i) {
     const std::optional<Value> value = make(*output, each * i + each / 2);
-    if (!value) return fail("{}: value {} is not finite, or no rotation: {}", where, i, kExportAgain);
+    if (!value) return fail("{}: value {} is not finite, or not a rotation: {}", where, i, kExportAgain);
     track.values.push_back(*value);
   }
   return track;
@@ -281,8 +281,8 @@ void add_notes(const MeshAnimation& animation, const LeftOut& left_out, RawMesh&
   const std::pair<std::size_t, std::string_view> notes[] = {
       {left_out.scales, "animation '{}': {} channels of scales or pointers are left out"},
       {left_out.steps, "animation '{}': {} channels that jump (STEP) are left out"},
-      {left_out.splines, "animation '{}': {} channels of splines are straight between their keyframes"},
-      {left_out.deformed, "animation '{}': {} parts would be deformed, and stand still"}};
+      {left_out.splines, "animation '{}': {} spline channels are interpolated linearly between their keyframes"},
+      {left_out.deformed, "animation '{}': {} parts would deform, which is not supported; they stay at rest"}};
   for (const auto& [count, text] : notes) {
     if (count > 0) raw.notes.push_back(fmt::format(fmt::runtime(text), name, count));
   }

@@ -167,7 +167,7 @@ Result<DracoMesh> decode_draco(std::string_view bytes, const DracoRequest& reque
   for (draco::FaceIndex face(0); face < mesh.num_faces(); ++face) {
     for (const draco::PointIndex& corner : mesh.face(face)) {
       if (corner.value() >= result.positions.size())
-        return fail("{}: a triangle of its Draco data has no such vertex: {}", where, kExportAgain);
+        return fail("{}: a triangle of its Draco data names a vertex that is not there: {}", where, kExportAgain);
       result.corners.push_back(corner.value());
     }
   }

@@ -97,11 +97,11 @@ class HapticReader {
       const auto texture = choose_texture(list, list_where);
       if (!texture) return tl::unexpected(texture.error());
       if (*texture == nullptr) {
-        if (!list.empty()) note("{} only refers to haptic data, which is not read: it is not felt", list_where);
+        if (!list.empty()) note("{} only refers to haptic data in other files, which is not supported: it is ignored", list_where);
         continue;
       }
       if (member(numbers, property.numbers).is_null()) {
-        note("{} is not felt, because the extension has no units: add \"extras\": {{\"hapton\": {{\"{}\": ...}}}} to {}", list_where,
+        note("{} is ignored, because the extension has no units: add \"extras\": {{\"hapton\": {{\"{}\": ...}}}} to {}", list_where,
              property.numbers, where);
         continue;
       }
@@ -109,15 +109,15 @@ class HapticReader {
       if (!read) return tl::unexpected(read.error());
       if (place && !is_same(*place, *read)) {
         return fail(
-            "{}: its texture lies on other texture coordinates than those before it: give all textures of a haptic material one "
-            "texCoord, one KHR_texture_transform and one way to wrap",
+            "{}: its texture uses other texture coordinates than those before it: give all textures of a haptic material the same "
+            "texCoord, KHR_texture_transform and wrap modes",
             list_where);
       }
       place = *read;
     }
     for (const char* name : kNotFelt) {
       if (size_of_array(member(json, name)) > 0)
-        note("{}.{} is not felt: only stiffness, friction and vibrotactileTexture are", where, name);
+        note("{}.{} is ignored: only stiffness, friction and vibrotactileTexture are supported", where, name);
     }
     raw_.haptics.materials.push_back(std::move(material));
     return place.value_or(HapticPlace());
@@ -212,8 +212,8 @@ Result<std::vector<Eigen::Vector2f>> read_haptic_places(const Document& document
                                                         const HapticPlace& place, const std::string& where) {
   if (extension_of(primitive, "KHR_draco_mesh_compression").is_object()) {
     return fail(
-        "{} has a haptic material with textures and is compressed with Draco, of which texture coordinates are not read: export it "
-        "without",
+        "{} has a haptic material with textures and is compressed with Draco, whose texture coordinates are not read: export it "
+        "without Draco",
         where);
   }
   const std::string name = fmt::format("TEXCOORD_{}", place.texture.set);

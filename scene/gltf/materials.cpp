@@ -151,7 +151,7 @@ std::vector<TexturePlace> read_materials(const Document& document, const std::fi
     }
     const Json& texture = member(surface, "baseColorTexture");
     const auto place = read_texture_place(texture, where + ".baseColorTexture");
-    if (!place) raw.notes.push_back(fmt::format("a texture lies elsewhere: {}", place.error().what));
+    if (!place) raw.notes.push_back(fmt::format("a texture may be misplaced: {}", place.error().what));
     places.push_back(place.value_or(TexturePlace()));
     if (texture.is_object()) material.image = read_texture(document, texture, where + ".baseColorTexture", folder, raw);
     if (material.image) material.wrap = read_wraps(document, texture, where + ".baseColorTexture", raw);

@@ -89,7 +89,7 @@ Result<MeshoptLayout> meshopt_layout_of(const Json& json, const std::string& whe
   if (!count) return tl::unexpected(count.error());
   if (!stride) return tl::unexpected(stride.error());
   const MeshoptLayout layout{.mode = *mode, .filter = *filter, .count = *count, .stride = *stride};
-  if (!is_stride_of(layout)) return fail("{}.byteStride is {}, not one of its mode and filter: {}", where, *stride, kExportAgain);
+  if (!is_stride_of(layout)) return fail("{}.byteStride is {}, which its mode and filter exclude: {}", where, *stride, kExportAgain);
   if (layout.filter != MeshoptFilter::none && layout.mode != MeshoptMode::attributes) {
     return fail("{}: only attributes have a filter: {}", where, kExportAgain);
   }

@@ -77,7 +77,7 @@ TEST_F(InsideWatchTest, WarnsOnceOfAHandInsideAndSaysWhenItIsOut) {
     EXPECT_FALSE(watch.is_watching());
   }
   const std::string log = testing::internal::GetCapturedStderr();
-  const std::string warning = "no force of it until the stylus has been led out";
+  const std::string warning = "that body gives no force until the stylus has left it";
   EXPECT_THAT(log, HasSubstr(warning));
   EXPECT_EQ(log.find(warning), log.rfind(warning)) << "once";
   EXPECT_THAT(log, HasSubstr("the stylus is outside now"));

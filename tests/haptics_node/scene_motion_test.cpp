@@ -34,7 +34,7 @@ TEST(SceneMotion, DoesNotGoWithAToolOrMovableObjects) {
   EXPECT_EQ(check_motion(moving_scene_with(true, false), true).error().what,
             "object 'lid' moves by keyframes, which a rigid tool does not feel yet: leave out the tool, or the keyframes");
   EXPECT_EQ(check_motion(moving_scene_with(true, true), false).error().what,
-            "object 'lid' moves by keyframes and 'peg' is movable, which do not go together yet: keep one of the two");
+            "object 'lid' moves by keyframes and 'peg' is movable, which cannot be combined: keep one of the two");
 }
 
 TEST(SceneMotion, WhatDeformsIsToldLikewise) {
@@ -44,7 +44,7 @@ TEST(SceneMotion, WhatDeformsIsToldLikewise) {
   EXPECT_EQ(check_motion(scene, true).error().what,
             "object 'lid' deforms, which a rigid tool does not feel yet: leave out the tool, or the morphs");
   EXPECT_EQ(check_motion(scene, false).error().what,
-            "object 'lid' deforms and 'peg' is movable, which do not go together yet: keep one of the two");
+            "object 'lid' deforms and 'peg' is movable, which cannot be combined: keep one of the two");
   scene.objects[1].is_movable = false;
   EXPECT_TRUE(check_motion(scene, false));
 }
@@ -57,7 +57,7 @@ TEST(SceneMotion, WhatProgramsMoveIsToldLikewise) {
   EXPECT_EQ(check_motion(scene, true).error().what,
             "object 'lid' is moved by programs, which a rigid tool does not feel yet: leave out the tool, or 'moved_by'");
   EXPECT_EQ(check_motion(scene, false).error().what,
-            "object 'lid' is moved by programs and 'peg' is movable, which do not go together yet: keep one of the two");
+            "object 'lid' is moved by programs and 'peg' is movable, which cannot be combined: keep one of the two");
   scene.objects[1].is_movable = false;
   EXPECT_TRUE(check_motion(scene, false));
 }

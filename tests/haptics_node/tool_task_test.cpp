@@ -17,7 +17,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-constexpr char kLeftOut[] = "damping and effects of the scene are left out";
+constexpr char kLeftOut[] = "damping and effects of the scene are ignored";
 
 // A ball of 5 cm, felt with a cube of 1 cm.
 Scene scene_with_tool() {

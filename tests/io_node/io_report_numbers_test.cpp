@@ -271,7 +271,7 @@ TEST_F(IoReportNumbers, TheDevicesStateIsNamed) {
                                      {ProbeStatus::device_away, "device is away"},
                                      {ProbeStatus::calibrating, "being calibrated"},
                                      {ProbeStatus::out_of_reach, "out of the device's reach"},
-                                     {ProbeStatus::too_small, "a speck"},
+                                     {ProbeStatus::too_small, "far too small"},
                                      {ProbeStatus::hand_inside, "inside a body"}}) {
     stats->status = status;
     EXPECT_THAT(report().notes.at("status_now"), HasSubstr(part));

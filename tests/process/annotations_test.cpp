@@ -165,7 +165,7 @@ TEST(Annotations, AnObjectLiesAtTheStartWhereTheFileHasIt) {
       << vision.err() << io.err();
   EXPECT_THAT(haptics.err(), HasSubstr("block lies where "));
   // Poses are repeated once a second; when one has come, the dot lies 30 mm higher.
-  EXPECT_TRUE(System::wait_until([&] { return vision.err().find("block was put down elsewhere") != std::string::npos; })) << vision.err();
+  EXPECT_TRUE(System::wait_until([&] { return vision.err().find("block is not where the scene") != std::string::npos; })) << vision.err();
   vision.send_signal(SIGTERM);
   const auto ended = vision.wait(kPatience);
   ASSERT_TRUE(ended);

@@ -59,7 +59,7 @@ TEST(SceneCheck, ASavedSceneFileIsFeltAndOneWithAnErrorIsNot) {
   const auto says = [&](const char* what) { return System::wait_until([&] { return haptics.err().find(what) != std::string::npos; }); };
   save("stifness_n_per_m = 700\n");
   EXPECT_TRUE(says("line 6: unknown key 'stifness_n_per_m'")) << haptics.err();
-  EXPECT_TRUE(says("the scene in use goes on"));
+  EXPECT_TRUE(says("the present scene stays in use"));
   save("stiffness_n_per_m = 700\n");
   EXPECT_TRUE(says("its materials fade in")) << haptics.err();
   save("stiffness_n_per_m = 700\nviscosity_ns_per_m = 1\n");

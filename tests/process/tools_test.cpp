@@ -176,7 +176,7 @@ TEST(BenchRemote, ComparesTheRealPrograms) {
 
   const Ended rejected = hapton(system, {"bench", "remote", "--processes", "--method", "deadband"});
   EXPECT_EQ(rejected.exit_code, 1);
-  EXPECT_THAT(rejected.err, HasSubstr("--method deadband: no program works so"));
+  EXPECT_THAT(rejected.err, HasSubstr("--method deadband: no program implements it"));
 }
 
 }  // namespace

@@ -233,7 +233,7 @@ TEST_F(EffectReader, NamesTheLineTheKeyAndWhatIsAllowed) {
   EXPECT_THAT(error_of(with_material("bump_height_m = 0.001\nbump_pattern = 'dots'")), HasSubstr("'dots': choose one of ridges, grid"));
   EXPECT_THAT(error_of(with_material("bump_height_m = 0.001\nbump_direction = [1, 0, 0]")), HasSubstr("is for 'bump_pattern' \"ridges\""));
   EXPECT_THAT(error_of(with_material("bump_height_m = 0.001\nbump_pattern = 'ridges'\nbump_direction = [0, 0, 0]")),
-              HasSubstr("must point somewhere"));
+              HasSubstr("has length 0: give a direction"));
   EXPECT_THAT(error_of(with_material("tap_decay_s = 0.01")), HasSubstr("give 'tap_ns_per_m' above 0 too"));
   EXPECT_THAT(error_of(with_material("snap_stiffness_n_per_m = 10")), HasSubstr("give 'snap_range_m' above 0 too"));
   EXPECT_THAT(error_of(with_material("snap_range_m = 1\nsnap_stiffness_n_per_m = 1e6")), HasSubstr("at most 100 N"));

@@ -112,7 +112,7 @@ TEST_F(MapReader, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(error_of("stiffness_map = 'ramp.png'\nstiffness_map_n_per_m = [0, 2]"), HasSubstr("number 1 of 'stiffness_map_n_per_m'"));
   EXPECT_THAT(error_of("stiffness_map = 'ramp.png'\nstiffness_map_n_per_m = [1, 2]\nstiffness_n_per_m = 5"), HasSubstr("keep one"));
   EXPECT_THAT(error_of("friction_map = 'ramp.png'\nfriction_map_range = [0, 11]"), HasSubstr("at most 10"));
-  EXPECT_THAT(error_of("friction_map = 'ramp.png'\nfriction_map_range = [0, 1]\nfriction_static = 0.5"), HasSubstr("takes the place of"));
+  EXPECT_THAT(error_of("friction_map = 'ramp.png'\nfriction_map_range = [0, 1]\nfriction_static = 0.5"), HasSubstr("replaces"));
   EXPECT_THAT(error_of("map_repeat = [2, 2]"), HasSubstr("no effect without a map"));
   EXPECT_THAT(error_of("friction_map = 'ramp.png'\nfriction_map_range = [0, 1]\nmap_repeat = [0, 1]"),
               HasSubstr("line 8: number 1 of 'map_repeat'"));

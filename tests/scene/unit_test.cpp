@@ -12,7 +12,7 @@ TEST(Unit, IsReadByItsNameOnly) {
   for (const char* wrong : {"", "M", "inch", "ft", "mm "}) {
     const auto unit = parse_unit(wrong);
     ASSERT_FALSE(unit) << wrong;
-    EXPECT_THAT(unit.error().what, ::testing::HasSubstr("say m, cm, mm or in"));
+    EXPECT_THAT(unit.error().what, ::testing::HasSubstr("give m, cm, mm or in"));
   }
 }
 

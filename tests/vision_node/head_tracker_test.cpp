@@ -77,7 +77,7 @@ TEST_F(HeadTrackerTest, SaysWhenTheHeadIsLostAndWhenItIsBack) {
   ASSERT_TRUE(wait_for_head(say_pose(0, {0, 0, 0.7})));
   const std::int64_t later_ns = looked_ns + HeadTracker::kStaleNs + 2'500'000'000;
   EXPECT_FALSE(tracker->take_head(later_ns));
-  EXPECT_NE(tracker->describe(later_ns).find("has not seen it for 3 s"), std::string::npos) << tracker->describe(later_ns);
+  EXPECT_NE(tracker->describe(later_ns).find("has sent no pose for 3 s"), std::string::npos) << tracker->describe(later_ns);
   EXPECT_EQ(tracker->describe(later_ns).find('\n'), std::string::npos);
   ASSERT_TRUE(wait_for_head(say_pose(0, {0, 0, 0.7})));
   EXPECT_EQ(tracker->describe(looked_ns), "");

@@ -130,7 +130,7 @@ TEST(Hud, WarnsOfASceneOutOfReachOrDifferentFromTheHapticOne) {
   EXPECT_NE(compose_hud(facts).find("CANNOT REACH"), std::string::npos);
   EXPECT_NE(compose_hud(facts).find("free"), std::string::npos);
   facts.state.status = ProbeStatus::too_small;
-  EXPECT_NE(compose_hud(facts).find("SPECK"), std::string::npos);
+  EXPECT_NE(compose_hud(facts).find("FAR TOO SMALL"), std::string::npos);
   facts.state.status = ProbeStatus::hand_inside;
   EXPECT_NE(compose_hud(facts).find("INSIDE A BODY"), std::string::npos);
   EXPECT_NE(compose_hud(facts).find("free"), std::string::npos);

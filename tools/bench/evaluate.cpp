@@ -98,8 +98,8 @@ std::string to_text(const Evaluation& evaluation) {
   const double degrees = 180.0 / std::numbers::pi;
   text += fmt::format("direction:                        p50 {:.4g} deg  p99 {:.4g} deg  max {:.4g} deg\n",
                       degrees * error.direction_rad.p50, degrees * error.direction_rad.p99, degrees * error.direction_rad.most);
-  text += fmt::format("branch switches {}, steps in them {} (all counted above; nothing but the surface or a reset ends one)\n",
-                      error.branch_switches, error.switched_steps);
+  text +=
+      fmt::format("branch switches {}, steps in them {} (their errors are included above)\n", error.branch_switches, error.switched_steps);
   text += fmt::format("fall-throughs {}, false contacts {}, stuck steps {}, force discontinuities {} (worst {:.4g} N above the bound)\n",
                       error.fall_throughs, error.false_contacts, error.stuck_steps, error.discontinuities, error.worst_discontinuity_n);
   return text;

@@ -212,7 +212,7 @@ Result<std::vector<RemoteProcessRow>> measure_remote_processes(const RemoteGrid&
                                                                const std::function<void(const std::string&)>& progress) {
   for (const RemoteMethod* method : grid.methods) {
     if (!has_programs(*method)) {
-      return fail("--method {}: no program works so; with --processes there are remote, remote-passive, patch and patch-passive",
+      return fail("--method {}: no program implements it; --processes supports remote, remote-passive, patch and patch-passive",
                   method->name);
     }
   }

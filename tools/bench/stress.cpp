@@ -71,13 +71,13 @@ std::string again(const StressResult& result, const StressFinding& finding, cons
          (plan.on_grid ? " --on-grid" : "");
 }
 
-// A fault that was not looked for is no zero.
+// A dash for a fault that was not checked: 0 would say that there was none.
 std::string cell_of(const StressCount& count, std::size_t fault) {
   return count.covered[fault] ? std::to_string(count.faults[fault]) : "-";
 }
 
 std::string legend() {
-  std::string text = "In steps; -: not looked for there.\n";
+  std::string text = "Numbers of steps; -: not checked there.\n";
   for (std::size_t i = 0; i < kFaults; ++i) {
     const auto fault = static_cast<StressFault>(i);
     text += fmt::format("  {:<15} {}\n", name_of(fault), meaning_of(fault));

@@ -156,8 +156,8 @@ void add_stress_command(CommandLine app, int& exit_code) {
       .shows_default();
   command
       .add_option("--steps", options->plan.steps,
-                  "At least so many a body, shared by all scales and places: an episode, of up to 400, is never cut short. Where one scale "
-                  "gets 10,000, walks of 20,000 steps come on top")
+                  "Minimum number of steps of each body, shared by all scales and places; an episode of up to 400 is never shortened. If "
+                  "one scale gets 10,000, walks of 20,000 steps follow")
       .positive()
       .shows_default();
   command.add_option("--seed", options->plan.seed, "Seed of every random choice").shows_default();

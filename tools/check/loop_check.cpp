@@ -43,14 +43,14 @@ CheckFindings compare_stiffness(const std::string& name, double stiffness_n_per_
   CheckFindings findings;
   if (held.by_device != nullptr && stiffness_n_per_m > held.device_n_per_m) {
     findings.push_back({SceneFault::stiffer_than_device, name, std::nullopt,
-                        fmt::format("{:.6g} N/m, but {} is known to hold {:.6g} N/m at most", stiffness_n_per_m, held.by_device->device,
+                        fmt::format("{:.6g} N/m, but the stiffness limit of {} is {:.6g} N/m", stiffness_n_per_m, held.by_device->device,
                                     held.device_n_per_m),
                         fmt::format("set {} to {} or less", what_to_set, at_most(held.device_n_per_m))});
   }
   if (held.by_loop != nullptr && stiffness_n_per_m > held.safe_n_per_m) {
     findings.push_back(
         {SceneFault::stiffer_than_loop, name, std::nullopt,
-         fmt::format("{:.6g} N/m, but {} in hand {} at {:g} Hz with forces after {:.3g} ms holds {} N/m safely", stiffness_n_per_m,
+         fmt::format("{:.6g} N/m, but {} in hand {} at {:g} Hz with forces after {:.3g} ms is safe only up to {} N/m", stiffness_n_per_m,
                      held.by_loop->device, held.by_loop->hand, rate_hz, 1e3 * delay_s, at_most(held.safe_n_per_m)),
          fmt::format("set {} to {} or less, or shorten the delay (hapton loop recommend)", what_to_set, at_most(held.safe_n_per_m))});
   }
@@ -91,7 +91,7 @@ CheckFindings check_mass(const SceneEffect& effect, std::span<const NamedLoop> l
   }
   if (least == nullptr) return {};
   return {{SceneFault::heavier_than_loop, fmt::format("effect {}", effect.name), std::nullopt,
-           fmt::format("a virtual mass of {:.4g} kg, but {} in hand {} at {:g} Hz with forces after {:.3g} ms holds {:.3g} kg safely",
+           fmt::format("a virtual mass of {:.4g} kg, but {} in hand {} at {:g} Hz with forces after {:.3g} ms is safe only up to {:.3g} kg",
                        mass->mass_kg, least->device, least->hand, rate_hz, 1e3 * delay_s, safe_kg),
            "set its mass_kg to that or less, or its filter_s to more (hapton loop zwidth --mass-filter)"}};
 }

@@ -97,7 +97,7 @@ CheckFindings check_size(const Scene& scene, const DeviceLimits& limits) {
   const double workspace = (limits.workspace_max_m - limits.workspace_min_m).maxCoeff();
   if (longest >= kSpeck * workspace) return {};
   return {{SceneFault::too_small, "", Vec3(box.isEmpty() ? Vec3(Vec3::Zero()) : Vec3(box.center())),
-           fmt::format("the scene is {:.3g} mm long, a speck in a workspace of {:.3g} mm", 1e3 * longest, 1e3 * workspace),
+           fmt::format("the scene is {:.3g} mm long, far too small for a workspace of {:.3g} mm", 1e3 * longest, 1e3 * workspace),
            "check its unit, or let fit_m fit the scene to the workspace"}};
 }
 

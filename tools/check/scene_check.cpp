@@ -56,9 +56,9 @@ std::string describe(const StepCost& cost, double rate_hz) {
 Result<SceneCheck> check_scene(const std::string& path, const Scene& scene, const SceneCheckSettings& settings) {
   SceneCheck check{.path = path, .findings = {}, .notes = scene.notes, .objects = scene.objects.size(), .triangles = 0, .cost = {}};
   const HeldStiffness held = find_held_stiffness(settings.loops, settings.rate_hz, settings.delay_s);
-  if (scene.tool) check.notes.push_back(fmt::format("not checked: the tool '{}'; everything here is of a probe", scene.tool->name));
+  if (scene.tool) check.notes.push_back(fmt::format("not checked: the tool '{}'; all findings are for a probe", scene.tool->name));
   if (scene.touch_scene().has_motion()) {
-    check.notes.emplace_back("checked where the mesh files and their poses have it: objects that move or deform are not followed");
+    check.notes.emplace_back("checked at rest only: objects that move or deform are not followed");
   }
   const std::vector<const DevicePreset*> reaching = known_workspaces(settings.loops, check.notes);
   for (const SceneObject& object : scene.objects) {

@@ -151,7 +151,7 @@ Result<BridgeSummary> run_bridge(const BridgeSettings& settings, const std::func
     is_rate_told = true;
     const double all = static_cast<double>(summary.samples + maker.skipped());
     if (static_cast<double>(maker.skipped()) < kMostSkipped * all) continue;
-    say(fmt::format("{:.0f} of {:.0f} samples a second come; with io_node --vision-rate {:.0f} all that this host keeps up with",
+    say(fmt::format("{:.0f} of {:.0f} samples a second arrive; with io_node --vision-rate {:.0f}, as many as this host can handle",
                     static_cast<double>(summary.samples) / all * client.servo_rate_hz(), client.servo_rate_hz(),
                     std::min(2.0 * client.servo_rate_hz(), kMaxServoRateHz)));
   }

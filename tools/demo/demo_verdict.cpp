@@ -81,7 +81,7 @@ DemoVerdict evaluate_groove(const DemoEvidence& evidence) {
   }
   const bool is_led = highest - lowest >= kSwingM && astray <= kHalfWidthM;
   return make_verdict(contact, contact.is_mostly() && is_led,
-                      fmt::format("; led {:.1f} mm to and fro by the walls, at most {:.1f} mm beside the middle of a groove {:.0f} mm wide",
+                      fmt::format("; the walls guided it over {:.1f} mm, at most {:.1f} mm from the middle of a groove {:.0f} mm wide",
                                   1e3 * (highest - lowest), 1e3 * astray, 2e3 * kHalfWidthM));
 }
 

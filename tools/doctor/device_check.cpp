@@ -114,7 +114,7 @@ void check_modem_manager(const Machine& machine, const std::vector<PluggedDevice
                             device.vid, line_that_applies_rules(DevicePath::serial))));
     return;
   }
-  findings.push_back(good("ModemManager", "runs, and does not touch haptic devices"));
+  findings.push_back(good("ModemManager", "runs, and does not interfere with haptic devices"));
 }
 
 void check_spacenavd(const Machine& machine, const std::vector<PluggedDevice>& devices, Findings& findings) {

@@ -45,7 +45,7 @@ void add_temperature(const nlohmann::json& notes, Findings& findings) {
   const std::string text = text_of(notes, "motor_temperature");
   if (text.empty()) return;
   const double temperature = std::strtod(text.c_str(), nullptr);
-  const std::string seen = fmt::format("at {:.0f} % of what they stand", 100.0 * temperature);
+  const std::string seen = fmt::format("at {:.0f} % of their temperature limit", 100.0 * temperature);
   findings.push_back(temperature < kHot
                          ? good("motors", seen)
                          : warning("motors", seen, "let it rest for some minutes, or limit the force: io_node --max-force 1"));
@@ -66,7 +66,7 @@ void add_realtime(const nlohmann::json& notes, Findings& findings) {
 Findings check_hub(const Machine& machine) {
   const std::string where = fmt::format("127.0.0.1:{}", machine.settings().hub_port);
   if (!find_port_owner(machine, Transport::udp, machine.settings().hub_port))
-    return {note("hub", fmt::format("none runs at {}; while io_node runs, this says calibration, firmware and temperature", where))};
+    return {note("hub", fmt::format("none runs at {}; while io_node runs, this shows calibration, firmware and temperature", where))};
   if (!machine.questions().hub) return {note("hub", "not checked")};
   const HubAnswer answer = machine.questions().hub();
   if (!answer.error.empty())
@@ -74,7 +74,7 @@ Findings check_hub(const Machine& machine) {
         warning("hub", fmt::format("{}: {}", where, answer.error), "give the key that io_node was started with: hapton doctor --key FILE")};
   const auto report = nlohmann::json::parse(answer.report, nullptr, false);
   if (!report.is_object() || !report.contains("notes"))
-    return {problem("hub", fmt::format("{} answers with no report", where), "start io_node and hapton from one build")};
+    return {problem("hub", fmt::format("{} replies without a report", where), "start io_node and hapton from one build")};
   Findings findings;
   findings.push_back(check_state(report["notes"]));
   add_temperature(report["notes"], findings);

@@ -72,7 +72,7 @@ Finding check_key_file(const Machine& machine, const std::string& subject, const
   }
   if (file->bytes != kKeyFileBytes) {
     return problem(
-        subject, fmt::format("{} holds {} bytes where a key file has {}", path, file->bytes, kKeyFileBytes),
+        subject, fmt::format("{} has {} bytes, but a key file has {}", path, file->bytes, kKeyFileBytes),
         fmt::format("{0}rm {1} && {0}hapton keygen {1}   # then make the keys of the other hosts again", is_own ? "" : "sudo ", path));
   }
   return good(subject, fmt::format("{}, {} bytes, mode {:04o}", path, file->bytes, file->mode));
@@ -112,7 +112,7 @@ Finding check_rules(const Machine& machine, const std::string& name, const std::
   const std::string port = std::to_string(machine.settings().hub_port);
   if (!rules) return note(name, fmt::format("is on; only root can read its rules. Other hosts need UDP port {}", port), remedy);
   if (rules->find(port) != rules->npos) return good(name, fmt::format("is on and lets port {} through", port));
-  return warning(name, fmt::format("is on and does not name port {}: other hosts do not reach the hub (this one does)", port), remedy);
+  return warning(name, fmt::format("is on and has no rule for port {}: other hosts cannot reach the hub (this host can)", port), remedy);
 }
 
 }  // namespace

@@ -63,11 +63,11 @@ RunSummary summarise_run(const Json& report, const std::string& what) {
   const std::vector<std::string> troubles = find_troubles(report);
   RunSummary summary{.touched = contacts > 0.0, .held = troubles.empty(), .text = touched_text(report, what, contacts) + "\n"};
   if (summary.held) {
-    summary.text +=
-        fmt::format("it held: {:.0f} samples a second, no force lost, {:.0f} late{}\n", json_number_of(report, "rates_hz", "samples"),
-                    json_number_of(report, "counters", "late"), hop_text(report, "round_trip"));
+    summary.text += fmt::format("it ran without faults: {:.0f} samples a second, no force lost, {:.0f} late{}\n",
+                                json_number_of(report, "rates_hz", "samples"), json_number_of(report, "counters", "late"),
+                                hop_text(report, "round_trip"));
   } else {
-    summary.text += fmt::format("it did not hold: {}{}\n", fmt::join(troubles, ", "), hop_text(report, "round_trip"));
+    summary.text += fmt::format("it had faults: {}{}\n", fmt::join(troubles, ", "), hop_text(report, "round_trip"));
   }
   return summary;
 }

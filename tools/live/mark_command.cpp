@@ -134,12 +134,13 @@ int run(const MarkOptions& options) {
 void add_mark_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<MarkOptions>();
   const CommandLine command = app.add_subcommand("mark", "Mark the recording of a running session at its newest sample");
-  command.add_option("text", options->text, "What happened: one line of at most 160 bytes; with --line, what the line is called");
+  command.add_option("text", options->text,
+                     "Text of the marker: one line of at most 160 bytes; with --line, it replaces the name of the line");
   const CommandOption line =
       command.add_option("--line", options->line,
                          "Mark the changes of a port's input until Ctrl-C: DEVICE:PIN, as in /dev/ttyS0:CTS (serial: CTS, DSR, DCD, RI) or "
                          "/dev/parport0:ACK (parallel: ACK, BUSY, PAPEROUT, SELECT, ERROR)");
-  command.add_option("--edges", options->edges, "With --line: mark when it goes on, off, or both")
+  command.add_option("--edges", options->edges, "With --line: mark when it turns on, turns off, or both")
       .one_of({"on", "off", "both"})
       .shows_default()
       .needs(line);

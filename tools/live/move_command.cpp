@@ -92,10 +92,12 @@ void add_move_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<MoveOptions>();
   const CommandLine command = app.add_subcommand("move", "Move an object of a running scene that has moved_by = \"program\"");
   command.add_option("object", options->object, "Its name in the scene, or #N, its number from 0").required();
-  command.add_option("--to", options->to, "X,Y,Z in m: its position_m then, as in the scene file; left out: its pivot stays where it is");
+  command.add_option("--to", options->to,
+                     "Its position after the move, X,Y,Z in m, as position_m in the scene file; left out: its pivot does not move");
   command.add_option("--rotate", options->rotate,
-                     "X,Y,Z in degrees, or a quaternion W,X,Y,Z: its rotation then, as in the scene file; left out: it does not turn");
-  command.add_option("--over", options->over_s, "Time that it takes, s; left out, or too short: as fast as a surface may be (0.25 m/s)")
+                     "Its rotation after the move, X,Y,Z in degrees or a quaternion W,X,Y,Z, as in the scene file; left out: it does "
+                     "not turn");
+  command.add_option("--over", options->over_s, "Duration of the move, s; left out, or too short: as fast as a surface may move (0.25 m/s)")
       .positive("seconds");
   command.add_option("--hub", options->hub.hub, "Where io_node is: HOST or HOST:PORT").shows_default();
   command.add_option("--key", options->hub.key_file, kKeyHelp);

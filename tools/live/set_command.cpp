@@ -274,7 +274,8 @@ void add_set_command(CommandLine app, int& exit_code) {
                      "Force method, one of: " + method_names() + "; or plugin, the one that haptics_node was started with");
   command.add_option("--object", options->object, "Object whose material changes, by its name in the scene; default: all objects");
   command
-      .add_option("--stiffness", options->stiffness_n_per_m, "N/m; fades in. Not for layers: they and other effects are the scene file's")
+      .add_option("--stiffness", options->stiffness_n_per_m,
+                  "Of the material, N/m; fades in. Not for layers: these and other effects change only in the scene file")
       .positive("N/m")
       .between(0.0, kStiffnessLimit.most);
   command.add_option("--damping", options->damping_ns_per_m, "Ns/m, of the material").between(0.0, kDampingLimit.most);

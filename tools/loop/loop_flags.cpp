@@ -47,7 +47,7 @@ void change(const LoopFlags& flags, DeviceModel& device) {
 }
 
 Result<std::vector<NamedLoop>> own_loop(const LoopFlags& flags) {
-  if (!flags.device.empty()) return fail("--device and --mass-kg exclude each other: an own loop is device and hand together");
+  if (!flags.device.empty()) return fail("--device and --mass-kg exclude each other: --mass-kg is the mass of device and hand together");
   if (!flags.damping_ns_per_m) return fail("--mass-kg needs --damping-ns-per-m, of device and hand together");
   NamedLoop loop;
   loop.device = "own";
@@ -68,7 +68,7 @@ void add_loop_flags(CommandLine command, LoopFlags& flags, bool several) {
   own.add_option("--mass-kg", flags.mass_kg, "Mass").positive("kilograms");
   own.add_option("--damping-ns-per-m", flags.damping_ns_per_m, "Viscous damping").not_negative("Ns/m");
   own.add_option("--hand-stiffness-n-per-m", flags.hand_stiffness_n_per_m, "Spring to where the hand wants to be (0)").not_negative("N/m");
-  const CommandLine changes = command.add_group("changes", "In place of what the device has");
+  const CommandLine changes = command.add_group("changes", "These replace values of the device");
   changes.add_option("--friction", flags.friction_n, "Coulomb friction").not_negative("newtons");
   changes.add_option("--quantisation", flags.encoder_step_m, "Encoder step at the device point").not_negative("metres");
   changes.add_option("--amplifier", flags.amplifier_hz, "Bandwidth of the amplifier; 0: no lag").not_negative("hertz");
@@ -78,7 +78,7 @@ void add_loop_flags(CommandLine command, LoopFlags& flags, bool several) {
 Result<std::vector<NamedLoop>> loops_of(const LoopFlags& flags) {
   if (flags.mass_kg) return own_loop(flags);
   if (flags.damping_ns_per_m || flags.hand_stiffness_n_per_m)
-    return fail("a loop of one's own needs --mass-kg, of device and hand together");
+    return fail("--damping-ns-per-m and --hand-stiffness-n-per-m need --mass-kg, the mass of device and hand together");
   if (flags.device.empty()) {
     return fail("give --device, one of: {}; or --mass-kg, --damping-ns-per-m and --hand-stiffness-n-per-m", device_preset_names());
   }

@@ -205,7 +205,7 @@ void add_loop_press_command(CommandLine loop, int& exit_code) {
   command.add_option("--stiffness", options->stiffness_n_per_m, "Of the wall, N/m").positive("N/m").shows_default();
   command.add_option("--damping", options->damping_ns_per_m, "Of the wall, Ns/m").not_negative("Ns/m").shows_default();
   command.add_option("--press", options->plan.press_n, "Force that the hand holds, N").positive("newtons").shows_default();
-  command.add_option("--speed", options->plan.speed_m_per_s, "At which the hand comes, m/s").between(1e-3, 10.0).shows_default();
+  command.add_option("--speed", options->plan.speed_m_per_s, "Speed at which the hand approaches, m/s").between(1e-3, 10.0).shows_default();
   command.add_option("--hold", options->plan.hold_s, "How long it holds, s").between(0.1, 1000.0).shows_default();
   command.add_option("--rate", options->rate_hz, "Servo rate, Hz").between(10.0, 1e6).shows_default();
   const CommandLine link = command.add_group("link", "Between device and force program");
@@ -214,7 +214,9 @@ void add_loop_press_command(CommandLine loop, int& exit_code) {
   link.add_option("--loss", options->link.loss, "Share of the datagrams lost each way").between(0.0, 0.99).shows_default();
   link.add_option("--reorder", options->link.reorder, "Share that is held back 2 ms each way").between(0.0, 1.0).shows_default();
   link.add_option("--seed", options->seed, "Seed of jitter, loss and reordering").shows_default();
-  command.add_option("--gate", options->gate, "Before the motors: the newest force, io_node's command filter, or its governor")
+  command
+      .add_option("--gate", options->gate,
+                  "Stage before the motors: newest (none: the newest force acts), or filter or governor, the stages of io_node")
       .one_of({"newest", "filter", "governor"})
       .shows_default();
   command.add_flag("--passivity", options->is_passive, "With the passivity controller before the motors");

@@ -212,7 +212,7 @@ Result<std::string> merge_csv(const std::vector<std::filesystem::path>& parts) {
       if (error != std::errc() || end == line.data() + line.size() || *end != ',' || cell >= rows.size()) {
         return fail("{}: line {}: does not begin with a cell of the grid", part.string(), number);
       }
-      if (!rows[cell].empty()) return fail("{}: line {}: cell {} came before", part.string(), number, cell);
+      if (!rows[cell].empty()) return fail("{}: line {}: cell {} is a duplicate", part.string(), number, cell);
       rows[cell] = line;
     }
   }

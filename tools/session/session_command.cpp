@@ -57,7 +57,7 @@ Result<std::vector<ObjectName>> find_names(const SessionOptions& options) {
   if (summary.setups().empty()) return names;
   auto found = RecordedScenes(options.scene).find_names(summary.setups().begin()->second);
   if (found) return found;
-  fmt::print(stderr, "hapton session export: objects are without names: {}\n", found.error().what);
+  fmt::print(stderr, "hapton session export: the tables have no names of objects: {}\n", found.error().what);
   return names;
 }
 

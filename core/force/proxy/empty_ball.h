@@ -18,8 +18,8 @@ class EmptyBall {
   void note_motion(double distance) noexcept { to_travel_ -= distance; }
   bool is_due() const noexcept { return to_travel_ <= 0.0; }  // a search may find another result than the last one
 
-  // The radius of an empty ball round the device for a probe that stays `rest` off triangles; 0: none. displacement: of the device in this
-  // step; the search is limited to 64 of them. may_go: the radius at most.
+  // The radius of an empty ball around the device for a probe that keeps the distance `rest` from triangles; 0: there is none.
+  // displacement: that of the device in this step; the search is limited to about 64 of them. may_go: largest radius.
   double find(const TouchGeometry& geometry, const Vec3& device, double displacement, double rest, double may_go) noexcept;
   void enter(const TouchGeometry& geometry, const Vec3& p_SD, double radius) noexcept;
   void leave(const TouchGeometry& geometry) noexcept;

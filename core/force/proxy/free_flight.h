@@ -18,11 +18,12 @@ class FreeFlight {
   FreeFlight(const ProxySurfaces& surfaces, const Clearance& clearance)
       : surfaces_(surfaces), clearance_(clearance), vertex_(surfaces.geometry(), surfaces.materials()) {}
 
-  // The first walkable triangle on the way from `from` to `to` gets the point onto `surface`, and `time` is set to the contact.
-  // Met::other: the path comes as near to a triangle that is not walkable as sweeps keep.
+  // Moves the point from `from` to `to`. Met::walkable: it has reached a walkable triangle, is on `surface` now, and `time` is the time of
+  // the contact. Met::other: the path first comes to a triangle that is not walkable, as near as sweeps allow.
   Met fly(const Vec3& from, const Vec3& to, bool slides, SurfaceFollower& surface, double& time) noexcept;
 
-  // A free point may be nearer to a triangle than sweeps keep: where it is clear, on its own side. At most `farthest` away, or p itself.
+  // A free point may be nearer to triangles than sweeps allow. Returns the nearest position on its own side that is far enough from them; p
+  // itself if that would be farther than `farthest`.
   Vec3 clear_of_surfaces(const Vec3& p, double farthest) noexcept;
 
   // A point placed exactly on a surface takes the side that the triangle's vertex order shows.

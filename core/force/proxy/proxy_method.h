@@ -57,8 +57,8 @@ class ProxyMethod final : public ForceMethod {
   bool prepare() override;
   std::string describe() const override;
 
-  // A place on one side of the surface, where the probe is held, or that lies nearest to it and in its sight. However the surface deforms
-  // without touching itself, the same place of the deformed surface is on the probe's side of all of it.
+  // A point on one side of the surface: where the surface holds the probe, or the nearest point that is visible from it. As long as the
+  // deforming surface does not touch itself, the same point of the deformed surface is on the probe's side of the whole surface.
   struct Anchor {
     bool exists = false;
     std::uint32_t triangle = 0;
@@ -67,9 +67,11 @@ class ProxyMethod final : public ForceMethod {
     Vec3 point = Vec3::Zero();    // local, like the next
     double distance = 0.0;        // of a free probe; the end of the search if there is none
   };
-  // Before the surface deforms. A free probe has none where nothing is nearer than reach_m, and needs none where nothing moves farther.
+  // Call before the surface deforms. A free probe gets no anchor if no surface is nearer than reach_m; it needs none if no point of the
+  // surface moves farther than that.
   Anchor anchor(double reach_m) noexcept;
-  // After it: puts the probe there and the device where that place has taken it, so that the next step goes from there to the device.
+  // Call after it: puts the probe at the anchor, and moves the last device position by as much as the anchor, so that the next step goes
+  // from there to the device.
   void ride(const Anchor& anchor) noexcept;
   // Made of one object that deforms.
   TouchGeometry& deforming_geometry() { return geometry_; }

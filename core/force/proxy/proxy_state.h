@@ -41,13 +41,13 @@ struct ProxyState {
   }
 };
 
-// The surfaces of a scene: which of them can be touched from where, and of what they are. RT: queries yes. Keeps references.
+// The surfaces of a scene: from which side each can be touched, and their materials. RT: queries yes. Keeps references.
 class ProxySurfaces {
  public:
   // materials: one an object.
   ProxySurfaces(const TouchGeometry& geometry, const std::vector<Material>& materials);
 
-  // That of the materials has changed.
+  // The friction of the materials has changed.
   void note_friction() noexcept;
 
   const TouchGeometry& geometry() const { return geometry_; }

@@ -244,7 +244,7 @@ TEST_F(GltfAnimation, APartThatWouldBeShearedStandsStill) {
   add_channel(0, 1, "rotation", {0.0F, 1.0F}, about_z({0, 45}));
   const MeshFile file = load();
   EXPECT_TRUE(file.animations.at(0).motions.empty());
-  EXPECT_THAT(file.notes, Contains(HasSubstr("1 parts would be deformed, and stand still")));
+  EXPECT_THAT(file.notes, Contains(HasSubstr("1 parts would deform, which is not supported; they stay at rest")));
 }
 
 TEST_F(GltfAnimation, ScalesAtRestStayAsTheyAre) {
@@ -259,14 +259,14 @@ TEST_F(GltfAnimation, SplinesAreReadAtTheirKeyframes) {
   add_channel(0, 3, "translation", {0.0F, 1.0F}, {9, 9, 9, 0, 0, 0, 9, 9, 9, 9, 9, 9, 0.1F, 0, 0, 9, 9, 9}, "CUBICSPLINE");
   const MeshFile file = load();
   EXPECT_LT((file.animations.at(0).motions.at(3).pose_at(0.5).translation() - Vec3(0.05, 0, 0)).norm(), 1e-7);
-  EXPECT_THAT(file.notes, Contains(HasSubstr("1 channels of splines are straight between their keyframes")));
+  EXPECT_THAT(file.notes, Contains(HasSubstr("1 spline channels are interpolated linearly between their keyframes")));
 }
 
 // The shape is what matters.
 TEST_F(GltfAnimation, ABrokenAnimationIsANote) {
   const std::size_t before = bytes.size();
   for (const auto& [times, values, what] :
-       {std::tuple(std::vector<float>{1, 1}, std::vector<float>{0, 0, 0, 0, 0, 0}, "do not grow"),
+       {std::tuple(std::vector<float>{1, 1}, std::vector<float>{0, 0, 0, 0, 0, 0}, "do not increase"),
         std::tuple(std::vector<float>{0, 1, 2}, std::vector<float>{0, 0, 0, 0, 0, 0}, "3 times and 2 values"),
         std::tuple(std::vector<float>{0, 1}, std::vector<float>{0, 0, 0, 0, 0, NAN}, "not finite")}) {
     const Json whole = document;

@@ -292,10 +292,10 @@ TEST_F(GltfHaptics, WhatIsNotFeltIsNoted) {
     return scene.notes;
   };
   EXPECT_THAT(notes_of(R"({"stiffness":)" + texture(0) + "}"),
-              Contains(AllOf(HasSubstr("materials[0].stiffness is not felt"), HasSubstr("no units"), HasSubstr("stiffness_map_n_per_m"))));
+              Contains(AllOf(HasSubstr("materials[0].stiffness is ignored"), HasSubstr("no units"), HasSubstr("stiffness_map_n_per_m"))));
   EXPECT_THAT(notes_of(R"({"friction":)" + texture(0) + "}"), Contains(HasSubstr("friction_map_range")));
   EXPECT_THAT(notes_of(R"({"vibrotactileTexture":)" + texture(0) + "}"), Contains(HasSubstr("bump_height_m")));
-  EXPECT_THAT(notes_of(R"({"temperature":)" + texture(0) + "}"), Contains(HasSubstr("materials[0].temperature is not felt")));
+  EXPECT_THAT(notes_of(R"({"temperature":)" + texture(0) + "}"), Contains(HasSubstr("materials[0].temperature is ignored")));
   EXPECT_THAT(notes_of(R"({"friction":[{"texture":{"index":0},"type":"Reference"}]})"), Contains(HasSubstr("only refers to haptic data")));
   const Scene draft = load({.materials = "{}", .used = R"("extensionsUsed":["MPEG_material_haptic"],)"});
   EXPECT_THAT(draft.notes, Contains(HasSubstr("export it as MPEG_haptic_material")));
@@ -333,7 +333,7 @@ TEST_F(GltfHaptics, SaysWhatIsWrongAndWhere) {
               HasSubstr("KHR_texture_transform.scale does not have 2 numbers"));
   EXPECT_THAT(error_of_material(R"("stiffness":)" + texture(0) + R"(,"friction":)" + texture(0, R"(,"texCoord":1)") +
                                 R"(,"extras":{"hapton":{"stiffness_map_n_per_m":[200,1000],"friction_map_range":[0,1]}})"),
-              HasSubstr(where + ".friction: its texture lies on other texture coordinates"));
+              HasSubstr(where + ".friction: its texture uses other texture coordinates"));
   EXPECT_THAT(error_of({.materials = R"({"stiffness":)" + texture(0) + range + "}", .attributes = R"("TEXCOORD_0":4)"}),
               HasSubstr("3 texture coordinates for 4 vertices"));
   EXPECT_THAT(

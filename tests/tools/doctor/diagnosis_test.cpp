@@ -147,7 +147,7 @@ const std::vector<Fault> kFaults = {
      "wooden-haptics: unplugged or not responding", "check its cable and power"},
     {"HotMotors",
      [](FakeMachine& m) { answer_hub(m, R"({"device": "openhaptics", "device_state": "ready", "motor_temperature": "0.93"})"); },
-     Verdict::warning, "at 93 % of what they stand", "let it rest"},
+     Verdict::warning, "at 93 % of their temperature limit", "let it rest"},
     {"HubWithoutRights",
      [](FakeMachine& m) {
        answer_hub(

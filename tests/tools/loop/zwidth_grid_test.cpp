@@ -119,7 +119,7 @@ TEST_F(MergeTest, RejectsWhatIsMissingDoubleOrOfAnotherGrid) {
   other.delays_ms.back() = 60.0;
   const auto first = write_shard(grid, 1, 2);
   EXPECT_THAT(merge_csv({first}).error().what, HasSubstr("cell 1 of 24"));
-  EXPECT_THAT(merge_csv({first, first}).error().what, HasSubstr("line 3: cell 0 came before"));
+  EXPECT_THAT(merge_csv({first, first}).error().what, HasSubstr("line 3: cell 0 is a duplicate"));
   EXPECT_THAT(merge_csv({first, write_shard(other, 2, 2)}).error().what, HasSubstr("another grid"));
   EXPECT_THAT(merge_csv({write("text", "t_s,x_m\n1,2\n")}).error().what, HasSubstr("not a grid of hapton loop"));
   EXPECT_THAT(merge_csv({write("odd", csv_header(grid) + "x\n")}).error().what, HasSubstr("line 3"));
