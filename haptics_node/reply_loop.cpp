@@ -94,6 +94,11 @@ void ReplyLoop::drain() noexcept {
   } while (hub_.receive(datagram_, 0));
 }
 
+// Before the first reply, as another haptics process may have moved the objects: where they are now is known before it is felt.
+void ReplyLoop::note_join() noexcept {
+  if (std::exchange(joins_, hub_.counts().joins) != hub_.counts().joins) send_moves();
+}
+
 void ReplyLoop::handle(const Message& message) noexcept {
   const bool overtaken = hub_.last_arrival() == Arrival::reordered;
   if (const auto* state = std::get_if<DeviceState>(&message)) {
@@ -104,6 +109,7 @@ void ReplyLoop::handle(const Message& message) noexcept {
       session_ = hub_.session();
       step_.resume();
     }
+    note_join();
     arrival_ns_ = hub_.receive_time_ns();
     step_.offer(*state);
     if (patches_ != nullptr && patches_->is_wanted(arrival_ns_)) patches_->note_hand(*state, step_.view().X_WS);

@@ -57,6 +57,7 @@ class ReplyLoop {
 
  private:
   void drain() noexcept;
+  void note_join() noexcept;
   void handle(const Message& message) noexcept;
   bool is_ready() noexcept;
   void answer() noexcept;
@@ -132,6 +133,7 @@ class ReplyLoop {
   std::uint32_t pose_serial_ = 0;  // of the objects' poses, as reported
   std::size_t next_pose_ = 0;      // to be sent again
   ObjectMover* mover_ = nullptr;
+  std::uint64_t joins_ = 0;            // of the hub, after which the moves were announced
   std::size_t next_move_ = 0;          // of mover_->moves(), to be sent again
   std::int64_t next_move_ns_ = 0;      // no request is carried out before
   std::int64_t repeat_move_ns_ = 0;    // the newest move is sent again then

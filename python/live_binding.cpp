@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -48,6 +49,7 @@ py::object describe_probe(LiveClient& client) {
   state["buttons"] = probe->buttons;
   state["status"] = static_cast<int>(probe->status);
   state["view_revision"] = probe->view_revision;
+  state["scene_time_s"] = 1e-9 * static_cast<double>(probe->scene_time_ns);
   state["servo_rate_hz"] = probe->servo_rate_hz;
   state["round_trip_p50_us"] = probe->round_trip_p50_us;
   state["round_trip_p99_us"] = probe->round_trip_p99_us;
@@ -68,6 +70,31 @@ using ObjectKey = std::variant<std::int64_t, std::string>;  // number in the sce
 std::string name_of(const ObjectKey& key) {
   const auto* number = std::get_if<std::int64_t>(&key);
   return number != nullptr ? fmt::format("#{}", *number) : std::get<std::string>(key);
+}
+
+std::int32_t find_number(LiveClient& client, const ObjectKey& key) {
+  if (const auto* number = std::get_if<std::int64_t>(&key)) {
+    if (*number < 0 || *number > INT32_MAX) raise_value_error(fmt::format("there is no object {}: they are numbered from 0", *number));
+    return static_cast<std::int32_t>(*number);
+  }
+  const std::string& name = std::get<std::string>(key);
+  const auto number = client.find_number(name);
+  if (!number) raise_value_error(fmt::format("the number of '{}' is not known: this client has not moved it; give its number", name));
+  return *number;
+}
+
+py::object object_pose(LiveClient& client, const ObjectKey& object, std::optional<double> scene_time_s) {
+  if (scene_time_s && !std::isfinite(*scene_time_s)) raise_value_error("scene_time_s is not finite");
+  const std::int32_t number = find_number(client, object);
+  const auto placed = client.find_object(number, scene_time_s);
+  if (!placed) return py::none();
+  py::dict pose;
+  pose["object"] = number;
+  pose["scene_time_s"] = placed->at.time_s;
+  pose["pivot_position_m"] = make_point(placed->at.p_S);
+  pose["turn"] = make_quaternion(placed->at.turn);
+  pose["moving"] = placed->is_moving;
+  return pose;
 }
 
 double move_object(LiveClient& client, const ObjectKey& object, const std::optional<Doubles>& position_m,
@@ -195,7 +222,8 @@ void bind_client(py::module_& module) {
       .def("state", &describe_probe,
            "The newest sample as a dict: sample, t_s, position_m, orientation (w, x, y, z), proxy_m, force_n, contact, object, buttons, "
            "status,\n"
-           "view_revision, servo_rate_hz, round_trip_p50_us, round_trip_p99_us. None before the first. A few hundred a second at most.")
+           "view_revision, scene_time_s, servo_rate_hz, round_trip_p50_us, round_trip_p99_us. None before the first. A few hundred a "
+           "second at most.")
       .def("turn_scene", &turn_scene, py::arg("scene_pose"),
            "Moves what is touched: (4, 4), pose of the scene in W. Returns its revision; state()['view_revision'] reaches it when the "
            "forces do.")
@@ -222,6 +250,13 @@ void bind_client(py::module_& module) {
            "rotation\n"
            "(w, x, y, z) or rotation_deg: as in the scene file; what is left out stays. A newer request takes over from where the object "
            "is.")
+      .def("object_pose", &object_pose, py::arg("object"), py::arg("scene_time_s") = py::none(),
+           "Where an object is that programs may move, as a dict: object (its number), scene_time_s, pivot_position_m (of its pivot, frame "
+           "S), "
+           "turn\n"
+           "(w, x, y, z; about the pivot, from the object as the scene file places it), moving. At the sample of state(), or at "
+           "scene_time_s. object:\n"
+           "its number, or the name by which this client has moved it. None: not announced yet, or programs may not move it.")
       .def("close", &LiveClient::stop, py::call_guard<py::gil_scoped_release>(), "Leaves the session.");
 }
 

@@ -63,7 +63,29 @@ Result<double> LiveClient::move_object(std::string_view object, const MoveTarget
   if (is_stopping_.load()) return fail("this client is closed");
   const auto reply = moves_.request(*request, kMovePatience);
   if (!reply) return fail("no haptics node replied in {} s; start haptics_node, or it is of an earlier version", kMovePatience.count());
+  if (reply->rejection[0] == '\0') {
+    const std::scoped_lock lock(mutex_);
+    known_moves_.note_name(object, reply->object);
+  }
   return read_reply(*reply);
+}
+
+std::optional<KnownMoves::Placed> LiveClient::find_object(std::int32_t object, std::optional<double> scene_time_s) {
+  const std::scoped_lock lock(mutex_);
+  if (!newest_) return std::nullopt;
+  return known_moves_.find(object, scene_time_s.value_or(1e-9 * static_cast<double>(newest_->scene_time_ns)));
+}
+
+std::optional<std::int32_t> LiveClient::find_number(std::string_view name) {
+  const std::scoped_lock lock(mutex_);
+  return known_moves_.find_number(name);
+}
+
+void LiveClient::take_move(const Message& message, Arrival arrival) {
+  const auto* move = std::get_if<ObjectMove>(&message);
+  if (move == nullptr) return;
+  const std::scoped_lock lock(mutex_);
+  known_moves_.take(*move, arrival);
 }
 
 void LiveClient::run() {
@@ -79,6 +101,7 @@ void LiveClient::run() {
     if (!has_datagram) continue;
     markers_.take(datagram.message);
     moves_.take(datagram.message);
+    take_move(datagram.message, client.last_arrival());
     const auto* probe = std::get_if<ProbeState>(&datagram.message);
     if (probe == nullptr || client.last_arrival() == Arrival::reordered) continue;
     {

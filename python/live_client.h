@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "link/hub_connection.h"
+#include "link/known_moves.h"
 #include "link/messages.h"
 #include "link/move_request.h"
 #include "python/reply_awaiter.h"
@@ -30,6 +31,11 @@ class LiveClient {
   std::uint32_t turn_scene(const std::array<float, 12>& X_WS);
   // Marks the recording; the number of the sample. Error, one line: nothing is recorded, too many, or no reply. Threads: any.
   Result<std::uint64_t> mark(std::string_view text);
+  // Where an object is that programs may move, at a scene time; none given: at that of the newest state. None: there is no state yet, or as
+  // KnownMoves::find. Threads: any.
+  std::optional<KnownMoves::Placed> find_object(std::int32_t object, std::optional<double> scene_time_s);
+  // Of an object that this client has moved by that name. Threads: any.
+  std::optional<std::int32_t> find_number(std::string_view name);
   // Requests that an object moves; the time that the move takes, s. Error, one line: why it does not, or no reply. Threads: any.
   Result<double> move_object(std::string_view object, const MoveTarget& target);
   void stop();
@@ -37,12 +43,14 @@ class LiveClient {
  private:
   explicit LiveClient(std::unique_ptr<HubConnection> connection);
   void run();
+  void take_move(const Message& message, Arrival arrival);
   void send_view(std::int64_t now_ns) noexcept;
 
   std::unique_ptr<HubConnection> connection_;
-  std::mutex mutex_;  // of the next two
+  std::mutex mutex_;  // of the next three
   std::optional<ProbeState> newest_;
   ViewTransform view_ = {};
+  KnownMoves known_moves_;
   std::int64_t next_view_ns_ = 0;
   ReplyAwaiter<Marker, MarkerReply> markers_;
   ReplyAwaiter<MoveRequest, MoveReply> moves_;

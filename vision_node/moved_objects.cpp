@@ -44,11 +44,12 @@ void MovedObjects::forget_moves() {
   }
 }
 
-bool MovedObjects::take(const ObjectMove& move) {
+bool MovedObjects::take(const ObjectMove& move, Arrival arrival) {
   const auto number = static_cast<std::size_t>(move.object);
   if (number >= commanded_.size() || !commanded_[number]) return false;
-  // The serials of another haptics process begin again, and so does its scene time.
-  if (std::exchange(source_, move.source) != move.source) forget_moves();
+  const MoveSource::Verdict verdict = source_.note(move, arrival);
+  if (verdict == MoveSource::Verdict::old) return false;
+  if (verdict == MoveSource::Verdict::other) forget_moves();
   return commanded_[number]->begin(to_command(move));
 }
 

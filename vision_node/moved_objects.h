@@ -5,6 +5,7 @@
 
 #include "core/math/commanded_motion.h"
 #include "link/messages.h"
+#include "link/move_source.h"
 #include "scene/scene_file.h"
 #include "vision_node/stereo_view.h"
 
@@ -21,8 +22,9 @@ class MovedObjects {
   // True if the picture has changed. A pose of an object that the scene does not have is left out.
   bool take(const ObjectPose& pose);
 
-  // A program moved an object: set_time() places it from then on. False: it is known already, or not of an object that programs may move.
-  bool take(const ObjectMove& move);
+  // A program moved an object: set_time() places it from then on. arrival: of the message. False: it is known already, not of an object
+  // that programs may move, or of a haptics process that another one has replaced.
+  bool take(const ObjectMove& move, Arrival arrival = Arrival::newest);
 
   // Some move by keyframes or by programs, or deform.
   bool has_motion() const { return has_motion_; }
@@ -44,7 +46,7 @@ class MovedObjects {
   std::vector<ObjectPose> known_;  // by object
   bool has_motion_ = false;
   std::vector<std::optional<CommandedMotion>> commanded_;  // by object; none: programs do not move it
-  std::uint32_t source_ = 0;                               // of their moves; 0: none yet
+  MoveSource source_;                                      // of their moves
   std::vector<Pose> X_SO_;
   std::vector<MeshDeformation::Weights> weights_;                       // by object, at the time set last
   std::vector<std::optional<MeshDeformation::Weights>> drawn_weights_;  // none: as the mesh is

@@ -122,7 +122,9 @@ void VisionSession::take_states(std::int64_t deadline_ns) {
     }
     if (const auto* scene = std::get_if<SceneFacts>(&received.message)) take_scene(*scene);
     if (const auto* pose = std::get_if<ObjectPose>(&received.message)) take_pose(*pose);
-    if (const auto* move = std::get_if<ObjectMove>(&received.message); move != nullptr && moved_ != nullptr) moved_->take(*move);
+    if (const auto* move = std::get_if<ObjectMove>(&received.message); move != nullptr && moved_ != nullptr) {
+      moved_->take(*move, hub_.last_arrival());
+    }
     const auto* state = std::get_if<ProbeState>(&received.message);
     if (state != nullptr && hub_.last_arrival() == Arrival::newest) take_state(*state);
   }

@@ -45,17 +45,22 @@ class ReplyLoopMoves : public ::testing::Test {
   ForceCommand cycle(const Vec3& hand = kHandOverPlate) {
     send(DeviceState{.sample = ++sample_, .sample_time_ns = clock_.now_ns(), .p_WD = hand});
     loop_.turn(clock_.now_ns() + kMs);
+    order_.clear();
+    receive_at_hub();
+    return force_;
+  }
+  // For a millisecond.
+  void receive_at_hub() {
     const std::int64_t end_ns = clock_.now_ns() + kMs;
     Datagram datagram;
-    order_.clear();
     while (clock_.now_ns() < end_ns) {
       if (hub_.receive(datagram, end_ns).kind == PeerEvent::Kind::message) take(datagram.message);
     }
-    return force_;
   }
   void take(const Message& message) {
     order_.push_back(message.index());
     if (const auto* got = std::get_if<ForceCommand>(&message)) force_ = *got;
+    if (std::holds_alternative<ForceCommand>(message) && !moves_before_force_) moves_before_force_ = moves_.size();
     if (const auto* got = std::get_if<MoveReply>(&message)) replies_.push_back(*got);
     if (const auto* got = std::get_if<ObjectMove>(&message)) moves_.push_back(*got);
     if (std::holds_alternative<HapticsSetup>(message)) ++setups_;
@@ -85,7 +90,8 @@ class ReplyLoopMoves : public ::testing::Test {
   ReplyLoop loop_{client_, clock_, step_, builder_, {.scene_hash = 42}};
   std::vector<MoveReply> replies_;
   std::vector<ObjectMove> moves_;
-  std::vector<std::size_t> order_;  // kinds, in the last cycle
+  std::optional<std::size_t> moves_before_force_;  // announced before the first force
+  std::vector<std::size_t> order_;                 // kinds, in the last cycle
   ForceCommand force_;
   int setups_ = 0;
   std::uint64_t sample_ = 0;
@@ -132,6 +138,39 @@ TEST_F(ReplyLoopMoves, WhatWasLostOrCameLaterIsAnnouncedAgain) {
   EXPECT_GE(newest_moves(1).size(), 1U) << "once a second, for who joins later";
   EXPECT_GE(newest_moves(0).size(), 1U) << "also those that were not moved: another haptics process may have moved them";
   for (const ObjectMove& move : moves_) EXPECT_EQ(move.source, 42U);
+}
+
+// The objects of this process are where the scene file has them; who draws may still have them where the process before moved them.
+TEST_F(ReplyLoopMoves, WhereObjectsAreIsAnnouncedBeforeTheFirstForce) {
+  EXPECT_EQ(moves_before_force_, 2U) << "both";
+  EXPECT_EQ(newest_moves(0).size(), moves_.size());
+}
+
+// Another process takes the place while this one stands still. When it has left, this one goes on with its own moves.
+TEST_F(ReplyLoopMoves, WhereObjectsAreIsAnnouncedBeforeTheFirstForceAfterAnotherProcess) {
+  send(lift(7, 0.02));
+  for (int n = 0; n < 400; ++n) cycle();
+  {
+    const std::unique_ptr<Endpoint> endpoint = *network_.open(memory_address(3, 0));
+    HubClient other(*endpoint, clock_, NodeRole::haptics, memory_address(1, 4950));
+    Datagram datagram;
+    for (int n = 0; n < 300 && other.state() != JoinState::joined; ++n) {
+      other.receive(datagram, 0);
+      receive_at_hub();
+    }
+    ASSERT_EQ(other.state(), JoinState::joined);
+    for (int n = 0; n < 300 && client_.state() != JoinState::rejected; ++n) {
+      other.receive(datagram, 0);
+      other.send(HapticsSetup{});
+      cycle();
+    }
+    ASSERT_EQ(client_.state(), JoinState::rejected);
+  }
+  moves_.clear();
+  moves_before_force_.reset();
+  for (int n = 0; n < 300 && !moves_before_force_; ++n) cycle();
+  EXPECT_EQ(moves_before_force_, 2U) << "both";
+  EXPECT_GE(newest_moves(1).size(), 1U) << "the one that was moved is where it was";
 }
 
 TEST_F(ReplyLoopMoves, ARequestIsRepeatedUntilItsReplyComes) {

@@ -20,9 +20,7 @@ class LiveSystem:
         self.io = self.start(self.io_log, "io_node", "--bind", "127.0.0.1:0", "--seconds", "120", *io_arguments)
         self.hub = self.wait_for(self.io_log, r"^hub on ([0-9.:]+),")
         if scene:
-            log = self.path("haptics.log")
-            self.start(log, "haptics_node", "--hub", self.hub, "--scene", os.path.join(SOURCE, "scenes", scene), "--seconds", "120")
-            self.wait_for(log, "joined the hub")
+            self.haptics = self.start_haptics(scene)
 
     def path(self, name):
         return os.path.join(self.folder.name, name)
@@ -32,6 +30,18 @@ class LiveSystem:
             program = subprocess.Popen([os.path.join(BIN, name), *arguments], stdout=file, stderr=file)
         self.programs.append(program)
         return program
+
+    def start_haptics(self, scene):
+        log = self.path("haptics.log")
+        program = self.start(log, "haptics_node", "--hub", self.hub, "--scene", os.path.join(SOURCE, "scenes", scene), "--seconds", "120")
+        self.wait_for(log, "joined the hub")
+        return program
+
+    def restart_haptics(self, scene):
+        """As after a crash."""
+        self.haptics.kill()
+        self.haptics.wait()
+        self.haptics = self.start_haptics(scene)
 
     def wait_for(self, log, pattern, seconds=30):
         end = time.monotonic() + seconds

@@ -104,6 +104,49 @@ class LiveTest(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "closed"):
             client.move_object("lid", (0, 0, 0))
 
+    def test_a_client_knows_where_objects_are_that_programs_move(self):
+        client = hapton.Client(self.start(scene="lift.toml").hub)
+        self.assertTrue(wait_until(lambda: client.object_pose(1) is not None and client.object_pose(2) is not None))
+        self.assertIsNone(client.object_pose(0), "the ground: programs may not move it")
+        at_rest = client.object_pose(1)
+        self.assertEqual((at_rest["object"], at_rest["moving"]), (1, False))
+        np.testing.assert_array_equal(at_rest["turn"], [1, 0, 0, 0])
+        client.move_object("platform", [-0.05, 0.01, 0.0], over_s=0.5)  # by 30 mm upwards
+        client.move_object("lid", rotation_deg=(-90, 0, 40))
+        self.assertTrue(wait_until(lambda: not client.object_pose("platform")["moving"] and not client.object_pose("lid")["moving"]))
+        moved = client.object_pose("platform")
+        self.assertGreaterEqual(moved["scene_time_s"], at_rest["scene_time_s"] + 0.5)
+        by_m = moved["pivot_position_m"] - at_rest["pivot_position_m"]
+        np.testing.assert_allclose(by_m / by_m[1], [0, 1, 0], atol=1e-9)
+        self.assertGreater(by_m[1], 0.001)
+        np.testing.assert_array_equal(moved["turn"], [1, 0, 0, 0])
+        half_rad = np.radians(20)
+        np.testing.assert_allclose(client.object_pose(2)["turn"], [np.cos(half_rad), 0, 0, np.sin(half_rad)], atol=1e-9)
+        # As at any other time.
+        before = client.object_pose("platform", scene_time_s=0.0)
+        np.testing.assert_array_equal(before["pivot_position_m"], at_rest["pivot_position_m"])
+        self.assertEqual((before["scene_time_s"], before["moving"]), (0.0, True))
+        for wrong, why in [(("ground",), "has not moved it"), ((-1,), "numbered from 0"), ((1, float("nan")), "not finite")]:
+            with self.assertRaisesRegex(ValueError, why):
+                client.object_pose(*wrong)
+
+    def test_after_a_restart_of_haptics_objects_are_where_the_scene_file_has_them(self):
+        system = self.start(scene="lift.toml")
+        client = hapton.Client(system.hub)
+        self.assertTrue(wait_until(lambda: client.object_pose(1) is not None))
+        at_rest = client.object_pose(1)["pivot_position_m"]
+        # More moves than are remembered, so that nobody knows how it began.
+        for n in range(12):
+            client.move_object("platform", [-0.05, 0.001 * n, 0.0], over_s=0.05)
+        self.assertTrue(wait_until(lambda: not client.object_pose(1)["moving"]))
+        self.assertGreater(np.linalg.norm(client.object_pose(1)["pivot_position_m"] - at_rest), 0.001)
+        self.assertTrue(wait_until(lambda: client.state()["scene_time_s"] > 2))  # so that the beginning of the next one is seen
+        before_s = client.state()["scene_time_s"]
+        system.restart_haptics("lift.toml")
+        self.assertTrue(wait_until(lambda: client.state()["scene_time_s"] < before_s))
+        np.testing.assert_array_equal(client.object_pose(1)["pivot_position_m"], at_rest)
+        self.assertFalse(client.object_pose(1)["moving"])
+
     def test_a_client_learns_that_nothing_is_recorded(self):
         client = hapton.Client(self.start().hub)
         with self.assertRaisesRegex(ValueError, "--record"):

@@ -24,8 +24,10 @@ class McapTest(unittest.TestCase):
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
         cls.recording = os.path.join(cls.folder.name, "monday.hapton")
-        with LiveSystem("--record", cls.recording, scene="thin_wall.toml") as system:
+        with LiveSystem("--record", cls.recording, scene="lift.toml") as system:
             system.record_for(1.0, cls.recording)
+            moved = hapton("move", "platform", "--to", "-0.05,0.01,0", "--over", "0.5", "--hub", system.hub)
+            assert moved.returncode == 0, moved.stderr
             cls.marked = hapton("mark", "gezückt, \"a\"", "--hub", system.hub)
             time.sleep(0.5)
             cls.log = system.end_io()
@@ -47,6 +49,7 @@ class McapTest(unittest.TestCase):
     def test_is_as_the_specification_says(self):
         self.assertEqual(len(self.of("/hapton/cycle")), len(self.rows))
         self.assertGreater(len(self.of("/hapton/force")), 10)
+        self.assertGreater(len(self.of("/hapton/move")), 2)
         self.assertEqual({encoding for _, encoding, _ in self.file.schemas.values()}, {"protobuf"})
         self.assertEqual(self.file.metadata["hapton.session"]["setting device"], "simulated")
 
@@ -83,10 +86,22 @@ class McapTest(unittest.TestCase):
             if topic == "/hapton/force":
                 self.assertEqual(len(message.force_n), 3)
         self.assertEqual(rows, {}, "every sample is there")
+        self.check_moves([kinds["/hapton/move"].FromString(m[4]) for m in self.of("/hapton/move")])
         events = [kinds["/hapton/event"].FromString(m[4]) for m in self.of("/hapton/event")]
         markers = [event for event in events if event.kind == "marker"]
         self.assertEqual([event.name for event in markers], ['gezückt, "a"'])
         self.assertEqual(f"marked sample {markers[0].sample}: gezückt, \"a\"\n", self.marked.stdout)
+
+    def check_moves(self, moves):
+        self.assertEqual({move.object for move in moves}, {1, 2}, "of the platform and the lid")
+        self.assertEqual(len({move.source for move in moves}), 1)
+        self.assertEqual({move.serial for move in moves if move.object == 2}, {0}, "nobody moved the lid")
+        requested = [move for move in moves if move.serial == 1]
+        self.assertGreater(len(requested), 0)
+        for move in requested:
+            self.assertEqual((move.object, move.end_ns - move.start_ns), (1, 500_000_000))
+            self.assertGreater(move.to_p_m[1], move.from_p_m[1])
+            self.assertEqual(list(move.to_q), [1.0, 0.0, 0.0, 0.0])
 
     def test_the_marker_is_in_the_table(self):
         marked = [row for row in self.rows if row["marker"]]

@@ -167,6 +167,19 @@ TEST_F(MovedObjectsTest, AnotherHapticsProcessHasOtherMoves) {
   EXPECT_TRUE(moved.take(ObjectMove{.source = 6, .serial = 1, .start_ns = 1, .end_ns = 2, .to_p_m = there}));
 }
 
+// What the process before sent comes late: the object is felt where the scene file has it, and is drawn there.
+TEST_F(MovedObjectsTest, AMoveOfTheProcessBeforeThatWasOvertakenIsLeftOut) {
+  ASSERT_TRUE(view);
+  scene.objects[0] = commanded_marker(scene.objects[0]);
+  MovedObjects moved(*view, scene);
+  const Vec3 there(0.04, -0.06, 0.02);
+  ASSERT_TRUE(moved.take(ObjectMove{.source = 5, .serial = 9, .start_ns = 1, .end_ns = 2, .to_p_m = there}));
+  EXPECT_FALSE(moved.take(ObjectMove{.source = 6, .serial = 0})) << "not moved yet";
+  EXPECT_FALSE(moved.take(ObjectMove{.source = 5, .serial = 10, .start_ns = 3, .end_ns = 4, .to_p_m = there}, Arrival::reordered));
+  moved.set_time(1'000'000'000);
+  EXPECT_EQ(moved.moving()[0].matrix(), Pose::Identity().matrix());
+}
+
 TEST_F(MovedObjectsTest, ProgramsMoveNoOtherObjects) {
   ASSERT_TRUE(view);
   scene.objects[0] = commanded_marker(scene.objects[0]);

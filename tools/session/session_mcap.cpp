@@ -16,15 +16,16 @@
 namespace hapton {
 namespace {
 
-enum class McapTopic : std::uint16_t { cycle, state, force, probe, view, setup, event };
+enum class McapTopic : std::uint16_t { cycle, state, force, probe, view, setup, move, event };
 
-constexpr std::array<std::pair<std::string_view, std::string_view>, 7> kMcapTopics = {{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kMcapTopics = {{
     {"/hapton/cycle", "hapton.session.Cycle"},
     {"/hapton/state", "hapton.wire.DeviceState"},
     {"/hapton/force", "hapton.wire.ForceCommand"},
     {"/hapton/probe", "hapton.wire.ProbeState"},
     {"/hapton/view", "hapton.wire.ViewTransform"},
     {"/hapton/setup", "hapton.wire.HapticsSetup"},
+    {"/hapton/move", "hapton.wire.ObjectMove"},
     {"/hapton/event", "hapton.session.Event"},
 }};
 
@@ -113,6 +114,7 @@ class McapMessages {
     if (std::holds_alternative<ForceCommand>(datagram.message)) write(McapTopic::force, entry.time_ns, entry.time_ns, payload);
     if (std::holds_alternative<ViewTransform>(datagram.message)) write(McapTopic::view, entry.time_ns, entry.time_ns, payload);
     if (std::holds_alternative<HapticsSetup>(datagram.message)) write(McapTopic::setup, entry.time_ns, entry.time_ns, payload);
+    if (std::holds_alternative<ObjectMove>(datagram.message)) write(McapTopic::move, entry.time_ns, entry.time_ns, payload);
   }
 
   McapWriter& writer_;

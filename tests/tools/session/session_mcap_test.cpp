@@ -2,8 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <fstream>
+#include <iterator>
 #include <limits>
+#include <span>
+#include <string>
 
+#include "link/codec.h"
+#include "link/message_payload.h"
 #include "link/session_codec.h"
 #include "tests/support/scratch_folder.h"
 
@@ -18,6 +25,17 @@ SessionEntry cycle_at(std::uint64_t sample, std::int64_t time_ns) {
   entry.time_ns = time_ns;
   entry.cycle.sample = sample;
   entry.cycle.device = CycleSample{.time_ns = time_ns};
+  return entry;
+}
+
+// What the haptics node sent the hub, or the hub passed on.
+SessionEntry datagram_of(SessionEntry::Kind kind, const Message& message, std::span<std::byte> into) {
+  Codec codec;
+  const std::size_t size = codec.encode({{.session = 1, .sender = 2, .sequence = 3}, message}, into);
+  SessionEntry entry;
+  entry.kind = kind;
+  entry.time_ns = kMcapStartNs;
+  entry.datagram = into.first(size);
   return entry;
 }
 
@@ -60,6 +78,23 @@ TEST_F(McapRecordings, EveryCycleAndEveryEventIsAMessage) {
   ASSERT_TRUE(written) << written.error().what;
   EXPECT_EQ(written->cycles, 9U);
   EXPECT_EQ(written->messages, 9U + 4U) << "sample 5 is an event, too";
+}
+
+// Of the hub's copies to vision nodes none is a message.
+TEST_F(McapRecordings, EachMoveOfAnObjectThatWasReceivedIsAMessage) {
+  std::array<std::byte, kMaxDatagramBytes> datagram;
+  const ObjectMove move{.source = 5, .serial = 1, .object = 2, .start_ns = 3, .end_ns = 4, .to_p_m = Vec3(0.1, 0.2, 0.3)};
+  codec.append(datagram_of(SessionEntry::Kind::received, move, datagram), bytes);
+  for (int n = 0; n < 2; ++n) codec.append(datagram_of(SessionEntry::Kind::sent, move, datagram), bytes);
+  const auto written = write();
+  ASSERT_TRUE(written) << written.error().what;
+  EXPECT_EQ(written->messages, 1U);
+  std::ifstream in(scratch.path() / "session.mcap", std::ios::binary);
+  const std::string file{std::istreambuf_iterator<char>(in), {}};
+  const std::string_view payload = find_message_payload(datagram_of(SessionEntry::Kind::received, move, datagram).datagram);
+  ASSERT_GT(payload.size(), 50U);
+  EXPECT_NE(file.find(payload), std::string::npos) << "unchanged";
+  EXPECT_NE(file.find("/hapton/move"), std::string::npos);
 }
 
 TEST_F(McapRecordings, ATruncatedOneIsWrittenUpToThere) {

@@ -1,0 +1,50 @@
+#include "link/known_moves.h"
+
+#include "link/commanded_move.h"
+
+namespace hapton {
+
+// Another haptics process may have another scene, too.
+void KnownMoves::take(const ObjectMove& move, Arrival arrival) {
+  const MoveSource::Verdict verdict = source_.note(move, arrival);
+  if (verdict == MoveSource::Verdict::old) return;
+  if (verdict == MoveSource::Verdict::other) {
+    motions_.clear();
+    numbers_.clear();
+  }
+  const auto known = motions_.find(move.object);
+  if (known != motions_.end()) {
+    known->second.begin(to_command(move));
+  } else {
+    motions_.emplace(move.object, begin_motion(move));
+  }
+}
+
+// Where the object was before its first known move is not known: it stands where that one began, from before the beginning of scene time.
+CommandedMotion KnownMoves::begin_motion(const ObjectMove& first) {
+  const CommandedMove move = to_command(first);
+  CommandedMotion motion(move.from.p_S);
+  if (move.serial > 1) {
+    CommandedMove before{.serial = move.serial - 1, .from = move.from, .to = move.from};
+    before.from.time_s = before.to.time_s = -1.0;
+    motion.begin(before);
+  }
+  motion.begin(move);
+  return motion;
+}
+
+std::optional<KnownMoves::Placed> KnownMoves::find(std::int32_t object, double time_s) const {
+  const auto known = motions_.find(object);
+  if (known == motions_.end()) return std::nullopt;
+  const CommandedMotion& motion = known->second;
+  Placed placed{.at = motion.keyframe_at(time_s), .is_moving = motion.newest().serial > 0 && time_s < motion.newest().to.time_s};
+  placed.at.time_s = time_s;
+  return placed;
+}
+
+std::optional<std::int32_t> KnownMoves::find_number(std::string_view name) const {
+  const auto known = numbers_.find(name);
+  return known != numbers_.end() ? std::optional(known->second) : std::nullopt;
+}
+
+}  // namespace hapton
