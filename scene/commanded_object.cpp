@@ -20,4 +20,9 @@ Keyframe CommandedObject::place(const std::optional<Vec3>& p_SM, const std::opti
   return placed;
 }
 
+ObjectPlace CommandedObject::find_place(const Keyframe& at) const noexcept {
+  const Quat q = (at.turn * q_SM_).normalized();
+  return {.p_SM = at.p_S / fit_.scale + fit_.centre - q * p_MP_, .q_SM = q};
+}
+
 }  // namespace hapton

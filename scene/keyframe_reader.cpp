@@ -7,6 +7,9 @@ namespace hapton {
 namespace {
 
 constexpr double kMostTimeS = 86400.0;  // a day
+// What a hand pushes on a desk: a lighter body would follow a stylus as if it had no mass, a heavier one would not move.
+constexpr double kLeastMassKg = 0.001;
+constexpr double kMostMassKg = 100.0;
 
 Result<KeyframeSpec> read_keyframe(const toml::table& table, const std::string& where) {
   KeyframeSpec spec;
@@ -67,6 +70,10 @@ Result<MotionSpec> read_motion(const toml::table& object, const std::string& nam
   reader.read("animation", spec.animation);
   reader.read("animation_speed", spec.animation_speed, 1e-6, 1e6);
   read_moved_by(object, reader, name, spec);
+  reader.read("mass_kg", spec.mass_kg, kLeastMassKg, kMostMassKg);
+  if (reader.has("mass_kg") && !spec.by_program) {
+    reader.fail_at("mass_kg", "'mass_kg' in {} goes with 'moved_by = \"program\"': add it, or leave this out", name);
+  }
   const toml::node* keyframes = object.get("keyframe");
   const toml::node* animation = object.get("animation");
   if (animation != nullptr) spec.animation_line = animation->source().begin.line;

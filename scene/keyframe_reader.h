@@ -27,6 +27,7 @@ struct MotionSpec {
   std::size_t animation_line = 0;
   bool loops = false;
   bool by_program = false;  // moved_by
+  double mass_kg = 0.0;     // above 0: it can be pushed
 
   // By itself.
   bool any() const { return !keyframes.empty() || !animation.empty(); }
@@ -34,8 +35,8 @@ struct MotionSpec {
   std::size_t line() const { return keyframes.empty() ? animation_line : keyframes.front().line; }
 };
 
-// The keys keyframe, pivot_m, animation, animation_speed, loop and moved_by of the table of an object. RT: set-up only. Error: one line
-// with the line in the file: fewer than two keyframes, times that do not grow, keys that do not go together.
+// The keys keyframe, pivot_m, animation, animation_speed, loop, moved_by and mass_kg of the table of an object. RT: set-up only. Error: one
+// line with the line in the file: fewer than two keyframes, times that do not grow, keys that do not go together.
 Result<MotionSpec> read_motion(const toml::table& object, const std::string& name);
 
 }  // namespace hapton

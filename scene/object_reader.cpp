@@ -27,7 +27,8 @@ Result<ObjectSpec> read_object(const toml::table& table, const std::string& name
   if (name == kToolTable) {
     keys.emplace_back("grip");
   } else {
-    keys.insert(keys.end(), {"material", "movable", "moved_by", "keyframe", "loop", "pivot_m", "animation", "animation_speed", "morph"});
+    keys.insert(keys.end(),
+                {"material", "movable", "moved_by", "mass_kg", "keyframe", "loop", "pivot_m", "animation", "animation_speed", "morph"});
   }
   reader.allow(keys);
   if (!reader.has("mesh")) reader.fail_at("mesh", "{} has no 'mesh': name its mesh file", name);

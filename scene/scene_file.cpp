@@ -351,7 +351,8 @@ Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& fol
                              .is_movable = object.is_movable,
                              .motion = std::move(*motion),
                              .deformation = std::move(*deformation),
-                             .commanded = std::move(commanded)});
+                             .commanded = std::move(commanded),
+                             .mass_kg = object.motion.mass_kg});
   }
   if (const auto added = add_effects(spec, scene); !added) return tl::unexpected(added.error());
   for (const LibraryEffect& named : spec.libraries) {

@@ -31,6 +31,7 @@ struct SceneObject {
   std::shared_ptr<const KeyframeMotion> motion = {};        // moves it by itself; null: it stands still
   std::shared_ptr<const MeshDeformation> deformation = {};  // deforms its mesh by itself, before the motion; null: it is rigid
   std::shared_ptr<const CommandedObject> commanded = {};    // programs may move it; null: they may not
+  double mass_kg = 0.0;                                     // above 0: it can be pushed (`hapton dynamics`), and `commanded` is set
 
   bool moves() const { return motion != nullptr || deformation != nullptr || commanded != nullptr; }
 };

@@ -148,6 +148,7 @@ std::string to_json(const SceneReport& report) {
                        {"two_sided", object.material.two_sided},
                        {"movable", object.is_movable},
                        {"moved_by", object.commanded != nullptr ? Json("program") : Json()},
+                       {"mass_kg", object.mass_kg > 0.0 ? Json(object.mass_kg) : Json()},
                        {"keyframes", object.motion != nullptr ? object.motion->keyframes().size() : std::size_t{0}},
                        {"motion_s", object.motion != nullptr ? object.motion->duration_s() : 0.0},
                        {"morphs", object.deformation != nullptr ? object.deformation->targets().size() : std::size_t{0}},

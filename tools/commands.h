@@ -25,6 +25,9 @@ void add_demo_command(CommandLine app, int& exit_code);
 // hapton doctor: problems of this machine for haptics, each with the command that fixes it. Exit code 0: none, 1: problems.
 void add_doctor_command(CommandLine app, int& exit_code);
 
+// hapton dynamics --scene FILE: lets the stylus push objects that have a mass. Exit code 0: scene time ran.
+void add_dynamics_command(CommandLine app, int& exit_code);
+
 // hapton echo --bind ADDR:PORT [--seconds N] [--rt MODE]: returns every UDP datagram to its sender at the least cost there is.
 void add_echo_command(CommandLine app, int& exit_code);
 
@@ -146,6 +149,7 @@ struct ListedCommand {
 inline constexpr ListedCommand kCommands[] = {
     {"Touch and watch", add_demo_command},
     {"Touch and watch", add_dds_command},
+    {"Touch and watch", add_dynamics_command},
     {"Touch and watch", add_info_command},
     {"Touch and watch", add_move_command},
     {"Touch and watch", add_set_command},

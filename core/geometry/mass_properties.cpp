@@ -1,0 +1,38 @@
+#include "core/geometry/mass_properties.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kLeastShareOfBox = 1e-9;
+
+}  // namespace
+
+std::optional<MassProperties> compute_mass_properties(const TriangleMesh& mesh) {
+  Eigen::AlignedBox3d box;
+  for (const Vec3& vertex : mesh.vertices) box.extend(vertex);
+  if (box.isEmpty()) return std::nullopt;
+  const Vec3 middle = box.center();
+
+  // Of a tetrahedron with one corner at the origin and the others at a, b, c: volume det(a, b, c) / 6, first moment volume (a + b + c) / 4,
+  // second moment volume (a a' + b b' + c c' + s s') / 20 with s = a + b + c.
+  double volume = 0.0;
+  Vec3 first = Vec3::Zero();
+  Mat3 second = Mat3::Zero();
+  for (const auto& triangle : mesh.triangles) {
+    const Vec3 a = mesh.vertices[triangle[0]] - middle;
+    const Vec3 b = mesh.vertices[triangle[1]] - middle;
+    const Vec3 c = mesh.vertices[triangle[2]] - middle;
+    const Vec3 sum = a + b + c;
+    const double part = a.dot(b.cross(c)) / 6.0;
+    volume += part;
+    first += part / 4.0 * sum;
+    second += part / 20.0 * (a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose());
+  }
+  if (!(volume > kLeastShareOfBox * box.volume())) return std::nullopt;
+
+  const Vec3 centre = first / volume;
+  const Mat3 spread = second / volume - centre * centre.transpose();
+  return MassProperties{.volume = volume, .centre = middle + centre, .inertia_per_mass = spread.trace() * Mat3::Identity() - spread};
+}
+
+}  // namespace hapton

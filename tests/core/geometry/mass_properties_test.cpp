@@ -1,0 +1,50 @@
+#include "core/geometry/mass_properties.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "tests/support/made_meshes.h"
+
+namespace hapton {
+namespace {
+
+// Of a box a x b x c: (b^2 + c^2) / 12 about its first axis. Far from the origin, where differences of large numbers would show.
+TEST(MassProperties, OfABoxAreInClosedForm) {
+  for (const double away : {0.0, 1e3, 1e6}) {
+    const Vec3 low(away, -away, 2.0 * away);
+    const auto box = compute_mass_properties(made::box(low, low + Vec3(1, 2, 3)));
+    ASSERT_TRUE(box);
+    const double error = 1e-14 * (1.0 + away);
+    EXPECT_NEAR(box->volume, 6.0, 60 * error);
+    EXPECT_LT((box->centre - low - Vec3(0.5, 1.0, 1.5)).norm(), 10 * error);
+    const Vec3 expected = Vec3(4.0 + 9.0, 1.0 + 9.0, 1.0 + 4.0) / 12.0;
+    EXPECT_LT((box->inertia_per_mass - Mat3(expected.asDiagonal())).norm(), 60 * error);
+  }
+}
+
+// Of a ball: 2 r^2 / 5. A surface of flat triangles inside it has less, by a share that falls as the square of their size.
+TEST(MassProperties, OfABallAreThoseOfItsLimit) {
+  double last = 1.0;
+  for (const int bands : {10, 20, 40}) {
+    const auto ball = compute_mass_properties(made::sphere(0.3, bands));
+    ASSERT_TRUE(ball);
+    EXPECT_LT(ball->centre.norm(), 1e-12);
+    const double missing = 1.0 - ball->volume / (4.0 / 3.0 * std::numbers::pi * 0.027);
+    EXPECT_LT(missing, 0.3 * last);
+    last = missing;
+    const double inertia = ball->inertia_per_mass.trace() / 3.0;
+    EXPECT_NEAR(inertia, 0.4 * 0.09, 1.1 * missing * 0.4 * 0.09);
+  }
+}
+
+TEST(MassProperties, OfNoSolidThereAreNone) {
+  EXPECT_FALSE(compute_mass_properties({}));
+  EXPECT_FALSE(compute_mass_properties(made::sheet(1.0, 0.0, 4)));
+  TriangleMesh inside_out = made::box({0, 0, 0}, {1, 1, 1});
+  for (Triangle& triangle : inside_out.triangles) std::swap(triangle[0], triangle[1]);
+  EXPECT_FALSE(compute_mass_properties(inside_out));
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,277 @@
+#include "tools/dynamics/dynamics_driver.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <functional>
+#include <limits>
+#include <utility>
+
+#include "haptic_step/object_mover.h"
+#include "tests/tools/dynamics/pushed_scene.h"
+
+namespace hapton::dynamics {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr std::int64_t kMs = 1'000'000;
+
+// The haptics node and the dynamics, with a link between them that takes a time each way, on simulated time. A hand that nothing moves but
+// its path: the hardest case for stability, as it adds no damping of its own.
+class Loop {
+ public:
+  Loop(Scene scene, DynamicsDriver::Settings settings, int link_ms)
+      : scene_(std::move(scene)), driver_(*DynamicsDriver::make(scene_, settings)), link_ms_(link_ms) {
+    start_haptics();
+  }
+
+  void start_haptics() {
+    step_ = std::make_unique<HapticsStep>(std::make_unique<TouchStep>(*make_method({}, scene_.touch_scene()), scene_.touch_scene()), 1e-5);
+    mover_ = std::make_unique<ObjectMover>(scene_, 42);
+  }
+
+  // One millisecond.
+  ForceCommand step(const Vec3& hand) {
+    const std::int64_t now_ns = kMs * ++sample_;
+    step_->offer({.sample = static_cast<std::uint64_t>(sample_), .sample_time_ns = now_ns, .p_WD = hand});
+    const ForceCommand reply = step_->answer();
+    if (sample_ % 4 == 0 && mover_->has_request()) {
+      const ObjectMover::Done done = mover_->work(*step_);
+      if (done.move) serial_ = done.move->serial;
+      later(link_ms_, [this, done] { driver_.take(done.reply); });
+    }
+    const ProbeState state = {.sample = reply.echo_sample,
+                              .sample_time_ns = now_ns,
+                              .p_WD = hand,
+                              .visual_offset_m = reply.visual_offset_m,
+                              .force_n = reply.force_n,
+                              .contact = reply.contact,
+                              .object = reply.object,
+                              .scene_time_ns = reply.scene_time_ns};
+    later(link_ms_, [this, state] { driver_.take(state); });
+    while (!waiting_.empty() && waiting_.front().at <= sample_) {
+      waiting_.front().arrive();
+      waiting_.pop_front();
+    }
+    if (const auto request = driver_.next_request(now_ns)) {
+      ++sent_;
+      if (!loses || !loses(sent_)) later(link_ms_, [this, request] { mover_->request(*request); });
+    }
+    return reply;
+  }
+
+  Vec3 felt_position() const {
+    return step_->touch().find_commanded(kBox)->keyframe_at(1e-9 * static_cast<double>(step_->scene_time_ns())).p_S;
+  }
+  Vec3 position() const { return driver_.world().place(kBox).p_S; }
+  DynamicsDriver& driver() { return driver_; }
+
+  std::function<bool(std::uint64_t)> loses = {};  // which requests
+
+ private:
+  struct Waiting {
+    std::int64_t at;
+    std::function<void()> arrive;
+  };
+  void later(int ms, std::function<void()> arrive) {
+    const auto place = std::ranges::find_if(waiting_, [&](const Waiting& w) { return w.at > sample_ + ms; });
+    waiting_.insert(place, {sample_ + ms, std::move(arrive)});
+  }
+
+  Scene scene_;
+  std::unique_ptr<HapticsStep> step_;
+  std::unique_ptr<ObjectMover> mover_;
+  DynamicsDriver driver_;
+  int link_ms_;
+  std::int64_t sample_ = 0;
+  std::uint64_t sent_ = 0;
+  std::uint32_t serial_ = 0;
+  std::deque<Waiting> waiting_;
+};
+
+// From the left of the box, at half its height, to the right at 0.1 m/s for 40 mm after the contact; then it stays.
+constexpr double kGapM = 0.005;
+constexpr double kWayM = 0.04;
+constexpr double kSpeed = 0.1;
+Vec3 hand_at(double t_s) {
+  const double way = std::clamp(kSpeed * (t_s - 0.2), 0.0, kGapM + kWayM);
+  return Vec3(-kBoxSideM / 2 - kGapM + way, kBoxSideM / 2, 0.001);
+}
+
+struct Felt {
+  double most_n = 0.0;
+  double least_end_n = std::numeric_limits<double>::infinity();  // in the last half second
+  double most_end_n = 0.0;
+};
+Felt push(Loop& loop, double seconds = 3.0) {
+  Felt felt;
+  for (int i = 0; i < static_cast<int>(1000 * seconds); ++i) {
+    const ForceCommand reply = loop.step(hand_at(1e-3 * i));
+    felt.most_n = std::max(felt.most_n, reply.force_n.norm());
+    if (i < static_cast<int>(1000 * seconds) - 500) continue;
+    felt.most_end_n = std::max(felt.most_end_n, reply.force_n.norm());
+    felt.least_end_n = std::min(felt.least_end_n, reply.force_n.norm());
+  }
+  return felt;
+}
+
+TEST(DynamicsDriver, ABoxGoesWhereTheHandPushesIt) {
+  Loop loop(table_scene(), {}, 1);
+  const Vec3 start = loop.felt_position();
+  const Felt felt = push(loop);
+  const double way = loop.felt_position().x() - start.x();
+  EXPECT_NEAR(way, kWayM, 0.002);
+  EXPECT_LT((loop.felt_position() - loop.position()).norm(), 1e-5) << "haptics and dynamics have it at different places in the end";
+  EXPECT_GT(loop.driver().counts().pushes, 100U);
+  EXPECT_GT(felt.most_n, 0.4 * kBoxKg * 9.81) << "friction on the table";
+}
+
+struct LoopCase {
+  double mass_kg;
+  double stiffness_n_per_m;
+  int link_ms;
+};
+
+// The largest and the smallest force while the hand goes on at its speed: from 0.4 s after the contact, for 0.4 s.
+std::pair<double, double> forces_under_way(Loop& loop) {
+  double most = 0.0;
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 900; ++i) {
+    const double force = loop.step(Vec3(-kBoxSideM / 2 - 0.01 + 1e-3 * kSpeed * i, kBoxSideM / 2, 0.0)).force_n.norm();
+    if (i < 500) continue;
+    most = std::max(most, force);
+    least = std::min(least, force);
+  }
+  return {least, most};
+}
+
+// No body bounces off the hand that pushes it, whatever its mass, its material and the link.
+TEST(DynamicsDriver, ABodyStaysAtTheHandThatPushesIt) {
+  for (const double mass : {0.02, 0.2, 2.0}) {
+    for (const double stiffness : {300.0, 2000.0}) {
+      for (const int link_ms : {1, 5, 15}) {
+        Loop loop(table_scene({.mass_kg = mass, .stiffness_n_per_m = stiffness}), {.friction = 0.1}, link_ms);
+        const auto [least, most] = forces_under_way(loop);
+        SCOPED_TRACE(fmt::format("{} kg, {} N/m, {} ms each way: delay {:.1f} ms, {:.2f} to {:.2f} N", mass, stiffness, link_ms,
+                                 1e3 * loop.driver().delay_s(), least, most));
+        EXPECT_GT(least, 0.2 * most);
+        // Of the damping, of friction, and of what swings about them.
+        const double damping_n = DynamicsDriver::kDampingShare * stiffness * loop.driver().delay_s() * kSpeed;
+        EXPECT_LT(most, 1.6 * (damping_n + 0.1 * mass * 9.81 + std::sqrt(stiffness * mass) * kSpeed));
+      }
+    }
+  }
+}
+
+TEST(DynamicsDriver, WithoutDampingItBouncesOff) {
+  for (const int link_ms : {1, 15}) {
+    Loop loop(table_scene({.stiffness_n_per_m = 2000}), {.friction = 0.1, .damping_share = 0.0}, link_ms);
+    EXPECT_EQ(forces_under_way(loop).first, 0.0);
+  }
+}
+
+// What presses less than friction holds stays as it is.
+TEST(DynamicsDriver, AtRestTheForceIsSteady) {
+  for (const LoopCase& c : std::vector<LoopCase>{{0.2, 300, 1}, {0.2, 2000, 15}, {2.0, 300, 15}, {2.0, 2000, 1}}) {
+    Loop loop(table_scene({.mass_kg = c.mass_kg, .stiffness_n_per_m = c.stiffness_n_per_m}), {}, c.link_ms);
+    const Felt felt = push(loop);
+    EXPECT_LT(felt.most_end_n - felt.least_end_n, 0.1) << c.mass_kg << " kg, " << c.stiffness_n_per_m << " N/m, " << c.link_ms << " ms";
+  }
+}
+
+TEST(DynamicsDriver, LostRequestsAreSentAgain) {
+  Loop loop(table_scene(), {}, 1);
+  loop.loses = [](std::uint64_t n) { return n % 3 != 0; };
+  push(loop);
+  EXPECT_LT((loop.felt_position() - loop.position()).norm(), 1e-5);
+}
+
+TEST(DynamicsDriver, AnotherHapticsNodeGetsTheBodiesWhereTheyAre) {
+  Loop loop(table_scene(), {}, 1);
+  push(loop);
+  const Vec3 before = loop.position();
+  loop.start_haptics();
+  EXPECT_GT((loop.felt_position() - before).norm(), 0.02);
+  for (int i = 0; i < 1000; ++i) loop.step(Vec3(-0.1, 0.1, 0));
+  EXPECT_LT((loop.felt_position() - before).norm(), 1e-4);
+  EXPECT_EQ(loop.driver().counts().restarts, 1U);
+}
+
+struct Alone : testing::Test {
+  void SetUp() override { state.status = ProbeStatus::ok; }
+  void at(std::int64_t ms) {
+    state.scene_time_ns = kMs * ms;
+    driver.take(state);
+  }
+
+  Scene scene = table_scene({.height_m = 0.05});
+  DynamicsDriver driver = *DynamicsDriver::make(scene, {});
+  ProbeState state;
+};
+
+TEST_F(Alone, TimeIsSceneTime) {
+  at(1000);
+  const Vec3 start = driver.world().place(kBox).p_S;
+  for (int i = 0; i < 50; ++i) at(1000);  // no device: it stands still
+  EXPECT_EQ(driver.counts().steps, 0U);
+  EXPECT_EQ(driver.world().place(kBox).p_S, start);
+  at(1010);
+  EXPECT_EQ(driver.counts().steps, 10U);
+  at(5000);  // a gap is left out
+  EXPECT_EQ(driver.counts().steps, 10U);
+}
+
+TEST_F(Alone, GravityFollowsTheView) {
+  HapticsSetup setup;
+  // The scene lies on its side: x of S is up.
+  setup.X_WS = {0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0};
+  driver.take(setup);
+  at(0);
+  const Vec3 start = driver.world().place(kBox).p_S;
+  at(50);
+  const Vec3 by = driver.world().place(kBox).p_S - start;
+  EXPECT_LT(by.x(), -0.005);
+  EXPECT_NEAR(by.y(), 0.0, 1e-6);
+}
+
+TEST_F(Alone, ARejectionIsTold) {
+  at(0);
+  const auto request = driver.next_request(0);
+  ASSERT_TRUE(request);
+  MoveReply reply = {.request = request->request, .rejection = {"no"}};
+  driver.take(reply);
+  EXPECT_EQ(driver.take_rejection(), "no");
+  EXPECT_EQ(driver.take_rejection(), "");
+  reply.request += 1;  // of another program
+  driver.take(reply);
+  EXPECT_EQ(driver.take_rejection(), "");
+}
+
+TEST_F(Alone, ARequestAtATimeAndNoneForABodyAtRest) {
+  at(0);
+  ASSERT_TRUE(driver.next_request(0));
+  for (int ms = 1; ms < 2000; ++ms) {
+    at(ms);
+    if (const auto request = driver.next_request(kMs * ms)) driver.take(MoveReply{.request = request->request});
+  }
+  const std::uint64_t requests = driver.counts().requests;
+  EXPECT_GT(requests, 20U);
+  EXPECT_LE(requests, 401U);
+  // Bullet lets it sleep after two seconds, which may move it by micrometres, once.
+  int late = 0;
+  for (int ms = 2000; ms < 6000; ++ms) {
+    at(ms);
+    const auto request = driver.next_request(kMs * ms);
+    if (!request) continue;
+    ++late;
+    driver.take(MoveReply{.request = request->request});
+  }
+  EXPECT_LE(late, 1);
+}
+
+}  // namespace
+}  // namespace hapton::dynamics

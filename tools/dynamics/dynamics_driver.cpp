@@ -1,0 +1,157 @@
+#include "tools/dynamics/dynamics_driver.h"
+
+#include <algorithm>
+
+#include "core/math/rigid_pose.h"
+#include "core/math/rotation_vector.h"
+#include "link/commanded_move.h"
+#include "runtime/clock.h"
+
+namespace hapton::dynamics {
+namespace {
+
+constexpr std::int64_t kStepNs = static_cast<std::int64_t>(1e9 * DynamicsWorld::kStepS);
+// A longer gap between two states is left out: whoever gets no states for so long must not make bodies catch up.
+constexpr std::int64_t kMostGapNs = 100 * kNanosecondsPerMillisecond;
+// A request or its reply may be lost.
+constexpr std::int64_t kRepeatNs = 50 * kNanosecondsPerMillisecond;
+// No point of a body that is requested anew has moved by less: a hundredth of what a stylus tells apart.
+constexpr double kLeastTravelM = 2e-6;
+// The delay that is assumed before it is measured, and the longest that damps more.
+constexpr double kFirstDelayS = 0.02;
+constexpr double kLongestDelayS = 0.2;
+// The largest delay counts, and is forgotten by this share with each reply.
+constexpr double kForgetShare = 0.005;
+
+}  // namespace
+
+Result<DynamicsDriver> DynamicsDriver::make(const Scene& scene, const Settings& settings) {
+  auto world = DynamicsWorld::make(scene, settings.friction);
+  if (!world) return tl::unexpected(world.error());
+  return DynamicsDriver(scene, settings, std::move(*world));
+}
+
+DynamicsDriver::DynamicsDriver(const Scene& scene, const Settings& settings, std::unique_ptr<DynamicsWorld> world)
+    : scene_(&scene), settings_(settings), world_(std::move(world)), last_request_(settings.first_request) {
+  for (const int object : world_->bodies()) bodies_.emplace_back().object = object;
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    const SceneObject& object = scene.objects[i];
+    const int number = static_cast<int>(i);
+    if (object.commanded != nullptr && !world_->is_body(number)) commanded_.emplace(number, object.commanded->pivot());
+  }
+  period_s_ = 1.0 / kRequestRateHz;
+  delay_s_ = kFirstDelayS;
+  world_->set_gravity(settings_.gravity_W);
+}
+
+void DynamicsDriver::take(const ProbeState& state) {
+  const auto push = find_push(state);
+  counts_.pushes += push ? 1 : 0;
+  world_->press(push);
+  advance_to(state.scene_time_ns);
+}
+
+// p_WP and the force belong to samples a few apart; the damping at the contact covers the difference.
+std::optional<Push> DynamicsDriver::find_push(const ProbeState& state) const {
+  if (!state.contact || !world_->is_body(state.object)) return std::nullopt;
+  const Pose X_SW = X_WS_.inverse(Eigen::Isometry);
+  const double stiffness = scene_->objects[static_cast<std::size_t>(state.object)].material.stiffness_n_per_m;
+  return Push{.object = state.object,
+              .p_S = X_SW * (state.p_WD + state.visual_offset_m),
+              .force_n = X_SW.linear() * -state.force_n,
+              .damping_ns_per_m = settings_.damping_share * stiffness * delay_s_};
+}
+
+void DynamicsDriver::advance_to(std::int64_t scene_time_ns) {
+  const bool is_first = scene_time_ns_ < 0;
+  if (!is_first && scene_time_ns < scene_time_ns_) {
+    // Another haptics node: it has the bodies where the scene file has them.
+    ++counts_.restarts;
+    for (Body& body : bodies_) body.is_known = false;
+  }
+  if (is_first || scene_time_ns < scene_time_ns_ || scene_time_ns - world_time_ns_ > kMostGapNs) world_time_ns_ = scene_time_ns;
+  scene_time_ns_ = scene_time_ns;
+  for (; world_time_ns_ + kStepNs <= scene_time_ns; world_time_ns_ += kStepNs) {
+    move_obstacles(1e-9 * static_cast<double>(world_time_ns_ + kStepNs));
+    world_->step();
+    ++counts_.steps;
+    if (world_->fallen() < 0) continue;
+    fallen_ = world_->fallen();
+    ++counts_.fallen;
+  }
+}
+
+void DynamicsDriver::move_obstacles(double time_s) {
+  for (std::size_t i = 0; i < scene_->objects.size(); ++i) {
+    const SceneObject& object = scene_->objects[i];
+    if (object.motion != nullptr) world_->move_obstacle(static_cast<int>(i), object.motion->pose_at(time_s));
+  }
+  for (const auto& [object, motion] : commanded_) world_->move_obstacle(object, motion.pose_at(time_s));
+}
+
+void DynamicsDriver::take(const HapticsSetup& setup) {
+  const auto X_WS = find_rigid_pose(setup.X_WS);
+  if (!X_WS || X_WS->matrix() == X_WS_.matrix()) return;
+  X_WS_ = *X_WS;
+  world_->set_gravity(X_WS_.linear().transpose() * settings_.gravity_W);
+}
+
+void DynamicsDriver::take(const ObjectMove& move) {
+  const auto found = commanded_.find(move.object);
+  if (found != commanded_.end() && move.serial > 0) found->second.begin(to_command(move));
+}
+
+void DynamicsDriver::take(const MoveReply& reply) {
+  const auto body = std::ranges::find_if(bodies_, [&](const Body& b) { return b.pending && b.pending->request == reply.request; });
+  if (body == bodies_.end()) return;
+  body->pending.reset();
+  if (reply.rejection[0] != '\0') {
+    rejection_ = reply.rejection.data();
+    return;
+  }
+  const double measured = 1e-9 * static_cast<double>(scene_time_ns_ - body->sent_scene_ns) + period_s_;
+  delay_s_ = std::clamp(std::max(measured, (1.0 - kForgetShare) * delay_s_), 0.0, kLongestDelayS);
+}
+
+bool DynamicsDriver::is_due(const Body& body, std::int64_t now_ns) const {
+  if (!body.is_known) return true;
+  const double radius = scene_->objects[static_cast<std::size_t>(body.object)].commanded->radius_m();
+  if (most_travel_m(body.requested, world_->place(body.object), radius) > kLeastTravelM) return true;
+  return body.pending && now_ns - body.sent_ns >= kRepeatNs;
+}
+
+MoveRequest DynamicsDriver::make_request(Body& body) {
+  const SceneObject& object = scene_->objects[static_cast<std::size_t>(body.object)];
+  const bool is_new = !body.pending || !body.is_known ||
+                      most_travel_m(body.requested, world_->place(body.object), object.commanded->radius_m()) > kLeastTravelM;
+  if (!is_new) return *body.pending;
+  body.requested = world_->place(body.object, period_s_);
+  const ObjectPlace place = object.commanded->find_place(body.requested);
+  body.sent_scene_ns = scene_time_ns_;
+  body.is_known = true;
+  last_request_ = std::max(last_request_ + 1, 1U);
+  return body.pending.emplace(
+      MoveRequest{.request = last_request_, .number = body.object, .p_m = place.p_SM, .q = place.q_SM, .over_s = period_s_});
+}
+
+std::optional<MoveRequest> DynamicsDriver::next_request(std::int64_t now_ns) {
+  if (scene_time_ns_ < 0 || now_ns < next_request_ns_) return std::nullopt;
+  std::size_t due = 0;
+  for (const Body& body : bodies_) due += is_due(body, now_ns) ? 1 : 0;
+  if (due == 0) return std::nullopt;
+  period_s_ = static_cast<double>(due) / kRequestRateHz;
+  while (!is_due(bodies_[next_body_], now_ns)) next_body_ = (next_body_ + 1) % bodies_.size();
+  Body& body = bodies_[next_body_];
+  next_body_ = (next_body_ + 1) % bodies_.size();
+  const MoveRequest request = make_request(body);
+  body.sent_ns = now_ns;
+  next_request_ns_ = now_ns + static_cast<std::int64_t>(1e9 / kRequestRateHz);
+  ++counts_.requests;
+  return request;
+}
+
+std::string DynamicsDriver::take_rejection() { return std::exchange(rejection_, {}); }
+
+int DynamicsDriver::take_fallen() { return std::exchange(fallen_, -1); }
+
+}  // namespace hapton::dynamics

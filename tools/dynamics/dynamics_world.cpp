@@ -1,0 +1,358 @@
+#include "tools/dynamics/dynamics_world.h"
+
+#include "core/geometry/mass_properties.h"
+#include "core/geometry/mesh_topology.h"
+#include "scene/object_motion.h"
+
+#ifdef HAPTON_WITH_BULLET
+#include <BulletCollision/CollisionDispatch/btInternalEdgeUtility.h>
+#include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
+#include <BulletCollision/Gimpact/btGImpactShape.h>
+#include <LinearMath/btConvexHullComputer.h>
+#include <btBulletDynamicsCommon.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+#endif
+
+namespace hapton::dynamics {
+
+#ifndef HAPTON_WITH_BULLET
+
+struct DynamicsWorld::Parts {};
+
+Result<std::unique_ptr<DynamicsWorld>> DynamicsWorld::make(const Scene&, double) {
+  return fail("this program was built without Bullet; install libbullet-dev and build again");
+}
+DynamicsWorld::DynamicsWorld(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+DynamicsWorld::~DynamicsWorld() = default;
+std::span<const int> DynamicsWorld::bodies() const noexcept { return {}; }
+bool DynamicsWorld::is_body(int) const noexcept { return false; }
+void DynamicsWorld::set_gravity(const Vec3&) {}
+void DynamicsWorld::press(const std::optional<Push>&) {}
+void DynamicsWorld::move_obstacle(int, const Pose&) {}
+void DynamicsWorld::step() {}
+Keyframe DynamicsWorld::place(int, double) const { return {}; }
+int DynamicsWorld::fallen() const noexcept { return -1; }
+
+#else
+
+// One object of the scene.
+struct Member {
+  std::unique_ptr<btTriangleMesh> triangles;
+  std::unique_ptr<btTriangleInfoMap> edges;
+  std::unique_ptr<btCollisionShape> shape;
+  std::unique_ptr<btRigidBody> body;
+  Pose X_SB = Pose::Identity();  // at rest
+  bool has_mass = false;
+  Vec3 pivot_S = Vec3::Zero();
+  double radius_m = 0.0;  // no point of it is farther from the pivot
+};
+
+namespace {
+
+// Bullet's tolerances suit bodies of 0.05 to 10 units: a unit is a centimetre.
+constexpr double kUnitsPerM = 100.0;
+// Bullet keeps surfaces about this far apart, on each body: a fifth of what a person feels with a stylus.
+constexpr double kMarginM = 5e-5;
+// Iterations of the contact solver: stacks of a few bodies stand still (Bullet's default of 10 lets them creep).
+constexpr int kSolverIterations = 30;
+// Slower bodies come to rest after Bullet's two seconds.
+constexpr double kSleepM_per_s = 5e-4;
+constexpr double kSleepRad_per_s = 0.02;
+// A body this many diagonals of the scene away from its middle has fallen out of it.
+constexpr double kFallenDiagonals = 2.0;
+
+btVector3 to_bullet(const Vec3& v) { return {btScalar(v.x()), btScalar(v.y()), btScalar(v.z())}; }
+Vec3 from_bullet(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
+btVector3 to_units(const Vec3& v_m) { return to_bullet(kUnitsPerM * v_m); }
+
+btTransform to_bullet(const Pose& X) {
+  const Quat q(X.linear());
+  return btTransform(btQuaternion(btScalar(q.x()), btScalar(q.y()), btScalar(q.z()), btScalar(q.w())), to_units(X.translation()));
+}
+
+Pose from_bullet(const btTransform& X) {
+  const btQuaternion q = X.getRotation();
+  Pose pose = Pose::Identity();
+  pose.translation() = from_bullet(X.getOrigin()) / kUnitsPerM;
+  pose.linear() = Quat(q.w(), q.x(), q.y(), q.z()).normalized().toRotationMatrix();
+  return pose;
+}
+
+// The frame of a body: centre of mass and principal axes, at rest.
+struct BodyFrame {
+  Pose X_SB = Pose::Identity();
+  Vec3 inertia_per_mass = Vec3::Zero();
+};
+
+BodyFrame find_frame(const MassProperties& properties) {
+  const Eigen::SelfAdjointEigenSolver<Mat3> axes(properties.inertia_per_mass);
+  BodyFrame frame;
+  frame.inertia_per_mass = axes.eigenvalues();
+  frame.X_SB.translation() = properties.centre;
+  frame.X_SB.linear() = axes.eigenvectors();
+  if (frame.X_SB.linear().determinant() < 0.0) frame.X_SB.linear().col(0) *= -1.0;
+  return frame;
+}
+
+// cross_matrix(a) * b = a x b.
+Mat3 cross_matrix(const Vec3& a) {
+  Mat3 made;
+  made << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
+  return made;
+}
+
+std::unique_ptr<btTriangleMesh> make_triangles(const TriangleMesh& mesh, const Pose& X_BS) {
+  auto triangles = std::make_unique<btTriangleMesh>(true, false);
+  triangles->preallocateVertices(static_cast<int>(mesh.vertices.size()));
+  triangles->preallocateIndices(static_cast<int>(3 * mesh.triangles.size()));
+  for (const Vec3& vertex : mesh.vertices) triangles->findOrAddVertex(to_units(X_BS * vertex), false);
+  for (const auto& triangle : mesh.triangles) {
+    triangles->addTriangleIndices(static_cast<int>(triangle[0]), static_cast<int>(triangle[1]), static_cast<int>(triangle[2]));
+  }
+  return triangles;
+}
+
+// In the mesh's frame.
+std::vector<Vec3> find_hull(const TriangleMesh& mesh) {
+  btConvexHullComputer computer;
+  computer.compute(mesh.vertices.front().data(), sizeof(Vec3), static_cast<int>(mesh.vertices.size()), 0, 0);
+  std::vector<Vec3> hull;
+  for (int i = 0; i < computer.vertices.size(); ++i) hull.push_back(from_bullet(computer.vertices[i]));
+  return hull;
+}
+
+// No vertex of the hull is above the plane of a triangle by more than kConvexShare of the body's size.
+bool is_convex(const TriangleMesh& mesh, const std::vector<Vec3>& hull) {
+  Eigen::AlignedBox3d box;
+  for (const Vec3& corner : hull) box.extend(corner);
+  const double most = DynamicsWorld::kConvexShare * box.sizes().maxCoeff();
+  return std::ranges::all_of(mesh.triangles, [&](const Triangle& t) {
+    const Vec3& a = mesh.vertices[t[0]];
+    const Vec3 normal = (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a).stableNormalized();
+    return std::ranges::all_of(hull, [&](const Vec3& corner) { return normal.dot(corner - a) <= most; });
+  });
+}
+
+bool is_mesh_body(const btCollisionObjectWrapper* wrapper) {
+  return wrapper->getCollisionObject()->getCollisionShape()->getShapeType() == GIMPACT_SHAPE_PROXYTYPE;
+}
+
+// A contact of a convex body with an edge between two triangles of a flat surface gets the surface's normal, so that the body does not
+// stumble over it.
+bool smooth_edge(btManifoldPoint& point, const btCollisionObjectWrapper* a, int part_a, int index_a, const btCollisionObjectWrapper* b,
+                 int part_b, int index_b) {
+  if (is_mesh_body(a) || is_mesh_body(b)) return false;
+  btAdjustInternalEdgeContacts(point, b, a, part_b, index_b);
+  btAdjustInternalEdgeContacts(point, a, b, part_a, index_a);
+  return true;
+}
+
+Member make_obstacle(const SceneObject& object) {
+  Member member;
+  member.triangles = make_triangles(*object.mesh, Pose::Identity());
+  auto shape = std::make_unique<btBvhTriangleMeshShape>(member.triangles.get(), true);
+  member.edges = std::make_unique<btTriangleInfoMap>();
+  btGenerateInternalEdgeInfo(shape.get(), member.edges.get());
+  member.shape = std::move(shape);
+  member.shape->setMargin(btScalar(kMarginM * kUnitsPerM));
+  member.body = std::make_unique<btRigidBody>(0, nullptr, member.shape.get());
+  int flags = member.body->getCollisionFlags() | btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK;
+  if (object.motion != nullptr || object.commanded != nullptr) flags |= btCollisionObject::CF_KINEMATIC_OBJECT;
+  member.body->setCollisionFlags(flags);
+  return member;
+}
+
+Result<Member> make_body(const SceneObject& object) {
+  const MeshTopology topology = compute_mesh_topology(*object.mesh);
+  const auto properties = topology.is_closed() ? compute_mass_properties(*object.mesh) : std::nullopt;
+  if (!properties) {
+    return fail(
+        "object '{}' has a mass, but its surface is not closed, or faces inwards, so that its inertia is unknown: `hapton info` "
+        "shows where it is open; repair it, or leave out 'mass_kg'",
+        object.name);
+  }
+  const BodyFrame frame = find_frame(*properties);
+  Member member;
+  member.has_mass = true;
+  member.X_SB = frame.X_SB;
+  member.pivot_S = object.commanded->pivot();
+  member.radius_m = object.commanded->radius_m();
+  const Pose X_BS = frame.X_SB.inverse(Eigen::Isometry);
+  if (const std::vector<Vec3> hull = find_hull(*object.mesh); is_convex(*object.mesh, hull)) {
+    auto shape = std::make_unique<btConvexHullShape>();
+    for (const Vec3& corner : hull) shape->addPoint(to_units(X_BS * corner), false);
+    shape->recalcLocalAabb();
+    member.shape = std::move(shape);
+  } else {
+    member.triangles = make_triangles(*object.mesh, X_BS);
+    auto shape = std::make_unique<btGImpactMeshShape>(member.triangles.get());
+    shape->setMargin(btScalar(kMarginM * kUnitsPerM));
+    shape->updateBound();
+    member.shape = std::move(shape);
+  }
+  member.shape->setMargin(btScalar(kMarginM * kUnitsPerM));
+  const btVector3 inertia = to_bullet(object.mass_kg * kUnitsPerM * kUnitsPerM * frame.inertia_per_mass);
+  member.body = std::make_unique<btRigidBody>(btScalar(object.mass_kg), nullptr, member.shape.get(), inertia);
+  member.body->setWorldTransform(to_bullet(member.X_SB));
+  member.body->setSleepingThresholds(btScalar(kSleepM_per_s * kUnitsPerM), btScalar(kSleepRad_per_s));
+  return member;
+}
+
+}  // namespace
+
+struct DynamicsWorld::Parts {
+  Parts() : dispatcher(&configuration), world(&dispatcher, &broadphase, &solver, &configuration) {
+    btGImpactCollisionAlgorithm::registerAlgorithm(&dispatcher);
+    gContactAddedCallback = smooth_edge;
+    world.getSolverInfo().m_numIterations = kSolverIterations;
+    // Bodies that overlap come apart without getting a velocity.
+    world.getSolverInfo().m_splitImpulse = 1;
+    world.getSolverInfo().m_splitImpulsePenetrationThreshold = btScalar(-kMarginM * kUnitsPerM);
+  }
+  ~Parts() {
+    for (Member& member : members) world.removeRigidBody(member.body.get());
+  }
+
+  void add(Member member, double friction) {
+    // Bullet multiplies the coefficients of the two.
+    member.body->setFriction(btScalar(std::sqrt(friction)));
+    member.body->setRestitution(0);
+    world.addRigidBody(member.body.get());
+    members.push_back(std::move(member));
+  }
+
+  // The impulse of one step on the point of contact. Force and damping are solved together, implicitly: with K the velocity that the point
+  // gets by a unit of impulse, v' = v + K J and J = F dt - b dt v'. So no mass and no damping make it unstable.
+  void apply_push() {
+    btRigidBody& body = *at(push->object).body;
+    body.activate(true);
+    const Vec3 arm = push->p_S - from_bullet(body.getCenterOfMassPosition()) / kUnitsPerM;
+    Mat3 inverse_inertia;  // about the centre of mass
+    for (int column = 0; column < 3; ++column)
+      inverse_inertia.col(column) = kUnitsPerM * kUnitsPerM * from_bullet(body.getInvInertiaTensorWorld().getColumn(column));
+    const Mat3 cross = cross_matrix(arm);
+    const Mat3 K = body.getInvMass() * Mat3::Identity() - cross * inverse_inertia * cross;
+    const Vec3 velocity = from_bullet(body.getVelocityInLocalPoint(to_units(arm))) / kUnitsPerM;
+    const Vec3 pushed = kStepS * push->force_n;
+    const double damped_kg = kStepS * push->damping_ns_per_m;
+    const Mat3 slowed = Mat3::Identity() + damped_kg * K;
+    const Vec3 impulse = pushed - damped_kg * slowed.inverse() * (velocity + K * pushed);
+    body.applyImpulse(to_units(impulse), to_units(arm));
+  }
+
+  // As compute_move_time_s has it: the pivot's speed and that of the farthest point about it.
+  static void limit_speed(Member& member) {
+    btRigidBody& body = *member.body;
+    const Vec3 p_SP = pose_of(member).linear() * (member.X_SB.inverse(Eigen::Isometry) * member.pivot_S);
+    const btVector3 velocity = body.getVelocityInLocalPoint(to_units(p_SP));
+    const double speed = velocity.length() / kUnitsPerM + body.getAngularVelocity().length() * member.radius_m;
+    if (speed <= kMostSurfaceSpeed) return;
+    const btScalar share = btScalar(kMostSurfaceSpeed / speed);
+    body.setLinearVelocity(body.getLinearVelocity() * share);
+    body.setAngularVelocity(body.getAngularVelocity() * share);
+  }
+
+  static Pose pose_of(const Member& member) { return from_bullet(member.body->getWorldTransform()); }
+
+  static void put_back(Member& member) {
+    member.body->setWorldTransform(to_bullet(member.X_SB));
+    member.body->setInterpolationWorldTransform(to_bullet(member.X_SB));
+    member.body->setLinearVelocity(btVector3(0, 0, 0));
+    member.body->setAngularVelocity(btVector3(0, 0, 0));
+    member.body->clearForces();
+    member.body->activate(true);
+  }
+
+  const Member& at(int object) const { return members[static_cast<std::size_t>(object)]; }
+  Member& at(int object) { return members[static_cast<std::size_t>(object)]; }
+
+  btDefaultCollisionConfiguration configuration;
+  btCollisionDispatcher dispatcher;
+  btDbvtBroadphase broadphase;
+  btSequentialImpulseConstraintSolver solver;
+  btDiscreteDynamicsWorld world;
+  std::vector<Member> members;  // by object
+  std::vector<int> bodies;
+  std::optional<Push> push;
+  Eigen::AlignedBox3d box;  // of the scene at rest
+  int fallen = -1;
+};
+
+Result<std::unique_ptr<DynamicsWorld>> DynamicsWorld::make(const Scene& scene, double friction) {
+  auto parts = std::make_unique<Parts>();
+  for (const SceneObject& object : scene.objects) {
+    for (const Vec3& vertex : object.mesh->vertices) parts->box.extend(vertex);
+    if (!(object.mass_kg > 0.0)) {
+      parts->add(make_obstacle(object), friction);
+      continue;
+    }
+    auto body = make_body(object);
+    if (!body) return tl::unexpected(body.error());
+    parts->bodies.push_back(static_cast<int>(parts->members.size()));
+    parts->add(std::move(*body), friction);
+  }
+  if (parts->bodies.empty()) {
+    return fail("no object of the scene has a mass; give one 'moved_by = \"program\"' and 'mass_kg', as in scenes/push.toml");
+  }
+  return std::unique_ptr<DynamicsWorld>(new DynamicsWorld(std::move(parts)));
+}
+
+DynamicsWorld::DynamicsWorld(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+DynamicsWorld::~DynamicsWorld() = default;
+
+std::span<const int> DynamicsWorld::bodies() const noexcept { return parts_->bodies; }
+
+bool DynamicsWorld::is_body(int object) const noexcept {
+  return object >= 0 && object < static_cast<int>(parts_->members.size()) && parts_->at(object).has_mass;
+}
+
+void DynamicsWorld::set_gravity(const Vec3& g_S) {
+  parts_->world.setGravity(to_units(g_S));
+  for (const int object : parts_->bodies) parts_->at(object).body->activate(true);
+}
+
+void DynamicsWorld::press(const std::optional<Push>& push) { parts_->push = push; }
+
+void DynamicsWorld::move_obstacle(int object, const Pose& X_SO) {
+  btRigidBody& body = *parts_->at(object).body;
+  const btTransform X = to_bullet(X_SO);
+  if (X == body.getWorldTransform()) return;
+  body.setWorldTransform(X);
+  body.activate(true);
+  for (const int other : parts_->bodies) parts_->at(other).body->activate(true);
+}
+
+void DynamicsWorld::step() {
+  if (parts_->push) parts_->apply_push();
+  parts_->world.stepSimulation(btScalar(kStepS), 0);
+  parts_->fallen = -1;
+  for (const int object : parts_->bodies) {
+    Member& member = parts_->at(object);
+    Parts::limit_speed(member);
+    const Vec3 away = Parts::pose_of(member).translation() - parts_->box.center();
+    if (away.norm() <= kFallenDiagonals * parts_->box.diagonal().norm()) continue;
+    Parts::put_back(member);
+    parts_->fallen = object;
+  }
+}
+
+Keyframe DynamicsWorld::place(int object, double ahead_s) const {
+  const Member& member = parts_->at(object);
+  btTransform X = member.body->getWorldTransform();
+  if (ahead_s > 0.0) {
+    btTransformUtil::integrateTransform(member.body->getWorldTransform(), member.body->getLinearVelocity(),
+                                        member.body->getAngularVelocity(), btScalar(ahead_s), X);
+  }
+  const Pose X_SO = from_bullet(X) * member.X_SB.inverse(Eigen::Isometry);
+  return {.p_S = X_SO * member.pivot_S, .turn = Quat(X_SO.linear())};
+}
+
+int DynamicsWorld::fallen() const noexcept { return parts_->fallen; }
+
+#endif
+
+}  // namespace hapton::dynamics
