@@ -54,6 +54,13 @@ std::string describe_deformation(const MeshDeformation& deformation) {
                      deformation.moved().size());
 }
 
+// Who moves it in a running session.
+std::string describe_mover(const SceneObject& object) {
+  if (object.is_movable) return ", movable";
+  if (object.commanded == nullptr) return "";
+  return object.mass_kg > 0.0 ? fmt::format(", moved by programs, mass {:g} kg", object.mass_kg) : ", moved by programs";
+}
+
 }  // namespace
 
 Result<SceneReport> make_scene_report(const std::filesystem::path& path) {
@@ -86,10 +93,7 @@ std::string to_text(const SceneReport& report) {
                    "{:.3g}{}\n{:<20} {}\n",
                    object.name, t.triangles, size.x(), size.y(), size.z(), middle.x(), middle.y(), middle.z(),
                    object.material.stiffness_n_per_m, object.material.friction_static, object.material.friction_dynamic,
-                   object.commanded != nullptr ? ", moved by programs"
-                   : object.is_movable         ? ", movable"
-                                               : "",
-                   "", to_text(report.flaws[i]));
+                   describe_mover(object), "", to_text(report.flaws[i]));
     if (const auto effects = names_of(object.effects); !effects.empty()) {
       fmt::format_to(std::back_inserter(text), "{:<20} effects: {}\n", "", fmt::join(effects, ", "));
     }

@@ -55,7 +55,7 @@ Result<void> take(DynamicsDriver& driver, const Scene& scene, HubClient& client,
   } else if (const auto* setup = std::get_if<HapticsSetup>(&datagram.message)) {
     driver.take(*setup);
   } else if (const auto* move = std::get_if<ObjectMove>(&datagram.message)) {
-    driver.take(*move);
+    driver.take(*move, client.last_arrival());
   } else if (const auto* reply = std::get_if<MoveReply>(&datagram.message)) {
     driver.take(*reply);
   } else if (const auto* facts = std::get_if<SceneFacts>(&datagram.message)) {
@@ -100,6 +100,11 @@ Result<void> run_dynamics(const DynamicsOptions& options) {
     warn(*scene, *driver);
   }
   const DynamicsDriver::Counts& counts = driver->counts();
+  for (const int object : driver->world().bodies()) {
+    const SceneObject& body = scene->objects[static_cast<std::size_t>(object)];
+    const double away_m = (driver->world().place(object).p_S - body.commanded->pivot()).norm();
+    say(fmt::format("{} is {:.1f} mm from where it began", body.name, 1e3 * away_m));
+  }
   say(fmt::format("{} steps, {} moves requested, pressed in {} samples, delay {:.1f} ms", counts.steps, counts.requests, counts.pushes,
                   1e3 * driver->delay_s()));
   if (counts.steps > 0) return {};

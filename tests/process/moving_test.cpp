@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -74,6 +75,29 @@ TEST(ObjectsThatProgramsMove, PushAHandThatHoldsStillAndAreReplayed) {
   EXPECT_THAT(replayed.out, HasSubstr(" 0 different"));
   const Ended info = run("hapton", {"session", "info", hand.file}, hand.scratch.path()).value_or(Ended{});
   EXPECT_THAT(info.out, HasSubstr("objects moved by programs: "));
+}
+
+// A hand goes to the left side of the brick of scenes/push.toml and 30 mm on: so does the brick, and the recording gives the same forces.
+TEST(ObjectsThatArePushed, GoWhereTheHandPushesThemAndAreReplayed) {
+  LedHand hand("simulated",
+               "t_s,x_m,y_m,z_m\n0,-0.005,-0.02,0\n0.5,-0.005,-0.045,0\n1,0.0095,-0.045,0\n2.5,0.04,-0.045,0\n600,0.04,-0.045,0\n",
+               "push.toml");
+  Program dynamics("hapton", {"dynamics", "--scene", HAPTON_SOURCE_DIR "/scenes/push.toml", "--hub", hand.hub}, hand.scratch.path());
+  EXPECT_TRUE(hand.goes_above("max_force_written_n", 0.3));
+  // Until it is over: the simulated hand waits for nobody.
+  EXPECT_FALSE(dynamics.wait(Seconds(4))) << dynamics.out() << dynamics.err();
+  dynamics.send_signal(SIGTERM);
+  const auto ended = dynamics.wait(kPatience);
+  ASSERT_TRUE(ended);
+  EXPECT_EQ(ended->exit_code, 0) << ended->err;
+  EXPECT_THAT(ended->out, HasSubstr("bodies: brick (0.15 kg), peg (0.1 kg), wing nut (0.08 kg); obstacles: 1\n"));
+  std::smatch moved;
+  ASSERT_TRUE(std::regex_search(ended->out, moved, std::regex("brick is ([0-9.]+) mm from where it began"))) << ended->out;
+  EXPECT_NEAR(std::stod(moved[1]), 30.0, 6.0);
+  hand.end();
+  const Ended replayed = hand.replay();
+  EXPECT_EQ(replayed.exit_code, 0) << replayed.out << replayed.err;
+  EXPECT_THAT(replayed.out, HasSubstr(" 0 different"));
 }
 
 }  // namespace

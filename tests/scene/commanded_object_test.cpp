@@ -71,6 +71,38 @@ TEST_F(CommandedObjectTest, APoseIsThatOfTheSceneFile) {
   }
 }
 
+TEST_F(CommandedObjectTest, FindPlaceIsTheInverseOfPlace) {
+  for (const std::string& before : {"", "fit_m = [0.05, 0.05, 0.05]\n"}) {
+    const auto scene =
+        load("moved_by = \"program\"\nscale = 2.0\nposition_m = [0.1, 0.2, 0.3]\nrotation_deg = [10, 20, 30]\npivot_m = [0.02, 0.01, 0]\n",
+             before);
+    ASSERT_TRUE(scene) << scene.error().what;
+    const CommandedObject& flap = *scene->objects[0].commanded;
+    const ObjectPlace at_rest = flap.find_place({.p_S = flap.pivot()});
+    EXPECT_LT((at_rest.p_SM - Vec3(0.1, 0.2, 0.3)).norm(), 1e-14) << "as the file has it";
+    const Keyframe there{.p_S = {0.4, -0.1, 0.2}, .turn = Quat(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()))};
+    const ObjectPlace found = flap.find_place(there);
+    const Keyframe placed = flap.place(found.p_SM, found.q_SM, {});
+    EXPECT_LT((placed.p_S - there.p_S).norm(), 1e-14);
+    EXPECT_LT(placed.turn.angularDistance(there.turn), 1e-7);
+  }
+}
+
+TEST_F(CommandedObjectTest, AMassIsReadAndReported) {
+  const auto scene = load("moved_by = \"program\"\nmass_kg = 0.25\n");
+  ASSERT_TRUE(scene) << scene.error().what;
+  EXPECT_EQ(scene->objects[0].mass_kg, 0.25);
+  EXPECT_EQ(load("moved_by = \"program\"\n")->objects[0].mass_kg, 0.0);
+  ASSERT_TRUE(load("moved_by = \"program\"\nmass_kg = 0.25\n"));
+  const auto report = make_scene_report(folder.path() / "scene.toml");
+  ASSERT_TRUE(report);
+  EXPECT_THAT(to_text(*report), HasSubstr(", moved by programs, mass 0.25 kg"));
+  EXPECT_THAT(to_json(*report), HasSubstr("\"mass_kg\": 0.25"));
+  EXPECT_THAT(error_of("mass_kg = 0.25\n"), HasSubstr("line 5: 'mass_kg' in [[object]] 1 goes with 'moved_by = \"program\"'"));
+  EXPECT_THAT(error_of("moved_by = \"program\"\nmass_kg = 0\n"), HasSubstr("line 6: 'mass_kg'"));
+  EXPECT_THAT(error_of("moved_by = \"program\"\nmass_kg = 250\n"), HasSubstr("line 6: 'mass_kg'"));
+}
+
 TEST_F(CommandedObjectTest, WhatIsNotGivenStaysAsItIs) {
   const auto scene = load("moved_by = \"program\"\npivot_m = [0.02, 0, 0]\nrotation_deg = [0, 0, 90]\n");
   ASSERT_TRUE(scene) << scene.error().what;

@@ -4,7 +4,6 @@
 
 #include "core/math/rigid_pose.h"
 #include "core/math/rotation_vector.h"
-#include "link/commanded_move.h"
 #include "runtime/clock.h"
 
 namespace hapton::dynamics {
@@ -34,11 +33,6 @@ Result<DynamicsDriver> DynamicsDriver::make(const Scene& scene, const Settings& 
 DynamicsDriver::DynamicsDriver(const Scene& scene, const Settings& settings, std::unique_ptr<DynamicsWorld> world)
     : scene_(&scene), settings_(settings), world_(std::move(world)), last_request_(settings.first_request) {
   for (const int object : world_->bodies()) bodies_.emplace_back().object = object;
-  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
-    const SceneObject& object = scene.objects[i];
-    const int number = static_cast<int>(i);
-    if (object.commanded != nullptr && !world_->is_body(number)) commanded_.emplace(number, object.commanded->pivot());
-  }
   period_s_ = 1.0 / kRequestRateHz;
   delay_s_ = kFirstDelayS;
   world_->set_gravity(settings_.gravity_W);
@@ -84,9 +78,11 @@ void DynamicsDriver::advance_to(std::int64_t scene_time_ns) {
 void DynamicsDriver::move_obstacles(double time_s) {
   for (std::size_t i = 0; i < scene_->objects.size(); ++i) {
     const SceneObject& object = scene_->objects[i];
-    if (object.motion != nullptr) world_->move_obstacle(static_cast<int>(i), object.motion->pose_at(time_s));
+    const int number = static_cast<int>(i);
+    if (object.motion != nullptr) world_->move_obstacle(number, object.motion->pose_at(time_s));
+    if (object.commanded == nullptr || world_->is_body(number)) continue;
+    if (const auto placed = moves_.find(number, time_s)) world_->move_obstacle(number, pose_of(placed->at, object.commanded->pivot()));
   }
-  for (const auto& [object, motion] : commanded_) world_->move_obstacle(object, motion.pose_at(time_s));
 }
 
 void DynamicsDriver::take(const HapticsSetup& setup) {
@@ -94,11 +90,6 @@ void DynamicsDriver::take(const HapticsSetup& setup) {
   if (!X_WS || X_WS->matrix() == X_WS_.matrix()) return;
   X_WS_ = *X_WS;
   world_->set_gravity(X_WS_.linear().transpose() * settings_.gravity_W);
-}
-
-void DynamicsDriver::take(const ObjectMove& move) {
-  const auto found = commanded_.find(move.object);
-  if (found != commanded_.end() && move.serial > 0) found->second.begin(to_command(move));
 }
 
 void DynamicsDriver::take(const MoveReply& reply) {

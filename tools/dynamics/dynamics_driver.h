@@ -1,12 +1,11 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "core/math/commanded_motion.h"
+#include "link/known_moves.h"
 #include "link/messages.h"
 #include "scene/scene_file.h"
 #include "tools/dynamics/dynamics_world.h"
@@ -49,7 +48,8 @@ class DynamicsDriver {
   // Gravity follows the view.
   void take(const HapticsSetup& setup);
   // An obstacle that another program moves.
-  void take(const ObjectMove& move);
+  // arrival: as HubClient::last_arrival of this move.
+  void take(const ObjectMove& move, Arrival arrival) { moves_.take(move, arrival); }
   void take(const MoveReply& reply);
 
   // The next request that is due; nothing: none is. now_ns: any clock.
@@ -85,7 +85,7 @@ class DynamicsDriver {
   Settings settings_;
   std::unique_ptr<DynamicsWorld> world_;
   std::vector<Body> bodies_;
-  std::map<int, CommandedMotion> commanded_;  // obstacles that programs move
+  KnownMoves moves_;  // of obstacles
   Pose X_WS_ = Pose::Identity();
   std::size_t next_body_ = 0;  // in turn
   std::int64_t next_request_ns_ = 0;

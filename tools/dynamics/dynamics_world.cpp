@@ -168,7 +168,8 @@ Member make_obstacle(const SceneObject& object) {
 
 Result<Member> make_body(const SceneObject& object) {
   const MeshTopology topology = compute_mesh_topology(*object.mesh);
-  const auto properties = topology.is_closed() ? compute_mass_properties(*object.mesh) : std::nullopt;
+  const bool encloses = topology.boundary_edges + topology.nonmanifold_edges + topology.inconsistent_edges == 0;
+  const auto properties = encloses ? compute_mass_properties(*object.mesh) : std::nullopt;
   if (!properties) {
     return fail(
         "object '{}' has a mass, but its surface is not closed, or faces inwards, so that its inertia is unknown: `hapton info` "

@@ -238,6 +238,30 @@ TEST_F(Alone, GravityFollowsTheView) {
   EXPECT_NEAR(by.y(), 0.0, 1e-6);
 }
 
+// The table is lifted by another program: the box on it goes along.
+TEST(DynamicsDriver, AnObstacleThatAProgramMovesCarriesABody) {
+  Scene scene = table_scene();
+  make_commanded(scene.objects[kTable]);
+  DynamicsDriver driver = *DynamicsDriver::make(scene, {});
+  const Vec3 pivot = scene.objects[kTable].commanded->pivot();
+  driver.take({.source = 5,
+               .serial = 1,
+               .object = kTable,
+               .start_ns = 100 * kMs,
+               .end_ns = 300 * kMs,
+               .from_p_m = pivot,
+               .to_p_m = pivot + Vec3(0, 0.02, 0)},
+              Arrival::newest);
+  ProbeState state;
+  driver.take(state);
+  const double start = driver.world().place(kBox).p_S.y();
+  for (int ms = 1; ms <= 500; ++ms) {
+    state.scene_time_ns = kMs * ms;
+    driver.take(state);
+  }
+  EXPECT_NEAR(driver.world().place(kBox).p_S.y() - start, 0.02, 3e-4);
+}
+
 TEST_F(Alone, ARejectionIsTold) {
   at(0);
   const auto request = driver.next_request(0);
