@@ -107,9 +107,6 @@ int run(const HapticsOptions& options) {
   const Scene placed = place_objects(*loaded, *put_down);
   const Scene* const scene = &placed;
   if (const auto checked = check_motion(*scene, !options.tool.file.empty() || scene->tool); !checked) return give_up(checked.error());
-  if (options.watch_scene && scene->touch_scene().has_commanded()) {
-    return give_up({"--watch-scene does not support objects that programs move; leave out --watch-scene, or 'moved_by' in the scene file"});
-  }
   for (const auto& note : scene->notes) log_info("{}", note);
   for (const auto& warning : find_inside_out(*scene)) log_warning("{}", warning);
   const SceneFacts facts = make_scene_facts(*scene);

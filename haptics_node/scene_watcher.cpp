@@ -1,5 +1,6 @@
 #include "haptics_node/scene_watcher.h"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -10,6 +11,30 @@
 #include "runtime/start_thread.h"
 
 namespace hapton {
+namespace {
+
+// Requests would put both to the same places.
+bool moves_alike(const CommandedObject* one, const CommandedObject* other) {
+  if (one == nullptr || other == nullptr) return one == other;
+  const auto is_equal_at = [&](const Vec3& p_S) {
+    const ObjectPlace a = one->find_place({.p_S = p_S});
+    const ObjectPlace b = other->find_place({.p_S = p_S});
+    return a.p_SM == b.p_SM && a.q_SM.coeffs() == b.q_SM.coeffs();
+  };
+  const Vec3& pivot = one->pivot();
+  return pivot == other->pivot() && one->radius_m() == other->radius_m() && is_equal_at(pivot) && is_equal_at(pivot + Vec3::Ones());
+}
+
+// What programs move stays where it is now, so it must be the same objects, with the same numbers.
+bool has_same_commanded(const Scene& before, const Scene& after) {
+  const auto commands = [](const Scene& scene) { return scene.touch_scene().has_commanded(); };
+  if (!commands(before) && !commands(after)) return true;
+  return std::equal(
+      before.objects.begin(), before.objects.end(), after.objects.begin(), after.objects.end(),
+      [](const SceneObject& a, const SceneObject& b) { return a.name == b.name && moves_alike(a.commanded.get(), b.commanded.get()); });
+}
+
+}  // namespace
 
 SceneWatcher::SceneWatcher(Options options, Scene scene, MaterialTuner& tuner, MethodBuilder& builder)
     : options_(std::move(options)), base_(scene), used_(std::move(scene)), tuner_(tuner), builder_(builder) {
@@ -71,6 +96,13 @@ SceneWatcher::Look SceneWatcher::look() {
   if (!has_same_plugins(used_, *scene)) {
     log_warning("{}: its plug-ins have changed: start haptics_node again to use it; the present scene stays in use",
                 options_.path.string());
+    return Look::rejected;
+  }
+  if (!has_same_commanded(used_, *scene)) {
+    log_warning(
+        "{}: programs move objects of this scene, and their shapes, their poses at rest, or the names or the number of all objects have "
+        "changed: start haptics_node again to use it; the present scene stays in use",
+        options_.path.string());
     return Look::rejected;
   }
   return take(std::move(*scene));

@@ -121,6 +121,31 @@ TEST_F(SceneWatcherTest, APlugInThatAppearsIsNotLoaded) {
   EXPECT_EQ(builder->take(), nullptr);
 }
 
+TEST_F(SceneWatcherTest, WhatProgramsMoveStaysTheSameObject) {
+  const std::string lid = "name = 'lid'\nmoved_by = 'program'\npivot_m = [0.01, 0, 0]";
+  const std::string block = "\n[[object]]\nname = 'block'\nmesh = 'a.obj'\n";
+  write("stiffness_n_per_m = 500", lid + block);
+  const auto loaded = load_scene(file);
+  ASSERT_TRUE(loaded) << loaded.error().what;
+  MethodBuilder of_lid(MethodSettings(), loaded->touch_scene(), *make_method({}, loaded->touch_scene()));
+  watcher.emplace(SceneWatcher::Options{.path = file, .loading = {}}, *loaded, *tuner, of_lid);
+
+  write("stiffness_n_per_m = 500", lid + block + "position_m = [0, 0, 0.03]\n");
+  EXPECT_EQ(look_twice(), SceneWatcher::Look::scene) << "another object has another place";
+  for (const std::string& changed :
+       {lid + "\nposition_m = [0, 0, 0.02]" + block, lid + "\nscale = 0.5" + block, lid + "\nrotation_deg = [0, 0, 5]" + block,
+        "name = 'lid'\nmoved_by = 'program'\npivot_m = [0, 0, 0]" + block, "name = 'lid'" + block,
+        "name = 'cover'\nmoved_by = 'program'\n"
+        "pivot_m = [0.01, 0, 0]" +
+            block,
+        lid, lid + block + "moved_by = 'program'\n"}) {
+    write("stiffness_n_per_m = 500", changed);
+    EXPECT_EQ(look_twice(), SceneWatcher::Look::rejected) << changed;
+  }
+  write("stiffness_n_per_m = 650", lid + block + "position_m = [0, 0, 0.03]\n");
+  EXPECT_EQ(look_twice(), SceneWatcher::Look::materials);
+}
+
 TEST_F(SceneWatcherTest, AFileWithAnErrorChangesNothingUntilItIsGood) {
   write("stifness_n_per_m = 700");
   EXPECT_EQ(look_twice(), SceneWatcher::Look::rejected);
