@@ -30,6 +30,8 @@ constexpr double kJoinS = 5.0;
 // Longer waits would delay a request: the driver has one due every 5 ms.
 constexpr std::int64_t kTurnNs = 1 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kWarnEveryNs = kNanosecondsPerSecond;
+// Less is no news: nodes start, and machines stand still for a moment.
+constexpr double kMostLeftOutS = 0.5;
 
 void say(const std::string& line) {
   fmt::print("{}\n", line);
@@ -107,6 +109,9 @@ Result<void> run_dynamics(const DynamicsOptions& options) {
   }
   say(fmt::format("{} steps, {} moves requested, pressed in {} samples, delay {:.1f} ms", counts.steps, counts.requests, counts.pushes,
                   1e3 * driver->delay_s()));
+  const double left_out_s = 1e-9 * static_cast<double>(counts.left_out_ns);
+  if (left_out_s > kMostLeftOutS)
+    say(fmt::format("slow: bodies stood still for {:.1f} s, as states came late or the machine was busy", left_out_s));
   if (counts.steps > 0) return {};
   return fail("time stood still: does haptics_node run with this scene, and is the device connected? `hapton top` shows");
 }

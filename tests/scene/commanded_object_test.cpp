@@ -72,7 +72,7 @@ TEST_F(CommandedObjectTest, APoseIsThatOfTheSceneFile) {
 }
 
 TEST_F(CommandedObjectTest, FindPlaceIsTheInverseOfPlace) {
-  for (const std::string& before : {"", "fit_m = [0.05, 0.05, 0.05]\n"}) {
+  for (const std::string& before : {std::string(), std::string("fit_m = [0.05, 0.05, 0.05]\n")}) {
     const auto scene =
         load("moved_by = \"program\"\nscale = 2.0\nposition_m = [0.1, 0.2, 0.3]\nrotation_deg = [10, 20, 30]\npivot_m = [0.02, 0.01, 0]\n",
              before);

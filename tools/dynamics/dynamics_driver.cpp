@@ -10,7 +10,7 @@ namespace hapton::dynamics {
 namespace {
 
 constexpr std::int64_t kStepNs = static_cast<std::int64_t>(1e9 * DynamicsWorld::kStepS);
-// A longer gap between two states is left out: whoever gets no states for so long must not make bodies catch up.
+// Bodies stand still for the rest of a longer gap between two states: whoever is late must not be later still by catching up.
 constexpr std::int64_t kMostGapNs = 100 * kNanosecondsPerMillisecond;
 // A request or its reply may be lost.
 constexpr std::int64_t kRepeatNs = 50 * kNanosecondsPerMillisecond;
@@ -57,14 +57,17 @@ std::optional<Push> DynamicsDriver::find_push(const ProbeState& state) const {
 }
 
 void DynamicsDriver::advance_to(std::int64_t scene_time_ns) {
-  const bool is_first = scene_time_ns_ < 0;
-  if (!is_first && scene_time_ns < scene_time_ns_) {
+  interval_ns_ = scene_time_ns_ < 0 ? 0 : scene_time_ns - scene_time_ns_;
+  if (interval_ns_ < 0) {
     // Another haptics node: it has the bodies where the scene file has them.
     ++counts_.restarts;
     for (Body& body : bodies_) body.is_known = false;
   }
-  if (is_first || scene_time_ns < scene_time_ns_ || scene_time_ns - world_time_ns_ > kMostGapNs) world_time_ns_ = scene_time_ns;
+  if (scene_time_ns_ < 0 || interval_ns_ < 0) world_time_ns_ = scene_time_ns;
   scene_time_ns_ = scene_time_ns;
+  const std::int64_t left_out_ns = std::max<std::int64_t>(scene_time_ns - world_time_ns_ - kMostGapNs, 0);
+  counts_.left_out_ns += left_out_ns;
+  world_time_ns_ += left_out_ns;
   for (; world_time_ns_ + kStepNs <= scene_time_ns; world_time_ns_ += kStepNs) {
     move_obstacles(1e-9 * static_cast<double>(world_time_ns_ + kStepNs));
     world_->step();
@@ -100,7 +103,8 @@ void DynamicsDriver::take(const MoveReply& reply) {
     rejection_ = reply.rejection.data();
     return;
   }
-  const double measured = 1e-9 * static_cast<double>(scene_time_ns_ - body->sent_scene_ns) + period_s_;
+  const double measured =
+      1e-9 * static_cast<double>(scene_time_ns_ - body->sent_scene_ns + std::max<std::int64_t>(interval_ns_, 0)) + period_s_;
   delay_s_ = std::clamp(std::max(measured, (1.0 - kForgetShare) * delay_s_), 0.0, kLongestDelayS);
 }
 

@@ -17,8 +17,8 @@ namespace hapton::dynamics {
 //
 // A pushed body is a loop with a delay t: the hand feels the body where the haptics node has it, later than the dynamics. A spring K with a
 // delay gives the body energy like a damping of -K t, so that it bounces off the hand. A pressed body is therefore damped at the contact by
-// kDampingShare K t, with K the stiffness of its material and t measured from each request to its reply. A hand that pushes at a speed v
-// feels that as a resistance of kDampingShare K t v. Threads: one. RT: no.
+// kDampingShare K t, with K the stiffness of its material and t measured: from each request to its reply, a move and a state more. A hand
+// that pushes at a speed v feels that as a resistance of kDampingShare K t v. Threads: one. RT: no.
 class DynamicsDriver {
  public:
   // Requests a second, of all bodies together. The haptics node carries out 250.
@@ -35,9 +35,10 @@ class DynamicsDriver {
   struct Counts {
     std::uint64_t steps = 0;
     std::uint64_t requests = 0;
-    std::uint64_t pushes = 0;    // samples in which a body was pressed
-    std::uint64_t fallen = 0;    // bodies put back
-    std::uint64_t restarts = 0;  // of the haptics node
+    std::uint64_t pushes = 0;      // samples in which a body was pressed
+    std::uint64_t fallen = 0;      // bodies put back
+    std::int64_t left_out_ns = 0;  // scene time that the bodies stood still, as the states came too slowly
+    std::uint64_t restarts = 0;    // of the haptics node
   };
 
   // Error: as DynamicsWorld::make. Pre: the scene outlives this.
@@ -90,6 +91,7 @@ class DynamicsDriver {
   std::size_t next_body_ = 0;  // in turn
   std::int64_t next_request_ns_ = 0;
   std::int64_t scene_time_ns_ = -1;  // of the last state
+  std::int64_t interval_ns_ = 0;     // ... since the one before
   std::int64_t world_time_ns_ = 0;   // scene time that the bodies have reached
   std::uint32_t last_request_;
   double period_s_;

@@ -1,13 +1,13 @@
 #include "tools/dynamics/dynamics_world.h"
 
+#include "core/geometry/convex_pieces.h"
 #include "core/geometry/mass_properties.h"
 #include "core/geometry/mesh_topology.h"
+#include "core/geometry/simplify_small.h"
 #include "scene/object_motion.h"
 
 #ifdef HAPTON_WITH_BULLET
 #include <BulletCollision/CollisionDispatch/btInternalEdgeUtility.h>
-#include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
-#include <BulletCollision/Gimpact/btGImpactShape.h>
 #include <LinearMath/btConvexHullComputer.h>
 #include <btBulletDynamicsCommon.h>
 
@@ -41,8 +41,9 @@ int DynamicsWorld::fallen() const noexcept { return -1; }
 
 // One object of the scene.
 struct Member {
-  std::unique_ptr<btTriangleMesh> triangles;
-  std::unique_ptr<btTriangleInfoMap> edges;
+  std::unique_ptr<btTriangleMesh> triangles;               // of an obstacle
+  std::unique_ptr<btTriangleInfoMap> edges;                // of an obstacle
+  std::vector<std::unique_ptr<btConvexHullShape>> pieces;  // of a body that is not convex
   std::unique_ptr<btCollisionShape> shape;
   std::unique_ptr<btRigidBody> body;
   Pose X_SB = Pose::Identity();  // at rest
@@ -60,8 +61,8 @@ constexpr double kMarginM = 5e-5;
 // Iterations of the contact solver: stacks of a few bodies stand still (Bullet's default of 10 lets them creep).
 constexpr int kSolverIterations = 30;
 // Slower bodies come to rest after Bullet's two seconds.
-constexpr double kSleepM_per_s = 5e-4;
-constexpr double kSleepRad_per_s = 0.02;
+constexpr double kSleepM_per_s = 1e-3;
+constexpr double kSleepRad_per_s = 0.05;
 // A body this many diagonals of the scene away from its middle has fallen out of it.
 constexpr double kFallenDiagonals = 2.0;
 
@@ -80,6 +81,15 @@ Pose from_bullet(const btTransform& X) {
   pose.translation() = from_bullet(X.getOrigin()) / kUnitsPerM;
   pose.linear() = Quat(q.w(), q.x(), q.y(), q.z()).normalized().toRotationMatrix();
   return pose;
+}
+
+// More pieces cost more time than a person sees of them.
+constexpr std::size_t kMostPieces = 64;
+
+double size_of(const TriangleMesh& mesh) {
+  Eigen::AlignedBox3d box;
+  for (const Vec3& vertex : mesh.vertices) box.extend(vertex);
+  return box.sizes().maxCoeff();
 }
 
 // The frame of a body: centre of mass and principal axes, at rest.
@@ -105,47 +115,32 @@ Mat3 cross_matrix(const Vec3& a) {
   return made;
 }
 
-std::unique_ptr<btTriangleMesh> make_triangles(const TriangleMesh& mesh, const Pose& X_BS) {
+std::unique_ptr<btTriangleMesh> make_triangles(const TriangleMesh& mesh) {
   auto triangles = std::make_unique<btTriangleMesh>(true, false);
   triangles->preallocateVertices(static_cast<int>(mesh.vertices.size()));
   triangles->preallocateIndices(static_cast<int>(3 * mesh.triangles.size()));
-  for (const Vec3& vertex : mesh.vertices) triangles->findOrAddVertex(to_units(X_BS * vertex), false);
+  for (const Vec3& vertex : mesh.vertices) triangles->findOrAddVertex(to_units(vertex), false);
   for (const auto& triangle : mesh.triangles) {
     triangles->addTriangleIndices(static_cast<int>(triangle[0]), static_cast<int>(triangle[1]), static_cast<int>(triangle[2]));
   }
   return triangles;
 }
 
-// In the mesh's frame.
-std::vector<Vec3> find_hull(const TriangleMesh& mesh) {
+// The convex hull of points, moved by X_BS. Bullet's shape keeps its corners alone.
+std::unique_ptr<btConvexHullShape> make_hull(const std::vector<Vec3>& points, const Pose& X_BS) {
   btConvexHullComputer computer;
-  computer.compute(mesh.vertices.front().data(), sizeof(Vec3), static_cast<int>(mesh.vertices.size()), 0, 0);
-  std::vector<Vec3> hull;
-  for (int i = 0; i < computer.vertices.size(); ++i) hull.push_back(from_bullet(computer.vertices[i]));
-  return hull;
-}
-
-// No vertex of the hull is above the plane of a triangle by more than kConvexShare of the body's size.
-bool is_convex(const TriangleMesh& mesh, const std::vector<Vec3>& hull) {
-  Eigen::AlignedBox3d box;
-  for (const Vec3& corner : hull) box.extend(corner);
-  const double most = DynamicsWorld::kConvexShare * box.sizes().maxCoeff();
-  return std::ranges::all_of(mesh.triangles, [&](const Triangle& t) {
-    const Vec3& a = mesh.vertices[t[0]];
-    const Vec3 normal = (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a).stableNormalized();
-    return std::ranges::all_of(hull, [&](const Vec3& corner) { return normal.dot(corner - a) <= most; });
-  });
-}
-
-bool is_mesh_body(const btCollisionObjectWrapper* wrapper) {
-  return wrapper->getCollisionObject()->getCollisionShape()->getShapeType() == GIMPACT_SHAPE_PROXYTYPE;
+  computer.compute(points.front().data(), sizeof(Vec3), static_cast<int>(points.size()), 0, 0);
+  auto shape = std::make_unique<btConvexHullShape>();
+  for (int i = 0; i < computer.vertices.size(); ++i) shape->addPoint(to_units(X_BS * from_bullet(computer.vertices[i])), false);
+  shape->recalcLocalAabb();
+  shape->setMargin(btScalar(kMarginM * kUnitsPerM));
+  return shape;
 }
 
 // A contact of a convex body with an edge between two triangles of a flat surface gets the surface's normal, so that the body does not
 // stumble over it.
 bool smooth_edge(btManifoldPoint& point, const btCollisionObjectWrapper* a, int part_a, int index_a, const btCollisionObjectWrapper* b,
                  int part_b, int index_b) {
-  if (is_mesh_body(a) || is_mesh_body(b)) return false;
   btAdjustInternalEdgeContacts(point, b, a, part_b, index_b);
   btAdjustInternalEdgeContacts(point, a, b, part_a, index_a);
   return true;
@@ -153,7 +148,7 @@ bool smooth_edge(btManifoldPoint& point, const btCollisionObjectWrapper* a, int 
 
 Member make_obstacle(const SceneObject& object) {
   Member member;
-  member.triangles = make_triangles(*object.mesh, Pose::Identity());
+  member.triangles = make_triangles(*object.mesh);
   auto shape = std::make_unique<btBvhTriangleMeshShape>(member.triangles.get(), true);
   member.edges = std::make_unique<btTriangleInfoMap>();
   btGenerateInternalEdgeInfo(shape.get(), member.edges.get());
@@ -164,6 +159,24 @@ Member make_obstacle(const SceneObject& object) {
   if (object.motion != nullptr || object.commanded != nullptr) flags |= btCollisionObject::CF_KINEMATIC_OBJECT;
   member.body->setCollisionFlags(flags);
   return member;
+}
+
+// Merging small triangles first makes the pieces fewer.
+void make_body_shape(const TriangleMesh& felt, const Pose& X_BS, Member& member) {
+  TriangleMesh mesh = {felt.vertices, felt.triangles};
+  const double most = DynamicsWorld::kShapeShare * size_of(mesh);
+  (void)simplify_small(mesh, most / 2);  // an error leaves the mesh as it is
+  const std::vector<ConvexPiece> pieces = split_into_convex(mesh, most, kMostPieces);
+  if (pieces.size() == 1) {
+    member.shape = make_hull(pieces.front(), X_BS);
+    return;
+  }
+  auto compound = std::make_unique<btCompoundShape>(true, static_cast<int>(pieces.size()));
+  for (const ConvexPiece& piece : pieces) {
+    member.pieces.push_back(make_hull(piece, X_BS));
+    compound->addChildShape(btTransform::getIdentity(), member.pieces.back().get());
+  }
+  member.shape = std::move(compound);
 }
 
 Result<Member> make_body(const SceneObject& object) {
@@ -183,19 +196,7 @@ Result<Member> make_body(const SceneObject& object) {
   member.pivot_S = object.commanded->pivot();
   member.radius_m = object.commanded->radius_m();
   const Pose X_BS = frame.X_SB.inverse(Eigen::Isometry);
-  if (const std::vector<Vec3> hull = find_hull(*object.mesh); is_convex(*object.mesh, hull)) {
-    auto shape = std::make_unique<btConvexHullShape>();
-    for (const Vec3& corner : hull) shape->addPoint(to_units(X_BS * corner), false);
-    shape->recalcLocalAabb();
-    member.shape = std::move(shape);
-  } else {
-    member.triangles = make_triangles(*object.mesh, X_BS);
-    auto shape = std::make_unique<btGImpactMeshShape>(member.triangles.get());
-    shape->setMargin(btScalar(kMarginM * kUnitsPerM));
-    shape->updateBound();
-    member.shape = std::move(shape);
-  }
-  member.shape->setMargin(btScalar(kMarginM * kUnitsPerM));
+  make_body_shape(*object.mesh, X_BS, member);
   const btVector3 inertia = to_bullet(object.mass_kg * kUnitsPerM * kUnitsPerM * frame.inertia_per_mass);
   member.body = std::make_unique<btRigidBody>(btScalar(object.mass_kg), nullptr, member.shape.get(), inertia);
   member.body->setWorldTransform(to_bullet(member.X_SB));
@@ -207,7 +208,6 @@ Result<Member> make_body(const SceneObject& object) {
 
 struct DynamicsWorld::Parts {
   Parts() : dispatcher(&configuration), world(&dispatcher, &broadphase, &solver, &configuration) {
-    btGImpactCollisionAlgorithm::registerAlgorithm(&dispatcher);
     gContactAddedCallback = smooth_edge;
     world.getSolverInfo().m_numIterations = kSolverIterations;
     // Bodies that overlap come apart without getting a velocity.

@@ -19,12 +19,13 @@ struct Push {
 };
 
 // Rigid-body dynamics by Bullet: the objects of a scene that have a mass are bodies, all others obstacles. No point of a body gets faster
-// than kMostSurfaceSpeed, the fastest that the haptics node moves an object, but for a step of gravity. A body's shape is its convex hull
-// where the two differ by less than kConvexShare of its size, and its mesh otherwise. Frame S, SI units. Threads: one. RT: no.
+// than kMostSurfaceSpeed, the fastest that the haptics node moves an object, but for a step of gravity. A body's shape is a set
+// of convex pieces, which differ from its mesh by kShapeShare of its size at most where 64 pieces are enough. Frame S, SI units. Threads:
+// one. RT: no.
 class DynamicsWorld {
  public:
   static constexpr double kStepS = 1e-3;
-  static constexpr double kConvexShare = 0.01;
+  static constexpr double kShapeShare = 0.01;
 
   // friction: Coulomb coefficient between any two objects. Error, one line: no object has a mass; the surface of a body is not closed or
   // encloses no volume, so that it has no inertia; this program was built without Bullet.

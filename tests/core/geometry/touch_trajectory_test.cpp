@@ -12,7 +12,7 @@
 namespace hapton {
 namespace {
 
-double distance_to(const TriangleMesh& mesh, const Vec3& p) {
+double distance_to_mesh(const TriangleMesh& mesh, const Vec3& p) {
   double nearest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
     nearest = std::min(nearest, closest_point(mesh.corner(i, 0), mesh.corner(i, 1), mesh.corner(i, 2), p).distance);
@@ -59,7 +59,7 @@ TEST(TouchTrajectory, FreeNeverTouches) {
        {make_icosphere(0.05, 4), make_box(Vec3(0.1, 0.05, 0.03)), make_torus(0.04, 0.01, 40, 20), make_gutter(0.1, 0.03, 0.6, 3)}) {
     const auto free = make_free_trajectory(mesh, {.seed = 2, .rows = 4000});
     ASSERT_TRUE(free.has_value());
-    for (std::size_t i = 0; i < free->p_SD.size(); i += 10) ASSERT_GT(distance_to(mesh, free->p_SD[i]), 0.0005);
+    for (std::size_t i = 0; i < free->p_SD.size(); i += 10) ASSERT_GT(distance_to_mesh(mesh, free->p_SD[i]), 0.0005);
   }
 }
 
@@ -81,8 +81,8 @@ TEST(TouchTrajectory, TapsEndInsideAndStartOutside) {
   const auto taps = make_tap_trajectory(mesh, {.seed = 2, .rows = 4000});
   ASSERT_EQ(taps->reset_every, 40u);
   for (std::size_t i = 0; i < 4000; i += 40) {
-    EXPECT_NEAR(distance_to(mesh, taps->p_SD[i]), 0.005, 5e-4);
-    EXPECT_NEAR(distance_to(mesh, taps->p_SD[i + 20]), 0.0015, 2e-4);
+    EXPECT_NEAR(distance_to_mesh(mesh, taps->p_SD[i]), 0.005, 5e-4);
+    EXPECT_NEAR(distance_to_mesh(mesh, taps->p_SD[i + 20]), 0.0015, 2e-4);
     EXPECT_LT(taps->p_SD[i + 20].norm(), 0.049);
   }
 }

@@ -52,7 +52,7 @@ class Loop {
                               .contact = reply.contact,
                               .object = reply.object,
                               .scene_time_ns = reply.scene_time_ns};
-    later(link_ms_, [this, state] { driver_.take(state); });
+    if (sample_ % state_every_ms == 0) later(link_ms_, [this, state] { driver_.take(state); });
     while (!waiting_.empty() && waiting_.front().at <= sample_) {
       waiting_.front().arrive();
       waiting_.pop_front();
@@ -71,6 +71,7 @@ class Loop {
   DynamicsDriver& driver() { return driver_; }
 
   std::function<bool(std::uint64_t)> loses = {};  // which requests
+  int state_every_ms = 4;                         // as io_node's --vision-rate has it
 
  private:
   struct Waiting {
@@ -153,8 +154,9 @@ std::pair<double, double> forces_under_way(Loop& loop) {
 TEST(DynamicsDriver, ABodyStaysAtTheHandThatPushesIt) {
   for (const double mass : {0.02, 0.2, 2.0}) {
     for (const double stiffness : {300.0, 2000.0}) {
-      for (const int link_ms : {1, 5, 15}) {
+      for (const auto& [link_ms, state_every_ms] : {std::pair(1, 1), {1, 4}, {5, 4}, {15, 1}, {15, 10}}) {
         Loop loop(table_scene({.mass_kg = mass, .stiffness_n_per_m = stiffness}), {.friction = 0.1}, link_ms);
+        loop.state_every_ms = state_every_ms;
         const auto [least, most] = forces_under_way(loop);
         SCOPED_TRACE(fmt::format("{} kg, {} N/m, {} ms each way: delay {:.1f} ms, {:.2f} to {:.2f} N", mass, stiffness, link_ms,
                                  1e3 * loop.driver().delay_s(), least, most));
@@ -179,7 +181,7 @@ TEST(DynamicsDriver, AtRestTheForceIsSteady) {
   for (const LoopCase& c : std::vector<LoopCase>{{0.2, 300, 1}, {0.2, 2000, 15}, {2.0, 300, 15}, {2.0, 2000, 1}}) {
     Loop loop(table_scene({.mass_kg = c.mass_kg, .stiffness_n_per_m = c.stiffness_n_per_m}), {}, c.link_ms);
     const Felt felt = push(loop);
-    EXPECT_LT(felt.most_end_n - felt.least_end_n, 0.1) << c.mass_kg << " kg, " << c.stiffness_n_per_m << " N/m, " << c.link_ms << " ms";
+    EXPECT_LT(felt.most_end_n - felt.least_end_n, 0.2) << c.mass_kg << " kg, " << c.stiffness_n_per_m << " N/m, " << c.link_ms << " ms";
   }
 }
 
@@ -221,8 +223,9 @@ TEST_F(Alone, TimeIsSceneTime) {
   EXPECT_EQ(driver.world().place(kBox).p_S, start);
   at(1010);
   EXPECT_EQ(driver.counts().steps, 10U);
-  at(5000);  // a gap is left out
-  EXPECT_EQ(driver.counts().steps, 10U);
+  at(5000);  // a long gap
+  EXPECT_EQ(driver.counts().steps, 110U);
+  EXPECT_EQ(driver.counts().left_out_ns, 3890 * kMs);
 }
 
 TEST_F(Alone, GravityFollowsTheView) {

@@ -1,0 +1,156 @@
+#include "core/geometry/convex_pieces.h"
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+#include "core/geometry/point_in_mesh.h"
+
+namespace hapton {
+namespace {
+
+using Box3 = Eigen::AlignedBox3d;
+
+// No cut is nearer to the side of a cell than this share of it, so that each makes progress.
+constexpr double kNearestCut = 0.1;
+
+// A part of a triangle, convex.
+struct Face {
+  Vec3 normal;
+  std::vector<Vec3> corners;
+};
+
+// What lies in a box-shaped cell.
+struct Part {
+  Box3 cell;
+  std::vector<Face> faces;
+  std::vector<Vec3> inner;  // corners of the cell within the solid
+  double concavity = 0.0;   // how far a point is above the plane of a face, at most
+  std::size_t worst = 0;    // ... of this face
+
+  ConvexPiece points() const {
+    ConvexPiece all = inner;
+    for (const Face& face : faces) all.insert(all.end(), face.corners.begin(), face.corners.end());
+    return all;
+  }
+};
+
+// Whether a face has a part on that side, or lies in the cut with the solid on that side.
+bool is_on_side(const Face& face, int axis, double at, double sign) {
+  double low = 0.0;
+  double high = 0.0;
+  for (const Vec3& corner : face.corners) {
+    low = std::min(low, sign * (corner[axis] - at));
+    high = std::max(high, sign * (corner[axis] - at));
+  }
+  return low < 0.0 || (high == 0.0 && sign * face.normal[axis] > 0.0);
+}
+
+// The side of a face that is below `at` along an axis (sign 1), or above it (sign -1). Pre: is_on_side.
+Face clip(const Face& face, int axis, double at, double sign) {
+  Face kept{.normal = face.normal, .corners = {}};
+  for (std::size_t i = 0; i < face.corners.size(); ++i) {
+    const Vec3& from = face.corners[i];
+    const Vec3& to = face.corners[(i + 1) % face.corners.size()];
+    const double before = sign * (from[axis] - at);
+    const double after = sign * (to[axis] - at);
+    if (before <= 0.0) kept.corners.push_back(from);
+    if ((before < 0.0 && after > 0.0) || (before > 0.0 && after < 0.0)) {
+      Vec3 between = from + before / (before - after) * (to - from);
+      between[axis] = at;
+      kept.corners.push_back(between);
+    }
+  }
+  return kept;
+}
+
+void find_concavity(Part& part) {
+  const ConvexPiece points = part.points();
+  for (std::size_t f = 0; f < part.faces.size(); ++f) {
+    const Face& face = part.faces[f];
+    for (const Vec3& point : points) {
+      const double above = face.normal.dot(point - face.corners.front());
+      if (above > part.concavity) std::tie(part.concavity, part.worst) = std::pair(above, f);
+    }
+  }
+}
+
+struct Cut {
+  int axis = 0;
+  double at = 0.0;
+};
+
+// Along the wall of the notch where an axis comes near to it, as between the parts of a machined body; else through the middle.
+Cut choose_cut(const Part& part) {
+  Cut cut;
+  const Face& wall = part.faces[part.worst];
+  wall.normal.cwiseAbs().maxCoeff(&cut.axis);
+  for (const Vec3& corner : wall.corners) cut.at += corner[cut.axis] / static_cast<double>(wall.corners.size());
+  const double share = (cut.at - part.cell.min()[cut.axis]) / part.cell.sizes()[cut.axis];
+  if (share > kNearestCut && share < 1.0 - kNearestCut) return cut;
+  part.cell.sizes().maxCoeff(&cut.axis);
+  cut.at = part.cell.center()[cut.axis];
+  return cut;
+}
+
+class Splitter {
+ public:
+  explicit Splitter(const TriangleMesh& mesh) : solid_(mesh) {
+    Part whole;
+    for (const Triangle& t : mesh.triangles) {
+      const std::vector<Vec3> corners = {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
+      const Vec3 normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+      for (const Vec3& corner : corners) whole.cell.extend(corner);
+      if (normal.squaredNorm() > 0.0) whole.faces.push_back({.normal = normal.stableNormalized(), .corners = corners});
+    }
+    finish(whole);
+    parts_.push_back(std::move(whole));
+  }
+
+  std::vector<Part>& parts() { return parts_; }
+
+  void split(std::size_t index) {
+    const Part part = std::exchange(parts_[index], {});
+    parts_.erase(parts_.begin() + static_cast<std::ptrdiff_t>(index));
+    const auto [axis, at] = choose_cut(part);
+    for (const double sign : {1.0, -1.0}) {
+      Part half{.cell = part.cell, .faces = {}, .inner = {}};
+      (sign > 0.0 ? half.cell.max() : half.cell.min())[axis] = at;
+      for (const Face& face : part.faces) {
+        if (is_on_side(face, axis, at, sign)) half.faces.push_back(clip(face, axis, at, sign));
+      }
+      if (half.faces.empty()) continue;  // outside, or within the solid where nothing comes into contact
+      finish(half);
+      parts_.push_back(std::move(half));
+    }
+  }
+
+ private:
+  void finish(Part& part) const {
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vec3 point = part.cell.corner(static_cast<Box3::CornerType>(corner));
+      if (solid_.is_inside(point)) part.inner.push_back(point);
+    }
+    find_concavity(part);
+  }
+
+  PointInMesh solid_;
+  std::vector<Part> parts_;
+};
+
+}  // namespace
+
+std::vector<ConvexPiece> split_into_convex(const TriangleMesh& mesh, double max_concavity, std::size_t most_pieces) {
+  Splitter splitter(mesh);
+  const auto less = [](const Part& a, const Part& b) { return a.concavity < b.concavity; };
+  while (splitter.parts().size() < most_pieces) {
+    const auto worst = std::ranges::max_element(splitter.parts(), less);
+    if (worst == splitter.parts().end() || !(worst->concavity > max_concavity)) break;
+    splitter.split(static_cast<std::size_t>(worst - splitter.parts().begin()));
+  }
+  std::vector<ConvexPiece> pieces;
+  for (const Part& part : splitter.parts()) pieces.push_back(part.points());
+  return pieces;
+}
+
+}  // namespace hapton
