@@ -13,6 +13,8 @@ using Box3 = Eigen::AlignedBox3d;
 
 // No cut is nearer to the side of a cell than this share of it, so that each makes progress.
 constexpr double kNearestCut = 0.1;
+// A wall is square to an axis when it leans by at most this share of the cell.
+constexpr double kSquare = 0.01;
 
 // A part of a triangle, convex.
 struct Face {
@@ -80,14 +82,21 @@ struct Cut {
   double at = 0.0;
 };
 
-// Along the wall of the notch where an axis comes near to it, as between the parts of a machined body; else through the middle.
+// Along the wall of the notch where it is square to an axis, as between the parts of a machined body; else through the middle.
 Cut choose_cut(const Part& part) {
   Cut cut;
   const Face& wall = part.faces[part.worst];
   wall.normal.cwiseAbs().maxCoeff(&cut.axis);
-  for (const Vec3& corner : wall.corners) cut.at += corner[cut.axis] / static_cast<double>(wall.corners.size());
-  const double share = (cut.at - part.cell.min()[cut.axis]) / part.cell.sizes()[cut.axis];
-  if (share > kNearestCut && share < 1.0 - kNearestCut) return cut;
+  double low = part.cell.max()[cut.axis];
+  double high = part.cell.min()[cut.axis];
+  for (const Vec3& corner : wall.corners) {
+    low = std::min(low, corner[cut.axis]);
+    high = std::max(high, corner[cut.axis]);
+  }
+  const double size = part.cell.sizes()[cut.axis];
+  cut.at = low + 0.5 * (high - low);
+  const double share = (cut.at - part.cell.min()[cut.axis]) / size;
+  if (high - low <= kSquare * size && share > kNearestCut && share < 1.0 - kNearestCut) return cut;
   part.cell.sizes().maxCoeff(&cut.axis);
   cut.at = part.cell.center()[cut.axis];
   return cut;

@@ -127,7 +127,7 @@ TEST_F(SceneWatcherTest, WhatProgramsMoveStaysTheSameObject) {
   write("stiffness_n_per_m = 500", lid + block);
   const auto loaded = load_scene(file);
   ASSERT_TRUE(loaded) << loaded.error().what;
-  MethodBuilder of_lid(MethodSettings(), loaded->touch_scene(), *make_method({}, loaded->touch_scene()));
+  MethodBuilder of_lid(MethodSettings(), loaded->touch_scene(), std::shared_ptr<ForceMethod>(*make_method({}, loaded->touch_scene())));
   watcher.emplace(SceneWatcher::Options{.path = file, .loading = {}}, *loaded, *tuner, of_lid);
 
   write("stiffness_n_per_m = 500", lid + block + "position_m = [0, 0, 0.03]\n");

@@ -63,7 +63,7 @@ TEST(ConvexPieces, TheyAreTheSolidUpToTheBound) {
   // A ball with dents of a tenth of its radius.
   const TriangleMesh mesh = made::sphere(1.0, 24, 0.1);
   const PointInMesh solid(mesh);
-  const double most = 0.06;
+  const double most = 0.1;
   const auto pieces = split_into_convex(mesh, most, 1000);
   EXPECT_GT(pieces.size(), 4U);
   EXPECT_LT(pieces.size(), 1000U);

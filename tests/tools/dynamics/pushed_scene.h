@@ -19,6 +19,13 @@ inline std::shared_ptr<const TriangleMesh> moved(TriangleMesh mesh, const Vec3& 
   return made::shared(std::move(mesh));
 }
 
+inline SceneObject make_object(const char* name, std::shared_ptr<const TriangleMesh> mesh) {
+  SceneObject object;
+  object.name = name;
+  object.mesh = std::move(mesh);
+  return object;
+}
+
 // pivot: from the centre of its box.
 inline void make_commanded(SceneObject& object, const Vec3& pivot = Vec3::Zero()) {
   ObjectSpec spec;
@@ -44,9 +51,9 @@ inline Scene table_scene(const TableSetting& setting = {}) {
     table = made::sheet(0.2, 0.0, setting.table_cells);
     for (Vec3& vertex : table.vertices) vertex = Vec3(vertex.x(), vertex.z(), -vertex.y());
   }
-  scene.objects.push_back({.name = "table", .mesh = made::shared(std::move(table))});
+  scene.objects.push_back(make_object("table", made::shared(std::move(table))));
   const double half = kBoxSideM / 2;
-  SceneObject box{.name = "box", .mesh = moved(made::box({-half, 0, -half}, {half, kBoxSideM, half}), {0, setting.height_m, 0})};
+  SceneObject box = make_object("box", moved(made::box({-half, 0, -half}, {half, kBoxSideM, half}), {0, setting.height_m, 0}));
   box.material.stiffness_n_per_m = setting.stiffness_n_per_m;
   box.mass_kg = setting.mass_kg;
   make_commanded(box);
@@ -84,7 +91,7 @@ inline Scene frame_around_post_scene() {
   scene.objects[kBox].mesh = made::shared(frame(0.02, 0.04, 0.02));
   make_commanded(scene.objects[kBox]);
   const double half = 0.02 - kFrameGapM;
-  scene.objects.push_back({.name = "post", .mesh = made::shared(made::box({-half, 0, -half}, {half, 0.05, half}))});
+  scene.objects.push_back(make_object("post", made::shared(made::box({-half, 0, -half}, {half, 0.05, half}))));
   return scene;
 }
 
