@@ -1,5 +1,7 @@
 #include "core/geometry/mass_properties.h"
 
+#include "core/geometry/mesh_topology.h"
+
 namespace hapton {
 namespace {
 
@@ -8,9 +10,10 @@ constexpr double kLeastShareOfBox = 1e-9;
 }  // namespace
 
 std::optional<MassProperties> compute_mass_properties(const TriangleMesh& mesh) {
-  Eigen::AlignedBox3d box;
-  for (const Vec3& vertex : mesh.vertices) box.extend(vertex);
-  if (box.isEmpty()) return std::nullopt;
+  const MeshTopology topology = compute_mesh_topology(mesh);
+  if (topology.triangles == 0 || topology.boundary_edges + topology.nonmanifold_edges + topology.inconsistent_edges > 0)
+    return std::nullopt;
+  const Eigen::AlignedBox3d box(topology.lowest, topology.highest);
   const Vec3 middle = box.center();
 
   // Of a tetrahedron with one corner at the origin and the others at a, b, c: volume det(a, b, c) / 6, first moment volume (a + b + c) / 4,

@@ -15,8 +15,8 @@ struct MassProperties {
 };
 
 // Integrals over the tetrahedra between the triangles and the centre of the bounding box (B. Mirtich, "Fast and accurate computation of
-// polyhedral mass properties", 1996, has the same integrals by another way). Nothing: the volume is not above 1e-9 of the bounding box's,
-// as of a sheet or a surface inside out. Pre: a closed surface whose triangles face outwards. RT: set-up only.
+// polyhedral mass properties", 1996, has the same integrals by another way). Nothing: the surface is not closed, its triangles do not all
+// face outwards, or its volume is at most 1e-9 of the bounding box's. RT: set-up only.
 std::optional<MassProperties> compute_mass_properties(const TriangleMesh& mesh);
 
 }  // namespace hapton

@@ -17,6 +17,7 @@ enum class SceneFault : std::uint8_t {
   crack,       // a gap that was not sealed
   flipped,     // triangles whose fronts are on the wrong side
   inside_out,  // a closed body with its fronts inside
+  no_inertia,  // a body to push whose surface is not closed
   stiffer_than_device,
   stiffer_than_loop,
   heavier_than_loop,  // a virtual mass

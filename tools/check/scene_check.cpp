@@ -64,6 +64,7 @@ Result<SceneCheck> check_scene(const std::string& path, const Scene& scene, cons
   for (const SceneObject& object : scene.objects) {
     check.triangles += object.mesh->triangles.size();
     append(check_surface(object, settings.probe_radius_m), check.findings);
+    append(check_inertia(object), check.findings);
     append(check_stiffness(object, held, settings.rate_hz, settings.delay_s), check.findings);
     for (const DevicePreset* device : reaching) append(check_reach(object, device->limits), check.findings);
   }

@@ -6,6 +6,7 @@
 
 #include "core/collision/wall_thickness.h"
 #include "core/geometry/boundary_loops.h"
+#include "core/geometry/mass_properties.h"
 #include "scene/mesh_report.h"
 
 namespace hapton {
@@ -83,6 +84,13 @@ CheckFindings check_surface(const SceneObject& object, double probe_radius_m) {
   check_openings(object, flaws, probe_radius_m, findings);
   check_sides(object, flaws, findings);
   return findings;
+}
+
+CheckFindings check_inertia(const SceneObject& object) {
+  if (!(object.mass_kg > 0.0) || compute_mass_properties(*object.mesh)) return {};
+  return {{SceneFault::no_inertia, object.name, std::nullopt,
+           "has a mass, but its surface is not closed or faces inwards: its inertia is unknown",
+           "close it, turn its triangles outwards, or leave out its mass_kg"}};
 }
 
 }  // namespace hapton

@@ -9,4 +9,7 @@ namespace hapton {
 // not bothered by openings that it does not fit through; a point by no thin wall. RT: set-up only.
 CheckFindings check_surface(const SceneObject& object, double probe_radius_m);
 
+// An object with a mass whose inertia is unknown (core/geometry/mass_properties.h). RT: set-up only.
+CheckFindings check_inertia(const SceneObject& object);
+
 }  // namespace hapton

@@ -2,7 +2,6 @@
 
 #include "core/geometry/convex_pieces.h"
 #include "core/geometry/mass_properties.h"
-#include "core/geometry/mesh_topology.h"
 #include "core/geometry/simplify_small.h"
 #include "scene/object_motion.h"
 
@@ -180,9 +179,7 @@ void make_body_shape(const TriangleMesh& felt, const Pose& X_BS, Member& member)
 }
 
 Result<Member> make_body(const SceneObject& object) {
-  const MeshTopology topology = compute_mesh_topology(*object.mesh);
-  const bool encloses = topology.boundary_edges + topology.nonmanifold_edges + topology.inconsistent_edges == 0;
-  const auto properties = encloses ? compute_mass_properties(*object.mesh) : std::nullopt;
+  const auto properties = compute_mass_properties(*object.mesh);
   if (!properties) {
     return fail(
         "object '{}' has a mass, but its surface is not closed, or faces inwards, so that its inertia is unknown: `hapton info` "

@@ -41,6 +41,9 @@ TEST(MassProperties, OfABallAreThoseOfItsLimit) {
 TEST(MassProperties, OfNoSolidThereAreNone) {
   EXPECT_FALSE(compute_mass_properties({}));
   EXPECT_FALSE(compute_mass_properties(made::sheet(1.0, 0.0, 4)));
+  TriangleMesh open = made::box({0, 0, 0}, {1, 1, 1});
+  open.triangles.pop_back();
+  EXPECT_FALSE(compute_mass_properties(open));
   TriangleMesh inside_out = made::box({0, 0, 0}, {1, 1, 1});
   for (Triangle& triangle : inside_out.triangles) std::swap(triangle[0], triangle[1]);
   EXPECT_FALSE(compute_mass_properties(inside_out));

@@ -107,6 +107,15 @@ std::vector<SeededFault> seeded_faults() {
       {"InsideOut", flipped(good_ball()), "", "", {}, "inside-out", Vec3(0, 0, 0)},
       {"InsideOutOneSided", flipped(good_block()), "position_m = [0.01, 0, 0]\n", one_sided, {}, "inside-out", Vec3(0.01, 0, 0)},
       {"OneOfTwoBodiesInsideOut", joined(good_ball(), turned_ball), "", "", {}, "inside-out", Vec3(0, 0.06, 0)},
+      {"ABodyWithAHole",
+       without(good_block(), [](const Vec3& p) { return p.z() > 0.0249; }),
+       "moved_by = 'program'\nmass_kg = 0.2\n",
+       "",
+       {},
+       "no-inertia",
+       {},
+       0.0,
+       {"opening"}},
       {"StifferThanTheDevice", good_ball(), "", "stiffness_n_per_m = 5000.0\n", {}, "stiffer-than-device", {}, 0.0, {"stiffer-than-loop"}},
       {"StifferThanAWeakerDevice",
        good_ball(),
@@ -201,6 +210,7 @@ TEST(SeededFaults, AreGoneWithWhatTheFixSays) {
       {"ASheet", make_plane_grid(0.08, 6), "", "", {}, ""},
       {"ABowl", without(good_ball(), [](const Vec3& p) { return p.z() > 0.0; }), "", "", {}, ""},
       {"ACavity", joined(good_ball(), flipped(make_icosphere(0.02, 2))), "", "", {}, ""},
+      {"ABody", good_block(), "moved_by = 'program'\nmass_kg = 0.2\n", "", {}, ""},
       {"Reached", good_ball(), "position_m = [0, 0.05524, 0]\n", "", {}, ""},
   };
   for (const SeededFault& good : repaired) {
