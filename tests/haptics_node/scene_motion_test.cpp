@@ -32,7 +32,7 @@ TEST(SceneMotion, GoesWithAProbeAndOtherObjects) {
 
 TEST(SceneMotion, DoesNotGoWithAToolOrMovableObjects) {
   EXPECT_EQ(check_motion(moving_scene_with(true, false), true).error().what,
-            "object 'lid' moves by keyframes, which a rigid tool does not feel yet: leave out the tool, or the keyframes");
+            "object 'lid' moves by keyframes, which a rigid tool does not support: leave out the tool, or the keyframes");
   EXPECT_EQ(check_motion(moving_scene_with(true, true), false).error().what,
             "object 'lid' moves by keyframes and 'peg' is movable, which cannot be combined: keep one of the two");
 }
@@ -42,7 +42,7 @@ TEST(SceneMotion, WhatDeformsIsToldLikewise) {
   scene.objects[0].deformation = std::make_shared<const MeshDeformation>(std::vector<MorphTarget>{{{0}, {Vec3::UnitX()}}},
                                                                          std::vector<MorphKey>{{0.0, {0.0}}, {1.0, {1.0}}}, false);
   EXPECT_EQ(check_motion(scene, true).error().what,
-            "object 'lid' deforms, which a rigid tool does not feel yet: leave out the tool, or the morphs");
+            "object 'lid' deforms, which a rigid tool does not support: leave out the tool, or the morphs");
   EXPECT_EQ(check_motion(scene, false).error().what,
             "object 'lid' deforms and 'peg' is movable, which cannot be combined: keep one of the two");
   scene.objects[1].is_movable = false;
@@ -55,7 +55,7 @@ TEST(SceneMotion, WhatProgramsMoveIsToldLikewise) {
   spec.motion.by_program = true;
   scene.objects[0].commanded = std::make_shared<const CommandedObject>(spec, SceneFit(), TriangleMesh());
   EXPECT_EQ(check_motion(scene, true).error().what,
-            "object 'lid' is moved by programs, which a rigid tool does not feel yet: leave out the tool, or 'moved_by'");
+            "object 'lid' is moved by programs, which a rigid tool does not support: leave out the tool, or 'moved_by'");
   EXPECT_EQ(check_motion(scene, false).error().what,
             "object 'lid' is moved by programs and 'peg' is movable, which cannot be combined: keep one of the two");
   scene.objects[1].is_movable = false;

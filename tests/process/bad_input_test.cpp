@@ -119,7 +119,7 @@ const std::vector<BadCall> kIoNode = {
     {"ConfigBroken", "io_node", {"--config", "FOLDER/broken.toml"}, "broken.toml"},
     {"BeyondLoopbackWithoutKey", "io_node", {"--bind", "0.0.0.0:0"}, "--key FILE"},
     {"KeyMissing", "io_node", {"--bind", "127.0.0.1:0", "--key", "FOLDER/gone.key"}, "gone.key"},
-    {"KeyTooShort", "io_node", {"--bind", "127.0.0.1:0", "--key", "FOLDER/short.key"}, "short.key: holds 5 bytes"},
+    {"KeyTooShort", "io_node", {"--bind", "127.0.0.1:0", "--key", "FOLDER/short.key"}, "short.key: has 5 bytes"},
     {"KeyOpenToAll", "io_node", {"--bind", "0.0.0.0:0", "--key", "FOLDER/open.key"}, "chmod 600 FOLDER/open.key"},
 };
 

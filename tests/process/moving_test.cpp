@@ -80,7 +80,7 @@ TEST(ObjectsThatProgramsMove, PushAHandThatHoldsStillAndAreReplayed) {
 // A hand goes to the left side of the brick of scenes/push.toml and 30 mm on: so does the brick, and the recording gives the same forces.
 TEST(ObjectsThatArePushed, GoWhereTheHandPushesThemAndAreReplayed) {
   LedHand hand("simulated",
-               "t_s,x_m,y_m,z_m\n0,-0.005,-0.02,0\n0.5,-0.005,-0.045,0\n1,0.0095,-0.045,0\n2.5,0.04,-0.045,0\n600,0.04,-0.045,0\n",
+               "t_s,x_m,y_m,z_m\n0,-0.005,0.018,0\n0.5,-0.005,-0.008,0\n1,0.0095,-0.008,0\n2.5,0.04,-0.008,0\n600,0.04,-0.008,0\n",
                "push.toml");
   Program dynamics("hapton", {"dynamics", "--scene", HAPTON_SOURCE_DIR "/scenes/push.toml", "--hub", hand.hub}, hand.scratch.path());
   EXPECT_TRUE(hand.goes_above("max_force_written_n", 0.3));

@@ -123,7 +123,7 @@ TEST(RemoteRun, WhatNeverComesIsAnError) {
   ASSERT_TRUE(path);
   const auto touch = run_prescribed(*scene, *path, device_of("touch"), case_of("patch", 0.0, 1.0));
   ASSERT_FALSE(touch);
-  EXPECT_NE(touch.error().what.find("patch: the scene around the hand had not come"), std::string::npos) << touch.error().what;
+  EXPECT_NE(touch.error().what.find("patch: the scene around the hand had not arrived"), std::string::npos) << touch.error().what;
 }
 
 TEST(RemoteRun, TheSameSeedGivesTheSameRun) {

@@ -100,7 +100,7 @@ TEST_F(ObjectDeformation, AFastOneNamesTheTimeThatWouldDo) {
 
 TEST_F(ObjectDeformation, RejectsWhatCannotBeFelt) {
   const std::string good = morph("push_m = [0, 0, 0.01]\nkeys = [[0, 0], [1, 1]]");
-  EXPECT_THAT(error_of("loop = true", good), HasSubstr("line 5: 'skin' does not end with the weights that it begins with"));
+  EXPECT_THAT(error_of("loop = true", good), HasSubstr("line 5: 'skin' does not end with the weights at its beginning"));
   EXPECT_THAT(error_of("", morph("push_m = [0, 0, 0.01]\ncenter_m = [5, 0, 0]\nradius_m = 0.1\nkeys = [[0, 0], [1, 1]]")),
               HasSubstr("moves no vertex of 'skin'"));
   EXPECT_THAT(error_of("movable = true", good), HasSubstr("movable and deforms"));

@@ -82,7 +82,7 @@ TEST_F(ObjectMotion, ASurfaceMayNotPushAHandFasterThanIsSaid) {
 
 TEST_F(ObjectMotion, ALoopEndsWhereItBegins) {
   const std::string ways = keyframe("time_s = 0") + keyframe("time_s = 1\nposition_m = [0.1, 0, 0]\nrotation_deg = [0, 0, 10]");
-  EXPECT_THAT(error_of("loop = true", ways), HasSubstr("line 7: the last keyframe of 'flap' is not where the first is"));
+  EXPECT_THAT(error_of("loop = true", ways), HasSubstr("line 7: the last keyframe of 'flap' has another pose than the first"));
   const auto scene = load_object("loop = true", ways + keyframe("time_s = 2\nrotation_deg = [0, 0, 360]"));
   ASSERT_TRUE(scene) << scene.error().what;
   EXPECT_TRUE(scene->objects[0].motion->loops());

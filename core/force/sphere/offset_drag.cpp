@@ -12,6 +12,8 @@ namespace {
 
 constexpr double kMostError = 0x1p-36;  // error of one step of the integration
 constexpr double kConverged = 0x1p-50;
+constexpr double kRestored = 0x1p-51;    // distance from the offset surface that rounding may leave
+constexpr int kFewRounds = 4;            // from then on Newton's method at least halves what is left, where there is a solution
 constexpr double kFirstPiece = 0x1p-18;  // share of the offset
 
 }  // namespace
@@ -102,9 +104,21 @@ Vec3 OffsetDrag::find_rate(const Pull& pull, const Vec3& motion) const noexcept 
   return direction * ((direction + mu * pull.normal).dot(motion) / std::max(stability, 0x1p-30));
 }
 
+// A distance from a part of the surface changes over a step by its linear part and at most |step|^2 / (2 offset): what is then left needs
+// no other round.
+bool OffsetDrag::is_last_step(const Vec3& step) const noexcept { return step.squaredNorm() <= kRestored * offset_; }
+
 bool OffsetDrag::restore(Vec3& c) const noexcept {
+  int uncounted = 0;
+  return restore(c, uncounted);
+}
+
+// Two parts that face each other across a slit may have no point in common; then it ends where it no longer comes nearer.
+bool OffsetDrag::restore(Vec3& c, int& tests) const noexcept {
   constexpr int kMostRounds = 8;
+  double most_before = std::numeric_limits<double>::infinity();
   for (int round = 0; round < kMostRounds; ++round) {
+    ++tests;
     ContactFrame frame;
     std::array<double, 2> short_by{};
     double most = 0.0;
@@ -115,10 +129,13 @@ bool OffsetDrag::restore(Vec3& c) const noexcept {
       short_by[i] = offset_ - proximity.distance;
       most = std::max(most, std::fabs(short_by[i]));
     }
-    if (most <= 0x1p-51) return true;
+    if (most <= kRestored) return true;
     if (most > offset_ || !frame.prepare()) return false;
-    for (std::size_t i = 0; i < contacts_.size(); ++i) c += short_by[i] * frame.dual[i];
-    if (most <= 0x1p-26 * offset_ && contacts_.size() == 1) return true;
+    Vec3 step = Vec3::Zero();
+    for (std::size_t i = 0; i < contacts_.size(); ++i) step += short_by[i] * frame.dual[i];
+    c += step;
+    if (is_last_step(step) || (round >= kFewRounds && most > 0.5 * most_before)) return true;
+    most_before = most;
   }
   return true;
 }
@@ -234,7 +251,6 @@ bool OffsetDrag::flow(const Vec3& from, const Vec3& to, double length, Flow& at,
 // Where the curve of two contacts meets the plane normal to `ahead` at that distance.
 bool OffsetDrag::move_along_curve(const Vec3& ahead, double length, Vec3& c, int& tests) const noexcept {
   constexpr int kMostRounds = 16;
-  constexpr int kFewRounds = 4;
   const Vec3 start = c;
   c += length * ahead;
   double most_before = std::numeric_limits<double>::infinity();
@@ -251,13 +267,15 @@ bool OffsetDrag::move_along_curve(const Vec3& ahead, double length, Vec3& c, int
     frame.normal[2] = ahead;
     short_by[2] = length - ahead.dot(c - start);
     if (!frame.prepare()) return false;
-    for (std::size_t i = 0; i < 3; ++i) c += short_by[i] * frame.dual[i];
+    Vec3 step = Vec3::Zero();
+    for (std::size_t i = 0; i < 3; ++i) step += short_by[i] * frame.dual[i];
+    c += step;
     const double most = std::max({std::fabs(short_by[0]), std::fabs(short_by[1]), std::fabs(short_by[2])});
-    if (most <= 0x1p-51) return true;
+    if (most <= kRestored || is_last_step(step)) return true;
     if (round >= kFewRounds && most > 0.5 * most_before) break;  // there is no such place
     most_before = most;
   }
-  return restore(c);
+  return restore(c, tests);
 }
 
 // The position on the curve, and the time at which |w| = mu d there.

@@ -88,6 +88,8 @@ class OffsetDrag {
   FrictionCoefficients mean(const Pull& pull) const noexcept;
   double sum_curvature(const Pull& pull, const Vec3& direction) const noexcept;
   Vec3 direction_of(const Pull& pull, const Vec3& motion) const noexcept;
+  bool is_last_step(const Vec3& step) const noexcept;
+  bool restore(Vec3& c, int& tests) const noexcept;
   bool move_along_curve(const Vec3& ahead, double length, Vec3& c, int& tests) const noexcept;
   void descend_around(const Vec3& device, double length, Descent& at) const noexcept;
   bool flow_on_curve(const Vec3& from, const Vec3& motion, double length, Flow& at, int& tests) const noexcept;

@@ -220,7 +220,7 @@ const std::vector<Fault> kFaults = {
      "chmod 600 /home/ada/.config/hapton/master"},
     {"KeyOpenToItsGroup", [](FakeMachine& m) { write_key(m, 48, 0640); }, Verdict::problem, "is open to other users (mode 0640)",
      "chmod 600 /home/ada/.config/hapton/master"},
-    {"KeyOfWrongLength", [](FakeMachine& m) { write_key(m, 31, 0600); }, Verdict::problem, "holds 31 bytes where a key file has 48",
+    {"KeyOfWrongLength", [](FakeMachine& m) { write_key(m, 31, 0600); }, Verdict::problem, "has 31 bytes, but a key file has 48",
      "hapton keygen /home/ada/.config/hapton/master"},
     {"KeyOfAnOlderVersion", [](FakeMachine& m) { write_key(m, 32, 0600); }, Verdict::problem, "is a key of an older Hapton",
      "hapton keygen /home/ada/.config/hapton/master"},
@@ -238,7 +238,7 @@ const std::vector<Fault> kFaults = {
        m.write("/etc/ufw/ufw.conf", "# x\nENABLED=yes\n");
        m.write("/etc/ufw/user.rules", "*filter\nCOMMIT\n");
      },
-     Verdict::warning, "does not name port 4950", "sudo ufw allow from"},
+     Verdict::warning, "has no rule for port 4950", "sudo ufw allow from"},
     {"NoDisplay", [](FakeMachine& m) { m.set_environment(std::string("HOME=/home/ada\0", 15)); }, Verdict::warning, "DISPLAY is not set",
      "xvfb-run -a"},
     {"DisplayRefuses",
