@@ -97,6 +97,7 @@ Framing frame_on_screen(const Scene& scene, const VisionOptions& options) {
   Framing framing = frame_in_workspace(scene, 1e-3 * options.ipd_mm);
   framing.distance_m = kDeskDistance;
   framing.ipd_m = 1e-3 * options.ipd_mm;
+  framing.depth_m = std::max(framing.depth_m, 2.0 * workspace_radius_m());
   framing.view_m = std::min({Framing().view_m, options.screen->width_m, options.screen->height_m});  // the probe is drawn as at a desk
   framing.screen = options.screen;
   framing.head = options.head;

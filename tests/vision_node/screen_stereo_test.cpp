@@ -27,7 +27,7 @@ std::vector<DrawnScreen> drawn_screens() {
   const Quat tilted(Eigen::AngleAxisd(0.5, Vec3::UnitZ()));
   return {{"upright", {0.0, 0.0, 0.0}, {1, 0, 0}, {0, 1, 0}, 0.24, 0.15, {}},
           {"upright, off centre head", {0.02, 0.03, -0.06}, {1, 0, 0}, {0, 1, 0}, 0.24, 0.15, {{0.18, -0.1, 0.5}}},
-          {"leans back, off centre head", {0.0, 0.02, -0.05}, {1, 0, 0}, {0, 0.8, -0.6}, 0.24, 0.15, {{-0.12, 0.08, 0.45}}},
+          {"leans back, off centre head", {0.0, -0.03, -0.05}, {1, 0, 0}, {0, 0.8, -0.6}, 0.24, 0.15, {{-0.12, 0.08, 0.45}}},
           {"faces left, tilted head", {0.03, 0.0, -0.03}, {0.8, 0, 0.6}, {0, 1, 0}, 0.2, 0.16, {{0.05, 0.1, 0.6}, tilted}},
           {"a table, pixels not square", {0.0, -0.05, 0.0}, {1, 0, 0}, {0, 0, -1}, 0.2, 0.2, {{0.03, -0.12, 0.5}}}};
 }
