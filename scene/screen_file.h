@@ -9,7 +9,7 @@
 
 namespace hapton {
 
-// A file with the pose and size of a screen (TOML, docs/formats.md): `hapton calibrate-screen` writes it, `vision_node --screen` reads it.
+// A file with the pose and size of a screen (TOML, docs/formats.md): `hapton screen` writes it, `vision_node --screen` reads it.
 
 // As text: every number has all its digits.
 std::string write_screen(const ScreenRectangle& screen);

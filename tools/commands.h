@@ -12,10 +12,6 @@ namespace hapton {
 // hapton bench [effects|numbers|haptons|objects|papers|pareto|sixdof]: run time and error on this machine; alone: numbers.
 void add_bench_command(CommandLine app, int& exit_code);
 
-// hapton calibrate-screen [--hub HOST:PORT | --corners POINTS] [--out FILE]: measures where the screen stands. Exit code 0: FILE is
-// written.
-void add_calibrate_screen_command(CommandLine app, int& exit_code);
-
 // hapton check FILE: what is wrong with a scene before anyone touches it. Exit code 0: nothing found, 1: findings, 2: it cannot be checked.
 void add_check_command(CommandLine app, int& exit_code);
 
@@ -73,6 +69,10 @@ void add_relay_command(CommandLine app, int& exit_code);
 
 // hapton replay: runs the haptic step of the live node along a recorded trajectory and writes each step's output.
 void add_replay_command(CommandLine app, int& exit_code);
+
+// hapton screen [--hub HOST:PORT | --corners POINTS] [--out FILE]: measures where the screen stands. Exit code 0: FILE is
+// written.
+void add_screen_command(CommandLine app, int& exit_code);
 
 // hapton session info|export|replay FILE: works on a recorded session.
 void add_session_command(CommandLine app, int& exit_code);
@@ -158,9 +158,9 @@ inline constexpr ListedCommand kCommands[] = {
     {"Touch and watch", add_move_command},
     {"Touch and watch", add_set_command},
     {"Touch and watch", add_top_command},
-    {"Set up", add_calibrate_screen_command},
     {"Set up", add_doctor_command},
     {"Set up", add_keygen_command},
+    {"Set up", add_screen_command},
     {"Record and replay", add_mark_command},
     {"Record and replay", add_session_command},
     {"Record and replay", add_trajectory_command},

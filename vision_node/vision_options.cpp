@@ -95,7 +95,7 @@ void set_head(const HeadWords& words, VisionOptions& options) {
 // Where the viewer is, unless --screen says where the screen is.
 void add_view_options(CLI::App& app, VisionOptions& options) {
   const auto screen = app.add_option("--screen", options.screen_file,
-                                     "File (TOML) that hapton calibrate-screen wrote: draws in true size on a screen that stands there, so "
+                                     "File (TOML) that hapton screen wrote: draws in true size on a screen that stands there, so "
                                      "that things are seen where they are felt");
   screen->excludes(app.get_option("--screen-width-mm"));
   app.add_option("--view-mm", options.view_mm, "Smaller side of the picture in the screen's plane, mm (default: the scene fits)")

@@ -31,10 +31,10 @@ TEST(CornersText, WhatIsNotFourPointsIsOneLine) {
   }
 }
 
-TEST(CalibrateScreen, CornersGiveAFileThatReadsBack) {
+TEST(ScreenCommand, CornersGiveAFileThatReadsBack) {
   const ScratchFolder scratch;
   const std::string file = (scratch.path() / "made" / "screen.toml").string();
-  const CommandRun run = run_hapton({"calibrate-screen", "--corners", kFourCorners, "--out", file});
+  const CommandRun run = run_hapton({"screen", "--corners", kFourCorners, "--out", file});
   EXPECT_EQ(run.code, 0) << run.err;
   EXPECT_EQ(
       run.out,
@@ -49,11 +49,11 @@ TEST(CalibrateScreen, CornersGiveAFileThatReadsBack) {
   EXPECT_NEAR(screen->height_m, 0.15, 1e-15);
 }
 
-TEST(CalibrateScreen, WrongCornersWriteNoFile) {
+TEST(ScreenCommand, WrongCornersWriteNoFile) {
   const ScratchFolder scratch;
   const std::string file = (scratch.path() / "screen.toml").string();
   const auto error_of = [&](const std::string& corners) {
-    const CommandRun run = run_hapton({"calibrate-screen", "--corners", corners, "--out", file});
+    const CommandRun run = run_hapton({"screen", "--corners", corners, "--out", file});
     EXPECT_EQ(run.code, 1);
     EXPECT_EQ(run.out, "");
     EXPECT_FALSE(std::filesystem::exists(file));
@@ -61,18 +61,18 @@ TEST(CalibrateScreen, WrongCornersWriteNoFile) {
     return run.err;
   };
   EXPECT_EQ(error_of("0,0"),
-            "hapton calibrate-screen: --corners 0,0: give four points X,Y,Z in metres, separated by semicolons, without spaces, in quotes: "
+            "hapton screen: --corners 0,0: give four points X,Y,Z in metres, separated by semicolons, without spaces, in quotes: "
             "lower left, lower right, upper right, upper left\n");
   EXPECT_NE(error_of("0.12,-0.075,0;-0.12,-0.075,0;-0.12,0.075,0;0.12,0.075,0").find("they go round the other way"), std::string::npos);
   EXPECT_NE(error_of("-0.12,-0.075,0;0.12,-0.075,0;0.12,0.075,0.03;-0.12,0.075,0").find("1 % is allowed; touch all corners again"),
             std::string::npos);
 }
 
-TEST(CalibrateScreen, NoHubIsOneLine) {
+TEST(ScreenCommand, NoHubIsOneLine) {
   const ScratchFolder scratch;
-  const CommandRun run = run_hapton({"calibrate-screen", "--hub", "127.0.0.1:1", "--out", (scratch.path() / "screen.toml").string()});
+  const CommandRun run = run_hapton({"screen", "--hub", "127.0.0.1:1", "--out", (scratch.path() / "screen.toml").string()});
   EXPECT_EQ(run.code, 1);
-  EXPECT_EQ(run.err.find("hapton calibrate-screen: "), 0U) << run.err;
+  EXPECT_EQ(run.err.find("hapton screen: "), 0U) << run.err;
   EXPECT_EQ(run.err.find('\n'), run.err.size() - 1) << run.err;
 }
 

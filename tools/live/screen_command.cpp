@@ -17,14 +17,14 @@
 namespace hapton {
 namespace {
 
-struct CalibrateScreenOptions {
+struct ScreenOptions {
   HubConnection::Settings hub;
   std::string corners;
   std::filesystem::path out = "screen.toml";
 };
 
-constexpr double kCalibrateJoinS = 2.0;
-constexpr std::int64_t kCalibrateTurnNs = 20 * kNanosecondsPerMillisecond;
+constexpr double kScreenJoinS = 2.0;
+constexpr std::int64_t kScreenTurnNs = 20 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kNoSampleNs = 5 * kNanosecondsPerSecond;
 
 void tell(const std::string& line) {
@@ -48,7 +48,7 @@ class CornerSession {
     Datagram datagram;
     while (next_ < corners_.size()) {
       if (stop.stop_requested()) return fail("stopped before all corners were touched; nothing was written");
-      const bool has_datagram = client_.receive(datagram, clock_.now_ns() + kCalibrateTurnNs);
+      const bool has_datagram = client_.receive(datagram, clock_.now_ns() + kScreenTurnNs);
       const auto* probe = has_datagram ? std::get_if<ProbeState>(&datagram.message) : nullptr;
       if (probe != nullptr) accept(*probe);
       if (clock_.now_ns() - last_sample_ns_ > kNoSampleNs) {
@@ -70,8 +70,7 @@ class CornerSession {
       case CornerTouch::Event::none:
         return;
       case CornerTouch::Event::moved:
-        fmt::print(stderr,
-                   "hapton calibrate-screen: the tip moved by {:.1f} mm after the press; hold it still for {:g} s and press again\n",
+        fmt::print(stderr, "hapton screen: the tip moved by {:.1f} mm after the press; hold it still for {:g} s and press again\n",
                    1e3 * touch_.moved_m(), CornerTouch::kPressS);
         return;
       case CornerTouch::Event::touched:
@@ -101,15 +100,15 @@ class CornerSession {
   bool was_away_ = false;
 };
 
-Result<ScreenCorners> find_touched(const CalibrateScreenOptions& options) {
+Result<ScreenCorners> find_touched(const ScreenOptions& options) {
   if (!options.corners.empty()) return parse_corners(options.corners);
   const auto connection = HubConnection::open(NodeRole::vision, options.hub);
   if (!connection) return tl::unexpected(connection.error());
-  if (const auto joined = (*connection)->wait_until_joined(kCalibrateJoinS); !joined) return tl::unexpected(joined.error());
+  if (const auto joined = (*connection)->wait_until_joined(kScreenJoinS); !joined) return tl::unexpected(joined.error());
   return CornerSession(**connection).run();
 }
 
-Result<void> calibrate_screen(const CalibrateScreenOptions& options) {
+Result<void> measure_screen(const ScreenOptions& options) {
   const auto corners = find_touched(options);
   if (!corners) return tl::unexpected(corners.error());
   const auto fit = fit_screen(*corners);
@@ -120,18 +119,17 @@ Result<void> calibrate_screen(const CalibrateScreenOptions& options) {
   return {};
 }
 
-int run(const CalibrateScreenOptions& options) {
-  const auto done = calibrate_screen(options);
-  if (!done) fmt::print(stderr, "hapton calibrate-screen: {}\n", done.error().what);
+int run(const ScreenOptions& options) {
+  const auto done = measure_screen(options);
+  if (!done) fmt::print(stderr, "hapton screen: {}\n", done.error().what);
   return done ? 0 : 1;
 }
 
 }  // namespace
 
-void add_calibrate_screen_command(CommandLine app, int& exit_code) {
-  auto options = std::make_shared<CalibrateScreenOptions>();
-  const CommandLine command =
-      app.add_subcommand("calibrate-screen", "Measure where the screen stands, by touching its corners, for vision_node --screen");
+void add_screen_command(CommandLine app, int& exit_code) {
+  auto options = std::make_shared<ScreenOptions>();
+  const CommandLine command = app.add_subcommand("screen", "Measure where the screen stands, by its corners, for vision_node --screen");
   command.add_option("--hub", options->hub.hub, "Where io_node is: HOST or HOST:PORT").shows_default();
   command.add_option("--key", options->hub.key_file, kKeyHelp);
   command.add_option(

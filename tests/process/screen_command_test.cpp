@@ -27,14 +27,14 @@ bool touches(Onlooker& hand, const Vec3& p_WH, Program& program, const std::stri
 // One number of a TOML line "key = number" or "key = [number, ...".
 double read_number(const std::string& text, const std::string& key) { return std::stod(text.substr(text.find(key) + key.size())); }
 
-TEST(CalibrateScreen, TouchedCornersGiveTheScreen) {
+TEST(ScreenCommand, TouchedCornersGiveTheScreen) {
   System system({"--device", "simulated"});
   const std::string file = (system.folder() / "screen.toml").string();
   system.start("io_node");
   Onlooker hand(system);
   ProbeState state;
   ASSERT_TRUE(hand.see(state));
-  Program program("hapton", {"calibrate-screen", "--hub", system.hub(), "--out", file}, system.folder());
+  Program program("hapton", {"screen", "--hub", system.hub(), "--out", file}, system.folder());
   ASSERT_TRUE(touches(hand, Vec3(0.0, 0.0, 0.05), program, "1 of 4: the lower left corner\n")) << program.err();
   const std::array<Vec3, 4> corners = {Vec3(-0.08, -0.05, -0.04), Vec3(0.08, -0.05, -0.04), Vec3(0.08, 0.05, -0.04),
                                        Vec3(-0.08, 0.05, -0.04)};
@@ -55,20 +55,20 @@ TEST(CalibrateScreen, TouchedCornersGiveTheScreen) {
   system.end("io_node");
 }
 
-TEST(CalibrateScreen, AStopWritesNothing) {
+TEST(ScreenCommand, AStopWritesNothing) {
   System system({"--device", "simulated"});
   const std::string file = (system.folder() / "screen.toml").string();
   system.start("io_node");
   Onlooker hand(system);
   ProbeState state;
   ASSERT_TRUE(hand.see(state));
-  Program program("hapton", {"calibrate-screen", "--hub", system.hub(), "--out", file}, system.folder());
+  Program program("hapton", {"screen", "--hub", system.hub(), "--out", file}, system.folder());
   ASSERT_TRUE(System::wait_until([&] { return program.out().find("1 of 4") != std::string::npos; })) << program.err();
   program.send_signal(SIGINT);
   const auto ended = program.wait(kPatience);
   ASSERT_TRUE(ended);
   EXPECT_EQ(ended->exit_code, 1);
-  EXPECT_EQ(ended->err, "hapton calibrate-screen: stopped before all corners were touched; nothing was written\n");
+  EXPECT_EQ(ended->err, "hapton screen: stopped before all corners were touched; nothing was written\n");
   EXPECT_FALSE(std::filesystem::exists(file));
   system.end("io_node");
 }
