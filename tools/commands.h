@@ -70,6 +70,10 @@ void add_relay_command(CommandLine app, int& exit_code);
 // hapton replay: runs the haptic step of the live node along a recorded trajectory and writes each step's output.
 void add_replay_command(CommandLine app, int& exit_code);
 
+// hapton screen [--hub HOST:PORT | --corners POINTS] [--out FILE]: measures where the screen stands. Exit code 0: FILE is
+// written.
+void add_screen_command(CommandLine app, int& exit_code);
+
 // hapton session info|export|replay FILE: works on a recorded session.
 void add_session_command(CommandLine app, int& exit_code);
 
@@ -156,6 +160,7 @@ inline constexpr ListedCommand kCommands[] = {
     {"Touch and watch", add_top_command},
     {"Set up", add_doctor_command},
     {"Set up", add_keygen_command},
+    {"Set up", add_screen_command},
     {"Record and replay", add_mark_command},
     {"Record and replay", add_session_command},
     {"Record and replay", add_trajectory_command},

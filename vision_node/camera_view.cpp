@@ -35,6 +35,7 @@ void CameraView::look_at(const Framing& home, const Vec3& p_WO, double radius_m)
 }
 
 Framing CameraView::apply(const Framing& home) const {
+  if (home.screen) return home;
   Framing seen = home;
   seen.p_WC += pan_m;
   seen.yaw_rad += yaw_rad;

@@ -21,7 +21,7 @@ struct CameraView {
 
   // The framing of this view; home is the initial one. The view is never straight from above or below, where up is undefined. The eyes come
   // nearer to each other as the picture is magnified, so that depth looks the same; the whole viewer does where the screen's width is
-  // known.
+  // known. Where it is known where the screen is, what is drawn must stay where it is felt: home itself.
   Framing apply(const Framing& home) const;
 
   friend bool operator==(const CameraView&, const CameraView&) = default;

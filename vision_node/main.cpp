@@ -83,6 +83,7 @@ int run(VisionOptions& options) {
   const auto hub = parse_address(options.hub);
   if (!hub) return give_up(hub.error());
   if (const auto writable = check_screenshot(options.screenshot); !writable) return give_up(writable.error());
+  if (const auto screen = find_screen(options); !screen) return give_up(screen.error());
   if (const auto possible = check_head(options); !possible) return give_up(possible.error());
   const auto key = find_role_key(options.key_file, *hub, KeyRole::vision);
   if (!key) return give_up(key.error());

@@ -92,6 +92,18 @@ Pose start_pose(const VisionOptions& options) {
   return dials.compute_pose(Vec3::Zero());
 }
 
+// In true size, with the scene and the workspace wherever they are.
+Framing frame_on_screen(const Scene& scene, const VisionOptions& options) {
+  Framing framing = frame_in_workspace(scene, 1e-3 * options.ipd_mm);
+  framing.distance_m = kDeskDistance;
+  framing.ipd_m = 1e-3 * options.ipd_mm;
+  framing.depth_m = std::max(framing.depth_m, 2.0 * workspace_radius_m());
+  framing.view_m = std::min({Framing().view_m, options.screen->width_m, options.screen->height_m});  // the probe is drawn as at a desk
+  framing.screen = options.screen;
+  framing.head = options.head;
+  return framing;
+}
+
 }  // namespace
 
 SceneSphere bound_scene(const Scene& scene) {
@@ -113,6 +125,7 @@ SceneSphere bound_scene(const Scene& scene) {
 }
 
 Framing frame_scene(const Scene& scene, const VisionOptions& options) {
+  if (options.screen) return frame_on_screen(scene, options);
   const double ipd_m = options.ipd_mm * 1e-3;
   const SceneSphere sphere = bound_scene(scene);
   const double radius_m = std::max(kMinRadius, sphere.radius_m);

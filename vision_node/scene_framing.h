@@ -16,7 +16,7 @@ SceneSphere bound_scene(const Scene& scene);
 // The initial view. A scene in the workspace: the screen's plane goes through the workspace's centre, and the whole scene stays in the
 // picture for any dial positions, as does the workspace with its ground; both are in the middle. One that lies apart: the scene and the
 // workspace, or, if it is too far away for both, the scene alone. A speck: the scene alone, filling the picture. "In the picture" is meant
-// for a viewer at a desk, wherever the head is.
+// for a viewer at a desk, wherever the head is. With options.screen: what is seen of scene and workspace through that screen.
 Framing frame_scene(const Scene& scene, const VisionOptions& options);
 
 }  // namespace hapton

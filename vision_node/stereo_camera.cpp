@@ -21,9 +21,26 @@ Vec3 eye_in_view(const StereoScreen& screen, Eye eye) {
 // The nearest that is drawn, as a share of the distance: nearer the depth buffer would have no resolution left for the rest.
 constexpr double kNearShare = 0.05;
 
+void place_picture(const Framing& framing, PictureSize size, StereoScreen& screen) {
+  if (framing.screen) {
+    screen.X_WV = framing.screen->X_WR;
+    screen.width_m = framing.screen->width_m;
+    screen.height_m = framing.screen->height_m;
+    return;
+  }
+  const Eigen::AngleAxisd yaw(framing.yaw_rad, Vec3::UnitY());
+  const Eigen::AngleAxisd pitch(-framing.pitch_rad, Vec3::UnitX());
+  screen.X_WV = Eigen::Translation3d(framing.p_WC) * yaw * pitch * Eigen::Translation3d(framing.aside_m.x(), framing.aside_m.y(), 0.0);
+  const double width = std::max(1, size.width_px);
+  const double height = std::max(1, size.height_px);
+  const double metres_per_pixel = framing.view_m / std::min(width, height);
+  screen.width_m = width * metres_per_pixel;
+  screen.height_m = height * metres_per_pixel;
+}
+
 void place_eyes(const Framing& framing, StereoScreen& screen) {
   const double scale = compute_viewer_scale(framing, screen.width_m);
-  const double grown = scale * kDeskDistance / framing.distance_m;  // exactly 1 where the screen's width is not known
+  const double grown = scale * kDeskDistance / framing.distance_m;  // exactly 1 where the screen's width is not known, or where it is
   const Vec3 from_desk = framing.head.p_RH - Head().p_RH;
   screen.distance_m = grown * framing.distance_m + scale * from_desk.z();
   screen.eyes_aside_m = scale * from_desk.head<2>();
@@ -34,6 +51,7 @@ void place_eyes(const Framing& framing, StereoScreen& screen) {
 }  // namespace
 
 double compute_viewer_scale(const Framing& framing, double width_m) {
+  if (framing.screen) return 1.0;
   return framing.screen_width_m > 0.0 ? width_m / framing.screen_width_m : framing.distance_m / kDeskDistance;
 }
 
@@ -57,17 +75,12 @@ Framing frame_sphere(const Vec3& p_WC, double radius_m, double ipd_m) {
 
 StereoScreen compute_screen(const Framing& framing, PictureSize size) {
   StereoScreen screen;
-  const Eigen::AngleAxisd yaw(framing.yaw_rad, Vec3::UnitY());
-  const Eigen::AngleAxisd pitch(-framing.pitch_rad, Vec3::UnitX());
-  screen.X_WV = Eigen::Translation3d(framing.p_WC) * yaw * pitch * Eigen::Translation3d(framing.aside_m.x(), framing.aside_m.y(), 0.0);
-  const double width = std::max(1, size.width_px);
-  const double height = std::max(1, size.height_px);
-  const double metres_per_pixel = framing.view_m / std::min(width, height);
-  screen.width_m = width * metres_per_pixel;
-  screen.height_m = height * metres_per_pixel;
+  place_picture(framing, size, screen);
   place_eyes(framing, screen);
-  screen.near_m = std::max(kNearShare * screen.distance_m, screen.distance_m - framing.depth_m);
-  screen.far_m = screen.distance_m + framing.depth_m;
+  // What is drawn lies around the screen's plane, or around a place before or behind a screen that is elsewhere.
+  const double before_m = framing.screen ? (framing.screen->X_WR.inverse(Eigen::Isometry) * framing.p_WC).z() : 0.0;
+  screen.near_m = std::max(kNearShare * screen.distance_m, screen.distance_m - std::max(0.0, before_m) - framing.depth_m);
+  screen.far_m = screen.distance_m - std::min(0.0, before_m) + framing.depth_m;
   return screen;
 }
 

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <optional>
+
+#include "core/geometry/screen_rectangle.h"
 #include "core/math/types.h"
 
 namespace hapton {
@@ -56,6 +59,9 @@ struct Framing {
   // How wide the picture is on the desk, m; 0: not known. Where it is known the viewer is exactly as much larger than in reality as the
   // picture is; distance_m and ipd_m are then those of a viewer as large as they say.
   double screen_width_m = 0.0;
+  // Where the picture is on the desk, in true size. Then its edges are those of this rectangle, however many pixels it has: aside_m, the
+  // angles, view_m and screen_width_m mean nothing, and the viewer is as large as in reality.
+  std::optional<ScreenRectangle> screen = {};
 };
 
 // Metres of the world for one of the viewer's, in a picture that is width_m wide in the world.
@@ -70,7 +76,7 @@ bool is_possible(const Head& head, double ipd_m);
 // (distance and ipd grow alike), so that depth looks the same at every scale.
 Framing frame_sphere(const Vec3& p_WC, double radius_m, double ipd_m);
 
-// The screen for a picture of that size: square pixels for every aspect ratio.
+// The screen for a picture of that size: square pixels for every aspect ratio, unless the framing says where the screen is.
 StereoScreen compute_screen(const Framing& framing, PictureSize size);
 
 // Eye position in the world, p_WE.

@@ -9,6 +9,7 @@
 #include "link/link_key.h"
 #include "runtime/config.h"
 #include "runtime/flag_checks.h"
+#include "scene/screen_file.h"
 #include "vision_node/hud_text.h"
 
 namespace hapton {
@@ -91,7 +92,35 @@ void set_head(const HeadWords& words, VisionOptions& options) {
   source.X_RT = Eigen::Translation3d(1e-3 * *parse_triple(words.tracker_mm)) * turn_by_degrees(*parse_triple(words.tracker_turn_deg));
 }
 
+// Where the viewer is, unless --screen says where the screen is.
+void add_view_options(CLI::App& app, VisionOptions& options) {
+  const auto screen = app.add_option("--screen", options.screen_file,
+                                     "File (TOML) that hapton screen wrote: draws in true size on a screen that stands there, so "
+                                     "that things are seen where they are felt");
+  screen->excludes(app.get_option("--screen-width-mm"));
+  app.add_option("--view-mm", options.view_mm, "Smaller side of the picture in the screen's plane, mm (default: the scene fits)")
+      ->check(between(0.0, 1e9))
+      ->excludes(screen);
+  app.add_option("--view-yaw-deg", options.view_yaw_deg,
+                 "The viewer stands this many degrees to the right; 0: screen and device are parallel")
+      ->check(between(-180.0, 180.0))
+      ->capture_default_str()
+      ->excludes(screen);
+  app.add_option("--view-pitch-deg", options.view_pitch_deg, "... and this many degrees above")
+      ->check(between(-89.0, 89.0))
+      ->capture_default_str()
+      ->excludes(screen);
+}
+
 }  // namespace
+
+Result<void> find_screen(VisionOptions& options) {
+  if (options.screen_file.empty()) return {};
+  const auto screen = read_screen(options.screen_file);
+  if (!screen) return fail("--screen {}", screen.error().what);
+  options.screen = *screen;
+  return {};
+}
 
 Result<void> check_head(const VisionOptions& options) {
   if (is_possible(options.head, 1e-3 * options.ipd_mm)) return {};
@@ -154,15 +183,7 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
       ->check(between(0.0, 200.0))
       ->capture_default_str();
   add_head_options(app, head, options);
-  app.add_option("--view-mm", options.view_mm, "Smaller side of the picture in the screen's plane, mm (default: the scene fits)")
-      ->check(between(0.0, 1e9));
-  app.add_option("--view-yaw-deg", options.view_yaw_deg,
-                 "The viewer stands this many degrees to the right; 0: screen and device are parallel")
-      ->check(between(-180.0, 180.0))
-      ->capture_default_str();
-  app.add_option("--view-pitch-deg", options.view_pitch_deg, "... and this many degrees above")
-      ->check(between(-89.0, 89.0))
-      ->capture_default_str();
+  add_view_options(app, options);
   app.add_option("--stylus-lean-deg", options.stylus_lean_deg, "Tilt the drawn stylus this much further to the upper right; 0: as reported")
       ->check(between(0.0, 90.0))
       ->capture_default_str();

@@ -5,6 +5,7 @@
 #include <string>
 #include <variant>
 
+#include "core/geometry/screen_rectangle.h"
 #include "scene/find_tool.h"
 #include "scene/object_names.h"
 #include "scene/scene_loading.h"
@@ -39,7 +40,9 @@ struct VisionOptions {
   double view_mm = 0.0;          // 0: as the scene needs
   double ipd_mm = 63.0;
   double screen_width_mm = 0.0;  // 0: not known
-  Head head;                     // at the start
+  std::filesystem::path screen_file;
+  std::optional<ScreenRectangle> screen;  // what is in that file; none: it is not known where the screen is
+  Head head;                              // at the start
   HeadSource head_source;
   bool has_space_head = false;  // a SpaceMouse moves the head
   double rate_limit_hz = -1;    // below 0: chosen by the renderer
@@ -54,6 +57,9 @@ struct VisionOptions {
 
 // The options, or the exit code to leave main with. RT: set-up only.
 std::variant<VisionOptions, int> parse_vision_options(int argc, const char* const* argv);
+
+// Reads the file of --screen, if there is one. Error: names the file.
+Result<void> find_screen(VisionOptions& options);
 
 // Error: a head from which the screen cannot be seen, one line.
 Result<void> check_head(const VisionOptions& options);

@@ -10,6 +10,7 @@
 
 #include "runtime/log.h"
 #include "runtime/process_age.h"
+#include "vision_node/screen_aspect.h"
 
 namespace hapton {
 namespace {
@@ -209,6 +210,7 @@ Result<void> VisionSession::attend_window() {
   if (knobs_ != nullptr) step_.turn_dials(knobs_->take_turn_degrees(clock_.now_ns()));
   follow_head();
   if (view_.take_stale()) step_.spoil();
+  check_aspect();
   const UserRequests requests = step_.take_requests();
   quit_ = quit_ || requests.quit;
   if (requests.mark) marks_.press(clock_.now_ns());
@@ -216,6 +218,17 @@ Result<void> VisionSession::attend_window() {
   change_stereo(requests);
   step_.set_detail_progress(view_.detail_progress());
   return requests.screenshot ? take_screenshot(next_screenshot_name()) : Result<void>{};
+}
+
+// When the window was resized. In side_by_side a display may stretch the halves or not.
+void VisionSession::check_aspect() {
+  if (!options_.screen || view_.mode() == StereoMode::side_by_side) return;
+  PictureSize size = view_.picture_size();
+  if (view_.mode() == StereoMode::top_bottom) size.height_px *= 2;
+  if (std::exchange(checked_size_, size) == size) return;
+  const std::string line = describe_aspect(*options_.screen, size);
+  if (!line.empty() && !is_aspect_wrong_) log_warning("{}", line);
+  is_aspect_wrong_ = !line.empty();
 }
 
 void VisionSession::follow_head() {

@@ -64,6 +64,7 @@ class VisionSession {
   std::optional<Vec3> find_surface(const WindowEvent& event);
   void take_setup(const HapticsSetup& setup);
   void handle_events();
+  void check_aspect();
   void follow_head();
   void change_stereo(const UserRequests& requests);
   void refine_scene();
@@ -99,6 +100,8 @@ class VisionSession {
   std::uint64_t joins_ = 0;
   bool was_joined_ = false;
   bool quit_ = false;
+  PictureSize checked_size_;
+  bool is_aspect_wrong_ = false;
   bool absence_reported_ = false;
   int screenshots_ = 0;
   std::int64_t start_ns_ = 0;

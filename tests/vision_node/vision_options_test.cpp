@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tests/support/option_range.h"
+#include "tests/support/scratch_folder.h"
 
 namespace hapton {
 namespace {
@@ -88,6 +89,40 @@ TEST(VisionOptions, AHeadThatSeesNoScreenIsOneLine) {
     EXPECT_EQ(possible.error().what.find('\n'), std::string::npos);
   }
   EXPECT_TRUE(check_head(std::get<VisionOptions>(parse({"--head-mm", "0,0,81", "--ipd-mm", "60", "--head-turn-deg", "0,90,0"}))));
+}
+
+TEST(VisionOptions, AScreenFileSaysWhereTheScreenIs) {
+  const ScratchFolder scratch;
+  scratch.write("screen.toml",
+                "schema = \"hapton.screen/1\"\nposition_m = [0, 0.05, -0.1]\nrotation = [1, 0, 0, 0]\nwidth_m = 0.4\nheight_m = 0.3\n");
+  const std::string file = (scratch.path() / "screen.toml").string();
+  auto options = std::get<VisionOptions>(parse({"--screen", file.c_str(), "--head-mm", "0,0,500"}));
+  ASSERT_TRUE(find_screen(options));
+  ASSERT_TRUE(options.screen);
+  EXPECT_EQ(options.screen->X_WR.translation(), Vec3(0.0, 0.05, -0.1));
+  EXPECT_EQ(options.screen->width_m, 0.4);
+  auto plain = std::get<VisionOptions>(parse({}));
+  ASSERT_TRUE(find_screen(plain));
+  EXPECT_FALSE(plain.screen);
+  auto missing = std::get<VisionOptions>(parse({"--screen", "/no/such.toml"}));
+  const auto read = find_screen(missing);
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().what.find("--screen /no/such.toml"), 0U) << read.error().what;
+}
+
+TEST(VisionOptions, AScreenFileExcludesOtherPlacesOfTheViewer) {
+  for (const auto& [option, value] :
+       {std::pair{"--view-yaw-deg", "0"}, {"--view-pitch-deg", "0"}, {"--view-mm", "200"}, {"--screen-width-mm", "520"}}) {
+    testing::internal::CaptureStderr();
+    const auto parsed = parse({"--screen", "screen.toml", option, value});
+    const std::string line = testing::internal::GetCapturedStderr();
+    ASSERT_TRUE(std::holds_alternative<int>(parsed)) << option;
+    EXPECT_NE(std::get<int>(parsed), 0) << option;
+    EXPECT_NE(line.find(option), std::string::npos) << line;
+    EXPECT_NE(line.find("--screen"), std::string::npos) << line;
+    EXPECT_EQ(line.find('\n'), line.size() - 1) << line;
+    std::printf("%s", line.c_str());
+  }
 }
 
 TEST(VisionOptions, WrongOnesEndWithAnErrorCode) {

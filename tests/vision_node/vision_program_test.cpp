@@ -7,7 +7,11 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/scratch_folder.h"
+
 namespace {
+
+using hapton::ScratchFolder;
 
 struct Ended {
   int code = -1;
@@ -45,6 +49,36 @@ TEST(VisionProgram, MissingSceneIsOneLine) {
   const Ended run = run_vision("--scene nowhere.toml");
   EXPECT_EQ(run.code, 1);
   EXPECT_NE(run.output.find("nowhere.toml"), std::string::npos) << run.output;
+}
+
+// 4:3, in windows of 16:9 and of 4:3.
+TEST(VisionProgram, AWindowOfAnotherShapeThanTheScreenIsReported) {
+  const ScratchFolder scratch;
+  scratch.write("screen.toml",
+                "schema = \"hapton.screen/1\"\nposition_m = [0, 0, -0.1]\nrotation = [1, 0, 0, 0]\nwidth_m = 0.32\nheight_m = 0.24\n");
+  const std::string file = (scratch.path() / "screen.toml").string();
+  const std::string picture = (scratch.path() / "a.png").string();
+  const std::string arguments = "--scene meshes/car_front_3300.obj --offscreen --seconds 0.3 --hub 127.0.0.1:9 --screenshot " + picture +
+                                " --screen " + file + " --size ";
+  const Ended wide = run_vision(arguments + "320x180");
+  EXPECT_EQ(wide.code, 0) << wide.output;
+  EXPECT_NE(wide.output.find("the picture has 320x180 pixels, and the screen of --screen 320 x 240 mm"), std::string::npos) << wide.output;
+  const Ended fits = run_vision(arguments + "320x240");
+  EXPECT_EQ(fits.code, 0) << fits.output;
+  EXPECT_EQ(fits.output.find("the picture has"), std::string::npos) << fits.output;
+  EXPECT_TRUE(std::filesystem::exists(picture));
+}
+
+TEST(VisionProgram, AScreenFileThatIsWrongIsOneLine) {
+  const ScratchFolder scratch;
+  scratch.write("screen.toml",
+                "schema = \"hapton.screen/1\"\nposition_m = [0, 0, 0]\nrotation = [1, 0, 0, 0]\nwidth_m = 520\nheight_m = 0.3\n");
+  const std::string file = (scratch.path() / "screen.toml").string();
+  const Ended run = run_vision("--scene meshes/car_front_3300.obj --offscreen --screen " + file);
+  EXPECT_EQ(run.code, 1);
+  EXPECT_NE(run.output.find("--screen " + file + ": line 4: 'width_m' in the file is 520: it must be at least 0.02 and at most 100"),
+            std::string::npos)
+      << run.output;
 }
 
 TEST(VisionProgram, BadHubIsOneLine) {

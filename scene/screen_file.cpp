@@ -1,0 +1,75 @@
+#include "scene/screen_file.h"
+
+#include <algorithm>
+#include <array>
+
+#include "scene/file_bytes.h"
+#include "scene/rotation_reader.h"
+#include "scene/table_reader.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::string_view kScreenSchema = "hapton.screen/1";
+constexpr std::size_t kMostScreenBytes = std::size_t{1} << 20;
+// Larger and farther away than any wall of projectors.
+constexpr double kMostScreenM = 100.0;
+constexpr std::array<std::string_view, 6> kScreenKeys = {"schema", "position_m", "rotation", "rotation_deg", "width_m", "height_m"};
+
+Result<ScreenRectangle> read_screen_table(const toml::table& table) {
+  TableReader reader(table, "the file");
+  reader.allow(kScreenKeys);
+  for (const std::string_view key : {"schema", "position_m", "width_m", "height_m"}) reader.require(key);
+  if (!table.contains("rotation") && !table.contains("rotation_deg")) reader.require("rotation");
+  std::string schema;
+  reader.read("schema", schema);
+  if (!reader.error() && schema != kScreenSchema) {
+    reader.fail_at("schema", "the schema is '{}', and this program reads '{}': calibrate the screen with a program of this version",
+                   printable(schema), kScreenSchema);
+  }
+  ScreenRectangle screen;
+  Vec3 position_m = Vec3::Zero();
+  Quat rotation = Quat::Identity();
+  reader.read("position_m", position_m, kMostScreenM);
+  read_rotation(table, reader, rotation);
+  reader.read("width_m", screen.width_m, kLeastSideM, kMostScreenM);
+  reader.read("height_m", screen.height_m, kLeastSideM, kMostScreenM);
+  if (reader.error()) return tl::unexpected(*reader.error());
+  screen.X_WR = Eigen::Translation3d(position_m) * rotation;
+  return screen;
+}
+
+}  // namespace
+
+std::string write_screen(const ScreenRectangle& screen) {
+  const Vec3 p = screen.X_WR.translation();
+  const Quat q(screen.X_WR.linear());
+  return fmt::format(
+      "schema = \"{}\"\n"
+      "# The picture of vision_node on the screen, in frame W: x to the user's right, y up, z towards the user.\n"
+      "position_m = [{}, {}, {}]  # of its centre\n"
+      "rotation = [{}, {}, {}, {}]  # w, x, y, z\n"
+      "width_m = {}\n"
+      "height_m = {}\n",
+      kScreenSchema, p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z(), screen.width_m, screen.height_m);
+}
+
+Result<ScreenRectangle> parse_screen(std::string_view text) {
+  const toml::parse_result parsed = toml::parse(text);
+  if (!parsed) {
+    std::string what(parsed.error().description());
+    std::replace(what.begin(), what.end(), '\n', ' ');
+    return fail("line {}: {}", parsed.error().source().begin.line, what);
+  }
+  return read_screen_table(parsed.table());
+}
+
+Result<ScreenRectangle> read_screen(const std::filesystem::path& path) {
+  const Result<std::string> bytes = read_file_bytes(path, kMostScreenBytes);
+  if (!bytes) return tl::unexpected(bytes.error());
+  auto screen = parse_screen(*bytes);
+  if (!screen) return fail("{}: {}", path.string(), screen.error().what);
+  return screen;
+}
+
+}  // namespace hapton

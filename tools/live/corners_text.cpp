@@ -1,0 +1,62 @@
+#include "tools/live/corners_text.h"
+
+#include <fmt/core.h>
+
+#include <charconv>
+#include <cmath>
+#include <numbers>
+#include <system_error>
+
+namespace hapton {
+namespace {
+
+// Takes "X,Y,Z" from the front of the text.
+bool take_corner(std::string_view& text, Vec3& p_W) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (axis > 0) {
+      if (!text.starts_with(',')) return false;
+      text.remove_prefix(1);
+    }
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), p_W[axis]);
+    if (error != std::errc() || !std::isfinite(p_W[axis])) return false;
+    text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+  }
+  return true;
+}
+
+bool take_corners(std::string_view text, ScreenCorners& corners) {
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    if (i > 0) {
+      if (!text.starts_with(';')) return false;
+      text.remove_prefix(1);
+    }
+    if (!take_corner(text, corners[i])) return false;
+  }
+  return text.empty();
+}
+
+}  // namespace
+
+Result<ScreenCorners> parse_corners(std::string_view text) {
+  ScreenCorners corners;
+  if (take_corners(text, corners)) return corners;
+  return fail(
+      "--corners {}: give four points X,Y,Z in metres, separated by semicolons, without spaces, in quotes: lower left, lower right, upper "
+      "right, upper left",
+      text);
+}
+
+std::string describe_fit(const ScreenFit& fit) {
+  const ScreenRectangle& screen = fit.screen;
+  const Vec3 p_mm = 1e3 * screen.X_WR.translation();
+  const Vec3 normal = screen.X_WR.linear().col(2);
+  const double up_deg = std::asin(std::clamp(normal.y(), -1.0, 1.0)) * 180.0 / std::numbers::pi;
+  const auto& r = fit.residuals_m;
+  return fmt::format(
+      "picture of {:.1f} x {:.1f} mm, its centre at {:.1f},{:.1f},{:.1f} mm, facing {:.1f} degrees up; the touched corners are {:.1f}, "
+      "{:.1f}, "
+      "{:.1f} and {:.1f} mm from it",
+      1e3 * screen.width_m, 1e3 * screen.height_m, p_mm.x(), p_mm.y(), p_mm.z(), up_deg, 1e3 * r[0], 1e3 * r[1], 1e3 * r[2], 1e3 * r[3]);
+}
+
+}  // namespace hapton
