@@ -13,16 +13,8 @@
 namespace hapton {
 namespace {
 
-// Requests would put both to the same places.
 bool moves_alike(const CommandedObject* one, const CommandedObject* other) {
-  if (one == nullptr || other == nullptr) return one == other;
-  const auto is_equal_at = [&](const Vec3& p_S) {
-    const ObjectPlace a = one->find_place({.p_S = p_S});
-    const ObjectPlace b = other->find_place({.p_S = p_S});
-    return a.p_SM == b.p_SM && a.q_SM.coeffs() == b.q_SM.coeffs();
-  };
-  const Vec3& pivot = one->pivot();
-  return pivot == other->pivot() && one->radius_m() == other->radius_m() && is_equal_at(pivot) && is_equal_at(pivot + Vec3::Ones());
+  return one == nullptr || other == nullptr ? one == other : *one == *other;
 }
 
 // What programs move stays where it is now, so it must be the same objects, with the same numbers.

@@ -317,13 +317,9 @@ std::string write_annotations(const Annotations& annotations, std::uint64_t scen
 }
 
 Result<AnnotationsRead> parse_annotations(std::string_view text, std::span<const std::string> names, std::uint64_t scene_hash) {
-  const toml::parse_result parsed = toml::parse(text);
-  if (!parsed) {
-    std::string what(parsed.error().description());
-    std::replace(what.begin(), what.end(), '\n', ' ');
-    return fail("line {}: {}", parsed.error().source().begin.line, what);
-  }
-  return AnnotationsParser(parsed.table(), names).parse(scene_hash);
+  const auto parsed = parse_toml(text);
+  if (!parsed) return tl::unexpected(parsed.error());
+  return AnnotationsParser(*parsed, names).parse(scene_hash);
 }
 
 Result<AnnotationsRead> read_annotations(const std::filesystem::path& path, std::span<const std::string> names, std::uint64_t scene_hash) {

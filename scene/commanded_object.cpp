@@ -20,6 +20,11 @@ Keyframe CommandedObject::place(const std::optional<Vec3>& p_SM, const std::opti
   return placed;
 }
 
+bool CommandedObject::operator==(const CommandedObject& other) const noexcept {
+  return p_MP_ == other.p_MP_ && q_SM_.coeffs() == other.q_SM_.coeffs() && fit_.centre == other.fit_.centre &&
+         fit_.scale == other.fit_.scale && pivot_S_ == other.pivot_S_ && radius_m_ == other.radius_m_;
+}
+
 ObjectPlace CommandedObject::find_place(const Keyframe& at) const noexcept {
   const Quat q = (at.turn * q_SM_).normalized();
   return {.p_SM = at.p_S / fit_.scale + fit_.centre - q * p_MP_, .q_SM = q};

@@ -34,6 +34,9 @@ class CommandedObject {
   // The inverse: what place() puts there.
   ObjectPlace find_place(const Keyframe& at) const noexcept;
 
+  // The same mesh bounds, and the same requests lead to the same places.
+  bool operator==(const CommandedObject& other) const noexcept;
+
  private:
   Vec3 p_MP_;  // pivot, frame of the mesh, scaled
   Quat q_SM_;  // of the scene file

@@ -407,13 +407,9 @@ Result<Scene> load_mesh_as_scene(const std::filesystem::path& path, const SceneL
 }
 
 Result<SceneSpec> parse_spec(const std::string& text) {
-  const toml::parse_result parsed = toml::parse(text);
-  if (!parsed) {
-    std::string what(parsed.error().description());
-    std::replace(what.begin(), what.end(), '\n', ' ');
-    return fail("line {}: {}", parsed.error().source().begin.line, what);
-  }
-  return read_spec(parsed.table());
+  const auto parsed = parse_toml(text);
+  if (!parsed) return tl::unexpected(parsed.error());
+  return read_spec(*parsed);
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 #include "scene/screen_file.h"
 
-#include <algorithm>
 #include <array>
 
 #include "scene/file_bytes.h"
@@ -55,13 +54,9 @@ std::string write_screen(const ScreenRectangle& screen) {
 }
 
 Result<ScreenRectangle> parse_screen(std::string_view text) {
-  const toml::parse_result parsed = toml::parse(text);
-  if (!parsed) {
-    std::string what(parsed.error().description());
-    std::replace(what.begin(), what.end(), '\n', ' ');
-    return fail("line {}: {}", parsed.error().source().begin.line, what);
-  }
-  return read_screen_table(parsed.table());
+  const auto parsed = parse_toml(text);
+  if (!parsed) return tl::unexpected(parsed.error());
+  return read_screen_table(*parsed);
 }
 
 Result<ScreenRectangle> read_screen(const std::filesystem::path& path) {

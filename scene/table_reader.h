@@ -28,6 +28,15 @@ inline std::string line_prefix(const toml::node& node) {
   return line == 0 ? std::string() : fmt::format("line {}: ", line);
 }
 
+// Error: one line with the line in the text.
+inline Result<toml::table> parse_toml(std::string_view text) {
+  toml::parse_result parsed = toml::parse(text);
+  if (parsed) return std::move(parsed).table();
+  std::string what(parsed.error().description());
+  std::replace(what.begin(), what.end(), '\n', ' ');
+  return fail("line {}: {}", parsed.error().source().begin.line, what);
+}
+
 // Reads typed values out of one table; the first error stays and the rest is skipped. An error is one line: the line in the file, the key
 // and the table, what is wrong with the value and which ones are allowed. RT: set-up only.
 class TableReader {

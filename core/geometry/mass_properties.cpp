@@ -1,20 +1,15 @@
 #include "core/geometry/mass_properties.h"
 
-#include "core/geometry/mesh_topology.h"
+#include <cmath>
+
+#include "core/geometry/mesh_measures.h"
 
 namespace hapton {
-namespace {
-
-constexpr double kLeastShareOfBox = 1e-9;
-
-}  // namespace
 
 std::optional<MassProperties> compute_mass_properties(const TriangleMesh& mesh) {
-  const MeshTopology topology = compute_mesh_topology(mesh);
-  if (topology.triangles == 0 || topology.boundary_edges + topology.nonmanifold_edges + topology.inconsistent_edges > 0)
-    return std::nullopt;
-  const Eigen::AlignedBox3d box(topology.lowest, topology.highest);
-  const Vec3 middle = box.center();
+  if (!count_edges(mesh).closed()) return std::nullopt;
+  const MeshBounds bounds = compute_bounds(mesh);
+  const Vec3 middle = bounds.centre();
 
   // Of a tetrahedron with one corner at the origin and the others at a, b, c: volume det(a, b, c) / 6, first moment volume (a + b + c) / 4,
   // second moment volume (a a' + b b' + c c' + s s') / 20 with s = a + b + c.
@@ -31,7 +26,9 @@ std::optional<MassProperties> compute_mass_properties(const TriangleMesh& mesh) 
     first += part / 4.0 * sum;
     second += part / 20.0 * (a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose());
   }
-  if (!(volume > kLeastShareOfBox * box.volume())) return std::nullopt;
+  // What rounding may leave: each term is below extent^3, and takes fewer than eight roundings of 2^-53.
+  const double rounding = 0x1p-50 * static_cast<double>(mesh.triangles.size()) * std::pow(bounds.extent(), 3);
+  if (!(volume > rounding)) return std::nullopt;
 
   const Vec3 centre = first / volume;
   const Mat3 spread = second / volume - centre * centre.transpose();

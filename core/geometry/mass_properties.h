@@ -16,7 +16,7 @@ struct MassProperties {
 
 // Integrals over the tetrahedra between the triangles and the centre of the bounding box (B. Mirtich, "Fast and accurate computation of
 // polyhedral mass properties", 1996, has the same integrals by another way). Nothing: the surface is not closed, its triangles do not all
-// face outwards, or its volume is at most 1e-9 of the bounding box's. RT: set-up only.
+// face outwards, or its volume is no more than rounding may leave. RT: set-up only.
 std::optional<MassProperties> compute_mass_properties(const TriangleMesh& mesh);
 
 }  // namespace hapton

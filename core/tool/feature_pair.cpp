@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/geometry/triangle_distance.h"
+#include "core/math/cross_matrix.h"
 
 namespace hapton {
 namespace {
@@ -154,13 +155,6 @@ double part_time(const FeaturePair& pair, const FeatureGap& gap, const Placement
 
 // The second derivative of n . R(w) a by the rotation vector w, at w = 0: n . (e_i x (e_j x a)), symmetric in i and j.
 Mat3 turn_curvature(const Vec3& n, const Vec3& a) { return 0.5 * (n * a.transpose() + a * n.transpose()) - n.dot(a) * Mat3::Identity(); }
-
-// [v] with [v] x = v x x.
-Mat3 cross_matrix(const Vec3& v) {
-  Mat3 m;
-  m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
-  return m;
-}
 
 // Of two edges that are closest inside both: f = N . u / |N|, where N = d x e turns with the tool's edge d, and u is from the scene's edge
 // to the tool's.

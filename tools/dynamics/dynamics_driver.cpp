@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "core/math/rigid_pose.h"
-#include "core/math/rotation_vector.h"
 #include "runtime/clock.h"
 
 namespace hapton::dynamics {
@@ -14,7 +13,7 @@ constexpr std::int64_t kStepNs = static_cast<std::int64_t>(1e9 * DynamicsWorld::
 constexpr std::int64_t kMostGapNs = 100 * kNanosecondsPerMillisecond;
 // A request or its reply may be lost.
 constexpr std::int64_t kRepeatNs = 50 * kNanosecondsPerMillisecond;
-// No point of a body that is requested anew has moved by less: a hundredth of what a stylus tells apart.
+// No point of a body that is requested anew has moved by less: a tenth of a step of a stylus' encoders.
 constexpr double kLeastTravelM = 2e-6;
 // The delay that is assumed before it is measured, and the longest that damps more.
 constexpr double kFirstDelayS = 0.02;
@@ -101,6 +100,8 @@ void DynamicsDriver::take(const MoveReply& reply) {
   body->pending.reset();
   if (reply.rejection[0] != '\0') {
     rejection_ = reply.rejection.data();
+    body->is_known = false;
+    body->not_before_ns = body->sent_ns + kRepeatNs;
     return;
   }
   const double measured =
@@ -108,20 +109,22 @@ void DynamicsDriver::take(const MoveReply& reply) {
   delay_s_ = std::clamp(std::max(measured, (1.0 - kForgetShare) * delay_s_), 0.0, kLongestDelayS);
 }
 
-bool DynamicsDriver::is_due(const Body& body, std::int64_t now_ns) const {
+// The haptics node does not know where it is.
+bool DynamicsDriver::is_unknown(const Body& body) const {
   if (!body.is_known) return true;
   const double radius = scene_->objects[static_cast<std::size_t>(body.object)].commanded->radius_m();
-  if (most_travel_m(body.requested, world_->place(body.object), radius) > kLeastTravelM) return true;
-  return body.pending && now_ns - body.sent_ns >= kRepeatNs;
+  return most_travel_m(body.requested, world_->place(body.object), radius) > kLeastTravelM;
+}
+
+bool DynamicsDriver::is_due(const Body& body, std::int64_t now_ns) const {
+  if (now_ns < body.not_before_ns) return false;
+  return is_unknown(body) || (body.pending && now_ns - body.sent_ns >= kRepeatNs);
 }
 
 MoveRequest DynamicsDriver::make_request(Body& body) {
-  const SceneObject& object = scene_->objects[static_cast<std::size_t>(body.object)];
-  const bool is_new = !body.pending || !body.is_known ||
-                      most_travel_m(body.requested, world_->place(body.object), object.commanded->radius_m()) > kLeastTravelM;
-  if (!is_new) return *body.pending;
+  if (body.pending && !is_unknown(body)) return *body.pending;
   body.requested = world_->place(body.object, period_s_);
-  const ObjectPlace place = object.commanded->find_place(body.requested);
+  const ObjectPlace place = scene_->objects[static_cast<std::size_t>(body.object)].commanded->find_place(body.requested);
   body.sent_scene_ns = scene_time_ns_;
   body.is_known = true;
   last_request_ = std::max(last_request_ + 1, 1U);

@@ -72,13 +72,15 @@ class DynamicsDriver {
     std::optional<MoveRequest> pending;  // the newest, not replied to yet
     std::int64_t sent_ns = 0;            // ... when it was sent last
     std::int64_t sent_scene_ns = 0;      // ... its scene time
-    bool is_known = false;               // the haptics node has had a request
+    std::int64_t not_before_ns = 0;      // ... the earliest time of the next, after a rejection
+    bool is_known = false;               // the haptics node has had a request and not rejected it
   };
 
   DynamicsDriver(const Scene& scene, const Settings& settings, std::unique_ptr<DynamicsWorld> world);
   void advance_to(std::int64_t scene_time_ns);
   void move_obstacles(double time_s);
   std::optional<Push> find_push(const ProbeState& state) const;
+  bool is_unknown(const Body& body) const;
   bool is_due(const Body& body, std::int64_t now_ns) const;
   MoveRequest make_request(Body& body);
 

@@ -2,7 +2,9 @@
 
 #include "core/geometry/convex_pieces.h"
 #include "core/geometry/mass_properties.h"
+#include "core/geometry/mesh_measures.h"
 #include "core/geometry/simplify_small.h"
+#include "core/math/cross_matrix.h"
 #include "scene/object_motion.h"
 
 #ifdef HAPTON_WITH_BULLET
@@ -55,7 +57,7 @@ namespace {
 
 // Bullet's tolerances suit bodies of 0.05 to 10 units: a unit is a centimetre.
 constexpr double kUnitsPerM = 100.0;
-// Bullet keeps surfaces about this far apart, on each body: a fifth of what a person feels with a stylus.
+// Bullet keeps surfaces this far apart, on each of the two: contacts need a depth to be found in, and 0.1 mm is not seen.
 constexpr double kMarginM = 5e-5;
 // Iterations of the contact solver: stacks of a few bodies stand still (Bullet's default of 10 lets them creep).
 constexpr int kSolverIterations = 30;
@@ -85,12 +87,6 @@ Pose from_bullet(const btTransform& X) {
 // More pieces cost more time than a person sees of them.
 constexpr std::size_t kMostPieces = 64;
 
-double size_of(const TriangleMesh& mesh) {
-  Eigen::AlignedBox3d box;
-  for (const Vec3& vertex : mesh.vertices) box.extend(vertex);
-  return box.sizes().maxCoeff();
-}
-
 // The frame of a body: centre of mass and principal axes, at rest.
 struct BodyFrame {
   Pose X_SB = Pose::Identity();
@@ -105,13 +101,6 @@ BodyFrame find_frame(const MassProperties& properties) {
   frame.X_SB.linear() = axes.eigenvectors();
   if (frame.X_SB.linear().determinant() < 0.0) frame.X_SB.linear().col(0) *= -1.0;
   return frame;
-}
-
-// cross_matrix(a) * b = a x b.
-Mat3 cross_matrix(const Vec3& a) {
-  Mat3 made;
-  made << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
-  return made;
 }
 
 std::unique_ptr<btTriangleMesh> make_triangles(const TriangleMesh& mesh) {
@@ -163,7 +152,7 @@ Member make_obstacle(const SceneObject& object) {
 // Merging small triangles first makes the pieces fewer.
 void make_body_shape(const TriangleMesh& felt, const Pose& X_BS, Member& member) {
   TriangleMesh mesh = {felt.vertices, felt.triangles};
-  const double most = DynamicsWorld::kShapeShare * size_of(mesh);
+  const double most = DynamicsWorld::kShapeShare * compute_bounds(mesh).extent();
   (void)simplify_small(mesh, most / 2);  // an error leaves the mesh as it is
   const std::vector<ConvexPiece> pieces = split_into_convex(mesh, most, kMostPieces);
   if (pieces.size() == 1) {

@@ -2,37 +2,26 @@
 
 #include <fmt/core.h>
 
-#include <charconv>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <system_error>
+
+#include "tools/number_list.h"
 
 namespace hapton {
 namespace {
 
-// Takes "X,Y,Z" from the front of the text.
-bool take_corner(std::string_view& text, Vec3& p_W) {
-  for (int axis = 0; axis < 3; ++axis) {
-    if (axis > 0) {
-      if (!text.starts_with(',')) return false;
-      text.remove_prefix(1);
-    }
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), p_W[axis]);
-    if (error != std::errc() || !std::isfinite(p_W[axis])) return false;
-    text.remove_prefix(static_cast<std::size_t>(end - text.data()));
-  }
-  return true;
-}
-
 bool take_corners(std::string_view text, ScreenCorners& corners) {
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    if (i > 0) {
-      if (!text.starts_with(';')) return false;
-      text.remove_prefix(1);
-    }
-    if (!take_corner(text, corners[i])) return false;
+    const std::size_t end = i + 1 < corners.size() ? text.find(';') : text.size();
+    if (end == std::string_view::npos) return false;
+    const auto numbers = read_number_list(text.substr(0, end));
+    if (!numbers || numbers->size() != 3) return false;
+    corners[i] = Vec3(numbers->data());
+    if (!corners[i].allFinite()) return false;
+    text.remove_prefix(std::min(end + 1, text.size()));
   }
-  return text.empty();
+  return true;
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 #include <fmt/core.h>
 
 #include <array>
-#include <charconv>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -13,6 +12,7 @@
 #include "link/hub_connection.h"
 #include "link/move_request.h"
 #include "tools/commands.h"
+#include "tools/number_list.h"
 
 namespace hapton {
 namespace {
@@ -30,29 +30,15 @@ constexpr double kMoveReplyS = 5.0;
 // More than requested, by which a time is not only rounded.
 constexpr double kSlowed = 1e-6;
 
-// "0.1,0,-0.05". None: it is no such list.
-std::optional<std::vector<double>> read_numbers(std::string_view text) {
-  std::vector<double> numbers;
-  const char* next = text.data();
-  const char* const end = text.data() + text.size();
-  while (true) {
-    const auto [stop, error] = std::from_chars(next, end, numbers.emplace_back());
-    if (error != std::errc()) return std::nullopt;
-    if (stop == end) return numbers;
-    if (*stop != ',') return std::nullopt;
-    next = stop + 1;
-  }
-}
-
 Result<MoveTarget> read_target(const MoveOptions& options) {
   MoveTarget target{.over_s = options.over_s};
   if (!options.to.empty()) {
-    const auto numbers = read_numbers(options.to);
+    const auto numbers = read_number_list(options.to);
     if (!numbers || numbers->size() != 3) return fail("--to {}: give three numbers in metres, X,Y,Z", options.to);
     target.position_m = Vec3(numbers->data());
   }
   if (!options.rotate.empty()) {
-    const auto numbers = read_numbers(options.rotate);
+    const auto numbers = read_number_list(options.rotate);
     if (!numbers || (numbers->size() != 3 && numbers->size() != 4)) {
       return fail("--rotate {}: give three angles in degrees, X,Y,Z, or a quaternion W,X,Y,Z", options.rotate);
     }

@@ -44,6 +44,11 @@ TEST(MassProperties, OfNoSolidThereAreNone) {
   TriangleMesh open = made::box({0, 0, 0}, {1, 1, 1});
   open.triangles.pop_back();
   EXPECT_FALSE(compute_mass_properties(open));
+  // Both sides of a sheet: a volume of rounding alone.
+  TriangleMesh flat = made::box({0.1, 0.2, 0.3}, {1.3, 1.7, 0.3});
+  for (Vec3& v : flat.vertices) v = Quat(0.5, 0.5, 0.5, 0.5) * Quat(0.8, 0.6, 0, 0) * v;
+  EXPECT_FALSE(compute_mass_properties(flat));
+  EXPECT_TRUE(compute_mass_properties(made::box({0, 0, 0}, {1, 1, 1e-9}))) << "thin, but solid";
   TriangleMesh inside_out = made::box({0, 0, 0}, {1, 1, 1});
   for (Triangle& triangle : inside_out.triangles) std::swap(triangle[0], triangle[1]);
   EXPECT_FALSE(compute_mass_properties(inside_out));

@@ -96,11 +96,11 @@ class Loop {
 
 // From the left of the box, at half its height, to the right at 0.1 m/s for 40 mm after the contact; then it stays.
 constexpr double kGapM = 0.005;
-constexpr double kWayM = 0.04;
+constexpr double kTravelM = 0.04;
 constexpr double kSpeed = 0.1;
 Vec3 hand_at(double t_s) {
-  const double way = std::clamp(kSpeed * (t_s - 0.2), 0.0, kGapM + kWayM);
-  return Vec3(-kBoxSideM / 2 - kGapM + way, kBoxSideM / 2, 0.001);
+  const double travel = std::clamp(kSpeed * (t_s - 0.2), 0.0, kGapM + kTravelM);
+  return Vec3(-kBoxSideM / 2 - kGapM + travel, kBoxSideM / 2, 0.001);
 }
 
 struct Felt {
@@ -124,8 +124,8 @@ TEST(DynamicsDriver, ABoxGoesWhereTheHandPushesIt) {
   Loop loop(table_scene(), {}, 1);
   const Vec3 start = loop.felt_position();
   const Felt felt = push(loop);
-  const double way = loop.felt_position().x() - start.x();
-  EXPECT_NEAR(way, kWayM, 0.002);
+  const double travel = loop.felt_position().x() - start.x();
+  EXPECT_NEAR(travel, kTravelM, 0.002);
   EXPECT_LT((loop.felt_position() - loop.position()).norm(), 1e-5) << "haptics and dynamics have it at different places in the end";
   EXPECT_GT(loop.driver().counts().pushes, 100U);
   EXPECT_GT(felt.most_n, 0.4 * kBoxKg * 9.81) << "friction on the table";
@@ -276,6 +276,13 @@ TEST_F(Alone, ARejectionIsTold) {
   reply.request += 1;  // of another program
   driver.take(reply);
   EXPECT_EQ(driver.take_rejection(), "");
+  // It is requested again, although the body is at rest: another program may have taken its place for a moment.
+  EXPECT_FALSE(driver.next_request(49 * kMs));
+  const auto again = driver.next_request(50 * kMs);
+  ASSERT_TRUE(again);
+  EXPECT_NE(again->request, request->request);
+  driver.take(MoveReply{.request = again->request});
+  EXPECT_FALSE(driver.next_request(200 * kMs));
 }
 
 TEST_F(Alone, ARequestAtATimeAndNoneForABodyAtRest) {

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "core/math/types.h"
+
+namespace hapton {
+
+// cross_matrix(v) * x = v x x. RT: yes.
+inline Mat3 cross_matrix(const Vec3& v) noexcept {
+  Mat3 m;
+  m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
+  return m;
+}
+
+}  // namespace hapton

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <optional>
+#include <string_view>
+#include <vector>
+
+namespace hapton {
+
+// "0.1,0,-0.05": at least one number, without spaces. None: it is no such list. RT: no.
+std::optional<std::vector<double>> read_number_list(std::string_view text);
+
+}  // namespace hapton
