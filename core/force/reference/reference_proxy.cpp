@@ -145,7 +145,7 @@ void ReferenceProxy::descend(const Vec3& device) noexcept {
       if (tip_over(device, pull)) continue;
       break;
     }
-    if (roll(device, pull) || leave_vertex(device, pull)) continue;
+    if (roll(device, pull) || slip(device, pull, motion) || leave_vertex(device, pull)) continue;
     advance(motion);
   }
   update_contacts();
@@ -245,13 +245,15 @@ ReferenceProxy::Pull ReferenceProxy::project_pull(const Vec3& pull) noexcept {
   return result;
 }
 
-// Where the proxy jumps, its path matters, not only its end: it must not leave the surface beyond what holds the proxy.
+// Where the proxy jumps, its path matters, not only its end: it must not leave the surface beyond what holds the proxy. A point passes the
+// boundary by its radius. A sphere under friction passes it by so little that its path over the edge is that of slip().
 Vec3 ReferenceProxy::cut_at_boundary(const Pull& pull, const Vec3& motion) noexcept {
   const double length = motion.norm();
-  if (!keeps_to_surface() || pull.strongest == nullptr || !(length > rest_offset_)) return motion;
+  const double past = has_friction() && is_sphere() ? kShortestSlip * rest_offset_ : rest_offset_;
+  if (!keeps_to_surface() || pull.strongest == nullptr || !(length > past)) return motion;
   double until = 1.0;
   for (int i = 0; i < pull.motion.count; ++i) until = std::min(until, share_on_feature(state_.contacts[pull.motion.active[i]], motion));
-  return std::min(1.0, until + rest_offset_ / length) * motion;
+  return std::min(1.0, until + past / length) * motion;
 }
 
 // The share of a motion that stays on the feature in contact.

@@ -118,6 +118,16 @@ class ReferenceProxy {
     double until = 1.0;  // share of the motion
     const Face* face = nullptr;
   };
+  // The one or two parts that a sphere slips over, and its distances from them.
+  struct SlipParts {
+    std::array<PreparedTriangle, 2> shape;
+    std::array<double, 2> near_distance{};
+    std::array<ClosestPoint, 2> near;  // of the last direction_at()
+    std::size_t count = 0;
+
+    Vec3 direction_at(const Vec3& p, const Vec3& device) noexcept;
+    bool restore(Vec3& p) const noexcept;
+  };
 
   // In local units. A distance within the scene is good to 2^-48.
   static constexpr double kTolerance = 0x1p-38;  // a 64th of a point's radius, far above rounding: contacts within it count
@@ -126,6 +136,8 @@ class ReferenceProxy {
   static constexpr double kLongestMotion = 4.0;  // a few scenes, so that a distant device does not cost significant digits
   static constexpr double kSamePlane = 1e-14;    // coplanar normals differ by less in their cosine
   static constexpr double kLeastRoll = 1e-10;    // rad; a shorter arc counts as zero
+  // Rest offsets: a shorter piece of a slip is straight, and is not divided where what holds the sphere changes.
+  static constexpr double kShortestSlip = 0x1p-14;
   // Capacities, so that a step needs no heap.
   static constexpr std::size_t kMostNear = 48;          // faces nearby that offer directions at a vertex
   static constexpr std::size_t kMostDirections = 1536;  // above 1 + 4 * 48 of pull, faces and edges and 1,128 of pairs of faces
@@ -162,6 +174,7 @@ class ReferenceProxy {
   void note_friction() noexcept {
     frictionless_ = std::none_of(materials_.begin(), materials_.end(), [](const Material& one) { return one.friction_static > 0.0; });
   }
+  bool is_sphere() const { return rest_offset_ > 16.0 * kPointRadius; }
   bool has_friction() const { return !frictionless_ && rules_.friction; }
   bool keeps_to_surface() const { return rules_.keeps_to_surface || has_friction(); }
   const Vec3* find_vertex(const Pull& pull) const noexcept;
@@ -174,6 +187,7 @@ class ReferenceProxy {
   void list_faces_at(const Vec3& vertex) noexcept;
   Vec3 find_steepest(const Vec3& vertex, const Vec3& to_device) noexcept;
   bool roll(const Vec3& device, const Pull& pull) noexcept;
+  bool slip(const Vec3& device, const Pull& pull, const Vec3& motion) noexcept;
   bool tip_over(const Vec3& device, const Pull& pull) noexcept;
   bool tip_over(const Vec3& device, const Contact& contact) noexcept;
   Vec3 pivot_of(const Contact& contact) const noexcept;

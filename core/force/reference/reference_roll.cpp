@@ -17,7 +17,7 @@ constexpr double kNearBoundary = 1e-3;  // rest offsets: a face contact this nea
 
 // A sphere over a single edge or vertex moves round it to the point nearest to the device, at most sixty degrees.
 bool ReferenceProxy::roll(const Vec3& device, const Pull& pull) noexcept {
-  if (pull.motion.count != 1 || rest_offset_ <= 16.0 * kPointRadius || has_friction()) return false;
+  if (pull.motion.count != 1 || !is_sphere() || has_friction()) return false;
   const Contact& contact = *pull.strongest;
   if (contact.near.feature == TriangleFeature::face || contact.near.distance < rest_offset_ - 2.0 * kTolerance) return false;
   const Vec3 aim = perpendicular_to_feature(contact, device - pivot_of(contact));

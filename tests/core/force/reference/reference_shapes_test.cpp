@@ -78,5 +78,38 @@ TEST(ReferenceMethod, SphereProbeRollsAboutAnOpenEdge) {
   EXPECT_NE(method->describe().find("at most 3 motions in one sub-step"), std::string::npos) << method->describe();
 }
 
+// A sphere that slips off the edge of a box under friction while the device holds still: along its pull, which turns on the way round the
+// edge, then straight down the side until the pull is on the dynamic cone.
+TEST(ReferenceMethod, SphereUnderFrictionSlipsRoundAnEdgeAlongItsPull) {
+  constexpr double kHalf = 0.02, kRadius = 0.002, kDynamic = 0.2;
+  auto method = reference_over(make_box(Vec3::Constant(2.0 * kHalf)), kRadius, {.friction_static = 0.3, .friction_dynamic = kDynamic});
+  const Vec3 edge(kHalf, 0.0, kHalf);  // along y
+  for (const double y : {0.003, 0.006, -0.009}) {
+    const Vec3 device(0.017, y, 0.005);
+    const double start_angle = 20.0 * std::numbers::pi / 180.0;
+    Vec3 expected = edge + kRadius * Vec3(std::sin(start_angle), 0.0, std::cos(start_angle));
+    const Vec3 start = expected;
+    const auto pull_at = [&](const Vec3& centre) -> Vec3 {
+      const Vec3 normal = Vec3(centre.x() - kHalf, 0.0, centre.z() - kHalf).normalized();
+      const Vec3 pull = device - centre;
+      return pull - pull.dot(normal) * normal;
+    };
+    constexpr double kPiece = 2e-8;  // m: with the midpoint rule, an error of 1e-15 m
+    while (expected.z() > kHalf) {
+      const Vec3 middle = expected + 0.5 * kPiece * pull_at(expected).normalized();
+      expected += kPiece * pull_at(middle).normalized();
+      const Vec3 out(expected.x() - kHalf, 0.0, expected.z() - kHalf);
+      expected += (kRadius / out.norm() - 1.0) * out;
+    }
+    expected.x() = kHalf + kRadius;
+    const Vec3 over(0.0, device.y() - expected.y(), device.z() - expected.z());
+    expected += over - kDynamic * (expected.x() - device.x()) * over.normalized();
+    method->reset(Vec3(0.0, 0.0, 0.1));
+    method->continue_from(start, device, true);
+    const MethodOutput felt = method->step({.p_SD = device});
+    EXPECT_LT((felt.p_SP - expected).norm(), 2e-8) << y;
+  }
+}
+
 }  // namespace
 }  // namespace hapton
