@@ -68,7 +68,7 @@ Result<void> take(DynamicsDriver& driver, const Scene& scene, HubClient& client,
 
 void warn(const Scene& scene, DynamicsDriver& driver) {
   if (const std::string why = driver.take_rejection(); !why.empty()) say("a body does not move: " + why);
-  if (const int fallen = driver.take_fallen(); fallen >= 0) {
+  for (const int fallen : driver.take_fallen()) {
     say(fmt::format("{} fell out of the scene, and is back where it began", scene.objects[static_cast<std::size_t>(fallen)].name));
   }
 }
@@ -126,8 +126,7 @@ int run(const DynamicsOptions& options) {
 
 void add_dynamics_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<DynamicsOptions>();
-  const CommandLine command =
-      app.add_subcommand("dynamics", "Let the stylus push objects that have a mass (rigid bodies, by Bullet)");
+  const CommandLine command = app.add_subcommand("dynamics", "Let the stylus push objects that have a mass (rigid bodies, by Bullet)");
   command.add_option("--scene", options->scene, "The scene that the nodes have; its bodies have moved_by = \"program\" and mass_kg")
       .required();
   command.add_option("--gravity", options->gravity, "m/s^2, downwards (-y of W); 0: none").between(0.0, 100.0).shows_default();

@@ -71,9 +71,9 @@ void DynamicsDriver::advance_to(std::int64_t scene_time_ns) {
     move_obstacles(1e-9 * static_cast<double>(world_time_ns_ + kStepNs));
     world_->step();
     ++counts_.steps;
-    if (world_->fallen() < 0) continue;
-    fallen_ = world_->fallen();
-    ++counts_.fallen;
+    const auto fallen = world_->fallen();
+    fallen_.insert(fallen_.end(), fallen.begin(), fallen.end());
+    counts_.fallen += fallen.size();
   }
 }
 
@@ -150,6 +150,6 @@ std::optional<MoveRequest> DynamicsDriver::next_request(std::int64_t now_ns) {
 
 std::string DynamicsDriver::take_rejection() { return std::exchange(rejection_, {}); }
 
-int DynamicsDriver::take_fallen() { return std::exchange(fallen_, -1); }
+std::vector<int> DynamicsDriver::take_fallen() { return std::exchange(fallen_, {}); }
 
 }  // namespace hapton::dynamics

@@ -58,8 +58,8 @@ class DynamicsDriver {
 
   // The last rejection of a request since the last call; empty: none.
   std::string take_rejection();
-  // A body that fell out of the scene since the last call, and is back where it began; -1: none.
-  int take_fallen();
+  // The bodies that fell out of the scene since the last call, and are back where they began.
+  std::vector<int> take_fallen();
   // From a request until it is felt, with the time that the requested move takes.
   double delay_s() const noexcept { return delay_s_; }
   const Counts& counts() const noexcept { return counts_; }
@@ -98,7 +98,7 @@ class DynamicsDriver {
   std::uint32_t last_request_;
   double period_s_;
   double delay_s_;
-  int fallen_ = -1;
+  std::vector<int> fallen_;
   std::string rejection_;
   Counts counts_;
 };

@@ -36,7 +36,7 @@ void DynamicsWorld::press(const std::optional<Push>&) {}
 void DynamicsWorld::move_obstacle(int, const Pose&) {}
 void DynamicsWorld::step() {}
 Keyframe DynamicsWorld::place(int, double) const { return {}; }
-int DynamicsWorld::fallen() const noexcept { return -1; }
+std::span<const int> DynamicsWorld::fallen() const noexcept { return {}; }
 
 #else
 
@@ -266,7 +266,7 @@ struct DynamicsWorld::Parts {
   std::vector<int> bodies;
   std::optional<Push> push;
   Eigen::AlignedBox3d box;  // of the scene at rest
-  int fallen = -1;
+  std::vector<int> fallen;  // in the last step
 };
 
 Result<std::unique_ptr<DynamicsWorld>> DynamicsWorld::make(const Scene& scene, double friction) {
@@ -316,14 +316,14 @@ void DynamicsWorld::move_obstacle(int object, const Pose& X_SO) {
 void DynamicsWorld::step() {
   if (parts_->push) parts_->apply_push();
   parts_->world.stepSimulation(btScalar(kStepS), 0);
-  parts_->fallen = -1;
+  parts_->fallen.clear();
   for (const int object : parts_->bodies) {
     Member& member = parts_->at(object);
     Parts::limit_speed(member);
     const Vec3 away = Parts::pose_of(member).translation() - parts_->box.center();
     if (away.norm() <= kFallenDiagonals * parts_->box.diagonal().norm()) continue;
     Parts::put_back(member);
-    parts_->fallen = object;
+    parts_->fallen.push_back(object);
   }
 }
 
@@ -338,7 +338,7 @@ Keyframe DynamicsWorld::place(int object, double ahead_s) const {
   return {.p_S = X_SO * member.pivot_S, .turn = Quat(X_SO.linear())};
 }
 
-int DynamicsWorld::fallen() const noexcept { return parts_->fallen; }
+std::span<const int> DynamicsWorld::fallen() const noexcept { return parts_->fallen; }
 
 #endif
 

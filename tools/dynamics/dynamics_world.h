@@ -48,8 +48,8 @@ class DynamicsWorld {
 
   // Where a body is, and where it would be after ahead_s at its present velocity. As the haptics node moves it; time 0. Pre: is_body.
   Keyframe place(int object, double ahead_s = 0.0) const;
-  // The object that fell out of the scene in the last step; -1: none.
-  int fallen() const noexcept;
+  // The objects that fell out of the scene in the last step.
+  std::span<const int> fallen() const noexcept;
 
  private:
   struct Parts;
