@@ -33,8 +33,6 @@ constexpr std::size_t kShadowTriangles = 20'000;
 constexpr double kShadowRadii = 1.0;
 // Height of the shadow above the grid, as a share of the eyes' distance: enough for a depth buffer of 24 bits.
 constexpr double kAboveGround = 1e-3;
-// From over the viewer's left shoulder.
-const Vec3 kLight_V = Vec3(-0.40, 0.62, 0.85).normalized();
 
 }  // namespace
 
@@ -237,8 +235,8 @@ void ScenePainter::paint_background(const ScenePass& pass) const {
   glDisable(GL_BLEND);
   glDisable(GL_CULL_FACE);
   background_->use();
-  background_->set("low", kLow);
-  background_->set("high", kHigh);
+  background_->set("low", pass.is_even ? kHaze : kLow);
+  background_->set("high", pass.is_even ? kHaze : kHigh);
   glBindVertexArray(empty_vertices_);
   glDrawArrays(GL_TRIANGLES, 0, 3);
   if (pass.depth_cues) paint_lines(pass);
@@ -323,7 +321,7 @@ void ScenePainter::begin_objects(const ScenePass& pass) const {
   const bool is_hazy = pass.depth_cues && !pass.plain;
   for (const GlProgram* program : {finished_.get(), painted_.get(), shaded_.get()}) {
     program->use();
-    program->set("light", kLight_V);
+    program->set("light", pass.screen.light_V);
     program->set("plain", pass.plain ? 1 : 0);
     program->set("haze", kHaze);
     program->set("haze_from", is_hazy ? 1.0 - 0.1 * (pass.screen.far_m / pass.screen.distance_m - 1.0) : 1e6);
