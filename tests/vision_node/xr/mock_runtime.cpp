@@ -5,6 +5,8 @@
 //   no_opengl no_headset no_stage linear
 //   lose_after=N         every call fails after N frames
 //   exit_after=N         the session is ended after N frames
+//   still=N              the head is always where it is in frame N
+//   opengl_9             needs an OpenGL that nobody has
 //   hide_from=N hide_to=N, blind_from=N blind_to=N   frames that are not to be drawn, and that have no pose
 #include <algorithm>
 #include <chrono>
@@ -171,7 +173,8 @@ XrResult get_system(XrInstance, const XrSystemGetInfo*, XrSystemId* system) {
 XrResult configuration_views(XrInstance, XrSystemId, XrViewConfigurationType type, uint32_t capacity, uint32_t* count,
                              XrViewConfigurationView* into) {
   if (type != XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO) return XR_ERROR_VIEW_CONFIGURATION_TYPE_UNSUPPORTED;
-  XrViewConfigurationView view{XR_TYPE_VIEW_CONFIGURATION_VIEW};
+  XrViewConfigurationView view{};
+  view.type = XR_TYPE_VIEW_CONFIGURATION_VIEW;
   view.recommendedImageRectWidth = static_cast<uint32_t>(g_mock.number("width", 320));
   view.recommendedImageRectHeight = static_cast<uint32_t>(g_mock.number("height", 352));
   return list(std::vector<XrViewConfigurationView>(2, view), capacity, count, into);
@@ -352,7 +355,7 @@ int frame_seen(int frame) {
 
 std::array<XrView, 2> views_at(int frame) {
   std::array<XrView, 2> views{};
-  const auto eyes = mock_xr::eyes_at(frame_seen(frame));
+  const auto eyes = mock_xr::eyes_at(g_mock.number("still", frame_seen(frame)));
   for (std::size_t i = 0; i < 2; ++i) {
     Pose X = eyes[i].X_FE;
     if (g_mock.is_stage) X.pretranslate(mock_xr::kLocalInStage);
