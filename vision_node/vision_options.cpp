@@ -124,18 +124,14 @@ constexpr const char* kBeforeTheEyes = "0,-0.25,-0.5";
 constexpr const char* kAboveTheFloor = "0,1,-0.5";
 
 void add_room_options(CLI::App& app, RoomWords& words) {
-  app.add_option("--room", words.space,
-                 "For --stereo openxr: what --workspace-m counts from: local (the eyes at the start, or at the last home) or stage (the "
-                 "floor)")
+  app.add_option("--room", words.space, "What --workspace-m counts from in a headset: local (the eyes at the start), stage (the floor)")
       ->check(CLI::IsMember({"local", "stage"}))
       ->capture_default_str();
-  app.add_option(
-         "--workspace-m", words.at_m,
-         fmt::format("Centre of the workspace in the room of the headset: X,Y,Z in metres, right, up, towards the viewer (default: {}; "
-                     "with --room stage {})",
-                     kBeforeTheEyes, kAboveTheFloor))
+  app.add_option("--workspace-m", words.at_m,
+                 fmt::format("Workspace's centre in a headset: X,Y,Z in m, right, up, back (default: {}; stage: {})", kBeforeTheEyes,
+                             kAboveTheFloor))
       ->check(accepts(parse_triple));
-  app.add_option("--workspace-turn-deg", words.turn_deg, "Rotation of the workspace there, as --head-turn-deg")
+  app.add_option("--workspace-turn-deg", words.turn_deg, "Rotation of the workspace there: X,Y,Z in degrees")
       ->check(accepts(parse_triple))
       ->capture_default_str();
 }

@@ -20,6 +20,7 @@
 #include "tests/support/scratch_folder.h"
 #include "tests/vision_node/made_views.h"
 #include "tests/vision_node/xr/mock_views.h"
+#include "vision_node/display.h"
 
 // Last: it brings X's macros.
 #include "tests/vision_node/window_person.h"
@@ -213,7 +214,10 @@ TEST_F(OpenXrProgram, FramesThatNobodySeesAreEmptyAndAPoseThatIsNotKnownIsTheLas
 
 TEST_F(OpenXrProgram, HomeBringsTheWorkspaceBeforeTheViewerAndArrowsMoveTheViewer) {
   constexpr int kStill = 4;
-  FILE* const pipe = popen(command(fmt::format("still={}", kStill), "", our_runtime()).c_str(), "r");
+  // Windows of other tests are gone only now: the name alone tells which is meant.
+  XSync(static_cast<Display*>(DisplayConnection::open()->id()), False);
+  const std::string ends = fmt::format("--seconds 100 --screenshot {}", (scratch_.path() / "a.png").string());
+  FILE* const pipe = popen(command(fmt::format("still={}", kStill), ends, our_runtime()).c_str(), "r");
   ASSERT_NE(pipe, nullptr);
   const auto frames = [&] {
     const std::string log = read_all(out() / "log");

@@ -14,7 +14,7 @@ namespace hapton::mock_xr {
 inline constexpr std::int64_t kFirstFrameNs = 5'000'000'000;
 inline constexpr std::int64_t kPeriodNs = 11'111'111;
 // The stage's floor is below the eyes, and its origin to the left.
-inline const Vec3 kLocalInStage(0.2, 1.4, -0.1);
+inline const Vec3 kLocalInStage(0.05, 1.3, 0.05);
 
 inline double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
