@@ -197,11 +197,24 @@ TEST_F(OpenXrProgram, AfterTheLossOfTheRuntimeTheWindowGoesOnInMono) {
   EXPECT_EQ(static_cast<unsigned char>(png[18]) * 256 + static_cast<unsigned char>(png[19]), 320) << "the window's own width";
 }
 
+TEST_F(OpenXrProgram, WhicheverCallFailsTheProgramGoesOnAndNamesIt) {
+  const std::string arguments = "--offscreen --seconds 0.8 --screenshot " + (scratch_.path() / "a.png").string();
+  for (const char* call : {"xrPollEvent", "xrBeginFrame", "xrLocateViews", "xrAcquireSwapchainImage", "xrWaitSwapchainImage",
+                           "xrReleaseSwapchainImage", "xrEndFrame"}) {
+    const XrRun run = this->run(fmt::format("lose_after=2,lose_in={}", call), arguments);
+    EXPECT_EQ(run.code, 0) << call << ": " << run.output;
+    EXPECT_NE(run.output.find(fmt::format("the headset is lost ({}: XR_ERROR_INSTANCE_LOST)", call)), std::string::npos) << run.output;
+  }
+  const XrRun warned = run("pending_after=2", arguments);
+  EXPECT_EQ(warned.code, 0) << warned.output;
+  EXPECT_NE(warned.output.find("the headset is lost (the runtime is about to end)"), std::string::npos) << warned.output;
+}
+
 TEST_F(OpenXrProgram, FramesThatNobodySeesAreEmptyAndAPoseThatIsNotKnownIsTheLastOne) {
-  const XrRun run = this->run("exit_after=8,hide_from=2,hide_to=4,blind_from=5,blind_to=7");
+  const XrRun run = this->run("exit_after=10,hide_from=2,hide_to=4,blind_from=5,blind_to=7,crooked_from=8,crooked_to=9");
   EXPECT_EQ(run.code, 0) << run.output;
   EXPECT_NE(run.output.find("the headset shows nothing of ours at present"), std::string::npos) << run.output;
-  for (int frame = 0; frame < 8; ++frame) {
+  for (int frame = 0; frame < 10; ++frame) {
     const std::string line = fmt::format("frame {} layers {}\n", frame, frame == 2 || frame == 3 ? 0 : 1);
     EXPECT_NE(run.log.find(line), std::string::npos) << line << run.log;
   }
@@ -209,7 +222,8 @@ TEST_F(OpenXrProgram, FramesThatNobodySeesAreEmptyAndAPoseThatIsNotKnownIsTheLas
   const Pose X_LW(Eigen::Translation3d(0.0, -0.25, -0.5));
   expect_frame(4, mock_xr::eyes_at(4), X_LW);
   expect_frame(6, mock_xr::eyes_at(4), X_LW);
-  expect_frame(7, mock_xr::eyes_at(7), X_LW);
+  expect_frame(8, mock_xr::eyes_at(7), X_LW);
+  expect_frame(9, mock_xr::eyes_at(9), X_LW);
 }
 
 TEST_F(OpenXrProgram, HomeBringsTheWorkspaceBeforeTheViewerAndArrowsMoveTheViewer) {

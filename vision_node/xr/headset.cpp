@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <optional>
@@ -40,9 +41,13 @@ T make_struct(XrStructureType type) {
   return made;
 }
 
-Pose to_pose(const XrPosef& pose) {
+// None: not rigid, or not finite. OpenXR wants unit quaternions, of single precision.
+std::optional<Pose> to_pose(const XrPosef& pose) {
+  constexpr double kOffUnit = 0.01;
   const Quat q(pose.orientation.w, pose.orientation.x, pose.orientation.y, pose.orientation.z);
-  return Eigen::Translation3d(pose.position.x, pose.position.y, pose.position.z) * Pose(q.normalized());
+  const Vec3 p(pose.position.x, pose.position.y, pose.position.z);
+  if (!(std::abs(q.norm() - 1.0) < kOffUnit) || !p.allFinite()) return std::nullopt;
+  return Eigen::Translation3d(p) * Pose(q.normalized());
 }
 
 FieldOfView to_fov(const XrFovf& fov) { return {fov.angleLeft, fov.angleRight, fov.angleUp, fov.angleDown}; }
@@ -274,8 +279,9 @@ void Headset::Runtime::locate() {
   if (count != found.size() || (state.viewStateFlags & kKnown) != kKnown) return;
   std::array<EyeInFrame, 2> seen;
   for (std::size_t i = 0; i < found.size(); ++i) {
-    seen[i] = {to_pose(found[i].pose), to_fov(found[i].fov)};
-    if (!seen[i].X_FE.matrix().allFinite() || !is_possible(seen[i].fov)) return;
+    const auto X_LE = to_pose(found[i].pose);
+    if (!X_LE || !is_possible(to_fov(found[i].fov))) return;
+    seen[i] = {*X_LE, to_fov(found[i].fov)};
   }
   views = found;
   eyes = seen;

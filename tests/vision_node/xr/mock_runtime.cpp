@@ -3,8 +3,10 @@
 //   out=FOLDER           a file frame_NNN_E.ppm of each picture, and log: a line for each frame and each call out of order
 //   width=N height=N     pixels of an eye
 //   no_opengl no_headset no_stage linear
-//   lose_after=N         every call fails after N frames
+//   lose_after=N         every call fails after N frames; lose_in=NAME: that one is the first
+//   pending_after=N      the runtime says after N frames that it is about to end
 //   exit_after=N         the session is ended after N frames
+//   crooked_from=N crooked_to=N                      frames whose pose is said to be known and is no pose
 //   still=N              the head is always where it is in frame N
 //   opengl_9             needs an OpenGL that nobody has
 //   hide_from=N hide_to=N, blind_from=N blind_to=N   frames that are not to be drawn, and that have no pose
@@ -100,6 +102,7 @@ struct Mock {
   bool is_waited = false;
   bool is_begun = false;
   bool is_stage = false;
+  bool is_dead = false;
   int frames = 0;  // waited for
 
   bool has(const std::string& word) const { return words.contains(word); }
@@ -107,7 +110,12 @@ struct Mock {
   bool is_in(const std::string& what) const {
     return frames - 1 >= number(what + "_from", 1 << 30) && frames - 1 < number(what + "_to", 1 << 30);
   }
-  bool is_lost() const { return frames > number("lose_after", 1 << 30); }
+  // Whether that call comes too late.
+  bool is_lost(const std::string& call) {
+    const bool is_first = !has("lose_in") || words.at("lose_in") == call;
+    is_dead = is_dead || (is_first && frames > number("lose_after", 1 << 30));
+    return is_dead;
+  }
   void log(const std::string& line) const {
     if (has("out")) std::ofstream(words.at("out") + "/log", std::ios::app) << line << '\n';
   }
@@ -126,8 +134,8 @@ struct Mock {
 Mock g_mock;
 
 // Every call of a lost runtime.
-#define MOCK_LIVES() \
-  if (g_mock.is_lost()) return XR_ERROR_INSTANCE_LOST
+#define MOCK_LIVES(call) \
+  if (g_mock.is_lost(call)) return XR_ERROR_INSTANCE_LOST
 
 template <class T>
 XrResult list(const std::vector<T>& all, uint32_t capacity, uint32_t* count, T* into) {
@@ -260,7 +268,7 @@ XrResult chain_images(XrSwapchain swapchain, uint32_t capacity, uint32_t* count,
 }
 
 XrResult acquire(XrSwapchain swapchain, const XrSwapchainImageAcquireInfo*, uint32_t* index) {
-  MOCK_LIVES();
+  MOCK_LIVES("xrAcquireSwapchainImage");
   Chain& chain = *find_chain(swapchain);
   if (chain.acquired >= 0 || !g_mock.is_begun) return g_mock.wrong("xrAcquireSwapchainImage");
   chain.acquired = chain.next;
@@ -270,7 +278,7 @@ XrResult acquire(XrSwapchain swapchain, const XrSwapchainImageAcquireInfo*, uint
 }
 
 XrResult wait_image(XrSwapchain swapchain, const XrSwapchainImageWaitInfo*) {
-  MOCK_LIVES();
+  MOCK_LIVES("xrWaitSwapchainImage");
   Chain& chain = *find_chain(swapchain);
   if (chain.acquired < 0 || chain.is_waited) return g_mock.wrong("xrWaitSwapchainImage");
   chain.is_waited = true;
@@ -278,7 +286,7 @@ XrResult wait_image(XrSwapchain swapchain, const XrSwapchainImageWaitInfo*) {
 }
 
 XrResult release(XrSwapchain swapchain, const XrSwapchainImageReleaseInfo*) {
-  MOCK_LIVES();
+  MOCK_LIVES("xrReleaseSwapchainImage");
   Chain& chain = *find_chain(swapchain);
   if (!chain.is_waited) return g_mock.wrong("xrReleaseSwapchainImage");
   chain.shown = chain.acquired;
@@ -288,7 +296,7 @@ XrResult release(XrSwapchain swapchain, const XrSwapchainImageReleaseInfo*) {
 }
 
 XrResult poll_event(XrInstance, XrEventDataBuffer* into) {
-  MOCK_LIVES();
+  MOCK_LIVES("xrPollEvent");
   if (g_mock.events.empty()) return XR_EVENT_UNAVAILABLE;
   std::memcpy(into, &g_mock.events.front(), sizeof(XrEventDataSessionStateChanged));
   g_mock.events.pop_front();
@@ -314,7 +322,7 @@ XrResult end_session(XrSession) {
 }
 
 XrResult request_exit(XrSession) {
-  MOCK_LIVES();
+  MOCK_LIVES("xrRequestExitSession");
   if (!g_mock.is_running) return XR_ERROR_SESSION_NOT_RUNNING;
   g_mock.enter(XR_SESSION_STATE_STOPPING);
   g_mock.log("asked to end");
@@ -327,14 +335,14 @@ XrResult wait_frame(XrSession, const XrFrameWaitInfo*, XrFrameState* due) {
   due->predictedDisplayTime = mock_xr::kFirstFrameNs + g_mock.frames * mock_xr::kPeriodNs;
   due->predictedDisplayPeriod = mock_xr::kPeriodNs;
   ++g_mock.frames;
-  MOCK_LIVES();
+  MOCK_LIVES("xrWaitFrame");
   due->shouldRender = g_mock.is_in("hide") ? XR_FALSE : XR_TRUE;
   g_mock.is_waited = true;
   return XR_SUCCESS;
 }
 
 XrResult begin_frame(XrSession, const XrFrameBeginInfo*) {
-  MOCK_LIVES();
+  MOCK_LIVES("xrBeginFrame");
   if (!g_mock.is_waited || g_mock.is_begun) return g_mock.wrong("xrBeginFrame");
   g_mock.is_begun = true;
   return XR_SUCCESS;
@@ -349,8 +357,11 @@ XrPosef posed(const Pose& X) {
 
 // The newest frame whose pose was known.
 int frame_seen(int frame) {
-  const int from = g_mock.number("blind_from", 1 << 30);
-  return frame >= from && frame < g_mock.number("blind_to", 1 << 30) ? from - 1 : frame;
+  for (const std::string what : {"blind", "crooked"}) {
+    const int from = g_mock.number(what + "_from", 1 << 30);
+    if (frame >= from && frame < g_mock.number(what + "_to", 1 << 30)) return from - 1;
+  }
+  return frame;
 }
 
 std::array<XrView, 2> views_at(int frame) {
@@ -369,11 +380,14 @@ std::array<XrView, 2> views_at(int frame) {
 }
 
 XrResult locate_views(XrSession, const XrViewLocateInfo* info, XrViewState* state, uint32_t capacity, uint32_t* count, XrView* into) {
-  MOCK_LIVES();
+  MOCK_LIVES("xrLocateViews");
   if ((info->displayTime - mock_xr::kFirstFrameNs) % mock_xr::kPeriodNs != 0) return XR_ERROR_TIME_INVALID;
   const int frame = static_cast<int>((info->displayTime - mock_xr::kFirstFrameNs) / mock_xr::kPeriodNs);
-  const auto views = views_at(frame);
-  state->viewStateFlags = frame_seen(frame) == frame ? XR_VIEW_STATE_POSITION_VALID_BIT | XR_VIEW_STATE_ORIENTATION_VALID_BIT : 0;
+  auto views = views_at(frame);
+  const bool is_crooked = g_mock.is_in("crooked");
+  if (is_crooked) views[1].pose.orientation = {0, 0, 0, 0};
+  state->viewStateFlags =
+      frame_seen(frame) == frame || is_crooked ? XR_VIEW_STATE_POSITION_VALID_BIT | XR_VIEW_STATE_ORIENTATION_VALID_BIT : 0;
   return list(std::vector<XrView>(views.begin(), views.end()), capacity, count, into);
 }
 
@@ -406,7 +420,7 @@ bool is_ours(const XrCompositionLayerProjectionView& shown, const XrView& view, 
 }
 
 XrResult end_frame(XrSession, const XrFrameEndInfo* info) {
-  MOCK_LIVES();
+  MOCK_LIVES("xrEndFrame");
   if (!g_mock.is_begun) return g_mock.wrong("xrEndFrame");
   g_mock.is_waited = g_mock.is_begun = false;
   const int frame = g_mock.frames - 1;
@@ -426,6 +440,7 @@ XrResult end_frame(XrSession, const XrFrameEndInfo* info) {
     }
   }
   if (g_mock.frames == g_mock.number("exit_after", 1 << 30)) g_mock.enter(XR_SESSION_STATE_STOPPING);
+  if (g_mock.frames == g_mock.number("pending_after", 1 << 30)) g_mock.enter(XR_SESSION_STATE_LOSS_PENDING);
   return XR_SUCCESS;
 }
 
