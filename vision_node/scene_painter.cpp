@@ -22,6 +22,7 @@ namespace {
 const Vec3 kLow(0.055, 0.07, 0.095);
 const Vec3 kHigh(0.30, 0.36, 0.44);
 const Vec3 kHaze(0.19, 0.23, 0.29);
+const Vec3 kEven(0.12, 0.15, 0.19);
 const Vec3 kGrid(0.20, 0.24, 0.30);
 const Vec3 kBox(0.34, 0.40, 0.48);
 const Vec3 kShadow(0.045, 0.05, 0.06);
@@ -235,8 +236,8 @@ void ScenePainter::paint_background(const ScenePass& pass) const {
   glDisable(GL_BLEND);
   glDisable(GL_CULL_FACE);
   background_->use();
-  background_->set("low", pass.is_even ? kHaze : kLow);
-  background_->set("high", pass.is_even ? kHaze : kHigh);
+  background_->set("low", pass.is_even ? kEven : kLow);
+  background_->set("high", pass.is_even ? kEven : kHigh);
   glBindVertexArray(empty_vertices_);
   glDrawArrays(GL_TRIANGLES, 0, 3);
   if (pass.depth_cues) paint_lines(pass);
