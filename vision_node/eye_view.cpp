@@ -11,9 +11,6 @@
 namespace hapton {
 namespace {
 
-// From over the viewer's left shoulder, as the scene's.
-const Vec3 kLight_V(-0.40, 0.62, 0.85);
-
 // The static scene in VTK's list of things to draw: first, and nothing is cleared before. VTK's macros take no semicolon.
 // clang-format off
 class SceneProp : public vtkProp {
@@ -52,6 +49,7 @@ PictureSize EyeView::size() {
 }
 
 StereoScreen EyeView::screen(const Framing& framing) {
+  if (given) return *given;
   const PictureSize drawn = size();
   return compute_screen(framing, {drawn.width_px, squeeze * drawn.height_px});
 }
@@ -76,7 +74,7 @@ void EyeView::aim(const StereoScreen& screen) {
   copy_matrix(compute_projection_matrix(screen, now), projection);
   camera_->SetExplicitProjectionTransformMatrix(projection);
   camera_->UseExplicitProjectionTransformMatrixOn();
-  const Vec3 towards = screen.X_WV.linear() * kLight_V;
+  const Vec3 towards = screen.X_WV.linear() * screen.light_V;
   light_->SetPosition(towards.x(), towards.y(), towards.z());
   hud.set_scale_bar(shows_scale ? choose_scale_bar(screen, size()) : ScaleBar{}, size());
   if (size() == placed_) return;

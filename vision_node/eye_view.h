@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 
 #include <vtkCamera.h>
 #include <vtkLight.h>
@@ -27,11 +28,13 @@ struct EyeView {
   explicit EyeView(const Viewport& part);
 
   Eye eye = Eye::centre;
-  bool composed = false;             // VTK draws both eyes through this view and says which by the camera's LeftEye
-  bool swapped = false;              // and these are the other way round
-  int squeeze = 1;                   // the display stretches the picture to so many times its height
-  bool shows_scale = false;          // a scale bar
-  std::function<void()> draw_scene;  // into the bound framebuffer, over the whole viewport
+  bool composed = false;              // VTK draws both eyes through this view and says which by the camera's LeftEye
+  bool swapped = false;               // and these are the other way round
+  int squeeze = 1;                    // the display stretches the picture to so many times its height
+  bool shows_scale = false;           // a scale bar
+  bool has_hud = false;               // text in the corners
+  std::optional<StereoScreen> given;  // what the viewport shows, whatever the framing says
+  std::function<void()> draw_scene;   // into the bound framebuffer, over the whole viewport
   vtkNew<vtkRenderer> renderer;
   HudFigure hud;
   LabelFigure labels;

@@ -23,6 +23,7 @@
 #include "scene/scene_file.h"
 #include "vision_node/vision_options.h"
 #include "vision_node/vision_session.h"
+#include "vision_node/xr/headset_show.h"
 
 namespace {
 
@@ -78,17 +79,32 @@ Result<std::unique_ptr<HeadTracker>> open_head_tracker(const VisionOptions& opti
   return HeadTracker::open(options.head_source, 1e-3 * options.ipd_mm);
 }
 
+// Null if none was asked for.
+Result<std::unique_ptr<Headset>> connect_headset(const VisionOptions& options) {
+  if (options.view.stereo != StereoMode::openxr) return std::unique_ptr<Headset>();
+  return Headset::connect();
+}
+
+// Null likewise.
+Result<std::unique_ptr<HeadsetShow>> open_headset(std::unique_ptr<Headset> headset, StereoView& view, const VisionOptions& options) {
+  if (headset == nullptr) return std::unique_ptr<HeadsetShow>();
+  return HeadsetShow::open(std::move(headset), view, options.room, options.X_OW);
+}
+
 int run(VisionOptions& options) {
   const StopSignal stop;  // first, so that a signal ends the program in order at any point
   const auto hub = parse_address(options.hub);
   if (!hub) return give_up(hub.error());
   if (const auto writable = check_screenshot(options.screenshot); !writable) return give_up(writable.error());
   if (const auto screen = find_screen(options); !screen) return give_up(screen.error());
+  if (const auto fits = check_headset(options); !fits) return give_up(fits.error());
   if (const auto possible = check_head(options); !possible) return give_up(possible.error());
   const auto key = find_role_key(options.key_file, *hub, KeyRole::vision);
   if (!key) return give_up(key.error());
   const auto head = open_head_tracker(options);
   if (!head) return give_up(head.error());
+  auto headset = connect_headset(options);
+  if (!headset) return give_up(headset.error());
   const auto scene = load_scene(find_scene(options.scene), options.loading);
   if (!scene) return give_up(scene.error());
   for (const auto& note : scene->notes) log_info("{}", note);
@@ -122,6 +138,9 @@ int run(VisionOptions& options) {
   if (options.has_space_head) session.set_space_head(&space_head.emplace(make_hid_opener(HidKind::space_mouse, "")));
   std::optional<SpaceKnobs> knobs;
   session.set_head_tracker(head->get());
+  const auto show = open_headset(std::move(*headset), **view, options);
+  if (!show) return give_up(show.error());
+  session.set_headset(show->get());
   if (options.has_space_knobs) session.set_knobs(&knobs.emplace(make_hid_opener(HidKind::space_mouse, "")));
   const auto ended = session.run(stop);
   fmt::print("vision_node: {}; view transforms sent {}\n", session.step().frames().describe(), session.step().view_transform().sent());

@@ -79,7 +79,8 @@ std::vector<Vec3> workspace_corners() {
 std::span<const Eye> eyes_of(StereoMode mode) {
   static constexpr std::array<Eye, 1> kOne = {Eye::centre};
   static constexpr std::array<Eye, 2> kTwo = {Eye::left, Eye::right};
-  return mode == StereoMode::mono || mode == StereoMode::automatic ? std::span<const Eye>(kOne) : std::span<const Eye>(kTwo);
+  return mode == StereoMode::mono || mode == StereoMode::automatic || mode == StereoMode::openxr ? std::span<const Eye>(kOne)
+                                                                                                 : std::span<const Eye>(kTwo);
 }
 
 PictureSize eye_size(const ViewSettings& view) {

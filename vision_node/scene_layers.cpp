@@ -12,12 +12,12 @@ constexpr std::size_t kPart = 60'000;
 bool same_screen(const StereoScreen& a, const StereoScreen& b) {
   return a.X_WV.matrix() == b.X_WV.matrix() && a.width_m == b.width_m && a.height_m == b.height_m && a.distance_m == b.distance_m &&
          a.eyes_aside_m == b.eyes_aside_m && a.to_right_V == b.to_right_V && a.ipd_m == b.ipd_m && a.near_m == b.near_m &&
-         a.far_m == b.far_m;
+         a.far_m == b.far_m && a.light_V == b.light_V;
 }
 
 bool same_pass(const ScenePass& a, const ScenePass& b) {
   return a.eye == b.eye && a.size == b.size && a.cull == b.cull && a.plain == b.plain && a.depth_cues == b.depth_cues &&
-         a.X_WS.matrix() == b.X_WS.matrix() && same_screen(a.screen, b.screen);
+         a.is_even == b.is_even && a.X_WS.matrix() == b.X_WS.matrix() && same_screen(a.screen, b.screen);
 }
 
 }  // namespace
@@ -68,7 +68,8 @@ void SceneLayers::prepare(std::span<const ScenePass> passes, const GlFormat& for
 // The target is bound, with the background in it.
 void SceneLayers::begin(Layer& here, GlTarget& target) {
   const bool is_new = here.background.shape(target.size(), target.format());
-  if (is_new || !same_screen(here.background_pass.screen, here.pass.screen) || here.background_pass.depth_cues != here.pass.depth_cues) {
+  if (is_new || !same_screen(here.background_pass.screen, here.pass.screen) || here.background_pass.depth_cues != here.pass.depth_cues ||
+      here.background_pass.is_even != here.pass.is_even) {
     here.background_pass = here.pass;
     here.background.bind();
     painter_->paint_background(here.pass);

@@ -22,6 +22,7 @@ namespace {
 const Vec3 kLow(0.055, 0.07, 0.095);
 const Vec3 kHigh(0.30, 0.36, 0.44);
 const Vec3 kHaze(0.19, 0.23, 0.29);
+const Vec3 kEven(0.12, 0.15, 0.19);
 const Vec3 kGrid(0.20, 0.24, 0.30);
 const Vec3 kBox(0.34, 0.40, 0.48);
 const Vec3 kShadow(0.045, 0.05, 0.06);
@@ -33,8 +34,6 @@ constexpr std::size_t kShadowTriangles = 20'000;
 constexpr double kShadowRadii = 1.0;
 // Height of the shadow above the grid, as a share of the eyes' distance: enough for a depth buffer of 24 bits.
 constexpr double kAboveGround = 1e-3;
-// From over the viewer's left shoulder.
-const Vec3 kLight_V = Vec3(-0.40, 0.62, 0.85).normalized();
 
 }  // namespace
 
@@ -237,8 +236,8 @@ void ScenePainter::paint_background(const ScenePass& pass) const {
   glDisable(GL_BLEND);
   glDisable(GL_CULL_FACE);
   background_->use();
-  background_->set("low", kLow);
-  background_->set("high", kHigh);
+  background_->set("low", pass.is_even ? kEven : kLow);
+  background_->set("high", pass.is_even ? kEven : kHigh);
   glBindVertexArray(empty_vertices_);
   glDrawArrays(GL_TRIANGLES, 0, 3);
   if (pass.depth_cues) paint_lines(pass);
@@ -323,7 +322,7 @@ void ScenePainter::begin_objects(const ScenePass& pass) const {
   const bool is_hazy = pass.depth_cues && !pass.plain;
   for (const GlProgram* program : {finished_.get(), painted_.get(), shaded_.get()}) {
     program->use();
-    program->set("light", kLight_V);
+    program->set("light", pass.screen.light_V);
     program->set("plain", pass.plain ? 1 : 0);
     program->set("haze", kHaze);
     program->set("haze_from", is_hazy ? 1.0 - 0.1 * (pass.screen.far_m / pass.screen.distance_m - 1.0) : 1e6);

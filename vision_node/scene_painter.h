@@ -29,6 +29,7 @@ struct ScenePass {
   bool cull = true;        // leave out triangles seen from behind (memo 4.2.1)
   bool plain = false;      // one dark colour behind, no light
   bool depth_cues = true;  // ground, shadow, workspace, haze; none where plain
+  bool is_even = false;    // one colour behind, also where the picture turns with the viewer's head
 };
 
 // Counts for reports.

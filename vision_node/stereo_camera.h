@@ -36,6 +36,7 @@ struct StereoScreen {
   double ipd_m = 0.063;
   double near_m = 0.06;
   double far_m = 6.0;
+  Vec3 light_V = Vec3(-0.40, 0.62, 0.85).normalized();  // towards the light: from over the viewer's left shoulder
 };
 
 // A picture's size in pixels (one eye's, if two pictures share a window).

@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::array<std::pair<StereoMode, std::string_view>, 15> kNames = {{
+constexpr std::array<std::pair<StereoMode, std::string_view>, 16> kNames = {{
     {StereoMode::automatic, "auto"},
     {StereoMode::mono, "mono"},
     {StereoMode::side_by_side, "side_by_side"},
@@ -24,6 +24,7 @@ constexpr std::array<std::pair<StereoMode, std::string_view>, 15> kNames = {{
     {StereoMode::split_viewport, "split_viewport"},
     {StereoMode::fake, "fake"},
     {StereoMode::emulate, "emulate"},
+    {StereoMode::openxr, "openxr"},
 }};
 
 }  // namespace

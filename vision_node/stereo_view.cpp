@@ -19,6 +19,7 @@
 #include "vision_node/display.h"
 #include "vision_node/edge_pointer.h"
 #include "vision_node/eye_view.h"
+#include "vision_node/headset_window.h"
 #include "vision_node/menu_figure.h"
 #include "vision_node/present.h"
 #include "vision_node/probe_figure.h"
@@ -57,6 +58,7 @@ int vtk_stereo_type(StereoMode mode) {
     case StereoMode::mono:
     case StereoMode::side_by_side:
     case StereoMode::top_bottom:
+    case StereoMode::openxr:
       return 0;
   }
   return 0;
@@ -81,6 +83,8 @@ struct StereoView::Window {
   std::unique_ptr<ProbeFigure> other_probe;
   AnnotationFigure annotations;
   MenuFigure menu;
+  std::unique_ptr<HeadsetWindow> headset;
+  HeadsetEyes headset_eyes;
   Pose X_WS = Pose::Identity();
   std::optional<Vec3> p_WP;  // the tip; none before it was first set
   bool stale = true;
@@ -94,6 +98,7 @@ struct StereoView::Window {
   void arrange();
   void add_eye(Eye eye, const Viewport& part);
   void begin(EyeView& view);
+  void aim_headset();
   void prepare();
   void render();
 };
@@ -121,6 +126,7 @@ Result<void> StereoView::Window::open() {
         "stereo mode crystal_eyes needs a quad-buffered OpenGL visual and this display has none: use --stereo side_by_side or auto");
   }
   mode = settings.stereo;
+  if (mode == StereoMode::openxr) mode = StereoMode::mono;
   if (mode == StereoMode::automatic) mode = has_quad ? StereoMode::crystal_eyes : StereoMode::mono;
   return {};
 }
@@ -135,7 +141,13 @@ void StereoView::Window::arrange() {
   const int type = vtk_stereo_type(mode);
   if (type != 0) window->SetStereoType(type);
   window->SetStereoRender(type != 0);
-  if (mode == StereoMode::side_by_side) {
+  if (mode != StereoMode::openxr) headset->leave();
+  if (mode == StereoMode::openxr) {
+    headset->enter(headset_eyes.size);
+    add_eye(Eye::left, {.to_x = 0.5});
+    add_eye(Eye::right, {.from_x = 0.5});
+    aim_headset();
+  } else if (mode == StereoMode::side_by_side) {
     add_eye(swapped ? Eye::right : Eye::left, {.to_x = 0.5});
     add_eye(swapped ? Eye::left : Eye::right, {.from_x = 0.5});
   } else if (mode == StereoMode::top_bottom) {
@@ -163,7 +175,8 @@ void StereoView::Window::add_eye(Eye eye, const Viewport& part) {
   annotations.add_to(renderer);
   menu.add_to(renderer);
   if (!settings.plain) view->labels.add_to(renderer);
-  if (!settings.plain) view->hud.add_to(renderer);
+  view->has_hud = !settings.plain && mode != StereoMode::openxr;  // in a headset nobody sees the corners
+  if (view->has_hud) view->hud.add_to(renderer);
   // Runs at the beginning of each pass of each picture, when VTK has chosen the eye and knows the viewport's size: nothing can be stale.
   vtkNew<vtkCallbackCommand> begin_pass;
   begin_pass->SetClientData(this);
@@ -177,16 +190,21 @@ void StereoView::Window::add_eye(Eye eye, const Viewport& part) {
   eyes.push_back(std::move(view));
 }
 
+void StereoView::Window::aim_headset() {
+  eyes.front()->given = headset_eyes.left;
+  eyes.back()->given = headset_eyes.right;
+}
+
 void StereoView::Window::begin(EyeView& view) {
   const PictureSize pixels = view.size();
   if (pixels.width_px <= 0 || pixels.height_px <= 0) return;
   if (!std::exchange(is_prepared, true)) prepare();
-  view.shows_scale = settings.depth_cues && !settings.plain;
+  view.shows_scale = settings.depth_cues && view.has_hud;
   const StereoScreen screen = view.screen(settings.framing);
   view.aim(screen);
   annotations.aim(screen, view.eye_now(), pixels);
   view.labels.place(annotations.labels(), screen, view.eye_now(), pixels);
-  const bool points = p_WP && !settings.plain;
+  const bool points = p_WP && view.has_hud;
   view.hud.set_pointer(points ? find_edge_pointer(screen, view.eye_now(), pixels, *p_WP) : std::nullopt, pixels);
 }
 
@@ -195,6 +213,7 @@ void StereoView::Window::prepare() {
   std::vector<ScenePass> passes;
   for (const auto& view : eyes) {
     ScenePass pass{view->eye, view->screen(settings.framing), view->size(), X_WS, settings.cull, settings.plain, settings.depth_cues};
+    pass.is_even = mode == StereoMode::openxr;
     if (view->composed) {
       pass.eye = Eye::left;
       passes.push_back(pass);
@@ -209,6 +228,7 @@ void StereoView::Window::prepare() {
 
 void StereoView::Window::render() {
   is_prepared = false;
+  if (mode == StereoMode::openxr) headset->enter(headset_eyes.size);
   window->Render();
 }
 
@@ -219,6 +239,7 @@ StereoView::~StereoView() {
   for (const auto& eye : window_->eyes) eye->renderer->RemoveAllObservers();
   window_->window->MakeCurrent();
   window_->layers.reset();
+  window_->headset.reset();
 }
 
 Result<std::unique_ptr<StereoView>> StereoView::open(const ViewSettings& settings, const std::vector<ShownObject>& objects) {
@@ -234,6 +255,8 @@ Result<std::unique_ptr<StereoView>> StereoView::open(const ViewSettings& setting
   window->probe = std::make_unique<ProbeFigure>(scale_probe(settings.framing), ProbeLook::first());
   window->other_probe = std::make_unique<ProbeFigure>(scale_probe(settings.framing), ProbeLook::other());
   for (ProbeFigure* figure : {window->probe.get(), window->other_probe.get()}) figure->set_shadow(settings.depth_cues && !settings.plain);
+  window->headset =
+      std::make_unique<HeadsetWindow>(window->opengl(), !settings.offscreen, PictureSize{settings.width_px, settings.height_px});
   window->arrange();
   if (!settings.offscreen) window->listener = std::make_unique<WindowListener>(window->window);
   return std::unique_ptr<StereoView>(new StereoView(std::move(window)));
@@ -249,6 +272,16 @@ Result<void> StereoView::set_stereo(StereoMode mode) {
   window_->arrange();
   return {};
 }
+
+void StereoView::set_headset_eyes(const HeadsetEyes& eyes) {
+  window_->headset_eyes = eyes;
+  if (window_->mode == StereoMode::openxr) window_->aim_headset();
+}
+
+void StereoView::copy_eye(std::size_t eye, unsigned texture) { window_->headset->copy_eye(eye, texture); }
+void StereoView::show_mirror() { window_->headset->show_mirror(); }
+GlxWindow StereoView::glx_window() { return window_->headset->handles(); }
+void StereoView::make_current() { window_->window->MakeCurrent(); }
 
 void StereoView::swap_eyes() {
   window_->swapped = !window_->swapped;
@@ -327,10 +360,13 @@ void StereoView::draw(std::function<void()> before_probe) {
   }
   // VTK copies a picture to the window in three steps by shaders; if VTK composes nothing, one is enough.
   const bool is_composed = vtk_stereo_type(window_->mode) != 0;
-  window_->window->SetSwapBuffers(is_composed || window_->settings.msaa > 0);
+  const bool is_headset = window_->mode == StereoMode::openxr;
+  window_->window->SetSwapBuffers(!is_headset && (is_composed || window_->settings.msaa > 0));
   window_->before_probe = std::move(before_probe);
   window_->render();
   window_->before_probe = {};
+  // A headset waits for its pictures, and nobody for the window's.
+  if (is_headset) return window_->headset->take_frame();
   if (window_->window->GetSwapBuffers() == 0 && !window_->settings.offscreen) present(window_->opengl());
   window_->window->WaitForCompletion();
 }
@@ -384,7 +420,18 @@ Result<void> StereoView::save_png(const std::filesystem::path& file) {
   return {};
 }
 
-std::vector<WindowEvent> StereoView::poll_events() { return window_->listener ? window_->listener->poll() : std::vector<WindowEvent>{}; }
+std::vector<WindowEvent> StereoView::poll_events() {
+  if (!window_->listener) return {};
+  std::vector<WindowEvent> events = window_->listener->poll();
+  if (window_->mode == StereoMode::openxr)
+    window_->headset->enter(window_->headset_eyes.size);  // VTK has taken the size of a resized window
+  for (WindowEvent& event : events) {
+    const Eigen::Vector2i at = window_->headset->find_pixel(event.x_px, event.y_px);
+    event.x_px = at.x();
+    event.y_px = at.y();
+  }
+  return events;
+}
 
 bool StereoView::take_stale() {
   const bool uncovered = window_->listener && window_->listener->take_stale();

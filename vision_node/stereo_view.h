@@ -18,6 +18,7 @@
 #include "vision_node/stereo_camera.h"
 #include "vision_node/stereo_mode.h"
 #include "vision_node/surface_seen.h"
+#include "vision_node/xr/headset.h"
 
 namespace hapton {
 
@@ -25,7 +26,7 @@ class AnnotationFigure;
 class MenuFigure;
 
 struct ViewSettings {
-  StereoMode stereo = StereoMode::automatic;
+  StereoMode stereo = StereoMode::automatic;  // openxr: mono, until the headset shows something
   int width_px = 1280;
   int height_px = 720;
   int msaa = 0;            // samples a pixel; software rendering pays dearly for any
@@ -43,6 +44,13 @@ struct Picture {
   const std::uint8_t* at(int x, int y) const { return &rgb[3 * (static_cast<std::size_t>(y) * size.width_px + x)]; }
 };
 
+// What a headset shows: the pixels of each eye's picture, and the rectangle that each eye looks through, for any Eye.
+struct HeadsetEyes {
+  PictureSize size;
+  StereoScreen left;
+  StereoScreen right;
+};
+
 // The window with the stereo picture: static scene flat shaded under one infinite light, probe, force arrow, HUD. The scene
 // is drawn when it looks different and kept; probe and HUD are drawn over it. side_by_side draws two viewports, each eye with
 // its own view and off-axis projection matrix. All other modes are composed by VTK, whose own eye matrices are replaced by
@@ -57,8 +65,16 @@ class StereoView {
   void set_scene_pose(const Pose& X_WS);
   // Sets another view. The sizes of the probe's drawing keep their initial values.
   void set_framing(const Framing& framing);
-  // Error: crystal_eyes where the display does not support it. automatic: the mode chosen at the start.
+  // Error: crystal_eyes where the display does not support it. automatic: the mode chosen at the start. openxr: see set_headset_eyes().
   Result<void> set_stereo(StereoMode mode);
+  // For the mode openxr: what is drawn from now on. Pre of that mode: called before.
+  void set_headset_eyes(const HeadsetEyes& eyes);
+  // In that mode, after draw(): the picture of an eye (0: the left one) into a texture of that size, and the left one into the window.
+  void copy_eye(std::size_t eye, unsigned texture);
+  void show_mirror();
+  // For the headset's runtime. The context is current then and after make_current().
+  GlxWindow glx_window();
+  void make_current();
   // Exchanges the two eyes' pictures, in all modes that show two eyes.
   void swap_eyes();
   // Nothing is drawn for the probe before the first call.

@@ -112,7 +112,47 @@ void add_view_options(CLI::App& app, VisionOptions& options) {
       ->excludes(screen);
 }
 
+// What the words about a headset's room say.
+struct RoomWords {
+  std::string space = "local";
+  std::string at_m;
+  std::string turn_deg = "0,0,0";
+};
+
+// Below the eyes of someone who sits or stands, and at the height of a table: where hands are.
+constexpr const char* kBeforeTheEyes = "0,-0.25,-0.5";
+constexpr const char* kAboveTheFloor = "0,1,-0.5";
+
+void add_room_options(CLI::App& app, RoomWords& words) {
+  app.add_option("--room", words.space, "What --workspace-m counts from in a headset: local (the eyes at the start), stage (the floor)")
+      ->check(CLI::IsMember({"local", "stage"}))
+      ->capture_default_str();
+  app.add_option("--workspace-m", words.at_m,
+                 fmt::format("Workspace's centre in a headset: X,Y,Z in m, right, up, back (default: {}; stage: {})", kBeforeTheEyes,
+                             kAboveTheFloor))
+      ->check(accepts(parse_triple));
+  app.add_option("--workspace-turn-deg", words.turn_deg, "Rotation of the workspace there: X,Y,Z in degrees")
+      ->check(accepts(parse_triple))
+      ->capture_default_str();
+}
+
+// Pre: each of the words is accepted.
+void set_room(const RoomWords& words, VisionOptions& options) {
+  options.room = words.space == "stage" ? RoomSpace::stage : RoomSpace::local;
+  const std::string_view at_m = !words.at_m.empty() ? words.at_m : options.room == RoomSpace::stage ? kAboveTheFloor : kBeforeTheEyes;
+  options.X_OW = Eigen::Translation3d(*parse_triple(at_m)) * Pose(turn_by_degrees(*parse_triple(words.turn_deg)));
+}
+
 }  // namespace
+
+Result<void> check_headset(const VisionOptions& options) {
+  if (options.view.stereo != StereoMode::openxr) return {};
+  if (options.head_source.tracker || options.has_space_head || options.screen || options.screen_width_mm > 0.0) {
+    return fail("--stereo openxr: the headset knows where the eyes are; leave out --head, --screen and --screen-width-mm");
+  }
+  if (options.bench_frames > 0) return fail("--stereo openxr: --bench-frames measures the window; leave out one of the two");
+  return {};
+}
 
 Result<void> find_screen(VisionOptions& options) {
   if (options.screen_file.empty()) return {};
@@ -146,6 +186,7 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   bool no_help = false;
   bool no_depth_cues = false;
   HeadWords head;
+  RoomWords room;
 
   CLI::App app{
       "Draws the scene and the probe, in stereo with --stereo, sends the view transform of the knob box, and lets the mouse move the "
@@ -170,7 +211,7 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
       ->capture_default_str()
       ->needs(tool);
   app.add_option("--stereo", stereo,
-                 fmt::format("One of: {}. auto: quad-buffer if the display supports it, else mono",
+                 fmt::format("One of: {}. auto: quad-buffer if the display supports it, else mono; openxr: a headset",
                              [] {
                                std::string all;
                                for (const auto& name : stereo_mode_names()) all += (all.empty() ? "" : ", ") + name;
@@ -184,6 +225,7 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
       ->capture_default_str();
   add_head_options(app, head, options);
   add_view_options(app, options);
+  add_room_options(app, room);
   app.add_option("--stylus-lean-deg", options.stylus_lean_deg, "Tilt the drawn stylus this much further to the upper right; 0: as reported")
       ->check(between(0.0, 90.0))
       ->capture_default_str();
@@ -232,6 +274,7 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
 
   if (const auto code = parse_command_line(app, argc, argv)) return *code;
   set_head(head, options);
+  set_room(room, options);
   options.hub = hubs.front();
   if (hubs.size() > 1) options.other_hub = hubs.back();
   const PictureSize pixels = *parse_size(size);

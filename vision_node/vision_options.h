@@ -14,6 +14,7 @@
 #include "vision_node/screenshot_moment.h"
 #include "vision_node/stereo_mode.h"
 #include "vision_node/stereo_view.h"
+#include "vision_node/xr/workspace_place.h"
 
 namespace hapton {
 
@@ -41,6 +42,8 @@ struct VisionOptions {
   double ipd_mm = 63.0;
   double screen_width_mm = 0.0;  // 0: not known
   std::filesystem::path screen_file;
+  RoomSpace room = RoomSpace::local;      // of a headset
+  Pose X_OW = Pose::Identity();           // the workspace in it, before the viewer
   std::optional<ScreenRectangle> screen;  // what is in that file; none: it is not known where the screen is
   Head head;                              // at the start
   HeadSource head_source;
@@ -60,6 +63,9 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
 
 // Reads the file of --screen, if there is one. Error: names the file.
 Result<void> find_screen(VisionOptions& options);
+
+// Error: --stereo openxr with what contradicts a headset, one line.
+Result<void> check_headset(const VisionOptions& options);
 
 // Error: a head from which the screen cannot be seen, one line.
 Result<void> check_head(const VisionOptions& options);

@@ -96,7 +96,9 @@ Result<void> VisionSession::run(const StopSignal& stop) {
   if (auto drawn = draw_if_wanted(); !drawn) return drawn;
   view_.prepare_shaders();
   while (!quit_ && !stop.stop_requested() && clock_.now_ns() < end_ns) {
-    receive_from_hub(std::min(clock_.now_ns() + kTurnNs, end_ns));
+    // A headset sets the pace itself.
+    is_for_headset_ = begin_headset_turn();
+    receive_from_hub(is_for_headset_ ? 0 : std::min(clock_.now_ns() + kTurnNs, end_ns));
     if (auto attended = attend_window(); !attended) return attended;
     // Before drawing: received states are fresh, so that a slow picture neither counts as a loss nor delays messages.
     speak();
@@ -110,6 +112,16 @@ Result<void> VisionSession::run(const StopSignal& stop) {
     if (auto taken = take_screenshot(options_.screenshot); !taken) return taken;
   }
   return saved;
+}
+
+// True: the headset waits for a frame.
+bool VisionSession::begin_headset_turn() {
+  if (headset_ == nullptr) return false;
+  const StereoMode before = view_.mode();
+  const bool is_wanted = headset_->begin_turn(options_.view.framing);
+  if (view_.mode() != before) step_.set_stereo(stereo_mode_name(view_.mode()), false);
+  quit_ = quit_ || headset_->has_ended();
+  return is_wanted;
 }
 
 // Waits for one message, then takes all that have come: the newest state wins.
@@ -215,9 +227,15 @@ Result<void> VisionSession::attend_window() {
   quit_ = quit_ || requests.quit;
   if (requests.mark) marks_.press(clock_.now_ns());
   annotate(requests);
-  change_stereo(requests);
+  view_.mode() == StereoMode::openxr ? move_in_headset(requests) : change_stereo(requests);
   step_.set_detail_progress(view_.detail_progress());
   return requests.screenshot ? take_screenshot(next_screenshot_name()) : Result<void>{};
+}
+
+// There the head is where it is: the workspace moves instead.
+void VisionSession::move_in_headset(const UserRequests& requests) {
+  if (requests.reset_head) headset_->recentre();
+  headset_->move_viewer(requests.head_by_m);
 }
 
 // When the window was resized. In side_by_side a display may stretch the halves or not.
@@ -296,7 +314,7 @@ void VisionSession::speak() {
 Result<void> VisionSession::draw_if_wanted() {
   const std::int64_t begin_ns = clock_.now_ns();
   const bool other_wants = other_wants_picture(begin_ns);
-  const bool is_wanted = step_.wants_picture(begin_ns, where());
+  const bool is_wanted = is_for_headset_ || step_.wants_picture(begin_ns, where());
   if (!is_wanted) {
     if (const auto same = step_.take_unseen()) hub_.send(*same);
     if (!other_wants) return {};
@@ -318,6 +336,7 @@ Result<void> VisionSession::draw_if_wanted() {
     if (annotator_ != nullptr) annotator_->show(shown.X_WS);
     if (const auto newest = step_.newest_probe()) view_.set_probe(*newest);
   });
+  if (is_for_headset_) headset_->show();
   report_frame(is_wanted, begin_ns, clock_.now_ns());
   if (step_.frames().drawn() == 1) {
     if (const auto age_s = read_process_age_s()) log_info("first frame {:.2f} s after the start", *age_s);

@@ -15,6 +15,7 @@
 #include "vision_node/stereo_view.h"
 #include "vision_node/vision_options.h"
 #include "vision_node/vision_step.h"
+#include "vision_node/xr/headset_show.h"
 
 namespace hapton {
 
@@ -37,6 +38,9 @@ class VisionSession {
 
   // What moves it besides keys. Pre: it outlives the session.
   void set_space_head(SpaceHead* head) { space_head_ = head; }
+
+  // Where the pictures go besides the window. Pre: it outlives the session.
+  void set_headset(HeadsetShow* headset) { headset_ = headset; }
 
   // Another hand to show. Pre: it outlives the session.
   void set_other_hand(OtherHand* other) { other_ = other; }
@@ -66,6 +70,8 @@ class VisionSession {
   void handle_events();
   void check_aspect();
   void follow_head();
+  bool begin_headset_turn();
+  void move_in_headset(const UserRequests& requests);
   void change_stereo(const UserRequests& requests);
   void refine_scene();
   void lead_hand();
@@ -84,6 +90,8 @@ class VisionSession {
   SpaceKnobs* knobs_ = nullptr;
   HeadTracker* head_tracker_ = nullptr;
   SpaceHead* space_head_ = nullptr;
+  HeadsetShow* headset_ = nullptr;
+  bool is_for_headset_ = false;  // the next frame
   MovedObjects* moved_ = nullptr;
   OtherHand* other_ = nullptr;
   Annotator* annotator_ = nullptr;

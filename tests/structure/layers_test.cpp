@@ -220,6 +220,19 @@ TEST(Layers, OnlyVisionAndBenchPeersSeeVtk) {
               IsEmpty());
 }
 
+bool is_openxr(const std::string& include) { return include.rfind("openxr/", 0) == 0; }
+
+// A build without OpenXR, and one with a newer VTK, change a few files.
+TEST(Layers, OnlyTheHeadsetSeesOpenXrAndItSeesNoVtk) {
+  EXPECT_THAT(find_wrong(kFolders,
+                         [](const SourceFile& file, const Include& include) {
+                           const bool is_headset = is_under(file.path, "vision_node/xr");
+                           const bool is_header = file.path == "vision_node/xr/headset.h";
+                           return (is_openxr(include.path) && (!is_headset || is_header)) || (is_vtk(include.path) && is_headset);
+                         }),
+              IsEmpty());
+}
+
 // One exception: memory is asked for in large pages when a mesh is prepared.
 TEST(Core, TouchesNothingOfTheMachine) {
   EXPECT_THAT(find_wrong({"core", "loop", "remote"},

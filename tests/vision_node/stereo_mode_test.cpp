@@ -7,7 +7,7 @@ namespace {
 
 TEST(StereoModeNames, ReadBackAsThemselves) {
   const auto names = stereo_mode_names();
-  EXPECT_EQ(names.size(), 15u);
+  EXPECT_EQ(names.size(), 16u);
   for (const auto& name : names) {
     const auto mode = find_stereo_mode(name);
     ASSERT_TRUE(mode) << name;

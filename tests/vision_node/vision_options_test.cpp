@@ -154,6 +154,33 @@ TEST(VisionOptions, WrongOnesEndWithAnErrorCode) {
   }
 }
 
+TEST(VisionOptions, TheWorkspaceStandsBeforeTheEyesOrAboveTheFloorOfTheRoom) {
+  const auto local = std::get<VisionOptions>(parse({"--stereo", "openxr"}));
+  EXPECT_EQ(local.view.stereo, StereoMode::openxr);
+  EXPECT_EQ(local.room, RoomSpace::local);
+  EXPECT_TRUE(local.X_OW.isApprox(Pose(Eigen::Translation3d(0.0, -0.25, -0.5))));
+  const auto stage = std::get<VisionOptions>(parse({"--room", "stage"}));
+  EXPECT_EQ(stage.room, RoomSpace::stage);
+  EXPECT_TRUE(stage.X_OW.isApprox(Pose(Eigen::Translation3d(0.0, 1.0, -0.5))));
+  const auto turned = std::get<VisionOptions>(parse({"--room", "stage", "--workspace-m", "1,2,-3", "--workspace-turn-deg", "0,90,0"}));
+  EXPECT_LT((turned.X_OW * Vec3(0.0, 0.0, -1.0) - Vec3(0.0, 2.0, -3.0)).norm(), 1e-12) << "turned to the left";
+  for (const char* wrong : {"1,2", "x", "1,2,3,4"}) EXPECT_EQ(std::get<int>(parse({"--workspace-m", wrong})) == 0, false) << wrong;
+  EXPECT_NE(std::get<int>(parse({"--room", "view"})), 0);
+}
+
+TEST(VisionOptions, AHeadsetKnowsWhereTheEyesAre) {
+  EXPECT_TRUE(check_headset(std::get<VisionOptions>(parse({"--stereo", "openxr", "--room", "stage"}))));
+  EXPECT_TRUE(check_headset(std::get<VisionOptions>(parse({"--screen-width-mm", "500", "--bench-frames", "3"}))));
+  const std::vector<std::vector<const char*>> contradictions = {
+      {"--head", "spacemouse"}, {"--head", "vrpn:a@b"}, {"--screen-width-mm", "500"}, {"--bench-frames", "3"}};
+  for (std::vector<const char*> words : contradictions) {
+    words.insert(words.end(), {"--stereo", "openxr"});
+    const auto fits = check_headset(std::get<VisionOptions>(parse(words)));
+    ASSERT_FALSE(fits) << words[0];
+    EXPECT_TRUE(fits.error().what.starts_with("--stereo openxr: ")) << fits.error().what;
+  }
+}
+
 TEST(VisionOptions, NumbersHaveTheRangesThatHelpNames) {
   const OptionRange<VisionOptions> ranges[] = {
       {"--ipd-mm", "0", "200", "-0.1", "200.1", [](const VisionOptions& o) { return static_cast<double>(o.ipd_mm); }},

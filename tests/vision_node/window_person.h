@@ -1,10 +1,13 @@
 #pragma once
 
+#include <cstdint>
 #include <cstring>
 #include <memory>
+#include <vector>
 
 // X's macros (None, Success, Bool ...) break other headers: include this last.
 #include <X11/Xlib.h>
+#include <X11/Xutil.h>
 #include <X11/keysym.h>
 
 namespace hapton {
@@ -59,6 +62,21 @@ class Person {
   void resize(unsigned width, unsigned height) {
     XResizeWindow(display_.get(), window_, width, height);
     XSync(display_.get(), False);
+  }
+
+  // What the screen shows of the window: 3 bytes a pixel, rows from the bottom.
+  std::vector<std::uint8_t> look(unsigned width, unsigned height) {
+    std::vector<std::uint8_t> rgb;
+    XImage* const image = XGetImage(display_.get(), window_, 0, 0, width, height, AllPlanes, ZPixmap);
+    if (image == nullptr) return rgb;
+    for (int y = static_cast<int>(height) - 1; y >= 0; --y) {
+      for (int x = 0; x < static_cast<int>(width); ++x) {
+        const unsigned long pixel = XGetPixel(image, x, y);
+        for (const int shift : {16, 8, 0}) rgb.push_back(static_cast<std::uint8_t>(pixel >> shift));
+      }
+    }
+    XDestroyImage(image);
+    return rgb;
   }
 
  private:

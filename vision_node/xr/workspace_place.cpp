@@ -1,0 +1,31 @@
+#include "vision_node/xr/workspace_place.h"
+
+#include <cmath>
+
+namespace hapton {
+namespace {
+
+// Ahead is exact for any roll as long as the viewer looks neither up nor down; then the direction from ear to ear tells more.
+constexpr double kLevelEnough = 0.5;
+
+double find_heading_rad(const Pose& X_LH) {
+  const Vec3 ahead = -X_LH.linear().col(2);
+  const Vec3 right = X_LH.linear().col(0);
+  if (std::hypot(ahead.x(), ahead.z()) >= kLevelEnough) return std::atan2(-ahead.x(), -ahead.z());
+  return std::atan2(-right.z(), right.x());
+}
+
+}  // namespace
+
+Pose find_viewer_origin(const Pose& X_LH, RoomSpace space) {
+  Vec3 p_LO = X_LH.translation();
+  if (space == RoomSpace::stage) p_LO.y() = 0.0;
+  return Eigen::Translation3d(p_LO) * Pose(Eigen::AngleAxisd(find_heading_rad(X_LH), Vec3::UnitY()));
+}
+
+void WorkspacePlace::recentre(const Pose& X_LH) {
+  X_LO_ = find_viewer_origin(X_LH, space_);
+  moved_m_.setZero();
+}
+
+}  // namespace hapton
