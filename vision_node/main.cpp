@@ -21,6 +21,7 @@
 #include "runtime/stop_signal.h"
 #include "scene/find_scene.h"
 #include "scene/scene_file.h"
+#include "vision_node/show_recording.h"
 #include "vision_node/vision_options.h"
 #include "vision_node/vision_session.h"
 
@@ -89,6 +90,8 @@ int run(VisionOptions& options) {
   if (!key) return give_up(key.error());
   const auto head = open_head_tracker(options);
   if (!head) return give_up(head.error());
+  SteadyClock clock;
+  if (!options.session.empty()) return show_recording(options, head->get(), clock, stop);
   const auto scene = load_scene(find_scene(options.scene), options.loading);
   if (!scene) return give_up(scene.error());
   for (const auto& note : scene->notes) log_info("{}", note);
@@ -99,7 +102,6 @@ int run(VisionOptions& options) {
   auto view = open_view(*scene, options);
   if (!view) return give_up(view.error());
   if (*tool) (*view)->set_tool(**tool);
-  SteadyClock clock;
   if (options.bench_frames > 0) {
     fmt::print("{}\n", run_bench(**view, clock, options.bench_frames, options.plots));
     return 0;

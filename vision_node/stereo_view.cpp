@@ -96,6 +96,13 @@ struct StereoView::Window {
   void begin(EyeView& view);
   void prepare();
   void render();
+  // Of an eye's picture; no view: beside all of them.
+  struct PixelOfEye {
+    EyeView* view = nullptr;
+    int x = 0;
+    int y = 0;
+  };
+  PixelOfEye find_pixel(int x_px, int y_px);
 };
 
 Result<void> StereoView::Window::open() {
@@ -255,17 +262,27 @@ void StereoView::swap_eyes() {
   window_->arrange();
 }
 
-std::optional<Vec3> StereoView::pick(int x_px, int y_px) {
-  for (const auto& view : window_->eyes) {
+StereoView::Window::PixelOfEye StereoView::Window::find_pixel(int x_px, int y_px) {
+  for (const auto& view : eyes) {
     const int* origin = view->renderer->GetOrigin();
     const int x = x_px - origin[0];
     const int y = y_px - origin[1];
     const PictureSize size = view->size();
-    if (x < 0 || y < 0 || x >= size.width_px || y >= size.height_px) continue;
-    window_->window->MakeCurrent();
-    return window_->layers->find_surface(view->composed ? Eye::left : view->eye, x, y);
+    if (x >= 0 && y >= 0 && x < size.width_px && y < size.height_px) return {view.get(), x, y};
   }
-  return std::nullopt;
+  return {};
+}
+
+std::optional<std::array<int, 2>> StereoView::find_picture_pixel(int x_px, int y_px) {
+  const auto [view, x, y] = window_->find_pixel(x_px, y_px);
+  return view != nullptr ? std::optional(std::array{x, y}) : std::nullopt;
+}
+
+std::optional<Vec3> StereoView::pick(int x_px, int y_px) {
+  const auto [view, x, y] = window_->find_pixel(x_px, y_px);
+  if (view == nullptr) return std::nullopt;
+  window_->window->MakeCurrent();
+  return window_->layers->find_surface(view->composed ? Eye::left : view->eye, x, y);
 }
 
 std::shared_ptr<const SurfaceSeen> StereoView::surface_seen() {
@@ -288,6 +305,9 @@ void StereoView::set_hud(std::string_view facts, std::string_view help, std::str
 
 void StereoView::set_plots(const std::vector<PlotShown>& plots) {
   for (const auto& eye : window_->eyes) eye->hud.set_plots(plots, eye->size());
+}
+void StereoView::set_time_line(const std::optional<TimeLineShown>& line, double moment) {
+  for (const auto& eye : window_->eyes) eye->hud.set_time_line(line, moment, eye->size());
 }
 void StereoView::set_cull(bool cull) { window_->settings.cull = cull; }
 void StereoView::set_depth_cues(bool shown) {

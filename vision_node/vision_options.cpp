@@ -11,6 +11,7 @@
 #include "runtime/flag_checks.h"
 #include "scene/screen_file.h"
 #include "vision_node/hud_text.h"
+#include "vision_node/session_player.h"
 
 namespace hapton {
 namespace {
@@ -90,6 +91,26 @@ void set_head(const HeadWords& words, VisionOptions& options) {
   source.tracker = input.tracker;
   source.p_BH = 1e-3 * *parse_triple(words.eyes_mm);
   source.X_RT = Eigen::Translation3d(1e-3 * *parse_triple(words.tracker_mm)) * turn_by_degrees(*parse_triple(words.tracker_turn_deg));
+}
+
+// A recording in place of a hub. Pre: the app has all flags of a live session.
+void add_session_options(CLI::App& app, VisionOptions& options) {
+  const auto session =
+      app.add_option("--session", options.session,
+                     "Recording (io_node --record) to show in place of a hub, with a time line; its scene is the one that it "
+                     "names, or --scene");
+  for (const char* live : {"--hub", "--bind", "--key", "--bench-frames", "--annotations", "--strokes", "--knobs"}) {
+    session->excludes(app.get_option(live));
+  }
+  app.add_option_function<double>(
+         "--at", [&options](const double& at_s) { options.at_s = at_s; },
+         "Begin at this time of the recording, s, and pause; with --screenshot: show that moment and end")
+      ->check(between(-1e9, 1e9))
+      ->needs(session);
+  app.add_option("--speed", options.speed, "Play the recording at this speed ([ and ] change it)")
+      ->check(between(SessionPlayer::kSlowest, SessionPlayer::kFastest))
+      ->capture_default_str()
+      ->needs(session);
 }
 
 // Where the viewer is, unless --screen says where the screen is.
@@ -230,7 +251,11 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
          "Draw this many frames as fast as possible with turning dials, print rate, time of the first frame and motion to photon, then end")
       ->check(between(0, 1'000'000));
 
+  add_session_options(app, options);
+
   if (const auto code = parse_command_line(app, argc, argv)) return *code;
+  options.is_scene_given = app.count("--scene") > 0;
+  options.is_loading_given = app.count("--unit") + app.count("--no-fit") > 0;
   set_head(head, options);
   options.hub = hubs.front();
   if (hubs.size() > 1) options.other_hub = hubs.back();

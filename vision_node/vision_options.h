@@ -20,10 +20,15 @@ namespace hapton {
 // The command line, read and checked.
 struct VisionOptions {
   std::string hub = "127.0.0.1";
-  std::string other_hub;  // of another hand to show; empty: none
-  std::string bind;       // empty: any address of the hub's family, any port
-  std::string key_file;   // empty: the user's own, on loopback
+  std::string other_hub;          // of another hand to show; empty: none
+  std::string bind;               // empty: any address of the hub's family, any port
+  std::string key_file;           // empty: the user's own, on loopback
+  std::filesystem::path session;  // a recording to show in place of a hub; empty: live
+  std::optional<double> at_s;     // its moment at the start, where it is paused; none: its begin
+  double speed = 1.0;             // that it plays at
   std::filesystem::path scene = "scenes/car_front.toml";
+  bool is_scene_given = false;                                                                                // on the command line
+  bool is_loading_given = false;                                                                              // unit or fit, likewise
   SceneLoading loading = {.sealing = CrackSealing::off, .fit = MeshFit::workspace, .look = LookReading::on};  // drawn as it came
   ToolChoice tool;
   AnnotatorOptions annotations;
