@@ -93,6 +93,7 @@ std::string compose_hud(const HudFacts& facts) {
   if (!facts.head.empty()) text += "   " + facts.head;
   if (!facts.head_notice.empty()) text += "\nHEAD: " + facts.head_notice;
   if (!facts.annotations.empty()) text += "\n" + facts.annotations;
+  if (!facts.teaching.empty()) text += "\n" + facts.teaching;
   if (!facts.happened.empty()) text += "\n" + facts.happened;
   if (facts.is_other_scene && !facts.recording.empty()) {
     text += "\nTHE RECORDING HAS ANOTHER SCENE than the one shown: name the one of the recording with --scene";
@@ -126,7 +127,7 @@ std::string compose_notice(const HudFacts& facts) {
 
 std::string_view keys_help() {
   return "x X y Y z Z knob box   0 home   b cull   h hand   p pick up   s screenshot   n mark   k help   q quit\n"
-         "wheel + - zoom   m stereo   e swap eyes   f frame   r reset view   g ground   c curves\n"
+         "wheel + - zoom   m stereo   e swap eyes   f frame   r reset view   g ground   c curves   v teaching views\n"
          "d draw   l measure   u undo   U redo   w save   t touch menu   arrows, page keys: head, home: back\n"
          "left drag: hand, wheel: press   right drag: look round, with shift: move";
 }
@@ -134,7 +135,7 @@ std::string_view keys_help() {
 std::string_view recording_keys_help() {
   return "space pause   , . one sample back, on   n N next, previous marker or fault   [ ] slower, faster   a begin\n"
          "left drag on the time line: moment   b cull   s screenshot   k help   q quit\n"
-         "wheel + - zoom   m stereo   e swap eyes   f frame   r reset view   g ground   c curves\n"
+         "wheel + - zoom   m stereo   e swap eyes   f frame   r reset view   g ground   c curves   v teaching views\n"
          "right drag: look round, with shift: move   arrows, page keys: head, home: back";
 }
 

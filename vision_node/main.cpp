@@ -120,6 +120,8 @@ int run(VisionOptions& options) {
   MovedObjects moved(**view, *scene);
   if (!*tool) session.set_moved_objects(&moved);
   if (*other) session.set_other_hand(&(*other)->hand);
+  TeachBuilder teacher(scene->touch_scene());
+  session.set_teacher(&teacher);
   std::optional<SpaceHead> space_head;
   if (options.has_space_head) session.set_space_head(&space_head.emplace(make_hid_opener(HidKind::space_mouse, "")));
   std::optional<SpaceKnobs> knobs;

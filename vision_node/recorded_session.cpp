@@ -42,9 +42,9 @@ Result<void> RecordedSession::run(const StopSignal& stop) {
   const std::int64_t end_ns = options_.seconds > 0.0 ? start_ns_ + static_cast<std::int64_t>(options_.seconds * 1e9) : INT64_MAX;
   if (auto shown = show_moment(); !shown) return shown;
   if (auto drawn = draw_if_wanted(); !drawn) return drawn;
+  if (options_.at_s && !options_.screenshot.empty()) return take_moment();
   view_.prepare_shaders();
-  window_.step().spoil();
-  if (options_.at_s && !options_.screenshot.empty()) return window_.take_screenshot(options_.screenshot);
+  window_.step().spoil();  // it hides the probe
   while (!quit_ && !stop.stop_requested() && clock_.now_ns() < end_ns) {
     clock_.sleep_until_ns(std::min(clock_.now_ns() + kRecordedTurnNs, end_ns));
     if (auto attended = attend_window(); !attended) return attended;
@@ -60,6 +60,14 @@ Result<void> RecordedSession::run(const StopSignal& stop) {
   return window_.take_screenshot(options_.screenshot);
 }
 
+// With all that a teaching view takes time for.
+Result<void> RecordedSession::take_moment() {
+  window_.finish_teaching();
+  if (auto shown = show_moment(); !shown) return shown;
+  draw();
+  return window_.take_screenshot(options_.screenshot);
+}
+
 Result<void> RecordedSession::show_moment() {
   const double t_s = player_.moment_s();
   const auto recorded = find_recorded_state(index_, rows_, t_s);
@@ -70,19 +78,9 @@ Result<void> RecordedSession::show_moment() {
                      describe_mark(index_, t_s));
   if (objects_ && objects_->show(t_s, recorded->state.scene_time_ns)) step.spoil();
   if (moved_ != nullptr && moved_->held() != step.held_object()) step.set_held_object(moved_->held());
-  use_setup();
+  if (const HapticsSetup* setup = index_.find_setup(player_.moment_s())) window_.use_setup(*setup);
   compare_scene();
   return {};
-}
-
-void RecordedSession::use_setup() {
-  const HapticsSetup* setup = index_.find_setup(player_.moment_s());
-  if (options_.probe_radius_m >= 0.0 || setup == nullptr) return;
-  const double radius_m = find_probe_radius(setup->method.data());
-  if (radius_m == probe_radius_m_) return;
-  probe_radius_m_ = radius_m;
-  view_.set_probe_radius(radius_m);
-  window_.step().spoil();
 }
 
 void RecordedSession::compare_scene() {
@@ -114,12 +112,19 @@ bool RecordedSession::wants_picture(std::int64_t now_ns) {
 Result<void> RecordedSession::draw_if_wanted() {
   const std::int64_t begin_ns = clock_.now_ns();
   if (!wants_picture(begin_ns)) return {};
+  draw();
+  const bool keep = !options_.screenshot.empty() && screenshot_moment_.is_now(begin_ns - start_ns_, window_.step().contact());
+  return keep ? window_.take_screenshot(options_.screenshot) : Result<void>{};
+}
+
+void RecordedSession::draw() {
+  const std::int64_t begin_ns = clock_.now_ns();
   VisionStep& step = window_.step();
   VisionStep::Shown shown = step.compose(begin_ns);
   if (step.shows_plots()) shown.plots = make_recorded_plots(index_, player_.moment_s());
-  window_.show(shown);
   share_shown_ = moment_share();
-  view_.set_time_line(line_, share_shown_);
+  view_.set_time_line(line_, share_shown_);  // first: it lifts the others
+  window_.show(shown);
   if (moved_ != nullptr && moved_->has_motion()) moved_->place_moving();
   view_.draw([this, &step] {
     if (const auto newest = step.newest_probe()) view_.set_probe(*newest);
@@ -129,8 +134,6 @@ Result<void> RecordedSession::draw_if_wanted() {
   if (step.frames().drawn() == 1) {
     if (const auto age_s = read_process_age_s()) log_info("first frame {:.2f} s after the start", *age_s);
   }
-  const bool keep = !options_.screenshot.empty() && screenshot_moment_.is_now(begin_ns - start_ns_, step.contact());
-  return keep ? window_.take_screenshot(options_.screenshot) : Result<void>{};
 }
 
 }  // namespace hapton

@@ -24,6 +24,7 @@ class RecordedSession {
 
   void set_head_tracker(HeadTracker* tracker) { window_.set_head_tracker(tracker); }
   void set_space_head(SpaceHead* head) { window_.set_space_head(head); }
+  void set_teacher(TeachBuilder* teacher) { window_.set_teacher(teacher); }
   // The scene that is shown (Scene::given_hash), to be compared with the recorded one.
   void set_scene(std::uint64_t given_hash) { scene_hash_ = given_hash; }
   // What draws the objects that move. Pre: it outlives the session.
@@ -38,11 +39,12 @@ class RecordedSession {
 
  private:
   Result<void> show_moment();
-  void use_setup();
   void compare_scene();
   Result<void> attend_window();
   bool wants_picture(std::int64_t now_ns);
   Result<void> draw_if_wanted();
+  void draw();
+  Result<void> take_moment();
   double moment_share() const { return find_time_line_share(index_, player_.moment_s()); }
 
   StereoView& view_;
@@ -59,7 +61,6 @@ class RecordedSession {
   ScreenshotMoment screenshot_moment_;
   std::uint64_t scene_hash_ = 0;
   bool is_other_scene_ = false;
-  double probe_radius_m_ = 0.0;
   double share_shown_ = -1.0;
   std::int64_t start_ns_ = 0;
   std::int64_t drawn_ns_ = 0;

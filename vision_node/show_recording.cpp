@@ -55,6 +55,8 @@ Result<void> show(VisionOptions& options, const SessionIndex& index, HeadTracker
   RecordedSession session(**view, clock, options, index, *rows);
   session.set_scene(scene->given_hash);
   if (!*tool) session.set_moved_objects(&moved);
+  TeachBuilder teacher(scene->touch_scene());
+  session.set_teacher(&teacher);
   session.set_head_tracker(head);
   std::optional<SpaceHead> space_head;
   if (options.has_space_head) session.set_space_head(&space_head.emplace(make_hid_opener(HidKind::space_mouse, "")));

@@ -23,6 +23,7 @@
 #include "vision_node/present.h"
 #include "vision_node/probe_figure.h"
 #include "vision_node/scene_layers.h"
+#include "vision_node/teach_figure.h"
 #include "vision_node/window_listener.h"
 
 namespace hapton {
@@ -81,6 +82,7 @@ struct StereoView::Window {
   std::unique_ptr<ProbeFigure> other_probe;
   AnnotationFigure annotations;
   MenuFigure menu;
+  TeachFigure teach;
   Pose X_WS = Pose::Identity();
   std::optional<Vec3> p_WP;  // the tip; none before it was first set
   bool stale = true;
@@ -169,6 +171,7 @@ void StereoView::Window::add_eye(Eye eye, const Viewport& part) {
   other_probe->add_to(renderer);
   annotations.add_to(renderer);
   menu.add_to(renderer);
+  teach.add_to(renderer);
   if (!settings.plain) view->labels.add_to(renderer);
   if (!settings.plain) view->hud.add_to(renderer);
   // Runs at the beginning of each pass of each picture, when VTK has chosen the eye and knows the viewport's size: nothing can be stale.
@@ -246,7 +249,10 @@ Result<std::unique_ptr<StereoView>> StereoView::open(const ViewSettings& setting
   return std::unique_ptr<StereoView>(new StereoView(std::move(window)));
 }
 
-void StereoView::set_scene_pose(const Pose& X_WS) { window_->X_WS = X_WS; }
+void StereoView::set_scene_pose(const Pose& X_WS) {
+  window_->X_WS = X_WS;
+  window_->teach.set_scene_pose(X_WS);
+}
 void StereoView::set_framing(const Framing& framing) { window_->settings.framing = framing; }
 
 Result<void> StereoView::set_stereo(StereoMode mode) {
@@ -326,6 +332,7 @@ void StereoView::reshape_object(std::size_t object, std::vector<Vec3> vertices) 
 }
 AnnotationFigure& StereoView::annotation_figure() { return window_->annotations; }
 MenuFigure& StereoView::menu_figure() { return window_->menu; }
+TeachFigure& StereoView::teach_figure() { return window_->teach; }
 void StereoView::set_probe_radius(double radius_m) { window_->probe->set_tip_radius(radius_m); }
 
 void StereoView::prepare_shaders() {

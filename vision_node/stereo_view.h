@@ -25,6 +25,7 @@ namespace hapton {
 
 class AnnotationFigure;
 class MenuFigure;
+class TeachFigure;
 
 struct ViewSettings {
   StereoMode stereo = StereoMode::automatic;
@@ -85,6 +86,8 @@ class StereoView {
   // Strokes, measures and the menu in the workspace. They live as long as the view.
   AnnotationFigure& annotation_figure();
   MenuFigure& menu_figure();
+  // Likewise of a teaching view.
+  TeachFigure& teach_figure();
   // The probe's true radius; 0: a point, drawn as a pin.
   void set_probe_radius(double radius_m);
 

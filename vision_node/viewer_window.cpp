@@ -7,6 +7,7 @@
 
 #include "runtime/log.h"
 #include "vision_node/screen_aspect.h"
+#include "vision_node/teach_figure.h"
 
 namespace hapton {
 namespace {
@@ -46,7 +47,7 @@ StereoMode next_stereo(StereoMode mode) {
 }  // namespace
 
 ViewerWindow::ViewerWindow(StereoView& view, Clock& clock, const VisionOptions& options)
-    : view_(view), clock_(clock), options_(options), step_(make_step_settings(view, options)) {
+    : view_(view), clock_(clock), options_(options), step_(make_step_settings(view, options)), teach_(options.teach) {
   if (options.probe_radius_m > 0.0) view_.set_probe_radius(options.probe_radius_m);
 }
 
@@ -57,8 +58,72 @@ UserRequests ViewerWindow::attend(const TakeEvent& take, const FindSurface& find
   check_aspect();
   const UserRequests requests = step_.take_requests();
   change_stereo(requests);
+  choose_teach(requests);
+  teach();
   step_.set_detail_progress(view_.detail_progress());
   return requests;
+}
+
+void ViewerWindow::use_setup(const HapticsSetup& setup) {
+  set_size_ = find_set_size(setup.method.data());
+  if (options_.probe_radius_m >= 0.0) return;
+  const double radius_m = find_probe_radius(setup.method.data());
+  if (radius_m == probe_radius_m_) return;
+  probe_radius_m_ = radius_m;
+  view_.set_probe_radius(radius_m);
+  step_.spoil();
+}
+
+void ViewerWindow::choose_teach(const UserRequests& requests) {
+  if (teacher_ == nullptr || !(requests.next_teach || requests.next_level)) return;
+  if (requests.next_teach) teach_ = next_teach(teach_);
+  if (requests.next_level) teach_ = next_level(teach_, teacher_->tree_depth());
+  view_.teach_figure().hide();
+  step_.set_teaching(teach_.view == TeachView::off ? std::string() : std::string(teach_name(teach_.view)) + ": being prepared");
+}
+
+std::optional<TeachProbe> ViewerWindow::find_teach_probe() const {
+  const auto shown = step_.newest_probe();
+  if (!shown) return std::nullopt;
+  const Pose X_SW = step_.scene_pose().inverse(Eigen::Isometry);
+  TeachProbe probe{.p_SP = X_SW * shown->p_WP, .p_SD = X_SW * shown->p_WD, .force_S_n = X_SW.linear() * shown->force_n};
+  probe.is_contact = shown->contact;
+  probe.radius_m = options_.probe_radius_m >= 0.0 ? options_.probe_radius_m : probe_radius_m_;
+  probe.set_size = set_size_;
+  return probe;
+}
+
+// Views of the whole scene follow the probe in strides, because they are large.
+bool ViewerWindow::wants_teach(const TeachProbe& probe) const {
+  constexpr double kStrideShare = 0.05;
+  if (teach_ != teach_requested_) return true;
+  const bool is_large = teach_.view == TeachView::tree || teach_.view == TeachView::grid || teach_.view == TeachView::curvature;
+  const double moved_m = (probe.p_SP - teach_probe_.p_SP).norm();
+  if (is_large) return moved_m > kStrideShare * options_.scene_radius_m;
+  return moved_m > 0.0 || probe.p_SD != teach_probe_.p_SD || probe.is_contact != teach_probe_.is_contact;
+}
+
+void ViewerWindow::teach() {
+  if (teacher_ == nullptr) return;
+  const auto made = teacher_->take_made();
+  if (made && made->choice == teach_) {
+    view_.teach_figure().set(*made);
+    step_.set_teaching(made->caption);
+  }
+  if (teach_.view == TeachView::off || teacher_->is_busy()) return;
+  const TeachProbe probe = find_teach_probe().value_or(TeachProbe());
+  if (!wants_teach(probe)) return;
+  teach_requested_ = teach_;
+  teach_probe_ = probe;
+  teacher_->request(teach_, probe);
+}
+
+void ViewerWindow::finish_teaching() {
+  if (teacher_ == nullptr || teach_.view == TeachView::off) return;
+  teach();
+  constexpr std::int64_t kPauseNs = 5 * kNanosecondsPerMillisecond;
+  while (teacher_->is_busy()) clock_.sleep_until_ns(clock_.now_ns() + kPauseNs);
+  teach();
 }
 
 void ViewerWindow::show(const VisionStep::Shown& shown) {

@@ -157,6 +157,7 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   std::string stereo = "auto";
   std::string size = "1280x720";
   std::string when = "contact";
+  std::string teach = "off";
   std::string unit;
   std::string tool_unit;
   std::string tool_grip = "origin";
@@ -225,6 +226,9 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   app.add_flag("--no-cull", no_cull, "Draw triangles seen from behind as well");
   app.add_flag("--no-keys-help", no_help, "Do not show the help on keys (k shows it)");
   app.add_flag("--plots", options.plots, "Plot the force, and the age of the drawn state, over the last 5 s (c switches the plots)");
+  app.add_option("--teach", teach,
+                 "Show what methods compute with: contact, local-set, tree:LEVEL, grid (32 x 32 x 32 cells) or curvature (v changes it)")
+      ->check(accepts(parse_teach));
   app.add_flag("--offscreen", options.view.offscreen, "Show no window; an X display is still needed");
   app.add_option("--seconds", options.seconds, "End after this long, 0: when the window is closed")
       ->check(between(0.0, 1e9))
@@ -267,6 +271,7 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   options.help = !no_help;
   options.view.depth_cues = !no_depth_cues;
   options.has_space_knobs = knobs == "spacemouse";
+  options.teach = *parse_teach(teach);
   options.screenshot_moment = *ScreenshotMoment::parse(when);
   if (!unit.empty()) options.loading.unit = *parse_unit(unit);
   if (!tool_unit.empty()) options.tool.unit = *parse_unit(tool_unit);

@@ -14,6 +14,7 @@
 #include "vision_node/screenshot_moment.h"
 #include "vision_node/stereo_mode.h"
 #include "vision_node/stereo_view.h"
+#include "vision_node/teach_choice.h"
 
 namespace hapton {
 
@@ -55,6 +56,7 @@ struct VisionOptions {
   int bench_frames = 0;
   bool help = true;
   bool plots = false;
+  TeachChoice teach;             // a view that shows what a method computes with
   bool has_space_knobs = false;  // a SpaceMouse turns the dials, too
   std::filesystem::path screenshot;
   ScreenshotMoment screenshot_moment;

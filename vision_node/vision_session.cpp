@@ -83,7 +83,7 @@ void VisionSession::take_states(std::int64_t deadline_ns) {
   Datagram received;
   for (bool more = hub_.receive(received, deadline_ns); more; more = hub_.receive(received, 0)) {
     if (const auto* rejected = std::get_if<ViewRejected>(&received.message)) step_.receive(*rejected);
-    if (const auto* setup = std::get_if<HapticsSetup>(&received.message)) take_setup(*setup);
+    if (const auto* setup = std::get_if<HapticsSetup>(&received.message)) window_.use_setup(*setup);
     if (const auto* reply = std::get_if<MarkerReply>(&received.message)) {
       if (const auto line = marks_.accept(*reply)) log_info("{}", *line);
     }
@@ -119,15 +119,6 @@ void VisionSession::annotate(const UserRequests& requests) {
   annotator_->handle(requests, view_.screen(), step_.workspace_centre());
   if (std::exchange(annotations_shown_, annotator_->revision()) == annotator_->revision()) return;
   step_.set_annotations(annotator_->describe());
-}
-
-void VisionSession::take_setup(const HapticsSetup& setup) {
-  if (options_.probe_radius_m >= 0.0) return;
-  const double radius_m = find_probe_radius(setup.method.data());
-  if (radius_m == probe_radius_m_) return;
-  probe_radius_m_ = radius_m;
-  view_.set_probe_radius(radius_m);
-  step_.spoil();
 }
 
 void VisionSession::receive_from_hub(std::int64_t deadline_ns) {

@@ -39,6 +39,9 @@ class VisionSession {
   // What moves it besides keys. Pre: it outlives the session.
   void set_space_head(SpaceHead* head) { window_.set_space_head(head); }
 
+  // What makes teaching views. Pre: it outlives the session.
+  void set_teacher(TeachBuilder* teacher) { window_.set_teacher(teacher); }
+
   // Another hand to show. Pre: it outlives the session.
   void set_other_hand(OtherHand* other) { other_ = other; }
 
@@ -63,7 +66,6 @@ class VisionSession {
   void take_pose(const ObjectPose& pose);
   void annotate(const UserRequests& requests);
   std::optional<Vec3> find_surface(const WindowEvent& event);
-  void take_setup(const HapticsSetup& setup);
   void lead_hand();
   void take_scene(const SceneFacts& haptic_scene);
   void compare_scene(const SceneFacts& haptic_scene);
@@ -94,7 +96,6 @@ class VisionSession {
   bool quit_ = false;
   bool absence_reported_ = false;
   std::int64_t start_ns_ = 0;
-  double probe_radius_m_ = 0.0;   // of the haptics node
   std::int64_t received_ns_ = 0;  // when the state came that is drawn next
 };
 

@@ -118,6 +118,7 @@ HudFacts VisionStep::hud_facts() const {
   facts.annotations = annotations_;
   facts.recording = recording_;
   facts.happened = happened_;
+  facts.teaching = teaching_;
   facts.head = describe_head(head_.head(), settings_.head);
   facts.head_notice = head_notice_;
   facts.held = describe_object(settings_.names, held_object_);

@@ -138,6 +138,11 @@ class VisionStep {
     recording_ = std::move(line);
     happened_ = std::move(happened);
   }
+  // The line of a teaching view, see HudFacts; it has another picture.
+  void set_teaching(std::string line) {
+    teaching_ = std::move(line);
+    spoil();
+  }
   bool shows_plots() const { return plots_.is_shown(); }
   // The object that the stylus has picked up; -1: none.
   void set_held_object(std::int32_t object) {
@@ -180,6 +185,7 @@ class VisionStep {
   std::optional<Pose> recorded_X_WS_;  // none: live
   std::string recording_;
   std::string happened_;
+  std::string teaching_;
   Pose X_WS_shown_ = Pose::Identity();
   CameraView camera_shown_;
   LivePlots plots_;
