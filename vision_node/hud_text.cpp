@@ -127,16 +127,16 @@ std::string compose_notice(const HudFacts& facts) {
 
 std::string_view keys_help() {
   return "x X y Y z Z knob box   0 home   b cull   h hand   p pick up   s screenshot   n mark   k help   q quit\n"
-         "wheel + - zoom   m stereo   e swap eyes   f frame   r reset view   g ground   c curves   v teaching views\n"
+         "wheel + - zoom   m stereo   e swap eyes   f frame   r reset view   g ground   c curves\n"
          "d draw   l measure   u undo   U redo   w save   t touch menu   arrows, page keys: head, home: back\n"
-         "left drag: hand, wheel: press   right drag: look round, with shift: move";
+         "left drag: hand, wheel: press   right drag: look round, with shift: move   v V teaching views";
 }
 
 std::string_view recording_keys_help() {
   return "space pause   , . one sample back, on   n N next, previous marker or fault   [ ] slower, faster   a begin\n"
          "left drag on the time line: moment   b cull   s screenshot   k help   q quit\n"
-         "wheel + - zoom   m stereo   e swap eyes   f frame   r reset view   g ground   c curves   v teaching views\n"
-         "right drag: look round, with shift: move   arrows, page keys: head, home: back";
+         "wheel + - zoom   m stereo   e swap eyes   f frame   r reset view   g ground   c curves\n"
+         "right drag: look round, with shift: move   arrows, page keys: head, home: back   v V teaching views";
 }
 
 }  // namespace hapton

@@ -59,6 +59,8 @@ TeachFigure::TeachFigure() {
   dress_plainly(lines_);
   dress_plainly(triangles_);
   lines_->GetProperty()->SetLineWidth(1.0F);
+  lines_->GetMapper()->SetResolveCoincidentTopologyToPolygonOffset();
+  lines_->GetMapper()->SetRelativeCoincidentTopologyLineOffsetParameters(-4.0, -4.0);
   // On the surface that they are part of: nearer by more than the depth buffer's steps.
   triangles_->GetMapper()->SetResolveCoincidentTopologyToPolygonOffset();
   triangles_->GetMapper()->SetRelativeCoincidentTopologyPolygonOffsetParameters(-2.0, -2.0);

@@ -12,8 +12,8 @@
 
 namespace hapton {
 
-// The shapes of a teaching view as VTK actors, and the scale of their colours at the left of each picture. Lines are drawn over everything,
-// triangles on the surface, a little nearer to the eye. RT: no.
+// The shapes of a teaching view as VTK actors, and the scale of their colours at the left of each picture. Triangles on the
+// surface are drawn a little nearer to the eye, lines a little more; what is behind the scene is hidden. RT: no.
 class TeachFigure {
  public:
   TeachFigure();

@@ -28,7 +28,10 @@ constexpr double kContactShare = 2e-4;
 constexpr double kPlaneShare = 0.03;
 
 void add_triangle(TeachShapes& shapes, const std::array<Vec3, 3>& corner, const TeachColour& colour) {
-  shapes.triangles.push_back({corner, {colour, colour, colour}});
+  // Darker inside, so that the sides are seen.
+  TeachColour inside = colour;
+  for (std::uint8_t& part : inside) part = static_cast<std::uint8_t>(part * 3 / 5);
+  shapes.triangles.push_back({corner, {inside, inside, inside}});
   for (std::size_t k = 0; k < 3; ++k) shapes.lines.push_back({corner[k], corner[(k + 1) % 3], colour});
 }
 
@@ -90,8 +93,9 @@ TeachShapes show_contact(const SmoothScene& scene, const TeachProbe& probe) {
     add_plane(shapes, contact.closest.point, normal, size);
   }
   shapes.lines.push_back({probe.p_SP, probe.p_SD, kPenetration});
-  shapes.caption = fmt::format("contact: {} triangles, {} planes, penetration {:.2f} mm", contacts.size(), normals.size(),
-                               1e3 * (probe.p_SP - probe.p_SD).norm());
+  shapes.caption =
+      fmt::format("contact: {} triangle{}, {} plane{}, penetration {:.2f} mm", contacts.size(), contacts.size() == 1 ? "" : "s",
+                  normals.size(), normals.size() == 1 ? "" : "s", 1e3 * (probe.p_SP - probe.p_SD).norm());
   return shapes;
 }
 
