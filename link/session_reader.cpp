@@ -48,6 +48,15 @@ Result<SessionReader> SessionReader::open(const std::filesystem::path& path) {
   return reader;
 }
 
+void SessionReader::seek(std::uint64_t position) {
+  file_->clear();
+  file_->seekg(static_cast<std::streamoff>(position));
+  buffer_.clear();
+  buffer_offset_ = position;
+  begin_ = 0;
+  problem_.clear();
+}
+
 bool SessionReader::next(SessionEntry& entry) {
   while (problem_.empty()) {
     const SessionCodec::Read read = codec_.read(std::string_view(buffer_).substr(begin_), entry);

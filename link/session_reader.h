@@ -23,6 +23,11 @@ class SessionReader {
   // The next entry; false at the end of the readable data. Post: entry.datagram and the marker's text are valid until the next call.
   bool next(SessionEntry& entry);
 
+  // Where the next entry begins in the file, bytes.
+  std::uint64_t position() const { return buffer_offset_ + begin_; }
+  // Goes on reading there. Pre: position() was this once, of a reader of the same file. Post: problem() is empty.
+  void seek(std::uint64_t position);
+
   // After next returned false: empty if the file ends with a complete entry, else one line that says where and how it is truncated.
   const std::string& problem() const { return problem_; }
 

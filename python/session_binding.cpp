@@ -3,7 +3,7 @@
 
 #include "link/session_reader.h"
 #include "python/bindings.h"
-#include "tools/session/joined_table.h"
+#include "session/joined_table.h"
 
 namespace hapton::python {
 namespace {

@@ -76,6 +76,16 @@ void HudFigure::add_to(vtkRenderer* renderer) {
   pointer_->VisibilityOff();
   renderer->AddActor2D(pointer_);
   plots_.add_to(renderer);
+  time_line_.add_to(renderer);
+}
+
+void HudFigure::set_time_line(const std::optional<TimeLineShown>& line, double moment, PictureSize size) {
+  const double lift_px = line ? place_time_line(size).reserve_px : 0.0;
+  if (lift_px != lift_px_) {
+    lift_px_ = lift_px;
+    place(size);
+  }
+  time_line_.set(line, moment, size);
 }
 
 void HudFigure::set_pointer(const std::optional<EdgePointer>& pointer, PictureSize size) {
@@ -101,7 +111,7 @@ void HudFigure::set_scale_bar(const ScaleBar& bar, PictureSize size) {
   const double edge = 0.03 * std::min(size.width_px, size.height_px);
   const double to = size.width_px - edge;
   const double from = to - bar.pixels;
-  const double y = 4.0 * edge;
+  const double y = 4.0 * edge + lift_px_;
   const double end = 0.25 * edge;
   const double corners[6][2] = {{from, y}, {to, y}, {from, y - end}, {from, y + end}, {to, y - end}, {to, y + end}};
   for (vtkIdType i = 0; i < 6; ++i) scale_corners_->SetPoint(i, corners[i][0], corners[i][1], 0.0);
@@ -120,7 +130,7 @@ void HudFigure::place(PictureSize size) {
   notice_->GetTextProperty()->SetFontSize(std::clamp(std::min(size.width_px / 46, size.height_px / 30), 9, 64));
   notice_->SetPosition(0.5 * size.width_px, kNoticeHeight * size.height_px);
   facts_->SetPosition(edge, size.height_px - edge);
-  help_->SetPosition(edge, edge);
+  help_->SetPosition(edge, edge + lift_px_);
 }
 
 void HudFigure::set(std::string_view facts, std::string_view help, std::string_view notice) {

@@ -13,6 +13,7 @@
 #include "vision_node/edge_pointer.h"
 #include "vision_node/plot_figure.h"
 #include "vision_node/stereo_camera.h"
+#include "vision_node/time_line_figure.h"
 
 namespace hapton {
 
@@ -25,7 +26,9 @@ class HudFigure {
   void set(std::string_view facts, std::string_view help, std::string_view notice);
   // Above the right end of the picture's lower edge; hidden if its length is zero.
   void set_scale_bar(const ScaleBar& bar, PictureSize size);
-  void set_plots(const std::vector<PlotShown>& plots, PictureSize size) { plots_.set(plots, size); }
+  void set_plots(const std::vector<PlotShown>& plots, PictureSize size) { plots_.set(plots, size, lift_px_); }
+  // At the lower edge; what is there otherwise is lifted. None: hidden. moment: share of the line.
+  void set_time_line(const std::optional<TimeLineShown>& line, double moment, PictureSize size);
   // At the picture's edge, in the probe's colour.
   void set_pointer(const std::optional<EdgePointer>& pointer, PictureSize size);
 
@@ -40,6 +43,8 @@ class HudFigure {
   vtkNew<vtkActor2D> pointer_;
   vtkNew<vtkPoints> pointer_corners_;
   PlotFigure plots_;
+  TimeLineFigure time_line_;
+  double lift_px_ = 0.0;  // of what is at the lower edge
 };
 
 }  // namespace hapton

@@ -77,6 +77,7 @@ std::string_view describe(ProbeStatus status) {
 std::string compose_hud(const HudFacts& facts) {
   const ProbeState& s = facts.state;
   std::string text;
+  if (!facts.recording.empty()) text += facts.recording + "\n";
   if (facts.connected) {
     text +=
         fmt::format("servo {:.0f} Hz   round trip p50 {:.0f}  p99 {:.0f} us\n", s.servo_rate_hz, s.round_trip_p50_us, s.round_trip_p99_us);
@@ -84,18 +85,29 @@ std::string compose_hud(const HudFacts& facts) {
   } else {
     text += "waiting for the hub ...\n\n";
   }
-  text += fmt::format("{:.0f} frames/s   {}{}   dials {:.0f} {:.0f} {:.0f}", facts.frame_rate_hz, facts.stereo,
-                      facts.cull ? "" : ", no cull", facts.dials_degrees.x(), facts.dials_degrees.y(), facts.dials_degrees.z());
+  text += fmt::format("{:.0f} frames/s   {}{}", facts.frame_rate_hz, facts.stereo, facts.cull ? "" : ", no cull");
+  if (facts.recording.empty()) {
+    text += fmt::format("   dials {:.0f} {:.0f} {:.0f}", facts.dials_degrees.x(), facts.dials_degrees.y(), facts.dials_degrees.z());
+  }
   if (facts.detail_progress < 1.0) text += fmt::format("   preparing detail {:.0f} %", 100.0 * facts.detail_progress);
   if (!facts.head.empty()) text += "   " + facts.head;
   if (!facts.head_notice.empty()) text += "\nHEAD: " + facts.head_notice;
   if (!facts.annotations.empty()) text += "\n" + facts.annotations;
-  if (facts.is_other_scene) text += "\nhaptics_node HAS ANOTHER SCENE than the one shown: start both nodes with the same --scene";
+  if (!facts.teaching.empty()) text += "\n" + facts.teaching;
+  if (!facts.happened.empty()) text += "\n" + facts.happened;
+  if (facts.is_other_scene && !facts.recording.empty()) {
+    text += "\nTHE RECORDING HAS ANOTHER SCENE than the one shown: name the one of the recording with --scene";
+  } else if (facts.is_other_scene) {
+    text += "\nhaptics_node HAS ANOTHER SCENE than the one shown: start both nodes with the same --scene";
+  }
   return text;
 }
 
 std::string compose_notice(const HudFacts& facts) {
   if (!facts.connected) return {};
+  if (facts.is_other_scene && !facts.recording.empty()) {
+    return "The recording has another scene than the one shown.\nThe file has changed since, or --scene, --unit or --no-fit are others.";
+  }
   if (facts.is_other_scene) {
     return "haptics_node has another scene than the one shown.\nStart both nodes with the same --scene, --unit and --no-fit.";
   }
@@ -117,7 +129,14 @@ std::string_view keys_help() {
   return "x X y Y z Z knob box   0 home   b cull   h hand   p pick up   s screenshot   n mark   k help   q quit\n"
          "wheel + - zoom   m stereo   e swap eyes   f frame   r reset view   g ground   c curves\n"
          "d draw   l measure   u undo   U redo   w save   t touch menu   arrows, page keys: head, home: back\n"
-         "left drag: hand, wheel: press   right drag: look round, with shift: move";
+         "left drag: hand, wheel: press   right drag: look round, with shift: move   v V teaching views";
+}
+
+std::string_view recording_keys_help() {
+  return "space pause   , . one sample back, on   n N next, previous marker or fault   [ ] slower, faster   a begin\n"
+         "left drag on the time line: moment   b cull   s screenshot   k help   q quit\n"
+         "wheel + - zoom   m stereo   e swap eyes   f frame   r reset view   g ground   c curves\n"
+         "right drag: look round, with shift: move   arrows, page keys: head, home: back   v V teaching views";
 }
 
 }  // namespace hapton

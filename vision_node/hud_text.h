@@ -23,6 +23,9 @@ struct HudFacts {
   std::string held;              // the object that the stylus has picked up, likewise
   std::string head;              // where it is; empty: where it was at first
   std::string head_notice;       // what is wrong with its tracker, a line of its own; empty: nothing
+  std::string recording;         // of a recording: its name, the moment and how it plays; a line of its own. Empty: live
+  std::string teaching;          // what a teaching view shows, a line of its own; empty: none
+  std::string happened;          // in the recording, right before: another line; empty: nothing
   double scene_across_m = 0.0;   // diameter of the scene
   double scene_away_m = 0.0;     // of its middle from that of the workspace, as it is turned now
 };
@@ -39,5 +42,7 @@ std::string compose_notice(const HudFacts& facts);
 
 // The keys and the mouse, for the picture's lower edge and for --help.
 std::string_view keys_help();
+// Those of a recorded session.
+std::string_view recording_keys_help();
 
 }  // namespace hapton

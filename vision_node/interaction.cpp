@@ -128,6 +128,12 @@ void Interaction::press_key(char key, const View& view) {
     case 't':
       requests_.menu = true;
       break;
+    case 'v':
+      requests_.next_teach = true;
+      break;
+    case 'V':
+      requests_.next_level = true;
+      break;
     case 'k':
       requests_.toggle_help = true;
       break;

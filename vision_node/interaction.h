@@ -45,6 +45,8 @@ struct UserRequests {
   bool redo = false;
   bool save = false;
   bool menu = false;
+  bool next_teach = false;        // teaching view
+  bool next_level = false;        // of its tree
   Vec3 head_by_m = Vec3::Zero();  // the viewer's head, in the screen's frame
   bool reset_head = false;
 };

@@ -3,31 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
 namespace hapton {
-namespace {
-
-constexpr double kLeastTopN = 1.0;
-constexpr double kLeastTopMs = 20.0;
-
-PlotShown make_plot(const RecentCurve& curve, std::string_view name, std::string_view unit, double limit, double least_top,
-                    std::int64_t now_ns) {
-  PlotShown plot;
-  plot.points = curve.points(now_ns);
-  plot.limit = limit;
-  double largest = limit;
-  for (const CurvePoint& point : plot.points) largest = std::max(largest, point.value);
-  plot.top = choose_top(largest, least_top);
-  const double newest = plot.points.empty() ? 0.0 : plot.points.back().value;
-  const std::string limited = limit > 0.0 ? fmt::format(", limit {:.3g}", limit) : std::string();
-  plot.title = fmt::format("{} {:.3g} {}{}   (0 to {:g}, {:g} s)", name, newest, unit, limited, plot.top, RecentCurve::kSeconds);
-  return plot;
-}
-
-}  // namespace
-
 double choose_top(double value, double least) {
   const double wanted = std::isfinite(value) ? std::max(value, least) : least;
   double power = std::pow(10.0, std::floor(std::log10(wanted)));
@@ -36,6 +16,19 @@ double choose_top(double value, double least) {
       if (step * power >= wanted) return step * power;
     }
   }
+}
+
+PlotShown make_plot(std::vector<CurvePoint> points, std::string_view name, std::string_view unit, double limit, double least_top) {
+  PlotShown plot;
+  plot.points = std::move(points);
+  plot.limit = limit;
+  double largest = limit;
+  for (const CurvePoint& point : plot.points) largest = std::max(largest, point.value);
+  plot.top = choose_top(largest, least_top);
+  const double newest = plot.points.empty() ? 0.0 : plot.points.back().value;
+  const std::string limited = limit > 0.0 ? fmt::format(", limit {:.3g}", limit) : std::string();
+  plot.title = fmt::format("{} {:.3g} {}{}   (0 to {:g}, {:g} s)", name, newest, unit, limited, plot.top, RecentCurve::kSeconds);
+  return plot;
 }
 
 void LivePlots::receive(const ProbeState& state, std::int64_t now_ns) {
@@ -54,7 +47,8 @@ const std::vector<PlotShown>& LivePlots::compose(std::int64_t now_ns) {
   composed_ns_ = now_ns;
   // Without a new state the force is still the last one: the hub sends no state that would be drawn the same.
   if (newest_n_) force_n_.add(now_ns, *newest_n_);
-  composed_ = {make_plot(force_n_, "force", "N", limit_n_, kLeastTopN, now_ns), make_plot(age_ms_, "age", "ms", 0.0, kLeastTopMs, now_ns)};
+  composed_ = {make_plot(force_n_.points(now_ns), "force", "N", limit_n_, kLeastTopN),
+               make_plot(age_ms_.points(now_ns), "age", "ms", 0.0, kLeastTopMs)};
   return composed_;
 }
 

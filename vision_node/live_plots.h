@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "link/messages.h"
@@ -50,6 +51,13 @@ class LivePlots {
   std::vector<PlotShown> composed_;
   std::int64_t composed_ns_ = 0;
 };
+
+// What its title says: the newest value, the limit (0: none) and the scale, which is at least least_top.
+PlotShown make_plot(std::vector<CurvePoint> points, std::string_view name, std::string_view unit, double limit, double least_top);
+
+// The largest values of a force's and of a time's scale, at least.
+constexpr double kLeastTopN = 1.0;
+constexpr double kLeastTopMs = 20.0;
 
 // The least of 1, 2 and 5 times a power of ten that is no less than the value, and no less than `least`.
 double choose_top(double value, double least);

@@ -21,6 +21,7 @@
 #include "runtime/stop_signal.h"
 #include "scene/find_scene.h"
 #include "scene/scene_file.h"
+#include "vision_node/show_recording.h"
 #include "vision_node/vision_options.h"
 #include "vision_node/vision_session.h"
 #include "vision_node/xr/headset_show.h"
@@ -103,6 +104,8 @@ int run(VisionOptions& options) {
   if (!key) return give_up(key.error());
   const auto head = open_head_tracker(options);
   if (!head) return give_up(head.error());
+  SteadyClock clock;
+  if (!options.session.empty()) return show_recording(options, head->get(), clock, stop);
   auto headset = connect_headset(options);
   if (!headset) return give_up(headset.error());
   const auto scene = load_scene(find_scene(options.scene), options.loading);
@@ -115,7 +118,6 @@ int run(VisionOptions& options) {
   auto view = open_view(*scene, options);
   if (!view) return give_up(view.error());
   if (*tool) (*view)->set_tool(**tool);
-  SteadyClock clock;
   if (options.bench_frames > 0) {
     fmt::print("{}\n", run_bench(**view, clock, options.bench_frames, options.plots));
     return 0;
@@ -134,6 +136,8 @@ int run(VisionOptions& options) {
   MovedObjects moved(**view, *scene);
   if (!*tool) session.set_moved_objects(&moved);
   if (*other) session.set_other_hand(&(*other)->hand);
+  TeachBuilder teacher(scene->touch_scene());
+  session.set_teacher(&teacher);
   std::optional<SpaceHead> space_head;
   if (options.has_space_head) session.set_space_head(&space_head.emplace(make_hid_opener(HidKind::space_mouse, "")));
   std::optional<SpaceKnobs> knobs;

@@ -53,6 +53,12 @@ bool MovedObjects::take(const ObjectMove& move, Arrival arrival) {
   return commanded_[number]->begin(to_command(move));
 }
 
+void MovedObjects::rewind() {
+  for (std::size_t o = 0; o < known_.size(); ++o) take(ObjectPose{.object = static_cast<std::int32_t>(o)});
+  forget_moves();
+  source_ = {};
+}
+
 std::optional<Pose> MovedObjects::pose_of(std::size_t object, double time_s) const {
   if (commanded_[object]) return commanded_[object]->pose_at(time_s);
   const auto& motion = scene_.objects[object].motion;

@@ -26,6 +26,9 @@ class MovedObjects {
   // that programs may move, or of a haptics process that another one has replaced.
   bool take(const ObjectMove& move, Arrival arrival = Arrival::newest);
 
+  // Everything is where the scene file has it, and no pose or move is known.
+  void rewind();
+
   // Some move by keyframes or by programs, or deform.
   bool has_motion() const { return has_motion_; }
   // The time of ProbeState: true if one of them is then elsewhere than it is drawn, or has another shape. place_moving() draws them so.

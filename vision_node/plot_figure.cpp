@@ -93,23 +93,24 @@ void PlotFigure::add_to(vtkRenderer* renderer) {
 }
 
 // Above the scale bar and its label, the first plot on top.
-PlotFigure::Frame PlotFigure::place(std::size_t plot, PictureSize size) {
+PlotFigure::Frame PlotFigure::place(std::size_t plot, PictureSize size, double lift_px) {
   const double edge = 0.03 * std::min(size.width_px, size.height_px);
   const Vec2 each(0.34 * size.width_px, 0.13 * size.height_px);
   const double above = static_cast<double>(kMost - 1 - plot) * (each.y() + 1.6 * edge);
-  return {Vec2(size.width_px - edge - each.x(), 6.0 * edge + above), each};
+  return {Vec2(size.width_px - edge - each.x(), 6.0 * edge + lift_px + above), each};
 }
 
-void PlotFigure::set(const std::vector<PlotShown>& plots, PictureSize size) {
+void PlotFigure::set(const std::vector<PlotShown>& plots, PictureSize size, double lift_px) {
   const bool is_shown = !plots.empty();
   line_actor_->SetVisibility(is_shown);
   for (const auto& title : titles_) title->SetVisibility(is_shown);
-  if (!is_shown || (plots == shown_ && size == size_)) return;
+  if (!is_shown || (plots == shown_ && size == size_ && lift_px == lift_px_)) return;
   shown_ = plots;
   size_ = size;
+  lift_px_ = lift_px;
   ColouredLines lines;
   for (std::size_t i = 0; i < std::min(plots.size(), kMost); ++i) {
-    const Frame frame = place(i, size);
+    const Frame frame = place(i, size, lift_px);
     add_curve(
         plots[i], kCurves[i],
         [&](double x, double y) {

@@ -22,7 +22,8 @@ class PlotFigure {
 
   void add_to(vtkRenderer* renderer);
   // Hidden where there are none. At most kMost are drawn.
-  void set(const std::vector<PlotShown>& plots, PictureSize size);
+  // lift_px: as much higher.
+  void set(const std::vector<PlotShown>& plots, PictureSize size, double lift_px = 0.0);
 
  private:
   // In pixels of the picture.
@@ -31,10 +32,11 @@ class PlotFigure {
     Vec2 size = Vec2::Zero();
     Vec2 at(const Vec2& share) const { return low + size.cwiseProduct(share); }
   };
-  static Frame place(std::size_t plot, PictureSize size);
+  static Frame place(std::size_t plot, PictureSize size, double lift_px);
 
   std::vector<PlotShown> shown_;
   PictureSize size_;
+  double lift_px_ = 0.0;
   vtkNew<vtkPolyData> lines_;
   vtkNew<vtkActor2D> line_actor_;
   std::array<vtkNew<vtkTextActor>, kMost> titles_;

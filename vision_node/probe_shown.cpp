@@ -14,6 +14,16 @@ namespace {
 // The picture's smaller side that ProbeSizes' defaults are made for.
 constexpr double kDeskView = 0.3;
 
+// The number after that key; 0 if there is none.
+double find_method_number(std::string_view method, std::string_view key) {
+  const auto at = method.find(key);
+  if (at == std::string_view::npos) return 0.0;
+  double number = 0.0;
+  const char* from = method.data() + at + key.size();
+  const auto [end, error] = std::from_chars(from, method.data() + method.size(), number);
+  return error == std::errc() && end != from ? number : 0.0;
+}
+
 }  // namespace
 
 ProbeSizes scale_probe(const Framing& framing) {
@@ -41,13 +51,14 @@ ProbeShown show_probe(const ProbeState& state, const Quat& lean) {
 }
 
 double find_probe_radius(std::string_view method) {
-  constexpr std::string_view kKey = "probe_radius_m=";
-  const auto at = method.find(kKey);
-  if (at == std::string_view::npos) return 0.0;
-  double radius_m = 0.0;
-  const char* from = method.data() + at + kKey.size();
-  const auto [end, error] = std::from_chars(from, method.data() + method.size(), radius_m);
-  return error == std::errc() && end != from && radius_m > 0.0 && std::isfinite(radius_m) ? radius_m : 0.0;
+  const double radius_m = find_method_number(method, "probe_radius_m=");
+  return radius_m > 0.0 && std::isfinite(radius_m) ? radius_m : 0.0;
+}
+
+int find_set_size(std::string_view method) {
+  constexpr int kUsual = 64;
+  const double size = find_method_number(method, "set_size=");
+  return size >= 1.0 && size <= 1e4 ? static_cast<int>(size) : kUsual;
 }
 
 // About the axis at right angles to z and to the direction of the lean, 55 degrees up from the right.

@@ -43,6 +43,8 @@ Quat make_lean(double angle_rad);
 
 // The radius in a haptics node's method text ("name=proxy probe_radius_m=0.015"), m; 0 if there is none.
 double find_probe_radius(std::string_view method);
+// Triangles of the local set in such a text; 64 if there is no such number.
+int find_set_size(std::string_view method);
 
 // Vector from the tip to the head of the force arrow, frame W: along the force, its length the newtons up to arrow_max_m.
 Vec3 compute_arrow(const ProbeShown& probe, const ProbeSizes& sizes);

@@ -24,6 +24,7 @@
 #include "vision_node/present.h"
 #include "vision_node/probe_figure.h"
 #include "vision_node/scene_layers.h"
+#include "vision_node/teach_figure.h"
 #include "vision_node/window_listener.h"
 
 namespace hapton {
@@ -85,6 +86,7 @@ struct StereoView::Window {
   MenuFigure menu;
   std::unique_ptr<HeadsetWindow> headset;
   HeadsetEyes headset_eyes;
+  TeachFigure teach;
   Pose X_WS = Pose::Identity();
   std::optional<Vec3> p_WP;  // the tip; none before it was first set
   bool stale = true;
@@ -101,6 +103,13 @@ struct StereoView::Window {
   void aim_headset();
   void prepare();
   void render();
+  // Of an eye's picture; no view: beside all of them.
+  struct PixelOfEye {
+    EyeView* view = nullptr;
+    int x = 0;
+    int y = 0;
+  };
+  PixelOfEye find_pixel(int x_px, int y_px);
 };
 
 Result<void> StereoView::Window::open() {
@@ -174,6 +183,7 @@ void StereoView::Window::add_eye(Eye eye, const Viewport& part) {
   other_probe->add_to(renderer);
   annotations.add_to(renderer);
   menu.add_to(renderer);
+  teach.add_to(renderer);
   if (!settings.plain) view->labels.add_to(renderer);
   view->has_hud = !settings.plain && mode != StereoMode::openxr;  // in a headset nobody sees the corners
   if (view->has_hud) view->hud.add_to(renderer);
@@ -262,7 +272,10 @@ Result<std::unique_ptr<StereoView>> StereoView::open(const ViewSettings& setting
   return std::unique_ptr<StereoView>(new StereoView(std::move(window)));
 }
 
-void StereoView::set_scene_pose(const Pose& X_WS) { window_->X_WS = X_WS; }
+void StereoView::set_scene_pose(const Pose& X_WS) {
+  window_->X_WS = X_WS;
+  window_->teach.set_scene_pose(X_WS);
+}
 void StereoView::set_framing(const Framing& framing) { window_->settings.framing = framing; }
 
 Result<void> StereoView::set_stereo(StereoMode mode) {
@@ -288,17 +301,27 @@ void StereoView::swap_eyes() {
   window_->arrange();
 }
 
-std::optional<Vec3> StereoView::pick(int x_px, int y_px) {
-  for (const auto& view : window_->eyes) {
+StereoView::Window::PixelOfEye StereoView::Window::find_pixel(int x_px, int y_px) {
+  for (const auto& view : eyes) {
     const int* origin = view->renderer->GetOrigin();
     const int x = x_px - origin[0];
     const int y = y_px - origin[1];
     const PictureSize size = view->size();
-    if (x < 0 || y < 0 || x >= size.width_px || y >= size.height_px) continue;
-    window_->window->MakeCurrent();
-    return window_->layers->find_surface(view->composed ? Eye::left : view->eye, x, y);
+    if (x >= 0 && y >= 0 && x < size.width_px && y < size.height_px) return {view.get(), x, y};
   }
-  return std::nullopt;
+  return {};
+}
+
+std::optional<std::array<int, 2>> StereoView::find_picture_pixel(int x_px, int y_px) {
+  const auto [view, x, y] = window_->find_pixel(x_px, y_px);
+  return view != nullptr ? std::optional(std::array{x, y}) : std::nullopt;
+}
+
+std::optional<Vec3> StereoView::pick(int x_px, int y_px) {
+  const auto [view, x, y] = window_->find_pixel(x_px, y_px);
+  if (view == nullptr) return std::nullopt;
+  window_->window->MakeCurrent();
+  return window_->layers->find_surface(view->composed ? Eye::left : view->eye, x, y);
 }
 
 std::shared_ptr<const SurfaceSeen> StereoView::surface_seen() {
@@ -322,6 +345,9 @@ void StereoView::set_hud(std::string_view facts, std::string_view help, std::str
 void StereoView::set_plots(const std::vector<PlotShown>& plots) {
   for (const auto& eye : window_->eyes) eye->hud.set_plots(plots, eye->size());
 }
+void StereoView::set_time_line(const std::optional<TimeLineShown>& line, double moment) {
+  for (const auto& eye : window_->eyes) eye->hud.set_time_line(line, moment, eye->size());
+}
 void StereoView::set_cull(bool cull) { window_->settings.cull = cull; }
 void StereoView::set_depth_cues(bool shown) {
   window_->settings.depth_cues = shown;
@@ -339,6 +365,7 @@ void StereoView::reshape_object(std::size_t object, std::vector<Vec3> vertices) 
 }
 AnnotationFigure& StereoView::annotation_figure() { return window_->annotations; }
 MenuFigure& StereoView::menu_figure() { return window_->menu; }
+TeachFigure& StereoView::teach_figure() { return window_->teach; }
 void StereoView::set_probe_radius(double radius_m) { window_->probe->set_tip_radius(radius_m); }
 
 void StereoView::prepare_shaders() {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -18,12 +19,14 @@
 #include "vision_node/stereo_camera.h"
 #include "vision_node/stereo_mode.h"
 #include "vision_node/surface_seen.h"
+#include "vision_node/time_line.h"
 #include "vision_node/xr/headset.h"
 
 namespace hapton {
 
 class AnnotationFigure;
 class MenuFigure;
+class TeachFigure;
 
 struct ViewSettings {
   StereoMode stereo = StereoMode::automatic;  // openxr: mono, until the headset shows something
@@ -84,6 +87,8 @@ class StereoView {
   void set_hud(std::string_view facts, std::string_view help, std::string_view notice = {});
   // Over the last seconds, at the right; empty: none.
   void set_plots(const std::vector<PlotShown>& plots);
+  // At the lower edge; none: hidden. moment: share of the line.
+  void set_time_line(const std::optional<TimeLineShown>& line, double moment);
   void set_cull(bool cull);
   void set_depth_cues(bool shown);
   // A rigid tool, drawn in place of stylus and tip, or beside them.
@@ -97,12 +102,17 @@ class StereoView {
   // Strokes, measures and the menu in the workspace. They live as long as the view.
   AnnotationFigure& annotation_figure();
   MenuFigure& menu_figure();
+  // Likewise of a teaching view.
+  TeachFigure& teach_figure();
   // The probe's true radius; 0: a point, drawn as a pin.
   void set_probe_radius(double radius_m);
 
   // The visible point of the scene at that pixel of the window, from the lower left corner, in the newest picture; empty for background.
   // Frame W. Empty also while the window is drawn with smoothed edges.
   std::optional<Vec3> pick(int x_px, int y_px);
+
+  // That pixel of the window in the eye's picture that is there; empty beside all pictures.
+  std::optional<std::array<int, 2>> find_picture_pixel(int x_px, int y_px);
 
   // The scene's surface as the first eye sees it, in the newest picture. Null before the first one, and while edges are smoothed.
   std::shared_ptr<const SurfaceSeen> surface_seen();

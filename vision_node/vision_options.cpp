@@ -11,6 +11,7 @@
 #include "runtime/flag_checks.h"
 #include "scene/screen_file.h"
 #include "vision_node/hud_text.h"
+#include "vision_node/session_player.h"
 
 namespace hapton {
 namespace {
@@ -92,6 +93,26 @@ void set_head(const HeadWords& words, VisionOptions& options) {
   source.X_RT = Eigen::Translation3d(1e-3 * *parse_triple(words.tracker_mm)) * turn_by_degrees(*parse_triple(words.tracker_turn_deg));
 }
 
+// A recording in place of a hub. Pre: the app has all flags of a live session.
+void add_session_options(CLI::App& app, VisionOptions& options) {
+  const auto session =
+      app.add_option("--session", options.session,
+                     "Recording (io_node --record) to show in place of a hub, with a time line; its scene is the one that it "
+                     "names, or --scene");
+  for (const char* live : {"--hub", "--bind", "--key", "--bench-frames", "--annotations", "--strokes", "--knobs"}) {
+    session->excludes(app.get_option(live));
+  }
+  app.add_option_function<double>(
+         "--at", [&options](const double& at_s) { options.at_s = at_s; },
+         "Begin at this time of the recording, s, and pause; with --screenshot: show that moment and end")
+      ->check(between(-1e9, 1e9))
+      ->needs(session);
+  app.add_option("--speed", options.speed, "Play the recording at this speed ([ and ] change it)")
+      ->check(between(SessionPlayer::kSlowest, SessionPlayer::kFastest))
+      ->capture_default_str()
+      ->needs(session);
+}
+
 // Where the viewer is, unless --screen says where the screen is.
 void add_view_options(CLI::App& app, VisionOptions& options) {
   const auto screen = app.add_option("--screen", options.screen_file,
@@ -151,6 +172,7 @@ Result<void> check_headset(const VisionOptions& options) {
     return fail("--stereo openxr: the headset knows where the eyes are; leave out --head, --screen and --screen-width-mm");
   }
   if (options.bench_frames > 0) return fail("--stereo openxr: --bench-frames measures the window; leave out one of the two");
+  if (!options.session.empty()) return fail("--stereo openxr: a recording is shown in the window; leave out one of --stereo and --session");
   return {};
 }
 
@@ -176,6 +198,7 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   std::string stereo = "auto";
   std::string size = "1280x720";
   std::string when = "contact";
+  std::string teach = "off";
   std::string unit;
   std::string tool_unit;
   std::string tool_grip = "origin";
@@ -246,6 +269,9 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   app.add_flag("--no-cull", no_cull, "Draw triangles seen from behind as well");
   app.add_flag("--no-keys-help", no_help, "Do not show the help on keys (k shows it)");
   app.add_flag("--plots", options.plots, "Plot the force, and the age of the drawn state, over the last 5 s (c switches the plots)");
+  app.add_option("--teach", teach,
+                 "Show what methods compute with: contact, local-set, tree:LEVEL, grid (32 x 32 x 32 cells) or curvature (v changes it)")
+      ->check(accepts(parse_teach));
   app.add_flag("--offscreen", options.view.offscreen, "Show no window; an X display is still needed");
   app.add_option("--seconds", options.seconds, "End after this long, 0: when the window is closed")
       ->check(between(0.0, 1e9))
@@ -272,7 +298,11 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
          "Draw this many frames as fast as possible with turning dials, print rate, time of the first frame and motion to photon, then end")
       ->check(between(0, 1'000'000));
 
+  add_session_options(app, options);
+
   if (const auto code = parse_command_line(app, argc, argv)) return *code;
+  options.is_scene_given = app.count("--scene") > 0;
+  options.is_loading_given = app.count("--unit") + app.count("--no-fit") > 0;
   set_head(head, options);
   set_room(room, options);
   options.hub = hubs.front();
@@ -285,6 +315,7 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   options.help = !no_help;
   options.view.depth_cues = !no_depth_cues;
   options.has_space_knobs = knobs == "spacemouse";
+  options.teach = *parse_teach(teach);
   options.screenshot_moment = *ScreenshotMoment::parse(when);
   if (!unit.empty()) options.loading.unit = *parse_unit(unit);
   if (!tool_unit.empty()) options.tool.unit = *parse_unit(tool_unit);

@@ -14,6 +14,7 @@
 #include "vision_node/screenshot_moment.h"
 #include "vision_node/stereo_mode.h"
 #include "vision_node/stereo_view.h"
+#include "vision_node/teach_choice.h"
 #include "vision_node/xr/workspace_place.h"
 
 namespace hapton {
@@ -21,10 +22,15 @@ namespace hapton {
 // The command line, read and checked.
 struct VisionOptions {
   std::string hub = "127.0.0.1";
-  std::string other_hub;  // of another hand to show; empty: none
-  std::string bind;       // empty: any address of the hub's family, any port
-  std::string key_file;   // empty: the user's own, on loopback
+  std::string other_hub;          // of another hand to show; empty: none
+  std::string bind;               // empty: any address of the hub's family, any port
+  std::string key_file;           // empty: the user's own, on loopback
+  std::filesystem::path session;  // a recording to show in place of a hub; empty: live
+  std::optional<double> at_s;     // its moment at the start, where it is paused; none: its begin
+  double speed = 1.0;             // that it plays at
   std::filesystem::path scene = "scenes/car_front.toml";
+  bool is_scene_given = false;                                                                                // on the command line
+  bool is_loading_given = false;                                                                              // unit or fit, likewise
   SceneLoading loading = {.sealing = CrackSealing::off, .fit = MeshFit::workspace, .look = LookReading::on};  // drawn as it came
   ToolChoice tool;
   AnnotatorOptions annotations;
@@ -53,6 +59,7 @@ struct VisionOptions {
   int bench_frames = 0;
   bool help = true;
   bool plots = false;
+  TeachChoice teach;             // a view that shows what a method computes with
   bool has_space_knobs = false;  // a SpaceMouse turns the dials, too
   std::filesystem::path screenshot;
   ScreenshotMoment screenshot_moment;

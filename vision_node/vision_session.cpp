@@ -10,7 +10,6 @@
 
 #include "runtime/log.h"
 #include "runtime/process_age.h"
-#include "vision_node/screen_aspect.h"
 
 namespace hapton {
 namespace {
@@ -19,38 +18,6 @@ namespace {
 constexpr std::int64_t kSceneEveryNs = 1000 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kHubAbsentNs = 1000 * kNanosecondsPerMillisecond;  // without a reply, before the user is notified
 constexpr std::int64_t kTurnNs = 4 * kNanosecondsPerMillisecond;
-
-VisionStepSettings make_step_settings(const StereoView& view, const VisionOptions& options) {
-  VisionStepSettings settings;
-  for (int axis = 0; axis < 3; ++axis) settings.dials.turn(axis, options.dials_degrees[axis]);
-  settings.stylus_lean = make_lean(options.stylus_lean_deg * std::numbers::pi / 180.0);
-  settings.max_rate_hz = options.rate_limit_hz;
-  settings.always_changing = view.mode() == StereoMode::emulate;
-  settings.cull = options.view.cull;
-  settings.depth_cues = options.view.depth_cues;
-  settings.help = options.help;
-  settings.stereo = stereo_mode_name(view.mode());
-  settings.home = options.view.framing;
-  settings.p_SO = options.p_SO;
-  settings.scene_radius_m = options.scene_radius_m;
-  settings.names = options.names;
-  settings.plots = options.plots;
-  settings.head = options.head;
-  settings.ipd_m = 1e-3 * options.ipd_mm;
-  return settings;
-}
-
-// The modes that the key m cycles through: an ordinary screen, two pictures, coloured glasses.
-StereoMode next_stereo(StereoMode mode) {
-  switch (mode) {
-    case StereoMode::mono:
-      return StereoMode::side_by_side;
-    case StereoMode::side_by_side:
-      return StereoMode::anaglyph;
-    default:
-      return StereoMode::mono;
-  }
-}
 
 }  // namespace
 
@@ -84,10 +51,9 @@ VisionSession::VisionSession(StereoView& view, HubClient& hub, Clock& clock, con
       hub_(hub),
       clock_(clock),
       options_(options),
-      step_(make_step_settings(view, options)),
-      moment_(options.screenshot_moment) {
-  if (options.probe_radius_m > 0.0) view_.set_probe_radius(options.probe_radius_m);
-}
+      window_(view, clock, options),
+      step_(window_.step()),
+      moment_(options.screenshot_moment) {}
 
 Result<void> VisionSession::run(const StopSignal& stop) {
   start_ns_ = clock_.now_ns();
@@ -104,12 +70,12 @@ Result<void> VisionSession::run(const StopSignal& stop) {
     speak();
     if (other_ != nullptr) other_->attend(step_.scene_pose(), clock_.now_ns());
     if (auto drawn = draw_if_wanted(); !drawn) return drawn;
-    refine_scene();
+    window_.refine_scene();
     lead_hand();
   }
   const Result<void> saved = annotator_ != nullptr ? annotator_->finish() : Result<void>{};
   if (!options_.screenshot.empty() && !moment_.taken()) {
-    if (auto taken = take_screenshot(options_.screenshot); !taken) return taken;
+    if (auto taken = window_.take_screenshot(options_.screenshot); !taken) return taken;
   }
   return saved;
 }
@@ -129,7 +95,7 @@ void VisionSession::take_states(std::int64_t deadline_ns) {
   Datagram received;
   for (bool more = hub_.receive(received, deadline_ns); more; more = hub_.receive(received, 0)) {
     if (const auto* rejected = std::get_if<ViewRejected>(&received.message)) step_.receive(*rejected);
-    if (const auto* setup = std::get_if<HapticsSetup>(&received.message)) take_setup(*setup);
+    if (const auto* setup = std::get_if<HapticsSetup>(&received.message)) window_.use_setup(*setup);
     if (const auto* reply = std::get_if<MarkerReply>(&received.message)) {
       if (const auto line = marks_.accept(*reply)) log_info("{}", *line);
     }
@@ -165,15 +131,6 @@ void VisionSession::annotate(const UserRequests& requests) {
   annotator_->handle(requests, view_.screen(), step_.workspace_centre());
   if (std::exchange(annotations_shown_, annotator_->revision()) == annotator_->revision()) return;
   step_.set_annotations(annotator_->describe());
-}
-
-void VisionSession::take_setup(const HapticsSetup& setup) {
-  if (options_.probe_radius_m >= 0.0) return;
-  const double radius_m = find_probe_radius(setup.method.data());
-  if (radius_m == probe_radius_m_) return;
-  probe_radius_m_ = radius_m;
-  view_.set_probe_radius(radius_m);
-  step_.spoil();
 }
 
 void VisionSession::receive_from_hub(std::int64_t deadline_ns) {
@@ -218,54 +175,19 @@ void VisionSession::compare_scene(const SceneFacts& haptic_scene) {
 }
 
 Result<void> VisionSession::attend_window() {
-  handle_events();
   if (knobs_ != nullptr) step_.turn_dials(knobs_->take_turn_degrees(clock_.now_ns()));
-  follow_head();
-  if (view_.take_stale()) step_.spoil();
-  check_aspect();
-  const UserRequests requests = step_.take_requests();
+  const UserRequests requests = window_.attend({}, [this](const WindowEvent& event) { return find_surface(event); });
   quit_ = quit_ || requests.quit;
   if (requests.mark) marks_.press(clock_.now_ns());
   annotate(requests);
-  view_.mode() == StereoMode::openxr ? move_in_headset(requests) : change_stereo(requests);
-  step_.set_detail_progress(view_.detail_progress());
-  return requests.screenshot ? take_screenshot(next_screenshot_name()) : Result<void>{};
+  if (view_.mode() == StereoMode::openxr) move_in_headset(requests);
+  return requests.screenshot ? window_.take_numbered_screenshot() : Result<void>{};
 }
 
 // There the head is where it is: the workspace moves instead.
 void VisionSession::move_in_headset(const UserRequests& requests) {
   if (requests.reset_head) headset_->recentre();
   headset_->move_viewer(requests.head_by_m);
-}
-
-// When the window was resized. In side_by_side a display may stretch the halves or not.
-void VisionSession::check_aspect() {
-  if (!options_.screen || view_.mode() == StereoMode::side_by_side) return;
-  PictureSize size = view_.picture_size();
-  if (view_.mode() == StereoMode::top_bottom) size.height_px *= 2;
-  if (std::exchange(checked_size_, size) == size) return;
-  const std::string line = describe_aspect(*options_.screen, size);
-  if (!line.empty() && !is_aspect_wrong_) log_warning("{}", line);
-  is_aspect_wrong_ = !line.empty();
-}
-
-void VisionSession::follow_head() {
-  const std::int64_t now_ns = clock_.now_ns();
-  if (space_head_ != nullptr) step_.move_head(space_head_->take_move_m(now_ns));
-  if (head_tracker_ == nullptr) return;
-  if (const auto head = head_tracker_->take_head(now_ns)) step_.set_head(*head);
-  step_.set_head_notice(head_tracker_->describe(now_ns));
-}
-
-// Of motions that came together only the last one counts.
-void VisionSession::handle_events() {
-  const std::vector<WindowEvent> events = view_.poll_events();
-  for (std::size_t i = 0; i < events.size(); ++i) {
-    const WindowEvent& event = events[i];
-    const bool is_move = event.kind == WindowEvent::Kind::move;
-    if (is_move && i + 1 < events.size() && events[i + 1].kind == WindowEvent::Kind::move) continue;
-    step_.handle(event, where(), step_.wants_surface(event) ? find_surface(event) : std::nullopt);
-  }
 }
 
 // Under the pointer: the scene, or the menu where that is nearer to the viewer.
@@ -278,24 +200,9 @@ std::optional<Vec3> VisionSession::find_surface(const WindowEvent& event) {
   return menu && (!scene || height(*menu) > height(*scene)) ? menu : scene;
 }
 
-void VisionSession::change_stereo(const UserRequests& requests) {
-  if (requests.swap_eyes) {
-    view_.swap_eyes();
-    step_.spoil();
-  }
-  if (!requests.next_stereo) return;
-  if (const auto changed = view_.set_stereo(next_stereo(view_.mode())); !changed) log_warning("{}", changed.error().what);
-  step_.set_stereo(stereo_mode_name(view_.mode()), view_.mode() == StereoMode::emulate);
-}
-
 // Moves the hand towards the pointer's position.
 void VisionSession::lead_hand() {
   if (step_.interaction().hand_active()) step_.lead_hand(view_.surface_seen().get());
-}
-
-// A little at a time, so that a probe that begins to move is drawn at once.
-void VisionSession::refine_scene() {
-  if (step_.is_scene_at_rest(clock_.now_ns()) && view_.refine()) step_.spoil();
 }
 
 void VisionSession::speak() {
@@ -314,19 +221,14 @@ void VisionSession::speak() {
 Result<void> VisionSession::draw_if_wanted() {
   const std::int64_t begin_ns = clock_.now_ns();
   const bool other_wants = other_wants_picture(begin_ns);
-  const bool is_wanted = is_for_headset_ || step_.wants_picture(begin_ns, where());
+  const bool is_wanted = is_for_headset_ || step_.wants_picture(begin_ns, window_.where());
   if (!is_wanted) {
     if (const auto same = step_.take_unseen()) hub_.send(*same);
     if (!other_wants) return {};
   }
   const VisionStep::Shown shown = step_.compose(begin_ns);
-  view_.set_scene_pose(shown.X_WS);
-  view_.set_framing(shown.framing);
+  window_.show(shown);
   if (other_ != nullptr && other_->shown()) view_.set_other_probe(*other_->shown());
-  view_.set_cull(shown.cull);
-  view_.set_depth_cues(shown.depth_cues);
-  view_.set_hud(shown.hud, shown.help, shown.notice);
-  view_.set_plots(shown.plots);
   // While the scene was drawn the probe has moved on; but where objects move, all is of one sample: the probe must not leave a surface that
   // carries it.
   const bool is_moving = moved_ != nullptr && moved_->has_motion();
@@ -342,18 +244,18 @@ Result<void> VisionSession::draw_if_wanted() {
     if (const auto age_s = read_process_age_s()) log_info("first frame {:.2f} s after the start", *age_s);
   }
   const bool keep = !options_.screenshot.empty() && moment_.is_now(begin_ns - start_ns_, step_.contact());
-  return keep ? take_screenshot(options_.screenshot) : Result<void>{};
+  return keep ? window_.take_screenshot(options_.screenshot) : Result<void>{};
 }
 
 bool VisionSession::other_wants_picture(std::int64_t now_ns) {
   if (other_ == nullptr || !step_.may_draw(now_ns)) return false;
-  const VisionStep::Screen at = where();
+  const VisionStep::Screen at = window_.where();
   return other_->wants_picture(at.sizes, at.screen, at.picture);
 }
 
 // is_for_us: our hub's state is news in it; one that was drawn for the other hand alone says nothing of how old ours is.
 void VisionSession::report_frame(bool is_for_us, std::int64_t begin_ns, std::int64_t end_ns) {
-  const VisionStep::Screen at = where();
+  const VisionStep::Screen at = window_.where();
   auto drawn = step_.drew(begin_ns, end_ns, at);
   if (drawn && is_for_us) {
     step_.record_motion(end_ns - received_ns_, end_ns);
@@ -363,21 +265,6 @@ void VisionSession::report_frame(bool is_for_us, std::int64_t begin_ns, std::int
   }
   if (other_ != nullptr) other_->drew(begin_ns, end_ns, step_.frames().recent_rate_hz(), at.sizes, at.screen, at.picture);
 }
-
-Result<void> VisionSession::take_screenshot(const std::filesystem::path& file) {
-  if (auto saved = view_.save_png(file); !saved) return saved;
-  log_info("screenshot written to {}", file.string());
-  return {};
-}
-
-std::filesystem::path VisionSession::next_screenshot_name() {
-  std::filesystem::path name;
-  do name = fmt::format("hapton_{:03}.png", ++screenshots_);
-  while (std::filesystem::exists(name));
-  return name;
-}
-
-VisionStep::Screen VisionSession::where() const { return {view_.screen(), view_.picture_size(), view_.probe_sizes()}; }
 
 namespace {
 

@@ -13,6 +13,7 @@
 #include "vision_node/space_head.h"
 #include "vision_node/space_knobs.h"
 #include "vision_node/stereo_view.h"
+#include "vision_node/viewer_window.h"
 #include "vision_node/vision_options.h"
 #include "vision_node/vision_step.h"
 #include "vision_node/xr/headset_show.h"
@@ -34,10 +35,13 @@ class VisionSession {
   void set_knobs(SpaceKnobs* knobs) { knobs_ = knobs; }
 
   // What sees the viewer's head. Pre: it outlives the session.
-  void set_head_tracker(HeadTracker* tracker) { head_tracker_ = tracker; }
+  void set_head_tracker(HeadTracker* tracker) { window_.set_head_tracker(tracker); }
 
   // What moves it besides keys. Pre: it outlives the session.
-  void set_space_head(SpaceHead* head) { space_head_ = head; }
+  void set_space_head(SpaceHead* head) { window_.set_space_head(head); }
+
+  // What makes teaching views. Pre: it outlives the session.
+  void set_teacher(TeachBuilder* teacher) { window_.set_teacher(teacher); }
 
   // Where the pictures go besides the window. Pre: it outlives the session.
   void set_headset(HeadsetShow* headset) { headset_ = headset; }
@@ -66,14 +70,8 @@ class VisionSession {
   void take_pose(const ObjectPose& pose);
   void annotate(const UserRequests& requests);
   std::optional<Vec3> find_surface(const WindowEvent& event);
-  void take_setup(const HapticsSetup& setup);
-  void handle_events();
-  void check_aspect();
-  void follow_head();
   bool begin_headset_turn();
   void move_in_headset(const UserRequests& requests);
-  void change_stereo(const UserRequests& requests);
-  void refine_scene();
   void lead_hand();
   void take_scene(const SceneFacts& haptic_scene);
   void compare_scene(const SceneFacts& haptic_scene);
@@ -82,14 +80,9 @@ class VisionSession {
   Result<void> draw_if_wanted();
   bool other_wants_picture(std::int64_t now_ns);
   void report_frame(bool is_for_us, std::int64_t begin_ns, std::int64_t end_ns);
-  Result<void> take_screenshot(const std::filesystem::path& file);
-  std::filesystem::path next_screenshot_name();
-  VisionStep::Screen where() const;
 
   StereoView& view_;
   SpaceKnobs* knobs_ = nullptr;
-  HeadTracker* head_tracker_ = nullptr;
-  SpaceHead* space_head_ = nullptr;
   HeadsetShow* headset_ = nullptr;
   bool is_for_headset_ = false;  // the next frame
   MovedObjects* moved_ = nullptr;
@@ -99,7 +92,8 @@ class VisionSession {
   HubClient& hub_;
   Clock& clock_;
   const VisionOptions& options_;
-  VisionStep step_;
+  ViewerWindow window_;
+  VisionStep& step_;  // the window's
   MarkerKey marks_;
   ScreenshotMoment moment_;
   std::uint64_t scene_hash_ = 0;
@@ -108,12 +102,8 @@ class VisionSession {
   std::uint64_t joins_ = 0;
   bool was_joined_ = false;
   bool quit_ = false;
-  PictureSize checked_size_;
-  bool is_aspect_wrong_ = false;
   bool absence_reported_ = false;
-  int screenshots_ = 0;
   std::int64_t start_ns_ = 0;
-  double probe_radius_m_ = 0.0;   // of the haptics node
   std::int64_t received_ns_ = 0;  // when the state came that is drawn next
 };
 

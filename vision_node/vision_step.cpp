@@ -91,7 +91,7 @@ void VisionStep::set_stereo(std::string_view name, bool always_changing) {
 std::optional<ProbeShown> VisionStep::newest_probe() const { return state_ ? std::optional(probe_shown()) : std::nullopt; }
 
 bool VisionStep::is_scene_at_rest(std::int64_t now_ns) const {
-  return frames_.drawn() > 0 && !stale_ && interaction_.dials().degrees == dials_shown_ && interaction_.camera() == camera_shown_ &&
+  return frames_.drawn() > 0 && !stale_ && scene_pose().matrix() == X_WS_shown_.matrix() && interaction_.camera() == camera_shown_ &&
          is_head_at_rest_ && now_ns - scene_moved_ns_ >= kRestNs;
 }
 
@@ -116,6 +116,9 @@ HudFacts VisionStep::hud_facts() const {
   // The numbers of another scene's objects mean nothing here.
   if (!is_other_scene_) facts.touched = describe_object(settings_.names, touched_object());
   facts.annotations = annotations_;
+  facts.recording = recording_;
+  facts.happened = happened_;
+  facts.teaching = teaching_;
   facts.head = describe_head(head_.head(), settings_.head);
   facts.head_notice = head_notice_;
   facts.held = describe_object(settings_.names, held_object_);
@@ -139,7 +142,7 @@ bool VisionStep::has_head_moved(const Screen& where) const {
 bool VisionStep::wants_picture(std::int64_t now_ns, const Screen& where) {
   is_head_at_rest_ = !has_head_moved(where);
   if (!may_draw(now_ns)) return false;
-  if (stale_ || !is_head_at_rest_ || is_annotated_ || settings_.always_changing || interaction_.dials().degrees != dials_shown_ ||
+  if (stale_ || !is_head_at_rest_ || is_annotated_ || settings_.always_changing || scene_pose().matrix() != X_WS_shown_.matrix() ||
       interaction_.camera() != camera_shown_)
     return true;
   if (std::exchange(moved_, false)) {
@@ -147,13 +150,13 @@ bool VisionStep::wants_picture(std::int64_t now_ns, const Screen& where) {
     frames_.skipped();
     unseen_ = true;
   }
-  if (plots_.wants_picture(now_ns)) return true;
+  if (!recorded_X_WS_ && plots_.wants_picture(now_ns)) return true;
   return now_ns - hud_ns_ >= kHudPeriodNs && compose_hud(hud_facts()) != hud_shown_;
 }
 
 VisionStep::Shown VisionStep::compose(std::int64_t now_ns) {
   Shown shown;
-  shown.X_WS = interaction_.dials().compute_pose(settings_.p_WC);
+  shown.X_WS = scene_pose();
   shown.framing = interaction_.camera().apply(settings_.home);
   if (!is_head_at_rest_) head_shown_ = head_.head();  // less would have the whole scene drawn again for nothing that can be seen
   shown.framing.head = head_shown_;
@@ -168,7 +171,7 @@ VisionStep::Shown VisionStep::compose(std::int64_t now_ns) {
   }
   shown.hud = hud_shown_;
   shown.notice = notice_shown_;
-  if (help_) shown.help = keys_help();
+  if (help_) shown.help = recorded_X_WS_ ? recording_keys_help() : keys_help();
   shown.cull = cull_;
   shown.depth_cues = depth_cues_;
   shown.plots = plots_.compose(now_ns);
@@ -179,11 +182,11 @@ VisionStep::Shown VisionStep::compose(std::int64_t now_ns) {
 std::optional<FrameAck> VisionStep::drew(std::int64_t start_ns, std::int64_t end_ns, const Screen& where) {
   last_start_ns_ = start_ns;
   frames_.drew(start_ns, end_ns);
-  if (interaction_.dials().degrees != dials_shown_ || interaction_.camera() != camera_shown_ || !is_head_at_rest_) {
+  if (scene_pose().matrix() != X_WS_shown_.matrix() || interaction_.camera() != camera_shown_ || !is_head_at_rest_) {
     scene_moved_ns_ = start_ns;
     is_head_at_rest_ = true;
   }
-  dials_shown_ = interaction_.dials().degrees;
+  X_WS_shown_ = scene_pose();
   camera_shown_ = interaction_.camera();
   moved_ = false;
   if (!state_) return std::nullopt;

@@ -131,12 +131,25 @@ class VisionStep {
     annotations_ = std::move(line);
     is_annotated_ = true;
   }
-  Pose scene_pose() const { return interaction_.dials().compute_pose(settings_.p_WC); }
+  Pose scene_pose() const { return recorded_X_WS_ ? *recorded_X_WS_ : interaction_.dials().compute_pose(settings_.p_WC); }
+  // What is shown is recorded, and the static scene had this pose: the dials mean nothing. line, happened: see HudFacts.
+  void set_recording(const Pose& X_WS, std::string line, std::string happened) {
+    recorded_X_WS_ = X_WS;
+    recording_ = std::move(line);
+    happened_ = std::move(happened);
+  }
+  // The line of a teaching view, see HudFacts; it has another picture.
+  void set_teaching(std::string line) {
+    teaching_ = std::move(line);
+    spoil();
+  }
+  bool shows_plots() const { return plots_.is_shown(); }
   // The object that the stylus has picked up; -1: none.
   void set_held_object(std::int32_t object) {
     held_object_ = object;
     spoil();
   }
+  std::int32_t held_object() const { return held_object_; }
   // Whether haptics_node has another scene than the one shown.
   void set_other_scene(bool is_other) { is_other_scene_ = is_other; }
   const FrameLog& frames() const { return frames_; }
@@ -169,7 +182,11 @@ class VisionStep {
   bool cull_;
   bool help_;
   bool depth_cues_;
-  Vec3 dials_shown_ = Vec3::Zero();
+  std::optional<Pose> recorded_X_WS_;  // none: live
+  std::string recording_;
+  std::string happened_;
+  std::string teaching_;
+  Pose X_WS_shown_ = Pose::Identity();
   CameraView camera_shown_;
   LivePlots plots_;
   ViewerHead head_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -229,6 +230,13 @@ class FdhHierarchy {
     return visits;
   }
 
+  // Calls visit(hull, first, count) for every hull at that depth, 0 being that of the root's children, and for the leaves above it, whose
+  // branches are shorter. Planes are relative to the centre; the items below a hull are that run in tree order. For people. RT: no.
+  template <class Visit>
+  void for_each_hull(int level, Visit&& visit) const {
+    if (!nodes_.empty()) visit_hulls(0, level, visit);
+  }
+
   std::size_t node_count() const { return nodes_.size(); }
   std::size_t bytes() const { return nodes_.capacity() * sizeof(Node); }
   int depth() const { return depth_; }
@@ -249,6 +257,38 @@ class FdhHierarchy {
   static constexpr double kLeastPad = 0x1p-100;
 
   static float slackened(double squared) { return detail::float_above(squared * (1.0 + kNodeRounding)); }
+
+  template <class Visit>
+  void visit_hulls(std::uint32_t at, int level, Visit& visit) const {
+    const Node& node = nodes_[at];
+    for (int c = 0; c < kWidth; ++c) {
+      const std::uint32_t child = node.child[c];
+      if (child == FdhTopology::kNothing) continue;
+      if (level > 0 && !FdhTopology::is_leaf(child)) {
+        visit_hulls(child, level - 1, visit);
+        continue;
+      }
+      FdhHull<K> hull;
+      for (int i = 0; i < kAxes; ++i) {
+        hull.low[i] = static_cast<double>(node.low[i][c]);
+        hull.high[i] = static_cast<double>(node.high[i][c]);
+      }
+      const auto [first, end] = run_below(child);
+      visit(hull, first, end - first);
+    }
+  }
+  // First item and the one after the last.
+  std::array<std::uint32_t, 2> run_below(std::uint32_t child) const {
+    if (FdhTopology::is_leaf(child))
+      return {FdhTopology::leaf_first(child), FdhTopology::leaf_first(child) + FdhTopology::leaf_count(child)};
+    std::array<std::uint32_t, 2> run = {std::numeric_limits<std::uint32_t>::max(), 0};
+    for (const std::uint32_t below : nodes_[child].child) {
+      if (below == FdhTopology::kNothing) continue;
+      const auto [first, end] = run_below(below);
+      run = {std::min(run[0], first), std::max(run[1], end)};
+    }
+    return run;
+  }
 
   template <class Test, class Leaf>
   FdhVisits walk(Test&& test, Leaf&& leaf) const {

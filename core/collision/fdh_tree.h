@@ -145,6 +145,19 @@ class FdhTree {
   FdhVisits collect_nearest(const Vec3& p, std::uint32_t object, FdhNearest& nearest) const;
   FdhVisits collect_nearest(const Vec3& from, const Vec3& to, std::uint32_t object, FdhNearest& nearest) const;
 
+  // Calls visit(hull, triangles) for every hull of the tree at that depth, in the mesh's frame, see FdhHierarchy. RT: no.
+  template <class Visit>
+  void for_each_hull(int level, Visit&& visit) const {
+    const auto middle = fdh_project<K>(centre_);
+    hierarchy_.for_each_hull(level, [&](FdhHull<K> hull, std::uint32_t first, std::uint32_t count) {
+      for (int i = 0; i < K / 2; ++i) {
+        hull.low[i] += middle[i];
+        hull.high[i] += middle[i];
+      }
+      visit(hull, std::span(order_).subspan(first, count));
+    });
+  }
+
   FdhStats stats() const {
     return {order_.size(), hierarchy_.node_count(), hierarchy_.depth(),
             hierarchy_.bytes() + order_.capacity() * sizeof(std::uint32_t) + corners_.capacity() * sizeof(Triangle)};

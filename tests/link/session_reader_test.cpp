@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <random>
+#include <vector>
 
 #include "tests/support/scratch_folder.h"
 
@@ -44,6 +45,22 @@ TEST_F(SessionReaders, ReadEveryEntryOfAFileLongerThanTheBuffer) {
   EXPECT_EQ(reader->header().settings.at(0).second, "1000");
   EXPECT_EQ(count(*reader), 5000);
   EXPECT_EQ(reader->problem(), "");
+}
+
+TEST_F(SessionReaders, GoOnReadingWhereTheyAreSent) {
+  auto reader = SessionReader::open(scratch.write("s", make_file(3000)));
+  ASSERT_TRUE(reader) << reader.error().what;
+  SessionEntry entry;
+  std::vector<std::uint64_t> positions;
+  do {
+    positions.push_back(reader->position());
+  } while (reader->next(entry));
+  for (const std::size_t n : {std::size_t{2900}, std::size_t{0}, std::size_t{1500}, std::size_t{1499}}) {
+    reader->seek(positions[n]);
+    ASSERT_TRUE(reader->next(entry));
+    EXPECT_EQ(entry.time_ns, static_cast<std::int64_t>(n));
+    EXPECT_EQ(reader->position(), positions[n + 1]);
+  }
 }
 
 TEST_F(SessionReaders, WaitForNoPipe) {

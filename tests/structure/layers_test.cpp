@@ -16,7 +16,7 @@ namespace {
 
 const std::vector<std::string> kFolders = {"core",         "runtime",     "link",  "hid",    "scene",  "bench",       "watchdog",
                                            "devices",      "safety",      "loop",  "patch",  "remote", "haptic_step", "io_node",
-                                           "haptics_node", "vision_node", "tools", "python", "plugin", "vrpn"};
+                                           "haptics_node", "vision_node", "tools", "python", "plugin", "vrpn",        "session"};
 
 // Which folders, or single headers, a folder's files may include. Its own are always allowed.
 const std::map<std::string, std::vector<std::string>> kMayInclude = {
@@ -29,6 +29,7 @@ const std::map<std::string, std::vector<std::string>> kMayInclude = {
     {"core/tool", {"core/base", "core/math", "core/geometry", "core/collision"}},
     {"runtime", {"core/base", "core/math"}},
     {"link", {"core/base", "core/math", "runtime"}},
+    {"session", {"core/base", "core/math", "runtime", "link"}},
     {"hid", {"core/base", "core/math", "runtime"}},
     {"vrpn", {"core/base", "core/math", "runtime", "link"}},
     {"scene", {"core"}},
@@ -45,11 +46,11 @@ const std::map<std::string, std::vector<std::string>> kMayInclude = {
     {"haptic_step", {"core", "link", "runtime", "scene", "plugin"}},
     {"io_node", {"core", "runtime", "link", "hid", "vrpn", "watchdog", "devices", "safety", "patch"}},
     {"haptics_node", {"core", "runtime", "link", "scene", "patch", "loop", "haptic_step", "plugin"}},
-    {"vision_node", {"core", "runtime", "link", "hid", "vrpn", "scene"}},
-    // The table of a recording is that of `hapton session export`.
-    {"python", {"core", "runtime", "link", "scene", "tools/session/joined_table.h"}},
+    {"vision_node", {"core", "runtime", "link", "session", "hid", "vrpn", "scene"}},
+    {"python", {"core", "runtime", "link", "session", "scene"}},
     {"tools",
-     {"core", "runtime", "link", "hid", "scene", "bench", "haptic_step", "devices", "safety", "loop", "patch", "remote", "plugin"}},
+     {"core", "runtime", "link", "session", "hid", "scene", "bench", "haptic_step", "devices", "safety", "loop", "patch", "remote",
+      "plugin"}},
 };
 
 bool is_under(const std::string& path, const std::string& folder) { return path.rfind(folder + "/", 0) == 0; }

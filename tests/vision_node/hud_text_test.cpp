@@ -23,6 +23,20 @@ TEST(Hud, ShowsThatHapticsIsPreparingInsteadOfMissing) {
   EXPECT_EQ(compose_hud(facts).find("prepares"), std::string::npos) << "the device has to be repaired first";
 }
 
+TEST(Hud, OfARecordingSaysSoAndHasItsOwnKeys) {
+  HudFacts facts;
+  facts.connected = true;
+  facts.recording = "recording a.hapton   0:01.0";
+  facts.happened = "marker: trial 7";
+  EXPECT_EQ(compose_hud(facts).find("recording a.hapton"), 0U);
+  EXPECT_NE(compose_hud(facts).find("\nmarker: trial 7"), std::string::npos);
+  EXPECT_EQ(compose_hud(facts).find("dials"), std::string::npos);
+  facts.is_other_scene = true;
+  EXPECT_NE(compose_hud(facts).find("THE RECORDING HAS ANOTHER SCENE"), std::string::npos) << compose_hud(facts);
+  EXPECT_NE(compose_notice(facts).find("The recording has another scene"), std::string::npos);
+  EXPECT_NE(recording_keys_help().find("space pause"), std::string::npos);
+}
+
 TEST(Hud, ShowsRatesLatencyForceContactAndMode) {
   HudFacts facts;
   facts.connected = true;

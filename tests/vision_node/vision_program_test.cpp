@@ -7,11 +7,16 @@
 
 #include <gtest/gtest.h>
 
+#include "scene/scene_loading.h"
+#include "tests/session/made_recording.h"
 #include "tests/support/scratch_folder.h"
 
 namespace {
 
+using hapton::MadeRecording;
+using hapton::MeshFit;
 using hapton::ScratchFolder;
+using hapton::to_code;
 
 struct Ended {
   int code = -1;
@@ -154,6 +159,57 @@ TEST(VisionProgram, BenchSaysItsRate) {
   EXPECT_GT(rate_hz, 0.0);
   EXPECT_LE(1000.0 / rate_hz, elapsed_ms);
   EXPECT_GE(1000.0 / rate_hz, 0.5 * p50_ms);
+}
+
+// The program itself on a recording that names its scene.
+struct RecordedProgram : testing::Test {
+  ScratchFolder scratch;
+  MadeRecording recording;
+  std::filesystem::path picture = scratch.path() / "a.png";
+
+  RecordedProgram() {
+    recording.scene = HAPTON_SOURCE_DIR "/meshes/car_front_3300.obj";
+    recording.scene_loading = to_code({.fit = MeshFit::workspace});
+  }
+  Ended show(const std::string& arguments) {
+    return run_vision("--offscreen --size 320x180 --session " + recording.write(scratch).string() + " " + arguments);
+  }
+};
+
+TEST_F(RecordedProgram, AMomentIsShownWithoutAHub) {
+  const Ended run = show("--at 2.5 --screenshot " + picture.string());
+  EXPECT_EQ(run.code, 0) << run.output;
+  EXPECT_TRUE(std::filesystem::exists(picture));
+  EXPECT_NE(run.output.find("shown until 2.500 s of the recording"), std::string::npos) << run.output;
+  EXPECT_NE(run.output.find("the recording has another scene than the one shown"), std::string::npos) << run.output;
+}
+
+TEST_F(RecordedProgram, BadInputIsOneLine) {
+  const std::string outside = show("--at 99").output;
+  EXPECT_NE(outside.find("--at 99: "), std::string::npos) << outside;
+  EXPECT_NE(outside.find("has samples from 0.001 s to 4.000 s"), std::string::npos) << outside;
+  recording.scene = "/nowhere/made.toml";
+  const Ended no_scene = show("--at 1");
+  EXPECT_EQ(no_scene.code, 1);
+  EXPECT_NE(no_scene.output.find("--scene FILE names another place for it"), std::string::npos) << no_scene.output;
+  EXPECT_EQ(show("--at 2 --scene meshes/car_front_3300.obj --screenshot " + picture.string()).code, 0);
+  for (const auto& [arguments, what] : {std::pair{"--session /nowhere.hapton", "/nowhere.hapton: cannot be read"},
+                                        {"--session meshes/car_front_3300.obj", "is not a recorded session"},
+                                        {"--session a --hub 127.0.0.1", "--session excludes --hub"},
+                                        {"--at 2", "--at requires --session"}}) {
+    const Ended run = run_vision(arguments);
+    EXPECT_NE(run.code, 0) << arguments;
+    EXPECT_NE(run.output.find(what), std::string::npos) << run.output;
+  }
+}
+
+TEST_F(RecordedProgram, WhatIsBeforeADamageIsShownAndTheExitCodeSaysSo) {
+  const std::filesystem::path whole = recording.write(scratch);
+  std::filesystem::resize_file(whole, std::filesystem::file_size(whole) / 2);
+  const Ended run = run_vision("--offscreen --size 320x180 --session " + whole.string() + " --at 1 --screenshot " + picture.string());
+  EXPECT_EQ(run.code, 1) << run.output;
+  EXPECT_NE(run.output.find("is cut short"), std::string::npos) << run.output;
+  EXPECT_TRUE(std::filesystem::exists(picture));
 }
 
 }  // namespace

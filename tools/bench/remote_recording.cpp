@@ -7,7 +7,7 @@
 #include "remote/packet_size.h"
 #include "remote/whole_scene.h"
 #include "safety/vector_limit.h"
-#include "tools/session/session_entries.h"
+#include "session/session_entries.h"
 
 namespace hapton {
 namespace {

@@ -3,7 +3,7 @@
 #include <unordered_map>
 #include <variant>
 
-#include "tools/session/session_entries.h"
+#include "session/session_entries.h"
 
 namespace hapton {
 namespace {

@@ -7,7 +7,7 @@
 #include "core/base/result.h"
 #include "link/session_reader.h"
 #include "scene/object_names.h"
-#include "tools/session/joined_table.h"
+#include "session/joined_table.h"
 
 namespace hapton {
 

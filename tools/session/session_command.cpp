@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "link/session_reader.h"
+#include "session/session_entries.h"
 #include "tools/commands.h"
 #include "tools/session/joined_files.h"
 #include "tools/session/recorded_scenes.h"
-#include "tools/session/session_entries.h"
 #include "tools/session/session_export.h"
 #include "tools/session/session_mcap.h"
 #include "tools/session/session_replay.h"

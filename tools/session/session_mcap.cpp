@@ -10,8 +10,8 @@
 #include "link/message_payload.h"
 #include "link/wire_schema.h"
 #include "scene/text_cursor.h"
+#include "session/session_entries.h"
 #include "tools/session/mcap_writer.h"
-#include "tools/session/session_entries.h"
 
 namespace hapton {
 namespace {

@@ -63,6 +63,20 @@ class SmoothScene {
     }
   }
 
+  // Calls visit(object, hull, triangles) for every hull of the objects' trees at that depth; hull: FdhHull<directions>. RT: no.
+  template <class Visit>
+  void for_each_hull(int level, Visit&& visit) const {
+    std::visit(
+        [&](const auto& tree) {
+          for (std::size_t o = 0; o < tree.object_count(); ++o) {
+            tree.tree(o).for_each_hull(level, [&](const auto& hull, std::span<const std::uint32_t> triangles) {
+              visit(static_cast<std::uint32_t>(o), hull, triangles);
+            });
+          }
+        },
+        tree_);
+  }
+
   SetTriangle triangle_at(std::uint32_t object, std::uint32_t triangle) const noexcept;
 
   // Moves one object's vertices, in the order of its mesh, and updates surface, normals and hulls. All local sets become invalid. Error:

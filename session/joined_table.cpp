@@ -1,10 +1,10 @@
-#include "tools/session/joined_table.h"
+#include "session/joined_table.h"
 
 #include <algorithm>
 #include <limits>
 
 #include "core/math/rotation_vector.h"
-#include "tools/session/session_entries.h"
+#include "session/session_entries.h"
 
 namespace hapton {
 namespace {
@@ -149,12 +149,14 @@ void JoinedTable::add_force(const ForceCommand& force, std::int64_t time_ns) {
   row.wanted_nm = force.torque_nm;
   row.is_contact = force.contact;
   row.object = force.object;
+  row.view_revision = force.view_revision;
+  row.scene_time_ns = force.scene_time_ns;
   row.round_trip_s = seconds_between(force.echo_sample_time_ns, time_ns);
   found->is_complete = true;
 }
 
 void JoinedTable::give_out(std::int64_t now_ns) {
-  while (waiting_.size() > 1 && (waiting_.front().is_complete || seconds_between(waiting_.front().time_ns, now_ns) > kLatestS))
+  while (waiting_.size() > 1 && (waiting_.front().is_complete || seconds_between(waiting_.front().time_ns, now_ns) > latest_s_))
     give_out_front();
 }
 

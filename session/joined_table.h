@@ -36,9 +36,11 @@ struct JoinedRow {
   double round_trip_s = 0.0;
   double late_s = 0.0;  // the cycle began so long after its tick
   std::uint32_t missed = 0;
-  std::uint64_t lost = 0;            // samples right before this one that the recording lacks
-  std::string event;                 // faults since the row before, with spaces between
-  std::vector<std::string> markers;  // set while this sample was the newest
+  std::optional<std::uint32_t> view_revision = {};  // of the pose of the static scene that the force was computed with; none: not known
+  std::int64_t scene_time_ns = 0;                   // as in ForceCommand
+  std::uint64_t lost = 0;                           // samples right before this one that the recording lacks
+  std::string event;                                // faults since the row before, with spaces between
+  std::vector<std::string> markers;                 // set while this sample was the newest
 };
 
 // What happened at a row, as its events table has it: its faults together, each marker alone.
@@ -60,7 +62,7 @@ struct JoinedColumn {
 };
 std::span<const JoinedColumn> joined_columns() noexcept;
 
-// Joins the entries of a recording into rows, in the order of their samples. A row is given out once its force has come, or kLatestS after
+// Joins the entries of a recording into rows, in the order of their samples. A row is given out once its force has come, or latest_s after
 // its cycle (later forces were never used), and another row follows. Cycles without the device's sample (older recordings) give no row. RT:
 // no.
 class JoinedTable {
@@ -68,7 +70,8 @@ class JoinedTable {
   static constexpr double kLatestS = 5.0;
   using Take = std::function<void(const JoinedRow&)>;
 
-  JoinedTable(std::int64_t start_ns, Take take) : start_ns_(start_ns), take_(std::move(take)) {}
+  JoinedTable(std::int64_t start_ns, Take take, double latest_s = kLatestS)
+      : start_ns_(start_ns), take_(std::move(take)), latest_s_(latest_s) {}
 
   void add(const SessionEntry& entry, const Datagram* datagram);
   // At the end: what is still waiting.
@@ -97,6 +100,7 @@ class JoinedTable {
 
   std::int64_t start_ns_;
   Take take_;
+  double latest_s_;
   std::deque<Waiting> waiting_;
   // Forces whose cycle is not written yet: it is recorded when all its work is done.
   std::deque<std::pair<ForceCommand, std::int64_t>> early_;

@@ -1,0 +1,169 @@
+#include "session/session_index.h"
+
+#include <algorithm>
+#include <cmath>
+#include <ranges>
+
+#include "core/math/rigid_pose.h"
+#include "session/session_entries.h"
+
+namespace hapton {
+namespace {
+
+// A seek reads at most so much that it does not need.
+constexpr double kPlaceEveryS = 0.25;
+constexpr std::uint64_t kPlaceEveryBytes = 1 << 20;
+// Numbers of spans fit into 64 bits, whatever times a file has.
+constexpr double kMostSeconds = 1e9;
+
+double seconds_from(std::int64_t start_ns, std::int64_t time_ns) {
+  const double t_s =
+      1e-9 * static_cast<double>(static_cast<std::int64_t>(static_cast<std::uint64_t>(time_ns) - static_cast<std::uint64_t>(start_ns)));
+  return std::clamp(t_s, -kMostSeconds, kMostSeconds);
+}
+
+// The last one until that time.
+template <class Vector>
+auto find_last(const Vector& all, double t_s) {
+  return std::upper_bound(all.begin(), all.end(), t_s, [](double t, const auto& one) { return t < one.t_s; });
+}
+
+template <class Vector>
+auto newest_or_first(const Vector& all, double t_s) -> decltype(&all.front().message) {
+  if (all.empty()) return nullptr;
+  const auto after = find_last(all, t_s);
+  return after == all.begin() ? &all.front().message : &std::prev(after)->message;
+}
+
+// Times rise, whatever a file says.
+template <class Message>
+void add_later(std::vector<Timed<Message>>& to, double t_s, const Message& message) {
+  to.push_back({to.empty() ? t_s : std::max(t_s, to.back().t_s), message});
+}
+
+bool is_same(const HapticsSetup& a, const HapticsSetup& b) {
+  return a.method == b.method && a.scene == b.scene && a.scene_hash == b.scene_hash && a.scene_loading == b.scene_loading;
+}
+
+// It is repeated once a second.
+template <class Message>
+bool is_known(const std::vector<Timed<Message>>& known, const Message& message) {
+  for (const auto& one : known | std::views::reverse) {
+    if (one.message.object == message.object) return one.message.serial == message.serial;
+  }
+  return false;
+}
+
+}  // namespace
+
+bool SessionIndex::is_haptics(std::uint64_t sender) const { return std::ranges::find(haptics_, sender) != haptics_.end(); }
+
+void SessionIndex::add_row(const JoinedRow& row) {
+  const double t_s = std::clamp(row.sample_t_s, spans_.empty() ? -kMostSeconds : end_s_, kMostSeconds);
+  if (spans_.empty()) begin_s_ = t_s;
+  end_s_ = t_s;
+  const auto number = static_cast<std::int64_t>(std::floor(t_s / kSpanS));
+  if (spans_.empty() || spans_.back().number != number) spans_.push_back({.number = number});
+  SessionSpan& span = spans_.back();
+  ++span.samples;
+  const double written_n = row.written_n.norm();
+  if (std::isfinite(written_n)) span.written_n = std::max(span.written_n, static_cast<float>(written_n));
+  if (row.round_trip_s >= 0.0) span.round_trip_s = std::max(span.round_trip_s, static_cast<float>(row.round_trip_s));
+  span.is_contact = span.is_contact || row.is_contact;
+  for_each_event(row, [&](const JoinedEvent& event) { marks_.push_back({t_s, event.name, event.kind == "fault"}); });
+}
+
+void SessionIndex::add_view(const View& view, double t_s) {
+  if (!views_.empty() && views_.back().message == view) return;
+  add_later(views_, t_s, view);
+}
+
+void SessionIndex::add_received(const Datagram& datagram, double t_s) {
+  const Message& message = datagram.message;
+  const std::uint64_t sender = datagram.header.sender;
+  const auto* setup = std::get_if<HapticsSetup>(&message);
+  const bool is_of_haptics = setup != nullptr || std::holds_alternative<ForceCommand>(message);
+  if (is_of_haptics && !is_haptics(sender)) haptics_.push_back(sender);
+  if (setup != nullptr) {
+    add_view({setup->view_revision, setup->X_WS}, t_s);
+    if (setups_.empty() || !is_same(setups_.back().message, *setup)) add_later(setups_, t_s, *setup);
+  }
+  if (const auto* view = std::get_if<ViewTransform>(&message)) add_view({view->revision, view->X_WS}, t_s);
+  if (const auto* move = std::get_if<ObjectMove>(&message); move != nullptr && !is_known(moves_, *move)) add_later(moves_, t_s, *move);
+  if (!is_haptics(sender)) return;
+  if (const auto* pose = std::get_if<ObjectPose>(&message); pose != nullptr && !is_known(poses_, *pose)) add_later(poses_, t_s, *pose);
+  const auto* scene = std::get_if<SceneFacts>(&message);
+  if (scene != nullptr && (scene_hashes_.empty() || scene_hashes_.back().message != scene->given_hash)) {
+    add_later(scene_hashes_, t_s, scene->given_hash);
+  }
+}
+
+Result<SessionIndex> SessionIndex::read(SessionReader& reader) {
+  SessionIndex index;
+  const std::int64_t start_ns = reader.header().start_ns;
+  JoinedTable table(start_ns, [&](const JoinedRow& row) { index.add_row(row); });
+  std::uint64_t position = reader.position();
+  (void)for_each_entry(reader, [&](const SessionEntry& entry, const Datagram* datagram) -> Result<void> {
+    const double t_s = seconds_from(start_ns, entry.time_ns);
+    const Place* last = index.places_.empty() ? nullptr : &index.places_.back();
+    if (last == nullptr || t_s >= last->t_s + kPlaceEveryS || (t_s >= last->t_s && position >= last->position + kPlaceEveryBytes)) {
+      index.places_.push_back({t_s, position});
+    }
+    position = reader.position();
+    table.add(entry, datagram);
+    if (datagram == nullptr) return {};
+    if (entry.kind == SessionEntry::Kind::received) index.add_received(*datagram, t_s);
+    const auto* probe = std::get_if<ProbeState>(&datagram->message);
+    if (probe != nullptr && entry.kind == SessionEntry::Kind::sent) {
+      const DeviceNotice notice{probe->status, probe->energy_percent, probe->force_limit_n};
+      if (index.notices_.empty() || index.notices_.back().message != notice) add_later(index.notices_, t_s, notice);
+    }
+    return {};
+  });
+  table.finish();
+  if (index.spans_.empty() && table.without_sample() > 0) {
+    return fail("an older recording, whose cycles lack the device's samples; hapton session export --format tables writes what it has");
+  }
+  if (index.spans_.empty()) return fail("holds no sample of the device");
+  return index;
+}
+
+std::span<const SessionSpan> SessionIndex::spans_between(double from_s, double to_s) const {
+  const auto number = [](double t_s) {
+    return static_cast<std::int64_t>(std::floor(std::clamp(t_s, -kMostSeconds, kMostSeconds) / kSpanS));
+  };
+  const auto from = std::ranges::lower_bound(spans_, number(from_s), {}, &SessionSpan::number);
+  const auto to = std::ranges::upper_bound(spans_, number(to_s), {}, &SessionSpan::number);
+  return from < to ? std::span(from, to) : std::span<const SessionSpan>();
+}
+
+std::uint64_t SessionIndex::find_position(double t_s) const {
+  const auto after = find_last(places_, t_s);
+  return after == places_.begin() ? places_.front().position : std::prev(after)->position;
+}
+
+Pose SessionIndex::find_view(std::optional<std::uint32_t> revision, double t_s) const {
+  if (views_.empty()) return Pose::Identity();
+  auto found = find_last(views_, t_s);
+  if (found != views_.begin()) --found;
+  // Backwards for one of that number, which counts on from one vision node to the next.
+  for (auto one = found; revision && one->message.revision != *revision && one != views_.begin();) {
+    --one;
+    if (one->message.revision == *revision) found = one;
+  }
+  return find_rigid_pose(found->message.X_WS).value_or(Pose::Identity());
+}
+
+const HapticsSetup* SessionIndex::find_setup(double t_s) const { return newest_or_first(setups_, t_s); }
+
+const DeviceNotice* SessionIndex::find_notice(double t_s) const {
+  const auto after = find_last(notices_, t_s);
+  return after == notices_.begin() ? nullptr : &std::prev(after)->message;
+}
+
+std::uint64_t SessionIndex::find_scene_hash(double t_s) const {
+  const std::uint64_t* hash = newest_or_first(scene_hashes_, t_s);
+  return hash != nullptr ? *hash : 0;
+}
+
+}  // namespace hapton

@@ -1,0 +1,125 @@
+#include "session/session_rows.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hapton {
+namespace {
+
+// Farther ahead than this is jumped to.
+constexpr double kReadOnS = 2.0;
+// A sample recorded that long after it was taken is still found.
+constexpr double kSlackS = 0.3;
+
+bool has_reply(const JoinedRow& row) { return row.p_WP.allFinite(); }
+
+}  // namespace
+
+SessionRows::SessionRows(SessionReader reader, const SessionIndex& index)
+    : index_(&index), reader_(std::make_unique<SessionReader>(std::move(reader))), rows_(std::make_unique<std::deque<JoinedRow>>()) {}
+
+Result<SessionRows> SessionRows::open(const std::filesystem::path& file, const SessionIndex& index) {
+  auto reader = SessionReader::open(file);
+  if (!reader) return tl::unexpected(reader.error());
+  return SessionRows(std::move(*reader), index);
+}
+
+void SessionRows::jump(double t_s) {
+  rows_->clear();
+  from_s_ = t_s - kBeforeS;
+  is_at_end_ = false;
+  reader_->seek(index_->find_position(from_s_ - kSlackS));
+  table_ = std::make_unique<JoinedTable>(
+      reader_->header().start_ns,
+      [rows = rows_.get()](const JoinedRow& row) {
+        rows->push_back(row);
+        if (rows->size() > 1) rows->back().sample_t_s = std::max(row.sample_t_s, (*rows)[rows->size() - 2].sample_t_s);
+      },
+      kLatestS);
+}
+
+bool SessionRows::read_entry() {
+  SessionEntry entry;
+  if (is_at_end_ || !reader_->next(entry)) {
+    if (!is_at_end_) table_->finish();
+    is_at_end_ = true;
+    return false;
+  }
+  Datagram datagram;
+  const bool is_readable = !entry.datagram.empty() && codec_.decode(entry.datagram, datagram) == DecodeStatus::ok;
+  table_->add(entry, is_readable ? &datagram : nullptr);
+  return true;
+}
+
+// Afterwards a row later than t_s is there, unless there is none in the file.
+void SessionRows::go_to(double t_s) {
+  const bool is_near = table_ != nullptr && t_s >= from_s_ && (rows_->empty() || t_s <= rows_->back().sample_t_s + kReadOnS);
+  if (!is_near) jump(t_s);
+  while ((rows_->empty() || rows_->back().sample_t_s <= t_s) && read_entry()) {
+  }
+  while (rows_->size() > 1 && (*rows_)[1].sample_t_s < t_s - 2.0 * kBeforeS) {
+    from_s_ = std::max(from_s_, (*rows_)[1].sample_t_s);
+    rows_->pop_front();
+  }
+}
+
+std::deque<JoinedRow>::const_iterator SessionRows::find_after(double t_s) const {
+  return std::upper_bound(rows_->begin(), rows_->end(), t_s, [](double t, const JoinedRow& row) { return t < row.sample_t_s; });
+}
+
+const JoinedRow* SessionRows::at(double t_s) {
+  go_to(t_s);
+  if (rows_->empty()) return nullptr;
+  const auto after = find_after(t_s);
+  // A gap in the recording: the sample before it may be farther back.
+  if (after == rows_->begin() && t_s > index_->begin_s()) {
+    const auto spans = index_->spans_between(index_->begin_s(), t_s);
+    if (!spans.empty()) {
+      const double before_s = SessionIndex::kSpanS * static_cast<double>(spans.back().number);
+      jump(before_s);
+      while ((rows_->empty() || rows_->back().sample_t_s <= t_s) && read_entry()) {
+      }
+    }
+  }
+  if (rows_->empty()) return nullptr;
+  const auto found = find_after(t_s);
+  return found == rows_->begin() ? &*found : &*std::prev(found);
+}
+
+const JoinedRow* SessionRows::replied_at(double t_s, double most_age_s) {
+  go_to(t_s);
+  for (auto one = find_after(t_s); one != rows_->begin();) {
+    --one;
+    if (one->sample_t_s < t_s - most_age_s) break;
+    if (has_reply(*one)) return &*one;
+  }
+  return nullptr;
+}
+
+std::optional<double> SessionRows::next_s(double t_s) {
+  go_to(t_s);
+  const auto after = find_after(t_s);
+  return after != rows_->end() ? std::optional(after->sample_t_s) : std::nullopt;
+}
+
+std::optional<double> SessionRows::previous_s(double t_s) {
+  // A row's time is a double, and the next smaller one is before it.
+  const double before_s = std::nextafter(t_s, -std::numeric_limits<double>::infinity());
+  if (before_s < index_->begin_s()) return std::nullopt;
+  const JoinedRow* row = at(before_s);
+  return row != nullptr && row->sample_t_s < t_s ? std::optional(row->sample_t_s) : std::nullopt;
+}
+
+std::vector<double> SessionRows::round_trips(double t_s) {
+  go_to(t_s);
+  std::vector<double> trips;
+  for (auto one = find_after(t_s); one != rows_->begin();) {
+    --one;
+    if (one->sample_t_s < t_s - kBeforeS) break;
+    if (one->round_trip_s >= 0.0) trips.push_back(one->round_trip_s);
+  }
+  std::sort(trips.begin(), trips.end());
+  return trips;
+}
+
+}  // namespace hapton

@@ -1,0 +1,110 @@
+#pragma once
+
+#include <array>
+#include <cstring>
+#include <filesystem>
+#include <string>
+
+#include "link/session_codec.h"
+#include "tests/session/made_entries.h"
+#include "tests/support/scratch_folder.h"
+
+namespace hapton {
+
+// A recording of four seconds at 1 kHz: the second sample of each two has a reply, contact from 2 s to 3 s, markers at 1 s and 3.5 s, a
+// fault at 2.5 s; the scene is shifted by 0.25 m at 1.5 s, object 1 is held from 0.5 s to 0.8 s, object 2 moved by a program at 1.2 s.
+struct MadeRecording {
+  std::uint64_t samples = 4000;
+  bool has_device = true;  // samples in the cycles
+  std::string scene = "made.toml";
+  std::uint64_t given_hash = 77;
+  std::uint32_t scene_loading = 0;
+  std::uint64_t lost_from = 0;  // these samples are missing
+  std::uint64_t lost_to = 0;
+
+  std::filesystem::path write(const ScratchFolder& scratch) {
+    bytes = std::string(kSessionMagic);
+    codec.append(SessionHeader{.build = "b1", .start_ns = kJoinedStartNs, .session = 0xAB}, bytes);
+    add_setup(0);
+    for (std::uint64_t sample = 1; sample <= samples; ++sample) {
+      if (sample >= lost_from && sample < lost_to) continue;
+      add_sample(sample);
+      add_what_happens(sample);
+    }
+    return scratch.write("made.hapton", bytes);
+  }
+
+ private:
+  static constexpr std::uint64_t kHaptics = 2;
+  static constexpr std::uint64_t kVision = 3;
+
+  void add(SessionEntry::Kind kind, std::uint64_t sender, const Message& message, std::uint64_t sample) {
+    SessionEntry entry;
+    entry.kind = kind;
+    entry.time_ns = sample_ns(sample) + 300'000;
+    const Datagram datagram{{.session = 1, .sender = sender, .sequence = ++sequence}, message};
+    entry.datagram = std::span(wire).first(datagrams.encode(datagram, wire));
+    codec.append(entry, bytes);
+  }
+  void receive(std::uint64_t sender, const Message& message, std::uint64_t sample) {
+    add(SessionEntry::Kind::received, sender, message, sample);
+  }
+
+  void add_setup(std::uint64_t sample) {
+    HapticsSetup setup{.method_serial = 1, .scene_hash = 5, .scene_loading = scene_loading};
+    std::strncpy(setup.scene.data(), scene.c_str(), setup.scene.size() - 1);
+    std::strncpy(setup.method.data(), "name=proxy probe_radius_m=0.004", setup.method.size() - 1);
+    receive(kHaptics, setup, sample);
+    receive(kVision, SceneFacts{.given_hash = 99}, sample);
+    receive(kHaptics, SceneFacts{.given_hash = given_hash}, sample);
+  }
+
+  void add_sample(std::uint64_t sample) {
+    SessionEntry cycle = cycle_of(sample);
+    if (!has_device) cycle.cycle.device.reset();
+    codec.append(cycle, bytes);
+    if (sample % 2 != 0) return;
+    ForceCommand force = force_of(sample);
+    force.contact = sample >= 2000 && sample < 3000;
+    if (!force.contact) {
+      force.visual_offset_m.setZero();
+      force.object = -1;
+    }
+    force.view_revision = sample >= 1500 ? 4 : 0;
+    force.scene_time_ns = static_cast<std::int64_t>(sample) * 1'000'000;
+    receive(kHaptics, force, sample);
+  }
+
+  void add_what_happens(std::uint64_t sample) {
+    if (sample == 1000) codec.append(marker_of(sample, "trial 7"), bytes);
+    if (sample == 3500) codec.append(marker_of(sample, "trial 8"), bytes);
+    if (sample == 1500) receive(kVision, ViewTransform{4, {1, 0, 0, 0.25F, 0, 1, 0, 0, 0, 0, 1, 0}}, sample);
+    if (sample == 500 || sample == 600) receive(kHaptics, ObjectPose{.serial = 1, .object = 1, .is_held = true}, sample);
+    if (sample == 700) receive(kVision, ObjectPose{.serial = 9, .object = 1}, sample);
+    if (sample == 800) receive(kHaptics, ObjectPose{.serial = 2, .object = 1, .p_m = Vec3(0.0, 0.05, 0.0)}, sample);
+    if (sample == 1200 || sample == 2200) {
+      receive(kHaptics,
+              ObjectMove{
+                  .source = 6, .serial = 1, .object = 2, .start_ns = 1'200'000'000, .end_ns = 1'700'000'000, .to_p_m = Vec3(0.0, 0.1, 0.0)},
+              sample);
+    }
+    if (sample == 2499) {
+      SessionEntry fault;
+      fault.kind = SessionEntry::Kind::fault;
+      fault.time_ns = sample_ns(sample) + 400'000;
+      fault.fault = SessionFault::clamped;
+      codec.append(fault, bytes);
+    }
+    if (sample == 100 || sample == 2600) {
+      add(SessionEntry::Kind::sent, 1, ProbeState{.status = sample == 100 ? ProbeStatus::ok : ProbeStatus::fault_latched}, sample);
+    }
+  }
+
+  std::string bytes;
+  std::uint64_t sequence = 0;
+  SessionCodec codec;
+  Codec datagrams;
+  std::array<std::byte, kMaxDatagramBytes> wire;
+};
+
+}  // namespace hapton

@@ -1,0 +1,103 @@
+#include "session/session_rows.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <utility>
+#include <vector>
+
+#include "tests/session/opened_recording.h"
+
+namespace hapton {
+namespace {
+
+// The sample of that time, found among all.
+std::uint64_t brute_force_sample(const std::vector<JoinedRow>& all, double t_s) {
+  std::uint64_t newest = all.front().sample;
+  for (const JoinedRow& row : all) {
+    if (row.sample_t_s <= t_s) newest = row.sample;
+  }
+  return newest;
+}
+
+std::vector<JoinedRow> read_all(const std::filesystem::path& file) {
+  std::vector<JoinedRow> all;
+  auto reader = SessionReader::open(file);
+  JoinedTable(kJoinedStartNs, [&](const JoinedRow& row) { all.push_back(row); }).add_all(*reader);
+  return all;
+}
+
+TEST(SessionRows, AnyJumpFindsTheSampleThatAReadingOfAllFinds) {
+  OpenedRecording opened;
+  const std::vector<JoinedRow> all = read_all(opened.file);
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> times(-0.5, 4.5);
+  for (int i = 0; i < 60; ++i) {
+    const double t_s = times(random);
+    const JoinedRow* row = opened.rows->at(t_s);
+    ASSERT_NE(row, nullptr);
+    EXPECT_EQ(row->sample, brute_force_sample(all, t_s)) << t_s;
+    EXPECT_EQ(std::isfinite(row->p_WP.x()), row->sample % 2 == 0) << t_s;
+  }
+}
+
+TEST(SessionRows, PlayingOnFindsThemAll) {
+  OpenedRecording opened;
+  for (std::uint64_t sample = 1; sample <= 4000; sample += 16) {
+    const JoinedRow* row = opened.rows->at(1e-3 * (static_cast<double>(sample) + 0.5));
+    ASSERT_NE(row, nullptr);
+    ASSERT_EQ(row->sample, sample);
+  }
+}
+
+TEST(SessionRows, StepsGoFromSampleToSampleBothWays) {
+  OpenedRecording opened;
+  double t_s = opened.rows->at(2.5)->sample_t_s;
+  for (std::uint64_t sample = 2501; sample < 2510; ++sample) {
+    const auto next = opened.rows->next_s(t_s);
+    ASSERT_TRUE(next);
+    t_s = *next;
+    EXPECT_EQ(opened.rows->at(t_s)->sample, sample);
+  }
+  for (std::uint64_t sample = 2508; sample > 1000; --sample) {
+    const auto previous = opened.rows->previous_s(t_s);
+    ASSERT_TRUE(previous) << sample;
+    t_s = *previous;
+    ASSERT_EQ(opened.rows->at(t_s)->sample, sample);
+  }
+  EXPECT_FALSE(opened.rows->next_s(opened.index.end_s()));
+  EXPECT_FALSE(opened.rows->previous_s(opened.index.begin_s()));
+}
+
+TEST(SessionRows, AReplyIsThatOfTheNewestSampleThatHasOne) {
+  OpenedRecording opened;
+  const JoinedRow* replied = opened.rows->replied_at(2.0015, 0.02);
+  ASSERT_NE(replied, nullptr);
+  EXPECT_EQ(replied->sample, 2000U);
+  EXPECT_EQ(replied->view_revision, 4U);
+  EXPECT_EQ(replied->scene_time_ns, 2'000'000'000);
+  EXPECT_EQ(opened.rows->replied_at(2.0015, 0.0005), nullptr) << "older than asked for";
+  const std::vector<double> trips = opened.rows->round_trips(3.0);
+  EXPECT_NEAR(static_cast<double>(trips.size()), 500.0, 2.0);
+  EXPECT_NEAR(trips.front(), 3e-4, 1e-9);
+}
+
+TEST(SessionRows, InAGapTheSampleBeforeItIsShown) {
+  MadeRecording recording;
+  recording.lost_from = 200;
+  recording.lost_to = 3800;
+  OpenedRecording opened(std::move(recording));
+  EXPECT_EQ(opened.rows->at(3.0)->sample, 199U);
+  EXPECT_EQ(opened.rows->at(3.9005)->sample, 3900U);
+  EXPECT_EQ(opened.rows->at(2.0)->sample, 199U);
+  const auto next = opened.rows->next_s(2.0);
+  ASSERT_TRUE(next);
+  EXPECT_DOUBLE_EQ(*next, 3.8);
+  const auto previous = opened.rows->previous_s(*next);
+  ASSERT_TRUE(previous);
+  EXPECT_DOUBLE_EQ(*previous, 0.199);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,179 @@
+#include "vision_node/teach_shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "core/geometry/closest_point.h"
+#include "tests/support/made_meshes.h"
+#include "vision_node/teach_builder.h"
+
+namespace hapton {
+namespace {
+
+TouchScene teach_scene(int bands = 24) { return {.objects = {{made::shared(made::sphere(0.05, bands)), {}}}}; }
+
+SmoothScene teach_smooth(const TouchScene& scene) { return *SmoothScene::build(scene, {}); }
+
+TeachProbe teach_probe() {
+  TeachProbe probe;
+  const Vec3 outward = Vec3(1.0, 2.0, 3.0).normalized();
+  probe.p_SP = 0.05 * outward;
+  probe.p_SD = 0.048 * outward;
+  probe.force_S_n = 2.0 * outward;
+  probe.is_contact = true;
+  return probe;
+}
+
+TEST(TeachShapes, ContactShowsTheTrianglesAndPlanesAtTheProbe) {
+  const TouchScene scene = teach_scene();
+  const SmoothScene smooth = teach_smooth(scene);
+  TeachProbe probe = teach_probe();
+  // On a triangle itself, as the proxy is.
+  const TriangleMesh& mesh = *scene.objects[0].mesh;
+  const std::size_t t = mesh.triangles.size() / 2;
+  probe.p_SP = (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2)) / 3.0;
+  probe.force_S_n = probe.p_SP;
+  const TeachShapes shapes = show_contact(smooth, probe);
+  ASSERT_EQ(shapes.triangles.size(), 1U) << shapes.caption;
+  // Three sides, four of the plane's square, its normal, the penetration.
+  EXPECT_EQ(shapes.lines.size(), 9U);
+  const TeachLine& normal = shapes.lines[7];
+  EXPECT_GT((normal.to - normal.from).dot(probe.force_S_n), 0.0) << "towards the force";
+  probe.is_contact = false;
+  EXPECT_TRUE(show_contact(smooth, probe).lines.empty());
+}
+
+// Brute force: no triangle that is left out is nearer than one that is in.
+TEST(TeachShapes, TheLocalSetIsTheNearest) {
+  const TouchScene scene = teach_scene();
+  const SmoothScene smooth = teach_smooth(scene);
+  TeachProbe probe = teach_probe();
+  probe.set_size = 20;
+  const TeachShapes shapes = show_local_set(smooth, probe);
+  EXPECT_EQ(shapes.triangles.size(), 20U);
+  const auto distance = [&](const std::array<Vec3, 3>& c) { return closest_point(c[0], c[1], c[2], probe.p_SP).distance; };
+  double farthest = 0.0;
+  for (const TeachTriangle& triangle : shapes.triangles) farthest = std::max(farthest, distance(triangle.corner));
+  std::size_t nearer = 0;
+  smooth.for_each([&](const SetTriangle& triangle) { nearer += distance(triangle.corner) < farthest - 1e-9 ? 1 : 0; });
+  EXPECT_LE(nearer, 20U);
+}
+
+TEST(TeachShapes, HullsOfALevelContainTheirTrianglesAndTogetherAll) {
+  const TouchScene scene = teach_scene();
+  const SmoothScene smooth = teach_smooth(scene);
+  const std::size_t count = smooth.surface(0).mesh.triangles.size();
+  std::size_t before = 0;
+  for (int level = 0; level < smooth.tree_stats().depth; ++level) {
+    std::multiset<std::uint32_t> covered;
+    std::size_t hulls = 0;
+    smooth.for_each_hull(level, [&]<int K>(std::uint32_t object, const FdhHull<K>& hull, std::span<const std::uint32_t> triangles) {
+      ++hulls;
+      covered.insert(triangles.begin(), triangles.end());
+      for (const std::uint32_t t : triangles) {
+        for (const Vec3& corner : smooth.triangle_at(object, t).corner) {
+          const auto along = fdh_project<K>(corner);
+          for (int i = 0; i < K / 2; ++i) {
+            ASSERT_GE(along[i], hull.low[i]);
+            ASSERT_LE(along[i], hull.high[i]);
+          }
+        }
+      }
+    });
+    EXPECT_EQ(covered.size(), count) << "level " << level;
+    EXPECT_EQ(std::set<std::uint32_t>(covered.begin(), covered.end()).size(), count) << "each once";
+    EXPECT_GE(hulls, before);
+    before = hulls;
+    const TeachShapes shapes = show_tree(smooth, teach_probe(), level);
+    EXPECT_GE(shapes.lines.size(), 12U * std::min(hulls, kMostTeachHulls) / 2) << shapes.caption;
+  }
+  EXPECT_GT(before, 8U);
+}
+
+TEST(TeachShapes, LinesOfALargeMeshAreBounded) {
+  const TouchScene scene = teach_scene(300);  // 180,000 triangles
+  const SmoothScene smooth = teach_smooth(scene);
+  const TeachShapes shapes = show_tree(smooth, teach_probe(), TeachChoice::kDeepest);
+  EXPECT_LE(shapes.lines.size(), 36U * kMostTeachHulls);
+  EXPECT_NE(shapes.caption.find("the 1000 nearest are drawn"), std::string::npos) << shapes.caption;
+  EXPECT_EQ(show_curvature(scene, find_curvature(scene), teach_probe()).triangles.size(), kMostTeachTriangles);
+}
+
+// Every edge belongs to an occupied cell, and each occupied cell has its twelve.
+TEST(TeachShapes, CellsAreThoseOfTheGrid) {
+  const TouchScene scene = teach_scene(8);
+  const UniformGrid grid = *make_teach_grid(scene);
+  TeachProbe far = teach_probe();
+  far.p_SP = Vec3(9.0, 9.0, 9.0);
+  const TeachShapes shapes = show_grid(grid, far);
+  const Vec3 size = (grid.high() - grid.low()) / kTeachCells;
+  using Edge = std::array<int, 4>;  // cell corner and axis
+  std::set<Edge> drawn;
+  for (const TeachLine& line : shapes.lines) {
+    const Vec3 at = (line.from - grid.low()).cwiseQuotient(size);
+    const Vec3 along = (line.to - line.from).cwiseQuotient(size);
+    int axis = 0;
+    EXPECT_NEAR(along.cwiseAbs().maxCoeff(&axis), 1.0, 1e-6);
+    drawn.insert(
+        {static_cast<int>(std::lround(at.x())), static_cast<int>(std::lround(at.y())), static_cast<int>(std::lround(at.z())), axis});
+  }
+  EXPECT_EQ(drawn.size(), shapes.lines.size()) << "each once";
+  std::set<Edge> wanted;
+  for (int z = 0; z < kTeachCells; ++z) {
+    for (int y = 0; y < kTeachCells; ++y) {
+      for (int x = 0; x < kTeachCells; ++x) {
+        if (grid.triangles_in(x, y, z).empty()) continue;
+        for (int a = 0; a < 2; ++a) {
+          for (int b = 0; b < 2; ++b) {
+            wanted.insert({x, y + a, z + b, 0});
+            wanted.insert({x + a, y, z + b, 1});
+            wanted.insert({x + a, y + b, z, 2});
+          }
+        }
+      }
+    }
+  }
+  EXPECT_EQ(drawn, wanted);
+  EXPECT_NE(shapes.caption.find(std::to_string(grid.occupancy().occupied_cells) + " of 32768 cells"), std::string::npos) << shapes.caption;
+  EXPECT_EQ(show_grid(grid, teach_probe()).lines.size(), shapes.lines.size() + 12) << "the probe's cell";
+}
+
+TEST(TeachShapes, CurvatureOfASphereHasOneColour) {
+  const TouchScene scene = teach_scene(48);
+  const TeachCurvature curvature = find_curvature(scene);
+  EXPECT_NEAR(curvature.most, 20.0, 0.4) << "1 / 0.05 m";
+  const TeachShapes shapes = show_curvature(scene, curvature, teach_probe());
+  ASSERT_TRUE(shapes.legend);
+  for (const TeachTriangle& triangle : shapes.triangles) {
+    for (const TeachColour& colour : triangle.colour) ASSERT_GT(colour[0], colour[2] + 100) << "red: convex";
+  }
+  EXPECT_GT(curvature_colour(-5.0, 5.0)[2], 200);
+  EXPECT_EQ(curvature_colour(0.0, 5.0)[0], curvature_colour(0.0, 5.0)[2]);
+}
+
+TEST(TeachBuilder, AnswersTheNewestRequest) {
+  TeachBuilder builder(teach_scene());
+  builder.request({TeachView::grid, 0}, teach_probe());
+  builder.request({TeachView::tree, 1}, teach_probe());
+  std::optional<TeachShapes> made;
+  while (!made || made->choice.view != TeachView::tree) {
+    std::this_thread::yield();
+    if (auto next = builder.take_made()) made = std::move(next);
+  }
+  EXPECT_EQ(made->choice, (TeachChoice{TeachView::tree, 1}));
+  EXPECT_GT(builder.tree_depth(), 1);
+  EXPECT_FALSE(builder.is_busy());
+}
+
+TEST(TeachBuilder, ASceneThatCannotBePreparedSaysWhy) {
+  TeachBuilder builder(TouchScene{});
+  builder.request({TeachView::grid, 0}, {});
+  std::optional<TeachShapes> made;
+  while (!(made = builder.take_made())) std::this_thread::yield();
+  EXPECT_EQ(made->caption.find("grid: "), 0U) << made->caption;
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,33 @@
+#include "vision_node/recorded_objects.h"
+
+#include <algorithm>
+
+namespace hapton {
+namespace {
+
+// A move is announced at once, and begins in scene time: known too early does no harm.
+constexpr double kAheadS = 0.2;
+
+template <class Message>
+std::size_t count_until(std::span<const Timed<Message>> all, double t_s) {
+  return static_cast<std::size_t>(std::ranges::upper_bound(all, t_s, {}, &Timed<Message>::t_s) - all.begin());
+}
+
+}  // namespace
+
+bool RecordedObjects::show(double t_s, std::int64_t scene_time_ns) {
+  const std::size_t poses = count_until(index_.poses(), t_s);
+  const std::size_t moves = count_until(index_.moves(), t_s + kAheadS);
+  bool has_changed = false;
+  if (poses < poses_ || moves < moves_) {
+    moved_.rewind();
+    poses_ = moves_ = 0;
+    has_changed = true;
+  }
+  for (; poses_ < poses; ++poses_) has_changed = moved_.take(index_.poses()[poses_].message) || has_changed;
+  for (; moves_ < moves; ++moves_) moved_.take(index_.moves()[moves_].message);
+  if (moved_.has_motion()) has_changed = moved_.set_time(scene_time_ns) || has_changed;
+  return has_changed;
+}
+
+}  // namespace hapton

@@ -1,0 +1,139 @@
+#include "vision_node/recorded_session.h"
+
+#include <cmath>
+
+#include "runtime/log.h"
+#include "runtime/process_age.h"
+#include "vision_node/recorded_state.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::int64_t kRecordedTurnNs = 4 * kNanosecondsPerMillisecond;
+// While it plays, the clock in the corner is drawn so often even if nothing else moves.
+constexpr std::int64_t kRecordedClockNs = 100 * kNanosecondsPerMillisecond;
+
+}  // namespace
+
+RecordedSession::RecordedSession(StereoView& view, Clock& clock, const VisionOptions& options, const SessionIndex& index, SessionRows& rows)
+    : view_(view),
+      clock_(clock),
+      options_(options),
+      index_(index),
+      rows_(rows),
+      player_(index.begin_s(), index.end_s()),
+      control_(index, rows, player_),
+      window_(view, clock, options),
+      line_(make_time_line(index)),
+      screenshot_moment_(options.screenshot_moment) {
+  player_.set_speed(options.speed);
+  if (!options.at_s) return;
+  player_.seek(*options.at_s);
+  player_.pause();
+}
+
+void RecordedSession::set_moved_objects(MovedObjects* moved) {
+  moved_ = moved;
+  objects_.emplace(index_, *moved);
+}
+
+Result<void> RecordedSession::run(const StopSignal& stop) {
+  start_ns_ = clock_.now_ns();
+  const std::int64_t end_ns = options_.seconds > 0.0 ? start_ns_ + static_cast<std::int64_t>(options_.seconds * 1e9) : INT64_MAX;
+  if (auto shown = show_moment(); !shown) return shown;
+  if (auto drawn = draw_if_wanted(); !drawn) return drawn;
+  if (options_.at_s && !options_.screenshot.empty()) return take_moment();
+  view_.prepare_shaders();
+  window_.step().spoil();  // it hides the probe
+  while (!quit_ && !stop.stop_requested() && clock_.now_ns() < end_ns) {
+    clock_.sleep_until_ns(std::min(clock_.now_ns() + kRecordedTurnNs, end_ns));
+    if (auto attended = attend_window(); !attended) return attended;
+    const bool has_control_changed = control_.take_changed();
+    if (has_control_changed) window_.step().spoil();
+    if (player_.advance(clock_.now_ns()) || has_control_changed) {
+      if (auto shown = show_moment(); !shown) return shown;
+    }
+    if (auto drawn = draw_if_wanted(); !drawn) return drawn;
+    window_.refine_scene();
+  }
+  if (options_.screenshot.empty() || screenshot_moment_.taken()) return {};
+  return window_.take_screenshot(options_.screenshot);
+}
+
+// With all that a teaching view takes time for.
+Result<void> RecordedSession::take_moment() {
+  window_.finish_teaching();
+  if (auto shown = show_moment(); !shown) return shown;
+  draw();
+  return window_.take_screenshot(options_.screenshot);
+}
+
+Result<void> RecordedSession::show_moment() {
+  const double t_s = player_.moment_s();
+  const auto recorded = find_recorded_state(index_, rows_, t_s);
+  if (!recorded) return fail("{}: has changed while it was shown; start vision_node again", options_.session.string());
+  VisionStep& step = window_.step();
+  step.receive(recorded->state, clock_.now_ns());
+  step.set_recording(recorded->X_WS, describe_recording(options_.session.filename().string(), player_, recorded->state.sample),
+                     describe_mark(index_, t_s));
+  if (objects_ && objects_->show(t_s, recorded->state.scene_time_ns)) step.spoil();
+  if (moved_ != nullptr && moved_->held() != step.held_object()) step.set_held_object(moved_->held());
+  if (const HapticsSetup* setup = index_.find_setup(player_.moment_s())) window_.use_setup(*setup);
+  compare_scene();
+  return {};
+}
+
+void RecordedSession::compare_scene() {
+  const std::uint64_t recorded = index_.find_scene_hash(player_.moment_s());
+  const bool is_other = recorded != 0 && scene_hash_ != 0 && recorded != scene_hash_;
+  if (is_other == is_other_scene_) return;
+  is_other_scene_ = is_other;
+  window_.step().set_other_scene(is_other);
+  if (is_other) log_warning("the recording has another scene than the one shown; name the one of the recording with --scene");
+}
+
+Result<void> RecordedSession::attend_window() {
+  const auto take = [this](const WindowEvent& event) {
+    return control_.handle(event, view_.find_picture_pixel(event.x_px, event.y_px), view_.picture_size());
+  };
+  const UserRequests requests = window_.attend(take, {});
+  quit_ = quit_ || requests.quit;
+  return requests.screenshot ? window_.take_numbered_screenshot() : Result<void>{};
+}
+
+bool RecordedSession::wants_picture(std::int64_t now_ns) {
+  const VisionStep::Screen where = window_.where();
+  if (window_.step().wants_picture(now_ns, where)) return true;
+  if (!window_.step().may_draw(now_ns)) return false;
+  if (std::abs(moment_share() - share_shown_) * where.picture.width_px >= 1.0) return true;
+  return !player_.is_paused() && now_ns - drawn_ns_ >= kRecordedClockNs;
+}
+
+Result<void> RecordedSession::draw_if_wanted() {
+  const std::int64_t begin_ns = clock_.now_ns();
+  if (!wants_picture(begin_ns)) return {};
+  draw();
+  const bool keep = !options_.screenshot.empty() && screenshot_moment_.is_now(begin_ns - start_ns_, window_.step().contact());
+  return keep ? window_.take_screenshot(options_.screenshot) : Result<void>{};
+}
+
+void RecordedSession::draw() {
+  const std::int64_t begin_ns = clock_.now_ns();
+  VisionStep& step = window_.step();
+  VisionStep::Shown shown = step.compose(begin_ns);
+  if (step.shows_plots()) shown.plots = make_recorded_plots(index_, player_.moment_s());
+  share_shown_ = moment_share();
+  view_.set_time_line(line_, share_shown_);  // first: it lifts the others
+  window_.show(shown);
+  if (moved_ != nullptr && moved_->has_motion()) moved_->place_moving();
+  view_.draw([this, &step] {
+    if (const auto newest = step.newest_probe()) view_.set_probe(*newest);
+  });
+  drawn_ns_ = begin_ns;
+  step.drew(begin_ns, clock_.now_ns(), window_.where());
+  if (step.frames().drawn() == 1) {
+    if (const auto age_s = read_process_age_s()) log_info("first frame {:.2f} s after the start", *age_s);
+  }
+}
+
+}  // namespace hapton

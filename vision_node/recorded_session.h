@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "core/base/result.h"
+#include "runtime/clock.h"
+#include "runtime/stop_signal.h"
+#include "session/session_index.h"
+#include "session/session_rows.h"
+#include "vision_node/recorded_objects.h"
+#include "vision_node/session_control.h"
+#include "vision_node/session_player.h"
+#include "vision_node/time_line.h"
+#include "vision_node/viewer_window.h"
+
+namespace hapton {
+
+// A recording in the window, in place of a hub: what VisionSession does live, with a time line. Threads: the window's. RT: no.
+class RecordedSession {
+ public:
+  // Pre: all outlive the session; the rows are those of the index.
+  RecordedSession(StereoView& view, Clock& clock, const VisionOptions& options, const SessionIndex& index, SessionRows& rows);
+
+  void set_head_tracker(HeadTracker* tracker) { window_.set_head_tracker(tracker); }
+  void set_space_head(SpaceHead* head) { window_.set_space_head(head); }
+  void set_teacher(TeachBuilder* teacher) { window_.set_teacher(teacher); }
+  // The scene that is shown (Scene::given_hash), to be compared with the recorded one.
+  void set_scene(std::uint64_t given_hash) { scene_hash_ = given_hash; }
+  // What draws the objects that move. Pre: it outlives the session.
+  void set_moved_objects(MovedObjects* moved);
+
+  // Runs until the window is closed, the time is over, the picture of --at is taken, or a signal requests the stop. Error: a screenshot
+  // that could not be written, a file that changed.
+  Result<void> run(const StopSignal& stop);
+
+  const VisionStep& step() const { return window_.step(); }
+  const SessionPlayer& player() const { return player_; }
+
+ private:
+  Result<void> show_moment();
+  void compare_scene();
+  Result<void> attend_window();
+  bool wants_picture(std::int64_t now_ns);
+  Result<void> draw_if_wanted();
+  void draw();
+  Result<void> take_moment();
+  double moment_share() const { return find_time_line_share(index_, player_.moment_s()); }
+
+  StereoView& view_;
+  Clock& clock_;
+  const VisionOptions& options_;
+  const SessionIndex& index_;
+  SessionRows& rows_;
+  SessionPlayer player_;
+  SessionControl control_;
+  ViewerWindow window_;
+  TimeLineShown line_;
+  std::optional<RecordedObjects> objects_;
+  MovedObjects* moved_ = nullptr;
+  ScreenshotMoment screenshot_moment_;
+  std::uint64_t scene_hash_ = 0;
+  bool is_other_scene_ = false;
+  double share_shown_ = -1.0;
+  std::int64_t start_ns_ = 0;
+  std::int64_t drawn_ns_ = 0;
+  bool quit_ = false;
+};
+
+}  // namespace hapton

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "session/session_index.h"
+#include "session/session_rows.h"
+#include "vision_node/interaction.h"
+#include "vision_node/session_player.h"
+
+namespace hapton {
+
+// Turns keys, and the mouse on the time line, into what the player of a recording does: space pauses, comma and point step by one sample, n
+// and N go to the next and the previous marker or fault, [ and ] change the speed, a goes to the begin, a left drag on the line to the
+// moment under the pointer. What would turn, move or draw live means nothing here. RT: no.
+class SessionControl {
+ public:
+  // Pre: all outlive this.
+  SessionControl(const SessionIndex& index, SessionRows& rows, SessionPlayer& player) : index_(index), rows_(rows), player_(player) {}
+
+  // True: the event is used up. pixel: where it is in an eye's picture of that size; none: beside it.
+  bool handle(const WindowEvent& event, const std::optional<std::array<int, 2>>& pixel, PictureSize size);
+  // One was used since the last call: the picture has to show its effect at once.
+  bool take_changed();
+
+ private:
+  bool press_key(char key);
+  bool drag(const WindowEvent& event, PictureSize size);
+  void step(std::optional<double> to_s);
+
+  const SessionIndex& index_;
+  SessionRows& rows_;
+  SessionPlayer& player_;
+  std::optional<int> dragged_from_px_;  // the picture's left edge in the window; none: the line is not dragged
+  bool has_changed_ = false;
+};
+
+}  // namespace hapton

@@ -1,0 +1,13 @@
+#pragma once
+
+#include "runtime/clock.h"
+#include "runtime/stop_signal.h"
+#include "vision_node/vision_options.h"
+
+namespace hapton {
+
+// vision_node --session: opens the recording, its scene and the window, and runs until it ends. Returns the exit code; errors are logged,
+// one line each. Null: no tracker of the head. RT: no.
+int show_recording(VisionOptions& options, HeadTracker* head, Clock& clock, const StopSignal& stop);
+
+}  // namespace hapton

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/collision/uniform_grid.h"
+#include "core/force/smooth/smooth_scene.h"
+#include "core/force/touch_scene.h"
+#include "vision_node/teach_choice.h"
+
+namespace hapton {
+
+using TeachColour = std::array<std::uint8_t, 3>;
+
+struct TeachLine {
+  Vec3 from;
+  Vec3 to;
+  TeachColour colour;
+};
+struct TeachTriangle {
+  std::array<Vec3, 3> corner;
+  std::array<TeachColour, 3> colour;
+};
+// A scale of colours beside the picture: from low through zero to high.
+struct TeachLegend {
+  double most = 0.0;  // it goes from -most to most
+  std::string unit;
+};
+
+// What a teaching view draws. Frame S, metres.
+struct TeachShapes {
+  TeachChoice choice;  // that they were made for
+  std::vector<TeachLine> lines;
+  std::vector<TeachTriangle> triangles;
+  std::optional<TeachLegend> legend;
+  std::string caption;  // a line for the picture's corner
+};
+
+// The probe as it is shown. Frame S.
+struct TeachProbe {
+  Vec3 p_SP = Vec3::Zero();
+  Vec3 p_SD = Vec3::Zero();
+  Vec3 force_S_n = Vec3::Zero();
+  bool is_contact = false;
+  double radius_m = 0.0;
+  int set_size = 64;  // of the local set
+};
+
+// However many triangles a scene has, no view draws more than these, the nearest to the probe.
+constexpr std::size_t kMostTeachHulls = 1'000;
+constexpr std::size_t kMostTeachTriangles = 60'000;
+// The memo's division of the world.
+constexpr int kTeachCells = 32;
+
+// Triangles within the tolerance of the probe, the planes and normals of their closest points, penetration and force.
+TeachShapes show_contact(const SmoothScene& scene, const TeachProbe& probe);
+// The set that the slow task of fdh-rendering.txt sends for a probe at rest there, by the same function.
+TeachShapes show_local_set(const SmoothScene& scene, const TeachProbe& probe);
+// The Fixed Direction Hulls at one level of that task's tree.
+TeachShapes show_tree(const SmoothScene& scene, const TeachProbe& probe, int level);
+
+// The memo's grid over all triangles of a scene. Error: see UniformGrid::make.
+Result<UniformGrid> make_teach_grid(const TouchScene& scene);
+// Edges of its occupied cells, each once, and the probe's cell.
+TeachShapes show_grid(const UniformGrid& grid, const TeachProbe& probe);
+
+// Curvatures of all vertices, with the scale for their colours: 95 of 100 known ones are within it.
+struct TeachCurvature {
+  std::vector<std::vector<double>> of;  // by object and vertex, 1/m
+  double most = 0.0;
+};
+TeachCurvature find_curvature(const TouchScene& scene);
+TeachShapes show_curvature(const TouchScene& scene, const TeachCurvature& curvature, const TeachProbe& probe);
+// From blue (hollow) through light grey to red (convex); yellow: not known.
+TeachColour curvature_colour(double curvature, double most);
+
+}  // namespace hapton

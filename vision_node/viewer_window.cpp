@@ -1,0 +1,197 @@
+#include "vision_node/viewer_window.h"
+
+#include <numbers>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "runtime/log.h"
+#include "vision_node/screen_aspect.h"
+#include "vision_node/teach_figure.h"
+
+namespace hapton {
+namespace {
+
+VisionStepSettings make_step_settings(const StereoView& view, const VisionOptions& options) {
+  VisionStepSettings settings;
+  for (int axis = 0; axis < 3; ++axis) settings.dials.turn(axis, options.dials_degrees[axis]);
+  settings.stylus_lean = make_lean(options.stylus_lean_deg * std::numbers::pi / 180.0);
+  settings.max_rate_hz = options.rate_limit_hz;
+  settings.always_changing = view.mode() == StereoMode::emulate;
+  settings.cull = options.view.cull;
+  settings.depth_cues = options.view.depth_cues;
+  settings.help = options.help;
+  settings.stereo = stereo_mode_name(view.mode());
+  settings.home = options.view.framing;
+  settings.p_SO = options.p_SO;
+  settings.scene_radius_m = options.scene_radius_m;
+  settings.names = options.names;
+  settings.plots = options.plots;
+  settings.head = options.head;
+  settings.ipd_m = 1e-3 * options.ipd_mm;
+  return settings;
+}
+
+// The modes that the key m cycles through: an ordinary screen, two pictures, coloured glasses.
+StereoMode next_stereo(StereoMode mode) {
+  switch (mode) {
+    case StereoMode::mono:
+      return StereoMode::side_by_side;
+    case StereoMode::side_by_side:
+      return StereoMode::anaglyph;
+    default:
+      return StereoMode::mono;
+  }
+}
+
+}  // namespace
+
+ViewerWindow::ViewerWindow(StereoView& view, Clock& clock, const VisionOptions& options)
+    : view_(view), clock_(clock), options_(options), step_(make_step_settings(view, options)), teach_(options.teach) {
+  if (options.probe_radius_m > 0.0) view_.set_probe_radius(options.probe_radius_m);
+}
+
+UserRequests ViewerWindow::attend(const TakeEvent& take, const FindSurface& find_surface) {
+  handle_events(take, find_surface);
+  follow_head();
+  if (view_.take_stale()) step_.spoil();
+  check_aspect();
+  const UserRequests requests = step_.take_requests();
+  change_stereo(requests);
+  choose_teach(requests);
+  teach();
+  step_.set_detail_progress(view_.detail_progress());
+  return requests;
+}
+
+void ViewerWindow::use_setup(const HapticsSetup& setup) {
+  set_size_ = find_set_size(setup.method.data());
+  if (options_.probe_radius_m >= 0.0) return;
+  const double radius_m = find_probe_radius(setup.method.data());
+  if (radius_m == probe_radius_m_) return;
+  probe_radius_m_ = radius_m;
+  view_.set_probe_radius(radius_m);
+  step_.spoil();
+}
+
+void ViewerWindow::choose_teach(const UserRequests& requests) {
+  if (teacher_ == nullptr || !(requests.next_teach || requests.next_level)) return;
+  if (requests.next_teach) teach_ = next_teach(teach_);
+  if (requests.next_level) teach_ = next_level(teach_, teacher_->tree_depth());
+  view_.teach_figure().hide();
+  step_.set_teaching(teach_.view == TeachView::off ? std::string() : std::string(teach_name(teach_.view)) + ": being prepared");
+}
+
+std::optional<TeachProbe> ViewerWindow::find_teach_probe() const {
+  const auto shown = step_.newest_probe();
+  if (!shown) return std::nullopt;
+  const Pose X_SW = step_.scene_pose().inverse(Eigen::Isometry);
+  TeachProbe probe{.p_SP = X_SW * shown->p_WP, .p_SD = X_SW * shown->p_WD, .force_S_n = X_SW.linear() * shown->force_n};
+  probe.is_contact = shown->contact;
+  probe.radius_m = options_.probe_radius_m >= 0.0 ? options_.probe_radius_m : probe_radius_m_;
+  probe.set_size = set_size_;
+  return probe;
+}
+
+// Views of the whole scene follow the probe in strides, because they are large.
+bool ViewerWindow::wants_teach(const TeachProbe& probe) const {
+  constexpr double kStrideShare = 0.05;
+  if (teach_ != teach_requested_) return true;
+  const bool is_large = teach_.view == TeachView::tree || teach_.view == TeachView::grid || teach_.view == TeachView::curvature;
+  const double moved_m = (probe.p_SP - teach_probe_.p_SP).norm();
+  if (is_large) return moved_m > kStrideShare * options_.scene_radius_m;
+  return moved_m > 0.0 || probe.p_SD != teach_probe_.p_SD || probe.is_contact != teach_probe_.is_contact;
+}
+
+void ViewerWindow::teach() {
+  if (teacher_ == nullptr) return;
+  const auto made = teacher_->take_made();
+  if (made && made->choice == teach_) {
+    view_.teach_figure().set(*made);
+    step_.set_teaching(made->caption);
+  }
+  if (teach_.view == TeachView::off || teacher_->is_busy()) return;
+  const TeachProbe probe = find_teach_probe().value_or(TeachProbe());
+  if (!wants_teach(probe)) return;
+  teach_requested_ = teach_;
+  teach_probe_ = probe;
+  teacher_->request(teach_, probe);
+}
+
+void ViewerWindow::finish_teaching() {
+  if (teacher_ == nullptr || teach_.view == TeachView::off) return;
+  teach();
+  constexpr std::int64_t kPauseNs = 5 * kNanosecondsPerMillisecond;
+  while (teacher_->is_busy()) clock_.sleep_until_ns(clock_.now_ns() + kPauseNs);
+  teach();
+}
+
+void ViewerWindow::show(const VisionStep::Shown& shown) {
+  view_.set_scene_pose(shown.X_WS);
+  view_.set_framing(shown.framing);
+  view_.set_cull(shown.cull);
+  view_.set_depth_cues(shown.depth_cues);
+  view_.set_hud(shown.hud, shown.help, shown.notice);
+  view_.set_plots(shown.plots);
+}
+
+// When the window was resized. In side_by_side a display may stretch the halves or not.
+void ViewerWindow::check_aspect() {
+  if (!options_.screen || view_.mode() == StereoMode::side_by_side) return;
+  PictureSize size = view_.picture_size();
+  if (view_.mode() == StereoMode::top_bottom) size.height_px *= 2;
+  if (std::exchange(checked_size_, size) == size) return;
+  const std::string line = describe_aspect(*options_.screen, size);
+  if (!line.empty() && !is_aspect_wrong_) log_warning("{}", line);
+  is_aspect_wrong_ = !line.empty();
+}
+
+void ViewerWindow::follow_head() {
+  const std::int64_t now_ns = clock_.now_ns();
+  if (space_head_ != nullptr) step_.move_head(space_head_->take_move_m(now_ns));
+  if (head_tracker_ == nullptr) return;
+  if (const auto head = head_tracker_->take_head(now_ns)) step_.set_head(*head);
+  step_.set_head_notice(head_tracker_->describe(now_ns));
+}
+
+// Of motions that came together only the last one counts.
+void ViewerWindow::handle_events(const TakeEvent& take, const FindSurface& find_surface) {
+  const std::vector<WindowEvent> events = view_.poll_events();
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    const WindowEvent& event = events[i];
+    const bool is_move = event.kind == WindowEvent::Kind::move;
+    if (is_move && i + 1 < events.size() && events[i + 1].kind == WindowEvent::Kind::move) continue;
+    if (take && take(event)) continue;
+    step_.handle(event, where(), find_surface && step_.wants_surface(event) ? find_surface(event) : std::nullopt);
+  }
+}
+
+void ViewerWindow::change_stereo(const UserRequests& requests) {
+  if (view_.mode() == StereoMode::openxr) return;  // the eyes are those of the headset
+  if (requests.swap_eyes) {
+    view_.swap_eyes();
+    step_.spoil();
+  }
+  if (!requests.next_stereo) return;
+  if (const auto changed = view_.set_stereo(next_stereo(view_.mode())); !changed) log_warning("{}", changed.error().what);
+  step_.set_stereo(stereo_mode_name(view_.mode()), view_.mode() == StereoMode::emulate);
+}
+
+void ViewerWindow::refine_scene() {
+  if (step_.is_scene_at_rest(clock_.now_ns()) && view_.refine()) step_.spoil();
+}
+
+Result<void> ViewerWindow::take_screenshot(const std::filesystem::path& file) {
+  if (auto saved = view_.save_png(file); !saved) return saved;
+  log_info("screenshot written to {}", file.string());
+  return {};
+}
+
+Result<void> ViewerWindow::take_numbered_screenshot() {
+  std::filesystem::path name;
+  do name = fmt::format("hapton_{:03}.png", ++screenshots_);
+  while (std::filesystem::exists(name));
+  return take_screenshot(name);
+}
+
+}  // namespace hapton
