@@ -172,7 +172,7 @@ TEST(VisionOptions, AHeadsetKnowsWhereTheEyesAre) {
   EXPECT_TRUE(check_headset(std::get<VisionOptions>(parse({"--stereo", "openxr", "--room", "stage"}))));
   EXPECT_TRUE(check_headset(std::get<VisionOptions>(parse({"--screen-width-mm", "500", "--bench-frames", "3"}))));
   const std::vector<std::vector<const char*>> contradictions = {
-      {"--head", "spacemouse"}, {"--head", "vrpn:a@b"}, {"--screen-width-mm", "500"}, {"--bench-frames", "3"}};
+      {"--head", "spacemouse"}, {"--head", "vrpn:a@b"}, {"--screen-width-mm", "500"}, {"--bench-frames", "3"}, {"--session", "a.hapton"}};
   for (std::vector<const char*> words : contradictions) {
     words.insert(words.end(), {"--stereo", "openxr"});
     const auto fits = check_headset(std::get<VisionOptions>(parse(words)));
