@@ -6,8 +6,9 @@
 #include <filesystem>
 #include <string>
 
-#include "tests/vision_node/made_views.h"
 #include "tests/session/opened_recording.h"
+#include "tests/vision_node/made_views.h"
+#include "vision_node/vision_session.h"
 
 namespace hapton {
 namespace {
