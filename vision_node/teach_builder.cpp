@@ -1,11 +1,15 @@
 #include "vision_node/teach_builder.h"
 
+#include <sys/resource.h>
+
 #include <utility>
 
 #include "runtime/start_thread.h"
 
 namespace hapton {
 namespace {
+
+constexpr int kTeachNiceness = 10;
 
 TeachShapes make_notice(std::string text) {
   TeachShapes nothing;
@@ -15,7 +19,7 @@ TeachShapes make_notice(std::string text) {
 
 }  // namespace
 
-TeachBuilder::TeachBuilder(TouchScene scene) : scene_(std::move(scene)), thread_(start_thread([this] { run(); })) {}
+TeachBuilder::TeachBuilder(TouchScene scene) : scene_(std::move(scene)) {}
 
 TeachBuilder::~TeachBuilder() {
   {
@@ -23,7 +27,7 @@ TeachBuilder::~TeachBuilder() {
     stop_ = true;
   }
   wake_.notify_one();
-  thread_.join();
+  if (thread_.joinable()) thread_.join();
 }
 
 void TeachBuilder::request(const TeachChoice& choice, const TeachProbe& probe) {
@@ -31,6 +35,7 @@ void TeachBuilder::request(const TeachChoice& choice, const TeachProbe& probe) {
     const std::lock_guard lock(mutex_);
     request_ = Request{choice, probe};
   }
+  if (!thread_.joinable()) thread_ = start_thread([this] { run(); });
   wake_.notify_one();
 }
 
@@ -50,6 +55,8 @@ int TeachBuilder::tree_depth() {
 }
 
 void TeachBuilder::run() {
+  // Of this thread alone: a force has the processor first.
+  (void)setpriority(PRIO_PROCESS, 0, kTeachNiceness);
   std::unique_lock lock(mutex_);
   for (;;) {
     wake_.wait(lock, [this] { return stop_ || request_; });

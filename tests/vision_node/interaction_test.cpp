@@ -239,9 +239,10 @@ TEST_F(InteractionTest, RequestsAreTakenOnce) {
   for (const char c : {'b', 's', 'q', 'k'}) give(key(c));
   const UserRequests requests = hands_.take_requests();
   EXPECT_TRUE(requests.toggle_cull && requests.screenshot && requests.quit && requests.toggle_help);
-  for (const char c : {'m', 'e', 'f', 'g', 'n', 'c'}) give(key(c));
+  for (const char c : {'m', 'e', 'f', 'g', 'n', 'c', 'v', 'V'}) give(key(c));
   const UserRequests more = hands_.take_requests();
   EXPECT_TRUE(more.toggle_plots && more.next_stereo && more.swap_eyes && more.look_at_scene && more.toggle_depth_cues && more.mark);
+  EXPECT_TRUE(more.next_teach && more.next_level);
   EXPECT_FALSE(hands_.take_requests().quit);
   give(mouse(Kind::close, 0, 0));
   EXPECT_TRUE(hands_.take_requests().quit);

@@ -117,6 +117,8 @@ TEST(ShowProbe, KeepsTheDevicesOwnPlace) {
 TEST(ProbeRadius, IsFoundInWhatTheHapticsNodeSays) {
   EXPECT_EQ(find_probe_radius("name=proxy probe_radius_m=0.015"), 0.015);
   EXPECT_EQ(find_probe_radius("name=proxy probe_radius_m=5e-4 friction=0.2"), 5e-4);
+  EXPECT_EQ(find_set_size("name=smooth set_size=128 smooth_radius_m=0"), 128);
+  for (const char* said : {"", "name=proxy", "set_size=-3", "set_size=many"}) EXPECT_EQ(find_set_size(said), 64) << said;
   for (const char* said : {"", "name=proxy", "probe_radius_m=", "probe_radius_m=-1", "probe_radius_m=nan", "probe_radius_m=inf"}) {
     EXPECT_EQ(find_probe_radius(said), 0.0) << said;
   }

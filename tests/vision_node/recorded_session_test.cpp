@@ -6,19 +6,22 @@
 #include <filesystem>
 #include <string>
 
-#include "tests/vision_node/made_views.h"
 #include "tests/session/opened_recording.h"
+#include "tests/vision_node/made_views.h"
+#include "vision_node/vision_session.h"
+
+// Last: it brings X's macros.
+#include "tests/vision_node/window_person.h"
 
 namespace hapton {
 namespace {
 
-// A window of the recording, off screen.
+// A window of the recording.
 struct RecordedWindow : OpenedRecording {
   explicit RecordedWindow(VisionOptions given) : options(std::move(given)) {
     options.session = file;
     options.view.width_px = 320;
     options.view.height_px = 180;
-    options.view.offscreen = true;
     for (int i = 0; i < 3; ++i) {
       SceneObject object{"ball", make_marker(Vec3(0.04 * i, 0.0, 0.0), 0.015), {}, {0.8, 0.2, 0.1}};
       object.is_movable = i == 1;
@@ -40,6 +43,7 @@ TEST(RecordedSession, PlaysInTheTimeOfTheRecording) {
   VisionOptions options;
   options.seconds = 0.8;
   options.speed = 2.0;
+  options.view.offscreen = true;
   RecordedWindow window(options);
   const std::int64_t begin_ns = window.clock.now_ns();
   ASSERT_TRUE(window.session->run(window.stop));
@@ -53,6 +57,7 @@ TEST(RecordedSession, ShowsTheMomentAskedForWithItsTimeLine) {
   const ScratchFolder scratch;
   VisionOptions options;
   options.at_s = 2.5;
+  options.view.offscreen = true;
   options.screenshot = scratch.path() / "a.png";
   RecordedWindow window(options);
   MovedObjects moved(*window.view, window.scene);
@@ -74,8 +79,62 @@ TEST(RecordedSession, ShowsTheMomentAskedForWithItsTimeLine) {
   EXPECT_GT(std::min({moment[0], moment[1], moment[2]}), 200) << "white";
 }
 
+// Through the window itself: the keys' names, and where the pointer is.
+TEST(RecordedSession, ObeysKeysAndAPressOnTheLine) {
+  VisionOptions options;
+  options.seconds = 0.5;
+  options.view.offscreen = false;
+  RecordedWindow window(options);
+  window.view->draw();
+  Person person;
+  ASSERT_TRUE(person.found());
+  const PictureSize size = window.view->picture_size();
+  for (const KeySym key : {XK_bracketright, XK_bracketright, XK_space}) person.press_key(key);
+  const TimeLinePlace place = place_time_line(size);
+  const int x = static_cast<int>(place.left_px + 0.5 * place.width_px);
+  person.button(ButtonPress, 1, x, size.height_px - 5);
+  person.button(ButtonRelease, 1, x, size.height_px - 5);
+  person.press_key(XK_period);
+  ASSERT_TRUE(window.session->run(window.stop));
+  EXPECT_TRUE(window.session->player().is_paused());
+  EXPECT_EQ(window.session->player().speed(), 4.0);
+  EXPECT_NEAR(window.session->player().moment_s(), 2.0, 0.03);
+}
+
+Picture picture_of_view(const char* view) {
+  const ScratchFolder scratch;
+  VisionOptions options;
+  options.at_s = 1.0;  // the scene is where the file has it
+  options.view.offscreen = true;
+  options.screenshot = scratch.path() / "a.png";
+  options.teach = *parse_teach(view);
+  RecordedWindow window(options);
+  TeachBuilder teacher(window.scene.touch_scene());
+  window.session->set_teacher(&teacher);
+  EXPECT_TRUE(window.session->run(window.stop));
+  return window.view->read_picture();
+}
+
+TEST(RecordedSession, TeachingViewsAreInThePictureOfAMoment) {
+  const Picture none = picture_of_view("off");
+  for (const char* view : {"local-set", "tree:0", "grid", "curvature"}) {
+    const Picture shown = picture_of_view(view);
+    std::size_t changed = 0;
+    for (int y = 60; y < 120; ++y) {  // where neither lines of text nor the time line are
+      for (int x = 60; x < 260; ++x) {
+        const std::uint8_t* a = none.at(x, y);
+        const std::uint8_t* b = shown.at(x, y);
+        changed += std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) + std::abs(a[2] - b[2]) > 60 ? 1 : 0;
+      }
+    }
+    EXPECT_GT(changed, 20U) << view;
+  }
+}
+
 TEST(RecordedObjects, GoesForwardsAndBackwards) {
-  RecordedWindow window(VisionOptions{});
+  VisionOptions options;
+  options.view.offscreen = true;
+  RecordedWindow window(options);
   MovedObjects moved(*window.view, window.scene);
   RecordedObjects objects(window.index, moved);
   objects.show(0.6, 0);

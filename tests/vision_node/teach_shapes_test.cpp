@@ -93,7 +93,7 @@ TEST(TeachShapes, HullsOfALevelContainTheirTrianglesAndTogetherAll) {
 }
 
 TEST(TeachShapes, LinesOfALargeMeshAreBounded) {
-  const TouchScene scene = teach_scene(300);  // 180,000 triangles
+  const TouchScene scene = teach_scene(300);  // 359,000 triangles
   const SmoothScene smooth = teach_smooth(scene);
   const TeachShapes shapes = show_tree(smooth, teach_probe(), TeachChoice::kDeepest);
   EXPECT_LE(shapes.lines.size(), 36U * kMostTeachHulls);

@@ -195,7 +195,7 @@ TEST_F(RecordedProgram, BadInputIsOneLine) {
   EXPECT_EQ(show("--at 2 --scene meshes/car_front_3300.obj --screenshot " + picture.string()).code, 0);
   for (const auto& [arguments, what] : {std::pair{"--session /nowhere.hapton", "/nowhere.hapton: cannot be read"},
                                         {"--session meshes/car_front_3300.obj", "is not a recorded session"},
-                                        {"--session a --hub 127.0.0.1", "--session excludes --hub"},
+                                        {"--session a --hub 127.0.0.1", "--hub excludes --session"},
                                         {"--at 2", "--at requires --session"}}) {
     const Ended run = run_vision(arguments);
     EXPECT_NE(run.code, 0) << arguments;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <random>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -311,6 +312,29 @@ TEST(FdhTree, MoreDirectionsOpenFewerLeaves) {
     with_26 += hull->for_each_overlapping(sweep, [](std::uint32_t) {});
   }
   EXPECT_LT(with_26.leaves, with_6.leaves);
+}
+
+TEST(FdhTree, HullsOfALevelContainTheirTrianglesAndTogetherAll) {
+  for (const NamedMesh& named : meshes()) {
+    const auto tree = *FdhTree<14>::build(named.mesh.vertices, named.mesh.triangles);
+    for (int level = 0; level <= tree.stats().depth; ++level) {
+      std::vector<std::uint32_t> covered;
+      tree.for_each_hull(level, [&](const FdhHull<14>& hull, std::span<const std::uint32_t> triangles) {
+        covered.insert(covered.end(), triangles.begin(), triangles.end());
+        for (const std::uint32_t t : triangles) {
+          for (int k = 0; k < 3; ++k) {
+            const auto along = fdh_project<14>(named.mesh.corner(t, k));
+            for (std::size_t i = 0; i < along.size(); ++i) {
+              ASSERT_GE(along[i], hull.low[i]) << named.name;
+              ASSERT_LE(along[i], hull.high[i]) << named.name;
+            }
+          }
+        }
+      });
+      EXPECT_EQ(covered.size(), named.mesh.triangles.size()) << named.name << ", level " << level;
+      EXPECT_EQ(Ids(covered.begin(), covered.end()).size(), covered.size()) << named.name << ", level " << level;
+    }
+  }
 }
 
 }  // namespace

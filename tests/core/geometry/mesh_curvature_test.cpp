@@ -22,7 +22,7 @@ TriangleMesh inside_out(TriangleMesh mesh) {
   return mesh;
 }
 
-// Within 1 % with 3,000 triangles, and the error falls as the edges do.
+// Within 1 % with 16,000 triangles, and the error falls as the edges do.
 TEST(MeshCurvature, OfASphereIsOneByItsRadius) {
   for (const double radius_m : {1e-4, 0.05, 300.0}) {
     const TriangleMesh coarse = made::sphere(radius_m, 16);
