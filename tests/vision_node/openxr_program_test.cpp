@@ -173,7 +173,7 @@ TEST_F(OpenXrProgram, ARuntimeWithoutSrgbGetsTheSameBytes) {
 
 TEST_F(OpenXrProgram, TheEndOfTheProgramEndsTheSessionInOrder) {
   const std::string picture = (scratch_.path() / "a.png").string();
-  const XrRun run = this->run("", "--offscreen --seconds 1 --screenshot " + picture);
+  const XrRun run = this->run("stop_after=3", "--offscreen --screenshot " + picture);
   EXPECT_EQ(run.code, 0) << run.output;
   EXPECT_EQ(run.log.find("wrong"), std::string::npos) << run.log;
   EXPECT_TRUE(std::regex_search(run.log, std::regex("layers 1\nasked to end\n(frame \\d+ layers 0\n)*ended\ndestroyed\n$"))) << run.log;
@@ -185,7 +185,7 @@ TEST_F(OpenXrProgram, TheEndOfTheProgramEndsTheSessionInOrder) {
 
 TEST_F(OpenXrProgram, AfterTheLossOfTheRuntimeTheWindowGoesOnInMono) {
   const std::string picture = (scratch_.path() / "a.png").string();
-  const XrRun run = this->run("lose_after=3", "--offscreen --seconds 2 --screenshot " + picture);
+  const XrRun run = this->run("lose_after=3,stop_ms=500", "--offscreen --screenshot " + picture);
   EXPECT_EQ(run.code, 0) << run.output;
   const std::string line = "the headset is lost (xrWaitFrame: XR_ERROR_INSTANCE_LOST); the window goes on in mono";
   const std::size_t at = run.output.find(line);
@@ -198,14 +198,13 @@ TEST_F(OpenXrProgram, AfterTheLossOfTheRuntimeTheWindowGoesOnInMono) {
 }
 
 TEST_F(OpenXrProgram, WhicheverCallFailsTheProgramGoesOnAndNamesIt) {
-  const std::string arguments = "--offscreen --seconds 0.8 --screenshot " + (scratch_.path() / "a.png").string();
   for (const char* call : {"xrPollEvent", "xrBeginFrame", "xrLocateViews", "xrAcquireSwapchainImage", "xrWaitSwapchainImage",
                            "xrReleaseSwapchainImage", "xrEndFrame"}) {
-    const XrRun run = this->run(fmt::format("lose_after=2,lose_in={}", call), arguments);
+    const XrRun run = this->run(fmt::format("lose_after=2,stop_ms=100,lose_in={}", call));
     EXPECT_EQ(run.code, 0) << call << ": " << run.output;
     EXPECT_NE(run.output.find(fmt::format("the headset is lost ({}: XR_ERROR_INSTANCE_LOST)", call)), std::string::npos) << run.output;
   }
-  const XrRun warned = run("pending_after=2", arguments);
+  const XrRun warned = run("pending_after=2,stop_ms=100");
   EXPECT_EQ(warned.code, 0) << warned.output;
   EXPECT_NE(warned.output.find("the headset is lost (the runtime is about to end)"), std::string::npos) << warned.output;
 }

@@ -34,12 +34,15 @@ bool HeadsetShow::begin_turn(const Framing& framing) {
   if (is_wanted) aim(framing);
   set_shown(is_wanted);
   if (headset_->has_ended()) log_info("the OpenXR runtime has ended the session");
-  if (headset_->is_lost()) {
-    log_warning("the headset is lost ({}); the window goes on in mono. Start vision_node again once the OpenXR runtime works",
-                headset_->loss());
-    is_loss_reported_ = true;
-  }
+  report_loss();
   return is_wanted;
+}
+
+void HeadsetShow::report_loss() {
+  if (!headset_->is_lost() || std::exchange(is_loss_reported_, true)) return;
+  set_shown(false);
+  log_warning("the headset is lost ({}); the window goes on in mono. Start vision_node again once the OpenXR runtime works",
+              headset_->loss());
 }
 
 void HeadsetShow::aim(const Framing& framing) {
@@ -65,6 +68,7 @@ void HeadsetShow::show() {
   view_.make_current();
   headset_->end_frame([this](std::size_t eye, unsigned texture) { view_.copy_eye(eye, texture); });
   view_.show_mirror();
+  report_loss();
 }
 
 void HeadsetShow::recentre() { place_.recentre(find_head(headset_->eyes()[0], headset_->eyes()[1])); }

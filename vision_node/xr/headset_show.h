@@ -36,6 +36,7 @@ class HeadsetShow {
       : headset_(std::move(headset)), view_(view), place_(place) {}
   void aim(const Framing& framing);
   void set_shown(bool is_shown);
+  void report_loss();
 
   std::unique_ptr<Headset> headset_;
   StereoView& view_;

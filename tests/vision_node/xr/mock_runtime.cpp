@@ -6,10 +6,14 @@
 //   lose_after=N         every call fails after N frames; lose_in=NAME: that one is the first
 //   pending_after=N      the runtime says after N frames that it is about to end
 //   exit_after=N         the session is ended after N frames
+//   stop_after=N stop_ms=N   the program gets SIGINT after N frames; so long after its loss
 //   crooked_from=N crooked_to=N                      frames whose pose is said to be known and is no pose
 //   still=N              the head is always where it is in frame N
 //   opengl_9             needs an OpenGL that nobody has
 //   hide_from=N hide_to=N, blind_from=N blind_to=N   frames that are not to be drawn, and that have no pose
+#include <signal.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -110,11 +114,20 @@ struct Mock {
   bool is_in(const std::string& what) const {
     return frames - 1 >= number(what + "_from", 1 << 30) && frames - 1 < number(what + "_to", 1 << 30);
   }
+  void stop_later() const {
+    if (!has("stop_ms")) return;
+    std::thread([milliseconds = number("stop_ms", 0)] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
+      kill(getpid(), SIGINT);
+    }).detach();
+  }
   // Whether that call comes too late.
   bool is_lost(const std::string& call) {
     const bool is_first = !has("lose_in") || words.at("lose_in") == call;
-    is_dead = is_dead || (is_first && frames > number("lose_after", 1 << 30));
-    return is_dead;
+    if (is_dead || !is_first || frames <= number("lose_after", 1 << 30)) return is_dead;
+    is_dead = true;
+    stop_later();
+    return true;
   }
   void log(const std::string& line) const {
     if (has("out")) std::ofstream(words.at("out") + "/log", std::ios::app) << line << '\n';
@@ -299,6 +312,7 @@ XrResult poll_event(XrInstance, XrEventDataBuffer* into) {
   MOCK_LIVES("xrPollEvent");
   if (g_mock.events.empty()) return XR_EVENT_UNAVAILABLE;
   std::memcpy(into, &g_mock.events.front(), sizeof(XrEventDataSessionStateChanged));
+  if (g_mock.events.front().state == XR_SESSION_STATE_LOSS_PENDING) g_mock.stop_later();
   g_mock.events.pop_front();
   return XR_SUCCESS;
 }
@@ -440,6 +454,7 @@ XrResult end_frame(XrSession, const XrFrameEndInfo* info) {
     }
   }
   if (g_mock.frames == g_mock.number("exit_after", 1 << 30)) g_mock.enter(XR_SESSION_STATE_STOPPING);
+  if (g_mock.frames == g_mock.number("stop_after", 1 << 30)) kill(getpid(), SIGINT);
   if (g_mock.frames == g_mock.number("pending_after", 1 << 30)) g_mock.enter(XR_SESSION_STATE_LOSS_PENDING);
   return XR_SUCCESS;
 }
