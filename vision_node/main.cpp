@@ -117,6 +117,8 @@ int run(VisionOptions& options) {
   session.set_annotator(annotator->get());
   MovedObjects moved(**view, *scene);
   if (!*tool) session.set_moved_objects(&moved);
+  CarvedObjects carved(**view, *scene);
+  session.set_carved_objects(&carved);
   if (*other) session.set_other_hand(&(*other)->hand);
   std::optional<SpaceHead> space_head;
   if (options.has_space_head) session.set_space_head(&space_head.emplace(make_hid_opener(HidKind::space_mouse, "")));
