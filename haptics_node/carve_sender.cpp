@@ -31,7 +31,10 @@ std::optional<Carves> CarveSender::take_due(std::int64_t now_ns) noexcept {
 }
 
 // The serial from which on the newest ones fit into a datagram.
-std::uint32_t CarveSender::find_tail() const noexcept { return newest() > Carves::kMost ? newest() - Carves::kMost + 1 : 1; }
+std::uint32_t CarveSender::find_tail() const noexcept {
+  constexpr auto kMostHere = static_cast<std::uint32_t>(Carves::kMost);
+  return newest() > kMostHere ? newest() - kMostHere + 1 : 1;
+}
 
 Carves CarveSender::take_fresh(std::int64_t now_ns) noexcept {
   const Carves fresh = gather(next_fresh_ > kOverlap ? next_fresh_ - kOverlap : 1, newest());
