@@ -213,7 +213,7 @@ Result<void> VisionSession::attend_window() {
   if (knobs_ != nullptr) step_.turn_dials(knobs_->take_turn_degrees(clock_.now_ns()));
   follow_head();
   if (view_.take_stale()) step_.spoil();
-  if (carved_ != nullptr && carved_->show()) step_.spoil();
+  if (carved_ != nullptr && carved_->show()) step_.reshape_scene();
   check_aspect();
   const UserRequests requests = step_.take_requests();
   quit_ = quit_ || requests.quit;
