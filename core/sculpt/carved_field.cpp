@@ -78,7 +78,7 @@ double squared_distance_across_x(const Carve& carve, double y, double z) {
 
 CarvedField::CarvedField(const FieldGrid& grid) : grid_(grid), band_m_(kBandVoxels * grid.spacing_m), blocks_(grid.size() / 8) {}
 
-Result<CarvedField> CarvedField::make(const TriangleMesh& mesh, double voxel_m) {
+Result<FieldGrid> CarvedField::plan(const TriangleMesh& mesh, double voxel_m) {
   if (!(voxel_m > 0.0) || !std::isfinite(voxel_m)) return fail("a voxel of {} m: give it a size above 0", voxel_m);
   const EdgeCensus edges = count_edges(mesh);
   if (!edges.closed()) {
@@ -100,8 +100,14 @@ Result<CarvedField> CarvedField::make(const TriangleMesh& mesh, double voxel_m) 
     return fail("voxels of {:.4g} mm would be {:.3g} million, at most {} are possible: give voxels of {:.2g} mm or more", 1e3 * voxel_m,
                 1e-6 * count, kMostNodes >> 20, 1e3 * voxel_m * 1.05 * std::cbrt(count / static_cast<double>(kMostNodes)));
   }
-  CarvedField field(grid);
-  compute_mesh_distances(mesh, grid, field.band_m_, field.own_values());
+  return grid;
+}
+
+Result<CarvedField> CarvedField::make(const TriangleMesh& mesh, double voxel_m) {
+  const auto grid = plan(mesh, voxel_m);
+  if (!grid) return tl::unexpected(grid.error());
+  CarvedField field(*grid);
+  compute_mesh_distances(mesh, *grid, field.band_m_, field.own_values());
   return field;
 }
 

@@ -30,7 +30,10 @@ class CarvedField {
   static constexpr int kBandVoxels = 3;
   static constexpr std::size_t kMostNodes = std::size_t{1} << 24;  // 64 MiB
 
-  // Error, in one line: a mesh that is not closed, a voxel too small for kMostNodes or not positive. RT: set-up only.
+  // The nodes that make() would use. Error, in one line: a mesh that is not closed, a voxel too small for kMostNodes or not positive. RT:
+  // set-up only.
+  static Result<FieldGrid> plan(const TriangleMesh& mesh, double voxel_m);
+  // Error: that of plan(). RT: set-up only.
   static Result<CarvedField> make(const TriangleMesh& mesh, double voxel_m);
 
   // Result: the nodes changed whose old value was below two spacings, so that the surface or its normals may have changed; empty if none.
