@@ -176,8 +176,11 @@ int run(const HapticsOptions& options) {
     patches.set_materials(materials);
   });
   loop.set_material_tuner(&tuner);
-  ObjectMover mover(*scene, static_cast<std::uint32_t>(make_random_id()) | 1U);
+  const auto source = static_cast<std::uint32_t>(make_random_id()) | 1U;
+  ObjectMover mover(*scene, source);
   loop.set_object_mover(&mover);
+  std::optional<CarveSender> carves;
+  if (scene->touch_scene().has_sculpt()) loop.set_carve_sender(&carves.emplace(source));
   std::optional<GraspTask> grasp_task;
   const auto on_scene = [&](const TouchScene& now) {
     const std::scoped_lock lock(felt_mutex);
