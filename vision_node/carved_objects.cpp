@@ -16,6 +16,8 @@ namespace {
 constexpr std::chrono::milliseconds kEvery(33);
 // As DetailBuilder: the servo loop and the haptics node may live on the same cores.
 constexpr int kNiceness = 5;
+// Carves that the thread has not taken: of ten seconds and more, so that it has to stand still for that.
+constexpr std::size_t kMostWaiting = 65'536;
 
 Vec3 to_point(const Carves::Point& p) { return {p[0], p[1], p[2]}; }
 
@@ -38,10 +40,12 @@ CarvedObjects::~CarvedObjects() {
 
 void CarvedObjects::take(const Carves& carves, Arrival arrival) {
   if (!has_any_) return;
-  const KnownCarves::News news = known_.take(carves, arrival);
-  if (!news.starts_anew && news.carves.empty()) return;
   {
     const std::lock_guard lock(mutex_);
+    // Those left out here are missing, and so requested again.
+    if (order_.carves.size() >= kMostWaiting) return;
+    const KnownCarves::News news = known_.take(carves, arrival);
+    if (!news.starts_anew && news.carves.empty()) return;
     if (news.starts_anew) order_ = {.starts_anew = true, .carves = {}};
     order_.carves.insert(order_.carves.end(), news.carves.begin(), news.carves.end());
     is_busy_ = true;
