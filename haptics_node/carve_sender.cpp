@@ -6,7 +6,25 @@ namespace hapton {
 
 CarveSender::CarveSender(std::uint32_t source, std::size_t most) : source_(source), most_(most) { carves_.reserve(most); }
 
-void CarveSender::note(const Carves::One& carve) noexcept { carves_.push_back(carve); }
+void CarveSender::note(const MadeCarve& made) noexcept {
+  if (made.serial == 1 && newest() > 0) begin_anew();
+  if (made.serial != newest() + 1 || is_full()) return;
+  const auto point = [](const Vec3& p) {
+    return Carves::Point{static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())};
+  };
+  carves_.push_back({.object = made.object,
+                     .from_m = point(made.carve.from_m),
+                     .to_m = point(made.carve.to_m),
+                     .radius_m = static_cast<float>(made.carve.radius_m)});
+}
+
+void CarveSender::begin_anew() noexcept {
+  source_ += 2;
+  carves_.clear();
+  next_fresh_ = 1;
+  next_requested_ = 0;
+  times_again_ = 0;
+}
 
 void CarveSender::accept(const CarveStatus& status) noexcept {
   if (status.source != source_ || status.complete >= next_fresh_ - 1) return;

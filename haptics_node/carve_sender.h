@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/sculpt/sculpture.h"
 #include "link/messages.h"
 #include "runtime/clock.h"
 
@@ -18,18 +19,18 @@ namespace hapton {
 // number of them costs no more than one. RT: yes, except construction. Threads: one.
 class CarveSender {
  public:
-  static constexpr std::size_t kMost = 1'000'000;  // 32 MB; half an hour of carving without pause
+  static constexpr std::size_t kMost = Sculpture::kMostCarves;  // 32 MB
   static constexpr std::int64_t kEveryNs = 5 * kNanosecondsPerMillisecond;
   static constexpr std::uint32_t kOverlap = 8;
   static constexpr std::int64_t kAgainNs = 50 * kNanosecondsPerMillisecond;
   static constexpr int kTimesAgain = 2;
 
-  // source: as in Carves. Takes the memory for `most` carves.
+  // source: as in Carves, odd. Takes the memory for `most` carves.
   explicit CarveSender(std::uint32_t source, std::size_t most = kMost);
 
-  // The next one, whose serial is newest() + 1. Pre: !is_full().
-  void note(const Carves::One& carve) noexcept;
-  // No more can be kept, and so none may be made: what is felt could not be shown.
+  // The next one, whose serial is newest() + 1, or 1 where other bodies have taken the place of those carved before: for vision nodes they
+  // are those of another process. Any other serial, and what there is no memory for, is left out.
+  void note(const MadeCarve& made) noexcept;
   bool is_full() const noexcept { return carves_.size() == most_; }
   std::uint32_t newest() const noexcept { return static_cast<std::uint32_t>(carves_.size()); }
 
@@ -42,6 +43,7 @@ class CarveSender {
   Carves announce() const noexcept;
 
  private:
+  void begin_anew() noexcept;
   Carves gather(std::uint32_t first, std::uint32_t last) const noexcept;
   Carves take_fresh(std::int64_t now_ns) noexcept;
   Carves take_requested() noexcept;

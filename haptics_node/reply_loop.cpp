@@ -188,6 +188,7 @@ void ReplyLoop::answer() noexcept {
   compute_times_.record(spent_ns);
   step_times_.record(end_ns - begin_ns);
   if (inside_ != nullptr) note_hand();
+  if (const MadeCarve* made = step_.made_carve(); made != nullptr && carves_ != nullptr) carves_->note(*made);
 }
 
 void ReplyLoop::note_hand() noexcept {
@@ -275,7 +276,12 @@ void ReplyLoop::send_patches() noexcept {
   }
 }
 
-void ReplyLoop::send_carves() noexcept {
+void ReplyLoop::send_carves() {
+  if (std::exchange(are_carves_full_, carves_->is_full()) != carves_->is_full()) {
+    log_warning(
+        "{} carves were made, and no more can be shown: nothing is carved any more; restart haptics_node to begin with whole objects",
+        carves_->newest());
+  }
   if (hub_.state() != JoinState::joined) return;
   if (const auto carves = carves_->take_due(clock_.now_ns())) hub_.send(*carves);
 }

@@ -87,7 +87,7 @@ class ReplyLoop {
   void move_objects();
   void repeat_move() noexcept;
   void send_moves() noexcept;
-  void send_carves() noexcept;
+  void send_carves();
   void report_move(const ObjectMover::Done& done);
   void report_plugins();
   bool is_method_cut_off() const noexcept;
@@ -137,6 +137,7 @@ class ReplyLoop {
   std::uint32_t pose_serial_ = 0;  // of the objects' poses, as reported
   std::size_t next_pose_ = 0;      // to be sent again
   CarveSender* carves_ = nullptr;
+  bool are_carves_full_ = false;  // as reported
   ObjectMover* mover_ = nullptr;
   std::uint64_t joins_ = 0;            // of the hub, after which the moves were announced
   std::size_t next_move_ = 0;          // of mover_->moves(), to be sent again

@@ -16,7 +16,7 @@ namespace {
 constexpr std::uint32_t kSource = 7;
 
 // Each is told by its place.
-Carves::One nth_carve(std::uint32_t serial) { return {.to_m = {static_cast<float>(serial), 0.0F, 0.0F}, .radius_m = 0.005F}; }
+MadeCarve nth_carve(std::uint32_t serial) { return {.object = 0, .serial = serial, .carve = {Vec3::Zero(), Vec3(serial, 0, 0), 0.005}}; }
 
 // What a vision node knows of the carves.
 struct CarveViewer {
@@ -160,6 +160,39 @@ TEST_F(CarveSenderTest, RequestsThatMakeNoSenseAreLeftOut) {
   sender.accept({.source = kSource, .complete = 0xFFFFFFFF});
   run_ms(500);
   EXPECT_TRUE(sent.empty());
+}
+
+// The scene was read again with other clay.
+TEST_F(CarveSenderTest, SerialsThatBeginAgainAreOfOtherBodies) {
+  make(10);
+  run_ms(500);
+  sent.clear();
+  sender.note(nth_carve(1));
+  EXPECT_NE(sender.announce().source, kSource);
+  EXPECT_NE(sender.announce().source, 0U);
+  EXPECT_EQ(sender.newest(), 1U);
+  run_ms(500);
+  ASSERT_EQ(sent.size(), 3U);
+  for (const Carves& carves : sent) {
+    EXPECT_EQ(carves.source, sender.announce().source);
+    EXPECT_EQ(carves.count, 1U);
+  }
+  sender.note(nth_carve(3));
+  EXPECT_EQ(sender.newest(), 1U) << "one was left out";
+}
+
+TEST_F(CarveSenderTest, TheNumbersAreThoseThatAreCarved) {
+  const Carve carve = rounded({Vec3(0.1, 0.2, 0.3), Vec3(-0.1, 1.0 / 3.0, 0.3), 0.007});
+  sender.note({.object = 4, .serial = 1, .carve = carve});
+  run_ms(1);
+  ASSERT_EQ(sent.size(), 1U);
+  const Carves::One& one = sent[0].carves[0];
+  EXPECT_EQ(one.object, 4);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    EXPECT_EQ(one.from_m[axis], carve.from_m[static_cast<Eigen::Index>(axis)]);
+    EXPECT_EQ(one.to_m[axis], carve.to_m[static_cast<Eigen::Index>(axis)]);
+  }
+  EXPECT_EQ(one.radius_m, carve.radius_m);
 }
 
 TEST_F(CarveSenderTest, MemoryIsBoundedAndStepsTakeNoHeap) {

@@ -59,7 +59,8 @@ class ReplyLoopCarves : public ::testing::Test {
   }
   void send(const Message& message) { hub_.send_to_role(NodeRole::haptics, message); }
   void carve(std::uint32_t count) {
-    for (std::uint32_t n = 0; n < count; ++n) carves_.note({.radius_m = 0.01F});
+    for (std::uint32_t n = 0; n < count; ++n)
+      carves_.note({.object = 0, .serial = carves_.newest() + 1, .carve = {Vec3::Zero(), Vec3::Zero(), 0.01}});
   }
 
   SimulatedClock clock_;

@@ -23,7 +23,7 @@ constexpr const char* kClaySlab =
     "v 0.05 0.05 0.01\nv -0.05 0.05 0.01\nf 1 3 2\nf 1 4 3\nf 5 6 7\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 2 3 7\nf 2 7 6\nf 3 4 8\nf 3 8 7\n"
     "f 4 1 5\nf 4 5 8\n";
 constexpr const char* kClayScene =
-    "[[object]]\nmesh = \"slab.obj\"\nname = \"clay\"\ncolour = [1, 0, 0]\nsculpt = true\nvoxel_mm = 2\ntool_radius_mm = 14\n";
+    "[[object]]\nmesh = \"slab.obj\"\nname = \"clay\"\ncolor = [1, 0, 0]\nsculpt = true\nvoxel_mm = 2\ntool_radius_mm = 14\n";
 constexpr const char* kWayThrough =
     "t_s,x_m,y_m,z_m,buttons\n0,0.024,0,0.04,0\n0.3,0.024,0,0.04,1\n2.3,0.024,0,-0.04,1\n4.3,0.024,0,0.04,0\n4.8,-0.09,0.06,0.04,0\n"
     "600,-0.09,0.06,0.04,0\n";
