@@ -76,7 +76,12 @@ double squared_distance_across_x(const Carve& carve, double y, double z) {
 
 }  // namespace
 
-CarvedField::CarvedField(const FieldGrid& grid) : grid_(grid), band_m_(kBandVoxels * grid.spacing_m), blocks_(grid.size() / 8) {}
+CarvedField::CarvedField(const FieldGrid& grid)
+    : grid_(grid),
+      per_spacing_(1.0 / grid.spacing_m),
+      last_(Vec3(grid.nodes[0], grid.nodes[1], grid.nodes[2]).array() - 1.0),
+      band_m_(kBandVoxels * grid.spacing_m),
+      blocks_(grid.size() / 8) {}
 
 Result<FieldGrid> CarvedField::plan(const TriangleMesh& mesh, double voxel_m) {
   if (!(voxel_m > 0.0) || !std::isfinite(voxel_m)) return fail("a voxel of {} m: give it a size above 0", voxel_m);
@@ -111,53 +116,72 @@ Result<CarvedField> CarvedField::make(const TriangleMesh& mesh, double voxel_m) 
   return field;
 }
 
-CarvedFieldBox CarvedField::carve(const Carve& given) noexcept {
-  CarvedFieldBox changed;
+template <class Visit>
+void CarvedField::visit_reach(const Carve& given, Visit&& visit) const noexcept {
   const Carve carve = rounded(given);
-  if (!carve.from_m.allFinite() || !carve.to_m.allFinite() || !(carve.radius_m > 0.0) || !std::isfinite(carve.radius_m)) return changed;
+  if (!carve.from_m.allFinite() || !carve.to_m.allFinite() || !(carve.radius_m > 0.0) || !std::isfinite(carve.radius_m)) return;
   const double reach_m = carve.radius_m + band_m_;
   const CarveReach reach(grid_, carve, reach_m);
   const CapsuleLanes capsule(carve);
   const Float8 band(static_cast<float>(band_m_));
-  const Float8 near(static_cast<float>(2.0 * grid_.spacing_m));
-  const int first_block = reach.first[0] / 8;
+  alignas(32) static constexpr std::array<float, 8> kLanes = {0, 1, 2, 3, 4, 5, 6, 7};
   for (int z = reach.first[2]; z <= reach.last[2]; ++z) {
     for (int y = reach.first[1]; y <= reach.last[1]; ++y) {
       const Vec3 begin = grid_.node(0, y, z);
       if (squared_distance_across_x(carve, begin.y(), begin.z()) > reach_m * reach_m) continue;
       const Eigen::Vector3f off = (begin - carve.from_m).cast<float>();
-      Block* row = &blocks_[grid_.index(0, y, z) / 8];
-      for (int block = first_block; 8 * block <= reach.last[0]; ++block) {
-        alignas(32) static constexpr std::array<float, 8> kLanes = {0, 1, 2, 3, 4, 5, 6, 7};
+      const std::size_t row = grid_.index(0, y, z) / 8;
+      for (int block = reach.first[0] / 8; 8 * block <= reach.last[0]; ++block) {
         const Float8 number = Float8::load(kLanes.data()) + Float8(static_cast<float>(8 * block));
         const Float8 x = Float8(off.x()) + number * Float8(static_cast<float>(grid_.spacing_m));
         const Float8 carved = min(band, capsule.depth(x, off.y(), off.z()));
-        const Float8 old = Float8::load(row[block].lanes.data());
-        store(row[block].lanes.data(), max(carved, old));
-        const unsigned lanes = sign_bits((carved > old) & (old < near));
-        if (lanes == 0) continue;
-        extend(changed, 8 * block + std::countr_zero(lanes), 8 * block + std::bit_width(lanes) - 1, y, z);
+        if (!visit(row + static_cast<std::size_t>(block), y, z, 8 * block, carved)) return;
       }
     }
   }
+}
+
+CarvedFieldBox CarvedField::carve(const Carve& carve) noexcept {
+  CarvedFieldBox changed;
+  const Float8 near(static_cast<float>(2.0 * grid_.spacing_m));
+  visit_reach(carve, [&](std::size_t block, int y, int z, int x, Float8 carved) {
+    const Float8 old = Float8::load(blocks_[block].lanes.data());
+    store(blocks_[block].lanes.data(), max(carved, old));
+    const unsigned lanes = sign_bits((carved > old) & (old < near));
+    if (lanes != 0) extend(changed, x + std::countr_zero(lanes), x + static_cast<int>(std::bit_width(lanes)) - 1, y, z);
+    return true;
+  });
   return changed;
 }
 
+bool CarvedField::would_change(const Carve& carve) const noexcept {
+  bool changes = false;
+  const Float8 near(static_cast<float>(2.0 * grid_.spacing_m));
+  visit_reach(carve, [&](std::size_t block, int, int, int, Float8 carved) {
+    const Float8 old = Float8::load(blocks_[block].lanes.data());
+    changes = sign_bits((carved > old) & (old < near)) != 0;
+    return !changes;
+  });
+  return changes;
+}
+
 double CarvedField::value(const Vec3& p) const noexcept {
-  const Vec3 cell = (p - grid_.origin_m) / grid_.spacing_m;
-  const Vec3 last = Vec3(grid_.nodes[0], grid_.nodes[1], grid_.nodes[2]).array() - 1.0;
+  const Vec3 cell = (p - grid_.origin_m) * per_spacing_;
+  const Vec3& last = last_;
   const Vec3 inside = cell.cwiseMax(0.0).cwiseMin(last);
   const double outside = (cell - inside).squaredNorm();
   if (!(outside <= 0.0)) return band_m_ + grid_.spacing_m * std::sqrt(outside);
-  const Vec3 at = inside.array().floor().matrix().cwiseMin((last.array() - 1.0).matrix());
-  const Vec3 share = inside - at;
-  const float* low = values().data() + grid_.index(static_cast<int>(at.x()), static_cast<int>(at.y()), static_cast<int>(at.z()));
+  const int x = std::min(static_cast<int>(inside.x()), grid_.nodes[0] - 2);
+  const int y = std::min(static_cast<int>(inside.y()), grid_.nodes[1] - 2);
+  const int z = std::min(static_cast<int>(inside.z()), grid_.nodes[2] - 2);
+  const Vec3 share = inside - Vec3(x, y, z);
+  const float* low = values().data() + grid_.index(x, y, z);
   const float* high = low + grid_.index(0, 0, 1);
-  const std::size_t y = static_cast<std::size_t>(grid_.nodes[0]);
+  const auto row = static_cast<std::size_t>(grid_.nodes[0]);
   const auto along_x = [&](const float* from) { return from[0] + share.x() * (static_cast<double>(from[1]) - from[0]); };
   const auto along_y = [&](const float* from) {
     const double near = along_x(from);
-    return near + share.y() * (along_x(from + y) - near);
+    return near + share.y() * (along_x(from + row) - near);
   };
   const double near = along_y(low);
   return near + share.z() * (along_y(high) - near);

@@ -41,6 +41,9 @@ class CarvedField {
   // nothing. RT: yes.
   CarvedFieldBox carve(const Carve& carve) noexcept;
 
+  // Whether carve() would return nodes. Time: as carve, mostly much less. RT: yes.
+  bool would_change(const Carve& carve) const noexcept;
+
   // The signed distance, at most band_m(); outside the grid band_m() plus the distance to the grid. Continuous. RT: yes.
   double value(const Vec3& p) const noexcept;
 
@@ -63,9 +66,15 @@ class CarvedField {
   };
 
   explicit CarvedField(const FieldGrid& grid);
+  // visit(block, row's y and z, first node along x, carved): for each block of eight nodes that the capsule and its band can reach; it ends
+  // where visit returns false.
+  template <class Visit>
+  void visit_reach(const Carve& carve, Visit&& visit) const noexcept;
   std::span<float> own_values() noexcept { return {blocks_.front().lanes.data(), grid_.size()}; }
 
   FieldGrid grid_;
+  double per_spacing_ = 0.0;
+  Vec3 last_ = Vec3::Zero();  // node, in spacings
   double band_m_ = 0.0;
   LargeVector<Block> blocks_;
 };
