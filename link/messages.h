@@ -377,8 +377,8 @@ struct ObjectMove {
 // with.
 struct Carves {
   static constexpr std::size_t kMost = 32;
-  static constexpr float kMostRadiusM = 1.0F;
-  static constexpr float kMostLengthM = 1.0F;
+  static constexpr float kMostRadiusM = 1000.0F;  // as scene files allow
+  static constexpr float kMostLengthM = 1000.0F;
   using Point = std::array<float, 3>;
   struct One {
     std::int32_t object = 0;  // of the scene
