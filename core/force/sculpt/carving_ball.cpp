@@ -27,6 +27,7 @@ void CarvingBall::reset(const Vec3& p_S) noexcept {
   centre_ = p_S;
   normal_.setZero();
   ease_.setZero();
+  lag_m_ = 0.0;
   carved_to_.reset();
   has_begun_ = is_inside_ = is_cutting_ = is_sliding_ = false;
 }
@@ -48,6 +49,7 @@ CarvingBall::Felt CarvingBall::step(const Input& input, const Material& material
     ease_ += before - centre_;
     carved_to_.reset();
   }
+  lag_m_ = (input.goal - centre_).norm();
   ease_ *= std::exp(-input.dt_s / kCutS);
   if (ease_.norm() < kLeastEase * voxel) ease_.setZero();
   const Vec3 shown = centre_ + ease_;
@@ -84,13 +86,23 @@ Vec3 CarvingBall::find_friction_goal(const Vec3& goal, const Vec3& normal, const
   return length > 0.0 ? Vec3(goal - pull * std::min(1.0, held / length)) : goal;
 }
 
+// Of the free way, so much that the lag does not fall faster than it fades.
+Vec3 CarvingBall::catch_up(const Input& input, const Vec3& free) const noexcept {
+  const double kept_m = lag_m_ * std::exp(-input.dt_s / kCatchUpS);
+  const Vec3 left = input.goal - free;
+  const Vec3 all = input.goal - centre_;
+  const double length = all.norm();
+  if (!(left.norm() < kept_m) || kept_m < kLeastEase * settings_.voxel_m || !(length > 0.0)) return free;
+  return input.goal - all * std::min(1.0, kept_m / length);
+}
+
 Vec3 CarvingBall::cut(const Input& input, Sculpture& sculpture, std::size_t body) noexcept {
   const CarvedField& field = sculpture.bodies()[body].field;
   const double voxel = settings_.voxel_m;
   is_cutting_ = true;
   is_sliding_ = false;
   normal_.setZero();
-  const Vec3 free = ball_.advance(field, centre_, input.goal, kFree * voxel);
+  const Vec3 free = catch_up(input, ball_.advance(field, centre_, input.goal, kFree * voxel));
   Vec3 ahead = (input.goal - free) * -std::expm1(-input.dt_s / kCutS);
   const double most = kMostCutSpeed * std::min(input.dt_s, kMostStepS);
   if (ahead.norm() > most) ahead *= most / ahead.norm();
