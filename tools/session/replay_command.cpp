@@ -142,6 +142,7 @@ Result<Replay> replay_tool(const ReplayOptions& options, const Scene& scene, con
                            std::span<const TrajectoryRow> trajectory) {
   const auto touch_scene = make_scene(options, scene);
   if (!touch_scene) return tl::unexpected(touch_scene.error());
+  if (touch_scene->has_sculpt()) return fail("objects of {} can be carved, which a rigid tool does not support", options.scene);
   if (touch_scene->has_motion()) return fail("objects of {} move, which a rigid tool does not feel yet", options.scene);
   const ToolObstacles obstacles = make_tool_obstacles(*touch_scene);
   const ToolCoupling coupling{.stiffness_n_per_m = obstacles.stiffness_n_per_m,

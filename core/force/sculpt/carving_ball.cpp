@@ -10,13 +10,17 @@ namespace {
 // In voxels. The ball touches with a radius that is smaller by kRoom: half a voxel that the centre may be ahead of the last carve, and what
 // linear interpolation takes from the inside of a ball of two voxels, 3 / (8 * 2).
 constexpr double kRoom = 0.5 + 0.2;
-// With more clearance than this, a ball in what it has cut moves freely.
-constexpr double kFree = kRoom - 0.25;
 constexpr double kCarveEvery = 0.5;
 constexpr double kInside = 0.2;      // a ball that begins deeper in the material is inside
 constexpr double kMostStepS = 2e-3;  // a longer one, after a gap, cuts no more
 constexpr double kRestick = 0.5;     // as FrictionMotion::kRestick
 constexpr double kLeastEase = 1e-6;  // shorter ones are none
+
+// With this clearance, a ball is in what it has cut: there the field is less than the distance by up to h^2 (1/R + 1/R + 1/R) / 8, as it is
+// linear along each axis, and by rounding.
+double free_clearance(const SculptSettings& settings) {
+  return (kRoom - 0.02 - 0.375 * settings.voxel_m / settings.tool_radius_m) * settings.voxel_m;
+}
 
 }  // namespace
 
@@ -27,6 +31,7 @@ void CarvingBall::reset(const Vec3& p_S) noexcept {
   centre_ = p_S;
   normal_.setZero();
   ease_.setZero();
+  lag_m_ = 0.0;
   carved_to_.reset();
   has_begun_ = is_inside_ = is_cutting_ = is_sliding_ = false;
 }
@@ -48,6 +53,7 @@ CarvingBall::Felt CarvingBall::step(const Input& input, const Material& material
     ease_ += before - centre_;
     carved_to_.reset();
   }
+  lag_m_ = (input.goal - centre_).norm();
   ease_ *= std::exp(-input.dt_s / kCutS);
   if (ease_.norm() < kLeastEase * voxel) ease_.setZero();
   const Vec3 shown = centre_ + ease_;
@@ -84,13 +90,23 @@ Vec3 CarvingBall::find_friction_goal(const Vec3& goal, const Vec3& normal, const
   return length > 0.0 ? Vec3(goal - pull * std::min(1.0, held / length)) : goal;
 }
 
+// Of the free way, so much that the lag does not fall faster than it fades.
+Vec3 CarvingBall::catch_up(const Input& input, const Vec3& free) const noexcept {
+  const double kept_m = lag_m_ * std::exp(-input.dt_s / kCatchUpS);
+  const Vec3 left = input.goal - free;
+  const Vec3 all = input.goal - centre_;
+  const double length = all.norm();
+  if (!(left.norm() < kept_m) || kept_m < kLeastEase * settings_.voxel_m || !(length > 0.0)) return free;
+  return input.goal - all * std::min(1.0, kept_m / length);
+}
+
 Vec3 CarvingBall::cut(const Input& input, Sculpture& sculpture, std::size_t body) noexcept {
   const CarvedField& field = sculpture.bodies()[body].field;
   const double voxel = settings_.voxel_m;
   is_cutting_ = true;
   is_sliding_ = false;
   normal_.setZero();
-  const Vec3 free = ball_.advance(field, centre_, input.goal, kFree * voxel);
+  const Vec3 free = catch_up(input, ball_.advance(field, centre_, input.goal, free_clearance(settings_)));
   Vec3 ahead = (input.goal - free) * -std::expm1(-input.dt_s / kCutS);
   const double most = kMostCutSpeed * std::min(input.dt_s, kMostStepS);
   if (ahead.norm() > most) ahead *= most / ahead.norm();

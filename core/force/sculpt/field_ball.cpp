@@ -94,7 +94,9 @@ Vec3 FieldBall::slide(const CarvedField& field, const Vec3& centre, const Vec3& 
     const Vec3 gradient = field.gradient(centre + points_[nearest.points[i].point]);
     const double steep = gradient.norm();
     if (!(steep > 0.0)) continue;
-    const double height = std::min((kGap * spacing - nearest.points[i].value) / steep, kPushStep * spacing);
+    // Below the gap it may slide at its height; out of the material it is pushed.
+    const double value = nearest.points[i].value;
+    const double height = value < 0.0 ? std::min(-value / steep, kPushStep * spacing) : std::min(0.0, kGap * spacing - value) / steep;
     planes[count++] = {.normal = gradient / steep, .height = height};
   }
   const ConstrainedMotion allowed = constrain_motion(to_goal, std::span(planes.data(), count));
@@ -134,11 +136,14 @@ FieldBall::Moved FieldBall::move(const CarvedField& field, const Vec3& from, con
       continue;
     }
     Vec3 step = slide(field, moved.centre, to_goal, nearest, moved);
-    // The ball is clear at the end of each step, or no deeper than before.
+    // The ball is clear at the end of each step, and nearer to the goal: so it comes to rest. One in the material leaves it first.
     const double least = std::min(0.0, nearest.clearance_m);
     Nearest next = find_nearest(field, moved.centre + step, candidates);
     ++looks;
-    for (; next.clearance_m < least; ++looks) {
+    const auto is_good = [&] {
+      return next.clearance_m >= least && (nearest.clearance_m < 0.0 || (to_goal - step).squaredNorm() < distance * distance);
+    };
+    for (; !is_good(); ++looks) {
       if (looks >= kMostLooks || step.norm() < kSettled * spacing) return moved;
       step *= kShorter;
       next = find_nearest(field, moved.centre + step, candidates);

@@ -12,6 +12,11 @@ TEST(Carve, RoundedHasNumbersThatAFloatCanHold) {
   EXPECT_EQ(sent.from_m.z(), static_cast<double>(static_cast<float>(1.0 / 3.0)));
   EXPECT_EQ(sent.to_m.y(), static_cast<double>(0.7F));
   EXPECT_EQ(sent.radius_m, static_cast<double>(0.004F));
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_EQ(sent.from_m[k], static_cast<double>(static_cast<float>(carve.from_m[k])));
+    EXPECT_EQ(sent.to_m[k], static_cast<double>(static_cast<float>(carve.to_m[k])));
+  }
+  EXPECT_EQ(sent.radius_m, static_cast<double>(0.004F));
   EXPECT_EQ(rounded(sent), sent);
   EXPECT_FALSE(sent == carve);
 }
