@@ -11,6 +11,8 @@ namespace {
 
 constexpr double kMostMm = 1e6;
 constexpr double kMostButton = 32.0;
+// A carve takes time with the cube of its radius: 27,000 nodes here. The points of the ball that touches are 2.6 voxels apart.
+constexpr double kMostVoxelsOfRadius = 12.0;
 
 void read_length(TableReader& reader, const char* key, std::optional<double>& value) {
   if (reader.has(key)) reader.read(key, value.emplace(1.0), 0.0, kMostMm, true);
@@ -61,6 +63,11 @@ Result<SculptSettings> make_sculpt(const SculptSpec& spec, const std::string& na
         "'{}' is carved with a ball of {:.4g} mm radius in voxels of {:.4g} mm: give a radius of {:.4g} mm or more, or voxel_mm = {:.4g}",
         shown, 1e3 * settings.tool_radius_m, 1e3 * settings.voxel_m, 1e3 * SculptSettings::kLeastVoxelsOfRadius * settings.voxel_m,
         1e3 * settings.tool_radius_m / SculptSettings::kVoxelsOfRadius);
+  }
+  if (settings.tool_radius_m > kMostVoxelsOfRadius * settings.voxel_m * (1.0 + 1e-9)) {
+    return fail(
+        "'{}' is carved with a ball of {:.4g} mm radius in voxels of {:.4g} mm: give a radius of {:.4g} mm or less, or larger voxels",
+        shown, 1e3 * settings.tool_radius_m, 1e3 * settings.voxel_m, 1e3 * kMostVoxelsOfRadius * settings.voxel_m);
   }
   return settings;
 }

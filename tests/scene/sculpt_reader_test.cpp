@@ -71,6 +71,9 @@ TEST(SculptReader, RejectsMeshesAndToolsThatDoNotFit) {
               HasSubstr("at most 16 are possible"));
   EXPECT_THAT(make_sculpt(*read_clay("sculpt = true\nvoxel_mm = 1\ntool_radius_mm = 1.9"), "clay", make_icosphere(0.05, 3)).error().what,
               HasSubstr("give a radius of 2 mm or more"));
+  EXPECT_THAT(make_sculpt(*read_clay("sculpt = true\nvoxel_mm = 1\ntool_radius_mm = 12.1"), "clay", make_icosphere(0.05, 3)).error().what,
+              HasSubstr("give a radius of 12 mm or less"));
+  EXPECT_TRUE(make_sculpt(*read_clay("sculpt = true\nvoxel_mm = 1\ntool_radius_mm = 12"), "clay", make_icosphere(0.05, 3)));
   EXPECT_TRUE(make_sculpt(*read_clay("sculpt = true\nvoxel_mm = 1\ntool_radius_mm = 2"), "clay", make_icosphere(0.05, 3)));
 }
 

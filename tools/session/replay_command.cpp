@@ -128,6 +128,9 @@ Result<Replay> replay_probe(const ReplayOptions& options, const MethodSettings& 
   if (!touch_scene) {
     return tl::unexpected(touch_scene.error());
   }
+  if (touch_scene->has_sculpt() && options.replay.repeat > 1) {
+    return fail("objects of {} can be carved, so a repetition would begin with another shape: leave out --repeat", options.scene);
+  }
   auto method = make_method(settings, *touch_scene);
   if (!method) {
     return tl::unexpected(method.error());

@@ -56,7 +56,7 @@ CarvingBall::Felt CarvingBall::step(const Input& input, const Material& material
   lag_m_ = (input.goal - centre_).norm();
   ease_ *= std::exp(-input.dt_s / kCutS);
   if (ease_.norm() < kLeastEase * voxel) ease_.setZero();
-  const Vec3 shown = centre_ + ease_;
+  const Vec3 shown = ease_.isZero(0.0) ? centre_ : ball_.advance(field, centre_, centre_ + ease_, 0.0);
   return {.p_SP = shown, .contact = shown != input.goal};
 }
 

@@ -120,6 +120,31 @@ TEST(SculptMethod, RepeatsToTheLastBit) {
   }
 }
 
+// A hand of up to 2 m/s, the button down now and then: the centre of the ball stays out of the material, and a device inside it is pushed.
+TEST(SculptMethod, AFastHandNeverFallsThrough) {
+  std::mt19937_64 random(47);
+  std::uniform_real_distribution<double> place(-0.045, 0.045), speed(0.2, 2.0);
+  const auto step = step_of({.objects = {clay_object(Vec3::Zero())}});
+  const CarvedField& field = step->method().sculpture()->bodies()[0].field;
+  Vec3 hand(0.06, 0, 0);
+  step->reset({.p_WD = hand});
+  int inside = 0;
+  for (int leg = 0; leg < 300; ++leg) {
+    const Vec3 goal(place(random), place(random), place(random));
+    const double most = 1e-3 * speed(random);
+    while (hand != goal) {
+      const double left = (goal - hand).norm();
+      hand = left <= most ? goal : Vec3(hand + (goal - hand) * (most / left));
+      const TouchOutput felt = step->step({.p_WD = hand, .dt_s = 1e-3, .buttons = leg % 4 == 3 ? 2U : 0U});
+      ASSERT_GT(field.value(hand + felt.visual_offset_m), 0.0) << "leg " << leg;
+      if (field.value(hand) > -0.00025) continue;
+      ++inside;
+      ASSERT_GT(felt.force_n.norm(), 0.0) << "leg " << leg;
+    }
+  }
+  EXPECT_GT(inside, 1000);
+}
+
 TEST(SculptMethod, WhatWasCarvedStaysWhenTheMethodChanges) {
   const TouchScene scene{.objects = {clay_object(Vec3::Zero())}};
   auto before = step_of(scene);
