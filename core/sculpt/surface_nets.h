@@ -25,8 +25,8 @@ struct SurfaceNet {
 // that the surface passes, at the mean of where it crosses the cell's edges, and one quad for each edge of the grid that it crosses. We do
 // not move the vertices any further. Blocks fit together: the vertices at their borders are the same to the last bit.
 //
-// With a stride of 2 or 4 only every second or fourth node counts: a coarser surface of a quarter or a sixteenth of the quads. Pre: the nodes
-// at the border of the grid are outside. RT: no. Threads: one for each object of this class.
+// With a stride of 2 or 4 only every second or fourth node counts: a coarser surface of a quarter or a sixteenth of the quads. Pre: the
+// nodes at the border of the grid are outside. RT: no. Threads: one for each object of this class.
 class SurfaceNets {
  public:
   static constexpr int kBlock = 16;         // cells of a block, along each axis
