@@ -48,7 +48,7 @@ target_compile_options(hapton_march INTERFACE ${hapton_cpu})
 add_library(hapton_core INTERFACE)
 target_link_libraries(hapton_core INTERFACE hapton_core_force hapton_core_tool)
 hapton_component(core FOLDERS core
-  TARGETS hapton_options hapton_march hapton_core_base hapton_core_math hapton_core_effects hapton_core_geometry hapton_core_collision hapton_core_force
+  TARGETS hapton_options hapton_march hapton_core_base hapton_core_math hapton_core_effects hapton_core_geometry hapton_core_sculpt hapton_core_collision hapton_core_force
           hapton_core_tool hapton_core)
 hapton_component(runtime FOLDERS runtime TARGETS hapton_runtime)
 hapton_component(link FOLDERS link TARGETS hapton_proto hapton_link)

@@ -214,6 +214,7 @@ std::unique_ptr<TouchStep> HapticsStep::replace(std::unique_ptr<TouchStep> touch
   ++counts_.methods_taken;
   std::swap(touch_, touch);
   touch_->follow_commands(*touch);
+  touch_->follow_carves(*touch);
   if (running_) {
     TouchInput start = input_;
     const std::optional<Grasp::Start> put_down = grasp_ != nullptr ? grasp_->take_start(X_WS_) : std::nullopt;
@@ -226,7 +227,10 @@ std::unique_ptr<TouchStep> HapticsStep::replace(std::unique_ptr<TouchStep> touch
     }
     touch_->reset(start);
     // On the path from there to the device, which the hand did not take, it comes into contact and settles.
-    const TouchOutput settled = touch_->step(input_);
+    TouchInput settling = input_;
+    // It is no sample: nothing is carved in it.
+    if (touch_->has_sculpture()) settling.buttons = 0;
+    const TouchOutput settled = touch_->step(settling);
     if (output_.contact || fade_.is_felt() || settled.contact) fade_.begin();
   }
   return touch;

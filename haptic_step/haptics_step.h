@@ -83,10 +83,14 @@ class HapticsStep {
   // Moves an object from the next reply on, as TouchStep::command. Its start is the scene time of a reply.
   bool command(int object, const CommandedMove& move) noexcept;
 
-  // Replaces the method and returns the old one; objects that programs moved stay where they are. In contact the new one starts where the
+  // Replaces the method and returns the old one; objects that programs moved stay where they are, and what was carved
+  // stays so. In contact the new one starts where the
   // old one's probe is, on the same side of the surface, so its first step has the same contact; in free space at the device point. Where
   // the forces of the two differ, the difference fades (ForceFade).
   std::unique_ptr<TouchStep> replace(std::unique_ptr<TouchStep> touch) noexcept;
+
+  // What the last reply carved; null: nothing.
+  const MadeCarve* made_carve() const noexcept { return touch_->made_carve(); }
 
   // The materials have changed, as ForceMethod::set_materials has them; the proxy stays. In contact the difference of the forces fades
   // (ForceFade), as after a change of method.

@@ -19,8 +19,9 @@ bool is_commanded_alike(const SceneObject& a, const SceneObject& b) {
 }
 
 bool is_same_shape(const SceneObject& a, const SceneObject& b) {
-  return is_same_motion(a, b) && is_commanded_alike(a, b) && is_same_deformation(a, b) && a.material.two_sided == b.material.two_sided &&
-         hash_mesh(*a.mesh) == hash_mesh(*b.mesh) && a.mesh->authored_normals == b.mesh->authored_normals;
+  return is_same_motion(a, b) && is_commanded_alike(a, b) && is_same_deformation(a, b) && a.sculpt == b.sculpt &&
+         a.material.two_sided == b.material.two_sided && hash_mesh(*a.mesh) == hash_mesh(*b.mesh) &&
+         a.mesh->authored_normals == b.mesh->authored_normals;
 }
 
 bool is_same_material(const Material& a, const Material& b) {

@@ -27,7 +27,7 @@ Box box_of(const TriangleMesh& mesh) {
 Enclosure find_enclosure(const TouchScene& scene, const Vec3& p_S) {
   for (const TouchObject& object : scene.objects) {
     if (object.motion != nullptr || object.command_pivot || box_of(*object.mesh).distance_squared(p_S) > 0.0) continue;
-    if (compute_winding_number(*object.mesh, p_S) > kLeastWinding) return {true, object.material.two_sided};
+    if (compute_winding_number(*object.mesh, p_S) > kLeastWinding) return {true, object.material.two_sided && !object.sculpt};
   }
   return {};
 }

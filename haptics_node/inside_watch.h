@@ -12,8 +12,8 @@
 namespace hapton {
 
 // Whether a point is inside a body of the scene: enclosed by faces that point outwards. What moves by itself is left out, and so is what
-// has more than small holes. two_sided: such a body is felt from within. Brute force over the bodies whose box holds the point: 0.1 s for a
-// million triangles. Frame S. RT: no.
+// has more than small holes. two_sided: such a body is felt from within; one that can be carved is not. Brute force over the bodies whose
+// box holds the point: 0.1 s for a million triangles. Frame S. RT: no.
 struct Enclosure {
   bool is_inside = false;
   bool two_sided = false;

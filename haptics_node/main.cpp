@@ -69,6 +69,7 @@ Result<std::unique_ptr<ForceMethod>> make_any(const HapticsOptions& options, Met
                                               const Clock& clock) {
   if (!is_plugin_method(settings.name)) return make_built_in(settings, scene);
   if (scene.has_motion()) return fail("method '{}': objects of the scene move; choose method proxy", settings.name);
+  if (scene.has_sculpt()) return fail("method '{}': objects of the scene can be carved; choose method proxy", settings.name);
   if (!options.method_file)
     return fail("method '{}': no shared library was given; start haptics_node with --method FILE.so", settings.name);
   auto made = PluginMethod::make(*options.method_file, couple_scene(scene, settings.coupling_n_per_m), clock, options.plugin_budget_ns());
@@ -106,7 +107,9 @@ int run(const HapticsOptions& options) {
   if (!put_down) return give_up(put_down.error());
   const Scene placed = place_objects(*loaded, *put_down);
   const Scene* const scene = &placed;
-  if (const auto checked = check_motion(*scene, !options.tool.file.empty() || scene->tool); !checked) return give_up(checked.error());
+  const bool has_tool = !options.tool.file.empty() || scene->tool;
+  if (const auto checked = check_motion(*scene, has_tool); !checked) return give_up(checked.error());
+  if (const auto checked = check_sculpt(*scene, has_tool); !checked) return give_up(checked.error());
   for (const auto& note : scene->notes) log_info("{}", note);
   for (const auto& warning : find_inside_out(*scene)) log_warning("{}", warning);
   const SceneFacts facts = make_scene_facts(*scene);
@@ -176,8 +179,11 @@ int run(const HapticsOptions& options) {
     patches.set_materials(materials);
   });
   loop.set_material_tuner(&tuner);
-  ObjectMover mover(*scene, static_cast<std::uint32_t>(make_random_id()) | 1U);
+  const auto source = static_cast<std::uint32_t>(make_random_id()) | 1U;
+  ObjectMover mover(*scene, source);
   loop.set_object_mover(&mover);
+  std::optional<CarveSender> carves;
+  if (scene->touch_scene().has_sculpt()) loop.set_carve_sender(&carves.emplace(source));
   std::optional<GraspTask> grasp_task;
   const auto on_scene = [&](const TouchScene& now) {
     const std::scoped_lock lock(felt_mutex);

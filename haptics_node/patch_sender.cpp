@@ -19,6 +19,7 @@ constexpr double kVelocityS = 0.1;  // over which the hand's velocity is a mean
 
 std::string_view find_scene_obstacle(const TouchScene& scene) {
   if (scene.has_effects()) return "the scene has effects";
+  if (scene.has_sculpt()) return "objects of the scene can be carved";
   return scene.has_motion() ? "objects of the scene move" : "";
 }
 

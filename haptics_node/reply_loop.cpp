@@ -74,6 +74,7 @@ void ReplyLoop::turn(std::int64_t deadline_ns) {
     if (step_.has_state()) is_ready() ? answer() : wait_for_builder();
   }
   if (patches_ != nullptr) send_patches();
+  if (carves_ != nullptr) send_carves();
   change_method();
   change_materials();
   move_objects();
@@ -96,7 +97,9 @@ void ReplyLoop::drain() noexcept {
 
 // Before the first reply, as another haptics process may have moved the objects: where they are now is known before it is felt.
 void ReplyLoop::note_join() noexcept {
-  if (std::exchange(joins_, hub_.counts().joins) != hub_.counts().joins) send_moves();
+  if (std::exchange(joins_, hub_.counts().joins) == hub_.counts().joins) return;
+  send_moves();
+  if (carves_ != nullptr) hub_.send(carves_->announce());
 }
 
 void ReplyLoop::handle(const Message& message) noexcept {
@@ -126,6 +129,8 @@ void ReplyLoop::handle(const Message& message) noexcept {
     if (step_.grasp() != nullptr) step_.grasp()->request(*pose);
   } else if (const auto* move = std::get_if<MoveRequest>(&message)) {
     if (!overtaken && mover_ != nullptr) mover_->request(*move);
+  } else if (const auto* missing = std::get_if<CarveStatus>(&message)) {
+    if (!overtaken && carves_ != nullptr) carves_->accept(*missing);
   } else if (const auto* request = std::get_if<MaterialRequest>(&message)) {
     request_materials(*request);
   } else if (const auto* settings = std::get_if<Settings>(&message); settings != nullptr && settings->method[0] != '\0') {
@@ -183,6 +188,7 @@ void ReplyLoop::answer() noexcept {
   compute_times_.record(spent_ns);
   step_times_.record(end_ns - begin_ns);
   if (inside_ != nullptr) note_hand();
+  if (const MadeCarve* made = step_.made_carve(); made != nullptr && carves_ != nullptr) carves_->note(*made);
 }
 
 void ReplyLoop::note_hand() noexcept {
@@ -270,6 +276,16 @@ void ReplyLoop::send_patches() noexcept {
   }
 }
 
+void ReplyLoop::send_carves() {
+  if (std::exchange(are_carves_full_, carves_->is_full()) != carves_->is_full()) {
+    log_warning(
+        "{} carves were made, and no more can be shown: nothing is carved any more; restart haptics_node to begin with whole objects",
+        carves_->newest());
+  }
+  if (hub_.state() != JoinState::joined) return;
+  if (const auto carves = carves_->take_due(clock_.now_ns())) hub_.send(*carves);
+}
+
 void ReplyLoop::send_setup_soon() noexcept {
   setup_repeats_ = kSetupRepeats;
   next_setup_ns_ = 0;
@@ -292,6 +308,7 @@ void ReplyLoop::send_setup() noexcept {
   if (scene_.given_hash != 0) hub_.send(scene_);
   send_poses();
   send_moves();
+  if (carves_ != nullptr) hub_.send(carves_->announce());
 }
 
 // The one that changed last, and some of the others in turn: a datagram may be lost, and a vision node may have known another session.

@@ -6,6 +6,7 @@
 
 #include "haptic_step/haptics_step.h"
 #include "haptic_step/object_mover.h"
+#include "haptics_node/carve_sender.h"
 #include "haptics_node/inside_watch.h"
 #include "haptics_node/material_tuner.h"
 #include "haptics_node/method_builder.h"
@@ -36,6 +37,8 @@ class ReplyLoop {
   void set_material_tuner(MaterialTuner* tuner) noexcept { tuner_ = tuner; }
   // Before run: who carries out what programs request of the objects. Without one, such requests are left out. Pre: outlives this.
   void set_object_mover(ObjectMover* mover) noexcept { mover_ = mover; }
+  // Before run: who keeps and sends what the stylus carves. Pre: outlives this.
+  void set_carve_sender(CarveSender* carves) noexcept { carves_ = carves; }
   // Before run: effects from shared libraries, which the step adds. Logs each of these, and each method from a shared library, that is
   // cut off. Pre: outlives this.
   void set_effects(PluginEffects* effects);
@@ -84,6 +87,7 @@ class ReplyLoop {
   void move_objects();
   void repeat_move() noexcept;
   void send_moves() noexcept;
+  void send_carves();
   void report_move(const ObjectMover::Done& done);
   void report_plugins();
   bool is_method_cut_off() const noexcept;
@@ -132,6 +136,8 @@ class ReplyLoop {
   bool is_tool_blocked_ = false;   // as reported
   std::uint32_t pose_serial_ = 0;  // of the objects' poses, as reported
   std::size_t next_pose_ = 0;      // to be sent again
+  CarveSender* carves_ = nullptr;
+  bool are_carves_full_ = false;  // as reported
   ObjectMover* mover_ = nullptr;
   std::uint64_t joins_ = 0;            // of the hub, after which the moves were announced
   std::size_t next_move_ = 0;          // of mover_->moves(), to be sent again

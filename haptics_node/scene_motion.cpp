@@ -30,4 +30,18 @@ Result<void> check_motion(const Scene& scene, bool has_tool) {
               printable(movable->name));
 }
 
+Result<void> check_sculpt(const Scene& scene, bool has_tool) {
+  const auto sculpted =
+      std::find_if(scene.objects.begin(), scene.objects.end(), [](const SceneObject& each) { return each.sculpt.has_value(); });
+  if (sculpted == scene.objects.end()) return {};
+  if (has_tool) {
+    return fail("object '{}' can be carved, which a rigid tool does not support: leave out the tool, or 'sculpt'",
+                printable(sculpted->name));
+  }
+  const auto movable = std::find_if(scene.objects.begin(), scene.objects.end(), [](const SceneObject& each) { return each.is_movable; });
+  if (movable == scene.objects.end()) return {};
+  return fail("object '{}' can be carved and '{}' is movable, which cannot be combined: keep one of the two", printable(sculpted->name),
+              printable(movable->name));
+}
+
 }  // namespace hapton

@@ -9,4 +9,8 @@ namespace hapton {
 // RT: no. Error: one line: with a rigid tool, and beside movable objects, they cannot yet.
 Result<void> check_motion(const Scene& scene, bool has_tool);
 
+// The same for objects that can be carved: a rigid tool would touch them as they were, and to pick up another object builds the scene
+// again. RT: no. Error: one line: with a rigid tool, and beside movable objects, they cannot yet.
+Result<void> check_sculpt(const Scene& scene, bool has_tool);
+
 }  // namespace hapton

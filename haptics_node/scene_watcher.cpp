@@ -26,6 +26,12 @@ bool has_same_commanded(const Scene& before, const Scene& after) {
       [](const SceneObject& a, const SceneObject& b) { return a.name == b.name && moves_alike(a.commanded.get(), b.commanded.get()); });
 }
 
+// What was carved stays so, and pictures know only the scene that they began with: so it must be the same objects.
+bool has_same_sculpt(const Scene& before, const Scene& after) {
+  if (!before.touch_scene().has_sculpt() && !after.touch_scene().has_sculpt()) return true;
+  return compare_scenes(before, after) != SceneChange::shape;
+}
+
 }  // namespace
 
 SceneWatcher::SceneWatcher(Options options, Scene scene, MaterialTuner& tuner, MethodBuilder& builder)
@@ -94,6 +100,13 @@ SceneWatcher::Look SceneWatcher::look() {
     log_warning(
         "{}: programs move objects of this scene, and their shapes, their poses at rest, or the names or the number of all objects have "
         "changed: start haptics_node again to use it; the present scene stays in use",
+        options_.path.string());
+    return Look::rejected;
+  }
+  if (!has_same_sculpt(used_, *scene)) {
+    log_warning(
+        "{}: objects of this scene can be carved, and the shapes of its objects have changed: start haptics_node again to use it; the "
+        "present scene stays in use",
         options_.path.string());
     return Look::rejected;
   }

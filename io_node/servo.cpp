@@ -155,6 +155,11 @@ void Servo::on_message(const PeerEvent& event, const Datagram& datagram) noexcep
     peers_.send_to_role(NodeRole::vision, *move);
     return;
   }
+  // Neither the order of carves matters nor how often they come.
+  if (const auto* carves = std::get_if<Carves>(&message)) {
+    peers_.send_to_role(NodeRole::vision, *carves);
+    return;
+  }
   // Of these kinds the newest wins (KindOrder).
   if (event.arrival != Arrival::newest) return;
   if (const auto* view = std::get_if<ViewTransform>(&message)) return on_view(*view);
@@ -177,6 +182,10 @@ void Servo::on_message(const PeerEvent& event, const Datagram& datagram) noexcep
     }
     peers_.send_to_role(NodeRole::vision, *pose);
     peers_.send_to_role(NodeRole::tool, *pose);
+    return;
+  }
+  if (const auto* status = std::get_if<CarveStatus>(&message)) {
+    peers_.send_to_role(NodeRole::haptics, *status);
     return;
   }
   if (const auto* scene = std::get_if<SceneFacts>(&message)) return scene_.accept(*scene, event.role, view_.view());

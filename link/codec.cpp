@@ -103,12 +103,15 @@ constexpr std::tuple kMessageKinds{
                                             &wire::Envelope::mutable_move_reply},
     MessageKind<ObjectMove, wire::ObjectMove>{&wire::Envelope::has_object_move, &wire::Envelope::object_move,
                                               &wire::Envelope::mutable_object_move},
+    MessageKind<Carves, wire::Carves>{&wire::Envelope::has_carves, &wire::Envelope::carves, &wire::Envelope::mutable_carves},
+    MessageKind<CarveStatus, wire::CarveStatus>{&wire::Envelope::has_carve_status, &wire::Envelope::carve_status,
+                                                &wire::Envelope::mutable_carve_status},
     MessageKind<Bye, wire::Bye>{&wire::Envelope::has_bye, &wire::Envelope::bye, &wire::Envelope::mutable_bye},
 };
 constexpr std::size_t kKindCount = std::tuple_size_v<decltype(kMessageKinds)>;
 static_assert(kKindCount == std::variant_size_v<Message>);
 // Fields 1 to 5 of an Envelope are its header, the others one kind each, from 16 on.
-static_assert(wire::Envelope::kObjectMoveFieldNumber == 15 + kKindCount, "the last kind of hapton.proto, and its line in kMessageKinds");
+static_assert(wire::Envelope::kCarveStatusFieldNumber == 15 + kKindCount, "the last kind of hapton.proto, and its line in kMessageKinds");
 
 // Calls visit with each kind until one returns true.
 template <class Visit>
@@ -251,6 +254,11 @@ void reserve(wire::ObjectMove& m) {
   reserve_field(*m.mutable_to_p_m());
   reserve_field(*m.mutable_to_q());
 }
+void reserve(wire::Carves& m) {
+  m.mutable_object()->Reserve(kMaxDatagramBytes);
+  reserve_field(*m.mutable_numbers());
+}
+void reserve(wire::CarveStatus&) {}
 void reserve(wire::Bye&) {}
 
 }  // namespace

@@ -17,7 +17,7 @@ bool may_send(NodeRole role, const Message& message) {
            std::holds_alternative<MaterialState>(message) || std::holds_alternative<PatchTile>(message) ||
            std::holds_alternative<PatchCell>(message) || std::holds_alternative<PatchBegin>(message) ||
            std::holds_alternative<ObjectPose>(message) || std::holds_alternative<MoveReply>(message) ||
-           std::holds_alternative<ObjectMove>(message);
+           std::holds_alternative<ObjectMove>(message) || std::holds_alternative<Carves>(message);
   }
   if (std::holds_alternative<MoveRequest>(message)) return true;
   if (role == NodeRole::tool) {
@@ -25,7 +25,8 @@ bool may_send(NodeRole role, const Message& message) {
            std::holds_alternative<ReportRequest>(message);
   }
   return std::holds_alternative<ViewTransform>(message) || std::holds_alternative<FrameAck>(message) ||
-         std::holds_alternative<HandTarget>(message) || std::holds_alternative<ObjectPose>(message);
+         std::holds_alternative<HandTarget>(message) || std::holds_alternative<ObjectPose>(message) ||
+         std::holds_alternative<CarveStatus>(message);
 }
 
 bool may_join(KeyRole key_role, NodeRole role) {

@@ -34,6 +34,8 @@ class MarkerReply;
 class MoveRequest;
 class MoveReply;
 class ObjectMove;
+class Carves;
+class CarveStatus;
 }  // namespace wire
 
 void write(const Hello& from, wire::Hello& to);
@@ -64,6 +66,8 @@ void write(const MarkerReply& from, wire::MarkerReply& to);
 void write(const MoveRequest& from, wire::MoveRequest& to);
 void write(const MoveReply& from, wire::MoveReply& to);
 void write(const ObjectMove& from, wire::ObjectMove& to);
+void write(const Carves& from, wire::Carves& to);
+void write(const CarveStatus& from, wire::CarveStatus& to);
 
 // False for a value that the contract rules out; `to` is then not to be used.
 bool read(const wire::Hello& from, Hello& to);
@@ -93,6 +97,8 @@ bool read(const wire::MarkerReply& from, MarkerReply& to);
 bool read(const wire::MoveRequest& from, MoveRequest& to);
 bool read(const wire::MoveReply& from, MoveReply& to);
 bool read(const wire::ObjectMove& from, ObjectMove& to);
+bool read(const wire::Carves& from, Carves& to);
+bool read(const wire::CarveStatus& from, CarveStatus& to);
 bool read(const wire::ViewTransform& from, ViewTransform& to);
 
 }  // namespace hapton

@@ -372,10 +372,38 @@ struct ObjectMove {
   Quat to_q = Quat::Identity();
 };
 
+// haptics -> hub -> every vision node, when the stylus has removed material, and again on request: carves of consecutive serials
+// (core/sculpt/carve.h). Frame: of the object as the scene file places it. The numbers are those that forces and pictures are computed
+// with.
+struct Carves {
+  static constexpr std::size_t kMost = 32;
+  static constexpr float kMostRadiusM = 1000.0F;  // as scene files allow
+  static constexpr float kMostLengthM = 1000.0F;
+  using Point = std::array<float, 3>;
+  struct One {
+    std::int32_t object = 0;  // of the scene
+    Point from_m = {};
+    Point to_m = {};
+    float radius_m = 0.0F;
+  };
+
+  std::uint32_t source = 0;  // of the haptics process, random, never 0: in another one the objects are whole again
+  std::uint32_t newest = 0;  // serial; they count the carves of all objects, from 1; 0: none yet
+  std::uint32_t first = 0;   // serial of the first one here; 0: there is none
+  std::uint32_t count = 0;
+  std::array<One, kMost> carves = {};
+};
+
+// vision -> hub -> haptics, while some are missing: those after `complete` are sent again.
+struct CarveStatus {
+  std::uint32_t source = 0;    // as in Carves
+  std::uint32_t complete = 0;  // all up to this serial have been received
+};
+
 using Message =
     std::variant<Hello, Welcome, Bye, DeviceState, ForceCommand, ViewTransform, ProbeState, FrameAck, HandTarget, Settings, HapticsSetup,
                  ReportRequest, ReportPart, SceneFacts, ViewRejected, PatchBegin, PatchCell, PatchTile, PatchStatus, LoopFacts,
-                 MaterialRequest, MaterialState, ObjectPose, Marker, MarkerReply, MoveRequest, MoveReply, ObjectMove>;
+                 MaterialRequest, MaterialState, ObjectPose, Marker, MarkerReply, MoveRequest, MoveReply, ObjectMove, Carves, CarveStatus>;
 
 // In front of every message.
 struct Header {

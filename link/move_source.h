@@ -7,8 +7,8 @@
 
 namespace hapton {
 
-// Whose moves of objects count: those of the haptics process that announced its moves last. Serials and scene time begin again in another
-// process, and its objects are where the scene file has them. RT: yes. Threads: one.
+// Whose moves of objects, or carves, count: those of the haptics process that announced its own last. Serials and scene time begin again in
+// another process, and its objects are where the scene file has them, and whole. RT: yes. Threads: one.
 class MoveSource {
  public:
   enum class Verdict : std::uint8_t {
@@ -18,10 +18,11 @@ class MoveSource {
   };
 
   // arrival: as HubClient::last_arrival of this move.
-  Verdict note(const ObjectMove& move, Arrival arrival) noexcept {
-    if (move.source == source_) return Verdict::known;
+  Verdict note(const ObjectMove& move, Arrival arrival) noexcept { return note(move.source, arrival); }
+  Verdict note(std::uint32_t source, Arrival arrival) noexcept {
+    if (source == source_) return Verdict::known;
     if (arrival == Arrival::reordered && source_ != 0) return Verdict::old;
-    source_ = move.source;
+    source_ = source;
     return Verdict::other;
   }
 

@@ -27,8 +27,8 @@ Result<ObjectSpec> read_object(const toml::table& table, const std::string& name
   if (name == kToolTable) {
     keys.emplace_back("grip");
   } else {
-    keys.insert(keys.end(),
-                {"material", "movable", "moved_by", "mass_kg", "keyframe", "loop", "pivot_m", "animation", "animation_speed", "morph"});
+    keys.insert(keys.end(), {"material", "movable", "moved_by", "mass_kg", "keyframe", "loop", "pivot_m", "animation", "animation_speed",
+                             "morph", "sculpt", "voxel_mm", "tool_radius_mm", "carve_button"});
   }
   reader.allow(keys);
   if (!reader.has("mesh")) reader.fail_at("mesh", "{} has no 'mesh': name its mesh file", name);
@@ -68,6 +68,9 @@ Result<ObjectSpec> read_object(const toml::table& table, const std::string& name
   auto morphs = read_morphs(table, name);
   if (!morphs) return tl::unexpected(morphs.error());
   spec.morphs = std::move(*morphs);
+  auto sculpt = read_sculpt(table, name);
+  if (!sculpt) return tl::unexpected(sculpt.error());
+  spec.sculpt = *sculpt;
   if (spec.is_movable && spec.motion.any()) {
     return fail("line {}: {} is movable and moves by itself: keep one", line_of("movable"), name);
   }

@@ -16,6 +16,7 @@
 #include "scene/mesh_animation.h"
 #include "scene/morph_reader.h"
 #include "scene/scene_tool.h"
+#include "scene/sculpt_reader.h"
 #include "scene/table_reader.h"
 #include "scene/unit.h"
 
@@ -43,6 +44,7 @@ struct ObjectSpec {
   std::string material;
   bool seal_cracks = true;
   bool is_movable = false;
+  SculptSpec sculpt = {};
   MotionSpec motion = {};
   std::vector<MorphSpec> morphs = {};
   std::vector<std::size_t> nodes = {};          // only those of a glTF file, in place of `part`; no key: split_animated sets it

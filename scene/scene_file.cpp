@@ -283,6 +283,17 @@ Result<std::vector<FeltObject>> find_materials(const SceneSpec& spec, const std:
   return felt;
 }
 
+Result<std::optional<SculptSettings>> make_felt_sculpt(const ObjectSpec& object, const MaterialSpec& material, const TriangleMesh& mesh) {
+  if (!object.sculpt.is_on) return std::optional<SculptSettings>();
+  if (material.effects.any() || material.maps.any()) {
+    return fail("line {}: '{}' can be carved: its material may have stiffness, damping and friction only", object.sculpt.line,
+                printable(name_of(object)));
+  }
+  const auto made = make_sculpt(object.sculpt, name_of(object), mesh);
+  if (!made) return fail("line {}: {}", object.sculpt.line, made.error().what);
+  return std::optional(*made);
+}
+
 // Of what moves the object.
 std::size_t moves_line(const ObjectSpec& object) {
   if (!object.morphs.empty()) return object.morphs.front().line;
@@ -340,6 +351,9 @@ Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& fol
       scene.given_hash = combine_hashes(scene.given_hash,
                                         hash_numbers(std::array{commanded->pivot().x(), commanded->pivot().y(), commanded->pivot().z()}));
     }
+    const auto sculpt = make_felt_sculpt(object, material, meshes[i].mesh);
+    if (!sculpt) return tl::unexpected(sculpt.error());
+    if (*sculpt) scene.given_hash = combine_hashes(scene.given_hash, hash_sculpt(**sculpt));
     scene.objects.push_back({.name = name_of(object),
                              .mesh = std::make_shared<const TriangleMesh>(std::move(meshes[i].mesh)),
                              .material = material.material,
@@ -352,6 +366,7 @@ Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& fol
                              .motion = std::move(*motion),
                              .deformation = std::move(*deformation),
                              .commanded = std::move(commanded),
+                             .sculpt = *sculpt,
                              .mass_kg = object.motion.mass_kg});
   }
   if (const auto added = add_effects(spec, scene); !added) return tl::unexpected(added.error());
@@ -422,7 +437,8 @@ TouchScene Scene::touch_scene() const {
                              .effects = object.effects,
                              .motion = object.motion,
                              .deformation = object.deformation,
-                             .command_pivot = object.commanded ? std::optional(object.commanded->pivot()) : std::nullopt});
+                             .command_pivot = object.commanded ? std::optional(object.commanded->pivot()) : std::nullopt,
+                             .sculpt = object.sculpt});
   }
   for (const SceneEffect& effect : effects) touch.effects.emplace_back(effect.effect, effect.on);
   return touch;

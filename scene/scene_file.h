@@ -10,6 +10,7 @@
 #include "core/base/result.h"
 #include "core/force/touch_scene.h"
 #include "core/geometry/triangle_mesh.h"
+#include "core/sculpt/sculpt_settings.h"
 #include "scene/commanded_object.h"
 #include "scene/library_effect.h"
 #include "scene/scene_loading.h"
@@ -31,6 +32,7 @@ struct SceneObject {
   std::shared_ptr<const KeyframeMotion> motion = {};        // moves it by itself; null: it stands still
   std::shared_ptr<const MeshDeformation> deformation = {};  // deforms its mesh by itself, before the motion; null: it is rigid
   std::shared_ptr<const CommandedObject> commanded = {};    // programs may move it; null: they may not
+  std::optional<SculptSettings> sculpt = {};                // a body of material that can be carved; none: it keeps its shape
   double mass_kg = 0.0;                                     // above 0: it can be pushed (`hapton dynamics`), and `commanded` is set
 
   bool moves() const { return motion != nullptr || deformation != nullptr || commanded != nullptr; }

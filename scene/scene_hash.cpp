@@ -153,6 +153,14 @@ std::uint64_t hash_deformation(const MeshDeformation& deformation) {
   return hash.value();
 }
 
+std::uint64_t hash_sculpt(const SculptSettings& sculpt) {
+  Hash hash;
+  hash.add(sculpt.voxel_m);
+  hash.add(sculpt.tool_radius_m);
+  hash.add(std::uint64_t{sculpt.button});
+  return hash.value();
+}
+
 std::uint64_t combine_hashes(std::uint64_t first, std::uint64_t second) {
   Hash hash;
   hash.add(first);
@@ -186,6 +194,11 @@ std::uint64_t hash_scene(const TouchScene& scene) {
     hash.add(std::uint64_t{m.two_sided});
   }
   if (scene.has_motion()) add_motions(hash, scene);
+  for (std::size_t o = 0; o < scene.objects.size(); ++o) {
+    if (!scene.objects[o].sculpt) continue;
+    hash.add(std::uint64_t{o});
+    hash.add(hash_sculpt(*scene.objects[o].sculpt));
+  }
   if (!scene.has_effects()) return hash.value();
   for (const TouchObject& object : scene.objects) add_surface(hash, object.effects);
   for (const SwitchedEffect& one : scene.effects) {

@@ -7,9 +7,9 @@
 
 namespace hapton {
 
-// Of everything that forces depend on: vertices, triangles, materials, effects, motions and deformations, in their order. A scene without
-// effects or motions has the hash that it had before there were any. Equal scenes have equal hashes, on every machine of one byte order.
-// Not against forgery. RT: set-up only.
+// Of everything that forces depend on: vertices, triangles, materials, effects, motions, deformations and what can be carved, in their
+// order. A scene without effects, motions or such material has the hash that it had before there were any. Equal scenes have equal hashes,
+// on every machine of one byte order. Not against forgery. RT: set-up only.
 std::uint64_t hash_scene(const TouchScene& scene);
 
 // The same of one mesh's vertices and triangles, and of any numbers.
@@ -17,6 +17,7 @@ std::uint64_t hash_mesh(const TriangleMesh& mesh);
 std::uint64_t hash_numbers(std::span<const double> numbers);
 // Of a motion, all its numbers.
 std::uint64_t hash_motion(const KeyframeMotion& motion);
+std::uint64_t hash_sculpt(const SculptSettings& sculpt);
 std::uint64_t hash_deformation(const MeshDeformation& deformation);
 // Of two hashes in this order; never 0.
 std::uint64_t combine_hashes(std::uint64_t first, std::uint64_t second);

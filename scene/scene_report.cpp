@@ -54,6 +54,11 @@ std::string describe_deformation(const MeshDeformation& deformation) {
                      deformation.moved().size());
 }
 
+std::string describe_sculpt(const SculptSettings& sculpt) {
+  return fmt::format("can be carved by button {}: ball of {:.3g} mm radius, voxels of {:.3g} mm", 1 + std::countr_zero(sculpt.button),
+                     1e3 * sculpt.tool_radius_m, 1e3 * sculpt.voxel_m);
+}
+
 // Who moves it in a running session.
 std::string describe_mover(const SceneObject& object) {
   if (object.is_movable) return ", movable";
@@ -100,6 +105,7 @@ std::string to_text(const SceneReport& report) {
     if (object.motion != nullptr) fmt::format_to(std::back_inserter(text), "{:<20} {}\n", "", describe_motion(*object.motion));
     if (object.deformation != nullptr)
       fmt::format_to(std::back_inserter(text), "{:<20} {}\n", "", describe_deformation(*object.deformation));
+    if (object.sculpt) fmt::format_to(std::back_inserter(text), "{:<20} {}\n", "", describe_sculpt(*object.sculpt));
     if (object.sealed.is_worth_a_note()) fmt::format_to(std::back_inserter(text), "{:<20} {}\n", "", object.sealed.describe());
   }
   for (const SceneEffect& effect : report.scene.effects) {
@@ -157,6 +163,9 @@ std::string to_json(const SceneReport& report) {
                        {"motion_s", object.motion != nullptr ? object.motion->duration_s() : 0.0},
                        {"morphs", object.deformation != nullptr ? object.deformation->targets().size() : std::size_t{0}},
                        {"deformation_s", object.deformation != nullptr ? object.deformation->duration_s() : 0.0},
+                       {"voxel_m", object.sculpt ? Json(object.sculpt->voxel_m) : Json()},
+                       {"tool_radius_m", object.sculpt ? Json(object.sculpt->tool_radius_m) : Json()},
+                       {"carve_button", object.sculpt ? Json(1 + std::countr_zero(object.sculpt->button)) : Json()},
                        {"effects", names_of(object.effects)}});
   }
   Json effects = Json::array();

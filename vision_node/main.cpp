@@ -135,6 +135,8 @@ int run(VisionOptions& options) {
   session.set_annotator(annotator->get());
   MovedObjects moved(**view, *scene);
   if (!*tool) session.set_moved_objects(&moved);
+  CarvedObjects carved(**view, *scene);
+  session.set_carved_objects(&carved);
   if (*other) session.set_other_hand(&(*other)->hand);
   TeachBuilder teacher(scene->touch_scene());
   session.set_teacher(&teacher);

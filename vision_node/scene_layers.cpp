@@ -33,6 +33,11 @@ void SceneLayers::reshape_object(std::size_t object, std::vector<Vec3> vertices)
   for (Layer& each : layers_) each.is_valid = false;
 }
 
+void SceneLayers::replace_object(std::size_t object, std::vector<FlatLevel> levels) {
+  painter_->replace_object(object, std::move(levels));
+  for (Layer& each : layers_) each.is_valid = false;
+}
+
 bool SceneLayers::has_new_levels() {
   has_new_levels_ = painter_->take_levels() || has_new_levels_;
   return has_new_levels_;

@@ -26,6 +26,7 @@ class SceneLayers {
   // As ScenePainter has it; all pictures are drawn again.
   void place_object(std::size_t object, const Pose& X_SO, bool is_shown);
   void reshape_object(std::size_t object, std::vector<Vec3> vertices);
+  void replace_object(std::size_t object, std::vector<FlatLevel> levels);
 
   // Draws one more part in full detail. True when all eyes' pictures are complete; from then on copy() shows them.
   bool refine();

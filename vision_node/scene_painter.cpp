@@ -56,6 +56,7 @@ struct ScenePainter::Object {
   std::vector<FlatBuffers> coarser_vertices;
   bool has_rough = false;
   bool is_reshaped = false;       // the builder's levels are not of its shape
+  std::size_t triangles = 0;      // in full detail
   std::vector<LevelFacts> facts;  // full, then coarser
 
   const FlatLevel& level(std::size_t i) const { return i > 0 ? coarser[i - 1] : full; }
@@ -65,7 +66,7 @@ struct ScenePainter::Object {
   Mat4 X_SU() const { return X_SO.matrix() * frame.matrix(); }
 
   void list_facts() {
-    facts = {{whole->triangles(), 0.0}};
+    facts = {{triangles, 0.0}};
     for (const FlatLevel& made : coarser) facts.push_back({made.triangles(), made.error * frame.scale_m});
   }
 };
@@ -139,6 +140,7 @@ Result<std::unique_ptr<ScenePainter>> ScenePainter::make(const std::vector<Shown
     object->colour = shown.colour;
     object->whole = std::make_unique<DetailLevel>(make_whole_level(shown, *object));
     object->radius_m = object->whole->clusters.front().radius * object->frame.scale_m;
+    object->triangles = object->whole->triangles();
     levels.push_back(object->whole.get());
     painter->objects_.push_back(std::move(object));
   }
@@ -159,17 +161,39 @@ void ScenePainter::place_object(std::size_t object, const Pose& X_SO, bool is_sh
   objects_[object]->is_shown = is_shown;
 }
 
-void ScenePainter::reshape_object(std::size_t number, std::vector<Vec3> vertices) {
-  Object& object = *objects_[number];
-  TriangleMesh mesh{.vertices = std::move(vertices), .triangles = object.shown.mesh->triangles};
+// Without what was made of its shape before.
+void ScenePainter::begin_reshape(Object& object) {
   object.is_reshaped = true;
   object.is_preview = false;
-  object.full = make_flat(make_level_of(mesh, object));
   release(object.full_vertices);
-  object.full_vertices = upload(object.full, index_buffer_);
   object.coarser.clear();
   for (FlatBuffers& coarser : object.coarser_vertices) release(coarser);
   object.coarser_vertices.clear();
+}
+
+void ScenePainter::reshape_object(std::size_t number, std::vector<Vec3> vertices) {
+  Object& object = *objects_[number];
+  TriangleMesh mesh{.vertices = std::move(vertices), .triangles = object.shown.mesh->triangles};
+  begin_reshape(object);
+  object.full = make_flat(make_level_of(mesh, object));
+  object.full_vertices = upload(object.full, index_buffer_);
+  object.list_facts();
+}
+
+void ScenePainter::replace_object(std::size_t number, std::vector<FlatLevel> levels) {
+  Object& object = *objects_[number];
+  begin_reshape(object);
+  object.textures.reset();
+  object.is_painted = object.is_finished = object.has_blended = false;
+  all_triangles_ -= object.triangles;
+  object.triangles = levels.front().triangles();
+  all_triangles_ += object.triangles;
+  object.full = std::move(levels.front());
+  object.full_vertices = upload(object.full, index_buffer_);
+  for (std::size_t i = 1; i < levels.size(); ++i) {
+    object.coarser.push_back(std::move(levels[i]));
+    object.coarser_vertices.push_back(upload(object.coarser.back(), index_buffer_));
+  }
   object.list_facts();
 }
 
@@ -214,7 +238,7 @@ std::size_t ScenePainter::choose(const Object& object, const ScenePass& pass, do
   const EyeDepths depths = compute_eye_depths(pass.screen, pass.eye);
   const double nearest_m = std::max(depths.near_m, depths.eye_m - p_VO.z() - object.radius_m);
   const double pixels_per_m = pass.size.width_px / pass.screen.width_m * depths.eye_m / nearest_m;
-  const auto budget = static_cast<std::size_t>(static_cast<double>(kTriangleBudget) * static_cast<double>(object.whole->triangles()) /
+  const auto budget = static_cast<std::size_t>(static_cast<double>(kTriangleBudget) * static_cast<double>(object.triangles) /
                                                static_cast<double>(std::max<std::size_t>(1, all_triangles_)));
   const std::size_t level = choose_level(object.facts, pixels_per_m, budget);
   if (error_px != nullptr) *error_px = object.facts[level].error_m * pixels_per_m;

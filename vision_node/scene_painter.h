@@ -69,6 +69,10 @@ class ScenePainter {
   // Gives an object's mesh other vertices, as many as it has. It is drawn as it is from now on, in one level of detail. Linear in the mesh.
   void reshape_object(std::size_t object, std::vector<Vec3> vertices);
 
+  // Draws these levels, from the finest, in place of an object's mesh, in its one colour. Frame: U of that mesh (frame_detail). Pre: at
+  // least one.
+  void replace_object(std::size_t object, std::vector<FlatLevel> levels);
+
   // Makes ready all triangles of large meshes, of which only a part is drawn until the builder has prepared them. Takes a tenth of a
   // second.
   void complete();
@@ -93,6 +97,7 @@ class ScenePainter {
   std::size_t choose(const Object& object, const ScenePass& pass, double* error_px = nullptr) const;
   static DetailLevel make_whole_level(const ShownObject& shown, Object& object);
   static DetailLevel make_level_of(const TriangleMesh& mesh, const Object& object);
+  void begin_reshape(Object& object);
   Result<void> make_programs();
   void upload_lines();
   void paint_lines(const ScenePass& pass) const;

@@ -363,6 +363,10 @@ void StereoView::reshape_object(std::size_t object, std::vector<Vec3> vertices) 
   window_->window->MakeCurrent();
   window_->layers->reshape_object(object, std::move(vertices));
 }
+void StereoView::replace_object(std::size_t object, std::vector<FlatLevel> levels) {
+  window_->window->MakeCurrent();
+  window_->layers->replace_object(object, std::move(levels));
+}
 AnnotationFigure& StereoView::annotation_figure() { return window_->annotations; }
 MenuFigure& StereoView::menu_figure() { return window_->menu; }
 TeachFigure& StereoView::teach_figure() { return window_->teach; }

@@ -99,6 +99,8 @@ class StereoView {
   void place_object(std::size_t object, const Pose& X_SO, bool is_shown);
   // Gives an object's mesh other vertices, as many as it has, in the frame of that mesh.
   void reshape_object(std::size_t object, std::vector<Vec3> vertices);
+  // Draws these levels in place of an object's mesh, as ScenePainter has it.
+  void replace_object(std::size_t object, std::vector<FlatLevel> levels);
   // Strokes, measures and the menu in the workspace. They live as long as the view.
   AnnotationFigure& annotation_figure();
   MenuFigure& menu_figure();

@@ -104,6 +104,9 @@ void VisionSession::take_states(std::int64_t deadline_ns) {
     if (const auto* move = std::get_if<ObjectMove>(&received.message); move != nullptr && moved_ != nullptr) {
       moved_->take(*move, hub_.last_arrival());
     }
+    if (const auto* carves = std::get_if<Carves>(&received.message); carves != nullptr && carved_ != nullptr) {
+      carved_->take(*carves, hub_.last_arrival());
+    }
     const auto* state = std::get_if<ProbeState>(&received.message);
     if (state != nullptr && hub_.last_arrival() == Arrival::newest) take_state(*state);
   }
@@ -176,6 +179,7 @@ void VisionSession::compare_scene(const SceneFacts& haptic_scene) {
 
 Result<void> VisionSession::attend_window() {
   if (knobs_ != nullptr) step_.turn_dials(knobs_->take_turn_degrees(clock_.now_ns()));
+  if (carved_ != nullptr && carved_->show()) step_.reshape_scene();
   const UserRequests requests = window_.attend({}, [this](const WindowEvent& event) { return find_surface(event); });
   quit_ = quit_ || requests.quit;
   if (requests.mark) marks_.press(clock_.now_ns());
@@ -212,6 +216,9 @@ void VisionSession::speak() {
     hub_.send(SceneFacts{.given_hash = scene_hash_});
   }
   while (const auto message = step_.take_message(clock_.now_ns())) hub_.send(*message);
+  if (carved_ != nullptr) {
+    if (const auto request = carved_->take_request(clock_.now_ns())) hub_.send(*request);
+  }
   if (annotator_ != nullptr) {
     if (const auto pose = annotator_->take_due(clock_.now_ns())) hub_.send(*pose);
   }

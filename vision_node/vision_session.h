@@ -6,6 +6,7 @@
 #include "runtime/stop_signal.h"
 #include "scene/scene_file.h"
 #include "vision_node/annotator.h"
+#include "vision_node/carved_objects.h"
 #include "vision_node/marker_key.h"
 #include "vision_node/moved_objects.h"
 #include "vision_node/other_hand.h"
@@ -55,6 +56,9 @@ class VisionSession {
   // What draws the objects that the stylus moves. Pre: it outlives the session.
   void set_moved_objects(MovedObjects* moved) { moved_ = moved; }
 
+  // What draws the objects that the stylus carves. Pre: it outlives the session.
+  void set_carved_objects(CarvedObjects* carved) { carved_ = carved; }
+
   // What is drawn on the scene and measured. Pre: it outlives the session.
   void set_annotator(Annotator* annotator) { annotator_ = annotator; }
 
@@ -86,6 +90,7 @@ class VisionSession {
   HeadsetShow* headset_ = nullptr;
   bool is_for_headset_ = false;  // the next frame
   MovedObjects* moved_ = nullptr;
+  CarvedObjects* carved_ = nullptr;
   OtherHand* other_ = nullptr;
   Annotator* annotator_ = nullptr;
   std::uint64_t annotations_shown_ = 0;

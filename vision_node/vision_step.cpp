@@ -182,7 +182,8 @@ VisionStep::Shown VisionStep::compose(std::int64_t now_ns) {
 std::optional<FrameAck> VisionStep::drew(std::int64_t start_ns, std::int64_t end_ns, const Screen& where) {
   last_start_ns_ = start_ns;
   frames_.drew(start_ns, end_ns);
-  if (scene_pose().matrix() != X_WS_shown_.matrix() || interaction_.camera() != camera_shown_ || !is_head_at_rest_) {
+  if (std::exchange(has_new_shape_, false) || scene_pose().matrix() != X_WS_shown_.matrix() || interaction_.camera() != camera_shown_ ||
+      !is_head_at_rest_) {
     scene_moved_ns_ = start_ns;
     is_head_at_rest_ = true;
   }

@@ -93,6 +93,8 @@ class VisionStep {
   void set_head_notice(std::string line) { head_notice_ = std::move(line); }
   // The window has to be drawn whatever moved (uncovered, resized).
   void spoil() { stale_ = true; }
+  // The scene has another shape: drawn as it is while it moves, and in full detail when it has kept that for a while.
+  void reshape_scene() { stale_ = has_new_shape_ = true; }
 
   UserRequests take_requests();
   // The mode of stereo is another one from now on.
@@ -192,6 +194,7 @@ class VisionStep {
   ViewerHead head_;
   Head head_shown_;
   bool is_head_at_rest_ = true;
+  bool has_new_shape_ = false;
   std::string head_notice_;
   std::int64_t scene_moved_ns_ = 0;
   double detail_progress_ = 1.0;

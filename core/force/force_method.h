@@ -11,14 +11,16 @@
 #include "core/base/result.h"
 #include "core/force/touch_scene.h"
 #include "core/math/types.h"
+#include "core/sculpt/sculpture.h"
 
 namespace hapton {
 
 // One device sample, in the static scene's frame.
 struct MethodInput {
-  Vec3 p_SD = Vec3::Zero();  // device point, m
-  double dt_s = 1e-3;        // time since the sample before
-  double time_s = 0.0;       // scene time, for objects that move or deform
+  Vec3 p_SD = Vec3::Zero();   // device point, m
+  double dt_s = 1e-3;         // time since the sample before
+  double time_s = 0.0;        // scene time, for objects that move or deform
+  std::uint32_t buttons = 0;  // of the stylus that are down, a bit each (button_bit); of use to what can be carved only
   // Where programs have moved objects, by their number among those with a TouchObject::command_pivot: X_SO at that time. Empty: at rest.
   std::span<const Pose> commanded = {};
 };
@@ -60,6 +62,11 @@ class ForceMethod {
   // Only the materials have changed: proxy and contact stay, and the next step uses the new ones. Pre: one for each object of the scene,
   // with the stiffness from couple_material, two_sided as before. Threads: as step.
   virtual void set_materials(std::span<const Material> materials) noexcept = 0;
+
+  // The bodies of material that its steps carve; null: the scene has none. exchange_sculpture: goes on with the bodies of `other` and gives
+  // it its own, if they are the same at rest; otherwise it does nothing.
+  virtual const Sculpture* sculpture() const noexcept { return nullptr; }
+  virtual void exchange_sculpture(ForceMethod& other) noexcept { (void)other; }
 
   // The slow task: does one piece of work that steps have requested, such as building the structures of an object that the probe
   // approaches. Returns true if there was any. RT: no. Threads: may run beside step and reset, in one thread at a time.

@@ -6,6 +6,7 @@
 #include "core/force/moving_method.h"
 #include "core/force/proxy/proxy_method.h"
 #include "core/force/reference/reference_method.h"
+#include "core/force/sculpt/sculpt_method.h"
 #include "core/force/smooth/smooth_method.h"
 #include "core/force/sweep/sweep_method.h"
 #include "core/force/virtual_coupling.h"
@@ -58,6 +59,7 @@ Result<std::unique_ptr<ForceMethod>> make_method(const MethodSettings& settings,
     return fail("method {}: a virtual coupling of {} N/m; give a stiffness above 0, or 0 for none", settings.name,
                 settings.coupling_n_per_m);
   }
+  if (scene.has_sculpt() && is_method_name(settings.name)) return SculptMethod::make(settings, scene);
   for (const Entry& entry : kMethods) {
     if (entry.name != settings.name) continue;
     const TouchScene coupled = couple_scene(scene, settings.coupling_n_per_m);

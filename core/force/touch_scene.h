@@ -11,6 +11,7 @@
 #include "core/geometry/mesh_deformation.h"
 #include "core/geometry/triangle_mesh.h"
 #include "core/math/keyframe_motion.h"
+#include "core/sculpt/sculpt_settings.h"
 
 namespace hapton {
 
@@ -33,6 +34,8 @@ struct TouchObject {
   std::optional<Vec3> command_pivot =
       {};  // a program may move the mesh (CommandedMotion), in place of a motion: the pivot; none: it may not
 
+  std::optional<SculptSettings> sculpt = {};  // the mesh is a body of material that can be carved; none: it keeps its shape
+
   bool moves() const { return motion != nullptr || deformation != nullptr || command_pivot.has_value(); }
 };
 
@@ -54,6 +57,9 @@ struct TouchScene {
   }
   bool has_commanded() const {
     return std::any_of(objects.begin(), objects.end(), [](const TouchObject& object) { return object.command_pivot.has_value(); });
+  }
+  bool has_sculpt() const {
+    return std::any_of(objects.begin(), objects.end(), [](const TouchObject& object) { return object.sculpt.has_value(); });
   }
   // By keyframes, by commands, or as they deform.
   bool has_motion() const {

@@ -31,7 +31,7 @@ struct TouchOutput {
 
 // One haptic step: transforms the device point into the static scene's frame, runs the method, adds the scene's effects, and transforms
 // force and visual offset back to the world. The live node, replay, tests and benches all call it. RT: step, reset, resume, set_materials,
-// command and follow_commands yes.
+// command, follow_commands and follow_carves yes.
 class TouchStep {
  public:
   // Without effects.
@@ -58,6 +58,17 @@ class TouchStep {
   std::vector<int> commanded_objects() const;
   // Takes over the commanded motions of `other`, a step for the same scene. If the numbers of such objects differ, it does nothing.
   void follow_commands(const TouchStep& other) noexcept;
+  // Bodies of material can be carved by the buttons of TouchInput.
+  bool has_sculpture() const { return method_->sculpture() != nullptr; }
+  // What the last step carved; null: nothing.
+  const MadeCarve* made_carve() const noexcept {
+    const Sculpture* sculpture = method_->sculpture();
+    return sculpture != nullptr && sculpture->made() ? &*sculpture->made() : nullptr;
+  }
+  // Goes on with the shapes that `other`, a step for the same scene, has carved, and gives it its own.
+  void follow_carves(TouchStep& other) noexcept {
+    if (method_ != other.method_) method_->exchange_sculpture(*other.method_);
+  }
   // Shared with the slow task, which calls prepare() beside step().
   std::shared_ptr<ForceMethod> share_method() const { return method_; }
 

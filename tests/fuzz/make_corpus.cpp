@@ -61,6 +61,8 @@ std::vector<ListedDatagram> sealed(std::initializer_list<Said> all) {
 bool write_sealed() {
   const MaterialRequest change{.request = 1, .object = {"hull"}, .change = {.given = MaterialChange::kStiffness, .stiffness_n_per_m = 800}};
   const MoveRequest move{.request = 1, .object = {"lid"}, .p_m = Vec3(0.1, 0, 0), .q = Quat::Identity(), .over_s = 0.5};
+  Carves carves{.source = 1, .newest = 2, .first = 1, .count = 2};
+  carves.carves.fill({.to_m = {0.0F, 0.01F, 0.0F}, .radius_m = 0.005F});
   ForceCommand force{.echo_sample = 1, .force_n = Vec3(1, 2, 3), .contact = true, .object = 0};
   return write("sealed", "haptics",
                sealed({{kHaptics, Hello{NodeRole::haptics}}, {kHaptics, force}, {kHaptics, HapticsSetup()}, {kHaptics, Bye()}})) &&
@@ -103,6 +105,15 @@ bool write_sealed() {
                        {kHaptics, MoveReply{.request = 1, .over_s = 0.5, .serial = 1}},
                        {kHaptics, ObjectMove{.source = 1, .serial = 1, .end_ns = 500'000'000}},
                        {kToNode, move}})) &&
+         write("sealed", "carve",
+               sealed({{kVision, Hello{NodeRole::vision}},
+                       {kVision, CarveStatus{.source = 1, .complete = 2}},
+                       {kHaptics, Hello{NodeRole::haptics}},
+                       {kHaptics, carves},
+                       {kHaptics, Carves{.source = 1, .newest = 2}},
+                       {kVision, carves},
+                       {kVision, CarveStatus{.source = 1}},
+                       {kToNode, carves}})) &&
          write("sealed", "operator", sealed({{kOperator, Hello{NodeRole::tool}}, {kOperator, Settings{.reset_faults = true}}})) &&
          write("sealed", "wrong_role",
                sealed({{kVision, Hello{NodeRole::haptics}}, {kVision, Hello{NodeRole::vision}}, {kVision, force}})) &&

@@ -51,6 +51,12 @@ TEST_F(SceneChanges, AreToldApart) {
   EXPECT_EQ(compare_scenes(commanded, before), SceneChange::shape);
   EXPECT_EQ(compare_scenes(commanded, scene("moved_by = 'program'", "stiffness_n_per_m = 500")), SceneChange::none);
   EXPECT_EQ(compare_scenes(commanded, scene("moved_by = 'program'\npivot_m = [0.1, 0, 0]", "stiffness_n_per_m = 500")), SceneChange::shape);
+  Scene carved = before, finer = before;
+  carved.objects[0].sculpt = SculptSettings{.voxel_m = 0.001, .tool_radius_m = 0.004, .button = 1};
+  finer.objects[0].sculpt = SculptSettings{.voxel_m = 0.0009, .tool_radius_m = 0.004, .button = 1};
+  EXPECT_EQ(compare_scenes(before, carved), SceneChange::shape);
+  EXPECT_EQ(compare_scenes(carved, carved), SceneChange::none);
+  EXPECT_EQ(compare_scenes(carved, finer), SceneChange::shape);
   EXPECT_EQ(compare_scenes(before, scene("", "stiffness_n_per_m = 500\ntwo_sided = false")), SceneChange::shape);
   EXPECT_EQ(compare_scenes(before, scene("[[object]]\nmesh = 'a.obj'", "stiffness_n_per_m = 500")), SceneChange::shape);
 }

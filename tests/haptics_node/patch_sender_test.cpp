@@ -147,6 +147,15 @@ TEST(PatchSender, ASceneThatMovesIsNeverOffered) {
   EXPECT_EQ(stage.sender.obstacle(), "objects of the scene move");
 }
 
+TEST(PatchSender, ASceneThatCanBeCarvedIsNeverOffered) {
+  TouchScene scene = scene_of(made::sheet(0.05, 0.0, 20));
+  scene.objects[0].sculpt = SculptSettings{.voxel_m = 0.001, .tool_radius_m = 0.004, .button = 1};
+  SenderStage stage(true, scene);
+  stage.sender.set_offered(true);
+  EXPECT_FALSE(stage.sender.is_offered());
+  EXPECT_EQ(stage.sender.obstacle(), "objects of the scene can be carved");
+}
+
 TEST(PatchSender, OffersWhatPartsServe) {
   EXPECT_TRUE(PatchSender::can_offer("name=proxy probe_radius_m=0"));
   EXPECT_FALSE(PatchSender::can_offer("name=proxy probe_radius_m=0 shading=0.5"));

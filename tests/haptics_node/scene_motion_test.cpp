@@ -62,5 +62,17 @@ TEST(SceneMotion, WhatProgramsMoveIsToldLikewise) {
   EXPECT_TRUE(check_motion(scene, false));
 }
 
+TEST(SceneMotion, WhatCanBeCarvedGoesWithAProbeOnly) {
+  Scene scene = moving_scene_with(false, false);
+  EXPECT_TRUE(check_sculpt(scene, true));
+  scene.objects[0].sculpt = SculptSettings{.voxel_m = 0.001, .tool_radius_m = 0.004, .button = 1};
+  EXPECT_TRUE(check_sculpt(scene, false));
+  EXPECT_EQ(check_sculpt(scene, true).error().what,
+            "object 'lid' can be carved, which a rigid tool does not support: leave out the tool, or 'sculpt'");
+  scene.objects[1].is_movable = true;
+  EXPECT_EQ(check_sculpt(scene, false).error().what,
+            "object 'lid' can be carved and 'peg' is movable, which cannot be combined: keep one of the two");
+}
+
 }  // namespace
 }  // namespace hapton

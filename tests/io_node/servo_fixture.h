@@ -95,6 +95,8 @@ struct Servos : testing::Test {
   std::vector<std::pair<Address, MoveRequest>> move_requests;
   std::vector<std::pair<Address, MoveReply>> move_replies;
   std::vector<std::pair<Address, ObjectMove>> object_moves;
+  std::vector<std::pair<Address, Carves>> carves;
+  std::vector<std::pair<Address, CarveStatus>> carve_statuses;
   std::vector<std::pair<Address, MarkerReply>> marker_replies;
   std::vector<LoopFacts> loop_facts;  // these two are for the haptics node alone
   std::vector<std::pair<std::int64_t, PatchStatus>> patch_statuses;
@@ -141,6 +143,8 @@ struct Servos : testing::Test {
     if (const auto* request = std::get_if<MoveRequest>(&datagram.message)) move_requests.emplace_back(to, *request);
     if (const auto* reply = std::get_if<MoveReply>(&datagram.message)) move_replies.emplace_back(to, *reply);
     if (const auto* move = std::get_if<ObjectMove>(&datagram.message)) object_moves.emplace_back(to, *move);
+    if (const auto* some = std::get_if<Carves>(&datagram.message)) carves.emplace_back(to, *some);
+    if (const auto* status = std::get_if<CarveStatus>(&datagram.message)) carve_statuses.emplace_back(to, *status);
     if (const auto* reply = std::get_if<MarkerReply>(&datagram.message)) marker_replies.emplace_back(to, *reply);
     if (const auto* facts = std::get_if<LoopFacts>(&datagram.message)) {
       EXPECT_EQ(to, at(kHaptics));

@@ -164,5 +164,30 @@ TEST_F(Servos, WhatWasOvertakenByItsSuccessorChangesNothing) {
   EXPECT_EQ(object_moves.size(), 2U) << "each of its own object";
 }
 
+// Those that were overtaken as well: a vision node would request them again.
+TEST_F(Servos, CarvesGoToVisionNodesAndRequestsForThemToHaptics) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  join(kVision, NodeRole::vision);
+  join(kTool, NodeRole::tool);
+  run(20);
+  Carves first{.source = 1, .newest = 2, .first = 1, .count = 1};
+  first.carves[0].radius_m = 0.01F;
+  Carves second = first;
+  second.first = 2;
+  say(kHaptics, first, 5 * kMs);
+  say(kHaptics, second);
+  say(kVision, CarveStatus{.source = 1, .complete = 1}, 5 * kMs);
+  say(kVision, CarveStatus{.source = 1, .complete = 2});
+  say(kTool, CarveStatus{.source = 1});
+  run(20);
+  ASSERT_EQ(carves.size(), 2U);
+  for (const auto& [to, each] : carves) EXPECT_EQ(to, at(kVision));
+  EXPECT_EQ(carves[0].second.first + carves[1].second.first, 3U);
+  ASSERT_EQ(carve_statuses.size(), 1U) << "the newest";
+  EXPECT_EQ(carve_statuses[0].first, at(kHaptics));
+  EXPECT_EQ(carve_statuses[0].second.complete, 2U);
+}
+
 }  // namespace
 }  // namespace hapton

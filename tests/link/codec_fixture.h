@@ -121,6 +121,10 @@ class RandomDatagrams {
         return draw_move_reply();
       case 27:
         return draw_move();
+      case 28:
+        return draw_carves();
+      case 29:
+        return CarveStatus{bits32() | 1U, bits32()};
       default:
         return LoopFacts{{'s', 'i', 'm'}, rate(), static_cast<float>(number(0, 1))};
     }
@@ -166,6 +170,22 @@ class RandomDatagrams {
     const auto start_ns = static_cast<std::int64_t>(bits() >> 2);
     return {bits32() | 1U, bits32(),   number_of_object(), start_ns,  start_ns + static_cast<std::int64_t>(bits32()),
             vector(),      rotation(), vector(),           rotation()};
+  }
+
+  Carves draw_carves() {
+    Carves carves{.source = bits32() | 1U, .newest = bits32()};
+    carves.count = std::min(static_cast<std::uint32_t>(bits() % (Carves::kMost + 1)), carves.newest);
+    if (carves.count > 0) carves.first = 1 + bits32() % (carves.newest - carves.count + 1);
+    for (std::size_t n = 0; n < carves.count; ++n) {
+      Carves::One& one = carves.carves[n];
+      one.object = number_of_object();
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        one.from_m[axis] = static_cast<float>(number(-10, 10));
+        one.to_m[axis] = one.from_m[axis] + static_cast<float>(number(-0.5, 0.5));
+      }
+      one.radius_m = static_cast<float>(number(1e-6, 1));
+    }
+    return carves;
   }
 
   Marker draw_marker() {
@@ -359,6 +379,21 @@ inline void expect_sane(const Datagram& datagram) {
     EXPECT_TRUE(move->from_p_m.allFinite() && move->to_p_m.allFinite());
     EXPECT_NEAR(move->from_q.norm(), 1.0, 1.1e-3);
     EXPECT_NEAR(move->to_q.norm(), 1.0, 1.1e-3);
+  } else if (const auto* carves = std::get_if<Carves>(&datagram.message)) {
+    EXPECT_NE(carves->source, 0U);
+    ASSERT_LE(carves->count, Carves::kMost);
+    EXPECT_EQ(carves->count == 0, carves->first == 0);
+    EXPECT_LE(std::uint64_t{carves->first} + carves->count, std::uint64_t{carves->newest} + 1);
+    for (std::size_t n = 0; n < carves->count; ++n) {
+      const Carves::One& one = carves->carves[n];
+      EXPECT_GE(one.object, 0);
+      const Vec3 from(one.from_m[0], one.from_m[1], one.from_m[2]);
+      const Vec3 to(one.to_m[0], one.to_m[1], one.to_m[2]);
+      EXPECT_TRUE((to - from).norm() <= 1000.0) << "finite as well";
+      EXPECT_TRUE(one.radius_m > 0.0F && one.radius_m <= 1000.0F);
+    }
+  } else if (const auto* carve_status = std::get_if<CarveStatus>(&datagram.message)) {
+    EXPECT_NE(carve_status->source, 0U);
   } else if (const auto* pose = std::get_if<ObjectPose>(&datagram.message)) {
     EXPECT_NE(pose->serial, 0U);
     EXPECT_GE(pose->object, 0);

@@ -297,6 +297,65 @@ TEST_F(CodecTest, RejectsBadMovesOfObjects) {
   EXPECT_EQ(round_trip(MoveReply{.request = 0}), DecodeStatus::bad_value);
 }
 
+TEST_F(CodecTest, RejectsBadCarves) {
+  const Carves::One one{.object = 3, .from_m = {0.1F, 0.2F, 0.3F}, .to_m = {0.1F, 0.2F, 0.4F}, .radius_m = 0.01F};
+  Carves good{.source = 1, .newest = 9, .first = 8, .count = 2};
+  good.carves[0] = good.carves[1] = one;
+  EXPECT_EQ(round_trip(good), DecodeStatus::ok);
+  EXPECT_EQ(round_trip(Carves{.source = 1}), DecodeStatus::ok) << "none yet";
+  EXPECT_EQ(round_trip(Carves{.source = 1, .newest = 9}), DecodeStatus::ok) << "how many there are";
+  const auto with = [&](auto&& change) {
+    Carves bad = good;
+    change(bad);
+    return round_trip(bad);
+  };
+  EXPECT_EQ(with([](Carves& m) { m.source = 0; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](Carves& m) { m.first = 0; }), DecodeStatus::bad_value) << "serials begin with 1";
+  EXPECT_EQ(with([](Carves& m) { m.count = 0; }), DecodeStatus::bad_value) << "the first one of none";
+  EXPECT_EQ(with([](Carves& m) { m.newest = 8; }), DecodeStatus::bad_value) << "the last one is newer than the newest";
+  EXPECT_EQ(with([](Carves& m) { m.newest = 7; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](Carves& m) { m.first = 0xFFFFFFFF; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](Carves& m) { m.carves[1].object = -1; }), DecodeStatus::bad_value);
+  for (const float radius : {0.0F, -0.01F, 1000.1F, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    EXPECT_EQ(with([&](Carves& m) { m.carves[1].radius_m = radius; }), DecodeStatus::bad_value) << radius;
+  }
+  for (const float x : {1000.2F, 2e9F, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    EXPECT_EQ(with([&](Carves& m) { m.carves[1].from_m[0] = x; }), DecodeStatus::bad_value) << x;
+    EXPECT_EQ(with([&](Carves& m) { m.carves[1].to_m[2] = x + 0.3F; }), DecodeStatus::bad_value) << x;
+  }
+  EXPECT_EQ(with([](Carves& m) { m.carves[1].from_m = m.carves[1].to_m = {3e9F, 0.0F, 0.0F}; }), DecodeStatus::bad_value);
+  EXPECT_EQ(round_trip(CarveStatus{.source = 1, .complete = 4}), DecodeStatus::ok);
+  EXPECT_EQ(round_trip(CarveStatus{.complete = 4}), DecodeStatus::bad_value);
+}
+
+// By hand, as the struct has no room for what the count claims.
+TEST_F(CodecTest, RejectsCarvesWhoseNumbersDoNotMatchTheirCount) {
+  const auto decode_carves = [&](int objects, int numbers) {
+    const auto varint = [](std::string& to, std::size_t value) {
+      for (; value > 127; value >>= 7) to.push_back(static_cast<char>(value | 0x80));
+      to.push_back(static_cast<char>(value));
+    };
+    std::string inner("\x0D\x01\x00\x00\x00\x15\x40\x00\x00\x00\x1D\x01\x00\x00\x00", 15);  // source 1, newest 64, first 1
+    inner += '\x22';
+    varint(inner, static_cast<std::size_t>(objects));
+    inner.append(static_cast<std::size_t>(objects), '\x01');
+    inner += '\x2A';
+    varint(inner, 4 * static_cast<std::size_t>(numbers));
+    for (int n = 0; n < numbers; ++n) inner += std::string("\x00\x00\x00\x3F", 4);  // 0.5
+    std::string whole("\x08\x03\xE2\x02", 4);                                       // version 3, field 44
+    varint(whole, inner.size());
+    whole += inner;
+    const auto* bytes = reinterpret_cast<const std::byte*>(whole.data());
+    return decode(Bytes(bytes, bytes + whole.size()));
+  };
+  EXPECT_EQ(decode_carves(32, 32 * 7), DecodeStatus::ok);
+  EXPECT_EQ(decode_carves(33, 33 * 7), DecodeStatus::bad_value) << "more than there is room for";
+  EXPECT_EQ(decode_carves(32, 31 * 7), DecodeStatus::bad_value);
+  EXPECT_EQ(decode_carves(31, 32 * 7), DecodeStatus::bad_value);
+  EXPECT_EQ(decode_carves(2, 2 * 7 - 1), DecodeStatus::bad_value);
+  EXPECT_EQ(decode_carves(0, 7), DecodeStatus::bad_value);
+}
+
 TEST_F(CodecTest, RejectsBadPosesOfObjects) {
   const ObjectPose good{.serial = 1, .object = 2, .is_held = true};
   EXPECT_EQ(round_trip(good), DecodeStatus::ok);

@@ -374,7 +374,9 @@ TEST_F(RoleRights, EachRoleSendsWhatIsItsOwn) {
                                                               {material, NodeRole::tool},
                                                               {MaterialState{}, NodeRole::haptics},
                                                               {MoveReply{.request = 1}, NodeRole::haptics},
-                                                              {ObjectMove{.source = 1}, NodeRole::haptics}};
+                                                              {ObjectMove{.source = 1}, NodeRole::haptics},
+                                                              {Carves{.source = 1}, NodeRole::haptics},
+                                                              {CarveStatus{.source = 1}, NodeRole::vision}};
   const std::vector<std::pair<NodeRole, KeyRole>> nodes = {
       {NodeRole::haptics, KeyRole::haptics}, {NodeRole::vision, KeyRole::vision}, {NodeRole::tool, KeyRole::tool}};
   for (std::size_t n = 0; n < nodes.size(); ++n) {
@@ -385,7 +387,7 @@ TEST_F(RoleRights, EachRoleSendsWhatIsItsOwn) {
       EXPECT_EQ(event.kind == Kind::message, owner == nodes[n].first) << message.index();
     }
   }
-  EXPECT_EQ(hub_->counts().wrong_role, 22U);
+  EXPECT_EQ(hub_->counts().wrong_role, 26U);
   // Two roles have a scene; where its objects are one says, and the other asks for.
   for (std::size_t n = 0; n < nodes.size(); ++n) {
     const Address at = memory_address(static_cast<std::uint8_t>(10 + n), 9);

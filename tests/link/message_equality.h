@@ -86,6 +86,17 @@ inline void expect_equal(const ObjectMove& a, const ObjectMove& b) {
   EXPECT_EQ(a.to_p_m, b.to_p_m);
   EXPECT_EQ(a.to_q.coeffs(), b.to_q.coeffs());
 }
+inline void expect_equal(const Carves& a, const Carves& b) {
+  ASSERT_EQ(std::tie(a.source, a.newest, a.first, a.count), std::tie(b.source, b.newest, b.first, b.count));
+  for (std::size_t n = 0; n < a.count; ++n) {
+    const Carves::One& one = a.carves[n];
+    const Carves::One& other = b.carves[n];
+    EXPECT_EQ(std::tie(one.object, one.from_m, one.to_m, one.radius_m), std::tie(other.object, other.from_m, other.to_m, other.radius_m));
+  }
+}
+inline void expect_equal(const CarveStatus& a, const CarveStatus& b) {
+  EXPECT_EQ(std::tie(a.source, a.complete), std::tie(b.source, b.complete));
+}
 inline void expect_equal(const ViewTransform& a, const ViewTransform& b) {
   EXPECT_EQ(a.revision, b.revision);
   EXPECT_EQ(a.X_WS, b.X_WS);

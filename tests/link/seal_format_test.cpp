@@ -104,6 +104,11 @@ void lengthen(ObjectMove& m) {
   constexpr std::int64_t kMostTime = std::numeric_limits<std::int64_t>::max();
   m = {kMost32, kMost32, std::numeric_limits<std::int32_t>::max(), kMostTime, kMostTime, kVector, kRotation, kVector, kRotation};
 }
+void lengthen(Carves& m) {
+  m = {kMost32, kMost32, kMost32 - Carves::kMost, Carves::kMost, {}};
+  m.carves.fill({std::numeric_limits<std::int32_t>::max(), {0.1F, 0.2F, 0.3F}, {0.2F, 0.3F, 0.4F}, 0.1F});
+}
+void lengthen(CarveStatus& m) { m = {kMost32, kMost32}; }
 void lengthen(Marker& m) {
   m.request = kMost32;
   std::fill(m.text.begin(), m.text.end() - 1, 'x');

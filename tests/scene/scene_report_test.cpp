@@ -46,6 +46,15 @@ TEST(SceneReport, SaysWhatMovesByItself) {
   EXPECT_NE(to_json(*report).find("\"motion_s\": 4.8"), std::string::npos);
 }
 
+TEST(SceneReport, SaysWhatCanBeCarved) {
+  const auto report = make_scene_report(HAPTON_SOURCE_DIR "/scenes/clay.toml");
+  ASSERT_TRUE(report) << report.error().what;
+  EXPECT_THAT(to_text(*report), HasSubstr("can be carved by button 1: ball of 4 mm radius, voxels of 0.8 mm"));
+  const auto json = nlohmann::json::parse(to_json(*report));
+  EXPECT_TRUE(json["objects"][0]["carve_button"].is_null());
+  EXPECT_EQ(json["objects"][1]["carve_button"], 1);
+}
+
 TEST(SceneReport, CountsOneObjectAsOne) {
   const auto report = make_scene_report(HAPTON_SOURCE_DIR "/scenes/car_front.toml");
   ASSERT_TRUE(report) << report.error().what;

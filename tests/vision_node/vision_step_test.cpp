@@ -181,6 +181,19 @@ TEST_F(VisionStepTest, TheSceneRestsAWhileAfterItWasTurnedThoughTheProbeMovesOn)
   EXPECT_TRUE(step.is_scene_at_rest(1300 * kMs));
 }
 
+// Full detail, which takes time, would be out of date at once.
+TEST_F(VisionStepTest, TheSceneRestsAWhileAfterItsShapeChanged) {
+  VisionStep step(settings());
+  ASSERT_TRUE(turn(step, 0));
+  ASSERT_TRUE(step.is_scene_at_rest(500 * kMs));
+  step.reshape_scene();
+  EXPECT_FALSE(step.is_scene_at_rest(500 * kMs)) << "not yet drawn";
+  ASSERT_TRUE(turn(step, 500 * kMs));
+  EXPECT_FALSE(step.is_scene_at_rest(600 * kMs));
+  EXPECT_TRUE(step.is_scene_at_rest(700 * kMs));
+  EXPECT_FALSE(turn(step, 720 * kMs)) << "nothing new";
+}
+
 TEST_F(VisionStepTest, AHeadThatMovesByMoreThanHalfAPixelIsDrawn) {
   VisionStepSettings made = settings();
   made.home = frame_sphere(Vec3::Zero(), 0.12, 0.063);

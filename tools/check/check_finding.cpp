@@ -14,6 +14,8 @@ std::string_view name_of(SceneFault fault) noexcept {
       return "flipped";
     case SceneFault::inside_out:
       return "inside-out";
+    case SceneFault::coarse_voxels:
+      return "coarse-voxels";
     case SceneFault::no_inertia:
       return "no-inertia";
     case SceneFault::stiffer_than_device:

@@ -12,12 +12,13 @@ namespace hapton {
 
 // What can be wrong with a scene before anyone touches it.
 enum class SceneFault : std::uint8_t {
-  thin_wall,   // thinner than the ball of the probe
-  opening,     // a hole that the probe fits through
-  crack,       // a gap that was not sealed
-  flipped,     // triangles whose fronts are on the wrong side
-  inside_out,  // a closed body with its fronts inside
-  no_inertia,  // a body to push whose surface is not closed
+  thin_wall,      // thinner than the ball of the probe
+  opening,        // a hole that the probe fits through
+  crack,          // a gap that was not sealed
+  flipped,        // triangles whose fronts are on the wrong side
+  inside_out,     // a closed body with its fronts inside
+  coarse_voxels,  // of what can be carved, for its walls or for the tool
+  no_inertia,     // a body to push whose surface is not closed
   stiffer_than_device,
   stiffer_than_loop,
   heavier_than_loop,  // a virtual mass

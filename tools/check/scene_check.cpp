@@ -8,6 +8,7 @@
 #include "loop/device_model.h"
 #include "tools/check/loop_check.h"
 #include "tools/check/reach_check.h"
+#include "tools/check/sculpt_check.h"
 #include "tools/check/surface_check.h"
 
 namespace hapton {
@@ -60,11 +61,13 @@ Result<SceneCheck> check_scene(const std::string& path, const Scene& scene, cons
   if (scene.touch_scene().has_motion()) {
     check.notes.emplace_back("checked at rest only: objects that move or deform are not followed");
   }
+  if (scene.touch_scene().has_sculpt()) check.notes.emplace_back("checked as it is before it is carved");
   const std::vector<const DevicePreset*> reaching = known_workspaces(settings.loops, check.notes);
   for (const SceneObject& object : scene.objects) {
     check.triangles += object.mesh->triangles.size();
     append(check_surface(object, settings.probe_radius_m), check.findings);
     append(check_inertia(object), check.findings);
+    append(check_sculpt(object), check.findings);
     append(check_stiffness(object, held, settings.rate_hz, settings.delay_s), check.findings);
     for (const DevicePreset* device : reaching) append(check_reach(object, device->limits), check.findings);
   }

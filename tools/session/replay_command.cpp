@@ -128,6 +128,9 @@ Result<Replay> replay_probe(const ReplayOptions& options, const MethodSettings& 
   if (!touch_scene) {
     return tl::unexpected(touch_scene.error());
   }
+  if (touch_scene->has_sculpt() && options.replay.repeat > 1) {
+    return fail("objects of {} can be carved, so a repetition would begin with another shape: leave out --repeat", options.scene);
+  }
   auto method = make_method(settings, *touch_scene);
   if (!method) {
     return tl::unexpected(method.error());
@@ -142,6 +145,7 @@ Result<Replay> replay_tool(const ReplayOptions& options, const Scene& scene, con
                            std::span<const TrajectoryRow> trajectory) {
   const auto touch_scene = make_scene(options, scene);
   if (!touch_scene) return tl::unexpected(touch_scene.error());
+  if (touch_scene->has_sculpt()) return fail("objects of {} can be carved, which a rigid tool does not support", options.scene);
   if (touch_scene->has_motion()) return fail("objects of {} move, which a rigid tool does not feel yet", options.scene);
   const ToolObstacles obstacles = make_tool_obstacles(*touch_scene);
   const ToolCoupling coupling{.stiffness_n_per_m = obstacles.stiffness_n_per_m,

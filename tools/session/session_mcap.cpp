@@ -16,9 +16,9 @@
 namespace hapton {
 namespace {
 
-enum class McapTopic : std::uint16_t { cycle, state, force, probe, view, setup, move, event };
+enum class McapTopic : std::uint16_t { cycle, state, force, probe, view, setup, move, carve, event };
 
-constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kMcapTopics = {{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 9> kMcapTopics = {{
     {"/hapton/cycle", "hapton.session.Cycle"},
     {"/hapton/state", "hapton.wire.DeviceState"},
     {"/hapton/force", "hapton.wire.ForceCommand"},
@@ -26,6 +26,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kMcapTopi
     {"/hapton/view", "hapton.wire.ViewTransform"},
     {"/hapton/setup", "hapton.wire.HapticsSetup"},
     {"/hapton/move", "hapton.wire.ObjectMove"},
+    {"/hapton/carve", "hapton.wire.Carves"},
     {"/hapton/event", "hapton.session.Event"},
 }};
 
@@ -115,6 +116,7 @@ class McapMessages {
     if (std::holds_alternative<ViewTransform>(datagram.message)) write(McapTopic::view, entry.time_ns, entry.time_ns, payload);
     if (std::holds_alternative<HapticsSetup>(datagram.message)) write(McapTopic::setup, entry.time_ns, entry.time_ns, payload);
     if (std::holds_alternative<ObjectMove>(datagram.message)) write(McapTopic::move, entry.time_ns, entry.time_ns, payload);
+    if (std::holds_alternative<Carves>(datagram.message)) write(McapTopic::carve, entry.time_ns, entry.time_ns, payload);
   }
 
   McapWriter& writer_;

@@ -246,10 +246,11 @@ Result<void> SessionReplay::step_method(const ForceCommand& command) {
   if (const auto changed = change_materials(command.material_serial); !changed) return changed;
   turn(command.view_revision);
   // A device that was free then is free now: from here on nothing earlier matters.
-  // Effects remember more: time, velocity.
+  // Effects remember more: time, velocity; what can be carved remembers its shape.
   const bool had_gap = command.answered_before == 0 && last_sample_ != 0;
   if (step_->has_effects() && had_gap) is_certain_ = false;
-  if (!is_certain_ && is_known() && !command.contact && !step_->has_effects()) {
+  const bool remembers = step_->has_effects() || step_->touch().has_sculpture();
+  if (!is_certain_ && is_known() && !command.contact && !remembers) {
     step_->restart();
     is_certain_ = true;
   }

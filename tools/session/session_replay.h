@@ -39,8 +39,8 @@ struct ReplayCounts {
   std::uint64_t compared = 0;
   std::uint64_t different = 0;
   std::uint64_t lost_answers = 0;    // replayed, but the original reply is unknown because it was lost
-  std::uint64_t not_compared = 0;    // in contact before the first step in free space, with earlier contact unknown; with effects, all
-                                     // steps after one that is unknown
+  std::uint64_t not_compared = 0;    // in contact before the first step in free space, with earlier contact unknown; with effects, or
+                                     // what can be carved, all steps after one that is unknown
   std::uint64_t unknown_method = 0;  // computed by a method, or with materials or moves, that the recording does not name: they were lost
   std::uint64_t missing_states = 0;  // with a reply, but the state is not in the recording
   std::uint64_t missing_views = 0;

@@ -116,6 +116,8 @@ std::vector<SeededFault> seeded_faults() {
        {},
        0.0,
        {"opening"}},
+      {"VoxelsThatLoseAWall", good_block(), "sculpt = true\nvoxel_mm = 40\ntool_radius_mm = 200\n", "", {}, "coarse-voxels"},
+      {"AToolOfFewVoxels", good_ball(), "sculpt = true\nvoxel_mm = 1\ntool_radius_mm = 2.5\n", "", {}, "coarse-voxels"},
       {"StifferThanTheDevice", good_ball(), "", "stiffness_n_per_m = 5000.0\n", {}, "stiffer-than-device", {}, 0.0, {"stiffer-than-loop"}},
       {"StifferThanAWeakerDevice",
        good_ball(),

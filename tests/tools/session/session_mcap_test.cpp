@@ -97,6 +97,21 @@ TEST_F(McapRecordings, EachMoveOfAnObjectThatWasReceivedIsAMessage) {
   EXPECT_NE(file.find("/hapton/move"), std::string::npos);
 }
 
+TEST_F(McapRecordings, CarvesAreMessages) {
+  std::array<std::byte, kMaxDatagramBytes> datagram;
+  Carves carves{.source = 5, .newest = 1, .first = 1, .count = 1};
+  carves.carves[0] = {.object = 2, .from_m = {0.1F, 0.2F, 0.3F}, .to_m = {0.1F, 0.2F, 0.3F}, .radius_m = 0.01F};
+  codec.append(datagram_of(SessionEntry::Kind::received, carves, datagram), bytes);
+  codec.append(datagram_of(SessionEntry::Kind::sent, carves, datagram), bytes);
+  codec.append(datagram_of(SessionEntry::Kind::received, CarveStatus{.source = 5}, datagram), bytes);
+  const auto written = write();
+  ASSERT_TRUE(written) << written.error().what;
+  EXPECT_EQ(written->messages, 1U) << "neither the hub's copies nor requests";
+  std::ifstream in(scratch.path() / "session.mcap", std::ios::binary);
+  const std::string file{std::istreambuf_iterator<char>(in), {}};
+  EXPECT_NE(file.find("/hapton/carve"), std::string::npos);
+}
+
 TEST_F(McapRecordings, ATruncatedOneIsWrittenUpToThere) {
   codec.append(cycle_at(1, kMcapStartNs), bytes);
   codec.append(cycle_at(2, kMcapStartNs), bytes);

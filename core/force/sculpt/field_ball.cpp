@@ -1,0 +1,177 @@
+#include "core/force/sculpt/field_ball.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <span>
+
+#include "core/force/contact_qp.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kLeastPoints = 40.0;
+// In spacings:
+constexpr double kGap = 0.05;        // at which the ball rests: what rounding and curvature may eat
+constexpr double kNear = 0.5;        // points nearer than this bound a step along the surface
+constexpr double kSlideStep = 0.35;  // of one such step at most: what is near stays so
+constexpr double kPushStep = 0.25;   // out of the material
+constexpr double kSettled = 1e-5;    // a shorter step ends the search
+constexpr double kRoom = 1.0;        // that the chosen points stay valid for
+constexpr double kShorter = 0.35;    // of a step that would end in the material
+constexpr int kMostLooks = 28;       // at all points that count, in a move
+constexpr int kMostAdvances = 32;
+
+}  // namespace
+
+// Points at equal areas on a spiral (Vogel 1979, on the sphere).
+FieldBall::FieldBall(double radius_m, double spacing_m) : radius_m_(radius_m) {
+  const double area = 4.0 * std::numbers::pi * (radius_m / spacing_m) * (radius_m / spacing_m);
+  const auto count = static_cast<std::size_t>(std::clamp(std::ceil(area), kLeastPoints, double{kMostPoints}));
+  const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
+  for (std::size_t i = 0; i < count; ++i) {
+    const double z = 1.0 - (2.0 * static_cast<double>(i) + 1.0) / static_cast<double>(count);
+    const double across = std::sqrt(1.0 - z * z);
+    const double angle = golden * static_cast<double>(i);
+    points_.push_back(radius_m * Vec3(across * std::cos(angle), across * std::sin(angle), z));
+  }
+  points_.push_back(Vec3::Zero());
+}
+
+double FieldBall::clearance_m(const CarvedField& field, const Vec3& centre) const noexcept {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Vec3& point : points_) least = std::min(least, field.value(centre + point));
+  return least;
+}
+
+FieldBall::Nearest FieldBall::find_nearest(const CarvedField& field, const Vec3& centre, Candidates& candidates) const noexcept {
+  const double near = kNear * field.spacing_m();
+  Nearest nearest;
+  nearest.clearance_m = std::numeric_limits<double>::infinity();
+  const auto look_at = [&](std::size_t i) {
+    const double value = field.value(centre + points_[i]);
+    nearest.clearance_m = std::min(nearest.clearance_m, value);
+    if (value < near) insert(nearest, {i, value});
+    return value;
+  };
+  if ((centre - candidates.centre).norm() <= candidates.room_m) {
+    for (std::size_t k = 0; k < candidates.count; ++k) look_at(candidates.points[k]);
+    // Those that were left out are farther than what counts as near.
+    nearest.clearance_m = std::min(nearest.clearance_m, near);
+    return nearest;
+  }
+  candidates.count = 0;
+  candidates.centre = centre;
+  candidates.room_m = kRoom * field.spacing_m();
+  const double reach = near + kSteepest * candidates.room_m;
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    if (look_at(i) < reach) candidates.points[candidates.count++] = static_cast<std::uint8_t>(i);
+  }
+  if (nearest.clearance_m >= near) candidates.room_m = -1.0;  // in free space each step needs the whole clearance
+  return nearest;
+}
+
+void FieldBall::insert(Nearest& nearest, const Near& one) noexcept {
+  std::size_t place = nearest.count;
+  if (place == kMostPlanes) {
+    if (one.value >= nearest.points[place - 1].value) return;
+    --place;
+  } else {
+    ++nearest.count;
+  }
+  for (; place > 0 && nearest.points[place - 1].value > one.value; --place) nearest.points[place] = nearest.points[place - 1];
+  nearest.points[place] = one;
+}
+
+// The step along the planes at the nearest points.
+Vec3 FieldBall::slide(const CarvedField& field, const Vec3& centre, const Vec3& to_goal, const Nearest& nearest,
+                      Moved& moved) const noexcept {
+  const double spacing = field.spacing_m();
+  std::array<ContactPlane, kMostPlanes> planes;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < nearest.count; ++i) {
+    const Vec3 gradient = field.gradient(centre + points_[nearest.points[i].point]);
+    const double steep = gradient.norm();
+    if (!(steep > 0.0)) continue;
+    // Below the gap it may slide at its height; out of the material it is pushed.
+    const double value = nearest.points[i].value;
+    const double height = value < 0.0 ? std::min(-value / steep, kPushStep * spacing) : std::min(0.0, kGap * spacing - value) / steep;
+    planes[count++] = {.normal = gradient / steep, .height = height};
+  }
+  const ConstrainedMotion allowed = constrain_motion(to_goal, std::span(planes.data(), count));
+  Vec3 normal = Vec3::Zero();
+  for (int i = 0; i < allowed.active_count; ++i) {
+    const auto n = static_cast<std::size_t>(i);
+    normal += allowed.multipliers[n] * planes[static_cast<std::size_t>(allowed.active[n])].normal;
+  }
+  moved.normal = normal.norm() > 0.0 ? Vec3(normal.normalized()) : Vec3::Zero();
+  const double length = allowed.motion.norm();
+  const double most = kSlideStep * spacing;
+  return length > most ? Vec3(allowed.motion * (most / length)) : allowed.motion;
+}
+
+FieldBall::Moved FieldBall::move(const CarvedField& field, const Vec3& from, const Vec3& goal) const noexcept {
+  const double spacing = field.spacing_m();
+  Moved moved{.centre = from};
+  Candidates candidates;
+  Nearest nearest = find_nearest(field, from, candidates);
+  for (int looks = 1; looks < kMostLooks;) {
+    const Vec3 to_goal = goal - moved.centre;
+    const double distance = to_goal.norm();
+    if (!(distance > 0.0)) return {.centre = goal};
+    moved.touches = true;
+    if (nearest.count == 0) {
+      candidates.room_m = -1.0;
+      if (nearest.clearance_m <= kNear * spacing) {  // known to be no nearer: how far it is
+        nearest = find_nearest(field, moved.centre, candidates);
+        ++looks;
+      }
+      const double free = (nearest.clearance_m - 0.5 * kNear * spacing) / kSteepest;
+      if (free >= distance) return {.centre = goal};
+      moved.normal = Vec3::Zero();
+      moved.centre += to_goal * (free / distance);
+      nearest = find_nearest(field, moved.centre, candidates);
+      ++looks;
+      continue;
+    }
+    Vec3 step = slide(field, moved.centre, to_goal, nearest, moved);
+    // The ball is clear at the end of each step, and nearer to the goal: so it comes to rest. One in the material leaves it first.
+    const double least = std::min(0.0, nearest.clearance_m);
+    Nearest next = find_nearest(field, moved.centre + step, candidates);
+    ++looks;
+    const auto is_good = [&] {
+      return next.clearance_m >= least && (nearest.clearance_m < 0.0 || (to_goal - step).squaredNorm() < distance * distance);
+    };
+    for (; !is_good(); ++looks) {
+      if (looks >= kMostLooks || step.norm() < kSettled * spacing) return moved;
+      step *= kShorter;
+      next = find_nearest(field, moved.centre + step, candidates);
+    }
+    moved.centre += step;
+    nearest = next;
+    if (step.norm() < kSettled * spacing) return moved;
+  }
+  return moved;
+}
+
+Vec3 FieldBall::advance(const CarvedField& field, const Vec3& from, const Vec3& goal, double least_m) const noexcept {
+  const double shortest = 0.125 * field.spacing_m();
+  const double distance = (goal - from).norm();
+  if (!(distance > 0.0)) return goal;
+  const Vec3 direction = (goal - from) / distance;
+  double done = 0.0;
+  double clearance = clearance_m(field, from);
+  for (int i = 0; i < kMostAdvances; ++i) {
+    const double step = std::max((clearance - least_m) / kSteepest, shortest);
+    const double next = std::min(done + step, distance);
+    const double there = clearance_m(field, from + next * direction);
+    if (there < least_m && there < clearance) break;
+    if (next >= distance) return goal;
+    done = next;
+    clearance = there;
+  }
+  return from + done * direction;
+}
+
+}  // namespace hapton

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/math/types.h"
+
+namespace hapton {
+
+// Values at the nodes of a grid, negative inside: node (x, y, z) is at x + counts[0] * (y + counts[1] * z).
+struct NodeValues {
+  std::span<const float> values;
+  std::array<int, 3> counts = {};
+};
+
+// A piece of surface. Positions in steps of the grid, from its first node; quads counter-clockwise seen from outside.
+struct SurfaceNet {
+  std::vector<Eigen::Vector3f> positions;
+  std::vector<std::array<std::uint32_t, 4>> quads;
+};
+
+// The surface of zero value, block by block, by surface nets (Gibson 1998, "Constrained elastic surface nets"): one vertex in each cell
+// that the surface passes, at the mean of where it crosses the cell's edges, and one quad for each edge of the grid that it crosses. We do
+// not move the vertices any further. Blocks fit together: the vertices at their borders are the same to the last bit.
+//
+// With a stride of 2 or 4 only every second or fourth node counts: a coarser surface of a quarter or a sixteenth of the quads. Pre: the
+// nodes at the border of the grid are outside. RT: no. Threads: one for each object of this class.
+class SurfaceNets {
+ public:
+  static constexpr int kBlock = 16;         // cells of a block, along each axis
+  static constexpr int kLargestStride = 4;  // a power of two
+
+  using Index = std::array<int, 3>;
+
+  // Blocks along each axis.
+  static Index count_blocks(const Index& nodes);
+
+  // The blocks whose surface changes, at any stride, with the values of the nodes from `first` on, before `end`: half-open as well.
+  struct Blocks {
+    Index first = {};
+    Index end = {};
+  };
+  static Blocks find_changed(const Index& nodes, const Index& first, const Index& end);
+
+  // Replaces what `net` has. Pre: stride 1, 2 or 4.
+  void compute(const NodeValues& grid, const Index& block, int stride, SurfaceNet& net);
+
+ private:
+  bool gather(const NodeValues& grid, const Index& block, int stride);
+  void place_vertices(const Index& block, int stride, SurfaceNet& net);
+  void place_vertex(const Index& cell, const Index& block, int stride, SurfaceNet& net) const;
+  void join_quads(SurfaceNet& net) const;
+  int at(int x, int y, int z) const { return x + side_ * (y + side_ * z); }
+
+  int side_ = 0;                       // nodes along an axis: of the block, one before and one after it
+  std::vector<float> values_;          // of these nodes
+  std::vector<std::uint32_t> vertex_;  // by the first node of its cell; valid where the surface passes
+};
+
+}  // namespace hapton

@@ -1,0 +1,86 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include "hapton.pb.h"
+#include "link/message_codec.h"
+#include "link/wire_fields.h"
+
+// The messages about removed material to and from their form in proto/hapton.proto.
+namespace hapton {
+namespace {
+
+constexpr int kNumbersOfOne = 7;
+
+template <class Numbers>
+void read_point(const Numbers& from, int first, Carves::Point& to) {
+  for (int axis = 0; axis < 3; ++axis) to[static_cast<std::size_t>(axis)] = from.Get(first + axis);
+}
+
+// False for NaN as well.
+bool is_point(const Carves::Point& p) {
+  for (const float x : p) {
+    if (!(std::abs(x) <= static_cast<float>(kMaxWireMagnitude))) return false;
+  }
+  return true;
+}
+
+bool is_carve(const Carves::One& one) {
+  if (!is_point(one.from_m) || !is_point(one.to_m)) return false;
+  const Vec3 along(static_cast<double>(one.to_m[0]) - one.from_m[0], static_cast<double>(one.to_m[1]) - one.from_m[1],
+                   static_cast<double>(one.to_m[2]) - one.from_m[2]);
+  return along.norm() <= Carves::kMostLengthM && one.radius_m > 0.0F && one.radius_m <= Carves::kMostRadiusM;
+}
+
+}  // namespace
+
+void write(const Carves& from, wire::Carves& to) {
+  to.set_source(from.source);
+  to.set_newest(from.newest);
+  to.set_first(from.first);
+  to.mutable_object()->Clear();
+  to.mutable_numbers()->Clear();
+  for (const Carves::One& one : std::span(from.carves).first(std::min<std::size_t>(from.count, Carves::kMost))) {
+    to.mutable_object()->AddAlreadyReserved(static_cast<std::uint32_t>(one.object));
+    add_numbers(one.from_m, *to.mutable_numbers());
+    add_numbers(one.to_m, *to.mutable_numbers());
+    to.mutable_numbers()->AddAlreadyReserved(one.radius_m);
+  }
+}
+
+void write(const CarveStatus& from, wire::CarveStatus& to) {
+  to.set_source(from.source);
+  to.set_complete(from.complete);
+}
+
+bool read(const wire::Carves& from, Carves& to) {
+  to.source = from.source();
+  to.newest = from.newest();
+  to.first = from.first();
+  const int count = from.object().size();
+  if (to.source == 0 || count > static_cast<int>(Carves::kMost) || from.numbers().size() != kNumbersOfOne * count) return false;
+  to.count = static_cast<std::uint32_t>(count);
+  if ((to.count > 0) != (to.first > 0)) return false;
+  // The last one here is no newer than the newest.
+  if (to.count > 0 && (to.first > to.newest || to.newest - to.first < to.count - 1)) return false;
+  for (int n = 0; n < count; ++n) {
+    Carves::One& one = to.carves[static_cast<std::size_t>(n)];
+    if (from.object().Get(n) > static_cast<std::uint32_t>(std::numeric_limits<std::int32_t>::max())) return false;
+    one.object = static_cast<std::int32_t>(from.object().Get(n));
+    read_point(from.numbers(), kNumbersOfOne * n, one.from_m);
+    read_point(from.numbers(), kNumbersOfOne * n + 3, one.to_m);
+    one.radius_m = from.numbers().Get(kNumbersOfOne * n + 6);
+    if (!is_carve(one)) return false;
+  }
+  return true;
+}
+
+bool read(const wire::CarveStatus& from, CarveStatus& to) {
+  to.source = from.source();
+  to.complete = from.complete();
+  return to.source != 0;
+}
+
+}  // namespace hapton

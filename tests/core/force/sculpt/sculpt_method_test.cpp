@@ -1,0 +1,235 @@
+#include "core/force/sculpt/sculpt_method.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <random>
+#include <vector>
+
+#include "core/force/touch_step.h"
+#include "core/geometry/mesh_shapes.h"
+#include "tests/support/allocation_guard.h"
+
+namespace hapton {
+namespace {
+
+constexpr SculptSettings kClayBall{.voxel_m = 0.002, .tool_radius_m = 0.006, .button = 2};
+
+TouchObject clay_object(const Vec3& centre, double radius_m = 0.03) {
+  return {.mesh = std::make_shared<const TriangleMesh>(scaled_and_moved(make_icosphere(radius_m, 4), 1.0, centre)),
+          .material = {.stiffness_n_per_m = 500.0},
+          .sculpt = kClayBall};
+}
+
+TouchObject table_object() {
+  return {.mesh = std::make_shared<const TriangleMesh>(scaled_and_moved(make_box(Vec3(0.2, 0.2, 0.02)), 1.0, Vec3(0, 0, -0.06))),
+          .material = {.stiffness_n_per_m = 1000.0}};
+}
+
+std::unique_ptr<TouchStep> step_of(const TouchScene& scene, const MethodSettings& settings = {}) {
+  auto made = make_method(settings, scene);
+  EXPECT_TRUE(made) << made.error().what;
+  return std::make_unique<TouchStep>(std::shared_ptr<ForceMethod>(std::move(*made)), scene);
+}
+
+// A hand that wanders into the clay and out of it, and presses the button now and then.
+std::vector<TouchInput> carving_hand(std::uint64_t seed, int count) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> push(0.0, 2e-4);
+  std::vector<TouchInput> hand;
+  Vec3 p(0.05, 0, 0), v = Vec3::Zero();
+  for (int i = 0; i < count; ++i) {
+    v = 0.97 * v + Vec3(push(random), push(random), push(random)) * 0.3 - 0.0008 * (p - 0.03 * p.normalized());
+    p += v;
+    hand.push_back({.p_WD = p, .dt_s = 1e-3, .buttons = (i / 300) % 2 == 0 ? 0U : 3U, .time_s = 1e-3 * i});
+  }
+  return hand;
+}
+
+TEST(SculptMethod, FeelsOtherObjectsAsTheirMethodDoes) {
+  TouchScene with{.objects = {table_object(), clay_object(Vec3::Zero())}};
+  TouchScene without{.objects = {table_object()}};
+  for (const char* name : {"proxy", "reference", "smooth", "sweep"}) {
+    const auto one = step_of(with, {.name = name}), other = step_of(without, {.name = name});
+    int contacts = 0;
+    for (int i = 0; i < 200; ++i) {
+      const TouchInput input{.p_WD = {0.06, 0.0001 * i, -0.048 - 0.0002 * std::abs(i - 100)}};
+      const TouchOutput a = one->step(input), b = other->step(input);
+      ASSERT_EQ(a.force_n, b.force_n) << name;
+      ASSERT_EQ(a.visual_offset_m, b.visual_offset_m);
+      ASSERT_EQ(a.contact, b.contact);
+      if (a.contact) ASSERT_EQ(a.object, b.object);
+      contacts += a.contact;
+    }
+    EXPECT_GT(contacts, 15) << name;
+  }
+}
+
+TEST(SculptMethod, CarvesByItsButtonOnlyAndNamesTheObject) {
+  const auto step = step_of({.objects = {table_object(), clay_object(Vec3::Zero())}});
+  int carves = 0;
+  std::uint32_t serial = 0;
+  for (const TouchInput& input : carving_hand(41, 4000)) {
+    const TouchOutput felt = step->step(input);
+    const MadeCarve* made = step->made_carve();
+    if (made == nullptr) continue;
+    ++carves;
+    EXPECT_EQ(made->serial, ++serial);
+    EXPECT_EQ(made->object, 1);
+    EXPECT_NE(input.buttons, 0U);
+    EXPECT_EQ(made->carve.radius_m, static_cast<double>(static_cast<float>(kClayBall.tool_radius_m)));
+    EXPECT_TRUE(felt.force_n.allFinite());
+  }
+  EXPECT_GT(carves, 50);
+  const auto other = step_of({.objects = {clay_object(Vec3::Zero())}});
+  for (TouchInput input : carving_hand(41, 4000)) {
+    input.buttons &= 1U;  // not its own
+    other->step(input);
+    ASSERT_EQ(other->made_carve(), nullptr);
+  }
+}
+
+// The same samples give the same forces and carves to the last bit, and a field that only gets the list is the same.
+TEST(SculptMethod, RepeatsToTheLastBit) {
+  const TouchScene scene{.objects = {clay_object(Vec3::Zero()), table_object(), clay_object(Vec3(0.05, 0.01, 0.0), 0.02)}};
+  const auto one = step_of(scene), other = step_of(scene);
+  auto list = std::make_unique<Sculpture>();
+  ASSERT_TRUE(list->add(0, kClayBall, *scene.objects[0].mesh) && list->add(2, kClayBall, *scene.objects[2].mesh));
+  bool has_both = false, has_one = false;
+  for (const TouchInput& input : carving_hand(42, 5000)) {
+    const TouchOutput a = one->step(input), b = other->step(input);
+    ASSERT_EQ(a.force_n, b.force_n);
+    ASSERT_EQ(a.visual_offset_m, b.visual_offset_m);
+    const MadeCarve* made = one->made_carve();
+    ASSERT_EQ(made == nullptr, other->made_carve() == nullptr);
+    if (made == nullptr) continue;
+    EXPECT_EQ(made->carve, other->made_carve()->carve);
+    list->begin_step();
+    list->carve(made->object == 0 ? 0 : 1, made->carve);
+    has_one = has_one || made->object == 0;
+    has_both = has_both || made->object == 2;
+  }
+  EXPECT_TRUE(has_one && has_both);
+  for (std::size_t body = 0; body < 2; ++body) {
+    const auto felt = one->method().sculpture()->bodies()[body].field.values();
+    const auto shown = list->bodies()[body].field.values();
+    EXPECT_TRUE(std::equal(felt.begin(), felt.end(), shown.begin(), shown.end()));
+  }
+}
+
+// A hand of up to 2 m/s, the button down now and then: the centre of the ball stays out of the material, and a device inside it is pushed.
+TEST(SculptMethod, AFastHandNeverFallsThrough) {
+  std::mt19937_64 random(47);
+  std::uniform_real_distribution<double> place(-0.045, 0.045), speed(0.2, 2.0);
+  const auto step = step_of({.objects = {clay_object(Vec3::Zero())}});
+  const CarvedField& field = step->method().sculpture()->bodies()[0].field;
+  Vec3 hand(0.06, 0, 0);
+  step->reset({.p_WD = hand});
+  int inside = 0;
+  for (int leg = 0; leg < 300; ++leg) {
+    const Vec3 goal(place(random), place(random), place(random));
+    const double most = 1e-3 * speed(random);
+    while (hand != goal) {
+      const double left = (goal - hand).norm();
+      hand = left <= most ? goal : Vec3(hand + (goal - hand) * (most / left));
+      const TouchOutput felt = step->step({.p_WD = hand, .dt_s = 1e-3, .buttons = leg % 4 == 3 ? 2U : 0U});
+      ASSERT_GT(field.value(hand + felt.visual_offset_m), 0.0) << "leg " << leg;
+      if (field.value(hand) > -0.00025) continue;
+      ++inside;
+      ASSERT_GT(felt.force_n.norm(), 0.0) << "leg " << leg;
+    }
+  }
+  EXPECT_GT(inside, 1000);
+}
+
+TEST(SculptMethod, WhatWasCarvedStaysWhenTheMethodChanges) {
+  const TouchScene scene{.objects = {clay_object(Vec3::Zero())}};
+  auto before = step_of(scene);
+  for (const TouchInput& input : carving_hand(43, 3000)) before->step(input);
+  const std::uint32_t carves = before->method().sculpture()->newest();
+  ASSERT_GT(carves, 20U);
+  const Sculpture* shape = before->method().sculpture();
+  const auto after = step_of(scene, {.name = "reference"});
+  after->follow_carves(*before);
+  EXPECT_EQ(after->method().sculpture(), shape);
+  EXPECT_EQ(before->method().sculpture()->newest(), 0U);
+  // Not for another scene.
+  const auto other = step_of({.objects = {clay_object(Vec3(0, 0, 0.001))}});
+  other->follow_carves(*after);
+  EXPECT_EQ(other->method().sculpture()->newest(), 0U);
+  // Nor with itself.
+  after->follow_carves(*after);
+  EXPECT_EQ(after->method().sculpture()->newest(), carves);
+}
+
+TEST(SculptMethod, InATurnedSceneTheForceTurnsAlong) {
+  const TouchScene scene{.objects = {clay_object(Vec3::Zero())}};
+  const auto straight = step_of(scene), turned = step_of(scene);
+  Pose X_WS = Pose::Identity();
+  X_WS.linear() = Eigen::AngleAxisd(0.5, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  X_WS.translation() = Vec3(0.01, -0.02, 0.03);
+  for (TouchInput input : carving_hand(44, 600)) {
+    input.buttons = 0;
+    const TouchOutput a = straight->step(input);
+    input.p_WD = X_WS * input.p_WD;
+    input.X_WS = X_WS;
+    const TouchOutput b = turned->step(input);
+    ASSERT_LT((X_WS.linear() * a.force_n - b.force_n).norm(), 1e-3);
+  }
+}
+
+TEST(SculptMethod, ASampleThatIsNotFiniteChangesNothing) {
+  const TouchScene scene{.objects = {clay_object(Vec3::Zero())}};
+  const auto one = step_of(scene), other = step_of(scene);
+  int i = 0;
+  for (const TouchInput& input : carving_hand(45, 2000)) {
+    if (i++ % 50 == 0) {
+      TouchInput bad = input;
+      bad.p_WD.y() = std::numeric_limits<double>::quiet_NaN();
+      EXPECT_TRUE(one->step(bad).force_n.isZero(0.0));
+      EXPECT_EQ(one->made_carve(), nullptr);
+    }
+    ASSERT_EQ(one->step(input).force_n, other->step(input).force_n);
+  }
+}
+
+TEST(SculptMethod, StepsUseNoHeap) {
+  if (!AllocationGuard::is_available()) GTEST_SKIP();
+  const TouchScene scene{.objects = {clay_object(Vec3::Zero()), table_object()}};
+  const auto step = step_of(scene), next = step_of(scene);
+  const std::vector<TouchInput> hand = carving_hand(46, 3000);
+  const AllocationGuard guard;
+  for (const TouchInput& input : hand) step->step(input);
+  next->follow_carves(*step);
+  next->reset(hand.back());
+  next->step(hand.back());
+  EXPECT_EQ(guard.count(), 0U);
+  EXPECT_GT(next->method().sculpture()->newest(), 20U);
+}
+
+TEST(SculptMethod, MaterialsOfBothKindsCanBeChanged) {
+  const auto step = step_of({.objects = {clay_object(Vec3::Zero()), table_object()}});
+  step->reset({.p_WD = {0.05, 0, 0}});
+  const TouchInput pressed{.p_WD = {0.03, 0, 0}};
+  for (int i = 0; i < 30; ++i) step->step(pressed);
+  const double before = step->step(pressed).force_n.norm();
+  step->set_materials(std::vector<Material>{{.stiffness_n_per_m = 1000.0}, {.stiffness_n_per_m = 200.0}});
+  EXPECT_NEAR(step->step(pressed).force_n.norm(), 2.0 * before, 1e-9);
+  step->reset({.p_WD = {0.08, 0, -0.04}});
+  EXPECT_NEAR(step->step({.p_WD = {0.08, 0, -0.051}}).force_n.z(), 0.2, 1e-3);
+}
+
+TEST(SculptMethod, RejectsAnOpenMesh) {
+  TouchObject sheet = clay_object(Vec3::Zero());
+  sheet.mesh = std::make_shared<const TriangleMesh>(make_plane_grid(0.05, 3));
+  const auto made = make_method({}, {.objects = {table_object(), sheet}});
+  ASSERT_FALSE(made);
+  EXPECT_THAT(made.error().what, testing::HasSubstr("object 1 cannot be carved: the mesh is not closed"));
+  EXPECT_FALSE(make_method({.name = "none"}, {.objects = {clay_object(Vec3::Zero())}}));
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,188 @@
+#include "core/sculpt/carved_field.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "core/geometry/mesh_shapes.h"
+#include "tests/support/allocation_guard.h"
+
+namespace hapton {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr double kVoxelM = 0.002;
+
+CarvedField ball_of_clay(double radius_m = 0.03, double voxel_m = kVoxelM) {
+  auto field = CarvedField::make(make_icosphere(radius_m, 5), voxel_m);
+  EXPECT_TRUE(field.has_value()) << field.error().what;
+  return std::move(*field);
+}
+
+std::vector<float> copy_of(const CarvedField& field) { return {field.values().begin(), field.values().end()}; }
+
+std::vector<Carve> random_carves(std::uint64_t seed, int count) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> place(-0.035, 0.035), length(-0.004, 0.004), radius(0.002, 0.008);
+  const auto vec = [&](auto& from) { return Vec3(from(random), from(random), from(random)); };
+  std::vector<Carve> carves;
+  for (int i = 0; i < count; ++i) {
+    const Vec3 from = vec(place);
+    carves.push_back({from, i % 5 == 0 ? from : Vec3(from + vec(length)), radius(random)});
+  }
+  return carves;
+}
+
+double distance_to_capsule(const Carve& carve, const Vec3& p) {
+  const Vec3 along = carve.to_m - carve.from_m;
+  const double share = along.isZero(0.0) ? 0.0 : std::clamp((p - carve.from_m).dot(along) / along.squaredNorm(), 0.0, 1.0);
+  return (p - carve.from_m - share * along).norm() - carve.radius_m;
+}
+
+template <class Visit>
+void for_nodes_of(const CarvedField& field, Visit&& visit) {
+  for (int z = 0; z < field.nodes()[2]; ++z) {
+    for (int y = 0; y < field.nodes()[1]; ++y) {
+      for (int x = 0; x < field.nodes()[0]; ++x) visit(x, y, z, field.grid().index(x, y, z));
+    }
+  }
+}
+
+TEST(CarvedField, OfABallIsItsDistance) {
+  const CarvedField field = ball_of_clay();
+  EXPECT_EQ(field.nodes()[0] % 8, 0);
+  EXPECT_EQ(field.values().size(), field.grid().size());
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<double> place(-0.036, 0.036);
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3 p(place(random), place(random), place(random));
+    const double exact = p.norm() - 0.03;
+    // The icosphere is flat between its vertices, the field between its nodes. Where the band ends the distance has a kink.
+    if (std::abs(exact) > field.band_m() - 2.0 * kVoxelM) continue;
+    EXPECT_NEAR(field.value(p), exact, 0.05 * kVoxelM) << p.transpose();
+    EXPECT_NEAR((field.gradient(p) - p.normalized()).norm(), 0.0, 0.1) << p.transpose();
+  }
+}
+
+TEST(CarvedField, ValueIsContinuousAtTheEdgeOfTheGridAndBoundsTheDistanceOutside) {
+  const CarvedField field = ball_of_clay();
+  const Vec3 low = field.origin_m(), high = field.grid().node(field.nodes()[0] - 1, field.nodes()[1] - 1, field.nodes()[2] - 1);
+  std::mt19937_64 random(12);
+  std::uniform_real_distribution<double> share(0.0, 1.0);
+  for (int i = 0; i < 500; ++i) {
+    Vec3 p = low + Vec3(share(random), share(random), share(random)).cwiseProduct(high - low);
+    const int axis = i % 3;
+    p[axis] = i % 2 == 0 ? low[axis] : high[axis];
+    EXPECT_NEAR(field.value(p), field.band_m(), 1e-6 * kVoxelM);
+    const Vec3 out = p + (i % 2 == 0 ? -1.0 : 1.0) * 0.01 * Vec3::Unit(axis);
+    EXPECT_NEAR(field.value(out), field.band_m() + 0.01, 1e-6 * kVoxelM);
+    EXPECT_LE(field.value(out), out.norm() - 0.03);
+    EXPECT_GT(field.gradient(out)[axis] * out[axis], 0.0);
+  }
+  EXPECT_TRUE(std::isnan(field.value(Vec3(std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0))));
+}
+
+TEST(CarvedField, CarveIsTheMaximumByBruteForce) {
+  CarvedField field = ball_of_clay();
+  std::vector<float> expected = copy_of(field);
+  const double band = field.band_m();
+  for (const Carve& carve : random_carves(21, 60)) {
+    const std::vector<float> before = copy_of(field);
+    const CarvedFieldBox box = field.carve(carve);
+    CarvedFieldBox changed{{1 << 20, 1 << 20, 1 << 20}, {0, 0, 0}};
+    for_nodes_of(field, [&](int x, int y, int z, std::size_t i) {
+      const double carved = std::min(band, -distance_to_capsule(rounded(carve), field.grid().node(x, y, z)));
+      expected[i] = std::max(expected[i], static_cast<float>(carved));
+      ASSERT_NEAR(field.values()[i], expected[i], 1e-6 * band);
+      if (field.values()[i] == before[i] || before[i] >= static_cast<float>(2.0 * kVoxelM)) return;
+      const std::array<int, 3> node = {x, y, z};
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        changed.low[axis] = std::min(changed.low[axis], node[axis]);
+        changed.high[axis] = std::max(changed.high[axis], node[axis] + 1);
+      }
+    });
+    EXPECT_EQ(box.is_empty(), changed.is_empty());
+    if (box.is_empty()) continue;
+    EXPECT_EQ(box.low, changed.low);
+    EXPECT_EQ(box.high, changed.high);
+  }
+}
+
+TEST(CarvedField, OrderAndRepetitionOfCarvesDoNotMatter) {
+  std::vector<Carve> carves = random_carves(22, 80);
+  CarvedField one = ball_of_clay(), other = ball_of_clay();
+  for (const Carve& carve : carves) one.carve(carve);
+  std::shuffle(carves.begin(), carves.end(), std::mt19937_64(23));
+  for (const Carve& carve : carves) {
+    other.carve(rounded(carve));
+    EXPECT_TRUE(other.carve(carve).is_empty());
+  }
+  EXPECT_EQ(copy_of(one), copy_of(other));
+  EXPECT_NE(copy_of(one), copy_of(ball_of_clay()));
+}
+
+TEST(CarvedField, ValuesAfterCarvesBoundTheDistanceToWhatIsLeft) {
+  CarvedField field = ball_of_clay(0.02);
+  const std::vector<Carve> carves = random_carves(24, 25);
+  for (const Carve& carve : carves) field.carve(carve);
+  std::vector<Vec3> left;
+  for_nodes_of(field, [&](int x, int y, int z, std::size_t i) {
+    if (field.values()[i] < 0.0F) left.push_back(field.grid().node(x, y, z));
+  });
+  ASSERT_GT(left.size(), 500U);
+  for_nodes_of(field, [&](int x, int y, int z, std::size_t i) {
+    if (field.values()[i] <= 0.0F || i % 7 != 0) return;
+    const Vec3 p = field.grid().node(x, y, z);
+    double nearest = 1.0;
+    for (const Vec3& q : left) nearest = std::min(nearest, (p - q).norm());
+    ASSERT_LE(field.values()[i], nearest * (1.0 + 1e-6));
+  });
+}
+
+TEST(CarvedField, CarvesThatAreNoCapsuleChangeNothing) {
+  CarvedField field = ball_of_clay();
+  const std::vector<float> before = copy_of(field);
+  const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+  const Vec3 o = Vec3::Zero();
+  for (const Carve& carve : {Carve{o, o, 0.0}, Carve{o, o, -0.01}, Carve{o, o, nan}, Carve{o, o, infinity}, Carve{o, Vec3(nan, 0, 0), 0.01},
+                             Carve{Vec3(0, infinity, 0), o, 0.01}, Carve{Vec3(0, 1e300, 0), o, 0.01},
+                             Carve{Vec3(1, 0, 0), Vec3(2, 0, 0), 0.01}, Carve{Vec3(-1e30, 0, 0), Vec3(-1e30, 0, 0), 0.01}}) {
+    EXPECT_TRUE(field.carve(carve).is_empty());
+  }
+  EXPECT_EQ(copy_of(field), before);
+  EXPECT_FALSE(field.carve({o, o, 1.0}).is_empty());
+  for (const float value : field.values()) EXPECT_EQ(value, static_cast<float>(field.band_m()));
+}
+
+TEST(CarvedField, CarveAndQueriesUseNoHeap) {
+  if (!AllocationGuard::is_available()) GTEST_SKIP();
+  CarvedField field = ball_of_clay();
+  const std::vector<Carve> carves = random_carves(25, 20);
+  double sum = 0.0;
+  const AllocationGuard guard;
+  for (const Carve& carve : carves) {
+    field.carve(carve);
+    sum += field.value(carve.to_m) + field.gradient(carve.to_m).x();
+  }
+  EXPECT_EQ(guard.count(), 0U);
+  EXPECT_TRUE(std::isfinite(sum));
+}
+
+TEST(CarvedField, RejectsWhatHasNoInsideAndTooManyVoxels) {
+  EXPECT_THAT(CarvedField::make(make_plane_grid(0.1, 3), 0.001).error().what, HasSubstr("not closed (12 boundary, 0 non-manifold"));
+  EXPECT_THAT(CarvedField::make(make_icosphere(0.05, 1), 0.0).error().what, HasSubstr("above 0"));
+  EXPECT_THAT(CarvedField::make(make_icosphere(0.05, 1), std::nan("")).error().what, HasSubstr("above 0"));
+  const std::string what = CarvedField::make(make_icosphere(0.05, 1), 1e-4).error().what;
+  EXPECT_THAT(what, HasSubstr("at most 16 are possible"));
+  EXPECT_THAT(what, HasSubstr("or more"));
+  EXPECT_FALSE(CarvedField::make(make_icosphere(0.05, 1), 1e-12).has_value());
+}
+
+}  // namespace
+}  // namespace hapton

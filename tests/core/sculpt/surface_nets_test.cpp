@@ -1,0 +1,193 @@
+#include "core/sculpt/surface_nets.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <random>
+#include <set>
+#include <utility>
+#include <vector>
+
+namespace hapton {
+namespace {
+
+using Place = std::array<float, 3>;
+
+// Nodes whose values are a function of their place.
+struct SampledNodes {
+  template <class Function>
+  SampledNodes(const SurfaceNets::Index& size, Function&& value) : counts(size) {
+    for (int z = 0; z < counts[2]; ++z) {
+      for (int y = 0; y < counts[1]; ++y) {
+        for (int x = 0; x < counts[0]; ++x) values.push_back(static_cast<float>(value(Vec3(x, y, z))));
+      }
+    }
+  }
+  NodeValues view() const { return {values, counts}; }
+
+  SurfaceNets::Index counts;
+  std::vector<float> values;
+};
+
+// A ball that crosses blocks, at no whole number.
+const Vec3 kBallAt(22.3, 20.7, 19.1);
+constexpr double kBallRadius = 14.2;
+SampledNodes sampled_ball() {
+  return {{44, 41, 39}, [](const Vec3& p) { return (p - kBallAt).norm() - kBallRadius; }};
+}
+
+// All blocks in one, with vertices of the same place, to the last bit, as one.
+struct WholeNet {
+  WholeNet(const NodeValues& grid, int stride) {
+    SurfaceNets nets;
+    const SurfaceNets::Index count = SurfaceNets::count_blocks(grid.counts);
+    SurfaceNet net;
+    for (int z = 0; z < count[2]; ++z) {
+      for (int y = 0; y < count[1]; ++y) {
+        for (int x = 0; x < count[0]; ++x) {
+          nets.compute(grid, {x, y, z}, stride, net);
+          add(net);
+        }
+      }
+    }
+  }
+  void add(const SurfaceNet& net) {
+    for (const auto& quad : net.quads) {
+      std::array<std::uint32_t, 4> whole = {};
+      for (std::size_t k = 0; k < 4; ++k) {
+        const Eigen::Vector3f& p = net.positions[quad[k]];
+        const auto [at, is_new] = index.emplace(Place{p.x(), p.y(), p.z()}, static_cast<std::uint32_t>(positions.size()));
+        if (is_new) positions.push_back(p);
+        whole[k] = at->second;
+      }
+      quads.push_back(whole);
+    }
+  }
+  // How often each edge is passed, from its first vertex to its second.
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> directed_edges() const {
+    std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+    for (const auto& quad : quads) {
+      for (std::size_t k = 0; k < 4; ++k) ++edges[{quad[k], quad[(k + 1) % 4]}];
+    }
+    return edges;
+  }
+  double volume() const {
+    double six = 0.0;
+    for (const auto& q : quads) {
+      const auto p = [&](std::size_t k) { return positions[q[k]].cast<double>().eval(); };
+      six += p(0).dot(p(1).cross(p(2))) + p(0).dot(p(2).cross(p(3)));
+    }
+    return six / 6.0;
+  }
+
+  std::vector<Eigen::Vector3f> positions;
+  std::vector<std::array<std::uint32_t, 4>> quads;
+  std::map<Place, std::uint32_t> index;
+};
+
+TEST(SurfaceNets, ABallIsWhereItIs) {
+  const SampledNodes ball = sampled_ball();
+  for (const int stride : {1, 2, 4}) {
+    const WholeNet net(ball.view(), stride);
+    ASSERT_FALSE(net.quads.empty());
+    // The mean of places on the ball's surface that lie in one cell: inside of it by no more than the sagitta of the cell's diagonal.
+    const double sagitta = 3.0 * stride * stride / (8.0 * kBallRadius);
+    for (const Eigen::Vector3f& p : net.positions) {
+      const double height = (p.cast<double>() - kBallAt).norm() - kBallRadius;
+      EXPECT_LT(height, 0.3 * sagitta) << stride;
+      EXPECT_GT(height, -1.3 * sagitta) << stride;
+    }
+    const double volume = 4.0 / 3.0 * M_PI * std::pow(kBallRadius, 3);
+    EXPECT_NEAR(net.volume(), volume, 3.9 * sagitta / kBallRadius * volume) << "positive: quads face outward";
+  }
+}
+
+// Each edge has a quad on either side, in opposite directions: no crack at the borders of blocks either.
+TEST(SurfaceNets, BlocksFitTogetherToTheLastBit) {
+  const SampledNodes ball = sampled_ball();
+  for (const int stride : {1, 2, 4}) {
+    const auto edges = WholeNet(ball.view(), stride).directed_edges();
+    for (const auto& [edge, times] : edges) {
+      EXPECT_EQ(times, 1);
+      EXPECT_EQ(edges.count({edge.second, edge.first}), 1U);
+    }
+  }
+}
+
+TEST(SurfaceNets, ACoarserLevelHasAQuarterOfTheQuads) {
+  const SampledNodes ball = sampled_ball();
+  const double fine = static_cast<double>(WholeNet(ball.view(), 1).quads.size());
+  EXPECT_NEAR(static_cast<double>(WholeNet(ball.view(), 2).quads.size()) / fine, 1.0 / 4.0, 0.02);
+  EXPECT_NEAR(static_cast<double>(WholeNet(ball.view(), 4).quads.size()) / fine, 1.0 / 16.0, 0.01);
+}
+
+// By brute force: the quads are one for each edge of the grid that the surface crosses.
+TEST(SurfaceNets, OneQuadForEachEdgeThatIsCrossed) {
+  constexpr unsigned kSeed = 77;
+  std::mt19937 random(kSeed);
+  RecordProperty("seed", kSeed);
+  const SurfaceNets::Index counts = {35, 18, 33};
+  const SampledNodes noise(counts, [&](const Vec3& p) {
+    const bool is_border = p.minCoeff() == 0.0 || p.x() == counts[0] - 1 || p.y() == counts[1] - 1 || p.z() == counts[2] - 1;
+    return is_border ? 1.0 : std::uniform_real_distribution(-1.0, 1.0)(random);
+  });
+  std::size_t crossed = 0;
+  const auto at = [&](int x, int y, int z) { return noise.values[static_cast<std::size_t>(x + counts[0] * (y + counts[1] * z))]; };
+  for (int z = 1; z < counts[2]; ++z) {
+    for (int y = 1; y < counts[1]; ++y) {
+      for (int x = 1; x < counts[0]; ++x) {
+        for (const float before : {at(x - 1, y, z), at(x, y - 1, z), at(x, y, z - 1)}) {
+          crossed += (before < 0.0F) != (at(x, y, z) < 0.0F) ? 1U : 0U;
+        }
+      }
+    }
+  }
+  const WholeNet net(noise.view(), 1);
+  EXPECT_EQ(net.quads.size(), crossed);
+  for (const auto& quad : net.quads) {
+    EXPECT_EQ(std::set<std::uint32_t>(quad.begin(), quad.end()).size(), 4U);
+  }
+}
+
+TEST(SurfaceNets, NothingWhereThereIsNoSurface) {
+  const SampledNodes empty({20, 20, 20}, [](const Vec3&) { return 0.0; });
+  EXPECT_TRUE(WholeNet(empty.view(), 1).quads.empty()) << "zero is outside";
+}
+
+// A change of one node changes only the blocks that are listed, and all of these at one stride or another.
+TEST(SurfaceNets, TheBlocksThatANodeChanges) {
+  const SampledNodes ball = sampled_ball();
+  const SurfaceNets::Index count = SurfaceNets::count_blocks(ball.counts);
+  SurfaceNets nets;
+  SurfaceNet before, after;
+  for (const SurfaceNets::Index& node : {SurfaceNets::Index{8, 20, 20}, {16, 32, 15}, {28, 12, 16}, {31, 31, 31}, {0, 40, 38}}) {
+    SampledNodes changed = ball;
+    float& value = changed.values[static_cast<std::size_t>(node[0] + ball.counts[0] * (node[1] + ball.counts[1] * node[2]))];
+    value = value < 0.0F ? 1.0F : -1.0F;
+    const SurfaceNets::Blocks listed = SurfaceNets::find_changed(ball.counts, node, {node[0] + 1, node[1] + 1, node[2] + 1});
+    for (int z = 0; z < count[2]; ++z) {
+      for (int y = 0; y < count[1]; ++y) {
+        for (int x = 0; x < count[0]; ++x) {
+          const std::array<int, 3> block = {x, y, z};
+          bool is_listed = true;
+          for (std::size_t k = 0; k < 3; ++k) is_listed = is_listed && block[k] >= listed.first[k] && block[k] < listed.end[k];
+          if (is_listed) continue;
+          for (const int stride : {1, 2, 4}) {
+            nets.compute(ball.view(), block, stride, before);
+            nets.compute(changed.view(), block, stride, after);
+            EXPECT_EQ(before.positions, after.positions) << x << y << z << " at " << stride;
+            EXPECT_EQ(before.quads, after.quads);
+          }
+        }
+      }
+    }
+    EXPECT_LE((listed.end[0] - listed.first[0]) * (listed.end[1] - listed.first[1]) * (listed.end[2] - listed.first[2]), 8);
+  }
+  const SurfaceNets::Blocks none = SurfaceNets::find_changed(ball.counts, {5, 5, 5}, {5, 6, 6});
+  EXPECT_GE(none.first[0], none.end[0]);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,94 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "core/geometry/mesh_shapes.h"
+#include "haptic_step/haptics_step.h"
+#include "tests/support/allocation_guard.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kCarvingOffset = 0.0005 * 0.0254;
+
+TouchScene carving_scene() {
+  return {.objects = {{.mesh = std::make_shared<const TriangleMesh>(make_icosphere(0.03, 3)),
+                       .material = {.stiffness_n_per_m = 500.0},
+                       .sculpt = SculptSettings{.voxel_m = 0.001, .tool_radius_m = 0.004, .button = 1}}}};
+}
+
+std::unique_ptr<TouchStep> carving_touch(const char* method = "proxy") {
+  const TouchScene scene = carving_scene();
+  return std::make_unique<TouchStep>(std::shared_ptr<ForceMethod>(*make_method({.name = method}, scene)), scene);
+}
+
+// Round the ball, in its surface, the button down from sample 200 on.
+DeviceState carving_state(std::uint64_t sample) {
+  const double angle = 3e-3 * static_cast<double>(sample);
+  const Vec3 p = (0.0315 + 0.004 * std::cos(5.0 * angle)) * Vec3(std::cos(angle), std::sin(angle), 0.1);
+  return {.sample = sample, .sample_time_ns = 1'000'000 * static_cast<std::int64_t>(sample), .p_WD = p, .buttons = sample > 200 ? 1U : 0U};
+}
+
+struct CarvedRun {
+  std::vector<ForceCommand> forces;
+  std::vector<MadeCarve> carves;
+};
+
+// Another method at sample `change`; 0: none.
+CarvedRun carve_round(std::uint64_t count, std::uint64_t change) {
+  HapticsStep step(carving_touch(), kCarvingOffset);
+  CarvedRun run;
+  for (std::uint64_t sample = 1; sample <= count; ++sample) {
+    if (sample == change) {
+      auto next = carving_touch("reference");
+      step.replace(std::move(next));
+      EXPECT_EQ(step.made_carve(), nullptr) << "a change is no sample";
+    }
+    step.offer(carving_state(sample));
+    run.forces.push_back(step.answer());
+    if (const MadeCarve* made = step.made_carve()) run.carves.push_back(*made);
+  }
+  return run;
+}
+
+TEST(CarvingStep, RepeatsToTheLastBitAlsoAcrossAChangeOfMethod) {
+  for (const std::uint64_t change : {std::uint64_t{0}, std::uint64_t{700}}) {
+    const CarvedRun one = carve_round(1500, change), other = carve_round(1500, change);
+    ASSERT_EQ(one.carves.size(), other.carves.size());
+    EXPECT_GT(one.carves.size(), 50U);
+    for (std::size_t i = 0; i < one.carves.size(); ++i) {
+      EXPECT_EQ(one.carves[i].carve, other.carves[i].carve);
+      EXPECT_EQ(one.carves[i].serial, i + 1) << "counted on across the change";
+    }
+    for (std::size_t i = 0; i < one.forces.size(); ++i) {
+      ASSERT_EQ(one.forces[i].force_n, other.forces[i].force_n) << i;
+      ASSERT_EQ(one.forces[i].visual_offset_m, other.forces[i].visual_offset_m) << i;
+    }
+  }
+}
+
+TEST(CarvingStep, ForceHasNoJumpAtAChangeOfMethod) {
+  const CarvedRun run = carve_round(1500, 700);
+  EXPECT_TRUE(run.forces[698].contact);
+  EXPECT_TRUE(run.forces[699].contact);
+  EXPECT_LT((run.forces[699].force_n - run.forces[698].force_n).norm(), 0.5);
+}
+
+TEST(CarvingStep, ChangesWithoutHeap) {
+  if (!AllocationGuard::is_available()) GTEST_SKIP();
+  HapticsStep step(carving_touch(), kCarvingOffset);
+  auto next = carving_touch();
+  std::unique_ptr<TouchStep> old;
+  const AllocationGuard guard;
+  for (std::uint64_t sample = 1; sample <= 600; ++sample) {
+    if (sample == 400) old = step.replace(std::move(next));
+    step.offer(carving_state(sample));
+    step.answer();
+  }
+  EXPECT_EQ(guard.count(), 0U);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,37 @@
+#include "tools/check/sculpt_check.h"
+
+#include <fmt/format.h>
+
+#include "core/collision/wall_thickness.h"
+
+namespace hapton {
+namespace {
+
+// A wall between two layers of nodes without one inside it is not there.
+constexpr double kLeastWall = 1.75;  // in voxels: the diagonal of one
+constexpr double kLeastRadius = 3.0;
+
+}  // namespace
+
+CheckFindings check_sculpt(const SceneObject& object) {
+  CheckFindings findings;
+  if (!object.sculpt) return findings;
+  const double voxel_m = object.sculpt->voxel_m;
+  const ThinWalls walls = find_thin_walls(*object.mesh, kLeastWall * voxel_m);
+  if (walls.thinnest) {
+    findings.push_back(
+        {SceneFault::coarse_voxels, object.name, walls.thinnest->point,
+         fmt::format("a wall is {:.3g} mm thick, and voxels of {:.3g} mm may lose it", 1e3 * walls.thinnest->thickness, 1e3 * voxel_m),
+         fmt::format("give voxel_mm = {:.2g} or less, or thicken it", 1e3 * walls.thinnest->thickness / kLeastWall)});
+  }
+  if (object.sculpt->tool_radius_m < kLeastRadius * voxel_m) {
+    findings.push_back(
+        {SceneFault::coarse_voxels, object.name, std::nullopt,
+         fmt::format("the ball that carves has a radius of {:.3g} mm, {:.2g} voxels: what it leaves is rough",
+                     1e3 * object.sculpt->tool_radius_m, object.sculpt->tool_radius_m / voxel_m),
+         fmt::format("give voxel_mm = {:.2g} or less, or a larger tool_radius_mm", 1e3 * object.sculpt->tool_radius_m / 4.0)});
+  }
+  return findings;
+}
+
+}  // namespace hapton

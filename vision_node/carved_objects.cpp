@@ -1,0 +1,133 @@
+#include "vision_node/carved_objects.h"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "runtime/log.h"
+#include "runtime/start_thread.h"
+
+namespace hapton {
+namespace {
+
+// Between two surfaces: as often as a picture shows them.
+constexpr std::chrono::milliseconds kEvery(33);
+// As DetailBuilder: the servo loop and the haptics node may live on the same cores.
+constexpr int kNiceness = 5;
+// Carves that the thread has not taken: of ten seconds and more, so that it has to stand still for that.
+constexpr std::size_t kMostWaiting = 65'536;
+
+Vec3 to_point(const Carves::Point& p) { return {p[0], p[1], p[2]}; }
+
+}  // namespace
+
+CarvedObjects::CarvedObjects(StereoView& view, const Scene& scene) : view_(view), scene_(scene) {
+  has_any_ = std::any_of(scene.objects.begin(), scene.objects.end(), [](const SceneObject& object) { return object.sculpt.has_value(); });
+  is_busy_ = has_any_;
+  if (has_any_) thread_ = start_thread([this] { run(); });
+}
+
+CarvedObjects::~CarvedObjects() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  ordered_.notify_all();
+  if (thread_.joinable()) thread_.join();
+}
+
+void CarvedObjects::take(const Carves& carves, Arrival arrival) {
+  if (!has_any_) return;
+  {
+    const std::lock_guard lock(mutex_);
+    // Those left out here are missing, and so requested again.
+    if (order_.carves.size() >= kMostWaiting) return;
+    const KnownCarves::News news = known_.take(carves, arrival);
+    if (!news.starts_anew && news.carves.empty()) return;
+    if (news.starts_anew) order_ = {.starts_anew = true, .carves = {}};
+    order_.carves.insert(order_.carves.end(), news.carves.begin(), news.carves.end());
+    is_busy_ = true;
+  }
+  ordered_.notify_all();
+}
+
+std::optional<CarveStatus> CarvedObjects::take_request(std::int64_t now_ns) { return known_.take_request(now_ns); }
+
+bool CarvedObjects::show() {
+  if (!has_any_) return false;
+  std::vector<Made> made;
+  {
+    const std::lock_guard lock(mutex_);
+    made.swap(made_);
+  }
+  for (Made& one : made) view_.replace_object(one.object, std::move(one.levels));
+  return !made.empty();
+}
+
+bool CarvedObjects::is_up_to_date() const {
+  const std::lock_guard lock(mutex_);
+  return !is_busy_ && made_.empty();
+}
+
+void CarvedObjects::run() {
+  ::setpriority(PRIO_PROCESS, 0, kNiceness);
+  make_surfaces();
+  Order order;
+  while (wait_for_order(order)) {
+    const auto next = std::chrono::steady_clock::now() + kEvery;
+    carry_out(order);
+    std::unique_lock lock(mutex_);
+    is_busy_ = order_.starts_anew || !order_.carves.empty();
+    ordered_.wait_until(lock, next, [this] { return stop_; });
+  }
+}
+
+void CarvedObjects::make_surfaces() {
+  for (std::size_t o = 0; o < scene_.objects.size(); ++o) {
+    const SceneObject& object = scene_.objects[o];
+    if (!object.sculpt) continue;
+    auto field = CarvedField::make(*object.mesh, object.sculpt->voxel_m);
+    if (!field) {
+      log_warning("object '{}' is drawn as its mesh: {}", object.name, field.error().what);
+      continue;
+    }
+    surfaces_.try_emplace(o, std::move(*field), frame_detail(*object.mesh));
+  }
+  carry_out({});
+  const std::lock_guard lock(mutex_);
+  is_busy_ = order_.starts_anew || !order_.carves.empty();
+}
+
+bool CarvedObjects::wait_for_order(Order& order) {
+  std::unique_lock lock(mutex_);
+  ordered_.wait(lock, [this] { return stop_ || order_.starts_anew || !order_.carves.empty(); });
+  order = std::exchange(order_, {});
+  return !stop_;
+}
+
+void CarvedObjects::carry_out(const Order& order) {
+  if (order.starts_anew) {
+    for (auto& [number, surface] : surfaces_) surface.restore();
+  }
+  for (const Carves::One& one : order.carves) {
+    const auto carved = surfaces_.find(static_cast<std::size_t>(one.object));
+    if (carved != surfaces_.end()) carved->second.carve({to_point(one.from_m), to_point(one.to_m), one.radius_m});
+  }
+  for (auto& [number, surface] : surfaces_) {
+    if (surface.has_changed()) offer(number, surface.compute_levels());
+  }
+}
+
+void CarvedObjects::offer(std::size_t object, std::vector<FlatLevel> levels) {
+  const std::lock_guard lock(mutex_);
+  const auto waiting = std::find_if(made_.begin(), made_.end(), [&](const Made& one) { return one.object == object; });
+  if (waiting != made_.end()) {
+    waiting->levels = std::move(levels);
+  } else {
+    made_.push_back({object, std::move(levels)});
+  }
+}
+
+}  // namespace hapton

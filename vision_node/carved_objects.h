@@ -1,0 +1,75 @@
+#pragma once
+
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "link/known_carves.h"
+#include "link/messages.h"
+#include "scene/scene_file.h"
+#include "vision_node/carved_surface.h"
+#include "vision_node/stereo_view.h"
+
+namespace hapton {
+
+// Draws the objects that the stylus carves as the haptics node has them: from the same field with the same carves. A thread of its own
+// applies the carves and computes the surface, up to 30 times a second; the window's thread only hands over what is finished, and never
+// waits for it. Threads: all calls from the window's. RT: no.
+class CarvedObjects {
+ public:
+  // Starts the thread if the scene has such objects; until it has made their fields they are drawn as their meshes. Pre: both outlive this;
+  // the view was opened with the scene's objects.
+  CarvedObjects(StereoView& view, const Scene& scene);
+  ~CarvedObjects();
+  CarvedObjects(const CarvedObjects&) = delete;
+  CarvedObjects& operator=(const CarvedObjects&) = delete;
+
+  // arrival: as HubClient::last_arrival of this message.
+  void take(const Carves& carves, Arrival arrival);
+  // For the hub, if carves are missing and a request is due.
+  std::optional<CarveStatus> take_request(std::int64_t now_ns);
+
+  // True if the view has got a surface since the last call: the picture has changed.
+  bool show();
+
+  // Everything received is drawn. For tests.
+  bool is_up_to_date() const;
+
+ private:
+  struct Order {
+    bool starts_anew = false;
+    std::vector<Carves::One> carves;
+  };
+  struct Made {
+    std::size_t object = 0;
+    std::vector<FlatLevel> levels;
+  };
+
+  void run();
+  void make_surfaces();
+  bool wait_for_order(Order& order);
+  void carry_out(const Order& order);
+  void offer(std::size_t object, std::vector<FlatLevel> levels);
+
+  StereoView& view_;
+  const Scene& scene_;
+  KnownCarves known_;
+  bool has_any_ = false;
+  std::map<std::size_t, CarvedSurface> surfaces_;  // by object; the thread's
+
+  mutable std::mutex mutex_;
+  std::condition_variable ordered_;
+  Order order_;             // what came since the thread took the last one
+  bool is_busy_ = false;    // the thread has something to do, or is doing it
+  std::vector<Made> made_;  // the newest of each object, not shown yet
+  bool stop_ = false;
+  std::thread thread_;  // last: it uses the others
+};
+
+}  // namespace hapton
