@@ -78,6 +78,12 @@ void SessionIndex::add_view(const View& view, double t_s) {
   add_later(views_, t_s, view);
 }
 
+void SessionIndex::add_carves(const Carves& carves, double t_s) {
+  const KnownCarves::News news = known_carves_.take(carves, Arrival::newest);
+  if (!news.starts_anew && news.carves.empty()) return;
+  add_later(carves_, t_s, CarveNews{news.starts_anew, {news.carves.begin(), news.carves.end()}});
+}
+
 void SessionIndex::add_received(const Datagram& datagram, double t_s) {
   const Message& message = datagram.message;
   const std::uint64_t sender = datagram.header.sender;
@@ -90,6 +96,7 @@ void SessionIndex::add_received(const Datagram& datagram, double t_s) {
   }
   if (const auto* view = std::get_if<ViewTransform>(&message)) add_view({view->revision, view->X_WS}, t_s);
   if (const auto* move = std::get_if<ObjectMove>(&message); move != nullptr && !is_known(moves_, *move)) add_later(moves_, t_s, *move);
+  if (const auto* carves = std::get_if<Carves>(&message)) add_carves(*carves, t_s);
   if (!is_haptics(sender)) return;
   if (const auto* pose = std::get_if<ObjectPose>(&message); pose != nullptr && !is_known(poses_, *pose)) add_later(poses_, t_s, *pose);
   const auto* scene = std::get_if<SceneFacts>(&message);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "link/known_carves.h"
 #include "link/messages.h"
 #include "link/session_reader.h"
 #include "session/joined_table.h"
@@ -35,6 +37,18 @@ template <class Message>
 struct Timed {
   double t_s = 0.0;
   Message message;
+};
+
+// Of what was said, in the order of its times, so much was said until then.
+template <class Message>
+std::size_t count_until(std::span<const Timed<Message>> all, double t_s) {
+  return static_cast<std::size_t>(std::ranges::upper_bound(all, t_s, {}, &Timed<Message>::t_s) - all.begin());
+}
+
+// What the stylus carved.
+struct CarveNews {
+  bool starts_anew = false;  // by another haptics process: what was carved before is whole again
+  std::vector<Carves::One> carves;
 };
 
 // What the hub told a vision node about the device.
@@ -78,6 +92,8 @@ class SessionIndex {
   // Of objects that the stylus picked up, and that programs moved, in the order of their times.
   std::span<const Timed<ObjectPose>> poses() const { return poses_; }
   std::span<const Timed<ObjectMove>> moves() const { return moves_; }
+  // Without repetitions, as far as the serials tell.
+  std::span<const Timed<CarveNews>> carves() const { return carves_; }
 
  private:
   struct View {
@@ -93,6 +109,7 @@ class SessionIndex {
   void add_row(const JoinedRow& row);
   void add_received(const Datagram& datagram, double t_s);
   void add_view(const View& view, double t_s);
+  void add_carves(const Carves& carves, double t_s);
   bool is_haptics(std::uint64_t sender) const;
 
   double begin_s_ = 0.0;
@@ -106,6 +123,8 @@ class SessionIndex {
   std::vector<Timed<std::uint64_t>> scene_hashes_;
   std::vector<Timed<ObjectPose>> poses_;
   std::vector<Timed<ObjectMove>> moves_;
+  std::vector<Timed<CarveNews>> carves_;
+  KnownCarves known_carves_;
   std::vector<std::uint64_t> haptics_;  // senders
 };
 

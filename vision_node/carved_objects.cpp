@@ -46,11 +46,25 @@ void CarvedObjects::take(const Carves& carves, Arrival arrival) {
     if (order_.carves.size() >= kMostWaiting) return;
     const KnownCarves::News news = known_.take(carves, arrival);
     if (!news.starts_anew && news.carves.empty()) return;
-    if (news.starts_anew) order_ = {.starts_anew = true, .carves = {}};
-    order_.carves.insert(order_.carves.end(), news.carves.begin(), news.carves.end());
-    is_busy_ = true;
+    add_order(news.carves, news.starts_anew);
   }
   ordered_.notify_all();
+}
+
+void CarvedObjects::carve(std::span<const Carves::One> carves, bool starts_anew) {
+  if (!has_any_ || (!starts_anew && carves.empty())) return;
+  {
+    const std::lock_guard lock(mutex_);
+    add_order(carves, starts_anew);
+  }
+  ordered_.notify_all();
+}
+
+// Pre: the mutex is held.
+void CarvedObjects::add_order(std::span<const Carves::One> carves, bool starts_anew) {
+  if (starts_anew) order_ = {.starts_anew = true, .carves = {}};
+  order_.carves.insert(order_.carves.end(), carves.begin(), carves.end());
+  is_busy_ = true;
 }
 
 std::optional<CarveStatus> CarvedObjects::take_request(std::int64_t now_ns) { return known_.take_request(now_ns); }

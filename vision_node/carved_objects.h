@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <thread>
 #include <vector>
 
@@ -32,13 +33,15 @@ class CarvedObjects {
 
   // arrival: as HubClient::last_arrival of this message.
   void take(const Carves& carves, Arrival arrival);
+  // The same from a recording, which knows which carves are new.
+  void carve(std::span<const Carves::One> carves, bool starts_anew);
   // For the hub, if carves are missing and a request is due.
   std::optional<CarveStatus> take_request(std::int64_t now_ns);
 
   // True if the view has got a surface since the last call: the picture has changed.
   bool show();
 
-  // Everything received is drawn. For tests.
+  // Everything received is drawn.
   bool is_up_to_date() const;
 
  private:
@@ -51,6 +54,7 @@ class CarvedObjects {
     std::vector<FlatLevel> levels;
   };
 
+  void add_order(std::span<const Carves::One> carves, bool starts_anew);
   void run();
   void make_surfaces();
   bool wait_for_order(Order& order);

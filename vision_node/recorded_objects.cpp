@@ -8,11 +8,6 @@ namespace {
 // A move is announced at once, and begins in scene time: known too early does no harm.
 constexpr double kAheadS = 0.2;
 
-template <class Message>
-std::size_t count_until(std::span<const Timed<Message>> all, double t_s) {
-  return static_cast<std::size_t>(std::ranges::upper_bound(all, t_s, {}, &Timed<Message>::t_s) - all.begin());
-}
-
 }  // namespace
 
 bool RecordedObjects::show(double t_s, std::int64_t scene_time_ns) {

@@ -37,6 +37,11 @@ void RecordedSession::set_moved_objects(MovedObjects* moved) {
   objects_.emplace(index_, *moved);
 }
 
+void RecordedSession::set_carved_objects(CarvedObjects* carved) {
+  carved_ = carved;
+  carves_.emplace(index_, *carved);
+}
+
 Result<void> RecordedSession::run(const StopSignal& stop) {
   start_ns_ = clock_.now_ns();
   const std::int64_t end_ns = options_.seconds > 0.0 ? start_ns_ + static_cast<std::int64_t>(options_.seconds * 1e9) : INT64_MAX;
@@ -60,12 +65,21 @@ Result<void> RecordedSession::run(const StopSignal& stop) {
   return window_.take_screenshot(options_.screenshot);
 }
 
-// With all that a teaching view takes time for.
+// With all that a teaching view, or material that is carved, takes time for.
 Result<void> RecordedSession::take_moment() {
+  constexpr std::int64_t kPauseNs = 5 * kNanosecondsPerMillisecond;
   window_.finish_teaching();
+  while (carved_ != nullptr && !carved_->is_up_to_date()) {
+    show_carved();
+    clock_.sleep_until_ns(clock_.now_ns() + kPauseNs);
+  }
   if (auto shown = show_moment(); !shown) return shown;
   draw();
   return window_.take_screenshot(options_.screenshot);
+}
+
+void RecordedSession::show_carved() {
+  if (carved_ != nullptr && carved_->show()) window_.step().reshape_scene();
 }
 
 Result<void> RecordedSession::show_moment() {
@@ -76,6 +90,7 @@ Result<void> RecordedSession::show_moment() {
   step.receive(recorded->state, clock_.now_ns());
   step.set_recording(recorded->X_WS, describe_recording(options_.session.filename().string(), player_, recorded->state.sample),
                      describe_mark(index_, t_s));
+  if (carves_) carves_->show(t_s);
   if (objects_ && objects_->show(t_s, recorded->state.scene_time_ns)) step.spoil();
   if (moved_ != nullptr && moved_->held() != step.held_object()) step.set_held_object(moved_->held());
   if (const HapticsSetup* setup = index_.find_setup(player_.moment_s())) window_.use_setup(*setup);
@@ -96,6 +111,7 @@ Result<void> RecordedSession::attend_window() {
   const auto take = [this](const WindowEvent& event) {
     return control_.handle(event, view_.find_picture_pixel(event.x_px, event.y_px), view_.picture_size());
   };
+  show_carved();
   const UserRequests requests = window_.attend(take, {});
   quit_ = quit_ || requests.quit;
   return requests.screenshot ? window_.take_numbered_screenshot() : Result<void>{};

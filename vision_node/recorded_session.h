@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "core/base/result.h"
@@ -8,6 +9,7 @@
 #include "runtime/stop_signal.h"
 #include "session/session_index.h"
 #include "session/session_rows.h"
+#include "vision_node/recorded_carves.h"
 #include "vision_node/recorded_objects.h"
 #include "vision_node/session_control.h"
 #include "vision_node/session_player.h"
@@ -29,6 +31,8 @@ class RecordedSession {
   void set_scene(std::uint64_t given_hash) { scene_hash_ = given_hash; }
   // What draws the objects that move. Pre: it outlives the session.
   void set_moved_objects(MovedObjects* moved);
+  // What draws the material that was carved. Pre: it outlives the session.
+  void set_carved_objects(CarvedObjects* carved);
 
   // Runs until the window is closed, the time is over, the picture of --at is taken, or a signal requests the stop. Error: a screenshot
   // that could not be written, a file that changed.
@@ -39,6 +43,7 @@ class RecordedSession {
 
  private:
   Result<void> show_moment();
+  void show_carved();
   void compare_scene();
   Result<void> attend_window();
   bool wants_picture(std::int64_t now_ns);
@@ -58,6 +63,8 @@ class RecordedSession {
   TimeLineShown line_;
   std::optional<RecordedObjects> objects_;
   MovedObjects* moved_ = nullptr;
+  std::optional<RecordedCarves> carves_;
+  CarvedObjects* carved_ = nullptr;
   ScreenshotMoment screenshot_moment_;
   std::uint64_t scene_hash_ = 0;
   bool is_other_scene_ = false;

@@ -7,6 +7,7 @@
 #include "scene/find_scene.h"
 #include "scene/scene_file.h"
 #include "session/session_rows.h"
+#include "vision_node/carved_objects.h"
 #include "vision_node/moved_objects.h"
 #include "vision_node/recorded_session.h"
 #include "vision_node/vision_session.h"
@@ -52,9 +53,11 @@ Result<void> show(VisionOptions& options, const SessionIndex& index, HeadTracker
   if (!view) return tl::unexpected(view.error());
   if (*tool) (*view)->set_tool(**tool);
   MovedObjects moved(**view, *scene);
+  CarvedObjects carved(**view, *scene);
   RecordedSession session(**view, clock, options, index, *rows);
   session.set_scene(scene->given_hash);
   if (!*tool) session.set_moved_objects(&moved);
+  session.set_carved_objects(&carved);
   TeachBuilder teacher(scene->touch_scene());
   session.set_teacher(&teacher);
   session.set_head_tracker(head);

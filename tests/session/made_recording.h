@@ -13,6 +13,7 @@ namespace hapton {
 
 // A recording of four seconds at 1 kHz: the second sample of each two has a reply, contact from 2 s to 3 s, markers at 1 s and 3.5 s, a
 // fault at 2.5 s; the scene is shifted by 0.25 m at 1.5 s, object 1 is held from 0.5 s to 0.8 s, object 2 moved by a program at 1.2 s.
+// Object 0 is carved at 1.6 s (and the message repeated), and whole again from 3.2 s on, by another haptics process.
 struct MadeRecording {
   std::uint64_t samples = 4000;
   bool has_device = true;  // samples in the cycles
@@ -32,6 +33,12 @@ struct MadeRecording {
       add_what_happens(sample);
     }
     return scratch.write("made.hapton", bytes);
+  }
+
+  static Carves through_middle(std::uint32_t source, std::uint32_t serial) {
+    Carves carves{.source = source, .newest = serial, .first = serial, .count = 1};
+    carves.carves[0] = {.object = 0, .from_m = {0.0F, 0.01F, -0.04F}, .to_m = {0.0F, 0.01F, 0.04F}, .radius_m = 0.006F};
+    return carves;
   }
 
  private:
@@ -88,6 +95,8 @@ struct MadeRecording {
                   .source = 6, .serial = 1, .object = 2, .start_ns = 1'200'000'000, .end_ns = 1'700'000'000, .to_p_m = Vec3(0.0, 0.1, 0.0)},
               sample);
     }
+    if (sample == 1600 || sample == 1700) receive(kHaptics, through_middle(8, 1), sample);
+    if (sample == 3200) receive(kHaptics, Carves{.source = 9}, sample);
     if (sample == 2499) {
       SessionEntry fault;
       fault.kind = SessionEntry::Kind::fault;

@@ -57,6 +57,14 @@ TEST(SessionIndex, WhatWasSaidHoldsUntilSomethingElseIs) {
   EXPECT_TRUE(index.poses()[0].message.is_held);
   EXPECT_FALSE(index.poses()[1].message.is_held);
   ASSERT_EQ(index.moves().size(), 1U);
+  ASSERT_EQ(index.carves().size(), 2U) << "a repeated message is left out";
+  EXPECT_NEAR(index.carves()[0].t_s, 1.6, 0.002);
+  ASSERT_EQ(index.carves()[0].message.carves.size(), 1U);
+  EXPECT_FLOAT_EQ(index.carves()[0].message.carves[0].radius_m, 0.006F);
+  EXPECT_TRUE(index.carves()[1].message.starts_anew);
+  EXPECT_TRUE(index.carves()[1].message.carves.empty());
+  EXPECT_EQ(count_until(index.carves(), 1.59), 0U);
+  EXPECT_EQ(count_until(index.carves(), 2.0), 1U);
 }
 
 TEST(SessionIndex, APositionIsNotFarBeforeItsTime) {

@@ -8,7 +8,9 @@
 #include <thread>
 
 #include "core/geometry/mesh_shapes.h"
+#include "tests/session/made_recording.h"
 #include "tests/vision_node/made_views.h"
+#include "vision_node/recorded_carves.h"
 
 namespace hapton {
 namespace {
@@ -154,6 +156,28 @@ TEST_F(CarvedObjectsTest, ASceneWithoutClayNeedsNothing) {
   EXPECT_FALSE(none.show());
   EXPECT_TRUE(none.is_up_to_date());
   EXPECT_FALSE(none.take_request(0));
+}
+
+// Forwards, backwards, and over the place where another haptics process begins.
+TEST_F(CarvedObjectsTest, ARecordingShowsWhatWasCarvedUntilThen) {
+  const ScratchFolder scratch;
+  auto reader = SessionReader::open(MadeRecording().write(scratch));
+  ASSERT_TRUE(reader);
+  const auto index = SessionIndex::read(*reader);
+  ASSERT_TRUE(index);
+  open();
+  ASSERT_TRUE(view);
+  RecordedCarves recorded(*index, *carved);
+  const auto is_hole_at = [&](double t_s) {
+    recorded.show(t_s);
+    settle();
+    return red_at(kInHole) == 0;
+  };
+  EXPECT_FALSE(is_hole_at(1.0));
+  EXPECT_TRUE(is_hole_at(2.0));
+  EXPECT_FALSE(is_hole_at(3.5));
+  EXPECT_TRUE(is_hole_at(3.0));
+  EXPECT_FALSE(is_hole_at(0.5));
 }
 
 }  // namespace

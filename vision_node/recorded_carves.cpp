@@ -1,0 +1,25 @@
+#include "vision_node/recorded_carves.h"
+
+#include <utility>
+#include <vector>
+
+namespace hapton {
+
+void RecordedCarves::show(double t_s) {
+  const std::size_t until = count_until(index_.carves(), t_s);
+  if (until == carves_) return;
+  bool starts_anew = until < carves_;
+  std::vector<Carves::One> carves;
+  for (std::size_t i = starts_anew ? 0 : carves_; i < until; ++i) {
+    const CarveNews& news = index_.carves()[i].message;
+    if (news.starts_anew) {
+      starts_anew = true;
+      carves.clear();
+    }
+    carves.insert(carves.end(), news.carves.begin(), news.carves.end());
+  }
+  carves_ = until;
+  carved_.carve(carves, starts_anew);
+}
+
+}  // namespace hapton
