@@ -48,7 +48,9 @@ TEST(MeshCurvature, OfAPlaneIsZeroAndOfItsBoundaryNotKnown) {
   const std::vector<double> curvature = compute_mean_curvature(plane);
   for (std::uint32_t i = 0; i < kSide * kSide; ++i) {
     const bool is_inner = i % kSide > 0 && i % kSide + 1 < kSide && i / kSide > 0 && i / kSide + 1 < kSide;
-    if (is_inner) EXPECT_NEAR(curvature[i], 0.0, 1e-9) << i;
+    if (is_inner) {
+      EXPECT_NEAR(curvature[i], 0.0, 1e-9) << i;
+    }
     EXPECT_EQ(std::isnan(curvature[i]), !is_inner) << i;
   }
   EXPECT_TRUE(std::isnan(curvature.back()));
