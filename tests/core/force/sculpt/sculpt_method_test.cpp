@@ -61,7 +61,9 @@ TEST(SculptMethod, FeelsOtherObjectsAsTheirMethodDoes) {
       ASSERT_EQ(a.force_n, b.force_n) << name;
       ASSERT_EQ(a.visual_offset_m, b.visual_offset_m);
       ASSERT_EQ(a.contact, b.contact);
-      if (a.contact) ASSERT_EQ(a.object, b.object);
+      if (a.contact) {
+        ASSERT_EQ(a.object, b.object);
+      }
       contacts += a.contact;
     }
     EXPECT_GT(contacts, 15) << name;
