@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tests/process/program.h"
+#include "tests/process/system.h"
 
 namespace hapton::process {
 namespace {
