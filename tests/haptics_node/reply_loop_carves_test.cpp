@@ -6,12 +6,10 @@
 #include <vector>
 
 #include "haptics_node/reply_loop.h"
-#include "link/hub_peers.h"
 #include "link/known_carves.h"
-#include "link/memory_endpoint.h"
 #include "scene/object_reader.h"
+#include "tests/haptics_node/reply_loop_stage.h"
 #include "tests/support/made_meshes.h"
-#include "tests/support/time_units.h"
 
 namespace hapton {
 namespace {
@@ -27,7 +25,7 @@ Scene clay_scene() {
   return scene;
 }
 
-class ReplyLoopCarves : public ::testing::Test {
+class ReplyLoopCarves : public ReplyLoopStage {
  protected:
   ReplyLoopCarves() {
     loop_.set_carve_sender(&carves_);
@@ -40,14 +38,9 @@ class ReplyLoopCarves : public ::testing::Test {
     send(DeviceState{.sample = ++sample_, .sample_time_ns = clock_.now_ns(), .p_WD = Vec3(0.0, 0.0, 0.1)});
     loop_.turn(clock_.now_ns() + kMs);
     order_.clear();
-    const std::int64_t end_ns = clock_.now_ns() + kMs;
-    Datagram datagram;
-    while (clock_.now_ns() < end_ns) {
-      if (hub_.receive(datagram, end_ns).kind == PeerEvent::Kind::message) take(datagram.message);
-    }
+    receive_at_hub();
   }
-  void take(const Message& message) {
-    order_.push_back(message.index());
+  void take(const Message& message) override {
     if (const auto* got = std::get_if<ForceCommand>(&message)) {
       echoed_ = got->echo_sample;
       if (!announced_before_force_) announced_before_force_ = received_.size();
@@ -57,18 +50,11 @@ class ReplyLoopCarves : public ::testing::Test {
       viewer_.take(*got, Arrival::newest);
     }
   }
-  void send(const Message& message) { hub_.send_to_role(NodeRole::haptics, message); }
   void carve(std::uint32_t count) {
     for (std::uint32_t n = 0; n < count; ++n)
       carves_.note({.object = 0, .serial = carves_.newest() + 1, .carve = {Vec3::Zero(), Vec3::Zero(), 0.01}});
   }
 
-  SimulatedClock clock_;
-  MemoryNetwork network_{clock_};
-  std::unique_ptr<Endpoint> hub_endpoint_ = *network_.open(memory_address(1, 4950));
-  std::unique_ptr<Endpoint> endpoint_ = *network_.open(memory_address(2, 0));
-  HubPeers hub_{*hub_endpoint_, clock_, 1, 1000.0};
-  HubClient client_{*endpoint_, clock_, NodeRole::haptics, memory_address(1, 4950)};
   Scene scene_ = clay_scene();
   HapticsStep step_{std::make_unique<TouchStep>(*make_method({}, scene_.touch_scene()), scene_.touch_scene()), 1e-5};
   MethodBuilder builder_{{}, scene_.touch_scene()};
@@ -77,7 +63,6 @@ class ReplyLoopCarves : public ::testing::Test {
   std::vector<Carves> received_;
   KnownCarves viewer_;
   std::optional<std::size_t> announced_before_force_;
-  std::vector<std::size_t> order_;  // kinds, in the last cycle
   std::uint64_t echoed_ = 0;
   std::uint64_t sample_ = 0;
 };

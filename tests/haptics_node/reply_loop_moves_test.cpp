@@ -7,11 +7,9 @@
 
 #include "haptics_node/reply_loop.h"
 #include "link/commanded_move.h"
-#include "link/hub_peers.h"
-#include "link/memory_endpoint.h"
 #include "scene/object_reader.h"
+#include "tests/haptics_node/reply_loop_stage.h"
 #include "tests/support/made_meshes.h"
-#include "tests/support/time_units.h"
 
 namespace hapton {
 namespace {
@@ -33,7 +31,7 @@ Scene plate_scene() {
   return scene;
 }
 
-class ReplyLoopMoves : public ::testing::Test {
+class ReplyLoopMoves : public ReplyLoopStage {
  protected:
   ReplyLoopMoves() {
     loop_.set_object_mover(&mover_);
@@ -49,23 +47,13 @@ class ReplyLoopMoves : public ::testing::Test {
     receive_at_hub();
     return force_;
   }
-  // For a millisecond.
-  void receive_at_hub() {
-    const std::int64_t end_ns = clock_.now_ns() + kMs;
-    Datagram datagram;
-    while (clock_.now_ns() < end_ns) {
-      if (hub_.receive(datagram, end_ns).kind == PeerEvent::Kind::message) take(datagram.message);
-    }
-  }
-  void take(const Message& message) {
-    order_.push_back(message.index());
+  void take(const Message& message) override {
     if (const auto* got = std::get_if<ForceCommand>(&message)) force_ = *got;
     if (std::holds_alternative<ForceCommand>(message) && !moves_before_force_) moves_before_force_ = moves_.size();
     if (const auto* got = std::get_if<MoveReply>(&message)) replies_.push_back(*got);
     if (const auto* got = std::get_if<ObjectMove>(&message)) moves_.push_back(*got);
     if (std::holds_alternative<HapticsSetup>(message)) ++setups_;
   }
-  void send(const Message& message) { hub_.send_to_role(NodeRole::haptics, message); }
   MoveRequest lift(std::uint32_t request, double height_m, std::int32_t object = 0) const {
     return {.request = request, .number = object, .p_m = Vec3(0, 0, height_m)};
   }
@@ -77,12 +65,6 @@ class ReplyLoopMoves : public ::testing::Test {
     return found;
   }
 
-  SimulatedClock clock_;
-  MemoryNetwork network_{clock_};
-  std::unique_ptr<Endpoint> hub_endpoint_ = *network_.open(memory_address(1, 4950));
-  std::unique_ptr<Endpoint> endpoint_ = *network_.open(memory_address(2, 0));
-  HubPeers hub_{*hub_endpoint_, clock_, 1, 1000.0};
-  HubClient client_{*endpoint_, clock_, NodeRole::haptics, memory_address(1, 4950)};
   Scene scene_ = plate_scene();
   HapticsStep step_{std::make_unique<TouchStep>(*make_method({}, scene_.touch_scene()), scene_.touch_scene()), 1e-5};
   MethodBuilder builder_{{}, scene_.touch_scene()};
@@ -91,7 +73,6 @@ class ReplyLoopMoves : public ::testing::Test {
   std::vector<MoveReply> replies_;
   std::vector<ObjectMove> moves_;
   std::optional<std::size_t> moves_before_force_;  // announced before the first force
-  std::vector<std::size_t> order_;                 // kinds, in the last cycle
   ForceCommand force_;
   int setups_ = 0;
   std::uint64_t sample_ = 0;

@@ -8,7 +8,7 @@
 
 namespace hapton {
 
-// Copies the pictures of both eyes, which lie beside each other in a framebuffer, the left one left, into textures of a headset's runtime
+// Copies the images of both eyes, which lie beside each other in a framebuffer, the left one left, into textures of a headset's runtime
 // and one of them into the window. Bytes are copied as they are, also into textures that are sRGB. Leaves OpenGL's state unchanged.
 // Threads: the window's, with its context current, also in the destructor. RT: no.
 class EyeCopies {
@@ -18,7 +18,7 @@ class EyeCopies {
   EyeCopies(const EyeCopies&) = delete;
   EyeCopies& operator=(const EyeCopies&) = delete;
 
-  // A new frame has been drawn into that framebuffer: pictures of that size each.
+  // A new frame has been drawn into that framebuffer: images of that size each.
   void take(std::uint32_t framebuffer, PictureSize each);
   // eye 0: the left one. The texture is a GL_TEXTURE_2D of one eye's size.
   void copy_to_texture(std::size_t eye, std::uint32_t texture);

@@ -5,7 +5,7 @@
 
 namespace hapton {
 
-// What an eye of a headset sees: angles between its axis and the four edges of its picture, radians, positive to the right and up. They
+// What an eye of a headset sees: angles between its axis and the four edges of its image, radians, positive to the right and up. They
 // need not be symmetric: left_rad and down_rad are negative as a rule. Source: XrFovf of OpenXR 1.0.
 struct FieldOfView {
   double left_rad = -0.8;
@@ -14,7 +14,7 @@ struct FieldOfView {
   double down_rad = -0.8;
 };
 
-// Whether there is a picture: edges in order, less than a right angle from the axis. False for NaN.
+// Whether there is a image: edges in order, less than a right angle from the axis. False for NaN.
 bool is_possible(const FieldOfView& fov);
 
 // An eye in a frame F. The eye's frame E: origin in the pupil, x right, y up, it looks along -z.
@@ -23,7 +23,7 @@ struct EyeInFrame {
   FieldOfView fov;
 };
 
-// From which distance to which a headset's eye sees, along its axis, and where its picture is thought to be. Metres.
+// From which distance to which a headset's eye sees, along its axis, and where its image is thought to be. Metres.
 struct HeadsetDepths {
   double plane_m = 0.6;
   double near_m = 0.02;

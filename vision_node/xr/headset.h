@@ -29,7 +29,7 @@ struct GlxWindow {
 // session in order (at most a second). RT: no. Source: OpenXR 1.0, https://registry.khronos.org/OpenXR.
 class Headset {
  public:
-  // Copies the picture of an eye (0: the left one) into that texture of OpenGL, which has eye_size().
+  // Copies the image of an eye (0: the left one) into that texture of OpenGL, which has eye_size().
   using CopyEye = std::function<void(std::size_t eye, unsigned texture)>;
 
   // Error: one line, also where vision_node was built without OpenXR, no runtime is active, or no headset is connected.
@@ -38,7 +38,7 @@ class Headset {
 
   // The runtime's name.
   const std::string& name() const;
-  // The picture that the runtime recommends for each eye.
+  // The image that the runtime recommends for each eye.
   PictureSize eye_size() const;
 
   // Error: a runtime that has no such space, or rejects the window.

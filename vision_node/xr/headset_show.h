@@ -21,7 +21,7 @@ class HeadsetShow {
   // Once in each turn of the loop, before anything is drawn: handles what the runtime has sent and, while it wants frames, waits until the
   // next is due. True: the view draws for the headset, and show() follows. Logs one line when the headset begins, pauses or is lost.
   bool begin_turn(const Framing& framing);
-  // What the view has drawn goes to the headset, and one eye's picture to the window.
+  // What the view has drawn goes to the headset, and one eye's image to the window.
   void show();
 
   // The runtime wants the program to end.

@@ -10,6 +10,7 @@ namespace {
 constexpr double kLongestSlip = 0x1p-5;  // rest offsets, in one piece: the error of a piece is of fifth order
 constexpr double kMostTurn = 0x1p-4;     // of the direction, in one piece
 constexpr double kStraight = 0x1p-20;    // rest offsets: over so short a motion a part of the surface is flat to 2^-41 rest offsets
+constexpr double kLeastSine2 = 1e-10;    // squared sine of the angle between two parts: flatter ones have no curve in common
 constexpr int kMostRounds = 8;           // of Newton's method
 
 }  // namespace
@@ -42,7 +43,7 @@ bool ReferenceProxy::SlipParts::restore(Vec3& p) const noexcept {
     } else {
       const double cosine = normal[0].dot(normal[1]);
       const double sine2 = 1.0 - cosine * cosine;
-      if (!(sine2 > kLeastRoll)) return false;
+      if (!(sine2 > kLeastSine2)) return false;
       p += ((short_by[0] - cosine * short_by[1]) / sine2) * normal[0] + ((short_by[1] - cosine * short_by[0]) / sine2) * normal[1];
     }
     if (std::max(std::abs(short_by[0]), std::abs(short_by[1])) <= kStill) return true;
