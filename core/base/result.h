@@ -12,7 +12,7 @@ struct Error {
   std::string what;
 };
 
-// A value, or the reason why there is none. RT: set-up only.
+// A value, or the reason why there is none. RT: set-up only, as an Error allocates its text.
 template <class T>
 using Result = tl::expected<T, Error>;
 

@@ -8,21 +8,21 @@
 
 namespace hapton {
 
-// The box of one tree item (a triangle, an object), single precision.
+// The bounding box of one tree item (a triangle, an object), rounded outwards to single precision.
 struct FdhItem {
   std::array<float, 3> low;
   std::uint32_t id;
   std::array<float, 3> high;
-  std::uint32_t unused = 0;
+  std::uint32_t unused = 0;  // fills 32 bytes
 };
 
 // The tree structure of a hierarchy, without bounds: it does not depend on the number of directions.
 struct FdhTopology {
-  static constexpr int kWidth = 8;
-  static constexpr std::uint32_t kLeafSize = 4;
+  static constexpr int kWidth = 8;                                // children of a node: the lanes of a Float8
+  static constexpr std::uint32_t kLeafSize = 4;                   // items of a leaf at most: two bits
   static constexpr int kMaxDepth = 48;                            // nodes on the path from the root to a leaf
   static constexpr int kMaxStack = kMaxDepth * (kWidth - 1) + 1;  // a traversal leaves at most kWidth - 1 siblings per level
-  static constexpr std::size_t kMaxItems = std::size_t{1} << 28;
+  static constexpr std::size_t kMaxItems = std::size_t{1} << 28;  // a leaf has 28 bits for its first item
 
   // A child: a leaf (kLeafBit, count - 1 in two bits, first item in 28), a node's index, or kNothing.
   static constexpr std::uint32_t kLeafBit = 0x80000000U;

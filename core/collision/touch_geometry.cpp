@@ -43,9 +43,9 @@ bool encloses(const Box& box, const std::vector<std::shared_ptr<const TriangleMe
          std::all_of(meshes.begin(), meshes.end(), [&](const auto& mesh) { return std::ranges::all_of(mesh->vertices, has); });
 }
 
-constexpr int kMostBits = 28;  // SurfaceAdjacency packs a triangle's number, an edge and a side into 32
+constexpr int kMostBits = 28;  // for a triangle's number: SurfaceAdjacency packs it, an edge and a side into 32 bits
 
-// Twice the number of triangles, where they can be numbered: sealed cracks split triangles (ObjectGeometry::make).
+// Bits for twice the number of triangles, if there are enough: to seal cracks splits triangles (ObjectGeometry::make).
 int bits_for_triangles(const std::vector<std::shared_ptr<const TriangleMesh>>& meshes) {
   const int bits = static_cast<int>(std::bit_width(most_triangles_of(meshes)));
   const bool has_room = bits < kMostBits && meshes.size() <= (std::size_t{1} << (31 - bits));
@@ -142,7 +142,8 @@ TouchGeometry::Hit TouchGeometry::pierce(std::uint32_t id, const Vec3& p, const 
   const bool none_below = ab >= 0.0 && bc >= 0.0 && ca >= 0.0;
   const bool none_above = ab <= 0.0 && bc <= 0.0 && ca <= 0.0;
   if (!none_below && !none_above) return {};
-  // Accurate even if both ends are near the plane, because the order of two triangles decides on which side a segment arrives.
+  // From exact determinants, not from side_p and side_q: the parameter must be accurate even if both ends are near the plane, because the
+  // order in which a segment passes two triangles decides on which side it arrives.
   const double from = orient3d(a, b, c, p);
   const double to = orient3d(a, b, c, q);
   return {from != to ? std::clamp(from / (from - to), 0.0, 1.0) : 1.0, side_p < 0.0};
@@ -196,8 +197,8 @@ void TouchGeometry::activate(const Vec3& p) noexcept {
   }
 }
 
-// Bounds grown by the object's size are nearer to p than the object less its size, so the search bound is a bound on the motion of p, plus
-// the range.
+// Finds how far p may move until an object that was not requested yet comes within reach (`range`, or the object's size if that is more).
+// The search uses bounds that are grown by each object's size, so that its distances are no larger than those.
 void TouchGeometry::find_unrequested(const Vec3& p, double range) noexcept {
   searched_from_ = p;
   searched_range_ = range;
@@ -222,7 +223,7 @@ bool TouchGeometry::build_wanted() {
   slot.built = policy_ == BuildPolicy::to_deform
                    ? std::make_unique<ObjectGeometry>(*slot.mesh, frame_, shading_crease_rad_, &new_vertex_)
                    : std::make_unique<ObjectGeometry>(ObjectGeometry::make(*slot.mesh, frame_, triangle_mask_, shading_crease_rad_));
-  // Objects not yet built are represented by their boxes; those built before have already taken this one's into account.
+  // Objects that are not built yet are represented by their boxes; those built before have taken the box of this one into account.
   if (approach_.object_count() > 0) {
     hierarchy_.for_each_overlapping(hierarchy_.bounds(o).inflated(ObjectGeometry::kWalkableMargin), [&](std::uint32_t other) {
       if (other == o) return;

@@ -18,7 +18,7 @@ struct TrianglePair {
 // only touch), and each of its ends is where an edge of one crosses the other.
 struct TriangleContact {
   bool meets = false;
-  bool coplanar = false;      // they share an area, an edge or a point of one plane: begin and end are the two points of it farthest apart
+  bool coplanar = false;      // both lie in one plane: begin and end are the two points of what they share that are farthest apart
   Vec3 begin = Vec3::Zero();  // begin -> end points along normal(a) x normal(b)
   Vec3 end = Vec3::Zero();
 };
@@ -48,7 +48,7 @@ struct alignas(32) TriangleContacts8 {
 // Rounds one pair into a lane, relative to its corner a[0]. RT: yes.
 void pack_pair(const TrianglePair& pair, int lane, TrianglePairs8& pairs) noexcept;
 
-// The same for eight consecutive pairs, in fewer instructions.
+// The same for eight consecutive pairs, in fewer instructions. Pre: pairs has eight elements. RT: yes.
 void pack_8(const TrianglePair* pairs, TrianglePairs8& packed) noexcept;
 
 // Eight pairs at once. Its certain results hold for all coordinates that round to those given (each within 2^-24 of its magnitude), so for

@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-// Without triangles that repeat a vertex.
+// The edges of all triangles that do not repeat a vertex.
 SharedEdges edges_of(const TriangleMesh& mesh) {
   std::vector<Triangle> proper;
   proper.reserve(mesh.triangles.size());
@@ -20,7 +20,7 @@ SharedEdges edges_of(const TriangleMesh& mesh) {
   return SharedEdges(proper);
 }
 
-// Of each vertex that represents a piece.
+// Joins the vertices of each connected piece. Returns the area of each piece, at the vertex that represents it.
 std::vector<double> measure_pieces(const TriangleMesh& mesh, DisjointSets& pieces) {
   for (const Triangle& t : mesh.triangles) {
     pieces.join(t[0], t[1]);
@@ -37,7 +37,7 @@ std::vector<double> measure_pieces(const TriangleMesh& mesh, DisjointSets& piece
 BoundaryLoop measure_loop(const TriangleMesh& mesh, const std::vector<HalfEdge>& edges) {
   BoundaryLoop loop;
   loop.edges = edges.size();
-  // From a point of the loop, so that one far from the origin keeps its digits.
+  // Positions relative to a vertex of the loop: far from the origin, differences of products would lose their digits.
   const Vec3 near = mesh.vertices[edges.front().low];
   Vec3 area = Vec3::Zero();
   Vec3 sum = Vec3::Zero();

@@ -4,11 +4,11 @@
 
 namespace hapton {
 
-// Whether the device has left the surface of its last contact on the outer side: it is beyond the plane through the proxy of that contact.
-// If contact continued, it would hold the device from the wrong side of the surface.
-// p_P: that proxy. outward: from the device to the proxy at that time, of any length; zero (only effects acted): false. p_D: the device
-// now.
-// Frames: one for all. RT: yes.
+// Whether the device point has left the surface of its last contact on the outer side: it is beyond the plane through the proxy of that
+// contact. Contact must then not be resumed: it would hold the device from the wrong side of the surface.
+// p_P: the proxy of the last contact. outward: proxy minus device point at that time, of any length; zero, when only effects acted, gives
+// false. p_D: the device point now.
+// Frames: any, one for all. Units: any, one for all. RT: yes.
 inline bool has_left_contact(const Vec3& p_P, const Vec3& outward, const Vec3& p_D) noexcept {
   return !outward.isZero(0.0) && !((p_P - p_D).dot(outward) > 0.0);
 }

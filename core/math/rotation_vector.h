@@ -6,8 +6,8 @@
 
 namespace hapton {
 
-// The rotation vector (axis times angle, rad, at most pi long) that turns one orientation into another, along the axes of the frame in
-// which both are given. RT: yes.
+// The rotation vector (axis times angle, rad, length at most pi) of the rotation that takes `from` to `to`, in the frame in which both are
+// given. Pre: unit quaternions. RT: yes.
 inline Vec3 turn_between(const Quat& from, const Quat& to) noexcept {
   Quat turn = to * from.conjugate();
   if (turn.w() < 0.0) turn.coeffs() = -turn.coeffs();
@@ -16,7 +16,7 @@ inline Vec3 turn_between(const Quat& from, const Quat& to) noexcept {
   return (2.0 * std::atan2(sine, turn.w()) / sine) * turn.vec();
 }
 
-// The rotation by a rotation vector. RT: yes.
+// The unit quaternion of a rotation vector (rad). RT: yes.
 inline Quat turn_by(const Vec3& turn) noexcept {
   const double angle = turn.norm();
   if (!(angle > 0.0)) return Quat::Identity();

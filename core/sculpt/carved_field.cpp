@@ -11,14 +11,14 @@
 namespace hapton {
 namespace {
 
-// From the mesh to the edge of the grid: all values there are those of the band.
+// From the mesh to the edge of the grid: beyond the band, so that all values at the edge are +band.
 constexpr int kMarginVoxels = CarvedField::kBandVoxels + 1;
-constexpr double kMostNodesOfAxis = 1 << 20;
+constexpr double kMostNodesOfAxis = 1 << 20;  // keeps the number within an int; so many along one axis exceed kMostNodes
 
-// Of the nodes along x, a block of the vector lanes.
+// A row of nodes along x consists of blocks of eight, the lanes of a Float8.
 constexpr int round_up_to_block(int nodes) { return (nodes + 7) & ~7; }
 
-// Where a carve can change values.
+// The nodes, along each axis, whose values a carve can change; empty if last < first.
 struct CarveReach {
   std::array<int, 3> first, last;
 
@@ -34,7 +34,7 @@ struct CarveReach {
   }
 };
 
-// The capsule relative to its beginning, in floats.
+// The capsule relative to from_m, in single precision.
 struct CapsuleLanes {
   explicit CapsuleLanes(const Carve& carve)
       : along((carve.to_m - carve.from_m).cast<float>()),

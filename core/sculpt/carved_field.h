@@ -12,7 +12,7 @@
 
 namespace hapton {
 
-// Nodes of a field, half-open: low <= node < high along x, y and z.
+// A box of nodes of a field, half-open: low <= node < high along x, y and z.
 struct CarvedFieldBox {
   std::array<int, 3> low = {0, 0, 0};
   std::array<int, 3> high = {0, 0, 0};
@@ -21,30 +21,30 @@ struct CarvedFieldBox {
 };
 
 // A body of material as a signed distance field: a dense grid of floats, metres, positive outside, linear along each axis between the
-// nodes. Distances are limited to a band of kBandVoxels spacings on both sides of the surface. A carve takes the capsule out of the body:
-// field = max(field, -distance to the capsule). The order of carves does not matter, and a carve twice is a carve once, to the last bit.
-// Outside the body a value is at most the distance to it (as a node has it, and rounding), also after carving: it bounds a safe step.
-// Frame: the mesh's (the static scene S). Threads: one at a time.
+// nodes. Distances are limited to a band of kBandVoxels spacings on both sides of the surface. A carve removes a capsule from the body:
+// field = max(field, -distance to the capsule). The order of carves does not matter, and a repeated carve changes nothing, to the last bit.
+// Outside the body, the value at a node is at most the distance to the body, up to rounding, also after carving: it bounds a safe step.
+// Frame: that of the mesh (the static scene S). Threads: one at a time. Source: decision 160.
 class CarvedField {
  public:
-  static constexpr int kBandVoxels = 3;
+  static constexpr int kBandVoxels = 3;                            // gradients and steps along the surface need two
   static constexpr std::size_t kMostNodes = std::size_t{1} << 24;  // 64 MiB
 
-  // The nodes that make() would use. Error, in one line: a mesh that is not closed, a voxel too small for kMostNodes or not positive. RT:
-  // set-up only.
+  // The grid that make() would use. Error, in one line: the mesh is not closed, or the voxel is not positive or too small for kMostNodes.
+  // RT: set-up only.
   static Result<FieldGrid> plan(const TriangleMesh& mesh, double voxel_m);
   // Error: that of plan(). RT: set-up only.
   static Result<CarvedField> make(const TriangleMesh& mesh, double voxel_m);
 
-  // Result: the nodes changed whose old value was below two spacings, so that the surface or its normals may have changed; empty if none.
-  // Time: proportional to the nodes within the capsule's box and the band. A carve that is not finite, or without a radius, changes
-  // nothing. RT: yes.
+  // Removes a capsule. Returns a box around the changed nodes whose old value was below two spacings, since only these can move the surface
+  // or its normals; empty if there is none. A carve that is not finite, or has no positive radius, changes nothing. Time: proportional to
+  // the nodes within the capsule's box and the band. RT: yes.
   CarvedFieldBox carve(const Carve& carve) noexcept;
 
-  // Whether carve() would return nodes. Time: as carve, mostly much less. RT: yes.
+  // Whether carve() would return a box that is not empty. Time: as carve, usually much less. RT: yes.
   bool would_change(const Carve& carve) const noexcept;
 
-  // The signed distance, at most band_m(); outside the grid band_m() plus the distance to the grid. Continuous. RT: yes.
+  // The field at p, within [-band_m(), band_m()]; outside the grid band_m() plus the distance to the grid. Continuous. RT: yes.
   double value(const Vec3& p) const noexcept;
 
   // The gradient by central differences over two spacings, continuous; about unit length near the surface, zero far inside. It points out
@@ -57,7 +57,7 @@ class CarvedField {
   const std::array<int, 3>& nodes() const noexcept { return grid_.nodes; }  // nodes()[0] is a multiple of 8
   double band_m() const noexcept { return band_m_; }
 
-  // Of the nodes, x fastest (FieldGrid::index).
+  // The values of all nodes, x fastest (FieldGrid::index).
   std::span<const float> values() const noexcept { return {blocks_.front().lanes.data(), grid_.size()}; }
 
  private:
@@ -66,15 +66,15 @@ class CarvedField {
   };
 
   explicit CarvedField(const FieldGrid& grid);
-  // visit(block, row's y and z, first node along x, carved): for each block of eight nodes that the capsule and its band can reach; it ends
-  // where visit returns false.
+  // Calls visit(block, y and z of the row, x of its first node, values of the carve alone) for each block of eight nodes that the capsule
+  // and its band can reach, until it returns false.
   template <class Visit>
   void visit_reach(const Carve& carve, Visit&& visit) const noexcept;
   std::span<float> own_values() noexcept { return {blocks_.front().lanes.data(), grid_.size()}; }
 
   FieldGrid grid_;
   double per_spacing_ = 0.0;
-  Vec3 last_ = Vec3::Zero();  // node, in spacings
+  Vec3 last_ = Vec3::Zero();  // number of the last node along x, y, z
   double band_m_ = 0.0;
   LargeVector<Block> blocks_;
 };

@@ -7,9 +7,9 @@
 
 namespace hapton {
 
-// The nodes of a regular grid, x fastest. Units: metres.
+// The nodes of a regular grid, x fastest. Units: metres. RT: yes.
 struct FieldGrid {
-  Vec3 origin_m = Vec3::Zero();  // the node (0, 0, 0)
+  Vec3 origin_m = Vec3::Zero();  // position of the node (0, 0, 0)
   double spacing_m = 0.0;
   std::array<int, 3> nodes = {0, 0, 0};  // along x, y, z
 

@@ -52,7 +52,7 @@ class TriangleRaster {
   }
 
  private:
-  static constexpr double kSlope = 1e-3;
+  static constexpr double kSlope = 1e-3;  // a plane nearer to parallel with x bounds no useful part of a row
 
   void add_row(const Vec3& a, const Vec3& b, const Vec3& c, int y, int z, NodeRange xs) {
     const auto fill = [](const Vec3& p) {
@@ -73,9 +73,10 @@ class TriangleRaster {
   std::span<float> squares_;
 };
 
-// Where the rows of nodes along x pass through the surface. Vertices and rows are rounded to whole numbers across x, 2^26 to the extent:
-// the sides of edges are exact, and a row never passes through a vertex, as vertices have even numbers and rows odd ones. A row through an
-// edge counts as beside it, the same side for both its triangles (Edelsbrunner & Muecke, Simulation of simplicity, 1990).
+// Where the rows of nodes along x pass through the surface. The y and z of vertices and rows are rounded to whole numbers, 2^26 to the
+// extent of the mesh. So the side of an edge on which a row passes is exact, and a row never passes through a vertex, as vertices have even
+// numbers and rows odd ones. A row through an edge counts as beside it, on the same side for both its triangles (Edelsbrunner & Muecke,
+// Simulation of simplicity, 1990).
 class RowCrossings {
  public:
   RowCrossings(const TriangleMesh& mesh, const FieldGrid& grid) : mesh_(mesh), grid_(grid) {
@@ -104,7 +105,7 @@ class RowCrossings {
   }
 
  private:
-  static constexpr double kSteps = 1 << 25;  // of two
+  static constexpr double kSteps = 1 << 25;  // of two whole numbers each, to the extent: products of two fit into 64 bits
 
   struct Crossing {
     std::size_t row;
@@ -133,7 +134,7 @@ class RowCrossings {
   void add_triangle(std::size_t triangle) {
     const Vec3 &a = mesh_.corner(triangle, 0), &b = mesh_.corner(triangle, 1), &c = mesh_.corner(triangle, 2);
     const Place pa = even(a), pb = even(b), pc = even(c);
-    const double slack = 4.0 / scale_;  // more than the rounding
+    const double slack = 4.0 / scale_;  // more than vertices (0.5) and rows (1) move by rounding
     const Vec3 low = a.cwiseMin(b).cwiseMin(c).array() - slack, high = a.cwiseMax(b).cwiseMax(c).array() + slack;
     const NodeRange ys = nodes_between(grid_, 1, low.y(), high.y());
     const NodeRange zs = nodes_between(grid_, 2, low.z(), high.z());

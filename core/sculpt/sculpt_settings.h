@@ -4,17 +4,17 @@
 
 namespace hapton {
 
-// How an object of material is carved. Units: m.
+// How an object is carved. Units: m.
 struct SculptSettings {
-  // Of the object's longest side, where a scene file gives no voxel, and of the tool's radius in voxels, where it gives no radius.
+  // Defaults of a scene file: voxels along the object's longest side, and voxels in the tool's radius.
   static constexpr double kVoxelsOfSide = 128.0;
   static constexpr double kVoxelsOfRadius = 5.0;
-  // A ball smaller than this many voxels would leave a hole between two nodes of the field.
+  // The smallest tool radius, in voxels: a smaller ball could pass between the nodes of the field.
   static constexpr double kLeastVoxelsOfRadius = 2.0;
 
   double voxel_m = 0.0;        // spacing of the field's nodes
   double tool_radius_m = 0.0;  // of the ball that carves, and that touches the material
-  std::uint32_t button = 1;    // of the stylus: carves while it is down; a bit (button_bit)
+  std::uint32_t button = 1;    // bit of the stylus' button (button_bit): the ball carves while it is down
 
   bool operator==(const SculptSettings&) const = default;
 };

@@ -6,7 +6,7 @@
 namespace hapton {
 namespace {
 
-// Of a node that is not in the grid.
+// The value of a node beyond the grid.
 constexpr float kOutside = 1.0F;
 
 int round_down(int value, int step) { return value >= 0 ? value / step : -((step - 1 - value) / step); }
@@ -19,7 +19,7 @@ SurfaceNets::Index SurfaceNets::count_blocks(const Index& nodes) {
   return blocks;
 }
 
-// A block has the nodes from a stride before its first cell to the end of its last one.
+// A block depends on the nodes from one stride before its first cell to the end of its last one.
 SurfaceNets::Blocks SurfaceNets::find_changed(const Index& nodes, const Index& first, const Index& end) {
   const Index count = count_blocks(nodes);
   Blocks changed;
@@ -43,7 +43,7 @@ void SurfaceNets::compute(const NodeValues& grid, const Index& block, int stride
   join_quads(net);
 }
 
-// False: the surface does not pass.
+// Copies the values of the block's nodes. False: the surface does not pass through the block.
 bool SurfaceNets::gather(const NodeValues& grid, const Index& block, int stride) {
   bool has_inside = false;
   bool has_outside = false;
@@ -85,7 +85,7 @@ void SurfaceNets::place_vertices(const Index& block, int stride, SurfaceNet& net
   }
 }
 
-// The same to the last bit for the blocks on both sides of a border: it is rounded once, in a sum of two numbers that both blocks have.
+// The vertex is the same to the last bit in the blocks on both sides of a border: both round once, in the sum of the same two numbers.
 void SurfaceNets::place_vertex(const Index& cell, const Index& block, int stride, SurfaceNet& net) const {
   Eigen::Vector3f sum = Eigen::Vector3f::Zero();
   int crossings = 0;
@@ -110,7 +110,7 @@ void SurfaceNets::place_vertex(const Index& cell, const Index& block, int stride
                              static_cast<float>(stride) * (sum / static_cast<float>(crossings)));
 }
 
-// Each edge belongs to the block of its first node.
+// Makes a quad around each edge of the grid that the surface crosses. An edge belongs to the block of its first node.
 void SurfaceNets::join_quads(SurfaceNet& net) const {
   const std::array<int, 3> steps = {1, side_, side_ * side_};
   for (int z = 1; z + 1 < side_; ++z) {

@@ -15,36 +15,36 @@ struct NodeValues {
   std::array<int, 3> counts = {};
 };
 
-// A piece of surface. Positions in steps of the grid, from its first node; quads counter-clockwise seen from outside.
+// A piece of surface. Positions in spacings of the grid, relative to its first node; quads counter-clockwise seen from outside.
 struct SurfaceNet {
   std::vector<Eigen::Vector3f> positions;
   std::vector<std::array<std::uint32_t, 4>> quads;
 };
 
-// The surface of zero value, block by block, by surface nets (Gibson 1998, "Constrained elastic surface nets"): one vertex in each cell
-// that the surface passes, at the mean of where it crosses the cell's edges, and one quad for each edge of the grid that it crosses. We do
-// not move the vertices any further. Blocks fit together: the vertices at their borders are the same to the last bit.
+// The surface of value zero, block by block, by surface nets (Gibson 1998, "Constrained elastic surface nets"): one vertex in each cell
+// that the surface passes through, at the mean of its crossings with the cell's edges, and one quad for each edge of the grid that it
+// crosses. We omit Gibson's relaxation of the vertices. Blocks fit together: vertices at their borders are the same to the last bit.
 //
 // With a stride of 2 or 4 only every second or fourth node counts: a coarser surface of a quarter or a sixteenth of the quads. Pre: the
 // nodes at the border of the grid are outside. RT: no. Threads: one for each object of this class.
 class SurfaceNets {
  public:
-  static constexpr int kBlock = 16;         // cells of a block, along each axis
-  static constexpr int kLargestStride = 4;  // a power of two
+  static constexpr int kBlock = 16;         // cells of a block along each axis: what is recomputed after a carve
+  static constexpr int kLargestStride = 4;  // a power of two that divides kBlock
 
   using Index = std::array<int, 3>;
 
-  // Blocks along each axis.
+  // The number of blocks along each axis, of a grid with that many nodes.
   static Index count_blocks(const Index& nodes);
 
-  // The blocks whose surface changes, at any stride, with the values of the nodes from `first` on, before `end`: half-open as well.
+  // The blocks whose surface, at any stride, depends on the nodes first <= node < end. Half-open as well.
   struct Blocks {
     Index first = {};
     Index end = {};
   };
   static Blocks find_changed(const Index& nodes, const Index& first, const Index& end);
 
-  // Replaces what `net` has. Pre: stride 1, 2 or 4.
+  // Computes the surface in a block into `net`, whose content is replaced. Pre: stride is 1, 2 or 4.
   void compute(const NodeValues& grid, const Index& block, int stride, SurfaceNet& net);
 
  private:
@@ -54,9 +54,9 @@ class SurfaceNets {
   void join_quads(SurfaceNet& net) const;
   int at(int x, int y, int z) const { return x + side_ * (y + side_ * z); }
 
-  int side_ = 0;                       // nodes along an axis: of the block, one before and one after it
-  std::vector<float> values_;          // of these nodes
-  std::vector<std::uint32_t> vertex_;  // by the first node of its cell; valid where the surface passes
+  int side_ = 0;                       // nodes along an axis: those of the block, one before and one after it
+  std::vector<float> values_;          // at these nodes
+  std::vector<std::uint32_t> vertex_;  // number of a cell's vertex, by the first node of the cell; valid where the surface passes
 };
 
 }  // namespace hapton

@@ -7,17 +7,17 @@
 namespace hapton {
 namespace {
 
-// In voxels. The ball touches with a radius that is smaller by kRoom: half a voxel that the centre may be ahead of the last carve, and what
-// linear interpolation takes from the inside of a ball of two voxels, 3 / (8 * 2).
+// In voxels. The ball touches with a radius that is smaller by kRoom than the one with which it carves: by half a voxel that the centre may
+// be ahead of the last carve, and by the error of linear interpolation inside a carve of two voxels' radius, 3 / (8 * 2) (decision 160).
 constexpr double kRoom = 0.5 + 0.2;
-constexpr double kCarveEvery = 0.5;
+constexpr double kCarveEvery = 0.5;  // motion of the centre from one carve to the next
 constexpr double kInside = 0.2;      // a ball that begins deeper in the material is inside
-constexpr double kMostStepS = 2e-3;  // a longer one, after a gap, cuts no more
+constexpr double kMostStepS = 2e-3;  // a longer step, as after lost samples, cuts no farther than this one
 constexpr double kRestick = 0.5;     // as FrictionMotion::kRestick
-constexpr double kLeastEase = 1e-6;  // shorter ones are none
+constexpr double kLeastEase = 1e-6;  // a shorter rest of the room or of the lag counts as zero
 
-// With this clearance, a ball is in what it has cut: there the field is less than the distance by up to h^2 (1/R + 1/R + 1/R) / 8, as it is
-// linear along each axis, and by rounding.
+// The clearance of a ball that just fits into its own carve. Inside a carve of radius R the field is less than the distance by up to
+// h^2 (1/R + 1/R + 1/R) / 8, since it is linear along each axis between nodes h apart, and by rounding.
 double free_clearance(const SculptSettings& settings) {
   return (kRoom - 0.02 - 0.375 * settings.voxel_m / settings.tool_radius_m) * settings.voxel_m;
 }
@@ -49,7 +49,7 @@ CarvingBall::Felt CarvingBall::step(const Input& input, const Material& material
   const Vec3 before = centre_;
   centre_ = cuts ? cut(input, sculpture, body) : touch(field, input, material);
   if (!cuts && std::exchange(is_cutting_, false)) {
-    // The room that the carves left is taken over a while.
+    // The ball now rests on the bottom of its carve, kRoom away: the shown proxy goes there gradually.
     ease_ += before - centre_;
     carved_to_.reset();
   }
@@ -65,7 +65,7 @@ Vec3 CarvingBall::touch(const CarvedField& field, const Input& input, const Mate
   const Vec3 goal = has_friction ? find_friction_goal(input.goal, normal_, material) : input.goal;
   const FieldBall::Moved moved = ball_.move(field, centre_, goal);
   normal_ = moved.touches ? moved.normal : Vec3::Zero();
-  // Held by friction alone it is free.
+  // The ball was held by friction alone, with no surface in its way: it moves freely.
   if (!moved.touches && goal != input.goal) {
     const FieldBall::Moved freed = ball_.move(field, moved.centre, input.goal);
     normal_ = freed.touches ? freed.normal : Vec3::Zero();
@@ -74,7 +74,7 @@ Vec3 CarvingBall::touch(const CarvedField& field, const Input& input, const Mate
   return moved.centre;
 }
 
-// Coulomb: the pull in the plane of the contact is what friction leaves of it.
+// Coulomb friction as in the proxy method: moves the goal in the plane of the contact towards the proxy, by what friction holds.
 Vec3 CarvingBall::find_friction_goal(const Vec3& goal, const Vec3& normal, const Material& material) noexcept {
   const Vec3 to_goal = goal - centre_;
   const double depth = -normal.dot(to_goal);
@@ -90,7 +90,7 @@ Vec3 CarvingBall::find_friction_goal(const Vec3& goal, const Vec3& normal, const
   return length > 0.0 ? Vec3(goal - pull * std::min(1.0, held / length)) : goal;
 }
 
-// Of the free way, so much that the lag does not fall faster than it fades.
+// The position on the way through free space at which the lag behind the goal is what is left of it after exponential decay (kCatchUpS).
 Vec3 CarvingBall::catch_up(const Input& input, const Vec3& free) const noexcept {
   const double kept_m = lag_m_ * std::exp(-input.dt_s / kCatchUpS);
   const Vec3 left = input.goal - free;
@@ -118,7 +118,7 @@ Vec3 CarvingBall::cut(const Input& input, Sculpture& sculpture, std::size_t body
   }
   const Vec3 from = carved_to_.value_or(centre);
   if (carved_to_ && (centre - from).norm() < kCarveEvery * voxel) return centre;
-  // Another body was carved in this step: this one waits, where it is.
+  // Another body was carved in this step, and a step has one carve: this ball waits where it is.
   if (sculpture.made()) return free;
   sculpture.carve(body, {.from_m = from, .to_m = centre, .radius_m = settings_.tool_radius_m});
   carved_to_ = centre;

@@ -8,37 +8,39 @@
 
 namespace hapton {
 
-// The ball of the stylus on one body of material: the proxy of what it feels, and the carves that it makes. Units: SI. Frame: S.
+// The spherical tool on one body of material: its proxy on the surface, and the carves that it makes. Units: SI. Frame: S.
 //
-// It touches with a radius a little smaller than that with which it carves, so that a carve leaves it room. While the button is down,
-// the centre follows the device through material with a first-order lag (kCutS), and takes away what is within the radius: a carve at the
-// press, and then each time that the centre has moved half a voxel. So pressing harder cuts faster, the force is stiffness times speed
-// times kCutS on a straight path, and continuous. Through air, and back through what was cut, the centre follows at once, with the lag that
-// it has left. A ball that begins inside the material feels and carves nothing until it has left it. RT: all but construction. Threads:
-// one.
+// The ball touches with a slightly smaller radius than it carves with, so that it is free after a carve. While the button is down, its
+// centre follows the device through material with a first-order lag (kCutS) and removes the material within the radius: with a carve when
+// the button is pressed, and another each time that the centre has moved half a voxel. So pressing harder cuts faster, and the force is
+// continuous: on a straight path it is stiffness times speed times kCutS. Through free space, and back through what was cut, the centre
+// follows at once, and the lag that it still has decays (kCatchUpS). A ball that begins inside the material has no force and carves nothing
+// until it has left it. Source: decision 160. RT: yes, except construction. Threads: one.
 class CarvingBall {
  public:
+  // Time constant of the lag while it cuts. Longer: slower cutting and more force at the same speed.
   static constexpr double kCutS = 0.02;
-  // Where it comes out into free space, it has caught up with the device after a few times this: the force fades.
+  // Time constant with which the lag, and so the force, decays once the ball comes out into free space.
   static constexpr double kCatchUpS = 0.01;
-  // No faster through material: bounds the change of force in a step, and the size of a carve.
-  static constexpr double kMostCutSpeed = 0.5;  // m/s
+  // Largest speed through material, m/s: bounds the change of force in a step, and the size of a carve.
+  static constexpr double kMostCutSpeed = 0.5;
 
   explicit CarvingBall(const SculptSettings& settings);
 
   struct Input {
-    Vec3 goal = Vec3::Zero();  // the device, or the proxy of what comes before
-    double dt_s = 1e-3;
-    bool is_down = false;  // the button
+    Vec3 goal = Vec3::Zero();  // the device point, or the proxy of the method or body before this one (SculptMethod)
+    double dt_s = 1e-3;        // since the last step
+    bool is_down = false;      // the button that carves
   };
-  // The proxy: the goal itself where it is free. sculpture, body: what it touches and carves.
+  // The proxy: the goal itself in free space.
   struct Felt {
     Vec3 p_SP = Vec3::Zero();
     bool contact = false;
   };
+  // One step: moves the ball on the body with this number, and carves that body if it cuts. Pre: body < sculpture.bodies().size().
   Felt step(const Input& input, const Material& material, Sculpture& sculpture, std::size_t body) noexcept;
 
-  // Puts it there, into free space.
+  // Starts anew at this position, without contact.
   void reset(const Vec3& p_S) noexcept;
 
  private:
@@ -50,14 +52,14 @@ class CarvingBall {
   SculptSettings settings_;
   FieldBall ball_;
   Vec3 centre_ = Vec3::Zero();
-  Vec3 normal_ = Vec3::Zero();     // of the contact of the last step; zero: free
-  Vec3 ease_ = Vec3::Zero();       // fades after the button was released
-  std::optional<Vec3> carved_to_;  // the end of the last carve, while the button is down
-  double lag_m_ = 0.0;             // behind the goal, after the last step
-  bool has_begun_ = false;
-  bool is_inside_ = false;  // it began inside, and has not left it
-  bool is_cutting_ = false;
-  bool is_sliding_ = false;
+  Vec3 normal_ = Vec3::Zero();     // of the contact of the last step, unit; zero: none
+  Vec3 ease_ = Vec3::Zero();       // shown proxy minus centre_: decays after the button was released
+  std::optional<Vec3> carved_to_;  // end of the last carve; none: the next one begins at the centre
+  double lag_m_ = 0.0;             // distance to the goal after the last step
+  bool has_begun_ = false;         // it has had a step since reset()
+  bool is_inside_ = false;         // it began inside the material and has not left it
+  bool is_cutting_ = false;        // the button was down in the last step
+  bool is_sliding_ = false;        // friction: slip, not stick
 };
 
 }  // namespace hapton

@@ -11,17 +11,18 @@
 namespace hapton {
 namespace {
 
-constexpr double kLeastPoints = 40.0;
-// In spacings:
-constexpr double kGap = 0.05;        // at which the ball rests: what rounding and curvature may eat
-constexpr double kNear = 0.5;        // points nearer than this bound a step along the surface
-constexpr double kSlideStep = 0.35;  // of one such step at most: what is near stays so
-constexpr double kPushStep = 0.25;   // out of the material
+constexpr double kLeastPoints = 40.0;  // of the smallest ball: about 30 degrees apart
+// In spacings of the field:
+constexpr double kGap = 0.05;        // rest offset of the ball: more than rounding and the curvature of a step take from it
+constexpr double kNear = 0.5;        // points with a smaller clearance bound a step along the surface
+constexpr double kSlideStep = 0.35;  // longest step along the surface; a step into the material is shortened
+constexpr double kPushStep = 0.25;   // longest step out of the material
 constexpr double kSettled = 1e-5;    // a shorter step ends the search
-constexpr double kRoom = 1.0;        // that the chosen points stay valid for
-constexpr double kShorter = 0.35;    // of a step that would end in the material
-constexpr int kMostLooks = 28;       // at all points that count, in a move
-constexpr int kMostAdvances = 32;
+constexpr double kRoom = 1.0;        // motion of the centre for which the chosen candidates stay valid
+// Bounds of the work, for real time (decision 160 has the times); a share:
+constexpr double kShorter = 0.35;  // what is kept of a step that would end in the material
+constexpr int kMostLooks = 28;     // evaluations of the field at the points, in one move
+constexpr int kMostAdvances = 32;  // steps of one advance
 
 }  // namespace
 
@@ -68,7 +69,7 @@ FieldBall::Nearest FieldBall::find_nearest(const CarvedField& field, const Vec3&
   for (std::size_t i = 0; i < points_.size(); ++i) {
     if (look_at(i) < reach) candidates.points[candidates.count++] = static_cast<std::uint8_t>(i);
   }
-  if (nearest.clearance_m >= near) candidates.room_m = -1.0;  // in free space each step needs the whole clearance
+  if (nearest.clearance_m >= near) candidates.room_m = -1.0;  // in free space the next step needs the clearance of all points
   return nearest;
 }
 
@@ -84,7 +85,7 @@ void FieldBall::insert(Nearest& nearest, const Near& one) noexcept {
   nearest.points[place] = one;
 }
 
-// The step along the planes at the nearest points.
+// The longest step towards the goal that the tangent planes at the nearest points allow.
 Vec3 FieldBall::slide(const CarvedField& field, const Vec3& centre, const Vec3& to_goal, const Nearest& nearest,
                       Moved& moved) const noexcept {
   const double spacing = field.spacing_m();
@@ -94,7 +95,7 @@ Vec3 FieldBall::slide(const CarvedField& field, const Vec3& centre, const Vec3& 
     const Vec3 gradient = field.gradient(centre + points_[nearest.points[i].point]);
     const double steep = gradient.norm();
     if (!(steep > 0.0)) continue;
-    // Below the gap it may slide at its height; out of the material it is pushed.
+    // A point below the rest offset keeps its height; one in the material is pushed out.
     const double value = nearest.points[i].value;
     const double height = value < 0.0 ? std::min(-value / steep, kPushStep * spacing) : std::min(0.0, kGap * spacing - value) / steep;
     planes[count++] = {.normal = gradient / steep, .height = height};
@@ -123,7 +124,7 @@ FieldBall::Moved FieldBall::move(const CarvedField& field, const Vec3& from, con
     moved.touches = true;
     if (nearest.count == 0) {
       candidates.room_m = -1.0;
-      if (nearest.clearance_m <= kNear * spacing) {  // known to be no nearer: how far it is
+      if (nearest.clearance_m <= kNear * spacing) {  // only a lower bound so far: find the clearance itself
         nearest = find_nearest(field, moved.centre, candidates);
         ++looks;
       }
@@ -136,7 +137,7 @@ FieldBall::Moved FieldBall::move(const CarvedField& field, const Vec3& from, con
       continue;
     }
     Vec3 step = slide(field, moved.centre, to_goal, nearest, moved);
-    // The ball is clear at the end of each step, and nearer to the goal: so it comes to rest. One in the material leaves it first.
+    // Each step ends clear of the material and nearer to the goal, so the ball comes to rest. A ball in the material leaves it first.
     const double least = std::min(0.0, nearest.clearance_m);
     Nearest next = find_nearest(field, moved.centre + step, candidates);
     ++looks;

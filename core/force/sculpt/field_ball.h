@@ -10,40 +10,42 @@
 
 namespace hapton {
 
-// A ball on the surface of a field, as points on the ball: its clearance is the least value of the field at them and at its centre. The
-// zero set of a field is exact after carves, its values off the surface are only bounds; so a ball is not the surface "value = radius".
-// Units: m. Frame: that of the field. RT: all but construction. Threads: const calls from any number.
+// A ball that moves on the surface of a field. It is represented by points on the ball; its clearance is the least value of the field at
+// these and at the centre. To compare the value at the centre with the radius would be wrong: after carves the zero set of a field is
+// exact, but values off the surface are only lower bounds of the distance. Units: m. Frame: that of the field. RT: yes, except
+// construction. Threads: any.
 class FieldBall {
  public:
-  // So many points that they are about a spacing apart, kMostPoints at most.
+  // spacing_m: that of the field. The points are about a spacing apart, but at most kMostPoints.
   FieldBall(double radius_m, double spacing_m);
 
   double radius_m() const noexcept { return radius_m_; }
 
-  // No material is nearer to the ball than this (as the points see it) divided by kSteepest.
+  // The least value of the field at the points, m; below 0: the ball overlaps the material. No point can reach material by a motion shorter
+  // than this divided by kSteepest.
   double clearance_m(const CarvedField& field, const Vec3& centre) const noexcept;
 
-  // Values at the nodes differ by a spacing at most between neighbours, so a field that is linear along each axis is no steeper than this.
+  // Largest slope of a field, sqrt(3): the values at adjacent nodes differ by a spacing at most, and it is linear along each of three axes.
   static constexpr double kSteepest = 1.7320508075688772;
 
-  // Moves the centre from `from` towards `goal` as far as the material allows, and along it: to the nearest place, by bounded steps. A step
-  // in free space is no longer than the clearance there, one along the surface a fraction of a spacing, and both end where nothing is
-  // passed. Pre: clearance_m(from) is about 0 or more.
+  // Moves the centre from `from` towards `goal`, and along the surface, to a position that is locally nearest to the goal, by a bounded
+  // number of steps. A step in free space is no longer than the clearance, one along the surface a fraction of a spacing, so that the ball
+  // passes through no wall. Pre: clearance_m(from) is 0 or more, up to rounding; a ball that overlaps the material leaves it first.
   struct Moved {
     Vec3 centre = Vec3::Zero();
-    Vec3 normal = Vec3::Zero();  // of the contact: towards the centre, unit; zero: free
+    Vec3 normal = Vec3::Zero();  // of the contact, unit, out of the material; zero: there is none
     bool touches = false;        // the goal was not reached
   };
   Moved move(const CarvedField& field, const Vec3& from, const Vec3& goal) const noexcept;
 
-  // As far along the straight path as the clearance stays above `least_m`, or grows.
+  // The farthest position on the straight path to the goal up to which the clearance is at least `least_m`, or grows.
   Vec3 advance(const CarvedField& field, const Vec3& from, const Vec3& goal, double least_m) const noexcept;
 
-  static constexpr std::size_t kMostPoints = 240;
+  static constexpr std::size_t kMostPoints = 240;  // bounds the time of a step; with the centre, their numbers fit into 8 bits
 
  private:
-  static constexpr std::size_t kMostPlanes = 12;
-  // The points that can be near while the centre is within `room_m` of where they were chosen.
+  static constexpr std::size_t kMostPlanes = 12;  // that constrain a step; three of them can be active
+  // The points that can be near the surface while the centre is within room_m of `centre`; negative: none were chosen.
   struct Candidates {
     std::array<std::uint8_t, kMostPoints + 1> points;
     std::size_t count = 0;
@@ -54,18 +56,18 @@ class FieldBall {
     std::size_t point = 0;
     double value = 0.0;
   };
-  // The nearest points below `below_m`, at most kMostPlanes.
+  // The points with the least clearances, in ascending order: those below half a spacing, at most kMostPlanes.
   struct Nearest {
     std::array<Near, kMostPlanes> points;
     std::size_t count = 0;
-    double clearance_m = 0.0;
+    double clearance_m = 0.0;  // of the ball, or a lower bound
   };
   Nearest find_nearest(const CarvedField& field, const Vec3& centre, Candidates& candidates) const noexcept;
   static void insert(Nearest& nearest, const Near& one) noexcept;
   Vec3 slide(const CarvedField& field, const Vec3& centre, const Vec3& to_goal, const Nearest& nearest, Moved& moved) const noexcept;
 
   double radius_m_;
-  std::vector<Vec3> points_;  // off the centre; the last one is the centre
+  std::vector<Vec3> points_;  // relative to the centre; the last one is the centre itself
 };
 
 }  // namespace hapton

@@ -12,16 +12,16 @@
 
 namespace hapton {
 
-// Feels a scene with bodies of material (TouchObject::sculpt): each with the ball that carves it, whatever the method's probe is, and all
-// other objects with a method of their own. They stand in a row: the method first, then each body in the order of the scene; each follows
-// the proxy of the one before in place of the device, and the force is the sum of theirs. So it is that of one proxy where one of them is
-// touched, and where two meet at right angles.
+// The force method of a scene with objects that can be carved (TouchObject::sculpt, here: bodies). Each body has a ball (CarvingBall),
+// whatever the probe of the method is; all other objects have a force method of their own. They are connected in series: the method first,
+// then the bodies in the order of the scene. Each follows the proxy of the one before it in place of the device, and the force is the sum
+// of theirs. So it equals the force of one common proxy where one of them is touched, and where two meet at right angles.
 //
-// Frame: S. RT: step, reset, resume, held_at, set_materials and exchange_sculpture yes. Threads: as ForceMethod.
+// Frame: S. Units: SI. RT: step, reset, resume, held_at, set_materials and exchange_sculpture yes. Threads: as ForceMethod.
 class SculptMethod final : public ForceMethod {
  public:
-  // Pre: the scene has such bodies. Error: what make_method rejects for the other objects; a body whose mesh is not closed or too large for
-  // its voxels.
+  // Pre: the scene has a body. Error: that of make_method for the other objects; a body whose mesh is not closed, or too large for its
+  // voxels.
   static Result<std::unique_ptr<ForceMethod>> make(const MethodSettings& settings, const TouchScene& scene);
 
   MethodOutput step(const MethodInput& input) noexcept override;
@@ -38,19 +38,19 @@ class SculptMethod final : public ForceMethod {
   struct Body {
     CarvingBall ball;
     Material material;
-    Vec3 extension_m = Vec3::Zero();  // of the last step, for damping
+    Vec3 extension_m = Vec3::Zero();  // proxy minus goal in the last step, for damping
   };
 
   SculptMethod() = default;
   void feel(std::size_t body, const MethodInput& input, MethodOutput& output, double& most_n) noexcept;
 
-  std::unique_ptr<ForceMethod> others_;  // null: there are none
-  std::vector<int> other_objects_;       // of the scene
-  std::vector<Material> other_materials_;
-  std::vector<Body> bodies_;  // as those of the sculpture
+  std::unique_ptr<ForceMethod> others_;    // for all objects that are no body; null: there are none
+  std::vector<int> other_objects_;         // their numbers in the scene
+  std::vector<Material> other_materials_;  // in the same order
+  std::vector<Body> bodies_;               // in the order of Sculpture::bodies()
   std::unique_ptr<Sculpture> sculpture_ = std::make_unique<Sculpture>();
-  std::optional<Vec3> held_at_;
-  bool has_begun_ = false;
+  std::optional<Vec3> held_at_;  // as held_at() returns it
+  bool has_begun_ = false;       // it has had a step, or a reset
 };
 
 }  // namespace hapton

@@ -10,14 +10,15 @@
 namespace hapton {
 
 // The directions in which a point at the apex, where triangles meet, can move: the tangent cone of the free space there (Rockafellar and
-// Wets 1998, 6.A). On the unit sphere around the apex each triangle is an arc of a great circle, and arcs bound the region of the point.
-// The boundary of that region is a closed loop of pieces of arcs, each seen from one side. At the end of a piece, the next one is the first
-// arc met by a rotation about that direction through the free side. Only directions count: the triangles may share edges, intersect, or end
-// in free space.
+// Wets 1998, 6.A). On the unit sphere around the apex each triangle is an arc of a great circle. Arcs bound the region of directions that
+// are free. The boundary of that region is a closed loop of pieces of arcs, each seen from one side. At the end of a piece, the next one is
+// the first arc met by a rotation about that direction through the free side. Only directions count: the triangles may share edges,
+// intersect, or end in free space.
 //
-// Directions are unit vectors in the triangles' frame. RT: yes; bounded by kMostArcs and kMostPieces.
+// Directions are unit vectors in the triangles' frame. RT: yes; bounded by kMostArcs and kMostPieces. Threads: one.
 class TangentCone {
  public:
+  // Arcs: one for a triangle with a corner at the apex, two for an edge, four for its inside. find_boundary() is quadratic in them.
   static constexpr int kMostArcs = 96;
   static constexpr int kMostPieces = 96;
 
@@ -29,20 +30,21 @@ class TangentCone {
     double opening = 0.0;        // rad: the free angle at `to` between this piece and the next
   };
   struct Steepest {
-    double slope = 0.0;  // direction.dot(pull): the largest of all
-    Vec3 direction = Vec3::Zero();
-    int piece = -1;
+    double slope = 0.0;             // direction.dot(pull), the largest
+    Vec3 direction = Vec3::Zero();  // unit
+    int piece = -1;                 // of the boundary; -1: there is no direction
   };
 
+  // Forgets all triangles.
   void begin(const Vec3& apex);
-  // Adds the arc of a triangle. An edge or corner within `near` of the apex counts as through it. False: no room for it.
+  // Adds a triangle. An edge or corner within `near` of the apex counts as at the apex. False: no room for its arcs; none is added.
   bool add(const ContactTriangle& shape, double near);
-  // Finds the boundary of the region that contains `inside`. False: there is none, or it does not close.
+  // Finds the boundary of the region that contains the direction `inside`. False: there is none, or its loop does not close.
   bool find_boundary(const Vec3& inside);
 
   const Vec3& apex() const { return apex_; }
   std::span<const Piece> boundary() const { return std::span(pieces_).first(static_cast<std::size_t>(piece_count_)); }
-  // Among the directions on the boundary, those less steep than `below`. Slope -infinity: there is none.
+  // The steepest direction on the boundary with a slope less than `below`. Slope -infinity: there is none. `pull` may have any length.
   Steepest find_steepest(const Vec3& pull, double below = std::numeric_limits<double>::infinity()) const;
 
  private:
@@ -51,15 +53,15 @@ class TangentCone {
   };
   struct Turn {
     int arc = -1;
-    bool ahead = true;  // towards b
+    bool ahead = true;  // towards its b
     double opening = 0.0;
   };
 
-  // A position on the boundary: an arc, a direction on it, which way along it, and whether its normal points to the free side.
+  // A position on the boundary and how it is followed from there.
   struct Walk {
     int arc = -1;
-    bool ahead = true;
-    bool on_normal = true;
+    bool ahead = true;      // towards its b
+    bool on_normal = true;  // the normal of the arc points to the free side
     Vec3 from = Vec3::Zero();
   };
   struct Turned {
