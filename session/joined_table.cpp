@@ -10,9 +10,9 @@ namespace hapton {
 namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-constexpr std::size_t kMostEarly = 64;
+constexpr std::size_t kMostEarly = 64;  // forces that wait for their cycle; it is written a few cycles later at most
 
-// Times are those of a file, which may hold any number.
+// Times come from a file and may be any number: subtracts as unsigned, which cannot overflow.
 double seconds_between(std::int64_t from_ns, std::int64_t to_ns) {
   return 1e-9 * static_cast<double>(static_cast<std::int64_t>(static_cast<std::uint64_t>(to_ns) - static_cast<std::uint64_t>(from_ns)));
 }
@@ -121,7 +121,7 @@ void JoinedTable::add_cycle(const SessionEntry& entry) {
   for (const auto& [force, time_ns] : std::exchange(early_, {})) add_force(force, time_ns);
 }
 
-// The recording has a cycle when all its work is done: a marker usually comes before its row. Where that was lost, the next one has it.
+// A cycle is recorded at its end, so a marker usually precedes its row. If that row was lost, the next one gets the marker.
 void JoinedTable::add_marker(const MarkerNote& marker) {
   const auto is_before = [](const Waiting& waiting, std::uint64_t sample) { return waiting.row.sample < sample; };
   const auto found = std::lower_bound(waiting_.begin(), waiting_.end(), marker.sample, is_before);
@@ -136,7 +136,7 @@ void JoinedTable::add_force(const ForceCommand& force, std::int64_t time_ns) {
   const auto is_before = [](const Waiting& waiting, std::uint64_t sample) { return waiting.row.sample < sample; };
   const auto found = std::lower_bound(waiting_.begin(), waiting_.end(), force.echo_sample, is_before);
   if (found == waiting_.end()) {
-    // Its cycle is still to come; an old one that will never come goes in time.
+    // Its cycle is still to come. A force whose cycle was lost is dropped once kMostEarly others wait.
     early_.emplace_back(force, time_ns);
     if (early_.size() > kMostEarly) early_.pop_front();
     return;
@@ -175,7 +175,7 @@ void JoinedTable::add_all(SessionReader& reader) {
 }
 
 void JoinedTable::finish() {
-  // The faults of the last cycle stand behind it.
+  // The faults of the last cycle are recorded after it.
   if (!waiting_.empty() && !events_.empty()) {
     std::string& event = waiting_.back().row.event;
     event += (event.empty() ? "" : " ") + std::exchange(events_, {});

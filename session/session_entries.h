@@ -6,8 +6,8 @@
 
 namespace hapton {
 
-// Calls visit(entry, datagram or null) for all entries that can be read; the reader then knows whether that was all. A visitor that returns
-// an error ends it. RT: no.
+// Calls visit(entry, its decoded datagram or null) for all entries that can be read; SessionReader::problem() then says whether the file
+// was complete. Ends with the error of the first visit that returns one. RT: no.
 template <class Visit>
 Result<void> for_each_entry(SessionReader& reader, Visit&& visit) {
   Codec codec;
@@ -20,7 +20,7 @@ Result<void> for_each_entry(SessionReader& reader, Visit&& visit) {
   return {};
 }
 
-// A truncated recording is an error.
+// Error: the recording is truncated or damaged; the entries before that were read.
 inline Result<void> check_end(const SessionReader& reader) {
   if (reader.problem().empty()) return {};
   return fail("{}", reader.problem());

@@ -10,10 +10,10 @@
 namespace hapton {
 namespace {
 
-// A seek reads at most so much that it does not need.
+// Spacing of the places at which reading can begin: a seek reads at most this much before what it looks for.
 constexpr double kPlaceEveryS = 0.25;
 constexpr std::uint64_t kPlaceEveryBytes = 1 << 20;
-// Numbers of spans fit into 64 bits, whatever times a file has.
+// Times from a file are limited to this, so that the numbers of spans fit into 64 bits.
 constexpr double kMostSeconds = 1e9;
 
 double seconds_from(std::int64_t start_ns, std::int64_t time_ns) {
@@ -22,20 +22,20 @@ double seconds_from(std::int64_t start_ns, std::int64_t time_ns) {
   return std::clamp(t_s, -kMostSeconds, kMostSeconds);
 }
 
-// The last one until that time.
+// The first one after that time.
 template <class Vector>
-auto find_last(const Vector& all, double t_s) {
+auto find_after(const Vector& all, double t_s) {
   return std::upper_bound(all.begin(), all.end(), t_s, [](double t, const auto& one) { return t < one.t_s; });
 }
 
 template <class Vector>
 auto newest_or_first(const Vector& all, double t_s) -> decltype(&all.front().message) {
   if (all.empty()) return nullptr;
-  const auto after = find_last(all, t_s);
+  const auto after = find_after(all, t_s);
   return after == all.begin() ? &all.front().message : &std::prev(after)->message;
 }
 
-// Times rise, whatever a file says.
+// Keeps the times in ascending order, whatever the file says.
 template <class Message>
 void add_later(std::vector<Timed<Message>>& to, double t_s, const Message& message) {
   to.push_back({to.empty() ? t_s : std::max(t_s, to.back().t_s), message});
@@ -45,7 +45,7 @@ bool is_same(const HapticsSetup& a, const HapticsSetup& b) {
   return a.method == b.method && a.scene == b.scene && a.scene_hash == b.scene_hash && a.scene_loading == b.scene_loading;
 }
 
-// It is repeated once a second.
+// Whether this pose or move was recorded already: haptics nodes repeat the newest one of each object once a second.
 template <class Message>
 bool is_known(const std::vector<Timed<Message>>& known, const Message& message) {
   for (const auto& one : known | std::views::reverse) {
@@ -145,15 +145,15 @@ std::span<const SessionSpan> SessionIndex::spans_between(double from_s, double t
 }
 
 std::uint64_t SessionIndex::find_position(double t_s) const {
-  const auto after = find_last(places_, t_s);
+  const auto after = find_after(places_, t_s);
   return after == places_.begin() ? places_.front().position : std::prev(after)->position;
 }
 
 Pose SessionIndex::find_view(std::optional<std::uint32_t> revision, double t_s) const {
   if (views_.empty()) return Pose::Identity();
-  auto found = find_last(views_, t_s);
+  auto found = find_after(views_, t_s);
   if (found != views_.begin()) --found;
-  // Backwards for one of that number, which counts on from one vision node to the next.
+  // Search backwards for the revision: revisions of several vision nodes follow on from each other.
   for (auto one = found; revision && one->message.revision != *revision && one != views_.begin();) {
     --one;
     if (one->message.revision == *revision) found = one;
@@ -164,7 +164,7 @@ Pose SessionIndex::find_view(std::optional<std::uint32_t> revision, double t_s) 
 const HapticsSetup* SessionIndex::find_setup(double t_s) const { return newest_or_first(setups_, t_s); }
 
 const DeviceNotice* SessionIndex::find_notice(double t_s) const {
-  const auto after = find_last(notices_, t_s);
+  const auto after = find_after(notices_, t_s);
   return after == notices_.begin() ? nullptr : &std::prev(after)->message;
 }
 

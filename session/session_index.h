@@ -16,42 +16,42 @@
 
 namespace hapton {
 
-// What happened in a short time of a recording.
+// Summary of SessionIndex::kSpanS of a recording.
 struct SessionSpan {
-  std::int64_t number = 0;     // it begins number * kSpanS after the recording's start
+  std::int64_t number = 0;     // the span begins number * kSpanS after the start of the recording
   std::uint32_t samples = 0;   // of the device
   float written_n = 0.0F;      // largest force on the motors
-  float round_trip_s = -1.0F;  // longest; below 0: no force came
-  bool is_contact = false;     // in one of its samples
+  float round_trip_s = -1.0F;  // longest one; below 0: no force came
+  bool is_contact = false;     // there was contact in at least one sample
 };
 
-// A marker, or faults, at a sample.
+// A marker, or the faults, at a sample.
 struct SessionMark {
   double t_s = 0.0;
   std::string text;
   bool is_fault = false;
 };
 
-// What a node said, and when the hub had it.
+// A message and the time at which the hub received it.
 template <class Message>
 struct Timed {
   double t_s = 0.0;
   Message message;
 };
 
-// Of what was said, in the order of its times, so much was said until then.
+// The number of messages until that time. Pre: `all` is sorted by time.
 template <class Message>
 std::size_t count_until(std::span<const Timed<Message>> all, double t_s) {
   return static_cast<std::size_t>(std::ranges::upper_bound(all, t_s, {}, &Timed<Message>::t_s) - all.begin());
 }
 
-// What the stylus carved.
+// Carves that one message added.
 struct CarveNews {
-  bool starts_anew = false;  // by another haptics process: what was carved before is whole again
+  bool starts_anew = false;  // another haptics process: all carves before are undone first
   std::vector<Carves::One> carves;
 };
 
-// What the hub told a vision node about the device.
+// The state of the device in the ProbeState of a vision node.
 struct DeviceNotice {
   ProbeStatus status = ProbeStatus::ok;
   std::uint32_t energy_percent = 0;
@@ -59,40 +59,42 @@ struct DeviceNotice {
   friend bool operator==(const DeviceNotice&, const DeviceNotice&) = default;
 };
 
-// The time line of a recording, and what applies from a moment on until something else is said. Its size grows with the duration, by 1.2 kB
-// a second, and with what was said, not with the samples. Times: seconds from the beginning of the recording (SessionHeader::start_ns),
-// those of the tables that `hapton session export` writes. RT: no.
+// The time line of a recording: spans, marks, and the messages that set a state until the next one of their kind. Its size grows by 1.2 kB
+// a second and with the number of these messages, not with the samples. Times: seconds since the beginning of the recording
+// (SessionHeader::start_ns), as in the tables that `hapton session export` writes. RT: no. Threads: const calls from any number.
 class SessionIndex {
  public:
-  static constexpr double kSpanS = 0.02;
+  static constexpr double kSpanS = 0.02;  // resolution of plots and time line: about a frame
 
-  // Reads everything that can be read; the reader then knows whether that was all. Error, one line: no sample of the device is in it.
+  // Reads everything that can be read; SessionReader::problem() then says whether the file was complete. Error, one line: the recording has
+  // no sample of the device.
   static Result<SessionIndex> read(SessionReader& reader);
 
-  // Of the first and the last sample.
+  // Times of the first and the last sample.
   double begin_s() const { return begin_s_; }
   double end_s() const { return end_s_; }
-  // Sorted by number; times without a sample have none.
+  // Sorted by number. There is no span for times without a sample.
   std::span<const SessionSpan> spans() const { return spans_; }
-  // Those that overlap the given times.
+  // The spans that overlap [from_s, to_s].
   std::span<const SessionSpan> spans_between(double from_s, double to_s) const;
-  // In the order of their times.
+  // In ascending order of time.
   std::span<const SessionMark> marks() const { return marks_; }
-  // Where to begin reading for the samples from that time on, a position of SessionReader.
+  // The position (SessionReader::seek) at which to begin reading in order to get the samples from that time on.
   std::uint64_t find_position(double t_s) const;
 
-  // The pose of the static scene of that revision, as it was known at that time; none: the newest one then.
+  // The pose of the static scene with that revision, the newest such one until that time. If revision is none, or not found: the newest
+  // pose until that time.
   Pose find_view(std::optional<std::uint32_t> revision, double t_s) const;
-  // The newest until then, or the first one; null: there is none.
+  // The newest setup until that time, or else the first one; null: the recording has none.
   const HapticsSetup* find_setup(double t_s) const;
-  // The newest until then; null: none.
+  // The newest notice until that time; null: there is none.
   const DeviceNotice* find_notice(double t_s) const;
-  // Scene::given_hash of the haptics node, the newest until then or the first one; 0: not known.
+  // Scene::given_hash of the haptics node, the newest until that time, or else the first one; 0: not known.
   std::uint64_t find_scene_hash(double t_s) const;
-  // Of objects that the stylus picked up, and that programs moved, in the order of their times.
+  // Poses of objects that the stylus picked up, and moves of objects by programs, in ascending order of time.
   std::span<const Timed<ObjectPose>> poses() const { return poses_; }
   std::span<const Timed<ObjectMove>> moves() const { return moves_; }
-  // Without repetitions, as far as the serials tell.
+  // In ascending order of time, without repetitions, as far as the serials show them.
   std::span<const Timed<CarveNews>> carves() const { return carves_; }
 
  private:
@@ -101,9 +103,10 @@ class SessionIndex {
     std::array<float, 12> X_WS = {};
     friend bool operator==(const View&, const View&) = default;
   };
+  // A place at which reading can begin.
   struct Place {
     double t_s = 0.0;
-    std::uint64_t position = 0;
+    std::uint64_t position = 0;  // SessionReader::position()
   };
 
   void add_row(const JoinedRow& row);
@@ -125,7 +128,7 @@ class SessionIndex {
   std::vector<Timed<ObjectMove>> moves_;
   std::vector<Timed<CarveNews>> carves_;
   KnownCarves known_carves_;
-  std::vector<std::uint64_t> haptics_;  // senders
+  std::vector<std::uint64_t> haptics_;  // sender numbers of the haptics nodes
 };
 
 }  // namespace hapton

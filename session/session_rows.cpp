@@ -6,9 +6,9 @@
 namespace hapton {
 namespace {
 
-// Farther ahead than this is jumped to.
+// A moment up to this far ahead is reached by reading on, a later one by a seek.
 constexpr double kReadOnS = 2.0;
-// A sample recorded that long after it was taken is still found.
+// How long after it was taken a sample may have been recorded, so that it is found after a seek.
 constexpr double kSlackS = 0.3;
 
 bool has_reply(const JoinedRow& row) { return row.p_WP.allFinite(); }
@@ -51,7 +51,7 @@ bool SessionRows::read_entry() {
   return true;
 }
 
-// Afterwards a row later than t_s is there, unless there is none in the file.
+// Reads until there is a row later than t_s, or the file ends.
 void SessionRows::go_to(double t_s) {
   const bool is_near = table_ != nullptr && t_s >= from_s_ && (rows_->empty() || t_s <= rows_->back().sample_t_s + kReadOnS);
   if (!is_near) jump(t_s);
@@ -103,7 +103,7 @@ std::optional<double> SessionRows::next_s(double t_s) {
 }
 
 std::optional<double> SessionRows::previous_s(double t_s) {
-  // A row's time is a double, and the next smaller one is before it.
+  // The newest row at the next smaller double is the one before.
   const double before_s = std::nextafter(t_s, -std::numeric_limits<double>::infinity());
   if (before_s < index_->begin_s()) return std::nullopt;
   const JoinedRow* row = at(before_s);
