@@ -9,16 +9,17 @@ namespace hapton::dynamics {
 namespace {
 
 constexpr std::int64_t kStepNs = static_cast<std::int64_t>(1e9 * DynamicsWorld::kStepS);
-// Bodies stand still for the rest of a longer gap between two states: whoever is late must not be later still by catching up.
+// The longest time between two states that is simulated; for the rest of a longer one the bodies stand still. Otherwise a program that is
+// late would become later by simulating what it missed.
 constexpr std::int64_t kMostGapNs = 100 * kNanosecondsPerMillisecond;
-// A request or its reply may be lost.
+// A request without a reply is repeated after this time, since one of the two may be lost.
 constexpr std::int64_t kRepeatNs = 50 * kNanosecondsPerMillisecond;
-// No point of a body that is requested anew has moved by less: a tenth of a step of a stylus' encoders.
+// A body is requested again once one of its points has moved by more than this: a tenth of an encoder step of a stylus.
 constexpr double kLeastTravelM = 2e-6;
-// The delay that is assumed before it is measured, and the longest that damps more.
+// The delay before the first measurement, and the largest one that is used for the damping.
 constexpr double kFirstDelayS = 0.02;
 constexpr double kLongestDelayS = 0.2;
-// The largest delay counts, and is forgotten by this share with each reply.
+// The delay is the largest one measured; it decreases by this share with each reply.
 constexpr double kForgetShare = 0.005;
 
 }  // namespace
@@ -58,7 +59,7 @@ std::optional<Push> DynamicsDriver::find_push(const ProbeState& state) const {
 void DynamicsDriver::advance_to(std::int64_t scene_time_ns) {
   interval_ns_ = scene_time_ns_ < 0 ? 0 : scene_time_ns - scene_time_ns_;
   if (interval_ns_ < 0) {
-    // Another haptics node: it has the bodies where the scene file has them.
+    // Scene time went back: another haptics node, which has the bodies where the scene file places them.
     ++counts_.restarts;
     for (Body& body : bodies_) body.is_known = false;
   }
@@ -109,7 +110,7 @@ void DynamicsDriver::take(const MoveReply& reply) {
   delay_s_ = std::clamp(std::max(measured, (1.0 - kForgetShare) * delay_s_), 0.0, kLongestDelayS);
 }
 
-// The haptics node does not know where it is.
+// Whether the haptics node has another pose of the body than the dynamics.
 bool DynamicsDriver::is_unknown(const Body& body) const {
   if (!body.is_known) return true;
   const double radius = scene_->objects[static_cast<std::size_t>(body.object)].commanded->radius_m();

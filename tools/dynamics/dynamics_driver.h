@@ -12,55 +12,56 @@
 
 namespace hapton::dynamics {
 
-// Rigid-body dynamics beside a running session, without its machine: the hub's messages go in, requests to move the bodies come out. Time
-// of the dynamics is scene time, so that it stands still while the haptics node does.
+// Rigid-body dynamics beside a running session, without sockets or clocks: messages of the hub go in, requests to move the bodies come out.
+// The time of the dynamics is scene time, so that it stops while the haptics node does.
 //
-// A pushed body is a loop with a delay t: the hand feels the body where the haptics node has it, later than the dynamics. A spring K with a
-// delay gives the body energy like a damping of -K t, so that it bounces off the hand. A pressed body is therefore damped at the contact by
-// kDampingShare K t, with K the stiffness of its material and t measured: from each request to its reply, a move and a state more. A hand
-// that pushes at a speed v feels that as a resistance of kDampingShare K t v. Threads: one. RT: no.
+// A pushed body is a loop with a delay t: the force is computed with the pose that the haptics node has, which is older than that of the
+// dynamics. A spring K with a delay adds energy to the body like a damping of -K t, so that it bounces off the hand. A pressed body is
+// therefore damped at the contact by kDampingShare K t, with K the stiffness of its material. t is measured: the time from each request to
+// its reply, plus the duration of a move and the interval between two states. A hand that pushes at a speed v feels the damping as a
+// resistance of kDampingShare K t v. Threads: one. RT: no.
 class DynamicsDriver {
  public:
-  // Requests a second, of all bodies together. The haptics node carries out 250.
+  // Requests a second, of all bodies together. The hub passes on 250 of one sender (RequestHandler::kMovesPerSecond).
   static constexpr double kRequestRateHz = 200.0;
-  static constexpr double kDampingShare = 1.25;
+  static constexpr double kDampingShare = 1.25;  // above 1: more than the delay adds
 
   struct Settings {
     Vec3 gravity_W = {0.0, -9.81, 0.0};
     double friction = 0.4;
     double damping_share = kDampingShare;
-    std::uint32_t first_request = 1;  // the numbers of requests begin here: random in a program, so that no two programs share them
+    std::uint32_t first_request = 1;  // first request number; programs choose it at random, so that no two use the same ones
   };
 
   struct Counts {
     std::uint64_t steps = 0;
     std::uint64_t requests = 0;
-    std::uint64_t pushes = 0;      // samples in which a body was pressed
-    std::uint64_t fallen = 0;      // bodies put back
-    std::int64_t left_out_ns = 0;  // scene time that the bodies stood still, as the states came too slowly
+    std::uint64_t pushes = 0;      // states in which a body was pressed
+    std::uint64_t fallen = 0;      // bodies that fell out of the scene and were put back
+    std::int64_t left_out_ns = 0;  // scene time that was not simulated, as states came too far apart
     std::uint64_t restarts = 0;    // of the haptics node
   };
 
   // Error: as DynamicsWorld::make. Pre: the scene outlives this.
   static Result<DynamicsDriver> make(const Scene& scene, const Settings& settings);
 
-  // A state of the probe, at most one a sample: moves the bodies on to its scene time.
+  // Simulates up to the scene time of the state. Pre: at most one call for each sample.
   void take(const ProbeState& state);
-  // Gravity follows the view.
+  // Turns gravity in frame S as the pose of the static scene says.
   void take(const HapticsSetup& setup);
-  // An obstacle that another program moves.
-  // arrival: as HubClient::last_arrival of this move.
+  // A move of an obstacle by another program.
+  // arrival: HubClient::last_arrival of this message.
   void take(const ObjectMove& move, Arrival arrival) { moves_.take(move, arrival); }
   void take(const MoveReply& reply);
 
-  // The next request that is due; nothing: none is. now_ns: any clock.
+  // The next request to send, if one is due. now_ns: any monotonic clock.
   std::optional<MoveRequest> next_request(std::int64_t now_ns);
 
-  // The last rejection of a request since the last call; empty: none.
+  // The reason of the last rejected request since the last call; empty: none was rejected.
   std::string take_rejection();
-  // The bodies that fell out of the scene since the last call, and are back where they began.
+  // The bodies that fell out of the scene since the last call and were put back where they began.
   std::vector<int> take_fallen();
-  // From a request until it is felt, with the time that the requested move takes.
+  // The delay t, see above.
   double delay_s() const noexcept { return delay_s_; }
   const Counts& counts() const noexcept { return counts_; }
   const DynamicsWorld& world() const noexcept { return *world_; }
@@ -68,12 +69,12 @@ class DynamicsDriver {
  private:
   struct Body {
     int object = -1;
-    Keyframe requested;                  // by the newest request
-    std::optional<MoveRequest> pending;  // the newest, not replied to yet
-    std::int64_t sent_ns = 0;            // ... when it was sent last
-    std::int64_t sent_scene_ns = 0;      // ... its scene time
-    std::int64_t not_before_ns = 0;      // ... the earliest time of the next, after a rejection
-    bool is_known = false;               // the haptics node has had a request and not rejected it
+    Keyframe requested;                  // pose in the newest request
+    std::optional<MoveRequest> pending;  // the newest request, while it has no reply
+    std::int64_t sent_ns = 0;            // when it was sent last
+    std::int64_t sent_scene_ns = 0;      // scene time when it was first sent
+    std::int64_t not_before_ns = 0;      // after a rejection: the earliest time of the next request
+    bool is_known = false;               // a request was sent and not rejected
   };
 
   DynamicsDriver(const Scene& scene, const Settings& settings, std::unique_ptr<DynamicsWorld> world);
@@ -90,13 +91,13 @@ class DynamicsDriver {
   std::vector<Body> bodies_;
   KnownMoves moves_;  // of obstacles
   Pose X_WS_ = Pose::Identity();
-  std::size_t next_body_ = 0;  // in turn
+  std::size_t next_body_ = 0;  // bodies take turns
   std::int64_t next_request_ns_ = 0;
-  std::int64_t scene_time_ns_ = -1;  // of the last state
-  std::int64_t interval_ns_ = 0;     // ... since the one before
-  std::int64_t world_time_ns_ = 0;   // scene time that the bodies have reached
-  std::uint32_t last_request_;
-  double period_s_;
+  std::int64_t scene_time_ns_ = -1;  // of the last state; -1: none yet
+  std::int64_t interval_ns_ = 0;     // between the last two states
+  std::int64_t world_time_ns_ = 0;   // scene time up to which is simulated
+  std::uint32_t last_request_;       // its number
+  double period_s_;                  // between two requests for one body: the duration of a move
   double delay_s_;
   std::vector<int> fallen_;
   std::string rejection_;

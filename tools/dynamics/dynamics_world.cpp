@@ -55,16 +55,16 @@ struct Member {
 
 namespace {
 
-// Bullet's tolerances suit bodies of 0.05 to 10 units: a unit is a centimetre.
+// Length unit of Bullet, whose absolute tolerances suit bodies of 0.05 to 10 units: the centimetre.
 constexpr double kUnitsPerM = 100.0;
-// Bullet keeps surfaces this far apart, on each of the two: contacts need a depth to be found in, and 0.1 mm is not seen.
+// Collision margin of each shape: two surfaces stay 0.1 mm apart, which is not visible. Bullet finds contacts within the margins.
 constexpr double kMarginM = 5e-5;
-// Iterations of the contact solver: stacks of a few bodies stand still (Bullet's default of 10 lets them creep).
+// Iterations of the contact solver: with Bullet's default of 10, stacks of a few bodies creep.
 constexpr int kSolverIterations = 30;
-// Slower bodies come to rest after Bullet's two seconds.
+// Bodies that are slower than this for two seconds (Bullet's gDeactivationTime) come to rest.
 constexpr double kSleepM_per_s = 1e-3;
 constexpr double kSleepRad_per_s = 0.05;
-// A body this many diagonals of the scene away from its middle has fallen out of it.
+// A body farther than this from the centre of the scene, in diagonals of the scene, has fallen out of it.
 constexpr double kFallenDiagonals = 2.0;
 
 btVector3 to_bullet(const Vec3& v) { return {btScalar(v.x()), btScalar(v.y()), btScalar(v.z())}; }
@@ -84,10 +84,10 @@ Pose from_bullet(const btTransform& X) {
   return pose;
 }
 
-// More pieces cost more time than a person sees of them.
+// Largest number of convex pieces of a body: more cost time without a visible difference.
 constexpr std::size_t kMostPieces = 64;
 
-// The frame of a body: centre of mass and principal axes, at rest.
+// The frame B of a body: its origin is the centre of mass, its axes are the principal axes. X_SB: in the scene file's pose.
 struct BodyFrame {
   Pose X_SB = Pose::Identity();
   Vec3 inertia_per_mass = Vec3::Zero();
@@ -114,7 +114,7 @@ std::unique_ptr<btTriangleMesh> make_triangles(const TriangleMesh& mesh) {
   return triangles;
 }
 
-// The convex hull of points, moved by X_BS. Bullet's shape keeps its corners alone.
+// The convex hull of points given in frame S, as a shape in frame B that has only the corners of the hull.
 std::unique_ptr<btConvexHullShape> make_hull(const std::vector<Vec3>& points, const Pose& X_BS) {
   btConvexHullComputer computer;
   computer.compute(points.front().data(), sizeof(Vec3), static_cast<int>(points.size()), 0, 0);
@@ -125,8 +125,8 @@ std::unique_ptr<btConvexHullShape> make_hull(const std::vector<Vec3>& points, co
   return shape;
 }
 
-// A contact of a convex body with an edge between two triangles of a flat surface gets the surface's normal, so that the body does not
-// stumble over it.
+// Bullet's callback for a new contact. A contact with the edge between two triangles of a flat surface gets the normal of the surface, so
+// that a body slides over the edge.
 bool smooth_edge(btManifoldPoint& point, const btCollisionObjectWrapper* a, int part_a, int index_a, const btCollisionObjectWrapper* b,
                  int part_b, int index_b) {
   btAdjustInternalEdgeContacts(point, b, a, part_b, index_b);
@@ -149,7 +149,7 @@ Member make_obstacle(const SceneObject& object) {
   return member;
 }
 
-// Merging small triangles first makes the pieces fewer.
+// Simplifies the mesh first, within half of the tolerance, which makes the number of convex pieces smaller.
 void make_body_shape(const TriangleMesh& felt, const Pose& X_BS, Member& member) {
   TriangleMesh mesh = {felt.vertices, felt.triangles};
   const double most = DynamicsWorld::kShapeShare * compute_bounds(mesh).extent();
@@ -212,8 +212,8 @@ struct DynamicsWorld::Parts {
     members.push_back(std::move(member));
   }
 
-  // The impulse of one step on the point of contact. Force and damping are solved together, implicitly: with K the velocity that the point
-  // gets by a unit of impulse, v' = v + K J and J = F dt - b dt v'. So no mass and no damping make it unstable.
+  // Applies the impulse J of one step at the contact point. Force F and damping b are solved together, implicitly: with K the change of the
+  // point's velocity by a unit of impulse, v' = v + K J and J = F dt - b dt v'. So it is stable for any mass and damping.
   void apply_push() {
     btRigidBody& body = *at(push->object).body;
     body.activate(true);
@@ -231,7 +231,7 @@ struct DynamicsWorld::Parts {
     body.applyImpulse(to_units(impulse), to_units(arm));
   }
 
-  // As compute_move_time_s has it: the pivot's speed and that of the farthest point about it.
+  // The speed as compute_move_time_s defines it: that of the pivot plus that of the farthest point about the pivot.
   static void limit_speed(Member& member) {
     btRigidBody& body = *member.body;
     const Vec3 p_SP = pose_of(member).linear() * (member.X_SB.inverse(Eigen::Isometry) * member.pivot_S);
@@ -265,8 +265,8 @@ struct DynamicsWorld::Parts {
   std::vector<Member> members;  // by object
   std::vector<int> bodies;
   std::optional<Push> push;
-  Eigen::AlignedBox3d box;  // of the scene at rest
-  std::vector<int> fallen;  // in the last step
+  Eigen::AlignedBox3d box;  // bounds of the scene as the file places it
+  std::vector<int> fallen;  // objects that fell out of the scene in the last step
 };
 
 Result<std::unique_ptr<DynamicsWorld>> DynamicsWorld::make(const Scene& scene, double friction) {
