@@ -7,10 +7,10 @@
 namespace hapton {
 namespace {
 
-constexpr double kSteepest = 89.0 * std::numbers::pi / 180.0;
+constexpr double kSteepest = 89.0 * std::numbers::pi / 180.0;  // largest pitch: up is undefined at 90 degrees
 constexpr double kLeastZoom = 0.1;
 constexpr double kMostZoom = 100.0;
-// A small margin round the object.
+// look_at() leaves a margin of a tenth of the radius around the object.
 constexpr double kMargin = 1.1;
 
 }  // namespace
@@ -18,7 +18,7 @@ constexpr double kMargin = 1.1;
 void CameraView::orbit(double yaw_by_rad, double pitch_by_rad) {
   if (!std::isfinite(yaw_by_rad) || !std::isfinite(pitch_by_rad)) return;
   yaw_rad = std::remainder(yaw_rad + yaw_by_rad, 2.0 * std::numbers::pi);
-  // Twice the steepest is enough to get from any beginning to any end.
+  // Twice the steepest pitch, so that every pitch can be reached from every initial view.
   pitch_rad = std::clamp(pitch_rad + pitch_by_rad, -2.0 * kSteepest, 2.0 * kSteepest);
 }
 
@@ -42,7 +42,7 @@ Framing CameraView::apply(const Framing& home) const {
   seen.pitch_rad = std::clamp(home.pitch_rad + pitch_rad, -kSteepest, kSteepest);
   seen.view_m /= zoom;
   seen.aside_m = is_centred ? Vec2(0.0, 0.0) : Vec2(home.aside_m / zoom);
-  // Where the screen's width is known the whole viewer grows and shrinks with the picture.
+  // If the screen's width is known, the whole viewer scales with the picture, the distance of the eyes included.
   if (!(home.screen_width_m > 0.0)) seen.ipd_m /= std::max(1.0, zoom);
   seen.depth_m += pan_m.norm();
   return seen;

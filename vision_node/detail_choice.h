@@ -5,13 +5,13 @@
 
 namespace hapton {
 
-// Inputs of the choice of a level.
+// What the choice of a level of detail depends on.
 struct LevelFacts {
   std::size_t triangles = 0;
-  double error_m = 0.0;  // how far the level lies from the mesh
+  double error_m = 0.0;  // largest distance from the mesh
 };
 
-// A level within this distance of the mesh is as good as the mesh: no edge of the picture moves by more than its anti-aliasing.
+// A level within this distance of the mesh, in pixels, looks like the mesh: no edge moves by more than anti-aliasing blurs it.
 inline constexpr double kUnseenErrorPx = 0.2;
 
 // The level to draw while the scene moves: the one with the fewest triangles among those whose error is invisible; if that has more

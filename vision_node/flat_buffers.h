@@ -6,13 +6,14 @@
 
 namespace hapton {
 
-// A level of detail in the graphics driver's memory. Threads: the window's; its context is current.
+// OpenGL names of a level of detail in the graphics driver's memory. Threads: the window's, with its context current. RT: no.
 struct FlatBuffers {
-  std::uint32_t array = 0;
-  std::uint32_t buffer = 0;
-  std::uint32_t paints = 0;  // 0: of one colour
+  std::uint32_t array = 0;   // vertex array object
+  std::uint32_t buffer = 0;  // FlatLevel::vertices
+  std::uint32_t paints = 0;  // FlatLevel::paints; 0: the level has one colour
 };
 
+// index_buffer: an element buffer, which the vertex array then refers to.
 FlatBuffers upload(const FlatLevel& level, std::uint32_t index_buffer);
 void release(FlatBuffers& buffers);
 

@@ -23,15 +23,15 @@ struct Dials {
   friend bool operator==(const Dials&, const Dials&) = default;
 };
 
-// The memo's twelve floats.
+// A pose as the memo's twelve floats: the rows of [R|t].
 std::array<float, 12> to_twelve_floats(const Pose& X_WS);
 Pose from_twelve_floats(const std::array<float, 12>& m);
 
-// Decides when the view transform goes to the hub: when a dial turned, and again while the hub shows that it has not arrived (it
-// got lost, or the hub was restarted). Times: any monotonic clock, ns. RT: no.
+// Decides when the view transform is sent to the hub: when a dial was turned, and again while ProbeState shows that it has not arrived (it
+// was lost, or the hub was restarted). Times: any monotonic clock, ns. Threads: one. RT: no.
 class ViewTransformSender {
  public:
-  // Sets the newest pose; a pose with unchanged floats is no change.
+  // Sets the newest pose. A pose with the same twelve floats as the last one is not sent.
   void set(const Pose& X_WS);
 
   // The revision that the hub last reported as in use (ProbeState::view_revision). If the hub's first report is ahead of us, it comes from
@@ -41,10 +41,10 @@ class ViewTransformSender {
   // The hub rejected the transform of that revision: it is not sent again, and the log says so once.
   void reject(std::uint32_t revision);
 
-  // The hub has accepted this node, perhaps once more: everything must be sent again.
+  // The hub has accepted this node, for the first time or again: the pose must be sent.
   void rejoin();
 
-  // The message to send now, if any; counts as sent.
+  // The message to send now, if one is due; it then counts as sent.
   std::optional<ViewTransform> take_due(std::int64_t now_ns);
 
   std::uint32_t revision() const { return newest_.revision; }
@@ -52,7 +52,7 @@ class ViewTransformSender {
   std::optional<Pose> find_pose(std::uint32_t revision) const;
   std::uint64_t sent() const { return sent_; }
 
-  static constexpr std::size_t kHistory = 64;
+  static constexpr std::size_t kHistory = 64;  // poses: those of about a second, at one a frame; the hub confirms one far sooner
 
  private:
   void note_newest() { history_[newest_.revision % kHistory] = newest_; }

@@ -12,14 +12,14 @@
 
 namespace hapton {
 
-// Texts at points of the world, in one eye's picture: each where that eye sees the point, so the two eyes see it at the point's depth. RT:
-// no.
+// Labels at points of the world, drawn into one eye's image: each at the pixel where that eye sees the point, so that the two eyes see the
+// label at the point's depth. Threads: the window's. RT: no.
 class LabelFigure {
  public:
-  static constexpr std::size_t kMost = 16;
+  static constexpr std::size_t kMost = 16;  // labels; more would cover the scene
 
   void add_to(vtkRenderer* renderer);
-  // Labels behind the eye, and more than kMost, are left out.
+  // Shows these labels and no others. Labels behind the eye, and those after the first kMost, are left out.
   void place(const std::vector<InkLabel>& labels, const StereoScreen& screen, Eye eye, PictureSize size);
 
  private:

@@ -22,11 +22,12 @@ class OtherHand {
   // Receives without waiting, and sends the scene's pose if the hub does not have it.
   void attend(const Pose& X_WS, std::int64_t now_ns);
 
-  // The hand has moved visibly since the last frame, or left; if it moved invisibly, the hub is notified that nothing changed.
+  // True: the probe of this hand looks different than in the last frame. If only invisible motion came, the hub gets a FrameAck
+  // `unchanged`.
   bool wants_picture(const ProbeSizes& sizes, const StereoScreen& screen, PictureSize size);
-  // Where it is; none before its hub has spoken.
+  // The probe to draw; none before the first state from its hub.
   std::optional<ProbeShown> shown() const;
-  // The frame with what shown() returned is in the window.
+  // Call it when a frame with shown() has been drawn.
   void drew(std::int64_t start_ns, std::int64_t end_ns, double frame_rate_hz, const ProbeSizes& sizes, const StereoScreen& screen,
             PictureSize size);
 
@@ -43,7 +44,7 @@ class OtherHand {
   std::uint64_t joins_ = 0;
   bool was_joined_ = false;
   bool moved_ = false;   // a state has come since the last check
-  bool untold_ = false;  // its hub has not been notified of its fate
+  bool untold_ = false;  // no FrameAck was sent for the newest state
 };
 
 }  // namespace hapton

@@ -11,10 +11,10 @@
 namespace hapton {
 namespace {
 
-// The picture's smaller side that ProbeSizes' defaults are made for.
+// Framing::view_m (metres) for which the defaults of ProbeSizes were chosen: a workspace on a desk.
 constexpr double kDeskView = 0.3;
 
-// The number after that key; 0 if there is none.
+// The number after `key` in a method text; 0 if there is none.
 double find_method_number(std::string_view method, std::string_view key) {
   const auto at = method.find(key);
   if (at == std::string_view::npos) return 0.0;
@@ -61,9 +61,9 @@ int find_set_size(std::string_view method) {
   return size >= 1.0 && size <= 1e4 ? static_cast<int>(size) : kUsual;
 }
 
-// About the axis at right angles to z and to the direction of the lean, 55 degrees up from the right.
 bool touches_surface(const ProbeState& state) { return state.contact && (state.object >= 0 || !state.visual_offset_m.isZero(0.0)); }
 
+// The stylus leans 55 degrees up from the right: it turns about the axis at right angles to z and to that direction.
 Quat make_lean(double angle_rad) {
   constexpr double kTowards = 55.0 * std::numbers::pi / 180.0;
   return Quat(Eigen::AngleAxisd(angle_rad, Vec3(-std::sin(kTowards), std::cos(kTowards), 0.0)));
@@ -93,7 +93,7 @@ bool PictureWatch::differs(const ProbeShown& probe, const ProbeSizes& sizes, con
   if (!any_ || contact_ != probe.contact) return true;
   const Marks now = compute_marks(probe, sizes, screen, size);
   for (std::size_t i = 0; i < now.size(); ++i) {
-    // Written so that a mark which is not finite (a point in the eye's own plane) counts as moved.
+    // A mark that is not finite (its point is in the plane of the eye) counts as moved.
     if (!((now[i] - marks_[i]).norm() <= threshold_px_)) return true;
   }
   return false;

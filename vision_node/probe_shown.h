@@ -8,7 +8,7 @@
 
 namespace hapton {
 
-// Sizes of the probe's drawing, metres. Scaled with the view, so that they look the same at every scale.
+// Sizes of the drawn probe, metres. Scaled with the view, so that they look the same at every scale.
 struct ProbeSizes {
   double tip_radius_m = 0.0018;
   double stylus_length_m = 0.105;
@@ -18,27 +18,29 @@ struct ProbeSizes {
   double tool_radius_m = 0.0;  // of a rigid tool about its grip point; 0: there is none
 };
 
+// The sizes for a view.
 ProbeSizes scale_probe(const Framing& framing);
 
-// The probe as shown: tip at device position + visual offset, so that it rests on the surface while the hand is below it (memo 4.2.2).
-// Frame W, metres, newtons.
+// The probe as it is drawn: the tip is at device position + visual offset, so that it rests on the surface while the hand is below it
+// (memo 4.2.2). Frame W, metres, newtons.
 struct ProbeShown {
-  Vec3 p_WP = Vec3::Zero();
-  Vec3 p_WD = Vec3::Zero();      // the device itself: the tip's position in free space
-  Quat q_WT = Quat::Identity();  // lean included
+  Vec3 p_WP = Vec3::Zero();      // tip
+  Vec3 p_WD = Vec3::Zero();      // device point: the tip's position without contact
+  Quat q_WT = Quat::Identity();  // of the stylus, lean included
   Quat q_WP = Quat::Identity();  // of a rigid tool, which does not lean
   Vec3 force_n = Vec3::Zero();
   bool contact = false;
 };
 
-// The stylus' body points from its tip along z of T: at the viewer, if the device reports no rotation, where it would hide the tip and the
-// force. lean turns it aside, up and to the right; identity shows the reported rotation. Values that are not finite are shown at the origin
-// or left out: received data must never break the picture.
+// Makes it from a received state. The stylus' body points from its tip along z of T. If the device reports no rotation, this is towards the
+// viewer, where it would hide the tip and the force: lean turns it aside, up and to the right; identity shows the reported rotation. Values
+// that are not finite are shown at the origin or left out, since received data must never break the picture.
 ProbeShown show_probe(const ProbeState& state, const Quat& lean = Quat::Identity());
 
-// Whether a surface is touched. A contact of which no object is known and no offset comes is a force in free space, of an effect.
+// Whether a surface is touched. A contact without object and without visual offset is a force in free space, of an effect.
 bool touches_surface(const ProbeState& state);
 
+// The lean of show_probe, by this angle.
 Quat make_lean(double angle_rad);
 
 // The radius in a haptics node's method text ("name=proxy probe_radius_m=0.015"), m; 0 if there is none.
@@ -49,15 +51,15 @@ int find_set_size(std::string_view method);
 // Vector from the tip to the head of the force arrow, frame W: along the force, its length the newtons up to arrow_max_m.
 Vec3 compute_arrow(const ProbeShown& probe, const ProbeSizes& sizes);
 
-// Whether a new picture would differ: whether any of the probe's marks (tip, stylus end, arrow head) moved in any eye's picture by more
-// than a fraction of a pixel.
+// Whether a new frame would differ: whether any of the probe's marks (tip, stylus end, arrow head, two points of a rigid tool) moved in any
+// eye's image by more than a fraction of a pixel, or contact changed.
 class PictureWatch {
  public:
   explicit PictureWatch(double threshold_px = 0.5) : threshold_px_(threshold_px) {}
 
   bool differs(const ProbeShown& probe, const ProbeSizes& sizes, const StereoScreen& screen, PictureSize size) const;
 
-  // The content of the newest picture.
+  // Call it when a frame with this probe has been drawn.
   void drawn(const ProbeShown& probe, const ProbeSizes& sizes, const StereoScreen& screen, PictureSize size);
 
  private:

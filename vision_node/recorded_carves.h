@@ -7,7 +7,7 @@
 
 namespace hapton {
 
-// Carves the objects of the scene as they were carved at a moment of a recording, forwards or backwards. RT: no.
+// Shows the carved objects of the scene as they were at a moment of a recording; moments may come in any order. RT: no. Threads: one.
 class RecordedCarves {
  public:
   // Pre: both outlive this; nothing else carves the objects.
@@ -18,7 +18,7 @@ class RecordedCarves {
  private:
   const SessionIndex& index_;
   CarvedObjects& carved_;
-  std::size_t carves_ = 0;  // so many messages are applied
+  std::size_t carves_ = 0;  // number of SessionIndex::carves() that were applied
 };
 
 }  // namespace hapton

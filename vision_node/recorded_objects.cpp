@@ -5,7 +5,7 @@
 namespace hapton {
 namespace {
 
-// A move is announced at once, and begins in scene time: known too early does no harm.
+// Moves are taken this long before they were recorded, since one may begin, in scene time, shortly before. Too early does no harm.
 constexpr double kAheadS = 0.2;
 
 }  // namespace

@@ -7,20 +7,20 @@
 
 namespace hapton {
 
-// Puts the objects of the scene where they were at a moment of a recording, forwards or backwards. RT: no.
+// Places the objects of the scene as they were at a moment of a recording; moments may come in any order. RT: no. Threads: one.
 class RecordedObjects {
  public:
   // Pre: both outlive this; nothing else moves the objects.
   RecordedObjects(const SessionIndex& index, MovedObjects& moved) : index_(index), moved_(moved) {}
 
-  // scene_time_ns: of the sample shown. True: the picture has changed.
+  // scene_time_ns: of the sample that is shown. True: an object has moved.
   bool show(double t_s, std::int64_t scene_time_ns);
 
  private:
   const SessionIndex& index_;
   MovedObjects& moved_;
-  std::size_t poses_ = 0;  // so many are known
-  std::size_t moves_ = 0;
+  std::size_t poses_ = 0;  // number of SessionIndex::poses() that were applied
+  std::size_t moves_ = 0;  // ... and of moves()
 };
 
 }  // namespace hapton

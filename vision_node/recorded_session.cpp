@@ -9,8 +9,8 @@
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kRecordedTurnNs = 4 * kNanosecondsPerMillisecond;
-// While it plays, the clock in the corner is drawn so often even if nothing else moves.
+constexpr std::int64_t kRecordedTurnNs = 4 * kNanosecondsPerMillisecond;  // a turn of the loop: well below a frame of 60 Hz
+// While it plays, the time shown in the HUD is redrawn this often even if nothing else moves.
 constexpr std::int64_t kRecordedClockNs = 100 * kNanosecondsPerMillisecond;
 
 }  // namespace
@@ -49,7 +49,7 @@ Result<void> RecordedSession::run(const StopSignal& stop) {
   if (auto drawn = draw_if_wanted(); !drawn) return drawn;
   if (options_.at_s && !options_.screenshot.empty()) return take_moment();
   view_.prepare_shaders();
-  window_.step().spoil();  // it hides the probe
+  window_.step().spoil();  // draw again: prepare_shaders() hides the probe
   while (!quit_ && !stop.stop_requested() && clock_.now_ns() < end_ns) {
     clock_.sleep_until_ns(std::min(clock_.now_ns() + kRecordedTurnNs, end_ns));
     if (auto attended = attend_window(); !attended) return attended;
@@ -65,7 +65,7 @@ Result<void> RecordedSession::run(const StopSignal& stop) {
   return window_.take_screenshot(options_.screenshot);
 }
 
-// With all that a teaching view, or material that is carved, takes time for.
+// The screenshot of --at: waits first for the teaching view and for carved objects, which other threads compute.
 Result<void> RecordedSession::take_moment() {
   constexpr std::int64_t kPauseNs = 5 * kNanosecondsPerMillisecond;
   window_.finish_teaching();
@@ -139,7 +139,7 @@ void RecordedSession::draw() {
   VisionStep::Shown shown = step.compose(begin_ns);
   if (step.shows_plots()) shown.plots = make_recorded_plots(index_, player_.moment_s());
   share_shown_ = moment_share();
-  view_.set_time_line(line_, share_shown_);  // first: it lifts the others
+  view_.set_time_line(line_, share_shown_);  // first: the other texts are placed above it
   window_.show(shown);
   if (moved_ != nullptr && moved_->has_motion()) moved_->place_moving();
   view_.draw([this, &step] {

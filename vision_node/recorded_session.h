@@ -18,24 +18,24 @@
 
 namespace hapton {
 
-// A recording in the window, in place of a hub: what VisionSession does live, with a time line. Threads: the window's. RT: no.
+// Plays a recording in the window: what VisionSession does with a hub, plus a time line. Threads: the window's. RT: no.
 class RecordedSession {
  public:
-  // Pre: all outlive the session; the rows are those of the index.
+  // Pre: all outlive the session; rows and index are of the same file.
   RecordedSession(StereoView& view, Clock& clock, const VisionOptions& options, const SessionIndex& index, SessionRows& rows);
 
   void set_head_tracker(HeadTracker* tracker) { window_.set_head_tracker(tracker); }
   void set_space_head(SpaceHead* head) { window_.set_space_head(head); }
   void set_teacher(TeachBuilder* teacher) { window_.set_teacher(teacher); }
-  // The scene that is shown (Scene::given_hash), to be compared with the recorded one.
+  // Scene::given_hash of the scene that is shown: a warning appears if the recorded one differs.
   void set_scene(std::uint64_t given_hash) { scene_hash_ = given_hash; }
-  // What draws the objects that move. Pre: it outlives the session.
+  // Draws the objects that move. Pre: it outlives the session.
   void set_moved_objects(MovedObjects* moved);
-  // What draws the material that was carved. Pre: it outlives the session.
+  // Draws the objects that were carved. Pre: it outlives the session.
   void set_carved_objects(CarvedObjects* carved);
 
-  // Runs until the window is closed, the time is over, the picture of --at is taken, or a signal requests the stop. Error: a screenshot
-  // that could not be written, a file that changed.
+  // Runs until the window is closed, --seconds are over, the screenshot of --at is taken, or a signal requests a stop. Error: a screenshot
+  // could not be written, or the file has changed.
   Result<void> run(const StopSignal& stop);
 
   const VisionStep& step() const { return window_.step(); }

@@ -12,9 +12,9 @@
 namespace hapton {
 namespace {
 
-// Older replies are not shown by the hub either: the command timeout.
+// The oldest force that is shown: as in the hub, the command timeout of the governor.
 constexpr double kMostReplyAgeS = 0.02;
-constexpr double kMarkShownS = 2.0;
+constexpr double kMarkShownS = 2.0;  // how long the HUD shows a marker or a fault: long enough to read
 
 float microseconds_at(const std::vector<double>& sorted_s, double share) {
   if (sorted_s.empty()) return 0.0F;
@@ -81,7 +81,7 @@ std::optional<RecordedState> find_recorded_state(const SessionIndex& index, Sess
 }
 
 double find_recorded_rate_hz(const SessionIndex& index, double t_s) {
-  // Whole spans only; at the begin those that follow.
+  // Whole spans only; within the first second of the recording, those that follow.
   const double to_s = std::max(t_s, std::min(index.begin_s() + 1.0, index.end_s())) - SessionIndex::kSpanS;
   const double from_s = std::max(to_s - 1.0 + SessionIndex::kSpanS, index.begin_s() + SessionIndex::kSpanS);
   const auto spans = index.spans_between(from_s, to_s);

@@ -12,25 +12,25 @@
 
 namespace hapton {
 
-// A moment of a recording as the hub would have shown it to a vision node.
+// What the hub would have sent to a vision node at a moment of a recording.
 struct RecordedState {
   ProbeState state;              // of the newest sample with a reply, if it is not older than 20 ms, otherwise of the newest sample
-  Pose X_WS = Pose::Identity();  // that its force was computed with
-  bool has_reply = false;
+  Pose X_WS = Pose::Identity();  // pose of the static scene with which its force was computed
+  bool has_reply = false;        // there is such a sample
 };
 
-// None: the file has changed since the index was made.
+// The state at a time of SessionIndex. None: the file has changed since the index was made. RT: no.
 std::optional<RecordedState> find_recorded_state(const SessionIndex& index, SessionRows& rows, double t_s);
 
-// Samples a second of the device, over the second before; 0: not known.
+// The rate of the device's samples over the second before; 0: not known.
 double find_recorded_rate_hz(const SessionIndex& index, double t_s);
 
-// The written force and the round trip, each span's largest, in the five seconds before, with the newest value in the title.
+// Plots of the last five seconds: the force on the motors and the round trip, the largest of each span, with the newest value in the title.
 std::vector<PlotShown> make_recorded_plots(const SessionIndex& index, double t_s);
 
-// "recording monday.hapton   0:12.345 of 1:00.000   sample 12345   1x, paused".
+// The line of the HUD: "recording monday.hapton   0:12.345 of 1:00.000   sample 12345   1x, paused".
 std::string describe_recording(const std::string& name, const SessionPlayer& player, std::uint64_t sample);
-// The last marker or faults, while they are not older than 2 s: "marker: trial 7", "FAULT: speed". Empty: none.
+// The newest marker or faults that are not older than 2 s: "marker: trial 7", "FAULT: speed". Empty: there are none.
 std::string describe_mark(const SessionIndex& index, double t_s);
 
 }  // namespace hapton

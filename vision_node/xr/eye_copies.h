@@ -8,8 +8,8 @@
 
 namespace hapton {
 
-// Copies the images of both eyes, which lie beside each other in a framebuffer, the left one left, into textures of a headset's runtime
-// and one of them into the window. Bytes are copied as they are, also into textures that are sRGB. Leaves OpenGL's state unchanged.
+// Copies the images of both eyes from a framebuffer, where the left one lies to the left of the right one, into textures of a headset's
+// runtime, and the left one into the window. Bytes are copied without conversion, also into sRGB textures. Leaves OpenGL's state unchanged.
 // Threads: the window's, with its context current, also in the destructor. RT: no.
 class EyeCopies {
  public:
@@ -18,20 +18,20 @@ class EyeCopies {
   EyeCopies(const EyeCopies&) = delete;
   EyeCopies& operator=(const EyeCopies&) = delete;
 
-  // A new frame has been drawn into that framebuffer: images of that size each.
+  // Call it when a new frame has been drawn into the framebuffer. each: size of one eye's image.
   void take(std::uint32_t framebuffer, PictureSize each);
-  // eye 0: the left one. The texture is a GL_TEXTURE_2D of one eye's size.
+  // Copies an eye's image (0: left) into a GL_TEXTURE_2D of one eye's size.
   void copy_to_texture(std::size_t eye, std::uint32_t texture);
-  // The left one, into the window's own back buffer, black around it.
+  // Copies the left eye's image into the window's back buffer; the rest of the window becomes black.
   void copy_to_window(const MirrorPlace& place);
-  // Frees what it has made.
+  // Deletes its OpenGL objects.
   void release();
 
  private:
-  std::uint32_t source_ = 0;
+  std::uint32_t source_ = 0;  // framebuffer with both images, one sample a pixel
   PictureSize each_;
-  GlTarget resolved_;  // of a framebuffer with several samples a pixel
-  std::uint32_t into_ = 0;
+  GlTarget resolved_;       // the images, if the given framebuffer has several samples a pixel
+  std::uint32_t into_ = 0;  // framebuffer for the texture that is written
 };
 
 }  // namespace hapton

@@ -7,9 +7,9 @@
 namespace hapton {
 namespace {
 
-// A hand before the face is still drawn.
+// The near plane: a stylus directly before the eyes is still drawn.
 constexpr double kNearestM = 0.02;
-// A plane nearer to the eye would leave nothing between near and far.
+// The least distance of the image plane: well beyond the near plane, also when the head is in the workspace.
 constexpr double kNearestPlaneM = 0.1;
 
 }  // namespace

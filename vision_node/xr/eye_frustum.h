@@ -14,28 +14,29 @@ struct FieldOfView {
   double down_rad = -0.8;
 };
 
-// Whether there is a image: edges in order, less than a right angle from the axis. False for NaN.
+// Whether the angles make a frustum: edges in order, each less than a right angle from the axis. False for NaN.
 bool is_possible(const FieldOfView& fov);
 
-// An eye in a frame F. The eye's frame E: origin in the pupil, x right, y up, it looks along -z.
+// Pose and field of view of an eye in a frame F. The eye's frame E: origin in the pupil, x right, y up; it looks along -z.
 struct EyeInFrame {
   Pose X_FE = Pose::Identity();
   FieldOfView fov;
 };
 
-// From which distance to which a headset's eye sees, along its axis, and where its image is thought to be. Metres.
+// Distances along the axis of a headset's eye. Metres.
 struct HeadsetDepths {
-  double plane_m = 0.6;
-  double near_m = 0.02;
-  double far_m = 6.0;
+  double plane_m = 0.6;  // image plane: the plane of the rectangle of look_through()
+  double near_m = 0.02;  // near clipping plane
+  double far_m = 6.0;    // far clipping plane
 };
 
-// For a viewer whose eyes are at p_WE, so that everything round the workspace is seen (Framing::p_WC and depth_m), however near it is.
+// Distances for a viewer whose eyes are at p_WE, such that all of the workspace and its surroundings (Framing::p_WC and depth_m) is drawn,
+// however near it is. Frame W.
 HeadsetDepths find_headset_depths(const Framing& framing, const Vec3& p_WE);
 
-// The rectangle plane_m before the eye through which it sees with that field of view. All that is drawn through a StereoScreen is then
-// drawn for the headset: compute_view_matrix is the inverse of X_WE, compute_projection_matrix the frustum of the tangents. The same for
-// each Eye. Frame W. Pre: is_possible(eye.fov), X_WE rigid. light_W: towards the light, of length 1.
+// The rectangle at plane_m before the eye that fills its field of view, as a StereoScreen. For this screen compute_view_matrix gives the
+// inverse of X_WE, and compute_projection_matrix the frustum of the field of view, with either value of Eye. light_W: unit vector towards
+// the light. Frame W. Pre: is_possible(eye.fov), X_WE is rigid.
 StereoScreen look_through(const EyeInFrame& eye_in_W, const HeadsetDepths& depths, const Vec3& light_W);
 
 }  // namespace hapton

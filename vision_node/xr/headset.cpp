@@ -15,13 +15,13 @@
 
 #include "vision_node/xr/openxr_error.h"
 
-// Last: X's macros (None, Success, Bool ...) break other headers.
+// After all others: Xlib's macros (None, Success, Bool ...) break other headers.
 #include <X11/Xlib.h>
-// After Xlib.
+// After Xlib.h.
 #include <GL/glx.h>
 #define XR_USE_PLATFORM_XLIB
 #define XR_USE_GRAPHICS_API_OPENGL
-// After what the two macros need.
+// After the headers that these two macros need.
 #include <openxr/openxr.h>
 // After openxr.h.
 #include <openxr/openxr_platform.h>
@@ -31,7 +31,7 @@ namespace {
 
 constexpr XrViewConfigurationType kStereo = XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO;
 constexpr XrPosef kNoMotion = {{0, 0, 0, 1}, {0, 0, 0}};
-// How long the runtime may take to end a session that we no longer want.
+// How long the destructor waits for the runtime to end the session.
 constexpr std::chrono::milliseconds kFarewell{1000};
 
 template <class T>
@@ -41,7 +41,7 @@ T make_struct(XrStructureType type) {
   return made;
 }
 
-// None: not rigid, or not finite. OpenXR wants unit quaternions, of single precision.
+// None: the pose is not rigid, or not finite. OpenXR has unit quaternions of single precision.
 std::optional<Pose> to_pose(const XrPosef& pose) {
   constexpr double kOffUnit = 0.01;
   const Quat q(pose.orientation.w, pose.orientation.x, pose.orientation.y, pose.orientation.z);
@@ -52,7 +52,8 @@ std::optional<Pose> to_pose(const XrPosef& pose) {
 
 FieldOfView to_fov(const XrFovf& fov) { return {fov.angleLeft, fov.angleRight, fov.angleUp, fov.angleDown}; }
 
-// The picture is made of bytes for a display, which only an sRGB format says; copied unchanged they are seen as in the window.
+// The format of the textures, the first one offered of those we can use. Our images are encoded in sRGB: an sRGB format declares that, and
+// the headset shows the same colours as the window.
 std::optional<std::int64_t> choose_format(const std::vector<std::int64_t>& offered) {
   for (const std::int64_t wanted : {GL_SRGB8_ALPHA8, GL_SRGB8, GL_RGBA8, GL_RGB8}) {
     if (std::ranges::find(offered, wanted) != offered.end()) return wanted;
@@ -79,10 +80,10 @@ struct Headset::Runtime {
   std::array<Chain, 2> chains;
   bool is_running = false;
   bool has_ended = false;
-  std::string loss;  // empty: not lost
+  std::string loss;  // why the runtime is lost; empty: it is not
   XrTime frame_time = 0;
-  bool has_frame = false;  // begun, and not ended
-  bool has_eyes = false;   // they were tracked once
+  bool has_frame = false;  // a frame was begun and not ended
+  bool has_eyes = false;   // `views` and `eyes` were set at least once
   std::array<XrView, 2> views = {make_struct<XrView>(XR_TYPE_VIEW), make_struct<XrView>(XR_TYPE_VIEW)};
   std::array<EyeInFrame, 2> eyes;
 
@@ -113,7 +114,7 @@ struct Headset::Runtime {
 };
 
 Result<void> Headset::Runtime::make_instance() {
-  // The loader writes lines of its own for what we explain in one. Who wants them sets it to all.
+  // The loader prints several lines for an error that we explain in one. XR_LOADER_DEBUG=all shows them.
   setenv("XR_LOADER_DEBUG", "none", 0);
   std::uint32_t count = 0;
   if (const XrResult got = xrEnumerateInstanceExtensionProperties(nullptr, 0, &count, nullptr); XR_FAILED(got)) {
@@ -165,7 +166,7 @@ Result<void> Headset::Runtime::find_system() {
   return {};
 }
 
-// OpenXR wants to be asked before a session is made.
+// OpenXR requires this call before a session is created (XR_KHR_opengl_enable).
 Result<void> Headset::Runtime::check_graphics() const {
   PFN_xrGetOpenGLGraphicsRequirementsKHR get_requirements = nullptr;
   xrGetInstanceProcAddr(instance, "xrGetOpenGLGraphicsRequirementsKHR", reinterpret_cast<PFN_xrVoidFunction*>(&get_requirements));
@@ -265,7 +266,7 @@ void Headset::Runtime::take_state(XrSessionState state) {
   }
 }
 
-// A pose that is not known, or not rigid, leaves the last one.
+// Sets `views` and `eyes` for the time of the frame. If a pose is not known or not rigid, they stay as they are.
 void Headset::Runtime::locate() {
   auto wanted = make_struct<XrViewLocateInfo>(XR_TYPE_VIEW_LOCATE_INFO);
   wanted.viewConfigurationType = kStereo;
@@ -336,7 +337,7 @@ Result<std::unique_ptr<Headset>> Headset::connect() {
   return std::unique_ptr<Headset>(new Headset(std::move(runtime)));
 }
 
-// The runtime ends a session step by step, and goes on wanting frames meanwhile.
+// The runtime ends a session in several steps, and requires frames until then.
 Headset::~Headset() {
   if (runtime_->has_frame) runtime_->finish_frame(nullptr);
   if (!is_running() || XR_FAILED(xrRequestExitSession(runtime_->session))) return;

@@ -13,7 +13,7 @@
 
 namespace hapton {
 
-// The window that draws, as OpenXR has to know it: handles of Xlib and GLX.
+// Handles of Xlib and GLX of the window that draws, for OpenXR.
 struct GlxWindow {
   void* display = nullptr;             // Display*
   unsigned long drawable = 0;          // GLXDrawable
@@ -22,43 +22,44 @@ struct GlxWindow {
   std::uint32_t visual_id = 0;
 };
 
-// A headset, through the OpenXR runtime that is active on this machine. It is connected, then opened for a window; from then on attend() is
-// called in each turn of the loop, and while it is_running() each begin_frame() is followed by end_frame(). The runtime sets the pace:
-// begin_frame() waits until the next frame is due. A call that fails ends the use of the runtime (is_lost()), never the program. Frames: L,
-// see RoomSpace. Threads: the window's, whose context is current in every call from open() on, also in the destructor, which ends the
-// session in order (at most a second). RT: no. Source: OpenXR 1.0, https://registry.khronos.org/OpenXR.
+// A headset, through the OpenXR runtime that is active on this machine. Call connect(), then open() for a window; from then on attend() in
+// each turn of the loop, and while is_running(), begin_frame(), followed by end_frame() if it returns true. The runtime sets the pace:
+// begin_frame() waits until the next frame is due. If a call of the runtime fails, the headset is lost (is_lost()) and the program goes on.
+// Frame L: see RoomSpace. Threads: the window's, whose context is current in every call from open() on, also in the destructor, which ends
+// the session in order (at most a second). RT: no. Source: OpenXR 1.0, https://registry.khronos.org/OpenXR.
 class Headset {
  public:
-  // Copies the image of an eye (0: the left one) into that texture of OpenGL, which has eye_size().
+  // Copies the image of an eye (0: left) into an OpenGL texture of eye_size().
   using CopyEye = std::function<void(std::size_t eye, unsigned texture)>;
 
-  // Error: one line, also where vision_node was built without OpenXR, no runtime is active, or no headset is connected.
+  // Error, one line: no runtime is active, no headset is connected, or vision_node was built without OpenXR.
   static Result<std::unique_ptr<Headset>> connect();
   ~Headset();
 
-  // The runtime's name.
+  // Name of the runtime.
   const std::string& name() const;
-  // The image that the runtime recommends for each eye.
+  // The image size that the runtime recommends for each eye.
   PictureSize eye_size() const;
 
-  // Error: a runtime that has no such space, or rejects the window.
+  // Begins a session. Error: the runtime does not have that space, or rejects the window.
   Result<void> open(const GlxWindow& window, RoomSpace space);
 
-  // Handles what the runtime has sent.
+  // Handles the events of the runtime.
   void attend();
-  // Frames are wanted.
+  // The runtime requests frames.
   bool is_running() const;
-  // The runtime has ended the session, as by its own menu.
+  // The runtime has ended the session, for example by its own menu.
   bool has_ended() const;
   bool is_lost() const;
-  // How it was lost: the call and its result.
+  // The call that failed and its result; empty while it is not lost.
   const std::string& loss() const;
 
-  // Waits until the next frame is due. True: eyes() are to be drawn. False: the headset shows nothing of us, or is lost. Pre: is_running().
+  // Waits until the next frame is due. True: draw eyes(), then call end_frame(). False: this frame is not shown, or the headset is lost.
+  // Pre: is_running().
   bool begin_frame();
-  // Frame L, at the time when the frame will be seen; the last known ones while the headset is not tracked.
+  // The eyes, left and right, at the time when the frame will be shown; the last known ones while the headset is not tracked. Frame L.
   const std::array<EyeInFrame, 2>& eyes() const;
-  // copy is called once for each eye; null: the frame shows nothing. Pre: begin_frame() was true.
+  // Submits the frame. Calls copy once for each eye; null: the frame stays empty. Pre: begin_frame() returned true.
   void end_frame(const CopyEye& copy);
 
  private:

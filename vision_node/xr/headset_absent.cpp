@@ -1,4 +1,4 @@
-// The headset of a build without OpenXR: there is none.
+// Headset in a build without OpenXR: connect() fails.
 #include <utility>
 
 #include "vision_node/xr/headset.h"

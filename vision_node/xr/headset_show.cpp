@@ -60,7 +60,7 @@ void HeadsetShow::set_shown(bool is_shown) {
   } else if (!headset_->is_lost() && !headset_->has_ended()) {
     log_info("the headset shows nothing of ours at present; the window goes on in mono");
   }
-  // Neither mode depends on the display.
+  // No error is possible: both modes work on every display.
   static_cast<void>(view_.set_stereo(is_shown ? StereoMode::openxr : StereoMode::mono));
 }
 

@@ -8,27 +8,27 @@
 
 namespace hapton {
 
-// Shows the workspace in a headset: joins its runtime, the view that draws, and the place of the workspace in the room. While the headset
-// wants no frames, and after it is lost, the view draws for the window alone, in mono. Threads: the window's. RT: no.
+// Shows the workspace in a headset: connects the headset, the view that draws, and the place of the workspace in the room. While the
+// runtime requests no frames, and after the headset is lost, the view draws for the window alone, in mono. Threads: the window's. RT: no.
 class HeadsetShow {
  public:
-  // Pre: view outlives this. Error: see Headset::open.
+  // X_OW: pose of the workspace relative to the viewer, see WorkspacePlace. Pre: view outlives this. Error: see Headset::open.
   static Result<std::unique_ptr<HeadsetShow>> open(std::unique_ptr<Headset> headset, StereoView& view, RoomSpace space, const Pose& X_OW);
   ~HeadsetShow();
   HeadsetShow(const HeadsetShow&) = delete;
   HeadsetShow& operator=(const HeadsetShow&) = delete;
 
-  // Once in each turn of the loop, before anything is drawn: handles what the runtime has sent and, while it wants frames, waits until the
-  // next is due. True: the view draws for the headset, and show() follows. Logs one line when the headset begins, pauses or is lost.
+  // Call it once in each turn of the loop, before anything is drawn: handles the events of the runtime and, while it requests frames, waits
+  // until the next one is due. True: draw for the headset, then call show(). Logs one line when the headset begins, pauses or is lost.
   bool begin_turn(const Framing& framing);
-  // What the view has drawn goes to the headset, and one eye's image to the window.
+  // Passes the images that the view has drawn to the headset, and the left one to the window.
   void show();
 
-  // The runtime wants the program to end.
+  // The runtime has ended the session, so the program should end.
   bool has_ended() const { return headset_->has_ended(); }
-  // The workspace comes before the viewer again, as he looks now.
+  // Places the workspace before the viewer again, in the direction in which the viewer looks now.
   void recentre();
-  // The viewer is moved by so much relative to the workspace: right, up, backwards. Metres.
+  // Moves the viewer relative to the workspace. by_m: to the right, up, backwards; metres.
   void move_viewer(const Vec3& by_m) { place_.move_viewer(by_m); }
 
  private:
@@ -45,7 +45,7 @@ class HeadsetShow {
   bool is_loss_reported_ = false;
 };
 
-// Midway between the eyes, as they are turned. Frame F of both.
+// The pose of the head: midway between the eyes in position and orientation. Frame F, that of both eyes.
 Pose find_head(const EyeInFrame& left, const EyeInFrame& right);
 
 }  // namespace hapton

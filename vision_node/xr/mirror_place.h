@@ -4,17 +4,18 @@
 
 namespace hapton {
 
-// Where one eye's image is in the window: as large as fits, in the middle, not distorted. Pixels from the lower left corner.
+// The rectangle in which one eye's image is shown in the window. Pixels from the lower left corner of the window.
 struct MirrorPlace {
-  int x_px = 0;
+  int x_px = 0;  // lower left corner of the rectangle
   int y_px = 0;
   PictureSize size;
 
-  // The pixel of the eye's image that is shown at that pixel of the window; outside of the image where it is outside.
+  // The pixel of the eye's image that is shown at a pixel of the window; beyond the image for pixels beside the rectangle. eye: size of the
+  // image.
   Eigen::Vector2i to_eye(int window_x_px, int window_y_px, PictureSize eye) const;
 };
 
-// Pre: both sizes are positive.
+// The largest rectangle with the aspect ratio of the image, centred in the window. Pre: both sizes are positive.
 MirrorPlace place_mirror(PictureSize window, PictureSize eye);
 
 }  // namespace hapton

@@ -9,10 +9,11 @@
 
 namespace hapton {
 
-// OpenXR's own name of a result, as a person finds it on the web; a number for results of extensions that we do not ask for.
+// The name of a result in OpenXR, for the log ("XR_ERROR_RUNTIME_FAILURE"); "XrResult N" for others, as of extensions that we do not use.
 std::string openxr_name(XrResult result);
 
-// Why the headset cannot be used, in one line; call: what was tried. Pre: XR_FAILED(result), or what was tried is not there.
+// Why the headset cannot be used, in one line, with a remedy. call: the OpenXR call, or what was requested. Pre: XR_FAILED(result), or the
+// runtime lacks what was requested.
 Error explain_openxr(XrResult result, std::string_view call);
 
 }  // namespace hapton

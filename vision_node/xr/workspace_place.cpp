@@ -5,7 +5,8 @@
 namespace hapton {
 namespace {
 
-// Ahead is exact for any roll as long as the viewer looks neither up nor down; then the direction from ear to ear tells more.
+// The horizontal part of the unit view direction above which it gives the heading (60 degrees up or down). Below, the direction from the
+// left to the right ear does, which is exact without roll.
 constexpr double kLevelEnough = 0.5;
 
 double find_heading_rad(const Pose& X_LH) {

@@ -4,24 +4,23 @@
 
 namespace hapton {
 
-// Which space of the runtime the workspace stands in: LOCAL has its origin where the eyes were when the runtime started or was last
-// recentred, STAGE has it on the floor.
+// The reference space of OpenXR, frame L (y up). local: its origin is where the eyes were when the runtime started or was last recentred.
+// stage: its origin is on the floor.
 enum class RoomSpace { local, stage };
 
-// Where a viewer is who looks straight ahead: the head's position and its heading, without pitch and roll. stage: on the floor below the
-// head. Frame L: the runtime's space, y up. X_LH: the head, looks along -z. Pre: rigid.
+// The frame O of a viewer: position and heading of the head, without pitch and roll; for stage, on the floor below the head. Returns X_LO.
+// X_LH: pose of the head, which looks along -z. Pre: it is rigid.
 Pose find_viewer_origin(const Pose& X_LH, RoomSpace space);
 
-// Where the workspace stands in the room, in true size. Frames: L, the runtime's space (y up, at first the viewer looks along -z); O, where
-// the viewer was when the workspace was last recentred, at first L; W, the world, with its origin in the workspace's centre. Units: metres.
-// RT: no.
+// The pose of the workspace in the room, in true size. Frames: L, the space of the runtime; O, where the viewer was when the workspace was
+// last recentred, before that L; W, the world, with its origin in the workspace's centre. Units: metres. RT: no.
 class WorkspacePlace {
  public:
   WorkspacePlace(const Pose& X_OW, RoomSpace space) : X_OW_(X_OW), space_(space) {}
 
-  // Before the viewer as it was at first, and all moves are taken back. Pre: X_LH rigid.
+  // Places the workspace relative to the viewer as X_OW says, and undoes all moves. X_LH: pose of the head. Pre: it is rigid.
   void recentre(const Pose& X_LH);
-  // The viewer is moved by so much, as O has it: the workspace goes the other way.
+  // Moves the viewer relative to the workspace, along the axes of O: the workspace moves in the opposite direction.
   void move_viewer(const Vec3& by_m) { moved_m_ += by_m; }
 
   Pose X_LW() const { return X_LO_ * Eigen::Translation3d(-moved_m_) * X_OW_; }
@@ -30,7 +29,7 @@ class WorkspacePlace {
   Pose X_OW_;
   RoomSpace space_;
   Pose X_LO_ = Pose::Identity();
-  Vec3 moved_m_ = Vec3::Zero();
+  Vec3 moved_m_ = Vec3::Zero();  // sum of all moves since the last recentre()
 };
 
 }  // namespace hapton
