@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-// Far beyond any surface, device or hand, so that a typing error is rejected.
+// Limits of the keys, far beyond any surface, device or hand, so that only typing errors are rejected.
 constexpr double kEffectMaxStiffnessNPerM = 1e6;
 constexpr double kEffectMaxProgressiveNPerM2 = 1e9;
 constexpr double kEffectMaxDampingNsPerM = 1e3;
@@ -16,12 +16,12 @@ constexpr double kEffectMaxTapNsPerM = 1e3;
 constexpr double kEffectMaxLengthM = 10.0;
 constexpr double kEffectMaxPositionM = 1e6;
 constexpr double kEffectMaxTimeS = 60.0;
-constexpr double kEffectMaxFrequencyHz = 1000.0;  // the skin feels no more
+constexpr double kEffectMaxFrequencyHz = 1000.0;  // the upper limit of human vibrotactile perception
 constexpr double kMostButtons = 32.0;
 constexpr double kEffectLeastMassKg = 1e-3;
 constexpr double kEffectMostMassKg = 5.0;
 constexpr double kEffectMostFilterS = 1.0;
-constexpr double kMostBumpShare = 1.0 / 3.0;  // of their length: a slope of pi / 3
+constexpr double kMostBumpShare = 1.0 / 3.0;  // height over length; the steepest slope is then pi / 3
 
 constexpr std::array<std::string_view, 13> kSurfaceKeys = {
     "progressive_n_per_m2", "viscosity_ns_per_m", "snap_range_m",   "snap_stiffness_n_per_m", "bump_height_m",
@@ -30,7 +30,7 @@ constexpr std::array<std::string_view, 13> kSurfaceKeys = {
 constexpr std::array<std::string_view, 2> kPatterns = {"ridges", "grid"};
 constexpr std::array<std::string_view, 4> kWaveforms = {"sine", "square", "triangle", "sawtooth"};
 
-// A key that says nothing without another one must not pass in silence.
+// Error: `key` is given, but has no effect without `other`.
 void need(TableReader& reader, std::string_view key, std::string_view other, bool is_on) {
   if (reader.has(key) && !is_on) reader.fail_at(key, "'{}' has no effect: give '{}' above 0 too", key, other);
 }
@@ -114,7 +114,7 @@ Result<void> read_layers(const toml::table& table, const std::string& material_n
     }
     effects.layers.add(*layer);
   }
-  // A needle inside the body must be free to leave it after a restart, and the spring and damper of the method are not used.
+  // Layers replace the spring and the damper of the material. One-sided, so that a needle inside the body can leave it after a restart.
   if (material.two_sided) reader.fail_at("layer", "layers in [material.{}] need 'two_sided = false'", printable(material_name));
   if (material.damping_ns_per_m > 0.0) reader.fail_at("damping_ns_per_m", "layers have no 'damping_ns_per_m': give them 'drag_ns_per_m'");
   if (effects.progressive.is_on()) reader.fail_at("progressive_n_per_m2", "layers have no 'progressive_n_per_m2': leave it out");
@@ -267,7 +267,7 @@ struct PlaceAt {
 
 constexpr std::string_view kParametersKey = "parameters";
 
-// As a command line has it: a whole number without a point.
+// A parameter as text, as on a command line: whole numbers have no decimal point.
 Result<std::string> parameter_text(const toml::node& node, std::string_view key, std::size_t number) {
   const std::size_t line = node.source().begin.line;
   if (const auto* flag = node.as_boolean()) return std::string(flag->get() ? "true" : "false");

@@ -6,7 +6,7 @@
 namespace hapton {
 namespace {
 
-// look, maps: what is seen and felt of the triangles.
+// The part of the file that the object names. look: its colours and images; maps: its images for forces.
 Result<TriangleMesh> cut(const MeshFile& file, const std::filesystem::path& path, const ObjectSpec& object, MeshLook& look,
                          MeshLook& maps) {
   if (!object.nodes.empty()) return extract_nodes(file, object.nodes, &look, &maps);

@@ -16,7 +16,7 @@
 namespace hapton {
 namespace {
 
-// Beyond this squared lengths and volumes would overflow or lose all meaning.
+// Largest coordinate that is accepted: squares, volumes and their sums stay far from overflow.
 constexpr double kMaxCoordinateM = 1e12;
 
 std::string extension_of(const std::filesystem::path& path) {
@@ -27,7 +27,7 @@ std::string extension_of(const std::filesystem::path& path) {
 
 bool is_gltf(const std::string& extension) { return extension == ".gltf" || extension == ".glb"; }
 
-// The libraries that an OBJ file names, where there are any.
+// Reads the material libraries that an OBJ file names; one that cannot be read becomes a note.
 RawMesh with_materials(RawMesh raw, const std::filesystem::path& folder) {
   for (const std::string& name : raw.mtl_files) {
     const Result<std::string> library = read_file_bytes(folder / name, kMaxMeshFileBytes);
@@ -116,7 +116,7 @@ bool is_named(const MeshPart& part, const std::string& name) {
 
 namespace {
 
-// Appends a part's run of something that the file has for each triangle.
+// Appends the elements of a part's triangles; `from` has one for each triangle of the file.
 template <class Each>
 void append_run(const std::vector<Each>& from, const MeshPart& part, std::vector<Each>& to) {
   const auto first = from.begin() + static_cast<std::ptrdiff_t>(part.first_triangle);

@@ -90,12 +90,12 @@ Result<void> check_speed(const MeshDeformation& deformation, double motion_m_per
     const double seconds = keys[i].time_s - keys[i - 1].time_s;
     if (motion_m_per_s > 0.0) {
       return fail(
-          "up to {:g} s '{}' deforms with up to {:.3g} m/s and moves with up to {:.3g}; a surface may push a hand with {:g} m/s: "
+          "before {:g} s '{}' deforms at up to {:.3g} m/s and moves at up to {:.3g}; a surface may move at {:g} m/s at most: "
           "give both more time",
           keys[i].time_s, name, fastest, motion_m_per_s, kMostSurfaceSpeed);
     }
     return fail(
-        "from {:g} to {:g} s '{}' deforms with up to {:.3g} m/s; a surface may push a hand with {:g} m/s: give it {:.3f} s "
+        "from {:g} to {:g} s '{}' deforms at up to {:.3g} m/s; a surface may move at {:g} m/s at most: give it {:.3f} s "
         "or more",
         keys[i - 1].time_s, keys[i].time_s, name, fastest, kMostSurfaceSpeed, std::ceil(1e3 * seconds * fastest / left) / 1e3);
   }

@@ -9,10 +9,11 @@
 namespace hapton {
 namespace {
 
-constexpr double kSameTurn = 1e-9;
-// Of the object's radius: numbers in a binary file have seven digits.
+constexpr double kSameTurn = 1e-9;  // rad: a turn this close to half a turn counts as one
+// The largest difference between the first and the last keyframe of a loop, over the object's radius: numbers of a binary file have seven
+// digits.
 constexpr double kSameEnd = 1e-5;
-// A share of the largest speed: 90 degrees in the least time named, rounded up to a millisecond, must be accepted.
+// Relative tolerance of the speed limit: the least time that the error message names must be accepted.
 constexpr double kSpeedRounding = 1e-9;
 
 Vec3 pivot_at(const MotionSpec& motion, double scale, const Vec3& p_SM, const Quat& q_SM) { return p_SM + q_SM * (scale * motion.p_MP); }
@@ -28,7 +29,7 @@ std::vector<Keyframe> place_keyframes(const ObjectSpec& object, const SceneFit& 
   return placed;
 }
 
-// A motion of the mesh file, where the object's pose and scale take it.
+// The keyframes of an animation in the mesh file, with the object's pose and scale applied.
 std::vector<Keyframe> place_animation(const ObjectSpec& object, const SceneFit& fit) {
   std::vector<Keyframe> placed;
   for (const Keyframe& one : object.animated->keyframes()) {
@@ -38,12 +39,12 @@ std::vector<Keyframe> place_animation(const ObjectSpec& object, const SceneFit& 
   return placed;
 }
 
-// By how much the farthest point differs between two poses, at most.
+// A bound on how far any point of the object moves between two poses.
 double difference(const Keyframe& a, const Keyframe& b, double radius_m) {
   return (a.p_S - b.p_S).norm() + radius_m * a.turn.angularDistance(b.turn);
 }
 
-// In the scene file: of the keyframe, or of the animation.
+// The line of keyframe i in the scene file, or that of the animation that it comes from.
 std::size_t line_of(const MotionSpec& motion, std::size_t i) {
   return motion.keyframes.empty() ? motion.animation_line : motion.keyframes[i].line;
 }
@@ -64,7 +65,7 @@ Result<void> check_speed(const MotionSpec& given, const KeyframeMotion& motion, 
     if (fastest <= kMostSurfaceSpeed * (1.0 + kSpeedRounding)) continue;
     const double seconds = keyframes[i].time_s - keyframes[i - 1].time_s;
     return fail(
-        "line {}: up to keyframe {} '{}' moves with up to {:.3g} m/s; a surface may push a hand with {:g} m/s: give it {:.3f} s or more",
+        "line {}: before keyframe {} '{}' moves at up to {:.3g} m/s; a surface may move at {:g} m/s at most: give it {:.3f} s or more",
         line_of(given, i), i + 1, name, fastest, kMostSurfaceSpeed, std::ceil(1e3 * seconds * fastest / kMostSurfaceSpeed) / 1e3);
   }
   return {};

@@ -6,17 +6,18 @@
 namespace hapton {
 namespace {
 
-// So many are drawn for each that is kept.
+// Candidates for each point that is kept. More: a more even spread, in quadratic time.
 constexpr std::size_t kCandidatesOfAPoint = 32;
-// A face whose normal is nearer than this (sine) to across the view is edge on: a hand that comes from the front slides off it.
+// A triangle is seen edge-on from the front if its normal makes an angle with the view direction whose cosine is below this: a hand that
+// comes from the front slides off it.
 constexpr double kEdgeOn = 0.05;
 
 Vec3 area_vector(const TriangleMesh& mesh, std::size_t t) {
   return 0.5 * (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0));
 }
 
-// At equal steps of area as it is seen from the front, where the hand comes from, counted through all triangles; of a scene that is seen
-// edge on, of area.
+// Centres of triangles at equal steps of accumulated projected area, as seen from the front (along z), where the hand comes from. For a
+// scene that is seen edge-on as a whole: at equal steps of accumulated area.
 std::vector<Vec3> draw_candidates(const TouchScene& scene, std::size_t count) {
   double seen = 0.0;
   double area = 0.0;
@@ -51,7 +52,7 @@ std::vector<Vec3> draw_candidates(const TouchScene& scene, std::size_t count) {
 
 }  // namespace
 
-// The next one is always the one farthest from those chosen; the first the one in the midst.
+// Farthest-point sampling: the first point is the candidate nearest to the mean, each further one the farthest from all chosen ones.
 std::vector<Vec3> find_surface_points(const TouchScene& scene, std::size_t most) {
   std::vector<Vec3> candidates = draw_candidates(scene, kCandidatesOfAPoint * most);
   if (candidates.empty()) return {};

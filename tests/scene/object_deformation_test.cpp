@@ -87,14 +87,13 @@ TEST_F(ObjectDeformation, AFitScalesIt) {
 
 TEST_F(ObjectDeformation, AFastOneNamesTheTimeThatWouldDo) {
   const auto fast = [](const char* keys) { return "push_m = [0, 0, 0.1]\nkeys = " + std::string(keys); };
-  EXPECT_THAT(
-      error_of("", morph(fast("[[0, 0], [0.2, 1]]"))),
-      HasSubstr("line 5: from 0 to 0.2 s 'skin' deforms with up to 0.5 m/s; a surface may push a hand with 0.25 m/s: give it 0.400 s "
-                "or more"));
+  EXPECT_THAT(error_of("", morph(fast("[[0, 0], [0.2, 1]]"))),
+              HasSubstr("line 5: from 0 to 0.2 s 'skin' deforms at up to 0.5 m/s; a surface may move at 0.25 m/s at most: give it 0.400 s "
+                        "or more"));
   EXPECT_TRUE(load("", morph(fast("[[0, 0], [0.4, 1]]"))));
   // Together with its motion.
   const std::string moving = "[[object.keyframe]]\ntime_s = 0\n[[object.keyframe]]\ntime_s = 1\nposition_m = [0.2, 0, 0]\n";
-  EXPECT_THAT(error_of("", morph(fast("[[0, 0], [1, 1]]")) + moving), HasSubstr("deforms with up to 0.1 m/s and moves with up to 0.2"));
+  EXPECT_THAT(error_of("", morph(fast("[[0, 0], [1, 1]]")) + moving), HasSubstr("deforms at up to 0.1 m/s and moves at up to 0.2"));
   EXPECT_TRUE(load("", morph(fast("[[0, 0], [2, 1]]")) + moving));
 }
 

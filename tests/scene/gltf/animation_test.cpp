@@ -299,7 +299,7 @@ TEST_F(GltfAnimation, AnObjectThatPlaysItBecomesOneForEachMotion) {
 
 TEST_F(GltfAnimation, IsPlayedSlower) {
   add_channel(0, 1, "rotation", {0.0F, 0.5F}, about_z({0, 90}));
-  EXPECT_THAT(scene_error("animation = 'animation 0'"), HasSubstr("line 3: up to keyframe 2 'a/hand' moves with up to"));
+  EXPECT_THAT(scene_error("animation = 'animation 0'"), HasSubstr("line 3: before keyframe 2 'a/hand' moves at up to"));
   EXPECT_EQ(scene_error("animation = 'animation 0'\nanimation_speed = 0.1"), "it was read");
 }
 
