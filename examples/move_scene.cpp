@@ -1,4 +1,5 @@
-// Shows: a program that moves what is touched. It turns the static scene once about the vertical axis and waits for the forces to follow.
+// Shows: a program that moves the whole scene. It turns it once about the vertical axis, and waits until forces are computed with the last
+// pose.
 // Run:   io_node; haptics_node --scene FILE; move_scene [SECONDS [HUB [KEYFILE]]]
 #include <cstdio>
 #include <cstdlib>
@@ -8,7 +9,7 @@
 
 using namespace hapton;
 
-// Row-major [R|t] of a turn about y.
+// A rotation about y, as the rows of [R|t].
 ViewTransform turn_about_y(std::uint32_t revision, double angle_rad) {
   const auto c = static_cast<float>(std::cos(angle_rad));
   const auto s = static_cast<float>(std::sin(angle_rad));
@@ -17,19 +18,19 @@ ViewTransform turn_about_y(std::uint32_t revision, double angle_rad) {
 
 int main(int argc, char** argv) {
   const double seconds = argc > 1 ? std::atof(argv[1]) : 10.0;
-  // The pose of the scene is a vision node's to send.
+  // The hub accepts poses of the scene only from vision nodes.
   auto hub = HubConnection::open(NodeRole::vision, {.hub = argc > 2 ? argv[2] : "127.0.0.1", .key_file = argc > 3 ? argv[3] : ""});
   if (!hub) return std::fprintf(stderr, "%s\n", hub.error().what.c_str()), 1;
   if (const auto joined = (*hub)->wait_until_joined(5.0); !joined) return std::fprintf(stderr, "%s\n", joined.error().what.c_str()), 1;
 
   HubClient& client = (*hub)->client();
   const Clock& clock = (*hub)->clock();
-  const auto moves = static_cast<std::uint32_t>(50.0 * seconds);  // small turns: a person holds on to what moves
+  const auto moves = static_cast<std::uint32_t>(50.0 * seconds);  // 50 a second: small steps, as a hand may be in contact
   std::uint32_t felt = 0;
   Datagram datagram;
   std::int64_t next_ns = clock.now_ns();
   for (std::uint32_t k = 1; k <= moves || (felt < moves && k < moves + 100); ++k) {
-    // The newest pose counts. Sending it again after the last move costs nothing and brings what was lost.
+    // Only the newest pose counts. The last one is sent again until forces use it, in case a datagram was lost.
     const std::uint32_t revision = std::min(k, moves);
     client.send(turn_about_y(revision, 2.0 * std::numbers::pi * revision / moves));
     next_ns += 20 * kNanosecondsPerMillisecond;

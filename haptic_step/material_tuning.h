@@ -12,8 +12,8 @@ namespace hapton {
 
 struct Scene;
 
-// The materials of a scene, by object, in a state that a haptics node reported; coupled, for ForceMethod::set_materials. Entries for
-// objects that the scene does not have are ignored. RT: set-up only.
+// The materials of a scene, by object, with the changes of a state that a haptics node reported, and with the virtual coupling of
+// coupling_n_per_m (0: none), for ForceMethod::set_materials. Changes of objects that the scene does not have are ignored. RT: set-up only.
 std::vector<Material> tuned_materials(const TouchScene& scene, const MaterialState& state, double coupling_n_per_m);
 
 // Keeps the differences between the materials in use and those of the scene file. RT: no. Threads: one.
@@ -22,22 +22,23 @@ class MaterialTuning {
   explicit MaterialTuning(const Scene& scene);
 
   // Changes the material of one object (or of several with the same name), or of all objects; if one of them cannot change, none does.
-  // Error: one line, and nothing is changed: an unknown object, with the nearest name; a number that a scene file must not have either; too
-  // many changed objects.
+  // Error, in one line, and nothing is changed: an unknown object, with the most similar name; a number that a scene file could not have
+  // either; more changed objects than a MaterialState holds.
   Result<void> change(const MaterialRequest& request);
 
-  // The scene file has changed: this state replaces all earlier changes. Pre: of this scene's objects.
+  // The scene file was read again and its materials differ by this state, which replaces all earlier changes. Pre: its objects are in this
+  // scene.
   void follow(const MaterialState& state) {
     state_ = state;
     last_.clear();
   }
-  // Another scene, as its file has it.
+  // The scene was replaced by another one: there are no changes.
   void follow(const Scene& scene);
 
-  // Without serial, request and rejection.
+  // The changes now. Its serial, request and rejection are not set.
   const MaterialState& state() const { return state_; }
-  // "object 'hull': stiffness 800 N/m, damping 0 Ns/m, friction 0.4 / 0.3 (static / dynamic)", of what the last request changed; of many
-  // objects, their number.
+  // What the last request changed, for the log: "object 'hull': stiffness 800 N/m, damping 0 Ns/m, friction 0.4 / 0.3 (static / dynamic)";
+  // for many objects, their number in place of the name.
   std::string describe_last() const;
 
  private:

@@ -16,11 +16,11 @@ enum class SceneChange : std::uint8_t {
   shape       // meshes, their poses, motions and number, or which of their sides are felt
 };
 
-// Compares everything that affects the forces, and names. RT: no.
+// Compares everything that affects the forces, and the names of objects and effects. RT: no.
 SceneChange compare_scenes(const Scene& before, const Scene& after);
 
-// The differences between the materials of `after` and those of `before`, object by object, without serial and request. None: more objects
-// differ than a state holds. Pre: as many objects. RT: no.
+// The differences between the materials of `after` and those of `before`, object by object; serial and request are 0. None: more objects
+// differ than a MaterialState holds. Pre: both scenes have the same number of objects. RT: no.
 std::optional<MaterialState> describe_materials(const Scene& before, const Scene& after);
 
 }  // namespace hapton

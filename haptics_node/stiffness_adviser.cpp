@@ -26,7 +26,7 @@ std::optional<StiffnessAdvice> advise_stiffness(const LoopFacts& facts) {
   std::optional<StiffnessAdvice> least;
   for (const DevicePreset* device : presets_of_device(name_of(facts))) {
     for (const HandPreset& hand : hand_presets()) {
-      if (hand.name == "off") continue;  // nobody holds it
+      if (hand.name == "off") continue;  // the stylus without a hand
       const Recommendation advice =
           recommend_stiffness(device->model, device->limits, hand.model, facts.servo_rate_hz, static_cast<double>(facts.round_trip_s));
       if (!least || advice.stiffness_n_per_m < least->safe_n_per_m) {
@@ -46,7 +46,7 @@ StiffnessAdviser::~StiffnessAdviser() {
 }
 
 void StiffnessAdviser::run() {
-  // Polls: waking a sleeping thread would be a system call in the loop that replies.
+  // Polls, since to wake this thread would be a system call in the thread that replies to the hub.
   constexpr auto kPeriod = std::chrono::milliseconds(50);
   while (!stop_.load()) {
     if (facts_.take()) consider(facts_.value());

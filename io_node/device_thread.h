@@ -15,8 +15,8 @@
 
 namespace hapton {
 
-// The thread of a device loop. It is one above the network side in SCHED_FIFO: where both share a CPU it is never kept waiting for it.
-// RT: start and stop no; the thread is. Threads: one.
+// The thread of a device loop. Its SCHED_FIFO priority is one above that of the servo loop (the network side), so that it never waits for
+// that one on a CPU that they share. RT: start and stop set-up only; the thread itself is real-time. Threads: one.
 class DeviceThread {
  public:
   // Pre: both outlive this.
@@ -25,12 +25,12 @@ class DeviceThread {
   DeviceThread(const DeviceThread&) = delete;
   DeviceThread& operator=(const DeviceThread&) = delete;
 
-  // Starts the cycles. network: the settings of the network side. Error: real time required and denied, or no timer.
+  // Starts the cycles. network: the settings of the servo loop. Error: real time is required and was denied, or there is no timer.
   Result<void> start(const RealtimeSettings& network);
-  // Zero on the motors, and the end of the cycles.
+  // Writes zero force to the motors and ends the cycles. Without effect if it does not run.
   void stop();
 
-  // After start: its thread id, and what it was granted, as in RealtimeReport::to_lines.
+  // The thread's id, and what the system granted it (RealtimeReport::to_lines). Pre: start() succeeded.
   pid_t id() const noexcept { return id_; }
   const std::vector<std::string>& realtime_lines() const noexcept { return realtime_lines_; }
 

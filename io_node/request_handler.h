@@ -16,39 +16,39 @@
 namespace hapton {
 
 // Carries out what tools and vision nodes request: servo rate, force method, material, moves of objects, report, reset of a latched fault,
-// hand target. RT: yes. Threads: the servo's; take_report_request one other.
+// hand target. RT: yes. Threads: all the servo's, except take_report_request, which one other thread calls.
 class RequestHandler {
  public:
-  // Pre: all outlive this. rate_hz: of the servo, at first.
+  // Pre: all outlive this. rate_hz: the initial rate of the servo.
   RequestHandler(DeviceLoop& loop, HubPeers& peers, const Clock& clock, EventRing& events, ServoStats& stats, double rate_hz) noexcept
       : loop_(loop), peers_(peers), clock_(clock), events_(events), stats_(stats), rate_hz_(rate_hz) {
     move_rates_.fill(TokenBucket(kMovesPerSecond, kMovesAtOnce));
   }
 
   void accept(const Settings& settings, const PeerEvent& event) noexcept;
-  // Passed on: the haptics node checks it and replies.
+  // Passed on to the haptics node, which checks it and replies.
   void accept(const MaterialRequest& request, const PeerEvent& event) noexcept;
-  // Passed on, kMovesPerSecond of each sender at most; the others are counted.
+  // Passed on to the haptics node, kMovesPerSecond of each sender at most; more are dropped and counted (ServoStats::moves_rejected).
   void accept(const MoveRequest& request, const PeerEvent& event) noexcept;
-  // Of the haptics node: passed on to who requested it.
+  // A reply of the haptics node: passed on to the peer that sent the request.
   void accept(const MoveReply& reply) noexcept;
-  // The newest vision node that sets an active target controls the simulated hand until it releases it or leaves.
+  // The peer that set an active target last controls the simulated hand, until it sends an inactive one or leaves.
   void accept(const HandTarget& target, std::size_t peer) noexcept;
-  // The node in this slot has left, or another one has taken it.
+  // The node in this slot has left, or another node has taken the slot.
   void on_peer_gone(std::size_t peer) noexcept;
 
   double rate_hz() const noexcept { return rate_hz_; }
-  // Here, for want of the right or of a person.
+  // Requests to reset faults that were denied: the sender has no right to, or no person is known to be at the device (check_reset).
   std::uint64_t resets_denied() const noexcept { return resets_denied_; }
-  // The other thread: true once for each request.
+  // Called by the other thread: true once for each request for a report.
   bool take_report_request() noexcept { return is_report_requested_.exchange(false, std::memory_order_acq_rel); }
 
-  static constexpr std::int64_t kMovesPerSecond = 250;
-  static constexpr std::int64_t kMovesAtOnce = 32;
+  static constexpr std::int64_t kMovesPerSecond = 250;  // of one sender: hapton dynamics sends 200
+  static constexpr std::int64_t kMovesAtOnce = 32;      // a burst of one sender
 
  private:
   static constexpr std::size_t kNobody = HubPeers::kCapacity;
-  static constexpr std::size_t kMovesAwaited = 64;
+  static constexpr std::size_t kMovesAwaited = 64;  // replies to the newest requests are passed on, others dropped
 
   // Who awaits the reply to a request to move an object.
   struct AwaitedMove {

@@ -13,21 +13,22 @@
 
 namespace hapton {
 
-// The maximum size of every datagram: below the smallest usual MTU, with room for sealing.
+// The maximum size of every datagram, sealed or not: below the smallest usual MTU (1280, IPv6) less the headers.
 constexpr std::size_t kMaxDatagramBytes = 1200;
 
+// A received datagram.
 struct Received {
   std::size_t bytes = 0;  // 0: nothing arrived before the deadline
   Address from;
-  KeyRole role = KeyRole::unsealed;  // of the key that it was sealed with
+  KeyRole role = KeyRole::unsealed;  // role of the key that it was sealed with
 };
 
 // Counters of datagrams at a socket that are not data from known peers.
 struct SocketCounts {
   std::uint64_t oversized = 0;      // longer than kMaxDatagramBytes, or empty
-  std::uint64_t unknown_peers = 0;  // received, but not data from a known peer: handshakes, junk, oversized ones
-  std::uint64_t dropped = 0;        // by the kernel: filtered during a flood, or no room
-  std::uint64_t kept_out = 0;       // those of `dropped` that were filtered during a flood
+  std::uint64_t unknown_peers = 0;  // received, but not data from a known peer: handshakes, invalid or oversized datagrams
+  std::uint64_t dropped = 0;        // dropped by the kernel: filtered during a flood, or its buffer was full
+  std::uint64_t kept_out = 0;       // the part of `dropped` that was filtered during a flood
   std::uint64_t floods = 0;         // floods that began
   double flood_per_s = 0.0;         // datagrams a second, of the newest flood
   Address last_unknown_sender;
@@ -35,15 +36,15 @@ struct SocketCounts {
 };
 
 // Exchanges datagrams: over UDP, or in memory for tests. RT: send and receive yes (one bounded system call each, no heap, lock, log or
-// throw).
+// throw). Threads: one at a time.
 class Endpoint {
  public:
   virtual ~Endpoint() = default;
 
-  // Sends one datagram; false when the system rejected it (counted by the caller, never fatal).
+  // Sends one datagram; false if the system rejected it, which the caller counts and which is never fatal.
   virtual bool send(const Address& to, std::span<const std::byte> datagram) noexcept = 0;
 
-  // Waits until a datagram is there or clock time deadline_ns (CLOCK_MONOTONIC) has come; a deadline in the past polls.
+  // Waits for a datagram until deadline_ns (CLOCK_MONOTONIC); a deadline in the past polls.
   virtual Received receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept = 0;
 
   // Optional: sets a timer in advance for later receives with exactly this deadline; the newest two are kept. Setting a timer may be slow
@@ -52,11 +53,11 @@ class Endpoint {
 
   virtual Address local_address() const = 0;
 
-  // Optional, set-up only: from now on only datagrams from there are received; all others are dropped as early as possible. False: not
-  // supported.
+  // Optional, set-up only: from now on only datagrams from this address are received; all others are dropped as early as possible. False:
+  // not supported.
   virtual bool accept_only(const Address& /*peer*/) noexcept { return false; }
 
-  // Optional: data of this session (its connection number) is expected from there, and does not count as unknown. RT: yes.
+  // Optional: datagrams of this connection number from this address belong to a session, and do not count as unknown. RT: yes.
   virtual void expect(const Address& /*from*/, std::uint32_t /*connection*/) noexcept {}
 
   // The counters of a sealed endpoint; all zero for others.
@@ -64,7 +65,7 @@ class Endpoint {
   // The counters of a socket; all zero for others.
   virtual SocketCounts socket_counts() const noexcept { return {}; }
 
-  // A flood to be logged, at most once a second; none for endpoints that are not sealed.
+  // A flood of invalid datagrams to be logged, at most one a second; none for endpoints that are not sealed.
   virtual std::optional<Flood> take_flood(std::int64_t /*now_ns*/) noexcept { return std::nullopt; }
 };
 

@@ -7,13 +7,13 @@
 namespace hapton::noise {
 namespace {
 
-static_assert(kProtocolName.size() == crypto_hash_sha256_BYTES);  // then h is the name itself (section 5.2)
+static_assert(kProtocolName.size() == crypto_hash_sha256_BYTES);  // so h begins as the name itself (Noise specification, section 5.2)
 static_assert(kKeyBytes == crypto_aead_aes256gcm_KEYBYTES && kTagBytes == crypto_aead_aes256gcm_ABYTES);
 static_assert(kKeyBytes == crypto_scalarmult_BYTES && kKeyBytes == crypto_scalarmult_SCALARBYTES);
 
 using Nonce = std::array<std::uint8_t, crypto_aead_aes256gcm_NPUBBYTES>;
 
-// Section 12.4: 32 bits of zeros, then n, big-endian.
+// Section 12.4 of the Noise specification, as all sections below: 32 bits of zeros, then n, big-endian.
 Nonce nonce_of(std::uint64_t n) noexcept {
   Nonce nonce = {};
   for (std::size_t i = 0; i < 8; ++i) nonce[nonce.size() - 1 - i] = static_cast<std::uint8_t>(n >> (8 * i));
@@ -121,7 +121,7 @@ bool HandshakeState::mix_shared_secret() noexcept {
   const bool is_good = crypto_scalarmult(shared.data(), own_secret_.data(), their_public_.data()) == 0;
   if (is_good) mix_key(shared);
   sodium_memzero(shared.data(), shared.size());
-  sodium_memzero(own_secret_.data(), own_secret_.size());  // its work is done
+  sodium_memzero(own_secret_.data(), own_secret_.size());  // not needed any more
   return is_good;
 }
 

@@ -35,6 +35,7 @@ class SteppedMotion {
   std::int64_t step_ns_;
 };
 
+// A comparison: a hand that presses on a wall. period_ns: of the samples.
 struct IntegratorCase {
   DeviceModel device;
   HandModel hand;

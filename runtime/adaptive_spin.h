@@ -7,15 +7,15 @@
 namespace hapton {
 
 // How long before a deadline a loop ends its sleep and spins, so that it is on time although wake-ups are late. The margin adapts to every
-// wake-up: it grows if the wake-up was later than the margin, and otherwise shrinks by a ninety-ninth of that, so it converges to the
-// lateness that one wake-up in a hundred exceeds. It never exceeds a share of the period. Source: stochastic approximation of a
-// quantile, Robbins & Monro 1951. Units: ns. RT: yes. Threads: the loop's; set_limit and the totals also another.
+// wake-up: it grows by kCovered kStepNs if the wake-up was later than the margin, and otherwise shrinks by (1 - kCovered) kStepNs, so it
+// converges to the lateness that one wake-up in a hundred exceeds. It never exceeds a share of the period. Source: stochastic approximation
+// of a quantile, Robbins & Monro 1951. Units: ns. RT: yes. Threads: the loop's; set_limit, limit and spun_ns any.
 class AdaptiveSpin {
  public:
-  static constexpr double kCovered = 0.99;
-  static constexpr double kStepNs = 2000.0;
+  static constexpr double kCovered = 0.99;   // share of the wake-ups that are on time
+  static constexpr double kStepNs = 2000.0;  // larger: faster adaptation, but a margin that varies more
 
-  // limit: share of a period, 0 (never spins) to 1.
+  // limit: the largest margin, as a share of a period: 0 (never spins) to 1.
   explicit AdaptiveSpin(double limit = 0.0) noexcept : limit_(limit) {}
 
   void set_limit(double share) noexcept { limit_.store(share, std::memory_order_relaxed); }
@@ -26,14 +26,14 @@ class AdaptiveSpin {
     return std::min(static_cast<std::int64_t>(margin_), static_cast<std::int64_t>(limit() * static_cast<double>(period_ns)));
   }
 
-  // Lateness of the sleep that should have ended `margin` before the deadline.
+  // late_ns: how late a sleep ended that was to end margin_ns() before the deadline.
   void note_wake_up(std::int64_t late_ns) noexcept {
     const bool is_covered = static_cast<double>(late_ns) <= margin_;
     margin_ = std::max(0.0, margin_ + kStepNs * (is_covered ? kCovered - 1.0 : kCovered));
   }
 
   void note_spun(std::int64_t ns) noexcept { spun_ns_.store(spun_ns_.load(std::memory_order_relaxed) + ns, std::memory_order_relaxed); }
-  // Totals.
+  // Total time spent spinning.
   std::int64_t spun_ns() const noexcept { return spun_ns_.load(std::memory_order_relaxed); }
 
  private:

@@ -23,7 +23,7 @@ struct RealtimeSettings {
   RealtimeMode mode = RealtimeMode::attempt;
   int priority = 80;            // SCHED_FIFO, 1 .. 99; 0: stay an ordinary thread
   int cpu = -1;                 // pin the thread to this CPU; -1: leave it to the scheduler
-  bool lock_memory = true;      // no page faults later: mlockall
+  bool lock_memory = true;      // mlockall: pages stay in memory, so that the loop has no page faults
   bool low_dma_latency = true;  // keep CPUs out of deep sleep: /dev/cpu_dma_latency, held open by the process until it ends
 };
 
@@ -32,8 +32,8 @@ struct RealtimeItem {
   std::string name;       // "priority", "cpu", "memory lock", "timer slack", "wake-up latency"
   std::string requested;  // "SCHED_FIFO 80"
   bool obtained = false;
-  std::string reason;  // of a rejection, the system's text
-  std::string remedy;  // how a person can fix it, one line
+  std::string reason;  // why it was denied, the system's text; empty if obtained
+  std::string remedy;  // how to obtain it, one line
 };
 
 struct RealtimeReport {
@@ -42,21 +42,21 @@ struct RealtimeReport {
   // unknown.
   std::optional<double> allowed_share;
 
-  bool complete() const;
+  bool complete() const;  // every item was obtained
   // "real time: priority SCHED_FIFO 80 yes; cpu 1 yes; memory lock NO (…: remedy) …" in one line.
   std::string to_text() const;
   // The same for a log: granted and denied items in the first line, then a line for each rejection with its remedy.
   std::vector<std::string> to_lines() const;
 };
 
-// Makes the calling thread as punctual as the system permits: timer slack 1 ns always, the rest as requested. Call it from the real-time
-// thread, after its memory has been allocated. No return code is ignored. Error: mode require and something denied, or impossible
-// settings: one line with the remedy. RT: set-up only. Threads: acts on the caller; the memory lock and the wake-up latency on the
-// process.
+// Makes the calling thread as close to real time as the system permits: timer slack 1 ns in every mode, the rest as requested. Call it from
+// the real-time thread, after its memory has been allocated. The report has each return code. Error, one line with the remedy: something
+// was denied in mode `require`, or the settings are impossible. RT: set-up only. Threads: acts on the caller; the memory lock and the
+// wake-up latency act on the process.
 Result<RealtimeReport> enter_realtime(const RealtimeSettings& settings);
 
-// The CPU for programs that reply to each other in turn, so that a datagram wakes no other CPU: the last that this process may use; -1 if
-// there is only one.
+// The CPU to pin programs to that reply to each other in turn, so that a datagram wakes no other CPU: the last one that this process may
+// use; -1 if there is only one. RT: set-up only.
 int find_shared_cpu();
 
 }  // namespace hapton

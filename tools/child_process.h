@@ -15,12 +15,12 @@ namespace hapton {
 struct ChildCommand {
   std::filesystem::path program;  // a path with a slash, or a name looked for in PATH
   std::vector<std::string> arguments;
-  std::filesystem::path folder;  // it runs there; empty: here
-  std::filesystem::path output;  // its stdout and stderr go to this file; empty: to ours
+  std::filesystem::path folder;  // its working directory; empty: that of this process
+  std::filesystem::path output;  // file for its stdout and stderr; empty: those of this process
 };
 
-// A program that runs beside ours and ends with this object at the latest. RT: set-up only. Threads:
-// one.
+// A child process, which ends with this object at the latest: the destructor stops it. RT: set-up only.
+// Threads: one.
 class ChildProcess {
  public:
   // Error: one line that names the program: not found, not executable.
@@ -30,16 +30,16 @@ class ChildProcess {
   ChildProcess(ChildProcess&& other) noexcept;
   ChildProcess& operator=(ChildProcess&&) = delete;
 
-  // Whom to look for in /proc; -1 once it has ended.
+  // Process id, for /proc; -1 once it has ended.
   pid_t pid() const { return pid_; }
 
-  // Its exit code (128 + n when signal n ended it), or none when it still runs after that time.
+  // Its exit code (128 + n when signal n ended it), or none if it still runs after that time.
   std::optional<int> wait(double seconds);
 
-  // Requests its end and waits; kills it after the given time.
+  // Sends SIGTERM and waits; SIGKILL after the given time. Returns the exit code, as wait() does.
   int stop(double seconds = 5.0);
 
-  // Ends it at once, as a crash would.
+  // SIGKILL: ends it at once, as a crash would.
   void kill();
 
  private:
@@ -49,7 +49,7 @@ class ChildProcess {
   std::optional<int> exit_code_;
 };
 
-// The folder of the running program, where its neighbours live.
+// The folder of the running executable, which also contains the other programs of Hapton.
 std::filesystem::path find_own_folder();
 
 }  // namespace hapton

@@ -8,25 +8,25 @@
 
 namespace hapton {
 
-// Which mesh a judging command works on, as its command line says.
+// The mesh that evaluate, compare or stress works on, as its command line names it.
 struct MeshChoice {
   std::string file;
-  std::string unit;
-  bool no_seal = false;
-  std::string shape;
-  double scale_to_m = 0.0;  // 0: as it is
+  std::string unit;         // "m", "cm", "mm" or "in"; empty: that of the file, or m
+  bool no_seal = false;     // leave cracks open
+  std::string shape;        // name of a built-in shape, in place of a file
+  double scale_to_m = 0.0;  // length of the longest side; 0: the mesh keeps its size
 };
 
-// --mesh FILE [--unit U] [--no-seal] or --shape NAME, and --scale-to METRES.
+// Adds the options --mesh FILE [--unit U] [--no-seal] or --shape NAME, and --scale-to METRES.
 void add_mesh_options(CommandLine command, MeshChoice& choice);
 
-// Loads or makes it. Error: the loader's; an unknown shape, with the known ones.
+// Loads or generates the mesh. Error: that of the loader; an unknown shape, with the known ones.
 Result<TriangleMesh> make_mesh(const MeshChoice& choice);
 
-// "bunny_69k" or "bumpy".
+// The name of the file without its extension, or of the shape: "bunny_69k", "bumpy".
 std::string name_of(const MeshChoice& choice);
 
-// The longest side becomes extent_m, the origin stays. Pre: the mesh has an extent.
+// Scales the mesh about the origin until its longest side is extent_m. Pre: the mesh has an extent.
 TriangleMesh scaled_to(TriangleMesh mesh, double extent_m);
 
 }  // namespace hapton

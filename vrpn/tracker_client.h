@@ -17,28 +17,28 @@ struct TrackerPose {
   Quat q = Quat::Identity();
 };
 
-// The protocol state of one connection to a VRPN server, of which one sensor of one tracker is of interest. For any bytes, memory and time
-// are bounded. Pure: no socket, no clock.
+// The protocol state of one connection to a VRPN server, for one sensor of one tracker. Memory and time are bounded for any bytes received.
+// It has no socket and no clock. RT: no. Threads: one.
 class TrackerClient {
  public:
-  // Names of devices that are kept for the log.
+  // Names of the server's devices that are kept for the log; further ones are ignored.
   static constexpr std::size_t kMostDevices = 8;
 
   // device: the name before the '@'.
   TrackerClient(std::string_view device, std::int32_t sensor);
 
-  // Parses received bytes. False: the server said goodbye, or this is not VRPN; close it.
+  // Parses received bytes. False: the server has ended the connection, or this is not VRPN; close it.
   bool receive(std::span<const std::byte> bytes);
 
-  // It has sent a valid cookie and got ours and our name for the tracker.
+  // The server has sent a valid cookie; our cookie and the name of the tracker are in out().
   bool is_connected() const { return is_connected_; }
-  // The newest pose since the last call.
+  // The newest pose since the last call; none if there is no new one.
   std::optional<TrackerPose> take_newest();
-  // Asks the tracker for a sign of life. Pre: is_connected().
+  // Requests a reply from the tracker (vrpn_Base ping). Pre: is_connected().
   void ping();
-  // The devices that the server has named so far, as a line for people: printable letters only.
+  // The devices that the server has named so far, in one line for the log: printable characters only.
   std::string describe_devices() const;
-  // Bytes to send; the caller sends and clears them.
+  // Bytes to send; the caller sends and removes them.
   Bytes& out() { return out_; }
 
  private:
@@ -54,7 +54,7 @@ class TrackerClient {
   Bytes out_;
   bool is_connected_ = false;
   std::uint32_t sequence_ = 0;
-  // The server's numbers for the tracker and for what it reports.
+  // The server's numbers for the tracker and for the message type that has its position; none: not received yet.
   std::optional<std::int32_t> tracker_;
   std::optional<std::int32_t> position_type_;
   std::vector<std::string> devices_;

@@ -4,7 +4,7 @@
 
 namespace hapton {
 
-// Bytes of heap in use by the whole program, including the allocator's overhead. Differences give the size of a structure.
+// Heap in use by the whole process, bytes, including the allocator's overhead. Two readings give the size of what was made between. RT: no.
 std::size_t read_live_heap_bytes();
 
 }  // namespace hapton

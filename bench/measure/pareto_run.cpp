@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kSphereShare = 0.005;  // 0.5 mm of 100
+constexpr double kSphereShare = 0.005;  // radius of the spherical probe over the mesh's extent: 0.5 mm for 100 mm
 
 struct Candidate {
   std::string family, structure;
@@ -46,7 +46,7 @@ std::vector<Candidate> make_candidates(double extent_m) {
       s.set_size = n;
     });
   }
-  // The FDH paper at full strength: its force begins RADIUS outside the surface.
+  // The force layer of the FDH paper with its full weight: force begins at the distance RADIUS outside the surface.
   for (const int n : {16, 32, 64, 128, 256}) {
     add("smooth layer", fmt::format("fdh 14, set {}, layer 1", n), [n](MethodSettings& s) {
       s.name = "smooth";
@@ -225,12 +225,12 @@ std::string to_csv(const ParetoReport& report) {
 std::string to_json(const ParetoReport& report) {
   Json json = to_json(report.conditions, "hapton bench pareto");
   json["terms"] =
-      "times: least of the repetitions of each step, on one CPU, the clock's cost taken off; worst: their maximum over steps. Methods are "
-      "timed as whole "
-      "haptic steps in contact. Force error against the reference at the limit of ever finer sub-steps, in shares, over all contact steps; "
-      "branch_switches: episodes in which it exceeds 1 %, switched_steps: steps in them, all of which are in the error too; nothing but "
-      "the "
-      "surface or the next piece of the slide ends one. unsettled_steps: contact steps in which the reference did not reach its limit.";
+      "times: the minimum over the repetitions of each step, on one CPU, less the cost of reading the clock; worst: the maximum of these "
+      "over all steps. Methods are timed as whole haptic steps in contact. force_error: difference to the force of the reference (with "
+      "ever finer sub-steps, until its force no longer changes), as a share of it, over all contact steps. branch_switches: episodes in "
+      "which it exceeds 1 %; they end when contact does, or the next piece of the trajectory begins. switched_steps: the steps of these "
+      "episodes, which are in force_error too. unsettled_steps: contact steps in which the reference still changed with its finest "
+      "sub-steps.";
   json["methods"] = Json::array();
   for (const MethodRow& row : report.methods) json["methods"].push_back(row_json(row));
   json["queries"] = Json::array();

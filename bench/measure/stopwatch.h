@@ -5,14 +5,14 @@
 
 namespace hapton {
 
-// Times stretches of a few nanoseconds: the CPU's time stamp counter between fences, calibrated against CLOCK_MONOTONIC, what reading it
-// costs taken off. Threads: any, pinned to one CPU while it measures.
+// Measures durations of a few nanoseconds and more: the CPU's time stamp counter between fences, calibrated against CLOCK_MONOTONIC, less
+// the cost of reading it. Threads: any, pinned to one CPU while it measures.
 class Stopwatch {
  public:
-  // Takes some 60 ms.
+  // Takes about 60 ms: two windows of 30 ms.
   static Stopwatch calibrate();
 
-  // All earlier instructions are complete, no later one has started.
+  // The counter, after all earlier instructions are complete and before a later one starts.
   static std::uint64_t ticks() {
 #ifdef __x86_64__
     __builtin_ia32_lfence();
@@ -28,9 +28,9 @@ class Stopwatch {
   double ns_between(std::uint64_t from, std::uint64_t to) const {
     return std::max(0.0, static_cast<double>(static_cast<std::int64_t>(to - from)) * ns_per_tick_ - cost_ns_);
   }
-  double cost_ns() const { return cost_ns_; }              // mean of reading it twice, interruptions left out
-  double resolution_ns() const { return resolution_ns_; }  // the counter moves in steps of this; some CPUs' of 10 ns
-  double drift() const { return drift_; }  // share by which two calibrations differ: above 0.01 the counter is not to be trusted
+  double cost_ns() const { return cost_ns_; }              // mean of an empty measurement, without interrupted ones
+  double resolution_ns() const { return resolution_ns_; }  // step of the counter: 10 ns on some CPUs
+  double drift() const { return drift_; }                  // share by which two calibrations differ: above 0.01 the counter is unreliable
 
  private:
   double ns_per_tick_ = 1.0;

@@ -15,21 +15,21 @@ namespace hapton::vrpn {
 // The device at one servo cycle.
 struct FeedSample {
   DeviceSample device;
-  Wrench wrench;  // on the motors until then
+  Wrench wrench;  // on the motors until this cycle: written in the one before
   DeviceStatus status = DeviceStatus::ready;
-  double motor_temperature = -1.0;
+  double motor_temperature = -1.0;  // as in DeviceCondition
 };
 
-// The probe of the newest sample that has a force.
+// The proxy of the newest sample that has a force. Frame W, metres.
 struct FeedProxy {
   Vec3 p_WP = Vec3::Zero();
   Quat q_WP = Quat::Identity();
   bool is_contact = false;
 };
 
-// Brings every sample from the servo to an observer. A slow observer loses samples; the servo never waits. RT: push yes, wait-free; take
-// no. Threads: one pushes, one shows the proxy,
-// one takes.
+// Passes every sample of the device, and the newest proxy, to an observer in another thread. A slow observer loses samples; the real-time
+// threads never wait. RT: push and show_proxy yes, wait-free; the others no. Threads: one calls push, one show_proxy, and one take,
+// take_proxy and set_wanted; is_wanted any.
 class Feed {
  public:
   Feed() : ring_(kBytes) {}
@@ -38,18 +38,18 @@ class Feed {
     if (is_wanted_.load(std::memory_order_relaxed)) ring_.push(std::as_bytes(std::span(&sample, 1)), {});
   }
 
-  // The newest proxy. RT: yes, wait-free.
+  // Replaces the newest proxy. RT: yes, wait-free.
   void show_proxy(const FeedProxy& proxy) noexcept {
     if (is_wanted_.load(std::memory_order_relaxed)) proxies_.publish(proxy);
   }
-  // None since the last call: false.
+  // False, and `proxy` unchanged: there is no new one since the last call.
   bool take_proxy(FeedProxy& proxy) noexcept {
     if (!proxies_.take()) return false;
     proxy = proxies_.value();
     return true;
   }
 
-  // Whether anybody is there to see the samples.
+  // Whether an observer is connected; while none is, samples and proxies are dropped.
   bool is_wanted() const noexcept { return is_wanted_.load(std::memory_order_relaxed); }
   void set_wanted(bool is_wanted) noexcept { is_wanted_.store(is_wanted, std::memory_order_relaxed); }
 
@@ -64,14 +64,14 @@ class Feed {
   }
 
  private:
-  static constexpr std::size_t kBytes = 1 << 16;  // some hundred samples
+  static constexpr std::size_t kBytes = 1 << 16;  // about 400 samples; the observer takes them every few milliseconds
 
   ByteRing ring_;
   Mailbox<FeedProxy> proxies_;
   std::atomic<bool> is_wanted_{false};
 };
 
-// A device that also sends everything it does to a feed. RT: as the device's own.
+// Wraps a device: passes each sample, with the state of the device, to a feed as well. RT and threads: those of the wrapped device.
 class WatchedDevice final : public Device {
  public:
   // Pre: the feed outlives this.

@@ -8,13 +8,13 @@
 
 namespace hapton {
 
-// The hub's report as it is now: report.json and latency.csv as text, both of the same moment.
+// The hub's report at one moment: the text of report.json and of latency.csv.
 struct HubReport {
   std::string json;
   std::string csv;
 };
 
-// Sits at a hub as a tool and reads its report, part by part, over the wire.
+// Joins a hub in the role `tool` and requests its report, which comes in several datagrams.
 // RT: no. Threads: one.
 class HubReader {
  public:
@@ -25,7 +25,7 @@ class HubReader {
   HubReader(const HubReader&) = delete;
   HubReader& operator=(const HubReader&) = delete;
 
-  // A fresh report. Error: the hub does not reply, or has none.
+  // Requests a new report and waits for it. Error: the hub does not reply, or has no report.
   Result<HubReport> read();
 
   // Keeps the connection to the hub alive for the given time; false if the hub no longer replies.

@@ -7,7 +7,8 @@
 
 namespace hapton {
 
-// The relay's counters for each direction: a table for people, and the same as JSON (schema hapton.relay/2). RT: no.
+// The relay's counters for each direction: a table for people, and the same as JSON (schema hapton.relay/2). seed: of its random losses and
+// delays. seconds: how long it ran. RT: no.
 std::string relay_text(const RelayEndpoint& relay, std::uint64_t seed);
 std::string relay_json(const RelayEndpoint& relay, std::uint64_t seed, double seconds);
 

@@ -16,7 +16,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kFirstStepS = 1e-3;
+constexpr double kFirstStepS = 1e-3;  // dt_s of the first row, which has none before it
 
 std::int64_t measure_clock_cost_ns(const Clock& clock) {
   std::int64_t least = std::numeric_limits<std::int64_t>::max();
@@ -27,7 +27,7 @@ std::int64_t measure_clock_cost_ns(const Clock& clock) {
   return least;
 }
 
-// How a touch step and a tool's are driven: the input of a row, and the row that an output makes.
+// The input of a step from a row of the trajectory, and the row of the result from its output: for a probe, and for a rigid tool.
 struct TouchRows {
   using Input = TouchInput;
   using Output = TouchOutput;
@@ -128,9 +128,9 @@ std::string describe_replay(const Replay& replay, const ReplaySettings& settings
   }
   std::string text = fmt::format("replay: {} steps, {} in contact, force max {:.6g} N", all.size(), contact.size(), max_force_n);
   text += replay.has_tool ? fmt::format(", torque max {:.6g} Nm\n", max_torque_nm) : std::string("\n");
-  text += fmt::format("step time, least of {} (clock cost of {} ns taken off): all {}; contact {}\n", settings.repeat, replay.clock_cost_ns,
+  text += fmt::format("step time, minimum of {} (less {} ns for the clock): all {}; contact {}\n", settings.repeat, replay.clock_cost_ns,
                       describe_times(std::move(all)), describe_times(std::move(contact)));
-  if (blocked > 0) text += fmt::format("note: {} steps without force: the tool overlaps the scene where it was put\n", blocked);
+  if (blocked > 0) text += fmt::format("note: {} steps without force: the tool overlapped the scene where it started\n", blocked);
   if (replay.rows_that_differ > 0) {
     text += fmt::format("note: {} steps differed between repetitions\n", replay.rows_that_differ);
   }

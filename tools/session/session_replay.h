@@ -17,19 +17,19 @@
 
 namespace hapton {
 
-// The setups that haptics nodes sent in a recording, by sender number and the number of its method.
+// The setups that haptics nodes sent in a recording, by sender and HapticsSetup::method_serial.
 using HapticsSetups = std::map<std::pair<std::uint64_t, std::uint32_t>, HapticsSetup>;
 
-// Makes the method that a setup names. Error: no such scene, another one than was recorded, an unknown method.
+// Makes the method that a setup names. Error: the scene file cannot be read or is not the recorded one, or the method is unknown.
 using MakeTouch = std::function<Result<std::unique_ptr<TouchStep>>(const HapticsSetup& setup)>;
 
-// Likewise the states of the materials, by their serial.
+// The states of the materials that haptics nodes sent in a recording, by sender and MaterialState::serial.
 using MaterialStates = std::map<std::pair<std::uint64_t, std::uint32_t>, MaterialState>;
 
-// The moves of objects that programs requested, by sender number, serial and object: of serial 0 there is one for each object.
+// The moves of objects that programs requested, by sender, serial and object. Serial 0 has one entry for each object; others have one.
 using ObjectMoves = std::map<std::tuple<std::uint64_t, std::uint32_t, std::int32_t>, ObjectMove>;
 
-// Works out the materials of a state, in the scene and with the coupling that a setup names. Error: as above.
+// Makes the materials of a state, in the scene and with the coupling that a setup names. Error: as for MakeTouch.
 using MakeMaterials = std::function<Result<std::vector<Material>>(const HapticsSetup& setup, const MaterialState& state)>;
 
 // The result of replaying a recording.
@@ -38,34 +38,34 @@ struct ReplayCounts {
   std::uint64_t contact_steps = 0;
   std::uint64_t compared = 0;
   std::uint64_t different = 0;
-  std::uint64_t lost_answers = 0;    // replayed, but the original reply is unknown because it was lost
-  std::uint64_t not_compared = 0;    // in contact before the first step in free space, with earlier contact unknown; with effects, or
-                                     // what can be carved, all steps after one that is unknown
-  std::uint64_t unknown_method = 0;  // computed by a method, or with materials or moves, that the recording does not name: they were lost
-  std::uint64_t missing_states = 0;  // with a reply, but the state is not in the recording
-  std::uint64_t missing_views = 0;
+  std::uint64_t lost_answers = 0;    // replayed, but not compared: the recorded reply was lost
+  std::uint64_t not_compared = 0;    // replies that depend on steps before the recording or on lost ones: in contact before the first step
+                                     // in free space; with effects or a carvable object, all steps after a lost one
+  std::uint64_t unknown_method = 0;  // replies whose method, materials or moves are not in the recording: their messages were lost
+  std::uint64_t missing_states = 0;  // replies to a DeviceState that is not in the recording
+  std::uint64_t missing_views = 0;   // replies that name a ViewTransform that is not in the recording
   double max_difference_n = 0.0;
-  std::string first_difference;  // one line; empty: none
+  std::string first_difference;  // the first step that differs, in one line; empty: none does
 };
 
-// Replays a recorded session, in the order of the haptics node: give it the recording's entries one by one. It repeats exactly the steps of
-// the samples that had a reply, with the view, the method and the materials that each reply names, and compares force, offset and contact
-// to the last bit. RT: no. Threads: one.
+// Replays a recorded session in the order of the haptics node: call on_state, on_view and on_answer with the recording's entries, in their
+// order. It repeats the steps of the samples that had a reply, with the view, the method and the materials that each reply names, and
+// compares force, offset and contact to the last bit. Error: that of MakeTouch or MakeMaterials. RT: no. Threads: one.
 class SessionReplay {
  public:
   // A recording without changes of materials needs only the first two.
   SessionReplay(HapticsSetups setups, MakeTouch make_touch, MaterialStates materials = {}, MakeMaterials make_materials = {});
 
-  // Before the first entry: effects from shared libraries, which must be those that the recording names. Pre: outlives this.
+  // Sets effects from shared libraries, which must be those that the recording names. Pre: no entry yet; effects outlives this.
   void use_effects(PluginEffects* effects) { effects_ = effects; }
 
-  // Before the first entry: of a recording in which programs moved objects.
+  // Sets the moves of a recording in which programs moved objects. Pre: no entry yet.
   void use_moves(ObjectMoves moves) { moves_ = std::move(moves); }
 
   void on_state(const DeviceState& state);
   void on_view(const ViewTransform& view);
   Result<void> on_answer(std::uint64_t sender, const ForceCommand& command);
-  // Replays what still waits for reordered replies.
+  // Call it after the last entry: replays the samples that still wait for reordered replies.
   Result<void> finish();
 
   const ReplayCounts& counts() const { return counts_; }
@@ -94,8 +94,8 @@ class SessionReplay {
   ObjectMoves moves_;
   PluginEffects* effects_ = nullptr;  // null: none
   MakeMaterials make_materials_;
-  std::map<std::uint64_t, DeviceState> states_;    // not passed yet
-  std::map<std::uint32_t, ViewTransform> views_;   // forwarded, by revision
+  std::map<std::uint64_t, DeviceState> states_;    // not replayed yet, by sample
+  std::map<std::uint32_t, ViewTransform> views_;   // by revision
   std::map<std::uint64_t, ForceCommand> answers_;  // not replayed yet, by sample
   std::unique_ptr<HapticsStep> step_;
   std::uint64_t sender_ = 0;
@@ -103,12 +103,12 @@ class SessionReplay {
   std::uint32_t serial_ = 0;
   std::uint32_t material_serial_ = 0;
   std::vector<Material> materials_;   // of that serial; empty: the scene's
-  HapticsSetup setup_;                // one of this sender
-  bool is_method_known_ = false;      // of the steps now
-  bool are_materials_known_ = false;  // likewise
-  std::uint32_t move_serial_ = 0;     // of the moves begun
-  bool are_moves_known_ = true;       // all of them
-  bool is_certain_ = false;           // no unknown earlier contact matters any more
+  HapticsSetup setup_;                // in use
+  bool is_method_known_ = false;      // the method in use is the recorded one
+  bool are_materials_known_ = false;  // the materials in use are the recorded ones
+  std::uint32_t move_serial_ = 0;     // of the newest move that was applied
+  bool are_moves_known_ = true;       // all moves up to move_serial_ are in the recording
+  bool is_certain_ = false;           // the state of the method does not depend on steps that are unknown
   std::int64_t first_time_ns_ = 0;
   ReplayCounts counts_;
 };

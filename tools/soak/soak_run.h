@@ -9,28 +9,28 @@ namespace hapton {
 
 struct SoakOptions {
   double seconds = 3600.0;
-  double every_s = 0.0;  // between two looks; 0: a 120th of the time, at least 2 s
+  double every_s = 0.0;  // interval between two samples of the nodes; 0: a 120th of `seconds`, at least 2 s
   double rate_hz = 1000.0;
   bool vision = false;  // with a vision node
   std::filesystem::path out = "out/soak";
   std::filesystem::path scene = "scenes/car_front.toml";
-  std::string key_file;          // of the nodes; empty: the one that this user's nodes share on a machine
+  std::string key_file;          // for the nodes; empty: the default one of this user on this machine
   std::string realtime = "try";  // off, try or require
   int cpu = -1;                  // io_node and haptics_node stay on this CPU; -1: any
 };
 
-// How long between two looks.
+// The interval between two samples: every_s, or its default.
 double look_interval_s(const SoakOptions& options);
 
 struct SoakEnd {
-  std::string text;  // the verdict in a line, and where the files are
-  bool flat = false;
+  std::string text;   // the verdict in one line, and where the files are
+  bool flat = false;  // the run was complete, and no measure drifted
 };
 
 // Runs io_node, haptics_node and, on request, vision_node as child processes on a free loopback port, samples them regularly and prints its
-// progress. Leaves soak.csv (written row by row), soak.json, soak.png and the nodes' logs and reports in options.out. Ctrl-C ends it early,
-// and the verdict is then not flat. RT: set-up only. Error: one line: a program that cannot be started or failed before the first sample, a
-// folder that cannot be written to.
+// progress. Writes soak.csv (row by row), soak.json, soak.png and the nodes' logs and reports to options.out. Ctrl-C ends it early, and the
+// verdict is then not flat. RT: no. Error, one line: a program cannot be started or failed before the first sample, or the folder cannot be
+// written to.
 Result<SoakEnd> run_soak(const SoakOptions& options);
 
 }  // namespace hapton
