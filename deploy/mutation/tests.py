@@ -1,4 +1,4 @@
-"""Which test programs concern a mutant, and whether they notice it."""
+"""Which test programs concern a mutant, and whether they detect it."""
 
 import contextlib
 import os
@@ -18,6 +18,7 @@ PROGRAMS = {
     "core/math": ["core_math_test", "core_geometry_test", "core_collision_test", "core_force_test"],
     "core/effects": ["core_effects_test", "haptic_step_test", "haptics_node_test"],
     "core/geometry": ["core_geometry_test", "core_collision_test", "core_force_test", "scene_test"],
+    "core/sculpt": ["core_sculpt_test", "core_force_test", "vision_node_test"],
     "core/collision": ["core_collision_test", "core_force_test", "core_tool_test"],
     "core/force": ["core_force_test", "haptic_step_test", "tools_test"],
     "core/tool": ["core_tool_test", "haptic_step_test", "haptics_node_test"],
