@@ -65,16 +65,19 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
       ->check(above_zero("inches"))
       ->capture_default_str();
   app.add_option("--set-size", options.method.set_size, "smooth: triangles in the local set, 16 to 256")->capture_default_str();
-  app.add_option("--radius", options.method.smooth_radius_m, "smooth: RADIUS, metres; 0: from the data")->capture_default_str();
+  app.add_option("--radius", options.method.smooth_radius_m,
+                 "smooth: RADIUS, the distance within which a triangle exerts force, metres; 0: derived from the mesh")
+      ->capture_default_str();
   app.add_option("--layer", options.method.smooth_layer,
-                 "smooth: share of RADIUS over which force builds up outside, 0 to 1; 1 is the FDH paper's Algorithm 1 at full strength")
+                 "smooth: share of RADIUS over which force builds up outside the surface, 0 to 1; 1: Algorithm 1 of the FDH paper")
       ->capture_default_str();
   app.add_option("--directions", options.method.hull_directions, "smooth: directions of its bounding hulls: 6, 14, 18 or 26")
       ->capture_default_str();
-  app.add_option("--crease", options.method.crease_deg, "smooth, proxy with shading: edges whose faces turn by more degrees count as sharp")
+  app.add_option("--crease", options.method.crease_deg,
+                 "smooth, proxy with shading: edges at which the surface turns by more degrees than this are sharp")
       ->check(between(0.0, 180.0))
       ->capture_default_str();
-  app.add_option("--simplify", simplify, "smooth: simplify the mesh; largest distance from the surface: 0.1mm; 0: do not simplify")
+  app.add_option("--simplify", simplify, "smooth: simplify the mesh within this distance of its surface, such as 0.1mm; 0: do not simplify")
       ->check(accepts(parse_length))
       ->capture_default_str();
   app.add_option("--probe-radius", options.method.probe_radius_m,

@@ -79,7 +79,7 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
                "Repeat the trajectory; without it a replay ends the program, and the simulated hand stays at its last row");
   app.add_option("--rate", options.rate_hz, "Servo rate, Hz")->check(between(kMinServoRateHz, kMaxServoRateHz))->capture_default_str();
   app.add_option("--vision-rate", options.vision_rate_hz,
-                 "Most probe states a second to each vision node; it gets no more than it draws; 0: none")
+                 "Largest rate of probe states to each vision node, Hz, which gets no more than it draws; 0: none")
       ->check(between(0.0, kMaxServoRateHz))
       ->capture_default_str();
   app.add_option("--seconds", options.seconds, "End after this long; 0: when stopped (Ctrl-C)")
@@ -103,17 +103,19 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
                                           "Dead man's switch: force only while this button is held; 1 the first; 0: none")
                                ->check(between(0, 32));
   // Its old name counts from 0, unlike all other buttons.
-  app.add_option_function<int>(
-         "--hold-button",
-         [&](int button) {
-           fmt::print(stderr, "io_node: --hold-button {} is now --dead-mans-switch {}: like all buttons, it counts from 1\n", button,
-                      button + 1);
-           options.device.dead_mans_switch = button + 1;
-         },
-         "Old name of --dead-mans-switch, counted from 0")
-      ->check(between(-1, 31))
-      ->group("")
-      ->excludes(dead_mans_switch);
+  auto* const hold_button =
+      app.add_option_function<int>(
+             "--hold-button",
+             [&](int button) {
+               fmt::print(stderr, "io_node: --hold-button {} is now --dead-mans-switch {}: like all buttons, it counts from 1\n", button,
+                          button + 1);
+               options.device.dead_mans_switch = button + 1;
+             },
+             "Old name of --dead-mans-switch, counted from 0")
+          ->check(between(-1, 31))
+          ->group("");
+  hold_button->excludes(dead_mans_switch);
+  dead_mans_switch->remove_excludes(hold_button);  // CLI11 sets both directions, and --help would list a hidden option as an empty name
   app.add_option(
          "--clutch-button", options.device.clutch_button,
          "Clutch: while this button is held the probe stands still, without force, and the hand can be moved back; 1 the first; 0: none")
@@ -130,7 +132,7 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
       ->check(between(0.0, 100.0))
       ->needs(passive);
   app.add_option("--passive-step", options.device.passive_position_step_m,
-                 "Step of the device's encoders at its tip, for --passive-mass, m (0: none)")
+                 "Position step of the device's encoders, for --passive-mass, m (0: none)")
       ->check(between(0.0, 0.01))
       ->needs(passive);
   app.add_option("--echo-probe", options.echo_probe, "HOST:PORT of a responder (hapton echo): measure the bare UDP echo in the same run");
@@ -146,14 +148,14 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
                  "Largest share of a period that the loop may spin before its tick; 0: it sleeps until the tick")
       ->check(between(0.0, 0.5))
       ->capture_default_str();
-  app.add_option("--echo-size", options.echo_bytes, "Bytes of the bare echo's datagrams; 0: as many as a device sample's")
+  app.add_option("--echo-size", options.echo_bytes, "Bytes of the bare echo's datagrams; 0: those of a device sample")
       ->check(between(0, kMaxDatagramBytes))
       ->capture_default_str();
   app.add_option("--metrics", options.metrics,
                  "Serve the statistics by HTTP at this loopback address, for Prometheus: 127.0.0.1:9464 (default: off)");
   app.add_option("--vrpn", options.vrpn,
                  "Show the stylus to VRPN programs at this address, TCP and UDP: 127.0.0.1:3883 (default: off; see docs/vrpn.md)");
-  app.add_option("--vrpn-name", options.vrpn_name, "The device's name there, NAME@host")->capture_default_str();
+  app.add_option("--vrpn-name", options.vrpn_name, "Name of the device for VRPN programs, which open NAME@HOST")->capture_default_str();
   app.add_option("--touch", touch,
                  "Where forces are computed: by the haptics node (remote), by io_node from the parts of the scene that it gets (patch), or "
                  "as the round trip requires (auto; docs/remote.md)")

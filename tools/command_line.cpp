@@ -76,7 +76,9 @@ void CommandLine::add_old_option(const std::string& old_name, CommandOption opti
     renamed->add_result(word);
     renamed->run_callback();
   };
-  app_->add_option_function<std::string>(old_name, pass_on, "Old name of " + renamed->get_name())->group("")->excludes(renamed);
+  CLI::Option* const old = app_->add_option_function<std::string>(old_name, pass_on, "Old name of " + renamed->get_name())->group("");
+  old->excludes(renamed);
+  renamed->remove_excludes(old);  // CLI11 sets both directions, and --help would list a hidden option as an empty name
 }
 
 CommandLine CommandLine::require_options(std::size_t least, std::size_t most) const {

@@ -70,9 +70,9 @@ void add_dds_command(CommandLine app, int& exit_code) {
   command.add_option("--domain", options->domain, "DDS domain, 0 to 232 (default: ROS_DOMAIN_ID, or 0)");
   command.add_option("--interface", bridge.ros.interface,
                      "Network interface, by name or address; auto: as DDS chooses (default: CYCLONEDDS_URI, or programs on this host)");
-  command.add_option("--prefix", bridge.ros.prefix, "What the topics' names begin with").shows_default();
+  command.add_option("--prefix", bridge.ros.prefix, "Prefix of the topics' names").shows_default();
   command.add_option("--frame", bridge.ros.frame, "frame_id of all positions and forces: Hapton's frame W").shows_default();
-  command.add_flag("--reliable", bridge.ros.is_reliable, "Topics reliable, for subscribers that take no best effort");
+  command.add_flag("--reliable", bridge.ros.is_reliable, "Publish with reliable QoS, for subscribers that reject best effort");
   command.add_option("--tf-rate", bridge.ros.tf_rate_hz, "Transforms a second on /tf, at most; 0: none")
       .between(0.0, 10'000.0)
       .shows_default();
@@ -82,17 +82,17 @@ void add_dds_command(CommandLine app, int& exit_code) {
   const CommandOption forces =
       command
           .add_option("--accept-forces", bridge.accept_forces_n,
-                      "Take forces of up to so many newtons from PREFIX/servo_cf, in place of haptics_node (default: none)")
+                      "Take forces from PREFIX/servo_cf, in place of haptics_node, up to this magnitude, N (default: none)")
           .between(0.0, 1000.0);
   command
       .add_option("--accept-torques", bridge.accept_torques_nm,
-                  "With --accept-forces: torques of up to so many newton metres, for devices that have motors for them; 0: none")
+                  "With --accept-forces: torques up to this magnitude, N m, for devices that can exert them; 0: none")
       .between(0.0, 100.0)
       .shows_default()
       .needs(forces);
   command
       .add_option("--haptics-key", bridge.haptics_key_file,
-                  "For --accept-forces, where the key of --key is a vision node's: a haptics node's")
+                  "With --accept-forces: key file of a haptics node, if that of --key is a vision node's")
       .needs(forces);
   command.on_run([options, &exit_code] { exit_code = run(*options); });
 }

@@ -127,7 +127,7 @@ int run(const DynamicsOptions& options) {
 void add_dynamics_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<DynamicsOptions>();
   const CommandLine command = app.add_subcommand("dynamics", "Let the stylus push objects that have a mass (rigid bodies, by Bullet)");
-  command.add_option("--scene", options->scene, "The scene that the nodes have; its bodies have moved_by = \"program\" and mass_kg")
+  command.add_option("--scene", options->scene, "Scene file of the running nodes; its bodies have moved_by = \"program\" and mass_kg")
       .required();
   command.add_option("--gravity", options->gravity, "m/s^2, downwards (-y of W); 0: none").between(0.0, 100.0).shows_default();
   command.add_option("--friction", options->friction, "Coulomb coefficient between any two objects").between(0.0, 2.0).shows_default();

@@ -8,7 +8,7 @@
 
 namespace hapton {
 
-// The mesh that evaluate, compare or stress works on, as its command line names it.
+// The mesh that a command (evaluate, trajectory) works on, as its command line names it.
 struct MeshChoice {
   std::string file;
   std::string unit;         // "m", "cm", "mm" or "in"; empty: that of the file, or m

@@ -20,17 +20,23 @@ void add_method_flags(CommandLine command, MethodFlags& flags) {
   command.add_option("--shading", method.shading, "proxy: force direction from face normals (0) to smooth normals (1)")
       .between(0.0, 1.0)
       .shows_default();
-  command.add_option("--crease", method.crease_deg, "smooth, proxy with shading: edges whose faces turn by more degrees count as sharp")
+  command
+      .add_option("--crease", method.crease_deg,
+                  "smooth, proxy with shading: edges at which the surface turns by more degrees than this are sharp")
       .between(0.0, 180.0)
       .shows_default();
   command
-      .add_option("--simplify", flags.simplify, "smooth: simplify the mesh; largest distance from the surface: 0.1mm; 0: do not simplify")
+      .add_option("--simplify", flags.simplify,
+                  "smooth: simplify the mesh within this distance of its surface, such as 0.1mm; 0: do not simplify")
       .shows_default();
   command.add_option("--set-size", method.set_size, "smooth: triangles in the local set, 16 to 256").shows_default();
-  command.add_option("--radius", method.smooth_radius_m, "smooth: RADIUS, metres; 0: from the data").shows_default();
+  command
+      .add_option("--radius", method.smooth_radius_m,
+                  "smooth: RADIUS, the distance within which a triangle exerts force, metres; 0: derived from the mesh")
+      .shows_default();
   command
       .add_option("--layer", method.smooth_layer,
-                  "smooth: share of RADIUS over which force builds up outside, 0 to 1; 1 is the FDH paper's Algorithm 1 at full strength")
+                  "smooth: share of RADIUS over which force builds up outside the surface, 0 to 1; 1: Algorithm 1 of the FDH paper")
       .shows_default();
   command.add_option("--directions", method.hull_directions, "smooth: directions of its bounding hulls: 6, 14, 18 or 26").shows_default();
   command.add_option("--grid", flags.grid, "sweep: cells along each axis, N or NxNxN").shows_default();

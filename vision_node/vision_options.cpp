@@ -145,7 +145,7 @@ constexpr const char* kBeforeTheEyes = "0,-0.25,-0.5";
 constexpr const char* kAboveTheFloor = "0,1,-0.5";
 
 void add_room_options(CLI::App& app, RoomWords& words) {
-  app.add_option("--room", words.space, "What --workspace-m counts from in a headset: local (the eyes at the start), stage (the floor)")
+  app.add_option("--room", words.space, "Origin of --workspace-m in a headset: local (the eyes at the start), stage (the floor)")
       ->check(CLI::IsMember({"local", "stage"}))
       ->capture_default_str();
   app.add_option("--workspace-m", words.at_m,
@@ -249,7 +249,7 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   add_head_options(app, head, options);
   add_view_options(app, options);
   add_room_options(app, room);
-  app.add_option("--stylus-lean-deg", options.stylus_lean_deg, "Tilt the drawn stylus this much further to the upper right; 0: as reported")
+  app.add_option("--stylus-lean-deg", options.stylus_lean_deg, "Tilt the drawn stylus to the upper right by this angle; 0: as reported")
       ->check(between(0.0, 90.0))
       ->capture_default_str();
   app.add_option("--probe-radius", options.probe_radius_m,
@@ -270,7 +270,7 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   app.add_flag("--no-keys-help", no_help, "Do not show the help on keys (k shows it)");
   app.add_flag("--plots", options.plots, "Plot the force, and the age of the drawn state, over the last 5 s (c switches the plots)");
   app.add_option("--teach", teach,
-                 "Show what methods compute with: contact, local-set, tree:LEVEL, grid (32 x 32 x 32 cells) or curvature (v changes it)")
+                 "Show the data of the force method: contact, local-set, tree:LEVEL, grid (32 x 32 x 32 cells) or curvature (v changes it)")
       ->check(accepts(parse_teach));
   app.add_flag("--offscreen", options.view.offscreen, "Show no window; an X display is still needed");
   app.add_option("--seconds", options.seconds, "End after this long, 0: when the window is closed")
@@ -279,7 +279,7 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   app.add_option("--annotations", options.annotations.file,
                  "File (.toml) of strokes and measures: read at the start where it exists, written at the end and by the key w");
   app.add_option("--strokes", options.annotations.strokes,
-                 "Write strokes and measures as polylines at the same moments: FILE.obj or FILE.vtp");
+                 "Write strokes and measures as polylines, at the end and by the key w: FILE.obj or FILE.vtp");
   app.add_option("--draw-button", options.annotations.draw_button, "Button of the stylus that draws on what is touched, 0: none")
       ->check(between(0, 32))
       ->capture_default_str();
@@ -290,7 +290,7 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
       ->check(between(0, 32))
       ->capture_default_str();
   app.add_option("--screenshot", options.screenshot, "Write one picture to this PNG file");
-  app.add_option("--screenshot-when", when, "contact, exit or SECONDS after the start; at the exit at the latest")
+  app.add_option("--screenshot-when", when, "When to take the screenshot: contact, exit or SECONDS after the start; at the latest at exit")
       ->check(accepts(ScreenshotMoment::parse))
       ->capture_default_str();
   app.add_option(

@@ -100,7 +100,9 @@ TEST(IoOptions, RejectsWhatMakesNoSense) {
     ASSERT_TRUE(std::holds_alternative<int>(parsed)) << wrong.front();
     EXPECT_NE(std::get<int>(parsed), 0) << wrong.front();
   }
+  testing::internal::CaptureStdout();
   EXPECT_EQ(std::get<int>(parse({"--help"})), 0);
+  EXPECT_THAT(testing::internal::GetCapturedStdout(), testing::Not(testing::HasSubstr("Excludes: \n"))) << "of an option that is hidden";
 }
 
 TEST(IoOptions, ReadsAConfigFileThatTheCommandLineOverrides) {

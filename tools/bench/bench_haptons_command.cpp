@@ -44,7 +44,7 @@ void add_bench_haptons_command(CommandLine bench, int& exit_code) {
   auto options = std::make_shared<HaptonsOptions>();
   const CommandLine command =
       bench.add_subcommand("haptons", "Triangle pairs a millisecond on one core, colliding on edge, located to 0.1 %");
-  command.add_option("--seconds", options->settings.seconds, "How long to measure, all ways together")
+  command.add_option("--seconds", options->settings.seconds, "Duration of all measurements together, s")
       .between(0.01, 3600.0)
       .shows_default();
   command.add_option("--seed", options->settings.pairs.seed, "Seed of the random pairs").shows_default();

@@ -96,7 +96,7 @@ void add_bench_pareto_command(CommandLine bench, int& exit_code) {
   command.add_option("--meshes-in", options->folder, "The mesh folder (default: ./meshes, else the source tree's)");
   command.add_option("--steps", options->settings.steps, "Steps of the slide over each mesh").between(100, 10'000'000).shows_default();
   const CommandOption compared =
-      command.add_option("--compared-steps", options->settings.compared_steps, "Of these, steps compared with the reference")
+      command.add_option("--compared-steps", options->settings.compared_steps, "Number of these steps that are compared with the reference")
           .between(10, 10'000'000)
           .shows_default();
   command.add_old_option("--judged-steps", compared);

@@ -169,8 +169,8 @@ void add_bench_remote_command(CommandLine bench, int& exit_code) {
       "Mesh files, by path or name in the mesh folder, each scaled to 100 mm, or bumpy:N (default: three of 20 k to 70 k triangles)");
   command.add_option("--meshes-in", options->folder, "The mesh folder (default: ./meshes, else the source tree's)");
   command.add_option("--method", options->methods, "Ways to touch: all (default), or a list of " + remote_method_names());
-  command.add_option("--speed", options->speeds, "How fast the hand slides, mm/s; a list or range (default: 100,300)");
-  command.add_option("--round-trip", options->round_trips, "Of the network, ms; a list or range (default: 0 to 1000, six)");
+  command.add_option("--speed", options->speeds, "Speed of the sliding hand, mm/s; a list or range (default: 100,300)");
+  command.add_option("--round-trip", options->round_trips, "Round trip of the network, ms; a list or range (default: 0 to 1000, six)");
   command.add_option("--loss", options->losses, "Share of the datagrams lost each way; a list or range (default: 0,0.1,0.3)");
   command.add_option("--jitter", options->jitter_ms, "Up to this much more each way, ms").between(0.0, 1000.0).shows_default();
   const CommandOption stall = command
@@ -179,12 +179,16 @@ void add_bench_remote_command(CommandLine bench, int& exit_code) {
                                               "force on a given path only, not for energy and stiffness")
                                   .between(0.0, 1000.0)
                                   .shows_default();
-  command.add_option("--stiffness", options->stiffness_n_per_m, "Of the surface, N/m").between(1.0, 1e6).shows_default();
-  command.add_option("--deadband", options->settings.deadband, "Weber's fraction of deadband coding").between(0.0, 1.0).shows_default();
-  command.add_option("--seed", options->seed, "The first seed of ways and networks").shows_default();
-  command.add_option("--seeds", options->seeds, "How many seeds").between(std::size_t{1}, std::size_t{1000}).shows_default();
+  command.add_option("--stiffness", options->stiffness_n_per_m, "Stiffness of the surface, N/m").between(1.0, 1e6).shows_default();
+  command
+      .add_option("--deadband", options->settings.deadband,
+                  "Deadband coding sends a value that differs by more than this share (Weber fraction)")
+      .between(0.0, 1.0)
+      .shows_default();
+  command.add_option("--seed", options->seed, "First seed of trajectories and networks").shows_default();
+  command.add_option("--seeds", options->seeds, "Number of seeds").between(std::size_t{1}, std::size_t{1000}).shows_default();
   command.add_flag("--quick", options->quick, "One small mesh, speed, seed and loss, three round trips: about a minute");
-  command.add_flag("--no-walls", options->no_walls, "Do not look for the largest stiffness");
+  command.add_flag("--no-walls", options->no_walls, "Do not search for the largest stable stiffness");
   command.add_flag("--json", options->json, "Print JSON in place of tables");
   command.add_option("--csv", options->csv, "Write a line for each run to this file, and the walls to NAME_walls.csv").file_to_write();
   const CommandOption plot =
@@ -196,10 +200,9 @@ void add_bench_remote_command(CommandLine bench, int& exit_code) {
               "Write forces period by period to this CSV file and measure nothing else: first mesh, seed, speed, round trip and loss")
           .file_to_write();
   command
-      .add_flag(
-          "--processes", options->processes,
-          "Over the real programs and hapton relay on this host, beside simulated time: ten minutes (default: remote, patch; 100 mm/s, "
-          "loss 0.1)")
+      .add_flag("--processes", options->processes,
+                "Also measure the real programs over hapton relay on this host: ten minutes (default: remote, patch; 100 mm/s, "
+                "loss 0.1)")
       .excludes(plot)
       .excludes(stall)
       .excludes(trace);

@@ -69,15 +69,19 @@ void add(CommandLine command, int& exit_code, const char* note) {
   options->settings.threads = std::max(1U, std::thread::hardware_concurrency());
   add_mesh_options(command, options->mesh);
   add_method_flags(command, options->method);
-  command.add_option("--kind", options->kind, "Of trajectory: " + trajectory_kinds()).shows_default();
+  command.add_option("--kind", options->kind, "Kind of trajectory: " + trajectory_kinds()).shows_default();
   command.add_option("--seed", options->trajectory.seed, "Seed of the trajectory").shows_default();
-  command.add_option("--rows", options->trajectory.rows, "How many steps").between(1, 100'000'000).shows_default();
+  command.add_option("--rows", options->trajectory.rows, "Number of steps").between(1, 100'000'000).shows_default();
   command.add_option("--stiffness", options->material.stiffness_n_per_m, "N/m").positive().shows_default();
-  command.add_option("--friction-static", options->material.friction_static, "Coulomb coefficient").not_negative().shows_default();
-  command.add_option("--friction-dynamic", options->material.friction_dynamic, "Coulomb coefficient, not above the static one")
+  command.add_option("--friction-static", options->material.friction_static, "Static friction coefficient").not_negative().shows_default();
+  command.add_option("--friction-dynamic", options->material.friction_dynamic, "Dynamic friction coefficient, at most the static one")
       .not_negative()
       .shows_default();
-  command.add_option("--substeps", options->settings.substeps, "Sub-steps of the reference at first").between(1, 10000).shows_default();
+  command
+      .add_option("--substeps", options->settings.substeps,
+                  "Sub-steps of the reference to begin with; it doubles them until its force no longer changes")
+      .between(1, 10000)
+      .shows_default();
   command.add_option("--substep-limit", options->settings.substep_limit, "Sub-steps at which the reference stops doubling")
       .between(1, 10000)
       .shows_default();

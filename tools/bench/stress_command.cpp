@@ -148,10 +148,10 @@ void add_stress_command(CommandLine app, int& exit_code) {
   options->plan.method.name = "proxy";
   options->plan.threads = std::max(1U, std::thread::hardware_concurrency());
   const CommandLine command = app.add_subcommand("stress", "Numerical stress test of a force method; exit code 0 only without faults");
-  command.add_option("--method", options->plan.method.name, "Which method, one of: " + method_names()).shows_default();
+  command.add_option("--method", options->plan.method.name, "Force method, one of: " + method_names()).shows_default();
   command
       .add_option("--layer", options->plan.method.smooth_layer,
-                  "smooth: share of RADIUS over which force builds up outside; 1 is the FDH paper's Algorithm 1 at full strength")
+                  "smooth: share of RADIUS over which force builds up outside the surface; 1: Algorithm 1 of the FDH paper")
       .between(0.0, 1.0)
       .shows_default();
   command
@@ -161,8 +161,8 @@ void add_stress_command(CommandLine app, int& exit_code) {
       .positive()
       .shows_default();
   command.add_option("--seed", options->plan.seed, "Seed of every random choice").shows_default();
-  command.add_option("--body", options->bodies, "Only this body (again for more): " + body_names());
-  command.add_option("--mesh", options->files, "A mesh file instead (again for more)");
+  command.add_option("--body", options->bodies, "Only this body, may be repeated: " + body_names());
+  command.add_option("--mesh", options->files, "A mesh file in place of the bodies, may be repeated");
   command.add_flag("--no-seal", options->plan.no_seal,
                    "Touch mesh files as they are: cracks up to 1e-4 of the longest side are not sealed");
   const CommandOption patches = command.add_flag(
@@ -190,9 +190,9 @@ void add_stress_command(CommandLine app, int& exit_code) {
   const CommandOption episode = command.add_option("--episode", options->episode, "Only this episode, as a finding names it");
   command
       .add_option("--rest-every", options->plan.compare_every,
-                  "The reference checks the proxy's local minimum every so many steps; 0: on suspicion only")
+                  "Steps between two checks of the proxy's local minimum by the reference; 0: only where a fault is suspected")
       .shows_default();
-  command.add_option("--substeps", options->plan.method.reference_substeps, "Of the reference, where it is the method")
+  command.add_option("--substeps", options->plan.method.reference_substeps, "Sub-steps of --method reference")
       .between(1, 10000)
       .shows_default();
   command.add_option("--threads", options->plan.threads, "Variants tested at a time").between(1, 1024).shows_default();

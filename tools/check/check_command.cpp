@@ -63,7 +63,7 @@ void add_check_command(CommandLine app, int& exit_code) {
   const CommandLine check = app.add_subcommand("check", "Find what is wrong with a scene before anyone touches it");
   check.add_option("file", options->file, "Scene (.toml) or mesh (.obj, .stl, .ply, .gltf, .glb)").required();
   check.add_option("--unit", options->unit, "Unit of a mesh file: m (default), cm, mm or in; glTF is always m");
-  check.add_flag("--no-fit", options->no_fit, "Check a mesh file where and as large as it is, not fitted to the workspace");
+  check.add_flag("--no-fit", options->no_fit, "Keep a mesh file's position and size; default: centred and scaled to the workspace");
   add_loop_flags(check, options->loop, true);
   SceneCheckSettings& settings = options->settings;
   check.add_option("--probe-radius", settings.probe_radius_m, "Radius of the probe, metres; 0: a point")

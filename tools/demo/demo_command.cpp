@@ -129,11 +129,12 @@ void add_demo_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<DemoOptions>();
   const CommandLine command = app.add_subcommand("demo", "Take a tour without hardware: six things to touch and to look at");
   command.add_flag("--list", options->list, "Show the steps and end");
-  command.add_option("--only", options->only, "One step, by its number").between(std::size_t{1}, demo_steps().size());
-  command.add_flag("--headless", options->headless, "By script, without display and keys; exit code 0: every step showed what it promises");
+  command.add_option("--only", options->only, "Only the step with this number").between(std::size_t{1}, demo_steps().size());
+  command.add_flag("--headless", options->headless,
+                   "Run by script, without display and keys; exit code 0: every step showed what it should");
   command
       .add_option("--seconds", options->seconds,
-                  fmt::format("How long for each step (--headless: {:g}; in a window: until a key)", kDemoSeconds))
+                  fmt::format("Duration of each step, s (--headless: {:g}; in a window: until a key)", kDemoSeconds))
       .between(kLeastDemoSeconds, 1e6);
   command.add_option("--out", options->out, "With --headless: folder for pictures, reports and logs").folder_to_write().shows_default();
   command.on_run([options, &exit_code] { exit_code = run(*options); });

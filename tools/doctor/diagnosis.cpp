@@ -24,7 +24,7 @@ constexpr std::array kChecks = {
     Check{"services", "daemons that affect devices", false, check_services},
     Check{"hub", "what a running io_node says of its device", false, check_hub},
     Check{"rights", "what the servo loop may request", true, check_rights},
-    Check{"sleep", "how soon CPUs wake", true, check_sleep},
+    Check{"sleep", "how long CPUs take to wake", true, check_sleep},
     Check{"cpus", "number, frequency, hypervisor", true, check_cpus},
     Check{"clock", "what the time is read from", true, check_clock},
     Check{"kernel", "whether it can be interrupted", true, check_kernel},

@@ -128,8 +128,8 @@ void add_governor_command(CommandLine app, int& exit_code) {
   const CommandLine command = app.add_subcommand("governor", "Run hostile force programs against io_node's safety governor");
   command.add_option("--steps", options->steps, "Steps of all programs together").between(1.0, 1e15).shows_default();
   command.add_option("--seed", options->seed, "Seed of every program").shows_default();
-  command.add_option("--threads", options->threads, "Programs at a time").between(1, 1024).shows_default();
-  command.add_option("--program", options->program, "Only this one, as a breach names it");
+  command.add_option("--threads", options->threads, "Programs that run in parallel").between(1, 1024).shows_default();
+  command.add_option("--program", options->program, "Only the program with this number, which a breach prints");
   command.on_run([options, &exit_code] { exit_code = run(*options); });
 }
 

@@ -53,7 +53,7 @@ int run_compare(const CompareOptions& options) {
 }
 
 void add_run_options(CommandLine command, LatencyRunOptions& options) {
-  command.add_option("--seconds", options.seconds, "How long").between(0.5, 1e6).shows_default();
+  command.add_option("--seconds", options.seconds, "Duration, s").between(0.5, 1e6).shows_default();
   command.add_option("--out", options.out, "Folder for report.json, latency.csv, latency.png, latency.txt and the nodes' logs")
       .folder_to_write()
       .shows_default();
@@ -62,7 +62,7 @@ void add_run_options(CommandLine command, LatencyRunOptions& options) {
   command.add_option("--key", options.key_file, kKeyHelp).needs(hosts);
   const CommandOption of_our_own[] = {
       command.add_option("--rate", options.rate_hz, "Servo rate, Hz").between(kMinServoRateHz, kMaxServoRateHz).shows_default(),
-      command.add_option("--size", options.echo_bytes, "Bytes of the bare echo's datagrams; 0: as many as a device sample's")
+      command.add_option("--size", options.echo_bytes, "Bytes of the bare echo's datagrams; 0: those of a device sample")
           .between(std::size_t{0}, kMaxDatagramBytes)
           .shows_default(),
       command.add_flag("--vision", options.vision, "Include a vision node: device to frame, motion to photon"),
@@ -92,7 +92,7 @@ void add_latency_command(CommandLine app, int& exit_code) {
   auto compared = std::make_shared<CompareOptions>();
   const CommandLine compare_command = command.add_subcommand("compare", "Two runs side by side, with their ratios");
   compare_command.add_option("A", compared->a, "Folder of a run, or its report.json").required();
-  compare_command.add_option("B", compared->b, "Another one").required();
+  compare_command.add_option("B", compared->b, "Folder or report.json of another run").required();
   compare_command.add_option("--json", compared->json, "Write the comparison to this file too").file_to_write();
   compare_command.on_run([compared, &exit_code] { exit_code = run_compare(*compared); });
 

@@ -25,7 +25,7 @@ int run(const std::string& folder) {
 void add_plot_command(CommandLine app, int& exit_code) {
   auto folder = std::make_shared<std::string>();
   const CommandLine command = app.add_subcommand("plot", "Draw the plots of a run's report folder");
-  command.add_option("folder", *folder, "Where latency.csv is; latency.png goes there").required();
+  command.add_option("folder", *folder, "Folder with latency.csv; latency.png is written there").required();
   command.on_run([folder, &exit_code] { exit_code = run(*folder); });
 }
 

@@ -77,7 +77,7 @@ int run(const MoveOptions& options) {
 void add_move_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<MoveOptions>();
   const CommandLine command = app.add_subcommand("move", "Move an object of a running scene that has moved_by = \"program\"");
-  command.add_option("object", options->object, "Its name in the scene, or #N, its number from 0").required();
+  command.add_option("object", options->object, "Name of the object in the scene, or #N, its number from 0").required();
   command.add_option("--to", options->to,
                      "Its position after the move, X,Y,Z in m, as position_m in the scene file; left out: its pivot does not move");
   command.add_option("--rotate", options->rotate,

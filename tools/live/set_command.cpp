@@ -275,12 +275,12 @@ void add_set_command(CommandLine app, int& exit_code) {
   command.add_option("--object", options->object, "Object whose material changes, by its name in the scene; default: all objects");
   command
       .add_option("--stiffness", options->stiffness_n_per_m,
-                  "Of the material, N/m; fades in. Not for layers: these and other effects change only in the scene file")
+                  "Stiffness of the material, N/m; fades in. Not for layers: these and other effects change only in the scene file")
       .positive("N/m")
       .between(0.0, kStiffnessLimit.most);
-  command.add_option("--damping", options->damping_ns_per_m, "Ns/m, of the material").between(0.0, kDampingLimit.most);
-  const auto friction =
-      command.add_option("--friction", options->friction, "Static and dynamic friction, both").between(0.0, kFrictionStaticLimit.most);
+  command.add_option("--damping", options->damping_ns_per_m, "Damping of the material, Ns/m").between(0.0, kDampingLimit.most);
+  const auto friction = command.add_option("--friction", options->friction, "Static and dynamic friction coefficient, the same for both")
+                            .between(0.0, kFrictionStaticLimit.most);
   command.add_option("--friction-static", options->friction_static, "Coulomb").between(0.0, kFrictionStaticLimit.most).excludes(friction);
   command.add_option("--friction-dynamic", options->friction_dynamic, "Coulomb, at most the static one")
       .between(0.0, kFrictionDynamicLimit.most)

@@ -70,8 +70,8 @@ void add_top_command(CommandLine app, int& exit_code) {
   const CommandLine command = app.add_subcommand("top", "Watch a running system: nodes, rates, latencies, counters");
   command.add_option("--hub", options->hub, "Where io_node is: HOST or HOST:PORT").shows_default();
   command.add_option("--key", options->key_file, kKeyHelp);
-  command.add_flag("--once", options->once, "Print it once, with the statistics since the hub's start, and exit");
-  command.add_flag("--json", options->json, "For programs: one JSON object a line for each update (docs/formats.md)");
+  command.add_flag("--once", options->once, "Print once, with the statistics since the hub's start, and exit");
+  command.add_flag("--json", options->json, "Print one line of JSON for each update, for programs (docs/formats.md)");
   command.add_option("--interval", options->interval_s, "Seconds between updates").between(0.2, 3600.0).shows_default();
   command.on_run([options, &exit_code] { exit_code = run(*options); });
 }

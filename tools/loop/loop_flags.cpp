@@ -67,12 +67,16 @@ void add_loop_flags(CommandLine command, LoopFlags& flags, bool several) {
   const CommandLine own = command.add_group("own loop", "A loop of your own, device and hand together, in place of --device and --hand");
   own.add_option("--mass-kg", flags.mass_kg, "Mass").positive("kilograms");
   own.add_option("--damping-ns-per-m", flags.damping_ns_per_m, "Viscous damping").not_negative("Ns/m");
-  own.add_option("--hand-stiffness-n-per-m", flags.hand_stiffness_n_per_m, "Spring to where the hand wants to be (0)").not_negative("N/m");
+  own.add_option("--hand-stiffness-n-per-m", flags.hand_stiffness_n_per_m,
+                 "Stiffness of the hand towards its intended position (default: 0)")
+      .not_negative("N/m");
   const CommandLine changes = command.add_group("changes", "These replace values of the device");
   changes.add_option("--friction", flags.friction_n, "Coulomb friction").not_negative("newtons");
   changes.add_option("--quantisation", flags.encoder_step_m, "Encoder step at the device point").not_negative("metres");
   changes.add_option("--amplifier", flags.amplifier_hz, "Bandwidth of the amplifier; 0: no lag").not_negative("hertz");
-  changes.add_option("--modes", flags.modes, "Structural modes, at most; 0: rigid").between(0, DeviceModel::kMostModes).shows_default();
+  changes.add_option("--modes", flags.modes, "Number of structural modes, at most; 0: rigid")
+      .between(0, DeviceModel::kMostModes)
+      .shows_default();
 }
 
 Result<std::vector<NamedLoop>> loops_of(const LoopFlags& flags) {

@@ -202,11 +202,11 @@ void add_loop_press_command(CommandLine loop, int& exit_code) {
   auto options = std::make_shared<PressOptions>();
   const CommandLine command = loop.add_subcommand("press", "Simulate a press and release: limit cycle, buzz, settling, overshoot, energy");
   add_loop_flags(command, options->loop, false);
-  command.add_option("--stiffness", options->stiffness_n_per_m, "Of the wall, N/m").positive("N/m").shows_default();
-  command.add_option("--damping", options->damping_ns_per_m, "Of the wall, Ns/m").not_negative("Ns/m").shows_default();
+  command.add_option("--stiffness", options->stiffness_n_per_m, "Stiffness of the wall, N/m").positive("N/m").shows_default();
+  command.add_option("--damping", options->damping_ns_per_m, "Damping of the wall, Ns/m").not_negative("Ns/m").shows_default();
   command.add_option("--press", options->plan.press_n, "Force that the hand holds, N").positive("newtons").shows_default();
   command.add_option("--speed", options->plan.speed_m_per_s, "Speed at which the hand approaches, m/s").between(1e-3, 10.0).shows_default();
-  command.add_option("--hold", options->plan.hold_s, "How long it holds, s").between(0.1, 1000.0).shows_default();
+  command.add_option("--hold", options->plan.hold_s, "How long the hand holds this force, s").between(0.1, 1000.0).shows_default();
   command.add_option("--rate", options->rate_hz, "Servo rate, Hz").between(10.0, 1e6).shows_default();
   const CommandLine link = command.add_group("link", "Between device and force program");
   link.add_option("--delay", options->delay_ms, "From the sample to its force on the motors, ms").between(0.0, 10'000.0).shows_default();

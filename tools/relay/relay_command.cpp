@@ -131,7 +131,7 @@ void add_relay_command(CommandLine app, int& exit_code) {
           .shows_default(),
       command.add_option("--delay-ms", options->delay_ms, "Delay of every datagram").between(0.0, kLongestDelayMs),
       command.add_option("--jitter-ms", options->jitter_ms, "... and up to this much more").between(0.0, kLongestDelayMs),
-      command.add_option("--loss", faults.loss, "Share lost, each by itself").between(0.0, 1.0),
+      command.add_option("--loss", faults.loss, "Share of datagrams lost, each independently").between(0.0, 1.0),
       command.add_option("--burst-share", faults.burst_share, "Share in a burst (Gilbert-Elliott)").between(0.0, 1.0),
       command.add_option("--burst-length", faults.burst_length, "Datagrams in a burst, on average").between(1.0, 1e6).shows_default(),
       command.add_option("--burst-loss", faults.burst_loss, "Share lost in a burst").between(0.0, 1.0).shows_default(),

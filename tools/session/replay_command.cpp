@@ -223,7 +223,7 @@ void add_replay_command(CommandLine app, int& exit_code) {
       .shows_default();
   command
       .add_option("--rotational-stiffness", options->rotational_stiffness_nm_per_rad,
-                  "With --tool, Nm/rad; 0: from --stiffness and the tool's size")
+                  "With --tool: rotational stiffness, Nm/rad; 0: from --stiffness and the tool's size")
       .not_negative("Nm/rad")
       .shows_default();
   command
@@ -237,13 +237,14 @@ void add_replay_command(CommandLine app, int& exit_code) {
       .shows_default();
   command.add_option("--out", options->out, "CSV to write").file_to_write().required();
   add_method_flags(command, options->method);
-  command.add_option("--stiffness", options->stiffness_n_per_m, "N/m (default: 1000, or as the scene says)").positive();
-  command.add_option("--friction-static", options->friction_static, "Coulomb coefficient (default: 0, or as the scene says)")
+  command.add_option("--stiffness", options->stiffness_n_per_m, "Stiffness, N/m (default: 1000, or that of the scene)").positive();
+  command.add_option("--friction-static", options->friction_static, "Static friction coefficient (default: 0, or that of the scene)")
       .not_negative();
-  command.add_option("--friction-dynamic", options->friction_dynamic, "Coulomb coefficient, not above the static one").not_negative();
+  command.add_option("--friction-dynamic", options->friction_dynamic, "Dynamic friction coefficient, at most the static one")
+      .not_negative();
   command.add_option("--reset-every", options->replay.reset_every, "Forget all contact before rows 0, N, 2N ...; 0: before row 0 only")
       .shows_default();
-  command.add_option("--repeat", options->replay.repeat, "Run it so many times; step_ns is the least of all")
+  command.add_option("--repeat", options->replay.repeat, "Number of runs; step_ns is the minimum over them")
       .between(1, 1'000'000)
       .shows_default();
   command.on_run([options, &exit_code] { exit_code = run(*options); });

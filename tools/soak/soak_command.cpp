@@ -38,10 +38,10 @@ void add_soak_command(CommandLine app, int& exit_code) {
   options->cpu = find_shared_cpu();
   const CommandLine command =
       app.add_subcommand("soak", "Run the nodes for hours and check that memory, descriptors, forces and clock stay flat");
-  const CommandOption seconds = command.add_option("--seconds", options->seconds, "How long").between(5.0, 1e7).shows_default();
+  const CommandOption seconds = command.add_option("--seconds", options->seconds, "Duration, s").between(5.0, 1e7).shows_default();
   command
       .add_number(
-          "--hours", [options](double hours) { options->seconds = kSecondsAnHour * hours; }, "How long, in hours")
+          "--hours", [options](double hours) { options->seconds = kSecondsAnHour * hours; }, "Duration, hours")
       .between(0.01, 2000.0)
       .excludes(seconds);
   command.add_option("--every", options->every_s, "Seconds between observations; 0: a 120th of the time, at least 2 s")
