@@ -33,7 +33,7 @@ Result<std::vector<PutDown>> read_put_down(const std::filesystem::path& file, co
       log_warning("{}: {} is not movable in this scene, and stays where it is", file.string(), scene.objects[number].name);
       continue;
     }
-    log_info("{} lies where {} has it", scene.objects[number].name, file.string());
+    log_info("{} is placed as {} says", scene.objects[number].name, file.string());
     put_down.push_back(each);
   }
   return put_down;

@@ -279,7 +279,7 @@ void ReplyLoop::send_patches() noexcept {
 void ReplyLoop::send_carves() {
   if (std::exchange(are_carves_full_, carves_->is_full()) != carves_->is_full()) {
     log_warning(
-        "{} carves were made, and no more can be shown: nothing is carved any more; restart haptics_node to begin with whole objects",
+        "{} carves were made, the most that vision nodes can show: carving has stopped; restart haptics_node to begin with whole objects",
         carves_->newest());
   }
   if (hub_.state() != JoinState::joined) return;
@@ -433,7 +433,7 @@ void ReplyLoop::report_patches() {
   const bool has_ended = why.empty() && wants_patches_;
   patch_obstacle_reported_ = why;
   if (!why.empty()) log_warning("the hub requests the scene in parts (io_node --touch), but {}: this node computes the forces", why);
-  if (has_ended) log_info("the hub gets the scene in parts again");
+  if (has_ended) log_info("the hub receives the scene in parts again");
 }
 
 bool ReplyLoop::is_method_cut_off() const noexcept {

@@ -75,7 +75,7 @@ void HidPort::run() noexcept {
     if (const auto looked = look(); !looked) {
       report_failure(looked.error());
     } else {
-      log_info("{}: there at {}", name_, this->transport()->description().path);
+      log_info("{}: found at {}", name_, this->transport()->description().path);
     }
   }
 }
@@ -104,7 +104,7 @@ void HidPort::await_next_look() noexcept {
 
 // Once for each reason, not four times a second.
 void HidPort::report_failure(const Error& error) {
-  if (std::exchange(reported_, error.what) != error.what) log_info("{}: looking for it: {}", name_, error.what);
+  if (std::exchange(reported_, error.what) != error.what) log_info("{}: searching: {}", name_, error.what);
 }
 
 }  // namespace hapton

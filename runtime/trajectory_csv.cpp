@@ -142,7 +142,7 @@ class Parser {
     row.p_WD = Vec3(field[1], field[2], field[3]);
     row.q_WT = Quat(field[4], field[5], field[6], field[7]);
     if (!rows_.empty() && row.t_s <= rows_.back().t_s)
-      return fail("{}:{}: t_s is {} after {}; times must rise from row to row", name_, line_number_, row.t_s, rows_.back().t_s);
+      return fail("{}:{}: t_s is {} after {}; times must increase from row to row", name_, line_number_, row.t_s, rows_.back().t_s);
     const double length = row.q_WT.norm();
     if (!(std::abs(length - 1.0) <= kQuaternionTolerance))
       return fail("{}:{}: the quaternion has length {}; give it length 1", name_, line_number_, length);

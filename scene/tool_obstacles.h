@@ -15,7 +15,7 @@ struct ToolObstacles {
   std::vector<std::shared_ptr<const TriangleMesh>> meshes;  // frame S, metres, one for each object
   std::vector<SurfaceFriction> friction;                    // of each mesh
   double stiffness_n_per_m = 0.0;                           // of the stiffest material or effect of the whole scene
-  bool leaves_out = false;                                  // the scene has damping or effects, which a tool does not feel
+  bool leaves_out = false;                                  // the scene has damping or effects, which a tool does not support
 
   bool has_friction() const;
 };

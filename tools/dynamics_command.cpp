@@ -113,7 +113,7 @@ Result<void> run_dynamics(const DynamicsOptions& options) {
   if (left_out_s > kMostLeftOutS)
     say(fmt::format("slow: bodies stood still for {:.1f} s, as states came late or the machine was busy", left_out_s));
   if (counts.steps > 0) return {};
-  return fail("time stood still: does haptics_node run with this scene, and is the device connected? `hapton top` shows");
+  return fail("no scene time has passed: does haptics_node run with this scene, and is the device connected? `hapton top` shows");
 }
 
 int run(const DynamicsOptions& options) {

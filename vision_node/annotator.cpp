@@ -268,7 +268,7 @@ bool Annotator::undo_move() {
   request_->serial = poses_[static_cast<std::size_t>(request_->object)].serial;
   request_end_ns_ = request_next_ns_ = 0;
   moves_.pop_back();
-  log_info("{} is to be put back", scene_.objects[static_cast<std::size_t>(request_->object)].name);
+  log_info("putting back {}", scene_.objects[static_cast<std::size_t>(request_->object)].name);
   return true;
 }
 

@@ -173,7 +173,7 @@ void VisionSession::compare_scene(const SceneFacts& haptic_scene) {
   if (is_other) {
     log_warning("haptics_node has another scene than the one shown; start both with the same --scene, --unit and --no-fit");
   } else {
-    log_info("haptics_node has the scene shown");
+    log_info("haptics_node now has the scene that is shown");
   }
 }
 

@@ -62,7 +62,7 @@ Result<void> TouchGeometry::check(const std::vector<std::shared_ptr<const Triang
   const int bits = static_cast<int>(std::bit_width(most));
   if (bits <= kMostBits && meshes.size() <= (std::size_t{1} << (32 - bits))) return {};
   return fail(
-      "{} objects, the largest of {} triangles, are more than can be numbered; beside that one there may be {} objects: join small ones",
+      "{} objects, the largest with {} triangles, are too many; with an object of this size a scene may have {} objects: join small ones",
       meshes.size(), most, bits <= kMostBits ? std::size_t{1} << (32 - bits) : 0);
 }
 

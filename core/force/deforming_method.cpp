@@ -16,7 +16,7 @@ constexpr double kLookSteps = 64.0;  // a look round reaches as far as hand and 
 Result<std::unique_ptr<ForceMethod>> DeformingMethod::make(const MethodSettings& settings, const TouchScene& scene) {
   const TouchObject& object = scene.objects.front();
   if (settings.probe_radius_m > 0.0) return fail("proxy: an object deforms, which needs a point probe: leave out the probe radius");
-  if (settings.shading > 0.0) return fail("proxy: an object deforms, which does not go with shading: leave it out");
+  if (settings.shading > 0.0) return fail("proxy: an object deforms, which cannot be combined with shading: leave it out");
   TouchScene alone = scene;
   alone.part_of = bounds_of_all_shapes(*object.mesh, *object.deformation);
   auto method = ProxyMethod::make(settings, alone);

@@ -65,10 +65,10 @@ Result<std::unique_ptr<ForceMethod>> make_method(const MethodSettings& settings,
     const TouchScene coupled = couple_scene(scene, settings.coupling_n_per_m);
     if (!scene.has_motion()) return entry.make(settings, coupled);
     if (scene.has_deformation() && !entry.feels_deformation) {
-      return fail("method {}: objects of the scene deform, which it does not feel; choose proxy", settings.name);
+      return fail("method {}: objects of the scene deform, which it does not support; choose proxy", settings.name);
     }
     if (entry.feels_motion) return MovingMethod::make(entry.make, settings, coupled);
-    return fail("method {}: objects of the scene move, which it does not feel; choose proxy or reference", settings.name);
+    return fail("method {}: objects of the scene move, which it does not support; choose proxy or reference", settings.name);
   }
   return fail("method '{}' is not known; choose one of: {}", settings.name, method_names());
 }

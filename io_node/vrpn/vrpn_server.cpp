@@ -148,7 +148,7 @@ void Server::State::on_bytes(StreamEndpoint::Id id, std::span<const std::byte> b
     return;
   }
   if (peer.client.is_connected() && !std::exchange(peer.is_reported, true)) {
-    log_info("a VRPN client at {} sees {}", to_string(peer.address), options.name);
+    log_info("a VRPN client at {} reads {}", to_string(peer.address), options.name);
   }
   if (peer.client.rejected_forces() > 0 && !std::exchange(peer.is_rejection_logged, true)) {
     log_warning("the VRPN client at {} requests forces; rejected: only the haptics node sends forces", to_string(peer.address));

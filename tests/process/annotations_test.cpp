@@ -163,7 +163,7 @@ TEST(Annotations, AnObjectLiesAtTheStartWhereTheFileHasIt) {
     return report.is_object() && has_contact(report) && is_drawn(report);
   })) << haptics.err()
       << vision.err() << io.err();
-  EXPECT_THAT(haptics.err(), HasSubstr("block lies where "));
+  EXPECT_THAT(haptics.err(), HasSubstr("block is placed as "));
   // Poses are repeated once a second; when one has come, the dot lies 30 mm higher.
   EXPECT_TRUE(System::wait_until([&] { return vision.err().find("block is not where the scene") != std::string::npos; })) << vision.err();
   vision.send_signal(SIGTERM);

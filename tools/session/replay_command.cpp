@@ -146,7 +146,7 @@ Result<Replay> replay_tool(const ReplayOptions& options, const Scene& scene, con
   const auto touch_scene = make_scene(options, scene);
   if (!touch_scene) return tl::unexpected(touch_scene.error());
   if (touch_scene->has_sculpt()) return fail("objects of {} can be carved, which a rigid tool does not support", options.scene);
-  if (touch_scene->has_motion()) return fail("objects of {} move, which a rigid tool does not feel yet", options.scene);
+  if (touch_scene->has_motion()) return fail("objects of {} move, which a rigid tool does not support: leave out the tool", options.scene);
   const ToolObstacles obstacles = make_tool_obstacles(*touch_scene);
   const ToolCoupling coupling{.stiffness_n_per_m = obstacles.stiffness_n_per_m,
                               .rotational_stiffness_nm_per_rad = options.rotational_stiffness_nm_per_rad};

@@ -128,7 +128,7 @@ Result<void> Headset::Runtime::make_instance() {
     return std::strcmp(each.extensionName, XR_KHR_OPENGL_ENABLE_EXTENSION_NAME) == 0;
   };
   if (std::ranges::none_of(known, is_opengl)) {
-    return fail("--stereo openxr: the OpenXR runtime cannot show pictures of OpenGL ({}); make another runtime the active one",
+    return fail("--stereo openxr: the OpenXR runtime does not support OpenGL ({}); make another runtime the active one",
                 XR_KHR_OPENGL_ENABLE_EXTENSION_NAME);
   }
   const char* const extensions[] = {XR_KHR_OPENGL_ENABLE_EXTENSION_NAME};
@@ -154,7 +154,8 @@ Result<void> Headset::Runtime::find_system() {
                                                  make_struct<XrViewConfigurationView>(XR_TYPE_VIEW_CONFIGURATION_VIEW)};
   std::uint32_t count = 0;
   const XrResult found = xrEnumerateViewConfigurationViews(instance, system, kStereo, each.size(), &count, each.data());
-  if (XR_FAILED(found) || count != each.size()) return tl::unexpected(explain_openxr(found, "a view for each eye"));
+  if (XR_FAILED(found)) return tl::unexpected(explain_openxr(found, "xrEnumerateViewConfigurationViews"));
+  if (count != each.size()) return fail("--stereo openxr: the OpenXR runtime has {} views in place of one for each eye", count);
   size.width_px = static_cast<int>(std::max(each[0].recommendedImageRectWidth, each[1].recommendedImageRectWidth));
   size.height_px = static_cast<int>(std::max(each[0].recommendedImageRectHeight, each[1].recommendedImageRectHeight));
   std::array<XrEnvironmentBlendMode, 16> blends{};
@@ -224,7 +225,9 @@ Result<void> Headset::Runtime::make_chains() {
     got = xrEnumerateSwapchainFormats(session, count, &count, formats.data());
   }
   const auto format = choose_format(formats);
-  if (XR_FAILED(got) || !format) return tl::unexpected(explain_openxr(got, "a picture of 8 bits a colour"));
+  if (XR_FAILED(got)) return tl::unexpected(explain_openxr(got, "xrEnumerateSwapchainFormats"));
+  if (!format)
+    return fail("--stereo openxr: the OpenXR runtime offers no texture with 8 bits a colour; make another runtime the active one");
   auto wanted = make_struct<XrSwapchainCreateInfo>(XR_TYPE_SWAPCHAIN_CREATE_INFO);
   wanted.usageFlags = XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT | XR_SWAPCHAIN_USAGE_SAMPLED_BIT | XR_SWAPCHAIN_USAGE_TRANSFER_DST_BIT;
   wanted.format = *format;

@@ -15,8 +15,8 @@ Result<std::unique_ptr<HeadsetShow>> HeadsetShow::open(std::unique_ptr<Headset> 
                                                        const Pose& X_OW) {
   if (auto opened = headset->open(view.glx_window(), space); !opened) return tl::unexpected(opened.error());
   const PictureSize size = headset->eye_size();
-  log_info("OpenXR runtime {}: {}x{} pixels an eye; the workspace stands at {:g} {:g} {:g} m of the {} space", headset->name(),
-           size.width_px, size.height_px, X_OW.translation().x(), X_OW.translation().y(), X_OW.translation().z(),
+  log_info("OpenXR runtime {}: {}x{} pixels an eye; the workspace is at {:g}, {:g}, {:g} m in the {} space", headset->name(), size.width_px,
+           size.height_px, X_OW.translation().x(), X_OW.translation().y(), X_OW.translation().z(),
            space == RoomSpace::stage ? "stage" : "local");
   return std::unique_ptr<HeadsetShow>(new HeadsetShow(std::move(headset), view, WorkspacePlace(X_OW, space)));
 }
@@ -58,7 +58,7 @@ void HeadsetShow::set_shown(bool is_shown) {
   if (is_shown) {
     log_info("the headset shows the scene");
   } else if (!headset_->is_lost() && !headset_->has_ended()) {
-    log_info("the headset shows nothing of ours at present; the window goes on in mono");
+    log_info("the headset does not show the scene at present; the window goes on in mono");
   }
   // No error is possible: both modes work on every display.
   static_cast<void>(view_.set_stereo(is_shown ? StereoMode::openxr : StereoMode::mono));

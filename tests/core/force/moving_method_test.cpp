@@ -412,7 +412,7 @@ TEST(MovingMethod, OtherMethodsSayWhatFeelsMotion) {
     const auto made = make_method({.name = name}, scene);
     ASSERT_FALSE(made) << name;
     EXPECT_EQ(made.error().what,
-              std::string("method ") + name + ": objects of the scene move, which it does not feel; choose proxy or reference");
+              std::string("method ") + name + ": objects of the scene move, which it does not support; choose proxy or reference");
   }
 }
 
