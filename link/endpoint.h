@@ -16,7 +16,6 @@ namespace hapton {
 // The maximum size of every datagram, sealed or not: below the smallest usual MTU (1280, IPv6) less the headers.
 constexpr std::size_t kMaxDatagramBytes = 1200;
 
-// A received datagram.
 struct Received {
   std::size_t bytes = 0;  // 0: nothing arrived before the deadline
   Address from;
