@@ -10,23 +10,24 @@
 namespace hapton {
 namespace {
 
-constexpr double kLeadS = 0.01;       // how far ahead of the hand the next patch is centred: about as long as a small one takes to make
-constexpr double kLeaveShare = 0.35;  // of its radius from the centre: another one is due
-constexpr double kGrowth = 1.3;       // so much more is known: another one is due
-constexpr std::size_t kMoreTriangles = 2;  // so many times more can be made by now: another one is due
-constexpr double kLiftSteps = 4.0;         // of the grid: a vertex moves by 0.87 of one at most
-constexpr double kVelocityS = 0.02;        // over which the hand's velocity is a mean
-constexpr double kLeastSpeed = 0.05;       // m/s: a hand at rest may start
-constexpr double kTimeShare = 0.5;         // of the time until the hand is out, for making the next one
-constexpr double kMakeShare = 0.3;         // of the newest duration in the mean
-constexpr double kWayShare = 1.5;          // of the ball about the way: the proxy may go round
-constexpr double kWiden = 2.0;
-constexpr std::int64_t kPatienceNs = 50 * kNanosecondsPerMillisecond;  // for a patch over the way to be taken and followed
+constexpr double kLeadS = 0.01;  // how far ahead of the hand the next patch is centred: about the time that a small one takes to make
+// A new patch is due when the hand is farther than this from the centre of the newest one, over its radius, ...
+constexpr double kLeaveShare = 0.35;
+constexpr double kGrowth = 1.3;            // ... when the scene is known in a radius that is larger by this factor, ...
+constexpr std::size_t kMoreTriangles = 2;  // ... or when there is time for so many times its triangles
+constexpr double kLiftSteps = 4.0;         // lift_m in steps of the grid, on which a vertex moves by 0.87 steps at most
+constexpr double kVelocityS = 0.02;        // time constant of the hand's velocity
+constexpr double kLeastSpeed = 0.05;       // m/s: a hand at rest may start to move
+constexpr double kTimeShare = 0.5;         // of the time until the hand is out of a patch, for making the next one
+constexpr double kMakeShare = 0.3;         // weight of the newest duration in the mean
+constexpr double kPathShare = 1.5;         // radius of a patch over PathBall::radius_m: the proxy may go around an obstacle
+constexpr double kWiden = 2.0;             // factor on that radius for each patch that did not reach the hand
+constexpr std::int64_t kPatienceNs = 50 * kNanosecondsPerMillisecond;  // until a patch over the path counts as one that did not reach
 
 }  // namespace
 
 void PatchMaker::note_hand(const PatchHand& hand) noexcept {
-  if (!hand.p_SD.allFinite() || !hand.way.p_SC.allFinite()) return;
+  if (!hand.p_SD.allFinite() || !hand.path.p_SC.allFinite()) return;
   const PatchHand before = std::exchange(hand_, hand);
   const double dt_s = 1e-9 * static_cast<double>(hand.time_ns - before.time_ns);
   if (has_hand_ && dt_s > 0.0) v_SD_ += std::min(dt_s / kVelocityS, 1.0) * ((hand.p_SD - before.p_SD) / dt_s - v_SD_);
@@ -41,7 +42,7 @@ void PatchMaker::note_made(double seconds) noexcept {
 
 bool PatchMaker::is_left() const noexcept { return !p_SC_ || (std::isfinite(radius_m_) && distance_m() >= kLeaveShare * radius_m_); }
 
-// How many triangles can be made into a patch before the hand is out of the newest one.
+// The number of triangles for which there is time before the hand is out of the newest patch.
 std::size_t PatchMaker::affordable() const noexcept {
   if (!p_SC_) return few_;
   const double room_m = std::max(radius_m_ - distance_m(), 0.0);
@@ -53,7 +54,7 @@ bool PatchMaker::can_grow() const noexcept { return is_limited_ && affordable() 
 
 std::unique_ptr<Patch> PatchMaker::make_if_due(const PatchStore& store, std::uint32_t generation) {
   if (!has_hand_ || !store.has_begun()) return nullptr;
-  return hand_.is_beyond ? make_over_way(store, generation) : make_if_left(store, generation);
+  return hand_.is_beyond ? make_over_path(store, generation) : make_if_left(store, generation);
 }
 
 std::unique_ptr<Patch> PatchMaker::make_if_left(const PatchStore& store, std::uint32_t generation) {
@@ -69,25 +70,25 @@ std::unique_ptr<Patch> PatchMaker::make_if_left(const PatchStore& store, std::ui
   return make(store, leads ? ahead : hand_.p_SD, known_m, 0.0, generation);
 }
 
-std::unique_ptr<Patch> PatchMaker::make_over_way(const PatchStore& store, std::uint32_t generation) {
-  const PatchWay& way = hand_.way;
-  const double known_m = store.known_radius(way.p_SC);
-  if (known_m < kWayShare * way.radius_m) return make_beside_way(store, generation);
-  const bool covers = p_SC_ && radius_m_ >= (way.p_SC - *p_SC_).norm() + widening_ * kWayShare * way.radius_m;
+std::unique_ptr<Patch> PatchMaker::make_over_path(const PatchStore& store, std::uint32_t generation) {
+  const PathBall& ball = hand_.path;
+  const double known_m = store.known_radius(ball.p_SC);
+  if (known_m < kPathShare * ball.radius_m) return make_without_path(store, generation);
+  const bool covers = p_SC_ && radius_m_ >= (ball.p_SC - *p_SC_).norm() + widening_ * kPathShare * ball.radius_m;
   if (covers && hand_.time_ns - made_ns_ < kPatienceNs) return nullptr;
   if (covers) widening_ *= kWiden;
-  return make(store, way.p_SC, known_m, widening_ * kWayShare * way.radius_m, generation);
+  return make(store, ball.p_SC, known_m, widening_ * kPathShare * ball.radius_m, generation);
 }
 
-// Parts of the way have not come: touch may go on from above the plane where the hand is.
-std::unique_ptr<Patch> PatchMaker::make_beside_way(const PatchStore& store, std::uint32_t generation) {
-  if (!is_way_unknown_) p_SC_.reset();
+// Parts of the scene along the path are missing: makes a patch where the hand is; contact continues from above the plane (PatchTouch).
+std::unique_ptr<Patch> PatchMaker::make_without_path(const PatchStore& store, std::uint32_t generation) {
+  if (!is_path_incomplete_) p_SC_.reset();
   auto patch = make_if_left(store, generation);
-  if (patch != nullptr) patch->is_way_unknown = is_way_unknown_ = true;
+  if (patch != nullptr) patch->is_path_incomplete = is_path_incomplete_ = true;
   return patch;
 }
 
-// least_m: with as many triangles as that takes.
+// least_m: the patch gets as many triangles as this radius takes, even if there is no time for them.
 std::unique_ptr<Patch> PatchMaker::make(const PatchStore& store, const Vec3& p_SC, double known_m, double least_m,
                                         std::uint32_t generation) {
   std::size_t most = affordable();
@@ -112,7 +113,7 @@ std::unique_ptr<Patch> PatchMaker::make(const PatchStore& store, const Vec3& p_S
   is_limited_ = piece.radius_m < known_m;
   made_from_ = store.revision();
   made_ns_ = hand_.time_ns;
-  is_way_unknown_ = false;
+  is_path_incomplete_ = false;
   return patch;
 }
 

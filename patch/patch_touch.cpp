@@ -30,10 +30,10 @@ void PatchTouch::start_at(const Vec3& p_SP, const Vec3& outward, double age_s) n
 }
 
 PatchHand PatchTouch::hand_at(const Vec3& p_SD, std::int64_t time_ns) const noexcept {
-  return {p_SD, time_ns, is_beyond_, is_beyond_ ? way() : PatchWay()};
+  return {p_SD, time_ns, is_beyond_, is_beyond_ ? path_ball() : PathBall()};
 }
 
-PatchWay PatchTouch::way() const noexcept {
+PathBall PatchTouch::path_ball() const noexcept {
   Vec3 low = p_SP_;
   Vec3 high = p_SP_;
   for (std::size_t i = 0; i < path_.size(); ++i) {
@@ -92,7 +92,7 @@ std::optional<PatchOutput> PatchTouch::step(const TouchInput& input) noexcept {
 void PatchTouch::take_offered(const DevicePath::Place& newest) noexcept {
   if (offered_ == nullptr || retired_ != nullptr) return;
   if (!reaches(*offered_, path_.front().p_SD)) {
-    if (!is_beyond_ || !offered_->is_way_unknown || !rise_over(*offered_, newest.p_SD)) return;
+    if (!is_beyond_ || !offered_->is_path_incomplete || !rise_over(*offered_, newest.p_SD)) return;
     path_.clear();
     path_.push(newest);
   }
@@ -105,9 +105,9 @@ void PatchTouch::take_offered(const DevicePath::Place& newest) noexcept {
 bool PatchTouch::rise_over(const Patch& patch, const Vec3& p_SD) noexcept {
   if (patch.generation != generation_ || outward_S_.isZero(0.0)) return false;
   const double depth_m = std::max((p_SP_ - p_SD).dot(outward_S_), 0.0);
-  const double way_m = (p_SD + depth_m * outward_S_ - p_SP_).norm();
+  const double along_m = (p_SD + depth_m * outward_S_ - p_SP_).norm();
   const double room_m = patch.radius_m - (p_SD - patch.p_SC).norm() - 4.0 * patch.lift_m;
-  const double wanted_m = depth_m + kRise * way_m;
+  const double wanted_m = depth_m + kRise * along_m;
   const double rise_m = std::min(wanted_m, kMostRoom * room_m);
   // A start below the surface would be a fall-through: a small patch has to grow first.
   const double least_m = std::min(wanted_m, kLeastRise * force_n_ / stiffness_n_per_m_);

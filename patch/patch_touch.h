@@ -19,7 +19,7 @@ struct Patch {
   double radius_m = 0.0;
   double lift_m = 0.0;           // distance off the surface at which a proxy starts that no patch has held: above the rounding of the grid
   std::uint32_t generation = 0;  // of its scene
-  bool is_way_unknown = false;   // when it was made, parts of the scene between the last proxy within a patch and the hand were missing
+  bool is_path_incomplete = false;  // parts of the scene between the last proxy within a patch and the hand are missing
 };
 
 // One step on a patch.
@@ -33,9 +33,9 @@ struct PatchOutput {
   int object = -1;                   // touched, of the scene's objects; -1: none, or beyond
 };
 
-// What a patch has to cover so that the proxy can follow the hand: a ball around the last proxy within a patch and the positions of the
-// device since. Frame S.
-struct PatchWay {
+// A ball around the last proxy within a patch and all positions of the device since: what a patch has to cover so that the proxy can follow
+// the device. Frame S.
+struct PathBall {
   Vec3 p_SC = Vec3::Zero();
   double radius_m = 0.0;
 };
@@ -44,8 +44,8 @@ struct PatchWay {
 struct PatchHand {
   Vec3 p_SD = Vec3::Zero();
   std::int64_t time_ns = 0;
-  bool is_beyond = false;  // past the edge: a patch has to reach over ...
-  PatchWay way;            // ... this
+  bool is_beyond = false;  // past the edge of its patch: the next one has to cover `path`
+  PathBall path;
 };
 
 // Computes the force of a scene from patches of it, one after the other. The force is that of the whole scene as long as everything that
@@ -59,20 +59,20 @@ struct PatchHand {
 // Past the edge of a patch the positions of the device are stored, and the plane of the last contact acts as the surface. Its force has the
 // stiffness of the surface and damping, and is at most kMostBeyond times the last force within the patch. Without contact there is no force
 // past the edge. When a patch reaches there, the proxy follows the stored positions, kMostFollowed in each step, until it has caught up: it
-// is then where the whole scene would have it. A patch with is_way_unknown does not wait for that: in contact it takes over from a point
-// above the plane, higher the farther the hand went past the edge, and contact continues with the surface met first from there. A hand that
-// was free for kBeyondS past the edge starts again where it is.
+// is then where the whole scene would have it. A patch with is_path_incomplete does not wait for that: in contact it takes over from a
+// point above the plane, higher the farther the hand went past the edge, and contact continues with the surface met first from there. A
+// hand that was free for kBeyondS past the edge starts again where it is.
 //
 // Frames: W and S as named. Units: SI. RT: all. Threads: one.
 class PatchTouch {
  public:
-  static constexpr int kMostFollowed = 32;  // places a step: a second at 1 kHz within 32 steps
-  static constexpr double kBeyondS = 5.0;
-  static constexpr double kMostBeyond = 2.0;
-  static constexpr double kBeyondDampingS = 0.005;  // damping of that plane, over its stiffness
-  static constexpr double kLeastRise = 2.0;         // ... at least, of the last penetration within
-  static constexpr double kMostRoom = 0.9;          // of a patch's room, for a proxy that starts above it
-  static constexpr double kRise = 0.25;             // how far above the plane, for the way past the edge
+  static constexpr int kMostFollowed = 32;          // stored positions a step: those of a second at 1 kHz within 32 steps
+  static constexpr double kBeyondS = 5.0;           // s, see above
+  static constexpr double kMostBeyond = 2.0;        // largest force past the edge, over the last one within
+  static constexpr double kBeyondDampingS = 0.005;  // damping of the plane over its stiffness
+  static constexpr double kRise = 0.25;             // height above the plane over the distance along it since the edge, ...
+  static constexpr double kLeastRise = 2.0;         // ... and at least this many times the last penetration within
+  static constexpr double kMostRoom = 0.9;          // share of a patch's room above the hand in which a proxy may start
 
   struct Counts {
     std::uint64_t steps = 0;
@@ -112,7 +112,7 @@ class PatchTouch {
   PatchHand hand_at(const Vec3& p_SD, std::int64_t time_ns) const noexcept;
 
  private:
-  PatchWay way() const noexcept;
+  PathBall path_ball() const noexcept;
   bool is_place(const Vec3& p_SD) const noexcept;
   bool reaches(const Patch& patch, const Vec3& p_SD) const noexcept;
   bool reaches_next() const noexcept { return patch_ != nullptr && !path_.empty() && reaches(*patch_, path_.front().p_SD); }

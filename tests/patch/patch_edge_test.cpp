@@ -14,7 +14,7 @@ constexpr double kHeldDepth = 0.003;
 // A flat sheet at z = 0, known within 10 mm of the origin.
 struct PatchEdge : testing::Test {
   PatchEdge() { (void)touch.offer(make_patch(Vec3::Zero(), 0.01)); }
-  static std::unique_ptr<Patch> make_patch(const Vec3& p_SC, double radius_m, bool is_way_unknown = false) {
+  static std::unique_ptr<Patch> make_patch(const Vec3& p_SC, double radius_m, bool is_path_incomplete = false) {
     auto patch = std::make_unique<Patch>();
     patch->step =
         std::make_unique<TouchStep>(*make_method({}, scene_of(made::sheet(0.05, 0.0, 10), {.stiffness_n_per_m = kEdgeStiffness})));
@@ -22,7 +22,7 @@ struct PatchEdge : testing::Test {
     patch->p_SC = p_SC;
     patch->radius_m = radius_m;
     patch->lift_m = 1e-9;
-    patch->is_way_unknown = is_way_unknown;
+    patch->is_path_incomplete = is_path_incomplete;
     return patch;
   }
   std::optional<PatchOutput> go(double x, double depth_m, double dt_s = 1e-3) {
@@ -96,16 +96,16 @@ TEST_F(PatchEdge, APatchThatReachesTheHandIsCaughtUpWith) {
 
 // One that does not reach back to the last proxy within takes over only if it says that the way is not known.
 TEST_F(PatchEdge, APatchBesideTheWayTakesOverFromAboveThePlane) {
-  for (const bool is_way_unknown : {false, true}) {
+  for (const bool is_path_incomplete : {false, true}) {
     touch = PatchTouch();
     (void)touch.offer(make_patch(Vec3::Zero(), 0.01));
     (void)go_past_the_edge();
     for (int n = 13; n < 40; ++n) (void)go(0.001 * n, kHeldDepth);
-    (void)touch.offer(make_patch({0.039, 0, 0}, 0.03, is_way_unknown));
+    (void)touch.offer(make_patch({0.039, 0, 0}, 0.03, is_path_incomplete));
     const auto felt = go(0.039, kHeldDepth);
     ASSERT_TRUE(felt.has_value());
-    EXPECT_EQ(felt->is_beyond, !is_way_unknown);
-    EXPECT_EQ(touch.counts().raised, is_way_unknown ? 1U : 0U);
+    EXPECT_EQ(felt->is_beyond, !is_path_incomplete);
+    EXPECT_EQ(touch.counts().raised, is_path_incomplete ? 1U : 0U);
     EXPECT_NEAR(felt->force_n.z(), kEdgeStiffness * kHeldDepth, 0.02);
   }
 }
@@ -174,10 +174,10 @@ TEST_F(PatchEdge, TheWayHoldsTheLastProxyAndThePlacesSince) {
   const PatchHand at = touch.hand_at(hand, 8);
   ASSERT_TRUE(at.is_beyond);
   const Vec3 far = Vec3(0.012, 0.0005, -kHeldDepth);
-  EXPECT_LE((far - at.way.p_SC).norm(), at.way.radius_m + 1e-9);
-  EXPECT_NEAR(at.way.p_SC.z(), -0.5 * kHeldDepth, 1e-4) << "half way between proxy and hand";
-  EXPECT_GT(at.way.p_SC.x(), 0.006);
-  EXPECT_LT(at.way.radius_m, 0.006);
+  EXPECT_LE((far - at.path.p_SC).norm(), at.path.radius_m + 1e-9);
+  EXPECT_NEAR(at.path.p_SC.z(), -0.5 * kHeldDepth, 1e-4) << "half way between proxy and hand";
+  EXPECT_GT(at.path.p_SC.x(), 0.006);
+  EXPECT_LT(at.path.radius_m, 0.006);
 }
 
 TEST_F(PatchEdge, AnotherGenerationIsAnotherScene) {

@@ -36,8 +36,8 @@ struct PatchMakerTest : testing::Test {
   }
   // So far off kMiddle.
   void hold(const Vec3& by, double at_s = 1.0) { maker.note_hand({kMiddle + by, static_cast<std::int64_t>(1e9 * at_s), false, {}}); }
-  void hold_beyond(const PatchWay& way, double at_s) {
-    maker.note_hand({way.p_SC + Vec3(way.radius_m, 0, 0), static_cast<std::int64_t>(1e9 * at_s), true, way});
+  void hold_beyond(const PathBall& ball, double at_s) {
+    maker.note_hand({ball.p_SC + Vec3(ball.radius_m, 0, 0), static_cast<std::int64_t>(1e9 * at_s), true, ball});
   }
   std::unique_ptr<Patch> make() { return maker.make_if_due(store, 3); }
   // From here on patches take so long that no larger one pays.
@@ -54,7 +54,7 @@ TEST_F(PatchMakerTest, MakesNothingBeforeThereIsAHandAndAScene) {
   hold(Vec3(std::nan(""), 0, 0));
   EXPECT_EQ(make(), nullptr) << "a hand that is nowhere";
   maker.note_hand({Vec3::Zero(), 1, false, {Vec3(0, kInfinite, 0), 0.0}});
-  EXPECT_EQ(make(), nullptr) << "a way that leads nowhere";
+  EXPECT_EQ(make(), nullptr) << "a path that leads nowhere";
   hold(Vec3::Zero());
   EXPECT_EQ(maker.make_if_due(PatchStore(), 3), nullptr) << "no scene";
   EXPECT_NE(make(), nullptr);
@@ -70,7 +70,7 @@ TEST_F(PatchMakerTest, TheFirstIsSmallAndAroundTheHand) {
   EXPECT_EQ(patch->generation, 3U);
   EXPECT_EQ(patch->radius_m, maker.radius_m());
   EXPECT_EQ(patch->lift_m, 4.0 * tiled.grid.step_m);
-  EXPECT_FALSE(patch->is_way_unknown);
+  EXPECT_FALSE(patch->is_path_incomplete);
   EXPECT_LE(maker.triangles(), kFew);
   EXPECT_GT(maker.triangles(), kFew / 4);
   make_slowly();
@@ -177,45 +177,45 @@ TEST_F(PatchMakerTest, PastTheEdgeOneReachesOverTheWayAndAWiderOneFollowsWhereTh
   hold(Vec3::Zero());
   ASSERT_NE(make(), nullptr);
   make_slowly();
-  const PatchWay way{kMiddle, 0.008};
-  hold_beyond(way, 2.0);
+  const PathBall ball{kMiddle, 0.008};
+  hold_beyond(ball, 2.0);
   auto patch = make();
   ASSERT_NE(patch, nullptr);
-  EXPECT_EQ(patch->p_SC, way.p_SC);
-  EXPECT_GE(patch->radius_m, 1.5 * way.radius_m);
-  EXPECT_FALSE(patch->is_way_unknown);
+  EXPECT_EQ(patch->p_SC, ball.p_SC);
+  EXPECT_GE(patch->radius_m, 1.5 * ball.radius_m);
+  EXPECT_FALSE(patch->is_path_incomplete);
   const double first_m = patch->radius_m;
-  hold_beyond(way, 2.049);
+  hold_beyond(ball, 2.049);
   EXPECT_EQ(make(), nullptr) << "it has 50 ms to be taken";
-  hold_beyond({way.p_SC, first_m}, 2.049);
+  hold_beyond({ball.p_SC, first_m}, 2.049);
   EXPECT_NE(make(), nullptr) << "unless it does not reach";
-  hold_beyond({way.p_SC, 0.005}, 2.2);
+  hold_beyond({ball.p_SC, 0.005}, 2.2);
   EXPECT_EQ(make() != nullptr, true);
   // Twice as wide, and once more.
-  hold_beyond({way.p_SC, 0.005}, 2.3);
+  hold_beyond({ball.p_SC, 0.005}, 2.3);
   patch = make();
   ASSERT_NE(patch, nullptr);
   EXPECT_GE(patch->radius_m, 4.0 * 1.5 * 0.005);
 }
 
 TEST_F(PatchMakerTest, AHandThatIsWithinAgainBeginsWithTheNarrowestWay) {
-  const PatchWay way{kMiddle, 0.004};
+  const PathBall ball{kMiddle, 0.004};
   double narrow_m = 0.0;
   for (const bool was_within : {true, false}) {
     if (was_within) hold(Vec3::Zero(), 2.0);
     maker.forget();
-    hold_beyond(way, 3.1);
+    hold_beyond(ball, 3.1);
     ASSERT_NE(make(), nullptr);
     if (was_within) make_slowly();
     if (was_within) narrow_m = maker.radius_m();
-    hold_beyond(way, 3.2);
+    hold_beyond(ball, 3.2);
     ASSERT_NE(make(), nullptr) << "it had its 50 ms";
   }
   const double wide_m = maker.radius_m();
-  EXPECT_GE(wide_m, 4.0 * 1.5 * way.radius_m);
+  EXPECT_GE(wide_m, 4.0 * 1.5 * ball.radius_m);
   hold(Vec3::Zero(), 4.0);
   maker.forget();
-  hold_beyond(way, 5.0);
+  hold_beyond(ball, 5.0);
   ASSERT_NE(make(), nullptr);
   EXPECT_LT(maker.radius_m(), wide_m);
   EXPECT_NEAR(maker.radius_m(), narrow_m, 0.3 * narrow_m);
@@ -277,23 +277,23 @@ TEST_F(PartlyKnown, StaysWhereTheHandIsWhenLessIsKnownAhead) {
 TEST_F(PartlyKnown, AWayOfWhichPartsAreMissingIsSaidToBeUnknown) {
   maker = PatchMaker(100'000);
   const double known_m = store.known_radius(kMiddle);
-  const auto hold_at_the_edge = [&](const PatchWay& way, double at_s) {
-    maker.note_hand({kMiddle, static_cast<std::int64_t>(1e9 * at_s), true, way});
+  const auto hold_at_the_edge = [&](const PathBall& ball, double at_s) {
+    maker.note_hand({kMiddle, static_cast<std::int64_t>(1e9 * at_s), true, ball});
   };
   hold_at_the_edge({Vec3(-0.045, 0.03, 0.0), 0.01}, 2.0);
   auto patch = make();
   ASSERT_NE(patch, nullptr);
-  EXPECT_TRUE(patch->is_way_unknown);
+  EXPECT_TRUE(patch->is_path_incomplete);
   EXPECT_EQ(patch->p_SC, kMiddle) << "where the hand is";
   EXPECT_EQ(make(), nullptr) << "not again and again";
   hold_at_the_edge({kMiddle, 0.9 * known_m / 1.5}, 2.1);
   patch = make();
   ASSERT_NE(patch, nullptr);
-  EXPECT_FALSE(patch->is_way_unknown);
+  EXPECT_FALSE(patch->is_path_incomplete);
   hold_at_the_edge({kMiddle, 1.1 * known_m / 1.5}, 2.2);
   patch = make();
   ASSERT_NE(patch, nullptr) << "the one before does not lead there";
-  EXPECT_TRUE(patch->is_way_unknown);
+  EXPECT_TRUE(patch->is_path_incomplete);
 }
 
 // The known part of the scene around the hand has no triangle.

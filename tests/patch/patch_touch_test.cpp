@@ -50,11 +50,11 @@ class LatePatches {
  private:
   std::unique_ptr<Patch> make(const Vec3& p_SD) const {
     const PatchHand hand = touch_.hand_at(p_SD, 0);
-    const PatchWay way = hand.is_beyond ? hand.way : PatchWay{p_SD, 0.0};
+    const PathBall ball = hand.is_beyond ? hand.path : PathBall{p_SD, 0.0};
     auto patch = std::make_unique<Patch>();
     patch->step = std::make_unique<TouchStep>(*make_method({}, scene_));
-    patch->p_SC = way.p_SC;
-    patch->radius_m = std::max(kPatchRadius, 1.5 * way.radius_m);
+    patch->p_SC = ball.p_SC;
+    patch->radius_m = std::max(kPatchRadius, 1.5 * ball.radius_m);
     patch->lift_m = 1e-9;
     return patch;
   }
