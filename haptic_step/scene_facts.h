@@ -5,7 +5,7 @@
 
 namespace hapton {
 
-// The scene facts that a haptics node sends to the others. RT: set-up only.
+// The message with which a haptics node describes its scene to the other nodes. RT: set-up only.
 SceneFacts make_scene_facts(const Scene& scene);
 
 }  // namespace hapton

@@ -15,43 +15,43 @@
 
 namespace hapton {
 
-// Who takes what a HidPort brings. All calls come from one thread at a time: the caller's in HidPort::open, then the port's own.
+// Receives the events of a HidPort. All calls come from one thread at a time: the caller's in HidPort::open, then the port's own.
 class HidListener {
  public:
   virtual ~HidListener() = default;
 
-  // The device is there, for the first time or again. Error: it is not usable, one line; it is closed and tried again later.
+  // The device was opened, for the first time or again. Error, one line: it is not usable; it is closed, and opened again later.
   virtual Result<void> on_opened(HidTransport& transport) = 0;
-  // A report, stamped with when it was read. RT: must be.
+  // A report. now_ns: CLOCK_MONOTONIC when it was read. RT: required.
   virtual void on_report(std::span<const std::uint8_t> report, std::int64_t now_ns) noexcept = 0;
-  // No more reports are waiting: the last one received is the newest. RT: must be.
+  // The queue of reports is empty: the last one received is the newest. RT: required.
   virtual void on_drained(std::int64_t now_ns) noexcept = 0;
   virtual void on_gone() noexcept = 0;
 };
 
-// Keeps one HID device open: a thread of its own reads it, drains its queue to the newest report each time (the kernel's holds 64 and drops
-// the new ones when it is full), notices when it is gone, looks for it and opens it again.
+// Keeps one HID device open. A thread of its own reads it, drains its queue to the newest report each time (the kernel's holds 64 and drops
+// new ones when it is full), notices when it was unplugged, searches for it and opens it again. RT: the thread, if `realtime` is given.
 // Threads: open, close and the destructor one; transport() and suspect() any.
 class HidPort {
  public:
   static constexpr std::int64_t kLookEveryNs = 250 * kNanosecondsPerMillisecond;
 
-  // Pre: the listener outlives the port. name is for the log. priority: SCHED_FIFO of the reading thread; none: an ordinary one.
+  // Pre: the listener outlives the port. name: for the log. realtime: settings of the reading thread; none: an ordinary thread.
   HidPort(HidOpener opener, HidListener& listener, std::string name, std::optional<RealtimeSettings> realtime = {});
   ~HidPort();
   HidPort(const HidPort&) = delete;
   HidPort& operator=(const HidPort&) = delete;
 
-  // Opens the device and begins to read. Error: it is not there or not usable, one line.
+  // Opens the device and begins to read. Error, one line: it is not plugged in, or not usable.
   Result<void> open();
-  // Begins to look for the device, should it not be there yet; the log says when it is.
+  // Begins to search for a device that need not be plugged in yet; the log says when it was found.
   void start();
   void close() noexcept;
 
-  // The open device, for writing; null while it is away. It stays valid for who holds it. RT: no lock that is ever held for long.
+  // The open device, for writing; null while it is unplugged. The pointer keeps it alive. RT: a lock that is held for a copy of a pointer.
   std::shared_ptr<HidTransport> transport() const noexcept;
 
-  // A write to it failed: it is closed and opened again.
+  // Call it when a write failed: the device is closed and opened again.
   void suspect() noexcept { is_suspect_.store(true, std::memory_order_release); }
 
  private:

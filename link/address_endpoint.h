@@ -9,7 +9,7 @@
 
 namespace hapton {
 
-// An address as the system's calls take it.
+// An address in the form of the system calls.
 struct SocketAddress {
   sockaddr_storage storage = {};
   socklen_t size = sizeof(sockaddr_storage);
@@ -22,7 +22,7 @@ int address_family(const Address& address) noexcept;
 SocketAddress to_socket_address(const Address& address) noexcept;
 // Pre: AF_INET or AF_INET6.
 Address from_socket_address(const SocketAddress& address) noexcept;
-// The address that a socket is bound to; port 0 when the system does not say.
+// The address that a socket is bound to; port 0 if the system does not report it.
 Address local_address(int socket) noexcept;
 
 // The same for Boost.Asio.

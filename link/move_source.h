@@ -7,17 +7,17 @@
 
 namespace hapton {
 
-// Whose moves of objects, or carves, count: those of the haptics process that announced its own last. Serials and scene time begin again in
-// another process, and its objects are where the scene file has them, and whole. RT: yes. Threads: one.
+// Which haptics process the known moves of objects, or carves, come from: the one that sent its own last. In another process serials and
+// scene time begin again, and its objects are whole and where the scene file places them. RT: yes. Threads: one.
 class MoveSource {
  public:
   enum class Verdict : std::uint8_t {
-    known,  // of the process whose moves are known
-    other,  // of another one: the moves known so far are void
-    old,    // of a process that another one has replaced; the datagram was overtaken
+    known,  // the message is from this process
+    other,  // it is from another process, which replaces it: all moves and carves so far are void
+    old,    // it is from a process that was replaced, and came late: ignore it
   };
 
-  // arrival: as HubClient::last_arrival of this move.
+  // Takes the source of a message. arrival: HubClient::last_arrival of this message.
   Verdict note(const ObjectMove& move, Arrival arrival) noexcept { return note(move.source, arrival); }
   Verdict note(std::uint32_t source, Arrival arrival) noexcept {
     if (source == source_) return Verdict::known;

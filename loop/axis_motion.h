@@ -19,29 +19,29 @@ class AxisMotion {
   using StateVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostStates, 1>;
 
   struct State {
-    StateVector x;         // as AxisPlant's
-    double motor_j = 0.0;  // work of the motor on the device, so far
-    double lost_j = 0.0;   // turned to heat in the device: viscous damping, joints, friction
+    StateVector x;         // as in AxisPlant
+    double motor_j = 0.0;  // work of the motor on the device since the start
+    double lost_j = 0.0;   // energy dissipated in the device since the start: viscous damping, joints, friction
 
     double position_m() const noexcept { return x[0]; }
     double velocity_m_per_s() const noexcept { return x[1]; }
   };
 
-  // Held over an interval.
+  // Inputs that are constant over an interval, except for the motion of the hand.
   struct Input {
     double command_n = 0.0;
-    double hand_m = 0.0;  // intended position at the start of the interval, and its rate
-    double hand_m_per_s = 0.0;
-    double push_n = 0.0;  // on the motor mass, from outside
+    double hand_m = 0.0;        // intended position of the hand at the start of the interval, ...
+    double hand_m_per_s = 0.0;  // ... and its velocity
+    double push_n = 0.0;        // external force on the motor mass
   };
 
   AxisMotion(const DeviceModel& device, const HandModel& hand);
 
-  // All at rest at this position.
+  // The state in which all masses rest at this position.
   State rest_at(double position_m) const;
   // Pre: duration_ns >= 0.
   void advance(State& state, const Input& input, std::int64_t duration_ns) const noexcept;
-  // Kinetic and elastic energy with the hand's intention at hand_m.
+  // Kinetic and elastic energy if the intended position of the hand is hand_m.
   double stored_j(const State& state, double hand_m) const noexcept;
 
   const AxisPlant& plant() const noexcept { return plant_; }

@@ -13,38 +13,38 @@
 
 namespace hapton {
 
-// The parts of a scene that have arrived. Within the known radius of a point, all triangles of the scene are here. Parts may arrive in any
-// order, twice or never. The memory is bounded: a part that does not fit is dropped, and never confirmed.
+// The parts of a scene that io_node has received. Within the known radius of a point no triangle of the scene is missing. Parts may arrive
+// in any order, repeatedly or never. The memory is bounded: a part that does not fit is dropped, and never confirmed.
 //
 // Frame: S. Units: m. RT: no. Threads: one.
 class PatchStore {
  public:
-  static constexpr std::size_t kMostTiles = 8192;
-  static constexpr std::size_t kMostCells = 32768;
+  static constexpr std::size_t kMostTiles = 8192;   // bounds the memory for triangles
+  static constexpr std::size_t kMostCells = 32768;  // ... and for the tree of cells above the tiles
 
   // The triangles near a point, as a scene of their own, and how far from the point none is missing.
   struct Piece {
-    TouchScene scene;          // no objects where no triangle is near
-    std::vector<int> objects;  // the whole scene's number of each
-    double radius_m = 0.0;
+    TouchScene scene;          // no objects if no triangle is near
+    std::vector<int> objects;  // for each of its objects the number in the whole scene
+    double radius_m = 0.0;     // no triangle within this distance of the point is missing
     std::size_t triangles = 0;
   };
   struct Counts {
     std::uint64_t parts = 0;
     std::uint64_t repeated = 0;
-    std::uint64_t rejected = 0;  // of an epoch that is over, or no room
+    std::uint64_t rejected = 0;  // parts of an earlier epoch, or without room
   };
 
-  // A part of a newer epoch drops all of the one before.
+  // Takes a part. A part of a newer epoch (another scene, or the same one sent anew) drops all parts of the one before.
   void accept(const PatchBegin& begin);
   void accept(const PatchCell& cell);
   void accept(const PatchTile& tile);
-  // Another sender: epochs start again.
+  // Drops everything, for another sender, whose epochs start again.
   void clear();
 
   bool has_begun() const noexcept { return begin_.has_value(); }
   const PatchBegin& begin() const noexcept { return *begin_; }
-  // What has come of this epoch so far. is_wanted and round_trip_s are the caller's.
+  // The parts of this epoch received so far. The caller sets is_wanted and round_trip_s.
   const PatchStatus& status() const noexcept { return status_; }
   std::uint64_t revision() const noexcept { return counts_.parts; }
   const Counts& counts() const noexcept { return counts_; }

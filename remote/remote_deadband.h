@@ -19,9 +19,9 @@ namespace hapton {
 // The codec assumes zero delay: neither end corrects for the transit time. Units: SI, ns. RT: no. Threads: one.
 class RemoteDeadband final : public RemoteTouch {
  public:
-  static constexpr double kPositionM = 1e-3;
-  static constexpr double kLeastForceN = 0.1;       // a smaller force counts as that
-  static constexpr double kLeastSpeed = 0.05;       // m/s, so does a slower motion
+  static constexpr double kPositionM = 1e-3;        // m: scale of the position error, see above
+  static constexpr double kLeastForceN = 0.1;       // the fraction is of this for smaller forces: else noise near 0 would be sent
+  static constexpr double kLeastSpeed = 0.05;       // m/s: the same for slower motions
   static constexpr std::size_t kVelocityRows = 20;  // samples over which the velocity is a mean; otherwise encoder noise would be sent
 
   struct Options {
@@ -59,7 +59,7 @@ class RemoteDeadband final : public RemoteTouch {
   std::vector<std::pair<std::int64_t, Vec3>> recent_;  // a ring
   std::size_t samples_ = 0;
   DeadbandCoder velocity_;
-  std::optional<Motion> told_;
+  std::optional<Motion> told_;  // sent last
   PredictedSignal force_;
   std::int64_t force_sent_ns_ = -1;
 

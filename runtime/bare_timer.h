@@ -9,21 +9,21 @@
 
 namespace hapton {
 
-// The timing of a loop that only waits for its ticks: the yardstick for every servo loop on this machine.
+// The timing of a loop that only waits for its ticks: the best that a servo loop can reach on this machine.
 struct BareTimer {
   double rate_hz = 0.0;
-  std::uint64_t ticks = 0;   // woken for
-  std::uint64_t missed = 0;  // cycles slept through, counted as in a servo loop: late by whole periods
+  std::uint64_t ticks = 0;   // wake-ups
+  std::uint64_t missed = 0;  // missed cycles, counted as in a servo loop: whole periods by which a wake-up was late
   LatencyHistogram lateness;
 
   double missed_share() const noexcept;
   void merge(const BareTimer& other) noexcept;
 };
 
-// The bare loop on the calling thread. Pre: rate_hz and seconds finite, above 0.
+// Runs such a loop on the calling thread. Pre: rate_hz and seconds finite, above 0.
 BareTimer run_bare_timer(Clock& clock, double rate_hz, double seconds) noexcept;
 
-// The same in its own thread, scheduled by the settings; waits for it. RT: set-up only. Error: see enter_realtime.
+// Runs it in a thread of its own with these settings, and waits for the result. RT: set-up only. Error: see enter_realtime.
 Result<BareTimer> measure_bare_timer(const RealtimeSettings& settings, double rate_hz, double seconds);
 
 }  // namespace hapton

@@ -23,7 +23,7 @@ class ByteRing {
     const std::size_t size = head.size() + body.size();
     const std::size_t end = end_.load(std::memory_order_relaxed);
     const std::size_t to_wrap = bytes_.size() - place(end);
-    // A record is contiguous: one that would not fit before the end of the memory is written at its front.
+    // A record is contiguous: one that does not fit before the end of the memory is written at its begin.
     const std::size_t skipped = kPrefix + size <= to_wrap ? 0 : to_wrap;
     const std::size_t taken = skipped + padded(kPrefix + size);
     if (end + taken - begin_seen_ > bytes_.size()) begin_seen_ = begin_.load(std::memory_order_acquire);

@@ -10,12 +10,12 @@ namespace hapton {
 class SlewLimit {
  public:
   struct Rates {
-    double towards_goal = 0.0;
-    double release = 0.0;  // >= towards_goal
+    double towards_goal = 0.0;  // largest change in a step towards the goal
+    double release = 0.0;       // largest decrease in a step above the limit; >= towards_goal
   };
 
-  // Pre: finite; limit >= 0. Post: value() has changed by no more than the larger rate; |value()| <= limit, or it decreased at the release
-  // rate.
+  // One step. Pre: finite; limit >= 0. Post: value() has changed by no more than the larger rate; |value()| <= limit, or it decreased by
+  // the release rate.
   const Vec3& follow(const Vec3& goal, double limit, const Rates& rates) noexcept {
     double left = rates.towards_goal;
     const double length = length_of(value_);
@@ -34,7 +34,7 @@ class SlewLimit {
   }
 
   const Vec3& value() const noexcept { return value_; }
-  bool was_cut() const noexcept { return was_cut_; }
+  bool was_cut() const noexcept { return was_cut_; }  // the last step did not reach the goal
 
  private:
   Vec3 value_ = Vec3::Zero();

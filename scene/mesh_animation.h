@@ -9,14 +9,14 @@
 
 namespace hapton {
 
-// Displacements of the vertices of a node at a weight of 1 of each of its morph targets. Frame: the file's, at rest, metres.
+// The morph targets of a node: displacements of its vertices at weight 1. Frame: that of the file, at rest. Units: metres.
 struct MeshMorphs {
   std::vector<Vec3> at_rest;                     // one for each vertex of the file
   std::vector<std::vector<Vec3>> displacements;  // by target, then as at_rest
 };
 
-// How a mesh file moves its nodes: each rigidly, and by the weights of its morph targets. Frame: the file's, metres. Other nodes are
-// static.
+// An animation of a mesh file: rigid motions of nodes, and weights of their morph targets over time. Nodes that it does not name are
+// static. Frame: that of the file. Units: metres.
 struct MeshAnimation {
   std::string name;
   double duration_s = 0.0;

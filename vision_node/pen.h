@@ -15,18 +15,18 @@ enum class PenMode : std::uint8_t { off, draw, measure };
 
 struct PenSettings {
   std::uint32_t draw_buttons = 0;     // of the stylus, one bit each; 0: none
-  std::uint32_t measure_buttons = 0;  // likewise
-  double bound_m = 1e-4;              // how far a stroke may be from the points touched (StrokeThinner)
+  std::uint32_t measure_buttons = 0;  // the same for an end of a measure
+  double bound_m = 1e-4;              // largest distance of a stroke from the touched points (StrokeThinner): not visible
 };
 
 // Strokes and measures from touched points, buttons and keys; undo and redo. A stroke lasts as long as a draw button is down and one object
 // is touched. A measure takes two presses; each takes the point touched then. Frame O (scene/annotations.h), metres. RT: no.
 class Pen {
  public:
-  // given: read from a file; undo takes away those as well, the last first.
+  // given: annotations read from a file; undo removes these too, the last first.
   Pen(const PenSettings& settings, Annotations given) : settings_(settings), annotations_(std::move(given)) {}
 
-  // What the person does next: each state of the probe, in order. touched: none in free space, or where there is no such point.
+  // Takes each state of the probe, in order. touched: the touched point; none in free space, and if it is not known.
   // Buttons that were down at the first call do nothing until they are pressed again.
   void receive(const std::optional<SurfacePoint>& touched, std::uint32_t buttons);
 
@@ -43,15 +43,15 @@ class Pen {
   bool wants_point(std::uint32_t buttons) const {
     return is_key_down_ || has_measure_key_ || (buttons & (settings_.draw_buttons | settings_.measure_buttons)) != 0;
   }
-  // The end: a stroke that is being drawn is finished.
+  // Finishes a stroke that is being drawn, at the end of the program.
   void finish() { finish_stroke(); }
 
-  // Takes away the newest: a stroke that is being drawn, the first end of a measure, or the last entry. False: there is nothing.
+  // Removes the newest: a stroke that is being drawn, the first end of a measure, or the last entry. False: there is nothing to remove.
   bool undo();
-  // Brings back what undo took away last, unless something was drawn or measured since.
+  // Restores what undo removed last. False: nothing was removed, or something was drawn or measured since.
   bool redo();
 
-  // Objects that were put down, to be saved.
+  // Sets the objects that were put down, which are saved with the annotations.
   void set_put_down(std::vector<PutDown> put_down);
 
   const Annotations& annotations() const { return annotations_; }
@@ -64,9 +64,9 @@ class Pen {
   // Counts all changes of what can be seen, and of the entries alone.
   std::uint64_t revision() const { return revision_; }
   std::uint64_t entries_revision() const { return entries_revision_; }
-  // What has been finished since the last call: its place among the entries.
+  // The number of the entry that was finished since the last call; none: no entry was.
   std::optional<std::size_t> take_finished();
-  // True once, when something was not taken because there is no room (kMostAnnotationPoints).
+  // True once for each time that something was rejected because there is no room (kMostAnnotationPoints).
   bool take_full();
 
  private:

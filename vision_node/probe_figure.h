@@ -14,7 +14,7 @@
 
 namespace hapton {
 
-// The colours that distinguish hands.
+// Colours (red, green, blue, 0 to 1) that distinguish the hands.
 struct ProbeLook {
   Vec3 tip;
   Vec3 grip;
@@ -23,22 +23,22 @@ struct ProbeLook {
   static ProbeLook other() { return {{0.25, 0.62, 1.0}, {0.10, 0.22, 0.50}, {0.95, 0.45, 0.85}}; }
 };
 
-// The stylus with its spherical tip, and the force arrow, as VTK actors. Hidden until first set. The arrow begins beside the tip, has a
-// ring for each newton and a red one where it is cut off. Tip and arrow are visible, dotted, through anything in front of them. In contact
-// the device's own position is shown, below the surface, joined to the tip by a line as long as the penetration.
+// The stylus with its spherical tip, and the force arrow, as VTK actors. Hidden until set() is called. The arrow begins beside the tip, has
+// a ring for each newton and a red one where it is cut off. Behind other objects, tip and arrow are visible as dots. In contact the device
+// point is shown too, below the surface, with a line to the tip: the penetration. Threads: the window's. RT: no.
 class ProbeFigure {
  public:
   explicit ProbeFigure(const ProbeSizes& sizes, const ProbeLook& look = ProbeLook::first());
   void add_to(vtkRenderer* renderer);
   void set(const ProbeShown& probe);
   void hide();
-  // The tip is a ball of this radius; 0: a pin, of the radius in sizes().
+  // Radius of the ball at the tip; 0: a pin with the radius in sizes().
   void set_tip_radius(double radius_m);
-  // From now on this is drawn at the probe's place, and no stylus or tip.
+  // Draws a rigid tool at the pose of the probe from now on.
   // with_stylus: beside stylus and tip, as an object that was picked up; otherwise in place of them.
   void set_tool(const SceneTool& tool, bool with_stylus = false);
   void clear_tool();
-  // Whether the tip throws a shadow on the ground.
+  // Whether the tip has a shadow on the ground.
   void set_shadow(bool thrown) { throws_shadow_ = thrown; }
   const ProbeSizes& sizes() const { return sizes_; }
 
@@ -59,7 +59,7 @@ class ProbeFigure {
   vtkNew<vtkActor> head_;
   vtkNew<vtkActor> rings_;
   vtkNew<vtkActor> limit_;
-  // Over everything and with every other block of pixels left out: seen where something is in front.
+  // Drawn over everything, with every other block of pixels left out: what is visible behind other objects.
   vtkNew<vtkActor> ghost_tip_;
   vtkNew<vtkActor> ghost_shaft_;
   vtkNew<vtkActor> ghost_head_;

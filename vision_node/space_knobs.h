@@ -7,10 +7,10 @@
 
 namespace hapton {
 
-// The memo's knob box, as a SpaceMouse: turning its cap about x, y or z turns the dial of that axis. Translations do nothing. RT: no.
+// A SpaceMouse as the memo's knob box: turning its cap about x, y or z turns the dial of that axis. Translations do nothing. RT: no.
 class SpaceKnobs {
  public:
-  static constexpr double kFullDegreesPerS = 120.0;
+  static constexpr double kFullDegreesPerS = 120.0;  // at full deflection of the cap: a turn in three seconds
 
   explicit SpaceKnobs(HidOpener opener) : rate_(std::move(opener), &SpaceMouseState::turn, kFullDegreesPerS) {}
 

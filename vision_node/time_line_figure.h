@@ -13,11 +13,11 @@
 
 namespace hapton {
 
-// The time line in one eye's picture, in the screen's plane: contact green, markers blue, faults red, the moment shown white. RT: no.
+// The time line in one eye's image, in the plane of the screen: contact is green, markers blue, faults red, the shown moment white. RT: no.
 class TimeLineFigure {
  public:
   void add_to(vtkRenderer* renderer);
-  // Hidden if there is none. moment: share of the line.
+  // line: none hides it. moment: position of the shown moment, 0 (begin) to 1 (end). size: of the image, pixels.
   void set(const std::optional<TimeLineShown>& line, double moment, PictureSize size);
 
  private:

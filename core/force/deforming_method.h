@@ -11,14 +11,14 @@
 
 namespace hapton {
 
-// Feels one object that deforms by itself (TouchObject::deformation): the proxy on the mesh of the time of each sample.
+// The method `proxy` for one object that deforms (TouchObject::deformation): in each step the mesh has its shape at the time of the sample.
 //
-// Before each step the surface is put into its shape of that time (DeformingGeometry), and takes the probe along: a probe that it holds, or
-// that it may have passed, goes to the same place of the deformed surface, on the same side (ProxyMethod::Anchor), and the device of the
-// last sample by as much. From there the proxy follows the device as usual. So a surface that moves into the hand pushes the proxy ahead,
-// friction and damping are relative to the surface, and the proxy never passes it, however far the surface moved since the last step.
+// Before each step the surface takes its shape of that time (DeformingGeometry) and carries the probe along: a probe that it holds, or that
+// it may have passed, moves to the same place of the deformed surface, on the same side (ProxyMethod::Anchor), and the device point of the
+// last sample moves by the same vector. From there the proxy follows the device as usual. So a surface that moves into the hand pushes the
+// proxy ahead, friction and damping are relative to the surface, and the proxy never passes it, however far it moved since the last step.
 //
-// While the hand is farther from the surface than it can have come since the last search, a step is a few comparisons.
+// While hand and surface cannot have met since the last search, a step is a few comparisons.
 //
 // Frame: S. RT: step and reset yes: linear in the vertices that move, a few ns each, where the hand is near. Threads: as ForceMethod.
 class DeformingMethod final : public ForceMethod {
@@ -41,16 +41,16 @@ class DeformingMethod final : public ForceMethod {
   void look_round(const Vec3& p_SD, double moved_m) noexcept;
 
   std::unique_ptr<ForceMethod> method_;
-  ProxyMethod& proxy_;  // the same
+  ProxyMethod& proxy_;  // *method_
   DeformingGeometry surface_;
-  MeshDeformation::Weights weights_ = {};  // of the shape
-  std::optional<Vec3> start_;              // reset() was called: where the next step begins
+  MeshDeformation::Weights weights_ = {};  // of the present shape
+  std::optional<Vec3> start_;              // where the next step begins after reset()
   bool has_begun_ = false;
   Vec3 last_p_SD_ = Vec3::Zero();
   double last_time_s_ = 0.0;
   Vec3 clear_from_ = Vec3::Zero();
-  double clear_m_ = 0.0;      // round clear_from_ nothing of the shape is nearer; 0: not known
-  double to_travel_m_ = 0.0;  // of hand and surface, before the next look round
+  double clear_m_ = 0.0;      // radius around clear_from_ without any surface; 0: not known
+  double to_travel_m_ = 0.0;  // how far hand and surface may move together until the next search
 };
 
 }  // namespace hapton

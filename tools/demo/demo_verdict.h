@@ -8,7 +8,7 @@
 
 namespace hapton {
 
-// The results of a step of the tour, to be evaluated.
+// What was recorded during a step of the tour.
 struct DemoEvidence {
   DemoMotion motion;
   nlohmann::ordered_json report;  // the hub's report.json, schema hapton.report/2
@@ -16,11 +16,11 @@ struct DemoEvidence {
   std::int64_t restarted_ns = 0;
 };
 
-// Whether the step showed what it promises, and one line of numbers.
+// Whether the step showed what it should.
 struct DemoVerdict {
-  bool touched = false;  // some step was in contact
-  bool held = false;     // true only with touched
-  std::string text;
+  bool touched = false;  // there was contact
+  bool held = false;     // it showed what it should; true only with touched
+  std::string text;      // one line with the numbers
 };
 
 // RT: no.
@@ -29,11 +29,11 @@ struct DemoVerdict {
 DemoVerdict evaluate_rest(const DemoEvidence& evidence);
 // The probe goes along the groove's bends (demo_shapes.h) while the device is pulled straight on.
 DemoVerdict evaluate_groove(const DemoEvidence& evidence);
-// Some step is longer than the wall is thick, the device gets behind it, and the probe never does.
+// In one haptic step at least the hand moves farther than the wall is thick; the device gets behind the wall, the probe never does.
 DemoVerdict evaluate_wall(const DemoEvidence& evidence);
 // In contact most of the time, and the typical force takes less than a period of 1 kHz.
 DemoVerdict evaluate_heavy(const DemoEvidence& evidence);
-// In contact most of the time though the typical round trip is as slow as the network makes it; no fault was latched.
+// In contact most of the time although the typical round trip is at least that of the simulated network; no fault was latched.
 DemoVerdict evaluate_network(const DemoEvidence& evidence, double least_round_trip_ms);
 // The force is released soon after the haptics node was killed, and is there again after its restart.
 DemoVerdict evaluate_death(const DemoEvidence& evidence);

@@ -8,10 +8,10 @@
 
 namespace hapton {
 
-// "X,Y,Z;X,Y,Z;X,Y,Z;X,Y,Z" in metres, frame W, in the order of kCornerNames. Error: one line.
+// Reads "X,Y,Z;X,Y,Z;X,Y,Z;X,Y,Z", metres, frame W, in the order of kCornerNames. Error: one line. RT: no.
 Result<ScreenCorners> parse_corners(std::string_view text);
 
-// What was fitted, for a person: size, place and residuals.
+// Describes a fit for the terminal: size, place and residuals. RT: no.
 std::string describe_fit(const ScreenFit& fit);
 
 }  // namespace hapton
