@@ -153,7 +153,7 @@ Vec3 HandScript::point_of_path() noexcept {
   return from.p_WD + (to.p_WD - from.p_WD) * ((t_s - from.t_s) / (to.t_s - from.t_s));
 }
 
-// Likewise, of the last row reached and the next.
+// The rotation of the path there, between the last row that was reached and the next one.
 Quat HandScript::turn_of_path() const noexcept {
   const std::vector<TrajectoryRow>& rows = options_.path;
   const TrajectoryRow& from = rows[path_row_];

@@ -22,9 +22,9 @@ namespace hapton {
 class HidDevice final : public Device, private HidListener {
  public:
   static constexpr std::int64_t kRepeatNs = 2 * kNanosecondsPerMillisecond;
-  // A device must have sent its first report so long after it was opened.
+  // The time within which a device must send its first report after it was opened.
   static constexpr std::int64_t kFirstReportNs = 2 * kNanosecondsPerSecond;
-  // After so many rejected reports in a row the device is reopened.
+  // The number of rejected reports in succession after which the device is reopened.
   static constexpr int kMostRejected = 100;
 
   // Opens it and waits for its first position. Error: it is not there, cannot be driven or sends no report; one line.

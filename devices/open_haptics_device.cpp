@@ -25,10 +25,10 @@ constexpr auto kLookEvery = std::chrono::milliseconds(20);
 constexpr std::int64_t kReopenEveryNs = kNanosecondsPerSecond;
 constexpr std::int64_t kReopenBesideOthersEveryNs = 10 * kNanosecondsPerSecond;  // the others are interrupted meanwhile
 constexpr std::int64_t kSayEveryNs = 10 * kNanosecondsPerSecond;                 // of the same state; more often is not worth a line
-// The library's scheduler calls a thousand times a second: after so long it has stopped, or the device with it.
+// The library's scheduler calls a thousand times a second. Without a call for this time, it or the device has stopped.
 constexpr std::int64_t kSchedulerSilenceNs = kNanosecondsPerSecond / 2;
 constexpr int kTicksPerLook = 100;                                             // at temperature and calibration
-constexpr std::int64_t kForceErrorPauseNs = 100 * kNanosecondsPerMillisecond;  // no force for so long after a force error
+constexpr std::int64_t kForceErrorPauseNs = 100 * kNanosecondsPerMillisecond;  // without force after a force error
 constexpr int kMostErrorsATick = 8;
 // Not to be had from the library, so ours: careful figures, see docs/vendor-devices.md.
 constexpr double kRiseS = 0.004;  // from nothing to the greatest force, as for the PHANToM Model A

@@ -9,7 +9,7 @@
 
 namespace hapton {
 
-// The kind of a device by its ids and by every usage that it has; null when it is none of ours. RT: yes.
+// The entry of a device in the catalog, by its ids and by every usage that it has; null if it has none. RT: yes.
 const HidCatalogEntry* find_in_hid_catalog(const HidDescription& device) noexcept;
 
 // The device of that kind with that id: its serial number, its path ("/dev/hidraw0") or its place among its kind ("0", "1").

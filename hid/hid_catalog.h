@@ -31,8 +31,8 @@ constexpr std::uint16_t kHaptonHidUsage = 0x0001;
 // Every HID device that we know of, the most special first. RT: yes.
 std::span<const HidCatalogEntry> hid_catalog() noexcept;
 
-// The entry of a device, null when it is none of ours. A usage_page of 0 means that the usage is not known: then the ids alone decide.
-// RT: yes.
+// The entry of a device in the catalog; null if it has none. A usage_page of 0 means that the usage is not known: then the ids alone
+// decide. RT: yes.
 const HidCatalogEntry* find_in_hid_catalog(std::uint16_t vid, std::uint16_t pid, std::uint16_t usage_page = 0,
                                            std::uint16_t usage = 0) noexcept;
 

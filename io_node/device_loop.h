@@ -103,8 +103,8 @@ class DeviceLoop {
   static constexpr std::int64_t kMostCaughtUp = 10;
   // A cycle later than this means that the machine was stalled: no work, device or wake-up takes that long.
   static constexpr std::int64_t kStallNs = 10 * kNanosecondsPerMillisecond;
-  // Cycles that wait for the network side: 0.8 s at 10 kHz. No recording lacks a sample because that side was kept from its CPU for so
-  // long, or began so much later.
+  // Cycles that wait for the network side: 0.8 s at 10 kHz. A recording lacks no sample although that side had no CPU for so much time, or
+  // began later.
   static constexpr std::size_t kCyclesKept = 8192;
 
   struct Options {

@@ -205,7 +205,7 @@ void IoSession::look_after_watchdog() {
   }
 }
 
-// The service manager gets a sign of life only while the device side lives, so that it restarts the program if that hangs.
+// The service manager gets WATCHDOG=1 only while the device loop runs, so that it restarts the program if that loop hangs.
 void IoSession::notify_service() {
   if (!service_.is_wanted() || clock_.now_ns() < next_sign_ns_) return;
   if (next_sign_ns_ == 0) service_.send("READY=1");

@@ -61,7 +61,7 @@ struct ServoStats {
   std::uint64_t resets_denied = 0;      // requested without the right, or without a person at the device
   double frame_rate_hz = 0.0;           // as last reported by a vision node
   double max_force_n = 0.0;             // written to the device
-  double max_torque_nm = 0.0;           // likewise
+  double max_torque_nm = 0.0;           // written to the device
   std::int64_t longest_release_ns = 0;  // sample of the last force accepted -> zero on the device, of all silences
   std::uint64_t cuts = 0;               // times the device side cut the device, as the network side was stuck in the middle of a write
   std::uint64_t local_forces = 0;       // computed on the device side, from patches of the scene

@@ -41,8 +41,8 @@ class StreamEndpoint {
 
   virtual const Address& local_address() const = 0;
 
-  // Waits for an event, a call of wake, or the deadline (CLOCK_MONOTONIC, ns), and reports all events; for any one peer only so much that
-  // no other has to wait.
+  // Waits for an event, a call of wake, or the deadline (CLOCK_MONOTONIC, ns), and reports all events. The bytes of one peer are limited,
+  // so that no other peer has to wait.
   virtual void wait(std::int64_t deadline_ns, Listener& listener) = 0;
 
   // From any thread: ends a wait.

@@ -209,7 +209,7 @@ UdpEndpoint::Attempt UdpEndpoint::try_receive(std::span<std::byte> into, int fla
     return errno == ECONNREFUSED ? Attempt::passed_over : Attempt::nothing;
   }
   const Address sender = from_endpoint(from);
-  // With MSG_TRUNC the size of a datagram longer than the buffer is reported; it is none of ours.
+  // With MSG_TRUNC the size of a datagram longer than the buffer is reported; our nodes send none.
   const bool is_oversized = bytes == 0 || static_cast<std::size_t>(bytes) > into.size();
   filter_.note_received(sender, into.first(std::min(static_cast<std::size_t>(bytes), into.size())), is_oversized);
   if (is_oversized) return Attempt::passed_over;

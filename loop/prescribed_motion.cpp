@@ -57,7 +57,7 @@ class OnsetSearch {
   }
 
  private:
-  // So slow that its ends do not matter, and so long that friction does not.
+  // A motion so slow that accelerations at its ends are negligible, and so long that friction is.
   void press_and_release() {
     constexpr std::int64_t kDelaysLong = 100;
     const std::int64_t press_ns = kDelaysLong * (period_ns_ + delay_ns_);

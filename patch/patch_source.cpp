@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::int64_t kPlanEveryNs = 20'000'000;
 constexpr std::int64_t kLeastPatienceNs = 150'000'000;  // the hub's status comes ten times a second
-constexpr std::uint32_t kReordered = 64;                // a part so many serials behind the newest received is lost
+constexpr std::uint32_t kReordered = 64;                // a part this many serials before the newest received one counts as lost
 // Where the round trip is longer than this a part that got lost would be missed for long: it is sent again before it can be confirmed.
 constexpr double kLongRoundTripS = 0.3;
 constexpr double kBurstBytes = 5000.0;

@@ -9,8 +9,8 @@
 namespace hapton {
 namespace {
 
-constexpr double kSmaller = 0.8;           // a piece of too many triangles, by so much
-constexpr std::size_t kMoreThanThere = 2;  // times the triangles of the tiles at its centre
+constexpr double kSmaller = 0.8;           // factor on the radius of a piece that has too many triangles
+constexpr std::size_t kMoreThanThere = 2;  // a piece may have this many times the triangles of the tiles at its centre
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 Material material_of(const PatchTile& tile) {

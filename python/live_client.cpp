@@ -9,7 +9,7 @@ namespace hapton::python {
 namespace {
 
 constexpr double kClientPatienceS = 5.0;
-constexpr std::int64_t kClientTurnNs = kNanosecondsPerMillisecond;  // a marker waits so long at most
+constexpr std::int64_t kClientTurnNs = kNanosecondsPerMillisecond;  // the longest that a marker waits until it is sent
 constexpr auto kMarkerPatience = std::chrono::seconds(2);
 constexpr auto kMovePatience = std::chrono::seconds(3);
 constexpr std::int64_t kViewEveryNs = 50 * kNanosecondsPerMillisecond;  // until the forces use it, as a datagram may be lost

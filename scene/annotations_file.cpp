@@ -119,7 +119,7 @@ class ObjectNumbers {
   std::vector<std::int32_t> numbers_;
 };
 
-// The tables of [[key]]; an error at the first that is none.
+// Reads the tables of the file; ends with an error at the first entry that is not a table.
 class AnnotationsParser {
  public:
   AnnotationsParser(const toml::table& table, std::span<const std::string> names) : table_(table), objects_(names, read_.annotations) {}

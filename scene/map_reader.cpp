@@ -23,7 +23,7 @@ void read_file_name(const toml::table& table, TableReader& reader, std::string_v
   if (spec.file.empty()) reader.fail_at(key, "'{}' is empty: name an image, PNG or JPEG", key);
 }
 
-// A pair that says nothing without its image must not pass in silence, nor an image without its numbers.
+// Error: a pair of numbers without its image, or an image without its numbers.
 void need_both(TableReader& reader, std::string_view image, std::string_view numbers) {
   if (reader.has(image) && !reader.has(numbers)) reader.fail_at(image, "'{}' needs '{}': the number at black and at white", image, numbers);
   if (reader.has(numbers) && !reader.has(image)) reader.fail_at(numbers, "'{}' has no effect without '{}'", numbers, image);

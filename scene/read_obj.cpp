@@ -13,7 +13,7 @@
 namespace hapton {
 namespace {
 
-// Keywords that carry no triangles. What is in neither list is noted, so that nothing is dropped in silence.
+// Keywords that carry no triangles. A keyword that is in neither list becomes a note, so that nothing is dropped silently.
 bool is_decoration(std::string_view keyword) {
   for (const std::string_view known :
        {"s", "l", "p", "usemap", "maplib", "bevel", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj", "mg"}) {

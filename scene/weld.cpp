@@ -11,7 +11,7 @@ namespace hapton {
 namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffU;
-// So many vertices ahead the table's slot is prefetched: of a large mesh it lies in no cache, and a slot is read for each vertex.
+// How many vertices ahead the slot of the table is prefetched: for a large mesh it is in no cache, and each vertex reads one.
 constexpr std::size_t kAhead = 16;
 
 std::uint64_t mix(std::uint64_t h) {

@@ -28,9 +28,9 @@ struct EyeView {
   explicit EyeView(const Viewport& part);
 
   Eye eye = Eye::centre;
-  bool composed = false;              // VTK draws both eyes through this view and says which by the camera's LeftEye
-  bool swapped = false;               // and these are the other way round
-  int squeeze = 1;                    // the display stretches the picture to so many times its height
+  bool composed = false;              // VTK draws both eyes through this view; the camera's LeftEye says which one
+  bool swapped = false;               // the eyes are exchanged
+  int squeeze = 1;                    // the display stretches the height of the image by this factor
   bool shows_scale = false;           // a scale bar
   bool has_hud = false;               // text in the corners
   std::optional<StereoScreen> given;  // what the viewport shows, whatever the framing says

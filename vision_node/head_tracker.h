@@ -28,11 +28,11 @@ struct HeadInput {
 // "keys", "spacemouse", or "vrpn:" and a tracker's name (parse_tracker_name). Error: one line.
 Result<HeadInput> parse_head_input(std::string_view text);
 
-// The head as a VRPN tracker sees it. Never waits. The log says in one line when the head is seen and when it is not. Threads: one. RT: no.
+// The pose of the head from a VRPN tracker. Never waits. Logs one line when tracking begins and when it is lost. Threads: one. RT: no.
 // Times: CLOCK_MONOTONIC, ns.
 class HeadTracker {
  public:
-  // Without a pose for so long the last one is only a memory.
+  // Age of the last pose at which it counts as lost.
   static constexpr std::int64_t kStaleNs = 500'000'000;
 
   // Pre: source.tracker. Error: a host without an address.

@@ -20,8 +20,8 @@ struct HudFacts {
   bool is_other_scene = false;   // haptics_node has another scene than the one shown
   std::string touched;           // name and material of the object touched; empty: none, or not known
   std::string annotations;       // what is drawn and measured, a line of its own; empty: nothing
-  std::string held;              // the object that the stylus has picked up, likewise
-  std::string head;              // where it is; empty: where it was at first
+  std::string held;              // name and material of the object that the stylus has picked up; empty: none
+  std::string head;              // position of the head; empty: the initial one
   std::string head_notice;       // what is wrong with its tracker, a line of its own; empty: nothing
   std::string recording;         // of a recording: its name, the moment and how it plays; a line of its own. Empty: live
   std::string teaching;          // what a teaching view shows, a line of its own; empty: none

@@ -86,7 +86,7 @@ Result<std::unique_ptr<Headset>> connect_headset(const VisionOptions& options) {
   return Headset::connect();
 }
 
-// Null likewise.
+// Null if there is no headset.
 Result<std::unique_ptr<HeadsetShow>> open_headset(std::unique_ptr<Headset> headset, StereoView& view, const VisionOptions& options) {
   if (headset == nullptr) return std::unique_ptr<HeadsetShow>();
   return HeadsetShow::open(std::move(headset), view, options.room, options.X_OW);

@@ -28,7 +28,7 @@ struct TimeLineShown {
   friend bool operator==(const TimeLineShown&, const TimeLineShown&) = default;
 };
 
-// At most so many bands, and so many ticks of each kind, however long the recording is: more would be nearer than a pixel.
+// The largest number of bands, and of ticks of each kind, for any duration: more would be nearer to each other than a pixel.
 constexpr int kTimeLineColumns = 2000;
 TimeLineShown make_time_line(const SessionIndex& index);
 

@@ -29,8 +29,8 @@ struct VisionOptions {
   std::optional<double> at_s;     // its moment at the start, where it is paused; none: its begin
   double speed = 1.0;             // that it plays at
   std::filesystem::path scene = "scenes/car_front.toml";
-  bool is_scene_given = false;                                                                                // on the command line
-  bool is_loading_given = false;                                                                              // unit or fit, likewise
+  bool is_scene_given = false;    // on the command line
+  bool is_loading_given = false;  // unit or fit are on the command line
   SceneLoading loading = {.sealing = CrackSealing::off, .fit = MeshFit::workspace, .look = LookReading::on};  // drawn as it came
   ToolChoice tool;
   AnnotatorOptions annotations;

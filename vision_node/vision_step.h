@@ -83,15 +83,15 @@ class VisionStep {
   void lead_hand(const SurfaceSeen* seen);
   // Whether handle() would use the surface under the pointer.
   bool wants_surface(const WindowEvent& event) const;
-  // The knob box' dials were turned, degrees each.
+  // Turns the dials of the knob box by these angles, degrees.
   void turn_dials(const Vec3& degrees);
-  // The head is there. Pre: is_possible().
+  // Sets the pose of the head. Pre: is_possible().
   void set_head(const Head& head) { head_.track(head); }
-  // It is moved on by so much, as by keys.
+  // Moves the head, as keys do. by_m: to the right, up, backwards.
   void move_head(const Vec3& by_m) { head_.move(by_m); }
-  // What is wrong with its tracker, a line for the picture's corner; empty: nothing.
+  // Sets a line on what is wrong with the head's tracker; empty: nothing is.
   void set_head_notice(std::string line) { head_notice_ = std::move(line); }
-  // The window has to be drawn whatever moved (uncovered, resized).
+  // The next frame must be drawn whether or not something moved (the window was uncovered or resized).
   void spoil() { stale_ = true; }
   // The scene has another shape: drawn as it is while it moves, and in full detail when it has kept that for a while.
   void reshape_scene() { stale_ = has_new_shape_ = true; }

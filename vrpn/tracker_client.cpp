@@ -12,7 +12,7 @@ constexpr std::string_view kPing = "vrpn_Base ping_message";
 // Our numbers for our own messages.
 constexpr std::int32_t kSender = 0, kPingType = 0;
 
-// A quaternion of single precision, or one that was summed up, is not quite of length 1; one that is far from it is none.
+// A quaternion of single precision, or a mean of several, has not quite the length 1. Beyond these it is no rotation.
 constexpr double kLeastLength = 0.5, kMostLength = 2.0;
 
 std::string printable(std::string_view name) {

@@ -27,9 +27,9 @@ class TrackerLink final : private StreamEndpoint::Listener {
   static constexpr std::uint16_t kServerPort = 3883;
   // From one attempt to connect to the next one.
   static constexpr std::int64_t kRetryNs = 1'000'000'000;
-  // A server that says nothing for so long is asked for a sign of life ...
+  // Time without a message after which the server gets a ping ...
   static constexpr std::int64_t kPingNs = 1'000'000'000;
-  // ... and is gone after so long.
+  // ... and after which the connection is closed and made again.
   static constexpr std::int64_t kPatienceNs = 5'000'000'000;
 
   // Begins to connect. The server need not be there, now or at any time. Error: a host that has no address.

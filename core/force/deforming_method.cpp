@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kLookSteps = 64.0;  // a look round reaches as far as hand and surface go in so many steps
+constexpr double kLookSteps = 64.0;  // a search covers what hand and surface can reach in this many steps
 
 }  // namespace
 

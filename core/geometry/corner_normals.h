@@ -26,8 +26,8 @@ struct CornerNormalReport {
 ShadedMesh fill_corner_normals(const TriangleMesh& mesh, std::span<const std::uint32_t> source, double crease_angle,
                                CornerNormalReport& report);
 
-// The same for vertices that have moved: the sharing of normals is kept, the normals are recomputed. faces: the first so many triangles are
-// the mesh's own; fans behind them do not contribute. Pre: mesh.vertices are the new ones. RT: no (linear in the mesh), but no heap.
+// The same for vertices that have moved: the sharing of normals is kept, the normals are recomputed. faces: number of triangles of the mesh
+// itself; the fans that follow them do not contribute. Pre: mesh.vertices are the new ones. RT: no (linear in the mesh), but no heap.
 void update_corner_normals(ShadedMesh& mesh, std::size_t faces);
 
 struct AuthoredNormalReport {

@@ -26,8 +26,8 @@ struct RepairReport {
   std::string describe() const;
 };
 
-// Repairs what can be repaired without changing the surface, and counts the rest. Triangles keep their order. source[i]: the triangle of
-// the given mesh that triangle i was; vertex_source likewise. Orientation: in a piece whose triangles disagree, the minority is flipped; a
+// Repairs what can be repaired without changing the surface, and counts the rest. Triangles keep their order. source[i]: number of triangle
+// i in the given mesh; vertex_source[i]: of vertex i. Orientation: in a piece whose triangles disagree, the minority is flipped; a
 // consistent piece stays as it is, inside out or not. RT: set-up only. Source: fdh-rendering.txt, 4.1 ("problems with more or less
 // incorrect triangle models").
 TriangleMesh repair_mesh(const TriangleMesh& mesh, RepairReport& report, std::vector<std::uint32_t>* source = nullptr,

@@ -18,7 +18,7 @@ namespace {
 constexpr int kMostTries = 16;
 constexpr std::size_t kMostWork = 5000;  // per boundary edge: surfaces need less than a fiftieth of that
 // Limit on complete repetitions, so that many close vertices do not take minutes: surfaces need one or two, dense clusters dozens. A small
-// boundary may take more: so many vertices in all.
+// boundary may take more: kMostJoinedVertices in all.
 constexpr std::size_t kMostJoins = 6;
 constexpr std::size_t kMostJoinedVertices = 200'000;
 

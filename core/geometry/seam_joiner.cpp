@@ -15,7 +15,7 @@ constexpr std::size_t kMostValence = 256;      // largest valence for which a we
 constexpr int kMostRounds = 64;
 // Averages over the boundary; a surface torn apart at every edge has 3 and 2. With more, most of the boundary lies within one tolerance.
 constexpr std::size_t kMostPairs = 8;       // per boundary edge of the original mesh
-constexpr std::size_t kMostJunctions = 64;  // likewise
+constexpr std::size_t kMostJunctions = 64;  // per boundary edge of the original mesh
 constexpr double kFoldedBack = 0.5;         // cosine of the angle between the two faces at a common edge: below 60 degrees they fold back
 
 }  // namespace

@@ -29,9 +29,9 @@ class CommandedMotion {
   // Pre: turns of unit length, finite numbers, `to` not earlier than `from`.
   bool begin(const CommandedMove& move) noexcept;
 
-  // X_SO: what the points of the body at rest are moved by.
+  // X_SO at that time: it moves the points of the body at rest.
   Pose pose_at(double time_s) const noexcept { return pose_of(keyframe_at(time_s), pivot_S_); }
-  // Likewise as a keyframe: the pivot, and the turn about it. Its time is not that time.
+  // The same as a keyframe: position of the pivot, and rotation about it. Its time_s is not set.
   Keyframe keyframe_at(double time_s) const noexcept;
 
   const Vec3& pivot() const noexcept { return pivot_S_; }

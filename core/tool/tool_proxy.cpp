@@ -14,7 +14,7 @@ constexpr double kTolerance = kOffset * 0x1p-7;  // of a bound
 constexpr double kLargestTurn = 0.5;             // rad in a round: bounds are good for small ones
 constexpr double kLargestTilt = 0.05;            // rad: of what may become a minimum in a round
 constexpr int kMostCorrections = 3;
-// Of the coupling's own curvature: a step is at most so much longer or shorter than without that of the contacts.
+// Bounds of the curvature along a step, over that of the coupling alone: the contacts make a step longer or shorter by these at most.
 constexpr double kLeastCurvature = 0.125;
 constexpr double kMostCurvature = 64.0;
 constexpr std::size_t kManyFeatures = 1024;  // with more, the reach does not grow

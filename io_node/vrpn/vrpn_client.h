@@ -44,7 +44,7 @@ class Client {
   // name: of the device, what clients write before the '@'.
   explicit Client(std::string_view name) : name_(name) { append_cookie(out_); }
 
-  // Parses received bytes. False: the client said goodbye or its messages are invalid; close it.
+  // Parses received bytes. False: the client has ended the connection, or its messages are invalid; close it.
   bool receive(std::span<const std::byte> bytes, Time now);
 
   // It has sent a valid cookie and got our names.

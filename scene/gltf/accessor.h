@@ -29,7 +29,7 @@ struct Accessor {
   double component(std::size_t item, std::size_t k) const;
 };
 
-// The accessor of that number, if it has this type ("VEC3" ...) and so many components. Sparse ones are read as they stand for.
+// The accessor of that number, if it has this type ("VEC3" ...) and number of components. A sparse one is read with its substitutions.
 // Error: what does not fit or lies outside the file's bytes; an accessor without a buffer view with more items than the file has bytes.
 Result<Accessor> read_accessor(const Document& document, const Json& index_json, const std::string& where, std::string_view type,
                                std::size_t components);

@@ -16,7 +16,7 @@ struct BenchMesh {
   std::shared_ptr<const TriangleMesh> mesh;
 };
 
-// which: a file of the mesh folder, a file anywhere, or "bumpy:20000", a bumpy sphere of at least so many triangles.
+// which: a file of the mesh folder, a file anywhere, or "bumpy:20000", a bumpy sphere of at least this many triangles.
 Result<BenchMesh> make_bench_mesh(const std::string& which, const std::filesystem::path& mesh_folder);
 
 // The folder of the project's meshes: ./meshes if it exists, otherwise that of the source tree.

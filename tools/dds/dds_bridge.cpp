@@ -17,7 +17,7 @@ namespace {
 constexpr int kPublisherPriority = 10;
 constexpr double kBridgePatienceS = 5.0;
 constexpr std::int64_t kBridgeTurnNs = 20 * kNanosecondsPerMillisecond;
-// After so long it is clear at what rate the hub sends.
+// The time after which the measured rate of the hub is reliable.
 constexpr std::int64_t kRateKnownNs = 3 * kNanosecondsPerSecond;
 constexpr double kMostSkipped = 0.1;
 constexpr std::int64_t kWarnEveryNs = 5 * kNanosecondsPerSecond;

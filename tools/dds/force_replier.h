@@ -22,7 +22,7 @@ class ForceReplier {
   struct Settings {
     HubConnection::Settings hub;
     double most_n = 0.0;   // larger forces are scaled down
-    double most_nm = 0.0;  // larger torques likewise; 0: none are allowed
+    double most_nm = 0.0;  // the same for torques; 0: none are allowed
     std::string frame;
     RealtimeMode realtime = RealtimeMode::attempt;
   };

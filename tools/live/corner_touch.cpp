@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::int64_t kHoldNs = static_cast<std::int64_t>(1e9 * CornerTouch::kHoldS);
 constexpr std::int64_t kPressNs = static_cast<std::int64_t>(1e9 * CornerTouch::kPressS);
-// Without samples for so long the tip may have been anywhere.
+// A gap between samples after which the tip may have moved anywhere: the touch of a corner begins again.
 constexpr std::int64_t kCornerGapNs = 100'000'000;
 
 }  // namespace

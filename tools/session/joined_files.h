@@ -15,8 +15,8 @@ namespace hapton {
 struct JoinedCounts {
   std::uint64_t rows = 0;
   std::uint64_t without_sample = 0;  // cycles of an older recording, which have no row
-  std::uint64_t lost = 0;            // samples of the device that the recording lacks
-  std::uint64_t gaps = 0;            // in so many places
+  std::uint64_t lost = 0;            // samples of the device that are not in the recording
+  std::uint64_t gaps = 0;            // the number of gaps that they make
 };
 
 // Writes the joined table of a recording to the end, or to the damage: reader.problem() says which. names: of the scene's objects, empty

@@ -83,8 +83,8 @@ class McapWriter {
   std::string schema_records_;
   std::string channel_records_;
   std::size_t schema_count_ = 0;
-  std::vector<std::uint64_t> counts_;     // of each channel
-  std::vector<std::uint32_t> sequences_;  // likewise
+  std::vector<std::uint64_t> counts_;     // messages of each channel
+  std::vector<std::uint32_t> sequences_;  // newest sequence number of each channel
   std::vector<std::vector<IndexEntry>> index_;
   std::string chunk_;
   std::uint64_t chunk_first_ns_ = 0;

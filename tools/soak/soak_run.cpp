@@ -35,7 +35,7 @@ constexpr double kFirstForce_s = 30.0;
 
 // The nodes of this run.
 struct Nodes {
-  std::vector<LocalNode> nodes;  // io_node last, so that the others can say goodbye to it
+  std::vector<LocalNode> nodes;  // io_node last, so that the others can leave it first
   LocalVision vision;
   bool has_vision = false;
   std::string hub_at;

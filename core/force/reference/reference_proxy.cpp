@@ -13,9 +13,9 @@ namespace {
 // In local units: the scene's diagonal lies in (1/2, 1].
 constexpr double kRounding = 0x1p-48;  // bound on the error of a distance between points within the scene
 constexpr double kErosion = 0x1p-47;   // largest loss of one motion from a distance that is already minimal: twice the rounding error
-constexpr double kIdleGain = 0x1p-50;  // coming nearer to the device by less does not count
-constexpr int kIdleMotions = 8;        // a descent ends after so many in turn that come no nearer
-constexpr int kMostMotions = 16000;    // of one descent; Counters::unconverged tells where that was too few
+constexpr double kIdleGain = 0x1p-50;  // a motion that comes nearer to the device by less counts as idle
+constexpr int kIdleMotions = 8;        // a descent ends after this many idle motions in succession
+constexpr int kMostMotions = 16000;    // of one descent; Counters::unconverged counts where these were too few
 constexpr int kMostEscapes = 64;       // of one sub-step
 constexpr double kLocal = 0x1p-7;      // half side of the cube whose faces are listed: a few hundred of a million
 constexpr std::size_t kMostContacts = 256;
