@@ -24,10 +24,10 @@ constexpr std::int64_t kCommandPeriodNs = kNanosecondsPerMillisecond;
 constexpr std::int64_t kConnectPatienceNs = 2 * kNanosecondsPerSecond;
 constexpr std::int64_t kAnswerPatienceNs = kNanosecondsPerSecond / 2;
 constexpr std::int64_t kRetryEveryNs = kNanosecondsPerSecond;
-constexpr int kMostAbsences = 20;  // states in a row without our device: it is unplugged
+constexpr int kMostAbsences = 20;  // states in succession without our device, after which it counts as unplugged
 constexpr const char* kRemedy = "start it (systemctl start haply-inverse-service, or open the Haply Hub), or install it from haply.co";
 
-// Not to be had from the service, so ours: careful figures, see docs/vendor-devices.md.
+// The service does not report limits; these are careful values, see docs/vendor-devices.md.
 DeviceLimits careful_limits() {
   DeviceLimits limits;
   limits.max_force_n = 5.0;
@@ -50,7 +50,7 @@ class HaplyDevice final : public VendorDevice {
     if (thread_.joinable()) thread_.join();
   }
 
-  // Meets the service and finds the device.
+  // Connects to the service and finds the device.
   Result<void> open();
   void start() {
     thread_ = start_thread([this] { run(); });
@@ -76,7 +76,7 @@ class HaplyDevice final : public VendorDevice {
   std::thread thread_;
   std::atomic<bool> ends_{false};
 
-  // The thread's.
+  // Used by the thread alone.
   std::unique_ptr<WebSocketEndpoint> socket_;
   DeviceExchange::Reading reading_;
   std::string said_;
@@ -87,7 +87,7 @@ class HaplyDevice final : public VendorDevice {
   std::int64_t next_try_ns_ = 0;
 };
 
-// A service of another version takes our messages and does nothing with their forces.
+// Error: the service has another version, which would accept our messages and ignore their forces.
 Result<void> HaplyDevice::judge_version(const Result<std::string>& text) {
   const auto version = text ? haply::read_version(*text) : tl::unexpected(text.error());
   if (!version) {
@@ -140,7 +140,7 @@ void HaplyDevice::publish(DeviceStatus status, std::int64_t now_ns) {
 }
 
 void HaplyDevice::run() {
-  // Rights that are missing here are missing for the servo's thread as well, which logs it.
+  // An error is ignored: what is denied here is also denied to the servo's thread, which logs it.
   if (realtime_) (void)enter_realtime(*realtime_);
   std::int64_t tick_ns = clock_.now_ns();
   while (!ends_.load(std::memory_order_relaxed)) {
@@ -156,7 +156,7 @@ void HaplyDevice::run() {
     }
   }
   if (socket_ == nullptr) return;
-  // A zero force as the last message; the answer is awaited, since data under way when a connection closes may be lost.
+  // Sends zero force as the last message and waits for the reply, since data in transit may be lost when a connection closes.
   if (socket_->receive(said_, kAnswerPatienceNs) && socket_->send(haply::force_message(id_, Vec3::Zero()), kAnswerPatienceNs)) {
     socket_->receive(said_, kAnswerPatienceNs);
   }
@@ -174,7 +174,7 @@ void HaplyDevice::look_for_service(std::int64_t now_ns) {
 bool HaplyDevice::tick() {
   if (!socket_->receive(said_, kAnswerPatienceNs)) return false;
   const std::int64_t now_ns = clock_.now_ns();
-  // A state that cannot be read is as good as none.
+  // A state that cannot be read is ignored.
   if (const auto state = haply::read_state(said_)) take(*state, now_ns);
   return socket_->send(haply::force_message(id_, session_.force_from_w(exchange_.wrench(now_ns).force_n)), kAnswerPatienceNs);
 }

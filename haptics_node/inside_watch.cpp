@@ -11,10 +11,10 @@
 namespace hapton {
 namespace {
 
-// Of a closed body it is a whole number; small holes take a little off.
+// The least winding number inside a body. It is a whole number for a closed body; small holes reduce it slightly.
 constexpr double kLeastWinding = 0.9;
 constexpr auto kLookEvery = std::chrono::milliseconds(50);
-constexpr int kLooksBetween = 6;  // while the hand is inside: a look may take long
+constexpr int kLooksBetween = 6;  // periods between two checks while the hand is inside, since a check may take 0.1 s
 
 Box box_of(const TriangleMesh& mesh) {
   Box box;
@@ -44,7 +44,7 @@ void InsideWatch::set_scene(TouchScene scene) {
   scene_ = std::move(scene);
 }
 
-// Polls, as the loop that replies makes no system call to wake it.
+// Polls, since to wake this thread would be a system call in the loop that replies to the hub.
 void InsideWatch::run() {
   for (int rest = 0; !stop_.load();) {
     std::this_thread::sleep_for(kLookEvery);
@@ -57,13 +57,13 @@ void InsideWatch::run() {
 void InsideWatch::look(const Hand& hand) {
   const bool is_start = std::exchange(looked_, hand.start) != hand.start;
   const bool was_inside = is_inside();
-  if (!is_start && !was_inside) return;  // whoever came in since is felt
+  if (!is_start && !was_inside) return;  // since then no hand gets inside without contact
   Enclosure enclosure;
   {
     const std::scoped_lock lock(mutex_);
     enclosure = find_enclosure(scene_, is_start ? hand.p_SStart : hand.p_S);
   }
-  // A device that is pressed out through a wall is still held by it from within.
+  // A device point that is pressed out through a wall from within is still in contact with it.
   const bool is_inside_now = enclosure.is_inside || (was_inside && !is_start && hand.contact);
   is_inside_.store(is_inside_now, std::memory_order_release);
   is_watching_.store(is_inside_now, std::memory_order_release);

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kMostBytes = 64;
 
-// Of a file: nothing in it leads to another folder.
+// The text as part of a file name: it cannot lead to another folder.
 std::string plain(std::string_view text) {
   std::string name(text);
   std::replace_if(
@@ -47,7 +47,7 @@ void LatchFile::forget() const {
 
 std::filesystem::path find_latch_file(std::string_view device, std::string_view bind) {
   const std::filesystem::path folder = find_runtime_folder();
-  // The name of a plug-in is a path, of which the end says more; a file's name has 255 letters at most.
+  // The name of a plug-in is a path, whose end is kept. Limit: a file name has at most 255 bytes.
   constexpr std::size_t kLongest = 120;
   if (device.size() > kLongest) device.remove_prefix(device.size() - kLongest);
   return folder.empty() ? folder : folder / ("latched-" + plain(device) + "-" + plain(bind));

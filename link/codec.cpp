@@ -218,7 +218,7 @@ void reserve(wire::ReportPart& m) { m.mutable_text()->reserve(kMaxDatagramBytes)
 void reserve(wire::ViewRejected&) {}
 void reserve(wire::LoopFacts& m) { m.mutable_device()->reserve(kMaxDatagramBytes); }
 void reserve(wire::PatchBegin& m) { reserve_field(*m.mutable_origin_m()); }
-// A varint takes a byte at least.
+// A varint takes at least one byte, so this bounds their number.
 void reserve(wire::PatchCell& m) {
   m.mutable_index()->Reserve(kMaxDatagramBytes);
   m.mutable_empty_children()->reserve(kMaxDatagramBytes);

@@ -21,7 +21,7 @@ using boost::system::error_code;
 
 constexpr std::size_t kMostBytes = 1 << 16;
 
-// One exchange, with one time limit for all of it.
+// One request and its reply, with one time limit for both.
 class HttpExchange {
  public:
   error_code run(const Address& to, std::string_view target, std::int64_t patience_ns) {

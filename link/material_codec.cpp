@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kNumbersOfChange = 4;
 
-// What is not given is zero, so that equal changes have equal bytes.
+// False: a number is invalid. Numbers that are not given must be zero, so that equal changes have equal bytes.
 bool read_change(std::uint32_t given, const std::array<double, kNumbersOfChange>& numbers, MaterialChange& to) {
   if (given > MaterialChange::kAll) return false;
   for (int i = 0; i < kNumbersOfChange; ++i) {
@@ -71,7 +71,7 @@ bool read(const wire::MaterialState& from, MaterialState& to) {
   for (int i = 0; i < count; ++i) {
     MaterialState::Object& object = to.objects[static_cast<std::size_t>(i)];
     object.object = from.object(i);
-    // All first, then by number, each once.
+    // The entry for all objects (-1) comes first, then ascending numbers, each once.
     if (object.object < -1 || (i > 0 && object.object <= to.objects[static_cast<std::size_t>(i) - 1].object)) return false;
     const int first = kNumbersOfChange * i;
     if (!read_change(from.given(i), {from.numbers(first), from.numbers(first + 1), from.numbers(first + 2), from.numbers(first + 3)},

@@ -29,7 +29,7 @@ Vec3 place(const SurfacePoint& point, const ObjectPoses& X_SO) {
   return point.object >= 0 && object < X_SO.size() ? Vec3(X_SO[object] * point.p_O) : point.p_O;
 }
 
-// On one object its own frame serves: the length is then the same to the last bit wherever the object lies.
+// If both ends are on one object, its own frame is used: the length is then the same to the last bit at any pose of the object.
 double compute_length_m(const Measure& measure, const ObjectPoses& X_SO) {
   const auto& [from, to] = measure.ends;
   if (from.object == to.object) return (to.p_O - from.p_O).norm();

@@ -7,7 +7,7 @@ namespace hapton::vrpn {
 namespace {
 
 constexpr std::size_t kLongestDevice = 64;
-// Of what waits at once, each as much as the endpoint reads: a quarter of a megabyte, 2,500 reports.
+// Reads in one call, each of the endpoint's buffer: a quarter of a megabyte in all, 2,500 reports.
 constexpr int kMostReads = 4;
 
 }  // namespace

@@ -25,10 +25,10 @@ namespace {
 
 using namespace hapton;
 
-// Where io_node puts the memory that is shared.
+// Descriptor of the memory that io_node shares with this process.
 constexpr int kGuardFile = 3;
 constexpr int kTimesAtTheEnd = 3;
-// Of SCHED_DEADLINE.
+// Runtime of SCHED_DEADLINE in each period.
 constexpr std::int64_t kRuntimeNs = 100'000;
 constexpr std::int64_t kPeriodNs = 1'000'000;
 
@@ -37,7 +37,7 @@ bool is_gone(int process_file) {
   return ::poll(&ended, 1, 0) > 0;
 }
 
-// Until the next look, or until the process ends.
+// Sleeps until the next check, or until the process ends.
 void rest(int process_file) {
   pollfd ended = {.fd = process_file, .events = POLLIN, .revents = 0};
   const timespec every = {.tv_sec = 0, .tv_nsec = OuterWatchdog::kLookEveryNs};
@@ -71,7 +71,7 @@ void watch(HeartbeatPage& page, int process, int process_file, bool reports) {
       rest(process_file);
       continue;
     }
-    // Again with every look: what was frozen may have had a last force on its way.
+    // Repeated at every check: a frozen process may have had one more force in transit.
     note_cut(page, watchdog);
     cutter.cut();
     if (verdict == OuterWatchdog::Verdict::gone) {
@@ -109,7 +109,7 @@ int main(int argc, char** argv) {
                opened ? "process number missing; this program is started by io_node" : opened.error().what);
     return 2;
   }
-  // It outlives io_node by a moment: what ends io_node's unit or terminal must not end it first.
+  // It must outlive io_node briefly: signals that end io_node's unit or terminal are ignored.
   for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGPIPE, SIGABRT}) ::signal(signal, SIG_IGN);
   const int process_file = static_cast<int>(::syscall(SYS_pidfd_open, process, 0));
   if (process_file < 0 || ::getppid() != process) return 0;  // it has ended already, without a force

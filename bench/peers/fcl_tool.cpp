@@ -38,7 +38,7 @@ class FclTool final : public SixdofMethod {
     fcl::continuousCollide(tool_.get(), fcl::Transform3d(at_.matrix()), fcl::Transform3d(X_SD.matrix()), scene_.get(), still, still,
                            request, result);
     const Vec3 turn = turn_between(Quat(at_.linear()), Quat(X_SD.linear()));
-    // Short of the contact: bodies that touch are to FCL in collision whichever way they go.
+    // Stop before the contact: FCL reports a collision for touching bodies, in whatever direction they move.
     const double length_m = (X_SD.translation() - at_.translation()).norm() + turn.norm() * radius_m_;
     const double time = result.is_collide ? std::clamp(result.time_of_contact - kStopShortM / length_m, 0.0, 1.0) : 1.0;
     at_.translation() += time * (X_SD.translation() - at_.translation());

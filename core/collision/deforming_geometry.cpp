@@ -10,8 +10,8 @@ namespace hapton {
 namespace {
 
 constexpr std::size_t kLeastShapes = 4;
-constexpr std::size_t kMostCheckedTriangles = 4'000'000;  // of all shapes: some seconds
-constexpr double kRoom = 0x1p-40;                         // of the bounds' size
+constexpr std::size_t kMostCheckedTriangles = 4'000'000;  // in all shapes that are checked at start-up: some seconds
+constexpr double kRoom = 0x1p-40;                         // room for rounding, over the size of the bounds
 
 double mean_edge(const TriangleMesh& mesh) {
   double sum = 0.0;
@@ -22,7 +22,7 @@ double mean_edge(const TriangleMesh& mesh) {
   return mesh.triangles.empty() ? 0.0 : sum / (3.0 * static_cast<double>(mesh.triangles.size()));
 }
 
-// Those of the keys and half-way between them, about that many.
+// Times at which the shape is checked, about `count`: those of the keys, or of every second, third ... key, and half-way between them.
 std::vector<double> times_of_shapes(const MeshDeformation& deformation, std::size_t count) {
   const auto& keys = deformation.keys();
   const std::size_t step = 1 + 2 * keys.size() / count;
@@ -105,7 +105,7 @@ void DeformingGeometry::make_arrays() {
   }
 }
 
-// In blocks that stay in the nearest cache, number by number, so that eight are worked out at once.
+// In blocks that fit into the first-level cache, one coordinate after the other, so that vector instructions compute eight at once.
 void DeformingGeometry::move_vertices(const MeshDeformation::Weights& weights) noexcept {
   constexpr std::size_t kBlock = 3 * 128;
   ObjectGeometry& object = geometry_.deforming_object();
@@ -122,7 +122,7 @@ void DeformingGeometry::move_vertices(const MeshDeformation::Weights& weights) n
   }
 }
 
-// In each part nothing moves farther than half the length of an edge, on average.
+// The number of parts of the time such that in each of them vertices move by less than half an edge on average.
 std::size_t DeformingGeometry::choose_count() const {
   double way = 0.0;
   const auto& keys = deformation_->keys();

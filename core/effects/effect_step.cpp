@@ -20,7 +20,7 @@ struct ForceOf {
   }
 };
 
-// Drawn where the layer that resists was not pressed in yet, like the probe on a surface.
+// Position of the drawn tip: on the undeformed layer that resists, as the probe is drawn on an undeformed surface.
 Vec3 tip_in_layers(const Vec3& p_SD, const Vec3& p_SP, double depth_m, const TissueLayers& layers,
                    const TissueLayers::State& state) noexcept {
   const bool resists = state.punctured < layers.count() && state.rest_m < depth_m;
@@ -126,7 +126,7 @@ Vec3 EffectStep::surface_force(const EffectSample& sample, const Vec3& motion, c
   return force_n;
 }
 
-// Layers are whole again and nothing rings any more; a surface that holds on still pulls.
+// The end of contact: layers are whole again and vibrations end; a surface that snaps still attracts.
 Vec3 EffectStep::leave_surface(const EffectSample& sample) noexcept {
   in_contact_ = false;
   friction_ = {};

@@ -6,7 +6,7 @@
 namespace hapton {
 namespace {
 
-// The motion of least energy from the proxy towards a wanted one; false: the bounds contradict each other.
+// Finds the motion of least energy from the proxy towards a wanted one within the bounds. False: the bounds contradict each other.
 bool find_motion(const LocalContacts& local, const Vec6& wanted, const Mat6& inverse_root, LocalContacts::Held& held) noexcept {
   std::array<MotionBound, LocalContacts::kMost> scaled;
   const std::span<MotionBound> bounds(scaled.data(), local.count);
@@ -16,7 +16,7 @@ bool find_motion(const LocalContacts& local, const Vec6& wanted, const Mat6& inv
   const Vec6 goal = inverse_root.transpose() * local.stiffness.cwiseProduct(wanted);
   LeastMotion least = find_least_motion(goal, bounds, local.tolerance);
   if (!least.solved) {
-    // A pair below its offset asks for more than the others leave: no motion at all is always allowed then.
+    // A pair below its offset may require a motion that the others forbid: then all bounds are relaxed so that zero motion satisfies them.
     for (MotionBound& bound : bounds) bound.least = std::min(bound.least, 0.0);
     least = find_least_motion(goal, bounds, local.tolerance);
   }

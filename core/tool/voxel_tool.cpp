@@ -25,7 +25,7 @@ Placement in_scene(const ToolInput& input) {
 
 Result<std::unique_ptr<VoxelTool>> VoxelTool::make(const TriangleMesh& tool, const std::vector<std::shared_ptr<const TriangleMesh>>& scene,
                                                    const ToolCoupling& coupling, double voxel_m) {
-  // Whatever is wrong with tool, scene or coupling is so here.
+  // The checks of tool, scene and coupling are those of ToolStep.
   const auto checked = ToolStep::make(tool, scene, coupling);
   if (!checked) return tl::unexpected(checked.error());
   if (!(voxel_m > 0.0) || !std::isfinite(voxel_m)) return fail("a voxel of {} m: give a positive size", voxel_m);
@@ -76,8 +76,8 @@ bool VoxelTool::is_surface(const Eigen::Vector3i& cell) const noexcept {
   return (is_surface_[n / 64] >> n % 64 & 1U) != 0;
 }
 
-// The springs that pull at the proxy, with their stiffness: over a small shift and turn x of it the energy is
-// 1/2 x^T hessian x - pull^T x. The number of points in contact.
+// Sums up the springs that act on the proxy: for a small displacement x (translation and rotation) their energy is
+// 1/2 x^T hessian x - pull^T x. Returns the number of points in contact.
 int VoxelTool::gather(const Placement& device, Eigen::Matrix<double, 6, 6>& hessian, Eigen::Matrix<double, 6, 1>& pull) const noexcept {
   const Mat3 R = proxy_.orientation.toRotationMatrix();
   Eigen::Matrix<double, 6, 6> contacts = Eigen::Matrix<double, 6, 6>::Zero();

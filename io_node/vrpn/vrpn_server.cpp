@@ -32,7 +32,7 @@ Time to_time_of_day(std::int64_t monotonic_ns) {
   return {static_cast<std::uint32_t>(us / 1'000'000), static_cast<std::uint32_t>(us % 1'000'000)};
 }
 
-// Whether a client wrote its own address, as a number: no name of its is looked up.
+// Whether a client gave its own address, as a number. Names are not resolved.
 bool names_itself(const std::string& text, const Address& peer) {
   const std::string with_port = to_string(peer);
   const std::string port = ":" + std::to_string(peer.port);
@@ -64,11 +64,11 @@ struct Server::State final : StreamEndpoint::Listener {
     Client client;
     Address address;
     std::int64_t since_ns = 0;
-    bool is_open = false;      // TCP is there
-    bool is_reported = false;  // the log knows it
+    bool is_open = false;      // its TCP connection is open
+    bool is_reported = false;  // the log has a line on it
     bool knows_buttons = false;
     bool is_rejection_logged = false;
-    bool is_touching = false;  // as last notified
+    bool is_touching = false;  // contact in the last message to it
     std::int64_t next_report_ns = 0;
     std::optional<Address> udp;
   };
@@ -197,7 +197,7 @@ void Server::State::on_datagram(const Address& from, std::span<const std::byte> 
   }
 }
 
-// Closes the client that has been silent longest after connecting: 16 such clients must not keep all others out.
+// The client that connected first of those that have sent no cookie, to be closed: 16 such clients must not keep all others out.
 StreamEndpoint::Id Server::State::give_up_for_another() {
   StreamEndpoint::Id longest = 0;
   std::int64_t since_ns = 0;
@@ -209,7 +209,7 @@ StreamEndpoint::Id Server::State::give_up_for_another() {
   return longest;
 }
 
-// Drops clients that connect and say nothing.
+// Closes clients that connect and send no cookie in time.
 void Server::State::drop_timed_out(std::int64_t now_ns) {
   for (const auto& [id, peer] : peers) {
     if (!peer.client.is_connected() && now_ns - peer.since_ns > kCookiePatienceNs) endpoint->close(id);
@@ -224,7 +224,7 @@ void Server::State::to_those_who_know(OurType type, Append&& append) {
   }
 }
 
-// Every change of a button counts; of the rest the newest is enough.
+// Sends every change of a button; of everything else only the newest state is sent, later.
 void Server::State::take_samples() {
   feed.take([&](const FeedSample& sample) {
     const std::uint32_t before = newest ? newest->device.buttons : 0;

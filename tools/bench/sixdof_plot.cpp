@@ -13,7 +13,7 @@ namespace hapton {
 namespace {
 
 constexpr std::array kColours = {"#0050c8", "#e69f00", "#d55e00", "#cc79a7", "#009e73", "#7f7f7f"};
-// An error of nothing has no logarithm.
+// The smallest error that is drawn, as the axis is logarithmic.
 constexpr double kLeastPercent = 1e-4;
 
 std::vector<SixdofRow> drawable(const std::vector<SixdofRow>& rows) {

@@ -11,7 +11,7 @@
 namespace hapton {
 namespace {
 
-// What `a step` means in the tour: 1 ms.
+// Servo rate of the tour: a step is 1 ms.
 constexpr const char* kRateHz = "1000";
 
 // The mesh that is too large to be shipped, with a scene file around it.
@@ -89,7 +89,7 @@ Result<void> DemoSystem::start_haptics() {
 Result<void> DemoSystem::start(const DemoStep& step) {
   if (const auto prepared = prepare(step); !prepared) return prepared;
   if (const auto started = step.relay.empty() ? Result<void>() : start_relay(step); !started) return started;
-  // The hand sets out when there is somebody to hold it back.
+  // The haptics node is ready before the hub starts, and with it the hand, so that the hand does not pass the surface unnoticed.
   if (const auto started = start_haptics(); !started) return started;
   return start_hub();
 }

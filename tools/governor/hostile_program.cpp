@@ -96,7 +96,7 @@ void HostileProgram::pass_time() noexcept {
   }
 }
 
-// A mass on which the force acts and which a moving hand pulls by a soft spring. It stays within about 0.5 m.
+// Moves a mass on which the force acts, and which a moving hand pulls by a soft spring. It stays within about 0.5 m.
 void HostileProgram::move_as_matter(const Vec3& force_n, double passed_s) noexcept {
   hand_m_ += hand_m_per_s_ * passed_s;
   for (int axis = 0; axis < 3; ++axis) {

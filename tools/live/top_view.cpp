@@ -42,7 +42,7 @@ double counted(const Span& span, const char* name) {
 
 double per_second(const Span& span, const char* counter) { return span.seconds > 0.0 ? counted(span, counter) / span.seconds : 0.0; }
 
-// The node under the same address before, if it was there.
+// The same node in an earlier report, by its address; null if it was not there.
 const ReportJson* find_node(const ReportJson* report, const ReportJson& node) {
   if (report == nullptr) return nullptr;
   for (const ReportJson& other : section(*report, "nodes")) {
@@ -59,7 +59,7 @@ std::string safety_text(const ReportJson& report) {
   if (word(notes, "governor").empty()) return "";
   const std::string fault = word(notes, "safety_fault_text");
   const std::string reset = fault.empty() ? "" : ": " + fault + "; hapton set --reset-faults";
-  // The hand may have given more than it got: then nothing is spent.
+  // Negative if the hand has put in more energy than it got: then nothing of the budget is spent.
   const double spent = std::max(0.0, json_number_of(ratios, "energy_spent"));
   return fmt::format("safety governor {}{}; thermal load {:.0f} %, energy {:.0f} % of its budget\n", word(notes, "governor"), reset,
                      100.0 * json_number_of(ratios, "thermal_load"), 100.0 * spent);
@@ -108,7 +108,7 @@ Result<TopLook> read_top_look(const std::string& json, const std::string& csv) {
   if (!look.report.is_object() || word(look.report, "schema") != kReportSchema) {
     return fail("the hub's report is not of schema {}; it is another build", kReportSchema);
   }
-  // A hub without any duration yet is no error.
+  // A hub that has no durations yet is not an error.
   if (auto hops = parse_latency_csv(csv, "the hub's latency.csv")) look.hops = std::move(*hops);
   return look;
 }

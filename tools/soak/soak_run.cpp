@@ -190,7 +190,7 @@ void print_progress(const SoakRun& run) {
   std::fflush(stdout);
 }
 
-// Until the time is over or something ends it, which run.ended then names.
+// Runs until the time is over or something ends it; run.ended names the reason.
 Result<void> watch_nodes(const SoakOptions& options, Nodes& nodes, Watch& watch, const StopSignal& stop, SoakRun& run) {
   const std::filesystem::path table = options.out / "soak.csv";
   std::ofstream csv(table);
