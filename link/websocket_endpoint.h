@@ -14,7 +14,7 @@ namespace hapton {
 // RT: no. Threads: one.
 class WebSocketEndpoint {
  public:
-  // A longer message closes the connection. Messages of haptic services are below 10 kB.
+  // Largest message, bytes; a longer one closes the connection.
   static constexpr std::size_t kMostMessageBytes = 1 << 20;
 
   // patience_ns: time limit. Error, one line with the system's text: no listener, no reply in time, or another protocol.

@@ -8,7 +8,7 @@
 
 namespace hapton {
 
-// The bounding box of one tree item (a triangle, an object), rounded outwards to single precision.
+// The bounding box of one tree item (a triangle, an object), rounded to single precision: it only decides how the tree is split.
 struct FdhItem {
   std::array<float, 3> low;
   std::uint32_t id;
