@@ -12,14 +12,14 @@
 
 namespace hapton {
 
-// A kind of device: what --device knows, what its help says and how one is made.
+// A kind of device: its name for --device, its help and its constructor.
 struct DeviceMaker {
   std::string_view name;
   std::string_view about;  // a few words for --help
-  bool takes_id = false;   // there may be several, DeviceSettings::id tells them apart
+  bool takes_id = false;   // --device-id: there may be several
   bool takes_file = false;
   bool takes_trajectory = false;  // and loop
-  // Settings the kind does not take are empty. Error: one line: what is missing and how to fix it.
+  // Pre: settings that the kind does not take are empty. Error, one line: what is missing and how to fix it.
   Result<std::unique_ptr<Device>> (*make)(const DeviceSettings& settings) = nullptr;
 };
 
@@ -31,8 +31,8 @@ std::string_view kind_of(std::string_view name);
 // "NAME: about; NAME: about", for --help. RT: no.
 std::string describe_devices();
 
-// The device that the settings name, where they put it in W. RT: set-up only. Error: one line: no such kind (with those there are), a
-// setting that it does not take, or why this one is not to be had.
+// Makes the device that the settings name, with its pose in W. RT: set-up only. Error, one line: an unknown kind (with the known ones), a
+// setting that the kind does not take, or the reason why the device cannot be opened.
 Result<std::unique_ptr<Device>> make_device(const DeviceSettings& settings);
 
 }  // namespace hapton

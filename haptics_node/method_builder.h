@@ -17,7 +17,7 @@
 
 namespace hapton {
 
-// Makes a method for the scene; it may give the settings the method's full name. As make_method says, and not at once with itself.
+// Makes a method for the scene, as make_method does; may replace the name in the settings by the full one. Threads: one at a time.
 using MakeMethod = std::function<Result<std::unique_ptr<ForceMethod>>(MethodSettings& settings, const TouchScene& scene)>;
 Result<std::unique_ptr<ForceMethod>> make_built_in(MethodSettings& settings, const TouchScene& scene);
 
@@ -52,11 +52,11 @@ class MethodBuilder {
   // Requests a method; a later request replaces one that has not started.
   void request(const MethodName& name, std::uint32_t request_id = 0) noexcept { requests_.publish({name, request_id}); }
 
-  // From now on methods are made for this scene; the method in use is made again for it, or kept where the shape is. Returns when that is
-  // ready to be taken. Error: one line: it cannot be built, and the scene before goes on. Threads: any but the caller of take. RT: no.
+  // Methods are made for this scene from now on; the method in use is made again for it, or kept if the shape is the same. Returns when it
+  // is ready to be taken. Error, one line: it cannot be built; the present scene stays in use. Threads: any but the caller of take. RT: no.
   Result<void> follow(std::shared_ptr<const NewScene> scene);
 
-  // How often the slow task found nothing to do: two more than before mean that everything requested by then is built.
+  // How often the slow task found nothing to do: two more than before mean that everything requested until then is built.
   std::uint64_t idle_looks() const noexcept { return idle_looks_.load(std::memory_order_acquire); }
 
   // The method built last, once; none when there is no new one.
@@ -65,7 +65,7 @@ class MethodBuilder {
   // The request rejected last, once; none when there is no new one. It stays until the next call.
   const RejectedMethod* take_rejection() noexcept { return rejections_.take() ? &rejections_.value() : nullptr; }
 
-  // Takes what take() returned, now with the method that it replaced, to be freed.
+  // Takes back the object that take() returned, now with the method that was replaced, and frees it.
   void retire(std::unique_ptr<BuiltMethod> method) noexcept { retired_.store(method.release(), std::memory_order_release); }
 
  private:

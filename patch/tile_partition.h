@@ -17,11 +17,11 @@ struct TileCell {
   std::vector<std::uint32_t> tiles;                                  // ascending
 };
 
-// A node of the octree, for finding what is near.
+// A node of the octree, for searches by distance.
 struct TileNode {
   CellKey key;
-  std::int32_t first_child = -1;  // of eight in a row; below 0: a leaf
-  std::int32_t cell = -1;         // of a leaf with triangles
+  std::int32_t first_child = -1;  // the first of eight consecutive nodes; below 0: a leaf
+  std::int32_t cell = -1;         // number of the cell of a leaf with triangles; else -1
 };
 
 // A scene in tiles and in cells that list them. A tile's number is its place in tiles; its epoch and serial are left to the sender.
@@ -30,7 +30,7 @@ struct TiledScene {
   std::vector<PatchTile> tiles;
   std::vector<Box> tile_bounds;  // in steps of the grid
   std::vector<TileNode> nodes;   // the root first
-  std::vector<TileCell> cells;   // with triangles, and few enough tiles that one datagram lists them
+  std::vector<TileCell> cells;   // the leaves with triangles, each with no more tiles than one datagram lists
 };
 
 // The message of a cell.

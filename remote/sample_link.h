@@ -9,13 +9,13 @@
 
 namespace hapton {
 
-// Carries samples to the haptics node across the network and its replies back. The node replies at once. Units: SI, ns. RT: no.
+// Transfers samples across the network to a simulated haptics node, and its replies back. The node replies at once. Units: SI, ns. RT: no.
 class SampleLink {
  public:
-  // period_ns: least time between two samples that are sent; 0: each is.
+  // period_ns: least time between two samples that are sent; 0: every sample is sent.
   SampleLink(std::shared_ptr<ForceMethod> method, const RemoteNetwork& network, std::int64_t period_ns = 0);
 
-  // Sends this sample if one is due, and receives what has arrived by now. None: no reply is newer than those before.
+  // Sends this sample if one is due, and receives what has arrived by now. Returns the newest reply; none: there is no newer one.
   std::optional<ReplyOnTheWay> exchange(const SampleOnTheWay& sample);
   // The newest sample that has come to the haptics node, if one came in the last exchange.
   const std::optional<SampleOnTheWay>& received() const noexcept { return received_; }
@@ -34,7 +34,7 @@ class SampleLink {
   std::optional<SampleOnTheWay> received_;
 };
 
-// Seed of the way back.
+// Seed of the network for replies, from that of the network for samples.
 constexpr std::uint64_t back_seed(std::uint64_t seed) noexcept { return seed + 0x9e3779b97f4a7c15; }
 
 }  // namespace hapton

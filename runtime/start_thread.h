@@ -6,8 +6,8 @@
 
 namespace hapton {
 
-// One line, and the end of the program with exit code 1: the system starts no more threads. Nothing is tidied up: other threads may hold
-// what that would need. RT: no.
+// Prints one line and ends the program with exit code 1: the system starts no more threads. No destructor runs, since other threads may
+// hold what it needs. RT: no.
 [[noreturn]] void end_without_thread(const std::system_error& rejection);
 
 // Starts a thread; all our threads are started here. If the system denies it (the user's limit of processes, the unit's TasksMax, no

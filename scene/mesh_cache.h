@@ -18,28 +18,28 @@
 
 namespace hapton {
 
-// The meshes of a scene file: each file is read once, and each of its parts made ready for touch once, however many objects are made of it.
-// RT: set-up only. Error: one line with the line in the scene file.
+// The meshes of a scene file: each mesh file is read once, and each of its parts prepared for touch once, however many objects use it.
+// RT: set-up only. Error, of all functions: one line with the number of the line in the scene file.
 class MeshCache {
  public:
   struct ReadyMesh {
     TriangleMesh mesh;
     SealReport sealed;
-    std::vector<Vec3> vertices_before;  // if it was sealed: the vertices before that
+    std::vector<Vec3> vertices_before;  // the vertices before it was sealed; empty: it was not
     std::uint64_t given_hash = 0;
     std::shared_ptr<const MeshLook> look;  // null: none
     MapSource map;                         // if there are maps: the mesh before it was sealed
   };
 
-  // has_maps: texture coordinates are needed, whether colours are or not.
+  // has_maps: the scene has maps (images for forces), which need texture coordinates even if `look` is off.
   MeshCache(CrackSealing sealing, LookReading look, bool has_maps) : sealing_(sealing), look_(look), has_maps_(has_maps) {}
 
-  // What the object names: a part of a file, some of its nodes, or all of it.
+  // The mesh that the object names: a part of a file, some of its nodes, or all of it. notes: gets lines for the log.
   Result<const ReadyMesh*> load(const std::filesystem::path& path, const ObjectSpec& object, std::vector<std::string>& notes);
-  // The file itself.
+  // The whole file.
   Result<const MeshFile*> load_file(const std::filesystem::path& path, const ObjectSpec& object, std::vector<std::string>& notes);
 
-  // What the file says of how the object feels, and which of its materials the object has; null: nothing.
+  // The haptic materials in the file, and the numbers of those that the object has. haptics is null if the file has none.
   struct HapticChoice {
     const MeshHaptics* haptics = nullptr;
     std::vector<std::uint32_t> materials = {};

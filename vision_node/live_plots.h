@@ -11,7 +11,7 @@
 
 namespace hapton {
 
-// One curve as it is drawn: from zero to top.
+// A curve to draw, on a scale from zero to top.
 struct PlotShown {
   std::string title;  // with the unit, the newest value and the scale
   std::vector<CurvePoint> points;
@@ -20,10 +20,10 @@ struct PlotShown {
   friend bool operator==(const PlotShown&, const PlotShown&) = default;
 };
 
-// The force on the hand and the age of what is drawn, over the last seconds. Times: any one monotonic clock, ns. RT: no.
+// Plots of the force on the hand and of the age of the drawn state, over the last seconds. Times: any one monotonic clock, ns. RT: no.
 class LivePlots {
  public:
-  // Ten pictures a second are enough for a curve.
+  // Time between two frames that are drawn for a curve alone: ten a second are enough.
   static constexpr std::int64_t kPeriodNs = 100'000'000;
 
   explicit LivePlots(bool is_shown) : is_shown_(is_shown) {}
@@ -34,10 +34,10 @@ class LivePlots {
   void receive(const ProbeState& state, std::int64_t now_ns);
   // The hub no longer replies: no force is known.
   void lost() { newest_n_.reset(); }
-  // From the arrival of the newest state in the picture until it was in the window.
+  // age_ns: from the arrival of the newest drawn state until the frame was in the window.
   void drew(std::int64_t age_ns, std::int64_t now_ns);
 
-  // They are shown, a hub is there, and what is in the picture is older than the period.
+  // True: the plots are shown, a hub has joined, and the drawn curves are older than the period.
   bool wants_picture(std::int64_t now_ns) const;
   // Force, then age; empty where they are not shown. Another one only after the period: what does not change costs little to draw.
   const std::vector<PlotShown>& compose(std::int64_t now_ns);
@@ -52,10 +52,10 @@ class LivePlots {
   std::int64_t composed_ns_ = 0;
 };
 
-// What its title says: the newest value, the limit (0: none) and the scale, which is at least least_top.
+// Makes a plot. Its title has the newest value, the limit (0: none) and the scale, which is at least least_top.
 PlotShown make_plot(std::vector<CurvePoint> points, std::string_view name, std::string_view unit, double limit, double least_top);
 
-// The largest values of a force's and of a time's scale, at least.
+// The least tops of the scales of a force (N) and of a time (ms).
 constexpr double kLeastTopN = 1.0;
 constexpr double kLeastTopMs = 20.0;
 

@@ -20,9 +20,9 @@ using Bytes = std::vector<std::byte>;
 constexpr std::size_t kCookieBytes = 24;
 constexpr std::size_t kHeaderBytes = 24;
 constexpr std::size_t kPadding = 8;
-// Longer than anything a client has to say to a server of ours.
+// The longest message that we accept from a client: far more than any that our server needs.
 constexpr std::size_t kMostMessageBytes = 16384;
-// VRPN's own limit: what a server may say.
+// The longest message from a server: VRPN's own limit.
 constexpr std::size_t kMostServerMessageBytes = 64000;
 // VRPN's own limit of a datagram with messages.
 constexpr std::size_t kMostDatagramBytes = 1472;
@@ -78,7 +78,7 @@ void append_error_text(Bytes& out, const Header& header, std::string_view text);
 // Without a body: vrpn_Base pong_message.
 void append_empty(Bytes& out, const Header& header);
 
-// A message as it came; its body lies in the bytes it was read from.
+// A received message. Its body refers to the bytes that it was read from.
 struct Message {
   std::int32_t sender = 0;
   std::int32_t type = 0;
@@ -91,19 +91,19 @@ enum class ReadStatus : std::uint8_t {
   broken,      // no valid message: ignore the sender from now on
 };
 
-// Takes one message off the front of bytes. A longer one than most_bytes is broken.
+// Reads one message and removes it from the front of bytes. A message longer than most_bytes is broken.
 ReadStatus read_message(std::span<const std::byte>& bytes, Message& into, std::size_t most_bytes = kMostMessageBytes);
 
-// The one number of a body; none where it is not one.
+// The number in a body that is one number; none: the body is something else.
 std::optional<double> number_of(const Message& message);
 
-// A sensor's pose in the tracker's frame, as it came: any numbers. Units: m.
+// A sensor's pose in the tracker's frame, as received: not checked. Units: m.
 struct SensorPose {
   std::int32_t sensor = 0;
   Vec3 p_m = Vec3::Zero();
   Quat q = Quat::Identity();
 };
-// Of a vrpn_Tracker Pos_Quat; none where the body is not one.
+// The pose in a vrpn_Tracker Pos_Quat; none: the body has another length.
 std::optional<SensorPose> position_of(const Message& message);
 
 // The name in a description's body, without its terminating zero; empty when it is not well-formed.

@@ -14,20 +14,20 @@ namespace hapton {
 // does. RT: no. Threads: one.
 class WatchdogProcess {
  public:
-  static constexpr std::int64_t kPeerTimeoutNs = 1'000'000'000;
+  static constexpr std::int64_t kPeerTimeoutNs = 1'000'000'000;  // without a heartbeat of the watchdog; then it is restarted
 
-  // Beside this program: bin/hapton_watchdog.
+  // The program hapton_watchdog in the folder of this executable.
   static std::filesystem::path find_program();
 
-  // Pre: memory is there and outlives this. priority: SCHED_FIFO, 0 for none. Error: it is not there or cannot be started, one line.
+  // Pre: memory outlives this. priority: SCHED_FIFO; 0: an ordinary process. Error, one line: the program is missing or cannot be started.
   Result<void> start(const HeartbeatMemory& memory, const std::filesystem::path& program, int priority);
 
-  // Call a few times a second. True: it had died or hung, and was restarted; report that.
+  // Call it a few times a second. True: the watchdog had died or hung, and was restarted; the caller reports that.
   bool look_after(std::int64_t now_ns);
 
   bool is_started() const noexcept { return process_ > 0; }
   pid_t id() const noexcept { return process_; }
-  // Restarts, and times it has released the force.
+  // How often it was restarted, and how often it has released the force.
   std::uint64_t restarts() const noexcept { return restarts_; }
   std::uint64_t cuts() const noexcept { return memory_ != nullptr ? memory_->page().cuts.load() : 0; }
 

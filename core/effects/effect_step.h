@@ -19,11 +19,11 @@ struct SurfaceContact {
   const MapSample* map = nullptr;  // of the object's images at the proxy; null: it has none
 };
 
-// The same with all effects.
+// The result of all effects on it.
 struct EffectResult {
   Vec3 force_n = Vec3::Zero();
   Vec3 p_SP = Vec3::Zero();  // where the probe is drawn: in punctured layers, at the tip of the needle
-  bool is_felt = false;      // contact, or force_n is not zero
+  bool is_felt = false;      // there is contact, or force_n is not zero
 };
 
 // Adds all effects of a scene to the force of a method, sample by sample, and holds their state: time, velocity, punctured layers, the
@@ -38,7 +38,7 @@ class EffectStep {
   // stylus that are down, a bit each.
   EffectResult step(const Vec3& p_SD, double dt_s, const SurfaceContact& contact, std::uint32_t buttons = 0) noexcept;
   void reset() noexcept;
-  // The scene was moved under the device, whose last point is here now: that is no motion of the hand.
+  // The scene was moved, so that the last device point has other coordinates in frame S: this is no motion of the hand.
   void note_scene_moved(const Vec3& last_p_SD) noexcept {
     velocity_.move_last(last_p_SD);
     last_p_SD_ = last_p_SD;
@@ -47,7 +47,7 @@ class EffectStep {
  private:
   static constexpr double kLongestS = 1.0;
 
-  // Of one object, since it was first touched in this contact. A probe between two objects may go back and forth.
+  // State of one object since it was first touched in this contact. A probe between two objects may alternate between them.
   struct ObjectState {
     SurfaceEffectState effects;
     std::uint64_t contact = 0;

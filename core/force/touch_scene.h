@@ -61,7 +61,7 @@ struct TouchScene {
   bool has_sculpt() const {
     return std::any_of(objects.begin(), objects.end(), [](const TouchObject& object) { return object.sculpt.has_value(); });
   }
-  // By keyframes, by commands, or as they deform.
+  // An object moves by keyframes or by commands, or deforms.
   bool has_motion() const {
     return std::any_of(objects.begin(), objects.end(), [](const TouchObject& object) { return object.moves(); });
   }

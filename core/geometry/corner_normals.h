@@ -55,7 +55,7 @@ struct NormalCheckReport {
 };
 
 // Final check of the normals: a corner's normal that is not finite, not of length one or not on its own face's side is replaced by the
-// face's. faces: only the first so many triangles have a face's side; fans behind them need unit normals only. RT: set-up only. Source:
+// face's. faces: number of triangles that have a side; the fans that follow them need unit normals only. RT: set-up only. Source:
 // fdh-rendering.txt, 4.1: "final validation of normal vectors".
 NormalCheckReport check_corner_normals(ShadedMesh& mesh, std::size_t faces = ~std::size_t{0});
 

@@ -5,11 +5,11 @@
 
 namespace hapton::doctor {
 
-// The hub's port and VRPN's: free, or who has them. RT: no.
+// Checks the ports of hub and VRPN: free, or the process that uses them. RT: no.
 Findings check_ports(const Machine& machine);
-// The key that nodes share: rights, size, owner, where. RT: no.
+// Checks the key file of this user: place, rights, size, owner. RT: no.
 Findings check_keys(const Machine& machine);
-// Whether other hosts reach the hub's port, as far as configuration files show. RT: no.
+// Checks whether other hosts can reach the hub's port, as far as configuration files of firewalls show. RT: no.
 Findings check_firewall(const Machine& machine);
 
 }  // namespace hapton::doctor

@@ -17,13 +17,13 @@ struct ProxyContact {
   Separation separation;  // of the proxy
 };
 
-// Where the proxy is, and what it touches. Frame: TouchGeometry's local one.
+// Position and contacts of the proxy. Frame and unit: TouchGeometry's local ones.
 struct ProxyState {
-  static constexpr int kMostContacts = 32;
+  static constexpr int kMostContacts = 32;  // far more than constrain it: three
 
   Vec3 position = Vec3::Zero();
   bool is_free = true;  // no contact: the proxy is the device point
-  bool slides = false;  // the dynamic coefficient applies
+  bool slides = false;  // slip: the dynamic coefficient of friction applies
   std::array<ProxyContact, kMostContacts> contacts;
   int contact_count = 0;
   std::array<double, 3> multipliers = {0, 0, 0};  // of the active constraints
@@ -44,10 +44,10 @@ struct ProxyState {
 // The surfaces of a scene: from which side each can be touched, and their materials. RT: queries yes. Keeps references.
 class ProxySurfaces {
  public:
-  // materials: one an object.
+  // materials: one for each object. Pre: both outlive this.
   ProxySurfaces(const TouchGeometry& geometry, const std::vector<Material>& materials);
 
-  // The friction of the materials has changed.
+  // Call it when the friction of the materials has changed.
   void note_friction() noexcept;
 
   const TouchGeometry& geometry() const { return geometry_; }
@@ -59,7 +59,7 @@ class ProxySurfaces {
   }
   // A one-sided triangle is touched only from the side that its normal points to.
   bool can_touch(std::uint32_t triangle, const Vec3& p) const noexcept;
-  // Of all active constraints (ContactMaterial).
+  // The mean material of all active constraints (ContactMaterial).
   Material mean_material(const ProxyState& state) const noexcept;
   // The object of the active constraint with the largest multiplier; -1 without contacts.
   int strongest_object(const ProxyState& state) const noexcept {
