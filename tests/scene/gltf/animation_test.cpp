@@ -206,7 +206,7 @@ TEST_F(GltfMorphs, SaysWhatCannotBeDeformed) {
     return scene ? "it was read" : scene.error().what;
   };
   add_weights(3, {0.0F, 0.05F}, {0, 0, 1, 0});
-  EXPECT_THAT(error_of(), HasSubstr("line 4: from 0 to 0.05 s 'a/post' deforms with up to 0.4 m/s"));
+  EXPECT_THAT(error_of(), HasSubstr("line 4: from 0 to 0.05 s 'a/post' deforms at up to 0.4 m/s"));
   document["animations"] = Json::array();
   add_weights(3, {0.0F, 1.0F}, {0, 0, 0, 0});
   EXPECT_THAT(error_of(), HasSubstr("animation 'animation 0' does not deform 'a/post'"));
