@@ -11,6 +11,7 @@ namespace {
 
 // Offsets; the way that a flight over a barrier takes, its lift included (SphereFollower::leave_by_flight).
 constexpr double kFarthest = 64.0 * 32.0 + 32.0 * 32.0;
+constexpr double kSamePlace = 2.0;  // offsets; a smaller gain is no escape from a slit
 
 }  // namespace
 
@@ -89,6 +90,27 @@ bool SphereFollower::straighten_in_slit() noexcept {
   }
   if (any) ++idle_;
   return any;
+}
+
+// Whether nearly opposite contacts hold the centre where a point would perhaps go on: parallel faces as far apart as the sphere is wide, or
+// what is not the wedge of two planes. False where it was found before, unless the device has moved.
+bool SphereFollower::is_in_new_slit(bool has_device_moved) noexcept {
+  constexpr double kOpposite = -0.9;     // within 26 degrees
+  constexpr double kParallel = 0x1p-10;  // rad; the tip of such a wedge is farther off than a way out would lead
+  bool is_slit = false;
+  bool is_parallel = false;
+  for (int i = 0; i < active_count_; ++i) {
+    for (int k = i + 1; k < active_count_; ++k) {
+      const Vec3 first = contacts_[i].proximity(centre_).normal;
+      const Vec3 second = contacts_[k].proximity(centre_).normal;
+      is_slit |= first.dot(second) < kOpposite;
+      is_parallel |= (first + second).norm() < kParallel;
+    }
+  }
+  if (!is_slit || (!has_device_moved && (centre_ - slit_at_).norm() <= kSamePlace * clearance_.offset)) return false;
+  if (!is_parallel && is_in_wedge()) return false;
+  slit_at_ = centre_;
+  return true;
 }
 
 // Whether the faces in the plane of a wall cover it that far from the centre: where one of them ends, another goes on, or the edge is below

@@ -1,5 +1,6 @@
 #include "core/force/sphere/tangent_cone.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -138,12 +139,30 @@ TangentCone::Turned TangentCone::turn(const Vec3& at, const Vec3& back, const Ve
   return {{turn.arc, turn.ahead, arcs_[static_cast<std::size_t>(turn.arc)].normal.dot(to_free) > 0.0, at}, turn.opening};
 }
 
+// The piece at which the walk was here before; -1: none.
+int TangentCone::find_again(const Walk& here) const {
+  for (int i = 1; i < piece_count_; ++i) {
+    const Walk& before = walks_[static_cast<std::size_t>(i)];
+    const bool is_same = before.arc == here.arc && before.ahead == here.ahead && before.on_normal == here.on_normal;
+    if (is_same && (before.from - here.from).norm() <= 2.0 * kSameDirection) return i;
+  }
+  return -1;
+}
+
+// Between arcs that cross at a very small angle the start may be on a piece that no other one leads to. What the walk repeats is the
+// boundary.
 bool TangentCone::find_boundary(const Vec3& inside) {
   piece_count_ = 0;
   Walk start;
   if (!find_start(inside, start)) return false;
   Walk here = start;
   while (piece_count_ < kMostPieces) {
+    if (const int again = find_again(here); again > 0) {
+      std::copy(pieces_.begin() + again, pieces_.begin() + piece_count_, pieces_.begin());
+      piece_count_ -= again;
+      return true;
+    }
+    walks_[static_cast<std::size_t>(piece_count_)] = here;
     const Arc& own = arcs_[static_cast<std::size_t>(here.arc)];
     Piece& piece = pieces_[static_cast<std::size_t>(piece_count_++)];
     piece.from = here.from;

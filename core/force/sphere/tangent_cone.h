@@ -76,11 +76,13 @@ class TangentCone {
   Turn find_turn(const Vec3& at, const Vec3& back, const Vec3& up, bool is_end) const;
   Turned turn(const Vec3& at, const Vec3& back, const Vec3& up, bool is_end) const;
   bool find_start(const Vec3& inside, Walk& start) const;
+  int find_again(const Walk& here) const;
 
   Vec3 apex_ = Vec3::Zero();
   std::array<Arc, kMostArcs> arcs_;
   int arc_count_ = 0;
   std::array<Piece, kMostPieces> pieces_;
+  std::array<Walk, kMostPieces> walks_;  // where each piece began
   int piece_count_ = 0;
 };
 

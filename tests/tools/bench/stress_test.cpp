@@ -3,6 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "scene/touch_mesh.h"
+
 namespace hapton {
 namespace {
 
@@ -141,6 +149,26 @@ TEST(Stress, EpisodesThatOnceHadFaultsHaveNone) {
     ASSERT_TRUE(results) << results.error().what;
     EXPECT_EQ(sum_of(*results).total_faults(), 0U) << to_text(*results, plan);
     EXPECT_GT(sum_of(*results).contact_steps, 0U) << once.body;
+  }
+}
+
+// Parts that touch: slits as wide as the sphere that stands for the point, and vertices where sheets cross at very small angles.
+TEST(Stress, EpisodesThatOnceHadFaultsOnAMeshOfTouchingPartsHaveNone) {
+  auto file = load_touch_mesh(std::string(HAPTON_SOURCE_DIR) + "/meshes/barkour_body_dirty.stl");
+  ASSERT_TRUE(file) << file.error().what;
+  const StressBody body = make_stress_body("meshes/barkour_body_dirty.stl", std::move(file->mesh));
+  StressPlan plan;
+  plan.method.name = "proxy";
+  plan.variants.resize(1);
+  struct Once {
+    std::uint64_t seed, episode;
+  };
+  for (const auto& [seed, episode] : {Once{1, 103}, Once{1, 138}, Once{1, 222}, Once{1, 820}, Once{1, 1098}, Once{2, 229}, Once{4, 8}}) {
+    plan.seed = seed;
+    const auto results = run_episode({body}, plan, episode);
+    ASSERT_TRUE(results) << results.error().what;
+    EXPECT_EQ(sum_of(*results).total_faults(), 0U) << to_text(*results, plan);
+    EXPECT_GT(sum_of(*results).contact_steps, 0U);
   }
 }
 
