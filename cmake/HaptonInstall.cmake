@@ -1,5 +1,6 @@
 # What `cmake --install` and the Debian packages put where. Four parts: `hapton` (programs, scenes, units), `vision` (vision_node alone draws,
-# and alone needs VTK), `dev` (the libraries as a CMake package) and `python` (import hapton).
+# and alone needs VTK), `dev` (the libraries as a CMake package) and `python` (import hapton); with BUILD_SHARED_LIBS a fifth, which all need:
+# `libs` (the libraries that are loaded).
 include(GNUInstallDirs)
 
 # --- programs, with a manual page and a bash completion each, made of their --help ---
@@ -91,6 +92,19 @@ set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.11), python3 (<< 3.12), python3-numpy")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA "${CMAKE_SOURCE_DIR}/deploy/debian/python/prerm")
 set(CPACK_COMPONENTS_ALL hapton dev)
+if(BUILD_SHARED_LIBS)
+  set(hapton_libs libhapton${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+  list(APPEND CPACK_COMPONENTS_ALL libs)
+  set(CPACK_DEBIAN_LIBS_PACKAGE_NAME ${hapton_libs})
+  set(CPACK_DEBIAN_LIBS_PACKAGE_SECTION libs)
+  set(CPACK_COMPONENT_LIBS_DESCRIPTION "Hapton's shared libraries, which its programs and those built against libhapton-dev load.")
+  set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS "${CMAKE_BINARY_DIR}/lib")
+  # In front of what each needs otherwise.
+  foreach(part HAPTON DEV PYTHON)
+    set(CPACK_DEBIAN_${part}_PACKAGE_DEPENDS "${hapton_libs} (= ${PROJECT_VERSION}), ${CPACK_DEBIAN_${part}_PACKAGE_DEPENDS}")
+    string(REGEX REPLACE ", $" "" CPACK_DEBIAN_${part}_PACKAGE_DEPENDS "${CPACK_DEBIAN_${part}_PACKAGE_DEPENDS}")
+  endforeach()
+endif()
 if(TARGET hapton_python)
   list(APPEND CPACK_COMPONENTS_ALL python)
 endif()

@@ -16,7 +16,7 @@ function(hapton_component name)
     set_target_properties(${target} PROPERTIES EXPORT_NAME ${exported})
   endforeach()
   install(TARGETS ${ARG_TARGETS} EXPORT hapton-${name} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}/hapton COMPONENT dev
-    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT hapton NAMELINK_COMPONENT dev)
+    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT libs NAMELINK_COMPONENT dev)
   install(EXPORT hapton-${name} NAMESPACE hapton:: DESTINATION ${hapton_cmake_folder} FILE hapton-${name}.cmake COMPONENT dev)
   foreach(folder IN LISTS ARG_FOLDERS)
     # scene/gltf reads files for scene, and nobody else.

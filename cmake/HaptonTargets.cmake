@@ -100,7 +100,9 @@ function(hapton_add_library name)
   if(BUILD_SHARED_LIBS AND name IN_LIST hapton_package_libraries)
     add_library(${name} SHARED ${ARGN})
     # No macro of its own: its objects are those of the static library. Versions are compatible as those of the package are.
-    set_target_properties(${name} PROPERTIES DEFINE_SYMBOL "" VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+    # In one folder, where dpkg-shlibdeps finds them.
+    set_target_properties(${name} PROPERTIES DEFINE_SYMBOL "" VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
+      LIBRARY_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/lib")
   else()
     add_library(${name} STATIC ${ARGN})
   endif()

@@ -37,6 +37,7 @@ ForceCommand HapticsStep::answer() noexcept {
   advance_scene(step_ns);
   ForceCommand reply;
   const bool begins = !running_;
+  reply.carve_serial = touch_->count_carves();
   if (grasp_ != nullptr) update_grasp();
   if (tool_ != nullptr) {
     feel_tool(reply);

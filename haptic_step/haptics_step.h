@@ -91,6 +91,14 @@ class HapticsStep {
 
   // What the last reply carved; null: nothing.
   const MadeCarve* made_carve() const noexcept { return touch_->made_carve(); }
+  // As TouchStep::repeat_carve.
+  bool repeat_carve(int object, const Carve& carve) noexcept { return touch_->repeat_carve(object, carve); }
+  // Takes the place of the method that is there, without a change of method: for a replay that begins anew with whole bodies.
+  void begin_anew(std::unique_ptr<TouchStep> touch) noexcept {
+    touch->follow_commands(*touch_);
+    touch_ = std::move(touch);
+    restart();
+  }
 
   // The materials have changed, as ForceMethod::set_materials has them; the proxy stays. In contact the difference of the forces fades
   // (ForceFade), as after a change of method.

@@ -39,6 +39,7 @@ ObjectMover::ObjectMover(const Scene& scene, std::uint32_t source) {
     if (object.commanded == nullptr) continue;
     const Vec3& pivot = object.commanded->pivot();
     moves_.push_back({.source = source, .object = number, .from_p_m = pivot, .to_p_m = pivot});
+    put_text(object.name, moves_.back().name);
   }
   std::sort(by_name_.begin(), by_name_.end());
 }

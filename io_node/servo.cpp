@@ -38,6 +38,7 @@ Servo::Servo(Device& device, HubPeers& peers, const Clock& clock, const Options&
       requests_(loop_, peers, clock, events_, stats_, options.rate_hz),
       loop_reporter_(peers, stats_, device.name()),
       markers_(peers, tap, stats_),
+      carves_(peers, tap),
       peer_notices_(events_, peers),
       safety_(events_, tap),
       local_rest_ns_(std::llround(1e9 / std::max(kRestedHz, options.vision_rate_hz))) {
@@ -112,6 +113,7 @@ void Servo::do_housekeeping() noexcept {
     vision_.refresh_statistics(cycle_.number, now_ns);
     peer_notices_.check(now_ns);
   }
+  carves_.request_if_due(now_ns);
   if (report_server_ != nullptr) report_server_->serve(peers_);
   safety_.check(loop_.latest(), cycle_, forces_.is_in_contact(), now_ns);
   forces_.note_written();
@@ -157,6 +159,7 @@ void Servo::on_message(const PeerEvent& event, const Datagram& datagram) noexcep
   }
   // Neither the order of carves matters nor how often they come.
   if (const auto* carves = std::get_if<Carves>(&message)) {
+    carves_.note(*carves, event.arrival);
     peers_.send_to_role(NodeRole::vision, *carves);
     return;
   }

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "devices/device.h"
+#include "io_node/carve_collector.h"
 #include "io_node/cycle_source.h"
 #include "io_node/device_loop.h"
 #include "io_node/echo_probe.h"
@@ -136,6 +137,7 @@ class Servo final : private PeerEventHandler {
   RequestHandler requests_;
   LoopReporter loop_reporter_;
   MarkerLog markers_;
+  CarveCollector carves_;
   PeerNotices peer_notices_;
   SafetyNotices safety_;
   StatsPublisher publisher_;

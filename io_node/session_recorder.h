@@ -64,6 +64,7 @@ class SessionRecorder final : public ServoTap {
   void on_sent(const Address& to, std::span<const std::byte> datagram, std::int64_t time_ns) noexcept override;
   void on_cycle(const CycleNote& note, std::int64_t time_ns) noexcept override;
   void on_fault(SessionFault fault, std::int64_t time_ns) noexcept override;
+  bool is_recording() const noexcept override { return records_all_; }
   MarkerStatus on_marker(const MarkerNote& note, std::int64_t time_ns) noexcept override;
 
  private:

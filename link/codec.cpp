@@ -253,6 +253,7 @@ void reserve(wire::ObjectMove& m) {
   reserve_field(*m.mutable_from_q());
   reserve_field(*m.mutable_to_p_m());
   reserve_field(*m.mutable_to_q());
+  m.mutable_name()->reserve(kMaxDatagramBytes);
 }
 void reserve(wire::Carves& m) {
   m.mutable_object()->Reserve(kMaxDatagramBytes);

@@ -10,8 +10,9 @@ void KnownMoves::take(const ObjectMove& move, Arrival arrival) {
   if (verdict == MoveSource::Verdict::old) return;
   if (verdict == MoveSource::Verdict::other) {
     motions_.clear();
-    numbers_.clear();
+    names_.clear();
   }
+  if (move.name[0] != '\0' && find_name(move.object) != move.name.data()) note_name(move.name.data(), move.object);
   const auto known = motions_.find(move.object);
   if (known != motions_.end()) {
     known->second.begin(to_command(move));
@@ -42,9 +43,24 @@ std::optional<KnownMoves::Placed> KnownMoves::find(std::int32_t object, double t
   return placed;
 }
 
-std::optional<std::int32_t> KnownMoves::find_number(std::string_view name) const {
-  const auto known = numbers_.find(name);
-  return known != numbers_.end() ? std::optional(known->second) : std::nullopt;
+std::vector<std::int32_t> KnownMoves::objects() const {
+  std::vector<std::int32_t> numbers;
+  for (const auto& [object, motion] : motions_) numbers.push_back(object);
+  return numbers;
+}
+
+std::string_view KnownMoves::find_name(std::int32_t object) const {
+  const auto known = names_.find(object);
+  return known != names_.end() ? std::string_view(known->second) : std::string_view();
+}
+
+KnownMoves::Named KnownMoves::find_named(std::string_view name) const {
+  Named named;
+  for (const auto& [object, known] : names_) {
+    if (known != name) continue;
+    if (++named.count == 1) named.object = object;
+  }
+  return named;
 }
 
 }  // namespace hapton

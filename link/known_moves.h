@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/math/commanded_motion.h"
 #include "link/messages.h"
@@ -27,16 +28,25 @@ class KnownMoves {
   // that programs may move.
   std::optional<Placed> find(std::int32_t object, double time_s) const;
 
-  // No message has the names of objects, but the reply to a request by name has the number.
-  void note_name(std::string_view name, std::int32_t object) { numbers_.insert_or_assign(std::string(name), object); }
-  std::optional<std::int32_t> find_number(std::string_view name) const;
+  // Announced so far, in the order of their numbers.
+  std::vector<std::int32_t> objects() const;
+  // Moves announce the name; a haptics node of an earlier build does not, but its reply to a request by name has the number.
+  void note_name(std::string_view name, std::int32_t object) { names_.insert_or_assign(object, std::string(name)); }
+  // Empty: not known.
+  std::string_view find_name(std::int32_t object) const;
+  // Objects may share a name.
+  struct Named {
+    std::optional<std::int32_t> object = {};  // the first one
+    std::size_t count = 0;
+  };
+  Named find_named(std::string_view name) const;
 
  private:
   static CommandedMotion begin_motion(const ObjectMove& first);
 
   MoveSource source_;
   std::map<std::int32_t, CommandedMotion> motions_;  // by object
-  std::map<std::string, std::int32_t, std::less<>> numbers_;
+  std::map<std::int32_t, std::string> names_;        // likewise
 };
 
 }  // namespace hapton

@@ -84,6 +84,7 @@ void write(const ForceCommand& from, wire::ForceCommand& to) {
   write_vector(*to.mutable_visual_turn(), from.visual_turn);
   to.set_scene_time_ns(from.scene_time_ns);
   to.set_move_serial(from.move_serial);
+  to.set_carve_serial(from.carve_serial);
 }
 
 void write(const ViewTransform& from, wire::ViewTransform& to) {
@@ -240,6 +241,7 @@ bool read(const wire::ForceCommand& from, ForceCommand& to) {
   to.object = read_object(from.touched());
   to.scene_time_ns = from.scene_time_ns();
   to.move_serial = from.move_serial();
+  to.carve_serial = from.carve_serial();
   return read_vector(from.force_n(), to.force_n) && read_vector(from.visual_offset_m(), to.visual_offset_m) &&
          read_optional_vector(from.torque_nm(), to.torque_nm) && read_optional_vector(from.visual_turn(), to.visual_turn);
 }

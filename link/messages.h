@@ -63,7 +63,8 @@ struct ForceCommand {
   Vec3 visual_turn = Vec3::Zero();  // rotation vector from the stylus to the tool as it is drawn, rad
   // The time of KeyframeMotion and CommandedMotion, which determines where moving objects were. 0: their beginning, or nothing moves.
   std::int64_t scene_time_ns = 0;
-  std::uint32_t move_serial = 0;  // of the newest move of an object that it was computed with, as ObjectMove counts
+  std::uint32_t move_serial = 0;   // of the newest move of an object that it was computed with, as ObjectMove counts
+  std::uint32_t carve_serial = 0;  // of the newest carve made before this step, as Carves count
 };
 
 // ForceCommand::answered_before of a first reply that resumes contact of an earlier session.
@@ -370,6 +371,7 @@ struct ObjectMove {
   Quat from_q = Quat::Identity();
   Vec3 to_p_m = Vec3::Zero();
   Quat to_q = Quat::Identity();
+  HapticsSetup::Text name = {};  // of the object in the scene file
 };
 
 // haptics -> hub -> every vision node, when the stylus has removed material, and again on request: carves of consecutive serials

@@ -46,6 +46,7 @@ void write(const ObjectMove& from, wire::ObjectMove& to) {
   write_rotation(*to.mutable_from_q(), from.from_q);
   write_vector(*to.mutable_to_p_m(), from.to_p_m);
   write_rotation(*to.mutable_to_q(), from.to_q);
+  write_text(from.name, *to.mutable_name());
 }
 
 bool read(const wire::MoveRequest& from, MoveRequest& to) {
@@ -76,7 +77,8 @@ bool read(const wire::ObjectMove& from, ObjectMove& to) {
   to.end_ns = from.end_ns();
   if (to.source == 0 || to.start_ns < 0 || to.end_ns < to.start_ns) return false;
   return read_object_number(from.object(), to.object) && read_vector(from.from_p_m(), to.from_p_m) &&
-         read_rotation(from.from_q(), to.from_q) && read_vector(from.to_p_m(), to.to_p_m) && read_rotation(from.to_q(), to.to_q);
+         read_rotation(from.from_q(), to.from_q) && read_vector(from.to_p_m(), to.to_p_m) && read_rotation(from.to_q(), to.to_q) &&
+         read_text(from.name(), to.name);
 }
 
 }  // namespace hapton

@@ -81,6 +81,10 @@ std::vector<Pose> read_poses(const Doubles& array, const char* name) {
   return poses;
 }
 
+py::str make_text(std::string_view text) {
+  return py::reinterpret_steal<py::str>(PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "replace"));
+}
+
 py::array_t<double> make_point(const Vec3& point) {
   py::array_t<double> array(3);
   for (int k = 0; k < 3; ++k) array.mutable_at(k) = point[k];

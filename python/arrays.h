@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/base/result.h"
@@ -34,6 +35,8 @@ Vec3 read_point(const Doubles& array, const char* name);
 Pose read_pose(const Doubles& array, const char* name);
 // (n, 4, 4) or, for one, (4, 4). One with a number that is not finite stays so.
 std::vector<Pose> read_poses(const Doubles& array, const char* name);
+// Text of a file or a datagram, which may be no UTF-8.
+py::str make_text(std::string_view text);
 py::array_t<double> make_point(const Vec3& point);
 py::array_t<double> make_pose(const Pose& pose);
 py::array_t<double> make_points(std::size_t count);  // (count, 3), to be written

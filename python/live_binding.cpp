@@ -1,5 +1,6 @@
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -8,11 +9,13 @@
 #include <variant>
 
 #include "core/effects/smooth_velocity.h"
+#include "core/force/force_method.h"
 #include "core/math/rigid_pose.h"
 #include "core/math/turn_by_degrees.h"
 #include "python/bindings.h"
 #include "python/field_node.h"
 #include "python/live_client.h"
+#include "scene/material_limits.h"
 
 namespace hapton::python {
 namespace {
@@ -44,8 +47,10 @@ py::object describe_probe(LiveClient& client) {
   state["orientation"] = make_quaternion(probe->q_WT);
   state["proxy_m"] = make_point(probe->p_WD + probe->visual_offset_m);
   state["force_n"] = make_point(probe->force_n);
+  state["torque_nm"] = make_point(probe->torque_nm);
   state["contact"] = probe->contact;
   state["object"] = probe->object;
+  state["object_name"] = make_text(client.find_name(probe->object));
   state["buttons"] = probe->buttons;
   state["status"] = static_cast<int>(probe->status);
   state["view_revision"] = probe->view_revision;
@@ -78,23 +83,67 @@ std::int32_t find_number(LiveClient& client, const ObjectKey& key) {
     return static_cast<std::int32_t>(*number);
   }
   const std::string& name = std::get<std::string>(key);
-  const auto number = client.find_number(name);
-  if (!number) raise_value_error(fmt::format("the number of '{}' is not known: this client has not moved it; give its number", name));
-  return *number;
+  const KnownMoves::Named named = client.find_named(name);
+  if (named.count > 1) raise_value_error(fmt::format("{} objects are named '{}': give the number of one", named.count, name));
+  if (!named.object) {
+    raise_value_error(
+        fmt::format("no object '{}' has been announced that programs may move; client.movable_objects() lists those that have", name));
+  }
+  return *named.object;
 }
 
-py::object object_pose(LiveClient& client, const ObjectKey& object, std::optional<double> scene_time_s) {
-  if (scene_time_s && !std::isfinite(*scene_time_s)) raise_value_error("scene_time_s is not finite");
-  const std::int32_t number = find_number(client, object);
+py::object describe_object(LiveClient& client, std::int32_t number, std::optional<double> scene_time_s) {
   const auto placed = client.find_object(number, scene_time_s);
   if (!placed) return py::none();
   py::dict pose;
   pose["object"] = number;
+  pose["name"] = make_text(client.find_name(number));
   pose["scene_time_s"] = placed->at.time_s;
   pose["pivot_position_m"] = make_point(placed->at.p_S);
   pose["turn"] = make_quaternion(placed->at.turn);
   pose["moving"] = placed->is_moving;
   return pose;
+}
+
+py::object object_pose(LiveClient& client, const ObjectKey& object, std::optional<double> scene_time_s) {
+  if (scene_time_s && !std::isfinite(*scene_time_s)) raise_value_error("scene_time_s is not finite");
+  return describe_object(client, find_number(client, object), scene_time_s);
+}
+
+py::list movable_objects(LiveClient& client) {
+  py::list all;
+  for (const std::int32_t number : client.movable_objects()) {
+    if (py::object pose = describe_object(client, number, std::nullopt); !pose.is_none()) all.append(pose);
+  }
+  return all;
+}
+
+py::dict describe_carves(LiveClient& client, std::int64_t after) {
+  if (after < 0 || after > UINT32_MAX) raise_value_error(fmt::format("after is {}; give the number of carves that you have", after));
+  LiveClient::CarvesSoFar so_far;
+  {
+    const py::gil_scoped_release others_run;
+    so_far = client.find_carves(static_cast<std::uint32_t>(after));
+  }
+  const std::size_t count = so_far.carves.size();
+  py::array_t<std::int32_t> object(static_cast<py::ssize_t>(count));
+  py::array_t<double> from_m = make_points(count);
+  py::array_t<double> to_m = make_points(count);
+  py::array_t<double> radius_m(static_cast<py::ssize_t>(count));
+  for (std::size_t n = 0; n < count; ++n) {
+    const Carves::One& one = so_far.carves[n];
+    object.mutable_data()[n] = one.object;
+    radius_m.mutable_data()[n] = static_cast<double>(one.radius_m);
+    std::copy(one.from_m.begin(), one.from_m.end(), from_m.mutable_data() + 3 * n);
+    std::copy(one.to_m.begin(), one.to_m.end(), to_m.mutable_data() + 3 * n);
+  }
+  py::dict carves;
+  carves["object"] = object;
+  carves["from_m"] = from_m;
+  carves["to_m"] = to_m;
+  carves["radius_m"] = radius_m;
+  carves["newest"] = so_far.newest;
+  return carves;
 }
 
 double move_object(LiveClient& client, const ObjectKey& object, const std::optional<Doubles>& position_m,
@@ -122,6 +171,43 @@ double move_object(LiveClient& client, const ObjectKey& object, const std::optio
     return client.move_object(named, target);
   }();
   return value_or_raise(std::move(seconds));
+}
+
+std::string change_settings(LiveClient& client, const std::optional<std::string>& method, const std::optional<std::string>& object,
+                            std::optional<double> stiffness_n_per_m, std::optional<double> damping_ns_per_m,
+                            std::optional<double> friction_static, std::optional<double> friction_dynamic, std::optional<double> rate_hz,
+                            const std::string& key_file) {
+  SettingsChange change;
+  const auto give = [&](const std::optional<double>& value, const MaterialLimit& limit, std::uint32_t bit, double& into) {
+    if (!value) return;
+    if (const auto fits = check_number(limit, limit.key, *value); !fits) raise_value_error(fits.error().what);
+    change.material.given |= bit;
+    into = *value;
+  };
+  give(stiffness_n_per_m, kStiffnessLimit, MaterialChange::kStiffness, change.material.stiffness_n_per_m);
+  give(damping_ns_per_m, kDampingLimit, MaterialChange::kDamping, change.material.damping_ns_per_m);
+  give(friction_static, kFrictionStaticLimit, MaterialChange::kFrictionStatic, change.material.friction_static);
+  give(friction_dynamic, kFrictionDynamicLimit, MaterialChange::kFrictionDynamic, change.material.friction_dynamic);
+  if (object && change.material.given == 0) {
+    raise_value_error(fmt::format("nothing to set for object '{}'; give a stiffness, damping or friction", *object));
+  }
+  if (rate_hz && !(*rate_hz >= kMinServoRateHz && *rate_hz <= kMaxServoRateHz)) {
+    raise_value_error(fmt::format("rate_hz is {}; give {} to {}", *rate_hz, kMinServoRateHz, kMaxServoRateHz));
+  }
+  if (method && !is_method_name(*method) && *method != "plugin") {
+    raise_value_error(fmt::format("method '{}' is not known; choose one of: {}, or plugin", *method, method_names()));
+  }
+  if (change.material.given == 0 && !rate_hz && !method) {
+    raise_value_error("nothing to set; give method, rate_hz, a stiffness, damping or friction");
+  }
+  change.method = method.value_or("");
+  change.object = object.value_or("");
+  change.rate_hz = rate_hz.value_or(0.0);
+  auto in_use = [&] {
+    const py::gil_scoped_release others_run;
+    return client.set(change, key_file);
+  }();
+  return value_or_raise(std::move(in_use));
 }
 
 py::dict describe_node(FieldNode& node) {
@@ -220,9 +306,10 @@ void bind_client(py::module_& module) {
            py::arg("hub") = "127.0.0.1", py::arg("key_file") = "",
            "hub: HOST or HOST:PORT of io_node. key_file: of the role vision; empty: this user's key.")
       .def("state", &describe_probe,
-           "The newest sample as a dict: sample, t_s, position_m, orientation (w, x, y, z), proxy_m, force_n, contact, object, buttons, "
-           "status,\n"
-           "view_revision, scene_time_s, servo_rate_hz, round_trip_p50_us, round_trip_p99_us. None before the first. A few hundred a "
+           "The newest sample as a dict: sample, t_s, position_m, orientation (w, x, y, z), proxy_m, force_n, torque_nm, contact, object, "
+           "object_name\n"
+           "(of those that programs may move; else empty), buttons, status, view_revision, scene_time_s, servo_rate_hz, round_trip_p50_us, "
+           "round_trip_p99_us. None before the first. A few hundred a "
            "second at most.")
       .def("turn_scene", &turn_scene, py::arg("scene_pose"),
            "Moves what is touched: (4, 4), pose of the scene in W. Returns its revision; state()['view_revision'] reaches it when the "
@@ -254,9 +341,26 @@ void bind_client(py::module_& module) {
            "Where an object is that programs may move, as a dict: object (its number), scene_time_s, pivot_position_m (of its pivot, frame "
            "S), "
            "turn\n"
-           "(w, x, y, z; about the pivot, from the object as the scene file places it), moving. At the sample of state(), or at "
-           "scene_time_s. object:\n"
-           "its number, or the name by which this client has moved it. None: not announced yet, or programs may not move it.")
+           "(w, x, y, z; about the pivot, from the object as the scene file places it), moving, name. At the sample of state(), or at "
+           "scene_time_s.\n"
+           "object: its number or its name. None: not announced yet, or programs may not move it.")
+      .def("movable_objects", &movable_objects,
+           "All objects that programs may move, as far as they have been announced: a list of dicts as of object_pose, at the sample of "
+           "state().")
+      .def("carves", &describe_carves, py::arg("after") = 0,
+           "What the stylus has carved, in its order, as a dict of arrays: object, from_m and to_m (n, 3), radius_m: material within "
+           "radius_m of the\n"
+           "segment is removed, in the frame of the object as the scene file places it. after: leave out so many, those that you have. "
+           "newest: how many\n"
+           "haptics_node has announced. Fewer than before: it was started again, and the objects are whole.")
+      .def("set", &change_settings, py::kw_only(), py::arg("method") = py::none(), py::arg("object") = py::none(),
+           py::arg("stiffness_n_per_m") = py::none(), py::arg("damping_ns_per_m") = py::none(), py::arg("friction_static") = py::none(),
+           py::arg("friction_dynamic") = py::none(), py::arg("rate_hz") = py::none(), py::arg("key_file") = "",
+           "Changes the force method, the material of an object (object: its name; without it of all) or the servo rate while they are "
+           "felt, as\n"
+           "`hapton set` does. What is not given stays. Returns what is in use then, when hub and haptics_node have confirmed it; raises "
+           "with the\n"
+           "reason otherwise. key_file: of the role tool, where the client's own is of the role vision alone.")
       .def("close", &LiveClient::stop, py::call_guard<py::gil_scoped_release>(), "Leaves the session.");
 }
 

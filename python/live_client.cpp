@@ -1,5 +1,6 @@
 #include "python/live_client.h"
 
+#include <algorithm>
 #include <chrono>
 
 #include "link/marker_request.h"
@@ -10,6 +11,7 @@ namespace {
 
 constexpr double kClientPatienceS = 5.0;
 constexpr std::int64_t kClientTurnNs = kNanosecondsPerMillisecond;  // the longest that a marker waits until it is sent
+constexpr std::size_t kMostCarves = 1'000'000;                      // as Sculpture has them
 constexpr auto kMarkerPatience = std::chrono::seconds(2);
 constexpr auto kMovePatience = std::chrono::seconds(3);
 constexpr std::int64_t kViewEveryNs = 50 * kNanosecondsPerMillisecond;  // until the forces use it, as a datagram may be lost
@@ -17,13 +19,15 @@ constexpr std::int64_t kViewEveryNs = 50 * kNanosecondsPerMillisecond;  // until
 }  // namespace
 
 Result<std::unique_ptr<LiveClient>> LiveClient::open(const std::string& hub, const std::string& key_file) {
-  auto connection = HubConnection::open(NodeRole::vision, {.hub = hub, .key_file = key_file});
+  const HubConnection::Settings settings{.hub = hub, .key_file = key_file};
+  auto connection = HubConnection::open(NodeRole::vision, settings);
   if (!connection) return tl::unexpected(connection.error());
   if (const auto joined = (*connection)->wait_until_joined(kClientPatienceS); !joined) return tl::unexpected(joined.error());
-  return std::unique_ptr<LiveClient>(new LiveClient(std::move(*connection)));
+  return std::unique_ptr<LiveClient>(new LiveClient(std::move(*connection), settings));
 }
 
-LiveClient::LiveClient(std::unique_ptr<HubConnection> connection) : connection_(std::move(connection)) {
+LiveClient::LiveClient(std::unique_ptr<HubConnection> connection, HubConnection::Settings settings)
+    : settings_(std::move(settings)), connection_(std::move(connection)) {
   thread_ = start_thread([this] { run(); });
 }
 
@@ -63,11 +67,22 @@ Result<double> LiveClient::move_object(std::string_view object, const MoveTarget
   if (is_stopping_.load()) return fail("this client is closed");
   const auto reply = moves_.request(*request, kMovePatience);
   if (!reply) return fail("no haptics node replied in {} s; start haptics_node, or it is of an earlier version", kMovePatience.count());
-  if (reply->rejection[0] == '\0') {
+  if (reply->rejection[0] == '\0' && !object.starts_with('#')) {
     const std::scoped_lock lock(mutex_);
     known_moves_.note_name(object, reply->object);
   }
   return read_reply(*reply);
+}
+
+Result<std::string> LiveClient::set(const SettingsChange& change, const std::string& key_file) {
+  const auto request = make_settings_request(change);
+  if (!request) return tl::unexpected(request.error());
+  if (is_stopping_.load()) return fail("this client is closed");
+  const auto tool =
+      HubConnection::open(NodeRole::tool, {.hub = settings_.hub, .key_file = key_file.empty() ? settings_.key_file : key_file});
+  if (!tool) return tl::unexpected(tool.error());
+  if (const auto joined = (*tool)->wait_until_joined(kClientPatienceS); !joined) return tl::unexpected(joined.error());
+  return apply_settings((*tool)->client(), (*tool)->clock(), *request, settings_.hub);
 }
 
 std::optional<KnownMoves::Placed> LiveClient::find_object(std::int32_t object, std::optional<double> scene_time_s) {
@@ -76,9 +91,27 @@ std::optional<KnownMoves::Placed> LiveClient::find_object(std::int32_t object, s
   return known_moves_.find(object, scene_time_s.value_or(1e-9 * static_cast<double>(newest_->scene_time_ns)));
 }
 
-std::optional<std::int32_t> LiveClient::find_number(std::string_view name) {
+KnownMoves::Named LiveClient::find_named(std::string_view name) {
   const std::scoped_lock lock(mutex_);
-  return known_moves_.find_number(name);
+  return known_moves_.find_named(name);
+}
+
+std::string LiveClient::find_name(std::int32_t object) {
+  const std::scoped_lock lock(mutex_);
+  return std::string(known_moves_.find_name(object));
+}
+
+std::vector<std::int32_t> LiveClient::movable_objects() {
+  const std::scoped_lock lock(mutex_);
+  return known_moves_.objects();
+}
+
+LiveClient::CarvesSoFar LiveClient::find_carves(std::uint32_t after) {
+  const std::scoped_lock lock(mutex_);
+  CarvesSoFar so_far{.newest = known_carves_.newest()};
+  const std::size_t end = std::min<std::size_t>(known_carves_.complete(), carves_.size());
+  for (std::size_t n = after; n < end; ++n) so_far.carves.push_back(carves_[n]);
+  return so_far;
 }
 
 void LiveClient::take_move(const Message& message, Arrival arrival) {
@@ -86,6 +119,24 @@ void LiveClient::take_move(const Message& message, Arrival arrival) {
   if (move == nullptr) return;
   const std::scoped_lock lock(mutex_);
   known_moves_.take(*move, arrival);
+}
+
+// Those of an earlier haptics process are void: the objects are whole again.
+void LiveClient::take_carves(const Message& message, Arrival arrival) {
+  const auto* carves = std::get_if<Carves>(&message);
+  if (carves == nullptr) return;
+  const std::scoped_lock lock(mutex_);
+  const KnownCarves::News news = known_carves_.take(*carves, arrival);
+  if (news.starts_anew) carves_.clear();
+  const std::size_t end = std::size_t{carves->first} + carves->count - 1;  // the first of the news is so many before
+  if (news.carves.empty() || end > kMostCarves) return;
+  if (carves_.size() < end) carves_.resize(end);
+  std::copy(news.carves.begin(), news.carves.end(), carves_.begin() + static_cast<std::ptrdiff_t>(end - news.carves.size()));
+}
+
+void LiveClient::request_carves(HubClient& client, std::int64_t now_ns) {
+  const std::scoped_lock lock(mutex_);
+  if (const auto request = known_carves_.take_request(now_ns)) client.send(*request);
 }
 
 void LiveClient::run() {
@@ -98,10 +149,12 @@ void LiveClient::run() {
     send_view(clock.now_ns());
     markers_.send(client, clock.now_ns());
     moves_.send(client, clock.now_ns());
+    request_carves(client, clock.now_ns());
     if (!has_datagram) continue;
     markers_.take(datagram.message);
     moves_.take(datagram.message);
     take_move(datagram.message, client.last_arrival());
+    take_carves(datagram.message, client.last_arrival());
     const auto* probe = std::get_if<ProbeState>(&datagram.message);
     if (probe == nullptr || client.last_arrival() == Arrival::reordered) continue;
     {

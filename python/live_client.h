@@ -4,13 +4,17 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <thread>
+#include <vector>
 
 #include "link/hub_connection.h"
+#include "link/known_carves.h"
 #include "link/known_moves.h"
 #include "link/messages.h"
 #include "link/move_request.h"
+#include "link/settings_request.h"
 #include "python/reply_awaiter.h"
 
 namespace hapton::python {
@@ -34,23 +38,40 @@ class LiveClient {
   // Where an object is that programs may move, at a scene time; none given: at that of the newest state. None: there is no state yet, or as
   // KnownMoves::find. Threads: any.
   std::optional<KnownMoves::Placed> find_object(std::int32_t object, std::optional<double> scene_time_s);
-  // Of an object that this client has moved by that name. Threads: any.
-  std::optional<std::int32_t> find_number(std::string_view name);
+  // As KnownMoves::find_named and find_name. Threads: any.
+  KnownMoves::Named find_named(std::string_view name);
+  std::string find_name(std::int32_t object);
+  // Those that programs may move, as far as they have been announced. Threads: any.
+  std::vector<std::int32_t> movable_objects();
+  // What the stylus has carved, in order, as far as it has come; the newest serial that the haptics node has announced. Threads: any.
+  struct CarvesSoFar {
+    std::vector<Carves::One> carves = {};
+    std::uint32_t newest = 0;
+  };
+  CarvesSoFar find_carves(std::uint32_t after);
   // Requests that an object moves; the time that the move takes, s. Error, one line: why it does not, or no reply. Threads: any.
   Result<double> move_object(std::string_view object, const MoveTarget& target);
+  // Joins for a moment as a tool, and changes method, materials or rate; what is in use then, in one line. key_file: of a tool, or for all
+  // roles; empty: that of this client. Error, one line: as apply_settings. Threads: any.
+  Result<std::string> set(const SettingsChange& change, const std::string& key_file);
   void stop();
 
  private:
-  explicit LiveClient(std::unique_ptr<HubConnection> connection);
+  LiveClient(std::unique_ptr<HubConnection> connection, HubConnection::Settings settings);
   void run();
   void take_move(const Message& message, Arrival arrival);
+  void request_carves(HubClient& client, std::int64_t now_ns);
+  void take_carves(const Message& message, Arrival arrival);
   void send_view(std::int64_t now_ns) noexcept;
 
+  HubConnection::Settings settings_;
   std::unique_ptr<HubConnection> connection_;
-  std::mutex mutex_;  // of the next three
+  std::mutex mutex_;  // of the next five
   std::optional<ProbeState> newest_;
   ViewTransform view_ = {};
   KnownMoves known_moves_;
+  KnownCarves known_carves_;
+  std::vector<Carves::One> carves_;  // by serial - 1; valid up to known_carves_.complete()
   std::int64_t next_view_ns_ = 0;
   ReplyAwaiter<Marker, MarkerReply> markers_;
   ReplyAwaiter<MoveRequest, MoveReply> moves_;

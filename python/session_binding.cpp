@@ -4,6 +4,8 @@
 #include "link/session_reader.h"
 #include "python/bindings.h"
 #include "session/joined_table.h"
+#include "session/object_changes.h"
+#include "session/session_entries.h"
 
 namespace hapton::python {
 namespace {
@@ -35,6 +37,25 @@ py::array_t<double> give_away(std::vector<double>&& numbers) {
   return py::array_t<double>(static_cast<py::ssize_t>(kept.size()), kept.data(), owner);
 }
 
+// One array for each column.
+template <class Row>
+py::dict describe_changes(const std::vector<Row>& rows, std::span<const ChangeColumn<Row>> columns) {
+  py::dict described;
+  for (const ChangeColumn<Row>& column : columns) {
+    std::vector<double> numbers;
+    numbers.reserve(rows.size());
+    for (const Row& row : rows) numbers.push_back(column.of(row));
+    described[py::str(column.name.data(), column.name.size())] = give_away(std::move(numbers));
+  }
+  return described;
+}
+
+py::list names_of(const std::vector<RecordedMove>& moves) {
+  py::list names;
+  for (const RecordedMove& one : moves) names.append(make_text(one.move.name.data()));
+  return names;
+}
+
 py::dict describe_header(const SessionHeader& header) {
   py::dict settings;
   for (const auto& [name, value] : header.settings) settings[py::str(name)] = value;
@@ -50,10 +71,17 @@ py::dict describe_header(const SessionHeader& header) {
 py::dict read_session(const std::string& path) {
   Columns columns;
   auto reader = value_or_raise(SessionReader::open(path));
+  ObjectChanges changes(reader.header().start_ns);
   {
     const py::gil_scoped_release others_run;
     JoinedTable table(reader.header().start_ns, [&](const JoinedRow& row) { columns.add(row); });
-    table.add_all(reader);
+    (void)for_each_entry(reader, [&](const SessionEntry& entry, const Datagram* datagram) -> Result<void> {
+      table.add(entry, datagram);
+      changes.add(entry, datagram);
+      return {};
+    });
+    table.finish();
+    changes.finish();
   }
   py::dict session;
   py::dict units;
@@ -67,6 +95,9 @@ py::dict read_session(const std::string& path) {
   session["event_kind"] = py::cast(columns.event_kinds);
   session["event_sample"] =
       py::array_t<std::uint64_t>(static_cast<py::ssize_t>(columns.event_samples.size()), columns.event_samples.data());
+  session["moves"] = describe_changes(changes.moves(), move_columns());
+  session["moves"]["name"] = names_of(changes.moves());
+  session["carves"] = describe_changes(changes.carves(), carve_columns());
   session["units"] = units;
   session["header"] = describe_header(reader.header());
   session["problem"] = reader.problem();
@@ -76,12 +107,15 @@ py::dict read_session(const std::string& path) {
 }  // namespace
 
 void bind_sessions(py::module_& module) {
-  module.def("read_session", &read_session, py::arg("path"),
-             "Reads a recording of io_node --record: a dict of arrays, one row for each servo cycle, with the columns of docs/formats.md\n"
-             "(t_s, sample, x_m ... lost; not known: NaN), and units and header. event (the faults of a row, or the text of a marker), "
-             "event_kind\n"
-             "(fault or marker), event_t_s and event_sample are what happened. problem is not empty where the file is\n"
-             "truncated or damaged: what could be read is there.");
+  module.def(
+      "read_session", &read_session, py::arg("path"),
+      "Reads a recording of io_node --record: a dict of arrays, one row for each servo cycle, with the columns of docs/formats.md\n"
+      "(t_s, sample, x_m ... lost; not known: NaN), and units and header. event (the faults of a row, or the text of a marker), "
+      "event_kind\n"
+      "(fault or marker), event_t_s and event_sample are what happened. moves and carves: dicts of arrays, what programs moved and the "
+      "stylus carved.\n"
+      "problem is not empty where the file is\n"
+      "truncated or damaged: what could be read is there.");
 }
 
 }  // namespace hapton::python

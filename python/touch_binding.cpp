@@ -1,5 +1,7 @@
 #include <fmt/core.h>
 
+#include <cmath>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -29,6 +31,7 @@ struct Batch {
         proxy_m(make_points(count)),
         contact(static_cast<py::ssize_t>(count)),
         object(static_cast<py::ssize_t>(count)),
+        carve(static_cast<py::ssize_t>(count)),
         step_ns(static_cast<py::ssize_t>(count)) {}
 
   py::dict to_dict() const {
@@ -37,6 +40,7 @@ struct Batch {
     batch["proxy_m"] = proxy_m;
     batch["contact"] = contact;
     batch["object"] = object;
+    batch["carve"] = carve;
     batch["step_ns"] = step_ns;
     return batch;
   }
@@ -45,8 +49,16 @@ struct Batch {
   py::array_t<double> proxy_m;
   py::array_t<bool> contact;
   py::array_t<std::int32_t> object;
+  py::array_t<std::uint32_t> carve;  // the serial of what a step carved; 0: nothing
   py::array_t<std::int64_t> step_ns;
 };
+
+// One for all positions, or one for each.
+void check_count(py::ssize_t given, std::size_t positions, const char* name) {
+  const auto count = static_cast<std::size_t>(given);
+  if (count == 1 || count == positions) return;
+  raise_value_error(fmt::format("{} has {} numbers; give one, or one for each position", name, count));
+}
 
 // One haptic step and what it remembers from sample to sample. Threads: any; one batch at a time.
 class PythonTouch {
@@ -60,7 +72,7 @@ class PythonTouch {
     touch_ = std::make_unique<TouchStep>(value_or_raise(std::move(method)), scene);
   }
 
-  py::dict step(const Doubles& positions, const Doubles& dt_s, const std::optional<Doubles>& scene_pose);
+  py::dict step(const Doubles& positions, const Doubles& dt_s, const std::optional<Doubles>& scene_pose, const Doubles& buttons);
   void reset(const Doubles& position, const std::optional<Doubles>& scene_pose);
   std::string describe() const { return touch_->method().describe(); }
 
@@ -88,11 +100,17 @@ void PythonTouch::reset(const Doubles& position, const std::optional<Doubles>& s
   prepare(input);
 }
 
-py::dict PythonTouch::step(const Doubles& positions, const Doubles& dt_s, const std::optional<Doubles>& scene_pose) {
+py::dict PythonTouch::step(const Doubles& positions, const Doubles& dt_s, const std::optional<Doubles>& scene_pose,
+                           const Doubles& buttons) {
   const std::vector<Vec3> points = read_points(positions, "positions", true);
   const auto times = static_cast<std::size_t>(dt_s.size());
-  if (times != 1 && times != points.size())
-    raise_value_error(fmt::format("dt_s has {} numbers; give one, or one for each position", times));
+  check_count(dt_s.size(), points.size(), "dt_s");
+  check_count(buttons.size(), points.size(), "buttons");
+  for (py::ssize_t i = 0; i < buttons.size(); ++i) {
+    const double down = buttons.data()[i];
+    if (!(down >= 0.0 && down <= UINT32_MAX && down == std::floor(down)))
+      raise_value_error(fmt::format("buttons[{}] is {}; give a whole number of 32 bits, one for each button that is down", i, down));
+  }
   for (std::size_t i = 0; i < times; ++i) {
     if (!(dt_s.data()[i] > 0.0 && dt_s.data()[i] <= 1.0))
       raise_value_error(fmt::format("dt_s[{}] is {}; give seconds above 0, at most 1", i, dt_s.data()[i]));
@@ -104,6 +122,7 @@ py::dict PythonTouch::step(const Doubles& positions, const Doubles& dt_s, const 
   double* proxy_m = batch.proxy_m.mutable_data();
   bool* contact = batch.contact.mutable_data();
   std::int32_t* object = batch.object.mutable_data();
+  std::uint32_t* carve = batch.carve.mutable_data();
   std::int64_t* step_ns = batch.step_ns.mutable_data();
   {
     const py::gil_scoped_release others_run;
@@ -112,6 +131,7 @@ py::dict PythonTouch::step(const Doubles& positions, const Doubles& dt_s, const 
     for (std::size_t i = 0; i < points.size(); ++i) {
       input.p_WD = points[i];
       input.dt_s = dt_s.data()[times == 1 ? 0 : i];
+      input.buttons = static_cast<std::uint32_t>(buttons.data()[buttons.size() == 1 ? 0 : static_cast<py::ssize_t>(i)]);
       if (std::exchange(is_running_, true)) time_s_ += input.dt_s;
       input.time_s = time_s_;
       if (!has_begun_ && points[i].allFinite()) prepare(input);
@@ -122,6 +142,8 @@ py::dict PythonTouch::step(const Doubles& positions, const Doubles& dt_s, const 
       Eigen::Map<Vec3>(proxy_m + 3 * i) = points[i] + output.visual_offset_m;
       contact[i] = output.contact;
       object[i] = output.object;
+      const MadeCarve* made = touch_->made_carve();
+      carve[i] = made != nullptr ? made->serial : 0;
     }
   }
   return batch.to_dict();
@@ -197,8 +219,14 @@ void bind_touch(py::module_& module) {
           "From a scene file with its materials and effects, or from a mesh file in `unit`. fit: into the workspace, as haptics_node does\n"
           "with a mesh file.")
       .def("step", &PythonTouch::step, py::arg("positions"), py::arg("dt_s") = 1e-3, py::arg("scene_pose") = py::none(),
+           py::arg("buttons") = 0,
            "One step for each of the (n, 3) positions (frame W, metres), dt_s seconds apart. scene_pose: (4, 4), of the scene in W.\n"
-           "Returns a dict of arrays: force_n (n, 3), proxy_m (n, 3), contact (n,), object (n,) (-1: none), step_ns (n,).\n"
+           "buttons: of the stylus that are down, a bit each, one number or one for each position; they carve bodies with sculpt = true, "
+           "and "
+           "start effects.\n"
+           "Returns a dict of arrays: force_n (n, 3), proxy_m (n, 3), contact (n,), object (n,) (-1: none), carve (n,) (the serial of what "
+           "the step carved;\n"
+           "0: nothing), step_ns (n,).\n"
            "The first position of all is taken to be in free space. Other Python threads run meanwhile.")
       .def("reset", &PythonTouch::reset, py::arg("position"), py::arg("scene_pose") = py::none(),
            "Forgets all contact and puts the probe at `position` in free space.")

@@ -57,6 +57,8 @@ constexpr JoinedColumn kJoinedColumns[] = {
     {"late_s", "s", [](const JoinedRow& r) { return r.late_s; }},
     {"missed", "1", [](const JoinedRow& r) { return static_cast<double>(r.missed); }},
     {"lost", "1", [](const JoinedRow& r) { return static_cast<double>(r.lost); }},
+    {"scene_time_s", "s", [](const JoinedRow& r) { return r.view_revision ? 1e-9 * static_cast<double>(r.scene_time_ns) : kUnknown; }},
+    {"carve_serial", "1", [](const JoinedRow& r) { return r.view_revision ? static_cast<double>(r.carve_serial) : kUnknown; }},
 };
 
 }  // namespace
@@ -151,6 +153,7 @@ void JoinedTable::add_force(const ForceCommand& force, std::int64_t time_ns) {
   row.object = force.object;
   row.view_revision = force.view_revision;
   row.scene_time_ns = force.scene_time_ns;
+  row.carve_serial = force.carve_serial;
   row.round_trip_s = seconds_between(force.echo_sample_time_ns, time_ns);
   found->is_complete = true;
 }

@@ -37,7 +37,8 @@ struct JoinedRow {
   double late_s = 0.0;                              // how late the cycle began
   std::uint32_t missed = 0;                         // cycles left out before this one
   std::optional<std::uint32_t> view_revision = {};  // of the scene's pose that the force was computed with; none: not known
-  std::int64_t scene_time_ns = 0;                   // as in ForceCommand
+  std::int64_t scene_time_ns = 0;                   // as in ForceCommand; not known where view_revision is not
+  std::uint32_t carve_serial = 0;                   // likewise
   std::uint64_t lost = 0;                           // samples directly before this one that are not in the recording
   std::string event;                                // faults since the row before, separated by spaces
   std::vector<std::string> markers;                 // markers set while this sample was the newest

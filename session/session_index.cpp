@@ -45,10 +45,15 @@ bool is_same(const HapticsSetup& a, const HapticsSetup& b) {
   return a.method == b.method && a.scene == b.scene && a.scene_hash == b.scene_hash && a.scene_loading == b.scene_loading;
 }
 
+// Serials are those of one haptics process.
+bool is_of_other(const ObjectPose&, const ObjectPose&) { return false; }
+bool is_of_other(const IndexedMove& a, const IndexedMove& b) { return a.source != b.source; }
+
 // Whether this pose or move was recorded already: haptics nodes repeat the newest one of each object once a second.
 template <class Message>
 bool is_known(const std::vector<Timed<Message>>& known, const Message& message) {
   for (const auto& one : known | std::views::reverse) {
+    if (is_of_other(one.message, message)) return false;
     if (one.message.object == message.object) return one.message.serial == message.serial;
   }
   return false;
@@ -81,7 +86,20 @@ void SessionIndex::add_view(const View& view, double t_s) {
 void SessionIndex::add_carves(const Carves& carves, double t_s) {
   const KnownCarves::News news = known_carves_.take(carves, Arrival::newest);
   if (!news.starts_anew && news.carves.empty()) return;
-  add_later(carves_, t_s, CarveNews{news.starts_anew, {news.carves.begin(), news.carves.end()}});
+  const bool is_first = carves_.empty();
+  if (is_first) carved_before_ = carves.count == 0 ? carves.newest : carves.first - 1;
+  if (news.starts_anew && !is_first) carved_before_ = 0;
+  // A hub that records requests them, and they come after it has begun.
+  std::span<const Carves::One> fresh = news.carves;
+  const std::uint32_t first = carves.first + (carves.count - static_cast<std::uint32_t>(fresh.size()));
+  if (!is_first && !news.starts_anew && first <= carved_before_) {
+    const auto before = fresh.first(std::min<std::size_t>(fresh.size(), carved_before_ - first + 1));
+    std::vector<Carves::One>& begin = carves_.front().message.carves;
+    begin.insert(begin.end(), before.begin(), before.end());
+    fresh = fresh.subspan(before.size());
+    if (fresh.empty()) return;
+  }
+  add_later(carves_, t_s, CarveNews{news.starts_anew, {fresh.begin(), fresh.end()}});
 }
 
 void SessionIndex::add_received(const Datagram& datagram, double t_s) {
@@ -95,7 +113,9 @@ void SessionIndex::add_received(const Datagram& datagram, double t_s) {
     if (setups_.empty() || !is_same(setups_.back().message, *setup)) add_later(setups_, t_s, *setup);
   }
   if (const auto* view = std::get_if<ViewTransform>(&message)) add_view({view->revision, view->X_WS}, t_s);
-  if (const auto* move = std::get_if<ObjectMove>(&message); move != nullptr && !is_known(moves_, *move)) add_later(moves_, t_s, *move);
+  if (const auto* move = std::get_if<ObjectMove>(&message)) {
+    if (const IndexedMove indexed = IndexedMove::of(*move); !is_known(moves_, indexed)) add_later(moves_, t_s, indexed);
+  }
   if (const auto* carves = std::get_if<Carves>(&message)) add_carves(*carves, t_s);
   if (!is_haptics(sender)) return;
   if (const auto* pose = std::get_if<ObjectPose>(&message); pose != nullptr && !is_known(poses_, *pose)) add_later(poses_, t_s, *pose);

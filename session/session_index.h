@@ -45,6 +45,34 @@ std::size_t count_until(std::span<const Timed<Message>> all, double t_s) {
   return static_cast<std::size_t>(std::ranges::upper_bound(all, t_s, {}, &Timed<Message>::t_s) - all.begin());
 }
 
+// An ObjectMove without its name, as there may be very many.
+struct IndexedMove {
+  std::uint32_t source = 0;
+  std::uint32_t serial = 0;
+  std::int32_t object = 0;
+  std::int64_t start_ns = 0;
+  std::int64_t end_ns = 0;
+  Vec3 from_p_m = Vec3::Zero();
+  Quat from_q = Quat::Identity();
+  Vec3 to_p_m = Vec3::Zero();
+  Quat to_q = Quat::Identity();
+
+  static IndexedMove of(const ObjectMove& move) {
+    return {move.source, move.serial, move.object, move.start_ns, move.end_ns, move.from_p_m, move.from_q, move.to_p_m, move.to_q};
+  }
+  ObjectMove to_message() const {
+    return {.source = source,
+            .serial = serial,
+            .object = object,
+            .start_ns = start_ns,
+            .end_ns = end_ns,
+            .from_p_m = from_p_m,
+            .from_q = from_q,
+            .to_p_m = to_p_m,
+            .to_q = to_q};
+  }
+};
+
 // Carves that one message added.
 struct CarveNews {
   bool starts_anew = false;  // another haptics process: all carves before are undone first
@@ -93,8 +121,9 @@ class SessionIndex {
   std::uint64_t find_scene_hash(double t_s) const;
   // Poses of objects that the stylus picked up, and moves of objects by programs, in ascending order of time.
   std::span<const Timed<ObjectPose>> poses() const { return poses_; }
-  std::span<const Timed<ObjectMove>> moves() const { return moves_; }
-  // In ascending order of time, without repetitions, as far as the serials show them.
+  std::span<const Timed<IndexedMove>> moves() const { return moves_; }
+  // In ascending order of time, without repetitions, as far as the serials show them. What was carved
+  // before the recording began is in the first one.
   std::span<const Timed<CarveNews>> carves() const { return carves_; }
 
  private:
@@ -125,9 +154,10 @@ class SessionIndex {
   std::vector<Timed<DeviceNotice>> notices_;
   std::vector<Timed<std::uint64_t>> scene_hashes_;
   std::vector<Timed<ObjectPose>> poses_;
-  std::vector<Timed<ObjectMove>> moves_;
+  std::vector<Timed<IndexedMove>> moves_;
   std::vector<Timed<CarveNews>> carves_;
   KnownCarves known_carves_;
+  std::uint32_t carved_before_ = 0;     // serials up to this one, of the first haptics process
   std::vector<std::uint64_t> haptics_;  // sender numbers of the haptics nodes
 };
 

@@ -20,7 +20,7 @@ bool RecordedObjects::show(double t_s, std::int64_t scene_time_ns) {
     has_changed = true;
   }
   for (; poses_ < poses; ++poses_) has_changed = moved_.take(index_.poses()[poses_].message) || has_changed;
-  for (; moves_ < moves; ++moves_) moved_.take(index_.moves()[moves_].message);
+  for (; moves_ < moves; ++moves_) moved_.take(index_.moves()[moves_].message.to_message());
   if (moved_.has_motion()) has_changed = moved_.set_time(scene_time_ns) || has_changed;
   return has_changed;
 }

@@ -67,6 +67,13 @@ class ForceMethod {
   // it its own, if they are the same at rest; otherwise it does nothing.
   virtual const Sculpture* sculpture() const noexcept { return nullptr; }
   virtual void exchange_sculpture(ForceMethod& other) noexcept { (void)other; }
+  // Makes a carve again that such steps made elsewhere, as the next one in their order. object: of the scene. False: it changes nothing
+  // here, so it is not of these bodies in their present shape.
+  virtual bool repeat_carve(int object, const Carve& carve) noexcept {
+    (void)object;
+    (void)carve;
+    return false;
+  }
 
   // The slow task: does one piece of work that steps have requested, such as building the structures of an object that the probe
   // approaches. Returns true if there was any. RT: no. Threads: may run beside step and reset, in one thread at a time.

@@ -31,7 +31,7 @@ struct TouchOutput {
 
 // One haptic step: transforms the device point into the static scene's frame, runs the method, adds the scene's effects, and transforms
 // force and visual offset back to the world. The live node, replay, tests and benches all call it. RT: step, reset, resume, set_materials,
-// command, follow_commands and follow_carves yes.
+// command, follow_commands, follow_carves and repeat_carve yes.
 class TouchStep {
  public:
   // Without effects.
@@ -69,6 +69,10 @@ class TouchStep {
   void follow_carves(TouchStep& other) noexcept {
     if (method_ != other.method_) method_->exchange_sculpture(*other.method_);
   }
+  // Carves made so far.
+  std::uint32_t count_carves() const noexcept { return has_sculpture() ? method_->sculpture()->newest() : 0; }
+  // See ForceMethod.
+  bool repeat_carve(int object, const Carve& carve) noexcept { return method_->repeat_carve(object, carve); }
   // Shared with the slow task, which calls prepare() beside step().
   std::shared_ptr<ForceMethod> share_method() const { return method_; }
 

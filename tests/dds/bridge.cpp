@@ -35,11 +35,12 @@ int domain() {
   return own;
 }
 
-Bridge::Bridge(const System& system, const std::vector<std::string>& more, const std::string& interface) {
-  std::vector<std::string> arguments = {"dds", "--hub", system.hub(), "--domain", std::to_string(domain())};
+Bridge::Bridge(const std::string& hub, const std::filesystem::path& folder, const std::vector<std::string>& more,
+               const std::string& interface) {
+  std::vector<std::string> arguments = {"dds", "--hub", hub, "--domain", std::to_string(domain())};
   if (!interface.empty()) arguments.insert(arguments.end(), {"--interface", interface});
   arguments.insert(arguments.end(), more.begin(), more.end());
-  program_ = std::make_unique<Program>("hapton", arguments, system.folder());
+  program_ = std::make_unique<Program>("hapton", arguments, folder);
 }
 
 bool Bridge::is_publishing() {

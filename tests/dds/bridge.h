@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -23,7 +24,10 @@ int domain();
 class Bridge {
  public:
   // interface: empty: none given.
-  explicit Bridge(const process::System& system, const std::vector<std::string>& more = {}, const std::string& interface = "127.0.0.1");
+  explicit Bridge(const process::System& system, const std::vector<std::string>& more = {}, const std::string& interface = "127.0.0.1")
+      : Bridge(system.hub(), system.folder(), more, interface) {}
+  // folder: where the key is, in hapton/key.
+  Bridge(const std::string& hub, const std::filesystem::path& folder, const std::vector<std::string>& more, const std::string& interface);
 
   bool is_publishing();
   // As Ctrl-C does, and expects it to end well. What it printed.

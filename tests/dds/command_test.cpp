@@ -32,6 +32,8 @@ const std::string kServo = "rt/hapton/servo_cf";
 // The forces on the hand as ROS 2 sees them, while commands are sent.
 class CommandTest : public ::testing::Test {
  protected:
+  explicit CommandTest(std::vector<std::string> io_options = {"--vision-rate", "2000"}) : system_(std::move(io_options)) {}
+
   // Over System's own trajectory: at rest above the cube.
   void rest() const { std::ofstream(system_.folder() / "taps.csv") << "t_s,x_m,y_m,z_m\n0,0.01,0.02,0.07\n600,0.01,0.02,0.07\n"; }
   void begin(const std::vector<std::string>& more) {
@@ -54,7 +56,9 @@ class CommandTest : public ::testing::Test {
       for (const auto& bytes : ros_->take(wrench_)) {
         const auto numbers = FastNode::read_stamped(bytes, 6).numbers;
         force_ = Vec3(numbers[0], numbers[1], numbers[2]);
+        torque_ = Vec3(numbers[3], numbers[4], numbers[5]);
         most_n_ = std::max(most_n_, force_.norm());
+        most_nm_ = std::max(most_nm_, torque_.norm());
         ++wrenches_;
       }
       if (wrenches_ > 0 && holds(force_)) return true;
@@ -62,12 +66,14 @@ class CommandTest : public ::testing::Test {
     return false;
   }
 
-  System system_{{"--vision-rate", "2000"}};
+  System system_;
   std::optional<Bridge> bridge_;
   std::optional<FastNode> ros_;
   std::string wrench_ = "rt/hapton/measured_cf";
   Vec3 force_ = Vec3::Zero();
+  Vec3 torque_ = Vec3::Zero();
   double most_n_ = 0.0;
+  double most_nm_ = 0.0;
   int wrenches_ = 0;
 };
 
@@ -153,6 +159,57 @@ TEST_F(CommandTest, WithoutConsentNothingIsTaken) {
   for (int i = 0; i < 100; ++i) reaches([&] { ros_->write_wrench(kServo, "world", 0.0, 1.0, 0.0); }, [](const Vec3&) { return true; });
   EXPECT_EQ(most_n_, 0.0);
   EXPECT_THAT(ros_->readers(), Not(Contains(Key(kServo))));
+  bridge_->end();
+  system_.end_all();
+}
+
+// Over a device with motors that turn the stylus, limited to 0.05 Nm, less than the 0.17 Nm of its own.
+class TorqueTest : public CommandTest {
+ protected:
+  TorqueTest() : CommandTest({"--vision-rate", "2000", "--device", "simulated-6dof", "--max-torque", "0.05"}) {}
+  bool turns(double tx_nm, double expected_nm) {
+    return reaches([&] { ros_->write_wrench(kServo, "world", 0.0, 0.2, 0.0, tx_nm); },
+                   [&](const Vec3& force) { return (torque_ - Vec3(expected_nm, 0.0, 0.0)).norm() < 1e-9 && force.y() > 0.1; });
+  }
+};
+
+TEST_F(TorqueTest, ATorqueReachesTheHandAndEndsWithItsPublisher) {
+  begin({"--accept-forces", "0.5", "--accept-torques", "0.04"});
+  EXPECT_TRUE(turns(0.03, 0.03)) << torque_.transpose();
+  EXPECT_LE(most_nm_, 0.03 + 1e-9);
+  // Scaled down by `hapton dds`.
+  EXPECT_TRUE(turns(-5.0, -0.04)) << torque_.transpose();
+  EXPECT_LE(most_nm_, 0.04 + 1e-9);
+  EXPECT_TRUE(reaches([] {}, [&](const Vec3& force) { return is_zero(force) && torque_.isZero(0.0); })) << "a command counts for 20 ms";
+  EXPECT_THAT(bridge_->end(), HasSubstr("torques above 0.04 Nm"));
+  system_.end_all();
+}
+
+TEST_F(TorqueTest, TheGovernorLimitsWhatIsAccepted) {
+  begin({"--accept-forces", "0.5", "--accept-torques", "0.15"});
+  EXPECT_TRUE(turns(0.15, 0.05)) << torque_.transpose();
+  EXPECT_LE(most_nm_, 0.05 + 1e-9);
+  bridge_->end();
+  system_.end_all();
+}
+
+TEST_F(TorqueTest, WithoutConsentNoTorqueIsTaken) {
+  begin({"--accept-forces", "0.5"});
+  const auto turning = [&] { ros_->write_wrench(kServo, "world", 0.0, 0.2, 0.0, 0.03); };
+  int written = 0;
+  EXPECT_TRUE(reaches(turning, [&](const Vec3&) { return ++written > 200; }));
+  EXPECT_EQ(most_nm_, 0.0);
+  EXPECT_EQ(most_n_, 0.0) << "the wrench is dropped as a whole";
+  EXPECT_THAT(bridge_->end(), HasSubstr("allow torques with --accept-torques"));
+  system_.end_all();
+}
+
+// Three motors: the force alone.
+TEST_F(CommandTest, ADeviceThatCannotTurnTheStylusGetsNoTorque) {
+  begin({"--accept-forces", "0.5", "--accept-torques", "0.1"});
+  const auto command = [&] { ros_->write_wrench(kServo, "world", 0.0, 0.25, 0.0, 0.05); };
+  EXPECT_TRUE(reaches(command, [](const Vec3& force) { return (force - Vec3(0.0, 0.25, 0.0)).norm() < 1e-9; })) << force_.transpose();
+  EXPECT_EQ(most_nm_, 0.0);
   bridge_->end();
   system_.end_all();
 }

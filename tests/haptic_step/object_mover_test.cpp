@@ -78,6 +78,7 @@ TEST_F(ObjectMoverTest, ARequestBecomesAMoveThatIsFelt) {
   for (int i = 0; i < 10; ++i) answer();
   const ObjectMover::Done done = ask(lift(0.03, 0.4));
   ASSERT_TRUE(done.move);
+  EXPECT_STREQ(done.move->name.data(), "plate");
   EXPECT_STREQ(done.reply.rejection.data(), "");
   EXPECT_EQ(done.reply.object, 1);
   EXPECT_DOUBLE_EQ(done.reply.over_s, 0.4);

@@ -18,6 +18,7 @@ class Tap final : public ServoTap {
     written_n.push_back(note.written_n);
   }
   void on_fault(SessionFault fault, std::int64_t) noexcept override { faults.push_back(fault); }
+  bool is_recording() const noexcept override { return true; }
   MarkerStatus on_marker(const MarkerNote&, std::int64_t) noexcept override { return MarkerStatus::recorded; }
   std::vector<std::uint64_t> cycles;
   std::vector<SessionFault> faults;

@@ -191,6 +191,7 @@ class RecordingTap final : public ServoTap {
   void on_sent(const Address&, std::span<const std::byte>, std::int64_t) noexcept override { ++sent; }
   void on_cycle(const CycleNote& note, std::int64_t) noexcept override { cycles.push_back(note); }
   void on_fault(SessionFault fault, std::int64_t) noexcept override { faults.push_back(fault); }
+  bool is_recording() const noexcept override { return marker_status == MarkerStatus::recorded; }
   MarkerStatus on_marker(const MarkerNote& note, std::int64_t) noexcept override {
     markers.emplace_back(note.sample, note.text);
     return marker_status;

@@ -49,6 +49,7 @@ class CycleTap final : public ServoTap {
   void on_received(const Address&, std::span<const std::byte>, std::int64_t) noexcept override {}
   void on_cycle(const CycleNote& note, std::int64_t) noexcept override { samples.push_back(note.sample); }
   void on_fault(SessionFault fault, std::int64_t) noexcept override { faults.push_back(fault); }
+  bool is_recording() const noexcept override { return true; }
   MarkerStatus on_marker(const MarkerNote&, std::int64_t) noexcept override { return MarkerStatus::recorded; }
   std::vector<std::uint64_t> samples;
   std::vector<SessionFault> faults;

@@ -168,8 +168,10 @@ class RandomDatagrams {
 
   ObjectMove draw_move() {
     const auto start_ns = static_cast<std::int64_t>(bits() >> 2);
-    return {bits32() | 1U, bits32(),   number_of_object(), start_ns,  start_ns + static_cast<std::int64_t>(bits32()),
-            vector(),      rotation(), vector(),           rotation()};
+    ObjectMove move = {bits32() | 1U, bits32(),   number_of_object(), start_ns,  start_ns + static_cast<std::int64_t>(bits32()),
+                       vector(),      rotation(), vector(),           rotation()};
+    if (flag()) std::fill(move.name.begin(), move.name.end() - 1, 'n');
+    return move;
   }
 
   Carves draw_carves() {

@@ -58,12 +58,18 @@ TEST_F(CodecTest, WhatTheHandFeelsHasOneLengthWhateverItSays) {
 
 // A haptics node of an earlier build says nothing of objects, of a tool, or of what moves.
 TEST_F(CodecTest, AForceWithoutItsObjectTouchesNoneThatIsKnown) {
-  Bytes bytes = encode(
-      {{}, ForceCommand{.echo_sample = 9, .contact = true, .object = 3, .torque_nm = Vec3(1, 2, 3), .scene_time_ns = 7, .move_serial = 5}});
+  Bytes bytes = encode({{},
+                        ForceCommand{.echo_sample = 9,
+                                     .contact = true,
+                                     .object = 3,
+                                     .torque_nm = Vec3(1, 2, 3),
+                                     .scene_time_ns = 7,
+                                     .move_serial = 5,
+                                     .carve_serial = 6}});
   // The message is the last field of the envelope. The last of the message are its object, a byte of tag and four of the number, torque and
-  // turn, each a byte of tag, one of length and three numbers, the time of the scene, a byte of tag and eight of the number, and the serial
-  // of the newest move, two bytes of tag and four of the number.
-  constexpr std::size_t kLeftOut = 5 + 2 * (2 + 24) + 9 + 6;
+  // turn, each a byte of tag, one of length and three numbers, the time of the scene, a byte of tag and eight of the number, and the
+  // serials of the newest move and the newest carve, two bytes of tag and four of the number each.
+  constexpr std::size_t kLeftOut = 5 + 2 * (2 + 24) + 9 + 2 * 6;
   const auto low = [&](std::size_t i) { return std::to_integer<std::size_t>(bytes[i]) & 0x7FU; };
   std::size_t at = 2;
   while (at + 1 < bytes.size() &&
@@ -81,6 +87,7 @@ TEST_F(CodecTest, AForceWithoutItsObjectTouchesNoneThatIsKnown) {
   EXPECT_EQ(std::get<ForceCommand>(decoded.message).torque_nm, Vec3(Vec3::Zero()));
   EXPECT_EQ(std::get<ForceCommand>(decoded.message).scene_time_ns, 0);
   EXPECT_EQ(std::get<ForceCommand>(decoded.message).move_serial, 0U);
+  EXPECT_EQ(std::get<ForceCommand>(decoded.message).carve_serial, 0U);
   EXPECT_EQ(std::get<ForceCommand>(decoded.message).echo_sample, 9U);
 }
 

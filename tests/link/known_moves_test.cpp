@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cstring>
+#include <vector>
+
 #include "link/commanded_move.h"
 
 namespace hapton {
@@ -71,14 +74,36 @@ TEST(KnownMoves, AnotherHapticsProcessHasOtherMovesAndNames) {
   known.take(announced_at_rest(5, 1), Arrival::newest);
   known.take(announced_move(1, 0, kPivotAtRest, Vec3(0.4, 0.0, 0.0)), Arrival::newest);
   known.note_name("lid", 2);
-  EXPECT_EQ(known.find_number("lid"), 2);
-  EXPECT_FALSE(known.find_number("li"));
+  EXPECT_EQ(known.find_named("lid").object, 2);
+  EXPECT_EQ(known.find_name(2), "lid");
+  EXPECT_FALSE(known.find_named("li").object);
   known.take(announced_at_rest(6, 2), Arrival::newest);
   EXPECT_EQ(known.find(2, 7.0)->at.p_S, kPivotAtRest);
   EXPECT_FALSE(known.find(1, 7.0)) << "not announced by this one yet";
-  EXPECT_FALSE(known.find_number("lid"));
+  EXPECT_FALSE(known.find_named("lid").object);
   known.take(announced_move(2, kSecondNs, kPivotAtRest, Vec3(0.4, 0.0, 0.0)), Arrival::reordered);
   EXPECT_EQ(known.find(2, 7.0)->at.p_S, kPivotAtRest) << "of the process before, and late";
+}
+
+TEST(KnownMoves, AnObjectIsKnownByTheNameThatItsMovesHave) {
+  KnownMoves known;
+  const auto announce = [&](std::int32_t object, const char* name) {
+    ObjectMove move = announced_at_rest(5, object);
+    std::strcpy(move.name.data(), name);
+    known.take(move, Arrival::newest);
+  };
+  announce(4, "door");
+  announce(1, "lid");
+  announce(2, "bolt");
+  announce(3, "bolt");
+  announce(0, "");  // of a haptics node of an earlier build
+  EXPECT_EQ(known.objects(), (std::vector<std::int32_t>{0, 1, 2, 3, 4}));
+  EXPECT_EQ(known.find_named("door").object, 4);
+  EXPECT_EQ(known.find_name(1), "lid");
+  EXPECT_EQ(known.find_name(0), "");
+  EXPECT_EQ(known.find_named("bolt").count, 2U);
+  EXPECT_EQ(known.find_named("bolt").object, 2);
+  EXPECT_EQ(known.find_named("").count, 0U);
 }
 
 }  // namespace

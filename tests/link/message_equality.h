@@ -43,6 +43,7 @@ inline void expect_equal(const ForceCommand& a, const ForceCommand& b) {
   EXPECT_EQ(a.visual_turn, b.visual_turn);
   EXPECT_EQ(a.scene_time_ns, b.scene_time_ns);
   EXPECT_EQ(a.move_serial, b.move_serial);
+  EXPECT_EQ(a.carve_serial, b.carve_serial);
 }
 inline void expect_equal(const MaterialChange& a, const MaterialChange& b) {
   EXPECT_EQ(a.given, b.given);
@@ -80,7 +81,8 @@ inline void expect_equal(const MoveReply& a, const MoveReply& b) {
   EXPECT_EQ(std::tie(a.request, a.rejection, a.object, a.over_s, a.serial), std::tie(b.request, b.rejection, b.object, b.over_s, b.serial));
 }
 inline void expect_equal(const ObjectMove& a, const ObjectMove& b) {
-  EXPECT_EQ(std::tie(a.source, a.serial, a.object, a.start_ns, a.end_ns), std::tie(b.source, b.serial, b.object, b.start_ns, b.end_ns));
+  EXPECT_EQ(std::tie(a.source, a.serial, a.object, a.start_ns, a.end_ns, a.name),
+            std::tie(b.source, b.serial, b.object, b.start_ns, b.end_ns, b.name));
   EXPECT_EQ(a.from_p_m, b.from_p_m);
   EXPECT_EQ(a.from_q.coeffs(), b.from_q.coeffs());
   EXPECT_EQ(a.to_p_m, b.to_p_m);

@@ -13,12 +13,9 @@ namespace hapton::process {
 
 // A hand that a trajectory leads over a scene: io_node with a simulated device and haptics_node, as real programs, recorded.
 struct LedHand {
-  // scene: a file of scenes/.
-  LedHand(const std::string& device, const std::string& way_csv, const std::string& scene)
-      : io("io_node",
-           {"--bind", hub, "--device", device, "--trajectory", written(way_csv), "--record", file, "--out",
-            (scratch.path() / "out").string()},
-           scratch.path()),
+  // scene: a file of scenes/. more: of io_node.
+  LedHand(const std::string& device, const std::string& way_csv, const std::string& scene, const std::vector<std::string>& more = {})
+      : io("io_node", io_arguments(device, way_csv, more), scratch.path()),
         haptics("haptics_node", {"--hub", hub, "--scene", HAPTON_SOURCE_DIR "/scenes/" + scene}, scratch.path()) {}
 
   // The report's note has gone above `least`.
@@ -53,6 +50,12 @@ struct LedHand {
   Program haptics;
 
  private:
+  std::vector<std::string> io_arguments(const std::string& device, const std::string& way_csv, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"--bind",         hub,        "--device", device,  "--trajectory",
+                                          written(way_csv), "--record", file,       "--out", (scratch.path() / "out").string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
   std::string written(const std::string& way_csv) {
     scratch.write("way.csv", way_csv);
     return (scratch.path() / "way.csv").string();

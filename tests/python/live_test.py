@@ -77,6 +77,27 @@ class LiveTest(unittest.TestCase):
         row = list(session["sample"]).index(second)
         self.assertEqual(session["event_t_s"][markers[1]], session["t_s"][row])
 
+    def test_a_client_changes_method_and_materials(self):
+        client = hapton.Client(self.start(scene="thin_wall.toml").hub)
+        self.assertRegex(client.set(object="wall", stiffness_n_per_m=300, friction_static=0.2, friction_dynamic=0.1), "material of 'wall' in use")
+        self.assertRegex(client.set(method="reference"), "method reference in use")
+        self.assertRegex(client.set(damping_ns_per_m=0.5, rate_hz=500), "servo rate 500 Hz; material of all objects in use")
+        for keywords, why in [
+            ({}, "nothing to set"),
+            ({"object": "wall"}, "nothing to set for object 'wall'"),
+            ({"object": "roof", "stiffness_n_per_m": 300}, "rejected it: .*roof"),
+            ({"stiffness_n_per_m": -1}, "stiffness_n_per_m is -1"),
+            ({"stiffness_n_per_m": float("nan")}, "stiffness_n_per_m is nan"),
+            ({"friction_static": 0.1, "friction_dynamic": 0.5}, "rejected it"),
+            ({"method": "magic"}, "method 'magic' is not known; choose one of: proxy"),
+            ({"rate_hz": 20}, "rate_hz is 20; give 250 to 10000"),
+        ]:
+            with self.subTest(why), self.assertRaisesRegex(ValueError, why):
+                client.set(**keywords)
+        client.close()
+        with self.assertRaisesRegex(ValueError, "closed"):
+            client.set(method="proxy")
+
     def test_a_client_moves_what_programs_may_move(self):
         system = self.start(scene="lift.toml")
         client = hapton.Client(system.hub)
@@ -105,7 +126,8 @@ class LiveTest(unittest.TestCase):
             client.move_object("lid", (0, 0, 0))
 
     def test_a_client_knows_where_objects_are_that_programs_move(self):
-        client = hapton.Client(self.start(scene="lift.toml").hub)
+        client_hub = self.start(scene="lift.toml").hub
+        client = hapton.Client(client_hub)
         self.assertTrue(wait_until(lambda: client.object_pose(1) is not None and client.object_pose(2) is not None))
         self.assertIsNone(client.object_pose(0), "the ground: programs may not move it")
         at_rest = client.object_pose(1)
@@ -126,7 +148,15 @@ class LiveTest(unittest.TestCase):
         before = client.object_pose("platform", scene_time_s=0.0)
         np.testing.assert_array_equal(before["pivot_position_m"], at_rest["pivot_position_m"])
         self.assertEqual((before["scene_time_s"], before["moving"]), (0.0, True))
-        for wrong, why in [(("ground",), "has not moved it"), ((-1,), "numbered from 0"), ((1, float("nan")), "not finite")]:
+        # By the names of the scene file, also for a client that has moved nothing.
+        onlooker = hapton.Client(client_hub)
+        self.assertTrue(wait_until(lambda: len(onlooker.movable_objects()) == 2))
+        self.assertEqual([(one["object"], one["name"]) for one in onlooker.movable_objects()], [(1, "platform"), (2, "lid")])
+        self.assertTrue(wait_until(lambda: not onlooker.object_pose("lid")["moving"]))
+        np.testing.assert_allclose(onlooker.object_pose("lid")["turn"], client.object_pose("lid")["turn"], atol=1e-12)
+        self.assertEqual(onlooker.object_pose(1)["name"], "platform")
+        onlooker.close()
+        for wrong, why in [(("ground",), "no object 'ground' has been announced"), ((-1,), "numbered from 0"), ((1, float("nan")), "not finite")]:
             with self.assertRaisesRegex(ValueError, why):
                 client.object_pose(*wrong)
 

@@ -20,7 +20,8 @@ struct MadeRecording {
   std::string scene = "made.toml";
   std::uint64_t given_hash = 77;
   std::uint32_t scene_loading = 0;
-  std::uint64_t lost_from = 0;  // these samples are missing
+  bool is_carved_before = false;  // that carve was made before the recording, as is announced at 0.05 s
+  std::uint64_t lost_from = 0;    // these samples are missing
   std::uint64_t lost_to = 0;
 
   std::filesystem::path write(const ScratchFolder& scratch) {
@@ -95,6 +96,7 @@ struct MadeRecording {
                   .source = 6, .serial = 1, .object = 2, .start_ns = 1'200'000'000, .end_ns = 1'700'000'000, .to_p_m = Vec3(0.0, 0.1, 0.0)},
               sample);
     }
+    if (sample == 50 && is_carved_before) receive(kHaptics, Carves{.source = 8, .newest = 1}, sample);
     if (sample == 1600 || sample == 1700) receive(kHaptics, through_middle(8, 1), sample);
     if (sample == 3200) receive(kHaptics, Carves{.source = 9}, sample);
     if (sample == 2499) {

@@ -67,6 +67,20 @@ TEST(SessionIndex, WhatWasSaidHoldsUntilSomethingElseIs) {
   EXPECT_EQ(count_until(index.carves(), 2.0), 1U);
 }
 
+// They come when the hub has requested them, and show from the beginning.
+TEST(SessionIndex, WhatWasCarvedBeforeTheRecordingIsThereFromTheBeginning) {
+  const ScratchFolder scratch;
+  MadeRecording recording;
+  recording.is_carved_before = true;
+  const SessionIndex index = index_of(recording.write(scratch));
+  ASSERT_EQ(index.carves().size(), 2U);
+  EXPECT_NEAR(index.carves()[0].t_s, 0.05, 0.002);
+  EXPECT_TRUE(index.carves()[0].message.starts_anew);
+  ASSERT_EQ(index.carves()[0].message.carves.size(), 1U);
+  EXPECT_FLOAT_EQ(index.carves()[0].message.carves[0].radius_m, 0.006F);
+  EXPECT_TRUE(index.carves()[1].message.starts_anew);
+}
+
 TEST(SessionIndex, APositionIsNotFarBeforeItsTime) {
   const ScratchFolder scratch;
   const auto file = MadeRecording().write(scratch);

@@ -1,6 +1,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <memory>
 
 #include "runtime/atomic_file.h"
 #include "tools/session/csv_names.h"
@@ -10,32 +11,79 @@ namespace hapton {
 namespace {
 
 // Numbers have all their digits; what is not known stays empty.
-std::string line_of(const JoinedRow& row, std::span<const ObjectName> names) {
+template <class Columns, class Row>
+std::string numbers_of(const Columns& columns, const Row& row) {
   std::string line;
-  for (const JoinedColumn& column : joined_columns()) {
+  for (const auto& column : columns) {
     const double value = column.of(row);
     if (!std::isnan(value)) line += fmt::format("{}", value);
     line += ',';
   }
+  return line;
+}
+
+template <class Columns>
+std::string header_of(const Columns& columns) {
+  std::string header;
+  for (const auto& column : columns) header += std::string(column.name) + ",";
+  return header;
+}
+
+std::string line_of(const JoinedRow& row, std::span<const ObjectName> names) {
   std::string markers;
   for (const std::string& marker : row.markers) markers += (markers.empty() ? "" : "; ") + marker;
-  return line + csv_names(names, row.object) + ',' + row.event + ',' + csv_cell(markers) + '\n';
+  return numbers_of(joined_columns(), row) + csv_names(names, row.object) + ',' + row.event + ',' + csv_cell(markers) + '\n';
+}
+
+// A file that is written line by line; the first failure counts.
+class CsvFile {
+ public:
+  explicit CsvFile(const std::filesystem::path& path) : path_(path), file_(open_file_for(path, FileReaders::everyone), &std::fclose) {
+    if (!file_) error_ = errno;
+  }
+  void add(const std::string& line) {
+    if (error_ == 0 && std::fputs(line.c_str(), file_.get()) < 0) error_ = errno;
+  }
+  Result<void> close() {
+    if (file_ && std::fclose(file_.release()) != 0 && error_ == 0) error_ = errno;
+    if (error_ != 0) return fail("{}: cannot be written: {}", path_.string(), std::strerror(error_));
+    return {};
+  }
+
+ private:
+  std::filesystem::path path_;
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
+  int error_ = 0;
+};
+
+// Where there is nothing, there is no file; one of an earlier export becomes empty.
+template <class Row, class Cell>
+Result<void> write_rows(const std::filesystem::path& path, const std::vector<Row>& rows, std::span<const ChangeColumn<Row>> columns,
+                        const char* last, Cell&& cell) {
+  if (rows.empty() && !std::filesystem::exists(path)) return {};
+  CsvFile file(path);
+  file.add(header_of(columns) + last + '\n');
+  for (const Row& row : rows) file.add(numbers_of(columns, row) + cell(row) + '\n');
+  return file.close();
 }
 
 }  // namespace
 
 Result<JoinedCounts> write_joined_csv(SessionReader& reader, const std::filesystem::path& path, std::span<const ObjectName> names) {
-  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(open_file_for(path, FileReaders::everyone), &std::fclose);
-  const auto failed = [&] { return fail("{}: cannot be written: {}", path.string(), std::strerror(errno)); };
-  if (!file) return failed();
-  std::string header;
-  for (const JoinedColumn& column : joined_columns()) header += std::string(column.name) + ",";
-  bool is_good = std::fputs((header + "object_name,material,event,marker\n").c_str(), file.get()) >= 0;
-  JoinedTable table(reader.header().start_ns,
-                    [&](const JoinedRow& row) { is_good = is_good && std::fputs(line_of(row, names).c_str(), file.get()) >= 0; });
-  table.add_all(reader);
-  is_good = std::fclose(file.release()) == 0 && is_good;
-  if (!is_good) return failed();
+  CsvFile file(path);
+  file.add(header_of(joined_columns()) + "object_name,material,event,marker\n");
+  JoinedTable table(reader.header().start_ns, [&](const JoinedRow& row) { file.add(line_of(row, names)); });
+  const ObjectChanges changes = add_all(reader, table);
+  if (const auto closed = file.close(); !closed) return tl::unexpected(closed.error());
+  const auto moved = write_rows(path.parent_path() / "moves.csv", changes.moves(), move_columns(), "name",
+                                [](const RecordedMove& one) { return csv_cell(one.move.name.data()); });
+  if (!moved) return tl::unexpected(moved.error());
+  const auto name_of = [&](const RecordedCarve& one) {
+    const auto object = static_cast<std::size_t>(one.carve.object);
+    return object < names.size() ? csv_cell(names[object].object) : std::string();
+  };
+  const auto carved = write_rows(path.parent_path() / "carves.csv", changes.carves(), carve_columns(), "name", name_of);
+  if (!carved) return tl::unexpected(carved.error());
   return JoinedCounts{table.rows(), table.without_sample(), table.lost(), table.gaps()};
 }
 

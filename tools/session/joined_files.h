@@ -8,6 +8,7 @@
 #include "link/session_reader.h"
 #include "scene/object_names.h"
 #include "session/joined_table.h"
+#include "session/object_changes.h"
 
 namespace hapton {
 
@@ -19,12 +20,17 @@ struct JoinedCounts {
   std::uint64_t gaps = 0;            // the number of gaps that they make
 };
 
+// Reads a recording to the end, or to the damage, into a table, and what was moved and carved in it.
+ObjectChanges add_all(SessionReader& reader, JoinedTable& table);
+
 // Writes the joined table of a recording to the end, or to the damage: reader.problem() says which. names: of the scene's objects, empty
-// where they are not known. RT: no. Error: one line with the path.
+// where they are not known. Where anything was moved or carved, moves.csv and carves.csv are written beside it. RT: no. Error: one line
+// with the path.
 Result<JoinedCounts> write_joined_csv(SessionReader& reader, const std::filesystem::path& path, std::span<const ObjectName> names = {});
 
 // As HDF5: /samples has a dataset for each column of numbers, with the attribute `unit`; /events has `t_s`, `sample`, `kind` (fault or
-// marker) and `name`; /objects has `name` and `material` by the number of the object; the file's attributes say what the recording is:
+// marker) and `name`; /objects has `name` and `material` by the number of the object; /moves and /carves have a dataset for each column of
+// move_columns() and carve_columns(), and /moves `name`; the file's attributes say what the recording is:
 // schema, build, session, start_unix_ns and every setting.
 Result<JoinedCounts> write_joined_hdf5(SessionReader& reader, const std::filesystem::path& path, std::span<const ObjectName> names = {});
 

@@ -113,6 +113,17 @@ class JoinedHdf5 {
     }
   }
 
+  void add_changes(const ObjectChanges& changes) {
+    const Handle moves = add_rows("moves", changes.moves(), move_columns());
+    Column names(moves, "name", text_type_, text_type_);
+    for (const RecordedMove& one : changes.moves()) {
+      const std::string text = printable(one.move.name.data());
+      const char* const name = text.c_str();
+      is_good_ = is_good_ && names.append(&name, 1);
+    }
+    add_rows("carves", changes.carves(), carve_columns());
+  }
+
   bool is_open() const { return file_.is_good(); }
 
   void describe(const SessionHeader& header) {
@@ -142,6 +153,20 @@ class JoinedHdf5 {
   }
 
  private:
+  template <class Row>
+  Handle add_rows(const char* name, const std::vector<Row>& rows, std::span<const ChangeColumn<Row>> columns) {
+    Handle group(H5Gcreate2(file_, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), &H5Gclose);
+    for (const ChangeColumn<Row>& column : columns) {
+      std::vector<double> values;
+      values.reserve(rows.size());
+      for (const Row& row : rows) values.push_back(column.of(row));
+      Column set(group, std::string(column.name), H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE);
+      is_good_ = is_good_ && set_text(set.set(), "unit", std::string(column.unit));
+      is_good_ = is_good_ && (values.empty() || set.append(values.data(), values.size()));
+    }
+    return group;
+  }
+
   void write_block() {
     for (std::size_t i = 0; i < columns_.size() && !values_[i].empty(); ++i) {
       is_good_ = columns_[i].append(values_[i].data(), values_[i].size()) && is_good_;
@@ -168,7 +193,8 @@ Result<JoinedCounts> write_joined_hdf5(SessionReader& reader, const std::filesys
   file.describe(reader.header());
   file.add_names(names);
   JoinedTable table(reader.header().start_ns, [&](const JoinedRow& row) { file.add(row); });
-  table.add_all(reader);
+  const ObjectChanges changes = add_all(reader, table);
+  file.add_changes(changes);
   if (!file.finish()) return fail("{}: could not be written to its end; is the disk full?", path.string());
   return JoinedCounts{table.rows(), table.without_sample(), table.lost(), table.gaps()};
 }

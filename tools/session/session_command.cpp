@@ -111,7 +111,8 @@ std::string describe(const ReplayCounts& counts) {
   if (counts.not_compared > 0)
     text += fmt::format("{} steps not compared: contact, or an effect, began before the recording\n", counts.not_compared);
   if (counts.unknown_method > 0)
-    text += fmt::format("{} steps not compared: the recording does not name their method, materials or moves\n", counts.unknown_method);
+    text +=
+        fmt::format("{} steps not compared: the recording does not have their method, materials, moves or carves\n", counts.unknown_method);
   if (counts.missing_states > 0) text += fmt::format("{} replies to states that are not in the recording\n", counts.missing_states);
   if (counts.missing_views > 0) text += fmt::format("{} replies with a view that is not in the recording\n", counts.missing_views);
   return text;
@@ -144,6 +145,7 @@ Result<void> feel_again(const SessionOptions& options) {
       summary.setups(), [&](const HapticsSetup& setup) { return scenes.make_touch(setup); }, summary.materials(),
       [&](const HapticsSetup& setup, const MaterialState& state) { return scenes.make_materials(setup, state); });
   comparison.use_moves(summary.moves());
+  comparison.use_carves(summary.carves());
   // How long a call took then is not known, so it may take any time now.
   const SimulatedClock clock;
   PluginEffects effects(clock);

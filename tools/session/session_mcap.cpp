@@ -16,9 +16,9 @@
 namespace hapton {
 namespace {
 
-enum class McapTopic : std::uint16_t { cycle, state, force, probe, view, setup, move, carve, event };
+enum class McapTopic : std::uint16_t { cycle, state, force, probe, view, setup, move, carve, event, object_pose, material };
 
-constexpr std::array<std::pair<std::string_view, std::string_view>, 9> kMcapTopics = {{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 11> kMcapTopics = {{
     {"/hapton/cycle", "hapton.session.Cycle"},
     {"/hapton/state", "hapton.wire.DeviceState"},
     {"/hapton/force", "hapton.wire.ForceCommand"},
@@ -28,6 +28,8 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 9> kMcapTopi
     {"/hapton/move", "hapton.wire.ObjectMove"},
     {"/hapton/carve", "hapton.wire.Carves"},
     {"/hapton/event", "hapton.session.Event"},
+    {"/hapton/object_pose", "hapton.wire.ObjectPose"},
+    {"/hapton/material", "hapton.wire.MaterialState"},
 }};
 
 Result<McapWriter> open_mcap(const std::filesystem::path& path) {
@@ -117,6 +119,8 @@ class McapMessages {
     if (std::holds_alternative<HapticsSetup>(datagram.message)) write(McapTopic::setup, entry.time_ns, entry.time_ns, payload);
     if (std::holds_alternative<ObjectMove>(datagram.message)) write(McapTopic::move, entry.time_ns, entry.time_ns, payload);
     if (std::holds_alternative<Carves>(datagram.message)) write(McapTopic::carve, entry.time_ns, entry.time_ns, payload);
+    if (std::holds_alternative<ObjectPose>(datagram.message)) write(McapTopic::object_pose, entry.time_ns, entry.time_ns, payload);
+    if (std::holds_alternative<MaterialState>(datagram.message)) write(McapTopic::material, entry.time_ns, entry.time_ns, payload);
   }
 
   McapWriter& writer_;

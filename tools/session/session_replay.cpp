@@ -15,11 +15,36 @@ namespace {
 // Replies are reordered by at most this; ForceCommand::answered_before covers as many.
 constexpr std::uint64_t kReach = 64;
 
+// After so long in free space, without a button, a ball that carves remembers nothing: what it had of room or lag has faded.
+constexpr std::int64_t kForgottenNs = 300'000'000;
+// To make bodies takes up to a second.
+constexpr std::int64_t kRebuildEveryNs = 1'000'000'000;
+
+Carve to_carve(const Carves::One& one) {
+  const auto point = [](const Carves::Point& p) { return Vec3(p[0], p[1], p[2]); };
+  return {point(one.from_m), point(one.to_m), static_cast<double>(one.radius_m)};
+}
+
 bool same_bits(const Vec3& a, const Vec3& b) { return std::memcmp(a.data(), b.data(), 3 * sizeof(double)) == 0; }
 
 std::string text_of(const Vec3& v) { return fmt::format("({:.17g}, {:.17g}, {:.17g})", v.x(), v.y(), v.z()); }
 
 }  // namespace
+
+void RecordedCarves::add(const RecordedCarve& carve) {
+  constexpr std::uint32_t kMostSerial = Sculpture::kMostCarves;
+  Sender& sender = senders_.try_emplace(carve.sender, Sender{.process = carve.process}).first->second;
+  if (carve.process != sender.process || carve.serial > kMostSerial) return;
+  if (carve.serial >= sender.by_serial.size()) sender.by_serial.resize(carve.serial + 1);
+  sender.by_serial[carve.serial] = carve.carve;
+}
+
+const Carves::One* RecordedCarves::find(std::uint64_t sender, std::uint32_t serial) const {
+  const auto known = senders_.find(sender);
+  if (known == senders_.end() || serial >= known->second.by_serial.size()) return nullptr;
+  const std::optional<Carves::One>& one = known->second.by_serial[serial];
+  return one ? &*one : nullptr;
+}
 
 SessionReplay::SessionReplay(HapticsSetups setups, MakeTouch make_touch, MaterialStates materials, MakeMaterials make_materials)
     : setups_(std::move(setups)),
@@ -110,6 +135,9 @@ Result<void> SessionReplay::begin(std::uint64_t sender, const ForceCommand& firs
   step_ = std::make_unique<HapticsStep>(std::move(*touch), offset_m);
   step_->use_effects(effects_);
   begin_moves(first.move_serial);
+  are_carves_known_ = true;
+  if (step_->touch().has_sculpture()) repeat_carves(first.carve_serial);
+  busy_ns_ = rebuilt_ns_ = first.echo_sample_time_ns;
   is_certain_ = is_known() && first.answered_before == 0;
   return {};
 }
@@ -128,6 +156,42 @@ void SessionReplay::begin_moves(std::uint32_t serial) {
   }
   const std::vector<int> all = step_->touch().commanded_objects();
   are_moves_known_ = std::all_of(all.begin(), all.end(), [&](int object) { return known.contains(object); });
+}
+
+// What was carved before the recording began, or before a step that is unknown. Pre: whole bodies.
+void SessionReplay::repeat_carves(std::uint32_t serial) {
+  for (std::uint32_t n = 1; n <= serial && are_carves_known_; ++n) {
+    const Carves::One* one = carves_.find(sender_, n);
+    are_carves_known_ = one != nullptr && step_->repeat_carve(one->object, to_carve(*one));
+  }
+}
+
+bool SessionReplay::has_rested(const ForceCommand& command) const {
+  return command.echo_sample_time_ns - busy_ns_ >= kForgottenNs && command.echo_sample_time_ns - rebuilt_ns_ >= kRebuildEveryNs;
+}
+
+// A device that was free then is free now: from here on nothing earlier matters. Effects remember more: time, velocity.
+Result<void> SessionReplay::find_certainty(const ForceCommand& command) {
+  if (is_certain_ || !is_known() || command.contact || step_->has_effects()) return {};
+  if (step_->touch().has_sculpture()) {
+    if (!has_rested(command)) return {};
+    if (const auto rebuilt = rebuild_bodies(command); !rebuilt) return rebuilt;
+  }
+  if (!is_known()) return {};
+  step_->restart();
+  is_certain_ = true;
+  return {};
+}
+
+// What was carved in the steps that are unknown is known all the same.
+Result<void> SessionReplay::rebuild_bodies(const ForceCommand& command) {
+  auto touch = make_method_of(setups_.at({sender_, serial_}));
+  if (!touch) return tl::unexpected(touch.error());
+  if (!materials_.empty()) (*touch)->set_materials(materials_);
+  step_->begin_anew(std::move(*touch));
+  rebuilt_ns_ = command.echo_sample_time_ns;
+  repeat_carves(command.carve_serial);
+  return {};
 }
 
 bool SessionReplay::apply_move(std::uint32_t serial) {
@@ -237,6 +301,7 @@ void SessionReplay::step_lost(const ForceCommand& before) {
 
 Result<void> SessionReplay::step_method(const ForceCommand& command) {
   const std::uint64_t lost_before = counts_.lost_answers;
+  const bool is_after_unknown = command.echo_sample - last_sample_ > kReach;
   change_moves(command.move_serial);
   step_lost(command);
   // It is unknown which of the lost replies was the first with the new method, or with the new materials.
@@ -245,15 +310,12 @@ Result<void> SessionReplay::step_method(const ForceCommand& command) {
   if (const auto changed = change_method(command.method_serial); !changed) return changed;
   if (const auto changed = change_materials(command.material_serial); !changed) return changed;
   turn(command.view_revision);
-  // A device that was free then is free now: from here on nothing earlier matters.
-  // Effects remember more: time, velocity; what can be carved remembers its shape.
   const bool had_gap = command.answered_before == 0 && last_sample_ != 0;
   if (step_->has_effects() && had_gap) is_certain_ = false;
-  const bool remembers = step_->has_effects() || step_->touch().has_sculpture();
-  if (!is_certain_ && is_known() && !command.contact && !remembers) {
-    step_->restart();
-    is_certain_ = true;
-  }
+  const auto state = states_.find(command.echo_sample);
+  const bool is_free = !command.contact && state != states_.end() && state->second.buttons == 0;
+  if (!is_free || is_after_unknown || counts_.lost_answers > lost_before) busy_ns_ = command.echo_sample_time_ns;
+  if (const auto found = find_certainty(command); !found) return found;
   step_->set_scene_time(command.scene_time_ns);
   const auto replayed = step(command.echo_sample);
   if (replayed) compare(command, *replayed);

@@ -14,6 +14,7 @@
 #include "core/base/result.h"
 #include "haptic_step/haptics_step.h"
 #include "link/messages.h"
+#include "session/object_changes.h"
 
 namespace hapton {
 
@@ -29,6 +30,22 @@ using MaterialStates = std::map<std::pair<std::uint64_t, std::uint32_t>, Materia
 // The moves of objects that programs requested, by sender, serial and object. Serial 0 has one entry for each object; others have one.
 using ObjectMoves = std::map<std::tuple<std::uint64_t, std::uint32_t, std::int32_t>, ObjectMove>;
 
+// The carves that haptics nodes announced, by sender and serial. A sender that has another scene counts anew, and such a session cannot be
+// replayed anyway: of each only the first process counts.
+class RecordedCarves {
+ public:
+  void add(const RecordedCarve& carve);
+  // Null: the recording does not have it.
+  const Carves::One* find(std::uint64_t sender, std::uint32_t serial) const;
+
+ private:
+  struct Sender {
+    std::uint32_t process = 0;
+    std::vector<std::optional<Carves::One>> by_serial = {};
+  };
+  std::map<std::uint64_t, Sender> senders_;
+};
+
 // Makes the materials of a state, in the scene and with the coupling that a setup names. Error: as for MakeTouch.
 using MakeMaterials = std::function<Result<std::vector<Material>>(const HapticsSetup& setup, const MaterialState& state)>;
 
@@ -38,10 +55,11 @@ struct ReplayCounts {
   std::uint64_t contact_steps = 0;
   std::uint64_t compared = 0;
   std::uint64_t different = 0;
-  std::uint64_t lost_answers = 0;    // replayed, but not compared: the recorded reply was lost
-  std::uint64_t not_compared = 0;    // replies that depend on steps before the recording or on lost ones: in contact before the first step
-                                     // in free space; with effects or a carvable object, all steps after a lost one
-  std::uint64_t unknown_method = 0;  // replies whose method, materials or moves are not in the recording: their messages were lost
+  std::uint64_t lost_answers = 0;  // replayed, but not compared: the recorded reply was lost
+  std::uint64_t not_compared = 0;  // replies that depend on steps before the recording or on lost ones: in contact before the first step
+                                   // in free space; with effects, all steps after a lost one; with a carvable object, those until the hand
+                                   // has rested in free space
+  std::uint64_t unknown_method = 0;  // replies whose method, materials, moves or carves are not in the recording: their messages were lost
   std::uint64_t missing_states = 0;  // replies to a DeviceState that is not in the recording
   std::uint64_t missing_views = 0;   // replies that name a ViewTransform that is not in the recording
   double max_difference_n = 0.0;
@@ -62,6 +80,9 @@ class SessionReplay {
   // Sets the moves of a recording in which programs moved objects. Pre: no entry yet.
   void use_moves(ObjectMoves moves) { moves_ = std::move(moves); }
 
+  // Before the first entry: of a recording in which material was carved.
+  void use_carves(RecordedCarves carves) { carves_ = std::move(carves); }
+
   void on_state(const DeviceState& state);
   void on_view(const ViewTransform& view);
   Result<void> on_answer(std::uint64_t sender, const ForceCommand& command);
@@ -81,7 +102,11 @@ class SessionReplay {
   void begin_moves(std::uint32_t serial);
   void change_moves(std::uint32_t serial);
   bool apply_move(std::uint32_t serial);
-  bool is_known() const { return is_method_known_ && are_materials_known_ && are_moves_known_; }
+  bool is_known() const { return is_method_known_ && are_materials_known_ && are_moves_known_ && are_carves_known_; }
+  void repeat_carves(std::uint32_t serial);
+  bool has_rested(const ForceCommand& command) const;
+  Result<void> find_certainty(const ForceCommand& command);
+  Result<void> rebuild_bodies(const ForceCommand& command);
   void turn(std::uint32_t revision);
   std::optional<ForceCommand> step(std::uint64_t sample);
   void compare(const ForceCommand& recorded, const ForceCommand& replayed);
@@ -92,6 +117,7 @@ class SessionReplay {
   MakeTouch make_touch_;
   MaterialStates material_states_;
   ObjectMoves moves_;
+  RecordedCarves carves_;
   PluginEffects* effects_ = nullptr;  // null: none
   MakeMaterials make_materials_;
   std::map<std::uint64_t, DeviceState> states_;    // not replayed yet, by sample
@@ -108,6 +134,9 @@ class SessionReplay {
   bool are_materials_known_ = false;  // the materials in use are the recorded ones
   std::uint32_t move_serial_ = 0;     // of the newest move that was applied
   bool are_moves_known_ = true;       // all moves up to move_serial_ are in the recording
+  bool are_carves_known_ = true;      // all carves of the bodies in their present shape are in the recording
+  std::int64_t busy_ns_ = 0;          // of the newest sample in contact, with a button down, or after an unknown step
+  std::int64_t rebuilt_ns_ = 0;       // of the sample at which the bodies were last made again from their carves
   bool is_certain_ = false;           // the state of the method does not depend on steps that are unknown
   std::int64_t first_time_ns_ = 0;
   ReplayCounts counts_;

@@ -3,6 +3,7 @@
 #include <fmt/chrono.h>
 
 #include <algorithm>
+#include <cmath>
 #include <ctime>
 #include <type_traits>
 
@@ -71,6 +72,7 @@ void SessionSummary::add(const SessionEntry& entry, const Datagram* datagram) {
       return;
   }
   if (datagram == nullptr || entry.kind == SessionEntry::Kind::sent) return;
+  changes_.add(entry, datagram);
   if (const auto* force = std::get_if<ForceCommand>(&datagram->message)) add_force(*force, entry.time_ns);
   if (const auto* setup = std::get_if<HapticsSetup>(&datagram->message)) setups_[{datagram->header.sender, setup->method_serial}] = *setup;
   if (const auto* state = std::get_if<MaterialState>(&datagram->message)) materials_[{datagram->header.sender, state->serial}] = *state;
@@ -83,6 +85,12 @@ void SessionSummary::add_force(const ForceCommand& force, std::int64_t time_ns) 
   contact_ += force.contact ? 1 : 0;
   max_force_n_ = std::max(max_force_n_, force.force_n.norm());
   round_trip_.record(time_ns - force.echo_sample_time_ns);
+}
+
+RecordedCarves SessionSummary::carves() const {
+  RecordedCarves carves;
+  for (const RecordedCarve& one : changes_.carves()) carves.add(one);
+  return carves;
 }
 
 std::string SessionSummary::to_text(const SessionHeader& header) const {
@@ -101,6 +109,11 @@ std::string SessionSummary::to_text(const SessionHeader& header) const {
   if (changes > 0) text += fmt::format("materials changed while running: {} times\n", changes);
   const auto moves = std::count_if(moves_.begin(), moves_.end(), [](const auto& one) { return one.second.serial > 0; });
   if (moves > 0) text += fmt::format("objects moved by programs: {} times\n", moves);
+  const auto is_early = [](const RecordedCarve& one) { return std::isnan(one.t_s); };
+  const auto early = std::count_if(changes_.carves().begin(), changes_.carves().end(), is_early);
+  if (!changes_.carves().empty()) {
+    text += fmt::format("carves: {}{}\n", changes_.carves().size(), early > 0 ? fmt::format(", {} of them made before", early) : "");
+  }
   text += fmt::format("  {:<14} {:>10} {:>10} {:>9}\n", "datagrams", "received", "sent", "kB/s");
   for (const auto& [name, traffic] : traffic_) {
     const double rate = seconds() > 0.0 ? 1e-3 * static_cast<double>(traffic.bytes) / seconds() : 0.0;

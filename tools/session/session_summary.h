@@ -9,6 +9,7 @@
 #include "link/codec.h"
 #include "link/session_entry.h"
 #include "runtime/latency_histogram.h"
+#include "session/object_changes.h"
 #include "tools/session/session_replay.h"
 
 namespace hapton {
@@ -24,6 +25,7 @@ class SessionSummary {
   const HapticsSetups& setups() const { return setups_; }
   const MaterialStates& materials() const { return materials_; }
   const ObjectMoves& moves() const { return moves_; }
+  RecordedCarves carves() const;
 
  private:
   struct Traffic {
@@ -68,6 +70,7 @@ class SessionSummary {
   HapticsSetups setups_;
   MaterialStates materials_;
   ObjectMoves moves_;
+  ObjectChanges changes_{0};  // times do not matter
 };
 
 }  // namespace hapton

@@ -119,6 +119,17 @@ void SculptMethod::exchange_sculpture(ForceMethod& other) noexcept {
   if (same != nullptr && sculpture_->is_alike(*same->sculpture_)) std::swap(sculpture_, same->sculpture_);
 }
 
+bool SculptMethod::repeat_carve(int object, const Carve& carve) noexcept {
+  const std::vector<Sculpture::Body>& bodies = sculpture_->bodies();
+  const auto body = std::find_if(bodies.begin(), bodies.end(), [&](const Sculpture::Body& one) { return one.object == object; });
+  if (body == bodies.end() || sculpture_->is_full()) return false;
+  sculpture_->begin_step();
+  sculpture_->carve(static_cast<std::size_t>(body - bodies.begin()), carve);
+  const bool is_made = sculpture_->made().has_value();
+  sculpture_->begin_step();
+  return is_made;
+}
+
 std::string SculptMethod::describe() const {
   std::string text = others_ != nullptr ? others_->describe() : std::string();
   for (const Sculpture::Body& body : sculpture_->bodies()) {

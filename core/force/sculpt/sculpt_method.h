@@ -31,6 +31,7 @@ class SculptMethod final : public ForceMethod {
   void set_materials(std::span<const Material> materials) noexcept override;
   const Sculpture* sculpture() const noexcept override { return sculpture_.get(); }
   void exchange_sculpture(ForceMethod& other) noexcept override;
+  bool repeat_carve(int object, const Carve& carve) noexcept override;
   bool prepare() override { return others_ != nullptr && others_->prepare(); }
   std::string describe() const override;
 

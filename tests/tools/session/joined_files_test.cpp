@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <string>
 #include <vector>
@@ -73,6 +74,65 @@ TEST(JoinedCsv, HasAllColumnsAndLeavesEmptyWhatIsNotKnown) {
   EXPECT_NE(lines[0].find(",object_name,material,event,marker"), std::string::npos);
   EXPECT_NE(lines[2].find(",glass,hard,"), std::string::npos) << lines[2];
   EXPECT_EQ(lines[1].find("hood"), std::string::npos);
+}
+
+// A haptics node that was there before the hub: a move by a program, a carve of before and one of now.
+std::filesystem::path write_changed_recording(const ScratchFolder& scratch) {
+  SessionCodec session;
+  Codec codec;
+  std::string bytes(kSessionMagic);
+  session.append(SessionHeader{.build = "b1", .start_ns = kJoinedStartNs, .session = 0xAB}, bytes);
+  std::array<std::byte, kMaxDatagramBytes> wire;
+  std::uint64_t sequence = 0;
+  const auto receive = [&](const Message& message, std::uint64_t sample) {
+    SessionEntry entry;
+    entry.kind = SessionEntry::Kind::received;
+    entry.time_ns = sample_ns(sample);
+    entry.datagram = std::span(wire).first(codec.encode({{.session = 1, .sender = 2, .sequence = ++sequence}, message}, wire));
+    session.append(entry, bytes);
+  };
+  session.append(cycle_of(1), bytes);
+  receive(Carves{.source = 7, .newest = 1}, 1);
+  ObjectMove move{.source = 7, .serial = 1, .object = 1, .start_ns = 1'000'000, .end_ns = 2'000'000, .to_p_m = Vec3(0.0, 0.5, 0.0)};
+  std::strcpy(move.name.data(), "lid, red");
+  receive(move, 2);
+  Carves carves{.source = 7, .newest = 2, .first = 1, .count = 2};
+  carves.carves[0] = carves.carves[1] = {.object = 0, .to_m = {0.25F, 0.0F, 0.0F}, .radius_m = 0.5F};
+  receive(carves, 3);
+  ForceCommand force = force_of(1);
+  force.scene_time_ns = 500'000'000;
+  force.carve_serial = 1;
+  receive(force, 3);
+  session.append(cycle_of(2), bytes);
+  return scratch.write("changed.hapton", bytes);
+}
+
+TEST(JoinedCsv, WhatWasMovedAndCarvedIsBesideIt) {
+  const ScratchFolder scratch;
+  auto reader = SessionReader::open(write_changed_recording(scratch));
+  ASSERT_TRUE(reader && write_joined_csv(*reader, scratch.path() / "session.csv", kNames));
+  const auto lines_of = [&](const char* name) {
+    std::ifstream file(scratch.path() / name);
+    std::vector<std::string> lines;
+    for (std::string line; std::getline(file, line);) lines.push_back(line);
+    return lines;
+  };
+  const std::vector<std::string> moves = lines_of("moves.csv"), carves = lines_of("carves.csv");
+  ASSERT_EQ(moves.size(), 2U);
+  EXPECT_EQ(moves[0].find("t_s,process,serial,object,start_scene_time_s,"), 0U) << moves[0];
+  EXPECT_EQ(moves[1].find("0.002,0,1,1,0.001,0.002,0,0,0,1,0,0,0,0,0.5,0,1,0,0,0,\"lid, red\""), 0U) << moves[1];
+  ASSERT_EQ(carves.size(), 3U);
+  EXPECT_EQ(carves[1], ",0,1,0,0,0,0,0.25,0,0,0.5,hood") << "when it was made is not known";
+  EXPECT_EQ(carves[2], "0.003,0,2,0,0,0,0,0.25,0,0,0.5,hood");
+  EXPECT_NE(lines_of("session.csv")[1].find(",0.5,1,glass,hard,"), std::string::npos) << "scene time and carves of sample 1";
+}
+
+TEST(JoinedCsv, WhereNothingWasMovedThereIsNoFileOfMoves) {
+  const ScratchFolder scratch;
+  auto reader = SessionReader::open(write_recording(scratch, 3));
+  ASSERT_TRUE(reader && write_joined_csv(*reader, scratch.path() / "session.csv"));
+  EXPECT_FALSE(std::filesystem::exists(scratch.path() / "moves.csv"));
+  EXPECT_FALSE(std::filesystem::exists(scratch.path() / "carves.csv"));
 }
 
 std::vector<double> read_column(hid_t file, const std::string& name) {
@@ -150,6 +210,24 @@ TEST(JoinedHdf5, HoldsEverySampleOfEveryBlockWithUnits) {
   EXPECT_EQ(read_text_attribute(file, "/", "build"), "b1");
   EXPECT_EQ(read_text_attribute(file, "/", "session"), "00000000000000ab");
   EXPECT_EQ(read_text_attribute(file, "/", "setting rate"), "1000");
+  H5Fclose(file);
+}
+
+TEST(JoinedHdf5, HasWhatWasMovedAndCarved) {
+  const ScratchFolder scratch;
+  auto reader = SessionReader::open(write_changed_recording(scratch));
+  const auto path = scratch.path() / "session.h5";
+  ASSERT_TRUE(reader && write_joined_hdf5(*reader, path, kNames));
+  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  ASSERT_GE(file, 0);
+  EXPECT_EQ(read_column(file, "/moves/to_y_m"), (std::vector<double>{0.5}));
+  EXPECT_EQ(read_texts(file, "/moves/name"), (std::vector<std::string>{"lid, red"}));
+  EXPECT_EQ(read_text_attribute(file, "/moves/start_scene_time_s", "unit"), "s");
+  EXPECT_EQ(read_column(file, "/carves/serial"), (std::vector<double>{1, 2}));
+  EXPECT_TRUE(std::isnan(read_column(file, "/carves/t_s")[0]));
+  EXPECT_EQ(read_text_attribute(file, "/carves/radius_m", "unit"), "m");
+  EXPECT_EQ(read_column(file, "/samples/carve_serial")[0], 1.0);
+  EXPECT_TRUE(std::isnan(read_column(file, "/samples/carve_serial")[1])) << "no force came";
   H5Fclose(file);
 }
 

@@ -112,6 +112,17 @@ TEST_F(McapRecordings, CarvesAreMessages) {
   EXPECT_NE(file.find("/hapton/carve"), std::string::npos);
 }
 
+TEST_F(McapRecordings, PosesOfHeldObjectsAndMaterialsAreMessages) {
+  std::array<std::byte, kMaxDatagramBytes> datagram;
+  for (const Message& message : {Message(ObjectPose{.serial = 1, .object = 2, .is_held = true}), Message(MaterialState{.serial = 1})}) {
+    codec.append(datagram_of(SessionEntry::Kind::received, message, datagram), bytes);
+    codec.append(datagram_of(SessionEntry::Kind::sent, message, datagram), bytes);
+  }
+  const auto written = write();
+  ASSERT_TRUE(written) << written.error().what;
+  EXPECT_EQ(written->messages, 2U);
+}
+
 TEST_F(McapRecordings, ATruncatedOneIsWrittenUpToThere) {
   codec.append(cycle_at(1, kMcapStartNs), bytes);
   codec.append(cycle_at(2, kMcapStartNs), bytes);

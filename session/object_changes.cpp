@@ -1,0 +1,106 @@
+#include "session/object_changes.h"
+
+#include <algorithm>
+#include <limits>
+#include <tuple>
+
+namespace hapton {
+namespace {
+
+// Times are those of a file, which may hold any number.
+double seconds_after(std::int64_t start_ns, std::int64_t time_ns) {
+  return 1e-9 * static_cast<double>(static_cast<std::int64_t>(static_cast<std::uint64_t>(time_ns) - static_cast<std::uint64_t>(start_ns)));
+}
+
+constexpr ChangeColumn<RecordedMove> kMoveColumns[] = {
+    {"t_s", "s", [](const RecordedMove& r) { return r.t_s; }},
+    {"process", "1", [](const RecordedMove& r) { return static_cast<double>(r.process); }},
+    {"serial", "1", [](const RecordedMove& r) { return static_cast<double>(r.move.serial); }},
+    {"object", "1", [](const RecordedMove& r) { return static_cast<double>(r.move.object); }},
+    {"start_scene_time_s", "s", [](const RecordedMove& r) { return 1e-9 * static_cast<double>(r.move.start_ns); }},
+    {"end_scene_time_s", "s", [](const RecordedMove& r) { return 1e-9 * static_cast<double>(r.move.end_ns); }},
+    {"from_x_m", "m", [](const RecordedMove& r) { return r.move.from_p_m.x(); }},
+    {"from_y_m", "m", [](const RecordedMove& r) { return r.move.from_p_m.y(); }},
+    {"from_z_m", "m", [](const RecordedMove& r) { return r.move.from_p_m.z(); }},
+    {"from_qw", "1", [](const RecordedMove& r) { return r.move.from_q.w(); }},
+    {"from_qx", "1", [](const RecordedMove& r) { return r.move.from_q.x(); }},
+    {"from_qy", "1", [](const RecordedMove& r) { return r.move.from_q.y(); }},
+    {"from_qz", "1", [](const RecordedMove& r) { return r.move.from_q.z(); }},
+    {"to_x_m", "m", [](const RecordedMove& r) { return r.move.to_p_m.x(); }},
+    {"to_y_m", "m", [](const RecordedMove& r) { return r.move.to_p_m.y(); }},
+    {"to_z_m", "m", [](const RecordedMove& r) { return r.move.to_p_m.z(); }},
+    {"to_qw", "1", [](const RecordedMove& r) { return r.move.to_q.w(); }},
+    {"to_qx", "1", [](const RecordedMove& r) { return r.move.to_q.x(); }},
+    {"to_qy", "1", [](const RecordedMove& r) { return r.move.to_q.y(); }},
+    {"to_qz", "1", [](const RecordedMove& r) { return r.move.to_q.z(); }},
+};
+
+constexpr ChangeColumn<RecordedCarve> kCarveColumns[] = {
+    {"t_s", "s", [](const RecordedCarve& r) { return r.t_s; }},
+    {"process", "1", [](const RecordedCarve& r) { return static_cast<double>(r.process); }},
+    {"serial", "1", [](const RecordedCarve& r) { return static_cast<double>(r.serial); }},
+    {"object", "1", [](const RecordedCarve& r) { return static_cast<double>(r.carve.object); }},
+    {"from_x_m", "m", [](const RecordedCarve& r) { return static_cast<double>(r.carve.from_m[0]); }},
+    {"from_y_m", "m", [](const RecordedCarve& r) { return static_cast<double>(r.carve.from_m[1]); }},
+    {"from_z_m", "m", [](const RecordedCarve& r) { return static_cast<double>(r.carve.from_m[2]); }},
+    {"to_x_m", "m", [](const RecordedCarve& r) { return static_cast<double>(r.carve.to_m[0]); }},
+    {"to_y_m", "m", [](const RecordedCarve& r) { return static_cast<double>(r.carve.to_m[1]); }},
+    {"to_z_m", "m", [](const RecordedCarve& r) { return static_cast<double>(r.carve.to_m[2]); }},
+    {"radius_m", "m", [](const RecordedCarve& r) { return static_cast<double>(r.carve.radius_m); }},
+};
+
+}  // namespace
+
+std::span<const ChangeColumn<RecordedMove>> move_columns() noexcept { return kMoveColumns; }
+std::span<const ChangeColumn<RecordedCarve>> carve_columns() noexcept { return kCarveColumns; }
+
+void ObjectChanges::add(const SessionEntry& entry, const Datagram* datagram) {
+  if (datagram == nullptr || entry.kind != SessionEntry::Kind::received) return;
+  const double t_s = seconds_after(start_ns_, entry.time_ns);
+  if (const auto* move = std::get_if<ObjectMove>(&datagram->message)) add_move(*move, datagram->header.sender, t_s);
+  if (const auto* carves = std::get_if<Carves>(&datagram->message)) add_carves(*carves, datagram->header.sender, t_s);
+}
+
+// The haptics node repeats the newest move of each object.
+void ObjectChanges::add_move(const ObjectMove& move, std::uint64_t sender, double t_s) {
+  if (move.source != move_source_) {
+    move_process_ += move_source_ != 0 ? 1 : 0;
+    move_source_ = move.source;
+    move_serials_.clear();
+  }
+  std::uint32_t& newest = move_serials_[move.object];
+  if (move.serial <= newest) return;
+  newest = move.serial;
+  moves_.push_back({.t_s = t_s, .sender = sender, .process = move_process_, .move = move});
+}
+
+void ObjectChanges::add_carves(const Carves& carves, std::uint64_t sender, double t_s) {
+  if (carves.source != carve_source_) {
+    const bool is_first = carve_source_ == 0;
+    carve_process_ += is_first ? 0 : 1;
+    carve_source_ = carves.source;
+    has_carve_.clear();
+    made_before_ = 0;
+    if (is_first) made_before_ = carves.count == 0 ? carves.newest : carves.first - 1;
+  }
+  for (std::uint32_t n = 0; n < carves.count; ++n) {
+    const std::uint32_t serial = carves.first + n;
+    if (serial >= kMostSerial) return;
+    if (serial >= has_carve_.size()) has_carve_.resize(serial + 1);
+    if (has_carve_[serial]) continue;
+    has_carve_[serial] = true;
+    carves_.push_back({.t_s = serial <= made_before_ ? std::numeric_limits<double>::quiet_NaN() : t_s,
+                       .sender = sender,
+                       .process = carve_process_,
+                       .serial = serial,
+                       .carve = carves.carves[n]});
+  }
+}
+
+void ObjectChanges::finish() {
+  std::stable_sort(carves_.begin(), carves_.end(), [](const RecordedCarve& a, const RecordedCarve& b) {
+    return std::tie(a.process, a.serial) < std::tie(b.process, b.serial);
+  });
+}
+
+}  // namespace hapton

@@ -1,0 +1,103 @@
+#include "session/object_changes.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "tests/session/made_entries.h"
+
+namespace hapton {
+namespace {
+
+// What the haptics node said, at a time.
+void hear(ObjectChanges& changes, const Message& message, double t_s, SessionEntry::Kind kind = SessionEntry::Kind::received) {
+  SessionEntry entry;
+  entry.kind = kind;
+  entry.time_ns = kJoinedStartNs + static_cast<std::int64_t>(1e9 * t_s);
+  const Datagram datagram{{.sender = 4}, message};
+  changes.add(entry, &datagram);
+}
+
+ObjectMove moved(std::uint32_t source, std::uint32_t serial, std::int32_t object) {
+  ObjectMove move{.source = source,
+                  .serial = serial,
+                  .object = object,
+                  .start_ns = 500'000'000,
+                  .end_ns = 1'500'000'000,
+                  .to_p_m = Vec3(0.0, 0.0, 0.25)};
+  std::strcpy(move.name.data(), "lid");
+  return move;
+}
+
+Carves carved(std::uint32_t source, std::uint32_t newest, std::uint32_t first, std::uint32_t count) {
+  Carves carves{.source = source, .newest = newest, .first = first, .count = count};
+  for (std::uint32_t n = 0; n < count; ++n)
+    carves.carves[n] = {.object = 1, .to_m = {0.5F, 0.0F, 0.0F}, .radius_m = static_cast<float>(first + n)};
+  return carves;
+}
+
+template <class Row>
+double value_of(std::span<const ChangeColumn<Row>> columns, std::string_view name, const Row& row) {
+  for (const auto& column : columns) {
+    if (column.name == name) return column.of(row);
+  }
+  ADD_FAILURE() << "no column " << name;
+  return NAN;
+}
+
+TEST(ObjectChanges, EachMoveIsThereOnceWithItsName) {
+  ObjectChanges changes(kJoinedStartNs);
+  hear(changes, moved(5, 0, 2), 0.5);
+  hear(changes, moved(5, 1, 2), 1.0);
+  hear(changes, moved(5, 1, 2), 1.1);
+  hear(changes, moved(5, 1, 2), 1.1, SessionEntry::Kind::sent);
+  hear(changes, moved(5, 2, 0), 1.2);
+  hear(changes, moved(5, 3, 2), 1.3);
+  hear(changes, moved(6, 1, 2), 1.4);
+  changes.finish();
+  ASSERT_EQ(changes.moves().size(), 4U) << "neither the pose at rest nor repetitions nor the hub's copies";
+  EXPECT_STREQ(changes.moves()[0].move.name.data(), "lid");
+  EXPECT_EQ(changes.moves()[2].move.serial, 3U);
+  EXPECT_EQ(changes.moves()[3].process, 1U);
+  const RecordedMove& first = changes.moves()[0];
+  EXPECT_NEAR(value_of(move_columns(), "t_s", first), 1.0, 1e-9);
+  EXPECT_EQ(value_of(move_columns(), "object", first), 2.0);
+  EXPECT_EQ(value_of(move_columns(), "start_scene_time_s", first), 0.5);
+  EXPECT_EQ(value_of(move_columns(), "end_scene_time_s", first), 1.5);
+  EXPECT_EQ(value_of(move_columns(), "to_z_m", first), 0.25);
+  EXPECT_EQ(value_of(move_columns(), "to_qw", first), 1.0);
+}
+
+TEST(ObjectChanges, CarvesAreInTheOrderOfTheirSerials) {
+  ObjectChanges changes(kJoinedStartNs);
+  hear(changes, Carves{.source = 7, .newest = 3}, 0.1);
+  hear(changes, carved(7, 5, 4, 2), 0.2);  // made meanwhile
+  hear(changes, carved(7, 5, 1, 4), 0.3);  // requested
+  hear(changes, carved(9, 1, 1, 1), 0.4);
+  changes.finish();
+  ASSERT_EQ(changes.carves().size(), 6U);
+  for (std::uint32_t n = 0; n < 5; ++n) {
+    const RecordedCarve& one = changes.carves()[n];
+    EXPECT_EQ(one.serial, n + 1);
+    EXPECT_EQ(one.process, 0U);
+    EXPECT_EQ(one.carve.radius_m, static_cast<float>(n + 1));
+    EXPECT_EQ(std::isnan(one.t_s), n < 3) << "made before the recording: " << n;
+  }
+  EXPECT_NEAR(changes.carves()[4].t_s, 0.2, 1e-9);
+  EXPECT_EQ(changes.carves()[5].process, 1U);
+  EXPECT_NEAR(changes.carves()[5].t_s, 0.4, 1e-9);
+  EXPECT_EQ(value_of(carve_columns(), "to_x_m", changes.carves()[5]), 0.5);
+  EXPECT_EQ(value_of(carve_columns(), "radius_m", changes.carves()[5]), 1.0);
+}
+
+// Memory is bounded by what a haptics node can make.
+TEST(ObjectChanges, SerialsOfAHostileFileDoNoHarm) {
+  ObjectChanges changes(kJoinedStartNs);
+  hear(changes, carved(7, ~0U, ~0U - 3, 4), 0.1);
+  changes.finish();
+  EXPECT_TRUE(changes.carves().empty());
+}
+
+}  // namespace
+}  // namespace hapton

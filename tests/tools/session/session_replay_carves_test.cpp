@@ -1,0 +1,145 @@
+// Replays of sessions in which the stylus carved material.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "core/geometry/mesh_shapes.h"
+#include "tests/tools/session/session_replay_fixture.h"
+
+namespace hapton {
+namespace {
+
+std::unique_ptr<TouchStep> make_clay_touch() {
+  const TouchScene scene{.objects = {{.mesh = std::make_shared<const TriangleMesh>(make_icosphere(0.03, 3)),
+                                      .material = {.stiffness_n_per_m = 500.0},
+                                      .sculpt = SculptSettings{.voxel_m = 0.001, .tool_radius_m = 0.004, .button = 1}}}};
+  return std::make_unique<TouchStep>(*make_method({.name = "proxy"}, scene), scene);
+}
+
+constexpr std::uint64_t kTurn = 1500;  // samples: a stroke with the button down, one without, and a rest in free space
+constexpr std::uint64_t kRest = 1000;  // the rest begins
+
+struct CarvesReplayTest : SessionReplayTest {
+  std::vector<RecordedCarve> carves;
+
+  CarvesReplayTest() : SessionReplayTest(make_clay_touch()) {}
+
+  DeviceState carving_state() {
+    ++sample;
+    const std::uint64_t place = sample % kTurn;
+    const double angle = 3e-3 * static_cast<double>(place);
+    const double radius = place < kRest ? 0.0315 + 0.004 * std::cos(5.0 * angle) : 0.06;
+    return {.sample = sample,
+            .sample_time_ns = 1'000'000 * static_cast<std::int64_t>(sample),
+            .p_WD = radius * Vec3(std::cos(angle), std::sin(angle), 0.1 + 1e-5 * static_cast<double>(sample)),
+            .buttons = place > 200 && place < 700 ? 1U : 0U};
+  }
+  void carve(std::uint64_t steps) {
+    for (std::uint64_t n = 0; n < steps; ++n) {
+      const DeviceState state = carving_state();
+      recorded.emplace_back(state, answer(state));
+      if (const MadeCarve* made = live.made_carve()) announce(*made);
+    }
+  }
+  void announce(const MadeCarve& made) {
+    const auto point = [](const Vec3& p) {
+      return Carves::Point{static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())};
+    };
+    carves.push_back({.sender = kSender,
+                      .serial = made.serial,
+                      .carve = {.object = made.object,
+                                .from_m = point(made.carve.from_m),
+                                .to_m = point(made.carve.to_m),
+                                .radius_m = static_cast<float>(made.carve.radius_m)}});
+  }
+  // A new hub, which records: the haptics node has carved already.
+  void begin_recording() {
+    recorded.clear();
+    live.resume();
+  }
+  SessionReplay make_replay() {
+    SessionReplay replay = replay_with(make_clay_touch);
+    RecordedCarves known;
+    for (const RecordedCarve& one : carves) known.add(one);
+    replay.use_carves(std::move(known));
+    return replay;
+  }
+  void leave_out(std::uint64_t from, std::uint64_t to) {
+    std::erase_if(recorded, [&](const auto& one) { return one.first.sample >= from && one.first.sample < to; });
+  }
+};
+
+TEST_F(CarvesReplayTest, CarvingGivesTheSameForcesToTheLastBit) {
+  carve(2 * kTurn);
+  ASSERT_GT(carves.size(), 100U);
+  SessionReplay replay = make_replay();
+  feed(replay);
+  EXPECT_EQ(replay.counts().compared, recorded.size());
+  EXPECT_GT(replay.counts().contact_steps, 500U);
+  EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
+}
+
+TEST_F(CarvesReplayTest, ARecordingThatBeginsLaterBeginsWithWhatWasCarved) {
+  carve(kTurn + kRest + 50);
+  const std::size_t before = carves.size();
+  begin_recording();
+  carve(kTurn);
+  ASSERT_EQ(recorded.front().second->carve_serial, before);
+  ASSERT_GT(carves.size(), before + 50);
+  SessionReplay replay = make_replay();
+  feed(replay);
+  EXPECT_EQ(replay.counts().compared, recorded.size());
+  EXPECT_GT(replay.counts().contact_steps, 200U);
+  EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
+}
+
+// The test can fail: with another shape the forces are others.
+TEST_F(CarvesReplayTest, AnotherShapeIsAnotherForce) {
+  carve(kTurn + kRest + 50);
+  begin_recording();
+  carves.back().carve.radius_m *= 2.0F;
+  carve(kTurn);
+  SessionReplay replay = make_replay();
+  feed(replay);
+  EXPECT_GT(replay.counts().different, 0U);
+}
+
+// No force is called different for a carve that the recording does not have.
+TEST_F(CarvesReplayTest, WithoutACarveOfBeforeNothingIsCompared) {
+  carve(kTurn + kRest + 50);
+  begin_recording();
+  carve(kTurn);
+  carves.erase(carves.begin() + 20);
+  SessionReplay replay = make_replay();
+  feed(replay);
+  EXPECT_EQ(replay.counts().compared, 0U);
+  EXPECT_EQ(replay.counts().unknown_method, recorded.size());
+}
+
+// While steps are missing the bodies are carved all the same; when the hand has rested in free space they are known again.
+TEST_F(CarvesReplayTest, AfterAGapTheBodiesAreThoseThatWereCarvedMeanwhile) {
+  carve(3 * kTurn);
+  leave_out(kTurn + 300, kTurn + 500);
+  SessionReplay replay = make_replay();
+  feed(replay);
+  const std::uint64_t unknown = kTurn + kRest - (kTurn + 500) + 300;  // until the rest, and 0.3 s of it
+  EXPECT_NEAR(static_cast<double>(replay.counts().not_compared), static_cast<double>(unknown), 10.0);
+  EXPECT_GT(replay.counts().compared, kTurn + 300 + kTurn);
+  EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
+}
+
+// A recording that begins in the middle of a stroke, as a flight record does.
+TEST_F(CarvesReplayTest, WithinAStrokeNothingIsComparedUntilTheHandRests) {
+  carve(3 * kTurn);
+  leave_out(0, kTurn + 400);
+  SessionReplay replay = make_replay();
+  feed(replay);
+  EXPECT_GT(replay.counts().not_compared, 500U);
+  EXPECT_GT(replay.counts().compared, kTurn);
+  EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
+}
+
+}  // namespace
+}  // namespace hapton
