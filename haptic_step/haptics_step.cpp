@@ -15,6 +15,12 @@ constexpr double kFirstStepS = 1e-3;
 
 HapticsStep::HapticsStep(std::unique_ptr<TouchStep> touch, double offset_m) : touch_(std::move(touch)), offset_m_(offset_m) {}
 
+void HapticsStep::hold(HeldTool* tool, std::vector<ToolPart> parts) {
+  tool_ = tool;
+  tool_parts_ = std::move(parts);
+  X_SO_.resize(tool_parts_.size(), Pose::Identity());
+}
+
 void HapticsStep::offer(const DeviceState& state) noexcept {
   if (has_state_) {
     ++skipped_;
@@ -116,6 +122,14 @@ void HapticsStep::feel_nothing(ForceCommand& reply) noexcept {
   reply.contact = fade_.is_felt();
 }
 
+void HapticsStep::place_parts() noexcept {
+  for (std::size_t p = 0; p < X_SO_.size(); ++p) {
+    const ToolPart& part = tool_parts_[p];
+    const CommandedMotion* commanded = part.commanded >= 0 ? touch_->find_commanded(part.commanded) : nullptr;
+    X_SO_[p] = commanded != nullptr ? commanded->pose_at(input_.time_s) : part.pose_at(input_.time_s);
+  }
+}
+
 // After a gap the tool comes from where it was, on a way that is free: no contact is lost, and nothing is passed.
 void HapticsStep::feel_tool(ForceCommand& reply) noexcept {
   if (running_) remember_answered();
@@ -124,6 +138,8 @@ void HapticsStep::feel_tool(ForceCommand& reply) noexcept {
   input.X_WD.translation() = state_.p_WD;
   input.X_WD.linear() = state_.q_WT.toRotationMatrix();
   input.X_WS = X_WS_;
+  place_parts();
+  input.X_SO = X_SO_;
   const ToolOutput felt = tool_->step(input, state_.sample_time_ns);
   is_tool_blocked_ = felt.proxy.is_blocked;
   if (felt.contact) counts_.haptons += static_cast<std::uint64_t>(felt.proxy.haptons);

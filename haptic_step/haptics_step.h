@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "core/force/force_fade.h"
 #include "core/force/touch_step.h"
@@ -11,6 +12,7 @@
 #include "haptic_step/grasp.h"
 #include "link/messages.h"
 #include "plugin/plugin_effects.h"
+#include "scene/tool_obstacles.h"
 
 namespace hapton {
 
@@ -38,8 +40,9 @@ class HapticsStep {
   // offset_m: distance off the surface, on the side in contact, at which a new method starts when it takes over in contact.
   explicit HapticsStep(std::unique_ptr<TouchStep> touch, double offset_m);
 
-  // Before the first reply: the stylus holds a rigid tool, which is felt in place of the method's probe. Pre: outlives this.
-  void hold(HeldTool* tool) noexcept { tool_ = tool; }
+  // Before the first reply: the stylus holds a rigid tool, which is felt in place of the method's probe. parts: of the scene that move, as
+  // the tool was made for. Pre: outlives this.
+  void hold(HeldTool* tool, std::vector<ToolPart> parts = {});
   bool holds_tool() const noexcept { return tool_ != nullptr; }
   // Before the first reply: what picks up movable objects with the stylus. Pre: outlives this.
   void set_grasp(Grasp* grasp) noexcept { grasp_ = grasp; }
@@ -125,6 +128,7 @@ class HapticsStep {
   void remember_answered() noexcept;
   void feel_probe(ForceCommand& reply) noexcept;
   void feel_tool(ForceCommand& reply) noexcept;
+  void place_parts() noexcept;
   void feel_nothing(ForceCommand& reply) noexcept;
   void update_grasp() noexcept;
   void advance_scene(std::int64_t step_ns) noexcept;
@@ -133,6 +137,8 @@ class HapticsStep {
 
   std::unique_ptr<TouchStep> touch_;
   HeldTool* tool_ = nullptr;
+  std::vector<ToolPart> tool_parts_;
+  std::vector<Pose> X_SO_;  // of these
   Grasp* grasp_ = nullptr;
   PluginEffects* effects_ = nullptr;  // null: none
   bool is_tool_blocked_ = false;

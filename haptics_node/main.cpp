@@ -34,6 +34,7 @@
 #include "scene/scene_file.h"
 #include "scene/scene_hash.h"
 #include "scene/scene_report.h"
+#include "scene/tool_obstacles.h"
 
 namespace {
 
@@ -137,7 +138,7 @@ int run(const HapticsOptions& options) {
   HapticsSetup setup = make_haptics_setup(scene_path, options.loading, hash_scene(scene->touch_scene()), settings);
   std::optional<ToolTask> tool_task;
   if (*tool != nullptr) {
-    step.hold(tool->get());
+    step.hold(tool->get(), make_tool_obstacles(scene->touch_scene()).parts);
     setup.method = describe_tool(**tool);
     tool_task.emplace(**tool);
   }

@@ -7,20 +7,14 @@
 namespace hapton {
 
 Result<void> check_motion(const Scene& scene, bool has_tool) {
+  const auto deforming =
+      std::find_if(scene.objects.begin(), scene.objects.end(), [](const SceneObject& each) { return each.deformation != nullptr; });
+  if (has_tool && deforming != scene.objects.end()) {
+    return fail("object '{}' deforms, which a rigid tool does not support: leave out the tool, or the morphs", printable(deforming->name));
+  }
   const auto moves = [](const SceneObject& object) { return object.moves(); };
   const auto moving = std::find_if(scene.objects.begin(), scene.objects.end(), moves);
-  if (moving == scene.objects.end()) return {};
-  if (has_tool) {
-    if (moving->commanded != nullptr) {
-      return fail("object '{}' is moved by programs, which a rigid tool does not support: leave out the tool, or 'moved_by'",
-                  printable(moving->name));
-    }
-    if (moving->motion == nullptr) {
-      return fail("object '{}' deforms, which a rigid tool does not support: leave out the tool, or the morphs", printable(moving->name));
-    }
-    return fail("object '{}' moves by keyframes, which a rigid tool does not support: leave out the tool, or the keyframes",
-                printable(moving->name));
-  }
+  if (moving == scene.objects.end() || has_tool) return {};
   const auto movable = std::find_if(scene.objects.begin(), scene.objects.end(), [](const SceneObject& each) { return each.is_movable; });
   if (movable == scene.objects.end()) return {};
   return fail("object '{}' {} and '{}' is movable, which cannot be combined: keep one of the two", printable(moving->name),

@@ -31,7 +31,7 @@ Result<std::unique_ptr<HeldTool>> make_held_tool(const HapticsOptions& options, 
   ToolObstacles obstacles = make_tool_obstacles(couple_scene(scene.touch_scene(), options.method.coupling_n_per_m));
   auto step = ToolStep::make(*(*tool)->mesh, std::move(obstacles.meshes),
                              {.stiffness_n_per_m = obstacles.stiffness_n_per_m, .rotational_stiffness_nm_per_rad = options.tool_nm_per_rad},
-                             std::move(obstacles.friction), make_worker_team(options.tool_threads));
+                             std::move(obstacles.friction), make_worker_team(options.tool_threads), obstacles.part_of);
   if (!step) return fail("tool {}: {}", (*tool)->name, step.error().what);
   log_info("the stylus holds {}", (*tool)->name);
   std::istringstream text((*step)->describe());

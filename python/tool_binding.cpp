@@ -3,6 +3,8 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "core/tool/tool_step.h"
 #include "python/bindings.h"
@@ -48,14 +50,20 @@ class PythonTool {
  public:
   PythonTool(const TriangleMesh& tool, const TouchScene& scene, double rotational_nm_per_rad);
 
-  py::dict step(const Doubles& poses, const std::optional<Doubles>& scene_pose);
+  py::dict step(const Doubles& poses, const std::optional<Doubles>& scene_pose, double dt_s);
   void reset(const Doubles& pose, const std::optional<Doubles>& scene_pose);
   std::string describe() const { return tool_->describe(); }
 
  private:
+  void place_parts();
+
   std::mutex mutex_;
   std::unique_ptr<ToolStep> tool_;
+  std::vector<ToolPart> parts_;  // of the scene that move
+  std::vector<Pose> X_SO_;
   bool has_begun_ = false;
+  bool is_running_ = false;  // there was a step
+  double time_s_ = 0.0;      // of the scene: the sum of all dt_s but the first
 };
 
 // Friction and the stiffest of the materials, as haptics_node has it.
@@ -67,26 +75,36 @@ PythonTool::PythonTool(const TriangleMesh& tool, const TouchScene& scene, double
   if (obstacles.leaves_out && PyErr_WarnEx(PyExc_UserWarning, "damping and effects are left out: a rigid tool has friction only", 2) != 0) {
     throw py::error_already_set();
   }
+  if (scene.has_deformation()) raise_value_error("an object deforms, which a rigid tool does not support");
+  parts_ = obstacles.parts;
+  X_SO_.resize(parts_.size());
   if (obstacles.meshes.empty()) raise_value_error("there are no objects; give at least one");
   const ToolCoupling coupling = {.stiffness_n_per_m = obstacles.stiffness_n_per_m,
                                  .rotational_stiffness_nm_per_rad = rotational_nm_per_rad};
   Result<std::unique_ptr<ToolStep>> made = fail("not made");
   {
     const py::gil_scoped_release others_run;
-    made = ToolStep::make(tool, std::move(obstacles.meshes), coupling, std::move(obstacles.friction));
+    made = ToolStep::make(tool, std::move(obstacles.meshes), coupling, std::move(obstacles.friction), nullptr, obstacles.part_of);
   }
   tool_ = value_or_raise(std::move(made));
 }
 
 void PythonTool::reset(const Doubles& pose, const std::optional<Doubles>& scene_pose) {
-  const ToolInput input{.X_WD = read_pose(pose, "pose"), .X_WS = scene_pose ? read_pose(*scene_pose, "scene_pose") : Pose::Identity()};
+  ToolInput input{.X_WD = read_pose(pose, "pose"), .X_WS = scene_pose ? read_pose(*scene_pose, "scene_pose") : Pose::Identity()};
   const py::gil_scoped_release others_run;
   const std::scoped_lock lock(mutex_);
+  place_parts();
+  input.X_SO = X_SO_;
   tool_->reset(input);
   has_begun_ = true;
 }
 
-py::dict PythonTool::step(const Doubles& poses, const std::optional<Doubles>& scene_pose) {
+void PythonTool::place_parts() {
+  for (std::size_t p = 0; p < parts_.size(); ++p) X_SO_[p] = parts_[p].pose_at(time_s_);
+}
+
+py::dict PythonTool::step(const Doubles& poses, const std::optional<Doubles>& scene_pose, double dt_s) {
+  if (!(dt_s > 0.0 && dt_s <= 1.0)) raise_value_error(fmt::format("dt_s is {}; give seconds above 0, at most 1", dt_s));
   std::vector<ToolInput> inputs;
   const Pose X_WS = scene_pose ? read_pose(*scene_pose, "scene_pose") : Pose::Identity();
   for (const Pose& X_WD : read_poses(poses, "poses")) inputs.push_back({.X_WD = X_WD, .X_WS = X_WS});
@@ -102,6 +120,9 @@ py::dict PythonTool::step(const Doubles& poses, const std::optional<Doubles>& sc
     const std::scoped_lock lock(mutex_);
     const SteadyClock clock;
     for (std::size_t i = 0; i < inputs.size(); ++i) {
+      if (std::exchange(is_running_, true)) time_s_ += dt_s;
+      place_parts();
+      inputs[i].X_SO = X_SO_;
       if (!has_begun_ && inputs[i].X_WD.matrix().allFinite()) {
         tool_->reset(inputs[i]);
         has_begun_ = true;
@@ -166,8 +187,9 @@ void bind_tools(py::module_& module) {
                   "From a scene file with its [tool] and materials, or from a mesh file in `unit`; tool: the mesh file of another tool, "
                   "held at its\n"
                   "origin or its centre (grip).")
-      .def("step", &PythonTool::step, py::arg("poses"), py::arg("scene_pose") = py::none(),
-           "One step for each of the (n, 4, 4) poses of the grip point in W. scene_pose: (4, 4), of the scene in W.\n"
+      .def("step", &PythonTool::step, py::arg("poses"), py::arg("scene_pose") = py::none(), py::arg("dt_s") = 1e-3,
+           "One step for each of the (n, 4, 4) poses of the grip point in W, dt_s seconds apart: objects move by their keyframes. "
+           "scene_pose: (4, 4), of the scene in W.\n"
            "Returns a dict of arrays: force_n (n, 3) and torque_nm (n, 3) about the grip point, proxy (n, 4, 4): where the tool is drawn,\n"
            "contact (n,), blocked (n,): it overlaps the scene since it was put there and gives no force, step_ns (n,).\n"
            "The first pose of all is where the tool is put. Other Python threads run meanwhile.")

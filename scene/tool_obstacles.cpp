@@ -10,6 +10,24 @@ bool ToolObstacles::has_friction() const {
   return std::any_of(friction.begin(), friction.end(), [](const SurfaceFriction& one) { return one.friction_static > 0.0; });
 }
 
+namespace {
+
+// The number of the part that an object belongs to; adds it where it is new.
+int find_part(const TouchObject& object, int number, std::vector<ToolPart>& parts) {
+  if (object.command_pivot) {
+    parts.push_back({.commanded = number});
+    return static_cast<int>(parts.size());
+  }
+  if (object.motion == nullptr) return 0;
+  const auto same = std::find_if(parts.begin(), parts.end(),
+                                 [&](const ToolPart& part) { return part.motion != nullptr && *part.motion == *object.motion; });
+  const auto index = static_cast<int>(same - parts.begin());
+  if (same == parts.end()) parts.push_back({.motion = object.motion});
+  return index + 1;
+}
+
+}  // namespace
+
 ToolObstacles make_tool_obstacles(const TouchScene& scene, std::optional<std::size_t> held) {
   ToolObstacles obstacles;
   obstacles.stiffness_n_per_m = find_stiffest(scene);
@@ -18,6 +36,7 @@ ToolObstacles make_tool_obstacles(const TouchScene& scene, std::optional<std::si
     if (o == held) continue;
     const TouchObject& object = scene.objects[o];
     obstacles.meshes.push_back(object.mesh);
+    obstacles.part_of.push_back(find_part(object, static_cast<int>(o), obstacles.parts));
     obstacles.friction.push_back({object.material.friction_static, object.material.friction_dynamic});
     obstacles.leaves_out = obstacles.leaves_out || object.material.damping_ns_per_m > 0.0;
   }

@@ -10,10 +10,21 @@
 
 namespace hapton {
 
+// Objects of a scene that move together: by keyframes, or one that programs move.
+struct ToolPart {
+  std::shared_ptr<const KeyframeMotion> motion = nullptr;
+  int commanded = -1;  // the object's number in the scene
+
+  // By keyframes; one that programs move is at rest. What the points at rest are moved by, frame S. RT: yes.
+  Pose pose_at(double time_s) const noexcept { return motion != nullptr ? motion->pose_at(time_s) : Pose(Pose::Identity()); }
+};
+
 // What a rigid tool feels of a scene: shapes and friction. ToolStep::make takes it, with the stiffness for its spring.
 struct ToolObstacles {
   std::vector<std::shared_ptr<const TriangleMesh>> meshes;  // frame S, metres, one for each object
   std::vector<SurfaceFriction> friction;                    // of each mesh
+  std::vector<int> part_of;                                 // of each mesh: 0 where it stands still, else the part's number, from 1
+  std::vector<ToolPart> parts;                              // that move
   double stiffness_n_per_m = 0.0;                           // of the stiffest material or effect of the whole scene
   bool leaves_out = false;                                  // the scene has damping or effects, which a tool does not support
 
@@ -21,7 +32,7 @@ struct ToolObstacles {
 };
 
 // The meshes are shared, where they are at rest. held: the number of the object that is the tool itself; its mesh and friction are not
-// among the obstacles. RT: set-up only. Pre: held is a number of an object.
+// among the obstacles. RT: set-up only. Pre: held is a number of an object; no object deforms.
 ToolObstacles make_tool_obstacles(const TouchScene& scene, std::optional<std::size_t> held = std::nullopt);
 
 }  // namespace hapton

@@ -134,7 +134,7 @@ int run(VisionOptions& options) {
   if (!annotator) return give_up(annotator.error());
   session.set_annotator(annotator->get());
   MovedObjects moved(**view, *scene);
-  if (!*tool) session.set_moved_objects(&moved);
+  session.set_moved_objects(&moved);
   CarvedObjects carved(**view, *scene);
   session.set_carved_objects(&carved);
   if (*other) session.set_other_hand(&(*other)->hand);

@@ -56,7 +56,7 @@ Result<void> show(VisionOptions& options, const SessionIndex& index, HeadTracker
   CarvedObjects carved(**view, *scene);
   RecordedSession session(**view, clock, options, index, *rows);
   session.set_scene(scene->given_hash);
-  if (!*tool) session.set_moved_objects(&moved);
+  session.set_moved_objects(&moved);
   session.set_carved_objects(&carved);
   TeachBuilder teacher(scene->touch_scene());
   session.set_teacher(&teacher);

@@ -10,23 +10,47 @@ double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
 
 }  // namespace
 
+HeldTool::HeldTool(std::unique_ptr<ToolStep> tool)
+    : tool_(std::move(tool)),
+      samples_(Sample{.parts = std::vector<Placement>(tool_->moving_count())}),
+      parts_(tool_->moving_count()),
+      last_parts_(parts_) {
+  last_.parts = parts_;
+}
+
+HeldTool::HeldTool(std::unique_ptr<ToolStep> tool, const Pose& X_SP) : HeldTool(std::move(tool)) {
+  start_ = tool_->to_local({.X_WD = X_SP});
+}
+
+void HeldTool::publish(const Placement& device, const Placement& goal, std::int64_t time_ns) noexcept {
+  Sample& sample = samples_.draft();
+  sample.device = device;
+  sample.goal = goal;
+  sample.time_ns = time_ns;
+  sample.serial = serial_;
+  std::copy(parts_.begin(), parts_.end(), sample.parts.begin());
+  samples_.publish_draft();
+}
+
 ToolOutput HeldTool::step(const ToolInput& input, std::int64_t time_ns) noexcept {
   ToolOutput output;
   output.X_WP = input.X_WD;
   if (!input.X_WD.matrix().allFinite() || !input.X_WS.matrix().allFinite()) return output;
   const Placement device = tool_->to_local(input);
+  std::copy(parts_.begin(), parts_.end(), last_parts_.begin());
+  tool_->to_local(input.X_SO, parts_);
   ++samples_since_new_;
   const bool are_new = found_.take();
   const bool are_late = are_new && samples_since_new_ > kPrompt;
   if (are_new) samples_since_new_ = 0;
-  const Found& found = found_.value();
+  Found& found = found_.value();
   output.proxy = found.step;
   is_known_ = found.serial == serial_;
   output.proxy.is_blocked = is_known_ && found.contacts.is_blocked;
   age_s_ = is_known_ ? std::max(0.0, seconds(time_ns - found.time_ns)) : 0.0;
   const bool has_friction = tool_->has_friction();
   if (!is_known_ || output.proxy.is_blocked) {
-    samples_.publish({device, device, time_ns, serial_});
+    publish(device, device, time_ns);
     friction_.forget();
     felt_ = {};
     change_share_ = 0.0;
@@ -36,14 +60,15 @@ ToolOutput HeldTool::step(const ToolInput& input, std::int64_t time_ns) noexcept
   }
   const ToolProxyStep step = output.proxy;
   Placement goal = device;
+  found.contacts.follow(parts_);
   if (has_friction) {
-    const ToolFriction::Step held = friction_.step(found.contacts, device);
+    const ToolFriction::Step held = friction_.step(found.contacts, device, parts_);
     goal = held.goal;
     output = tool_->felt_at(input, device, held.at);
   } else {
     output = tool_->felt_at(input, device, found.contacts.constrain(device));
   }
-  samples_.publish({device, goal, time_ns, serial_});
+  publish(device, goal, time_ns);
   output.proxy = step;
   const double share = std::clamp((kStaleS - age_s_) / (kStaleS - kFreshS), 0.0, 1.0);
   output.force_n *= share;
@@ -71,8 +96,9 @@ void HeldTool::blend(ToolOutput& output, const Placement& device, std::int64_t t
     const ToolCoupling& coupling = tool_->coupling();
     const Vec3 turn = turn_between(felt_at_.orientation, device.orientation);
     const double lever_squared = coupling.rotational_stiffness_nm_per_rad / coupling.stiffness_n_per_m;
-    const double moved = std::sqrt((device.position - felt_at_.position).squaredNorm() +
-                                   turn.squaredNorm() * lever_squared / (tool_->scene().unit_m() * tool_->scene().unit_m()));
+    double moved = std::sqrt((device.position - felt_at_.position).squaredNorm() +
+                             turn.squaredNorm() * lever_squared / (tool_->scene().unit_m() * tool_->scene().unit_m()));
+    for (std::size_t p = 0; p < parts_.size(); ++p) moved += motion_past(device, tool_->proxy().radius(), last_parts_[p], parts_[p]);
     if (length_of(jump) > 2.0 * moved + ToolProxy::kContactOffset) {
       change_ = {felt_.force_n - plain.force_n, felt_.torque_nm - plain.torque_nm};
       change_share_ = 1.0;
@@ -87,19 +113,24 @@ void HeldTool::blend(ToolOutput& output, const Placement& device, std::int64_t t
   felt_ns_ = time_ns;
 }
 
+double HeldTool::travel_since_last(const Sample& sample) const noexcept {
+  const ToolProxy& proxy = tool_->proxy();
+  const RigidMotion moved{last_.device, sample.device.position - last_.device.position,
+                          turn_between(last_.device.orientation, sample.device.orientation)};
+  return moved.length(proxy.radius()) + proxy.travel();
+}
+
 bool HeldTool::follow() noexcept {
   if (!samples_.take()) return false;
   const Sample& sample = samples_.value();
   Found& found = found_.draft();
   ToolProxy& proxy = tool_->proxy();
   const bool is_first = sample.serial != last_.serial;
-  if (is_first) proxy.reset(start_.value_or(sample.device));
+  if (is_first) proxy.reset(start_.value_or(sample.device), sample.parts);
   start_.reset();
-  found.step = proxy.step(sample.goal);
-  // As far as the device gets before the next contacts come, if it goes on like that.
-  const RigidMotion moved{last_.device, sample.device.position - last_.device.position,
-                          turn_between(last_.device.orientation, sample.device.orientation)};
-  proxy.find_local_contacts(proxy.local_reach(is_first ? 0.0 : moved.length(proxy.radius())), found.contacts);
+  found.step = proxy.step(sample.goal, sample.parts);
+  // As far as the device and parts of the scene get before the next contacts come, if they go on like that.
+  proxy.find_local_contacts(proxy.local_reach(is_first ? 0.0 : travel_since_last(sample)), found.contacts);
   found.time_ns = sample.time_ns;
   found.serial = sample.serial;
   last_ = sample;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "core/base/mailbox.h"
 #include "core/tool/tool_step.h"
@@ -25,9 +26,9 @@ class HeldTool {
   static constexpr double kHandOverS = 0.02;
   static constexpr int kPrompt = 2;
 
-  explicit HeldTool(std::unique_ptr<ToolStep> tool) : tool_(std::move(tool)) {}
+  explicit HeldTool(std::unique_ptr<ToolStep> tool);
   // The tool lies at X_SP before it is held (frame S), and goes from there to the device.
-  HeldTool(std::unique_ptr<ToolStep> tool, const Pose& X_SP) : tool_(std::move(tool)), start_(tool_->to_local({.X_WD = X_SP})) {}
+  HeldTool(std::unique_ptr<ToolStep> tool, const Pose& X_SP);
 
   // Fast: force, torque and drawn pose for one sample, with the contacts found last. output.proxy: the slow task's last step.
   ToolOutput step(const ToolInput& input, std::int64_t time_ns) noexcept;
@@ -52,11 +53,14 @@ class HeldTool {
   double length_of(const Felt& felt) const noexcept;
 
   struct Sample {
-    Placement device;
-    Placement goal;  // what the pose follows: the device, or where friction holds the tool
+    Placement device = {};
+    Placement goal = {};  // what the pose follows: the device, or where friction holds the tool
     std::int64_t time_ns = 0;
-    std::uint32_t serial = 0;  // of restarts; 0: there has been no sample
+    std::uint32_t serial = 0;           // of restarts; 0: there has been no sample
+    std::vector<Placement> parts = {};  // of the scene that move; always as many
   };
+  void publish(const Placement& device, const Placement& goal, std::int64_t time_ns) noexcept;
+  double travel_since_last(const Sample& sample) const noexcept;
   struct Found {
     LocalContacts contacts;
     ToolProxyStep step;
@@ -73,6 +77,8 @@ class HeldTool {
   Sample last_;  // followed
   std::optional<Placement> start_;
   ToolFriction friction_;
+  std::vector<Placement> parts_;       // at the fast task's last step
+  std::vector<Placement> last_parts_;  // at the one before
   // The fast task's last step, and what is left of the change that the last contacts brought.
   Felt felt_;
   Felt change_;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 
 #include "core/tool/least_motion.h"
 #include "core/tool/placement.h"
@@ -14,10 +15,15 @@ struct SurfaceFriction {
   double friction_dynamic = 0.0;
 };
 
-// The data of a contact that friction needs: its point on the tool from the grip point, along the scene's axes, and the surface there.
+// The data of a contact that friction needs: its point on the tool from the grip point, along the scene's axes, and the surface there. And
+// what is needed where the surface moves.
 struct LocalContact {
   Vec3 arm = Vec3::Zero();
   SurfaceFriction friction;
+  int part = 0;                // of the scene that it is on; 0 stands still
+  Vec3 point = Vec3::Zero();   // on the surface, when the contact was found
+  Vec3 anchor = Vec3::Zero();  // the same in the frame of the part, where that should have been then
+  double found_least = 0.0;    // of the bound, when the contact was found
 };
 
 // What a rigid tool touches or is about to touch: a local set in the sense of the FDH paper, which the slow task finds and the fast task
@@ -40,6 +46,10 @@ struct LocalContacts {
 
   // Keeps the kMost with the least room.
   void add(const MotionBound& bound, const LocalContact& contact = {}) noexcept;
+
+  // The parts have moved since the contacts were found: raises or lowers the bounds of those that move by how far their contacts have moved
+  // along the normals. parts: where each should be, without the one that stands still. RT: yes.
+  void follow(std::span<const Placement> parts) noexcept;
 
   // Where the bounds hold the tool while the device is there: the device itself where none does. RT: yes, at most kMost bounds a round of
   // find_least_motion.

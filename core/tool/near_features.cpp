@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "core/geometry/triangle_distance.h"
 
@@ -40,16 +41,25 @@ bool is_top_of(const SurfaceFeatures& surface, std::uint32_t t, TriangleFeature 
 
 }  // namespace
 
+NearFeatures::ToolSurface::ToolSurface(const ObjectGeometry& tool) : features(tool), tree(tool), radius(radius_of(tool)) {}
+
 NearFeatures::NearFeatures(const ObjectGeometry& tool, const TouchGeometry& scene, WorkerTeam& team)
+    : NearFeatures(tool, std::make_shared<const ToolSurface>(tool), scene, team) {}
+
+NearFeatures::NearFeatures(const NearFeatures& other, const TouchGeometry& scene, WorkerTeam& team)
+    : NearFeatures(*other.tool_, other.surface_, scene, team) {}
+
+NearFeatures::NearFeatures(const ObjectGeometry& tool, std::shared_ptr<const ToolSurface> surface, const TouchGeometry& scene,
+                           WorkerTeam& team)
     : tool_(&tool),
       scene_(&scene),
-      tool_features_(tool),
+      surface_(std::move(surface)),
+      tool_features_(surface_->features),
       scene_features_(features_of(scene)),
-      tool_tree_(tool),
       scene_tree_(scene),
       pairs_(tool, scene, kMostTrianglePairs),
-      radius_(radius_of(tool)),
-      front_(tool_tree_, scene_tree_, radius_, team),
+      radius_(surface_->radius),
+      front_(surface_->tree, scene_tree_, radius_, team),
       features_(kMostFeatures),
       known_(kMostFeatures),
       workers_(static_cast<std::size_t>(team.size())) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -37,6 +38,8 @@ class NearFeatures {
   static constexpr std::size_t kMostFeatures = 1U << 14;
 
   NearFeatures(const ObjectGeometry& tool, const TouchGeometry& scene, WorkerTeam& team = calling_thread());
+  // Of the same tool and another scene; what is made of the tool alone is shared.
+  NearFeatures(const NearFeatures& other, const TouchGeometry& scene, WorkerTeam& team = calling_thread());
   NearFeatures(const NearFeatures&) = delete;  // front_ points to the trees
   NearFeatures& operator=(const NearFeatures&) = delete;
 
@@ -62,6 +65,15 @@ class NearFeatures {
 
  private:
   static constexpr std::size_t kSwept = 128;
+
+  // What is made of the tool alone.
+  struct ToolSurface {
+    explicit ToolSurface(const ObjectGeometry& tool);
+
+    SurfaceFeatures features;
+    PatchTree tree;
+    double radius;
+  };
 
   // A triangle in the scene's frame.
   struct PlacedTriangle {
@@ -112,6 +124,8 @@ class NearFeatures {
     double rest_squared = std::numeric_limits<double>::infinity();
   };
 
+  NearFeatures(const ObjectGeometry& tool, std::shared_ptr<const ToolSurface> surface, const TouchGeometry& scene, WorkerTeam& team);
+
   const SweptTriangle& swept(Worker& worker, std::uint32_t triangle, const SweptMotion& motion, double distance) const noexcept;
   // How far apart the triangles are at least; `apart` if a plane of either, held fixed, separates them over the motion.
   static double find_plane_gap(const SweptTriangle& tool, const PlacedTriangle& scene, bool& apart) noexcept;
@@ -125,9 +139,9 @@ class NearFeatures {
 
   const ObjectGeometry* tool_;
   const TouchGeometry* scene_;
-  SurfaceFeatures tool_features_;
+  std::shared_ptr<const ToolSurface> surface_;
+  const SurfaceFeatures& tool_features_;         // of surface_
   std::vector<SurfaceFeatures> scene_features_;  // by object
-  PatchTree tool_tree_;
   PatchTree scene_tree_;
   NearPairs pairs_;
   double radius_ = 0.0;

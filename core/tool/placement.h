@@ -14,7 +14,25 @@ struct Placement {
   Quat orientation = Quat::Identity();
 
   Vec3 at(const Vec3& r) const { return position + orientation * r; }
+  // (a.inverse() * b) is b in the frame of what a places.
+  Placement inverse() const {
+    const Quat back = orientation.conjugate();
+    return {-(back * position), back};
+  }
+  friend Placement operator*(const Placement& a, const Placement& b) {
+    return {a.at(b.position), (a.orientation * b.orientation).normalized()};
+  }
+  friend bool operator==(const Placement& a, const Placement& b) {
+    return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs();
+  }
 };
+
+// How far a point within `radius` of the tool's grip point moves past a body at most, if the body moves and the tool stays. RT: yes.
+inline double motion_past(const Placement& tool, double radius, const Placement& from, const Placement& to) noexcept {
+  const Placement a = from.inverse() * tool;
+  const Placement b = to.inverse() * tool;
+  return (b.position - a.position).norm() + radius * turn_between(a.orientation, b.orientation).norm();
+}
 
 // A motion of the tool over the times 0..1: its grip point moves on a straight line by `shift`, and the tool turns about that point by
 // `turn` (a rotation vector), both at constant rates. RT: yes.

@@ -42,8 +42,36 @@ void ToolFriction::reset(const Placement& at) noexcept {
   sticks_ = slides_ = false;
 }
 
-ToolFriction::Step ToolFriction::step(const LocalContacts& local, const Placement& device) noexcept {
+void ToolFriction::carry_along(std::span<const Placement> parts) noexcept {
+  const auto carrier = static_cast<std::size_t>(carrier_);
+  if (carrier_ <= 0 || carrier > parts.size() || parts[carrier - 1] == carrier_at_) return;
+  const Placement moved = parts[carrier - 1] * carrier_at_.inverse();
+  at_ = moved * at_;
+  device_ = moved * device_;
+}
+
+void ToolFriction::choose_carrier(const LocalContacts& local, const LocalContacts::Held& held, std::span<const Placement> parts) noexcept {
+  carrier_ = 0;
+  if (parts.empty()) return;
+  double most = 0.0;
+  for (int k = 0; k < held.active_count; ++k) {
+    const LocalContact& own = local.contacts[static_cast<std::size_t>(held.active[k])];
+    double sum = 0.0;
+    for (int i = 0; i < held.active_count; ++i) {
+      const LocalContact& other = local.contacts[static_cast<std::size_t>(held.active[i])];
+      if (other.part == own.part) sum += other.friction.friction_static * held.multipliers[i];
+    }
+    if (sum <= most) continue;
+    most = sum;
+    carrier_ = own.part;
+  }
+  if (carrier_ > 0 && static_cast<std::size_t>(carrier_) <= parts.size()) carrier_at_ = parts[static_cast<std::size_t>(carrier_) - 1];
+}
+
+ToolFriction::Step ToolFriction::step(const LocalContacts& local, const Placement& device, std::span<const Placement> parts) noexcept {
+  carry_along(parts);
   const LocalContacts::Held held = local.solve(device);
+  choose_carrier(local, held, parts);
   const Vec6 moved = motion_between(std::exchange(device_, device), device);
   if (!is_placed_ || held.active_count == 0) {
     reset(held.at);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <span>
+
 #include "core/tool/local_contacts.h"
 
 namespace hapton {
@@ -15,6 +17,9 @@ namespace hapton {
 //
 // The slow task moves the proxy towards a goal pose, which differs from the device's pose by the effect of friction: with frictionless
 // contacts, the proxy comes to rest where friction holds the tool. So the slow task does not depend on friction.
+//
+// Where parts of the scene move, the tool slides and sticks in the frame of the part whose friction acts most on it: that part carries it
+// along. Its slide on any other part is taken as that past the first one.
 // Frame: local units. RT: yes. Threads: one.
 class ToolFriction {
  public:
@@ -31,15 +36,20 @@ class ToolFriction {
     Placement goal;  // goal pose of the slow task
     bool sticks = false;
   };
-  // Where the device is at `device` and `local` holds the tool. Without contact: at the device.
-  Step step(const LocalContacts& local, const Placement& device) noexcept;
+  // Where the device is at `device` and `local` holds the tool. Without contact: at the device. parts: as LocalContacts::follow has them.
+  Step step(const LocalContacts& local, const Placement& device, std::span<const Placement> parts = {}) noexcept;
 
  private:
+  void carry_along(std::span<const Placement> parts) noexcept;
+  void choose_carrier(const LocalContacts& local, const LocalContacts::Held& held, std::span<const Placement> parts) noexcept;
+
   Placement at_;
   Placement device_;  // of the previous step
   bool is_placed_ = false;
   bool sticks_ = false;
-  bool slides_ = false;  // it has slid, and the device has pulled onward since
+  bool slides_ = false;   // it has slid, and the device has pulled onward since
+  int carrier_ = 0;       // the part that carries the tool along; 0: one that stands still
+  Placement carrier_at_;  // in the last step
 };
 
 }  // namespace hapton

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <Eigen/Eigenvalues>
@@ -31,21 +32,63 @@ constexpr double kGrowth = 4.0;  // of the reach, where it has ended a round
 ToolProxy::ToolProxy(const ObjectGeometry& tool, const TouchGeometry& scene, double turn_length, std::vector<SurfaceFriction> friction,
                      WorkerTeam& team)
     : turn_length_(turn_length),
-      friction_(std::move(friction)),
-      near_(tool, scene, team),
+      team_(&team),
       bounds_(NearFeatures::kMostFeatures),
-      bound_pairs_(NearFeatures::kMostFeatures) {}
-
-bool ToolProxy::overlaps(const Placement& placement) noexcept {
-  if (!near_.collect(placement, kOffset, 0.0)) return true;
-  for (const NearFeature& near : near_.features()) {
-    if (near.gap.distance < kLeastGap * kOffset) return true;
-  }
-  return near_.any_intersect(placement);  // triangles that intersect need not have near features
+      bound_pairs_(NearFeatures::kMostFeatures),
+      yields_(NearFeatures::kMostFeatures),
+      known_(1) {
+  parts_.push_back(std::make_unique<ScenePart>(tool, scene, std::move(friction), team));
 }
 
-void ToolProxy::reset(const Placement& device) noexcept {
-  near_.restart();
+void ToolProxy::add_part(const TouchGeometry& scene, std::vector<SurfaceFriction> friction) {
+  parts_.push_back(std::make_unique<ScenePart>(*parts_[0], scene, std::move(friction), *team_));
+  const std::size_t most = parts_.size() * NearFeatures::kMostFeatures;
+  bounds_.resize(most);
+  bound_pairs_.resize(most);
+  yields_.resize(most);
+  known_.resize(parts_.size());
+}
+
+void ToolProxy::set_targets(std::span<const Placement> parts) noexcept {
+  travel_ = 0.0;
+  for (std::size_t p = 1; p < parts_.size() && p <= parts.size(); ++p) {
+    ScenePart& part = *parts_[p];
+    const Placement& target = parts[p - 1];
+    if (part.target() == target) continue;
+    travel_ = std::max(travel_, motion_past(proxy_, radius(), part.target(), target));
+    part.set_target(target);
+  }
+}
+
+bool ToolProxy::collect(const Placement& placement, double distance, double turn) noexcept {
+  return std::all_of(parts_.begin(), parts_.end(),
+                     [&](const auto& part) { return part->near().collect(part->own(placement), distance, turn); });
+}
+
+bool ToolProxy::extend(const RigidMotion& motion, double distance) noexcept {
+  return std::all_of(parts_.begin(), parts_.end(), [&](const auto& part) { return part->near().extend(part->own(motion), distance); });
+}
+
+std::size_t ToolProxy::feature_count() const noexcept {
+  std::size_t count = 0;
+  for (const auto& part : parts_) count += part->near().features().size();
+  return count;
+}
+
+bool ToolProxy::overlaps(const Placement& placement) noexcept {
+  if (!collect(placement, kOffset, 0.0)) return true;
+  for (const auto& part : parts_) {
+    for (const NearFeature& near : part->near().features()) {
+      if (near.gap.distance < kLeastGap * kOffset) return true;
+    }
+    if (part->near().any_intersect(part->own(placement))) return true;  // triangles that intersect need not have near features
+  }
+  return false;
+}
+
+void ToolProxy::reset(const Placement& device, std::span<const Placement> parts) noexcept {
+  set_targets(parts);
+  for (const auto& part : parts_) part->near().restart();
   place(device);
 }
 
@@ -53,6 +96,7 @@ void ToolProxy::place(const Placement& device) noexcept {
   proxy_ = last_ = device;
   contact_count_ = 0;
   reach_ = 0.0;
+  for (std::size_t p = 1; p < parts_.size(); ++p) parts_[p]->put_at_target();
   set_plain_curvature();
   is_blocked_ = overlaps(device);
 }
@@ -82,8 +126,10 @@ void ToolProxy::update_curvature() noexcept {
   Mat6 curvature = Mat6::Identity();
   curvature.bottomRightCorner<3, 3>() *= turn_length_ * turn_length_;
   for (int k = 0; k < least_.active_count; ++k) {
-    const NearFeature& near = near_.features()[bound_pairs_[least_.active[k]]];
-    curvature -= least_.multipliers[k] * gap_curvature(near.pair, near.gap, proxy_);
+    const BoundPair& pair = bound_pairs_[least_.active[k]];
+    const NearFeature& near = near_of(pair);
+    const ScenePart& part = *parts_[pair.part];
+    curvature -= least_.multipliers[k] * part.curvature(gap_curvature(near.pair, near.gap, part.own(proxy_)));
   }
   // In coordinates in which the coupling's own curvature is the identity.
   const Vec6 unit = (Vec6() << Vec3::Ones(), Vec3::Constant(1.0 / turn_length_)).finished();
@@ -104,16 +150,32 @@ void ToolProxy::set_plain_curvature() noexcept {
 
 void ToolProxy::make_bounds() noexcept {
   bound_count_ = 0;
-  const std::span<const NearFeature> features = near_.features();
-  for (std::uint32_t i = 0; i < features.size(); ++i) {
-    const FeatureGap& gap = features[i].gap;
-    if (!features[i].is_minimum) continue;
-    MotionBound& bound = bounds_[bound_count_];
-    Vec6 row;
-    row << gap.normal, gap.on_tool.cross(gap.normal);
-    bound.row = inverse_root_.transpose() * row;
-    bound.least = kOffset - gap.distance;
-    bound_pairs_[bound_count_++] = i;
+  for (std::uint32_t p = 0; p < parts_.size(); ++p) {
+    const ScenePart& part = *parts_[p];
+    // What the part's own motion is to the tool.
+    Vec6 passing = Vec6::Zero();
+    if (part.is_moving()) {
+      const RigidMotion own = part.own(RigidMotion{proxy_});
+      passing << own.shift, own.turn;
+    }
+    const std::span<const NearFeature> features = part.near().features();
+    for (std::uint32_t i = 0; i < features.size(); ++i) {
+      const FeatureGap& gap = features[i].gap;
+      if (!features[i].is_minimum) continue;
+      MotionBound& bound = bounds_[bound_count_];
+      const Vec3 lever = gap.on_tool.cross(gap.normal);
+      Vec6 row;
+      row << part.direction(gap.normal), part.direction(lever);
+      bound.row = inverse_root_.transpose() * row;
+      bound.least = kOffset - gap.distance;
+      if (part.is_moving()) {
+        yields_[bound_count_] = -(gap.normal.dot(passing.head<3>()) + lever.dot(passing.tail<3>()));
+        bound.least += yields_[bound_count_];
+      } else {
+        yields_[bound_count_] = 0.0;
+      }
+      bound_pairs_[bound_count_++] = {p, i};
+    }
   }
 }
 
@@ -121,21 +183,25 @@ void ToolProxy::make_bounds() noexcept {
 // more than a bound's tolerance.
 bool ToolProxy::correct_bounds(const RigidMotion& motion) noexcept {
   const Vec6 y = to_coordinates(motion);
-  const Placement to = motion.at(1.0);
   bool is_corrected = false;
-  for (std::size_t i = 0; i < bound_count_; ++i) {
-    const NearFeature& near = near_.features()[bound_pairs_[i]];
-    const double gap = gap_along(near.pair, near.gap, proxy_, to);
-    const double lacking = std::max(0.0, near.gap.distance + bounds_[i].row.dot(y) - gap);
-    const double least = kOffset - near.gap.distance + lacking;
-    if (gap < kOffset - 4.0 * kTolerance && least > bounds_[i].least + kTolerance) is_corrected = true;
-    bounds_[i].least = std::max(bounds_[i].least, least);
+  for (std::size_t i = 0; i < bound_count_;) {
+    const std::uint32_t p = bound_pairs_[i].part;
+    const Placement from = parts_[p]->own(proxy_);
+    const Placement to = parts_[p]->own_end(motion);
+    for (; i < bound_count_ && bound_pairs_[i].part == p; ++i) {
+      const NearFeature& near = near_of(bound_pairs_[i]);
+      const double gap = gap_along(near.pair, near.gap, from, to);
+      const double lacking = std::max(0.0, near.gap.distance - yields_[i] + bounds_[i].row.dot(y) - gap);
+      const double least = kOffset - near.gap.distance + yields_[i] + lacking;
+      if (gap < kOffset - 4.0 * kTolerance && least > bounds_[i].least + kTolerance) is_corrected = true;
+      bounds_[i].least = std::max(bounds_[i].least, least);
+    }
   }
   return is_corrected;
 }
 
 RigidMotion ToolProxy::cut_to(double reach, const RigidMotion& motion) const noexcept {
-  const double length = motion.length(near_.radius());
+  const double length = motion.length(radius());
   const double angle = motion.turn.norm();
   const double share = std::min(length > reach ? reach / length : 1.0, angle > kLargestTurn ? kLargestTurn / angle : 1.0);
   return share < 1.0 ? motion.scaled(share) : motion;
@@ -145,8 +211,8 @@ bool ToolProxy::solve(const Vec6& goal, LeastMotion& least) noexcept {
   const std::span<MotionBound> bounds(bounds_.data(), bound_count_);
   least = find_least_motion(goal, bounds, kTolerance);
   if (least.solved) return true;
-  // A pair below the offset asks for more than the others leave: zero motion is always allowed then.
-  for (MotionBound& bound : bounds) bound.least = std::min(bound.least, 0.0);
+  // A pair below the offset asks for more than the others leave: zero motion is always allowed then, while no part moves.
+  for (std::size_t i = 0; i < bound_count_; ++i) bounds_[i].least = std::min(bounds_[i].least, yields_[i]);
   least = find_least_motion(goal, bounds, kTolerance);
   return least.solved;
 }
@@ -166,27 +232,41 @@ RigidMotion ToolProxy::constrain(const RigidMotion& wanted, double reach) noexce
 }
 
 bool ToolProxy::is_at_rest() const noexcept {
-  return least_.solved && least_.active_count > 0 && to_motion(least_.y).length(near_.radius()) <= kConverged * kOffset;
+  return least_.solved && least_.active_count > 0 && to_motion(least_.y).length(radius()) <= kConverged * kOffset;
 }
 
-// True if the motion brings a minimum from index `first` on below the contact offset.
-bool ToolProxy::is_crossed(const RigidMotion& motion, std::size_t first) const noexcept {
-  const Placement to = motion.at(1.0);
-  const std::span<const NearFeature> added = near_.features().subspan(first);
-  return std::any_of(added.begin(), added.end(), [&](const NearFeature& near) {
-    return near.is_minimum && gap_along(near.pair, near.gap, proxy_, to) < kOffset - kTolerance;
-  });
+void ToolProxy::note_known() noexcept {
+  for (std::size_t p = 0; p < parts_.size(); ++p) known_[p] = parts_[p]->near().features().size();
+}
+
+// True if the motion brings a minimum that was added since note_known below the contact offset.
+bool ToolProxy::is_crossed(const RigidMotion& motion) const noexcept {
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    const ScenePart& part = *parts_[p];
+    const std::span<const NearFeature> added = part.near().features().subspan(known_[p]);
+    if (added.empty()) continue;
+    const Placement from = part.own(proxy_);
+    const Placement to = part.own_end(motion);
+    const bool is_any = std::any_of(added.begin(), added.end(), [&](const NearFeature& near) {
+      return near.is_minimum && gap_along(near.pair, near.gap, from, to) < kOffset - kTolerance;
+    });
+    if (is_any) return true;
+  }
+  return false;
 }
 
 // The share of the motion over which every pair stays at its floor: kFloor of the offset, or a little below where it is, but never below
 // kLeastGap; a pair that is there already may only move apart.
 double ToolProxy::find_safe_share(const RigidMotion& motion) const noexcept {
   double until = 1.0;
-  for (const NearFeature& near : near_.features()) {
-    const double d = near.gap.distance;
-    const double floor = std::min(d, std::max(kLeastGap * kOffset, std::min(kFloor * kOffset, d - kOffset * 0x1p-8)));
-    until = find_safe_time(near.pair, near.gap, motion, floor, until);
-    if (!(until > 0.0)) return 0.0;
+  for (const auto& part : parts_) {
+    const RigidMotion own = part->own(motion);
+    for (const NearFeature& near : part->near().features()) {
+      const double d = near.gap.distance;
+      const double floor = std::min(d, std::max(kLeastGap * kOffset, std::min(kFloor * kOffset, d - kOffset * 0x1p-8)));
+      until = find_safe_time(near.pair, near.gap, own, floor, until);
+      if (!(until > 0.0)) return 0.0;
+    }
   }
   return until;
 }
@@ -194,17 +274,22 @@ double ToolProxy::find_safe_share(const RigidMotion& motion) const noexcept {
 void ToolProxy::note_contacts(ToolProxyStep& report) noexcept {
   contact_count_ = least_.solved ? least_.active_count : 0;
   for (int k = 0; k < contact_count_; ++k) {
-    const NearFeature& near = near_.features()[bound_pairs_[least_.active[k]]];
-    contacts_[k] = {near.gap.on_scene, near.gap.normal, least_.multipliers[k], near.pair.tool_triangle, near.pair.scene_triangle};
+    const BoundPair& pair = bound_pairs_[least_.active[k]];
+    const NearFeature& near = near_of(pair);
+    const ScenePart& part = *parts_[pair.part];
+    contacts_[k] = {part.point(near.gap.on_scene), part.direction(near.gap.normal), least_.multipliers[k],
+                    near.pair.tool_triangle,       near.pair.scene_triangle,        static_cast<int>(pair.part)};
   }
   report.haptons = 0;
-  for (const NearFeature& near : near_.features()) report.haptons += near.is_minimum && near.gap.distance < 2.0 * kOffset ? 1 : 0;
+  for (const auto& part : parts_) {
+    for (const NearFeature& near : part->near().features()) report.haptons += near.is_minimum && near.gap.distance < 2.0 * kOffset ? 1 : 0;
+  }
 }
 
 // True if there is more to do.
 bool ToolProxy::round(const Placement& device, ToolProxyStep& report) noexcept {
   const RigidMotion wanted = wanted_motion(device);
-  const double radius = near_.radius();
+  const double radius = this->radius();
   const double left = wanted.length(radius);
   contact_count_ = 0;
   if (!(left > 0.0)) return false;
@@ -214,16 +299,16 @@ bool ToolProxy::round(const Placement& device, ToolProxyStep& report) noexcept {
     report.converged = reach_ > kOffset;
     return report.converged;
   };
-  if (!near_.collect(proxy_, kNearShare * reach + kNear * kOffset, std::min(2.0 * reach / radius, kLargestTilt))) return shorten();
+  if (!collect(proxy_, kNearShare * reach + kNear * kOffset, std::min(2.0 * reach / radius, kLargestTilt))) return shorten();
   RigidMotion motion = constrain(wanted, reach);
   // Pairs that this motion brings together are added, until it crosses none.
   for (int k = 0; !is_at_rest() && k < kMostExtensions; ++k) {
-    const std::size_t known = near_.features().size();
-    if (!near_.extend(motion, kOffset)) return shorten();
-    if (k + 1 == kMostExtensions || !is_crossed(motion, known)) break;
+    note_known();
+    if (!extend(motion, kOffset)) return shorten();
+    if (k + 1 == kMostExtensions || !is_crossed(motion)) break;
     motion = constrain(wanted, reach);
   }
-  report.feature_count = std::max(report.feature_count, near_.features().size());
+  report.feature_count = std::max(report.feature_count, feature_count());
   note_contacts(report);
   if (is_at_rest()) return false;
   const double length = motion.length(radius);
@@ -243,7 +328,7 @@ bool ToolProxy::round(const Placement& device, ToolProxyStep& report) noexcept {
     return false;
   }
   proxy_ = motion.at(share);
-  if (share >= 1.0 && length >= 0.99 * reach && near_.features().size() < kManyFeatures) reach_ *= kGrowth;
+  if (share >= 1.0 && length >= 0.99 * reach && feature_count() < kManyFeatures) reach_ *= kGrowth;
   return true;
 }
 
@@ -257,27 +342,135 @@ void ToolProxy::find_local_contacts(double reach, LocalContacts& local) noexcept
   local.tolerance = kTolerance;
   local.is_held = false;
   if (is_blocked_) return;
-  while (!near_.collect(proxy_, reach + kOffset, std::min(2.0 * reach / near_.radius(), kLargestTilt))) {
+  while (!collect(proxy_, reach + kOffset, std::min(2.0 * reach / radius(), kLargestTilt))) {
     reach *= kShrinkage;
     local.is_held = reach < kOffset;
     if (local.is_held) return;
   }
-  for (const NearFeature& near : near_.features()) {
-    if (!near.is_minimum) continue;
-    Vec6 row;
-    row << near.gap.normal, near.gap.on_tool.cross(near.gap.normal);
-    const std::uint32_t object = near_.object_of(near.pair);
-    local.add({row, kOffset - near.gap.distance}, {near.gap.on_tool, object < friction_.size() ? friction_[object] : SurfaceFriction()});
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    const ScenePart& part = *parts_[p];
+    for (const NearFeature& near : part.near().features()) {
+      if (!near.is_minimum) continue;
+      Vec6 row;
+      row << part.direction(near.gap.normal), part.direction(near.gap.on_tool.cross(near.gap.normal));
+      LocalContact contact{part.direction(near.gap.on_tool), part.friction_of(near.pair)};
+      if (part.moves()) {
+        contact.part = static_cast<int>(p);
+        contact.point = part.point(near.gap.on_scene);
+        contact.anchor = part.target().inverse().at(contact.point);
+        contact.found_least = kOffset - near.gap.distance;
+      }
+      local.add({row, kOffset - near.gap.distance}, contact);
+    }
   }
 }
 
-ToolProxyStep ToolProxy::step(const Placement& device) noexcept {
+// A part that moves would come nearer than the offset, or than it is: the tool has no room.
+bool ToolProxy::is_squeezed_by(const RigidMotion& motion) const noexcept {
+  for (const auto& part : parts_) {
+    if (!part->is_moving()) continue;
+    const Placement from = part->own(proxy_);
+    const Placement to = part->own_end(motion);
+    for (const NearFeature& near : part->near().features()) {
+      if (!near.is_minimum) continue;
+      const double least = std::min(kOffset - kTolerance, near.gap.distance) - 0x1p-6 * kTolerance;
+      if (gap_along(near.pair, near.gap, from, to) < least) return true;
+    }
+  }
+  return false;
+}
+
+bool ToolProxy::find_push(RigidMotion& motion) noexcept {
+  const RigidMotion still{proxy_};
+  motion = constrain(still, std::numeric_limits<double>::infinity());
+  for (int k = 0; k < kMostExtensions; ++k) {
+    note_known();
+    if (!extend(motion, kOffset)) return false;
+    if (k + 1 == kMostExtensions || !is_crossed(motion)) break;
+    motion = constrain(still, std::numeric_limits<double>::infinity());
+  }
+  return !is_squeezed_by(motion);
+}
+
+double ToolProxy::carry_round(double length) noexcept {
+  const RigidMotion still{proxy_};
+  const double distance = kNearShare * length + kNear * kOffset;
+  const double turn = std::min(2.0 * length / radius(), kLargestTilt);
+  bool is_near = false;
+  for (const auto& part : parts_) {
+    if (!part->is_moving()) continue;
+    NearFeatures& near = part->near();
+    if (!near.collect(part->own(proxy_), distance, turn) || !near.extend(part->own(still), kOffset)) return 0.0;
+    is_near = is_near || !near.features().empty();
+  }
+  RigidMotion motion = still;
+  double share = 1.0;
+  if (is_near) {
+    for (const auto& part : parts_) {
+      if (!part->is_moving() && !part->near().collect(part->own(proxy_), distance, turn)) return 0.0;
+    }
+    if (!find_push(motion)) return 0.0;
+    share = find_safe_share(motion);
+  }
+  const Placement to = motion.at(share);
+  for (const auto& part : parts_) part->advance(motion, share, to);
+  if (motion.length(radius()) > 0.0) proxy_ = to;
+  return share;
+}
+
+void ToolProxy::carry(std::size_t first, std::size_t last, ToolProxyStep& report) noexcept {
+  double budget = 2.0 * travel_ + kCatchUp * kOffset;
+  double limit = budget;
+  for (int k = 0; k < kMostCarries; ++k) {
+    double left = 0.0;
+    double turn = 0.0;
+    bool is_arrived = true;
+    for (std::size_t p = first; p < last; ++p) {
+      const ScenePart& part = *parts_[p];
+      if (part.is_arrived()) continue;
+      is_arrived = false;
+      left = std::max(left, motion_past(proxy_, radius(), part.at(), part.target()));
+      turn = std::max(turn, turn_between(part.at().orientation, part.target().orientation).norm());
+    }
+    if (is_arrived) return;
+    double share = 1.0;
+    if (left > std::min(limit, budget)) share = std::min(limit, budget) / left;
+    if (turn > kLargestTurn) share = std::min(share, kLargestTurn / turn);
+    const double length = share * left;
+    if (share < 1.0 && length <= kConverged * kOffset) return;
+    for (std::size_t p = first; p < last; ++p) parts_[p]->aim(share);
+    ++report.carries;
+    const double made = carry_round(length);
+    for (const auto& part : parts_) part->stay();
+    budget -= made * length;
+    limit = made >= 1.0 || made * length >= kConverged * kOffset ? 4.0 * length : 0.25 * length;
+  }
+}
+
+// The contacts' curvature belongs to the motion towards the device, not to that out of the way.
+void ToolProxy::carry_all(ToolProxyStep& report) noexcept {
+  const auto is_there = [](const auto& part) { return part->is_arrived(); };
+  if (std::all_of(parts_.begin(), parts_.end(), is_there)) return;
+  const Mat6 root = root_;
+  const Mat6 inverse_root = inverse_root_;
+  set_plain_curvature();
+  carry(1, parts_.size(), report);
+  // What keeps one part back need not keep back the others.
+  for (std::size_t p = 1; p < parts_.size() && parts_.size() > 2; ++p) carry(p, p + 1, report);
+  report.is_squeezed = !std::all_of(parts_.begin(), parts_.end(), is_there);
+  root_ = root;
+  inverse_root_ = inverse_root;
+}
+
+ToolProxyStep ToolProxy::step(const Placement& device, std::span<const Placement> parts) noexcept {
   ToolProxyStep report;
+  if (!parts.empty()) set_targets(parts);
   if (is_blocked_) place(device);
   if (is_blocked_) {
     report.is_blocked = true;
     return report;
   }
+  if (parts_.size() > 1) carry_all(report);
   // In contact the proxy moves about as far as in the step before, and mostly less than the device.
   reach_ =
       1.5 * RigidMotion{last_, proxy_.position - last_.position, turn_between(last_.orientation, proxy_.orientation)}.length(radius()) +

@@ -2,13 +2,15 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "core/tool/least_motion.h"
 #include "core/tool/local_contacts.h"
-#include "core/tool/near_features.h"
+#include "core/tool/scene_part.h"
 
 namespace hapton {
 
@@ -18,14 +20,17 @@ struct ToolContact {
   Vec3 normal = Vec3::Zero();  // unit, from the scene to the tool
   double multiplier = 0.0;     // of the constraint; times the stiffness it is the contact's force
   std::uint32_t tool_triangle = 0;
-  std::uint32_t scene_triangle = 0;
+  std::uint32_t scene_triangle = 0;  // of the part's scene
+  int part = 0;                      // 0: what stands still; others in the order of add_part
 };
 
 // What a step of the proxy did.
 struct ToolProxyStep {
-  bool is_blocked = false;  // the tool overlaps the scene since it was placed there; the proxy follows the device, and gives no force
-  bool converged = true;    // the proxy is as near to the device as the contacts allow; otherwise the next steps continue the motion
+  bool is_blocked = false;   // the tool overlaps the scene since it was placed there; the proxy follows the device, and gives no force
+  bool converged = true;     // the proxy is as near to the device as the contacts allow; otherwise the next steps continue the motion
+  bool is_squeezed = false;  // the tool has no room where a part of the scene moves: it feels that part where it still has
   int rounds = 0;
+  int carries = 0;                // rounds in which parts of the scene have moved
   int haptons = 0;                // pairs of triangles in contact (a unit of the memo, section 5)
   std::size_t feature_count = 0;  // most pairs of features in a round
 };
@@ -41,6 +46,12 @@ struct ToolProxyStep {
 // Nearest is meant in the energy of the coupling: the squared distance of the grip points plus the squared turn times turn_length^2. At the
 // end the coupling's force and torque are then exactly the sum of what frictionless contacts give.
 //
+// Parts of the scene may move (add_part). A step first moves them to where they should be, and the tool out of their way, by the least
+// motion, in rounds of the same kind: the motions of tool and parts together keep every pair at kFloor of the offset. Then it moves the
+// tool towards the device, while the parts stand still. Where the tool has no room, between a part that moves and something that does not
+// yield, the part stays behind (is_squeezed), and catches up once there is room, no faster than kCatchUp allows. So a part never enters
+// the tool, and the force never depends on how far one would have.
+//
 // Frames: the scene's local one; the tool's mesh is in local units from its grip point, along its axes. RT: step and reset yes with
 // one worker, construction set-up only. Pre: geometries and team outlive this; the scene is built at once; 0 < turn_length.
 class ToolProxy {
@@ -51,19 +62,31 @@ class ToolProxy {
   static constexpr double kLeastGap = 0.5;    // of the offset: where the proxy may be
   static constexpr double kConverged = 0.25;  // of the offset
   static constexpr int kMostRounds = 24;
+  static constexpr int kMostCarries = 16;   // rounds in which all parts move, and as many for each part that was kept back
+  static constexpr double kCatchUp = 64.0;  // offsets a step, beyond twice the part's own motion
 
   // friction: of the scene's objects, for find_local_contacts; empty: none. team: shares the search for contacts; steps are the same to the
   // bit with any number of workers.
   ToolProxy(const ObjectGeometry& tool, const TouchGeometry& scene, double turn_length, std::vector<SurfaceFriction> friction = {},
             WorkerTeam& team = calling_thread());
+  // Another part of the scene, in the same local frame, which moves. Before the first step. RT: set-up only. Pre: the scene is built at
+  // once and outlives this.
+  void add_part(const TouchGeometry& scene, std::vector<SurfaceFriction> friction = {});
+  std::size_t moving_count() const { return parts_.size() - 1; }
 
   // Puts the tool there, as if it were new: steps from here on are the same to the bit. If it overlaps the scene, or nearly touches it,
   // steps are blocked until the device has left.
-  void reset(const Placement& device) noexcept;
-  ToolProxyStep step(const Placement& device) noexcept;
+  // parts: where each part is that moves, in the order of add_part, from where it was built: where the origin of the local frame goes;
+  // too few: the rest stays.
+  void reset(const Placement& device, std::span<const Placement> parts = {}) noexcept;
+  ToolProxyStep step(const Placement& device, std::span<const Placement> parts = {}) noexcept;
 
   const Placement& placement() const { return proxy_; }
-  double radius() const { return near_.radius(); }  // of the tool about its grip point
+  // Where the tool feels a part: where it should be, unless is_squeezed. Pre: i < moving_count().
+  const Placement& part_placement(std::size_t i) const { return parts_[i + 1]->at(); }
+  // How far the parts of the scene have moved past the tool from step to step, at most.
+  double travel() const { return travel_; }
+  double radius() const { return parts_[0]->near().radius(); }  // of the tool about its grip point
   // The reach for find_local_contacts; `moved`: how far the device has moved since the last call. At the same speed the device stays within
   // it until the next call, unless radius() / 64 limits it. A longer reach would find contacts earlier, but the search would take longer.
   double local_reach(double moved) const { return std::min(std::max(64.0 * kContactOffset, 2.0 * moved), radius() / 64.0); }
@@ -73,6 +96,19 @@ class ToolProxy {
   std::span<const ToolContact> contacts() const { return {contacts_.data(), static_cast<std::size_t>(contact_count_)}; }
 
  private:
+  using Parts = std::vector<std::unique_ptr<ScenePart>>;
+
+  struct BoundPair {
+    std::uint32_t part;
+    std::uint32_t feature;  // of the part's features
+  };
+
+  void set_targets(std::span<const Placement> parts) noexcept;
+  // Of all parts: see NearFeatures.
+  bool collect(const Placement& placement, double distance, double turn) noexcept;
+  bool extend(const RigidMotion& motion, double distance) noexcept;
+  std::size_t feature_count() const noexcept;
+  const NearFeature& near_of(const BoundPair& pair) const noexcept { return parts_[pair.part]->near().features()[pair.feature]; }
   // True if some pair is nearer than kLeastGap, or some triangles intersect.
   bool overlaps(const Placement& placement) noexcept;
   void place(const Placement& device) noexcept;
@@ -86,27 +122,39 @@ class ToolProxy {
   RigidMotion to_motion(const Vec6& y) const noexcept;
   void make_bounds() noexcept;
   RigidMotion cut_to(double reach, const RigidMotion& motion) const noexcept;
-  // The motion nearest to the goal within the bounds; those that cannot all be met are lowered to zero. False: none was found.
+  // The motion nearest to the goal within the bounds; those that cannot all be met are lowered to zero, or what a part's motion asks for.
+  // False: none was found.
   bool solve(const Vec6& goal, LeastMotion& least) noexcept;
   RigidMotion constrain(const RigidMotion& wanted, double reach) noexcept;
   bool correct_bounds(const RigidMotion& motion) noexcept;
   bool is_at_rest() const noexcept;  // the contacts let the proxy get no nearer to the device
-  bool is_crossed(const RigidMotion& motion, std::size_t first) const noexcept;
+  void note_known() noexcept;        // the features that is_crossed leaves out
+  bool is_crossed(const RigidMotion& motion) const noexcept;
   double find_safe_share(const RigidMotion& motion) const noexcept;
   void note_contacts(ToolProxyStep& report) noexcept;
   bool round(const Placement& device, ToolProxyStep& report) noexcept;
+  // Moves the parts from `first` on, before `last`, to their targets.
+  void carry(std::size_t first, std::size_t last, ToolProxyStep& report) noexcept;
+  void carry_all(ToolProxyStep& report) noexcept;
+  // Moves the parts that are aimed, no farther than `length` past the tool, and it out of their way. Returns the share that was made.
+  double carry_round(double length) noexcept;
+  bool find_push(RigidMotion& motion) noexcept;  // false: there is no room
+  bool is_squeezed_by(const RigidMotion& motion) const noexcept;
 
   double turn_length_;
-  std::vector<SurfaceFriction> friction_;  // by object
-  NearFeatures near_;
+  WorkerTeam* team_;
+  Parts parts_;  // the first stands still, the others move
   Placement proxy_;
   Placement last_;      // the proxy before the last step
   double reach_ = 0.0;  // no point of the tool moves farther in a round
   bool is_blocked_ = true;
   Mat6 root_ = Mat6::Identity();  // root^T root is the energy's second derivative by shift and turn
   Mat6 inverse_root_ = Mat6::Identity();
-  std::vector<MotionBound> bounds_;         // of the minima of the distance
-  std::vector<std::uint32_t> bound_pairs_;  // their indices in near_.features()
+  std::vector<MotionBound> bounds_;  // of the minima of the distance
+  std::vector<BoundPair> bound_pairs_;
+  std::vector<double> yields_;      // of each bound: what it asks for as its part moves
+  std::vector<std::size_t> known_;  // by part: features that were there before the last extend
+  double travel_ = 0.0;             // past the tool, of where a part should be, since the step before
   std::size_t bound_count_ = 0;
   LeastMotion least_;
   std::array<ToolContact, 6> contacts_;

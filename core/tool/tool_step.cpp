@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 namespace hapton {
@@ -39,7 +40,7 @@ double turn_length_m(const ToolCoupling& coupling) {
 
 Result<std::unique_ptr<ToolStep>> ToolStep::make(const TriangleMesh& tool, std::vector<std::shared_ptr<const TriangleMesh>> scene,
                                                  const ToolCoupling& coupling, std::vector<SurfaceFriction> friction,
-                                                 std::unique_ptr<WorkerTeam> team) {
+                                                 std::unique_ptr<WorkerTeam> team, const std::vector<int>& parts) {
   if (tool.triangles.empty()) return fail("the tool has no triangles");
   std::size_t triangles = 0;
   for (const auto& mesh : scene) triangles += mesh->triangles.size();
@@ -58,7 +59,22 @@ Result<std::unique_ptr<ToolStep>> ToolStep::make(const TriangleMesh& tool, std::
     }
   }
   if (const auto numbered = TouchGeometry::check(scene); !numbered) return tl::unexpected(numbered.error());
-  std::unique_ptr<ToolStep> step(new ToolStep(tool, std::move(scene), completed(tool, coupling), std::move(friction), std::move(team)));
+  const int moving = parts.empty() ? 0 : *std::max_element(parts.begin(), parts.end());
+  if (moving > kMostParts) {
+    return fail("{} parts of the scene move by themselves; a rigid tool touches {} at most: let some stand still, or move together", moving,
+                kMostParts);
+  }
+  std::vector<Objects> objects(static_cast<std::size_t>(moving) + 1);
+  Box box;
+  for (std::size_t o = 0; o < scene.size(); ++o) {
+    Objects& part = objects[o < parts.size() ? static_cast<std::size_t>(std::max(parts[o], 0)) : 0];
+    for (const Vec3& v : scene[o]->vertices) {
+      if (moving > 0) box.grow(v);
+    }
+    part.meshes.push_back(std::move(scene[o]));
+    part.friction.push_back(o < friction.size() ? friction[o] : SurfaceFriction());
+  }
+  std::unique_ptr<ToolStep> step(new ToolStep(tool, std::move(objects), box, completed(tool, coupling), std::move(team)));
   constexpr double kMostSizes = 1e6;
   const double size = step->proxy_.radius();
   const double turn_length = turn_length_m(step->coupling_) / step->scene_.unit_m();
@@ -67,14 +83,29 @@ Result<std::unique_ptr<ToolStep>> ToolStep::make(const TriangleMesh& tool, std::
   return step;
 }
 
-ToolStep::ToolStep(const TriangleMesh& tool, std::vector<std::shared_ptr<const TriangleMesh>> scene, const ToolCoupling& coupling,
-                   std::vector<SurfaceFriction> friction, std::unique_ptr<WorkerTeam> team)
+ToolStep::ToolStep(const TriangleMesh& tool, std::vector<Objects> parts, const Box& box, const ToolCoupling& coupling,
+                   std::unique_ptr<WorkerTeam> team)
     : team_(std::move(team)),
       coupling_(coupling),
-      has_friction_(std::any_of(friction.begin(), friction.end(), [](const SurfaceFriction& one) { return one.friction_static > 0.0; })),
-      scene_(std::move(scene)),
+      scene_(std::move(parts[0].meshes), BuildPolicy::at_once, std::nullopt, box),
       tool_(ObjectGeometry::make(tool, {Vec3::Zero(), scene_.unit_m()}, 2 * tool.triangles.size())),
-      proxy_(tool_, scene_, turn_length_m(coupling_) / scene_.unit_m(), std::move(friction), team_ ? *team_ : calling_thread()) {}
+      proxy_(tool_, scene_, turn_length_m(coupling_) / scene_.unit_m(), parts[0].friction, team_ ? *team_ : calling_thread()) {
+  for (const Objects& part : parts) {
+    for (const SurfaceFriction& one : part.friction) has_friction_ = has_friction_ || one.friction_static > 0.0;
+  }
+  for (std::size_t p = 1; p < parts.size(); ++p) {
+    moving_.push_back(std::make_unique<TouchGeometry>(std::move(parts[p].meshes), BuildPolicy::at_once, std::nullopt, box));
+    proxy_.add_part(*moving_.back(), std::move(parts[p].friction));
+  }
+  parts_.resize(moving_.size());
+}
+
+void ToolStep::to_local(std::span<const Pose> X_SO, std::span<Placement> parts) const noexcept {
+  for (std::size_t p = 0; p < std::min(X_SO.size(), parts.size()); ++p) {
+    if (!X_SO[p].matrix().allFinite()) continue;
+    parts[p] = {scene_.to_local(X_SO[p] * scene_.origin()), Quat(X_SO[p].linear()).normalized()};
+  }
+}
 
 Placement ToolStep::to_local(const ToolInput& input) const noexcept {
   const Pose X_SD = input.X_WS.inverse(Eigen::Isometry) * input.X_WD;
@@ -84,7 +115,8 @@ Placement ToolStep::to_local(const ToolInput& input) const noexcept {
 void ToolStep::reset(const ToolInput& input) noexcept {
   if (!input.X_WD.matrix().allFinite() || !input.X_WS.matrix().allFinite()) return;
   last_ = to_local(input);
-  proxy_.reset(last_);
+  to_local(input.X_SO, parts_);
+  proxy_.reset(last_, parts_);
   friction_.forget();
 }
 
@@ -108,7 +140,8 @@ ToolOutput ToolStep::step(const ToolInput& input) noexcept {
   output.X_WP = input.X_WD;
   if (!input.X_WD.matrix().allFinite() || !input.X_WS.matrix().allFinite()) return output;
   const Placement device = to_local(input);
-  const ToolProxyStep followed = has_friction_ ? follow(device) : proxy_.step(device);
+  to_local(input.X_SO, parts_);
+  const ToolProxyStep followed = has_friction_ ? follow(device) : proxy_.step(device, parts_);
   if (!followed.is_blocked) output = felt_at(input, device, proxy_.placement());
   output.proxy = followed;
   return output;
@@ -119,18 +152,29 @@ ToolProxyStep ToolStep::follow(const Placement& device) noexcept {
   const RigidMotion moved{last_, device.position - last_.position, turn_between(last_.orientation, device.orientation)};
   last_ = device;
   proxy_.find_local_contacts(proxy_.local_reach(moved.length(proxy_.radius())), local_);
-  const ToolProxyStep followed = proxy_.step(friction_.step(local_, device).goal);
+  local_.follow(parts_);
+  const ToolProxyStep followed = proxy_.step(friction_.step(local_, device, parts_).goal, parts_);
   friction_.move_to(proxy_.placement());
   return followed;
 }
 
 std::string ToolStep::describe() const {
-  return fmt::format(
+  std::size_t triangles = scene_.triangle_count();
+  std::size_t objects = scene_.object_count();
+  for (const auto& part : moving_) {
+    triangles += part->triangle_count();
+    objects += part->object_count();
+  }
+  std::string text = fmt::format(
       "tool: {} triangles, {:.4g} m from its grip point; scene: {} triangles in {} objects\n"
       "coupling: {:.6g} N/m, {:.4g} Nm/rad; contact offset {:.3g} um; at most {} rounds of {} pairs of features a step\n",
-      tool_.triangle_count(), proxy_.radius() * scene_.unit_m(), scene_.triangle_count(), scene_.object_count(),
-      coupling_.stiffness_n_per_m, coupling_.rotational_stiffness_nm_per_rad, 1e6 * ToolProxy::kContactOffset * scene_.unit_m(),
-      ToolProxy::kMostRounds, NearFeatures::kMostFeatures);
+      tool_.triangle_count(), proxy_.radius() * scene_.unit_m(), triangles, objects, coupling_.stiffness_n_per_m,
+      coupling_.rotational_stiffness_nm_per_rad, 1e6 * ToolProxy::kContactOffset * scene_.unit_m(), ToolProxy::kMostRounds,
+      NearFeatures::kMostFeatures);
+  if (!moving_.empty()) {
+    text += fmt::format("{} of the objects move by themselves, in {} parts\n", objects - scene_.object_count(), moving_.size());
+  }
+  return text;
 }
 
 }  // namespace hapton

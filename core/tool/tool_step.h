@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "core/base/result.h"
@@ -20,8 +21,9 @@ struct ToolCoupling {
 
 // One device sample and the pose of the static scene. Frame W.
 struct ToolInput {
-  Pose X_WD = Pose::Identity();  // grip point and orientation of the stylus
-  Pose X_WS = Pose::Identity();  // static scene in world (the view transform)
+  Pose X_WD = Pose::Identity();     // grip point and orientation of the stylus
+  Pose X_WS = Pose::Identity();     // static scene in world (the view transform)
+  std::span<const Pose> X_SO = {};  // of each part of the scene that moves: what its points at rest are moved by, frame S
 };
 
 struct ToolOutput {
@@ -38,24 +40,32 @@ struct ToolOutput {
 // RT: step and reset yes without a team, make set-up only.
 class ToolStep {
  public:
+  static constexpr int kMostParts = 32;  // that move; each takes about 20 MB
+
   // tool: metres, from the grip point, along the stylus' axes. scene: frame S, metres, one mesh for each object. Error: a mesh without
   // triangles, numbers that are not finite, impossible stiffness or friction, a tool more than a million times as large as the scene.
   // friction: of each object of the scene; empty: none. team: shares the search for contacts; null: the calling thread does it alone.
+  // parts: of each object, 0 where it stands still, else the number of the part that it moves with, from 1; empty: all stand still.
   static Result<std::unique_ptr<ToolStep>> make(const TriangleMesh& tool, std::vector<std::shared_ptr<const TriangleMesh>> scene,
                                                 const ToolCoupling& coupling, std::vector<SurfaceFriction> friction = {},
-                                                std::unique_ptr<WorkerTeam> team = nullptr);
+                                                std::unique_ptr<WorkerTeam> team = nullptr, const std::vector<int>& parts = {});
 
+  // A part without a pose in the input, or with one that is not finite, stays where it was.
   ToolOutput step(const ToolInput& input) noexcept;
   void reset(const ToolInput& input) noexcept;
 
   // The parts of a step, for a slow and a fast task (held_tool.h). Pre of to_local: finite.
   Placement to_local(const ToolInput& input) const noexcept;
+  // Of the parts that move: where the origin of the local frame goes.
+  void to_local(std::span<const Pose> X_SO, std::span<Placement> parts) const noexcept;
+  std::size_t moving_count() const { return moving_.size(); }
   // Force, torque and drawn pose for these poses of device and tool.
   ToolOutput felt_at(const ToolInput& input, const Placement& device, const Placement& proxy) const noexcept;
   ToolProxy& proxy() { return proxy_; }
 
   const ToolProxy& proxy() const { return proxy_; }
-  const TouchGeometry& scene() const { return scene_; }
+  const TouchGeometry& scene() const { return scene_; }  // what stands still
+  const TouchGeometry& moving(std::size_t part) const { return *moving_[part]; }
   const ObjectGeometry& tool() const { return tool_; }
   bool has_friction() const { return has_friction_; }
   const ToolCoupling& coupling() const { return coupling_; }  // with the rotational stiffness that is used
@@ -63,14 +73,22 @@ class ToolStep {
   std::string describe() const;
 
  private:
-  ToolStep(const TriangleMesh& tool, std::vector<std::shared_ptr<const TriangleMesh>> scene, const ToolCoupling& coupling,
-           std::vector<SurfaceFriction> friction, std::unique_ptr<WorkerTeam> team);
+  // Objects that stand still, or move together.
+  struct Objects {
+    std::vector<std::shared_ptr<const TriangleMesh>> meshes = {};
+    std::vector<SurfaceFriction> friction = {};
+  };
+  // The first stand still. box: of all; empty: none of them moves.
+  ToolStep(const TriangleMesh& tool, std::vector<Objects> parts, const Box& box, const ToolCoupling& coupling,
+           std::unique_ptr<WorkerTeam> team);
   ToolProxyStep follow(const Placement& device) noexcept;
 
   std::unique_ptr<WorkerTeam> team_;
   ToolCoupling coupling_;
   bool has_friction_ = false;
   TouchGeometry scene_;
+  std::vector<std::unique_ptr<TouchGeometry>> moving_;
+  std::vector<Placement> parts_;  // of these, at the last step
   ObjectGeometry tool_;
   ToolProxy proxy_;
   // With friction only:

@@ -327,5 +327,42 @@ TEST(HapticsStep, AHeldToolIsFeltInPlaceOfTheProbe) {
   EXPECT_GE(step.counts().haptons, 1U);
 }
 
+// A box of 4 cm that a program lifts to the tool, and one that rises by keyframes.
+TEST(HapticsStep, AHeldToolFeelsObjectsThatMove) {
+  for (const bool is_commanded : {true, false}) {
+    TouchScene scene;
+    TouchObject block;
+    block.mesh = made::shared(made::box(Vec3::Constant(-0.02), Vec3::Constant(0.02)));
+    if (is_commanded) {
+      block.command_pivot = Vec3::Zero();
+    } else {
+      block.motion = std::make_shared<const KeyframeMotion>(
+          Vec3::Zero(), std::vector<Keyframe>{{0.0, Vec3::Zero(), Quat::Identity()}, {0.2, {0.0, 0.0, 0.02}, Quat::Identity()}}, false);
+    }
+    scene.objects = {{.mesh = made::shared(made::sheet(0.1, 0.0, 6)), .material = {}}, block};
+    HapticsStep step(std::make_unique<TouchStep>(*make_method({}, scene), scene), kOffset);
+    ToolObstacles obstacles = make_tool_obstacles(scene);
+    HeldTool tool(std::move(*ToolStep::make(made::box(Vec3::Constant(-0.01), Vec3::Constant(0.01)), obstacles.meshes,
+                                            {.stiffness_n_per_m = 1000.0}, obstacles.friction, nullptr, obstacles.part_of)));
+    step.hold(&tool, obstacles.parts);
+    if (is_commanded) {
+      const Keyframe from{0.0, Vec3::Zero(), Quat::Identity()};
+      ASSERT_TRUE(step.command(1, {.serial = 1, .from = from, .to = {0.2, {0.0, 0.0, 0.02}, Quat::Identity()}}));
+    }
+    States states;
+    ForceCommand command;
+    // 15 mm above the block: it goes 5 mm into where the tool is held.
+    for (int n = 0; n < 300; ++n) {
+      command = answer(step, states.at({0.0, 0.0, 0.045}));
+      tool.follow();
+      if (n == 100) {
+        EXPECT_EQ(command.force_n, Vec3(Vec3::Zero()));
+      }
+    }
+    EXPECT_NEAR(command.force_n.z(), 5.0, 0.01);
+    EXPECT_NEAR(command.visual_offset_m.z(), 0.005, 1e-5);
+  }
+}
+
 }  // namespace
 }  // namespace hapton

@@ -45,6 +45,27 @@ TEST(ToolObstacles, LeaveOutTheHeldObjectButNotItsStiffness) {
   EXPECT_EQ(obstacles.stiffness_n_per_m, 300.0) << "the held object is as stiff as it was to a probe";
 }
 
+TEST(ToolObstacles, AreInPartsThatMoveTogether) {
+  TouchScene scene = three_spheres();
+  scene.objects.push_back(scene.objects[0]);
+  EXPECT_EQ(make_tool_obstacles(scene).part_of, std::vector<int>(4, 0));
+  EXPECT_TRUE(make_tool_obstacles(scene).parts.empty());
+  const auto motion = [](double z) {
+    return std::make_shared<const KeyframeMotion>(
+        Vec3::Zero(), std::vector<Keyframe>{{0.0, Vec3::Zero(), Quat::Identity()}, {1.0, {0.0, 0.0, z}, Quat::Identity()}}, false);
+  };
+  scene.objects[0].motion = motion(1.0);
+  scene.objects[1].command_pivot = Vec3::Zero();
+  scene.objects[3].motion = motion(1.0);
+  const ToolObstacles obstacles = make_tool_obstacles(scene);
+  EXPECT_EQ(obstacles.part_of, std::vector<int>({1, 2, 0, 1}));
+  ASSERT_EQ(obstacles.parts.size(), 2U);
+  EXPECT_EQ(obstacles.parts[0].pose_at(0.5).translation(), Vec3(0.0, 0.0, 0.5));
+  EXPECT_EQ(obstacles.parts[0].commanded, -1);
+  EXPECT_EQ(obstacles.parts[1].commanded, 1);
+  EXPECT_EQ(obstacles.parts[1].pose_at(0.5).translation(), Vec3(Vec3::Zero()));
+}
+
 TEST(ToolObstacles, SayWhetherAnyHasFriction) {
   TouchScene scene = three_spheres();
   EXPECT_TRUE(make_tool_obstacles(scene).has_friction());

@@ -29,6 +29,7 @@ struct StressOptions {
   std::optional<double> scale, offset, friction_static, friction_dynamic;
   std::optional<std::uint64_t> episode;
   bool tool = false;
+  bool moving = false;
   StressPlan plan;
 };
 
@@ -94,9 +95,10 @@ Result<bool> stress_tools(const StressOptions& options) {
   const auto bodies = make_bodies(options);
   if (!bodies) return tl::unexpected(bodies.error());
   ToolStressPlan plan{.seed = options.plan.seed, .steps = options.plan.steps * bodies->size()};
+  plan.moving = options.moving;
   if (options.scale) plan.scales = {*options.scale};
-  fmt::print("stress: rigid tools, {} bodies, {} scales, at least {} steps a body, seed {}\n", bodies->size(), plan.scales.size(),
-             options.plan.steps, plan.seed);
+  fmt::print("stress: rigid tools, {} bodies{}, {} scales, at least {} steps a body, seed {}\n", bodies->size(),
+             plan.moving ? " that move" : "", plan.scales.size(), options.plan.steps, plan.seed);
   std::fflush(stdout);
   std::size_t done = 0;
   const auto results = run_tool_stress(*bodies, plan, [&](const ToolStressResult& result) {
@@ -170,6 +172,7 @@ void add_stress_command(CommandLine app, int& exit_code) {
       "Compute the force from patches of each body, as io_node --touch patch does, at its own scale and place, without and with friction");
   const CommandOption tool =
       command.add_flag("--tool", options->tool, "Press rigid tools of six shapes on each body instead: penetration by exact signs, gaps");
+  command.add_flag("--moving", options->moving, "With --tool: the bodies move, beside a ball that stands still").needs(tool);
   tool.excludes(patches);
   const CommandOption on_grid = command.add_flag("--on-grid", options->plan.on_grid,
                                                  "Round the vertices to the grid of patches first, and use the whole body: a fault that "

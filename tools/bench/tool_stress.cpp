@@ -44,21 +44,26 @@ std::vector<StressTool> make_tools() {
 // One tool on one body at one scale.
 class ToolEpisodes {
  public:
-  ToolEpisodes(ToolStep& step, double size, std::uint64_t seed)
-      : step_(step), check_(step.tool(), step.scene()), size_(size), random_(seed) {}
+  ToolEpisodes(ToolStep& step, double size, std::uint64_t seed) : step_(step), size_(size), random_(seed) {
+    checks_.push_back(std::make_unique<PenetrationCheck>(step.tool(), step.scene()));
+    for (std::size_t p = 0; p < step.moving_count(); ++p) {
+      checks_.push_back(std::make_unique<PenetrationCheck>(step.tool(), step.moving(p)));
+    }
+  }
 
   void run(std::uint64_t episode, ToolStressCount& count) {
     const bool begins_inside = episode % 4 == 3;
     Pose device = Pose::Identity();
     device.translation() = size_ * (begins_inside ? 0.2 : 1.4) * draw().normalized();
     device.linear() = turn_by(3.0 * draw()).toRotationMatrix();
-    step_.reset({device});
+    X_SO_ = Pose::Identity();
+    step_.reset(input(device));
     const double speed = size_ * std::pow(10.0, -3.5 + 2.0 * uniform(0.0, 1.0));  // a step
     const double turn = 0.05 * std::pow(uniform(0.0, 1.0), 2.0);                  // 50 rad/s at 1 kHz
     const double jitter = uniform(0.0, 1.0) < 0.3 ? uniform(0.0, 2.0) : 0.1;
     const Vec3 axis = draw().normalized();
     Vec3 towards = -device.translation().normalized();
-    count.overlaps += step_.step({device}).proxy.is_blocked ? 1 : 0;
+    count.overlaps += step_.step(input(device)).proxy.is_blocked ? 1 : 0;
     // The way to the body, from where it is not touched, is made at once.
     if (!begins_inside) device.translation() *= 0.7;
     for (std::uint64_t n = 0; n < kEpisodeSteps; ++n) {
@@ -66,13 +71,14 @@ class ToolEpisodes {
       device.translation() += speed * (towards + jitter * draw());
       device.linear() = turn_by(turn * (axis + jitter * draw())).toRotationMatrix() * device.linear();
       device.linear() = Quat(device.linear()).normalized().toRotationMatrix();
-      look(step_.step({device}), count);
+      move_body(speed, turn, jitter);
+      look(step_.step(input(device)), count);
     }
     device.translation() = size_ * 3.0 * axis;
-    step_.step({device});
+    step_.step(input(device));
     for (int n = 0; n < 50; ++n) {
       device.translation() += 1e-3 * size_ * axis;
-      if (!step_.step({device}).proxy.is_blocked) return;
+      if (!step_.step(input(device)).proxy.is_blocked) return;
     }
     ++count.stuck;
   }
@@ -81,22 +87,42 @@ class ToolEpisodes {
   double uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
   Vec3 draw() { return {uniform(-1.0, 1.0), uniform(-1.0, 1.0), uniform(-1.0, 1.0)}; }
 
+  ToolInput input(const Pose& device) const { return {.X_WD = device, .X_SO = {&X_SO_, step_.moving_count()}}; }
+
+  // It strays about where it began, slower than the device.
+  void move_body(double speed, double turn, double jitter) {
+    if (step_.moving_count() == 0) return;
+    X_SO_.translation() += 0.5 * speed * (draw() - X_SO_.translation() / (0.3 * size_));
+    X_SO_.linear() = turn_by(0.5 * turn * (Vec3::UnitZ() + jitter * draw())).toRotationMatrix() * X_SO_.linear();
+    X_SO_.linear() = Quat(X_SO_.linear()).normalized().toRotationMatrix();
+  }
+
+  // Of the part, where the tool feels it.
+  Placement own(std::size_t part) const {
+    const Placement& at = step_.proxy().placement();
+    return part == 0 ? at : step_.proxy().part_placement(part - 1).inverse() * at;
+  }
+
   void look(const ToolOutput& out, ToolStressCount& count) {
     ++count.steps;
     if (!out.force_n.allFinite() || !out.torque_nm.allFinite() || !out.X_WP.matrix().allFinite()) ++count.not_finite;
     if (out.proxy.is_blocked) return;
     count.contact += out.contact ? 1 : 0;
     count.unconverged += out.proxy.converged ? 0 : 1;
-    const Placement& at = step_.proxy().placement();
-    if (check_.penetrates(at)) {
-      ++count.penetrations;
-    } else if (check_.find_gap(at, ToolProxy::kContactOffset) < (1.0 - 0x1p-12) * ToolProxy::kLeastGap * ToolProxy::kContactOffset) {
-      ++count.too_near;
+    count.squeezed += out.proxy.is_squeezed ? 1 : 0;
+    for (std::size_t p = 0; p < checks_.size(); ++p) {
+      constexpr double kLeast = (1.0 - 0x1p-12) * ToolProxy::kLeastGap * ToolProxy::kContactOffset;
+      if (checks_[p]->penetrates(own(p))) {
+        ++count.penetrations;
+      } else if (checks_[p]->find_gap(own(p), ToolProxy::kContactOffset) < kLeast) {
+        ++count.too_near;
+      }
     }
   }
 
   ToolStep& step_;
-  PenetrationCheck check_;
+  std::vector<std::unique_ptr<PenetrationCheck>> checks_;  // of what stands still, then of each part
+  Pose X_SO_ = Pose::Identity();                           // of the body, if it moves
   double size_;
   std::mt19937_64 random_;
 };
@@ -115,7 +141,15 @@ Result<std::vector<ToolStressResult>> run_tool_stress(const std::vector<StressBo
     for (std::size_t t = 0; t < tools.size(); ++t) {
       for (const double scale : plan.scales) {
         const TriangleMesh tool = scaled_and_moved(tools[t].mesh, scale * side, Vec3::Zero());
-        auto step = ToolStep::make(tool, {std::make_shared<TriangleMesh>(scaled_and_moved(bodies[b].touched, scale, Vec3::Zero()))}, {});
+        std::vector<std::shared_ptr<const TriangleMesh>> scene = {
+            std::make_shared<TriangleMesh>(scaled_and_moved(bodies[b].touched, scale, Vec3::Zero()))};
+        std::vector<int> parts;
+        if (plan.moving) {
+          const Vec3 beside = 1.2 * scale * side * Vec3::UnitX();
+          scene.push_back(std::make_shared<TriangleMesh>(scaled_and_moved(make_icosphere(0.4 * scale * side, 2), 1.0, beside)));
+          parts = {1, 0};
+        }
+        auto step = ToolStep::make(tool, std::move(scene), {}, {}, nullptr, parts);
         if (!step) return tl::unexpected(step.error());
         ToolEpisodes run(**step, scale * side, seed_of(plan.seed, bodies[b].name, tools[t].name));
         for (std::uint64_t episode = 0; episode < episodes; ++episode) {
@@ -134,20 +168,22 @@ Result<std::vector<ToolStressResult>> run_tool_stress(const std::vector<StressBo
 }
 
 std::string to_text(const std::vector<ToolStressResult>& results) {
-  std::string text = fmt::format("{:<28} {:>9} {:>9} {:>9} {:>9} | {:>9} {:>9} {:>9} {:>9}\n", "body", "pene-", "too", "not", "stuck",
-                                 "steps", "in", "uncon-", "begun in");
-  text += fmt::format("{:<28} {:>9} {:>9} {:>9} {:>9} | {:>9} {:>9} {:>9} {:>9}\n", "", "trations", "near", "finite", "", "", "contact",
-                      "verged", "overlap");
+  std::string text = fmt::format("{:<28} {:>9} {:>9} {:>9} {:>9} | {:>9} {:>9} {:>9} {:>9} {:>9}\n", "body", "pene-", "too", "not", "stuck",
+                                 "steps", "in", "uncon-", "no", "begun in");
+  text += fmt::format("{:<28} {:>9} {:>9} {:>9} {:>9} | {:>9} {:>9} {:>9} {:>9} {:>9}\n", "", "trations", "near", "finite", "", "",
+                      "contact", "verged", "room", "overlap");
   for (const ToolStressResult& result : results) {
     const ToolStressCount& count = result.count;
-    fmt::format_to(std::back_inserter(text), "{:<28} {:>9} {:>9} {:>9} {:>9} | {:>9} {:>9} {:>9} {:>9}\n", result.body, count.penetrations,
-                   count.too_near, count.not_finite, count.stuck, count.steps, count.contact, count.unconverged, count.overlaps);
+    fmt::format_to(std::back_inserter(text), "{:<28} {:>9} {:>9} {:>9} {:>9} | {:>9} {:>9} {:>9} {:>9} {:>9}\n", result.body,
+                   count.penetrations, count.too_near, count.not_finite, count.stuck, count.steps, count.contact, count.unconverged,
+                   count.squeezed, count.overlaps);
     if (!count.first_fault.empty()) fmt::format_to(std::back_inserter(text), "  first: {}\n", count.first_fault);
   }
   return text +
          "penetrations: steps in which a triangle of the tool intersects the body, by exact signs. too near: below half the contact "
          "offset. "
-         "stuck: an overlap at the start that still blocks outside. unconverged: what is left of the motion is made in the next steps.\n";
+         "stuck: an overlap at the start that still blocks outside. unconverged: what is left of the motion is made in the next steps. "
+         "no room: between a body that moves and one that stands still; the first is felt behind.\n";
 }
 
 }  // namespace hapton

@@ -14,6 +14,7 @@ struct ToolStressPlan {
   std::uint64_t seed = 1;
   std::uint64_t steps = 100'000;  // in all, at least; shared by bodies, tools and scales
   std::vector<double> scales = {1e-6, 1e-3, 1.0, 1e3, 1e6};
+  bool moving = false;  // the body moves and turns, beside a ball that stands still
 };
 
 // What a tool went through on one body. Faults are the first four.
@@ -25,6 +26,7 @@ struct ToolStressCount {
   std::uint64_t steps = 0;
   std::uint64_t contact = 0;
   std::uint64_t unconverged = 0;  // carried on in the next step: counted, not a fault
+  std::uint64_t squeezed = 0;     // between the body that moves and the ball there was no room: counted, not a fault
   std::uint64_t overlaps = 0;     // episodes that begin in an overlap
   std::string first_fault;        // where it is found again; empty: none
 
@@ -37,7 +39,8 @@ struct ToolStressResult {
 };
 
 // Seeded tools (ball, box, plate, wedge of 3 degrees, rod, bracket) pressed, slid, jittered and turned at up to 50 rad/s on each body, at
-// each scale; every fourth episode begins in an overlap. `progress` is called after each body. Error: see ToolStep::make. RT: no.
+// each scale; every fourth episode begins in an overlap. With `moving` the body is part of the walk, and is checked where the tool feels
+// it. `progress` is called after each body. Error: see ToolStep::make. RT: no.
 Result<std::vector<ToolStressResult>> run_tool_stress(const std::vector<StressBody>& bodies, const ToolStressPlan& plan,
                                                       const std::function<void(const ToolStressResult&)>& progress);
 

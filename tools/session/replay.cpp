@@ -62,6 +62,7 @@ struct ToolRows {
     row.torque_nm = output.torque_nm;
     row.contact = output.contact;
     row.is_blocked = output.proxy.is_blocked;
+    row.is_squeezed = output.proxy.is_squeezed;
   }
 };
 
@@ -71,12 +72,11 @@ bool same(const ReplayRow& a, const ReplayRow& b) {
 }
 
 template <class Rows, class Step>
-Replay run_rows(Step& touch, std::span<const TrajectoryRow> trajectory, const ReplaySettings& settings, const Clock& clock) {
+Replay run_rows(Step& touch, std::span<const TrajectoryRow> trajectory, const ReplaySettings& settings, const Clock& clock,
+                const std::vector<typename Rows::Input>& inputs) {
   Replay replay;
   replay.clock_cost_ns = measure_clock_cost_ns(clock);
   replay.rows.resize(trajectory.size());
-  std::vector<typename Rows::Input> inputs;
-  for (std::size_t i = 0; i < trajectory.size(); ++i) inputs.push_back(Rows::input(trajectory, i));
   for (std::size_t repetition = 0; repetition < settings.repeat; ++repetition) {
     for (std::size_t i = 0; i < inputs.size(); ++i) {
       if (i == 0 || (settings.reset_every > 0 && i % settings.reset_every == 0)) {
@@ -96,6 +96,13 @@ Replay run_rows(Step& touch, std::span<const TrajectoryRow> trajectory, const Re
     }
   }
   return replay;
+}
+
+template <class Rows>
+std::vector<typename Rows::Input> inputs_of(std::span<const TrajectoryRow> trajectory) {
+  std::vector<typename Rows::Input> inputs;
+  for (std::size_t i = 0; i < trajectory.size(); ++i) inputs.push_back(Rows::input(trajectory, i));
+  return inputs;
 }
 
 std::string describe_times(std::vector<std::int64_t> times) {
@@ -119,10 +126,12 @@ std::string describe_replay(const Replay& replay, const ReplaySettings& settings
   double max_force_n = 0.0;
   double max_torque_nm = 0.0;
   std::size_t blocked = 0;
+  std::size_t squeezed = 0;
   for (const ReplayRow& row : replay.rows) {
     all.push_back(row.step_ns);
     if (row.contact) contact.push_back(row.step_ns);
     blocked += row.is_blocked ? 1 : 0;
+    squeezed += row.is_squeezed ? 1 : 0;
     max_force_n = std::max(max_force_n, row.force_n.norm());
     max_torque_nm = std::max(max_torque_nm, row.torque_nm.norm());
   }
@@ -131,6 +140,8 @@ std::string describe_replay(const Replay& replay, const ReplaySettings& settings
   text += fmt::format("step time, minimum of {} (less {} ns for the clock): all {}; contact {}\n", settings.repeat, replay.clock_cost_ns,
                       describe_times(std::move(all)), describe_times(std::move(contact)));
   if (blocked > 0) text += fmt::format("note: {} steps without force: the tool overlapped the scene where it started\n", blocked);
+  if (squeezed > 0)
+    text += fmt::format("note: in {} steps the tool had no room where an object moves, and felt it where there was room\n", squeezed);
   if (replay.rows_that_differ > 0) {
     text += fmt::format("note: {} steps differed between repetitions\n", replay.rows_that_differ);
   }
@@ -138,17 +149,24 @@ std::string describe_replay(const Replay& replay, const ReplaySettings& settings
 }
 
 Replay run_replay(TouchStep& touch, std::span<const TrajectoryRow> trajectory, const ReplaySettings& settings, const Clock& clock) {
-  return run_rows<TouchRows>(touch, trajectory, settings, clock);
+  return run_rows<TouchRows>(touch, trajectory, settings, clock, inputs_of<TouchRows>(trajectory));
 }
 
-Replay run_replay(ToolStep& tool, std::span<const TrajectoryRow> trajectory, const ReplaySettings& settings, const Clock& clock) {
-  Replay replay = run_rows<ToolRows>(tool, trajectory, settings, clock);
+Replay run_replay(ToolStep& tool, std::span<const TrajectoryRow> trajectory, const ReplaySettings& settings, const Clock& clock,
+                  std::span<const ToolPart> parts) {
+  std::vector<ToolInput> inputs = inputs_of<ToolRows>(trajectory);
+  std::vector<Pose> poses;  // of the parts, row by row
+  for (const TrajectoryRow& row : trajectory) {
+    for (const ToolPart& part : parts) poses.push_back(part.pose_at(row.t_s - trajectory[0].t_s));
+  }
+  for (std::size_t i = 0; i < inputs.size(); ++i) inputs[i].X_SO = std::span(poses).subspan(i * parts.size(), parts.size());
+  Replay replay = run_rows<ToolRows>(tool, trajectory, settings, clock, inputs);
   replay.has_tool = true;
   return replay;
 }
 
 Replay run_replay(VoxelTool& tool, std::span<const TrajectoryRow> trajectory, const ReplaySettings& settings, const Clock& clock) {
-  Replay replay = run_rows<ToolRows>(tool, trajectory, settings, clock);
+  Replay replay = run_rows<ToolRows>(tool, trajectory, settings, clock, inputs_of<ToolRows>(trajectory));
   replay.has_tool = true;
   return replay;
 }

@@ -13,6 +13,7 @@
 #include "core/tool/voxel_tool.h"
 #include "runtime/clock.h"
 #include "runtime/trajectory_csv.h"
+#include "scene/tool_obstacles.h"
 
 namespace hapton {
 
@@ -26,6 +27,7 @@ struct ReplayRow {
   Vec3 torque_nm = Vec3::Zero();  // about the grip point
   bool contact = false;
   bool is_blocked = false;   // a tool overlaps the scene since it was put there, and gives no force
+  bool is_squeezed = false;  // a tool has no room where an object moves, which it feels where it still has
   std::int64_t step_ns = 0;  // least of all repetitions, less the cost of reading the clock
 };
 
@@ -44,8 +46,10 @@ struct Replay {
 // Runs the step along the trajectory, row by row, `repeat` times; every repetition begins with a reset. RT: set-up only. Pre: repeat >=
 // 1.
 Replay run_replay(TouchStep& touch, std::span<const TrajectoryRow> trajectory, const ReplaySettings& settings, const Clock& clock);
-// The same for a rigid tool, whose grip frame follows positions and orientations.
-Replay run_replay(ToolStep& tool, std::span<const TrajectoryRow> trajectory, const ReplaySettings& settings, const Clock& clock);
+// The same for a rigid tool, whose grip frame follows positions and orientations. parts: of the scene that move, as the tool was made for;
+// time begins with the first row.
+Replay run_replay(ToolStep& tool, std::span<const TrajectoryRow> trajectory, const ReplaySettings& settings, const Clock& clock,
+                  std::span<const ToolPart> parts = {});
 Replay run_replay(VoxelTool& tool, std::span<const TrajectoryRow> trajectory, const ReplaySettings& settings, const Clock& clock);
 
 // By nearest rank: no step in `fraction` of them takes longer. Orders the times. Pre: there are some.

@@ -146,21 +146,29 @@ Result<Replay> replay_tool(const ReplayOptions& options, const Scene& scene, con
   const auto touch_scene = make_scene(options, scene);
   if (!touch_scene) return tl::unexpected(touch_scene.error());
   if (touch_scene->has_sculpt()) return fail("objects of {} can be carved, which a rigid tool does not support", options.scene);
-  if (touch_scene->has_motion()) return fail("objects of {} move, which a rigid tool does not support: leave out the tool", options.scene);
+  if (touch_scene->has_deformation()) {
+    return fail("objects of {} deform, which a rigid tool does not support: leave out the tool", options.scene);
+  }
+  if (touch_scene->has_motion() && options.tool_voxel_m > 0.0) {
+    return fail("objects of {} move, which --tool-voxels does not support: leave it out", options.scene);
+  }
   const ToolObstacles obstacles = make_tool_obstacles(*touch_scene);
   const ToolCoupling coupling{.stiffness_n_per_m = obstacles.stiffness_n_per_m,
                               .rotational_stiffness_nm_per_rad = options.rotational_stiffness_nm_per_rad};
   if (obstacles.leaves_out) {
     fmt::print("tool: damping and effects of {} are left out: {:g} N/m everywhere\n", options.scene, coupling.stiffness_n_per_m);
   }
-  const auto felt = [&](const auto& tool) -> Result<Replay> {
+  const auto felt = [&](const auto& tool, const auto&... parts) -> Result<Replay> {
     if (!tool) return tl::unexpected(tool.error());
-    Replay done = run_replay(**tool, trajectory, options.replay, SteadyClock());
+    Replay done = run_replay(**tool, trajectory, options.replay, SteadyClock(), parts...);
     fmt::print("{}", (*tool)->describe());
     return done;
   };
-  if (options.tool_voxel_m <= 0.0)
-    return felt(ToolStep::make(*held.mesh, obstacles.meshes, coupling, obstacles.friction, make_worker_team(options.tool_threads)));
+  if (options.tool_voxel_m <= 0.0) {
+    return felt(ToolStep::make(*held.mesh, obstacles.meshes, coupling, obstacles.friction, make_worker_team(options.tool_threads),
+                               obstacles.part_of),
+                obstacles.parts);
+  }
   if (obstacles.has_friction()) fmt::print("tool: voxels have no friction, so the scene's is left out\n");
   return felt(VoxelTool::make(*held.mesh, obstacles.meshes, coupling, options.tool_voxel_m));
 }

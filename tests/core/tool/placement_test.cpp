@@ -22,5 +22,23 @@ TEST(Placement, NoPointMovesFartherThanTheLengthOfTheMotion) {
   }
 }
 
+TEST(Placement, ComposesAndInverts) {
+  std::mt19937_64 random(8);
+  std::normal_distribution<double> normal;
+  const auto draw = [&] { return Vec3(normal(random), normal(random), normal(random)); };
+  for (int n = 0; n < 100; ++n) {
+    const Placement a{draw(), turn_by(draw())};
+    const Placement b{draw(), turn_by(draw())};
+    const Vec3 r = draw();
+    ASSERT_LE(((a * b).at(r) - a.at(b.at(r))).norm(), 1e-13);
+    ASSERT_LE((a.inverse().at(a.at(r)) - r).norm(), 1e-13);
+    // What a body moves past a tool that stays, no point of the tool exceeds.
+    const Placement tool{draw(), turn_by(draw())};
+    const Vec3 before = (a.inverse() * tool).at(r);
+    const Vec3 after = (b.inverse() * tool).at(r);
+    ASSERT_LE((after - before).norm(), motion_past(tool, r.norm(), a, b) * (1.0 + 1e-12));
+  }
+}
+
 }  // namespace
 }  // namespace hapton

@@ -26,6 +26,26 @@ TEST(ToolStress, HasNoFaultOnAFewBodies) {
   EXPECT_GT(contact, 1000U);
 }
 
+TEST(ToolStress, HasNoFaultOnBodiesThatMove) {
+  std::vector<StressBody> bodies;
+  for (const std::size_t n : {0, 1}) bodies.push_back(make_stress_body(std::string(stress_body_names()[n])));
+  ToolStressPlan plan;
+  plan.steps = 6000;
+  plan.scales = {1e-6, 1.0, 1e6};
+  plan.moving = true;
+  const auto results = run_tool_stress(bodies, plan, [](const ToolStressResult&) {});
+  ASSERT_TRUE(results) << results.error().what;
+  std::uint64_t contact = 0;
+  std::uint64_t squeezed = 0;
+  for (const ToolStressResult& result : *results) {
+    EXPECT_EQ(result.count.faults(), 0U) << to_text(*results);
+    contact += result.count.contact;
+    squeezed += result.count.squeezed;
+  }
+  EXPECT_GT(contact, 1000U);
+  EXPECT_GT(squeezed, 0U);
+}
+
 TEST(ToolStress, AFaultIsNamedInTheTable) {
   ToolStressResult result{.body = "box", .count = {}};
   result.count.penetrations = 3;

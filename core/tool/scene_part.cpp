@@ -1,0 +1,62 @@
+#include "core/tool/scene_part.h"
+
+#include <utility>
+
+namespace hapton {
+
+ScenePart::ScenePart(const ObjectGeometry& tool, const TouchGeometry& scene, std::vector<SurfaceFriction> friction, WorkerTeam& team)
+    : near_(tool, scene, team), friction_(std::move(friction)) {}
+
+ScenePart::ScenePart(const ScenePart& first, const TouchGeometry& scene, std::vector<SurfaceFriction> friction, WorkerTeam& team)
+    : near_(first.near_, scene, team), friction_(std::move(friction)), moves_(true) {}
+
+SurfaceFriction ScenePart::friction_of(const FeaturePair& pair) const noexcept {
+  const std::uint32_t object = near_.object_of(pair);
+  return object < friction_.size() ? friction_[object] : SurfaceFriction();
+}
+
+void ScenePart::put_at(const Placement& at) noexcept {
+  at_ = at;
+  turn_ = at.orientation.toRotationMatrix();
+}
+
+void ScenePart::put_at_target() noexcept {
+  put_at(target_);
+  is_moving_ = false;
+}
+
+void ScenePart::aim(double share) noexcept {
+  is_moving_ = !is_arrived();
+  if (!is_moving_) return;
+  next_ = share < 1.0 ? RigidMotion{at_, target_.position - at_.position, turn_between(at_.orientation, target_.orientation)}.at(share)
+                      : target_;
+}
+
+void ScenePart::advance(const RigidMotion& motion, double share, const Placement& tool) noexcept {
+  if (!is_moving_) return;
+  put_at(share < 1.0 ? tool * own(motion).at(share).inverse() : next_);
+  is_moving_ = false;
+}
+
+RigidMotion ScenePart::own(const RigidMotion& motion) const noexcept {
+  if (!moves_) return motion;
+  const Placement from = own(motion.from);
+  if (!is_moving_) return {from, turn_.transpose() * motion.shift, turn_.transpose() * motion.turn};
+  const Placement to = own_end(motion);
+  return {from, to.position - from.position, turn_between(from.orientation, to.orientation)};
+}
+
+Placement ScenePart::own_end(const RigidMotion& motion) const noexcept {
+  return is_moving_ ? next_.inverse() * motion.at(1.0) : own(motion.at(1.0));
+}
+
+Mat6 ScenePart::curvature(const Mat6& own) const noexcept {
+  if (!moves_) return own;
+  Mat6 turned;
+  for (int i = 0; i < 2; ++i) {
+    for (int k = 0; k < 2; ++k) turned.block<3, 3>(3 * i, 3 * k) = turn_ * own.block<3, 3>(3 * i, 3 * k) * turn_.transpose();
+  }
+  return turned;
+}
+
+}  // namespace hapton

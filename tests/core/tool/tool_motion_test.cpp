@@ -1,0 +1,299 @@
+// A rigid tool and parts of the scene that move.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <random>
+
+#include "core/geometry/mesh_shapes.h"
+#include "core/tool/held_tool.h"
+#include "core/tool/penetration_check.h"
+#include "core/tool/tool_step.h"
+#include "tests/support/allocation_guard.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kSpring = 1000.0;
+const TriangleMesh kSlab = make_box({0.2, 0.2, 0.02}, 3);  // its top is at 10 mm
+const TriangleMesh kCube = make_box({0.02, 0.02, 0.02}, 2);
+
+Pose moved_by(const Vec3& p, const Vec3& turn = Vec3::Zero()) {
+  Pose X = Pose::Identity();
+  X.translation() = p;
+  X.linear() = turn_by(turn).toRotationMatrix();
+  return X;
+}
+
+std::unique_ptr<ToolStep> make_moving_step(const TriangleMesh& tool, const std::vector<TriangleMesh>& scene, const std::vector<int>& parts,
+                                           const SurfaceFriction& friction = {}) {
+  std::vector<std::shared_ptr<const TriangleMesh>> meshes;
+  for (const TriangleMesh& mesh : scene) meshes.push_back(std::make_shared<TriangleMesh>(mesh));
+  std::vector<SurfaceFriction> all(scene.size(), friction);
+  auto made = ToolStep::make(tool, std::move(meshes), {.stiffness_n_per_m = kSpring}, std::move(all), nullptr, parts);
+  EXPECT_TRUE(made) << made.error().what;
+  return std::move(*made);
+}
+
+// By exact signs, and by distance, for each part where the tool feels it.
+class MovingCheck {
+ public:
+  explicit MovingCheck(const ToolStep& step) : step_(step) {
+    checks_.push_back(std::make_unique<PenetrationCheck>(step.tool(), step.scene()));
+    for (std::size_t p = 0; p < step.moving_count(); ++p) {
+      checks_.push_back(std::make_unique<PenetrationCheck>(step.tool(), step.moving(p)));
+    }
+  }
+  bool penetrates() {
+    for (std::size_t p = 0; p < checks_.size(); ++p) {
+      if (checks_[p]->penetrates(own(p))) return true;
+    }
+    return false;
+  }
+  // In contact offsets, up to 4.
+  double gap() {
+    double least = 4.0;
+    for (std::size_t p = 0; p < checks_.size(); ++p) {
+      least = std::min(least, checks_[p]->find_gap(own(p), 4.0 * ToolProxy::kContactOffset) / ToolProxy::kContactOffset);
+    }
+    return least;
+  }
+
+ private:
+  Placement own(std::size_t p) const {
+    const Placement& tool = step_.proxy().placement();
+    return p == 0 ? tool : step_.proxy().part_placement(p - 1).inverse() * tool;
+  }
+
+  const ToolStep& step_;
+  std::vector<std::unique_ptr<PenetrationCheck>> checks_;
+};
+
+TEST(ToolAndMotion, ASlabThatRisesPushesTheToolAheadAndIsFelt) {
+  const auto step = make_moving_step(kCube, {kSlab}, {1});
+  MovingCheck check(*step);
+  const Pose hand = moved_by({0.003, 0.004, 0.025});  // 5 mm above the slab
+  step->reset({.X_WD = hand});
+  double before_n = 0.0;
+  ToolOutput out;
+  for (int n = 0; n <= 400; ++n) {
+    const double rise = 2.5e-5 * n;
+    const Pose X_SO = moved_by({0.0, 0.0, rise});
+    out = step->step({.X_WD = hand, .X_SO = {&X_SO, 1}});
+    ASSERT_FALSE(out.proxy.is_squeezed);
+    ASSERT_FALSE(check.penetrates()) << n;
+    ASSERT_GE(check.gap(), 0.5) << n;
+    ASSERT_NEAR(out.force_n.z(), kSpring * std::max(0.0, rise - 0.005), 2e-3) << n;
+    ASSERT_LE(std::abs(out.force_n.z() - before_n), kSpring * 2.6e-5) << "no jump";
+    before_n = out.force_n.z();
+  }
+  EXPECT_TRUE(out.contact);
+  EXPECT_EQ(step->proxy().contacts().front().part, 1);
+  EXPECT_NEAR(out.torque_nm.norm(), 0.0, 2e-5);
+  EXPECT_NEAR(out.X_WP.translation().z(), 0.030, 2e-6);
+}
+
+// The same relative motion, whoever moves: forces and torques are the same in the frame of the part.
+TEST(ToolAndMotion, OnlyTheMotionOfOnePastTheOtherCounts) {
+  const TriangleMesh bumps = make_bumpy_sphere(0.05, 0.1, 1200, 3);
+  const auto still = make_moving_step(kCube, {bumps}, {});
+  const auto moving = make_moving_step(kCube, {bumps}, {1});
+  MovingCheck check(*moving);
+  int touching = 0;
+  int compared = 0;
+  for (int n = 0; n < 1200; ++n) {
+    const double t = 1e-3 * n;
+    const Pose X_OD = moved_by({0.01 * std::sin(3.0 * t), 0.008 * std::sin(4.0 * t), 0.08 - 0.025 * std::min(t, 0.8)},
+                               {0.2 * std::sin(2.0 * t), 0.3 * std::sin(3.0 * t), 0.5 * t});
+    const Pose X_SO = moved_by({0.02 * std::sin(2.0 * t), 0.01 * t, 0.01 * std::sin(5.0 * t)}, {0.3 * t, 0.2 * std::sin(4.0 * t), 0.4 * t});
+    const ToolInput own{.X_WD = X_OD};
+    const ToolInput both{.X_WD = X_SO * X_OD, .X_SO = {&X_SO, 1}};
+    if (n == 0) {
+      still->reset(own);
+      moving->reset(both);
+    }
+    const ToolOutput expected = still->step(own);
+    const ToolOutput out = moving->step(both);
+    ASSERT_FALSE(out.proxy.is_squeezed);
+    ASSERT_FALSE(check.penetrates()) << n;
+    ASSERT_GE(check.gap(), 0.5) << n;
+    touching += expected.contact ? 1 : 0;
+    if (!expected.proxy.converged || !out.proxy.converged) continue;
+    ++compared;
+    const Mat3 R_OS = X_SO.linear().transpose();
+    ASSERT_LT((R_OS * out.force_n - expected.force_n).norm(), 2e-3 + 2e-3 * expected.force_n.norm()) << n;
+    ASSERT_LT((R_OS * out.torque_nm - expected.torque_nm).norm(), 2e-5 + 3e-3 * expected.torque_nm.norm()) << n;
+  }
+  EXPECT_GT(touching, 400);
+  EXPECT_GT(compared, 1100);
+}
+
+// Between a part that moves and what stands still there is no room: the part stays behind, and the force never depends on how far it went.
+TEST(ToolAndMotion, ASqueezedToolKeepsThePartBackUntilThereIsRoom) {
+  const TriangleMesh ceiling = scaled_and_moved(kSlab, 1.0, {0.0, 0.0, 0.05});  // its bottom is at 40 mm
+  const auto step = make_moving_step(kCube, {ceiling, kSlab}, {0, 1});
+  MovingCheck check(*step);
+  const Pose hand = moved_by({0.0, 0.0, 0.025}, {0.0, 0.0, 0.1});
+  step->reset({.X_WD = hand});
+  int squeezed = 0;
+  Vec3 before_n = Vec3::Zero();
+  Vec3 before_nm = Vec3::Zero();
+  for (int n = 0; n <= 1200; ++n) {
+    // The room is gone at 10 mm; it goes on to 15 mm, and down again.
+    const Pose X_SO = moved_by({0.0, 0.0, 0.015 - 0.015 * std::abs(1.0 - n / 600.0)});
+    const ToolOutput out = step->step({.X_WD = hand, .X_SO = {&X_SO, 1}});
+    ASSERT_FALSE(out.proxy.is_blocked) << n;
+    ASSERT_FALSE(check.penetrates()) << n;
+    ASSERT_GE(check.gap(), 0.5) << n;
+    ASSERT_LE((out.force_n - before_n).norm(), kSpring * 6e-5) << n;
+    ASSERT_LE((out.torque_nm - before_nm).norm(), kSpring * 1e-6) << n;
+    ASSERT_EQ(out.proxy.is_squeezed, X_SO.translation().z() > 0.010 - 1.5e-6) << n << " at " << X_SO.translation().z();
+    squeezed += out.proxy.is_squeezed ? 1 : 0;
+    before_n = out.force_n;
+    before_nm = out.torque_nm;
+  }
+  EXPECT_NEAR(squeezed, 400, 3);
+  EXPECT_EQ(before_n, Vec3(Vec3::Zero()));
+}
+
+TEST(ToolAndMotion, APartThatIsKeptBackKeepsNoOtherBack) {
+  const TriangleMesh ceiling = scaled_and_moved(kSlab, 1.0, {0.0, 0.0, 0.05});
+  const TriangleMesh wall = make_box({0.02, 0.2, 0.01}, 2);
+  const auto step = make_moving_step(kCube, {ceiling, kSlab, scaled_and_moved(wall, 1.0, {-0.08, 0.0, 0.03})}, {0, 1, 2});
+  MovingCheck check(*step);
+  const Pose hand = moved_by({0.0, 0.0, 0.025});
+  step->reset({.X_WD = hand});
+  ToolOutput out;
+  for (int n = 0; n <= 600; ++n) {
+    const Pose X_SO[2] = {moved_by({0.0, 0.0, 2.5e-5 * n}), moved_by({1.5e-4 * n, 0.0, 0.0})};
+    out = step->step({.X_WD = hand, .X_SO = X_SO});
+    ASSERT_FALSE(check.penetrates()) << n;
+  }
+  EXPECT_TRUE(out.proxy.is_squeezed);
+  // The wall ends at -80 + 90 + 10 = 20 mm, and has pushed the cube to 30 mm.
+  EXPECT_NEAR(out.X_WP.translation().x(), 0.030, 2e-6);
+}
+
+// Seeded: bodies that tumble about a pressed tool, some faster than a scene file allows, beside one that stands still.
+TEST(ToolAndMotion, NeverPenetratesWhateverMoves) {
+  constexpr unsigned kSeed = 21;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  std::mt19937_64 random(kSeed);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  const auto draw = [&] {
+    const double x = uniform(random);
+    const double y = uniform(random);
+    return Vec3(x, y, uniform(random));
+  };
+  const TriangleMesh bumps = make_bumpy_sphere(0.03, 0.2, 500, 5);
+  const TriangleMesh wedge = make_prism({{0.0, 0.0}, {0.06, -0.004}, {0.06, 0.004}}, 0.05, 2);
+  const auto step = make_moving_step(
+      kCube, {scaled_and_moved(bumps, 1.0, {0.05, 0.0, 0.0}), scaled_and_moved(wedge, 1.0, {-0.1, 0.0, 0.0}), kSlab}, {1, 2, 0});
+  MovingCheck check(*step);
+  int touching = 0;
+  int squeezed = 0;
+  int unconverged = 0;
+  for (int walk = 0; walk < 8; ++walk) {
+    const double speed = std::pow(10.0, -4.5 + 2.0 * walk / 7.0);  // m a step
+    Pose hand = moved_by({0.0, 0.0, 0.06}, draw());
+    Pose X_SO[2] = {moved_by({0.05, 0.0, 0.06}), moved_by({-0.05, 0.0, 0.08})};
+    step->reset({.X_WD = hand, .X_SO = X_SO});
+    ASSERT_FALSE(check.penetrates());
+    for (int n = 0; n < 300; ++n) {
+      hand.translation() += speed * (draw() + 0.3 * (Vec3(0.0, 0.0, 0.02) - hand.translation()) / 0.05);
+      hand.linear() = turn_by(20.0 * speed * draw()).toRotationMatrix() * hand.linear();
+      for (Pose& X : X_SO) {
+        const Vec3 home = &X == X_SO ? Vec3(-0.04, 0.0, 0.03) : Vec3(0.08, 0.0, 0.03);
+        X.translation() += speed * (draw() + (home - X.translation()) / 0.05);
+        X.linear() = Quat(turn_by(10.0 * speed * draw()).toRotationMatrix() * X.linear()).normalized().toRotationMatrix();
+      }
+      const ToolOutput out = step->step({.X_WD = hand, .X_SO = X_SO});
+      ASSERT_TRUE(out.force_n.allFinite() && out.torque_nm.allFinite());
+      touching += out.contact ? 1 : 0;
+      squeezed += out.proxy.is_squeezed ? 1 : 0;
+      unconverged += out.proxy.converged ? 0 : 1;
+      if (out.proxy.is_blocked) continue;
+      ASSERT_FALSE(check.penetrates()) << "walk " << walk << " step " << n;
+      ASSERT_GE(check.gap(), 0.49) << "walk " << walk << " step " << n;
+    }
+  }
+  EXPECT_GT(touching, 1000);
+  EXPECT_GT(squeezed, 0);
+  EXPECT_LT(unconverged, touching / 4);
+}
+
+TEST(ToolAndMotion, AToolThatSticksIsCarriedAlong) {
+  constexpr SurfaceFriction kGrip = {0.5, 0.3};
+  const auto step = make_moving_step(kCube, {kSlab}, {1}, kGrip);
+  step->reset({.X_WD = moved_by({0.0, 0.0, 0.03})});
+  ToolOutput out;
+  // 2 mm deep: 2 N press it, so that it holds up to 1 N, 1 mm.
+  for (int n = 0; n <= 120; ++n) out = step->step({.X_WD = moved_by({0.0, 0.0, 0.03 - 1e-4 * n})});
+  double most_n = 0.0;
+  for (int n = 0; n <= 300; ++n) {
+    const double x = 1e-5 * n;
+    const Pose X_SO = moved_by({x, 0.0, 0.0});
+    out = step->step({.X_WD = moved_by({0.0, 0.0, 0.018}), .X_SO = {&X_SO, 1}});
+    if (x < 0.9e-3) {
+      ASSERT_NEAR(out.force_n.x(), kSpring * x, 5e-3) << n;
+    }
+    most_n = std::max(most_n, out.force_n.x());
+  }
+  EXPECT_NEAR(most_n, kGrip.friction_static * 2.0, 0.02);
+  EXPECT_NEAR(out.force_n.x(), kGrip.friction_dynamic * 2.0, 0.02);
+  EXPECT_NEAR(out.force_n.z(), 2.0, 5e-3);
+}
+
+// The slow task is done each 5 samples; between two of its steps the contacts move with the part.
+TEST(ToolAndMotion, AHeldToolFeelsAPartThatMovesWithoutADiscontinuity) {
+  HeldTool held(make_moving_step(kCube, {kSlab}, {1}));
+  const Pose hand = moved_by({0.0, 0.0, 0.025});
+  double before_n = 0.0;
+  double largest_n = 0.0;
+  for (int n = 0; n <= 400; ++n) {
+    const double rise = 0.010 - 0.010 * std::abs(1.0 - n / 200.0);
+    const Pose X_SO = moved_by({0.0, 0.0, rise});
+    const ToolOutput out = held.step({.X_WD = hand, .X_SO = {&X_SO, 1}}, 1'000'000 * n);
+    if (n % 5 == 0) held.follow();
+    if (n > 120 && n < 280) {
+      ASSERT_NEAR(out.force_n.z(), kSpring * (rise - 0.005), 5e-3) << n;
+    }
+    // A new contact is felt when the slow task has found it.
+    ASSERT_LE(std::abs(out.force_n.z() - before_n), kSpring * 5e-5 * (n < 120 ? 6.0 : 1.1) + 1e-3) << n;
+    before_n = out.force_n.z();
+    largest_n = std::max(largest_n, before_n);
+  }
+  EXPECT_NEAR(largest_n, kSpring * 0.005, 0.01);
+}
+
+TEST(ToolAndMotion, MoreThanItsPartsAreOneLine) {
+  std::vector<std::shared_ptr<const TriangleMesh>> meshes(ToolStep::kMostParts + 1, std::make_shared<TriangleMesh>(kSlab));
+  std::vector<int> parts;
+  for (std::size_t n = 0; n < meshes.size(); ++n) parts.push_back(static_cast<int>(n) + 1);
+  const auto made = ToolStep::make(kCube, std::move(meshes), {}, {}, nullptr, parts);
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().what,
+            "33 parts of the scene move by themselves; a rigid tool touches 32 at most: let some stand still, or move together");
+}
+
+TEST(ToolAndMotion, UsesNoHeap) {
+  const auto step = make_moving_step(kCube, {make_bumpy_sphere(0.05, 0.1, 2000, 1)}, {1}, {0.3, 0.2});
+  HeldTool held(make_moving_step(kCube, {make_bumpy_sphere(0.05, 0.1, 2000, 1)}, {1}, {0.3, 0.2}));
+  const Pose hand = moved_by({0.0, 0.0, 0.065});
+  std::uint64_t count = 0;
+  for (int n = 0; n < 300; ++n) {
+    const Pose X_SO = moved_by({0.0, 0.0, 5e-5 * n}, {0.0, 0.01 * n, 0.0});
+    const ToolInput input{.X_WD = hand, .X_SO = {&X_SO, 1}};
+    const AllocationGuard guard;
+    step->step(input);
+    held.step(input, 1'000'000 * n);
+    held.follow();
+    count += guard.count();
+  }
+  if (!AllocationGuard::is_available()) GTEST_SKIP();
+  EXPECT_EQ(count, 0U);
+}
+
+}  // namespace
+}  // namespace hapton
