@@ -128,7 +128,8 @@ TEST(TeachShapes, TheLocalSetIsTheNearest) {
 
 // The whole scene is in one hull, white where the probe is in it.
 TEST(TeachShapes, TheFirstLevelIsOneHull) {
-  const SmoothScene smooth = teach_smooth(teach_scene());
+  const TouchScene scene = teach_scene();
+  const SmoothScene smooth = teach_smooth(scene);
   TeachProbe probe = teach_probe();
   for (const auto& [at, colour] : {std::pair(Vec3(0.0, 0.0, 0.0), TeachColour{255, 255, 255}),
                                    {Vec3(0.0, 0.0, 0.051), TeachColour{255, 200, 90}},
@@ -138,7 +139,7 @@ TEST(TeachShapes, TheFirstLevelIsOneHull) {
     EXPECT_EQ(shapes.caption, "tree: level 0, 1 hulls");
     Eigen::AlignedBox3d box;
     for (const TeachLine& line : shapes.lines) {
-      box.extend(line.from);
+      box.extend(line.from).extend(line.to);
       EXPECT_EQ(line.colour, colour);
     }
     EXPECT_LT((box.min() + Vec3::Constant(0.05)).norm(), 1e-3);
