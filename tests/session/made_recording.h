@@ -1,10 +1,12 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "link/session_codec.h"
 #include "tests/session/made_entries.h"
@@ -25,6 +27,7 @@ struct MadeRecording {
   std::uint64_t lost_from = 0;  // these samples are missing
   std::uint64_t lost_to = 0;
   bool has_replies = true;
+  std::vector<std::uint64_t> marks_at = {};      // more markers, at these samples
   std::int64_t slower_ns = 0;                    // so much later than the others comes the reply to each fourth sample
   std::function<void(std::uint64_t)> also = {};  // after each sample
 
@@ -94,6 +97,7 @@ struct MadeRecording {
   }
 
   void add_what_happens(std::uint64_t sample) {
+    if (std::ranges::count(marks_at, sample) > 0) codec.append(marker_of(sample, "one more"), bytes);
     if (sample == 1000) codec.append(marker_of(sample, "trial 7"), bytes);
     if (sample == 3500) codec.append(marker_of(sample, "trial 8"), bytes);
     if (sample == 1500) receive(kVision, ViewTransform{4, {1, 0, 0, 0.25F, 0, 1, 0, 0, 0, 0, 1, 0}}, sample);
