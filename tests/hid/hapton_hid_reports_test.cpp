@@ -156,9 +156,9 @@ TEST(HaptonHidReports, LimitsAreAllowedUpToTheirEdges) {
 }
 
 TEST(HaptonHidReports, EachBitOfAnAbilityAndOfTheStatusIsItsOwn) {
-  for (const std::uint8_t bits : {0, 1, 2, 4}) {
+  for (const int bits : {0, 1, 2, 4}) {
     Bytes report = feature(kLimitsId);
-    report[2] = bits;
+    report[2] = static_cast<std::uint8_t>(bits);
     const auto limits = decode_limits(report);
     ASSERT_TRUE(limits);
     EXPECT_EQ(limits->has_orientation, bits == 1);
@@ -173,8 +173,8 @@ TEST(HaptonHidReports, EachBitOfAnAbilityAndOfTheStatusIsItsOwn) {
   const hapton_hid_measured measured = rest();
   Bytes report(kStateBytes);
   hapton_hid_state(&device, &measured, 0, report.data());
-  for (const std::uint8_t bits : {0, 1, 2, 4, 8, 16, 32}) {
-    report[1] = bits;
+  for (const int bits : {0, 1, 2, 4, 8, 16, 32}) {
+    report[1] = static_cast<std::uint8_t>(bits);
     const auto state = decode_state(report);
     ASSERT_TRUE(state);
     EXPECT_EQ(state->is_calibrated, bits == 1);
@@ -185,11 +185,11 @@ TEST(HaptonHidReports, EachBitOfAnAbilityAndOfTheStatusIsItsOwn) {
     EXPECT_EQ(state->has_fault, bits == 32);
   }
   // A temperature in parts of 200; the length of a rotation to one in a hundred.
-  for (const std::uint8_t temperature : {0, 100, 254}) {
-    report[34] = temperature;
+  for (const int temperature : {0, 100, 254}) {
+    report[34] = static_cast<std::uint8_t>(temperature);
     EXPECT_DOUBLE_EQ(decode_state(report)->temperature, temperature / 200.0);
   }
-  for (const auto& [w, is_good] : {std::pair<std::int16_t, bool>{32'472, true}, {32'407, false}}) {
+  for (const auto& [w, is_good] : {std::pair{32'472, true}, {32'407, false}}) {
     report[26] = static_cast<std::uint8_t>(w);
     report[27] = static_cast<std::uint8_t>(w >> 8);
     EXPECT_EQ(decode_state(report).has_value(), is_good) << w;

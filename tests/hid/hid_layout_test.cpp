@@ -64,10 +64,11 @@ Bytes repeated(const Bytes& item, std::size_t times) {
 }
 
 TEST(HidLayout, AReportHasWholeBytes) {
-  for (const std::uint8_t bits : {0, 1, 7, 8, 9, 16, 17}) {
-    const Bytes descriptor = {0x75, bits, 0x95, 0x01, 0x81, 0x02, 0x95, 0x02, 0x91, 0x02, 0x95, 0x03, 0xB1, 0x02};
+  for (const std::size_t bits : {0U, 1U, 7U, 8U, 9U, 16U, 17U}) {
+    const Bytes descriptor = {0x75, static_cast<std::uint8_t>(bits), 0x95, 0x01, 0x81, 0x02, 0x95, 0x02, 0x91, 0x02, 0x95, 0x03, 0xB1,
+                              0x02};
     const auto bytes = [&](std::size_t count) { return (count * bits + 7) / 8; };
-    EXPECT_THAT(read_hid_layout(descriptor).reports, ElementsAre(HidLayout::Report{0, bytes(1), bytes(2), bytes(3)})) << int{bits};
+    EXPECT_THAT(read_hid_layout(descriptor).reports, ElementsAre(HidLayout::Report{0, bytes(1), bytes(2), bytes(3)})) << bits;
   }
 }
 
