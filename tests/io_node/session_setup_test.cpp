@@ -1,5 +1,6 @@
 #include "io_node/session_setup.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -82,6 +83,16 @@ TEST(SessionSetup, WithoutAFolderForStateThereAreNoFlightRecords) {
   options.name = "left";
   EXPECT_EQ(find_flight_folder(options), "");
   for (const auto& [name, value] : before) ::setenv(name.c_str(), value.c_str(), 1);
+}
+
+TEST(SessionSetup, ARecordingWithoutASampleIsWarnedOf) {
+  IoOptions options;
+  EXPECT_EQ(describe_lost_samples(options, 3), "") << "nothing was recorded";
+  options.record = "day.hsn";
+  EXPECT_EQ(describe_lost_samples(options, 0), "");
+  EXPECT_THAT(describe_lost_samples(options, 1), testing::StartsWith("day.hsn: 1 samples are missing in the recording"));
+  options.name = "left";
+  EXPECT_THAT(describe_lost_samples(options, 20), testing::StartsWith("left: day.hsn: 20 samples are missing"));
 }
 
 }  // namespace

@@ -115,6 +115,20 @@ TEST(CarvedField, CarveIsTheMaximumByBruteForce) {
   }
 }
 
+// A ball of 31 m, with carves 1024 times as large: no length is built in.
+TEST(CarvedField, LargeBodiesAreCarvedAsSmallOnesAre) {
+  constexpr double kScale = 1024.0;
+  CarvedField small = ball_of_clay(), large = ball_of_clay(0.03 * kScale, kVoxelM * kScale);
+  ASSERT_EQ(large.nodes(), small.nodes());
+  const double near = 1e-5 * small.band_m();
+  for (const Carve& carve : random_carves(27, 60)) {
+    const CarvedFieldBox box = small.carve(carve);
+    const CarvedFieldBox large_box = large.carve({kScale * carve.from_m, kScale * carve.to_m, kScale * carve.radius_m});
+    EXPECT_EQ(large_box.is_empty(), box.is_empty());
+  }
+  for (std::size_t i = 0; i < small.values().size(); ++i) ASSERT_NEAR(large.values()[i] / kScale, small.values()[i], near) << i;
+}
+
 TEST(CarvedField, WhetherACarveChangesAnythingIsKnownBefore) {
   CarvedField field = ball_of_clay();
   int changes = 0;
