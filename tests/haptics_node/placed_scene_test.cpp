@@ -51,7 +51,7 @@ TEST_F(PlacedSceneTest, WhatAFileHasPutDownLiesThere) {
     ASSERT_TRUE(read) << read.error().what;
     put_down = *read;
   });
-  EXPECT_THAT(log, HasSubstr("cube lies where " + file.string() + " has it"));
+  EXPECT_THAT(log, HasSubstr("cube is placed as " + file.string() + " says"));
   ASSERT_EQ(put_down.size(), 1U);
   EXPECT_EQ(put_down[0].object, 1);
   EXPECT_LT((put_down[0].p_m - Vec3(0.3, 0.0, -0.1)).norm(), 1e-12);
@@ -81,7 +81,7 @@ TEST_F(PlacedSceneTest, AFileOfAnotherSceneSaysSo) {
     EXPECT_TRUE(read->empty()) << "it is of an object that this scene does not have";
   });
   EXPECT_THAT(log, HasSubstr(file.string() + ": "));
-  EXPECT_THAT(log, Not(HasSubstr("lies where")));
+  EXPECT_THAT(log, Not(HasSubstr("is placed as")));
 }
 
 TEST_F(PlacedSceneTest, WithoutAFileNothingIsPutDown) {
