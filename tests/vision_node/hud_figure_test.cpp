@@ -58,7 +58,7 @@ TEST(HudFigure, ATimeLineLiftsWhatIsAtTheLowerEdge) {
   hud.expect_at("help", 10.0, 10.0 + lift, 18);
   hud.figure.set_scale_bar({.length_m = 0.1, .pixels = 200.0, .label = "100 mm"}, kHudPicture);
   hud.expect_at("100 mm", 1100.0 - 27.6 - 100.0, 4.0 * 27.6 + lift + 6.9, 18);
-  hud.figure.set_plots({{.title = "force"}}, kHudPicture);
+  hud.figure.set_plots({{.title = "force", .points = {}}}, kHudPicture);
   EXPECT_NEAR(place_of(hud.parts.find_text("force")).y(), 6.0 * 27.6 + lift + 0.13 * 920.0 + 1.6 * 27.6 + 0.13 * 920.0 + 3.0, 1e-6);
   hud.figure.set_time_line(std::nullopt, 0.0, kHudPicture);
   hud.expect_at("help", 10.0, 10.0, 18);
