@@ -92,10 +92,8 @@ void print_recording(const IoOptions& options, const SessionRecorder::Counts& co
   if (!options.record.empty()) {
     fmt::print("recorded {} entries, {:.1f} MB, {} dropped: {}\n", counts.entries, 1e-6 * static_cast<double>(counts.file_bytes),
                counts.dropped, options.record);
-    if (counts.lost_samples > 0)
-      log_warning("{}{}: {} samples are missing in the recording (column `lost` of its table): io_node got no CPU for too long",
-                  name_prefix(options), options.record, counts.lost_samples);
   }
+  if (const std::string missing = describe_lost_samples(options, counts.lost_samples); !missing.empty()) log_warning("{}", missing);
   if (counts.flights + counts.flights_left_out > 0) {
     fmt::print("faults: {} flight records written, {} skipped\n", counts.flights, counts.flights_left_out);
   }

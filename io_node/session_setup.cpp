@@ -51,4 +51,10 @@ std::filesystem::path find_flight_folder(const IoOptions& options) {
   return state.empty() ? state : of_device(state / "flight");
 }
 
+std::string describe_lost_samples(const IoOptions& options, std::uint64_t lost) {
+  if (options.record.empty() || lost == 0) return {};
+  return fmt::format("{}{}: {} samples are missing in the recording (column `lost` of its table): io_node got no CPU for too long",
+                     name_prefix(options), options.record, lost);
+}
+
 }  // namespace hapton

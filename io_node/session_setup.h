@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 
 #include "core/base/result.h"
 #include "io_node/io_options.h"
@@ -16,5 +17,8 @@ SessionHeader make_session_header(const IoOptions& options, std::uint64_t sessio
 // The folder of flight records: --flight, otherwise OUT/flight, otherwise the state folder; with several devices a folder for each in it.
 // Empty: none. RT: set-up only.
 std::filesystem::path find_flight_folder(const IoOptions& options);
+
+// The warning after a recording in which this many samples of the device are missing; empty if none is. RT: no.
+std::string describe_lost_samples(const IoOptions& options, std::uint64_t lost);
 
 }  // namespace hapton

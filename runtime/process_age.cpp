@@ -11,13 +11,13 @@
 namespace hapton {
 namespace {
 
-// Words between the program's name and the time of its start, in /proc/self/stat (proc(5)).
+// Words between the program's name and the time of its start.
 constexpr int kWordsBefore = 19;
 
 }  // namespace
 
-std::optional<double> read_process_age_s() {
-  std::ifstream file("/proc/self/stat");
+std::optional<double> read_process_age_s(const std::string& stat_file) {
+  std::ifstream file(stat_file);
   const std::string stat{std::istreambuf_iterator<char>(file), {}};
   // The name stands in brackets, and may contain some itself.
   const auto after_name = stat.rfind(')');

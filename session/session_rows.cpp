@@ -26,7 +26,7 @@ Result<SessionRows> SessionRows::open(const std::filesystem::path& file, const S
 
 void SessionRows::jump(double t_s) {
   rows_->clear();
-  from_s_ = t_s - kBeforeS;
+  from_s_ = t_s - 2.0 * kBeforeS;
   is_at_end_ = false;
   reader_->seek(index_->find_position(from_s_ - kSlackS));
   table_ = std::make_unique<JoinedTable>(
@@ -51,9 +51,9 @@ bool SessionRows::read_entry() {
   return true;
 }
 
-// Reads until there is a row later than t_s, or the file ends.
+// Reads until there is a row later than t_s, or the file ends; those of kBeforeS before t_s are there, too, unless the file has none.
 void SessionRows::go_to(double t_s) {
-  const bool is_near = table_ != nullptr && t_s >= from_s_ && (rows_->empty() || t_s <= rows_->back().sample_t_s + kReadOnS);
+  const bool is_near = table_ != nullptr && t_s - kBeforeS >= from_s_ && (rows_->empty() || t_s <= rows_->back().sample_t_s + kReadOnS);
   if (!is_near) jump(t_s);
   while ((rows_->empty() || rows_->back().sample_t_s <= t_s) && read_entry()) {
   }

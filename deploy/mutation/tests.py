@@ -12,7 +12,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-# Of each layer: its own tests first, then those of its nearest users.
+# Of each layer: its own tests first, then those of its nearest users, for what the former do not detect.
 PROGRAMS = {
     "core/base": ["core_base_test", "core_force_test"],
     "core/math": ["core_math_test", "core_geometry_test", "core_collision_test", "core_force_test"],
@@ -70,6 +70,7 @@ class TestRunner:
         self.count = count
         self.jobs = jobs
         self.tests: list[Test] = []
+        self.measured: set[str] = set()
         self.serial = threading.Lock()
 
     def run(self, program: str, chosen: list[str], mutant: int, at_most_s: float, reached: Path | None = None) -> tuple[int | None, str]:
@@ -101,10 +102,15 @@ class TestRunner:
                 names.append(suite + word)
         return names
 
-    def measure(self, programs: list[str]):
+    def measure(self, programs: list[str]) -> list[Test]:
+        """Of those programs that were not measured yet: their tests that fail without a mutant, which are left out."""
+        new = [program for program in programs if program not in self.measured]
         with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(self.jobs) as pool:
-            todo = [(program, name) for program in programs for name in self.list_tests(program)]
-            self.tests = list(pool.map(lambda at: self.measure_one(Path(folder) / str(at[0]), *at[1]), enumerate(todo)))
+            todo = [(program, name) for program in new for name in self.list_tests(program)]
+            tests = list(pool.map(lambda at: self.measure_one(Path(folder) / str(at[0]), *at[1]), enumerate(todo)))
+        self.measured.update(new)
+        self.tests += tests
+        return [test for test in tests if not test.passed]
 
     def measure_one(self, reached: Path, program: str, name: str) -> Test:
         reached.write_bytes(bytes(self.count + 1))
@@ -117,16 +123,15 @@ class TestRunner:
     def find_concerned(self, path: str, number: int) -> list[Test]:
         return [test for test in self.tests if test.passed and number in test.reached and test.program in PROGRAMS[layer_of(path)]]
 
-    def find_noticing(self, path: str, number: int) -> str:
-        """The program and test that notice the mutant; empty: none does. Quick tests first."""
-        concerned = self.find_concerned(path, number)
+    def find_noticing(self, path: str, number: int, program: str) -> str:
+        """The test of that program that notices the mutant; empty: none does. Quick tests first."""
+        concerned = [test for test in self.find_concerned(path, number) if test.program == program]
         for are_quick in (True, False):
-            for program in PROGRAMS[layer_of(path)]:
-                chosen = [test for test in concerned if test.program == program and (test.seconds < QUICK_S) == are_quick]
-                if chosen:
-                    noticed = self.find_failure(program, chosen, number)
-                    if noticed:
-                        return noticed
+            chosen = [test for test in concerned if (test.seconds < QUICK_S) == are_quick]
+            if chosen:
+                noticed = self.find_failure(program, chosen, number)
+                if noticed:
+                    return noticed
         return ""
 
     def find_failure(self, program: str, chosen: list[Test], number: int) -> str:

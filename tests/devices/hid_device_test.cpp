@@ -103,6 +103,17 @@ TEST_F(HidDeviceTest, ReleasesTheForceWhenTheServoIsSilent) {
   for (const auto& report : hid_.take_written()) EXPECT_EQ(report[1], 0);
 }
 
+// A CPU is not spent on the same report again and again.
+TEST_F(HidDeviceTest, RepeatsWhatItWroteEveryTwoMilliseconds) {
+  constexpr std::size_t kReports = 100;
+  const SteadyClock clock;
+  EXPECT_TRUE(wait_until([&] { return hid_.written() > 0; }));
+  const std::int64_t begin_ns = clock.now_ns();
+  (void)hid_.take_written();
+  EXPECT_TRUE(wait_until([&] { return hid_.written() >= kReports; }));
+  EXPECT_GE(clock.now_ns() - begin_ns, static_cast<std::int64_t>(kReports - 2) * HidDevice::kRepeatNs);
+}
+
 TEST_F(HidDeviceTest, UnpluggedInContactItIsAwayAndPluggedInAgainRampsUpFromZero) {
   EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
   const Vec3 last = hand_.sample().p_WD;

@@ -6,11 +6,13 @@
 #include <atomic>
 #include <chrono>
 #include <mutex>
+#include <string>
 #include <string_view>
 #include <thread>
 
 #include "scene/scene_file.h"
 #include "tests/support/allocation_guard.h"
+#include "tests/support/log_of.h"
 #include "tests/support/made_meshes.h"
 #include "tests/support/patience.h"
 
@@ -69,6 +71,18 @@ TEST(MaterialTuner, ARejectedRequestHasNoMaterials) {
   EXPECT_EQ(result->state.request, 6U);
   EXPECT_STREQ(result->state.rejection.data(), "the scene has no object 'dek'; did you mean 'deck'?");
   EXPECT_FALSE(was_told);
+}
+
+TEST(MaterialTuner, WhatHappensToARequestIsALine) {
+  const auto log_after = [](std::string_view object) {
+    return log_of([&] {
+      MaterialTuner tuner(hull_and_deck(), 0.0);
+      tuner.request(stiffness_request(6, object, 700.0));
+      EXPECT_NE(wait_for_result(tuner), nullptr);
+    });
+  };
+  EXPECT_NE(log_after("deck").find("object 'deck': stiffness 700 N/m"), std::string::npos);
+  EXPECT_NE(log_after("dek").find("the scene has no object 'dek'; did you mean 'deck'?; no material is changed"), std::string::npos);
 }
 
 // An accepted change that nobody has taken yet is not replaced by the result of the next request.

@@ -1,14 +1,20 @@
 #include "haptics_node/scene_watcher.h"
 
+#include <fmt/core.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <chrono>
 
+#include "core/geometry/mesh_shapes.h"
+#include "tests/support/log_of.h"
 #include "tests/support/patience.h"
 #include "tests/support/scratch_folder.h"
 
 namespace hapton {
 namespace {
+
+using testing::HasSubstr;
 
 // A scene of one triangle, its file, and who brings its changes under the hand. The test looks itself, and takes as the reply loop does.
 struct SceneWatcherTest : testing::Test {
@@ -34,8 +40,12 @@ struct SceneWatcherTest : testing::Test {
     return path;
   }
   SceneWatcher::Look look_twice() {
-    EXPECT_EQ(watcher->look(), SceneWatcher::Look::waiting);
-    return watcher->look();
+    SceneWatcher::Look look = SceneWatcher::Look::waiting;
+    log = log_of([&] {
+      EXPECT_EQ(watcher->look(), SceneWatcher::Look::waiting);
+      look = watcher->look();
+    });
+    return look;
   }
   std::unique_ptr<TunedMaterials> wait_for_materials() {
     std::unique_ptr<TunedMaterials> result;
@@ -47,6 +57,7 @@ struct SceneWatcherTest : testing::Test {
   std::filesystem::path file;
   int writes = 0;
   bool held = false;
+  std::string log;  // of the last two looks
   TouchScene felt;
   std::shared_ptr<ForceMethod> method;
   std::optional<MaterialTuner> tuner;
@@ -58,6 +69,7 @@ TEST_F(SceneWatcherTest, AFileThatIsNotTouchedIsNotRead) {
   EXPECT_EQ(watcher->look(), SceneWatcher::Look::unchanged);
   write("stiffness_n_per_m = 500");
   EXPECT_EQ(look_twice(), SceneWatcher::Look::same) << "saved without a change";
+  EXPECT_THAT(log, HasSubstr("a.toml was read again: nothing that affects the forces has changed"));
   EXPECT_EQ(watcher->look(), SceneWatcher::Look::unchanged);
   std::filesystem::remove(file);
   EXPECT_EQ(watcher->look(), SceneWatcher::Look::unchanged) << "as an editor has it for a moment";
@@ -66,6 +78,7 @@ TEST_F(SceneWatcherTest, AFileThatIsNotTouchedIsNotRead) {
 TEST_F(SceneWatcherTest, MaterialsAreTunedAndTheMethodStays) {
   write("stiffness_n_per_m = 700\nfriction_static = 0.3");
   EXPECT_EQ(look_twice(), SceneWatcher::Look::materials);
+  EXPECT_THAT(log, HasSubstr("a.toml was read again: its materials fade in"));
   auto result = wait_for_materials();
   ASSERT_NE(result, nullptr);
   ASSERT_EQ(result->materials.size(), 1U);
@@ -87,6 +100,7 @@ TEST_F(SceneWatcherTest, MaterialsAreTunedAndTheMethodStays) {
 TEST_F(SceneWatcherTest, EffectsComeWithTheSameMethodAndAnotherShapeWithANewOne) {
   write("stiffness_n_per_m = 600\nviscosity_ns_per_m = 2");
   EXPECT_EQ(look_twice(), SceneWatcher::Look::scene);
+  EXPECT_THAT(log, HasSubstr("a.toml was read again: its effects fade in"));
   auto built = builder->take();
   ASSERT_NE(built, nullptr);
   EXPECT_EQ(built->step->share_method(), method);
@@ -99,6 +113,7 @@ TEST_F(SceneWatcherTest, EffectsComeWithTheSameMethodAndAnotherShapeWithANewOne)
 
   write("stiffness_n_per_m = 600", "[[object]]\nmesh = 'a.obj'\nposition_m = [0, 0, 0.02]");
   EXPECT_EQ(look_twice(), SceneWatcher::Look::scene);
+  EXPECT_THAT(log, HasSubstr("a.toml was read again: its objects fade in"));
   ASSERT_TRUE(wait_until([&] { return (built = builder->take()) != nullptr; }));
   EXPECT_NE(built->step->share_method(), method);
   EXPECT_EQ(built->scene->revision, 2U);
@@ -117,8 +132,34 @@ TEST_F(SceneWatcherTest, EffectsComeWithTheSameMethodAndAnotherShapeWithANewOne)
 TEST_F(SceneWatcherTest, APlugInThatAppearsIsNotLoaded) {
   write("stiffness_n_per_m = 700\n[[effect]]\ntype = 'plugin'\nlibrary = 'x.so'");
   EXPECT_EQ(look_twice(), SceneWatcher::Look::rejected);
+  EXPECT_THAT(log, HasSubstr("its plug-ins have changed: start haptics_node again to use it; the present scene stays in use"));
   EXPECT_EQ(tuner->take(), nullptr);
   EXPECT_EQ(builder->take(), nullptr);
+}
+
+// What was carved stays: so the bodies must be the same.
+TEST_F(SceneWatcherTest, WhatCanBeCarvedStaysTheSameObject) {
+  const TriangleMesh box = make_box(Vec3::Constant(0.04));
+  std::string obj;
+  for (const Vec3& v : box.vertices) obj += fmt::format("v {} {} {}\n", v.x(), v.y(), v.z());
+  for (const Triangle& t : box.triangles) obj += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
+  folder.write("box.obj", obj);
+  const auto with_clay = [](const std::string& keys) {
+    return "[[object]]\nmesh = 'box.obj'\nname = 'clay'\nmaterial = 'm'\nsculpt = true\n" + keys;
+  };
+  write("stiffness_n_per_m = 500", with_clay("voxel_mm = 4"));
+  const auto loaded = load_scene(file);
+  ASSERT_TRUE(loaded) << loaded.error().what;
+  MethodBuilder of_clay(MethodSettings(), loaded->touch_scene(), std::shared_ptr<ForceMethod>(*make_method({}, loaded->touch_scene())));
+  watcher.emplace(SceneWatcher::Options{.path = file, .loading = {}}, *loaded, *tuner, of_clay);
+  for (const std::string& changed : {with_clay("voxel_mm = 5"), with_clay("voxel_mm = 4\ntool_radius_mm = 21"),
+                                     with_clay("voxel_mm = 4\nposition_m = [0, 0, 0.02]"), std::string()}) {
+    write("stiffness_n_per_m = 500", changed);
+    EXPECT_EQ(look_twice(), SceneWatcher::Look::rejected) << changed;
+    EXPECT_THAT(log, HasSubstr("objects of this scene can be carved, and the shapes of its objects have changed"));
+  }
+  write("stiffness_n_per_m = 650", with_clay("voxel_mm = 4"));
+  EXPECT_EQ(look_twice(), SceneWatcher::Look::materials);
 }
 
 TEST_F(SceneWatcherTest, WhatProgramsMoveStaysTheSameObject) {
@@ -141,6 +182,7 @@ TEST_F(SceneWatcherTest, WhatProgramsMoveStaysTheSameObject) {
         lid, lid + block + "moved_by = 'program'\n"}) {
     write("stiffness_n_per_m = 500", changed);
     EXPECT_EQ(look_twice(), SceneWatcher::Look::rejected) << changed;
+    EXPECT_THAT(log, HasSubstr("programs move objects of this scene, and their shapes"));
   }
   write("stiffness_n_per_m = 650", lid + block + "position_m = [0, 0, 0.03]\n");
   EXPECT_EQ(look_twice(), SceneWatcher::Look::materials);
@@ -149,6 +191,8 @@ TEST_F(SceneWatcherTest, WhatProgramsMoveStaysTheSameObject) {
 TEST_F(SceneWatcherTest, AFileWithAnErrorChangesNothingUntilItIsGood) {
   write("stifness_n_per_m = 700");
   EXPECT_EQ(look_twice(), SceneWatcher::Look::rejected);
+  EXPECT_THAT(log, HasSubstr("; the present scene stays in use"));
+  EXPECT_THAT(log, HasSubstr("stifness_n_per_m"));
   EXPECT_EQ(watcher->look(), SceneWatcher::Look::unchanged) << "one line, not one a second";
   EXPECT_EQ(tuner->take(), nullptr);
   EXPECT_EQ(builder->take(), nullptr);
@@ -160,7 +204,8 @@ TEST_F(SceneWatcherTest, WhileTheHubWorksOutForcesItselfItWaits) {
   held = true;
   write("stiffness_n_per_m = 700");
   EXPECT_EQ(look_twice(), SceneWatcher::Look::held);
-  EXPECT_EQ(watcher->look(), SceneWatcher::Look::held);
+  EXPECT_THAT(log, HasSubstr("it is read once the hub no longer computes the forces from parts of the scene"));
+  EXPECT_EQ(log_of([&] { EXPECT_EQ(watcher->look(), SceneWatcher::Look::held); }), "") << "once";
   held = false;
   EXPECT_EQ(watcher->look(), SceneWatcher::Look::materials);
 }

@@ -39,6 +39,33 @@ TEST(ChooseHidDevice, SeveralAreDistinguishedBySerialNumberPathOrPlace) {
   EXPECT_THAT(line, HasSubstr("/dev/hidraw1 (A), /dev/hidraw4 (B)"));
 }
 
+// Counted from 0, in one or two digits: longer ones are serial numbers.
+TEST(ChooseHidDevice, APlaceIsANumberBelowTheirCount) {
+  const std::vector devices = {wooden("/dev/hidraw1", "007"), wooden("/dev/hidraw4", "B")};
+  EXPECT_EQ(choose_hid_device(devices, HidKind::wooden_haptics, "0")->path, "/dev/hidraw1");
+  EXPECT_EQ(choose_hid_device(devices, HidKind::wooden_haptics, "01")->path, "/dev/hidraw4");
+  EXPECT_EQ(choose_hid_device(devices, HidKind::wooden_haptics, "007")->path, "/dev/hidraw1") << "a serial number";
+  for (const char* none : {"2", "001", "-1", "1x", "99"}) EXPECT_FALSE(choose_hid_device(devices, HidKind::wooden_haptics, none)) << none;
+}
+
+// A device with several interfaces may be listed once for each.
+TEST(ChooseHidDevice, OnePathIsOneDevice) {
+  const std::vector devices = {wooden("/dev/hidraw1", "A"), wooden("/dev/hidraw1", "A")};
+  EXPECT_EQ(choose_hid_device(devices, HidKind::wooden_haptics, "")->path, "/dev/hidraw1");
+  EXPECT_FALSE(choose_hid_device(devices, HidKind::wooden_haptics, "1"));
+}
+
+TEST(ChooseHidDevice, EachKindHasItsHint) {
+  const auto hint = [](HidKind kind) { return rejection(choose_hid_device({}, kind, "")); };
+  EXPECT_THAT(hint(HidKind::wooden_haptics),
+              HasSubstr("no WoodenHaptics is plugged in, among 0 HID devices; plug it in, switch its motor"));
+  EXPECT_THAT(hint(HidKind::hapton_hid), HasSubstr("docs/hid.md"));
+  EXPECT_THAT(hint(HidKind::space_mouse), HasSubstr("plug it or its receiver in"));
+  const std::vector nameless = {wooden("/dev/hidraw1"), wooden("/dev/hidraw2", "B")};
+  EXPECT_THAT(rejection(choose_hid_device(nameless, HidKind::wooden_haptics, "")),
+              HasSubstr("2 WoodenHaptics devices are plugged in; say which by serial number or path: /dev/hidraw1 (no serial number), "));
+}
+
 TEST(ChooseHidDevice, AnUnknownNameListsTheKnownOnes) {
   const std::vector devices = {wooden("/dev/hidraw1", "A")};
   EXPECT_THAT(rejection(choose_hid_device(devices, HidKind::wooden_haptics, "C")), HasSubstr("'C'; plugged in are: /dev/hidraw1 (A)"));
@@ -63,6 +90,8 @@ TEST(ChooseHidDevice, AHaptonHidDeviceIsFoundByAnyOfItsUsages) {
 TEST(ChooseHidDevice, TheSameDeviceMayComeBackAtAnotherNode) {
   EXPECT_TRUE(is_same_device(wooden("/dev/hidraw1", "A"), wooden("/dev/hidraw7", "A")));
   EXPECT_FALSE(is_same_device(wooden("/dev/hidraw1", "A"), wooden("/dev/hidraw1", "B")));
+  EXPECT_FALSE(is_same_device(device("/dev/hidraw1", 1, 2, "A"), device("/dev/hidraw1", 1, 3, "A")));
+  EXPECT_FALSE(is_same_device(device("/dev/hidraw1", 1, 2, "A"), device("/dev/hidraw1", 4, 2, "A")));
 }
 
 // After it was unplugged. Two devices without serial numbers look the same: the wrong one must not exert the force of the other.

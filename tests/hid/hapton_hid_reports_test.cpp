@@ -9,6 +9,7 @@
 #include <random>
 #include <regex>
 #include <sstream>
+#include <utility>
 
 #include "docs/hid/hapton_hid_device.h"
 
@@ -115,6 +116,84 @@ TEST(HaptonHidReports, ImpossibleLimitsAreRejectedWithAReason) {
               l.max_torque_nm = 0.0f;
             }),
             "taken");
+}
+
+// Each number at the edge of what is allowed, as the report has it.
+TEST(HaptonHidReports, LimitsAreAllowedUpToTheirEdges) {
+  struct Row {
+    std::size_t at, bytes;
+    std::int64_t good, bad;
+    const char* why;
+  };
+  const Row rows[] = {{8, 2, 100, 99, "99 times a second"},
+                      {10, 2, 5, 4, "watchdog takes 4 ms"},
+                      {10, 2, 100, 101, "watchdog takes 101 ms"},
+                      {24, 4, -999'999, -1'000'000, "its workspace is 0 x"},  // the other end is at -0.1 m
+                      {12, 4, -15'000'000, -15'000'001, "its workspace is 3 x"},
+                      {36, 4, 200'000'000, 200'000'001, "force limits are 200 N"},
+                      {36, 4, 2'250'000, 2'249'999, "and 2.25 N (continuous)"},
+                      {40, 4, 7'500'000, 7'500'001, "and 7.5 N (continuous)"},
+                      {44, 4, 1, 0, "how fast"},
+                      {52, 4, 20'000'000, 20'000'001, "torque limits are 20 Nm"},
+                      {52, 4, 1, 0, "torque limits are 0 Nm"},
+                      {56, 4, 1, 0, "and 0 Nm/s"}};
+  for (const Row& row : rows) {
+    const auto decoded_with = [&](std::int64_t value) {
+      Bytes report = feature(kLimitsId);
+      // A workspace of 1.5 m to the other side, where its size is the question.
+      if (row.at == 12) {
+        for (std::size_t n = 0; n < 4; ++n) report[24 + n] = static_cast<std::uint8_t>(15'000'000 >> (8 * n));
+      }
+      for (std::size_t n = 0; n < row.bytes; ++n)
+        report[row.at + n] = static_cast<std::uint8_t>(static_cast<std::uint64_t>(value) >> (8 * n));
+      return decode_limits(report);
+    };
+    EXPECT_TRUE(decoded_with(row.good)) << row.why;
+    const auto rejected = decoded_with(row.bad);
+    ASSERT_FALSE(rejected) << row.why;
+    EXPECT_THAT(rejected.error().what, HasSubstr(row.why));
+  }
+}
+
+TEST(HaptonHidReports, EachBitOfAnAbilityAndOfTheStatusIsItsOwn) {
+  for (const int bits : {0, 1, 2, 4}) {
+    Bytes report = feature(kLimitsId);
+    report[2] = static_cast<std::uint8_t>(bits);
+    const auto limits = decode_limits(report);
+    ASSERT_TRUE(limits);
+    EXPECT_EQ(limits->has_orientation, bits == 1);
+    EXPECT_EQ(limits->knows_held, bits == 2);
+    EXPECT_EQ(limits->has_torque, bits == 4);
+    EXPECT_EQ(limits->max_torque_nm, bits == 4 ? 0.125 : 0.0);
+    EXPECT_EQ(limits->max_torque_slew_nm_per_s, bits == 4 ? 50.0 : 0.0);
+  }
+  const hapton_hid_limits limits = maker_limits();
+  hapton_hid_device device;
+  hapton_hid_init(&device, &limits);
+  const hapton_hid_measured measured = rest();
+  Bytes report(kStateBytes);
+  hapton_hid_state(&device, &measured, 0, report.data());
+  for (const int bits : {0, 1, 2, 4, 8, 16, 32}) {
+    report[1] = static_cast<std::uint8_t>(bits);
+    const auto state = decode_state(report);
+    ASSERT_TRUE(state);
+    EXPECT_EQ(state->is_calibrated, bits == 1);
+    EXPECT_EQ(state->is_on, bits == 2);
+    EXPECT_EQ(state->is_held, bits == 4);
+    EXPECT_EQ(state->has_tripped, bits == 8);
+    EXPECT_EQ(state->is_hot, bits == 16);
+    EXPECT_EQ(state->has_fault, bits == 32);
+  }
+  // A temperature in parts of 200; the length of a rotation to one in a hundred.
+  for (const int temperature : {0, 100, 254}) {
+    report[34] = static_cast<std::uint8_t>(temperature);
+    EXPECT_DOUBLE_EQ(decode_state(report)->temperature, temperature / 200.0);
+  }
+  for (const auto& [w, is_good] : {std::pair{32'472, true}, {32'407, false}}) {
+    report[26] = static_cast<std::uint8_t>(w);
+    report[27] = static_cast<std::uint8_t>(w >> 8);
+    EXPECT_EQ(decode_state(report).has_value(), is_good) << w;
+  }
 }
 
 TEST(HaptonHidReports, AnotherVersionAndAForeignDeviceAreDistinguished) {

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <random>
+#include <utility>
+#include <vector>
 
 #include "docs/hid/hapton_hid_device.h"
 #include "hid/hid_catalog.h"
@@ -46,6 +48,65 @@ TEST(HidLayout, KnowsTheUsagesOfAllTopLevelCollections) {
 TEST(HidLayout, PushAndPopRestoreTheSizes) {
   const Bytes descriptor = {0x75, 0x08, 0x95, 0x02, 0xA4, 0x75, 0x20, 0x95, 0x08, 0xB4, 0x81, 0x02};
   EXPECT_THAT(read_hid_layout(descriptor).reports, ElementsAre(HidLayout::Report{0, 2, 0, 0}));
+}
+
+const Bytes kMouse = {0x05, 0x01, 0x09, 0x02, 0xA1, 0x01, 0xC0};
+
+Bytes operator+(Bytes a, const Bytes& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+Bytes repeated(const Bytes& item, std::size_t times) {
+  Bytes all;
+  for (std::size_t n = 0; n < times; ++n) all = std::move(all) + item;
+  return all;
+}
+
+TEST(HidLayout, AReportHasWholeBytes) {
+  for (const std::size_t bits : {0U, 1U, 7U, 8U, 9U, 16U, 17U}) {
+    const Bytes descriptor = {0x75, static_cast<std::uint8_t>(bits), 0x95, 0x01, 0x81, 0x02, 0x95, 0x02, 0x91, 0x02, 0x95, 0x03, 0xB1,
+                              0x02};
+    const auto bytes = [&](std::size_t count) { return (count * bits + 7) / 8; };
+    EXPECT_THAT(read_hid_layout(descriptor).reports, ElementsAre(HidLayout::Report{0, bytes(1), bytes(2), bytes(3)})) << bits;
+  }
+}
+
+// Of 64 KiB at most: what says more is flawed there.
+TEST(HidLayout, AReportHasAMostSize) {
+  const Bytes size = {0x76, 0x00, 0x80};  // 32,768 bits
+  EXPECT_THAT(read_hid_layout(size + Bytes{0x95, 16, 0x81, 0x02} + kMouse).reports, ElementsAre(HidLayout::Report{0, 65'536, 0, 0}));
+  EXPECT_TRUE(read_hid_layout(size + Bytes{0x95, 16, 0x81, 0x02} + kMouse).has_application(1, 2));
+  EXPECT_FALSE(read_hid_layout(size + Bytes{0x95, 17, 0x81, 0x02} + kMouse).has_application(1, 2));
+  EXPECT_TRUE(read_hid_layout(size + Bytes{0x95, 8, 0x81, 0x02, 0x81, 0x02} + kMouse).has_application(1, 2));
+  EXPECT_FALSE(read_hid_layout(size + Bytes{0x95, 8, 0x81, 0x02, 0x81, 0x02, 0x75, 1, 0x95, 1, 0x81, 0x02} + kMouse).has_application(1, 2));
+}
+
+TEST(HidLayout, LongItemsAreSkipped) {
+  EXPECT_TRUE(read_hid_layout(Bytes{0xFE, 0x02, 0x10, 0xAA, 0xBB} + kMouse).has_application(1, 2));
+  EXPECT_TRUE(read_hid_layout(Bytes{0xFE, 0x00, 0x10} + kMouse).has_application(1, 2));
+  EXPECT_FALSE(read_hid_layout(Bytes{0xFE, 0x08, 0x10} + kMouse).has_application(1, 2)) << "longer than all that follows";
+  EXPECT_TRUE(read_hid_layout(kMouse + Bytes{0xFE}).has_application(1, 2));
+  EXPECT_TRUE(read_hid_layout(kMouse + Bytes{0xFE, 0x01}).has_application(1, 2));
+}
+
+TEST(HidLayout, WhatIsFlawedEndsTheReading) {
+  for (const Bytes& flaw :
+       {Bytes{0x85, 0x00}, Bytes{0x86, 0x00, 0x01}, Bytes{0xB4}, Bytes{0xC0}, repeated({0xA4}, 65), repeated({0xA1, 0x00}, 65)}) {
+    EXPECT_TRUE(read_hid_layout(flaw + kMouse).applications.empty()) << int{flaw[0]};
+  }
+  EXPECT_TRUE(read_hid_layout(Bytes{0x85, 0x01} + kMouse).has_application(1, 2));
+  EXPECT_TRUE(read_hid_layout(Bytes{0x85, 0xFF} + kMouse).has_application(1, 2));
+  EXPECT_TRUE(read_hid_layout(repeated({0xA4}, 64) + kMouse).has_application(1, 2));
+  EXPECT_TRUE(read_hid_layout(repeated({0xA1, 0x00}, 64) + repeated({0xC0}, 64) + kMouse).has_application(1, 2));
+}
+
+TEST(HidLayout, AReportIsFoundByItsNumber) {
+  const HidLayout layout = read_hid_layout(hapton_hid_descriptor);
+  ASSERT_NE(layout.find_report(HAPTON_HID_FORCE_ID), nullptr);
+  EXPECT_EQ(layout.find_report(HAPTON_HID_FORCE_ID)->output_bytes, HAPTON_HID_FORCE_BYTES - 1U);
+  EXPECT_EQ(layout.find_report(9), nullptr);
+  EXPECT_FALSE(layout.has_application(kHaptonHidUsagePage, kHaptonHidUsage + 1));
 }
 
 TEST(HidLayout, ADescriptorCutOffAnywhereGivesWhatCameBefore) {

@@ -330,6 +330,19 @@ TEST_F(CodecTest, RejectsBadCarves) {
     EXPECT_EQ(with([&](Carves& m) { m.carves[1].from_m[0] = x; }), DecodeStatus::bad_value) << x;
     EXPECT_EQ(with([&](Carves& m) { m.carves[1].to_m[2] = x + 0.3F; }), DecodeStatus::bad_value) << x;
   }
+  // What is just allowed.
+  EXPECT_EQ(with([](Carves& m) { m.carves[1].radius_m = static_cast<float>(Carves::kMostRadiusM); }), DecodeStatus::ok);
+  EXPECT_EQ(with([](Carves& m) { m.carves[1].object = std::numeric_limits<std::int32_t>::max(); }), DecodeStatus::ok);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (const float share : {-1.0F, 1.0F, 1.01F}) {
+      const auto stretched = [&](Carves& m) {
+        m.carves[1].from_m = {0.0F, 0.0F, 0.0F};
+        m.carves[1].to_m = {0.0F, 0.0F, 0.0F};
+        m.carves[1].to_m[axis] = share * static_cast<float>(Carves::kMostLengthM);
+      };
+      EXPECT_EQ(with(stretched), share > 1.0F ? DecodeStatus::bad_value : DecodeStatus::ok) << axis << " " << share;
+    }
+  }
   EXPECT_EQ(with([](Carves& m) { m.carves[1].from_m = m.carves[1].to_m = {3e9F, 0.0F, 0.0F}; }), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(CarveStatus{.source = 1, .complete = 4}), DecodeStatus::ok);
   EXPECT_EQ(round_trip(CarveStatus{.complete = 4}), DecodeStatus::bad_value);

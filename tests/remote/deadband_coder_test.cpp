@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "tests/support/time_units.h"
 
 namespace hapton {
@@ -38,6 +40,26 @@ TEST(DeadbandCoder, WithFractionZeroEachValueIsSent) {
   (void)coder.note(kX, 0);
   (void)coder.send();
   EXPECT_TRUE(coder.note(kX, kMs));
+}
+
+// The slope is that over the last ten values, or over those there are.
+TEST(DeadbandCoder, TheSlopeIsThatOfTheLastTenValues) {
+  for (const auto& [count, per_ms] : {std::pair{1, 0.0}, {2, 1.0}, {5, 4.0}, {9, 8.0}, {10, 9.0}, {11, 11.0}, {25, 39.0}}) {
+    DeadbandCoder linear(0.1, 0.1, Prediction::linear);
+    DeadbandCoder hold(0.1, 0.1, Prediction::hold);
+    for (int i = 0; i < count; ++i) {
+      (void)linear.note(static_cast<double>(i * i) * kX, i * kMs);
+      (void)hold.note(static_cast<double>(i * i) * kX, i * kMs);
+    }
+    const SignalUpdate update = linear.send();
+    EXPECT_EQ(update.value.x(), static_cast<double>((count - 1) * (count - 1)));
+    EXPECT_NEAR(update.per_ns.x() * kMs, per_ms, 1e-9) << count;
+    EXPECT_EQ(hold.send().per_ns, Vec3(Vec3::Zero()));
+  }
+  DeadbandCoder at_once(0.1, 0.1, Prediction::linear);
+  (void)at_once.note(kX, 7);
+  (void)at_once.note(2.0 * kX, 7);
+  EXPECT_EQ(at_once.send().per_ns, Vec3(Vec3::Zero())) << "without time between them";
 }
 
 // A ramp needs an update for each tenth of its value with hold; a line that is known goes on by itself.

@@ -44,6 +44,50 @@ TEST(ForceComparison, OfTheSameForceIsZero) {
   EXPECT_NEAR(found.contact_s, 0.4, 2e-3);
 }
 
+// A tenth too strong: the errors are a tenth, of the root of the mean square over the contact.
+TEST(ForceComparison, AForceThatIsTooStrongByAShareHasThatError) {
+  auto rows = press(0);
+  double squares = 0.0;
+  std::size_t contact = 0;
+  double felt = 0.0;
+  std::size_t counted = 0;
+  for (ForceRow& row : rows) {
+    const double force_n = row.zero_delay_n.norm();
+    squares += force_n * force_n;
+    contact += force_n > 0.0 ? 1 : 0;
+    row.force_n *= 1.1;
+    if (1.1 * force_n <= kLeastN) continue;
+    felt += 0.1 * force_n;
+    ++counted;
+  }
+  const double rms_n = std::sqrt(squares / static_cast<double>(contact));
+  const ForceComparison found = compare_forces(rows, kRowS, 0.0);
+  EXPECT_NEAR(found.error_rms, 0.1, 1e-12);
+  EXPECT_NEAR(found.error_max_n, 0.1, 1e-12);
+  EXPECT_NEAR(found.value_offset, felt / static_cast<double>(counted) / rms_n, 1e-9);
+  EXPECT_EQ(found.time_offset_s, 0.0);
+  EXPECT_NEAR(found.contact_s, kRowS * static_cast<double>(contact), 1e-12);
+  EXPECT_NEAR(found.direction_max_deg, 0.0, 1e-9);
+  EXPECT_EQ(found.falls, 0U);
+}
+
+// 45 degrees for a part of the contact where both are above the least.
+TEST(ForceComparison, AnglesAreInDegrees) {
+  auto rows = press(0);
+  std::size_t counted = 0;
+  std::size_t turned = 0;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (rows[i].zero_delay_n.norm() <= kLeastN) continue;
+    ++counted;
+    if (i % 4 != 0) continue;
+    ++turned;
+    rows[i].force_n += rows[i].zero_delay_n.norm() * Vec3::UnitY();
+  }
+  const ForceComparison found = compare_forces(rows, kRowS, 0.0);
+  EXPECT_NEAR(found.direction_max_deg, 45.0, 1e-9);
+  EXPECT_NEAR(found.direction_rms_deg, 45.0 * std::sqrt(static_cast<double>(turned) / static_cast<double>(counted)), 1e-6);
+}
+
 TEST(ForceComparison, AForceAcrossIsAnErrorOfDirection) {
   const ForceComparison found = compare_forces(press(0, Vec3(1.0, 0.0, 0.0)), kRowS, 0.05);
   EXPECT_NEAR(found.error_max_n, 1.0, 1e-12);

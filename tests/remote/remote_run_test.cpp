@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
 #include "loop/stability.h"
+#include "remote/packet_size.h"
 #include "tests/remote/real_mesh.h"
 
 namespace hapton {
@@ -124,6 +127,49 @@ TEST(RemoteRun, WhatNeverComesIsAnError) {
   const auto touch = run_prescribed(*scene, *path, device_of("touch"), case_of("patch", 0.0, 1.0));
   ASSERT_FALSE(touch);
   EXPECT_NE(touch.error().what.find("patch: the scene around the hand had not arrived"), std::string::npos) << touch.error().what;
+}
+
+// A datagram each way in each period, and the nodes' greetings, ten a second.
+TEST(RemoteRun, RatesAreThoseOfTheDatagrams) {
+  const auto scene = make_remote_scene(real_mesh("fish_22k.obj"), {});
+  ASSERT_TRUE(scene);
+  const auto path = make_slide_path(*scene->mesh, *scene->near, {.slide_s = 0.5});
+  ASSERT_TRUE(path);
+  const auto touch = run_prescribed(*scene, *path, device_of("touch"), case_of("remote-held", 0.0, 0.0));
+  ASSERT_TRUE(touch) << touch.error().what;
+  EXPECT_NEAR(touch->rates.packets_up, 1010.0, 1e-6);
+  EXPECT_NEAR(touch->rates.packets_down, 1010.0, 1e-6);
+  EXPECT_NEAR(touch->rates.bytes_up, 1000.0 * static_cast<double>(packet_bytes_of_state()) + 10.0 * 110.0, 1e-3);
+  EXPECT_NEAR(touch->rates.bytes_down, 1000.0 * static_cast<double>(packet_bytes_of_force()) + 10.0 * 110.0, 1e-3);
+  EXPECT_EQ(touch->scene_kb, 0.0);
+  EXPECT_EQ(touch->missed, 0U);
+  EXPECT_EQ(touch->rows.size(), path->rows.size());
+  const auto patch = run_prescribed(*scene, *path, device_of("touch"), case_of("patch", 0.0, 0.0));
+  ASSERT_TRUE(patch);
+  EXPECT_GT(patch->scene_kb, 10.0);
+  EXPECT_LT(patch->scene_kb, 10'000.0);
+  EXPECT_GT(patch->ready_s, 0.5);
+}
+
+// From where the device was without delay: nowhere, or a millimetre aside in each period.
+TEST(RemoteRun, ThePathErrorIsADistance) {
+  const auto scene = make_remote_scene(real_mesh("fish_22k.obj"), {.stiffness_n_per_m = 300.0});
+  ASSERT_TRUE(scene);
+  const auto path = make_slide_path(*scene->mesh, *scene->near, {.slide_s = 0.5});
+  ASSERT_TRUE(path);
+  const auto run = [&](const std::vector<Vec3>* zero_delay) {
+    const auto touch = run_closed_loop(*scene, *path, device_of("premium-1.5"), case_of("local", 0.0, 0.0), zero_delay);
+    EXPECT_TRUE(touch);
+    return touch.value_or(ClosedLoopTouch{});
+  };
+  std::vector<Vec3> places = run(nullptr).p_WD;
+  ASSERT_GT(places.size(), path->leaving);
+  EXPECT_EQ(run(nullptr).path_error_m, 0.0);
+  EXPECT_EQ(run(&places).path_error_m, 0.0) << "the same run";
+  for (Vec3& p_W : places) p_W += Vec3(0.0, 0.0006, 0.0008);
+  EXPECT_NEAR(run(&places).path_error_m, 0.001, 1e-12);
+  places.resize(path->sliding);
+  EXPECT_EQ(run(&places).path_error_m, 0.0) << "nothing to compare";
 }
 
 TEST(RemoteRun, TheSameSeedGivesTheSameRun) {

@@ -1,6 +1,7 @@
 #include "runtime/process_age.h"
 
 #include <chrono>
+#include <string>
 #include <thread>
 
 #include <sys/wait.h>
@@ -9,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "runtime/clock.h"
+#include "tests/support/scratch_folder.h"
 
 namespace hapton {
 namespace {
@@ -41,6 +43,16 @@ TEST(ProcessAge, CountsFromTheStartOfThisProcess) {
   ASSERT_EQ(waitpid(child, &status, 0), child);
   EXPECT_TRUE(WIFEXITED(status));
   EXPECT_EQ(WEXITSTATUS(status), 0);
+}
+
+TEST(ProcessAge, IsUnknownWhereTheSystemDoesNotSay) {
+  const ScratchFolder folder;
+  // 22 words, the last of them the start in ticks; the program's name may hold brackets and blanks.
+  std::string stat = "17 (a (b) c) S 1 17 17 0 -1 4194560 90 0 0 0 1 2 0 0 20 0 1 0";
+  EXPECT_FALSE(read_process_age_s(folder.path() / "none"));
+  EXPECT_FALSE(read_process_age_s(folder.write("empty", "")));
+  EXPECT_FALSE(read_process_age_s(folder.write("short", stat)));
+  EXPECT_TRUE(read_process_age_s(folder.write("stat", stat + " 5 ")));
 }
 
 }  // namespace

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <filesystem>
+#include <functional>
 #include <string>
+#include <vector>
 
 #include "link/session_codec.h"
 #include "tests/session/made_entries.h"
@@ -13,7 +16,8 @@ namespace hapton {
 
 // A recording of four seconds at 1 kHz: the second sample of each two has a reply, contact from 2 s to 3 s, markers at 1 s and 3.5 s, a
 // fault at 2.5 s; the scene is shifted by 0.25 m at 1.5 s, object 1 is held from 0.5 s to 0.8 s, object 2 moved by a program at 1.2 s.
-// Object 0 is carved at 1.6 s (and the message repeated), and whole again from 3.2 s on, by another haptics process.
+// Object 0 is carved at 1.6 s (and the message repeated), and whole again from 3.2 s on, by another haptics process. A test adds what it
+// needs besides.
 struct MadeRecording {
   std::uint64_t samples = 4000;
   bool has_device = true;  // samples in the cycles
@@ -23,6 +27,13 @@ struct MadeRecording {
   bool is_carved_before = false;  // that carve was made before the recording, as is announced at 0.05 s
   std::uint64_t lost_from = 0;    // these samples are missing
   std::uint64_t lost_to = 0;
+  bool has_replies = true;
+  std::vector<std::uint64_t> marks_at = {};      // more markers, at these samples
+  std::int64_t slower_ns = 0;                    // so much later than the others comes the reply to each fourth sample
+  std::function<void(std::uint64_t)> also = {};  // after each sample
+
+  static constexpr std::uint64_t kHaptics = 2;
+  static constexpr std::uint64_t kVision = 3;
 
   std::filesystem::path write(const ScratchFolder& scratch) {
     bytes = std::string(kSessionMagic);
@@ -32,9 +43,18 @@ struct MadeRecording {
       if (sample >= lost_from && sample < lost_to) continue;
       add_sample(sample);
       add_what_happens(sample);
+      if (also) also(sample);
     }
     return scratch.write("made.hapton", bytes);
   }
+
+  // At the time of a sample, or so much later.
+  void receive(std::uint64_t sender, const Message& message, std::uint64_t sample, std::int64_t later_ns = 0) {
+    add(SessionEntry::Kind::received, sender, message, sample_ns(sample) + later_ns);
+  }
+
+  // To a vision node.
+  void notice(const ProbeState& state, std::uint64_t sample) { add(SessionEntry::Kind::sent, 1, state, sample_ns(sample)); }
 
   static Carves through_middle(std::uint32_t source, std::uint32_t serial) {
     Carves carves{.source = source, .newest = serial, .first = serial, .count = 1};
@@ -43,19 +63,13 @@ struct MadeRecording {
   }
 
  private:
-  static constexpr std::uint64_t kHaptics = 2;
-  static constexpr std::uint64_t kVision = 3;
-
-  void add(SessionEntry::Kind kind, std::uint64_t sender, const Message& message, std::uint64_t sample) {
+  void add(SessionEntry::Kind kind, std::uint64_t sender, const Message& message, std::int64_t time_ns) {
     SessionEntry entry;
     entry.kind = kind;
-    entry.time_ns = sample_ns(sample) + 300'000;
+    entry.time_ns = time_ns + 300'000;
     const Datagram datagram{{.session = 1, .sender = sender, .sequence = ++sequence}, message};
     entry.datagram = std::span(wire).first(datagrams.encode(datagram, wire));
     codec.append(entry, bytes);
-  }
-  void receive(std::uint64_t sender, const Message& message, std::uint64_t sample) {
-    add(SessionEntry::Kind::received, sender, message, sample);
   }
 
   void add_setup(std::uint64_t sample) {
@@ -71,7 +85,7 @@ struct MadeRecording {
     SessionEntry cycle = cycle_of(sample);
     if (!has_device) cycle.cycle.device.reset();
     codec.append(cycle, bytes);
-    if (sample % 2 != 0) return;
+    if (sample % 2 != 0 || !has_replies) return;
     ForceCommand force = force_of(sample);
     force.contact = sample >= 2000 && sample < 3000;
     if (!force.contact) {
@@ -80,10 +94,11 @@ struct MadeRecording {
     }
     force.view_revision = sample >= 1500 ? 4 : 0;
     force.scene_time_ns = static_cast<std::int64_t>(sample) * 1'000'000;
-    receive(kHaptics, force, sample);
+    receive(kHaptics, force, sample, sample % 4 == 0 ? slower_ns : 0);
   }
 
   void add_what_happens(std::uint64_t sample) {
+    if (std::ranges::count(marks_at, sample) > 0) codec.append(marker_of(sample, "one more"), bytes);
     if (sample == 1000) codec.append(marker_of(sample, "trial 7"), bytes);
     if (sample == 3500) codec.append(marker_of(sample, "trial 8"), bytes);
     if (sample == 1500) receive(kVision, ViewTransform{4, {1, 0, 0, 0.25F, 0, 1, 0, 0, 0, 0, 1, 0}}, sample);
@@ -107,7 +122,7 @@ struct MadeRecording {
       codec.append(fault, bytes);
     }
     if (sample == 100 || sample == 2600) {
-      add(SessionEntry::Kind::sent, 1, ProbeState{.status = sample == 100 ? ProbeStatus::ok : ProbeStatus::fault_latched}, sample);
+      notice(ProbeState{.status = sample == 100 ? ProbeStatus::ok : ProbeStatus::fault_latched}, sample);
     }
   }
 

@@ -2,8 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
 #include <limits>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "tests/session/made_recording.h"
 #include "tests/support/scratch_folder.h"
@@ -93,6 +98,181 @@ TEST(SessionIndex, APositionIsNotFarBeforeItsTime) {
     const double first_s = 1e-9 * static_cast<double>(entry.time_ns - kJoinedStartNs);
     EXPECT_LE(first_s, std::max(t_s, 0.01)) << t_s;
     EXPECT_GE(first_s, std::min(t_s, 4.0) - 0.3) << t_s;
+  }
+}
+
+TEST(SessionIndex, ASpanHasTheLargestForceAndTheLongestRoundTrip) {
+  const ScratchFolder scratch;
+  MadeRecording recording;
+  recording.slower_ns = 150'000;
+  recording.lost_from = 1000;
+  recording.lost_to = 1100;
+  const SessionIndex index = index_of(recording.write(scratch));
+  for (const SessionSpan& span : index.spans()) {
+    if (span.samples == 1) continue;
+    EXPECT_FLOAT_EQ(span.round_trip_s, 4.5e-4F) << span.number;
+  }
+  EXPECT_EQ(index.spans().front().samples, 19U) << "the samples 1 to 19";
+  EXPECT_EQ(index.spans().back().samples, 1U) << "that of the last millisecond";
+  for (const SessionSpan& span : index.spans()) EXPECT_FALSE(span.number >= 50 && span.number < 55) << "nothing was recorded there";
+}
+
+TEST(SessionIndex, WithoutAReplyASpanHasNoRoundTrip) {
+  const ScratchFolder scratch;
+  MadeRecording recording;
+  recording.samples = 1;
+  const SessionIndex index = index_of(recording.write(scratch));
+  ASSERT_EQ(index.spans().size(), 1U);
+  EXPECT_LT(index.spans()[0].round_trip_s, 0.0F);
+}
+
+TEST(SessionIndex, SpansAreFoundByTheTimesTheyOverlap) {
+  const ScratchFolder scratch;
+  const SessionIndex index = index_of(MadeRecording().write(scratch));
+  const auto numbers = [&](double from_s, double to_s) {
+    std::vector<std::int64_t> found;
+    for (const SessionSpan& span : index.spans_between(from_s, to_s)) found.push_back(span.number);
+    return found;
+  };
+  EXPECT_EQ(numbers(1.01, 1.05), (std::vector<std::int64_t>{50, 51, 52}));
+  EXPECT_EQ(numbers(1.03, 1.03), (std::vector<std::int64_t>{51}));
+  EXPECT_EQ(numbers(-9.0, 0.03), (std::vector<std::int64_t>{0, 1}));
+  EXPECT_EQ(numbers(3.99, 1e300), (std::vector<std::int64_t>{199, 200}));
+  EXPECT_EQ(index.spans_between(-1e300, 1e300).size(), index.spans().size());
+  EXPECT_TRUE(numbers(5.0, 6.0).empty());
+  EXPECT_TRUE(numbers(2.0, 1.0).empty());
+}
+
+// A method, a scene, other meshes in the same file, another unit: each is another set-up.
+TEST(SessionIndex, EachChangeOfTheSetupIsKnownFromItsTimeOn) {
+  const ScratchFolder scratch;
+  MadeRecording recording;
+  HapticsSetup setup{.method_serial = 1, .scene_hash = 5};
+  std::strncpy(setup.scene.data(), "made.toml", setup.scene.size() - 1);
+  std::strncpy(setup.method.data(), "name=proxy probe_radius_m=0.004", setup.method.size() - 1);
+  recording.also = [&](std::uint64_t sample) {
+    if (sample % 500 != 0) return;
+    if (sample == 500) std::strncpy(setup.method.data(), "name=smooth", setup.method.size() - 1);
+    if (sample == 1000) std::strncpy(setup.scene.data(), "other.toml", setup.scene.size() - 1);
+    if (sample == 1500) setup.scene_hash = 6;
+    if (sample == 2000) setup.scene_loading = 3;
+    ++setup.method_serial;
+    recording.receive(MadeRecording::kHaptics, setup, sample);
+  };
+  const SessionIndex index = index_of(recording.write(scratch));
+  EXPECT_STREQ(index.find_setup(0.49)->method.data(), "name=proxy probe_radius_m=0.004");
+  EXPECT_STREQ(index.find_setup(0.51)->method.data(), "name=smooth");
+  EXPECT_STREQ(index.find_setup(0.99)->scene.data(), "made.toml");
+  EXPECT_STREQ(index.find_setup(1.01)->scene.data(), "other.toml");
+  EXPECT_EQ(index.find_setup(1.49)->scene_hash, 5U);
+  EXPECT_EQ(index.find_setup(1.51)->scene_hash, 6U);
+  EXPECT_EQ(index.find_setup(1.99)->scene_loading, 0U);
+  EXPECT_EQ(index.find_setup(2.01)->scene_loading, 3U);
+  EXPECT_EQ(index.find_setup(3.9), index.find_setup(2.1)) << "what is said again changes nothing";
+}
+
+TEST(SessionIndex, RepetitionsOfOneObjectAreKnownAlsoBetweenThoseOfAnother) {
+  const ScratchFolder scratch;
+  MadeRecording recording;
+  recording.also = [&](std::uint64_t sample) {
+    if (sample < 3000 || sample % 100 != 0) return;
+    for (const std::int32_t object : {3, 4}) {
+      recording.receive(MadeRecording::kHaptics, ObjectPose{.serial = sample < 3500 ? 5U : 6U, .object = object}, sample);
+      recording.receive(MadeRecording::kHaptics, ObjectMove{.source = 6, .serial = 5, .object = object, .start_ns = 1, .end_ns = 2},
+                        sample);
+    }
+  };
+  const SessionIndex index = index_of(recording.write(scratch));
+  ASSERT_EQ(index.poses().size(), 6U);
+  for (std::size_t n = 2; n < 6; ++n) {
+    EXPECT_EQ(index.poses()[n].message.object, n % 2 == 0 ? 3 : 4);
+    EXPECT_NEAR(index.poses()[n].t_s, n < 4 ? 3.0 : 3.5, 0.001);
+  }
+  EXPECT_EQ(index.moves().size(), 3U);
+}
+
+// The pose of the scene of a revision: the newest of that number until then; the newest of all where none has it.
+TEST(SessionIndex, AViewIsFoundByItsRevision) {
+  const ScratchFolder scratch;
+  MadeRecording recording;
+  recording.also = [&](std::uint64_t sample) {
+    const auto shifted = [&](std::uint32_t revision, float x) {
+      recording.receive(MadeRecording::kVision, ViewTransform{revision, {1, 0, 0, x, 0, 1, 0, 0, 0, 0, 1, 0}}, sample);
+    };
+    if (sample == 2000) shifted(5, 0.5F);
+    if (sample == 2500) shifted(4, 0.75F);  // of a vision node that was started again
+    if (sample == 3000) shifted(6, 1.0F);
+  };
+  const SessionIndex index = index_of(recording.write(scratch));
+  const auto x_of = [&](std::optional<std::uint32_t> revision, double t_s) {
+    return static_cast<float>(index.find_view(revision, t_s).translation().x());
+  };
+  EXPECT_EQ(x_of(4U, 2.4), 0.25F);
+  EXPECT_EQ(x_of(5U, 2.4), 0.5F);
+  EXPECT_EQ(x_of(4U, 3.5), 0.75F);
+  EXPECT_EQ(x_of(5U, 3.5), 0.5F);
+  EXPECT_EQ(x_of(6U, 3.5), 1.0F);
+  EXPECT_EQ(x_of(6U, 2.9), 0.75F) << "not known yet";
+  EXPECT_EQ(x_of(99U, 3.5), 1.0F);
+  EXPECT_EQ(x_of({}, 2.6), 0.75F);
+  EXPECT_EQ(x_of(0U, -1.0), 0.0F);
+}
+
+// As from a file whose times were changed.
+TEST(SessionIndex, WhatWasSaidLaterInTheFileIsNotEarlierInTime) {
+  const ScratchFolder scratch;
+  MadeRecording recording;
+  recording.also = [&](std::uint64_t sample) {
+    if (sample != 3000) return;
+    recording.receive(MadeRecording::kHaptics, ObjectPose{.serial = 8, .object = 3}, sample);
+    recording.receive(MadeRecording::kHaptics, ObjectPose{.serial = 9, .object = 3}, sample, -2'500'000'000);
+  };
+  const SessionIndex index = index_of(recording.write(scratch));
+  ASSERT_EQ(index.poses().size(), 4U);
+  EXPECT_EQ(index.poses()[3].message.serial, 9U);
+  EXPECT_EQ(index.poses()[3].t_s, index.poses()[2].t_s);
+  EXPECT_EQ(count_until(index.poses(), 2.9), 2U);
+}
+
+TEST(SessionIndex, NoticesOfTheDeviceAreThoseThatChanged) {
+  const ScratchFolder scratch;
+  MadeRecording recording;
+  recording.also = [&](std::uint64_t sample) {
+    if (sample == 200 || sample == 300) recording.notice({.energy_percent = 40, .force_limit_n = 8.0F}, sample);
+    if (sample == 300) recording.receive(MadeRecording::kVision, ProbeState{.energy_percent = 99}, sample);  // said by nobody who knows
+  };
+  const SessionIndex index = index_of(recording.write(scratch));
+  ASSERT_NE(index.find_notice(0.15), nullptr);
+  EXPECT_EQ(index.find_notice(0.15)->energy_percent, 0U);
+  ASSERT_NE(index.find_notice(0.25), nullptr);
+  EXPECT_EQ(index.find_notice(0.25)->energy_percent, 40U);
+  EXPECT_EQ(index.find_notice(0.25)->force_limit_n, 8.0F);
+  EXPECT_EQ(index.find_notice(0.35), index.find_notice(0.25)) << "said again";
+  EXPECT_EQ(index.find_notice(2.5)->status, ProbeStatus::ok);
+  EXPECT_EQ(index.find_notice(99.0)->status, ProbeStatus::fault_latched);
+}
+
+// A megabyte a quarter of a second: a jump into it reads on from within the last one.
+TEST(SessionIndex, APositionIsNotFarBeforeItsTimeAlsoWhereMuchWasSaid) {
+  const ScratchFolder scratch;
+  MadeRecording recording;
+  recording.samples = 400;
+  HapticsSetup setup{.method_serial = 1};
+  for (HapticsSetup::Text* text : {&setup.scene, &setup.build, &setup.method}) std::fill(text->begin(), text->end() - 1, 'x');
+  recording.also = [&](std::uint64_t sample) {
+    for (int n = 0; n < 60; ++n) recording.receive(MadeRecording::kHaptics, setup, sample);
+  };
+  const auto file = recording.write(scratch);
+  ASSERT_GT(std::filesystem::file_size(file), 16U << 20);
+  const SessionIndex index = index_of(file);
+  for (const double t_s : {0.1, 0.2, 0.24, 0.39}) {
+    auto reader = SessionReader::open(file);
+    reader->seek(index.find_position(t_s));
+    SessionEntry entry;
+    ASSERT_TRUE(reader->next(entry)) << t_s;
+    const double first_s = 1e-9 * static_cast<double>(entry.time_ns - kJoinedStartNs);
+    EXPECT_LE(first_s, t_s);
+    EXPECT_GT(first_s, t_s - 0.05) << "a megabyte before";
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <utility>
@@ -81,6 +82,46 @@ TEST(SessionRows, AReplyIsThatOfTheNewestSampleThatHasOne) {
   const std::vector<double> trips = opened.rows->round_trips(3.0);
   EXPECT_NEAR(static_cast<double>(trips.size()), 500.0, 2.0);
   EXPECT_NEAR(trips.front(), 3e-4, 1e-9);
+}
+
+TEST(SessionRows, RoundTripsAreThoseOfTheSecondBeforeSorted) {
+  MadeRecording recording;
+  recording.slower_ns = 200'000;
+  OpenedRecording opened(std::move(recording));
+  const std::vector<double> trips = opened.rows->round_trips(3.0005);
+  ASSERT_EQ(trips.size(), 500U) << "one sample in two has a reply";
+  for (std::size_t n = 0; n < trips.size(); ++n) EXPECT_NEAR(trips[n], n < 250 ? 3e-4 : 5e-4, 1e-9) << n;
+  EXPECT_TRUE(opened.rows->round_trips(0.0015).empty());
+  EXPECT_EQ(opened.rows->round_trips(0.0025).size(), 1U);
+}
+
+// Played on so far that the beginning was forgotten, then back by less than what is kept.
+TEST(SessionRows, TheWayBackIsReadAgain) {
+  OpenedRecording opened;
+  for (const double t_s : {0.1005, 1.5005, 2.9005, 3.9005}) ASSERT_EQ(opened.rows->at(t_s)->sample, static_cast<std::uint64_t>(1e3 * t_s));
+  for (const double t_s : {1.2005, 0.3005, 3.2005, 2.2005, 1.3005, 0.1005}) {
+    EXPECT_EQ(opened.rows->at(t_s)->sample, static_cast<std::uint64_t>(1e3 * t_s)) << t_s;
+    EXPECT_EQ(opened.rows->round_trips(t_s).size(), static_cast<std::size_t>(500.0 * std::min(t_s, 1.0))) << t_s;
+  }
+}
+
+TEST(SessionRows, BeforeTheFirstSampleTheFirstIsShown) {
+  OpenedRecording opened;
+  for (const double t_s : {-7.0, 0.0, 0.0005}) {
+    ASSERT_NE(opened.rows->at(t_s), nullptr);
+    EXPECT_EQ(opened.rows->at(t_s)->sample, 1U) << t_s;
+    EXPECT_EQ(opened.rows->replied_at(t_s, 1.0), nullptr) << t_s;
+    EXPECT_DOUBLE_EQ(opened.rows->next_s(t_s).value_or(-1.0), 0.001) << t_s;
+    EXPECT_FALSE(opened.rows->previous_s(t_s)) << t_s;
+  }
+  EXPECT_EQ(opened.rows->at(99.0)->sample, 4000U) << "after the last, the last";
+}
+
+TEST(SessionRows, AReplyAsOldAsAskedForIsOne) {
+  OpenedRecording opened;
+  const double at_s = opened.rows->at(2.0005)->sample_t_s;
+  ASSERT_NE(opened.rows->replied_at(at_s + 0.0009, 0.001), nullptr);
+  EXPECT_EQ(opened.rows->replied_at(at_s, 0.0)->sample, 2000U);
 }
 
 TEST(SessionRows, InAGapTheSampleBeforeItIsShown) {

@@ -4,8 +4,10 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <memory>
 #include <string>
 
+#include "scene/object_reader.h"
 #include "tests/session/opened_recording.h"
 #include "tests/vision_node/made_views.h"
 #include "vision_node/vision_session.h"
@@ -129,6 +131,32 @@ TEST(RecordedSession, TeachingViewsAreInThePictureOfAMoment) {
     }
     EXPECT_GT(changed, 20U) << view;
   }
+}
+
+// What a program moves is known a fifth of a second before, and is at its place of the scene time of the sample shown.
+TEST(RecordedObjects, WhatProgramsMoveIsWhereItWasInSceneTime) {
+  VisionOptions options;
+  options.view.offscreen = true;
+  RecordedWindow window(options);
+  ObjectSpec spec;
+  spec.motion.by_program = true;
+  SceneObject& lid = window.scene.objects[2];
+  lid.commanded = std::make_shared<const CommandedObject>(spec, SceneFit(), *lid.mesh);
+  MovedObjects moved(*window.view, window.scene);
+  RecordedObjects objects(window.index, moved);
+  const Pose at_rest = Pose::Identity();
+  objects.show(0.94, 1'500'000'000);
+  EXPECT_FALSE(objects.show(0.95, 1'500'000'000)) << "not known yet";
+  EXPECT_EQ(moved.moving()[2].matrix(), at_rest.matrix());
+  EXPECT_TRUE(objects.show(1.05, 1'450'000'000));
+  EXPECT_NEAR(moved.moving()[2].translation().y(), 0.05, 1e-3) << "half way";
+  EXPECT_FALSE(objects.show(1.06, 1'450'000'000)) << "scene time stands still";
+  EXPECT_TRUE(objects.show(2.5, 2'500'000'000));
+  const Vec3 there = moved.moving()[2].translation();
+  EXPECT_TRUE(objects.show(0.9, 900'000'000));
+  EXPECT_EQ(moved.moving()[2].matrix(), at_rest.matrix()) << "back";
+  EXPECT_TRUE(objects.show(3.9, 3'900'000'000));
+  EXPECT_EQ(moved.moving()[2].translation(), there);
 }
 
 TEST(RecordedObjects, GoesForwardsAndBackwards) {

@@ -3,7 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <set>
+#include <string>
+#include <utility>
 
 #include "core/geometry/closest_point.h"
 #include "tests/support/made_meshes.h"
@@ -45,6 +49,57 @@ TEST(TeachShapes, ContactShowsTheTrianglesAndPlanesAtTheProbe) {
   EXPECT_TRUE(show_contact(smooth, probe).lines.empty());
 }
 
+// A square of 6 % of the diagonal in the plane of the triangle, and a normal half as long; the way from the proxy to the device.
+TEST(TeachShapes, APlaneIsASquareAtTheClosestPoint) {
+  const TouchScene scene = teach_scene();
+  const SmoothScene smooth = teach_smooth(scene);
+  TeachProbe probe = teach_probe();
+  const TriangleMesh& mesh = *scene.objects[0].mesh;
+  const std::size_t t = mesh.triangles.size() / 2;
+  probe.p_SP = (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2)) / 3.0;
+  const Vec3 face = (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0)).normalized();
+  probe.p_SD = probe.p_SP - 0.002 * face;
+  for (const double sign : {1.0, -1.0}) {
+    probe.force_S_n = sign * face;
+    const TeachShapes shapes = show_contact(smooth, probe);
+    ASSERT_EQ(shapes.lines.size(), 9U);
+    EXPECT_EQ(shapes.caption, "contact: 1 triangle, 1 plane, penetration 2.00 mm");
+    const double size = 0.03 * smooth.diagonal();
+    for (std::size_t k = 3; k < 7; ++k) {
+      EXPECT_NEAR((shapes.lines[k].to - shapes.lines[k].from).norm(), 2.0 * size, 1e-9) << k;
+      EXPECT_NEAR((shapes.lines[k].from - probe.p_SP).norm(), std::sqrt(2.0) * size, 1e-6) << k;
+      EXPECT_NEAR((shapes.lines[k].from - probe.p_SP).dot(face), 0.0, 1e-6) << k;
+    }
+    EXPECT_LT((shapes.lines[7].to - shapes.lines[7].from - sign * size * face).norm(), 1e-6) << "where the force goes";
+    EXPECT_EQ(shapes.lines[8].from, probe.p_SP);
+    EXPECT_EQ(shapes.lines[8].to, probe.p_SD);
+  }
+  // Without a force, where the proxy is from the device.
+  probe.force_S_n.setZero();
+  EXPECT_GT((show_contact(smooth, probe).lines[7].to - probe.p_SP).dot(face), 0.0);
+  probe.is_contact = false;
+  EXPECT_EQ(show_contact(smooth, probe).caption, "contact: none");
+}
+
+// A ball is in contact with all triangles within its radius.
+TEST(TeachShapes, ABallIsInContactByItsRadius) {
+  const TouchScene scene = teach_scene();
+  const SmoothScene smooth = teach_smooth(scene);
+  TeachProbe probe = teach_probe();
+  probe.p_SP = 0.06 * Vec3(1.0, 2.0, 3.0).normalized();
+  for (const double radius_m : {0.0, 0.0095, 0.0105, 0.012}) {
+    probe.radius_m = radius_m;
+    const double within = radius_m + 2e-4 * smooth.diagonal();
+    std::size_t wanted = 0;
+    const TriangleMesh& mesh = *scene.objects[0].mesh;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      wanted += closest_point(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), probe.p_SP).distance <= within ? 1 : 0;
+    }
+    EXPECT_EQ(show_contact(smooth, probe).triangles.size(), wanted) << radius_m;
+    EXPECT_EQ(wanted > 0, radius_m > 0.01) << radius_m;
+  }
+}
+
 // Brute force: no triangle that is left out is nearer than one that is in.
 TEST(TeachShapes, TheLocalSetIsTheNearest) {
   const TouchScene scene = teach_scene();
@@ -59,6 +114,37 @@ TEST(TeachShapes, TheLocalSetIsTheNearest) {
   std::size_t nearer = 0;
   smooth.for_each([&](const SetTriangle& triangle) { nearer += distance(triangle.corner) < farthest - 1e-9 ? 1 : 0; });
   EXPECT_LE(nearer, 20U);
+  double complete_mm = 0.0;
+  ASSERT_EQ(std::sscanf(shapes.caption.c_str(), "local set: 20 triangles, complete within %lf mm", &complete_mm), 1) << shapes.caption;
+  EXPECT_GT(complete_mm, 0.5);
+  std::size_t within = 0;
+  smooth.for_each([&](const SetTriangle& triangle) { within += distance(triangle.corner) < 1e-3 * complete_mm - 1e-5 ? 1 : 0; });
+  std::size_t shown = 0;
+  for (const TeachTriangle& triangle : shapes.triangles) shown += distance(triangle.corner) < 1e-3 * complete_mm - 1e-5 ? 1 : 0;
+  EXPECT_EQ(shown, within) << "what is nearer is in the set";
+  probe.set_size = -3;
+  EXPECT_EQ(show_local_set(smooth, probe).triangles.size(), 1U) << "at least one";
+}
+
+// The whole scene is in one hull, white where the probe is in it.
+TEST(TeachShapes, TheFirstLevelIsOneHull) {
+  const TouchScene scene = teach_scene();
+  const SmoothScene smooth = teach_smooth(scene);
+  TeachProbe probe = teach_probe();
+  for (const auto& [at, colour] : {std::pair(Vec3(0.0, 0.0, 0.0), TeachColour{255, 255, 255}),
+                                   {Vec3(0.0, 0.0, 0.051), TeachColour{255, 200, 90}},
+                                   {Vec3(0.0, -0.051, 0.0), TeachColour{255, 200, 90}}}) {
+    probe.p_SP = at;
+    const TeachShapes shapes = show_tree(smooth, probe, 0);
+    EXPECT_EQ(shapes.caption, "tree: level 0, 1 hulls");
+    Eigen::AlignedBox3d box;
+    for (const TeachLine& line : shapes.lines) {
+      box.extend(line.from).extend(line.to);
+      EXPECT_EQ(line.colour, colour);
+    }
+    EXPECT_LT((box.min() + Vec3::Constant(0.05)).norm(), 1e-3);
+    EXPECT_LT((box.max() - Vec3::Constant(0.05)).norm(), 1e-3);
+  }
 }
 
 TEST(TeachShapes, HullsOfALevelContainTheirTrianglesAndTogetherAll) {
@@ -137,7 +223,20 @@ TEST(TeachShapes, CellsAreThoseOfTheGrid) {
   }
   EXPECT_EQ(drawn, wanted);
   EXPECT_NE(shapes.caption.find(std::to_string(grid.occupancy().occupied_cells) + " of 32768 cells"), std::string::npos) << shapes.caption;
-  EXPECT_EQ(show_grid(grid, teach_probe()).lines.size(), shapes.lines.size() + 12) << "the probe's cell";
+  const TeachShapes with_cell = show_grid(grid, teach_probe());
+  ASSERT_EQ(with_cell.lines.size(), shapes.lines.size() + 12) << "the probe's cell";
+  Eigen::AlignedBox3d cell;
+  for (std::size_t i = shapes.lines.size(); i < with_cell.lines.size(); ++i) {
+    EXPECT_EQ(with_cell.lines[i].colour, (TeachColour{255, 255, 255}));
+    cell.extend(with_cell.lines[i].from).extend(with_cell.lines[i].to);
+  }
+  EXPECT_LT((cell.sizes() - size).norm(), 1e-9);
+  EXPECT_TRUE(cell.contains(teach_probe().p_SP));
+  const Vec3 number = (cell.min() - grid.low()).cwiseQuotient(size);
+  const auto triangles = grid.triangles_in(static_cast<int>(std::lround(number.x())), static_cast<int>(std::lround(number.y())),
+                                           static_cast<int>(std::lround(number.z())));
+  EXPECT_NE(with_cell.caption.find("; the probe's cell: " + std::to_string(triangles.size())), std::string::npos) << with_cell.caption;
+  EXPECT_EQ(shapes.caption.find("the probe's cell"), std::string::npos);
 }
 
 TEST(TeachShapes, CurvatureOfASphereHasOneColour) {
@@ -149,8 +248,32 @@ TEST(TeachShapes, CurvatureOfASphereHasOneColour) {
   for (const TeachTriangle& triangle : shapes.triangles) {
     for (const TeachColour& colour : triangle.colour) ASSERT_GT(colour[0], colour[2] + 100) << "red: convex";
   }
-  EXPECT_GT(curvature_colour(-5.0, 5.0)[2], 200);
-  EXPECT_EQ(curvature_colour(0.0, 5.0)[0], curvature_colour(0.0, 5.0)[2]);
+  EXPECT_EQ(shapes.legend->most, curvature.most);
+  EXPECT_EQ(shapes.legend->unit, "1/m");
+}
+
+TEST(TeachShapes, ColoursGoEvenlyFromBlueThroughGreyToRed) {
+  EXPECT_EQ(curvature_colour(0.0, 5.0), (TeachColour{222, 222, 222}));
+  EXPECT_EQ(curvature_colour(5.0, 5.0), (TeachColour{220, 40, 40}));
+  EXPECT_EQ(curvature_colour(2.5, 5.0), (TeachColour{221, 131, 131}));
+  EXPECT_EQ(curvature_colour(-2.5, 5.0), (TeachColour{131, 151, 226}));
+  EXPECT_EQ(curvature_colour(-5.0, 5.0), (TeachColour{40, 80, 230}));
+  EXPECT_EQ(curvature_colour(-99.0, 5.0), (TeachColour{40, 80, 230}));
+  EXPECT_EQ(curvature_colour(3.0, 0.0), (TeachColour{222, 222, 222})) << "a plane has no scale";
+  EXPECT_EQ(curvature_colour(std::nan(""), 5.0), (TeachColour{230, 210, 60}));
+}
+
+// The scale is that of 95 of 100 vertices: a few sharp ones do not make all others grey.
+TEST(TeachShapes, AFewSharpVerticesDoNotSetTheScale) {
+  for (const int sharp_bands : {4, 24}) {
+    TouchScene scene = teach_scene(48);
+    scene.objects.push_back({made::shared(made::sphere(0.005, sharp_bands)), {}});
+    const double share = static_cast<double>(scene.objects[1].mesh->vertices.size()) /
+                         static_cast<double>(scene.objects[0].mesh->vertices.size() + scene.objects[1].mesh->vertices.size());
+    EXPECT_EQ(share > 0.05, sharp_bands == 24);
+    EXPECT_EQ(find_curvature(scene).most > 100.0, sharp_bands == 24) << share;
+  }
+  EXPECT_EQ(find_curvature(TouchScene{}).most, 0.0);
 }
 
 TEST(TeachBuilder, AnswersTheNewestRequest) {

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+#include <vector>
+
 #include "tests/session/opened_recording.h"
 
 namespace hapton {
@@ -19,6 +22,64 @@ TEST(TimeLine, HasContactAsABandAndMarksAsTicks) {
   EXPECT_TRUE(line.ticks[1].is_fault);
   EXPECT_EQ(line.begin, "0:00.0");
   EXPECT_EQ(line.end, "0:04.0");
+}
+
+// Contact from 1 s to 1.1 s, from 1.12 s to 1.2 s, and from 3 s to 3.02 s. Spans are 20 ms, columns 2 ms.
+TEST(TimeLine, EachContactIsABandOfItsOwn) {
+  MadeRecording made;
+  made.has_replies = false;
+  made.also = [&](std::uint64_t sample) {
+    ForceCommand force = force_of(sample);
+    force.contact = (sample >= 1000 && sample < 1100) || (sample >= 1120 && sample < 1200) || (sample >= 3000 && sample < 3020);
+    made.receive(MadeRecording::kHaptics, force, sample);
+  };
+  const ScratchFolder scratch;
+  auto reader = SessionReader::open(made.write(scratch));
+  const auto index = SessionIndex::read(*reader);
+  ASSERT_TRUE(index);
+  const std::vector<TimeLineShown::Band> bands = make_time_line(*index).contact;
+  ASSERT_EQ(bands.size(), 3U);
+  const double from[] = {1.0, 1.12, 3.0};
+  const double to[] = {1.1, 1.2, 3.02};
+  for (std::size_t i = 0; i < 3; ++i) {
+    // In whole columns of those between the first sample and the last.
+    EXPECT_NEAR(bands[i].from, (from[i] - 0.001) / 3.999, 1.0 / kTimeLineColumns) << i;
+    EXPECT_NEAR(bands[i].to, (to[i] - 0.001) / 3.999, 1.0 / kTimeLineColumns) << i;
+    EXPECT_LE(bands[i].from, (from[i] - 0.001) / 3.999) << i;
+    EXPECT_GE(bands[i].to, (to[i] - 0.001) / 3.999) << i;
+  }
+}
+
+// A marker and a fault in the same two milliseconds, and two markers.
+TEST(TimeLine, TicksOfOneKindAreNoNearerThanAColumn) {
+  MadeRecording made;
+  made.marks_at = {999, 1000, 2500, 3000};
+  const OpenedRecording recording(std::move(made));
+  const std::vector<TimeLineShown::Tick> ticks = make_time_line(recording.index).ticks;
+  ASSERT_EQ(ticks.size(), 5U) << "of 1 s one, of 2.5 s both, of 3 s and 3.5 s one each";
+  const bool is_fault[] = {false, true, false, false, false};
+  const double at[] = {0.999, 2.5, 2.5, 3.0, 3.5};
+  for (std::size_t i = 0; i < 5; ++i) {
+    EXPECT_NEAR(ticks[i].at, (at[i] - 0.001) / 3.999, 1e-9) << i;
+    EXPECT_EQ(ticks[i].is_fault, is_fault[i]) << i;
+  }
+}
+
+TEST(TimeLine, ItsPlaceIsAShareOfThePicture) {
+  struct Row {
+    PictureSize size;
+    double reserve_px;
+  };
+  for (const Row& row : {Row{{1000, 300}, 22.0}, Row{{1000, 800}, 44.0}, Row{{2000, 4000}, 80.0}}) {
+    const TimeLinePlace place = place_time_line(row.size);
+    EXPECT_NEAR(place.reserve_px, row.reserve_px, 1e-9);
+    EXPECT_NEAR(place.left_px, 0.07 * row.size.width_px, 1e-9);
+    EXPECT_NEAR(place.width_px, 0.86 * row.size.width_px, 1e-9);
+    EXPECT_NEAR(place.height_px, 0.34 * row.reserve_px, 1e-9);
+    EXPECT_NEAR(place.bottom_px, 0.33 * row.reserve_px, 1e-9);
+    EXPECT_NEAR(place.share_at(0.07 * row.size.width_px + 0.43 * row.size.width_px), 0.5, 1e-9);
+  }
+  EXPECT_EQ(TimeLinePlace{}.share_at(3.0), 0.0) << "a line without length";
 }
 
 TEST(TimeLine, SharesAndMomentsAreInverse) {

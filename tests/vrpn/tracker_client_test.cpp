@@ -102,7 +102,12 @@ TEST_F(VrpnTrackerClient, InvalidPosesAreIgnored) {
   for (const Quat& q : {Quat(0, 0, 0, 0), Quat(kNaN, 0, 0, 0), Quat(0, 1e300, 0, 0), Quat(1e-3, 0, 0, 0), Quat(0, 0, kInfinite, 0)}) {
     client.receive(say_pose(0, Vec3::Zero(), q));
   }
+  for (const double length : {0.5, 2.0, 0.49, 2.01}) client.receive(say_pose(0, Vec3::Zero(), Quat(0, length, 0, 0)));
   EXPECT_FALSE(client.take_newest());
+  for (const double length : {0.51, 1.99}) {
+    client.receive(say_pose(0, Vec3::Zero(), Quat(0, length, 0, 0)));
+    EXPECT_TRUE(client.take_newest()) << length;
+  }
   client.receive(say_pose(0, Vec3::Zero(), Quat(0.9, 0, 0, 0)));
   EXPECT_NEAR(client.take_newest()->q.norm(), 1.0, 1e-15) << "a rounded one is normalised";
 }

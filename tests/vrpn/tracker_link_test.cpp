@@ -79,6 +79,14 @@ TEST_F(VrpnTrackerLink, AsksASilentServerForASignOfLifeAndThenConnectsAnew) {
   link->take_newest(asked_ns);
   ASSERT_TRUE(server->attend_until([&](std::int64_t) { return server->heard().size() > greeting; }));
   EXPECT_EQ(server->heard().size(), greeting + kHeaderBytes) << "one ping";
+  // The next one only after as long again: both have arrived, or not, before anything that is sent later.
+  link->take_newest(asked_ns + TrackerLink::kPingNs - 1);
+  link->take_newest(asked_ns + TrackerLink::kPingNs);
+  link->take_newest(asked_ns + TrackerLink::kPingNs + 1);
+  ASSERT_TRUE(server->attend_until([&](std::int64_t) { return server->heard().size() >= greeting + 2 * kHeaderBytes; }));
+  SteadyClock().sleep_until_ns(SteadyClock().now_ns() + 20 * kNanosecondsPerMillisecond);
+  server->attend();
+  EXPECT_EQ(server->heard().size(), greeting + 2 * kHeaderBytes);
   const std::int64_t gone_ns = asked_ns + TrackerLink::kPatienceNs;
   link->take_newest(gone_ns);
   EXPECT_FALSE(link->is_connected());

@@ -3,6 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
+#include <optional>
+#include <utility>
+
 #include "tests/vrpn/hex.h"
 
 namespace hapton::vrpn {
@@ -151,6 +155,42 @@ TEST(VrpnWire, NamesAreTakenByTheirLengthAndZero) {
   EXPECT_EQ(name("ffffffff 6162 00"), "");
   EXPECT_EQ(name("00000000 6162 00"), "");
   EXPECT_EQ(name("0000"), "");
+}
+
+// At most 100 bytes with the zero.
+TEST(VrpnWire, ANameThatIsTooLongIsNone) {
+  for (const std::size_t letters : {std::size_t{99}, std::size_t{100}}) {
+    Bytes out;
+    append_description(out, kSenderDescription, 1, std::string(letters, 'x'), {}, 1);
+    std::span<const std::byte> rest(out);
+    Message message;
+    ASSERT_EQ(read_message(rest, message, 4096), ReadStatus::message);
+    EXPECT_EQ(name_of(message).size(), letters == 99 ? 99U : 0U);
+  }
+}
+
+TEST(VrpnWire, ANumberIsABodyOfEightBytes) {
+  for (const auto& [body, number] : {std::pair<std::string_view, std::optional<double>>{kMinusTwo, -2.0},
+                                     {"3ff80000 00000001", std::bit_cast<double>(std::uint64_t{0x3ff8000000000001})},
+                                     {"3ff00000", std::nullopt},
+                                     {"3ff00000 00000000 00", std::nullopt}}) {
+    const Bytes bytes = hex(body);
+    EXPECT_EQ(number_of({1, 2, bytes}), number) << body;
+  }
+}
+
+TEST(VrpnWire, APoseIsReadWhereItIsWritten) {
+  Bytes out;
+  append_position(out, kHeader, 7, {1.5, -2.25, 1e-3}, Quat(0.1, 0.2, 0.3, 0.4));
+  std::span<const std::byte> rest(out);
+  Message message;
+  ASSERT_EQ(read_message(rest, message), ReadStatus::message);
+  EXPECT_TRUE(rest.empty());
+  const auto pose = position_of(message);
+  ASSERT_TRUE(pose);
+  EXPECT_EQ(pose->sensor, 7);
+  EXPECT_EQ(pose->p_m, Vec3(1.5, -2.25, 1e-3));
+  EXPECT_EQ(pose->q.coeffs(), Quat(0.1, 0.2, 0.3, 0.4).coeffs());
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "core/collision/wall_thickness.h"
+#include "tools/check/rounded_down.h"
 
 namespace hapton {
 namespace {
@@ -22,14 +23,14 @@ CheckFindings check_sculpt(const SceneObject& object) {
     findings.push_back(
         {SceneFault::coarse_voxels, object.name, walls.thinnest->point,
          fmt::format("a wall is {:.3g} mm thick, and voxels of {:.3g} mm may lose it", 1e3 * walls.thinnest->thickness, 1e3 * voxel_m),
-         fmt::format("give voxel_mm = {:.2g} or less, or thicken it", 1e3 * walls.thinnest->thickness / kLeastWall)});
+         fmt::format("give voxel_mm = {:.2g} or less, or thicken it", rounded_down(1e3 * walls.thinnest->thickness / kLeastWall))});
   }
   if (object.sculpt->tool_radius_m < kLeastRadius * voxel_m) {
-    findings.push_back(
-        {SceneFault::coarse_voxels, object.name, std::nullopt,
-         fmt::format("the ball that carves has a radius of {:.3g} mm, {:.2g} voxels: what it leaves is rough",
-                     1e3 * object.sculpt->tool_radius_m, object.sculpt->tool_radius_m / voxel_m),
-         fmt::format("give voxel_mm = {:.2g} or less, or a larger tool_radius_mm", 1e3 * object.sculpt->tool_radius_m / 4.0)});
+    findings.push_back({SceneFault::coarse_voxels, object.name, std::nullopt,
+                        fmt::format("the ball that carves has a radius of {:.3g} mm, {:.2g} voxels: what it leaves is rough",
+                                    1e3 * object.sculpt->tool_radius_m, object.sculpt->tool_radius_m / voxel_m),
+                        fmt::format("give voxel_mm = {:.2g} or less, or a larger tool_radius_mm",
+                                    rounded_down(1e3 * object.sculpt->tool_radius_m / 4.0))});
   }
   return findings;
 }

@@ -8,6 +8,7 @@
 #include "core/geometry/boundary_loops.h"
 #include "core/geometry/mass_properties.h"
 #include "scene/mesh_report.h"
+#include "tools/check/rounded_down.h"
 
 namespace hapton {
 namespace {
@@ -20,7 +21,7 @@ std::string plural(std::size_t count, std::string_view one, std::string_view man
 std::string how_to_thicken(double thickness_m, double probe_radius_m) {
   const double fitting_m = 0.5 * thickness_m;
   if (fitting_m < 0.1 * probe_radius_m) return "thicken it, or touch it with a point (--probe-radius 0)";
-  return fmt::format("thicken it, or give --probe-radius {:.2g} or less", fitting_m);
+  return fmt::format("thicken it, or give --probe-radius {:.2g} or less", rounded_down(fitting_m));
 }
 
 void check_walls(const SceneObject& object, double probe_radius_m, CheckFindings& findings) {

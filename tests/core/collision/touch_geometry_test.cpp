@@ -91,6 +91,20 @@ TEST(TouchGeometry, KeepsEveryTriangleAndItsObject) {
   EXPECT_GT(geometry.bytes(), geometry.triangle_count() * 20);
 }
 
+// Both hierarchies count before anything is built, and what is built besides.
+TEST(TouchGeometry, CountsTheBytesOfBothHierarchiesAndOfWhatIsBuilt) {
+  const auto near = std::make_shared<TriangleMesh>(make_icosphere(0.05, 2));
+  const auto far = std::make_shared<TriangleMesh>(scaled_and_moved(make_icosphere(0.05, 2), 1.0, Vec3(3, 0, 0)));
+  TouchGeometry geometry({near, far}, BuildPolicy::on_approach);
+  const std::size_t hierarchies = geometry.bytes();
+  EXPECT_GE(hierarchies, 2 * 2 * sizeof(Box));
+  EXPECT_LT(hierarchies, near->triangles.size() * 20);
+  geometry.request_ahead(geometry.to_local({0, 0.1, 0}), 0.0);
+  ASSERT_TRUE(geometry.build_wanted());
+  EXPECT_GT(geometry.bytes(), hierarchies + near->triangles.size() * 20);
+  EXPECT_LT(geometry.bytes(), TouchGeometry(std::vector<const TriangleMesh*>{near.get(), far.get()}).bytes());
+}
+
 TEST(TouchGeometry, ToLocalAndBackIsTheSamePoint) {
   const TriangleMesh mesh = make_icosphere(0.05, 1);
   const TouchGeometry geometry({&mesh});

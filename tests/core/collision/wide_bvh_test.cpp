@@ -208,6 +208,24 @@ TEST(WideBvh, DegenerateInputKeepsTheDepthBound) {
   EXPECT_TRUE(found_by(none, Box::around({-1, -1, -1}, {1, 1, 1})).empty());
 }
 
+// A cut through the empty space costs least, wherever it leaves most of the items.
+TEST(WideBvh, AFewItemsFarFromManyShareNoNodeWithThem) {
+  constexpr std::size_t kMany = 10'000, kFew = 100;
+  std::mt19937_64 random(23);
+  std::vector<Box> boxes = random_boxes(kMany + kFew, 0.1, random);
+  for (std::size_t i = kMany; i < boxes.size(); ++i) boxes[i] = {boxes[i].low + Vec3(500, 0, 0), boxes[i].high + Vec3(500, 0, 0)};
+  const WideBvh tree(boxes);
+  const WideBvh::Parents parents = tree.find_parents();
+  std::vector<int> groups(tree.node_count(), 0);
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    for (std::uint32_t at = parents.of_item[i]; at != WideBvh::kNoParent; at = parents.of_node[at / WideBvh::kWidth]) {
+      groups[at / WideBvh::kWidth] |= i < kMany ? 1 : 2;
+    }
+  }
+  EXPECT_EQ(groups[0], 3) << "the root";
+  EXPECT_EQ(std::count(groups.begin(), groups.end(), 3), 1);
+}
+
 TEST(WideBvh, TreeOrderListsEveryItemOnceAndRenumberingFollows) {
   constexpr unsigned kSeed = 5;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);

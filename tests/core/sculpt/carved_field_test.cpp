@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -114,6 +115,34 @@ TEST(CarvedField, CarveIsTheMaximumByBruteForce) {
   }
 }
 
+// A ball of 31 m, with carves 1024 times as large: no length is built in.
+TEST(CarvedField, LargeBodiesAreCarvedAsSmallOnesAre) {
+  constexpr double kScale = 1024.0;
+  CarvedField small = ball_of_clay(), large = ball_of_clay(0.03 * kScale, kVoxelM * kScale);
+  ASSERT_EQ(large.nodes(), small.nodes());
+  const double near = 1e-5 * small.band_m();
+  for (const Carve& carve : random_carves(27, 60)) {
+    const CarvedFieldBox box = small.carve(carve);
+    const CarvedFieldBox large_box = large.carve({kScale * carve.from_m, kScale * carve.to_m, kScale * carve.radius_m});
+    EXPECT_EQ(large_box.is_empty(), box.is_empty());
+  }
+  for (std::size_t i = 0; i < small.values().size(); ++i) ASSERT_NEAR(large.values()[i] / kScale, small.values()[i], near) << i;
+}
+
+TEST(CarvedField, WhetherACarveChangesAnythingIsKnownBefore) {
+  CarvedField field = ball_of_clay();
+  int changes = 0;
+  for (const Carve& carve : random_carves(26, 300)) {
+    const std::vector<float> before = copy_of(field);
+    const bool expected = field.would_change(carve);
+    ASSERT_EQ(copy_of(field), before) << "asking changes nothing";
+    ASSERT_EQ(!field.carve(carve).is_empty(), expected);
+    changes += expected ? 1 : 0;
+  }
+  EXPECT_GT(changes, 100);
+  EXPECT_LT(changes, 290);
+}
+
 TEST(CarvedField, OrderAndRepetitionOfCarvesDoNotMatter) {
   std::vector<Carve> carves = random_carves(22, 80);
   CarvedField one = ball_of_clay(), other = ball_of_clay();
@@ -174,10 +203,34 @@ TEST(CarvedField, CarveAndQueriesUseNoHeap) {
   EXPECT_TRUE(std::isfinite(sum));
 }
 
+// The mesh, and four nodes on each side; along x up to a multiple of eight. The mesh is in the middle.
+TEST(CarvedField, TheGridIsAsLargeAsTheMeshAndItsMargins) {
+  const TriangleMesh box = scaled_and_moved(make_box(Vec3(0.096, 0.046, 0.016)), 1.0, Vec3(1.0, 2.0, 3.0));
+  const auto grid = CarvedField::plan(box, 0.01);
+  ASSERT_TRUE(grid) << grid.error().what;
+  EXPECT_EQ(grid->nodes, (std::array<int, 3>{24, 14, 11})) << "10, 5 and 2 cells, 8 of margin, and the last node";
+  EXPECT_EQ(grid->spacing_m, 0.01);
+  const Vec3 middle = 0.5 * (grid->node(0, 0, 0) + grid->node(23, 13, 10));
+  EXPECT_LT((middle - Vec3(1.0, 2.0, 3.0)).norm(), 1e-12);
+  const auto field = CarvedField::make(box, 0.01);
+  ASSERT_TRUE(field);
+  EXPECT_DOUBLE_EQ(field->band_m(), 0.03);
+}
+
+// The largest grid that is possible is, and the error names a voxel that is possible.
+TEST(CarvedField, TheVoxelsAdvisedArePossible) {
+  const TriangleMesh box = make_box(Vec3::Constant(0.1));
+  EXPECT_EQ(CarvedField::plan(box, 1.1e-4).error().what,
+            "voxels of 0.11 mm would be 777 million, at most 16 are possible: give voxels of 0.41 mm or more");
+  EXPECT_TRUE(CarvedField::plan(box, 4.1e-4));
+  EXPECT_FALSE(CarvedField::plan(box, 3.9e-4)) << "not much larger than needed";
+}
+
 TEST(CarvedField, RejectsWhatHasNoInsideAndTooManyVoxels) {
   EXPECT_THAT(CarvedField::make(make_plane_grid(0.1, 3), 0.001).error().what, HasSubstr("not closed (12 boundary, 0 non-manifold"));
   EXPECT_THAT(CarvedField::make(make_icosphere(0.05, 1), 0.0).error().what, HasSubstr("above 0"));
   EXPECT_THAT(CarvedField::make(make_icosphere(0.05, 1), std::nan("")).error().what, HasSubstr("above 0"));
+  EXPECT_THAT(CarvedField::make(make_icosphere(0.05, 1), std::numeric_limits<double>::infinity()).error().what, HasSubstr("above 0"));
   const std::string what = CarvedField::make(make_icosphere(0.05, 1), 1e-4).error().what;
   EXPECT_THAT(what, HasSubstr("at most 16 are possible"));
   EXPECT_THAT(what, HasSubstr("or more"));

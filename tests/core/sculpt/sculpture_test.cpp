@@ -44,6 +44,14 @@ TEST(Sculpture, IsAlikeWhatWasTheSameBeforeAnyCarve) {
   EXPECT_FALSE(one.is_alike(other_settings));
   EXPECT_FALSE(one.is_alike(other_object));
   EXPECT_FALSE(one.is_alike(Sculpture()));
+  Sculpture other_place, other_button, more;
+  ASSERT_TRUE(other_place.add(0, kSculpted, scaled_and_moved(ball, 1.0, Vec3(0.002, 0.0, 0.0))));  // by one voxel: the same values
+  ASSERT_TRUE(other_button.add(0, {.voxel_m = 0.002, .tool_radius_m = 0.005, .button = 2}, ball));
+  ASSERT_TRUE(more.add(0, kSculpted, ball) && more.add(1, kSculpted, ball));
+  for (const Sculpture* other : {&other_place, &other_button, &more}) {
+    EXPECT_FALSE(one.is_alike(*other));
+    EXPECT_FALSE(other->is_alike(one));
+  }
   EXPECT_FALSE(one.add(1, kSculpted, make_plane_grid(0.1, 2)));
 }
 

@@ -203,6 +203,61 @@ TEST(DynamicsDriver, AnotherHapticsNodeGetsTheBodiesWhereTheyAre) {
   EXPECT_EQ(loop.driver().counts().restarts, 1U);
 }
 
+// An obstacle that keyframes move.
+TEST(DynamicsDriver, AnObstacleThatKeyframesMoveCarriesABody) {
+  Scene scene = table_scene();
+  scene.objects[kTable].motion = std::make_shared<const KeyframeMotion>(
+      Vec3::Zero(), std::vector<Keyframe>{{0.1, Vec3::Zero(), Quat::Identity()}, {0.3, Vec3(0, 0.02, 0), Quat::Identity()}}, false);
+  DynamicsDriver driver = *DynamicsDriver::make(scene, {});
+  ProbeState state;
+  driver.take(state);
+  const double start = driver.world().place(kBox).p_S.y();
+  for (int ms = 1; ms <= 500; ++ms) {
+    state.scene_time_ns = kMs * ms;
+    driver.take(state);
+  }
+  EXPECT_NEAR(driver.world().place(kBox).p_S.y() - start, 0.02, 3e-4);
+}
+
+// In a scene that is turned and moved, a push of the hand comes where it is, along the opposite of the force that the hand feels.
+TEST(DynamicsDriver, AHandPushesInTheFrameOfTheScene) {
+  const Scene scene = table_scene({.height_m = 0.05});
+  const auto displaced = [&](const Pose& X_WS) {
+    DynamicsDriver driver = *DynamicsDriver::make(scene, {.gravity_W = Vec3::Zero()});
+    HapticsSetup setup;
+    for (int row = 0; row < 3; ++row) {
+      for (int column = 0; column < 4; ++column) {
+        setup.X_WS[static_cast<std::size_t>(4 * row + column)] = static_cast<float>(X_WS.matrix()(row, column));
+      }
+    }
+    driver.take(setup);
+    const Keyframe start = driver.world().place(kBox);
+    // The hand is 1 mm deep in the side of the box, above its middle.
+    const Vec3 tip_S = start.p_S + Vec3(-kBoxSideM / 2, kBoxSideM / 4, 0);
+    ProbeState state{.p_WD = X_WS * (tip_S + Vec3(0.001, 0, 0)),
+                     .visual_offset_m = X_WS.linear() * Vec3(-0.001, 0, 0),
+                     .force_n = X_WS.linear() * Vec3(-1.0, 0, 0),
+                     .contact = true,
+                     .object = kBox};
+    for (int ms = 0; ms <= 20; ++ms) {
+      state.scene_time_ns = kMs * ms;
+      driver.take(state);
+    }
+    EXPECT_EQ(driver.counts().pushes, 21U);
+    const Keyframe end = driver.world().place(kBox);
+    return std::pair<Vec3, Vec3>(end.p_S - start.p_S, (end.turn * start.turn.inverse()).vec());
+  };
+  const auto [straight_m, straight_turn] = displaced(Pose::Identity());
+  EXPECT_GT(straight_m.x(), 1e-4);
+  EXPECT_LT(straight_turn.z(), -1e-3) << "above the middle: it tips forwards";
+  Pose X_WS = Pose::Identity();
+  X_WS.linear() = Eigen::AngleAxisd(2.0, Vec3(1, 2, 2) / 3.0).toRotationMatrix();
+  X_WS.translation() = Vec3(0.3, -0.2, 0.1);
+  const auto [turned_m, turned_turn] = displaced(X_WS);
+  EXPECT_LT((turned_m - straight_m).norm(), 1e-6);
+  EXPECT_LT((turned_turn - straight_turn).norm(), 1e-5);
+}
+
 struct Alone : testing::Test {
   void SetUp() override { state.status = ProbeStatus::ok; }
   void at(std::int64_t ms) {
@@ -263,6 +318,85 @@ TEST(DynamicsDriver, AnObstacleThatAProgramMovesCarriesABody) {
     driver.take(state);
   }
   EXPECT_NEAR(driver.world().place(kBox).p_S.y() - start, 0.02, 3e-4);
+}
+
+// 200 a second, and each moves for as long as it takes until the next one of that body.
+TEST(DynamicsDriver, BodiesTakeTurns) {
+  Scene scene = table_scene({.height_m = 0.3});
+  SceneObject other = scene.objects[kBox];
+  other.mesh = moved(*other.mesh, {0.1, 0, 0});
+  make_commanded(other);
+  const int kOther = static_cast<int>(scene.objects.size());
+  scene.objects.push_back(std::move(other));
+  DynamicsDriver driver = *DynamicsDriver::make(scene, {.first_request = 0xFFFFFFFFU});
+  ProbeState state;
+  EXPECT_FALSE(driver.next_request(0)) << "no state has come";
+  std::vector<int> objects;
+  std::vector<std::uint32_t> numbers;
+  for (int ms = 0; ms < 40; ++ms) {
+    state.scene_time_ns = kMs * ms;
+    driver.take(state);
+    const auto request = driver.next_request(kMs * ms);
+    ASSERT_EQ(request.has_value(), ms % 5 == 0) << ms;
+    if (!request) continue;
+    EXPECT_NEAR(*request->over_s, 0.01, 1e-12) << "two bodies that fall";
+    objects.push_back(request->number);
+    numbers.push_back(request->request);
+  }
+  EXPECT_EQ(objects, (std::vector<int>{kBox, kOther, kBox, kOther, kBox, kOther, kBox, kOther}));
+  for (std::size_t n = 0; n < numbers.size(); ++n) EXPECT_EQ(numbers[n], n + 1) << "0 is no number";
+}
+
+// From the request until a state of after the reply: what it takes, one interval of states, and the time of the move itself.
+TEST_F(Alone, TheDelayIsMeasured) {
+  at(0);
+  EXPECT_DOUBLE_EQ(driver.delay_s(), 0.02) << "assumed";
+  const auto request = driver.next_request(0);
+  ASSERT_TRUE(request);
+  at(30);
+  at(40);
+  driver.take(MoveReply{.request = request->request});
+  EXPECT_NEAR(driver.delay_s(), 0.04 + 0.01 + 0.005, 1e-12);
+  const auto quick = driver.next_request(40 * kMs);
+  ASSERT_TRUE(quick);
+  at(41);
+  driver.take(MoveReply{.request = quick->request});
+  EXPECT_NEAR(driver.delay_s(), 0.995 * 0.055, 1e-12) << "a shorter one counts little by little";
+  const auto slow = driver.next_request(50 * kMs);
+  ASSERT_TRUE(slow);
+  at(1000);
+  driver.take(MoveReply{.request = slow->request});
+  EXPECT_DOUBLE_EQ(driver.delay_s(), 0.2) << "no more damping than for that";
+}
+
+// A request that nobody replied to is repeated, as it was, where the body is where it was.
+TEST_F(Alone, ALostRequestIsRepeatedAfterFiftyMilliseconds) {
+  at(0);
+  const auto request = driver.next_request(0);
+  ASSERT_TRUE(request);
+  EXPECT_FALSE(driver.next_request(50 * kMs - 1));
+  const auto again = driver.next_request(50 * kMs);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->request, request->request);
+  EXPECT_EQ(again->p_m, request->p_m);
+  EXPECT_FALSE(driver.next_request(100 * kMs - 1));
+  EXPECT_TRUE(driver.next_request(100 * kMs));
+  EXPECT_EQ(driver.counts().requests, 3U);
+}
+
+TEST(DynamicsDriver, WhatFallsOutIsToldOnce) {
+  Scene scene = table_scene();
+  scene.objects[kBox].mesh = moved(*scene.objects[kBox].mesh, {0.5, 0, 0});  // beside the table
+  make_commanded(scene.objects[kBox]);
+  DynamicsDriver driver = *DynamicsDriver::make(scene, {});
+  ProbeState state;
+  for (int ms = 0; ms < 20'000 && driver.counts().fallen == 0; ms += 50) {
+    state.scene_time_ns = kMs * ms;
+    driver.take(state);
+  }
+  EXPECT_EQ(driver.counts().fallen, 1U);
+  EXPECT_EQ(driver.take_fallen(), std::vector<int>{kBox});
+  EXPECT_TRUE(driver.take_fallen().empty());
 }
 
 TEST_F(Alone, ARejectionIsTold) {

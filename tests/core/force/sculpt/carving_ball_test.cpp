@@ -19,9 +19,9 @@ struct Block {
   Material material = {.stiffness_n_per_m = 500.0};
 
   Block() { EXPECT_TRUE(sculpture.add(0, kBlockSculpt, make_box(Vec3(0.08, 0.06, 2.0 * kTopM)))); }
-  CarvingBall::Felt step(const Vec3& goal, bool is_down) {
+  CarvingBall::Felt step(const Vec3& goal, bool is_down, double dt_s = 1e-3) {
     sculpture.begin_step();
-    return ball.step({.goal = goal, .dt_s = 1e-3, .is_down = is_down}, material, sculpture, 0);
+    return ball.step({.goal = goal, .dt_s = dt_s, .is_down = is_down}, material, sculpture, 0);
   }
   double top_at(double x, double y) const {
     const CarvedField& field = sculpture.bodies()[0].field;
@@ -84,6 +84,45 @@ TEST(CarvingBall, CutsAGrooveWithASteadyForce) {
     const Vec3 hand(-0.06 + 1e-3 * speed * i, 0, kTopM + 0.001);
     ASSERT_FALSE(block.step(hand, false).contact) << i;
   }
+}
+
+// Out of the block, with the lag of the cut: it fades as the cut does, and with kCatchUpS besides, whatever the time of a step.
+TEST(CarvingBall, CatchesUpInFreeSpace) {
+  for (const double dt_s : {1e-3, 2e-3}) {
+    Block block;
+    block.ball.reset({-0.06, 0, kTopM + 0.001});
+    const double speed = 0.1;
+    double last = 0.0;
+    int faded = 0;
+    for (double x = -0.06; x < 0.07; x += speed * dt_s) {
+      const Vec3 hand(x, 0, kTopM + 0.001);
+      const Vec3 proxy = block.step(hand, true, dt_s).p_SP;
+      const double lag = hand.x() - proxy.x();
+      if (proxy.x() > 0.0475 && lag > 1e-6) {
+        EXPECT_NEAR(lag / last, std::exp(-dt_s / CarvingBall::kCatchUpS - dt_s / CarvingBall::kCutS), 1e-3) << x;
+        ++faded;
+      }
+      last = lag;
+    }
+    EXPECT_GT(faded, 5);
+  }
+}
+
+// After a gap, in which the hand went deep into the block.
+TEST(CarvingBall, ALongStepCutsNoFartherThanTwoMilliseconds) {
+  Block block;
+  block.ball.reset({0, 0, 0.03});
+  const Vec3 top = block.step({0, 0, kTopM + 0.001}, false).p_SP;
+  const Vec3 deep(0, 0, -0.01);
+  const double kMostM = CarvingBall::kMostCutSpeed * 2e-3;
+  const double room_m = 0.7 * kBlockSculpt.voxel_m;
+  const Vec3 after = block.step(deep, true, 1.0).p_SP;
+  EXPECT_LT(top.z() - after.z(), kMostM + room_m);
+  EXPECT_GT(top.z() - after.z(), kMostM - 1e-9);
+  // And half as far in half that time.
+  const Vec3 next = block.step(deep, true, 1e-3).p_SP;
+  EXPECT_LT(after.z() - next.z(), 0.5 * kMostM + room_m);
+  EXPECT_GT(after.z() - next.z(), 0.5 * kMostM - 1e-9);
 }
 
 TEST(CarvingBall, ReleaseOfTheButtonIsContinuous) {

@@ -1,8 +1,10 @@
 #include "core/force/sculpt/sculpt_method.h"
 
+#include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -68,6 +70,76 @@ TEST(SculptMethod, FeelsOtherObjectsAsTheirMethodDoes) {
     }
     EXPECT_GT(contacts, 15) << name;
   }
+}
+
+// Damping resists the motion into the material, and never pulls the hand towards it.
+TEST(SculptMethod, DampingActsAlongTheExtension) {
+  TouchObject clay = clay_object(Vec3::Zero());
+  clay.material.damping_ns_per_m = 2.0;
+  const auto step = step_of({.objects = {clay}});
+  const auto force_at = [&](double x, double dt_s = 1e-3) { return step->step({.p_WD = {x, 0, 0}, .dt_s = dt_s}).force_n.x(); };
+  EXPECT_EQ(force_at(0.04), 0.0);
+  const double pressed_n = force_at(0.033);
+  for (int i = 0; i < 20; ++i) force_at(0.033);
+  const double held_n = force_at(0.033);
+  EXPECT_NEAR(held_n, 500.0 * 1.5e-3, 0.2) << "the spring alone";
+  EXPECT_NEAR(pressed_n, held_n * (1.0 + 2.0 / (500.0 * 1e-3)), 0.08 * pressed_n) << "pressed in within 1 ms";
+  EXPECT_EQ(force_at(0.0335), 0.0) << "not below zero";
+  for (int i = 0; i < 20; ++i) force_at(0.0335);
+  const double before_n = force_at(0.0335);
+  EXPECT_NEAR(force_at(0.0336, 0.01), before_n - 500.0 * 1e-4 - 2.0 * 1e-4 / 0.01, 0.005) << "slowly out";
+  EXPECT_NEAR(force_at(0.033, 0.0), held_n, 0.02) << "no time, no speed";
+}
+
+// Between clay and table: the one that pushes more is named, the force is the sum.
+TEST(SculptMethod, NamesTheObjectThatPushesMost) {
+  TouchScene scene{.objects = {table_object(), clay_object(Vec3(0, 0, -0.045))}};
+  const auto step = step_of(scene);
+  const auto felt_at = [&](const Vec3& p) {
+    step->reset({.p_WD = {0.07, 0, -0.03}});
+    step->step({.p_WD = {0.07, 0, -0.03}});
+    TouchOutput felt;
+    for (int i = 0; i < 10; ++i) felt = step->step({.p_WD = p});
+    return felt;
+  };
+  const TouchOutput on_table = felt_at({0.034, 0, -0.0505});
+  EXPECT_EQ(on_table.object, 0);
+  EXPECT_GT(on_table.force_n.x(), 0.01) << "and of the clay";
+  EXPECT_GT(on_table.force_n.z(), 0.4);
+  const TouchOutput on_clay = felt_at({0.030, 0, -0.0501});
+  EXPECT_EQ(on_clay.object, 1);
+  EXPECT_GT(on_clay.force_n.x(), 1.0);
+}
+
+TEST(SculptMethod, IsHeldWhereItTouchesAndNowhereElse) {
+  const auto step = step_of({.objects = {clay_object(Vec3::Zero()), table_object()}});
+  const auto held_at = [&](const Vec3& p) {
+    const TouchOutput felt = step->step({.p_WD = p});
+    const auto held = step->method().held_at();
+    EXPECT_EQ(held.has_value(), felt.contact);
+    EXPECT_TRUE(!held || (*held - p - felt.visual_offset_m).norm() < 1e-12);
+    return held;
+  };
+  EXPECT_FALSE(held_at({0.05, 0, 0}));
+  ASSERT_TRUE(held_at({0.033, 0, 0})) << "clay";
+  step->reset({.p_WD = {0.08, 0, -0.04}});
+  EXPECT_FALSE(step->method().held_at());
+  EXPECT_TRUE(held_at({0.08, 0, -0.051})) << "table";
+  EXPECT_FALSE(held_at({0.08, 0, -0.03}));
+  // Taken up again where another method held it: on the clay, with the hand 3 mm deeper.
+  step->resume({.p_WD = {0.035, 0, 0}});
+  EXPECT_GT(step->step({.p_WD = {0.032, 0, 0}}).force_n.x(), 0.5);
+}
+
+TEST(SculptMethod, IsDescribed) {
+  const auto step = step_of({.objects = {table_object(), clay_object(Vec3::Zero())}});
+  const std::array<int, 3>& nodes = step->method().sculpture()->bodies()[0].field.nodes();
+  const double mib = nodes[0] * nodes[1] * nodes[2] * 4.0 / 1048576.0;
+  EXPECT_THAT(step->method().describe(),
+              testing::EndsWith(fmt::format("object 1 can be carved: {} x {} x {} voxels of 2 mm ({:.1f} MiB), ball of 6 mm radius\n",
+                                            nodes[0], nodes[1], nodes[2], mib)));
+  for (const TouchInput& input : carving_hand(48, 1500)) step->step(input);
+  EXPECT_THAT(step->method().describe(), testing::EndsWith(fmt::format("carves: {}\n", step->method().sculpture()->newest())));
 }
 
 TEST(SculptMethod, CarvesByItsButtonOnlyAndNamesTheObject) {

@@ -1,0 +1,112 @@
+#include "haptics_node/placed_scene.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/geometry/mesh_shapes.h"
+#include "scene/annotations_file.h"
+#include "tests/support/log_of.h"
+#include "tests/support/scratch_folder.h"
+
+namespace hapton {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+// Two boxes, of which the second can be picked up.
+Scene two_boxes() {
+  Scene scene;
+  scene.given_hash = 77;
+  for (const char* name : {"table", "cube"}) {
+    SceneObject object;
+    object.name = name;
+    object.mesh = std::make_shared<const TriangleMesh>(make_box(Vec3(0.1, 0.2, 0.3)));
+    object.is_movable = object.name == "cube";
+    scene.objects.push_back(std::move(object));
+  }
+  return scene;
+}
+
+const Quat kTurned(Eigen::AngleAxisd(0.5, Vec3(1, 2, 2) / 3.0));
+
+struct PlacedSceneTest : testing::Test {
+  ScratchFolder folder;
+  Scene scene = two_boxes();
+
+  std::filesystem::path write(const Annotations& annotations, std::uint64_t hash = 77) {
+    return folder.write("marks.json", write_annotations(annotations, hash));
+  }
+};
+
+TEST_F(PlacedSceneTest, WhatAFileHasPutDownLiesThere) {
+  const auto file = write({.objects = {"table", "cube"}, .entries = {}, .put_down = {{1, Vec3(0.3, 0.0, -0.1), kTurned}}});
+  std::vector<PutDown> put_down;
+  const std::string log = log_of([&] {
+    const auto read = read_put_down(file, scene);
+    ASSERT_TRUE(read) << read.error().what;
+    put_down = *read;
+  });
+  EXPECT_THAT(log, HasSubstr("cube is placed as " + file.string() + " says"));
+  ASSERT_EQ(put_down.size(), 1U);
+  EXPECT_EQ(put_down[0].object, 1);
+  EXPECT_LT((put_down[0].p_m - Vec3(0.3, 0.0, -0.1)).norm(), 1e-12);
+  const Scene placed = place_objects(scene, put_down);
+  EXPECT_EQ(placed.objects[0].mesh, scene.objects[0].mesh);
+  for (std::size_t v = 0; v < scene.objects[1].mesh->vertices.size(); ++v) {
+    const Vec3 there = kTurned * scene.objects[1].mesh->vertices[v] + Vec3(0.3, 0.0, -0.1);
+    EXPECT_LT((placed.objects[1].mesh->vertices[v] - there).norm(), 1e-12);
+  }
+}
+
+TEST_F(PlacedSceneTest, WhatIsNotMovableStays) {
+  const auto file = write({.objects = {"table", "cube"}, .entries = {}, .put_down = {{0, Vec3(0.3, 0.0, 0.0), kTurned}}});
+  const std::string log = log_of([&] {
+    const auto read = read_put_down(file, scene);
+    ASSERT_TRUE(read);
+    EXPECT_TRUE(read->empty());
+  });
+  EXPECT_THAT(log, HasSubstr("table is not movable in this scene, and stays where it is"));
+}
+
+TEST_F(PlacedSceneTest, AFileOfAnotherSceneSaysSo) {
+  const auto file = write({.objects = {"table", "other"}, .entries = {}, .put_down = {{1, Vec3::Zero(), kTurned}}}, 78);
+  const std::string log = log_of([&] {
+    const auto read = read_put_down(file, scene);
+    ASSERT_TRUE(read);
+    EXPECT_TRUE(read->empty()) << "it is of an object that this scene does not have";
+  });
+  EXPECT_THAT(log, HasSubstr(file.string() + ": "));
+  EXPECT_THAT(log, Not(HasSubstr("is placed as")));
+}
+
+TEST_F(PlacedSceneTest, WithoutAFileNothingIsPutDown) {
+  for (const std::filesystem::path& none : {std::filesystem::path(), folder.path() / "none.json"}) {
+    const auto read = read_put_down(none, scene);
+    ASSERT_TRUE(read);
+    EXPECT_TRUE(read->empty());
+  }
+  const auto broken = read_put_down(folder.write("broken.json", "{"), scene);
+  ASSERT_FALSE(broken);
+  EXPECT_THAT(broken.error().what, HasSubstr("broken.json"));
+}
+
+// Also the normals that a file gives, which turn and do not move.
+TEST_F(PlacedSceneTest, NormalsTurnAlong) {
+  TriangleMesh mesh = make_box(Vec3::Ones());
+  mesh.authored_normals.resize(mesh.triangles.size());
+  for (auto& corners : mesh.authored_normals) corners.fill(Eigen::Vector3f::UnitX());
+  const Pose X = Eigen::Translation3d(1.0, 2.0, 3.0) * Pose(kTurned);
+  const TriangleMesh moved = move_mesh(X, mesh);
+  for (const auto& corners : moved.authored_normals) {
+    for (const Eigen::Vector3f& normal : corners) EXPECT_LT((normal.cast<double>() - kTurned * Vec3::UnitX()).norm(), 1e-6);
+  }
+  EXPECT_LT((moved.vertices[3] - X * mesh.vertices[3]).norm(), 1e-12);
+}
+
+}  // namespace
+}  // namespace hapton

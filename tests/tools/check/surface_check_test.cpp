@@ -1,0 +1,92 @@
+#include "tools/check/surface_check.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <utility>
+
+#include "core/geometry/mesh_shapes.h"
+
+namespace hapton {
+namespace {
+
+using ::testing::HasSubstr;
+
+SceneObject object_with(TriangleMesh mesh) {
+  SceneObject object;
+  object.name = "part";
+  object.mesh = std::make_shared<const TriangleMesh>(std::move(mesh));
+  return object;
+}
+
+SceneObject plate(double thickness_m) { return object_with(make_box(Vec3(0.08, 0.06, thickness_m), 2)); }
+
+TEST(SurfaceCheck, AThinWallIsNamedWithAProbeThatFits) {
+  const CheckFindings found = check_surface(plate(0.00175), 0.001);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].fault, SceneFault::thin_wall);
+  EXPECT_THAT(found[0].what, HasSubstr("a wall is 1.75 mm thick, thinner than the ball of the probe (2 mm)"));
+  EXPECT_EQ(found[0].fix, "thicken it, or give --probe-radius 0.00087 or less") << "half of it is 0.000875";
+  EXPECT_TRUE(check_surface(plate(0.00175), 0.00087).empty());
+  EXPECT_TRUE(check_surface(plate(0.00175), 0.0).empty()) << "a point";
+}
+
+// A ball of less than a tenth of the probe is none that anybody wants.
+TEST(SurfaceCheck, AWallThatIsMuchTooThinIsTouchedWithAPoint) {
+  EXPECT_EQ(check_surface(plate(0.00021), 0.001).at(0).fix, "thicken it, or give --probe-radius 0.0001 or less");
+  EXPECT_EQ(check_surface(plate(0.00019), 0.001).at(0).fix, "thicken it, or touch it with a point (--probe-radius 0)");
+}
+
+TEST(SurfaceCheck, OpeningsAreCountedAndTheWidestIsNamed) {
+  TriangleMesh open = make_icosphere(0.04, 3);
+  const auto remove = [&](const Vec3& at, double radius) {
+    std::erase_if(open.triangles, [&](const Triangle& t) {
+      return ((open.vertices[t[0]] + open.vertices[t[1]] + open.vertices[t[2]]) / 3.0 - at).norm() < radius;
+    });
+  };
+  remove(Vec3(0, 0, 0.04), 0.015);
+  const CheckFindings one = check_surface(object_with(open), 0.0);
+  ASSERT_EQ(one.size(), 1U);
+  EXPECT_EQ(one[0].fault, SceneFault::opening);
+  EXPECT_THAT(one[0].what, HasSubstr("1 opening in its surface; the widest is "));
+  remove(Vec3(0, 0, -0.04), 0.008);
+  const CheckFindings two = check_surface(object_with(open), 0.0);
+  ASSERT_EQ(two.size(), 1U);
+  EXPECT_THAT(two[0].what, HasSubstr("2 openings in its surface; the widest is "));
+  ASSERT_TRUE(two[0].place_m);
+  EXPECT_GT(two[0].place_m->z(), 0.03) << "the wider one";
+  EXPECT_THAT(check_surface(object_with(open), 0.0095).at(0).what, HasSubstr("1 opening")) << "the ball fits through the wider one alone";
+  EXPECT_TRUE(check_surface(object_with(open), 0.03).empty()) << "it fits through none";
+}
+
+TEST(SurfaceCheck, SidesThatGoWrongAreCounted) {
+  TriangleMesh turned = make_icosphere(0.04, 2);
+  std::swap(turned.triangles[0][0], turned.triangles[0][1]);
+  SceneObject object = object_with(turned);
+  object.material.two_sided = true;
+  CheckFindings found = check_surface(object, 0.0);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].what, "3 edges between triangles that face opposite sides: shading and methods that use the sides go wrong there");
+  object.material.two_sided = false;
+  found = check_surface(object, 0.0);
+  EXPECT_THAT(found.at(0).what, HasSubstr("with two_sided = false they cannot be touched from outside"));
+  const CheckFindings bodies = check_surface(
+      object_with(joined(make_icosphere(0.04, 2), flipped(scaled_and_moved(make_icosphere(0.01, 2), 1.0, Vec3(0, 0.06, 0))))), 0.0);
+  ASSERT_EQ(bodies.size(), 1U);
+  EXPECT_THAT(bodies[0].what, HasSubstr("1 of 2 closed bodies are inside out"));
+}
+
+TEST(SurfaceCheck, InertiaIsNeededOfBodiesOnly) {
+  SceneObject open = object_with(make_plane_grid(0.1, 2));
+  EXPECT_TRUE(check_inertia(open).empty());
+  open.mass_kg = 0.1;
+  ASSERT_EQ(check_inertia(open).size(), 1U);
+  EXPECT_EQ(check_inertia(open)[0].fault, SceneFault::no_inertia);
+  SceneObject closed = plate(0.01);
+  closed.mass_kg = 0.1;
+  EXPECT_TRUE(check_inertia(closed).empty());
+}
+
+}  // namespace
+}  // namespace hapton

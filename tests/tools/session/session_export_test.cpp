@@ -1,0 +1,118 @@
+#include "tools/session/session_export.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "tests/session/made_entries.h"
+#include "tests/support/scratch_folder.h"
+
+namespace hapton {
+namespace {
+
+std::vector<std::string> lines_of(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+struct ExportTest : testing::Test {
+  ScratchFolder scratch;
+  std::filesystem::path folder = scratch.path() / "made" / "here";
+  SessionExport exported = open();
+
+  SessionExport open() {
+    auto opened = SessionExport::open(folder, kJoinedStartNs, {{"lid", ""}, {"a, \"b\"", "clay"}});
+    EXPECT_TRUE(opened) << opened.error().what;
+    return std::move(*opened);
+  }
+  void sent(std::uint64_t sample) {
+    SessionEntry entry;
+    entry.kind = SessionEntry::Kind::sent;
+    const Datagram datagram{
+        {},
+        DeviceState{
+            .sample = sample, .sample_time_ns = sample_ns(sample), .p_WD = Vec3(0.5, -0.25, 2.0), .q_WT = Quat(0.5, -0.5, 0.5, -0.5)}};
+    exported.add(entry, &datagram);
+  }
+};
+
+TEST_F(ExportTest, CyclesHaveAllThatWasRecorded) {
+  SessionEntry full = cycle_of(3);
+  full.cycle.late_ns = 12'345;
+  full.cycle.written_n = Vec3(1.0, -2.0, 0.5);
+  full.cycle.cause = MissCause::device_slow;
+  full.cycle.device->p_WD = Vec3(0.25, -0.5, 1.0);
+  full.cycle.device->q_WT = Quat(0.5, -0.5, 0.5, -0.5);
+  full.cycle.local = CycleLocal{Vec3(0.125, 0.0, -3.0), Vec3::Zero(), 6};
+  exported.add(full, nullptr);
+  SessionEntry old = cycle_of(4);
+  old.cycle.device.reset();
+  exported.add(old, nullptr);
+  ASSERT_TRUE(exported.close());
+  const auto lines = lines_of(folder / "cycles.csv");
+  ASSERT_EQ(lines.size(), 3U);
+  EXPECT_EQ(lines[0],
+            "t_s,sample,late_us,written_x_n,written_y_n,written_z_n,missed,cause,sample_t_s,x_m,y_m,z_m,qw,qx,qy,qz,buttons,local_x_n,"
+            "local_y_n,local_z_n,local_object");
+  EXPECT_EQ(lines[1], "0.003200000,3,12.345,1,-2,0.5,2,device slow,0.003000000,0.25,-0.5,1,0.5,-0.5,0.5,-0.5,5,0.125,0,-3,6");
+  EXPECT_EQ(lines[2], "0.004200000,4,3.000,0,0,0.5,0,none,,,,,,,,,,,,,") << "what was not recorded stays empty";
+  EXPECT_EQ(exported.rows().cycles, 2U);
+  EXPECT_EQ(exported.rows().trajectory, 1U);
+}
+
+// As it was sent, or from the cycle that kept it for itself; what is repeated, or older, is left out.
+TEST_F(ExportTest, EachSampleIsInTheTrajectoryOnce) {
+  sent(2);
+  exported.add(cycle_of(2), nullptr);
+  exported.add(cycle_of(3), nullptr);
+  sent(3);
+  sent(1);
+  SessionEntry received;
+  received.kind = SessionEntry::Kind::received;
+  const Datagram datagram{{}, DeviceState{.sample = 9}};
+  exported.add(received, &datagram);  // not the hub's own
+  ASSERT_TRUE(exported.close());
+  EXPECT_EQ(lines_of(folder / "trajectory.csv"),
+            (std::vector<std::string>{"t_s,x_m,y_m,z_m,qw,qx,qy,qz,sample", "0.002000000,0.5,-0.25,2,0.5,-0.5,0.5,-0.5,2",
+                                      "0.003000000,0.00030000000000000003,0,0.20000000000000001,1,0,0,0,3"}));
+  EXPECT_EQ(exported.rows().trajectory, 2U);
+}
+
+TEST_F(ExportTest, ForcesHaveTheirRoundTripAndTheNamesOfWhatTheyTouch) {
+  ForceCommand force = force_of(5);
+  force.force_n = Vec3(0.5, -1.0, 2.0);
+  force.visual_offset_m = Vec3(0.25, 0.0, -0.5);
+  force.compute_ns = 1500;
+  for (const std::int32_t object : {1, -1, 7}) {
+    force.object = object;
+    force.contact = object >= 0;
+    const auto [entry, datagram] = arrival_of(force, sample_ns(5) + 250'125);
+    exported.add(entry, &datagram);
+  }
+  auto [entry, datagram] = arrival_of(force, sample_ns(5));
+  entry.kind = SessionEntry::Kind::sent;
+  exported.add(entry, &datagram);
+  ASSERT_TRUE(exported.close());
+  const std::string numbers = "0.005250125,5,0.5,-1,2,";
+  const std::string rest = ",0.25,0,-0.5,250.125,1.500,";
+  EXPECT_EQ(lines_of(folder / "forces.csv"),
+            (std::vector<std::string>{
+                "t_s,sample,fx_n,fy_n,fz_n,contact,offset_x_m,offset_y_m,offset_z_m,round_trip_us,compute_us,object,object_name,material",
+                numbers + "1" + rest + "1,\"a, \"\"b\"\"\",clay", numbers + "0" + rest + ",,", numbers + "1" + rest + "7,,"}));
+  EXPECT_EQ(exported.rows().forces, 3U);
+}
+
+TEST_F(ExportTest, AFolderThatCannotBeMadeIsOneLine) {
+  const auto file = scratch.write("file", "x");
+  const auto opened = SessionExport::open(file / "folder", 0);
+  ASSERT_FALSE(opened);
+  EXPECT_NE(opened.error().what.find("the folder cannot be made"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace hapton
