@@ -13,10 +13,10 @@ namespace hapton::process {
 
 // A hand that a trajectory leads over a scene: io_node with a simulated device and haptics_node, as real programs, recorded.
 struct LedHand {
-  // scene: a file of scenes/.
-  LedHand(const std::string& device, const std::string& way_csv, const std::string& scene)
+  // scene: a file of scenes/. touch: of io_node --touch.
+  LedHand(const std::string& device, const std::string& way_csv, const std::string& scene, const std::string& touch = "remote")
       : io("io_node",
-           {"--bind", hub, "--device", device, "--trajectory", written(way_csv), "--record", file, "--out",
+           {"--bind", hub, "--device", device, "--trajectory", written(way_csv), "--record", file, "--touch", touch, "--out",
             (scratch.path() / "out").string()},
            scratch.path()),
         haptics("haptics_node", {"--hub", hub, "--scene", HAPTON_SOURCE_DIR "/scenes/" + scene}, scratch.path()) {}
@@ -28,6 +28,13 @@ struct LedHand {
       return testing::AssertionSuccess();
     }
     return testing::AssertionFailure() << note << " is not above " << least << "\n" << haptics.err() << io.err();
+  }
+
+  // A counter of the report; -1: there is no report.
+  std::int64_t read_counter(const std::string& counter) {
+    io.send_signal(SIGUSR1);
+    const Json report = Json::parse(read_text(scratch.path() / "out" / "report.json"), nullptr, false);
+    return report.is_object() ? report.at("counters").at(counter).get<std::int64_t>() : -1;
   }
 
   // Ends both, with exit code 0; what haptics_node said at its end.
