@@ -80,6 +80,8 @@ bool HapticsStep::command(int object, const CommandedMove& move) noexcept {
 
 void HapticsStep::advance_scene(std::int64_t step_ns) noexcept {
   if (running_ && touch_->has_motion()) scene_time_ns_ += std::clamp<std::int64_t>(step_ns, 0, kMostSceneStepNs);
+  // The hub computes the force, and so determines where everything is.
+  if (state_.scene_time_ns >= 0 && touch_->has_motion()) scene_time_ns_ = state_.scene_time_ns;
   scene_time_ns_ = std::exchange(next_scene_time_ns_, std::nullopt).value_or(scene_time_ns_);
   input_.time_s = 1e-9 * static_cast<double>(scene_time_ns_);
 }

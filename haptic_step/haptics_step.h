@@ -77,7 +77,8 @@ class HapticsStep {
   bool turn_scene(const ViewTransform& view) noexcept;
 
   // Sets the scene time of the next reply, from which keyframes continue. Without this call scene time begins at 0 with the first reply and
-  // advances with the samples. A gap between two samples counts as at most kMostSceneStepNs, the time between two sessions as 0.
+  // advances with the samples. A gap between two samples counts as at most kMostSceneStepNs, the time between two sessions as 0. A state
+  // that has a scene time of its own (DeviceState) sets it.
   void set_scene_time(std::int64_t time_ns) noexcept { next_scene_time_ns_ = time_ns; }
   static constexpr std::int64_t kMostSceneStepNs = 50'000'000;
 

@@ -81,9 +81,19 @@ void ObjectMover::request(const MoveRequest& request) noexcept {
   waiting_[waiting_count_++] = fresh;
 }
 
+// Not too soon after the one before, where that has not begun.
+bool ObjectMover::may_begin(const Waiting& waiting, std::int64_t start_ns) const noexcept {
+  const auto own = std::find_if(moves_.begin(), moves_.end(), [&](const ObjectMove& one) { return one.object == waiting.object; });
+  return own == moves_.end() || own->serial == 0 || start_ns < own->start_ns || start_ns - own->start_ns >= lead_ns_ / kMostAhead;
+}
+
 ObjectMover::Done ObjectMover::work(HapticsStep& step) noexcept {
-  const Waiting first = waiting_.front();
-  std::move(waiting_.begin() + 1, waiting_.begin() + static_cast<std::ptrdiff_t>(waiting_count_), waiting_.begin());
+  const auto end = waiting_.begin() + static_cast<std::ptrdiff_t>(waiting_count_);
+  const std::int64_t start_ns = step.scene_time_ns() + lead_ns_;
+  const auto next = std::find_if(waiting_.begin(), end, [&](const Waiting& one) { return may_begin(one, start_ns); });
+  if (next == end) return {};
+  const Waiting first = *next;
+  std::move(next + 1, end, next);
   --waiting_count_;
   Done done;
   if (const MoveReply* known = recall(first.request.request)) {
@@ -104,7 +114,7 @@ void ObjectMover::move(HapticsStep& step, const Waiting& waiting, Done& done) no
   const CommandedMotion* motion = step.touch().find_commanded(waiting.object);
   const CommandedObject& object = *objects_[static_cast<std::size_t>(waiting.object)];
   if (motion == nullptr) return say(done.reply.rejection, "the method in use does not move objects");
-  const std::int64_t start_ns = step.scene_time_ns();
+  const std::int64_t start_ns = step.scene_time_ns() + lead_ns_;
   const MoveRequest& requested = waiting.request;
   const Keyframe from = motion->keyframe_at(1e-9 * static_cast<double>(start_ns));
   const Keyframe to = object.place(requested.p_m, requested.q, from);

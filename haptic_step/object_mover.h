@@ -26,6 +26,7 @@ namespace hapton {
 class ObjectMover {
  public:
   static constexpr std::size_t kMostWaiting = 16;
+  static constexpr std::int64_t kMostAhead = CommandedMotion::kMoves / 2;
   static constexpr std::size_t kRemembered = 128;  // for longer than a sender waits until it repeats
 
   // source: as in ObjectMove.
@@ -37,9 +38,13 @@ class ObjectMover {
   // out; its sender repeats it. One that was carried out already only gets its reply again.
   void request(const MoveRequest& request) noexcept;
   bool has_request() const noexcept { return waiting_count_ > 0; }
+  // Moves begin so much later than the last reply: while the hub computes the force, it has to know of a move before it begins. Then no
+  // more than kMostAhead of one object wait for their beginning, half of what CommandedMotion keeps: a newer request waits, and replaces
+  // those that wait.
+  void set_lead_ns(std::int64_t lead_ns) noexcept { lead_ns_ = lead_ns; }
 
-  // Carries out the request that has waited longest. Result: the object's new move, for all who draw it; none where the request was
-  // rejected or has been carried out before. Pre: has_request().
+  // Carries out the request that has waited longest, of those that may begin. Its reply is to no request (0) if none may. Result: the
+  // object's new move, for all who draw it; none where the request was rejected or has been carried out before. Pre: has_request().
   struct Done {
     MoveReply reply;
     std::optional<ObjectMove> move;
@@ -63,6 +68,7 @@ class ObjectMover {
   };
 
   Found find(const MoveRequest& request) const noexcept;
+  bool may_begin(const Waiting& waiting, std::int64_t start_ns) const noexcept;
   void move(HapticsStep& step, const Waiting& waiting, Done& done) noexcept;
   void reject_unknown(const MoveRequest& request, HapticsSetup::Text& why) const noexcept;
   const MoveReply* recall(std::uint32_t request) const noexcept;
@@ -78,6 +84,7 @@ class ObjectMover {
   std::array<MoveReply, kRemembered> replies_ = {};  // the newest, a ring
   std::size_t next_reply_ = 0;
   std::uint64_t overflows_ = 0;
+  std::int64_t lead_ns_ = 0;
 };
 
 }  // namespace hapton

@@ -4,7 +4,10 @@
 #include <chrono>
 #include <utility>
 
+#include "core/force/motion_groups.h"
 #include "core/math/rigid_pose.h"
+#include "link/commanded_move.h"
+#include "patch/patch_store.h"
 #include "runtime/clock.h"
 #include "runtime/log.h"
 #include "runtime/start_thread.h"
@@ -15,12 +18,30 @@ namespace {
 constexpr std::int64_t kWantedNs = kNanosecondsPerSecond;  // after the last status that says so
 constexpr auto kIdleLookEvery = std::chrono::milliseconds(50);
 constexpr auto kLookEvery = std::chrono::milliseconds(4);
+// The scene time of this node is that of the hub's newest sample here: up to 50 ms old, as the hub sends 20 a second, and half a round
+// trip. A move takes another half; the rest is for jitter, and where the round trip is short for sending it again.
+constexpr std::int64_t kLeadNs = 120 * kNanosecondsPerMillisecond;
+constexpr double kLeadTrips = 1.25;
+constexpr double kMostLeadTripS = 2.0;
 constexpr double kVelocityS = 0.1;  // over which the hand's velocity is a mean
 
 std::string_view find_scene_obstacle(const TouchScene& scene) {
   if (scene.has_effects()) return "the scene has effects";
   if (scene.has_sculpt()) return "objects of the scene can be carved";
-  return scene.has_motion() ? "objects of the scene move" : "";
+  if (scene.has_deformation()) return "objects of the scene deform";
+  if (!scene.has_motion()) return "";
+  const std::vector<MotionGroup> groups = group_by_motion(scene);
+  if (groups.size() >= PatchBody::kMostBodies) return "more than 31 objects of the scene move";
+  const auto is_long = [](const MotionGroup& group) {
+    return group.motion != nullptr && group.motion->keyframes().size() > PatchBody::kMostAllKeys;
+  };
+  return std::any_of(groups.begin(), groups.end(), is_long) ? "an object of the scene has more than 1,536 keyframes" : "";
+}
+
+std::vector<Material> materials_of(const TouchScene& scene) {
+  std::vector<Material> materials;
+  for (const TouchObject& object : scene.objects) materials.push_back(object.material);
+  return materials;
 }
 
 }  // namespace
@@ -49,11 +70,27 @@ PatchSender::~PatchSender() {
 
 void PatchSender::accept(const PatchStatus& status, std::int64_t now_ns) noexcept {
   wanted_until_ns_ = status.is_wanted ? now_ns + kWantedNs : 0;
+  round_trip_s_ = status.round_trip_s;
   statuses_.publish({status, now_ns});
 }
 
-void PatchSender::note_hand(const DeviceState& state, const std::array<float, 12>& X_WS) noexcept {
-  hands_.publish({state.p_WD, state.sample_time_ns, X_WS});
+void PatchSender::note_hand(const DeviceState& state, const std::array<float, 12>& X_WS, std::int64_t scene_time_ns) noexcept {
+  hands_.publish({state.p_WD, state.sample_time_ns, X_WS, scene_time_ns});
+}
+
+void PatchSender::note_move(const ObjectMove& move, std::int64_t now_ns) noexcept {
+  if (!sent_.table.take(move)) return;
+  const std::span<const ObjectMove> moves = sent_.table.moves();
+  for (std::size_t n = 0; n < moves.size(); ++n) {
+    if (moves[n].object == move.object) sent_.sent_ns[n] = now_ns;
+  }
+  moves_.publish(sent_);
+}
+
+std::int64_t PatchSender::find_lead_ns(std::int64_t now_ns) const noexcept {
+  if (!is_wanted(now_ns) || !is_offered()) return 0;
+  const double round_trip_s = std::min(static_cast<double>(round_trip_s_.load(std::memory_order_relaxed)), kMostLeadTripS);
+  return kLeadNs + static_cast<std::int64_t>(1e9 * kLeadTrips * round_trip_s);
 }
 
 void PatchSender::run() {
@@ -68,6 +105,7 @@ void PatchSender::run() {
       if (source_) source_->accept(status);
     }
     follow_materials();
+    follow_moves();
     if (now_ns < wanted_until_ns) {
       follow_method();
       if (hands_.take()) follow_hand(hands_.value());
@@ -82,17 +120,37 @@ void PatchSender::set_materials(const std::vector<Material>& materials) {
   materials_ = materials;
 }
 
-// A tile has the material of its object, and what a part says holds within its epoch: the next one begins without parts.
+// A tile has the material that its object had when it was made; others are sent beside it.
 void PatchSender::follow_materials() {
   std::vector<Material> materials;
   {
     const std::scoped_lock lock(materials_mutex_);
     materials.swap(materials_);
   }
-  for (std::size_t o = 0; o < std::min(materials.size(), scene_.objects.size()); ++o) scene_.objects[o].material = materials[o];
   if (materials.empty()) return;
-  tiles_.reset();
-  source_.reset();
+  for (std::size_t o = 0; o < std::min(materials.size(), scene_.objects.size()); ++o) {
+    scene_.objects[o].material = with_numbers_of(scene_.objects[o].material, materials[o]);
+  }
+  if (source_) source_->set_materials(materials_of(scene_));
+}
+
+void PatchSender::follow_moves() {
+  if (!moves_.take()) return;
+  const auto& [table, sent_ns] = moves_.value();
+  const std::span<const ObjectMove> moves = table.moves();
+  for (std::size_t n = 0; n < moves.size(); ++n) {
+    if (source_) source_->note_move(moves[n], sent_ns[n]);
+    for (std::size_t b = 1; tiles_ && b < commanded_.size(); ++b) {
+      const MotionGroup& group = tiles_->bodies[b].group;
+      if (group.commanded >= 0 && group.objects.front() == moves[n].object) commanded_[b].begin(to_command(moves[n]));
+    }
+  }
+}
+
+Pose PatchSender::pose_of(std::size_t body, double time_s) const noexcept {
+  const MotionGroup& group = tiles_->bodies[body].group;
+  if (group.commanded >= 0) return commanded_[body].pose_at(time_s);
+  return group.motion != nullptr ? group.motion->pose_at(time_s) : Pose(Pose::Identity());
 }
 
 // With a method that parts of the scene do not serve the hub gets an epoch without any.
@@ -102,11 +160,16 @@ void PatchSender::follow_method() {
   was_offered_ = is_offered;
   if (!tiles_) {
     tiles_ = std::make_unique<TiledScene>(make_tiles(scene_));
+    motions_.resize(tiles_->bodies.size());
+    for (const TileBody& body : tiles_->bodies) commanded_.emplace_back(body.pivot_m);
     log_info("the hub requests the scene in parts: {} tiles in {} cells, at most {:g} Mbit/s", tiles_->tiles.size(), tiles_->cells.size(),
              1e-6 * options_.bits_per_s);
   }
-  TiledScene offered = is_offered ? *tiles_ : TiledScene{.grid = tiles_->grid, .tiles = {}, .tile_bounds = {}, .nodes = {}, .cells = {}};
+  TiledScene offered =
+      is_offered ? *tiles_ : TiledScene{.grid = tiles_->grid, .tiles = {}, .tile_bounds = {}, .bodies = {}, .nodes = {}, .cells = {}};
   source_ = std::make_unique<PatchSource>(std::move(offered), probe_radius_m_, scene_hash_, ++epoch_, options_);
+  source_->set_materials(materials_of(scene_));
+  for (const ObjectMove& move : moves_.value().table.moves()) source_->note_move(move, -1);
 }
 
 void PatchSender::follow_hand(const Hand& hand) {
@@ -114,9 +177,13 @@ void PatchSender::follow_hand(const Hand& hand) {
   if (!X_WS) return;
   const Vec3 p_SD = X_WS->inverse(Eigen::Isometry) * hand.p_WD;
   const double dt_s = 1e-9 * static_cast<double>(hand.time_ns - std::exchange(hand_ns_, hand.time_ns));
-  const Vec3 moved = p_SD - std::exchange(motion_.p_SD, p_SD);
-  if (dt_s > 0.0 && dt_s < 1.0) motion_.v_SD += std::min(dt_s / kVelocityS, 1.0) * (moved / dt_s - motion_.v_SD);
-  source_->aim(motion_);
+  for (std::size_t body = 0; body < motions_.size(); ++body) {
+    HandMotion& motion = motions_[body];
+    const Vec3 p_OD = pose_of(body, 1e-9 * static_cast<double>(hand.scene_time_ns)).inverse(Eigen::Isometry) * p_SD;
+    const Vec3 moved = p_OD - std::exchange(motion.p_SD, p_OD);
+    if (dt_s > 0.0 && dt_s < 1.0) motion.v_SD += std::min(dt_s / kVelocityS, 1.0) * (moved / dt_s - motion.v_SD);
+    source_->aim(motion, body);
+  }
 }
 
 bool PatchSender::fill(std::int64_t now_ns) {

@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "core/force/touch_scene.h"
+#include "core/math/commanded_motion.h"
 #include "link/messages.h"
+#include "patch/move_table.h"
 #include "patch/patch_source.h"
 #include "runtime/mailbox.h"
 
@@ -30,10 +32,14 @@ class PatchSender {
   PatchSender& operator=(const PatchSender&) = delete;
 
   void accept(const PatchStatus& status, std::int64_t now_ns) noexcept;
-  // Frames: W, and the scene in it.
-  void note_hand(const DeviceState& state, const std::array<float, 12>& X_WS) noexcept;
-  // Another method is in use: parts of the scene are as good as it, or not. Parts hold no effects and stand still, so a scene with effects
-  // or with objects that move is never offered.
+  // Frames: W, and the scene in it, at that scene time.
+  void note_hand(const DeviceState& state, const std::array<float, 12>& X_WS, std::int64_t scene_time_ns = 0) noexcept;
+  // A move that has just been sent: it is sent again until the hub confirms it.
+  void note_move(const ObjectMove& move, std::int64_t now_ns) noexcept;
+  // How much later than the last reply moves have to begin, so that the hub knows of them before: 0 while it does not compute the force.
+  std::int64_t find_lead_ns(std::int64_t now_ns) const noexcept;
+  // Another method is in use: parts of the scene are as good as it, or not. Parts hold no effects and keep their shape, so a scene with
+  // effects, or with objects that deform or are carved, is never offered.
   void set_offered(bool is_offered) noexcept {
     is_offered_.store(is_offered && scene_obstacle_.empty() && !is_withdrawn_.load(std::memory_order_acquire), std::memory_order_release);
   }
@@ -49,7 +55,7 @@ class PatchSender {
     is_withdrawn_.store(true, std::memory_order_release);
     is_offered_.store(false, std::memory_order_release);
   }
-  // The scene's materials have changed: the hub gets all parts again. Pre: one for each object. RT: no. Threads: any.
+  // The scene's materials have changed: the hub gets those of the objects that have others. Pre: one for each object. RT: no. Threads: any.
   void set_materials(const std::vector<Material>& materials);
   // The hub asked for parts a moment ago. Threads: any.
   bool is_wanted(std::int64_t now_ns) const noexcept { return now_ns < wanted_until_ns_.load(std::memory_order_relaxed); }
@@ -76,10 +82,17 @@ class PatchSender {
     Vec3 p_WD = Vec3::Zero();
     std::int64_t time_ns = 0;
     std::array<float, 12> X_WS = {};
+    std::int64_t scene_time_ns = 0;
+  };
+  struct SentMoves {
+    MoveTable table;
+    std::array<std::int64_t, PatchBody::kMostBodies> sent_ns = {};  // in the order of the table
   };
 
   void run();
   void follow_hand(const Hand& hand);
+  void follow_moves();
+  Pose pose_of(std::size_t body, double time_s) const noexcept;
   void follow_method();
   void follow_materials();
   bool fill(std::int64_t now_ns);
@@ -90,6 +103,9 @@ class PatchSender {
   std::uint64_t scene_hash_;
   PatchSource::Options options_;
   std::atomic<std::int64_t> wanted_until_ns_ = 0;
+  std::atomic<float> round_trip_s_ = 0.0F;
+  SentMoves sent_;  // the caller's
+  Mailbox<SentMoves> moves_;
   Mailbox<Status> statuses_;
   Mailbox<Hand> hands_;
   Mailbox<PatchSource::Counts> counts_;
@@ -106,7 +122,8 @@ class PatchSender {
   std::unique_ptr<PatchSource> source_;
   bool was_offered_ = false;
   std::uint32_t epoch_ = 0;
-  HandMotion motion_;
+  std::vector<HandMotion> motions_;         // by body
+  std::vector<CommandedMotion> commanded_;  // by body
   std::int64_t hand_ns_ = 0;
 
   std::atomic<bool> stop_ = false;

@@ -115,7 +115,9 @@ void ReplyLoop::handle(const Message& message) noexcept {
     note_join();
     arrival_ns_ = hub_.receive_time_ns();
     step_.offer(*state);
-    if (patches_ != nullptr && patches_->is_wanted(arrival_ns_)) patches_->note_hand(*state, step_.view().X_WS);
+    if (patches_ != nullptr && patches_->is_wanted(arrival_ns_)) {
+      patches_->note_hand(*state, step_.view().X_WS, state->scene_time_ns >= 0 ? state->scene_time_ns : step_.scene_time_ns());
+    }
   } else if (const auto* status = std::get_if<PatchStatus>(&message)) {
     if (!overtaken) wants_patches_ = status->is_wanted;
     if (!overtaken && patches_ != nullptr) patches_->accept(*status, hub_.receive_time_ns());
@@ -234,17 +236,13 @@ void ReplyLoop::take_scene(const NewScene& scene) noexcept {
   scene_reported_ = 0;
 }
 
-// A requester repeats its request until the reply comes. While the hub computes the forces from parts of the scene, it would have to
-// receive all tiles again, and the forces would then change without a fade: the request is rejected.
+// A requester repeats its request until the reply comes.
 void ReplyLoop::request_materials(const MaterialRequest& request) noexcept {
   if (tuner_ == nullptr || request.request == last_material_request_) return;
   last_material_request_ = request.request;
-  const bool has_patches = patches_ != nullptr && patches_->is_wanted(hub_.receive_time_ns()) && patches_->is_offered();
-  if (!has_patches && !is_holding()) return tuner_->request(request);
+  if (!is_holding()) return tuner_->request(request);
   materials_.request = request.request;
-  put_text(is_holding() ? "the stylus holds a rigid tool or an object, whose spring cannot be changed while it is held"
-                        : "the hub computes the forces from parts of the scene (io_node --touch): materials cannot be changed meanwhile",
-           materials_.rejection);
+  put_text("the stylus holds a rigid tool or an object, whose spring cannot be changed while it is held", materials_.rejection);
   send_setup_soon();
 }
 
@@ -335,8 +333,11 @@ void ReplyLoop::move_objects() {
   const std::int64_t now_ns = clock_.now_ns();
   if (now_ns < next_move_ns_) return;
   next_move_ns_ = now_ns + kMoveEveryNs;
+  if (patches_ != nullptr) mover_->set_lead_ns(patches_->find_lead_ns(now_ns));
   const ObjectMover::Done done = mover_->work(step_);
+  if (done.reply.request == 0) return;  // the next one is not due yet
   if (done.move) hub_.send(*done.move);
+  if (done.move && patches_ != nullptr) patches_->note_move(*done.move, now_ns);
   hub_.send(done.reply);
   if (done.move) {
     move_repeats_ = kSetupRepeats;

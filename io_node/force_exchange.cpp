@@ -35,6 +35,7 @@ void ForceExchange::send(const DeviceCycle& cycle) noexcept {
   const std::optional<Vec3> p_WP = history_.find_resume_point(sample.p_WD);
   state.is_resumed = p_WP.has_value();
   if (p_WP) state.p_WP = *p_WP;
+  if (cycle.local) state.scene_time_ns = cycle.local->scene_time_ns;
   const std::size_t reached = peers_.send_to_role(NodeRole::haptics, state);
   stats_.states_sent += reached;
   if (hops_ != nullptr && reached > 0) hops_->on_state_sent(cycle.number, sample.time_ns);
@@ -102,7 +103,8 @@ void ForceExchange::note_local(const DeviceCycle& cycle, std::uint32_t view_revi
                        .visual_offset_m = cycle.local->visual_offset_m,
                        .contact = cycle.local->contact,
                        .view_revision = view_revision,
-                       .object = cycle.local->object});
+                       .object = cycle.local->object,
+                       .scene_time_ns = std::max<std::int64_t>(cycle.local->scene_time_ns, 0)});
 }
 
 void ForceExchange::on_haptics_joined() noexcept {

@@ -99,6 +99,7 @@ void add_counters(LatencyReport& report, const ServoStats& s) {
                      {"patches_taken_over", whole(s.patch_touch.handed_over)},
                      {"beyond_patch", whole(s.patch_touch.beyond)},
                      {"beyond_patch_steps", whole(s.patch_touch.beyond_steps)},
+                     {"moves_late", whole(s.patch_touch.late_moves)},
                      {"echo_sent", whole(s.echo.sent)},
                      {"echo_answered", whole(s.echo.answered)},
                      {"echo_late", whole(s.echo.late)},

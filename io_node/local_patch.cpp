@@ -13,19 +13,49 @@ constexpr std::uint32_t kNoGeneration = 0xFFFFFFFF;
 }  // namespace
 
 LocalPatch::~LocalPatch() {
-  delete built_.load();
-  delete retired_.load();
+  free_retired();
+  for (std::atomic<Patch*>& built : built_) exchange(built, nullptr);
+  exchange(bodies_, nullptr);
+  exchange(materials_, nullptr);
 }
 
 // Nothing is freed here: one slot takes back what is not needed any more, and nothing new comes before it is empty.
-void LocalPatch::exchange_patches() noexcept {
-  if (retired_.load(std::memory_order_acquire) != nullptr) return;
-  if (auto retired = touch_.take_retired()) {
-    retired_.store(retired.release(), std::memory_order_release);
-  } else if (built_.load(std::memory_order_relaxed) != nullptr) {
-    auto superseded = touch_.offer(std::unique_ptr<Patch>(built_.exchange(nullptr, std::memory_order_acq_rel)));
-    retired_.store(superseded.release(), std::memory_order_release);
+void LocalPatch::exchange_patch(std::size_t link) noexcept {
+  if (retired_[link].load(std::memory_order_acquire) != nullptr) return;
+  if (auto retired = touch_.take_retired(link)) {
+    retired_[link].store(retired.release(), std::memory_order_release);
+  } else if (built_[link].load(std::memory_order_relaxed) != nullptr) {
+    auto superseded = touch_.offer(link, std::unique_ptr<Patch>(built_[link].exchange(nullptr, std::memory_order_acq_rel)));
+    retired_[link].store(superseded.release(), std::memory_order_release);
   }
+}
+
+// False: something is offered, but what it replaces would have no place.
+template <class T>
+bool LocalPatch::take_over(std::atomic<T*>& offered, std::atomic<T*>& retired) noexcept {
+  if (offered.load(std::memory_order_relaxed) == nullptr) return true;
+  if (retired.load(std::memory_order_acquire) != nullptr) return false;
+  auto replaced = touch_.take(std::unique_ptr<T>(offered.exchange(nullptr, std::memory_order_acq_rel)));
+  retired.store(replaced.release(), std::memory_order_release);
+  return true;
+}
+
+// Bodies last: they are offered before the patches of them, so whoever has a patch gets its bodies in the same step.
+void LocalPatch::exchange_patches() noexcept {
+  for (std::size_t link = 0; link < kLinks; ++link) exchange_patch(link);
+  (void)take_over(materials_, retired_materials_);
+  const PatchChain& known = touch_;
+  const bool had_moves = moves_.take();
+  const bool were_offered = bodies_.load(std::memory_order_acquire) != nullptr;
+  are_bodies_awaited_ = !take_over(bodies_, retired_bodies_);
+  if ((had_moves || were_offered) && !are_bodies_awaited_ && known.body_count() > 1) touch_.note_moves(moves_.value());
+}
+
+std::int64_t LocalPatch::scene_time_of(const DeviceSample& sample, std::int64_t passed_ns) noexcept {
+  const PatchOrders& orders = orders_.value();
+  if (!touch_.has_arrived()) return std::max<std::int64_t>(orders.anchor_scene_ns + (sample.time_ns - orders.anchor_ns), 0);
+  const bool is_given = sample.time_ns < orders.until_ns;
+  return scene_ns_ + (is_given ? std::clamp<std::int64_t>(passed_ns, 0, kMostSceneStepNs) : 0);
 }
 
 std::optional<LocalForce> LocalPatch::step(const DeviceSample& sample) noexcept {
@@ -41,22 +71,28 @@ std::optional<LocalForce> LocalPatch::step(const DeviceSample& sample) noexcept 
   touch_.set_generation(is_cleared ? generation_.load(std::memory_order_acquire) : kNoGeneration);
   const Pose X_SW = orders.X_WS.inverse(Eigen::Isometry);
   if (std::exchange(started_, orders.start) != orders.start && !touch_.has_arrived()) {
-    touch_.start_at(X_SW * orders.p_WP, X_SW.linear() * orders.outward_W, 1e-9 * static_cast<double>(last_ns_ - orders.start_ns));
+    touch_.start_at(X_SW * orders.p_WP, X_SW.linear() * orders.outward_W, 1e-9 * static_cast<double>(last_ns_ - orders.start_ns),
+                    1e-9 * static_cast<double>(orders.start_scene_ns));
   }
   const std::int64_t passed_ns = sample.time_ns - std::exchange(last_ns_, sample.time_ns);
   const double dt_s = passed_ns > 0 ? std::min(1e-9 * static_cast<double>(passed_ns), kLongestStepS) : kFirstStepS;
-  const std::optional<PatchOutput> output = touch_.step({sample.p_WD, orders.X_WS, dt_s});
+  scene_ns_ = scene_time_of(sample, passed_ns);
+  const TouchInput input{.p_WD = sample.p_WD, .X_WS = orders.X_WS, .dt_s = dt_s, .time_s = 1e-9 * static_cast<double>(scene_ns_)};
+  const std::optional<PatchOutput> output = touch_.step(input);
   counts_.publish(touch_.counts());
-  hands_.publish(touch_.hand_at(X_SW * sample.p_WD, sample.time_ns));
+  for (std::size_t link = 0; link < kLinks; ++link) {
+    if (touch_.is_in_use(link)) hands_[link].publish(touch_.hand_of(link, sample.time_ns));
+  }
   // The proxy goes on following the device, so that the surface is the same once haptics replies again.
-  if (!output || sample.time_ns >= orders.until_ns) return std::nullopt;
-  return LocalForce{output->force_n,        output->visual_offset_m, output->contact,
-                    output->is_handed_over, output->difference_n,    output->object};
+  if (!output || are_bodies_awaited_ || sample.time_ns >= orders.until_ns) return std::nullopt;
+  const std::int64_t scene_ns = touch_.body_count() > 1 ? scene_ns_ : -1;
+  return LocalForce{output->force_n,      output->visual_offset_m, output->contact, output->is_handed_over,
+                    output->difference_n, output->object,          scene_ns};
 }
 
-bool LocalPatch::take_hand(PatchHand& hand) noexcept {
-  if (!hands_.take()) return false;
-  hand = hands_.value();
+bool LocalPatch::take_hand(PatchHand& hand, std::size_t link) noexcept {
+  if (!hands_[link].take()) return false;
+  hand = hands_[link].value();
   return true;
 }
 

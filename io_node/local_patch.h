@@ -1,12 +1,14 @@
 #pragma once
 
+#include <array>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
 
 #include "io_node/local_touch.h"
-#include "patch/patch_touch.h"
+#include "patch/patch_chain.h"
 #include "runtime/mailbox.h"
 
 namespace hapton {
@@ -21,17 +23,27 @@ struct PatchOrders {
   std::uint32_t start = 0;
   std::int64_t start_ns = 0;
   Vec3 p_WP = Vec3::Zero();
-  Vec3 outward_W = Vec3::Zero();  // unit, zero: free
+  Vec3 outward_W = Vec3::Zero();    // unit, zero: free
+  std::int64_t start_scene_ns = 0;  // scene time then
+  // A sample and its scene time, of the newest force: until patches reach the hand, scene time goes on from there.
+  std::int64_t anchor_ns = 0;
+  std::int64_t anchor_scene_ns = 0;
   // How many haptics nodes have joined whose parts are kept apart: patches are used once the builder has dropped those of the node before.
   std::uint32_t clears = 0;
 };
 
 // Force from patches of the scene, on the device's own thread. Patches come from a thread that builds them, and go back to it to be freed.
 //
+// Of a scene that moves, the scene time of a sample is that of the newest remote force plus the time since, until a patch reaches the hand.
+// From then on it advances with the samples of this side, as the haptics node does it: a gap counts as at most kMostSceneStepNs, and while
+// no force is given it stands still.
+//
 // Frames: W and S as named. RT: step, publish, hand and so on yes; making one and ending it is set-up only.
 // Threads: one calls step, one the network side, one the builder's side.
 class LocalPatch final : public LocalTouch {
  public:
+  static constexpr std::int64_t kMostSceneStepNs = 50'000'000;  // as HapticsStep
+
   LocalPatch() = default;
   ~LocalPatch() override;
   LocalPatch(const LocalPatch&) = delete;
@@ -42,36 +54,64 @@ class LocalPatch final : public LocalTouch {
 
   // --- the network side
   void publish(const PatchOrders& orders) noexcept { orders_.publish(orders); }
+  void publish(const MoveTable& moves) noexcept { moves_.publish(moves); }
   const PatchTouch::Counts& counts() noexcept {
     counts_.take();
     return counts_.value();
   }
 
   // --- the builder
-  // The newest place of the hand; false: none came since the last call.
-  bool take_hand(PatchHand& hand) noexcept;
-  // Replaces one that was not taken yet.
-  void offer(std::unique_ptr<Patch> patch) noexcept { delete built_.exchange(patch.release(), std::memory_order_acq_rel); }
+  // The newest place of the hand in the frame of a link (PatchChain); false: none came since the last call.
+  bool take_hand(PatchHand& hand, std::size_t link = 0) noexcept;
+  // Replaces one that was not taken yet. Pre: the bodies of its generation were offered before.
+  void offer(std::unique_ptr<Patch> patch, std::size_t link = 0) noexcept { exchange(built_[link], std::move(patch)); }
+  void offer(std::unique_ptr<PatchBodies> bodies) noexcept { exchange(bodies_, std::move(bodies)); }
+  void offer(std::unique_ptr<PatchMaterials> materials) noexcept { exchange(materials_, std::move(materials)); }
   // Patches of other generations are not used from now on.
   void set_generation(std::uint32_t generation) noexcept { generation_.store(generation, std::memory_order_release); }
   // So often all parts were dropped (PatchOrders::clears). The generation of what comes is set before.
   void set_cleared(std::uint32_t clears) noexcept { cleared_.store(clears, std::memory_order_release); }
-  void free_retired() noexcept { delete retired_.exchange(nullptr, std::memory_order_acq_rel); }
+  void free_retired() noexcept {
+    for (std::atomic<Patch*>& retired : retired_) exchange(retired, nullptr);
+    exchange(retired_bodies_, nullptr);
+    exchange(retired_materials_, nullptr);
+  }
 
  private:
+  static constexpr std::size_t kLinks = PatchChain::kLinks;
+
+  template <class T>
+  static void exchange(std::atomic<T*>& slot, std::unique_ptr<T> fresh) noexcept {
+    delete slot.exchange(fresh.release(), std::memory_order_acq_rel);
+  }
+  template <class T>
+  static void exchange(std::atomic<T*>& slot, std::nullptr_t) noexcept {
+    delete slot.exchange(nullptr, std::memory_order_acq_rel);
+  }
+  template <class T>
+  bool take_over(std::atomic<T*>& offered, std::atomic<T*>& retired) noexcept;
   void exchange_patches() noexcept;
+  void exchange_patch(std::size_t link) noexcept;
+  std::int64_t scene_time_of(const DeviceSample& sample, std::int64_t passed_ns) noexcept;
 
   Mailbox<PatchOrders> orders_;
-  Mailbox<PatchHand> hands_;
+  Mailbox<MoveTable> moves_;
+  std::array<Mailbox<PatchHand>, kLinks> hands_;
   Mailbox<PatchTouch::Counts> counts_;
-  std::atomic<Patch*> built_ = nullptr;
-  std::atomic<Patch*> retired_ = nullptr;
+  std::array<std::atomic<Patch*>, kLinks> built_ = {};
+  std::array<std::atomic<Patch*>, kLinks> retired_ = {};
+  std::atomic<PatchBodies*> bodies_ = nullptr;
+  std::atomic<PatchBodies*> retired_bodies_ = nullptr;
+  std::atomic<PatchMaterials*> materials_ = nullptr;
+  std::atomic<PatchMaterials*> retired_materials_ = nullptr;
   std::atomic<std::uint32_t> generation_ = 0;
   std::atomic<std::uint32_t> cleared_ = 0;
 
   // The device's thread.
-  PatchTouch touch_;
+  PatchChain touch_;
+  bool are_bodies_awaited_ = false;  // they are there, and cannot be taken yet
   std::int64_t last_ns_ = 0;
+  std::int64_t scene_ns_ = 0;
   std::uint32_t started_ = 0;
 };
 

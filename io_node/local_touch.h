@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include "core/math/types.h"
@@ -15,6 +16,7 @@ struct LocalForce {
   bool is_handed_over = false;       // by another patch than the sample before: the difference of force fades
   Vec3 difference_n = Vec3::Zero();  // ... or where that is known for this sample, just this
   int object = -1;                   // touched, of the scene's objects; -1: none
+  std::int64_t scene_time_ns = -1;   // of the sample, in a scene that moves; below 0: nothing moves
 };
 
 // Works out forces on the device's own thread, for the device loop. While it does, forces from the network are not used.

@@ -15,7 +15,11 @@ constexpr auto kIdleLookEvery = std::chrono::milliseconds(50);
 
 }  // namespace
 
-PatchBuilder::PatchBuilder(LocalPatch& local) : local_(local), thread_(start_thread([this] { run(); })) {}
+PatchBuilder::PatchBuilder(LocalPatch& local) : local_(local) {
+  for (std::uint32_t body = 0; body < PatchBody::kMostBodies; ++body) makers_.emplace_back(PatchMaker::kFewTriangles, body);
+  makers_.emplace_back(PatchMaker::kFewTriangles, 0, true);
+  thread_ = start_thread([this] { run(); });
+}
 
 PatchBuilder::~PatchBuilder() {
   stop_.store(true);
@@ -37,12 +41,7 @@ void PatchBuilder::run() {
   while (!stop_.load()) {
     local_.free_retired();
     const bool has_parts = drain();
-    PatchHand hand;
-    const bool has_hand = local_.take_hand(hand);
-    if (has_hand) {
-      maker_.note_hand(hand);
-      build_if_due();
-    }
+    const bool has_hand = build_where_due();
     if (has_parts) {
       statuses_.publish(store_.status());
       told_.store = store_.counts();
@@ -59,35 +58,69 @@ bool PatchBuilder::drain() {
     const Slot& slot = ring_[at % kRing];
     if (slot.is_clear) {
       store_.clear();
-    } else if (const auto* tile = std::get_if<PatchTile>(&slot.part)) {
-      store_.accept(*tile);
-    } else if (const auto* cell = std::get_if<PatchCell>(&slot.part)) {
-      store_.accept(*cell);
-    } else if (const auto* begin = std::get_if<PatchBegin>(&slot.part)) {
-      store_.accept(*begin);
+    } else {
+      (void)store_.accept(slot.part);
     }
-    if (slot.is_clear || store_.status().epoch != epoch_) {
-      epoch_ = store_.status().epoch;
-      maker_.forget();
-      local_.set_generation(++generation_);
-    }
+    if (slot.is_clear || store_.status().epoch != epoch_) begin_epoch(slot.is_clear);
     if (slot.is_clear) local_.set_cleared(++cleared_);
     begin_.store(at + 1, std::memory_order_release);
   }
+  offer_news();
   return first != end;
 }
 
-void PatchBuilder::build_if_due() {
+void PatchBuilder::begin_epoch(bool is_cleared) {
+  epoch_ = is_cleared ? 0 : store_.status().epoch;
+  for (PatchMaker& maker : makers_) maker.forget();
+  are_bodies_offered_ = false;
+  local_.set_generation(++generation_);
+}
+
+// Bodies come before all patches of them.
+void PatchBuilder::offer_news() {
+  if (!are_bodies_offered_ && store_.has_bodies()) {
+    local_.offer(store_.make_bodies(generation_));
+    are_bodies_offered_ = true;
+  }
+  if (std::exchange(material_version_, store_.material_version()) == store_.material_version()) return;
+  auto materials = std::make_unique<PatchMaterials>();
+  materials->version = store_.material_version();
+  for (const auto& [object, material] : store_.materials()) materials->objects.emplace_back(static_cast<int>(object), material);
+  local_.offer(std::move(materials));
+}
+
+bool PatchBuilder::is_in_use(std::size_t link) const noexcept {
+  if (!are_bodies_offered_) return link == 0;
+  const std::uint32_t bodies = store_.begin().body_count;
+  return link < bodies || (link == makers_.size() - 1 && bodies > 1);
+}
+
+// True: the hand has moved.
+bool PatchBuilder::build_where_due() {
+  bool has_hand = false;
+  for (std::size_t link = 0; link < makers_.size(); ++link) {
+    PatchHand hand;
+    if (!local_.take_hand(hand, link)) continue;
+    has_hand = true;
+    if (!is_in_use(link)) continue;
+    makers_[link].note_hand(hand);
+    if (are_bodies_offered_) build_if_due(link);
+  }
+  return has_hand;
+}
+
+void PatchBuilder::build_if_due(std::size_t link) {
+  PatchMaker& maker = makers_[link];
   const SteadyClock clock;
   const std::int64_t began_ns = clock.now_ns();
-  std::unique_ptr<Patch> patch = maker_.make_if_due(store_, generation_);
+  std::unique_ptr<Patch> patch = maker.make_if_due(store_, generation_);
   if (patch == nullptr) return;
-  local_.offer(std::move(patch));
+  local_.offer(std::move(patch), link);
   ++told_.built;
-  told_.triangles = maker_.triangles();
-  told_.radius_m = maker_.radius_m();
+  told_.triangles = maker.triangles();
+  told_.radius_m = maker.radius_m();
   const double seconds = 1e-9 * static_cast<double>(clock.now_ns() - began_ns);
-  maker_.note_made(seconds);
+  maker.note_made(seconds);
   told_.build_ms = 1e3 * seconds;
   counts_.publish(told_);
 }

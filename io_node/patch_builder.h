@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdint>
 #include <thread>
+#include <vector>
 
 #include "io_node/local_patch.h"
 #include "link/messages.h"
@@ -54,7 +55,11 @@ class PatchBuilder {
   bool write(const Message* part) noexcept;
   void run();
   bool drain();
-  void build_if_due();
+  void begin_epoch(bool is_cleared);
+  void offer_news();
+  bool build_where_due();
+  bool is_in_use(std::size_t link) const noexcept;
+  void build_if_due(std::size_t link);
 
   LocalPatch& local_;
   std::array<Slot, kRing> ring_;
@@ -68,7 +73,9 @@ class PatchBuilder {
   std::uint32_t generation_ = 0;
   std::uint32_t cleared_ = 0;
   std::uint32_t epoch_ = 0;
-  PatchMaker maker_;
+  std::vector<PatchMaker> makers_;      // by link of the chain
+  bool are_bodies_offered_ = false;     // of this epoch
+  std::uint32_t material_version_ = 0;  // as offered
   PatchBuilderCounts told_;
 
   std::atomic<bool> stop_ = false;

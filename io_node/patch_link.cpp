@@ -9,12 +9,29 @@ namespace {
 
 constexpr std::int64_t kLookNs = 100 * kNanosecondsPerMillisecond;
 
+// As the device side has it.
+std::int64_t scene_time_at(const ForceCommand& last, std::int64_t sample_ns) noexcept {
+  return std::max<std::int64_t>(last.scene_time_ns + (sample_ns - last.echo_sample_time_ns), 0);
+}
+
 }  // namespace
 
 void PatchLink::accept(const Message& part) noexcept {
   // Of the node before, or not asked for.
   if (must_clear_ || state_ == State::remote) return;
   builder_.push(part);
+}
+
+void PatchLink::accept(const ObjectMove& move) noexcept {
+  const std::uint32_t newest = moves_.newest();
+  if (moves_.take(move)) local_.publish(moves_);
+  has_news_ = has_news_ || moves_.newest() != newest;
+}
+
+void PatchLink::on_haptics_joined() noexcept {
+  orders_.clears += std::exchange(must_clear_, true) ? 0 : 1;
+  moves_.clear();
+  local_.publish(moves_);
 }
 
 void PatchLink::look_after(ForceExchange& forces, const std::optional<ViewTransform>& view, std::int64_t now_ns) noexcept {
@@ -24,6 +41,8 @@ void PatchLink::look_after(ForceExchange& forces, const std::optional<ViewTransf
   follow_source(forces);
   if (!was_local_) note_probe(forces, view ? view->revision : 0, now_ns);
   orders_.X_WS = view ? find_rigid_pose(view->X_WS).value_or(Pose::Identity()) : Pose::Identity();
+  orders_.anchor_ns = forces.history().last_answer().echo_sample_time_ns;
+  orders_.anchor_scene_ns = forces.history().last_answer().scene_time_ns;
   orders_.until_ns = peers_.has_haptics() ? peers_.peer(HubPeers::kHapticsSlot).last_received_ns + kAloneNs : 0;
   local_.publish(orders_);
   has_news_ = builder_.take_status() || has_news_;
@@ -63,6 +82,7 @@ void PatchLink::start_at_rest(const ForceExchange& forces) noexcept {
   if (!p_WP) return;
   ++orders_.start;
   orders_.start_ns = newest.time_ns;
+  orders_.start_scene_ns = scene_time_at(forces.history().last_answer(), newest.time_ns);
   orders_.p_WP = *p_WP;
   orders_.outward_W = (*p_WP - newest.p_WD).normalized();
 }
@@ -88,6 +108,7 @@ void PatchLink::note_probe(const ForceExchange& forces, std::uint32_t view_revis
   const double depth = last.visual_offset_m.norm();
   ++orders_.start;
   orders_.start_ns = last.echo_sample_time_ns;
+  orders_.start_scene_ns = last.scene_time_ns;
   orders_.p_WP = *p_WP;
   orders_.outward_W = last.contact && depth > 0.0 ? Vec3(last.visual_offset_m / depth) : Vec3(Vec3::Zero());
 }
@@ -95,6 +116,8 @@ void PatchLink::note_probe(const ForceExchange& forces, std::uint32_t view_revis
 void PatchLink::send_status(double round_trip_s, std::int64_t now_ns) noexcept {
   PatchStatus status = builder_.status();
   status.is_wanted = state_ != State::remote;
+  status.newest_move = moves_.newest();
+  status.moves_received = moves_.received();
   status.round_trip_s = static_cast<float>(std::max(round_trip_s, 0.0));
   status_ns_ = now_ns;
   has_news_ = false;

@@ -19,7 +19,8 @@ namespace hapton {
 //
 // The remote force goes on until a patch reaches the hand, and where patches start again. Meanwhile the device side is notified again and
 // again where the haptics node has the probe: the first patch takes over from there. The force without any datagram of haptics ends
-// kAloneNs after the last one. Units: ns of the hub's clock. RT: yes. Threads: the servo's.
+// kAloneNs after the last one. Of a scene that moves, the device side also gets the moves of objects as they are announced, and with each
+// status the haptics node gets to know which have come. Units: ns of the hub's clock. RT: yes. Threads: the servo's.
 class PatchLink {
  public:
   static constexpr std::int64_t kAloneNs = 1000 * kNanosecondsPerMillisecond;
@@ -33,7 +34,9 @@ class PatchLink {
 
   // A part of the scene.
   void accept(const Message& part) noexcept;
-  void on_haptics_joined() noexcept { orders_.clears += std::exchange(must_clear_, true) ? 0 : 1; }
+  // Where an object moves that programs move; kept whether parts are wanted or not.
+  void accept(const ObjectMove& move) noexcept;
+  void on_haptics_joined() noexcept;
   // Once a cycle, after the force. view: where the scene is; none: at W.
   void look_after(ForceExchange& forces, const std::optional<ViewTransform>& view, std::int64_t now_ns) noexcept;
 
@@ -56,6 +59,7 @@ class PatchLink {
   TouchChooser chooser_;
   State state_ = State::remote;
   PatchOrders orders_;
+  MoveTable moves_;
   bool must_clear_ = false;
   bool was_local_ = false;    // the force of the cycle before came from a patch
   std::int64_t told_ns_ = 0;  // when the device side got the probe's position

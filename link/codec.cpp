@@ -106,12 +106,16 @@ constexpr std::tuple kMessageKinds{
     MessageKind<Carves, wire::Carves>{&wire::Envelope::has_carves, &wire::Envelope::carves, &wire::Envelope::mutable_carves},
     MessageKind<CarveStatus, wire::CarveStatus>{&wire::Envelope::has_carve_status, &wire::Envelope::carve_status,
                                                 &wire::Envelope::mutable_carve_status},
+    MessageKind<PatchBody, wire::PatchBody>{&wire::Envelope::has_patch_body, &wire::Envelope::patch_body,
+                                            &wire::Envelope::mutable_patch_body},
+    MessageKind<PatchMaterial, wire::PatchMaterial>{&wire::Envelope::has_patch_material, &wire::Envelope::patch_material,
+                                                    &wire::Envelope::mutable_patch_material},
     MessageKind<Bye, wire::Bye>{&wire::Envelope::has_bye, &wire::Envelope::bye, &wire::Envelope::mutable_bye},
 };
 constexpr std::size_t kKindCount = std::tuple_size_v<decltype(kMessageKinds)>;
 static_assert(kKindCount == std::variant_size_v<Message>);
 // Fields 1 to 5 of an Envelope are its header, the others one kind each, from 16 on.
-static_assert(wire::Envelope::kCarveStatusFieldNumber == 15 + kKindCount, "the last kind of hapton.proto, and its line in kMessageKinds");
+static_assert(wire::Envelope::kPatchMaterialFieldNumber == 15 + kKindCount, "the last kind of hapton.proto, and its line in kMessageKinds");
 
 // Calls visit with each kind until one returns true.
 template <class Visit>
@@ -228,6 +232,12 @@ void reserve(wire::PatchTile& m) {
   m.mutable_vertices()->reserve(kMaxDatagramBytes);
   m.mutable_triangles()->reserve(kMaxDatagramBytes);
 }
+void reserve(wire::PatchBody& m) {
+  m.mutable_bounds()->Reserve(kMaxDatagramBytes);
+  reserve_field(*m.mutable_pivot_m());
+  reserve_field(*m.mutable_keys());
+}
+void reserve(wire::PatchMaterial&) {}
 void reserve(wire::PatchStatus& m) { m.mutable_received()->reserve(kMaxDatagramBytes); }
 void reserve(wire::MaterialRequest& m) { m.mutable_object()->reserve(kMaxDatagramBytes); }
 void reserve(wire::MaterialState& m) {

@@ -17,7 +17,8 @@ bool may_send(NodeRole role, const Message& message) {
            std::holds_alternative<MaterialState>(message) || std::holds_alternative<PatchTile>(message) ||
            std::holds_alternative<PatchCell>(message) || std::holds_alternative<PatchBegin>(message) ||
            std::holds_alternative<ObjectPose>(message) || std::holds_alternative<MoveReply>(message) ||
-           std::holds_alternative<ObjectMove>(message) || std::holds_alternative<Carves>(message);
+           std::holds_alternative<ObjectMove>(message) || std::holds_alternative<Carves>(message) ||
+           std::holds_alternative<PatchBody>(message) || std::holds_alternative<PatchMaterial>(message);
   }
   if (std::holds_alternative<MoveRequest>(message)) return true;
   if (role == NodeRole::tool) {

@@ -65,6 +65,8 @@ void write(const DeviceState& from, wire::DeviceState& to) {
   to.set_buttons(from.buttons);
   to.set_is_resumed(from.is_resumed);
   write_vector(*to.mutable_p_wp_m(), from.p_WP);
+  to.clear_scene_time_ns();
+  if (from.scene_time_ns >= 0) to.set_scene_time_ns(from.scene_time_ns);
 }
 
 void write(const ForceCommand& from, wire::ForceCommand& to) {
@@ -225,6 +227,8 @@ bool read(const wire::DeviceState& from, DeviceState& to) {
   to.sample_time_ns = from.sample_time_ns();
   to.buttons = from.buttons();
   to.is_resumed = from.is_resumed();
+  to.scene_time_ns = from.has_scene_time_ns() ? from.scene_time_ns() : -1;
+  if (to.scene_time_ns < -1) return false;
   return read_vector(from.p_wd_m(), to.p_WD) && read_rotation(from.q_wt(), to.q_WT) && read_vector(from.p_wp_m(), to.p_WP);
 }
 

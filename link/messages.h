@@ -5,6 +5,7 @@
 #include <optional>
 #include <variant>
 
+#include "core/math/keyframe_motion.h"
 #include "core/math/types.h"
 #include "link/marker_text.h"
 
@@ -42,6 +43,9 @@ struct DeviceState {
   std::uint32_t buttons = 0;
   bool is_resumed = false;   // p_WP is set: until a new haptics node has replied
   Vec3 p_WP = Vec3::Zero();  // where the probe rested in the last contact of the previous node
+  // While the hub computes the force from parts of a scene that moves: the scene time of this sample, which the haptics node takes over.
+  // Below 0: the haptics node determines it.
+  std::int64_t scene_time_ns = -1;
 };
 
 // haptics -> hub, one for every DeviceState, at once.
@@ -256,6 +260,47 @@ struct PatchBegin {
   double step_m = 0.0;
   double probe_radius_m = 0.0;
   std::uint64_t scene_hash = 0;
+  std::uint32_t body_count = 1;  // bodies, each announced by PatchBody; 1: nothing moves, and no PatchBody comes
+};
+
+// haptics -> hub: objects that move together, or what stands still (body 0). Positions of its parts are those of the scene at rest; where
+// it is, its motion says. A motion with more keyframes than one message holds takes several.
+struct PatchBody {
+  static constexpr std::size_t kMostBodies = 32;
+  static constexpr std::size_t kMostKeys = 12;          // in a message
+  static constexpr std::uint32_t kMostAllKeys = 1'536;  // of a body
+  enum class Motion : std::uint8_t { still = 0, keyframes = 1, commanded = 2 };
+
+  std::uint32_t epoch = 0;
+  std::uint32_t serial = 0;
+  std::uint32_t body = 0;
+  Motion motion = Motion::still;
+  // All its triangles are between these points of the grid; lowest above highest: it has none.
+  std::array<std::uint32_t, 3> lowest = {1, 1, 1};
+  std::array<std::uint32_t, 3> highest = {};
+  // Of one that moves:
+  Vec3 pivot_m = Vec3::Zero();  // as in ObjectMove, at rest
+  double radius_m = 0.0;        // no point is farther from the pivot
+  // Of a commanded one: the object in ObjectMove, and the newest move of it when this was sent, 0: none.
+  std::int32_t object = 0;
+  std::uint32_t move_serial = 0;
+  // Of one with keyframes (KeyframeMotion):
+  bool loops = false;
+  std::uint32_t all_keys = 0;   // of the motion
+  std::uint32_t first_key = 0;  // of those here
+  std::uint32_t key_count = 0;
+  std::array<Keyframe, kMostKeys> keys = {};
+};
+
+// haptics -> hub: an object has another material than its tiles say. Of several the one of the highest serial counts.
+struct PatchMaterial {
+  std::uint32_t epoch = 0;
+  std::uint32_t serial = 0;
+  std::uint32_t object = 0;
+  double stiffness_n_per_m = 0.0;
+  double damping_ns_per_m = 0.0;
+  double friction_static = 0.0;
+  double friction_dynamic = 0.0;
 };
 
 // haptics -> hub: all tiles that have a triangle in one cube of the octree over the grid: at level n it is 2^-n of the whole wide.
@@ -269,6 +314,7 @@ struct PatchCell {
   std::array<std::uint8_t, kPatchDeepestLevel> empty_children = {};
   std::uint32_t tile_count = 0;
   std::array<std::uint32_t, kMostTiles> tiles = {};
+  std::uint32_t body = 0;
 };
 
 // haptics -> hub: a cluster of triangles of one object.
@@ -299,6 +345,8 @@ struct PatchStatus {
   std::uint32_t newest_serial = 0;                       // received in that epoch
   std::array<std::uint8_t, kSerials / 8> received = {};  // bit i, from the lowest of byte 0: newest_serial - i
   float round_trip_s = 0.0F;                             // as the hub measures it
+  std::uint32_t newest_move = 0;                         // serial of ObjectMove; 0: none
+  std::uint64_t moves_received = 0;                      // bit i: newest_move - i
 };
 
 // hub -> haptics, once a second, while the force comes from there: the loop that the scene's stiffness has to suit.
@@ -402,10 +450,10 @@ struct CarveStatus {
   std::uint32_t complete = 0;  // all up to this serial have been received
 };
 
-using Message =
-    std::variant<Hello, Welcome, Bye, DeviceState, ForceCommand, ViewTransform, ProbeState, FrameAck, HandTarget, Settings, HapticsSetup,
-                 ReportRequest, ReportPart, SceneFacts, ViewRejected, PatchBegin, PatchCell, PatchTile, PatchStatus, LoopFacts,
-                 MaterialRequest, MaterialState, ObjectPose, Marker, MarkerReply, MoveRequest, MoveReply, ObjectMove, Carves, CarveStatus>;
+using Message = std::variant<Hello, Welcome, Bye, DeviceState, ForceCommand, ViewTransform, ProbeState, FrameAck, HandTarget, Settings,
+                             HapticsSetup, ReportRequest, ReportPart, SceneFacts, ViewRejected, PatchBegin, PatchCell, PatchTile,
+                             PatchStatus, LoopFacts, MaterialRequest, MaterialState, ObjectPose, Marker, MarkerReply, MoveRequest,
+                             MoveReply, ObjectMove, Carves, CarveStatus, PatchBody, PatchMaterial>;
 
 // In front of every message.
 struct Header {

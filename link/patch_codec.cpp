@@ -17,6 +17,40 @@ std::size_t count_records(const std::string& bytes, std::size_t each, std::size_
   return bytes.size() % each == 0 && bytes.size() / each <= most ? bytes.size() / each : 0;
 }
 
+template <class Field>
+bool read_bounds(const Field& field, PatchBody& to) {
+  if (field.empty()) return true;
+  if (field.size() != 6) return false;
+  std::copy(field.begin(), field.begin() + 3, to.lowest.begin());
+  std::copy(field.begin() + 3, field.end(), to.highest.begin());
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (to.lowest[axis] > to.highest[axis] || to.highest[axis] >> kPatchGridBits != 0) return false;
+  }
+  return true;
+}
+
+// Some of a motion's keyframes: each later than the one before.
+template <class Field>
+bool read_keys(const Field& field, PatchBody& to) {
+  constexpr int kNumbers = 8;
+  const int count = field.size() / kNumbers;
+  if (to.motion != PatchBody::Motion::keyframes) return field.empty();
+  if (field.size() % kNumbers != 0 || count == 0 || count > static_cast<int>(to.keys.size())) return false;
+  to.key_count = static_cast<std::uint32_t>(count);
+  if (to.all_keys < 2 || to.all_keys > PatchBody::kMostAllKeys || to.first_key >= to.all_keys) return false;
+  if (to.key_count > to.all_keys - to.first_key) return false;
+  for (int n = 0; n < count; ++n) {
+    const auto at = [&](int i) { return field.Get(kNumbers * n + i); };
+    Keyframe& key = to.keys[static_cast<std::size_t>(n)];
+    key = {at(0), Vec3(at(1), at(2), at(3)), Quat(at(4), at(5), at(6), at(7))};
+    const double before_s = n > 0 ? to.keys[static_cast<std::size_t>(n - 1)].time_s : -1.0;
+    if (!is_amount(key.time_s) || key.time_s <= before_s || !key.p_S.allFinite() || key.p_S.cwiseAbs().maxCoeff() > kMaxWireMagnitude)
+      return false;
+    if (!(std::abs(key.turn.norm() - 1.0) <= kUnitTolerance)) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 void write(const PatchBegin& from, wire::PatchBegin& to) {
@@ -26,6 +60,7 @@ void write(const PatchBegin& from, wire::PatchBegin& to) {
   to.set_step_m(from.step_m);
   to.set_probe_radius_m(from.probe_radius_m);
   to.set_scene_hash(from.scene_hash);
+  to.set_body_count(from.body_count);
 }
 
 void write(const PatchCell& from, wire::PatchCell& to) {
@@ -36,6 +71,7 @@ void write(const PatchCell& from, wire::PatchCell& to) {
   to.mutable_empty_children()->assign(reinterpret_cast<const char*>(from.empty_children.data()),
                                       std::min<std::size_t>(from.level, from.empty_children.size()));
   write_numbers(std::span(from.tiles).first(std::min<std::size_t>(from.tile_count, from.tiles.size())), *to.mutable_tiles());
+  to.set_body(from.body);
 }
 
 void write(const PatchTile& from, wire::PatchTile& to) {
@@ -60,6 +96,44 @@ void write(const PatchStatus& from, wire::PatchStatus& to) {
   to.set_newest_serial(from.newest_serial);
   to.mutable_received()->assign(reinterpret_cast<const char*>(from.received.data()), from.received.size());
   to.set_round_trip_s(from.round_trip_s);
+  to.set_newest_move(from.newest_move);
+  to.set_moves_received(from.moves_received);
+}
+
+void write(const PatchBody& from, wire::PatchBody& to) {
+  to.set_epoch(from.epoch);
+  to.set_serial(from.serial);
+  to.set_body(from.body);
+  to.set_motion(static_cast<std::uint32_t>(from.motion));
+  to.mutable_bounds()->Clear();
+  if (from.lowest[0] <= from.highest[0]) {
+    add_numbers(from.lowest, *to.mutable_bounds());
+    add_numbers(from.highest, *to.mutable_bounds());
+  }
+  to.mutable_pivot_m()->Clear();
+  if (from.motion != PatchBody::Motion::still) write_vector(*to.mutable_pivot_m(), from.pivot_m);
+  to.set_radius_m(from.radius_m);
+  to.set_object(static_cast<std::uint32_t>(from.object));
+  to.set_move_serial(from.move_serial);
+  to.set_loops(from.loops);
+  to.set_all_keys(from.all_keys);
+  to.set_first_key(from.first_key);
+  to.mutable_keys()->Clear();
+  for (const Keyframe& key : std::span(from.keys).first(std::min<std::size_t>(from.key_count, from.keys.size()))) {
+    to.mutable_keys()->AddAlreadyReserved(key.time_s);
+    add_numbers(key.p_S, *to.mutable_keys());
+    for (const double value : {key.turn.w(), key.turn.x(), key.turn.y(), key.turn.z()}) to.mutable_keys()->AddAlreadyReserved(value);
+  }
+}
+
+void write(const PatchMaterial& from, wire::PatchMaterial& to) {
+  to.set_epoch(from.epoch);
+  to.set_serial(from.serial);
+  to.set_object(from.object);
+  to.set_stiffness_n_per_m(from.stiffness_n_per_m);
+  to.set_damping_ns_per_m(from.damping_ns_per_m);
+  to.set_friction_static(from.friction_static);
+  to.set_friction_dynamic(from.friction_dynamic);
 }
 
 bool read(const wire::PatchBegin& from, PatchBegin& to) {
@@ -68,6 +142,8 @@ bool read(const wire::PatchBegin& from, PatchBegin& to) {
   to.step_m = from.step_m();
   to.probe_radius_m = from.probe_radius_m();
   to.scene_hash = from.scene_hash();
+  to.body_count = std::max(from.body_count(), 1U);
+  if (to.body_count > PatchBody::kMostBodies) return false;
   return read_vector(from.origin_m(), to.origin_m) && std::isnormal(to.step_m) && is_amount(to.step_m) && is_amount(to.probe_radius_m);
 }
 
@@ -75,6 +151,8 @@ bool read(const wire::PatchCell& from, PatchCell& to) {
   to.epoch = from.epoch();
   to.serial = from.serial();
   to.level = from.level();
+  to.body = from.body();
+  if (to.body >= PatchBody::kMostBodies) return false;
   const std::string& empty = from.empty_children();
   if (to.level > kPatchDeepestLevel || from.index().size() != 3 || empty.size() != to.level) return false;
   std::copy(empty.begin(), empty.end(), to.empty_children.begin());
@@ -110,11 +188,43 @@ bool read(const wire::PatchTile& from, PatchTile& to) {
                      [&](std::uint8_t vertex) { return vertex < vertices; });
 }
 
+bool read(const wire::PatchBody& from, PatchBody& to) {
+  to = {};
+  to.epoch = from.epoch();
+  to.serial = from.serial();
+  to.body = from.body();
+  to.motion = static_cast<PatchBody::Motion>(from.motion());
+  to.radius_m = from.radius_m();
+  to.object = static_cast<std::int32_t>(from.object());
+  to.move_serial = from.move_serial();
+  to.loops = from.loops();
+  to.all_keys = from.all_keys();
+  to.first_key = from.first_key();
+  if (to.body >= PatchBody::kMostBodies || from.motion() > static_cast<std::uint32_t>(PatchBody::Motion::commanded)) return false;
+  if (!is_amount(to.radius_m) || to.object < 0 || !read_bounds(from.bounds(), to)) return false;
+  if (to.motion != PatchBody::Motion::still && !read_vector(from.pivot_m(), to.pivot_m)) return false;
+  return read_keys(from.keys(), to);
+}
+
+bool read(const wire::PatchMaterial& from, PatchMaterial& to) {
+  to.epoch = from.epoch();
+  to.serial = from.serial();
+  to.object = from.object();
+  to.stiffness_n_per_m = from.stiffness_n_per_m();
+  to.damping_ns_per_m = from.damping_ns_per_m();
+  to.friction_static = from.friction_static();
+  to.friction_dynamic = from.friction_dynamic();
+  return is_amount(to.stiffness_n_per_m) && is_amount(to.damping_ns_per_m) && is_amount(to.friction_static) &&
+         is_amount(to.friction_dynamic) && to.friction_dynamic <= to.friction_static;
+}
+
 bool read(const wire::PatchStatus& from, PatchStatus& to) {
   to.is_wanted = from.is_wanted();
   to.epoch = from.epoch();
   to.newest_serial = from.newest_serial();
   to.round_trip_s = from.round_trip_s();
+  to.newest_move = from.newest_move();
+  to.moves_received = from.moves_received();
   if (from.received().size() != to.received.size()) return false;
   std::copy(from.received().begin(), from.received().end(), to.received.begin());
   return is_amount(static_cast<double>(to.round_trip_s));

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/force/force_method.h"
+#include "core/force/motion_groups.h"
 #include "runtime/clock.h"
 
 namespace hapton {
@@ -61,8 +62,8 @@ std::unique_ptr<Patch> PatchMaker::make_if_left(const PatchStore& store, std::ui
   if (!is_left() && !can_grow() && made_from_ == store.revision()) return nullptr;
   made_from_ = store.revision();
   const Vec3 ahead = hand_.p_SD + kLeadS * v_SD_;
-  const double here_m = store.known_radius(hand_.p_SD);
-  const double ahead_m = store.known_radius(ahead);
+  const double here_m = store.known_radius(hand_.p_SD, body_);
+  const double ahead_m = store.known_radius(ahead, body_);
   const bool leads = ahead_m >= here_m && ahead_m > (ahead - hand_.p_SD).norm();
   const double known_m = leads ? ahead_m : here_m;
   const bool has_grown = known_m > kGrowth * radius_m_ && (!is_limited_ || can_grow());
@@ -72,7 +73,7 @@ std::unique_ptr<Patch> PatchMaker::make_if_left(const PatchStore& store, std::ui
 
 std::unique_ptr<Patch> PatchMaker::make_over_path(const PatchStore& store, std::uint32_t generation) {
   const PathBall& ball = hand_.path;
-  const double known_m = store.known_radius(ball.p_SC);
+  const double known_m = store.known_radius(ball.p_SC, body_);
   if (known_m < kPathShare * ball.radius_m) return make_without_path(store, generation);
   const bool covers = p_SC_ && radius_m_ >= (ball.p_SC - *p_SC_).norm() + widening_ * kPathShare * ball.radius_m;
   if (covers && hand_.time_ns - made_ns_ < kPatienceNs) return nullptr;
@@ -92,20 +93,26 @@ std::unique_ptr<Patch> PatchMaker::make_without_path(const PatchStore& store, st
 std::unique_ptr<Patch> PatchMaker::make(const PatchStore& store, const Vec3& p_SC, double known_m, double least_m,
                                         std::uint32_t generation) {
   std::size_t most = affordable();
-  PatchStore::Piece piece = store.make_piece(p_SC, known_m, most);
-  while (piece.radius_m < std::min(least_m, known_m) && most < kMostTriangles) piece = store.make_piece(p_SC, known_m, most *= 2);
+  PatchStore::Piece piece = store.make_piece(p_SC, known_m, most, body_);
+  while (piece.radius_m < std::min(least_m, known_m) && most < kMostTriangles) piece = store.make_piece(p_SC, known_m, most *= 2, body_);
   auto patch = std::make_unique<Patch>();
   patch->p_SC = p_SC;
   patch->radius_m = piece.radius_m;
   patch->lift_m = kLiftSteps * store.begin().step_m;
   patch->generation = generation;
   if (!piece.scene.objects.empty()) {
+    for (TouchObject& object : piece.scene.objects) {
+      if (is_holding_) object.material = holding_material(object.material);
+      patch->materials.push_back(object.material);
+    }
     MethodSettings settings;
     settings.probe_radius_m = store.begin().probe_radius_m;
     auto method = make_method(settings, piece.scene);
     if (!method) return nullptr;
     patch->step = std::make_unique<TouchStep>(std::move(*method));
     patch->objects = std::move(piece.objects);
+    patch->material_version = store.material_version();
+    patch->is_holding = is_holding_;
   }
   p_SC_ = p_SC;
   radius_m_ = piece.radius_m;

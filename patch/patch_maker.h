@@ -14,15 +14,16 @@ namespace hapton {
 // Decides when the hand needs a new patch, and makes it. Its centre is where the hand will be when the patch is ready. Its radius is that
 // in which the scene is known there, but no larger than there is time for before the hand leaves the present patch. So patches grow, from a
 // small first one up to the whole scene. For a hand past the edge of its patch, the new one covers the whole path since the edge.
-// Frame: S. Units: SI. RT: no. Threads: one.
+// Frame: that of the body, S where it stands still. Units: SI. RT: no. Threads: one.
 class PatchMaker {
  public:
   static constexpr std::size_t kFewTriangles = 8192;  // triangles that a patch may have at any speed of the hand: 5 ms to make
   static constexpr std::size_t kMostTriangles = PatchStore::kMostTiles * PatchTile::kMostTriangles;  // of the largest scene
   static constexpr double kFirstMakeS = 1e-6;  // time to make a patch, for each triangle, before the first measurement
 
-  // few: the value of kFewTriangles for this one.
-  explicit PatchMaker(std::size_t few = kFewTriangles) : few_(few) {}
+  // few: the value of kFewTriangles for this one. body: of the scene, in whose frame the hand is. is_holding: as in Patch.
+  explicit PatchMaker(std::size_t few = kFewTriangles, std::uint32_t body = 0, bool is_holding = false)
+      : few_(few), body_(body), is_holding_(is_holding) {}
 
   // Takes the position of the hand. Pre: times of one clock, in ascending order.
   void note_hand(const PatchHand& hand) noexcept;
@@ -48,6 +49,8 @@ class PatchMaker {
   std::size_t affordable() const noexcept;
 
   std::size_t few_;
+  std::uint32_t body_;
+  bool is_holding_;
   PatchHand hand_;
   Vec3 v_SD_ = Vec3::Zero();
   bool has_hand_ = false;

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <queue>
 
+#include "core/math/commanded_motion.h"
+#include "patch/patch_store.h"
+
 namespace hapton {
 namespace {
 
@@ -15,6 +18,14 @@ constexpr double kLongRoundTripS = 0.3;
 constexpr double kBurstBytes = 5000.0;
 // Envelope, seal, UDP and IP round a part's own numbers.
 constexpr double kOverheadBytes = 150.0;
+// A move that the hub has not confirmed by then, and a round trip later, is sent again: it confirms within 50 ms.
+constexpr std::int64_t kMovePatienceNs = 70'000'000;
+constexpr int kMostMoveRepeats = 8;
+
+bool is_same(const Material& a, const Material& b) {
+  return a.stiffness_n_per_m == b.stiffness_n_per_m && a.damping_ns_per_m == b.damping_ns_per_m && a.friction_static == b.friction_static &&
+         a.friction_dynamic == b.friction_dynamic;
+}
 
 double bytes_of(const PatchTile& tile) {
   return kOverheadBytes + static_cast<double>(PatchTile::kVertexBytes) * tile.vertex_count + 3.0 * tile.triangle_count;
@@ -22,7 +33,14 @@ double bytes_of(const PatchTile& tile) {
 double bytes_of(const PatchCell& cell) { return kOverheadBytes + 3.0 * cell.tile_count; }
 double bytes_of(const PatchBegin&) { return kOverheadBytes; }
 
+double bytes_of(const PatchBody& body) { return kOverheadBytes + 100.0 + 64.0 * body.key_count; }
+double bytes_of(const PatchMaterial&) { return kOverheadBytes; }
+double bytes_of(const ObjectMove&) { return kOverheadBytes + 150.0; }
+
 double bytes_of(const Message& message) {
+  if (const auto* body = std::get_if<PatchBody>(&message)) return bytes_of(*body);
+  if (const auto* material = std::get_if<PatchMaterial>(&message)) return bytes_of(*material);
+  if (const auto* move = std::get_if<ObjectMove>(&message)) return bytes_of(*move);
   if (const auto* tile = std::get_if<PatchTile>(&message)) return bytes_of(*tile);
   if (const auto* cell = std::get_if<PatchCell>(&message)) return bytes_of(*cell);
   return bytes_of(std::get<PatchBegin>(message));
@@ -34,9 +52,22 @@ PatchSource::PatchSource(TiledScene scene, double probe_radius_m, std::uint64_t 
     : scene_(std::move(scene)),
       begin_{epoch, 0, scene_.grid.origin_m, scene_.grid.step_m, probe_radius_m, scene_hash},
       options_(options),
-      items_(1 + scene_.cells.size() + scene_.tiles.size()),
       in_flight_(kSerials, 0),
-      credit_bytes_(kBurstBytes) {}
+      credit_bytes_(kBurstBytes) {
+  begin_.body_count = static_cast<std::uint32_t>(std::max<std::size_t>(scene_.bodies.size(), 1));
+  hands_.resize(begin_.body_count);
+  ahead_.resize(begin_.body_count);
+  for (std::uint32_t b = 0; begin_.body_count > 1 && b < begin_.body_count; ++b) {
+    const KeyframeMotion* motion = scene_.bodies[b].group.motion.get();
+    const std::size_t keys = motion != nullptr ? motion->keyframes().size() : 1;
+    for (std::uint32_t first = 0; first < keys; first += PatchBody::kMostKeys) body_parts_.push_back({b, first});
+  }
+  items_.resize(item_of_material(0));
+  for (const PatchTile& tile : scene_.tiles) {
+    if (tile.object >= of_tiles_.size()) of_tiles_.resize(tile.object + 1);
+    of_tiles_[tile.object] = material_of(tile);
+  }
+}
 
 std::int64_t PatchSource::patience_ns() const noexcept {
   const double round_trip_s = std::min(round_trip_s_, 10.0);
@@ -50,6 +81,11 @@ bool PatchSource::is_due(const Item& item, std::int64_t now_ns) const noexcept {
 
 void PatchSource::accept(const PatchStatus& status) noexcept {
   round_trip_s_ = status.round_trip_s;
+  for (MoveItem& item : moves_) {
+    const std::uint32_t back = status.newest_move - item.move.serial;
+    if (item.is_held && item.move.serial > status.newest_move) item = {item.move};
+    if (item.move.serial <= status.newest_move && back < 64 && ((status.moves_received >> back) & 1U) != 0) item.is_held = true;
+  }
   // The hub has started again: what it had is gone.
   if (status.epoch == 0 && counts_.held > 0) {
     std::fill(items_.begin(), items_.end(), Item());
@@ -70,42 +106,93 @@ void PatchSource::accept(const PatchStatus& status) noexcept {
   }
 }
 
+void PatchSource::note_move(const ObjectMove& move, std::int64_t sent_ns) noexcept {
+  if (move.serial == 0) return;
+  const auto known = std::find_if(moves_.begin(), moves_.end(), [&](const MoveItem& one) { return one.move.object == move.object; });
+  if (known == moves_.end()) {
+    if (moves_.size() < PatchBody::kMostBodies) moves_.push_back({.move = move, .sent_ns = sent_ns});
+  } else if (known->move.serial < move.serial) {
+    *known = {.move = move, .sent_ns = sent_ns};
+  }
+}
+
+void PatchSource::set_materials(const std::vector<Material>& materials) {
+  for (std::uint32_t object = 0; object < std::min(materials.size(), of_tiles_.size()); ++object) {
+    auto known = std::find_if(tuned_.begin(), tuned_.end(), [&](const TunedObject& one) { return one.object == object; });
+    if (is_same(known != tuned_.end() ? known->material : of_tiles_[object], materials[object])) continue;
+    if (known == tuned_.end()) {
+      known = tuned_.insert(known, {object, materials[object]});
+      items_.resize(item_of_material(tuned_.size()));
+    }
+    known->material = materials[object];
+    items_[item_of_material(static_cast<std::size_t>(known - tuned_.begin()))] = Item();
+  }
+  planned_ns_ = 0;
+}
+
 // Of a box to where the hand is; what lies ahead counts as farther away by half of how far ahead it is.
-double PatchSource::distance_of(const Box& bounds) const noexcept {
-  double nearest = std::sqrt(bounds.distance_squared(ahead_[0]));
-  for (std::size_t i = 1; i < ahead_.size(); ++i) {
-    nearest = std::min(nearest, std::sqrt(bounds.distance_squared(ahead_[i])) + 0.5 * (ahead_[i] - ahead_[0]).norm());
+double PatchSource::distance_of(const TileNode& node) const noexcept {
+  const Box bounds = node.key.bounds();
+  const std::array<Vec3, 3>& ahead = ahead_[node.body];
+  double nearest = std::sqrt(bounds.distance_squared(ahead[0]));
+  for (std::size_t i = 1; i < ahead.size(); ++i) {
+    nearest = std::min(nearest, std::sqrt(bounds.distance_squared(ahead[i])) + 0.5 * (ahead[i] - ahead[0]).norm());
   }
   return nearest;
 }
 
-// The cells nearest to the hand first, each before its tiles: without its cell a tile is of no use.
+// How near a part has to be to be sent: what moves may come towards the hand, too.
+double PatchSource::reach_of(const TileNode& node) const noexcept {
+  const double moves = scene_.bodies[node.body].moves() ? kMostSurfaceSpeed : 0.0;
+  return (options_.least_reach_m + 2.0 * (0.1 + round_trip_s_) * (options_.fastest_m_per_s + moves)) / scene_.grid.step_m;
+}
+
 void PatchSource::plan(std::int64_t now_ns) {
   planned_.clear();
   planned_ns_ = now_ns;
-  if (is_due(items_[0], now_ns)) planned_.push_back(0);
-  const double lead_s = 0.1 + round_trip_s_;
-  for (std::size_t i = 0; i < ahead_.size(); ++i) {
-    ahead_[i] = scene_.grid.to_steps(hand_.p_SD + static_cast<double>(i) / 2.0 * lead_s * hand_.v_SD);
+  plan_bodies(now_ns);
+  plan_tiles(now_ns);
+  std::reverse(planned_.begin(), planned_.end());
+}
+
+// What is valid for all of the scene.
+void PatchSource::plan_bodies(std::int64_t now_ns) {
+  for (std::size_t item = 0; item < item_of_cell(0); ++item) {
+    if (is_due(items_[item], now_ns)) planned_.push_back(item);
   }
-  const double reach = (options_.least_reach_m + 2.0 * lead_s * options_.fastest_m_per_s) / scene_.grid.step_m;
+  for (std::size_t item = item_of_material(0); item < items_.size(); ++item) {
+    if (is_due(items_[item], now_ns)) planned_.push_back(item);
+  }
+}
+
+// The cells nearest to the hand first, each before its tiles: without its cell a tile is of no use.
+void PatchSource::plan_tiles(std::int64_t now_ns) {
+  const double lead_s = 0.1 + round_trip_s_;
+  for (std::size_t body = 0; body < ahead_.size(); ++body) {
+    for (std::size_t i = 0; i < ahead_[body].size(); ++i) {
+      ahead_[body][i] = scene_.grid.to_steps(hands_[body].p_SD + static_cast<double>(i) / 2.0 * lead_s * hands_[body].v_SD);
+    }
+  }
   using Near = std::pair<double, std::size_t>;
   std::priority_queue<Near, std::vector<Near>, std::greater<>> nearest;
-  if (!scene_.nodes.empty()) nearest.emplace(distance_of(scene_.nodes[0].key.bounds()), 0);
+  const auto consider = [&](std::size_t node) {
+    const double distance = distance_of(scene_.nodes[node]);
+    if (distance <= reach_of(scene_.nodes[node])) nearest.emplace(distance, node);
+  };
+  for (const TileBody& body : scene_.bodies) {
+    if (body.root >= 0) consider(static_cast<std::size_t>(body.root));
+  }
   // What has not been sent comes before what may have arrived.
   std::vector<std::size_t> again;
   const auto add = [&](std::size_t item) {
     if (items_[item].state == State::missing) planned_.push_back(item);
     if (items_[item].state == State::sent && again.size() < kPlanned && is_due(items_[item], now_ns)) again.push_back(item);
   };
-  while (!nearest.empty() && planned_.size() < kPlanned && nearest.top().first <= reach) {
+  while (!nearest.empty() && planned_.size() < kPlanned) {
     const TileNode node = scene_.nodes[nearest.top().second];
     nearest.pop();
     if (node.first_child >= 0) {
-      for (std::size_t octant = 0; octant < 8; ++octant) {
-        const std::size_t child = static_cast<std::size_t>(node.first_child) + octant;
-        nearest.emplace(distance_of(scene_.nodes[child].key.bounds()), child);
-      }
+      for (std::size_t octant = 0; octant < 8; ++octant) consider(static_cast<std::size_t>(node.first_child) + octant);
     } else if (node.cell >= 0) {
       const auto cell = static_cast<std::size_t>(node.cell);
       add(item_of_cell(cell));
@@ -113,13 +200,66 @@ void PatchSource::plan(std::int64_t now_ns) {
     }
   }
   planned_.insert(planned_.end(), again.begin(), again.end());
-  std::reverse(planned_.begin(), planned_.end());
+}
+
+PatchBody PatchSource::make_body(const BodyPart& part) const {
+  const TileBody& body = scene_.bodies[part.body];
+  PatchBody message{.epoch = begin_.epoch, .serial = serial_, .body = part.body};
+  if (!body.bounds.is_empty()) {
+    for (int axis = 0; axis < 3; ++axis) {
+      message.lowest[static_cast<std::size_t>(axis)] = static_cast<std::uint32_t>(body.bounds.low[axis]);
+      message.highest[static_cast<std::size_t>(axis)] = static_cast<std::uint32_t>(body.bounds.high[axis]);
+    }
+  }
+  message.pivot_m = body.pivot_m;
+  message.radius_m = body.radius_m;
+  if (body.group.commanded >= 0) {
+    message.motion = PatchBody::Motion::commanded;
+    message.object = body.group.objects.front();
+    for (const MoveItem& item : moves_) {
+      if (item.move.object == message.object) message.move_serial = item.move.serial;
+    }
+  } else if (const KeyframeMotion* motion = body.group.motion.get(); motion != nullptr) {
+    const std::vector<Keyframe>& keys = motion->keyframes();
+    message.motion = PatchBody::Motion::keyframes;
+    message.loops = motion->loops();
+    message.all_keys = static_cast<std::uint32_t>(keys.size());
+    message.first_key = part.first_key;
+    message.key_count = std::min(message.all_keys - part.first_key, static_cast<std::uint32_t>(PatchBody::kMostKeys));
+    std::copy_n(keys.begin() + part.first_key, message.key_count, message.keys.begin());
+  }
+  return message;
+}
+
+std::optional<Message> PatchSource::take_move(std::int64_t now_ns) {
+  for (MoveItem& item : moves_) {
+    const std::int64_t wait_ns = kMovePatienceNs + static_cast<std::int64_t>(1e9 * std::min(round_trip_s_, 10.0));
+    if (item.is_held || (item.sent_ns >= 0 && now_ns - item.sent_ns < wait_ns)) continue;
+    if (!pay(item.move, now_ns)) return std::nullopt;
+    item.sent_ns = now_ns;
+    // The hub confirms only the last 64 moves of all objects.
+    item.is_held = ++item.repeats >= kMostMoveRepeats;
+    ++counts_.moves_repeated;
+    return item.move;
+  }
+  return std::nullopt;
 }
 
 Message PatchSource::make_message(std::size_t item) {
   if (item == 0) {
     begin_.serial = serial_;
     return begin_;
+  }
+  if (item < item_of_cell(0)) return make_body(body_parts_[item - 1]);
+  if (item >= item_of_material(0)) {
+    const auto& [object, material] = tuned_[item - item_of_material(0)];
+    return PatchMaterial{begin_.epoch,
+                         serial_,
+                         object,
+                         material.stiffness_n_per_m,
+                         material.damping_ns_per_m,
+                         material.friction_static,
+                         material.friction_dynamic};
   }
   if (item < item_of_tile(0)) return to_message(scene_.cells[item - item_of_cell(0)], begin_.epoch, serial_);
   PatchTile tile = scene_.tiles[item - item_of_tile(0)];
@@ -140,6 +280,7 @@ bool PatchSource::pay(const Message& message, std::int64_t now_ns) noexcept {
 }
 
 std::optional<Message> PatchSource::take(std::int64_t now_ns) {
+  if (auto move = take_move(now_ns)) return move;
   if (now_ns - planned_ns_ >= kPlanEveryNs || planned_ns_ == 0) plan(now_ns);
   while (!planned_.empty() && !is_due(items_[planned_.back()], now_ns)) planned_.pop_back();
   if (planned_.empty()) return std::nullopt;

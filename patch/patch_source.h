@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -20,6 +21,10 @@ struct HandMotion {
 // Decides which part of a scene goes to the hub next, within a bandwidth: of the parts that the hub does not have, the one nearest to the
 // hand and to where it is moving. A part is sent again if the hub's status shows that it was lost, or does not confirm it for too long.
 //
+// Of a scene that moves, the bodies are announced first. Parts of each belong to its frame, so they stay valid while it moves; how near to
+// the hand they are follows from where the hand is in that frame. The moves of objects that programs move are sent by the caller as soon as
+// they are decided (note_move); here only those are sent again that the hub does not confirm.
+//
 // Units: SI, ns of one clock. Time is a parameter. RT: no. Threads: one.
 class PatchSource {
  public:
@@ -33,13 +38,21 @@ class PatchSource {
     std::uint64_t repeated = 0;  // of them
     std::uint64_t held = 0;      // parts that the hub has
     std::uint64_t bytes = 0;     // of IP packets, estimated
+    std::uint64_t moves_repeated = 0;
   };
 
   // epoch: another one for each scene and start, never 0.
   PatchSource(TiledScene scene, double probe_radius_m, std::uint64_t scene_hash, std::uint32_t epoch, const Options& options);
 
   void accept(const PatchStatus& status) noexcept;
-  void aim(const HandMotion& hand) noexcept { hand_ = hand; }
+  // The hand, in the frame of a body.
+  void aim(const HandMotion& hand, std::size_t body = 0) noexcept {
+    if (body < hands_.size()) hands_[body] = hand;
+  }
+  // The newest move of an object, sent at that time; below 0: not sent yet.
+  void note_move(const ObjectMove& move, std::int64_t sent_ns) noexcept;
+  // Of all objects of the scene, as from now on. RT: no.
+  void set_materials(const std::vector<Material>& materials);
 
   // The next part to send; none when the hub has all that is in reach, all is on its way, or the bandwidth is used up.
   std::optional<Message> take(std::int64_t now_ns);
@@ -58,20 +71,46 @@ class PatchSource {
     std::int64_t sent_ns = 0;
   };
 
-  std::size_t item_of_cell(std::size_t cell) const noexcept { return 1 + cell; }
-  std::size_t item_of_tile(std::size_t tile) const noexcept { return 1 + scene_.cells.size() + tile; }
+  // A message of a body: some of its keyframes, or none.
+  struct BodyPart {
+    std::uint32_t body = 0;
+    std::uint32_t first_key = 0;
+  };
+  struct MoveItem {
+    ObjectMove move;
+    bool is_held = false;
+    std::int64_t sent_ns = -1;
+    int repeats = 0;
+  };
+  struct TunedObject {
+    std::uint32_t object = 0;
+    Material material;
+  };
+
+  std::size_t item_of_cell(std::size_t cell) const noexcept { return 1 + body_parts_.size() + cell; }
+  std::size_t item_of_tile(std::size_t tile) const noexcept { return item_of_cell(scene_.cells.size()) + tile; }
+  std::size_t item_of_material(std::size_t tuned) const noexcept { return item_of_tile(scene_.tiles.size()) + tuned; }
   bool is_due(const Item& item, std::int64_t now_ns) const noexcept;
   std::int64_t patience_ns() const noexcept;
   void plan(std::int64_t now_ns);
-  double distance_of(const Box& bounds) const noexcept;
+  void plan_bodies(std::int64_t now_ns);
+  void plan_tiles(std::int64_t now_ns);
+  double distance_of(const TileNode& node) const noexcept;
+  double reach_of(const TileNode& node) const noexcept;
   Message make_message(std::size_t item);
+  PatchBody make_body(const BodyPart& part) const;
+  std::optional<Message> take_move(std::int64_t now_ns);
   bool pay(const Message& message, std::int64_t now_ns) noexcept;
 
   TiledScene scene_;
   PatchBegin begin_;
   Options options_;
-  HandMotion hand_;
-  std::vector<Item> items_;               // the beginning, cells, tiles
+  std::vector<HandMotion> hands_;         // by body
+  std::vector<BodyPart> body_parts_;      // none where nothing moves
+  std::vector<MoveItem> moves_;           // by object
+  std::vector<TunedObject> tuned_;        // other materials than tiles have
+  std::vector<Material> of_tiles_;        // by object
+  std::vector<Item> items_;               // the beginning, bodies, cells, tiles, materials
   std::vector<std::uint32_t> in_flight_;  // by serial modulo kSerials: the item
   std::uint32_t serial_ = 0;
   double round_trip_s_ = 0.0;
@@ -79,7 +118,7 @@ class PatchSource {
   std::int64_t credited_ns_ = 0;
   std::vector<std::size_t> planned_;  // items, the last first
   std::int64_t planned_ns_ = 0;
-  std::array<Vec3, 3> ahead_ = {};  // in steps: where the hand is and may come to
+  std::vector<std::array<Vec3, 3>> ahead_;  // by body, in steps: where the hand is and may come to
   Counts counts_;
 };
 

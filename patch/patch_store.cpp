@@ -6,6 +6,8 @@
 #include <map>
 #include <memory>
 
+#include "core/math/commanded_motion.h"
+
 namespace hapton {
 namespace {
 
@@ -13,12 +15,31 @@ constexpr double kSmaller = 0.8;           // factor on the radius of a piece th
 constexpr std::size_t kMoreThanThere = 2;  // a piece may have this many times the triangles of the tiles at its centre
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-Material material_of(const PatchTile& tile) {
-  return {.stiffness_n_per_m = tile.stiffness_n_per_m,
-          .damping_ns_per_m = tile.damping_ns_per_m,
-          .friction_static = tile.friction_static,
-          .friction_dynamic = tile.friction_dynamic,
-          .two_sided = tile.two_sided};
+constexpr double kSpeedRounding = 1e-6;
+constexpr double kUnitRounding = 1e-9;
+
+bool is_same_body(const PatchBody& a, const PatchBody& b) {
+  return a.motion == b.motion && a.all_keys == b.all_keys && a.loops == b.loops && a.lowest == b.lowest && a.highest == b.highest &&
+         a.pivot_m == b.pivot_m && a.radius_m == b.radius_m && a.object == b.object;
+}
+
+Vec3 to_vector(const std::array<std::uint32_t, 3>& g) {
+  return {static_cast<double>(g[0]), static_cast<double>(g[1]), static_cast<double>(g[2])};
+}
+
+bool has_triangles(const PatchBody& body) { return body.lowest[0] <= body.highest[0]; }
+
+bool is_possible_motion(const std::vector<Keyframe>& keys, const PatchBody& body) {
+  const Keyframe& last = keys.back();
+  if (body.loops && !(keys.front().p_S == last.p_S && keys.front().turn.coeffs() == last.turn.coeffs())) return false;
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    if (!(std::abs(keys[i].turn.norm() - 1.0) <= kUnitRounding)) return false;
+    if (i == 0) continue;
+    const double travel_m = most_travel_m(keys[i - 1], keys[i], body.radius_m);
+    const double time_s = keys[i].time_s - keys[i - 1].time_s;
+    if (!(time_s > 0.0) || !(travel_m <= kMostSurfaceSpeed * (1.0 + kSpeedRounding) * time_s)) return false;
+  }
+  return true;
 }
 
 // Tiles of one object joined: a vertex that several have is one.
@@ -59,6 +80,9 @@ class ObjectJoiner {
 
 void PatchStore::clear() {
   begin_.reset();
+  bodies_ = {};
+  materials_.clear();
+  material_serials_.clear();
   cells_.clear();
   tiles_.clear();
   status_ = {};
@@ -110,16 +134,17 @@ void PatchStore::accept(const PatchCell& cell) {
   if (!adopt(cell.epoch, cell.serial)) return;
   const CellKey key{cell.level, cell.index};
   // Itself, the way up, and what is empty beside it.
-  if (!cells_.contains(key.packed()) && cells_.size() + 1 + std::size_t{8} * kPatchDeepestLevel > kMostCells) {
+  if (cell.body >= PatchBody::kMostBodies ||
+      (!cells_.contains(key_of(cell.body, key)) && cells_.size() + 1 + std::size_t{8} * kPatchDeepestLevel > kMostCells)) {
     ++counts_.rejected;
     return;
   }
-  cells_[key.packed()].tiles.assign(cell.tiles.begin(), cell.tiles.begin() + cell.tile_count);
+  cells_[key_of(cell.body, key)].tiles.assign(cell.tiles.begin(), cell.tiles.begin() + cell.tile_count);
   for (CellKey above = key; above.level > 0;) {
     above = above.parent();
-    cells_[above.packed()].is_divided = true;
+    cells_[key_of(cell.body, above)].is_divided = true;
     for (std::uint32_t octant = 0; octant < 8; ++octant) {
-      if (((cell.empty_children[above.level] >> octant) & 1U) != 0) cells_.try_emplace(above.child(octant).packed());
+      if (((cell.empty_children[above.level] >> octant) & 1U) != 0) cells_.try_emplace(key_of(cell.body, above.child(octant)));
     }
   }
   confirm(cell.serial);
@@ -135,43 +160,163 @@ void PatchStore::accept(const PatchTile& tile) {
   confirm(tile.serial);
 }
 
+void PatchStore::accept(const PatchBody& body) {
+  if (!adopt(body.epoch, body.serial)) return;
+  if (body.body >= PatchBody::kMostBodies) {
+    ++counts_.rejected;
+    return;
+  }
+  Body& own = bodies_[body.body];
+  if (!own.has_begun) {
+    own = {.head = body, .keys = std::vector<Keyframe>(body.all_keys), .has_key = std::vector<bool>(body.all_keys), .has_begun = true};
+  }
+  const bool fits = is_same_body(own.head, body) && body.first_key + body.key_count <= own.keys.size();
+  if (fits) {
+    std::copy_n(body.keys.begin(), body.key_count, own.keys.begin() + body.first_key);
+    std::fill_n(own.has_key.begin() + body.first_key, body.key_count, true);
+    own.head.move_serial = std::max(own.head.move_serial, body.move_serial);
+  }
+  if (!fits || !complete(own)) {
+    ++counts_.rejected;
+    return;
+  }
+  confirm(body.serial);
+}
+
+// False: it moves as nothing may, and all that came of it is dropped.
+bool PatchStore::complete(Body& body) const {
+  if (body.is_known || std::find(body.has_key.begin(), body.has_key.end(), false) != body.has_key.end()) return true;
+  if (!is_possible(body)) {
+    body = {};
+    return false;
+  }
+  body.is_known = true;
+  return true;
+}
+
+bool PatchStore::is_possible(const Body& body) const {
+  const PatchBody& head = body.head;
+  const bool moves = head.motion != PatchBody::Motion::still;
+  if (moves != (head.body != 0)) return false;
+  return head.motion != PatchBody::Motion::keyframes || is_possible_motion(body.keys, head);
+}
+
+void PatchStore::accept(const PatchMaterial& material) {
+  if (!adopt(material.epoch, material.serial)) return;
+  // An object has a tile at least.
+  if (!material_serials_.contains(material.object) && material_serials_.size() >= kMostTiles) {
+    ++counts_.rejected;
+    return;
+  }
+  std::uint32_t& newest = material_serials_[material.object];
+  if (material.serial > newest) {
+    newest = material.serial;
+    materials_[material.object] = {.stiffness_n_per_m = material.stiffness_n_per_m,
+                                   .damping_ns_per_m = material.damping_ns_per_m,
+                                   .friction_static = material.friction_static,
+                                   .friction_dynamic = material.friction_dynamic};
+    ++material_version_;
+  }
+  confirm(material.serial);
+}
+
+bool PatchStore::accept(const Message& part) {
+  if (const auto* tile = std::get_if<PatchTile>(&part)) {
+    accept(*tile);
+  } else if (const auto* cell = std::get_if<PatchCell>(&part)) {
+    accept(*cell);
+  } else if (const auto* body = std::get_if<PatchBody>(&part)) {
+    accept(*body);
+  } else if (const auto* material = std::get_if<PatchMaterial>(&part)) {
+    accept(*material);
+  } else if (const auto* begin = std::get_if<PatchBegin>(&part)) {
+    accept(*begin);
+  } else {
+    return false;
+  }
+  return true;
+}
+
+bool PatchStore::has_bodies() const noexcept {
+  if (!has_begun()) return false;
+  if (begin_->body_count == 1) return true;
+  const auto is_there = [this](const Body& body) { return body.is_known && is_wide_enough(body.head); };
+  return std::all_of(bodies_.begin(), bodies_.begin() + begin_->body_count, is_there);
+}
+
+// Two points of it are so far apart.
+bool PatchStore::is_wide_enough(const PatchBody& body) const noexcept {
+  if (body.motion == PatchBody::Motion::still || !has_triangles(body)) return true;
+  const double widest_m = grid_.step_m * (to_vector(body.highest) - to_vector(body.lowest)).maxCoeff();
+  return body.radius_m >= 0.499 * widest_m;
+}
+
+std::unique_ptr<PatchBodies> PatchStore::make_bodies(std::uint32_t generation) const {
+  auto made = std::make_unique<PatchBodies>();
+  made->generation = generation;
+  made->bodies.resize(begin_->body_count);
+  for (std::size_t b = 1; b < made->bodies.size(); ++b) {
+    const PatchBody& head = bodies_[b].head;
+    PatchBodyMotion& body = made->bodies[b];
+    body.pivot_S = head.pivot_m;
+    body.radius_m = head.radius_m;
+    body.is_commanded = head.motion == PatchBody::Motion::commanded;
+    body.object = body.is_commanded ? head.object : -1;
+    body.move_serial = head.move_serial;
+    if (!body.is_commanded) body.keyframes = std::make_shared<const KeyframeMotion>(head.pivot_m, bodies_[b].keys, head.loops);
+  }
+  return made;
+}
+
 bool PatchStore::is_whole(const Cell& cell) const {
   return std::all_of(cell.tiles.begin(), cell.tiles.end(), [this](std::uint32_t tile) { return tiles_.contains(tile); });
 }
 
+PatchStore::Search PatchStore::search_at(const Vec3& p_S, std::uint32_t body) const {
+  Search search{body, grid_.to_steps(p_S), 0.0};
+  if (begin_->body_count == 1) return search;
+  const Body& own = bodies_[body];
+  if (!own.is_known) return search;
+  const Box bounds = has_triangles(own.head) ? Box{to_vector(own.head.lowest), to_vector(own.head.highest)} : Box();
+  search.least = std::sqrt(bounds.distance_squared(search.p));
+  return search;
+}
+
 // The distance to the nearest place below this cell of which not all is known, if it is less than best. In steps.
-double PatchStore::find_unknown(const CellKey& key, const Vec3& p, double best) const {
-  const double distance = std::sqrt(key.bounds().distance_squared(p));
+double PatchStore::find_unknown(const CellKey& key, const Search& search, double best) const {
+  const double distance = std::max(search.least, std::sqrt(key.bounds().distance_squared(search.p)));
   if (distance >= best) return best;
-  const auto found = cells_.find(key.packed());
+  const auto found = cells_.find(key_of(search.body, key));
   if (found == cells_.end()) return distance;
   if (!found->second.is_divided) return is_whole(found->second) ? best : distance;
   if (key.level >= kPatchDeepestLevel) return distance;
-  for (std::uint32_t octant = 0; octant < 8; ++octant) best = find_unknown(key.child(octant), p, best);
+  for (std::uint32_t octant = 0; octant < 8; ++octant) best = find_unknown(key.child(octant), search, best);
   return best;
 }
 
-double PatchStore::known_radius(const Vec3& p_S) const { return grid_.step_m * find_unknown(CellKey(), grid_.to_steps(p_S), kInfinity); }
+double PatchStore::known_radius(const Vec3& p_S, std::uint32_t body) const {
+  return grid_.step_m * find_unknown(CellKey(), search_at(p_S, body), kInfinity);
+}
 
-void PatchStore::find_tiles(const CellKey& key, const Vec3& p, double radius, std::unordered_set<std::uint32_t>& found) const {
-  if (key.bounds().distance_squared(p) > radius * radius) return;
-  const auto cell = cells_.find(key.packed());
+void PatchStore::find_tiles(const CellKey& key, const Search& search, double radius, std::unordered_set<std::uint32_t>& found) const {
+  if (key.bounds().distance_squared(search.p) > radius * radius) return;
+  const auto cell = cells_.find(key_of(search.body, key));
   if (cell == cells_.end()) return;
   if (cell->second.is_divided && key.level < kPatchDeepestLevel) {
-    for (std::uint32_t octant = 0; octant < 8; ++octant) find_tiles(key.child(octant), p, radius, found);
+    for (std::uint32_t octant = 0; octant < 8; ++octant) find_tiles(key.child(octant), search, radius, found);
   } else {
     found.insert(cell->second.tiles.begin(), cell->second.tiles.end());
   }
 }
 
-PatchStore::Piece PatchStore::make_piece(const Vec3& p_S, double most_m, std::size_t most_triangles) const {
+PatchStore::Piece PatchStore::make_piece(const Vec3& p_S, double most_m, std::size_t most_triangles, std::uint32_t body) const {
   Piece piece;
-  piece.radius_m = std::min(known_radius(p_S), most_m);
-  const Vec3 p = grid_.to_steps(p_S);
+  piece.radius_m = std::min(known_radius(p_S, body), most_m);
+  const Search search = search_at(p_S, body);
   std::unordered_set<std::uint32_t> near;
   const auto find = [&](double radius_m) {
     near.clear();
-    find_tiles(CellKey(), p, radius_m / grid_.step_m, near);
+    find_tiles(CellKey(), search, radius_m / grid_.step_m, near);
     std::size_t triangles = 0;
     for (const std::uint32_t tile : near) triangles += tiles_.contains(tile) ? tiles_.at(tile).triangle_count : 0;
     return triangles;
@@ -193,6 +338,10 @@ PatchStore::Piece PatchStore::make_piece(const Vec3& p_S, double most_m, std::si
   }
   for (auto& [number, object] : objects) {
     piece.scene.objects.push_back(object.take());
+    if (const auto tuned = materials_.find(number); tuned != materials_.end()) {
+      Material& material = piece.scene.objects.back().material;
+      material = with_numbers_of(material, tuned->second);
+    }
     piece.objects.push_back(static_cast<int>(number));
   }
   piece.scene.part_of = grid_.box();

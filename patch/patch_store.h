@@ -1,7 +1,10 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <map>
+#include <memory>
 #include <optional>
 #include <unordered_map>
 #include <unordered_set>
@@ -9,14 +12,31 @@
 
 #include "core/force/touch_scene.h"
 #include "link/messages.h"
+#include "patch/patch_bodies.h"
 #include "patch/patch_grid.h"
 
 namespace hapton {
 
-// The parts of a scene that io_node has received. Within the known radius of a point no triangle of the scene is missing. Parts may arrive
-// in any order, repeatedly or never. The memory is bounded: a part that does not fit is dropped, and never confirmed.
+// The material that a tile has of its object. RT: yes.
+inline Material material_of(const PatchTile& tile) noexcept {
+  return {.stiffness_n_per_m = tile.stiffness_n_per_m,
+          .damping_ns_per_m = tile.damping_ns_per_m,
+          .friction_static = tile.friction_static,
+          .friction_dynamic = tile.friction_dynamic,
+          .two_sided = tile.two_sided};
+}
+
+// Other numbers on the same surface. RT: yes.
+inline Material with_numbers_of(const Material& surface, Material numbers) noexcept {
+  numbers.two_sided = surface.two_sided;
+  return numbers;
+}
+
+// The parts of a scene that io_node has received. Within the known radius of a point no triangle of a body is missing. Parts may arrive
+// in any order, repeatedly or never. The memory is bounded: a part that does not fit is dropped, and never confirmed. So is one that
+// announces a body which moves as no scene may: faster than kMostSurfaceSpeed, or farther from its pivot than it says.
 //
-// Frame: S. Units: m. RT: no. Threads: one.
+// Frame: that of the body, S where it stands still. Units: m. RT: no. Threads: one.
 class PatchStore {
  public:
   static constexpr std::size_t kMostTiles = 8192;   // bounds the memory for triangles
@@ -39,6 +59,10 @@ class PatchStore {
   void accept(const PatchBegin& begin);
   void accept(const PatchCell& cell);
   void accept(const PatchTile& tile);
+  void accept(const PatchBody& body);
+  void accept(const PatchMaterial& material);
+  // Any of these. False: another message.
+  bool accept(const Message& part);
   // Drops everything, for another sender, whose epochs start again.
   void clear();
 
@@ -50,27 +74,57 @@ class PatchStore {
   const Counts& counts() const noexcept { return counts_; }
 
   // The radius around a point within which no triangle of the scene is missing here; infinity if none is missing. Pre: has_begun().
-  double known_radius(const Vec3& p_S) const;
+  double known_radius(const Vec3& p_S, std::uint32_t body = 0) const;
 
   // The triangles around a point, up to its known radius and most_m. The radius is reduced until there are at most most_triangles, or twice
   // as many as the tiles at the point itself have, if that is more. Pre: has_begun().
-  Piece make_piece(const Vec3& p_S, double most_m, std::size_t most_triangles) const;
+  Piece make_piece(const Vec3& p_S, double most_m, std::size_t most_triangles, std::uint32_t body = 0) const;
+
+  // All bodies are announced. Before that nothing can be felt: something that moves may be anywhere.
+  bool has_bodies() const noexcept;
+  // Pre: has_bodies().
+  std::unique_ptr<PatchBodies> make_bodies(std::uint32_t generation) const;
+
+  // Materials that are not those of the tiles, by object, and how often they have changed.
+  const std::map<std::uint32_t, Material>& materials() const noexcept { return materials_; }
+  std::uint32_t material_version() const noexcept { return material_version_; }
 
  private:
   struct Cell {
     bool is_divided = false;
     std::vector<std::uint32_t> tiles;
   };
+  struct Body {
+    PatchBody head;  // of what came first
+    std::vector<Keyframe> keys;
+    std::vector<bool> has_key;
+    bool has_begun = false;
+    bool is_known = false;  // all of it
+  };
+  struct Search {
+    std::uint32_t body = 0;
+    Vec3 p = Vec3::Zero();  // in steps
+    double least = 0.0;     // the body is nowhere nearer
+  };
 
   bool adopt(std::uint32_t epoch, std::uint32_t serial);
   void confirm(std::uint32_t serial) noexcept;
   bool is_whole(const Cell& cell) const;
-  double find_unknown(const CellKey& key, const Vec3& p, double best) const;
-  void find_tiles(const CellKey& key, const Vec3& p, double radius, std::unordered_set<std::uint32_t>& found) const;
+  bool complete(Body& body) const;
+  bool is_possible(const Body& body) const;
+  bool is_wide_enough(const PatchBody& body) const noexcept;
+  Search search_at(const Vec3& p_S, std::uint32_t body) const;
+  double find_unknown(const CellKey& key, const Search& search, double best) const;
+  void find_tiles(const CellKey& key, const Search& search, double radius, std::unordered_set<std::uint32_t>& found) const;
+  static std::uint64_t key_of(std::uint32_t body, const CellKey& key) noexcept { return (std::uint64_t{body} << 48) | key.packed(); }
 
   std::optional<PatchBegin> begin_;
   PatchGrid grid_;
-  std::unordered_map<std::uint64_t, Cell> cells_;
+  std::array<Body, PatchBody::kMostBodies> bodies_;
+  std::map<std::uint32_t, Material> materials_;
+  std::map<std::uint32_t, std::uint32_t> material_serials_;
+  std::uint32_t material_version_ = 0;
+  std::unordered_map<std::uint64_t, Cell> cells_;  // by body and cell
   std::unordered_map<std::uint32_t, PatchTile> tiles_;
   PatchStatus status_;
   Counts counts_;

@@ -4,7 +4,10 @@
 #include <cmath>
 #include <utility>
 
+#include "core/force/motion_groups.h"
+
 namespace hapton {
+
 std::unique_ptr<Patch> PatchTouch::offer(std::unique_ptr<Patch> patch) noexcept { return std::exchange(offered_, std::move(patch)); }
 
 std::unique_ptr<Patch> PatchTouch::take_retired() noexcept { return std::move(retired_); }
@@ -27,6 +30,38 @@ void PatchTouch::start_at(const Vec3& p_SP, const Vec3& outward, double age_s) n
   outward_S_ = outward;
   path_.keep_newest(age_s);
   stiffness_n_per_m_ = force_n_ = beyond_s_ = 0.0;
+}
+
+void PatchTouch::go_on_from(const Vec3& p_SP) noexcept {
+  path_.clear();
+  is_placed_ = is_on_grid_ = true;
+  is_over_ = is_beyond_ = false;
+  p_SP_ = last_p_SD_ = newest_p_SD_ = p_SP;
+  outward_S_.setZero();
+  stiffness_n_per_m_ = force_n_ = beyond_s_ = 0.0;
+}
+
+// Those of the objects that it has: both are in the order of the scene. True: any.
+bool PatchTouch::tune(Patch& patch, const PatchMaterials& materials) noexcept {
+  if (patch.step == nullptr || patch.material_version >= materials.version) return false;
+  patch.material_version = materials.version;
+  bool any = false;
+  for (std::size_t i = 0; i < std::min(patch.objects.size(), patch.materials.size()); ++i) {
+    const auto found = std::lower_bound(materials.objects.begin(), materials.objects.end(), patch.objects[i],
+                                        [](const auto& one, int object) { return one.first < object; });
+    if (found == materials.objects.end() || found->first != patch.objects[i]) continue;
+    Material tuned = found->second;
+    tuned.two_sided = patch.materials[i].two_sided;
+    patch.materials[i] = patch.is_holding ? holding_material(tuned) : tuned;
+    any = true;
+  }
+  if (any) patch.step->set_materials(patch.materials);
+  return any;
+}
+
+void PatchTouch::use_materials(const PatchMaterials& materials) noexcept {
+  if (offered_ != nullptr) (void)tune(*offered_, materials);
+  if (patch_ != nullptr && tune(*patch_, materials)) is_retuned_ = true;
 }
 
 PatchHand PatchTouch::hand_at(const Vec3& p_SD, std::int64_t time_ns) const noexcept {
@@ -85,7 +120,7 @@ std::optional<PatchOutput> PatchTouch::step(const TouchInput& input) noexcept {
   if (!path_.empty()) return step_plane(input, p_SD, velocity);
   is_beyond_ = false;
   has_arrived_ = true;
-  output.is_handed_over = output.is_handed_over || was_beyond;
+  output.is_handed_over = output.is_handed_over || was_beyond || std::exchange(is_retuned_, false);
   return output;
 }
 

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/force/touch_step.h"
@@ -11,7 +12,14 @@
 
 namespace hapton {
 
-// A piece of the scene on which forces can be computed: within radius_m of the centre no triangle is missing. Frame: S. Units: m.
+// Materials by the scene's number of the object, ascending: of those that have others than when the first parts came.
+struct PatchMaterials {
+  std::vector<std::pair<int, Material>> objects;
+  std::uint32_t version = 0;  // counts up
+};
+
+// A piece of a body of the scene on which forces can be computed: within radius_m of the centre no triangle is missing. Frame: that of the
+// body, S where it stands still. Units: m.
 struct Patch {
   std::unique_ptr<TouchStep> step;  // null: there is no triangle
   std::vector<int> objects = {};    // the scene's number of each object of it
@@ -19,7 +27,10 @@ struct Patch {
   double radius_m = 0.0;
   double lift_m = 0.0;           // distance off the surface at which a proxy starts that no patch has held: above the rounding of the grid
   std::uint32_t generation = 0;  // of its scene
-  bool is_path_incomplete = false;  // parts of the scene between the last proxy within a patch and the hand are missing
+  std::vector<Material> materials = {};  // of the objects; room for use_materials
+  std::uint32_t material_version = 0;    // PatchMaterials::version that they are of
+  bool is_holding = false;               // of a second link of the chain: without friction and damping
+  bool is_path_incomplete = false;       // parts of the scene between the last proxy within a patch and the hand are missing
 };
 
 // One step on a patch.
@@ -83,6 +94,7 @@ class PatchTouch {
     std::uint64_t beyond_steps = 0;  // steps there
     std::uint64_t raised = 0;        // patches that took over from above the plane
     std::uint64_t begun_anew = 0;    // times that a free hand stayed past the edge for longer than kBeyondS
+    std::uint64_t late_moves = 0;    // of PatchChain: moves of objects that came too late to go as announced
   };
 
   // Offers a patch: it takes over with the first step that lies within it. Returns the one that was offered before and did not.
@@ -96,6 +108,10 @@ class PatchTouch {
   // Where the proxy of a contact was, or the free device, before the first patch, and how long ago: from there the proxy follows the
   // positions of the device since. outward: unit, of the force; zero: free.
   void start_at(const Vec3& p_SP, const Vec3& outward, double age_s = 0.0) noexcept;
+  // The proxy is exactly there, on this side of the surface, and goes on from there: what was before does not count.
+  void go_on_from(const Vec3& p_SP) noexcept;
+  // The surface has other materials from the next step on, in which is_handed_over is set.
+  void use_materials(const PatchMaterials& materials) noexcept;
   // A patch has reached the hand since the start. Until then the force has to come from elsewhere.
   bool has_arrived() const noexcept { return has_arrived_; }
 
@@ -122,6 +138,7 @@ class PatchTouch {
   std::optional<PatchOutput> step_plane(const TouchInput& input, const Vec3& p_SD, const Vec3& velocity) noexcept;
   void hand_over(const TouchInput& input) noexcept;
   Vec3 step_retired(const TouchInput& input) noexcept;
+  static bool tune(Patch& patch, const PatchMaterials& materials) noexcept;
 
   std::unique_ptr<Patch> patch_;
   std::unique_ptr<Patch> offered_;
@@ -139,6 +156,7 @@ class PatchTouch {
   Vec3 newest_p_SD_ = Vec3::Zero();
   DevicePath path_;
   bool is_beyond_ = false;
+  bool is_retuned_ = false;  // other materials
   double beyond_s_ = 0.0;
   Counts counts_;
 };

@@ -111,13 +111,15 @@ PatchTile tile_of(std::size_t object, const Material& material) {
 // Makes the octree, wide before deep, so that where it has to end early it is as coarse everywhere.
 class CellDivider {
  public:
-  explicit CellDivider(TiledScene& scene) : scene_(scene) {}
+  CellDivider(TiledScene& scene, std::uint32_t body) : scene_(scene), body_(body) {}
 
-  void divide() {
-    std::vector<std::uint32_t> all(scene_.tiles.size());
-    std::iota(all.begin(), all.end(), 0U);
-    scene_.nodes.push_back({CellKey()});
-    open_.push_back({0, std::move(all), {}});
+  // first: of the body's tiles, which are the last ones.
+  void divide(std::size_t first) {
+    std::vector<std::uint32_t> all(scene_.tiles.size() - first);
+    std::iota(all.begin(), all.end(), static_cast<std::uint32_t>(first));
+    scene_.bodies[body_].root = static_cast<std::int32_t>(scene_.nodes.size());
+    open_.push_back({scene_.nodes.size(), std::move(all), {}});
+    scene_.nodes.push_back({body_, CellKey()});
     while (!open_.empty()) {
       Open open = std::move(open_.front());
       open_.pop_front();
@@ -151,7 +153,7 @@ class CellDivider {
       if (parts[octant].empty()) empty = static_cast<std::uint8_t>(empty | (1U << octant));
     }
     for (std::uint32_t octant = 0; octant < 8; ++octant) {
-      scene_.nodes.push_back({key.child(octant)});
+      scene_.nodes.push_back({body_, key.child(octant)});
       if (!parts[octant].empty()) open_.push_back({scene_.nodes.size() - 1, std::move(parts[octant]), open.empty_children});
     }
   }
@@ -160,12 +162,40 @@ class CellDivider {
   void close(Open& open) {
     if (open.tiles.empty() || open.tiles.size() > PatchCell::kMostTiles) return;
     scene_.nodes[open.node].cell = static_cast<std::int32_t>(scene_.cells.size());
-    scene_.cells.push_back({scene_.nodes[open.node].key, open.empty_children, std::move(open.tiles)});
+    scene_.cells.push_back({body_, scene_.nodes[open.node].key, open.empty_children, std::move(open.tiles)});
   }
 
   TiledScene& scene_;
+  std::uint32_t body_;
   std::deque<Open> open_;
 };
+
+double radius_about(const Vec3& point, const TriangleMesh& mesh) {
+  double most = 0.0;
+  for (const Vec3& vertex : mesh.vertices) most = std::max(most, (vertex - point).norm());
+  return most;
+}
+
+void add_body(const TouchScene& scene, MotionGroup group, TiledScene& tiled) {
+  const std::size_t first = tiled.tiles.size();
+  TileBody body;
+  const TouchObject* leader = group.objects.empty() ? nullptr : &scene.objects[static_cast<std::size_t>(group.objects.front())];
+  if (group.motion != nullptr) body.pivot_m = group.motion->pivot();
+  if (leader != nullptr && leader->command_pivot) body.pivot_m = *leader->command_pivot;
+  for (const int object : group.objects) {
+    const TouchObject& own = scene.objects[static_cast<std::size_t>(object)];
+    if (group.moves()) body.radius_m = std::max(body.radius_m, radius_about(body.pivot_m, *own.mesh));
+    std::vector<GridTriangle> triangles = to_grid(*own.mesh, tiled.grid);
+    part(triangles, tile_of(static_cast<std::size_t>(object), own.material), tiled);
+  }
+  for (std::size_t tile = first; tile < tiled.tiles.size(); ++tile) {
+    body.bounds.grow(tiled.tile_bounds[tile].low);
+    body.bounds.grow(tiled.tile_bounds[tile].high);
+  }
+  body.group = std::move(group);
+  tiled.bodies.push_back(std::move(body));
+  if (first < tiled.tiles.size()) CellDivider(tiled, static_cast<std::uint32_t>(tiled.bodies.size() - 1)).divide(first);
+}
 
 }  // namespace
 
@@ -177,11 +207,9 @@ TiledScene make_tiles(const TouchScene& scene) {
   }
   if (bounds.is_empty()) return tiled;
   tiled.grid = PatchGrid::around(bounds);
-  for (std::size_t object = 0; object < scene.objects.size(); ++object) {
-    std::vector<GridTriangle> triangles = to_grid(*scene.objects[object].mesh, tiled.grid);
-    part(triangles, tile_of(object, scene.objects[object].material), tiled);
-  }
-  CellDivider(tiled).divide();
+  std::vector<MotionGroup> groups = group_by_motion(scene);
+  if (groups.front().moves()) groups.insert(groups.begin(), MotionGroup());
+  for (MotionGroup& group : groups) add_body(scene, std::move(group), tiled);
   return tiled;
 }
 

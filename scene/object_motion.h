@@ -5,14 +5,12 @@
 
 #include "core/base/result.h"
 #include "core/geometry/triangle_mesh.h"
+#include "core/math/commanded_motion.h"
 #include "core/math/keyframe_motion.h"
 #include "scene/object_reader.h"
 #include "scene/scene_fit.h"
 
 namespace hapton {
-
-// Largest speed of a surface that moves by itself, m/s: the reduced speed of ISO 10218-1 for robots beside people.
-constexpr double kMostSurfaceSpeed = 0.25;
 
 // The largest distance of a vertex from a point, m.
 double radius_about(const Vec3& point, const TriangleMesh& mesh);

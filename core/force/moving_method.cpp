@@ -11,40 +11,29 @@
 namespace hapton {
 namespace {
 
-bool is_same_motion(const KeyframeMotion* a, const KeyframeMotion* b) { return a == b || (a != nullptr && b != nullptr && *a == *b); }
-
 Vec3 to_frame(const Pose& X_SO, const Vec3& p_S) { return X_SO.linear().transpose() * (p_S - X_SO.translation()); }
 
 }  // namespace
 
-// What stands still first and last, the others in the order of the scene.
+// What stands still first and last.
 std::vector<MovingMethod::Group> MovingMethod::group_objects(const TouchScene& scene) {
   std::vector<Group> groups;
-  int commanded = 0;
-  for (std::size_t o = 0; o < scene.objects.size(); ++o) {
-    const auto& motion = scene.objects[o].motion;
-    const bool is_deforming = scene.objects[o].deformation != nullptr;
-    const bool is_alone = is_deforming || scene.objects[o].command_pivot.has_value();
-    const auto same = [&](const Group& group) {
-      return !is_alone && !group.is_alone() && is_same_motion(group.motion.get(), motion.get());
-    };
-    auto found = std::find_if(groups.begin(), groups.end(), same);
-    if (found == groups.end()) found = groups.insert(groups.end(), Group{.motion = motion, .objects = {}, .is_deforming = is_deforming});
-    if (scene.objects[o].command_pivot) found->commanded = commanded++;
-    found->objects.push_back(static_cast<int>(o));
-  }
-  std::stable_partition(groups.begin(), groups.end(), [](const Group& group) { return !group.moves(); });
-  if (!groups.front().moves()) groups.push_back({.motion = nullptr, .objects = groups.front().objects, .is_second = true});
+  for (MotionGroup& group : group_by_motion(scene)) groups.push_back({std::move(group)});
+  if (groups.front().moves()) return groups;
+  Group second;
+  second.objects = groups.front().objects;
+  second.is_second = true;
+  groups.push_back(std::move(second));
   return groups;
 }
 
 Material MovingMethod::material_in(const Group& group, const Material& material) noexcept {
-  if (!group.is_second) return material;
-  return {.stiffness_n_per_m = material.stiffness_n_per_m, .two_sided = material.two_sided};
+  return group.is_second ? holding_material(material) : material;
 }
 
 Result<void> MovingMethod::make_method_of(Group& group, Make make, const MethodSettings& settings, const TouchScene& scene) {
   TouchScene part;
+  part.part_of = scene.part_of;
   for (const int object : group.objects) {
     part.objects.push_back(scene.objects[static_cast<std::size_t>(object)]);
     TouchObject& own = part.objects.back();
@@ -70,17 +59,13 @@ Result<std::unique_ptr<ForceMethod>> MovingMethod::make(Make make, const MethodS
   return std::unique_ptr<ForceMethod>(new MovingMethod(std::move(groups)));
 }
 
-bool MovingMethod::feel(Group& group, const Pose& X_SO, const MethodInput& input, MethodOutput& output, double& most_n) noexcept {
-  const MethodOutput felt = group.method->step({.p_SD = to_frame(X_SO, output.p_SP), .dt_s = input.dt_s, .time_s = input.time_s});
-  if (!felt.contact) return false;
-  output.contact = true;
-  output.force_n += X_SO.linear() * felt.force_n;
-  output.p_SP = X_SO * felt.p_SP;
-  if (const double pushes = felt.force_n.norm(); felt.object >= 0 && pushes >= most_n) {
-    most_n = pushes;
-    output.object = group.objects[static_cast<std::size_t>(felt.object)];
-  }
-  return true;
+MethodOutput MovingMethod::feel(Group& group, const Pose& X_SO, const MethodInput& input, const Vec3& p_SD) noexcept {
+  MethodOutput felt = group.method->step({.p_SD = to_frame(X_SO, p_SD), .dt_s = input.dt_s, .time_s = input.time_s});
+  if (!felt.contact) return felt;
+  felt.force_n = X_SO.linear() * felt.force_n;
+  felt.p_SP = X_SO * felt.p_SP;
+  if (felt.object >= 0) felt.object = group.objects[static_cast<std::size_t>(felt.object)];
+  return felt;
 }
 
 Pose MovingMethod::Group::pose_at(const MethodInput& input) const noexcept {
@@ -91,28 +76,11 @@ Pose MovingMethod::Group::pose_at(const MethodInput& input) const noexcept {
 }
 
 MethodOutput MovingMethod::step(const MethodInput& input) noexcept {
-  MethodOutput output{.force_n = Vec3::Zero(), .p_SP = input.p_SD};
-  if (!input.p_SD.allFinite() || !std::isfinite(input.time_s)) return output;
-  const bool begins = start_.has_value();
-  const Vec3 last = start_.value_or(last_p_SP_.value_or(input.p_SD));
-  const bool was_pushed = std::exchange(is_pushed_, false) && !begins;
-  double most_n = 0.0;
-  for (Group& group : groups_) {
-    if (group.is_second) {
-      if (!is_pushed_) continue;
-      // It was where the proxy was, which all others have left outside of what stands still.
-      if (!was_pushed) group.method->resume(last);
-      feel(group, Pose::Identity(), input, output, most_n);
-      continue;
-    }
-    const Pose X_SO = group.pose_at(input);
-    if (begins) group.method->reset(to_frame(X_SO, last));
-    const bool is_touched = feel(group, X_SO, input, output, most_n);
-    is_pushed_ = is_pushed_ || (is_touched && group.moves());
-  }
-  start_.reset();
-  last_p_SP_ = output.p_SP;
-  return output;
+  if (!input.p_SD.allFinite() || !std::isfinite(input.time_s)) return {.force_n = Vec3::Zero(), .p_SP = input.p_SD};
+  const auto begin = [&](Group& group, const Vec3& p_S) { group.method->reset(to_frame(group.pose_at(input), p_S)); };
+  const auto resume = [](Group& group, const Vec3& p_S) { group.method->resume(p_S); };
+  const auto feel_at = [&](Group& group, const Vec3& p_SD) { return feel(group, group.pose_at(input), input, p_SD); };
+  return chain_.step(groups_, input.p_SD, begin, resume, feel_at);
 }
 
 void MovingMethod::set_materials(std::span<const Material> materials) noexcept {

@@ -1,12 +1,13 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "core/force/force_method.h"
+#include "core/force/motion_groups.h"
+#include "core/force/touch_chain.h"
 
 namespace hapton {
 
@@ -17,14 +18,8 @@ namespace hapton {
 //
 // In the frame of a moving object the device moves even while the hand holds still. Its path between two samples is taken as straight in
 // that frame, and the proxy follows as usual. So a surface that moves into the hand pushes the proxy ahead and never passes it. The methods
-// form a chain. Each follows the proxy of the one before instead of the device:
-//
-//   device -> what stands still -> first motion -> ... -> last motion -> what stands still = proxy of all
-//
-// The last one is a second method for what stands still, without friction and damping: it takes part while something that moves pushes, so
-// that this never pushes the proxy into what stands still. The force is the sum of theirs. It is that of one proxy where one of them is
-// touched, and where two meet at right angles. A surface of speed v that comes upon a hand changes the force by stiffness times v dt in a
-// step.
+// form a chain (TouchChain). The force is that of one proxy where one of them is touched, and where two meet at right angles. A surface of
+// speed v that comes upon a hand changes the force by stiffness times v dt in a step.
 //
 // Frame: S. RT: step, reset and set_materials yes. Threads: as ForceMethod.
 class MovingMethod final : public ForceMethod {
@@ -36,24 +31,18 @@ class MovingMethod final : public ForceMethod {
   static Result<std::unique_ptr<ForceMethod>> make(Make make, const MethodSettings& settings, const TouchScene& scene);
 
   MethodOutput step(const MethodInput& input) noexcept override;
-  void reset(const Vec3& p_SD) noexcept override { start_ = p_SD; }
+  void reset(const Vec3& p_SD) noexcept override { chain_.reset(p_SD); }
   void set_materials(std::span<const Material> materials) noexcept override;
   bool prepare() override;
   std::string describe() const override;
 
  private:
   // Objects with one motion.
-  struct Group {
-    std::shared_ptr<const KeyframeMotion> motion;  // null: they stand still
-    std::vector<int> objects;                      // of the scene
-    bool is_deforming = false;                     // one object
-    bool is_second = false;                        // holds against what moves, without friction and damping
-    int commanded = -1;                            // number in MethodInput::commanded of its one object; -1: no program moves it
+  struct Group : MotionGroup {
+    bool is_second = false;  // holds against what moves, without friction and damping
     std::unique_ptr<ForceMethod> method = nullptr;
     std::vector<Material> materials = {};  // room for set_materials
 
-    bool is_alone() const { return is_deforming || commanded >= 0; }
-    bool moves() const { return motion != nullptr || is_deforming || commanded >= 0; }
     Pose pose_at(const MethodInput& input) const noexcept;
   };
 
@@ -61,13 +50,10 @@ class MovingMethod final : public ForceMethod {
   static std::vector<Group> group_objects(const TouchScene& scene);
   static Result<void> make_method_of(Group& group, Make make, const MethodSettings& settings, const TouchScene& scene);
   static Material material_in(const Group& group, const Material& material) noexcept;
-  // Adds what the group feels at the proxy of those before it. True: it is in contact.
-  static bool feel(Group& group, const Pose& X_SO, const MethodInput& input, MethodOutput& output, double& most_n) noexcept;
+  static MethodOutput feel(Group& group, const Pose& X_SO, const MethodInput& input, const Vec3& p_SD) noexcept;
 
-  std::vector<Group> groups_;                 // in the order of the row
-  bool is_pushed_ = false;                    // something that moves was in contact in the last step
-  std::optional<Vec3> last_p_SP_;             // of the last step
-  std::optional<Vec3> start_ = std::nullopt;  // reset() was called: where the next step begins
+  std::vector<Group> groups_;  // in the order of the chain
+  TouchChain chain_;
 };
 
 }  // namespace hapton

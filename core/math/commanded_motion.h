@@ -8,6 +8,9 @@
 
 namespace hapton {
 
+// Largest speed of a surface that moves by itself, m/s: the reduced speed of ISO 10218-1 for robots beside people.
+constexpr double kMostSurfaceSpeed = 0.25;
+
 // A move of a rigid body that a program commanded: from one pose to another, straight and evenly as between keyframes; at rest after it.
 struct CommandedMove {
   std::uint32_t serial = 0;  // counts the moves of all bodies, from 1; 0: none, the body is as at the start
@@ -17,10 +20,11 @@ struct CommandedMove {
 
 // The motion of a rigid body by commanded moves, each of which takes over from the one before. Whoever knows the moves can compute the pose
 // from the time alone: at each time the newest move that started before it determines the pose; before the first move the body is at rest.
-// Only the newest kMoves are kept; the rest pose at the start counts as a move. Frame: S. RT: yes. Threads: const calls from any number.
+// Only the newest kMoves are kept; the rest pose at the start counts as a move. So many may begin later than the time that is asked for:
+// where moves are announced ahead of time, ObjectMover spaces them. Frame: S. RT: yes. Threads: const calls from any number.
 class CommandedMotion {
  public:
-  static constexpr std::size_t kMoves = 8;
+  static constexpr std::size_t kMoves = 64;
 
   // pivot_S: on the body at rest.
   explicit CommandedMotion(const Vec3& pivot_S) noexcept;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "devices/model_a.h"
+#include "haptic_step/object_mover.h"
 #include "haptics_node/patch_sender.h"
 #include "haptics_node/reply_loop.h"
 #include "io_node/local_patch.h"
@@ -17,6 +18,7 @@
 #include "link/link_key.h"
 #include "link/sealed_client.h"
 #include "link/sealed_hub.h"
+#include "scene/scene_file.h"
 #include "tests/faults/simulated_network.h"
 #include "tests/support/made_meshes.h"
 
@@ -67,19 +69,23 @@ class PressingDevice final : public Device {
 // One haptics node: its clock, its sealed connection to the hub and its loop.
 class SimulatedHaptics {
  public:
+  // scene: felt by method `proxy`; no objects: a box, 0.1 m wide, around the origin.
   SimulatedHaptics(SimulatedNetwork& network, const SimulatedClock& time, const LinkKey& key, const Address& hub, const Address& at,
-                   const SealedClient::Options& sealing = {})
+                   const SealedClient::Options& sealing = {}, const Scene& scene = {})
       : clock(time),
+        mover(scene, 77),
         network_(network),
         at_(at),
         endpoint_(network.open_node(at, [this] { turn(); })),
         sealed_(*endpoint_, clock, RoleKey(key, KeyRole::haptics), hub, sealing),
         client_(sealed_, clock, NodeRole::haptics, hub),
-        step_(std::make_unique<TouchStep>(*make_method(settings(), scene())), 1e-5),
-        builder_(settings(), scene()),
+        touched_(scene.objects.empty() ? box() : scene.touch_scene()),
+        step_(std::make_unique<TouchStep>(*make_method(settings(), touched_), touched_), 1e-5),
+        builder_(settings(), touched_),
         loop_(client_, clock, step_, builder_),
-        patches_(scene(), 0.0, 1, true) {
+        patches_(touched_, 0.0, 1, true) {
     loop_.set_patch_sender(&patches_);
+    if (!scene.objects.empty()) loop_.set_object_mover(&mover);
   }
   ~SimulatedHaptics() { network_.kill(at_); }
   SimulatedHaptics(const SimulatedHaptics&) = delete;
@@ -88,12 +94,20 @@ class SimulatedHaptics {
   const HubClient& client() const { return client_; }
   std::uint64_t sessions() const { return sealed_.seal_counts().handshakes; }
   const Address& address() const { return at_; }
+  std::int64_t scene_time_ns() const { return step_.scene_time_ns(); }
+  const TouchStep& touch() const { return step_.touch(); }
+  // As its tuner does when a request is accepted.
+  void set_materials(const std::vector<Material>& materials) {
+    step_.set_materials(materials);
+    patches_.set_materials(materials);
+  }
 
   ShiftedClock clock;
+  ObjectMover mover;  // for requests of programs
 
  private:
   static MethodSettings settings() { return {.name = "proxy"}; }
-  static TouchScene scene() { return {.objects = {{made::shared(made::box(Vec3::Constant(-0.05), Vec3::Constant(0.05))), {}}}}; }
+  static TouchScene box() { return {.objects = {{made::shared(made::box(Vec3::Constant(-0.05), Vec3::Constant(0.05))), {}}}}; }
 
   void turn() {
     // Before construction has ended the network has nothing for it.
@@ -105,6 +119,7 @@ class SimulatedHaptics {
   std::unique_ptr<Endpoint> endpoint_;
   SealedClient sealed_;
   HubClient client_;
+  TouchScene touched_;
   HapticsStep step_;
   MethodBuilder builder_;
   ReplyLoop loop_;
@@ -186,14 +201,15 @@ class SimulatedSystem {
     local_ = std::make_unique<LocalPatch>();
     builder_ = std::make_unique<PatchBuilder>(*local_);
     patch_link_ = std::make_unique<PatchLink>(*peers_, *local_, *builder_, touch_);
-    servo->device_loop().set_local_touch(local_.get());
+    touch_tap_.emplace(*local_, touched);
+    servo->device_loop().set_local_touch(&*touch_tap_);
     servo->set_patch_link(patch_link_.get());
   }
 
   void start_haptics(const SealedClient::Options& sealing = {}) {
     Address at{{}, next_port_++};
     at.ip = hub_address_.ip;
-    haptics = std::make_unique<SimulatedHaptics>(network, clock, key_, hub_address_, at, sealing);
+    haptics = std::make_unique<SimulatedHaptics>(network, clock, key_, hub_address_, at, sealing, scene);
   }
   std::unique_ptr<SimulatedVision> make_vision(int words_a_turn) {
     Address at{{}, next_port_++};
@@ -253,13 +269,35 @@ class SimulatedSystem {
     return std::nullopt;
   }
 
+  // A force that the hub computed itself, and its sample.
+  struct Touched {
+    DeviceSample sample;
+    LocalForce force;
+  };
+
   SimulatedClock clock{1'000'000'000'000'000};  // ahead of the time of this machine, which the patches' threads go by
   SimulatedNetwork network;
   PressingDevice device;
   std::unique_ptr<Servo> servo;
   std::unique_ptr<SimulatedHaptics> haptics;
+  Scene scene;  // of haptics nodes that are started from now on; no objects: a box
+  std::vector<Touched> touched;
 
  private:
+  class TouchTap final : public LocalTouch {
+   public:
+    TouchTap(LocalTouch& local, std::vector<Touched>& touched) : local_(local), touched_(touched) {}
+    std::optional<LocalForce> step(const DeviceSample& sample) noexcept override {
+      const std::optional<LocalForce> force = local_.step(sample);
+      if (force) touched_.push_back({sample, *force});
+      return force;
+    }
+
+   private:
+    LocalTouch& local_;
+    std::vector<Touched>& touched_;
+  };
+
   LinkKey key_ = LinkKey::make_random();
   Address hub_address_{{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF, 127, 0, 0, 1}, 4950};
   std::unique_ptr<Endpoint> hub_endpoint_ = network.open_hub(hub_address_);
@@ -269,6 +307,7 @@ class SimulatedSystem {
   std::uint16_t next_port_ = 5001;
   TouchChoice touch_;
   std::unique_ptr<LocalPatch> local_;
+  std::optional<TouchTap> touch_tap_;
   std::unique_ptr<PatchBuilder> builder_;
   std::unique_ptr<PatchLink> patch_link_;
 };

@@ -71,6 +71,8 @@ bool write_sealed() {
                        {kHaptics, PatchBegin{.epoch = 1, .serial = 1, .step_m = 1e-8}},
                        {kHaptics, PatchCell{.epoch = 1, .serial = 2, .tile_count = 1}},
                        {kHaptics, PatchTile{.epoch = 1, .serial = 3, .vertex_count = 3, .triangle_count = 1}},
+                       {kHaptics, PatchBody{.epoch = 1, .serial = 4, .body = 1, .motion = PatchBody::Motion::commanded}},
+                       {kHaptics, PatchMaterial{.epoch = 1, .serial = 5, .stiffness_n_per_m = 500.0}},
                        {kVision, PatchTile{.epoch = 1, .serial = 4, .vertex_count = 3, .triangle_count = 1}},
                        {kToNode, PatchStatus{.is_wanted = true}}})) &&
          write("sealed", "vision",

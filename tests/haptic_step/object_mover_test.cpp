@@ -258,5 +258,38 @@ TEST_F(ObjectMoverTest, TheAnnouncedMovesGiveTheSameForces) {
   EXPECT_GT(contacts, 100);
 }
 
+// The hub has to know of a move before it begins: until then the object is where it was.
+TEST_F(ObjectMoverTest, AMoveMayBeginLater) {
+  for (int i = 0; i < 10; ++i) answer();
+  mover.set_lead_ns(100'000'000);
+  const ObjectMover::Done done = ask(lift(0.03, 0.4));
+  ASSERT_TRUE(done.move);
+  EXPECT_EQ(done.move->start_ns, 109'000'000);
+  EXPECT_EQ(done.move->end_ns, 509'000'000);
+  for (int i = 0; i < 100; ++i) answer();
+  EXPECT_EQ(height(), 0.0);
+  for (int i = 0; i < 200; ++i) answer();
+  EXPECT_NEAR(height(), 0.015, 1e-12);
+}
+
+// A program that sends poses without pause: as many of them wait for their beginning as a CommandedMotion can keep, and the object follows
+// without a jump.
+TEST_F(ObjectMoverTest, NoMoreMovesAreAheadThanAreKept) {
+  mover.set_lead_ns(1'000'000'000);
+  std::uint64_t moves = 0;
+  double before = 0.0;
+  for (int i = 0; i < 4000; ++i) {
+    mover.request(lift(0.01 * std::sin(0.002 * i), 0.01));
+    const ObjectMover::Done done = mover.work(step);
+    moves += done.move ? 1 : 0;
+    answer();
+    ASSERT_LE(std::abs(height() - before), 1e-3 * kMostSurfaceSpeed * (1.0 + 1e-9)) << i;
+    before = height();
+  }
+  EXPECT_LE(moves, 4000U * 1'000'000U * static_cast<std::uint64_t>(ObjectMover::kMostAhead) / 1'000'000'000U + 2U);
+  EXPECT_GT(moves, 100U);
+  EXPECT_NEAR(before, 0.01 * std::sin(0.002 * 3000), 0.001) << "it follows, a second later";
+}
+
 }  // namespace
 }  // namespace hapton

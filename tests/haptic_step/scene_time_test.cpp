@@ -119,5 +119,16 @@ TEST_F(SceneTime, TakesNoHeap) {
   EXPECT_GT(most, 10.0);
 }
 
+// While the hub computes the force it determines where everything is, also across a gap; afterwards time goes on from there.
+TEST_F(SceneTime, IsThatOfAHubThatComputesTheForce) {
+  answer(0);
+  time_ns += 300'000'000;
+  step.offer({.sample = ++sample, .sample_time_ns = time_ns, .p_WD = {0, 0, 0.03}, .scene_time_ns = 300'000'000});
+  EXPECT_EQ(step.answer().scene_time_ns, 300'000'000);
+  EXPECT_EQ(answer(1'000'000).scene_time_ns, 301'000'000);
+  step.offer({.sample = ++sample, .sample_time_ns = time_ns, .p_WD = {0, 0, 0.03}, .scene_time_ns = 295'000'000});
+  EXPECT_EQ(step.answer().scene_time_ns, 295'000'000) << "the hub waited";
+}
+
 }  // namespace
 }  // namespace hapton

@@ -26,6 +26,8 @@ struct SenderStage {
   void want() {
     PatchStatus status = store.status();
     status.is_wanted = true;
+    status.newest_move = confirmed.newest();
+    status.moves_received = confirmed.received();
     sender.accept(status, clock.now_ns());
     sender.note_hand({.sample = ++sample, .sample_time_ns = clock.now_ns()}, kAtW);
   }
@@ -34,9 +36,7 @@ struct SenderStage {
     for (const auto end = std::chrono::steady_clock::now() + time; std::chrono::steady_clock::now() < end;) {
       want();
       for (const Message* part = sender.front(); part != nullptr; part = sender.front()) {
-        if (const auto* tile = std::get_if<PatchTile>(part)) store.accept(*tile);
-        if (const auto* cell = std::get_if<PatchCell>(part)) store.accept(*cell);
-        if (const auto* begin = std::get_if<PatchBegin>(part)) store.accept(*begin);
+        if (!store.accept(*part)) moves.push_back(std::get<ObjectMove>(*part));
         ++received;
         sender.pop();
       }
@@ -52,6 +52,8 @@ struct SenderStage {
   SteadyClock clock;
   PatchSender sender;
   PatchStore store;
+  std::vector<ObjectMove> moves;
+  MoveTable confirmed;
   std::uint64_t sample = 0;
   int received = 0;
 };
@@ -99,7 +101,6 @@ TEST(PatchSender, AMethodThatPartsDoNotServeGetsAnEpochWithoutAny) {
   EXPECT_TRUE(stage.receive_until([&] { return stage.store.status().epoch == epoch + 2 && stage.is_whole(); }));
 }
 
-// What a part says holds within its epoch, and a part has a material.
 TEST(PatchSender, AWithdrawnSceneIsNotOfferedAgain) {
   SenderStage stage;
   ASSERT_TRUE(stage.receive_until([&] { return stage.is_whole(); }));
@@ -111,18 +112,25 @@ TEST(PatchSender, AWithdrawnSceneIsNotOfferedAgain) {
   EXPECT_EQ(stage.store.make_piece(Vec3::Zero(), 1.0, 100'000).triangles, 0U);
 }
 
-TEST(PatchSender, OtherMaterialsComeInAnEpochOfTheirOwn) {
+// Beside the parts that the hub has: none of them is sent again.
+TEST(PatchSender, OtherMaterialsComeBesideTheParts) {
   SenderStage stage;
   ASSERT_TRUE(stage.receive_until([&] { return stage.is_whole(); }));
   const std::uint32_t epoch = stage.store.status().epoch;
+  const std::uint64_t sent = stage.sender.counts().sent;
+  const auto stiffness = [&] { return stage.store.make_piece(Vec3::Zero(), 1.0, 100'000).scene.objects.at(0).material; };
   stage.sender.set_materials({{.stiffness_n_per_m = 321.0, .friction_static = 0.3}});
-  ASSERT_TRUE(stage.receive_until([&] { return stage.store.status().epoch == epoch + 1 && stage.is_whole(); }));
-  const auto piece = stage.store.make_piece(Vec3::Zero(), 1.0, 100'000);
-  ASSERT_EQ(piece.triangles, 800U);
-  for (const TouchObject& object : piece.scene.objects) {
-    EXPECT_EQ(object.material.stiffness_n_per_m, 321.0);
-    EXPECT_EQ(object.material.friction_static, 0.3);
-  }
+  ASSERT_TRUE(stage.receive_until([&] { return stiffness().stiffness_n_per_m == 321.0; }));
+  EXPECT_EQ(stiffness().friction_static, 0.3);
+  EXPECT_EQ(stage.store.status().epoch, epoch);
+  stage.receive_for(std::chrono::milliseconds(300));
+  EXPECT_LE(stage.sender.counts().sent, sent + 2);
+  // An epoch of its own has them, too: the tiles are those of before.
+  stage.sender.set_offered(false);
+  ASSERT_TRUE(stage.receive_until([&] { return stage.store.status().epoch == epoch + 1; }));
+  stage.sender.set_offered(true);
+  ASSERT_TRUE(stage.receive_until([&] { return stage.store.status().epoch == epoch + 2 && stage.is_whole(); }));
+  EXPECT_TRUE(stage.receive_until([&] { return stiffness().stiffness_n_per_m == 321.0; }));
 }
 
 // Parts hold no effects: without them the hub's own step would give other forces.
@@ -136,15 +144,77 @@ TEST(PatchSender, ASceneWithEffectsIsNeverOffered) {
   EXPECT_EQ(stage.store.make_piece(Vec3::Zero(), 1.0, 100'000).triangles, 0U);
 }
 
-// What moves would stand still in the parts that the hub keeps.
-TEST(PatchSender, ASceneThatMovesIsNeverOffered) {
+std::shared_ptr<const KeyframeMotion> slow_motion(std::size_t keys = 2) {
+  std::vector<Keyframe> keyframes;
+  for (std::size_t n = 0; n < keys; ++n)
+    keyframes.push_back({0.1 * static_cast<double>(n), Vec3(0, 0, 1e-3 * static_cast<double>(n % 7)), {}});
+  for (Keyframe& each : keyframes) each.turn = Quat::Identity();
+  return std::make_shared<const KeyframeMotion>(Vec3::Zero(), std::move(keyframes), false);
+}
+
+// Each body is announced before it can be felt, with all its keyframes.
+TEST(PatchSender, ASceneThatMovesIsOfferedWithItsBodies) {
   TouchScene scene = scene_of(made::sheet(0.05, 0.0, 20));
-  scene.objects[0].motion = std::make_shared<const KeyframeMotion>(
-      Vec3::Zero(), std::vector<Keyframe>{{0.0, Vec3::Zero(), Quat::Identity()}, {1.0, Vec3::Zero(), Quat::Identity()}}, false);
+  scene.objects.push_back({made::shared(made::box(Vec3(0, 0, 0.01), Vec3(0.01, 0.01, 0.02))), {}});
+  scene.objects[1].motion = slow_motion(100);
+  scene.objects.push_back({made::shared(made::box(Vec3(0.02, 0, 0.01), Vec3(0.03, 0.01, 0.02))), {}});
+  scene.objects[2].command_pivot = Vec3(0.025, 0.005, 0.01);
   SenderStage stage(true, scene);
-  stage.sender.set_offered(true);
-  EXPECT_FALSE(stage.sender.is_offered());
-  EXPECT_EQ(stage.sender.obstacle(), "objects of the scene move");
+  EXPECT_TRUE(stage.sender.is_offered());
+  EXPECT_EQ(stage.sender.obstacle(), "");
+  ASSERT_TRUE(stage.receive_until([&] { return stage.store.has_bodies(); }));
+  const auto bodies = stage.store.make_bodies(3);
+  ASSERT_EQ(bodies->bodies.size(), 3U);
+  EXPECT_EQ(bodies->generation, 3U);
+  ASSERT_TRUE(bodies->bodies[1].keyframes);
+  EXPECT_EQ(*bodies->bodies[1].keyframes, *scene.objects[1].motion) << "to the last bit";
+  EXPECT_TRUE(bodies->bodies[2].is_commanded);
+  EXPECT_EQ(bodies->bodies[2].object, 2);
+  for (const std::uint32_t body : {0U, 1U, 2U}) {
+    EXPECT_TRUE(stage.receive_until([&] { return std::isinf(stage.store.known_radius(Vec3::Zero(), body)); })) << body;
+  }
+  EXPECT_EQ(stage.store.make_piece(Vec3::Zero(), 1.0, 100'000, 1).triangles, 12U);
+}
+
+// The caller sends a move at once; here it is sent again until the hub confirms it.
+TEST(PatchSender, AMoveIsSentAgainUntilTheHubConfirmsIt) {
+  TouchScene scene = scene_of(made::sheet(0.05, 0.0, 20));
+  scene.objects[0].command_pivot = Vec3::Zero();
+  SenderStage stage(true, scene);
+  ASSERT_TRUE(stage.receive_until([&] { return stage.store.has_bodies(); }));
+  EXPECT_EQ(stage.sender.find_lead_ns(stage.clock.now_ns()), 120'000'000);
+  EXPECT_TRUE(stage.moves.empty());
+  const ObjectMove move{.source = 3, .serial = 1, .object = 0, .start_ns = 1, .end_ns = 2};
+  stage.sender.note_move(move, stage.clock.now_ns());
+  ASSERT_TRUE(stage.receive_until([&] { return stage.moves.size() >= 2; }));
+  EXPECT_EQ(stage.moves.front().serial, 1U);
+  (void)stage.confirmed.take(move);
+  stage.receive_for(std::chrono::milliseconds(50));
+  const std::size_t before = stage.moves.size();
+  stage.receive_for(std::chrono::milliseconds(400));
+  EXPECT_EQ(stage.moves.size(), before);
+  // A hub that has begun anew knows nothing of it.
+  stage.confirmed.clear();
+  EXPECT_TRUE(stage.receive_until([&] { return stage.moves.size() > before; }));
+}
+
+// Each with the one line of its kind.
+TEST(PatchSender, WhatMovesAndCannotBeSentIsNeverOffered) {
+  const auto obstacle_of = [](const TouchScene& scene) { return std::string(SenderStage(true, scene).sender.obstacle()); };
+  TouchScene many;
+  for (int n = 0; n < 32; ++n) {
+    many.objects.push_back({made::shared(made::box(Vec3(0.02 * n, 0, 0), Vec3(0.02 * n + 0.01, 0.01, 0.01))), {}});
+    many.objects.back().command_pivot = Vec3::Zero();
+  }
+  EXPECT_EQ(obstacle_of(many), "more than 31 objects of the scene move");
+  many.objects.pop_back();
+  EXPECT_EQ(obstacle_of(many), "");
+  TouchScene scene = scene_of(made::sheet(0.05, 0.0, 20));
+  scene.objects[0].motion = slow_motion(1537);
+  EXPECT_EQ(obstacle_of(scene), "an object of the scene has more than 1,536 keyframes");
+  scene = scene_of(made::sheet(0.05, 0.0, 20));
+  scene.objects[0].deformation = std::make_shared<const MeshDeformation>(std::vector<MorphTarget>{}, std::vector<MorphKey>{}, false);
+  EXPECT_EQ(obstacle_of(scene), "objects of the scene deform");
 }
 
 TEST(PatchSender, ASceneThatCanBeCarvedIsNeverOffered) {

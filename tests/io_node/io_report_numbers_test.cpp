@@ -100,6 +100,7 @@ TEST_F(IoReportNumbers, EachCounterIsUnderItsOwnName) {
                                                                         {"patches_taken_over", &s.patch_touch.handed_over},
                                                                         {"beyond_patch", &s.patch_touch.beyond},
                                                                         {"beyond_patch_steps", &s.patch_touch.beyond_steps},
+                                                                        {"moves_late", &s.patch_touch.late_moves},
                                                                         {"echo_sent", &s.echo.sent},
                                                                         {"echo_answered", &s.echo.answered},
                                                                         {"echo_late", &s.echo.late},

@@ -109,6 +109,61 @@ TEST(LocalPatch, TheDevicesThreadAllocatesAndFreesNothing) {
   EXPECT_GT(local.counts().handed_over, 5U);
 }
 
+// A floor that programs move, by 100 mm/s from 1 s of scene time on.
+struct MovedFloor {
+  LocalPatch local;
+  PatchOrders orders = orders_until(1'000'000 * kMs);
+  MoveTable moves;
+
+  MovedFloor() {
+    auto bodies = std::make_unique<PatchBodies>();
+    bodies->bodies.resize(2);
+    bodies->bodies[1] = {.is_commanded = true, .object = 0, .radius_m = 0.1};
+    local.offer(std::move(bodies));
+    auto nothing = std::make_unique<Patch>();
+    nothing->radius_m = 1e9;
+    nothing->lift_m = 1e-7;
+    local.offer(std::move(nothing), 0);
+    auto floor = sheet_patch(0.0);
+    floor->objects = {0};
+    local.offer(std::move(floor), 1);
+    orders.anchor_ns = 5000 * kMs;
+    orders.anchor_scene_ns = 700 * kMs;
+    local.publish(orders);
+    (void)moves.take({.source = 1, .serial = 1, .object = 0, .start_ns = 1000 * kMs, .end_ns = 2000 * kMs, .to_p_m = Vec3(0, 0, 0.1)});
+    local.publish(moves);
+  }
+};
+
+// Scene time goes on from the newest remote force's, sample by sample: everybody has the floor at one place.
+TEST(LocalPatch, FeelsWhatMovesWhereItIsAtTheSceneTimeOfTheSample) {
+  MovedFloor floor;
+  for (int n = 1; n < 600; ++n) {
+    const auto felt = floor.local.step(sample_at(Vec3(0.001, 0.002, 0.01), (5000 + n) * kMs));
+    ASSERT_TRUE(felt) << n;
+    EXPECT_EQ(felt->scene_time_ns, (700 + n) * kMs);
+    const double top_m = std::max(0.0, 1e-4 * (n - 300));
+    EXPECT_NEAR(felt->force_n.z(), 1000.0 * std::max(0.0, top_m - 0.01), 1e-6) << n;
+    EXPECT_EQ(felt->object, felt->contact ? 0 : -1);
+  }
+}
+
+// As in the haptics node: a gap is short in scene time, and without a force nothing moves.
+TEST(LocalPatch, SceneTimeStandsStillInAGapAndWithoutHaptics) {
+  MovedFloor floor;
+  const auto at = [&](std::int64_t ms) { return floor.local.step(sample_at(Vec3(0, 0, 0.2), ms * kMs)); };
+  EXPECT_EQ(at(5000)->scene_time_ns, 700 * kMs);
+  EXPECT_EQ(at(5001)->scene_time_ns, 701 * kMs);
+  EXPECT_EQ(at(6001)->scene_time_ns, 751 * kMs);
+  floor.orders.until_ns = 6000 * kMs;
+  floor.local.publish(floor.orders);
+  EXPECT_FALSE(at(6010));
+  EXPECT_FALSE(at(6020));
+  floor.orders.until_ns = 9000 * kMs;
+  floor.local.publish(floor.orders);
+  EXPECT_EQ(at(6021)->scene_time_ns, 752 * kMs);
+}
+
 // The device loop with a patch: its own force, in every cycle, however old what the network brings.
 struct LoopWithPatch : testing::Test {
   SimulatedClock clock{1'000'000'000};

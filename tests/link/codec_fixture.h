@@ -98,7 +98,7 @@ class RandomDatagrams {
       case 14:
         return ViewRejected{bits32()};
       case 15:
-        return PatchBegin{bits32(), bits32(), vector(), number(1e-9, 1), number(0, 1), bits()};
+        return PatchBegin{bits32(), bits32(), vector(), number(1e-9, 1), number(0, 1), bits(), 1 + draw_body_number()};
       case 16:
         return draw_cell();
       case 17:
@@ -125,6 +125,10 @@ class RandomDatagrams {
         return draw_carves();
       case 29:
         return CarveStatus{bits32() | 1U, bits32()};
+      case 30:
+        return draw_body();
+      case 31:
+        return PatchMaterial{bits32(), bits32(), bits32(), number(0, 1e4), number(0, 10), number(0.5, 1), number(0, 0.5)};
       default:
         return LoopFacts{{'s', 'i', 'm'}, rate(), static_cast<float>(number(0, 1))};
     }
@@ -204,6 +208,7 @@ class RandomDatagrams {
     for (std::size_t l = 0; l < cell.level; ++l) cell.empty_children[l] = static_cast<std::uint8_t>(bits());
     cell.tile_count = bits32() % (PatchCell::kMostTiles + 1);
     for (std::size_t i = 0; i < cell.tile_count; ++i) cell.tiles[i] = bits32() % (1U << 20);
+    cell.body = draw_body_number();
     return cell;
   }
 
@@ -218,8 +223,32 @@ class RandomDatagrams {
     return tile;
   }
 
+  std::uint32_t draw_body_number() { return static_cast<std::uint32_t>(bits32() % PatchBody::kMostBodies); }
+
+  PatchBody draw_body() {
+    PatchBody body{bits32(), bits32(), draw_body_number(), static_cast<PatchBody::Motion>(bits() % 3)};
+    if (flag()) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        body.lowest[axis] = bits32() >> 9;
+        body.highest[axis] = body.lowest[axis] + (bits32() >> 9);
+      }
+    }
+    body.radius_m = number(0, 1);
+    body.object = number_of_object();
+    body.move_serial = bits32();
+    body.loops = flag();
+    if (body.motion != PatchBody::Motion::still) body.pivot_m = vector();
+    if (body.motion != PatchBody::Motion::keyframes) return body;
+    body.key_count = static_cast<std::uint32_t>(1 + bits32() % PatchBody::kMostKeys);
+    body.first_key = bits32() % 1000;
+    body.all_keys = std::max(body.first_key + body.key_count + bits32() % 100, 2U);
+    double time_s = number(0, 1);
+    for (std::size_t n = 0; n < body.key_count; ++n) body.keys[n] = {time_s += number(1e-3, 1), vector(), rotation()};
+    return body;
+  }
+
   PatchStatus draw_status() {
-    PatchStatus status{flag(), bits32(), bits32(), {}, rate()};
+    PatchStatus status{flag(), bits32(), bits32(), {}, rate(), bits32(), bits()};
     for (std::uint8_t& byte : status.received) byte = static_cast<std::uint8_t>(bits());
     return status;
   }
@@ -252,6 +281,7 @@ class RandomDatagrams {
     DeviceState state{bits(), time, vector(), rotation(), bits32()};
     state.is_resumed = flag();
     if (state.is_resumed) state.p_WP = vector();
+    if (flag()) state.scene_time_ns = static_cast<std::int64_t>(bits() >> 1);
     return state;
   }
 

@@ -24,10 +24,12 @@ TEST_F(CodecTest, KeepsWithinTheByteBudget) {
   for (std::size_t kind = 0; kind < kKinds; ++kind) {
     // A setup, once a second, carries texts; so does a part of a report, on request.
     // What a slow network gets of the scene, within a bandwidth, fills datagrams.
-    const bool is_geometry = kind == 16 || kind == 17;
+    const bool is_geometry = kind == 16 || kind == 17 || kind == 28 || kind == 30;
+    // A request by name, and the reason of a rejection.
+    const bool is_text = kind == 25 || kind == 26;
     // The changed materials of many objects, once a second.
     const bool is_materials = kind == 21;
-    const std::size_t most = is_geometry || is_materials ? 1168U : kind == 10 ? 900U : kind == 12 ? 1000U : 300U;
+    const std::size_t most = is_geometry || is_materials ? 1168U : kind == 10 ? 900U : kind == 12 ? 1000U : is_text ? 450U : 300U;
     EXPECT_LE(encode(random_.draw(kind)).size(), most) << "kind " << kind;
   }
 }
@@ -302,6 +304,48 @@ TEST_F(CodecTest, RejectsBadMovesOfObjects) {
   reply.over_s = -1.0;
   EXPECT_EQ(round_trip(reply), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(MoveReply{.request = 0}), DecodeStatus::bad_value);
+}
+
+TEST_F(CodecTest, RejectsBadBodies) {
+  PatchBody good{.epoch = 1, .serial = 2, .body = 3, .motion = PatchBody::Motion::keyframes, .lowest = {0, 0, 0}, .highest = {1, 2, 3}};
+  good.all_keys = 5;
+  good.first_key = 3;
+  good.key_count = 2;
+  good.keys[0].time_s = 0.5;
+  good.keys[1].time_s = 0.75;
+  EXPECT_EQ(round_trip(good), DecodeStatus::ok);
+  const auto with = [&](auto&& change) {
+    PatchBody bad = good;
+    change(bad);
+    return round_trip(bad);
+  };
+  EXPECT_EQ(with([](PatchBody& m) { m.body = PatchBody::kMostBodies; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](PatchBody& m) { m.motion = static_cast<PatchBody::Motion>(3); }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](PatchBody& m) { m.motion = PatchBody::Motion::still; }), DecodeStatus::bad_value) << "keyframes of what stands still";
+  EXPECT_EQ(with([](PatchBody& m) { m.highest[1] = 1U << kPatchGridBits; }), DecodeStatus::bad_value) << "past the grid";
+  EXPECT_EQ(with([](PatchBody& m) { m.lowest[1] = 7; }), DecodeStatus::bad_value) << "a box inside out";
+  EXPECT_EQ(with([](PatchBody& m) { m.pivot_m.x() = kNotANumber; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](PatchBody& m) { m.radius_m = -1.0; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](PatchBody& m) { m.object = -1; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](PatchBody& m) { m.all_keys = 4; }), DecodeStatus::bad_value) << "more than there are";
+  EXPECT_EQ(with([](PatchBody& m) { m.all_keys = PatchBody::kMostAllKeys + 1; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](PatchBody& m) { m.first_key = ~0U; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](PatchBody& m) { m.key_count = 0; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](PatchBody& m) { m.keys[1].time_s = 0.5; }), DecodeStatus::bad_value) << "not after the one before";
+  EXPECT_EQ(with([](PatchBody& m) { m.keys[0].time_s = -0.1; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](PatchBody& m) { m.keys[1].p_S.z() = kNotANumber; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](PatchBody& m) { m.keys[1].turn = Quat(0.5, 0, 0, 0); }), DecodeStatus::bad_value);
+  EXPECT_EQ(round_trip(PatchBegin{.step_m = 1e-8, .body_count = PatchBody::kMostBodies + 1}), DecodeStatus::bad_value);
+  EXPECT_EQ(round_trip(PatchCell{.body = PatchBody::kMostBodies}), DecodeStatus::bad_value);
+  EXPECT_EQ(round_trip(PatchMaterial{.friction_static = 0.1, .friction_dynamic = 0.2}), DecodeStatus::bad_value);
+  EXPECT_EQ(round_trip(PatchMaterial{.stiffness_n_per_m = -1.0}), DecodeStatus::bad_value);
+}
+
+TEST_F(CodecTest, ASampleHasASceneTimeOnlyFromAHubThatComputesTheForce) {
+  EXPECT_EQ(round_trip(DeviceState{.sample = 1}), DecodeStatus::ok);
+  EXPECT_LT(std::get<DeviceState>(decoded_.message).scene_time_ns, 0);
+  EXPECT_EQ(round_trip(DeviceState{.sample = 1, .scene_time_ns = 5}), DecodeStatus::ok);
+  EXPECT_EQ(std::get<DeviceState>(decoded_.message).scene_time_ns, 5);
 }
 
 TEST_F(CodecTest, RejectsBadCarves) {

@@ -25,6 +25,7 @@ inline void expect_equal(const DeviceState& a, const DeviceState& b) {
   EXPECT_EQ(a.buttons, b.buttons);
   EXPECT_EQ(a.is_resumed, b.is_resumed);
   EXPECT_EQ(a.p_WP, b.p_WP);
+  EXPECT_EQ(a.scene_time_ns, b.scene_time_ns);
 }
 inline void expect_equal(const ForceCommand& a, const ForceCommand& b) {
   EXPECT_EQ(a.echo_sample, b.echo_sample);
@@ -192,13 +193,13 @@ inline void expect_equal(const LoopFacts& a, const LoopFacts& b) {
   EXPECT_EQ(std::tie(a.device, a.servo_rate_hz, a.round_trip_s), std::tie(b.device, b.servo_rate_hz, b.round_trip_s));
 }
 inline void expect_equal(const PatchBegin& a, const PatchBegin& b) {
-  EXPECT_EQ(std::tie(a.epoch, a.serial, a.step_m, a.probe_radius_m, a.scene_hash),
-            std::tie(b.epoch, b.serial, b.step_m, b.probe_radius_m, b.scene_hash));
+  EXPECT_EQ(std::tie(a.epoch, a.serial, a.step_m, a.probe_radius_m, a.scene_hash, a.body_count),
+            std::tie(b.epoch, b.serial, b.step_m, b.probe_radius_m, b.scene_hash, b.body_count));
   EXPECT_EQ(a.origin_m, b.origin_m);
 }
 inline void expect_equal(const PatchCell& a, const PatchCell& b) {
-  EXPECT_EQ(std::tie(a.epoch, a.serial, a.level, a.index, a.empty_children, a.tile_count, a.tiles),
-            std::tie(b.epoch, b.serial, b.level, b.index, b.empty_children, b.tile_count, b.tiles));
+  EXPECT_EQ(std::tie(a.epoch, a.serial, a.level, a.index, a.empty_children, a.tile_count, a.tiles, a.body),
+            std::tie(b.epoch, b.serial, b.level, b.index, b.empty_children, b.tile_count, b.tiles, b.body));
 }
 inline void expect_equal(const PatchTile& a, const PatchTile& b) {
   EXPECT_EQ(std::tie(a.epoch, a.serial, a.tile, a.object, a.stiffness_n_per_m, a.damping_ns_per_m, a.friction_static, a.friction_dynamic,
@@ -207,8 +208,20 @@ inline void expect_equal(const PatchTile& a, const PatchTile& b) {
                      b.two_sided, b.vertex_count, b.triangle_count, b.vertices, b.triangles));
 }
 inline void expect_equal(const PatchStatus& a, const PatchStatus& b) {
-  EXPECT_EQ(std::tie(a.is_wanted, a.epoch, a.newest_serial, a.received, a.round_trip_s),
-            std::tie(b.is_wanted, b.epoch, b.newest_serial, b.received, b.round_trip_s));
+  EXPECT_EQ(std::tie(a.is_wanted, a.epoch, a.newest_serial, a.received, a.round_trip_s, a.newest_move, a.moves_received),
+            std::tie(b.is_wanted, b.epoch, b.newest_serial, b.received, b.round_trip_s, b.newest_move, b.moves_received));
+}
+inline void expect_equal(const PatchBody& a, const PatchBody& b) {
+  EXPECT_EQ(std::tie(a.epoch, a.serial, a.body, a.motion, a.lowest, a.highest, a.radius_m, a.object, a.move_serial, a.loops, a.all_keys,
+                     a.first_key, a.key_count),
+            std::tie(b.epoch, b.serial, b.body, b.motion, b.lowest, b.highest, b.radius_m, b.object, b.move_serial, b.loops, b.all_keys,
+                     b.first_key, b.key_count));
+  EXPECT_EQ(a.pivot_m, b.pivot_m);
+  for (std::size_t n = 0; n < a.keys.size(); ++n) EXPECT_EQ(a.keys[n], b.keys[n]) << n;
+}
+inline void expect_equal(const PatchMaterial& a, const PatchMaterial& b) {
+  EXPECT_EQ(std::tie(a.epoch, a.serial, a.object, a.stiffness_n_per_m, a.damping_ns_per_m, a.friction_static, a.friction_dynamic),
+            std::tie(b.epoch, b.serial, b.object, b.stiffness_n_per_m, b.damping_ns_per_m, b.friction_static, b.friction_dynamic));
 }
 
 inline void expect_equal(const Datagram& a, const Datagram& b) {

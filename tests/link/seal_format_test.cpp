@@ -31,7 +31,9 @@ void fill_text(std::array<char, N>& text) {
 void lengthen(Hello& m) { m.role = NodeRole::tool; }
 void lengthen(Welcome& m) { m = {true, kMaxServoRateHz}; }
 void lengthen(Bye&) {}
-void lengthen(DeviceState& m) { m = {kMost64, kLeastTime, kVector, kRotation, kMost32}; }
+void lengthen(DeviceState& m) {
+  m = {kMost64, kLeastTime, kVector, kRotation, kMost32, true, kVector, std::numeric_limits<std::int64_t>::max()};
+}
 void lengthen(ForceCommand& m) {
   m = {kMost64, kLeastTime, kVector, kVector, true, kMost32, kMost32, kMost32, kMost32, kMost64, kMost32, 5};
 }
@@ -65,10 +67,25 @@ void lengthen(LoopFacts& m) {
   m = {{}, kMaxServoRateHz, 1e3F / 3.0F};
   fill_text(m.device);
 }
-void lengthen(PatchBegin& m) { m = {kMost32, kMost32, kVector, 1.0 / 3.0, 1.0 / 3.0, kMost64}; }
+void lengthen(PatchBegin& m) { m = {kMost32, kMost32, kVector, 1.0 / 3.0, 1.0 / 3.0, kMost64, PatchBody::kMostBodies}; }
+void lengthen(PatchBody& m) {
+  constexpr std::uint32_t kLast = (1U << kPatchGridBits) - 1;
+  m = {.epoch = kMost32, .serial = kMost32, .body = PatchBody::kMostBodies - 1, .motion = PatchBody::Motion::keyframes};
+  m.lowest = m.highest = {kLast, kLast, kLast};
+  m.pivot_m = kVector;
+  m.radius_m = 1.0 / 3.0;
+  m.object = std::numeric_limits<std::int32_t>::max();
+  m.move_serial = kMost32;
+  m.loops = true;
+  m.all_keys = PatchBody::kMostAllKeys;
+  m.key_count = PatchBody::kMostKeys;
+  m.first_key = m.all_keys - m.key_count;
+  for (std::size_t n = 0; n < m.keys.size(); ++n) m.keys[n] = {static_cast<double>(n) + 1.0 / 3.0, kVector, kRotation};
+}
+void lengthen(PatchMaterial& m) { m = {kMost32, kMost32, kMost32, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0}; }
 void lengthen(PatchCell& m) {
   constexpr std::uint32_t kLast = (1U << kPatchDeepestLevel) - 1;
-  m = {kMost32, kMost32, kPatchDeepestLevel, {kLast, kLast, kLast}, {}, PatchCell::kMostTiles, {}};
+  m = {kMost32, kMost32, kPatchDeepestLevel, {kLast, kLast, kLast}, {}, PatchCell::kMostTiles, {}, PatchBody::kMostBodies - 1};
   m.empty_children.fill(0xFF);
   m.tiles.fill(kMost32);
 }
@@ -78,7 +95,7 @@ void lengthen(PatchTile& m) {
   m.triangle_count = PatchTile::kMostTriangles;
   m.vertices.fill(0xFF);
 }
-void lengthen(PatchStatus& m) { m = {true, kMost32, kMost32, {}, kRate}; }
+void lengthen(PatchStatus& m) { m = {true, kMost32, kMost32, {}, kRate, kMost32, kMost64}; }
 constexpr MaterialChange kChange = {MaterialChange::kAll, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0};
 void lengthen(MaterialRequest& m) {
   m = {kMost32, {}, kChange};

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <limits>
 #include <random>
 #include <set>
@@ -163,6 +164,83 @@ TEST(PatchStore, APieceHasWhatLiesAtItsCentreHoweverMuchThatIs) {
   EXPECT_GT(piece.triangles, 40U);
   EXPECT_LT(piece.triangles, 40U * 800U);
   EXPECT_GT(piece.radius_m, 1e-4);
+}
+
+// A body that moves by two keyframes, in a scene of two.
+PatchBody possible_body(std::uint32_t serial) {
+  PatchBody body{
+      .epoch = 1, .serial = serial, .body = 1, .motion = PatchBody::Motion::keyframes, .lowest = {0, 0, 0}, .highest = {64, 64, 64}};
+  body.radius_m = 64e-6;
+  body.all_keys = body.key_count = 2;
+  body.keys[1] = {1.0, Vec3(0.1, 0, 0), Quat::Identity()};
+  return body;
+}
+
+struct Moving {
+  PatchStore store;
+  std::uint32_t serial = 1;
+
+  Moving() {
+    store.accept(PatchBegin{.epoch = 1, .serial = 1, .step_m = 1e-6, .body_count = 2});
+    store.accept(PatchBody{.epoch = 1, .serial = 2});
+    serial = 2;
+  }
+  bool takes(const std::function<void(PatchBody&)>& change) {
+    PatchBody body = possible_body(++serial);
+    change(body);
+    store.accept(body);
+    return store.has_bodies();
+  }
+};
+
+TEST(PatchStore, KnowsABodyWhenAllOfItHasCome) {
+  Moving moving;
+  EXPECT_FALSE(moving.store.has_bodies());
+  EXPECT_TRUE(moving.takes([](PatchBody&) {}));
+  EXPECT_EQ(moving.store.make_bodies(4)->bodies[1].keyframes->duration_s(), 1.0);
+  Moving parts;
+  EXPECT_FALSE(parts.takes([](PatchBody& body) {
+    body.first_key = 1;
+    body.key_count = 1;
+    body.keys[0] = body.keys[1];
+  }));
+  EXPECT_TRUE(parts.takes([](PatchBody& body) { body.key_count = 1; })) << "in any order";
+}
+
+// The codec lets through what each number may be; together they may be no motion of a scene.
+TEST(PatchStore, DropsABodyThatMovesAsNothingMay) {
+  const std::vector<std::function<void(PatchBody&)>> changes = {
+      [](PatchBody& body) { body.keys[1].p_S.x() = 0.2501; },
+      [](PatchBody& body) { body.keys[1].turn = Quat(Eigen::AngleAxisd(3.0, Vec3::UnitX())), body.radius_m = 1.0; },
+      [](PatchBody& body) { body.radius_m = 30e-6; },
+      [](PatchBody& body) { body.keys[1].turn = Quat(1.0 + 1e-6, 0, 0, 0); },
+      [](PatchBody& body) { body.keys[0].time_s = 1.0; },
+      [](PatchBody& body) { body.loops = true; },
+      [](PatchBody& body) { body.motion = PatchBody::Motion::still, body.all_keys = body.key_count = 0; }};
+  for (std::size_t n = 0; n < changes.size(); ++n) {
+    Moving moving;
+    const std::uint64_t parts = moving.store.counts().parts;
+    EXPECT_FALSE(moving.takes(changes[n])) << n;
+    // All but the one whose box is too wide for its radius, which needs the grid, are never confirmed.
+    if (n != 2) {
+      EXPECT_EQ(moving.store.counts().parts, parts) << n;
+    }
+  }
+  Moving moving;
+  EXPECT_TRUE(moving.takes([](PatchBody&) {}));
+  const std::uint64_t rejected = moving.store.counts().rejected;
+  EXPECT_TRUE(moving.takes([](PatchBody& body) { body.keys[1].p_S.x() = 0.3, body.pivot_m.x() = 1.0; })) << "another one of that number";
+  EXPECT_EQ(moving.store.counts().rejected, rejected + 1);
+  EXPECT_EQ(moving.store.make_bodies(0)->bodies[1].keyframes->keyframes()[1].p_S.x(), 0.1);
+}
+
+// Known: nowhere near a body there is nothing of it, before any of its cells has come.
+TEST(PatchStore, AwayFromABodyNothingOfItIsMissing) {
+  Moving moving;
+  ASSERT_TRUE(moving.takes([](PatchBody&) {}));
+  EXPECT_NEAR(moving.store.known_radius(Vec3(100e-6, 32e-6, 32e-6), 1), 36e-6, 1e-12);
+  EXPECT_EQ(moving.store.known_radius(Vec3(32e-6, 32e-6, 32e-6), 1), 0.0);
+  EXPECT_EQ(moving.store.known_radius(Vec3(1, 2, 3), 0), std::numeric_limits<double>::infinity()) << "it has no triangles";
 }
 
 }  // namespace

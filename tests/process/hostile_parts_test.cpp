@@ -61,6 +61,7 @@ class Parts {
     begin.origin_m = Vec3(any(), any(), any());
     begin.step_m = std::abs(any()) + 1e-300;
     begin.probe_radius_m = one_in(2) ? 0.0 : std::abs(any());
+    begin.body_count = one_in(2) ? 1U : static_cast<std::uint32_t>(1 + random_() % 3);
     return begin;
   }
   // About the hand, and all of it at once: as many triangles through one another as one cell holds.
@@ -86,6 +87,7 @@ class Parts {
     PatchCell cell{.epoch = epoch_, .serial = ++serial_};
     cell.level = one_in(3) ? 0U : static_cast<std::uint32_t>(random_() % (kPatchDeepestLevel + 1));
     for (auto& index : cell.index) index = static_cast<std::uint32_t>(random_() % (std::uint64_t{1} << cell.level));
+    cell.body = static_cast<std::uint32_t>(one_in(2) ? 0 : random_() % 3);
     for (std::uint32_t n = 0; n < cell.level; ++n) cell.empty_children[n] = static_cast<std::uint8_t>(random_());
     cell.tile_count = PatchCell::kMostTiles;
     for (auto& tile : cell.tiles) tile = static_cast<std::uint32_t>(one_in(20) ? random_() : random_() % 600);
@@ -106,6 +108,45 @@ class Parts {
     for (auto& corner : tile.triangles) corner = static_cast<std::uint8_t>(random_() % tile.vertex_count);
     return tile;
   }
+  // Of a scene that moves: nine times of ten as none may.
+  Message body() {
+    PatchBody body{.epoch = epoch_, .serial = ++serial_, .body = static_cast<std::uint32_t>(random_() % PatchBody::kMostBodies)};
+    body.motion = static_cast<PatchBody::Motion>(random_() % 3);
+    if (one_in(2)) {
+      body.lowest = {0, 0, 0};
+      for (auto& most : body.highest) most = static_cast<std::uint32_t>(random_() >> (64 - kPatchGridBits));
+    }
+    body.radius_m = std::min(std::abs(any()), kMaxTranslationM);
+    body.object = static_cast<std::int32_t>(random_() % 3);
+    body.move_serial = one_in(2) ? 0U : static_cast<std::uint32_t>(random_());
+    if (body.motion != PatchBody::Motion::still) body.pivot_m = place();
+    if (body.motion != PatchBody::Motion::keyframes) return body;
+    body.loops = one_in(3);
+    body.key_count = static_cast<std::uint32_t>(1 + random_() % PatchBody::kMostKeys);
+    body.first_key = one_in(4) ? static_cast<std::uint32_t>(random_() % 100) : 0U;
+    body.all_keys = std::max(2U, body.first_key + body.key_count);
+    double time_s = 0.0;
+    for (std::size_t n = 0; n < body.key_count; ++n) body.keys[n] = {time_s += 1e-3 + std::min(std::abs(any()), 1e6), place(), turn()};
+    return body;
+  }
+  Message move() {
+    ObjectMove move{.source = one_in(50) ? 8U : 7U, .serial = ++moves_, .object = static_cast<std::int32_t>(random_() % 3)};
+    move.start_ns = static_cast<std::int64_t>(random_() >> (1 + random_() % 40));
+    move.end_ns = move.start_ns + static_cast<std::int64_t>(random_() >> (2 + random_() % 40));
+    if (move.end_ns < move.start_ns) move.end_ns = move.start_ns;
+    move.from_p_m = place();
+    move.from_q = turn();
+    move.to_p_m = place();
+    move.to_q = turn();
+    return move;
+  }
+  Message material() {
+    PatchMaterial material{
+        .epoch = epoch_, .serial = ++serial_, .object = static_cast<std::uint32_t>(one_in(5) ? random_() : random_() % 3)};
+    material.stiffness_n_per_m = std::min(std::abs(any()), 1e9);
+    material.friction_static = one_in(2) ? 0.0 : std::min(std::abs(any()), 1e9);
+    return material;
+  }
   Message force(const DeviceState& state) {
     ForceCommand force{.echo_sample = state.sample, .echo_sample_time_ns = state.sample_time_ns};
     force.force_n = Vec3(any(), any(), any());
@@ -117,6 +158,11 @@ class Parts {
   bool one_in(unsigned n) { return random_() % n == 0; }
 
  private:
+  Vec3 place() {
+    const auto number = [this] { return std::clamp(any(), -kMaxTranslationM, kMaxTranslationM); };
+    return {number(), number(), number()};
+  }
+  Quat turn() { return one_in(2) ? Quat::Identity() : Quat(0.6, 0.0, one_in(9) ? 0.8 + 5e-4 : 0.8, 0.0); }
   double any() {
     constexpr double kValues[] = {0.0, 1e-300, 1e-12, 1e-9, 1e-6, 1e-3, 0.05, 1.0, 1e3, 1e9, 1e30, 1e300};
     const double value = kValues[random_() % std::size(kValues)] * std::uniform_real_distribution(0.5, 1.5)(random_);
@@ -126,6 +172,7 @@ class Parts {
   std::mt19937_64 random_;
   std::uint32_t epoch_ = 0;
   std::uint32_t serial_ = 0;
+  std::uint32_t moves_ = 0;
 };
 
 TEST(Hostile, PartsOfTheSceneLeaveTheForceBoundedAndTheNextHapticsNodeServed) {
@@ -147,6 +194,9 @@ TEST(Hostile, PartsOfTheSceneLeaveTheForceBoundedAndTheNextHapticsNodeServed) {
         EXPECT_GT(expect_bounded(onlooker, 0.3).seen, 0);
       }
       for (int n = 0; n < 60; ++n) hostile.send(parts.one_in(5) ? parts.cell() : parts.tile());
+      for (int n = 0; n < 6; ++n) hostile.send(parts.body());
+      for (int n = 0; n < 3; ++n) hostile.send(parts.move());
+      hostile.send(parts.material());
       hostile.send(parts.force(hostile.state()));
       hostile.listen(5 * kNanosecondsPerMillisecond);
       ASSERT_TRUE(system["io_node"].is_running()) << "seed " << seed << "\n" << system["io_node"].err();

@@ -27,6 +27,13 @@ struct LedHand {
     return testing::AssertionFailure() << note << " is not above " << least << "\n" << haptics.err() << io.err();
   }
 
+  // A counter of the report; -1: there is no report.
+  std::int64_t read_counter(const std::string& counter) {
+    io.send_signal(SIGUSR1);
+    const Json report = Json::parse(read_text(scratch.path() / "out" / "report.json"), nullptr, false);
+    return report.is_object() ? report.at("counters").at(counter).get<std::int64_t>() : -1;
+  }
+
   // Ends both, with exit code 0; what haptics_node said at its end.
   std::string end() {
     std::string summary;

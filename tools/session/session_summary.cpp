@@ -18,7 +18,7 @@ const char* name_of(const Message& message) {
       "Hello",       "Welcome",     "Bye",          "DeviceState",   "ForceCommand",    "ViewTransform", "ProbeState",   "FrameAck",
       "HandTarget",  "Settings",    "HapticsSetup", "ReportRequest", "ReportPart",      "SceneFacts",    "ViewRejected", "PatchBegin",
       "PatchCell",   "PatchTile",   "PatchStatus",  "LoopFacts",     "MaterialRequest", "MaterialState", "ObjectPose",   "Marker",
-      "MarkerReply", "MoveRequest", "MoveReply",    "ObjectMove",    "Carves",          "CarveStatus"};
+      "MarkerReply", "MoveRequest", "MoveReply",    "ObjectMove",    "Carves",          "CarveStatus",   "PatchBody",    "PatchMaterial"};
   static_assert(kNames.size() == std::variant_size_v<Message>);
   return kNames[message.index()];
 }

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <algorithm>
+
+#include "core/math/commanded_motion.h"
+
+namespace hapton {
+
+// The motion of a body by commanded moves, on the device side, which gets to know of each move a while after it was decided. A move that is
+// known before it begins is the move itself, to the last bit: haptics, pictures and this side have the body at one place. For one that
+// comes later, because its datagrams were lost, the body goes from where it is to the same end, at the same time, or as soon after it as
+// kMostSurfaceSpeed allows. So the body never jumps, and is where everybody has it at the end of the move at the latest.
+// Frame: S. Units: SI. RT: all. Threads: one.
+class AnnouncedMotion {
+ public:
+  AnnouncedMotion() = default;
+  // pivot_S: on the body at rest; no point of it is farther from there than radius_m.
+  AnnouncedMotion(const Vec3& pivot_S, double radius_m) noexcept : motion_(pivot_S), radius_m_(radius_m) {}
+
+  // A newer move, while nothing is felt: as it is. Where the body was before the first move that is known, is not known; it stands where
+  // that one begins. False: it is not newer.
+  bool take(const CommandedMove& move) noexcept {
+    if (move.serial <= serial()) return false;
+    if (serial() == 0 && move.serial > 1) {
+      CommandedMove before{.serial = move.serial - 1, .from = move.from, .to = move.from};
+      before.from.time_s = before.to.time_s = -1.0;
+      motion_.begin(before);
+    }
+    return motion_.begin(move);
+  }
+
+  // A newer move, while the body is felt. False: it is not newer. now_s: scene time of the last step.
+  bool follow(const CommandedMove& move, double now_s) noexcept {
+    if (move.serial <= serial()) return false;
+    const bool is_as_announced = now_s <= move.from.time_s && is_same_place(motion_.keyframe_at(move.from.time_s), move.from) &&
+                                 compute_move_time_s(move.from, move.to, 0.0, radius_m_, kMostSurfaceSpeed) <= least_s(move);
+    if (is_as_announced) return motion_.begin(move);
+    const double begin_s = std::max(now_s, move.from.time_s);
+    const double left_s = std::max(move.to.time_s - begin_s, 0.0);
+    CommandedMove late = make_move(motion_, move.serial, begin_s, move.to, left_s, radius_m_, kMostSurfaceSpeed);
+    ++late_;
+    return motion_.begin(late);
+  }
+
+  Pose pose_at(double time_s) const noexcept { return motion_.pose_at(time_s); }
+  std::uint32_t serial() const noexcept { return motion_.newest().serial; }
+  // Moves that did not go as announced.
+  std::uint64_t late() const noexcept { return late_; }
+
+ private:
+  static constexpr double kRounding = 1e-9;  // share of the body's size, or of the time
+
+  bool is_same_place(const Keyframe& a, const Keyframe& b) const noexcept {
+    return most_travel_m(a, b, radius_m_) <= kRounding * radius_m_ + 0x1p-50 * a.p_S.norm();
+  }
+  // The nanoseconds of a message are rounded.
+  static double least_s(const CommandedMove& move) noexcept { return (move.to.time_s - move.from.time_s) * (1.0 + 1e-6) + 2e-9; }
+
+  CommandedMotion motion_{Vec3::Zero()};
+  double radius_m_ = 0.0;
+  std::uint64_t late_ = 0;
+};
+
+}  // namespace hapton

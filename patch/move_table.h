@@ -1,0 +1,76 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "link/messages.h"
+
+namespace hapton {
+
+// The newest move of each object that programs move, of one haptics process, the last few of all, and which serials have come: for a hub
+// that computes forces itself. The room is bounded: of further objects, none of whose scenes is offered in parts, nothing is kept. RT: all.
+// Threads: one.
+class MoveTable {
+ public:
+  // False: it is known already, or older than what is known.
+  bool take(const ObjectMove& move) noexcept {
+    if (move.source != source_) {
+      *this = {};
+      source_ = move.source;
+    }
+    const auto is_unit = [](const Quat& q) { return std::abs(q.norm() - 1.0) <= 1e-9; };
+    if (move.serial == 0 || !is_unit(move.from_q) || !is_unit(move.to_q)) return false;
+    note(move.serial);
+    const auto end = moves_.begin() + static_cast<std::ptrdiff_t>(count_);
+    auto known = std::find_if(moves_.begin(), end, [&](const ObjectMove& one) { return one.object == move.object; });
+    if (known == moves_.end() || (known != end && known->serial >= move.serial)) return false;
+    if (known == end) ++count_;
+    *known = move;
+    recent_[recent_count_++ % kRecent] = move;
+    return true;
+  }
+  void clear() noexcept { *this = {}; }
+
+  std::span<const ObjectMove> moves() const noexcept { return std::span(moves_).first(count_); }
+  // The last kRecent that were taken, the oldest first: visit(move).
+  template <class Visit>
+  void visit_recent(Visit&& visit) const {
+    for (std::size_t n = recent_count_ - std::min(recent_count_, kRecent); n < recent_count_; ++n) visit(recent_[n % kRecent]);
+  }
+  // Null: not moved yet, as far as known.
+  const ObjectMove* find(std::int32_t object) const noexcept {
+    for (const ObjectMove& one : moves()) {
+      if (one.object == object) return &one;
+    }
+    return nullptr;
+  }
+  // As in PatchStatus.
+  std::uint32_t newest() const noexcept { return newest_; }
+  std::uint64_t received() const noexcept { return received_; }
+
+ private:
+  static constexpr std::size_t kRecent = 16;
+
+  void note(std::uint32_t serial) noexcept {
+    if (serial > newest_) {
+      const std::uint32_t passed = serial - newest_;
+      received_ = passed < 64 ? received_ << passed : 0;
+      newest_ = serial;
+    }
+    if (const std::uint32_t back = newest_ - serial; back < 64) received_ |= std::uint64_t{1} << back;
+  }
+
+  std::uint32_t source_ = 0;
+  std::uint32_t newest_ = 0;
+  std::uint64_t received_ = 0;
+  std::size_t count_ = 0;
+  std::array<ObjectMove, PatchBody::kMostBodies> moves_ = {};
+  std::size_t recent_count_ = 0;
+  std::array<ObjectMove, kRecent> recent_ = {};
+};
+
+}  // namespace hapton

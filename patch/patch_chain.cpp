@@ -1,0 +1,165 @@
+#include "patch/patch_chain.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "link/commanded_move.h"
+
+namespace hapton {
+namespace {
+
+Vec3 to_frame(const Pose& X_SO, const Vec3& p_S) { return X_SO.linear().transpose() * (p_S - X_SO.translation()); }
+
+}  // namespace
+
+PatchChain::PatchChain() : touches_(kLinks) { p_OD_.fill(Vec3::Zero()); }
+
+std::unique_ptr<PatchBodies> PatchChain::take(std::unique_ptr<PatchBodies> bodies) noexcept {
+  std::swap(bodies_, bodies);
+  has_arrived_ = false;
+  link_count_ = 0;
+  for (std::size_t b = 0; b < body_count(); ++b) {
+    const PatchBodyMotion& body = bodies_->bodies[b];
+    links_[link_count_++] = {b, body.moves(), false};
+    commanded_[b] = AnnouncedMotion(body.pivot_S, body.radius_m);
+  }
+  if (body_count() > 1) links_[link_count_++] = {kLinks - 1, false, true};
+  return bodies;
+}
+
+// In their order, so that one which another has replaced still goes before that.
+void PatchChain::note_moves(const MoveTable& moves) noexcept {
+  moves.visit_recent([this](const ObjectMove& move) { note_move(move); });
+  for (const ObjectMove& move : moves.moves()) note_move(move);
+}
+
+void PatchChain::note_move(const ObjectMove& move) noexcept {
+  for (std::size_t b = 1; b < body_count(); ++b) {
+    if (!bodies_->bodies[b].is_commanded || bodies_->bodies[b].object != move.object) continue;
+    AnnouncedMotion& motion = commanded_[b];
+    const std::uint64_t late = motion.late();
+    (void)(has_arrived_ ? motion.follow(to_command(move), time_s_) : motion.take(to_command(move)));
+    late_moves_ += motion.late() - late;
+  }
+}
+
+std::unique_ptr<PatchMaterials> PatchChain::take(std::unique_ptr<PatchMaterials> materials) noexcept {
+  std::swap(materials_, materials);
+  for (PatchTouch& touch : touches_) touch.use_materials(*materials_);
+  return materials;
+}
+
+std::unique_ptr<Patch> PatchChain::offer(std::size_t link, std::unique_ptr<Patch> patch) noexcept {
+  auto superseded = touches_[link].offer(std::move(patch));
+  if (materials_ != nullptr) touches_[link].use_materials(*materials_);
+  return superseded;
+}
+
+void PatchChain::forget() noexcept {
+  for (PatchTouch& touch : touches_) touch.forget();
+  has_arrived_ = false;
+}
+
+void PatchChain::set_generation(std::uint32_t generation) noexcept {
+  if (std::exchange(generation_, generation) == generation) return;
+  for (PatchTouch& touch : touches_) touch.set_generation(generation);
+  has_arrived_ = false;
+}
+
+Pose PatchChain::pose_of(std::size_t body, double time_s) const noexcept {
+  if (bodies_ == nullptr || body >= bodies_->bodies.size()) return Pose::Identity();
+  const PatchBodyMotion& own = bodies_->bodies[body];
+  if (own.is_commanded) return commanded_[body].pose_at(time_s);
+  return own.keyframes != nullptr ? own.keyframes->pose_at(time_s) : Pose(Pose::Identity());
+}
+
+void PatchChain::start_at(const Vec3& p_SP, const Vec3& outward, double age_s, double time_s) noexcept {
+  has_arrived_ = false;
+  for (std::size_t b = 0; b < body_count(); ++b) {
+    const Pose X_SO = pose_of(b, time_s);
+    touches_[b].start_at(to_frame(X_SO, p_SP), X_SO.linear().transpose() * outward, age_s);
+  }
+  chain_.go_on_from(p_SP);
+}
+
+bool PatchChain::is_ready() const noexcept {
+  if (bodies_ == nullptr) return true;
+  if (bodies_->generation != generation_) return false;
+  for (std::size_t b = 1; b < bodies_->bodies.size(); ++b) {
+    if (commanded_[b].serial() < bodies_->bodies[b].move_serial) return false;
+  }
+  return true;
+}
+
+std::optional<PatchOutput> PatchChain::step(const TouchInput& input) noexcept {
+  time_s_ = input.time_s;
+  if (body_count() > 1) return step_chain(input);
+  p_OD_[0] = to_frame(input.X_WS, input.p_WD);
+  std::optional<PatchOutput> output = touches_[0].step(input);
+  if (!is_ready()) return std::nullopt;
+  has_arrived_ = touches_[0].has_arrived();
+  return output;
+}
+
+// Of what is no force, nothing is felt: the proxy passes on what it got.
+MethodOutput PatchChain::feel(const Link& link, const Vec3& p_S, const TouchInput& input, PatchOutput& sum) noexcept {
+  const Pose X_SO = link.is_second ? Pose(Pose::Identity()) : pose_of(link.number, input.time_s);
+  p_OD_[link.number] = to_frame(X_SO, p_S);
+  const std::optional<PatchOutput> felt = touches_[link.number].step({.p_WD = p_S, .X_WS = X_SO, .dt_s = input.dt_s});
+  MethodOutput output{.force_n = Vec3::Zero(), .p_SP = p_S};
+  if (!felt) {
+    has_all_ = has_all_ && link.is_second;
+    return output;
+  }
+  // The second link begins anew whenever something pushes: that is no other force.
+  sum.is_handed_over = sum.is_handed_over || (felt->is_handed_over && !link.is_second);
+  sum.is_beyond = sum.is_beyond || (felt->is_beyond && !link.is_second);
+  sum.difference_n += felt->difference_n;
+  if (!felt->contact || (link.is_second && felt->is_beyond)) return output;
+  return {.force_n = felt->force_n, .p_SP = p_S + felt->visual_offset_m, .contact = true, .object = felt->object};
+}
+
+std::optional<PatchOutput> PatchChain::step_chain(const TouchInput& input) noexcept {
+  const Vec3 p_SD = to_frame(input.X_WS, input.p_WD);
+  if (!p_SD.allFinite()) return std::nullopt;
+  PatchOutput sum;
+  has_all_ = true;
+  p_OD_[kLinks - 1] = p_SD;
+  const auto begin = [](const Link&, const Vec3&) {};
+  const auto resume = [this](const Link& link, const Vec3& p_S) { touches_[link.number].go_on_from(p_S); };
+  const auto feel_at = [&](const Link& link, const Vec3& p_S) { return feel(link, p_S, input, sum); };
+  const std::span<Link> links = std::span(links_).first(link_count_);
+  const MethodOutput felt = chain_.step(links, p_SD, begin, resume, feel_at);
+  if (!has_all_ || !is_ready()) {
+    has_arrived_ = false;
+    return std::nullopt;
+  }
+  has_arrived_ = true;
+  sum.contact = felt.contact;
+  sum.object = felt.object;
+  if (felt.contact) {
+    sum.force_n = input.X_WS.linear() * felt.force_n;
+    sum.visual_offset_m = input.X_WS.linear() * (felt.p_SP - p_SD);
+  }
+  sum.difference_n = input.X_WS.linear() * sum.difference_n;
+  return sum;
+}
+
+PatchTouch::Counts PatchChain::counts() const noexcept {
+  PatchTouch::Counts sum;
+  sum.late_moves = late_moves_;
+  for (const PatchTouch& touch : touches_) {
+    const PatchTouch::Counts& one = touch.counts();
+    sum.steps += one.steps;
+    sum.contact_steps += one.contact_steps;
+    sum.followed += one.followed;
+    sum.handed_over += one.handed_over;
+    sum.beyond += one.beyond;
+    sum.beyond_steps += one.beyond_steps;
+    sum.raised += one.raised;
+    sum.begun_anew += one.begun_anew;
+  }
+  return sum;
+}
+
+}  // namespace hapton

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/force/touch_chain.h"
+#include "core/force/touch_step.h"
+#include "core/math/types.h"
+#include "patch/announced_motion.h"
+#include "patch/move_table.h"
+#include "patch/patch_bodies.h"
+#include "patch/patch_touch.h"
+
+namespace hapton {
+
+// Computes the force of a scene, in which objects may move, from patches of its bodies. Each body has a PatchTouch in its own frame, and
+// where that is follows from the scene time alone: from its keyframes, or from the moves that are announced. So a body's patches stay valid
+// while it moves, and past the edge of one the plane of the last contact moves with the body. The bodies form a chain as in MovingMethod:
+// the force is that of the whole scene's method at the same scene time.
+//
+// Of a scene where nothing moves it is the one PatchTouch.
+//
+// Frames: W and S as named. Units: SI. RT: all but construction. Threads: one.
+class PatchChain {
+ public:
+  static constexpr std::size_t kLinks = PatchBody::kMostBodies + 1;  // the last one: what stands still, a second time
+
+  PatchChain();
+
+  // --- bodies. Before any are known the scene is one that stands still.
+  // Those of the patches that come: returns what they replace.
+  std::unique_ptr<PatchBodies> take(std::unique_ptr<PatchBodies> bodies) noexcept;
+  // The newest moves of commanded bodies that are known.
+  void note_moves(const MoveTable& moves) noexcept;
+  // Other materials from the next step on; returns what they replace.
+  std::unique_ptr<PatchMaterials> take(std::unique_ptr<PatchMaterials> materials) noexcept;
+
+  // --- each as PatchTouch has it
+  std::unique_ptr<Patch> offer(std::size_t link, std::unique_ptr<Patch> patch) noexcept;
+  std::unique_ptr<Patch> take_retired(std::size_t link) noexcept { return touches_[link].take_retired(); }
+  void forget() noexcept;
+  void set_generation(std::uint32_t generation) noexcept;
+  // time_s: scene time then.
+  void start_at(const Vec3& p_SP, const Vec3& outward, double age_s, double time_s) noexcept;
+  bool has_arrived() const noexcept { return has_arrived_; }
+  bool is_placed() const noexcept { return touches_[0].is_placed(); }
+
+  // input.time_s: the scene time of the sample. None: as PatchTouch, for any body; or where a commanded body is, is not known.
+  std::optional<PatchOutput> step(const TouchInput& input) noexcept;
+
+  // Links in use: the bodies, and where something moves the second one of what stands still, which is always kLinks - 1.
+  std::size_t body_count() const noexcept { return bodies_ != nullptr ? bodies_->bodies.size() : 1; }
+  bool is_in_use(std::size_t link) const noexcept { return link < body_count() || (link == kLinks - 1 && body_count() > 1); }
+  // Where the hand is for a link, in its frame, since the last step.
+  PatchHand hand_of(std::size_t link, std::int64_t time_ns) const noexcept { return touches_[link].hand_at(p_OD_[link], time_ns); }
+  // X_SO of a body at a scene time.
+  Pose pose_of(std::size_t body, double time_s) const noexcept;
+
+  // Sums over the links.
+  PatchTouch::Counts counts() const noexcept;
+  // Moves that did not go as announced, as they came too late.
+  std::uint64_t late_moves() const noexcept { return late_moves_; }
+
+ private:
+  struct Link {
+    std::size_t number = 0;
+    bool is_moving = false;
+    bool is_second = false;
+
+    bool moves() const noexcept { return is_moving; }
+  };
+
+  void note_move(const ObjectMove& move) noexcept;
+  bool is_ready() const noexcept;
+  MethodOutput feel(const Link& link, const Vec3& p_S, const TouchInput& input, PatchOutput& sum) noexcept;
+  std::optional<PatchOutput> step_chain(const TouchInput& input) noexcept;
+
+  std::vector<PatchTouch> touches_;
+  std::array<Vec3, kLinks> p_OD_;  // the device of each link in the last step, in its frame
+  std::array<AnnouncedMotion, PatchBody::kMostBodies> commanded_;
+  std::unique_ptr<PatchBodies> bodies_;
+  std::unique_ptr<PatchMaterials> materials_;
+  std::array<Link, kLinks> links_;
+  std::size_t link_count_ = 1;
+  TouchChain chain_;
+  std::uint32_t generation_ = 0;
+  bool has_arrived_ = false;
+  bool has_all_ = false;  // in this step every link but the second had a force
+  double time_s_ = 0.0;   // of the last step
+  std::uint64_t late_moves_ = 0;
+};
+
+}  // namespace hapton

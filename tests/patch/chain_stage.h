@@ -1,0 +1,110 @@
+#pragma once
+
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/force/force_method.h"
+#include "core/force/touch_step.h"
+#include "link/commanded_move.h"
+#include "patch/patch_chain.h"
+#include "patch/patch_maker.h"
+#include "patch/patch_source.h"
+#include "patch/patch_store.h"
+#include "patch/tile_partition.h"
+#include "tests/support/made_meshes.h"
+#include "tests/support/made_scene.h"
+
+namespace hapton {
+
+// The scene on the grid that its tiles have, and in the local frame of its patches: the same surface, touched whole.
+inline TouchScene on_patch_grid(TouchScene scene) {
+  const PatchGrid grid = make_tiles(scene).grid;
+  for (TouchObject& object : scene.objects) {
+    TriangleMesh mesh = *object.mesh;
+    for (Vec3& vertex : mesh.vertices) vertex = grid.at(grid.round(vertex));
+    object.mesh = made::shared(std::move(mesh));
+  }
+  scene.part_of = grid.box();
+  return scene;
+}
+
+// All parts of a scene that moves, as messages: in order, as an ideal link brings them.
+inline std::vector<Message> parts_of(const TiledScene& tiled, std::uint32_t epoch = 1) {
+  std::vector<Message> parts;
+  PatchSource source(tiled, 0.0, 7, epoch, {.bits_per_s = 1e15, .least_reach_m = 1e3});
+  for (std::int64_t now_ns = 1'000'000'000;; now_ns += 1'000'000) {
+    auto part = source.take(now_ns);
+    if (!part && now_ns > 1'140'000'000) return parts;
+    if (part) parts.push_back(std::move(*part));
+  }
+}
+
+// A scene that moves, touched whole and by patches of its bodies, on an ideal link: the same samples, the same scene time.
+class ChainStage {
+ public:
+  static constexpr double kStepS = 1e-3;
+
+  // few: triangles of a patch. Pre: the scene is on the grid.
+  explicit ChainStage(const TouchScene& scene, std::size_t few = PatchMaker::kFewTriangles) {
+    whole_ = std::make_unique<TouchStep>(*make_method({}, scene), scene);
+    const TiledScene tiled = make_tiles(scene);
+    for (const Message& part : parts_of(tiled)) (void)store_.accept(part);
+    for (std::uint32_t body = 0; body < tiled.bodies.size(); ++body) makers_.emplace_back(few, body);
+    makers_.emplace_back(few, 0, true);
+    (void)chain_.take(store_.make_bodies(0));
+  }
+
+  struct Felt {
+    std::optional<PatchOutput> patch;
+    TouchOutput whole;
+  };
+
+  Felt step(const Vec3& p_WD, const Pose& X_WS = Pose::Identity()) {
+    time_s_ += kStepS;
+    const TouchInput input{.p_WD = p_WD, .X_WS = X_WS, .dt_s = kStepS, .time_s = time_s_};
+    if (is_first_) whole_->reset(input);
+    // Before the first step there is no hand: patches that are there then are made where it will be.
+    if (std::exchange(is_first_, false)) (void)chain_.step(input);
+    make_patches();
+    return {chain_.step(input), whole_->step(input)};
+  }
+
+  // The haptics node decides it; the hub knows of it when it gets it.
+  bool decide(const ObjectMove& move) { return whole_->command(move.object, to_command(move)); }
+  void announce(const ObjectMove& move) {
+    (void)moves_.take(move);
+    chain_.note_moves(moves_);
+  }
+  const CommandedMotion* find_commanded(int object) const { return whole_->find_commanded(object); }
+
+  double time_s() const { return time_s_; }
+  PatchChain& chain() { return chain_; }
+  TouchStep& whole() { return *whole_; }
+  PatchStore& store() { return store_; }
+
+ private:
+  void make_patches() {
+    for (std::size_t n = 0; n < makers_.size(); ++n) {
+      const std::size_t link = n + 1 < makers_.size() ? n : PatchChain::kLinks - 1;
+      (void)chain_.take_retired(link);
+      makers_[n].note_hand(chain_.hand_of(link, static_cast<std::int64_t>(1e9 * time_s_)));
+      auto patch = makers_[n].make_if_due(store_, 0);
+      if (patch == nullptr) continue;
+      makers_[n].note_made(1.0);  // it takes so long that the next one has to be small
+      (void)chain_.offer(link, std::move(patch));
+    }
+  }
+
+  std::unique_ptr<TouchStep> whole_;
+  PatchStore store_;
+  std::vector<PatchMaker> makers_;  // of the bodies, then of the second link
+  PatchChain chain_;
+  MoveTable moves_;
+  double time_s_ = 0.0;
+  bool is_first_ = true;
+};
+
+}  // namespace hapton

@@ -1,0 +1,326 @@
+// Touch of a scene that moves, by patches of its bodies, against touch of the whole scene.
+#include "patch/patch_chain.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "core/math/commanded_motion.h"
+#include "patch/patch_source.h"
+#include "tests/patch/chain_stage.h"
+#include "tests/support/allocation_guard.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kChainStiffness = 1000.0;
+constexpr std::int32_t kPlatform = 2;
+
+Material chain_material(double friction = 0.0) {
+  return {.stiffness_n_per_m = kChainStiffness, .friction_static = friction, .friction_dynamic = 0.8 * friction};
+}
+
+TouchObject chain_object(TriangleMesh mesh, double friction = 0.0) { return {made::shared(std::move(mesh)), chain_material(friction)}; }
+
+// A floor; a piston that comes up through it, turns and goes down again and again; a platform that programs move; a wheel that turns.
+TouchScene machine(double friction = 0.0) {
+  TouchScene scene;
+  scene.objects.push_back(chain_object(made::sheet(0.05, 0.0, 30), friction));
+  TouchObject piston = chain_object(made::box(Vec3(-0.012, -0.011, -0.02), Vec3(0.011, 0.012, 0.001)), friction);
+  const Quat turned(Eigen::AngleAxisd(0.3, Vec3(0.1, 0.2, 1.0).normalized()));
+  piston.motion = std::make_shared<const KeyframeMotion>(
+      Vec3(0.0, 0.0, 0.0),
+      std::vector<Keyframe>{
+          {0.0, Vec3(0, 0, 0), Quat::Identity()}, {0.2, Vec3(0, 0, 0.012), turned}, {0.5, Vec3(0, 0, 0), Quat::Identity()}},
+      true);
+  scene.objects.push_back(piston);
+  TouchObject platform = chain_object(made::box(Vec3(0.02, -0.01, 0.001), Vec3(0.04, 0.01, 0.006)), friction);
+  platform.command_pivot = Vec3(0.03, 0.0, 0.003);
+  scene.objects.push_back(platform);
+  return on_patch_grid(scene);
+}
+
+ObjectMove platform_move(std::uint32_t serial, double begin_s, double end_s, const Keyframe& from, const Vec3& to, double turn = 0.0) {
+  ObjectMove move{.source = 9, .serial = serial, .object = kPlatform};
+  move.start_ns = std::llround(1e9 * begin_s);
+  move.end_ns = std::llround(1e9 * end_s);
+  move.from_p_m = from.p_S;
+  move.from_q = from.turn;
+  move.to_p_m = to;
+  move.to_q = Quat(Eigen::AngleAxisd(turn, Vec3::UnitY()));
+  return move;
+}
+
+// Over the piston, then over the floor, then on the platform: pressed in, and moving sideways.
+Vec3 chain_hand(double t_s) {
+  const double press = std::clamp((t_s - 0.05) / 0.2, 0.0, 1.0);
+  const double over = std::clamp((t_s - 1.5) / 1.0, 0.0, 1.0);
+  const double x = 0.004 * std::sin(3.0 * t_s) + 0.03 * over;
+  return {x, 0.003 * std::cos(4.0 * t_s), 0.006 - 0.008 * press + 0.004 * over};
+}
+
+struct Compared {
+  double worst = 0.0;  // |patch - whole| / |whole|, of steps with a force
+  double largest_n = 0.0;
+  int in_contact = 0;
+  int on_object[3] = {};
+};
+
+void compare(const ChainStage::Felt& felt, Compared& compared) {
+  ASSERT_TRUE(felt.patch.has_value());
+  ASSERT_EQ(felt.patch->contact, felt.whole.contact);
+  if (!felt.whole.contact) return;
+  ++compared.in_contact;
+  ASSERT_EQ(felt.patch->object, felt.whole.object);
+  if (felt.whole.object >= 0) ++compared.on_object[felt.whole.object];
+  const double whole_n = felt.whole.force_n.norm();
+  compared.largest_n = std::max(compared.largest_n, whole_n);
+  const double error_n = (felt.patch->force_n - felt.whole.force_n).norm();
+  // A force that is a rounding error of its stiffness times a coordinate has no relative accuracy.
+  compared.worst = std::max(compared.worst, error_n / std::max(whole_n, 1e-3));
+}
+
+TEST(PatchChain, GivesTheForceOfTheHapticsNodesStepOnAnIdealLink) {
+  for (const double friction : {0.0, 0.5}) {
+    ChainStage stage(machine(friction));
+    Compared compared;
+    Keyframe at{0.0, Vec3(0.03, 0.0, 0.003), Quat::Identity()};
+    for (int n = 1; n < 6000; ++n) {
+      if (n % 700 == 400) {
+        // Announced a tenth of a second ahead.
+        const double begin_s = stage.time_s() + 0.1;
+        const Vec3 to = Vec3(0.03, 0.0, 0.003) + Vec3(0.002, 0.001, n % 1400 == 400 ? 0.006 : 0.0);
+        at = stage.find_commanded(kPlatform)->keyframe_at(begin_s);
+        const ObjectMove move = platform_move(static_cast<std::uint32_t>(n), begin_s, begin_s + 0.3, at, to, n % 1400 == 400 ? 0.2 : 0.0);
+        ASSERT_TRUE(stage.decide(move));
+        stage.announce(move);
+      }
+      ASSERT_NO_FATAL_FAILURE(compare(stage.step(chain_hand(stage.time_s())), compared)) << n;
+    }
+    EXPECT_LT(compared.worst, 1e-9) << friction;
+    EXPECT_GT(compared.in_contact, 3000);
+    EXPECT_GT(compared.on_object[0], 150);
+    EXPECT_GT(compared.on_object[1], 300);
+    EXPECT_GT(compared.on_object[2], 300);
+    EXPECT_GT(compared.largest_n, 3.0);
+    EXPECT_EQ(stage.chain().late_moves(), 0U);
+  }
+}
+
+// Also where the scene itself is turned by a view.
+TEST(PatchChain, IsFeltAlikeInATurnedView) {
+  ChainStage stage(machine());
+  Compared compared;
+  Pose X_WS = Pose::Identity();
+  X_WS.linear() = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  X_WS.translation() = Vec3(0.1, -0.2, 0.05);
+  for (int n = 1; n < 2000; ++n) ASSERT_NO_FATAL_FAILURE(compare(stage.step(X_WS * chain_hand(stage.time_s()), X_WS), compared)) << n;
+  EXPECT_LT(compared.worst, 1e-9);
+  EXPECT_GT(compared.in_contact, 1000);
+}
+
+// Patches of few triangles: each body hands over from one to the next in its own frame, while it moves. The proxy starts again from where
+// it was, so what is left is the contact offset.
+TEST(PatchChain, PatchesThatFollowTheHandGiveTheSameForce) {
+  TouchScene scene = machine();
+  scene.objects[0].mesh = made::shared(made::sheet(0.05, 0.0, 60));
+  scene = on_patch_grid(scene);
+  ChainStage stage(scene, 256);
+  Compared compared;
+  for (int n = 1; n < 2000; ++n) ASSERT_NO_FATAL_FAILURE(compare(stage.step(chain_hand(stage.time_s())), compared)) << n;
+  EXPECT_GT(stage.chain().counts().handed_over, 5U);
+  EXPECT_LT(compared.worst, 1e-6);
+  EXPECT_GT(compared.in_contact, 800);
+}
+
+// Each move comes to the hub up to half a second after it began, or in the wrong order: the surface under the hand never jumps, and is
+// where everybody has it once it is at rest.
+TEST(PatchChain, AMoveThatComesLateMovesTheSurfaceWithoutAJump) {
+  ChainStage stage(machine());
+  std::mt19937_64 random(5);
+  std::uniform_int_distribution<int> late(0, 500);
+  std::vector<std::pair<int, ObjectMove>> under_way;
+  double worst_jump_n = 0.0;
+  double largest_n = 0.0;
+  Vec3 last = Vec3::Zero();
+  const auto hand = [](double t_s) { return Vec3(0.03, 0.001, t_s < 0.3 ? 0.008 - 0.004 * t_s / 0.3 : 0.004); };
+  for (int n = 1; n < 9000; ++n) {
+    if (n % 400 == 350 && n < 7000) {
+      const double begin_s = stage.time_s();
+      const Keyframe at = stage.find_commanded(kPlatform)->keyframe_at(begin_s);
+      const Vec3 to = Vec3(0.03, 0.0, 0.003 + 0.004 * static_cast<double>(n % 3) / 2.0);
+      const ObjectMove move = platform_move(static_cast<std::uint32_t>(n), begin_s, begin_s + 0.1, at, to);
+      ASSERT_TRUE(stage.decide(move));
+      under_way.emplace_back(n + late(random), move);
+    }
+    for (const auto& [due, move] : under_way) {
+      if (due == n) stage.announce(move);
+    }
+    const auto felt = stage.step(hand(stage.time_s()));
+    ASSERT_TRUE(felt.patch.has_value());
+    if (n > 400) worst_jump_n = std::max(worst_jump_n, (felt.patch->force_n - last).norm());
+    largest_n = std::max(largest_n, felt.patch->force_n.norm());
+    last = felt.patch->force_n;
+    if (n > 8500) {
+      EXPECT_NEAR((felt.patch->force_n - felt.whole.force_n).norm(), 0.0, 1e-9);
+    }
+  }
+  EXPECT_GT(stage.chain().late_moves(), 10U);
+  EXPECT_GT(largest_n, 1.0);
+  EXPECT_LE(worst_jump_n, kChainStiffness * kMostSurfaceSpeed * ChainStage::kStepS * (1.0 + 1e-6)) << "the largest speed of a surface";
+}
+
+// A wheel of the wrong speed, a body that is not unit, places far away: nothing but finite forces comes of it.
+TEST(PatchChain, AbsurdMovesGiveFiniteForces) {
+  ChainStage stage(machine());
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> any(-1e6, 1e6);
+  for (std::uint32_t n = 1; n < 3000; ++n) {
+    if (n % 10 == 0) {
+      ObjectMove move{.source = 9, .serial = n, .object = n % 50 == 0 ? 7 : kPlatform};
+      move.start_ns = static_cast<std::int64_t>(random() >> (1 + n % 60));
+      move.end_ns = move.start_ns + static_cast<std::int64_t>(random() >> (2 + n % 60));
+      if (move.end_ns < move.start_ns) move.end_ns = move.start_ns;
+      move.from_p_m = Vec3(any(random), any(random), any(random));
+      move.to_p_m = n % 20 == 0 ? Vec3(any(random), any(random), any(random)) : Vec3(0.03, 0.0, 0.003);
+      move.to_q = n % 30 == 0 ? Quat(2.0, 0.0, 0.0, 0.0) : Quat::Identity();
+      stage.announce(move);
+    }
+    const auto felt = stage.step(chain_hand(1e-3 * n));
+    if (felt.patch) {
+      ASSERT_TRUE(felt.patch->force_n.allFinite()) << n;
+      ASSERT_TRUE(felt.patch->visual_offset_m.allFinite()) << n;
+    }
+  }
+}
+
+// A move that was there when patches began has to be known before anything is felt.
+TEST(PatchChain, NothingIsFeltBeforeItIsKnownWhereEverythingIs) {
+  const TouchScene scene = machine();
+  PatchSource source(make_tiles(scene), 0.0, 7, 1, {.bits_per_s = 1e15, .least_reach_m = 1e3});
+  const Keyframe rest{0.0, Vec3(0.03, 0.0, 0.003), Quat::Identity()};
+  const ObjectMove moved = platform_move(5, 0.0, 0.1, rest, Vec3(0.03, 0.0, 0.013));
+  source.note_move(moved, -1);
+  PatchStore store;
+  bool has_move = false;
+  for (std::int64_t now_ns = 1'000'000'000; now_ns < 1'100'000'000; now_ns += 1'000'000) {
+    while (auto part = source.take(now_ns)) {
+      const bool is_part = store.accept(*part);
+      has_move = has_move || !is_part;
+    }
+  }
+  EXPECT_TRUE(has_move) << "it is sent with the parts";
+  PatchChain chain;
+  (void)chain.take(store.make_bodies(0));
+  std::vector<PatchMaker> makers;
+  for (std::uint32_t body = 0; body < 3; ++body) makers.emplace_back(PatchMaker::kFewTriangles, body);
+  const TouchInput above{.p_WD = Vec3(0.03, 0.0, 0.02), .dt_s = 1e-3, .time_s = 1.0};
+  (void)chain.step(above);
+  for (std::size_t b = 0; b < makers.size(); ++b) {
+    makers[b].note_hand(chain.hand_of(b, 1));
+    auto patch = makers[b].make_if_due(store, 0);
+    ASSERT_NE(patch, nullptr) << b;
+    (void)chain.offer(b, std::move(patch));
+  }
+  EXPECT_FALSE(chain.step(above).has_value());
+  MoveTable moves;
+  (void)moves.take(moved);
+  chain.note_moves(moves);
+  ASSERT_TRUE(chain.step(above).has_value());
+  TouchInput in = above;
+  for (int n = 0; n < 100; ++n) {
+    in.p_WD.z() -= 5e-5;
+    in.time_s += 1e-3;
+    (void)chain.step(in);
+  }
+  const auto felt = chain.step(in);
+  ASSERT_TRUE(felt && felt->contact);
+  EXPECT_EQ(felt->object, kPlatform);
+  EXPECT_NEAR(felt->force_n.z(), kChainStiffness * (0.016 - 0.015), 0.05) << "10 mm above where it was";
+}
+
+// The first patch takes over from where the haptics node has the probe, in the frame of what moves.
+TEST(PatchChain, TakesOverWhereTheProbeWas) {
+  const TouchScene scene = machine();
+  ChainStage remote(scene);
+  std::vector<TouchOutput> before;
+  std::vector<Vec3> hands;
+  constexpr int kAge = 100;
+  for (int n = 0; n < 800; ++n) {
+    hands.push_back(chain_hand(remote.time_s()));
+    before.push_back(remote.step(hands.back()).whole);
+  }
+  ChainStage stage(scene);
+  PatchChain& chain = stage.chain();
+  TouchInput input{.dt_s = 1e-3};
+  for (int n = 0; n < 800; ++n) {
+    input.p_WD = hands[static_cast<std::size_t>(n)];
+    input.time_s = 1e-3 * (n + 1);
+    if (n == 700) {
+      const auto then = static_cast<std::size_t>(n - 1 - kAge);
+      ASSERT_TRUE(before[then].contact);
+      chain.start_at(hands[then] + before[then].visual_offset_m, before[then].visual_offset_m.normalized(), 1e-3 * kAge, 1e-3 * (n - kAge));
+      for (std::uint32_t body = 0; body < 3; ++body) {
+        PatchMaker maker(PatchMaker::kFewTriangles, body);
+        maker.note_hand(chain.hand_of(body, 1));
+        (void)chain.offer(body, maker.make_if_due(stage.store(), 0));
+      }
+    }
+    const auto felt = chain.step(input);
+    // It follows the places since then, a few in each step.
+    if (n < 700 || n >= 700 + kAge / PatchTouch::kMostFollowed) {
+      ASSERT_EQ(felt.has_value(), n >= 700) << n;
+    }
+    if (!felt) continue;
+    EXPECT_NEAR((felt->force_n - before[static_cast<std::size_t>(n)].force_n).norm(), 0.0, 1e-6) << n;
+  }
+}
+
+TEST(PatchChain, StepsUseNoHeap) {
+  if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
+  ChainStage stage(machine(0.5));
+  for (int n = 0; n < 500; ++n) (void)stage.step(chain_hand(stage.time_s()));
+  MoveTable moves;
+  (void)moves.take(platform_move(3, 0.5, 0.6, {0.0, Vec3(0.03, 0.0, 0.003), Quat::Identity()}, Vec3(0.03, 0.0, 0.013)));
+  TouchInput input{.dt_s = 1e-3, .time_s = stage.time_s()};
+  const AllocationGuard guard;
+  for (int n = 0; n < 1000; ++n) {
+    input.time_s += 1e-3;
+    input.p_WD = chain_hand(input.time_s);
+    (void)stage.chain().step(input);
+    if (n == 300) stage.chain().note_moves(moves);
+  }
+  EXPECT_EQ(guard.count(), 0U);
+}
+
+// hapton set: from the next step on, and the difference is told, so that it fades.
+TEST(PatchChain, OtherMaterialsAreUsedFromTheNextStepOn) {
+  ChainStage stage(machine());
+  const Vec3 pressed(-0.03, 0.0, -0.002);
+  for (int n = 0; n < 400; ++n) (void)stage.step(Vec3(-0.03, 0.0, 0.002 - 1e-5 * n));
+  auto felt = stage.step(pressed);
+  EXPECT_NEAR(felt.patch->force_n.z(), 2.0, 1e-6);
+  PatchMaterial softer{.epoch = 1, .serial = 1'000'000, .object = 0, .stiffness_n_per_m = 300.0};
+  stage.store().accept(softer);
+  ASSERT_EQ(stage.store().materials().size(), 1U);
+  auto materials = std::make_unique<PatchMaterials>();
+  materials->version = stage.store().material_version();
+  materials->objects.emplace_back(0, stage.store().materials().at(0));
+  (void)stage.chain().take(std::move(materials));
+  felt = stage.step(pressed);
+  EXPECT_NEAR(felt.patch->force_n.z(), 0.6, 1e-6);
+  EXPECT_TRUE(felt.patch->is_handed_over) << "the device loop fades the difference";
+  felt = stage.step(pressed);
+  EXPECT_FALSE(felt.patch->is_handed_over);
+  // An older one that was overtaken.
+  softer.serial = 999'999;
+  softer.stiffness_n_per_m = 5.0;
+  stage.store().accept(softer);
+  EXPECT_EQ(stage.store().materials().at(0).stiffness_n_per_m, 300.0);
+  EXPECT_EQ(stage.store().make_piece(pressed, 1.0, 100'000).scene.objects.at(0).material.stiffness_n_per_m, 300.0);
+}
+
+}  // namespace
+}  // namespace hapton
