@@ -36,8 +36,9 @@ struct FigureParts {
       auto* text = vtkTextActor::SafeDownCast(actor);
       (text != nullptr ? texts_ : flat_).push_back(actor);
     }
-    renderer->GetActors()->InitTraversal();
-    while (vtkActor* actor = renderer->GetActors()->GetNextActor()) solid_.push_back(actor);
+    vtkActorCollection* actors = renderer->GetActors();  // made anew by each call
+    actors->InitTraversal();
+    while (vtkActor* actor = actors->GetNextActor()) solid_.push_back(actor);
   }
 
   vtkTextActor* text(std::size_t i) const { return vtkTextActor::SafeDownCast(texts_.at(i)); }

@@ -126,8 +126,8 @@ TEST(TeachShapes, TheLocalSetIsTheNearest) {
   EXPECT_EQ(show_local_set(smooth, probe).triangles.size(), 1U) << "at least one";
 }
 
-// The whole scene is in one hull, white where the probe is in it.
-TEST(TeachShapes, TheFirstLevelIsOneHull) {
+// Those of the first level are around the whole scene, white where the probe is in them.
+TEST(TeachShapes, TheHullsOfTheFirstLevelAreAroundTheScene) {
   const TouchScene scene = teach_scene();
   const SmoothScene smooth = teach_smooth(scene);
   TeachProbe probe = teach_probe();
@@ -136,7 +136,7 @@ TEST(TeachShapes, TheFirstLevelIsOneHull) {
                                    {Vec3(0.0, -0.051, 0.0), TeachColour{255, 200, 90}}}) {
     probe.p_SP = at;
     const TeachShapes shapes = show_tree(smooth, probe, 0);
-    EXPECT_EQ(shapes.caption, "tree: level 0, 1 hulls");
+    EXPECT_EQ(shapes.caption, "tree: level 0, 8 hulls");
     Eigen::AlignedBox3d box;
     for (const TeachLine& line : shapes.lines) {
       box.extend(line.from).extend(line.to);
