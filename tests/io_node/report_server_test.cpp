@@ -7,12 +7,12 @@
 namespace hapton {
 namespace {
 
-constexpr std::uint64_t kSession = 5;
+constexpr std::uint64_t kReportSession = 5;
 
 struct Desks : testing::Test {
   SimulatedClock clock{1'000'000'000};
   ScriptedEndpoint endpoint{clock};
-  HubPeers peers{endpoint, clock, kSession, 1000.0};
+  HubPeers peers{endpoint, clock, kReportSession, 1000.0};
   ReportServer report_server;
   std::vector<std::pair<std::uint16_t, ReportPart>> reported;
 

@@ -11,13 +11,13 @@
 namespace hapton {
 namespace {
 
-constexpr std::uint64_t kSession = 77;
+constexpr std::uint64_t kFeedSession = 77;
 
 // A hub with one vision node, which has joined.
 struct Feed : testing::Test {
   SimulatedClock clock{1'000'000'000};
   ScriptedEndpoint endpoint{clock};
-  HubPeers peers{endpoint, clock, kSession, 1000.0};
+  HubPeers peers{endpoint, clock, kFeedSession, 1000.0};
   std::unique_ptr<ServoStats> stats = std::make_unique<ServoStats>();
   VisionFeed feed{peers, *stats, 1000.0, 5};  // the buttons that are down below hurry nothing
   ProbeHistory memory;
