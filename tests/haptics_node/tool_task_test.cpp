@@ -30,7 +30,7 @@ Scene scene_with_tool() {
 }
 
 // What is logged as the tool is made.
-std::string log_of(const Scene& scene) {
+std::string log_of_task(const Scene& scene) {
   testing::internal::CaptureStderr();
   start_log("haptics_node");
   const auto tool = make_held_tool({}, scene);
@@ -41,16 +41,16 @@ std::string log_of(const Scene& scene) {
 
 TEST(HeldToolOfAScene, NamesWhatOfTheSceneIsLeftOut) {
   Scene scene = scene_with_tool();
-  EXPECT_THAT(log_of(scene), Not(HasSubstr(kLeftOut)));
-  EXPECT_THAT(log_of(scene), HasSubstr("the stylus holds cube"));
+  EXPECT_THAT(log_of_task(scene), Not(HasSubstr(kLeftOut)));
+  EXPECT_THAT(log_of_task(scene), HasSubstr("the stylus holds cube"));
   scene.objects[0].material.damping_ns_per_m = 0.5;
-  EXPECT_THAT(log_of(scene), HasSubstr(kLeftOut)) << "damping";
+  EXPECT_THAT(log_of_task(scene), HasSubstr(kLeftOut)) << "damping";
   scene = scene_with_tool();
   scene.objects[0].effects.viscosity.damping_ns_per_m = 1.0;
-  EXPECT_THAT(log_of(scene), HasSubstr(kLeftOut)) << "the effect of a surface";
+  EXPECT_THAT(log_of_task(scene), HasSubstr(kLeftOut)) << "the effect of a surface";
   scene = scene_with_tool();
   scene.effects.emplace_back();
-  EXPECT_THAT(log_of(scene), HasSubstr(kLeftOut)) << "an effect in space";
+  EXPECT_THAT(log_of_task(scene), HasSubstr(kLeftOut)) << "an effect in space";
 }
 
 TEST(HeldToolOfAScene, IsNoneWhereNoneIsNamed) {
