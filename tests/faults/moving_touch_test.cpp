@@ -56,6 +56,17 @@ void be_far(SimulatedSystem& system, double loss = 0.0) {
   system.set_faults(faults, faults);
 }
 
+// The hand is pressed in beside the haptics node, and stays so when the node is far: a hand that begins inside an object has no force.
+void press_in_and_be_far(SimulatedSystem& system, double loss = 0.0) {
+  system.start_haptics();
+  system.run_for_ns(500 * kMs);
+  ASSERT_TRUE(system.wait_for_patches());
+  be_far(system, loss);
+  system.run_for_ns(300 * kMs);
+  ASSERT_TRUE(system.wait_for_patches());
+  system.touched.clear();
+}
+
 double spring_n(double top_m, const SimulatedSystem::Touched& touched) {
   return kBoxStiffness * std::max(0.0, top_m - touched.sample.p_WD.z());
 }
@@ -64,11 +75,7 @@ double spring_n(double top_m, const SimulatedSystem::Touched& touched) {
 TEST(MovingTouch, HubAndHapticsNodeHaveTheObjectAtOnePlace) {
   SimulatedSystem system(3, TouchChoice::patch);
   system.scene = rocking_box();
-  be_far(system);
-  system.start_haptics();
-  system.run_for_ns(300 * kMs);
-  ASSERT_TRUE(system.wait_for_patches());
-  system.touched.clear();
+  press_in_and_be_far(system);
   const KeyframeMotion& motion = *system.scene.objects[0].motion;
   for (int n = 0; n < 20; ++n) {
     system.run_for_ns(97 * kMs);
@@ -99,11 +106,7 @@ TEST(MovingTouch, HubAndHapticsNodeHaveTheObjectAtOnePlace) {
 TEST(MovingTouch, AProgramsMoveIsFeltAsItWasAnnounced) {
   SimulatedSystem system(4, TouchChoice::patch);
   system.scene = commanded_box();
-  be_far(system);
-  system.start_haptics();
-  system.run_for_ns(300 * kMs);
-  ASSERT_TRUE(system.wait_for_patches());
-  system.touched.clear();
+  press_in_and_be_far(system);
   for (std::uint32_t request = 1; request <= 5; ++request) {
     system.haptics->mover.request(
         {.request = request, .object = {"box"}, .p_m = Vec3(0, 0, request % 2 == 1 ? 0.001 : 0.0), .over_s = 0.05});
@@ -127,11 +130,7 @@ TEST(MovingTouch, AProgramsMoveIsFeltAsItWasAnnounced) {
 TEST(MovingTouch, LostMovesDoNotMakeTheSurfaceJump) {
   SimulatedSystem system(5, TouchChoice::patch);
   system.scene = commanded_box();
-  be_far(system, 0.33);
-  system.start_haptics();
-  system.run_for_ns(500 * kMs);
-  ASSERT_TRUE(system.wait_for_patches());
-  system.touched.clear();
+  press_in_and_be_far(system, 0.33);
   for (std::uint32_t request = 1; request <= 20; ++request) {
     system.haptics->mover.request(
         {.request = request, .object = {"box"}, .p_m = Vec3(0, 0, 0.0005 * static_cast<double>(request % 3)), .over_s = 0.02});
@@ -182,10 +181,7 @@ TEST(MovingTouch, TheForceHasNoJumpWhereTheSourceChanges) {
 // hapton set: the hub's force goes to the new stiffness by the same fade.
 TEST(MovingTouch, OtherMaterialsFadeInWhileTheHubComputesTheForce) {
   SimulatedSystem system(7, TouchChoice::patch);
-  be_far(system);
-  system.start_haptics();
-  system.run_for_ns(300 * kMs);
-  ASSERT_TRUE(system.wait_for_patches());
+  press_in_and_be_far(system);
   system.run_for_ns(500 * kMs);
   EXPECT_NEAR(system.force_n().z(), 2.0, 0.01);
   const std::size_t first = system.device.written.size();

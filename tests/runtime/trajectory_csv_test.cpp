@@ -71,7 +71,7 @@ TEST(TrajectoryCsv, SaysWhatIsWrongAndWhere) {
       {"t_s,x_m,y_m,z_m\n0,1,-1000001,3\n", "a.csv:2:", "y_m is '-1000001', beyond the reach of any device"},
       {"t_s,x_m,y_m,z_m\n0,1,2,3\n1,1,2,1.1e6\n", "a.csv:3:", "z_m is '1.1e6', beyond the reach of any device"},
       {"t_s,x_m,y_m,z_m\n0,1,2,3\n1e10,1,2,3\n", "a.csv:3:", "t_s is '1e10'"},
-      {"t_s,x_m,y_m,z_m\n0,1,2,3\n0,1,2,3\n", "a.csv:3:", "rise"},
+      {"t_s,x_m,y_m,z_m\n0,1,2,3\n0,1,2,3\n", "a.csv:3:", "increase"},
       {"t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,0,0,0,0\n", "a.csv:2:", "length"},
       {"t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,1e300,1e300,0,0\n", "a.csv:2:", "length"},
   };

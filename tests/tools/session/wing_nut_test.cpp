@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kPitchM = 0.004;
-constexpr double kFootM = -0.03;  // of the thread: the nut's threads lie in the bolt's where it is multiples of the pitch above
+constexpr double kFootM = -0.011;  // of the thread: the nut's threads lie in the bolt's where it is multiples of the pitch above
 // The clearance of 0.2 mm along the steepest flank, where the radius changes by pi / 2 of the height.
 constexpr double kPlayM = 0.0002 / (0.5 * std::numbers::pi);
 
