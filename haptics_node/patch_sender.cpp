@@ -25,12 +25,11 @@ constexpr double kLeadTrips = 1.25;
 constexpr double kMostLeadTripS = 2.0;
 constexpr double kVelocityS = 0.1;  // over which the hand's velocity is a mean
 
-std::string_view find_scene_obstacle(const TouchScene& scene, bool offers_motion) {
+std::string_view find_scene_obstacle(const TouchScene& scene) {
   if (scene.has_effects()) return "the scene has effects";
   if (scene.has_sculpt()) return "objects of the scene can be carved";
   if (scene.has_deformation()) return "objects of the scene deform";
   if (!scene.has_motion()) return "";
-  if (!offers_motion) return "objects of the scene move";
   const std::vector<MotionGroup> groups = group_by_motion(scene);
   if (groups.size() >= PatchBody::kMostBodies) return "more than 31 objects of the scene move";
   const auto is_long = [](const MotionGroup& group) {
@@ -57,7 +56,7 @@ bool PatchSender::can_offer(std::string_view method_text) noexcept {
 PatchSender::PatchSender(TouchScene scene, double probe_radius_m, std::uint64_t scene_hash, bool is_offered,
                          const PatchSource::Options& options)
     : scene_(std::move(scene)),
-      scene_obstacle_(find_scene_obstacle(scene_, options.offers_motion)),
+      scene_obstacle_(find_scene_obstacle(scene_)),
       probe_radius_m_(probe_radius_m),
       scene_hash_(scene_hash),
       options_(options),

@@ -32,7 +32,6 @@ class PatchSource {
     double bits_per_s = 1e6;      // of IP packets
     double least_reach_m = 0.03;  // parts this near to the hand are sent, and those that a fast hand may come near meanwhile
     double fastest_m_per_s = 0.3;
-    bool offers_motion = false;  // scenes in which something moves; off in the nodes: decision 166, "What is left"
   };
   struct Counts {
     std::uint64_t sent = 0;

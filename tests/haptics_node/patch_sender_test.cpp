@@ -21,7 +21,7 @@ constexpr std::array<float, 12> kAtW = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 // A sender, and a hub that wants the scene.
 struct SenderStage {
   explicit SenderStage(bool is_offered = true, TouchScene scene = scene_of(made::sheet(0.05, 0.0, 20)))
-      : sender(std::move(scene), 0.0, 7, is_offered, {.bits_per_s = 1e8, .least_reach_m = 1.0, .offers_motion = true}) {}
+      : sender(std::move(scene), 0.0, 7, is_offered, {.bits_per_s = 1e8, .least_reach_m = 1.0}) {}
 
   void want() {
     PatchStatus status = store.status();

@@ -100,13 +100,33 @@ TEST(ObjectsThatArePushed, GoWhereTheHandPushesThemAndAreReplayed) {
   EXPECT_THAT(replayed.out, HasSubstr(" 0 different"));
 }
 
-// They are not felt from parts of the scene yet: the force stays remote, and haptics_node says why.
-TEST(MovingObjects, PushAHandWhoseHubWantsPatches) {
+// The same from parts of the scene beside the device: the piston pushes, and the recording has the forces of the haptics node, 20 a second.
+TEST(MovingObjects, PushAHandThatFeelsThemFromPatches) {
   LedHand hand("simulated", "t_s,x_m,y_m,z_m\n0,-0.068,0.05,0\n0.5,-0.068,0.033,0\n600,-0.068,0.033,0\n", "machine.toml",
                {"--touch", "patch"});
+  EXPECT_TRUE(System::wait_until([&] { return hand.io.out().find("hub on ") != std::string::npos; }));
+  EXPECT_TRUE(System::wait_until([&] { return hand.read_counter("local_forces") > 2000; })) << hand.haptics.err();
   EXPECT_TRUE(hand.goes_above("max_force_written_n", 0.5));
-  EXPECT_EQ(hand.read_counter("local_forces"), 0);
-  EXPECT_THAT(hand.haptics.err(), HasSubstr("objects of the scene move"));
+  EXPECT_EQ(hand.haptics.err().find("this node computes the forces"), std::string::npos) << hand.haptics.err();
+  hand.end();
+  const Ended replayed = hand.replay();
+  EXPECT_EQ(replayed.exit_code, 0) << replayed.out << replayed.err;
+  EXPECT_THAT(replayed.out, HasSubstr(" 0 different"));
+}
+
+// A program lifts the platform under a hand that feels it from patches, and softens it meanwhile.
+TEST(ObjectsThatProgramsMove, PushAHandThatFeelsThemFromPatches) {
+  LedHand hand("simulated", "t_s,x_m,y_m,z_m\n0,-0.05,0.06,0.01\n0.5,-0.05,0.029,0.01\n600,-0.05,0.029,0.01\n", "lift.toml",
+               {"--touch", "patch"});
+  EXPECT_TRUE(System::wait_until([&] { return hand.io.out().find("hub on ") != std::string::npos; }));
+  EXPECT_TRUE(System::wait_until([&] { return hand.read_counter("local_forces") > 1000; })) << hand.haptics.err();
+  moved_at_last(hand, {"platform", "--to", "-0.05,-0.005,0", "--over", "0.2"});
+  EXPECT_TRUE(hand.goes_above("max_force_written_n", 0.5));
+  const std::int64_t before = hand.read_counter("local_forces");
+  const auto set = run("hapton", {"set", "--hub", hand.hub, "--object", "platform", "--stiffness", "300"}, hand.scratch.path());
+  ASSERT_TRUE(set);
+  EXPECT_EQ(set->exit_code, 0) << set->err;
+  EXPECT_TRUE(System::wait_until([&] { return hand.read_counter("local_forces") > before + 1000; })) << "patches go on";
   hand.end();
 }
 

@@ -1,0 +1,202 @@
+// A scene that moves, felt from patches of its bodies across a slow and a bad network. Times are simulated; only the threads that send and
+// build patches take their own.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "core/math/commanded_motion.h"
+#include "scene/commanded_object.h"
+#include "scene/object_reader.h"
+#include "tests/faults/simulated_system.h"
+#include "tests/support/time_units.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kBoxTopM = 0.05;
+constexpr double kBoxStiffness = 1000.0;
+// What the grid moves vertices by, as force.
+constexpr double kGridN = 1e-4;
+
+// The box of the pressing device, 2 mm in it.
+SceneObject pressed_box() {
+  SceneObject box;
+  box.name = "box";
+  box.mesh = made::shared(made::box(Vec3::Constant(-kBoxTopM), Vec3::Constant(kBoxTopM)));
+  return box;
+}
+
+// Up and down by a millimetre, again and again.
+Scene rocking_box() {
+  Scene scene;
+  scene.objects.push_back(pressed_box());
+  scene.objects[0].motion = std::make_shared<const KeyframeMotion>(
+      Vec3::Zero(),
+      std::vector<Keyframe>{
+          {0.0, Vec3::Zero(), Quat::Identity()}, {0.2, Vec3(0, 0, 0.001), Quat::Identity()}, {0.5, Vec3::Zero(), Quat::Identity()}},
+      true);
+  return scene;
+}
+
+Scene commanded_box() {
+  Scene scene;
+  scene.objects.push_back(pressed_box());
+  ObjectSpec spec;
+  spec.motion.by_program = true;
+  scene.objects[0].commanded = std::make_shared<const CommandedObject>(spec, SceneFit(), *scene.objects[0].mesh);
+  return scene;
+}
+
+// One way, 30 ms: no remote force is used.
+void be_far(SimulatedSystem& system, double loss = 0.0) {
+  const LinkFaults faults{.delay_ns = 30 * kMs, .jitter_ns = loss > 0.0 ? 10 * kMs : 0, .loss = loss};
+  system.set_faults(faults, faults);
+}
+
+// The hand is pressed in beside the haptics node, and stays so when the node is far: a hand that begins inside an object has no force.
+void press_in_and_be_far(SimulatedSystem& system, double loss = 0.0) {
+  system.start_haptics();
+  system.run_for_ns(500 * kMs);
+  ASSERT_TRUE(system.wait_for_patches());
+  be_far(system, loss);
+  system.run_for_ns(300 * kMs);
+  ASSERT_TRUE(system.wait_for_patches());
+  system.touched.clear();
+}
+
+double spring_n(double top_m, const SimulatedSystem::Touched& touched) {
+  return kBoxStiffness * std::max(0.0, top_m - touched.sample.p_WD.z());
+}
+
+// The force of each sample is that of the box at the scene time of the sample, and the haptics node has the same scene time for it.
+TEST(MovingTouch, HubAndHapticsNodeHaveTheObjectAtOnePlace) {
+  SimulatedSystem system(3, TouchChoice::patch);
+  system.scene = rocking_box();
+  press_in_and_be_far(system);
+  const KeyframeMotion& motion = *system.scene.objects[0].motion;
+  for (int n = 0; n < 20; ++n) {
+    system.run_for_ns(97 * kMs);
+    // Of one of the samples that the hub has sent it: up to 50 ms and half a round trip ago.
+    const auto known = std::find_if(system.touched.begin(), system.touched.end(), [&](const SimulatedSystem::Touched& one) {
+      return one.force.scene_time_ns == system.haptics->scene_time_ns();
+    });
+    ASSERT_NE(known, system.touched.end()) << n;
+    EXPECT_LE(system.clock.now_ns() - known->sample.time_ns, 90 * kMs);
+  }
+  ASSERT_GT(system.touched.size(), 1900U);
+  double least_n = 1e9;
+  double most_n = 0.0;
+  for (std::size_t n = 1; n < system.touched.size(); ++n) {
+    const SimulatedSystem::Touched& one = system.touched[n];
+    const std::int64_t passed_ns = one.sample.time_ns - system.touched[n - 1].sample.time_ns;
+    ASSERT_EQ(one.force.scene_time_ns - system.touched[n - 1].force.scene_time_ns, passed_ns);
+    const double top_m = kBoxTopM + motion.pose_at(1e-9 * static_cast<double>(one.force.scene_time_ns)).translation().z();
+    ASSERT_NEAR(one.force.force_n.z(), spring_n(top_m, one), kGridN) << n;
+    least_n = std::min(least_n, one.force.force_n.z());
+    most_n = std::max(most_n, one.force.force_n.z());
+  }
+  EXPECT_LT(least_n, 2.05);
+  EXPECT_GT(most_n, 2.95);
+}
+
+// Announced before it begins, a program's move is the same on both sides, to the bit of its scene time.
+TEST(MovingTouch, AProgramsMoveIsFeltAsItWasAnnounced) {
+  SimulatedSystem system(4, TouchChoice::patch);
+  system.scene = commanded_box();
+  press_in_and_be_far(system);
+  for (std::uint32_t request = 1; request <= 5; ++request) {
+    system.haptics->mover.request(
+        {.request = request, .object = {"box"}, .p_m = Vec3(0, 0, request % 2 == 1 ? 0.001 : 0.0), .over_s = 0.05});
+    system.run_for_ns(400 * kMs);
+  }
+  EXPECT_EQ(system.stats().patch_touch.late_moves, 0U);
+  const CommandedMotion* motion = system.haptics->touch().find_commanded(0);
+  ASSERT_NE(motion, nullptr);
+  EXPECT_EQ(motion->newest().serial, 5U);
+  double most_n = 0.0;
+  for (const SimulatedSystem::Touched& one : system.touched) {
+    const double top_m = kBoxTopM + motion->pose_at(1e-9 * static_cast<double>(one.force.scene_time_ns)).translation().z();
+    ASSERT_NEAR(one.force.force_n.z(), spring_n(top_m, one), kGridN);
+    most_n = std::max(most_n, one.force.force_n.z());
+  }
+  EXPECT_GT(most_n, 2.95);
+}
+
+// A third of all datagrams is lost, and the rest overtake each other: the surface never jumps, and is where the haptics node has it once it
+// is at rest.
+TEST(MovingTouch, LostMovesDoNotMakeTheSurfaceJump) {
+  SimulatedSystem system(5, TouchChoice::patch);
+  system.scene = commanded_box();
+  press_in_and_be_far(system, 0.33);
+  for (std::uint32_t request = 1; request <= 20; ++request) {
+    system.haptics->mover.request(
+        {.request = request, .object = {"box"}, .p_m = Vec3(0, 0, 0.0005 * static_cast<double>(request % 3)), .over_s = 0.02});
+    system.run_for_ns(150 * kMs);
+  }
+  system.run_for_ns(2000 * kMs);
+  ASSERT_GT(system.touched.size(), 1000U);
+  for (std::size_t n = 1; n < system.touched.size(); ++n) {
+    const std::int64_t passed_ns = system.touched[n].sample.time_ns - system.touched[n - 1].sample.time_ns;
+    if (passed_ns > 2 * kMs) continue;  // haptics was not heard for a second
+    const double most_n = kBoxStiffness * kMostSurfaceSpeed * 1e-9 * static_cast<double>(passed_ns);
+    ASSERT_LE(std::abs(system.touched[n].force.force_n.z() - system.touched[n - 1].force.force_n.z()), most_n + 1e-6) << n;
+  }
+  const CommandedMotion* motion = system.haptics->touch().find_commanded(0);
+  const double top_m = kBoxTopM + motion->newest().to.p_S.z();
+  EXPECT_NEAR(system.touched.back().force.force_n.z(), spring_n(top_m, system.touched.back()), kGridN);
+}
+
+// From patches to remote force and back, while the box moves: no force discontinuity, and at the end the remote force is that of the box.
+TEST(MovingTouch, TheForceHasNoJumpWhereTheSourceChanges) {
+  SimulatedSystem system(6, TouchChoice::automatic);
+  system.scene = rocking_box();
+  const LinkFaults slow{.delay_ns = 6 * kMs};
+  system.set_faults(slow, slow);
+  system.start_haptics();
+  system.run_for_ns(1500 * kMs);
+  ASSERT_TRUE(system.wait_for_patches());
+  const std::size_t first = system.device.written.size();
+  system.run_for_ns(1000 * kMs);
+  system.set_faults({}, {});
+  system.run_for_ns(6000 * kMs);
+  const std::uint64_t local = system.stats().local_forces;
+  system.run_for_ns(500 * kMs);
+  EXPECT_EQ(system.stats().local_forces, local) << "remote again";
+  double worst_n = 0.0;
+  double least_n = 1e9;
+  for (std::size_t n = first + 1; n < system.device.written.size(); ++n) {
+    const auto& [force_n, time_ns] = system.device.written[n];
+    const double passed_s = std::max(1e-3, 1e-9 * static_cast<double>(time_ns - system.device.written[n - 1].time_ns));
+    worst_n = std::max(worst_n, (force_n - system.device.written[n - 1].force_n).norm() / passed_s);
+    least_n = std::min(least_n, force_n.z());
+  }
+  // The box moves with 5 mm/s at most; the remote force is 12 ms late at first, so that up to 0.06 N fade over 0.1 s.
+  EXPECT_LT(worst_n, kBoxStiffness * 0.005 + 4.0);
+  EXPECT_GT(least_n, 1.8);
+}
+
+// hapton set: the hub's force goes to the new stiffness by the same fade.
+TEST(MovingTouch, OtherMaterialsFadeInWhileTheHubComputesTheForce) {
+  SimulatedSystem system(7, TouchChoice::patch);
+  press_in_and_be_far(system);
+  system.run_for_ns(500 * kMs);
+  EXPECT_NEAR(system.force_n().z(), 2.0, 0.01);
+  const std::size_t first = system.device.written.size();
+  system.haptics->set_materials({{.stiffness_n_per_m = 500.0}});
+  for (int n = 0; n < 3000 && std::abs(system.force_n().z() - 1.0) > 0.01; ++n) {
+    system.run_for_ns(2 * kMs);
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  EXPECT_NEAR(system.force_n().z(), 1.0, 0.01);
+  double worst_n = 0.0;
+  for (std::size_t n = first + 1; n < system.device.written.size(); ++n) {
+    worst_n = std::max(worst_n, (system.device.written[n].force_n - system.device.written[n - 1].force_n).norm());
+  }
+  EXPECT_LT(worst_n, 0.03) << "1 N over 0.1 s";
+}
+
+}  // namespace
+}  // namespace hapton
