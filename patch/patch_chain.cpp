@@ -15,8 +15,10 @@ Vec3 to_frame(const Pose& X_SO, const Vec3& p_S) { return X_SO.linear().transpos
 PatchChain::PatchChain() : touches_(kLinks) { p_OD_.fill(Vec3::Zero()); }
 
 std::unique_ptr<PatchBodies> PatchChain::take(std::unique_ptr<PatchBodies> bodies) noexcept {
+  if (has_arrived_ && body_count() == 1) start_ = {touches_[0].proxy(), touches_[0].outward(), time_s_};
   std::swap(bodies_, bodies);
   has_arrived_ = false;
+  are_new_ = true;
   link_count_ = 0;
   for (std::size_t b = 0; b < body_count(); ++b) {
     const PatchBodyMotion& body = bodies_->bodies[b];
@@ -58,6 +60,7 @@ std::unique_ptr<Patch> PatchChain::offer(std::size_t link, std::unique_ptr<Patch
 void PatchChain::forget() noexcept {
   for (PatchTouch& touch : touches_) touch.forget();
   has_arrived_ = false;
+  start_.reset();
 }
 
 void PatchChain::set_generation(std::uint32_t generation) noexcept {
@@ -75,11 +78,26 @@ Pose PatchChain::pose_of(std::size_t body, double time_s) const noexcept {
 
 void PatchChain::start_at(const Vec3& p_SP, const Vec3& outward, double age_s, double time_s) noexcept {
   has_arrived_ = false;
-  for (std::size_t b = 0; b < body_count(); ++b) {
-    const Pose X_SO = pose_of(b, time_s);
-    touches_[b].start_at(to_frame(X_SO, p_SP), X_SO.linear().transpose() * outward, age_s);
-  }
+  start_ = {p_SP, outward, time_s};
+  for (std::size_t b = 0; b < body_count(); ++b) start_body(b, *start_, age_s);
   chain_.go_on_from(p_SP);
+}
+
+void PatchChain::start_body(std::size_t body, const Start& start, double age_s) noexcept {
+  const Pose X_SO = pose_of(body, start.time_s);
+  touches_[body].start_at(to_frame(X_SO, start.p_SP), X_SO.linear().transpose() * start.outward, age_s);
+}
+
+// Once it is known where they are. What stands still has gone on from there already.
+void PatchChain::start_new_bodies() noexcept {
+  are_new_ = false;
+  if (!start_) return;
+  for (std::size_t b = 1; b < body_count(); ++b) start_body(b, *start_, 0.0);
+  chain_.go_on_from(start_->p_SP);
+}
+
+void PatchChain::note_proxy(const Vec3& p_SD, const MethodOutput& felt) noexcept {
+  start_ = {felt.p_SP, felt.contact ? Vec3((felt.p_SP - p_SD).normalized()) : Vec3(Vec3::Zero()), time_s_};
 }
 
 bool PatchChain::is_ready() const noexcept {
@@ -122,6 +140,7 @@ MethodOutput PatchChain::feel(const Link& link, const Vec3& p_S, const TouchInpu
 std::optional<PatchOutput> PatchChain::step_chain(const TouchInput& input) noexcept {
   const Vec3 p_SD = to_frame(input.X_WS, input.p_WD);
   if (!p_SD.allFinite()) return std::nullopt;
+  if (are_new_ && is_ready()) start_new_bodies();
   PatchOutput sum;
   has_all_ = true;
   p_OD_[kLinks - 1] = p_SD;
@@ -135,6 +154,7 @@ std::optional<PatchOutput> PatchChain::step_chain(const TouchInput& input) noexc
     return std::nullopt;
   }
   has_arrived_ = true;
+  note_proxy(p_SD, felt);
   sum.contact = felt.contact;
   sum.object = felt.object;
   if (felt.contact) {

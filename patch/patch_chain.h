@@ -32,7 +32,8 @@ class PatchChain {
   PatchChain();
 
   // --- bodies. Before any are known the scene is one that stands still.
-  // Those of the patches that come: returns what they replace.
+  // Those of the patches that come: returns what they replace. They begin where the proxy was: at the last step that was felt, or as
+  // start_at() says, whichever is newer.
   std::unique_ptr<PatchBodies> take(std::unique_ptr<PatchBodies> bodies) noexcept;
   // The newest moves of commanded bodies that are known.
   void note_moves(const MoveTable& moves) noexcept;
@@ -74,8 +75,18 @@ class PatchChain {
     bool moves() const noexcept { return is_moving; }
   };
 
+  // A place of the proxy, frame S, at a scene time.
+  struct Start {
+    Vec3 p_SP = Vec3::Zero();
+    Vec3 outward = Vec3::Zero();  // from the device to the proxy, unit; zero: no contact
+    double time_s = 0.0;
+  };
+
   void note_move(const ObjectMove& move) noexcept;
   bool is_ready() const noexcept;
+  void start_new_bodies() noexcept;
+  void start_body(std::size_t body, const Start& start, double age_s) noexcept;
+  void note_proxy(const Vec3& p_SD, const MethodOutput& felt) noexcept;
   MethodOutput feel(const Link& link, const Vec3& p_S, const TouchInput& input, PatchOutput& sum) noexcept;
   std::optional<PatchOutput> step_chain(const TouchInput& input) noexcept;
 
@@ -87,6 +98,8 @@ class PatchChain {
   std::array<Link, kLinks> links_;
   std::size_t link_count_ = 1;
   TouchChain chain_;
+  std::optional<Start> start_;  // none: where the proxy is, is not known
+  bool are_new_ = false;        // bodies have come that have not begun at start_ yet
   std::uint32_t generation_ = 0;
   bool has_arrived_ = false;
   bool has_all_ = false;  // in this step every link but the second had a force

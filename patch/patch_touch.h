@@ -124,6 +124,9 @@ class PatchTouch {
 
   const Counts& counts() const noexcept { return counts_; }
   bool is_placed() const noexcept { return is_placed_; }
+  // Of the last step, frame S: the proxy, and the direction from the device to it; zero: no contact.
+  const Vec3& proxy() const noexcept { return p_SP_; }
+  const Vec3& outward() const noexcept { return outward_S_; }
   // Where the hand is, for whoever makes the next patch.
   PatchHand hand_at(const Vec3& p_SD, std::int64_t time_ns) const noexcept;
 

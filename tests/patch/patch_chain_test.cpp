@@ -278,6 +278,42 @@ TEST(PatchChain, TakesOverWhereTheProbeWas) {
   }
 }
 
+// Told where the probe is before any body is known, which begin there too: a hand that is pressed in keeps its force. The same where the
+// bodies come once more, after the hand has been held by others.
+TEST(PatchChain, BodiesThatComeLaterBeginWhereTheProbeIs) {
+  const TouchScene scene = machine();
+  ChainStage remote(scene);
+  ChainStage stage(scene);
+  PatchChain chain;
+  TouchInput input{.dt_s = 1e-3};
+  TouchOutput whole;
+  const auto next = [&] {
+    input.p_WD = chain_hand(remote.time_s());
+    whole = remote.step(input.p_WD).whole;
+    input.time_s += 1e-3;
+    return chain.step(input);
+  };
+  for (int n = 0; n < 700; ++n) EXPECT_FALSE(next()) << n;
+  ASSERT_EQ(whole.object, 1) << "on the piston";
+  chain.start_at(input.p_WD + whole.visual_offset_m, whole.visual_offset_m.normalized(), 0.0, input.time_s);
+  for (int n = 0; n < 5; ++n) EXPECT_FALSE(next()) << n;
+  for (int again = 0; again < 2; ++again) {
+    (void)chain.take(stage.store().make_bodies(0));
+    for (std::uint32_t body = 0; body < 3; ++body) {
+      PatchMaker maker(PatchMaker::kFewTriangles, body);
+      maker.note_hand(chain.hand_of(body, 1));
+      (void)chain.offer(body, maker.make_if_due(stage.store(), 0));
+    }
+    for (int n = 0; n < 20; ++n) {
+      const auto felt = next();
+      ASSERT_TRUE(felt) << n;
+      ASSERT_TRUE(felt->contact) << again << " " << n;
+      EXPECT_NEAR((felt->force_n - whole.force_n).norm(), 0.0, 1e-6) << again << " " << n;
+    }
+    for (std::size_t link = 0; link < PatchChain::kLinks; ++link) (void)chain.take_retired(link);
+  }
+}
+
 TEST(PatchChain, StepsUseNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   ChainStage stage(machine(0.5));
