@@ -86,6 +86,28 @@ TEST(CarvingBall, CutsAGrooveWithASteadyForce) {
   }
 }
 
+// Past the edge of the block, with the lag of the cut: it fades as the cut does, and with kCatchUpS besides, whatever the time of a step.
+TEST(CarvingBall, CatchesUpInFreeSpace) {
+  for (const double dt_s : {1e-3, 2e-3}) {
+    Block block;
+    block.ball.reset({-0.06, 0, kTopM + 0.001});
+    const double speed = 0.1;
+    double last = 0.0;
+    int faded = 0;
+    for (double x = -0.06; x < 0.07; x += speed * dt_s) {
+      const Vec3 hand(x, 0, kTopM + 0.001);
+      const Vec3 proxy = block.step(hand, true, dt_s).p_SP;
+      const double lag = hand.x() - proxy.x();
+      if (proxy.x() > 0.0395 && lag > 1e-6) {  // nothing is left to cut from half a millimetre before the edge on
+        EXPECT_NEAR(lag / last, std::exp(-dt_s / CarvingBall::kCatchUpS - dt_s / CarvingBall::kCutS), 1e-3) << x;
+        ++faded;
+      }
+      last = lag;
+    }
+    EXPECT_GT(faded, 20);
+  }
+}
+
 // After a gap, in which the hand went deep into the block.
 TEST(CarvingBall, ALongStepCutsNoFartherThanTwoMilliseconds) {
   Block block;
