@@ -82,7 +82,7 @@ void SphereFollower::forget() noexcept {
   gather_radius_ = 0.0;
   hint_ = Vec3::Zero();
   lingered_at_ = Vec3::Zero();
-  slit_at_ = Vec3::Constant(std::numeric_limits<double>::infinity());
+  slit_at_.reset();
   lingering_ = 0;
   idle_ = 0;
   has_lost_minimum_ = false;
@@ -219,7 +219,8 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
   if (next == Next::failed || idle_ > kMostIdle) return Outcome::failed;
   note_multipliers(to);
   if (has_escapes_left_) return Outcome::exhausted;
-  if (next == Next::settled && is_point_ && !(has_friction_ && has_friction_here()) && is_in_new_slit(from != to)) return Outcome::failed;
+  if (next == Next::settled && is_point_ && !(has_friction_ && has_friction_here()) && leave_slit_to_sweeps(from != to))
+    return Outcome::failed;
   Vec3 direction;
   if (next == Next::settled)
     return !is_point_ && !(has_friction_ && has_friction_here()) && is_shallow(to, direction) ? Outcome::failed : Outcome::settled;

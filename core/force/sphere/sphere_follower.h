@@ -291,7 +291,9 @@ class SphereFollower {
   bool find_wall(const OffsetContact& contact, Wall& wall) noexcept;
   int find_face_there(const OffsetContact& contact) noexcept;
   bool straighten_in_slit() noexcept;
-  bool is_in_new_slit(bool has_device_moved) noexcept;
+  bool fills_slit() noexcept;
+  bool leave_slit_to_sweeps(bool has_device_moved) noexcept;
+  double find_most_opposite() const noexcept;
   bool goes_on(const Wall& wall, std::span<const Wall> walls, std::span<const int> slots, double far) noexcept;
   bool is_outside_wedge(const ContactTriangle& shape, std::span<const Wall> walls) const noexcept;
   bool leave_minimum(const Vec3& device, const Vec3& motion) noexcept;
@@ -324,11 +326,11 @@ class SphereFollower {
   FrictionState friction_;
   bool is_tracking_ = false;
   bool is_descending_ = false;
-  bool is_carried_ = false;                                                 // the last step ran out of work
-  Vec3 lingered_at_ = Vec3::Zero();                                         // where the last events were
-  Vec3 slit_at_ = Vec3::Constant(std::numeric_limits<double>::infinity());  // where a slit was last left to sweeps
-  int lingering_ = 0;                                                       // their number, above those that are usual
-  bool has_lost_minimum_ = false;                                           // along the curve: it continues along hint_
+  bool is_carried_ = false;          // the last step ran out of work
+  Vec3 lingered_at_ = Vec3::Zero();  // where the last events were
+  std::optional<Vec3> slit_at_;      // where a slit was last left to sweeps
+  int lingering_ = 0;                // their number, above those that are usual
+  bool has_lost_minimum_ = false;    // along the curve: it continues along hint_
   Vec3 centre_ = Vec3::Zero();
   std::array<OffsetContact, kMostContacts> contacts_;
   int active_count_ = 0;

@@ -11,7 +11,6 @@ namespace {
 
 // Offsets; the way that a flight over a barrier takes, its lift included (SphereFollower::leave_by_flight).
 constexpr double kFarthest = 64.0 * 32.0 + 32.0 * 32.0;
-constexpr double kSamePlace = 2.0;  // offsets; a smaller gain is no escape from a slit
 
 }  // namespace
 
@@ -68,14 +67,8 @@ int SphereFollower::find_face_there(const OffsetContact& contact) noexcept {
 // centre go. At an edge, within the hysteresis of its boundary (kOnBoundary), the normal may be a ten-thousandth beyond that of the face
 // that the centre is over. True: such a contact is on the face now.
 bool SphereFollower::straighten_in_slit() noexcept {
-  constexpr double kOpposite = -0.99;  // within 8 degrees, where they press with seven times the pull and more
-  bool is_slit = false;
-  for (int i = 0; i < active_count_; ++i) {
-    for (int k = i + 1; k < active_count_; ++k) {
-      is_slit |= contacts_[i].proximity(centre_).normal.dot(contacts_[k].proximity(centre_).normal) < kOpposite;
-    }
-  }
-  if (!is_slit || !near_.covers(centre_, clearance_.offset + clearance_.slop)) return false;
+  constexpr double kOpposite = 2.0 - 2.0 * 0.99;  // within 8 degrees, where they press with seven times the pull and more
+  if (!(find_most_opposite() < kOpposite) || !near_.covers(centre_, clearance_.offset + clearance_.slop)) return false;
   bool any = false;
   for (int i = active_count_ - 1; i >= 0; --i) {
     OffsetContact& contact = contacts_[i];
@@ -93,24 +86,33 @@ bool SphereFollower::straighten_in_slit() noexcept {
 }
 
 // Whether nearly opposite contacts hold the centre where a point would perhaps go on: parallel faces as far apart as the sphere is wide, or
-// what is not the wedge of two planes. False where it was found before, unless the device has moved.
-bool SphereFollower::is_in_new_slit(bool has_device_moved) noexcept {
-  constexpr double kOpposite = -0.9;     // within 26 degrees
-  constexpr double kParallel = 0x1p-10;  // rad; the tip of such a wedge is farther off than a way out would lead
-  bool is_slit = false;
-  bool is_parallel = false;
-  for (int i = 0; i < active_count_; ++i) {
-    for (int k = i + 1; k < active_count_; ++k) {
-      const Vec3 first = contacts_[i].proximity(centre_).normal;
-      const Vec3 second = contacts_[k].proximity(centre_).normal;
-      is_slit |= first.dot(second) < kOpposite;
-      is_parallel |= (first + second).norm() < kParallel;
-    }
-  }
-  if (!is_slit || (!has_device_moved && (centre_ - slit_at_).norm() <= kSamePlace * clearance_.offset)) return false;
-  if (!is_parallel && is_in_wedge()) return false;
+// what is not the wedge of two planes.
+bool SphereFollower::fills_slit() noexcept {
+  constexpr double kOpposite = 2.0 - 2.0 * 0.9;  // within 26 degrees
+  constexpr double kParallel = 2.0 / kFarthest;  // rad; the tip of such a wedge is farther off than a way out would lead
+  const double sum = find_most_opposite();
+  return sum < kOpposite && (sum < kParallel * kParallel || !is_in_wedge());
+}
+
+// Once for each place and sample: sweeps may lead back here, and their motion be carried on. False: there is no slit, or it was left so.
+bool SphereFollower::leave_slit_to_sweeps(bool has_device_moved) noexcept {
+  constexpr double kSamePlace = 2.0;  // offsets; as for other escapes, a smaller gain is none
+  if (!fills_slit()) return false;
+  if (!has_device_moved && slit_at_ && (centre_ - *slit_at_).norm() <= kSamePlace * clearance_.offset) return false;
   slit_at_ = centre_;
   return true;
+}
+
+// Of two active contacts, the squared length of the sum of their normals: 2 + 2 cos of the angle between them. The smallest one; 4: none.
+double SphereFollower::find_most_opposite() const noexcept {
+  std::array<Vec3, kMostContacts> normals;
+  double least = 4.0;
+  for (int i = 0; i < active_count_; ++i) {
+    normals[static_cast<std::size_t>(i)] = contacts_[i].proximity(centre_).normal;
+    for (int k = 0; k < i; ++k)
+      least = std::min(least, (normals[static_cast<std::size_t>(i)] + normals[static_cast<std::size_t>(k)]).squaredNorm());
+  }
+  return least;
 }
 
 // Whether the faces in the plane of a wall cover it that far from the centre: where one of them ends, another goes on, or the edge is below
