@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <span>
 #include <string>
@@ -51,6 +52,25 @@ bool read_keys(const Field& field, PatchBody& to) {
   return true;
 }
 
+// Of a tile and of a material: the same fields by the same rules.
+template <class Message, class Wire>
+void write_material(const Message& from, Wire& to) {
+  to.set_stiffness_n_per_m(from.stiffness_n_per_m);
+  to.set_damping_ns_per_m(from.damping_ns_per_m);
+  to.set_friction_static(from.friction_static);
+  to.set_friction_dynamic(from.friction_dynamic);
+}
+
+template <class Wire, class Message>
+bool read_material(const Wire& from, Message& to) {
+  to.stiffness_n_per_m = from.stiffness_n_per_m();
+  to.damping_ns_per_m = from.damping_ns_per_m();
+  to.friction_static = from.friction_static();
+  to.friction_dynamic = from.friction_dynamic();
+  const std::array amounts = {to.stiffness_n_per_m, to.damping_ns_per_m, to.friction_static, to.friction_dynamic};
+  return std::all_of(amounts.begin(), amounts.end(), is_amount) && to.friction_dynamic <= to.friction_static;
+}
+
 }  // namespace
 
 void write(const PatchBegin& from, wire::PatchBegin& to) {
@@ -79,10 +99,7 @@ void write(const PatchTile& from, wire::PatchTile& to) {
   to.set_serial(from.serial);
   to.set_tile(from.tile);
   to.set_object(from.object);
-  to.set_stiffness_n_per_m(from.stiffness_n_per_m);
-  to.set_damping_ns_per_m(from.damping_ns_per_m);
-  to.set_friction_static(from.friction_static);
-  to.set_friction_dynamic(from.friction_dynamic);
+  write_material(from, to);
   to.set_one_sided(!from.two_sided);
   const std::size_t vertices = std::min<std::size_t>(from.vertex_count, PatchTile::kMostVertices);
   const std::size_t triangles = std::min<std::size_t>(from.triangle_count, PatchTile::kMostTriangles);
@@ -130,10 +147,7 @@ void write(const PatchMaterial& from, wire::PatchMaterial& to) {
   to.set_epoch(from.epoch);
   to.set_serial(from.serial);
   to.set_object(from.object);
-  to.set_stiffness_n_per_m(from.stiffness_n_per_m);
-  to.set_damping_ns_per_m(from.damping_ns_per_m);
-  to.set_friction_static(from.friction_static);
-  to.set_friction_dynamic(from.friction_dynamic);
+  write_material(from, to);
 }
 
 bool read(const wire::PatchBegin& from, PatchBegin& to) {
@@ -169,17 +183,11 @@ bool read(const wire::PatchTile& from, PatchTile& to) {
   to.serial = from.serial();
   to.tile = from.tile();
   to.object = from.object();
-  to.stiffness_n_per_m = from.stiffness_n_per_m();
-  to.damping_ns_per_m = from.damping_ns_per_m();
-  to.friction_static = from.friction_static();
-  to.friction_dynamic = from.friction_dynamic();
   to.two_sided = !from.one_sided();
-  for (const double value : {to.stiffness_n_per_m, to.damping_ns_per_m, to.friction_static, to.friction_dynamic}) {
-    if (!is_amount(value)) return false;
-  }
+  if (!read_material(from, to)) return false;
   const std::size_t vertices = count_records(from.vertices(), PatchTile::kVertexBytes, PatchTile::kMostVertices);
   const std::size_t triangles = count_records(from.triangles(), 3, PatchTile::kMostTriangles);
-  if (vertices == 0 || triangles == 0 || to.friction_dynamic > to.friction_static) return false;
+  if (vertices == 0 || triangles == 0) return false;
   to.vertex_count = static_cast<std::uint8_t>(vertices);
   to.triangle_count = static_cast<std::uint8_t>(triangles);
   std::copy(from.vertices().begin(), from.vertices().end(), to.vertices.begin());
@@ -210,12 +218,7 @@ bool read(const wire::PatchMaterial& from, PatchMaterial& to) {
   to.epoch = from.epoch();
   to.serial = from.serial();
   to.object = from.object();
-  to.stiffness_n_per_m = from.stiffness_n_per_m();
-  to.damping_ns_per_m = from.damping_ns_per_m();
-  to.friction_static = from.friction_static();
-  to.friction_dynamic = from.friction_dynamic();
-  return is_amount(to.stiffness_n_per_m) && is_amount(to.damping_ns_per_m) && is_amount(to.friction_static) &&
-         is_amount(to.friction_dynamic) && to.friction_dynamic <= to.friction_static;
+  return read_material(from, to);
 }
 
 bool read(const wire::PatchStatus& from, PatchStatus& to) {

@@ -10,6 +10,7 @@
 #include "core/tool/held_tool.h"
 #include "core/tool/penetration_check.h"
 #include "core/tool/tool_step.h"
+#include "tests/core/tool/random_vector.h"
 #include "tests/support/allocation_guard.h"
 
 namespace hapton {
@@ -180,12 +181,7 @@ TEST(ToolAndMotion, NeverPenetratesWhateverMoves) {
   constexpr unsigned kSeed = 21;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   std::mt19937_64 random(kSeed);
-  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-  const auto draw = [&] {
-    const double x = uniform(random);
-    const double y = uniform(random);
-    return Vec3(x, y, uniform(random));
-  };
+  const auto draw = [&] { return draw_in_cube(random); };
   const TriangleMesh bumps = make_bumpy_sphere(0.03, 0.2, 500, 5);
   const TriangleMesh wedge = make_prism({{0.0, 0.0}, {0.06, -0.004}, {0.06, 0.004}}, 0.05, 2);
   const auto step = make_moving_step(

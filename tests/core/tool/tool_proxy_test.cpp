@@ -6,6 +6,7 @@
 
 #include "core/geometry/mesh_shapes.h"
 #include "core/tool/penetration_check.h"
+#include "tests/core/tool/random_vector.h"
 
 namespace hapton {
 namespace {
@@ -83,12 +84,7 @@ TEST(ToolProxy, APlateThatLeavesAContactFastStaysOut) {
   constexpr unsigned kSeed = 4245;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   std::mt19937_64 random(kSeed);
-  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-  const auto draw = [&] {
-    const double x = uniform(random);
-    const double y = uniform(random);
-    return Vec3(x, y, uniform(random));
-  };
+  const auto draw = [&] { return draw_in_cube(random); };
   const TriangleMesh bumps = make_bumpy_sphere(0.4, 0.3, 1000, 5);
   const TouchGeometry scene(std::vector<const TriangleMesh*>{&bumps});
   const ObjectGeometry tool(make_thin_wall(0.25, 1e-3, 3), {Vec3::Zero(), scene.unit_m()});
