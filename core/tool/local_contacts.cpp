@@ -44,6 +44,7 @@ void LocalContacts::add(const MotionBound& bound, const LocalContact& contact) n
 
 // The surface stays on its side of the plane that moves with the contact's point; that the plane turns is of second order.
 void LocalContacts::follow(std::span<const Placement> parts) noexcept {
+  if (parts.empty()) return;
   for (std::size_t i = 0; i < count; ++i) {
     const LocalContact& contact = contacts[i];
     if (contact.part <= 0 || static_cast<std::size_t>(contact.part) > parts.size()) continue;
