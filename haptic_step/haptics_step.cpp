@@ -37,6 +37,7 @@ ForceCommand HapticsStep::answer() noexcept {
   const std::int64_t step_ns = state_.sample_time_ns - last_time_ns_;
   input_.dt_s = running_ && step_ns > 0 ? 1e-9 * static_cast<double>(step_ns) : kFirstStepS;
   input_.p_WD = state_.p_WD;
+  input_.q_WT = state_.q_WT;
   input_.X_WS = X_WS_;
   input_.buttons = state_.buttons;
   last_time_ns_ = state_.sample_time_ns;
@@ -132,6 +133,17 @@ void HapticsStep::place_parts() noexcept {
   }
 }
 
+// Of the objects that programs move, the one that the tool presses most.
+void HapticsStep::note_push(ForceCommand& reply) const noexcept {
+  for (std::size_t p = 0; p < tool_parts_.size(); ++p) {
+    const ToolPush& push = tool_->push_on(p);
+    if (tool_parts_[p].commanded < 0 || !(push.force_n.squaredNorm() > reply.push_force_n.squaredNorm())) continue;
+    reply.object = tool_parts_[p].commanded;
+    reply.push_force_n = push.force_n;
+    reply.push_torque_nm = push.torque_nm;
+  }
+}
+
 // After a gap the tool comes from where it was, on a way that is free: no contact is lost, and nothing is passed.
 void HapticsStep::feel_tool(ForceCommand& reply) noexcept {
   if (running_) remember_answered();
@@ -155,6 +167,7 @@ void HapticsStep::feel_tool(ForceCommand& reply) noexcept {
   }
   reply.visual_offset_m = felt.X_WP.translation() - state_.p_WD;
   reply.visual_turn = turn_between(state_.q_WT, Quat(felt.X_WP.linear()));
+  if (grasp_ == nullptr) note_push(reply);
 }
 
 // They stand beside the method: they neither fade with a change of it nor move its probe.

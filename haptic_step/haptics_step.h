@@ -130,6 +130,7 @@ class HapticsStep {
   void feel_probe(ForceCommand& reply) noexcept;
   void feel_tool(ForceCommand& reply) noexcept;
   void place_parts() noexcept;
+  void note_push(ForceCommand& reply) const noexcept;
   void feel_nothing(ForceCommand& reply) noexcept;
   void update_grasp() noexcept;
   void advance_scene(std::int64_t step_ns) noexcept;

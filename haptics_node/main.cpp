@@ -218,6 +218,7 @@ int run(const HapticsOptions& options) {
   std::fflush(stdout);
 
   loop.run(stop, options.seconds);
+  client.leave();  // the reports take longer than the hub waits for a force
   fmt::print("{}", make_haptics_report(step, client, loop.compute_times(), loop.step_times()));
   fmt::print("{}", effects.describe());
   if (tool_task) {

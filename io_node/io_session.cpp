@@ -10,6 +10,7 @@
 
 #include <fmt/core.h>
 
+#include "devices/plugin_device.h"
 #include "io_node/io_report.h"
 #include "link/udp_endpoint.h"
 #include "runtime/log.h"
@@ -24,7 +25,13 @@ constexpr std::int64_t kWatchEveryNs = kNanosecondsPerSecond / 4;
 constexpr std::int64_t kMetricsLeastNs = kNanosecondsPerSecond / 10;  // between two copies of the statistics for requests
 constexpr auto kLookEvery = std::chrono::milliseconds(20);
 
-std::string describe(const ServoEvent& event) {
+// Somebody else's code is named where its device is at fault: " (device plugin:./pen.so)".
+std::string name_plugin(const IoOptions& options) {
+  const std::string& name = options.device.name;
+  return name.starts_with(kPluginDevice) ? fmt::format(" (device {})", name) : std::string();
+}
+
+std::string describe(const ServoEvent& event, const IoOptions& options) {
   switch (event.kind) {
     case ServoEvent::Kind::joined:
       return fmt::format("{} joined from {}", name_of(event.role), to_string(event.address));
@@ -47,12 +54,12 @@ std::string describe(const ServoEvent& event) {
              "(hapton keygen) if it is older "
              "than version 3";
     case ServoEvent::Kind::latched:
-      return fmt::format("fault latched, no force: {}; fix the cause, then: hapton set --reset-faults (docs/safety.md)",
-                         describe(event.fault));
+      return fmt::format("fault latched, no force: {}{}; fix the cause, then: hapton set --reset-faults (docs/safety.md)",
+                         describe(event.fault), name_plugin(options));
     case ServoEvent::Kind::reset:
       return fmt::format("fault reset ({}); the force ramps up", to_string(event.fault));
     case ServoEvent::Kind::reset_rejected:
-      return fmt::format("fault not reset: its cause persists: {}", describe(event.fault));
+      return fmt::format("fault not reset: its cause persists: {}{}", describe(event.fault), name_plugin(options));
     case ServoEvent::Kind::reset_without_right:
       return fmt::format("fault reset rejected: the tool at {} has no operator's key (hapton keygen --role operator)",
                          to_string(event.address));
@@ -146,7 +153,8 @@ Result<void> IoSession::run(const StopSignal& stop) {
   const ServoStats& stats = servo_.collect_stats();
   fmt::print("{}", described(stats));
   if (const auto last = write_report_of(stats); reported && !last) reported = last;
-  if (servo_.device_status() == DeviceStatus::fault) return fail("the device stopped answering; check its cable and power");
+  if (servo_.device_status() == DeviceStatus::fault)
+    return fail("the device{} stopped answering; check its cable and power", name_plugin(options_));
   if (servo_.has_overrun()) {
     return fail("a cycle was missed ({}) and --overrun is stop; allow the loop real time (--rt), or set a lower --rate", main_cause(stats));
   }
@@ -250,7 +258,7 @@ Result<void> IoSession::serve_requests(const ServoStats& stats) {
 
 void IoSession::print_events() {
   for (ServoEvent event; servo_.events().pop(event);) {
-    log_info("{}{}", prefix_, describe(event));
+    log_info("{}{}", prefix_, describe(event, options_));
     if (latch_file_ != nullptr) keep_latch(event);
   }
 }

@@ -80,9 +80,9 @@ std::optional<LocalForce> LocalPatch::step(const DeviceSample& sample) noexcept 
   const TouchInput input{.p_WD = sample.p_WD, .X_WS = orders.X_WS, .dt_s = dt_s, .time_s = 1e-9 * static_cast<double>(scene_ns_)};
   const std::optional<PatchOutput> output = touch_.step(input);
   counts_.publish(touch_.counts());
-  for (std::size_t link = 0; link < kLinks; ++link) {
+  touch_.for_each_link([&](std::size_t link) {
     if (touch_.is_in_use(link)) hands_[link].publish(touch_.hand_of(link, sample.time_ns));
-  }
+  });
   // The proxy goes on following the device, so that the surface is the same once haptics replies again.
   if (!output || are_bodies_awaited_ || sample.time_ns >= orders.until_ns) return std::nullopt;
   const std::int64_t scene_ns = touch_.body_count() > 1 ? scene_ns_ : -1;

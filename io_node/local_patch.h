@@ -86,7 +86,7 @@ class LocalPatch final : public LocalTouch {
   }
   template <class T>
   static void exchange(std::atomic<T*>& slot, std::nullptr_t) noexcept {
-    delete slot.exchange(nullptr, std::memory_order_acq_rel);
+    if (slot.load(std::memory_order_relaxed) != nullptr) delete slot.exchange(nullptr, std::memory_order_acq_rel);
   }
   template <class T>
   bool take_over(std::atomic<T*>& offered, std::atomic<T*>& retired) noexcept;

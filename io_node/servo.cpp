@@ -181,6 +181,8 @@ void Servo::on_message(const PeerEvent& event, const Datagram& datagram) noexcep
   if (const auto* setup = std::get_if<HapticsSetup>(&message)) return on_setup(*setup);
   if (const auto* state = std::get_if<MaterialState>(&message)) {
     peers_.send_to_role(NodeRole::tool, *state);
+    // `hapton dynamics` is one of these.
+    peers_.send_to_role(NodeRole::vision, *state);
     return;
   }
   if (const auto* pose = std::get_if<ObjectPose>(&message)) {

@@ -190,6 +190,8 @@ void reserve(wire::ForceCommand& m) {
   reserve_field(*m.mutable_visual_offset_m());
   reserve_field(*m.mutable_torque_nm());
   reserve_field(*m.mutable_visual_turn());
+  reserve_field(*m.mutable_push_force_n());
+  reserve_field(*m.mutable_push_torque_nm());
 }
 void reserve(wire::ProbeState& m) {
   reserve_field(*m.mutable_p_wd_m());
@@ -198,6 +200,8 @@ void reserve(wire::ProbeState& m) {
   reserve_field(*m.mutable_force_n());
   reserve_field(*m.mutable_torque_nm());
   reserve_field(*m.mutable_visual_turn());
+  reserve_field(*m.mutable_push_force_n());
+  reserve_field(*m.mutable_push_torque_nm());
 }
 void reserve(wire::ViewTransform& m) { reserve_field(*m.mutable_x_ws()); }
 void reserve(wire::FrameAck&) {}

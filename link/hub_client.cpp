@@ -15,10 +15,13 @@ constexpr int kMaxRejectedPerPoll = 64;
 HubClient::HubClient(Endpoint& endpoint, const Clock& clock, NodeRole role, const Address& hub, std::uint64_t sender_id)
     : endpoint_(endpoint), clock_(clock), role_(role), hub_(hub), sender_(sender_id != 0 ? sender_id : make_random_id()) {}
 
-HubClient::~HubClient() {
+HubClient::~HubClient() { leave(); }
+
+void HubClient::leave() noexcept {
   if (state_ == JoinState::joined) {
     transmit(Bye{}, clock_.now_ns());
   }
+  state_ = JoinState::joining;
 }
 
 JoinState HubClient::state() const noexcept {

@@ -40,6 +40,8 @@ class HubClient {
   // Pre: endpoint and clock outlive the client. sender_id 0: a random one.
   HubClient(Endpoint& endpoint, const Clock& clock, NodeRole role, const Address& hub, std::uint64_t sender_id = 0);
   ~HubClient();
+  // Sends Bye now, where the end is still to come. Afterwards only counts: neither send nor receive.
+  void leave() noexcept;
   HubClient(const HubClient&) = delete;
   HubClient& operator=(const HubClient&) = delete;
 

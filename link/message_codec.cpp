@@ -87,6 +87,8 @@ void write(const ForceCommand& from, wire::ForceCommand& to) {
   to.set_scene_time_ns(from.scene_time_ns);
   to.set_move_serial(from.move_serial);
   to.set_carve_serial(from.carve_serial);
+  write_vector(*to.mutable_push_force_n(), from.push_force_n);
+  write_vector(*to.mutable_push_torque_nm(), from.push_torque_nm);
 }
 
 void write(const ViewTransform& from, wire::ViewTransform& to) {
@@ -114,6 +116,8 @@ void write(const ProbeState& from, wire::ProbeState& to) {
   to.set_force_limit_n(from.force_limit_n);
   write_vector(*to.mutable_visual_turn(), from.visual_turn);
   to.set_scene_time_ns(from.scene_time_ns);
+  write_vector(*to.mutable_push_force_n(), from.push_force_n);
+  write_vector(*to.mutable_push_torque_nm(), from.push_torque_nm);
 }
 
 void write(const FrameAck& from, wire::FrameAck& to) {
@@ -247,7 +251,8 @@ bool read(const wire::ForceCommand& from, ForceCommand& to) {
   to.move_serial = from.move_serial();
   to.carve_serial = from.carve_serial();
   return read_vector(from.force_n(), to.force_n) && read_vector(from.visual_offset_m(), to.visual_offset_m) &&
-         read_optional_vector(from.torque_nm(), to.torque_nm) && read_optional_vector(from.visual_turn(), to.visual_turn);
+         read_optional_vector(from.torque_nm(), to.torque_nm) && read_optional_vector(from.visual_turn(), to.visual_turn) &&
+         read_optional_vector(from.push_force_n(), to.push_force_n) && read_optional_vector(from.push_torque_nm(), to.push_torque_nm);
 }
 
 bool read(const wire::ProbeState& from, ProbeState& to) {
@@ -269,6 +274,7 @@ bool read(const wire::ProbeState& from, ProbeState& to) {
   return read_vector(from.p_wd_m(), to.p_WD) && read_rotation(from.q_wt(), to.q_WT) &&
          read_vector(from.visual_offset_m(), to.visual_offset_m) && read_vector(from.force_n(), to.force_n) &&
          read_optional_vector(from.torque_nm(), to.torque_nm) && read_optional_vector(from.visual_turn(), to.visual_turn) &&
+         read_optional_vector(from.push_force_n(), to.push_force_n) && read_optional_vector(from.push_torque_nm(), to.push_torque_nm) &&
          is_amount(to.servo_rate_hz) && is_amount(to.round_trip_p50_us) && is_amount(to.round_trip_p99_us) && is_amount(to.force_limit_n);
 }
 

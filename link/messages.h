@@ -69,6 +69,9 @@ struct ForceCommand {
   std::int64_t scene_time_ns = 0;
   std::uint32_t move_serial = 0;   // of the newest move of an object that it was computed with, as ObjectMove counts
   std::uint32_t carve_serial = 0;  // of the newest carve made before this step, as Carves count
+  // Of a rigid tool on `object`, one that programs move; torque about the grip point of the tool as it is drawn.
+  Vec3 push_force_n = Vec3::Zero();
+  Vec3 push_torque_nm = Vec3::Zero();
 };
 
 // ForceCommand::answered_before of a first reply that resumes contact of an earlier session.
@@ -117,11 +120,13 @@ struct ProbeState {
   ProbeStatus status = ProbeStatus::ok;
   // What the device has given the hand beyond what it took, in per cent of the energy budget; at 100 no force is left.
   std::uint32_t energy_percent = 0;
-  std::int32_t object = -1;         // touched in that sample, as in ForceCommand
-  Vec3 torque_nm = Vec3::Zero();    // the newest, of a rigid tool
-  Vec3 visual_turn = Vec3::Zero();  // of that sample, as in ForceCommand
-  float force_limit_n = 0.0F;       // the largest force that the device may get; 0: unknown
-  std::int64_t scene_time_ns = 0;   // of the newest sample with a reply, as in ForceCommand
+  std::int32_t object = -1;            // touched in that sample, as in ForceCommand
+  Vec3 torque_nm = Vec3::Zero();       // the newest, of a rigid tool
+  Vec3 visual_turn = Vec3::Zero();     // of that sample, as in ForceCommand
+  float force_limit_n = 0.0F;          // the largest force that the device may get; 0: unknown
+  std::int64_t scene_time_ns = 0;      // of the newest sample with a reply, as in ForceCommand
+  Vec3 push_force_n = Vec3::Zero();    // of that sample, as in ForceCommand
+  Vec3 push_torque_nm = Vec3::Zero();  // the same
 };
 
 // vision -> hub: frame acknowledgement, after a frame was drawn or skipped because it would look the same: which sample it shows. Requests
@@ -195,8 +200,8 @@ struct MaterialRequest {
   MaterialChange change;
 };
 
-// haptics -> hub -> every tool, when it has changed and once a second from the first request on: the differences between the materials in
-// use and those of the scene file, so that a recording can be replayed, and the result of the last request.
+// haptics -> hub -> every tool and vision node, when it has changed and once a second from the first request on: the differences between
+// the materials in use and those of the scene file, so that a recording can be replayed, and the result of the last request.
 struct MaterialState {
   static constexpr std::size_t kMostObjects = 20;
   struct Object {

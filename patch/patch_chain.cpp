@@ -26,6 +26,7 @@ std::unique_ptr<PatchBodies> PatchChain::take(std::unique_ptr<PatchBodies> bodie
     commanded_[b] = AnnouncedMotion(body.pivot_S, body.radius_m);
   }
   if (body_count() > 1) links_[link_count_++] = {kLinks - 1, false, true};
+  most_bodies_ = std::max(most_bodies_, body_count());
   return bodies;
 }
 
@@ -168,8 +169,8 @@ std::optional<PatchOutput> PatchChain::step_chain(const TouchInput& input) noexc
 PatchTouch::Counts PatchChain::counts() const noexcept {
   PatchTouch::Counts sum;
   sum.late_moves = late_moves_;
-  for (const PatchTouch& touch : touches_) {
-    const PatchTouch::Counts& one = touch.counts();
+  for_each_link([&](std::size_t link) {
+    const PatchTouch::Counts& one = touches_[link].counts();
     sum.steps += one.steps;
     sum.contact_steps += one.contact_steps;
     sum.followed += one.followed;
@@ -178,7 +179,7 @@ PatchTouch::Counts PatchChain::counts() const noexcept {
     sum.beyond_steps += one.beyond_steps;
     sum.raised += one.raised;
     sum.begun_anew += one.begun_anew;
-  }
+  });
   return sum;
 }
 

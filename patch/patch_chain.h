@@ -56,6 +56,12 @@ class PatchChain {
   // Links in use: the bodies, and where something moves the second one of what stands still, which is always kLinks - 1.
   std::size_t body_count() const noexcept { return bodies_ != nullptr ? bodies_->bodies.size() : 1; }
   bool is_in_use(std::size_t link) const noexcept { return link < body_count() || (link == kLinks - 1 && body_count() > 1); }
+  // Calls visit(link) for each link that is or has been in use: in a scene that stands still, the one.
+  template <class Visit>
+  void for_each_link(Visit&& visit) const {
+    for (std::size_t link = 0; link < most_bodies_; ++link) visit(link);
+    if (most_bodies_ > 1) visit(kLinks - 1);
+  }
   // Where the hand is for a link, in its frame, since the last step.
   PatchHand hand_of(std::size_t link, std::int64_t time_ns) const noexcept { return touches_[link].hand_at(p_OD_[link], time_ns); }
   // X_SO of a body at a scene time.
@@ -97,6 +103,7 @@ class PatchChain {
   std::unique_ptr<PatchMaterials> materials_;
   std::array<Link, kLinks> links_;
   std::size_t link_count_ = 1;
+  std::size_t most_bodies_ = 1;  // that there were at a time
   TouchChain chain_;
   std::optional<Start> start_;  // none: where the proxy is, is not known
   bool are_new_ = false;        // bodies have come that have not begun at start_ yet

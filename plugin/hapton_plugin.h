@@ -101,8 +101,13 @@ typedef struct hapton_object {
 
 /* One sample. */
 typedef struct hapton_method_input {
-  double position_m[3]; /* device point, S */
-  double dt_s;          /* since the sample before; above 0 */
+  double position_m[3];       /* device point, S */
+  double dt_s;                /* since the sample before; above 0 */
+  double orientation[4];      /* stylus in S */
+  double velocity_m_per_s[3]; /* of the hand, along the axes of S; mean of the last 8 differences */
+  double time_s;              /* of the sample, since the first after reset */
+  uint32_t buttons;           /* a bit each, the lowest first */
+  uint32_t unused;
 } hapton_method_input;
 
 /* Zero when step is called, with the proxy at the device point and object -1. */

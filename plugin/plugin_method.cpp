@@ -4,6 +4,8 @@
 #include <limits>
 #include <utility>
 
+#include "core/force/touch_step.h"
+
 namespace hapton {
 namespace {
 
@@ -54,9 +56,27 @@ PluginMethod::~PluginMethod() {
   if (method_ != nullptr && api_.destroy != nullptr) call_plugin([&] { api_.destroy(method_); });
 }
 
+// The velocity is the hand's: a scene that is turned does not move it.
+void PluginMethod::note_hand(const MethodInput& input, hapton_method_input& own) noexcept {
+  const TouchInput in_scene{.p_WD = input.p_SD, .buttons = input.buttons};
+  const TouchInput& touch = input.touch != nullptr ? *input.touch : in_scene;
+  velocity_.add(touch.p_WD, input.dt_s);
+  time_s_ += has_sample_ ? input.dt_s : 0.0;
+  has_sample_ = true;
+  const Mat3 R_SW = touch.X_WS.linear().transpose();
+  const Vec3 v_S = R_SW * velocity_.mean();
+  const Quat q_ST = Quat(R_SW) * touch.q_WT;
+  const double orientation[] = {q_ST.w(), q_ST.x(), q_ST.y(), q_ST.z()};
+  std::copy_n(orientation, 4, own.orientation);
+  std::copy_n(v_S.data(), 3, own.velocity_m_per_s);
+  own.time_s = time_s_;
+  own.buttons = touch.buttons;
+}
+
 void PluginMethod::ask(const MethodInput& input, PluginForce& given) {
   hapton_method_input own = {};
   own.dt_s = input.dt_s;
+  note_hand(input, own);
   hapton_method_output output = {};
   for (int k = 0; k < 3; ++k) own.position_m[k] = output.proxy_m[k] = input.p_SD[k];
   output.object = -1;
@@ -84,6 +104,9 @@ MethodOutput PluginMethod::step(const MethodInput& input) noexcept {
 
 void PluginMethod::reset(const Vec3& p_SD) noexcept {
   guard_.forget();
+  velocity_.reset();
+  time_s_ = 0.0;
+  has_sample_ = false;
   if (guard_.cut_off() || !p_SD.allFinite()) return;
   if (!call_plugin([&] { api_.reset(method_, p_SD.data()); })) guard_.cut({.reason = CutOff::Reason::exception});
 }

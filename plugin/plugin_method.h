@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/effects/smooth_velocity.h"
 #include "core/force/force_method.h"
 #include "plugin/call_guard.h"
 #include "plugin/plugin_file.h"
@@ -36,6 +37,7 @@ class PluginMethod final : public ForceMethod {
  private:
   PluginMethod(PluginFile file, const hapton_method_api& api, const TouchScene& scene, const Clock& clock, std::int64_t budget_ns);
   void ask(const MethodInput& input, PluginForce& given);
+  void note_hand(const MethodInput& input, hapton_method_input& own) noexcept;
 
   PluginFile file_;
   const hapton_method_api& api_;
@@ -46,6 +48,9 @@ class PluginMethod final : public ForceMethod {
   void* method_ = nullptr;
   CallGuard guard_;
   MethodOutput asked_;  // of the last call
+  SmoothVelocity velocity_;
+  double time_s_ = 0.0;  // since the first sample after reset
+  bool has_sample_ = false;
 };
 
 // How --method and MethodSettings::name call a method from a file: "plugin", or with its full name.

@@ -36,21 +36,23 @@ void raise_value_error(const std::string& what) { throw py::value_error(what); }
 std::vector<Vec3> read_points(const Doubles& array, const char* name, bool takes_not_finite) {
   const bool is_one = array.ndim() == 1 && array.shape(0) == 3;
   if (!is_one && !(array.ndim() == 2 && array.shape(1) == 3)) {
-    raise_value_error(fmt::format("{} has shape {}; give (n, 3): x, y, z in metres", name, shape_of(array)));
+    raise_value_error(fmt::format("{} has shape {}; give (n, 3): x, y, z", name, shape_of(array)));
   }
   std::vector<Vec3> points(is_one ? 1 : static_cast<std::size_t>(array.shape(0)));
   const double* numbers = array.data();
   for (std::size_t i = 0; i < points.size(); ++i) {
     points[i] = Vec3(numbers[3 * i], numbers[3 * i + 1], numbers[3 * i + 2]);
-    if (!takes_not_finite && !points[i].allFinite()) raise_value_error(fmt::format("{}[{}] is not finite; give metres", name, i));
+    if (!takes_not_finite && !points[i].allFinite()) raise_value_error(fmt::format("{}[{}] is not finite", name, i));
   }
   return points;
 }
 
 Vec3 read_point(const Doubles& array, const char* name) {
-  const std::vector<Vec3> points = read_points(array, name);
-  if (points.size() != 1) raise_value_error(fmt::format("{} has shape {}; give (3,)", name, shape_of(array)));
-  return points.front();
+  const bool is_one = array.size() == 3 && (array.ndim() == 1 || (array.ndim() == 2 && array.shape(0) == 1));
+  if (!is_one) raise_value_error(fmt::format("{} has shape {}; give (3,): x, y, z", name, shape_of(array)));
+  const Vec3 point(array.data()[0], array.data()[1], array.data()[2]);
+  if (!point.allFinite()) raise_value_error(fmt::format("{} is not finite", name));
+  return point;
 }
 
 Pose read_pose(const Doubles& array, const char* name) {

@@ -78,6 +78,21 @@ PythonField make_pulse(const Doubles& force, double duration_s, double delay_s) 
   return {PulseField{read_point(force, "force_n"), check_number(duration_s, "duration_s", false), check_number(delay_s, "delay_s")}};
 }
 
+PythonField make_expression(const std::string& fx, const std::string& fy, const std::string& fz, double most_n,
+                            const py::kwargs& constants) {
+  std::map<std::string, double> numbers;
+  for (const auto& [name, value] : constants) {
+    try {
+      numbers[name.cast<std::string>()] = value.cast<double>();
+    } catch (const py::cast_error&) {
+      raise_value_error(fmt::format("the constant {} is no number", name.cast<std::string>()));
+    }
+  }
+  auto made = ExpressionField::make({fx, fy, fz}, numbers, check_number(most_n, "max_force_n"));
+  if (!made) raise_value_error(made.error().what);
+  return {std::move(*made)};
+}
+
 std::vector<Field> laws_of(const std::vector<PythonField>& fields) {
   std::vector<Field> laws;
   for (const PythonField& field : fields) laws.push_back(field.law);
@@ -126,6 +141,10 @@ void bind_fields(py::module_& module) {
              "A spring and a damper to the sides of a line, nothing along it.");
   fields.def("pulse", &make_pulse, py::arg("force_n"), py::arg("duration_s") = 0.1, py::arg("delay_s") = 0.0,
              "A half sine of force_n, once, delay_s after the fields were set.");
+  fields.def(
+      "expression", &make_expression, py::arg("fx"), py::arg("fy"), py::arg("fz"), py::arg("max_force_n") = 5.0,
+      "A force by three expressions of x, y, z (m), vx, vy, vz (m/s) and t (s, since the fields were set), with constants by keyword:\n"
+      "expression('-k * x', '0', '-b * vz', k=40, b=2). Operators and functions of muParser; where it is not finite there is no force.");
   fields.def("evaluate", &evaluate_fields, py::arg("fields"), py::arg("positions"), py::arg("dt_s") = 1e-3,
              "The sum of fields along (n, 3) positions, dt_s seconds apart: (n, 3), N. What FieldNode would ask for, without fading.");
 }

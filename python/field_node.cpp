@@ -1,5 +1,6 @@
 #include "python/field_node.h"
 
+#include "link/marker_request.h"
 #include "runtime/realtime.h"
 #include "runtime/start_thread.h"
 
@@ -9,10 +10,12 @@ namespace {
 constexpr std::int64_t kNodeTurnNs = 20 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kHistogramEveryNs = 200 * kNanosecondsPerMillisecond;
 constexpr double kLongestStepS = 0.1;
+constexpr std::chrono::seconds kMarkerPatience{2};
 
 }  // namespace
 
-FieldNode::FieldNode(std::unique_ptr<NodeLink> link) : link_(std::move(link)) {
+FieldNode::FieldNode(std::unique_ptr<NodeLink> link, double watch_s)
+    : watch_s_(watch_s), watched_ns_(clock_.now_ns()), link_(std::move(link)), markers_(link_->markers()) {
   thread_ = start_thread([this] { run(); });
 }
 
@@ -24,14 +27,31 @@ void FieldNode::stop() {
   link_.reset();
 }
 
+bool FieldNode::is_watch_over() const noexcept {
+  return 1e-9 * static_cast<double>(clock_.now_ns() - watched_ns_.load(std::memory_order_relaxed)) > watch_s_;
+}
+
 void FieldNode::set(std::vector<Field> fields) {
+  rewind_watch();
   auto law = std::make_unique<FieldLaw>(std::move(fields));
   const std::scoped_lock lock(mutex_);
   next_ = std::move(law);
+  is_law_waiting_.store(true, std::memory_order_relaxed);
   old_.reset();
 }
 
+Result<std::uint64_t> FieldNode::mark(std::string_view text) {
+  rewind_watch();
+  const auto marker = make_marker(text);
+  if (!marker) return tl::unexpected(marker.error());
+  if (is_stopping_.load()) return fail("this node is closed");
+  const auto reply = markers_->request(*marker, kMarkerPatience);
+  if (!reply) return fail("no reply from the hub in {} s: it is gone, or of an earlier version", kMarkerPatience.count());
+  return read_reply(*reply);
+}
+
 FieldNodeState FieldNode::state() {
+  rewind_watch();
   const std::scoped_lock lock(mutex_);
   FieldNodeState state = state_;
   state.compute_p50_us = 1e-3 * compute_times_.quantile_ns(0.5);
@@ -45,6 +65,7 @@ void FieldNode::run() {
   while (!is_stopping_.load(std::memory_order_relaxed)) {
     if (const auto state = link_->next(link_->clock().now_ns() + kNodeTurnNs)) {
       answer(*state);
+      if (!is_law_waiting_.load(std::memory_order_relaxed)) link_->send_marker();
     } else if (const std::unique_lock lock(mutex_, std::try_to_lock); lock) {
       state_.is_joined = link_->is_joined();
     }
@@ -54,23 +75,28 @@ void FieldNode::run() {
 
 void FieldNode::answer(const DeviceState& state) noexcept {
   if (first_ns_ == 0) first_ns_ = last_ns_ = state.sample_time_ns;
-  take_law();
+  if (take_law()) laws_sample_ = state.sample;
   const double dt_s = std::clamp(1e-9 * static_cast<double>(state.sample_time_ns - last_ns_), 0.0, kLongestStepS);
   last_ns_ = state.sample_time_ns;
-  const Vec3 wanted_n = law_->step(state.p_WD, dt_s);
+  Vec3 wanted_n = law_->step(state.p_WD, dt_s);
+  const bool is_over = is_watch_over();
+  if (is_over) wanted_n.setZero();
+  if (std::exchange(was_watch_over_, is_over) != is_over) fade_.begin();
   const Vec3 force_n = fade_.step(wanted_n, true, std::max(dt_s, 1e-6));
   link_->answer(force_n);
   note(state, force_n);
 }
 
 // Python holds the lock for as long as a pointer changes hands; otherwise the next sample takes the law.
-void FieldNode::take_law() noexcept {
+bool FieldNode::take_law() noexcept {
   const std::unique_lock lock(mutex_, std::try_to_lock);
-  if (!lock || next_ == nullptr || old_ != nullptr) return;
+  if (!lock || next_ == nullptr || old_ != nullptr) return false;
   next_->take_motion(*law_);
   old_ = std::exchange(law_, std::move(next_));
   fade_.begin();
+  is_law_waiting_.store(false, std::memory_order_relaxed);
   ++laws_;
+  return true;
 }
 
 void FieldNode::note(const DeviceState& state, const Vec3& force_n) noexcept {
@@ -87,6 +113,8 @@ void FieldNode::note(const DeviceState& state, const Vec3& force_n) noexcept {
   state_.answers = link_->answers();
   state_.superseded = link_->superseded();
   state_.laws = laws_;
+  state_.laws_sample = laws_sample_;
+  state_.is_watch_over = was_watch_over_;
   state_.rate_hz = t_s > 0.0 ? static_cast<double>(link_->answers() - 1) / t_s : 0.0;
   if (state.sample_time_ns < histogram_ns_) return;
   histogram_ns_ = state.sample_time_ns + kHistogramEveryNs;

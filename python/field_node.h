@@ -3,11 +3,13 @@
 #include <atomic>
 #include <memory>
 #include <mutex>
+#include <string_view>
 #include <thread>
 
 #include "core/force/force_fade.h"
 #include "python/fields.h"
 #include "python/node_link.h"
+#include "runtime/clock.h"
 
 namespace hapton::python {
 
@@ -22,8 +24,10 @@ struct FieldNodeState {
   bool is_joined = false;
   std::uint64_t answers = 0;
   std::uint64_t superseded = 0;
-  std::uint64_t laws = 0;  // fields set and in use
-  double rate_hz = 0.0;    // answers a second since the first
+  std::uint64_t laws = 0;         // fields set and in use
+  std::uint64_t laws_sample = 0;  // the first sample that the present fields answered
+  bool is_watch_over = false;     // no force: Python has been silent for longer than watch_s
+  double rate_hz = 0.0;           // answers a second since the first
   double compute_p50_us = 0.0;
   double compute_p99_us = 0.0;
 };
@@ -33,31 +37,45 @@ struct FieldNodeState {
 // released.
 class FieldNode {
  public:
-  explicit FieldNode(std::unique_ptr<NodeLink> link);
+  // watch_s: the force fades to zero while neither set, mark nor state has been called for that long; infinite: it stays.
+  FieldNode(std::unique_ptr<NodeLink> link, double watch_s);
   ~FieldNode();
   FieldNode(const FieldNode&) = delete;
   FieldNode& operator=(const FieldNode&) = delete;
 
   void set(std::vector<Field> fields);
+  // Marks the recording once the fields set before are in use, and waits for it. The sample that it belongs to: the first one that those
+  // fields answered, or one soon after. Error, one line: as LiveClient::mark.
+  Result<std::uint64_t> mark(std::string_view text);
   FieldNodeState state();
   void stop();
 
  private:
   void run();
   void answer(const DeviceState& state) noexcept;
-  void take_law() noexcept;
+  bool take_law() noexcept;  // true: the fields have changed
   void note(const DeviceState& state, const Vec3& force_n) noexcept;
+  // Python is alive.
+  void rewind_watch() noexcept { watched_ns_.store(clock_.now_ns(), std::memory_order_relaxed); }
+  bool is_watch_over() const noexcept;
 
+  SteadyClock clock_;
+  double watch_s_;
+  std::atomic<std::int64_t> watched_ns_;
+  bool was_watch_over_ = false;
   std::unique_ptr<NodeLink> link_;
+  std::shared_ptr<NodeLink::Markers> markers_;
   std::unique_ptr<FieldLaw> law_ = std::make_unique<FieldLaw>();
   ForceFade fade_;
   std::int64_t first_ns_ = 0;
   std::int64_t last_ns_ = 0;
   std::uint64_t laws_ = 0;
+  std::uint64_t laws_sample_ = 0;
 
   std::mutex mutex_;                // of what follows; the node's thread only tries it
   std::unique_ptr<FieldLaw> next_;  // set and not in use yet
   std::unique_ptr<FieldLaw> old_;   // for Python's thread to free
+  std::atomic<bool> is_law_waiting_{false};
   FieldNodeState state_;
   LatencyHistogram compute_times_;
   std::int64_t histogram_ns_ = 0;

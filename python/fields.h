@@ -11,6 +11,7 @@
 #include "core/effects/spring_effect.h"
 #include "core/effects/viscous_effect.h"
 #include "core/effects/wave_effect.h"
+#include "python/expression_field.h"
 
 namespace hapton::python {
 
@@ -65,7 +66,8 @@ struct MassField {
   Vec3 force(const EffectSample& hand) noexcept { return law.force(hand, state); }
 };
 
-using Field = std::variant<SpringEffect, ViscousEffect, ConstantEffect, WaveEffect, WallField, ChannelField, PulseField, MassField>;
+using Field =
+    std::variant<SpringEffect, ViscousEffect, ConstantEffect, WaveEffect, WallField, ChannelField, PulseField, MassField, ExpressionField>;
 
 // The sum of fields over the samples of a device, with what it remembers of them. RT: step yes. Threads: one.
 class FieldLaw {

@@ -223,6 +223,8 @@ py::dict describe_node(FieldNode& node) {
   state["answers"] = now.answers;
   state["superseded"] = now.superseded;
   state["changes"] = now.laws;
+  state["changed_sample"] = now.laws_sample;
+  state["watch_over"] = now.is_watch_over;
   state["rate_hz"] = now.rate_hz;
   state["compute_p50_us"] = now.compute_p50_us;
   state["compute_p99_us"] = now.compute_p99_us;
@@ -293,6 +295,7 @@ py::dict run_force_function(const py::function& force, double seconds, const std
     link->release();
     throw;
   }
+  (void)link->next(0);  // counts what came since the last answer
   const py::dict report = describe_run(*link, 1e-9 * static_cast<double>(link->clock().now_ns() - begin_ns));
   link->release();
   return report;
@@ -383,24 +386,46 @@ void bind_force_function(py::module_& module) {
 
 }  // namespace
 
+std::unique_ptr<FieldNode> open_field_node(const std::string& hub, const std::string& key_file, std::optional<double> watch_s) {
+  if (watch_s && !(*watch_s > 0.0)) raise_value_error(fmt::format("watch_s is {}; give a time above 0, or None", *watch_s));
+  auto link = open_or_raise([&] { return NodeLink::open(hub, key_file); });
+  return std::make_unique<FieldNode>(std::move(link), watch_s.value_or(std::numeric_limits<double>::infinity()));
+}
+
+std::optional<std::uint64_t> set_fields(FieldNode& node, const py::iterable& fields, const std::optional<std::string>& mark) {
+  node.set(read_fields(fields));
+  if (!mark) return std::nullopt;
+  auto sample = [&] {
+    const py::gil_scoped_release others_run;
+    return node.mark(*mark);
+  }();
+  return value_or_raise(std::move(sample));
+}
+
 void bind_live(py::module_& module) {
   bind_client(module);
   bind_force_function(module);
   py::class_<FieldNode>(module, "FieldNode",
                         "A haptics node whose C++ thread answers every sample with a sum of fields; set() changes them.")
-      .def(py::init([](const std::string& hub, const std::string& key_file) {
-             return std::make_unique<FieldNode>(open_or_raise([&] { return NodeLink::open(hub, key_file); }));
-           }),
-           py::arg("hub") = "127.0.0.1", py::arg("key_file") = "",
-           "hub: HOST or HOST:PORT of io_node. key_file: of the role haptics; empty: this user's key.")
-      .def(
-          "set", [](FieldNode& node, const py::iterable& fields) { node.set(read_fields(fields)); }, py::arg("fields"),
-          "The fields from now on, all changed at one sample; the force fades to theirs within 0.1 s. Their times begin at 0.")
+      .def(py::init(&open_field_node), py::arg("hub") = "127.0.0.1", py::arg("key_file") = "", py::arg("watch_s") = py::none(),
+           "hub: HOST or HOST:PORT of io_node. key_file: of the role haptics; empty: this user's key. watch_s: the force fades to zero "
+           "while\n"
+           "Python has called neither set nor state for that long; None: the fields stay until close, or the end of Python.")
+      .def("set", &set_fields, py::arg("fields"), py::arg("mark") = py::none(),
+           "The fields from now on, all changed at one sample; the force fades to theirs within 0.1 s. Their times begin at 0.\n"
+           "mark: also marks the recording (io_node --record) once they are in use, waits for it, and returns the number of the marked "
+           "sample.")
       .def("state", &describe_node,
            "The newest sample as a dict: sample, t_s, position_m, velocity_m_per_s, force_n (asked for), buttons, joined, answers, "
            "superseded,\n"
-           "changes, rate_hz, compute_p50_us, compute_p99_us.")
-      .def("close", &FieldNode::stop, py::call_guard<py::gil_scoped_release>(), "Releases the force and leaves the session.");
+           "changes (of the fields), changed_sample (the first with the present fields), watch_over (no force, see watch_s), rate_hz, "
+           "compute_p50_us, compute_p99_us.")
+      .def("close", &FieldNode::stop, py::call_guard<py::gil_scoped_release>(), "Releases the force and leaves the session.")
+      .def("__enter__", [](py::object node) { return node; })
+      .def("__exit__", [](FieldNode& node, const py::args&) {
+        const py::gil_scoped_release others_run;
+        node.stop();
+      });
 }
 
 }  // namespace hapton::python

@@ -26,6 +26,7 @@ std::optional<DeviceState> NodeLink::next(std::int64_t deadline_ns) noexcept {
   bool has_state = false;
   for (bool is_there = client.receive(datagram_, deadline_ns); is_there; is_there = client.receive(datagram_, 0)) {
     const auto* state = std::get_if<DeviceState>(&datagram_.message);
+    if (state == nullptr) markers_->take(datagram_.message);
     if (state == nullptr || client.last_arrival() == Arrival::reordered) continue;
     skipped_ += has_state ? 1 : 0;
     state_ = *state;

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "link/hub_connection.h"
+#include "python/reply_awaiter.h"
 #include "runtime/latency_histogram.h"
 
 namespace hapton::python {
@@ -28,7 +29,14 @@ class NodeLink {
   // The hub that has left comes back, perhaps: next goes on.
   bool is_joined() noexcept { return connection_->client().state() == JoinState::joined; }
   std::uint64_t answers() const noexcept { return answers_; }
-  std::uint64_t superseded() const noexcept { return superseded_; }
+  // Samples that never got an answer, as a newer one had come.
+  std::uint64_t superseded() const noexcept { return superseded_ + skipped_; }
+
+  // Marks of the recording: any thread requests them and waits, and may do so for longer than the link lives; send_marker, of the link's
+  // own thread, sends the one that waits, again until the hub replies.
+  using Markers = ReplyAwaiter<Marker, MarkerReply>;
+  std::shared_ptr<Markers> markers() const noexcept { return markers_; }
+  void send_marker() noexcept { markers_->send(connection_->client(), clock().now_ns()); }
   // From a sample's arrival to its answer's departure.
   const LatencyHistogram& compute_times() const noexcept { return compute_times_; }
 
@@ -46,6 +54,7 @@ class NodeLink {
   std::uint64_t answers_ = 0;
   std::uint64_t superseded_ = 0;
   LatencyHistogram compute_times_;
+  std::shared_ptr<Markers> markers_ = std::make_shared<Markers>();
 };
 
 }  // namespace hapton::python

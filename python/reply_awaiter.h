@@ -29,9 +29,10 @@ class ReplyAwaiter {
     return reply_;
   }
 
+  // Does not wait: where another thread has the lock, the next turn sends.
   void send(HubClient& client, std::int64_t now_ns) {
-    const std::scoped_lock lock(mutex_);
-    if (!request_ || reply_ || now_ns < next_send_ns_) return;
+    const std::unique_lock lock(mutex_, std::try_to_lock);
+    if (!lock || !request_ || reply_ || now_ns < next_send_ns_) return;
     next_send_ns_ = now_ns + 100 * kNanosecondsPerMillisecond;
     client.send(*request_);
   }

@@ -1,8 +1,11 @@
+#include <fmt/core.h>
+
 #include <array>
 #include <vector>
 
 #include "link/session_reader.h"
 #include "python/bindings.h"
+#include "scene/scene_loading.h"
 #include "session/joined_table.h"
 #include "session/object_changes.h"
 #include "session/session_entries.h"
@@ -68,6 +71,21 @@ py::dict describe_header(const SessionHeader& header) {
   return described;
 }
 
+py::list describe_setups(const std::vector<RecordedSetup>& setups) {
+  py::list described;
+  for (const RecordedSetup& one : setups) {
+    py::dict setup;
+    setup["t_s"] = one.t_s;
+    setup["scene"] = one.setup.scene.data();
+    setup["scene_hash"] = fmt::format("{:016x}", one.setup.scene_hash);
+    setup["loading"] = describe_loading(one.setup.scene_loading);
+    setup["method"] = one.setup.method.data();
+    setup["build"] = one.setup.build.data();
+    described.append(setup);
+  }
+  return described;
+}
+
 py::dict read_session(const std::string& path) {
   Columns columns;
   auto reader = value_or_raise(SessionReader::open(path));
@@ -100,6 +118,7 @@ py::dict read_session(const std::string& path) {
   session["carves"] = describe_changes(changes.carves(), carve_columns());
   session["units"] = units;
   session["header"] = describe_header(reader.header());
+  session["header"]["haptics"] = describe_setups(changes.setups());
   session["problem"] = reader.problem();
   return session;
 }

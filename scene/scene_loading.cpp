@@ -1,5 +1,7 @@
 #include "scene/scene_loading.h"
 
+#include <fmt/core.h>
+
 namespace hapton {
 namespace {
 
@@ -27,6 +29,14 @@ std::optional<SceneLoading> from_code(std::uint32_t code) {
   loading.fit = (code & kFitted) != 0 ? MeshFit::workspace : MeshFit::off;
   if (unit > 0) loading.unit = static_cast<Unit>(unit - 1);
   return loading;
+}
+
+std::string describe_loading(std::uint32_t code) {
+  const auto loading = from_code(code);
+  if (!loading) return {};
+  return fmt::format("unit {}, cracks {}{}", loading->unit ? name_of(*loading->unit) : "of the file",
+                     loading->sealing == CrackSealing::on ? "sealed" : "left",
+                     loading->fit == MeshFit::workspace ? ", fitted to the workspace" : "");
 }
 
 }  // namespace hapton

@@ -1,6 +1,7 @@
 #include "session/joined_table.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "core/math/rotation_vector.h"
@@ -50,7 +51,9 @@ constexpr JoinedColumn kJoinedColumns[] = {
     {"written_tx_nm", "N m", [](const JoinedRow& r) { return r.written_nm.x(); }},
     {"written_ty_nm", "N m", [](const JoinedRow& r) { return r.written_nm.y(); }},
     {"written_tz_nm", "N m", [](const JoinedRow& r) { return r.written_nm.z(); }},
-    {"contact", "1", [](const JoinedRow& r) { return r.is_contact ? 1.0 : 0.0; }},
+    {"contact", "1", [](const JoinedRow& r) { return std::isnan(r.wanted_n.x()) ? kUnknown
+                                                     : r.is_contact             ? 1.0
+                                                                                : 0.0; }},
     {"object", "1", [](const JoinedRow& r) { return r.object < 0 ? kUnknown : static_cast<double>(r.object); }},
     {"local", "1", [](const JoinedRow& r) { return r.is_local ? 1.0 : 0.0; }},
     {"round_trip_s", "s", [](const JoinedRow& r) { return r.round_trip_s; }},

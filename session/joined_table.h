@@ -30,7 +30,7 @@ struct JoinedRow {
   Quat q_WP;                      // orientation of the drawn rigid tool; with a probe, that of the stylus
   Vec3 wanted_nm;                 // torque of a rigid tool, before the governor
   Vec3 written_nm = Vec3::Zero();
-  bool is_contact = false;
+  bool is_contact = false;                          // not known where wanted_n is not
   std::int32_t object = -1;                         // touched object, its number in the scene; -1: none, or not recorded
   bool is_local = false;                            // the force was computed in io_node, on a patch of the scene
   double round_trip_s = 0.0;                        // from the sample until its force arrived

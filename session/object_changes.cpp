@@ -57,8 +57,19 @@ std::span<const ChangeColumn<RecordedCarve>> carve_columns() noexcept { return k
 void ObjectChanges::add(const SessionEntry& entry, const Datagram* datagram) {
   if (datagram == nullptr || entry.kind != SessionEntry::Kind::received) return;
   const double t_s = seconds_after(start_ns_, entry.time_ns);
+  if (const auto* setup = std::get_if<HapticsSetup>(&datagram->message)) add_setup(*setup, datagram->header.sender, t_s);
   if (const auto* move = std::get_if<ObjectMove>(&datagram->message)) add_move(*move, datagram->header.sender, t_s);
   if (const auto* carves = std::get_if<Carves>(&datagram->message)) add_carves(*carves, datagram->header.sender, t_s);
+}
+
+// The haptics node repeats it once a second.
+void ObjectChanges::add_setup(const HapticsSetup& setup, std::uint64_t sender, double t_s) {
+  const auto is_same = [&](const HapticsSetup& other) {
+    return other.method == setup.method && other.scene == setup.scene && other.scene_hash == setup.scene_hash &&
+           other.scene_loading == setup.scene_loading && other.build == setup.build;
+  };
+  if (setups_.empty() || setups_.back().sender != sender || !is_same(setups_.back().setup))
+    setups_.push_back({.t_s = t_s, .sender = sender, .setup = setup});
 }
 
 // The haptics node repeats the newest move of each object.

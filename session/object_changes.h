@@ -29,6 +29,13 @@ struct RecordedCarve {
   Carves::One carve;
 };
 
+// From t_s on, as above, the forces were computed with this scene and method.
+struct RecordedSetup {
+  double t_s = 0.0;
+  std::uint64_t sender = 0;
+  HapticsSetup setup;
+};
+
 // A column of numbers, for every writer.
 template <class Row>
 struct ChangeColumn {
@@ -39,7 +46,8 @@ struct ChangeColumn {
 std::span<const ChangeColumn<RecordedMove>> move_columns() noexcept;
 std::span<const ChangeColumn<RecordedCarve>> carve_columns() noexcept;
 
-// What programs moved and the stylus carved in a recording, from what haptics nodes announced: each once, by process and serial. RT: no.
+// Which scene and method a recording has, what programs moved in it and the stylus carved, from what haptics nodes announced: each once, by
+// process and serial. RT: no.
 class ObjectChanges {
  public:
   // start_ns: of the recording.
@@ -49,16 +57,19 @@ class ObjectChanges {
   // At the end: puts the carves in the order of their serials. What was lost at first was sent again later.
   void finish();
 
+  const std::vector<RecordedSetup>& setups() const noexcept { return setups_; }
   const std::vector<RecordedMove>& moves() const noexcept { return moves_; }
   const std::vector<RecordedCarve>& carves() const noexcept { return carves_; }
 
  private:
+  void add_setup(const HapticsSetup& setup, std::uint64_t sender, double t_s);
   void add_move(const ObjectMove& move, std::uint64_t sender, double t_s);
   void add_carves(const Carves& carves, std::uint64_t sender, double t_s);
   // A file may name any serial.
   static constexpr std::uint32_t kMostSerial = std::uint32_t{1} << 24;
 
   std::int64_t start_ns_;
+  std::vector<RecordedSetup> setups_;
   std::uint32_t move_source_ = 0;
   std::uint32_t move_process_ = 0;
   std::map<std::int32_t, std::uint32_t> move_serials_;  // the newest, by object

@@ -72,13 +72,15 @@ CommandOption CommandLine::add_flag(const std::string& name, bool& into, const s
 void CommandLine::add_old_option(const std::string& old_name, CommandOption option) const {
   CLI::Option* const renamed = option.option_;
   const auto pass_on = [old_name, renamed](const std::string& word) {
-    // Not by excludes() of CLI11, which sets both directions: --help would list a hidden option as an empty name.
-    if (renamed->count() > 0) throw CLI::ExcludesError(old_name, renamed->get_name());
     fmt::print(stderr, "{} is now {}\n", old_name, renamed->get_name());
     renamed->add_result(word);
     renamed->run_callback();
   };
-  app_->add_option_function<std::string>(old_name, pass_on, "Old name of " + renamed->get_name())->group("");
+  // Not by excludes() of CLI11, which sets both directions: --help would list a hidden option as an empty name.
+  const auto excludes_new = [old_name, renamed](const std::string&) {
+    return renamed->count() > 0 ? old_name + " excludes " + renamed->get_name() + ", its name now" : std::string();
+  };
+  app_->add_option_function<std::string>(old_name, pass_on, "Old name of " + renamed->get_name())->check(excludes_new)->group("");
 }
 
 CommandLine CommandLine::require_options(std::size_t least, std::size_t most) const {

@@ -56,6 +56,8 @@ Result<void> take(DynamicsDriver& driver, const Scene& scene, HubClient& client,
     driver.take(*probe);
   } else if (const auto* setup = std::get_if<HapticsSetup>(&datagram.message)) {
     driver.take(*setup);
+  } else if (const auto* materials = std::get_if<MaterialState>(&datagram.message)) {
+    driver.take(*materials);
   } else if (const auto* move = std::get_if<ObjectMove>(&datagram.message)) {
     driver.take(*move, client.last_arrival());
   } else if (const auto* reply = std::get_if<MoveReply>(&datagram.message)) {

@@ -107,6 +107,7 @@ int run_hapton_command(int argc, const char* const* argv) {
     const std::string command = words_so_far(app);
     std::string what = error.what();
     std::replace(what.begin(), what.end(), '\n', ' ');
+    if (what.starts_with(": ")) what.erase(0, 2);  // CLI11 calls hidden options, as old names are, by an empty name
     fmt::print(stderr, "{}: {}{}; see {} --help\n", command, what, suggest_flag(app), command);
     return kBadCommandLine;
   }

@@ -8,6 +8,8 @@ namespace hapton::vrpn {
 namespace {
 
 constexpr std::string_view kPosition = "vrpn_Tracker Pos_Quat";
+constexpr std::string_view kButtonChange = "vrpn_Button Change";
+constexpr std::string_view kButtonStates = "vrpn_Button States";
 constexpr std::string_view kPing = "vrpn_Base ping_message";
 // Our numbers for our own messages.
 constexpr std::int32_t kSender = 0, kPingType = 0;
@@ -64,7 +66,9 @@ bool TrackerClient::receive_message(const Message& message) {
     case kDisconnect:
       return false;
     default:
-      if (tracker_ == message.sender && position_type_ == message.type) receive_position(message);
+      if (tracker_ != message.sender) return true;
+      if (position_type_ == message.type) receive_position(message);
+      if (change_type_ == message.type || states_type_ == message.type) receive_buttons(message);
       return true;
   }
 }
@@ -83,11 +87,26 @@ void TrackerClient::receive_sender(const Message& message) {
 }
 
 void TrackerClient::receive_type(const Message& message) {
-  if (name_of(message) == kPosition) {
-    position_type_ = message.sender;
-  } else if (position_type_ == message.sender) {
-    position_type_.reset();
+  const std::pair<std::string_view, std::optional<std::int32_t>&> read[] = {
+      {kPosition, position_type_}, {kButtonChange, change_type_}, {kButtonStates, states_type_}};
+  for (const auto& [name, number] : read) {
+    if (name_of(message) == name) {
+      number = message.sender;
+    } else if (number == message.sender) {
+      number.reset();
+    }
   }
+}
+
+void TrackerClient::receive_buttons(const Message& message) {
+  if (states_type_ == message.type) {
+    buttons_ = buttons_of(message).value_or(buttons_);
+    return;
+  }
+  const std::optional<ButtonChange> change = button_of(message);
+  if (!change || change->button < 0 || change->button >= 32) return;
+  const std::uint32_t bit = std::uint32_t{1} << change->button;
+  buttons_ = change->is_down ? buttons_ | bit : buttons_ & ~bit;
 }
 
 void TrackerClient::receive_position(const Message& message) {

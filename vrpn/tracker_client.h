@@ -17,8 +17,8 @@ struct TrackerPose {
   Quat q = Quat::Identity();
 };
 
-// The protocol state of one connection to a VRPN server, for one sensor of one tracker. Memory and time are bounded for any bytes received.
-// It has no socket and no clock. RT: no. Threads: one.
+// The protocol state of one connection to a VRPN server, for one sensor of one device and its buttons. Memory and time are bounded for any
+// bytes received. It has no socket and no clock. RT: no. Threads: one.
 class TrackerClient {
  public:
   // Names of the server's devices that are kept for the log; further ones are ignored.
@@ -34,6 +34,8 @@ class TrackerClient {
   bool is_connected() const { return is_connected_; }
   // The newest pose since the last call; none if there is no new one.
   std::optional<TrackerPose> take_newest();
+  // The first 32 buttons of the device that are down, a bit each, as far as the server has said.
+  std::uint32_t buttons() const { return buttons_; }
   // Requests a reply from the tracker (vrpn_Base ping). Pre: is_connected().
   void ping();
   // The devices that the server has named so far, in one line for the log: printable characters only.
@@ -47,6 +49,7 @@ class TrackerClient {
   void receive_sender(const Message& message);
   void receive_type(const Message& message);
   void receive_position(const Message& message);
+  void receive_buttons(const Message& message);
 
   std::string device_;
   std::int32_t sensor_;
@@ -54,11 +57,14 @@ class TrackerClient {
   Bytes out_;
   bool is_connected_ = false;
   std::uint32_t sequence_ = 0;
-  // The server's numbers for the tracker and for the message type that has its position; none: not received yet.
+  // The server's numbers for the device and for the types of messages that are read; none: not received yet.
   std::optional<std::int32_t> tracker_;
   std::optional<std::int32_t> position_type_;
+  std::optional<std::int32_t> change_type_;
+  std::optional<std::int32_t> states_type_;
   std::vector<std::string> devices_;
   std::optional<TrackerPose> newest_;
+  std::uint32_t buttons_ = 0;
 };
 
 }  // namespace hapton::vrpn

@@ -38,6 +38,9 @@ class TrackerLink final : private StreamEndpoint::Listener {
   // Takes what has arrived and returns at once. The newest pose since the last call; none: there is none.
   std::optional<TrackerPose> take_newest(std::int64_t now_ns);
 
+  // Of the device that are down, as TrackerClient::buttons, since the last take_newest; none without a connection.
+  std::uint32_t buttons() const { return client_ ? client_->buttons() : 0; }
+
   // The server has answered in VRPN.
   bool is_connected() const { return client_ && client_->is_connected(); }
   // Of the server: see TrackerClient.

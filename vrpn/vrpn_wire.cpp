@@ -197,6 +197,23 @@ std::optional<SensorPose> position_of(const Message& message) {
   return pose;
 }
 
+std::optional<ButtonChange> button_of(const Message& message) {
+  if (message.body.size() != 2 * sizeof(std::uint32_t)) return std::nullopt;
+  return ButtonChange{static_cast<std::int32_t>(read_u32(message.body, 0)), read_u32(message.body, sizeof(std::uint32_t)) != 0};
+}
+
+std::optional<std::uint32_t> buttons_of(const Message& message) {
+  constexpr std::size_t kWord = sizeof(std::uint32_t);
+  if (message.body.size() < kWord) return std::nullopt;
+  const std::size_t count = read_u32(message.body, 0);
+  if (message.body.size() != kWord * (1 + count)) return std::nullopt;
+  std::uint32_t buttons = 0;
+  for (std::size_t n = 0; n < std::min<std::size_t>(count, 32); ++n) {
+    if (read_u32(message.body, kWord * (1 + n)) != 0) buttons |= std::uint32_t{1} << n;
+  }
+  return buttons;
+}
+
 std::string_view name_of(const Message& description) {
   constexpr std::size_t kPrefix = 4;
   const std::span<const std::byte> body = description.body;

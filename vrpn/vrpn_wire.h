@@ -106,6 +106,15 @@ struct SensorPose {
 // The pose in a vrpn_Tracker Pos_Quat; none: the body has another length.
 std::optional<SensorPose> position_of(const Message& message);
 
+// The number in a vrpn_Button Change and whether that button is down; none: the body has another length.
+struct ButtonChange {
+  std::int32_t button = 0;
+  bool is_down = false;
+};
+std::optional<ButtonChange> button_of(const Message& message);
+// The first 32 buttons of a vrpn_Button States, a bit each; none: the body is something else.
+std::optional<std::uint32_t> buttons_of(const Message& message);
+
 // The name in a description's body, without its terminating zero; empty when it is not well-formed.
 std::string_view name_of(const Message& description);
 

@@ -15,6 +15,8 @@
 
 namespace hapton {
 
+struct TouchInput;
+
 // One device sample, in the static scene's frame.
 struct MethodInput {
   Vec3 p_SD = Vec3::Zero();   // device point, m
@@ -23,6 +25,7 @@ struct MethodInput {
   std::uint32_t buttons = 0;  // of the stylus that are down, a bit each (button_bit); of use to what can be carved only
   // Where programs have moved objects, by their number among those with a TouchObject::command_pivot: X_SO at that time. Empty: at rest.
   std::span<const Pose> commanded = {};
+  const TouchInput* touch = nullptr;  // the same in frame W, with the stylus; of use to methods of plug-ins only. Null: not known
 };
 
 // The result of that sample.

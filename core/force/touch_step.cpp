@@ -16,6 +16,7 @@ MethodInput to_static_scene(const TouchInput& input) {
   sample.dt_s = input.dt_s;
   sample.time_s = input.time_s;
   sample.buttons = input.buttons;
+  sample.touch = &input;
   return sample;
 }
 

@@ -18,8 +18,9 @@ struct TouchInput {
   Vec3 p_WD = Vec3::Zero();      // device point, m
   Pose X_WS = Pose::Identity();  // static scene in world (the view transform)
   double dt_s = 1e-3;
-  std::uint32_t buttons = 0;  // of the stylus that are down, a bit each, the first one lowest; of use to effects only
-  double time_s = 0.0;        // as in MethodInput
+  std::uint32_t buttons = 0;     // of the stylus that are down, a bit each, the first one lowest; of use to effects only
+  double time_s = 0.0;           // as in MethodInput
+  Quat q_WT = Quat::Identity();  // stylus; of use to methods of plug-ins only
 };
 
 struct TouchOutput {

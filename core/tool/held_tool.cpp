@@ -14,7 +14,8 @@ HeldTool::HeldTool(std::unique_ptr<ToolStep> tool)
     : tool_(std::move(tool)),
       samples_(Sample{.parts = std::vector<Placement>(tool_->moving_count())}),
       parts_(tool_->moving_count()),
-      last_parts_(parts_) {
+      last_parts_(parts_),
+      pushes_(parts_.size()) {
   last_.parts = parts_;
 }
 
@@ -49,6 +50,7 @@ ToolOutput HeldTool::step(const ToolInput& input, std::int64_t time_ns) noexcept
   output.proxy.is_blocked = is_known_ && found.contacts.is_blocked;
   age_s_ = is_known_ ? std::max(0.0, seconds(time_ns - found.time_ns)) : 0.0;
   const bool has_friction = tool_->has_friction();
+  std::fill(pushes_.begin(), pushes_.end(), ToolPush());
   if (!is_known_ || output.proxy.is_blocked) {
     publish(device, device, time_ns);
     friction_.forget();
@@ -65,16 +67,51 @@ ToolOutput HeldTool::step(const ToolInput& input, std::int64_t time_ns) noexcept
     const ToolFriction::Step held = friction_.step(found.contacts, device, parts_);
     goal = held.goal;
     output = tool_->felt_at(input, device, held.at);
+    find_pushes(found.contacts, held.held, output, input.X_WS.linear());
   } else {
-    output = tool_->felt_at(input, device, found.contacts.constrain(device));
+    const LocalContacts::Held held = found.contacts.solve(device);
+    output = tool_->felt_at(input, device, held.at);
+    find_pushes(found.contacts, held, output, input.X_WS.linear());
   }
   publish(device, goal, time_ns);
   output.proxy = step;
   const double share = std::clamp((kStaleS - age_s_) / (kStaleS - kFreshS), 0.0, 1.0);
   output.force_n *= share;
   output.torque_nm *= share;
+  for (ToolPush& push : pushes_) push = {share * push.force_n, share * push.torque_nm};
   blend(output, device, time_ns, are_late);
   return output;
+}
+
+void HeldTool::find_pushes(const LocalContacts& contacts, const LocalContacts::Held& held, const ToolOutput& felt,
+                           const Mat3& R_WS) noexcept {
+  if (pushes_.empty()) return;
+  // Unit of a multiplier: force, and torque with a lever of the local unit.
+  const double unit_n = tool_->coupling().stiffness_n_per_m * tool_->scene().unit_m();
+  const double unit_nm = unit_n * tool_->scene().unit_m();
+  Vec3 rest_n = felt.force_n;  // what friction adds
+  Vec3 rest_nm = felt.torque_nm;
+  double grip = 0.0;
+  for (int k = 0; k < held.active_count; ++k) {
+    const auto i = static_cast<std::size_t>(held.active[k]);
+    const LocalContact& contact = contacts.contacts[i];
+    const Vec3 force_n = unit_n * held.multipliers[k] * (R_WS * contacts.bounds[i].row.head<3>());
+    const Vec3 torque_nm = unit_nm * held.multipliers[k] * (R_WS * contacts.bounds[i].row.tail<3>());
+    rest_n -= force_n;
+    rest_nm -= torque_nm;
+    grip += held.multipliers[k] * contact.friction.friction_dynamic;
+    if (contact.part <= 0) continue;
+    ToolPush& push = pushes_[static_cast<std::size_t>(contact.part) - 1];
+    push = {push.force_n - force_n, push.torque_nm - torque_nm};
+  }
+  if (!(grip > 0.0)) return;
+  for (int k = 0; k < held.active_count; ++k) {
+    const LocalContact& contact = contacts.contacts[static_cast<std::size_t>(held.active[k])];
+    if (contact.part <= 0) continue;
+    const double share = held.multipliers[k] * contact.friction.friction_dynamic / grip;
+    ToolPush& push = pushes_[static_cast<std::size_t>(contact.part) - 1];
+    push = {push.force_n - share * rest_n, push.torque_nm - share * rest_nm};
+  }
 }
 
 // In the energy norm of the coupling: how far the device is from the proxy, local units.

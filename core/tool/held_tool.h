@@ -11,6 +11,12 @@
 
 namespace hapton {
 
+// What the tool does to a part of the scene that moves. Frame W.
+struct ToolPush {
+  Vec3 force_n = Vec3::Zero();
+  Vec3 torque_nm = Vec3::Zero();  // about the grip point of the tool as it is drawn
+};
+
 // A rigid tool in two tasks: the slow one follows the device with the proxy of ToolStep, which may take milliseconds on fine meshes, and
 // passes on the contacts that it finds; the fast one computes force and torque from these at the device's rate, and never waits (Ortega,
 // Redon & Coquillart 2007, sections 4 and 5). A contact that the slow task has not found yet gives no force. If it stalls, the force fades.
@@ -39,6 +45,10 @@ class HeldTool {
   // Fast: how old the contacts of the last step were.
   double age_s() const noexcept { return age_s_; }
 
+  // Fast: of the last step, what the contacts with a part that moves do to it. Friction is shared among all contacts by their dynamic
+  // friction. Pre: of the parts that move, from 0.
+  const ToolPush& push_on(std::size_t part) const noexcept { return pushes_[part]; }
+
   // Slow: follows the newest sample. False: there is no new one.
   bool follow() noexcept;
 
@@ -51,6 +61,7 @@ class HeldTool {
   };
   void blend(ToolOutput& output, const Placement& device, std::int64_t time_ns, bool are_late) noexcept;
   double length_of(const Felt& felt) const noexcept;
+  void find_pushes(const LocalContacts& contacts, const LocalContacts::Held& held, const ToolOutput& felt, const Mat3& R_WS) noexcept;
 
   struct Sample {
     Placement device = {};
@@ -79,6 +90,7 @@ class HeldTool {
   ToolFriction friction_;
   std::vector<Placement> parts_;       // at the fast task's last step
   std::vector<Placement> last_parts_;  // at the one before
+  std::vector<ToolPush> pushes_;
   // The fast task's last step, and what is left of the change that the last contacts brought.
   Felt felt_;
   Felt change_;

@@ -75,7 +75,7 @@ ToolFriction::Step ToolFriction::step(const LocalContacts& local, const Placemen
   const Vec6 moved = motion_between(std::exchange(device_, device), device);
   if (!is_placed_ || held.active_count == 0) {
     reset(held.at);
-    return {held.at, device, false};
+    return {held.at, device, false, held};
   }
   const Vec6 here = motion_between(local.proxy, at_);
   const Vec6 wanted = motion_between(local.proxy, device);
@@ -96,6 +96,7 @@ ToolFriction::Step ToolFriction::step(const LocalContacts& local, const Placemen
   sticks_ = kept >= 1.0 && loss.friction_static > 0.0 && !slides_;
   Step step;
   step.sticks = sticks_;
+  step.held = held;
   step.goal = displaced(device, -kept * slide);
   // Where the tool was may be a little within contacts that were found since.
   const Vec6 motion = here + (1.0 - kept) * slide;

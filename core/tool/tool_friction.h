@@ -35,6 +35,7 @@ class ToolFriction {
     Placement at;    // pose of the tool, with friction
     Placement goal;  // goal pose of the slow task
     bool sticks = false;
+    LocalContacts::Held held;  // without friction
   };
   // Where the device is at `device` and `local` holds the tool. Without contact: at the device. parts: as LocalContacts::follow has them.
   Step step(const LocalContacts& local, const Placement& device, std::span<const Placement> parts = {}) noexcept;

@@ -328,7 +328,7 @@ TEST(HapticsStep, AHeldToolIsFeltInPlaceOfTheProbe) {
 }
 
 // A box of 4 cm that a program lifts to the tool, and one that rises by keyframes.
-TEST(HapticsStep, AHeldToolFeelsObjectsThatMove) {
+TEST(HapticsStep, AHeldToolFeelsObjectsThatMoveAndTellsWhatItDoesToThoseOfPrograms) {
   for (const bool is_commanded : {true, false}) {
     TouchScene scene;
     TouchObject block;
@@ -361,6 +361,9 @@ TEST(HapticsStep, AHeldToolFeelsObjectsThatMove) {
     }
     EXPECT_NEAR(command.force_n.z(), 5.0, 0.01);
     EXPECT_NEAR(command.visual_offset_m.z(), 0.005, 1e-5);
+    EXPECT_EQ(command.object, is_commanded ? 1 : -1);
+    EXPECT_NEAR(command.push_force_n.z(), is_commanded ? -5.0 : 0.0, 0.01);
+    EXPECT_NEAR(command.push_torque_nm.norm(), 0.0, 1e-3);
   }
 }
 

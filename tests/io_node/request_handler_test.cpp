@@ -56,7 +56,7 @@ TEST_F(Servos, AMethodGoesOnToHapticsAndAReportRequestToTheOtherThread) {
   EXPECT_EQ(servo->snapshot().samples, 8U);
 }
 
-TEST_F(Servos, AChangeOfMaterialGoesOnToHapticsAndItsResultToTools) {
+TEST_F(Servos, AChangeOfMaterialGoesOnToHapticsAndItsResultToToolsAndVision) {
   make();
   join(kHaptics, NodeRole::haptics);
   join(kTool, NodeRole::tool);
@@ -73,9 +73,10 @@ TEST_F(Servos, AChangeOfMaterialGoesOnToHapticsAndItsResultToTools) {
   say(kHaptics, MaterialState{.serial = 1, .request = 7});
   say(kTool, MaterialState{.serial = 1, .request = 8});
   run(2);
-  ASSERT_EQ(material_states.size(), 1U);
+  ASSERT_EQ(material_states.size(), 2U);
   EXPECT_EQ(material_states[0].first, at(kTool));
-  EXPECT_EQ(material_states[0].second.request, 7U);
+  EXPECT_EQ(material_states[1].first, at(kVision)) << "programs that compute with materials, as `hapton dynamics`";
+  for (const auto& [to, each] : material_states) EXPECT_EQ(each.request, 7U);
 }
 
 TEST_F(Servos, PosesOfObjectsGoToToolsAndVisionAndRequestsForOneToHaptics) {

@@ -4,7 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
+#include "core/force/touch_step.h"
+#include "core/math/rotation_vector.h"
 #include "tests/standins/paths.h"
 #include "tests/support/allocation_guard.h"
 #include "tests/support/made_meshes.h"
@@ -43,6 +46,36 @@ TEST_F(PluginMethodTest, GivesForceProxyAndObjectWithTheMaterialsOfTheScene) {
   const Material softer{.stiffness_n_per_m = 100.0};
   method->set_materials({&softer, 1});
   EXPECT_NEAR(method->step({.p_SD = {0.02, -0.002, 0.03}}).force_n.y(), 0.2, 1e-12);
+}
+
+// In a scene that is turned a quarter about y: x of S is -z of W.
+TEST_F(PluginMethodTest, KnowsStylusVelocityTimeAndButtonsInTheFrameOfTheScene) {
+  TouchStep touch(make("does=tell"));
+  TouchInput input;
+  input.X_WS.linear() = turn_by(Vec3(0, 0.5 * std::numbers::pi, 0)).toRotationMatrix();
+  input.q_WT = turn_by(Vec3(0, 0, -0.5));  // its y axis leans to +x
+  input.buttons = 5;
+  touch.reset(input);
+  TouchOutput told;
+  for (int n = 0; n < 20; ++n) {
+    input.p_WD = Vec3(0.01 + 2e-4 * n, 0.1, 0.0);
+    told = touch.step(input);
+  }
+  const Vec3 v_W = told.force_n;  // turned back
+  EXPECT_NEAR(v_W.x(), 0.2, 1e-9);
+  EXPECT_NEAR(v_W.head<2>().norm(), 0.2, 1e-9);
+  const Vec3 p_S = input.X_WS.inverse(Eigen::Isometry) * Vec3(input.p_WD + told.visual_offset_m);
+  EXPECT_NEAR(p_S.x(), 0.019, 1e-9) << "time since the first sample";
+  EXPECT_NEAR(p_S.y(), 5.0, 1e-9);
+  // The stylus's y is (sin 0.5, cos 0.5, 0) in W; x of S is -z of W, so it has no part along x of S.
+  EXPECT_NEAR(p_S.z(), 0.0, 1e-9);
+  input.X_WS = Pose::Identity();
+  for (int n = 0; n < 20; ++n) told = touch.step(input);
+  EXPECT_NEAR(input.p_WD.z() + told.visual_offset_m.z(), std::sin(0.5), 1e-9);
+  EXPECT_NEAR(told.force_n.norm(), 0.0, 1e-9) << "the scene moved, the hand did not";
+  touch.reset(input);
+  told = touch.step(input);
+  EXPECT_NEAR(input.p_WD.x() + told.visual_offset_m.x(), 0.0, 1e-12) << "time begins again";
 }
 
 TEST_F(PluginMethodTest, ASampleThatIsNotFiniteGivesNoForceAndReachesNoPlugin) {

@@ -62,6 +62,17 @@ class FieldsTest(unittest.TestCase):
         self.assertEqual(fields.evaluate([], np.ones((4, 3))).shape, (4, 3))
         np.testing.assert_array_equal(fields.evaluate([fields.constant([1, 1, 1])], [[np.nan, 0, 0]]), 0)
 
+    def test_expression_is_its_formula_of_place_velocity_and_time(self):
+        law = fields.expression("-k * x + sin(pi * t)", "x > 0 ? 0.5 : -0.5", "-b * vz", k=40, b=2)
+        np.testing.assert_allclose(at(law, [0.02, 0, 0], [0, 0, 0.1], t_s=0.5), [-0.8 + 1.0, 0.5, -0.2], rtol=1e-6)
+        wild = fields.expression("1e6 * x", "0", "1 / z", max_force_n=2.0)
+        np.testing.assert_allclose(np.linalg.norm(at(wild, [1, 0, 1])), 2.0)
+        np.testing.assert_array_equal(at(wild, [1, 0, 0]), 0)  # 1 / 0
+        assigning = fields.expression("x = 3", "x", "0")
+        np.testing.assert_allclose(at(assigning, [1, 0, 0]), [3, 1, 0])
+        # One field in two sums at once: each has its own variables.
+        np.testing.assert_allclose(fields.evaluate([law, law], [[0.02, 0, 0]]), 2 * fields.evaluate([law], [[0.02, 0, 0]]))
+
     def test_rejects_what_cannot_be(self):
         for make, word in [
             (lambda: fields.spring([0, 0], 100.0), "centre_m has shape"),
@@ -72,6 +83,16 @@ class FieldsTest(unittest.TestCase):
             (lambda: fields.mass(0.1, filter_s=0.001), "filter_s is 0.001"),
             (lambda: fields.mass(-0.1), "mass_kg is -0.1"),
             (lambda: fields.viscous(float("nan")), "damping_ns_per_m is nan"),
+            (lambda: fields.expression("-k * x", "0", "0"), 'fx = "-k \\* x": .*"k"'),
+            (lambda: fields.expression("0", "0", "2 +"), 'fz = "2 \\+"'),
+            (lambda: fields.expression("0", "", "0"), 'fy = ""'),
+            (lambda: fields.expression("x", "0", "0", k=np.nan), "k is nan"),
+            (lambda: fields.expression("x", "0", "0", k="soft"), "the constant k is no number"),
+            (lambda: fields.expression("x", "0", "0", **{"2k": 1.0}), "'2k' is no name"),
+            (lambda: fields.expression("x", "0", "0", vx=1.0), "constant vx has the name"),
+            (lambda: fields.expression("x", "0", "0", pi=3.0), "constant pi has the name"),
+            (lambda: fields.expression("x", "0", "0", sin=1.0), "constant sin has the name"),
+            (lambda: fields.expression("x" * 1001, "0", "0"), "1001 letters"),
         ]:
             with self.subTest(word), self.assertRaisesRegex(ValueError, word):
                 make()

@@ -208,6 +208,48 @@ class LiveTest(unittest.TestCase):
         # The spring, before the constant force, as the formula says.
         wanted = np.stack([session[f"wanted_{axis}_n"] for axis in "xyz"], axis=1)
         self.assertTrue(np.isfinite(wanted).any())
+        # Without a reply nobody knows.
+        np.testing.assert_array_equal(np.isnan(session["contact"]), np.isnan(session["wanted_x_n"]))
+
+    def test_a_change_of_fields_is_marked_in_the_recording(self):
+        recording = os.path.join(os.environ.get("TMPDIR", "/tmp"), f"hapton-trials-{os.getpid()}.hapton")
+        self.addCleanup(lambda: os.path.exists(recording) and os.remove(recording))
+        system = self.start("--record", recording)
+        marked, changed = [], []
+        with hapton.FieldNode(system.hub) as node:
+            for trial in range(4):
+                marked.append(node.set([hapton.fields.constant([0, 0.1 * trial, 0])], mark=f"trial {trial}"))
+                changed.append(node.state()["changed_sample"])
+            with self.assertRaisesRegex(ValueError, "not 161"):
+                node.set([], mark="x" * 161)
+            self.assertIsNone(node.set([]))
+        with self.assertRaisesRegex(ValueError, "closed"):
+            node.set([], mark="too late")
+        system.end_io()
+        session = hapton.read_session(recording)
+        events = {event: sample for kind, event, sample in zip(session["event_kind"], session["event"], session["event_sample"]) if kind == "marker"}
+        self.assertEqual([events[f"trial {trial}"] for trial in range(4)], marked)
+        self.assertTrue(all(0 < c <= m for c, m in zip(changed, marked)), (changed, marked))
+
+    def test_a_mark_where_nothing_is_recorded_is_an_error(self):
+        system = self.start()
+        with hapton.FieldNode(system.hub) as node:
+            with self.assertRaisesRegex(ValueError, "--record"):
+                node.set([], mark="trial")
+
+    def test_fields_end_where_python_is_silent(self):
+        system = self.start()
+        client = hapton.Client(system.hub)
+        felt = lambda: client.state() is not None and client.state()["force_n"][1] > 0.5
+        with self.assertRaisesRegex(ValueError, "watch_s is 0"):
+            hapton.FieldNode(system.hub, watch_s=0)
+        with hapton.FieldNode(system.hub, watch_s=1.0) as node:
+            node.set([hapton.fields.constant([0, 1.0, 0])])
+            self.assertTrue(wait_until(lambda: node.state()["answers"] > 0 and felt()))
+            self.assertTrue(wait_until(lambda: np.allclose(client.state()["force_n"], 0), 10), "node.state is not called meanwhile")
+            self.assertTrue(node.state()["watch_over"])
+            self.assertTrue(wait_until(lambda: not node.state()["watch_over"] and felt()))
+        client.close()
 
     def test_a_force_function_is_called_for_each_sample_and_its_rate_measured(self):
         system = self.start()

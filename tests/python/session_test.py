@@ -70,11 +70,19 @@ class SessionTest(unittest.TestCase):
             self.assertIn("marker", self.session["event_kind"])
             self.assertEqual(file["events/t_s"].attrs["unit"], "s")
             self.assertEqual(file.attrs["schema"], "hapton.table/1")
+            haptics = self.session["header"]["haptics"]
+            for name in ["scene", "scene_hash", "loading", "method", "build"]:
+                self.assertEqual([text.decode() for text in file["haptics"][name]], [setup[name] for setup in haptics])
 
     def test_says_what_it_is(self):
         header = self.session["header"]
         self.assertEqual(header["settings"]["device"], "simulated")
         self.assertGreater(header["start_unix_ns"], 0)
+        (haptics,) = header["haptics"]
+        self.assertRegex(haptics["method"], "name=proxy")
+        self.assertRegex(haptics["scene_hash"], "^[0-9a-f]{16}$")
+        self.assertRegex(haptics["loading"], "^unit .*, cracks sealed")
+        self.assertTrue(os.path.exists(haptics["scene"]), haptics["scene"])
         self.assertEqual(self.session["problem"], "")
         self.assertEqual(len(self.session["event"]), len(self.session["event_t_s"]))
 

@@ -41,6 +41,12 @@ class FittedMesh : public ::testing::Test {
   ScratchFolder folder_;
 };
 
+TEST(SceneLoading, IsDescribedForPeople) {
+  EXPECT_EQ(describe_loading(to_code({.unit = Unit::mm, .fit = MeshFit::workspace})), "unit mm, cracks sealed, fitted to the workspace");
+  EXPECT_EQ(describe_loading(to_code({.sealing = CrackSealing::off})), "unit of the file, cracks left");
+  EXPECT_EQ(describe_loading(0), "");
+}
+
 // Whatever unit it was in and wherever it lay.
 TEST_F(FittedMesh, LiesInTheMiddleOfTheWorkspaceAndJustFitsItsBox) {
   for (const Unit unit : {Unit::m, Unit::mm, Unit::in}) {

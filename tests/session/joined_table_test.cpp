@@ -59,6 +59,10 @@ TEST(JoinedTable, ARowWhoseForceNeverComesIsThereWithoutOne) {
   EXPECT_TRUE(std::isnan(joined.rows[0].wanted_n.x()));
   EXPECT_TRUE(std::isnan(joined.rows[0].round_trip_s));
   EXPECT_FALSE(joined.rows[0].is_contact);
+  const auto contact = std::ranges::find(joined_columns(), std::string_view("contact"), &JoinedColumn::name);
+  ASSERT_NE(contact, joined_columns().end());
+  EXPECT_TRUE(std::isnan(contact->of(joined.rows[0]))) << "not known";
+  EXPECT_FALSE(std::isnan(contact->of(joined.rows[1])));
   joined.table.finish();
   EXPECT_EQ(joined.rows.size(), 3U);
 }

@@ -46,6 +46,21 @@ double value_of(std::span<const ChangeColumn<Row>> columns, std::string_view nam
   return NAN;
 }
 
+TEST(ObjectChanges, EachSceneAndMethodIsThereOnceInItsOrder) {
+  ObjectChanges changes(kJoinedStartNs);
+  HapticsSetup setup{.scene_hash = 7};
+  for (const double t_s : {0.5, 1.5, 2.5}) hear(changes, setup, t_s);  // the haptics node repeats it
+  setup.scene_hash = 8;
+  hear(changes, setup, 3.0);
+  hear(changes, setup, 4.0, SessionEntry::Kind::sent);
+  setup.scene_hash = 7;
+  hear(changes, setup, 5.0);
+  ASSERT_EQ(changes.setups().size(), 3U);
+  EXPECT_NEAR(changes.setups()[0].t_s, 0.5, 1e-9);
+  EXPECT_EQ(changes.setups()[1].setup.scene_hash, 8U);
+  EXPECT_NEAR(changes.setups()[2].t_s, 5.0, 1e-9);
+}
+
 TEST(ObjectChanges, EachMoveIsThereOnceWithItsName) {
   ObjectChanges changes(kJoinedStartNs);
   hear(changes, moved(5, 0, 2), 0.5);

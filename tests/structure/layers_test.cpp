@@ -50,7 +50,7 @@ const std::map<std::string, std::vector<std::string>> kMayInclude = {
     {"vision_node", {"core", "runtime", "link", "session", "hid", "vrpn", "scene"}},
     {"python", {"core", "runtime", "link", "session", "scene"}},
     {"tools",
-     {"core", "runtime", "link", "session", "hid", "scene", "bench", "haptic_step", "devices", "safety", "loop", "patch", "remote",
+     {"core", "runtime", "link", "session", "hid", "vrpn", "scene", "bench", "haptic_step", "devices", "safety", "loop", "patch", "remote",
       "plugin"}},
 };
 

@@ -81,6 +81,31 @@ TEST_F(VrpnTrackerClient, OtherSensorsAndOtherTrackersAreNotOurs) {
   EXPECT_FALSE(client.take_newest());
 }
 
+TEST_F(VrpnTrackerClient, ButtonsAreThoseOfTheDeviceAsTheServerLastSaid) {
+  constexpr std::int32_t kChange = 11, kStates = 12;
+  Bytes bytes;
+  append_description(bytes, kTypeDescription, kChange, "vrpn_Button Change", {}, 3);
+  append_description(bytes, kTypeDescription, kStates, "vrpn_Button States", {}, 4);
+  append_button_change(bytes, {kMadeSender, kChange, {}, 5}, 3, true);
+  append_button_change(bytes, {kMadeSender, kChange, {}, 6}, 31, true);
+  append_button_change(bytes, {kMadeSender + 1, kChange, {}, 7}, 0, true);  // of another device
+  for (const std::int32_t none : {-1, 32, 1 << 30}) append_button_change(bytes, {kMadeSender, kChange, {}, 8}, none, true);
+  ASSERT_TRUE(client.receive(bytes));
+  EXPECT_EQ(client.buttons(), 1U << 3 | 1U << 31);
+  bytes.clear();
+  append_button_change(bytes, {kMadeSender, kChange, {}, 9}, 3, false);
+  ASSERT_TRUE(client.receive(bytes));
+  EXPECT_EQ(client.buttons(), 1U << 31);
+  bytes.clear();
+  append_button_states(bytes, {kMadeSender, kStates, {}, 10}, 0b101, 3);
+  ASSERT_TRUE(client.receive(bytes));
+  EXPECT_EQ(client.buttons(), 0b101U);
+  bytes.clear();
+  append_button_states(bytes, {kMadeSender, kChange, {}, 11}, 0b11, 2);  // no change: another length
+  ASSERT_TRUE(client.receive(bytes));
+  EXPECT_EQ(client.buttons(), 0b101U);
+}
+
 TEST_F(VrpnTrackerClient, ANumberThatIsDescribedAnewMeansTheNewThing) {
   Bytes other;
   append_description(other, kSenderDescription, kMadeSender, "Wand0", {}, 1);

@@ -1,8 +1,12 @@
 #include "tools/dynamics/dynamics_driver.h"
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <string_view>
 
 #include "core/math/rigid_pose.h"
+#include "haptic_step/material_tuning.h"
 #include "runtime/clock.h"
 
 namespace hapton::dynamics {
@@ -22,6 +26,15 @@ constexpr double kLongestDelayS = 0.2;
 // The delay is the largest one measured; it decreases by this share with each reply.
 constexpr double kForgetShare = 0.005;
 
+// Of a method's description; 0: it does not say.
+double find_number(std::string_view text, std::string_view key) {
+  const std::size_t at = text.find(key);
+  if (at == std::string_view::npos) return 0.0;
+  double number = 0.0;
+  const auto read = std::from_chars(text.data() + at + key.size(), text.data() + text.size(), number);
+  return read.ec == std::errc() && number >= 0.0 && std::isfinite(number) ? number : 0.0;
+}
+
 }  // namespace
 
 Result<DynamicsDriver> DynamicsDriver::make(const Scene& scene, const Settings& settings) {
@@ -36,6 +49,7 @@ DynamicsDriver::DynamicsDriver(const Scene& scene, const Settings& settings, std
   period_s_ = 1.0 / kRequestRateHz;
   delay_s_ = kFirstDelayS;
   world_->set_gravity(settings_.gravity_W);
+  materials_ = tuned_materials(scene_->touch_scene(), MaterialState(), 0.0);
 }
 
 void DynamicsDriver::take(const ProbeState& state) {
@@ -49,11 +63,27 @@ void DynamicsDriver::take(const ProbeState& state) {
 std::optional<Push> DynamicsDriver::find_push(const ProbeState& state) const {
   if (!state.contact || !world_->is_body(state.object)) return std::nullopt;
   const Pose X_SW = X_WS_.inverse(Eigen::Isometry);
-  const double stiffness = scene_->objects[static_cast<std::size_t>(state.object)].material.stiffness_n_per_m;
+  if (tool_n_per_m_ > 0.0) return find_tool_push(state, X_SW);
+  const double stiffness = materials_[static_cast<std::size_t>(state.object)].stiffness_n_per_m;
   return Push{.object = state.object,
               .p_S = X_SW * (state.p_WD + state.visual_offset_m),
               .force_n = X_SW.linear() * -state.force_n,
               .damping_ns_per_m = settings_.damping_share * stiffness * delay_s_};
+}
+
+// The force acts along a line; the body is damped where that passes nearest to the grip point.
+Push DynamicsDriver::find_tool_push(const ProbeState& state, const Pose& X_SW) const {
+  const Vec3 force_n = X_SW.linear() * state.push_force_n;
+  const Vec3 torque_nm = X_SW.linear() * state.push_torque_nm;
+  const double squared = force_n.squaredNorm();
+  const Vec3 arm = squared > 0.0 ? Vec3(force_n.cross(torque_nm) / squared) : Vec3(Vec3::Zero());
+  const double delay = settings_.damping_share * delay_s_;
+  return {.object = state.object,
+          .p_S = X_SW * (state.p_WD + state.visual_offset_m) + arm,
+          .force_n = force_n,
+          .damping_ns_per_m = tool_n_per_m_ * delay,
+          .torque_nm = torque_nm - arm.cross(force_n),
+          .damping_nms_per_rad = tool_nm_per_rad_ * delay};
 }
 
 void DynamicsDriver::advance_to(std::int64_t scene_time_ns) {
@@ -88,7 +118,14 @@ void DynamicsDriver::move_obstacles(double time_s) {
   }
 }
 
+void DynamicsDriver::take(const MaterialState& state) { materials_ = tuned_materials(scene_->touch_scene(), state, 0.0); }
+
 void DynamicsDriver::take(const HapticsSetup& setup) {
+  const std::string_view method(setup.method.data(),
+                                static_cast<std::size_t>(std::ranges::find(setup.method, '\0') - setup.method.begin()));
+  const bool is_tool = method.starts_with("name=tool ");
+  tool_n_per_m_ = is_tool ? find_number(method, " stiffness_n_per_m=") : 0.0;
+  tool_nm_per_rad_ = is_tool ? find_number(method, " rotational_stiffness_nm_per_rad=") : 0.0;
   const auto X_WS = find_rigid_pose(setup.X_WS);
   if (!X_WS || X_WS->matrix() == X_WS_.matrix()) return;
   X_WS_ = *X_WS;

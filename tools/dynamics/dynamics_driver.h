@@ -19,7 +19,8 @@ namespace hapton::dynamics {
 // dynamics. A spring K with a delay adds energy to the body like a damping of -K t, so that it bounces off the hand. A pressed body is
 // therefore damped at the contact by kDampingShare K t, with K the stiffness of its material. t is measured: the time from each request to
 // its reply, plus the duration of a move and the interval between two states. A hand that pushes at a speed v feels the damping as a
-// resistance of kDampingShare K t v. Threads: one. RT: no.
+// resistance of kDampingShare K t v. A rigid tool has one spring and one torsion spring for all bodies; its force and torque on a body are
+// sent apart from those on the hand (ForceCommand::push_force_n), and the turning of the body is damped alike. Threads: one. RT: no.
 class DynamicsDriver {
  public:
   // Requests a second, of all bodies together. The hub passes on 250 of one sender (RequestHandler::kMovesPerSecond).
@@ -47,8 +48,10 @@ class DynamicsDriver {
 
   // Simulates up to the scene time of the state. Pre: at most one call for each sample.
   void take(const ProbeState& state);
-  // Turns gravity in frame S as the pose of the static scene says.
+  // Turns gravity in frame S as the pose of the static scene says. The stiffness of a rigid tool is in the description of the method.
   void take(const HapticsSetup& setup);
+  // Materials that were changed while running.
+  void take(const MaterialState& state);
   // A move of an obstacle by another program.
   // arrival: HubClient::last_arrival of this message.
   void take(const ObjectMove& move, Arrival arrival) { moves_.take(move, arrival); }
@@ -81,6 +84,7 @@ class DynamicsDriver {
   void advance_to(std::int64_t scene_time_ns);
   void move_obstacles(double time_s);
   std::optional<Push> find_push(const ProbeState& state) const;
+  Push find_tool_push(const ProbeState& state, const Pose& X_SW) const;
   bool is_unknown(const Body& body) const;
   bool is_due(const Body& body, std::int64_t now_ns) const;
   MoveRequest make_request(Body& body);
@@ -89,6 +93,9 @@ class DynamicsDriver {
   Settings settings_;
   std::unique_ptr<DynamicsWorld> world_;
   std::vector<Body> bodies_;
+  std::vector<Material> materials_;  // by object
+  double tool_n_per_m_ = 0.0;        // of a rigid tool's spring; 0: none is held
+  double tool_nm_per_rad_ = 0.0;
   KnownMoves moves_;  // of obstacles
   Pose X_WS_ = Pose::Identity();
   std::size_t next_body_ = 0;  // bodies take turns

@@ -13,6 +13,7 @@
 #include <btBulletDynamicsCommon.h>
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -54,6 +55,9 @@ struct Member {
 };
 
 namespace {
+
+using Vec6 = Eigen::Matrix<double, 6, 1>;
+using Mat6 = Eigen::Matrix<double, 6, 6>;
 
 // Length unit of Bullet, whose absolute tolerances suit bodies of 0.05 to 10 units: the centimetre.
 constexpr double kUnitsPerM = 100.0;
@@ -212,8 +216,9 @@ struct DynamicsWorld::Parts {
     members.push_back(std::move(member));
   }
 
-  // Applies the impulse J of one step at the contact point. Force F and damping b are solved together, implicitly: with K the change of the
-  // point's velocity by a unit of impulse, v' = v + K J and J = F dt - b dt v'. So it is stable for any mass and damping.
+  // Applies the impulse J of one step at the contact point: linear and angular. Push F and damping B are solved together, implicitly: with
+  // K the change of the body's velocity there by a unit of impulse, v' = v + K J and J = F dt - B dt v'. So it is stable for any mass and
+  // damping.
   void apply_push() {
     btRigidBody& body = *at(push->object).body;
     body.activate(true);
@@ -222,13 +227,21 @@ struct DynamicsWorld::Parts {
     for (int column = 0; column < 3; ++column)
       inverse_inertia.col(column) = kUnitsPerM * kUnitsPerM * from_bullet(body.getInvInertiaTensorWorld().getColumn(column));
     const Mat3 cross = cross_matrix(arm);
-    const Mat3 K = body.getInvMass() * Mat3::Identity() - cross * inverse_inertia * cross;
-    const Vec3 velocity = from_bullet(body.getVelocityInLocalPoint(to_units(arm))) / kUnitsPerM;
-    const Vec3 pushed = kStepS * push->force_n;
-    const double damped_kg = kStepS * push->damping_ns_per_m;
-    const Mat3 slowed = Mat3::Identity() + damped_kg * K;
-    const Vec3 impulse = pushed - damped_kg * slowed.inverse() * (velocity + K * pushed);
-    body.applyImpulse(to_units(impulse), to_units(arm));
+    Mat6 K;
+    K.topLeftCorner<3, 3>() = body.getInvMass() * Mat3::Identity() - cross * inverse_inertia * cross;
+    K.topRightCorner<3, 3>() = -cross * inverse_inertia;
+    K.bottomLeftCorner<3, 3>() = inverse_inertia * cross;
+    K.bottomRightCorner<3, 3>() = inverse_inertia;
+    Vec6 velocity;
+    velocity << from_bullet(body.getVelocityInLocalPoint(to_units(arm))) / kUnitsPerM, from_bullet(body.getAngularVelocity());
+    Vec6 pushed;
+    pushed << kStepS * push->force_n, kStepS * push->torque_nm;
+    Vec6 damped;
+    damped << Vec3::Constant(kStepS * push->damping_ns_per_m), Vec3::Constant(kStepS * push->damping_nms_per_rad);
+    const Mat6 slowed = Mat6::Identity() + K * damped.asDiagonal();
+    const Vec6 impulse = pushed - damped.asDiagonal() * slowed.partialPivLu().solve(velocity + K * pushed);
+    body.applyImpulse(to_units(impulse.head<3>()), to_units(arm));
+    body.applyTorqueImpulse(kUnitsPerM * to_units(impulse.tail<3>()));
   }
 
   // The speed as compute_move_time_s defines it: that of the pivot plus that of the farthest point about the pivot.

@@ -12,10 +12,12 @@ namespace hapton::dynamics {
 
 // The force of the stylus on a body. Frame S, SI units.
 struct Push {
-  int object = -1;                // number in the scene
-  Vec3 p_S = Vec3::Zero();        // where the force acts
-  Vec3 force_n = Vec3::Zero();    // on the body
-  double damping_ns_per_m = 0.0;  // of the body's velocity at that point
+  int object = -1;                   // number in the scene
+  Vec3 p_S = Vec3::Zero();           // where the force acts
+  Vec3 force_n = Vec3::Zero();       // on the body
+  double damping_ns_per_m = 0.0;     // of the body's velocity at that point
+  Vec3 torque_nm = Vec3::Zero();     // of a rigid tool on the body, about that point
+  double damping_nms_per_rad = 0.0;  // of the body's turning
 };
 
 // Rigid-body dynamics with Bullet: the objects of a scene that have a mass are bodies, all others are obstacles. No point of a body becomes

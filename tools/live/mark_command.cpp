@@ -139,7 +139,8 @@ void add_mark_command(CommandLine app, int& exit_code) {
   const CommandOption line =
       command.add_option("--line", options->line,
                          "Mark the changes of a port's input until Ctrl-C: DEVICE:PIN, as in /dev/ttyS0:CTS (serial: CTS, DSR, DCD, RI) or "
-                         "/dev/parport0:ACK (parallel: ACK, BUSY, PAPEROUT, SELECT, ERROR)");
+                         "/dev/parport0:ACK (parallel: ACK, BUSY, PAPEROUT, SELECT, ERROR); or of a VRPN server's button: "
+                         "vrpn:NAME@HOST:BUTTON");
   command.add_option("--edges", options->edges, "With --line: mark when it turns on, turns off, or both")
       .one_of({"on", "off", "both"})
       .shows_default()

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "link/marker_request.h"
+#include "tools/live/vrpn_line.h"
 
 namespace hapton {
 namespace {
@@ -93,6 +94,7 @@ class ParallelLine : public DigitalLine {
 }  // namespace
 
 Result<LineInput> parse_line_input(std::string_view text) {
+  if (text.starts_with(kVrpnLine)) return parse_vrpn_line(text);
   const std::size_t colon = text.rfind(':');
   if (colon != std::string_view::npos && colon > 0) {
     const std::string_view name = text.substr(colon + 1);
@@ -101,14 +103,14 @@ Result<LineInput> parse_line_input(std::string_view text) {
   }
   return fail(
       "--line '{}' is not an input of a port: give DEVICE:PIN, as in /dev/ttyS0:CTS (serial: CTS, DSR, DCD, RI) or /dev/parport0:ACK "
-      "(parallel: "
-      "ACK, BUSY, PAPEROUT, SELECT, ERROR)",
+      "(parallel: ACK, BUSY, PAPEROUT, SELECT, ERROR), or vrpn:NAME@HOST:BUTTON",
       text);
 }
 
 bool is_high(const LineInput& input, unsigned char status) noexcept { return ((status ^ PARPORT_STATUS_BUSY) & input.bit) != 0; }
 
 Result<std::unique_ptr<DigitalLine>> open_line_input(const LineInput& input) {
+  if (input.is_vrpn) return open_vrpn_line(input);
   // Without waiting for a carrier.
   const int descriptor = ::open(input.device.c_str(), (input.is_parallel ? O_RDWR : O_RDONLY) | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
   if (descriptor < 0) {

@@ -13,12 +13,13 @@
 
 namespace hapton {
 
-// An input of a serial or parallel port: "/dev/ttyS0:CTS", "/dev/parport0:ACK".
+// An input of a serial or parallel port: "/dev/ttyS0:CTS", "/dev/parport0:ACK"; or a button of VRPN (vrpn_line.h).
 struct LineInput {
   std::string device;
-  std::string name;          // CTS, DSR, DCD or RI; ACK, BUSY, PAPEROUT, SELECT or ERROR
+  std::string name;          // CTS, DSR, DCD or RI; ACK, BUSY, PAPEROUT, SELECT or ERROR; "button 3"
   bool is_parallel = false;  // port
-  int bit = 0;               // of TIOCMGET, or of the parallel port's status
+  int bit = 0;               // of TIOCMGET, or of the parallel port's status; or the button
+  bool is_vrpn = false;
 };
 
 // Error, one line: not DEVICE:PIN, or no such pin. RT: no.

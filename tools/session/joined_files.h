@@ -30,8 +30,8 @@ Result<JoinedCounts> write_joined_csv(SessionReader& reader, const std::filesyst
 
 // As HDF5: /samples has a dataset for each column of numbers, with the attribute `unit`; /events has `t_s`, `sample`, `kind` (fault or
 // marker) and `name`; /objects has `name` and `material` by the number of the object; /moves and /carves have a dataset for each column of
-// move_columns() and carve_columns(), and /moves `name`; the file's attributes say what the recording is:
-// schema, build, session, start_unix_ns and every setting.
+// move_columns() and carve_columns(), and /moves `name`; /haptics has `t_s`, `scene`, `scene_hash`, `loading`, `method` and `build` of each
+// change of scene or method; the file's attributes say what the recording is: schema, build, session, start_unix_ns and every setting.
 Result<JoinedCounts> write_joined_hdf5(SessionReader& reader, const std::filesystem::path& path, std::span<const ObjectName> names = {});
 
 }  // namespace hapton

@@ -3,6 +3,7 @@
 #include <array>
 #include <utility>
 
+#include "scene/scene_loading.h"
 #include "scene/text_cursor.h"
 #include "tools/session/joined_files.h"
 
@@ -122,6 +123,7 @@ class JoinedHdf5 {
       is_good_ = is_good_ && names.append(&name, 1);
     }
     add_rows("carves", changes.carves(), carve_columns());
+    add_setups(changes.setups());
   }
 
   bool is_open() const { return file_.is_good(); }
@@ -153,6 +155,28 @@ class JoinedHdf5 {
   }
 
  private:
+  void add_setups(const std::vector<RecordedSetup>& setups) {
+    const Handle group(H5Gcreate2(file_, "haptics", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), &H5Gclose);
+    Column times(group, "t_s", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE);
+    is_good_ = is_good_ && set_text(times.set(), "unit", "s");
+    for (const RecordedSetup& one : setups) is_good_ = is_good_ && times.append(&one.t_s, 1);
+    add_texts(group, "scene", setups, [](const HapticsSetup& setup) { return printable(setup.scene.data()); });
+    add_texts(group, "scene_hash", setups, [](const HapticsSetup& setup) { return fmt::format("{:016x}", setup.scene_hash); });
+    add_texts(group, "loading", setups, [](const HapticsSetup& setup) { return describe_loading(setup.scene_loading); });
+    add_texts(group, "method", setups, [](const HapticsSetup& setup) { return printable(setup.method.data()); });
+    add_texts(group, "build", setups, [](const HapticsSetup& setup) { return printable(setup.build.data()); });
+  }
+
+  template <class Of>
+  void add_texts(hid_t group, const char* name, const std::vector<RecordedSetup>& setups, Of&& of) {
+    Column column(group, name, text_type_, text_type_);
+    for (const RecordedSetup& one : setups) {
+      const std::string text = of(one.setup);
+      const char* const pointer = text.c_str();
+      is_good_ = is_good_ && column.append(&pointer, 1);
+    }
+  }
+
   template <class Row>
   Handle add_rows(const char* name, const std::vector<Row>& rows, std::span<const ChangeColumn<Row>> columns) {
     Handle group(H5Gcreate2(file_, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), &H5Gclose);

@@ -7,6 +7,8 @@
 #include <ctime>
 #include <type_traits>
 
+#include "scene/scene_loading.h"
+
 namespace hapton {
 namespace {
 
@@ -102,8 +104,9 @@ std::string SessionSummary::to_text(const SessionHeader& header) const {
   for (const auto& [name, value] : header.settings) settings += fmt::format("{}{} {}", settings.empty() ? "" : ", ", name, value);
   text += fmt::format("settings: {}\n", settings);
   for (const auto& [key, setup] : setups_) {
-    text += fmt::format("haptics {:016x}: {}, scene {} ({:016x}), {}\n", key.first, setup.method.data(), setup.scene.data(),
-                        setup.scene_hash, setup.build.data());
+    const std::string loading = describe_loading(setup.scene_loading);
+    text += fmt::format("haptics {:016x}: {}, scene {} ({:016x}{}{}), {}\n", key.first, setup.method.data(), setup.scene.data(),
+                        setup.scene_hash, loading.empty() ? "" : "; ", loading, setup.build.data());
   }
   const auto changes = std::count_if(materials_.begin(), materials_.end(), [](const auto& one) { return one.first.second > 0; });
   if (changes > 0) text += fmt::format("materials changed while running: {} times\n", changes);

@@ -1,5 +1,5 @@
-// A method: a floor at y = 0 with the stiffness of the first object's material, drawn at y = 0. does=nan|nan_proxy|exception|reject,
-// after=CALLS.
+// A method: a floor at y = 0 with the stiffness of the first object's material, drawn at y = 0. does=nan|nan_proxy|exception|reject|tell,
+// after=CALLS. tell: in free space the force is the velocity, the proxy time, buttons and the stylus's axis y along x.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -54,6 +54,13 @@ void step(void* method, const hapton_method_input* input, hapton_method_output* 
   if (is_odd && floor.does == "nan") output->contact = 1, output->force_n[0] = std::nan("");
   if (is_odd && floor.does == "nan_proxy") output->proxy_m[2] = std::nan("");
   if (is_odd && floor.does == "odd_object") output->object = 77;
+  if (floor.does != "tell") return;
+  const double* q = input->orientation;
+  output->contact = 1;
+  for (int k = 0; k < 3; ++k) output->force_n[k] = input->velocity_m_per_s[k];
+  output->proxy_m[0] = input->time_s;
+  output->proxy_m[1] = input->buttons;
+  output->proxy_m[2] = 2.0 * (q[1] * q[2] - q[0] * q[3]);
 }
 
 void set_materials(void* method, const hapton_material* materials, std::size_t) {

@@ -10,6 +10,7 @@
 #include <limits>
 #include <utility>
 
+#include "haptic_step/material_tuning.h"
 #include "haptic_step/object_mover.h"
 #include "tests/tools/dynamics/pushed_scene.h"
 
@@ -69,6 +70,13 @@ class Loop {
   }
   Vec3 position() const { return driver_.world().place(kBox).p_S; }
   DynamicsDriver& driver() { return driver_; }
+  // As `hapton set --stiffness` does it.
+  void set_stiffness(double n_per_m, bool is_told) {
+    MaterialState state{.serial = 1, .object_count = 1};
+    state.objects[0].change = {.given = MaterialChange::kStiffness, .stiffness_n_per_m = n_per_m};
+    step_->set_materials(tuned_materials(scene_.touch_scene(), state, 0.0));
+    if (is_told) driver_.take(state);
+  }
 
   std::function<bool(std::uint64_t)> loses = {};  // which requests
   int state_every_ms = 4;                         // as io_node's --vision-rate has it
@@ -173,6 +181,15 @@ TEST(DynamicsDriver, WithoutDampingItBouncesOff) {
   for (const int link_ms : {1, 15}) {
     Loop loop(table_scene({.stiffness_n_per_m = 2000}), {.friction = 0.1, .damping_share = 0.0}, link_ms);
     EXPECT_EQ(forces_under_way(loop).first, 0.0);
+  }
+}
+
+TEST(DynamicsDriver, AStiffnessChangedWhileRunningIsDampedToo) {
+  for (const bool is_told : {true, false}) {
+    Loop loop(table_scene({.stiffness_n_per_m = 100}), {.friction = 0.1}, 15);
+    loop.set_stiffness(2000, is_told);
+    const auto [least, most] = forces_under_way(loop);
+    EXPECT_EQ(least > 0.2 * most, is_told) << least << " to " << most << " N";
   }
 }
 

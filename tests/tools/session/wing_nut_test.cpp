@@ -13,11 +13,11 @@
 namespace hapton {
 namespace {
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr double kPitchM = 0.004;
-constexpr double kFootM = -0.011;  // of the thread: the nut's threads lie in the bolt's where it is multiples of the pitch above
+constexpr double kNutTurn = 2.0 * std::numbers::pi;
+constexpr double kNutPitchM = 0.004;
+constexpr double kNutFootM = -0.011;  // of the thread: the nut's threads lie in the bolt's where it is multiples of the pitch above
 // The clearance of 0.2 mm along the steepest flank, where the radius changes by pi / 2 of the height.
-constexpr double kPlayM = 0.0002 / (0.5 * std::numbers::pi);
+constexpr double kNutPlayM = 0.0002 / (0.5 * std::numbers::pi);
 
 class WingNut : public testing::Test {
  protected:
@@ -42,7 +42,7 @@ class WingNut : public testing::Test {
   // Of the drawn nut, the nearest to the angle given.
   static double angle_of(const Pose& X_WP, double near_rad) {
     const double angle = std::atan2(X_WP.linear()(0, 2), X_WP.linear()(2, 2));
-    return angle + kTurn * std::round((near_rad - angle) / kTurn);
+    return angle + kNutTurn * std::round((near_rad - angle) / kNutTurn);
   }
   // By exact signs.
   void expect_free(int n) { ASSERT_FALSE(check_->penetrates(step_->proxy().placement())) << n; }
@@ -52,23 +52,23 @@ class WingNut : public testing::Test {
 };
 
 TEST_F(WingNut, ATurnMovesItAlongByThePitch) {
-  const double start_m = kFootM + 3.0 * kPitchM;
+  const double start_m = kNutFootM + 3.0 * kNutPitchM;
   step_->reset({nut_at(start_m, 0.0)});
   double most_nm = 0.0;
   double risen_m = 0.0;
   for (int n = 1; n <= 300; ++n) {
-    const double angle = kTurn * n / 300.0;
-    const double hand_m = start_m + kPitchM * angle / kTurn - 0.001;  // it lags: the thread has to lead
+    const double angle = kNutTurn * n / 300.0;
+    const double hand_m = start_m + kNutPitchM * angle / kNutTurn - 0.001;  // it lags: the thread has to lead
     const ToolOutput out = step_->step({nut_at(hand_m, angle)});
     ASSERT_FALSE(out.proxy.is_blocked);
     const double turned = angle_of(out.X_WP, angle);
     ASSERT_NEAR(turned, angle, 0.1) << n;
     risen_m = out.X_WP.translation().y() - start_m;
-    ASSERT_NEAR(risen_m, kPitchM * turned / kTurn, kPlayM + 2e-5) << n;
+    ASSERT_NEAR(risen_m, kNutPitchM * turned / kNutTurn, kNutPlayM + 2e-5) << n;
     most_nm = std::max(most_nm, std::abs(out.torque_nm.y()));
     if (n % 20 == 0) expect_free(n);
   }
-  EXPECT_NEAR(risen_m, kPitchM, kPlayM + 1e-4);
+  EXPECT_NEAR(risen_m, kNutPitchM, kNutPlayM + 1e-4);
   EXPECT_GT(most_nm, 1e-4) << "the thread resists by the torque that lifts it";
 }
 

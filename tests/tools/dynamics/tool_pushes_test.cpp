@@ -1,0 +1,139 @@
+// A rigid tool pushes a body: haptics node and dynamics with a link between them, on simulated time.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <functional>
+#include <limits>
+
+#include "core/tool/held_tool.h"
+#include "haptic_step/haptics_setup.h"
+#include "haptic_step/object_mover.h"
+#include "scene/tool_obstacles.h"
+#include "tests/tools/dynamics/pushed_scene.h"
+#include "tools/dynamics/dynamics_driver.h"
+
+namespace hapton::dynamics {
+namespace {
+
+constexpr std::int64_t kTickNs = 1'000'000;
+constexpr double kPushSpeed = 0.05;
+constexpr double kSpringNPerM = 500.0;
+
+class ToolLoop {
+ public:
+  ToolLoop(Scene scene, const TriangleMesh& tool, int link_ms, double damping_share = DynamicsDriver::kDampingShare)
+      : scene_(std::move(scene)), driver_(*DynamicsDriver::make(scene_, {.damping_share = damping_share})), link_ms_(link_ms) {
+    const TouchScene touch = scene_.touch_scene();
+    step_ = std::make_unique<HapticsStep>(std::make_unique<TouchStep>(*make_method({}, touch), touch), 1e-5);
+    mover_ = std::make_unique<ObjectMover>(scene_, 42);
+    ToolObstacles obstacles = make_tool_obstacles(touch);
+    tool_ = std::make_unique<HeldTool>(std::move(*ToolStep::make(tool, std::move(obstacles.meshes), {.stiffness_n_per_m = kSpringNPerM},
+                                                                 std::move(obstacles.friction), nullptr, obstacles.part_of)));
+    step_->hold(tool_.get(), std::move(obstacles.parts));
+    HapticsSetup setup;
+    const ToolCoupling& coupling = tool_->tool().coupling();
+    put_text(fmt::format("name=tool stiffness_n_per_m={} rotational_stiffness_nm_per_rad={} tool_triangles=12", coupling.stiffness_n_per_m,
+                         coupling.rotational_stiffness_nm_per_rad),
+             setup.method);
+    driver_.take(setup);
+  }
+
+  ForceCommand step(const Vec3& hand, const Quat& turn = Quat::Identity()) {
+    const std::int64_t now_ns = kTickNs * ++sample_;
+    step_->offer({.sample = static_cast<std::uint64_t>(sample_), .sample_time_ns = now_ns, .p_WD = hand, .q_WT = turn});
+    const ForceCommand reply = step_->answer();
+    tool_->follow();
+    if (sample_ % 4 == 0 && mover_->has_request()) {
+      const ObjectMover::Done done = mover_->work(*step_);
+      later([this, done] { driver_.take(done.reply); });
+    }
+    const ProbeState state = {.sample = reply.echo_sample,
+                              .sample_time_ns = now_ns,
+                              .p_WD = hand,
+                              .visual_offset_m = reply.visual_offset_m,
+                              .force_n = reply.force_n,
+                              .contact = reply.contact,
+                              .object = reply.object,
+                              .scene_time_ns = reply.scene_time_ns,
+                              .push_force_n = reply.push_force_n,
+                              .push_torque_nm = reply.push_torque_nm};
+    if (sample_ % 4 == 0) later([this, state] { driver_.take(state); });
+    while (!waiting_.empty() && waiting_.front().first <= sample_) {
+      waiting_.front().second();
+      waiting_.pop_front();
+    }
+    if (const auto request = driver_.next_request(now_ns)) later([this, request] { mover_->request(*request); });
+    return reply;
+  }
+  Keyframe place() const { return driver_.world().place(kBox); }
+  const HeldTool& tool() const { return *tool_; }
+
+ private:
+  void later(std::function<void()> arrive) { waiting_.emplace_back(sample_ + link_ms_, std::move(arrive)); }
+
+  Scene scene_;
+  DynamicsDriver driver_;
+  std::unique_ptr<HapticsStep> step_;
+  std::unique_ptr<ObjectMover> mover_;
+  std::unique_ptr<HeldTool> tool_;
+  int link_ms_;
+  std::int64_t sample_ = 0;
+  std::deque<std::pair<std::int64_t, std::function<void()>>> waiting_;
+};
+
+// A cube of 20 mm that comes from the left, its side before that of the box.
+const TriangleMesh kPusher = made::box(Vec3::Constant(-0.01), Vec3::Constant(0.01));
+Vec3 pusher_at(int ms, double travel_m, double y, double z) {
+  return {-kBoxSideM / 2 - 0.015 + std::min(travel_m, kPushSpeed * std::max(0.0, 1e-3 * ms - 0.1)), y, z};
+}
+
+TEST(ToolPushes, ABoxGoesWhereTheToolPushesIt) {
+  for (const int link_ms : {1, 10}) {
+    ToolLoop loop(table_scene(), kPusher, link_ms);
+    const Vec3 start = loop.place().p_S;
+    double most_n = 0.0;
+    double least_n = std::numeric_limits<double>::infinity();
+    for (int ms = 0; ms < 1500; ++ms) {
+      const ForceCommand reply = loop.step(pusher_at(ms, 0.045, kBoxSideM / 2, 0.0));
+      if (ms < 500 || ms >= 900) continue;
+      most_n = std::max(most_n, reply.force_n.norm());
+      least_n = std::min(least_n, reply.force_n.norm());
+    }
+    const Vec3 by = loop.place().p_S - start;
+    EXPECT_NEAR(by.x(), 0.045 - 0.005, 0.003) << link_ms << " ms";
+    EXPECT_NEAR(by.z(), 0.0, 1e-3);
+    EXPECT_LT(turn_between(Quat::Identity(), loop.place().turn).norm(), 0.05);
+    EXPECT_GT(least_n, 0.1 * most_n) << "it stays at the tool, " << link_ms << " ms";
+    EXPECT_LT(most_n, 5.0);
+  }
+}
+
+// The tool slides on the table as well, pressed down: what the table does to it is not the box's.
+TEST(ToolPushes, WhatTheToolDoesToOthersIsNotTheBodys) {
+  ToolLoop loop(table_scene(), kPusher, 1);
+  const Keyframe start = loop.place();
+  double down_n = 0.0;
+  for (int ms = 0; ms < 1500; ++ms) {
+    // 10 mm below where the cube's lower side touches the table: 5 N.
+    down_n = loop.step(pusher_at(ms, 0.045, std::max(0.0, 0.05 - 1e-3 * ms), 0.0)).force_n.y();
+  }
+  EXPECT_NEAR(down_n, 5.0, 0.2);
+  const Vec3 by = loop.place().p_S - start.p_S;
+  EXPECT_NEAR(by.x(), 0.040, 0.003);
+  EXPECT_NEAR(by.y(), 0.0, 5e-4);
+  EXPECT_LT(turn_between(start.turn, loop.place().turn).norm(), 0.05);
+}
+
+// Pushed beside its middle the box turns, as the contact's force has a lever.
+TEST(ToolPushes, BesideItsMiddleItTurnsTheBox) {
+  ToolLoop loop(table_scene(), kPusher, 1);
+  for (int ms = 0; ms < 1200; ++ms) loop.step(pusher_at(ms, 0.02, kBoxSideM / 2, 0.022));
+  const Vec3 turn = turn_between(Quat::Identity(), loop.place().turn);
+  EXPECT_GT(turn.y(), 0.1) << "towards +x at +z: from z to x is positive";
+}
+
+}  // namespace
+}  // namespace hapton::dynamics
