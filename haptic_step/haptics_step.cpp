@@ -136,11 +136,12 @@ void HapticsStep::place_parts() noexcept {
 // Of the objects that programs move, the one that the tool presses most.
 void HapticsStep::note_push(ForceCommand& reply) const noexcept {
   for (std::size_t p = 0; p < tool_parts_.size(); ++p) {
+    if (tool_parts_[p].commanded < 0) continue;
+    if (!reply.push) reply.push.emplace();
     const ToolPush& push = tool_->push_on(p);
-    if (tool_parts_[p].commanded < 0 || !(push.force_n.squaredNorm() > reply.push_force_n.squaredNorm())) continue;
+    if (!(push.force_n.squaredNorm() > reply.push->force_n.squaredNorm())) continue;
     reply.object = tool_parts_[p].commanded;
-    reply.push_force_n = push.force_n;
-    reply.push_torque_nm = push.torque_nm;
+    reply.push = {push.force_n, push.torque_nm};
   }
 }
 

@@ -45,8 +45,8 @@ void ProbeHistory::show(bool is_silent, ProbeState& probe) const noexcept {
   probe.object = is_live ? last_.object : -1;
   probe.scene_time_ns = last_.scene_time_ns;  // without replies nothing moves
   probe.visual_turn = is_live ? last_.visual_turn : Vec3(Vec3::Zero());
-  probe.push_force_n = is_live ? last_.push_force_n : Vec3(Vec3::Zero());
-  probe.push_torque_nm = is_live ? last_.push_torque_nm : Vec3(Vec3::Zero());
+  probe.push = last_.push;
+  if (probe.push && !is_live) probe.push.emplace();
 }
 
 }  // namespace hapton

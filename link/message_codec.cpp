@@ -69,6 +69,24 @@ void write(const DeviceState& from, wire::DeviceState& to) {
   if (from.scene_time_ns >= 0) to.set_scene_time_ns(from.scene_time_ns);
 }
 
+// What is cleared keeps its memory.
+template <class Wire>
+void write_push(const std::optional<ObjectPush>& push, Wire& to) {
+  to.clear_push_force_n();
+  to.clear_push_torque_nm();
+  if (!push) return;
+  write_vector(*to.mutable_push_force_n(), push->force_n);
+  write_vector(*to.mutable_push_torque_nm(), push->torque_nm);
+}
+
+template <class Wire>
+bool read_push(const Wire& from, std::optional<ObjectPush>& push) {
+  push.reset();
+  if (from.push_force_n_size() == 0 && from.push_torque_nm_size() == 0) return true;
+  push.emplace();
+  return read_vector(from.push_force_n(), push->force_n) && read_vector(from.push_torque_nm(), push->torque_nm);
+}
+
 void write(const ForceCommand& from, wire::ForceCommand& to) {
   to.set_echo_sample(from.echo_sample);
   to.set_echo_sample_time_ns(from.echo_sample_time_ns);
@@ -87,8 +105,7 @@ void write(const ForceCommand& from, wire::ForceCommand& to) {
   to.set_scene_time_ns(from.scene_time_ns);
   to.set_move_serial(from.move_serial);
   to.set_carve_serial(from.carve_serial);
-  write_vector(*to.mutable_push_force_n(), from.push_force_n);
-  write_vector(*to.mutable_push_torque_nm(), from.push_torque_nm);
+  write_push(from.push, to);
 }
 
 void write(const ViewTransform& from, wire::ViewTransform& to) {
@@ -116,8 +133,7 @@ void write(const ProbeState& from, wire::ProbeState& to) {
   to.set_force_limit_n(from.force_limit_n);
   write_vector(*to.mutable_visual_turn(), from.visual_turn);
   to.set_scene_time_ns(from.scene_time_ns);
-  write_vector(*to.mutable_push_force_n(), from.push_force_n);
-  write_vector(*to.mutable_push_torque_nm(), from.push_torque_nm);
+  write_push(from.push, to);
 }
 
 void write(const FrameAck& from, wire::FrameAck& to) {
@@ -252,7 +268,7 @@ bool read(const wire::ForceCommand& from, ForceCommand& to) {
   to.carve_serial = from.carve_serial();
   return read_vector(from.force_n(), to.force_n) && read_vector(from.visual_offset_m(), to.visual_offset_m) &&
          read_optional_vector(from.torque_nm(), to.torque_nm) && read_optional_vector(from.visual_turn(), to.visual_turn) &&
-         read_optional_vector(from.push_force_n(), to.push_force_n) && read_optional_vector(from.push_torque_nm(), to.push_torque_nm);
+         read_push(from, to.push);
 }
 
 bool read(const wire::ProbeState& from, ProbeState& to) {
@@ -274,8 +290,8 @@ bool read(const wire::ProbeState& from, ProbeState& to) {
   return read_vector(from.p_wd_m(), to.p_WD) && read_rotation(from.q_wt(), to.q_WT) &&
          read_vector(from.visual_offset_m(), to.visual_offset_m) && read_vector(from.force_n(), to.force_n) &&
          read_optional_vector(from.torque_nm(), to.torque_nm) && read_optional_vector(from.visual_turn(), to.visual_turn) &&
-         read_optional_vector(from.push_force_n(), to.push_force_n) && read_optional_vector(from.push_torque_nm(), to.push_torque_nm) &&
-         is_amount(to.servo_rate_hz) && is_amount(to.round_trip_p50_us) && is_amount(to.round_trip_p99_us) && is_amount(to.force_limit_n);
+         read_push(from, to.push) && is_amount(to.servo_rate_hz) && is_amount(to.round_trip_p50_us) && is_amount(to.round_trip_p99_us) &&
+         is_amount(to.force_limit_n);
 }
 
 bool read(const wire::FrameAck& from, FrameAck& to) {

@@ -48,6 +48,13 @@ struct DeviceState {
   std::int64_t scene_time_ns = -1;
 };
 
+// What a rigid tool does to an object that programs move. Frame W.
+struct ObjectPush {
+  Vec3 force_n = Vec3::Zero();
+  Vec3 torque_nm = Vec3::Zero();  // about the grip point of the tool as it is drawn
+  friend bool operator==(const ObjectPush&, const ObjectPush&) = default;
+};
+
 // haptics -> hub, one for every DeviceState, at once.
 struct ForceCommand {
   std::uint64_t echo_sample = 0;         // the DeviceState it replies to
@@ -69,9 +76,8 @@ struct ForceCommand {
   std::int64_t scene_time_ns = 0;
   std::uint32_t move_serial = 0;   // of the newest move of an object that it was computed with, as ObjectMove counts
   std::uint32_t carve_serial = 0;  // of the newest carve made before this step, as Carves count
-  // Of a rigid tool on `object`, one that programs move; torque about the grip point of the tool as it is drawn.
-  Vec3 push_force_n = Vec3::Zero();
-  Vec3 push_torque_nm = Vec3::Zero();
+  // On `object`. None: the stylus holds no rigid tool, or programs move nothing; so its presence does not tell of contact.
+  std::optional<ObjectPush> push = {};
 };
 
 // ForceCommand::answered_before of a first reply that resumes contact of an earlier session.
@@ -120,13 +126,12 @@ struct ProbeState {
   ProbeStatus status = ProbeStatus::ok;
   // What the device has given the hand beyond what it took, in per cent of the energy budget; at 100 no force is left.
   std::uint32_t energy_percent = 0;
-  std::int32_t object = -1;            // touched in that sample, as in ForceCommand
-  Vec3 torque_nm = Vec3::Zero();       // the newest, of a rigid tool
-  Vec3 visual_turn = Vec3::Zero();     // of that sample, as in ForceCommand
-  float force_limit_n = 0.0F;          // the largest force that the device may get; 0: unknown
-  std::int64_t scene_time_ns = 0;      // of the newest sample with a reply, as in ForceCommand
-  Vec3 push_force_n = Vec3::Zero();    // of that sample, as in ForceCommand
-  Vec3 push_torque_nm = Vec3::Zero();  // the same
+  std::int32_t object = -1;             // touched in that sample, as in ForceCommand
+  Vec3 torque_nm = Vec3::Zero();        // the newest, of a rigid tool
+  Vec3 visual_turn = Vec3::Zero();      // of that sample, as in ForceCommand
+  float force_limit_n = 0.0F;           // the largest force that the device may get; 0: unknown
+  std::int64_t scene_time_ns = 0;       // of the newest sample with a reply, as in ForceCommand
+  std::optional<ObjectPush> push = {};  // of that sample, as in ForceCommand
 };
 
 // vision -> hub: frame acknowledgement, after a frame was drawn or skipped because it would look the same: which sample it shows. Requests

@@ -36,7 +36,7 @@ std::string describe_loading(std::uint32_t code) {
   if (!loading) return {};
   return fmt::format("unit {}, cracks {}{}", loading->unit ? name_of(*loading->unit) : "of the file",
                      loading->sealing == CrackSealing::on ? "sealed" : "left",
-                     loading->fit == MeshFit::workspace ? ", fitted to the workspace" : "");
+                     loading->fit == MeshFit::workspace ? ", mesh files fitted to the workspace" : "");
 }
 
 }  // namespace hapton

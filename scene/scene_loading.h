@@ -28,7 +28,7 @@ struct SceneLoading {
 // As a number that is never 0, for recordings; and back. None: a number that to_code does not give.
 std::uint32_t to_code(const SceneLoading& loading);
 std::optional<SceneLoading> from_code(std::uint32_t code);
-// For people: "unit mm, cracks sealed, fitted to the workspace". A code that to_code does not give: empty.
+// For people: "unit mm, cracks sealed, mesh files fitted to the workspace". A code that to_code does not give: empty.
 std::string describe_loading(std::uint32_t code);
 
 }  // namespace hapton

@@ -362,8 +362,10 @@ TEST(HapticsStep, AHeldToolFeelsObjectsThatMoveAndTellsWhatItDoesToThoseOfProgra
     EXPECT_NEAR(command.force_n.z(), 5.0, 0.01);
     EXPECT_NEAR(command.visual_offset_m.z(), 0.005, 1e-5);
     EXPECT_EQ(command.object, is_commanded ? 1 : -1);
-    EXPECT_NEAR(command.push_force_n.z(), is_commanded ? -5.0 : 0.0, 0.01);
-    EXPECT_NEAR(command.push_torque_nm.norm(), 0.0, 1e-3);
+    ASSERT_EQ(command.push.has_value(), is_commanded);
+    if (!is_commanded) continue;
+    EXPECT_NEAR(command.push->force_n.z(), -5.0, 0.01);
+    EXPECT_NEAR(command.push->torque_nm.norm(), 0.0, 1e-3);
   }
 }
 

@@ -40,6 +40,7 @@ class RandomDatagrams {
 
  private:
   bool flag() { return (random_() & 1U) != 0; }
+  std::optional<ObjectPush> push() { return flag() ? std::optional(ObjectPush{vector(), vector()}) : std::nullopt; }
   Vec3 vector() { return {number(-10, 10), number(-1e-6, 1e-6), number(-1e6, 1e6)}; }
   Quat rotation() { return Quat(number(-1, 1), number(-1, 1), number(-1, 1), number(0.1, 1)).normalized(); }
   std::int32_t object() { return static_cast<std::int32_t>(bits32() >> 1) - 1; }
@@ -57,8 +58,8 @@ class RandomDatagrams {
       case 3:
         return draw_state(time);
       case 4:
-        return ForceCommand{bits(),   time,   vector(), vector(), flag(),   bits32(), bits32(), bits32(),
-                            bits32(), bits(), bits32(), object(), vector(), vector(), time,     bits32()};
+        return ForceCommand{bits(), time,     vector(), vector(), flag(),   bits32(), bits32(), bits32(), bits32(),
+                            bits(), bits32(), object(), vector(), vector(), time,     bits32(), bits32(), push()};
       case 5:
         return draw_view();
       case 6:
@@ -80,7 +81,8 @@ class RandomDatagrams {
                           vector(),
                           vector(),
                           rate(),
-                          time};
+                          time,
+                          push()};
       case 7:
         return FrameAck{bits(), time, rate(), bits32(), bits32(), flag(), flag()};
       case 8:
@@ -330,9 +332,11 @@ inline void expect_sane(const Datagram& datagram) {
     EXPECT_LE(force->force_n.cwiseAbs().maxCoeff(), kMaxWireMagnitude);
     EXPECT_TRUE(force->visual_offset_m.allFinite());
     EXPECT_TRUE(force->torque_nm.allFinite() && force->visual_turn.allFinite());
+    EXPECT_TRUE(!force->push || (force->push->force_n.allFinite() && force->push->torque_nm.allFinite()));
   } else if (const auto* probe = std::get_if<ProbeState>(&datagram.message)) {
     EXPECT_TRUE(probe->p_WD.allFinite() && probe->force_n.allFinite() && probe->visual_offset_m.allFinite());
     EXPECT_TRUE(probe->torque_nm.allFinite() && probe->visual_turn.allFinite());
+    EXPECT_TRUE(!probe->push || (probe->push->force_n.allFinite() && probe->push->torque_nm.allFinite()));
     EXPECT_TRUE(std::isfinite(probe->servo_rate_hz));
   } else if (const auto* view = std::get_if<ViewTransform>(&datagram.message)) {
     for (const float value : view->X_WS) {

@@ -51,7 +51,10 @@ TEST_F(CodecTest, WhatTheHandFeelsHasOneLengthWhateverItSays) {
       {ForceCommand{}, ForceCommand{.contact = true}, ForceCommand{.force_n = odd, .visual_offset_m = odd, .contact = true},
        ForceCommand{~std::uint64_t{0}, -1, odd, odd, true, ~0U, ~0U, ~0U, ~0U, ~std::uint64_t{0}, ~0U, 7, odd, odd}},
       {ProbeState{}, ProbeState{~std::uint64_t{0}, -1, odd, Quat(0.5, -0.5, 0.5, -0.5), odd, odd, true, ~0U, 1e9F, 1e9F, 1e9F, ~0U},
-       ProbeState{.object = 7, .torque_nm = odd, .visual_turn = odd}}};
+       ProbeState{.object = 7, .torque_nm = odd, .visual_turn = odd}},
+      // With a tool that can push something, whether it does or not.
+      {ForceCommand{.push = ObjectPush()}, ForceCommand{.contact = true, .push = ObjectPush{odd, odd}}},
+      {ProbeState{.push = ObjectPush()}, ProbeState{.contact = true, .push = ObjectPush{odd, odd}}}};
   for (const auto& messages : kinds) {
     std::set<std::size_t> lengths;
     for (const Message& message : messages) {
@@ -190,6 +193,9 @@ TEST_F(CodecTest, RejectsValuesOutsideTheContract) {
     EXPECT_EQ(round_trip(ForceCommand{.visual_turn = Vec3(0, bad, 0)}), DecodeStatus::bad_value);
     EXPECT_EQ(round_trip(ProbeState{.torque_nm = Vec3(0, bad, 0)}), DecodeStatus::bad_value);
     EXPECT_EQ(round_trip(ProbeState{.visual_turn = Vec3(0, bad, 0)}), DecodeStatus::bad_value);
+    EXPECT_EQ(round_trip(ForceCommand{.push = ObjectPush{.force_n = Vec3(0, bad, 0)}}), DecodeStatus::bad_value);
+    EXPECT_EQ(round_trip(ForceCommand{.push = ObjectPush{.torque_nm = Vec3(0, bad, 0)}}), DecodeStatus::bad_value);
+    EXPECT_EQ(round_trip(ProbeState{.push = ObjectPush{.force_n = Vec3(bad, 0, 0)}}), DecodeStatus::bad_value);
     EXPECT_EQ(round_trip(ProbeState{.force_limit_n = static_cast<float>(bad)}), DecodeStatus::bad_value);
     EXPECT_EQ(round_trip(ProbeState{.round_trip_p99_us = static_cast<float>(bad)}), DecodeStatus::bad_value);
     EXPECT_EQ(round_trip(HandTarget{true, Vec3(bad, 0, 0)}), DecodeStatus::bad_value);

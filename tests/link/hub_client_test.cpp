@@ -294,6 +294,20 @@ TEST_F(HubClientTest, SaysByeWhenItGoes) {
   EXPECT_FALSE(hub_->has_haptics());
 }
 
+TEST_F(HubClientTest, LeavesWhenItIsToldToAndOnlyOnce) {
+  start_hub(1);
+  start_client();
+  run(5);
+  ASSERT_TRUE(hub_->has_haptics());
+  client_->leave();
+  EXPECT_EQ(client_->state(), JoinState::joining);
+  Datagram datagram;
+  EXPECT_EQ(hub_->receive(datagram, 0).kind, PeerEvent::Kind::left);
+  EXPECT_FALSE(hub_->has_haptics());
+  client_.reset();
+  EXPECT_EQ(hub_->receive(datagram, 0).kind, PeerEvent::Kind::none);
+}
+
 TEST_F(HubClientTest, StaysJoinedAndCountsOnABadNetwork) {
   impairments_ = {.seed = 11, .loss = 0.05, .duplicate = 0.02, .reorder = 0.05, .jitter_ns = kMs / 2};
   network_.set_impairments(impairments_);

@@ -73,8 +73,9 @@ std::optional<Push> DynamicsDriver::find_push(const ProbeState& state) const {
 
 // The force acts along a line; the body is damped where that passes nearest to the grip point.
 Push DynamicsDriver::find_tool_push(const ProbeState& state, const Pose& X_SW) const {
-  const Vec3 force_n = X_SW.linear() * state.push_force_n;
-  const Vec3 torque_nm = X_SW.linear() * state.push_torque_nm;
+  const ObjectPush push = state.push.value_or(ObjectPush());
+  const Vec3 force_n = X_SW.linear() * push.force_n;
+  const Vec3 torque_nm = X_SW.linear() * push.torque_nm;
   const double squared = force_n.squaredNorm();
   const Vec3 arm = squared > 0.0 ? Vec3(force_n.cross(torque_nm) / squared) : Vec3(Vec3::Zero());
   const double delay = settings_.damping_share * delay_s_;

@@ -20,7 +20,7 @@ namespace hapton::dynamics {
 // therefore damped at the contact by kDampingShare K t, with K the stiffness of its material. t is measured: the time from each request to
 // its reply, plus the duration of a move and the interval between two states. A hand that pushes at a speed v feels the damping as a
 // resistance of kDampingShare K t v. A rigid tool has one spring and one torsion spring for all bodies; its force and torque on a body are
-// sent apart from those on the hand (ForceCommand::push_force_n), and the turning of the body is damped alike. Threads: one. RT: no.
+// sent apart from those on the hand (ForceCommand::push), and the turning of the body is damped alike. Threads: one. RT: no.
 class DynamicsDriver {
  public:
   // Requests a second, of all bodies together. The hub passes on 250 of one sender (RequestHandler::kMovesPerSecond).

@@ -58,8 +58,7 @@ class ToolLoop {
                               .contact = reply.contact,
                               .object = reply.object,
                               .scene_time_ns = reply.scene_time_ns,
-                              .push_force_n = reply.push_force_n,
-                              .push_torque_nm = reply.push_torque_nm};
+                              .push = reply.push};
     if (sample_ % 4 == 0) later([this, state] { driver_.take(state); });
     while (!waiting_.empty() && waiting_.front().first <= sample_) {
       waiting_.front().second();
