@@ -29,6 +29,14 @@ std::size_t length_of_text(const Message& message) {
   return text != nullptr ? std::string_view(text->data()).size() : 0;
 }
 
+// Two vectors, each with two bytes of tag and one of length, and in sessions with a tool only.
+std::size_t length_of_push(const Message& message) {
+  const auto* force = std::get_if<ForceCommand>(&message);
+  const auto* probe = std::get_if<ProbeState>(&message);
+  const bool has_push = (force != nullptr && force->push) || (probe != nullptr && probe->push);
+  return has_push ? 2 * (2 + 1 + 24) : 0;
+}
+
 TEST_F(CodecTest, KeepsWithinTheByteBudget) {
   for (std::size_t kind = 0; kind < kKinds; ++kind) {
     // A setup, once a second, carries texts; so does a part of a report, on request.
@@ -38,7 +46,7 @@ TEST_F(CodecTest, KeepsWithinTheByteBudget) {
     const bool is_materials = kind == 21;
     const std::size_t most = is_geometry || is_materials ? 1168U : kind == 10 ? 900U : kind == 12 ? 1000U : 300U;
     const Datagram drawn = random_.draw(kind);
-    EXPECT_LE(encode(drawn).size(), most + length_of_text(drawn.message)) << "kind " << kind;
+    EXPECT_LE(encode(drawn).size(), most + length_of_text(drawn.message) + length_of_push(drawn.message)) << "kind " << kind;
   }
 }
 
