@@ -1,6 +1,7 @@
 #include "vision_node/annotator.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -94,7 +95,7 @@ Annotator::Annotator(StereoView& view, const Scene& scene, const AnnotatorOption
       options_(options),
       can_touch_(can_touch),
       pen_(pen, std::move(given)),
-      surfaces_(scene.objects.size()),
+      surfaces_(scene),
       poses_(scene.objects.size()),
       X_SO_(scene.objects.size(), Pose::Identity()),
       at_rest_(scene.objects.size()),
@@ -103,33 +104,30 @@ Annotator::Annotator(StereoView& view, const Scene& scene, const AnnotatorOption
   for (std::size_t o = 0; o < at_rest_.size(); ++o) at_rest_[o].object = static_cast<std::int32_t>(o);
 }
 
-// Of a million triangles, 0.3 s at the first touch; the states that come meanwhile wait in the socket.
-const SurfaceFinder& Annotator::surface(std::size_t object) {
-  if (surfaces_[object] == nullptr) surfaces_[object] = std::make_unique<SurfaceFinder>(scene_.objects[object].mesh);
-  return *surfaces_[object];
-}
-
-// The point of the drawn mesh that is closest to the probe: of a ball its surface, not its centre, and where the surface felt differs from
-// the one drawn (sealed cracks, bumps), the latter.
-std::optional<SurfacePoint> Annotator::find_touched(const ProbeState& state, const Pose& X_WS) {
+// The point of the drawn surface that is closest to the probe: of a ball its surface, not its centre, and where the surface felt differs
+// from the one drawn (sealed cracks, bumps), the latter. States that come while a finder is made wait in the socket.
+std::optional<AnnotatedSurfaces::Touched> Annotator::find_touched(const ProbeState& state, const Pose& X_WS) {
   const auto object = static_cast<std::size_t>(state.object);
   const bool is_known = state.contact && state.object >= 0 && object < scene_.objects.size() && !is_other_scene_;
   if (!is_known || !can_touch_ || held_ >= 0) return std::nullopt;
   const Vec3 p_WP = state.p_WD + state.visual_offset_m;
   if (!p_WP.allFinite()) return std::nullopt;
   const Vec3 p_O = X_SO_[object].inverse(Eigen::Isometry) * (X_WS.inverse(Eigen::Affine) * p_WP);
-  return SurfacePoint{state.object, surface(object).find_closest(p_O)};
+  return surfaces_.find_closest(object, p_O);
 }
 
 void Annotator::receive(const ProbeState& state, const Pose& X_WS) {
+  surfaces_.set_time(state.scene_time_ns);
   const std::uint32_t pressed = state.buttons & ~std::exchange(last_buttons_, state.buttons);
   wants_menu_ = wants_menu_ != ((pressed & button_bit(options_.menu_button)) != 0);
   const Vec3 p_WP = state.p_WD + state.visual_offset_m;
   const auto lit_before = menu_.lit();
   if (const auto entry = menu_.receive(p_WP, state.buttons & ~button_bit(options_.menu_button))) chosen_ = entry;
-  if (menu_.lit() != lit_before) ++menu_revision_;
+  if (menu_.lit() != lit_before) ++own_revision_;
   const bool is_wanted = pen_.wants_point(state.buttons) && !menu_.lit();
-  pen_.receive(is_wanted ? find_touched(state, X_WS) : std::nullopt, state.buttons);
+  const auto touched = is_wanted ? find_touched(state, X_WS) : std::nullopt;
+  pen_.receive(touched ? std::optional<SurfacePoint>({state.object, touched->p_O}) : std::nullopt, state.buttons,
+               touched ? touched->facet : 0);
   log_finished();
 }
 
@@ -142,10 +140,11 @@ void Annotator::log_finished() {
   const Annotation& entry = pen_.annotations().entries[*finished];
   const auto name = [&](std::int32_t object) -> const std::string& { return scene_.objects[static_cast<std::size_t>(object)].name; };
   if (const auto* stroke = std::get_if<Stroke>(&entry)) {
-    log_info("drawn on {}: {}, {} points", name(stroke->object), describe_length(compute_length_m(*stroke)), stroke->points_m.size());
+    log_info("drawn on {}: {}, {} points", name(stroke->object), describe_length(compute_length_m(surfaces_.place(*stroke))),
+             stroke->points_m.size());
     return;
   }
-  const Measure& measure = std::get<Measure>(entry);
+  const Measure measure = surfaces_.place(std::get<Measure>(entry));
   const auto& [from, to] = measure.ends;
   log_info("measured {} {}", describe_length(compute_length_m(measure, X_SO_)),
            from.object == to.object ? "on " + name(from.object) : "from " + name(from.object) + " to " + name(to.object));
@@ -209,7 +208,7 @@ void Annotator::show_objects() {
 
 void Annotator::toggle_menu(const StereoScreen& screen, const Vec3& p_WC) {
   menu_.is_open() ? menu_.close() : menu_.open(screen, p_WC);
-  ++menu_revision_;
+  ++own_revision_;
 }
 
 void Annotator::handle(const UserRequests& requests, const StereoScreen& screen, const Vec3& p_WC) {
@@ -229,7 +228,7 @@ void Annotator::handle(const UserRequests& requests, const StereoScreen& screen,
 }
 
 void Annotator::choose(TouchMenu::Entry entry) {
-  ++menu_revision_;
+  ++own_revision_;
   switch (entry) {
     case TouchMenu::Entry::off:
       pen_.set_mode(PenMode::off);
@@ -297,20 +296,38 @@ std::optional<Vec3> Annotator::find_menu(const StereoScreen& screen, PictureSize
   return menu_.find_behind(compute_eye_position(screen, Eye::centre), screen.X_WV * on_screen_V);
 }
 
+// Of a scene in which nothing deforms these are the pen's own.
+const Annotations& Annotator::place_entries() {
+  if (!surfaces_.has_deforming()) return pen_.annotations();
+  placed_ = surfaces_.place(pen_.annotations());
+  return placed_;
+}
+
+void Annotator::show_current() {
+  AnnotationFigure& figure = view_.annotation_figure();
+  std::optional<SurfacePoint> first = pen_.first_end();
+  if (first) first->p_O = surfaces_.place(*first);
+  figure.set_first_end(first);
+  const std::vector<Vec3>* current = pen_.current();
+  if (current != nullptr && surfaces_.has_deforming()) {
+    placed_current_ = surfaces_.place(pen_.current_object(), *current);
+    current = &placed_current_;
+  }
+  figure.set_current(pen_.current_object(), current);
+}
+
 void Annotator::show(const Pose& X_WS) {
   AnnotationFigure& figure = view_.annotation_figure();
   figure.set_scene_pose(X_WS);
-  if (has_moved_ && (!pen_.annotations().entries.empty() || pen_.current() != nullptr)) {
-    show_objects();
-    figure.set_current(pen_.current_object(), pen_.current());
-  }
-  if (std::exchange(shown_, pen_.revision()) != pen_.revision()) {
-    figure.set_first_end(pen_.first_end());
-    figure.set_current(pen_.current_object(), pen_.current());
-  }
-  if (std::exchange(shown_entries_, pen_.entries_revision()) != pen_.entries_revision()) {
-    figure.set_entries(pen_.annotations(), scene_.objects.size());
-  }
+  const bool has_new_shape = std::exchange(shape_shown_, surfaces_.revision()) != surfaces_.revision() && has_marks();
+  const bool has_new_place = has_moved_ && has_marks();
+  const bool has_new_pen = std::exchange(shown_, pen_.revision()) != pen_.revision();
+  const bool has_new_entries = std::exchange(shown_entries_, pen_.entries_revision()) != pen_.entries_revision();
+  if (has_new_place) show_objects();
+  if (has_new_place || has_new_shape || has_new_pen) show_current();
+  if (has_new_shape || has_new_entries) figure.set_entries(place_entries(), scene_.objects.size());
+  // Lengths in the corner.
+  if (has_new_place || has_new_shape) ++own_revision_;
   view_.menu_figure().set(menu_, pen_.mode());
 }
 
@@ -329,18 +346,18 @@ std::string Annotator::describe() const {
   if (!entries.empty()) add(describe_entries(pen_.annotations()));
   const auto last =
       std::find_if(entries.rbegin(), entries.rend(), [](const Annotation& each) { return std::holds_alternative<Measure>(each); });
-  if (last != entries.rend()) add("measured " + describe_length(compute_length_m(std::get<Measure>(*last), X_SO_)));
+  if (last != entries.rend()) add("measured " + describe_length(compute_length_m(surfaces_.place(std::get<Measure>(*last)), X_SO_)));
   return text;
 }
 
-Result<void> Annotator::write_files(const std::filesystem::path& file) const {
+Result<void> Annotator::write_files(const std::filesystem::path& file) {
   if (!file.empty()) {
     if (auto written = write_file_atomically(file, write_annotations(pen_.annotations(), scene_.given_hash)); !written) return written;
     log_info("{} saved in {}", describe_entries(pen_.annotations()), file.string());
   }
   if (options_.strokes.empty()) return {};
   const auto write = options_.strokes.extension() == ".vtp" ? write_annotations_vtp : write_annotations_obj;
-  if (auto written = write_file_atomically(options_.strokes, write(pen_.annotations(), X_SO_, scene_.objects.size())); !written)
+  if (auto written = write_file_atomically(options_.strokes, write(place_entries(), X_SO_, scene_.objects.size())); !written)
     return written;
   log_info("strokes and measures written to {}", options_.strokes.string());
   return {};

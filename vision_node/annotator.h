@@ -10,10 +10,10 @@
 #include "core/base/result.h"
 #include "link/messages.h"
 #include "scene/scene_file.h"
+#include "vision_node/annotated_surfaces.h"
 #include "vision_node/interaction.h"
 #include "vision_node/pen.h"
 #include "vision_node/stereo_view.h"
-#include "vision_node/surface_finder.h"
 #include "vision_node/touch_menu.h"
 
 namespace hapton {
@@ -39,6 +39,9 @@ class Annotator {
   static Result<std::unique_ptr<Annotator>> open(StereoView& view, const Scene& scene, double scene_radius_m,
                                                  const AnnotatorOptions& options, bool can_touch);
 
+  // What knows the shape of objects that are carved. Pre: it outlives this.
+  void set_carved_objects(const CarvedObjects* carved) { surfaces_.set_carved_objects(carved); }
+
   // Each state received, in order. X_WS: the pose of the scene that its contact was computed with.
   void receive(const ProbeState& state, const Pose& X_WS);
   // Where an object is.
@@ -58,7 +61,7 @@ class Annotator {
   std::optional<ObjectPose> take_due(std::int64_t now_ns);
 
   // Counts what would change the picture.
-  std::uint64_t revision() const { return pen_.revision() + menu_revision_; }
+  std::uint64_t revision() const { return pen_.revision() + own_revision_; }
   // What is drawn next: the newest strokes, measures and menu.
   void show(const Pose& X_WS);
   // A line for the picture's corner; empty before anything was drawn.
@@ -73,16 +76,18 @@ class Annotator {
  private:
   Annotator(StereoView& view, const Scene& scene, const AnnotatorOptions& options, const PenSettings& pen, Annotations given,
             bool can_touch);
-  std::optional<SurfacePoint> find_touched(const ProbeState& state, const Pose& X_WS);
-  const SurfaceFinder& surface(std::size_t object);
+  std::optional<AnnotatedSurfaces::Touched> find_touched(const ProbeState& state, const Pose& X_WS);
+  bool has_marks() const { return !pen_.annotations().entries.empty() || pen_.current() != nullptr || pen_.first_end(); }
   void show_objects();
+  void show_current();
+  const Annotations& place_entries();
   void undo();
   bool undo_move();
   void choose(TouchMenu::Entry entry);
   void toggle_menu(const StereoScreen& screen, const Vec3& p_WC);
   void log_finished();
   void save();
-  Result<void> write_files(const std::filesystem::path& file) const;
+  Result<void> write_files(const std::filesystem::path& file);
 
   StereoView& view_;
   const Scene& scene_;
@@ -90,8 +95,11 @@ class Annotator {
   bool can_touch_;
   Pen pen_;
   TouchMenu menu_;
-  std::vector<std::unique_ptr<SurfaceFinder>> surfaces_;  // by object, made when it is first drawn on
-  std::vector<ObjectPose> poses_;                         // by object; a serial of 0: where the scene file has it
+  AnnotatedSurfaces surfaces_;
+  Annotations placed_;                // entries in the present shape, where objects deform
+  std::vector<Vec3> placed_current_;  // and the stroke that is being drawn
+  std::uint64_t shape_shown_ = 0;     // revision of the surfaces in the view
+  std::vector<ObjectPose> poses_;     // by object; a serial of 0: where the scene file has it
   ObjectPoses X_SO_;
   bool has_moved_ = false;  // by keyframes, since they were shown
   // An object was put down elsewhere.
@@ -109,7 +117,7 @@ class Annotator {
   std::uint32_t last_buttons_ = ~0U;
   bool wants_menu_ = false;
   std::optional<TouchMenu::Entry> chosen_;
-  std::uint64_t menu_revision_ = 0;
+  std::uint64_t own_revision_ = 0;   // of the menu, and of lengths in the corner
   std::uint64_t shown_ = 0;          // revision of the pen in the view
   std::uint64_t shown_entries_ = 0;  // and of its entries
   std::uint64_t saved_entries_ = 0;

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <utility>
 
+#include "core/sculpt/closest_surface_point.h"
 #include "runtime/log.h"
 #include "runtime/start_thread.h"
 
@@ -80,6 +81,12 @@ bool CarvedObjects::show() {
   return !made.empty();
 }
 
+std::optional<Vec3> CarvedObjects::find_closest(std::size_t object, const Vec3& p) const {
+  const std::shared_lock lock(fields_mutex_);
+  const auto carved = surfaces_.find(object);
+  return carved != surfaces_.end() ? find_closest_surface_point(carved->second.field(), p) : std::nullopt;
+}
+
 bool CarvedObjects::is_up_to_date() const {
   const std::lock_guard lock(mutex_);
   return !is_busy_ && made_.empty();
@@ -107,6 +114,7 @@ void CarvedObjects::make_surfaces() {
       log_warning("object '{}' is drawn as its mesh: {}", object.name, field.error().what);
       continue;
     }
+    const std::unique_lock lock(fields_mutex_);
     surfaces_.try_emplace(o, std::move(*field), frame_detail(*object.mesh));
   }
   carry_out({});
@@ -123,11 +131,14 @@ bool CarvedObjects::wait_for_order(Order& order) {
 
 void CarvedObjects::carry_out(const Order& order) {
   if (order.starts_anew) {
+    const std::unique_lock lock(fields_mutex_);
     for (auto& [number, surface] : surfaces_) surface.restore();
   }
   for (const Carves::One& one : order.carves) {
     const auto carved = surfaces_.find(static_cast<std::size_t>(one.object));
-    if (carved != surfaces_.end()) carved->second.carve({to_point(one.from_m), to_point(one.to_m), one.radius_m});
+    if (carved == surfaces_.end()) continue;
+    const std::unique_lock lock(fields_mutex_);
+    carved->second.carve({to_point(one.from_m), to_point(one.to_m), one.radius_m});
   }
   for (auto& [number, surface] : surfaces_) {
     if (surface.has_changed()) offer(number, surface.compute_levels());

@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <shared_mutex>
 #include <span>
 #include <thread>
 #include <vector>
@@ -41,6 +42,10 @@ class CarvedObjects {
   // True if the view has got a surface since the last call: the picture has changed.
   bool show();
 
+  // The point of an object's surface that is closest to p, with the carves that the thread has carried out: all but those of the last 1/30
+  // s. None: nobody can carve it, its field is not made yet, or nothing is left of it. Waits for a carve at most. Frame S. Pre: finite.
+  std::optional<Vec3> find_closest(std::size_t object, const Vec3& p) const;
+
   // Everything received is drawn.
   bool is_up_to_date() const;
 
@@ -65,7 +70,8 @@ class CarvedObjects {
   const Scene& scene_;
   KnownCarves known_;
   bool has_any_ = false;
-  std::map<std::size_t, CarvedSurface> surfaces_;  // by object; the thread's
+  std::map<std::size_t, CarvedSurface> surfaces_;  // by object; the thread's, which changes their fields under fields_mutex_
+  mutable std::shared_mutex fields_mutex_;
 
   mutable std::mutex mutex_;
   std::condition_variable ordered_;

@@ -76,10 +76,11 @@ void EyeView::aim(const StereoScreen& screen) {
   camera_->UseExplicitProjectionTransformMatrixOn();
   const Vec3 towards = screen.X_WV.linear() * screen.light_V;
   light_->SetPosition(towards.x(), towards.y(), towards.z());
+  if (size() != placed_) {
+    placed_ = size();
+    hud.place(placed_);
+  }
   hud.set_scale_bar(shows_scale ? choose_scale_bar(screen, size()) : ScaleBar{}, size());
-  if (size() == placed_) return;
-  placed_ = size();
-  hud.place(placed_);
 }
 
 }  // namespace hapton

@@ -9,11 +9,15 @@
 #include <vtkProperty2D.h>
 #include <vtkTextProperty.h>
 
+#include "vision_node/line_breaks.h"
+#include "vision_node/text_width.h"
+
 namespace hapton {
 namespace {
 
 // Share of the picture's height: below the lines in the corner, above what is looked at.
 constexpr double kNoticeHeight = 0.79;
+constexpr double kLineSpacing = 1.15;
 
 // A text that did not change is not set: VTK would draw its letters again.
 void set_text(vtkTextActor* actor, std::string_view text) {
@@ -31,7 +35,7 @@ void HudFigure::add_to(vtkRenderer* renderer) {
     look->SetColor(0.96, 0.97, 0.98);
     look->SetBackgroundColor(0.03, 0.04, 0.06);
     look->SetBackgroundOpacity(0.45);
-    look->SetLineSpacing(1.15);
+    look->SetLineSpacing(kLineSpacing);
     text->SetVisibility(false);
     renderer->AddActor2D(text);
   }
@@ -77,6 +81,7 @@ void HudFigure::add_to(vtkRenderer* renderer) {
   renderer->AddActor2D(pointer_);
   plots_.add_to(renderer);
   time_line_.add_to(renderer);
+  force_.add_to(renderer);
 }
 
 void HudFigure::set_time_line(const std::optional<TimeLineShown>& line, double moment, PictureSize size) {
@@ -111,7 +116,7 @@ void HudFigure::set_scale_bar(const ScaleBar& bar, PictureSize size) {
   const double edge = 0.03 * std::min(size.width_px, size.height_px);
   const double to = size.width_px - edge;
   const double from = to - bar.pixels;
-  const double y = 4.0 * edge + lift_px_;
+  const double y = 4.0 * edge + lift_px_ + help_px_;
   const double end = 0.25 * edge;
   const double corners[6][2] = {{from, y}, {to, y}, {from, y - end}, {from, y + end}, {to, y - end}, {to, y + end}};
   for (vtkIdType i = 0; i < 6; ++i) scale_corners_->SetPoint(i, corners[i][0], corners[i][1], 0.0);
@@ -119,24 +124,48 @@ void HudFigure::set_scale_bar(const ScaleBar& bar, PictureSize size) {
   scale_label_->SetPosition(0.5 * (from + to), y + end);
 }
 
+int HudFigure::font_px(PictureSize size) { return std::clamp(std::min(size.width_px / 44, size.height_px / 46), 9, 40); }
+
+int HudFigure::small_font_px(PictureSize size) { return std::max(9, font_px(size) - 2); }
+
 void HudFigure::place(PictureSize size) {
-  const int font = std::clamp(std::min(size.width_px / 44, size.height_px / 46), 9, 40);
+  const int font = font_px(size);
   const int edge = font / 2;
   facts_->GetTextProperty()->SetFontSize(font);
-  help_->GetTextProperty()->SetFontSize(std::max(9, font - 2));
-  scale_label_->GetTextProperty()->SetFontSize(std::max(9, font - 2));
-  pointer_label_->GetTextProperty()->SetFontSize(std::max(9, font - 2));
-  // Its longest line has some 85 letters, each half as wide as the font is high.
+  for (vtkTextActor* text : {help_.Get(), scale_label_.Get(), pointer_label_.Get()})
+    text->GetTextProperty()->SetFontSize(small_font_px(size));
   notice_->GetTextProperty()->SetFontSize(std::clamp(std::min(size.width_px / 46, size.height_px / 30), 9, 64));
   notice_->SetPosition(0.5 * size.width_px, kNoticeHeight * size.height_px);
   facts_->SetPosition(edge, size.height_px - edge);
   help_->SetPosition(edge, edge + lift_px_);
+  width_px_ = size.width_px;
+  show_texts();
+}
+
+void HudFigure::show_text(vtkTextActor* actor, const std::string& text, double margin_px) const {
+  const auto fits = [&](std::string_view line) {
+    return width_px_ == 0 || measure_text_width_px(actor->GetTextProperty(), line) <= width_px_ - 2.0 * margin_px;
+  };
+  set_text(actor, break_lines(text, fits));
+}
+
+void HudFigure::show_texts() {
+  const double edge = facts_->GetPosition()[0];
+  show_text(facts_, facts_text_, edge);
+  show_text(help_, help_text_, edge);
+  show_text(notice_, notice_text_, edge);
+  const std::string shown = help_->GetInput() != nullptr ? help_->GetInput() : "";
+  const bool is_broken = !help_text_.empty() && shown != help_text_;
+  const auto lines = static_cast<double>(1 + std::count(shown.begin(), shown.end(), '\n'));
+  help_px_ = is_broken ? lines * kLineSpacing * help_->GetTextProperty()->GetFontSize() : 0.0;
 }
 
 void HudFigure::set(std::string_view facts, std::string_view help, std::string_view notice) {
-  set_text(facts_, facts);
-  set_text(notice_, notice);
-  set_text(help_, help);
+  if (facts == facts_text_ && help == help_text_ && notice == notice_text_) return;
+  facts_text_ = facts;
+  help_text_ = help;
+  notice_text_ = notice;
+  show_texts();
 }
 
 }  // namespace hapton

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include <vtkActor2D.h>
@@ -11,6 +12,7 @@
 
 #include "vision_node/depth_cues.h"
 #include "vision_node/edge_pointer.h"
+#include "vision_node/force_bar.h"
 #include "vision_node/plot_figure.h"
 #include "vision_node/stereo_camera.h"
 #include "vision_node/time_line_figure.h"
@@ -18,7 +20,7 @@
 namespace hapton {
 
 // Lines of text in two corners of one eye's picture, and a notice in its middle: at the same position for both eyes, so they lie in the
-// screen's plane. RT: no.
+// screen's plane. Lines that are too wide for the picture are broken (break_lines). RT: no.
 class HudFigure {
  public:
   void add_to(vtkRenderer* renderer);
@@ -26,13 +28,25 @@ class HudFigure {
   void set(std::string_view facts, std::string_view help, std::string_view notice);
   // Above the right end of the picture's lower edge; hidden if its length is zero.
   void set_scale_bar(const ScaleBar& bar, PictureSize size);
-  void set_plots(const std::vector<PlotShown>& plots, PictureSize size) { plots_.set(plots, size, lift_px_); }
+  void set_plots(const std::vector<PlotShown>& plots, PictureSize size) { plots_.set(plots, size, lift_px_ + help_px_); }
   // At the lower edge; what is there otherwise is lifted. None: hidden. moment: share of the line.
   void set_time_line(const std::optional<TimeLineShown>& line, double moment, PictureSize size);
+  // At the left edge; hidden where the limit is not known (0).
+  void set_force(double force_n, double limit_n, PictureSize size) { force_.set(force_n, limit_n, size, small_font_px(size), lift_px_); }
   // At the picture's edge, in the probe's colour.
   void set_pointer(const std::optional<EdgePointer>& pointer, PictureSize size);
 
  private:
+  static int font_px(PictureSize size);
+  static int small_font_px(PictureSize size);
+  void show_texts();
+  void show_text(vtkTextActor* actor, const std::string& text, double margin_px) const;
+
+  // As given; width_px_: of the picture, 0: not known yet.
+  std::string facts_text_;
+  std::string help_text_;
+  std::string notice_text_;
+  int width_px_ = 0;
   vtkNew<vtkTextActor> facts_;
   vtkNew<vtkTextActor> help_;
   vtkNew<vtkTextActor> notice_;
@@ -43,8 +57,10 @@ class HudFigure {
   vtkNew<vtkActor2D> pointer_;
   vtkNew<vtkPoints> pointer_corners_;
   PlotFigure plots_;
+  ForceBar force_;
   TimeLineFigure time_line_;
   double lift_px_ = 0.0;  // of what is at the lower edge
+  double help_px_ = 0.0;  // of what is at its right end as well: above the help, where that is as wide as the picture
 };
 
 }  // namespace hapton

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "core/base/button_bit.h"
 #include "vision_node/probe_shown.h"
 
 namespace hapton {
@@ -24,6 +25,16 @@ std::string energy_text(std::uint32_t percent) {
   return fmt::format("   energy given [{}{}] {} %", std::string(full, '#'), std::string(kMarks - full, '.'), percent);
 }
 
+// A key holds a button until it is pressed again.
+std::string hand_text(const HudFacts& facts) {
+  if (!facts.hand_held) return {};
+  std::string text = ", hand on the mouse";
+  for (int button = 1; button <= 4; ++button) {
+    if ((facts.state.buttons & button_bit(button)) != 0) text += fmt::format(", button {}", button);
+  }
+  return text;
+}
+
 std::string force_text(const HudFacts& facts) {
   const ProbeState& s = facts.state;
   // It has joined the hub, but does not reply yet.
@@ -38,9 +49,8 @@ std::string force_text(const HudFacts& facts) {
                                                       : "touching " + facts.touched;
   const bool has_torque = s.torque_nm.allFinite() && !s.torque_nm.isZero(0.0);
   const std::string torque = has_torque ? fmt::format("  torque {:5.3f} Nm", s.torque_nm.norm()) : std::string();
-  return fmt::format("force {:4.2f} N{}   {}{}{}{}{}", s.force_n.allFinite() ? s.force_n.norm() : 0.0, torque, contact,
-                     facts.hand_held ? ", hand on the mouse" : "", energy_text(s.energy_percent), s.status == ProbeStatus::ok ? "" : "   ",
-                     describe(s.status));
+  return fmt::format("force {:4.2f} N{}   {}{}{}{}{}", s.force_n.allFinite() ? s.force_n.norm() : 0.0, torque, contact, hand_text(facts),
+                     energy_text(s.energy_percent), s.status == ProbeStatus::ok ? "" : "   ", describe(s.status));
 }
 
 // Millimetres down to the smallest scene: people compare it with the size that they know.
@@ -126,10 +136,11 @@ std::string compose_notice(const HudFacts& facts) {
 }
 
 std::string_view keys_help() {
-  return "x X y Y z Z knob box   0 home   b cull   h hand   p pick up   s screenshot   n mark   k help   q quit\n"
+  return "x X y Y z Z knob box   0 home   b cull   s screenshot   n mark   k help   q quit\n"
          "wheel + - zoom   m stereo   e swap eyes   f frame   r reset view   g ground   c curves\n"
-         "d draw   l measure   u undo   U redo   w save   t touch menu   arrows, page keys: head, home: back\n"
-         "left drag: hand, wheel: press   right drag: look round, with shift: move   v V teaching views";
+         "left drag: hand, wheel: press   h hand   1 2 3 4 its buttons   p pick up\n"
+         "d draw   l measure   u undo   U redo   w save   t touch menu   v V teaching views\n"
+         "right drag: look round, with shift: move   arrows, page keys: head, home: back";
 }
 
 std::string_view recording_keys_help() {

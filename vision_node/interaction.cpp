@@ -4,6 +4,8 @@
 #include <numbers>
 #include <utility>
 
+#include "core/base/button_bit.h"
+
 namespace hapton {
 namespace {
 
@@ -141,10 +143,13 @@ void Interaction::press_key(char key, const View& view) {
       requests_.quit = true;
       break;
     case 'p':
-      if (hand_.active) {
-        hand_.buttons ^= 1U;
-        hand_changed_ = true;
-      }
+      press_hand_button(1);
+      break;
+    case '1':
+    case '2':
+    case '3':
+    case '4':
+      press_hand_button(key - '0');
       break;
     case 'h':
       latched_ = !latched_;
@@ -205,6 +210,12 @@ void Interaction::release_hand() {
   hand_.buttons = 0;
   hand_changed_ = true;
   farewells_ = kFarewells;
+}
+
+void Interaction::press_hand_button(int number) {
+  if (!hand_.active) return;
+  hand_.buttons ^= button_bit(number);
+  hand_changed_ = true;
 }
 
 void Interaction::drag(const WindowEvent& event, const View& view) {

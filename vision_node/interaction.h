@@ -54,9 +54,9 @@ struct UserRequests {
 // Turns keys and mouse into dials, the camera, the hand's target and requests. Only the dials turn the haptic scene. Left drag (or any
 // motion while the hand is held with h) leads the hand: over the visible surface under the pointer, slightly inside it, so that there
 // is a force; beside the scene in the screen's plane; never through visible objects (hand_route.h). The wheel then presses deeper or
-// lifts the hand off; p presses the stylus' first button, and releases it again. A right drag orbits the scene; with shift, or with the
-// middle button, it pans; the wheel without a hand zooms. The arrows, page up and page down move the viewer's head before the screen by a
-// centimetre, home brings it back. RT: no.
+// lifts the hand off; 1 to 4 press these buttons of the stylus, and release them again, and p the first. A right drag orbits the scene;
+// with shift, or with the middle button, it pans; the wheel without a hand zooms. The arrows, page up and page down move the viewer's head
+// before the screen by a centimetre, home brings it back. RT: no.
 class Interaction {
  public:
   struct View {
@@ -89,6 +89,8 @@ class Interaction {
   void press_pad(WindowEvent::Pad pad);
   void take_hold(const View& view);
   void release_hand();
+  // Releases it if it is pressed. number: from 1.
+  void press_hand_button(int number);
   void drag(const WindowEvent& event, const View& view);
   void turn_wheel(int notches, const View& view);
   // The hand to the surface under the pointer; otherwise by these pixels in the screen's plane.

@@ -137,6 +137,7 @@ int run(VisionOptions& options) {
   session.set_moved_objects(&moved);
   CarvedObjects carved(**view, *scene);
   session.set_carved_objects(&carved);
+  (*annotator)->set_carved_objects(&carved);
   if (*other) session.set_other_hand(&(*other)->hand);
   TeachBuilder teacher(scene->touch_scene());
   session.set_teacher(&teacher);

@@ -4,7 +4,7 @@
 
 namespace hapton {
 
-void Pen::receive(const std::optional<SurfacePoint>& touched, std::uint32_t buttons) {
+void Pen::receive(const std::optional<SurfacePoint>& touched, std::uint32_t buttons, std::uint32_t facet) {
   ignored_buttons_ &= buttons;
   const std::uint32_t down = buttons & ~ignored_buttons_;
   const std::uint32_t pressed = down & ~last_buttons_;
@@ -15,7 +15,7 @@ void Pen::receive(const std::optional<SurfacePoint>& touched, std::uint32_t butt
   const bool is_draw_down = (down & settings_.draw_buttons) != 0 || is_key_down_;
   const bool draws = mode_ == PenMode::draw && is_draw_down && touched.has_value();
   if (!draws || (thinner_ && touched->object != object_)) finish_stroke();
-  if (draws) draw(*touched);
+  if (draws) draw(*touched, facet);
 
   const bool is_draw_pressed = (pressed & settings_.draw_buttons) != 0 || is_key_pressed;
   const bool measures = (pressed & settings_.measure_buttons) != 0 || std::exchange(has_measure_key_, false) ||
@@ -31,13 +31,19 @@ void Pen::set_mode(PenMode mode) {
   ++revision_;
 }
 
-void Pen::draw(const SurfacePoint& at) {
+void Pen::draw(const SurfacePoint& at, std::uint32_t facet) {
   if (!has_room(thinner_ ? thinner_->points().size() + 1 : 1)) return;
   if (!thinner_) {
     thinner_.emplace(settings_.bound_m);
     object_ = at.object;
+    facet_ = facet;
   }
-  if (thinner_->add(at.p_O)) ++revision_;
+  const bool is_other_facet = facet != facet_;
+  if (is_other_facet) thinner_->keep();
+  if (!thinner_->add(at.p_O)) return;
+  if (is_other_facet) thinner_->keep();
+  facet_ = facet;
+  ++revision_;
 }
 
 void Pen::finish_stroke() {

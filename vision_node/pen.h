@@ -27,8 +27,9 @@ class Pen {
   Pen(const PenSettings& settings, Annotations given) : settings_(settings), annotations_(std::move(given)) {}
 
   // Takes each state of the probe, in order. touched: the touched point; none in free space, and if it is not known.
-  // Buttons that were down at the first call do nothing until they are pressed again.
-  void receive(const std::optional<SurfacePoint>& touched, std::uint32_t buttons);
+  // Buttons that were down at the first call do nothing until they are pressed again. facet: the part of the surface that stays flat, where
+  // it deforms; a stroke has a vertex on both sides where it changes, so that it deforms with the surface.
+  void receive(const std::optional<SurfacePoint>& touched, std::uint32_t buttons, std::uint32_t facet = 0);
 
   void set_mode(PenMode mode);
   PenMode mode() const { return mode_; }
@@ -70,7 +71,7 @@ class Pen {
   bool take_full();
 
  private:
-  void draw(const SurfacePoint& at);
+  void draw(const SurfacePoint& at, std::uint32_t facet);
   void finish_stroke();
   void end_measure(const SurfacePoint& at);
   void add(Annotation entry);
@@ -87,6 +88,7 @@ class Pen {
   std::uint32_t ignored_buttons_ = ~0U;  // down since before the first call
   std::optional<StrokeThinner> thinner_;
   std::int32_t object_ = -1;
+  std::uint32_t facet_ = 0;  // of the last point of the stroke
   std::optional<SurfacePoint> first_end_;
   std::size_t points_ = count_points(annotations_);  // of all entries
   std::uint64_t revision_ = 1;

@@ -10,6 +10,8 @@
 #include <vtkTextProperty.h>
 #include <vtkUnsignedCharArray.h>
 
+#include "vision_node/text_width.h"
+
 namespace hapton {
 namespace {
 
@@ -117,8 +119,12 @@ void PlotFigure::set(const std::vector<PlotShown>& plots, PictureSize size, doub
           return frame.at({x, y});
         },
         lines);
-    titles_[i]->SetPosition(frame.low.x(), frame.at({0, 1}).y() + 3.0);
-    titles_[i]->GetTextProperty()->SetFontSize(std::clamp(std::min(size.width_px / 52, size.height_px / 52), 9, 32));
+    vtkTextProperty* look = titles_[i]->GetTextProperty();
+    look->SetFontSize(std::clamp(std::min(size.width_px / 52, size.height_px / 52), 9, 32));
+    // A title that is wider than its frame begins to the left of it, and ends where it ends.
+    const bool is_wide = measure_text_width_px(look, plots[i].title) > frame.size.x();
+    is_wide ? look->SetJustificationToRight() : look->SetJustificationToLeft();
+    titles_[i]->SetPosition(frame.at({is_wide ? 1.0 : 0.0, 1}).x(), frame.at({0, 1}).y() + 3.0);
     // A text that did not change is not set: VTK would draw its letters again.
     if (titles_[i]->GetInput() == nullptr || plots[i].title != titles_[i]->GetInput()) titles_[i]->SetInput(plots[i].title.c_str());
   }

@@ -14,6 +14,13 @@ namespace {
 // Framing::view_m (metres) for which the defaults of ProbeSizes were chosen: a workspace on a desk.
 constexpr double kDeskView = 0.3;
 
+// A smaller change of the force bar is not seen.
+constexpr double kForceShare = 0.01;
+
+double force_share(const ProbeShown& probe) {
+  return probe.force_limit_n > 0.0 ? std::min(1.0, probe.force_n.norm() / probe.force_limit_n) : 0.0;
+}
+
 // The number after `key` in a method text; 0 if there is none.
 double find_method_number(std::string_view method, std::string_view key) {
   const auto at = method.find(key);
@@ -44,6 +51,7 @@ ProbeShown show_probe(const ProbeState& state, const Quat& lean) {
   shown.p_WD = shown.p_WP;
   if (state.visual_offset_m.allFinite()) shown.p_WP += state.visual_offset_m;
   if (state.force_n.allFinite()) shown.force_n = state.force_n;
+  if (std::isfinite(state.force_limit_n)) shown.force_limit_n = std::max(0.0, static_cast<double>(state.force_limit_n));
   if (state.q_WT.coeffs().allFinite() && state.q_WT.squaredNorm() > 0.25) shown.q_WT = state.q_WT.normalized();
   shown.q_WP = state.visual_turn.allFinite() ? turn_by(state.visual_turn) * shown.q_WT : shown.q_WT;
   shown.q_WT = lean * shown.q_WT;
@@ -91,6 +99,7 @@ PictureWatch::Marks PictureWatch::compute_marks(const ProbeShown& probe, const P
 
 bool PictureWatch::differs(const ProbeShown& probe, const ProbeSizes& sizes, const StereoScreen& screen, PictureSize size) const {
   if (!any_ || contact_ != probe.contact) return true;
+  if (std::abs(force_share(probe) - force_share_) > kForceShare) return true;
   const Marks now = compute_marks(probe, sizes, screen, size);
   for (std::size_t i = 0; i < now.size(); ++i) {
     // A mark that is not finite (its point is in the plane of the eye) counts as moved.
@@ -102,6 +111,7 @@ bool PictureWatch::differs(const ProbeShown& probe, const ProbeSizes& sizes, con
 void PictureWatch::drawn(const ProbeShown& probe, const ProbeSizes& sizes, const StereoScreen& screen, PictureSize size) {
   any_ = true;
   contact_ = probe.contact;
+  force_share_ = force_share(probe);
   marks_ = compute_marks(probe, sizes, screen, size);
 }
 

@@ -29,6 +29,7 @@ struct ProbeShown {
   Quat q_WT = Quat::Identity();  // of the stylus, lean included
   Quat q_WP = Quat::Identity();  // of a rigid tool, which does not lean
   Vec3 force_n = Vec3::Zero();
+  double force_limit_n = 0.0;  // the largest force that the device may get; 0: not known
   bool contact = false;
 };
 
@@ -52,7 +53,7 @@ int find_set_size(std::string_view method);
 Vec3 compute_arrow(const ProbeShown& probe, const ProbeSizes& sizes);
 
 // Whether a new frame would differ: whether any of the probe's marks (tip, stylus end, arrow head, two points of a rigid tool) moved in any
-// eye's image by more than a fraction of a pixel, or contact changed.
+// eye's image by more than a fraction of a pixel, the force by a hundredth of its limit, or contact changed.
 class PictureWatch {
  public:
   explicit PictureWatch(double threshold_px = 0.5) : threshold_px_(threshold_px) {}
@@ -69,6 +70,7 @@ class PictureWatch {
   double threshold_px_;
   bool any_ = false;
   bool contact_ = false;
+  double force_share_ = 0.0;  // of the limit
   Marks marks_ = {};
 };
 

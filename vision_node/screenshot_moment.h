@@ -18,6 +18,8 @@ class ScreenshotMoment {
   bool is_now(std::int64_t since_start_ns, bool contact);
 
   bool taken() const { return taken_; }
+  // The picture of the exit is not the one that was wanted.
+  bool missed_contact() const { return kind_ == Kind::contact && !taken_; }
 
  private:
   enum class Kind { contact, exit, time };

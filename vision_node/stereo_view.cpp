@@ -335,6 +335,7 @@ void StereoView::set_probe(const ProbeShown& probe) {
   window_->probe->set(probe);
   window_->annotations.set_probe(probe);
   window_->p_WP = probe.p_WP;
+  for (const auto& eye : window_->eyes) eye->hud.set_force(probe.force_n.norm(), probe.force_limit_n, eye->size());
 }
 void StereoView::set_other_probe(const ProbeShown& probe) { window_->other_probe->set(probe); }
 

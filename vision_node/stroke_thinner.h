@@ -22,6 +22,9 @@ class StrokeThinner {
   // Pre: finite. True if the polyline has changed.
   bool add(const Vec3& p);
 
+  // The last point stays a vertex, and what follows is another piece.
+  void keep() { is_kept_ = true; }
+
   // So far; the last one may be replaced by a later point.
   const std::vector<Vec3>& points() const { return points_; }
 
@@ -31,6 +34,7 @@ class StrokeThinner {
   double bound_m_;
   std::vector<Vec3> points_;
   std::vector<Vec3> window_;  // what the last piece passes over
+  bool is_kept_ = false;
 };
 
 }  // namespace hapton

@@ -1,6 +1,7 @@
 #include "vision_node/surface_finder.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "core/geometry/closest_point.h"
@@ -27,19 +28,21 @@ SurfaceFinder::SurfaceFinder(std::shared_ptr<const TriangleMesh> mesh)
       origin_(find_middle(*mesh_)),
       tree_(mesh_->triangles.size(), [this](std::size_t t) { return box_about(*mesh_, t, origin_); }) {}
 
-Vec3 SurfaceFinder::find_closest(const Vec3& p) const {
-  // Any point of the surface bounds the search.
-  Vec3 closest = mesh_->corner(0, 0);
-  double least = (closest - p).squaredNorm();
-  tree_.visit_nearest(p - origin_, least, [&](std::uint32_t t, double) {
-    const ClosestPoint found = closest_point(mesh_->corner(t, 0), mesh_->corner(t, 1), mesh_->corner(t, 2), p);
-    if (found.distance * found.distance < least) {
-      least = found.distance * found.distance;
-      closest = found.point;
+SurfaceFinder::Found SurfaceFinder::find_closest(const Vec3& p, std::span<const Vec3> vertices, double moved_m) const {
+  Found found;
+  double least = std::numeric_limits<double>::infinity();
+  const auto look_at = [&](std::uint32_t t) {
+    const auto corner = [&](std::size_t k) -> const Vec3& { return vertices[static_cast<std::size_t>(mesh_->triangles[t][k])]; };
+    const ClosestPoint closest = closest_point(corner(0), corner(1), corner(2), p);
+    if (closest.distance < least) {
+      least = closest.distance;
+      found = {closest.point, t, closest.barycentric};
     }
-    return least;
-  });
-  return closest;
+    return (least + moved_m) * (least + moved_m);
+  };
+  // Any point of the surface bounds the search.
+  tree_.visit_nearest(p - origin_, look_at(0), [&](std::uint32_t t, double) { return look_at(t); });
+  return found;
 }
 
 }  // namespace hapton

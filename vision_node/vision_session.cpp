@@ -76,6 +76,10 @@ Result<void> VisionSession::run(const StopSignal& stop) {
   const Result<void> saved = annotator_ != nullptr ? annotator_->finish() : Result<void>{};
   if (!options_.screenshot.empty() && !moment_.taken()) {
     if (auto taken = window_.take_screenshot(options_.screenshot); !taken) return taken;
+    if (moment_.missed_contact()) {
+      log_info("{} shows no contact: {} before the end", options_.screenshot.string(),
+               hub_.counts().joins == 0 ? "no hub answered" : "none was drawn for 0.3 s");
+    }
   }
   return saved;
 }

@@ -2,9 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <sstream>
+
 #include <vtkTextProperty.h>
 
 #include "tests/vision_node/figure_parts.h"
+#include "vision_node/hud_text.h"
+#include "vision_node/text_width.h"
 
 namespace hapton {
 namespace {
@@ -101,6 +105,98 @@ TEST(HudFigure, ThePointerPointsOutOfThePicture) {
   hud.figure.set_pointer(std::nullopt, kHudPicture);
   EXPECT_EQ(hud.parts.flat(1)->GetVisibility(), 0);
   EXPECT_EQ(hud.parts.find_text("12 mm"), nullptr);
+}
+
+// Of all texts that are shown, the lines' ends in pixels; and how high the texts in the corners are.
+struct TextExtent {
+  double left = 1e9, right = -1e9;
+  double facts_px = 0.0, help_px = 0.0;
+};
+TextExtent measure_texts(const Hud& hud, PictureSize size) {
+  TextExtent extent;
+  for (std::size_t i = 0; i < hud.parts.texts(); ++i) {
+    vtkTextActor* text = hud.parts.text(i);
+    if (text->GetVisibility() == 0) continue;
+    vtkTextProperty* look = text->GetTextProperty();
+    std::istringstream lines(text->GetInput());
+    int count = 0;
+    for (std::string line; std::getline(lines, line); ++count) {
+      const double width = measure_text_width_px(look, line);
+      const int justification = look->GetJustification();
+      const double share = justification == VTK_TEXT_LEFT ? 0.0 : justification == VTK_TEXT_RIGHT ? 1.0 : 0.5;
+      const double left = place_of(text).x() - share * width;
+      extent.left = std::min(extent.left, left);
+      extent.right = std::max(extent.right, left + width);
+    }
+    const double height = 1.15 * look->GetFontSize() * count;
+    if (i == 0) extent.facts_px = height;
+    if (i == 1) extent.help_px = height;
+  }
+  EXPECT_LT(extent.facts_px + extent.help_px, size.height_px) << "the corners";
+  return extent;
+}
+
+// Eyes of 640 x 480 side by side are the narrowest pictures that are usual.
+TEST(HudFigure, AllTextsFitIntoNarrowPicturesToo) {
+  HudFacts facts;
+  facts.connected = true;
+  facts.state.contact = true;
+  facts.state.energy_percent = 20;
+  facts.touched = "the upper half of the housing (sheet metal)";
+  facts.hand_held = true;
+  facts.is_other_scene = true;
+  const std::string plot = make_plot({{0.1, 1.234}}, "force", "N", 8.5, 1.0).title;
+  for (const PictureSize size : {PictureSize{320, 480}, PictureSize{640, 240}, PictureSize{640, 480}, PictureSize{1280, 720}}) {
+    SCOPED_TRACE(size.width_px);
+    Hud hud;
+    hud.figure.place(size);
+    hud.figure.set(compose_hud(facts), keys_help(), compose_notice(facts));
+    hud.figure.set_plots({{.title = plot, .points = {}}, {.title = plot, .points = {}}}, size);
+    hud.figure.set_force(2.0, 8.5, size);
+    const TextExtent extent = measure_texts(hud, size);
+    EXPECT_GE(extent.left, 0.0);
+    EXPECT_LE(extent.right, size.width_px);
+    if (size.width_px < 640) {
+      EXPECT_GT(hud.parts.flat_shape(2)->GetBounds()[2], extent.help_px) << "the plots are above the help";
+    }
+  }
+}
+
+TEST(HudFigure, LinesAreBrokenAnewWhereThePictureIsResized) {
+  Hud hud;
+  const std::string help(keys_help());
+  hud.figure.set("", help, "");
+  EXPECT_NE(hud.parts.find_text(help), nullptr) << "wide enough";
+  hud.figure.place({320, 480});
+  EXPECT_EQ(hud.parts.find_text(help), nullptr);
+  hud.figure.place(kHudPicture);
+  EXPECT_NE(hud.parts.find_text(help), nullptr);
+}
+
+TEST(HudFigure, TheForceBarIsFilledUpToTheShareOfTheLimit) {
+  Hud hud;
+  constexpr std::size_t kBar = 5;  // after the scale bar, the pointer, the plots and the two of the time line
+  vtkActor2D* actor = hud.parts.flat(kBar);
+  EXPECT_EQ(actor->GetVisibility(), 0);
+  hud.figure.set_force(1.0, 4.0, kHudPicture);
+  ASSERT_NE(actor->GetVisibility(), 0);
+  vtkPolyData* shape = hud.parts.flat_shape(kBar);
+  EXPECT_NE(hud.parts.find_text("4 N"), nullptr);
+  const auto height = [&](vtkIdType first) { return point_of(shape, first + 2).y() - point_of(shape, first).y(); };
+  const auto colour = [&] { return colour_of(shape->GetPointData()->GetScalars(), 4); };
+  const double whole = height(0);
+  EXPECT_NEAR(whole, 0.26 * kHudPicture.height_px, 1e-3);
+  EXPECT_NEAR(height(4), 0.25 * whole, 1e-3);
+  EXPECT_EQ(colour(), (PartColour{90, 230, 120}));
+  EXPECT_NEAR(height(8), whole, 1e-3) << "the frame";
+  hud.figure.set_force(3.9, 4.0, kHudPicture);
+  EXPECT_NEAR(height(4), 0.975 * whole, 1e-3);
+  EXPECT_EQ(colour(), (PartColour{240, 80, 70})) << "the limit cuts from here on";
+  hud.figure.set_force(40.0, 4.0, kHudPicture);
+  EXPECT_NEAR(height(4), whole, 1e-3);
+  hud.figure.set_force(1.0, 0.0, kHudPicture);
+  EXPECT_EQ(actor->GetVisibility(), 0) << "no limit is known";
+  EXPECT_EQ(hud.parts.find_text("4 N"), nullptr);
 }
 
 }  // namespace

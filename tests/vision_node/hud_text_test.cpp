@@ -184,9 +184,18 @@ TEST(HudNotice, IsEmptyWhereTheCornerSaysItAll) {
 }
 
 TEST(Hud, NamesEveryKey) {
-  for (const char* key :
-       {"x X", "y Y", "z Z", " b ", " s ", " h ", " q ", " m ", " e ", " f ", " r ", " g ", " c ", "arrows", "page", "home"})
+  for (const char* key : {"x X", "y Y", "z Z", " 1 2 3 4 ", " p ", " b ", " s ", " h ", " q ", " m ", " e ", " f ", " r ", " g ", " c ",
+                          "arrows", "page", "home"})
     EXPECT_NE(keys_help().find(key), std::string_view::npos) << key;
+}
+
+TEST(Hud, ShowsWhichButtonsTheHandOnTheMouseHolds) {
+  HudFacts facts;
+  facts.connected = true;
+  facts.state.buttons = 0b1010;
+  EXPECT_EQ(compose_hud(facts).find("button"), std::string::npos) << "a stylus in a hand is not shown by a key";
+  facts.hand_held = true;
+  EXPECT_NE(compose_hud(facts).find("hand on the mouse, button 2, button 4"), std::string::npos) << compose_hud(facts);
 }
 
 TEST(Hud, WhatIsDrawnHasALineOfItsOwn) {

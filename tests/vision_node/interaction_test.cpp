@@ -65,6 +65,21 @@ TEST_F(InteractionTest, AKeyHoldsTheStylusButtonWhileTheHandIsLed) {
   EXPECT_EQ(released->buttons, 0U);
 }
 
+TEST_F(InteractionTest, KeysHoldEachOfTheFirstFourButtons) {
+  give(key('2'));
+  EXPECT_FALSE(hands_.take_hand(1'000'000'000)) << "nobody leads the hand";
+  give(key('h'));
+  const std::pair<char, std::uint32_t> steps[] = {{'2', 0b0010}, {'4', 0b1010}, {'1', 0b1011}, {'p', 0b1010}, {'3', 0b1110}, {'2', 0b1100}};
+  for (const auto& [pressed, held] : steps) {
+    give(key(pressed));
+    EXPECT_EQ(hands_.take_hand(2'000'000'000)->buttons, held) << pressed;
+  }
+  give(key('5'));
+  EXPECT_FALSE(hands_.take_hand(2'000'000'000)) << "it has no such button";
+  give(key('h'));
+  EXPECT_EQ(hands_.take_hand(3'000'000'000)->buttons, 0U) << "released with the hand";
+}
+
 TEST_F(InteractionTest, RightDragGoesRoundTheSceneWithoutTurningIt) {
   give(mouse(Kind::press, 100, 100, Button::right));
   give(mouse(Kind::move, 110, 100));

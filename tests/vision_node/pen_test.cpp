@@ -40,6 +40,14 @@ TEST_F(PenTest, AStrokeLastsFromThePressToTheRelease) {
   EXPECT_EQ(pen.take_finished(), std::nullopt);
 }
 
+TEST_F(PenTest, AStrokeHasAVertexOnBothSidesOfWhereTheFacetChanges) {
+  lift();
+  for (int i = 1; i <= 30; ++i) pen.receive(SurfacePoint{0, Vec3(0.001 * i, 0, 0)}, kDraw, i <= 12 ? 7 : 3);
+  lift();
+  ASSERT_EQ(entries(), 1U);
+  EXPECT_EQ(stroke(0).points_m, (std::vector<Vec3>{{0.001, 0, 0}, {0.001 * 12, 0, 0}, {0.001 * 13, 0, 0}, {0.001 * 30, 0, 0}}));
+}
+
 TEST_F(PenTest, InFreeSpaceNothingIsDrawnAndAnotherObjectIsAnotherStroke) {
   lift();
   lift(kDraw);

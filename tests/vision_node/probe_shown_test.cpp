@@ -26,8 +26,10 @@ TEST(ShowProbe, SurvivesRubbish) {
   state.visual_offset_m = Vec3::Constant(std::numeric_limits<double>::infinity());
   state.force_n = Vec3::Constant(kNan);
   state.q_WT.coeffs().setConstant(kNan);
+  state.force_limit_n = std::numeric_limits<float>::quiet_NaN();
   const ProbeShown shown = show_probe(state);
   EXPECT_TRUE(shown.p_WP.allFinite() && shown.force_n.allFinite() && shown.q_WT.coeffs().allFinite());
+  EXPECT_EQ(shown.force_limit_n, 0.0);
   state.q_WT.coeffs().setZero();
   EXPECT_NEAR(show_probe(state).q_WT.norm(), 1.0, 1e-15);
 }
@@ -96,6 +98,15 @@ TEST_F(Watch, TurningTheStylusAndAGrowingForceAreSeen) {
   ProbeShown pushed = probe_;
   pushed.force_n = {0.5, 0.0, 0.0};
   EXPECT_TRUE(watch_.differs(pushed, sizes_, screen_, kWatchedSize));
+  ProbeShown limited = probe_;
+  limited.force_limit_n = 10.0;
+  watch_.drawn(limited, sizes_, screen_, kWatchedSize);
+  sizes_.arrow_max_m = 0.0;
+  limited.force_n = {0.09, 0.0, 0.0};
+  EXPECT_FALSE(watch_.differs(limited, sizes_, screen_, kWatchedSize));
+  limited.force_n = {0.11, 0.0, 0.0};
+  EXPECT_TRUE(watch_.differs(limited, sizes_, screen_, kWatchedSize)) << "the bar, where the arrow is as long as it gets";
+  watch_.drawn(probe_, sizes_, screen_, kWatchedSize);
   ProbeShown touching = probe_;
   touching.contact = true;
   EXPECT_TRUE(watch_.differs(touching, sizes_, screen_, kWatchedSize));

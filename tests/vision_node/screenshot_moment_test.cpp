@@ -14,9 +14,11 @@ TEST(ScreenshotMoment, WaitsForAContactThatLasts) {
   EXPECT_FALSE(moment.is_now(200 * kMs, false)) << "a brush only";
   EXPECT_FALSE(moment.is_now(300 * kMs, true));
   EXPECT_FALSE(moment.is_now(500 * kMs, true));
+  EXPECT_TRUE(moment.missed_contact()) << "so far";
   EXPECT_TRUE(moment.is_now(700 * kMs, true));
   EXPECT_FALSE(moment.is_now(800 * kMs, true)) << "once";
   EXPECT_TRUE(moment.taken());
+  EXPECT_FALSE(moment.missed_contact());
 }
 
 TEST(ScreenshotMoment, AtATime) {
@@ -29,6 +31,7 @@ TEST(ScreenshotMoment, ExitIsLeftToTheEnd) {
   auto moment = *ScreenshotMoment::parse("exit");
   for (int ms = 0; ms < 10000; ++ms) ASSERT_FALSE(moment.is_now(ms * kMs, true));
   EXPECT_FALSE(moment.taken());
+  EXPECT_FALSE(moment.missed_contact()) << "nobody waited for one";
 }
 
 TEST(ScreenshotMoment, RejectsAnythingElse) {

@@ -319,6 +319,40 @@ TEST(StereoView, HudLiesInTheSamePlaceOfBothEyesPictures) {
   EXPECT_EQ(parallax, 0);
 }
 
+TEST(StereoView, TheForceBarIsInEveryStereoMode) {
+  for (const StereoMode mode : {StereoMode::mono, StereoMode::side_by_side, StereoMode::top_bottom, StereoMode::red_blue,
+                                StereoMode::anaglyph, StereoMode::interlaced, StereoMode::dresden, StereoMode::checkerboard,
+                                StereoMode::split_viewport, StereoMode::left, StereoMode::right, StereoMode::emulate}) {
+    SCOPED_TRACE(stereo_mode_name(mode));
+    for (const bool plain : {false, true}) {
+      ViewSettings settings = plain_settings(mode, 640, 480);
+      settings.plain = plain;
+      settings.depth_cues = false;
+      auto view = open_or_fail(settings, {});
+      ASSERT_TRUE(view);
+      ProbeShown probe;
+      probe.force_n = {0.0, 4.0, 0.0};
+      view->set_probe(probe);
+      for (int eyes = 0; eyes < 2; ++eyes) view->draw();  // of emulate, the same one again
+      const Picture without = view->read_picture();
+      probe.force_limit_n = 8.0;
+      view->set_probe(probe);
+      for (int eyes = 0; eyes < 2; ++eyes) view->draw();  // of emulate, the same one again
+      const Picture with = view->read_picture();
+      // At the left edge of the window's left and right half, or of its whole.
+      int left = 0, elsewhere = 0;
+      for (int y = 0; y < 480; ++y) {
+        for (int x = 0; x < 640; ++x) {
+          if (same(with.at(x, y), without.at(x, y))) continue;
+          ++(x % 320 < 40 ? left : elsewhere);
+        }
+      }
+      EXPECT_EQ(left > 300, !plain) << left;
+      EXPECT_EQ(elsewhere, 0);
+    }
+  }
+}
+
 // A curve of constant height and one that rises, each in its colour and place, alike in both eyes' pictures; and nothing where there is
 // none.
 TEST(StereoView, PlotsAreDrawnToScaleAtTheRight) {

@@ -73,6 +73,22 @@ TEST(StrokeThinner, AStraightLineHasTwoVertices) {
   EXPECT_EQ(line.back(), points.back());
 }
 
+TEST(StrokeThinner, WhatIsKeptStaysAVertex) {
+  StrokeThinner thinner(1e-4);
+  std::vector<Vec3> kept;
+  for (int i = 0; i <= 200; ++i) {
+    thinner.add({1e-3 * i, 2e-3 * i, 0.0});
+    if (i % 60 == 50) {
+      thinner.keep();
+      kept.emplace_back(1e-3 * i, 2e-3 * i, 0.0);
+      EXPECT_FALSE(thinner.add(kept.back())) << "at rest there it adds nothing";
+    }
+  }
+  const std::vector<Vec3>& line = thinner.points();
+  ASSERT_EQ(line.size(), 2 + kept.size());
+  for (std::size_t i = 0; i < kept.size(); ++i) EXPECT_EQ(line[i + 1], kept[i]);
+}
+
 TEST(StrokeThinner, ACornerIsKept) {
   std::vector<Vec3> points;
   for (int i = 0; i <= 100; ++i) points.emplace_back(1e-3 * i, 0.0, 0.0);

@@ -32,14 +32,35 @@ TEST(SurfaceFinder, FindsWhatAllTrianglesTogetherGive) {
   for (int i = 0; i < 300; ++i) {
     const Vec3 p = off + Vec3(within(random), within(random), within(random));
     const Vec3 expected = find_by_all(mesh, p);
-    EXPECT_LE((finder.find_closest(p) - p).norm(), (expected - p).norm() * (1.0 + 1e-12)) << i;
+    EXPECT_LE((finder.find_closest(p).point - p).norm(), (expected - p).norm() * (1.0 + 1e-12)) << i;
+  }
+}
+
+TEST(SurfaceFinder, FindsTheSameWithTheVerticesElsewhere) {
+  constexpr std::uint64_t kSeed = 7;
+  RecordProperty("seed", std::to_string(kSeed));
+  const auto mesh = std::make_shared<const TriangleMesh>(make_bumpy_sphere(0.05, 0.25, 2'000, 1));
+  const SurfaceFinder finder(mesh);
+  std::mt19937_64 random(kSeed);
+  std::uniform_real_distribution<double> within(-0.1, 0.1);
+  for (const double moved_m : {0.0, 0.003, 0.03}) {
+    TriangleMesh moved = *mesh;
+    for (Vec3& vertex : moved.vertices) vertex += moved_m * Vec3(within(random), within(random), within(random)).normalized();
+    for (int i = 0; i < 100; ++i) {
+      const Vec3 p(within(random), within(random), within(random));
+      const SurfaceFinder::Found found = finder.find_closest(p, moved.vertices, moved_m);
+      EXPECT_LE((found.point - p).norm(), (find_by_all(moved, p) - p).norm() * (1.0 + 1e-12)) << i;
+      Vec3 mixed = Vec3::Zero();
+      for (int k = 0; k < 3; ++k) mixed += found.barycentric[k] * moved.corner(found.triangle, k);
+      EXPECT_LE((mixed - found.point).norm(), 1e-15);
+    }
   }
 }
 
 TEST(SurfaceFinder, APointOnTheSurfaceIsItself) {
   const auto mesh = std::make_shared<const TriangleMesh>(make_bumpy_sphere(0.05, 0.25, 500, 2));
   const SurfaceFinder finder(mesh);
-  for (const Vec3& vertex : mesh->vertices) EXPECT_LE((finder.find_closest(vertex) - vertex).norm(), 1e-15);
+  for (const Vec3& vertex : mesh->vertices) EXPECT_LE((finder.find_closest(vertex).point - vertex).norm(), 1e-15);
 }
 
 TEST(SurfaceFinder, OneTriangleIsEnough) {
@@ -47,8 +68,9 @@ TEST(SurfaceFinder, OneTriangleIsEnough) {
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   mesh.triangles = {{0, 1, 2}};
   const SurfaceFinder finder(std::make_shared<const TriangleMesh>(mesh));
-  EXPECT_EQ(finder.find_closest({0.25, 0.25, 3.0}), Vec3(0.25, 0.25, 0.0));
-  EXPECT_EQ(finder.find_closest({-5.0, -5.0, 3.0}), Vec3(0, 0, 0));
+  EXPECT_EQ(finder.find_closest({0.25, 0.25, 3.0}).point, Vec3(0.25, 0.25, 0.0));
+  EXPECT_EQ(finder.find_closest({0.25, 0.25, 3.0}).barycentric, Vec3(0.5, 0.25, 0.25));
+  EXPECT_EQ(finder.find_closest({-5.0, -5.0, 3.0}).point, Vec3(0, 0, 0));
 }
 
 }  // namespace

@@ -1,0 +1,95 @@
+#include "core/sculpt/closest_surface_point.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "core/geometry/mesh_shapes.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kClayM = 0.03;
+constexpr double kSpacingM = 0.001;
+
+CarvedField make_clay() {
+  auto field = CarvedField::make(make_icosphere(kClayM, 5), kSpacingM);
+  EXPECT_TRUE(field.has_value()) << field.error().what;
+  return std::move(*field);
+}
+
+Vec3 random_direction(std::mt19937_64& random) {
+  std::normal_distribution<double> normal;
+  return Vec3(normal(random), normal(random), normal(random)).normalized();
+}
+
+// From inside and outside, from beyond the band and from outside the grid.
+TEST(ClosestSurfacePoint, OfABallIsOnTheRayFromItsCentre) {
+  const CarvedField field = make_clay();
+  std::mt19937_64 random(5);
+  for (const double away : {-0.005, -0.0004, 0.0, 0.0004, 0.002, 0.006, 0.05, 1.0}) {
+    for (int i = 0; i < 100; ++i) {
+      const Vec3 direction = random_direction(random);
+      const auto found = find_closest_surface_point(field, (kClayM + away) * direction);
+      ASSERT_TRUE(found);
+      // The icosphere is flat between its vertices, the field between its nodes; what is closest on a facet of it is beside the ray by the
+      // facet's slope, 0.03, times the distance, and inside by more where all directions become equal.
+      EXPECT_NEAR(found->norm(), kClayM, 0.05 * kSpacingM) << away;
+      EXPECT_LE((*found - kClayM * direction).norm(), 0.1 * kSpacingM + 0.05 * std::abs(away)) << away;
+      EXPECT_LE(std::abs(field.value(*found)), 1e-6 * kSpacingM) << "on the zero set";
+    }
+  }
+}
+
+// A ball that has carved a pit of its radius touches its bottom: the direction in which it has least room.
+TEST(ClosestSurfacePoint, InAPitIsItsBottom) {
+  CarvedField field = make_clay();
+  constexpr double kPit = 0.004, kDeep = 0.008;
+  field.carve({{0, 0.05, 0}, {0, kDeep, 0}, kPit});
+  for (const double gap : {0.0003, 0.001, 0.002}) {
+    const Vec3 p(0, kDeep - gap, 0);
+    const auto found = find_closest_surface_point(field, p);
+    ASSERT_TRUE(found);
+    EXPECT_NEAR((*found - Vec3(0, kDeep, 0)).norm(), kPit, 0.05 * kSpacingM) << "on the sphere at its end";
+    EXPECT_NEAR((*found - p).norm(), kPit - gap, 0.05 * kSpacingM);
+    // Near the middle of the pit all of it is equally far: beside the bottom by what the roughness of the field is worth there.
+    EXPECT_LE((*found - Vec3(0, kDeep - kPit, 0)).norm(), 0.05 * kSpacingM * kPit / gap) << gap;
+  }
+  const auto wall = find_closest_surface_point(field, {0.001, 0.02, 0});
+  ASSERT_TRUE(wall);
+  EXPECT_LE((*wall - Vec3(kPit, 0.02, 0)).norm(), 0.1 * kSpacingM);
+}
+
+// The twin: no point of a ball around p that is a little smaller than the distance found is on the other side.
+TEST(ClosestSurfacePoint, NothingOfTheSurfaceIsNearer) {
+  constexpr std::uint64_t kSeed = 6;
+  RecordProperty("seed", std::to_string(kSeed));
+  std::mt19937_64 random(kSeed);
+  std::uniform_real_distribution<double> within(-0.03, 0.03), size(0.002, 0.008), unit(0.0, 1.0);
+  CarvedField field = make_clay();
+  for (int i = 0; i < 12; ++i) {
+    const Vec3 from(within(random), within(random), within(random));
+    field.carve({from, from + Vec3(0.2 * within(random), 0.2 * within(random), 0), size(random)});
+  }
+  for (int i = 0; i < 150; ++i) {
+    const Vec3 p(within(random), within(random), within(random));
+    const auto found = find_closest_surface_point(field, p);
+    ASSERT_TRUE(found);
+    const double nearer = (*found - p).norm() - 0.3 * kSpacingM;
+    const bool is_inside = field.value(p) < 0.0;
+    for (int k = 0; k < 300 && nearer > 0.0; ++k) {
+      const Vec3 beside = p + nearer * std::cbrt(unit(random)) * random_direction(random);
+      EXPECT_EQ(field.value(beside) < 0.0, is_inside) << p.transpose() << " at " << beside.transpose();
+    }
+  }
+}
+
+TEST(ClosestSurfacePoint, WhereNothingIsLeftThereIsNone) {
+  CarvedField field = make_clay();
+  field.carve({{0, 0, 0}, {0, 0, 0}, 2.0 * kClayM});
+  EXPECT_FALSE(find_closest_surface_point(field, {0.01, 0, 0}));
+}
+
+}  // namespace
+}  // namespace hapton

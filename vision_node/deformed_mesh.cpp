@@ -1,0 +1,61 @@
+#include "vision_node/deformed_mesh.h"
+
+#include <utility>
+
+#include "scene/annotations.h"
+
+namespace hapton {
+namespace {
+
+// Kept anchors: those of all points that there may be, and of as many that were replaced while a stroke was drawn.
+constexpr std::size_t kMostAnchors = 2 * kMostAnnotationPoints;
+
+}  // namespace
+
+DeformedMesh::DeformedMesh(std::shared_ptr<const TriangleMesh> rest, std::shared_ptr<const MeshDeformation> deformation)
+    : rest_(std::move(rest)), deformation_(std::move(deformation)) {}
+
+bool DeformedMesh::set_time(double time_s) { return std::exchange(weights_, deformation_->weights_at(time_s)) != weights_; }
+
+const SurfaceFinder& DeformedMesh::finder() const {
+  if (finder_ == nullptr) finder_ = std::make_unique<SurfaceFinder>(rest_);
+  return *finder_;
+}
+
+const std::vector<Vec3>& DeformedMesh::vertices() const {
+  if (vertices_weights_ != weights_) {
+    vertices_ = deformation_->vertices_at(rest_->vertices, weights_);
+    vertices_weights_ = weights_;
+  }
+  return vertices_;
+}
+
+Vec3 DeformedMesh::mix(const std::vector<Vec3>& vertices, std::uint32_t triangle, const Vec3& barycentric) const {
+  Vec3 p = Vec3::Zero();
+  for (std::size_t k = 0; k < 3; ++k) {
+    p += barycentric[static_cast<Eigen::Index>(k)] * vertices[static_cast<std::size_t>(rest_->triangles[triangle][k])];
+  }
+  return p;
+}
+
+DeformedMesh::Touched DeformedMesh::find_closest(const Vec3& p) const {
+  const SurfaceFinder::Found found = finder().find_closest(p, vertices(), deformation_->most_displacement(weights_, {}));
+  return {mix(rest_->vertices, found.triangle, found.barycentric), found.triangle};
+}
+
+const DeformedMesh::Anchor& DeformedMesh::find_anchor(const Vec3& p_rest) const {
+  if (anchors_.size() >= kMostAnchors) anchors_.clear();
+  const auto [at, is_new] = anchors_.try_emplace({p_rest.x(), p_rest.y(), p_rest.z()});
+  if (is_new) {
+    const SurfaceFinder::Found found = finder().find_closest(p_rest);
+    at->second = {found.triangle, found.barycentric};
+  }
+  return at->second;
+}
+
+Vec3 DeformedMesh::place(const Vec3& p_rest) const {
+  const Anchor& anchor = find_anchor(p_rest);
+  return mix(vertices(), anchor.triangle, anchor.barycentric);
+}
+
+}  // namespace hapton

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <string_view>
+
+#include <vtkTextProperty.h>
+
+namespace hapton {
+
+// The width of a line of text as VTK draws it, pixels. RT: no.
+double measure_text_width_px(vtkTextProperty* look, std::string_view line);
+
+}  // namespace hapton
