@@ -131,12 +131,19 @@ Result<void> MaterialTuning::change(const MaterialRequest& request) {
   if (!has_room) {
     return fail("no more than {} objects can be changed one by one: change all, or the scene file", MaterialState::kMostObjects);
   }
+  Result<void> first_misfit;
+  bool some_fit = false;
   for (const std::size_t o : objects) {
     const Material& given = scene_.objects[o].material;
     const auto fits =
         check_material(tuned_material(given, static_cast<std::int32_t>(o), changed), given, scene_.objects[o].effects, names_[o]);
-    if (!fits) return fits;
+    some_fit = some_fit || fits;
+    if (!fits && first_misfit) first_misfit = fits;
   }
+  if (!first_misfit && some_fit && name.empty()) {
+    return fail("{}; or change one of the others (--object NAME)", first_misfit.error().what);
+  }
+  if (!first_misfit) return first_misfit;
   state_ = changed;
   last_ = objects;
   return {};

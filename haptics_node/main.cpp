@@ -18,7 +18,6 @@
 #include "haptics_node/placed_scene.h"
 #include "haptics_node/preparation_notice.h"
 #include "haptics_node/reply_loop.h"
-#include "haptics_node/scene_motion.h"
 #include "haptics_node/scene_plugins.h"
 #include "haptics_node/scene_watcher.h"
 #include "haptics_node/tool_task.h"
@@ -31,6 +30,7 @@
 #include "runtime/descriptor_check.h"
 #include "runtime/log.h"
 #include "scene/find_scene.h"
+#include "scene/scene_combination.h"
 #include "scene/scene_file.h"
 #include "scene/scene_hash.h"
 #include "scene/scene_report.h"
@@ -109,8 +109,7 @@ int run(const HapticsOptions& options) {
   const Scene placed = place_objects(*loaded, *put_down);
   const Scene* const scene = &placed;
   const bool has_tool = !options.tool.file.empty() || scene->tool;
-  if (const auto checked = check_motion(*scene, has_tool); !checked) return give_up(checked.error());
-  if (const auto checked = check_sculpt(*scene, has_tool); !checked) return give_up(checked.error());
+  if (const auto checked = check_combination(scene_path, *scene, has_tool); !checked) return give_up(checked.error());
   for (const auto& note : scene->notes) log_info("{}", note);
   for (const auto& warning : find_inside_out(*scene)) log_warning("{}", warning);
   const SceneFacts facts = make_scene_facts(*scene);
@@ -169,14 +168,18 @@ int run(const HapticsOptions& options) {
     loop.set_patch_sender(&patches);
   }
   if (!effects.empty()) loop.set_effects(&effects);
-  StiffnessAdviser adviser(find_stiffest(felt));
+  // A tool computes no damping.
+  const auto gains_of = [&](const TouchScene& touched) {
+    return *tool == nullptr ? find_largest_gains(touched) : LargestGains{.stiffness_n_per_m = find_stiffest(touched)};
+  };
+  StiffnessAdviser adviser(gains_of(felt));
   loop.set_stiffness_adviser(&adviser);
   InsideWatch inside(felt);
   loop.set_inside_watch(&inside);
   MaterialTuner tuner(*scene, options.method.coupling_n_per_m, [&](const std::vector<Material>& materials) {
     const std::scoped_lock lock(felt_mutex);
     for (std::size_t o = 0; o < std::min(materials.size(), felt.objects.size()); ++o) felt.objects[o].material = materials[o];
-    adviser.set_stiffest(find_stiffest(felt));
+    adviser.set_gains(gains_of(felt));
     patches.set_materials(materials);
   });
   loop.set_material_tuner(&tuner);
@@ -189,7 +192,7 @@ int run(const HapticsOptions& options) {
   const auto on_scene = [&](const TouchScene& now) {
     const std::scoped_lock lock(felt_mutex);
     felt = now;
-    adviser.set_stiffest(find_stiffest(felt));
+    adviser.set_gains(gains_of(felt));
     inside.set_scene(felt);
     patches.withdraw();
   };

@@ -150,7 +150,7 @@ bool ReplyLoop::is_holding() const noexcept { return step_.holds_tool() || (step
 void ReplyLoop::reject_method(std::uint32_t request) noexcept {
   setup_.method_request = request;
   put_text(step_.grasp() != nullptr ? "the stylus holds an object, and methods need a probe; put it down, then request again"
-                                    : "the stylus holds a rigid tool, and methods need a probe; start haptics_node without --tool",
+                                    : "the stylus holds a rigid tool, and methods need a probe; leave out --tool, or [tool] of the scene",
            setup_.rejection);
   send_setup_soon();
 }

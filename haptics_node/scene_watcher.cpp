@@ -36,7 +36,7 @@ bool has_same_sculpt(const Scene& before, const Scene& after) {
 
 SceneWatcher::SceneWatcher(Options options, Scene scene, MaterialTuner& tuner, MethodBuilder& builder)
     : options_(std::move(options)), base_(scene), used_(std::move(scene)), tuner_(tuner), builder_(builder) {
-  known_ = stamp_of_file();
+  known_ = stamp_of_file().value_or(Stamp());
 }
 
 SceneWatcher::~SceneWatcher() {
@@ -57,17 +57,26 @@ void SceneWatcher::run() {
   }
 }
 
-// A file that is gone, as editors have it for a moment, is as it was.
-SceneWatcher::Stamp SceneWatcher::stamp_of_file() const {
+std::optional<SceneWatcher::Stamp> SceneWatcher::stamp_of_file() const {
   std::error_code error;
   const auto time = std::filesystem::last_write_time(options_.path, error);
-  if (error) return known_;
+  if (error) return std::nullopt;
   const auto bytes = std::filesystem::file_size(options_.path, error);
-  return error ? known_ : Stamp{time, bytes};
+  return error ? std::nullopt : std::optional(Stamp{time, bytes});
 }
 
 SceneWatcher::Look SceneWatcher::look() {
-  const Stamp now = stamp_of_file();
+  const std::optional<Stamp> found = stamp_of_file();
+  if (!found) {
+    seen_.reset();
+    // Editors remove a file for a moment.
+    if (++looks_without_file_ == 2) {
+      log_warning("{} is gone; the present scene stays in use, and the file is read once it is back", options_.path.string());
+    }
+    return Look::unchanged;
+  }
+  looks_without_file_ = 0;
+  const Stamp& now = *found;
   if (now == known_) {
     seen_.reset();
     return Look::unchanged;

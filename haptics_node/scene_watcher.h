@@ -47,7 +47,8 @@ class SceneWatcher {
     materials,
     scene
   };
-  // One look. A change counts once the file was the same for two looks.
+  // One look. A change counts once the file was the same for two looks. A file that is gone changes nothing; at the second look the log
+  // says so.
   Look look();
 
  private:
@@ -58,7 +59,8 @@ class SceneWatcher {
   };
 
   void run();
-  Stamp stamp_of_file() const;
+  // None: there is no file now.
+  std::optional<Stamp> stamp_of_file() const;
   Look take(Scene scene);
   Look take_scene(Scene scene, bool keeps_shape);
 
@@ -71,6 +73,7 @@ class SceneWatcher {
   std::optional<Stamp> seen_;  // changed at the look before
   std::uint32_t revision_ = 0;
   bool has_said_held_ = false;
+  int looks_without_file_ = 0;
   std::atomic<bool> stop_ = false;
   std::thread thread_;
 };

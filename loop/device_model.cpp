@@ -15,13 +15,16 @@ StructuralMode joint(double mass_beyond_kg, double stiffness_n_per_m, double rin
 }
 
 constexpr std::string_view kNoSource = "assumed: no source";
+constexpr std::string_view kNoWorkspace = "none known: a placeholder";
+constexpr double kPlaceholderM = 0.1;
 
-DeviceLimits limits_of(double max_force_n, double stiffness_n_per_m) {
+// half_m: of the cube that the workspace fits into.
+DeviceLimits limits_of(double max_force_n, double stiffness_n_per_m, double half_m) {
   return {.max_force_n = max_force_n,
           .max_slew_n_per_s = max_force_n / 0.004,
           .max_stiffness_n_per_m = stiffness_n_per_m,
-          .workspace_min_m = Vec3::Constant(-0.1),
-          .workspace_max_m = Vec3::Constant(0.1),
+          .workspace_min_m = Vec3::Constant(-half_m),
+          .workspace_max_m = Vec3::Constant(half_m),
           .max_speed_m_per_s = 3.0};
 }
 
@@ -39,7 +42,7 @@ DevicePreset model_a_preset() {
            .modes = {joint(0.005, structure, 0.070, 0.2)}},
           model_a::limits(),
           {"Premium 1.5 data sheet (memory): below 75 g", kNoSource, "Premium 1.5 data sheet (memory)", "HP memo: 1/800 in",
-           "HP memo: 1.9 lbf", "HP memo: 30 Hz mechanical bandwidth; its damping is assumed"},
+           "HP memo: 1.9 lbf", "HP memo: 30 Hz mechanical bandwidth; its damping is assumed", "HP memo: 7.5 x 10.5 x 15 in"},
           true};
 }
 
@@ -53,12 +56,13 @@ DevicePreset premium_preset() {
            .max_force_n = 8.5,
            .mode_count = 1,
            .modes = {joint(0.005, 3500.0, 0.070, 0.2)}},
-          limits_of(8.5, 800.0),
+          limits_of(8.5, 800.0, kPlaceholderM),
           {"data sheet (memory)", "Diolaiti et al. 2006 (memory): 0.005 Ns/m of a PHANToM 1.0", "data sheet (memory)",
-           "data sheet (memory)", "data sheet (memory)", "data sheet (memory): 3.5 N/mm; its damping is assumed"}};
+           "data sheet (memory)", "data sheet (memory)", "data sheet (memory): 3.5 N/mm; its damping is assumed", kNoWorkspace}};
 }
 
 DevicePreset touch_preset() {
+  constexpr double kBallM = 0.075;
   return {"touch",
           "Touch, PHANToM Omni",
           {.mass_kg = 0.045,
@@ -68,12 +72,15 @@ DevicePreset touch_preset() {
            .max_force_n = 3.3,
            .mode_count = 1,
            .modes = {joint(0.010, 1260.0, 0.035, 0.2)}},
-          limits_of(3.3, 400.0),
+          limits_of(3.3, 400.0, kBallM),
           {"data sheet (memory)", kNoSource, "data sheet (memory)", "data sheet (memory): 450 dpi", "data sheet (memory)",
-           "data sheet (memory): 1.26 N/mm along x; its damping is assumed"}};
+           "data sheet (memory): 1.26 N/mm along x; its damping is assumed", "CHAI3D 3.3.0: a ball of 75 mm radius"},
+          true,
+          kBallM};
 }
 
 DevicePreset omega_preset() {
+  constexpr double kBallM = 0.075;
   return {"omega.3",
           "Force Dimension omega.3",
           {.mass_kg = 0.22,
@@ -83,26 +90,35 @@ DevicePreset omega_preset() {
            .max_force_n = 12.0,
            .mode_count = 1,
            .modes = {joint(0.05, 14'500.0, 0.17, 0.1)}},
-          limits_of(12.0, 5000.0),
+          limits_of(12.0, 5000.0, kBallM),
           {kNoSource, kNoSource, kNoSource, "data sheet (memory): below 0.01 mm", "data sheet (memory)",
-           "data sheet (memory): 14.5 N/mm; its damping is assumed"}};
+           "data sheet (memory): 14.5 N/mm; its damping is assumed", "CHAI3D 3.3.0: a ball of 75 mm radius"},
+          true,
+          kBallM};
 }
 
 DevicePreset falcon_preset() {
+  constexpr double kInchM = 0.0254;
   return {"falcon",
           "Novint Falcon",
           {.mass_kg = 0.25, .damping_ns_per_m = 1.0, .friction_n = 0.5, .encoder_step_m = 0.06e-3, .max_force_n = 9.0},
-          limits_of(9.0, 1000.0),
-          {kNoSource, kNoSource, kNoSource, "data sheet (memory): 400 dpi", "data sheet (memory)", "none known: rigid"}};
+          limits_of(9.0, 1000.0, 2.0 * kInchM),
+          {kNoSource, kNoSource, kNoSource, "data sheet (memory): 400 dpi", "data sheet (memory)", "none known: rigid",
+           "the maker's list in SenseGraphics' wiki: 4 x 4 x 4 in"},
+          true};
 }
 
 DevicePreset wooden_preset() {
+  constexpr double kBallM = 0.1;
   return {"wooden",
           "WoodenHaptics",
           {.mass_kg = 0.1, .damping_ns_per_m = 0.2, .friction_n = 0.1, .encoder_step_m = 0.064e-3, .max_force_n = 5.0},
-          limits_of(5.0, 1000.0),
+          limits_of(5.0, 1000.0, kBallM),
           {"estimated from its bodies and rotors (docs/wooden-haptics.md)", kNoSource, kNoSource,
-           "2000 counts on a 10 mm capstan: 0.064 mm at the tip", "published 5 N, 1000 N/m (memory)", "none known: rigid"}};
+           "2000 counts on a 10 mm capstan: 0.064 mm at the tip", "published 5 N, 1000 N/m (memory)", "none known: rigid",
+           "the authors' configuration: a ball of 100 mm radius"},
+          true,
+          kBallM};
 }
 
 const std::array<DevicePreset, 6>& presets() noexcept {

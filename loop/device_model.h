@@ -42,8 +42,9 @@ struct DevicePreset {
   std::string_view title;
   DeviceModel model;
   DeviceLimits limits;
-  std::array<std::string_view, 6> sources;  // of mass, damping, friction, encoder step, largest force, modes
+  std::array<std::string_view, 7> sources;  // of mass, damping, friction, encoder step, largest force, modes, workspace
   bool is_workspace_known = false;          // false: the workspace in `limits` is a placeholder cube
+  double workspace_radius_m = 0.0;          // of a ball around the middle of W, which `limits` encloses; 0: the box of `limits`
 };
 
 // model-a, premium-1.5, touch, omega.3, falcon, wooden. RT: yes.

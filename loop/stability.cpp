@@ -29,21 +29,27 @@ Complex difference(double angle, double period_s) {
   return Complex(2.0 * half * half, std::sin(angle)) / period_s;
 }
 
-// Force of a virtual mass of 1 kg over the position, less the sign: MassEffect with the velocity of SmoothVelocity.
-Complex acceleration(double angle, double period_s, double filter_s) {
+// Velocity of a position by SmoothVelocity.
+Complex smooth_difference(double angle, double period_s) {
   constexpr int kDifferences = static_cast<int>(SmoothVelocity::kSamples);
   const Complex back = std::polar(1.0, -angle);
   Complex mean;
   for (int i = kDifferences - 1; i >= 0; --i) mean = mean * back + Complex(kDifferences - i);
   mean /= 0.5 * kDifferences * (kDifferences + 1);
-  const double share = -std::expm1(-period_s / filter_s);
-  return share / (1.0 - (1.0 - share) * back) * mean * difference(angle, period_s) * difference(angle, period_s);
+  return mean * difference(angle, period_s);
 }
 
-// 1 + (fixed + s * direction) L = 0 for s. One of the two is stiffness, the other damping; or s is a virtual mass, and nothing is fixed.
+// Force of a virtual mass of 1 kg over the position, less the sign: MassEffect with the velocity of SmoothVelocity.
+Complex acceleration(double angle, double period_s, double filter_s) {
+  const double share = -std::expm1(-period_s / filter_s);
+  return share / (1.0 - (1.0 - share) * std::polar(1.0, -angle)) * smooth_difference(angle, period_s) * difference(angle, period_s);
+}
+
+// 1 + (fixed + s * direction) L = 0 for s. One of the two is stiffness, the other damping; or s is a viscosity or a virtual mass,
+// and nothing is fixed.
 class Boundary {
  public:
-  enum class Along { stiffness, damping, mass };
+  enum class Along { stiffness, damping, viscosity, mass };
 
   Boundary(const SampledPlant& plant, Along along, double fixed, double filter_s = 0.0)
       : plant_(plant), along_(along), fixed_(fixed), filter_s_(filter_s) {}
@@ -61,6 +67,7 @@ class Boundary {
     const Complex turn = std::polar(1.0, std::remainder(angle * plant_.whole_periods(), 2.0 * std::numbers::pi));
     const Complex velocity = difference(angle, plant_.period_s());
     if (along_ == Along::damping) point.direction = velocity;
+    if (along_ == Along::viscosity) point.direction = smooth_difference(angle, plant_.period_s());
     if (along_ == Along::mass) point.direction = acceleration(angle, plant_.period_s(), filter_s_);
     const Complex fixed = along_ == Along::stiffness ? fixed_ * velocity : Complex(fixed_);
     point.s = -(point.inverse * turn + fixed) / point.direction;
@@ -93,7 +100,7 @@ class Boundary {
   double share_of_most(const Point& here, const Point& next, double best) const {
     Complex ratio = next.inverse / here.inverse;
     // A filter turns by itself; a difference by half of the angle.
-    if (along_ == Along::mass) ratio /= next.direction / here.direction;
+    if (along_ == Along::mass || along_ == Along::viscosity) ratio /= next.direction / here.direction;
     const double own_turn = std::fabs(std::arg(ratio));
     const double growth = std::fabs(std::log(std::abs(ratio)));
     const bool is_far = std::min(here.least, next.least) > kFarAbove * best;
@@ -161,6 +168,11 @@ StabilityLimit find_stable_damping(const SampledPlant& plant, double stiffness_n
   if (!plant.is_stable_alone()) return {};
   if (stiffness_n_per_m > 0.0 && stiffness_n_per_m >= Boundary(plant, Boundary::Along::stiffness, 0.0).find_first().value) return {};
   return Boundary(plant, Boundary::Along::damping, stiffness_n_per_m).find_first();
+}
+
+StabilityLimit find_stable_viscosity(const SampledPlant& plant) {
+  if (!plant.is_stable_alone()) return {};
+  return Boundary(plant, Boundary::Along::viscosity, 0.0).find_first();
 }
 
 StabilityLimit find_stable_mass(const SampledPlant& plant, double filter_s) {

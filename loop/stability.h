@@ -27,6 +27,9 @@ struct StabilityLimit {
 StabilityLimit find_stable_stiffness(const SampledPlant& plant, double damping_ns_per_m);
 // The largest damping below which all are stable, with this stiffness. 0: not stable without damping.
 StabilityLimit find_stable_damping(const SampledPlant& plant, double stiffness_n_per_m);
+// The largest viscosity of an effect, without a wall, as EffectStep computes it at this rate: damping by the mean of eight differences,
+// which lags more than the one difference of a wall (core/effects/smooth_velocity.h).
+StabilityLimit find_stable_viscosity(const SampledPlant& plant);
 // The largest virtual mass (core/effects/mass_effect.h) without a wall, in kg, as EffectStep computes it at this rate: behind the mean of
 // eight differences. Pre: filter_s > 0.
 StabilityLimit find_stable_mass(const SampledPlant& plant, double filter_s);

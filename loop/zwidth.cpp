@@ -10,6 +10,7 @@ ZWidth find_zwidth(const ZWidthCase& loop) {
   ZWidth width;
   width.stiffness = find_stable_stiffness(plant, loop.wall_damping_ns_per_m);
   width.damping_ns_per_m = find_stable_damping(plant, 0.0);
+  width.viscosity_ns_per_m = find_stable_viscosity(plant);
   width.mass_kg = find_stable_mass(plant, loop.mass_filter_s);
   const double amplifier_s = loop.device.amplifier_hz > 0.0 ? 1.0 / (2.0 * std::numbers::pi * loop.device.amplifier_hz) : 0.0;
   const PassivityCase passivity{.period_s = period_s,

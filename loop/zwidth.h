@@ -24,6 +24,7 @@ struct ZWidthCase {
 struct ZWidth {
   StabilityLimit stiffness;               // stable, with the case's wall damping
   StabilityLimit damping_ns_per_m;        // stable, without stiffness
+  StabilityLimit viscosity_ns_per_m;      // stable, of an effect without a wall
   StabilityLimit mass_kg;                 // stable virtual mass, without a wall
   PassiveStiffness passive;               // whatever passive hand holds the device
   double passive_damping_ns_per_m = 0.0;  // without stiffness

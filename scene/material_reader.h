@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 #include "core/base/result.h"
@@ -13,6 +14,7 @@ struct MaterialSpec {
   Material material;
   SurfaceEffects effects;
   MapSpecs maps;
+  std::size_t line = 0;  // in the scene file
 };
 
 // [material.NAME] of a scene file. RT: set-up only. Error: "line N: ...".

@@ -11,7 +11,7 @@ namespace hapton {
 
 // The morph targets of a node: displacements of its vertices at weight 1. Frame: that of the file, at rest. Units: metres.
 struct MeshMorphs {
-  std::vector<Vec3> at_rest;                     // one for each vertex of the file
+  std::vector<Vec3> at_rest;                     // one for each vertex of the file, with the weights at rest
   std::vector<std::vector<Vec3>> displacements;  // by target, then as at_rest
 };
 
@@ -21,7 +21,7 @@ struct MeshAnimation {
   std::string name;
   double duration_s = 0.0;
   std::map<std::size_t, KeyframeMotion> motions;              // by MeshPart::node; keyframes at the times of the file
-  std::map<std::size_t, std::vector<MorphKey>> weights = {};  // by MeshPart::node: one of MeshFile::morphs; a weight for each target
+  std::map<std::size_t, std::vector<MorphKey>> weights = {};  // by MeshPart::node, in MeshFile::morphs: of each target, less that at rest
 };
 
 }  // namespace hapton

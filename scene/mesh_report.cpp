@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "scene/material_reader.h"
+
 namespace hapton {
 namespace {
 
@@ -82,6 +84,10 @@ Result<MeshReport> make_mesh_report(const std::filesystem::path& path, std::opti
   report.flaws = find_flaws(report.file.mesh);
   const TriangleMesh touched = seal_cracks(report.file.mesh, report.sealed);
   report.left = report.sealed.has_sealed() ? count_boundary_edges(touched, crack_width(report.flaws.topology)) : report.flaws.borders;
+  for (const HapticMaterial* material : haptic_materials_of(report.file)) {
+    const auto read = read_material(*material, report.file.haptics.maps, report.path);
+    if (!read) report.file.notes.push_back(fmt::format("cannot be touched before this is corrected: {}", read.error().what));
+  }
   report.is_closed_for_touch = compute_mesh_topology(touched).is_closed();
   return report;
 }

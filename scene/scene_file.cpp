@@ -49,9 +49,10 @@ Result<void> read_materials(const toml::table& table, SceneSpec& spec) {
   if (!node->is_table()) return fail("line {}: 'material' must be tables such as [material.steel]", node->source().begin.line);
   for (const auto& [key, value] : *node->as_table()) {
     if (!value.is_table()) return fail("line {}: 'material' must be tables such as [material.steel]", value.source().begin.line);
-    const Result<MaterialSpec> material = read_material(*value.as_table(), std::string(key.str()));
+    Result<MaterialSpec> material = read_material(*value.as_table(), std::string(key.str()));
     if (!material) return tl::unexpected(material.error());
-    spec.materials.emplace(key.str(), *material);
+    material->line = value.source().begin.line;
+    spec.materials.emplace(key.str(), std::move(*material));
   }
   return {};
 }
@@ -62,6 +63,14 @@ Result<void> check_material(const ObjectSpec& object, const SceneSpec& spec) {
   for (const auto& [name, material] : spec.materials) known.emplace_back(name);
   return fail("line {}: there is no [material.{}]{}", object.material_line, printable(object.material),
               known.empty() ? ": add it" : near_miss_hint(object.material, known));
+}
+
+void note_unused_materials(const SceneSpec& spec, std::vector<std::string>& notes) {
+  for (const auto& [name, material] : spec.materials) {
+    const auto uses_it = [&, &name = name](const ObjectSpec& object) { return object.material == name; };
+    if (std::any_of(spec.objects.begin(), spec.objects.end(), uses_it)) continue;
+    notes.push_back(fmt::format("line {}: no object uses [material.{}]", material.line, printable(name)));
+  }
 }
 
 Result<void> read_effects(const toml::table& table, SceneSpec& spec) {
@@ -314,6 +323,7 @@ Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& fol
   Scene scene;
   MeshCache cache(loading.sealing, loading.look, spec.has_maps());
   MapMaker map_maker(folder);
+  note_unused_materials(spec, scene.notes);
   Result<std::vector<FeltObject>> felt = find_materials(spec, folder, cache, scene.notes);
   if (!felt) return tl::unexpected(felt.error());
   std::vector<PosedMesh> meshes;
@@ -367,7 +377,8 @@ Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& fol
                              .deformation = std::move(*deformation),
                              .commanded = std::move(commanded),
                              .sculpt = *sculpt,
-                             .mass_kg = object.motion.mass_kg});
+                             .mass_kg = object.motion.mass_kg,
+                             .line = object.mesh_line});
   }
   if (const auto added = add_effects(spec, scene); !added) return tl::unexpected(added.error());
   for (const LibraryEffect& named : spec.libraries) {

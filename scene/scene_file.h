@@ -34,6 +34,7 @@ struct SceneObject {
   std::shared_ptr<const CommandedObject> commanded = {};    // programs may move it; null: they may not
   std::optional<SculptSettings> sculpt = {};                // a body of material that can be carved; none: it keeps its shape
   double mass_kg = 0.0;                                     // above 0: it can be pushed (`hapton dynamics`), and `commanded` is set
+  std::size_t line = 0;                                     // in the scene file; 0: there is none
 
   bool moves() const { return motion != nullptr || deformation != nullptr || commanded != nullptr; }
 };

@@ -58,6 +58,10 @@ Result<void> check_names(const AnnotatorOptions& options) {
   if (!options.strokes.empty() && options.strokes.extension() != ".obj" && options.strokes.extension() != ".vtp") {
     return fail("--strokes {}: strokes are written as OBJ or VTP; give it a name that ends in .obj or .vtp", options.strokes.string());
   }
+  return {};
+}
+
+Result<void> check_writable(const AnnotatorOptions& options) {
   for (const auto* file : {&options.file, &options.strokes}) {
     if (file->empty()) continue;
     if (auto writable = check_writable_file(*file); !writable) return writable;
@@ -67,10 +71,15 @@ Result<void> check_names(const AnnotatorOptions& options) {
 
 }  // namespace
 
+Result<void> check_annotator_options(const AnnotatorOptions& options) {
+  if (auto checked = check_names(options); !checked) return checked;
+  return check_buttons(options);
+}
+
 Result<std::unique_ptr<Annotator>> Annotator::open(StereoView& view, const Scene& scene, double scene_radius_m,
                                                    const AnnotatorOptions& options, bool can_touch) {
-  if (const auto checked = check_names(options); !checked) return tl::unexpected(checked.error());
-  if (const auto checked = check_buttons(options); !checked) return tl::unexpected(checked.error());
+  if (const auto checked = check_annotator_options(options); !checked) return tl::unexpected(checked.error());
+  if (const auto checked = check_writable(options); !checked) return tl::unexpected(checked.error());
   const std::vector<std::string> names = list_names(scene);
   Annotations given;
   given.objects = names;

@@ -26,6 +26,9 @@ struct AnnotatorOptions {
   int menu_button = 4;
 };
 
+// What the command line alone shows to be wrong. Error: a file name with another ending, or one button for two things. RT: no.
+Result<void> check_annotator_options(const AnnotatorOptions& options);
+
 // Drawing and measuring on the scene: joins the pen, the menu in the workspace, what is drawn of both and the files. Threads: the
 // window's. RT: no.
 class Annotator {
@@ -35,7 +38,7 @@ class Annotator {
   static constexpr double kBoundShare = 0x1p-13;
 
   // Pre: all outlive this; the view was opened with the scene's objects. can_touch: whether what is touched is a point, not a rigid tool.
-  // Error: a file that cannot be read, is no annotation file, or cannot be written.
+  // Error: as check_annotator_options; a file that cannot be read, is no annotation file, or cannot be written.
   static Result<std::unique_ptr<Annotator>> open(StereoView& view, const Scene& scene, double scene_radius_m,
                                                  const AnnotatorOptions& options, bool can_touch);
 

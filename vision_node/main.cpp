@@ -35,6 +35,12 @@ int give_up(const Error& error) {
   return 1;
 }
 
+// A command line that is invalid.
+int reject_options(const Error& error) {
+  log_error("{}", error.what);
+  return 2;
+}
+
 // Before anything is shown: at the end it would be too late.
 Result<void> check_screenshot(const std::filesystem::path& file) {
   if (file.empty()) return {};
@@ -96,10 +102,11 @@ int run(VisionOptions& options) {
   const StopSignal stop;  // first, so that a signal ends the program in order at any point
   const auto hub = parse_address(options.hub);
   if (!hub) return give_up(hub.error());
+  if (const auto sound = check_annotator_options(options.annotations); !sound) return reject_options(sound.error());
   if (const auto writable = check_screenshot(options.screenshot); !writable) return give_up(writable.error());
   if (const auto screen = find_screen(options); !screen) return give_up(screen.error());
   if (const auto fits = check_headset(options); !fits) return give_up(fits.error());
-  if (const auto possible = check_head(options); !possible) return give_up(possible.error());
+  if (const auto possible = check_head(options); !possible) return reject_options(possible.error());
   const auto key = find_role_key(options.key_file, *hub, KeyRole::vision);
   if (!key) return give_up(key.error());
   const auto head = open_head_tracker(options);

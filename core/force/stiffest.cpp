@@ -29,4 +29,19 @@ double find_stiffest(const TouchScene& scene) {
   return stiffest_n_per_m;
 }
 
+double viscosity_of(const SpaceEffect& effect) {
+  const auto* viscous = std::get_if<ViscousEffect>(&effect);
+  return viscous != nullptr ? viscous->damping_ns_per_m : 0.0;
+}
+
+LargestGains find_largest_gains(const TouchScene& scene) {
+  LargestGains gains{.stiffness_n_per_m = find_stiffest(scene)};
+  for (const TouchObject& object : scene.objects) {
+    gains.damping_ns_per_m = std::max(gains.damping_ns_per_m, object.material.damping_ns_per_m);
+    gains.viscosity_ns_per_m = std::max(gains.viscosity_ns_per_m, object.effects.viscosity.damping_ns_per_m);
+  }
+  for (const SwitchedEffect& one : scene.effects) gains.viscosity_ns_per_m = std::max(gains.viscosity_ns_per_m, viscosity_of(one.effect));
+  return gains;
+}
+
 }  // namespace hapton

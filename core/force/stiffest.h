@@ -4,12 +4,24 @@
 
 namespace hapton {
 
-// The largest stiffness that can act on the hand, N/m, for the stiffness warning; 0: none. RT: no.
+// The largest stiffness and damping that can act on the hand, for the warnings of too much of them; 0: none. RT: no.
 
 // Of a surface: the spring or the layers, plus the progressive stiffness at 10 N of its progressive part; or the snap, if that is stiffer.
 double stiffest_of(const Material& material, const SurfaceEffects& effects);
 // Of a spring or a snap; other effects have no stiffness.
 double stiffest_of(const SpaceEffect& effect);
 double find_stiffest(const TouchScene& scene);
+
+// What a scene makes of position and velocity at most: the gains of the loop that the hand closes.
+struct LargestGains {
+  double stiffness_n_per_m = 0.0;   // find_stiffest
+  double damping_ns_per_m = 0.0;    // of materials, with the velocity of the last interval
+  double viscosity_ns_per_m = 0.0;  // of surfaces and in free space, with the velocity of SmoothVelocity, which lags more
+
+  bool any() const noexcept { return stiffness_n_per_m > 0.0 || damping_ns_per_m > 0.0 || viscosity_ns_per_m > 0.0; }
+};
+LargestGains find_largest_gains(const TouchScene& scene);
+// In free space; effects that are not viscous have none.
+double viscosity_of(const SpaceEffect& effect);
 
 }  // namespace hapton

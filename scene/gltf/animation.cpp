@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "scene/gltf/morph_weights.h"
 #include "scene/gltf/transform.h"
 #include "scene/text_cursor.h"
 
@@ -227,10 +228,13 @@ void add_times(const NodeTracks& tracks, std::set<double>& times) {
   if (tracks.rotation) times.insert(tracks.rotation->times.begin(), tracks.rotation->times.end());
 }
 
-// All begin again together: the last are held to the end.
-std::vector<MorphKey> find_weights(const Track<std::vector<double>>& track, double duration_s) {
+// Beyond the weights at rest, which the mesh has already. All begin again together: the last are held to the end.
+std::vector<MorphKey> find_weights(const Track<std::vector<double>>& track, const std::vector<double>& at_rest, double duration_s) {
   std::vector<MorphKey> keys;
-  for (std::size_t i = 0; i < track.times.size(); ++i) keys.push_back({track.times[i], track.values[i]});
+  for (std::size_t i = 0; i < track.times.size(); ++i) {
+    MorphKey& key = keys.emplace_back(MorphKey{track.times[i], track.values[i]});
+    for (std::size_t t = 0; t < std::min(at_rest.size(), key.weights.size()); ++t) key.weights[t] -= at_rest[t];
+  }
   if (keys.back().time_s < duration_s) keys.push_back({duration_s, keys.back().weights});
   return keys;
 }
@@ -298,6 +302,7 @@ Result<void> read_animations(const Document& document, RawMesh& raw) {
   if (size_of_array(animations) == 0) return {};
   const auto tree = NodeTree::make(document.root);
   if (!tree) return tl::unexpected(tree.error());
+  const Json& nodes = member(document.root, "nodes");
   for (std::size_t a = 0; a < size_of_array(animations); ++a) {
     LeftOut left_out;
     const auto tracks = read_tracks(document, animations[a], fmt::format("animations[{}]", a), raw.morphs, left_out);
@@ -306,13 +311,15 @@ Result<void> read_animations(const Document& document, RawMesh& raw) {
     if (animation.name.empty()) animation.name = fmt::format("animation {}", a);
     for (const MeshPart& part : raw.parts) {
       if (animation.motions.contains(part.node) || animation.weights.contains(part.node)) continue;
-      if (!member(member(document.root, "nodes")[part.node], "skin").is_null()) continue;  // its skeleton is what would move it
+      if (!member(nodes[part.node], "skin").is_null()) continue;  // its skeleton is what would move it
       if (auto motion = find_motion(*tree, *tracks, part.node, animation.duration_s, left_out)) {
         animation.motions.emplace(part.node, std::move(*motion));
       }
       const auto own = tracks->find(part.node);
       if (own != tracks->end() && own->second.weights) {
-        animation.weights.emplace(part.node, find_weights(*own->second.weights, animation.duration_s));
+        const auto at_rest = weights_at_rest(document.root, nodes[part.node], fmt::format("nodes[{}]", part.node));
+        if (!at_rest) return tl::unexpected(at_rest.error());
+        animation.weights.emplace(part.node, find_weights(*own->second.weights, *at_rest, animation.duration_s));
       }
     }
     add_notes(animation, left_out, raw);

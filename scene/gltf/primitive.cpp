@@ -1,5 +1,6 @@
 #include "scene/gltf/primitive.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <utility>
 
@@ -56,6 +57,31 @@ void read_morphs(const Document& document, const Json& targets, const std::strin
     primitive.has_bad_morphs = primitive.has_bad_morphs || !is_good;
   }
   if (primitive.has_bad_morphs) primitive.morphs.clear();
+}
+
+// Targets that move vertices may turn their normals [3.7.2.2]. Pre: the morphs are read.
+void turn_normals(const Document& document, const Json& targets, std::span<const double> weights, const std::string& where,
+                  Primitive& primitive) {
+  for (std::size_t t = 0; t < std::min(weights.size(), size_of_array(targets)) && !primitive.normals.empty(); ++t) {
+    const Json& index = member(targets[t], "NORMAL");
+    if (index.is_null() || weights[t] == 0.0) continue;
+    const auto read = read_accessor(document, index, fmt::format("{}.targets[{}].NORMAL", where, t), "VEC3", 3);
+    primitive.has_bad_normals = !read || read->count != primitive.normals.size();
+    if (primitive.has_bad_normals) return primitive.normals.clear();
+    for (std::size_t i = 0; i < read->count; ++i) primitive.normals[i] += weights[t] * vector_at(*read, i);
+  }
+}
+
+// The shape at rest. Error: it is not finite.
+std::optional<Error> deform(std::span<const double> weights, const std::string& where, Primitive& primitive) {
+  for (std::size_t t = 0; t < std::min(weights.size(), primitive.morphs.size()); ++t) {
+    if (weights[t] == 0.0) continue;
+    for (std::size_t i = 0; i < primitive.positions.size(); ++i) {
+      primitive.positions[i] += weights[t] * primitive.morphs[t][i];
+      if (!primitive.positions[i].allFinite()) return not_finite(where, i);
+    }
+  }
+  return std::nullopt;
 }
 
 Result<std::vector<std::uint32_t>> read_corners(const Document& document, const Json& indices, const std::string& where,
@@ -145,8 +171,8 @@ Result<std::optional<Primitive>> read_plain(const Document& document, const Json
 
 }  // namespace
 
-Result<std::optional<Primitive>> read_primitive(const Document& document, const Json& json, const std::string& where,
-                                                std::size_t max_triangles) {
+Result<std::optional<Primitive>> read_primitive(const Document& document, const Json& json, std::span<const double> weights,
+                                                const std::string& where, std::size_t max_triangles) {
   const auto mode = count_or(member(json, "mode"), kTriangleList, where + ".mode");
   if (!mode) return tl::unexpected(mode.error());
   if (*mode > kTriangleFan) return fail("{}.mode is {}, unknown: {}", where, *mode, kExportAgain);
@@ -156,11 +182,14 @@ Result<std::optional<Primitive>> read_primitive(const Document& document, const 
   auto primitive =
       draco.is_object() ? read_draco(document, json, draco, where, max_triangles) : read_plain(document, json, *mode, where, max_triangles);
   const Json& targets = member(json, "targets");
-  if (primitive && *primitive && size_of_array(targets) > 0) {
-    // Draco orders the vertices anew.
-    (*primitive)->has_bad_morphs = draco.is_object();
-    if (!draco.is_object()) read_morphs(document, targets, where, **primitive);
-  }
+  if (!primitive || !*primitive || size_of_array(targets) == 0) return primitive;
+  // Draco orders the vertices anew.
+  (*primitive)->has_bad_morphs = draco.is_object();
+  if (draco.is_object()) return primitive;
+  read_morphs(document, targets, where, **primitive);
+  if ((*primitive)->has_bad_morphs) return primitive;
+  if (auto error = deform(weights, where, **primitive)) return tl::unexpected(std::move(*error));
+  turn_normals(document, targets, weights, where, **primitive);
   return primitive;
 }
 

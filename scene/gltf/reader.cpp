@@ -9,6 +9,7 @@
 #include "scene/gltf/haptics.h"
 #include "scene/gltf/json.h"
 #include "scene/gltf/materials.h"
+#include "scene/gltf/morph_weights.h"
 #include "scene/gltf/primitive.h"
 #include "scene/gltf/transform.h"
 #include "scene/text_cursor.h"
@@ -121,7 +122,8 @@ class SceneReader {
         {hidden_, "{} nodes are marked as not visible and were skipped, with all under them"},
         {skinned_, "{} skinned nodes are shown as they rest, not posed by their skeleton"},
         {bad_normals_, "the normals of {} primitives cannot be read: computed there"},
-        {bad_morphs_, "{} primitives have morph targets that cannot be read, which were skipped"}};
+        {bad_morphs_, "{} primitives have morph targets that cannot be read, which were skipped"},
+        {odd_weights_, "{} primitives have another number of morph targets than weights: the missing weights are 0"}};
     for (const auto& [count, text] : notes) {
       if (count > 0) raw_.notes.push_back(fmt::format(fmt::runtime(text), count));
     }
@@ -149,11 +151,14 @@ class SceneReader {
     if (!poses) return poses.error();
     const auto haptic = haptic_material_of(document_, *mesh, raw_.haptics);
     if (!haptic) return haptic.error();
+    const auto weights = weights_at_rest(document_.root, node, where);
+    if (!weights) return weights.error();
     for (std::size_t p = 0; p < size_of_array(primitives); ++p) {
       const std::string place = fmt::format("meshes[{}].primitives[{}]", *mesh, p);
-      const auto primitive = read_primitive(document_, primitives[p], place, max_triangles_);
+      const auto primitive = read_primitive(document_, primitives[p], *weights, place, max_triangles_);
       if (!primitive) return primitive.error();
       count_flaws(*primitive);
+      odd_weights_ += *primitive && !weights->empty() && weights->size() != size_of_array(member(primitives[p], "targets")) ? 1 : 0;
       if (!*primitive || (*primitive)->triangles.empty()) continue;
       VertexLooks looks;
       if (wants_look_) looks = read_vertex_looks(document_, primitives[p], (*primitive)->positions.size(), places_, where);
@@ -266,6 +271,7 @@ class SceneReader {
   std::size_t skinned_ = 0;
   std::size_t bad_normals_ = 0;
   std::size_t bad_morphs_ = 0;
+  std::size_t odd_weights_ = 0;
 };
 
 }  // namespace

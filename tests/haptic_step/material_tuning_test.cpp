@@ -105,6 +105,22 @@ TEST_F(Tuned, WhatASceneFileCouldNotHaveIsRejectedAndChangesNothing) {
   EXPECT_EQ(tuned_materials(scene.touch_scene(), tuning.state(), 0.0)[0].friction_dynamic, 0.4);
 }
 
+// One of all cannot follow: whoever asked learns how to change the others.
+TEST(MaterialTuningOfLayers, TheOtherObjectsCanBeNamed) {
+  Scene scene = scene_of({"hull", "tissue"});
+  scene.objects[1].effects.layers.add({.depth_m = 0.0, .stiffness_n_per_m = 400.0});
+  MaterialTuning tuning(scene);
+  const auto all = tuning.change(request("", stiffness(700.0)));
+  ASSERT_FALSE(all);
+  EXPECT_THAT(all.error().what, HasSubstr("object 'tissue' has layers"));
+  EXPECT_THAT(all.error().what, HasSubstr("; or change one of the others (--object NAME)"));
+  EXPECT_THAT(tuning.change(request("", stiffness(2e6))).error().what, testing::Not(HasSubstr("--object"))) << "no object takes it";
+  const auto one = tuning.change(request("tissue", stiffness(700.0)));
+  ASSERT_FALSE(one);
+  EXPECT_THAT(one.error().what, testing::Not(HasSubstr("--object")));
+  EXPECT_TRUE(tuning.change(request("hull", stiffness(700.0))));
+}
+
 TEST_F(Tuned, MaterialsAreCoupledAsMethodsMakeThem) {
   EXPECT_EQ(change("hull", stiffness(3000.0)), "");
   const auto materials = tuned_materials(scene.touch_scene(), tuning.state(), 1500.0);

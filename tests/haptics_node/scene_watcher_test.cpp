@@ -200,6 +200,24 @@ TEST_F(SceneWatcherTest, AFileWithAnErrorChangesNothingUntilItIsGood) {
   EXPECT_EQ(look_twice(), SceneWatcher::Look::materials);
 }
 
+// Once, and not for the moment that an editor takes to replace it.
+TEST_F(SceneWatcherTest, AFileThatIsGoneIsOneLine) {
+  const auto aside = folder.path() / "aside.toml";
+  const auto log_of_looks = [&](int looks) {
+    return log_of([&] {
+      for (int i = 0; i < looks; ++i) EXPECT_EQ(watcher->look(), SceneWatcher::Look::unchanged);
+    });
+  };
+  std::filesystem::rename(file, aside);
+  EXPECT_EQ(log_of_looks(1), "");
+  EXPECT_THAT(log_of_looks(1), HasSubstr("a.toml is gone; the present scene stays in use"));
+  EXPECT_EQ(log_of_looks(3), "");
+  std::filesystem::rename(aside, file);
+  EXPECT_EQ(log_of_looks(1), "") << "the same as before";
+  std::filesystem::rename(file, aside);
+  EXPECT_THAT(log_of_looks(2), HasSubstr("is gone"));
+}
+
 TEST_F(SceneWatcherTest, WhileTheHubWorksOutForcesItselfItWaits) {
   held = true;
   write("stiffness_n_per_m = 700");

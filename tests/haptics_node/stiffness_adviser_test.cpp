@@ -20,11 +20,11 @@ namespace {
 constexpr LoopFacts kSimulated = {.device = {'s', 'i', 'm', 'u', 'l', 'a', 't', 'e', 'd'}, .servo_rate_hz = 1000.0, .round_trip_s = 0.010F};
 
 // What an adviser logs of these facts.
-std::string log_of(double stiffest_n_per_m, const std::vector<LoopFacts>& facts) {
+std::string log_of(const LargestGains& gains, const std::vector<LoopFacts>& facts) {
   testing::internal::CaptureStderr();
   {
     start_log("haptics_node");
-    StiffnessAdviser adviser(stiffest_n_per_m);
+    StiffnessAdviser adviser(gains);
     for (const LoopFacts& one : facts) {
       adviser.note(one);
       std::this_thread::sleep_for(std::chrono::milliseconds(600));
@@ -43,7 +43,7 @@ TEST(StiffnessAdviser, AdvisesWhatTheLeastHandAllows) {
   const DevicePreset& model_a = *find_device_preset("model-a");
   const auto advice = advise_stiffness(kSimulated);
   ASSERT_TRUE(advice);
-  EXPECT_EQ(advice->device, model_a.title);
+  EXPECT_EQ(advice->by_stiffness.device, model_a.title);
   double least = HUGE_VAL;
   for (const char* hand : {"light", "stylus", "arm", "firm"}) {
     least = std::min(least, recommend_stiffness(model_a.model, model_a.limits, *find_hand_preset(hand), 1000.0, 0.010).stiffness_n_per_m);
@@ -71,7 +71,7 @@ TEST(StiffnessAdviser, WarnsOnceAndAgainWhenTheLoopIsMuchSlower) {
   slower.round_trip_s = 0.050F;
   LoopFacts alike = kSimulated;
   alike.round_trip_s *= 1.1F;
-  const std::string log = log_of(5000.0, {kSimulated, alike, slower, slower});
+  const std::string log = log_of({.stiffness_n_per_m = 5000.0}, {kSimulated, alike, slower, slower});
   EXPECT_EQ(count(log, "the scene has up to 5000 N/m, but PHANToM Model A at 1000 Hz"), 2U) << log;
   EXPECT_THAT(log, testing::HasSubstr("with forces after 10 ms"));
   EXPECT_THAT(log, testing::HasSubstr("with forces after 50 ms"));
@@ -86,7 +86,7 @@ TEST(StiffnessAdviser, NamesTheMakersLimitWhereThatDecides) {
   ASSERT_TRUE(advice);
   EXPECT_TRUE(advice->is_limited_by_device);
   EXPECT_EQ(advice->safe_n_per_m, find_device_preset("model-a")->limits.max_stiffness_n_per_m);
-  const std::string log = log_of(2.0 * advice->safe_n_per_m, {fast});
+  const std::string log = log_of({.stiffness_n_per_m = 2.0 * advice->safe_n_per_m}, {fast});
   EXPECT_THAT(log, testing::HasSubstr("the stiffness limit of PHANToM Model A is"));
   EXPECT_THAT(log, testing::Not(testing::HasSubstr("delay")));
 }
@@ -96,12 +96,12 @@ TEST(StiffnessAdviser, WarnsWhenAMaterialHasBecomeTooStiff) {
   testing::internal::CaptureStderr();
   {
     start_log("haptics_node");
-    StiffnessAdviser adviser(0.5 * safe_n_per_m);
+    StiffnessAdviser adviser({.stiffness_n_per_m = 0.5 * safe_n_per_m});
     const auto wait = [] { std::this_thread::sleep_for(std::chrono::milliseconds(600)); };
     adviser.note(kSimulated);
     wait();
     for (const double share : {0.9, 1.5, 1.5, 0.5}) {
-      adviser.set_stiffest(share * safe_n_per_m);
+      adviser.set_gains({.stiffness_n_per_m = share * safe_n_per_m});
       wait();
     }
   }
@@ -111,7 +111,63 @@ TEST(StiffnessAdviser, WarnsWhenAMaterialHasBecomeTooStiff) {
 }
 
 TEST(StiffnessAdviser, SaysNothingOfASceneThatTheLoopHolds) {
-  EXPECT_THAT(log_of(0.9 * advise_stiffness(kSimulated)->safe_n_per_m, {kSimulated}), testing::Not(testing::HasSubstr("has up to")));
+  const StiffnessAdvice advice = *advise_stiffness(kSimulated);
+  EXPECT_THAT(log_of({.stiffness_n_per_m = 0.9 * advice.safe_n_per_m,
+                      .damping_ns_per_m = 0.9 * advice.damping_ns_per_m,
+                      .viscosity_ns_per_m = 0.9 * advice.viscosity_ns_per_m},
+                     {kSimulated}),
+              testing::Not(testing::HasSubstr("has up to")));
+}
+
+TEST(StiffnessAdviser, OfDampingItTakesTheLeastHandToo) {
+  const DevicePreset& model_a = *find_device_preset("model-a");
+  const StiffnessAdvice advice = *advise_stiffness(kSimulated);
+  double damping = HUGE_VAL;
+  double viscosity = HUGE_VAL;
+  for (const char* hand : {"light", "stylus", "arm", "firm"}) {
+    const Recommendation one =
+        recommend_stiffness(model_a.model, model_a.limits, *find_hand_preset(hand), 1000.0, static_cast<double>(kSimulated.round_trip_s));
+    damping = std::min(damping, one.damping_ns_per_m);
+    viscosity = std::min(viscosity, one.viscosity_ns_per_m);
+  }
+  EXPECT_EQ(advice.damping_ns_per_m, damping);
+  EXPECT_EQ(advice.viscosity_ns_per_m, viscosity);
+  EXPECT_EQ(advice.by_damping.device, model_a.title);
+}
+
+TEST(StiffnessAdviser, WarnsOfTooMuchDampingAndOfNothingElse) {
+  const StiffnessAdvice advice = *advise_stiffness(kSimulated);
+  const std::string damped =
+      log_of({.stiffness_n_per_m = 0.9 * advice.safe_n_per_m, .damping_ns_per_m = 1.1 * advice.damping_ns_per_m}, {kSimulated});
+  EXPECT_EQ(count(damped, "the scene has up to"), 1U) << damped;
+  EXPECT_THAT(damped, testing::HasSubstr(fmt::format("the scene has up to {:.3g} Ns/m of damping, but PHANToM Model A at 1000 Hz with "
+                                                     "forces after 10 ms is safe only up to {:.3g} Ns/m",
+                                                     1.1 * advice.damping_ns_per_m, advice.damping_ns_per_m)));
+  EXPECT_THAT(damped, testing::HasSubstr("lower damping_ns_per_m of materials"));
+  const std::string viscous = log_of({.viscosity_ns_per_m = 1.1 * advice.viscosity_ns_per_m}, {kSimulated});
+  EXPECT_EQ(count(viscous, "the scene has up to"), 1U) << viscous;
+  EXPECT_THAT(viscous, testing::HasSubstr("Ns/m of viscosity, but PHANToM Model A"));
+}
+
+// Of what has risen, not again of what was too much before.
+TEST(StiffnessAdviser, WarnsWhenAMaterialHasBecomeTooDamped) {
+  const StiffnessAdvice advice = *advise_stiffness(kSimulated);
+  testing::internal::CaptureStderr();
+  {
+    start_log("haptics_node");
+    const double stiffness_n_per_m = 2.0 * advice.safe_n_per_m;
+    StiffnessAdviser adviser({.stiffness_n_per_m = stiffness_n_per_m});
+    const auto wait = [] { std::this_thread::sleep_for(std::chrono::milliseconds(600)); };
+    adviser.note(kSimulated);
+    wait();
+    for (const double share : {0.9, 1.5, 0.5}) {
+      adviser.set_gains({.stiffness_n_per_m = stiffness_n_per_m, .damping_ns_per_m = share * advice.damping_ns_per_m});
+      wait();
+    }
+  }
+  const std::string log = testing::internal::GetCapturedStderr();
+  EXPECT_EQ(count(log, " Ns/m of damping, but"), 1U) << log;
+  EXPECT_EQ(count(log, fmt::format("the scene has up to {:.0f} N/m", 2.0 * advice.safe_n_per_m)), 1U) << log;
 }
 
 }  // namespace

@@ -16,12 +16,13 @@ TEST(DevicePresets, AreWhatTheirSourcesSay) {
     const char* name;
     double mass_kg, damping, friction_n, step_m, force_n, stiffness;
     double joint_n_per_m, beyond_kg, ratio;  // 0: rigid
+    double half_m, ball_m;                   // of the workspace; 0: no ball
   };
-  const Row rows[] = {{"premium-1.5", 0.075, 0.005, 0.04, 0.03e-3, 8.5, 800.0, 3500.0, 0.005, 0.2},
-                      {"touch", 0.045, 0.1, 0.26, 0.055e-3, 3.3, 400.0, 1260.0, 0.010, 0.2},
-                      {"omega.3", 0.22, 0.5, 0.1, 0.01e-3, 12.0, 5000.0, 14'500.0, 0.05, 0.1},
-                      {"falcon", 0.25, 1.0, 0.5, 0.06e-3, 9.0, 1000.0, 0.0, 0.0, 0.0},
-                      {"wooden", 0.1, 0.2, 0.1, 0.064e-3, 5.0, 1000.0, 0.0, 0.0, 0.0}};
+  const Row rows[] = {{"premium-1.5", 0.075, 0.005, 0.04, 0.03e-3, 8.5, 800.0, 3500.0, 0.005, 0.2, 0.1, 0.0},
+                      {"touch", 0.045, 0.1, 0.26, 0.055e-3, 3.3, 400.0, 1260.0, 0.010, 0.2, 0.075, 0.075},
+                      {"omega.3", 0.22, 0.5, 0.1, 0.01e-3, 12.0, 5000.0, 14'500.0, 0.05, 0.1, 0.075, 0.075},
+                      {"falcon", 0.25, 1.0, 0.5, 0.06e-3, 9.0, 1000.0, 0.0, 0.0, 0.0, 0.0508, 0.0},
+                      {"wooden", 0.1, 0.2, 0.1, 0.064e-3, 5.0, 1000.0, 0.0, 0.0, 0.0, 0.1, 0.1}};
   for (const Row& row : rows) {
     SCOPED_TRACE(row.name);
     const DevicePreset* device = find_device_preset(row.name);
@@ -34,9 +35,10 @@ TEST(DevicePresets, AreWhatTheirSourcesSay) {
     EXPECT_EQ(device->limits.max_stiffness_n_per_m, row.stiffness);
     EXPECT_DOUBLE_EQ(device->limits.max_slew_n_per_s, row.force_n / 0.004) << "to the largest force within 4 ms";
     EXPECT_EQ(device->limits.max_speed_m_per_s, 3.0);
-    EXPECT_EQ(device->limits.workspace_max_m - device->limits.workspace_min_m, Vec3::Constant(0.2));
+    EXPECT_EQ(device->limits.workspace_max_m, Vec3::Constant(row.half_m));
+    EXPECT_EQ(device->workspace_radius_m, row.ball_m);
     EXPECT_EQ(device->limits.workspace_max_m, -device->limits.workspace_min_m);
-    EXPECT_FALSE(device->is_workspace_known);
+    EXPECT_EQ(device->is_workspace_known, device->name != "premium-1.5") << "its source has only the 6DOF variant";
     ASSERT_EQ(device->model.mode_count, row.joint_n_per_m > 0.0 ? 1 : 0);
     if (device->model.mode_count == 0) continue;
     const StructuralMode& mode = device->model.modes[0];

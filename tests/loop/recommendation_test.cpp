@@ -44,6 +44,40 @@ TEST(Recommendation, IsTheLeastOfAllShorterDelays) {
   EXPECT_FALSE(advice.is_limited_by_device) << "of a device that names no limit";
 }
 
+TEST(Recommendation, OfDampingIsHalfOfTheLeastThatIsStable) {
+  const DevicePreset& device = *find_device_preset("touch");
+  const HandModel hand = *find_hand_preset("stylus");
+  double damping = 1e12;
+  double viscosity = 1e12;
+  for (int i = 0; i <= 32; ++i) {
+    const ZWidth width = find_zwidth({.device = device.model, .hand = hand, .delay_s = 0.02 * i / 32});
+    damping = std::min(damping, width.damping_ns_per_m.value);
+    viscosity = std::min(viscosity, width.viscosity_ns_per_m.value);
+  }
+  const Recommendation advice = recommend_stiffness(device.model, device.limits, hand, 1000.0, 0.02);
+  EXPECT_DOUBLE_EQ(advice.damping_ns_per_m, 0.5 * damping);
+  EXPECT_DOUBLE_EQ(advice.viscosity_ns_per_m, 0.5 * viscosity);
+  EXPECT_NE(viscosity, damping);
+}
+
+// The limit of damping is that without stiffness, and the limit of stiffness that without damping: both together are safe.
+TEST(Recommendation, AMaterialAtBothLimitsIsStable) {
+  for (const DevicePreset& device : device_presets()) {
+    for (const HandPreset& hand : hand_presets()) {
+      for (const double rate_hz : {1000.0, 4000.0}) {
+        for (const double most_ms : {0.0, 0.5, 5.0, 20.0}) {
+          const Recommendation advice = recommend_stiffness(device.model, {}, hand.model, rate_hz, 1e-3 * most_ms);
+          for (const double share : {0.0, 0.3, 0.7, 1.0}) {
+            const SampledPlant plant(make_axis_plant(device.model, hand.model), 1.0 / rate_hz, share * 1e-3 * most_ms);
+            EXPECT_LT(compute_spectral_radius(plant, {advice.stable_n_per_m / kGainMargin, advice.damping_ns_per_m}), 1.0)
+                << device.name << " in hand " << hand.name << ", " << rate_hz << " Hz, " << share * most_ms << " ms";
+          }
+        }
+      }
+    }
+  }
+}
+
 // Although a loop may be stable at a delay and not at a shorter one.
 TEST(Recommendation, NeverRisesWithLatency) {
   const DevicePreset& device = *find_device_preset("omega.3");

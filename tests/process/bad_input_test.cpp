@@ -21,6 +21,7 @@ struct BadCall {
   std::string program;
   std::vector<std::string> arguments;  // FOLDER and TAKEN_PORT are replaced
   std::string mentions;                // must be in the line
+  int exit_code = 0;                   // 0: any but that
 };
 
 void PrintTo(const BadCall& call, std::ostream* out) { *out << call.program << " " << call.name; }
@@ -50,6 +51,7 @@ void make_bad_files(const std::filesystem::path& folder) {
   write(folder / "nan.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n");
   write(folder / "range.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n");
   write(folder / "good.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  write(folder / "both.toml", "[[object]]\nmesh = 'good.obj'\nmoved_by = 'program'\n[[object]]\nmesh = 'good.obj'\nmovable = true\n");
   write(folder / "short.key", "short");
   write(folder / "open.key", std::string(32, 'k'));
   std::filesystem::permissions(folder / "short.key", std::filesystem::perms(0600));
@@ -79,6 +81,9 @@ TEST_P(BadInput, GivesOneLineAndFails) {
   const auto ended = run(call.program, arguments, folder.path());
   ASSERT_TRUE(ended) << "still runs";
   EXPECT_NE(ended->exit_code, 0);
+  if (call.exit_code != 0) {
+    EXPECT_EQ(ended->exit_code, call.exit_code);
+  }
   EXPECT_LT(ended->exit_code, 126) << "ended by a signal or not started";
   const std::vector<std::string> complaints = complaints_of(ended->err);
   ASSERT_EQ(complaints.size(), 1U) << ended->err;
@@ -137,6 +142,10 @@ const std::vector<BadCall> kHapticsNode = {
      "haptics_node",
      {"--scene", HAPTON_SOURCE_DIR "/scenes/deforming.toml", "--tool", HAPTON_SOURCE_DIR "/meshes/peg.obj", "--tool-unit", "mm"},
      "object 'block' deforms, which a rigid tool does not support"},
+    {"MovedAndMovable",
+     "haptics_node",
+     {"--scene", "FOLDER/both.toml"},
+     "both.toml: line 2: object 'good' is moved by programs and 'good' (line 5) is movable"},
     {"MovesAndIsSmooth", "haptics_node", {"--scene", HAPTON_SOURCE_DIR "/scenes/machine.toml", "--method", "smooth"}, "choose proxy"},
     {"MovableAndWatched", "haptics_node", {"--scene", HAPTON_SOURCE_DIR "/scenes/workbench.toml", "--watch-scene"}, "movable objects"},
     {"AnnotationsBroken",
@@ -256,8 +265,8 @@ const std::vector<BadCall> kTools = {
     {"MarkBeyondLoopbackWithoutKey", "hapton", {"mark", "a", "--hub", "192.0.2.1"}, "--key FILE"},
     {"KeygenOverAFile", "hapton", {"keygen", "FOLDER/good.obj"}, "good.obj"},
     {"KeygenNowhere", "hapton", {"keygen", "FOLDER/no/such/key"}, "no/such/key"},
-    {"MoveWithoutTarget", "hapton", {"move", "lid"}, "give --to, --rotate, or both"},
-    {"MoveToTwoNumbers", "hapton", {"move", "lid", "--to", "1,2"}, "three numbers in metres"},
+    {"MoveWithoutTarget", "hapton", {"move", "lid"}, "give --to, --rotate, or both", 2},
+    {"MoveToTwoNumbers", "hapton", {"move", "lid", "--to", "1,2"}, "three numbers in metres", 2},
     {"MoveToNaN", "hapton", {"move", "lid", "--to", "nan,0,0"}, "three numbers in metres"},
     {"MoveToWords", "hapton", {"move", "lid", "--to", "up,0,0"}, "three numbers in metres"},
     {"MoveByNoRotation", "hapton", {"move", "lid", "--rotate", "1,1,0,0"}, "of length 1"},
@@ -273,11 +282,12 @@ const std::vector<BadCall> kTools = {
      "hapton",
      {"dynamics", "--scene", HAPTON_SOURCE_DIR "/scenes/push.toml", "--hub", "127.0.0.1:1"},
      "start io_node"},
-    {"MoveWithoutHub", "hapton", {"move", "lid", "--to", "0,0,0", "--hub", "127.0.0.1:1"}, "start io_node"},
+    {"MoveWithoutHub", "hapton", {"move", "lid", "--to", "0,0,0", "--hub", "127.0.0.1:1"}, "start io_node", 1},
     {"ProgramsMoveAndIsSmooth",
      "haptics_node",
      {"--scene", HAPTON_SOURCE_DIR "/scenes/lift.toml", "--method", "smooth"},
      "choose proxy or reference"},
+    {"SetNothing", "hapton", {"set"}, "nothing to set", 2},
     {"SetBeyondLoopbackWithoutKey", "hapton", {"set", "--hub", "192.0.2.1", "--rate", "1000"}, "--key FILE"},
 };
 
@@ -294,7 +304,11 @@ const std::vector<BadCall> kVisionNode = {
     {"SceneMissing", "vision_node", {"--scene", "FOLDER/gone.toml"}, "gone.toml"},
     {"SceneBroken", "vision_node", {"--scene", "FOLDER/broken.toml"}, "broken.toml"},
     {"HubBeyondLoopbackWithoutKey", "vision_node", {"--hub", "192.0.2.1"}, "--key FILE"},
-    {"SizeIsText", "vision_node", {"--size", "large"}, "large"},
+    {"SizeIsText", "vision_node", {"--size", "large"}, "large", 2},
+    {"StrokesAsStl", "vision_node", {"--strokes", "FOLDER/lines.stl"}, "ends in .obj or .vtp", 2},
+    {"AnnotationsAsVtp", "vision_node", {"--annotations", "FOLDER/notes.vtp"}, "ends in .toml", 2},
+    {"OneButtonForTwo", "vision_node", {"--draw-button", "3"}, "--draw-button and --measure-button are both 3", 2},
+    {"HeadInTheScreen", "vision_node", {"--head-mm", "0,0,10"}, "--head-mm 0,0,10", 2},
     {"DisplayUnreachable", "vision_node", {"--scene", HAPTON_SOURCE_DIR "/scenes/car_front.toml"}, "isplay"},
 };
 INSTANTIATE_TEST_SUITE_P(VisionNode, BadInput, ::testing::ValuesIn(kVisionNode), name_of);
@@ -430,6 +444,9 @@ TEST(HaptonAlone, ListsItsCommandsAndFails) {
   const auto ended = run("hapton", {}, folder.path());
   ASSERT_TRUE(ended) << "still runs";
   EXPECT_NE(ended->exit_code, 0);
+  if (call.exit_code != 0) {
+    EXPECT_EQ(ended->exit_code, call.exit_code);
+  }
   EXPECT_LT(ended->exit_code, 126);
   EXPECT_THAT(ended->out + ended->err, ::testing::HasSubstr("replay"));
 }

@@ -112,13 +112,13 @@ TEST_F(Sessions, MaterialsThatChangeInContactAreReplayedToo) {
 
   for (const auto& [words, why] : std::vector<std::pair<std::vector<std::string>, std::string>>{
            {{"--object", "cub", "--stiffness", "900"}, "did you mean 'cube'?"},
-           {{"--object", "cube", "--friction-dynamic", "0.5"}, "more than 'friction_static' 0.4"},
-           {{"--object", "cube"}, "nothing to set for object 'cube'"}}) {
+           {{"--object", "cube", "--friction-dynamic", "0.5"}, "more than 'friction_static' 0.4"}}) {
     const Ended rejected = set(words);
     EXPECT_EQ(rejected.exit_code, 1) << rejected.out;
     EXPECT_THAT(rejected.err, HasSubstr(why));
     EXPECT_EQ(std::count(rejected.err.begin(), rejected.err.end(), '\n'), 1) << rejected.err;
   }
+  EXPECT_EQ(set({"--object", "cube"}).exit_code, 2);
   EXPECT_EQ(set({"--stiffness", "2e6"}).exit_code, 2);
   EXPECT_EQ(set({"--friction", "0.3", "--friction-static", "0.3"}).exit_code, 2);
   system.end_all();

@@ -236,7 +236,9 @@ TEST_F(HaptonCommandTest, LongRunsUseEveryCpuUnlessToldOtherwise) {
 
 TEST_F(HaptonCommandTest, SetRejectsBeforeItContactsTheHub) {
   EXPECT_THAT(run_hapton({"set"}).err, HasSubstr("nothing to set"));
+  EXPECT_EQ(run_hapton({"set"}).code, 2);
   EXPECT_THAT(run_hapton({"set", "--method", "nope"}).err, HasSubstr("'nope'"));
+  EXPECT_EQ(run_hapton({"set", "--method", "nope"}).code, 2);
   EXPECT_EQ(run_hapton({"set", "--rate", "100"}).code, 2);
   EXPECT_THAT(run_hapton({"set", "--object", "hull"}).err, HasSubstr("nothing to set for object 'hull'"));
   EXPECT_THAT(run_hapton({"set", "--object", std::string(300, 'x'), "--damping", "1"}).err, HasSubstr("bytes, not 300"));

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "scene/scene_combination.h"
 #include "scene/scene_file.h"
 #include "tools/check/scene_check.h"
 #include "tools/commands.h"
@@ -49,6 +50,9 @@ Result<bool> run(CheckOptions& options) {
   settings.delay_s = options.delay_ms ? 1e-3 * *options.delay_ms : kStepShare / settings.rate_hz;
   const auto scene = load(options);
   if (!scene) return tl::unexpected(scene.error());
+  if (const auto checked = check_combination(options.file, *scene, scene->tool.has_value()); !checked) {
+    return tl::unexpected(checked.error());
+  }
   const auto check = check_scene(options.file, *scene, settings);
   if (!check) return tl::unexpected(check.error());
   std::fputs((options.json ? to_json(*check, settings) : to_text(*check, settings)).c_str(), stdout);

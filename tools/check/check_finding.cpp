@@ -22,8 +22,14 @@ std::string_view name_of(SceneFault fault) noexcept {
       return "stiffer-than-device";
     case SceneFault::stiffer_than_loop:
       return "stiffer-than-loop";
+    case SceneFault::more_damped_than_loop:
+      return "more-damped-than-loop";
     case SceneFault::heavier_than_loop:
       return "heavier-than-loop";
+    case SceneFault::stronger_than_device:
+      return "stronger-than-device";
+    case SceneFault::faster_than_loop:
+      return "faster-than-loop";
     case SceneFault::out_of_reach:
       return "out-of-reach";
     case SceneFault::too_small:

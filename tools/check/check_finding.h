@@ -21,10 +21,13 @@ enum class SceneFault : std::uint8_t {
   no_inertia,     // a body to push whose surface is not closed
   stiffer_than_device,
   stiffer_than_loop,
-  heavier_than_loop,  // a virtual mass
-  out_of_reach,       // all or a part of an object lies outside the workspace
-  too_small,          // a speck in the workspace
-  too_slow,           // the force takes longer than the loop allows
+  more_damped_than_loop,
+  heavier_than_loop,     // a virtual mass
+  stronger_than_device,  // an effect
+  faster_than_loop,      // a vibration that the servo rate cannot carry
+  out_of_reach,          // all or a part of an object, or an effect, lies outside the workspace
+  too_small,             // a speck in the workspace
+  too_slow,              // the force takes longer than the loop allows
 };
 // "thin-wall", "opening" ...
 std::string_view name_of(SceneFault fault) noexcept;

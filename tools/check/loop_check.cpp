@@ -9,6 +9,7 @@
 #include "core/force/stiffest.h"
 #include "loop/recommendation.h"
 #include "loop/stability.h"
+#include "tools/check/rounded_down.h"
 
 namespace hapton {
 namespace {
@@ -16,21 +17,29 @@ namespace {
 // Whole N/m, rounded down: a value that is asked for must not be above the limit.
 std::string at_most(double stiffness_n_per_m) { return fmt::format("{:.0f}", std::floor(stiffness_n_per_m)); }
 
+std::string shown_name(const SceneEffect& effect) { return fmt::format("effect {}", effect.name); }
+
+// "model-a in hand light at 1000 Hz with forces after 0.5 ms".
+std::string describe_loop(const NamedLoop& loop, double rate_hz, double delay_s) {
+  return fmt::format("{} in hand {} at {:g} Hz with forces after {:.3g} ms", loop.device, loop.hand, rate_hz, 1e3 * delay_s);
+}
+
+void keep_least(const NamedLoop& loop, double value, const NamedLoop*& by, double& least) {
+  if (by != nullptr && value >= least) return;
+  by = &loop;
+  least = value;
+}
+
 }  // namespace
 
-HeldStiffness find_held_stiffness(std::span<const NamedLoop> loops, double rate_hz, double delay_s) {
-  HeldStiffness held;
+HeldGains find_held_gains(std::span<const NamedLoop> loops, double rate_hz, double delay_s) {
+  HeldGains held;
   for (const NamedLoop& loop : loops) {
     const Recommendation advice = recommend_stiffness(loop.device_model, loop.limits, loop.hand_model, rate_hz, delay_s);
-    const double safe_n_per_m = advice.stable_n_per_m / kGainMargin;
-    if (held.by_loop == nullptr || safe_n_per_m < held.safe_n_per_m) {
-      held.by_loop = &loop;
-      held.safe_n_per_m = safe_n_per_m;
-    }
-    if (advice.device_n_per_m > 0.0 && (held.by_device == nullptr || advice.device_n_per_m < held.device_n_per_m)) {
-      held.by_device = &loop;
-      held.device_n_per_m = advice.device_n_per_m;
-    }
+    keep_least(loop, advice.stable_n_per_m / kGainMargin, held.by_loop, held.safe_n_per_m);
+    keep_least(loop, advice.damping_ns_per_m, held.by_damping, held.damping_ns_per_m);
+    keep_least(loop, advice.viscosity_ns_per_m, held.by_viscosity, held.viscosity_ns_per_m);
+    if (advice.device_n_per_m > 0.0) keep_least(loop, advice.device_n_per_m, held.by_device, held.device_n_per_m);
   }
   return held;
 }
@@ -38,8 +47,8 @@ HeldStiffness find_held_stiffness(std::span<const NamedLoop> loops, double rate_
 namespace {
 
 // what_to_set: "its stiffness_n_per_m".
-CheckFindings compare_stiffness(const std::string& name, double stiffness_n_per_m, const std::string& what_to_set,
-                                const HeldStiffness& held, double rate_hz, double delay_s) {
+CheckFindings compare_stiffness(const std::string& name, double stiffness_n_per_m, const std::string& what_to_set, const HeldGains& held,
+                                double rate_hz, double delay_s) {
   CheckFindings findings;
   if (held.by_device != nullptr && stiffness_n_per_m > held.device_n_per_m) {
     findings.push_back({SceneFault::stiffer_than_device, name, std::nullopt,
@@ -50,8 +59,8 @@ CheckFindings compare_stiffness(const std::string& name, double stiffness_n_per_
   if (held.by_loop != nullptr && stiffness_n_per_m > held.safe_n_per_m) {
     findings.push_back(
         {SceneFault::stiffer_than_loop, name, std::nullopt,
-         fmt::format("{:.6g} N/m, but {} in hand {} at {:g} Hz with forces after {:.3g} ms is safe only up to {} N/m", stiffness_n_per_m,
-                     held.by_loop->device, held.by_loop->hand, rate_hz, 1e3 * delay_s, at_most(held.safe_n_per_m)),
+         fmt::format("{:.6g} N/m, but {} is safe only up to {} N/m", stiffness_n_per_m, describe_loop(*held.by_loop, rate_hz, delay_s),
+                     at_most(held.safe_n_per_m)),
          fmt::format("set {} to {} or less, or shorten the delay (hapton loop recommend)", what_to_set, at_most(held.safe_n_per_m))});
   }
   return findings;
@@ -66,15 +75,46 @@ std::string stiff_keys_of(const SurfaceEffects& effects) {
 
 }  // namespace
 
-CheckFindings check_stiffness(const SceneObject& object, const HeldStiffness& held, double rate_hz, double delay_s) {
+CheckFindings check_stiffness(const SceneObject& object, const HeldGains& held, double rate_hz, double delay_s) {
   return compare_stiffness(object.name, stiffest_of(object.material, object.effects), stiff_keys_of(object.effects), held, rate_hz,
                            delay_s);
 }
 
-CheckFindings check_stiffness(const SceneEffect& effect, const HeldStiffness& held, double rate_hz, double delay_s) {
+CheckFindings check_stiffness(const SceneEffect& effect, const HeldGains& held, double rate_hz, double delay_s) {
   const bool is_spring = std::holds_alternative<SpringEffect>(effect.effect);
-  return compare_stiffness(fmt::format("effect {}", effect.name), stiffest_of(effect.effect),
-                           is_spring ? "its stiffness_n_per_m" : "4 max_force_n / range_m", held, rate_hz, delay_s);
+  return compare_stiffness(shown_name(effect), stiffest_of(effect.effect), is_spring ? "its stiffness_n_per_m" : "4 max_force_n / range_m",
+                           held, rate_hz, delay_s);
+}
+
+namespace {
+
+// what_to_set: "its damping_ns_per_m".
+void compare_damping(const std::string& name, double damping_ns_per_m, std::string_view what_to_set, const NamedLoop* by,
+                     double safe_ns_per_m, double rate_hz, double delay_s, CheckFindings& findings) {
+  if (by == nullptr || damping_ns_per_m <= safe_ns_per_m) return;
+  const std::string most = fmt::format("{:.2g}", safe_ns_per_m > 0.0 ? rounded_down(safe_ns_per_m) : 0.0);
+  findings.push_back({SceneFault::more_damped_than_loop, name, std::nullopt,
+                      fmt::format("{:.6g} Ns/m of damping, but {} is safe only up to {} Ns/m", damping_ns_per_m,
+                                  describe_loop(*by, rate_hz, delay_s), most),
+                      fmt::format("set {} to {} or less, or shorten the delay (hapton loop recommend)", what_to_set, most)});
+}
+
+}  // namespace
+
+CheckFindings check_damping(const SceneObject& object, const HeldGains& held, double rate_hz, double delay_s) {
+  CheckFindings findings;
+  compare_damping(object.name, object.material.damping_ns_per_m, "its damping_ns_per_m", held.by_damping, held.damping_ns_per_m, rate_hz,
+                  delay_s, findings);
+  compare_damping(object.name, object.effects.viscosity.damping_ns_per_m, "its viscosity_ns_per_m", held.by_viscosity,
+                  held.viscosity_ns_per_m, rate_hz, delay_s, findings);
+  return findings;
+}
+
+CheckFindings check_damping(const SceneEffect& effect, const HeldGains& held, double rate_hz, double delay_s) {
+  CheckFindings findings;
+  compare_damping(shown_name(effect), viscosity_of(effect.effect), "its damping_ns_per_m", held.by_viscosity, held.viscosity_ns_per_m,
+                  rate_hz, delay_s, findings);
+  return findings;
 }
 
 CheckFindings check_mass(const SceneEffect& effect, std::span<const NamedLoop> loops, double rate_hz, double delay_s) {
@@ -90,10 +130,46 @@ CheckFindings check_mass(const SceneEffect& effect, std::span<const NamedLoop> l
     least = &loop;
   }
   if (least == nullptr) return {};
-  return {{SceneFault::heavier_than_loop, fmt::format("effect {}", effect.name), std::nullopt,
-           fmt::format("a virtual mass of {:.4g} kg, but {} in hand {} at {:g} Hz with forces after {:.3g} ms is safe only up to {:.3g} kg",
-                       mass->mass_kg, least->device, least->hand, rate_hz, 1e3 * delay_s, safe_kg),
+  return {{SceneFault::heavier_than_loop, shown_name(effect), std::nullopt,
+           fmt::format("a virtual mass of {:.4g} kg, but {} is safe only up to {:.3g} kg", mass->mass_kg,
+                       describe_loop(*least, rate_hz, delay_s), safe_kg),
            "set its mass_kg to that or less, or its filter_s to more (hapton loop zwidth --mass-filter)"}};
+}
+
+CheckFindings check_strength(const SceneEffect& effect, std::span<const NamedLoop> loops) {
+  const NamedLoop* weakest = nullptr;
+  for (const NamedLoop& loop : loops) {
+    const double most_n = loop.limits.max_force_n;
+    if (most_n > 0.0 && (weakest == nullptr || most_n < weakest->limits.max_force_n)) weakest = &loop;
+  }
+  if (weakest == nullptr || bound_of(effect.effect) <= weakest->limits.max_force_n) return {};
+  return {
+      {SceneFault::stronger_than_device, shown_name(effect), std::nullopt,
+       fmt::format("up to {:.3g} N, but {} gives {:.3g} N at most", bound_of(effect.effect), weakest->device, weakest->limits.max_force_n),
+       "lower its force: the device would give less than it says"}};
+}
+
+namespace {
+
+CheckFindings compare_frequency(const std::string& name, double frequency_hz, std::string_view what_to_set, double rate_hz) {
+  if (frequency_hz < 0.5 * rate_hz) return {};
+  return {{SceneFault::faster_than_loop, name, std::nullopt,
+           fmt::format("a vibration of {:g} Hz, but {:g} forces a second render less than {:g} Hz", frequency_hz, rate_hz, 0.5 * rate_hz),
+           fmt::format("set {} to less, or raise the rate", what_to_set)}};
+}
+
+}  // namespace
+
+CheckFindings check_frequency(const SceneObject& object, double rate_hz) {
+  const TapVibration& tap = object.effects.tap;
+  return tap.is_on() ? compare_frequency(object.name, tap.frequency_hz, "its tap_frequency_hz", rate_hz) : CheckFindings();
+}
+
+CheckFindings check_frequency(const SceneEffect& effect, double rate_hz) {
+  const auto compare = [&](double frequency_hz) { return compare_frequency(shown_name(effect), frequency_hz, "its frequency_hz", rate_hz); };
+  if (const auto* wave = std::get_if<WaveEffect>(&effect.effect)) return compare(wave->frequency_hz);
+  if (const auto* burst = std::get_if<BurstEffect>(&effect.effect)) return compare(burst->frequency_hz);
+  return {};
 }
 
 }  // namespace hapton

@@ -8,22 +8,37 @@
 
 namespace hapton {
 
-// What one system holds: the least over its devices and hands.
-struct HeldStiffness {
+// What one system holds: the least over its devices and hands. Half of each limit of stability, as hapton loop recommend has it.
+struct HeldGains {
   const NamedLoop* by_device = nullptr;  // of which least is known; null: of none
   double device_n_per_m = 0.0;
   const NamedLoop* by_loop = nullptr;
-  double safe_n_per_m = 0.0;  // half of the limit of stability, as hapton loop recommend has it
+  double safe_n_per_m = 0.0;
+  const NamedLoop* by_damping = nullptr;
+  double damping_ns_per_m = 0.0;  // of a material
+  const NamedLoop* by_viscosity = nullptr;
+  double viscosity_ns_per_m = 0.0;  // of an effect
 };
 // Pre: loops is not empty and outlives the result; rate_hz > 0. RT: no, some 0.1 s.
-HeldStiffness find_held_stiffness(std::span<const NamedLoop> loops, double rate_hz, double delay_s);
+HeldGains find_held_gains(std::span<const NamedLoop> loops, double rate_hz, double delay_s);
 
 // An object stiffer than that. RT: set-up only.
-CheckFindings check_stiffness(const SceneObject& object, const HeldStiffness& held, double rate_hz, double delay_s);
+CheckFindings check_stiffness(const SceneObject& object, const HeldGains& held, double rate_hz, double delay_s);
 // A spring or a snap in free space.
-CheckFindings check_stiffness(const SceneEffect& effect, const HeldStiffness& held, double rate_hz, double delay_s);
+CheckFindings check_stiffness(const SceneEffect& effect, const HeldGains& held, double rate_hz, double delay_s);
+
+// A damped or viscous surface, or a viscous volume, of more than that. RT: set-up only.
+CheckFindings check_damping(const SceneObject& object, const HeldGains& held, double rate_hz, double delay_s);
+CheckFindings check_damping(const SceneEffect& effect, const HeldGains& held, double rate_hz, double delay_s);
 
 // A virtual mass in free space of more than half of what is stable, with its own filter, in the least of the loops. Pre: as above.
 CheckFindings check_mass(const SceneEffect& effect, std::span<const NamedLoop> loops, double rate_hz, double delay_s);
+
+// An effect whose largest force is above that of the weakest device. RT: set-up only.
+CheckFindings check_strength(const SceneEffect& effect, std::span<const NamedLoop> loops);
+
+// A vibration of half the servo rate or more, which its samples cannot render. RT: set-up only.
+CheckFindings check_frequency(const SceneObject& object, double rate_hz);
+CheckFindings check_frequency(const SceneEffect& effect, double rate_hz);
 
 }  // namespace hapton

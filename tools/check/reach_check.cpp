@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <variant>
 
 namespace hapton {
 namespace {
@@ -43,7 +44,7 @@ Polygon cut(const Polygon& whole, int axis, double limit, double sign) {
   return kept;
 }
 
-double area_inside(const TriangleMesh& mesh, std::size_t t, const Vec3& low, const Vec3& high) {
+double area_in_box(const TriangleMesh& mesh, std::size_t t, const Vec3& low, const Vec3& high) {
   Polygon polygon;
   for (int k = 0; k < 3; ++k) polygon.add(mesh.corner(t, k));
   for (int axis = 0; axis < 3; ++axis) {
@@ -53,14 +54,64 @@ double area_inside(const TriangleMesh& mesh, std::size_t t, const Vec3& low, con
   return polygon.area();
 }
 
+// Around the origin.
+double area_in_ball(const std::array<Vec3, 3>& corners, double radius) {
+  constexpr double kFine = 0.005;  // of the radius
+  const auto& [a, b, c] = corners;
+  const double area = 0.5 * (b - a).cross(c - a).norm();
+  if (std::max({a.norm(), b.norm(), c.norm()}) <= radius) return area;
+  const Vec3 middle = (a + b + c) / 3.0;
+  const double reach = std::max({(a - middle).norm(), (b - middle).norm(), (c - middle).norm()});
+  if (!(middle.norm() - reach <= radius)) return 0.0;  // or so far away that it is not a number
+  if (reach < kFine * radius) return middle.norm() <= radius ? area : 0.0;
+  const Vec3 ab = 0.5 * (a + b);
+  const Vec3 bc = 0.5 * (b + c);
+  const Vec3 ca = 0.5 * (c + a);
+  return area_in_ball({a, ab, ca}, radius) + area_in_ball({ab, b, bc}, radius) + area_in_ball({ca, bc, c}, radius) +
+         area_in_ball({ab, bc, ca}, radius);
+}
+
+double area_inside(const TriangleMesh& mesh, std::size_t t, const Workspace& workspace) {
+  if (!(workspace.radius_m > 0.0)) return area_in_box(mesh, t, workspace.low_m, workspace.high_m);
+  const Vec3 centre = workspace.middle_m();
+  return area_in_ball({mesh.corner(t, 0) - centre, mesh.corner(t, 1) - centre, mesh.corner(t, 2) - centre}, workspace.radius_m);
+}
+
+// Larger by rounding.
+Workspace widen(const Workspace& workspace) {
+  const double margin = kRounding * workspace.longest_m();
+  const Vec3 all = Vec3::Constant(margin);
+  return {workspace.low_m - all, workspace.high_m + all, workspace.radius_m > 0.0 ? workspace.radius_m + margin : 0.0};
+}
+
+// How far outside the target of a snap lies.
+double distance_of(const SnapEffect& snap, const Workspace& workspace) {
+  if (snap.target == SnapEffect::Target::point) return workspace.distance_m(snap.position);
+  const Vec3 to_middle = workspace.middle_m() - snap.position;
+  const double along = to_middle.dot(snap.direction);
+  const bool is_plane = snap.target == SnapEffect::Target::plane;
+  const double distance = is_plane ? std::fabs(along) : (to_middle - along * snap.direction).norm();
+  const double farthest = workspace.radius_m > 0.0 ? workspace.radius_m : 0.5 * (workspace.high_m - workspace.low_m).norm();
+  return std::max(0.0, distance - farthest);
+}
+
 }  // namespace
 
-Unreached find_unreached(const TriangleMesh& mesh, const Vec3& low, const Vec3& high) {
-  const Vec3 margin = Vec3::Constant(kRounding * (high - low).maxCoeff());
+double Workspace::distance_m(const Vec3& p) const {
+  if (radius_m > 0.0) return std::max(0.0, (p - middle_m()).norm() - radius_m);
+  return (low_m - p).cwiseMax(p - high_m).cwiseMax(0.0).norm();
+}
+
+Workspace workspace_of(const DevicePreset& device) {
+  return {device.limits.workspace_min_m, device.limits.workspace_max_m, device.workspace_radius_m};
+}
+
+Unreached find_unreached(const TriangleMesh& mesh, const Workspace& given) {
+  const Workspace workspace = widen(given);
   Unreached found;
   std::size_t outside = 0;
   for (const Vec3& p : mesh.vertices) {
-    const double distance = (low - margin - p).cwiseMax(p - high - margin).cwiseMax(0.0).norm();
+    const double distance = workspace.distance_m(p);
     outside += distance > 0.0 ? 1 : 0;
     if (distance <= found.distance_m) continue;
     found.distance_m = distance;
@@ -71,30 +122,41 @@ Unreached find_unreached(const TriangleMesh& mesh, const Vec3& low, const Vec3& 
   double inside = 0.0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     all += 0.5 * (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0)).norm();
-    inside += area_inside(mesh, t, low - margin, high + margin);
+    inside += area_inside(mesh, t, workspace);
   }
   found.share =
       all > 0.0 ? std::clamp(1.0 - inside / all, 0.0, 1.0) : static_cast<double>(outside) / static_cast<double>(mesh.vertices.size());
   return found;
 }
 
-CheckFindings check_reach(const SceneObject& object, const DeviceLimits& limits) {
-  const Unreached unreached = find_unreached(*object.mesh, limits.workspace_min_m, limits.workspace_max_m);
+CheckFindings check_reach(const SceneObject& object, const DevicePreset& device) {
+  const Unreached unreached = find_unreached(*object.mesh, workspace_of(device));
   if (unreached.share < kLeastShare) return {};
   const std::string how_much =
       unreached.share > 1.0 - kLeastShare ? "all of it lies" : fmt::format("{:.2g} % of its surface lie", 100.0 * unreached.share);
   return {{SceneFault::out_of_reach, object.name, unreached.farthest,
-           fmt::format("{} outside the workspace, up to {:.3g} mm", how_much, 1e3 * unreached.distance_m),
+           fmt::format("{} outside the workspace of {}, up to {:.3g} mm", how_much, device.name, 1e3 * unreached.distance_m),
            "move or scale it, or let fit_m fit the scene to the workspace"}};
 }
 
-CheckFindings check_size(const Scene& scene, const DeviceLimits& limits) {
+CheckFindings check_reach(const SceneEffect& effect, const DevicePreset& device) {
+  const auto* snap = std::get_if<SnapEffect>(&effect.effect);
+  if (snap == nullptr) return {};
+  const double distance_m = distance_of(*snap, workspace_of(device));
+  if (distance_m < snap->range_m) return {};
+  return {{SceneFault::out_of_reach, fmt::format("effect {}", effect.name), snap->position,
+           fmt::format("pulls from within {:.4g} mm, and lies {:.4g} mm outside the workspace of {}: nobody can feel it",
+                       1e3 * snap->range_m, 1e3 * distance_m, device.name),
+           "move it into the workspace"}};
+}
+
+CheckFindings check_size(const Scene& scene, const DevicePreset& device) {
   Eigen::AlignedBox3d box;
   for (const SceneObject& object : scene.objects) {
     for (const Vec3& p : object.mesh->vertices) box.extend(p);
   }
   const double longest = box.isEmpty() ? 0.0 : box.sizes().maxCoeff();
-  const double workspace = (limits.workspace_max_m - limits.workspace_min_m).maxCoeff();
+  const double workspace = workspace_of(device).longest_m();
   if (longest >= kSpeck * workspace) return {};
   return {{SceneFault::too_small, "", Vec3(box.isEmpty() ? Vec3(Vec3::Zero()) : Vec3(box.center())),
            fmt::format("the scene is {:.3g} mm long, far too small for a workspace of {:.3g} mm", 1e3 * longest, 1e3 * workspace),

@@ -1,24 +1,43 @@
 #pragma once
 
-#include "devices/device.h"
+#include "loop/device_model.h"
 #include "scene/scene_file.h"
 #include "tools/check/check_finding.h"
 
 namespace hapton {
 
-// Which part of a mesh lies outside a box.
+// What the device point reaches: a box, or the ball in its middle. Frame W.
+struct Workspace {
+  Vec3 low_m;
+  Vec3 high_m;
+  double radius_m = 0.0;  // of the ball; 0: the whole box
+
+  Vec3 middle_m() const { return 0.5 * (low_m + high_m); }
+  double longest_m() const { return (high_m - low_m).maxCoeff(); }
+  // From the nearest point of it; 0 inside.
+  double distance_m(const Vec3& p) const;
+};
+// Pre: device.is_workspace_known.
+Workspace workspace_of(const DevicePreset& device);
+
+// Which part of a mesh lies outside.
 struct Unreached {
   double share = 0.0;            // of its area, 0 to 1
   Vec3 farthest = Vec3::Zero();  // the vertex farthest outside; meaningless where the share is 0
   double distance_m = 0.0;       // of it
 };
-// Exact up to rounding: triangles are cut at the box. A mesh without area counts by its vertices. RT: set-up only.
-Unreached find_unreached(const TriangleMesh& mesh, const Vec3& low, const Vec3& high);
+// Of a box exact up to rounding: triangles are cut at it. Those that cross a ball are split until their edges are a 200th of its radius. A
+// mesh without area counts by its vertices. RT: set-up only.
+Unreached find_unreached(const TriangleMesh& mesh, const Workspace& workspace);
 
 // Finds whether a part of the object lies outside the device's workspace. S lies on W: the knob box is at zero. RT: set-up only.
-CheckFindings check_reach(const SceneObject& object, const DeviceLimits& limits);
+// Pre: device.is_workspace_known, here and below.
+CheckFindings check_reach(const SceneObject& object, const DevicePreset& device);
+// A magnet, or a line or plane to snap to, whose range ends before the workspace. A line or plane counts as reached if it comes as near as
+// the farthest point of the workspace lies from its middle. RT: set-up only.
+CheckFindings check_reach(const SceneEffect& effect, const DevicePreset& device);
 
 // Finds whether the whole scene is too small for the workspace: below the same share as SceneReach::too_small. RT: set-up only.
-CheckFindings check_size(const Scene& scene, const DeviceLimits& limits);
+CheckFindings check_size(const Scene& scene, const DevicePreset& device);
 
 }  // namespace hapton

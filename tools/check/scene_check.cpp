@@ -56,7 +56,7 @@ std::string describe(const StepCost& cost, double rate_hz) {
 
 Result<SceneCheck> check_scene(const std::string& path, const Scene& scene, const SceneCheckSettings& settings) {
   SceneCheck check{.path = path, .findings = {}, .notes = scene.notes, .objects = scene.objects.size(), .triangles = 0, .cost = {}};
-  const HeldStiffness held = find_held_stiffness(settings.loops, settings.rate_hz, settings.delay_s);
+  const HeldGains held = find_held_gains(settings.loops, settings.rate_hz, settings.delay_s);
   if (scene.tool) check.notes.push_back(fmt::format("not checked: the tool '{}'; all findings are for a probe", scene.tool->name));
   if (scene.touch_scene().has_motion()) {
     check.notes.emplace_back("checked at rest only: objects that move or deform are not followed");
@@ -69,13 +69,19 @@ Result<SceneCheck> check_scene(const std::string& path, const Scene& scene, cons
     append(check_inertia(object), check.findings);
     append(check_sculpt(object), check.findings);
     append(check_stiffness(object, held, settings.rate_hz, settings.delay_s), check.findings);
-    for (const DevicePreset* device : reaching) append(check_reach(object, device->limits), check.findings);
+    append(check_damping(object, held, settings.rate_hz, settings.delay_s), check.findings);
+    append(check_frequency(object, settings.rate_hz), check.findings);
+    for (const DevicePreset* device : reaching) append(check_reach(object, *device), check.findings);
   }
   for (const SceneEffect& effect : scene.effects) {
     append(check_stiffness(effect, held, settings.rate_hz, settings.delay_s), check.findings);
+    append(check_damping(effect, held, settings.rate_hz, settings.delay_s), check.findings);
     append(check_mass(effect, settings.loops, settings.rate_hz, settings.delay_s), check.findings);
+    append(check_strength(effect, settings.loops), check.findings);
+    append(check_frequency(effect, settings.rate_hz), check.findings);
+    for (const DevicePreset* device : reaching) append(check_reach(effect, *device), check.findings);
   }
-  for (const DevicePreset* device : reaching) append(check_size(scene, device->limits), check.findings);
+  for (const DevicePreset* device : reaching) append(check_size(scene, *device), check.findings);
   auto cost = measure_step_cost(scene, {.probe_radius_m = settings.probe_radius_m, .rate_hz = settings.rate_hz, .seed = settings.seed});
   if (!cost) return tl::unexpected(Error{fmt::format("{}: {}", path, cost.error().what)});
   check.cost = std::move(*cost);

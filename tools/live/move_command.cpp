@@ -49,22 +49,28 @@ Result<MoveTarget> read_target(const MoveOptions& options) {
   return target;
 }
 
-Result<double> move(const MoveOptions& options) {
+Result<MoveRequest> read_move(const MoveOptions& options) {
   const auto target = read_target(options);
   if (!target) return tl::unexpected(target.error());
-  const auto request = make_move_request(options.object, *target);
-  if (!request) return tl::unexpected(request.error());
+  return make_move_request(options.object, *target);
+}
+
+Result<double> move(const MoveOptions& options, const MoveRequest& request) {
   const auto connection = HubConnection::open(NodeRole::tool, options.hub);
   if (!connection) return tl::unexpected(connection.error());
   if (const auto joined = (*connection)->wait_until_joined(kMoveJoinS); !joined) return tl::unexpected(joined.error());
-  return move_object((*connection)->client(), (*connection)->clock(), *request, kMoveReplyS);
+  return move_object((*connection)->client(), (*connection)->clock(), request, kMoveReplyS);
 }
 
+// As for any other command line that is invalid.
+constexpr int kBadMove = 2;
+
 int run(const MoveOptions& options) {
-  const auto seconds = move(options);
+  const auto request = read_move(options);
+  const auto seconds = request ? move(options, *request) : tl::unexpected(request.error());
   if (!seconds) {
     fmt::print(stderr, "hapton move: {}\n", seconds.error().what);
-    return 1;
+    return request ? 1 : kBadMove;
   }
   const bool is_slowed = options.over_s && *seconds > *options.over_s * (1.0 + kSlowed);
   fmt::print("{} moves, for {:.3f} s{}\n", options.object, *seconds,

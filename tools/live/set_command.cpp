@@ -110,9 +110,7 @@ Result<std::string> confirm_reset(const SetOptions& options) {
   return fail("the fault remains, as its cause persists: {}; fix that (docs/safety.md), then reset again", what);
 }
 
-Result<std::string> set(const SetOptions& options) {
-  const auto request = make_request(options);
-  if (!request) return tl::unexpected(request.error());
+Result<std::string> set(const SetOptions& options, const SettingsRequest& request) {
   const auto hub = parse_address(options.hub);
   if (!hub) return tl::unexpected(hub.error());
   const auto key = find_role_key(options.key_file, *hub, options.reset_faults ? KeyRole::operator_role : KeyRole::tool);
@@ -126,7 +124,7 @@ Result<std::string> set(const SetOptions& options) {
     return fail("no reply from a hub at {}; start io_node there, give another address with --hub, or give the hub's --key",
                 to_string(*hub));
   }
-  auto text = apply_settings(client, clock, *request, to_string(*hub));
+  auto text = apply_settings(client, clock, request, to_string(*hub));
   if (!text) return text;
   if (options.report) *text += "; report requested";
   if (!options.reset_faults) return text;
@@ -134,11 +132,15 @@ Result<std::string> set(const SetOptions& options) {
   return reset ? Result<std::string>(*text + "; " + *reset) : reset;
 }
 
+// As for any other command line that is invalid.
+constexpr int kBadSetting = 2;
+
 int run(const SetOptions& options) {
-  const auto text = set(options);
+  const auto request = make_request(options);
+  const auto text = request ? set(options, *request) : tl::unexpected(request.error());
   if (!text) {
     fmt::print(stderr, "hapton set: {}\n", text.error().what);
-    return 1;
+    return request ? 1 : kBadSetting;
   }
   fmt::print("{}\n", *text);
   return 0;

@@ -1,7 +1,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -45,15 +47,24 @@ Result<MeasuredLatency> latency_of(const RecommendOptions& options) {
   return latency;
 }
 
-// Of several hands the one that allows least.
+// JSON has no infinity.
+nlohmann::ordered_json number_or_null(double value) {
+  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
+}
+
+// Of several hands the one that allows least; of damping the least of all.
 Result<void> run(const RecommendOptions& options) {
   const auto latency = latency_of(options);
   if (!latency) return tl::unexpected(latency.error());
   const auto loops = loops_of(options.loop);
   if (!loops) return tl::unexpected(loops.error());
   std::optional<Advice> least;
+  double damping_ns_per_m = std::numeric_limits<double>::infinity();
+  double viscosity_ns_per_m = damping_ns_per_m;
   for (const NamedLoop& loop : *loops) {
     const Recommendation advice = recommend_stiffness(loop.device_model, loop.limits, loop.hand_model, latency->rate_hz, latency->delay_s);
+    damping_ns_per_m = std::min(damping_ns_per_m, advice.damping_ns_per_m);
+    viscosity_ns_per_m = std::min(viscosity_ns_per_m, advice.viscosity_ns_per_m);
     if (!least || advice.stiffness_n_per_m < least->recommendation.stiffness_n_per_m) least = Advice{*latency, &loop, advice};
   }
   const Recommendation& advice = least->recommendation;
@@ -67,6 +78,8 @@ Result<void> run(const RecommendOptions& options) {
                                          {"stable_stiffness_n_per_m", advice.stable_n_per_m},
                                          {"passive_stiffness_n_per_m", advice.passive_n_per_m},
                                          {"device_stiffness_n_per_m", advice.device_n_per_m},
+                                         {"recommended_damping_ns_per_m", number_or_null(damping_ns_per_m)},
+                                         {"recommended_viscosity_ns_per_m", number_or_null(viscosity_ns_per_m)},
                                          {"gain_margin", kGainMargin},
                                          {"limited_by", advice.is_limited_by_device ? "device" : "stability"}};
     fmt::print("{}\n", json.dump(2));
@@ -81,6 +94,8 @@ Result<void> run(const RecommendOptions& options) {
       "Up to {:.4g} N/m no hand can draw energy from it. In a scene file: stiffness_n_per_m = {:.4g}. For any material: haptics_node "
       "--coupling {:.4g}\n",
       advice.passive_n_per_m, advice.stiffness_n_per_m, advice.stiffness_n_per_m);
+  fmt::print("Damping: damping_ns_per_m of a material {:.3g} at most, viscosity_ns_per_m and viscous effects {:.3g}\n", damping_ns_per_m,
+             viscosity_ns_per_m);
   return {};
 }
 

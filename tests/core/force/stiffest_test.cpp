@@ -30,5 +30,23 @@ TEST(Stiffest, CountsWhatEffectsAdd) {
   EXPECT_EQ(find_stiffest(scene), 3000.0);
 }
 
+TEST(Stiffest, TheLargestGainsAreThoseOfAllObjectsAndEffects) {
+  TouchScene scene = ball_of({.stiffness_n_per_m = 700.0, .damping_ns_per_m = 3.0});
+  scene.objects.push_back(ball_of({.stiffness_n_per_m = 100.0, .damping_ns_per_m = 7.0}).objects.front());
+  scene.objects.push_back(ball_of({.stiffness_n_per_m = 200.0}).objects.front());
+  scene.objects[1].effects.viscosity.damping_ns_per_m = 4.0;
+  LargestGains gains = find_largest_gains(scene);
+  EXPECT_EQ(gains.stiffness_n_per_m, 700.0);
+  EXPECT_EQ(gains.damping_ns_per_m, 7.0);
+  EXPECT_EQ(gains.viscosity_ns_per_m, 4.0);
+  scene.effects.push_back(SpringEffect{.stiffness_n_per_m = 3000.0});
+  scene.effects.push_back(ViscousEffect{.damping_ns_per_m = 9.0});
+  gains = find_largest_gains(scene);
+  EXPECT_EQ(gains.stiffness_n_per_m, 3000.0);
+  EXPECT_EQ(gains.damping_ns_per_m, 7.0);
+  EXPECT_EQ(gains.viscosity_ns_per_m, 9.0);
+  EXPECT_EQ(find_largest_gains({}).viscosity_ns_per_m, 0.0);
+}
+
 }  // namespace
 }  // namespace hapton

@@ -223,6 +223,82 @@ TEST_F(GltfMorphs, TargetsThatCannotBeReadAreANote) {
   EXPECT_THAT(file.notes, Contains(HasSubstr("2 primitives have morph targets that cannot be read")));
 }
 
+// The corner that the first target lifts, by x and y of the file: of the hand at 1.2 m, of the post at 0.1 m.
+double height_at(const MeshFile& file, double x) {
+  for (const Vec3& p : file.mesh.vertices) {
+    if (std::fabs(p.x() - x) < 0.02 && std::fabs(p.y()) < 1e-9) return p.z();
+  }
+  return NAN;
+}
+
+// glTF 2.0, 3.7.2.2: the weights of a node replace those of its mesh.
+TEST_F(GltfMorphs, AtRestTheyHaveTheWeightsOfTheirNodeOrElseOfTheirMesh) {
+  document["meshes"][0]["weights"] = {0.5, 0};
+  MeshFile file = load();
+  EXPECT_NEAR(height_at(file, 1.2), 0.01, 1e-9);
+  EXPECT_NEAR(height_at(file, 0.1), 0.01, 1e-9);
+  EXPECT_EQ(file.notes, std::vector<std::string>());
+  document["nodes"][3]["weights"] = {-1, 0};
+  file = load();
+  EXPECT_NEAR(height_at(file, 1.2), 0.01, 1e-9);
+  EXPECT_NEAR(height_at(file, 0.1), -0.02, 1e-9);
+  document["nodes"][3]["weights"] = {1};
+  file = load();
+  EXPECT_NEAR(height_at(file, 0.1), 0.02, 1e-9);
+  EXPECT_THAT(file.notes, Contains(HasSubstr("1 primitives have another number of morph targets than weights")));
+}
+
+TEST_F(GltfMorphs, WeightsThatAreNoNumbersAreRejected) {
+  const auto error_of = [&] {
+    const auto file = load_mesh_file(write());
+    return file ? "it was read" : file.error().what;
+  };
+  document["meshes"][0]["weights"] = {0.5, "much"};
+  EXPECT_THAT(error_of(), HasSubstr("meshes[0].weights holds something that is not a finite number"));
+  document["meshes"][0]["weights"] = 0.5;
+  EXPECT_THAT(error_of(), HasSubstr("meshes[0].weights is not a list of numbers"));
+  document["meshes"][0].erase("weights");
+  document["nodes"][3]["weights"] = {0.5, nullptr};
+  EXPECT_THAT(error_of(), HasSubstr("nodes[3].weights holds something that is not a finite number"));
+}
+
+// The normals that the file has for a target go along: without them the triangle would be shaded as it was modelled.
+TEST_F(GltfMorphs, AtRestTheNormalsAreThoseOfTheWeights) {
+  const std::size_t normals = add_numbers("VEC3", 3, {0, 0, 1, 0, 0, 1, 0, 0, 1});
+  const std::size_t turned = add_numbers("VEC3", 3, {-0.2F, 0, 0, -0.2F, 0, 0, -0.2F, 0, 0});
+  Json& primitive = document["meshes"][0]["primitives"][0];
+  primitive["attributes"]["NORMAL"] = normals;
+  primitive["targets"][0]["NORMAL"] = turned;
+  document["meshes"][0]["weights"] = {1, 0};
+  MeshFile file = load();
+  ASSERT_FALSE(file.mesh.authored_normals.empty());
+  for (const Eigen::Vector3f& normal : file.mesh.authored_normals[0]) {
+    EXPECT_LT((normal - Eigen::Vector3f(-0.2F, 0, 1).normalized()).norm(), 1e-6F);
+  }
+  primitive["targets"][0]["NORMAL"] = 99;
+  file = load();
+  EXPECT_TRUE(file.mesh.authored_normals.empty());
+  EXPECT_THAT(file.notes, Contains(HasSubstr("the normals of 2 primitives cannot be read")));
+}
+
+// The mesh has the weights at rest already; while the animation runs, its own count alone.
+TEST_F(GltfMorphs, AnAnimationOverridesTheWeightsAtRest) {
+  document["nodes"][3]["weights"] = {0.5, 1};
+  add_weights(3, {0.0F, 1.0F}, {0.5F, 1, 1, 0});
+  const auto scene = load_playing("");
+  ASSERT_TRUE(scene) << scene.error().what;
+  const SceneObject& post = scene->objects.back();
+  ASSERT_TRUE(post.deformation);
+  const auto place = [&](double time_s, std::size_t v) {
+    return post.deformation->vertices_at(post.mesh->vertices, post.deformation->weights_at(time_s))[v];
+  };
+  std::size_t lifted = 0;
+  while (lifted < 3 && post.mesh->vertices[lifted].z() < 0.005) ++lifted;
+  ASSERT_LT(lifted, 3U) << "the weights at rest lift it by 10 mm";
+  EXPECT_LT((place(0.0, lifted) - Vec3(0.11, 0, 0.01)).norm(), 1e-7) << "as at rest";
+  EXPECT_LT((place(1.0, lifted) - Vec3(0.1, 0, 0.02)).norm(), 1e-7) << "the first target alone";
+}
+
 // Two corners of one place that go two ways.
 TEST_F(GltfMorphs, ASurfaceThatWouldBeTornIsRejected) {
   for (const float x : {0.0F, 0.0F, 0.0F, 0.1F, 0.0F, 0.0F, 0.0F, 0.1F, 0.0F, 0.1F, 0.0F, 0.0F, 0.1F, 0.1F, 0.0F, 0.0F, 0.1F, 0.0F}) {

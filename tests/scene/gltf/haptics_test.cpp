@@ -285,6 +285,17 @@ TEST_F(GltfHaptics, TheReportNamesThem) {
   EXPECT_THAT(to_json(*report), HasSubstr("\"hard\""));
 }
 
+// What a scene would reject, hapton info says as well.
+TEST_F(GltfHaptics, TheReportNamesAKeyThatIsUnknown) {
+  folder_.write("sheet.glb", FeltSheet{.materials = R"({"name":"soft","extras":{"hapton":{"stifness_n_per_m":300}}})"}.glb());
+  const auto report = make_mesh_report(folder_.path() / "sheet.glb", std::nullopt);
+  ASSERT_TRUE(report) << report.error().what;
+  EXPECT_THAT(to_text(*report), AllOf(HasSubstr("note                  cannot be touched before this is corrected: "),
+                                      HasSubstr("unknown key 'stifness_n_per_m' in extras.hapton")));
+  folder_.write("sheet.glb", FeltSheet{.materials = R"({"name":"soft","extras":{"hapton":{"stiffness_n_per_m":300}}})"}.glb());
+  EXPECT_THAT(to_text(*make_mesh_report(folder_.path() / "sheet.glb", std::nullopt)), testing::Not(HasSubstr("cannot be touched")));
+}
+
 TEST_F(GltfHaptics, WhatIsNotFeltIsNoted) {
   const auto notes_of = [&](const std::string& material) {
     const Scene scene = load({.materials = material});

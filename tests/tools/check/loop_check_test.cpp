@@ -33,7 +33,7 @@ SceneObject object_of(double stiffness_n_per_m) {
 
 TEST(LoopCheck, TheLeastOfAllDevicesAndHandsCounts) {
   const auto loops = loops_for_check("omega.3,touch", "light,firm");
-  const HeldStiffness held = find_held_stiffness(loops, 1000.0, 1e-3);
+  const HeldGains held = find_held_gains(loops, 1000.0, 1e-3);
   ASSERT_TRUE(held.by_device && held.by_loop);
   EXPECT_EQ(held.by_device->device, "touch");
   EXPECT_EQ(held.device_n_per_m, 400.0);
@@ -46,7 +46,7 @@ TEST(LoopCheck, TheLeastOfAllDevicesAndHandsCounts) {
 
 TEST(LoopCheck, WhatIsHeldExactlyIsNoFinding) {
   const auto loops = loops_for_check("model-a", "light");
-  const HeldStiffness held = find_held_stiffness(loops, 1000.0, 1e-3);
+  const HeldGains held = find_held_gains(loops, 1000.0, 1e-3);
   ASSERT_LT(held.safe_n_per_m, held.device_n_per_m);
   EXPECT_TRUE(check_stiffness(object_of(held.safe_n_per_m), held, 1000.0, 1e-3).empty());
   const CheckFindings above = check_stiffness(object_of(1.001 * held.safe_n_per_m), held, 1000.0, 1e-3);
@@ -58,7 +58,7 @@ TEST(LoopCheck, WhatIsHeldExactlyIsNoFinding) {
 
 TEST(LoopCheck, EffectsCountAsStiffAsTheyAre) {
   const auto loops = loops_for_check("model-a", "light");
-  const HeldStiffness held = find_held_stiffness(loops, 1000.0, 1e-3);
+  const HeldGains held = find_held_gains(loops, 1000.0, 1e-3);
   SceneObject layered = object_of(10.0 * held.safe_n_per_m);
   layered.effects.layers.add({.depth_m = 0.0, .stiffness_n_per_m = 0.5 * held.safe_n_per_m});
   EXPECT_TRUE(check_stiffness(layered, held, 1000.0, 1e-3).empty()) << "layers replace the spring of the material";
@@ -71,6 +71,73 @@ TEST(LoopCheck, EffectsCountAsStiffAsTheyAre) {
   ASSERT_EQ(sprung.size(), 1U);
   EXPECT_EQ(sprung[0].object, "effect home");
   EXPECT_TRUE(check_stiffness(SceneEffect{.name = "wind", .effect = ConstantEffect{}}, held, 1000.0, 1e-3).empty());
+}
+
+TEST(LoopCheck, DampingIsHeldToHalfOfWhatIsStable) {
+  const auto loops = loops_for_check("omega.3,touch", "light,firm");
+  const HeldGains held = find_held_gains(loops, 1000.0, 1e-3);
+  double damping = std::numeric_limits<double>::infinity();
+  double viscosity = damping;
+  for (const NamedLoop& loop : loops) {
+    const Recommendation advice = recommend_stiffness(loop.device_model, loop.limits, loop.hand_model, 1000.0, 1e-3);
+    damping = std::min(damping, advice.damping_ns_per_m);
+    viscosity = std::min(viscosity, advice.viscosity_ns_per_m);
+  }
+  ASSERT_TRUE(held.by_damping && held.by_viscosity);
+  EXPECT_EQ(held.damping_ns_per_m, damping);
+  EXPECT_EQ(held.viscosity_ns_per_m, viscosity);
+  SceneObject object = object_of(20.0);
+  object.material.damping_ns_per_m = damping;
+  object.effects.viscosity.damping_ns_per_m = viscosity;
+  EXPECT_TRUE(check_damping(object, held, 1000.0, 1e-3).empty());
+  object.material.damping_ns_per_m = 1.01 * damping;
+  CheckFindings found = check_damping(object, held, 1000.0, 1e-3);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(name_of(found[0].fault), "more-damped-than-loop");
+  EXPECT_EQ(found[0].object, "lamp");
+  EXPECT_THAT(found[0].what, HasSubstr("touch in hand firm at 1000 Hz with forces after 1 ms is safe only up to"));
+  EXPECT_THAT(found[0].fix, HasSubstr("set its damping_ns_per_m to"));
+  object.material.damping_ns_per_m = 0.0;
+  object.effects.viscosity.damping_ns_per_m = 1.01 * viscosity;
+  found = check_damping(object, held, 1000.0, 1e-3);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_THAT(found[0].fix, HasSubstr("set its viscosity_ns_per_m to"));
+  found = check_damping({.name = "honey", .effect = ViscousEffect{.damping_ns_per_m = 1.01 * viscosity}}, held, 1000.0, 1e-3);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].object, "effect honey");
+  EXPECT_TRUE(check_damping({.name = "honey", .effect = ViscousEffect{.damping_ns_per_m = viscosity}}, held, 1000.0, 1e-3).empty());
+  EXPECT_TRUE(check_damping({.name = "wind", .effect = ConstantEffect{}}, held, 1000.0, 1e-3).empty());
+}
+
+TEST(LoopCheck, NoEffectIsStrongerThanTheWeakestDevice) {
+  const auto loops = loops_for_check("omega.3,touch", "light");
+  EXPECT_TRUE(check_strength({.name = "wind", .effect = ConstantEffect{.force_n = Vec3(0, 0, 3.3)}}, loops).empty());
+  const CheckFindings found = check_strength({.name = "wind", .effect = ConstantEffect{.force_n = Vec3(2, 2, 2)}}, loops);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(name_of(found[0].fault), "stronger-than-device");
+  EXPECT_EQ(found[0].what, "up to 3.46 N, but touch gives 3.3 N at most");
+  LoopFlags flags;
+  flags.mass_kg = 0.2;
+  flags.damping_ns_per_m = 5.0;
+  EXPECT_TRUE(check_strength({.name = "wind", .effect = ConstantEffect{.force_n = Vec3(50, 0, 0)}}, *loops_of(flags)).empty())
+      << "of one's own loop no largest force is known";
+}
+
+TEST(LoopCheck, AVibrationNeedsTwoForcesAPeriod) {
+  SceneObject bell = object_of(20.0);
+  bell.effects.tap.frequency_hz = 900.0;
+  EXPECT_TRUE(check_frequency(bell, 1000.0).empty()) << "it is off";
+  bell.effects.tap.ns_per_m = 5.0;
+  const CheckFindings found = check_frequency(bell, 1000.0);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(name_of(found[0].fault), "faster-than-loop");
+  EXPECT_THAT(found[0].fix, HasSubstr("tap_frequency_hz"));
+  EXPECT_TRUE(check_frequency(bell, 2000.0).empty());
+  EXPECT_EQ(check_frequency({.name = "hum", .effect = WaveEffect{.frequency_hz = 500.0}}, 1000.0).size(), 1U)
+      << "all samples would be zero crossings";
+  EXPECT_TRUE(check_frequency({.name = "hum", .effect = WaveEffect{.frequency_hz = 499.0}}, 1000.0).empty());
+  EXPECT_EQ(check_frequency({.name = "click", .effect = BurstEffect{.frequency_hz = 600.0}}, 1000.0).size(), 1U);
+  EXPECT_TRUE(check_frequency({.name = "wind", .effect = ConstantEffect{}}, 1000.0).empty());
 }
 
 TEST(LoopCheck, AVirtualMassIsHeldToHalfOfWhatIsStable) {
@@ -98,7 +165,7 @@ TEST(LoopCheck, ALoopOfOnesOwnHasNoMaker) {
   flags.damping_ns_per_m = 5.0;
   const auto loops = loops_of(flags);
   ASSERT_TRUE(loops);
-  const HeldStiffness held = find_held_stiffness(*loops, 1000.0, 1e-3);
+  const HeldGains held = find_held_gains(*loops, 1000.0, 1e-3);
   EXPECT_EQ(held.by_device, nullptr);
   ASSERT_NE(held.by_loop, nullptr);
   EXPECT_EQ(check_stiffness(object_of(1e6), held, 1000.0, 1e-3).size(), 1U);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 #include <random>
 #include <tuple>
 #include <utility>
@@ -15,19 +16,19 @@ namespace {
 TEST(ReachCheck, CutsTrianglesAtTheBox) {
   const TriangleMesh square = make_plane_grid(2.0, 1);  // two triangles, x and y from -1 to 1
   const Vec3 far = Vec3::Constant(10.0);
-  EXPECT_EQ(find_unreached(square, -far, far).share, 0.0);
+  EXPECT_EQ(find_unreached(square, {-far, far}).share, 0.0);
   // A fifth, a corner, all of it, and a strip in the middle.
-  EXPECT_NEAR(find_unreached(square, -far, Vec3(0.6, 10, 10)).share, 0.2, 1e-8);
-  EXPECT_NEAR(find_unreached(square, Vec3(-0.5, -0.5, -1), Vec3(0.5, 0.5, 1)).share, 0.75, 1e-8);
-  EXPECT_EQ(find_unreached(square, Vec3(3, 3, 3), far).share, 1.0);
-  const Unreached corner = find_unreached(square, Vec3(-10, -10, -10), Vec3(0.5, 0.25, 10));
+  EXPECT_NEAR(find_unreached(square, {-far, Vec3(0.6, 10, 10)}).share, 0.2, 1e-8);
+  EXPECT_NEAR(find_unreached(square, {Vec3(-0.5, -0.5, -1), Vec3(0.5, 0.5, 1)}).share, 0.75, 1e-8);
+  EXPECT_EQ(find_unreached(square, {Vec3(3, 3, 3), far}).share, 1.0);
+  const Unreached corner = find_unreached(square, {Vec3(-10, -10, -10), Vec3(0.5, 0.25, 10)});
   EXPECT_EQ(corner.farthest, Vec3(1, 1, 0));
   EXPECT_NEAR(corner.distance_m, std::hypot(0.5, 0.75), 1e-7);
 }
 
 TEST(ReachCheck, WhatTouchesTheBoxIsInside) {
   const TriangleMesh box = make_box(Vec3(0.3, 0.2, 0.1), 2);
-  EXPECT_EQ(find_unreached(box, Vec3(-0.15, -0.1, -0.05), Vec3(0.15, 0.1, 0.05)).share, 0.0);
+  EXPECT_EQ(find_unreached(box, {Vec3(-0.15, -0.1, -0.05), Vec3(0.15, 0.1, 0.05)}).share, 0.0);
 }
 
 // The share is that of points thrown at the surface.
@@ -57,14 +58,66 @@ TEST(ReachCheck, IsThatOfRandomPoints) {
     all += area;
     outside += area * missed / kThrows;
   }
-  EXPECT_NEAR(find_unreached(torus, low, high).share, outside / all, 0.01);
+  EXPECT_NEAR(find_unreached(torus, {low, high}).share, outside / all, 0.01);
+}
+
+// A plane through the middle of a ball: the disc of the ball is reached, the rest is not.
+TEST(ReachCheck, CutsTrianglesAtTheBall) {
+  const Vec3 middle(0.3, -0.2, 0.1);
+  const Workspace ball{middle - Vec3::Constant(0.5), middle + Vec3::Constant(0.5), 0.5};
+  for (const int cells : {1, 7, 300}) {
+    const TriangleMesh square = scaled_and_moved(make_plane_grid(2.0, cells), 1.0, middle);
+    EXPECT_NEAR(find_unreached(square, ball).share, 1.0 - M_PI * 0.25 / 4.0, 1e-3) << cells;
+    EXPECT_NEAR(find_unreached(square, ball).distance_m, std::sqrt(2.0) - 0.5, 1e-7);
+    const TriangleMesh above = scaled_and_moved(make_plane_grid(2.0, cells), 1.0, middle + Vec3(0, 0, 0.3));
+    EXPECT_NEAR(find_unreached(above, ball).share, 1.0 - M_PI * 0.16 / 4.0, 1e-3) << cells;
+  }
+  EXPECT_EQ(find_unreached(scaled_and_moved(make_plane_grid(0.7, 1), 1.0, middle), ball).share, 0.0) << "corners at 0.495";
+  EXPECT_EQ(find_unreached(scaled_and_moved(make_plane_grid(2.0, 1), 1.0, middle + Vec3(0, 0, 0.6)), ball).share, 1.0);
+}
+
+// A cube that just fits into the box of a ball has its corners outside the ball.
+TEST(ReachCheck, TheCornersOfABallsBoxAreNotReached) {
+  const DevicePreset& touch = *find_device_preset("touch");
+  SceneObject cube;
+  cube.name = "cube";
+  cube.mesh = std::make_shared<const TriangleMesh>(make_box(Vec3::Constant(0.149), 4));
+  const CheckFindings found = check_reach(cube, touch);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_NE(found[0].what.find("outside the workspace of touch, up to 54"), std::string::npos) << found[0].what;
+  cube.mesh = std::make_shared<const TriangleMesh>(make_box(Vec3::Constant(0.086), 4));
+  EXPECT_TRUE(check_reach(cube, touch).empty());
+  EXPECT_TRUE(check_reach(cube, *find_device_preset("falcon")).empty());
+}
+
+SceneEffect snap_at(SnapEffect::Target target, const Vec3& position, const Vec3& direction = Vec3::UnitZ()) {
+  return {.name = "pull", .effect = SnapEffect{.target = target, .position = position, .direction = direction, .range_m = 0.02}};
+}
+
+TEST(ReachCheck, ASnapOutOfReachIsFound) {
+  using Target = SnapEffect::Target;
+  const DevicePreset& falcon = *find_device_preset("falcon");  // a cube of 50.8 mm each way
+  EXPECT_TRUE(check_reach(snap_at(Target::point, Vec3(0.07, 0, 0)), falcon).empty()) << "19.2 mm outside";
+  const CheckFindings found = check_reach(snap_at(Target::point, Vec3(3, 0, 0)), falcon);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].fault, SceneFault::out_of_reach);
+  EXPECT_EQ(found[0].object, "effect pull");
+  EXPECT_EQ(*found[0].place_m, Vec3(3, 0, 0));
+  EXPECT_EQ(found[0].what, "pulls from within 20 mm, and lies 2949 mm outside the workspace of falcon: nobody can feel it");
+  EXPECT_EQ(check_reach(snap_at(Target::point, Vec3(0.08, 0, 0)), *find_device_preset("touch")).size(), 0U) << "a ball of 75 mm";
+  EXPECT_EQ(check_reach(snap_at(Target::point, Vec3(0.07, 0.07, 0)), *find_device_preset("touch")).size(), 1U);
+  EXPECT_TRUE(check_reach(snap_at(Target::line, Vec3(0, 0, 3)), falcon).empty()) << "it passes through";
+  EXPECT_EQ(check_reach(snap_at(Target::line, Vec3(0.2, 0, 3)), falcon).size(), 1U);
+  EXPECT_TRUE(check_reach(snap_at(Target::plane, Vec3(3, 0, 0.1)), falcon).empty());
+  EXPECT_EQ(check_reach(snap_at(Target::plane, Vec3(0, 0, 0.2)), falcon).size(), 1U);
+  EXPECT_TRUE(check_reach({.name = "wind", .effect = ConstantEffect{}}, falcon).empty());
 }
 
 TEST(ReachCheck, AMeshWithoutAreaCountsByItsVertices) {
   TriangleMesh line;
   line.vertices = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(4, 0, 0), Vec3(5, 0, 0)};
   line.triangles = {{0, 1, 2}, {1, 2, 3}};
-  EXPECT_EQ(find_unreached(line, Vec3(-1, -1, -1), Vec3(2, 1, 1)).share, 0.5);
+  EXPECT_EQ(find_unreached(line, {Vec3(-1, -1, -1), Vec3(2, 1, 1)}).share, 0.5);
 }
 
 }  // namespace

@@ -129,6 +129,12 @@ std::vector<SeededFault> seeded_faults() {
        0.0,
        {"stiffer-than-loop"}},
       {"StifferThanASlowLoop", good_ball(), "", "stiffness_n_per_m = 900.0\n", {"--delay", "5"}, "stiffer-than-loop"},
+      {"MoreDampedThanTheLoop", good_ball(), "", "stiffness_n_per_m = 500.0\ndamping_ns_per_m = 1000.0\n", {}, "more-damped-than-loop"},
+      {"ALittleTooDamped", good_ball(), "", "stiffness_n_per_m = 500.0\ndamping_ns_per_m = 100.0\n", {}, "more-damped-than-loop"},
+      {"DampedForASlowLoop", good_ball(), "", "damping_ns_per_m = 12.0\n", {"--delay", "5"}, "more-damped-than-loop"},
+      {"TooViscous", good_ball(), "", "viscosity_ns_per_m = 1000.0\n", {}, "more-damped-than-loop"},
+      {"ATapTooFastForTheLoop", good_ball(), "", "tap_ns_per_m = 5\ntap_frequency_hz = 900\n", {}, "faster-than-loop"},
+      {"OutsideABall", good_block(), "position_m = [0.05, 0.05, 0]\n", "", {"--device", "touch"}, "out-of-reach"},
       {"FarAway", good_ball(), "position_m = [1, 0, 0]\n", "", {}, "out-of-reach", Vec3(1.04, 0, 0)},
       {"HalfOutside", good_ball(), "position_m = [0, 0.09525, 0]\n", "", {}, "out-of-reach", Vec3(0, 0.13525, 0)},
       {"WrongUnit", scaled_and_moved(good_ball(), 1000.0, Vec3::Zero()), "", "", {}, "out-of-reach"},
@@ -146,7 +152,7 @@ std::vector<SeededFault> seeded_faults() {
 // A mesh of the scene is `part.obj`; a good one stands beside it and must not be named.
 nlohmann::json check_seeded(const SeededFault& seeded, const ScratchFolder& folder, int& code) {
   folder.write("part.obj", obj_of(seeded.mesh));
-  folder.write("good.obj", obj_of(scaled_and_moved(make_icosphere(0.01, 2), 1.0, Vec3(-0.08, -0.06, -0.1))));
+  folder.write("good.obj", obj_of(scaled_and_moved(make_icosphere(0.01, 2), 1.0, Vec3::Constant(-0.036))));
   const std::string stiffness = seeded.material.find("stiffness") == std::string::npos ? "stiffness_n_per_m = 20.0\n" : "";
   const auto scene = folder.write("scene.toml", "[[object]]\nmesh = 'part.obj'\nname = 'seeded'\nmaterial = 'm'\n" + seeded.object +
                                                     "[[object]]\nmesh = 'good.obj'\nname = 'good'\nmaterial = 'good'\n" +
@@ -213,6 +219,9 @@ TEST(SeededFaults, AreGoneWithWhatTheFixSays) {
       {"ABowl", without(good_ball(), [](const Vec3& p) { return p.z() > 0.0; }), "", "", {}, ""},
       {"ACavity", joined(good_ball(), flipped(make_icosphere(0.02, 2))), "", "", {}, ""},
       {"ABody", good_block(), "moved_by = 'program'\nmass_kg = 0.2\n", "", {}, ""},
+      {"ALittleDamping", good_ball(), "", "damping_ns_per_m = 20.0\n", {}, ""},
+      {"ALittleDampingOfASlowLoop", good_ball(), "", "damping_ns_per_m = 6.0\n", {"--delay", "5"}, ""},
+      {"ATapThatTheLoopRenders", good_ball(), "", "tap_ns_per_m = 5\ntap_frequency_hz = 400\n", {}, ""},
       {"Reached", good_ball(), "position_m = [0, 0.05524, 0]\n", "", {}, ""},
   };
   for (const SeededFault& good : repaired) {
@@ -264,9 +273,9 @@ TEST(CheckCommand, ACleanSceneEndsWithZero) {
   const CommandRun seen = check({scene.string()});
   EXPECT_EQ(seen.code, 0) << seen.out;
   EXPECT_THAT(seen.out, HasSubstr("nothing found in 1 object"));
-  const CommandRun unknown = check({scene.string(), "--device", "falcon", "--hand", "stylus"});
+  const CommandRun unknown = check({scene.string(), "--device", "premium-1.5", "--hand", "stylus"});
   EXPECT_EQ(unknown.code, 0) << unknown.out;
-  EXPECT_THAT(unknown.out, HasSubstr("note: not checked: whether falcon reaches the scene"));
+  EXPECT_THAT(unknown.out, HasSubstr("note: not checked: whether premium-1.5 reaches the scene"));
 }
 
 TEST(CheckCommand, WhatCannotBeCheckedEndsWithTwo) {
@@ -287,6 +296,63 @@ TEST(CheckCommand, WhatCannotBeCheckedEndsWithTwo) {
     EXPECT_EQ(std::count(seen.err.begin(), seen.err.end(), '\n'), 1) << seen.err;
     EXPECT_EQ(seen.out, "");
   }
+}
+
+// As haptics_node, with the line in the file.
+TEST(CheckCommand, WhatTheNodesRejectEndsWithTwo) {
+  const ScratchFolder folder;
+  folder.write("ball.obj", obj_of(good_ball()));
+  const std::string object = "[[object]]\nmesh = 'ball.obj'\n";
+  const std::string moving = "[[object.keyframe]]\ntime_s = 0\n[[object.keyframe]]\ntime_s = 1\nposition_m = [0.05, 0, 0]\n";
+  const std::string morph =
+      "[[object.morph]]\npush_m = [0, 0.004, 0]\ncenter_m = [0, 0.04, 0]\nradius_m = 0.02\nkeys = [[0, 0], [10, 1]]\n";
+  const std::string movable = object + "movable = true\n";
+  const std::string tool = "[tool]\nmesh = 'ball.obj'\n";
+  const std::pair<std::string, std::string> cases[] = {
+      {object + moving + movable, ": line 2: object 'ball' moves by keyframes and 'ball' (line 9) is movable"},
+      {movable + object + "moved_by = 'program'\n", ": line 5: object 'ball' is moved by programs and 'ball' (line 2) is movable"},
+      {object + "sculpt = true\n" + movable, ": line 2: object 'ball' can be carved and 'ball' (line 5) is movable"},
+      {object + "sculpt = true\n" + tool, ": line 2: object 'ball' can be carved, which a rigid tool does not support"},
+      {object + morph + tool, ": line 2: object 'ball' deforms, which a rigid tool does not support"}};
+  for (const auto& [text, what] : cases) {
+    const auto scene = folder.write("scene.toml", text);
+    const CommandRun seen = check({scene.string()});
+    EXPECT_EQ(seen.code, 2) << text << seen.out;
+    EXPECT_THAT(seen.err, HasSubstr(scene.string() + what));
+    EXPECT_EQ(std::count(seen.err.begin(), seen.err.end(), '\n'), 1) << seen.err;
+  }
+}
+
+TEST(CheckCommand, EffectsAreCheckedAsWell) {
+  const ScratchFolder folder;
+  folder.write("part.obj", obj_of(good_ball()));
+  const auto scene = folder.write("scene.toml",
+                                  "[[object]]\nmesh = 'part.obj'\nmaterial = 'm'\n[material.m]\nstiffness_n_per_m = 20.0\n"
+                                  "[[effect]]\ntype = 'magnet'\nposition_m = [3, 0, 0]\n"
+                                  "[[effect]]\ntype = 'constant'\nforce_n = [0, 0, 90]\n"
+                                  "[[effect]]\ntype = 'viscous'\ndamping_ns_per_m = 100\n"
+                                  "[[effect]]\ntype = 'wave'\ndirection = [0, 0, 1]\nfrequency_hz = 900\n");
+  const nlohmann::json json = nlohmann::json::parse(check({scene.string(), "--json"}).out);
+  std::map<std::string, std::string> found;
+  for (const auto& finding : json["findings"]) found.emplace(finding["object"], finding["fault"]);
+  found.erase("");
+  const std::map<std::string, std::string> expected = {{"effect magnet", "out-of-reach"},
+                                                       {"effect constant", "stronger-than-device"},
+                                                       {"effect viscous", "more-damped-than-loop"},
+                                                       {"effect wave", "faster-than-loop"}};
+  EXPECT_EQ(found, expected);
+}
+
+TEST(CheckCommand, AMaterialThatNoObjectUsesIsANote) {
+  const ScratchFolder folder;
+  folder.write("part.obj", obj_of(good_ball()));
+  const auto scene = folder.write("scene.toml",
+                                  "[[object]]\nmesh = 'part.obj'\nmaterial = 'm'\n[material.m]\nstiffness_n_per_m = 20.0\n"
+                                  "[material.lost]\nstiffness_n_per_m = 20.0\n");
+  const CommandRun seen = check({scene.string()});
+  EXPECT_EQ(seen.code, 0) << seen.out;
+  EXPECT_THAT(seen.out, HasSubstr("note: line 6: no object uses [material.lost]"));
+  EXPECT_THAT(seen.out, testing::Not(HasSubstr("[material.m]")));
 }
 
 TEST(CheckCommand, APlainMeshIsFittedAsTheNodesFitIt) {

@@ -1,4 +1,5 @@
-// A virtual mass in the closed loop: the limit that find_stable_mass gives against the effect itself, as the haptics node steps it.
+// A virtual mass and a viscosity in the closed loop: the limits that find_stable_mass and find_stable_viscosity give against the effects
+// themselves, as the haptics node steps them.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,9 +14,9 @@
 namespace hapton {
 namespace {
 
-class MassLaw final : public ForceLaw {
+class EffectLaw final : public ForceLaw {
  public:
-  explicit MassLaw(const MassEffect& mass) : step_({}, {mass}) {}
+  explicit EffectLaw(const SpaceEffect& effect) : step_({}, {effect}) {}
   Vec3 step(const Vec3& p_WD, double dt_s) noexcept override { return step_.step(p_WD, dt_s, {.p_SP = p_WD}).force_n; }
   void reset(const Vec3&) noexcept override { step_.reset(); }
 
@@ -23,20 +24,20 @@ class MassLaw final : public ForceLaw {
   EffectStep step_;
 };
 
-struct MassLoop {
+struct EffectLoop {
   DeviceModel device;
   HandModel hand;
   double delay_ms = 0.0;
   std::int64_t period_ns = kMs;
 };
 
-SampledPlant plant_of(const MassLoop& loop) {
+SampledPlant plant_of(const EffectLoop& loop) {
   return SampledPlant(make_axis_plant(loop.device, loop.hand), 1e-9 * static_cast<double>(loop.period_ns), 1e-3 * loop.delay_ms);
 }
 
-// Whether the force of a mass grows over a while, once a push of 10 ms has set the device going.
-bool mass_loop_grows(const MassLoop& loop, const MassEffect& mass) {
-  MassLaw law(mass);
+// Whether the force of the effect grows over a while, once a push of 10 ms has set the device going.
+bool effect_loop_grows(const EffectLoop& loop, const SpaceEffect& effect) {
+  EffectLaw law(effect);
   ForceChain::Options link;
   link.there.delay_ns = static_cast<std::int64_t>(0.5e6 * loop.delay_ms);
   link.back.delay_ns = static_cast<std::int64_t>(1e6 * loop.delay_ms) - link.there.delay_ns;
@@ -64,15 +65,34 @@ TEST(StableMass, IsWhereTheEffectItselfBeginsToGrow) {
   for (const char* name : {"model-a", "touch", "omega.3", "wooden"}) {
     for (const char* hand : {"off", "light", "firm"}) {
       for (const double delay_ms : {0.0, 1.4, 10.0}) {
-        const MassLoop loop{.device = find_device_preset(name)->model, .hand = *find_hand_preset(hand), .delay_ms = delay_ms};
+        const EffectLoop loop{.device = find_device_preset(name)->model, .hand = *find_hand_preset(hand), .delay_ms = delay_ms};
         for (const double filter_s : {0.005, 0.05}) {
           const double limit_kg = find_stable_mass(plant_of(loop), filter_s).value;
           SCOPED_TRACE(::testing::Message() << name << " in hand " << hand << ", " << delay_ms << " ms, filter " << filter_s
                                             << " s: " << limit_kg);
           ASSERT_TRUE(std::isfinite(limit_kg));
-          EXPECT_FALSE(mass_loop_grows(loop, {.mass_kg = 0.97 * limit_kg, .filter_s = filter_s, .max_force_n = kEndless}));
-          EXPECT_TRUE(mass_loop_grows(loop, {.mass_kg = 1.03 * limit_kg, .filter_s = filter_s, .max_force_n = kEndless}));
+          EXPECT_FALSE(effect_loop_grows(loop, MassEffect{.mass_kg = 0.97 * limit_kg, .filter_s = filter_s, .max_force_n = kEndless}));
+          EXPECT_TRUE(effect_loop_grows(loop, MassEffect{.mass_kg = 1.03 * limit_kg, .filter_s = filter_s, .max_force_n = kEndless}));
         }
+      }
+    }
+  }
+}
+
+TEST(StableViscosity, IsWhereTheEffectItselfBeginsToGrow) {
+  constexpr double kEndless = 1e300;
+  for (const char* name : {"model-a", "touch", "omega.3", "wooden"}) {
+    for (const char* hand : {"off", "light", "firm"}) {
+      for (const double delay_ms : {0.0, 1.4, 10.0}) {
+        const EffectLoop loop{.device = find_device_preset(name)->model, .hand = *find_hand_preset(hand), .delay_ms = delay_ms};
+        const double limit = find_stable_viscosity(plant_of(loop)).value;
+        SCOPED_TRACE(::testing::Message() << name << " in hand " << hand << ", " << delay_ms << " ms: " << limit << " Ns/m");
+        ASSERT_TRUE(std::isfinite(limit));
+        if (delay_ms == 0.0) {
+          EXPECT_LT(limit, find_stable_damping(plant_of(loop), 0.0).value) << "its velocity lags more";
+        }
+        EXPECT_FALSE(effect_loop_grows(loop, ViscousEffect{.damping_ns_per_m = 0.97 * limit, .max_force_n = kEndless}));
+        EXPECT_TRUE(effect_loop_grows(loop, ViscousEffect{.damping_ns_per_m = 1.03 * limit, .max_force_n = kEndless}));
       }
     }
   }
@@ -106,8 +126,8 @@ TEST(StableMass, LessThanTheMassOfARigidDeviceIsStableAtAnyDelay) {
 
 // An overloaded one stays within its bound.
 TEST(StableMass, BeyondItTheForceIsStillBounded) {
-  const MassLoop loop{.device = find_device_preset("touch")->model, .hand = *find_hand_preset("light"), .delay_ms = 10.0};
-  MassLaw law({.mass_kg = 5.0, .filter_s = 0.005, .max_force_n = 2.0});
+  const EffectLoop loop{.device = find_device_preset("touch")->model, .hand = *find_hand_preset("light"), .delay_ms = 10.0};
+  EffectLaw law(MassEffect{.mass_kg = 5.0, .filter_s = 0.005, .max_force_n = 2.0});
   ForceChain::Options link;
   link.back.delay_ns = 10 * kMs;
   ForceChain chain(law, link);

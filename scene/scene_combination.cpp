@@ -1,0 +1,56 @@
+#include "scene/scene_combination.h"
+
+#include <algorithm>
+#include <string_view>
+
+#include "scene/text_cursor.h"
+
+namespace hapton {
+namespace {
+
+// Null: there is none.
+template <class Is>
+const SceneObject* find_object(const Scene& scene, const Is& is) {
+  const auto found = std::find_if(scene.objects.begin(), scene.objects.end(), is);
+  return found == scene.objects.end() ? nullptr : &*found;
+}
+
+std::string_view way_of_moving(const SceneObject& object) {
+  if (object.commanded != nullptr) return "is moved by programs";
+  return object.motion != nullptr ? "moves by keyframes" : "deforms";
+}
+
+// "FILE: line 3: object 'lid'".
+std::string name_at(const std::filesystem::path& path, const SceneObject& object) {
+  const std::string line = object.line == 0 ? std::string() : fmt::format("line {}: ", object.line);
+  return fmt::format("{}: {}object '{}'", path.string(), line, printable(object.name));
+}
+
+// Objects may have the same name: then the lines tell them apart.
+Error not_with_movable(const std::filesystem::path& path, const SceneObject& object, std::string_view is, const SceneObject& movable) {
+  constexpr std::string_view kFix = "which cannot be combined: keep one of the two";
+  if (&object == &movable) return {fmt::format("{} {} and is movable, {}", name_at(path, object), is, kFix)};
+  const std::string line = movable.line == 0 ? std::string() : fmt::format(" (line {})", movable.line);
+  return {fmt::format("{} {} and '{}'{} is movable, {}", name_at(path, object), is, printable(movable.name), line, kFix)};
+}
+
+}  // namespace
+
+Result<void> check_combination(const std::filesystem::path& path, const Scene& scene, bool has_tool) {
+  const auto* deforming = find_object(scene, [](const SceneObject& each) { return each.deformation != nullptr; });
+  const auto* moving = find_object(scene, [](const SceneObject& each) { return each.moves(); });
+  const auto* carved = find_object(scene, [](const SceneObject& each) { return each.sculpt.has_value(); });
+  if (has_tool) {
+    constexpr std::string_view kNoTool = "which a rigid tool does not support: leave out the tool, or";
+    if (deforming != nullptr) return fail("{} deforms, {} the morphs", name_at(path, *deforming), kNoTool);
+    if (carved != nullptr) return fail("{} can be carved, {} 'sculpt'", name_at(path, *carved), kNoTool);
+    return {};
+  }
+  const auto* movable = find_object(scene, [](const SceneObject& each) { return each.is_movable; });
+  if (movable == nullptr) return {};
+  if (moving != nullptr) return tl::unexpected(not_with_movable(path, *moving, way_of_moving(*moving), *movable));
+  if (carved != nullptr) return tl::unexpected(not_with_movable(path, *carved, "can be carved", *movable));
+  return {};
+}
+
+}  // namespace hapton
