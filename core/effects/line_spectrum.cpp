@@ -1,41 +1,62 @@
 #include "core/effects/line_spectrum.h"
 
+#include <Eigen/Core>
+#include <algorithm>
 #include <array>
 
 namespace hapton {
 namespace {
 
-// A product of factors 1 - 2 cos w z^-1 + z^-2. Its coefficients are the same from both ends, so only half of them are multiplied.
-using Product = std::array<double, kMostLines + 3>;
+// Q and P of both polynomials, side by side in one vector.
+using Lanes = Eigen::Array4d;
 
-// Of every second cosine from `first` on. Two zeros in front, for the coefficients below 0.
-Product multiply(std::span<const double> cosines, std::size_t first) noexcept {
-  Product product = {0.0, 0.0, 1.0};
-  double* q = product.data() + 2;
-  std::size_t factors = 0;
-  for (std::size_t i = first; i < cosines.size(); i += 2) {
-    const double twice = 2.0 * cosines[i];
-    // The coefficient behind the middle is that in front of it.
-    const double middle = 2.0 * q[static_cast<std::ptrdiff_t>(factors) - 1] - twice * q[factors];
-    for (std::size_t j = factors; j >= 1; --j) q[j] += q[static_cast<std::ptrdiff_t>(j) - 2] - twice * q[j - 1];
-    q[++factors] = middle;
+// Products of factors 1 - 2 cos w z^-1 + z^-2. Coefficients are the same from both ends, so only the first half is multiplied, from c_0 = 1
+// to the middle. In front of it two zeros.
+using Halves = std::array<Lanes, kMostLines / 2 + 3>;
+constexpr std::size_t kFront = 2;
+
+// The number of factors of the lane.
+std::size_t factors_of(const std::array<const LineSpectrum*, 2>& both, int lane) noexcept {
+  const std::size_t p = both[lane / 2]->cosines.size();
+  return lane % 2 == 0 ? (p + 1) / 2 : p / 2;
+}
+
+void write(const Halves& halves, int lane, const LineSpectrum& spectrum) noexcept {
+  const auto p = static_cast<std::ptrdiff_t>(spectrum.cosines.size());
+  // c_j of a product of n factors; zero below its first and above its last.
+  const auto at = [&](int side, std::ptrdiff_t n, std::ptrdiff_t j) {
+    const std::ptrdiff_t near = std::min(j, 2 * n - j);
+    return near < 0 ? 0.0 : halves[static_cast<std::size_t>(near) + kFront][lane + side];
+  };
+  const auto q = [&](std::ptrdiff_t j) { return at(0, (p + 1) / 2, j); };
+  const auto m = [&](std::ptrdiff_t j) { return at(1, p / 2, j); };
+  for (std::ptrdiff_t j = 1; j <= p; ++j) {
+    const double rest = p % 2 == 0 ? q(j - 1) - m(j - 1) : -m(j - 2);
+    spectrum.coefficients[static_cast<std::size_t>(j) - 1] = 0.5 * (q(j) + m(j) + rest);
   }
-  for (std::size_t j = 1; j <= factors; ++j) q[factors + j] = q[factors - j];
-  return product;
 }
 
 }  // namespace
 
-void polynomial_of_lines(std::span<const double> cosines, std::span<double> coefficients) noexcept {
-  const Product q_front = multiply(cosines, 0);
-  const Product p_front = multiply(cosines, 1);
-  const double* q = q_front.data() + 2;
-  const double* p = p_front.data() + 2;
-  const bool is_even = cosines.size() % 2 == 0;
-  for (std::ptrdiff_t j = 1; j <= static_cast<std::ptrdiff_t>(cosines.size()); ++j) {
-    const double rest = is_even ? q[j - 1] - p[j - 1] : -p[j - 2];
-    coefficients[static_cast<std::size_t>(j) - 1] = 0.5 * (q[j] + p[j] + rest);
+void multiply_out(const LineSpectrum& first, const LineSpectrum& second) noexcept {
+  const std::array<const LineSpectrum*, 2> both = {&first, &second};
+  const std::size_t most = std::max(factors_of(both, 0), factors_of(both, 2));
+  Halves c;
+  for (std::size_t j = 0; j < most + kFront + 1; ++j) c[j] = Lanes::Zero();
+  c[kFront] = Lanes::Ones();
+  for (std::size_t i = 0; i < most; ++i) {
+    // A lane that has no such factor stays as it is.
+    Lanes twice = Lanes::Zero();
+    Lanes has = Lanes::Zero();
+    for (int lane = 0; lane < 4; ++lane) {
+      if (i >= factors_of(both, lane)) continue;
+      twice[lane] = 2.0 * both[lane / 2]->cosines[2 * i + static_cast<std::size_t>(lane % 2)];
+      has[lane] = 1.0;
+    }
+    for (std::size_t j = most + kFront; j > kFront; --j) c[j] += has * c[j - 2] - twice * c[j - 1];
   }
+  write(c, 0, first);
+  write(c, 2, second);
 }
 
 }  // namespace hapton

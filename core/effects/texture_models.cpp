@@ -42,15 +42,14 @@ bool ascends(const std::vector<double>& frequencies, double gap) noexcept {
 
 // Root mean square of the signal: that of the noise times the length of the impulse response.
 double rms_of(const TextureModel& model) {
-  const auto coefficients = [](const std::vector<double>& frequencies) {
-    std::vector<double> cosines;
-    for (const double frequency : frequencies) cosines.push_back(cosine(frequency));
-    std::vector<double> made(frequencies.size());
-    polynomial_of_lines(cosines, made);
+  const auto cosines = [](const std::vector<double>& frequencies) {
+    std::vector<double> made;
+    for (const double frequency : frequencies) made.push_back(cosine(frequency));
     return made;
   };
-  const auto a = coefficients(model.ar);
-  const auto b = coefficients(model.ma);
+  std::vector<double> a(model.ar.size());
+  std::vector<double> b(model.ma.size());
+  multiply_out({cosines(model.ar), a}, {cosines(model.ma), b});
   SampleHistory ins, outs;
   double energy = 0.0;
   for (int n = 0; n < kResponseSamples; ++n) {
@@ -164,8 +163,8 @@ void TextureModels::blend(double speed_m_per_s, double force_n, std::size_t& tri
   const double* c = frequencies_.data() + corners[2] * count;
   std::array<double, 2 * kMostLines> cosines;
   for (std::size_t i = 0; i < count; ++i) cosines[i] = cosine(weights[0] * a[i] + weights[1] * b[i] + weights[2] * c[i]);
-  polynomial_of_lines(std::span(cosines).first(ar_order_), std::span(result.a).first(ar_order_));
-  polynomial_of_lines(std::span(cosines).subspan(ar_order_, ma_order_), std::span(result.b).first(ma_order_));
+  multiply_out({std::span(cosines).first(ar_order_), std::span(result.a).first(ar_order_)},
+               {std::span(cosines).subspan(ar_order_, ma_order_), std::span(result.b).first(ma_order_)});
   double variance = 0.0;
   double gain = 0.0;
   for (std::size_t k = 0; k < 3; ++k) {

@@ -45,11 +45,6 @@ Vec3 TextureVoice::force(const RecordedTexture& texture, const Vec3& v_SD, const
   dt_s = std::max(dt_s, 0.0);
   if (is_fresh_) interval_s_ = dt_s;
   is_fresh_ = false;
-  if (models_ != texture.models.get()) {
-    accelerations_.reset();
-    noises_.reset();
-    models_ = texture.models.get();
-  }
   const double share = dt_s / (dt_s + kSmoothS);
   velocity_ += share * (v_SD - v_SD.dot(normal) * normal - velocity_);
   pressed_n_ += share * (pressed_n - pressed_n_);
@@ -58,7 +53,7 @@ Vec3 TextureVoice::force(const RecordedTexture& texture, const Vec3& v_SD, const
   const double speed_m_per_s = across.norm();
   advance(texture, speed_m_per_s, dt_s);
   if (!(speed_m_per_s > RecordedTexture::kRestMPerS)) return Vec3::Zero();
-  const double acceleration = signal_.at(since_newest_, BandLimitedSignal::stride_for(interval_s_ * models_->rate_hz()));
+  const double acceleration = signal_.at(since_newest_, BandLimitedSignal::stride_for(interval_s_ * texture.models->rate_hz()));
   const double moving = std::min(1.0, speed_m_per_s / RecordedTexture::kRestMPerS - 1.0);
   const double most_n = std::min(texture.max_force_n, pressed_n);
   return (std::clamp(texture.mass_kg * moving * acceleration, -most_n, most_n) / speed_m_per_s) * across;

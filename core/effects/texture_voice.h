@@ -33,11 +33,10 @@ class TextureVoice {
   BandLimitedSignal signal_;
   Vec3 velocity_ = Vec3::Zero();  // along the surface
   double pressed_n_ = 0.0;
-  double interval_s_ = 0.0;                // between samples
-  double since_newest_ = 0.0;              // time in samples of the models
-  const TextureModels* models_ = nullptr;  // of the last sample
-  std::size_t triangle_ = 0;               // of the last blend
-  std::uint64_t drawn_ = 0;                // noises so far
+  double interval_s_ = 0.0;    // between samples
+  double since_newest_ = 0.0;  // time in samples of the models
+  std::size_t triangle_ = 0;   // of the last blend
+  std::uint64_t drawn_ = 0;    // noises so far
   bool is_fresh_ = true;
 };
 
