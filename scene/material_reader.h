@@ -5,6 +5,7 @@
 #include "core/base/result.h"
 #include "scene/map_reader.h"
 #include "scene/mesh_haptics.h"
+#include "scene/texture_reader.h"
 
 namespace hapton {
 
@@ -13,6 +14,7 @@ struct MaterialSpec {
   Material material;
   SurfaceEffects effects;
   MapSpecs maps;
+  TextureSpec texture;
 };
 
 // [material.NAME] of a scene file. RT: set-up only. Error: "line N: ...".

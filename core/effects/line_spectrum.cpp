@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
+#include <cstddef>
 
 namespace hapton {
 namespace {
@@ -21,19 +22,18 @@ std::size_t factors_of(const std::array<const LineSpectrum*, 2>& both, int lane)
   return lane % 2 == 0 ? (p + 1) / 2 : p / 2;
 }
 
+// The factors without a frequency make Q the same from both ends and P the same but for the sign: half of each gives all of C.
 void write(const Halves& halves, int lane, const LineSpectrum& spectrum) noexcept {
-  const auto p = static_cast<std::ptrdiff_t>(spectrum.cosines.size());
-  // c_j of a product of n factors; zero below its first and above its last.
-  const auto at = [&](int side, std::ptrdiff_t n, std::ptrdiff_t j) {
-    const std::ptrdiff_t near = std::min(j, 2 * n - j);
-    return near < 0 ? 0.0 : halves[static_cast<std::size_t>(near) + kFront][lane + side];
-  };
-  const auto q = [&](std::ptrdiff_t j) { return at(0, (p + 1) / 2, j); };
-  const auto m = [&](std::ptrdiff_t j) { return at(1, p / 2, j); };
-  for (std::ptrdiff_t j = 1; j <= p; ++j) {
-    const double rest = p % 2 == 0 ? q(j - 1) - m(j - 1) : -m(j - 2);
-    spectrum.coefficients[static_cast<std::size_t>(j) - 1] = 0.5 * (q(j) + m(j) + rest);
+  const std::size_t p = spectrum.cosines.size();
+  const bool is_even = p % 2 == 0;
+  const Lanes* c = halves.data() + kFront;
+  for (std::size_t j = 1; j <= p / 2; ++j) {
+    const double q = c[j][lane] + (is_even ? c[j - 1][lane] : 0.0);
+    const double with_sign = c[j][lane + 1] - (is_even ? c[j - 1] : *(c + j - 2))[lane + 1];
+    spectrum.coefficients[j - 1] = 0.5 * (q + with_sign);
+    spectrum.coefficients[p - j] = 0.5 * (q - with_sign);
   }
+  if (!is_even) spectrum.coefficients[p / 2] = 0.5 * c[p / 2 + 1][lane];
 }
 
 }  // namespace
