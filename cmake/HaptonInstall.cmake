@@ -85,7 +85,7 @@ set(CPACK_DEBIAN_DEV_PACKAGE_SHLIBDEPS OFF)
 # What the component core needs; what the others need besides is recommended.
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libeigen3-dev, libfmt-dev, libmeshoptimizer-dev")
 set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS
-  "libcli11-dev, libspdlog-dev, libtomlplusplus-dev, libprotobuf-dev, libsodium-dev, libpng-dev, libjpeg-dev, libdraco-dev, libhidapi-dev, pkg-config")
+  "libcli11-dev, libspdlog-dev, libtomlplusplus-dev, libprotobuf-dev, libsodium-dev, libpng-dev, libjpeg-dev, libdraco-dev, libtinyxml2-dev, libhidapi-dev, pkg-config")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-hapton)
 set(CPACK_COMPONENT_PYTHON_DESCRIPTION "import hapton: forces on NumPy arrays, recordings, a running session, a haptics node in Python.")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)

@@ -29,6 +29,7 @@ Result<MaterialSpec> read_table(const toml::table& table, const std::string& whe
                                         "two_sided"};
   keys.insert(keys.end(), surface_effect_keys().begin(), surface_effect_keys().end());
   keys.insert(keys.end(), map_keys().begin(), map_keys().end());
+  keys.insert(keys.end(), texture_keys().begin(), texture_keys().end());
   reader.allow(keys);
   read_number(reader, kStiffnessLimit, material.stiffness_n_per_m);
   read_number(reader, kDampingLimit, material.damping_ns_per_m);
@@ -41,6 +42,7 @@ Result<MaterialSpec> read_table(const toml::table& table, const std::string& whe
   }
   const auto effects = read_surface_effects(table, name, material, reader, spec.effects);
   read_maps(table, reader, material, spec.effects, spec.maps);
+  read_texture(table, reader, spec.effects.texture, spec.texture);
   if (reader.error()) return tl::unexpected(*reader.error());
   if (!effects) return tl::unexpected(effects.error());
   return spec;
@@ -108,6 +110,9 @@ Result<MaterialSpec> read_material(const HapticMaterial& haptic, const MeshLook&
   }
   if (table.contains("map_repeat")) {
     return fail("{}: 'map_repeat' is not for extras.hapton: scale the texture with KHR_texture_transform", where);
+  }
+  for (const std::string_view key : texture_keys()) {
+    if (table.contains(key)) return fail("{}: '{}' is not for extras.hapton: use a material of a scene file", where, key);
   }
   for (const HapticMap& map : kMaps) {
     if (table.contains(map.image_key)) {

@@ -6,6 +6,7 @@
 #include "core/base/result.h"
 #include "scene/map_reader.h"
 #include "scene/mesh_haptics.h"
+#include "scene/texture_reader.h"
 
 namespace hapton {
 
@@ -15,6 +16,7 @@ struct MaterialSpec {
   SurfaceEffects effects;
   MapSpecs maps;
   std::size_t line = 0;  // in the scene file
+  TextureSpec texture;
 };
 
 // [material.NAME] of a scene file. RT: set-up only. Error: "line N: ...".

@@ -324,6 +324,7 @@ Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& fol
   MeshCache cache(loading.sealing, loading.look, spec.has_maps());
   MapMaker map_maker(folder);
   note_unused_materials(spec, scene.notes);
+  TextureCache textures(folder);
   Result<std::vector<FeltObject>> felt = find_materials(spec, folder, cache, scene.notes);
   if (!felt) return tl::unexpected(felt.error());
   std::vector<PosedMesh> meshes;
@@ -349,6 +350,9 @@ Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& fol
       if (!maps) return tl::unexpected(maps.error());
       material.effects.maps = std::move(*maps);
     }
+    auto texture = textures.find(material.texture);
+    if (!texture) return tl::unexpected(texture.error());
+    material.effects.texture.models = std::move(*texture);
     auto motion = make_felt_motion(object, material, fitted, meshes[i].mesh);
     if (!motion) return tl::unexpected(motion.error());
     if (*motion != nullptr) scene.given_hash = combine_hashes(scene.given_hash, hash_motion(**motion));

@@ -2,6 +2,8 @@
 
 #include <bit>
 
+#include "core/effects/texture_models.h"
+
 namespace hapton {
 namespace {
 
@@ -88,6 +90,31 @@ void add_map(Hash& hash, const ImageMap& map) {
   for (const float texel : map.image->texels()) hash.add(static_cast<double>(texel));
 }
 
+void add_maps(Hash& hash, const SurfaceMaps& maps) {
+  for (const MappedTriangle& triangle : *maps.triangles) {
+    for (const Eigen::Vector2d& place : triangle.texcoord) {
+      hash.add(place.x());
+      hash.add(place.y());
+    }
+  }
+  for (const ImageMap* map : {&maps.height, &maps.stiffness, &maps.friction}) add_map(hash, *map);
+}
+
+void add_texture(Hash& hash, const RecordedTexture& texture) {
+  for (const double number : {texture.mass_kg, texture.max_force_n, texture.models->rate_hz()}) hash.add(number);
+  hash.add(texture.seed);
+  for (const TextureModel& model : texture.models->models()) {
+    for (const double number : {model.speed_m_per_s, model.force_n, model.variance, model.gain}) hash.add(number);
+    for (const auto* frequencies : {&model.ar, &model.ma}) {
+      hash.add(std::uint64_t{frequencies->size()});
+      for (const double frequency : *frequencies) hash.add(frequency);
+    }
+  }
+  for (const TextureTriangle& triangle : texture.models->triangles()) {
+    for (const std::size_t corner : triangle) hash.add(std::uint64_t{corner});
+  }
+}
+
 void add_surface(Hash& hash, const SurfaceEffects& e) {
   hash.add(e.progressive.n_per_m2);
   hash.add(std::uint64_t{e.layers.count()});
@@ -101,15 +128,9 @@ void add_surface(Hash& hash, const SurfaceEffects& e) {
   hash.add(e.viscosity.damping_ns_per_m);
   for (const double number : {e.snap.stiffness_n_per_m, e.snap.range_m}) hash.add(number);
   for (const double number : {e.tap.ns_per_m, e.tap.frequency_hz, e.tap.decay_s, e.tap.max_force_n}) hash.add(number);
-  // A scene without maps has the hash that it had before there were any.
-  if (!e.maps.is_on()) return;
-  for (const MappedTriangle& triangle : *e.maps.triangles) {
-    for (const Eigen::Vector2d& place : triangle.texcoord) {
-      hash.add(place.x());
-      hash.add(place.y());
-    }
-  }
-  for (const ImageMap* map : {&e.maps.height, &e.maps.stiffness, &e.maps.friction}) add_map(hash, *map);
+  // A scene without them has the hash that it had before there were any.
+  if (e.maps.is_on()) add_maps(hash, e.maps);
+  if (e.texture.is_on()) add_texture(hash, e.texture);
 }
 
 }  // namespace

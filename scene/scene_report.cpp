@@ -7,6 +7,8 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "core/effects/texture_models.h"
+
 namespace hapton {
 namespace {
 
@@ -40,6 +42,11 @@ std::vector<std::string> names_of(const SurfaceEffects& effects) {
   if (effects.viscosity.is_on()) names.emplace_back("viscosity");
   if (effects.snap.is_on()) names.emplace_back("snap");
   if (effects.tap.is_on()) names.emplace_back("vibration on tap");
+  if (effects.texture.is_on()) {
+    const double loudest_n = effects.texture.mass_kg * effects.texture.models->loudest_m_per_s2();
+    names.push_back(fmt::format("recorded texture ({} models of {:g} Hz, at most {:.3g} N root mean square)",
+                                effects.texture.models->models().size(), effects.texture.models->rate_hz(), loudest_n));
+  }
   return names;
 }
 

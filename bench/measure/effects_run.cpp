@@ -7,8 +7,10 @@
 #include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <utility>
 
+#include "core/effects/texture_models.h"
 #include "core/geometry/mesh_shapes.h"
 
 namespace hapton {
@@ -75,6 +77,39 @@ std::vector<EffectCase> map_cases(const TriangleMesh& mesh) {
           {"all images", {.maps = all}, {}}};
 }
 
+// Models of the size that recorded ones have: 6 x 6 of them, in 50 triangles.
+std::shared_ptr<const TextureModels> made_texture(double rate_hz, std::size_t ar, std::size_t ma) {
+  constexpr std::size_t kSide = 6;
+  const auto spread = [](std::size_t order, double shift) {
+    std::vector<double> frequencies;
+    for (std::size_t i = 0; i < order; ++i)
+      frequencies.push_back(std::numbers::pi * (static_cast<double>(i) + shift) / static_cast<double>(order));
+    return frequencies;
+  };
+  std::vector<TextureModel> models;
+  for (std::size_t n = 0; n < kSide * kSide; ++n) {
+    const double shift = 0.3 + 0.4 * static_cast<double>(n) / (kSide * kSide);
+    models.push_back({.speed_m_per_s = 0.05 * static_cast<double>(n % kSide),
+                      .force_n = 1.0 * static_cast<double>(n / kSide),
+                      .ar = spread(ar, shift),
+                      .ma = spread(ma, shift),
+                      .variance = 0.01 * static_cast<double>(n)});
+  }
+  std::vector<TextureTriangle> triangles;
+  for (std::size_t n = 0; n + kSide < models.size(); ++n) {
+    if (n % kSide == kSide - 1) continue;
+    triangles.push_back({n, n + 1, n + kSide});
+    triangles.push_back({n + 1, n + kSide + 1, n + kSide});
+  }
+  auto made = TextureModels::make(rate_hz, std::move(models), std::move(triangles));
+  return made ? std::make_shared<const TextureModels>(std::move(*made)) : nullptr;
+}
+
+std::vector<EffectCase> texture_cases() {
+  return {{"texture of 1 kHz", {.texture = {.models = made_texture(1000.0, 20, 18)}}, {}},
+          {"texture of 10 kHz", {.texture = {.models = made_texture(10000.0, 20, 0)}}, {}}};
+}
+
 std::vector<SwitchedEffect> all_of_space() {
   const auto everywhere = EffectVolume::ball(Vec3::Zero(), 1.0);
   return {SpringEffect{},
@@ -127,6 +162,7 @@ Result<EffectsReport> measure_effects(const EffectsSettings& settings, const Sto
   if (!slide) return tl::unexpected(slide.error());
   std::vector<EffectCase> cases = make_cases();
   for (EffectCase& one : map_cases(*mesh)) cases.push_back(std::move(one));
+  for (EffectCase& one : texture_cases()) cases.push_back(std::move(one));
   for (const EffectCase& one : cases) {
     progress(one.name);
     const TouchScene scene = {.objects = {{mesh, {}, one.surface}}, .effects = one.space};

@@ -38,12 +38,15 @@ Vec3 tangential(const Vec3& v, const Vec3& normal) noexcept { return v - v.dot(n
 
 EffectStep::EffectStep(std::vector<SurfaceEffects> surfaces, std::vector<SwitchedEffect> space)
     : surfaces_(std::move(surfaces)), states_(surfaces_.size()) {
+  const auto has_texture = [](const SurfaceEffects& surface) { return surface.texture.is_on(); };
+  if (std::any_of(surfaces_.begin(), surfaces_.end(), has_texture)) texture_.emplace();
   for (SwitchedEffect& effect : space) space_.push_back({.effect = std::move(effect), .burst = {}, .mass = {}, .on = {}});
 }
 
 void EffectStep::reset() noexcept {
   velocity_.reset();
   friction_ = {};
+  if (texture_) texture_.emplace();
   time_s_ = 0.0;
   touched_ = -1;
   in_contact_ = false;
@@ -59,14 +62,15 @@ void EffectStep::reset() noexcept {
 EffectResult EffectStep::step(const Vec3& p_SD, double dt_s, const SurfaceContact& contact, std::uint32_t buttons) noexcept {
   if (!p_SD.allFinite()) return {.force_n = Vec3::Zero(), .p_SP = contact.p_SP, .is_felt = false};
   velocity_.add(p_SD, dt_s);
-  if (dt_s > 0.0) time_s_ += std::min(dt_s, kLongestS);
+  const double passed_s = dt_s > 0.0 ? std::min(dt_s, kLongestS) : 0.0;
+  time_s_ += passed_s;
   const Vec3 before = std::exchange(last_p_SD_, p_SD);
   const EffectSample sample = {.p_SD = p_SD, .v_SD = velocity_.mean(), .time_s = time_s_};
 
   EffectResult result = {.force_n = contact.force_n, .p_SP = contact.p_SP, .is_felt = false};
   const bool is_known = contact.contact && contact.object >= 0 && contact.object < static_cast<int>(surfaces_.size());
   if (is_known) {
-    result.force_n = surface_force(sample, p_SD - before, contact, result.p_SP);
+    result.force_n = surface_force(sample, p_SD - before, passed_s, contact, result.p_SP);
   } else {
     result.force_n += leave_surface(sample);
   }
@@ -86,10 +90,12 @@ SurfaceEffectState& EffectStep::state_of(int object) noexcept {
   return state.effects;
 }
 
-Vec3 EffectStep::surface_force(const EffectSample& sample, const Vec3& motion, const SurfaceContact& contact, Vec3& p_SP) noexcept {
+Vec3 EffectStep::surface_force(const EffectSample& sample, const Vec3& motion, double dt_s, const SurfaceContact& contact,
+                               Vec3& p_SP) noexcept {
   const SurfaceEffects& surface = surfaces_[static_cast<std::size_t>(contact.object)];
   const bool begins = !in_contact_;
   SurfaceEffectState& state = state_of(contact.object);
+  if (texture_ && (begins || !surface.texture.is_on())) texture_->begin();
   if (!surface.any()) return contact.force_n;
 
   const double method_n = contact.force_n.norm();
@@ -118,6 +124,7 @@ Vec3 EffectStep::surface_force(const EffectSample& sample, const Vec3& motion, c
     friction_ = {};
   }
   if (surface.viscosity.is_on()) force_n += surface.viscosity.force(sample.v_SD, normal, std::abs(pressed_n));
+  if (surface.texture.is_on()) force_n += texture_->force(surface.texture, sample.v_SD, normal, std::abs(pressed_n), dt_s);
   if (surface.tap.is_on()) {
     if (begins) surface.tap.begin(-velocity_.newest().dot(normal), sample.time_s, state.tap);
     force_n += surface.tap.force(sample.time_s, state.tap) * normal;

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/effects/map_friction.h"
 #include "core/effects/smooth_velocity.h"
 #include "core/effects/space_effect.h"
 #include "core/effects/surface_effects.h"
+#include "core/effects/texture_voice.h"
 
 namespace hapton {
 
@@ -60,7 +62,7 @@ class EffectStep {
   };
 
   SurfaceEffectState& state_of(int object) noexcept;
-  Vec3 surface_force(const EffectSample& sample, const Vec3& motion, const SurfaceContact& contact, Vec3& p_SP) noexcept;
+  Vec3 surface_force(const EffectSample& sample, const Vec3& motion, double dt_s, const SurfaceContact& contact, Vec3& p_SP) noexcept;
   Vec3 leave_surface(const EffectSample& sample) noexcept;
   Vec3 space_force(const EffectSample& sample, std::uint32_t buttons) noexcept;
 
@@ -71,9 +73,10 @@ class EffectStep {
   int touched_ = -1;  // the object touched in the last step that touched any
   bool in_contact_ = false;
   Vec3 last_p_SD_ = Vec3::Zero();
-  MapFriction::State friction_;      // carried over from object to object, so that the force stays
-  std::uint64_t contacts_ = 0;       // begun from free space
-  std::vector<ObjectState> states_;  // by object
+  MapFriction::State friction_;          // carried over from object to object, so that the force stays
+  std::optional<TextureVoice> texture_;  // carried over likewise; none: no surface has one
+  std::uint64_t contacts_ = 0;           // begun from free space
+  std::vector<ObjectState> states_;      // by object
 };
 
 }  // namespace hapton

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/effects/progressive_stiffness.h"
+#include "core/effects/recorded_texture.h"
 #include "core/effects/surface_bumps.h"
 #include "core/effects/surface_maps.h"
 #include "core/effects/surface_snap.h"
@@ -19,9 +20,11 @@ struct SurfaceEffects {
   SurfaceSnap snap = {};
   TapVibration tap = {};
   SurfaceMaps maps = {};  // height not together with bumps, stiffness not with layers
+  RecordedTexture texture = {};
 
   bool any() const noexcept {
-    return progressive.is_on() || layers.is_on() || bumps.is_on() || viscosity.is_on() || snap.is_on() || tap.is_on() || maps.is_on();
+    return progressive.is_on() || layers.is_on() || bumps.is_on() || viscosity.is_on() || snap.is_on() || tap.is_on() || maps.is_on() ||
+           texture.is_on();
   }
 };
 

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "tests/core/effects/effect_paths.h"
+#include "tests/core/effects/made_textures.h"
 #include "tests/support/allocation_guard.h"
 
 namespace hapton {
@@ -23,12 +24,14 @@ SurfaceContact on_plane(const Vec3& p_SD, int object = 0) {
 EffectResult press(EffectStep& step, const Vec3& p_SD) { return step.step(p_SD, kMs, on_plane(p_SD)); }
 
 SurfaceEffects everything() {
+  static const auto models = made::texture(1000.0, 20, 18);
   return {.progressive = {.n_per_m2 = 1e5},
           .layers = {},
           .bumps = {.height_m = 1e-3, .length_m = 5e-3},
           .viscosity = {.damping_ns_per_m = 4},
           .snap = {.range_m = 2e-3},
-          .tap = {.ns_per_m = 5}};
+          .tap = {.ns_per_m = 5},
+          .texture = {.models = models}};
 }
 
 std::vector<SwitchedEffect> everywhere() {
@@ -310,8 +313,8 @@ TEST(EffectStep, IsFiniteAndBoundedForAnyInput) {
     }
     const EffectResult result = step.step(p, pick(times), contact, static_cast<std::uint32_t>(random()));
     ASSERT_TRUE(result.force_n.allFinite()) << "step " << k << ", seed " << kSeed;
-    const double surface_n =
-        (contact.force_n.norm() + kMostEffectForceN) * (1.0 + bumpy) + everything().tap.max_force_n + everything().snap.bound_n();
+    const double surface_n = (contact.force_n.norm() + kMostEffectForceN) * (1.0 + bumpy) + everything().tap.max_force_n +
+                             everything().snap.bound_n() + everything().texture.bound_n();
     ASSERT_LE(result.force_n.norm(), (surface_n + space_n) * (1 + 1e-9)) << "step " << k << ", seed " << kSeed;
   }
 }

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/core/effects/made_textures.h"
+
 namespace hapton {
 namespace {
 
@@ -15,6 +17,7 @@ TEST(SurfaceEffects, AreOffUnlessAsked) {
   EXPECT_TRUE(SurfaceEffects{.viscosity = {.damping_ns_per_m = 1}}.any());
   EXPECT_TRUE(SurfaceEffects{.snap = {.range_m = 1e-3}}.any());
   EXPECT_TRUE(SurfaceEffects{.tap = {.ns_per_m = 1}}.any());
+  EXPECT_TRUE(SurfaceEffects{.texture = {.models = made::texture(1000.0, 8, 0)}}.any());
 }
 
 }  // namespace

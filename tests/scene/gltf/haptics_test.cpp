@@ -331,6 +331,7 @@ TEST_F(GltfHaptics, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(error_of_material(R"("extras":{"hapton":{"friction_map_range":[0,1]}})"), HasSubstr("without a texture in 'friction'"));
   EXPECT_THAT(error_of_material(R"("extras":{"hapton":{"bump_map":"a.png"}})"), HasSubstr("the texture of 'vibrotactileTexture'"));
   EXPECT_THAT(error_of_material(R"("extras":{"hapton":{"map_repeat":[2,2]}})"), HasSubstr("KHR_texture_transform"));
+  EXPECT_THAT(error_of_material(R"("extras":{"hapton":{"recorded_texture":"a.xml"}})"), HasSubstr("use a material of a scene file"));
   EXPECT_THAT(error_of_material(R"("extras":{"hapton":{"two_sided":true,"layer":[{"depth_m":0,"stiffness_n_per_m":400}]}})"),
               AllOf(HasSubstr(where), HasSubstr("two_sided = false")));
   EXPECT_THAT(error_of_material(R"("stiffness":)" + texture(0) + R"(,"extras":{"hapton":{"stiffness_map_n_per_m":[0,1]}})"),

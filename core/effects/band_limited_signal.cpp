@@ -1,0 +1,91 @@
+#include "core/effects/band_limited_signal.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace hapton {
+namespace {
+
+constexpr std::size_t kWidth = BandLimitedSignal::kHalfWidth;
+// Table entries from one zero of the sinc function to the next; every stride divides it. Linear between entries: within 3e-5.
+constexpr std::size_t kPerZero = 120;
+constexpr std::array<std::size_t, 8> kStrides = {1, 2, 3, 4, 5, 6, 8, 10};
+// Of the Kaiser window: 41 dB, with a transition of 0.1 of the rate over 24 samples (Kaiser and Schafer 1980).
+constexpr double kShape = 3.5;
+
+// The modified Bessel function of the first kind and order 0, by its power series.
+double bessel_i0(double x) noexcept {
+  double term = 1.0;
+  double sum = 1.0;
+  for (int k = 1; k < 40; ++k) {
+    term *= 0.25 * x * x / (k * k);
+    sum += term;
+  }
+  return sum;
+}
+
+struct Kernel {
+  std::array<double, kWidth* kPerZero + 2> values = {};  // from the middle to the end, where it is zero
+
+  Kernel() noexcept {
+    values[0] = 1.0;
+    for (std::size_t i = 1; i < kWidth * kPerZero; ++i) {
+      if (i % kPerZero == 0) continue;
+      const double x = static_cast<double>(i) / kPerZero;
+      const double share = x / kWidth;
+      const double window = bessel_i0(kShape * std::sqrt(1.0 - share * share)) / bessel_i0(kShape);
+      values[i] = window * std::sin(std::numbers::pi * x) / (std::numbers::pi * x);
+    }
+  }
+};
+
+// One side of the kernel: the weight of samples[j * direction] is that of the distance j + from, from 0 to 1.
+double wing(const double* kernel, double from, std::size_t stride, const double* samples, std::ptrdiff_t direction) noexcept {
+  const std::size_t step = kPerZero / stride;
+  const double place = from * static_cast<double>(step);
+  const auto entry = static_cast<std::size_t>(place);
+  const double rest = place - static_cast<double>(entry);
+  const double* at = kernel + entry;
+  double lower = 0.0;
+  double upper = 0.0;
+  for (std::size_t j = 0; j < kWidth * stride; ++j) {
+    const double sample = samples[static_cast<std::ptrdiff_t>(j) * direction];
+    lower += sample * at[j * step];
+    upper += sample * at[j * step + 1];
+  }
+  return lower + rest * (upper - lower);
+}
+
+}  // namespace
+
+BandLimitedSignal::BandLimitedSignal() noexcept {
+  static const Kernel kernel;
+  kernel_ = kernel.values.data();
+}
+
+void BandLimitedSignal::reset() noexcept {
+  samples_.fill(0.0);
+  next_ = 0;
+}
+
+void BandLimitedSignal::push(double sample) noexcept {
+  samples_[next_] = samples_[next_ + kKept] = sample;
+  next_ = (next_ + 1) % kKept;
+}
+
+std::size_t BandLimitedSignal::stride_for(double samples_per_reading) noexcept {
+  const double nearest = std::round(samples_per_reading);
+  const auto* found =
+      std::find_if(kStrides.begin(), kStrides.end(), [&](std::size_t stride) { return static_cast<double>(stride) >= nearest; });
+  return found == kStrides.end() ? kMostStride : *found;
+}
+
+double BandLimitedSignal::at(double since_newest, std::size_t stride) const noexcept {
+  // The newest sample has the index next_ + kKept - 1; the middle of the kernel is between the sample `middle`, or on it, and the next one.
+  const double* middle = samples_.data() + next_ + kKept - 1 - kWidth * stride;
+  const double sum = wing(kernel_, since_newest, stride, middle, -1) + wing(kernel_, 1.0 - since_newest, stride, middle + 1, 1);
+  return sum / static_cast<double>(stride);
+}
+
+}  // namespace hapton
