@@ -1,15 +1,16 @@
 #include "scene/object_reader.h"
 
+#include <filesystem>
 #include <vector>
 
 #include "scene/rotation_reader.h"
 
 namespace hapton {
-namespace {
 
-constexpr double kMaxScale = 1e9;
-
-}  // namespace
+std::string name_of(const ObjectSpec& object) {
+  if (!object.name.empty()) return object.name;
+  return object.part.empty() ? std::filesystem::path(object.mesh).stem().string() : object.part;
+}
 
 Result<ObjectSpec> read_object(const toml::table& table, const std::string& name) {
   ObjectSpec spec;
@@ -20,6 +21,7 @@ Result<ObjectSpec> read_object(const toml::table& table, const std::string& name
   spec.mesh_line = line_of("mesh");
   spec.part_line = line_of("part");
   spec.material_line = line_of("material");
+  spec.group_line = line_of("group");
   TableReader reader(table, name);
   // A tool has a grip, and no material yet.
   std::vector<std::string_view> keys = {"name",     "mesh",         "part",       "unit",  "scale",
@@ -27,8 +29,8 @@ Result<ObjectSpec> read_object(const toml::table& table, const std::string& name
   if (name == kToolTable) {
     keys.emplace_back("grip");
   } else {
-    keys.insert(keys.end(), {"material", "movable", "moved_by", "mass_kg", "keyframe", "loop", "pivot_m", "animation", "animation_speed",
-                             "morph", "sculpt", "voxel_mm", "tool_radius_mm", "carve_button"});
+    keys.insert(keys.end(), {"material", "group", "movable", "moved_by", "mass_kg", "keyframe", "loop", "pivot_m", "animation",
+                             "animation_speed", "morph", "sculpt", "voxel_mm", "tool_radius_mm", "carve_button"});
   }
   reader.allow(keys);
   if (!reader.has("mesh")) reader.fail_at("mesh", "{} has no 'mesh': name its mesh file", name);
@@ -36,6 +38,7 @@ Result<ObjectSpec> read_object(const toml::table& table, const std::string& name
   reader.read("mesh", spec.mesh);
   reader.read("part", spec.part);
   reader.read("material", spec.material);
+  reader.read("group", spec.group);
   reader.read("seal_cracks", spec.seal_cracks);
   reader.read("movable", spec.is_movable);
   reader.read("scale", spec.scale, 0.0, kMaxScale, true);

@@ -25,6 +25,7 @@ namespace hapton {
 // The table of the tool in a scene file; it has the keys of an object, a grip, and no material.
 inline constexpr std::string_view kToolTable = "[tool]";
 constexpr double kMaxLengthM = 1e6;
+constexpr double kMaxScale = 1e9;
 
 // How a node of a mesh file deforms by an animation.
 struct AnimatedMorphs {
@@ -42,6 +43,7 @@ struct ObjectSpec {
   Quat q_SM = Quat::Identity();
   Vec3 p_SM = Vec3::Zero();
   std::string material;
+  std::string group = {};  // that the pose is in; empty: none
   bool seal_cracks = true;
   bool is_movable = false;
   SculptSpec sculpt = {};
@@ -60,7 +62,11 @@ struct ObjectSpec {
   std::size_t mesh_line = 0;  // in the scene file
   std::size_t part_line = 0;
   std::size_t material_line = 0;
+  std::size_t group_line = 0;
 };
+
+// Its name, or else its part's or its file's.
+std::string name_of(const ObjectSpec& object);
 
 // name: as in error messages; kToolTable for a tool. RT: set-up only. Error: one line with the line in the file.
 Result<ObjectSpec> read_object(const toml::table& table, const std::string& name);

@@ -21,8 +21,10 @@
 #include "scene/object_reader.h"
 #include "scene/scene_fit.h"
 #include "scene/scene_hash.h"
+#include "scene/scene_objects.h"
 #include "scene/table_reader.h"
 #include "scene/text_cursor.h"
+#include "scene/workspace_reader.h"
 
 namespace hapton {
 namespace {
@@ -36,6 +38,7 @@ struct SceneSpec {
   std::vector<LibraryEffect> libraries;
   std::optional<ObjectSpec> tool;
   std::optional<Vec3> fit_m;
+  std::optional<SceneFit> workspace;  // in place of fit_m
   bool is_plain = false;  // stands for a mesh file alone
 
   bool has_maps() const {
@@ -55,14 +58,6 @@ Result<void> read_materials(const toml::table& table, SceneSpec& spec) {
     spec.materials.emplace(key.str(), std::move(*material));
   }
   return {};
-}
-
-Result<void> check_material(const ObjectSpec& object, const SceneSpec& spec) {
-  if (object.material.empty() || spec.materials.contains(object.material)) return {};
-  std::vector<std::string_view> known;
-  for (const auto& [name, material] : spec.materials) known.emplace_back(name);
-  return fail("line {}: there is no [material.{}]{}", object.material_line, printable(object.material),
-              known.empty() ? ": add it" : near_miss_hint(object.material, known));
 }
 
 void note_unused_materials(const SceneSpec& spec, std::vector<std::string>& notes) {
@@ -105,30 +100,34 @@ Result<void> read_tool(const toml::table& table, SceneSpec& spec) {
   return {};
 }
 
+// Turns the objects, so that what is left is a fit.
+Result<void> set_workspace(const toml::table& table, SceneSpec& spec) {
+  const auto workspace = read_workspace(table);
+  if (!workspace) return tl::unexpected(workspace.error());
+  if (!*workspace) return {};
+  const Quat back = (*workspace)->q.conjugate();
+  spec.workspace = SceneFit{back * (*workspace)->p, 1.0 / (*workspace)->scale};
+  for (ObjectSpec& object : spec.objects) move_by({.scale = 1.0, .q = back, .p = Vec3::Zero()}, object);
+  return {};
+}
+
 Result<SceneSpec> read_spec(const toml::table& table) {
   SceneSpec spec;
   TableReader reader(table, "the scene");
-  reader.allow({"fit_m", "object", "material", "effect", "tool"});
+  reader.allow({"fit_m", "object", "group", "instance", "material", "effect", "tool", "workspace"});
   std::array<double, 3> fit = {};
   reader.read("fit_m", fit, 1e-9, kMaxLengthM);
   if (reader.error()) return tl::unexpected(*reader.error());
   if (reader.has("fit_m")) spec.fit_m = Vec3(fit[0], fit[1], fit[2]);
   if (const auto read = read_materials(table, spec); !read) return tl::unexpected(read.error());
-  const toml::array* objects = table["object"].as_array();
-  const toml::node* given = table.get("object");
-  const bool is_empty = objects != nullptr && objects->empty();
-  if (given != nullptr && !is_empty && (objects == nullptr || !objects->is_array_of_tables())) {
-    return fail("line {}: 'object' must be tables that begin with [[object]]", given->source().begin.line);
-  }
-  if (objects == nullptr || is_empty) return fail("there is no [[object]]: add one with its mesh");
-  for (const toml::node& node : *objects) {
-    Result<ObjectSpec> object = read_object(*node.as_table(), fmt::format("[[object]] {}", spec.objects.size() + 1));
-    if (!object) return tl::unexpected(object.error());
-    if (const auto known = check_material(*object, spec); !known) return tl::unexpected(known.error());
-    spec.objects.push_back(std::move(*object));
-  }
+  std::vector<std::string_view> materials;
+  for (const auto& [name, material] : spec.materials) materials.emplace_back(name);
+  auto objects = read_scene_objects(table, materials);
+  if (!objects) return tl::unexpected(objects.error());
+  spec.objects = std::move(*objects);
   if (const auto read = read_effects(table, spec); !read) return tl::unexpected(read.error());
   if (const auto read = read_tool(table, spec); !read) return tl::unexpected(read.error());
+  if (const auto set = set_workspace(table, spec); !set) return tl::unexpected(set.error());
   return spec;
 }
 
@@ -174,16 +173,25 @@ std::string describe_fit(const std::string& path, const Eigen::AlignedBox3d& box
                      box.sizes().maxCoeff(), fit.scale);
 }
 
-// Fits all meshes together into the box of spec.fit_m.
+void apply(const SceneFit& fit, std::vector<PosedMesh>& meshes) {
+  for (PosedMesh& posed : meshes) {
+    fit.apply(posed.mesh, posed.sealed);
+    for (Vec3& vertex : posed.map.vertices) vertex = fit.apply(vertex);
+  }
+}
+
+// Fits all meshes together into the box of spec.fit_m, or the workspace around what it has of them.
 Result<SceneFit> fit(std::vector<PosedMesh>& meshes, const SceneSpec& spec, std::vector<std::string>& notes) {
+  if (spec.workspace) {
+    apply(*spec.workspace, meshes);
+    notes.push_back(fmt::format("[workspace]: everything is shown {:.4g} times its size", spec.workspace->scale));
+    return *spec.workspace;
+  }
   Eigen::AlignedBox3d box;
   for (const PosedMesh& posed : meshes) box.extend(posed.box);
   const Result<SceneFit> fit = find_fit(box, *spec.fit_m);
   if (!fit) return fail("fit_m: {}: leave fit_m out", fit.error().what);
-  for (PosedMesh& posed : meshes) {
-    fit->apply(posed.mesh, posed.sealed);
-    for (Vec3& vertex : posed.map.vertices) vertex = fit->apply(vertex);
-  }
+  apply(*fit, meshes);
   notes.push_back(spec.is_plain ? describe_fit(spec.objects[0].mesh, box, *fit)
                                 : fmt::format("fit_m: everything is shown {:.4g} times its size", fit->scale));
   return *fit;
@@ -223,11 +231,6 @@ Result<void> add_effects(const SceneSpec& spec, Scene& scene) {
     place_at_object(scene.effects.back().effect, box.min(), box.max());
   }
   return {};
-}
-
-std::string name_of(const ObjectSpec& object) {
-  if (!object.name.empty()) return object.name;
-  return object.part.empty() ? std::filesystem::path(object.mesh).stem().string() : object.part;
 }
 
 // One that plays an animation becomes one for each motion.
@@ -334,7 +337,7 @@ Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& fol
     meshes.push_back(std::move(*mesh));
   }
   SceneFit fitted;
-  if (spec.fit_m) {
+  if (spec.fit_m || spec.workspace) {
     const auto found = fit(meshes, spec, scene.notes);
     if (!found) return tl::unexpected(found.error());
     fitted = *found;
@@ -342,6 +345,10 @@ Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& fol
   }
   const Vec3 fit_m = spec.fit_m.value_or(Vec3::Zero());
   scene.given_hash = hash_numbers(std::array{fit_m.x(), fit_m.y(), fit_m.z()});
+  if (spec.workspace) {
+    const Vec3& c = spec.workspace->centre;
+    scene.given_hash = combine_hashes(scene.given_hash, hash_numbers(std::array{c.x(), c.y(), c.z(), spec.workspace->scale}));
+  }
   for (const PosedMesh& posed : meshes) scene.given_hash = combine_hashes(scene.given_hash, posed.given_hash);
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     auto& [object, material] = (*felt)[i];
