@@ -267,7 +267,7 @@ struct DeformingAnnotatorTest : AnnotatorTest {
   void touch_at(double time_s, const Vec3& direction, std::uint32_t buttons) {
     ProbeState state;
     state.scene_time_ns = std::llround(1e9 * time_s);
-    state.p_WD = 0.97 * (1.0 + time_s) * kSphere * direction.normalized();
+    state.p_WD = 1.1 * (1.0 + time_s) * kSphere * direction.normalized();  // outside, where a vertex is closest
     state.contact = true;
     state.object = 0;
     state.buttons = buttons;
