@@ -166,7 +166,9 @@ CheckFindings check_frequency(const SceneObject& object, double rate_hz) {
 }
 
 CheckFindings check_frequency(const SceneEffect& effect, double rate_hz) {
-  const auto compare = [&](double frequency_hz) { return compare_frequency(shown_name(effect), frequency_hz, "its frequency_hz", rate_hz); };
+  const auto compare = [&](double frequency_hz) {
+    return compare_frequency(shown_name(effect), frequency_hz, "its frequency_hz", rate_hz);
+  };
   if (const auto* wave = std::get_if<WaveEffect>(&effect.effect)) return compare(wave->frequency_hz);
   if (const auto* burst = std::get_if<BurstEffect>(&effect.effect)) return compare(burst->frequency_hz);
   return {};
