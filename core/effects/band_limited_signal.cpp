@@ -47,14 +47,17 @@ double wing(const double* kernel, double from, std::size_t stride, const double*
   const auto entry = static_cast<std::size_t>(place);
   const double rest = place - static_cast<double>(entry);
   const double* at = kernel + entry;
-  double lower = 0.0;
-  double upper = 0.0;
-  for (std::size_t j = 0; j < kWidth * stride; ++j) {
-    const double sample = samples[static_cast<std::ptrdiff_t>(j) * direction];
-    lower += sample * at[j * step];
-    upper += sample * at[j * step + 1];
+  // Sums side by side, so that one does not wait for the other.
+  constexpr std::size_t kSums = 4;
+  static_assert(kWidth % kSums == 0);
+  std::array<double, kSums> sums = {};
+  for (std::size_t j = 0; j < kWidth * stride; j += kSums) {
+    for (std::size_t k = 0; k < kSums; ++k) {
+      const double* weight = at + (j + k) * step;
+      sums[k] += samples[static_cast<std::ptrdiff_t>(j + k) * direction] * (weight[0] + rest * (weight[1] - weight[0]));
+    }
   }
-  return lower + rest * (upper - lower);
+  return (sums[0] + sums[1]) + (sums[2] + sums[3]);
 }
 
 }  // namespace

@@ -41,19 +41,20 @@ void write(const Halves& halves, int lane, const LineSpectrum& spectrum) noexcep
 void multiply_out(const LineSpectrum& first, const LineSpectrum& second) noexcept {
   const std::array<const LineSpectrum*, 2> both = {&first, &second};
   const std::size_t most = std::max(factors_of(both, 0), factors_of(both, 2));
+  // A lane that has no such factor stays as it is. All are laid out first: what was just written by parts loads slowly as a whole.
+  std::array<Lanes, kMostLines / 2> twice, has;
+  for (int lane = 0; lane < 4; ++lane) {
+    const std::size_t factors = factors_of(both, lane);
+    for (std::size_t i = 0; i < most; ++i) {
+      twice[i][lane] = i < factors ? 2.0 * both[lane / 2]->cosines[2 * i + static_cast<std::size_t>(lane % 2)] : 0.0;
+      has[i][lane] = i < factors ? 1.0 : 0.0;
+    }
+  }
   Halves c;
   for (std::size_t j = 0; j < most + kFront + 1; ++j) c[j] = Lanes::Zero();
   c[kFront] = Lanes::Ones();
   for (std::size_t i = 0; i < most; ++i) {
-    // A lane that has no such factor stays as it is.
-    Lanes twice = Lanes::Zero();
-    Lanes has = Lanes::Zero();
-    for (int lane = 0; lane < 4; ++lane) {
-      if (i >= factors_of(both, lane)) continue;
-      twice[lane] = 2.0 * both[lane / 2]->cosines[2 * i + static_cast<std::size_t>(lane % 2)];
-      has[lane] = 1.0;
-    }
-    for (std::size_t j = most + kFront; j > kFront; --j) c[j] += has * c[j - 2] - twice * c[j - 1];
+    for (std::size_t j = std::min(most, 2 * i + 2) + kFront; j > kFront; --j) c[j] += has[i] * c[j - 2] - twice[i] * c[j - 1];
   }
   write(c, 0, first);
   write(c, 2, second);
