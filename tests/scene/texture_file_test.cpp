@@ -116,7 +116,7 @@ TEST(TextureFile, BearsAnyChange) {
   const std::string good = made::texture_file(made::nine_models(4, 2), made::eight_triangles());
   std::mt19937_64 random(3);
   int read_count = 0;
-  for (int n = 0; n < 3000; ++n) {
+  for (int n = 0; n < 800; ++n) {
     std::string text = good;
     for (std::size_t k = 0; k <= random() % 3; ++k) {
       const std::size_t at = random() % text.size();
@@ -138,7 +138,7 @@ TEST(TextureFile, BearsAnyChange) {
     EXPECT_TRUE(std::isfinite(blend.deviation));
     for (const double coefficient : read->ar(blend)) EXPECT_TRUE(std::isfinite(coefficient));
   }
-  EXPECT_GT(read_count, 100);
+  EXPECT_GT(read_count, 30);
 }
 
 }  // namespace
