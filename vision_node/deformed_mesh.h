@@ -25,8 +25,8 @@ class DeformedMesh {
     Vec3 p_rest = Vec3::Zero();
     std::uint32_t triangle = 0;
   };
-  // The point of its surface that is closest to p, in the present shape. Work: that of all triangles within the farthest displacement, some
-  // 60 ns each. Pre: finite.
+  // The point of its surface that is closest to p, in the present shape. Work: that of all triangles within the farthest displacement.
+  // Pre: finite.
   Touched find_closest(const Vec3& p) const;
 
   // Where the point of the surface is now that is closest to p_rest at rest.

@@ -251,14 +251,16 @@ TEST_F(AnnotatorTest, UndoAsksForAnObjectToBePutBackInItsTurn) {
   EXPECT_FALSE(annotator->take_due(5'000'000'000)) << "nothing is left";
 }
 
-// The left ball grows to twice its size within a second.
+// Within a second the left ball grows to twice its size, and moves up.
+const Vec3 kUp(0.0, 0.06, 0.0);
+
 struct DeformingAnnotatorTest : AnnotatorTest {
   DeformingAnnotatorTest() {
     MorphTarget target;
     const TriangleMesh& mesh = *scene.objects[0].mesh;
     for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
       target.vertices.push_back(v);
-      target.displacements.push_back(mesh.vertices[v]);
+      target.displacements.emplace_back(mesh.vertices[v] + kUp);
     }
     scene.objects[0].deformation =
         std::make_shared<const MeshDeformation>(std::vector<MorphTarget>{target}, std::vector<MorphKey>{{0.0, {0.0}}, {1.0, {1.0}}}, false);
@@ -267,7 +269,7 @@ struct DeformingAnnotatorTest : AnnotatorTest {
   void touch_at(double time_s, const Vec3& direction, std::uint32_t buttons) {
     ProbeState state;
     state.scene_time_ns = std::llround(1e9 * time_s);
-    state.p_WD = 1.1 * (1.0 + time_s) * kSphere * direction.normalized();  // outside, where a vertex is closest
+    state.p_WD = time_s * kUp + 1.1 * (1.0 + time_s) * kSphere * direction.normalized();  // outside, where a vertex is closest
     state.contact = true;
     state.object = 0;
     state.buttons = buttons;
@@ -334,7 +336,7 @@ TEST_F(DeformingAnnotatorTest, AStrokeStretchesWithTheSurface) {
   const auto draw = [&](double time_s, double angle, std::uint32_t buttons) {
     ProbeState state;
     state.scene_time_ns = std::llround(1e9 * time_s);
-    state.p_WD = (1.0 + time_s) * kSphere * Vec3(std::sin(angle), 0.1, std::cos(angle));
+    state.p_WD = time_s * kUp + (1.0 + time_s) * kSphere * Vec3(std::sin(angle), 0.1, std::cos(angle));
     state.contact = true;
     state.object = 0;
     state.buttons = buttons;
