@@ -24,6 +24,7 @@
 #include "scene/scene_objects.h"
 #include "scene/table_reader.h"
 #include "scene/text_cursor.h"
+#include "scene/view_reader.h"
 #include "scene/workspace_reader.h"
 
 namespace hapton {
@@ -39,6 +40,7 @@ struct SceneSpec {
   std::optional<ObjectSpec> tool;
   std::optional<Vec3> fit_m;
   std::optional<SceneFit> workspace;  // in place of fit_m
+  SceneView view;
   bool is_plain = false;  // stands for a mesh file alone
 
   bool has_maps() const {
@@ -114,7 +116,7 @@ Result<void> set_workspace(const toml::table& table, SceneSpec& spec) {
 Result<SceneSpec> read_spec(const toml::table& table) {
   SceneSpec spec;
   TableReader reader(table, "the scene");
-  reader.allow({"fit_m", "object", "group", "instance", "material", "effect", "tool", "workspace"});
+  reader.allow({"fit_m", "object", "group", "instance", "material", "effect", "tool", "workspace", "camera", "light"});
   std::array<double, 3> fit = {};
   reader.read("fit_m", fit, 1e-9, kMaxLengthM);
   if (reader.error()) return tl::unexpected(*reader.error());
@@ -128,6 +130,9 @@ Result<SceneSpec> read_spec(const toml::table& table) {
   if (const auto read = read_effects(table, spec); !read) return tl::unexpected(read.error());
   if (const auto read = read_tool(table, spec); !read) return tl::unexpected(read.error());
   if (const auto set = set_workspace(table, spec); !set) return tl::unexpected(set.error());
+  auto view = read_view(table);
+  if (!view) return tl::unexpected(view.error());
+  spec.view = std::move(*view);
   return spec;
 }
 
@@ -324,6 +329,7 @@ Result<std::shared_ptr<const KeyframeMotion>> make_felt_motion(const ObjectSpec&
 
 Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& folder, const SceneLoading& loading) {
   Scene scene;
+  scene.view = spec.view;
   MeshCache cache(loading.sealing, loading.look, spec.has_maps());
   MapMaker map_maker(folder);
   note_unused_materials(spec, scene.notes);

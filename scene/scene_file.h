@@ -15,6 +15,7 @@
 #include "scene/library_effect.h"
 #include "scene/scene_loading.h"
 #include "scene/scene_tool.h"
+#include "scene/scene_view.h"
 
 namespace hapton {
 
@@ -56,6 +57,7 @@ struct Scene {
   std::uint64_t given_hash = 0;
   std::optional<SceneTool> tool = {};  // that the stylus holds in place of a probe
   double fit_scale = 1.0;              // what everything was multiplied by so that it fits
+  SceneView view = {};                 // camera and lights
 
   // The scene as input of the force methods; shares the meshes.
   TouchScene touch_scene() const;

@@ -7,7 +7,6 @@
 namespace hapton {
 namespace {
 
-constexpr double kSteepest = 89.0 * std::numbers::pi / 180.0;  // largest pitch: up is undefined at 90 degrees
 constexpr double kLeastZoom = 0.1;
 constexpr double kMostZoom = 100.0;
 // look_at() leaves a margin of a tenth of the radius around the object.
@@ -19,7 +18,7 @@ void CameraView::orbit(double yaw_by_rad, double pitch_by_rad) {
   if (!std::isfinite(yaw_by_rad) || !std::isfinite(pitch_by_rad)) return;
   yaw_rad = std::remainder(yaw_rad + yaw_by_rad, 2.0 * std::numbers::pi);
   // Twice the steepest pitch, so that every pitch can be reached from every initial view.
-  pitch_rad = std::clamp(pitch_rad + pitch_by_rad, -2.0 * kSteepest, 2.0 * kSteepest);
+  pitch_rad = std::clamp(pitch_rad + pitch_by_rad, -2.0 * kSteepestPitch, 2.0 * kSteepestPitch);
 }
 
 void CameraView::zoom_by(double factor) {
@@ -39,7 +38,7 @@ Framing CameraView::apply(const Framing& home) const {
   Framing seen = home;
   seen.p_WC += pan_m;
   seen.yaw_rad += yaw_rad;
-  seen.pitch_rad = std::clamp(home.pitch_rad + pitch_rad, -kSteepest, kSteepest);
+  seen.pitch_rad = std::clamp(home.pitch_rad + pitch_rad, -kSteepestPitch, kSteepestPitch);
   seen.view_m /= zoom;
   seen.aside_m = is_centred ? Vec2(0.0, 0.0) : Vec2(home.aside_m / zoom);
   // If the screen's width is known, the whole viewer scales with the picture, the distance of the eyes included.

@@ -1,8 +1,12 @@
 #pragma once
 
+#include <numbers>
+
 #include "vision_node/stereo_camera.h"
 
 namespace hapton {
+
+inline constexpr double kSteepestPitch = 89.0 * std::numbers::pi / 180.0;  // up is undefined at 90 degrees
 
 // The viewer's position relative to the initial view: orbited round the workspace, zoomed, panned. The haptic scene does not move. Frame W.
 // RT: no. Threads: one.

@@ -24,20 +24,28 @@ class SceneProp : public vtkProp {
   }
 };
 vtkStandardNewMacro(SceneProp)
-// clang-format on
+    // clang-format on
+
+    void add_light(vtkLight* light, const SceneLight& given, vtkRenderer& renderer) {
+  light->SetLightTypeToSceneLight();
+  light->SetPositional(given.has_position);
+  light->SetConeAngle(180.0);  // to all sides
+  light->SetFocalPoint(0.0, 0.0, 0.0);
+  light->SetPosition(given.towards_or_p_W.x(), given.towards_or_p_W.y(), given.towards_or_p_W.z());
+  light->SetColor(given.colour.x(), given.colour.y(), given.colour.z());
+  renderer.AddLight(light);
+}
 
 }  // namespace
 
-EyeView::EyeView(const Viewport& part) {
+EyeView::EyeView(const Viewport& part, const std::vector<SceneLight>& lights) {
   renderer->SetViewport(part.from_x, part.from_y, part.to_x, part.to_y);
   renderer->SetActiveCamera(camera_);
   renderer->AutomaticLightCreationOff();
   renderer->GetCullers()->RemoveAllItems();
   renderer->EraseOff();
-  light_->SetLightTypeToSceneLight();
-  light_->PositionalOff();
-  light_->SetFocalPoint(0.0, 0.0, 0.0);
-  renderer->AddLight(light_);
+  if (lights.empty()) add_light(viewers_light_, {}, *renderer);
+  for (const SceneLight& light : lights) add_light(vtkNew<vtkLight>(), light, *renderer);
   vtkNew<SceneProp> scene;
   scene->view = this;
   renderer->AddViewProp(scene);
@@ -75,7 +83,7 @@ void EyeView::aim(const StereoScreen& screen) {
   camera_->SetExplicitProjectionTransformMatrix(projection);
   camera_->UseExplicitProjectionTransformMatrixOn();
   const Vec3 towards = screen.X_WV.linear() * screen.light_V;
-  light_->SetPosition(towards.x(), towards.y(), towards.z());
+  viewers_light_->SetPosition(towards.x(), towards.y(), towards.z());
   if (size() != placed_) {
     placed_ = size();
     hud.place(placed_);

@@ -2,12 +2,14 @@
 
 #include <functional>
 #include <optional>
+#include <vector>
 
 #include <vtkCamera.h>
 #include <vtkLight.h>
 #include <vtkNew.h>
 #include <vtkRenderer.h>
 
+#include "scene/scene_view.h"
 #include "vision_node/hud_figure.h"
 #include "vision_node/label_figure.h"
 #include "vision_node/stereo_camera.h"
@@ -25,7 +27,8 @@ struct Viewport {
 // One viewport: the whole window, or one eye's half of it. Threads: the window's. RT: no.
 struct EyeView {
   // A renderer for that part of the window. It clears nothing, and draws the scene first.
-  explicit EyeView(const Viewport& part);
+  // lights: in place of the one that goes with the viewer; frame W.
+  explicit EyeView(const Viewport& part, const std::vector<SceneLight>& lights = {});
 
   Eye eye = Eye::centre;
   bool composed = false;              // VTK draws both eyes through this view; the camera's LeftEye says which one
@@ -45,12 +48,12 @@ struct EyeView {
   StereoScreen screen(const Framing& framing);
   // The eye that VTK is drawing.
   Eye eye_now() const;
-  // Gives the camera that eye's position and projection, moves the light along, and places the HUD where the viewport was resized.
+  // Gives the camera that eye's position and projection, moves the viewer's light along, and places the HUD where the viewport was resized.
   void aim(const StereoScreen& screen);
 
  private:
   vtkNew<vtkCamera> camera_;
-  vtkNew<vtkLight> light_;
+  vtkNew<vtkLight> viewers_light_;
   PictureSize placed_;  // of the HUD
 };
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/geometry/mesh_measures.h"
+#include "vision_node/camera_view.h"
 #include "vision_node/depth_cues.h"
 #include "vision_node/knob_box.h"
 
@@ -105,6 +106,43 @@ Framing frame_on_screen(const Scene& scene, const VisionOptions& options) {
   return framing;
 }
 
+// Yaw, pitch and roll of a screen with that normal, whose y axis is as near to `up` as it can be.
+void turn_to(const Vec3& towards_viewer, const Vec3& up, Framing& framing) {
+  const Vec3 z = towards_viewer.normalized();
+  const Vec3 x = up.cross(z).normalized();
+  const Vec3 y = z.cross(x);
+  const double steepness = std::clamp(z.y(), -1.0, 1.0);
+  framing.pitch_rad = std::clamp(std::asin(steepness), -kSteepestPitch, kSteepestPitch);
+  // From straight above or below, yaw and roll are the same: the picture's top, or its bottom, gives the yaw.
+  const bool is_steep = std::abs(std::asin(steepness)) > kSteepestPitch;
+  const Vec3 ahead = !is_steep ? z : steepness > 0.0 ? Vec3(-y) : y;
+  framing.yaw_rad = std::atan2(ahead.x(), ahead.z());
+  if (is_steep) return;
+  const Vec3 level(std::cos(framing.yaw_rad), 0.0, -std::sin(framing.yaw_rad));
+  framing.roll_rad = std::atan2(level.cross(x).dot(z), level.dot(x));
+}
+
+// The viewer is as large as the distance: depth looks the same at every scale.
+Framing frame_by_camera(const SceneCamera& camera, const Scene& scene, const VisionOptions& options) {
+  Framing framing;
+  framing.p_WC = camera.p_WC;
+  framing.distance_m = (camera.p_WE - camera.p_WC).norm();
+  framing.ipd_m = 1e-3 * options.ipd_mm * framing.distance_m / kDeskDistance;
+  framing.view_m = 2.0 * framing.distance_m * std::tan(0.5 * camera.view_angle_deg * std::numbers::pi / 180.0);
+  turn_to(camera.p_WE - camera.p_WC, camera.up, framing);
+  // Whatever the dials do.
+  double squared_radius = workspace_radius_m() * workspace_radius_m();
+  for (const SceneObject& object : scene.objects) {
+    for (const Vec3& p_S : object.mesh->vertices) squared_radius = std::max(squared_radius, p_S.squaredNorm());
+  }
+  framing.depth_m = std::sqrt(squared_radius) + camera.p_WC.norm();
+  if (options.is_view_yaw_given) framing.yaw_rad = options.view_yaw_deg * std::numbers::pi / 180.0;
+  if (options.is_view_pitch_given) framing.pitch_rad = options.view_pitch_deg * std::numbers::pi / 180.0;
+  if (options.view_mm > 0.0) framing.view_m = options.view_mm * 1e-3;
+  framing.head = options.head;
+  return framing;
+}
+
 }  // namespace
 
 SceneSphere bound_scene(const Scene& scene) {
@@ -127,6 +165,7 @@ SceneSphere bound_scene(const Scene& scene) {
 
 Framing frame_scene(const Scene& scene, const VisionOptions& options) {
   if (options.screen) return frame_on_screen(scene, options);
+  if (scene.view.camera && find_view_flag(options).empty()) return frame_by_camera(*scene.view.camera, scene, options);
   const double ipd_m = options.ipd_mm * 1e-3;
   const SceneSphere sphere = bound_scene(scene);
   const double radius_m = std::max(kMinRadius, sphere.radius_m);
@@ -145,6 +184,13 @@ Framing frame_scene(const Scene& scene, const VisionOptions& options) {
   framing.screen_width_m = options.screen_width_mm * 1e-3;
   framing.head = options.head;
   return framing;
+}
+
+std::string_view find_view_flag(const VisionOptions& options) {
+  if (options.screen) return "--screen";
+  if (options.screen_width_mm > 0.0) return "--screen-width-mm";
+  if (options.view.stereo == StereoMode::openxr) return "--stereo openxr";
+  return options.head_source.tracker || options.has_space_head ? "--head" : "";
 }
 
 }  // namespace hapton

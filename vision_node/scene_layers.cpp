@@ -22,8 +22,8 @@ bool same_pass(const ScenePass& a, const ScenePass& b) {
 
 }  // namespace
 
-Result<std::unique_ptr<SceneLayers>> SceneLayers::make(const std::vector<ShownObject>& objects) {
-  auto painter = ScenePainter::make(objects);
+Result<std::unique_ptr<SceneLayers>> SceneLayers::make(const std::vector<ShownObject>& objects, std::vector<SceneLight> lights) {
+  auto painter = ScenePainter::make(objects, std::move(lights));
   if (!painter) return tl::unexpected(painter.error());
   return std::unique_ptr<SceneLayers>(new SceneLayers(std::move(*painter)));
 }

@@ -18,7 +18,7 @@ namespace hapton {
 class SceneLayers {
  public:
   // Error: shaders that the driver rejects.
-  static Result<std::unique_ptr<SceneLayers>> make(const std::vector<ShownObject>& objects);
+  static Result<std::unique_ptr<SceneLayers>> make(const std::vector<ShownObject>& objects, std::vector<SceneLight> lights = {});
 
   // Draws those eyes' pictures that no longer match the passes. Leaves OpenGL's state unchanged.
   void prepare(std::span<const ScenePass> passes, const GlFormat& format);

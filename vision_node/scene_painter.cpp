@@ -11,6 +11,7 @@
 #include "vision_node/depth_order.h"
 #include "vision_node/detail_choice.h"
 #include "vision_node/flat_buffers.h"
+#include "vision_node/scene_lights.h"
 #include "vision_node/scene_shaders.h"
 #include "vision_node/surface_paint.h"
 #include "vision_node/texture_layers.h"
@@ -111,13 +112,15 @@ Result<void> ScenePainter::make_programs() {
   struct Sources {
     std::unique_ptr<GlProgram>& program;
     std::string vertex;
-    std::string_view fragment;
+    std::string fragment;
   };
-  const Sources all[] = {{shaded_, fmt::format("{}{}", kLighting, kVertexShader), kFragmentShader},
-                         {painted_, fmt::format("{}{}", kLighting, kPaintedVertexShader), kPaintedFragmentShader},
-                         {finished_, fmt::format("{}{}", kLighting, kFinishedVertexShader), kFinishedFragmentShader},
-                         {background_, std::string(kBackgroundVertexShader), kBackgroundFragmentShader},
-                         {single_, std::string(kSingleVertexShader), kSingleFragmentShader}};
+  const std::string head = shader_head(lights_.size());
+  const Sources all[] = {
+      {shaded_, fmt::format("{}{}{}", head, kLighting, kVertexShader), fmt::format("{}{}", head, kFragmentShader)},
+      {painted_, fmt::format("{}{}{}", head, kLighting, kPaintedVertexShader), fmt::format("{}{}", head, kPaintedFragmentShader)},
+      {finished_, fmt::format("{}{}{}", head, kLighting, kFinishedVertexShader), fmt::format("{}{}", head, kFinishedFragmentShader)},
+      {background_, std::string(kBackgroundVertexShader), std::string(kBackgroundFragmentShader)},
+      {single_, std::string(kSingleVertexShader), std::string(kSingleFragmentShader)}};
   for (const Sources& sources : all) {
     auto made = GlProgram::make(sources.vertex, sources.fragment);
     if (!made) return tl::unexpected(made.error());
@@ -126,8 +129,9 @@ Result<void> ScenePainter::make_programs() {
   return {};
 }
 
-Result<std::unique_ptr<ScenePainter>> ScenePainter::make(const std::vector<ShownObject>& objects) {
+Result<std::unique_ptr<ScenePainter>> ScenePainter::make(const std::vector<ShownObject>& objects, std::vector<SceneLight> lights) {
   std::unique_ptr<ScenePainter> painter(new ScenePainter);
+  painter->lights_ = std::move(lights);
   if (auto made = painter->make_programs(); !made) return tl::unexpected(made.error());
   glGenBuffers(1, &painter->index_buffer_);
   glGenVertexArrays(1, &painter->empty_vertices_);
@@ -346,7 +350,7 @@ void ScenePainter::begin_objects(const ScenePass& pass) const {
   const bool is_hazy = pass.depth_cues && !pass.plain;
   for (const GlProgram* program : {finished_.get(), painted_.get(), shaded_.get()}) {
     program->use();
-    program->set("light", pass.screen.light_V);
+    set_lights(*program, lights_, pass.screen, pass.eye);
     program->set("plain", pass.plain ? 1 : 0);
     program->set("haze", kHaze);
     program->set("haze_from", is_hazy ? 1.0 - 0.1 * (pass.screen.far_m / pass.screen.distance_m - 1.0) : 1e6);

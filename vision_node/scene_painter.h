@@ -7,6 +7,7 @@
 #include "core/base/result.h"
 #include "core/geometry/triangle_mesh.h"
 #include "scene/mesh_look.h"
+#include "scene/scene_view.h"
 #include "vision_node/detail_builder.h"
 #include "vision_node/gl_program.h"
 #include "vision_node/stereo_camera.h"
@@ -51,16 +52,16 @@ struct PaintCursor {
   bool is_at_start() const { return stage == PaintStage::solid && object == 0 && cluster == 0; }
 };
 
-// Draws the static scene in its colours and textures, flat shaded under one light that goes with the viewer, by OpenGL in the window's
-// context, each mesh in a level of detail. A mesh is sent to the graphics driver once for all eyes. Threads: the window's; its context is
-// current, at the end as well.
+// Draws the static scene in its colours and textures, flat shaded under its lights, or one that goes with the viewer, by OpenGL in the
+// window's context, each mesh in a level of detail. A mesh is sent to the graphics driver once for all eyes. Threads: the window's; its
+// context is current, at the end as well.
 class ScenePainter {
  public:
   // Triangles of a frame while the scene moves, of all objects together, if no coarser level is as good (frames_bench).
   static constexpr std::size_t kTriangleBudget = 60'000;
 
   // Starts making the levels of detail. Error: shaders that the driver rejects.
-  static Result<std::unique_ptr<ScenePainter>> make(const std::vector<ShownObject>& objects);
+  static Result<std::unique_ptr<ScenePainter>> make(const std::vector<ShownObject>& objects, std::vector<SceneLight> lights = {});
   ~ScenePainter();
 
   // Moves an object, as its mesh has it, by X_SO from now on, or leaves it out.
@@ -112,6 +113,7 @@ class ScenePainter {
   std::size_t paint_part(const Object& object, std::size_t level, const ScenePass& pass, const Part& part);
   void paint_visible(const Object& object, std::uint32_t vertices, const Mat4& to_clip, const Mat4& to_eye) const;
 
+  std::vector<SceneLight> lights_;  // empty: one that goes with the viewer
   std::vector<std::unique_ptr<Object>> objects_;
   std::size_t all_triangles_ = 0;
   std::unique_ptr<GlProgram> shaded_, painted_, finished_, background_, single_;

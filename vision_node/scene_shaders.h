@@ -1,31 +1,63 @@
 #pragma once
 
+#include <fmt/format.h>
+
+#include <cstddef>
+#include <string>
 #include <string_view>
 
 // The shaders of ScenePainter, GLSL of OpenGL 3.2.
 namespace hapton {
 
+// First in each of these shaders of lit triangles, before kLighting. LIT: what a colour is multiplied by, and what is then added; the same
+// for red, green and blue with the one white light that goes with the viewer (lights: 0).
+inline std::string shader_head(std::size_t lights) {
+  return fmt::format("#version 150\n#define LIGHTS {}\n#define LIT {}\n", lights, lights == 0 ? "vec2" : "mat2x3");
+}
+
 // Part of every vertex shader of the scene: computes the vertex's position. The visible side of a triangle is lit: a share of its own
-// colour, and the highlight, whose power of 18 is made by products.
-inline constexpr std::string_view kLighting = R"(#version 150
+// colour, and the highlight, whose power of 18 is made by products. Lights of the scene are at a place of the eye's frame, or in a
+// direction.
+inline constexpr std::string_view kLighting = R"(
 uniform mat4 to_clip, to_eye;
-uniform vec3 light;
 uniform float haze_from, haze_to;
 uniform int plain;
 out float far;
-vec2 place_and_light(vec3 position, vec3 direction) {
-  gl_Position = to_clip * vec4(position, 1.0);
-  vec3 to_viewer = -(to_eye * vec4(position, 1.0)).xyz;
-  vec3 normal = normalize(mat3(to_eye) * direction);
-  normal *= dot(normal, to_viewer) < 0.0 ? -1.0 : 1.0;
-  float towards = dot(normal, light);
+float shine(vec3 normal, vec3 light, float towards, vec3 to_viewer) {
   float mirrored = max(0.0, dot(2.0 * towards * normal - light, normalize(to_viewer)));
   float p2 = mirrored * mirrored;
   float p4 = p2 * p2;
   float p16 = p4 * p4;
   p16 *= p16;
+  return 0.22 * p16 * p2 * step(0.0, towards);
+}
+#if LIGHTS == 0
+uniform vec3 light;
+LIT light_up(vec3 normal, vec3 to_viewer) {
+  float towards = dot(normal, light);
+  return plain != 0 ? vec2(1.0, 0.0) : vec2(0.20 + 0.88 * max(0.0, towards), shine(normal, light, towards, to_viewer));
+}
+#else
+uniform vec3 light_at[LIGHTS], light_colours[LIGHTS];
+uniform float light_has_position[LIGHTS];
+LIT light_up(vec3 normal, vec3 to_viewer) {
+  LIT lit = LIT(vec3(0.20), vec3(0.0));
+  for (int i = 0; i < LIGHTS; ++i) {
+    vec3 light = normalize(light_at[i] + light_has_position[i] * to_viewer);
+    float towards = dot(normal, light);
+    lit[0] += 0.88 * max(0.0, towards) * light_colours[i];
+    lit[1] += shine(normal, light, towards, to_viewer) * light_colours[i];
+  }
+  return plain != 0 ? LIT(vec3(1.0), vec3(0.0)) : lit;
+}
+#endif
+LIT place_and_light(vec3 position, vec3 direction) {
+  gl_Position = to_clip * vec4(position, 1.0);
+  vec3 to_viewer = -(to_eye * vec4(position, 1.0)).xyz;
+  vec3 normal = normalize(mat3(to_eye) * direction);
+  normal *= dot(normal, to_viewer) < 0.0 ? -1.0 : 1.0;
   far = clamp((to_viewer.z - haze_from) / (haze_to - haze_from), 0.0, 0.45);
-  return plain != 0 ? vec2(1.0, 0.0) : vec2(0.20 + 0.88 * max(0.0, towards), 0.22 * p16 * p2 * step(0.0, towards));
+  return light_up(normal, to_viewer);
 }
 )";
 
@@ -36,12 +68,12 @@ in vec4 direction;
 uniform vec3 colour;
 flat out vec3 shade;
 void main() {
-  vec2 lit = place_and_light(position, direction.xyz);
-  shade = colour * lit.x + lit.y;
+  LIT lit = place_and_light(position, direction.xyz);
+  shade = colour * lit[0] + lit[1];
 }
 )";
 
-inline constexpr std::string_view kFragmentShader = R"(#version 150
+inline constexpr std::string_view kFragmentShader = R"(
 flat in vec3 shade;
 in float far;
 uniform vec3 haze;
@@ -55,7 +87,7 @@ in vec3 position;
 in vec4 direction;
 in vec4 tint;
 in vec2 place;
-flat out vec2 lit;
+flat out LIT lit;
 flat out float layer;
 out vec3 colour;
 out vec2 at;
@@ -67,8 +99,8 @@ void main() {
 }
 )";
 
-inline constexpr std::string_view kPaintedFragmentShader = R"(#version 150
-flat in vec2 lit;
+inline constexpr std::string_view kPaintedFragmentShader = R"(
+flat in LIT lit;
 flat in float layer;
 in vec3 colour;
 in vec2 at;
@@ -80,7 +112,7 @@ out vec4 shown;
 void main() {
   vec3 own = colour;
   if (textured != 0) own *= mix(vec3(1.0), texture(images, vec3(at, max(0.0, layer - 1.0))).rgb, step(0.5, layer));
-  shown = vec4(mix(own * lit.x + lit.y, haze, far), 1.0);
+  shown = vec4(mix(own * lit[0] + lit[1], haze, far), 1.0);
 }
 )";
 
@@ -92,7 +124,7 @@ in vec4 direction;
 in vec4 tint;
 in vec2 place;
 in vec4 finish;
-flat out vec2 lit;
+flat out LIT lit;
 flat out float layer;
 flat out vec4 kind;
 out vec4 colour;
@@ -109,8 +141,8 @@ void main() {
 
 // The texture repeats by itself. Where it does not, its place is kept half a texel from the edge, of the level of the texture that is
 // sampled: beyond, the driver mixes in the opposite edge.
-inline constexpr std::string_view kFinishedFragmentShader = R"(#version 150
-flat in vec2 lit;
+inline constexpr std::string_view kFinishedFragmentShader = R"(
+flat in LIT lit;
 flat in float layer;
 flat in vec4 kind;
 in vec4 colour;
@@ -134,7 +166,7 @@ void main() {
   vec4 own = colour;
   if (textured != 0) own *= mix(vec4(1.0), sample_image(), step(0.5, layer));
   if (own.a < kind.x - 0.25 / 255.0) discard;
-  shown = vec4(mix(own.rgb * lit.x + lit.y, haze, far), mix(1.0, own.a, kind.y));
+  shown = vec4(mix(own.rgb * lit[0] + lit[1], haze, far), mix(1.0, own.a, kind.y));
 }
 )";
 

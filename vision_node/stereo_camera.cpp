@@ -31,6 +31,7 @@ void place_picture(const Framing& framing, PictureSize size, StereoScreen& scree
   const Eigen::AngleAxisd yaw(framing.yaw_rad, Vec3::UnitY());
   const Eigen::AngleAxisd pitch(-framing.pitch_rad, Vec3::UnitX());
   screen.X_WV = Eigen::Translation3d(framing.p_WC) * yaw * pitch * Eigen::Translation3d(framing.aside_m.x(), framing.aside_m.y(), 0.0);
+  if (framing.roll_rad != 0.0) screen.X_WV.rotate(Eigen::AngleAxisd(framing.roll_rad, Vec3::UnitZ()));
   const double width = std::max(1, size.width_px);
   const double height = std::max(1, size.height_px);
   const double metres_per_pixel = framing.view_m / std::min(width, height);

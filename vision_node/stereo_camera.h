@@ -52,6 +52,7 @@ struct Framing {
   Vec2 aside_m = Vec2::Zero();        // of the screen's centre from there, in the screen's plane: right, up
   double yaw_rad = 0.0;               // the viewer is this far to the right ...
   double pitch_rad = 0.0;             // ... and this far above the centre's z axis
+  double roll_rad = 0.0;              // and the screen is turned this far about its z axis, against the clock
   double view_m = 0.3;                // the picture's smaller side, on the zero-parallax plane
   double distance_m = kDeskDistance;  // from the eyes to the zero-parallax plane, while the head is where it is at first
   double ipd_m = 0.063;               // between the eyes: mean of adults (Dodgson 2004)

@@ -169,7 +169,7 @@ void StereoView::Window::arrange() {
 }
 
 void StereoView::Window::add_eye(Eye eye, const Viewport& part) {
-  auto view = std::make_unique<EyeView>(part);
+  auto view = std::make_unique<EyeView>(part, settings.lights);
   view->eye = eye;
   view->composed = vtk_stereo_type(mode) != 0;
   view->swapped = swapped;
@@ -259,7 +259,7 @@ Result<std::unique_ptr<StereoView>> StereoView::open(const ViewSettings& setting
   window->settings = settings;
   if (auto opened = window->open(); !opened) return tl::unexpected(opened.error());
   window->window->MakeCurrent();
-  auto layers = SceneLayers::make(objects);
+  auto layers = SceneLayers::make(objects, settings.lights);
   if (!layers) return tl::unexpected(layers.error());
   window->layers = std::move(*layers);
   window->probe = std::make_unique<ProbeFigure>(scale_probe(settings.framing), ProbeLook::first());

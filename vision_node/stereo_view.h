@@ -12,6 +12,7 @@
 
 #include "core/base/result.h"
 #include "scene/scene_tool.h"
+#include "scene/scene_view.h"
 #include "vision_node/interaction.h"
 #include "vision_node/live_plots.h"
 #include "vision_node/probe_shown.h"
@@ -38,6 +39,7 @@ struct ViewSettings {
   bool plain = false;      // a dark background, no light, no HUD: for tests that measure pixels
   bool depth_cues = true;  // ground, shadow, workspace, haze and scale bar; none with plain
   Framing framing;
+  std::vector<SceneLight> lights = {};  // in place of the one that goes with the viewer; at most SceneView::kMostLights
 };
 
 // The pixels of the window: rows from the bottom, 3 bytes (red, green, blue) a pixel.
@@ -54,7 +56,7 @@ struct HeadsetEyes {
   StereoScreen right;
 };
 
-// The window with the stereo picture: static scene under one infinite light, probe, force arrow, HUD. The scene is drawn only
+// The window with the stereo picture: static scene under its lights, probe, force arrow, HUD. The scene is drawn only
 // when its image changes, and kept; probe and HUD are drawn over it. side_by_side and top_bottom draw two viewports, openxr
 // the two images of a headset, each eye with its own view and off-axis projection matrix. All other modes are composed by VTK,
 // whose own eye matrices are replaced by ours for each eye's pass. So all modes of the window show the same two images.

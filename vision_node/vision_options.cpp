@@ -302,6 +302,8 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
 
   if (const auto code = parse_command_line(app, argc, argv)) return *code;
   options.is_scene_given = app.count("--scene") > 0;
+  options.is_view_yaw_given = app.count("--view-yaw-deg") > 0;
+  options.is_view_pitch_given = app.count("--view-pitch-deg") > 0;
   options.is_loading_given = app.count("--unit") + app.count("--no-fit") > 0;
   set_head(head, options);
   set_room(room, options);

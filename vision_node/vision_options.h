@@ -42,6 +42,8 @@ struct VisionOptions {
   // A three-quarter view shows depth and the force that points at the hand, and is little enough for the hand not to mind.
   double view_yaw_deg = -25.0;
   double view_pitch_deg = 20.0;
+  bool is_view_yaw_given = false;  // on the command line; otherwise the scene's camera counts, where there is one
+  bool is_view_pitch_given = false;
   double stylus_lean_deg = 50.0;
   double probe_radius_m = -1.0;  // below 0: as the haptics node says
   double view_mm = 0.0;          // 0: as the scene needs

@@ -23,6 +23,10 @@ constexpr std::int64_t kTurnNs = 4 * kNanosecondsPerMillisecond;
 
 Result<std::unique_ptr<StereoView>> open_view(const Scene& scene, VisionOptions& options) {
   options.view.framing = frame_scene(scene, options);
+  options.view.lights = scene.view.lights;
+  if (const std::string_view flag = find_view_flag(options); scene.view.camera && !flag.empty()) {
+    log_info("the scene's [camera] does not apply, because {} says from where it is seen", flag);
+  }
   const SceneSphere sphere = bound_scene(scene);
   options.p_SO = sphere.p_SO;
   options.scene_radius_m = sphere.radius_m;

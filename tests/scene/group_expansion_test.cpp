@@ -383,8 +383,10 @@ TEST_F(GroupedScene, TheDocumentedExamplesWork) {
   folder_.write("wheel.stl", sample::binary_stl(sample::tetrahedron()));
   const std::string groups = documented_example("Groups and instances");
   EXPECT_THAT(names_of(groups), ElementsAre("rear axle/left", "rear axle/right", "axle/left", "axle/right"));
-  const auto scene = load(groups + documented_example("The workspace"));
+  const auto scene = load(groups + documented_example("Camera and lights") + documented_example("The workspace"));
   ASSERT_TRUE(scene) << scene.error().what;
+  EXPECT_TRUE(scene->view.camera);
+  EXPECT_THAT(scene->view.lights, SizeIs(1));
   EXPECT_DOUBLE_EQ(scene->fit_scale, 0.1);
   for (const SceneObject& object : scene->objects) EXPECT_EQ(object.material.stiffness_n_per_m, 400.0) << object.name;
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <thread>
+#include <vector>
 
 #include "tests/vision_node/made_images.h"
 #include "tests/vision_node/made_views.h"
@@ -335,6 +336,46 @@ TEST(PaintedScene, LeavesOtherObjectsAsTheyAre) {
   const Picture picture = view->read_picture();
   EXPECT_EQ(pixel_at(*view, picture, {0.8 * kHalf, 0.8 * kHalf, 0}), (std::array{128, 128, 128}));
   EXPECT_EQ(pixel_at(*view, picture, {0.0, 0.0, 0.05}), (std::array{255, 128, 0}));
+}
+
+// The square under lights of the scene, in grey, and what the middle of it looks like.
+std::array<int, 3> middle_under(const std::vector<SceneLight>& lights, const Vec3& at = Vec3::Zero()) {
+  ViewSettings settings = plain_settings(StereoMode::mono, 400, 400);
+  settings.plain = false;
+  settings.depth_cues = false;
+  settings.lights = lights;
+  const auto view = open_or_fail(settings, {{make_square(40), Vec3(0.5, 0.5, 0.5), nullptr}});
+  if (!view) return {};
+  view->draw();
+  return pixel_at(*view, view->read_picture(), at);
+}
+
+// 0.5 of the share of the colour that the light gives: 0.20 from all sides and 0.88 of what comes in at a right angle.
+int grey(double share) { return static_cast<int>(std::lround(255.0 * 0.5 * share)); }
+
+TEST(PaintedScene, IsLitByTheLightsOfTheScene) {
+  const Vec3 aside = Vec3(0.0, std::sqrt(0.75), 0.5);  // 60 degrees: no highlight towards the viewer
+  const auto red = middle_under({{.towards_or_p_W = aside, .colour = {1.0, 0.0, 0.0}}});
+  EXPECT_NEAR(red[0], grey(0.20 + 0.88 * 0.5), 3);
+  EXPECT_NEAR(red[1], grey(0.20), 3);
+  EXPECT_NEAR(red[2], grey(0.20), 3);
+  // Light from behind does not reach the visible side.
+  EXPECT_NEAR(middle_under({{.towards_or_p_W = -aside, .colour = {1.0, 1.0, 1.0}}})[0], grey(0.20), 3);
+  // Two add up, each in its colour.
+  const auto both =
+      middle_under({{.towards_or_p_W = aside, .colour = {0.5, 0.0, 0.0}}, {.towards_or_p_W = aside, .colour = {0.5, 1.0, 0.0}}});
+  EXPECT_NEAR(both[0], grey(0.20 + 0.88 * 0.5), 3);
+  EXPECT_NEAR(both[1], grey(0.20 + 0.88 * 0.5), 3);
+  EXPECT_NEAR(both[2], grey(0.20), 3);
+}
+
+TEST(PaintedScene, ALightAtAPlaceShinesFromThere) {
+  const SceneLight lamp{.has_position = true, .towards_or_p_W = {0.0, 0.06, 0.02}};
+  for (const double y : {0.0, 0.03, -0.05}) {
+    const Vec3 from = lamp.towards_or_p_W - Vec3(0.0, y, 0.0);
+    const int least = grey(0.20 + 0.88 * from.normalized().z());
+    EXPECT_NEAR(middle_under({lamp}, {0.0, y, 0.0})[0], least, 8) << y << ": flat shaded in cells of 4 mm";
+  }
 }
 
 }  // namespace

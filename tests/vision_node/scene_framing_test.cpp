@@ -2,6 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+#include <string_view>
+#include <utility>
+#include <vector>
+
 #include "tests/vision_node/made_views.h"
 #include "vision_node/depth_cues.h"
 
@@ -137,6 +143,84 @@ TEST(SceneFraming, UsesTheGivenSize) {
   VisionOptions options = in_window();
   options.view_mm = 50.0;
   EXPECT_EQ(frame_scene(ball_at(Vec3::Zero(), 0.05), options).view_m, 0.05);
+}
+
+Scene seen_by(const SceneCamera& camera) {
+  Scene scene = ball_at(Vec3::Zero(), 0.05);
+  scene.view.camera = camera;
+  return scene;
+}
+
+// Where the point between the eyes is, and what is in the middle of the picture and at the middle of its upper edge.
+void expect_camera(const Framing& framing, const SceneCamera& camera, double tolerance) {
+  EXPECT_LT((compute_eye_position(compute_screen(framing, kWindow), Eye::centre) - camera.p_WE).norm(), tolerance);
+  EXPECT_LT((pixel_of(framing, camera.p_WC) - Vec2(640.0, 360.0)).norm(), 1e-6);
+  const Vec3 back = camera.p_WE - camera.p_WC;
+  const Vec3 up = (camera.up - camera.up.dot(back) / back.squaredNorm() * back).normalized();
+  const double half_m = back.norm() * std::tan(0.5 * camera.view_angle_deg * std::numbers::pi / 180.0);
+  EXPECT_LT((pixel_of(framing, camera.p_WC + half_m * up) - Vec2(640.0, 720.0)).norm(), 720.0 * tolerance);
+}
+
+TEST(SceneFraming, TheScenesCameraSeesWhatItSays) {
+  for (const SceneCamera& camera : {SceneCamera{.p_WE = {0.3, 0.5, 0.6}, .p_WC = {0.0, 0.1, 0.0}},
+                                    {.p_WE = {-0.2, -0.4, -0.5}, .p_WC = {0.1, 0.0, 0.02}, .view_angle_deg = 60.0},
+                                    {.p_WE = {0.0, 0.1, 0.9}, .up = Vec3(1.0, 1.0, 0.0).normalized()},
+                                    {.p_WE = {3.0, 4.0, 5.0}, .up = -Vec3::UnitZ(), .view_angle_deg = 5.0}}) {
+    const Framing framing = frame_scene(seen_by(camera), in_window());
+    expect_camera(framing, camera, 1e-9);
+    EXPECT_NEAR(framing.ipd_m / framing.distance_m, 0.063 / kDeskDistance, 1e-12) << "depth looks as at a desk";
+    const StereoScreen screen = compute_screen(framing, kWindow);
+    EXPECT_GT(screen.far_m, camera.p_WE.norm() + 0.05);
+    EXPECT_LT(screen.near_m, camera.p_WE.norm() - 0.05);
+  }
+}
+
+// Within the degree from which on up is undefined.
+TEST(SceneFraming, TheScenesCameraMayLookStraightDownOrUp) {
+  for (const double height_m : {0.7, -0.7}) {
+    for (const Vec3& up : {Vec3(0, 0, -1), Vec3(1, 0, 0), Vec3(-0.6, 0, 0.8)}) {
+      const SceneCamera camera{.p_WE = {0.0, height_m, 0.0}, .up = up};
+      expect_camera(frame_scene(seen_by(camera), in_window()), camera, 0.02);
+    }
+  }
+}
+
+TEST(SceneFraming, FlagsCountMoreThanTheScenesCamera) {
+  const SceneCamera camera{.p_WE = {0.3, 0.5, 0.6}, .p_WC = {0.0, 0.1, 0.0}};
+  const Framing seen = frame_scene(seen_by(camera), in_window());
+  VisionOptions options = in_window();
+  options.view_yaw_deg = 10.0;
+  options.is_view_yaw_given = true;
+  EXPECT_NEAR(frame_scene(seen_by(camera), options).yaw_rad, 10.0 * std::numbers::pi / 180.0, 1e-12);
+  EXPECT_EQ(frame_scene(seen_by(camera), options).pitch_rad, seen.pitch_rad);
+  options.view_pitch_deg = 5.0;
+  options.is_view_pitch_given = true;
+  EXPECT_NEAR(frame_scene(seen_by(camera), options).pitch_rad, 5.0 * std::numbers::pi / 180.0, 1e-12);
+  options.view_mm = 50.0;
+  EXPECT_EQ(frame_scene(seen_by(camera), options).view_m, 0.05);
+  EXPECT_EQ(frame_scene(seen_by(camera), options).p_WC, camera.p_WC);
+}
+
+// Each of these says where the eyes are.
+TEST(SceneFraming, TheScenesCameraGivesWayToAHeadAndAScreen) {
+  const Scene scene = seen_by({.p_WE = {3.0, 4.0, 5.0}});
+  std::vector<std::pair<std::string_view, VisionOptions>> all(4, {"", in_window()});
+  all[0].first = "--screen";
+  all[0].second.screen = ScreenRectangle{Pose::Identity(), 0.32, 0.24};
+  all[1].first = "--screen-width-mm";
+  all[1].second.screen_width_mm = 520.0;
+  all[2].first = "--stereo openxr";
+  all[2].second.view.stereo = StereoMode::openxr;
+  all[3].first = "--head";
+  all[3].second.has_space_head = true;
+  for (const auto& [flag, options] : all) {
+    EXPECT_EQ(find_view_flag(options), flag);
+    const Framing without = frame_scene(ball_at(Vec3::Zero(), 0.05), options);
+    const Framing with = frame_scene(scene, options);
+    EXPECT_EQ(compute_screen(with, kWindow).X_WV.matrix(), compute_screen(without, kWindow).X_WV.matrix()) << flag;
+    EXPECT_EQ(with.distance_m, without.distance_m) << flag;
+  }
+  EXPECT_EQ(find_view_flag(in_window()), "");
 }
 
 TEST(SceneSphere, IsRoundTheMiddleOfTheBox) {

@@ -49,6 +49,16 @@ TEST(VisionOptions, FlagsArrive) {
   EXPECT_EQ(std::get<VisionOptions>(parse({"--unit", "mm"})).loading.unit, Unit::mm);
 }
 
+// So that they count more than the scene's camera.
+TEST(VisionOptions, KnowWhichAnglesWereGiven) {
+  const auto none = std::get<VisionOptions>(parse({}));
+  EXPECT_FALSE(none.is_view_yaw_given || none.is_view_pitch_given);
+  const auto yaw = std::get<VisionOptions>(parse({"--view-yaw-deg", "-25"}));
+  EXPECT_TRUE(yaw.is_view_yaw_given && !yaw.is_view_pitch_given);
+  const auto pitch = std::get<VisionOptions>(parse({"--view-pitch-deg", "20"}));
+  EXPECT_TRUE(!pitch.is_view_yaw_given && pitch.is_view_pitch_given);
+}
+
 TEST(VisionOptions, ASecondHubIsAnotherHand) {
   const auto one = std::get<VisionOptions>(parse({"--hub", "a"}));
   EXPECT_EQ(one.hub, "a");

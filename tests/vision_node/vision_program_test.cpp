@@ -74,6 +74,22 @@ TEST(VisionProgram, AWindowOfAnotherShapeThanTheScreenIsReported) {
   EXPECT_TRUE(std::filesystem::exists(picture));
 }
 
+TEST(VisionProgram, SaysThatAScenesCameraDoesNotApply) {
+  const ScratchFolder scratch;
+  const std::string object = "[[object]]\nmesh = '" HAPTON_SOURCE_DIR "/meshes/car_front_3300.obj'\n";
+  const std::string scene =
+      scratch.write("a.toml", object + "[camera]\nposition_m = [0, 1, 2]\n[[light]]\ndirection = [0, -1, -1]\n").string();
+  const std::string arguments = "--offscreen --size 320x180 --seconds 0.3 --hub 127.0.0.1:9 --screenshot " +
+                                (scratch.path() / "a.png").string() + " --scene " + scene;
+  const std::string line = "the scene's [camera] does not apply, because --screen-width-mm says from where it is seen";
+  const Ended without = run_vision(arguments);
+  EXPECT_EQ(without.code, 0) << without.output;
+  EXPECT_EQ(without.output.find("[camera]"), std::string::npos) << without.output;
+  const Ended with = run_vision(arguments + " --screen-width-mm 520");
+  EXPECT_EQ(with.code, 0) << with.output;
+  EXPECT_NE(with.output.find(line), std::string::npos) << with.output;
+}
+
 TEST(VisionProgram, AScreenFileThatIsWrongIsOneLine) {
   const ScratchFolder scratch;
   scratch.write("screen.toml",
