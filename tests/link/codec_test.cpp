@@ -29,18 +29,15 @@ std::size_t length_of_text(const Message& message) {
   return text != nullptr ? std::string_view(text->data()).size() : 0;
 }
 
-// Two vectors, each with two bytes of tag and one of length, and in sessions with a tool only.
+// Two vectors, each with two bytes of tag and one of length, in sessions with a tool only.
 std::size_t length_of_push(const Message& message) {
-  const auto* force = std::get_if<ForceCommand>(&message);
   const auto* probe = std::get_if<ProbeState>(&message);
-  const bool has_push = (force != nullptr && force->push) || (probe != nullptr && probe->push);
-  return has_push ? 2 * (2 + 1 + 24) : 0;
+  return probe != nullptr && probe->push ? 2 * (2 + 1 + 24) : 0;
 }
 
 TEST_F(CodecTest, KeepsWithinTheByteBudget) {
   for (std::size_t kind = 0; kind < kKinds; ++kind) {
-    // A setup, once a second, carries texts; so does a part of a report, on request.
-    // What a slow network gets of the scene, within a bandwidth, fills datagrams.
+    // A setup, once a second, carries texts; so does a part of a report, on request. A scene for a slow network fills datagrams.
     const bool is_geometry = kind == 16 || kind == 17 || kind == 28 || kind == 30;
     // The changed materials of many objects, once a second.
     const bool is_materials = kind == 21;
