@@ -444,9 +444,6 @@ TEST(HaptonAlone, ListsItsCommandsAndFails) {
   const auto ended = run("hapton", {}, folder.path());
   ASSERT_TRUE(ended) << "still runs";
   EXPECT_NE(ended->exit_code, 0);
-  if (call.exit_code != 0) {
-    EXPECT_EQ(ended->exit_code, call.exit_code);
-  }
   EXPECT_LT(ended->exit_code, 126);
   EXPECT_THAT(ended->out + ended->err, ::testing::HasSubstr("replay"));
 }
