@@ -18,9 +18,8 @@ HubClient::HubClient(Endpoint& endpoint, const Clock& clock, NodeRole role, cons
 HubClient::~HubClient() { leave(); }
 
 void HubClient::leave() noexcept {
-  if (state_ == JoinState::joined) {
-    transmit(Bye{}, clock_.now_ns());
-  }
+  if (state_ != JoinState::joined) return;
+  transmit(Bye{}, clock_.now_ns());
   state_ = JoinState::joining;
 }
 
