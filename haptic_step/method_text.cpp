@@ -5,11 +5,14 @@
 #include <array>
 #include <locale>
 #include <sstream>
+#include <utility>
 
 #include "core/collision/grid_division.h"
 
 namespace hapton {
 namespace {
+
+constexpr std::string_view kToolName = "name=tool";
 
 // Every setting but the name, for both directions.
 template <class S, class Visit>
@@ -34,6 +37,12 @@ std::string write(const std::array<int, 3>& value) { return fmt::format("{}x{}x{
 std::string write(double value) { return fmt::format("{}", value); }
 std::string write(int value) { return fmt::format("{}", value); }
 std::string write(bool value) { return value ? "1" : "0"; }
+
+// "NAME=VALUE"; no value without '='.
+std::pair<std::string, std::string> split(const std::string& word) {
+  const std::size_t sign = word.find('=');
+  return {word.substr(0, sign), sign == std::string::npos ? "" : word.substr(sign + 1)};
+}
 
 template <class T>
 bool read(const std::string& text, T& value) {
@@ -66,18 +75,40 @@ Result<MethodSettings> parse_method_text(std::string_view text) {
   MethodSettings settings;
   std::istringstream words{std::string(text)};
   for (std::string word; words >> word;) {
-    const std::size_t sign = word.find('=');
-    const std::string name = word.substr(0, sign);
-    const std::string value = sign == std::string::npos ? "" : word.substr(sign + 1);
+    const auto [name, value] = split(word);
+    const auto is_read = [&name = name, &value = value](const char* known, auto& into) { return name == known && read(value, into); };
     bool is_good = name == "effects" || name == "cut";
     if (name == "name") {
       settings.name = value;
       is_good = !value.empty();
     }
-    for_each_setting(settings, [&](const char* known, auto& into) { is_good = is_good || (name == known && read(value, into)); });
+    for_each_setting(settings, [&](const char* known, auto& into) { is_good = is_good || is_read(known, into); });
     if (!is_good) return fail("method settings: '{}' is not understood; was it recorded by another build?", word);
   }
   return settings;
+}
+
+std::string to_text(const ToolCoupling& coupling, std::size_t tool_triangles) {
+  return fmt::format("{} stiffness_n_per_m={} rotational_stiffness_nm_per_rad={} tool_triangles={}", kToolName, coupling.stiffness_n_per_m,
+                     coupling.rotational_stiffness_nm_per_rad, tool_triangles);
+}
+
+std::optional<ToolCoupling> parse_tool_text(std::string_view text) {
+  std::istringstream words{std::string(text)};
+  std::string word;
+  if (!(words >> word) || word != kToolName) return std::nullopt;
+  ToolCoupling coupling;
+  while (words >> word) {
+    const auto [name, value] = split(word);
+    const bool is_stiffness = name == "stiffness_n_per_m";
+    const bool is_rotational = name == "rotational_stiffness_nm_per_rad";
+    if ((is_stiffness && !read(value, coupling.stiffness_n_per_m)) ||
+        (is_rotational && !read(value, coupling.rotational_stiffness_nm_per_rad))) {
+      return std::nullopt;
+    }
+  }
+  const bool is_good = coupling.stiffness_n_per_m >= 0.0 && coupling.rotational_stiffness_nm_per_rad >= 0.0;
+  return is_good ? std::optional(coupling) : std::nullopt;
 }
 
 std::string_view effects_in(std::string_view method_text) {

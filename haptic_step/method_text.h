@@ -1,9 +1,12 @@
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "core/force/force_method.h"
+#include "core/tool/tool_step.h"
 
 namespace hapton {
 
@@ -13,6 +16,12 @@ std::string to_text(const MethodSettings& settings);
 
 // Error: a key that to_text does not write, a malformed value.
 Result<MethodSettings> parse_method_text(std::string_view text);
+
+// The same of a rigid tool, which takes the place of a method: "name=tool stiffness_n_per_m=800 ...".
+std::string to_text(const ToolCoupling& coupling, std::size_t tool_triangles);
+
+// None: a method, or not written by to_text.
+std::optional<ToolCoupling> parse_tool_text(std::string_view text);
 
 // What stands behind "effects=" there: the effects from shared libraries that were added (PluginEffects::to_text). Empty: none.
 std::string_view effects_in(std::string_view method_text);

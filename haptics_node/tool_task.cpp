@@ -6,6 +6,7 @@
 
 #include "core/force/virtual_coupling.h"
 #include "haptic_step/haptics_setup.h"
+#include "haptic_step/method_text.h"
 #include "runtime/clock.h"
 #include "runtime/log.h"
 #include "runtime/start_thread.h"
@@ -42,10 +43,7 @@ Result<std::unique_ptr<HeldTool>> make_held_tool(const HapticsOptions& options, 
 
 HapticsSetup::Text describe_tool(const HeldTool& tool) {
   HapticsSetup::Text text = {};
-  const ToolCoupling& coupling = tool.tool().coupling();
-  put_text(fmt::format("name=tool stiffness_n_per_m={} rotational_stiffness_nm_per_rad={} tool_triangles={}", coupling.stiffness_n_per_m,
-                       coupling.rotational_stiffness_nm_per_rad, tool.tool().tool().triangle_count()),
-           text);
+  put_text(to_text(tool.tool().coupling(), tool.tool().tool().triangle_count()), text);
   return text;
 }
 

@@ -38,6 +38,23 @@ TEST(MethodText, GivesBackEverySettingToTheLastBit) {
   EXPECT_EQ(read->reference_substep_limit, 512);
 }
 
+TEST(ToolText, IsReadAsItWasWritten) {
+  const ToolCoupling coupling{.stiffness_n_per_m = 800.0 / 7.0, .rotational_stiffness_nm_per_rad = 1e-3 / 3.0};
+  const auto read = parse_tool_text(to_text(coupling, 12));
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->stiffness_n_per_m, coupling.stiffness_n_per_m);
+  EXPECT_EQ(read->rotational_stiffness_nm_per_rad, coupling.rotational_stiffness_nm_per_rad);
+}
+
+TEST(ToolText, IsNoMethodAndNothingElse) {
+  for (const char* text : {"", "name=proxy", "name=toolbox stiffness_n_per_m=5", "stiffness_n_per_m=5", "name=tool stiffness_n_per_m=soft",
+                           "name=tool stiffness_n_per_m=-5", "name=tool stiffness_n_per_m=nan", "name=tool stiffness_n_per_m",
+                           "name=tool rotational_stiffness_nm_per_rad=-1"}) {
+    EXPECT_FALSE(parse_tool_text(text)) << text;
+  }
+  EXPECT_FALSE(parse_tool_text(to_text(MethodSettings())));
+}
+
 TEST(MethodText, RejectsWhatItDoesNotWrite) {
   for (const char* text : {"name", "name=", "speed=3", "set_size=many", "set_size=3x", "grid_division=0", "shading="}) {
     const auto read = parse_method_text(text);

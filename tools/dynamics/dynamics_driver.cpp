@@ -1,12 +1,11 @@
 #include "tools/dynamics/dynamics_driver.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <string_view>
 
 #include "core/math/rigid_pose.h"
 #include "haptic_step/material_tuning.h"
+#include "haptic_step/method_text.h"
 #include "runtime/clock.h"
 
 namespace hapton::dynamics {
@@ -25,15 +24,6 @@ constexpr double kFirstDelayS = 0.02;
 constexpr double kLongestDelayS = 0.2;
 // The delay is the largest one measured; it decreases by this share with each reply.
 constexpr double kForgetShare = 0.005;
-
-// Of a method's description; 0: it does not say.
-double find_number(std::string_view text, std::string_view key) {
-  const std::size_t at = text.find(key);
-  if (at == std::string_view::npos) return 0.0;
-  double number = 0.0;
-  const auto read = std::from_chars(text.data() + at + key.size(), text.data() + text.size(), number);
-  return read.ec == std::errc() && number >= 0.0 && std::isfinite(number) ? number : 0.0;
-}
 
 }  // namespace
 
@@ -63,7 +53,7 @@ void DynamicsDriver::take(const ProbeState& state) {
 std::optional<Push> DynamicsDriver::find_push(const ProbeState& state) const {
   if (!state.contact || !world_->is_body(state.object)) return std::nullopt;
   const Pose X_SW = X_WS_.inverse(Eigen::Isometry);
-  if (tool_n_per_m_ > 0.0) return find_tool_push(state, X_SW);
+  if (tool_) return find_tool_push(state, X_SW);
   const double stiffness = materials_[static_cast<std::size_t>(state.object)].stiffness_n_per_m;
   return Push{.object = state.object,
               .p_S = X_SW * (state.p_WD + state.visual_offset_m),
@@ -82,9 +72,9 @@ Push DynamicsDriver::find_tool_push(const ProbeState& state, const Pose& X_SW) c
   return {.object = state.object,
           .p_S = X_SW * (state.p_WD + state.visual_offset_m) + arm,
           .force_n = force_n,
-          .damping_ns_per_m = tool_n_per_m_ * delay,
+          .damping_ns_per_m = tool_->stiffness_n_per_m * delay,
           .torque_nm = torque_nm - arm.cross(force_n),
-          .damping_nms_per_rad = tool_nm_per_rad_ * delay};
+          .damping_nms_per_rad = tool_->rotational_stiffness_nm_per_rad * delay};
 }
 
 void DynamicsDriver::advance_to(std::int64_t scene_time_ns) {
@@ -122,11 +112,7 @@ void DynamicsDriver::move_obstacles(double time_s) {
 void DynamicsDriver::take(const MaterialState& state) { materials_ = tuned_materials(scene_->touch_scene(), state, 0.0); }
 
 void DynamicsDriver::take(const HapticsSetup& setup) {
-  const std::string_view method(setup.method.data(),
-                                static_cast<std::size_t>(std::ranges::find(setup.method, '\0') - setup.method.begin()));
-  const bool is_tool = method.starts_with("name=tool ");
-  tool_n_per_m_ = is_tool ? find_number(method, " stiffness_n_per_m=") : 0.0;
-  tool_nm_per_rad_ = is_tool ? find_number(method, " rotational_stiffness_nm_per_rad=") : 0.0;
+  tool_ = parse_tool_text(setup.method.data());
   const auto X_WS = find_rigid_pose(setup.X_WS);
   if (!X_WS || X_WS->matrix() == X_WS_.matrix()) return;
   X_WS_ = *X_WS;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/tool/tool_step.h"
 #include "link/known_moves.h"
 #include "link/messages.h"
 #include "scene/scene_file.h"
@@ -93,10 +94,9 @@ class DynamicsDriver {
   Settings settings_;
   std::unique_ptr<DynamicsWorld> world_;
   std::vector<Body> bodies_;
-  std::vector<Material> materials_;  // by object
-  double tool_n_per_m_ = 0.0;        // of a rigid tool's spring; 0: none is held
-  double tool_nm_per_rad_ = 0.0;
-  KnownMoves moves_;  // of obstacles
+  std::vector<Material> materials_;   // by object
+  std::optional<ToolCoupling> tool_;  // of the rigid tool that the stylus holds
+  KnownMoves moves_;                  // of obstacles
   Pose X_WS_ = Pose::Identity();
   std::size_t next_body_ = 0;  // bodies take turns
   std::int64_t next_request_ns_ = 0;

@@ -100,7 +100,7 @@ Result<void> SessionReplay::check_effects(const HapticsSetup& setup) const {
 }
 
 Result<std::unique_ptr<TouchStep>> SessionReplay::make_method_of(const HapticsSetup& setup, double* offset_m) {
-  if (std::string_view(setup.method.data()).starts_with("name=tool ")) {
+  if (parse_tool_text(setup.method.data())) {
     return fail(
         "the stylus held a rigid tool, whose forces depend on when its slow task was done; hapton session trajectory writes the motion, "
         "hapton replay --tool feels it");

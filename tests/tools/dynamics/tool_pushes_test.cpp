@@ -1,5 +1,4 @@
 // A rigid tool pushes a body: haptics node and dynamics with a link between them, on simulated time.
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,6 +9,7 @@
 
 #include "core/tool/held_tool.h"
 #include "haptic_step/haptics_setup.h"
+#include "haptic_step/method_text.h"
 #include "haptic_step/object_mover.h"
 #include "scene/tool_obstacles.h"
 #include "tests/tools/dynamics/pushed_scene.h"
@@ -34,10 +34,7 @@ class ToolLoop {
                                                                  std::move(obstacles.friction), nullptr, obstacles.part_of)));
     step_->hold(tool_.get(), std::move(obstacles.parts));
     HapticsSetup setup;
-    const ToolCoupling& coupling = tool_->tool().coupling();
-    put_text(fmt::format("name=tool stiffness_n_per_m={} rotational_stiffness_nm_per_rad={} tool_triangles=12", coupling.stiffness_n_per_m,
-                         coupling.rotational_stiffness_nm_per_rad),
-             setup.method);
+    put_text(to_text(tool_->tool().coupling(), 12), setup.method);
     driver_.take(setup);
   }
 
