@@ -1,6 +1,5 @@
 #include "python/field_node.h"
 
-#include "link/marker_request.h"
 #include "runtime/realtime.h"
 #include "runtime/start_thread.h"
 
@@ -10,7 +9,6 @@ namespace {
 constexpr std::int64_t kNodeTurnNs = 20 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kHistogramEveryNs = 200 * kNanosecondsPerMillisecond;
 constexpr double kLongestStepS = 0.1;
-constexpr std::chrono::seconds kMarkerPatience{2};
 
 }  // namespace
 
@@ -42,12 +40,8 @@ void FieldNode::set(std::vector<Field> fields) {
 
 Result<std::uint64_t> FieldNode::mark(std::string_view text) {
   rewind_watch();
-  const auto marker = make_marker(text);
-  if (!marker) return tl::unexpected(marker.error());
   if (is_stopping_.load()) return fail("this node is closed");
-  const auto reply = markers_->request(*marker, kMarkerPatience);
-  if (!reply) return fail("no reply from the hub in {} s: it is gone, or of an earlier version", kMarkerPatience.count());
-  return read_reply(*reply);
+  return request_mark(*markers_, text);
 }
 
 FieldNodeState FieldNode::state() {

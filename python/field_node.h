@@ -64,7 +64,7 @@ class FieldNode {
   std::atomic<std::int64_t> watched_ns_;
   bool was_watch_over_ = false;
   std::unique_ptr<NodeLink> link_;
-  std::shared_ptr<NodeLink::Markers> markers_;
+  std::shared_ptr<Markers> markers_;
   std::unique_ptr<FieldLaw> law_ = std::make_unique<FieldLaw>();
   ForceFade fade_;
   std::int64_t first_ns_ = 0;

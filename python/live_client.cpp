@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 
-#include "link/marker_request.h"
 #include "runtime/start_thread.h"
 
 namespace hapton::python {
@@ -12,7 +11,6 @@ namespace {
 constexpr double kClientPatienceS = 5.0;
 constexpr std::int64_t kClientTurnNs = kNanosecondsPerMillisecond;  // the longest that a marker waits until it is sent
 constexpr std::size_t kMostCarves = 1'000'000;                      // as Sculpture has them
-constexpr auto kMarkerPatience = std::chrono::seconds(2);
 constexpr auto kMovePatience = std::chrono::seconds(3);
 constexpr std::int64_t kViewEveryNs = 50 * kNanosecondsPerMillisecond;  // until the forces use it, as a datagram may be lost
 
@@ -53,12 +51,8 @@ std::uint32_t LiveClient::turn_scene(const std::array<float, 12>& X_WS) {
 }
 
 Result<std::uint64_t> LiveClient::mark(std::string_view text) {
-  const auto marker = make_marker(text);
-  if (!marker) return tl::unexpected(marker.error());
   if (is_stopping_.load()) return fail("this client is closed");
-  const auto reply = markers_.request(*marker, kMarkerPatience);
-  if (!reply) return fail("no reply from the hub in {} s: it is gone, or of an earlier version", kMarkerPatience.count());
-  return read_reply(*reply);
+  return request_mark(markers_, text);
 }
 
 Result<double> LiveClient::move_object(std::string_view object, const MoveTarget& target) {

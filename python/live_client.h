@@ -73,7 +73,7 @@ class LiveClient {
   KnownCarves known_carves_;
   std::vector<Carves::One> carves_;  // by serial - 1; valid up to known_carves_.complete()
   std::int64_t next_view_ns_ = 0;
-  ReplyAwaiter<Marker, MarkerReply> markers_;
+  Markers markers_;
   ReplyAwaiter<MoveRequest, MoveReply> moves_;
   std::atomic<bool> is_joined_{true};
   std::atomic<bool> is_stopping_{false};

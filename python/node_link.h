@@ -34,7 +34,6 @@ class NodeLink {
 
   // Marks of the recording: any thread requests them and waits, and may do so for longer than the link lives; send_marker, of the link's
   // own thread, sends the one that waits, again until the hub replies.
-  using Markers = ReplyAwaiter<Marker, MarkerReply>;
   std::shared_ptr<Markers> markers() const noexcept { return markers_; }
   void send_marker() noexcept { markers_->send(connection_->client(), clock().now_ns()); }
   // From a sample's arrival to its answer's departure.

@@ -5,8 +5,10 @@
 #include <cstdint>
 #include <mutex>
 #include <optional>
+#include <string_view>
 
 #include "link/hub_client.h"
+#include "link/marker_request.h"
 #include "link/messages.h"
 #include "runtime/clock.h"
 
@@ -54,5 +56,17 @@ class ReplyAwaiter {
   std::optional<Reply> reply_;
   std::int64_t next_send_ns_ = 0;
 };
+
+// Marks of a recording.
+using Markers = ReplyAwaiter<Marker, MarkerReply>;
+// Blocks until the mark is recorded: the number of its sample. Error, one line: not a text of a marker, nothing is recorded, no reply.
+inline Result<std::uint64_t> request_mark(Markers& markers, std::string_view text) {
+  constexpr std::chrono::seconds kPatience{2};
+  const auto marker = make_marker(text);
+  if (!marker) return tl::unexpected(marker.error());
+  const auto reply = markers.request(*marker, kPatience);
+  if (!reply) return fail("no reply from the hub in {} s: it is gone, or of an earlier version", kPatience.count());
+  return read_reply(*reply);
+}
 
 }  // namespace hapton::python
