@@ -15,8 +15,8 @@ StructuralMode joint(double mass_beyond_kg, double stiffness_n_per_m, double rin
 }
 
 constexpr std::string_view kNoSource = "assumed: no source";
-constexpr std::string_view kNoWorkspace = "none known: a placeholder";
-constexpr double kPlaceholderM = 0.1;
+constexpr std::string_view kNoWorkspace = "none known: a cube of 0.2 m is assumed";
+constexpr double kAssumedHalfM = 0.1;
 
 // half_m: of the cube that the workspace fits into.
 DeviceLimits limits_of(double max_force_n, double stiffness_n_per_m, double half_m) {
@@ -56,7 +56,7 @@ DevicePreset premium_preset() {
            .max_force_n = 8.5,
            .mode_count = 1,
            .modes = {joint(0.005, 3500.0, 0.070, 0.2)}},
-          limits_of(8.5, 800.0, kPlaceholderM),
+          limits_of(8.5, 800.0, kAssumedHalfM),
           {"data sheet (memory)", "Diolaiti et al. 2006 (memory): 0.005 Ns/m of a PHANToM 1.0", "data sheet (memory)",
            "data sheet (memory)", "data sheet (memory)", "data sheet (memory): 3.5 N/mm; its damping is assumed", kNoWorkspace}};
 }

@@ -43,7 +43,7 @@ struct DevicePreset {
   DeviceModel model;
   DeviceLimits limits;
   std::array<std::string_view, 7> sources;  // of mass, damping, friction, encoder step, largest force, modes, workspace
-  bool is_workspace_known = false;          // false: the workspace in `limits` is a placeholder cube
+  bool is_workspace_known = false;          // false: the workspace in `limits` is a cube that is assumed
   double workspace_radius_m = 0.0;          // of a ball around the middle of W, which `limits` encloses; 0: the box of `limits`
 };
 

@@ -35,7 +35,7 @@ std::string describe_loading(std::uint32_t code) {
   const auto loading = from_code(code);
   if (!loading) return {};
   return fmt::format("unit {}, cracks {}{}", loading->unit ? name_of(*loading->unit) : "of the file",
-                     loading->sealing == CrackSealing::on ? "sealed" : "left",
+                     loading->sealing == CrackSealing::on ? "sealed" : "left open",
                      loading->fit == MeshFit::workspace ? ", mesh files fitted to the workspace" : "");
 }
 

@@ -13,13 +13,15 @@ namespace {
 // Of the six tetrahedra of a cube around its diagonal (Kuhn 1960); a corner's bits 0, 1 and 2 are its x, y and z.
 constexpr std::array<std::array<std::size_t, 4>, 6> kTetrahedra = {
     {{0, 1, 3, 7}, {0, 1, 5, 7}, {0, 2, 3, 7}, {0, 2, 6, 7}, {0, 4, 5, 7}, {0, 4, 6, 7}}};
-constexpr int kNewtonSteps =
-    3;  // of Newton's method, onto the zero set: the triangles are within h^2 / r of it, and each step squares that
+// Of Newton's method, onto the zero set: the triangles are within h^2 / r of it, and each step squares that, in spacings.
+constexpr int kNewtonSteps = 3;
 
-// Steps along the surface; in a pit whose middle is near p each leaves a share 1 - distance of p from the middle / radius.
+// Along the surface; in a pit whose middle is near p each leaves a share 1 - distance of p from the middle / radius.
 constexpr int kSlides = 20;
-// In spacings:
+// Both in spacings. A slide may lead away from p by this much: the roughness h^2 / r for a radius of 10 spacings. On more curved surfaces
+// it may end too early.
 constexpr double kRoughness = 0.1;
+// Newton's method has arrived: what is left is far below the roughness.
 constexpr double kOnSurface = 1e-6;
 
 struct FieldCell {

@@ -44,7 +44,7 @@ class FittedMesh : public ::testing::Test {
 TEST(SceneLoading, IsDescribedForPeople) {
   EXPECT_EQ(describe_loading(to_code({.unit = Unit::mm, .fit = MeshFit::workspace})),
             "unit mm, cracks sealed, mesh files fitted to the workspace");
-  EXPECT_EQ(describe_loading(to_code({.sealing = CrackSealing::off})), "unit of the file, cracks left");
+  EXPECT_EQ(describe_loading(to_code({.sealing = CrackSealing::off})), "unit of the file, cracks left open");
   EXPECT_EQ(describe_loading(0), "");
 }
 

@@ -11,24 +11,24 @@
 namespace hapton {
 namespace {
 
-constexpr double kStretch = 0.5;
+constexpr double kGrowth = 0.5;
 
-// In one second each vertex goes from x to (1 + kStretch) x: whatever is on the surface does so too.
-std::shared_ptr<const MeshDeformation> make_stretch(const TriangleMesh& mesh) {
+// In one second each vertex goes from x to (1 + kGrowth) x: whatever is on the surface does so too.
+std::shared_ptr<const MeshDeformation> make_growth(const TriangleMesh& mesh) {
   MorphTarget target;
   for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
     target.vertices.push_back(v);
-    target.displacements.emplace_back(kStretch * mesh.vertices[v].x(), 0, 0);
+    target.displacements.emplace_back(kGrowth * mesh.vertices[v].x(), 0, 0);
   }
   return std::make_shared<const MeshDeformation>(std::vector<MorphTarget>{target}, std::vector<MorphKey>{{0.0, {0.0}}, {1.0, {1.0}}},
                                                  false);
 }
 
-Vec3 stretched(const Vec3& p, double weight) { return {(1.0 + weight * kStretch) * p.x(), p.y(), p.z()}; }
+Vec3 grown(const Vec3& p, double weight) { return {(1.0 + weight * kGrowth) * p.x(), p.y(), p.z()}; }
 
 struct DeformedMeshTest : testing::Test {
   std::shared_ptr<const TriangleMesh> mesh = std::make_shared<const TriangleMesh>(make_bumpy_sphere(0.05, 0.25, 1'000, 1));
-  DeformedMesh deformed{mesh, make_stretch(*mesh)};
+  DeformedMesh deformed{mesh, make_growth(*mesh)};
 };
 
 TEST_F(DeformedMeshTest, APointOfTheSurfaceGoesAlongWithIt) {
@@ -39,7 +39,7 @@ TEST_F(DeformedMeshTest, APointOfTheSurfaceGoesAlongWithIt) {
     const Vec3 p = u * mesh->corner(t, 0) + v * mesh->corner(t, 1) + (1.0 - u - v) * mesh->corner(t, 2);
     for (const double weight : {0.0, 0.3, 1.0}) {
       deformed.set_time(weight);
-      EXPECT_LE((deformed.place(p) - stretched(p, weight)).norm(), 1e-15) << t << " at " << weight;
+      EXPECT_LE((deformed.place(p) - grown(p, weight)).norm(), 1e-15) << t << " at " << weight;
     }
   }
 }
@@ -51,7 +51,7 @@ TEST_F(DeformedMeshTest, WhatIsTouchedIsFoundInThePresentShapeAndNamedByWhereItI
     deformed.set_time(weight);
     for (std::size_t t = 0; t < mesh->triangles.size(); t += 11) {
       const Vec3 p = 0.2 * mesh->corner(t, 0) + 0.3 * mesh->corner(t, 1) + 0.5 * mesh->corner(t, 2);
-      const DeformedMesh::Touched touched = deformed.find_closest(stretched(p, weight));
+      const DeformedMesh::Touched touched = deformed.find_closest(grown(p, weight));
       EXPECT_LE((touched.p_rest - p).norm(), 1e-15) << t << " at " << weight;
       EXPECT_EQ(touched.triangle, t);
     }
