@@ -194,14 +194,11 @@ int run(const HapticsOptions& options) {
     felt = now;
     adviser.set_gains(gains_of(felt));
     inside.set_scene(felt);
-    patches.withdraw();
+    patches.set_scene(felt, hash_scene(felt));
   };
-  SceneWatcher watcher({.path = scene_path,
-                        .loading = options.loading,
-                        .coupling_n_per_m = options.method.coupling_n_per_m,
-                        .on_scene = on_scene,
-                        .is_held = [&] { return patches.is_wanted(clock.now_ns()) && patches.is_offered(); }},
-                       options.watch_scene ? *scene : Scene(), tuner, builder);
+  SceneWatcher watcher(
+      {.path = scene_path, .loading = options.loading, .coupling_n_per_m = options.method.coupling_n_per_m, .on_scene = on_scene},
+      options.watch_scene ? *scene : Scene(), tuner, builder);
   if (options.watch_scene) watcher.start();
   if (grasp) {
     grasp_task.emplace(GraspTask::Options{.coupling_n_per_m = options.method.coupling_n_per_m,

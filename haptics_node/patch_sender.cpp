@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <tuple>
 #include <utility>
 
 #include "core/force/motion_groups.h"
@@ -24,11 +25,15 @@ constexpr std::int64_t kLeadNs = 120 * kNanosecondsPerMillisecond;
 constexpr double kLeadTrips = 1.25;
 constexpr double kMostLeadTripS = 2.0;
 constexpr double kVelocityS = 0.1;  // over which the hand's velocity is a mean
+constexpr const char* kTooLarge = "the scene has more triangles than the hub keeps (about 500,000)";
 
-std::string_view find_scene_obstacle(const TouchScene& scene) {
+const char* find_scene_obstacle(const TouchScene& scene) {
   if (scene.has_effects()) return "the scene has effects";
   if (scene.has_sculpt()) return "objects of the scene can be carved";
   if (scene.has_deformation()) return "objects of the scene deform";
+  std::size_t triangles = 0;
+  for (const TouchObject& object : scene.objects) triangles += object.mesh->triangles.size();
+  if (triangles > PatchStore::kMostTiles * PatchTile::kMostTriangles) return kTooLarge;
   if (!scene.has_motion()) return "";
   const std::vector<MotionGroup> groups = group_by_motion(scene);
   if (groups.size() >= PatchBody::kMostBodies) return "more than 31 objects of the scene move";
@@ -36,6 +41,12 @@ std::string_view find_scene_obstacle(const TouchScene& scene) {
     return group.motion != nullptr && group.motion->keyframes().size() > PatchBody::kMostAllKeys;
   };
   return std::any_of(groups.begin(), groups.end(), is_long) ? "an object of the scene has more than 1,536 keyframes" : "";
+}
+
+TiledScene make_no_tiles() {
+  TiledScene none;
+  none.grid = PatchGrid::around({Vec3::Constant(-1.0), Vec3::Constant(1.0)});
+  return none;
 }
 
 std::vector<Material> materials_of(const TouchScene& scene) {
@@ -60,7 +71,7 @@ PatchSender::PatchSender(TouchScene scene, double probe_radius_m, std::uint64_t 
       probe_radius_m_(probe_radius_m),
       scene_hash_(scene_hash),
       options_(options),
-      is_offered_(is_offered && scene_obstacle_.empty()),
+      is_served_(is_offered),
       thread_(start_thread([this] { run(); })) {}
 
 PatchSender::~PatchSender() {
@@ -104,6 +115,7 @@ void PatchSender::run() {
       wanted_until_ns = status.is_wanted ? time_ns + kWantedNs : 0;
       if (source_) source_->accept(status);
     }
+    follow_scene();
     follow_materials();
     follow_moves();
     if (now_ns < wanted_until_ns) {
@@ -115,16 +127,38 @@ void PatchSender::run() {
   }
 }
 
+// What was said of the materials of the scene before means nothing for these.
+void PatchSender::set_scene(TouchScene scene, std::uint64_t scene_hash) {
+  const std::scoped_lock lock(scene_mutex_);
+  scene_obstacle_.store(find_scene_obstacle(scene), std::memory_order_release);
+  next_scene_.emplace(std::move(scene), scene_hash);
+  materials_.clear();
+}
+
 void PatchSender::set_materials(const std::vector<Material>& materials) {
-  const std::scoped_lock lock(materials_mutex_);
+  const std::scoped_lock lock(scene_mutex_);
   materials_ = materials;
+}
+
+void PatchSender::follow_scene() {
+  std::optional<std::pair<TouchScene, std::uint64_t>> next;
+  {
+    const std::scoped_lock lock(scene_mutex_);
+    next.swap(next_scene_);
+  }
+  if (!next) return;
+  std::tie(scene_, scene_hash_) = std::move(*next);
+  source_.reset();
+  tiles_.reset();
+  motions_.clear();
+  commanded_.clear();
 }
 
 // A tile has the material that its object had when it was made; others are sent beside it.
 void PatchSender::follow_materials() {
   std::vector<Material> materials;
   {
-    const std::scoped_lock lock(materials_mutex_);
+    const std::scoped_lock lock(scene_mutex_);
     materials.swap(materials_);
   }
   if (materials.empty()) return;
@@ -138,11 +172,16 @@ void PatchSender::follow_moves() {
   if (!moves_.take()) return;
   const auto& [table, sent_ns] = moves_.value();
   const std::span<const ObjectMove> moves = table.moves();
-  for (std::size_t n = 0; n < moves.size(); ++n) {
-    if (source_) source_->note_move(moves[n], sent_ns[n]);
+  for (std::size_t n = 0; source_ && n < moves.size(); ++n) source_->note_move(moves[n], sent_ns[n]);
+  begin_moves();
+}
+
+// The moves that are known, of the bodies of the present parts.
+void PatchSender::begin_moves() {
+  for (const ObjectMove& move : moves_.value().table.moves()) {
     for (std::size_t b = 1; tiles_ && b < commanded_.size(); ++b) {
       const MotionGroup& group = tiles_->bodies[b].group;
-      if (group.commanded >= 0 && group.objects.front() == moves[n].object) commanded_[b].begin(to_command(moves[n]));
+      if (group.commanded >= 0 && group.objects.front() == move.object) commanded_[b].begin(to_command(move));
     }
   }
 }
@@ -153,21 +192,32 @@ Pose PatchSender::pose_of(std::size_t body, double time_s) const noexcept {
   return group.motion != nullptr ? group.motion->pose_at(time_s) : Pose(Pose::Identity());
 }
 
+// False: the parts cannot hold all of the scene.
+bool PatchSender::make_parts() {
+  auto tiles = std::make_unique<TiledScene>(make_tiles(scene_));
+  if (tiles->tiles.size() > PatchStore::kMostTiles || tiles->has_unlisted) {
+    const std::scoped_lock lock(scene_mutex_);
+    const char* const why = tiles->has_unlisted ? "too many triangles of the scene overlap in one place" : kTooLarge;
+    if (!next_scene_) scene_obstacle_.store(why, std::memory_order_release);
+    return false;
+  }
+  tiles_ = std::move(tiles);
+  motions_.assign(tiles_->bodies.size(), HandMotion());
+  commanded_.clear();
+  for (const TileBody& body : tiles_->bodies) commanded_.emplace_back(body.pivot_m);
+  hand_ns_ = 0;
+  begin_moves();
+  log_info("the hub requests the scene in parts: {} tiles in {} cells, at most {:g} Mbit/s", tiles_->tiles.size(), tiles_->cells.size(),
+           1e-6 * options_.bits_per_s);
+  return true;
+}
+
 // With a method that parts of the scene do not serve the hub gets an epoch without any.
 void PatchSender::follow_method() {
-  const bool is_offered = is_offered_.load(std::memory_order_acquire);
-  if (source_ && is_offered == was_offered_) return;
-  was_offered_ = is_offered;
-  if (!tiles_) {
-    tiles_ = std::make_unique<TiledScene>(make_tiles(scene_));
-    motions_.resize(tiles_->bodies.size());
-    for (const TileBody& body : tiles_->bodies) commanded_.emplace_back(body.pivot_m);
-    log_info("the hub requests the scene in parts: {} tiles in {} cells, at most {:g} Mbit/s", tiles_->tiles.size(), tiles_->cells.size(),
-             1e-6 * options_.bits_per_s);
-  }
-  TiledScene offered =
-      is_offered ? *tiles_ : TiledScene{.grid = tiles_->grid, .tiles = {}, .tile_bounds = {}, .bodies = {}, .nodes = {}, .cells = {}};
-  source_ = std::make_unique<PatchSource>(std::move(offered), probe_radius_m_, scene_hash_, ++epoch_, options_);
+  const bool offers = is_offered() && (tiles_ || make_parts());
+  if (source_ && offers == was_offered_) return;
+  was_offered_ = offers;
+  source_ = std::make_unique<PatchSource>(offers ? *tiles_ : make_no_tiles(), probe_radius_m_, scene_hash_, ++epoch_, options_);
   source_->set_materials(materials_of(scene_));
   for (const ObjectMove& move : moves_.value().table.moves()) source_->note_move(move, -1);
 }

@@ -5,8 +5,10 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string_view>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "core/force/touch_scene.h"
@@ -40,21 +42,13 @@ class PatchSender {
   std::int64_t find_lead_ns(std::int64_t now_ns) const noexcept;
   // Another method is in use: parts of the scene are as good as it, or not. Parts hold no effects and keep their shape, so a scene with
   // effects, or with objects that deform or are carved, is never offered.
-  void set_offered(bool is_offered) noexcept {
-    is_offered_.store(is_offered && scene_obstacle_.empty() && !is_withdrawn_.load(std::memory_order_acquire), std::memory_order_release);
-  }
+  void set_offered(bool is_offered) noexcept { is_served_.store(is_offered, std::memory_order_release); }
   // The hub gets parts when it asks. False: it keeps to the force of this node. Threads: any.
-  bool is_offered() const noexcept { return is_offered_.load(std::memory_order_acquire); }
+  bool is_offered() const noexcept { return is_served_.load(std::memory_order_acquire) && obstacle().empty(); }
   // Why not, whatever the method: a clause; empty: the method decides. Threads: any.
-  std::string_view obstacle() const noexcept {
-    if (!scene_obstacle_.empty()) return scene_obstacle_;
-    return is_withdrawn_.load(std::memory_order_acquire) ? "the scene was read again" : "";
-  }
-  // Another scene is felt: this one is offered no more. Threads: any.
-  void withdraw() noexcept {
-    is_withdrawn_.store(true, std::memory_order_release);
-    is_offered_.store(false, std::memory_order_release);
-  }
+  std::string_view obstacle() const noexcept { return scene_obstacle_.load(std::memory_order_acquire); }
+  // Another scene is felt from now on: its parts are offered, as an epoch of its own. RT: no. Threads: any.
+  void set_scene(TouchScene scene, std::uint64_t scene_hash);
   // The scene's materials have changed: the hub gets those of the objects that have others. Pre: one for each object. RT: no. Threads: any.
   void set_materials(const std::vector<Material>& materials);
   // The hub asked for parts a moment ago. Threads: any.
@@ -92,13 +86,16 @@ class PatchSender {
   void run();
   void follow_hand(const Hand& hand);
   void follow_moves();
+  void begin_moves();
   Pose pose_of(std::size_t body, double time_s) const noexcept;
+  void follow_scene();
   void follow_method();
   void follow_materials();
+  bool make_parts();
   bool fill(std::int64_t now_ns);
 
   TouchScene scene_;
-  std::string_view scene_obstacle_;  // as obstacle(), of the scene it was made for
+  std::atomic<const char*> scene_obstacle_;  // as obstacle()
   double probe_radius_m_;
   std::uint64_t scene_hash_;
   PatchSource::Options options_;
@@ -109,10 +106,10 @@ class PatchSender {
   Mailbox<Status> statuses_;
   Mailbox<Hand> hands_;
   Mailbox<PatchSource::Counts> counts_;
-  std::atomic<bool> is_offered_;
-  std::atomic<bool> is_withdrawn_ = false;
-  std::mutex materials_mutex_;
-  std::vector<Material> materials_;  // new ones, not followed yet; empty: none
+  std::atomic<bool> is_served_;  // what the method in use computes, parts do as well
+  std::mutex scene_mutex_;
+  std::optional<std::pair<TouchScene, std::uint64_t>> next_scene_;  // not followed yet, with its hash
+  std::vector<Material> materials_;                                 // new ones, not followed yet; empty: none
   std::array<Message, kRing> ring_;
   alignas(64) std::atomic<std::size_t> begin_{0};
   alignas(64) std::atomic<std::size_t> end_{0};

@@ -63,7 +63,7 @@ void ReplyLoop::run(const StopSignal& stop, double seconds) {
     if (now_ns >= end_ns) {
       return;
     }
-    const bool sends_patches = patches_ != nullptr && patches_->is_wanted(now_ns);
+    const bool sends_patches = sends_parts(now_ns);
     turn(std::min(end_ns, now_ns + (sends_patches ? kPatchLookNs : kLookAroundNs)));
   }
 }
@@ -126,7 +126,8 @@ void ReplyLoop::handle(const Message& message) noexcept {
   } else if (const auto* scene = std::get_if<SceneFacts>(&message)) {
     scene_shown_ = scene->given_hash;
   } else if (const auto* facts = std::get_if<LoopFacts>(&message)) {
-    if (!overtaken && adviser_ != nullptr) adviser_->note(*facts);
+    // Parts of the scene that are on their way make the round trip irrelevant.
+    if (!overtaken && adviser_ != nullptr && !sends_parts(hub_.receive_time_ns())) adviser_->note(*facts);
   } else if (const auto* pose = std::get_if<ObjectPose>(&message)) {
     if (step_.grasp() != nullptr) step_.grasp()->request(*pose);
   } else if (const auto* move = std::get_if<MoveRequest>(&message)) {
@@ -427,14 +428,14 @@ std::string_view ReplyLoop::find_patch_obstacle() const noexcept {
   return method.find("name=proxy") != std::string_view::npos ? "force shading is on" : "the method is not proxy";
 }
 
-// Once each time: a person who asked for forces from parts of the scene must know where there are none.
+// Once for each reason, however often the round trip changes: a person must know why forces do not come from parts of the scene.
 void ReplyLoop::report_patches() {
-  const std::string_view why = wants_patches_ ? find_patch_obstacle() : "";
+  if (!wants_patches_) return;
+  const std::string_view why = find_patch_obstacle();
   if (why == patch_obstacle_reported_) return;
-  const bool has_ended = why.empty() && wants_patches_;
   patch_obstacle_reported_ = why;
   if (!why.empty()) log_warning("the hub requests the scene in parts (io_node --touch), but {}: this node computes the forces", why);
-  if (has_ended) log_info("the hub receives the scene in parts again");
+  if (why.empty()) log_info("the hub receives the scene in parts again");
 }
 
 bool ReplyLoop::is_method_cut_off() const noexcept {

@@ -70,6 +70,9 @@ class ReplyLoop {
   void change_materials() noexcept;
   void take_scene(const NewScene& scene) noexcept;
   void send_patches() noexcept;
+  bool sends_parts(std::int64_t now_ns) const noexcept {
+    return patches_ != nullptr && patches_->is_offered() && patches_->is_wanted(now_ns);
+  }
   void show_method(const HapticsSetup::Text& method) noexcept;
   void send_setup_soon() noexcept;
   void wait_for_builder() noexcept;

@@ -85,14 +85,6 @@ SceneWatcher::Look SceneWatcher::look() {
     seen_ = now;
     return Look::waiting;
   }
-  if (options_.is_held && options_.is_held()) {
-    if (!std::exchange(has_said_held_, true)) {
-      log_warning("{} has changed; it is read once the hub no longer computes the forces from parts of the scene (io_node --touch)",
-                  options_.path.string());
-    }
-    return Look::held;
-  }
-  has_said_held_ = false;
   known_ = now;
   seen_.reset();
   auto scene = load_scene(options_.path, options_.loading);

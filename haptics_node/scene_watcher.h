@@ -25,8 +25,6 @@ class SceneWatcher {
     double coupling_n_per_m = 0.0;
     // Called after another scene is in use: with what is felt now, coupled.
     std::function<void(const TouchScene&)> on_scene = {};
-    // While it returns true nothing is changed.
-    std::function<bool()> is_held = {};
   };
 
   // scene: in use. Pre: tuner and builder outlive this.
@@ -41,9 +39,8 @@ class SceneWatcher {
   enum class Look : std::uint8_t {
     unchanged,  // the file
     waiting,    // it has just changed, and may be being written
-    held,
-    rejected,  // it has an error
-    same,      // nothing that is felt has changed
+    rejected,   // it has an error
+    same,       // nothing that is felt has changed
     materials,
     scene
   };
@@ -72,7 +69,6 @@ class SceneWatcher {
   Stamp known_;
   std::optional<Stamp> seen_;  // changed at the look before
   std::uint32_t revision_ = 0;
-  bool has_said_held_ = false;
   int looks_without_file_ = 0;
   std::atomic<bool> stop_ = false;
   std::thread thread_;

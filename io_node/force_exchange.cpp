@@ -86,10 +86,11 @@ void ForceExchange::note_trip(std::int64_t round_trip_ns, std::int64_t now_ns) n
   trips_s_[trips_++ % kTrips] = static_cast<float>(1e-9 * static_cast<double>(round_trip_ns));
 }
 
-double ForceExchange::find_round_trip_s() const noexcept {
-  if (trips_ < kTrips / 2) return -1.0;
-  std::array<float, kTrips> sorted = trips_s_;
-  const std::size_t count = std::min(trips_, kTrips);
+double ForceExchange::find_median_s(std::size_t most) const noexcept {
+  if (trips_ < kNewestTrips / 2) return -1.0;
+  std::array<float, kTrips> sorted = {};
+  const std::size_t count = std::min(trips_, most);
+  for (std::size_t n = 0; n < count; ++n) sorted[n] = trips_s_[(trips_ - 1 - n) % kTrips];
   const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(count / 2);
   std::nth_element(sorted.begin(), middle, sorted.begin() + static_cast<std::ptrdiff_t>(count));
   return static_cast<double>(*middle);

@@ -45,8 +45,10 @@ class ForceExchange {
   // It has replied since.
   bool has_resumed() const noexcept { return !history_.is_haptics_new(); }
   bool is_local() const noexcept { return is_local_; }
-  // The median of the round trips of the last second or so; below 0: too few so far.
-  double find_round_trip_s() const noexcept;
+  // The median of the newest round trips, of 0.6 s, or 1.6 s while the haptics node gets few samples; below 0: too few so far.
+  double find_round_trip_s() const noexcept { return find_median_s(kNewestTrips); }
+  // As above, of 3.2 s, or of all since the haptics node joined: what lasts for less than half of that does not count.
+  double find_lasting_round_trip_s() const noexcept { return find_median_s(kTrips); }
   // view_revision: of the view that forces of the device side are computed with.
   void note_local(const DeviceCycle& cycle, std::uint32_t view_revision) noexcept;
 
@@ -87,7 +89,10 @@ class ForceExchange {
   bool sends_ = true;             // the newest sample
   std::int64_t sent_ns_ = 0;      // the newest that was sent
 
-  static constexpr std::size_t kTrips = 32;
+  double find_median_s(std::size_t most) const noexcept;
+
+  static constexpr std::size_t kNewestTrips = 32;
+  static constexpr std::size_t kTrips = 160;
   std::array<float, kTrips> trips_s_ = {};
   std::size_t trips_ = 0;
   std::int64_t trip_ns_ = 0;

@@ -63,7 +63,7 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
   IoOptions options;
   std::string realtime = "try";
   std::string watchdog = "try";
-  std::string touch = "remote";
+  std::string touch = "auto";
   CLI::App app{"Drives the force-feedback device, limits every force, and is the hub that the other nodes join.", "io_node"};
   app.add_option("--bind", options.bind, "Where to listen: ADDRESS:PORT; 0.0.0.0:4950 for a LAN, port 0: any free one")
       ->capture_default_str();

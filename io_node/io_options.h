@@ -30,7 +30,7 @@ struct IoOptions {
   std::string echo_probe;      // responder of the bare echo; empty: not measured
   std::string key_file;        // empty: the user's own, on loopback
   RealtimeSettings realtime;
-  TouchChoice touch = TouchChoice::remote;
+  TouchChoice touch = TouchChoice::automatic;
   RealtimeMode watchdog = RealtimeMode::attempt;  // the watchdog process: try, require or off
 };
 

@@ -28,8 +28,11 @@ void PatchLink::accept(const ObjectMove& move) noexcept {
   has_news_ = has_news_ || moves_.newest() != newest;
 }
 
+// What came so far is not used any more.
+void PatchLink::drop_parts() noexcept { orders_.clears += std::exchange(must_clear_, true) ? 0 : 1; }
+
 void PatchLink::on_haptics_joined() noexcept {
-  orders_.clears += std::exchange(must_clear_, true) ? 0 : 1;
+  drop_parts();
   moves_.clear();
   local_.publish(moves_);
 }
@@ -52,10 +55,12 @@ void PatchLink::look_after(ForceExchange& forces, const std::optional<ViewTransf
 void PatchLink::choose(ForceExchange& forces, std::int64_t now_ns) noexcept {
   if (now_ns >= next_look_ns_) {
     next_look_ns_ = now_ns + kLookNs;
-    round_trip_s_ = forces.find_round_trip_s();
+    round_trip_s_ = state_ == State::remote ? forces.find_lasting_round_trip_s() : forces.find_round_trip_s();
   }
   const bool is_wanted = peers_.has_haptics() && chooser_.wants_patch(round_trip_s_, now_ns);
   if (state_ == State::remote && is_wanted) {
+    // Since the last time the haptics node may have another scene or method, of which this side knows nothing yet.
+    drop_parts();
     state_ = State::patch;
     orders_.is_wanted = true;
     was_local_ = false;

@@ -18,7 +18,8 @@ namespace hapton {
 //   remote ---- wanted ----> patch ---- no longer wanted ----> leaving ---- haptics has replied from where the probe is ----> remote
 //
 // The remote force goes on until a patch reaches the hand, and where patches start again. Meanwhile the device side is notified again and
-// again where the haptics node has the probe: the first patch takes over from there. The force without any datagram of haptics ends
+// again where the haptics node has the probe: the first patch takes over from there. Parts that came before they were wanted again are not
+// used: the haptics node may have another scene by then. The force without any datagram of haptics ends
 // kAloneNs after the last one. Of a scene that moves, the device side also gets the moves of objects as they are announced, and with each
 // status the haptics node gets to know which have come. Units: ns of the hub's clock. RT: yes. Threads: the servo's.
 class PatchLink {
@@ -47,6 +48,7 @@ class PatchLink {
  private:
   enum class State : std::uint8_t { remote, patch, leaving };
 
+  void drop_parts() noexcept;
   void choose(ForceExchange& forces, std::int64_t now_ns) noexcept;
   void follow_source(ForceExchange& forces) noexcept;
   void note_probe(const ForceExchange& forces, std::uint32_t view_revision, std::int64_t now_ns) noexcept;

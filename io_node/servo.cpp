@@ -113,8 +113,8 @@ void Servo::do_housekeeping() noexcept {
   }
   show_proxy();
   view_.repeat_if_due(now_ns);
-  // With patches the force does not cross the network.
-  if (patches_ == nullptr || !patches_->is_wanted()) loop_reporter_.send_if_due(rate_hz(), now_ns);
+  // The force of a patch does not cross the network. Where there are none (a scene that is not sent in parts), it does.
+  if (!forces_.is_local()) loop_reporter_.send_if_due(rate_hz(), now_ns);
   if (now_ns >= next_statistics_ns_) {
     next_statistics_ns_ = now_ns + kStatisticsNs;
     vision_.refresh_statistics(cycle_.number, now_ns);

@@ -86,11 +86,7 @@ void PatchSource::accept(const PatchStatus& status) noexcept {
     if (item.is_held && item.move.serial > status.newest_move) item = {item.move};
     if (item.move.serial <= status.newest_move && back < 64 && ((status.moves_received >> back) & 1U) != 0) item.is_held = true;
   }
-  // The hub has started again: what it had is gone.
-  if (status.epoch == 0 && counts_.held > 0) {
-    std::fill(items_.begin(), items_.end(), Item());
-    counts_.held = 0;
-  }
+  if (status.epoch == 0 && counts_.held > 0) return begin_again();
   if (status.epoch != begin_.epoch || status.newest_serial > serial_) return;
   for (std::uint32_t back = 0; back < PatchStatus::kSerials && back < status.newest_serial; ++back) {
     const std::uint32_t serial = status.newest_serial - back;
@@ -99,11 +95,20 @@ void PatchSource::accept(const PatchStatus& status) noexcept {
     const bool is_received = ((status.received[back / 8] >> (back % 8)) & 1U) != 0;
     if (is_received && item.state != State::held) {
       item.state = State::held;
+      item.serial = serial;
       ++counts_.held;
+    } else if (!is_received && item.state == State::held && item.serial == serial) {
+      return begin_again();  // it was confirmed before: the status that said that the hub begins again was lost
     } else if (!is_received && back >= kReordered && item.state == State::sent && item.serial == serial) {
       item.state = State::missing;
     }
   }
+}
+
+// The hub has started again: what it had is gone.
+void PatchSource::begin_again() noexcept {
+  std::fill(items_.begin(), items_.end(), Item());
+  counts_.held = 0;
 }
 
 void PatchSource::note_move(const ObjectMove& move, std::int64_t sent_ns) noexcept {

@@ -67,7 +67,7 @@ class PatchSource {
   enum class State : std::uint8_t { missing, sent, held };
   struct Item {
     State state = State::missing;
-    std::uint32_t serial = 0;  // when sent last
+    std::uint32_t serial = 0;  // when sent last; held: the one that was confirmed
     std::int64_t sent_ns = 0;
   };
 
@@ -87,6 +87,7 @@ class PatchSource {
     Material material;
   };
 
+  void begin_again() noexcept;
   std::size_t item_of_cell(std::size_t cell) const noexcept { return 1 + body_parts_.size() + cell; }
   std::size_t item_of_tile(std::size_t tile) const noexcept { return item_of_cell(scene_.cells.size()) + tile; }
   std::size_t item_of_material(std::size_t tuned) const noexcept { return item_of_tile(scene_.tiles.size()) + tuned; }

@@ -160,6 +160,7 @@ class CellDivider {
 
   // A leaf. What no datagram can list is never sent: the hub then takes that place for unknown.
   void close(Open& open) {
+    if (open.tiles.size() > PatchCell::kMostTiles) scene_.has_unlisted = true;
     if (open.tiles.empty() || open.tiles.size() > PatchCell::kMostTiles) return;
     scene_.nodes[open.node].cell = static_cast<std::int32_t>(scene_.cells.size());
     scene_.cells.push_back({body_, scene_.nodes[open.node].key, open.empty_children, std::move(open.tiles)});

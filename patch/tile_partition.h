@@ -46,6 +46,7 @@ struct TiledScene {
   std::vector<TileBody> bodies;  // the first one stands still, and may be empty
   std::vector<TileNode> nodes;   // each body's root before the others of it
   std::vector<TileCell> cells;   // the leaves with triangles, each with no more tiles than one datagram lists
+  bool has_unlisted = false;     // so many tiles overlap somewhere that no datagram can list them: that place is never known
 };
 
 // The message of a cell.

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -9,6 +11,7 @@
 
 #include "devices/model_a.h"
 #include "haptic_step/object_mover.h"
+#include "haptics_node/new_scene.h"
 #include "haptics_node/patch_sender.h"
 #include "haptics_node/reply_loop.h"
 #include "io_node/local_patch.h"
@@ -96,6 +99,14 @@ class SimulatedHaptics {
   const Address& address() const { return at_; }
   std::int64_t scene_time_ns() const { return step_.scene_time_ns(); }
   const TouchStep& touch() const { return step_.touch(); }
+  // As its watcher does when the scene's file was saved again.
+  void set_scene(const Scene& scene) {
+    touched_ = scene.touch_scene();
+    const auto made = make_new_scene(scene, 0.0, ++revision_, false);
+    const auto built = builder_.follow(made);
+    EXPECT_TRUE(built) << built.error().what;
+    patches_.set_scene(touched_, made->hash);
+  }
   // As its tuner does when a request is accepted.
   void set_materials(const std::vector<Material>& materials) {
     step_.set_materials(materials);
@@ -124,6 +135,7 @@ class SimulatedHaptics {
   MethodBuilder builder_;
   ReplyLoop loop_;
   PatchSender patches_;
+  std::uint32_t revision_ = 0;
 };
 
 // A vision node that acknowledges every state at once, and repeats it a number of times.
@@ -176,7 +188,8 @@ class SimulatedSystem {
   static constexpr std::int64_t kMs = 1'000'000;
   static constexpr std::int64_t kWireNs = 30'000;  // one direction without faults
 
-  explicit SimulatedSystem(std::uint64_t seed = 1, TouchChoice touch = TouchChoice::remote) : network(clock, seed), touch_(touch) {
+  explicit SimulatedSystem(std::uint64_t seed = 1, TouchChoice touch = TouchChoice::remote, double rate_hz = 1000.0)
+      : network(clock, seed), touch_(touch), rate_hz_(rate_hz) {
     set_faults({}, {});
     start_hub();
   }
@@ -193,8 +206,8 @@ class SimulatedSystem {
     servo.reset();
     peers_.reset();
     sealed_.emplace(*hub_endpoint_, clock, key_);
-    peers_.emplace(*sealed_, clock, ++session_, 1000.0);
-    servo = std::make_unique<Servo>(device, *peers_, clock, Servo::Options{});
+    peers_.emplace(*sealed_, clock, ++session_, rate_hz_);
+    servo = std::make_unique<Servo>(device, *peers_, clock, Servo::Options{.rate_hz = rate_hz_});
     if (touch_ == TouchChoice::remote) return;
     patch_link_.reset();
     builder_.reset();
@@ -246,6 +259,7 @@ class SimulatedSystem {
     while (clock.now_ns() < end_ns) servo->step();
   }
 
+  bool wants_patches() const { return patch_link_ != nullptr && patch_link_->is_wanted(); }
   const LinkKey& key() const { return key_; }
   const ServoStats& stats() { return servo->collect_stats(); }
   Vec3 force_n() const { return device.written.empty() ? Vec3(Vec3::Zero()) : device.written.back().force_n; }
@@ -306,6 +320,7 @@ class SimulatedSystem {
   std::uint64_t session_ = 100;
   std::uint16_t next_port_ = 5001;
   TouchChoice touch_;
+  double rate_hz_;
   std::unique_ptr<LocalPatch> local_;
   std::optional<TouchTap> touch_tap_;
   std::unique_ptr<PatchBuilder> builder_;

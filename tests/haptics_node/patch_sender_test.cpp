@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <optional>
+#include <random>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -101,15 +102,41 @@ TEST(PatchSender, AMethodThatPartsDoNotServeGetsAnEpochWithoutAny) {
   EXPECT_TRUE(stage.receive_until([&] { return stage.store.status().epoch == epoch + 2 && stage.is_whole(); }));
 }
 
-TEST(PatchSender, AWithdrawnSceneIsNotOfferedAgain) {
+// A scene that was read again: the hub gets the parts of that one, with the materials that it has, and no part of the one before.
+TEST(PatchSender, AnotherSceneIsOfferedAsAnEpochOfItsOwn) {
   SenderStage stage;
   ASSERT_TRUE(stage.receive_until([&] { return stage.is_whole(); }));
   const std::uint32_t epoch = stage.store.status().epoch;
-  stage.sender.withdraw();
+  stage.sender.set_materials({{.stiffness_n_per_m = 321.0}});
+  TouchScene other = scene_of(made::sheet(0.05, 0.0, 10));
+  other.objects[0].material.stiffness_n_per_m = 654.0;
+  stage.sender.set_scene(other, 8);
+  ASSERT_TRUE(stage.receive_until([&] { return stage.store.status().epoch == epoch + 1 && stage.is_whole(); }));
+  EXPECT_EQ(stage.store.begin().scene_hash, 8U);
+  const PatchStore::Piece piece = stage.store.make_piece(Vec3::Zero(), 1.0, 100'000);
+  EXPECT_EQ(piece.triangles, 200U);
+  EXPECT_EQ(piece.scene.objects.at(0).material.stiffness_n_per_m, 654.0);
+}
+
+// ... also where parts cannot hold it, and back. The method in use may have been taken over before or after.
+TEST(PatchSender, AnotherSceneIsOfferedWherePartsCanHoldIt) {
+  SenderStage stage;
+  ASSERT_TRUE(stage.receive_until([&] { return stage.is_whole(); }));
+  const std::uint32_t epoch = stage.store.status().epoch;
+  TouchScene with_effects = scene_of(made::sheet(0.05, 0.0, 20));
+  with_effects.objects[0].effects.viscosity.damping_ns_per_m = 1.0;
   stage.sender.set_offered(true);
+  stage.sender.set_scene(with_effects, 8);
+  EXPECT_FALSE(stage.sender.is_offered());
+  EXPECT_EQ(stage.sender.obstacle(), "the scene has effects");
   ASSERT_TRUE(stage.receive_until([&] { return stage.store.status().epoch == epoch + 1; }));
   stage.receive_for(std::chrono::milliseconds(200));
   EXPECT_EQ(stage.store.make_piece(Vec3::Zero(), 1.0, 100'000).triangles, 0U);
+  stage.sender.set_scene(scene_of(made::sheet(0.05, 0.0, 10)), 9);
+  stage.sender.set_offered(true);
+  EXPECT_TRUE(stage.sender.is_offered());
+  ASSERT_TRUE(stage.receive_until([&] { return stage.store.status().epoch == epoch + 2 && stage.is_whole(); }));
+  EXPECT_EQ(stage.store.make_piece(Vec3::Zero(), 1.0, 100'000).triangles, 200U);
 }
 
 // Beside the parts that the hub has: none of them is sent again.
@@ -142,6 +169,33 @@ TEST(PatchSender, ASceneWithEffectsIsNeverOffered) {
   ASSERT_TRUE(stage.receive_until([&] { return stage.store.has_begun(); }));
   stage.receive_for(std::chrono::milliseconds(200));
   EXPECT_EQ(stage.store.make_piece(Vec3::Zero(), 1.0, 100'000).triangles, 0U);
+}
+
+// The hub would keep parts of it only, and take the rest for unknown.
+TEST(PatchSender, ASceneThatTheHubCannotKeepIsNeverOffered) {
+  SenderStage stage(true, scene_of(made::sheet(0.05, 0.0, 520)));
+  EXPECT_FALSE(stage.sender.is_offered());
+  EXPECT_EQ(stage.sender.obstacle(), "the scene has more triangles than the hub keeps (about 500,000)");
+}
+
+// Large triangles all across each other: the place where they overlap cannot be told in a datagram.
+TEST(PatchSender, ASceneWithAPlaceThatNoPartCanTellIsNotOffered) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> place(-0.05, 0.05);
+  TriangleMesh mesh;
+  for (std::uint32_t n = 0; n < 20'000; ++n) {
+    for (int corner = 0; corner < 3; ++corner) mesh.vertices.emplace_back(place(random), place(random), place(random));
+    mesh.triangles.push_back({3 * n, 3 * n + 1, 3 * n + 2});
+  }
+  SenderStage stage(true, scene_of(std::move(mesh)));
+  EXPECT_TRUE(stage.sender.is_offered()) << "not known before it is divided";
+  ASSERT_TRUE(stage.receive_until([&] { return stage.store.has_begun(); }));
+  EXPECT_FALSE(stage.sender.is_offered());
+  EXPECT_EQ(stage.sender.obstacle(), "too many triangles of the scene overlap in one place");
+  stage.receive_for(std::chrono::milliseconds(200));
+  EXPECT_EQ(stage.store.counts().parts, 1U) << "the beginning alone";
+  stage.sender.set_scene(scene_of(made::sheet(0.05, 0.0, 10)), 8);
+  EXPECT_TRUE(stage.receive_until([&] { return stage.is_whole(); }));
 }
 
 std::shared_ptr<const KeyframeMotion> slow_motion(std::size_t keys = 2) {

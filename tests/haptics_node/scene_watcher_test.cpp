@@ -26,10 +26,8 @@ struct SceneWatcherTest : testing::Test {
     method = *make_method({}, loaded->touch_scene());
     tuner.emplace(*loaded, 0.0);
     builder.emplace(MethodSettings(), loaded->touch_scene(), method);
-    watcher.emplace(
-        SceneWatcher::Options{
-            .path = file, .loading = {}, .on_scene = [this](const TouchScene& now) { felt = now; }, .is_held = [this] { return held; }},
-        *loaded, *tuner, *builder);
+    watcher.emplace(SceneWatcher::Options{.path = file, .loading = {}, .on_scene = [this](const TouchScene& now) { felt = now; }}, *loaded,
+                    *tuner, *builder);
   }
 
   std::filesystem::path write(const std::string& material, const std::string& object = "") {
@@ -56,7 +54,6 @@ struct SceneWatcherTest : testing::Test {
   ScratchFolder folder;
   std::filesystem::path file;
   int writes = 0;
-  bool held = false;
   std::string log;  // of the last two looks
   TouchScene felt;
   std::shared_ptr<ForceMethod> method;
@@ -216,16 +213,6 @@ TEST_F(SceneWatcherTest, AFileThatIsGoneIsOneLine) {
   EXPECT_EQ(log_of_looks(1), "") << "the same as before";
   std::filesystem::rename(file, aside);
   EXPECT_THAT(log_of_looks(2), HasSubstr("is gone"));
-}
-
-TEST_F(SceneWatcherTest, WhileTheHubWorksOutForcesItselfItWaits) {
-  held = true;
-  write("stiffness_n_per_m = 700");
-  EXPECT_EQ(look_twice(), SceneWatcher::Look::held);
-  EXPECT_THAT(log, HasSubstr("it is read once the hub no longer computes the forces from parts of the scene"));
-  EXPECT_EQ(log_of([&] { EXPECT_EQ(watcher->look(), SceneWatcher::Look::held); }), "") << "once";
-  held = false;
-  EXPECT_EQ(watcher->look(), SceneWatcher::Look::materials);
 }
 
 TEST_F(SceneWatcherTest, LooksByItself) {

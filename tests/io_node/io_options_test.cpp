@@ -23,6 +23,9 @@ TEST(IoOptions, HasTheDefaultsOfASingleHost) {
   EXPECT_EQ(options.rate_hz, 1000.0);
   EXPECT_EQ(options.vision_rate_hz, 240.0);
   EXPECT_EQ(options.realtime.mode, RealtimeMode::attempt);
+  EXPECT_EQ(options.touch, TouchChoice::automatic);
+  EXPECT_EQ(std::get<IoOptions>(parse({"--touch", "remote"})).touch, TouchChoice::remote);
+  EXPECT_EQ(std::get<IoOptions>(parse({"--touch", "patch"})).touch, TouchChoice::patch);
 }
 
 TEST(IoOptions, ReadsFlags) {

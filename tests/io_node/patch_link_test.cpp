@@ -76,6 +76,51 @@ TEST_F(PatchLinks, AutomaticGoesByTheRoundTrip) {
   EXPECT_FALSE(patch_statuses.back().second.is_wanted);
 }
 
+// Of a second, or of half of the time: a program's move, a recording and the network are as before.
+TEST_F(PatchLinks, ANetworkThatIsSlowForAMomentChangesNothing) {
+  start(TouchChoice::automatic);
+  run(4000);
+  for (const int slow_ms : {200, 1000, 1400}) {
+    answer_delay_ns = 40 * kMs;
+    run(slow_ms);
+    answer_delay_ns = 100 * kUs;
+    for (int n = 0; n < 40; ++n) {
+      run(100);
+      ASSERT_FALSE(link->is_wanted()) << slow_ms << " ms, and " << 100 * n << " ms after it";
+    }
+  }
+  EXPECT_TRUE(patch_statuses.empty());
+  answer_delay_ns = 40 * kMs;
+  run(1800);
+  EXPECT_TRUE(link->is_wanted());
+}
+
+// Wherever it swings, and however fast: two changes take at least as long as it has to be fast for remote force.
+TEST_F(PatchLinks, ARoundTripThatSwingsAroundTheLimitsChangesTheSourceSeldom) {
+  start(TouchChoice::automatic);
+  for (const int half_ms : {50, 700, 1900, 2900}) {
+    int changes = 0;
+    bool was_wanted = link->is_wanted();
+    for (int n = 0; n < 40'000; n += 50) {
+      answer_delay_ns = (n / half_ms) % 2 == 0 ? 3 * kMs : 12 * kMs;
+      run(50);
+      changes += link->is_wanted() != was_wanted ? 1 : 0;
+      was_wanted = link->is_wanted();
+    }
+    EXPECT_LE(changes, 1) << half_ms << " ms each";
+  }
+}
+
+// A hub that wants parts and gets none: the force is remote, and its round trip matters.
+TEST_F(PatchLinks, WithoutPatchesTheHapticsNodeLearnsOfTheRoundTrip) {
+  answer_delay_ns = 2 * static_cast<std::int64_t>(1e9 * TouchChooser::kSlowS);
+  start(TouchChoice::automatic);
+  run(5000);
+  EXPECT_TRUE(link->is_wanted());
+  ASSERT_GE(loop_facts.size(), 3U);
+  EXPECT_NEAR(loop_facts.back().round_trip_s, 2.0 * TouchChooser::kSlowS, 0.2 * TouchChooser::kSlowS);
+}
+
 std::unique_ptr<Patch> floor_patch(std::uint32_t generation) {
   auto patch = std::make_unique<Patch>();
   patch->step = std::make_unique<TouchStep>(*make_method({}, scene_of(made::sheet(0.05, 0.0, 20))));
@@ -125,6 +170,38 @@ TEST_F(PatchLinks, TheRemoteForceGoesOnUntilAPatchIsThere) {
   EXPECT_GT(least_in(1000), 1.999);
   EXPECT_GT(stats().local_forces, 1900U);
   EXPECT_EQ(stats().governor.counters.command_timeouts, 0U);
+}
+
+// While the force was remote, the haptics node may have got another scene or method.
+TEST_F(PatchLinks, WhatCameBeforeAPauseIsNotUsedAfterIt) {
+  device.place = Vec3(0.001, 0.002, 0.002);
+  floor_z_m = 0.0;
+  answer.force_n = Vec3::Zero();
+  answer.contact = false;
+  answer_delay_ns = 12 * kMs;
+  start(TouchChoice::automatic);
+  servo->device_loop().set_local_touch(&local);
+  run(1000);
+  ASSERT_TRUE(link->is_wanted());
+  ASSERT_TRUE(builder_has_caught_up());
+  local.set_generation(77);
+  local.offer(floor_patch(77));
+  run(500);
+  EXPECT_GT(stats().local_forces, 300U);
+  answer_delay_ns = 100 * kUs;
+  run(7000);
+  ASSERT_FALSE(link->is_wanted());
+  const std::uint64_t before = stats().local_forces;
+  answer_delay_ns = 12 * kMs;
+  run(3000);
+  ASSERT_TRUE(link->is_wanted());
+  EXPECT_EQ(stats().local_forces, before);
+  ASSERT_TRUE(builder_has_caught_up());
+  local.free_retired();
+  local.set_generation(78);
+  local.offer(floor_patch(78));
+  run(500);
+  EXPECT_GT(stats().local_forces, before + 300);
 }
 
 // The hand stays 2 mm below the floor, which only the hub knows. What it has of the node before is not felt, nor a first patch of the new

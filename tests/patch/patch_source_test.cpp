@@ -199,6 +199,34 @@ TEST_F(PatchSourceTest, AStatusOfSomethingElseSaysNothing) {
   EXPECT_EQ(take(kStartNs + 120 * kMs).size(), count) << "the hub has started again";
 }
 
+// It had all parts, has dropped them, and the status that said so was lost: the next one knows only a part that was on its way then.
+TEST_F(PatchSourceTest, AHubThatHasBegunAgainGetsEverythingEvenIfItsStatusWasLost) {
+  start(kAll, 4);
+  const auto count = static_cast<std::uint32_t>(take(kStartNs).size());
+  source->accept(status_without(count, {2}));
+  EXPECT_EQ(source->counts().held, count - 1);
+  const auto again = take(kStartNs + 1000 * kMs);
+  ASSERT_EQ(again.size(), 1U) << "the second part, again";
+  std::set<std::uint32_t> dropped;
+  for (std::uint32_t serial = 1; serial <= count; ++serial) dropped.insert(serial);
+  source->accept(status_without(count + 1, dropped));
+  EXPECT_EQ(source->counts().held, 0U);
+  EXPECT_EQ(take(kStartNs + 1020 * kMs).size(), count);
+}
+
+// A part that was sent twice and came once: that the second datagram is missing says nothing.
+TEST_F(PatchSourceTest, APartThatWasSentTwiceAndCameOnceIsHeld) {
+  start(kAll, 4);
+  const auto count = static_cast<std::uint32_t>(take(kStartNs).size());
+  ASSERT_EQ(take(kStartNs + 1000 * kMs, 20 * kMs).size(), count);
+  std::set<std::uint32_t> second;
+  for (std::uint32_t serial = count + 1; serial < 2 * count; ++serial) second.insert(serial);
+  source->accept(status_without(2 * count, second));
+  EXPECT_EQ(source->counts().held, count);
+  source->accept(status_without(2 * count, second));
+  EXPECT_EQ(source->counts().held, count);
+}
+
 TEST_F(PatchSourceTest, ABurstAtFirstAndThenNoMoreThanTheBandwidth) {
   start({.bits_per_s = 8e4, .least_reach_m = 1.0}, 80);
   const std::size_t first = take(kStartNs).size();

@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <cmath>
 #include <fstream>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/process/system.h"
@@ -200,6 +202,33 @@ TEST_P(TouchedWay, AMovedSceneIsFeltWhereItIs) {
   }
   EXPECT_TRUE(is_there) << state.p_WD.z() + state.visual_offset_m.z();
   expect_felt_again();
+  system.end_all();
+}
+
+// The file is saved with the cube half a millimetre higher, and then with honey on it, which parts do not hold.
+TEST_P(TouchedWay, ASceneThatIsSavedAgainIsFelt) {
+  system.add_arguments("haptics_node", {"--watch-scene"});
+  ASSERT_NO_FATAL_FAILURE(press());
+  const auto save = [&](const std::string& lines) {
+    std::ofstream(system.folder() / "cube.toml") << "[[object]]\nmesh = \"cube.obj\"\nunit = \"m\"\nposition_m = [0, 0, 0.0005]\n" << lines;
+  };
+  save("");
+  bool is_higher = false;
+  for (int n = 0; n < 20'000 && !is_higher; ++n) {
+    ASSERT_TRUE(onlooker->see(state));
+    is_higher = state.contact && std::abs(state.p_WD.z() + state.visual_offset_m.z() - kTopM - 0.0005) < 1e-6;
+  }
+  EXPECT_TRUE(is_higher) << state.p_WD.z() + state.visual_offset_m.z() << system["haptics_node"].err();
+  expect_felt_again();
+  if (has_patches() && GetParam().name != "AutoFar") {
+    save("material = \"honey\"\n[material.honey]\nviscosity_ns_per_m = 0.1\n");
+    EXPECT_TRUE(System::wait_until([&] { return system["haptics_node"].err().find("but the scene has effects") != std::string::npos; }));
+    EXPECT_TRUE(waits_for(system, [&, before = std::int64_t{-1}](const Json& report) mutable {
+      return count(report, "local_forces") == std::exchange(before, count(report, "local_forces"));
+    })) << "the force is remote";
+    save("");
+    expect_felt_again();
+  }
   system.end_all();
 }
 

@@ -1,0 +1,207 @@
+// Where the force is computed, chosen by the round trip, while that changes: the force of a hand that rests 2 mm deep is the same all the
+// time, so that every change of its source would show. Times are simulated; only the threads that send and build patches take their own.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "tests/faults/simulated_system.h"
+#include "tests/support/time_units.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kTopM = 0.05;
+constexpr double kDepthM = 0.002;
+constexpr double kStiffness = 1000.0;
+constexpr double kForceN = kStiffness * kDepthM;
+// What the grid of the parts moves vertices by, as force.
+constexpr double kGridN = 1e-4;
+
+Scene box_up_to(double top_m) {
+  Scene scene;
+  scene.objects.emplace_back();
+  scene.objects[0].name = "box";
+  scene.objects[0].mesh = made::shared(made::box(Vec3::Constant(-0.05), Vec3(0.05, 0.05, top_m)));
+  return scene;
+}
+
+LinkFaults one_way(double round_trip_ms) { return {.delay_ns = static_cast<std::int64_t>(0.5e6 * round_trip_ms)}; }
+
+void press_in(SimulatedSystem& system) {
+  system.scene = box_up_to(kTopM);
+  system.start_haptics();
+  system.run_for_ns(500 * kMs);
+  ASSERT_NEAR(system.force_n().z(), kForceN, kGridN);
+}
+
+struct Extent {
+  double least_n = 1e9;
+  double most_n = -1e9;
+  double worst_step_n = 0.0;
+};
+Extent extent_since(const PressingDevice& device, std::size_t first) {
+  Extent extent;
+  for (std::size_t n = first; n < device.written.size(); ++n) {
+    const Vec3& force_n = device.written[n].force_n;
+    extent.least_n = std::min(extent.least_n, force_n.z());
+    extent.most_n = std::max(extent.most_n, force_n.norm());
+    if (n > first) extent.worst_step_n = std::max(extent.worst_step_n, (force_n - device.written[n - 1].force_n).norm());
+  }
+  return extent;
+}
+
+// The network as it comes: far and near, losing single datagrams and bursts of them, jittering around both limits. Three people look on.
+TEST(TouchChoice, TheForceOfAHandAtRestNeverChanges) {
+  for (const double rate_hz : {1000.0, 10'000.0}) {
+    SCOPED_TRACE(rate_hz);
+    SimulatedSystem system(11, TouchChoice::automatic, rate_hz);
+    ASSERT_NO_FATAL_FAILURE(press_in(system));
+    std::vector<std::unique_ptr<SimulatedVision>> lookers;
+    for (int n = 0; n < 3; ++n) lookers.push_back(system.make_vision(1));
+    const std::size_t first = system.device.written.size();
+    const auto run = [&](const LinkFaults& faults, double seconds) {
+      system.set_faults(faults, faults);
+      system.run_for_ns(static_cast<std::int64_t>(1e9 * seconds));
+    };
+    LinkFaults jittering = one_way(4.0);
+    jittering.jitter_ns = 4 * kMs;
+    jittering.loss = 0.1;
+    LinkFaults bursts = one_way(9.0);
+    bursts.burst_share = 0.05;
+    bursts.burst_length = 2.0;
+    for (int round = 0; round < (rate_hz > 5000.0 ? 1 : 2); ++round) {
+      SCOPED_TRACE(round);
+      run(jittering, 2.0);
+      run(one_way(0.2), 0.7);
+      run(bursts, 3.0);
+      ASSERT_TRUE(system.wait_for_patches());
+      run(one_way(300.0), 2.0);
+      run(jittering, 2.0);
+      run(one_way(0.2), 2.5);
+      run(one_way(12.0), 0.3);
+      run(one_way(0.2), 7.0);
+      EXPECT_FALSE(system.wants_patches());
+      const std::uint64_t local = system.stats().local_forces;
+      run(one_way(0.2), 0.2);
+      EXPECT_EQ(system.stats().local_forces, local);
+    }
+    const Extent extent = extent_since(system.device, first);
+    EXPECT_GT(extent.least_n, kForceN - kGridN);
+    EXPECT_LT(extent.most_n, kForceN + kGridN);
+    EXPECT_EQ(system.stats().governor.counters.command_timeouts, 0U);
+  }
+}
+
+// Another haptics node, with the same scene: far away, and then near.
+TEST(TouchChoice, AHapticsNodeThatIsStartedAgainIsChosenForByItsOwnRoundTrip) {
+  SimulatedSystem system(12, TouchChoice::automatic);
+  ASSERT_NO_FATAL_FAILURE(press_in(system));
+  system.set_faults(one_way(12.0), one_way(12.0));
+  system.run_for_ns(2500 * kMs);
+  ASSERT_TRUE(system.wait_for_patches());
+  for (const double round_trip_ms : {12.0, 0.2}) {
+    SCOPED_TRACE(round_trip_ms);
+    system.kill_haptics();
+    system.run_for_ns(2500 * kMs);
+    EXPECT_EQ(system.force_n(), Vec3(Vec3::Zero()));
+    system.set_faults(one_way(round_trip_ms), one_way(round_trip_ms));
+    system.start_haptics();
+    system.run_for_ns(1000 * kMs);
+    ASSERT_TRUE(system.wait_for_patches());
+    EXPECT_NEAR(system.force_n().z(), kForceN, kGridN) << "the hand is where it was: still inside";
+  }
+  system.run_for_ns(6000 * kMs);
+  EXPECT_FALSE(system.wants_patches()) << "it is near";
+  EXPECT_NEAR(system.force_n().z(), kForceN, kGridN);
+}
+
+// Half a millimetre higher: by 0.5 N, which fade in over 0.1 s. The hub's force goes over to the haptics node's, and from there to that of
+// the new parts, so that two fades may overlap; none of both is more than these 0.5 N.
+TEST(TouchChoice, ASceneThatIsReadAgainFadesInWhereverTheForceIsComputed) {
+  constexpr double kHigherM = 0.0005;
+  for (const double round_trip_ms : {0.2, 12.0}) {
+    SCOPED_TRACE(round_trip_ms);
+    SimulatedSystem system(13, TouchChoice::automatic);
+    ASSERT_NO_FATAL_FAILURE(press_in(system));
+    system.set_faults(one_way(round_trip_ms), one_way(round_trip_ms));
+    system.run_for_ns(2500 * kMs);
+    const bool is_far = round_trip_ms > 8.0;
+    ASSERT_EQ(system.wants_patches(), is_far);
+    if (is_far) {
+      ASSERT_TRUE(system.wait_for_patches());
+    }
+    const std::size_t first = system.device.written.size();
+    for (const double top_m : {kTopM + kHigherM, kTopM}) {
+      system.haptics->set_scene(box_up_to(top_m));
+      const double force_n = kForceN + kStiffness * (top_m - kTopM);
+      for (int n = 0; n < 3000 && std::abs(system.force_n().z() - force_n) > kGridN; ++n) {
+        system.run_for_ns(5 * kMs);
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      }
+      EXPECT_NEAR(system.force_n().z(), force_n, kGridN);
+      system.run_for_ns(200 * kMs);
+      if (is_far) {
+        EXPECT_TRUE(system.wait_for_patches()) << "of the new scene";
+      }
+      EXPECT_NEAR(system.force_n().z(), force_n, kGridN);
+    }
+    const Extent extent = extent_since(system.device, first);
+    EXPECT_LT(extent.worst_step_n, 2.0 * kStiffness * kHigherM * 1e-3 / ForceFade::kInContactS + kGridN);
+    EXPECT_GT(extent.least_n, kForceN - kGridN);
+    EXPECT_LT(extent.most_n, kForceN + kStiffness * kHigherM + kGridN);
+    EXPECT_EQ(system.stats().governor.counters.command_timeouts, 0U);
+  }
+}
+
+// hapton set, in the middle of each way and of the change between them: from 1,000 to 500 N/m and back.
+TEST(TouchChoice, AnotherMaterialFadesInWhereverTheForceIsComputed) {
+  SimulatedSystem system(14, TouchChoice::automatic);
+  ASSERT_NO_FATAL_FAILURE(press_in(system));
+  const std::size_t first = system.device.written.size();
+  bool is_soft = false;
+  const auto change = [&] {
+    is_soft = !is_soft;
+    system.haptics->set_materials({{.stiffness_n_per_m = is_soft ? 0.5 * kStiffness : kStiffness}});
+  };
+  const auto expect_changed = [&] {
+    const double force_n = is_soft ? 0.5 * kForceN : kForceN;
+    for (int n = 0; n < 3000 && std::abs(system.force_n().z() - force_n) > kGridN; ++n) {
+      system.run_for_ns(5 * kMs);
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    EXPECT_NEAR(system.force_n().z(), force_n, kGridN);
+  };
+  change();
+  expect_changed();
+  system.set_faults(one_way(12.0), one_way(12.0));
+  for (int n = 0; n < 1000 && !system.wants_patches(); ++n) system.run_for_ns(10 * kMs);
+  change();  // the first parts are on their way
+  ASSERT_TRUE(system.wait_for_patches());
+  expect_changed();
+  change();
+  expect_changed();
+  system.set_faults(one_way(0.2), one_way(0.2));
+  for (int n = 0; n < 1000 && system.wants_patches(); ++n) system.run_for_ns(10 * kMs);
+  change();  // just remote again
+  expect_changed();
+  system.run_for_ns(1000 * kMs);
+  // The parts that the hub had are those of another stiffness.
+  change();
+  expect_changed();
+  system.set_faults(one_way(12.0), one_way(12.0));
+  system.run_for_ns(3000 * kMs);
+  ASSERT_TRUE(system.wait_for_patches());
+  system.run_for_ns(500 * kMs);
+  expect_changed();
+  const Extent extent = extent_since(system.device, first);
+  EXPECT_LT(extent.worst_step_n, 2.0 * 0.5 * kForceN * 1e-3 / ForceFade::kInContactS + kGridN);
+  EXPECT_GT(extent.least_n, 0.5 * kForceN - kGridN);
+  EXPECT_LT(extent.most_n, kForceN + kGridN);
+  EXPECT_EQ(system.stats().governor.counters.command_timeouts, 0U);
+}
+
+}  // namespace
+}  // namespace hapton
