@@ -246,19 +246,19 @@ void DeviceLoop::serve_command(const Command& command) noexcept {
     return;
   }
   WrenchCommand wanted = command.wanted;
-  if (local_ != nullptr)
-    wanted.wrench.force_n = faded(wanted.wrench.force_n, wanted.wrench.force_n != Vec3::Zero(), false, clock_.now_ns());
-  govern(wanted);
+  const std::int64_t now_ns = clock_.now_ns();
+  if (local_ != nullptr) wanted.wrench.force_n = faded(wanted.wrench.force_n, wanted.wrench.force_n != Vec3::Zero(), false, now_ns);
+  govern(wanted, now_ns);
   ready_ns_ = governed_ready_ns_;
   written_ns_ = governed_ns_;
   ++stats_.commands;
 }
 
-void DeviceLoop::govern(const WrenchCommand& wanted) noexcept {
+void DeviceLoop::govern(const WrenchCommand& wanted, std::int64_t now_ns) noexcept {
   const std::uint64_t accepted = governor_.counters().accepted;
   WrenchCommand shared = wanted;
   if (clutch_.share() < 1.0) shared.wrench = {clutch_.share() * wanted.wrench.force_n, clutch_.share() * wanted.wrench.torque_nm};
-  governor_.step(shared, clock_.now_ns());
+  governor_.step(shared, now_ns);
   governed_ready_ns_ = clock_.now_ns();
   if (governor_.counters().accepted != accepted) answered_ns_ = wanted.sample_time_ns;
   write(governor_.output());
@@ -273,7 +273,7 @@ void DeviceLoop::step_locally() noexcept {
   const LocalForce& local = *cycle_.local;
   fade_.begin_from(local.difference_n);
   const Vec3 force_n = faded(local.force_n, local.contact, local.is_handed_over || !was_local, cycle_.sample.time_ns);
-  govern({{.force_n = force_n}, cycle_.sample.time_ns});
+  govern({{.force_n = force_n}, cycle_.sample.time_ns}, clock_.now_ns());
   ++stats_.local_forces;
 }
 

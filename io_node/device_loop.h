@@ -211,7 +211,7 @@ class DeviceLoop {
   void give_back() noexcept { claimed_.exchange(false); }
   void serve() noexcept;
   void serve_command(const Command& command) noexcept;
-  void govern(const WrenchCommand& wanted) noexcept;
+  void govern(const WrenchCommand& wanted, std::int64_t now_ns) noexcept;
   void step_locally() noexcept;
   Vec3 faded(const Vec3& force_n, bool contact, bool is_new_source, std::int64_t now_ns) noexcept;
   void overrun(std::int64_t late_ns) noexcept;
