@@ -13,7 +13,8 @@ namespace {
 
 constexpr std::int64_t kLookAroundNs = 50 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kPatchLookNs = 4 * kNanosecondsPerMillisecond;
-constexpr int kMostPatches = 4;  // parts of the scene sent between two states
+constexpr int kMostPatches = 4;             // parts of the scene sent between two states
+constexpr std::int64_t kWaitedNs = 20'000;  // longer than it takes to receive what is there
 constexpr std::int64_t kHubAbsentNs = kNanosecondsPerSecond;
 constexpr std::int64_t kSetupEveryNs = kNanosecondsPerSecond;
 // After a change it is sent a few times more, soon, because a datagram may be lost.
@@ -69,8 +70,9 @@ void ReplyLoop::run(const StopSignal& stop, double seconds) {
 }
 
 void ReplyLoop::turn(std::int64_t deadline_ns) {
+  const std::int64_t began_ns = clock_.now_ns();
   if (hub_.receive(datagram_, deadline_ns)) {
-    drain();
+    drain(began_ns);
     if (step_.has_state()) is_ready() ? answer() : wait_for_builder();
   }
   if (patches_ != nullptr) send_patches();
@@ -89,10 +91,11 @@ void ReplyLoop::turn(std::int64_t deadline_ns) {
   report_patches();
 }
 
-void ReplyLoop::drain() noexcept {
-  do {
-    handle(datagram_.message);
-  } while (hub_.receive(datagram_, 0));
+// What came after a wait found nothing before it in the socket, and has no newer one behind it: to look would delay the reply.
+void ReplyLoop::drain(std::int64_t began_ns) noexcept {
+  handle(datagram_.message);
+  if (hub_.receive_time_ns() - began_ns >= kWaitedNs) return;
+  while (hub_.receive(datagram_, 0)) handle(datagram_.message);
 }
 
 // Before the first reply, as another haptics process may have moved the objects: where they are now is known before it is felt.

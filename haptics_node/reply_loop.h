@@ -59,7 +59,7 @@ class ReplyLoop {
   const LatencyHistogram& step_times() const noexcept { return step_times_; }
 
  private:
-  void drain() noexcept;
+  void drain(std::int64_t began_ns) noexcept;
   void note_join() noexcept;
   void handle(const Message& message) noexcept;
   bool is_ready() noexcept;
