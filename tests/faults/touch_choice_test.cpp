@@ -18,7 +18,7 @@ constexpr double kDepthM = 0.002;
 constexpr double kStiffness = 1000.0;
 constexpr double kForceN = kStiffness * kDepthM;
 // What the grid of the parts moves vertices by, as force.
-constexpr double kGridN = 1e-4;
+constexpr double kRoundingN = 1e-4;
 
 Scene box_up_to(double top_m) {
   Scene scene;
@@ -30,11 +30,11 @@ Scene box_up_to(double top_m) {
 
 LinkFaults one_way(double round_trip_ms) { return {.delay_ns = static_cast<std::int64_t>(0.5e6 * round_trip_ms)}; }
 
-void press_in(SimulatedSystem& system) {
+void press_in_near(SimulatedSystem& system) {
   system.scene = box_up_to(kTopM);
   system.start_haptics();
   system.run_for_ns(500 * kMs);
-  ASSERT_NEAR(system.force_n().z(), kForceN, kGridN);
+  ASSERT_NEAR(system.force_n().z(), kForceN, kRoundingN);
 }
 
 struct Extent {
@@ -58,7 +58,7 @@ TEST(TouchChoice, TheForceOfAHandAtRestNeverChanges) {
   for (const double rate_hz : {1000.0, 10'000.0}) {
     SCOPED_TRACE(rate_hz);
     SimulatedSystem system(11, TouchChoice::automatic, rate_hz);
-    ASSERT_NO_FATAL_FAILURE(press_in(system));
+    ASSERT_NO_FATAL_FAILURE(press_in_near(system));
     std::vector<std::unique_ptr<SimulatedVision>> lookers;
     for (int n = 0; n < 3; ++n) lookers.push_back(system.make_vision(1));
     const std::size_t first = system.device.written.size();
@@ -89,8 +89,8 @@ TEST(TouchChoice, TheForceOfAHandAtRestNeverChanges) {
       EXPECT_EQ(system.stats().local_forces, local);
     }
     const Extent extent = extent_since(system.device, first);
-    EXPECT_GT(extent.least_n, kForceN - kGridN);
-    EXPECT_LT(extent.most_n, kForceN + kGridN);
+    EXPECT_GT(extent.least_n, kForceN - kRoundingN);
+    EXPECT_LT(extent.most_n, kForceN + kRoundingN);
     EXPECT_EQ(system.stats().governor.counters.command_timeouts, 0U);
   }
 }
@@ -98,7 +98,7 @@ TEST(TouchChoice, TheForceOfAHandAtRestNeverChanges) {
 // Another haptics node, with the same scene: far away, and then near.
 TEST(TouchChoice, AHapticsNodeThatIsStartedAgainIsChosenForByItsOwnRoundTrip) {
   SimulatedSystem system(12, TouchChoice::automatic);
-  ASSERT_NO_FATAL_FAILURE(press_in(system));
+  ASSERT_NO_FATAL_FAILURE(press_in_near(system));
   system.set_faults(one_way(12.0), one_way(12.0));
   system.run_for_ns(2500 * kMs);
   ASSERT_TRUE(system.wait_for_patches());
@@ -111,11 +111,11 @@ TEST(TouchChoice, AHapticsNodeThatIsStartedAgainIsChosenForByItsOwnRoundTrip) {
     system.start_haptics();
     system.run_for_ns(1000 * kMs);
     ASSERT_TRUE(system.wait_for_patches());
-    EXPECT_NEAR(system.force_n().z(), kForceN, kGridN) << "the hand is where it was: still inside";
+    EXPECT_NEAR(system.force_n().z(), kForceN, kRoundingN) << "the hand is where it was: still inside";
   }
   system.run_for_ns(6000 * kMs);
   EXPECT_FALSE(system.wants_patches()) << "it is near";
-  EXPECT_NEAR(system.force_n().z(), kForceN, kGridN);
+  EXPECT_NEAR(system.force_n().z(), kForceN, kRoundingN);
 }
 
 // Half a millimetre higher: by 0.5 N, which fade in over 0.1 s. The hub's force goes over to the haptics node's, and from there to that of
@@ -125,7 +125,7 @@ TEST(TouchChoice, ASceneThatIsReadAgainFadesInWhereverTheForceIsComputed) {
   for (const double round_trip_ms : {0.2, 12.0}) {
     SCOPED_TRACE(round_trip_ms);
     SimulatedSystem system(13, TouchChoice::automatic);
-    ASSERT_NO_FATAL_FAILURE(press_in(system));
+    ASSERT_NO_FATAL_FAILURE(press_in_near(system));
     system.set_faults(one_way(round_trip_ms), one_way(round_trip_ms));
     system.run_for_ns(2500 * kMs);
     const bool is_far = round_trip_ms > 8.0;
@@ -137,21 +137,21 @@ TEST(TouchChoice, ASceneThatIsReadAgainFadesInWhereverTheForceIsComputed) {
     for (const double top_m : {kTopM + kHigherM, kTopM}) {
       system.haptics->set_scene(box_up_to(top_m));
       const double force_n = kForceN + kStiffness * (top_m - kTopM);
-      for (int n = 0; n < 3000 && std::abs(system.force_n().z() - force_n) > kGridN; ++n) {
+      for (int n = 0; n < 3000 && std::abs(system.force_n().z() - force_n) > kRoundingN; ++n) {
         system.run_for_ns(5 * kMs);
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
       }
-      EXPECT_NEAR(system.force_n().z(), force_n, kGridN);
+      EXPECT_NEAR(system.force_n().z(), force_n, kRoundingN);
       system.run_for_ns(200 * kMs);
       if (is_far) {
         EXPECT_TRUE(system.wait_for_patches()) << "of the new scene";
       }
-      EXPECT_NEAR(system.force_n().z(), force_n, kGridN);
+      EXPECT_NEAR(system.force_n().z(), force_n, kRoundingN);
     }
     const Extent extent = extent_since(system.device, first);
-    EXPECT_LT(extent.worst_step_n, 2.0 * kStiffness * kHigherM * 1e-3 / ForceFade::kInContactS + kGridN);
-    EXPECT_GT(extent.least_n, kForceN - kGridN);
-    EXPECT_LT(extent.most_n, kForceN + kStiffness * kHigherM + kGridN);
+    EXPECT_LT(extent.worst_step_n, 2.0 * kStiffness * kHigherM * 1e-3 / ForceFade::kInContactS + kRoundingN);
+    EXPECT_GT(extent.least_n, kForceN - kRoundingN);
+    EXPECT_LT(extent.most_n, kForceN + kStiffness * kHigherM + kRoundingN);
     EXPECT_EQ(system.stats().governor.counters.command_timeouts, 0U);
   }
 }
@@ -159,7 +159,7 @@ TEST(TouchChoice, ASceneThatIsReadAgainFadesInWhereverTheForceIsComputed) {
 // hapton set, in the middle of each way and of the change between them: from 1,000 to 500 N/m and back.
 TEST(TouchChoice, AnotherMaterialFadesInWhereverTheForceIsComputed) {
   SimulatedSystem system(14, TouchChoice::automatic);
-  ASSERT_NO_FATAL_FAILURE(press_in(system));
+  ASSERT_NO_FATAL_FAILURE(press_in_near(system));
   const std::size_t first = system.device.written.size();
   bool is_soft = false;
   const auto change = [&] {
@@ -168,11 +168,11 @@ TEST(TouchChoice, AnotherMaterialFadesInWhereverTheForceIsComputed) {
   };
   const auto expect_changed = [&] {
     const double force_n = is_soft ? 0.5 * kForceN : kForceN;
-    for (int n = 0; n < 3000 && std::abs(system.force_n().z() - force_n) > kGridN; ++n) {
+    for (int n = 0; n < 3000 && std::abs(system.force_n().z() - force_n) > kRoundingN; ++n) {
       system.run_for_ns(5 * kMs);
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
-    EXPECT_NEAR(system.force_n().z(), force_n, kGridN);
+    EXPECT_NEAR(system.force_n().z(), force_n, kRoundingN);
   };
   change();
   expect_changed();
@@ -197,9 +197,9 @@ TEST(TouchChoice, AnotherMaterialFadesInWhereverTheForceIsComputed) {
   system.run_for_ns(500 * kMs);
   expect_changed();
   const Extent extent = extent_since(system.device, first);
-  EXPECT_LT(extent.worst_step_n, 2.0 * 0.5 * kForceN * 1e-3 / ForceFade::kInContactS + kGridN);
-  EXPECT_GT(extent.least_n, 0.5 * kForceN - kGridN);
-  EXPECT_LT(extent.most_n, kForceN + kGridN);
+  EXPECT_LT(extent.worst_step_n, 2.0 * 0.5 * kForceN * 1e-3 / ForceFade::kInContactS + kRoundingN);
+  EXPECT_GT(extent.least_n, 0.5 * kForceN - kRoundingN);
+  EXPECT_LT(extent.most_n, kForceN + kRoundingN);
   EXPECT_EQ(system.stats().governor.counters.command_timeouts, 0U);
 }
 

@@ -8,7 +8,6 @@
 #include <fstream>
 #include <functional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "tests/process/system.h"
@@ -223,8 +222,11 @@ TEST_P(TouchedWay, ASceneThatIsSavedAgainIsFelt) {
   if (has_patches() && GetParam().name != "AutoFar") {
     save("material = \"honey\"\n[material.honey]\nviscosity_ns_per_m = 0.1\n");
     EXPECT_TRUE(System::wait_until([&] { return system["haptics_node"].err().find("but the scene has effects") != std::string::npos; }));
-    EXPECT_TRUE(waits_for(system, [&, before = std::int64_t{-1}](const Json& report) mutable {
-      return count(report, "local_forces") == std::exchange(before, count(report, "local_forces"));
+    SteadyClock clock;
+    EXPECT_TRUE(System::wait_until([&] {
+      const std::int64_t before = count(system.request_report(), "local_forces");
+      clock.sleep_until_ns(clock.now_ns() + 100 * kNanosecondsPerMillisecond);
+      return count(system.request_report(), "local_forces") == before;
     })) << "the force is remote";
     save("");
     expect_felt_again();
