@@ -118,10 +118,11 @@ TEST(TouchChoice, AHapticsNodeThatIsStartedAgainIsChosenForByItsOwnRoundTrip) {
   EXPECT_NEAR(system.force_n().z(), kForceN, kRoundingN);
 }
 
-// Half a millimetre higher: by 0.5 N, which fade in over 0.1 s. The hub's force goes over to the haptics node's, and from there to that of
-// the new parts, so that two fades may overlap; none of both is more than these 0.5 N.
+// Half a millimetre lower each time (a surface that is moved past the probe is on its other side): by 0.5 N, which fade in over 0.1 s. The
+// hub's force goes over to the haptics node's, and from there to that of the new parts, so that two fades may overlap; none of both is more
+// than these 0.5 N.
 TEST(TouchChoice, ASceneThatIsReadAgainFadesInWhereverTheForceIsComputed) {
-  constexpr double kHigherM = 0.0005;
+  constexpr double kLowerM = 0.0005;
   for (const double round_trip_ms : {0.2, 12.0}) {
     SCOPED_TRACE(round_trip_ms);
     SimulatedSystem system(13, TouchChoice::automatic);
@@ -134,7 +135,7 @@ TEST(TouchChoice, ASceneThatIsReadAgainFadesInWhereverTheForceIsComputed) {
       ASSERT_TRUE(system.wait_for_patches());
     }
     const std::size_t first = system.device.written.size();
-    for (const double top_m : {kTopM + kHigherM, kTopM}) {
+    for (const double top_m : {kTopM - kLowerM, kTopM - 2.0 * kLowerM}) {
       system.haptics->set_scene(box_up_to(top_m));
       const double force_n = kForceN + kStiffness * (top_m - kTopM);
       for (int n = 0; n < 3000 && std::abs(system.force_n().z() - force_n) > kRoundingN; ++n) {
@@ -149,9 +150,9 @@ TEST(TouchChoice, ASceneThatIsReadAgainFadesInWhereverTheForceIsComputed) {
       EXPECT_NEAR(system.force_n().z(), force_n, kRoundingN);
     }
     const Extent extent = extent_since(system.device, first);
-    EXPECT_LT(extent.worst_step_n, 2.0 * kStiffness * kHigherM * 1e-3 / ForceFade::kInContactS + kRoundingN);
-    EXPECT_GT(extent.least_n, kForceN - kRoundingN);
-    EXPECT_LT(extent.most_n, kForceN + kStiffness * kHigherM + kRoundingN);
+    EXPECT_LT(extent.worst_step_n, 2.0 * kStiffness * kLowerM * 1e-3 / ForceFade::kInContactS + kRoundingN);
+    EXPECT_GT(extent.least_n, kForceN - 2.0 * kStiffness * kLowerM - kRoundingN);
+    EXPECT_LT(extent.most_n, kForceN + kRoundingN);
     EXPECT_EQ(system.stats().governor.counters.command_timeouts, 0U);
   }
 }

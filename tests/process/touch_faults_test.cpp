@@ -204,20 +204,21 @@ TEST_P(TouchedWay, AMovedSceneIsFeltWhereItIs) {
   system.end_all();
 }
 
-// The file is saved with the cube half a millimetre higher, and then with honey on it, which parts do not hold.
+// The file is saved with the cube half a millimetre lower, and then with honey on it, which parts do not hold.
 TEST_P(TouchedWay, ASceneThatIsSavedAgainIsFelt) {
   system.add_arguments("haptics_node", {"--watch-scene"});
   ASSERT_NO_FATAL_FAILURE(press());
   const auto save = [&](const std::string& lines) {
-    std::ofstream(system.folder() / "cube.toml") << "[[object]]\nmesh = \"cube.obj\"\nunit = \"m\"\nposition_m = [0, 0, 0.0005]\n" << lines;
+    std::ofstream(system.folder() / "cube.toml") << "[[object]]\nmesh = \"cube.obj\"\nunit = \"m\"\nposition_m = [0, 0, -0.0005]\n"
+                                                 << lines;
   };
   save("");
-  bool is_higher = false;
-  for (int n = 0; n < 20'000 && !is_higher; ++n) {
+  bool is_lower = false;
+  for (int n = 0; n < 20'000 && !is_lower; ++n) {
     ASSERT_TRUE(onlooker->see(state));
-    is_higher = state.contact && std::abs(state.p_WD.z() + state.visual_offset_m.z() - kTopM - 0.0005) < 1e-6;
+    is_lower = state.contact && std::abs(state.p_WD.z() + state.visual_offset_m.z() - kTopM + 0.0005) < 1e-6;
   }
-  EXPECT_TRUE(is_higher) << state.p_WD.z() + state.visual_offset_m.z() << system["haptics_node"].err();
+  EXPECT_TRUE(is_lower) << state.p_WD.z() + state.visual_offset_m.z() << system["haptics_node"].err();
   expect_felt_again();
   if (has_patches() && GetParam().name != "AutoFar") {
     save("material = \"honey\"\n[material.honey]\nviscosity_ns_per_m = 0.1\n");
