@@ -1,7 +1,6 @@
 #include "io_node/force_exchange.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace hapton {
 
@@ -16,14 +15,9 @@ bool ForceExchange::is_thinned(const DeviceCycle& cycle) const noexcept {
 }
 
 void ForceExchange::add_cycle(const DeviceCycle& cycle, bool is_newest) noexcept {
+  const std::int64_t time_ns = cycle.sample.time_ns;
   is_local_ = cycle.local.has_value();
   sends_ = is_newest && !is_thinned(cycle);
-  is_noted_ = !sends_ || is_local_;
-  if (is_noted_) note_cycle(cycle);
-}
-
-void ForceExchange::note_cycle(const DeviceCycle& cycle) noexcept {
-  const std::int64_t time_ns = cycle.sample.time_ns;
   if (sends_) {
     sent_ns_ = time_ns;
     const bool is_warm = time_ns - peers_.peer(HubPeers::kHapticsSlot).joined_ns >= ResponseTracker::kWarmUpNs;
@@ -45,8 +39,6 @@ void ForceExchange::send(const DeviceCycle& cycle) noexcept {
   const std::size_t reached = peers_.send_to_role(NodeRole::haptics, state);
   stats_.states_sent += reached;
   if (hops_ != nullptr && reached > 0) hops_->on_state_sent(cycle.number, sample.time_ns);
-  // Only now, as it touches memory that is a second old.
-  if (!std::exchange(is_noted_, true)) note_cycle(cycle);
 }
 
 void ForceExchange::accept(const Header& header, const ForceCommand& command) noexcept {

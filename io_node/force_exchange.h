@@ -72,7 +72,6 @@ class ForceExchange {
 
   static constexpr double kThinnedHz = 20.0;
 
-  void note_cycle(const DeviceCycle& cycle) noexcept;
   bool is_thinned(const DeviceCycle& cycle) const noexcept;
   void note_trip(std::int64_t round_trip_ns, std::int64_t now_ns) noexcept;
   bool is_haptics_alive(std::int64_t now_ns) const noexcept;
@@ -88,7 +87,6 @@ class ForceExchange {
   std::optional<Posted> posted_;  // not known to be written yet
   bool is_local_ = false;         // the newest sample's force is the device side's
   bool sends_ = true;             // the newest sample
-  bool is_noted_ = true;          // ... is known to responses_ and history_
   std::int64_t sent_ns_ = 0;      // the newest that was sent
 
   double find_median_s(std::size_t most) const noexcept;

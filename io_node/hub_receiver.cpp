@@ -5,7 +5,6 @@ namespace hapton {
 void HubReceiver::receive_one(std::int64_t deadline_ns) noexcept {
   const PeerEvent event = peers_.receive(incoming_, deadline_ns);
   if (event.kind != PeerEvent::Kind::none) handler_.handle(event, incoming_);
-  peers_.tap_force();
 }
 
 void HubReceiver::receive_until(std::int64_t deadline_ns) noexcept {

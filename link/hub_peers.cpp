@@ -1,7 +1,6 @@
 #include "link/hub_peers.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "link/random_id.h"
 
@@ -61,13 +60,7 @@ HubPeers::~HubPeers() {
   }
 }
 
-void HubPeers::tap_force() noexcept {
-  const std::size_t bytes = std::exchange(untapped_bytes_, 0);
-  if (tap_ != nullptr && bytes != 0) tap_->on_received(untapped_from_, std::span(buffer_).first(bytes), untapped_ns_);
-}
-
 PeerEvent HubPeers::receive(Datagram& datagram, std::int64_t deadline_ns) noexcept {
-  tap_force();
   if (const PeerEvent silent = drop_timed_out(clock_.now_ns()); silent.kind != PeerEvent::Kind::none) {
     return silent;
   }
@@ -81,14 +74,8 @@ PeerEvent HubPeers::receive(Datagram& datagram, std::int64_t deadline_ns) noexce
 PeerEvent HubPeers::handle_datagram(std::span<const std::byte> bytes, const Address& from, std::int64_t now_ns, Datagram& datagram,
                                     KeyRole key_role) noexcept {
   ++counts_.received;
+  if (tap_ != nullptr) tap_->on_received(from, bytes, now_ns);
   const DecodeStatus status = codec_.decode(bytes, datagram);
-  if (tap_ != nullptr && status == DecodeStatus::ok && std::holds_alternative<ForceCommand>(datagram.message)) {
-    untapped_from_ = from;
-    untapped_bytes_ = bytes.size();
-    untapped_ns_ = now_ns;
-  } else if (tap_ != nullptr) {
-    tap_->on_received(from, bytes, now_ns);
-  }
   if (status != DecodeStatus::ok) {
     ++counts_.undecodable;
     counts_.wrong_version += status == DecodeStatus::wrong_version ? 1 : 0;
@@ -259,7 +246,6 @@ bool HubPeers::transmit(const Address& to, std::uint64_t sequence, const Message
   const std::size_t size = codec_.encode(outgoing_, bytes);
   if (size == 0) return false;
   const bool sent = endpoint_.send(to, std::span(bytes).first(size));
-  tap_force();
   if (tap_ != nullptr && sent) tap_->on_sent(to, std::span(bytes).first(size), now_ns);
   return sent;
 }

@@ -98,8 +98,6 @@ class HubPeers {
 
   // Gets a copy of every datagram from now on; null: none does. Pre: outlives this.
   void set_tap(DatagramTap* tap) noexcept { tap_ = tap; }
-  // The tap gets a datagram with a force once that is in use: call this then. Otherwise it gets it before whatever follows.
-  void tap_force() noexcept;
 
   // The rate that Welcome reports from now on.
   void set_servo_rate_hz(double servo_rate_hz) noexcept { servo_rate_hz_ = servo_rate_hz; }
@@ -132,10 +130,6 @@ class HubPeers {
   double servo_rate_hz_;
   Codec codec_;
   DatagramTap* tap_ = nullptr;
-  // A datagram in buffer_ with a force that tap_ has not got yet; 0 bytes: none.
-  Address untapped_from_;
-  std::size_t untapped_bytes_ = 0;
-  std::int64_t untapped_ns_ = 0;
   Datagram outgoing_;
   std::array<std::byte, kMaxDatagramBytes> buffer_ = {};
   std::array<Peer, kCapacity> peers_ = {};

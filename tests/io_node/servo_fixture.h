@@ -185,7 +185,7 @@ struct Servos : testing::Test {
 };
 
 // Records what it receives.
-class RecordingTap : public ServoTap {
+class RecordingTap final : public ServoTap {
  public:
   void on_received(const Address&, std::span<const std::byte>, std::int64_t) noexcept override { ++received; }
   void on_sent(const Address&, std::span<const std::byte>, std::int64_t) noexcept override { ++sent; }

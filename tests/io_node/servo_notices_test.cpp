@@ -49,34 +49,6 @@ TEST_F(Servos, ATapReceivesDatagramsAndCycles) {
   peers.set_tap(nullptr);
 }
 
-// The recording costs the force no time: its datagram comes to the tap when the motors have it, and before whatever is sent after it.
-TEST_F(Servos, ATapReceivesAForceOnceTheMotorsHaveIt) {
-  struct OrderTap final : RecordingTap {
-    explicit OrderTap(const BenchDevice& bench) : device(bench) {}
-    void on_received(const Address& from, std::span<const std::byte> bytes, std::int64_t time_ns) noexcept override {
-      RecordingTap::on_received(from, bytes, time_ns);
-      written.push_back(device.written.size());
-      times_ns.push_back(time_ns);
-    }
-    void on_sent(const Address&, std::span<const std::byte>, std::int64_t time_ns) noexcept override { times_ns.push_back(time_ns); }
-    const BenchDevice& device;
-    std::vector<std::size_t> written;
-    std::vector<std::int64_t> times_ns;
-  } tap(device);
-  make({}, nullptr, &tap);
-  join(kHaptics, NodeRole::haptics);
-  run(200);
-  tap.written.clear();
-  const std::size_t before = device.written.size();
-  run(40);
-  ASSERT_GE(tap.written.size(), 40U);
-  std::size_t forces = 0;
-  for (const std::size_t count : tap.written) forces += count > before + forces ? 1 : 0;
-  EXPECT_EQ(forces, 40U);
-  EXPECT_TRUE(std::is_sorted(tap.times_ns.begin(), tap.times_ns.end()));
-  peers.set_tap(nullptr);
-}
-
 TEST_F(Servos, ATapReceivesEachFaultOnce) {
   RecordingTap tap;
   make({}, nullptr, &tap);
