@@ -172,12 +172,6 @@ Result<PosedMesh> make_mesh(const ObjectSpec& object, const std::filesystem::pat
   return posed;
 }
 
-// Of a mesh file alone.
-std::string describe_fit(const std::string& path, const Eigen::AlignedBox3d& box, const SceneFit& fit) {
-  return fmt::format("{}: is {:.4g} m long, shown {:.4g} times its size in the middle of the workspace; --no-fit leaves it as it is", path,
-                     box.sizes().maxCoeff(), fit.scale);
-}
-
 void apply(const SceneFit& fit, std::vector<PosedMesh>& meshes) {
   for (PosedMesh& posed : meshes) {
     fit.apply(posed.mesh, posed.sealed);
@@ -189,7 +183,7 @@ void apply(const SceneFit& fit, std::vector<PosedMesh>& meshes) {
 Result<SceneFit> fit(std::vector<PosedMesh>& meshes, const SceneSpec& spec, std::vector<std::string>& notes) {
   if (spec.workspace) {
     apply(*spec.workspace, meshes);
-    notes.push_back(fmt::format("[workspace]: everything is shown {:.4g} times its size", spec.workspace->scale));
+    note_scale("[workspace]", *spec.workspace, notes);
     return *spec.workspace;
   }
   Eigen::AlignedBox3d box;
@@ -197,8 +191,11 @@ Result<SceneFit> fit(std::vector<PosedMesh>& meshes, const SceneSpec& spec, std:
   const Result<SceneFit> fit = find_fit(box, *spec.fit_m);
   if (!fit) return fail("fit_m: {}: leave fit_m out", fit.error().what);
   apply(*fit, meshes);
-  notes.push_back(spec.is_plain ? describe_fit(spec.objects[0].mesh, box, *fit)
-                                : fmt::format("fit_m: everything is shown {:.4g} times its size", fit->scale));
+  if (spec.is_plain) {
+    notes.push_back(describe_fit(spec.objects[0].mesh, box, *fit));
+  } else {
+    note_scale("fit_m", *fit, notes);
+  }
   return *fit;
 }
 
