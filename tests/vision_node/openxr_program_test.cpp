@@ -284,7 +284,7 @@ TEST_F(OpenXrProgram, WithoutARuntimeItSaysHowToGetOne) {
 TEST_F(OpenXrProgram, WhatContradictsAHeadsetIsOneLine) {
   for (const char* word : {"--screen-width-mm 500", "--head spacemouse", "--bench-frames 5"}) {
     const XrRun run = this->run("", fmt::format("--offscreen {}", word));
-    EXPECT_EQ(run.code, 1) << word;
+    EXPECT_EQ(run.code, 2) << word;
     EXPECT_EQ(run.lines(), 1) << run.output;
     EXPECT_NE(run.output.find("--stereo openxr: "), std::string::npos) << run.output;
   }
