@@ -153,6 +153,7 @@ int run(const HapticsOptions& options) {
       step.set_grasp(&grasp.emplace(grasp_link, movable, button_bit(options.grasp_button)));
       for (const PutDown& each : *put_down) grasp->place(each.object, each.pose());
       log_info("button {} of the stylus picks up movable objects while they are touched", options.grasp_button);
+      if (make_tool_obstacles(scene->touch_scene()).leaves_out) log_warning("while one is held, {}", kToolLeavesOut);
     }
   }
   std::mutex felt_mutex;
