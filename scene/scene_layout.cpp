@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "scene/accepted_findings.h"
 #include "scene/file_bytes.h"
 #include "scene/workspace_reader.h"
 
@@ -9,6 +10,21 @@ namespace hapton {
 namespace {
 
 constexpr std::size_t kMostBytes = std::size_t{1} << 24;  // as load_scene
+
+// As read_object numbers its lines.
+Result<void> read_accepted(const toml::table& scene, SceneLayout& layout) {
+  const toml::array* objects = scene["object"].as_array();
+  if (objects == nullptr) return {};
+  for (const toml::node& node : *objects) {
+    const toml::table* object = node.as_table();
+    const toml::node* mesh = object == nullptr ? nullptr : object->get("mesh");
+    if (mesh == nullptr) continue;
+    auto accepted = read_accepted_findings(*object, "[[object]]");
+    if (!accepted) return tl::unexpected(accepted.error());
+    if (!accepted->empty()) layout.accepted.emplace(mesh->source().begin.line, std::move(*accepted));
+  }
+  return {};
+}
 
 Result<SceneLayout> parse_layout(const std::string& text) {
   const auto table = parse_toml(text);
@@ -23,6 +39,7 @@ Result<SceneLayout> parse_layout(const std::string& text) {
   auto instances = read_instances(*table);
   if (!instances) return tl::unexpected(instances.error());
   layout.instances = std::move(*instances);
+  if (const auto accepted = read_accepted(*table, layout); !accepted) return tl::unexpected(accepted.error());
   if (!table->contains("fit_m")) return layout;
   TableReader reader(*table, "the scene");
   std::array<double, 3> fit = {};

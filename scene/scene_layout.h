@@ -1,7 +1,10 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <map>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/base/result.h"
@@ -17,6 +20,9 @@ struct SceneLayout {
   std::optional<Similarity> workspace;
   std::vector<GroupSpec> groups;
   std::vector<GroupSpec> instances;
+  // Findings of `hapton check` that an object accepts (scene/accepted_findings.h), by SceneObject::line; an instance has that of its
+  // object.
+  std::map<std::size_t, std::vector<std::string>> accepted;
 };
 
 // RT: set-up only. Error: the file cannot be read, or what these tables have is rejected by load_scene too: one line.

@@ -5,6 +5,7 @@
 
 #include "scene/scene_combination.h"
 #include "scene/scene_file.h"
+#include "scene/scene_layout.h"
 #include "tools/check/scene_check.h"
 #include "tools/commands.h"
 
@@ -52,6 +53,11 @@ Result<bool> run(CheckOptions& options) {
   if (!scene) return tl::unexpected(scene.error());
   if (const auto checked = check_combination(options.file, *scene, scene->tool.has_value()); !checked) {
     return tl::unexpected(checked.error());
+  }
+  if (options.file.ends_with(".toml")) {
+    auto layout = read_layout(options.file);
+    if (!layout) return tl::unexpected(layout.error());
+    settings.accepted = std::move(layout->accepted);
   }
   const auto check = check_scene(options.file, *scene, settings);
   if (!check) return tl::unexpected(check.error());
