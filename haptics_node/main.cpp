@@ -19,6 +19,7 @@
 #include "haptics_node/preparation_notice.h"
 #include "haptics_node/reply_loop.h"
 #include "haptics_node/scene_plugins.h"
+#include "haptics_node/scene_probe.h"
 #include "haptics_node/scene_watcher.h"
 #include "haptics_node/tool_task.h"
 #include "link/link_key.h"
@@ -247,5 +248,10 @@ int main(int argc, char** argv) {
   start_log("haptics_node");
   auto parsed = parse_haptics_options(argc, argv);
   if (const int* code = std::get_if<int>(&parsed)) return *code;
-  return run(std::get<HapticsOptions>(parsed));
+  auto& options = std::get<HapticsOptions>(parsed);
+  if (const auto taken = take_scene_probe(options); !taken) {
+    log_error("{}", taken.error().what);
+    return 2;
+  }
+  return run(options);
 }

@@ -19,6 +19,7 @@
 #include "scene/object_deformation.h"
 #include "scene/object_motion.h"
 #include "scene/object_reader.h"
+#include "scene/probe_tables.h"
 #include "scene/scene_fit.h"
 #include "scene/scene_hash.h"
 #include "scene/scene_objects.h"
@@ -116,7 +117,7 @@ Result<void> set_workspace(const toml::table& table, SceneSpec& spec) {
 Result<SceneSpec> read_spec(const toml::table& table) {
   SceneSpec spec;
   TableReader reader(table, "the scene");
-  reader.allow({"fit_m", "object", "group", "instance", "material", "effect", "tool", "workspace", "camera", "light"});
+  reader.allow({"fit_m", "object", "group", "instance", "material", "effect", "tool", "workspace", "camera", "light", "probe"});
   std::array<double, 3> fit = {};
   reader.read("fit_m", fit, 1e-9, kMaxLengthM);
   if (reader.error()) return tl::unexpected(*reader.error());
@@ -130,6 +131,7 @@ Result<SceneSpec> read_spec(const toml::table& table) {
   if (const auto read = read_effects(table, spec); !read) return tl::unexpected(read.error());
   if (const auto read = read_tool(table, spec); !read) return tl::unexpected(read.error());
   if (const auto set = set_workspace(table, spec); !set) return tl::unexpected(set.error());
+  if (const auto probes = read_probes(table); !probes) return tl::unexpected(probes.error());  // of use to haptics_node
   auto view = read_view(table);
   if (!view) return tl::unexpected(view.error());
   spec.view = std::move(*view);

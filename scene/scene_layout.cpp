@@ -4,6 +4,7 @@
 
 #include "scene/accepted_findings.h"
 #include "scene/file_bytes.h"
+#include "scene/probe_tables.h"
 #include "scene/workspace_reader.h"
 
 namespace hapton {
@@ -39,6 +40,9 @@ Result<SceneLayout> parse_layout(const std::string& text) {
   auto instances = read_instances(*table);
   if (!instances) return tl::unexpected(instances.error());
   layout.instances = std::move(*instances);
+  auto probes = read_probes(*table);
+  if (!probes) return tl::unexpected(probes.error());
+  layout.probes = std::move(*probes);
   if (const auto accepted = read_accepted(*table, layout); !accepted) return tl::unexpected(accepted.error());
   if (!table->contains("fit_m")) return layout;
   TableReader reader(*table, "the scene");

@@ -10,6 +10,7 @@
 #include "core/base/result.h"
 #include "core/math/types.h"
 #include "scene/group_reader.h"
+#include "scene/probe_reader.h"
 #include "scene/similarity.h"
 
 namespace hapton {
@@ -20,6 +21,7 @@ struct SceneLayout {
   std::optional<Similarity> workspace;
   std::vector<GroupSpec> groups;
   std::vector<GroupSpec> instances;
+  std::vector<ProbeSpec> probes;
   // Findings of `hapton check` that an object accepts (scene/accepted_findings.h), by SceneObject::line; an instance has that of its
   // object.
   std::map<std::size_t, std::vector<std::string>> accepted;

@@ -107,6 +107,7 @@ std::string describe_setting(const SceneReport& report) {
   for (const GroupSpec& group : layout.groups) text += fmt::format("group {}{}\n", group.name, in_group(group));
   for (const GroupSpec& instance : layout.instances)
     text += fmt::format("instance {}: of {}{}\n", instance.name, instance.of, in_group(instance));
+  for (const ProbeSpec& probe : layout.probes) text += describe(probe) + "\n";
   if (report.scene.view.camera) text += describe(*report.scene.view.camera);
   for (const SceneLight& light : report.scene.view.lights) text += describe(light);
   if (report.scene.tool) text += fmt::format("tool {}: {} triangles\n", report.scene.tool->name, report.scene.tool->mesh->triangles.size());
@@ -142,6 +143,13 @@ Json to_json(const GroupSpec& spec) {
   if (!spec.of.empty()) json["of"] = spec.of;
   json["group"] = spec.group.empty() ? Json() : Json(spec.group);
   return json;
+}
+
+Json to_json(const ProbeSpec& probe) {
+  return {{"name", probe.name},
+          {"radius_m", probe.radius_m ? Json(*probe.radius_m) : Json()},
+          {"method", probe.method ? Json(*probe.method) : Json()},
+          {"shading", probe.shading ? Json(*probe.shading) : Json()}};
 }
 
 template <class Spec>
@@ -274,6 +282,7 @@ std::string to_json(const SceneReport& report) {
                      {"workspace", layout.workspace ? to_json(*layout.workspace) : Json()},
                      {"groups", to_list(layout.groups)},
                      {"instances", to_list(layout.instances)},
+                     {"probes", to_list(layout.probes)},
                      {"camera", scene.view.camera ? to_json(*scene.view.camera) : Json()},
                      {"lights", to_list(scene.view.lights)},
                      {"tool", scene.tool ? Json(scene.tool->name) : Json()},

@@ -379,6 +379,19 @@ TEST(CheckCommand, WhatAnObjectAcceptsIsANote) {
   EXPECT_EQ(json["accepted"].size(), 2U);
 }
 
+TEST(CheckCommand, TheProbeIsTheScenesFirstOne) {
+  const ScratchFolder folder;
+  folder.write("part.obj", obj_of(make_box(Vec3(0.08, 0.06, 0.001), 3)));
+  const std::string text =
+      "[[object]]\nmesh = 'part.obj'\nmaterial = 'm'\n[material.m]\nstiffness_n_per_m = 20.0\n[[probe]]\nname = 'ball'\nradius_m = 0.002\n";
+  const std::string scene = folder.write("scene.toml", text).string();
+  const CommandRun seen = check({scene});
+  EXPECT_EQ(seen.code, 1);
+  EXPECT_THAT(seen.out, HasSubstr("thinner than the ball of the probe (4 mm)"));
+  EXPECT_THAT(seen.out, HasSubstr("note: checked for probe 'ball': radius 0.002 m; --probe-radius"));
+  EXPECT_EQ(check({scene, "--probe-radius", "0"}).code, 0) << "a flag counts more";
+}
+
 TEST(CheckCommand, WhatIsAcceptedAndNotThereIsANote) {
   const ScratchFolder folder;
   folder.write("part.obj", obj_of(good_ball()));
