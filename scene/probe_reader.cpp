@@ -1,6 +1,7 @@
 #include "scene/probe_reader.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/force/force_method.h"
 #include "scene/probe_tables.h"

@@ -114,16 +114,16 @@ std::string describe_setting(const SceneReport& report) {
   return text;
 }
 
-using Json = nlohmann::ordered_json;
+using InfoJson = nlohmann::ordered_json;
 
-Json to_array(const Vec3& p) { return Json::array({p.x(), p.y(), p.z()}); }
+InfoJson to_array(const Vec3& p) { return InfoJson::array({p.x(), p.y(), p.z()}); }
 
-Json to_json(const Similarity& workspace) {
+InfoJson to_json(const Similarity& workspace) {
   const Quat& q = workspace.q;
-  return {{"center_m", to_array(workspace.p)}, {"rotation", Json::array({q.w(), q.x(), q.y(), q.z()})}, {"scale", workspace.scale}};
+  return {{"center_m", to_array(workspace.p)}, {"rotation", InfoJson::array({q.w(), q.x(), q.y(), q.z()})}, {"scale", workspace.scale}};
 }
 
-Json to_json(const SceneCamera& camera) {
+InfoJson to_json(const SceneCamera& camera) {
   return {{"position_m", to_array(camera.p_WE)},
           {"look_at_m", to_array(camera.p_WC)},
           {"up", to_array(camera.up)},
@@ -131,30 +131,30 @@ Json to_json(const SceneCamera& camera) {
 }
 
 // With the color times the intensity.
-Json to_json(const SceneLight& light) {
-  Json json;
+InfoJson to_json(const SceneLight& light) {
+  InfoJson json;
   json[light.has_position ? "position_m" : "direction"] = to_array(light.has_position ? light.towards_or_p_W : Vec3(-light.towards_or_p_W));
   json["color"] = to_array(light.colour);
   return json;
 }
 
-Json to_json(const GroupSpec& spec) {
-  Json json = {{"name", spec.name}};
+InfoJson to_json(const GroupSpec& spec) {
+  InfoJson json = {{"name", spec.name}};
   if (!spec.of.empty()) json["of"] = spec.of;
-  json["group"] = spec.group.empty() ? Json() : Json(spec.group);
+  json["group"] = spec.group.empty() ? InfoJson() : InfoJson(spec.group);
   return json;
 }
 
-Json to_json(const ProbeSpec& probe) {
+InfoJson to_json(const ProbeSpec& probe) {
   return {{"name", probe.name},
-          {"radius_m", probe.radius_m ? Json(*probe.radius_m) : Json()},
-          {"method", probe.method ? Json(*probe.method) : Json()},
-          {"shading", probe.shading ? Json(*probe.shading) : Json()}};
+          {"radius_m", probe.radius_m ? InfoJson(*probe.radius_m) : InfoJson()},
+          {"method", probe.method ? InfoJson(*probe.method) : InfoJson()},
+          {"shading", probe.shading ? InfoJson(*probe.shading) : InfoJson()}};
 }
 
 template <class Spec>
-Json to_list(const std::vector<Spec>& specs) {
-  Json list = Json::array();
+InfoJson to_list(const std::vector<Spec>& specs) {
+  InfoJson list = InfoJson::array();
   for (const Spec& spec : specs) list.push_back(to_json(spec));
   return list;
 }
@@ -214,7 +214,7 @@ std::string to_text(const SceneReport& report) {
 }
 
 std::string to_json(const SceneReport& report) {
-  Json objects = Json::array();
+  InfoJson objects = InfoJson::array();
   for (std::size_t i = 0; i < report.flaws.size(); ++i) {
     const SceneObject& object = report.scene.objects[i];
     const MeshTopology& t = report.flaws[i].topology;
@@ -252,42 +252,42 @@ std::string to_json(const SceneReport& report) {
                        {"friction_dynamic", object.material.friction_dynamic},
                        {"two_sided", object.material.two_sided},
                        {"movable", object.is_movable},
-                       {"moved_by", object.commanded != nullptr ? Json("program") : Json()},
-                       {"mass_kg", object.mass_kg > 0.0 ? Json(object.mass_kg) : Json()},
+                       {"moved_by", object.commanded != nullptr ? InfoJson("program") : InfoJson()},
+                       {"mass_kg", object.mass_kg > 0.0 ? InfoJson(object.mass_kg) : InfoJson()},
                        {"keyframes", object.motion != nullptr ? object.motion->keyframes().size() : std::size_t{0}},
                        {"motion_s", object.motion != nullptr ? object.motion->duration_s() : 0.0},
                        {"morphs", object.deformation != nullptr ? object.deformation->targets().size() : std::size_t{0}},
                        {"deformation_s", object.deformation != nullptr ? object.deformation->duration_s() : 0.0},
-                       {"voxel_m", object.sculpt ? Json(object.sculpt->voxel_m) : Json()},
-                       {"tool_radius_m", object.sculpt ? Json(object.sculpt->tool_radius_m) : Json()},
-                       {"carve_button", object.sculpt ? Json(1 + std::countr_zero(object.sculpt->button)) : Json()},
+                       {"voxel_m", object.sculpt ? InfoJson(object.sculpt->voxel_m) : InfoJson()},
+                       {"tool_radius_m", object.sculpt ? InfoJson(object.sculpt->tool_radius_m) : InfoJson()},
+                       {"carve_button", object.sculpt ? InfoJson(1 + std::countr_zero(object.sculpt->button)) : InfoJson()},
                        {"effects", names_of(object.effects)}});
   }
-  Json effects = Json::array();
+  InfoJson effects = InfoJson::array();
   for (const SceneEffect& effect : report.scene.effects) {
     effects.push_back({{"name", effect.name}, {"passivity", name_of(passivity_of(effect))}, {"bound_n", bound_of(effect.effect)}});
     if (effect.on.button != 0) effects.back()["button"] = button_number(effect);
   }
-  Json plugins = Json::array();
+  InfoJson plugins = InfoJson::array();
   for (const LibraryEffect& one : report.scene.libraries) plugins.push_back({{"name", one.name}, {"library", one.library.string()}});
   const Scene& scene = report.scene;
   const SceneLayout& layout = *report.layout;
-  const Json json = {{"schema", "hapton.scene_info/2"},
-                     {"file", report.path},
-                     {"objects", objects},
-                     {"effects", effects},
-                     {"plugins", plugins},
-                     {"fit_m", layout.fit_m ? to_array(*layout.fit_m) : Json()},
-                     {"fit_scale", scene.fit_scale},
-                     {"workspace", layout.workspace ? to_json(*layout.workspace) : Json()},
-                     {"groups", to_list(layout.groups)},
-                     {"instances", to_list(layout.instances)},
-                     {"probes", to_list(layout.probes)},
-                     {"camera", scene.view.camera ? to_json(*scene.view.camera) : Json()},
-                     {"lights", to_list(scene.view.lights)},
-                     {"tool", scene.tool ? Json(scene.tool->name) : Json()},
-                     {"notes", scene.notes}};
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  const InfoJson json = {{"schema", "hapton.scene_info/2"},
+                         {"file", report.path},
+                         {"objects", objects},
+                         {"effects", effects},
+                         {"plugins", plugins},
+                         {"fit_m", layout.fit_m ? to_array(*layout.fit_m) : InfoJson()},
+                         {"fit_scale", scene.fit_scale},
+                         {"workspace", layout.workspace ? to_json(*layout.workspace) : InfoJson()},
+                         {"groups", to_list(layout.groups)},
+                         {"instances", to_list(layout.instances)},
+                         {"probes", to_list(layout.probes)},
+                         {"camera", scene.view.camera ? to_json(*scene.view.camera) : InfoJson()},
+                         {"lights", to_list(scene.view.lights)},
+                         {"tool", scene.tool ? InfoJson(scene.tool->name) : InfoJson()},
+                         {"notes", scene.notes}};
+  return json.dump(2, ' ', false, InfoJson::error_handler_t::replace) + "\n";
 }
 
 }  // namespace hapton
