@@ -51,7 +51,7 @@ TEST_F(SceneProbe, FlagsCountMore) {
   EXPECT_EQ(right.method.shading, 0.0);
 }
 
-TEST_F(SceneProbe, AScenesWithoutOneChangesNothing) {
+TEST_F(SceneProbe, ASceneWithoutOneChangesNothing) {
   EXPECT_EQ(take({}, "none.toml").method.probe_radius_m, 0.0);
   EXPECT_EQ(take({}, "a.obj").method.name, "proxy");
   EXPECT_EQ(take({}, "gone.toml").method.name, "proxy") << "load_scene names it";

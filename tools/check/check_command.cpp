@@ -1,7 +1,11 @@
+#include <fmt/format.h>
+
 #include <cstdio>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "scene/scene_combination.h"
 #include "scene/scene_file.h"
