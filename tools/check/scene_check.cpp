@@ -44,7 +44,7 @@ void sort_findings(const SceneObject& object, const SceneCheckSettings& settings
     const auto first =
         std::stable_partition(found.begin(), found.end(), [&](const CheckFinding& one) { return name_of(one.fault) != name; });
     if (first == found.end()) {
-      check.notes.push_back(fmt::format("object '{}' accepts '{}', which was not found: leave it out", object.name, name));
+      check.notes.push_back(fmt::format("object '{}' accepts '{}', which was not found for this probe", object.name, name));
     }
     for (auto one = first; one != found.end(); ++one) {
       check.notes.push_back(fmt::format("accepted: object '{}': {}", object.name, one->what));

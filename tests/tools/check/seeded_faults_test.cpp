@@ -400,7 +400,7 @@ TEST(CheckCommand, WhatIsAcceptedAndNotThereIsANote) {
       "20.0\n";
   const CommandRun seen = check({folder.write("scene.toml", text).string()});
   EXPECT_EQ(seen.code, 0) << seen.out;
-  EXPECT_THAT(seen.out, HasSubstr("note: object 'ball' accepts 'opening', which was not found: leave it out"));
+  EXPECT_THAT(seen.out, HasSubstr("note: object 'ball' accepts 'opening', which was not found for this probe"));
 }
 
 TEST(CheckCommand, OnlyFindingsOfItsOwnCanBeAccepted) {
