@@ -44,6 +44,9 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
   app.add_option("--scene", options.scene, "Scene file (TOML) or mesh file")->capture_default_str();
   app.add_flag("--watch-scene", options.watch_scene,
                "Read the scene file again when it is saved: materials, effects and objects fade in; an error leaves the scene as it is");
+  app.add_option("--probe", options.probe,
+                 "Probe of the scene file that this node computes, by the name of its [[probe]]: radius, method and shading (default: the "
+                 "first one); flags count more");
   app.add_option("--unit", unit, "Unit of a mesh file: m (default), cm, mm or in")->check(accepts(parse_unit));
   app.add_flag("--no-seal", no_seal, "Do not seal cracks: by default those up to 1e-4 of the longest side are closed");
   app.add_flag("--no-fit", no_fit, "Keep a mesh file's position and size; default: centred and scaled to the workspace");
@@ -133,6 +136,9 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
   app.add_option("--seconds", options.seconds, "End after this long, 0: when stopped")->check(between(0.0, 1e9))->capture_default_str();
 
   if (const auto code = parse_command_line(app, argc, argv)) return *code;
+  options.is_method_given = app.count("--method") > 0;
+  options.is_radius_given = app.count("--probe-radius") > 0;
+  options.is_shading_given = app.count("--shading") > 0;
   options.method.grid_division = *parse_grid_division(grid);
   if (names_plugin_file(options.method.name)) {
     options.method_file = *parse_plugin_choice(options.method.name);

@@ -23,7 +23,11 @@ struct HapticsOptions {
   std::filesystem::path scene = "scenes/car_front.toml";
   SceneLoading loading = {.fit = MeshFit::workspace};
   bool watch_scene = false;  // read the scene file again when it changes
+  std::string probe;         // of the scene file's [[probe]] tables; empty: the first one
   MethodSettings method;
+  bool is_method_given = false;  // on the command line; otherwise the probe's counts, where there is one
+  bool is_radius_given = false;
+  bool is_shading_given = false;
   std::optional<PluginChoice> method_file;                                       // of the method 'plugin'
   std::vector<PluginChoice> effects;                                             // from shared libraries
   bool allow_plugins = false;                                                    // load the libraries that the scene file names

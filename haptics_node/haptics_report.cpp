@@ -40,7 +40,11 @@ std::string make_haptics_report(const HapticsStep& step, const HubClient& hub, c
 void log_method(const ForceMethod& method) {
   std::istringstream text(method.describe());
   for (std::string line; std::getline(text, line);) {
-    log_info("{}", line);
+    if (line.starts_with("note: ")) {
+      log_warning("{}", line.substr(6));
+    } else {
+      log_info("{}", line);
+    }
   }
 }
 

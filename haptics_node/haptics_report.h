@@ -16,7 +16,7 @@ std::string make_haptics_report(const HapticsStep& step, const HubClient& hub, c
 // "WHAT: p50 .. us, p90 .., p99 .., p99.9 .., worst .., n ..", a line; empty if there are none. RT: set-up only.
 std::string describe_times(const std::string& what, const LatencyHistogram& times);
 
-// Logs the method's report, line by line. RT: no.
+// Logs the method's report, line by line; what it leaves out of the scene ("note: ...") as warnings. RT: no.
 void log_method(const ForceMethod& method);
 
 }  // namespace hapton

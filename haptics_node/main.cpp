@@ -19,6 +19,7 @@
 #include "haptics_node/preparation_notice.h"
 #include "haptics_node/reply_loop.h"
 #include "haptics_node/scene_plugins.h"
+#include "haptics_node/scene_probe.h"
 #include "haptics_node/scene_watcher.h"
 #include "haptics_node/tool_task.h"
 #include "link/link_key.h"
@@ -153,6 +154,7 @@ int run(const HapticsOptions& options) {
       step.set_grasp(&grasp.emplace(grasp_link, movable, button_bit(options.grasp_button)));
       for (const PutDown& each : *put_down) grasp->place(each.object, each.pose());
       log_info("button {} of the stylus picks up movable objects while they are touched", options.grasp_button);
+      if (make_tool_obstacles(scene->touch_scene()).leaves_out) log_warning("while one is held, {}", kToolLeavesOut);
     }
   }
   std::mutex felt_mutex;
@@ -243,5 +245,10 @@ int main(int argc, char** argv) {
   start_log("haptics_node");
   auto parsed = parse_haptics_options(argc, argv);
   if (const int* code = std::get_if<int>(&parsed)) return *code;
-  return run(std::get<HapticsOptions>(parsed));
+  auto& options = std::get<HapticsOptions>(parsed);
+  if (const auto taken = take_scene_probe(options); !taken) {
+    log_error("{}", taken.error().what);
+    return 2;
+  }
+  return run(options);
 }

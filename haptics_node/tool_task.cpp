@@ -37,7 +37,7 @@ Result<std::unique_ptr<HeldTool>> make_held_tool(const HapticsOptions& options, 
   log_info("the stylus holds {}", (*tool)->name);
   std::istringstream text((*step)->describe());
   for (std::string line; std::getline(text, line);) log_info("{}", line);
-  if (obstacles.leaves_out) log_warning("damping and effects of the scene are ignored: a rigid tool supports only stiffness and friction");
+  if (obstacles.leaves_out) log_warning("{}", kToolLeavesOut);
   return std::make_unique<HeldTool>(std::move(*step));
 }
 

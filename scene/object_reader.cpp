@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "scene/accepted_findings.h"
 #include "scene/rotation_reader.h"
 
 namespace hapton {
@@ -30,7 +31,7 @@ Result<ObjectSpec> read_object(const toml::table& table, const std::string& name
     keys.emplace_back("grip");
   } else {
     keys.insert(keys.end(), {"material", "group", "movable", "moved_by", "mass_kg", "keyframe", "loop", "pivot_m", "animation",
-                             "animation_speed", "morph", "sculpt", "voxel_mm", "tool_radius_mm", "carve_button"});
+                             "animation_speed", kAcceptedFindingsKey, "morph", "sculpt", "voxel_mm", "tool_radius_mm", "carve_button"});
   }
   reader.allow(keys);
   if (!reader.has("mesh")) reader.fail_at("mesh", "{} has no 'mesh': name its mesh file", name);
@@ -65,6 +66,7 @@ Result<ObjectSpec> read_object(const toml::table& table, const std::string& name
       reader.fail_at("unit", "{}", parsed.error().what);
   }
   if (reader.error()) return tl::unexpected(*reader.error());
+  if (const auto accepted = read_accepted_findings(table, name); !accepted) return tl::unexpected(accepted.error());
   auto motion = read_motion(table, name);
   if (!motion) return tl::unexpected(motion.error());
   spec.motion = std::move(*motion);

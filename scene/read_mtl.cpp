@@ -1,6 +1,7 @@
 #include "scene/read_mtl.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -45,6 +46,12 @@ void set_opacity(LookMaterial& material, float opacity) {
   material.alpha_mode = opacity < 1.0F ? AlphaMode::blend : AlphaMode::opaque;
 }
 
+// An image of heights or normals, by its usual names.
+bool is_bump_map(std::string_view keyword) {
+  constexpr std::array<std::string_view, 6> kNames = {"map_Bump", "map_bump", "bump", "norm", "map_Kn", "disp"};
+  return std::find(kNames.begin(), kNames.end(), keyword) != kNames.end();
+}
+
 struct ImageLine {
   std::string name;
   TextureWrap wrap = TextureWrap::repeat;
@@ -84,6 +91,7 @@ std::optional<std::size_t> add_image_file(const std::filesystem::path& file, Raw
 void read_mtl(std::string_view bytes, const std::filesystem::path& folder, RawMesh& raw) {
   LookMaterial* material = nullptr;
   bool has_d = false;
+  std::size_t bump_maps = 0;
   for (TextCursor cursor(bytes); !cursor.at_end(); cursor.next_line()) {
     const std::string_view keyword = cursor.word_in_line();
     if (keyword == "newmtl") {
@@ -97,11 +105,17 @@ void read_mtl(std::string_view bytes, const std::filesystem::path& folder, RawMe
       has_d = has_d || (share && keyword == "d");
     }
     if (keyword == "Kd" && !material->image) material->colour = read_colour(cursor);
+    bump_maps += is_bump_map(keyword) ? 1 : 0;
     if (keyword != "map_Kd") continue;
     const ImageLine line = read_image_line(cursor);
     material->image = add_image_file(folder / line.name, raw);
     material->wrap = {line.wrap, line.wrap};
     if (material->image) material->colour.reset();
+  }
+  if (bump_maps > 0) {
+    raw.notes.push_back(fmt::format(
+        "{} images of bumps or normals are neither drawn nor felt: for bumps give the object a material with bump_map, an image of heights",
+        bump_maps));
   }
 }
 

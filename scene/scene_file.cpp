@@ -19,6 +19,7 @@
 #include "scene/object_deformation.h"
 #include "scene/object_motion.h"
 #include "scene/object_reader.h"
+#include "scene/probe_tables.h"
 #include "scene/scene_fit.h"
 #include "scene/scene_hash.h"
 #include "scene/scene_objects.h"
@@ -116,7 +117,7 @@ Result<void> set_workspace(const toml::table& table, SceneSpec& spec) {
 Result<SceneSpec> read_spec(const toml::table& table) {
   SceneSpec spec;
   TableReader reader(table, "the scene");
-  reader.allow({"fit_m", "object", "group", "instance", "material", "effect", "tool", "workspace", "camera", "light"});
+  reader.allow({"fit_m", "object", "group", "instance", "material", "effect", "tool", "workspace", "camera", "light", "probe"});
   std::array<double, 3> fit = {};
   reader.read("fit_m", fit, 1e-9, kMaxLengthM);
   if (reader.error()) return tl::unexpected(*reader.error());
@@ -130,6 +131,7 @@ Result<SceneSpec> read_spec(const toml::table& table) {
   if (const auto read = read_effects(table, spec); !read) return tl::unexpected(read.error());
   if (const auto read = read_tool(table, spec); !read) return tl::unexpected(read.error());
   if (const auto set = set_workspace(table, spec); !set) return tl::unexpected(set.error());
+  if (const auto probes = read_probes(table); !probes) return tl::unexpected(probes.error());  // of use to haptics_node
   auto view = read_view(table);
   if (!view) return tl::unexpected(view.error());
   spec.view = std::move(*view);
@@ -172,12 +174,6 @@ Result<PosedMesh> make_mesh(const ObjectSpec& object, const std::filesystem::pat
   return posed;
 }
 
-// Of a mesh file alone.
-std::string describe_fit(const std::string& path, const Eigen::AlignedBox3d& box, const SceneFit& fit) {
-  return fmt::format("{}: is {:.4g} m long, shown {:.4g} times its size in the middle of the workspace; --no-fit leaves it as it is", path,
-                     box.sizes().maxCoeff(), fit.scale);
-}
-
 void apply(const SceneFit& fit, std::vector<PosedMesh>& meshes) {
   for (PosedMesh& posed : meshes) {
     fit.apply(posed.mesh, posed.sealed);
@@ -189,7 +185,7 @@ void apply(const SceneFit& fit, std::vector<PosedMesh>& meshes) {
 Result<SceneFit> fit(std::vector<PosedMesh>& meshes, const SceneSpec& spec, std::vector<std::string>& notes) {
   if (spec.workspace) {
     apply(*spec.workspace, meshes);
-    notes.push_back(fmt::format("[workspace]: everything is shown {:.4g} times its size", spec.workspace->scale));
+    note_scale("[workspace]", *spec.workspace, notes);
     return *spec.workspace;
   }
   Eigen::AlignedBox3d box;
@@ -197,8 +193,11 @@ Result<SceneFit> fit(std::vector<PosedMesh>& meshes, const SceneSpec& spec, std:
   const Result<SceneFit> fit = find_fit(box, *spec.fit_m);
   if (!fit) return fail("fit_m: {}: leave fit_m out", fit.error().what);
   apply(*fit, meshes);
-  notes.push_back(spec.is_plain ? describe_fit(spec.objects[0].mesh, box, *fit)
-                                : fmt::format("fit_m: everything is shown {:.4g} times its size", fit->scale));
+  if (spec.is_plain) {
+    notes.push_back(describe_fit(spec.objects[0].mesh, box, *fit));
+  } else {
+    note_scale("fit_m", *fit, notes);
+  }
   return *fit;
 }
 

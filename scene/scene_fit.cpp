@@ -1,6 +1,17 @@
 #include "scene/scene_fit.h"
 
+#include <fmt/format.h>
+
 namespace hapton {
+namespace {
+
+// "shown 0.1 times its size"; empty: in its size.
+std::string describe_scale(double scale) {
+  const std::string digits = fmt::format("{:.4g}", scale);
+  return digits == "1" ? std::string() : fmt::format("shown {} times its size", digits);
+}
+
+}  // namespace
 
 void SceneFit::apply(TriangleMesh& mesh, SealReport& sealed) const {
   for (Vec3& vertex : mesh.vertices) vertex = apply(vertex);
@@ -15,6 +26,17 @@ void scale_widths(SealReport& sealed, double scale) {
 Result<SceneFit> find_fit(const Eigen::AlignedBox3d& box, const Vec3& size_m) {
   if (!(box.sizes().maxCoeff() > 0.0)) return fail("all vertices are at one point, so the scene cannot be scaled to a size");
   return SceneFit{box.center(), (size_m.array() / box.sizes().array()).minCoeff()};
+}
+
+void note_scale(std::string_view by, const SceneFit& fit, std::vector<std::string>& notes) {
+  const std::string shown = describe_scale(fit.scale);
+  if (!shown.empty()) notes.push_back(fmt::format("{}: everything is {}", by, shown));
+}
+
+std::string describe_fit(const std::string& path, const Eigen::AlignedBox3d& box, const SceneFit& fit) {
+  const std::string shown = describe_scale(fit.scale);
+  return fmt::format("{}: is {:.4g} m long, {} in the middle of the workspace; --no-fit leaves it as it is", path, box.sizes().maxCoeff(),
+                     shown.empty() ? "shown" : shown);
 }
 
 }  // namespace hapton

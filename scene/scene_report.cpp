@@ -6,8 +6,10 @@
 #include <bit>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "core/effects/texture_models.h"
+#include "scene/scene_layout.h"
 
 namespace hapton {
 namespace {
@@ -73,12 +75,99 @@ std::string describe_mover(const SceneObject& object) {
   return object.mass_kg > 0.0 ? fmt::format(", moved by programs, mass {:g} kg", object.mass_kg) : ", moved by programs";
 }
 
+std::string describe(const Vec3& p) { return fmt::format("({:.4g}, {:.4g}, {:.4g})", p.x(), p.y(), p.z()); }
+
+std::string describe(const Similarity& workspace) {
+  const Eigen::AngleAxisd turn(workspace.q);
+  std::string text = fmt::format("workspace: its middle is {} m in the scene", describe(workspace.p));
+  const double degrees = turn.angle() * 180.0 / std::numbers::pi;
+  if (degrees > 1e-9) text += fmt::format(", turned by {:.4g} degrees about {}", degrees, describe(turn.axis()));
+  return text + fmt::format("; a metre of the hand is {:.4g} m of the scene\n", workspace.scale);
+}
+
+std::string describe(const SceneCamera& camera) {
+  return fmt::format("camera: from {} m to {} m, up {}, {:.4g} degrees\n", describe(camera.p_WE), describe(camera.p_WC),
+                     describe(camera.up), camera.view_angle_deg);
+}
+
+std::string describe(const SceneLight& light) {
+  const std::string where = light.has_position ? fmt::format("at {} m", describe(light.towards_or_p_W))
+                                               : fmt::format("shines along {}", describe(Vec3(-light.towards_or_p_W)));
+  return fmt::format("light: {}, colour times intensity {}\n", where, describe(light.colour));
+}
+
+// Fit or workspace, groups, instances, camera, lights and the tool.
+std::string describe_setting(const SceneReport& report) {
+  const SceneLayout& layout = *report.layout;
+  std::string text;
+  if (layout.fit_m)
+    text += fmt::format("fit_m: everything fits into {} m, {:.4g} times its size\n", describe(*layout.fit_m), report.scene.fit_scale);
+  if (layout.workspace) text += describe(*layout.workspace);
+  const auto in_group = [](const GroupSpec& spec) { return spec.group.empty() ? std::string() : ", in group " + spec.group; };
+  for (const GroupSpec& group : layout.groups) text += fmt::format("group {}{}\n", group.name, in_group(group));
+  for (const GroupSpec& instance : layout.instances)
+    text += fmt::format("instance {}: of {}{}\n", instance.name, instance.of, in_group(instance));
+  for (const ProbeSpec& probe : layout.probes) text += describe(probe) + "\n";
+  if (report.scene.view.camera) text += describe(*report.scene.view.camera);
+  for (const SceneLight& light : report.scene.view.lights) text += describe(light);
+  if (report.scene.tool) text += fmt::format("tool {}: {} triangles\n", report.scene.tool->name, report.scene.tool->mesh->triangles.size());
+  return text;
+}
+
+using InfoJson = nlohmann::ordered_json;
+
+InfoJson to_array(const Vec3& p) { return InfoJson::array({p.x(), p.y(), p.z()}); }
+
+InfoJson to_json(const Similarity& workspace) {
+  const Quat& q = workspace.q;
+  return {{"center_m", to_array(workspace.p)}, {"rotation", InfoJson::array({q.w(), q.x(), q.y(), q.z()})}, {"scale", workspace.scale}};
+}
+
+InfoJson to_json(const SceneCamera& camera) {
+  return {{"position_m", to_array(camera.p_WE)},
+          {"look_at_m", to_array(camera.p_WC)},
+          {"up", to_array(camera.up)},
+          {"view_angle_deg", camera.view_angle_deg}};
+}
+
+// With the color times the intensity.
+InfoJson to_json(const SceneLight& light) {
+  InfoJson json;
+  json[light.has_position ? "position_m" : "direction"] = to_array(light.has_position ? light.towards_or_p_W : Vec3(-light.towards_or_p_W));
+  json["color"] = to_array(light.colour);
+  return json;
+}
+
+InfoJson to_json(const GroupSpec& spec) {
+  InfoJson json = {{"name", spec.name}};
+  if (!spec.of.empty()) json["of"] = spec.of;
+  json["group"] = spec.group.empty() ? InfoJson() : InfoJson(spec.group);
+  return json;
+}
+
+InfoJson to_json(const ProbeSpec& probe) {
+  return {{"name", probe.name},
+          {"radius_m", probe.radius_m ? InfoJson(*probe.radius_m) : InfoJson()},
+          {"method", probe.method ? InfoJson(*probe.method) : InfoJson()},
+          {"shading", probe.shading ? InfoJson(*probe.shading) : InfoJson()}};
+}
+
+template <class Spec>
+InfoJson to_list(const std::vector<Spec>& specs) {
+  InfoJson list = InfoJson::array();
+  for (const Spec& spec : specs) list.push_back(to_json(spec));
+  return list;
+}
+
 }  // namespace
 
 Result<SceneReport> make_scene_report(const std::filesystem::path& path) {
   Result<Scene> scene = load_scene(path);
   if (!scene) return tl::unexpected(scene.error());
-  SceneReport report{.path = path.string(), .scene = std::move(*scene), .flaws = {}};
+  auto layout = read_layout(path);
+  if (!layout) return tl::unexpected(layout.error());
+  SceneReport report{
+      .path = path.string(), .scene = std::move(*scene), .flaws = {}, .layout = std::make_shared<const SceneLayout>(std::move(*layout))};
   for (const SceneObject& object : report.scene.objects) report.flaws.push_back(find_flaws(*object.mesh));
   return report;
 }
@@ -119,14 +208,13 @@ std::string to_text(const SceneReport& report) {
     fmt::format_to(std::back_inserter(text), "effect {}: {}, at most {:.3g} N{}\n", effect.name, name_of(passivity_of(effect)),
                    bound_of(effect.effect), effect.on.button == 0 ? "" : fmt::format(", by button {}", button_number(effect)));
   }
+  text += describe_setting(report);
   for (const std::string& note : report.scene.notes) text += "note: " + note + "\n";
   return text;
 }
 
 std::string to_json(const SceneReport& report) {
-  using Json = nlohmann::ordered_json;
-  const auto corner = [](const Vec3& p) { return Json::array({p.x(), p.y(), p.z()}); };
-  Json objects = Json::array();
+  InfoJson objects = InfoJson::array();
   for (std::size_t i = 0; i < report.flaws.size(); ++i) {
     const SceneObject& object = report.scene.objects[i];
     const MeshTopology& t = report.flaws[i].topology;
@@ -156,36 +244,50 @@ std::string to_json(const SceneReport& report) {
                        {"double_faces", report.flaws[i].repair.double_faces},
                        {"authored_normals", report.flaws[i].normals.given},
                        {"authored_normals_used", report.flaws[i].normals.used},
-                       {"lowest_m", corner(t.lowest)},
-                       {"highest_m", corner(t.highest)},
+                       {"lowest_m", to_array(t.lowest)},
+                       {"highest_m", to_array(t.highest)},
                        {"stiffness_n_per_m", object.material.stiffness_n_per_m},
                        {"damping_ns_per_m", object.material.damping_ns_per_m},
                        {"friction_static", object.material.friction_static},
                        {"friction_dynamic", object.material.friction_dynamic},
                        {"two_sided", object.material.two_sided},
                        {"movable", object.is_movable},
-                       {"moved_by", object.commanded != nullptr ? Json("program") : Json()},
-                       {"mass_kg", object.mass_kg > 0.0 ? Json(object.mass_kg) : Json()},
+                       {"moved_by", object.commanded != nullptr ? InfoJson("program") : InfoJson()},
+                       {"mass_kg", object.mass_kg > 0.0 ? InfoJson(object.mass_kg) : InfoJson()},
                        {"keyframes", object.motion != nullptr ? object.motion->keyframes().size() : std::size_t{0}},
                        {"motion_s", object.motion != nullptr ? object.motion->duration_s() : 0.0},
                        {"morphs", object.deformation != nullptr ? object.deformation->targets().size() : std::size_t{0}},
                        {"deformation_s", object.deformation != nullptr ? object.deformation->duration_s() : 0.0},
-                       {"voxel_m", object.sculpt ? Json(object.sculpt->voxel_m) : Json()},
-                       {"tool_radius_m", object.sculpt ? Json(object.sculpt->tool_radius_m) : Json()},
-                       {"carve_button", object.sculpt ? Json(1 + std::countr_zero(object.sculpt->button)) : Json()},
+                       {"voxel_m", object.sculpt ? InfoJson(object.sculpt->voxel_m) : InfoJson()},
+                       {"tool_radius_m", object.sculpt ? InfoJson(object.sculpt->tool_radius_m) : InfoJson()},
+                       {"carve_button", object.sculpt ? InfoJson(1 + std::countr_zero(object.sculpt->button)) : InfoJson()},
                        {"effects", names_of(object.effects)}});
   }
-  Json effects = Json::array();
+  InfoJson effects = InfoJson::array();
   for (const SceneEffect& effect : report.scene.effects) {
     effects.push_back({{"name", effect.name}, {"passivity", name_of(passivity_of(effect))}, {"bound_n", bound_of(effect.effect)}});
     if (effect.on.button != 0) effects.back()["button"] = button_number(effect);
   }
-  Json plugins = Json::array();
+  InfoJson plugins = InfoJson::array();
   for (const LibraryEffect& one : report.scene.libraries) plugins.push_back({{"name", one.name}, {"library", one.library.string()}});
-  const Json json = {
-      {"schema", "hapton.scene_info/2"}, {"file", report.path}, {"objects", objects}, {"effects", effects}, {"plugins", plugins},
-      {"notes", report.scene.notes}};
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  const Scene& scene = report.scene;
+  const SceneLayout& layout = *report.layout;
+  const InfoJson json = {{"schema", "hapton.scene_info/2"},
+                         {"file", report.path},
+                         {"objects", objects},
+                         {"effects", effects},
+                         {"plugins", plugins},
+                         {"fit_m", layout.fit_m ? to_array(*layout.fit_m) : InfoJson()},
+                         {"fit_scale", scene.fit_scale},
+                         {"workspace", layout.workspace ? to_json(*layout.workspace) : InfoJson()},
+                         {"groups", to_list(layout.groups)},
+                         {"instances", to_list(layout.instances)},
+                         {"probes", to_list(layout.probes)},
+                         {"camera", scene.view.camera ? to_json(*scene.view.camera) : InfoJson()},
+                         {"lights", to_list(scene.view.lights)},
+                         {"tool", scene.tool ? InfoJson(scene.tool->name) : InfoJson()},
+                         {"notes", scene.notes}};
+  return json.dump(2, ' ', false, InfoJson::error_handler_t::replace) + "\n";
 }
 
 }  // namespace hapton

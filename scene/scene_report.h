@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -10,11 +11,14 @@
 
 namespace hapton {
 
+struct SceneLayout;
+
 // What `hapton info` reports about a scene file: the meshes as posed and as they are touched, in metres, frame S.
 struct SceneReport {
   std::string path;
   Scene scene;
   std::vector<MeshFlaws> flaws;  // one an object
+  std::shared_ptr<const SceneLayout> layout;
 };
 
 // Error: whatever load_scene rejects. RT: set-up only.
@@ -23,7 +27,7 @@ Result<SceneReport> make_scene_report(const std::filesystem::path& path);
 // One line for each object of which a closed body is inside out. RT: set-up only.
 std::vector<std::string> find_inside_out(const Scene& scene);
 
-// For people, two lines an object.
+// For people, two lines an object, then a line for each of the other tables.
 std::string to_text(const SceneReport& report);
 
 // One JSON object with a schema version.

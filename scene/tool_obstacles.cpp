@@ -38,7 +38,7 @@ ToolObstacles make_tool_obstacles(const TouchScene& scene, std::optional<std::si
     obstacles.meshes.push_back(object.mesh);
     obstacles.part_of.push_back(find_part(object, static_cast<int>(o), obstacles.parts));
     obstacles.friction.push_back({object.material.friction_static, object.material.friction_dynamic});
-    obstacles.leaves_out = obstacles.leaves_out || object.material.damping_ns_per_m > 0.0;
+    obstacles.leaves_out = obstacles.leaves_out || object.material.damping_ns_per_m > 0.0 || !object.material.two_sided;
   }
   return obstacles;
 }

@@ -26,7 +26,7 @@ struct ToolObstacles {
   std::vector<int> part_of;                                 // of each mesh: 0 where it stands still, else the part's number, from 1
   std::vector<ToolPart> parts;                              // that move
   double stiffness_n_per_m = 0.0;                           // of the stiffest material or effect of the whole scene
-  bool leaves_out = false;                                  // the scene has damping or effects, which a tool does not support
+  bool leaves_out = false;                                  // the scene has damping, effects or one-sided surfaces, which a tool has not
 
   bool has_friction() const;
 };

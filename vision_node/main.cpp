@@ -105,7 +105,7 @@ int run(VisionOptions& options) {
   if (const auto sound = check_annotator_options(options.annotations); !sound) return reject_options(sound.error());
   if (const auto writable = check_screenshot(options.screenshot); !writable) return give_up(writable.error());
   if (const auto screen = find_screen(options); !screen) return give_up(screen.error());
-  if (const auto fits = check_headset(options); !fits) return give_up(fits.error());
+  if (const auto fits = check_headset(options); !fits) return reject_options(fits.error());
   if (const auto possible = check_head(options); !possible) return reject_options(possible.error());
   const auto key = find_role_key(options.key_file, *hub, KeyRole::vision);
   if (!key) return give_up(key.error());

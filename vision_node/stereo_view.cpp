@@ -19,6 +19,7 @@
 #include "vision_node/display.h"
 #include "vision_node/edge_pointer.h"
 #include "vision_node/eye_view.h"
+#include "vision_node/headset_panel.h"
 #include "vision_node/headset_window.h"
 #include "vision_node/menu_figure.h"
 #include "vision_node/present.h"
@@ -85,6 +86,7 @@ struct StereoView::Window {
   AnnotationFigure annotations;
   MenuFigure menu;
   std::unique_ptr<HeadsetWindow> headset;
+  HeadsetPanel headset_panel;
   HeadsetEyes headset_eyes;
   TeachFigure teach;
   Pose X_WS = Pose::Identity();
@@ -187,6 +189,7 @@ void StereoView::Window::add_eye(Eye eye, const Viewport& part) {
   if (!settings.plain) view->labels.add_to(renderer);
   view->has_hud = !settings.plain && mode != StereoMode::openxr;  // in a headset nobody sees the corners
   if (view->has_hud) view->hud.add_to(renderer);
+  if (!settings.plain && mode == StereoMode::openxr) headset_panel.add_to(renderer);
   // Runs at the beginning of each pass of each picture, when VTK has chosen the eye and knows the viewport's size: nothing can be stale.
   vtkNew<vtkCallbackCommand> begin_pass;
   begin_pass->SetClientData(this);
@@ -341,6 +344,7 @@ void StereoView::set_other_probe(const ProbeShown& probe) { window_->other_probe
 
 void StereoView::set_hud(std::string_view facts, std::string_view help, std::string_view notice) {
   for (const auto& eye : window_->eyes) eye->hud.set(facts, help, notice);
+  window_->headset_panel.set(facts, help, notice);
 }
 
 void StereoView::set_plots(const std::vector<PlotShown>& plots) {

@@ -98,10 +98,12 @@ Vec3 EffectStep::surface_force(const EffectSample& sample, const Vec3& motion, d
   if (texture_ && (begins || !surface.texture.is_on())) texture_->begin();
   if (!surface.any()) return contact.force_n;
 
+  const Vec3 to_proxy = contact.p_SP - sample.p_SD;
   const double method_n = contact.force_n.norm();
-  const double depth_m = (contact.p_SP - sample.p_SD).norm();
+  const Vec3 normal = method_n > 0.0 ? Vec3(contact.force_n / method_n) : Vec3(to_proxy.normalized());
+  // Along the normal: the contact point of method sweep lags by centimetres behind a hand that slides.
+  const double depth_m = to_proxy.dot(normal);
   if (!(depth_m > 0.0)) return contact.force_n;
-  const Vec3 normal = method_n > 0.0 ? Vec3(contact.force_n / method_n) : Vec3((contact.p_SP - sample.p_SD) / depth_m);
 
   // The depth below the bumps, and the force there along the normal. A method's force grows in proportion to the depth.
   const MapSample map = contact.map != nullptr ? *contact.map : MapSample();

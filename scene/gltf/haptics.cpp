@@ -4,6 +4,7 @@
 #include <string_view>
 #include <utility>
 
+#include "core/base/near_miss.h"
 #include "scene/file_bytes.h"
 #include "scene/gltf/uri.h"
 #include "scene/text_cursor.h"
@@ -26,7 +27,8 @@ constexpr std::array<HapticProperty, 3> kProperties = {{{"vibrotactileTexture", 
                                                         {"stiffness", "stiffness_map_n_per_m", &HapticMaterial::stiffness},
                                                         {"friction", "friction_map_range", &HapticMaterial::friction}}};
 constexpr std::size_t kMaxHapticImageBytes = std::size_t{1} << 28;
-constexpr std::array<const char*, 3> kNotFelt = {"vibration", "temperature", "custom"};
+constexpr std::array<std::string_view, 3> kNotFelt = {"vibration", "temperature", "custom"};
+constexpr std::array<std::string_view, 6> kOthers = {"stiffness", "friction", "vibrotactileTexture", "name", "extensions", "extras"};
 
 Result<std::string> read_image_bytes(const Document& document, const Json& json, const std::string& where,
                                      const std::filesystem::path& folder) {
@@ -115,15 +117,23 @@ class HapticReader {
       }
       place = *read;
     }
-    for (const char* name : kNotFelt) {
-      if (size_of_array(member(json, name)) > 0)
-        note("{}.{} is ignored: only stiffness, friction and vibrotactileTexture are supported", where, name);
-    }
+    note_ignored(json, where);
     raw_.haptics.materials.push_back(std::move(material));
     return place.value_or(HapticPlace());
   }
 
  private:
+  void note_ignored(const Json& json, const std::string& where) {
+    for (const auto& [name, value] : json.items()) {
+      if (std::find(kOthers.begin(), kOthers.end(), name) != kOthers.end()) continue;
+      if (std::find(kNotFelt.begin(), kNotFelt.end(), name) == kNotFelt.end()) {
+        note("{}.{} is ignored: the extension has no such property{}", where, printable(name), near_miss_hint(name, kOthers));
+      } else if (!value.empty()) {
+        note("{}.{} is ignored: only stiffness, friction and vibrotactileTexture are supported", where, name);
+      }
+    }
+  }
+
   static bool is_same(const HapticPlace& a, const HapticPlace& b) {
     return a.texture.set == b.texture.set && a.texture.place.matrix() == b.texture.place.matrix() && a.repeats == b.repeats;
   }

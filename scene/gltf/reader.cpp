@@ -73,6 +73,13 @@ Result<std::vector<std::size_t>> root_nodes(const Json& root) {
 // Shown unless KHR_node_visibility says otherwise; what hangs under a hidden node is hidden with it.
 bool is_hidden(const Json& node) { return member(extension_of(node, "KHR_node_visibility"), "visible") == false; }
 
+// Those whose bumps are an image of normals [3.9.3]; no height is known from it.
+std::size_t count_normal_maps(const Json& materials) {
+  std::size_t count = 0;
+  for (std::size_t m = 0; m < size_of_array(materials); ++m) count += member(materials[m], "normalTexture").is_null() ? 0 : 1;
+  return count;
+}
+
 class SceneReader {
  public:
   // places: of the materials' textures; empty where no look is wanted. haptic_places: of the haptic materials' textures.
@@ -123,7 +130,10 @@ class SceneReader {
         {skinned_, "{} skinned nodes are shown as they rest, not posed by their skeleton"},
         {bad_normals_, "the normals of {} primitives cannot be read: computed there"},
         {bad_morphs_, "{} primitives have morph targets that cannot be read, which were skipped"},
-        {odd_weights_, "{} primitives have another number of morph targets than weights: the missing weights are 0"}};
+        {odd_weights_, "{} primitives have another number of morph targets than weights: the missing weights are 0"},
+        {count_normal_maps(member(document_.root, "materials")),
+         "the normal maps of {} materials are neither drawn nor felt: for bumps give the object a material with bump_map, an image of "
+         "heights"}};
     for (const auto& [count, text] : notes) {
       if (count > 0) raw_.notes.push_back(fmt::format(fmt::runtime(text), count));
     }

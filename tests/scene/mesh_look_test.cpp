@@ -75,6 +75,14 @@ TEST_F(MeshLooks, OfAnObjFileAreTheMaterialsItsTrianglesNameWithTheirTextures) {
   EXPECT_EQ(file.look.triangles[2].corners[2].texcoord, Eigen::Vector2f(0, 0.75F));
 }
 
+TEST_F(MeshLooks, ImagesOfBumpsAreIgnoredWithANote) {
+  folder_.write("all.mtl", "newmtl red\nKd 0.8 0.1 0\nmap_Bump -bm 0.3 a.png\nnewmtl wood\nnorm n.png\nnewmtl other\nbump b.png\n");
+  const MeshFile file = load("a.obj", kObj);
+  EXPECT_THAT(file.notes, ElementsAre(HasSubstr("2 images of bumps or normals are neither drawn nor felt")));
+  folder_.write("all.mtl", "newmtl red\nKd 0.8 0.1 0\n");
+  EXPECT_THAT(load("b.obj", kObj).notes, IsEmpty());
+}
+
 TEST_F(MeshLooks, AreNotReadUnlessTheyAreWanted) {
   const MeshFile file = load("a.obj", kObj, LookReading::off);
   EXPECT_TRUE(file.look.triangles.empty());

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fmt/format.h>
+
 #include "scene/scene_file.h"
 #include "tests/support/scratch_folder.h"
 
@@ -60,6 +62,14 @@ TEST_F(FittedMesh, LiesInTheMiddleOfTheWorkspaceAndJustFitsItsBox) {
     EXPECT_NEAR(shares.maxCoeff(), 1.0, 1e-12);
     EXPECT_THAT(scene->notes, Contains(AllOf(HasSubstr("a.obj"), HasSubstr("times its size"), HasSubstr("--no-fit"))));
   }
+}
+
+TEST_F(FittedMesh, InItsSizeHasNoFactor) {
+  const double longest_m = fitted_size_m().x();
+  const auto path = folder_.write("a.obj", fmt::format("v 0 0 0\nv {:.17g} 0 0\nv 0 0.01 0\nf 1 2 3\n", longest_m));
+  const auto scene = load_scene(path, {.fit = MeshFit::workspace});
+  ASSERT_TRUE(scene) << scene.error().what;
+  EXPECT_THAT(scene->notes, Contains(AllOf(HasSubstr(" long, shown in the middle of the workspace; --no-fit"))));
 }
 
 TEST_F(FittedMesh, IsLeftAsItIsWithoutFit) {

@@ -5,10 +5,14 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tests/scene/sample_files.h"
+#include "tests/support/scratch_folder.h"
+
 namespace hapton {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 TEST(SceneReport, DescribesEveryObject) {
   const auto report = make_scene_report(HAPTON_SOURCE_DIR "/scenes/nist_assembly.toml");
@@ -67,6 +71,50 @@ TEST(SceneReport, SaysWhatIsWrongWithAMesh) {
   EXPECT_THAT(to_text(*report), HasSubstr(", 1 object\n"));
   EXPECT_THAT(to_text(*report), HasSubstr("not closed: "));
   EXPECT_THAT(to_text(*report), HasSubstr("needles 68"));
+}
+
+TEST(SceneReport, SaysHowTheFileIsLaidOut) {
+  const ScratchFolder folder;
+  folder.write("a.obj", sample::obj(sample::tetrahedron()));
+  const auto file = folder.write("s.toml",
+                                 "[workspace]\ncenter_m = [0, 1, 0]\nrotation_deg = [0, 90, 0]\nscale = 10\n"
+                                 "[[group]]\nname = 'car'\n[[group]]\nname = 'axle'\ngroup = 'car'\n"
+                                 "[[object]]\nname = 'wheel'\nmesh = 'a.obj'\ngroup = 'axle'\n"
+                                 "[[instance]]\nname = 'rear'\nof = 'axle'\nposition_m = [0, 0, 2]\n"
+                                 "[camera]\nposition_m = [0.1, 0.2, 0.6]\nview_angle_deg = 40\n"
+                                 "[[light]]\ndirection = [0, -2, 0]\nintensity = 0.5\n[[light]]\nposition_m = [1, 2, 3]\n");
+  const auto report = make_scene_report(file);
+  ASSERT_TRUE(report) << report.error().what;
+  const std::string text = to_text(*report);
+  EXPECT_THAT(text, HasSubstr("\nworkspace: its middle is (0, 1, 0) m in the scene, turned by 90 degrees about (0, 1, 0); a metre of the "
+                              "hand is 10 m of the scene\n"));
+  EXPECT_THAT(text, HasSubstr("\ngroup car\ngroup axle, in group car\ninstance rear: of axle\n"));
+  EXPECT_THAT(text, HasSubstr("\ncamera: from (0.1, 0.2, 0.6) m to (0, 0, 0) m, up (0, 1, 0), 40 degrees\n"));
+  EXPECT_THAT(text, HasSubstr("\nlight: shines along (0, -1, 0), colour times intensity (0.5, 0.5, 0.5)\n"));
+  EXPECT_THAT(text, HasSubstr("\nlight: at (1, 2, 3) m, colour times intensity (1, 1, 1)\n"));
+  const auto json = nlohmann::json::parse(to_json(*report));
+  EXPECT_EQ(json["workspace"]["scale"], 10.0);
+  EXPECT_EQ(json["workspace"]["center_m"], nlohmann::json({0.0, 1.0, 0.0}));
+  EXPECT_EQ(json["fit_scale"], 0.1);
+  EXPECT_TRUE(json["fit_m"].is_null());
+  EXPECT_EQ(json["groups"].size(), 2U);
+  EXPECT_EQ(json["groups"][1]["group"], "car");
+  EXPECT_EQ(json["instances"][0]["of"], "axle");
+  EXPECT_EQ(json["camera"]["view_angle_deg"], 40.0);
+  EXPECT_EQ(json["lights"][0]["direction"], nlohmann::json({0.0, -1.0, 0.0}));
+  EXPECT_EQ(json["lights"][1]["position_m"], nlohmann::json({1.0, 2.0, 3.0}));
+}
+
+TEST(SceneReport, SaysNothingOfTablesThatAreNotThere) {
+  const auto report = make_scene_report(HAPTON_SOURCE_DIR "/scenes/pegs.toml");
+  ASSERT_TRUE(report) << report.error().what;
+  for (const char* word : {"camera", "light:", "group", "instance", "workspace"}) EXPECT_THAT(to_text(*report), Not(HasSubstr(word)));
+  EXPECT_THAT(to_text(*report), HasSubstr("tool peg: "));
+  const auto json = nlohmann::json::parse(to_json(*report));
+  EXPECT_TRUE(json["camera"].is_null());
+  EXPECT_TRUE(json["workspace"].is_null());
+  EXPECT_TRUE(json["lights"].empty());
+  EXPECT_EQ(json["tool"], "peg");
 }
 
 TEST(SceneReport, PassesErrorsOn) {

@@ -78,6 +78,9 @@ TEST(ToolObstacles, SayThatDampingOrAnyEffectIsLeftOut) {
   TouchScene damped = three_spheres();
   damped.objects[1].material.damping_ns_per_m = 0.5;
   EXPECT_TRUE(make_tool_obstacles(damped).leaves_out);
+  TouchScene one_sided = three_spheres();
+  one_sided.objects[2].material.two_sided = false;
+  EXPECT_TRUE(make_tool_obstacles(one_sided).leaves_out);
   TouchScene viscous = three_spheres();
   viscous.objects[1].effects.viscosity.damping_ns_per_m = 1.0;
   EXPECT_TRUE(make_tool_obstacles(viscous).leaves_out);

@@ -40,6 +40,18 @@ TEST_F(Workspace, SaysWhereTheHandIsInTheScene) {
   EXPECT_THAT(scene->notes, ::testing::Contains("[workspace]: everything is shown 0.1 times its size"));
 }
 
+TEST_F(Workspace, InItsSizeNeedsNoNote) {
+  for (const char* same : {"[workspace]\ncenter_m = [1, 2, 2]\n", "[workspace]\nscale = 1\n", "[workspace]\nscale = 1.00001\n"}) {
+    const auto scene = load(kPlaced + same);
+    ASSERT_TRUE(scene) << scene.error().what;
+    EXPECT_THAT(scene->notes, ::testing::IsEmpty()) << same;
+  }
+  const auto fitted = load("fit_m = [1.5, 9, 9]\n[[object]]\nmesh = 'a.obj'\n");
+  ASSERT_TRUE(fitted) << fitted.error().what;
+  EXPECT_EQ(fitted->fit_scale, 1.0);
+  EXPECT_THAT(fitted->notes, ::testing::IsEmpty());
+}
+
 // A material's stiffness is that at the hand, however large the scene is.
 TEST_F(Workspace, LeavesTheStiffnessAtTheHand) {
   const std::string material = "material = 'm'\n[material.m]\nstiffness_n_per_m = 500\n";

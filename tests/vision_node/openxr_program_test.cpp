@@ -1,6 +1,7 @@
 // The real vision_node, with the OpenXR loader and a runtime of our own (xr/mock_runtime.cpp) under it.
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -155,6 +156,32 @@ TEST_F(OpenXrProgram, EachEyeSeesEveryPointWithinHalfAPixelOfItsProjection) {
   EXPECT_NE(run.output.find("the OpenXR runtime has ended the session"), std::string::npos) << run.output;
 }
 
+// The left edge of what is light there, at the depth of the plates.
+TEST_F(OpenXrProgram, TheTextsStandBehindTheWorkspaceForBothEyes) {
+  const XrRun run = this->run("exit_after=3", "--offscreen --workspace-m 0,-0.2,-0.55");
+  EXPECT_EQ(run.code, 0) << run.output;
+  const Pose X_LW(Eigen::Translation3d(0.0, -0.2, -0.55));
+  const auto eyes = mock_xr::eyes_at(2);
+  for (std::size_t eye = 0; eye < 2; ++eye) {
+    const Picture picture = read_ppm(out() / fmt::format("frame_002_{}.ppm", eye));
+    ASSERT_EQ(picture.size, kEye);
+    const Vec2 corner = project(eyes[eye], X_LW * Vec3(-0.19, 0.11, -0.19));
+    const Vec2 far_corner = project(eyes[eye], X_LW * Vec3(0.0, 0.13, -0.19));
+    int letters = 0;
+    int leftmost = kEye.width_px;
+    for (int y = static_cast<int>(corner.y()); y < static_cast<int>(far_corner.y()); ++y) {
+      for (int x = static_cast<int>(corner.x()) - 60; x < static_cast<int>(far_corner.x()); ++x) {
+        const std::uint8_t* rgb = picture.at(x, y);
+        if (std::min({rgb[0], rgb[1], rgb[2]}) < 150) continue;
+        ++letters;
+        leftmost = std::min(leftmost, x);
+      }
+    }
+    EXPECT_GT(letters, 30) << "eye " << eye;
+    EXPECT_NEAR(leftmost, corner.x(), 6.0) << "eye " << eye;
+  }
+}
+
 TEST_F(OpenXrProgram, OnAStageTheWorkspaceStandsAboveTheFloor) {
   const XrRun run = this->run("exit_after=2", "--offscreen --room stage");
   EXPECT_EQ(run.code, 0) << run.output;
@@ -284,7 +311,7 @@ TEST_F(OpenXrProgram, WithoutARuntimeItSaysHowToGetOne) {
 TEST_F(OpenXrProgram, WhatContradictsAHeadsetIsOneLine) {
   for (const char* word : {"--screen-width-mm 500", "--head spacemouse", "--bench-frames 5"}) {
     const XrRun run = this->run("", fmt::format("--offscreen {}", word));
-    EXPECT_EQ(run.code, 1) << word;
+    EXPECT_EQ(run.code, 2) << word;
     EXPECT_EQ(run.lines(), 1) << run.output;
     EXPECT_NE(run.output.find("--stereo openxr: "), std::string::npos) << run.output;
   }

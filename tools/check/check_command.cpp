@@ -1,10 +1,15 @@
+#include <fmt/format.h>
+
 #include <cstdio>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "scene/scene_combination.h"
 #include "scene/scene_file.h"
+#include "scene/scene_layout.h"
 #include "tools/check/scene_check.h"
 #include "tools/commands.h"
 
@@ -22,6 +27,7 @@ struct CheckOptions {
   LoopFlags loop;
   SceneCheckSettings settings;
   std::optional<double> delay_ms;
+  std::optional<double> probe_radius_m;  // none: as the scene file has it, or a point
   bool json = false;
 };
 
@@ -53,8 +59,21 @@ Result<bool> run(CheckOptions& options) {
   if (const auto checked = check_combination(options.file, *scene, scene->tool.has_value()); !checked) {
     return tl::unexpected(checked.error());
   }
-  const auto check = check_scene(options.file, *scene, settings);
+  std::vector<ProbeSpec> probes;
+  if (options.file.ends_with(".toml")) {
+    auto layout = read_layout(options.file);
+    if (!layout) return tl::unexpected(layout.error());
+    settings.accepted = std::move(layout->accepted);
+    probes = std::move(layout->probes);
+  }
+  // As haptics_node takes it.
+  if (!probes.empty()) settings.probe_radius_m = probes.front().radius_m.value_or(0.0);
+  if (options.probe_radius_m) settings.probe_radius_m = *options.probe_radius_m;
+  auto check = check_scene(options.file, *scene, settings);
   if (!check) return tl::unexpected(check.error());
+  if (!probes.empty() && !options.probe_radius_m) {
+    check->notes.push_back(fmt::format("checked for {}; --probe-radius checks for another one", describe(probes.front())));
+  }
   std::fputs((options.json ? to_json(*check, settings) : to_text(*check, settings)).c_str(), stdout);
   return check->findings.empty();
 }
@@ -70,9 +89,10 @@ void add_check_command(CommandLine app, int& exit_code) {
   check.add_flag("--no-fit", options->no_fit, "Keep a mesh file's position and size; default: centred and scaled to the workspace");
   add_loop_flags(check, options->loop, true);
   SceneCheckSettings& settings = options->settings;
-  check.add_option("--probe-radius", settings.probe_radius_m, "Radius of the probe, metres; 0: a point")
-      .not_negative("metres")
-      .shows_default();
+  check
+      .add_option("--probe-radius", options->probe_radius_m,
+                  "Radius of the probe, metres; 0: a point (that of the scene's first [[probe]], or a point)")
+      .not_negative("metres");
   check.add_option("--rate", settings.rate_hz, "Servo rate, Hz").between(10.0, 1e6).shows_default();
   check.add_option("--delay", options->delay_ms, "From the sample to its force on the motors, ms (half a cycle)").between(0.0, 10'000.0);
   check.add_flag("--json", options->json, "As JSON");

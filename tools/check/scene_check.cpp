@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <iterator>
 #include <nlohmann/json.hpp>
 
@@ -35,6 +36,25 @@ std::vector<const DevicePreset*> known_workspaces(const std::vector<NamedLoop>& 
   return known;
 }
 
+// Those that the object accepts are notes: of them, and of those that are not there.
+void sort_findings(const SceneObject& object, const SceneCheckSettings& settings, CheckFindings found, SceneCheck& check) {
+  const auto accepts = settings.accepted.find(object.line);
+  const std::vector<std::string> names = accepts == settings.accepted.end() ? std::vector<std::string>() : accepts->second;
+  for (const std::string& name : names) {
+    const auto first =
+        std::stable_partition(found.begin(), found.end(), [&](const CheckFinding& one) { return name_of(one.fault) != name; });
+    if (first == found.end()) {
+      check.notes.push_back(fmt::format("object '{}' accepts '{}', which was not found for this probe", object.name, name));
+    }
+    for (auto one = first; one != found.end(); ++one) {
+      check.notes.push_back(fmt::format("accepted: object '{}': {}", object.name, one->what));
+      check.accepted.push_back(std::move(*one));
+    }
+    found.erase(first, found.end());
+  }
+  append(std::move(found), check.findings);
+}
+
 std::string where(const SceneCheck& check, const CheckFinding& finding) {
   std::string text = check.path + ":";
   if (!finding.object.empty()) text += fmt::format(" object '{}'", finding.object);
@@ -55,7 +75,8 @@ std::string describe(const StepCost& cost, double rate_hz) {
 }  // namespace
 
 Result<SceneCheck> check_scene(const std::string& path, const Scene& scene, const SceneCheckSettings& settings) {
-  SceneCheck check{.path = path, .findings = {}, .notes = scene.notes, .objects = scene.objects.size(), .triangles = 0, .cost = {}};
+  SceneCheck check{
+      .path = path, .findings = {}, .accepted = {}, .notes = scene.notes, .objects = scene.objects.size(), .triangles = 0, .cost = {}};
   const HeldGains held = find_held_gains(settings.loops, settings.rate_hz, settings.delay_s);
   if (scene.tool) check.notes.push_back(fmt::format("not checked: the tool '{}'; all findings are for a probe", scene.tool->name));
   if (scene.touch_scene().has_motion()) {
@@ -65,13 +86,14 @@ Result<SceneCheck> check_scene(const std::string& path, const Scene& scene, cons
   const std::vector<const DevicePreset*> reaching = known_workspaces(settings.loops, check.notes);
   for (const SceneObject& object : scene.objects) {
     check.triangles += object.mesh->triangles.size();
-    append(check_surface(object, settings.probe_radius_m), check.findings);
-    append(check_inertia(object), check.findings);
-    append(check_sculpt(object), check.findings);
-    append(check_stiffness(object, held, settings.rate_hz, settings.delay_s), check.findings);
-    append(check_damping(object, held, settings.rate_hz, settings.delay_s), check.findings);
-    append(check_frequency(object, settings.rate_hz), check.findings);
-    for (const DevicePreset* device : reaching) append(check_reach(object, *device), check.findings);
+    CheckFindings found = check_surface(object, settings.probe_radius_m);
+    append(check_inertia(object), found);
+    append(check_sculpt(object), found);
+    append(check_stiffness(object, held, settings.rate_hz, settings.delay_s), found);
+    append(check_damping(object, held, settings.rate_hz, settings.delay_s), found);
+    append(check_frequency(object, settings.rate_hz), found);
+    for (const DevicePreset* device : reaching) append(check_reach(object, *device), found);
+    sort_findings(object, settings, std::move(found), check);
   }
   for (const SceneEffect& effect : scene.effects) {
     append(check_stiffness(effect, held, settings.rate_hz, settings.delay_s), check.findings);
@@ -102,14 +124,17 @@ std::string to_text(const SceneCheck& check, const SceneCheckSettings& settings)
 std::string to_json(const SceneCheck& check, const SceneCheckSettings& settings) {
   using Json = nlohmann::ordered_json;
   const auto point = [](const Vec3& p) { return Json::array({p.x(), p.y(), p.z()}); };
-  Json findings = Json::array();
-  for (const CheckFinding& finding : check.findings) {
-    findings.push_back({{"fault", name_of(finding.fault)},
-                        {"object", finding.object},
-                        {"place_m", finding.place_m ? point(*finding.place_m) : Json()},
-                        {"what", finding.what},
-                        {"fix", finding.fix}});
-  }
+  const auto to_list = [&](const CheckFindings& all) {
+    Json list = Json::array();
+    for (const CheckFinding& finding : all) {
+      list.push_back({{"fault", name_of(finding.fault)},
+                      {"object", finding.object},
+                      {"place_m", finding.place_m ? point(*finding.place_m) : Json()},
+                      {"what", finding.what},
+                      {"fix", finding.fix}});
+    }
+    return list;
+  };
   Json loops = Json::array();
   for (const NamedLoop& loop : settings.loops) loops.push_back({{"device", loop.device}, {"hand", loop.hand}});
   const Json json = {{"schema", "hapton.scene_check/2"},
@@ -121,7 +146,8 @@ std::string to_json(const SceneCheck& check, const SceneCheckSettings& settings)
                      {"seed", settings.seed},
                      {"objects", check.objects},
                      {"triangles", check.triangles},
-                     {"findings", findings},
+                     {"findings", to_list(check.findings)},
+                     {"accepted", to_list(check.accepted)},
                      {"step",
                       {{"steps", check.cost.steps},
                        {"p99_ns", check.cost.p99_ns},

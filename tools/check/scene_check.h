@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,11 +21,13 @@ struct SceneCheckSettings {
   double rate_hz = 1000.0;
   double delay_s = 5e-4;  // from the sample to its force
   std::uint64_t seed = 1;
+  std::map<std::size_t, std::vector<std::string>> accepted = {};  // findings that the scene file accepts (SceneLayout)
 };
 
 struct SceneCheck {
   std::string path;
   CheckFindings findings;          // object by object, the whole scene's last
+  CheckFindings accepted;          // that the scene file accepts; notes name them too
   std::vector<std::string> notes;  // what was not checked, and what the loader says
   std::size_t objects = 0;
   std::size_t triangles = 0;

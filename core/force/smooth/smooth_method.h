@@ -134,7 +134,7 @@ class SmoothMethod final : public ForceMethod {
   bool all_triangles_ = false;
   std::vector<SetTriangle> all_;  // with all_triangles_
   bool has_slow_task_ = false;
-  bool leaves_out_ = false;  // materials have friction or damping, which this method ignores
+  std::string left_out_;  // of the scene: lines for describe()
 
   void request_ahead() noexcept;
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/force/left_out.h"
 #include "core/force/smooth/smooth_method.h"
 #include "core/geometry/closest_point.h"
 #include "core/geometry/triangle_distance.h"
@@ -58,11 +59,9 @@ Result<std::unique_ptr<SmoothMethod>> SmoothMethod::make_with(const Settings& se
   if (!prepared) return fail("smooth: {}", prepared.error().what);
   std::unique_ptr<SmoothMethod> method(new SmoothMethod());
   method->scene_ = std::make_unique<SmoothScene>(std::move(*prepared));
-  for (const TouchObject& object : scene.objects) {
-    const Material& m = object.material;
-    method->stiffness_n_per_m_.push_back(m.stiffness_n_per_m);
-    method->leaves_out_ |= m.friction_static != 0.0 || m.friction_dynamic != 0.0 || m.damping_ns_per_m != 0.0;
-  }
+  for (const TouchObject& object : scene.objects) method->stiffness_n_per_m_.push_back(object.material.stiffness_n_per_m);
+  method->left_out_ = note_missing_friction(scene);
+  if (settings.layer > 0.0) method->left_out_ += note_bare_layer(scene);
   method->set_size_ = settings.set_size;
   method->radius_ = settings.radius_m > 0.0 ? settings.radius_m : make_radius(*method->scene_, settings.set_size);
   method->layer_ = settings.layer * method->radius_;
@@ -175,7 +174,7 @@ void SmoothMethod::use_all_triangles() {
 std::string SmoothMethod::describe() const {
   const SmoothCounters& c = counters_;
   std::string text = fmt::format("smooth: RADIUS {:g} m, layer {:g} m, sets of {} triangles\n", radius_, layer_, set_size_);
-  if (leaves_out_) text += "friction and damping of the materials are ignored: this method has none\n";
+  text += left_out_;
   text += scene_->describe();
   text += fmt::format(
       "steps {}: {} skipped in free space, {} entries, {} releases, {} astray; {} hidden VCPs\n"

@@ -6,6 +6,8 @@
 #include <tuple>
 #include <utility>
 
+#include "core/force/left_out.h"
+
 namespace hapton {
 namespace {
 
@@ -86,8 +88,10 @@ Result<std::unique_ptr<ForceMethod>> SweepMethod::make(const MethodSettings& set
   if (auto checked = check_offset(settings.offset_m, *grid); !checked) {
     return tl::unexpected(checked.error());
   }
-  return std::unique_ptr<ForceMethod>(new SweepMethod(std::move(*grid), std::move(all.planes), std::move(all.object_of),
+  std::unique_ptr<SweepMethod> method(new SweepMethod(std::move(*grid), std::move(all.planes), std::move(all.object_of),
                                                       std::move(all.materials), all.degenerate, settings.offset_m));
+  method->left_out_ = note_missing_friction(scene);
+  return std::unique_ptr<ForceMethod>(std::move(method));
 }
 
 SweepMethod::SweepMethod(UniformGrid grid, std::vector<TrianglePlane> planes, std::vector<std::uint32_t> object_of,
@@ -229,12 +233,7 @@ std::string SweepMethod::describe() const {
         total_.collisions,
         total_.from_behind > 0 ? fmt::format(", {} more rejected: with the back of a one-sided triangle", total_.from_behind) : "");
   }
-  for (const Material& material : materials_) {
-    if (material.friction_static > 0 || material.friction_dynamic > 0 || material.damping_ns_per_m > 0) {
-      text += "note: damping and friction of the materials are not part of this method\n";
-      break;
-    }
-  }
+  text += left_out_;
   return text;
 }
 

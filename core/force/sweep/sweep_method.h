@@ -67,6 +67,7 @@ class SweepMethod final : public ForceMethod {
   std::vector<Material> materials_;       // of each object
   std::size_t degenerate_ = 0;
   double offset_m_ = 0.0;
+  std::string left_out_;  // of the scene: lines for describe()
 
   VisitStamps stamps_;
   bool started_ = false;

@@ -65,6 +65,20 @@ TEST(EffectStep, AddsProgressiveStiffness) {
   EXPECT_LT((press(step, {0, 0, -0.003}).force_n - Vec3(0, 0, 3.0 + 1.8)).norm(), 1e-12);
 }
 
+// As method sweep finds it behind a hand that slides: on the same plane, far behind.
+TEST(EffectStep, DepthIsThatBelowThePlaneWhereverItsContactPointLags) {
+  const Vec3 p(0, 0, -0.003);
+  for (const double behind_m : {0.0, 1e-3, 0.02}) {
+    const SurfaceContact late = {.force_n = {0, 0, 3.0}, .p_SP = {-behind_m, 0, 0}, .object = 0, .contact = true};
+    EffectStep firm({SurfaceEffects{.progressive = {.n_per_m2 = 2e5}}}, {});
+    EXPECT_LT((firm.step(p, kMs, late).force_n - Vec3(0, 0, 4.8)).norm(), 1e-12) << behind_m;
+    TissueLayers layers;
+    layers.add({.depth_m = 0.0, .stiffness_n_per_m = 200.0});
+    EffectStep soft({SurfaceEffects{.layers = layers}}, {});
+    EXPECT_LT((soft.step(p, kMs, late).force_n - Vec3(0, 0, 0.6)).norm(), 1e-12) << behind_m;
+  }
+}
+
 TEST(EffectStep, TakesTheEffectsOfTheObjectTouched) {
   EffectStep step({SurfaceEffects(), SurfaceEffects{.progressive = {.n_per_m2 = 2e5}}}, {});
   const Vec3 p(0, 0, -0.003);

@@ -307,6 +307,12 @@ TEST_F(GltfHaptics, WhatIsNotFeltIsNoted) {
   EXPECT_THAT(notes_of(R"({"friction":)" + texture(0) + "}"), Contains(HasSubstr("friction_map_range")));
   EXPECT_THAT(notes_of(R"({"vibrotactileTexture":)" + texture(0) + "}"), Contains(HasSubstr("bump_height_m")));
   EXPECT_THAT(notes_of(R"({"temperature":)" + texture(0) + "}"), Contains(HasSubstr("materials[0].temperature is ignored")));
+  EXPECT_THAT(notes_of(R"({"custom":[{"texture":{"index":0}}]})"), Contains(HasSubstr("materials[0].custom is ignored")));
+  EXPECT_THAT(notes_of(R"({"vibration":{"texture":0}})"), Contains(HasSubstr("materials[0].vibration is ignored"))) << "not a list";
+  EXPECT_THAT(notes_of(R"({"stifness":)" + texture(0) + "}"),
+              Contains(HasSubstr("materials[0].stifness is ignored: the extension has no such property; did you mean 'stiffness'?")));
+  EXPECT_THAT(notes_of(R"({"custom":[],"name":"a","extras":{"other":1},"extensions":{}})"),
+              testing::Each(testing::Not(HasSubstr("is ignored"))));
   EXPECT_THAT(notes_of(R"({"friction":[{"texture":{"index":0},"type":"Reference"}]})"), Contains(HasSubstr("only refers to haptic data")));
   const Scene draft = load({.materials = "{}", .used = R"("extensionsUsed":["MPEG_material_haptic"],)"});
   EXPECT_THAT(draft.notes, Contains(HasSubstr("export it as MPEG_haptic_material")));

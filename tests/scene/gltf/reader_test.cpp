@@ -123,6 +123,14 @@ TEST(GltfExtensions, NotesWhatMayChangeTheShapeAndIsNotRead) {
   EXPECT_THAT(raw->notes, ElementsAre(AllOf(HasSubstr("'NV_micromesh'"), HasSubstr("not read"))));
 }
 
+TEST(GltfMaterials, NotesNormalMaps) {
+  std::string text = sample::inline_gltf(sample::tetrahedron());
+  text.insert(1, R"("materials":[{"normalTexture":{"index":0}},{"name":"plain"},{"normalTexture":{"index":0}}],)");
+  const auto raw = read_gltf(text, ".");
+  ASSERT_TRUE(raw) << raw.error().what;
+  EXPECT_THAT(raw->notes, ElementsAre(AllOf(HasSubstr("normal maps of 2 materials"), HasSubstr("bump_map"))));
+}
+
 TEST(GltfExtensions, SkipsInvisibleNodes) {
   const std::string hidden = R"("extensions":{"KHR_node_visibility":{"visible":false}})";
   const TriangleMesh mesh = sample::tetrahedron();

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/result.h"
+#include "scene/table_reader.h"
+
+namespace hapton {
+
+// Findings of `hapton check` that may be intended, by their names there. Those that concern the stability of the loop are not among them.
+inline constexpr std::array<std::string_view, 6> kAcceptableFindings = {"thin-wall", "opening",    "crack",
+                                                                        "flipped",   "inside-out", "out-of-reach"};
+inline constexpr std::string_view kAcceptedFindingsKey = "accepted_findings";
+
+// The list of these names that an [[object]] has; empty: none. name: of the table, for errors. RT: set-up only. Error: one line with the
+// line in the file.
+Result<std::vector<std::string>> read_accepted_findings(const toml::table& object, const std::string& name);
+
+}  // namespace hapton

@@ -1,0 +1,72 @@
+#include "haptics_node/scene_probe.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/scratch_folder.h"
+
+namespace hapton {
+namespace {
+
+using ::testing::HasSubstr;
+
+class SceneProbe : public ::testing::Test {
+ protected:
+  // The options of this command line, with the probe of the scene.
+  HapticsOptions take(std::vector<std::string> words, const std::string& scene = "two.toml") {
+    HapticsOptions options = parse(std::move(words), scene);
+    const auto taken = take_scene_probe(options);
+    EXPECT_TRUE(taken) << (taken ? "" : taken.error().what);
+    return options;
+  }
+  HapticsOptions parse(std::vector<std::string> words, const std::string& scene) {
+    words.insert(words.begin(), {"haptics_node", "--scene", (folder_.path() / scene).string()});
+    std::vector<const char*> given;
+    for (const std::string& word : words) given.push_back(word.c_str());
+    return std::get<HapticsOptions>(parse_haptics_options(static_cast<int>(given.size()), given.data()));
+  }
+  void SetUp() override {
+    folder_.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    folder_.write("none.toml", "[[object]]\nmesh = 'a.obj'\n");
+    folder_.write("two.toml",
+                  "[[object]]\nmesh = 'a.obj'\n[[probe]]\nname = 'left'\nradius_m = 0.002\n"
+                  "[[probe]]\nname = 'right'\nmethod = 'smooth'\nshading = 0.25\n");
+  }
+  ScratchFolder folder_;
+};
+
+TEST_F(SceneProbe, IsTheFirstOrTheOneThatIsNamed) {
+  EXPECT_EQ(take({}).method.probe_radius_m, 0.002);
+  EXPECT_EQ(take({}).method.name, "proxy");
+  const HapticsOptions right = take({"--probe", "right"});
+  EXPECT_EQ(right.method.name, "smooth");
+  EXPECT_EQ(right.method.shading, 0.25);
+  EXPECT_EQ(right.method.probe_radius_m, 0.0);
+}
+
+TEST_F(SceneProbe, FlagsCountMore) {
+  EXPECT_EQ(take({"--probe-radius", "0"}).method.probe_radius_m, 0.0) << "also with the value that is the default";
+  const HapticsOptions right = take({"--probe", "right", "--method", "proxy", "--shading", "0"});
+  EXPECT_EQ(right.method.name, "proxy");
+  EXPECT_EQ(right.method.shading, 0.0);
+}
+
+TEST_F(SceneProbe, ASceneWithoutOneChangesNothing) {
+  EXPECT_EQ(take({}, "none.toml").method.probe_radius_m, 0.0);
+  EXPECT_EQ(take({}, "a.obj").method.name, "proxy");
+  EXPECT_EQ(take({}, "gone.toml").method.name, "proxy") << "load_scene names it";
+}
+
+TEST_F(SceneProbe, ANameThatIsNotThereIsOneLine) {
+  for (const auto& [scene, what] :
+       {std::pair{"two.toml", "did you mean 'right'?"}, {"none.toml", "add it"}, {"a.obj", "is no scene file"}}) {
+    HapticsOptions options = parse({"--probe", "rigt"}, scene);
+    const auto taken = take_scene_probe(options);
+    ASSERT_FALSE(taken) << scene;
+    EXPECT_THAT(taken.error().what, HasSubstr(what));
+    EXPECT_THAT(taken.error().what, HasSubstr(scene));
+  }
+}
+
+}  // namespace
+}  // namespace hapton
