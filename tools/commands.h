@@ -74,6 +74,9 @@ void add_replay_command(CommandLine app, int& exit_code);
 // written.
 void add_screen_command(CommandLine app, int& exit_code);
 
+// hapton sculpt SCENE --annotations FILE --out MESH: writes the surface of what the stylus carved. Exit code 0: MESH is written, 2: not.
+void add_sculpt_command(CommandLine app, int& exit_code);
+
 // hapton session info|export|replay FILE: works on a recorded session.
 void add_session_command(CommandLine app, int& exit_code);
 
@@ -165,6 +168,7 @@ inline constexpr ListedCommand kCommands[] = {
     {"Record and replay", add_session_command},
     {"Record and replay", add_trajectory_command},
     {"Record and replay", add_replay_command},
+    {"Record and replay", add_sculpt_command},
     {"Measure", add_latency_command},
     {"Measure", add_summary_command},
     {"Measure", add_plot_command},

@@ -70,7 +70,9 @@ class TouchStep {
   void follow_carves(TouchStep& other) noexcept {
     if (method_ != other.method_) method_->exchange_sculpture(*other.method_);
   }
-  // Carves made so far.
+  // See ForceMethod.
+  bool restore_carves(Sculpture& other, std::uint32_t newest) noexcept { return method_->restore_sculpture(other, newest); }
+  // Serial of the newest carve, or undo of carves.
   std::uint32_t count_carves() const noexcept { return has_sculpture() ? method_->sculpture()->newest() : 0; }
   // See ForceMethod.
   bool repeat_carve(int object, const Carve& carve) noexcept { return method_->repeat_carve(object, carve); }
