@@ -34,6 +34,7 @@ struct RestoredMaterial : testing::Test {
 };
 
 TEST_F(RestoredMaterial, IsFeltAsBeforeItWasCarved) {
+  step({0, 0, 0.04});
   const double firm = step({0, 0, 0.022}).force_n.z();
   step({0, 0, 0.04});
   dig();
