@@ -47,7 +47,7 @@ struct PutDown {
 struct CarvedPress {
   std::int32_t object = -1;
   double radius_m = 0.0;  // of all
-  std::vector<Carve> carves;
+  std::vector<Carve> carves = {};
 
   friend bool operator==(const CarvedPress&, const CarvedPress&) = default;
 };
@@ -58,7 +58,7 @@ struct Annotations {
   std::vector<std::string> objects;
   std::vector<Annotation> entries;  // in the order in which they were made
   std::vector<PutDown> put_down;
-  std::vector<CarvedPress> carved;  // neither their order nor a repetition changes the shape
+  std::vector<CarvedPress> carved = {};  // neither their order nor a repetition changes the shape
 };
 
 // Of all strokes and measures; a file with more is rejected, and nothing more is drawn.
