@@ -62,8 +62,9 @@ void CarveUndoTask::run() {
     const Stage stage = stage_.load(std::memory_order_acquire);
     if (stage == Stage::taken) put_back(undone_);  // in what was in use until now
     if (stage != Stage::ready) {
-      catch_up();
+      // First: what was carved before a request came is then in the list.
       if (requests_.take()) pending = requests_.value();
+      catch_up();
       // What did not come into use, because carves were made meanwhile, is in the copy still.
       const bool is_again = stage == Stage::behind;
       const bool is_ready = is_again || (pending != 0 && begin_undo(pending));

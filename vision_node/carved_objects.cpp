@@ -152,13 +152,13 @@ void CarvedObjects::carry_out(const Order& order) {
     applied_.clear();
     for (auto& [number, surface] : surfaces_) surface.restore();
   }
-  for (const MadeCarve& made : order.carves) carry_out(made);
+  for (const MadeCarve& made : order.carves) apply(made);
   for (auto& [number, surface] : surfaces_) {
     if (surface.has_changed()) offer(number, surface.compute_levels());
   }
 }
 
-void CarvedObjects::carry_out(const MadeCarve& made) {
+void CarvedObjects::apply(const MadeCarve& made) {
   applied_.add(made);
   const std::unique_lock lock(fields_mutex_);
   if (made.is_undo()) {

@@ -52,7 +52,8 @@ class CarvedObjects {
   bool show();
 
   // The point of an object's surface that is closest to p, with the carves that the thread has carried out: all but those of the last 1/30
-  // s. None: nobody can carve it, its field is not made yet, or nothing is left of it. Waits for a carve at most. Frame S. Pre: finite.
+  // s. None: nobody can carve it, its field is not made yet, or nothing is left of it. Waits for a carve, or an undo, at most. Frame S.
+  // Pre: finite.
   std::optional<Vec3> find_closest(std::size_t object, const Vec3& p) const;
 
   // Everything received is drawn.
@@ -74,7 +75,7 @@ class CarvedObjects {
   void make_surfaces();
   bool wait_for_order(Order& order);
   void carry_out(const Order& order);
-  void carry_out(const MadeCarve& made);
+  void apply(const MadeCarve& made);
   void offer(std::size_t object, std::vector<FlatLevel> levels);
 
   StereoView& view_;

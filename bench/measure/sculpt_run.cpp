@@ -183,7 +183,7 @@ Result<SculptRunRow> measure_body(const SculptShape& shape, int grid, double rad
   return row;
 }
 
-SculptJson spread_json(const TimeSpread& spread) {
+SculptJson sculpt_spread_json(const TimeSpread& spread) {
   return {{"count", spread.count}, {"p50_ns", spread.p50_ns}, {"p99_ns", spread.p99_ns}, {"worst_ns", spread.worst_ns}};
 }
 
@@ -253,10 +253,10 @@ std::string to_json(const SculptRunReport& report) {
                                       {"carves", row.carves},
                                       {"presses", row.presses},
                                       {"make_ms", row.make_ms},
-                                      {"all", spread_json(row.all)},
-                                      {"carving", spread_json(row.carving)},
-                                      {"touching", spread_json(row.touching)},
-                                      {"surface", spread_json(row.surface)},
+                                      {"all", sculpt_spread_json(row.all)},
+                                      {"carving", sculpt_spread_json(row.carving)},
+                                      {"touching", sculpt_spread_json(row.touching)},
+                                      {"surface", sculpt_spread_json(row.surface)},
                                       {"whole_surface_ms", row.whole_ms},
                                       {"undo_ms", row.undo_ms}});
   }

@@ -26,16 +26,16 @@ struct SculptRunRow {
   int grid = 0;
   double radius_voxels = 0.0;
   std::uint64_t seed = 0;
-  std::size_t nodes = 0;    // of the field
-  std::size_t carves = 0;   // of all steps
-  double make_ms = 0.0;     // the field, once
-  TimeSpread all;           // steps, least times over the repetitions
-  TimeSpread carving;       // those that made a carve
-  TimeSpread touching;      // those in contact without a carve
-  TimeSpread surface;       // the surface again after 33 ms of carving: the changed blocks in three levels of detail
-  double whole_ms = 0.0;    // the surface of all blocks
-  double undo_ms = 0.0;     // the material of the last press, put back: of what a slow task does
-  std::size_t presses = 0;  // of the button, with a carve
+  std::size_t nodes = 0;     // of the field
+  std::size_t carves = 0;    // of all steps
+  double make_ms = 0.0;      // the field, once
+  TimeSpread all = {};       // steps, least times over the repetitions
+  TimeSpread carving = {};   // those that made a carve
+  TimeSpread touching = {};  // those in contact without a carve
+  TimeSpread surface = {};   // the surface again after 33 ms of carving: the changed blocks in three levels of detail
+  double whole_ms = 0.0;     // the surface of all blocks
+  double undo_ms = 0.0;      // the material of the last press, put back: of what a slow task does
+  std::size_t presses = 0;   // of the button, with a carve
 };
 
 struct SculptRunReport {

@@ -32,7 +32,7 @@ struct TouchOutput {
 
 // One haptic step: transforms the device point into the static scene's frame, runs the method, adds the scene's effects, and transforms
 // force and visual offset back to the world. The live node, replay, tests and benches all call it. RT: step, reset, resume, set_materials,
-// command, follow_commands, follow_carves and repeat_carve yes.
+// command, follow_commands, follow_carves, restore_carves and repeat_carve yes.
 class TouchStep {
  public:
   // Without effects.

@@ -14,14 +14,14 @@
 namespace hapton {
 namespace {
 
-constexpr double kClayRadius = 0.03;
+constexpr double kUndoClayRadius = 0.03;
 constexpr std::int64_t kTenth = 100'000'000;
 
 struct CarveUndoTest : testing::Test {
   CarveUndoTest() {
     SceneObject clay;
     clay.name = "clay";
-    clay.mesh = std::make_shared<const TriangleMesh>(make_icosphere(kClayRadius, 4));
+    clay.mesh = std::make_shared<const TriangleMesh>(make_icosphere(kUndoClayRadius, 4));
     clay.sculpt = SculptSettings{.voxel_m = 0.002, .tool_radius_m = 0.008};
     scene.objects = {clay};
     scene.given_hash = 7;
@@ -52,7 +52,7 @@ struct CarveUndoTest : testing::Test {
   }
   void draw() {
     ProbeState state;
-    state.p_WD = Vec3(0, 0, kClayRadius);
+    state.p_WD = Vec3(0, 0, kUndoClayRadius);
     state.contact = true;
     state.object = 0;
     annotator->receive(state, Pose::Identity());
