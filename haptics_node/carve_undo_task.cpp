@@ -75,7 +75,7 @@ void CarveUndoTask::run() {
   }
 }
 
-// Only carves that are in the list without an undo: what the copy lacks of those that are, it is to lack.
+// A carve whose undo is in the list already is left out: the copy is to be without it.
 void CarveUndoTask::catch_up() {
   MadeCarve made;
   while (noted_->pop(made)) {

@@ -1,8 +1,10 @@
 #include "vision_node/annotator.h"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -340,14 +342,16 @@ std::optional<CarveUndo> Annotator::take_carve_undo(std::int64_t now_ns) {
   return carve_undo_;
 }
 
-// Whether haptics_node began with the carves of the file: the first of them is in the list, even if it is undone now.
+// Whether haptics_node began with the carves of the file: the first one of some press is in the list, even if it is undone now. Carves that
+// change nothing are not.
 bool Annotator::has_given_carves() const {
-  const std::vector<CarvedPress>& given = pen_.annotations().carved;
-  const auto is_of_scene = [&](const CarvedPress& press) { return static_cast<std::size_t>(press.object) < scene_.objects.size(); };
-  const auto first = std::find_if(given.begin(), given.end(), is_of_scene);
-  bool is_there = first == given.end();
-  carved_->list().for_each(
-      {}, [&](const MadeCarve& made) { is_there = is_there || (made.object == first->object && made.carve == first->carves.front()); });
+  const auto place_of = [](const Carve& carve) { return std::array{carve.from_m.x(), carve.from_m.y(), carve.from_m.z()}; };
+  std::set<std::array<double, 3>> given;
+  for (const CarvedPress& press : pen_.annotations().carved) {
+    if (static_cast<std::size_t>(press.object) < scene_.objects.size()) given.insert(place_of(press.carves.front()));
+  }
+  bool is_there = given.empty();
+  carved_->list().for_each({}, [&](const MadeCarve& made) { is_there = is_there || given.contains(place_of(made.carve)); });
   return is_there;
 }
 
