@@ -269,6 +269,12 @@ std::unique_ptr<TouchStep> HapticsStep::replace(std::unique_ptr<TouchStep> touch
   return touch;
 }
 
+bool HapticsStep::restore_carves(Sculpture& other, std::uint32_t newest) noexcept {
+  if (!touch_->restore_carves(other, newest)) return false;
+  if (running_ && (output_.contact || fade_.is_felt())) fade_.begin();
+  return true;
+}
+
 void HapticsStep::set_materials(std::span<const Material> materials) noexcept {
   ++counts_.materials_taken;
   touch_->set_materials(materials);

@@ -97,6 +97,8 @@ class HapticsStep {
   const MadeCarve* made_carve() const noexcept { return touch_->made_carve(); }
   // As TouchStep::repeat_carve.
   bool repeat_carve(int object, const Carve& carve) noexcept { return touch_->repeat_carve(object, carve); }
+  // As TouchStep::restore_carves: carves were undone. In contact the difference of the forces fades (ForceFade).
+  bool restore_carves(Sculpture& other, std::uint32_t newest) noexcept;
   // Takes the place of the method that is there, without a change of method: for a replay that begins anew with whole bodies.
   void begin_anew(std::unique_ptr<TouchStep> touch) noexcept {
     touch->follow_commands(*touch_);

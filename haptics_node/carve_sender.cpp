@@ -15,7 +15,10 @@ void CarveSender::note(const MadeCarve& made) noexcept {
   carves_.push_back({.object = made.object,
                      .from_m = point(made.carve.from_m),
                      .to_m = point(made.carve.to_m),
-                     .radius_m = static_cast<float>(made.carve.radius_m)});
+                     .radius_m = static_cast<float>(made.carve.radius_m),
+                     .begins = made.begins,
+                     .undone_first = made.undone.first,
+                     .undone_last = made.undone.last});
 }
 
 void CarveSender::begin_anew() noexcept {

@@ -11,15 +11,15 @@
 
 namespace hapton {
 
-// Keeps the carves of this process and determines which ones are sent when: new ones at once, and again what vision nodes request, in
-// datagrams of many, at most 200 a second. New ones and requested ones take turns, so that neither waits for the other.
+// Keeps the carves and undos of this process and determines which ones are sent when: new ones at once, and again what vision nodes
+// request, in datagrams of many, at most 200 a second. New ones and requested ones take turns, so that neither waits for the other.
 //
 // A datagram may be lost: each one repeats the newest ones of the one before, and the last ones of a motion come twice more. What is
 // missing all the same, a vision node requests; one that joins late requests everything. Requests only set a place to go on from, so any
 // number of them costs no more than one. RT: yes, except construction. Threads: one.
 class CarveSender {
  public:
-  static constexpr std::size_t kMost = Sculpture::kMostCarves;  // 32 MB
+  static constexpr std::size_t kMost = Sculpture::kMostCarves;  // 44 MB
   static constexpr std::int64_t kEveryNs = 5 * kNanosecondsPerMillisecond;
   static constexpr std::uint32_t kOverlap = 8;
   static constexpr std::int64_t kAgainNs = 50 * kNanosecondsPerMillisecond;
@@ -32,6 +32,7 @@ class CarveSender {
   // are those of another process. Any other serial, and what there is no memory for, is left out.
   void note(const MadeCarve& made) noexcept;
   bool is_full() const noexcept { return carves_.size() == most_; }
+  std::uint32_t source() const noexcept { return source_; }
   std::uint32_t newest() const noexcept { return static_cast<std::uint32_t>(carves_.size()); }
 
   // Of another process: left out.

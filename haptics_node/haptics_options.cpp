@@ -120,8 +120,9 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
                  "Button of the stylus that picks up an object that the scene marks movable, and puts it down when released (docs/tool.md)")
       ->check(between(1, 32))
       ->capture_default_str();
-  app.add_option("--annotations", options.annotations,
-                 "File of vision_node --annotations, with the poses of movable objects at the start (docs/tool.md)");
+  app.add_option(
+      "--annotations", options.annotations,
+      "File of vision_node --annotations: poses of movable objects, and what was carved, at the start (docs/tool.md, docs/vision.md)");
   app.add_option("--rt", realtime, "Real-time priority, memory lock and wake-up latency: off, try or require")
       ->check(accepts(parse_realtime_mode))
       ->capture_default_str();

@@ -107,6 +107,8 @@ int run(const HapticsOptions& options) {
   if (const auto added = load_effects(*named, effects); !added) return give_up(added.error());
   const auto put_down = read_put_down(options.annotations, *loaded);
   if (!put_down) return give_up(put_down.error());
+  const auto carved = read_carved(options.annotations, *loaded);
+  if (!carved) return give_up(carved.error());
   const Scene placed = place_objects(*loaded, *put_down);
   const Scene* const scene = &placed;
   const bool has_tool = !options.tool.file.empty() || scene->tool;
@@ -189,7 +191,16 @@ int run(const HapticsOptions& options) {
   ObjectMover mover(*scene, source);
   loop.set_object_mover(&mover);
   std::optional<CarveSender> carves;
-  if (scene->touch_scene().has_sculpt()) loop.set_carve_sender(&carves.emplace(source));
+  std::optional<CarveUndoTask> carve_undo;
+  if (const Sculpture* whole = step.touch().method().sculpture(); whole != nullptr) {
+    const Sculpture before = *whole;
+    const std::vector<MadeCarve> made = carve_as_saved(*carved, step);
+    if (!made.empty()) log_info("{} carves of {} are made again", made.size(), options.annotations.string());
+    carves.emplace(source);
+    for (const MadeCarve& each : made) carves->note(each);
+    loop.set_carve_sender(&*carves);
+    loop.set_carve_undo(&carve_undo.emplace(before, made));
+  }
   std::optional<GraspTask> grasp_task;
   const auto on_scene = [&](const TouchScene& now) {
     const std::scoped_lock lock(felt_mutex);

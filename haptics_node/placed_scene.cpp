@@ -1,7 +1,9 @@
 #include "haptics_node/placed_scene.h"
 
 #include <memory>
+#include <set>
 #include <string>
+#include <utility>
 
 #include "runtime/log.h"
 #include "scene/annotations_file.h"
@@ -18,12 +20,21 @@ TriangleMesh move_mesh(const Pose& X, const TriangleMesh& mesh) {
   return moved;
 }
 
-Result<std::vector<PutDown>> read_put_down(const std::filesystem::path& file, const Scene& scene) {
-  std::vector<PutDown> put_down;
-  if (file.empty() || !std::filesystem::exists(file)) return put_down;
+namespace {
+
+// Nothing where there is no such file yet.
+Result<AnnotationsRead> read_saved(const std::filesystem::path& file, const Scene& scene) {
+  if (file.empty() || !std::filesystem::exists(file)) return AnnotationsRead();
   std::vector<std::string> names;
   for (const SceneObject& object : scene.objects) names.push_back(object.name);
-  auto read = read_annotations(file, names, scene.given_hash);
+  return read_annotations(file, names, scene.given_hash);
+}
+
+}  // namespace
+
+Result<std::vector<PutDown>> read_put_down(const std::filesystem::path& file, const Scene& scene) {
+  std::vector<PutDown> put_down;
+  auto read = read_saved(file, scene);
   if (!read) return tl::unexpected(read.error());
   if (const std::string misfit = read->describe_misfit(); !misfit.empty()) log_warning("{}: {}", file.string(), misfit);
   for (const PutDown& each : read->annotations.put_down) {
@@ -37,6 +48,37 @@ Result<std::vector<PutDown>> read_put_down(const std::filesystem::path& file, co
     put_down.push_back(each);
   }
   return put_down;
+}
+
+Result<std::vector<CarvedPress>> read_carved(const std::filesystem::path& file, const Scene& scene) {
+  auto read = read_saved(file, scene);
+  if (!read) return tl::unexpected(read.error());
+  std::vector<CarvedPress> carved;
+  std::set<std::int32_t> left_out;
+  for (CarvedPress& press : read->annotations.carved) {
+    const auto number = static_cast<std::size_t>(press.object);
+    if (number >= scene.objects.size()) continue;
+    if (scene.objects[number].sculpt) {
+      carved.push_back(std::move(press));
+    } else if (left_out.insert(press.object).second) {
+      log_warning("{}: {} cannot be carved in this scene, and stays whole; give it 'sculpt = true' in the scene file", file.string(),
+                  scene.objects[number].name);
+    }
+  }
+  return carved;
+}
+
+std::vector<MadeCarve> carve_as_saved(const std::vector<CarvedPress>& carved, HapticsStep& step) {
+  std::vector<MadeCarve> made;
+  for (const CarvedPress& press : carved) {
+    bool begins = true;
+    for (const Carve& carve : press.carves) {
+      if (!step.repeat_carve(press.object, carve)) continue;
+      made.push_back({.object = press.object, .serial = step.touch().count_carves(), .carve = rounded(carve), .begins = begins});
+      begins = false;
+    }
+  }
+  return made;
 }
 
 Scene place_objects(const Scene& scene, const std::vector<PutDown>& put_down) {

@@ -76,6 +76,7 @@ void ReplyLoop::turn(std::int64_t deadline_ns) {
     if (step_.has_state()) is_ready() ? answer() : wait_for_builder();
   }
   if (patches_ != nullptr) send_patches();
+  if (undo_ != nullptr) undo_carves();
   if (carves_ != nullptr) send_carves();
   change_method();
   change_materials();
@@ -137,6 +138,8 @@ void ReplyLoop::handle(const Message& message) noexcept {
     if (!overtaken && mover_ != nullptr) mover_->request(*move);
   } else if (const auto* missing = std::get_if<CarveStatus>(&message)) {
     if (!overtaken && carves_ != nullptr) carves_->accept(*missing);
+  } else if (const auto* undo = std::get_if<CarveUndo>(&message)) {
+    request_undo(*undo);
   } else if (const auto* request = std::get_if<MaterialRequest>(&message)) {
     request_materials(*request);
   } else if (const auto* settings = std::get_if<Settings>(&message); settings != nullptr && settings->method[0] != '\0') {
@@ -194,7 +197,7 @@ void ReplyLoop::answer() noexcept {
   compute_times_.record(spent_ns);
   step_times_.record(end_ns - begin_ns);
   if (inside_ != nullptr) note_hand();
-  if (const MadeCarve* made = step_.made_carve(); made != nullptr && carves_ != nullptr) carves_->note(*made);
+  if (carves_ != nullptr) note_carve();
 }
 
 void ReplyLoop::note_hand() noexcept {
@@ -276,16 +279,6 @@ void ReplyLoop::send_patches() noexcept {
     hub_.send(*part);
     patches_->pop();
   }
-}
-
-void ReplyLoop::send_carves() {
-  if (std::exchange(are_carves_full_, carves_->is_full()) != carves_->is_full()) {
-    log_warning(
-        "{} carves were made, the most that vision nodes can show: carving has stopped; restart haptics_node to begin with whole objects",
-        carves_->newest());
-  }
-  if (hub_.state() != JoinState::joined) return;
-  if (const auto carves = carves_->take_due(clock_.now_ns())) hub_.send(*carves);
 }
 
 void ReplyLoop::send_setup_soon() noexcept {

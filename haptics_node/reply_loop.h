@@ -7,6 +7,7 @@
 #include "haptic_step/haptics_step.h"
 #include "haptic_step/object_mover.h"
 #include "haptics_node/carve_sender.h"
+#include "haptics_node/carve_undo_task.h"
 #include "haptics_node/inside_watch.h"
 #include "haptics_node/material_tuner.h"
 #include "haptics_node/method_builder.h"
@@ -39,6 +40,8 @@ class ReplyLoop {
   void set_object_mover(ObjectMover* mover) noexcept { mover_ = mover; }
   // Before run: who keeps and sends what the stylus carves. Pre: outlives this.
   void set_carve_sender(CarveSender* carves) noexcept { carves_ = carves; }
+  // Before run: who undoes it on request. Pre: outlives this; there is a carve sender.
+  void set_carve_undo(CarveUndoTask* undo) noexcept { undo_ = undo; }
   // Before run: effects from shared libraries, which the step adds. Logs each of these, and each method from a shared library, that is
   // cut off. Pre: outlives this.
   void set_effects(PluginEffects* effects);
@@ -90,6 +93,9 @@ class ReplyLoop {
   void move_objects();
   void repeat_move() noexcept;
   void send_moves() noexcept;
+  void note_carve() noexcept;
+  void request_undo(const CarveUndo& request) noexcept;
+  void undo_carves();
   void send_carves();
   void report_move(const ObjectMover::Done& done);
   void report_plugins();
@@ -140,6 +146,7 @@ class ReplyLoop {
   std::uint32_t pose_serial_ = 0;  // of the objects' poses, as reported
   std::size_t next_pose_ = 0;      // to be sent again
   CarveSender* carves_ = nullptr;
+  CarveUndoTask* undo_ = nullptr;
   bool are_carves_full_ = false;  // as reported
   ObjectMover* mover_ = nullptr;
   std::uint64_t joins_ = 0;            // of the hub, after which the moves were announced

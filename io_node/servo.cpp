@@ -198,6 +198,10 @@ void Servo::on_message(const PeerEvent& event, const Datagram& datagram) noexcep
     peers_.send_to_role(NodeRole::haptics, *status);
     return;
   }
+  if (const auto* undo = std::get_if<CarveUndo>(&message)) {
+    peers_.send_to_role(NodeRole::haptics, *undo);
+    return;
+  }
   if (const auto* scene = std::get_if<SceneFacts>(&message)) return scene_.accept(*scene, event.role, view_.view());
   if (const auto* request = std::get_if<ReportRequest>(&message); request != nullptr && report_server_ != nullptr) {
     report_server_->accept(event.peer, *request);

@@ -110,12 +110,14 @@ constexpr std::tuple kMessageKinds{
                                             &wire::Envelope::mutable_patch_body},
     MessageKind<PatchMaterial, wire::PatchMaterial>{&wire::Envelope::has_patch_material, &wire::Envelope::patch_material,
                                                     &wire::Envelope::mutable_patch_material},
+    MessageKind<CarveUndo, wire::CarveUndo>{&wire::Envelope::has_carve_undo, &wire::Envelope::carve_undo,
+                                            &wire::Envelope::mutable_carve_undo},
     MessageKind<Bye, wire::Bye>{&wire::Envelope::has_bye, &wire::Envelope::bye, &wire::Envelope::mutable_bye},
 };
 constexpr std::size_t kKindCount = std::tuple_size_v<decltype(kMessageKinds)>;
 static_assert(kKindCount == std::variant_size_v<Message>);
 // Fields 1 to 5 of an Envelope are its header, the others one kind each, from 16 on.
-static_assert(wire::Envelope::kPatchMaterialFieldNumber == 15 + kKindCount, "the last kind of hapton.proto, and its line in kMessageKinds");
+static_assert(wire::Envelope::kCarveUndoFieldNumber == 15 + kKindCount, "the last kind of hapton.proto, and its line in kMessageKinds");
 
 // Calls visit with each kind until one returns true.
 template <class Visit>
@@ -272,8 +274,10 @@ void reserve(wire::ObjectMove& m) {
 void reserve(wire::Carves& m) {
   m.mutable_object()->Reserve(kMaxDatagramBytes);
   reserve_field(*m.mutable_numbers());
+  reserve_field(*m.mutable_undone());
 }
 void reserve(wire::CarveStatus&) {}
+void reserve(wire::CarveUndo&) {}
 void reserve(wire::Bye&) {}
 
 }  // namespace

@@ -27,7 +27,7 @@ bool may_send(NodeRole role, const Message& message) {
   }
   return std::holds_alternative<ViewTransform>(message) || std::holds_alternative<FrameAck>(message) ||
          std::holds_alternative<HandTarget>(message) || std::holds_alternative<ObjectPose>(message) ||
-         std::holds_alternative<CarveStatus>(message);
+         std::holds_alternative<CarveStatus>(message) || std::holds_alternative<CarveUndo>(message);
 }
 
 bool may_join(KeyRole key_role, NodeRole role) {

@@ -20,6 +20,7 @@ KnownCarves::News KnownCarves::take(const Carves& carves, Arrival arrival) noexc
   // Of those here the first ones may be known.
   const std::uint32_t known = complete_ >= carves.first ? complete_ - carves.first + 1 : 0;
   news.carves = std::span(carves.carves).subspan(known, carves.count - known);
+  news.first = carves.first + known;
   if (carves.first <= complete_ + 1) complete_ = last;
   return news;
 }

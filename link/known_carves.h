@@ -11,8 +11,8 @@
 
 namespace hapton {
 
-// Which carves a program has received from the haptics node, and which it has to request again. It keeps no carve: one that came early is
-// applied at once and once more later, which changes nothing. RT: yes. Threads: one.
+// Which carves and undos a program has received from the haptics node, and which it has to request again. It keeps none: an entry that came
+// early is passed on at once and once more later, which changes nothing in a CarveList. RT: yes. Threads: one.
 class KnownCarves {
  public:
   static constexpr std::int64_t kRequestEveryNs = 100 * kNanosecondsPerMillisecond;
@@ -20,6 +20,7 @@ class KnownCarves {
   struct News {
     bool starts_anew = false;  // the carves before are void: the objects are whole again, but for those here
     std::span<const Carves::One> carves = {};
+    std::uint32_t first = 0;  // serial of the first one of these
   };
   // What of a message is to be applied. arrival: as HubClient::last_arrival of it. The span is valid as long as the message.
   News take(const Carves& carves, Arrival arrival) noexcept;
@@ -27,6 +28,7 @@ class KnownCarves {
   // A request for the missing ones, when one is due.
   std::optional<CarveStatus> take_request(std::int64_t now_ns) noexcept;
 
+  std::uint32_t source() const noexcept { return source_; }      // as in Carves; 0: nothing was received
   std::uint32_t complete() const noexcept { return complete_; }  // all up to this serial have come
   std::uint32_t newest() const noexcept { return newest_; }      // of the haptics node, as far as known
 

@@ -38,6 +38,7 @@ class MoveReply;
 class ObjectMove;
 class Carves;
 class CarveStatus;
+class CarveUndo;
 }  // namespace wire
 
 void write(const Hello& from, wire::Hello& to);
@@ -72,6 +73,7 @@ void write(const MoveReply& from, wire::MoveReply& to);
 void write(const ObjectMove& from, wire::ObjectMove& to);
 void write(const Carves& from, wire::Carves& to);
 void write(const CarveStatus& from, wire::CarveStatus& to);
+void write(const CarveUndo& from, wire::CarveUndo& to);
 
 // False for a value that the contract rules out; `to` is then not to be used.
 bool read(const wire::Hello& from, Hello& to);
@@ -105,6 +107,7 @@ bool read(const wire::MoveReply& from, MoveReply& to);
 bool read(const wire::ObjectMove& from, ObjectMove& to);
 bool read(const wire::Carves& from, Carves& to);
 bool read(const wire::CarveStatus& from, CarveStatus& to);
+bool read(const wire::CarveUndo& from, CarveUndo& to);
 bool read(const wire::ViewTransform& from, ViewTransform& to);
 
 }  // namespace hapton

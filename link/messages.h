@@ -432,9 +432,9 @@ struct ObjectMove {
   HapticsSetup::Text name = {};  // of the object in the scene file
 };
 
-// haptics -> hub -> every vision node, when the stylus has removed material, and again on request: carves of consecutive serials
-// (core/sculpt/carve.h). Frame: of the object as the scene file places it. The numbers are those that forces and pictures are computed
-// with.
+// haptics -> hub -> every vision node, when the stylus has removed material, and again on request: what was done to the bodies, entries of
+// consecutive serials, as MadeCarve (core/sculpt/carve_list.h). Frame: of the object as the scene file places it. The numbers are those
+// that forces and pictures are computed with.
 struct Carves {
   static constexpr std::size_t kMost = 32;
   static constexpr float kMostRadiusM = 1000.0F;  // as scene files allow
@@ -445,10 +445,16 @@ struct Carves {
     Point from_m = {};
     Point to_m = {};
     float radius_m = 0.0F;
+    bool begins = false;  // the first carve of a press of the button
+    // Of an undo, whose object is -1: the serials of the carves that count no longer, all below its own. 0: this is a carve.
+    std::uint32_t undone_first = 0;
+    std::uint32_t undone_last = 0;
+
+    bool is_undo() const { return undone_first != 0; }
   };
 
   std::uint32_t source = 0;  // of the haptics process, random, never 0: in another one the objects are whole again
-  std::uint32_t newest = 0;  // serial; they count the carves of all objects, from 1; 0: none yet
+  std::uint32_t newest = 0;  // serial; they count the carves of all objects and their undos, from 1; 0: none yet
   std::uint32_t first = 0;   // serial of the first one here; 0: there is none
   std::uint32_t count = 0;
   std::array<One, kMost> carves = {};
@@ -460,10 +466,16 @@ struct CarveStatus {
   std::uint32_t complete = 0;  // all up to this serial have been received
 };
 
+// vision -> hub -> haptics: the carves of one press of the button are to be undone. Repeated until their undo is among the Carves.
+struct CarveUndo {
+  std::uint32_t source = 0;  // as in Carves
+  std::uint32_t serial = 0;  // of any carve of that press
+};
+
 using Message = std::variant<Hello, Welcome, Bye, DeviceState, ForceCommand, ViewTransform, ProbeState, FrameAck, HandTarget, Settings,
                              HapticsSetup, ReportRequest, ReportPart, SceneFacts, ViewRejected, PatchBegin, PatchCell, PatchTile,
                              PatchStatus, LoopFacts, MaterialRequest, MaterialState, ObjectPose, Marker, MarkerReply, MoveRequest,
-                             MoveReply, ObjectMove, Carves, CarveStatus, PatchBody, PatchMaterial>;
+                             MoveReply, ObjectMove, Carves, CarveStatus, PatchBody, PatchMaterial, CarveUndo>;
 
 // In front of every message.
 struct Header {

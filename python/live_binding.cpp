@@ -130,8 +130,14 @@ py::dict describe_carves(LiveClient& client, std::int64_t after) {
   py::array_t<double> from_m = make_points(count);
   py::array_t<double> to_m = make_points(count);
   py::array_t<double> radius_m(static_cast<py::ssize_t>(count));
+  py::array_t<bool> begins(static_cast<py::ssize_t>(count));
+  py::array_t<std::uint32_t> undone_first(static_cast<py::ssize_t>(count));
+  py::array_t<std::uint32_t> undone_last(static_cast<py::ssize_t>(count));
   for (std::size_t n = 0; n < count; ++n) {
     const Carves::One& one = so_far.carves[n];
+    begins.mutable_data()[n] = one.begins;
+    undone_first.mutable_data()[n] = one.undone_first;
+    undone_last.mutable_data()[n] = one.undone_last;
     object.mutable_data()[n] = one.object;
     radius_m.mutable_data()[n] = static_cast<double>(one.radius_m);
     std::copy(one.from_m.begin(), one.from_m.end(), from_m.mutable_data() + 3 * n);
@@ -142,6 +148,9 @@ py::dict describe_carves(LiveClient& client, std::int64_t after) {
   carves["from_m"] = from_m;
   carves["to_m"] = to_m;
   carves["radius_m"] = radius_m;
+  carves["begins"] = begins;
+  carves["undone_first"] = undone_first;
+  carves["undone_last"] = undone_last;
   carves["newest"] = so_far.newest;
   return carves;
 }
@@ -353,7 +362,9 @@ void bind_client(py::module_& module) {
       .def("carves", &describe_carves, py::arg("after") = 0,
            "What the stylus has carved, in its order, as a dict of arrays: object, from_m and to_m (n, 3), radius_m: material within "
            "radius_m of the\n"
-           "segment is removed, in the frame of the object as the scene file places it. after: leave out so many, those that you have. "
+           "segment is removed, in the frame of the object as the scene file places it. begins: the first carve of a press of the button.\n"
+           "undone_first, undone_last: of an undo, whose object is -1: the entries, counted from 1, that count no longer; 0: a carve.\n"
+           "after: leave out so many, those that you have. "
            "newest: how many\n"
            "haptics_node has announced. Fewer than before: it was started again, and the objects are whole.")
       .def("set", &change_settings, py::kw_only(), py::arg("method") = py::none(), py::arg("object") = py::none(),

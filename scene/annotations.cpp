@@ -18,6 +18,26 @@ std::size_t count_points(const Annotations& annotations) {
   return points;
 }
 
+std::size_t count_carves(const std::vector<CarvedPress>& carved) {
+  std::size_t carves = 0;
+  for (const CarvedPress& press : carved) carves += press.carves.size();
+  return carves;
+}
+
+std::vector<CarvedPress> group_carves(const CarveList& list) {
+  std::vector<CarvedPress> carved;
+  bool begins = true;
+  list.for_each({}, [&](const MadeCarve& made) {
+    begins = begins || made.begins;
+    if (!list.is_active(made.serial)) return;
+    const bool is_same = !carved.empty() && carved.back().object == made.object && carved.back().radius_m == made.carve.radius_m;
+    if (begins || !is_same) carved.push_back({.object = made.object, .radius_m = made.carve.radius_m, .carves = {}});
+    begins = false;
+    carved.back().carves.push_back(made.carve);
+  });
+  return carved;
+}
+
 double compute_length_m(const Stroke& stroke) {
   double length_m = 0.0;
   for (std::size_t i = 1; i < stroke.points_m.size(); ++i) length_m += (stroke.points_m[i] - stroke.points_m[i - 1]).norm();

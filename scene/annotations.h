@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/math/types.h"
+#include "core/sculpt/carve_list.h"
 
 namespace hapton {
 
@@ -41,18 +42,36 @@ struct PutDown {
   Pose pose() const;  // X_SO
 };
 
+// What one press of the button removed from an object that can be carved, rounded() (core/sculpt/carve.h). Frame: S, as the scene file
+// places the object.
+struct CarvedPress {
+  std::int32_t object = -1;
+  double radius_m = 0.0;  // of all
+  std::vector<Carve> carves = {};
+
+  friend bool operator==(const CarvedPress&, const CarvedPress&) = default;
+};
+
 // Objects are numbered as in `objects`: first those of the scene, in its order, then those of another scene that a file named. Entries
 // on the latter are kept for the file and not shown.
 struct Annotations {
   std::vector<std::string> objects;
   std::vector<Annotation> entries;  // in the order in which they were made
   std::vector<PutDown> put_down;
+  std::vector<CarvedPress> carved = {};  // neither their order nor a repetition changes the shape
 };
 
 // Of all strokes and measures; a file with more is rejected, and nothing more is drawn.
 constexpr std::size_t kMostAnnotationPoints = 100'000;
 
+// As many as a haptics node keeps.
+constexpr std::size_t kMostSavedCarves = CarveList::kMost;
+
 std::size_t count_points(const Annotations& annotations);
+// Of all presses.
+std::size_t count_carves(const std::vector<CarvedPress>& carved);
+// The carves of a list that are not undone, by press.
+std::vector<CarvedPress> group_carves(const CarveList& list);
 // Along the polyline.
 double compute_length_m(const Stroke& stroke);
 

@@ -12,8 +12,10 @@ namespace hapton {
 namespace {
 
 constexpr std::string_view kSchema = "hapton.annotations/1";
-constexpr std::size_t kMostBytes = std::size_t{64} << 20;
+// A million carves are about 100 MB.
+constexpr std::size_t kMostBytes = std::size_t{256} << 20;
 constexpr double kFarthestM = 1e6;
+constexpr double kMostCarveM = 1000.0;  // radius and length, as messages have them
 constexpr std::size_t kMostObjects = 1'000'000;
 // Of a quaternion's length from one: the text has all its digits, and somebody may have typed three.
 constexpr double kUnitSlack = 1e-3;
@@ -64,6 +66,22 @@ std::string quote(std::string_view text) {
     }
   }
   return quoted + '"';
+}
+
+// The shortest text that reads back to the same number of single precision.
+std::string float_text(double value) {
+  std::string text = fmt::format("{}", static_cast<float>(value));
+  if (text.find_first_of(".e") == std::string::npos) text += ".0";
+  return text;
+}
+
+void write_press(std::string& text, const CarvedPress& press) {
+  text += fmt::format("\n[[carve]]\nobject = {}\nradius_m = {}\ncapsules_m = [", press.object, float_text(press.radius_m));
+  for (const Carve& carve : press.carves) {
+    text += fmt::format("\n  [{}, {}, {}, {}, {}, {}],", float_text(carve.from_m.x()), float_text(carve.from_m.y()),
+                        float_text(carve.from_m.z()), float_text(carve.to_m.x()), float_text(carve.to_m.y()), float_text(carve.to_m.z()));
+  }
+  text += "\n]\n";
 }
 
 // A number with a point, so that TOML takes it for one that need not be whole; all digits.
@@ -129,6 +147,7 @@ class AnnotationsParser {
     for_each("stroke", [this](const toml::table& each) { read_stroke(each); });
     for_each("measure", [this](const toml::table& each) { read_measure(each); });
     for_each("pose", [this](const toml::table& each) { read_pose(each); });
+    for_each("carve", [this](const toml::table& each) { read_carve(each); });
     if (error_) return tl::unexpected(*error_);
     return std::move(read_);
   }
@@ -145,7 +164,7 @@ class AnnotationsParser {
 
   void read_head(std::uint64_t scene_hash) {
     TableReader head(table_, "the file");
-    head.allow({"schema", "scene_hash", "objects", "stroke", "measure", "pose"});
+    head.allow({"schema", "scene_hash", "objects", "stroke", "measure", "pose", "carve"});
     std::string schema;
     std::string hash;
     head.require("schema");
@@ -284,17 +303,61 @@ class AnnotationsParser {
     read_.annotations.put_down.push_back(put_down);
   }
 
+  void read_carve(const toml::table& table) {
+    if (!has_keys(table, "[[carve]]", {"object", "radius_m", "capsules_m"})) return;
+    TableReader reader(table, "[[carve]]");
+    CarvedPress press;
+    reader.read("radius_m", press.radius_m, 1e-9, kMostCarveM);
+    keep(reader);
+    press.object = find_object(*table.get("object"));
+    press.radius_m = rounded_to_float(press.radius_m);
+    const toml::node& capsules = *table.get("capsules_m");
+    const toml::array* list = capsules.as_array();
+    if (list == nullptr || list->empty()) return reject(capsules, "'capsules_m' must be a list of capsules");
+    carves_ += list->size();
+    if (carves_ > kMostSavedCarves) return reject(capsules, "there are more than {} carves: split the file", kMostSavedCarves);
+    press.carves.reserve(list->size());
+    for (const toml::node& each : *list) {
+      if (error_) return;
+      press.carves.push_back(read_capsule(each, press.radius_m));
+    }
+    if (error_) return;
+    if (!objects_.is_of_scene(press.object)) ++read_.left_out;
+    read_.annotations.carved.push_back(std::move(press));
+  }
+
+  Carve read_capsule(const toml::node& node, double radius_m) {
+    const toml::array* list = node.as_array();
+    Carve carve{.radius_m = radius_m};
+    if (list == nullptr || list->size() != 6) {
+      reject(node, "a capsule is a list of six numbers, in metres: the ball's centre at the beginning and at the end");
+      return carve;
+    }
+    for (std::size_t k = 0; k < 6; ++k) {
+      const toml::node& coordinate = *list->get(k);
+      const auto value = coordinate.is_number() ? coordinate.value<double>() : std::nullopt;
+      if (!value || !(std::abs(*value) <= kFarthestM)) {
+        reject(node, "a coordinate must be a number within {} m", kFarthestM);
+        return carve;
+      }
+      (k < 3 ? carve.from_m : carve.to_m)[static_cast<Eigen::Index>(k % 3)] = rounded_to_float(*value);
+    }
+    if (!((carve.to_m - carve.from_m).norm() <= kMostCarveM)) reject(node, "the ends of a capsule are at most {} m apart", kMostCarveM);
+    return carve;
+  }
+
   const toml::table& table_;
   AnnotationsRead read_;
   ObjectNumbers objects_;
   std::size_t points_ = 0;
+  std::size_t carves_ = 0;
   std::optional<Error> error_;
 };
 
 }  // namespace
 
 std::string AnnotationsRead::describe_misfit() const {
-  const std::size_t all = annotations.entries.size() + annotations.put_down.size();
+  const std::size_t all = annotations.entries.size() + annotations.put_down.size() + annotations.carved.size();
   if (left_out > 0) {
     return fmt::format("{} of {} entries are on objects that this scene does not have; they stay in the file, and are not shown", left_out,
                        all);
@@ -313,6 +376,7 @@ std::string write_annotations(const Annotations& annotations, std::uint64_t scen
     text += fmt::format("\n[[pose]]\nobject = {}\nposition_m = {}\nrotation = [{}, {}, {}, {}]\n", pose.object, point_text(pose.p_m),
                         number_text(pose.q.w()), number_text(pose.q.x()), number_text(pose.q.y()), number_text(pose.q.z()));
   }
+  for (const CarvedPress& press : annotations.carved) write_press(text, press);
   return text;
 }
 

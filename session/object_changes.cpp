@@ -47,6 +47,9 @@ constexpr ChangeColumn<RecordedCarve> kCarveColumns[] = {
     {"to_y_m", "m", [](const RecordedCarve& r) { return static_cast<double>(r.carve.to_m[1]); }},
     {"to_z_m", "m", [](const RecordedCarve& r) { return static_cast<double>(r.carve.to_m[2]); }},
     {"radius_m", "m", [](const RecordedCarve& r) { return static_cast<double>(r.carve.radius_m); }},
+    {"begins", "1", [](const RecordedCarve& r) { return r.carve.begins ? 1.0 : 0.0; }},
+    {"undone_first", "1", [](const RecordedCarve& r) { return static_cast<double>(r.carve.undone_first); }},
+    {"undone_last", "1", [](const RecordedCarve& r) { return static_cast<double>(r.carve.undone_last); }},
 };
 
 }  // namespace

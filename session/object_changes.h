@@ -20,7 +20,7 @@ struct RecordedMove {
   ObjectMove move;
 };
 
-// A carve. t_s as above; NaN: it was made before the recording began.
+// A carve, or an undo of carves. t_s as above; NaN: it was made before the recording began.
 struct RecordedCarve {
   double t_s = 0.0;
   std::uint64_t sender = 0;

@@ -90,16 +90,16 @@ void SessionIndex::add_carves(const Carves& carves, double t_s) {
   if (is_first) carved_before_ = carves.count == 0 ? carves.newest : carves.first - 1;
   if (news.starts_anew && !is_first) carved_before_ = 0;
   // A hub that records requests them, and they come after it has begun.
-  std::span<const Carves::One> fresh = news.carves;
-  const std::uint32_t first = carves.first + (carves.count - static_cast<std::uint32_t>(fresh.size()));
-  if (!is_first && !news.starts_anew && first <= carved_before_) {
-    const auto before = fresh.first(std::min<std::size_t>(fresh.size(), carved_before_ - first + 1));
-    std::vector<Carves::One>& begin = carves_.front().message.carves;
-    begin.insert(begin.end(), before.begin(), before.end());
-    fresh = fresh.subspan(before.size());
+  std::vector<NumberedCarve> fresh;
+  for (std::uint32_t n = 0; n < news.carves.size(); ++n) fresh.push_back({news.first + n, news.carves[n]});
+  if (!is_first && !news.starts_anew) {
+    const auto later = std::ranges::find_if(fresh, [&](const NumberedCarve& one) { return one.serial > carved_before_; });
+    std::vector<NumberedCarve>& begin = carves_.front().message.carves;
+    begin.insert(begin.end(), fresh.begin(), later);
+    fresh.erase(fresh.begin(), later);
     if (fresh.empty()) return;
   }
-  add_later(carves_, t_s, CarveNews{news.starts_anew, {fresh.begin(), fresh.end()}});
+  add_later(carves_, t_s, CarveNews{news.starts_anew, std::move(fresh)});
 }
 
 void SessionIndex::add_received(const Datagram& datagram, double t_s) {

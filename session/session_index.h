@@ -73,10 +73,16 @@ struct IndexedMove {
   }
 };
 
-// Carves that one message added.
+// An entry of Carves with its serial.
+struct NumberedCarve {
+  std::uint32_t serial = 0;
+  Carves::One carve;
+};
+
+// Entries that one message added.
 struct CarveNews {
-  bool starts_anew = false;  // another haptics process: all carves before are undone first
-  std::vector<Carves::One> carves;
+  bool starts_anew = false;  // another haptics process: all entries before are void
+  std::vector<NumberedCarve> carves;
 };
 
 // The state of the device in the ProbeState of a vision node.

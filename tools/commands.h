@@ -9,7 +9,7 @@ namespace hapton {
 // Every command of the `hapton` program. Each function adds one command to the command line; when the command runs, it sets `exit_code`: 0
 // only if it succeeded, 1 otherwise unless it says so. RT: no.
 
-// hapton bench [effects|numbers|haptons|objects|papers|pareto|remote|sixdof]: run time and error on this machine; alone: numbers.
+// hapton bench [effects|numbers|haptons|objects|papers|pareto|remote|sculpt|sixdof]: run time and error on this machine; alone: numbers.
 void add_bench_command(CommandLine app, int& exit_code);
 
 // hapton check FILE: what is wrong with a scene before anyone touches it. Exit code 0: nothing found, 1: findings, 2: it cannot be checked.
@@ -74,6 +74,9 @@ void add_replay_command(CommandLine app, int& exit_code);
 // written.
 void add_screen_command(CommandLine app, int& exit_code);
 
+// hapton sculpt SCENE --annotations FILE --out MESH: writes the surface of what the stylus carved. Exit code 0: MESH is written, 2: not.
+void add_sculpt_command(CommandLine app, int& exit_code);
+
 // hapton session info|export|replay FILE: works on a recorded session.
 void add_session_command(CommandLine app, int& exit_code);
 
@@ -123,6 +126,9 @@ void add_bench_pareto_command(CommandLine bench, int& exit_code);
 // hapton bench remote: ways to touch across a slow network side by side, in simulated time.
 void add_bench_remote_command(CommandLine bench, int& exit_code);
 
+// hapton bench sculpt: steps that carve and touch carved bodies, and the surface for the picture.
+void add_bench_sculpt_command(CommandLine bench, int& exit_code);
+
 // The children of `hapton loop`.
 
 // hapton loop integrators --device D: run time against error of the laboratory's integrator and of two usual ones.
@@ -165,6 +171,7 @@ inline constexpr ListedCommand kCommands[] = {
     {"Record and replay", add_session_command},
     {"Record and replay", add_trajectory_command},
     {"Record and replay", add_replay_command},
+    {"Record and replay", add_sculpt_command},
     {"Measure", add_latency_command},
     {"Measure", add_summary_command},
     {"Measure", add_plot_command},

@@ -1,7 +1,10 @@
 #include "vision_node/annotator.h"
 
 #include <algorithm>
+#include <array>
+#include <iterator>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -20,6 +23,8 @@ namespace {
 // A datagram may be lost; a scene that is being built again takes longer than that.
 constexpr std::int64_t kRequestEveryNs = 100'000'000;
 constexpr std::int64_t kRequestPatienceNs = 2'000'000'000;
+// Of carves: material is put back in a fraction of a second, after a million carves in some ten.
+constexpr std::int64_t kUndoPatienceNs = 20'000'000'000;
 
 std::vector<std::string> list_names(const Scene& scene) {
   std::vector<std::string> names;
@@ -32,7 +37,9 @@ std::string plural(std::size_t count, std::string_view noun) { return fmt::forma
 std::string describe_entries(const Annotations& annotations) {
   std::size_t strokes = 0;
   for (const Annotation& entry : annotations.entries) strokes += std::holds_alternative<Stroke>(entry) ? 1 : 0;
-  return plural(strokes, "stroke") + ", " + plural(annotations.entries.size() - strokes, "measure");
+  const std::size_t carves = count_carves(annotations.carved);
+  return plural(strokes, "stroke") + ", " + plural(annotations.entries.size() - strokes, "measure") +
+         (carves > 0 ? ", " + plural(carves, "carve") : "");
 }
 
 PutDown put_down_of(const ObjectPose& pose) { return {pose.object, pose.p_m, pose.q}; }
@@ -108,6 +115,8 @@ Annotator::Annotator(StereoView& view, const Scene& scene, const AnnotatorOption
       poses_(scene.objects.size()),
       X_SO_(scene.objects.size(), Pose::Identity()),
       at_rest_(scene.objects.size()),
+      carved_at_(pen_.annotations().entries.size()),
+      saved_carved_(pen_.annotations().carved),
       saved_entries_(pen_.entries_revision()) {
   view_.annotation_figure().set_bound(pen.bound_m);
   for (std::size_t o = 0; o < at_rest_.size(); ++o) at_rest_[o].object = static_cast<std::int32_t>(o);
@@ -138,6 +147,7 @@ void Annotator::receive(const ProbeState& state, const Pose& X_WS) {
   pen_.receive(touched ? std::optional<SurfacePoint>({state.object, touched->p_O}) : std::nullopt, state.buttons,
                touched ? touched->facet : 0);
   log_finished();
+  note_entries();
 }
 
 void Annotator::log_finished() {
@@ -263,9 +273,9 @@ void Annotator::choose(TouchMenu::Entry entry) {
   menu_.close();
 }
 
-// What happened last: an object was put down, or something was drawn or measured.
+// What happened last: an object was put down, material was carved, or something was drawn or measured.
 void Annotator::undo() {
-  if (undo_move()) return;
+  if (undo_move() || undo_carves()) return;
   log_info("{}", pen_.undo() ? "undone" : "nothing to undo");
 }
 
@@ -296,6 +306,74 @@ std::optional<ObjectPose> Annotator::take_due(std::int64_t now_ns) {
   if (now_ns < request_next_ns_) return std::nullopt;
   request_next_ns_ = now_ns + kRequestEveryNs;
   return request_;
+}
+
+void Annotator::note_entries() { carved_at_.resize(pen_.annotations().entries.size(), carved_ != nullptr ? carved_->list().newest() : 0); }
+
+// The carves of the last press of the button, if nothing was drawn or measured since.
+bool Annotator::undo_carves() {
+  note_entries();
+  const std::uint32_t newest = carved_ != nullptr ? carved_->list().newest_active() : 0;
+  const bool is_under_way = pen_.first_end() || pen_.current() != nullptr;
+  if (is_under_way || newest == 0 || (!carved_at_.empty() && newest <= carved_at_.back())) return false;
+  if (!carve_undo_) {
+    carve_undo_ = CarveUndo{.source = carved_->source(), .serial = newest};
+    undo_end_ns_ = undo_next_ns_ = 0;
+  }
+  log_info("undoing what was carved last");
+  return true;
+}
+
+std::optional<CarveUndo> Annotator::take_carve_undo(std::int64_t now_ns) {
+  check_given_carves();
+  if (!carve_undo_) return std::nullopt;
+  if (carved_->source() != carve_undo_->source || !carved_->list().is_active(carve_undo_->serial)) {
+    carve_undo_.reset();
+    return std::nullopt;
+  }
+  if (undo_end_ns_ == 0) undo_end_ns_ = now_ns + kUndoPatienceNs;
+  if (now_ns >= undo_end_ns_) {
+    log_warning("what was carved was not undone: haptics_node is busy, or does not answer");
+    carve_undo_.reset();
+    return std::nullopt;
+  }
+  if (now_ns < undo_next_ns_) return std::nullopt;
+  undo_next_ns_ = now_ns + kRequestEveryNs;
+  return carve_undo_;
+}
+
+// Whether haptics_node began with the carves of the file: the first one of some press is in the list, even if it is undone now. Carves that
+// change nothing are not.
+bool Annotator::has_given_carves() const {
+  const auto place_of = [](const Carve& carve) { return std::array{carve.from_m.x(), carve.from_m.y(), carve.from_m.z()}; };
+  std::set<std::array<double, 3>> given;
+  for (const CarvedPress& press : pen_.annotations().carved) {
+    if (static_cast<std::size_t>(press.object) < scene_.objects.size()) given.insert(place_of(press.carves.front()));
+  }
+  bool is_there = given.empty();
+  carved_->list().for_each({}, [&](const MadeCarve& made) { is_there = is_there || given.contains(place_of(made.carve)); });
+  return is_there;
+}
+
+// Once, when all carves have come.
+void Annotator::check_given_carves() {
+  if (are_given_checked_ || carved_ == nullptr || !carved_->is_complete()) return;
+  are_given_checked_ = true;
+  if (has_given_carves()) return;
+  log_warning("{} has carves that haptics_node does not have; start it with --annotations {} as well to feel and see them",
+              options_.file.string(), options_.file.string());
+}
+
+// All that is saved. What haptics_node has not begun with, or is of another scene, stays in the file.
+Annotations Annotator::collect() const {
+  Annotations all = pen_.annotations();
+  if (carved_ == nullptr || carved_->source() == 0) return all;
+  if (has_given_carves()) {
+    std::erase_if(all.carved, [&](const CarvedPress& press) { return static_cast<std::size_t>(press.object) < scene_.objects.size(); });
+  }
+  std::vector<CarvedPress> carved = group_carves(carved_->list());
+  all.carved.insert(all.carved.begin(), std::make_move_iterator(carved.begin()), std::make_move_iterator(carved.end()));
+  return all;
 }
 
 std::optional<Vec3> Annotator::find_menu(const StereoScreen& screen, PictureSize size, int x_px, int y_px) const {
@@ -361,8 +439,13 @@ std::string Annotator::describe() const {
 
 Result<void> Annotator::write_files(const std::filesystem::path& file) {
   if (!file.empty()) {
-    if (auto written = write_file_atomically(file, write_annotations(pen_.annotations(), scene_.given_hash)); !written) return written;
-    log_info("{} saved in {}", describe_entries(pen_.annotations()), file.string());
+    Annotations all = collect();
+    if (auto written = write_file_atomically(file, write_annotations(all, scene_.given_hash)); !written) return written;
+    log_info("{} saved in {}", describe_entries(all), file.string());
+    if (carved_ != nullptr && carved_->source() != 0 && !carved_->is_complete()) {
+      log_warning("{} lacks carves that have not come from haptics_node yet; save again", file.string());
+    }
+    saved_carved_ = std::move(all.carved);
   }
   if (options_.strokes.empty()) return {};
   const auto write = options_.strokes.extension() == ".vtp" ? write_annotations_vtp : write_annotations_obj;
@@ -389,9 +472,10 @@ void Annotator::save() {
 Result<void> Annotator::finish() {
   pen_.finish();
   log_finished();
-  if (pen_.entries_revision() == saved_entries_) return {};
+  const Annotations all = collect();
+  if (pen_.entries_revision() == saved_entries_ && all.carved == saved_carved_) return {};
   if (!options_.file.empty() || !options_.strokes.empty()) return write_files(options_.file);
-  log_info("{} not saved: press w, or start with --annotations FILE", describe_entries(pen_.annotations()));
+  log_info("{} not saved: press w, or start with --annotations FILE", describe_entries(all));
   return {};
 }
 

@@ -43,7 +43,10 @@ class Annotator {
                                                  const AnnotatorOptions& options, bool can_touch);
 
   // What knows the shape of objects that are carved. Pre: it outlives this.
-  void set_carved_objects(const CarvedObjects* carved) { surfaces_.set_carved_objects(carved); }
+  void set_carved_objects(const CarvedObjects* carved) {
+    carved_ = carved;
+    surfaces_.set_carved_objects(carved);
+  }
 
   // Each state received, in order. X_WS: the pose of the scene that its contact was computed with.
   void receive(const ProbeState& state, const Pose& X_WS);
@@ -62,6 +65,9 @@ class Annotator {
   // A request to haptics_node that is due: an object is to be put back where it was. Repeated until its answer comes. Time: any monotonic
   // clock, ns.
   std::optional<ObjectPose> take_due(std::int64_t now_ns);
+
+  // The same: carves are to be undone. Repeated until an undo of them comes.
+  std::optional<CarveUndo> take_carve_undo(std::int64_t now_ns);
 
   // Counts what would change the picture.
   std::uint64_t revision() const { return pen_.revision() + own_revision_; }
@@ -86,6 +92,11 @@ class Annotator {
   const Annotations& place_entries();
   void undo();
   bool undo_move();
+  bool undo_carves();
+  void note_entries();
+  bool has_given_carves() const;
+  void check_given_carves();
+  Annotations collect() const;
   void choose(TouchMenu::Entry entry);
   void toggle_menu(const StereoScreen& screen, const Vec3& p_WC);
   void log_finished();
@@ -115,6 +126,13 @@ class Annotator {
   std::optional<ObjectPose> request_;  // its serial: of the pose that is to be undone
   std::int64_t request_end_ns_ = 0;    // 0: not sent yet
   std::int64_t request_next_ns_ = 0;
+  const CarvedObjects* carved_ = nullptr;
+  std::vector<std::uint32_t> carved_at_;  // by entry: serial of the newest carve when it was finished, which says what came last
+  std::optional<CarveUndo> carve_undo_;   // requested
+  std::int64_t undo_end_ns_ = 0;          // 0: not sent yet
+  std::int64_t undo_next_ns_ = 0;
+  std::vector<CarvedPress> saved_carved_;  // as the file has them
+  bool are_given_checked_ = false;
   std::int32_t held_ = -1;
   bool is_other_scene_ = false;
   std::uint32_t last_buttons_ = ~0U;

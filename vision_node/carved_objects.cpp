@@ -22,6 +22,14 @@ constexpr std::size_t kMostWaiting = 65'536;
 
 Vec3 to_point(const Carves::Point& p) { return {p[0], p[1], p[2]}; }
 
+MadeCarve to_made(const Carves::One& one, std::uint32_t serial) {
+  return {.object = one.object,
+          .serial = serial,
+          .carve = {to_point(one.from_m), to_point(one.to_m), one.radius_m},
+          .begins = one.begins,
+          .undone = {.first = one.undone_first, .last = one.undone_last}};
+}
+
 }  // namespace
 
 CarvedObjects::CarvedObjects(StereoView& view, const Scene& scene) : view_(view), scene_(scene) {
@@ -47,24 +55,33 @@ void CarvedObjects::take(const Carves& carves, Arrival arrival) {
     if (order_.carves.size() >= kMostWaiting) return;
     const KnownCarves::News news = known_.take(carves, arrival);
     if (!news.starts_anew && news.carves.empty()) return;
-    add_order(news.carves, news.starts_anew);
+    if (news.starts_anew) begin_anew();
+    for (std::uint32_t n = 0; n < news.carves.size(); ++n) add_order(to_made(news.carves[n], news.first + n));
   }
   ordered_.notify_all();
 }
 
-void CarvedObjects::carve(std::span<const Carves::One> carves, bool starts_anew) {
+void CarvedObjects::carve(std::span<const NumberedCarve> carves, bool starts_anew) {
   if (!has_any_ || (!starts_anew && carves.empty())) return;
   {
     const std::lock_guard lock(mutex_);
-    add_order(carves, starts_anew);
+    if (starts_anew) begin_anew();
+    for (const NumberedCarve& each : carves) add_order(to_made(each.carve, each.serial));
   }
   ordered_.notify_all();
 }
 
 // Pre: the mutex is held.
-void CarvedObjects::add_order(std::span<const Carves::One> carves, bool starts_anew) {
-  if (starts_anew) order_ = {.starts_anew = true, .carves = {}};
-  order_.carves.insert(order_.carves.end(), carves.begin(), carves.end());
+void CarvedObjects::begin_anew() {
+  order_ = {.starts_anew = true, .carves = {}};
+  list_.clear();
+  is_busy_ = true;
+}
+
+// Pre: the mutex is held.
+void CarvedObjects::add_order(const MadeCarve& made) {
+  if (!list_.add(made)) return;
+  order_.carves.push_back(made);
   is_busy_ = true;
 }
 
@@ -132,17 +149,25 @@ bool CarvedObjects::wait_for_order(Order& order) {
 void CarvedObjects::carry_out(const Order& order) {
   if (order.starts_anew) {
     const std::unique_lock lock(fields_mutex_);
+    applied_.clear();
     for (auto& [number, surface] : surfaces_) surface.restore();
   }
-  for (const Carves::One& one : order.carves) {
-    const auto carved = surfaces_.find(static_cast<std::size_t>(one.object));
-    if (carved == surfaces_.end()) continue;
-    const std::unique_lock lock(fields_mutex_);
-    carved->second.carve({to_point(one.from_m), to_point(one.to_m), one.radius_m});
-  }
+  for (const MadeCarve& made : order.carves) apply(made);
   for (auto& [number, surface] : surfaces_) {
     if (surface.has_changed()) offer(number, surface.compute_levels());
   }
+}
+
+void CarvedObjects::apply(const MadeCarve& made) {
+  applied_.add(made);
+  const std::unique_lock lock(fields_mutex_);
+  if (made.is_undo()) {
+    for (auto& [number, surface] : surfaces_) surface.undo(applied_, static_cast<int>(number), made.undone);
+    return;
+  }
+  // One that comes after its undo changes nothing.
+  const auto carved = surfaces_.find(static_cast<std::size_t>(made.object));
+  if (carved != surfaces_.end() && applied_.is_active(made.serial)) carved->second.carve(made.carve);
 }
 
 void CarvedObjects::offer(std::size_t object, std::vector<FlatLevel> levels) {

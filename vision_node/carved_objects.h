@@ -12,9 +12,11 @@
 #include <thread>
 #include <vector>
 
+#include "core/sculpt/carve_list.h"
 #include "link/known_carves.h"
 #include "link/messages.h"
 #include "scene/scene_file.h"
+#include "session/session_index.h"
 #include "vision_node/carved_surface.h"
 #include "vision_node/stereo_view.h"
 
@@ -34,16 +36,24 @@ class CarvedObjects {
 
   // arrival: as HubClient::last_arrival of this message.
   void take(const Carves& carves, Arrival arrival);
-  // The same from a recording, which knows which carves are new.
-  void carve(std::span<const Carves::One> carves, bool starts_anew);
+  // The same from a recording, which knows which entries are new.
+  void carve(std::span<const NumberedCarve> carves, bool starts_anew);
   // For the hub, if carves are missing and a request is due.
   std::optional<CarveStatus> take_request(std::int64_t now_ns);
+
+  // What was done to the bodies, as far as it was received.
+  const CarveList& list() const { return list_; }
+  // Of the haptics node, as in Carves; 0: nothing was received yet.
+  std::uint32_t source() const { return known_.source(); }
+  // All that the haptics node has announced was received.
+  bool is_complete() const { return known_.source() != 0 && known_.complete() >= known_.newest(); }
 
   // True if the view has got a surface since the last call: the picture has changed.
   bool show();
 
   // The point of an object's surface that is closest to p, with the carves that the thread has carried out: all but those of the last 1/30
-  // s. None: nobody can carve it, its field is not made yet, or nothing is left of it. Waits for a carve at most. Frame S. Pre: finite.
+  // s. None: nobody can carve it, its field is not made yet, or nothing is left of it. Waits for a carve, or an undo, at most. Frame S.
+  // Pre: finite.
   std::optional<Vec3> find_closest(std::size_t object, const Vec3& p) const;
 
   // Everything received is drawn.
@@ -52,23 +62,27 @@ class CarvedObjects {
  private:
   struct Order {
     bool starts_anew = false;
-    std::vector<Carves::One> carves;
+    std::vector<MadeCarve> carves;
   };
   struct Made {
     std::size_t object = 0;
     std::vector<FlatLevel> levels;
   };
 
-  void add_order(std::span<const Carves::One> carves, bool starts_anew);
+  void add_order(const MadeCarve& made);
+  void begin_anew();
   void run();
   void make_surfaces();
   bool wait_for_order(Order& order);
   void carry_out(const Order& order);
+  void apply(const MadeCarve& made);
   void offer(std::size_t object, std::vector<FlatLevel> levels);
 
   StereoView& view_;
   const Scene& scene_;
   KnownCarves known_;
+  CarveList list_;     // the window's
+  CarveList applied_;  // the thread's: what its surfaces have
   bool has_any_ = false;
   std::map<std::size_t, CarvedSurface> surfaces_;  // by object; the thread's, which changes their fields under fields_mutex_
   mutable std::shared_mutex fields_mutex_;

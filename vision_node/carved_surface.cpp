@@ -56,8 +56,13 @@ CarvedSurface::CarvedSurface(CarvedField field, const DetailFrame& frame)
   blocks_.resize(static_cast<std::size_t>(count_[0]) * static_cast<std::size_t>(count_[1]) * static_cast<std::size_t>(count_[2]));
 }
 
-void CarvedSurface::carve(const Carve& carve) {
-  const CarvedFieldBox box = field_.carve(carve);
+void CarvedSurface::carve(const Carve& carve) { note_changed(field_.carve(carve)); }
+
+void CarvedSurface::undo(const CarveList& list, int object, const CarveRange& undone) {
+  note_changed(restore_undone(list, object, undone, whole_, field_));
+}
+
+void CarvedSurface::note_changed(const CarvedFieldBox& box) {
   if (box.is_empty()) return;
   const SurfaceNets::Blocks changed = SurfaceNets::find_changed(field_.nodes(), box.low, box.high);
   for (int z = changed.first[2]; z < changed.end[2]; ++z) {

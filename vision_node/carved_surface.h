@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "core/sculpt/carve_list.h"
 #include "core/sculpt/carved_field.h"
 #include "core/sculpt/surface_nets.h"
 #include "vision_node/flat_level.h"
@@ -18,6 +19,8 @@ class CarvedSurface {
   CarvedSurface(CarvedField field, const DetailFrame& frame);
 
   void carve(const Carve& carve);
+  // Puts back what the undone carves of this body removed. Pre: as restore_undone.
+  void undo(const CarveList& list, int object, const CarveRange& undone);
   // The body is whole again.
   void restore();
 
@@ -40,6 +43,7 @@ class CarvedSurface {
     bool has_changed = true;
   };
 
+  void note_changed(const CarvedFieldBox& box);
   void compute(std::size_t number);
   Piece make_piece(const SurfaceNet& net) const;
   FlatLevel join(std::size_t level) const;

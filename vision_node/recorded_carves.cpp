@@ -9,7 +9,7 @@ void RecordedCarves::show(double t_s) {
   const std::size_t until = count_until(index_.carves(), t_s);
   if (until == carves_) return;
   bool starts_anew = until < carves_;
-  std::vector<Carves::One> carves;
+  std::vector<NumberedCarve> carves;
   for (std::size_t i = starts_anew ? 0 : carves_; i < until; ++i) {
     const CarveNews& news = index_.carves()[i].message;
     if (news.starts_anew) {

@@ -276,8 +276,9 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   app.add_option("--seconds", options.seconds, "End after this long, 0: when the window is closed")
       ->check(between(0.0, 1e9))
       ->capture_default_str();
-  app.add_option("--annotations", options.annotations.file,
-                 "File (.toml) of strokes and measures: read at the start where it exists, written at the end and by the key w");
+  app.add_option(
+      "--annotations", options.annotations.file,
+      "File (.toml) of strokes, measures, poses and carves: read at the start where it exists, written at the end and by the key w");
   app.add_option("--strokes", options.annotations.strokes,
                  "Write strokes and measures as polylines, at the end and by the key w: FILE.obj or FILE.vtp");
   app.add_option("--draw-button", options.annotations.draw_button, "Button of the stylus that draws on what is touched, 0: none")

@@ -229,6 +229,7 @@ void VisionSession::speak() {
   }
   if (annotator_ != nullptr) {
     if (const auto pose = annotator_->take_due(clock_.now_ns())) hub_.send(*pose);
+    if (const auto undo = annotator_->take_carve_undo(clock_.now_ns())) hub_.send(*undo);
   }
   while (const auto marker = marks_.take_due(clock_.now_ns())) hub_.send(*marker);
 }

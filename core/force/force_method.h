@@ -70,6 +70,13 @@ class ForceMethod {
   // it its own, if they are the same at rest; otherwise it does nothing.
   virtual const Sculpture* sculpture() const noexcept { return nullptr; }
   virtual void exchange_sculpture(ForceMethod& other) noexcept { (void)other; }
+  // Goes on with the shapes of `other`, from which carves were undone, and gives it its own. newest: the serial of that undo. A probe that
+  // is then inside the material has no force until it has left it. False: `other` has other bodies, and nothing has changed.
+  virtual bool restore_sculpture(Sculpture& other, std::uint32_t newest) noexcept {
+    (void)other;
+    (void)newest;
+    return false;
+  }
   // Makes a carve again that such steps made elsewhere, as the next one in their order. object: of the scene. False: it changes nothing
   // here, so it is not of these bodies in their present shape.
   virtual bool repeat_carve(int object, const Carve& carve) noexcept {

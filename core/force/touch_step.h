@@ -32,7 +32,7 @@ struct TouchOutput {
 
 // One haptic step: transforms the device point into the static scene's frame, runs the method, adds the scene's effects, and transforms
 // force and visual offset back to the world. The live node, replay, tests and benches all call it. RT: step, reset, resume, set_materials,
-// command, follow_commands, follow_carves and repeat_carve yes.
+// command, follow_commands, follow_carves, restore_carves and repeat_carve yes.
 class TouchStep {
  public:
   // Without effects.
@@ -70,7 +70,9 @@ class TouchStep {
   void follow_carves(TouchStep& other) noexcept {
     if (method_ != other.method_) method_->exchange_sculpture(*other.method_);
   }
-  // Carves made so far.
+  // See ForceMethod.
+  bool restore_carves(Sculpture& other, std::uint32_t newest) noexcept { return method_->restore_sculpture(other, newest); }
+  // Serial of the newest carve, or undo of carves.
   std::uint32_t count_carves() const noexcept { return has_sculpture() ? method_->sculpture()->newest() : 0; }
   // See ForceMethod.
   bool repeat_carve(int object, const Carve& carve) noexcept { return method_->repeat_carve(object, carve); }

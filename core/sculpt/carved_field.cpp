@@ -65,6 +65,10 @@ void extend(CarvedFieldBox& box, int x_first, int x_last, int y, int z) {
   }
 }
 
+bool is_capsule(const Carve& carve) {
+  return carve.from_m.allFinite() && carve.to_m.allFinite() && carve.radius_m > 0.0 && std::isfinite(carve.radius_m);
+}
+
 double squared_distance_across_x(const Carve& carve, double y, double z) {
   const Eigen::Vector2d from(carve.from_m.y(), carve.from_m.z());
   const Eigen::Vector2d along(carve.to_m.y() - from.x(), carve.to_m.z() - from.y());
@@ -117,11 +121,15 @@ Result<CarvedField> CarvedField::make(const TriangleMesh& mesh, double voxel_m) 
 }
 
 template <class Visit>
-void CarvedField::visit_reach(const Carve& given, Visit&& visit) const noexcept {
+void CarvedField::visit_reach(const Carve& given, const CarvedFieldBox& within, Visit&& visit) const noexcept {
   const Carve carve = rounded(given);
-  if (!carve.from_m.allFinite() || !carve.to_m.allFinite() || !(carve.radius_m > 0.0) || !std::isfinite(carve.radius_m)) return;
+  if (!is_capsule(carve)) return;
   const double reach_m = carve.radius_m + band_m_;
-  const CarveReach reach(grid_, carve, reach_m);
+  CarveReach reach(grid_, carve, reach_m);
+  for (std::size_t i = 0; i < 3; ++i) {
+    reach.first[i] = std::max(reach.first[i], within.low[i]);
+    reach.last[i] = std::min(reach.last[i], within.high[i] - 1);
+  }
   const CapsuleLanes capsule(carve);
   const Float8 band(static_cast<float>(band_m_));
   alignas(32) static constexpr std::array<float, 8> kLanes = {0, 1, 2, 3, 4, 5, 6, 7};
@@ -144,7 +152,7 @@ void CarvedField::visit_reach(const Carve& given, Visit&& visit) const noexcept 
 CarvedFieldBox CarvedField::carve(const Carve& carve) noexcept {
   CarvedFieldBox changed;
   const Float8 near(static_cast<float>(2.0 * grid_.spacing_m));
-  visit_reach(carve, [&](std::size_t block, int y, int z, int x, Float8 carved) {
+  visit_reach(carve, all_nodes(), [&](std::size_t block, int y, int z, int x, Float8 carved) {
     const Float8 old = Float8::load(blocks_[block].lanes.data());
     store(blocks_[block].lanes.data(), max(carved, old));
     const unsigned lanes = sign_bits((carved > old) & (old < near));
@@ -157,12 +165,43 @@ CarvedFieldBox CarvedField::carve(const Carve& carve) noexcept {
 bool CarvedField::would_change(const Carve& carve) const noexcept {
   bool changes = false;
   const Float8 near(static_cast<float>(2.0 * grid_.spacing_m));
-  visit_reach(carve, [&](std::size_t block, int, int, int, Float8 carved) {
+  visit_reach(carve, all_nodes(), [&](std::size_t block, int, int, int, Float8 carved) {
     const Float8 old = Float8::load(blocks_[block].lanes.data());
     changes = sign_bits((carved > old) & (old < near)) != 0;
     return !changes;
   });
   return changes;
+}
+
+CarvedFieldBox CarvedField::reach(const Carve& given) const noexcept {
+  const Carve carve = rounded(given);
+  if (!is_capsule(carve)) return {};
+  const CarveReach reach(grid_, carve, carve.radius_m + band_m_);
+  CarvedFieldBox box;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (reach.last[i] < reach.first[i]) return {};
+    box.low[i] = i == 0 ? reach.first[i] & ~7 : reach.first[i];
+    box.high[i] = i == 0 ? round_up_to_block(reach.last[i] + 1) : reach.last[i] + 1;
+  }
+  return box;
+}
+
+void CarvedField::carve_within(const Carve& carve, const CarvedFieldBox& box) noexcept {
+  visit_reach(carve, box, [&](std::size_t block, int, int, int, Float8 carved) {
+    store(blocks_[block].lanes.data(), max(carved, Float8::load(blocks_[block].lanes.data())));
+    return true;
+  });
+}
+
+void CarvedField::copy(const CarvedField& other, const CarvedFieldBox& box) noexcept {
+  const int length = box.high[0] - box.low[0];
+  for (int z = box.low[2]; z < box.high[2]; ++z) {
+    for (int y = box.low[1]; y < box.high[1]; ++y) {
+      const std::size_t row = grid_.index(box.low[0], y, z);
+      std::copy_n(other.values().begin() + static_cast<std::ptrdiff_t>(row), length,
+                  own_values().begin() + static_cast<std::ptrdiff_t>(row));
+    }
+  }
 }
 
 double CarvedField::value(const Vec3& p) const noexcept {

@@ -44,6 +44,13 @@ class CarvedField {
   // Whether carve() would return a box that is not empty. Time: as carve, usually much less. RT: yes.
   bool would_change(const Carve& carve) const noexcept;
 
+  // The nodes whose values the carve can change, along x widened to whole blocks of eight nodes; empty: there are none. RT: yes.
+  CarvedFieldBox reach(const Carve& carve) const noexcept;
+  // As carve, at the nodes in the box alone. Pre: along x it begins and ends at multiples of eight, as a box of reach does. RT: yes.
+  void carve_within(const Carve& carve, const CarvedFieldBox& box) noexcept;
+  // Takes the values of the nodes in the box from a field of the same grid. RT: yes.
+  void copy(const CarvedField& other, const CarvedFieldBox& box) noexcept;
+
   // The field at p, within [-band_m(), band_m()]; outside the grid band_m() plus the distance to the grid. Continuous. RT: yes.
   double value(const Vec3& p) const noexcept;
 
@@ -67,9 +74,10 @@ class CarvedField {
 
   explicit CarvedField(const FieldGrid& grid);
   // Calls visit(block, y and z of the row, x of its first node, values of the carve alone) for each block of eight nodes that the capsule
-  // and its band can reach, until it returns false.
+  // and its band can reach, until it returns false. Only nodes in the box count.
   template <class Visit>
-  void visit_reach(const Carve& carve, Visit&& visit) const noexcept;
+  void visit_reach(const Carve& carve, const CarvedFieldBox& within, Visit&& visit) const noexcept;
+  CarvedFieldBox all_nodes() const noexcept { return {{0, 0, 0}, grid_.nodes}; }
   std::span<float> own_values() noexcept { return {blocks_.front().lanes.data(), grid_.size()}; }
 
   FieldGrid grid_;

@@ -5,24 +5,18 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/sculpt/carve_list.h"
 #include "core/sculpt/carved_field.h"
 #include "core/sculpt/sculpt_settings.h"
 
 namespace hapton {
 
-// A carve that was made, for every process that keeps the same fields.
-struct MadeCarve {
-  int object = -1;           // number in the scene
-  std::uint32_t serial = 0;  // counts the carves of all objects, from 1
-  Carve carve;               // rounded()
-};
-
 // The bodies of a scene, that is, its objects that can be carved, in their present shape. They outlive the force method, which may be
 // exchanged. Frame: S. Units: SI. RT: yes, except add. Threads: one at a time.
 class Sculpture {
  public:
-  // The haptics node keeps all carves for vision nodes, 32 MB: half an hour of carving without a pause, 500 a second (decision 161).
-  static constexpr std::uint32_t kMostCarves = 1'000'000;
+  // The haptics node keeps all carves for vision nodes, 44 MB: half an hour of carving without a pause, 500 a second (decision 161).
+  static constexpr std::uint32_t kMostCarves = CarveList::kMost;
 
   struct Body {
     int object = -1;  // number in the scene
@@ -35,9 +29,11 @@ class Sculpture {
   Result<void> add(int object, const SculptSettings& settings, const TriangleMesh& mesh);
 
   const std::vector<Body>& bodies() const noexcept { return bodies_; }
-  // Serial of the newest carve; 0: none yet.
+  // For a copy of these bodies that a slow task carves.
+  CarvedField& field(std::size_t body) noexcept { return bodies_[body].field; }
+  // Serial of the newest entry: a carve, or an undo (exchange_shapes); 0: none yet.
   std::uint32_t newest() const noexcept { return newest_; }
-  // No further carve is possible.
+  // No further carve or undo is possible.
   bool is_full() const noexcept { return newest_ >= kMostCarves; }
 
   // Whether both had the same bodies before any carve, so that one can be used in place of the other.
@@ -45,8 +41,16 @@ class Sculpture {
 
   // Begins a step: there is no carve in it yet.
   void begin_step() noexcept { made_.reset(); }
+  // The buttons that are down in this step: the next carve after one of these was pressed begins a press. pressable: those that carve.
+  void note_buttons(std::uint32_t buttons, std::uint32_t pressable) noexcept {
+    has_new_press_ = has_new_press_ || (buttons & pressable & ~last_buttons_) != 0;
+    last_buttons_ = buttons;
+  }
   // Carves the body with that number in bodies(), unless nothing would change. Pre: !is_full(), !made(): a step has one carve.
   void carve(std::size_t body, const Carve& carve) noexcept;
+  // Goes on with the shapes of `other`, from which carves were undone, and gives it its own. newest: the serial of that undo. Pre:
+  // is_alike(other).
+  void exchange_shapes(Sculpture& other, std::uint32_t newest) noexcept;
   // The carve of this step, if there was one.
   const std::optional<MadeCarve>& made() const noexcept { return made_; }
 
@@ -54,6 +58,8 @@ class Sculpture {
   std::vector<Body> bodies_;
   std::uint32_t newest_ = 0;
   std::optional<MadeCarve> made_;
+  std::uint32_t last_buttons_ = 0;
+  bool has_new_press_ = false;  // a button was pressed, and nothing was carved since
 };
 
 }  // namespace hapton

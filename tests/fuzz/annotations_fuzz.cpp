@@ -25,7 +25,13 @@ FUZZ_TARGET(annotations) {
       for (const SurfacePoint& end : std::get<Measure>(entry).ends) fuzz::require(is_known(end.object) && end.p_O.allFinite());
     }
   }
-  fuzz::require(parse_annotations(write_annotations(annotations, 1), names, 1).has_value());
+  fuzz::require(count_carves(annotations.carved) <= kMostSavedCarves);
+  for (const CarvedPress& press : annotations.carved) {
+    fuzz::require(is_known(press.object) && press.radius_m > 0.0 && !press.carves.empty());
+    for (const Carve& carve : press.carves) fuzz::require(carve == rounded(carve) && carve.radius_m == press.radius_m);
+  }
+  const auto again = parse_annotations(write_annotations(annotations, 1), names, 1);
+  fuzz::require(again.has_value() && again->annotations.carved == annotations.carved);
   (void)write_annotations_obj(annotations, {}, names.size());
   (void)write_annotations_vtp(annotations, {}, names.size());
 }

@@ -115,6 +115,7 @@ bool write_sealed() {
                        {kHaptics, Carves{.source = 1, .newest = 2}},
                        {kVision, carves},
                        {kVision, CarveStatus{.source = 1}},
+                       {kVision, CarveUndo{.source = 1, .serial = 2}},
                        {kToNode, carves}})) &&
          write("sealed", "operator", sealed({{kOperator, Hello{NodeRole::tool}}, {kOperator, Settings{.reset_faults = true}}})) &&
          write("sealed", "wrong_role",

@@ -90,5 +90,35 @@ TEST(CarvingStep, ChangesWithoutHeap) {
   EXPECT_EQ(guard.count(), 0U);
 }
 
+// A hand on the bottom of what it has carved: the force fades, whether it is released or not, and the list counts the undo.
+TEST(CarvingStep, AnUndoFadesTheForce) {
+  constexpr std::uint64_t kHeld = 1047, kUndone = 1200;  // it is deep in the ball, and held there without the button
+  for (const bool is_all : {true, false}) {
+    HapticsStep step(carving_touch(), kCarvingOffset);
+    Sculpture copy = *step.touch().method().sculpture();
+    std::vector<ForceCommand> forces;
+    for (std::uint64_t sample = 1; sample <= 1400; ++sample) {
+      DeviceState state = carving_state(sample);
+      if (sample > kHeld) state = {.sample = sample, .p_WD = carving_state(kHeld).p_WD};
+      state.sample_time_ns = 1'000'000 * static_cast<std::int64_t>(sample);
+      step.offer(state);
+      forces.push_back(step.answer());
+      const MadeCarve* made = step.made_carve();
+      if (made != nullptr && (!is_all && made->serial < 20)) copy.field(0).carve(made->carve);
+      if (sample != kUndone) continue;
+      const std::uint32_t newest = step.touch().count_carves();
+      ASSERT_TRUE(step.restore_carves(copy, newest + 1));
+      EXPECT_EQ(step.touch().count_carves(), newest + 1);
+    }
+    ASSERT_GT(forces[kUndone - 1].force_n.norm(), 0.2);
+    const double most = 1.01 * forces[kUndone - 1].force_n.norm() / 10.0;  // ForceFade::kInAirS in samples of 1 ms
+    for (std::size_t n = kUndone - 10; n + 1 < forces.size(); ++n) {
+      ASSERT_LE((forces[n + 1].force_n - forces[n].force_n).norm(), most) << n << " " << is_all;
+    }
+    EXPECT_LT(forces.back().force_n.norm(), 1e-9) << "the hand is inside";
+    EXPECT_EQ(forces[kUndone].carve_serial, forces[kUndone - 1].carve_serial + 1);
+  }
+}
+
 }  // namespace
 }  // namespace hapton

@@ -108,5 +108,40 @@ TEST_F(PlacedSceneTest, NormalsTurnAlong) {
   EXPECT_LT((moved.vertices[3] - X * mesh.vertices[3]).norm(), 1e-12);
 }
 
+// What was carved is carved again, before the first force; carves on what cannot be carved are left out, and said once.
+TEST_F(PlacedSceneTest, WhatAFileHasCarvedIsCarvedAgain) {
+  scene.objects[1].is_movable = false;
+  scene.objects[1].sculpt = SculptSettings{.voxel_m = 0.01, .tool_radius_m = 0.03};
+  const auto press = [](std::int32_t object, double x) {
+    return CarvedPress{.object = object,
+                       .radius_m = rounded_to_float(0.03),
+                       .carves = {rounded({Vec3(x, 0, 0.15), Vec3(x, 0, 0.1), 0.03}), rounded({Vec3(x, 0, 0.1), Vec3(x, 0, 0.05), 0.03})}};
+  };
+  Annotations notes{.objects = {"table", "cube"}, .entries = {}, .put_down = {}, .carved = {press(0, 0), press(1, 0), press(0, 0.01)}};
+  notes.carved.push_back(press(1, 0));     // again: it changes nothing
+  notes.carved.push_back(press(1, 0.05));  // another one
+  const auto file = write(notes);
+  std::vector<CarvedPress> carved;
+  const std::string log = log_of([&] {
+    const auto read = read_carved(file, scene);
+    ASSERT_TRUE(read) << read.error().what;
+    carved = *read;
+  });
+  EXPECT_THAT(log, HasSubstr("table cannot be carved in this scene"));
+  EXPECT_EQ(log.find("table"), log.rfind("table")) << "once";
+  ASSERT_EQ(carved.size(), 3U);
+  HapticsStep step(std::make_unique<TouchStep>(*make_method({}, scene.touch_scene()), scene.touch_scene()), 1e-5);
+  const std::vector<MadeCarve> made = carve_as_saved(carved, step);
+  ASSERT_EQ(made.size(), 4U);
+  for (std::size_t n = 0; n < made.size(); ++n) {
+    EXPECT_EQ(made[n].serial, n + 1);
+    EXPECT_EQ(made[n].begins, n % 2 == 0) << "each table of the file is a press";
+    EXPECT_EQ(made[n].object, 1);
+  }
+  EXPECT_EQ(made[2].carve, press(1, 0.05).carves[0]);
+  EXPECT_EQ(step.touch().count_carves(), 4U);
+  EXPECT_GT(step.touch().method().sculpture()->bodies()[0].field.value({0, 0, 0.1}), 0.0) << "gone";
+}
+
 }  // namespace
 }  // namespace hapton

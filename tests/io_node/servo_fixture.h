@@ -97,6 +97,7 @@ struct Servos : testing::Test {
   std::vector<std::pair<Address, ObjectMove>> object_moves;
   std::vector<std::pair<Address, Carves>> carves;
   std::vector<std::pair<Address, CarveStatus>> carve_statuses;
+  std::vector<std::pair<Address, CarveUndo>> carve_undos;
   std::vector<std::pair<Address, MarkerReply>> marker_replies;
   std::vector<LoopFacts> loop_facts;  // these two are for the haptics node alone
   std::vector<std::pair<std::int64_t, PatchStatus>> patch_statuses;
@@ -145,6 +146,7 @@ struct Servos : testing::Test {
     if (const auto* move = std::get_if<ObjectMove>(&datagram.message)) object_moves.emplace_back(to, *move);
     if (const auto* some = std::get_if<Carves>(&datagram.message)) carves.emplace_back(to, *some);
     if (const auto* status = std::get_if<CarveStatus>(&datagram.message)) carve_statuses.emplace_back(to, *status);
+    if (const auto* undo = std::get_if<CarveUndo>(&datagram.message)) carve_undos.emplace_back(to, *undo);
     if (const auto* reply = std::get_if<MarkerReply>(&datagram.message)) marker_replies.emplace_back(to, *reply);
     if (const auto* facts = std::get_if<LoopFacts>(&datagram.message)) {
       EXPECT_EQ(to, at(kHaptics));

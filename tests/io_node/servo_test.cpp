@@ -180,6 +180,8 @@ TEST_F(Servos, CarvesGoToVisionNodesAndRequestsForThemToHaptics) {
   say(kVision, CarveStatus{.source = 1, .complete = 1}, 5 * kMs);
   say(kVision, CarveStatus{.source = 1, .complete = 2});
   say(kTool, CarveStatus{.source = 1});
+  say(kVision, CarveUndo{.source = 1, .serial = 2});
+  say(kTool, CarveUndo{.source = 1, .serial = 1});
   run(20);
   ASSERT_EQ(carves.size(), 2U);
   for (const auto& [to, each] : carves) EXPECT_EQ(to, at(kVision));
@@ -187,6 +189,9 @@ TEST_F(Servos, CarvesGoToVisionNodesAndRequestsForThemToHaptics) {
   ASSERT_EQ(carve_statuses.size(), 1U) << "the newest";
   EXPECT_EQ(carve_statuses[0].first, at(kHaptics));
   EXPECT_EQ(carve_statuses[0].second.complete, 2U);
+  ASSERT_EQ(carve_undos.size(), 1U) << "from the vision node alone";
+  EXPECT_EQ(carve_undos[0].first, at(kHaptics));
+  EXPECT_EQ(carve_undos[0].second.serial, 2U);
 }
 
 }  // namespace

@@ -131,6 +131,8 @@ class RandomDatagrams {
         return draw_body();
       case 31:
         return PatchMaterial{bits32(), bits32(), bits32(), number(0, 1e4), number(0, 10), number(0.5, 1), number(0, 0.5)};
+      case 32:
+        return CarveUndo{bits32() | 1U, bits32() | 1U};
       default:
         return LoopFacts{{'s', 'i', 'm'}, rate(), static_cast<float>(number(0, 1))};
     }
@@ -186,7 +188,14 @@ class RandomDatagrams {
     if (carves.count > 0) carves.first = 1 + bits32() % (carves.newest - carves.count + 1);
     for (std::size_t n = 0; n < carves.count; ++n) {
       Carves::One& one = carves.carves[n];
+      const std::uint32_t serial = carves.first + static_cast<std::uint32_t>(n);
+      if (serial > 1 && bits() % 4 == 0) {
+        one = {.object = -1, .undone_first = 1 + bits32() % (serial - 1)};
+        one.undone_last = one.undone_first + bits32() % (serial - one.undone_first);
+        continue;
+      }
       one.object = number_of_object();
+      one.begins = flag();
       for (std::size_t axis = 0; axis < 3; ++axis) {
         one.from_m[axis] = static_cast<float>(number(-10, 10));
         one.to_m[axis] = one.from_m[axis] + static_cast<float>(number(-0.5, 0.5));
@@ -422,6 +431,12 @@ inline void expect_sane(const Datagram& datagram) {
     EXPECT_LE(std::uint64_t{carves->first} + carves->count, std::uint64_t{carves->newest} + 1);
     for (std::size_t n = 0; n < carves->count; ++n) {
       const Carves::One& one = carves->carves[n];
+      if (one.is_undo()) {
+        EXPECT_EQ(one.object, -1);
+        EXPECT_LE(one.undone_first, one.undone_last);
+        EXPECT_LT(one.undone_last, carves->first + n);
+        continue;
+      }
       EXPECT_GE(one.object, 0);
       const Vec3 from(one.from_m[0], one.from_m[1], one.from_m[2]);
       const Vec3 to(one.to_m[0], one.to_m[1], one.to_m[2]);
@@ -430,6 +445,8 @@ inline void expect_sane(const Datagram& datagram) {
     }
   } else if (const auto* carve_status = std::get_if<CarveStatus>(&datagram.message)) {
     EXPECT_NE(carve_status->source, 0U);
+  } else if (const auto* undo = std::get_if<CarveUndo>(&datagram.message)) {
+    EXPECT_TRUE(undo->source != 0 && undo->serial != 0);
   } else if (const auto* pose = std::get_if<ObjectPose>(&datagram.message)) {
     EXPECT_NE(pose->serial, 0U);
     EXPECT_GE(pose->object, 0);

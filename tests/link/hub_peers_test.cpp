@@ -378,7 +378,8 @@ TEST_F(RoleRights, EachRoleSendsWhatIsItsOwn) {
                                                               {Carves{.source = 1}, NodeRole::haptics},
                                                               {PatchBody{.epoch = 1}, NodeRole::haptics},
                                                               {PatchMaterial{.epoch = 1}, NodeRole::haptics},
-                                                              {CarveStatus{.source = 1}, NodeRole::vision}};
+                                                              {CarveStatus{.source = 1}, NodeRole::vision},
+                                                              {CarveUndo{.source = 1, .serial = 1}, NodeRole::vision}};
   const std::vector<std::pair<NodeRole, KeyRole>> nodes = {
       {NodeRole::haptics, KeyRole::haptics}, {NodeRole::vision, KeyRole::vision}, {NodeRole::tool, KeyRole::tool}};
   for (std::size_t n = 0; n < nodes.size(); ++n) {
@@ -389,7 +390,7 @@ TEST_F(RoleRights, EachRoleSendsWhatIsItsOwn) {
       EXPECT_EQ(event.kind == Kind::message, owner == nodes[n].first) << message.index();
     }
   }
-  EXPECT_EQ(hub_->counts().wrong_role, 30U);
+  EXPECT_EQ(hub_->counts().wrong_role, 32U);
   // Two roles have a scene; where its objects are one says, and the other asks for.
   for (std::size_t n = 0; n < nodes.size(); ++n) {
     const Address at = memory_address(static_cast<std::uint8_t>(10 + n), 9);

@@ -96,8 +96,10 @@ inline void expect_equal(const Carves& a, const Carves& b) {
     const Carves::One& one = a.carves[n];
     const Carves::One& other = b.carves[n];
     EXPECT_EQ(std::tie(one.object, one.from_m, one.to_m, one.radius_m), std::tie(other.object, other.from_m, other.to_m, other.radius_m));
+    EXPECT_EQ(std::tie(one.begins, one.undone_first, one.undone_last), std::tie(other.begins, other.undone_first, other.undone_last));
   }
 }
+inline void expect_equal(const CarveUndo& a, const CarveUndo& b) { EXPECT_EQ(std::tie(a.source, a.serial), std::tie(b.source, b.serial)); }
 inline void expect_equal(const CarveStatus& a, const CarveStatus& b) {
   EXPECT_EQ(std::tie(a.source, a.complete), std::tie(b.source, b.complete));
 }

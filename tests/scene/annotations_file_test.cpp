@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 #include "scene/mesh_file.h"
@@ -233,6 +234,74 @@ TEST(AnnotationsExport, WhatIsOfAnotherSceneIsLeftOut) {
 TEST(AnnotationsExport, VtpCountsItsCells) {
   const std::string text = write_annotations_vtp(some_annotations(), {}, kAnnotatedNames.size());
   EXPECT_THAT(text, HasSubstr("NumberOfPoints=\"6\" NumberOfVerts=\"1\" NumberOfLines=\"2\""));
+}
+
+// Numbers of single precision, as forces and pictures are computed with.
+TEST(AnnotationsFile, CarvesAreReadBackToTheLastBit) {
+  std::mt19937_64 random(11);
+  Annotations some = some_annotations();
+  for (std::int32_t press = 0; press < 40; ++press) {
+    CarvedPress carved{.object = press % 3, .radius_m = rounded_to_float(0.001 + 1e-4 * press), .carves = {}};
+    for (int n = 0; n < 50; ++n) {
+      const auto number = [&] {
+        const double size = std::exp2(-static_cast<double>(random() % 40));
+        return size * (static_cast<double>(random() % 2'000'001) / 1e6 - 1.0);
+      };
+      Carve carve{.from_m = Vec3(number(), number(), number()), .radius_m = carved.radius_m};
+      carve.to_m = n % 4 == 0 ? carve.from_m : Vec3(number(), number(), 0.0);
+      carved.carves.push_back(rounded(carve));
+    }
+    some.carved.push_back(carved);
+  }
+  const std::string text = write_annotations(some, kAnnotatedHash);
+  const auto read = parse_annotations(text, kAnnotatedNames, kAnnotatedHash);
+  ASSERT_TRUE(read) << read.error().what;
+  EXPECT_TRUE(read->annotations.carved == some.carved);
+  EXPECT_EQ(read->left_out, 0U);
+  EXPECT_EQ(write_annotations(read->annotations, kAnnotatedHash), text);
+}
+
+TEST(AnnotationsFile, CarvesOfAnotherSceneStay) {
+  Annotations some;
+  some.objects = {"clay", "lid"};
+  some.carved = {{.object = 0, .radius_m = 0.5, .carves = {{.radius_m = 0.5}}},
+                 {.object = 1, .radius_m = 0.25, .carves = {{.radius_m = 0.25}}}};
+  const auto read = parse_annotations(write_annotations(some, kAnnotatedHash), kAnnotatedNames, kAnnotatedHash);
+  ASSERT_TRUE(read) << read.error().what;
+  EXPECT_EQ(read->left_out, 1U);
+  ASSERT_EQ(read->annotations.carved.size(), 2U);
+  EXPECT_EQ(read->annotations.carved[0].object, 3) << "after those of the scene";
+  EXPECT_EQ(read->annotations.carved[1].object, 0);
+}
+
+TEST(AnnotationsFile, RejectsWhatIsNoCarve) {
+  const std::string head = "schema = \"hapton.annotations/1\"\nscene_hash = \"0\"\nobjects = [\"lid\"]\n";
+  const auto error = [&](const std::string& keys) { return annotations_error(head + "[[carve]]\n" + keys); };
+  EXPECT_EQ(error("object = 0\nradius_m = 0.01\ncapsules_m = [[0, 0, 0, 1, 1, 1]]\n"), "it was read");
+  EXPECT_THAT(error("object = 0\nradius_m = 0.01\n"), HasSubstr("capsules_m"));
+  EXPECT_THAT(error("object = 0\nradius_m = 0.01\ncapsules_m = []\n"), HasSubstr("line 7: 'capsules_m' must be a list of capsules"));
+  EXPECT_THAT(error("object = 0\nradius_m = 0.01\ncapsules_m = [[0, 0, 0]]\n"), HasSubstr("six numbers"));
+  EXPECT_THAT(error("object = 0\nradius_m = 0.01\ncapsules_m = [[0, 0, 0, 0, 0, nan]]\n"), HasSubstr("line 7"));
+  EXPECT_THAT(error("object = 0\nradius_m = 0.01\ncapsules_m = [[0, 0, 0, 0, 0, 1001]]\n"), HasSubstr("at most 1000 m apart"));
+  EXPECT_THAT(error("object = 1\nradius_m = 0.01\ncapsules_m = [[0, 0, 0, 0, 0, 1]]\n"), HasSubstr("from 0 to 0"));
+  for (const char* radius : {"0.0", "-1.0", "nan", "2000.0"}) {
+    EXPECT_THAT(error(std::string("object = 0\nradius_m = ") + radius + "\ncapsules_m = [[0, 0, 0, 0, 0, 1]]\n"), HasSubstr("radius_m"))
+        << radius;
+  }
+}
+
+TEST(Carved, IsGroupedByPressWithoutWhatIsUndone) {
+  CarveList list;
+  for (std::uint32_t serial = 1; serial <= 7; ++serial) {
+    list.add({.object = serial == 3 ? 1 : 0, .serial = serial, .carve = {.radius_m = 0.25}, .begins = serial == 1 || serial == 5});
+  }
+  list.add({.serial = 8, .undone = {5, 5}});
+  const std::vector<CarvedPress> carved = group_carves(list);
+  ASSERT_EQ(carved.size(), 4U) << "of a press, those of each object in a row";
+  EXPECT_EQ(carved[0].carves.size(), 2U);
+  EXPECT_EQ(carved[1].object, 1);
+  EXPECT_EQ(carved[3].carves.size(), 2U) << "a press begins though its first carve is undone";
+  EXPECT_EQ(count_carves(carved), 6U);
 }
 
 }  // namespace

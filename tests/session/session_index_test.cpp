@@ -65,7 +65,7 @@ TEST(SessionIndex, WhatWasSaidHoldsUntilSomethingElseIs) {
   ASSERT_EQ(index.carves().size(), 2U) << "a repeated message is left out";
   EXPECT_NEAR(index.carves()[0].t_s, 1.6, 0.002);
   ASSERT_EQ(index.carves()[0].message.carves.size(), 1U);
-  EXPECT_FLOAT_EQ(index.carves()[0].message.carves[0].radius_m, 0.006F);
+  EXPECT_FLOAT_EQ(index.carves()[0].message.carves[0].carve.radius_m, 0.006F);
   EXPECT_TRUE(index.carves()[1].message.starts_anew);
   EXPECT_TRUE(index.carves()[1].message.carves.empty());
   EXPECT_EQ(count_until(index.carves(), 1.59), 0U);
@@ -82,7 +82,7 @@ TEST(SessionIndex, WhatWasCarvedBeforeTheRecordingIsThereFromTheBeginning) {
   EXPECT_NEAR(index.carves()[0].t_s, 0.05, 0.002);
   EXPECT_TRUE(index.carves()[0].message.starts_anew);
   ASSERT_EQ(index.carves()[0].message.carves.size(), 1U);
-  EXPECT_FLOAT_EQ(index.carves()[0].message.carves[0].radius_m, 0.006F);
+  EXPECT_FLOAT_EQ(index.carves()[0].message.carves[0].carve.radius_m, 0.006F);
   EXPECT_TRUE(index.carves()[1].message.starts_anew);
 }
 

@@ -180,5 +180,46 @@ TEST_F(CarvedObjectsTest, ARecordingShowsWhatWasCarvedUntilThen) {
   EXPECT_FALSE(is_hole_at(0.5));
 }
 
+TEST_F(CarvedObjectsTest, WhatIsUndoneIsSeenAgain) {
+  open();
+  ASSERT_TRUE(view);
+  settle();
+  const int whole = red_at(kInHole);
+  Carves carves = hole(1, 1);
+  carved->take(carves, Arrival::newest);
+  settle();
+  EXPECT_LT(red_at(kInHole), whole / 2);
+  EXPECT_EQ(carved->list().newest_active(), 1U);
+  Carves undo{.source = 1, .newest = 2, .first = 2, .count = 1};
+  undo.carves[0] = {.object = -1, .undone_first = 1, .undone_last = 1};
+  carved->take(undo, Arrival::newest);
+  EXPECT_TRUE(settle());
+  EXPECT_EQ(red_at(kInHole), whole);
+  EXPECT_EQ(carved->list().newest_active(), 0U);
+  EXPECT_TRUE(carved->is_complete());
+  // The carve comes once more, late: it stays undone.
+  carves.newest = 2;
+  carved->take(carves, Arrival::reordered);
+  settle();
+  EXPECT_EQ(red_at(kInHole), whole);
+}
+
+// Who joins late may get the undo first.
+TEST_F(CarvedObjectsTest, AnUndoThatComesBeforeItsCarvesCounts) {
+  open();
+  ASSERT_TRUE(view);
+  settle();
+  const int whole = red_at(kInHole);
+  Carves undo{.source = 1, .newest = 2, .first = 2, .count = 1};
+  undo.carves[0] = {.object = -1, .undone_first = 1, .undone_last = 1};
+  carved->take(undo, Arrival::newest);
+  Carves carves = hole(1, 1);
+  carves.newest = 2;
+  carved->take(carves, Arrival::newest);
+  settle();
+  EXPECT_EQ(red_at(kInHole), whole);
+  EXPECT_FALSE(carved->take_request(1'000'000'000)) << "all have come";
+}
+
 }  // namespace
 }  // namespace hapton

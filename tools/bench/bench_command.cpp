@@ -13,6 +13,7 @@ void add_bench_command(CommandLine app, int& exit_code) {
   add_bench_papers_command(bench, exit_code);
   add_bench_pareto_command(bench, exit_code);
   add_bench_remote_command(bench, exit_code);
+  add_bench_sculpt_command(bench, exit_code);
 }
 
 }  // namespace hapton

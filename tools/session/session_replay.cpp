@@ -20,9 +20,24 @@ constexpr std::int64_t kForgottenNs = 300'000'000;
 // To make bodies takes up to a second.
 constexpr std::int64_t kRebuildEveryNs = 1'000'000'000;
 
-Carve to_carve(const Carves::One& one) {
+MadeCarve to_made_carve(const Carves::One& one, std::uint32_t serial) {
   const auto point = [](const Carves::Point& p) { return Vec3(p[0], p[1], p[2]); };
-  return {point(one.from_m), point(one.to_m), static_cast<double>(one.radius_m)};
+  return {.object = one.object,
+          .serial = serial,
+          .carve = {point(one.from_m), point(one.to_m), static_cast<double>(one.radius_m)},
+          .begins = one.begins,
+          .undone = {.first = one.undone_first, .last = one.undone_last}};
+}
+
+// False: it changes nothing, so it is not of these bodies in this shape.
+bool carve_body(Sculpture& shape, const MadeCarve& made) {
+  for (std::size_t body = 0; body < shape.bodies().size(); ++body) {
+    if (shape.bodies()[body].object != made.object) continue;
+    if (!shape.field(body).would_change(made.carve)) return false;
+    shape.field(body).carve(made.carve);
+    return true;
+  }
+  return false;
 }
 
 bool same_bits(const Vec3& a, const Vec3& b) { return std::memcmp(a.data(), b.data(), 3 * sizeof(double)) == 0; }
@@ -136,7 +151,9 @@ Result<void> SessionReplay::begin(std::uint64_t sender, const ForceCommand& firs
   step_->use_effects(effects_);
   begin_moves(first.move_serial);
   are_carves_known_ = true;
-  if (step_->touch().has_sculpture()) repeat_carves(first.carve_serial);
+  whole_.reset();
+  if (const Sculpture* whole = step_->touch().method().sculpture(); whole != nullptr) whole_ = *whole;
+  if (whole_) repeat_carves(first.carve_serial);
   busy_ns_ = rebuilt_ns_ = first.echo_sample_time_ns;
   is_certain_ = is_known() && first.answered_before == 0;
   return {};
@@ -158,11 +175,37 @@ void SessionReplay::begin_moves(std::uint32_t serial) {
   are_moves_known_ = std::all_of(all.begin(), all.end(), [&](int object) { return known.contains(object); });
 }
 
+// The bodies with the entries of the list up to that serial. None: the recording lacks one of them.
+std::optional<Sculpture> SessionReplay::make_shape(std::uint32_t serial) const {
+  CarveList list;
+  for (std::uint32_t n = 1; n <= serial; ++n) {
+    const Carves::One* one = carves_.find(sender_, n);
+    if (one == nullptr || !list.add(to_made_carve(*one, n))) return std::nullopt;
+  }
+  Sculpture shape = *whole_;
+  bool is_of_these = true;
+  list.for_each_active({}, [&](const MadeCarve& made) { is_of_these = is_of_these && carve_body(shape, made); });
+  return is_of_these ? std::optional(std::move(shape)) : std::nullopt;
+}
+
 // What was carved before the recording began, or before a step that is unknown. Pre: whole bodies.
 void SessionReplay::repeat_carves(std::uint32_t serial) {
-  for (std::uint32_t n = 1; n <= serial && are_carves_known_; ++n) {
-    const Carves::One* one = carves_.find(sender_, n);
-    are_carves_known_ = one != nullptr && step_->repeat_carve(one->object, to_carve(*one));
+  if (serial == 0) return;
+  std::optional<Sculpture> shape = make_shape(serial);
+  are_carves_known_ = are_carves_known_ && shape && step_->restore_carves(*shape, serial);
+}
+
+// The steps carve by themselves. What was undone between two samples has a serial that no step made.
+void SessionReplay::undo_carves(std::uint32_t serial, bool is_after_lost) {
+  while (whole_ && is_certain_ && step_->touch().count_carves() < serial) {
+    const std::uint32_t next = step_->touch().count_carves() + 1;
+    const Carves::One* one = carves_.find(sender_, next);
+    if (one != nullptr && !one->is_undo()) return;  // the steps differ, which their comparison shows
+    // It is unknown before which of the samples whose replies were lost it was undone.
+    is_certain_ = one != nullptr && !is_after_lost;
+    if (!is_certain_) return;
+    std::optional<Sculpture> shape = make_shape(next);
+    is_certain_ = shape && step_->restore_carves(*shape, next);
   }
 }
 
@@ -307,6 +350,7 @@ Result<void> SessionReplay::step_method(const ForceCommand& command) {
   // It is unknown which of the lost replies was the first with the new method, or with the new materials.
   const bool is_other = command.method_serial != serial_ || command.material_serial != material_serial_;
   if (is_other && counts_.lost_answers > lost_before) is_certain_ = false;
+  undo_carves(command.carve_serial, counts_.lost_answers > lost_before);
   if (const auto changed = change_method(command.method_serial); !changed) return changed;
   if (const auto changed = change_materials(command.material_serial); !changed) return changed;
   turn(command.view_revision);

@@ -30,8 +30,8 @@ using MaterialStates = std::map<std::pair<std::uint64_t, std::uint32_t>, Materia
 // The moves of objects that programs requested, by sender, serial and object. Serial 0 has one entry for each object; others have one.
 using ObjectMoves = std::map<std::tuple<std::uint64_t, std::uint32_t, std::int32_t>, ObjectMove>;
 
-// The carves that haptics nodes announced, by sender and serial. A sender that has another scene counts anew, and such a session cannot be
-// replayed anyway: of each only the first process counts.
+// The carves and undos that haptics nodes announced, by sender and serial. A sender that has another scene counts anew, and such a session
+// cannot be replayed anyway: of each only the first process counts.
 class RecordedCarves {
  public:
   void add(const RecordedCarve& carve);
@@ -103,7 +103,9 @@ class SessionReplay {
   void change_moves(std::uint32_t serial);
   bool apply_move(std::uint32_t serial);
   bool is_known() const { return is_method_known_ && are_materials_known_ && are_moves_known_ && are_carves_known_; }
+  std::optional<Sculpture> make_shape(std::uint32_t serial) const;
   void repeat_carves(std::uint32_t serial);
+  void undo_carves(std::uint32_t serial, bool is_after_lost);
   bool has_rested(const ForceCommand& command) const;
   Result<void> find_certainty(const ForceCommand& command);
   Result<void> rebuild_bodies(const ForceCommand& command);
@@ -118,6 +120,7 @@ class SessionReplay {
   MaterialStates material_states_;
   ObjectMoves moves_;
   RecordedCarves carves_;
+  std::optional<Sculpture> whole_;    // the bodies before any carve; none: the scene has none
   PluginEffects* effects_ = nullptr;  // null: none
   MakeMaterials make_materials_;
   std::map<std::uint64_t, DeviceState> states_;    // not replayed yet, by sample

@@ -17,10 +17,11 @@ constexpr std::size_t kMarkersListed = 20;
 
 const char* name_of(const Message& message) {
   constexpr std::array kNames = {
-      "Hello",       "Welcome",     "Bye",          "DeviceState",   "ForceCommand",    "ViewTransform", "ProbeState",   "FrameAck",
-      "HandTarget",  "Settings",    "HapticsSetup", "ReportRequest", "ReportPart",      "SceneFacts",    "ViewRejected", "PatchBegin",
-      "PatchCell",   "PatchTile",   "PatchStatus",  "LoopFacts",     "MaterialRequest", "MaterialState", "ObjectPose",   "Marker",
-      "MarkerReply", "MoveRequest", "MoveReply",    "ObjectMove",    "Carves",          "CarveStatus",   "PatchBody",    "PatchMaterial"};
+      "Hello",         "Welcome",     "Bye",       "DeviceState",   "ForceCommand",  "ViewTransform", "ProbeState",
+      "FrameAck",      "HandTarget",  "Settings",  "HapticsSetup",  "ReportRequest", "ReportPart",    "SceneFacts",
+      "ViewRejected",  "PatchBegin",  "PatchCell", "PatchTile",     "PatchStatus",   "LoopFacts",     "MaterialRequest",
+      "MaterialState", "ObjectPose",  "Marker",    "MarkerReply",   "MoveRequest",   "MoveReply",     "ObjectMove",
+      "Carves",        "CarveStatus", "PatchBody", "PatchMaterial", "CarveUndo"};
   static_assert(kNames.size() == std::variant_size_v<Message>);
   return kNames[message.index()];
 }

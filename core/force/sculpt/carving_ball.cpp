@@ -36,6 +36,16 @@ void CarvingBall::reset(const Vec3& p_S) noexcept {
   has_begun_ = is_inside_ = is_cutting_ = is_sliding_ = false;
 }
 
+void CarvingBall::meet_restored(const CarvedField& field) noexcept {
+  carved_to_.reset();
+  if (!has_begun_ || is_inside_ || ball_.clearance_m(field, centre_) >= -kInside * settings_.voxel_m) return;
+  is_inside_ = true;
+  normal_.setZero();
+  ease_.setZero();
+  lag_m_ = 0.0;
+  is_cutting_ = is_sliding_ = false;
+}
+
 CarvingBall::Felt CarvingBall::step(const Input& input, const Material& material, Sculpture& sculpture, std::size_t body) noexcept {
   const CarvedField& field = sculpture.bodies()[body].field;
   const double voxel = settings_.voxel_m;

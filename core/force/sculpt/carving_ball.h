@@ -40,6 +40,9 @@ class CarvingBall {
   // One step: moves the ball on the body with this number, and carves that body if it cuts. Pre: body < sculpture.bodies().size().
   Felt step(const Input& input, const Material& material, Sculpture& sculpture, std::size_t body) noexcept;
 
+  // Material came back (SculptMethod::restore_sculpture). A ball that is now inside it is released, as one that began there.
+  void meet_restored(const CarvedField& field) noexcept;
+
   // Starts anew at this position, without contact.
   void reset(const Vec3& p_S) noexcept;
 
@@ -57,7 +60,7 @@ class CarvingBall {
   std::optional<Vec3> carved_to_;  // end of the last carve; none: the next one begins at the centre
   double lag_m_ = 0.0;             // distance to the goal after the last step
   bool has_begun_ = false;         // it has had a step since reset()
-  bool is_inside_ = false;         // it began inside the material and has not left it
+  bool is_inside_ = false;         // it began inside the material, or material came back around it, and it has not left it
   bool is_cutting_ = false;        // the button was down in the last step
   bool is_sliding_ = false;        // friction: slip, not stick
 };

@@ -37,6 +37,7 @@ Result<std::unique_ptr<ForceMethod>> SculptMethod::make(const MethodSettings& se
     if (auto added = made->sculpture_->add(static_cast<int>(o), *object.sculpt, *object.mesh); !added) {
       return fail("object {} cannot be carved: {}", o, added.error().what);
     }
+    made->carve_buttons_ |= object.sculpt->button;
     made->bodies_.push_back({.ball = CarvingBall(*object.sculpt), .material = coupled.objects[o].material});
   }
   if (!rest.objects.empty()) {
@@ -73,6 +74,7 @@ MethodOutput SculptMethod::step(const MethodInput& input) noexcept {
   if (!std::exchange(has_begun_, true)) {
     for (Body& body : bodies_) body.ball.reset(input.p_SD);
   }
+  sculpture_->note_buttons(input.buttons, carve_buttons_);
   double most_n = 0.0;
   if (others_ != nullptr) {
     output = others_->step(input);
@@ -117,6 +119,13 @@ void SculptMethod::set_materials(std::span<const Material> materials) noexcept {
 void SculptMethod::exchange_sculpture(ForceMethod& other) noexcept {
   auto* same = dynamic_cast<SculptMethod*>(&other);
   if (same != nullptr && sculpture_->is_alike(*same->sculpture_)) std::swap(sculpture_, same->sculpture_);
+}
+
+bool SculptMethod::restore_sculpture(Sculpture& other, std::uint32_t newest) noexcept {
+  if (!sculpture_->is_alike(other)) return false;
+  sculpture_->exchange_shapes(other, newest);
+  for (std::size_t body = 0; body < bodies_.size(); ++body) bodies_[body].ball.meet_restored(sculpture_->bodies()[body].field);
+  return true;
 }
 
 bool SculptMethod::repeat_carve(int object, const Carve& carve) noexcept {

@@ -17,7 +17,8 @@ namespace hapton {
 // then the bodies in the order of the scene. Each follows the proxy of the one before it in place of the device, and the force is the sum
 // of theirs. So it equals the force of one common proxy where one of them is touched, and where two meet at right angles.
 //
-// Frame: S. Units: SI. RT: step, reset, resume, held_at, set_materials and exchange_sculpture yes. Threads: as ForceMethod.
+// Frame: S. Units: SI. RT: step, reset, resume, held_at, set_materials, exchange_sculpture and restore_sculpture yes. Threads: as
+// ForceMethod.
 class SculptMethod final : public ForceMethod {
  public:
   // Pre: the scene has a body. Error: that of make_method for the other objects; a body whose mesh is not closed, or too large for its
@@ -31,6 +32,7 @@ class SculptMethod final : public ForceMethod {
   void set_materials(std::span<const Material> materials) noexcept override;
   const Sculpture* sculpture() const noexcept override { return sculpture_.get(); }
   void exchange_sculpture(ForceMethod& other) noexcept override;
+  bool restore_sculpture(Sculpture& other, std::uint32_t newest) noexcept override;
   bool repeat_carve(int object, const Carve& carve) noexcept override;
   bool prepare() override { return others_ != nullptr && others_->prepare(); }
   std::string describe() const override;
@@ -49,6 +51,7 @@ class SculptMethod final : public ForceMethod {
   std::vector<int> other_objects_;         // their numbers in the scene
   std::vector<Material> other_materials_;  // in the same order
   std::vector<Body> bodies_;               // in the order of Sculpture::bodies()
+  std::uint32_t carve_buttons_ = 0;        // those of all bodies
   std::unique_ptr<Sculpture> sculpture_ = std::make_unique<Sculpture>();
   std::optional<Vec3> held_at_;  // as held_at() returns it
   bool has_begun_ = false;       // it has had a step, or a reset

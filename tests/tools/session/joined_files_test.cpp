@@ -122,8 +122,8 @@ TEST(JoinedCsv, WhatWasMovedAndCarvedIsBesideIt) {
   EXPECT_EQ(moves[0].find("t_s,process,serial,object,start_scene_time_s,"), 0U) << moves[0];
   EXPECT_EQ(moves[1].find("0.002,0,1,1,0.001,0.002,0,0,0,1,0,0,0,0,0.5,0,1,0,0,0,\"lid, red\""), 0U) << moves[1];
   ASSERT_EQ(carves.size(), 3U);
-  EXPECT_EQ(carves[1], ",0,1,0,0,0,0,0.25,0,0,0.5,hood") << "when it was made is not known";
-  EXPECT_EQ(carves[2], "0.003,0,2,0,0,0,0,0.25,0,0,0.5,hood");
+  EXPECT_EQ(carves[1], ",0,1,0,0,0,0,0.25,0,0,0.5,0,0,0,hood") << "when it was made is not known";
+  EXPECT_EQ(carves[2], "0.003,0,2,0,0,0,0,0.25,0,0,0.5,0,0,0,hood");
   EXPECT_NE(lines_of("session.csv")[1].find(",0.5,1,glass,hard,"), std::string::npos) << "scene time and carves of sample 1";
 }
 

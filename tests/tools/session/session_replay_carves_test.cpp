@@ -52,8 +52,32 @@ struct CarvesReplayTest : SessionReplayTest {
                       .carve = {.object = made.object,
                                 .from_m = point(made.carve.from_m),
                                 .to_m = point(made.carve.to_m),
-                                .radius_m = static_cast<float>(made.carve.radius_m)}});
+                                .radius_m = static_cast<float>(made.carve.radius_m),
+                                .begins = made.begins,
+                                .undone_first = made.undone.first,
+                                .undone_last = made.undone.last}});
   }
+  // Between two samples, as the haptics node does it.
+  void undo(const CarveRange& range) {
+    CarveList list;
+    for (const RecordedCarve& one : carves) {
+      list.add({.object = one.carve.object,
+                .serial = one.serial,
+                .carve = carve_of(one.carve),
+                .undone = {one.carve.undone_first, one.carve.undone_last}});
+    }
+    const MadeCarve entry{.serial = list.newest() + 1, .undone = range};
+    ASSERT_TRUE(list.add(entry));
+    Sculpture shape = *make_clay_touch()->method().sculpture();
+    list.for_each_active({}, [&](const MadeCarve& made) { shape.field(0).carve(made.carve); });
+    ASSERT_TRUE(live.restore_carves(shape, entry.serial));
+    announce(entry);
+  }
+  static Carve carve_of(const Carves::One& one) {
+    const auto point = [](const Carves::Point& p) { return Vec3(p[0], p[1], p[2]); };
+    return {point(one.from_m), point(one.to_m), static_cast<double>(one.radius_m)};
+  }
+  std::uint32_t newest() const { return static_cast<std::uint32_t>(carves.size()); }
   // A new hub, which records: the haptics node has carved already.
   void begin_recording() {
     recorded.clear();
@@ -93,6 +117,72 @@ TEST_F(CarvesReplayTest, ARecordingThatBeginsLaterBeginsWithWhatWasCarved) {
   EXPECT_EQ(replay.counts().compared, recorded.size());
   EXPECT_GT(replay.counts().contact_steps, 200U);
   EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
+}
+
+// In contact, while it cuts, of all and of some: each time the hand is released or keeps its contact, and the force fades.
+TEST_F(CarvesReplayTest, AnUndoIsReplayedToTheLastBit) {
+  carve(kTurn + 400);
+  undo({newest() - 20, newest()});
+  carve(500);
+  undo({1, 60});
+  carve(kTurn - 700);
+  undo({1, newest()});
+  carve(kTurn);
+  SessionReplay replay = make_replay();
+  feed(replay);
+  EXPECT_EQ(replay.counts().compared, recorded.size());
+  EXPECT_GT(replay.counts().contact_steps, 500U);
+  EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
+}
+
+// The test above can fail: without the undo the forces are others.
+TEST_F(CarvesReplayTest, WhatIsUndoneIsFelt) {
+  carve(kTurn + 400);
+  undo({1, newest()});
+  carve(kTurn);
+  for (RecordedCarve& one : carves) {
+    if (one.carve.is_undo()) one.carve.undone_first = one.carve.undone_last;
+  }
+  SessionReplay replay = make_replay();
+  feed(replay);
+  EXPECT_GT(replay.counts().different, 0U);
+}
+
+TEST_F(CarvesReplayTest, ARecordingThatBeginsLaterBeginsWithoutWhatWasUndone) {
+  carve(kTurn + kRest + 50);
+  undo({30, newest() - 30});
+  begin_recording();
+  carve(kTurn);
+  SessionReplay replay = make_replay();
+  feed(replay);
+  EXPECT_EQ(replay.counts().compared, recorded.size());
+  EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
+}
+
+// It is unknown before which of the samples in a gap the material came back.
+TEST_F(CarvesReplayTest, AfterAnUndoInAGapNothingIsComparedUntilTheHandRests) {
+  carve(kTurn + 300);
+  undo({1, newest()});
+  carve(2 * kTurn);
+  leave_out(kTurn + 200, kTurn + 320);
+  SessionReplay replay = make_replay();
+  feed(replay);
+  EXPECT_GT(replay.counts().not_compared, 500U);
+  EXPECT_GT(replay.counts().compared, 2 * kTurn);
+  EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
+}
+
+// The undo was lost, which the serials show: no force is called different for it.
+TEST_F(CarvesReplayTest, WithoutAnUndoNothingIsCompared) {
+  carve(kTurn + 300);
+  undo({1, newest()});
+  const std::uint32_t lost = newest();
+  carve(kTurn);
+  std::erase_if(carves, [&](const RecordedCarve& one) { return one.serial == lost; });
+  SessionReplay replay = make_replay();
+  feed(replay);
+  EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
+  EXPECT_EQ(replay.counts().compared, kTurn + 300);
 }
 
 // The test can fail: with another shape the forces are others.

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "bench/measure/pareto_run.h"
+#include "bench/measure/run_conditions.h"
+#include "bench/measure/step_times.h"
+#include "core/base/result.h"
+
+namespace hapton {
+
+struct SculptRunSettings {
+  std::vector<int> grids = {64, 128, 192};              // voxels along the longest side of the body
+  std::vector<double> radii_voxels = {2.0, 5.0, 12.0};  // of the ball
+  std::vector<std::uint64_t> seeds = {1, 2};            // of the motion
+  std::size_t steps = 20'000;
+  TimingBudget budget{.repetitions = 3, .seconds = 20.0};
+};
+
+// One body, one ball, one motion: the hand moves at 0.2 m/s from one random point in and around the body to the next, and the button is
+// down two thirds of the time. Each repetition begins with the whole body.
+struct SculptRunRow {
+  std::string shape;
+  int grid = 0;
+  double radius_voxels = 0.0;
+  std::uint64_t seed = 0;
+  std::size_t nodes = 0;     // of the field
+  std::size_t carves = 0;    // of all steps
+  double make_ms = 0.0;      // the field, once
+  TimeSpread all = {};       // steps, least times over the repetitions
+  TimeSpread carving = {};   // those that made a carve
+  TimeSpread touching = {};  // those in contact without a carve
+  TimeSpread surface = {};   // the surface again after 33 ms of carving: the changed blocks in three levels of detail
+  double whole_ms = 0.0;     // the surface of all blocks
+  double undo_ms = 0.0;      // the material of the last press, put back: of what a slow task does
+  std::size_t presses = 0;   // of the button, with a carve
+};
+
+struct SculptRunReport {
+  RunConditions conditions;
+  std::size_t steps = 0;
+  std::vector<SculptRunRow> rows;
+
+  // The goals: a step in 300 us, the surface 20 times a second.
+  static constexpr double kMostStepNs = 300e3;
+  static constexpr double kLeastSurfaceHz = 20.0;
+  double worst_step_ns() const;
+  double least_surface_hz() const;  // of the slowest surface
+};
+
+// Steps of method proxy on bodies that are carved, and the surface for the picture. Error: a grid that is too fine. RT: set-up only.
+Result<SculptRunReport> measure_sculpting(const SculptRunSettings& settings, const Stopwatch& watch, const Progress& progress);
+
+std::string to_csv(const SculptRunReport& report);
+std::string to_json(const SculptRunReport& report);
+std::string to_text(const SculptRunReport& report);
+
+}  // namespace hapton

@@ -1,0 +1,99 @@
+#include "core/sculpt/carve_list.h"
+
+#include <algorithm>
+
+namespace hapton {
+namespace {
+
+bool has_common_nodes(const CarvedFieldBox& a, const CarvedFieldBox& b) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (a.low[axis] >= b.high[axis] || b.low[axis] >= a.high[axis]) return false;
+  }
+  return true;
+}
+
+CarvedFieldBox join_boxes(const CarvedFieldBox& a, const CarvedFieldBox& b) {
+  if (a.is_empty()) return b;
+  CarvedFieldBox both = a;
+  for (std::size_t axis = 0; axis < 3 && !b.is_empty(); ++axis) {
+    both.low[axis] = std::min(a.low[axis], b.low[axis]);
+    both.high[axis] = std::max(a.high[axis], b.high[axis]);
+  }
+  return both;
+}
+
+}  // namespace
+
+bool CarveList::add(const MadeCarve& added) {
+  if (added.serial == 0 || added.serial > kMost) return false;
+  if (added.is_undo() && (added.undone.last < added.undone.first || added.undone.last >= added.serial)) return false;
+  if (added.serial > newest()) entries_.resize(added.serial);
+  Kept& kept = entries_[added.serial - 1];
+  if (kept.is_there) return false;
+  kept.is_there = true;
+  if (added.is_undo()) {
+    undo(added.undone);
+    return true;
+  }
+  kept.is_carve = true;
+  kept.begins = added.begins;
+  kept.object = added.object;
+  for (int axis = 0; axis < 3; ++axis) {
+    kept.numbers[static_cast<std::size_t>(axis)] = static_cast<float>(added.carve.from_m[axis]);
+    kept.numbers[static_cast<std::size_t>(axis) + 3] = static_cast<float>(added.carve.to_m[axis]);
+  }
+  kept.numbers[6] = static_cast<float>(added.carve.radius_m);
+  // Its undo may have come first.
+  if (kept.is_undone) return true;
+  ++active_;
+  newest_active_ = std::max(newest_active_, added.serial);
+  return true;
+}
+
+void CarveList::undo(const CarveRange& range) {
+  for (std::uint32_t serial = range.first; !range.is_empty() && serial <= std::min(range.last, newest()); ++serial) {
+    active_ -= is_active(serial) ? 1 : 0;
+    entries_[serial - 1].is_undone = true;
+  }
+  while (newest_active_ > 0 && !is_active(newest_active_)) --newest_active_;
+}
+
+bool CarveList::is_active(std::uint32_t serial) const {
+  if (serial == 0 || serial > newest()) return false;
+  const Kept& kept = entries_[serial - 1];
+  return kept.is_carve && !kept.is_undone;
+}
+
+MadeCarve CarveList::entry(std::uint32_t serial) const {
+  const Kept& kept = entries_[serial - 1];
+  const auto& n = kept.numbers;
+  return {.object = kept.object,
+          .serial = serial,
+          .carve = {.from_m = Vec3(n[0], n[1], n[2]), .to_m = Vec3(n[3], n[4], n[5]), .radius_m = n[6]},
+          .begins = kept.begins};
+}
+
+CarveRange CarveList::find_press(std::uint32_t serial) const {
+  if (serial == 0 || serial > newest() || !entries_[serial - 1].is_carve) return {};
+  CarveRange press = {.first = serial, .last = serial};
+  while (press.first > 1 && !entries_[press.first - 1].begins) --press.first;
+  for (std::uint32_t next = serial + 1; next <= newest() && !entries_[next - 1].begins; ++next) {
+    if (entries_[next - 1].is_carve) press.last = next;
+  }
+  return press;
+}
+
+CarvedFieldBox restore_undone(const CarveList& list, int object, const CarveRange& undone, const CarvedField& whole, CarvedField& field) {
+  CarvedFieldBox box;
+  list.for_each(undone, [&](const MadeCarve& made) {
+    if (made.object == object) box = join_boxes(box, field.reach(made.carve));
+  });
+  if (box.is_empty()) return box;
+  field.copy(whole, box);
+  list.for_each_active({}, [&](const MadeCarve& made) {
+    if (made.object == object && has_common_nodes(field.reach(made.carve), box)) field.carve_within(made.carve, box);
+  });
+  return box;
+}
+
+}  // namespace hapton

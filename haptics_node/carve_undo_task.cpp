@@ -1,0 +1,109 @@
+#include "haptics_node/carve_undo_task.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "runtime/log.h"
+#include "runtime/start_thread.h"
+
+namespace hapton {
+namespace {
+
+// Between two looks for requests: a person does not notice it, and a thread that sleeps so long takes no time from the force.
+constexpr std::chrono::milliseconds kUndoLook(5);
+
+}  // namespace
+
+CarveUndoTask::CarveUndoTask(const Sculpture& whole, std::span<const MadeCarve> before) : whole_(whole), copy_(whole) {
+  for (const MadeCarve& made : before) {
+    list_.add(made);
+    carve(made);
+    last_[made.serial % kMostMissing] = made;
+  }
+  synced_ = list_.newest();
+  thread_ = start_thread([this] { run(); });
+}
+
+CarveUndoTask::~CarveUndoTask() {
+  stop_ = true;
+  thread_.join();
+}
+
+void CarveUndoTask::note(const MadeCarve& made) noexcept {
+  last_[made.serial % kMostMissing] = made;
+  if (!noted_->push(made)) has_lost_ = true;
+}
+
+std::optional<MadeCarve> CarveUndoTask::work(HapticsStep& step) noexcept {
+  if (stage_.load(std::memory_order_acquire) != Stage::ready) return std::nullopt;
+  const std::uint32_t newest = step.touch().count_carves();
+  if (newest - synced_ > kMostMissing) {
+    stage_.store(Stage::behind, std::memory_order_release);
+    return std::nullopt;
+  }
+  for (std::uint32_t serial = synced_ + 1; serial <= newest; ++serial) carve(last_[serial % kMostMissing]);
+  const CarveRange undone = undone_;
+  const bool is_done = newest < Sculpture::kMostCarves && step.restore_carves(copy_, newest + 1);
+  if (!is_done) has_lost_ = true;  // other bodies, or no serial is left
+  stage_.store(is_done ? Stage::taken : Stage::idle, std::memory_order_release);
+  if (!is_done) return std::nullopt;
+  return MadeCarve{.serial = newest + 1, .undone = undone};
+}
+
+void CarveUndoTask::carve(const MadeCarve& made) noexcept {
+  for (std::size_t body = 0; body < copy_.bodies().size(); ++body) {
+    if (!made.is_undo() && copy_.bodies()[body].object == made.object) copy_.field(body).carve(made.carve);
+  }
+}
+
+void CarveUndoTask::run() {
+  std::uint32_t pending = 0;
+  while (!stop_) {
+    const Stage stage = stage_.load(std::memory_order_acquire);
+    if (stage == Stage::taken) put_back(undone_);  // in what was in use until now
+    if (stage != Stage::ready) {
+      // First: what was carved before a request came is then in the list.
+      if (requests_.take()) pending = requests_.value();
+      catch_up();
+      // What did not come into use, because carves were made meanwhile, is in the copy still.
+      const bool is_again = stage == Stage::behind;
+      const bool is_ready = is_again || (pending != 0 && begin_undo(pending));
+      if (!is_again) pending = 0;
+      stage_.store(is_ready ? Stage::ready : Stage::idle, std::memory_order_release);
+    }
+    std::this_thread::sleep_for(kUndoLook);
+  }
+}
+
+// A carve whose undo is in the list already is left out: the copy is to be without it.
+void CarveUndoTask::catch_up() {
+  MadeCarve made;
+  while (noted_->pop(made)) {
+    list_.add(made);
+    if (list_.is_active(made.serial)) carve(made);
+    synced_ = made.serial;
+  }
+}
+
+bool CarveUndoTask::begin_undo(std::uint32_t serial) {
+  if (has_lost_) {
+    log_warning("carves can no longer be undone in this haptics_node: there are too many, or the scene has other bodies; start it again");
+    return false;
+  }
+  if (!list_.is_active(serial)) return false;
+  const CarveRange press = list_.find_press(serial);
+  if (press.is_empty()) return false;
+  // Its entry comes when it is in use; the copy is without these carves from here on.
+  undone_ = press;
+  put_back(press);
+  return true;
+}
+
+void CarveUndoTask::put_back(const CarveRange& range) {
+  list_.undo(range);
+  for (std::size_t body = 0; body < copy_.bodies().size(); ++body) {
+    restore_undone(list_, copy_.bodies()[body].object, range, whole_.bodies()[body].field, copy_.field(body));
+  }
+}
+
+}  // namespace hapton

@@ -1,0 +1,38 @@
+#include "haptics_node/reply_loop.h"
+#include "runtime/log.h"
+
+// What the stylus carves, in the loop of the haptics node.
+namespace hapton {
+
+void ReplyLoop::note_carve() noexcept {
+  const MadeCarve* made = step_.made_carve();
+  if (made == nullptr) return;
+  carves_->note(*made);
+  if (undo_ != nullptr) undo_->note(*made);
+}
+
+// One for another process names carves that are not these.
+void ReplyLoop::request_undo(const CarveUndo& request) noexcept {
+  if (undo_ != nullptr && request.source == carves_->source()) undo_->request(request.serial);
+}
+
+// Between two samples: the next one is felt with the material that came back.
+void ReplyLoop::undo_carves() {
+  const auto undone = undo_->work(step_);
+  if (!undone) return;
+  carves_->note(*undone);
+  undo_->note(*undone);
+  log_info("carves {} to {} are undone", undone->undone.first, undone->undone.last);
+}
+
+void ReplyLoop::send_carves() {
+  if (std::exchange(are_carves_full_, carves_->is_full()) != carves_->is_full()) {
+    log_warning(
+        "{} carves were made, the most that vision nodes can show: carving has stopped; restart haptics_node to begin with whole objects",
+        carves_->newest());
+  }
+  if (hub_.state() != JoinState::joined) return;
+  if (const auto carves = carves_->take_due(clock_.now_ns())) hub_.send(*carves);
+}
+
+}  // namespace hapton

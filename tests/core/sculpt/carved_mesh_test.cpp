@@ -1,0 +1,47 @@
+#include "core/sculpt/carved_mesh.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "core/geometry/mesh_measures.h"
+#include "core/geometry/mesh_shapes.h"
+
+namespace hapton {
+namespace {
+
+double volume_of(const TriangleMesh& mesh) {
+  double volume = 0.0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    volume += mesh.corner(t, 0).dot(mesh.corner(t, 1).cross(mesh.corner(t, 2))) / 6.0;
+  }
+  return volume;
+}
+
+// Several blocks along each axis, so that their borders are within the surface.
+TEST(CarvedMesh, IsClosedAndFacesOutwards) {
+  const TriangleMesh ball = make_icosphere(0.03, 4);
+  auto field = CarvedField::make(ball, 0.001);
+  ASSERT_TRUE(field);
+  const double whole = volume_of(make_carved_mesh(*field));
+  EXPECT_NEAR(whole, volume_of(ball), 0.01 * volume_of(ball));
+  const double radius = 0.008;
+  field->carve({Vec3(-0.05, 0.004, 0.003), Vec3(0.05, 0.004, 0.003), radius});
+  const TriangleMesh carved = make_carved_mesh(*field);
+  const EdgeCensus edges = count_edges(carved);
+  EXPECT_TRUE(edges.closed()) << edges.boundary << " " << edges.non_manifold << " " << edges.inconsistent;
+  const double bore = std::numbers::pi * radius * radius * 2.0 * std::sqrt(0.03 * 0.03 - 25e-6);
+  EXPECT_NEAR(whole - volume_of(carved), bore, 0.06 * bore);
+  for (const Vec3& vertex : carved.vertices) EXPECT_LT(std::abs(field->value(vertex)), 0.5 * field->spacing_m());
+}
+
+TEST(CarvedMesh, OfNothingIsEmpty) {
+  auto field = CarvedField::make(make_icosphere(0.01, 3), 0.001);
+  ASSERT_TRUE(field);
+  field->carve({Vec3::Zero(), Vec3::Zero(), 0.03});
+  EXPECT_TRUE(make_carved_mesh(*field).triangles.empty());
+}
+
+}  // namespace
+}  // namespace hapton

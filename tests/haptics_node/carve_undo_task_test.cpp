@@ -1,0 +1,175 @@
+#include "haptics_node/carve_undo_task.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "core/geometry/mesh_shapes.h"
+#include "tests/support/allocation_guard.h"
+
+namespace hapton {
+namespace {
+
+TouchScene undo_scene() {
+  return {.objects = {{.mesh = std::make_shared<const TriangleMesh>(make_icosphere(0.03, 3)),
+                       .material = {.stiffness_n_per_m = 500.0},
+                       .sculpt = SculptSettings{.voxel_m = 0.001, .tool_radius_m = 0.004, .button = 1}}}};
+}
+
+std::unique_ptr<TouchStep> undo_touch() {
+  const TouchScene scene = undo_scene();
+  return std::make_unique<TouchStep>(std::shared_ptr<ForceMethod>(*make_method({}, scene)), scene);
+}
+
+struct CarveUndoTaskTest : testing::Test {
+  HapticsStep step{undo_touch(), 1e-5};
+  const Sculpture whole = *step.touch().method().sculpture();
+  CarveList list;  // what a program gets
+  CarveUndoTask task{whole};
+  std::uint64_t sample = 0;
+
+  void note(const MadeCarve& made) {
+    EXPECT_TRUE(list.add(made));
+    task.note(made);
+  }
+  bool cycle(bool is_down) {
+    ++sample;
+    const double angle = 3e-3 * static_cast<double>(sample);
+    const Vec3 p = (0.0315 + 0.004 * std::cos(5.0 * angle)) * Vec3(std::cos(angle), std::sin(angle), 0.1);
+    step.offer(
+        {.sample = sample, .sample_time_ns = 1'000'000 * static_cast<std::int64_t>(sample), .p_WD = p, .buttons = is_down ? 1U : 0U});
+    step.answer();
+    if (const MadeCarve* made = step.made_carve()) note(*made);
+    const auto undone = task.work(step);
+    if (undone) note(*undone);
+    return undone.has_value();
+  }
+  void carve(int presses) {
+    for (int n = 0; n < 400 * presses; ++n) cycle(n % 400 < 250);
+  }
+  bool undo(std::uint32_t serial, bool is_down = false) {
+    task.request(serial);
+    for (int n = 0; n < 20'000; ++n) {
+      if (cycle(is_down)) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return false;
+  }
+  // The shape that is felt is that of the list, to the last bit.
+  void expect_same() {
+    CarvedField twin = whole.bodies()[0].field;
+    list.for_each_active({}, [&](const MadeCarve& made) { twin.carve(made.carve); });
+    const CarvedField& felt = step.touch().method().sculpture()->bodies()[0].field;
+    EXPECT_TRUE(std::equal(felt.values().begin(), felt.values().end(), twin.values().begin()));
+    EXPECT_EQ(step.touch().count_carves(), list.newest());
+  }
+};
+
+TEST_F(CarveUndoTaskTest, UndoesPressAfterPress) {
+  carve(4);
+  std::uint32_t before = list.count_active();
+  ASSERT_GT(before, 60U);
+  for (int n = 0; n < 3; ++n) {
+    ASSERT_TRUE(undo(list.newest_active()));
+    EXPECT_LT(list.count_active(), before);
+    before = list.count_active();
+    expect_same();
+  }
+  // Both copies are carved alike from here on.
+  carve(2);
+  expect_same();
+  ASSERT_TRUE(undo(list.newest_active()));
+  expect_same();
+  while (list.count_active() > 0) ASSERT_TRUE(undo(list.newest_active()));
+  expect_same();
+}
+
+TEST_F(CarveUndoTaskTest, OfAnEarlierPressLeavesTheLaterOnes) {
+  carve(3);
+  const CarveRange first = list.find_press(1);
+  ASSERT_LT(first.last, list.newest());
+  ASSERT_TRUE(undo(1));
+  EXPECT_FALSE(list.is_active(first.last));
+  EXPECT_TRUE(list.is_active(first.last + 1));
+  expect_same();
+}
+
+TEST_F(CarveUndoTaskTest, WhileItCarves) {
+  for (int round = 0; round < 5; ++round) {
+    // Once round a wave of its path the ball is outside, and begins to cut again.
+    for (int n = 0; n < 500; ++n) cycle(true);
+    ASSERT_GT(list.newest_active(), 0U);
+    expect_same();
+    ASSERT_TRUE(undo(list.newest_active(), true));
+    expect_same();
+  }
+}
+
+TEST_F(CarveUndoTaskTest, WhatIsUnknownOrUndoneChangesNothing) {
+  carve(1);
+  const std::uint32_t newest = list.newest();
+  for (const std::uint32_t serial : {0U, newest + 1, 0xFFFFFFFFU}) {
+    task.request(serial);
+    for (int n = 0; n < 40; ++n) {
+      EXPECT_FALSE(cycle(false)) << serial;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  }
+  ASSERT_TRUE(undo(newest));
+  task.request(newest);
+  for (int n = 0; n < 40; ++n) {
+    EXPECT_FALSE(cycle(false));
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  expect_same();
+}
+
+TEST_F(CarveUndoTaskTest, TheLoopUsesNoHeap) {
+  if (!AllocationGuard::is_available()) GTEST_SKIP();
+  carve(1);
+  task.request(list.newest_active());
+  std::optional<MadeCarve> undone;
+  for (int n = 0; n < 20'000 && !undone; ++n) {
+    {
+      const AllocationGuard guard;
+      undone = task.work(step);
+      if (undone) task.note(*undone);
+      EXPECT_EQ(guard.count(), 0U);
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_TRUE(undone);
+}
+
+// Carves that were read from a file are a press each.
+TEST(CarveUndoTaskOfAFile, UndoesWhatWasThereAtTheStart) {
+  HapticsStep step(undo_touch(), 1e-5);
+  const Sculpture whole = *step.touch().method().sculpture();
+  std::vector<MadeCarve> made;
+  for (const double x : {0.03, -0.03}) {
+    const Carve carve{.from_m = {x, 0, 0}, .to_m = {x, 0.01, 0}, .radius_m = 0.004};
+    ASSERT_TRUE(step.repeat_carve(0, carve));
+    made.push_back({.object = 0, .serial = step.touch().count_carves(), .carve = rounded(carve), .begins = true});
+  }
+  CarveUndoTask task(whole, made);
+  task.request(1);
+  std::optional<MadeCarve> undone;
+  for (int n = 0; n < 20'000 && !undone; ++n) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    undone = task.work(step);
+  }
+  ASSERT_TRUE(undone);
+  EXPECT_EQ(undone->serial, 3U);
+  EXPECT_EQ(undone->undone, (CarveRange{1, 1}));
+  CarvedField twin = whole.bodies()[0].field;
+  twin.carve(made[1].carve);
+  const CarvedField& felt = step.touch().method().sculpture()->bodies()[0].field;
+  EXPECT_TRUE(std::equal(felt.values().begin(), felt.values().end(), twin.values().begin()));
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,190 @@
+// Carved material among strokes and measures: undo in the order in which things were done, and the file.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "core/geometry/mesh_shapes.h"
+#include "scene/annotations_file.h"
+#include "tests/support/scratch_folder.h"
+#include "tests/vision_node/made_views.h"
+#include "vision_node/annotator.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kUndoClayRadius = 0.03;
+constexpr std::int64_t kTenth = 100'000'000;
+
+struct CarveUndoTest : testing::Test {
+  CarveUndoTest() {
+    SceneObject clay;
+    clay.name = "clay";
+    clay.mesh = std::make_shared<const TriangleMesh>(make_icosphere(kUndoClayRadius, 4));
+    clay.sculpt = SculptSettings{.voxel_m = 0.002, .tool_radius_m = 0.008};
+    scene.objects = {clay};
+    scene.given_hash = 7;
+    view = open_or_fail(plain_settings(StereoMode::mono, 320, 240), {{clay.mesh, {1, 0, 0}}});
+    options.file = folder.path() / "notes.toml";
+  }
+  void open() {
+    annotator.reset();
+    carved = std::make_unique<CarvedObjects>(*view, scene);
+    auto opened = Annotator::open(*view, scene, 0.05, options, true);
+    ASSERT_TRUE(opened) << opened.error().what;
+    annotator = std::move(*opened);
+    annotator->set_carved_objects(carved.get());
+  }
+  static Carves::One one_carve(std::uint32_t serial) {
+    return {
+        .object = 0, .from_m = {0.03F, 0.001F * static_cast<float>(serial), 0}, .to_m = {0.03F, 0, 0}, .radius_m = 0.008F, .begins = true};
+  }
+  void carve(std::uint32_t source = 3) {
+    Carves carves{.source = source, .newest = ++serial, .first = serial, .count = 1};
+    carves.carves[0] = one_carve(serial);
+    carved->take(carves, Arrival::newest);
+  }
+  void answer(const CarveUndo& request) {
+    Carves carves{.source = 3, .newest = ++serial, .first = serial, .count = 1};
+    carves.carves[0] = {.object = -1, .undone_first = request.serial, .undone_last = request.serial};
+    carved->take(carves, Arrival::newest);
+  }
+  void draw() {
+    ProbeState state;
+    state.p_WD = Vec3(0, 0, kUndoClayRadius);
+    state.contact = true;
+    state.object = 0;
+    annotator->receive(state, Pose::Identity());
+    state.buttons = 2;
+    annotator->receive(state, Pose::Identity());
+    state.buttons = 0;
+    annotator->receive(state, Pose::Identity());
+  }
+  void undo() { annotator->handle({.undo = true}, view->screen(), Vec3::Zero()); }
+  std::size_t strokes() const { return annotator->pen().annotations().entries.size(); }
+  std::vector<CarvedPress> saved() const {
+    const auto read = read_annotations(options.file, std::vector<std::string>{"clay"}, 7);
+    EXPECT_TRUE(read) << read.error().what;
+    return read ? read->annotations.carved : std::vector<CarvedPress>();
+  }
+  // Until the thread has the field, so that strokes find a surface.
+  void settle() {
+    for (int n = 0; n < 60'000 && !carved->is_up_to_date(); ++n) {
+      carved->show();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  }
+
+  ScratchFolder folder;
+  Scene scene;
+  std::unique_ptr<StereoView> view;
+  AnnotatorOptions options;
+  std::unique_ptr<CarvedObjects> carved;
+  std::unique_ptr<Annotator> annotator;
+  std::uint32_t serial = 0;
+};
+
+TEST_F(CarveUndoTest, WhatWasDoneLastIsUndoneFirst) {
+  ASSERT_TRUE(view);
+  open();
+  settle();
+  carve();
+  draw();
+  carve();
+  settle();
+  draw();
+  ASSERT_EQ(strokes(), 2U);
+  undo();
+  EXPECT_EQ(strokes(), 1U);
+  EXPECT_FALSE(annotator->take_carve_undo(kTenth));
+  undo();
+  const auto second = annotator->take_carve_undo(2 * kTenth);
+  ASSERT_TRUE(second);
+  EXPECT_EQ(second->source, 3U);
+  EXPECT_EQ(second->serial, 2U);
+  answer(*second);
+  EXPECT_FALSE(annotator->take_carve_undo(4 * kTenth)) << "done";
+  undo();
+  EXPECT_EQ(strokes(), 0U);
+  undo();
+  const auto first = annotator->take_carve_undo(5 * kTenth);
+  ASSERT_TRUE(first);
+  EXPECT_EQ(first->serial, 1U);
+  answer(*first);
+  undo();
+  EXPECT_FALSE(annotator->take_carve_undo(6 * kTenth)) << "nothing is left";
+}
+
+TEST_F(CarveUndoTest, ARequestIsRepeatedUntilTheUndoComes) {
+  ASSERT_TRUE(view);
+  open();
+  carve();
+  undo();
+  int sent = 0;
+  for (int n = 1; n <= 100; ++n) sent += annotator->take_carve_undo(n * kTenth / 10) ? 1 : 0;
+  EXPECT_EQ(sent, 10) << "in a second";
+  // Pressed again meanwhile it is the same request.
+  undo();
+  const auto again = annotator->take_carve_undo(12 * kTenth);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->serial, 1U);
+  for (int n = 12; n <= 400; ++n) sent = annotator->take_carve_undo(n * kTenth) ? n : sent;
+  EXPECT_LT(sent, 250) << "it is given up";
+}
+
+TEST_F(CarveUndoTest, CarvesAreSavedAndStayWhereHapticsHasThem) {
+  ASSERT_TRUE(view);
+  open();
+  carve();
+  carve();
+  ASSERT_TRUE(annotator->finish());
+  ASSERT_EQ(saved().size(), 2U);
+  // Again, with a haptics node that has read the file: nothing is written.
+  open();
+  serial = 0;
+  carve(5);
+  carve(5);
+  std::filesystem::remove(options.file);
+  ASSERT_TRUE(annotator->finish());
+  EXPECT_FALSE(std::filesystem::exists(options.file));
+  // One more.
+  carve(5);
+  ASSERT_TRUE(annotator->finish());
+  EXPECT_EQ(saved().size(), 3U);
+}
+
+TEST_F(CarveUndoTest, WhatIsUndoneIsNotSaved) {
+  ASSERT_TRUE(view);
+  open();
+  carve();
+  carve();
+  answer({.source = 3, .serial = 1});
+  ASSERT_TRUE(annotator->finish());
+  const std::vector<CarvedPress> after = saved();
+  ASSERT_EQ(after.size(), 1U);
+  EXPECT_NEAR(after[0].carves[0].from_m.y(), 0.002, 1e-9);
+}
+
+// The file is not lost where haptics_node began without it.
+TEST_F(CarveUndoTest, CarvesOfTheFileStayWithoutAHapticsNodeThatHasThem) {
+  ASSERT_TRUE(view);
+  open();
+  carve();
+  carve();
+  ASSERT_TRUE(annotator->finish());
+  open();
+  draw();
+  ASSERT_TRUE(annotator->finish());
+  EXPECT_EQ(saved().size(), 2U) << "none has answered";
+  open();
+  serial = 6;
+  Carves carves{.source = 9, .newest = 1, .first = 1, .count = 1};
+  carves.carves[0] = one_carve(7);
+  carved->take(carves, Arrival::newest);
+  ASSERT_TRUE(annotator->finish());
+  EXPECT_EQ(saved().size(), 3U) << "both";
+}
+
+}  // namespace
+}  // namespace hapton
