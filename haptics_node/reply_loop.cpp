@@ -240,7 +240,8 @@ void ReplyLoop::take_scene(const NewScene& scene) noexcept {
   materials_.serial = static_cast<std::uint32_t>(step_.counts().materials_taken);
   materials_.object_count = 0;
   materials_.rejection = {};
-  scene_reported_ = 0;
+  // What a vision node showed until now says nothing of what it shows from now on.
+  scene_shown_ = scene_reported_ = 0;
 }
 
 // A requester repeats its request until the reply comes.

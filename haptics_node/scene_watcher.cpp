@@ -35,9 +35,7 @@ bool has_same_sculpt(const Scene& before, const Scene& after) {
 }  // namespace
 
 SceneWatcher::SceneWatcher(Options options, Scene scene, MaterialTuner& tuner, MethodBuilder& builder)
-    : options_(std::move(options)), base_(scene), used_(std::move(scene)), tuner_(tuner), builder_(builder) {
-  known_ = stamp_of_file().value_or(Stamp());
-}
+    : options_(std::move(options)), base_(scene), used_(std::move(scene)), tuner_(tuner), builder_(builder), file_(options_.path) {}
 
 SceneWatcher::~SceneWatcher() {
   stop_.store(true);
@@ -57,36 +55,19 @@ void SceneWatcher::run() {
   }
 }
 
-std::optional<SceneWatcher::Stamp> SceneWatcher::stamp_of_file() const {
-  std::error_code error;
-  const auto time = std::filesystem::last_write_time(options_.path, error);
-  if (error) return std::nullopt;
-  const auto bytes = std::filesystem::file_size(options_.path, error);
-  return error ? std::nullopt : std::optional(Stamp{time, bytes});
-}
-
 SceneWatcher::Look SceneWatcher::look() {
-  const std::optional<Stamp> found = stamp_of_file();
-  if (!found) {
-    seen_.reset();
-    // Editors remove a file for a moment.
-    if (++looks_without_file_ == 2) {
+  switch (file_.look()) {
+    case FileWatch::Look::gone:
       log_warning("{} is gone; the present scene stays in use, and the file is read once it is back", options_.path.string());
-    }
-    return Look::unchanged;
+      return Look::unchanged;
+    case FileWatch::Look::unchanged:
+      return Look::unchanged;
+    case FileWatch::Look::waiting:
+      return Look::waiting;
+    case FileWatch::Look::changed:
+      break;
   }
-  looks_without_file_ = 0;
-  const Stamp& now = *found;
-  if (now == known_) {
-    seen_.reset();
-    return Look::unchanged;
-  }
-  if (seen_ != now) {
-    seen_ = now;
-    return Look::waiting;
-  }
-  known_ = now;
-  seen_.reset();
+  file_.accept();
   auto scene = load_scene(options_.path, options_.loading);
   if (!scene) {
     log_warning("{}; the present scene stays in use", scene.error().what);

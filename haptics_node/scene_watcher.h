@@ -4,12 +4,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <optional>
 #include <string>
 #include <thread>
 
 #include "haptics_node/material_tuner.h"
 #include "haptics_node/method_builder.h"
+#include "runtime/file_watch.h"
 #include "scene/scene_file.h"
 
 namespace hapton {
@@ -49,15 +49,7 @@ class SceneWatcher {
   Look look();
 
  private:
-  struct Stamp {
-    std::filesystem::file_time_type time = {};
-    std::uintmax_t bytes = 0;
-    friend bool operator==(const Stamp&, const Stamp&) = default;
-  };
-
   void run();
-  // None: there is no file now.
-  std::optional<Stamp> stamp_of_file() const;
   Look take(Scene scene);
   Look take_scene(Scene scene, bool keeps_shape);
 
@@ -66,10 +58,8 @@ class SceneWatcher {
   Scene used_;  // what was read last
   MaterialTuner& tuner_;
   MethodBuilder& builder_;
-  Stamp known_;
-  std::optional<Stamp> seen_;  // changed at the look before
+  FileWatch file_;
   std::uint32_t revision_ = 0;
-  int looks_without_file_ = 0;
   std::atomic<bool> stop_ = false;
   std::thread thread_;
 };

@@ -5,7 +5,7 @@
 
 namespace hapton {
 
-AnnotatedSurfaces::AnnotatedSurfaces(const Scene& scene) : scene_(scene), deformed_(scene.objects.size()), finders_(scene.objects.size()) {
+AnnotatedSurfaces::AnnotatedSurfaces(const Scene& scene) : scene_(&scene), deformed_(scene.objects.size()), finders_(scene.objects.size()) {
   for (std::size_t o = 0; o < deformed_.size(); ++o) {
     const SceneObject& object = scene.objects[o];
     if (object.deformation == nullptr) continue;
@@ -29,7 +29,7 @@ AnnotatedSurfaces::Touched AnnotatedSurfaces::find_closest(std::size_t object, c
   if (carved_ != nullptr) {
     if (const auto closest = carved_->find_closest(object, p)) return {*closest};
   }
-  if (finders_[object] == nullptr) finders_[object] = std::make_unique<SurfaceFinder>(scene_.objects[object].mesh);
+  if (finders_[object] == nullptr) finders_[object] = std::make_unique<SurfaceFinder>(scene_->objects[object].mesh);
   return {finders_[object]->find_closest(p).point};
 }
 

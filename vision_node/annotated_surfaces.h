@@ -48,7 +48,7 @@ class AnnotatedSurfaces {
  private:
   const DeformedMesh* find_deformed(std::int32_t object) const;
 
-  const Scene& scene_;
+  const Scene* scene_;
   const CarvedObjects* carved_ = nullptr;
   bool has_deforming_ = false;
   std::vector<std::optional<DeformedMesh>> deformed_;    // by object; none: it is rigid

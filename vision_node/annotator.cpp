@@ -107,7 +107,7 @@ Result<std::unique_ptr<Annotator>> Annotator::open(StereoView& view, const Scene
 Annotator::Annotator(StereoView& view, const Scene& scene, const AnnotatorOptions& options, const PenSettings& pen, Annotations given,
                      bool can_touch)
     : view_(view),
-      scene_(scene),
+      scene_(&scene),
       options_(options),
       can_touch_(can_touch),
       pen_(pen, std::move(given)),
@@ -122,11 +122,47 @@ Annotator::Annotator(StereoView& view, const Scene& scene, const AnnotatorOption
   for (std::size_t o = 0; o < at_rest_.size(); ++o) at_rest_[o].object = static_cast<std::int32_t>(o);
 }
 
+void Annotator::change_scene(const Scene& scene, const CarvedObjects* carved) {
+  pen_.finish();
+  log_finished();
+  if (list_names(scene) != list_names(*scene_)) change_objects(scene);
+  scene_ = &scene;
+  surfaces_ = AnnotatedSurfaces(scene);
+  surfaces_.set_carved_objects(carved);
+  for (std::size_t o = 0; o < X_SO_.size(); ++o) {
+    const SceneObject& object = scene.objects[o];
+    if (object.motion == nullptr && object.commanded == nullptr && poses_[o].serial == 0) X_SO_[o] = Pose::Identity();
+  }
+  shape_shown_ = shown_ = shown_entries_ = ~std::uint64_t{0};
+  show_objects();
+  has_moved_ = true;
+  ++own_revision_;
+}
+
+// By name, as those of a file.
+void Annotator::change_objects(const Scene& scene) {
+  auto read = parse_annotations(write_annotations(pen_.annotations(), scene_->given_hash), list_names(scene), scene.given_hash);
+  if (!read) log_warning("what was drawn is left out: {}", read.error().what);
+  Annotations kept;
+  kept.objects = list_names(scene);
+  if (read) kept = std::move(read->annotations);
+  const bool is_saved = saved_entries_ == pen_.entries_revision();
+  pen_.replace(std::move(kept));
+  if (is_saved) saved_entries_ = pen_.entries_revision();
+  poses_.assign(scene.objects.size(), {});
+  X_SO_.assign(scene.objects.size(), Pose::Identity());
+  at_rest_.assign(scene.objects.size(), {});
+  for (std::size_t o = 0; o < at_rest_.size(); ++o) at_rest_[o].object = static_cast<std::int32_t>(o);
+  moves_.clear();
+  request_.reset();
+  held_ = -1;
+}
+
 // The point of the drawn surface that is closest to the probe: of a ball its surface, not its centre, and where the surface felt differs
 // from the one drawn (sealed cracks, bumps), the latter. States that come while a finder is made wait in the socket.
 std::optional<AnnotatedSurfaces::Touched> Annotator::find_touched(const ProbeState& state, const Pose& X_WS) {
   const auto object = static_cast<std::size_t>(state.object);
-  const bool is_known = state.contact && state.object >= 0 && object < scene_.objects.size() && !is_other_scene_;
+  const bool is_known = state.contact && state.object >= 0 && object < scene_->objects.size() && !is_other_scene_;
   if (!is_known || !can_touch_ || held_ >= 0) return std::nullopt;
   const Vec3 p_WP = state.p_WD + state.visual_offset_m;
   if (!p_WP.allFinite()) return std::nullopt;
@@ -157,7 +193,7 @@ void Annotator::log_finished() {
   const auto finished = pen_.take_finished();
   if (!finished) return;
   const Annotation& entry = pen_.annotations().entries[*finished];
-  const auto name = [&](std::int32_t object) -> const std::string& { return scene_.objects[static_cast<std::size_t>(object)].name; };
+  const auto name = [&](std::int32_t object) -> const std::string& { return scene_->objects[static_cast<std::size_t>(object)].name; };
   if (const auto* stroke = std::get_if<Stroke>(&entry)) {
     log_info("drawn on {}: {}, {} points", name(stroke->object), describe_length(compute_length_m(surfaces_.place(*stroke))),
              stroke->points_m.size());
@@ -188,7 +224,7 @@ void Annotator::receive(const ObjectPose& pose) {
     rest = pose;
   }
   if (was_elsewhere && !pose.is_held) {
-    log_info("{} is not where the scene file places it", scene_.objects[static_cast<std::size_t>(pose.object)].name);
+    log_info("{} is not where the scene file places it", scene_->objects[static_cast<std::size_t>(pose.object)].name);
   }
   if (!has_moved) return;
   held_ = -1;
@@ -205,7 +241,7 @@ void Annotator::receive(const ObjectPose& pose) {
   }
   // Poses of objects of another scene stay in the file.
   for (const PutDown& given : pen_.annotations().put_down) {
-    if (static_cast<std::size_t>(given.object) >= scene_.objects.size()) put_down.push_back(given);
+    if (static_cast<std::size_t>(given.object) >= scene_->objects.size()) put_down.push_back(given);
   }
   pen_.set_put_down(std::move(put_down));
   show_objects();
@@ -213,7 +249,8 @@ void Annotator::receive(const ObjectPose& pose) {
 
 void Annotator::place_moving(const std::vector<Pose>& X_SO) {
   for (std::size_t o = 0; o < X_SO_.size(); ++o) {
-    if ((scene_.objects[o].motion == nullptr && scene_.objects[o].commanded == nullptr) || X_SO_[o].matrix() == X_SO[o].matrix()) continue;
+    if ((scene_->objects[o].motion == nullptr && scene_->objects[o].commanded == nullptr) || X_SO_[o].matrix() == X_SO[o].matrix())
+      continue;
     X_SO_[o] = X_SO[o];
     has_moved_ = true;
   }
@@ -286,7 +323,7 @@ bool Annotator::undo_move() {
   request_->serial = poses_[static_cast<std::size_t>(request_->object)].serial;
   request_end_ns_ = request_next_ns_ = 0;
   moves_.pop_back();
-  log_info("putting back {}", scene_.objects[static_cast<std::size_t>(request_->object)].name);
+  log_info("putting back {}", scene_->objects[static_cast<std::size_t>(request_->object)].name);
   return true;
 }
 
@@ -299,7 +336,7 @@ std::optional<ObjectPose> Annotator::take_due(std::int64_t now_ns) {
   }
   if (request_end_ns_ == 0) request_end_ns_ = now_ns + kRequestPatienceNs;
   if (now_ns >= request_end_ns_) {
-    log_warning("{} was not put back: haptics_node is busy, or does not answer", scene_.objects[object].name);
+    log_warning("{} was not put back: haptics_node is busy, or does not answer", scene_->objects[object].name);
     request_.reset();
     return std::nullopt;
   }
@@ -348,7 +385,7 @@ bool Annotator::has_given_carves() const {
   const auto place_of = [](const Carve& carve) { return std::array{carve.from_m.x(), carve.from_m.y(), carve.from_m.z()}; };
   std::set<std::array<double, 3>> given;
   for (const CarvedPress& press : pen_.annotations().carved) {
-    if (static_cast<std::size_t>(press.object) < scene_.objects.size()) given.insert(place_of(press.carves.front()));
+    if (static_cast<std::size_t>(press.object) < scene_->objects.size()) given.insert(place_of(press.carves.front()));
   }
   bool is_there = given.empty();
   carved_->list().for_each({}, [&](const MadeCarve& made) { is_there = is_there || given.contains(place_of(made.carve)); });
@@ -369,7 +406,7 @@ Annotations Annotator::collect() const {
   Annotations all = pen_.annotations();
   if (carved_ == nullptr || carved_->source() == 0) return all;
   if (has_given_carves()) {
-    std::erase_if(all.carved, [&](const CarvedPress& press) { return static_cast<std::size_t>(press.object) < scene_.objects.size(); });
+    std::erase_if(all.carved, [&](const CarvedPress& press) { return static_cast<std::size_t>(press.object) < scene_->objects.size(); });
   }
   std::vector<CarvedPress> carved = group_carves(carved_->list());
   all.carved.insert(all.carved.begin(), std::make_move_iterator(carved.begin()), std::make_move_iterator(carved.end()));
@@ -412,7 +449,7 @@ void Annotator::show(const Pose& X_WS) {
   const bool has_new_entries = std::exchange(shown_entries_, pen_.entries_revision()) != pen_.entries_revision();
   if (has_new_place) show_objects();
   if (has_new_place || has_new_shape || has_new_pen) show_current();
-  if (has_new_shape || has_new_entries) figure.set_entries(place_entries(), scene_.objects.size());
+  if (has_new_shape || has_new_entries) figure.set_entries(place_entries(), scene_->objects.size());
   // Lengths in the corner.
   if (has_new_place || has_new_shape) ++own_revision_;
   view_.menu_figure().set(menu_, pen_.mode());
@@ -440,7 +477,7 @@ std::string Annotator::describe() const {
 Result<void> Annotator::write_files(const std::filesystem::path& file) {
   if (!file.empty()) {
     Annotations all = collect();
-    if (auto written = write_file_atomically(file, write_annotations(all, scene_.given_hash)); !written) return written;
+    if (auto written = write_file_atomically(file, write_annotations(all, scene_->given_hash)); !written) return written;
     log_info("{} saved in {}", describe_entries(all), file.string());
     if (carved_ != nullptr && carved_->source() != 0 && !carved_->is_complete()) {
       log_warning("{} lacks carves that have not come from haptics_node yet; save again", file.string());
@@ -449,7 +486,7 @@ Result<void> Annotator::write_files(const std::filesystem::path& file) {
   }
   if (options_.strokes.empty()) return {};
   const auto write = options_.strokes.extension() == ".vtp" ? write_annotations_vtp : write_annotations_obj;
-  if (auto written = write_file_atomically(options_.strokes, write(place_entries(), X_SO_, scene_.objects.size())); !written)
+  if (auto written = write_file_atomically(options_.strokes, write(place_entries(), X_SO_, scene_->objects.size())); !written)
     return written;
   log_info("strokes and measures written to {}", options_.strokes.string());
   return {};

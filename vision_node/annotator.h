@@ -48,6 +48,10 @@ class Annotator {
     surfaces_.set_carved_objects(carved);
   }
 
+  // Another scene is shown. What was drawn stays on the objects of the same names; if the objects are not the same by name, nothing can be
+  // undone. Pre: scene and carved outlive this; the scene before is still there.
+  void change_scene(const Scene& scene, const CarvedObjects* carved);
+
   // Each state received, in order. X_WS: the pose of the scene that its contact was computed with.
   void receive(const ProbeState& state, const Pose& X_WS);
   // Where an object is.
@@ -87,6 +91,7 @@ class Annotator {
             bool can_touch);
   std::optional<AnnotatedSurfaces::Touched> find_touched(const ProbeState& state, const Pose& X_WS);
   bool has_marks() const { return !pen_.annotations().entries.empty() || pen_.current() != nullptr || pen_.first_end(); }
+  void change_objects(const Scene& scene);
   void show_objects();
   void show_current();
   const Annotations& place_entries();
@@ -104,7 +109,7 @@ class Annotator {
   Result<void> write_files(const std::filesystem::path& file);
 
   StereoView& view_;
-  const Scene& scene_;
+  const Scene* scene_;
   AnnotatorOptions options_;
   bool can_touch_;
   Pen pen_;

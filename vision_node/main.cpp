@@ -21,6 +21,8 @@
 #include "runtime/stop_signal.h"
 #include "scene/find_scene.h"
 #include "scene/scene_file.h"
+#include "vision_node/live_scene.h"
+#include "vision_node/scene_reload.h"
 #include "vision_node/show_recording.h"
 #include "vision_node/vision_options.h"
 #include "vision_node/vision_session.h"
@@ -115,7 +117,10 @@ int run(VisionOptions& options) {
   if (!options.session.empty()) return show_recording(options, head->get(), clock, stop);
   auto headset = connect_headset(options);
   if (!headset) return give_up(headset.error());
-  const auto scene = load_scene(find_scene(options.scene), options.loading);
+  const auto scene_path = find_scene(options.scene);
+  std::optional<SceneReload> reload;  // before the scene is read, so that no change of the file is missed
+  if (options.watch_scene) reload.emplace(scene_path, options.loading);
+  auto scene = load_scene(scene_path, options.loading);
   if (!scene) return give_up(scene.error());
   for (const auto& note : scene->notes) log_info("{}", note);
   std::vector<std::string> tool_notes;
@@ -136,18 +141,14 @@ int run(VisionOptions& options) {
   const auto other = open_other_link(options, clock);
   if (!other) return give_up(other.error());
   VisionSession session(**view, client, clock, options);
-  session.set_scene(scene->given_hash);
-  auto annotator = Annotator::open(**view, *scene, options.scene_radius_m, options.annotations, !*tool);
+  LiveScene live(**view, options, std::move(*scene));
+  if (reload) live.watch(&*reload);
+  session.set_live_scene(&live);
+  auto annotator = Annotator::open(**view, live.scene(), options.scene_radius_m, options.annotations, !*tool);
   if (!annotator) return give_up(annotator.error());
   session.set_annotator(annotator->get());
-  MovedObjects moved(**view, *scene);
-  session.set_moved_objects(&moved);
-  CarvedObjects carved(**view, *scene);
-  session.set_carved_objects(&carved);
-  (*annotator)->set_carved_objects(&carved);
+  (*annotator)->set_carved_objects(&live.carved());
   if (*other) session.set_other_hand(&(*other)->hand);
-  TeachBuilder teacher(scene->touch_scene());
-  session.set_teacher(&teacher);
   std::optional<SpaceHead> space_head;
   if (options.has_space_head) session.set_space_head(&space_head.emplace(make_hid_opener(HidKind::space_mouse, "")));
   std::optional<SpaceKnobs> knobs;
@@ -156,6 +157,7 @@ int run(VisionOptions& options) {
   if (!show) return give_up(show.error());
   session.set_headset(show->get());
   if (options.has_space_knobs) session.set_knobs(&knobs.emplace(make_hid_opener(HidKind::space_mouse, "")));
+  if (reload) reload->start();
   const auto ended = session.run(stop);
   fmt::print("vision_node: {}; view transforms sent {}\n", session.step().frames().describe(), session.step().view_transform().sent());
   if (!ended) return give_up(ended.error());

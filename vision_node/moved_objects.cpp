@@ -1,5 +1,6 @@
 #include "vision_node/moved_objects.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "link/commanded_move.h"
@@ -53,6 +54,22 @@ bool MovedObjects::take(const ObjectMove& move, Arrival arrival) {
   return commanded_[number]->begin(to_command(move));
 }
 
+void MovedObjects::adopt(const MovedObjects& before) {
+  const auto is_same_object = [](const SceneObject& a, const SceneObject& b) { return a.name == b.name; };
+  if (before.held() >= 0) view_.clear_tool();
+  if (std::ranges::equal(scene_.objects, before.scene_.objects, is_same_object)) {
+    source_ = before.source_;
+    for (std::size_t o = 0; o < known_.size(); ++o) {
+      if (before.known_[o].serial != 0) take(before.known_[o]);
+      const auto& now = scene_.objects[o].commanded;
+      const auto& then = before.scene_.objects[o].commanded;
+      if (now != nullptr && then != nullptr && *now == *then) commanded_[o] = before.commanded_[o];
+    }
+  }
+  set_time(before.time_ns_);
+  place_moving();
+}
+
 void MovedObjects::rewind() {
   for (std::size_t o = 0; o < known_.size(); ++o) take(ObjectPose{.object = static_cast<std::int32_t>(o)});
   forget_moves();
@@ -66,6 +83,7 @@ std::optional<Pose> MovedObjects::pose_of(std::size_t object, double time_s) con
 }
 
 bool MovedObjects::set_time(std::int64_t scene_time_ns) {
+  time_ns_ = scene_time_ns;
   const double time_s = 1e-9 * static_cast<double>(scene_time_ns);
   bool has_moved = false;
   for (std::size_t o = 0; o < X_SO_.size(); ++o) {

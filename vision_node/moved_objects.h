@@ -26,6 +26,10 @@ class MovedObjects {
   // that programs may move, or of a haptics process that another one has replaced.
   bool take(const ObjectMove& move, Arrival arrival = Arrival::newest);
 
+  // Takes over what is known of the objects of another scene, and its time, if both scenes have the same objects, by name: those that the
+  // stylus picked up are where they are there, and those that programs move, if they move alike.
+  void adopt(const MovedObjects& before);
+
   // Everything is where the scene file has it, and no pose or move is known.
   void rewind();
 
@@ -50,6 +54,7 @@ class MovedObjects {
   bool has_motion_ = false;
   std::vector<std::optional<CommandedMotion>> commanded_;  // by object; none: programs do not move it
   MoveSource source_;                                      // of their moves
+  std::int64_t time_ns_ = 0;                               // set last
   std::vector<Pose> X_SO_;
   std::vector<MeshDeformation::Weights> weights_;                       // by object, at the time set last
   std::vector<std::optional<MeshDeformation::Weights>> drawn_weights_;  // none: as the mesh is

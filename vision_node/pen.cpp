@@ -109,6 +109,17 @@ bool Pen::redo() {
   return true;
 }
 
+void Pen::replace(Annotations given) {
+  finish_stroke();
+  annotations_ = std::move(given);
+  points_ = count_points(annotations_);
+  undone_.clear();
+  first_end_.reset();
+  finished_.reset();
+  ++revision_;
+  ++entries_revision_;
+}
+
 void Pen::set_put_down(std::vector<PutDown> put_down) {
   annotations_.put_down = std::move(put_down);
   ++entries_revision_;

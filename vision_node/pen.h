@@ -55,6 +55,9 @@ class Pen {
   // Sets the objects that were put down, which are saved with the annotations.
   void set_put_down(std::vector<PutDown> put_down);
 
+  // Other annotations, of another scene, in place of these; nothing can be undone or redone then.
+  void replace(Annotations given);
+
   const Annotations& annotations() const { return annotations_; }
   // The stroke that is being drawn; null: none.
   const std::vector<Vec3>* current() const { return thinner_ ? &thinner_->points() : nullptr; }

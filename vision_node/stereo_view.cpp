@@ -275,6 +275,16 @@ Result<std::unique_ptr<StereoView>> StereoView::open(const ViewSettings& setting
   return std::unique_ptr<StereoView>(new StereoView(std::move(window)));
 }
 
+Result<void> StereoView::replace_scene(const std::vector<ShownObject>& objects, const std::vector<SceneLight>& lights) {
+  window_->window->MakeCurrent();
+  auto layers = SceneLayers::make(objects, lights);
+  if (!layers) return tl::unexpected(layers.error());
+  window_->layers = std::move(*layers);
+  window_->settings.lights = lights;
+  window_->arrange();
+  return {};
+}
+
 void StereoView::set_scene_pose(const Pose& X_WS) {
   window_->X_WS = X_WS;
   window_->teach.set_scene_pose(X_WS);

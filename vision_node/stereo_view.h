@@ -67,6 +67,9 @@ class StereoView {
   static Result<std::unique_ptr<StereoView>> open(const ViewSettings& settings, const std::vector<ShownObject>& objects);
   ~StereoView();
 
+  // Shows other objects under other lights from now on; the drawn sizes of the probe do not change. Error: as ScenePainter::make, and all
+  // stays as it was.
+  Result<void> replace_scene(const std::vector<ShownObject>& objects, const std::vector<SceneLight>& lights);
   void set_scene_pose(const Pose& X_WS);
   // Sets another view. The drawn sizes of the probe do not change.
   void set_framing(const Framing& framing);

@@ -74,6 +74,13 @@ void ViewerWindow::use_setup(const HapticsSetup& setup) {
   step_.spoil();
 }
 
+void ViewerWindow::change_scene(TeachBuilder* teacher, bool is_view_new) {
+  teacher_ = teacher;
+  teach_requested_ = {};
+  if (teach_.view != TeachView::off) view_.teach_figure().hide();
+  step_.change_scene(options_.view.framing, options_.p_SO, options_.scene_radius_m, options_.names, is_view_new);
+}
+
 void ViewerWindow::choose_teach(const UserRequests& requests) {
   if (teacher_ == nullptr || !(requests.next_teach || requests.next_level)) return;
   if (requests.next_teach) teach_ = next_teach(teach_);

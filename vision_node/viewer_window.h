@@ -32,6 +32,8 @@ class ViewerWindow {
 
   // What makes teaching views; null: there are none. Pre: it outlives this.
   void set_teacher(TeachBuilder* teacher) { teacher_ = teacher; }
+  // options and the view have another scene, with a teacher of its own. is_view_new: see VisionStep::change_scene.
+  void change_scene(TeachBuilder* teacher, bool is_view_new);
   // The method in use: the radius of the probe, the size of the local set.
   void use_setup(const HapticsSetup& setup);
 

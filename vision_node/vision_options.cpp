@@ -99,7 +99,7 @@ void add_session_options(CLI::App& app, VisionOptions& options) {
       app.add_option("--session", options.session,
                      "Recording (io_node --record) to show in place of a hub, with a time line; its scene is the one that it "
                      "names, or --scene");
-  for (const char* live : {"--hub", "--bind", "--key", "--bench-frames", "--annotations", "--strokes", "--knobs"}) {
+  for (const char* live : {"--hub", "--bind", "--key", "--bench-frames", "--annotations", "--strokes", "--knobs", "--watch-scene"}) {
     session->excludes(app.get_option(live));
   }
   app.add_option_function<double>(
@@ -222,6 +222,8 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   app.add_option("--bind", options.bind, "Local address: ADDRESS:PORT (default: any)");
   app.add_option("--key", options.key_file, kKeyHelp);
   app.add_option("--scene", options.scene, "Scene file (TOML) or mesh file")->capture_default_str();
+  app.add_flag("--watch-scene", options.watch_scene,
+               "Show the scene file again when it is saved, once haptics_node uses it, which needs the same option");
   app.add_flag("--no-fit", no_fit, "Keep a mesh file's position and size; haptics_node needs the same option");
   app.add_option("--unit", unit, "Unit of a mesh file: m (default), cm, mm or in")->check(accepts(parse_unit));
   const auto tool =

@@ -30,6 +30,7 @@ struct VisionOptions {
   double speed = 1.0;             // that it plays at
   std::filesystem::path scene = "scenes/car_front.toml";
   bool is_scene_given = false;    // on the command line
+  bool watch_scene = false;       // show the scene file again when it is saved
   bool is_loading_given = false;  // unit or fit are on the command line
   SceneLoading loading = {.sealing = CrackSealing::off, .fit = MeshFit::workspace, .look = LookReading::on};  // drawn as it came
   ToolChoice tool;

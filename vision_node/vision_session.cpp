@@ -16,24 +16,18 @@ namespace {
 
 // How long the loop may sleep when nothing comes: a key pressed or a window uncovered waits no longer.
 constexpr std::int64_t kSceneEveryNs = 1000 * kNanosecondsPerMillisecond;
+constexpr std::int64_t kSceneReadNs = 2000 * kNanosecondsPerMillisecond;  // from a look of one node at the file to one of the other
 constexpr std::int64_t kHubAbsentNs = 1000 * kNanosecondsPerMillisecond;  // without a reply, before the user is notified
 constexpr std::int64_t kTurnNs = 4 * kNanosecondsPerMillisecond;
 
 }  // namespace
 
 Result<std::unique_ptr<StereoView>> open_view(const Scene& scene, VisionOptions& options) {
-  options.view.framing = frame_scene(scene, options);
-  options.view.lights = scene.view.lights;
+  describe_scene(scene, options);
   if (const std::string_view flag = find_view_flag(options); scene.view.camera && !flag.empty()) {
     log_info("the scene's [camera] does not apply, because {} says from where it is seen", flag);
   }
-  const SceneSphere sphere = bound_scene(scene);
-  options.p_SO = sphere.p_SO;
-  options.scene_radius_m = sphere.radius_m;
-  options.names = object_names(scene);
-  std::vector<ShownObject> objects;
-  for (const SceneObject& object : scene.objects) objects.push_back({object.mesh, Vec3(object.colour.data()), object.look});
-  auto view = StereoView::open(options.view, objects);
+  auto view = StereoView::open(options.view, list_shown_objects(scene));
   if (!view) return view;
   const std::string renderer = (*view)->renderer_name();
   options.rate_limit_hz = choose_rate_limit(options, renderer);
@@ -69,6 +63,7 @@ Result<void> VisionSession::run(const StopSignal& stop) {
     // A headset sets the pace itself.
     is_for_headset_ = begin_headset_turn();
     receive_from_hub(is_for_headset_ ? 0 : std::min(clock_.now_ns() + kTurnNs, end_ns));
+    follow_scene();
     if (auto attended = attend_window(); !attended) return attended;
     // Before drawing: received states are fresh, so that a slow picture neither counts as a loss nor delays messages.
     speak();
@@ -168,12 +163,39 @@ void VisionSession::receive_from_hub(std::int64_t deadline_ns) {
 
 void VisionSession::take_scene(const SceneFacts& haptic_scene) {
   step_.set_preparing(haptic_scene.preparing_s);
-  compare_scene(haptic_scene);
+  haptic_hash_ = haptic_scene.given_hash;
+  if (live_ != nullptr) live_->set_felt(haptic_hash_);
+  compare_scene();
 }
 
-void VisionSession::compare_scene(const SceneFacts& haptic_scene) {
-  if (scene_hash_ == 0 || haptic_scene.given_hash == 0) return;
-  const bool is_other = haptic_scene.given_hash != scene_hash_;
+void VisionSession::set_live_scene(LiveScene* scene) {
+  live_ = scene;
+  scene_hash_ = scene->scene().given_hash;
+  moved_ = &scene->moved();
+  carved_ = &scene->carved();
+  window_.set_teacher(&scene->teacher());
+}
+
+// Before drawing, and outside of it: what a frame draws is not exchanged under it.
+void VisionSession::follow_scene() {
+  if (live_ == nullptr) return;
+  if (const auto change = live_->follow(clock_.now_ns())) {
+    set_live_scene(live_);
+    if (annotator_ != nullptr) annotator_->change_scene(live_->scene(), carved_);
+    window_.change_scene(&live_->teacher(), change->has_new_camera);
+    step_.set_held_object(moved_->held());
+    next_scene_ns_ = 0;
+  }
+  compare_scene();
+}
+
+// If the file is watched, haptics_node may have read it a moment earlier.
+void VisionSession::compare_scene() {
+  if (scene_hash_ == 0 || haptic_hash_ == 0) return;
+  bool is_other = haptic_hash_ != scene_hash_;
+  if (!is_other) other_since_ns_ = 0;
+  if (is_other && other_since_ns_ == 0) other_since_ns_ = clock_.now_ns();
+  if (is_other && live_ != nullptr && live_->is_watched()) is_other = clock_.now_ns() - other_since_ns_ >= kSceneReadNs;
   if (is_other == is_other_scene_) return;
   is_other_scene_ = is_other;
   step_.set_other_scene(is_other);

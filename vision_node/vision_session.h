@@ -7,6 +7,7 @@
 #include "scene/scene_file.h"
 #include "vision_node/annotator.h"
 #include "vision_node/carved_objects.h"
+#include "vision_node/live_scene.h"
 #include "vision_node/marker_key.h"
 #include "vision_node/moved_objects.h"
 #include "vision_node/other_hand.h"
@@ -59,6 +60,10 @@ class VisionSession {
   // What draws the objects that the stylus carves. Pre: it outlives the session.
   void set_carved_objects(CarvedObjects* carved) { carved_ = carved; }
 
+  // In place of set_scene, set_teacher, set_moved_objects and set_carved_objects: all of a scene that may be exchanged. Pre: it outlives
+  // the session.
+  void set_live_scene(LiveScene* scene);
+
   // What is drawn on the scene and measured. Pre: it outlives the session.
   void set_annotator(Annotator* annotator) { annotator_ = annotator; }
 
@@ -78,7 +83,8 @@ class VisionSession {
   void move_in_headset(const UserRequests& requests);
   void lead_hand();
   void take_scene(const SceneFacts& haptic_scene);
-  void compare_scene(const SceneFacts& haptic_scene);
+  void follow_scene();
+  void compare_scene();
   Result<void> attend_window();
   void speak();
   Result<void> draw_if_wanted();
@@ -102,7 +108,10 @@ class VisionSession {
   MarkerKey marks_;
   ScreenshotMoment moment_;
   std::uint64_t scene_hash_ = 0;
-  bool is_other_scene_ = false;
+  std::uint64_t haptic_hash_ = 0;    // as haptics_node announced it last; 0: it did not
+  std::int64_t other_since_ns_ = 0;  // since when it is another one; 0: it is not
+  bool is_other_scene_ = false;      // as reported
+  LiveScene* live_ = nullptr;
   std::int64_t next_scene_ns_ = 0;  // when ours is sent to the hub again
   std::uint64_t joins_ = 0;
   bool was_joined_ = false;

@@ -82,6 +82,16 @@ UserRequests VisionStep::take_requests() {
   return requests;
 }
 
+void VisionStep::change_scene(const Framing& home, const Vec3& p_SO, double radius_m, std::vector<ObjectName> names, bool is_view_new) {
+  settings_.home = home;
+  settings_.p_SO = p_SO;
+  settings_.scene_radius_m = radius_m;
+  settings_.names = std::move(names);
+  if (is_view_new) interaction_.camera() = {};
+  hud_shown_.clear();
+  reshape_scene();
+}
+
 void VisionStep::set_stereo(std::string_view name, bool always_changing) {
   settings_.stereo = name;
   settings_.always_changing = always_changing;

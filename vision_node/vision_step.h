@@ -93,6 +93,8 @@ class VisionStep {
   void set_head_notice(std::string line) { head_notice_ = std::move(line); }
   // The next frame must be drawn whether or not something moved (the window was uncovered or resized).
   void spoil() { stale_ = true; }
+  // Another scene is shown. home: the view that it begins with; the viewer's own turns, pans and zoom stay unless is_view_new.
+  void change_scene(const Framing& home, const Vec3& p_SO, double radius_m, std::vector<ObjectName> names, bool is_view_new);
   // The scene has another shape: drawn as it is while it moves, and in full detail when it has kept that for a while.
   void reshape_scene() { stale_ = has_new_shape_ = true; }
 

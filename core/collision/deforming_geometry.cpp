@@ -35,7 +35,9 @@ std::vector<double> times_of_shapes(const MeshDeformation& deformation, std::siz
   return times;
 }
 
-Result<void> check_shape(const TriangleMesh& shape, const LocalFrame& frame, const std::string& when) {
+}  // namespace
+
+Result<void> check_shape(const TriangleMesh& shape, const LocalFrame& frame, std::string_view when) {
   const ObjectGeometry geometry(shape, frame);
   const std::size_t walkable = geometry.adjacency().walkable_count();
   if (walkable == shape.triangles.size()) return {};
@@ -47,8 +49,6 @@ Result<void> check_shape(const TriangleMesh& shape, const LocalFrame& frame, con
       "({:.4g}, {:.4g}, {:.4g}) m",
       when, shape.triangles.size() - walkable, shape.triangles.size(), at.x(), at.y(), at.z());
 }
-
-}  // namespace
 
 // Vertices move straight between keys, so the box of the keys' shapes holds all others.
 Box bounds_of_all_shapes(const TriangleMesh& mesh, const MeshDeformation& deformation) {

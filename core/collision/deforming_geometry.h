@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <string_view>
 #include <vector>
 
 #include "core/base/result.h"
@@ -14,7 +15,10 @@ namespace hapton {
 // The box that holds a mesh at rest and in all its shapes, with room for rounding. RT: set-up only.
 Box bounds_of_all_shapes(const TriangleMesh& mesh, const MeshDeformation& deformation);
 
-// Checks that all triangles of a deforming surface are walkable (SurfaceAdjacency): at rest, and in about kMostShapes evenly chosen shapes
+// Checks that all triangles of a surface in one shape are walkable (SurfaceAdjacency). when: for the message. RT: set-up only, a tree.
+Result<void> check_shape(const TriangleMesh& shape, const LocalFrame& frame, std::string_view when);
+
+// Checks that all triangles of a deforming surface are walkable: at rest, and in about kMostShapes evenly chosen shapes
 // at the keys and half-way between them (in fewer for large meshes). RT: set-up only, a tree for each shape. Error: how many triangles are
 // not walkable at which time, because the surface comes near itself or more than two triangles meet.
 constexpr std::size_t kMostShapes = 64;

@@ -1,24 +1,41 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "core/collision/deforming_geometry.h"
 #include "core/force/force_method.h"
-#include "core/force/proxy/proxy_method.h"
+#include "core/force/riding_proxy.h"
 
 namespace hapton {
 
-// The method `proxy` for one object that deforms (TouchObject::deformation): in each step the mesh has its shape at the time of the sample.
-//
-// Before each step the surface takes its shape of that time (DeformingGeometry) and carries the probe along: a probe that it holds, or that
-// it may have passed, moves to the same place of the deformed surface, on the same side (ProxyMethod::Anchor), and the device point of the
-// last sample moves by the same vector. From there the proxy follows the device as usual. So a surface that moves into the hand pushes the
-// proxy ahead, friction and damping are relative to the surface, and the proxy never passes it, however far it moved since the last step.
-//
-// While hand and surface cannot have met since the last search, a step is a few comparisons.
+// A deformation that is known beforehand, as RidingProxy takes it.
+class PresetSurface {
+ public:
+  PresetSurface(TouchGeometry& geometry, std::shared_ptr<const TriangleMesh> mesh, std::shared_ptr<const MeshDeformation> deformation)
+      : geometry_(geometry, std::move(mesh), std::move(deformation)) {}
+
+  double travel_to(double time_s) const noexcept {
+    return geometry_.deformation().most_displacement(weights_, geometry_.deformation().weights_at(time_s));
+  }
+  bool is_due(double /*time_s*/) const noexcept { return false; }
+  void shape(double time_s) noexcept {
+    weights_ = geometry_.deformation().weights_at(time_s);
+    geometry_.shape(time_s);
+  }
+  void skip_to(double /*time_s*/) noexcept {}
+
+  const DeformingGeometry& geometry() const noexcept { return geometry_; }
+
+ private:
+  DeformingGeometry geometry_;
+  MeshDeformation::Weights weights_ = {};  // of the present shape
+};
+
+// The method `proxy` for one object that deforms (TouchObject::deformation): in each step the mesh has its shape at the time of the sample,
+// and takes the probe along (RidingProxy).
 //
 // Frame: S. RT: step and reset yes: linear in the vertices that move, a few ns each, where the hand is near. Threads: as ForceMethod.
 class DeformingMethod final : public ForceMethod {
@@ -27,30 +44,20 @@ class DeformingMethod final : public ForceMethod {
   // walkable at rest (check_shapes tells of the other shapes).
   static Result<std::unique_ptr<ForceMethod>> make(const MethodSettings& settings, const TouchScene& scene);
 
-  MethodOutput step(const MethodInput& input) noexcept override;
-  void reset(const Vec3& p_SD) noexcept override { start_ = p_SD; }
-  void set_materials(std::span<const Material> materials) noexcept override { method_->set_materials(materials); }
+  MethodOutput step(const MethodInput& input) noexcept override { return riding_.step(input); }
+  void reset(const Vec3& p_SD) noexcept override { riding_.reset(p_SD); }
+  void set_materials(std::span<const Material> materials) noexcept override { riding_.method().set_materials(materials); }
   std::string describe() const override;
 
  private:
   DeformingMethod(std::unique_ptr<ForceMethod> method, const TouchObject& object);
 
-  void begin(const MethodInput& input) noexcept;
-  void come_near() noexcept;
-  void deform(const MethodInput& input, const MeshDeformation::Weights& weights, double reach_m) noexcept;
-  void look_round(const Vec3& p_SD, double moved_m) noexcept;
-
-  std::unique_ptr<ForceMethod> method_;
-  ProxyMethod& proxy_;  // *method_
-  DeformingGeometry surface_;
-  MeshDeformation::Weights weights_ = {};  // of the present shape
-  std::optional<Vec3> start_;              // where the next step begins after reset()
-  bool has_begun_ = false;
-  Vec3 last_p_SD_ = Vec3::Zero();
-  double last_time_s_ = 0.0;
-  Vec3 clear_from_ = Vec3::Zero();
-  double clear_m_ = 0.0;      // radius around clear_from_ without any surface; 0: not known
-  double to_travel_m_ = 0.0;  // how far hand and surface may move together until the next search
+  RidingProxy<PresetSurface> riding_;
 };
+
+// ProxyMethod of one object whose vertices will move within all_shapes. Pre: the object has a deformation. Error: as DeformingMethod::make.
+// RT: set-up only.
+Result<std::unique_ptr<ForceMethod>> make_proxy_of_deforming(const MethodSettings& settings, const TouchScene& scene,
+                                                             const Box& all_shapes);
 
 }  // namespace hapton

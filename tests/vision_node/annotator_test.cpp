@@ -400,6 +400,37 @@ TEST_F(AnnotatorTest, WhereMaterialIsGoneTheSurfaceThatIsLeftIsMeasured) {
   EXPECT_EQ(std::get<Measure>(entries()[0]).ends[0].p_O, measure.ends[0].p_O);
 }
 
+TEST_F(AnnotatorTest, StrokesGoAlongToAnotherSceneByTheNamesOfItsObjects) {
+  ASSERT_TRUE(view);
+  open();
+  draw_arc(1);
+  draw_arc(0);
+  ASSERT_EQ(entries().size(), 2U);
+  Scene recoloured = scene;
+  recoloured.objects[0].colour = {0, 1, 0};
+  annotator->change_scene(recoloured, nullptr);
+  press({.undo = true});
+  EXPECT_EQ(entries().size(), 1U) << "the same objects: undone as before";
+  press({.redo = true});
+  Scene other = scene;
+  other.objects.front().name = "new";
+  other.objects.push_back(scene.objects.front());
+  annotator->change_scene(other, nullptr);
+  ASSERT_EQ(entries().size(), 2U);
+  EXPECT_EQ(std::get<Stroke>(entries()[0]).object, 1) << "right";
+  EXPECT_EQ(std::get<Stroke>(entries()[1]).object, 2) << "left";
+  Scene alone = scene;
+  alone.objects.resize(1);
+  annotator->change_scene(alone, nullptr);
+  draw_arc(0);
+  annotator->show(Pose::Identity());
+  EXPECT_EQ(entries().size(), 3U) << "what was drawn on an object that is gone is kept for the file";
+  ASSERT_TRUE(annotator->finish());
+  const auto read = read_annotations(options.file, std::vector<std::string>{"left", "right"}, 7);
+  ASSERT_TRUE(read) << read.error().what;
+  EXPECT_EQ(read->annotations.entries.size(), 3U);
+}
+
 TEST_F(AnnotatorTest, TheMenuIsOpenedAndChosenFrom) {
   ASSERT_TRUE(view);
   open();

@@ -40,6 +40,26 @@ TEST_F(PenTest, AStrokeLastsFromThePressToTheRelease) {
   EXPECT_EQ(pen.take_finished(), std::nullopt);
 }
 
+TEST_F(PenTest, OtherAnnotationsEndWhatCanBeUndone) {
+  move(0);
+  move(kDraw);
+  move(0);
+  move(0);
+  move(kDraw, 4);
+  ASSERT_TRUE(pen.undo());
+  const auto entries_before = pen.entries_revision();
+  Annotations given = pen.annotations();
+  given.entries.resize(1);
+  pen.replace(given);
+  EXPECT_NE(pen.entries_revision(), entries_before);
+  EXPECT_EQ(entries(), 1U);
+  EXPECT_EQ(pen.current(), nullptr);
+  EXPECT_FALSE(pen.redo());
+  EXPECT_EQ(pen.take_finished(), std::nullopt);
+  EXPECT_TRUE(pen.undo());
+  EXPECT_EQ(entries(), 0U);
+}
+
 TEST_F(PenTest, AStrokeHasAVertexOnBothSidesOfWhereTheFacetChanges) {
   lift();
   for (int i = 1; i <= 30; ++i) pen.receive(SurfacePoint{0, Vec3(0.001 * i, 0, 0)}, kDraw, i <= 12 ? 7 : 3);

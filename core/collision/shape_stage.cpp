@@ -1,0 +1,205 @@
+#include "core/collision/shape_stage.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/collision/deforming_geometry.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kReachRoom = 0x1p-40;  // room for rounding, over the size of the bounds
+constexpr double kBoxRoom = 0x1p-40;    // local units; a share at the boundary of two parts may be rounded to either
+
+// As ObjectGeometry::move_vertex does it: two such coordinates subtract exactly.
+double to_grid(double local) { return std::ldexp(std::rint(std::ldexp(local, 51)), -51); }
+
+double mean_edge_of(const TriangleMesh& mesh) {
+  double sum = 0.0;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    sum += (mesh.vertices[b] - mesh.vertices[a]).norm() + (mesh.vertices[c] - mesh.vertices[b]).norm() +
+           (mesh.vertices[a] - mesh.vertices[c]).norm();
+  }
+  return mesh.triangles.empty() ? 0.0 : sum / (3.0 * static_cast<double>(mesh.triangles.size()));
+}
+
+}  // namespace
+
+Box bounds_with_reach(const TriangleMesh& mesh, double reach_m) {
+  Box box;
+  for (const Vec3& vertex : mesh.vertices) box.grow(vertex);
+  if (box.is_empty()) return box;
+  box = box.inflated(reach_m);
+  return box.inflated(kReachRoom * (box.diagonal() + box.low.norm() + box.high.norm()));
+}
+
+ShapeStager::ShapeStager(const TouchGeometry& geometry, std::shared_ptr<const TriangleMesh> mesh, double reach_m)
+    : mesh_(std::move(mesh)),
+      reach_m_(reach_m),
+      frame_(geometry.frame()),
+      new_vertex_(geometry.new_vertex()),
+      vertex_count_(geometry.object_geometry(0).vertices().size()),
+      tree_(geometry.object_geometry(0).tree()),
+      mean_edge_m_(mean_edge_of(*mesh_)) {
+  const ObjectGeometry& object = geometry.object_geometry(0);
+  for (std::uint32_t t = 0; t < object.triangle_count(); ++t) triangles_.push_back(object.triangle(t));
+}
+
+std::vector<double> ShapeStager::to_local(std::span<const Vec3> shape) const {
+  std::vector<double> local(3 * vertex_count_, 0.0);
+  for (std::size_t v = 0; v < shape.size(); ++v) {
+    if (new_vertex_[v] == ObjectGeometry::kUnused) continue;
+    const Vec3 p = frame_.to_local(shape[v]);
+    for (int k = 0; k < 3; ++k) local[3 * std::size_t{new_vertex_[v]} + static_cast<std::size_t>(k)] = to_grid(p[k]);
+  }
+  return local;
+}
+
+std::unique_ptr<ShapeStage> ShapeStager::make_rest() const {
+  auto stage = std::make_unique<ShapeStage>();
+  stage->begin = stage->to = mesh_->vertices;
+  stage->from = to_local(mesh_->vertices);
+  stage->way.assign(stage->from.size(), 0.0);
+  stage->trees.push_back(tree_);
+  return stage;
+}
+
+Result<void> ShapeStager::check(std::span<const Vec3> from, std::span<const Vec3> to) const {
+  if (to.size() != rest().size()) return fail("{} vertices were given; the mesh has {}", to.size(), rest().size());
+  for (std::size_t v = 0; v < to.size(); ++v) {
+    if (!to[v].allFinite()) return fail("vertex {} has a number that is not finite", v);
+    const double away_m = (to[v] - rest()[v]).norm();
+    if (!(away_m <= reach_m_)) {
+      return fail("vertex {} is {:.4g} m from where it is at rest; the largest distance is the reach, {:.4g} m", v, away_m, reach_m_);
+    }
+  }
+  TriangleMesh shape{.vertices = {to.begin(), to.end()}, .triangles = mesh_->triangles};
+  if (auto checked = check_shape(shape, frame_, "at its end"); !checked) return checked;
+  for (std::size_t v = 0; v < to.size(); ++v) shape.vertices[v] = 0.5 * (from[v] + to[v]);
+  return check_shape(shape, frame_, "half-way");
+}
+
+// As DeformingGeometry: so many that vertices move by less than half an edge in each.
+std::size_t ShapeStager::choose_count(double most_m) const {
+  const double wanted = mean_edge_m_ > 0.0 ? std::ceil(2.0 * most_m / mean_edge_m_) : 1.0;
+  return static_cast<std::size_t>(std::clamp(wanted, 1.0, static_cast<double>(kMostTrees)));
+}
+
+Result<std::unique_ptr<ShapeStage>> ShapeStager::make(std::span<const Vec3> from, std::span<const Vec3> to) const {
+  if (auto checked = check(from, to); !checked) return tl::unexpected(checked.error());
+  auto stage = std::make_unique<ShapeStage>();
+  stage->begin.assign(from.begin(), from.end());
+  stage->to.assign(to.begin(), to.end());
+  stage->from = to_local(from);
+  stage->way = to_local(to);
+  for (std::size_t i = 0; i < stage->way.size(); ++i) stage->way[i] -= stage->from[i];
+  // The grid moves an end by less than this.
+  const double rounding_m = 0x1p-49 * frame_.unit_m;
+  for (std::size_t v = 0; v < to.size(); ++v) stage->most_m = std::max(stage->most_m, (to[v] - from[v]).norm());
+  if (stage->most_m > 0.0) stage->most_m += rounding_m;
+  const std::size_t count = choose_count(stage->most_m);
+  const auto corner_at = [&](std::uint32_t vertex, double share) {
+    const std::size_t at = 3 * std::size_t{vertex};
+    return Vec3(stage->from[at] + share * stage->way[at], stage->from[at + 1] + share * stage->way[at + 1],
+                stage->from[at + 2] + share * stage->way[at + 2]);
+  };
+  for (std::size_t part = 0; part < count; ++part) {
+    const double begin = static_cast<double>(part) / static_cast<double>(count);
+    const double end = static_cast<double>(part + 1) / static_cast<double>(count);
+    WideBvh tree = tree_;
+    tree.refit_all([&](std::size_t t) {
+      Box box;  // vertices move straight
+      for (const std::uint32_t vertex : triangles_[t]) {
+        box.grow(corner_at(vertex, begin));
+        box.grow(corner_at(vertex, end));
+      }
+      return box.inflated(kBoxRoom);
+    });
+    stage->trees.push_back(std::move(tree));
+  }
+  return stage;
+}
+
+StreamedGeometry::StreamedGeometry(TouchGeometry& geometry, std::unique_ptr<ShapeStage> rest)
+    : geometry_(geometry), present_(std::move(rest)) {
+  geometry_.deforming_object().swap_tree(present_->trees[0]);
+  shape(0.0);
+}
+
+StreamedGeometry::Released StreamedGeometry::offer(std::unique_ptr<ShapeStage> stage, double over_s, double now_s) noexcept {
+  Released released{std::move(ended_), std::move(next_)};
+  next_ = std::move(stage);
+  next_start_s_ = std::max(now_s, start_s_ + over_s_);
+  next_over_s_ = over_s;
+  return released;
+}
+
+double StreamedGeometry::share_at(double time_s, double start_s, double over_s) noexcept {
+  return time_s >= start_s + over_s ? 1.0 : time_s <= start_s ? 0.0 : (time_s - start_s) / over_s;
+}
+
+double StreamedGeometry::travel_to(double time_s) const noexcept {
+  double at_m = travelled_m_ + share_at(time_s, start_s_, over_s_) * present_->most_m;
+  if (is_due(time_s)) at_m = travelled_m_ + present_->most_m + share_at(time_s, next_start_s_, next_over_s_) * next_->most_m;
+  return std::fabs(at_m - shaped_at_m_);
+}
+
+// Pre: there is a next one.
+void StreamedGeometry::advance() noexcept {
+  ObjectGeometry& object = geometry_.deforming_object();
+  object.swap_tree(present_->trees[part_]);
+  travelled_m_ += present_->most_m;
+  ended_ = std::move(present_);
+  present_ = std::move(next_);
+  start_s_ = next_start_s_;
+  over_s_ = next_over_s_;
+  ++serial_;
+  part_ = 0;
+  object.swap_tree(present_->trees[0]);
+}
+
+void StreamedGeometry::skip_to(double time_s) noexcept {
+  if (is_due(time_s)) advance();
+}
+
+void StreamedGeometry::shape(double time_s) noexcept {
+  skip_to(time_s);
+  ObjectGeometry& object = geometry_.deforming_object();
+  const ShapeStage& stage = *present_;
+  const double share = share_at(time_s, start_s_, over_s_);
+  for (std::size_t i = 0; i + 2 < stage.from.size(); i += 3) {
+    object.move_vertex(
+        static_cast<std::uint32_t>(i / 3),
+        {stage.from[i] + share * stage.way[i], stage.from[i + 1] + share * stage.way[i + 1], stage.from[i + 2] + share * stage.way[i + 2]});
+  }
+  shaped_at_m_ = travelled_m_ + share * stage.most_m;
+  const std::size_t count = stage.trees.size();
+  const std::size_t part = std::min(static_cast<std::size_t>(share * static_cast<double>(count)), count - 1);
+  if (part == part_) return;
+  object.swap_tree(present_->trees[part_]);
+  object.swap_tree(present_->trees[part]);
+  part_ = part;
+}
+
+std::vector<Vec3> StreamedGeometry::vertices_at(double time_s) const {
+  const bool is_next = is_due(time_s);
+  const ShapeStage& stage = is_next ? *next_ : *present_;
+  const double share = is_next ? share_at(time_s, next_start_s_, next_over_s_) : share_at(time_s, start_s_, over_s_);
+  std::vector<Vec3> vertices = stage.begin;
+  for (std::size_t v = 0; v < vertices.size(); ++v) vertices[v] += share * (stage.to[v] - stage.begin[v]);
+  return vertices;
+}
+
+std::size_t StreamedGeometry::bytes() const noexcept {
+  std::size_t bytes = 0;
+  for (const ShapeStage* stage : {present_.get(), next_.get()}) {
+    if (stage == nullptr) continue;
+    bytes +=
+        (stage->begin.capacity() + stage->to.capacity()) * sizeof(Vec3) + (stage->from.capacity() + stage->way.capacity()) * sizeof(double);
+    for (const WideBvh& tree : stage->trees) bytes += tree.bytes();
+  }
+  return bytes;
+}
+
+}  // namespace hapton

@@ -1,0 +1,125 @@
+#pragma once
+
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "core/force/force_method.h"
+#include "core/force/proxy/proxy_method.h"
+
+namespace hapton {
+
+// The method `proxy` on one surface that has another shape in each step.
+//
+// Before each step the surface takes its shape of that time and carries the probe along: a probe that it holds, or that it may have passed,
+// moves to the same place of the deformed surface, on the same side (ProxyMethod::Anchor), and the device point of the last sample moves by
+// the same vector. From there the proxy follows the device as usual. So a surface that moves into the hand pushes the proxy ahead, friction
+// and damping are relative to the surface, and the proxy never passes it, however far it moved since the last step.
+//
+// While hand and surface cannot have met since the last search, a step is a few comparisons.
+//
+// Surface: gives the geometry of the proxy its shape.
+//   double travel_to(double time_s) const   no vertex is farther at that time than this from where it is in the geometry
+//   bool is_due(double time_s) const        shape() must be called by then also if nothing moves
+//   void shape(double time_s)               the shape of that time
+//   void skip_to(double time_s)             the time has come, and the shape is not needed
+// All noexcept, RT: yes. Times do not decrease, but for one step at most: shape() of the last step's time after skip_to() of it.
+//
+// Frame: S. RT: step and reset yes. Threads: one.
+template <class Surface>
+class RidingProxy {
+ public:
+  // Pre: the method is a ProxyMethod of one object that deforms.
+  template <class... Arguments>
+  explicit RidingProxy(std::unique_ptr<ForceMethod> method, Arguments&&... of_surface)
+      : method_(std::move(method)),
+        proxy_(static_cast<ProxyMethod&>(*method_)),
+        surface_(proxy_.deforming_geometry(), std::forward<Arguments>(of_surface)...) {}
+
+  MethodOutput step(const MethodInput& input) noexcept {
+    if (!input.p_SD.allFinite() || !std::isfinite(input.time_s)) return {.force_n = Vec3::Zero(), .p_SP = input.p_SD};
+    if (!has_begun_ || start_) begin(input);
+    double reach_m = surface_.travel_to(input.time_s);
+    MethodOutput output{.force_n = Vec3::Zero(), .p_SP = input.p_SD};
+    if ((input.p_SD - clear_from_).norm() + reach_m < clear_m_) {
+      surface_.skip_to(input.time_s);
+      last_p_SD_ = input.p_SD;
+      last_time_s_ = input.time_s;
+      return output;
+    }
+    if (clear_m_ > 0.0) {
+      come_near();
+      reach_m = surface_.travel_to(input.time_s);
+    }
+    if (reach_m > 0.0 || surface_.is_due(input.time_s)) deform(input.time_s, reach_m);
+    output = method_->step({.p_SD = input.p_SD, .dt_s = input.dt_s});
+    if (!output.contact) look_round(input.p_SD, (input.p_SD - last_p_SD_).norm() + reach_m);
+    last_p_SD_ = input.p_SD;
+    last_time_s_ = input.time_s;
+    return output;
+  }
+
+  void reset(const Vec3& p_SD) noexcept { start_ = p_SD; }
+
+  ForceMethod& method() noexcept { return *method_; }
+  const ForceMethod& method() const noexcept { return *method_; }
+  const ProxyMethod& proxy() const noexcept { return proxy_; }
+  Surface& surface() noexcept { return surface_; }
+  const Surface& surface() const noexcept { return surface_; }
+  double last_time_s() const noexcept { return last_time_s_; }
+
+ private:
+  static constexpr double kLookSteps = 64.0;  // a search covers what hand and surface can reach in this many steps
+
+  // Where hand and surface were in the last step: they had not met.
+  void come_near() noexcept {
+    clear_m_ = 0.0;
+    to_travel_m_ = 0.0;
+    surface_.shape(last_time_s_);
+    method_->resume(last_p_SD_);
+  }
+
+  void begin(const MethodInput& input) noexcept {
+    surface_.shape(input.time_s);
+    method_->reset(start_.value_or(input.p_SD));
+    last_p_SD_ = start_.value_or(input.p_SD);
+    start_.reset();
+    has_begun_ = true;
+    clear_m_ = 0.0;
+    to_travel_m_ = 0.0;
+  }
+
+  void deform(double time_s, double reach_m) noexcept {
+    const ProxyMethod::Anchor anchor = proxy_.anchor(reach_m);
+    surface_.shape(time_s);
+    proxy_.ride(anchor);
+  }
+
+  // Pre: the probe is free, at the device.
+  void look_round(const Vec3& p_SD, double moved_m) noexcept {
+    to_travel_m_ -= moved_m;
+    if (to_travel_m_ > 0.0) return;
+    const double reach_m = kLookSteps * moved_m;
+    const double unit_m = proxy_.geometry().unit_m();
+    // Less the rounding of the conversion to local units.
+    const double clear_m = proxy_.anchor(reach_m).distance * unit_m * (1.0 - 0x1p-40) - 0x1p-48 * (unit_m + p_SD.norm());
+    to_travel_m_ = 0.25 * clear_m;
+    if (clear_m < 4.0 * moved_m || !(clear_m > 0.0)) return;
+    clear_from_ = p_SD;
+    clear_m_ = clear_m;
+  }
+
+  std::unique_ptr<ForceMethod> method_;
+  ProxyMethod& proxy_;  // *method_
+  Surface surface_;
+  std::optional<Vec3> start_;  // where the next step begins after reset()
+  bool has_begun_ = false;
+  Vec3 last_p_SD_ = Vec3::Zero();
+  double last_time_s_ = 0.0;
+  Vec3 clear_from_ = Vec3::Zero();
+  double clear_m_ = 0.0;      // radius around clear_from_ without any surface; 0: not known
+  double to_travel_m_ = 0.0;  // how far hand and surface may move together until the next search
+};
+
+}  // namespace hapton

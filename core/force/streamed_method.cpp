@@ -1,0 +1,49 @@
+#include "core/force/streamed_method.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/force/deforming_method.h"
+#include "core/math/commanded_motion.h"
+
+namespace hapton {
+
+Result<std::unique_ptr<StreamedMethod>> StreamedMethod::make(const MethodSettings& settings, std::shared_ptr<const TriangleMesh> mesh,
+                                                             const Material& material, double reach_m) {
+  if (!(reach_m > 0.0) || !std::isfinite(reach_m)) {
+    return fail("a reach of {} m; give how far a vertex may be from where it is in the mesh, above 0", reach_m);
+  }
+  if (mesh == nullptr || mesh->triangles.empty()) return fail("the mesh has no triangles; give it a surface to touch");
+  // A deformation in which nothing moves makes the proxy ready for vertices that move.
+  auto nothing = std::make_shared<const MeshDeformation>(std::vector{MorphTarget{.vertices = {0}, .displacements = {Vec3::Zero()}}},
+                                                         std::vector{MorphKey{.time_s = 0.0, .weights = {0.0}}}, false);
+  TouchScene scene;
+  scene.objects.push_back({.mesh = mesh, .material = material, .deformation = std::move(nothing)});
+  auto method = make_proxy_of_deforming(settings, scene, bounds_with_reach(*mesh, reach_m));
+  if (!method) return tl::unexpected(method.error());
+  auto stager = std::make_unique<ShapeStager>(static_cast<const ProxyMethod&>(**method).geometry(), std::move(mesh), reach_m);
+  return std::unique_ptr<StreamedMethod>(new StreamedMethod(std::move(*method), std::move(stager)));
+}
+
+StreamedMethod::StreamedMethod(std::unique_ptr<ForceMethod> method, std::unique_ptr<ShapeStager> stager)
+    : stager_(std::move(stager)), riding_(std::move(method), stager_->make_rest()) {}
+
+double StreamedMethod::compute_time_s(const ShapeStage& stage, double over_s) noexcept {
+  return std::max(over_s, stage.most_m / kMostSurfaceSpeed);
+}
+
+StreamedGeometry::Released StreamedMethod::offer(std::unique_ptr<ShapeStage> stage, double over_s) noexcept {
+  const double seconds = compute_time_s(*stage, over_s);
+  return riding_.surface().offer(std::move(stage), seconds, riding_.last_time_s());
+}
+
+std::string StreamedMethod::describe() const {
+  return fmt::format("a program gives its shapes: {} vertices, {:.3g} MB\n", stager_->rest().size(),
+                     static_cast<double>(riding_.surface().bytes()) * 1e-6) +
+         riding_.method().describe();
+}
+
+}  // namespace hapton

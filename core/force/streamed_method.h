@@ -1,0 +1,56 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/collision/shape_stage.h"
+#include "core/force/force_method.h"
+#include "core/force/riding_proxy.h"
+
+namespace hapton {
+
+// The method `proxy` for one surface whose shapes are not known beforehand: a program gives one after the other, and the vertices move
+// straight from each to the next. It is what DeformingMethod does for keyframes with these shapes.
+//
+// A shape is prepared outside of the step (stager()), and handed over (offer()) as a stage from the shape that the present stage leads to.
+// If the present stage has become another one meanwhile (serial()), the shape has to be prepared again. No vertex is faster than
+// kMostSurfaceSpeed: a stage that would be faster takes longer.
+//
+// Frame: S. RT: step, reset, set_materials and offer yes: linear in the vertices, a few ns each, where the hand is near. Threads: as
+// ForceMethod; stager() any, beside the steps.
+class StreamedMethod final : public ForceMethod {
+ public:
+  // reach_m: no vertex will ever be farther than that from where it is in the mesh. Error: a mesh without triangles; a reach that is not
+  // finite or not above 0; what DeformingMethod rejects.
+  static Result<std::unique_ptr<StreamedMethod>> make(const MethodSettings& settings, std::shared_ptr<const TriangleMesh> mesh,
+                                                      const Material& material, double reach_m);
+
+  MethodOutput step(const MethodInput& input) noexcept override { return riding_.step(input); }
+  void reset(const Vec3& p_SD) noexcept override { riding_.reset(p_SD); }
+  void set_materials(std::span<const Material> materials) noexcept override { riding_.method().set_materials(materials); }
+  std::string describe() const override;
+
+  const ShapeStager& stager() const { return *stager_; }
+  // The stage that moves at the time of the last step, or has ended.
+  const ShapeStage& present() const noexcept { return riding_.surface().present(); }
+  std::uint64_t serial() const noexcept { return riding_.surface().serial(); }
+  // The stage comes after the present one, and takes the place of one that waits. over_s: how long it shall take. Returned: stages that are
+  // used no more, to be destroyed outside of the loop. Pre: it begins where the present stage ends; over_s 0 or more.
+  StreamedGeometry::Released offer(std::unique_ptr<ShapeStage> stage, double over_s) noexcept;
+  // How long a stage takes.
+  static double compute_time_s(const ShapeStage& stage, double over_s) noexcept;
+
+  // The shape at the time of the last step. RT: no.
+  std::vector<Vec3> vertices() const { return riding_.surface().vertices_at(riding_.last_time_s()); }
+
+ private:
+  StreamedMethod(std::unique_ptr<ForceMethod> method, std::unique_ptr<ShapeStager> stager);
+
+  std::unique_ptr<ShapeStager> stager_;
+  RidingProxy<StreamedGeometry> riding_;
+};
+
+}  // namespace hapton

@@ -1,0 +1,38 @@
+#include "runtime/file_watch.h"
+
+#include <system_error>
+#include <utility>
+
+namespace hapton {
+
+FileWatch::FileWatch(std::filesystem::path path) : path_(std::move(path)) { known_ = stamp_of_file().value_or(Stamp()); }
+
+std::optional<FileWatch::Stamp> FileWatch::stamp_of_file() const {
+  std::error_code error;
+  const auto time = std::filesystem::last_write_time(path_, error);
+  if (error) return std::nullopt;
+  const auto bytes = std::filesystem::file_size(path_, error);
+  return error ? std::nullopt : std::optional(Stamp{time, bytes});
+}
+
+FileWatch::Look FileWatch::look() {
+  const std::optional<Stamp> now = stamp_of_file();
+  if (!now) {
+    seen_.reset();
+    return ++looks_without_file_ == 2 ? Look::gone : Look::unchanged;
+  }
+  looks_without_file_ = 0;
+  if (*now == known_) {
+    seen_.reset();
+    return Look::unchanged;
+  }
+  if (std::exchange(seen_, now) != now) return Look::waiting;
+  return Look::changed;
+}
+
+void FileWatch::accept() {
+  known_ = seen_.value_or(known_);
+  seen_.reset();
+}
+
+}  // namespace hapton

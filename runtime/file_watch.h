@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+
+namespace hapton {
+
+// Notices that a file was saved: by its time and size, whenever it is asked to look. RT: no. Threads: one.
+class FileWatch {
+ public:
+  // The file as it is now is known.
+  explicit FileWatch(std::filesystem::path path);
+
+  enum class Look : std::uint8_t {
+    unchanged,
+    waiting,  // it has just changed, and may be being written
+    changed,  // it has changed and was the same for two looks; reported until accept()
+    gone      // there was no file for two looks; reported once, as editors remove a file for a moment
+  };
+  Look look();
+
+  // The file as the last look found it is known from now on. Pre: that look was `changed`.
+  void accept();
+
+ private:
+  struct Stamp {
+    std::filesystem::file_time_type time = {};
+    std::uintmax_t bytes = 0;
+    friend bool operator==(const Stamp&, const Stamp&) = default;
+  };
+  // None: there is no file now.
+  std::optional<Stamp> stamp_of_file() const;
+
+  std::filesystem::path path_;
+  Stamp known_;
+  std::optional<Stamp> seen_;  // changed at the look before
+  int looks_without_file_ = 0;
+};
+
+}  // namespace hapton

@@ -1,0 +1,207 @@
+#include "core/collision/shape_stage.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <set>
+
+#include "tests/support/made_meshes.h"
+
+namespace hapton {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double kReach = 0.03;
+
+struct Streamed {
+  explicit Streamed(TriangleMesh of) : mesh(made::shared(std::move(of))) {
+    geometry = std::make_unique<TouchGeometry>(std::vector<std::shared_ptr<const TriangleMesh>>{mesh}, BuildPolicy::to_deform, std::nullopt,
+                                               bounds_with_reach(*mesh, kReach));
+    stager = std::make_unique<ShapeStager>(*geometry, mesh, kReach);
+    surface = std::make_unique<StreamedGeometry>(*geometry, stager->make_rest());
+  }
+  template <class Map>
+  std::vector<Vec3> mapped(const Map& map) const {
+    std::vector<Vec3> shape;
+    for (const Vec3& p : mesh->vertices) shape.push_back(map(p));
+    return shape;
+  }
+  // The stage that leads there from where the present one ends.
+  std::unique_ptr<ShapeStage> stage_to(const std::vector<Vec3>& shape) const {
+    auto made = stager->make(surface->present().to, shape);
+    EXPECT_TRUE(made) << (made ? "" : made.error().what);
+    return made ? std::move(*made) : nullptr;
+  }
+  void expect_shape(const std::vector<Vec3>& expected) const {
+    for (std::size_t v = 0; v < expected.size(); ++v) {
+      const Vec3& is = geometry->deforming_object().vertices()[geometry->new_vertex()[v]];
+      ASSERT_LE((is - geometry->to_local(expected[v])).norm(), 0x1p-49) << v;
+      for (int k = 0; k < 3; ++k) ASSERT_EQ(std::ldexp(is[k], 51), std::rint(std::ldexp(is[k], 51))) << "on the grid";
+    }
+  }
+
+  std::shared_ptr<const TriangleMesh> mesh;
+  std::unique_ptr<TouchGeometry> geometry;
+  std::unique_ptr<ShapeStager> stager;
+  std::unique_ptr<StreamedGeometry> surface;
+};
+
+std::vector<Vec3> between(const std::vector<Vec3>& a, const std::vector<Vec3>& b, double share) {
+  std::vector<Vec3> shape;
+  for (std::size_t v = 0; v < a.size(); ++v) shape.push_back(a[v] + share * (b[v] - a[v]));
+  return shape;
+}
+
+TEST(StreamedGeometry, GoesStraightFromEachShapeToTheNext) {
+  const Streamed one(made::sphere(0.05, 12, 0.05));
+  const auto rest = one.mesh->vertices;
+  const auto wide = one.mapped([](const Vec3& p) { return Vec3(1.2 * p); });
+  const auto bent = one.mapped([](const Vec3& p) { return Vec3(p + Vec3(0, 0.3 * p.z(), 0.1 * std::fabs(p.x()))); });
+  one.expect_shape(rest);
+  (void)one.surface->offer(one.stage_to(wide), 0.5, 1.0);
+  EXPECT_EQ(one.surface->end_s(), 1.5);
+  EXPECT_FALSE(one.surface->is_due(0.9));
+  EXPECT_TRUE(one.surface->is_due(1.0));
+  for (const double share : {0.0, 0.3, 0.55, 1.0}) {
+    one.surface->shape(1.0 + 0.5 * share);
+    one.expect_shape(between(rest, wide, share));
+    const auto told = one.surface->vertices_at(1.0 + 0.5 * share);
+    for (std::size_t v = 0; v < rest.size(); ++v) ASSERT_LE((told[v] - between(rest, wide, share)[v]).norm(), 1e-16) << v;
+  }
+  EXPECT_EQ(one.surface->serial(), 1U);
+  EXPECT_GT(one.surface->present().trees.size(), 1U);
+  // It begins exactly where the one before has ended.
+  const std::vector<Vec3> end(one.geometry->deforming_object().vertices().begin(), one.geometry->deforming_object().vertices().end());
+  const auto released = one.surface->offer(one.stage_to(bent), 0.2, 1.5);
+  EXPECT_NE(released.ended, nullptr);
+  EXPECT_EQ(released.replaced, nullptr);
+  one.surface->shape(1.5);
+  EXPECT_EQ(one.surface->serial(), 2U);
+  const auto now = one.geometry->deforming_object().vertices();
+  EXPECT_TRUE(std::equal(end.begin(), end.end(), now.begin(), now.end())) << "to the last bit";
+  one.surface->shape(1.65);
+  one.expect_shape(between(wide, bent, (1.65 - 1.5) / 0.2));
+  one.surface->shape(9.0);
+  one.expect_shape(bent);
+}
+
+TEST(StreamedGeometry, TheNewestThatWaitsComesNext) {
+  const Streamed one(made::sheet(0.05, 0.0, 4));
+  const auto up = one.mapped([](const Vec3& p) { return Vec3(p + Vec3(0, 0, 0.01)); });
+  const auto down = one.mapped([](const Vec3& p) { return Vec3(p - Vec3(0, 0, 0.02)); });
+  EXPECT_EQ(one.surface->offer(one.stage_to(up), 1.0, 0.0).replaced, nullptr);
+  EXPECT_NE(one.surface->offer(one.stage_to(down), 1.0, 0.0).replaced, nullptr);
+  one.surface->shape(0.5);
+  one.expect_shape(between(one.mesh->vertices, down, 0.5));
+}
+
+// No vertex is farther than that from where it is, whatever the times and stages between.
+TEST(StreamedGeometry, BoundsHowFarItTravels) {
+  const Streamed one(made::sheet(0.05, 0.0, 4));
+  const auto up = one.mapped([](const Vec3& p) { return Vec3(p + Vec3(0, 0, 0.01)); });
+  const auto tilted = one.mapped([](const Vec3& p) { return Vec3(p + Vec3(0, 0, 0.2 * p.x())); });
+  (void)one.surface->offer(one.stage_to(up), 1.0, 0.0);
+  EXPECT_NEAR(one.surface->travel_to(0.5), 0.005, 1e-9);
+  one.surface->skip_to(0.5);
+  (void)one.surface->offer(one.stage_to(tilted), 1.0, 0.5);
+  const auto before = one.surface->vertices_at(0.0);
+  EXPECT_NEAR(one.surface->travel_to(0.5), 0.005, 1e-9) << "of the shape in the geometry, which is still that at rest";
+  for (const double time : {0.7, 1.0, 1.4, 2.5}) {
+    double most = 0.0;
+    const auto now = one.surface->vertices_at(time);
+    for (std::size_t v = 0; v < now.size(); ++v) most = std::max(most, (now[v] - before[v]).norm());
+    EXPECT_GE(one.surface->travel_to(time), most - 1e-15) << time;
+  }
+  one.surface->skip_to(1.1);
+  EXPECT_EQ(one.surface->serial(), 2U);
+  EXPECT_NEAR(one.surface->travel_to(1.0), 0.01, 1e-9);
+  one.surface->shape(1.5);
+  EXPECT_EQ(one.surface->travel_to(1.5), 0.0);
+  one.expect_shape(between(up, tilted, 0.5));
+}
+
+// Brute force: every triangle that is there is found, whichever of the trees is in use.
+TEST(StreamedGeometry, FindsEveryTriangleAtEachTime) {
+  const Streamed one(made::sphere(0.05, 12, 0.05));
+  std::mt19937_64 random(9);
+  SCOPED_TRACE("seed 9");
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  double time = 0.0;
+  for (int stage = 0; stage < 12; ++stage) {
+    const Vec3 by = 0.01 * Vec3(unit(random), unit(random), unit(random));
+    const double wide = 1.0 + 0.2 * unit(random);
+    (void)one.surface->offer(one.stage_to(one.mapped([&](const Vec3& p) { return Vec3(wide * p + by); })), 1.0, time);
+    for (int i = 0; i < 30; ++i) {
+      time += 0.04;
+      one.surface->shape(time);
+      const Vec3 p(unit(random), unit(random), unit(random));
+      const Box query = Box{p, p}.inflated(0.1);
+      std::set<std::uint32_t> found;
+      one.geometry->for_each_overlapping(query, [&](std::uint32_t id) { found.insert(id); });
+      double nearest = 1e300;
+      for (std::uint32_t id = 0; id < one.mesh->triangles.size(); ++id) {
+        Box box;
+        for (int k = 0; k < 3; ++k) box.grow(one.geometry->corner(id, k));
+        if (box.overlaps(query)) {
+          EXPECT_TRUE(found.contains(id)) << id;
+        }
+        nearest = std::min(nearest, one.geometry->separation(id, p).distance);
+      }
+      double by_tree = 1e300;
+      one.geometry->visit_nearest(p, 1e300, [&](std::uint32_t id, double) {
+        by_tree = std::min(by_tree, one.geometry->separation(id, p).distance);
+        return by_tree * by_tree;
+      });
+      EXPECT_EQ(by_tree, nearest);
+    }
+  }
+  EXPECT_GE(one.surface->serial(), 11U);
+}
+
+TEST(ShapeStager, SaysWhatIsNoShape) {
+  const Streamed one(made::sheet(0.05, 0.0, 4));
+  const auto reject = [&](const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
+    const auto made = one.stager->make(from, to);
+    EXPECT_FALSE(made);
+    return made ? std::string() : made.error().what;
+  };
+  const auto rest = one.mesh->vertices;
+  auto fewer = rest;
+  fewer.pop_back();
+  EXPECT_THAT(reject(rest, fewer), HasSubstr("24 vertices were given; the mesh has 25"));
+  auto broken = rest;
+  broken[7].y() = std::nan("");
+  EXPECT_THAT(reject(rest, broken), HasSubstr("vertex 7 has a number that is not finite"));
+  auto far = rest;
+  far[3].z() += 1.001 * kReach;
+  EXPECT_THAT(reject(rest, far), HasSubstr("vertex 3 is 0.03003 m from where it is at rest; the largest distance is the reach, 0.03 m"));
+  auto edge = rest;
+  edge[3].z() += kReach;
+  EXPECT_TRUE(one.stager->make(rest, edge));
+  // Pulled over its neighbours' triangles, and all in one line.
+  auto flat = rest;
+  for (Vec3& p : flat) p.x() = std::fabs(p.x()) < 0.01 ? 0.0 : p.x() - std::copysign(0.025, p.x());
+  EXPECT_THAT(reject(rest, flat), HasSubstr("at its end "));
+}
+
+// Both ends are good, and half-way between them the two sheets are in each other.
+TEST(ShapeStager, LooksAtTheShapeHalfWay) {
+  TriangleMesh two = made::sheet(0.02, 0.0, 4);
+  const TriangleMesh above = made::sheet(0.015, 0.005, 4);
+  const auto shift = static_cast<std::uint32_t>(two.vertices.size());
+  two.vertices.insert(two.vertices.end(), above.vertices.begin(), above.vertices.end());
+  for (const Triangle& t : above.triangles) two.triangles.push_back({t[0] + shift, t[1] + shift, t[2] + shift});
+  const Streamed one(std::move(two));
+  auto through = one.mesh->vertices;
+  for (std::size_t v = shift; v < through.size(); ++v) through[v].z() -= 0.010;
+  const auto made = one.stager->make(one.mesh->vertices, through);
+  ASSERT_FALSE(made);
+  EXPECT_THAT(made.error().what, HasSubstr("half-way 64 of its 64 triangles touch or nearly touch"));
+}
+
+}  // namespace
+}  // namespace hapton

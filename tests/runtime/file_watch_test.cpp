@@ -1,0 +1,65 @@
+#include "runtime/file_watch.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+
+#include "tests/support/scratch_folder.h"
+
+namespace hapton {
+namespace {
+
+using Look = FileWatch::Look;
+
+struct FileWatchTest : testing::Test {
+  void write(const std::string& text) {
+    folder.write("a.toml", text);
+    // Two writes within the clock's step of a file system would look like one.
+    std::filesystem::last_write_time(file, std::filesystem::file_time_type::clock::now() + std::chrono::seconds(++writes));
+  }
+
+  ScratchFolder folder;
+  std::filesystem::path file = folder.path() / "a.toml";
+  int writes = 0;
+};
+
+TEST_F(FileWatchTest, AChangeCountsOnceTheFileWasTheSameForTwoLooks) {
+  write("one");
+  FileWatch watch(file);
+  EXPECT_EQ(watch.look(), Look::unchanged);
+  write("two");
+  EXPECT_EQ(watch.look(), Look::waiting);
+  write("three");
+  EXPECT_EQ(watch.look(), Look::waiting) << "being written";
+  EXPECT_EQ(watch.look(), Look::changed);
+  EXPECT_EQ(watch.look(), Look::changed) << "until it is accepted";
+  watch.accept();
+  EXPECT_EQ(watch.look(), Look::unchanged);
+}
+
+TEST_F(FileWatchTest, AFileThatIsGoneIsReportedOnceAndNotForAMoment) {
+  write("one");
+  FileWatch watch(file);
+  const auto aside = folder.path() / "aside";
+  std::filesystem::rename(file, aside);
+  EXPECT_EQ(watch.look(), Look::unchanged);
+  std::filesystem::rename(aside, file);
+  EXPECT_EQ(watch.look(), Look::unchanged);
+  std::filesystem::rename(file, aside);
+  EXPECT_EQ(watch.look(), Look::unchanged);
+  EXPECT_EQ(watch.look(), Look::gone);
+  EXPECT_EQ(watch.look(), Look::unchanged);
+  std::filesystem::rename(aside, file);
+  EXPECT_EQ(watch.look(), Look::unchanged) << "the same as before";
+}
+
+TEST_F(FileWatchTest, AFileThatAppearsLaterIsAChange) {
+  FileWatch watch(file);
+  EXPECT_EQ(watch.look(), Look::unchanged);
+  write("one");
+  EXPECT_EQ(watch.look(), Look::waiting);
+  EXPECT_EQ(watch.look(), Look::changed);
+}
+
+}  // namespace
+}  // namespace hapton

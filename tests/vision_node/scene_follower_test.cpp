@@ -1,0 +1,84 @@
+#include "vision_node/scene_follower.h"
+
+#include <gtest/gtest.h>
+
+namespace hapton {
+namespace {
+
+Scene made(std::uint64_t given_hash) {
+  Scene scene;
+  scene.given_hash = given_hash;
+  return scene;
+}
+
+TEST(SceneFollower, ASceneOfOtherMeshesWaitsUntilItIsFelt) {
+  SceneFollower follower(1);
+  follower.set_felt(1);
+  EXPECT_FALSE(follower.take_due()) << "nothing was saved";
+  follower.offer(made(2), 0);
+  EXPECT_FALSE(follower.take_due());
+  follower.set_felt(1);
+  EXPECT_FALSE(follower.take_due());
+  follower.set_felt(2);
+  const auto due = follower.take_due();
+  ASSERT_TRUE(due);
+  EXPECT_EQ(due->given_hash, 2U);
+  EXPECT_FALSE(follower.take_due());
+}
+
+TEST(SceneFollower, ColoursAndLightsDoNotWait) {
+  SceneFollower follower(1);
+  follower.set_felt(1);
+  follower.offer(made(1), 0);
+  EXPECT_TRUE(follower.take_due());
+}
+
+TEST(SceneFollower, WhatIsFeltMayBeUnknownOrAnotherScene) {
+  SceneFollower unknown(1);
+  unknown.offer(made(2), 0);
+  EXPECT_TRUE(unknown.take_due()) << "no haptics node";
+  SceneFollower other(1);
+  other.set_felt(7);
+  other.offer(made(2), 0);
+  EXPECT_TRUE(other.take_due()) << "they differ anyway";
+  other.set_felt(2);
+  other.offer(made(3), 0);
+  EXPECT_FALSE(other.take_due()) << "now they are the same";
+}
+
+TEST(SceneFollower, HapticsMayBeFirst) {
+  SceneFollower follower(1);
+  follower.set_felt(2);
+  EXPECT_FALSE(follower.take_due());
+  follower.offer(made(2), 0);
+  EXPECT_TRUE(follower.take_due());
+}
+
+TEST(SceneFollower, TheNewestFileCountsAndItsOldContentIsShownAtOnce) {
+  SceneFollower follower(1);
+  follower.set_felt(1);
+  follower.offer(made(2), 0);
+  follower.offer(made(3), 0);
+  follower.set_felt(2);
+  const auto due = follower.take_due();
+  ASSERT_TRUE(due) << "what is felt has left the scene shown";
+  EXPECT_EQ(due->given_hash, 3U);
+  follower.set_felt(3);
+  follower.offer(made(4), 0);
+  EXPECT_FALSE(follower.take_due());
+  follower.offer(made(3), 0);
+  EXPECT_TRUE(follower.take_due()) << "the change was taken back";
+}
+
+TEST(SceneFollower, APersonIsToldOnceThatItWaits) {
+  SceneFollower follower(1);
+  follower.set_felt(1);
+  EXPECT_FALSE(follower.take_impatience(SceneFollower::kPatienceNs));
+  follower.offer(made(2), 100);
+  EXPECT_FALSE(follower.take_impatience(99 + SceneFollower::kPatienceNs));
+  EXPECT_TRUE(follower.take_impatience(100 + SceneFollower::kPatienceNs));
+  EXPECT_FALSE(follower.take_impatience(200 + SceneFollower::kPatienceNs));
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "runtime/clock.h"
+#include "vision_node/carved_objects.h"
+#include "vision_node/moved_objects.h"
+#include "vision_node/scene_follower.h"
+#include "vision_node/scene_reload.h"
+#include "vision_node/teach_builder.h"
+#include "vision_node/vision_options.h"
+
+namespace hapton {
+
+// The scene that is shown, with all that is made of it: objects that move, objects that are carved, teaching views. If its file is watched,
+// it is exchanged while the picture goes on, when SceneFollower says so. Threads: the window's. RT: no.
+class LiveScene {
+ public:
+  // Pre: view and options outlive this; the view was opened with the scene (open_view).
+  LiveScene(StereoView& view, VisionOptions& options, Scene scene);
+
+  const Scene& scene() const { return parts_->scene; }
+  MovedObjects& moved() { return parts_->moved; }
+  CarvedObjects& carved() { return parts_->carved; }
+  TeachBuilder& teacher() { return parts_->teacher; }
+
+  // Pre: it outlives this.
+  void watch(SceneReload* file) { file_ = file; }
+  bool is_watched() const { return file_ != nullptr; }
+  // The hash of what is felt (SceneFacts).
+  void set_felt(std::uint64_t given_hash) { follower_.set_felt(given_hash); }
+
+  // What follow() has exchanged. The old parts live until it is destroyed: until then, pointers to them are valid.
+  struct Change;
+  // Shows the file as it was saved, if it is time for it; null: nothing has changed. Options then have framing, sphere and names of the new
+  // scene. A scene that cannot be drawn is one line in the log.
+  std::unique_ptr<Change> follow(std::int64_t now_ns);
+
+ private:
+  struct Parts {
+    Parts(StereoView& view, Scene given) : scene(std::move(given)), moved(view, scene), carved(view, scene), teacher(scene.touch_scene()) {}
+    Scene scene;
+    MovedObjects moved;
+    CarvedObjects carved;
+    TeachBuilder teacher;
+  };
+
+  StereoView& view_;
+  VisionOptions& options_;
+  std::unique_ptr<Parts> parts_;
+  SceneReload* file_ = nullptr;
+  SceneFollower follower_;
+};
+
+struct LiveScene::Change {
+  std::unique_ptr<Parts> before;
+  bool has_new_camera = false;  // [camera] of the file has changed: the view begins anew
+};
+
+// Objects with colours and textures, as the view takes them.
+std::vector<ShownObject> list_shown_objects(const Scene& scene);
+
+// Sets what the options have of a scene: framing, lights, sphere and names.
+void describe_scene(const Scene& scene, VisionOptions& options);
+
+}  // namespace hapton

@@ -1,0 +1,71 @@
+#include "vision_node/scene_reload.h"
+
+#include <sys/resource.h>
+
+#include <chrono>
+#include <utility>
+
+#include "runtime/log.h"
+#include "runtime/start_thread.h"
+
+namespace hapton {
+namespace {
+
+// As SceneWatcher of haptics_node: a change counts at the second look that sees it.
+constexpr std::chrono::milliseconds kLookEvery(500);
+// A force has the processor first.
+constexpr int kReloadNiceness = 10;
+
+}  // namespace
+
+SceneReload::SceneReload(std::filesystem::path path, const SceneLoading& loading)
+    : path_(std::move(path)), loading_(loading), file_(path_) {}
+
+SceneReload::~SceneReload() {
+  stop_.store(true);
+  if (thread_.joinable()) thread_.join();
+}
+
+void SceneReload::start() {
+  thread_ = start_thread([this] { run(); });
+}
+
+void SceneReload::run() {
+  (void)::setpriority(PRIO_PROCESS, 0, kReloadNiceness);  // of this thread alone
+  while (!stop_.load()) {
+    look();
+    std::this_thread::sleep_for(kLookEvery);
+  }
+}
+
+void SceneReload::look() {
+  switch (file_.look()) {
+    case FileWatch::Look::gone:
+      log_warning("{} is gone; the present picture stays, and the file is read once it is back", path_.string());
+      return;
+    case FileWatch::Look::unchanged:
+    case FileWatch::Look::waiting:
+      return;
+    case FileWatch::Look::changed:
+      file_.accept();
+      read();
+  }
+}
+
+void SceneReload::read() {
+  auto scene = load_scene(path_, loading_);
+  if (!scene) {
+    log_warning("{}; the present picture stays", scene.error().what);
+    return;
+  }
+  for (const auto& note : scene->notes) log_info("{}", note);
+  const std::lock_guard lock(mutex_);
+  read_ = std::move(*scene);
+}
+
+std::optional<Scene> SceneReload::take() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(read_, std::nullopt);
+}
+
+}  // namespace hapton

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "runtime/file_watch.h"
+#include "scene/scene_file.h"
+
+namespace hapton {
+
+// Reads the scene file again when it was saved, in a thread of its own: no frame waits for it. A file with an error is one line in the log.
+// Threads: take() from one; look() from one, that of start() if it was called. RT: no.
+class SceneReload {
+ public:
+  // The file as it is now is known.
+  SceneReload(std::filesystem::path path, const SceneLoading& loading);
+  ~SceneReload();
+  SceneReload(const SceneReload&) = delete;
+  SceneReload& operator=(const SceneReload&) = delete;
+
+  // Looks twice a second from now on, in its thread.
+  void start();
+  // One look: a file that was saved, and is the same at the next look, is read then.
+  void look();
+
+  // The newest scene that was read since the last call; none: nothing was.
+  std::optional<Scene> take();
+
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  void run();
+  void read();
+
+  std::filesystem::path path_;
+  SceneLoading loading_;
+  FileWatch file_;
+  std::mutex mutex_;
+  std::optional<Scene> read_;
+  std::atomic<bool> stop_ = false;
+  std::thread thread_;  // last: it uses the others
+};
+
+}  // namespace hapton
