@@ -11,10 +11,6 @@ namespace {
 constexpr double kRounding = 0x1p-44;
 
 using Lanes3 = std::array<Double4, 3>;
-struct alignas(32) Lanes {
-  double v[4];
-};
-
 [[gnu::always_inline]] inline Double4 dot(const Lanes3& a, const Lanes3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 [[gnu::always_inline]] inline Lanes3 cross(const Lanes3& a, const Lanes3& b) {
@@ -23,59 +19,65 @@ struct alignas(32) Lanes {
 
 [[gnu::always_inline]] inline Lanes3 minus(const Lanes3& a, const Lanes3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 
+[[gnu::always_inline]] inline Lanes3 select(const Double4& mask, const Lanes3& set, const Lanes3& clear) {
+  return {select(mask, set[0], clear[0]), select(mask, set[1], clear[1]), select(mask, set[2], clear[2])};
+}
+
 // 1 / x; for x too small for that, a large number.
-double inverse(double x) {
+[[gnu::always_inline]] inline Double4 inverse(const Double4& x) {
   constexpr double kLeast = 0x1p-900;
-  return 1.0 / std::max(x, kLeast);
+  return Double4(1.0) / max(Double4(kLeast), x);
 }
 
 // The vector from the closest point of an edge to the query point. `from`: the same vector from the edge's start.
 [[gnu::always_inline]] inline Lanes3 from_edge(const Lanes3& from, const Lanes3& edge) {
-  const Double4 ahead = dot(from, edge);
-  const Double4 squared = dot(edge, edge);
-  Lanes t;
-  for (int i = 0; i < 4; ++i) t.v[i] = std::clamp(ahead.v[i] * inverse(squared.v[i]), 0.0, 1.0);
-  const Double4 at = Double4::load(t.v);
+  const Double4 at = min(Double4(1.0), max(Double4(0.0), dot(from, edge) * inverse(dot(edge, edge))));
   return {from[0] - at * edge[0], from[1] - at * edge[1], from[2] - at * edge[2]};
+}
+
+// Coordinate k of the four points in lanes k.
+[[gnu::always_inline]] inline Lanes3 load_points(const std::array<const Vec3*, 4>& points) {
+  std::array<Double4, 4> rows;
+  for (std::size_t i = 0; i < 4; ++i) rows[i] = Double4::load_three(points[i]->data());
+  transpose(rows[0], rows[1], rows[2], rows[3]);
+  return {rows[0], rows[1], rows[2]};
 }
 
 }  // namespace
 
 // For any unit vector u, the distance of q from the triangle is at least u . (q - x), where x is the triangle's point farthest along u. A u
 // with a rounding error, or from the wrong feature of the triangle, weakens the bound and never makes it wrong.
-void NearTriangles::bound(const Corners& corners, Bounds& bounds) noexcept {
+void NearTriangles::bound(const Corners& corners, const Vec3& centre, Bounds& bounds) noexcept {
   const Double4 zero(0.0);
-  Lanes3 ap;
-  Lanes3 ab;
-  Lanes3 ac;
-  for (int k = 0; k < 3; ++k) {
-    ap[k] = zero - Double4::load(corners.to_a[k]);
-    ab[k] = Double4::load(corners.ab[k]);
-    ac[k] = Double4::load(corners.ac[k]);
-  }
+  const Double4 one(1.0);
+  const Lanes3 ap = minus({Double4(centre[0]), Double4(centre[1]), Double4(centre[2])}, corners.a);
+  const Lanes3 ab = minus(corners.b, corners.a);
+  const Lanes3 ac = minus(corners.c, corners.a);
   const Lanes3 bp = minus(ap, ab);
   const Lanes3 bc = minus(ac, ab);
   // From the three edges, and from the face, which is closest where the centre is inside the prism over it.
-  const Lanes3 away[4] = {from_edge(ap, ab), from_edge(ap, ac), from_edge(bp, bc), cross(ab, ac)};
-  const Lanes3& normal = away[3];
-  const Double4 squared[4] = {dot(away[0], away[0]), dot(away[1], away[1]), dot(away[2], away[2]), dot(normal, normal)};
+  Lanes3 away = from_edge(ap, ab);
+  Double4 squared = dot(away, away);
+  const auto take = [&](const Double4& mask, const Lanes3& other, const Double4& other_squared) {
+    away = select(mask, other, away);
+    squared = select(mask, other_squared, squared);
+  };
+  for (const Lanes3& other : {from_edge(ap, ac), from_edge(bp, bc)}) {
+    const Double4 other_squared = dot(other, other);
+    take(other_squared < squared, other, other_squared);
+  }
+  const Lanes3 normal = cross(ab, ac);
   const Lanes3 sideways = cross(ap, normal);
   const Double4 inside = min(min(dot(sideways, ab), dot(cross(bp, normal), bc)), zero - dot(sideways, ac));
-  const Double4 height = dot(normal, ap);
-  for (int i = 0; i < 4; ++i) {
-    const bool is_inside = inside.v[i] > 0.0;
-    int nearest = squared[1].v[i] < squared[0].v[i] ? 1 : 0;
-    if (squared[2].v[i] < squared[nearest].v[i]) nearest = 2;
-    if (is_inside) nearest = 3;
-    const double unit = std::sqrt(inverse(squared[nearest].v[i])) * (is_inside && height.v[i] < 0.0 ? -1.0 : 1.0);
-    for (int k = 0; k < 3; ++k) bounds.normal[k][i] = unit * away[nearest][k].v[i];
-  }
-  Lanes3 u;
-  for (int k = 0; k < 3; ++k) u[k] = Double4::load(bounds.normal[k]);
+  const Double4 is_inside = zero < inside;
+  take(is_inside, normal, dot(normal, normal));
+  const Double4 sign = select(is_inside, select(dot(normal, ap) < zero, Double4(-1.0), one), one);
+  const Double4 unit = sqrt(inverse(squared)) * sign;
+  const Lanes3 u = {unit * away[0], unit * away[1], unit * away[2]};
   // The support of the triangle along u, relative to corner a: zero, or one of the two edges.
   const Double4 support = min(zero, min(zero - dot(u, ab), zero - dot(u, ac)));
-  const Double4 distance = dot(u, ap) + support - Double4(kRounding);
-  for (int i = 0; i < 4; ++i) bounds.distance[i] = distance.v[i];
+  store(bounds.distance, dot(u, ap) + support - Double4(kRounding));
+  for (std::size_t k = 0; k < 3; ++k) store(bounds.normal[k], u[k]);
 }
 
 // In batches, so that the memory of several triangles is prefetched at a time.
@@ -114,17 +116,16 @@ bool NearTriangles::add(const Batch& batch, int count, int most) noexcept {
   for (int i = 0; i < count; ++i) geometry_->prefetch_corners(batch[static_cast<std::size_t>(i)]);
   for (int first = 0; first < count; first += 4) {
     const int lanes = std::min(4, count - first);
-    Corners corners;
     Bounds bounds;
-    for (int lane = 0; lane < 4; ++lane) {
-      const ObjectGeometry::Corners of = geometry_->corners(batch[static_cast<std::size_t>(first + std::min(lane, lanes - 1))]);
-      for (int k = 0; k < 3; ++k) {
-        corners.to_a[k][lane] = of.a[k] - centre_[k];
-        corners.ab[k][lane] = of.b[k] - of.a[k];
-        corners.ac[k][lane] = of.c[k] - of.a[k];
-      }
+    std::array<const Vec3*, 4> a, b, c;
+    for (std::size_t lane = 0; lane < 4; ++lane) {
+      const auto at = static_cast<std::size_t>(first + std::min(static_cast<int>(lane), lanes - 1));
+      const ObjectGeometry::Corners of = geometry_->corners(batch[at]);
+      a[lane] = &of.a;
+      b[lane] = &of.b;
+      c[lane] = &of.c;
     }
-    bound(corners, bounds);
+    bound({load_points(a), load_points(b), load_points(c)}, centre_, bounds);
     for (int lane = 0; lane < lanes; ++lane) {
       if (bounds.distance[lane] > within_ - kRounding) continue;
       if (count_ == most) return false;

@@ -84,16 +84,16 @@ class NearTriangles {
  private:
   static constexpr int kBatch = 64;
   using Batch = std::array<std::uint32_t, kBatch>;
-  // Of four triangles: the vector from the centre to corner a, and two edges.
-  struct alignas(32) Corners {
-    double to_a[3][4], ab[3][4], ac[3][4];
+  // Of four triangles, by coordinate.
+  struct Corners {
+    std::array<Double4, 3> a, b, c;
   };
   struct alignas(32) Bounds {
     double distance[4], normal[3][4];
   };
   // Of a bound at that distance from the centre.
   static double rounding(double off) { return 0x1p-44 + 0x1p-40 * off; }
-  static void bound(const Corners& corners, Bounds& bounds) noexcept;
+  static void bound(const Corners& corners, const Vec3& centre, Bounds& bounds) noexcept;
   bool add(const Batch& batch, int count, int most) noexcept;
 
   const TouchGeometry* geometry_ = nullptr;

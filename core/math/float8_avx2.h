@@ -113,8 +113,24 @@ struct Double4 {
 inline Double4 operator+(Double4 a, Double4 b) noexcept { return Double4(_mm256_add_pd(a.v, b.v)); }
 inline Double4 operator-(Double4 a, Double4 b) noexcept { return Double4(_mm256_sub_pd(a.v, b.v)); }
 inline Double4 operator*(Double4 a, Double4 b) noexcept { return Double4(_mm256_mul_pd(a.v, b.v)); }
+inline Double4 operator/(Double4 a, Double4 b) noexcept { return Double4(_mm256_div_pd(a.v, b.v)); }
+inline Double4 operator<(Double4 a, Double4 b) noexcept { return Double4(_mm256_cmp_pd(a.v, b.v, _CMP_LT_OQ)); }
 inline Double4 operator<=(Double4 a, Double4 b) noexcept { return Double4(_mm256_cmp_pd(a.v, b.v, _CMP_LE_OQ)); }
 inline Double4 min(Double4 a, Double4 b) noexcept { return Double4(_mm256_min_pd(a.v, b.v)); }
+inline Double4 max(Double4 a, Double4 b) noexcept { return Double4(_mm256_max_pd(a.v, b.v)); }
+inline Double4 sqrt(Double4 a) noexcept { return Double4(_mm256_sqrt_pd(a.v)); }
+inline Double4 select(Double4 mask, Double4 set, Double4 clear) noexcept { return Double4(_mm256_blendv_pd(clear.v, set.v, mask.v)); }
+inline void store(double* into, Double4 a) noexcept { _mm256_store_pd(into, a.v); }
+inline void transpose(Double4& a, Double4& b, Double4& c, Double4& d) noexcept {
+  const __m256d low_ab = _mm256_unpacklo_pd(a.v, b.v);
+  const __m256d high_ab = _mm256_unpackhi_pd(a.v, b.v);
+  const __m256d low_cd = _mm256_unpacklo_pd(c.v, d.v);
+  const __m256d high_cd = _mm256_unpackhi_pd(c.v, d.v);
+  a.v = _mm256_permute2f128_pd(low_ab, low_cd, 0x20);
+  b.v = _mm256_permute2f128_pd(high_ab, high_cd, 0x20);
+  c.v = _mm256_permute2f128_pd(low_ab, low_cd, 0x31);
+  d.v = _mm256_permute2f128_pd(high_ab, high_cd, 0x31);
+}
 inline unsigned sign_bits(Double4 a) noexcept { return static_cast<unsigned>(_mm256_movemask_pd(a.v)); }
 inline Float4 rounded(Double4 a) noexcept { return Float4(_mm256_cvtpd_ps(a.v)); }
 

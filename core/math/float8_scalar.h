@@ -251,11 +251,38 @@ inline Double4 operator-(Double4 a, Double4 b) noexcept {
 inline Double4 operator*(Double4 a, Double4 b) noexcept {
   return detail::map(a, b, [](double x, double y) { return x * y; });
 }
+inline Double4 operator/(Double4 a, Double4 b) noexcept {
+  return detail::map(a, b, [](double x, double y) { return x / y; });
+}
+inline Double4 operator<(Double4 a, Double4 b) noexcept {
+  return detail::map(a, b, [](double x, double y) { return std::bit_cast<double>(x < y ? ~std::uint64_t{0} : std::uint64_t{0}); });
+}
 inline Double4 operator<=(Double4 a, Double4 b) noexcept {
   return detail::map(a, b, [](double x, double y) { return std::bit_cast<double>(x <= y ? ~std::uint64_t{0} : std::uint64_t{0}); });
 }
 inline Double4 min(Double4 a, Double4 b) noexcept {
   return detail::map(a, b, [](double x, double y) { return x < y ? x : y; });
+}
+inline Double4 max(Double4 a, Double4 b) noexcept {
+  return detail::map(a, b, [](double x, double y) { return x > y ? x : y; });
+}
+inline Double4 sqrt(Double4 a) noexcept {
+  return detail::map(a, [](double x) { return std::sqrt(x); });
+}
+inline Double4 select(Double4 mask, Double4 set, Double4 clear) noexcept {
+  Double4 result;
+  for (std::size_t i = 0; i < 4; ++i) result.v[i] = detail::sign(mask.v[i]) != 0 ? set.v[i] : clear.v[i];
+  return result;
+}
+inline void store(double* into, Double4 a) noexcept {
+  for (const double x : a.v) *into++ = x;
+}
+inline void transpose(Double4& a, Double4& b, Double4& c, Double4& d) noexcept {
+  const Double4 rows[4] = {a, b, c, d};
+  Double4* const columns[4] = {&a, &b, &c, &d};
+  for (std::size_t i = 0; i < 4; ++i) {
+    for (std::size_t k = 0; k < 4; ++k) columns[i]->v[k] = rows[k].v[i];
+  }
 }
 inline unsigned sign_bits(Double4 a) noexcept { return detail::sign_bits(a); }
 inline Float4 rounded(Double4 a) noexcept {

@@ -17,14 +17,12 @@ double SphereFollower::longest_on_curve(const ContactFrame& frame, const Vec3& d
   return kTurn / std::max({find_turn(direction), bend.norm(), 0x1p-10});
 }
 
-// The place that far along the curve; sense: 1 in the direction of the frame here, or -1. A place on the curve is the minimum when the
-// device is level with it: a linear equation for the time. False: the curve turns too far, or does not lead there.
-bool SphereFollower::find_on_curve(const Vec3& from, const Vec3& motion, double sense, double ahead, CurvePlace& place) const noexcept {
-  ContactFrame here;
-  if (!find_frame(centre_, here)) return false;
-  const Vec3 direction = sense * here.along;
+// The place that far along the curve. It is the minimum when the device is level with it: a linear equation for the time. False: the curve
+// turns too far, or does not lead there.
+bool SphereFollower::find_on_curve(const Course& course, double ahead, CurvePlace& place) const noexcept {
+  const auto& [from, motion, direction, sense] = course;
   place.centre = centre_ + ahead * direction;
-  if (!restore(place.centre) || !find_frame(place.centre, place.frame)) return false;
+  if (!restore_to_frame(place.centre, place.frame)) return false;
   const Vec3 chord = place.centre - centre_;
   if (!(direction.dot(chord) > 0.5 * chord.norm())) return false;
   place.along = sense * place.frame.along;
@@ -63,26 +61,27 @@ bool SphereFollower::make_curve_leg(const Vec3& from, const Vec3& to, double tim
   if (!(std::fabs(pace) > kLeastPace * motion.norm())) return false;
   const double sense = pace < 0.0 ? -1.0 : 1.0;
   const Vec3 direction = sense * here.along;
-  if (!(find_stability(centre_, on_path(from, to, time)) > kLeastStability)) return false;
+  const Course course{from, motion, direction, sense};
+  if (!(find_stability(here, centre_, on_path(from, to, time)) > kLeastStability)) return false;
 
   CurvePlace end;
   const auto left = [&](const CurvePlace& place) { return (1.0 - place.time) / (1.0 - time); };
   const auto room = [&](const CurvePlace& place) { return std::max(-1.0, std::min(place.stability, left(place))); };
   const auto room_at = [&](double ahead) {
-    return find_on_curve(from, motion, sense, ahead, end) ? room(end) : std::numeric_limits<double>::quiet_NaN();
+    return find_on_curve(course, ahead, end) ? room(end) : std::numeric_limits<double>::quiet_NaN();
   };
   double length = longest_on_curve(here, direction);
   bool is_found = false;
   for (int i = 0; i < kMostHalvings && !is_found; ++i, length *= is_found ? 1.0 : 0.5) {
     CurvePlace middle;
-    if (!find_on_curve(from, motion, sense, 0.5 * length, middle) || !find_on_curve(from, motion, sense, length, end)) continue;
+    if (!find_on_curve(course, 0.5 * length, middle) || !find_on_curve(course, length, end)) continue;
     if (!(room(middle) > 0.0)) continue;
     is_found = !(room(end) > 0.0) || (time < middle.time && middle.time < end.time);
   }
   if (!is_found) return false;
   if (!(room(end) > 0.0)) {
     length = find_zero(0.0, 1.0, length, room(end), kNearZero, room_at);
-    if (!find_on_curve(from, motion, sense, length, end)) return false;
+    if (!find_on_curve(course, length, end)) return false;
     leg.vanishes = end.stability < left(end);
     if (!leg.vanishes && solve(to, end.centre) && find_frame(end.centre, end.frame)) {
       end.time = 1.0;
@@ -99,7 +98,7 @@ bool SphereFollower::make_curve_leg(const Vec3& from, const Vec3& to, double tim
     const double at_end = multiplier(end);
     if (!(at_end < -kAtMinimum)) continue;
     const auto multiplier_at = [&](double ahead) {
-      return find_on_curve(from, motion, sense, ahead, end) ? multiplier(end) : std::numeric_limits<double>::quiet_NaN();
+      return find_on_curve(course, ahead, end) ? multiplier(end) : std::numeric_limits<double>::quiet_NaN();
     };
     double begin = 0.0;
     double at_begin = std::max(0.0, here.dual[static_cast<std::size_t>(i)].dot(centre_ - on_path(from, to, time)));
@@ -114,7 +113,7 @@ bool SphereFollower::make_curve_leg(const Vec3& from, const Vec3& to, double tim
     leg.released = i;
     leg.vanishes = false;
     if (length > 0.0) {
-      if (!find_on_curve(from, motion, sense, length, end)) return false;
+      if (!find_on_curve(course, length, end)) return false;
       leg.time = std::clamp(end.time, time, 1.0);
     } else {
       end.centre = centre_;

@@ -150,6 +150,12 @@ class SphereFollower {
     Vec3 origin = Vec3::Zero();  // on both
     std::array<Vec3, 2> normal;  // unit, towards the centre
   };
+  // Along the curve where two contacts meet, with the device moving.
+  struct Course {
+    Vec3 from, motion;   // of the device
+    Vec3 direction;      // unit, of the curve at the centre
+    double sense = 1.0;  // of that direction: 1 as the frame's there, -1 opposite
+  };
   // A place on the curve where two contacts meet.
   struct CurvePlace {
     Vec3 centre = Vec3::Zero();
@@ -252,7 +258,7 @@ class SphereFollower {
   Next stay(const Vec3& from, const Vec3& to, double& time) noexcept;
   bool make_leg(const Vec3& from, const Vec3& to, double time, Leg& leg) const noexcept;
   bool make_curve_leg(const Vec3& from, const Vec3& to, double time, Leg& leg) const noexcept;
-  bool find_on_curve(const Vec3& from, const Vec3& motion, double sense, double ahead, CurvePlace& place) const noexcept;
+  bool find_on_curve(const Course& course, double ahead, CurvePlace& place) const noexcept;
   double time_on_curve(const Vec3& from, const Vec3& to) const noexcept;
   double longest_on_curve(const ContactFrame& frame, const Vec3& direction) const noexcept;
   Next lose_minimum(const Vec3& hint) noexcept;
@@ -261,12 +267,15 @@ class SphereFollower {
   bool descend_along_curve(const Vec3& device, bool is_unstable, CentrePath& path) const noexcept;
   bool make_curve_piece(const Vec3& direction, double length, const Vec3& device, bool is_unstable, CentrePath& path) const noexcept;
   double find_stability(const Vec3& c, const Vec3& device) const noexcept;
+  double find_stability(const ContactFrame& frame, const Vec3& c, const Vec3& device) const noexcept;
   Vec3 find_rate(const Vec3& c, const Vec3& device, const Vec3& motion) const noexcept;
   double find_turn(const Vec3& displacement) const noexcept;
   bool solve(const Vec3& device, Vec3& c) const noexcept;
   bool solve_on_curve(const Vec3& device, Vec3& c) const noexcept;
   void guide(CentrePath& path) const noexcept;
   bool restore(Vec3& c) const noexcept;
+  bool restore(Vec3& c, ContactFrame& frame, bool& has_normals) const noexcept;
+  bool restore_to_frame(Vec3& c, ContactFrame& frame) const noexcept;
   bool find_frame(const Vec3& c, ContactFrame& frame) const noexcept;
   bool cover(const CentrePath& path, double& until) noexcept;
   bool gather(const Vec3& towards) noexcept;

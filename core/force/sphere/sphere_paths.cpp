@@ -26,20 +26,33 @@ void SphereFollower::guide(CentrePath& path) const noexcept {
 
 // Projects onto the offset of all active contacts.
 bool SphereFollower::restore(Vec3& c) const noexcept {
+  ContactFrame frame;
+  bool has_normals = false;
+  return restore(c, frame, has_normals);
+}
+
+// The same, and the frame there.
+bool SphereFollower::restore_to_frame(Vec3& c, ContactFrame& frame) const noexcept {
+  bool has_normals = false;
+  return restore(c, frame, has_normals) && (has_normals ? frame.prepare() : find_frame(c, frame));
+}
+
+// `has_normals`: whether the frame's normals are those there.
+bool SphereFollower::restore(Vec3& c, ContactFrame& frame, bool& has_normals) const noexcept {
   constexpr int kMostRounds = 8;
+  frame.count = active_count_;
   for (int round = 0; round < kMostRounds; ++round) {
-    ContactFrame frame;
     std::array<double, 3> short_by{};
     double most = 0.0;
     ++work_;
-    frame.count = active_count_;
     for (int i = 0; i < active_count_; ++i) {
       const OffsetContact::Proximity proximity = contacts_[i].proximity(c);
       frame.normal[i] = proximity.normal;
       short_by[i] = clearance_.offset - proximity.distance;
       most = std::max(most, std::fabs(short_by[i]));
     }
-    if (most <= 0x1p-51) return true;
+    has_normals = most <= 0x1p-51;
+    if (has_normals) return true;
     if (most > clearance_.offset || !frame.prepare()) return false;
     for (int i = 0; i < active_count_; ++i) c += short_by[i] * frame.dual[i];
     if (most <= 0x1p-26 * clearance_.offset && active_count_ == 1) return true;
@@ -53,7 +66,10 @@ bool SphereFollower::restore(Vec3& c) const noexcept {
 // Second derivative of half the squared distance to the device along the free directions, the least of all. 1: all active parts are flat.
 double SphereFollower::find_stability(const Vec3& c, const Vec3& device) const noexcept {
   ContactFrame frame;
-  if (!find_frame(c, frame)) return 1.0;
+  return find_frame(c, frame) ? find_stability(frame, c, device) : 1.0;
+}
+
+double SphereFollower::find_stability(const ContactFrame& frame, const Vec3& c, const Vec3& device) const noexcept {
   if (active_count_ == 1) return contacts_[0].is_curved() ? 1.0 - frame.normal[0].dot(c - device) / clearance_.offset : 1.0;
   double stability = 1.0;
   for (int i = 0; i < active_count_; ++i) {
@@ -127,7 +143,7 @@ Vec3 SphereFollower::find_rate(const Vec3& c, const Vec3& device, const Vec3& mo
   ContactFrame frame;
   if (!find_frame(c, frame)) return Vec3::Zero();
   if (active_count_ == 2) {
-    const double stability = find_stability(c, device);
+    const double stability = find_stability(frame, c, device);
     return frame.along * (frame.along.dot(motion) / (stability > 0.0 ? std::max(stability, 0x1p-20) : std::min(stability, -0x1p-20)));
   }
   const OffsetContact& contact = contacts_[0];
@@ -312,18 +328,18 @@ bool SphereFollower::make_curve_piece(const Vec3& direction, double length, cons
   // A piece of that length. False: it ends on another curve, or no nearer.
   const auto go = [&](double ahead, bool must_lead_on) {
     Vec3 end = centre_ + ahead * direction;
-    if (!restore(end)) return false;
+    ContactFrame there;
     if (is_straight) {
+      if (!restore(end)) return false;
       path = CentrePath::straight(centre_, end);
       return true;
     }
+    if (!restore_to_frame(end, there)) return false;
     const Vec3 chord = end - centre_;
     const Vec3 pull = device - centre_;
     // Half of what the squared distance loses. Within rounding nothing may be lost at the end of a descent.
     const double gain = chord.dot(pull - 0.5 * chord);
     if (!(gain > (is_unstable || must_lead_on ? 0.0 : -kRounding * pull.norm()))) return false;
-    ContactFrame there;
-    if (!find_frame(end, there)) return false;
     const Vec3 direction_there = sense < 0.0 ? Vec3(-there.along) : there.along;  // opposite: the curve on the other side of a crest
     if (!(direction_there.dot(direction) > 1.0 - 2.0 * kTurn * kTurn)) return false;
     if (must_lead_on && !(direction_there.dot(device - end) > 0.0)) return false;
@@ -335,7 +351,7 @@ bool SphereFollower::make_curve_piece(const Vec3& direction, double length, cons
   };
   if (!is_straight) {
     // As far as a piece may turn, or to the minimum if that is nearer.
-    const double stability = find_stability(centre_, device);
+    const double stability = find_stability(here, centre_, device);
     const double most = longest_on_curve(here, direction);
     const double to_minimum = !is_unstable && stability > kLeastStability ? length / stability : most;
     length = std::min(to_minimum, most);

@@ -99,9 +99,17 @@ Bits run(const Input& in) {
   transpose(p, q, r, s);
   for (const auto& row : {p, q, r, s}) append(bits, row, 4);
   const auto d = Double4::load(in.d), e = Double4::load_three(in.e);
-  for (const auto& x : {d + e, d - e, d * e, min(d, e), Double4(in.d[0])}) append(bits, rounded(x), 4);
+  for (const auto& x : {d + e, d - e, d * e, d / e, sqrt(d), min(d, e), max(d, e), select(d, e, d + e), Double4(in.d[0])})
+    append(bits, rounded(x), 4);
+  bits.push_back(sign_bits(d < e));
   bits.push_back(sign_bits(d <= e));
   bits.push_back(sign_bits(d));
+  Double4 rows[4] = {d, e, d + e, d - e};
+  transpose(rows[0], rows[1], rows[2], rows[3]);
+  for (const auto& row : rows) append(bits, rounded(row), 4);
+  alignas(32) double stored[4];
+  store(stored, d);
+  for (const double x : stored) append(bits, rounded(Double4(x)), 4);
   return bits;
 }
 
