@@ -11,23 +11,13 @@
 #include "link/messages.h"
 #include "scene/scene_file.h"
 #include "vision_node/annotated_surfaces.h"
+#include "vision_node/annotator_options.h"
 #include "vision_node/interaction.h"
 #include "vision_node/pen.h"
 #include "vision_node/stereo_view.h"
 #include "vision_node/touch_menu.h"
 
 namespace hapton {
-
-struct AnnotatorOptions {
-  std::filesystem::path file;     // .toml: read at the start where it exists, written at the end and on a key; empty: none
-  std::filesystem::path strokes;  // .obj or .vtp: written with it, for other programs; empty: none
-  int draw_button = 2;            // of the stylus, from 1; 0: none
-  int measure_button = 3;
-  int menu_button = 4;
-};
-
-// What the command line alone shows to be wrong. Error: a file name with another ending, or one button for two things. RT: no.
-Result<void> check_annotator_options(const AnnotatorOptions& options);
 
 // Drawing and measuring on the scene: joins the pen, the menu in the workspace, what is drawn of both and the files. Threads: the
 // window's. RT: no.
