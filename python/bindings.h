@@ -19,6 +19,7 @@ struct PythonMesh {
 void bind_meshes(py::module_& module);
 void bind_touch(py::module_& module);
 void bind_tools(py::module_& module);
+void bind_deforming(py::module_& module);
 void bind_sessions(py::module_& module);
 void bind_fields(py::module_& module);
 void bind_live(py::module_& module);

@@ -6,6 +6,7 @@ PYBIND11_MODULE(_hapton, module) {
   hapton::python::bind_meshes(module);
   hapton::python::bind_touch(module);
   hapton::python::bind_tools(module);
+  hapton::python::bind_deforming(module);
   hapton::python::bind_sessions(module);
   hapton::python::bind_fields(module);
   hapton::python::bind_live(module);

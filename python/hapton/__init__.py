@@ -4,12 +4,13 @@ import json as _json
 # Now, not at the first array: that would be the first force of a node, which must not take a second.
 import numpy as _numpy
 
-from ._hapton import Client, FieldNode, HandSample, Material, Mesh, ToolStep, TouchStep, fields, load_mesh, methods, read_session, run_haptics_node
+from ._hapton import Client, DeformStep, FieldNode, HandSample, Material, Mesh, ToolStep, TouchStep, fields, load_mesh, methods, read_session, run_haptics_node
 from ._hapton import _report_mesh
 from .results import read_table, run_bench, run_loop
 
 __all__ = [
     "Client",
+    "DeformStep",
     "FieldNode",
     "HandSample",
     "Material",

@@ -22,6 +22,14 @@ class ExamplesTest(unittest.TestCase):
             self.assertEqual(set(trials[:, 0]), {0, 1})
             self.assertTrue(np.isfinite(trials).all())
 
+    def test_streamed_membrane(self):
+        with LiveSystem("--rate", "1000") as system:
+            script = os.path.join(SOURCE, "examples", "streamed_membrane.py")
+            run = subprocess.run([sys.executable, script, "3", system.hub], capture_output=True, text=True, timeout=60)
+            self.assertEqual(run.returncode, 0, run.stderr)
+            self.assertRegex(run.stdout, r"[1-9][0-9]* shapes, the lowest vertex at ")
+            self.assertRegex(run.stdout, r"[1-9][0-9]* forces a second")
+
     def test_examples_are_short(self):
         folder = os.path.join(SOURCE, "examples")
         for name in os.listdir(folder):
