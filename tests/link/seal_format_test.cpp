@@ -121,11 +121,10 @@ void lengthen(ObjectMove& m) {
   constexpr std::int64_t kMostTime = std::numeric_limits<std::int64_t>::max();
   m = {kMost32, kMost32, std::numeric_limits<std::int32_t>::max(), kMostTime, kMostTime, kVector, kRotation, kVector, kRotation};
 }
+// An undo is shorter than a carve, with the two fields that it needs.
 void lengthen(Carves& m) {
   m = {kMost32, kMost32, kMost32 - Carves::kMost, Carves::kMost, {}};
   m.carves.fill({std::numeric_limits<std::int32_t>::max(), {0.1F, 0.2F, 0.3F}, {0.2F, 0.3F, 0.4F}, 0.1F, true});
-  // With an undo there is one field more.
-  m.carves[0] = {.object = -1, .undone_first = 1, .undone_last = 2};
 }
 void lengthen(CarveUndo& m) { m = {kMost32, kMost32}; }
 void lengthen(CarveStatus& m) { m = {kMost32, kMost32}; }
