@@ -10,6 +10,16 @@ namespace {
 
 using Part = OffsetContact::Part;
 
+// Whether a triangle at an edge of the face lies beyond that edge. At the edge of a blade it is folded back under the face.
+bool lies_beyond(const ContactTriangle& face, int edge, const ContactTriangle& other) {
+  for (int k = 0; k < 3; ++k) {
+    const Vec3& corner = other.corner(k);
+    const bool is_end = corner == face.corner(edge) || corner == face.corner((edge + 1) % 3);
+    if (!is_end && face.inside(edge, corner) < 0.0) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 // The first event on the path, up to the time in `event`. False: it cannot be computed.
@@ -229,7 +239,9 @@ int SphereFollower::find_rising(const OffsetContact& contact, int edge, const Ve
       return;
     const OffsetContact face = OffsetContact::on_face(near_.triangle(slot), shape, contact.normal);
     const double rise = face.normal.dot(direction);
-    if (!(rise < least) || std::fabs(face.proximity(centre_).distance - clearance_.offset) > clearance_.slop) return;
+    if (!(rise < least) || !lies_beyond(contact.shape, edge, shape) ||
+        std::fabs(face.proximity(centre_).distance - clearance_.offset) > clearance_.slop)
+      return;
     least = rise;
     rising = slot;
   });

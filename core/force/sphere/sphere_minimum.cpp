@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "core/force/sphere/sphere_follower.h"
 #include "core/math/straight_motion.h"
@@ -10,6 +11,21 @@ namespace hapton {
 namespace {
 
 using Part = OffsetContact::Part;
+
+// Which contact of a frame another one replaces, whose normal lies in the span of the frame's: as its multiplier grows, theirs change, and
+// that one reaches zero first. `held`: from the device to the centre.
+std::size_t find_replaced(const ContactFrame& frame, const Vec3& normal, const Vec3& held) noexcept {
+  std::size_t replaced = static_cast<std::size_t>(frame.count) - 1;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < static_cast<std::size_t>(frame.count); ++i) {
+    const double share = frame.dual[i].dot(normal);
+    const double grown = std::max(0.0, frame.dual[i].dot(held)) / share;
+    if (!(share > 0.0) || !(grown < least)) continue;
+    least = grown;
+    replaced = i;
+  }
+  return replaced;
+}
 
 }  // namespace
 
@@ -30,9 +46,11 @@ void SphereFollower::activate_opposing(const Vec3& device, const Vec3& motion) n
     ++active_count_;
     ContactFrame frame;
     if (find_frame(centre_, frame)) continue;
-    // The two are redundant: the new one replaces the other.
-    contacts_[active_count_ - 2] = contacts_[active_count_ - 1];
+    // It is redundant with the others, and replaces one of them.
     --active_count_;
+    const OffsetContact& added = contacts_[active_count_];
+    if (!find_frame(centre_, frame)) return;
+    contacts_[find_replaced(frame, added.proximity(centre_).normal, centre_ - device)] = added;
     return;
   }
 }
