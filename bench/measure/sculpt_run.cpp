@@ -77,8 +77,11 @@ struct MadeAt {
 
 double ms_since(const Stopwatch& watch, std::uint64_t start) { return 1e-6 * watch.ns_between(start, Stopwatch::ticks()); }
 
+// The least of some repetitions, as for the steps: without the cost of other programs.
+constexpr int kAgain = 4;
+
 // What the picture's thread does after 33 ms of carving, but for the form in which it hands the result over.
-TimeSpread time_surfaces(const Stopwatch& watch, const CarvedField& whole, const std::vector<MadeAt>& carves) {
+std::vector<double> time_surfaces_once(const Stopwatch& watch, const CarvedField& whole, const std::vector<MadeAt>& carves) {
   CarvedField field = whole;
   SurfaceNets nets;
   SurfaceNet net;
@@ -101,7 +104,23 @@ TimeSpread time_surfaces(const Stopwatch& watch, const CarvedField& whole, const
     }
     ns.push_back(watch.ns_between(start, Stopwatch::ticks()));
   }
-  return spread_of_times(std::move(ns));
+  return ns;
+}
+
+TimeSpread time_surfaces(const Stopwatch& watch, const CarvedField& whole, const std::vector<MadeAt>& carves) {
+  std::vector<double> least = time_surfaces_once(watch, whole, carves);
+  for (int again = 1; again < kAgain; ++again) {
+    const std::vector<double> ns = time_surfaces_once(watch, whole, carves);
+    for (std::size_t i = 0; i < least.size(); ++i) least[i] = std::min(least[i], ns[i]);
+  }
+  return spread_of_times(std::move(least));
+}
+
+template <class Once>
+double find_least_ms(Once&& once) {
+  double least_ms = once();
+  for (int again = 1; again < kAgain; ++again) least_ms = std::min(least_ms, once());
+  return least_ms;
 }
 
 double time_whole_surface(const Stopwatch& watch, const CarvedField& field) {
@@ -178,8 +197,8 @@ Result<SculptRunRow> measure_body(const SculptShape& shape, int grid, double rad
   row.carving = spread_of_times(timed.least.only(is_carving));
   row.touching = spread_of_times(timed.least.only(is_touching));
   row.surface = time_surfaces(watch, field, carves);
-  row.whole_ms = time_whole_surface(watch, method.sculpture()->bodies()[0].field);
-  row.undo_ms = time_undo(watch, field, carves);
+  row.whole_ms = find_least_ms([&] { return time_whole_surface(watch, method.sculpture()->bodies()[0].field); });
+  row.undo_ms = find_least_ms([&] { return time_undo(watch, field, carves); });
   return row;
 }
 

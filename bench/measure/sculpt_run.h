@@ -16,7 +16,7 @@ struct SculptRunSettings {
   std::vector<double> radii_voxels = {2.0, 5.0, 12.0};  // of the ball
   std::vector<std::uint64_t> seeds = {1, 2};            // of the motion
   std::size_t steps = 20'000;
-  TimingBudget budget{.repetitions = 3, .seconds = 20.0};
+  TimingBudget budget{.repetitions = 6, .seconds = 60.0};
 };
 
 // One body, one ball, one motion: the hand moves at 0.2 m/s from one random point in and around the body to the next, and the button is
