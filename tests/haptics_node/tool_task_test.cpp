@@ -17,7 +17,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-constexpr char kLeftOut[] = "damping and effects of the scene are ignored";
+constexpr char kLeftOut[] = "damping, effects and two_sided = false of the scene are ignored";
 
 // A ball of 5 cm, felt with a cube of 1 cm.
 Scene scene_with_tool() {
@@ -51,6 +51,9 @@ TEST(HeldToolOfAScene, NamesWhatOfTheSceneIsLeftOut) {
   scene = scene_with_tool();
   scene.effects.emplace_back();
   EXPECT_THAT(log_of_task(scene), HasSubstr(kLeftOut)) << "an effect in space";
+  scene = scene_with_tool();
+  scene.objects[0].material.two_sided = false;
+  EXPECT_THAT(log_of_task(scene), HasSubstr(kLeftOut)) << "a surface felt from one side";
 }
 
 TEST(HeldToolOfAScene, IsNoneWhereNoneIsNamed) {
