@@ -16,8 +16,8 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr const char* kRed = "color = [1, 0, 0]\n";
-constexpr const char* kGreen = "color = [0, 1, 0]\n";
+constexpr const char* kRedObject = "color = [1, 0, 0]\n";
+constexpr const char* kGreenObject = "color = [0, 1, 0]\n";
 
 // A sheet that is seen from the front, its file, and the picture of it.
 struct LiveSceneTest : testing::Test {
@@ -26,7 +26,7 @@ struct LiveSceneTest : testing::Test {
     options.loading = {.sealing = CrackSealing::off, .fit = MeshFit::workspace, .look = LookReading::on};
     options.view_yaw_deg = options.view_pitch_deg = 0.0;
     options.view = plain_settings(StereoMode::mono, 320, 240);
-    write(kRed);
+    write(kRedObject);
     reload.emplace(file, options.loading);
     auto scene = load_scene(file, options.loading);
     EXPECT_TRUE(scene) << scene.error().what;
@@ -68,7 +68,7 @@ TEST_F(LiveSceneTest, AnotherColourIsShownAtOnce) {
   ASSERT_TRUE(find(0));
   EXPECT_FALSE(find(1));
   EXPECT_EQ(live->follow(0), nullptr) << "nothing was saved";
-  const auto change = save(kGreen);
+  const auto change = save(kGreenObject);
   ASSERT_NE(change, nullptr);
   EXPECT_FALSE(change->has_new_camera);
   EXPECT_FALSE(find(0));
@@ -80,7 +80,7 @@ TEST_F(LiveSceneTest, AnotherPlaceIsShownOnceItIsFelt) {
   live->set_felt(shown());
   const Vec2 before = *find(0);
   const std::string log = log_of([&] {
-    EXPECT_EQ(save(std::string(kRed) + "position_m = [0.02, 0, 0]\n", 0), nullptr);
+    EXPECT_EQ(save(std::string(kRedObject) + "position_m = [0.02, 0, 0]\n", 0), nullptr);
     EXPECT_EQ(live->follow(SceneFollower::kPatienceNs), nullptr);
     EXPECT_EQ(live->follow(2 * SceneFollower::kPatienceNs), nullptr);
   });
@@ -100,7 +100,7 @@ TEST_F(LiveSceneTest, AnotherPlaceIsShownOnceItIsFelt) {
 
 TEST_F(LiveSceneTest, MoreObjectsACameraAndLightsAreShown) {
   ASSERT_TRUE(view);
-  const std::string more = std::string(kRed) +
+  const std::string more = std::string(kRedObject) +
                            "[[object]]\nmesh = 'a.obj'\nname = 'other'\ncolor = [0, 0, 1]\nposition_m = [0.07, 0, 0]\n"
                            "[camera]\nposition_m = [0, 0, 1]\n[[light]]\ndirection = [0, -1, -1]\n";
   const auto change = save(more);
@@ -111,7 +111,7 @@ TEST_F(LiveSceneTest, MoreObjectsACameraAndLightsAreShown) {
   view->set_framing(options.view.framing);
   EXPECT_TRUE(find(0));
   EXPECT_TRUE(find(2));
-  const auto again = save(kRed);
+  const auto again = save(kRedObject);
   ASSERT_NE(again, nullptr);
   EXPECT_TRUE(again->has_new_camera);
   view->set_framing(options.view.framing);
@@ -129,13 +129,13 @@ TEST_F(LiveSceneTest, AnErrorChangesNothing) {
 
 TEST_F(LiveSceneTest, WhatProgramsMoveStaysWhereItIs) {
   ASSERT_TRUE(view);
-  ASSERT_NE(save(std::string(kRed) + "moved_by = 'program'\n"), nullptr);
+  ASSERT_NE(save(std::string(kRedObject) + "moved_by = 'program'\n"), nullptr);
   const Vec3 there(0.02, -0.01, 0.0);
   const Vec3 pivot = live->scene().objects[0].commanded->pivot();
   ObjectMove move{.source = 5, .serial = 1, .start_ns = 1, .end_ns = 2, .from_p_m = pivot, .to_p_m = pivot + there};
   ASSERT_TRUE(live->moved().take(move));
   live->moved().set_time(1'000'000'000);
-  const auto change = save(std::string(kGreen) + "moved_by = 'program'\n");
+  const auto change = save(std::string(kGreenObject) + "moved_by = 'program'\n");
   ASSERT_NE(change, nullptr);
   EXPECT_LT((live->moved().moving()[0].translation() - there).norm(), 1e-12);
   EXPECT_FALSE(live->moved().take(move)) << "it is known";

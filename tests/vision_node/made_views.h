@@ -1,9 +1,11 @@
 #pragma once
 
+#include <chrono>
 #include <cmath>
 #include <memory>
 #include <numbers>
 #include <optional>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -53,6 +55,12 @@ inline std::unique_ptr<StereoView> open_or_fail(const ViewSettings& settings, co
     return nullptr;
   }
   return std::move(*view);
+}
+
+// A minute at most.
+inline void wait_for_levels(StereoView& view) {
+  for (int turns = 0; turns < 6'000 && view.detail_progress() < 1.0; ++turns) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  ASSERT_EQ(view.detail_progress(), 1.0);
 }
 
 // Weighted middle of one colour channel, pixels from the lower left corner, over the columns [from, to); nothing when it is empty.

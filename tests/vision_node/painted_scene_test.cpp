@@ -168,11 +168,6 @@ TEST(PaintedScene, RepeatsMirrorsOrEndsATextureBeyondItsEdges) {
   }
 }
 
-void wait_for_levels(StereoView& view) {
-  for (int i = 0; i < 3000 && view.detail_progress() < 1.0; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  ASSERT_EQ(view.detail_progress(), 1.0);
-}
-
 TEST(PaintedScene, WrapsInACoarserLevelAndInFullDetail) {
   const auto mesh = make_square(200);
   const std::array wrap = {TextureWrap::clamp, TextureWrap::mirror};

@@ -1,10 +1,8 @@
 #include "vision_node/scene_layers.h"
 
-#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -25,11 +23,6 @@ ViewSettings lit_settings(StereoMode mode, int width_px, int height_px) {
   ViewSettings settings = plain_settings(mode, width_px, height_px);
   settings.plain = false;
   return settings;
-}
-
-void wait_for_levels(StereoView& view) {
-  for (int turns = 0; turns < 6'000 && view.detail_progress() < 1.0; ++turns) std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  ASSERT_EQ(view.detail_progress(), 1.0);
 }
 
 double share_differing(const Picture& a, const Picture& b, int by_more_than = 0) {
