@@ -30,6 +30,7 @@ class LiveScene {
   // Pre: it outlives this.
   void watch(SceneReload* file) { file_ = file; }
   bool is_watched() const { return file_ != nullptr; }
+  bool is_reading() const { return file_ != nullptr && file_->is_reading(); }
   // The hash of what is felt (SceneFacts).
   void set_felt(std::uint64_t given_hash) { follower_.set_felt(given_hash); }
 

@@ -41,14 +41,19 @@ void SceneReload::run() {
 void SceneReload::look() {
   switch (file_.look()) {
     case FileWatch::Look::gone:
+      is_reading_.store(false);
       log_warning("{} is gone; the present picture stays, and the file is read once it is back", path_.string());
       return;
     case FileWatch::Look::unchanged:
+      is_reading_.store(false);
+      return;
     case FileWatch::Look::waiting:
+      is_reading_.store(true);
       return;
     case FileWatch::Look::changed:
       file_.accept();
       read();
+      is_reading_.store(false);
   }
 }
 

@@ -28,6 +28,8 @@ class SceneReload {
 
   // The newest scene that was read since the last call; none: nothing was.
   std::optional<Scene> take();
+  // The file was saved, and what it has now is not read yet. Threads: any.
+  bool is_reading() const { return is_reading_.load(); }
 
   const std::filesystem::path& path() const { return path_; }
 
@@ -40,6 +42,7 @@ class SceneReload {
   FileWatch file_;
   std::mutex mutex_;
   std::optional<Scene> read_;
+  std::atomic<bool> is_reading_ = false;
   std::atomic<bool> stop_ = false;
   std::thread thread_;  // last: it uses the others
 };

@@ -189,12 +189,13 @@ void VisionSession::follow_scene() {
   compare_scene();
 }
 
-// If the file is watched, haptics_node may have read it a moment earlier.
+// If the file is watched, haptics_node may have read it earlier: by a moment, or by what the picture takes to read it.
 void VisionSession::compare_scene() {
   if (scene_hash_ == 0 || haptic_hash_ == 0) return;
   bool is_other = haptic_hash_ != scene_hash_;
   if (!is_other) other_since_ns_ = 0;
-  if (is_other && other_since_ns_ == 0) other_since_ns_ = clock_.now_ns();
+  const bool is_reading = live_ != nullptr && live_->is_reading();
+  if (is_other && (other_since_ns_ == 0 || is_reading)) other_since_ns_ = clock_.now_ns();
   if (is_other && live_ != nullptr && live_->is_watched()) is_other = clock_.now_ns() - other_since_ns_ >= kSceneReadNs;
   if (is_other == is_other_scene_) return;
   is_other_scene_ = is_other;

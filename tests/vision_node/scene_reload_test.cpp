@@ -49,6 +49,25 @@ TEST_F(SceneReloadTest, ASavedFileIsReadOnce) {
   EXPECT_FALSE(reload.take());
 }
 
+// The picture warns of another scene only after that.
+TEST_F(SceneReloadTest, IsReadingFromTheFirstLookThatSeesTheChangeOn) {
+  SceneReload reload(file, {});
+  reload.look();
+  EXPECT_FALSE(reload.is_reading());
+  for (const char* keys : {"color = [0, 1, 0]", "colr = [0, 1, 0]"}) {
+    write(keys);
+    (void)log_of([&] { reload.look(); });
+    EXPECT_TRUE(reload.is_reading()) << keys;
+    (void)log_of([&] { reload.look(); });
+    EXPECT_FALSE(reload.is_reading()) << keys;
+  }
+  write("color = [0, 0, 1]");
+  reload.look();
+  std::filesystem::remove(file);
+  (void)log_of_two_looks(reload);
+  EXPECT_FALSE(reload.is_reading()) << "it is gone";
+}
+
 TEST_F(SceneReloadTest, AnErrorIsOneLineAndNoScene) {
   SceneReload reload(file, {});
   write("colr = [0, 1, 0]");
