@@ -218,7 +218,12 @@ TEST_F(CarvedObjectsTest, AnUndoThatComesBeforeItsCarvesCounts) {
   carved->take(carves, Arrival::newest);
   settle();
   EXPECT_EQ(red_at(kInHole), whole);
-  EXPECT_FALSE(carved->take_request(1'000'000'000)) << "all have come";
+  // What came early is requested again, and changes nothing.
+  EXPECT_TRUE(carved->take_request(1'000'000'000));
+  carved->take(undo, Arrival::newest);
+  settle();
+  EXPECT_EQ(red_at(kInHole), whole);
+  EXPECT_FALSE(carved->take_request(2'000'000'000)) << "all have come";
 }
 
 }  // namespace
