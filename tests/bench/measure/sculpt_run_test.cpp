@@ -14,7 +14,7 @@ TEST(SculptRun, MeasuresEveryBodyBallAndSeed) {
   settings.grids = {32};
   settings.radii_voxels = {2.0, 5.0};
   settings.seeds = {1, 2};
-  settings.steps = 1500;
+  settings.steps = 5000;
   settings.budget = {.repetitions = 1, .seconds = 0.01};
   const auto report = measure_sculpting(settings, watch, [](const std::string&) {});
   ASSERT_TRUE(report) << report.error().what;
@@ -23,7 +23,7 @@ TEST(SculptRun, MeasuresEveryBodyBallAndSeed) {
     EXPECT_GT(row.carves, 20U) << row.shape;
     EXPECT_EQ(row.carving.count, row.carves);
     EXPECT_GT(row.touching.count, 20U) << row.shape;
-    EXPECT_EQ(row.all.count, 1500U);
+    EXPECT_EQ(row.all.count, 5000U);
     EXPECT_GT(row.presses, 0U);
     EXPECT_GT(row.surface.count, 2U);
     EXPECT_GE(row.all.worst_ns, row.carving.worst_ns);
