@@ -90,7 +90,8 @@ void Annotator::change_scene(const Scene& scene, const CarvedObjects* carved) {
   if (list_names(scene) != list_names(*scene_)) change_objects(scene);
   scene_ = &scene;
   surfaces_ = AnnotatedSurfaces(scene);
-  surfaces_.set_carved_objects(carved);
+  set_carved_objects(carved);
+  carve_undo_.reset();
   for (std::size_t o = 0; o < X_SO_.size(); ++o) {
     const SceneObject& object = scene.objects[o];
     if (object.motion == nullptr && object.commanded == nullptr && poses_[o].serial == 0) X_SO_[o] = Pose::Identity();

@@ -4,9 +4,11 @@
 #include <png.h>
 
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <fstream>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "tests/process/system.h"
@@ -105,6 +107,8 @@ TEST_F(WatchedScene, WaitsForAHapticsNodeThatDoesNotTakeIt) {
   Program vision("vision_node", arguments(vision_arguments), system.folder(), display.name());
   EXPECT_TRUE(waits_for(vision, "joined the hub")) << vision.err();
   (void)system.wait_for_report([](const Json& now) { return !now["notes"].value("scene_hash", std::string()).empty(); });
+  // What is felt is announced every second; before that, the picture has nothing to wait for.
+  std::this_thread::sleep_for(std::chrono::milliseconds(2500));
   save("color = [0, 1, 0]\nposition_m = [0.01, 0, 0]\n");
   EXPECT_TRUE(waits_for(vision, "the picture waits until haptics_node uses it")) << vision.err();
   // One that starts later has read the file as it is now.
