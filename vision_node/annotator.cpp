@@ -367,7 +367,10 @@ void Annotator::check_given_carves() {
 // All that is saved. What haptics_node has not begun with, or is of another scene, stays in the file.
 Annotations Annotator::collect() const {
   Annotations all = pen_.annotations();
-  if (carved_ == nullptr || carved_->source() == 0) return all;
+  if (carved_ == nullptr || carved_->source() == 0) {
+    all.carved = saved_carved_;  // none came yet, or none since the scene was read again
+    return all;
+  }
   if (has_given_carves()) {
     std::erase_if(all.carved, [&](const CarvedPress& press) { return static_cast<std::size_t>(press.object) < scene_->objects.size(); });
   }
