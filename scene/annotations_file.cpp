@@ -211,6 +211,13 @@ class AnnotationsParser {
     return objects_[static_cast<std::size_t>(*given)];
   }
 
+  double read_coordinate(const toml::node& node) {
+    const auto value = node.is_number() ? node.value<double>() : std::nullopt;
+    if (value && std::abs(*value) <= kFarthestM) return *value;
+    reject(node, "a coordinate must be a number within {} m", kFarthestM);
+    return 0.0;
+  }
+
   Vec3 read_point(const toml::node& node) {
     const toml::array* list = node.as_array();
     Vec3 p = Vec3::Zero();
@@ -219,13 +226,7 @@ class AnnotationsParser {
       return p;
     }
     for (std::size_t k = 0; k < 3; ++k) {
-      const toml::node& coordinate = *list->get(k);
-      const auto value = coordinate.is_number() ? coordinate.value<double>() : std::nullopt;
-      if (!value || !(std::abs(*value) <= kFarthestM)) {
-        reject(node, "a coordinate must be a number within {} m", kFarthestM);
-        return p;
-      }
-      p[static_cast<Eigen::Index>(k)] = *value;
+      p[static_cast<Eigen::Index>(k)] = read_coordinate(*list->get(k));
     }
     return p;
   }
@@ -334,13 +335,7 @@ class AnnotationsParser {
       return carve;
     }
     for (std::size_t k = 0; k < 6; ++k) {
-      const toml::node& coordinate = *list->get(k);
-      const auto value = coordinate.is_number() ? coordinate.value<double>() : std::nullopt;
-      if (!value || !(std::abs(*value) <= kFarthestM)) {
-        reject(node, "a coordinate must be a number within {} m", kFarthestM);
-        return carve;
-      }
-      (k < 3 ? carve.from_m : carve.to_m)[static_cast<Eigen::Index>(k % 3)] = rounded_to_float(*value);
+      (k < 3 ? carve.from_m : carve.to_m)[static_cast<Eigen::Index>(k % 3)] = rounded_to_float(read_coordinate(*list->get(k)));
     }
     if (!((carve.to_m - carve.from_m).norm() <= kMostCarveM)) reject(node, "the ends of a capsule are at most {} m apart", kMostCarveM);
     return carve;

@@ -2,11 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <random>
-#include <set>
 
+#include "tests/support/found_in_trees.h"
 #include "tests/support/made_meshes.h"
 
 namespace hapton {
@@ -63,25 +62,8 @@ TEST(DeformingGeometry, FindsEveryTriangleAtEachTime) {
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   for (int i = 0; i < 400; ++i) {
     one.deforming->shape(1.5 + 1.5 * unit(random));
-    const Vec3 p(unit(random), unit(random), unit(random));
-    const Box query = Box{p, p}.inflated(0.1);
-    std::set<std::uint32_t> found;
-    one.geometry->for_each_overlapping(query, [&](std::uint32_t id) { found.insert(id); });
-    double nearest = 1e300;
-    for (std::uint32_t id = 0; id < one.mesh->triangles.size(); ++id) {
-      Box box;
-      for (int k = 0; k < 3; ++k) box.grow(one.geometry->corner(id, k));
-      if (box.overlaps(query)) {
-        EXPECT_TRUE(found.contains(id)) << id;
-      }
-      nearest = std::min(nearest, one.geometry->separation(id, p).distance);
-    }
-    double by_tree = 1e300;
-    one.geometry->visit_nearest(p, 1e300, [&](std::uint32_t id, double) {
-      by_tree = std::min(by_tree, one.geometry->separation(id, p).distance);
-      return by_tree * by_tree;
-    });
-    EXPECT_EQ(by_tree, nearest);
+    const auto triangles = static_cast<std::uint32_t>(one.mesh->triangles.size());
+    expect_found_in_trees(*one.geometry, triangles, Vec3(unit(random), unit(random), unit(random)));
   }
 }
 

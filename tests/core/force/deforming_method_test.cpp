@@ -11,10 +11,11 @@
 #include <tuple>
 #include <vector>
 
-#include "core/force/reference/reference_method.h"
 #include "core/geometry/winding_number.h"
 #include "tests/support/allocation_guard.h"
 #include "tests/support/made_meshes.h"
+#include "tests/support/settled_twin.h"
+#include "tests/support/wandering_hand.h"
 
 namespace hapton {
 namespace {
@@ -107,24 +108,6 @@ TouchScene breathing_ball(Material material = {}) {
                          {{0.0, {0.0, 0.0, 0.0}}, {0.1, {1.0, 0.0, 0.5}}, {0.25, {0.3, 1.0, 1.0}}, {0.4, {0.0, 0.0, 0.0}}}, true, material);
 }
 
-// A hand that wanders over the ball, in and out.
-struct BreathingHand {
-  explicit BreathingHand(std::uint64_t seed) : random(seed) {}
-  const Vec3& next(double dt_s) {
-    const Vec3 aim = (0.031 + 0.004 * std::sin(9.0 * time)) * p.normalized();
-    velocity = 0.99 * velocity + Vec3(normal(random), normal(random), normal(random)) * 0.02 + 10.0 * (aim - p) * dt_s * 40.0;
-    p += velocity * dt_s;
-    time += dt_s;
-    return p;
-  }
-
-  std::mt19937_64 random;
-  std::normal_distribution<double> normal;
-  Vec3 p = Vec3(0.01, 0.02, 0.035);
-  Vec3 velocity = Vec3::Zero();
-  double time = 0.0;
-};
-
 // The twin: the reference on the mesh of that time, over all triangles. Where the proxy is, is where it stays.
 TEST(DeformingMethod, IsWhereTheReferenceStaysOnTheMeshOfThatTime) {
   const TouchScene scene = breathing_ball();
@@ -134,28 +117,14 @@ TEST(DeformingMethod, IsWhereTheReferenceStaysOnTheMeshOfThatTime) {
     const double rate_hz = seed == 2 ? 300.0 : 1000.0;
     const auto method = make_shaped(scene);
     ASSERT_TRUE(method);
-    BreathingHand hand(seed);
+    WanderingHand hand(seed);
     method->reset(hand.p);
     for (int i = 0; i < 2500; ++i) {
       const double time = i / rate_hz;
       const Vec3& p_SD = hand.next(1.0 / rate_hz);
       const MethodOutput felt = method->step({.p_SD = p_SD, .dt_s = 1.0 / rate_hz, .time_s = time});
-      const TriangleMesh shape = deformed_mesh(scene.objects[0], time);
-      const double winding = compute_winding_number(shape, p_SD);
-      if (winding > 1.0 - 1e-6) {
-        ASSERT_TRUE(felt.contact) << "step " << i << ": the hand is within the body";
-      }
-      if (!felt.contact) continue;
-      ++touched;
-      ASSERT_NEAR(compute_winding_number(shape, felt.p_SP + 1e-9 * felt.force_n.normalized()), 0.0, 0.02) << "step " << i;
-      if (i % 10 != 0) continue;
-      TouchScene still;
-      still.objects.push_back({.mesh = made::shared(shape), .material = {}});
-      auto reference = ReferenceMethod::make_reference({}, still);
-      ASSERT_TRUE(reference);
-      const MethodOutput settled = (*reference)->settle_from(felt.p_SP + 1e-10 * felt.force_n.normalized(), p_SD);
-      ASSERT_LT((settled.p_SP - felt.p_SP).norm(), 1e-7) << "step " << i;
-      ASSERT_LT((settled.force_n - felt.force_n).norm(), 1e-3 * (0.1 + felt.force_n.norm())) << "step " << i;
+      ASSERT_NO_FATAL_FAILURE(expect_settled(deformed_mesh(scene.objects[0], time), p_SD, felt, i % 10 == 0)) << "step " << i;
+      touched += felt.contact ? 1 : 0;
     }
   }
   EXPECT_GT(touched, 2000);
@@ -232,7 +201,7 @@ TEST(DeformingMethod, IsTheProxyWhereNothingChanges) {
   const auto a = make_shaped(scene);
   const auto b = make_shaped(still);
   ASSERT_TRUE(a && b);
-  BreathingHand hand(11);
+  WanderingHand hand(11);
   SCOPED_TRACE("seed 11");
   a->reset(hand.p);
   b->reset(hand.p);
@@ -314,7 +283,7 @@ TEST(DeformingMethod, StepsWithoutHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   const auto method = make_shaped(breathing_ball());
   ASSERT_TRUE(method);
-  BreathingHand hand(3);
+  WanderingHand hand(3);
   const AllocationGuard guard;
   method->reset(hand.p);
   double most = 0.0;

@@ -8,10 +8,11 @@
 #include <random>
 #include <vector>
 
-#include "core/force/reference/reference_method.h"
 #include "core/geometry/winding_number.h"
 #include "tests/support/allocation_guard.h"
 #include "tests/support/made_meshes.h"
+#include "tests/support/settled_twin.h"
+#include "tests/support/wandering_hand.h"
 
 namespace hapton {
 namespace {
@@ -57,24 +58,6 @@ struct RestlessBall {
   }
 };
 
-// A hand that wanders over the ball, in and out.
-struct RestlessHand {
-  explicit RestlessHand(std::uint64_t seed) : random(seed) {}
-  const Vec3& next(double dt_s) {
-    const Vec3 aim = (0.031 + 0.004 * std::sin(9.0 * time)) * p.normalized();
-    velocity = 0.99 * velocity + Vec3(normal(random), normal(random), normal(random)) * 0.02 + 10.0 * (aim - p) * dt_s * 40.0;
-    p += velocity * dt_s;
-    time += dt_s;
-    return p;
-  }
-
-  std::mt19937_64 random;
-  std::normal_distribution<double> normal;
-  Vec3 p = Vec3(0.01, 0.02, 0.035);
-  Vec3 velocity = Vec3::Zero();
-  double time = 0.0;
-};
-
 // The twin: the same shapes at the same times as keyframes, known beforehand.
 void expect_the_force_of_keyframes(std::uint64_t seed, std::size_t frames, double frame_s, const Material& material) {
   SCOPED_TRACE(testing::Message() << "seed " << seed << ", " << frames << " shapes");
@@ -99,7 +82,7 @@ void expect_the_force_of_keyframes(std::uint64_t seed, std::size_t frames, doubl
   ASSERT_TRUE(known) << known.error().what;
   const auto streamed = make_streamed(ball.mesh, 0.02, material);
   ASSERT_TRUE(streamed);
-  RestlessHand hand(seed);
+  WanderingHand hand(seed);
   (*known)->reset(hand.p);
   streamed->reset(hand.p);
   int touched = 0;
@@ -136,28 +119,16 @@ TEST(StreamedMethod, IsWhereTheReferenceStaysOnTheMeshOfThatTime) {
   SCOPED_TRACE("seed 5");
   const auto method = make_streamed(ball.mesh, 0.02);
   ASSERT_TRUE(method);
-  RestlessHand hand(5);
+  WanderingHand hand(5);
   method->reset(hand.p);
   int touched = 0;
   for (int i = 0; i < 2500; ++i) {
     if (i % 37 == 0) give(*method, ball.next(), 0.03);
     const Vec3& p_SD = hand.next(1e-3);
     const MethodOutput felt = method->step({.p_SD = p_SD, .dt_s = 1e-3, .time_s = 1e-3 * i});
-    TriangleMesh shape{.vertices = method->vertices(), .triangles = ball.mesh->triangles};
-    if (compute_winding_number(shape, p_SD) > 1.0 - 1e-6) {
-      ASSERT_TRUE(felt.contact) << "step " << i << ": the hand is within the body";
-    }
-    if (!felt.contact) continue;
-    ++touched;
-    ASSERT_NEAR(compute_winding_number(shape, felt.p_SP + 1e-9 * felt.force_n.normalized()), 0.0, 0.02) << "step " << i;
-    if (i % 10 != 0) continue;
-    TouchScene still;
-    still.objects.push_back({.mesh = made::shared(std::move(shape)), .material = {}});
-    auto reference = ReferenceMethod::make_reference({}, still);
-    ASSERT_TRUE(reference);
-    const MethodOutput settled = (*reference)->settle_from(felt.p_SP + 1e-10 * felt.force_n.normalized(), p_SD);
-    ASSERT_LT((settled.p_SP - felt.p_SP).norm(), 1e-7) << "step " << i;
-    ASSERT_LT((settled.force_n - felt.force_n).norm(), 1e-3 * (0.1 + felt.force_n.norm())) << "step " << i;
+    ASSERT_NO_FATAL_FAILURE(expect_settled({.vertices = method->vertices(), .triangles = ball.mesh->triangles}, p_SD, felt, i % 10 == 0))
+        << "step " << i;
+    touched += felt.contact ? 1 : 0;
   }
   EXPECT_GT(touched, 700);
 }
@@ -250,7 +221,7 @@ TEST(StreamedMethod, StepsAndTakesShapesWithoutHeap) {
     from = to;
   }
   std::vector<StreamedGeometry::Released> released(stages.size());
-  RestlessHand hand(3);
+  WanderingHand hand(3);
   const AllocationGuard guard;
   method->reset(hand.p);
   double most_n = 0.0;
