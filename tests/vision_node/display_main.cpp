@@ -2,24 +2,66 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "tests/timed/stall_watch.h"
+
+namespace {
+
+// The names of the tests that have failed, as a filter.
+class FailedTests : public testing::EmptyTestEventListener {
+ public:
+  const std::string& filter() const { return filter_; }
+
+ private:
+  void OnTestEnd(const testing::TestInfo& test) override {
+    if (test.result()->Failed()) filter_ += std::string(filter_.empty() ? "" : ":") + test.test_suite_name() + "." + test.name();
+  }
+
+  std::string filter_;
+};
+
+// Returns only if there is no such program.
+void replace_by(std::vector<std::string> words) {
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  std::fflush(nullptr);
+  execvp(arguments[0], arguments.data());
+}
+
+}  // namespace
+
 // Runs the tests where there is a display; starts itself again under Xvfb where there is none; is skipped (77) only where there is neither.
+// They take minutes, in which a busy machine nearly always stands still once. So tests that failed on a machine that stood still are run
+// again by themselves, by hapton_timed, which judges seconds and not minutes.
 int main(int argc, char** argv) {
+  const std::vector<std::string> own(argv, argv + argc);
   const char* display = std::getenv("DISPLAY");
   const bool listing = argc > 1 && std::string_view(argv[1]) == "--gtest_list_tests";
   if (!listing && (display == nullptr || *display == '\0')) {
-    std::vector<char*> arguments;
-    for (const char* word : {"xvfb-run", "-a", "-s", "-screen 0 1280x1024x24"}) arguments.push_back(const_cast<char*>(word));
-    for (int i = 0; i < argc; ++i) arguments.push_back(argv[i]);
-    arguments.push_back(nullptr);
-    execvp(arguments[0], arguments.data());
+    std::vector<std::string> words = {"xvfb-run", "-a", "-s", "-screen 0 1280x1024x24"};
+    words.insert(words.end(), own.begin(), own.end());
+    replace_by(std::move(words));
     std::puts("skipped: no display, and no xvfb-run to make one (install xvfb)");
     return 77;
   }
+  constexpr const char* kAgain = "HAPTON_RUN_AGAIN";
+  const bool is_again = std::getenv(kAgain) != nullptr;
   testing::InitGoogleTest(&argc, argv);
-  return RUN_ALL_TESTS();
+  auto* failed = new FailedTests;  // belongs to GoogleTest
+  testing::UnitTest::GetInstance()->listeners().Append(failed);
+  hapton::StallWatch watch;
+  const int code = RUN_ALL_TESTS();
+  const std::int64_t stall_ns = watch.end();
+  if (code == 0 || is_again || failed->filter().empty() || stall_ns < hapton::StallWatch::kForceLifeNs / 2) return code;
+  std::printf("this machine stood still for %.1f ms meanwhile: %s is run again\n", 1e-6 * static_cast<double>(stall_ns),
+              failed->filter().c_str());
+  setenv(kAgain, "1", 1);
+  replace_by({HAPTON_TIMED, own[0], "--gtest_filter=" + failed->filter()});
+  return code;
 }
