@@ -11,16 +11,6 @@ namespace {
 
 constexpr std::size_t kLeastShapes = 4;
 constexpr std::size_t kMostCheckedTriangles = 4'000'000;  // in all shapes that are checked at start-up: some seconds
-constexpr double kRoom = 0x1p-40;                         // room for rounding, over the size of the bounds
-
-double mean_edge(const TriangleMesh& mesh) {
-  double sum = 0.0;
-  for (const auto& [a, b, c] : mesh.triangles) {
-    sum += (mesh.vertices[b] - mesh.vertices[a]).norm() + (mesh.vertices[c] - mesh.vertices[b]).norm() +
-           (mesh.vertices[a] - mesh.vertices[c]).norm();
-  }
-  return mesh.triangles.empty() ? 0.0 : sum / (3.0 * static_cast<double>(mesh.triangles.size()));
-}
 
 // Times at which the shape is checked, about `count`: those of the keys, or of every second, third ... key, and half-way between them.
 std::vector<double> times_of_shapes(const MeshDeformation& deformation, std::size_t count) {
@@ -36,6 +26,17 @@ std::vector<double> times_of_shapes(const MeshDeformation& deformation, std::siz
 }
 
 }  // namespace
+
+double compute_mean_edge(const TriangleMesh& mesh) {
+  double sum = 0.0;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    sum += (mesh.vertices[b] - mesh.vertices[a]).norm() + (mesh.vertices[c] - mesh.vertices[b]).norm() +
+           (mesh.vertices[a] - mesh.vertices[c]).norm();
+  }
+  return mesh.triangles.empty() ? 0.0 : sum / (3.0 * static_cast<double>(mesh.triangles.size()));
+}
+
+Box with_room_for_rounding(const Box& box) { return box.inflated(0x1p-40 * (box.diagonal() + box.low.norm() + box.high.norm())); }
 
 Result<void> check_shape(const TriangleMesh& shape, const LocalFrame& frame, std::string_view when) {
   const ObjectGeometry geometry(shape, frame);
@@ -57,7 +58,7 @@ Box bounds_of_all_shapes(const TriangleMesh& mesh, const MeshDeformation& deform
   for (const MorphKey& key : deformation.keys()) {
     for (const Vec3& vertex : deformation.vertices_at(mesh.vertices, deformation.weights_at(key.time_s))) box.grow(vertex);
   }
-  return box.inflated(kRoom * (box.diagonal() + box.low.norm() + box.high.norm()));
+  return with_room_for_rounding(box);
 }
 
 Result<void> check_shapes(const TriangleMesh& mesh, const MeshDeformation& deformation) {
@@ -129,7 +130,7 @@ std::size_t DeformingGeometry::choose_count() const {
   for (std::size_t i = 1; i < keys.size(); ++i) {
     way += deformation_->most_displacement(deformation_->weights_at(keys[i - 1].time_s), deformation_->weights_at(keys[i].time_s));
   }
-  const double edge = mean_edge(*mesh_);
+  const double edge = compute_mean_edge(*mesh_);
   const std::size_t room = kMostBytes / std::max<std::size_t>(1, geometry_.deforming_object().tree().bytes());
   const double wanted = edge > 0.0 ? std::ceil(2.0 * way / edge) : 1.0;
   return std::clamp<std::size_t>(static_cast<std::size_t>(std::min<double>(wanted, kMostTrees)), 1, std::max<std::size_t>(1, room));

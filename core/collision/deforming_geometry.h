@@ -12,6 +12,12 @@
 
 namespace hapton {
 
+// The mean length of the triangles' edges, in m; 0 without triangles. RT: set-up only.
+double compute_mean_edge(const TriangleMesh& mesh);
+
+// A box with room for the rounding of what is computed of its content, a 2^-40th of its size and of its distance from the origin. RT: yes.
+Box with_room_for_rounding(const Box& box);
+
 // The box that holds a mesh at rest and in all its shapes, with room for rounding. RT: set-up only.
 Box bounds_of_all_shapes(const TriangleMesh& mesh, const MeshDeformation& deformation);
 

@@ -9,20 +9,10 @@
 namespace hapton {
 namespace {
 
-constexpr double kReachRoom = 0x1p-40;  // room for rounding, over the size of the bounds
-constexpr double kBoxRoom = 0x1p-40;    // local units; a share at the boundary of two parts may be rounded to either
+constexpr double kBoxRoom = 0x1p-40;  // local units; a share at the boundary of two parts may be rounded to either
 
 // As ObjectGeometry::move_vertex does it: two such coordinates subtract exactly.
 double to_grid(double local) { return std::ldexp(std::rint(std::ldexp(local, 51)), -51); }
-
-double mean_edge_of(const TriangleMesh& mesh) {
-  double sum = 0.0;
-  for (const auto& [a, b, c] : mesh.triangles) {
-    sum += (mesh.vertices[b] - mesh.vertices[a]).norm() + (mesh.vertices[c] - mesh.vertices[b]).norm() +
-           (mesh.vertices[a] - mesh.vertices[c]).norm();
-  }
-  return mesh.triangles.empty() ? 0.0 : sum / (3.0 * static_cast<double>(mesh.triangles.size()));
-}
 
 }  // namespace
 
@@ -30,8 +20,7 @@ Box bounds_with_reach(const TriangleMesh& mesh, double reach_m) {
   Box box;
   for (const Vec3& vertex : mesh.vertices) box.grow(vertex);
   if (box.is_empty()) return box;
-  box = box.inflated(reach_m);
-  return box.inflated(kReachRoom * (box.diagonal() + box.low.norm() + box.high.norm()));
+  return with_room_for_rounding(box.inflated(reach_m));
 }
 
 ShapeStager::ShapeStager(const TouchGeometry& geometry, std::shared_ptr<const TriangleMesh> mesh, double reach_m)
@@ -41,7 +30,7 @@ ShapeStager::ShapeStager(const TouchGeometry& geometry, std::shared_ptr<const Tr
       new_vertex_(geometry.new_vertex()),
       vertex_count_(geometry.object_geometry(0).vertices().size()),
       tree_(geometry.object_geometry(0).tree()),
-      mean_edge_m_(mean_edge_of(*mesh_)) {
+      mean_edge_m_(compute_mean_edge(*mesh_)) {
   const ObjectGeometry& object = geometry.object_geometry(0);
   for (std::uint32_t t = 0; t < object.triangle_count(); ++t) triangles_.push_back(object.triangle(t));
 }

@@ -14,7 +14,8 @@ namespace {
 constexpr double kMostTextureSpeed = 10.0;   // m/s
 constexpr double kMostTextureForce = 100.0;  // N
 constexpr double kMostTextureNumber = 1e6;
-// Of the range of speeds times that of forces: below it, a triangle has no area.
+// Of the range of speeds times that of forces. The weights of the corners divide by the area: in a triangle of less than this, fewer than
+// seven of their digits would be left, and a model has it by mistake.
 constexpr double kLeastTextureArea = 1e-9;
 // Samples of the impulse response whose energy counts.
 constexpr int kResponseSamples = 8192;

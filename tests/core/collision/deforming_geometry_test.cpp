@@ -39,6 +39,11 @@ struct Deforming {
   std::unique_ptr<DeformingGeometry> deforming;
 };
 
+TEST(DeformingGeometry, MeanEdgeOfARightTriangleAndOfNothing) {
+  EXPECT_DOUBLE_EQ(compute_mean_edge({.vertices = {Vec3::Zero(), Vec3(3, 0, 0), Vec3(0, 4, 0)}, .triangles = {{0, 1, 2}}}), 4.0);
+  EXPECT_EQ(compute_mean_edge({}), 0.0);
+}
+
 // The corners are those of a geometry that is built of the mesh of that time.
 TEST(DeformingGeometry, HasTheShapeOfEachTime) {
   const Deforming one(made::sphere(0.05, kBands, 0.05));
