@@ -1,6 +1,7 @@
 #include "io_node/force_exchange.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace hapton {
 
@@ -16,7 +17,7 @@ bool ForceExchange::is_thinned(const DeviceCycle& cycle) const noexcept {
 
 void ForceExchange::add_cycle(const DeviceCycle& cycle, bool is_newest) noexcept {
   const std::int64_t time_ns = cycle.sample.time_ns;
-  is_local_ = cycle.local.has_value();
+  note_source(cycle.local.has_value());
   sends_ = is_newest && !is_thinned(cycle);
   if (sends_) {
     sent_ns_ = time_ns;
@@ -26,6 +27,13 @@ void ForceExchange::add_cycle(const DeviceCycle& cycle, bool is_newest) noexcept
     responses_.withhold(cycle.number, time_ns);
   }
   history_.note_sample(cycle.number, cycle.sample);
+}
+
+// Before the sample counts: the request goes with it.
+void ForceExchange::note_source(bool is_local) noexcept {
+  const bool was_local = std::exchange(is_local_, is_local);
+  if (was_local && !is_local && !is_resume_requested_) request_resume();
+  if (!was_local && is_local) is_resume_requested_ = false;
 }
 
 void ForceExchange::send(const DeviceCycle& cycle) noexcept {
@@ -49,7 +57,7 @@ void ForceExchange::accept(const Header& header, const ForceCommand& command) no
   if (is_local_) {
     note_round_trip(header, command, now_ns);
     history_.note_resumed(command.echo_sample);
-  } else if (verdict == ResponseTracker::Verdict::reordered) {
+  } else if (verdict == ResponseTracker::Verdict::reordered || history_.is_before_resume(command.echo_sample)) {
     note_round_trip(header, command, now_ns);
   } else {
     note_written();  // of the force before

@@ -40,8 +40,13 @@ class ForceExchange {
 
   void on_haptics_joined() noexcept;
   void on_haptics_left() noexcept { responses_.excuse_waiting(); }
-  // The haptics node continues from the current position of the probe: the next states carry it, as for a node that has just joined.
-  void request_resume() noexcept { history_.note_new_haptics(); }
+  // The haptics node continues from the current position of the probe: the next states carry it, as for a node that has just joined. Called
+  // while the force is local, it is not requested once more when that ends; otherwise it is, with the first sample that has no local force.
+  // Replies to samples before the request are not felt: their probe was elsewhere.
+  void request_resume() noexcept {
+    history_.note_new_haptics();
+    is_resume_requested_ = true;
+  }
   // It has replied since.
   bool has_resumed() const noexcept { return !history_.is_haptics_new(); }
   bool is_local() const noexcept { return is_local_; }
@@ -73,6 +78,7 @@ class ForceExchange {
   static constexpr double kThinnedHz = 20.0;
 
   bool is_thinned(const DeviceCycle& cycle) const noexcept;
+  void note_source(bool is_local) noexcept;
   void note_trip(std::int64_t round_trip_ns, std::int64_t now_ns) noexcept;
   bool is_haptics_alive(std::int64_t now_ns) const noexcept;
   void note_round_trip(const Header& header, const ForceCommand& command, std::int64_t ready_ns) noexcept;
@@ -84,10 +90,11 @@ class ForceExchange {
   HopMeter* hops_ = nullptr;
   ResponseTracker responses_;
   ProbeHistory history_;
-  std::optional<Posted> posted_;  // not known to be written yet
-  bool is_local_ = false;         // the newest sample's force is the device side's
-  bool sends_ = true;             // the newest sample
-  std::int64_t sent_ns_ = 0;      // the newest that was sent
+  std::optional<Posted> posted_;      // not known to be written yet
+  bool is_local_ = false;             // the newest sample's force is the device side's
+  bool is_resume_requested_ = false;  // since that began
+  bool sends_ = true;                 // the newest sample
+  std::int64_t sent_ns_ = 0;          // the newest that was sent
 
   double find_median_s(std::size_t most) const noexcept;
 

@@ -1,6 +1,7 @@
 #include "io_node/patch_link.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/math/rigid_pose.h"
 
@@ -92,13 +93,10 @@ void PatchLink::start_at_rest(const ForceExchange& forces) noexcept {
   orders_.outward_W = (*p_WP - newest.p_WD).normalized();
 }
 
-// Where patches start again, the haptics node goes on from where they had the probe.
-void PatchLink::follow_source(ForceExchange& forces) noexcept {
-  const bool has_ended = was_local_ && !forces.is_local();
-  was_local_ = forces.is_local();
-  if (!has_ended || state_ != State::patch) return;
-  told_ns_ = 0;
-  forces.request_resume();
+// Where patches start again, the haptics node goes on from where they had the probe (ForceExchange::request_resume).
+void PatchLink::follow_source(const ForceExchange& forces) noexcept {
+  const bool was_local = std::exchange(was_local_, forces.is_local());
+  if (was_local && !was_local_ && state_ == State::patch) told_ns_ = 0;
 }
 
 // A place of the probe in the scene where it is now. Only what the haptics node that is there has replied: from an older place, a hand that

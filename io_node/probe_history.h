@@ -45,6 +45,8 @@ class ProbeHistory {
     asked_ = newest_;
   }
   bool is_haptics_new() const noexcept { return is_haptics_new_; }
+  // A reply to that sample knows nothing of the place to go on from, and one that does has not come yet.
+  bool is_before_resume(std::uint64_t echo_sample) const noexcept { return is_haptics_new_ && echo_sample <= asked_; }
   // The scene was turned: the last position is no longer valid.
   void forget_rest() noexcept { p_WP_.reset(); }
 

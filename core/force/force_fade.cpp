@@ -1,5 +1,6 @@
 #include "core/force/force_fade.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace hapton {
@@ -13,7 +14,7 @@ Vec3 ForceFade::step(const Vec3& force_n, bool contact, double dt_s) noexcept {
     difference_n_ = known_n + (share_ > 0.0 ? Vec3(share_ * difference_n_) : Vec3(Vec3::Zero()));
     share_ = 1.0;
   }
-  if (share_ > 0.0) share_ -= dt_s / (contact ? kInContactS : kInAirS);
+  if (share_ > 0.0) share_ -= std::min(dt_s, kMostStepS) / (contact ? kInContactS : kInAirS);
   // Once it is over the method's forces pass to the last bit.
   felt_n_ = share_ > 0.0 ? Vec3(force_n + share_ * difference_n_) : force_n;
   return felt_n_;

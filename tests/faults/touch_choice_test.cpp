@@ -123,7 +123,7 @@ TEST(TouchChoice, AHapticsNodeThatIsStartedAgainIsChosenForByItsOwnRoundTrip) {
 // than these 0.5 N.
 TEST(TouchChoice, ASceneThatIsReadAgainFadesInWhereverTheForceIsComputed) {
   constexpr double kLowerM = 0.0005;
-  for (const double round_trip_ms : {0.2, 12.0}) {
+  for (const double round_trip_ms : {0.2, 9.0, 12.0, 17.0}) {
     SCOPED_TRACE(round_trip_ms);
     SimulatedSystem system(13, TouchChoice::automatic);
     ASSERT_NO_FATAL_FAILURE(press_in_near(system));

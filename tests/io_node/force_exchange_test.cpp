@@ -60,6 +60,41 @@ TEST_F(Servos, AnOvertakenForceIsNotWritten) {
   EXPECT_EQ(stats().responses.reordered, 1U);
 }
 
+// Where the device side's force ends, the haptics node goes on from its probe: what it replied before knows nothing of that, and the reply
+// after it may be another force altogether.
+TEST_F(Servos, WhereALocalForceEndsOnlyRepliesFromItsProbeOnAreWritten) {
+  class Touching final : public LocalTouch {
+   public:
+    std::optional<LocalForce> step(const DeviceSample&) noexcept override {
+      return is_touching ? std::optional<LocalForce>({.force_n = Vec3(0, 0, 1), .visual_offset_m = Vec3(0, 0, 1e-3), .contact = true})
+                         : std::nullopt;
+    }
+    bool is_touching = false;
+  };
+  Touching local;
+  make();
+  servo->device_loop().set_local_touch(&local);
+  join(kHaptics, NodeRole::haptics);
+  run(300);
+  answer_delay_ns = -1;
+  local.is_touching = true;
+  run(200);
+  ASSERT_NEAR(device.written.back().force_n.z(), 1.0, 1e-9);
+  const DeviceState before = states.back();
+  EXPECT_FALSE(before.is_resumed);
+  local.is_touching = false;
+  servo->step();
+  const DeviceState resumed = states.back();
+  EXPECT_TRUE(resumed.is_resumed) << "with the first sample that has no local force";
+  answer.force_n = Vec3(0, 0, 3);
+  force(before, 0);
+  run(3);
+  EXPECT_NEAR(device.written.back().force_n.z(), 1.0, 1e-9);
+  force(resumed, 0);
+  run(1);
+  EXPECT_NEAR(device.written.back().force_n.z(), 1.02, 1e-9) << "a hundredth of the difference, although four cycles passed";
+}
+
 TEST_F(Servos, ACommandTimeoutReleasesTheForceWhichRampsBackIn) {
   make();
   join(kHaptics, NodeRole::haptics);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 
 namespace hapton {
@@ -19,15 +20,17 @@ TEST(ForceFade, WithoutASwitchForcesPassToTheLastBit) {
 }
 
 TEST(ForceFade, TheDifferenceOnlyDecreasesAndIsZeroAfterItsTime) {
-  for (const double dt_s : {1e-4, kStepS, 4e-3}) {
+  for (const double step_s : {1e-4, kStepS, 4e-3, 0.05}) {
+    SCOPED_TRACE(step_s);
+    const double dt_s = std::min(step_s, ForceFade::kMostStepS);
     ForceFade fade;
-    fade.step(kBefore, true, dt_s);
+    fade.step(kBefore, true, step_s);
     fade.begin();
     Vec3 last = kBefore;
     const Vec3 difference = kBefore - kAfter;
     const int steps = static_cast<int>(ForceFade::kInContactS / dt_s) + 1;
     for (int i = 0; i < steps; ++i) {
-      const Vec3 force = fade.step(kAfter, true, dt_s);
+      const Vec3 force = fade.step(kAfter, true, step_s);
       EXPECT_NEAR((last - force).dot(difference), (last - force).norm() * difference.norm(), 1e-12)
           << "the same direction, towards the new";
       EXPECT_LE((last - force).norm(), difference.norm() * dt_s / ForceFade::kInContactS + 1e-12);
