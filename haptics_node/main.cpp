@@ -15,6 +15,7 @@
 #include "haptics_node/haptics_options.h"
 #include "haptics_node/haptics_report.h"
 #include "haptics_node/inside_watch.h"
+#include "haptics_node/object_shaper.h"
 #include "haptics_node/placed_scene.h"
 #include "haptics_node/preparation_notice.h"
 #include "haptics_node/reply_loop.h"
@@ -190,6 +191,12 @@ int run(const HapticsOptions& options) {
   const auto source = static_cast<std::uint32_t>(make_random_id()) | 1U;
   ObjectMover mover(*scene, source);
   loop.set_object_mover(&mover);
+  ObjectShaper shaper(*scene, step.touch(), source);
+  if (shaper.has_objects()) {
+    loop.set_object_shaper(&shaper);
+    shaper.start();
+    log_info("{} of the objects have the shape that programs give them", shaper.count());
+  }
   std::optional<CarveSender> carves;
   std::optional<CarveUndoTask> carve_undo;
   if (const Sculpture* whole = step.touch().method().sculpture(); whole != nullptr) {

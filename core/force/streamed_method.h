@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/collision/shape_stage.h"
@@ -40,6 +41,13 @@ class StreamedMethod final : public ForceMethod {
   // The stage comes after the present one, and takes the place of one that waits. over_s: how long it shall take. Returned: stages that are
   // used no more, to be destroyed outside of the loop. Pre: it begins where the present stage ends; over_s 0 or more.
   StreamedGeometry::Released offer(std::unique_ptr<ShapeStage> stage, double over_s) noexcept;
+  // The same, with its time: it begins at start_s and takes over_s. Pre: no stage waits; start_s is after the last step, and not before the
+  // present stage ends; over_s is not below compute_time_s.
+  StreamedGeometry::Released offer_at(std::unique_ptr<ShapeStage> stage, double start_s, double over_s) noexcept {
+    return riding_.surface().offer(std::move(stage), over_s, start_s);
+  }
+  // A stage waits for its beginning.
+  bool has_waiting() const noexcept { return riding_.surface().has_next(); }
   // How long a stage takes.
   static double compute_time_s(const ShapeStage& stage, double over_s) noexcept;
 
