@@ -195,7 +195,7 @@ int run(const HapticsOptions& options) {
   if (shaper.has_objects()) {
     loop.set_object_shaper(&shaper);
     shaper.start();
-    log_info("{} of the objects have the shape that programs give them", shaper.count());
+    log_info("programs may deform {} of the objects", shaper.count());
   }
   std::optional<CarveSender> carves;
   std::optional<CarveUndoTask> carve_undo;
@@ -240,6 +240,11 @@ int run(const HapticsOptions& options) {
   loop.run(stop, options.seconds);
   client.leave();  // the reports take longer than the hub waits for a force
   fmt::print("{}", make_haptics_report(step, client, loop.compute_times(), loop.step_times()));
+  if (shaper.has_objects()) {
+    const ObjectShaper::Counts& counts = shaper.counts();
+    fmt::print("shapes from programs: {} taken, {} left out as a part was lost or late, {} parts or shapes rejected\n", counts.shapes,
+               counts.incomplete, counts.rejected);
+  }
   fmt::print("{}", effects.describe());
   if (tool_task) {
     tool_task->stop();

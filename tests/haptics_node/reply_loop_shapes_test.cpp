@@ -119,13 +119,13 @@ TEST_F(ReplyLoopShapes, ForcesAndTheAnnouncedShapesAgree) {
     if (n % 30 == 0) give(++shape, raised(shape % 3 == 0 ? -0.003 : 0.002 * (shape % 4)), 0.05);
     const ForceCommand force = cycle();
     ASSERT_NEAR(force.force_n.z(), 1000.0 * std::max(0.0, announced_height() - kHandOverSkin.z()), 2e-3) << n;
-    // 2 ms from sample to sample.
+    // At most 2 ms from sample to sample.
     ASSERT_LE(std::abs(force.force_n.z() - before_n), 1000.0 * 0.25 * 0.0021) << n;
     before_n = force.force_n.z();
     most_n = std::max(most_n, before_n);
   }
   EXPECT_GT(most_n, 3.0);
-  EXPECT_GT(force_.shape_serial, 15U);
+  EXPECT_GT(force_.shape_serial, 8U);
   EXPECT_EQ(force_.shape_serial, step_.counts().shapes_taken);
   for (const ShapeReply& reply : replies_) {
     EXPECT_STREQ(reply.rejection.data(), "");
@@ -149,7 +149,7 @@ TEST_F(ReplyLoopShapes, GivesTheForceOfTheSameShapesAsKeyframes) {
   known_ = KnownShapes({0, 169});
   while (starts_.empty() || starts_.back().serial < kShapes || force_.scene_time_ns < starts_.back().end_ns + 20 * kMs) {
     ASSERT_LT(felt.size(), 5000U);
-    if (given.size() < kShapes && felt.size() % 40 == 0) {
+    if (given.size() < kShapes && felt.size() % 60 == 0) {
       Displacements shape = raised(0.0);
       const Vec3 at(0.02 * unit(random), 0.02 * unit(random), 0.0);
       const double high = 0.004 * unit(random);
@@ -234,13 +234,13 @@ TEST_F(ReplyLoopShapes, TheShapeIsAnnouncedBeforeTheFirstForceWithIt) {
 
 TEST_F(ReplyLoopShapes, WhereObjectsAreIsAnnouncedAgain) {
   give(1, raised(0.005));
-  for (int n = 0; n < 300; ++n) cycle();
+  for (int n = 0; n < 600; ++n) cycle();
   const auto newest = [&] { return std::count_if(starts_.begin(), starts_.end(), [](const ShapeStart& one) { return one.serial == 1; }); };
   EXPECT_GE(newest(), 4) << "soon, a few times";
   starts_.clear();
-  for (int n = 0; n < 1200; ++n) cycle();
+  for (int n = 0; n < 2500; ++n) cycle();
   EXPECT_GE(newest(), 1) << "once a second, for who joins later";
-  EXPECT_LE(newest(), 4);
+  EXPECT_LE(newest(), 7);
 }
 
 TEST_F(ReplyLoopShapes, WhoJoinsLateGetsTheNewestShape) {
@@ -281,7 +281,7 @@ TEST_F(ReplyLoopShapes, OfThoseThatWaitTheNewestCounts) {
     give(shape, raised(0.001 * shape), 0.01);
     cycle();
   }
-  for (int n = 0; n < 400; ++n) cycle();
+  for (int n = 0; n < 1200; ++n) cycle();
   EXPECT_EQ(step_.counts().shapes_taken, 2U);
   EXPECT_NEAR(announced_height(), 0.006, 1e-8);
 }
@@ -297,7 +297,7 @@ TEST_F(ReplyLoopShapes, AShapeThatIsRepeatedOnlyGetsItsReplyAgain) {
 
 TEST_F(ReplyLoopShapes, WhatCannotBeIsRejectedInOneLine) {
   const auto expect_rejected = [&](const char* why) {
-    for (int n = 0; n < 80; ++n) cycle();
+    for (int n = 0; n < 150; ++n) cycle();
     ASSERT_FALSE(replies_.empty()) << why;
     EXPECT_NE(std::string(replies_.back().rejection.data()).find(why), std::string::npos) << replies_.back().rejection.data();
     EXPECT_EQ(step_.counts().shapes_taken, 0U);
@@ -317,7 +317,7 @@ TEST_F(ReplyLoopShapes, WhatCannotBeIsRejectedInOneLine) {
   expect_rejected("at its end");
   give(1, raised(0.001), 0.0, 9);
   expect_rejected("another program deforms this object");
-  for (int n = 0; n < 600; ++n) cycle();
+  for (int n = 0; n < 1200; ++n) cycle();
   give(1, raised(0.001), 0.0, 9);
   for (int n = 0; n < 40; ++n) cycle();
   EXPECT_EQ(step_.counts().shapes_taken, 1U) << "the first program is silent";
@@ -339,7 +339,7 @@ TEST_F(ReplyLoopShapes, AFloodNeverComesBeforeAForce) {
   double before_n = cycle().force_n.z();
   std::uint64_t allocations = 0;
   for (int n = 0; n < 600; ++n) {
-    for (int k = 0; k < 4; ++k) give(++shape, raised(shape % 2 == 0 ? 0.019 : -0.019), 0.0, 7);
+    for (int k = 0; k < 4; ++k) give(++shape, raised((n / 50) % 2 == 0 ? 0.019 : -0.019), 0.0, 7);
     give(shape, raised(0.0), 0.0, 8);
     give(shape, raised(0.0), 0.0, 7, "nothing");
     send(ShapeStatus{.source = 42, .serial = step_.counts().shapes_taken > 0 ? force_.shape_serial : 1U, .object = kSkinObject});
@@ -378,7 +378,7 @@ TEST_F(ReplyLoopShapes, MaterialsChangeUnderAShape) {
   std::vector<Material> softer(2);
   softer[1].stiffness_n_per_m = 500.0;
   step_.set_materials(softer);
-  for (int n = 0; n < 400; ++n) cycle();
+  for (int n = 0; n < 1200; ++n) cycle();
   EXPECT_NEAR(force_.force_n.z(), 1.5, 1e-3);
 }
 

@@ -493,11 +493,11 @@ inline void expect_sane(const Datagram& datagram) {
     EXPECT_NE(carve_status->source, 0U);
   } else if (const auto* undo = std::get_if<CarveUndo>(&datagram.message)) {
     EXPECT_TRUE(undo->source != 0 && undo->serial != 0);
-  } else if (const auto* wanted = std::get_if<ShapeRequest>(&datagram.message)) {
-    EXPECT_TRUE(wanted->stream != 0 && wanted->shape != 0);
-    EXPECT_TRUE(wanted->over_s >= 0.0 && wanted->over_s <= ShapeRequest::kMostSeconds);
-    EXPECT_GE(wanted->number, 0);
-    expect_sane(wanted->part);
+  } else if (const auto* wanted_shape = std::get_if<ShapeRequest>(&datagram.message)) {
+    EXPECT_TRUE(wanted_shape->stream != 0 && wanted_shape->shape != 0);
+    EXPECT_TRUE(wanted_shape->over_s >= 0.0 && wanted_shape->over_s <= ShapeRequest::kMostSeconds);
+    EXPECT_GE(wanted_shape->number, 0);
+    expect_sane(wanted_shape->part);
   } else if (const auto* shape = std::get_if<ObjectShape>(&datagram.message)) {
     EXPECT_TRUE(shape->source != 0 && shape->serial != 0 && shape->object >= 0);
     expect_sane(shape->part);
