@@ -70,6 +70,7 @@ ForceCommand HapticsStep::answer() noexcept {
   reply.material_serial = static_cast<std::uint32_t>(counts_.materials_taken);
   reply.scene_time_ns = scene_time_ns_;
   reply.move_serial = static_cast<std::uint32_t>(counts_.moves_taken);
+  reply.shape_serial = static_cast<std::uint32_t>(counts_.shapes_taken);
   return reply;
 }
 
@@ -77,6 +78,13 @@ bool HapticsStep::command(int object, const CommandedMove& move) noexcept {
   if (!touch_->command(object, move)) return false;
   ++counts_.moves_taken;
   return true;
+}
+
+StreamedGeometry::Released HapticsStep::deform(int object, std::unique_ptr<ShapeStage> stage, std::int64_t start_ns,
+                                               std::int64_t end_ns) noexcept {
+  ++counts_.shapes_taken;
+  return touch_->find_streamed(object)->offer_at(std::move(stage), 1e-9 * static_cast<double>(start_ns),
+                                                 1e-9 * static_cast<double>(end_ns - start_ns));
 }
 
 void HapticsStep::advance_scene(std::int64_t step_ns) noexcept {

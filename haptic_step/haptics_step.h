@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/force/force_fade.h"
+#include "core/force/streamed_method.h"
 #include "core/force/touch_step.h"
 #include "core/tool/held_tool.h"
 #include "haptic_step/grasp.h"
@@ -25,7 +26,8 @@ struct HapticsCounts {
   std::uint64_t views_rejected = 0;  // not rigid
   std::uint64_t methods_taken = 0;   // changes while running
   std::uint64_t materials_taken = 0;
-  std::uint64_t moves_taken = 0;  // of objects, by programs
+  std::uint64_t moves_taken = 0;   // of objects, by programs
+  std::uint64_t shapes_taken = 0;  // likewise
   double max_force_n = 0.0;
   // Of a rigid tool:
   double max_torque_nm = 0.0;
@@ -86,6 +88,10 @@ class HapticsStep {
 
   // Moves an object from the next reply on, as TouchStep::command. Its start is the scene time of a reply.
   bool command(int object, const CommandedMove& move) noexcept;
+
+  // A program deforms an object: its next stage, as StreamedMethod::offer_at; times are scene times. Returned: what is used no more.
+  // Pre: programs may deform the object.
+  StreamedGeometry::Released deform(int object, std::unique_ptr<ShapeStage> stage, std::int64_t start_ns, std::int64_t end_ns) noexcept;
 
   // Replaces the method and returns the old one; objects that programs moved stay where they are, and what was carved
   // stays so. In contact the new one starts where the

@@ -10,6 +10,8 @@ bool is_same_motion(const SceneObject& a, const SceneObject& b) {
 }
 
 bool is_same_deformation(const SceneObject& a, const SceneObject& b) {
+  if ((a.program_shape == nullptr) != (b.program_shape == nullptr)) return false;
+  if (a.program_shape != nullptr && !(*a.program_shape == *b.program_shape)) return false;
   return a.deformation == b.deformation || (a.deformation != nullptr && b.deformation != nullptr && *a.deformation == *b.deformation);
 }
 

@@ -15,6 +15,7 @@
 #include "haptics_node/haptics_options.h"
 #include "haptics_node/haptics_report.h"
 #include "haptics_node/inside_watch.h"
+#include "haptics_node/object_shaper.h"
 #include "haptics_node/placed_scene.h"
 #include "haptics_node/preparation_notice.h"
 #include "haptics_node/reply_loop.h"
@@ -190,6 +191,12 @@ int run(const HapticsOptions& options) {
   const auto source = static_cast<std::uint32_t>(make_random_id()) | 1U;
   ObjectMover mover(*scene, source);
   loop.set_object_mover(&mover);
+  ObjectShaper shaper(*scene, step.touch(), source);
+  if (shaper.has_objects()) {
+    loop.set_object_shaper(&shaper);
+    shaper.start();
+    log_info("programs may deform {} of the objects", shaper.count());
+  }
   std::optional<CarveSender> carves;
   std::optional<CarveUndoTask> carve_undo;
   if (const Sculpture* whole = step.touch().method().sculpture(); whole != nullptr) {
@@ -233,6 +240,11 @@ int run(const HapticsOptions& options) {
   loop.run(stop, options.seconds);
   client.leave();  // the reports take longer than the hub waits for a force
   fmt::print("{}", make_haptics_report(step, client, loop.compute_times(), loop.step_times()));
+  if (shaper.has_objects()) {
+    const ObjectShaper::Counts& counts = shaper.counts();
+    fmt::print("shapes from programs: {} taken, {} left out as a part was lost or late, {} parts or shapes rejected\n", counts.shapes,
+               counts.incomplete, counts.rejected);
+  }
   fmt::print("{}", effects.describe());
   if (tool_task) {
     tool_task->stop();

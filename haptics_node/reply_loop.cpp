@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "haptic_step/haptics_setup.h"
-#include "plugin/plugin_method.h"
 #include "runtime/log.h"
 
 namespace hapton {
@@ -82,6 +81,7 @@ void ReplyLoop::turn(std::int64_t deadline_ns) {
   change_materials();
   move_objects();
   repeat_move();
+  if (shapes_ != nullptr) deform_objects();
   report_grasp();
   send_setup();
   report_hub_state();
@@ -103,10 +103,12 @@ void ReplyLoop::drain(std::int64_t began_ns) noexcept {
 void ReplyLoop::note_join() noexcept {
   if (std::exchange(joins_, hub_.counts().joins) == hub_.counts().joins) return;
   send_moves();
+  send_shape_starts();
   if (carves_ != nullptr) hub_.send(carves_->announce());
 }
 
 void ReplyLoop::handle(const Message& message) noexcept {
+  if (handle_shape(message)) return;
   const bool overtaken = hub_.last_arrival() == Arrival::reordered;
   if (const auto* state = std::get_if<DeviceState>(&message)) {
     if (overtaken) {
@@ -146,7 +148,7 @@ void ReplyLoop::handle(const Message& message) noexcept {
     // A requester repeats its request until the reply comes.
     if (settings->method_request != 0 && settings->method_request == last_request_) return;
     last_request_ = settings->method_request;
-    if (is_holding()) return reject_method(settings->method_request);
+    if (is_holding() || shapes_ != nullptr) return reject_method(settings->method_request);
     builder_.request(settings->method, settings->method_request);
   }
 }
@@ -156,8 +158,9 @@ bool ReplyLoop::is_holding() const noexcept { return step_.holds_tool() || (step
 
 void ReplyLoop::reject_method(std::uint32_t request) noexcept {
   setup_.method_request = request;
-  put_text(step_.grasp() != nullptr ? "the stylus holds an object, and methods need a probe; put it down, then request again"
-                                    : "the stylus holds a rigid tool, and methods need a probe; leave out --tool, or [tool] of the scene",
+  put_text(shapes_ != nullptr         ? "programs deform objects of the scene, which needs the method proxy: it stays in use"
+           : step_.grasp() != nullptr ? "the stylus holds an object, and methods need a probe; put it down, then request again"
+                                      : "the stylus holds a rigid tool, and methods need a probe; leave out --tool, or [tool] of the scene",
            setup_.rejection);
   send_setup_soon();
 }
@@ -304,6 +307,7 @@ void ReplyLoop::send_setup() noexcept {
   if (scene_.given_hash != 0) hub_.send(scene_);
   send_poses();
   send_moves();
+  send_shape_starts();
   if (carves_ != nullptr) hub_.send(carves_->announce());
 }
 
@@ -433,32 +437,6 @@ void ReplyLoop::report_patches() {
   patch_obstacle_reported_ = why;
   if (!why.empty()) log_warning("the hub requests the scene in parts (io_node --touch), but {}: this node computes the forces", why);
   if (why.empty()) log_info("the hub receives the scene in parts again");
-}
-
-bool ReplyLoop::is_method_cut_off() const noexcept {
-  const auto* method = dynamic_cast<const PluginMethod*>(&step_.touch().method());
-  return method != nullptr && method->guard().cut_off();
-}
-
-void ReplyLoop::report_plugins() {
-  const bool is_effect = effects_ != nullptr && effects_->has_notices();
-  const bool is_method = is_method_cut_off() != is_method_cut_off_;
-  if (!is_effect && !is_method) return;
-  if (is_effect) {
-    for (const std::string& notice : effects_->take_notices()) log_warning("{}", notice);
-  }
-  if (is_method) {
-    is_method_cut_off_ = !is_method_cut_off_;
-    if (is_method_cut_off_) log_warning("{}", dynamic_cast<const PluginMethod&>(step_.touch().method()).notice());
-  }
-  show_plugins();
-  send_setup_soon();
-}
-
-// In the setup, and so in recordings and reports: what depends on the time that calls took cannot be replayed.
-void ReplyLoop::show_plugins() {
-  put_text((effects_ != nullptr ? effects_->to_text() : std::string()) + (is_method_cut_off_ ? " cut=method" : ""), effects_text_);
-  show_method(HapticsSetup::Text(method_));
 }
 
 void ReplyLoop::report_hub_state() {

@@ -11,6 +11,7 @@
 #include "haptics_node/inside_watch.h"
 #include "haptics_node/material_tuner.h"
 #include "haptics_node/method_builder.h"
+#include "haptics_node/object_shaper.h"
 #include "haptics_node/patch_sender.h"
 #include "haptics_node/stiffness_adviser.h"
 #include "link/hub_client.h"
@@ -38,6 +39,9 @@ class ReplyLoop {
   void set_material_tuner(MaterialTuner* tuner) noexcept { tuner_ = tuner; }
   // Before run: who carries out what programs request of the objects. Without one, such requests are left out. Pre: outlives this.
   void set_object_mover(ObjectMover* mover) noexcept { mover_ = mover; }
+  // Before run: who deforms objects as programs request. Without one, such requests are left out. With one, the method stays. Pre: outlives
+  // this.
+  void set_object_shaper(ObjectShaper* shapes) noexcept { shapes_ = shapes; }
   // Before run: who keeps and sends what the stylus carves. Pre: outlives this.
   void set_carve_sender(CarveSender* carves) noexcept { carves_ = carves; }
   // Before run: who undoes it on request. Pre: outlives this; there is a carve sender.
@@ -93,6 +97,10 @@ class ReplyLoop {
   void move_objects();
   void repeat_move() noexcept;
   void send_moves() noexcept;
+  bool handle_shape(const Message& message) noexcept;
+  void deform_objects();
+  void send_shape_starts() noexcept;
+  void report_shape(const ShapeReply& reply);
   void note_carve() noexcept;
   void request_undo(const CarveUndo& request) noexcept;
   void undo_carves();
@@ -148,6 +156,11 @@ class ReplyLoop {
   CarveSender* carves_ = nullptr;
   CarveUndoTask* undo_ = nullptr;
   bool are_carves_full_ = false;  // as reported
+  ObjectShaper* shapes_ = nullptr;
+  std::int64_t repeat_start_ns_ = 0;    // the newest start of a shape is sent again then
+  int start_repeats_ = 0;               // so often
+  std::int64_t last_shape_ns_ = 0;      // an object took a shape
+  std::int64_t shape_rejected_ns_ = 0;  // the log spoke of one
   ObjectMover* mover_ = nullptr;
   std::uint64_t joins_ = 0;            // of the hub, after which the moves were announced
   std::size_t next_move_ = 0;          // of mover_->moves(), to be sent again

@@ -32,6 +32,14 @@ bool has_same_sculpt(const Scene& before, const Scene& after) {
   return compare_scenes(before, after) != SceneChange::shape;
 }
 
+// What programs deform keeps its shape, which is one of the mesh that it began with.
+bool has_same_program_shapes(const Scene& before, const Scene& after) {
+  if (!before.touch_scene().has_streamed() && !after.touch_scene().has_streamed()) return true;
+  return compare_scenes(before, after) != SceneChange::shape &&
+         std::equal(before.objects.begin(), before.objects.end(), after.objects.begin(), after.objects.end(),
+                    [](const SceneObject& a, const SceneObject& b) { return a.name == b.name; });
+}
+
 }  // namespace
 
 SceneWatcher::SceneWatcher(Options options, Scene scene, MaterialTuner& tuner, MethodBuilder& builder)
@@ -89,6 +97,14 @@ SceneWatcher::Look SceneWatcher::look() {
     log_warning(
         "{}: objects of this scene can be carved, and the shapes of its objects have changed: start haptics_node again to use it; the "
         "present scene stays in use",
+        options_.path.string());
+    return Look::rejected;
+  }
+  if (!has_same_program_shapes(used_, *scene)) {
+    log_warning(
+        "{}: programs deform objects of this scene, and the shapes or the names of its objects have changed: start haptics_node again to "
+        "use "
+        "it; the present scene stays in use",
         options_.path.string());
     return Look::rejected;
   }

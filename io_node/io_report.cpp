@@ -89,6 +89,7 @@ void add_counters(LatencyReport& report, const ServoStats& s) {
                      {"markers", whole(s.markers)},
                      {"markers_refused", whole(s.markers_refused)},
                      {"moves_rejected", whole(s.moves_rejected)},
+                     {"shape_parts_rejected", whole(s.shape_parts_rejected)},
                      {"vision_sent", whole(s.probe_states_sent)},
                      {"vision_unchanged", whole(s.probe_states_unchanged)},
                      {"views_forwarded", whole(s.views_forwarded)},

@@ -52,6 +52,20 @@ void RequestHandler::accept(const MoveReply& reply) noexcept {
   if (awaited != awaited_moves_.end()) peers_.send_to(awaited->peer, reply);
 }
 
+void RequestHandler::accept(const ShapeRequest& part, const PeerEvent& event) noexcept {
+  if (!shape_rates_[event.peer].take(event.receive_time_ns) || !all_shapes_rate_.take(event.receive_time_ns)) {
+    ++stats_.shape_parts_rejected;
+    return;
+  }
+  shape_streams_[event.peer] = part.stream;
+  peers_.send_to_role(NodeRole::haptics, part);
+}
+
+void RequestHandler::accept(const ShapeReply& reply) noexcept {
+  const auto sender = std::find(shape_streams_.begin(), shape_streams_.end(), reply.stream);
+  if (sender != shape_streams_.end()) peers_.send_to(static_cast<std::size_t>(sender - shape_streams_.begin()), reply);
+}
+
 void RequestHandler::reset_faults(const Peer& sender) noexcept {
   const DeviceSide& side = loop_.latest();
   if (side.governor.fault == SafetyFault::none) return;
@@ -86,6 +100,8 @@ void RequestHandler::on_peer_gone(std::size_t peer) noexcept {
     if (one.peer == peer) one.peer = kNobody;
   }
   move_rates_[peer] = TokenBucket(kMovesPerSecond, kMovesAtOnce);
+  shape_rates_[peer] = TokenBucket(kShapePartsPerSecond, kShapePartsAtOnce);
+  shape_streams_[peer] = 0;
 }
 
 }  // namespace hapton

@@ -15,14 +15,15 @@
 
 namespace hapton {
 
-// Carries out what tools and vision nodes request: servo rate, force method, material, moves of objects, report, reset of a latched fault,
-// hand target. RT: yes. Threads: all the servo's, except take_report_request, which one other thread calls.
+// Carries out what tools and vision nodes request: servo rate, force method, material, moves and shapes of objects, report, reset of a
+// latched fault, hand target. RT: yes. Threads: all the servo's, except take_report_request, which one other thread calls.
 class RequestHandler {
  public:
   // Pre: all outlive this. rate_hz: the initial rate of the servo.
   RequestHandler(DeviceLoop& loop, HubPeers& peers, const Clock& clock, EventRing& events, ServoStats& stats, double rate_hz) noexcept
       : loop_(loop), peers_(peers), clock_(clock), events_(events), stats_(stats), rate_hz_(rate_hz) {
     move_rates_.fill(TokenBucket(kMovesPerSecond, kMovesAtOnce));
+    shape_rates_.fill(TokenBucket(kShapePartsPerSecond, kShapePartsAtOnce));
   }
 
   void accept(const Settings& settings, const PeerEvent& event) noexcept;
@@ -32,6 +33,11 @@ class RequestHandler {
   void accept(const MoveRequest& request, const PeerEvent& event) noexcept;
   // A reply of the haptics node: passed on to the peer that sent the request.
   void accept(const MoveReply& reply) noexcept;
+  // A part of a shape: passed on to the haptics node, kShapePartsPerSecond of each sender at most, and kAllShapePartsPerSecond of all; more
+  // are dropped and counted (ServoStats::shape_parts_rejected).
+  void accept(const ShapeRequest& part, const PeerEvent& event) noexcept;
+  // A reply of the haptics node: passed on to the peer that sent parts of that stream last.
+  void accept(const ShapeReply& reply) noexcept;
   // The peer that set an active target last controls the simulated hand, until it sends an inactive one or leaves.
   void accept(const HandTarget& target, std::size_t peer) noexcept;
   // The node in this slot has left, or another node has taken the slot.
@@ -45,6 +51,10 @@ class RequestHandler {
 
   static constexpr std::int64_t kMovesPerSecond = 250;  // of one sender: hapton dynamics sends 200
   static constexpr std::int64_t kMovesAtOnce = 32;      // a burst of one sender
+  // 30 shapes a second of 8,500 vertices. Each part takes the haptics node some microseconds.
+  static constexpr std::int64_t kShapePartsPerSecond = 4000;
+  static constexpr std::int64_t kAllShapePartsPerSecond = 6000;
+  static constexpr std::int64_t kShapePartsAtOnce = 2 * ShapePart::kMostParts;
 
  private:
   static constexpr std::size_t kNobody = HubPeers::kCapacity;
@@ -71,6 +81,9 @@ class RequestHandler {
   std::array<TokenBucket, HubPeers::kCapacity> move_rates_;    // by sender
   std::array<AwaitedMove, kMovesAwaited> awaited_moves_ = {};  // the newest, a ring
   std::size_t next_awaited_ = 0;
+  std::array<TokenBucket, HubPeers::kCapacity> shape_rates_;  // by sender
+  TokenBucket all_shapes_rate_{kAllShapePartsPerSecond, kShapePartsAtOnce};
+  std::array<std::uint32_t, HubPeers::kCapacity> shape_streams_ = {};  // of the last part of each sender; 0: none
   std::uint64_t resets_denied_ = 0;
   std::int64_t next_denial_notice_ns_ = 0;
   std::atomic<bool> is_report_requested_{false};

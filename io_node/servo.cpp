@@ -162,6 +162,17 @@ void Servo::on_message(const PeerEvent& event, const Datagram& datagram) noexcep
     peers_.send_to_role(NodeRole::vision, *move);
     return;
   }
+  // Parts, and starts of several objects.
+  if (const auto* part = std::get_if<ShapeRequest>(&message)) return requests_.accept(*part, event);
+  if (const auto* reply = std::get_if<ShapeReply>(&message)) return requests_.accept(*reply);
+  if (std::holds_alternative<ObjectShape>(message) || std::holds_alternative<ShapeStart>(message)) {
+    peers_.send_to_role(NodeRole::vision, message);
+    return;
+  }
+  if (std::holds_alternative<ShapeStatus>(message)) {
+    peers_.send_to_role(NodeRole::haptics, message);
+    return;
+  }
   // Neither the order of carves matters nor how often they come.
   if (const auto* carves = std::get_if<Carves>(&message)) {
     carves_.note(*carves, event.arrival);

@@ -55,16 +55,17 @@ struct ServoStats {
   std::uint64_t drawn = 0;
   std::uint64_t views_forwarded = 0;
   std::uint64_t bad_settings = 0;
-  std::uint64_t markers = 0;            // recorded
-  std::uint64_t markers_refused = 0;    // sent, but not recorded
-  std::uint64_t moves_rejected = 0;     // requests to move an object beyond RequestHandler::kMovesPerSecond
-  std::uint64_t resets_denied = 0;      // requested without the right, or without a person at the device
-  double frame_rate_hz = 0.0;           // as last reported by a vision node
-  double max_force_n = 0.0;             // written to the device
-  double max_torque_nm = 0.0;           // written to the device
-  std::int64_t longest_release_ns = 0;  // sample of the last force accepted -> zero on the device, of all silences
-  std::uint64_t cuts = 0;               // times the device side cut the device, as the network side was stuck in the middle of a write
-  std::uint64_t local_forces = 0;       // computed on the device side, from patches of the scene
+  std::uint64_t markers = 0;               // recorded
+  std::uint64_t markers_refused = 0;       // sent, but not recorded
+  std::uint64_t shape_parts_rejected = 0;  // parts of shapes of objects beyond RequestHandler::kShapePartsPerSecond
+  std::uint64_t moves_rejected = 0;        // requests to move an object beyond RequestHandler::kMovesPerSecond
+  std::uint64_t resets_denied = 0;         // requested without the right, or without a person at the device
+  double frame_rate_hz = 0.0;              // as last reported by a vision node
+  double max_force_n = 0.0;                // written to the device
+  double max_torque_nm = 0.0;              // written to the device
+  std::int64_t longest_release_ns = 0;     // sample of the last force accepted -> zero on the device, of all silences
+  std::uint64_t cuts = 0;                  // times the device side cut the device, as the network side was stuck in the middle of a write
+  std::uint64_t local_forces = 0;          // computed on the device side, from patches of the scene
   PatchBuilderCounts patch_builder;
   PatchTouch::Counts patch_touch;
   std::uint64_t cycles_unreported = 0;  // of the device side, which the network side was too late to receive

@@ -112,12 +112,22 @@ constexpr std::tuple kMessageKinds{
                                                     &wire::Envelope::mutable_patch_material},
     MessageKind<CarveUndo, wire::CarveUndo>{&wire::Envelope::has_carve_undo, &wire::Envelope::carve_undo,
                                             &wire::Envelope::mutable_carve_undo},
+    MessageKind<ShapeRequest, wire::ShapeRequest>{&wire::Envelope::has_shape_request, &wire::Envelope::shape_request,
+                                                  &wire::Envelope::mutable_shape_request},
+    MessageKind<ShapeReply, wire::ShapeReply>{&wire::Envelope::has_shape_reply, &wire::Envelope::shape_reply,
+                                              &wire::Envelope::mutable_shape_reply},
+    MessageKind<ObjectShape, wire::ObjectShape>{&wire::Envelope::has_object_shape, &wire::Envelope::object_shape,
+                                                &wire::Envelope::mutable_object_shape},
+    MessageKind<ShapeStart, wire::ShapeStart>{&wire::Envelope::has_shape_start, &wire::Envelope::shape_start,
+                                              &wire::Envelope::mutable_shape_start},
+    MessageKind<ShapeStatus, wire::ShapeStatus>{&wire::Envelope::has_shape_status, &wire::Envelope::shape_status,
+                                                &wire::Envelope::mutable_shape_status},
     MessageKind<Bye, wire::Bye>{&wire::Envelope::has_bye, &wire::Envelope::bye, &wire::Envelope::mutable_bye},
 };
 constexpr std::size_t kKindCount = std::tuple_size_v<decltype(kMessageKinds)>;
 static_assert(kKindCount == std::variant_size_v<Message>);
 // Fields 1 to 5 of an Envelope are its header, the others one kind each, from 16 on.
-static_assert(wire::Envelope::kCarveUndoFieldNumber == 15 + kKindCount, "the last kind of hapton.proto, and its line in kMessageKinds");
+static_assert(wire::Envelope::kShapeStatusFieldNumber == 15 + kKindCount, "the last kind of hapton.proto, and its line in kMessageKinds");
 
 // Calls visit with each kind until one returns true.
 template <class Visit>
@@ -278,6 +288,14 @@ void reserve(wire::Carves& m) {
 }
 void reserve(wire::CarveStatus&) {}
 void reserve(wire::CarveUndo&) {}
+void reserve(wire::ShapeRequest& m) {
+  m.mutable_object()->reserve(kMaxDatagramBytes);
+  m.mutable_displacements()->reserve(kMaxDatagramBytes);
+}
+void reserve(wire::ShapeReply& m) { m.mutable_rejection()->reserve(kMaxDatagramBytes); }
+void reserve(wire::ObjectShape& m) { m.mutable_displacements()->reserve(kMaxDatagramBytes); }
+void reserve(wire::ShapeStart&) {}
+void reserve(wire::ShapeStatus&) {}
 void reserve(wire::Bye&) {}
 
 }  // namespace

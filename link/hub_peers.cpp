@@ -18,16 +18,19 @@ bool may_send(NodeRole role, const Message& message) {
            std::holds_alternative<PatchCell>(message) || std::holds_alternative<PatchBegin>(message) ||
            std::holds_alternative<ObjectPose>(message) || std::holds_alternative<MoveReply>(message) ||
            std::holds_alternative<ObjectMove>(message) || std::holds_alternative<Carves>(message) ||
-           std::holds_alternative<PatchBody>(message) || std::holds_alternative<PatchMaterial>(message);
+           std::holds_alternative<PatchBody>(message) || std::holds_alternative<PatchMaterial>(message) ||
+           std::holds_alternative<ShapeReply>(message) || std::holds_alternative<ObjectShape>(message) ||
+           std::holds_alternative<ShapeStart>(message);
   }
-  if (std::holds_alternative<MoveRequest>(message)) return true;
+  if (std::holds_alternative<MoveRequest>(message) || std::holds_alternative<ShapeRequest>(message)) return true;
   if (role == NodeRole::tool) {
     return std::holds_alternative<Settings>(message) || std::holds_alternative<MaterialRequest>(message) ||
            std::holds_alternative<ReportRequest>(message);
   }
   return std::holds_alternative<ViewTransform>(message) || std::holds_alternative<FrameAck>(message) ||
          std::holds_alternative<HandTarget>(message) || std::holds_alternative<ObjectPose>(message) ||
-         std::holds_alternative<CarveStatus>(message) || std::holds_alternative<CarveUndo>(message);
+         std::holds_alternative<CarveStatus>(message) || std::holds_alternative<CarveUndo>(message) ||
+         std::holds_alternative<ShapeStatus>(message);
 }
 
 bool may_join(KeyRole key_role, NodeRole role) {

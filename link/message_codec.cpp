@@ -105,6 +105,7 @@ void write(const ForceCommand& from, wire::ForceCommand& to) {
   to.set_scene_time_ns(from.scene_time_ns);
   to.set_move_serial(from.move_serial);
   to.set_carve_serial(from.carve_serial);
+  to.set_shape_serial(from.shape_serial);
   write_push(from.push, to);
 }
 
@@ -266,6 +267,7 @@ bool read(const wire::ForceCommand& from, ForceCommand& to) {
   to.scene_time_ns = from.scene_time_ns();
   to.move_serial = from.move_serial();
   to.carve_serial = from.carve_serial();
+  to.shape_serial = from.shape_serial();
   return read_vector(from.force_n(), to.force_n) && read_vector(from.visual_offset_m(), to.visual_offset_m) &&
          read_optional_vector(from.torque_nm(), to.torque_nm) && read_optional_vector(from.visual_turn(), to.visual_turn) &&
          read_push(from, to.push);

@@ -39,6 +39,11 @@ class ObjectMove;
 class Carves;
 class CarveStatus;
 class CarveUndo;
+class ShapeRequest;
+class ShapeReply;
+class ObjectShape;
+class ShapeStart;
+class ShapeStatus;
 }  // namespace wire
 
 void write(const Hello& from, wire::Hello& to);
@@ -74,6 +79,11 @@ void write(const ObjectMove& from, wire::ObjectMove& to);
 void write(const Carves& from, wire::Carves& to);
 void write(const CarveStatus& from, wire::CarveStatus& to);
 void write(const CarveUndo& from, wire::CarveUndo& to);
+void write(const ShapeRequest& from, wire::ShapeRequest& to);
+void write(const ShapeReply& from, wire::ShapeReply& to);
+void write(const ObjectShape& from, wire::ObjectShape& to);
+void write(const ShapeStart& from, wire::ShapeStart& to);
+void write(const ShapeStatus& from, wire::ShapeStatus& to);
 
 // False for a value that the contract rules out; `to` is then not to be used.
 bool read(const wire::Hello& from, Hello& to);
@@ -108,6 +118,11 @@ bool read(const wire::ObjectMove& from, ObjectMove& to);
 bool read(const wire::Carves& from, Carves& to);
 bool read(const wire::CarveStatus& from, CarveStatus& to);
 bool read(const wire::CarveUndo& from, CarveUndo& to);
+bool read(const wire::ShapeRequest& from, ShapeRequest& to);
+bool read(const wire::ShapeReply& from, ShapeReply& to);
+bool read(const wire::ObjectShape& from, ObjectShape& to);
+bool read(const wire::ShapeStart& from, ShapeStart& to);
+bool read(const wire::ShapeStatus& from, ShapeStatus& to);
 bool read(const wire::ViewTransform& from, ViewTransform& to);
 
 }  // namespace hapton

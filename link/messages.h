@@ -8,6 +8,7 @@
 #include "core/math/keyframe_motion.h"
 #include "core/math/types.h"
 #include "link/marker_text.h"
+#include "link/shape_messages.h"
 
 namespace hapton {
 
@@ -76,6 +77,7 @@ struct ForceCommand {
   std::int64_t scene_time_ns = 0;
   std::uint32_t move_serial = 0;   // of the newest move of an object that it was computed with, as ObjectMove counts
   std::uint32_t carve_serial = 0;  // of the newest carve made before this step, as Carves count
+  std::uint32_t shape_serial = 0;  // of the newest shape of an object that it was computed with, as ShapeStart counts
   // On `object`. None: the stylus holds no rigid tool, or programs move nothing; so its presence does not tell of contact.
   std::optional<ObjectPush> push = {};
 };
@@ -472,10 +474,11 @@ struct CarveUndo {
   std::uint32_t serial = 0;  // of any carve of that press
 };
 
-using Message = std::variant<Hello, Welcome, Bye, DeviceState, ForceCommand, ViewTransform, ProbeState, FrameAck, HandTarget, Settings,
-                             HapticsSetup, ReportRequest, ReportPart, SceneFacts, ViewRejected, PatchBegin, PatchCell, PatchTile,
-                             PatchStatus, LoopFacts, MaterialRequest, MaterialState, ObjectPose, Marker, MarkerReply, MoveRequest,
-                             MoveReply, ObjectMove, Carves, CarveStatus, PatchBody, PatchMaterial, CarveUndo>;
+using Message =
+    std::variant<Hello, Welcome, Bye, DeviceState, ForceCommand, ViewTransform, ProbeState, FrameAck, HandTarget, Settings, HapticsSetup,
+                 ReportRequest, ReportPart, SceneFacts, ViewRejected, PatchBegin, PatchCell, PatchTile, PatchStatus, LoopFacts,
+                 MaterialRequest, MaterialState, ObjectPose, Marker, MarkerReply, MoveRequest, MoveReply, ObjectMove, Carves, CarveStatus,
+                 PatchBody, PatchMaterial, CarveUndo, ShapeRequest, ShapeReply, ObjectShape, ShapeStart, ShapeStatus>;
 
 // In front of every message.
 struct Header {

@@ -182,6 +182,20 @@ double move_object(LiveClient& client, const ObjectKey& object, const std::optio
   return value_or_raise(std::move(seconds));
 }
 
+std::optional<double> set_shape(LiveClient& client, const ObjectKey& object, const Doubles& displacements_m, double over_s, bool wait) {
+  const std::vector<Vec3> points = read_points(displacements_m, "displacements_m");
+  std::vector<ShapePart::Displacement> shape;
+  shape.reserve(points.size());
+  for (const Vec3& p : points) shape.push_back({static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())});
+  const std::string named = name_of(object);
+  auto seconds = [&] {
+    const py::gil_scoped_release others_run;
+    return client.set_shape(named, shape, over_s, wait);
+  }();
+  const double takes_s = value_or_raise(std::move(seconds));
+  return wait ? std::optional(takes_s) : std::nullopt;
+}
+
 std::string change_settings(LiveClient& client, const std::optional<std::string>& method, const std::optional<std::string>& object,
                             std::optional<double> stiffness_n_per_m, std::optional<double> damping_ns_per_m,
                             std::optional<double> friction_static, std::optional<double> friction_dynamic, std::optional<double> rate_hz,
@@ -349,6 +363,22 @@ void bind_client(py::module_& module) {
            "rotation\n"
            "(w, x, y, z) or rotation_deg: as in the scene file; what is left out stays. A newer request takes over from where the object "
            "is.")
+      .def(
+          "set_shape", &set_shape, py::arg("object"), py::arg("displacements_m"), py::arg("over_s") = 0.0, py::kw_only(),
+          py::arg("wait") = false,
+          "Gives an object that has deformed_by = \"program\" in the scene file its next shape: displacements_m, (n, 3), of each vertex of "
+          "its mesh\n"
+          "from where it is at rest, in m of the mesh, before scale and pose. The surface moves there in over_s seconds, or longer where a "
+          "vertex\n"
+          "would be faster than 0.25 m/s, once it has arrived at the shape before. Returns at once: of shapes that wait, the newest is "
+          "sent, "
+          "and one\n"
+          "that gets lost is left out (take_shape_rejection() says why the object did not take one). wait: sends it until it has arrived, "
+          "and "
+          "returns\n"
+          "the time that the motion takes; use it for the last shape. object: its name, or its number.")
+      .def("take_shape_rejection", &LiveClient::take_shape_rejection,
+           "Why the object did not take the newest shape of those that it rejected since the last call; empty: it took all.")
       .def("object_pose", &object_pose, py::arg("object"), py::arg("scene_time_s") = py::none(),
            "Where an object is that programs may move, as a dict: object (its number), scene_time_s, pivot_position_m (of its pivot, frame "
            "S), "

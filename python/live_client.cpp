@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
 
 #include "runtime/start_thread.h"
 
@@ -12,6 +13,7 @@ constexpr double kClientPatienceS = 5.0;
 constexpr std::int64_t kClientTurnNs = kNanosecondsPerMillisecond;  // the longest that a marker waits until it is sent
 constexpr std::size_t kMostCarves = 1'000'000;                      // as Sculpture has them
 constexpr auto kMovePatience = std::chrono::seconds(3);
+constexpr double kShapePatienceS = 5.0;
 constexpr std::int64_t kViewEveryNs = 50 * kNanosecondsPerMillisecond;  // until the forces use it, as a datagram may be lost
 
 }  // namespace
@@ -66,6 +68,27 @@ Result<double> LiveClient::move_object(std::string_view object, const MoveTarget
     known_moves_.note_name(object, reply->object);
   }
   return read_reply(*reply);
+}
+
+Result<double> LiveClient::set_shape(std::string_view object, std::span<const ShapePart::Displacement> displacements_m, double over_s,
+                                     bool waits) {
+  if (is_stopping_.load()) return fail("this client is closed");
+  const auto shape = shapes_.give(object, displacements_m, over_s, waits);
+  if (!shape) return tl::unexpected(shape.error());
+  return waits ? shapes_.wait_for(*shape, kShapePatienceS) : Result<double>(0.0);
+}
+
+std::string LiveClient::take_shape_rejection() {
+  const std::scoped_lock lock(mutex_);
+  return std::exchange(shape_rejection_, {});
+}
+
+void LiveClient::take_shape_reply(const Message& message) {
+  shapes_.take(message);
+  const auto* reply = std::get_if<ShapeReply>(&message);
+  if (reply == nullptr || reply->rejection[0] == '\0') return;
+  const std::scoped_lock lock(mutex_);
+  shape_rejection_ = reply->rejection.data();
 }
 
 Result<std::string> LiveClient::set(const SettingsChange& change, const std::string& key_file) {
@@ -143,10 +166,12 @@ void LiveClient::run() {
     send_view(clock.now_ns());
     markers_.send(client, clock.now_ns());
     moves_.send(client, clock.now_ns());
+    shapes_.send(client, clock.now_ns());
     request_carves(client, clock.now_ns());
     if (!has_datagram) continue;
     markers_.take(datagram.message);
     moves_.take(datagram.message);
+    take_shape_reply(datagram.message);
     take_move(datagram.message, client.last_arrival());
     take_carves(datagram.message, client.last_arrival());
     const auto* probe = std::get_if<ProbeState>(&datagram.message);

@@ -4,6 +4,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -15,6 +16,7 @@
 #include "link/messages.h"
 #include "link/move_request.h"
 #include "link/settings_request.h"
+#include "link/shape_outbox.h"
 #include "python/reply_awaiter.h"
 
 namespace hapton::python {
@@ -51,6 +53,12 @@ class LiveClient {
   CarvesSoFar find_carves(std::uint32_t after);
   // Requests that an object moves; the time that the move takes, s. Error, one line: why it does not, or no reply. Threads: any.
   Result<double> move_object(std::string_view object, const MoveTarget& target);
+  // Gives an object that programs deform its next shape, as ShapeOutbox::give. Waits: the time that the surface takes to it, s; the shape
+  // is sent again until its reply comes. Otherwise 0, at once: of shapes that wait to be sent, the newest is. Error, one line: a shape that
+  // cannot be; of one that is waited for, why the object does not take it, or no reply. Threads: any.
+  Result<double> set_shape(std::string_view object, std::span<const ShapePart::Displacement> displacements_m, double over_s, bool waits);
+  // The newest rejection of a shape that was not waited for, once; empty: none since. Threads: any.
+  std::string take_shape_rejection();
   // Joins for a moment as a tool, and changes method, materials or rate; what is in use then, in one line. key_file: of a tool, or for all
   // roles; empty: that of this client. Error, one line: as apply_settings. Threads: any.
   Result<std::string> set(const SettingsChange& change, const std::string& key_file);
@@ -61,12 +69,14 @@ class LiveClient {
   void run();
   void take_move(const Message& message, Arrival arrival);
   void request_carves(HubClient& client, std::int64_t now_ns);
+  void take_shape_reply(const Message& message);
   void take_carves(const Message& message, Arrival arrival);
   void send_view(std::int64_t now_ns) noexcept;
 
   HubConnection::Settings settings_;
   std::unique_ptr<HubConnection> connection_;
-  std::mutex mutex_;  // of the next five
+  std::mutex mutex_;  // of the next six
+  std::string shape_rejection_;
   std::optional<ProbeState> newest_;
   ViewTransform view_ = {};
   KnownMoves known_moves_;
@@ -75,6 +85,7 @@ class LiveClient {
   std::int64_t next_view_ns_ = 0;
   Markers markers_;
   ReplyAwaiter<MoveRequest, MoveReply> moves_;
+  ShapeOutbox shapes_;
   std::atomic<bool> is_joined_{true};
   std::atomic<bool> is_stopping_{false};
   std::thread thread_;

@@ -30,8 +30,9 @@ Result<ObjectSpec> read_object(const toml::table& table, const std::string& name
   if (name == kToolTable) {
     keys.emplace_back("grip");
   } else {
-    keys.insert(keys.end(), {"material", "group", "movable", "moved_by", "mass_kg", "keyframe", "loop", "pivot_m", "animation",
-                             "animation_speed", kAcceptedFindingsKey, "morph", "sculpt", "voxel_mm", "tool_radius_mm", "carve_button"});
+    keys.insert(keys.end(),
+                {"material", "group", "movable", "moved_by", "mass_kg", "keyframe", "loop", "pivot_m", "animation", "animation_speed",
+                 kAcceptedFindingsKey, "morph", "sculpt", "voxel_mm", "tool_radius_mm", "carve_button", "deformed_by", "reach_m"});
   }
   reader.allow(keys);
   if (!reader.has("mesh")) reader.fail_at("mesh", "{} has no 'mesh': name its mesh file", name);
@@ -73,6 +74,9 @@ Result<ObjectSpec> read_object(const toml::table& table, const std::string& name
   auto morphs = read_morphs(table, name);
   if (!morphs) return tl::unexpected(morphs.error());
   spec.morphs = std::move(*morphs);
+  const auto program_shape = read_program_shape(table, name);
+  if (!program_shape) return tl::unexpected(program_shape.error());
+  spec.program_shape = *program_shape;
   auto sculpt = read_sculpt(table, name);
   if (!sculpt) return tl::unexpected(sculpt.error());
   spec.sculpt = *sculpt;

@@ -15,6 +15,7 @@
 #include "scene/keyframe_reader.h"
 #include "scene/mesh_animation.h"
 #include "scene/morph_reader.h"
+#include "scene/program_shape.h"
 #include "scene/scene_tool.h"
 #include "scene/sculpt_reader.h"
 #include "scene/table_reader.h"
@@ -48,6 +49,7 @@ struct ObjectSpec {
   bool is_movable = false;
   SculptSpec sculpt = {};
   MotionSpec motion = {};
+  ProgramShapeSpec program_shape = {};
   std::vector<MorphSpec> morphs = {};
   std::vector<std::size_t> nodes = {};          // only those of a glTF file, in place of `part`; no key: split_animated sets it
   std::optional<KeyframeMotion> animated = {};  // ... and how they move, in the file's frame

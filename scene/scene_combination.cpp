@@ -17,6 +17,7 @@ const SceneObject* find_object(const Scene& scene, const Is& is) {
 
 std::string_view way_of_moving(const SceneObject& object) {
   if (object.commanded != nullptr) return "is moved by programs";
+  if (object.program_shape != nullptr) return "is deformed by programs";
   return object.motion != nullptr ? "moves by keyframes" : "deforms";
 }
 
@@ -37,12 +38,20 @@ Error not_with_movable(const std::filesystem::path& path, const SceneObject& obj
 }  // namespace
 
 Result<void> check_combination(const std::filesystem::path& path, const Scene& scene, bool has_tool) {
-  const auto* deforming = find_object(scene, [](const SceneObject& each) { return each.deformation != nullptr; });
+  const auto* deforming = find_object(scene, [](const SceneObject& each) { return each.deforms(); });
   const auto* moving = find_object(scene, [](const SceneObject& each) { return each.moves(); });
   const auto* carved = find_object(scene, [](const SceneObject& each) { return each.sculpt.has_value(); });
+  std::size_t shaped = 0;
+  for (const SceneObject& each : scene.objects) {
+    if (each.program_shape != nullptr && ++shaped > ProgramShape::kMostObjects) {
+      return fail("{} is one too many that programs deform: at most {}", name_at(path, each), ProgramShape::kMostObjects);
+    }
+  }
   if (has_tool) {
     constexpr std::string_view kNoTool = "which a rigid tool does not support: leave out the tool, or";
-    if (deforming != nullptr) return fail("{} deforms, {} the morphs", name_at(path, *deforming), kNoTool);
+    if (deforming != nullptr)
+      return fail("{} deforms, {} {}", name_at(path, *deforming), kNoTool,
+                  deforming->program_shape != nullptr ? "'deformed_by'" : "the morphs");
     if (carved != nullptr) return fail("{} can be carved, {} 'sculpt'", name_at(path, *carved), kNoTool);
     return {};
   }

@@ -256,6 +256,9 @@ Result<std::vector<ObjectSpec>> split_objects(const SceneSpec& spec, const std::
   return objects;
 }
 
+// It, or its vertices.
+bool moves_by_program(const ObjectSpec& object) { return object.motion.by_program || object.program_shape.is_on; }
+
 struct FeltObject {
   ObjectSpec object;
   MaterialSpec material;
@@ -275,7 +278,7 @@ Result<std::vector<FeltObject>> find_materials(const SceneSpec& spec, const std:
     const std::filesystem::path path = (folder / object.mesh).lexically_normal();
     const auto choice = cache.find_haptics(path, object, notes);
     if (!choice) return tl::unexpected(choice.error());
-    if ((object.is_movable || object.motion.by_program) && choice->materials.size() > 1) {
+    if ((object.is_movable || moves_by_program(object)) && choice->materials.size() > 1) {
       return fail(
           "line {}: object '{}' is {}, but its triangles have {} haptic materials ('none' counts as one): name a part with only one, or "
           "give it a material",
@@ -312,6 +315,7 @@ Result<std::optional<SculptSettings>> make_felt_sculpt(const ObjectSpec& object,
 
 // Of what moves the object.
 std::size_t moves_line(const ObjectSpec& object) {
+  if (object.program_shape.is_on) return object.program_shape.line;
   if (!object.morphs.empty()) return object.morphs.front().line;
   return object.motion.by_program ? object.mesh_line : object.motion.line();
 }
@@ -319,9 +323,9 @@ std::size_t moves_line(const ObjectSpec& object) {
 // Effects of a surface are computed in S, where the touched point of what moves goes along.
 Result<std::shared_ptr<const KeyframeMotion>> make_felt_motion(const ObjectSpec& object, const MaterialSpec& material, const SceneFit& fit,
                                                                const TriangleMesh& mesh) {
-  if ((object.moves() || object.deforms() || object.motion.by_program) && (material.effects.any() || material.maps.any())) {
+  if ((object.moves() || object.deforms() || moves_by_program(object)) && (material.effects.any() || material.maps.any())) {
     return fail("line {}: '{}' {}: its material may have stiffness, damping and friction only", moves_line(object),
-                printable(name_of(object)), object.motion.by_program ? "is moved by programs" : "moves by itself");
+                printable(name_of(object)), moves_by_program(object) ? "is moved by programs" : "moves by itself");
   }
   return make_motion(object, name_of(object), fit, mesh);
 }
@@ -377,6 +381,9 @@ Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& fol
       scene.given_hash = combine_hashes(scene.given_hash,
                                         hash_numbers(std::array{commanded->pivot().x(), commanded->pivot().y(), commanded->pivot().z()}));
     }
+    auto shaped = make_program_shape(object, name_of(object), fitted, meshes[i].mesh, meshes[i].sealed);
+    if (!shaped) return tl::unexpected(shaped.error());
+    if (*shaped != nullptr) scene.given_hash = combine_hashes(scene.given_hash, hash_numbers(std::array{(*shaped)->reach_m}));
     const auto sculpt = make_felt_sculpt(object, material, meshes[i].mesh);
     if (!sculpt) return tl::unexpected(sculpt.error());
     if (*sculpt) scene.given_hash = combine_hashes(scene.given_hash, hash_sculpt(**sculpt));
@@ -392,6 +399,7 @@ Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& fol
                              .motion = std::move(*motion),
                              .deformation = std::move(*deformation),
                              .commanded = std::move(commanded),
+                             .program_shape = std::move(*shaped),
                              .sculpt = *sculpt,
                              .mass_kg = object.motion.mass_kg,
                              .line = object.mesh_line});
@@ -465,6 +473,7 @@ TouchScene Scene::touch_scene() const {
                              .motion = object.motion,
                              .deformation = object.deformation,
                              .command_pivot = object.commanded ? std::optional(object.commanded->pivot()) : std::nullopt,
+                             .stream_reach_m = object.program_shape ? std::optional(object.program_shape->reach_m) : std::nullopt,
                              .sculpt = object.sculpt});
   }
   for (const SceneEffect& effect : effects) touch.effects.emplace_back(effect.effect, effect.on);

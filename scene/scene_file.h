@@ -13,6 +13,7 @@
 #include "core/sculpt/sculpt_settings.h"
 #include "scene/commanded_object.h"
 #include "scene/library_effect.h"
+#include "scene/program_shape.h"
 #include "scene/scene_loading.h"
 #include "scene/scene_tool.h"
 #include "scene/scene_view.h"
@@ -33,11 +34,13 @@ struct SceneObject {
   std::shared_ptr<const KeyframeMotion> motion = {};        // moves it by itself; null: it stands still
   std::shared_ptr<const MeshDeformation> deformation = {};  // deforms its mesh by itself, before the motion; null: it is rigid
   std::shared_ptr<const CommandedObject> commanded = {};    // programs may move it; null: they may not
+  std::shared_ptr<const ProgramShape> program_shape = {};   // programs deform it; null: they do not
   std::optional<SculptSettings> sculpt = {};                // a body of material that can be carved; none: it keeps its shape
   double mass_kg = 0.0;                                     // above 0: it can be pushed (`hapton dynamics`), and `commanded` is set
   std::size_t line = 0;                                     // in the scene file; 0: there is none
 
-  bool moves() const { return motion != nullptr || deformation != nullptr || commanded != nullptr; }
+  bool deforms() const { return deformation != nullptr || program_shape != nullptr; }
+  bool moves() const { return motion != nullptr || deforms() || commanded != nullptr; }
 };
 
 // An effect in free space.

@@ -197,6 +197,11 @@ void add_motions(Hash& hash, const TouchScene& scene) {
     if (object.deformation != nullptr) hash.add(hash_deformation(*object.deformation));
   }
   for (std::size_t o = 0; o < scene.objects.size(); ++o) {
+    if (!scene.objects[o].stream_reach_m) continue;
+    hash.add(std::uint64_t{o});
+    hash.add(*scene.objects[o].stream_reach_m);
+  }
+  for (std::size_t o = 0; o < scene.objects.size(); ++o) {
     if (!scene.objects[o].command_pivot) continue;
     hash.add(std::uint64_t{o});
     add_vector(hash, *scene.objects[o].command_pivot);

@@ -71,6 +71,9 @@ std::string describe_sculpt(const SculptSettings& sculpt) {
 // Who moves it in a running session.
 std::string describe_mover(const SceneObject& object) {
   if (object.is_movable) return ", movable";
+  if (object.program_shape != nullptr) {
+    return fmt::format(", deformed by programs: {} vertices, reach {:.4g} m", object.mesh->vertices.size(), object.program_shape->reach_m);
+  }
   if (object.commanded == nullptr) return "";
   return object.mass_kg > 0.0 ? fmt::format(", moved by programs, mass {:g} kg", object.mass_kg) : ", moved by programs";
 }
@@ -253,6 +256,8 @@ std::string to_json(const SceneReport& report) {
                        {"two_sided", object.material.two_sided},
                        {"movable", object.is_movable},
                        {"moved_by", object.commanded != nullptr ? InfoJson("program") : InfoJson()},
+                       {"deformed_by", object.program_shape != nullptr ? InfoJson("program") : InfoJson()},
+                       {"reach_m", object.program_shape != nullptr ? InfoJson(object.program_shape->reach_m) : InfoJson()},
                        {"mass_kg", object.mass_kg > 0.0 ? InfoJson(object.mass_kg) : InfoJson()},
                        {"keyframes", object.motion != nullptr ? object.motion->keyframes().size() : std::size_t{0}},
                        {"motion_s", object.motion != nullptr ? object.motion->duration_s() : 0.0},

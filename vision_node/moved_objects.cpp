@@ -23,6 +23,14 @@ SceneTool tool_of(const SceneObject& object, const Pose& X_TO) {
   return {.name = object.name, .mesh = std::make_shared<const TriangleMesh>(std::move(mesh)), .colour = object.colour};
 }
 
+std::vector<std::uint32_t> count_shaped_vertices(const Scene& scene) {
+  std::vector<std::uint32_t> totals;
+  for (const SceneObject& object : scene.objects) {
+    totals.push_back(object.program_shape != nullptr ? static_cast<std::uint32_t>(object.mesh->vertices.size()) : 0U);
+  }
+  return totals;
+}
+
 }  // namespace
 
 MovedObjects::MovedObjects(StereoView& view, const Scene& scene)
@@ -32,11 +40,18 @@ MovedObjects::MovedObjects(StereoView& view, const Scene& scene)
       commanded_(scene.objects.size()),
       X_SO_(scene.objects.size(), Pose::Identity()),
       weights_(scene.objects.size()),
-      drawn_weights_(scene.objects.size()) {
+      drawn_weights_(scene.objects.size()),
+      shapes_(count_shaped_vertices(scene)),
+      shape_places_(scene.objects.size()),
+      drawn_shapes_(scene.objects.size()) {
   for (const SceneObject& object : scene.objects) has_motion_ = has_motion_ || object.moves();
   forget_moves();
   set_time(0);
   place_moving();
+}
+
+bool MovedObjects::has_program_shapes() const {
+  return std::any_of(scene_.objects.begin(), scene_.objects.end(), [](const SceneObject& one) { return one.program_shape != nullptr; });
 }
 
 void MovedObjects::forget_moves() {
@@ -59,6 +74,7 @@ void MovedObjects::adopt(const MovedObjects& before) {
   if (before.held() >= 0) view_.clear_tool();
   if (std::ranges::equal(scene_.objects, before.scene_.objects, is_same_object)) {
     source_ = before.source_;
+    if (count_shaped_vertices(scene_) == count_shaped_vertices(before.scene_)) shapes_ = before.shapes_;
     for (std::size_t o = 0; o < known_.size(); ++o) {
       if (before.known_[o].serial != 0) take(before.known_[o]);
       const auto& now = scene_.objects[o].commanded;
@@ -74,6 +90,7 @@ void MovedObjects::rewind() {
   for (std::size_t o = 0; o < known_.size(); ++o) take(ObjectPose{.object = static_cast<std::int32_t>(o)});
   forget_moves();
   source_ = {};
+  shapes_ = KnownShapes(count_shaped_vertices(scene_));
 }
 
 std::optional<Pose> MovedObjects::pose_of(std::size_t object, double time_s) const {
@@ -91,6 +108,11 @@ bool MovedObjects::set_time(std::int64_t scene_time_ns) {
       weights_[o] = scene_.objects[o].deformation->weights_at(time_s);
       has_moved = has_moved || weights_[o] != drawn_weights_[o];
     }
+    // Of a time for which no shape is known, it stays as it is drawn.
+    if (const auto place = shapes_.find(o, scene_time_ns)) {
+      shape_places_[o] = place;
+      has_moved = has_moved || place != drawn_shapes_[o];
+    }
     const auto X_SO = pose_of(o, time_s);
     if (!X_SO) continue;
     has_moved = has_moved || X_SO->matrix() != X_SO_[o].matrix();
@@ -103,10 +125,22 @@ void MovedObjects::place_moving() {
   for (std::size_t o = 0; o < X_SO_.size(); ++o) {
     const SceneObject& object = scene_.objects[o];
     if (object.motion != nullptr || object.commanded != nullptr) view_.place_object(o, X_SO_[o], true);
+    draw_shape(o);
     if (object.deformation == nullptr || drawn_weights_[o] == weights_[o]) continue;
     view_.reshape_object(o, object.deformation->vertices_at(object.mesh->vertices, weights_[o]));
     drawn_weights_[o] = weights_[o];
   }
+}
+
+void MovedObjects::draw_shape(std::size_t object) {
+  if (!shape_places_[object]) return;
+  // What was taken since the time was set may have made another place of it.
+  const auto place = shapes_.find(object, time_ns_);
+  if (!place || drawn_shapes_[object] == place) return;
+  drawn_shapes_[object] = place;
+  if (*place == KnownShapes::Place()) return view_.reshape_object(object, scene_.objects[object].mesh->vertices);
+  view_.reshape_object(object, scene_.objects[object].program_shape->vertices_of(scene_.objects[object].mesh->vertices,
+                                                                                 shapes_.displacements_m(object, *place)));
 }
 
 std::int32_t MovedObjects::held() const {

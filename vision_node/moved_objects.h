@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/math/commanded_motion.h"
+#include "link/known_shapes.h"
 #include "link/messages.h"
 #include "link/move_source.h"
 #include "scene/scene_file.h"
@@ -26,6 +27,14 @@ class MovedObjects {
   // that programs may move, or of a haptics process that another one has replaced.
   bool take(const ObjectMove& move, Arrival arrival = Arrival::newest);
 
+  // A program deforms an object: set_time() gives it its shape from then on. As above.
+  void take(const ObjectShape& shape, Arrival arrival) { shapes_.take(shape, arrival); }
+  void take(const ShapeStart& start, Arrival arrival) { shapes_.take(start, arrival); }
+  // What is missing of the newest shapes.
+  std::optional<ShapeStatus> take_shape_request(std::int64_t now_ns) { return shapes_.take_request(now_ns); }
+  // Some objects have the shapes that programs give them.
+  bool has_program_shapes() const;
+
   // Takes over what is known of the objects of another scene, and its time, if both scenes have the same objects, by name: those that the
   // stylus picked up are where they are there, and those that programs move, if they move alike.
   void adopt(const MovedObjects& before);
@@ -47,6 +56,7 @@ class MovedObjects {
  private:
   std::optional<Pose> pose_of(std::size_t object, double time_s) const;
   void forget_moves();
+  void draw_shape(std::size_t object);
 
   StereoView& view_;
   const Scene& scene_;
@@ -58,6 +68,9 @@ class MovedObjects {
   std::vector<Pose> X_SO_;
   std::vector<MeshDeformation::Weights> weights_;                       // by object, at the time set last
   std::vector<std::optional<MeshDeformation::Weights>> drawn_weights_;  // none: as the mesh is
+  KnownShapes shapes_;
+  std::vector<std::optional<KnownShapes::Place>> shape_places_;  // by object, at the time set last; none: programs do not deform it
+  std::vector<std::optional<KnownShapes::Place>> drawn_shapes_;  // likewise, as it is drawn
 };
 
 }  // namespace hapton

@@ -53,6 +53,8 @@ Result<void> show(VisionOptions& options, const SessionIndex& index, HeadTracker
   if (!view) return tl::unexpected(view.error());
   if (*tool) (*view)->set_tool(**tool);
   MovedObjects moved(**view, *scene);
+  if (moved.has_program_shapes())
+    log_warning("objects that programs deform are shown at rest: a recording is not searched for their shapes");
   CarvedObjects carved(**view, *scene);
   RecordedSession session(**view, clock, options, index, *rows);
   session.set_scene(scene->given_hash);

@@ -107,6 +107,12 @@ void VisionSession::take_states(std::int64_t deadline_ns) {
     if (const auto* move = std::get_if<ObjectMove>(&received.message); move != nullptr && moved_ != nullptr) {
       moved_->take(*move, hub_.last_arrival());
     }
+    if (const auto* part = std::get_if<ObjectShape>(&received.message); part != nullptr && moved_ != nullptr) {
+      moved_->take(*part, hub_.last_arrival());
+    }
+    if (const auto* start = std::get_if<ShapeStart>(&received.message); start != nullptr && moved_ != nullptr) {
+      moved_->take(*start, hub_.last_arrival());
+    }
     if (const auto* carves = std::get_if<Carves>(&received.message); carves != nullptr && carved_ != nullptr) {
       carved_->take(*carves, hub_.last_arrival());
     }
@@ -247,6 +253,9 @@ void VisionSession::speak() {
     hub_.send(SceneFacts{.given_hash = scene_hash_});
   }
   while (const auto message = step_.take_message(clock_.now_ns())) hub_.send(*message);
+  if (moved_ != nullptr) {
+    if (const auto request = moved_->take_shape_request(clock_.now_ns())) hub_.send(*request);
+  }
   if (carved_ != nullptr) {
     if (const auto request = carved_->take_request(clock_.now_ns())) hub_.send(*request);
   }

@@ -77,6 +77,8 @@ class StreamedGeometry {
   // The stage that moves now, or has ended; the next one has to begin where it ends. Its number counts the stages that have begun.
   const ShapeStage& present() const noexcept { return *present_; }
   std::uint64_t serial() const noexcept { return serial_; }
+  // A stage waits.
+  bool has_next() const noexcept { return next_ != nullptr; }
   // When the newest stage will have ended.
   double end_s() const noexcept { return next_ != nullptr ? next_start_s_ + next_over_s_ : start_s_ + over_s_; }
 

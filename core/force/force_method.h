@@ -15,6 +15,7 @@
 
 namespace hapton {
 
+class StreamedMethod;
 struct TouchInput;
 
 // One device sample, in the static scene's frame.
@@ -83,6 +84,13 @@ class ForceMethod {
     (void)object;
     (void)carve;
     return false;
+  }
+
+  // What feels an object that a program deforms (TouchObject::stream_reach_m). object: of the scene. Null: it is none, or the method does
+  // not feel it. It lives as long as this.
+  virtual StreamedMethod* find_streamed(int object) noexcept {
+    (void)object;
+    return nullptr;
   }
 
   // The slow task: does one piece of work that steps have requested, such as building the structures of an object that the probe

@@ -14,7 +14,7 @@ std::vector<MotionGroup> group_by_motion(const TouchScene& scene) {
   int commanded = 0;
   for (std::size_t o = 0; o < scene.objects.size(); ++o) {
     const auto& motion = scene.objects[o].motion;
-    const bool is_deforming = scene.objects[o].deformation != nullptr;
+    const bool is_deforming = scene.objects[o].deforms();
     const bool is_alone = is_deforming || scene.objects[o].command_pivot.has_value();
     const auto same = [&](const MotionGroup& group) {
       return !is_alone && !group.is_alone() && is_same_motion(group.motion.get(), motion.get());

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/force/deforming_method.h"
+#include "core/force/streamed_method.h"
 
 namespace hapton {
 namespace {
@@ -45,6 +46,13 @@ Result<void> MovingMethod::make_method_of(Group& group, Make make, const MethodS
   MethodSettings own = settings;
   // It takes part when something pushes, and all of it must be there then.
   if (group.is_second) own.build_on_approach = false;
+  if (const TouchObject& only = part.objects.front(); only.stream_reach_m) {
+    auto streamed = StreamedMethod::make(own, only.mesh, only.material, *only.stream_reach_m);
+    if (!streamed) return tl::unexpected(streamed.error());
+    group.streamed = streamed->get();
+    group.method = std::move(*streamed);
+    return {};
+  }
   auto method = group.is_deforming ? DeformingMethod::make(own, part) : make(own, part);
   if (!method) return tl::unexpected(method.error());
   group.method = std::move(*method);
@@ -91,6 +99,12 @@ void MovingMethod::set_materials(std::span<const Material> materials) noexcept {
     }
     group.method->set_materials(group.materials);
   }
+}
+
+StreamedMethod* MovingMethod::find_streamed(int object) noexcept {
+  const auto own = [object](const Group& group) { return group.streamed != nullptr && group.objects.front() == object; };
+  const auto found = std::find_if(groups_.begin(), groups_.end(), own);
+  return found != groups_.end() ? found->streamed : nullptr;
 }
 
 bool MovingMethod::prepare() {

@@ -13,7 +13,8 @@ namespace hapton {
 
 // Feels a scene in which objects move by themselves (TouchObject::motion): one method for the objects of each motion, made in the frame
 // that moves along, and one for those that stand still. Nothing is built again when something moves. Each object that deforms
-// (TouchObject::deformation) has a method of its own, a DeformingMethod, in the frame that moves along if it moves as well. Each object
+// (TouchObject::deformation) has a method of its own, a DeformingMethod, in the frame that moves along if it moves as well; one that a
+// program deforms (TouchObject::stream_reach_m) has a StreamedMethod. Each object
 // that programs may move (TouchObject::command_pivot) has a method of its own, too; where it is, the step says (MethodInput::commanded).
 //
 // In the frame of a moving object the device moves even while the hand holds still. Its path between two samples is taken as straight in
@@ -34,6 +35,7 @@ class MovingMethod final : public ForceMethod {
   void reset(const Vec3& p_SD) noexcept override { chain_.reset(p_SD); }
   void set_materials(std::span<const Material> materials) noexcept override;
   bool prepare() override;
+  StreamedMethod* find_streamed(int object) noexcept override;
   std::string describe() const override;
 
  private:
@@ -41,6 +43,7 @@ class MovingMethod final : public ForceMethod {
   struct Group : MotionGroup {
     bool is_second = false;  // holds against what moves, without friction and damping
     std::unique_ptr<ForceMethod> method = nullptr;
+    StreamedMethod* streamed = nullptr;    // *method, where a program deforms the object
     std::vector<Material> materials = {};  // room for set_materials
 
     Pose pose_at(const MethodInput& input) const noexcept;

@@ -8,9 +8,11 @@
 
 #include "core/collision/shape_stage.h"
 #include "core/force/force_method.h"
-#include "core/force/riding_proxy.h"
 
 namespace hapton {
+
+template <class Surface>
+class RidingProxy;
 
 // The method `proxy` for one surface whose shapes are not known beforehand: a program gives one after the other, and the vertices move
 // straight from each to the next. It is what DeformingMethod does for keyframes with these shapes.
@@ -28,29 +30,36 @@ class StreamedMethod final : public ForceMethod {
   static Result<std::unique_ptr<StreamedMethod>> make(const MethodSettings& settings, std::shared_ptr<const TriangleMesh> mesh,
                                                       const Material& material, double reach_m);
 
-  MethodOutput step(const MethodInput& input) noexcept override { return riding_.step(input); }
-  void reset(const Vec3& p_SD) noexcept override { riding_.reset(p_SD); }
-  void set_materials(std::span<const Material> materials) noexcept override { riding_.method().set_materials(materials); }
+  ~StreamedMethod() override;
+
+  MethodOutput step(const MethodInput& input) noexcept override;
+  void reset(const Vec3& p_SD) noexcept override;
+  void set_materials(std::span<const Material> materials) noexcept override;
   std::string describe() const override;
 
   const ShapeStager& stager() const { return *stager_; }
   // The stage that moves at the time of the last step, or has ended.
-  const ShapeStage& present() const noexcept { return riding_.surface().present(); }
-  std::uint64_t serial() const noexcept { return riding_.surface().serial(); }
+  const ShapeStage& present() const noexcept;
+  std::uint64_t serial() const noexcept;
   // The stage comes after the present one, and takes the place of one that waits. over_s: how long it shall take. Returned: stages that are
   // used no more, to be destroyed outside of the loop. Pre: it begins where the present stage ends; over_s 0 or more.
   StreamedGeometry::Released offer(std::unique_ptr<ShapeStage> stage, double over_s) noexcept;
+  // The same, with its time: it begins at start_s and takes over_s. Pre: no stage waits; start_s is after the last step, and not before the
+  // present stage ends; over_s is not below compute_time_s.
+  StreamedGeometry::Released offer_at(std::unique_ptr<ShapeStage> stage, double start_s, double over_s) noexcept;
+  // A stage waits for its beginning.
+  bool has_waiting() const noexcept;
   // How long a stage takes.
   static double compute_time_s(const ShapeStage& stage, double over_s) noexcept;
 
   // The shape at the time of the last step. RT: no.
-  std::vector<Vec3> vertices() const { return riding_.surface().vertices_at(riding_.last_time_s()); }
+  std::vector<Vec3> vertices() const;
 
  private:
   StreamedMethod(std::unique_ptr<ForceMethod> method, std::unique_ptr<ShapeStager> stager);
 
   std::unique_ptr<ShapeStager> stager_;
-  RidingProxy<StreamedGeometry> riding_;
+  std::unique_ptr<RidingProxy<StreamedGeometry>> riding_;
 };
 
 }  // namespace hapton

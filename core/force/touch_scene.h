@@ -34,9 +34,14 @@ struct TouchObject {
   std::optional<Vec3> command_pivot =
       {};  // a program may move the mesh (CommandedMotion), in place of a motion: the pivot; none: it may not
 
+  // A program may deform the mesh (StreamedMethod), in place of a deformation: no vertex gets farther from where it is at rest, m. None: it
+  // may not.
+  std::optional<double> stream_reach_m = {};
+
   std::optional<SculptSettings> sculpt = {};  // the mesh is a body of material that can be carved; none: it keeps its shape
 
-  bool moves() const { return motion != nullptr || deformation != nullptr || command_pivot.has_value(); }
+  bool deforms() const { return deformation != nullptr || stream_reach_m.has_value(); }
+  bool moves() const { return motion != nullptr || deforms() || command_pivot.has_value(); }
 };
 
 // All objects that can be touched. Frame S.
@@ -53,7 +58,10 @@ struct TouchScene {
     return any;
   }
   bool has_deformation() const {
-    return std::any_of(objects.begin(), objects.end(), [](const TouchObject& object) { return object.deformation != nullptr; });
+    return std::any_of(objects.begin(), objects.end(), [](const TouchObject& object) { return object.deforms(); });
+  }
+  bool has_streamed() const {
+    return std::any_of(objects.begin(), objects.end(), [](const TouchObject& object) { return object.stream_reach_m.has_value(); });
   }
   bool has_commanded() const {
     return std::any_of(objects.begin(), objects.end(), [](const TouchObject& object) { return object.command_pivot.has_value(); });

@@ -76,6 +76,8 @@ class TouchStep {
   std::uint32_t count_carves() const noexcept { return has_sculpture() ? method_->sculpture()->newest() : 0; }
   // See ForceMethod.
   bool repeat_carve(int object, const Carve& carve) noexcept { return method_->repeat_carve(object, carve); }
+  // See ForceMethod.
+  StreamedMethod* find_streamed(int object) const noexcept { return method_->find_streamed(object); }
   // Shared with the slow task, which calls prepare() beside step().
   std::shared_ptr<ForceMethod> share_method() const { return method_; }
 

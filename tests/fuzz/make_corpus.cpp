@@ -107,6 +107,15 @@ bool write_sealed() {
                        {kHaptics, MoveReply{.request = 1, .over_s = 0.5, .serial = 1}},
                        {kHaptics, ObjectMove{.source = 1, .serial = 1, .end_ns = 500'000'000}},
                        {kToNode, move}})) &&
+         write("sealed", "shape",
+               sealed({{kTool, Hello{NodeRole::tool}},
+                       {kTool, ShapeRequest{.stream = 1, .shape = 1, .object = {"skin"}, .over_s = 0.03, .part = {.total = 65}}},
+                       {kVision, ShapeRequest{.stream = 2, .shape = 1, .part = {.total = 65, .first = 64}}},
+                       {kHaptics, Hello{NodeRole::haptics}},
+                       {kHaptics, ObjectShape{.source = 1, .serial = 1, .part = {.total = 65, .first = 64}}},
+                       {kHaptics, ShapeStart{.source = 1, .serial = 1, .total = 65, .start_ns = 1, .end_ns = 2}},
+                       {kHaptics, ShapeReply{.stream = 1, .shape = 1, .over_s = 0.03, .serial = 1}},
+                       {kVision, ShapeStatus{.source = 1, .serial = 1, .first = 64}}})) &&
          write("sealed", "carve",
                sealed({{kVision, Hello{NodeRole::vision}},
                        {kVision, CarveStatus{.source = 1, .complete = 2}},

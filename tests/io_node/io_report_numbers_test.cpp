@@ -90,6 +90,7 @@ TEST_F(IoReportNumbers, EachCounterIsUnderItsOwnName) {
                                                                         {"markers", &s.markers},
                                                                         {"markers_refused", &s.markers_refused},
                                                                         {"moves_rejected", &s.moves_rejected},
+                                                                        {"shape_parts_rejected", &s.shape_parts_rejected},
                                                                         {"vision_sent", &s.probe_states_sent},
                                                                         {"vision_unchanged", &s.probe_states_unchanged},
                                                                         {"views_forwarded", &s.views_forwarded},

@@ -95,6 +95,11 @@ struct Servos : testing::Test {
   std::vector<std::pair<Address, MoveRequest>> move_requests;
   std::vector<std::pair<Address, MoveReply>> move_replies;
   std::vector<std::pair<Address, ObjectMove>> object_moves;
+  std::vector<std::pair<Address, ShapeRequest>> shape_requests;
+  std::vector<std::pair<Address, ShapeReply>> shape_replies;
+  std::vector<std::pair<Address, ObjectShape>> object_shapes;
+  std::vector<std::pair<Address, ShapeStart>> shape_starts;
+  std::vector<std::pair<Address, ShapeStatus>> shape_statuses;
   std::vector<std::pair<Address, Carves>> carves;
   std::vector<std::pair<Address, CarveStatus>> carve_statuses;
   std::vector<std::pair<Address, CarveUndo>> carve_undos;
@@ -144,6 +149,11 @@ struct Servos : testing::Test {
     if (const auto* request = std::get_if<MoveRequest>(&datagram.message)) move_requests.emplace_back(to, *request);
     if (const auto* reply = std::get_if<MoveReply>(&datagram.message)) move_replies.emplace_back(to, *reply);
     if (const auto* move = std::get_if<ObjectMove>(&datagram.message)) object_moves.emplace_back(to, *move);
+    if (const auto* part = std::get_if<ShapeRequest>(&datagram.message)) shape_requests.emplace_back(to, *part);
+    if (const auto* reply = std::get_if<ShapeReply>(&datagram.message)) shape_replies.emplace_back(to, *reply);
+    if (const auto* part = std::get_if<ObjectShape>(&datagram.message)) object_shapes.emplace_back(to, *part);
+    if (const auto* start = std::get_if<ShapeStart>(&datagram.message)) shape_starts.emplace_back(to, *start);
+    if (const auto* status = std::get_if<ShapeStatus>(&datagram.message)) shape_statuses.emplace_back(to, *status);
     if (const auto* some = std::get_if<Carves>(&datagram.message)) carves.emplace_back(to, *some);
     if (const auto* status = std::get_if<CarveStatus>(&datagram.message)) carve_statuses.emplace_back(to, *status);
     if (const auto* undo = std::get_if<CarveUndo>(&datagram.message)) carve_undos.emplace_back(to, *undo);

@@ -194,5 +194,65 @@ TEST_F(Servos, CarvesGoToVisionNodesAndRequestsForThemToHaptics) {
   EXPECT_EQ(carve_undos[0].second.serial, 2U);
 }
 
+// Parts of a shape go to the haptics node, its shapes to who draws them; those that were overtaken as well, as each is another part.
+TEST_F(Servos, PartsOfShapesGoOnInBothDirections) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  join(kVision, NodeRole::vision);
+  join(kTool, NodeRole::tool);
+  run(20);
+  const ShapeRequest first{.stream = 7, .shape = 1, .part = {.total = 100}};
+  ShapeRequest second = first;
+  second.part.first = 64;
+  say(kTool, first, 5 * kMs);
+  say(kTool, second);
+  say(kVision, ShapeRequest{.stream = 9, .shape = 1, .part = {.total = 100}});
+  say(kHaptics, first);  // it may not
+  say(kHaptics, ObjectShape{.source = 3, .serial = 1, .part = {.total = 100}}, 5 * kMs);
+  say(kHaptics, ObjectShape{.source = 3, .serial = 1, .part = {.total = 100, .first = 64}});
+  say(kHaptics, ShapeStart{.source = 3, .serial = 1, .total = 100});
+  say(kTool, ShapeStart{.source = 3, .serial = 2, .total = 100});  // nor this one
+  say(kVision, ShapeStatus{.source = 3, .serial = 1});
+  say(kTool, ShapeStatus{.source = 3, .serial = 1});  // nor this one
+  run(20);
+  ASSERT_EQ(shape_requests.size(), 3U);
+  for (const auto& [to, part] : shape_requests) EXPECT_EQ(to, at(kHaptics));
+  ASSERT_EQ(object_shapes.size(), 2U);
+  for (const auto& [to, part] : object_shapes) EXPECT_EQ(to, at(kVision));
+  ASSERT_EQ(shape_starts.size(), 1U);
+  EXPECT_EQ(shape_starts[0].first, at(kVision));
+  ASSERT_EQ(shape_statuses.size(), 1U);
+  EXPECT_EQ(shape_statuses[0].first, at(kHaptics));
+  say(kHaptics, ShapeReply{.stream = 9, .shape = 1});
+  say(kHaptics, ShapeReply{.stream = 7, .shape = 1});
+  say(kHaptics, ShapeReply{.stream = 8, .shape = 1});  // of nobody
+  run(5);
+  ASSERT_EQ(shape_replies.size(), 2U);
+  EXPECT_EQ(shape_replies[0].first, at(kVision));
+  EXPECT_EQ(shape_replies[1].first, at(kTool));
+}
+
+// One sender's flood neither crowds out another sender nor slows the haptics node.
+TEST_F(Servos, AFloodOfPartsIsCutOffAndCounted) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  join(kTool, NodeRole::tool);
+  join(kVision, NodeRole::vision);
+  run(5);
+  std::uint32_t shape = 0;
+  for (int cycle = 0; cycle < 1000; ++cycle) {
+    for (int n = 0; n < 12; ++n) say(kTool, ShapeRequest{.stream = 7, .shape = ++shape, .part = {.total = 1}});
+    if (cycle % 10 == 0) say(kVision, ShapeRequest{.stream = 9, .shape = ++shape, .part = {.total = 1}});
+    run(1);
+  }
+  run(5);
+  const auto from_flood =
+      std::count_if(shape_requests.begin(), shape_requests.end(), [](const auto& one) { return one.second.stream == 7; });
+  EXPECT_LE(from_flood, RequestHandler::kShapePartsPerSecond + RequestHandler::kShapePartsAtOnce + 20);
+  EXPECT_GT(from_flood, RequestHandler::kShapePartsPerSecond / 2);
+  EXPECT_EQ(shape_requests.size() - static_cast<std::size_t>(from_flood), 100U) << "all of the other sender";
+  EXPECT_EQ(stats().shape_parts_rejected, 12'000U - static_cast<std::uint64_t>(from_flood));
+}
+
 }  // namespace
 }  // namespace hapton

@@ -58,8 +58,8 @@ class RandomDatagrams {
       case 3:
         return draw_state(time);
       case 4:
-        return ForceCommand{bits(), time,     vector(), vector(), flag(),   bits32(), bits32(), bits32(), bits32(),
-                            bits(), bits32(), object(), vector(), vector(), time,     bits32(), bits32(), push()};
+        return ForceCommand{bits(),   time,     vector(), vector(), flag(), bits32(), bits32(), bits32(), bits32(), bits(),
+                            bits32(), object(), vector(), vector(), time,   bits32(), bits32(), bits32(), push()};
       case 5:
         return draw_view();
       case 6:
@@ -133,6 +133,17 @@ class RandomDatagrams {
         return PatchMaterial{bits32(), bits32(), bits32(), number(0, 1e4), number(0, 10), number(0.5, 1), number(0, 0.5)};
       case 32:
         return CarveUndo{bits32() | 1U, bits32() | 1U};
+      case 33:
+        return ShapeRequest{bits32() | 1U, bits32() | 1U, {"front hood"}, static_cast<std::int32_t>(bits32() >> 1),
+                            number(0, 10), draw_shape()};
+      case 34:
+        return draw_shape_reply();
+      case 35:
+        return ObjectShape{bits32() | 1U, bits32() | 1U, static_cast<std::int32_t>(bits32() >> 1), draw_shape()};
+      case 36:
+        return draw_shape_start();
+      case 37:
+        return ShapeStatus{bits32() | 1U, bits32() | 1U, static_cast<std::int32_t>(bits32() >> 1), draw_shape().first};
       default:
         return LoopFacts{{'s', 'i', 'm'}, rate(), static_cast<float>(number(0, 1))};
     }
@@ -142,6 +153,32 @@ class RandomDatagrams {
     const auto value = [&](std::uint32_t bit) { return (given & bit) != 0 ? number(0, 1e6) : 0.0; };
     return {given, value(MaterialChange::kStiffness), value(MaterialChange::kDamping), value(MaterialChange::kFrictionStatic),
             value(MaterialChange::kFrictionDynamic)};
+  }
+
+  ShapePart draw_shape() {
+    ShapePart part{.total = 1 + bits32() % ShapePart::kMostVertices};
+    part.first = ShapePart::kMostHere * (bits32() % ShapePart::count_parts(part.total));
+    for (std::size_t v = 0; v < part.count(); ++v) {
+      for (float& x : part.displacements_m[v]) x = static_cast<float>(number(-1, 1));
+    }
+    return part;
+  }
+
+  ShapeReply draw_shape_reply() {
+    ShapeReply reply{.stream = bits32() | 1U, .shape = bits32() | 1U, .object = static_cast<std::int32_t>(bits32() >> 1)};
+    if (flag()) std::fill(reply.rejection.begin(), reply.rejection.end() - 1, 'r');
+    reply.over_s = number(0, 1e5);
+    reply.serial = bits32();
+    return reply;
+  }
+
+  ShapeStart draw_shape_start() {
+    ShapeStart start{.source = bits32() | 1U, .serial = bits32(), .object = static_cast<std::int32_t>(bits32() >> 1)};
+    start.before = start.serial == 0 ? 0 : bits32() % start.serial;
+    start.total = 1 + bits32() % ShapePart::kMostVertices;
+    start.start_ns = static_cast<std::int64_t>(bits() >> 2);
+    start.end_ns = start.start_ns + static_cast<std::int64_t>(bits32());
+    return start;
   }
 
   MaterialState draw_materials() {
@@ -324,6 +361,15 @@ class RandomDatagrams {
 
 constexpr std::size_t kKinds = std::variant_size_v<Message>;
 
+inline void expect_sane(const ShapePart& part) {
+  EXPECT_TRUE(part.total > 0 && part.total <= ShapePart::kMostVertices);
+  EXPECT_LT(part.first, part.total);
+  EXPECT_EQ(part.first % ShapePart::kMostHere, 0U);
+  for (const ShapePart::Displacement& one : part.displacements_m) {
+    for (const float x : one) EXPECT_TRUE(std::abs(x) <= 1e9F) << "finite as well";
+  }
+}
+
 inline void expect_sane(const MaterialChange& change) {
   EXPECT_LE(change.given, MaterialChange::kAll);
   for (const double number : {change.stiffness_n_per_m, change.damping_ns_per_m, change.friction_static, change.friction_dynamic}) {
@@ -447,6 +493,25 @@ inline void expect_sane(const Datagram& datagram) {
     EXPECT_NE(carve_status->source, 0U);
   } else if (const auto* undo = std::get_if<CarveUndo>(&datagram.message)) {
     EXPECT_TRUE(undo->source != 0 && undo->serial != 0);
+  } else if (const auto* wanted_shape = std::get_if<ShapeRequest>(&datagram.message)) {
+    EXPECT_TRUE(wanted_shape->stream != 0 && wanted_shape->shape != 0);
+    EXPECT_TRUE(wanted_shape->over_s >= 0.0 && wanted_shape->over_s <= ShapeRequest::kMostSeconds);
+    EXPECT_GE(wanted_shape->number, 0);
+    expect_sane(wanted_shape->part);
+  } else if (const auto* shape = std::get_if<ObjectShape>(&datagram.message)) {
+    EXPECT_TRUE(shape->source != 0 && shape->serial != 0 && shape->object >= 0);
+    expect_sane(shape->part);
+  } else if (const auto* start = std::get_if<ShapeStart>(&datagram.message)) {
+    EXPECT_TRUE(start->source != 0 && start->object >= 0);
+    EXPECT_TRUE(start->serial == 0 ? start->before == 0 : start->before < start->serial);
+    EXPECT_TRUE(start->total > 0 && start->total <= ShapePart::kMostVertices);
+    EXPECT_TRUE(start->start_ns >= 0 && start->end_ns >= start->start_ns);
+  } else if (const auto* shape_status = std::get_if<ShapeStatus>(&datagram.message)) {
+    EXPECT_TRUE(shape_status->source != 0 && shape_status->serial != 0 && shape_status->object >= 0);
+    EXPECT_EQ(shape_status->first % ShapePart::kMostHere, 0U);
+    EXPECT_LT(shape_status->first, ShapePart::kMostVertices);
+  } else if (const auto* shape_reply = std::get_if<ShapeReply>(&datagram.message)) {
+    EXPECT_TRUE(shape_reply->stream != 0 && shape_reply->shape != 0 && shape_reply->over_s >= 0.0);
   } else if (const auto* pose = std::get_if<ObjectPose>(&datagram.message)) {
     EXPECT_NE(pose->serial, 0U);
     EXPECT_GE(pose->object, 0);

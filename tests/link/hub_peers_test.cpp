@@ -364,22 +364,27 @@ TEST_F(RoleRights, APeerIsAcceptedUnderItsOwnKeyAlone) {
 
 TEST_F(RoleRights, EachRoleSendsWhatIsItsOwn) {
   const MaterialRequest material{.request = 1, .change = {.given = MaterialChange::kDamping}};
-  const std::vector<std::pair<Message, NodeRole>> messages = {{ForceCommand{}, NodeRole::haptics},
-                                                              {HapticsSetup{}, NodeRole::haptics},
-                                                              {ViewTransform{}, NodeRole::vision},
-                                                              {FrameAck{}, NodeRole::vision},
-                                                              {HandTarget{}, NodeRole::vision},
-                                                              {Settings{}, NodeRole::tool},
-                                                              {ReportRequest{}, NodeRole::tool},
-                                                              {material, NodeRole::tool},
-                                                              {MaterialState{}, NodeRole::haptics},
-                                                              {MoveReply{.request = 1}, NodeRole::haptics},
-                                                              {ObjectMove{.source = 1}, NodeRole::haptics},
-                                                              {Carves{.source = 1}, NodeRole::haptics},
-                                                              {PatchBody{.epoch = 1}, NodeRole::haptics},
-                                                              {PatchMaterial{.epoch = 1}, NodeRole::haptics},
-                                                              {CarveStatus{.source = 1}, NodeRole::vision},
-                                                              {CarveUndo{.source = 1, .serial = 1}, NodeRole::vision}};
+  const std::vector<std::pair<Message, NodeRole>> messages = {
+      {ForceCommand{}, NodeRole::haptics},
+      {HapticsSetup{}, NodeRole::haptics},
+      {ViewTransform{}, NodeRole::vision},
+      {FrameAck{}, NodeRole::vision},
+      {HandTarget{}, NodeRole::vision},
+      {Settings{}, NodeRole::tool},
+      {ReportRequest{}, NodeRole::tool},
+      {material, NodeRole::tool},
+      {MaterialState{}, NodeRole::haptics},
+      {MoveReply{.request = 1}, NodeRole::haptics},
+      {ObjectMove{.source = 1}, NodeRole::haptics},
+      {Carves{.source = 1}, NodeRole::haptics},
+      {PatchBody{.epoch = 1}, NodeRole::haptics},
+      {PatchMaterial{.epoch = 1}, NodeRole::haptics},
+      {CarveStatus{.source = 1}, NodeRole::vision},
+      {CarveUndo{.source = 1, .serial = 1}, NodeRole::vision},
+      {ShapeReply{.stream = 1, .shape = 1}, NodeRole::haptics},
+      {ObjectShape{.source = 1, .serial = 1, .part = {.total = 1}}, NodeRole::haptics},
+      {ShapeStart{.source = 1, .total = 1}, NodeRole::haptics},
+      {ShapeStatus{.source = 1, .serial = 1}, NodeRole::vision}};
   const std::vector<std::pair<NodeRole, KeyRole>> nodes = {
       {NodeRole::haptics, KeyRole::haptics}, {NodeRole::vision, KeyRole::vision}, {NodeRole::tool, KeyRole::tool}};
   for (std::size_t n = 0; n < nodes.size(); ++n) {
@@ -390,7 +395,7 @@ TEST_F(RoleRights, EachRoleSendsWhatIsItsOwn) {
       EXPECT_EQ(event.kind == Kind::message, owner == nodes[n].first) << message.index();
     }
   }
-  EXPECT_EQ(hub_->counts().wrong_role, 32U);
+  EXPECT_EQ(hub_->counts().wrong_role, 40U);
   // Two roles have a scene; where its objects are one says, and the other asks for.
   for (std::size_t n = 0; n < nodes.size(); ++n) {
     const Address at = memory_address(static_cast<std::uint8_t>(10 + n), 9);
@@ -398,6 +403,8 @@ TEST_F(RoleRights, EachRoleSendsWhatIsItsOwn) {
     EXPECT_EQ(say(nodes[n].second, ObjectPose{.serial = 1}, 100 + n, at).kind == Kind::message, nodes[n].first != NodeRole::tool);
     const MoveRequest move{.request = 1, .p_m = Vec3::Zero()};
     EXPECT_EQ(say(nodes[n].second, move, 100 + n, at).kind == Kind::message, nodes[n].first != NodeRole::haptics);
+    const ShapeRequest shape{.stream = 1, .shape = 1, .part = {.total = 1}};
+    EXPECT_EQ(say(nodes[n].second, shape, 100 + n, at).kind == Kind::message, nodes[n].first != NodeRole::haptics);
   }
 }
 

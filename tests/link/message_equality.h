@@ -46,6 +46,7 @@ inline void expect_equal(const ForceCommand& a, const ForceCommand& b) {
   EXPECT_EQ(a.scene_time_ns, b.scene_time_ns);
   EXPECT_EQ(a.move_serial, b.move_serial);
   EXPECT_EQ(a.carve_serial, b.carve_serial);
+  EXPECT_EQ(a.shape_serial, b.shape_serial);
 }
 inline void expect_equal(const MaterialChange& a, const MaterialChange& b) {
   EXPECT_EQ(a.given, b.given);
@@ -100,6 +101,28 @@ inline void expect_equal(const Carves& a, const Carves& b) {
   }
 }
 inline void expect_equal(const CarveUndo& a, const CarveUndo& b) { EXPECT_EQ(std::tie(a.source, a.serial), std::tie(b.source, b.serial)); }
+inline void expect_equal(const ShapePart& a, const ShapePart& b) {
+  EXPECT_EQ(std::tie(a.total, a.first, a.displacements_m), std::tie(b.total, b.first, b.displacements_m));
+}
+inline void expect_equal(const ShapeRequest& a, const ShapeRequest& b) {
+  EXPECT_EQ(std::tie(a.stream, a.shape, a.object, a.number, a.over_s), std::tie(b.stream, b.shape, b.object, b.number, b.over_s));
+  expect_equal(a.part, b.part);
+}
+inline void expect_equal(const ShapeReply& a, const ShapeReply& b) {
+  EXPECT_EQ(std::tie(a.stream, a.shape, a.rejection, a.object, a.over_s, a.serial),
+            std::tie(b.stream, b.shape, b.rejection, b.object, b.over_s, b.serial));
+}
+inline void expect_equal(const ObjectShape& a, const ObjectShape& b) {
+  EXPECT_EQ(std::tie(a.source, a.serial, a.object), std::tie(b.source, b.serial, b.object));
+  expect_equal(a.part, b.part);
+}
+inline void expect_equal(const ShapeStart& a, const ShapeStart& b) {
+  EXPECT_EQ(std::tie(a.source, a.serial, a.before, a.object, a.total, a.start_ns, a.end_ns),
+            std::tie(b.source, b.serial, b.before, b.object, b.total, b.start_ns, b.end_ns));
+}
+inline void expect_equal(const ShapeStatus& a, const ShapeStatus& b) {
+  EXPECT_EQ(std::tie(a.source, a.serial, a.object, a.first), std::tie(b.source, b.serial, b.object, b.first));
+}
 inline void expect_equal(const CarveStatus& a, const CarveStatus& b) {
   EXPECT_EQ(std::tie(a.source, a.complete), std::tie(b.source, b.complete));
 }

@@ -76,6 +76,7 @@ void lengthen(PatchBody& m) {
   m.radius_m = 1.0 / 3.0;
   m.object = std::numeric_limits<std::int32_t>::max();
   m.move_serial = kMost32;
+  m.shape_serial = kMost32;
   m.loops = true;
   m.all_keys = PatchBody::kMostAllKeys;
   m.key_count = PatchBody::kMostKeys;
@@ -127,6 +128,26 @@ void lengthen(Carves& m) {
   m.carves.fill({std::numeric_limits<std::int32_t>::max(), {0.1F, 0.2F, 0.3F}, {0.2F, 0.3F, 0.4F}, 0.1F, true});
 }
 void lengthen(CarveUndo& m) { m = {kMost32, kMost32}; }
+ShapePart make_long_part() {
+  ShapePart part{.total = ShapePart::kMostVertices};
+  part.first = (part.total / ShapePart::kMostHere - 1) * ShapePart::kMostHere;
+  part.displacements_m.fill({0.1F, 0.2F, 0.3F});
+  return part;
+}
+void lengthen(ShapeRequest& m) {
+  m = {kMost32, kMost32, {}, std::numeric_limits<std::int32_t>::max(), 1.0 / 3.0, make_long_part()};
+  fill_text(m.object);
+}
+void lengthen(ShapeReply& m) {
+  m = {kMost32, kMost32, {}, std::numeric_limits<std::int32_t>::max(), 1.0 / 3.0, kMost32};
+  fill_text(m.rejection);
+}
+void lengthen(ObjectShape& m) { m = {kMost32, kMost32, std::numeric_limits<std::int32_t>::max(), make_long_part()}; }
+void lengthen(ShapeStart& m) {
+  constexpr std::int64_t kLongTime = std::numeric_limits<std::int64_t>::max();
+  m = {kMost32, kMost32, kMost32 - 1, std::numeric_limits<std::int32_t>::max(), ShapePart::kMostVertices, kLongTime, kLongTime};
+}
+void lengthen(ShapeStatus& m) { m = {kMost32, kMost32, std::numeric_limits<std::int32_t>::max(), make_long_part().first}; }
 void lengthen(CarveStatus& m) { m = {kMost32, kMost32}; }
 void lengthen(Marker& m) {
   m.request = kMost32;

@@ -2,10 +2,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
 #include <regex>
 #include <string>
 #include <vector>
 
+#include "link/known_shapes.h"
+#include "link/shape_outbox.h"
+#include "scene/touch_mesh.h"
 #include "tests/process/led_hand.h"
 
 namespace hapton::process {
@@ -75,6 +82,91 @@ TEST(ObjectsThatProgramsMove, PushAHandThatHoldsStillAndAreReplayed) {
   EXPECT_THAT(replayed.out, HasSubstr(" 0 different"));
   const Ended info = run("hapton", {"session", "info", hand.file}, hand.scratch.path()).value_or(Ended{});
   EXPECT_THAT(info.out, HasSubstr("objects moved by programs: "));
+}
+
+// A program beside the nodes, of a role.
+struct Companion {
+  Companion(const LedHand& hand, KeyRole key_role, NodeRole role)
+      : at(*parse_address(hand.hub)),
+        endpoint(*open_udp_endpoint("127.0.0.1:0")),
+        sealed(*endpoint, clock, RoleKey(*find_or_make_shared_key(hand.scratch.path() / "hapton"), key_role), at),
+        client(sealed, clock, role, at) {}
+
+  SteadyClock clock;
+  Address at;
+  std::unique_ptr<Endpoint> endpoint;
+  SealedClient sealed;
+  HubClient client;
+};
+
+using Displacements = std::vector<ShapePart::Displacement>;
+
+// The top of the block of scenes/swelling.toml is raised by so much in its middle.
+Displacements swelling_of(const TriangleMesh& block, double height_m) {
+  Displacements shape;
+  for (const Vec3& p : block.vertices) {
+    const double r = std::min(1.0, std::hypot(p.x(), p.y()) / 0.03);
+    shape.push_back({0.0F, 0.0F, static_cast<float>(height_m * std::pow(1.0 - r * r, 2) * std::max(0.0, p.z() / 0.02))});
+  }
+  return shape;
+}
+
+// A hand that holds still over the block of scenes/swelling.toml is pushed up when a program raises its top, and again by a stream of
+// shapes. Who joins later gets the shape, and the recording gives the same forces again.
+TEST(ObjectsThatProgramsDeform, PushAHandThatHoldsStillAndAreReplayed) {
+  LedHand hand("simulated", "t_s,x_m,y_m,z_m\n0,0,0.06,0\n0.5,0,0.034,0\n600,0,0.034,0\n", "swelling.toml");
+  const auto block = load_touch_mesh(HAPTON_SOURCE_DIR "/meshes/supple_block.obj", Unit::mm, CrackSealing::off);
+  ASSERT_TRUE(block) << block.error().what;
+  const Displacements raised = swelling_of(block->mesh, 0.012);
+  Companion program(hand, KeyRole::tool, NodeRole::tool);
+  ShapeOutbox outbox;
+  const double patience_s = kPatience.count();
+  const auto takes_s = deform_object(program.client, program.clock, outbox, "block", raised, 0.2, patience_s);
+  ASSERT_TRUE(takes_s) << takes_s.error().what;
+  EXPECT_NEAR(*takes_s, 0.2, 1e-6);
+  EXPECT_TRUE(hand.goes_above("max_force_written_n", 0.5));
+
+  Companion late(hand, KeyRole::vision, NodeRole::vision);
+  KnownShapes known({static_cast<std::uint32_t>(raised.size())});
+  const auto knows = [&](const Displacements& shape) {
+    Datagram datagram;
+    while (late.client.receive(datagram, late.clock.now_ns() + kNanosecondsPerMillisecond)) {
+      if (const auto* part = std::get_if<ObjectShape>(&datagram.message)) known.take(*part, late.client.last_arrival());
+      if (const auto* start = std::get_if<ShapeStart>(&datagram.message)) known.take(*start, late.client.last_arrival());
+      if (const auto* state = std::get_if<ProbeState>(&datagram.message)) {
+        late.client.send(FrameAck{.echo_sample = state->sample, .echo_sample_time_ns = state->sample_time_ns});
+      }
+      if (const auto request = known.take_request(late.clock.now_ns())) late.client.send(*request);
+      const auto place = known.find(0, std::numeric_limits<std::int64_t>::max() / 2);
+      if (place && known.displacements_m(0, *place) == shape) return true;
+    }
+    return false;
+  };
+  EXPECT_TRUE(System::wait_until([&] { return knows(raised); })) << "joined after the shape";
+
+  for (int n = 0; n < 60; ++n) {
+    ASSERT_TRUE(outbox.give("block", swelling_of(block->mesh, 0.012 * std::cos(0.2 * n)), 1.0 / 30.0));
+    const std::int64_t next_ns = program.clock.now_ns() + 33 * kNanosecondsPerMillisecond;
+    Datagram datagram;
+    while (program.clock.now_ns() < next_ns) {
+      outbox.send(program.client, program.clock.now_ns());
+      if (program.client.receive(datagram, program.clock.now_ns() + kNanosecondsPerMillisecond)) outbox.take(datagram.message);
+    }
+  }
+  const Displacements at_rest(raised.size());
+  const auto back_s = deform_object(program.client, program.clock, outbox, "block", at_rest, 0.0, patience_s);
+  ASSERT_TRUE(back_s) << back_s.error().what;
+  EXPECT_TRUE(System::wait_until([&] { return knows(at_rest); }));
+  const auto refused = deform_object(program.client, program.clock, outbox, "fish", at_rest, 0.0, patience_s);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().what, HasSubstr("no object of the scene has that name"));
+  hand.end();
+  const Ended replayed = hand.replay();
+  EXPECT_EQ(replayed.exit_code, 0) << replayed.out << replayed.err;
+  EXPECT_THAT(replayed.out, HasSubstr(" 0 different"));
+  EXPECT_EQ(replayed.out.find("the recording does not have"), std::string::npos) << replayed.out;
+  const Ended info = run("hapton", {"session", "info", hand.file}, hand.scratch.path()).value_or(Ended{});
+  EXPECT_THAT(info.out, HasSubstr("shapes of objects from programs: "));
 }
 
 // A hand goes to the left side of the brick of scenes/push.toml and 30 mm on: so does the brick, and the recording gives the same forces.

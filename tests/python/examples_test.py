@@ -30,6 +30,13 @@ class ExamplesTest(unittest.TestCase):
             self.assertRegex(run.stdout, r"[1-9][0-9]* shapes, the lowest vertex at ")
             self.assertRegex(run.stdout, r"[1-9][0-9]* forces a second")
 
+    def test_swelling_block(self):
+        with LiveSystem("--rate", "1000", scene="swelling.toml") as system:
+            script = os.path.join(SOURCE, "examples", "swelling_block.py")
+            run = subprocess.run([sys.executable, script, "2", system.hub], capture_output=True, text=True, timeout=60)
+            self.assertEqual(run.returncode, 0, run.stderr)
+            self.assertRegex(run.stdout, r"[1-9][0-9]* shapes given; back at rest in [0-9.]+ s")
+
     def test_examples_are_short(self):
         folder = os.path.join(SOURCE, "examples")
         for name in os.listdir(folder):

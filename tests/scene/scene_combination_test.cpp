@@ -66,6 +66,22 @@ TEST(SceneCombination, WhatProgramsMoveIsToldLikewise) {
   EXPECT_TRUE(check_combination(kFile, scene, false));
 }
 
+TEST(SceneCombination, WhatProgramsDeformIsToldLikewise) {
+  Scene scene = moving_scene_with(false, true);
+  scene.objects[0].program_shape = std::make_shared<const ProgramShape>(ProgramShape{.reach_m = 0.01});
+  EXPECT_EQ(check_combination(kFile, scene, true).error().what,
+            "room.toml: line 2: object 'lid' deforms, which a rigid tool does not support: leave out the tool, or 'deformed_by'");
+  EXPECT_EQ(
+      check_combination(kFile, scene, false).error().what,
+      "room.toml: line 2: object 'lid' is deformed by programs and 'peg' (line 7) is movable, which cannot be combined: keep one of the "
+      "two");
+  scene.objects[1].is_movable = false;
+  EXPECT_TRUE(check_combination(kFile, scene, false));
+  for (std::size_t n = 0; n < ProgramShape::kMostObjects; ++n) scene.objects.push_back(scene.objects[0]);
+  EXPECT_EQ(check_combination(kFile, scene, false).error().what,
+            "room.toml: line 2: object 'lid' is one too many that programs deform: at most 8");
+}
+
 TEST(SceneCombination, WhatCanBeCarvedGoesWithAProbeOnly) {
   Scene scene = moving_scene_with(false, false);
   EXPECT_TRUE(check_combination(kFile, scene, true));

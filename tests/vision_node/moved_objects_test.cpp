@@ -211,6 +211,49 @@ TEST_F(MovedObjectsTest, AnObjectThatDeformsIsDrawnInItsShapeOfThatTime) {
   EXPECT_FALSE(moved.take(ObjectPose{.serial = 2, .object = 0, .p_m = Vec3::UnitX()})) << "nobody picks it up";
 }
 
+// A program pushes it to the right by 60 mm; half of the way is over.
+TEST_F(MovedObjectsTest, AnObjectThatAProgramDeformsIsDrawnInItsShapeOfThatTime) {
+  ASSERT_TRUE(view);
+  scene.objects[0].program_shape = std::make_shared<const ProgramShape>(ProgramShape{.reach_m = 0.1});
+  MovedObjects moved(*view, scene);
+  EXPECT_TRUE(moved.has_motion());
+  EXPECT_TRUE(moved.has_program_shapes());
+  EXPECT_LT((*find(0) - expected(kRedAt)).norm(), 0.6);
+  const auto total = static_cast<std::uint32_t>(scene.objects[0].mesh->vertices.size());
+  const ShapeStart start{.source = 5, .serial = 1, .total = total, .start_ns = 1'000'000'000, .end_ns = 2'000'000'000};
+  moved.take(start, Arrival::newest);
+  EXPECT_FALSE(moved.set_time(1'500'000'000)) << "its vertices have not come";
+  moved.place_moving();
+  EXPECT_LT((*find(0) - expected(kRedAt)).norm(), 0.6);
+  ASSERT_FALSE(moved.take_shape_request(0));
+  const auto request = moved.take_shape_request(1'000'000'000);
+  ASSERT_TRUE(request);
+  EXPECT_EQ(request->serial, 1U);
+  for (std::uint32_t first = 0; first < total; first += ShapePart::kMostHere) {
+    ObjectShape part{.source = 5, .serial = 1, .part = {.total = total, .first = first}};
+    part.part.displacements_m.fill({0.06F, 0.0F, 0.0F});
+    moved.take(part, Arrival::newest);
+  }
+  EXPECT_TRUE(moved.set_time(1'500'000'000));
+  moved.place_moving();
+  EXPECT_FALSE(moved.set_time(1'500'000'000)) << "the same again";
+  EXPECT_LT((*find(0) - expected(kRedAt + Vec3(0.03, 0, 0))).norm(), 0.6);
+  EXPECT_LT((*find(1) - expected(kGreenAt)).norm(), 0.6) << "the other stays";
+  moved.set_time(3'000'000'000);
+  moved.place_moving();
+  EXPECT_LT((*find(0) - expected(kRedAt + Vec3(0.06, 0, 0))).norm(), 0.6);
+  moved.set_time(900'000'000);
+  moved.place_moving();
+  EXPECT_LT((*find(0) - expected(kRedAt)).norm(), 0.6) << "a sample of before";
+  // Another haptics process has it at rest.
+  moved.set_time(3'000'000'000);
+  moved.place_moving();
+  moved.take(ShapeStart{.source = 6, .total = total}, Arrival::newest);
+  EXPECT_TRUE(moved.set_time(3'000'000'000));
+  moved.place_moving();
+  EXPECT_LT((*find(0) - expected(kRedAt)).norm(), 0.6);
+}
+
 TEST_F(MovedObjectsTest, NothingMovesInASceneWithoutKeyframes) {
   ASSERT_TRUE(view);
   MovedObjects moved(*view, scene);

@@ -44,6 +44,12 @@ Result<std::vector<Material>> RecordedScenes::make_materials(const HapticsSetup&
   return tuned_materials((*scene)->touch, state, settings->coupling_n_per_m);
 }
 
+std::shared_ptr<const ProgramShape> RecordedScenes::find_program_shape(const HapticsSetup& setup, std::int32_t object) {
+  const auto scene = find_recorded(setup);
+  if (!scene || object < 0 || static_cast<std::size_t>(object) >= (*scene)->program_shapes.size()) return nullptr;
+  return (*scene)->program_shapes[static_cast<std::size_t>(object)];
+}
+
 Result<std::vector<ObjectName>> RecordedScenes::find_names(const HapticsSetup& setup) {
   return find_recorded(setup).map([](const LoadedScene* scene) { return scene->names; });
 }
@@ -68,7 +74,11 @@ Result<const RecordedScenes::LoadedScene*> RecordedScenes::find(const std::strin
   if (found == scenes_.end()) {
     const auto scene = load_scene(path, loading);
     if (!scene) return tl::unexpected(scene.error());
-    found = scenes_.emplace(key, LoadedScene{scene->touch_scene(), object_names(*scene), hash_scene(scene->touch_scene())}).first;
+    std::vector<std::shared_ptr<const ProgramShape>> shapes;
+    for (const SceneObject& one : scene->objects) shapes.push_back(one.program_shape);
+    found =
+        scenes_.emplace(key, LoadedScene{scene->touch_scene(), object_names(*scene), std::move(shapes), hash_scene(scene->touch_scene())})
+            .first;
   }
   return &found->second;
 }

@@ -13,6 +13,7 @@
 #include "plugin/plugin_choice.h"
 #include "runtime/clock.h"
 #include "scene/object_names.h"
+#include "scene/program_shape.h"
 #include "scene/scene_loading.h"
 
 namespace hapton {
@@ -30,12 +31,15 @@ class RecordedScenes {
 
   Result<std::unique_ptr<TouchStep>> make_touch(const HapticsSetup& setup);
   Result<std::vector<Material>> make_materials(const HapticsSetup& setup, const MaterialState& state);
+  // Null: it is not there, or programs do not deform the object.
+  std::shared_ptr<const ProgramShape> find_program_shape(const HapticsSetup& setup, std::int32_t object);
   Result<std::vector<ObjectName>> find_names(const HapticsSetup& setup);
 
  private:
   struct LoadedScene {
     TouchScene touch;
     std::vector<ObjectName> names;
+    std::vector<std::shared_ptr<const ProgramShape>> program_shapes;  // by object
     std::uint64_t hash = 0;
   };
 

@@ -128,6 +128,9 @@ Result<Replay> replay_probe(const ReplayOptions& options, const MethodSettings& 
   if (!touch_scene) {
     return tl::unexpected(touch_scene.error());
   }
+  if (touch_scene->has_streamed()) {
+    fmt::print("objects of {} that programs deform are at rest: a trajectory has no shapes\n", options.scene);
+  }
   if (touch_scene->has_sculpt() && options.replay.repeat > 1) {
     return fail("objects of {} can be carved, so a repetition would begin with another shape: leave out --repeat", options.scene);
   }

@@ -111,8 +111,8 @@ std::string describe(const ReplayCounts& counts) {
   if (counts.not_compared > 0)
     text += fmt::format("{} steps not compared: contact, or an effect, began before the recording\n", counts.not_compared);
   if (counts.unknown_method > 0)
-    text +=
-        fmt::format("{} steps not compared: the recording does not have their method, materials, moves or carves\n", counts.unknown_method);
+    text += fmt::format("{} steps not compared: the recording does not have their method, materials, moves, shapes or carves\n",
+                        counts.unknown_method);
   if (counts.missing_states > 0) text += fmt::format("{} replies to states that are not in the recording\n", counts.missing_states);
   if (counts.missing_views > 0) text += fmt::format("{} replies with a view that is not in the recording\n", counts.missing_views);
   return text;
@@ -146,6 +146,7 @@ Result<void> feel_again(const SessionOptions& options) {
       [&](const HapticsSetup& setup, const MaterialState& state) { return scenes.make_materials(setup, state); });
   comparison.use_moves(summary.moves());
   comparison.use_carves(summary.carves());
+  comparison.use_program_shapes([&](const HapticsSetup& setup, std::int32_t object) { return scenes.find_program_shape(setup, object); });
   // How long a call took then is not known, so it may take any time now.
   const SimulatedClock clock;
   PluginEffects effects(clock);
@@ -158,6 +159,8 @@ Result<void> feel_again(const SessionOptions& options) {
       if (const auto* view = std::get_if<ViewTransform>(&datagram->message)) comparison.on_view(*view);
       return {};
     }
+    if (const auto* part = std::get_if<ObjectShape>(&datagram->message)) comparison.on_shape(datagram->header.sender, *part);
+    if (const auto* start = std::get_if<ShapeStart>(&datagram->message)) comparison.on_shape(datagram->header.sender, *start);
     const auto* force = std::get_if<ForceCommand>(&datagram->message);
     return force != nullptr ? comparison.on_answer(datagram->header.sender, *force) : Result<void>();
   });

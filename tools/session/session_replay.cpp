@@ -150,6 +150,9 @@ Result<void> SessionReplay::begin(std::uint64_t sender, const ForceCommand& firs
   step_ = std::make_unique<HapticsStep>(std::move(*touch), offset_m);
   step_->use_effects(effects_);
   begin_moves(first.move_serial);
+  // Where the surfaces were before is unknown.
+  shape_serial_ = first.shape_serial;
+  are_shapes_known_ = first.shape_serial == 0;
   are_carves_known_ = true;
   whole_.reset();
   if (const Sculpture* whole = step_->touch().method().sculpture(); whole != nullptr) whole_ = *whole;
@@ -249,6 +252,13 @@ void SessionReplay::change_moves(std::uint32_t serial) {
   if (!are_moves_known_) is_certain_ = false;
 }
 
+// As change_moves: a shape says itself from when on it counts.
+void SessionReplay::change_shapes(std::uint32_t serial) {
+  const auto find = [this](std::int32_t object) { return find_program_shape_ ? find_program_shape_(setup_, object) : nullptr; };
+  while (shape_serial_ < serial) are_shapes_known_ = shapes_.apply(sender_, ++shape_serial_, *step_, find) && are_shapes_known_;
+  if (!are_shapes_known_) is_certain_ = false;
+}
+
 // Makes the changes of that moment again. If the recording does not name the method, its forces are unknown.
 Result<void> SessionReplay::change_method(std::uint32_t serial) {
   while (serial_ != serial) {
@@ -346,6 +356,7 @@ Result<void> SessionReplay::step_method(const ForceCommand& command) {
   const std::uint64_t lost_before = counts_.lost_answers;
   const bool is_after_unknown = command.echo_sample - last_sample_ > kReach;
   change_moves(command.move_serial);
+  change_shapes(command.shape_serial);
   step_lost(command);
   // It is unknown which of the lost replies was the first with the new method, or with the new materials.
   const bool is_other = command.method_serial != serial_ || command.material_serial != material_serial_;

@@ -15,6 +15,7 @@
 #include "haptic_step/haptics_step.h"
 #include "link/messages.h"
 #include "session/object_changes.h"
+#include "tools/session/recorded_shapes.h"
 
 namespace hapton {
 
@@ -59,7 +60,8 @@ struct ReplayCounts {
   std::uint64_t not_compared = 0;  // replies that depend on steps before the recording or on lost ones: in contact before the first step
                                    // in free space; with effects, all steps after a lost one; with a carvable object, those until the hand
                                    // has rested in free space
-  std::uint64_t unknown_method = 0;  // replies whose method, materials, moves or carves are not in the recording: their messages were lost
+  std::uint64_t unknown_method =
+      0;  // replies whose method, materials, moves, shapes or carves are not in the recording: their messages were lost
   std::uint64_t missing_states = 0;  // replies to a DeviceState that is not in the recording
   std::uint64_t missing_views = 0;   // replies that name a ViewTransform that is not in the recording
   double max_difference_n = 0.0;
@@ -80,11 +82,16 @@ class SessionReplay {
   // Sets the moves of a recording in which programs moved objects. Pre: no entry yet.
   void use_moves(ObjectMoves moves) { moves_ = std::move(moves); }
 
+  // Before the first entry: of a scene in which programs deform objects. Their shapes come by on_shape.
+  void use_program_shapes(FindProgramShape find) { find_program_shape_ = std::move(find); }
+
   // Before the first entry: of a recording in which material was carved.
   void use_carves(RecordedCarves carves) { carves_ = std::move(carves); }
 
   void on_state(const DeviceState& state);
   void on_view(const ViewTransform& view);
+  void on_shape(std::uint64_t sender, const ObjectShape& shape) { shapes_.add(sender, shape); }
+  void on_shape(std::uint64_t sender, const ShapeStart& start) { shapes_.add(sender, start); }
   Result<void> on_answer(std::uint64_t sender, const ForceCommand& command);
   // Call it after the last entry: replays the samples that still wait for reordered replies.
   Result<void> finish();
@@ -102,7 +109,8 @@ class SessionReplay {
   void begin_moves(std::uint32_t serial);
   void change_moves(std::uint32_t serial);
   bool apply_move(std::uint32_t serial);
-  bool is_known() const { return is_method_known_ && are_materials_known_ && are_moves_known_ && are_carves_known_; }
+  void change_shapes(std::uint32_t serial);
+  bool is_known() const { return is_method_known_ && are_materials_known_ && are_moves_known_ && are_shapes_known_ && are_carves_known_; }
   std::optional<Sculpture> make_shape(std::uint32_t serial) const;
   void repeat_carves(std::uint32_t serial);
   void undo_carves(std::uint32_t serial, bool is_after_lost);
@@ -119,6 +127,8 @@ class SessionReplay {
   MakeTouch make_touch_;
   MaterialStates material_states_;
   ObjectMoves moves_;
+  RecordedShapes shapes_;
+  FindProgramShape find_program_shape_;
   RecordedCarves carves_;
   std::optional<Sculpture> whole_;    // the bodies before any carve; none: the scene has none
   PluginEffects* effects_ = nullptr;  // null: none
@@ -137,6 +147,8 @@ class SessionReplay {
   bool are_materials_known_ = false;  // the materials in use are the recorded ones
   std::uint32_t move_serial_ = 0;     // of the newest move that was applied
   bool are_moves_known_ = true;       // all moves up to move_serial_ are in the recording
+  std::uint32_t shape_serial_ = 0;    // of the newest shape that was begun
+  bool are_shapes_known_ = true;      // all shapes up to shape_serial_ are in the recording
   bool are_carves_known_ = true;      // all carves of the bodies in their present shape are in the recording
   std::int64_t busy_ns_ = 0;          // of the newest sample in contact, with a button down, or after an unknown step
   std::int64_t rebuilt_ns_ = 0;       // of the sample at which the bodies were last made again from their carves

@@ -17,11 +17,11 @@ constexpr std::size_t kMarkersListed = 20;
 
 const char* name_of(const Message& message) {
   constexpr std::array kNames = {
-      "Hello",         "Welcome",     "Bye",       "DeviceState",   "ForceCommand",  "ViewTransform", "ProbeState",
-      "FrameAck",      "HandTarget",  "Settings",  "HapticsSetup",  "ReportRequest", "ReportPart",    "SceneFacts",
-      "ViewRejected",  "PatchBegin",  "PatchCell", "PatchTile",     "PatchStatus",   "LoopFacts",     "MaterialRequest",
-      "MaterialState", "ObjectPose",  "Marker",    "MarkerReply",   "MoveRequest",   "MoveReply",     "ObjectMove",
-      "Carves",        "CarveStatus", "PatchBody", "PatchMaterial", "CarveUndo"};
+      "Hello",       "Welcome",      "Bye",          "DeviceState",   "ForceCommand",    "ViewTransform", "ProbeState",   "FrameAck",
+      "HandTarget",  "Settings",     "HapticsSetup", "ReportRequest", "ReportPart",      "SceneFacts",    "ViewRejected", "PatchBegin",
+      "PatchCell",   "PatchTile",    "PatchStatus",  "LoopFacts",     "MaterialRequest", "MaterialState", "ObjectPose",   "Marker",
+      "MarkerReply", "MoveRequest",  "MoveReply",    "ObjectMove",    "Carves",          "CarveStatus",   "PatchBody",    "PatchMaterial",
+      "CarveUndo",   "ShapeRequest", "ShapeReply",   "ObjectShape",   "ShapeStart",      "ShapeStatus"};
   static_assert(kNames.size() == std::variant_size_v<Message>);
   return kNames[message.index()];
 }
@@ -82,6 +82,9 @@ void SessionSummary::add(const SessionEntry& entry, const Datagram* datagram) {
   if (const auto* move = std::get_if<ObjectMove>(&datagram->message)) {
     moves_[{datagram->header.sender, move->serial, move->object}] = *move;
   }
+  if (const auto* start = std::get_if<ShapeStart>(&datagram->message); start != nullptr && start->serial > 0) {
+    shape_serials_.insert({datagram->header.sender, start->serial});
+  }
 }
 
 void SessionSummary::add_force(const ForceCommand& force, std::int64_t time_ns) {
@@ -113,6 +116,7 @@ std::string SessionSummary::to_text(const SessionHeader& header) const {
   if (changes > 0) text += fmt::format("materials changed while running: {} times\n", changes);
   const auto moves = std::count_if(moves_.begin(), moves_.end(), [](const auto& one) { return one.second.serial > 0; });
   if (moves > 0) text += fmt::format("objects moved by programs: {} times\n", moves);
+  if (!shape_serials_.empty()) text += fmt::format("shapes of objects from programs: {}\n", shape_serials_.size());
   const auto is_early = [](const RecordedCarve& one) { return std::isnan(one.t_s); };
   const auto early = std::count_if(changes_.carves().begin(), changes_.carves().end(), is_early);
   if (!changes_.carves().empty()) {

@@ -3,7 +3,9 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "link/codec.h"
@@ -70,7 +72,8 @@ class SessionSummary {
   HapticsSetups setups_;
   MaterialStates materials_;
   ObjectMoves moves_;
-  ObjectChanges changes_{0};  // times do not matter
+  std::set<std::pair<std::uint64_t, std::uint32_t>> shape_serials_;  // by sender
+  ObjectChanges changes_{0};                                         // times do not matter
 };
 
 }  // namespace hapton

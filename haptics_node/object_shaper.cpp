@@ -1,0 +1,227 @@
+#include "haptics_node/object_shaper.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "haptic_step/haptics_setup.h"
+#include "runtime/start_thread.h"
+
+namespace hapton {
+namespace {
+
+// Between two looks for shapes: a small part of the time between two of them.
+constexpr std::chrono::milliseconds kShapeLook(2);
+
+std::string_view text_in(const HapticsSetup::Text& text) noexcept {
+  return {text.data(), static_cast<std::size_t>(std::find(text.begin(), text.end(), '\0') - text.begin())};
+}
+
+}  // namespace
+
+ObjectShaper::Object::Object(std::int32_t number, const SceneObject& object, StreamedMethod& streamed, std::uint32_t source)
+    : name(object.name),
+      method(&streamed),
+      maker(streamed, *object.program_shape),
+      parts(static_cast<std::uint32_t>(object.mesh->vertices.size())),
+      start{.source = source, .object = number, .total = parts.total()},
+      again_from(parts.total()) {}
+
+ObjectShaper::ObjectShaper(const Scene& scene, const TouchStep& touch, std::uint32_t source) {
+  for (std::size_t o = 0; o < scene.objects.size(); ++o) {
+    const auto number = static_cast<std::int32_t>(o);
+    names_.push_back(scene.objects[o].name);
+    if (scene.objects[o].program_shape == nullptr) continue;
+    if (StreamedMethod* streamed = touch.find_streamed(number); streamed != nullptr) {
+      objects_.push_back(std::make_unique<Object>(number, scene.objects[o], *streamed, source));
+    }
+  }
+  for (const auto& object : objects_) object->is_alone = std::count(names_.begin(), names_.end(), object->name) == 1;
+}
+
+ObjectShaper::~ObjectShaper() {
+  stop_ = true;
+  if (thread_.joinable()) thread_.join();
+}
+
+void ObjectShaper::start() {
+  thread_ = start_thread([this] { run(); });
+}
+
+void ObjectShaper::run() {
+  // Polls instead of waiting: waking a sleeping thread would be a system call in the real-time loop.
+  while (!stop_.load()) {
+    if (!work()) std::this_thread::sleep_for(kShapeLook);
+  }
+}
+
+bool ObjectShaper::work() {
+  bool any = false;
+  for (const auto& object : objects_) any = object->maker.work() || any;
+  return any;
+}
+
+std::string_view ObjectShaper::name_of(std::int32_t object) const noexcept {
+  return static_cast<std::size_t>(object) < names_.size() ? std::string_view(names_[static_cast<std::size_t>(object)]) : "";
+}
+
+ObjectShaper::Object* ObjectShaper::find(const ShapeRequest& part) noexcept {
+  const std::string_view name = text_in(part.object);
+  const auto is_it = [&](const std::unique_ptr<Object>& one) {
+    return name.empty() ? one->start.object == part.number : one->is_alone && one->name == name;
+  };
+  const auto found = std::find_if(objects_.begin(), objects_.end(), is_it);
+  return found != objects_.end() ? found->get() : nullptr;
+}
+
+// Of an object that find() does not find.
+std::string_view ObjectShaper::explain(const ShapeRequest& part) const noexcept {
+  const std::string_view name = text_in(part.object);
+  const bool is_number = name.empty() && static_cast<std::size_t>(part.number) < names_.size();
+  const auto count = is_number ? 1 : std::count(names_.begin(), names_.end(), name);
+  if (count == 0) return "no object of the scene has that name or number; hapton info lists them";
+  if (count > 1) return "several objects have that name; give the number of one";
+  return "programs may not deform this object; give it deformed_by = \"program\" and reach_m in the scene file";
+}
+
+void ObjectShaper::push_reply(const ShapeReply& reply) noexcept {
+  if (reply_count_ == kMostReplies) return;  // its sender repeats the shape
+  replies_[(first_reply_ + reply_count_++) % kMostReplies] = reply;
+}
+
+void ObjectShaper::reject(const ShapeRequest& part, std::int32_t object, std::string_view why, std::int64_t now_ns) noexcept {
+  ++counts_.rejected;
+  if (now_ns < next_rejection_ns_) return;
+  next_rejection_ns_ = now_ns + kRejectEveryNs;
+  ShapeReply reply{.stream = part.stream, .shape = part.shape, .object = object};
+  put_text(why, reply.rejection);
+  push_reply(reply);
+}
+
+void ObjectShaper::accept(const ShapeRequest& part, std::int64_t now_ns) noexcept {
+  Object* object = find(part);
+  // A flood of them is only counted.
+  if (object == nullptr) return reject(part, 0, now_ns < next_rejection_ns_ ? std::string_view() : explain(part), now_ns);
+  const std::int32_t number = object->start.object;
+  if (part.part.total != object->parts.total()) {
+    return reject(part, number, "the shape has another number of vertices than the mesh; hapton info names that", now_ns);
+  }
+  if (object->stream != part.stream) {
+    if (object->stream != 0 && now_ns - object->part_ns < kSilentNs) {
+      return reject(part, number, "another program deforms this object; it can be replaced 1 s after its last shape", now_ns);
+    }
+    object->stream = part.stream;
+    object->shape = 0;
+    object->is_given = false;
+    object->parts.clear();
+  }
+  object->part_ns = now_ns;
+  if (part.shape < object->shape) return;  // overtaken
+  if (part.shape == object->shape && object->is_given) {
+    const bool is_again = part.part.first == 0 && object->reply.stream == part.stream && object->reply.shape == part.shape;
+    if (is_again) push_reply(object->reply);
+    return;
+  }
+  if (part.shape != object->shape) {
+    counts_.incomplete += object->parts.is_empty() || object->is_given ? 0 : 1;
+    object->parts.clear();
+    object->shape = part.shape;
+    object->is_given = false;
+  }
+  object->parts.add(part.part);
+  if (!object->parts.is_whole()) return;
+  WantedShape& draft = object->maker.draft();
+  draft.stream = part.stream;
+  draft.shape = part.shape;
+  draft.over_s = part.over_s;
+  std::copy(object->parts.displacements_m().begin(), object->parts.displacements_m().end(), draft.displacements_m.begin());
+  object->maker.publish();
+  object->is_given = true;
+}
+
+void ObjectShaper::accept(const ShapeStatus& status) noexcept {
+  for (const auto& object : objects_) {
+    if (object->start.object != status.object || object->start.source != status.source) continue;
+    if (object->start.serial == status.serial) object->again_from = std::min(object->again_from, status.first);
+  }
+}
+
+void ObjectShaper::take_rejection(Object& object) noexcept {
+  const RejectedShape* rejected = object.maker.take_rejection();
+  if (rejected == nullptr) return;
+  ++counts_.rejected;
+  object.reply = {.stream = rejected->stream, .shape = rejected->shape, .rejection = rejected->why, .object = object.start.object};
+  push_reply(object.reply);
+}
+
+bool ObjectShaper::begin_sending(Object& object, std::int64_t scene_time_ns) noexcept {
+  if (object.start.end_ns > scene_time_ns + kAheadNs) return false;
+  object.next = object.maker.take();
+  if (object.next == nullptr) return false;
+  object.sent_to = 0;
+  sending_ = &object;
+  ++serial_;
+  return true;
+}
+
+Message ObjectShaper::begin_motion(Object& object, HapticsStep& step) noexcept {
+  const double over_s = StreamedMethod::compute_time_s(*object.next->stage, object.next->wanted.over_s);
+  ShapeStart& start = object.start;
+  start.before = start.serial;
+  start.serial = serial_;
+  start.start_ns = std::max(start.end_ns, step.scene_time_ns() + 1);
+  start.end_ns = start.start_ns + static_cast<std::int64_t>(std::ceil(1e9 * over_s));
+  auto released = step.deform(start.object, std::move(object.next->stage), start.start_ns, start.end_ns);
+  if (object.present != nullptr) {
+    object.present->stage = std::move(released.ended);
+    object.maker.give_back(std::move(object.present));
+  }
+  object.present = std::move(object.next);
+  object.again_from = start.total;
+  object.reply = {.stream = object.present->wanted.stream,
+                  .shape = object.present->wanted.shape,
+                  .object = start.object,
+                  .over_s = 1e-9 * static_cast<double>(start.end_ns - start.start_ns),
+                  .serial = start.serial};
+  push_reply(object.reply);
+  ++counts_.shapes;
+  newest_ = &start;
+  sending_ = nullptr;
+  return start;
+}
+
+std::optional<Message> ObjectShaper::take_due(HapticsStep& step) noexcept {
+  for (const auto& object : objects_) take_rejection(*object);
+  if (reply_count_ > 0) {
+    const ShapeReply& reply = replies_[first_reply_];
+    first_reply_ = (first_reply_ + 1) % kMostReplies;
+    --reply_count_;
+    return reply;
+  }
+  for (std::size_t looked = 0; looked < objects_.size() && sending_ == nullptr; ++looked) {
+    Object& object = *objects_[next_look_];
+    next_look_ = (next_look_ + 1) % objects_.size();
+    begin_sending(object, step.scene_time_ns());
+  }
+  if (sending_ != nullptr && sending_->sent_to < sending_->start.total) {
+    const std::uint32_t first = std::exchange(sending_->sent_to, sending_->sent_to + ShapePart::kMostHere);
+    return ObjectShape{.source = sending_->start.source,
+                       .serial = serial_,
+                       .object = sending_->start.object,
+                       .part = make_shape_part(sending_->next->wanted.displacements_m, first)};
+  }
+  // The stage before has begun, so that this one can wait.
+  if (sending_ != nullptr && !sending_->method->has_waiting()) return begin_motion(*sending_, step);
+  for (const auto& object : objects_) {
+    if (object->again_from >= object->start.total || object->present == nullptr) continue;
+    const std::uint32_t first = std::exchange(object->again_from, object->again_from + ShapePart::kMostHere);
+    return ObjectShape{.source = object->start.source,
+                       .serial = object->start.serial,
+                       .object = object->start.object,
+                       .part = make_shape_part(object->present->wanted.displacements_m, first)};
+  }
+  return std::nullopt;
+}
+
+}  // namespace hapton

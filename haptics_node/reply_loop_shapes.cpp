@@ -1,0 +1,64 @@
+#include "haptics_node/reply_loop.h"
+#include "runtime/log.h"
+
+// What programs deform, in the loop of the haptics node.
+namespace hapton {
+namespace {
+
+constexpr int kMostShapeMessages = 4;  // between two states, as parts of the scene
+constexpr std::int64_t kStartAgainNs = 100 * kNanosecondsPerMillisecond;
+constexpr int kStartRepeats = 3;
+constexpr std::int64_t kShapeLogEveryNs = kNanosecondsPerSecond;
+
+}  // namespace
+
+// True: it was a message about shapes.
+bool ReplyLoop::handle_shape(const Message& message) noexcept {
+  if (const auto* part = std::get_if<ShapeRequest>(&message)) {
+    if (shapes_ != nullptr) shapes_->accept(*part, hub_.receive_time_ns());
+    return true;
+  }
+  const auto* status = std::get_if<ShapeStatus>(&message);
+  if (status != nullptr && shapes_ != nullptr) shapes_->accept(*status);
+  return status != nullptr;
+}
+
+// After the reply, and a few at a time: however many shapes come, the force never waits for them.
+void ReplyLoop::deform_objects() {
+  if (hub_.state() != JoinState::joined) return;
+  for (int n = 0; n < kMostShapeMessages; ++n) {
+    const auto message = shapes_->take_due(step_);
+    if (!message) break;
+    hub_.send(*message);
+    if (const auto* reply = std::get_if<ShapeReply>(&*message)) report_shape(*reply);
+    if (!std::holds_alternative<ShapeStart>(*message)) continue;
+    start_repeats_ = kStartRepeats;
+    repeat_start_ns_ = clock_.now_ns() + kStartAgainNs;
+  }
+  // The newest, as a datagram may be lost.
+  if (start_repeats_ == 0 || clock_.now_ns() < repeat_start_ns_) return;
+  --start_repeats_;
+  repeat_start_ns_ += kStartAgainNs;
+  if (const ShapeStart* newest = shapes_->newest()) hub_.send(*newest);
+}
+
+void ReplyLoop::send_shape_starts() noexcept {
+  if (shapes_ == nullptr) return;
+  for (std::size_t n = 0; n < shapes_->count(); ++n) hub_.send(shapes_->newest(n));
+}
+
+// A program that sends shapes without pause is logged once.
+void ReplyLoop::report_shape(const ShapeReply& reply) {
+  const std::int64_t now_ns = clock_.now_ns();
+  if (reply.rejection[0] != '\0') {
+    if (now_ns - shape_rejected_ns_ < kShapeLogEveryNs && shape_rejected_ns_ != 0) return;
+    shape_rejected_ns_ = now_ns;
+    log_warning("a shape of a program was rejected: {}", reply.rejection.data());
+    return;
+  }
+  const bool is_first = last_shape_ns_ == 0 || now_ns - last_shape_ns_ > kShapeLogEveryNs;
+  last_shape_ns_ = now_ns;
+  if (is_first) log_info("a program deforms {}", shapes_->name_of(reply.object));
+}
+
+}  // namespace hapton

@@ -1,0 +1,101 @@
+#include "link/known_shapes.h"
+
+#include <algorithm>
+#include <span>
+
+namespace hapton {
+
+bool KnownShapes::is_of_scene(std::int32_t object, std::uint32_t total) const {
+  return object >= 0 && static_cast<std::size_t>(object) < totals_.size() && total != 0 &&
+         totals_[static_cast<std::size_t>(object)] == total;
+}
+
+bool KnownShapes::note_source(std::uint32_t source, Arrival arrival) {
+  const MoveSource::Verdict verdict = source_.note(source, arrival);
+  if (verdict == MoveSource::Verdict::old) return false;
+  if (verdict == MoveSource::Verdict::other) std::fill(objects_.begin(), objects_.end(), Object());
+  process_ = source;
+  return true;
+}
+
+void KnownShapes::take(const ObjectShape& shape, Arrival arrival) {
+  if (!is_of_scene(shape.object, shape.part.total) || !note_source(shape.source, arrival)) return;
+  Object& object = objects_[static_cast<std::size_t>(shape.object)];
+  const bool is_past = !object.starts.empty() && shape.serial < object.starts.front().serial;
+  if (is_past) return;
+  object.shapes.try_emplace(shape.serial, shape.part.total).first->second.add(shape.part);
+  if (object.shapes.size() > kMostShapes) object.shapes.erase(object.shapes.begin());
+}
+
+void KnownShapes::take(const ShapeStart& start, Arrival arrival) {
+  if (!is_of_scene(start.object, start.total) || !note_source(start.source, arrival) || start.serial == 0) return;
+  Object& object = objects_[static_cast<std::size_t>(start.object)];
+  const auto after = std::find_if(object.starts.begin(), object.starts.end(), [&](const auto& one) { return one.serial >= start.serial; });
+  if (after != object.starts.end() && after->serial == start.serial) return;
+  if (after == object.starts.end()) object.request_ns = 0;
+  object.starts.insert(after, start);
+  if (object.starts.size() > kMostStarts) object.starts.pop_front();
+  std::uint32_t oldest = start.before;
+  for (const ShapeStart& one : object.starts) oldest = std::min(oldest, one.before);
+  object.shapes.erase(object.shapes.begin(), object.shapes.lower_bound(oldest));
+}
+
+const ShapeParts* KnownShapes::find_whole(const Object& object, std::uint32_t serial) const {
+  const auto found = object.shapes.find(serial);
+  return found != object.shapes.end() && found->second.is_whole() ? &found->second : nullptr;
+}
+
+std::optional<KnownShapes::Place> KnownShapes::find(std::size_t object, std::int64_t scene_time_ns) const {
+  if (totals_[object] == 0) return std::nullopt;
+  const Object& own = objects_[object];
+  if (own.starts.empty()) return Place();  // none has been announced: at rest
+  const ShapeStart* start = &own.starts.front();
+  for (const ShapeStart& one : own.starts) {
+    if (one.start_ns < scene_time_ns) start = &one;
+  }
+  const std::int64_t passed_ns = scene_time_ns - start->start_ns;
+  const std::int64_t whole_ns = start->end_ns - start->start_ns;
+  const double share = passed_ns <= 0 ? 0.0 : passed_ns >= whole_ns ? 1.0 : static_cast<double>(passed_ns) / static_cast<double>(whole_ns);
+  const bool knows_before = is_known(own, start->before);
+  const bool knows_to = is_known(own, start->serial);
+  if (knows_before && knows_to) return Place{start->before, start->serial, share};
+  if (knows_to) return Place{start->serial, start->serial, 1.0};
+  if (knows_before) return Place{start->before, start->before, 1.0};
+  return std::nullopt;
+}
+
+std::vector<ShapePart::Displacement> KnownShapes::displacements_m(std::size_t object, const Place& place) const {
+  const std::vector<ShapePart::Displacement> at_rest(totals_[object]);
+  const auto shape_of = [&](std::uint32_t serial) {
+    return serial == 0 ? std::span<const ShapePart::Displacement>(at_rest) : objects_[object].shapes.at(serial).displacements_m();
+  };
+  const auto before = shape_of(place.before);
+  const auto to = shape_of(place.to);
+  std::vector<ShapePart::Displacement> displaced(to.begin(), to.end());
+  if (place.share >= 1.0) return displaced;
+  const auto share = static_cast<float>(place.share);
+  for (std::size_t v = 0; v < displaced.size(); ++v) {
+    for (std::size_t k = 0; k < 3; ++k) displaced[v][k] = before[v][k] + share * (to[v][k] - before[v][k]);
+  }
+  return displaced;
+}
+
+std::optional<ShapeStatus> KnownShapes::take_request(std::int64_t now_ns) {
+  for (std::size_t o = 0; o < objects_.size(); ++o) {
+    Object& object = objects_[o];
+    if (object.starts.empty()) continue;
+    const std::uint32_t serial = object.starts.back().serial;
+    if (find_whole(object, serial) != nullptr) continue;
+    if (object.request_ns == 0) object.request_ns = now_ns + kPatienceNs;
+    if (now_ns < object.request_ns) continue;
+    object.request_ns = now_ns + kRequestEveryNs;
+    const auto part = object.shapes.find(serial);
+    return ShapeStatus{.source = process_,
+                       .serial = serial,
+                       .object = static_cast<std::int32_t>(o),
+                       .first = part != object.shapes.end() ? part->second.first_missing() : 0};
+  }
+  return std::nullopt;
+}
+
+}  // namespace hapton

@@ -1,0 +1,143 @@
+#include "link/shape_outbox.h"
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+
+#include "link/codec.h"
+#include "link/random_id.h"
+#include "link/shape_parts.h"
+#include "link/wire_fields.h"
+
+namespace hapton {
+namespace {
+
+Result<void> put_object(std::string_view object, ShapeRequest& request) {
+  if (object.starts_with('#')) {
+    const char* const end = object.data() + object.size();
+    const auto [stop, error] = std::from_chars(object.data() + 1, end, request.number);
+    if (error == std::errc() && stop == end && request.number >= 0) return {};
+    return fail("'{}' is not the number of an object; give #N with N from 0, or its name", object);
+  }
+  if (object.empty()) return fail("no object is named; give its name, or #N with its number from 0");
+  if (!read_text(std::string(object), request.object)) return fail("the name of an object must be one line of at most 255 bytes");
+  return {};
+}
+
+Result<void> check_shape(std::span<const ShapePart::Displacement> displacements_m, double over_s) {
+  if (displacements_m.empty() || displacements_m.size() > ShapePart::kMostVertices) {
+    return fail("a shape has 1 to {} vertices, not {}", ShapePart::kMostVertices, displacements_m.size());
+  }
+  if (!(over_s >= 0.0 && over_s <= ShapeRequest::kMostSeconds)) {
+    return fail("the motion to a shape takes 0 to {:g} s, not {:g} s", ShapeRequest::kMostSeconds, over_s);
+  }
+  for (std::size_t v = 0; v < displacements_m.size(); ++v) {
+    for (const float x : displacements_m[v]) {
+      if (!(std::abs(x) <= static_cast<float>(kMaxWireMagnitude))) {
+        return fail("the displacement of vertex {} is not finite, or above {:g} m", v, kMaxWireMagnitude);
+      }
+    }
+  }
+  return {};
+}
+
+bool is_same_object(const ShapeRequest& a, const ShapeRequest& b) { return a.object == b.object && a.number == b.number; }
+
+}  // namespace
+
+ShapeOutbox::ShapeOutbox() : stream_(static_cast<std::uint32_t>(make_random_id()) | 1U) {}
+
+Result<std::uint32_t> ShapeOutbox::give(std::string_view object, std::span<const ShapePart::Displacement> displacements_m, double over_s,
+                                        bool is_needed) {
+  Shape shape{.head = {.stream = stream_, .over_s = over_s},
+              .displacements_m = {displacements_m.begin(), displacements_m.end()},
+              .is_needed = is_needed};
+  if (const auto put = put_object(object, shape.head); !put) return tl::unexpected(put.error());
+  if (const auto checked = check_shape(displacements_m, over_s); !checked) return tl::unexpected(checked.error());
+  const std::scoped_lock lock(mutex_);
+  shape.head.shape = ++newest_;
+  // What has begun is finished first, so that a program that is too fast still has some of its shapes become whole.
+  std::erase_if(shapes_, [&](const Shape& one) {
+    return is_same_object(one.head, shape.head) && (one.next == 0 || one.next >= one.displacements_m.size());
+  });
+  shapes_.push_back(std::move(shape));
+  return newest_;
+}
+
+void ShapeOutbox::send(HubClient& client, std::int64_t now_ns) {
+  const std::scoped_lock lock(mutex_);
+  if (shapes_.empty() || now_ns < next_send_ns_) return;
+  next_send_ns_ = now_ns + kEveryNs;
+  std::size_t left = kPartsAtOnce;
+  for (Shape& shape : shapes_) {
+    if (shape.is_needed && shape.next >= shape.displacements_m.size() && now_ns >= shape.repeat_ns) shape.next = 0;
+    while (left > 0 && shape.next < shape.displacements_m.size()) {
+      shape.head.part = make_shape_part(shape.displacements_m, shape.next);
+      client.send(shape.head);
+      shape.next += ShapePart::kMostHere;
+      shape.repeat_ns = now_ns + kRepeatNs;
+      --left;
+    }
+    if (left == 0) break;
+  }
+  std::erase_if(shapes_, [&](const Shape& one) { return is_done(one); });
+}
+
+void ShapeOutbox::take(const Message& message) {
+  const auto* reply = std::get_if<ShapeReply>(&message);
+  if (reply == nullptr || reply->stream != stream_) return;
+  const std::scoped_lock lock(mutex_);
+  for (Shape& shape : shapes_) {
+    if (shape.head.shape == reply->shape) shape.is_needed = false;
+  }
+  std::erase_if(shapes_, [&](const Shape& one) { return is_done(one); });
+  std::erase_if(replies_, [&](const ShapeReply& one) { return one.shape == reply->shape; });
+  if (replies_.size() == kMostReplies) replies_.erase(replies_.begin());
+  replies_.push_back(*reply);
+  came_.notify_all();
+}
+
+bool ShapeOutbox::is_empty() const {
+  const std::scoped_lock lock(mutex_);
+  return shapes_.empty();
+}
+
+std::optional<ShapeReply> ShapeOutbox::find_reply(std::uint32_t shape) const {
+  const std::scoped_lock lock(mutex_);
+  const auto found = std::find_if(replies_.begin(), replies_.end(), [&](const ShapeReply& one) { return one.shape == shape; });
+  return found != replies_.end() ? std::optional(*found) : std::nullopt;
+}
+
+Result<double> ShapeOutbox::wait_for(std::uint32_t shape, double seconds) {
+  std::unique_lock lock(mutex_);
+  const auto find = [&] {
+    return std::find_if(replies_.begin(), replies_.end(), [&](const ShapeReply& one) { return one.shape == shape; });
+  };
+  if (!came_.wait_for(lock, std::chrono::duration<double>(seconds), [&] { return find() != replies_.end(); })) {
+    std::erase_if(shapes_, [&](const Shape& one) { return one.head.shape == shape; });
+    return fail("no reply to the shape within {:g} s; start haptics_node, or another shape took its place", seconds);
+  }
+  return read_reply(*find());
+}
+
+Result<double> read_reply(const ShapeReply& reply) {
+  if (reply.rejection[0] != '\0') return fail("the haptics node rejected the shape: {}", reply.rejection.data());
+  return reply.over_s;
+}
+
+Result<double> deform_object(HubClient& client, const Clock& clock, ShapeOutbox& outbox, std::string_view object,
+                             std::span<const ShapePart::Displacement> displacements_m, double over_s, double seconds) {
+  const auto shape = outbox.give(object, displacements_m, over_s, true);
+  if (!shape) return tl::unexpected(shape.error());
+  const std::int64_t end_ns = clock.now_ns() + static_cast<std::int64_t>(1e9 * seconds);
+  Datagram datagram;
+  for (std::int64_t now_ns = clock.now_ns(); now_ns < end_ns; now_ns = clock.now_ns()) {
+    outbox.send(client, now_ns);
+    while (client.receive(datagram, std::min(end_ns, now_ns + ShapeOutbox::kEveryNs))) outbox.take(datagram.message);
+    if (const auto reply = outbox.find_reply(*shape)) return read_reply(*reply);
+  }
+  return outbox.wait_for(*shape, 0.0);
+}
+
+}  // namespace hapton

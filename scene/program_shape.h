@@ -1,0 +1,58 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/geometry/triangle_mesh.h"
+#include "core/math/types.h"
+#include "scene/scene_fit.h"
+#include "scene/table_reader.h"
+
+namespace hapton {
+
+struct ObjectSpec;
+struct SealReport;
+
+// The keys deformed_by and reach_m of an object of a scene file.
+struct ProgramShapeSpec {
+  bool is_on = false;
+  double reach_m = 0.0;  // of the mesh, before scale
+  std::size_t line = 0;
+};
+// Error: one line with the line in the file: one key without the other, or with a key that moves or carves the object.
+Result<ProgramShapeSpec> read_program_shape(const toml::table& object, const std::string& name);
+
+// An object of a scene that a program deforms (`deformed_by` of the scene file): what its shapes mean in S. A shape is a displacement of
+// each vertex from rest: m, of the mesh, before scale and pose. All who compute the vertices here have the same bits. RT: no. Threads:
+// const calls from any number.
+struct ProgramShape {
+  static constexpr std::size_t kMostObjects = 8;        // of a scene
+  static constexpr std::size_t kMostVertices = 10'000;  // of an object: a shape of so many is made ready in 150 ms
+
+  double reach_m = 0.0;              // no vertex gets farther from where it is at rest; in S
+  Mat3 to_scene = Mat3::Identity();  // of displacements
+
+  // Frame S. Pre: as many displacements as vertices at rest.
+  std::vector<Vec3> vertices_of(std::span<const Vec3> rest, std::span<const std::array<float, 3>> displacements_m) const {
+    std::vector<Vec3> vertices(rest.begin(), rest.end());
+    for (std::size_t v = 0; v < vertices.size(); ++v) {
+      const auto& d = displacements_m[v];
+      vertices[v] += to_scene * Vec3(d[0], d[1], d[2]);
+    }
+    return vertices;
+  }
+
+  friend bool operator==(const ProgramShape& a, const ProgramShape& b) { return a.reach_m == b.reach_m && a.to_scene == b.to_scene; }
+};
+
+// Of an object of a scene file; null: programs do not deform it. mesh: as it is touched at rest, in S after `fit`. RT: no. Error: one line
+// with the line in the file: too many vertices; cracks were sealed, so the vertices are not those of the file.
+Result<std::shared_ptr<const ProgramShape>> make_program_shape(const ObjectSpec& object, const std::string& name, const SceneFit& fit,
+                                                               const TriangleMesh& mesh, const SealReport& sealed);
+
+}  // namespace hapton

@@ -1,0 +1,179 @@
+// Shapes from programs, in the step of the haptics node: without the loop and the hub.
+#include "haptics_node/object_shaper.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "link/known_shapes.h"
+#include "tests/support/allocation_guard.h"
+#include "tests/support/made_meshes.h"
+
+namespace hapton {
+namespace {
+
+using ShaperDisplacements = std::vector<ShapePart::Displacement>;
+
+const Vec3 kHandOverSheet(0.0061, 0.0043, 0.002);
+constexpr std::int64_t kSampleNs = 1'000'000;
+
+Scene sheet_scene() {
+  Scene scene;
+  SceneObject sheet;
+  sheet.name = "sheet";
+  sheet.mesh = made::shared(made::sheet(0.03, 0.0, 12));  // 169 vertices: three parts
+  sheet.program_shape = std::make_shared<const ProgramShape>(ProgramShape{.reach_m = 0.02});
+  scene.objects.push_back(sheet);
+  SceneObject other = sheet;
+  other.name = "other";
+  other.mesh = made::shared(made::sheet(0.03, -0.1, 4));
+  scene.objects.push_back(other);
+  return scene;
+}
+
+class ObjectShaperTest : public testing::Test {
+ protected:
+  ForceCommand cycle(const Vec3& hand = kHandOverSheet) {
+    now_ns_ += kSampleNs;
+    step_.offer({.sample = ++sample_, .sample_time_ns = now_ns_, .p_WD = hand});
+    force_ = step_.answer();
+    for (int n = 0; n < 4; ++n) {
+      const auto message = shaper_.take_due(step_);
+      if (!message) break;
+      if (const auto* reply = std::get_if<ShapeReply>(&*message)) replies_.push_back(*reply);
+      if (const auto* part = std::get_if<ObjectShape>(&*message)) known_.take(*part, Arrival::newest);
+      if (const auto* start = std::get_if<ShapeStart>(&*message)) {
+        starts_.push_back(*start);
+        known_.take(*start, Arrival::newest);
+      }
+    }
+    while (shaper_.work()) {
+    }
+    return force_;
+  }
+  static ShaperDisplacements raised(std::size_t count, double height_m) { return {count, {0.0F, 0.0F, static_cast<float>(height_m)}}; }
+  void give(std::int32_t object, std::uint32_t shape, const ShaperDisplacements& displacements, double over_s = 0.0) {
+    ShapeRequest request{.stream = 7, .shape = shape, .number = object, .over_s = over_s};
+    for (std::uint32_t first = 0; first < displacements.size(); first += ShapePart::kMostHere) {
+      request.part = make_shape_part(displacements, first);
+      shaper_.accept(request, now_ns_);
+    }
+  }
+  double announced_height() const {
+    const auto place = known_.find(0, force_.scene_time_ns);
+    return place ? static_cast<double>(known_.displacements_m(0, *place)[0][2]) : -1.0;
+  }
+
+  Scene scene_ = sheet_scene();
+  HapticsStep step_{std::make_unique<TouchStep>(*make_method({}, scene_.touch_scene()), scene_.touch_scene()), 1e-5};
+  ObjectShaper shaper_{scene_, step_.touch(), 42};
+  KnownShapes known_{{169, 25}};
+  std::vector<ShapeReply> replies_;
+  std::vector<ShapeStart> starts_;
+  ForceCommand force_;
+  std::int64_t now_ns_ = 0;
+  std::uint64_t sample_ = 0;
+};
+
+TEST_F(ObjectShaperTest, ForcesAndTheAnnouncedShapesAgree) {
+  ASSERT_EQ(shaper_.count(), 2U);
+  double before_n = 0.0;
+  double most_n = 0.0;
+  std::uint32_t shape = 0;
+  for (int n = 0; n < 2000; ++n) {
+    if (n % 33 == 0) {
+      ++shape;
+      give(0, shape, raised(169, shape % 3 == 0 ? -0.003 : 0.002 * (shape % 4)), 0.033);
+    }
+    cycle();
+    ASSERT_NEAR(force_.force_n.z(), 1000.0 * std::max(0.0, announced_height() - kHandOverSheet.z()), 2e-3) << n;
+    ASSERT_LE(std::abs(force_.force_n.z() - before_n), 1000.0 * 0.25 * 1.01e-3) << n;
+    before_n = force_.force_n.z();
+    most_n = std::max(most_n, before_n);
+  }
+  EXPECT_GT(most_n, 3.0);
+  EXPECT_GT(force_.shape_serial, 40U);
+  EXPECT_EQ(shaper_.counts().rejected, 0U);
+}
+
+// A program that sends as fast as it can: shapes are left out, and the surface moves from one to the next without a stop.
+TEST_F(ObjectShaperTest, AFastProgramDoesNotMakeItStop) {
+  std::uint32_t shape = 0;
+  for (int n = 0; n < 1000; ++n) {
+    ++shape;
+    give(0, shape, raised(169, 0.01 * std::sin(0.01 * n)), 0.03);
+    cycle();
+  }
+  EXPECT_GE(starts_.size(), 25U);
+  for (std::size_t s = 1; s < starts_.size(); ++s) EXPECT_EQ(starts_[s].start_ns, starts_[s - 1].end_ns) << s;
+}
+
+// One after the other, whatever the other does: a slow one does not keep a fast one.
+TEST_F(ObjectShaperTest, TwoObjectsMoveBesideEachOther) {
+  give(0, 1, raised(169, 0.005), 5.0);
+  for (int n = 0; n < 20; ++n) cycle();
+  give(0, 2, raised(169, 0.0), 5.0);
+  for (std::uint32_t shape = 3; shape < 23; ++shape) {
+    give(1, shape, raised(25, shape % 2 == 0 ? 0.001 : -0.001), 0.01);
+    for (int n = 0; n < 20; ++n) cycle();
+  }
+  EXPECT_EQ(std::count_if(starts_.begin(), starts_.end(), [](const ShapeStart& one) { return one.object == 0; }), 1);
+  EXPECT_EQ(std::count_if(starts_.begin(), starts_.end(), [](const ShapeStart& one) { return one.object == 1; }), 20);
+  for (std::size_t s = 0; s < starts_.size(); ++s) EXPECT_EQ(starts_[s].serial, s + 1);
+  EXPECT_EQ(force_.shape_serial, starts_.size());
+}
+
+// A device that is gone stops scene time, and with it the surface: one motion waits at most.
+TEST_F(ObjectShaperTest, WithoutSamplesNoMoreThanOneMotionWaits) {
+  for (int n = 0; n < 10; ++n) cycle();
+  for (std::uint32_t shape = 1; shape < 50; ++shape) {
+    give(0, shape, raised(169, 1e-4 * shape), 0.01);
+    while (shaper_.work()) {
+    }
+    for (int n = 0; n < 8; ++n) {
+      const auto message = shaper_.take_due(step_);
+      if (message && std::holds_alternative<ShapeStart>(*message)) starts_.push_back(std::get<ShapeStart>(*message));
+    }
+  }
+  EXPECT_EQ(starts_.size(), 1U);
+  for (int n = 0; n < 100; ++n) cycle();
+  EXPECT_EQ(starts_.size(), 3U) << "the one that was being sent, and the newest";
+  EXPECT_EQ(replies_.back().shape, 49U);
+}
+
+TEST_F(ObjectShaperTest, TheLoopUsesNoHeap) {
+  if (!AllocationGuard::is_available()) GTEST_SKIP();
+  std::uint64_t allocations = 0;
+  std::uint32_t shape = 0;
+  for (int n = 0; n < 300; ++n) {
+    const ShaperDisplacements next = raised(169, 0.004 * std::sin(0.1 * n));
+    now_ns_ += kSampleNs;
+    step_.offer({.sample = ++sample_, .sample_time_ns = now_ns_, .p_WD = kHandOverSheet});
+    {
+      const AllocationGuard guard;
+      step_.answer();
+      for (int m = 0; m < 4; ++m) (void)shaper_.take_due(step_);
+      if (n % 10 == 0) ++shape;
+      ShapeRequest request{.stream = 7, .shape = shape, .over_s = 0.01};
+      for (std::uint32_t first = 0; first < next.size(); first += ShapePart::kMostHere) {
+        request.part = make_shape_part(next, first);
+        shaper_.accept(request, now_ns_);
+      }
+      request.object = {"nothing"};
+      shaper_.accept(request, now_ns_);
+      shaper_.accept(ShapeStatus{.source = 42, .serial = force_.shape_serial});
+      allocations += guard.count();
+    }
+    while (shaper_.work()) {
+    }
+  }
+  EXPECT_EQ(allocations, 0U);
+  EXPECT_GT(step_.counts().shapes_taken, 20U);
+}
+
+}  // namespace
+}  // namespace hapton

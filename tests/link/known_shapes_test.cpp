@@ -1,0 +1,150 @@
+#include "link/known_shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace hapton {
+namespace {
+
+constexpr std::uint32_t kTotal = 100;  // two parts
+constexpr std::size_t kSkin = 1;       // the object
+constexpr std::int64_t kMs = 1'000'000;
+
+// All vertices are displaced by its serial, in mm.
+ObjectShape part_of(std::uint32_t serial, std::uint32_t first, std::uint32_t source = 5) {
+  ObjectShape shape{.source = source, .serial = serial, .object = kSkin, .part = {.total = kTotal, .first = first}};
+  shape.part.displacements_m.fill({1e-3F * static_cast<float>(serial), 0.0F, 0.0F});
+  return shape;
+}
+ShapeStart start_of(std::uint32_t serial, std::uint32_t before, std::int64_t start_ns, std::int64_t end_ns, std::uint32_t source = 5) {
+  return {.source = source, .serial = serial, .before = before, .object = kSkin, .total = kTotal, .start_ns = start_ns, .end_ns = end_ns};
+}
+
+class KnownShapesTest : public testing::Test {
+ protected:
+  void give(std::uint32_t serial, std::uint32_t source = 5) {
+    for (const std::uint32_t first : {0U, 64U}) known_.take(part_of(serial, first, source), Arrival::newest);
+  }
+  void begin(std::uint32_t serial, std::uint32_t before, std::int64_t start_ns, std::int64_t end_ns) {
+    known_.take(start_of(serial, before, start_ns, end_ns), Arrival::newest);
+  }
+  // In mm; -1: not known.
+  float displaced_mm(std::int64_t at_ns) const {
+    const auto place = known_.find(kSkin, at_ns);
+    if (!place) return -1.0F;
+    const auto all = known_.displacements_m(kSkin, *place);
+    EXPECT_EQ(all.size(), kTotal);
+    EXPECT_EQ(all.front(), all.back());
+    return 1e3F * all.front()[0];
+  }
+
+  KnownShapes known_{{0, kTotal}};
+};
+
+TEST_F(KnownShapesTest, AtRestUntilAShapeIsAnnounced) {
+  EXPECT_EQ(displaced_mm(7), 0.0F);
+  give(1);
+  EXPECT_EQ(displaced_mm(7), 0.0F) << "its start has not come";
+  EXPECT_FALSE(known_.find(0, 7)) << "programs do not deform that object";
+}
+
+TEST_F(KnownShapesTest, MovesStraightFromShapeToShape) {
+  give(1);
+  begin(1, 0, 100 * kMs, 200 * kMs);
+  give(3);
+  begin(3, 1, 300 * kMs, 400 * kMs);
+  EXPECT_EQ(displaced_mm(50 * kMs), 0.0F);
+  EXPECT_FLOAT_EQ(displaced_mm(150 * kMs), 0.5F);
+  EXPECT_FLOAT_EQ(displaced_mm(250 * kMs), 1.0F) << "stays there";
+  EXPECT_FLOAT_EQ(displaced_mm(350 * kMs), 2.0F);
+  EXPECT_FLOAT_EQ(displaced_mm(900 * kMs), 3.0F);
+  EXPECT_FLOAT_EQ(displaced_mm(150 * kMs), 0.5F) << "an earlier sample";
+}
+
+// A motion that takes no time.
+TEST_F(KnownShapesTest, AShapeMayBeThereAtOnce) {
+  give(1);
+  begin(1, 0, 100 * kMs, 100 * kMs);
+  EXPECT_EQ(displaced_mm(100 * kMs), 0.0F);
+  EXPECT_FLOAT_EQ(displaced_mm(100 * kMs + 1), 1.0F);
+}
+
+TEST_F(KnownShapesTest, WhatCameInAnotherOrderIsTheSame) {
+  begin(3, 1, 300 * kMs, 400 * kMs);
+  give(3);
+  begin(1, 0, 100 * kMs, 200 * kMs);
+  give(1);
+  EXPECT_FLOAT_EQ(displaced_mm(150 * kMs), 0.5F);
+  EXPECT_FLOAT_EQ(displaced_mm(350 * kMs), 2.0F);
+}
+
+// Who joins late knows only the newest shape, and which one.
+TEST_F(KnownShapesTest, AMissingShapeIsRequestedAndThenShown) {
+  begin(9, 8, 100 * kMs, 200 * kMs);
+  EXPECT_EQ(displaced_mm(150 * kMs), -1.0F);
+  EXPECT_FALSE(known_.take_request(0)) << "it may be on its way";
+  EXPECT_FALSE(known_.take_request(59 * kMs));
+  const auto request = known_.take_request(60 * kMs);
+  ASSERT_TRUE(request);
+  EXPECT_EQ(request->source, 5U);
+  EXPECT_EQ(request->serial, 9U);
+  EXPECT_EQ(request->object, static_cast<std::int32_t>(kSkin));
+  EXPECT_EQ(request->first, 0U);
+  EXPECT_FALSE(known_.take_request(61 * kMs)) << "not without pause";
+  known_.take(part_of(9, 0), Arrival::newest);
+  const auto rest = known_.take_request(400 * kMs);
+  ASSERT_TRUE(rest);
+  EXPECT_EQ(rest->first, 64U);
+  known_.take(part_of(9, 64), Arrival::newest);
+  EXPECT_FALSE(known_.take_request(900 * kMs));
+  EXPECT_FLOAT_EQ(displaced_mm(150 * kMs), 9.0F) << "there, although the way is not known";
+}
+
+TEST_F(KnownShapesTest, ALostShapeIsLeftOut) {
+  give(1);
+  begin(1, 0, 100 * kMs, 200 * kMs);
+  begin(2, 1, 200 * kMs, 300 * kMs);
+  EXPECT_FLOAT_EQ(displaced_mm(250 * kMs), 1.0F);
+  give(3);
+  begin(3, 2, 300 * kMs, 400 * kMs);
+  EXPECT_FLOAT_EQ(displaced_mm(350 * kMs), 3.0F);
+}
+
+TEST_F(KnownShapesTest, AnotherProcessBeginsAtRest) {
+  give(1);
+  begin(1, 0, 100 * kMs, 200 * kMs);
+  known_.take(ShapeStart{.source = 7, .object = kSkin, .total = kTotal}, Arrival::newest);
+  EXPECT_EQ(displaced_mm(900 * kMs), 0.0F);
+  known_.take(start_of(2, 1, 100 * kMs, 200 * kMs, 5), Arrival::reordered);
+  EXPECT_EQ(displaced_mm(900 * kMs), 0.0F) << "of the process that was replaced";
+}
+
+TEST_F(KnownShapesTest, OfAnotherSceneIsLeftOut) {
+  ShapeStart start = start_of(1, 0, 1, 2);
+  for (const std::int32_t object : {0, 2, -1}) {
+    start.object = object;
+    known_.take(start, Arrival::newest);
+  }
+  start.object = kSkin;
+  start.total = kTotal + 1;
+  known_.take(start, Arrival::newest);
+  ObjectShape shape = part_of(1, 0);
+  shape.object = 0;
+  known_.take(shape, Arrival::newest);
+  EXPECT_EQ(displaced_mm(900 * kMs), 0.0F);
+  EXPECT_FALSE(known_.take_request(900 * kMs));
+}
+
+// However many shapes come, as many are kept as a picture needs.
+TEST_F(KnownShapesTest, ThousandsOfShapesKeepTheNewest) {
+  for (std::uint32_t serial = 1; serial < 5000; ++serial) {
+    give(serial);
+    begin(serial, serial - 1, 10 * kMs * serial, 10 * kMs * (serial + 1));
+  }
+  EXPECT_FLOAT_EQ(displaced_mm(10 * kMs * 5001), 4999.0F);
+  EXPECT_FLOAT_EQ(displaced_mm(10 * kMs * 4998 + 5 * kMs), 4997.5F) << "a sample ago";
+}
+
+}  // namespace
+}  // namespace hapton

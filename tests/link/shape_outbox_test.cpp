@@ -1,0 +1,137 @@
+#include "link/shape_outbox.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "link/hub_peers.h"
+#include "link/memory_endpoint.h"
+#include "link/shape_parts.h"
+#include "tests/support/time_units.h"
+
+namespace hapton {
+namespace {
+
+using Displacements = std::vector<ShapePart::Displacement>;
+
+class ShapeOutboxTest : public testing::Test {
+ protected:
+  ShapeOutboxTest() {
+    for (int n = 0; n < 50 && client_.state() != JoinState::joined; ++n) turn();
+  }
+  // A millisecond: what is due is sent, and the hub receives it.
+  void turn() {
+    Datagram datagram;
+    outbox_.send(client_, clock_.now_ns());
+    while (client_.receive(datagram, clock_.now_ns())) outbox_.take(datagram.message);
+    const std::int64_t end_ns = clock_.now_ns() + kMs;
+    while (clock_.now_ns() < end_ns) {
+      if (hub_.receive(datagram, end_ns).kind != PeerEvent::Kind::message) continue;
+      if (const auto* part = std::get_if<ShapeRequest>(&datagram.message)) parts_.push_back(*part);
+    }
+  }
+  void reply(ShapeReply reply) {
+    hub_.send_to_role(NodeRole::tool, reply);
+    turn();
+    turn();
+  }
+
+  SimulatedClock clock_;
+  MemoryNetwork network_{clock_};
+  std::unique_ptr<Endpoint> hub_endpoint_ = *network_.open(memory_address(1, 4950));
+  std::unique_ptr<Endpoint> endpoint_ = *network_.open(memory_address(2, 0));
+  HubPeers hub_{*hub_endpoint_, clock_, 1, 1000.0};
+  HubClient client_{*endpoint_, clock_, NodeRole::tool, memory_address(1, 4950)};
+  ShapeOutbox outbox_;
+  std::vector<ShapeRequest> parts_;
+};
+
+TEST_F(ShapeOutboxTest, SendsAShapeInPartsAFewAtATime) {
+  Displacements shape(1000);
+  for (std::size_t v = 0; v < shape.size(); ++v) shape[v] = {static_cast<float>(v), 0, 0};
+  const auto number = outbox_.give("skin", shape, 0.03);
+  ASSERT_TRUE(number);
+  turn();
+  EXPECT_EQ(parts_.size(), ShapeOutbox::kPartsAtOnce);
+  for (int n = 0; n < 10; ++n) turn();
+  ASSERT_EQ(parts_.size(), 16U) << "each once";
+  ShapeParts whole(1000);
+  for (const ShapeRequest& part : parts_) {
+    EXPECT_STREQ(part.object.data(), "skin");
+    EXPECT_EQ(part.shape, *number);
+    EXPECT_EQ(part.stream, parts_[0].stream);
+    EXPECT_EQ(part.over_s, 0.03);
+    whole.add(part.part);
+  }
+  ASSERT_TRUE(whole.is_whole());
+  EXPECT_TRUE(std::equal(shape.begin(), shape.end(), whole.displacements_m().begin()));
+  EXPECT_TRUE(outbox_.is_empty());
+}
+
+TEST_F(ShapeOutboxTest, OfThoseThatWaitTheNewestIsSent) {
+  const Displacements shape(640);  // ten parts
+  ASSERT_TRUE(outbox_.give("skin", shape, 0.0));
+  turn();  // it has begun
+  for (int n = 0; n < 5; ++n) ASSERT_TRUE(outbox_.give("skin", shape, 0.0));
+  ASSERT_TRUE(outbox_.give("#3", shape, 0.0)) << "another object";
+  for (int n = 0; n < 20; ++n) turn();
+  ASSERT_EQ(parts_.size(), 30U);
+  EXPECT_EQ(parts_[9].shape, 1U);
+  EXPECT_EQ(parts_[10].shape, 6U);
+  EXPECT_EQ(parts_[20].shape, 7U);
+  EXPECT_EQ(parts_[20].number, 3);
+}
+
+TEST_F(ShapeOutboxTest, WhatIsNeededIsSentUntilItsReplyComes) {
+  const auto number = outbox_.give("skin", Displacements(100), 0.0, true);
+  ASSERT_TRUE(number);
+  for (int n = 0; n < 1000; ++n) turn();
+  EXPECT_GE(parts_.size(), 6U);
+  EXPECT_LE(parts_.size(), 8U);
+  EXPECT_FALSE(outbox_.is_empty());
+  reply({.stream = parts_[0].stream + 2, .shape = *number, .over_s = 9.0});
+  EXPECT_FALSE(outbox_.find_reply(*number)) << "to another program";
+  reply({.stream = parts_[0].stream, .shape = *number, .over_s = 0.125});
+  EXPECT_TRUE(outbox_.is_empty());
+  EXPECT_EQ(*outbox_.wait_for(*number, 0.0), 0.125);
+  const auto other = outbox_.wait_for(*number + 1, 0.0);
+  ASSERT_FALSE(other);
+  EXPECT_NE(other.error().what.find("no reply"), std::string::npos);
+}
+
+TEST_F(ShapeOutboxTest, ARejectionIsTheError) {
+  const auto number = outbox_.give("skin", Displacements(100), 0.0, true);
+  for (int n = 0; n < 5; ++n) turn();
+  ASSERT_FALSE(parts_.empty());
+  reply({.stream = parts_[0].stream, .shape = *number, .rejection = {"out of reach"}});
+  const auto took = outbox_.wait_for(*number, 0.0);
+  ASSERT_FALSE(took);
+  EXPECT_NE(took.error().what.find("out of reach"), std::string::npos);
+}
+
+TEST_F(ShapeOutboxTest, WhatNoShapeMayHaveIsOneLine) {
+  const auto expect_rejected = [&](const std::string& object, const Displacements& shape, double over_s) {
+    const auto given = outbox_.give(object, shape, over_s);
+    ASSERT_FALSE(given) << object;
+    EXPECT_EQ(given.error().what.find('\n'), std::string::npos);
+  };
+  const Displacements good(10);
+  for (const std::string& object :
+       {std::string(), std::string("#"), std::string("#-1"), std::string("#1x"), std::string("a\nb"), std::string(256, 'x')}) {
+    expect_rejected(object, good, 0.0);
+  }
+  expect_rejected("skin", {}, 0.0);
+  expect_rejected("skin", Displacements(ShapePart::kMostVertices + 1), 0.0);
+  for (const double over_s : {-1.0, 86'401.0, std::numeric_limits<double>::quiet_NaN()}) expect_rejected("skin", good, over_s);
+  for (const float x : {std::numeric_limits<float>::quiet_NaN(), 2e9F}) {
+    Displacements bad = good;
+    bad[9][2] = x;
+    expect_rejected("skin", bad, 0.0);
+  }
+  EXPECT_TRUE(outbox_.is_empty());
+}
+
+}  // namespace
+}  // namespace hapton
