@@ -34,6 +34,9 @@ struct ServoEvent {
     out_of_reach,          // the device cannot touch the scene
     too_small,             // ... nor find it
     in_reach,              // ... can, after it could not
+    parts_requested,       // of the scene, for the force to be computed here
+    force_from_parts,      // ... is computed here
+    force_from_haptics,    // ... by the haptics node again
     role_violation,        // a node requested a role, or sent a message, that its key does not allow
   };
   Kind kind = Kind::joined;
@@ -45,6 +48,7 @@ struct ServoEvent {
   Rejection flood = Rejection::malformed;  // of flood: its kind
   bool is_from_several = false;            // of flood: from other addresses, too
   bool is_kept_out = false;                // of flood: most of it in the kernel
+  double round_trip_s = -1.0;              // of parts_requested and force_from_haptics; below 0: not known
 };
 
 // From the servo loop to a thread without deadlines. A full ring drops new events and counts them. RT: push yes, wait-free. Threads: one

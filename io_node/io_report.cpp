@@ -220,7 +220,7 @@ void add_setup(LatencyReport& report, const HapticsSetup& setup) {
   report.notes["scene_fitted"] = (setup.scene_loading & 4U) != 0 ? "yes" : "no";
 }
 
-const char* describe_status(ProbeStatus status) {
+std::string describe_status(ProbeStatus status) {
   switch (status) {
     case ProbeStatus::ok:
       break;
@@ -240,6 +240,13 @@ const char* describe_status(ProbeStatus status) {
       return "the stylus has been inside a body since haptics_node started: that body gives no force, or holds the stylus inside";
   }
   return "ok";
+}
+
+// A haptics node that replies too late is there, and another remedy helps.
+std::string describe_status(const ServoStats& stats) {
+  if (stats.status != ProbeStatus::no_haptics || !stats.are_replies_late()) return describe_status(stats.status);
+  return fmt::format("no force: replies of haptics_node take {:.0f} ms, and a force lasts {} ms; shorten the way, or see docs/remote.md",
+                     1e3 * stats.newest_round_trip_s, kCommandTimeoutNs / 1'000'000);
 }
 
 void add_ratio(LatencyReport& report, const ServoStats& stats, const char* name, double fraction) {
@@ -315,7 +322,7 @@ LatencyReport make_io_report(const ServoStats& stats, const IoOptions& options, 
     report.notes["haptics_clock_error_ns"] = std::to_string(stats.hops.clock_error_ns);
   }
   add_setup(report, stats.setup);
-  report.notes["status_now"] = describe_status(stats.status);
+  report.notes["status_now"] = describe_status(stats);
   report.notes["touched_object"] = stats.touched_object < 0 ? "none" : std::to_string(stats.touched_object);
   if (stats.reach == SceneReach::out_of_reach) report.notes["reach"] = describe_status(ProbeStatus::out_of_reach);
   if (stats.reach == SceneReach::too_small) report.notes["reach"] = describe_status(ProbeStatus::too_small);
@@ -336,6 +343,8 @@ std::string describe_run(const ServoStats& s, const SchedulingStats& scheduling)
   std::string text = fmt::format("{:.1f} s, {} samples ({:.0f} Hz), {} forces, {} in contact, maximum {:.2f} N{}\n", s.seconds(), s.samples,
                                  per_second(s.samples, s), s.forces, s.contact_samples, s.max_force_n,
                                  s.max_torque_nm > 0.0 ? fmt::format(", {:.4f} Nm", s.max_torque_nm) : std::string());
+  // They are in none of these numbers but the maximum.
+  if (s.local_forces > 0) text += fmt::format("and {} forces computed here, from parts of the scene (docs/remote.md)\n", s.local_forces);
   text += fmt::format("late {}, lost {}, superseded {}, reordered {}, missed cycles {}, command timeouts {}, clamped {}, rate-limited {}\n",
                       s.responses.late, s.responses.lost, s.responses.superseded, s.responses.reordered, s.missed_cycles,
                       s.governor.counters.command_timeouts, s.governor.counters.clamped, s.governor.counters.slewed);

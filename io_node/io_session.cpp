@@ -31,6 +31,11 @@ std::string name_plugin(const IoOptions& options) {
   return name.starts_with(kPluginDevice) ? fmt::format(" (device {})", name) : std::string();
 }
 
+// What the choice of --touch goes by.
+std::string describe_round_trip(double seconds) {
+  return seconds > 0.0 ? fmt::format("touch, round trip {:.1f} ms", 1e3 * seconds) : "touch, round trip not known yet";
+}
+
 std::string describe(const ServoEvent& event, const IoOptions& options) {
   switch (event.kind) {
     case ServoEvent::Kind::joined:
@@ -80,6 +85,13 @@ std::string describe(const ServoEvent& event, const IoOptions& options) {
              "--no-fit";
     case ServoEvent::Kind::too_small:
       return "the scene is far too small for the device's workspace: give its --unit, scale it in a scene file, or leave out --no-fit";
+    case ServoEvent::Kind::parts_requested:
+      return fmt::format("{}: requesting the scene in parts, to compute the force here (docs/remote.md)",
+                         describe_round_trip(event.round_trip_s));
+    case ServoEvent::Kind::force_from_parts:
+      return "touch: the force is computed here, from parts of the scene";
+    case ServoEvent::Kind::force_from_haptics:
+      return fmt::format("{}: the force comes from haptics_node again", describe_round_trip(event.round_trip_s));
     case ServoEvent::Kind::in_reach:
       return "the scene is within the device's reach";
     case ServoEvent::Kind::away:

@@ -42,6 +42,8 @@ class PatchLink {
   void look_after(ForceExchange& forces, const std::optional<ViewTransform>& view, std::int64_t now_ns) noexcept;
 
   bool is_wanted() const noexcept { return state_ != State::remote; }
+  // The median by which that was chosen; below 0: not known.
+  double round_trip_s() const noexcept { return round_trip_s_; }
   const PatchBuilderCounts& builder_counts() noexcept { return builder_.counts(); }
   const PatchTouch::Counts& touch_counts() noexcept { return local_.counts(); }
 

@@ -106,7 +106,10 @@ void Servo::await_force(std::int64_t deadline_ns) noexcept {
 void Servo::do_housekeeping() noexcept {
   const std::int64_t now_ns = clock_.now_ns();
   forces_.settle(now_ns);
-  if (patches_ != nullptr) patches_->look_after(forces_, view_.view(), now_ns);
+  if (patches_ != nullptr) {
+    patches_->look_after(forces_, view_.view(), now_ns);
+    touch_notices_.check(*patches_, forces_.is_local(), peers_.has_haptics(), [this](const ServoEvent& event) { events_.push(event); });
+  }
   stats_.status = find_probe_status(loop_.latest(), peers_.has_haptics(), scene_.reach(), scene_.is_hand_inside());
   if (peers_.count(NodeRole::vision) > 0) {
     vision_.send(forces_.history(), loop_.latest(), cycle_, view_.revision_in_use(forces_.history()), stats_.status, now_ns);
@@ -117,6 +120,7 @@ void Servo::do_housekeeping() noexcept {
   if (!forces_.is_local()) loop_reporter_.send_if_due(rate_hz(), now_ns);
   if (now_ns >= next_statistics_ns_) {
     next_statistics_ns_ = now_ns + kStatisticsNs;
+    stats_.newest_round_trip_s = peers_.has_haptics() ? forces_.find_round_trip_s() : -1.0;
     vision_.refresh_statistics(cycle_.number, now_ns);
     peer_notices_.check(now_ns);
   }

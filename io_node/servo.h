@@ -24,6 +24,7 @@
 #include "io_node/servo_stats.h"
 #include "io_node/servo_tap.h"
 #include "io_node/stats_publisher.h"
+#include "io_node/touch_notices.h"
 #include "io_node/view_relay.h"
 #include "io_node/vision_feed.h"
 #include "io_node/vrpn/vrpn_feed.h"
@@ -139,6 +140,7 @@ class Servo final : private PeerEventHandler {
   MarkerLog markers_;
   CarveCollector carves_;
   PeerNotices peer_notices_;
+  TouchNotices touch_notices_;
   SafetyNotices safety_;
   StatsPublisher publisher_;
 

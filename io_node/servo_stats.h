@@ -14,6 +14,7 @@
 #include "link/session_entry.h"
 #include "runtime/latency_histogram.h"
 #include "safety/safety_governor.h"
+#include "safety/safety_limits.h"
 
 namespace hapton {
 
@@ -82,12 +83,15 @@ struct ServoStats {
   std::array<PeerStats, HubPeers::kCapacity> peers = {};
   DeviceStatus device_status = DeviceStatus::ready;
   ProbeStatus status = ProbeStatus::ok;  // as shown in the picture
+  double newest_round_trip_s = -1.0;     // median of the newest replies of the haptics node that has joined; below 0: not known
   SceneReach reach = SceneReach::unknown;
   std::int32_t touched_object = -1;  // now, of the scene's; -1: none
   HapticsSetup setup;                // last reported; its hash is 0 if there was none
   DeviceCondition device;
 
   double seconds() const { return 1e-9 * static_cast<double>(end_ns - start_ns); }
+  // Replies come, but after the time for which a force is used.
+  bool are_replies_late() const { return newest_round_trip_s > 1e-9 * static_cast<double>(kCommandTimeoutNs); }
 };
 
 // The device side's part of it.

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "runtime/atomic_file.h"
+#include "runtime/earlier_file.h"
 #include "runtime/log.h"
 #include "runtime/start_thread.h"
 
@@ -164,6 +165,10 @@ Result<void> SessionRecorder::start() {
     }
   }
   if (!options_.record.empty()) {
+    // Recordings cannot be made again: whoever starts twice with the same flags has both.
+    const auto kept = keep_earlier_file(options_.record);
+    if (!kept) return tl::unexpected(kept.error());
+    if (!kept->empty()) log_warning("{}: an earlier file of this name is kept as {}", options_.record.string(), kept->string());
     file_.reset(open_file_for(options_.record, FileReaders::owner));
     if (!file_) return fail("{}: the session cannot be recorded there: {}", options_.record.string(), std::strerror(errno));
     unwritten_ = kSessionMagic;
@@ -211,7 +216,7 @@ void SessionRecorder::collect() {
     entry.kind = SessionEntry::Kind::dropped;
     entry.time_ns = newest_ns_;
     entry.dropped = dropped - dropped_reported_;
-    if (file_) codec_.append(entry, unwritten_);
+    append(entry);
     counts_.dropped = dropped_reported_ = dropped;
   }
   write_entries(false);
@@ -225,17 +230,25 @@ void SessionRecorder::take(const SessionEntry& entry) {
     if (sample > newest_sample_ + 1) counts_.lost_samples += sample - newest_sample_ - 1;
     newest_sample_ = std::max(newest_sample_, sample);
   }
-  if (file_) codec_.append(entry, unwritten_);
+  append(entry);
   if (unwritten_.size() >= kWriteBytes) write_entries(false);
   if (entry.kind == SessionEntry::Kind::fault && !options_.flight_folder.empty()) plan_flight(entry);
+}
+
+void SessionRecorder::append(const SessionEntry& entry) {
+  if (!file_) return;
+  codec_.append(entry, unwritten_);
+  ++unwritten_entries_;
 }
 
 // If a recording cannot be written, it is ended, and the session continues without it.
 void SessionRecorder::write_entries(bool all) {
   if (!file_ || (!all && unwritten_.size() < kWriteBytes)) return;
-  const bool good =
-      std::fwrite(unwritten_.data(), 1, unwritten_.size(), file_.get()) == unwritten_.size() && (!all || std::fflush(file_.get()) == 0);
+  // Flushed, so that what counts as written is in the file.
+  const bool good = std::fwrite(unwritten_.data(), 1, unwritten_.size(), file_.get()) == unwritten_.size() && std::fflush(file_.get()) == 0;
   counts_.file_bytes += good ? unwritten_.size() : 0;
+  counts_.file_entries += good ? unwritten_entries_ : 0;
+  unwritten_entries_ = 0;
   unwritten_.clear();
   if (good) return;
   written_ = fail("{}: recording stopped: {}", options_.record.string(), std::strerror(errno));

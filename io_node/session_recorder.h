@@ -44,6 +44,7 @@ class SessionRecorder final : public ServoTap {
     std::uint64_t entries = 0;  // that reached the writing thread
     std::uint64_t dropped = 0;
     std::uint64_t lost_samples = 0;  // of the device, without their cycle here
+    std::uint64_t file_entries = 0;  // at least this many are whole in the recording: all, or those before its disk was full
     std::uint64_t file_bytes = 0;
     int flights = 0;
     int flights_left_out = 0;  // faults with no record of their own, because of the limits above
@@ -53,7 +54,8 @@ class SessionRecorder final : public ServoTap {
   SessionRecorder(Options options, SessionHeader header, const Clock& clock);
   ~SessionRecorder() override;
 
-  // Opens the file and starts the thread. Error: the file or the flight folder cannot be written.
+  // Opens the file and starts the thread. A file of the same name that is there is kept under another one (runtime/earlier_file.h), which
+  // the log says. Error: the file or the flight folder cannot be written.
   Result<void> start();
   // Writes what there is and ends the thread. Error: the file could not be written to its end.
   Result<void> stop();
@@ -81,6 +83,7 @@ class SessionRecorder final : public ServoTap {
   void run();
   void collect();
   void take(const SessionEntry& entry);
+  void append(const SessionEntry& entry);
   void write_entries(bool all);
   void plan_flight(const SessionEntry& fault);
   void write_flight();
@@ -94,6 +97,7 @@ class SessionRecorder final : public ServoTap {
   SessionCodec codec_;
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
   std::string unwritten_;
+  std::uint64_t unwritten_entries_ = 0;
   std::vector<std::byte> drained_;
   std::deque<Block> window_;
   std::int64_t newest_ns_ = 0;

@@ -50,8 +50,11 @@ void VisionFeed::refresh_statistics(std::uint64_t newest_sample, std::int64_t no
   if (passed_s > 0.0) probe_.servo_rate_hz = static_cast<float>(static_cast<double>(newest_sample - statistics_samples_) / passed_s);
   statistics_since_ns_ = now_ns;
   statistics_samples_ = newest_sample;
-  probe_.round_trip_p50_us = static_cast<float>(1e-3 * stats_.round_trip.quantile_ns(0.5));
-  probe_.round_trip_p99_us = static_cast<float>(1e-3 * stats_.round_trip.quantile_ns(0.99));
+  const bool has_haptics = peers_.has_haptics();
+  probe_.round_trip_p50_us = has_haptics ? static_cast<float>(1e-3 * stats_.round_trip.quantile_ns(0.5)) : 0.0F;
+  probe_.round_trip_p99_us = has_haptics ? static_cast<float>(1e-3 * stats_.round_trip.quantile_ns(0.99)) : 0.0F;
+  // Then it is the reason why there is no force, and the good time before does not count.
+  if (has_haptics && stats_.are_replies_late()) probe_.round_trip_p50_us = static_cast<float>(1e6 * stats_.newest_round_trip_s);
 }
 
 }  // namespace hapton

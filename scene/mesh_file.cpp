@@ -155,8 +155,10 @@ Result<TriangleMesh> extract_part(const MeshFile& file, const std::string& name,
   if (!mesh.triangles.empty()) return mesh;
   std::string names;
   for (const MeshPart& part : file.parts) {
+    if (full_name(part).empty()) continue;
     if (names.size() < 200) names += (names.empty() ? "'" : ", '") + full_name(part) + "'";
   }
+  if (names.empty()) return fail("has no part '{}': none of its parts has a name; leave 'part' out", name);
   return fail("has no part '{}': it has {}", name, names);
 }
 

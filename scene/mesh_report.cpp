@@ -92,6 +92,18 @@ Result<MeshReport> make_mesh_report(const std::filesystem::path& path, std::opti
   return report;
 }
 
+namespace {
+
+// A surface without a boundary is not closed either where these are; sealing leaves them as they are.
+std::string describe_bad_edges(const MeshTopology& t) {
+  std::string text;
+  if (t.nonmanifold_edges > 0) text += fmt::format("; {} non-manifold edges", t.nonmanifold_edges);
+  if (t.inconsistent_edges > 0) text += fmt::format("; {} inconsistent edges", t.inconsistent_edges);
+  return text;
+}
+
+}  // namespace
+
 std::string to_text(const MeshReport& report) {
   const MeshTopology& t = report.flaws.topology;
   const Vec3 size = t.highest - t.lowest;
@@ -129,8 +141,9 @@ std::string to_text(const MeshReport& report) {
     line("", "{:>9} triangles  {}", part.triangle_count, part.name.empty() ? "(no name)" : full_name(part));
   for (const HapticMaterial* material : haptic_materials_of(report.file)) line("haptic material", "{}", describe(*material));
   line("for touch", "{}", report.sealed.boundary_edges == 0 ? "nothing to seal" : report.sealed.describe());
-  line("closed for touch", "{} ({} boundary edges: {} open, {} of cracks)", report.is_closed_for_touch ? "yes" : "no",
-       report.left.open + report.left.cracks, report.left.open, report.left.cracks);
+  line("closed for touch", "{} ({} boundary edges: {} open, {} of cracks{})", report.is_closed_for_touch ? "yes" : "no",
+       report.left.open + report.left.cracks, report.left.open, report.left.cracks,
+       report.is_closed_for_touch ? "" : describe_bad_edges(t));
   line("method smooth would", "{}", report.flaws.repair.describe());
   for (const std::string& note : report.file.notes) line("note", "{}", note);
   return text;

@@ -16,6 +16,7 @@
 #include "scene/material_reader.h"
 #include "scene/mesh_cache.h"
 #include "scene/mesh_file.h"
+#include "scene/misplaced_key.h"
 #include "scene/object_deformation.h"
 #include "scene/object_motion.h"
 #include "scene/object_reader.h"
@@ -121,6 +122,7 @@ Result<SceneSpec> read_spec(const toml::table& table) {
   std::array<double, 3> fit = {};
   reader.read("fit_m", fit, 1e-9, kMaxLengthM);
   if (reader.error()) return tl::unexpected(*reader.error());
+  if (const auto checked = find_misplaced_key(table); !checked) return tl::unexpected(checked.error());
   if (reader.has("fit_m")) spec.fit_m = Vec3(fit[0], fit[1], fit[2]);
   if (const auto read = read_materials(table, spec); !read) return tl::unexpected(read.error());
   std::vector<std::string_view> materials;

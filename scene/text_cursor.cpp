@@ -1,5 +1,6 @@
 #include "scene/text_cursor.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cstdlib>
 #include <cstring>
@@ -7,6 +8,25 @@
 
 namespace hapton {
 namespace {
+
+// Bytes of the character at the begin, in UTF-8 (RFC 3629). 0: none, or one that changes what stands beside it: controls, separators of
+// lines and paragraphs, directions of writing. Pre: not empty.
+std::size_t visible_length(std::string_view text) {
+  const auto byte = [&](std::size_t n) { return static_cast<unsigned char>(text[n]); };
+  if (byte(0) < 0x80) return byte(0) >= ' ' && byte(0) <= '~' ? 1 : 0;
+  const std::size_t length = byte(0) >= 0xF0 ? 4 : byte(0) >= 0xE0 ? 3 : byte(0) >= 0xC0 ? 2 : 0;
+  if (length == 0 || text.size() < length) return 0;
+  char32_t code = byte(0) & (0x7FU >> length);
+  for (std::size_t n = 1; n < length; ++n) {
+    if ((byte(n) & 0xC0U) != 0x80U) return 0;
+    code = code << 6U | (byte(n) & 0x3FU);
+  }
+  constexpr char32_t kLeast[] = {0, 0, 0xA0, 0x800, 0x10000};
+  if (code < kLeast[length] || code > 0x10FFFF || (code >= 0xD800 && code <= 0xDFFF)) return 0;
+  const bool is_obeyed = (code >= 0x200B && code <= 0x200F) || (code >= 0x2028 && code <= 0x202E) || (code >= 0x2060 && code <= 0x206F) ||
+                         code == 0x61C || code == 0xAD || code == 0xFEFF;
+  return is_obeyed ? 0 : length;
+}
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }
 
@@ -84,8 +104,13 @@ bool parse_integer(std::string_view word, std::int64_t& value) {
 std::string printable(std::string_view word) {
   constexpr std::size_t kLongest = 40;
   std::string shown;
-  for (const char c : word.substr(0, kLongest)) shown += c >= ' ' && c <= '~' ? c : '?';
-  return word.size() > kLongest ? shown + "..." : shown;
+  for (std::string_view left = word; !left.empty();) {
+    const std::size_t length = visible_length(left);
+    if (shown.size() + std::max<std::size_t>(length, 1) > kLongest) return shown + "...";
+    shown += length == 0 ? std::string_view("?") : left.substr(0, length);
+    left.remove_prefix(std::max<std::size_t>(length, 1));
+  }
+  return shown;
 }
 
 }  // namespace hapton

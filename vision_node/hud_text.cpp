@@ -11,6 +11,8 @@ namespace hapton {
 
 namespace {
 
+constexpr float kForceLifetimeUs = 20'000.0F;  // kCommandTimeoutNs of io_node's governor
+
 // Where no force can be, "free, 0.00 N" would say that all is well.
 bool is_without_force(ProbeStatus status) {
   return status != ProbeStatus::ok && status != ProbeStatus::out_of_reach && status != ProbeStatus::too_small &&
@@ -40,6 +42,11 @@ std::string force_text(const HudFacts& facts) {
   // It has joined the hub, but does not reply yet.
   if ((s.status == ProbeStatus::no_haptics || s.status == ProbeStatus::ok) && facts.preparing_s > 0.0) {
     return fmt::format("NO FORCE YET: haptics_node prepares the scene, {:.0f} s", facts.preparing_s);
+  }
+  // It replies, but too late.
+  if (s.status == ProbeStatus::no_haptics && s.round_trip_p50_us > kForceLifetimeUs) {
+    return fmt::format("NO FORCE: replies of haptics_node take {:.0f} ms, a force lasts {:.0f} ms", 1e-3F * s.round_trip_p50_us,
+                       1e-3F * kForceLifetimeUs);
   }
   if (is_without_force(s.status)) return std::string(describe(s.status));
   const std::string contact = !facts.held.empty()     ? "holding " + facts.held + (s.contact ? ", in contact" : "")

@@ -24,7 +24,7 @@ struct Settings {
   double slack_ms = 0.0;
   double give_up_s = 1e9;  // on a machine that stood still meanwhile, what is not begun by then is skipped
   std::string only;
-  std::string touch = "remote";  // of io_node --touch
+  std::string touch = "auto";  // of io_node --touch, whose default this is
 };
 
 // One attack or fault, and what became of the force. Times below 0: not measured.

@@ -19,7 +19,7 @@ class TestBed {
   static constexpr double kForceN = 0.3;
 
   // touch: of io_node --touch.
-  explicit TestBed(const std::string& touch = "remote");
+  explicit TestBed(const std::string& touch = "auto");
 
   // A line when something does not start or no force comes; "" when a force is out, from patches where io_node was told so.
   std::string await_contact();

@@ -278,6 +278,16 @@ TEST_F(IoReportNumbers, TheDevicesStateIsNamed) {
     stats->status = status;
     EXPECT_THAT(report().notes.at("status_now"), HasSubstr(part));
   }
+  stats->status = ProbeStatus::no_haptics;
+  stats->newest_round_trip_s = 0.019;
+  EXPECT_EQ(report().notes.at("status_now"), "no force: no haptics node answers");
+  stats->newest_round_trip_s = 0.0412;
+  EXPECT_EQ(report().notes.at("status_now"),
+            "no force: replies of haptics_node take 41 ms, and a force lasts 20 ms; shorten the way, or see docs/remote.md");
+  stats->status = ProbeStatus::fault_latched;
+  EXPECT_EQ(report().notes.at("status_now"), "no force: a fault is latched") << "that is to be fixed first";
+  stats->status = ProbeStatus::ok;
+  EXPECT_EQ(report().notes.at("status_now"), "ok") << "computed here";
   stats->touched_object = 0;
   EXPECT_EQ(report().notes.at("touched_object"), "0");
   stats->touched_object = -1;

@@ -76,6 +76,54 @@ TEST_F(PatchLinks, AutomaticGoesByTheRoundTrip) {
   EXPECT_FALSE(patch_statuses.back().second.is_wanted);
 }
 
+// Whoever runs the hub sees why the force is late or not, and since when.
+TEST_F(PatchLinks, TheLogHasOneLineForEachChangeOfTheSource) {
+  const auto take = [&] {
+    std::vector<std::pair<ServoEvent::Kind, double>> events;
+    for (ServoEvent event; servo->events().pop(event);) {
+      const bool is_of_touch = event.kind == ServoEvent::Kind::parts_requested || event.kind == ServoEvent::Kind::force_from_parts ||
+                               event.kind == ServoEvent::Kind::force_from_haptics;
+      if (is_of_touch) events.emplace_back(event.kind, event.round_trip_s);
+    }
+    return events;
+  };
+  start(TouchChoice::automatic);
+  run(2000);
+  EXPECT_TRUE(take().empty()) << "a fast network";
+  answer_delay_ns = 30 * kMs;
+  run(4000);
+  const auto slow = take();
+  ASSERT_EQ(slow.size(), 1U);
+  EXPECT_EQ(slow[0].first, ServoEvent::Kind::parts_requested);
+  EXPECT_NEAR(slow[0].second, 0.030, 0.003);
+  answer_delay_ns = 100 * kUs;
+  run(8000);
+  const auto fast = take();
+  ASSERT_EQ(fast.size(), 1U) << "no parts came, so the force was never computed here";
+  EXPECT_EQ(fast[0].first, ServoEvent::Kind::force_from_haptics);
+  EXPECT_LT(fast[0].second, TouchChooser::kFastS);
+}
+
+// The haptics node is there: whoever looks for it looks in the wrong place.
+TEST_F(PatchLinks, RepliesThatComeTooLateAreNamedAsTheReason) {
+  start(TouchChoice::remote);
+  run(2000);
+  EXPECT_FALSE(stats().are_replies_late());
+  answer_delay_ns = 40 * kMs;
+  run(2000);
+  EXPECT_EQ(stats().status, ProbeStatus::no_haptics);
+  EXPECT_TRUE(stats().are_replies_late());
+  EXPECT_NEAR(stats().newest_round_trip_s, 0.040, 0.003);
+  answer_delay_ns = 100 * kUs;
+  run(2000);
+  EXPECT_EQ(stats().status, ProbeStatus::ok);
+  EXPECT_FALSE(stats().are_replies_late());
+  answer_delay_ns = -1;
+  run(500);
+  EXPECT_EQ(stats().status, ProbeStatus::no_haptics);
+  EXPECT_FALSE(stats().are_replies_late()) << "it does not reply at all";
+}
+
 // Of a second, or of half of the time: a program's move, a recording and the network are as before.
 TEST_F(PatchLinks, ANetworkThatIsSlowForAMomentChangesNothing) {
   start(TouchChoice::automatic);

@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <csignal>
 #include <filesystem>
 #include <vector>
 
@@ -90,6 +93,7 @@ TEST_F(Recorders, WriteAllThatHappensInOrder) {
   EXPECT_EQ(entries[2].cycle.local->object, 2);
   EXPECT_EQ(entries[3].fault, SessionFault::clamped);
   EXPECT_EQ(recorder.counts().entries, 4U);
+  EXPECT_EQ(recorder.counts().file_entries, 4U);
   EXPECT_EQ(recorder.counts().file_bytes, std::filesystem::file_size(file));
 }
 
@@ -260,6 +264,62 @@ TEST_F(Recorders, ADefaultFolderIsMadeWhenThereIsSomethingToWrite) {
   recorder.on_fault(SessionFault::device, clock.now_ns());
   ASSERT_TRUE(recorder.stop());
   EXPECT_EQ(flight_files().size(), 1U);
+}
+
+// What is recorded cannot be made again.
+TEST_F(Recorders, KeepAnEarlierRecordingOfTheSameName) {
+  for (const std::uint64_t sample : {1U, 2U, 3U}) {
+    auto recorder = make({file, {}});
+    ASSERT_TRUE(recorder.start());
+    recorder.on_cycle({.sample = sample}, 1);
+    ASSERT_TRUE(recorder.stop());
+  }
+  EXPECT_EQ(read(scratch.path() / "session-1.hapton").at(0).cycle.sample, 1U);
+  EXPECT_EQ(read(scratch.path() / "session-2.hapton").at(0).cycle.sample, 2U);
+  EXPECT_EQ(read(file).at(0).cycle.sample, 3U);
+}
+
+// Two programs that were given the same file: neither recording is lost.
+TEST_F(Recorders, RecordOnIntoTheirOwnFileWhenAnotherTakesItsName) {
+  auto first = make({file, {}});
+  ASSERT_TRUE(first.start());
+  first.on_cycle({.sample = 1}, 1);
+  auto second = make({file, {}});
+  ASSERT_TRUE(second.start());
+  first.on_cycle({.sample = 2}, 2);
+  second.on_cycle({.sample = 7}, 2);
+  ASSERT_TRUE(first.stop());
+  ASSERT_TRUE(second.stop());
+  EXPECT_EQ(read(scratch.path() / "session-1.hapton").size(), 2U);
+  EXPECT_EQ(read(file).size(), 1U);
+}
+
+TEST_F(Recorders, CountOnlyWhatIsInTheFileWhenItCannotGrow) {
+  auto recorder = make({.record = file, .ring_bytes = SessionRecorder::kRecordRingBytes});
+  ASSERT_TRUE(recorder.start());
+  for (int n = 1; n <= 20'000; ++n) recorder.on_cycle({.sample = static_cast<std::uint64_t>(n)}, n);
+  // Files of this process end here, as on a full disk. Nothing else writes meanwhile.
+  constexpr rlim_t kMostBytes = 300'000;
+  rlimit before = {};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  const rlimit lower = {.rlim_cur = kMostBytes, .rlim_max = before.rlim_max};
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &lower), 0);
+  for (int n = 20'001; n <= 40'000; ++n) recorder.on_cycle({.sample = static_cast<std::uint64_t>(n)}, n);
+  const auto stopped = recorder.stop();
+  ::setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
+
+  EXPECT_FALSE(stopped);
+  auto reader = SessionReader::open(file);
+  ASSERT_TRUE(reader);
+  std::uint64_t readable = 0;
+  for (SessionEntry entry; reader->next(entry);) ++readable;
+  EXPECT_EQ(recorder.counts().entries + recorder.counts().dropped, 40'000U);
+  EXPECT_GT(recorder.counts().file_entries, 0U);
+  EXPECT_LE(recorder.counts().file_entries, readable);
+  EXPECT_LT(readable, 40'000U);
+  EXPECT_LE(recorder.counts().file_bytes, std::filesystem::file_size(file));
 }
 
 TEST_F(Recorders, AFullDiskEndsTheRecordingAndIsReported) {

@@ -115,6 +115,20 @@ TEST(MeshReport, DistinguishesDuplicatesFromDoubleFaces) {
   EXPECT_THAT(to_text(both_sides->flaws), Not(HasSubstr("duplicates")));
 }
 
+// "no (0 boundary edges)" alone would leave open why.
+TEST(MeshReport, SaysWhyASurfaceWithoutABoundaryIsNotClosed) {
+  const ScratchFolder scratch;
+  // A tetrahedron with one face the other way round: three edges whose triangles face opposite sides.
+  const auto flipped = make_mesh_report(
+      scratch.write("flipped.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 3 4\n"), std::nullopt);
+  ASSERT_TRUE(flipped) << flipped.error().what;
+  EXPECT_THAT(to_text(*flipped), HasSubstr("no (0 boundary edges: 0 open, 0 of cracks; 3 inconsistent edges)\n"));
+  const auto good =
+      make_mesh_report(scratch.write("good.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"), std::nullopt);
+  ASSERT_TRUE(good) << good.error().what;
+  EXPECT_THAT(to_text(*good), HasSubstr("yes (0 boundary edges: 0 open, 0 of cracks)\n"));
+}
+
 TEST(MeshReport, SaysThatABodyIsInsideOut) {
   const ScratchFolder folder;
   const std::string vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";

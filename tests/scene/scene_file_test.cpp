@@ -147,6 +147,20 @@ TEST_F(SceneFile, TakesAPlainMeshFile) {
   EXPECT_DOUBLE_EQ(scene->objects[0].mesh->corner(0, 1).x(), 0.0015);
 }
 
+// TOML gives what comes last to the last table.
+TEST_F(SceneFile, SaysWhereAKeyOfTheWholeSceneBelongs) {
+  const auto says_so = [](const char* line) {
+    return AllOf(HasSubstr(line), HasSubstr("'fit_m' is a key of the whole scene"), HasSubstr("above the first line that begins with ["));
+  };
+  const std::string object = "[[object]]\nmesh = 'a.obj'\n";
+  EXPECT_THAT(error_of(object + "fit_m = [1, 1, 1]\n"), says_so("line 3: "));
+  EXPECT_THAT(error_of(object + "[material.steel]\nstiffness_n_per_m = 500\nfit_m = [1, 1, 1]\n"), says_so("line 5: "));
+  EXPECT_THAT(error_of(object + "[camera]\nposition_m = [0, 0, 1]\nfit_m = [1, 1, 1]\n"), says_so("line 5: "));
+  EXPECT_TRUE(load("fit_m = [1, 1, 1]\n" + object));
+  EXPECT_TRUE(load(object + "material = 'fit_m'\n[material.fit_m]\nstiffness_n_per_m = 500\n")) << "a material of that name";
+  EXPECT_TRUE(load(object + "[[effect]]\ntype = 'plugin'\nlibrary = 'x.so'\nparameters = { fit_m = 3 }\n")) << "a parameter of that name";
+}
+
 TEST_F(SceneFile, HintsAtTheKeyThatWasMeant) {
   EXPECT_THAT(material_error("stifness_n_per_m = 1"), AllOf(HasSubstr("line 5"), HasSubstr("did you mean 'stiffness_n_per_m'?")));
   EXPECT_THAT(material_error("stiffness = 1"), HasSubstr("did you mean 'stiffness_n_per_m'?"));

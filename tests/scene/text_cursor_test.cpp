@@ -57,6 +57,29 @@ TEST(ParseInteger, TakesWholeWordsOnly) {
 TEST(Printable, IsShortAndPlain) {
   EXPECT_EQ(printable("a\nb\x1b\xff"), "a?b??");
   EXPECT_EQ(printable(std::string(100, 'x')), std::string(40, 'x') + "...");
+  EXPECT_EQ(printable(std::string(40, 'x')), std::string(40, 'x'));
+  EXPECT_EQ(printable(""), "");
+}
+
+TEST(Printable, ShowsTheLettersOfEveryLanguage) {
+  for (const char* name :
+       {"Geh\u00e4use", "\u00c5ngstr\u00f6m", "\u03c0\u03b1\u03c1\u03ac\u03b4\u03b5\u03b9\u03b3\u03bc\u03b1", "\u90e8\u54c1 \U0001F9E9"})
+    EXPECT_EQ(printable(name), name);
+  std::string umlauts;
+  for (int n = 0; n < 30; ++n) umlauts += "\u00e4";
+  EXPECT_EQ(printable(umlauts), umlauts.substr(0, 40) + "...") << "whole letters";
+  EXPECT_EQ(printable("x" + umlauts), ("x" + umlauts).substr(0, 39) + "...") << "whole letters";
+}
+
+TEST(Printable, ShowsNothingThatATerminalObeysOrThatIsNoUtf8) {
+  EXPECT_EQ(printable("a\xc2\x9b[2J"), "a??[2J") << "CSI in one character";
+  EXPECT_EQ(printable("a\u202ecod"), "a???cod") << "from right to left";
+  EXPECT_EQ(printable("a\u2028b\u200bc"), "a???b???c");
+  EXPECT_EQ(printable("\xc3"), "?") << "cut short";
+  EXPECT_EQ(printable("\xc3("), "?(");
+  EXPECT_EQ(printable("\xc1\xbf\xe0\x80\xaf"), "?????") << "longer than it need be";
+  EXPECT_EQ(printable("\xed\xa0\x80"), "???") << "half of a pair";
+  EXPECT_EQ(printable("\xf4\x90\x80\x80\xff"), "?????") << "beyond Unicode";
 }
 
 }  // namespace

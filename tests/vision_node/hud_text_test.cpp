@@ -135,6 +135,21 @@ TEST(Hud, SaysWhyThereIsNoForce) {
   EXPECT_NE(compose_hud(facts).find("free"), std::string::npos);
 }
 
+// Then haptics_node need not be looked for: the network is too slow.
+TEST(Hud, SaysThatRepliesComeTooLate) {
+  HudFacts facts;
+  facts.connected = true;
+  facts.state.status = ProbeStatus::no_haptics;
+  facts.state.round_trip_p50_us = 19'000.0F;
+  EXPECT_NE(compose_hud(facts).find("NO FORCE: no haptics_node answers"), std::string::npos);
+  facts.state.round_trip_p50_us = 41'200.0F;
+  EXPECT_NE(compose_hud(facts).find("NO FORCE: replies of haptics_node take 41 ms, a force lasts 20 ms"), std::string::npos)
+      << compose_hud(facts);
+  EXPECT_EQ(compose_hud(facts).find("no haptics_node answers"), std::string::npos);
+  facts.state.status = ProbeStatus::ok;
+  EXPECT_EQ(compose_hud(facts).find("NO FORCE"), std::string::npos) << "io_node computes it";
+}
+
 TEST(Hud, WarnsOfASceneOutOfReachOrDifferentFromTheHapticOne) {
   HudFacts facts;
   facts.connected = true;

@@ -49,7 +49,7 @@ std::span<const DemoStep> demo_steps() {
        .evaluate = evaluate_heavy},
       {.name = "a slow network",
        .look = "The network between the device and the forces has 4 ms of delay each way, 2 ms of jitter and 2 % of loss.\n"
-               "The force comes late, so a hard surface may vibrate. The safety governor damps that, and the motion stays bounded.",
+               "So io_node gets the parts of the scene around the hand and computes the force itself: the car is as hard as without it.",
        .scene = "scenes/car_front.toml",
        .relay = {"--delay-ms", fmt::format("{}", kDelayMs), "--jitter-ms", "2", "--loss", "0.02"},
        .make_path = rest_on_the_bonnet,

@@ -124,7 +124,8 @@ DemoVerdict evaluate_network(const DemoEvidence& evidence, double least_round_tr
   const double round_trip_ms = 1e-3 * hop_us(evidence.report, "round_trip", "p50_us");
   const double faults = json_number_of(evidence.report, "counters", "faults_latched");
   return make_verdict(contact, contact.is_mostly() && round_trip_ms >= least_round_trip_ms && faults == 0.0,
-                      fmt::format("; round trip {:.1f} ms (p50), {:.0f} cycles damped, {:.0f} faults", round_trip_ms,
+                      fmt::format("; round trip {:.1f} ms (p50), {:.0f} forces computed by io_node, {:.0f} cycles damped, {:.0f} faults",
+                                  round_trip_ms, json_number_of(evidence.report, "counters", "local_forces"),
                                   json_number_of(evidence.report, "counters", "energy_damped"), faults));
 }
 
