@@ -59,14 +59,48 @@ bool SphereFollower::find_cone(double moved) noexcept {
   if (!near_.covers(centre_, radius) && (!gather(Vec3::Zero()) || !near_.covers(centre_, radius))) return false;
   cone_.begin(apex);
   bool fits = true;
+  bool is_between = false;
   near_.visit_near(apex, apex, near, [&](int slot) {
     const ContactTriangle& shape = near_.shape(slot);
     if (!(shape.separation(apex).distance <= near) || !can_touch(near_.triangle(slot), shape, centre_)) return;
     fits = fits && cone_.add(shape, near);
+    const double above_plane = shape.normal().dot(centre_ - shape.corner(0));
+    is_between |= above_plane * shape.normal().dot(centre_ - apex) < 0.0;
     ++work_;
   });
-  has_cone_ = fits && cone_.find_boundary((centre_ - apex).normalized());
+  Vec3 beside = centre_;
+  fits = fits && (!is_between || find_beside(apex, beside));
+  has_cone_ = fits && cone_.find_boundary((beside - apex).normalized());
   return has_cone_;
+}
+
+// The cone has the planes of all faces go through the apex. A face beyond the apex, nearer than kThrough, then passes the centre, which
+// seems to be on its other side. Finds the nearest position that is on the same side of these planes as the centre is of the faces. It is
+// in the ball around the centre that no triangle reaches. False: there is none.
+bool SphereFollower::find_beside(const Vec3& apex, Vec3& beside) noexcept {
+  constexpr double kClear = 0x1p-4;  // offsets from a plane
+  constexpr int kMostFaces = 48;
+  const double near = kThrough * clearance_.offset;
+  std::array<ContactPlane, kMostFaces> planes;
+  int count = 0;
+  bool fits = true;
+  bool is_between = false;
+  near_.visit_near(apex, apex, near, [&](int slot) {
+    const ContactTriangle& shape = near_.shape(slot);
+    if (!(shape.separation(apex).distance <= near) || !can_touch(near_.triangle(slot), shape, centre_)) return;
+    ++work_;
+    const Separation at = shape.separation(centre_);
+    if (at.feature != Feature::face) return;
+    const double height = at.normal.dot(centre_ - apex);
+    is_between |= height < 0.0;
+    fits = fits && count < kMostFaces;
+    if (fits) planes[static_cast<std::size_t>(count++)] = {at.normal, kClear * clearance_.offset - height};
+  });
+  if (!fits || !is_between) return fits;
+  const ConstrainedMotion aside =
+      constrain_motion(Vec3::Zero(), std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(count)));
+  beside = centre_ + aside.motion;
+  return aside.solved && aside.motion.norm() < clearance_.offset;
 }
 
 // The least distance along an edge of the corner that makes the point come nearer to the device by kLeastBetter.

@@ -293,6 +293,7 @@ class SphereFollower {
   int find_rising(const OffsetContact& contact, int edge, const Vec3& direction) noexcept;
   bool find_apex(Vec3& apex) const noexcept;
   bool find_cone(double moved) noexcept;
+  bool find_beside(const Vec3& apex, Vec3& beside) noexcept;
   double least_corner_exit(const Vec3& pull) const noexcept;
   double time_to_corner_exit(const Vec3& from, const Vec3& to, double time) noexcept;
   bool is_in_wedge() noexcept;
