@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "core/force/contact_qp.h"
 #include "core/force/sphere/sphere_follower.h"
@@ -124,15 +125,21 @@ double SphereFollower::time_to_corner_exit(const Vec3& from, const Vec3& to, dou
   return soonest;
 }
 
-// In the steepest direction that has room: a slit between sheets that touch has none.
+// In the steepest direction that has room: a slit between sheets that touch has none. Where no direction on the boundary leads nearer, the
+// pull itself may be free: the sphere is in a fold of the corner, and the point at the apex is not.
 bool SphereFollower::leave_corner(const Vec3& device, const Vec3& motion) noexcept {
   constexpr int kMostDirections = 8;
   const Vec3 pull = device - cone_.apex();
   TangentCone::Steepest steepest = cone_.find_steepest(pull);
+  if (!(steepest.slope > least_corner_exit(pull))) return cone_.is_reentrant() && leave_fold(device, motion);
   for (int i = 0; i < kMostDirections && steepest.slope > least_corner_exit(pull); ++i) {
     for (const double wide : kWide) {
       const double radius = wide * clearance_.offset;
-      if (try_escape(device, motion, [&] { return pass_corner(steepest, radius); })) return true;
+      const auto pass = [&] {
+        const std::optional<Vec3> target = find_past_corner(steepest, radius);
+        return target && pass_corner(*target, radius);
+      };
+      if (try_escape(device, motion, pass)) return true;
       for (const bool ahead : {true, false}) {
         if (try_escape(device, motion, [&] { return fly_around_corner(steepest, radius, ahead); })) return true;
       }
@@ -140,6 +147,15 @@ bool SphereFollower::leave_corner(const Vec3& device, const Vec3& motion) noexce
     steepest = cone_.find_steepest(pull, steepest.slope);
   }
   return false;
+}
+
+// Straight along the pull, past the apex.
+bool SphereFollower::leave_fold(const Vec3& device, const Vec3& motion) noexcept {
+  const Vec3 towards = (device - cone_.apex()).normalized();
+  return cone_.contains(towards) && std::any_of(std::begin(kWide), std::end(kWide), [&](double wide) {
+           const double radius = wide * clearance_.offset;
+           return try_escape(device, motion, [&] { return pass_corner(cone_.apex() + radius * towards, radius); });
+         });
 }
 
 // Leaves a minimum in the steepest direction that leads to a nearer one. False, and nothing changed: no direction does, or work has run
@@ -179,17 +195,22 @@ bool SphereFollower::leave_by_flight(const Vec3& device, const Vec3& motion) noe
   return false;
 }
 
-// Moves the centre past the corner in one step, in the given direction, if all triangles near it go through the corner: the free space
-// there is a cone, and both positions are in the same connected part of it, because both are beside the boundary of that part.
-bool SphereFollower::pass_corner(const TangentCone::Steepest& to, double wide) noexcept {
-  const Vec3& apex = cone_.apex();
+// A position that far from the corner, in that direction and off the boundary. None: the boundary is too narrow there.
+std::optional<Vec3> SphereFollower::find_past_corner(const TangentCone::Steepest& to, double wide) const noexcept {
   const TangentCone::Piece& piece = cone_.boundary()[static_cast<std::size_t>(to.piece)];
   const bool is_edge = to.direction == piece.to;
   const double half = is_edge ? 0.5 * piece.opening : 0.5 * std::numbers::pi;
   const double off = kAbove * clearance_.offset / (half < 0.5 * std::numbers::pi ? std::sin(half) : 1.0);
+  if (!(off < 0.25 * wide)) return std::nullopt;
+  return cone_.apex() + wide * to.direction + off * (std::cos(half) * piece.back + std::sin(half) * piece.normal);
+}
+
+// Moves the centre past the corner in one step, if all triangles near it go through the corner: the free space there is a cone, and both
+// positions are in the same connected part of it, because both are beside the boundary of that part.
+bool SphereFollower::pass_corner(const Vec3& target, double wide) noexcept {
+  const Vec3& apex = cone_.apex();
   const double within = 1.25 * wide;
-  if (!(off < 0.25 * wide) || !((centre_ - apex).norm() < wide) || !near_.covers(apex, within)) return false;
-  const Vec3 target = apex + wide * to.direction + off * (std::cos(half) * piece.back + std::sin(half) * piece.normal);
+  if (!((centre_ - apex).norm() < wide) || !near_.covers(apex, within)) return false;
   bool is_free = true;
   near_.visit_near(apex, apex, within, [&](int slot) {
     ++work_;

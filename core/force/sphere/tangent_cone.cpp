@@ -200,15 +200,13 @@ bool TangentCone::contains(const Vec3& direction) const {
   if (!find_start(direction, start)) return false;
   const Vec3& normal = arcs_[static_cast<std::size_t>(start.arc)].normal;
   const Vec3 up = start.on_normal ? normal : Vec3(-normal);
-  for (int i = 0; i < piece_count_; ++i) {
-    const Piece& piece = pieces_[static_cast<std::size_t>(i)];
-    if (walks_[static_cast<std::size_t>(i)].arc != start.arc || !(piece.normal.dot(up) > 0.0)) continue;
+  return std::any_of(pieces_.begin(), pieces_.begin() + piece_count_, [&](const Piece& piece) {
+    if (piece.normal != up) return false;  // of another arc, or of its other side
     const Vec3 axis = piece.from.cross(piece.to);
     const bool is_past_from = piece.from.cross(start.from).dot(axis) >= 0.0 || (start.from - piece.from).norm() <= kSameDirection;
     const bool is_before_to = start.from.cross(piece.to).dot(axis) >= 0.0 || (start.from - piece.to).norm() <= kSameDirection;
-    if (is_past_from && is_before_to) return true;
-  }
-  return false;
+    return is_past_from && is_before_to;
+  });
 }
 
 TangentCone::Steepest TangentCone::find_steepest(const Vec3& pull, double below) const {
