@@ -205,12 +205,12 @@ std::optional<Vec3> SphereFollower::find_past_corner(const TangentCone::Steepest
   return cone_.apex() + wide * to.direction + off * (std::cos(half) * piece.back + std::sin(half) * piece.normal);
 }
 
-// Moves the centre past the corner in one step, if all triangles near it go through the corner: the free space there is a cone, and both
-// positions are in the same connected part of it, because both are beside the boundary of that part.
+// Moves the centre past the corner in one step, if all triangles near it go through the corner: the free space there is a cone. The target
+// must be in the part of the cone that the centre is in: beside a narrow slit of it, a position off one side is beyond the other.
 bool SphereFollower::pass_corner(const Vec3& target, double wide) noexcept {
   const Vec3& apex = cone_.apex();
   const double within = 1.25 * wide;
-  if (!((centre_ - apex).norm() < wide) || !near_.covers(apex, within)) return false;
+  if (!((centre_ - apex).norm() < wide) || !near_.covers(apex, within) || !cone_.contains((target - apex).normalized())) return false;
   bool is_free = true;
   near_.visit_near(apex, apex, within, [&](int slot) {
     ++work_;

@@ -201,7 +201,7 @@ bool TangentCone::contains(const Vec3& direction) const {
   const Vec3& normal = arcs_[static_cast<std::size_t>(start.arc)].normal;
   const Vec3 up = start.on_normal ? normal : Vec3(-normal);
   return std::any_of(pieces_.begin(), pieces_.begin() + piece_count_, [&](const Piece& piece) {
-    if (piece.normal != up) return false;  // of another arc, or of its other side
+    if ((piece.normal - up).squaredNorm() > kClosed * kClosed) return false;  // of another arc, or of its other side
     const Vec3 axis = piece.from.cross(piece.to);
     const bool is_past_from = piece.from.cross(start.from).dot(axis) >= 0.0 || (start.from - piece.from).norm() <= kSameDirection;
     const bool is_before_to = start.from.cross(piece.to).dot(axis) >= 0.0 || (start.from - piece.to).norm() <= kSameDirection;
