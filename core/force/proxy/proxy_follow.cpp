@@ -191,13 +191,29 @@ bool ProxyMethod::is_beside_surface(const Vec3& p) const noexcept {
 }
 
 // Lifts the proxy to the distance that sweeps keep and away from every edge, so that nothing beyond an edge is nearer. On a triangle too
-// narrow for that, above the faces beside it as well where they are nearer.
+// narrow for that, above the faces beside it as well where they are nearer. In the wedge between two faces it lifts farther away from its
+// tip, where the other face is not in the way.
 void ProxyMethod::lift_off_surface() noexcept {
-  const SurfacePoint::Inside from = surface_.at().inside(kBeside * kContactOffset);
+  constexpr double kFarther = 8.0;
+  constexpr int kMostFarther = 4;
+  const auto is_in_the_way = [&](const Vec3& p, const Vec3& to, std::uint32_t own) {
+    bool any = false;
+    geometry_.for_each_overlapping(Box::around(p, to), [&](std::uint32_t id) {
+      any = any || (id != own && geometry_.pierce(id, p, to).time <= 1.0 && surfaces_.can_touch(id, p));
+    });
+    return any;
+  };
+  SurfacePoint::Inside from = surface_.at().inside(kBeside * kContactOffset);
   const ContactTriangle shape = surfaces_.shape_of(from.triangle);
   double room = std::numeric_limits<double>::infinity();
   for (int k = 0; k < 3; ++k) room = std::min(room, shape.inside(k, from.point) / shape.length(k));
   Vec3 lifted = from.point + clearance_.offset * from.normal;
+  double beside = kBeside * kContactOffset;
+  for (int i = 0; i < kMostFarther && is_in_the_way(from.point, lifted, from.triangle); ++i) {
+    beside *= kFarther;
+    from = surface_.at().inside(beside);
+    lifted = from.point + clearance_.offset * from.normal;
+  }
   if (room < kNarrow * kContactOffset && is_beside_surface(lifted)) lifted = surface_.at().lifted(clearance_.offset);
   const bool slides = surface_.slides();
   surface_.leave();

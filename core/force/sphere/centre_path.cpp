@@ -238,13 +238,24 @@ double CentrePath::time_to_leave_corner(const ContactTriangle& triangle, int cor
   return time;
 }
 
+// A step from a time at which the corner is the nearest point, in which the distance stays above `level` and its tolerance. Convex, it
+// stays above its tangent, less what the path bends. The rate is zero where the path rolls around the corner, but not where it passes it.
+double CentrePath::step_past_corner(const ContactTriangle& triangle, const Level& level, int corner, double time) const noexcept {
+  if (!(bend_ > 0.0)) return kLeastStep;
+  const double most = std::sqrt(level.tolerance / bend_);  // the bend takes half of the tolerance
+  const Vec3 point = at(time);
+  const Vec3 off = point - triangle.corner(corner);
+  const double distance = off.norm();
+  const double approach = -off.dot(slope(time, point)) / distance;
+  const double room = distance - level.distance + 0.5 * level.tolerance;
+  return std::max(approach * most > room ? room / approach : most, kLeastStep);
+}
+
 // When the distance falls to `level`, within a tolerance.
 CentrePath::Block CentrePath::find_below(const ContactTriangle& triangle, const Level& level, unsigned guiding, double from, double until,
                                          int& tests) const noexcept {
   constexpr int kMostRounds = 64;
   const double slope_error = guide_count_ > 0 ? kSlopeError : 0.0;
-  // The step past a corner: meanwhile the distance to an edge or face that begins there falls by less than the tolerance.
-  const double least_step = bend_ > 0.0 ? std::max(kLeastStep, std::sqrt(level.tolerance / bend_)) : kLeastStep;
   double time = from;
   for (int i = 0; i < kMostRounds; ++i) {
     ++tests;
@@ -252,8 +263,9 @@ CentrePath::Block CentrePath::find_below(const ContactTriangle& triangle, const 
     const Separation now = triangle.separation(point);
     if (guiding != 0 && now.feature != Feature::face) {
       if (const int corner = find_guiding_corner(triangle, guiding, now.nearest); corner >= 0) {
-        const double leaves = time_to_leave_corner(triangle, corner, time, until);
-        time = std::max(leaves, time) + least_step;
+        time = std::max(time_to_leave_corner(triangle, corner, time, until), time);
+        if (!(time < until)) return {};
+        time += step_past_corner(triangle, level, corner, time);
         if (!(time < until)) return {};
         continue;
       }

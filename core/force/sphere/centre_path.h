@@ -87,6 +87,7 @@ class CentrePath {
   Vec3 cubic_at(double time) const { return start_ + time * (rate_[0] + time * (rate_[1] + time * rate_[2])); }
   double find_turning_point(const Vec3& direction, double low, double high) const noexcept;
   int find_guiding_corner(const ContactTriangle& triangle, unsigned guiding, const Vec3& nearest) const noexcept;
+  double step_past_corner(const ContactTriangle& triangle, const Level& level, int corner, double time) const noexcept;
   double time_to_leave_corner(const ContactTriangle& triangle, int corner, double from, double until) const noexcept;
 
   double bend_towards(const Vec3& normal) const { return std::fabs(normal.dot(chord_)) * bend_along_ + bend_across_; }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "core/force/contact_qp.h"
 #include "core/force/sphere/sphere_follower.h"
@@ -59,14 +60,48 @@ bool SphereFollower::find_cone(double moved) noexcept {
   if (!near_.covers(centre_, radius) && (!gather(Vec3::Zero()) || !near_.covers(centre_, radius))) return false;
   cone_.begin(apex);
   bool fits = true;
+  bool is_between = false;
   near_.visit_near(apex, apex, near, [&](int slot) {
     const ContactTriangle& shape = near_.shape(slot);
     if (!(shape.separation(apex).distance <= near) || !can_touch(near_.triangle(slot), shape, centre_)) return;
     fits = fits && cone_.add(shape, near);
+    const double above_plane = shape.normal().dot(centre_ - shape.corner(0));
+    is_between |= above_plane * shape.normal().dot(centre_ - apex) < 0.0;
     ++work_;
   });
-  has_cone_ = fits && cone_.find_boundary((centre_ - apex).normalized());
+  Vec3 beside = centre_;
+  fits = fits && (!is_between || find_beside(apex, beside));
+  has_cone_ = fits && cone_.find_boundary((beside - apex).normalized());
   return has_cone_;
+}
+
+// The cone has the planes of all faces go through the apex. A face beyond the apex, nearer than kThrough, then passes the centre, which
+// seems to be on its other side. Finds the nearest position that is on the same side of these planes as the centre is of the faces. It is
+// in the ball around the centre that no triangle reaches. False: there is none.
+bool SphereFollower::find_beside(const Vec3& apex, Vec3& beside) noexcept {
+  constexpr double kClear = 0x1p-4;  // offsets from a plane
+  constexpr int kMostFaces = 48;
+  const double near = kThrough * clearance_.offset;
+  std::array<ContactPlane, kMostFaces> planes;
+  int count = 0;
+  bool fits = true;
+  bool is_between = false;
+  near_.visit_near(apex, apex, near, [&](int slot) {
+    const ContactTriangle& shape = near_.shape(slot);
+    if (!(shape.separation(apex).distance <= near) || !can_touch(near_.triangle(slot), shape, centre_)) return;
+    ++work_;
+    const Separation at = shape.separation(centre_);
+    if (at.feature != Feature::face) return;
+    const double height = at.normal.dot(centre_ - apex);
+    is_between |= height < 0.0;
+    fits = fits && count < kMostFaces;
+    if (fits) planes[static_cast<std::size_t>(count++)] = {at.normal, kClear * clearance_.offset - height};
+  });
+  if (!fits || !is_between) return fits;
+  const ConstrainedMotion aside =
+      constrain_motion(Vec3::Zero(), std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(count)));
+  beside = centre_ + aside.motion;
+  return aside.solved && aside.motion.norm() < clearance_.offset;
 }
 
 // The least distance along an edge of the corner that makes the point come nearer to the device by kLeastBetter.
@@ -90,15 +125,21 @@ double SphereFollower::time_to_corner_exit(const Vec3& from, const Vec3& to, dou
   return soonest;
 }
 
-// In the steepest direction that has room: a slit between sheets that touch has none.
+// In the steepest direction that has room: a slit between sheets that touch has none. Where no direction on the boundary leads nearer, the
+// pull itself may be free: the sphere is in a fold of the corner, and the point at the apex is not.
 bool SphereFollower::leave_corner(const Vec3& device, const Vec3& motion) noexcept {
   constexpr int kMostDirections = 8;
   const Vec3 pull = device - cone_.apex();
   TangentCone::Steepest steepest = cone_.find_steepest(pull);
+  if (!(steepest.slope > least_corner_exit(pull))) return cone_.is_reentrant() && leave_fold(device, motion);
   for (int i = 0; i < kMostDirections && steepest.slope > least_corner_exit(pull); ++i) {
     for (const double wide : kWide) {
       const double radius = wide * clearance_.offset;
-      if (try_escape(device, motion, [&] { return pass_corner(steepest, radius); })) return true;
+      const auto pass = [&] {
+        const std::optional<Vec3> target = find_past_corner(steepest, radius);
+        return target && pass_corner(*target, radius);
+      };
+      if (try_escape(device, motion, pass)) return true;
       for (const bool ahead : {true, false}) {
         if (try_escape(device, motion, [&] { return fly_around_corner(steepest, radius, ahead); })) return true;
       }
@@ -106,6 +147,15 @@ bool SphereFollower::leave_corner(const Vec3& device, const Vec3& motion) noexce
     steepest = cone_.find_steepest(pull, steepest.slope);
   }
   return false;
+}
+
+// Straight along the pull, past the apex.
+bool SphereFollower::leave_fold(const Vec3& device, const Vec3& motion) noexcept {
+  const Vec3 towards = (device - cone_.apex()).normalized();
+  return cone_.contains(towards) && std::any_of(std::begin(kWide), std::end(kWide), [&](double wide) {
+           const double radius = wide * clearance_.offset;
+           return try_escape(device, motion, [&] { return pass_corner(cone_.apex() + radius * towards, radius); });
+         });
 }
 
 // Leaves a minimum in the steepest direction that leads to a nearer one. False, and nothing changed: no direction does, or work has run
@@ -145,17 +195,22 @@ bool SphereFollower::leave_by_flight(const Vec3& device, const Vec3& motion) noe
   return false;
 }
 
-// Moves the centre past the corner in one step, in the given direction, if all triangles near it go through the corner: the free space
-// there is a cone, and both positions are in the same connected part of it, because both are beside the boundary of that part.
-bool SphereFollower::pass_corner(const TangentCone::Steepest& to, double wide) noexcept {
-  const Vec3& apex = cone_.apex();
+// A position that far from the corner, in that direction and off the boundary. None: the boundary is too narrow there.
+std::optional<Vec3> SphereFollower::find_past_corner(const TangentCone::Steepest& to, double wide) const noexcept {
   const TangentCone::Piece& piece = cone_.boundary()[static_cast<std::size_t>(to.piece)];
   const bool is_edge = to.direction == piece.to;
   const double half = is_edge ? 0.5 * piece.opening : 0.5 * std::numbers::pi;
   const double off = kAbove * clearance_.offset / (half < 0.5 * std::numbers::pi ? std::sin(half) : 1.0);
+  if (!(off < 0.25 * wide)) return std::nullopt;
+  return cone_.apex() + wide * to.direction + off * (std::cos(half) * piece.back + std::sin(half) * piece.normal);
+}
+
+// Moves the centre past the corner in one step, if all triangles near it go through the corner: the free space there is a cone. The target
+// must be in the part of the cone that the centre is in: beside a narrow slit of it, a position off one side is beyond the other.
+bool SphereFollower::pass_corner(const Vec3& target, double wide) noexcept {
+  const Vec3& apex = cone_.apex();
   const double within = 1.25 * wide;
-  if (!(off < 0.25 * wide) || !((centre_ - apex).norm() < wide) || !near_.covers(apex, within)) return false;
-  const Vec3 target = apex + wide * to.direction + off * (std::cos(half) * piece.back + std::sin(half) * piece.normal);
+  if (!((centre_ - apex).norm() < wide) || !near_.covers(apex, within) || !cone_.contains((target - apex).normalized())) return false;
   bool is_free = true;
   near_.visit_near(apex, apex, within, [&](int slot) {
     ++work_;

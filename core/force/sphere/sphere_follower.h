@@ -293,6 +293,7 @@ class SphereFollower {
   int find_rising(const OffsetContact& contact, int edge, const Vec3& direction) noexcept;
   bool find_apex(Vec3& apex) const noexcept;
   bool find_cone(double moved) noexcept;
+  bool find_beside(const Vec3& apex, Vec3& beside) noexcept;
   double least_corner_exit(const Vec3& pull) const noexcept;
   double time_to_corner_exit(const Vec3& from, const Vec3& to, double time) noexcept;
   bool is_in_wedge() noexcept;
@@ -307,7 +308,9 @@ class SphereFollower {
   bool is_outside_wedge(const ContactTriangle& shape, std::span<const Wall> walls) const noexcept;
   bool leave_minimum(const Vec3& device, const Vec3& motion) noexcept;
   bool leave_corner(const Vec3& device, const Vec3& motion) noexcept;
-  bool pass_corner(const TangentCone::Steepest& to, double wide) noexcept;
+  bool leave_fold(const Vec3& device, const Vec3& motion) noexcept;
+  std::optional<Vec3> find_past_corner(const TangentCone::Steepest& to, double wide) const noexcept;
+  bool pass_corner(const Vec3& target, double wide) noexcept;
   bool fly_around_corner(const TangentCone::Steepest& to, double wide, bool ahead) noexcept;
   bool fly_over(const Vec3& displacement, double height) noexcept;
   template <class Go>

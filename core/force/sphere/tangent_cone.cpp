@@ -190,6 +190,25 @@ bool TangentCone::find_boundary(const Vec3& inside) {
   return false;
 }
 
+bool TangentCone::is_reentrant() const {
+  return std::any_of(pieces_.begin(), pieces_.begin() + piece_count_,
+                     [](const Piece& piece) { return piece.opening > std::numbers::pi + kClosed; });
+}
+
+bool TangentCone::contains(const Vec3& direction) const {
+  Walk start;
+  if (!find_start(direction, start)) return false;
+  const Vec3& normal = arcs_[static_cast<std::size_t>(start.arc)].normal;
+  const Vec3 up = start.on_normal ? normal : Vec3(-normal);
+  return std::any_of(pieces_.begin(), pieces_.begin() + piece_count_, [&](const Piece& piece) {
+    if ((piece.normal - up).squaredNorm() > kClosed * kClosed) return false;  // of another arc, or of its other side
+    const Vec3 axis = piece.from.cross(piece.to);
+    const bool is_past_from = piece.from.cross(start.from).dot(axis) >= 0.0 || (start.from - piece.from).norm() <= kSameDirection;
+    const bool is_before_to = start.from.cross(piece.to).dot(axis) >= 0.0 || (start.from - piece.to).norm() <= kSameDirection;
+    return is_past_from && is_before_to;
+  });
+}
+
 TangentCone::Steepest TangentCone::find_steepest(const Vec3& pull, double below) const {
   Steepest best;
   best.slope = -std::numeric_limits<double>::infinity();

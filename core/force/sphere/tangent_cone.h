@@ -46,6 +46,10 @@ class TangentCone {
   std::span<const Piece> boundary() const { return std::span(pieces_).first(static_cast<std::size_t>(piece_count_)); }
   // The steepest direction on the boundary with a slope less than `below`. Slope -infinity: there is none. `pull` may have any length.
   Steepest find_steepest(const Vec3& pull, double below = std::numeric_limits<double>::infinity()) const;
+  // Whether the boundary has a direction around which more than half of all directions are free.
+  bool is_reentrant() const;
+  // Whether the direction, which is on no arc, is inside the region: the first arc met from there is a part of the boundary, on that side.
+  bool contains(const Vec3& direction) const;
 
  private:
   struct Arc {

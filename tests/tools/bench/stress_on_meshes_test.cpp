@@ -15,6 +15,7 @@ struct Episode {
   std::uint64_t seed;
   std::uint64_t number;
   double scale = 1.0;
+  const char* body = nullptr;  // its name, which is part of the seed; null: the mesh
 };
 
 class StressOnMeshes : public ::testing::TestWithParam<Episode> {};
@@ -22,7 +23,8 @@ class StressOnMeshes : public ::testing::TestWithParam<Episode> {};
 // A sphere of half a contact offset was held where a point is not: near the tip of a narrow wedge between sheets (78), and in corners that
 // only its radius closes, among triangles that other parts touch (113), and where the steepest way out is a slit (420, 432). Or the way out
 // of its corner began where the corner was found, not where the point was (23), or its border did not close (1), or the descent from there
-// was a long one (17). Or a contact at an edge in a slit was turned away from the face that the point is over (22, 15).
+// was a long one (17). Or a sheet passed that corner behind the point, which seemed to be on the sheet's other side (329). Or a contact at
+// an edge in a slit was turned away from the face that the point is over (22, 15).
 TEST_P(StressOnMeshes, HasNoFault) {
   const Episode& episode = GetParam();
   auto file = load_touch_mesh(std::filesystem::path(HAPTON_SOURCE_DIR "/meshes") / episode.mesh);
@@ -31,8 +33,8 @@ TEST_P(StressOnMeshes, HasNoFault) {
   settings.seed = episode.seed;
   settings.compare_every = 8;
   settings.scale = episode.scale;
-  // The body's name is part of the seed.
-  auto run = StressRun::make(make_stress_body(episode.mesh, std::move(file->mesh)), settings, {.name = "proxy"});
+  const char* body = episode.body != nullptr ? episode.body : episode.mesh;
+  auto run = StressRun::make(make_stress_body(body, std::move(file->mesh)), settings, {.name = "proxy"});
   ASSERT_TRUE(run) << run.error().what;
   StressCount count;
   EXPECT_GT(run->run_episode(episode.number, count), 0U);
@@ -47,6 +49,7 @@ INSTANTIATE_TEST_SUITE_P(Found, StressOnMeshes,
                                          Episode{"barkour_body_dirty.stl", 11, 420}, Episode{"barkour_body_dirty.stl", 11, 432},
                                          Episode{"barkour_body_dirty.stl", 4, 17}, Episode{"barkour_body_dirty.stl", 7, 22},
                                          Episode{"barkour_body_dirty.stl", 19, 15}, Episode{"kenney_motorcycle.glb", 3, 23},
+                                         Episode{"barkour_body_dirty.stl", 1, 329, 1.0, "meshes/barkour_body_dirty.stl"},
                                          Episode{"nist_assembly_insert.obj", 3, 1, 1e-6}),
                          [](const auto& test) { return "episode_" + std::to_string(test.param.number); });
 

@@ -344,5 +344,33 @@ TEST_F(FindBlock, ACornerThatGuidesThePathNeverBlocks) {
   EXPECT_GT(into_face, 50);
 }
 
+// Along an edge, the path passes its end at a distance: the other edge that begins there is already ahead.
+TEST_F(FindBlock, WhatBeginsAtACornerThatIsPassedBlocks) {
+  int blocked = 0;
+  for (int i = 0; i < 600; ++i) {
+    // The edge along x ends at the corner; the sphere moves along it at its offset, towards an edge of the other triangle.
+    const Vec3 corner = vector();
+    const Vec3 along = direction();
+    const Vec3 out = along.unitOrthogonal();
+    const Vec3 side = along.cross(out);
+    const double turn = positive(0.1, 1.4);
+    const Vec3 edge = std::cos(turn) * along + std::sin(turn) * out;
+    const ContactTriangle shape(corner, corner + edge, corner + edge + positive(0.2, 1.0) * (along - 0.2 * out) + 0.1 * unit() * side);
+    const double length = std::pow(10.0, positive(1.0, 3.0)) * kClearance.offset;
+    const Vec3 from = corner - positive(2.0, 6.0) * kClearance.offset * along + kClearance.offset * out;
+    const Vec3 to = from + length * along;
+    const Vec3 bend = 1e-13 * length * vector();  // as that of a curve that is straight up to rounding
+    CentrePath path = CentrePath::curved(from, to, to - from + bend, to - from - bend);
+    path.add_guide({Kind::line, corner, along, kClearance.offset});
+    int tests = 0;
+    const CentrePath::Block block = path.find_block(shape, kClearance, 1U, path.prefix(1.0), tests);
+    if (length < 12.0 * kClearance.offset || shape.separation(from).distance < 1.01 * kClearance.offset) continue;
+    ++blocked;
+    ASSERT_TRUE(block.hits) << "path " << i;
+    EXPECT_NEAR(shape.separation(path.at(block.time)).distance, kClearance.offset, 2.0 * kClearance.slop) << "path " << i;
+  }
+  EXPECT_GT(blocked, 300);
+}
+
 }  // namespace
 }  // namespace hapton

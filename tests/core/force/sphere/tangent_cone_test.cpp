@@ -243,5 +243,54 @@ TEST(TangentCone, HasNoBoundaryWithoutTrianglesAndRejectsMoreThanItHolds) {
   EXPECT_EQ(added, TangentCone::kMostArcs);
 }
 
+// Around a ragged fan of triangles, one side is the region that a point is in; the fan is seen as a polygon from its middle.
+TEST(TangentCone, ContainsTheDirectionsOfItsRegionAndNoOthers) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  int inside = 0;
+  int outside = 0;
+  for (int run = 0; run < 200; ++run) {
+    constexpr int kCorners = 9;
+    std::vector<Vec3> ring;
+    for (int i = 0; i < kCorners; ++i) {
+      const double angle = 2.0 * kPi * (i + 0.3 * unit(random)) / kCorners;
+      const double radius = 1.5 + 1.2 * unit(random);
+      ring.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 1.0);
+    }
+    const Eigen::Quaterniond turn = Eigen::Quaterniond(unit(random), unit(random), unit(random), unit(random)).normalized();
+    std::vector<ContactTriangle> triangles;
+    for (int i = 0; i < kCorners; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      triangles.emplace_back(Vec3::Zero(), turn * ring[k], turn * ring[(k + 1) % kCorners]);
+    }
+    // A direction with z > 0 is within the polygon if the ray through it from the middle crosses no side before.
+    const auto is_within = [&](const Vec3& d) {
+      if (!(d.z() > 0.0)) return false;
+      const Eigen::Vector2d p = d.head<2>() / d.z();
+      for (std::size_t k = 0; k < kCorners; ++k) {
+        const Eigen::Vector2d a = ring[k].head<2>();
+        const Eigen::Vector2d b = ring[(k + 1) % kCorners].head<2>();
+        const double side = (b - a).x() * (p - a).y() - (b - a).y() * (p - a).x();
+        const double from = a.x() * p.y() - a.y() * p.x();
+        const double to = p.x() * b.y() - p.y() * b.x();
+        if (from >= 0.0 && to >= 0.0) return side > 0.0;
+      }
+      return false;
+    };
+    const bool from_within = run % 2 == 0;
+    TangentCone cone = cone_of(Vec3::Zero(), triangles);
+    ASSERT_TRUE(cone.find_boundary(turn * (from_within ? Vec3(0.0, 0.0, 1.0) : Vec3(0.0, 0.0, -1.0))));
+    for (int i = 0; i < 50; ++i) {
+      const Vec3 d = random_direction(random);
+      const bool expected = is_within(d) == from_within;
+      EXPECT_EQ(cone.contains(turn * d), expected) << "run " << run << " direction " << d.transpose();
+      ++(expected ? inside : outside);
+    }
+    if (HasFailure()) return;
+  }
+  EXPECT_GT(inside, 1000);
+  EXPECT_GT(outside, 1000);
+}
+
 }  // namespace
 }  // namespace hapton

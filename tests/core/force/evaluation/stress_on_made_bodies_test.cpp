@@ -1,0 +1,105 @@
+// Episodes of the stress test that once found a fault on closed bodies which cross themselves, or whose triangles differ in size a
+// thousandfold. Body, place and motions follow from the seed.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "core/force/evaluation/stress_run.h"
+#include "core/geometry/mesh_measures.h"
+#include "core/geometry/mesh_shapes.h"
+
+namespace hapton {
+namespace {
+
+using Random = std::mt19937_64;
+
+double uniform(Random& random, double least, double most) { return least + (most - least) * 0x1p-64 * static_cast<double>(random()); }
+
+Vec3 random_direction(Random& random) {
+  const double z = uniform(random, -1.0, 1.0);
+  const double angle = uniform(random, 0.0, 6.283185307179586);
+  const double radius = std::sqrt(1.0 - z * z);
+  return {radius * std::cos(angle), radius * std::sin(angle), z};
+}
+
+// A sphere whose vertices are displaced by up to its radius.
+TriangleMesh make_crossing_itself(Random& random) {
+  TriangleMesh mesh = make_icosphere(1.0, 2);
+  const double most = uniform(random, 0.2, 0.9);
+  for (Vec3& vertex : mesh.vertices) vertex += most * uniform(random, 0.0, 1.0) * random_direction(random);
+  return mesh;
+}
+
+// A bumpy sphere on which one triangle after another is split in three at a point off it, mostly one of those just made.
+TriangleMesh make_graded(Random& random) {
+  constexpr int kSplits = 40;
+  TriangleMesh mesh = make_icosphere(1.0, 1);
+  for (Vec3& vertex : mesh.vertices) vertex *= 1.0 + uniform(random, -0.3, 0.3);
+  std::size_t split = random() % mesh.triangles.size();
+  for (int i = 0; i < kSplits; ++i) {
+    const Triangle whole = mesh.triangles[split];
+    const Vec3& a = mesh.vertices[whole[0]];
+    const Vec3 ab = mesh.vertices[whole[1]] - a;
+    const Vec3 ac = mesh.vertices[whole[2]] - a;
+    const double along_ab = uniform(random, 0.2, 0.5);
+    const double along_ac = uniform(random, 0.2, 0.4);
+    const Vec3 middle = a + along_ab * ab + along_ac * ac + ab.norm() * uniform(random, -0.3, 0.3) * ab.cross(ac).normalized();
+    const auto added = static_cast<std::uint32_t>(mesh.vertices.size());
+    mesh.vertices.push_back(middle);
+    mesh.triangles[split] = {whole[0], whole[1], added};
+    mesh.triangles.push_back({whole[1], whole[2], added});
+    mesh.triangles.push_back({whole[2], whole[0], added});
+    if (random() % 3 == 0) split = mesh.triangles.size() - 1 - random() % 2;
+  }
+  return mesh;
+}
+
+struct MadeBody {
+  const char* name;
+  TriangleMesh (*make)(Random&);
+  std::uint64_t seed;
+  std::uint64_t episode;
+};
+
+class StressOnMadeBodies : public ::testing::TestWithParam<MadeBody> {};
+
+TEST_P(StressOnMadeBodies, HasNoFault) {
+  const MadeBody& made = GetParam();
+  Random random(made.seed);
+  TriangleMesh mesh = made.make(random);
+  const double extent = compute_bounds(mesh).extent();
+  for (Vec3& vertex : mesh.vertices) vertex *= 0.1 / extent;
+  StressSettings settings;
+  settings.seed = made.seed;
+  settings.compare_every = 16;
+  auto run = StressRun::make(make_stress_body(made.name, std::move(mesh)), settings, {.name = "proxy"});
+  ASSERT_TRUE(run) << run.error().what;
+  StressCount count;
+  EXPECT_GT(run->run_episode(made.episode, count), 0U);
+  for (std::size_t fault = 0; fault < count.faults.size(); ++fault) {
+    EXPECT_EQ(count.faults[fault], 0U) << name_of(static_cast<StressFault>(fault));
+  }
+}
+
+// A wall that begins at a corner was skipped by a sphere that passed the corner. Or the way out of a corner led beyond the other side of a
+// slit, or was not seen because no edge of the corner leads nearer. Or a point that left a face in a narrow wedge was lifted through the
+// other face.
+INSTANTIATE_TEST_SUITE_P(
+    Found, StressOnMadeBodies,
+    testing::Values(MadeBody{"crossing", make_crossing_itself, 239, 3}, MadeBody{"crossing", make_crossing_itself, 265, 1},
+                    MadeBody{"crossing", make_crossing_itself, 809, 7}, MadeBody{"crossing", make_crossing_itself, 869, 4},
+                    MadeBody{"crossing", make_crossing_itself, 875, 6}, MadeBody{"crossing", make_crossing_itself, 950, 6},
+                    MadeBody{"crossing", make_crossing_itself, 1077, 6}, MadeBody{"crossing", make_crossing_itself, 1294, 3},
+                    MadeBody{"graded", make_graded, 680, 4}, MadeBody{"graded", make_graded, 829, 1},
+                    MadeBody{"graded", make_graded, 829, 7}, MadeBody{"graded", make_graded, 1226, 5},
+                    MadeBody{"graded", make_graded, 1619, 6}),
+    [](const auto& test) {
+      return std::string(test.param.name) + "_" + std::to_string(test.param.seed) + "_" + std::to_string(test.param.episode);
+    });
+
+}  // namespace
+}  // namespace hapton
