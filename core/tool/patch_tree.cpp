@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include <Eigen/Eigenvalues>
+
+#include "core/geometry/triangle_distance.h"
 
 namespace hapton {
 namespace {
@@ -13,42 +16,77 @@ struct PatchItem {
   PatchItem(const ObjectGeometry& surface, std::uint32_t t, std::uint32_t first_id)
       : corner{surface.corner(t, 0), surface.corner(t, 1), surface.corner(t, 2)},
         normal((corner[1] - corner[0]).cross(corner[2] - corner[0])),
-        id(first_id | t) {}
+        centre((corner[0] + corner[1] + corner[2]) / 3.0),
+        area(normal.norm()),
+        id(first_id | t) {
+    for (const Vec3& p : corner) spread += area / 12.0 * (p - centre) * (p - centre).transpose();
+  }
 
   std::array<Vec3, 3> corner;
   Vec3 normal;  // as long as twice the area
+  Vec3 centre;
+  Mat3 spread = Mat3::Zero();  // second moments about the centre, doubled
+  double area;                 // doubled
   std::uint32_t id;
-  double key = 0.0;  // what it is ordered by
 
-  bool operator<(const PatchItem& other) const { return key != other.key ? key < other.key : id < other.id; }
   Vec3 direction() const { return normal.stableNormalized(); }
-  Vec3 centre() const { return (corner[0] + corner[1] + corner[2]) / 3.0; }
+  Vec3 longest_edge() const {
+    Vec3 longest = corner[1] - corner[0];
+    for (const Vec3& edge : {Vec3(corner[2] - corner[1]), Vec3(corner[0] - corner[2])}) {
+      if (edge.squaredNorm() > longest.squaredNorm()) longest = edge;
+    }
+    return longest;
+  }
 };
 
-// The axes of the second moments of a piece of surface (Gottschalk et al., section 4).
+// A piece of a surface: the numbers of its triangles.
+struct PatchPiece {
+  std::span<const PatchItem> items;  // of the whole surface
+  std::span<std::uint32_t> numbers;
+
+  std::size_t size() const { return numbers.size(); }
+  const PatchItem& operator[](std::size_t i) const { return items[numbers[i]]; }
+};
+
+// What triangles are ordered by.
+struct PatchKey {
+  double key;
+  std::uint32_t id;
+  std::uint32_t number;  // of the triangle
+
+  bool operator<(const PatchKey& other) const { return key != other.key ? key < other.key : id < other.id; }
+};
+
+// The axes of the second moments of a piece of surface (Gottschalk et al., section 4). Of one triangle: its normal and its longest edge.
 struct PatchAxes {
   Mat3 axes = Mat3::Identity();  // columns, from the shortest extent to the longest
 
-  explicit PatchAxes(std::span<const PatchItem> items) {
-    const Vec3 origin = items[0].corner[0];
+  explicit PatchAxes(const PatchPiece& piece) {
+    if (piece.size() == 1) {
+      set(piece[0].direction(), piece[0].longest_edge());
+      return;
+    }
+    const Vec3 origin = piece[0].centre;
     double area = 0.0;
     Vec3 first = Vec3::Zero();
     Mat3 second = Mat3::Zero();
-    for (const PatchItem& item : items) {
-      const Vec3 a = item.corner[0] - origin;
-      const Vec3 b = item.corner[1] - origin;
-      const Vec3 c = item.corner[2] - origin;
-      const double weight = item.normal.norm();
-      const Vec3 sum = a + b + c;
-      area += weight;
-      first += weight / 3.0 * sum;
-      second += weight / 12.0 * (sum * sum.transpose() + a * a.transpose() + b * b.transpose() + c * c.transpose());
+    for (std::size_t i = 0; i < piece.size(); ++i) {
+      const PatchItem& item = piece[i];
+      const Vec3 from = item.centre - origin;
+      const Vec3 weighted = item.area * from;
+      area += item.area;
+      first += weighted;
+      second += weighted * from.transpose() + item.spread;
     }
     if (!(area > 0.0)) return;
     Eigen::SelfAdjointEigenSolver<Mat3> solver;
     solver.computeDirect(second / area - first * first.transpose() / (area * area));
-    const Vec3 shortest = solver.eigenvectors().col(0).normalized();
-    const Vec3 longest = shortest.cross(solver.eigenvectors().col(2)).cross(shortest).normalized();
+    set(solver.eigenvectors().col(0).normalized(), solver.eigenvectors().col(2));
+  }
+
+ private:
+  void set(const Vec3& shortest, const Vec3& about_longest) {
+    const Vec3 longest = shortest.cross(about_longest).cross(shortest).normalized();
     Mat3 found;
     found << shortest, longest.cross(shortest), longest;
     if (found.allFinite() && (found.transpose() * found - Mat3::Identity()).cwiseAbs().maxCoeff() < 0x1p-30) axes = found;
@@ -57,7 +95,7 @@ struct PatchAxes {
 
 float rounded_up(double x) { return std::nextafter(static_cast<float>(x * (1.0 + 0x1p-40)), std::numeric_limits<float>::infinity()); }
 
-PatchTree::Node box_around(std::span<const PatchItem> items, const Mat3& axes) {
+PatchTree::Node box_around(const PatchPiece& piece, const Mat3& axes) {
   PatchTree::Node node;
   Mat3 stored;
   for (int i = 0; i < 3; ++i) {
@@ -65,15 +103,19 @@ PatchTree::Node box_around(std::span<const PatchItem> items, const Mat3& axes) {
   }
   // Coordinates along the rounded axes, and those of the rounded centre.
   const Mat3 inverse = stored.inverse();
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
-  Vec3 high = -low;
-  for (const PatchItem& item : items) {
-    for (const Vec3& p : item.corner) {
-      const Vec3 y = inverse * p;
-      low = low.cwiseMin(y);
-      high = high.cwiseMax(y);
+  const auto lanes_of_column = [&](int i) { return Lanes4{inverse(0, i), inverse(1, i), inverse(2, i), inverse(2, i)}; };
+  const Lanes4 columns[3] = {lanes_of_column(0), lanes_of_column(1), lanes_of_column(2)};
+  Lanes4 least = Lanes4{} + std::numeric_limits<double>::infinity();
+  Lanes4 most = -least;
+  for (std::size_t i = 0; i < piece.size(); ++i) {
+    for (const Vec3& p : piece[i].corner) {
+      const Lanes4 y = p.x() * columns[0] + p.y() * columns[1] + p.z() * columns[2];
+      least = detail::lane_min(y, least);
+      most = detail::lane_max(y, most);
     }
   }
+  const Vec3 low(least[0], least[1], least[2]);
+  const Vec3 high(most[0], most[1], most[2]);
   const Vec3 centre = stored * (0.5 * (low + high));
   for (int i = 0; i < 3; ++i) node.centre[i] = static_cast<float>(centre[i]);
   const Vec3 at = inverse * node.at();
@@ -88,7 +130,7 @@ struct PatchBend {
   Vec3 sum = Vec3::Zero();
 
   void add(const PatchItem& item) {
-    area += item.normal.norm();
+    area += item.area;
     sum += item.normal;
   }
   double value() const { return area - sum.norm(); }
@@ -98,18 +140,22 @@ struct PatchBend {
 class PatchBuilder {
  public:
   std::vector<PatchItem> items;
+  std::vector<std::uint32_t> numbers;  // of the items, leaf by leaf
   std::vector<PatchTree::Node> nodes;
 
   void run() {
     if (items.empty()) return;
     nodes.reserve(2 * items.size());
+    keys_.resize(items.size());
+    numbers.resize(items.size());
+    std::iota(numbers.begin(), numbers.end(), 0U);
     nodes.resize(1);
     build(0, 0, items.size());
   }
 
  private:
   void build(std::uint32_t at, std::size_t begin, std::size_t end) {
-    const std::span<PatchItem> own(items.data() + begin, end - begin);
+    const PatchPiece own{items, std::span(numbers).subspan(begin, end - begin)};
     const PatchAxes patch(own);
     PatchTree::Node node = box_around(own, patch.axes);
     if (own.size() == 1) {
@@ -118,13 +164,14 @@ class PatchBuilder {
       return;
     }
     PatchBend bend;
-    for (const PatchItem& item : own) bend.add(item);
+    for (std::size_t i = 0; i < own.size(); ++i) bend.add(own[i]);
     std::size_t half = own.size() / 2;
     if (own.size() <= kLargestBent && bend.relative() > kBent) {
       half = split_by_bend(own, patch.axes);
     } else {
-      set_keys(own, Along{patch.axes.col(2), false});
-      std::nth_element(own.begin(), own.begin() + static_cast<std::ptrdiff_t>(half), own.end());
+      const std::span<PatchKey> keys = keys_of(own, Along{patch.axes.col(2), false});
+      std::nth_element(keys.begin(), keys.begin() + static_cast<std::ptrdiff_t>(half), keys.end());
+      arrange(own, keys);
     }
     node.link = static_cast<std::uint32_t>(nodes.size());
     nodes[at] = node;
@@ -138,55 +185,60 @@ class PatchBuilder {
     Vec3 axis;
     bool is_by_normal;
 
-    double value(const PatchItem& item) const { return axis.dot(is_by_normal ? item.direction() : item.centre()); }
+    double value(const PatchItem& item) const { return axis.dot(is_by_normal ? item.direction() : item.centre); }
   };
 
-  static void set_keys(std::span<PatchItem> own, const Along& along) {
-    for (PatchItem& item : own) item.key = along.value(item);
+  // In the order of the triangles.
+  std::span<PatchKey> keys_of(const PatchPiece& own, const Along& along) {
+    for (std::size_t i = 0; i < own.size(); ++i) keys_[i] = {along.value(own[i]), own[i].id, own.numbers[i]};
+    return std::span(keys_).first(own.size());
+  }
+  static void arrange(const PatchPiece& own, std::span<const PatchKey> keys) {
+    for (std::size_t i = 0; i < own.size(); ++i) own.numbers[i] = keys[i].number;
   }
 
   // A corner or a sharp edge is split where that makes the halves flattest, at an eighth of the triangles at least.
-  std::size_t split_by_bend(std::span<PatchItem> own, const Mat3& axes) {
+  std::size_t split_by_bend(const PatchPiece& own, const Mat3& axes) {
     double least = std::numeric_limits<double>::infinity();
     std::size_t best = own.size() / 2;
-    Along best_order{axes.col(2), false};
     for (int order = 0; order < 6; ++order) {
-      const Along along{axes.col(2 - order % 3), order >= 3};
-      set_keys(own, along);
-      std::sort(own.begin(), own.end());
-      const auto [at, bend] = find_flattest_split(own);
-      if (bend < least * (1.0 - 0x1p-10)) {
+      const std::span<PatchKey> keys = keys_of(own, {axes.col(2 - order % 3), order >= 3});
+      std::sort(keys.begin(), keys.end());
+      const auto [at, bend] = find_flattest_split(keys);
+      const bool is_flatter = bend < least * (1.0 - 0x1p-10);
+      if (is_flatter) {
         least = bend;
         best = at;
-        best_order = along;
       }
+      if (is_flatter || order == 0) best_keys_.assign(keys.begin(), keys.end());
     }
-    set_keys(own, best_order);
-    std::sort(own.begin(), own.end());
+    arrange(own, best_keys_);
     return best;
   }
 
-  std::pair<std::size_t, double> find_flattest_split(std::span<const PatchItem> own) {
-    bends_.assign(own.size(), 0.0);
+  std::pair<std::size_t, double> find_flattest_split(std::span<const PatchKey> keys) {
+    bends_.assign(keys.size(), 0.0);
     PatchBend before;
-    for (std::size_t i = 0; i + 1 < own.size(); ++i) {
-      before.add(own[i]);
+    for (std::size_t i = 0; i + 1 < keys.size(); ++i) {
+      before.add(items[keys[i].number]);
       bends_[i + 1] = before.value();
     }
     PatchBend after;
-    for (std::size_t i = own.size() - 1; i > 0; --i) {
-      after.add(own[i]);
+    for (std::size_t i = keys.size() - 1; i > 0; --i) {
+      after.add(items[keys[i].number]);
       bends_[i] += after.value();
     }
-    const std::size_t first = std::max<std::size_t>(1, own.size() / 8);
+    const std::size_t first = std::max<std::size_t>(1, keys.size() / 8);
     const auto least = std::min_element(bends_.begin() + static_cast<std::ptrdiff_t>(first),
-                                        bends_.begin() + static_cast<std::ptrdiff_t>(own.size() - first + 1));
+                                        bends_.begin() + static_cast<std::ptrdiff_t>(keys.size() - first + 1));
     return {static_cast<std::size_t>(least - bends_.begin()), *least};
   }
 
   static constexpr double kBent = 0.02;
   static constexpr std::size_t kLargestBent = 1024;  // triangles; larger pieces are split in the middle
   std::vector<double> bends_;
+  std::vector<PatchKey> keys_;
+  std::vector<PatchKey> best_keys_;
 };
 
 void add_surface(const ObjectGeometry& surface, std::uint32_t first_id, std::vector<PatchItem>& items) {
@@ -202,7 +254,7 @@ PatchTree::PatchTree(const ObjectGeometry& surface) {
   add_surface(surface, 0, builder.items);
   builder.run();
   nodes_ = std::move(builder.nodes);
-  for (const PatchItem& item : builder.items) triangles_.push_back(item.id);
+  for (const std::uint32_t number : builder.numbers) triangles_.push_back(builder.items[number].id);
 }
 
 PatchTree::PatchTree(const TouchGeometry& scene) {
@@ -211,7 +263,7 @@ PatchTree::PatchTree(const TouchGeometry& scene) {
   for (std::uint32_t o = 0; o < scene.object_count(); ++o) add_surface(scene.object_geometry(o), o * step, builder.items);
   builder.run();
   nodes_ = std::move(builder.nodes);
-  for (const PatchItem& item : builder.items) triangles_.push_back(item.id);
+  for (const std::uint32_t number : builder.numbers) triangles_.push_back(builder.items[number].id);
 }
 
 }  // namespace hapton

@@ -84,6 +84,39 @@ TEST_F(PatchFrontTest, VisitsEveryPairThatABruteForceSearchFinds) {
   EXPECT_LT(visited, 6 * found) << "the search is not a search";
 }
 
+// Hundreds of short motions in a row, mostly along the surface, so that pairs are left out because of planes found many placements ago.
+TEST_F(PatchFrontTest, ALongSlideLosesNoPair) {
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  std::size_t found = 0;
+  for (int slide = 0; slide < 6; ++slide) {
+    Placement at{vector().normalized() * (0.40 / scene.unit_m()), turn_by(3.0 * vector())};
+    const double step = std::pow(10.0, -2.0 - 0.4 * slide);
+    const Vec3 turn = step / radius * 0.5 * vector();
+    const Vec3 along_surface = at.position.cross(vector()).normalized();
+    for (int n = 0; n < 150; ++n) {
+      const Vec3 shift = step * (along_surface + 0.3 * vector());
+      const RigidMotion motion{at, n % 2 == 0 ? Vec3::Zero() : shift, n % 2 == 0 ? Vec3::Zero() : turn};
+      const double distance = 0.3 * step * std::abs(uniform(random));
+      std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
+      ASSERT_TRUE(front.for_each_near(SweptMotion(motion), distance, [&](PatchFront::Turn, std::uint32_t t, std::uint32_t id) {
+        pairs.insert({t, id});
+        const double gap = triangle_gap(tool_at(t, at), scene_at(id)) * 0.999;
+        return PatchFront::Visited{gap, gap, true};
+      }));
+      found += pairs.size();
+      for (std::uint32_t t = 0; t < tool.triangle_count() && n % 5 > 2; ++t) {
+        for (const std::uint32_t id : scene_ids) {
+          if (pairs.count({t, id}) > 0) continue;
+          if (triangle_gap(tool_at(t, at), scene_at(id)) > distance + motion.length(radius)) continue;
+          ASSERT_GT(distance_over(motion, t, id), distance) << "slide " << slide << ", walk " << n;
+        }
+      }
+      at = motion.at(uniform(random));
+    }
+  }
+  EXPECT_GT(found, 1000U);
+}
+
 TEST_F(PatchFrontTest, AWalkThatIsEndedIsMadeAgainInFull) {
   const RigidMotion motion{{Vec3(0.0, 0.0, 0.4), Quat::Identity()}, Vec3::Zero(), Vec3::Zero()};
   const auto walk = [&](std::size_t most) {
