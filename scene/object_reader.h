@@ -60,6 +60,8 @@ struct ObjectSpec {
   ToolGrip grip = ToolGrip::origin;
   bool deforms() const { return !morphs.empty() || animated_morphs != nullptr; }
   bool moves() const { return !motion.keyframes.empty() || animated.has_value(); }
+  // It, or its vertices.
+  bool moves_by_program() const { return motion.by_program || program_shape.is_on; }
 
   std::size_t mesh_line = 0;  // in the scene file
   std::size_t part_line = 0;

@@ -258,9 +258,6 @@ Result<std::vector<ObjectSpec>> split_objects(const SceneSpec& spec, const std::
   return objects;
 }
 
-// It, or its vertices.
-bool moves_by_program(const ObjectSpec& object) { return object.motion.by_program || object.program_shape.is_on; }
-
 struct FeltObject {
   ObjectSpec object;
   MaterialSpec material;
@@ -280,7 +277,7 @@ Result<std::vector<FeltObject>> find_materials(const SceneSpec& spec, const std:
     const std::filesystem::path path = (folder / object.mesh).lexically_normal();
     const auto choice = cache.find_haptics(path, object, notes);
     if (!choice) return tl::unexpected(choice.error());
-    if ((object.is_movable || moves_by_program(object)) && choice->materials.size() > 1) {
+    if ((object.is_movable || object.moves_by_program()) && choice->materials.size() > 1) {
       return fail(
           "line {}: object '{}' is {}, but its triangles have {} haptic materials ('none' counts as one): name a part with only one, or "
           "give it a material",
@@ -325,9 +322,9 @@ std::size_t moves_line(const ObjectSpec& object) {
 // Effects of a surface are computed in S, where the touched point of what moves goes along.
 Result<std::shared_ptr<const KeyframeMotion>> make_felt_motion(const ObjectSpec& object, const MaterialSpec& material, const SceneFit& fit,
                                                                const TriangleMesh& mesh) {
-  if ((object.moves() || object.deforms() || moves_by_program(object)) && (material.effects.any() || material.maps.any())) {
+  if ((object.moves() || object.deforms() || object.moves_by_program()) && (material.effects.any() || material.maps.any())) {
     return fail("line {}: '{}' {}: its material may have stiffness, damping and friction only", moves_line(object),
-                printable(name_of(object)), moves_by_program(object) ? "is moved by programs" : "moves by itself");
+                printable(name_of(object)), object.moves_by_program() ? "is moved by programs" : "moves by itself");
   }
   return make_motion(object, name_of(object), fit, mesh);
 }
