@@ -13,7 +13,7 @@
 namespace hapton {
 namespace {
 
-Result<void> put_object(std::string_view object, ShapeRequest& request) {
+Result<void> put_shape_object(std::string_view object, ShapeRequest& request) {
   if (object.starts_with('#')) {
     const char* const end = object.data() + object.size();
     const auto [stop, error] = std::from_chars(object.data() + 1, end, request.number);
@@ -53,7 +53,7 @@ Result<std::uint32_t> ShapeOutbox::give(std::string_view object, std::span<const
   Shape shape{.head = {.stream = stream_, .over_s = over_s},
               .displacements_m = {displacements_m.begin(), displacements_m.end()},
               .is_needed = is_needed};
-  if (const auto put = put_object(object, shape.head); !put) return tl::unexpected(put.error());
+  if (const auto put = put_shape_object(object, shape.head); !put) return tl::unexpected(put.error());
   if (const auto checked = check_shape(displacements_m, over_s); !checked) return tl::unexpected(checked.error());
   const std::scoped_lock lock(mutex_);
   shape.head.shape = ++newest_;

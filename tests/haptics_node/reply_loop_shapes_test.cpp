@@ -116,7 +116,10 @@ TEST_F(ReplyLoopShapes, ForcesAndTheAnnouncedShapesAgree) {
   double before_n = 0.0;
   std::uint32_t shape = 0;
   for (int n = 0; n < 900; ++n) {
-    if (n % 30 == 0) give(++shape, raised(shape % 3 == 0 ? -0.003 : 0.002 * (shape % 4)), 0.05);
+    if (n % 30 == 0) {
+      ++shape;
+      give(shape, raised(shape % 3 == 0 ? -0.003 : 0.002 * (shape % 4)), 0.05);
+    }
     const ForceCommand force = cycle();
     ASSERT_NEAR(force.force_n.z(), 1000.0 * std::max(0.0, announced_height() - kHandOverSkin.z()), 2e-3) << n;
     // At most 2 ms from sample to sample.
@@ -360,7 +363,9 @@ TEST_F(ReplyLoopShapes, AFloodNeverComesBeforeAForce) {
     before_n = force_.force_n.z();
   }
   EXPECT_GT(step_.counts().shapes_taken, 4U);
-  if (AllocationGuard::is_available()) EXPECT_LT(allocations, 60U) << "the log only";
+  if (AllocationGuard::is_available()) {
+    EXPECT_LT(allocations, 60U) << "the log only";
+  }
 }
 
 TEST_F(ReplyLoopShapes, WithoutAShaperRequestsAreLeftOut) {

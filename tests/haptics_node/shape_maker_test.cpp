@@ -100,7 +100,7 @@ TEST_F(ShapeMakerTest, StagesFollowOnFromEachOtherWithAThread) {
   });
   double at = 0.0;
   std::uint32_t shape = 0;
-  for (int taken = 0; taken < 200;) {
+  for (int taken = 0; taken < 60;) {
     ++shape;
     give(shape, 1e-4F * static_cast<float>(shape % 100));
     std::unique_ptr<MadeShape> made;

@@ -37,8 +37,9 @@ std::size_t length_of_push(const Message& message) {
 
 TEST_F(CodecTest, KeepsWithinTheByteBudget) {
   for (std::size_t kind = 0; kind < kKinds; ++kind) {
-    // A setup, once a second, carries texts; so does a part of a report, on request. A scene for a slow network fills datagrams.
-    const bool is_geometry = kind == 16 || kind == 17 || kind == 28 || kind == 30;
+    // A setup, once a second, carries texts; so does a part of a report, on request. A scene for a slow network fills datagrams, and so do
+    // shapes.
+    const bool is_geometry = kind == 16 || kind == 17 || kind == 28 || kind == 30 || kind == 33 || kind == 35;
     // The changed materials of many objects, once a second.
     const bool is_materials = kind == 21;
     const std::size_t most = is_geometry || is_materials ? 1168U : kind == 10 ? 900U : kind == 12 ? 1000U : 300U;
@@ -83,11 +84,12 @@ TEST_F(CodecTest, AForceWithoutItsObjectTouchesNoneThatIsKnown) {
                                      .torque_nm = Vec3(1, 2, 3),
                                      .scene_time_ns = 7,
                                      .move_serial = 5,
-                                     .carve_serial = 6}});
+                                     .carve_serial = 6,
+                                     .shape_serial = 7}});
   // The message is the last field of the envelope. The last of the message are its object, a byte of tag and four of the number, torque and
   // turn, each a byte of tag, one of length and three numbers, the time of the scene, a byte of tag and eight of the number, and the
-  // serials of the newest move and the newest carve, two bytes of tag and four of the number each.
-  constexpr std::size_t kLeftOut = 5 + 2 * (2 + 24) + 9 + 2 * 6;
+  // serials of the newest move, the newest carve and the newest shape, two bytes of tag and four of the number each.
+  constexpr std::size_t kLeftOut = 5 + 2 * (2 + 24) + 9 + 3 * 6;
   const auto low = [&](std::size_t i) { return std::to_integer<std::size_t>(bytes[i]) & 0x7FU; };
   std::size_t at = 2;
   while (at + 1 < bytes.size() &&
@@ -106,6 +108,7 @@ TEST_F(CodecTest, AForceWithoutItsObjectTouchesNoneThatIsKnown) {
   EXPECT_EQ(std::get<ForceCommand>(decoded.message).scene_time_ns, 0);
   EXPECT_EQ(std::get<ForceCommand>(decoded.message).move_serial, 0U);
   EXPECT_EQ(std::get<ForceCommand>(decoded.message).carve_serial, 0U);
+  EXPECT_EQ(std::get<ForceCommand>(decoded.message).shape_serial, 0U);
   EXPECT_EQ(std::get<ForceCommand>(decoded.message).echo_sample, 9U);
 }
 

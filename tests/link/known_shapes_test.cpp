@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::uint32_t kTotal = 100;  // two parts
 constexpr std::size_t kSkin = 1;       // the object
-constexpr std::int64_t kMs = 1'000'000;
+constexpr std::int64_t kOneMs = 1'000'000;
 
 // All vertices are displaced by its serial, in mm.
 ObjectShape part_of(std::uint32_t serial, std::uint32_t first, std::uint32_t source = 5) {
@@ -51,73 +51,73 @@ TEST_F(KnownShapesTest, AtRestUntilAShapeIsAnnounced) {
 
 TEST_F(KnownShapesTest, MovesStraightFromShapeToShape) {
   give(1);
-  begin(1, 0, 100 * kMs, 200 * kMs);
+  begin(1, 0, 100 * kOneMs, 200 * kOneMs);
   give(3);
-  begin(3, 1, 300 * kMs, 400 * kMs);
-  EXPECT_EQ(displaced_mm(50 * kMs), 0.0F);
-  EXPECT_FLOAT_EQ(displaced_mm(150 * kMs), 0.5F);
-  EXPECT_FLOAT_EQ(displaced_mm(250 * kMs), 1.0F) << "stays there";
-  EXPECT_FLOAT_EQ(displaced_mm(350 * kMs), 2.0F);
-  EXPECT_FLOAT_EQ(displaced_mm(900 * kMs), 3.0F);
-  EXPECT_FLOAT_EQ(displaced_mm(150 * kMs), 0.5F) << "an earlier sample";
+  begin(3, 1, 300 * kOneMs, 400 * kOneMs);
+  EXPECT_EQ(displaced_mm(50 * kOneMs), 0.0F);
+  EXPECT_FLOAT_EQ(displaced_mm(150 * kOneMs), 0.5F);
+  EXPECT_FLOAT_EQ(displaced_mm(250 * kOneMs), 1.0F) << "stays there";
+  EXPECT_FLOAT_EQ(displaced_mm(350 * kOneMs), 2.0F);
+  EXPECT_FLOAT_EQ(displaced_mm(900 * kOneMs), 3.0F);
+  EXPECT_FLOAT_EQ(displaced_mm(150 * kOneMs), 0.5F) << "an earlier sample";
 }
 
 // A motion that takes no time.
 TEST_F(KnownShapesTest, AShapeMayBeThereAtOnce) {
   give(1);
-  begin(1, 0, 100 * kMs, 100 * kMs);
-  EXPECT_EQ(displaced_mm(100 * kMs), 0.0F);
-  EXPECT_FLOAT_EQ(displaced_mm(100 * kMs + 1), 1.0F);
+  begin(1, 0, 100 * kOneMs, 100 * kOneMs);
+  EXPECT_EQ(displaced_mm(100 * kOneMs), 0.0F);
+  EXPECT_FLOAT_EQ(displaced_mm(100 * kOneMs + 1), 1.0F);
 }
 
 TEST_F(KnownShapesTest, WhatCameInAnotherOrderIsTheSame) {
-  begin(3, 1, 300 * kMs, 400 * kMs);
+  begin(3, 1, 300 * kOneMs, 400 * kOneMs);
   give(3);
-  begin(1, 0, 100 * kMs, 200 * kMs);
+  begin(1, 0, 100 * kOneMs, 200 * kOneMs);
   give(1);
-  EXPECT_FLOAT_EQ(displaced_mm(150 * kMs), 0.5F);
-  EXPECT_FLOAT_EQ(displaced_mm(350 * kMs), 2.0F);
+  EXPECT_FLOAT_EQ(displaced_mm(150 * kOneMs), 0.5F);
+  EXPECT_FLOAT_EQ(displaced_mm(350 * kOneMs), 2.0F);
 }
 
 // Who joins late knows only the newest shape, and which one.
 TEST_F(KnownShapesTest, AMissingShapeIsRequestedAndThenShown) {
-  begin(9, 8, 100 * kMs, 200 * kMs);
-  EXPECT_EQ(displaced_mm(150 * kMs), -1.0F);
+  begin(9, 8, 100 * kOneMs, 200 * kOneMs);
+  EXPECT_EQ(displaced_mm(150 * kOneMs), -1.0F);
   EXPECT_FALSE(known_.take_request(0)) << "it may be on its way";
-  EXPECT_FALSE(known_.take_request(59 * kMs));
-  const auto request = known_.take_request(60 * kMs);
+  EXPECT_FALSE(known_.take_request(59 * kOneMs));
+  const auto request = known_.take_request(60 * kOneMs);
   ASSERT_TRUE(request);
   EXPECT_EQ(request->source, 5U);
   EXPECT_EQ(request->serial, 9U);
   EXPECT_EQ(request->object, static_cast<std::int32_t>(kSkin));
   EXPECT_EQ(request->first, 0U);
-  EXPECT_FALSE(known_.take_request(61 * kMs)) << "not without pause";
+  EXPECT_FALSE(known_.take_request(61 * kOneMs)) << "not without pause";
   known_.take(part_of(9, 0), Arrival::newest);
-  const auto rest = known_.take_request(400 * kMs);
+  const auto rest = known_.take_request(400 * kOneMs);
   ASSERT_TRUE(rest);
   EXPECT_EQ(rest->first, 64U);
   known_.take(part_of(9, 64), Arrival::newest);
-  EXPECT_FALSE(known_.take_request(900 * kMs));
-  EXPECT_FLOAT_EQ(displaced_mm(150 * kMs), 9.0F) << "there, although the way is not known";
+  EXPECT_FALSE(known_.take_request(900 * kOneMs));
+  EXPECT_FLOAT_EQ(displaced_mm(150 * kOneMs), 9.0F) << "there, although the way is not known";
 }
 
 TEST_F(KnownShapesTest, ALostShapeIsLeftOut) {
   give(1);
-  begin(1, 0, 100 * kMs, 200 * kMs);
-  begin(2, 1, 200 * kMs, 300 * kMs);
-  EXPECT_FLOAT_EQ(displaced_mm(250 * kMs), 1.0F);
+  begin(1, 0, 100 * kOneMs, 200 * kOneMs);
+  begin(2, 1, 200 * kOneMs, 300 * kOneMs);
+  EXPECT_FLOAT_EQ(displaced_mm(250 * kOneMs), 1.0F);
   give(3);
-  begin(3, 2, 300 * kMs, 400 * kMs);
-  EXPECT_FLOAT_EQ(displaced_mm(350 * kMs), 3.0F);
+  begin(3, 2, 300 * kOneMs, 400 * kOneMs);
+  EXPECT_FLOAT_EQ(displaced_mm(350 * kOneMs), 3.0F);
 }
 
 TEST_F(KnownShapesTest, AnotherProcessBeginsAtRest) {
   give(1);
-  begin(1, 0, 100 * kMs, 200 * kMs);
+  begin(1, 0, 100 * kOneMs, 200 * kOneMs);
   known_.take(ShapeStart{.source = 7, .object = kSkin, .total = kTotal}, Arrival::newest);
-  EXPECT_EQ(displaced_mm(900 * kMs), 0.0F);
-  known_.take(start_of(2, 1, 100 * kMs, 200 * kMs, 5), Arrival::reordered);
-  EXPECT_EQ(displaced_mm(900 * kMs), 0.0F) << "of the process that was replaced";
+  EXPECT_EQ(displaced_mm(900 * kOneMs), 0.0F);
+  known_.take(start_of(2, 1, 100 * kOneMs, 200 * kOneMs, 5), Arrival::reordered);
+  EXPECT_EQ(displaced_mm(900 * kOneMs), 0.0F) << "of the process that was replaced";
 }
 
 TEST_F(KnownShapesTest, OfAnotherSceneIsLeftOut) {
@@ -132,18 +132,18 @@ TEST_F(KnownShapesTest, OfAnotherSceneIsLeftOut) {
   ObjectShape shape = part_of(1, 0);
   shape.object = 0;
   known_.take(shape, Arrival::newest);
-  EXPECT_EQ(displaced_mm(900 * kMs), 0.0F);
-  EXPECT_FALSE(known_.take_request(900 * kMs));
+  EXPECT_EQ(displaced_mm(900 * kOneMs), 0.0F);
+  EXPECT_FALSE(known_.take_request(900 * kOneMs));
 }
 
 // However many shapes come, as many are kept as a picture needs.
 TEST_F(KnownShapesTest, ThousandsOfShapesKeepTheNewest) {
   for (std::uint32_t serial = 1; serial < 5000; ++serial) {
     give(serial);
-    begin(serial, serial - 1, 10 * kMs * serial, 10 * kMs * (serial + 1));
+    begin(serial, serial - 1, 10 * kOneMs * serial, 10 * kOneMs * (serial + 1));
   }
-  EXPECT_FLOAT_EQ(displaced_mm(10 * kMs * 5001), 4999.0F);
-  EXPECT_FLOAT_EQ(displaced_mm(10 * kMs * 4998 + 5 * kMs), 4997.5F) << "a sample ago";
+  EXPECT_FLOAT_EQ(displaced_mm(10 * kOneMs * 5001), 4999.0F);
+  EXPECT_FLOAT_EQ(displaced_mm(10 * kOneMs * 4998 + 5 * kOneMs), 4997.5F) << "a sample ago";
 }
 
 }  // namespace

@@ -76,7 +76,6 @@ void lengthen(PatchBody& m) {
   m.radius_m = 1.0 / 3.0;
   m.object = std::numeric_limits<std::int32_t>::max();
   m.move_serial = kMost32;
-  m.shape_serial = kMost32;
   m.loops = true;
   m.all_keys = PatchBody::kMostAllKeys;
   m.key_count = PatchBody::kMostKeys;
