@@ -23,19 +23,29 @@ Result<LinkKey> find_master(const KeygenOptions& options) {
   return find_or_make_shared_key(*folder);
 }
 
-Result<void> make(const KeygenOptions& options) {
+// Of the command line alone.
+Result<void> check(const KeygenOptions& options) {
   if (options.role.empty()) {
     if (!options.master.empty()) return fail("--master is for the key of a role; say which with --role, or leave --master out");
-    return make_key_file(options.file);
+    return {};
   }
+  if (find_node_key_role(options.role)) return {};
+  return fail("role '{}' is not known; choose one of: haptics, vision, tool, operator", options.role);
+}
+
+Result<void> make(const KeygenOptions& options) {
   const auto role = find_node_key_role(options.role);
-  if (!role) return fail("role '{}' is not known; choose one of: haptics, vision, tool, operator", options.role);
+  if (!role) return make_key_file(options.file);
   const auto master = find_master(options);
   if (!master) return tl::unexpected(master.error());
   return make_role_key_file(options.file, *master, *role);
 }
 
 int run(const KeygenOptions& options) {
+  if (const auto checked = check(options); !checked) {
+    fmt::print(stderr, "hapton keygen: {}\n", checked.error().what);
+    return 2;
+  }
   if (const auto made = make(options); !made) {
     fmt::print(stderr, "hapton keygen: {}\n", made.error().what);
     return 1;
@@ -46,8 +56,9 @@ int run(const KeygenOptions& options) {
         "keygen --role vision --master {0} vision.key\n",
         options.file);
   } else {
-    fmt::print("{0}: the key of role {1}, readable by you alone; copy it to its host (scp -p) and start its program there with --key {0}\n",
-               options.file, options.role);
+    fmt::print(
+        "{0}: the key of role {1}{2}, readable by you alone; copy it to its host (scp -p) and start its program there with --key {0}\n",
+        options.file, options.role, options.master.empty() ? ", from this user's own master key (of an io_node without --key)" : "");
   }
   return 0;
 }

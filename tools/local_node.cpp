@@ -102,7 +102,9 @@ Result<void> LocalNode::check_running() {
 }
 
 Result<void> LocalNode::stop() {
-  const int code = process_.stop();
+  // A vision node with a mesh of a million triangles first finishes the level of detail that it prepares: seconds on a busy machine.
+  constexpr double kEndS = 30.0;
+  const int code = process_.stop(kEndS);
   return code == 0 ? Result<void>() : failed(code);
 }
 

@@ -37,8 +37,7 @@ std::size_t length_of_push(const Message& message) {
 
 TEST_F(CodecTest, KeepsWithinTheByteBudget) {
   for (std::size_t kind = 0; kind < kKinds; ++kind) {
-    // A setup, once a second, carries texts; so does a part of a report, on request. A scene for a slow network fills datagrams, and so do
-    // shapes.
+    // A setup, once a second, carries texts; so does a part of a report, on request. Scenes for a slow network and shapes fill datagrams.
     const bool is_geometry = kind == 16 || kind == 17 || kind == 28 || kind == 30 || kind == 33 || kind == 35;
     // The changed materials of many objects, once a second.
     const bool is_materials = kind == 21;
@@ -103,13 +102,12 @@ TEST_F(CodecTest, AForceWithoutItsObjectTouchesNoneThatIsKnown) {
   bytes.resize(bytes.size() - kLeftOut);
   Datagram decoded;
   ASSERT_EQ(Codec().decode(bytes, decoded), DecodeStatus::ok);
-  EXPECT_EQ(std::get<ForceCommand>(decoded.message).object, -1);
-  EXPECT_EQ(std::get<ForceCommand>(decoded.message).torque_nm, Vec3(Vec3::Zero()));
-  EXPECT_EQ(std::get<ForceCommand>(decoded.message).scene_time_ns, 0);
-  EXPECT_EQ(std::get<ForceCommand>(decoded.message).move_serial, 0U);
-  EXPECT_EQ(std::get<ForceCommand>(decoded.message).carve_serial, 0U);
-  EXPECT_EQ(std::get<ForceCommand>(decoded.message).shape_serial, 0U);
-  EXPECT_EQ(std::get<ForceCommand>(decoded.message).echo_sample, 9U);
+  const auto& force = std::get<ForceCommand>(decoded.message);
+  EXPECT_EQ(force.object, -1);
+  EXPECT_EQ(force.torque_nm, Vec3(Vec3::Zero()));
+  EXPECT_EQ(force.scene_time_ns, 0);
+  EXPECT_EQ((std::array{force.move_serial, force.carve_serial, force.shape_serial}), (std::array{0U, 0U, 0U}));
+  EXPECT_EQ(force.echo_sample, 9U);
 }
 
 TEST_F(CodecTest, RoundTripsDefaults) {

@@ -256,7 +256,7 @@ const std::vector<BadCall> kTools = {
     {"RelayDelayIsNan", "hapton", {"relay", "--delay-ms", "nan"}, "delay-ms"},
     {"LatencySecondsAreInfinite", "hapton", {"latency", "--seconds", "inf"}, "seconds"},
     {"TopHubIsText", "hapton", {"top", "--once", "--hub", "127.0.0.1:port"}, "port"},
-    {"MarkWithoutText", "hapton", {"mark", ""}, "needs a text"},
+    {"MarkWithoutText", "hapton", {"mark", ""}, "needs a text", 2},
     {"MarkOfTwoLines", "hapton", {"mark", "a\nb"}, "line ends"},
     {"MarkLineWithoutInput", "hapton", {"mark", "--line", "/dev/ttyS0"}, "DEVICE:PIN"},
     {"MarkLineGone", "hapton", {"mark", "--line", "FOLDER/gone:CTS"}, "cannot be opened"},

@@ -108,6 +108,8 @@ TEST_F(HaptonCommandTest, KeygenMakesTheKeysOfRolesFromAMasterKey) {
     EXPECT_EQ(key->bytes(), RoleKey(*read_key_file(path("master")), *find_node_key_role(role)).bytes());
   }
   EXPECT_THAT(run_hapton({"keygen", "--role", "io", "--master", path("master"), path("io")}).err, HasSubstr("choose one of"));
+  EXPECT_EQ(run_hapton({"keygen", "--role", "io", "--master", path("master"), path("io")}).code, 2);
+  EXPECT_EQ(run_hapton({"keygen", "--master", path("master"), path("x")}).code, 2);
   EXPECT_THAT(run_hapton({"keygen", "--role", "tool", "--master", path("vision"), path("x")}).err, HasSubstr("is the key of role vision"));
   EXPECT_THAT(run_hapton({"keygen", "--master", path("master"), path("x")}).err, HasSubstr("--role"));
   EXPECT_FALSE(std::filesystem::exists(path("x")));

@@ -69,7 +69,7 @@ CheckFindings check_cost(const StepCost& cost, double rate_hz) {
   const bool is_slow = static_cast<double>(cost.worst_ns) > cycle_ns || static_cast<double>(cost.p99_ns) > kStepShare * cycle_ns;
   if (!is_slow) return {};
   return {{SceneFault::too_slow, cost.worst_object, cost.worst_at_m,
-           fmt::format("a step of the force takes {:.3g} us at p99 and {:.3g} us at worst on this machine; a cycle at {:g} Hz is {:.3g} us",
+           fmt::format("a step of the force takes {:.3g} us at p99 and {:.3g} us at worst on this machine; a cycle at {:g} Hz is {:g} us",
                        1e-3 * static_cast<double>(cost.p99_ns), 1e-3 * static_cast<double>(cost.worst_ns), rate_hz, 1e-3 * cycle_ns),
            "simplify the mesh there, or lower the rate"}};
 }

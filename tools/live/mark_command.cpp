@@ -120,6 +120,10 @@ int run_line(const MarkOptions& options) {
 
 int run(const MarkOptions& options) {
   if (!options.line.empty()) return run_line(options);
+  if (const auto marker = make_marker(options.text); !marker) {
+    fmt::print(stderr, "hapton mark: {}\n", marker.error().what);
+    return 2;
+  }
   const auto sample = mark(options);
   if (!sample) {
     fmt::print(stderr, "hapton mark: {}\n", sample.error().what);

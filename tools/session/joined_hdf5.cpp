@@ -213,7 +213,8 @@ class JoinedHdf5 {
 
 Result<JoinedCounts> write_joined_hdf5(SessionReader& reader, const std::filesystem::path& path, std::span<const ObjectName> names) {
   JoinedHdf5 file(path);
-  if (!file.is_open()) return fail("{}: cannot be written as HDF5", path.string());
+  if (!file.is_open())
+    return fail("{}: cannot be written as HDF5: check that the folder can be written to and that the disk is not full", path.string());
   file.describe(reader.header());
   file.add_names(names);
   JoinedTable table(reader.header().start_ns, [&](const JoinedRow& row) { file.add(row); });

@@ -104,7 +104,8 @@ Result<void> write_tables(const SessionOptions& options) {
   return check_end(*reader);
 }
 
-std::string describe(const ReplayCounts& counts) {
+// local: forces that io_node computed itself.
+std::string describe(const ReplayCounts& counts, std::uint64_t local) {
   std::string text = fmt::format("replayed: {} steps, {} in contact; {} compared bit for bit, {} different\n", counts.steps,
                                  counts.contact_steps, counts.compared, counts.different);
   if (counts.lost_answers > 0) text += fmt::format("{} replies were lost: replayed but not compared\n", counts.lost_answers);
@@ -113,6 +114,9 @@ std::string describe(const ReplayCounts& counts) {
   if (counts.unknown_method > 0)
     text += fmt::format("{} steps not compared: the recording does not have their method, materials, moves, shapes or carves\n",
                         counts.unknown_method);
+  if (local > 0) {
+    text += fmt::format("{} forces were computed by io_node, from parts of the scene (--touch): not compared; docs/remote.md\n", local);
+  }
   if (counts.missing_states > 0) text += fmt::format("{} replies to states that are not in the recording\n", counts.missing_states);
   if (counts.missing_views > 0) text += fmt::format("{} replies with a view that is not in the recording\n", counts.missing_views);
   return text;
@@ -167,7 +171,7 @@ Result<void> feel_again(const SessionOptions& options) {
   if (done) done = comparison.finish();
   if (!done) return done;
   const ReplayCounts& counts = comparison.counts();
-  fmt::print("{}", describe(counts));
+  fmt::print("{}", describe(counts, summary.local_forces()));
   if (counts.different > 0) {
     return fail("{}: {} of {} forces differ, by {:.3g} N at most; first: {}", options.file, counts.different, counts.compared,
                 counts.max_difference_n, counts.first_difference);

@@ -59,6 +59,7 @@ void SessionSummary::add(const SessionEntry& entry, const Datagram* datagram) {
       ++cycles_;
       lateness_.record(entry.cycle.late_ns);
       max_written_n_ = std::max(max_written_n_, entry.cycle.written_n.norm());
+      local_forces_ += entry.cycle.local ? 1 : 0;
       missed_ += entry.cycle.missed;
       if (entry.cycle.cause != MissCause::none) ++causes_[entry.cycle.cause];
       return;
@@ -129,6 +130,7 @@ std::string SessionSummary::to_text(const SessionHeader& header) const {
   }
   text +=
       fmt::format("forces: {} in contact, maximum requested {:.3f} N, maximum written {:.3f} N\n", contact_, max_force_n_, max_written_n_);
+  if (local_forces_ > 0) text += fmt::format("forces computed by io_node, from parts of the scene: {}\n", local_forces_);
   if (round_trip_.count() > 0) text += fmt::format("sample to force: {}\n", quantiles(round_trip_));
   if (lateness_.count() > 0) text += fmt::format("cycles: {}, late by {}\n", cycles_, quantiles(lateness_));
   if (missed_ + causes_.size() > 0) {

@@ -28,6 +28,8 @@ class SessionSummary {
   const MaterialStates& materials() const { return materials_; }
   const ObjectMoves& moves() const { return moves_; }
   RecordedCarves carves() const;
+  // Cycles whose force io_node computed itself, from parts of the scene. No reply of the haptics node has them.
+  std::uint64_t local_forces() const { return local_forces_; }
 
  private:
   struct Traffic {
@@ -56,6 +58,7 @@ class SessionSummary {
   std::uint64_t contact_ = 0;
   double max_force_n_ = 0.0;
   double max_written_n_ = 0.0;
+  std::uint64_t local_forces_ = 0;
   LatencyHistogram round_trip_;
   LatencyHistogram lateness_;
   std::uint64_t cycles_ = 0;

@@ -95,6 +95,16 @@ TEST_F(SessionSummaryTest, SaysWhatWasFelt) {
   EXPECT_THAT(text(), HasSubstr("max 2000.0 us, n 2\n")) << "from the sample to its force";
 }
 
+// No reply has them, so nobody finds them among the forces that a replay compares.
+TEST_F(SessionSummaryTest, CountsTheForcesThatIoNodeComputed) {
+  add_cycle(10, {.sample = 1});
+  EXPECT_THAT(text(), Not(HasSubstr("computed by io_node")));
+  add_cycle(11, {.sample = 2, .local = CycleLocal{Vec3(1, 0, 0), Vec3::Zero(), 0}});
+  add_cycle(12, {.sample = 3, .local = CycleLocal{Vec3::Zero(), Vec3::Zero(), -1}});
+  EXPECT_THAT(text(), HasSubstr("forces computed by io_node, from parts of the scene: 2\n"));
+  EXPECT_EQ(summary.local_forces(), 2U);
+}
+
 TEST_F(SessionSummaryTest, SaysWhatIsMissing) {
   add_cycle(1, {.sample = 10, .late_ns = 5000});
   add_cycle(2, {.sample = 11, .missed = 2, .cause = MissCause::late_wake_up});
