@@ -95,7 +95,15 @@ Vec3 FreeFlight::clear_of_surfaces(const Vec3& p, double farthest) noexcept {
   });
   if (count == 0) return p;
   const ConstrainedMotion off = constrain_motion(Vec3::Zero(), std::span<const ContactPlane>(planes_.data(), count));
-  return off.solved && off.motion.norm() <= farthest ? Vec3(p + off.motion) : p;
+  if (!off.solved || !(off.motion.norm() <= farthest)) return p;
+  // In a narrow corner that is farther than the offset, and another triangle may be in the way.
+  const Vec3 clear = p + off.motion;
+  bool is_in_the_way = false;
+  surfaces_.geometry().for_each_overlapping(Box::around(p, clear), [&](std::uint32_t id) {
+    is_in_the_way = is_in_the_way || (surfaces_.geometry().pierce(id, p, clear).time <= 1.0 && surfaces_.can_touch(id, p) &&
+                                      surfaces_.geometry().separation(id, p).distance >= clearance_.offset);
+  });
+  return is_in_the_way ? p : clear;
 }
 
 Vec3 FreeFlight::off_surface(const Vec3& p) const noexcept {

@@ -195,7 +195,7 @@ bool ProxyMethod::is_beside_surface(const Vec3& p) const noexcept {
 // tip, where the other face is not in the way.
 void ProxyMethod::lift_off_surface() noexcept {
   constexpr double kFarther = 8.0;
-  constexpr int kMostFarther = 4;
+  constexpr int kMostTries = 5;
   const auto is_in_the_way = [&](const Vec3& p, const Vec3& to, std::uint32_t own) {
     bool any = false;
     geometry_.for_each_overlapping(Box::around(p, to), [&](std::uint32_t id) {
@@ -203,18 +203,18 @@ void ProxyMethod::lift_off_surface() noexcept {
     });
     return any;
   };
-  SurfacePoint::Inside from = surface_.at().inside(kBeside * kContactOffset);
-  const ContactTriangle shape = surfaces_.shape_of(from.triangle);
-  double room = std::numeric_limits<double>::infinity();
-  for (int k = 0; k < 3; ++k) room = std::min(room, shape.inside(k, from.point) / shape.length(k));
-  Vec3 lifted = from.point + clearance_.offset * from.normal;
+  const ContactTriangle shape = surfaces_.shape_of(surface_.at().a().id);
   double beside = kBeside * kContactOffset;
-  for (int i = 0; i < kMostFarther && is_in_the_way(from.point, lifted, from.triangle); ++i) {
-    beside *= kFarther;
+  SurfacePoint::Inside from;
+  Vec3 lifted;
+  for (int i = 0; i < kMostTries; ++i, beside *= kFarther) {
     from = surface_.at().inside(beside);
+    double room = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < 3; ++k) room = std::min(room, shape.inside(k, from.point) / shape.length(k));
     lifted = from.point + clearance_.offset * from.normal;
+    if (room < kNarrow * kContactOffset && is_beside_surface(lifted)) lifted = surface_.at().lifted(clearance_.offset);
+    if (!is_in_the_way(from.point, lifted, from.triangle)) break;
   }
-  if (room < kNarrow * kContactOffset && is_beside_surface(lifted)) lifted = surface_.at().lifted(clearance_.offset);
   const bool slides = surface_.slides();
   surface_.leave();
   sphere_.stop_tracking();

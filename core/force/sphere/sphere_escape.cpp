@@ -131,7 +131,8 @@ bool SphereFollower::leave_corner(const Vec3& device, const Vec3& motion) noexce
   constexpr int kMostDirections = 8;
   const Vec3 pull = device - cone_.apex();
   TangentCone::Steepest steepest = cone_.find_steepest(pull);
-  if (!(steepest.slope > least_corner_exit(pull))) return cone_.is_reentrant() && leave_fold(device, motion);
+  // At the end of a groove that leads neither in nor out, the point stays.
+  if (steepest.slope < -least_corner_exit(pull)) return cone_.is_reentrant() && leave_fold(device, motion);
   for (int i = 0; i < kMostDirections && steepest.slope > least_corner_exit(pull); ++i) {
     for (const double wide : kWide) {
       const double radius = wide * clearance_.offset;
