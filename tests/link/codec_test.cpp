@@ -39,8 +39,7 @@ TEST_F(CodecTest, KeepsWithinTheByteBudget) {
   for (std::size_t kind = 0; kind < kKinds; ++kind) {
     // A setup, once a second, carries texts; so does a part of a report, on request. Scenes for a slow network and shapes fill datagrams.
     const bool is_geometry = kind == 16 || kind == 17 || kind == 28 || kind == 30 || kind == 33 || kind == 35;
-    // The changed materials of many objects, once a second.
-    const bool is_materials = kind == 21;
+    const bool is_materials = kind == 21;  // the changed ones of many objects, once a second
     const std::size_t most = is_geometry || is_materials ? 1168U : kind == 10 ? 900U : kind == 12 ? 1000U : 300U;
     const Datagram drawn = random_.draw(kind);
     EXPECT_LE(encode(drawn).size(), most + length_of_text(drawn.message) + length_of_push(drawn.message)) << "kind " << kind;
