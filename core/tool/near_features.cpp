@@ -115,9 +115,9 @@ bool NearFeatures::extend(const RigidMotion& motion, double distance) noexcept {
     const SweptTriangle& tool = swept(worker, own, path, distance);
     const ObjectGeometry::Corners c = scene_->corners(id);
     const PlacedTriangle scene(c.a, c.b, c.c);
-    const PlaneGap plane = find_plane_gap(tool, scene);
-    const double gap = plane.gap;
-    if (plane.is_apart) return PatchFront::Visited{gap, gap, true, plane.normal, plane.height};
+    bool apart = false;
+    const double gap = find_plane_gap(tool, scene, apart);
+    if (apart) return PatchFront::Visited{gap, gap, true};
     FeaturePair pair;
     pair.tool_triangle = own;
     pair.scene_triangle = id;
@@ -156,7 +156,7 @@ const NearFeatures::SweptTriangle& NearFeatures::swept(Worker& worker, std::uint
   return tool;
 }
 
-NearFeatures::PlaneGap NearFeatures::find_plane_gap(const SweptTriangle& tool, const PlacedTriangle& scene) noexcept {
+double NearFeatures::find_plane_gap(const SweptTriangle& tool, const PlacedTriangle& scene, bool& apart) noexcept {
   struct Range {
     double low = std::numeric_limits<double>::infinity();
     double high = -std::numeric_limits<double>::infinity();
@@ -182,29 +182,12 @@ NearFeatures::PlaneGap NearFeatures::find_plane_gap(const SweptTriangle& tool, c
   const double span = (tool.corner[0] - scene.corner[0]).cwiseAbs().sum() + tool.box.diagonal() + scene.box.diagonal();
   const double scene_blur = scene.blur * span;
   const double tool_blur = tool.blur * span;
-  PlaneGap found;
-  const double by_scene = scene.length > 0.0 ? (still.from_zero() - scene_blur) / scene.length : 0.0;
-  const double by_tool = tool.length > 0.0 ? (other.from_zero() - tool_blur) / tool.length : 0.0;
-  found.gap = std::max({found.gap, by_scene, by_tool});
-  if (moved.from_zero() > tool.reach * scene.length + scene_blur) {
-    found.is_apart = true;
-    found.height = by_scene;
-    found.normal = scene.normal / (still.low > 0.0 ? scene.length : -scene.length);
-  }
-  if (std::max(other.low - end.high, end.low - other.high) > tool.reach * tool.length + tool_blur &&
-      (!found.is_apart || by_tool > found.height)) {
-    found.is_apart = true;
-    found.height = by_tool;
-    found.normal = tool.normal / (other.low > 0.0 ? -tool.length : tool.length);
-  }
-  for (int k = 0; k < 3 && !found.is_apart; ++k) {
-    const bool is_above = tool.swept.low[k] > scene.box.high[k];
-    if (!is_above && tool.swept.high[k] >= scene.box.low[k]) continue;
-    found.is_apart = true;
-    found.height = is_above ? tool.box.low[k] - scene.box.high[k] : scene.box.low[k] - tool.box.high[k];
-    found.normal[k] = is_above ? 1.0 : -1.0;
-  }
-  return found;
+  apart = !tool.swept.overlaps(scene.box) || moved.from_zero() > tool.reach * scene.length + scene_blur ||
+          std::max(other.low - end.high, end.low - other.high) > tool.reach * tool.length + tool_blur;
+  double gap = 0.0;
+  if (scene.length > 0.0) gap = std::max(gap, (still.from_zero() - scene_blur) / scene.length);
+  if (tool.length > 0.0) gap = std::max(gap, (other.from_zero() - tool_blur) / tool.length);
+  return gap;
 }
 
 void NearFeatures::add_vertices(FeaturePair& pair, Visit& visit) const noexcept {

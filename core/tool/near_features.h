@@ -127,14 +127,8 @@ class NearFeatures {
   NearFeatures(const ObjectGeometry& tool, std::shared_ptr<const ToolSurface> surface, const TouchGeometry& scene, WorkerTeam& team);
 
   const SweptTriangle& swept(Worker& worker, std::uint32_t triangle, const SweptMotion& motion, double distance) const noexcept;
-  // How far apart two triangles are at least, and the plane that separates them over the motion, if there is one.
-  struct PlaneGap {
-    double gap = 0.0;
-    bool is_apart = false;
-    Vec3 normal = Vec3::Zero();  // of that plane: unit, from the scene to the tool
-    double height = -1.0;        // how far they are apart along it at the start
-  };
-  static PlaneGap find_plane_gap(const SweptTriangle& tool, const PlacedTriangle& scene) noexcept;
+  // How far apart the triangles are at least; `apart` if a plane of either, held fixed, separates them over the motion.
+  static double find_plane_gap(const SweptTriangle& tool, const PlacedTriangle& scene, bool& apart) noexcept;
   // These add features that matter to what the worker has found.
   void add_vertices(FeaturePair& pair, Visit& visit) const noexcept;
   void add_edges(FeaturePair& pair, Visit& visit) const noexcept;

@@ -75,10 +75,9 @@ float squared(const Floats4& lengths) {
   return squares[0] + squares[1] + squares[2];
 }
 
-int largest_of(const Floats4& a, const Floats4& b) {
+float largest_of(const Floats4& a, const Floats4& b) {
   const Floats4 both = larger(a, b);
-  const int k = both[0] >= both[1] ? (both[0] >= both[2] ? 0 : 2) : (both[1] >= both[2] ? 1 : 2);
-  return a[k] >= b[k] ? k : 3 + k;
+  return std::max({both[0], both[1], both[2]});
 }
 
 }  // namespace
@@ -93,8 +92,7 @@ PatchFront::PatchFront(const PatchTree& tool, const PatchTree& scene, double rad
       until_(kMostEnded),
       lowest_(kMostEnded / kBlock),
       rest_until_(kMostEnded),
-      visited_in_(kMostEnded),
-      planes_(kMostEnded, radius) {
+      visited_in_(kMostEnded) {
   places_.reserve(kMostEnded);
   for (Walker& walker : walkers_) {
     walker.boxes.resize(kBoxes);
@@ -103,7 +101,7 @@ PatchFront::PatchFront(const PatchTree& tool, const PatchTree& scene, double rad
 }
 
 void PatchFront::ToolBox::place(const PatchTree::Node& tool, const SweptMotion& motion) {
-  arm = motion.orientation * tool.at();
+  const Vec3 arm = motion.orientation * tool.at();
   half = tool.half_size();
   half_lanes = lanes_of(half);
   for (int i = 0; i < 3; ++i) axes.col(i) = motion.orientation * tool.axis(i);
@@ -111,10 +109,9 @@ void PatchFront::ToolBox::place(const PatchTree::Node& tool, const SweptMotion& 
   centre = motion.from.position + arm;
   displacement = motion.displacement(arm);
   displacement_lanes = along(lanes, lanes_of(displacement));
-  radius = half.norm() * (1.0 + 0x1p-18);
+  const double radius = half.norm();
   const double length = arm.norm();
-  rounding = 0x1p-45 * (1.0 + length + radius);
-  still_slack = 0x1p-17 * radius + rounding;  // the axes are orthonormal to 2^-20, and tests are in single precision
+  still_slack = 0x1p-17 * radius + 0x1p-45 * (1.0 + length);  // the axes are orthonormal to 2^-20, and tests are in single precision
   slack = still_slack + motion.angle * radius + motion.sagitta * (length + radius) + 0x1p-20 * displacement.cwiseAbs().sum();
 }
 
@@ -156,8 +153,6 @@ PatchFront::Apart PatchFront::test(const ToolBox& tool, const PatchTree::Node& s
   const Floats4 still_tool = absolute(by_tool) - (tool.half_lanes + scene_size);
   const Floats4 moved_scene = still_scene + approach(by_scene, along(axes, lanes_of(tool.displacement)));
   const Floats4 moved_tool = still_tool + approach(by_tool, tool.displacement_lanes);
-  const int axis = largest_of(moved_scene, moved_tool);
-  const float moved = axis < 3 ? moved_scene[axis] : moved_tool[axis - 3];
   // The axes are orthonormal to 2^-20. A sum of three products is rounded by at most 6 * 2^-24 of the sum of their sizes, and what is added
   // to it by as much again; tool.slack has what is the tool's.
   const double rounding =
@@ -165,21 +160,7 @@ PatchFront::Apart PatchFront::test(const ToolBox& tool, const PatchTree::Node& s
   constexpr double kAxisLength = 1.0 - 0x1p-19;  // at least, with the rounding of the root
   // Gaps along axes that are at right angles add up.
   return {std::sqrt(std::max(squared(still_scene), squared(still_tool))) * kAxisLength - 2.0 * (rounding + tool.still_slack),
-          moved * kAxisLength - rounding - tool.slack > clearance, axis};
-}
-
-SeparatingPlanes::Plane PatchFront::plane_between(const ToolBox& tool, const PatchTree::Node& scene, int axis) noexcept {
-  const Vec3 along_axis = axis < 3 ? scene.axis(axis) : Vec3(tool.axes.col(axis - 3));
-  const Vec3 between = tool.centre - scene.at();
-  const Vec3 normal = along_axis / (along_axis.dot(between) < 0.0 ? -along_axis.norm() : along_axis.norm());
-  double gap = normal.dot(between);
-  for (int i = 0; i < 3; ++i)
-    gap -= std::fabs(normal.dot(tool.axes.col(i))) * tool.half[i] + std::fabs(normal.dot(scene.axis(i))) * scene.half[i];
-  return {normal, gap - tool.rounding, tool.arm, tool.radius};
-}
-
-SeparatingPlanes::Plane PatchFront::plane_between(const ToolBox& tool, const Visited& found) noexcept {
-  return {found.normal, found.plane_gap - tool.rounding, tool.arm, tool.radius};
+          largest_of(moved_scene, moved_tool) * kAxisLength - rounding - tool.slack > clearance};
 }
 
 void PatchFront::begin(const SweptMotion& motion, double distance) noexcept {
@@ -192,7 +173,6 @@ void PatchFront::begin(const SweptMotion& motion, double distance) noexcept {
     walker.added.clear();
     walker.tests = 0;
   }
-  planes_.begin(motion, distance);
   if (count_ == 0 || count_ > 2 * first_count_ + 64) begin_at_roots(motion, distance);
   find_places(-rounded_down(-(travelled_ + motion.shift.norm() + radius_ * motion.angle + distance + rounding)));
 }
@@ -208,27 +188,15 @@ void PatchFront::find_places(float enough) noexcept {
     Floats8 lowest = kFar;
     const std::size_t end = std::min((block + 1) * kBlock, count_);
     for (std::size_t i = block * kBlock; i < end; i += kLanes) {
-      Floats8 until = floats_at(&until_[i]);
-      if (any_below(until, enough)) {
-        find_places(i, std::min(i + kLanes, end), enough);
-        until = floats_at(&until_[i]);
+      const Floats8 until = floats_at(&until_[i]);
+      const std::size_t last = any_below(until, enough) ? std::min(i + kLanes, end) : i;
+      for (std::size_t k = i; k < last; ++k) {
+        if (until_[k] <= enough && (visited_in_[k] != epoch_ || rest_until_[k] <= enough)) places_.push_back(static_cast<std::uint32_t>(k));
       }
       lowest = lowest < until ? lowest : until;
     }
     // The walk changes what it begins at.
     lowest_[block] = places_.size() > before ? -std::numeric_limits<float>::infinity() : least_of(lowest);
-  }
-}
-
-void PatchFront::find_places(std::size_t begin, std::size_t end, float enough) noexcept {
-  for (std::size_t i = begin; i < end; ++i) {
-    if (until_[i] > enough || (visited_in_[i] == epoch_ && rest_until_[i] > enough)) continue;
-    float gap = 0.0F;
-    if (planes_.separates(i, gap)) {
-      until_[i] = std::max(until_[i], rounded_down(travelled_ + gap));
-    } else {
-      places_.push_back(static_cast<std::uint32_t>(i));
-    }
   }
 }
 
@@ -249,12 +217,12 @@ void PatchFront::begin_at_roots(const SweptMotion& motion, double distance) noex
       ended_[count_++] = is_tool ? Pair{link + 1, pair.scene} : Pair{pair.tool, link + 1};
     }
   }
-  for (std::size_t i = 0; i < count_; ++i) put(i, {ended_[i], -1.0F, -1.0F, 0, {}});
+  for (std::size_t i = 0; i < count_; ++i) put(i, {ended_[i], -1.0F, -1.0F, 0});
   std::fill(lowest_.begin(), lowest_.end(), -std::numeric_limits<float>::infinity());
 }
 
 PatchFront::End PatchFront::end_of(Pair pair, double distance, double rest, std::uint32_t place) const noexcept {
-  return {pair, rounded_down(travelled_ + distance), rounded_down(travelled_ + rest), place, {}};
+  return {pair, rounded_down(travelled_ + distance), rounded_down(travelled_ + rest), place};
 }
 
 void PatchFront::put(std::size_t i, const End& end) noexcept {
@@ -262,7 +230,6 @@ void PatchFront::put(std::size_t i, const End& end) noexcept {
   until_[i] = end.until;
   rest_until_[i] = end.rest_until;
   visited_in_[i] = epoch_;
-  planes_.put(i, end.plane);
 }
 
 bool PatchFront::finish() noexcept {

@@ -10,7 +10,6 @@
 #include "core/base/worker_team.h"
 #include "core/geometry/triangle_distance.h"
 #include "core/tool/patch_tree.h"
-#include "core/tool/separating_planes.h"
 #include "core/tool/swept_motion.h"
 
 namespace hapton {
@@ -20,8 +19,7 @@ namespace hapton {
 // motion along a surface, boxes on both sides of the gap stay separate.
 //
 // The pairs of boxes at which a walk ended are kept, each with a lower bound of its distance (front tracking, Li & Chen 1998). The next
-// walk begins there, and tests again only the pairs that the tool's motion since then and during the walk could bring close enough: neither
-// the length of the motion nor the plane that separated the pair (SeparatingPlanes) tells that they stay apart.
+// walk begins there, and tests again only the pairs that the tool's motion since then and during the walk could bring close enough.
 //
 // These pairs are distributed among the workers of a team. Their results are merged in the order of the pairs, so that the front, and
 // whether a walk ends early, is the same with any number of workers.
@@ -45,10 +43,6 @@ class PatchFront {
     double gap;    // lower bound of the distance at the start of the motion, of the features that matter to the visitor
     double rest;   // the same for the features that it has not found before
     bool goes_on;  // false ends the walk
-    // A plane that separates the triangles over the motion, if there is one: its unit normal from the scene to the tool, and how far they
-    // are apart along it at the start.
-    Vec3 normal = Vec3::Zero();
-    double plane_gap = -1.0;
   };
   // From now on no features count as found before.
   void forget() noexcept { ++epoch_; }
@@ -78,7 +72,6 @@ class PatchFront {
     std::uint64_t walk = 0;  // that it was made for
     std::uint32_t node = 0;
     Vec3 centre;  // scene frame
-    Vec3 arm;     // from the grip point to the centre
     Vec3 half;
     Vec3 displacement;  // of the centre
     Mat3 axes;          // columns
@@ -86,15 +79,12 @@ class PatchFront {
     Floats4 lanes[3];  // of the axes, by coordinate
     Floats4 half_lanes;
     Floats4 displacement_lanes;  // along the axes
-    double radius = 0.0;         // no point of the box is farther from its centre
     double slack = 0.0;          // most that the displacement of a point of the box differs from that of the centre, with rounding
     double still_slack = 0.0;    // the part of rounding alone
-    double rounding = 0.0;       // of a plane's gap
   };
   struct Apart {
     double distance;  // lower bound at the start of the motion
     bool over_motion;
-    int axis;  // along which they are farthest apart over the motion: 0 to 2 of the scene's box, 3 to 5 of the tool's
   };
   // A pair where a walk has ended.
   struct End {
@@ -102,7 +92,6 @@ class PatchFront {
     float until;       // lower bound of its distance, plus what the tool had travelled then
     float rest_until;  // the same without what visitors know
     std::uint32_t place;
-    SeparatingPlanes::Plane plane;
   };
   // What one worker has of a walk.
   struct Walker {
@@ -116,13 +105,10 @@ class PatchFront {
   // Prepares a walk: which pairs it begins at.
   void begin(const SweptMotion& motion, double distance) noexcept;
   void find_places(float enough) noexcept;
-  void find_places(std::size_t begin, std::size_t end, float enough) noexcept;
   void begin_at_roots(const SweptMotion& motion, double distance) noexcept;
   // Puts the walkers' ends together. False if there is no room, or there were too many tests.
   bool finish() noexcept;
   End end_of(Pair pair, double distance, double rest, std::uint32_t place) const noexcept;
-  static SeparatingPlanes::Plane plane_between(const ToolBox& tool, const PatchTree::Node& scene, int axis) noexcept;
-  static SeparatingPlanes::Plane plane_between(const ToolBox& tool, const Visited& found) noexcept;
   void put(std::size_t i, const End& end) noexcept;
   bool splits_tool(Pair pair) const noexcept;
   bool is_end(Pair pair) const noexcept;  // two leaves
@@ -148,7 +134,6 @@ class PatchFront {
   std::vector<float> rest_until_;          // see End; of pairs that visitors have seen
   std::vector<std::uint64_t> visited_in_;  // epoch in which rest_until_ was found
   std::uint64_t epoch_ = 1;                // counts up when visitors forget
-  SeparatingPlanes planes_;
   std::size_t count_ = 0;
   std::vector<std::uint32_t> places_;  // of the walk: the pairs that it begins at
   std::size_t first_count_ = 0;        // of the walk from the roots
@@ -201,13 +186,11 @@ bool PatchFront::descend(Turn turn, const SweptMotion& motion, double distance, 
     if (++walker.tests > kMostTests) return false;
     const PatchTree::Node& tool = tool_->nodes()[pair.tool];
     const PatchTree::Node& scene = scene_->nodes()[pair.scene];
-    const ToolBox& box = placed(walker, pair.tool, motion);
-    const Apart apart = test(box, scene, distance);
+    const Apart apart = test(placed(walker, pair.tool, motion), scene, distance);
     if (apart.over_motion || is_end(pair)) {
       const Visited found = apart.over_motion ? Visited{0.0, 0.0, true} : visit(turn, tool_->triangle(tool), scene_->triangle(scene));
       if (!found.goes_on) return false;
-      End end = end_of(pair, std::max(apart.distance, found.gap), std::max(apart.distance, found.rest), turn.place);
-      end.plane = apart.over_motion ? plane_between(box, scene, apart.axis) : plane_between(box, found);
+      const End end = end_of(pair, std::max(apart.distance, found.gap), std::max(apart.distance, found.rest), turn.place);
       if (!has_replaced) {
         put(from, end);
         has_replaced = true;

@@ -8,27 +8,22 @@ namespace hapton {
 // arc. RT: yes.
 struct SweptMotion {
   Placement from;
-  Placement to;
   Mat3 orientation;  // at the start
   Vec3 shift;
   Mat3 turned;           // what the turn adds to an arm, along the scene's axes
   double angle = 0.0;    // of the turn
   double sagitta = 0.0;  // of an arm of length 1
 
-  explicit SweptMotion(const RigidMotion& motion) : SweptMotion(motion, turn_by(motion.turn)) {}
+  explicit SweptMotion(const RigidMotion& motion)
+      : from(motion.from),
+        orientation(motion.from.orientation.toRotationMatrix()),
+        shift(motion.shift),
+        turned(turn_by(motion.turn).toRotationMatrix() - Mat3::Identity()),
+        angle(motion.turn.norm()),
+        sagitta(0.125 * angle * angle) {}
 
   // From start to end, of a point of the tool with an arm along the scene's axes.
   Vec3 displacement(const Vec3& arm) const { return shift + turned * arm; }
-
- private:
-  SweptMotion(const RigidMotion& motion, const Quat& turn)
-      : from(motion.from),
-        to{motion.from.position + motion.shift, (turn * motion.from.orientation).normalized()},
-        orientation(motion.from.orientation.toRotationMatrix()),
-        shift(motion.shift),
-        turned(turn.toRotationMatrix() - Mat3::Identity()),
-        angle(motion.turn.norm()),
-        sagitta(0.125 * angle * angle) {}
 };
 
 }  // namespace hapton
