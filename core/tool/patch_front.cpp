@@ -10,73 +10,37 @@ namespace {
 
 using Floats4 = float __attribute__((vector_size(16)));
 
-Floats4 lanes_of(const Vec3& v) { return Floats4{static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), 0.0F}; }
+Lanes4 lanes_of(const Vec3& v) { return Lanes4{v.x(), v.y(), v.z(), 0.0}; }
 
 // Of three numbers; the last lane is of no use.
-Floats4 lanes_at(const float* from) {
+Lanes4 lanes_at(const float* from) {
   Floats4 four;
   std::memcpy(&four, from, sizeof(four));
-  return four;
+  return __builtin_convertvector(four, Lanes4);
 }
 
-Floats4 larger(const Floats4& a, const Floats4& b) { return a > b ? a : b; }
-Floats4 absolute(const Floats4& x) { return larger(x, -x); }
+Lanes4 absolute(const Lanes4& x) { return detail::lane_max(x, -x); }
 
 // The components of v along axes that are given by coordinate.
-Floats4 along(const Floats4 (&axes)[3], const Floats4& v) { return v[0] * axes[0] + v[1] * axes[1] + v[2] * axes[2]; }
+Lanes4 along(const Lanes4 (&axes)[3], const Vec3& v) { return v.x() * axes[0] + v.y() * axes[1] + v.z() * axes[2]; }
 
 // What a motion adds to the distance of something at `at` from zero, where it is nearer after it.
-Floats4 approach(const Floats4& at, const Floats4& motion) {
-  const Floats4 away = at < 0.0F ? -motion : motion;
-  return away < 0.0F ? away : Floats4{};
-}
-
-// The first three lanes of each, as rows, added up by column: lane j of the result is the sum of vector j.
-Floats4 sums_of(const Floats4& a, const Floats4& b, const Floats4& c) {
-  const Floats4 low = __builtin_shufflevector(a, b, 0, 4, 1, 5);
-  const Floats4 high = __builtin_shufflevector(a, b, 2, 6, 2, 6);
-  const Floats4 first = __builtin_shufflevector(low, c, 0, 1, 4, 4);
-  const Floats4 second = __builtin_shufflevector(low, c, 2, 3, 5, 5);
-  const Floats4 third = __builtin_shufflevector(high, c, 0, 1, 6, 6);
-  return first + second + third;
-}
-
-using Floats8 = float __attribute__((vector_size(32)));
-
-constexpr std::size_t kLanes = 8;
-constexpr float kFarAway = std::numeric_limits<float>::infinity();
-constexpr Floats8 kFar = {kFarAway, kFarAway, kFarAway, kFarAway, kFarAway, kFarAway, kFarAway, kFarAway};
-
-Floats8 floats_at(const float* from) {
-  Floats8 eight;
-  std::memcpy(&eight, from, sizeof(eight));
-  return eight;
-}
-
-bool any_below(const Floats8& x, float bound) {
-  const auto below = x <= bound;
-  std::uint64_t masks[4];
-  std::memcpy(masks, &below, sizeof(masks));
-  return ((masks[0] | masks[1]) | (masks[2] | masks[3])) != 0;
-}
-
-float least_of(const Floats8& x) {
-  float least = x[0];
-  for (std::size_t k = 1; k < kLanes; ++k) least = std::min(least, x[k]);
-  return least;
+Lanes4 approach(const Lanes4& at, const Lanes4& motion) {
+  const Lanes4 away = at < 0.0 ? -motion : motion;
+  return detail::lane_min(away, Lanes4{});
 }
 
 float rounded_down(double x) { return static_cast<float>(x - std::fabs(x) * 0x1p-22 - 0x1p-100); }
 
 // Of the positive ones of three lengths.
-float squared(const Floats4& lengths) {
-  const Floats4 positive = larger(lengths, Floats4{});
-  const Floats4 squares = positive * positive;
+double squared(const Lanes4& lengths) {
+  const Lanes4 positive = detail::lane_max(lengths, Lanes4{});
+  const Lanes4 squares = positive * positive;
   return squares[0] + squares[1] + squares[2];
 }
 
-float largest_of(const Floats4& a, const Floats4& b) {
-  const Floats4 both = larger(a, b);
+double largest_of(const Lanes4& a, const Lanes4& b) {
+  const Lanes4 both = detail::lane_max(a, b);
   return std::max({both[0], both[1], both[2]});
 }
 
@@ -108,11 +72,11 @@ void PatchFront::ToolBox::place(const PatchTree::Node& tool, const SweptMotion& 
   for (int k = 0; k < 3; ++k) lanes[k] = lanes_of(axes.row(k).transpose());
   centre = motion.from.position + arm;
   displacement = motion.displacement(arm);
-  displacement_lanes = along(lanes, lanes_of(displacement));
+  displacement_lanes = along(lanes, displacement);
   const double radius = half.norm();
   const double length = arm.norm();
-  still_slack = 0x1p-17 * radius + 0x1p-45 * (1.0 + length);  // the axes are orthonormal to 2^-20, and tests are in single precision
-  slack = still_slack + motion.angle * radius + motion.sagitta * (length + radius) + 0x1p-20 * displacement.cwiseAbs().sum();
+  still_slack = 0x1p-18 * radius + 0x1p-45 * (1.0 + length);  // the axes are orthonormal to 2^-20
+  slack = still_slack + motion.angle * radius + motion.sagitta * (length + radius);
 }
 
 const PatchFront::ToolBox& PatchFront::placed(Walker& walker, std::uint32_t node, const SweptMotion& motion) const noexcept {
@@ -133,31 +97,26 @@ bool PatchFront::splits_tool(Pair pair) const noexcept {
   return !tool.is_leaf() && (scene.is_leaf() || tool.half[2] > scene.half[2]);
 }
 
-// In single precision, which the boxes are stored in. Only the vector between the boxes' centres is a difference of large numbers.
 PatchFront::Apart PatchFront::test(const ToolBox& tool, const PatchTree::Node& scene, double clearance) noexcept {
-  const Floats4 axes[3] = {lanes_at(scene.axes[0].data()), lanes_at(scene.axes[1].data()), lanes_at(scene.axes[2].data())};
-  const Floats4 half = {scene.half[0], scene.half[1], scene.half[2], 0.0F};  // what follows them is no number
-  const Vec3 difference = tool.centre - scene.at();
-  const Floats4 between = lanes_of(difference);
-  // The cosines between the axes of both; by axis of the tool, then of the scene.
-  Floats4 cosines[3];
-  for (int i = 0; i < 3; ++i) {
-    cosines[i] = absolute(tool.lanes[0][i] * axes[0] + tool.lanes[1][i] * axes[1] + tool.lanes[2][i] * axes[2]);
-  }
+  const Lanes4 axes[3] = {lanes_at(scene.axes[0].data()), lanes_at(scene.axes[1].data()), lanes_at(scene.axes[2].data())};
+  const Vec3 half = scene.half_size();
+  const Vec3 between = tool.centre - scene.at();
   // The sizes of each body's box along the other's axes.
-  const Floats4 tool_size = cosines[0] * tool.half_lanes[0] + cosines[1] * tool.half_lanes[1] + cosines[2] * tool.half_lanes[2];
-  const Floats4 scene_size = sums_of(cosines[0] * half, cosines[1] * half, cosines[2] * half);
-  const Floats4 by_scene = along(axes, between);
-  const Floats4 by_tool = along(tool.lanes, between);
-  const Floats4 still_scene = absolute(by_scene) - (half + tool_size);
-  const Floats4 still_tool = absolute(by_tool) - (tool.half_lanes + scene_size);
-  const Floats4 moved_scene = still_scene + approach(by_scene, along(axes, lanes_of(tool.displacement)));
-  const Floats4 moved_tool = still_tool + approach(by_tool, tool.displacement_lanes);
-  // The axes are orthonormal to 2^-20. A sum of three products is rounded by at most 6 * 2^-24 of the sum of their sizes, and what is added
-  // to it by as much again; tool.slack has what is the tool's.
-  const double rounding =
-      0x1p-17 * (static_cast<double>(scene.half[0]) + scene.half[1] + scene.half[2]) + 0x1p-20 * difference.cwiseAbs().sum();
-  constexpr double kAxisLength = 1.0 - 0x1p-19;  // at least, with the rounding of the root
+  Lanes4 tool_size{};
+  Lanes4 scene_size{};
+  for (int i = 0; i < 3; ++i) {
+    tool_size += absolute(along(axes, tool.axes.col(i))) * tool.half[i];
+    scene_size += absolute(along(tool.lanes, scene.axis(i))) * half[i];
+  }
+  const Lanes4 by_scene = along(axes, between);
+  const Lanes4 by_tool = along(tool.lanes, between);
+  const Lanes4 still_scene = absolute(by_scene) - (lanes_of(half) + tool_size);
+  const Lanes4 still_tool = absolute(by_tool) - (tool.half_lanes + scene_size);
+  const Lanes4 moved_scene = still_scene + approach(by_scene, along(axes, tool.displacement));
+  const Lanes4 moved_tool = still_tool + approach(by_tool, tool.displacement_lanes);
+  // The axes are orthonormal to 2^-20, coordinates about 1.
+  const double rounding = 0x1p-18 * half.sum() + 0x1p-45 * between.cwiseAbs().sum();
+  constexpr double kAxisLength = 1.0 - 0x1p-20;  // at least
   // Gaps along axes that are at right angles add up.
   return {std::sqrt(std::max(squared(still_scene), squared(still_tool))) * kAxisLength - 2.0 * (rounding + tool.still_slack),
           largest_of(moved_scene, moved_tool) * kAxisLength - rounding - tool.slack > clearance};
@@ -180,23 +139,17 @@ void PatchFront::begin(const SweptMotion& motion, double distance) noexcept {
 // A front has tens of thousands of pairs, and a walk begins at few of them.
 void PatchFront::find_places(float enough) noexcept {
   places_.clear();
-  // The room past the last pair counts as far away.
-  std::fill(until_.begin() + count_, until_.begin() + (count_ + kLanes - 1) / kLanes * kLanes, std::numeric_limits<float>::infinity());
   for (std::size_t block = 0; block * kBlock < count_; ++block) {
     if (lowest_[block] > enough) continue;
     const std::size_t before = places_.size();
-    Floats8 lowest = kFar;
+    float lowest = std::numeric_limits<float>::infinity();
     const std::size_t end = std::min((block + 1) * kBlock, count_);
-    for (std::size_t i = block * kBlock; i < end; i += kLanes) {
-      const Floats8 until = floats_at(&until_[i]);
-      const std::size_t last = any_below(until, enough) ? std::min(i + kLanes, end) : i;
-      for (std::size_t k = i; k < last; ++k) {
-        if (until_[k] <= enough && (visited_in_[k] != epoch_ || rest_until_[k] <= enough)) places_.push_back(static_cast<std::uint32_t>(k));
-      }
-      lowest = lowest < until ? lowest : until;
+    for (std::size_t i = block * kBlock; i < end; ++i) {
+      lowest = std::min(lowest, until_[i]);
+      if (until_[i] <= enough && (visited_in_[i] != epoch_ || rest_until_[i] <= enough)) places_.push_back(static_cast<std::uint32_t>(i));
     }
     // The walk changes what it begins at.
-    lowest_[block] = places_.size() > before ? -std::numeric_limits<float>::infinity() : least_of(lowest);
+    lowest_[block] = places_.size() > before ? -std::numeric_limits<float>::infinity() : lowest;
   }
 }
 

@@ -65,7 +65,6 @@ class PatchFront {
     std::uint32_t tool;  // nodes
     std::uint32_t scene;
   };
-  using Floats4 = float __attribute__((vector_size(16)));
   struct ToolBox {
     void place(const PatchTree::Node& tool, const SweptMotion& motion);
 
@@ -75,12 +74,11 @@ class PatchFront {
     Vec3 half;
     Vec3 displacement;  // of the centre
     Mat3 axes;          // columns
-    // For tests, in single precision.
-    Floats4 lanes[3];  // of the axes, by coordinate
-    Floats4 half_lanes;
-    Floats4 displacement_lanes;  // along the axes
-    double slack = 0.0;          // most that the displacement of a point of the box differs from that of the centre, with rounding
-    double still_slack = 0.0;    // the part of rounding alone
+    Lanes4 lanes[3];    // of the axes, by coordinate
+    Lanes4 half_lanes;
+    Lanes4 displacement_lanes;  // along the axes
+    double slack = 0.0;         // most that the displacement of a point of the box differs from that of the centre, with rounding
+    double still_slack = 0.0;   // the part of rounding alone
   };
   struct Apart {
     double distance;  // lower bound at the start of the motion
