@@ -1,6 +1,6 @@
 """Deform an object of a scene while it is touched: a swelling travels along a block, 30 shapes a second. Usage:
-    deploy/run --scene scenes/swelling.toml &   # or io_node, haptics_node and vision_node with this scene
-    PYTHONPATH=build/release/python python3 examples/swelling_block.py [SECONDS [HUB]]"""
+    deploy/run --scene scenes/swelling.toml     # in another terminal: it prints HUB and KEY; or the three nodes with this scene
+    PYTHONPATH=build/release/python python3 examples/swelling_block.py [SECONDS [HUB [KEY]]]"""
 import os
 import sys
 import time
@@ -9,12 +9,12 @@ import numpy as np
 
 import hapton
 
-SECONDS, HUB = (sys.argv[1:] + ["60", "127.0.0.1"][len(sys.argv) - 1 :])[:2]
+SECONDS, HUB, KEY = (sys.argv[1:] + ["60", "127.0.0.1", ""][len(sys.argv) - 1 :])[:3]
 MESH = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "meshes", "supple_block.obj")
 SHAPE_S = 1 / 30
 
 rest = hapton.load_mesh(MESH, unit="mm", seal=False).vertices  # as the scene file has it: metres, and the same order
-client = hapton.Client(HUB)
+client = hapton.Client(HUB, KEY)
 begin, given = time.monotonic(), 0
 while time.monotonic() - begin < float(SECONDS):
     at = 0.045 * np.sin(1.5 * (time.monotonic() - begin))
