@@ -8,6 +8,7 @@
 
 #include "haptic_step/haptics_setup.h"
 #include "link/commanded_move.h"
+#include "link/wire_text.h"
 #include "scene/object_motion.h"
 
 namespace hapton {
@@ -19,10 +20,6 @@ void say(HapticsSetup::Text& into, fmt::format_string<Args...> text, Args&&... a
   std::array<char, std::tuple_size_v<HapticsSetup::Text> - 1> line;
   const auto end = fmt::format_to_n(line.data(), line.size(), text, std::forward<Args>(args)...);
   put_text({line.data(), std::min(end.size, line.size())}, into);
-}
-
-std::string_view text_of(const HapticsSetup::Text& text) noexcept {
-  return {text.data(), static_cast<std::size_t>(std::find(text.begin(), text.end(), '\0') - text.begin())};
 }
 
 bool is_before(const std::pair<std::string_view, std::int32_t>& one, std::string_view name) noexcept { return one.first < name; }

@@ -1,6 +1,5 @@
 #include "haptics_node/method_builder.h"
 
-#include <algorithm>
 #include <chrono>
 #include <string>
 #include <utility>
@@ -8,6 +7,7 @@
 #include "haptic_step/haptics_setup.h"
 #include "haptic_step/method_text.h"
 #include "haptics_node/haptics_report.h"
+#include "link/wire_text.h"
 #include "runtime/log.h"
 #include "runtime/start_thread.h"
 
@@ -115,7 +115,7 @@ void MethodBuilder::publish(std::unique_ptr<BuiltMethod> ready) {
 void MethodBuilder::build(const Request& request) {
   MethodSettings settings = settings_;
   settings.build_on_approach = false;
-  settings.name.assign(request.name.data(), std::find(request.name.begin(), request.name.end(), '\0') - request.name.begin());
+  settings.name.assign(text_of(request.name));
   auto method = make_(settings, scene_);
   if (!method) {
     log_warning("{}; the current method stays in use", method.error().what);

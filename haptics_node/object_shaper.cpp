@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "haptic_step/haptics_setup.h"
+#include "link/wire_text.h"
 #include "runtime/start_thread.h"
 
 namespace hapton {
@@ -13,10 +14,6 @@ namespace {
 
 // Between two looks for shapes: a small part of the time between two of them.
 constexpr std::chrono::milliseconds kShapeLook(2);
-
-std::string_view text_in(const HapticsSetup::Text& text) noexcept {
-  return {text.data(), static_cast<std::size_t>(std::find(text.begin(), text.end(), '\0') - text.begin())};
-}
 
 }  // namespace
 
@@ -67,7 +64,7 @@ std::string_view ObjectShaper::name_of(std::int32_t object) const noexcept {
 }
 
 ObjectShaper::Object* ObjectShaper::find(const ShapeRequest& part) noexcept {
-  const std::string_view name = text_in(part.object);
+  const std::string_view name = text_of(part.object);
   const auto is_it = [&](const std::unique_ptr<Object>& one) {
     return name.empty() ? one->start.object == part.number : one->is_alone && one->name == name;
   };
@@ -77,7 +74,7 @@ ObjectShaper::Object* ObjectShaper::find(const ShapeRequest& part) noexcept {
 
 // Of an object that find() does not find.
 std::string_view ObjectShaper::explain(const ShapeRequest& part) const noexcept {
-  const std::string_view name = text_in(part.object);
+  const std::string_view name = text_of(part.object);
   const bool is_number = name.empty() && static_cast<std::size_t>(part.number) < names_.size();
   const auto count = is_number ? 1 : std::count(names_.begin(), names_.end(), name);
   if (count == 0) return "no object of the scene has that name or number; hapton info lists them";

@@ -283,7 +283,7 @@ Vec3 DeviceLoop::faded(const Vec3& force_n, bool contact, bool is_new_source, st
   const std::int64_t passed_ns = now_ns - std::exchange(faded_ns_, now_ns);
   if (passed_ns >= kCommandTimeoutNs) fade_.forget();
   if (is_new_source) fade_.begin();
-  return fade_.step(force_n, contact, 1e-9 * static_cast<double>(std::clamp<std::int64_t>(passed_ns, 1, kCommandTimeoutNs)));
+  return fade_.step(force_n, contact, 1e-9 * static_cast<double>(std::max<std::int64_t>(passed_ns, 1)));
 }
 
 void DeviceLoop::show() noexcept {

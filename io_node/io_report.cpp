@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "link/udp_endpoint.h"
+#include "link/wire_text.h"
 #include "runtime/hop_table.h"
 
 namespace hapton {
@@ -199,10 +200,6 @@ void add_device(LatencyReport& report, const ServoStats& stats) {
   add("device_serial", stats.device.serial);
   add("device_firmware", stats.device.firmware);
   if (stats.device.motor_temperature >= 0.0) report.notes["motor_temperature"] = fmt::format("{:.3f}", stats.device.motor_temperature);
-}
-
-std::string text_of(const HapticsSetup::Text& text) {
-  return {text.data(), static_cast<std::size_t>(std::find(text.begin(), text.end(), '\0') - text.begin())};
 }
 
 // The scene and method, as last reported by the haptics node.

@@ -1,20 +1,9 @@
-#include <cstdint>
-#include <limits>
-
 #include "hapton.pb.h"
 #include "link/message_codec.h"
 #include "link/wire_fields.h"
 
 // The messages that move objects to and from their form in proto/hapton.proto.
 namespace hapton {
-namespace {
-
-bool read_object_number(std::uint32_t from, std::int32_t& to) {
-  to = static_cast<std::int32_t>(from);
-  return from <= static_cast<std::uint32_t>(std::numeric_limits<std::int32_t>::max());
-}
-
-}  // namespace
 
 void write(const MoveRequest& from, wire::MoveRequest& to) {
   to.set_request(from.request);

@@ -1,9 +1,9 @@
 #include "link/move_request.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
+#include "link/object_choice.h"
 #include "link/random_id.h"
 #include "link/wire_fields.h"
 
@@ -11,18 +11,6 @@ namespace hapton {
 namespace {
 
 constexpr std::int64_t kRepeatMoveNs = 100 * kNanosecondsPerMillisecond;  // a datagram may be lost
-
-Result<void> put_object(std::string_view object, MoveRequest& request) {
-  if (object.starts_with('#')) {
-    const char* const end = object.data() + object.size();
-    const auto [stop, error] = std::from_chars(object.data() + 1, end, request.number);
-    if (error == std::errc() && stop == end && request.number >= 0) return {};
-    return fail("'{}' is not the number of an object; give #N with N from 0, or its name", object);
-  }
-  if (object.empty()) return fail("no object is named; give its name, or #N with its number from 0");
-  if (!read_text(std::string(object), request.object)) return fail("the name of an object must be one line of at most 255 bytes");
-  return {};
-}
 
 Result<void> check(const MoveTarget& target) {
   if (!target.position_m && !target.rotation) return fail("give a position, a rotation, or both");
@@ -46,7 +34,7 @@ Result<MoveRequest> make_move_request(std::string_view object, const MoveTarget&
                       .p_m = target.position_m,
                       .q = target.rotation,
                       .over_s = target.over_s};
-  if (const auto put = put_object(object, request); !put) return tl::unexpected(put.error());
+  if (const auto chosen = choose_object(object, request.object, request.number); !chosen) return tl::unexpected(chosen.error());
   return request;
 }
 

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <limits>
 #include <string>
 
 #include "hapton.pb.h"
@@ -17,11 +16,6 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "the numbers on the wire are those of the machine");
 constexpr std::size_t kBytesOfOne = sizeof(ShapePart::Displacement);
 static_assert(kBytesOfOne == 12);
-
-bool read_object_index(std::uint32_t from, std::int32_t& to) {
-  to = static_cast<std::int32_t>(from);
-  return from <= static_cast<std::uint32_t>(std::numeric_limits<std::int32_t>::max());
-}
 
 template <class Message>
 void write_part(const ShapePart& from, Message& to) {
@@ -94,7 +88,7 @@ bool read(const wire::ShapeRequest& from, ShapeRequest& to) {
   to.shape = from.shape();
   to.over_s = from.over_s();
   if (to.stream == 0 || to.shape == 0 || !(to.over_s >= 0.0 && to.over_s <= ShapeRequest::kMostSeconds)) return false;
-  return read_text(from.object(), to.object) && read_object_index(from.number(), to.number) && read_part(from, to.part);
+  return read_text(from.object(), to.object) && read_object_number(from.number(), to.number) && read_part(from, to.part);
 }
 
 bool read(const wire::ShapeReply& from, ShapeReply& to) {
@@ -102,14 +96,14 @@ bool read(const wire::ShapeReply& from, ShapeReply& to) {
   to.shape = from.shape();
   to.over_s = from.over_s();
   to.serial = from.serial();
-  return to.stream != 0 && to.shape != 0 && is_amount(to.over_s) && read_object_index(from.object(), to.object) &&
+  return to.stream != 0 && to.shape != 0 && is_amount(to.over_s) && read_object_number(from.object(), to.object) &&
          read_text(from.rejection(), to.rejection);
 }
 
 bool read(const wire::ObjectShape& from, ObjectShape& to) {
   to.source = from.source();
   to.serial = from.serial();
-  return to.source != 0 && to.serial != 0 && read_object_index(from.object(), to.object) && read_part(from, to.part);
+  return to.source != 0 && to.serial != 0 && read_object_number(from.object(), to.object) && read_part(from, to.part);
 }
 
 bool read(const wire::ShapeStart& from, ShapeStart& to) {
@@ -122,7 +116,7 @@ bool read(const wire::ShapeStart& from, ShapeStart& to) {
   if (to.source == 0 || to.total == 0 || to.total > ShapePart::kMostVertices || to.start_ns < 0 || to.end_ns < to.start_ns) return false;
   // Of an object at rest there is nothing before.
   if (to.serial == 0 ? to.before != 0 : to.before >= to.serial) return false;
-  return read_object_index(from.object(), to.object);
+  return read_object_number(from.object(), to.object);
 }
 
 bool read(const wire::ShapeStatus& from, ShapeStatus& to) {
@@ -130,7 +124,7 @@ bool read(const wire::ShapeStatus& from, ShapeStatus& to) {
   to.serial = from.serial();
   to.first = from.first();
   if (to.source == 0 || to.serial == 0 || to.first >= ShapePart::kMostVertices || to.first % ShapePart::kMostHere != 0) return false;
-  return read_object_index(from.object(), to.object);
+  return read_object_number(from.object(), to.object);
 }
 
 }  // namespace hapton

@@ -1,29 +1,17 @@
 #include "link/shape_outbox.h"
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <cmath>
 
 #include "link/codec.h"
+#include "link/object_choice.h"
 #include "link/random_id.h"
 #include "link/shape_parts.h"
 #include "link/wire_fields.h"
 
 namespace hapton {
 namespace {
-
-Result<void> put_shape_object(std::string_view object, ShapeRequest& request) {
-  if (object.starts_with('#')) {
-    const char* const end = object.data() + object.size();
-    const auto [stop, error] = std::from_chars(object.data() + 1, end, request.number);
-    if (error == std::errc() && stop == end && request.number >= 0) return {};
-    return fail("'{}' is not the number of an object; give #N with N from 0, or its name", object);
-  }
-  if (object.empty()) return fail("no object is named; give its name, or #N with its number from 0");
-  if (!read_text(std::string(object), request.object)) return fail("the name of an object must be one line of at most 255 bytes");
-  return {};
-}
 
 Result<void> check_shape(std::span<const ShapePart::Displacement> displacements_m, double over_s) {
   if (displacements_m.empty() || displacements_m.size() > ShapePart::kMostVertices) {
@@ -53,7 +41,7 @@ Result<std::uint32_t> ShapeOutbox::give(std::string_view object, std::span<const
   Shape shape{.head = {.stream = stream_, .over_s = over_s},
               .displacements_m = {displacements_m.begin(), displacements_m.end()},
               .is_needed = is_needed};
-  if (const auto put = put_shape_object(object, shape.head); !put) return tl::unexpected(put.error());
+  if (const auto chosen = choose_object(object, shape.head.object, shape.head.number); !chosen) return tl::unexpected(chosen.error());
   if (const auto checked = check_shape(displacements_m, over_s); !checked) return tl::unexpected(checked.error());
   const std::scoped_lock lock(mutex_);
   shape.head.shape = ++newest_;
@@ -103,22 +91,29 @@ bool ShapeOutbox::is_empty() const {
   return shapes_.empty();
 }
 
+const ShapeReply* ShapeOutbox::reply_to(std::uint32_t shape) const {
+  const auto found = std::find_if(replies_.begin(), replies_.end(), [&](const ShapeReply& one) { return one.shape == shape; });
+  return found != replies_.end() ? &*found : nullptr;
+}
+
 std::optional<ShapeReply> ShapeOutbox::find_reply(std::uint32_t shape) const {
   const std::scoped_lock lock(mutex_);
-  const auto found = std::find_if(replies_.begin(), replies_.end(), [&](const ShapeReply& one) { return one.shape == shape; });
-  return found != replies_.end() ? std::optional(*found) : std::nullopt;
+  const ShapeReply* reply = reply_to(shape);
+  return reply != nullptr ? std::optional(*reply) : std::nullopt;
+}
+
+Result<double> ShapeOutbox::give_up(std::uint32_t shape, double seconds) {
+  const std::scoped_lock lock(mutex_);
+  std::erase_if(shapes_, [&](const Shape& one) { return one.head.shape == shape; });
+  return fail("no reply to the shape within {:g} s; start haptics_node, or another shape took its place", seconds);
 }
 
 Result<double> ShapeOutbox::wait_for(std::uint32_t shape, double seconds) {
   std::unique_lock lock(mutex_);
-  const auto find = [&] {
-    return std::find_if(replies_.begin(), replies_.end(), [&](const ShapeReply& one) { return one.shape == shape; });
-  };
-  if (!came_.wait_for(lock, std::chrono::duration<double>(seconds), [&] { return find() != replies_.end(); })) {
-    std::erase_if(shapes_, [&](const Shape& one) { return one.head.shape == shape; });
-    return fail("no reply to the shape within {:g} s; start haptics_node, or another shape took its place", seconds);
-  }
-  return read_reply(*find());
+  const bool has_come = came_.wait_for(lock, std::chrono::duration<double>(seconds), [&] { return reply_to(shape) != nullptr; });
+  if (has_come) return read_reply(*reply_to(shape));
+  lock.unlock();
+  return give_up(shape, seconds);
 }
 
 Result<double> read_reply(const ShapeReply& reply) {
@@ -137,7 +132,7 @@ Result<double> deform_object(HubClient& client, const Clock& clock, ShapeOutbox&
     while (client.receive(datagram, std::min(end_ns, now_ns + ShapeOutbox::kEveryNs))) outbox.take(datagram.message);
     if (const auto reply = outbox.find_reply(*shape)) return read_reply(*reply);
   }
-  return outbox.wait_for(*shape, 0.0);
+  return outbox.give_up(*shape, seconds);
 }
 
 }  // namespace hapton

@@ -44,6 +44,8 @@ class ShapeOutbox {
   std::optional<ShapeReply> find_reply(std::uint32_t shape) const;
   // The time that the motion to a shape takes, s. Error, one line: why the object does not take it; there was no reply in that time.
   Result<double> wait_for(std::uint32_t shape, double seconds);
+  // No reply came in that time: the shape is not sent any more. Returned: the error that says so.
+  Result<double> give_up(std::uint32_t shape, double seconds);
 
  private:
   struct Shape {
@@ -56,6 +58,7 @@ class ShapeOutbox {
 
   static constexpr std::size_t kMostReplies = 64;
 
+  const ShapeReply* reply_to(std::uint32_t shape) const;  // null: none
   bool is_done(const Shape& shape) const { return shape.next >= shape.displacements_m.size() && !shape.is_needed; }
 
   mutable std::mutex mutex_;  // of all below

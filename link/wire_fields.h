@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <string>
 
 #include "core/math/types.h"
 #include "link/codec.h"
+#include "link/wire_text.h"
 
 // Fields that several messages of proto/hapton.proto have. Field: a repeated field with room for what is written, so that writing uses no
 // heap. Reading is false for a value that the contract rules out. RT: yes.
@@ -14,6 +17,12 @@ namespace hapton {
 
 // A magnitude, a rate, a duration. False for NaN as well.
 inline bool is_amount(double value) { return value >= 0.0 && value <= kMaxWireMagnitude; }
+
+// The number of an object in the scene, from 0.
+inline bool read_object_number(std::uint32_t from, std::int32_t& to) {
+  to = static_cast<std::int32_t>(from);
+  return from <= static_cast<std::uint32_t>(std::numeric_limits<std::int32_t>::max());
+}
 
 template <class Field>
 void write_vector(Field& field, const Vec3& v) {
@@ -71,7 +80,7 @@ void write_numbers(const Numbers& from, Field& field) {
 
 template <std::size_t N>
 void write_text(const std::array<char, N>& from, std::string& to) {
-  to.assign(from.data(), static_cast<std::size_t>(std::find(from.begin(), from.end(), '\0') - from.begin()));
+  to.assign(text_of(from));
 }
 
 // The last byte stays NUL.

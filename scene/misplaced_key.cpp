@@ -1,6 +1,6 @@
 #include "scene/misplaced_key.h"
 
-#include "scene/table_reader.h"
+#include <string_view>
 
 namespace hapton {
 namespace {

@@ -1,9 +1,7 @@
 #pragma once
 
-#define TOML_EXCEPTIONS 0
-#include <external/toml.h>
-
 #include "core/base/result.h"
+#include "scene/table_reader.h"
 
 namespace hapton {
 

@@ -111,6 +111,13 @@ TEST_F(ShapeOutboxTest, ARejectionIsTheError) {
   EXPECT_NE(took.error().what.find("out of reach"), std::string::npos);
 }
 
+TEST_F(ShapeOutboxTest, WithoutAReplyTheErrorSaysHowLongItWaited) {
+  const auto took = deform_object(client_, clock_, outbox_, "skin", Displacements(100), 0.0, 0.5);
+  ASSERT_FALSE(took);
+  EXPECT_NE(took.error().what.find("within 0.5 s"), std::string::npos) << took.error().what;
+  EXPECT_TRUE(outbox_.is_empty()) << "and it is not sent any more";
+}
+
 TEST_F(ShapeOutboxTest, WhatNoShapeMayHaveIsOneLine) {
   const auto expect_rejected = [&](const std::string& object, const Displacements& shape, double over_s) {
     const auto given = outbox_.give(object, shape, over_s);

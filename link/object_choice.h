@@ -1,0 +1,15 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+#include "core/base/result.h"
+
+namespace hapton {
+
+// Which object of the scene a request is about, as a person or a program names it: its name, or "#N", its number from 0. Sets one of both.
+// RT: no. Error: one line that says what may be given.
+Result<void> choose_object(std::string_view object, std::array<char, 256>& name, std::int32_t& number);
+
+}  // namespace hapton
