@@ -34,7 +34,10 @@ bool has_same_sculpt(const Scene& before, const Scene& after) {
 
 // What programs deform keeps its shape, which is one of the mesh that it began with.
 bool has_same_program_shapes(const Scene& before, const Scene& after) {
-  if (!before.touch_scene().has_streamed() && !after.touch_scene().has_streamed()) return true;
+  const auto has_any = [](const Scene& scene) {
+    return std::any_of(scene.objects.begin(), scene.objects.end(), [](const SceneObject& one) { return one.program_shape != nullptr; });
+  };
+  if (!has_any(before) && !has_any(after)) return true;
   return compare_scenes(before, after) != SceneChange::shape &&
          std::equal(before.objects.begin(), before.objects.end(), after.objects.begin(), after.objects.end(),
                     [](const SceneObject& a, const SceneObject& b) { return a.name == b.name; });
@@ -102,9 +105,8 @@ SceneWatcher::Look SceneWatcher::look() {
   }
   if (!has_same_program_shapes(used_, *scene)) {
     log_warning(
-        "{}: programs deform objects of this scene, and the shapes or the names of its objects have changed: start haptics_node again to "
-        "use "
-        "it; the present scene stays in use",
+        "{}: programs deform objects of this scene, and the shapes or the names of its objects have changed: start haptics_node again "
+        "to use it; the present scene stays in use",
         options_.path.string());
     return Look::rejected;
   }

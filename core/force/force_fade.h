@@ -6,7 +6,8 @@ namespace hapton {
 
 // Blends from one method to the next without a force discontinuity. The difference between the last force and the next method's first one
 // is added to the next method's forces and fades linearly to zero. So no step changes the force by more than the next method does plus that
-// step's share of the difference: a hundredth in contact, a tenth without, however long the step. Units: N, s. Frame: W. RT: all. Threads: one. Source: docs/decisions/0022-method-switch.md.
+// step's share of the difference: a hundredth in contact, a tenth without, however long the step. Units: N, s. Frame: W. RT: all. Threads:
+// one. Source: docs/decisions/0022-method-switch.md.
 class ForceFade {
  public:
   static constexpr double kInContactS = 0.1;  // from the whole difference to zero, as long as the governor's ramp up
