@@ -83,6 +83,17 @@ function(hapton_reuse_pch name pch)
   endif()
 endfunction()
 
+# hapton_source_level(LEVEL SOURCES ...): these sources are compiled at -LEVEL (O1 or O3), whatever their target is, with what was read for it.
+function(hapton_source_level level)
+  set(options "-${level}")
+  if(TARGET hapton_pch_${level})
+    set(header "${CMAKE_BINARY_DIR}/CMakeFiles/hapton_pch_${level}.dir/cmake_pch.hxx")
+    list(APPEND options -fpch-preprocess -Winvalid-pch -include "${header}")
+    set_property(SOURCE ${ARGN} APPEND PROPERTY OBJECT_DEPENDS "${header}.gch")
+  endif()
+  set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS "$<$<CONFIG:Release>:${options}>" SKIP_PRECOMPILE_HEADERS ON)
+endfunction()
+
 # hapton_join_sources(NAME): compiles a target's sources several at a time, where that is asked for: what they include is read once for all.
 # Names in anonymous namespaces have to differ within a folder.
 function(hapton_join_sources name)
@@ -120,7 +131,9 @@ function(hapton_library name)
   if(NOT ARG_UNHURRIED)
     set(unhurried ${sources})
     list(FILTER unhurried INCLUDE REGEX "_(command|options|report)\\.cpp$")
-    set_source_files_properties(${unhurried} PROPERTIES COMPILE_OPTIONS "$<$<CONFIG:Release>:-O1>" SKIP_PRECOMPILE_HEADERS ON)
+    if(unhurried)
+      hapton_source_level(O1 ${unhurried})
+    endif()
   endif()
   if(sources)
     hapton_add_library(${name} ${sources})

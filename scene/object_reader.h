@@ -15,7 +15,7 @@
 #include "scene/keyframe_reader.h"
 #include "scene/mesh_animation.h"
 #include "scene/morph_reader.h"
-#include "scene/program_shape.h"
+#include "scene/program_shape_reader.h"
 #include "scene/scene_tool.h"
 #include "scene/sculpt_reader.h"
 #include "scene/table_reader.h"

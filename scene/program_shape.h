@@ -11,21 +11,11 @@
 #include "core/geometry/triangle_mesh.h"
 #include "core/math/types.h"
 #include "scene/scene_fit.h"
-#include "scene/table_reader.h"
 
 namespace hapton {
 
 struct ObjectSpec;
 struct SealReport;
-
-// The keys deformed_by and reach_m of an object of a scene file.
-struct ProgramShapeSpec {
-  bool is_on = false;
-  double reach_m = 0.0;  // of the mesh, before scale
-  std::size_t line = 0;
-};
-// Error: one line with the line in the file: one key without the other, or with a key that moves or carves the object.
-Result<ProgramShapeSpec> read_program_shape(const toml::table& object, const std::string& name);
 
 // An object of a scene that a program deforms (`deformed_by` of the scene file): what its shapes mean in S. A shape is a displacement of
 // each vertex from rest: m, of the mesh, before scale and pose. All who compute the vertices here have the same bits. RT: no. Threads:
