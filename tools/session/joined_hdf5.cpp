@@ -218,6 +218,9 @@ class JoinedHdf5 {
 }  // namespace
 
 Result<JoinedCounts> write_joined_hdf5(SessionReader& reader, const std::filesystem::path& path, std::span<const ObjectName> names) {
+  // After a full disk the library keeps what it could not write, and crashes where it tries once more at the end of the program. All that
+  // is written is closed below, so nothing is left for it to do then.
+  H5dont_atexit();
   PartPath part(path);  // first: it is removed after the file was closed
   JoinedHdf5 file(part.part());
   if (!file.is_open())

@@ -16,6 +16,7 @@
 #include "tests/session/made_entries.h"
 #include "tests/support/file_size_limit.h"
 #include "tests/support/scratch_folder.h"
+#include "tests/tools/command_run.h"
 
 namespace hapton {
 namespace {
@@ -285,6 +286,25 @@ TEST(JoinedCsv, IsWrittenWithAllItsTablesOrNotAtAll) {
   ASSERT_FALSE(written);
   EXPECT_EQ(written.error().what, (out.path() / "carves.csv").string() + ": cannot be written: No space left on device");
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(out.path()), {}), 1);
+}
+
+// The command itself, in each format.
+TEST(JoinedFiles, TheCommandFailsOnAFullDisk) {
+  const ScratchFolder scratch;
+  const auto recording = write_recording(scratch, 6'000);
+  for (const char* format : {"tables", "csv", "hdf5", "mcap"}) {
+    const ScratchFolder out;
+    CommandRun run;
+    {
+      const FileSizeLimit full(50'000);
+      run = run_hapton({"session", "export", recording.string(), "--out", out.path().string(), "--format", format});
+    }
+    EXPECT_EQ(run.code, 1) << format;
+    EXPECT_EQ(run.out, "") << format;
+    EXPECT_NE(run.err.find("hapton session export: " + out.path().string()), std::string::npos) << run.err;
+    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+    EXPECT_TRUE(std::filesystem::is_empty(out.path())) << format;
+  }
 }
 
 }  // namespace
