@@ -203,11 +203,12 @@ void add_device(LatencyReport& report, const ServoStats& stats) {
 }
 
 // The scene and method, as last reported by the haptics node.
-void add_setup(LatencyReport& report, const HapticsSetup& setup) {
+void add_setup(LatencyReport& report, const HapticsSetup& setup, std::uint64_t given_hash) {
   if (setup.scene_hash == 0) return;
   constexpr std::array kUnits = {"not given", "m", "cm", "mm", "in"};
   report.notes["scene"] = text_of(setup.scene);
   report.notes["scene_hash"] = fmt::format("{:016x}", setup.scene_hash);
+  if (given_hash != 0) report.notes["scene_shape_hash"] = fmt::format("{:016x}", given_hash);
   report.notes["method"] = text_of(setup.method);
   report.notes["haptics_build"] = text_of(setup.build);
   if (setup.scene_loading == 0) return;
@@ -318,7 +319,7 @@ LatencyReport make_io_report(const ServoStats& stats, const IoOptions& options, 
     report.notes["haptics_clock_offset_ns"] = std::to_string(stats.hops.clock_offset_ns);
     report.notes["haptics_clock_error_ns"] = std::to_string(stats.hops.clock_error_ns);
   }
-  add_setup(report, stats.setup);
+  add_setup(report, stats.setup, stats.scene_given_hash);
   report.notes["status_now"] = describe_status(stats);
   report.notes["touched_object"] = stats.touched_object < 0 ? "none" : std::to_string(stats.touched_object);
   if (stats.reach == SceneReach::out_of_reach) report.notes["reach"] = describe_status(ProbeStatus::out_of_reach);

@@ -14,6 +14,7 @@ void SceneRelay::accept(const SceneFacts& scene, NodeRole role, const std::optio
   peers_.send_to_role(NodeRole::vision, scene);
   const bool is_new = !scene_ || scene_->given_hash != scene.given_hash || scene_->points_m != scene.points_m;
   scene_ = scene;
+  stats_.scene_given_hash = scene.given_hash;
   if (is_new) place(view);
 }
 

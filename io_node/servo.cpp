@@ -46,6 +46,7 @@ Servo::Servo(Device& device, HubPeers& peers, const Clock& clock, const Options&
       loop_reporter_(peers, stats_, device.name()),
       markers_(peers, tap, stats_),
       carves_(peers, tap),
+      shapes_(peers, tap),
       peer_notices_(events_, peers),
       safety_(events_, tap),
       local_rest_ns_(std::llround(1e9 / std::max(kRestedHz, options.vision_rate_hz))) {
@@ -125,6 +126,7 @@ void Servo::do_housekeeping() noexcept {
     peer_notices_.check(now_ns);
   }
   carves_.request_if_due(now_ns);
+  shapes_.request_if_due(now_ns);
   if (report_server_ != nullptr) report_server_->serve(peers_);
   safety_.check(loop_.latest(), cycle_, forces_.is_in_contact(), now_ns);
   forces_.note_written();
@@ -169,7 +171,13 @@ void Servo::on_message(const PeerEvent& event, const Datagram& datagram) noexcep
   // Parts, and starts of several objects.
   if (const auto* part = std::get_if<ShapeRequest>(&message)) return requests_.accept(*part, event);
   if (const auto* reply = std::get_if<ShapeReply>(&message)) return requests_.accept(*reply);
-  if (std::holds_alternative<ObjectShape>(message) || std::holds_alternative<ShapeStart>(message)) {
+  if (const auto* part = std::get_if<ObjectShape>(&message)) {
+    shapes_.note(*part, event.arrival);
+    peers_.send_to_role(NodeRole::vision, message);
+    return;
+  }
+  if (const auto* start = std::get_if<ShapeStart>(&message)) {
+    shapes_.note(*start, event.arrival, event.receive_time_ns);
     peers_.send_to_role(NodeRole::vision, message);
     return;
   }

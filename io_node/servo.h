@@ -23,6 +23,7 @@
 #include "io_node/scene_relay.h"
 #include "io_node/servo_stats.h"
 #include "io_node/servo_tap.h"
+#include "io_node/shape_collector.h"
 #include "io_node/stats_publisher.h"
 #include "io_node/touch_notices.h"
 #include "io_node/view_relay.h"
@@ -139,6 +140,7 @@ class Servo final : private PeerEventHandler {
   LoopReporter loop_reporter_;
   MarkerLog markers_;
   CarveCollector carves_;
+  ShapeCollector shapes_;
   PeerNotices peer_notices_;
   TouchNotices touch_notices_;
   SafetyNotices safety_;

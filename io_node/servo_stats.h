@@ -85,8 +85,9 @@ struct ServoStats {
   ProbeStatus status = ProbeStatus::ok;  // as shown in the picture
   double newest_round_trip_s = -1.0;     // median of the newest replies of the haptics node that has joined; below 0: not known
   SceneReach reach = SceneReach::unknown;
-  std::int32_t touched_object = -1;  // now, of the scene's; -1: none
-  HapticsSetup setup;                // last reported; its hash is 0 if there was none
+  std::int32_t touched_object = -1;    // now, of the scene's; -1: none
+  HapticsSetup setup;                  // last reported; its hash is 0 if there was none
+  std::uint64_t scene_given_hash = 0;  // SceneFacts::given_hash of the haptics node, last reported; 0: none
   DeviceCondition device;
 
   double seconds() const { return 1e-9 * static_cast<double>(end_ns - start_ns); }

@@ -2,13 +2,14 @@
 
 #include <fcntl.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <memory>
 #include <system_error>
+
+#include "runtime/part_file.h"
 
 namespace hapton {
 namespace {
@@ -50,19 +51,9 @@ Result<void> write_file_atomically(const std::filesystem::path& path, std::strin
       return fail_to_write(path, error.value());
     }
   }
-  std::filesystem::path beside = path;
-  beside += fmt::format(".{}.part", getpid());
-  if (const int failure = write_text(beside, text, readers); failure != 0) {
-    std::filesystem::remove(beside, error);
-    return fail_to_write(path, failure);
-  }
-  std::filesystem::rename(beside, path, error);
-  if (error) {
-    const int failure = error.value();
-    std::filesystem::remove(beside, error);
-    return fail_to_write(path, failure);
-  }
-  return {};
+  PartPath part(path);
+  if (const int failure = write_text(part.part(), text, readers); failure != 0) return fail_to_write(path, failure);
+  return part.keep();
 }
 
 }  // namespace hapton

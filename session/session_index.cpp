@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <ranges>
+#include <utility>
 
 #include "core/math/rigid_pose.h"
 #include "session/session_entries.h"
@@ -102,7 +103,7 @@ void SessionIndex::add_carves(const Carves& carves, double t_s) {
   add_later(carves_, t_s, CarveNews{news.starts_anew, std::move(fresh)});
 }
 
-void SessionIndex::add_received(const Datagram& datagram, double t_s) {
+void SessionIndex::add_received(const Datagram& datagram, double t_s, std::uint64_t position) {
   const Message& message = datagram.message;
   const std::uint64_t sender = datagram.header.sender;
   const auto* setup = std::get_if<HapticsSetup>(&message);
@@ -117,6 +118,9 @@ void SessionIndex::add_received(const Datagram& datagram, double t_s) {
     if (const IndexedMove indexed = IndexedMove::of(*move); !is_known(moves_, indexed)) add_later(moves_, t_s, indexed);
   }
   if (const auto* carves = std::get_if<Carves>(&message)) add_carves(*carves, t_s);
+  if (const auto* part = std::get_if<ObjectShape>(&message)) shapes_.add(*part, position);
+  if (const auto* start = std::get_if<ShapeStart>(&message)) shapes_.add(*start, t_s);
+  if (const auto* force = std::get_if<ForceCommand>(&message)) shapes_.add(*force);
   if (!is_haptics(sender)) return;
   if (const auto* pose = std::get_if<ObjectPose>(&message); pose != nullptr && !is_known(poses_, *pose)) add_later(poses_, t_s, *pose);
   const auto* scene = std::get_if<SceneFacts>(&message);
@@ -136,10 +140,10 @@ Result<SessionIndex> SessionIndex::read(SessionReader& reader) {
     if (last == nullptr || t_s >= last->t_s + kPlaceEveryS || (t_s >= last->t_s && position >= last->position + kPlaceEveryBytes)) {
       index.places_.push_back({t_s, position});
     }
-    position = reader.position();
+    const std::uint64_t entry_position = std::exchange(position, reader.position());
     table.add(entry, datagram);
     if (datagram == nullptr) return {};
-    if (entry.kind == SessionEntry::Kind::received) index.add_received(*datagram, t_s);
+    if (entry.kind == SessionEntry::Kind::received) index.add_received(*datagram, t_s, entry_position);
     const auto* probe = std::get_if<ProbeState>(&datagram->message);
     if (probe != nullptr && entry.kind == SessionEntry::Kind::sent) {
       const DeviceNotice notice{probe->status, probe->energy_percent, probe->force_limit_n};

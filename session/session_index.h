@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -13,6 +12,8 @@
 #include "link/messages.h"
 #include "link/session_reader.h"
 #include "session/joined_table.h"
+#include "session/shape_index.h"
+#include "session/timed.h"
 
 namespace hapton {
 
@@ -31,19 +32,6 @@ struct SessionMark {
   std::string text;
   bool is_fault = false;
 };
-
-// A message and the time at which the hub received it.
-template <class Message>
-struct Timed {
-  double t_s = 0.0;
-  Message message;
-};
-
-// The number of messages until that time. Pre: `all` is sorted by time.
-template <class Message>
-std::size_t count_until(std::span<const Timed<Message>> all, double t_s) {
-  return static_cast<std::size_t>(std::ranges::upper_bound(all, t_s, {}, &Timed<Message>::t_s) - all.begin());
-}
 
 // An ObjectMove without its name, as there may be very many.
 struct IndexedMove {
@@ -131,6 +119,8 @@ class SessionIndex {
   // In ascending order of time, without repetitions, as far as the serials show them. What was carved
   // before the recording began is in the first one.
   std::span<const Timed<CarveNews>> carves() const { return carves_; }
+  // Of objects that programs deform.
+  const ShapeIndex& shapes() const { return shapes_; }
 
  private:
   struct View {
@@ -145,7 +135,7 @@ class SessionIndex {
   };
 
   void add_row(const JoinedRow& row);
-  void add_received(const Datagram& datagram, double t_s);
+  void add_received(const Datagram& datagram, double t_s, std::uint64_t position);
   void add_view(const View& view, double t_s);
   void add_carves(const Carves& carves, double t_s);
   bool is_haptics(std::uint64_t sender) const;
@@ -162,6 +152,7 @@ class SessionIndex {
   std::vector<Timed<ObjectPose>> poses_;
   std::vector<Timed<IndexedMove>> moves_;
   std::vector<Timed<CarveNews>> carves_;
+  ShapeIndex shapes_;
   KnownCarves known_carves_;
   std::uint32_t carved_before_ = 0;     // serials up to this one, of the first haptics process
   std::vector<std::uint64_t> haptics_;  // sender numbers of the haptics nodes

@@ -5,7 +5,8 @@
 
 namespace hapton {
 
-AnnotatedSurfaces::AnnotatedSurfaces(const Scene& scene) : scene_(&scene), deformed_(scene.objects.size()), finders_(scene.objects.size()) {
+AnnotatedSurfaces::AnnotatedSurfaces(const Scene& scene)
+    : scene_(&scene), deformed_(scene.objects.size()), places_(scene.objects.size()), finders_(scene.objects.size()) {
   for (std::size_t o = 0; o < deformed_.size(); ++o) {
     const SceneObject& object = scene.objects[o];
     if (object.deformation == nullptr) continue;
@@ -15,9 +16,26 @@ AnnotatedSurfaces::AnnotatedSurfaces(const Scene& scene) : scene_(&scene), defor
   set_time(0);
 }
 
+void AnnotatedSurfaces::set_moved_objects(const MovedObjects* moved) {
+  moved_ = moved;
+  for (std::size_t o = 0; o < deformed_.size(); ++o) {
+    if (scene_->objects[o].program_shape == nullptr) continue;
+    deformed_[o].emplace(scene_->objects[o].mesh, [moved, o] { return moved->find_vertices(o); });
+    places_[o].reset();
+    has_deforming_ = true;
+  }
+}
+
 void AnnotatedSurfaces::set_time(std::int64_t scene_time_ns) {
-  for (auto& deformed : deformed_) {
-    if (deformed && deformed->set_time(1e-9 * static_cast<double>(scene_time_ns))) ++revision_;
+  for (std::size_t o = 0; o < deformed_.size(); ++o) {
+    if (!deformed_[o]) continue;
+    if (deformed_[o]->set_time(1e-9 * static_cast<double>(scene_time_ns))) ++revision_;
+    if (scene_->objects[o].program_shape == nullptr) continue;
+    const auto place = moved_->shape_place(o);
+    if (!place || place == places_[o]) continue;
+    places_[o] = place;
+    deformed_[o]->spoil();
+    ++revision_;
   }
 }
 

@@ -9,6 +9,7 @@
 #include "scene/scene_file.h"
 #include "vision_node/carved_objects.h"
 #include "vision_node/deformed_mesh.h"
+#include "vision_node/moved_objects.h"
 
 namespace hapton {
 
@@ -22,6 +23,10 @@ class AnnotatedSurfaces {
 
   // Objects that are carved; without, they are as in the scene file. Pre: it outlives this.
   void set_carved_objects(const CarvedObjects* carved) { carved_ = carved; }
+
+  // What knows the shapes of objects that programs deform; without, they are at rest. Pre: it outlives this, and its time is set before
+  // set_time().
+  void set_moved_objects(const MovedObjects* moved);
 
   // The time of ProbeState: from now on, objects that deform have their shape of then.
   void set_time(std::int64_t scene_time_ns);
@@ -51,8 +56,10 @@ class AnnotatedSurfaces {
   const Scene* scene_;
   const CarvedObjects* carved_ = nullptr;
   bool has_deforming_ = false;
-  std::vector<std::optional<DeformedMesh>> deformed_;    // by object; none: it is rigid
-  std::vector<std::unique_ptr<SurfaceFinder>> finders_;  // by object, made when one that is rigid is first drawn on
+  const MovedObjects* moved_ = nullptr;
+  std::vector<std::optional<DeformedMesh>> deformed_;      // by object; none: it is rigid
+  std::vector<std::optional<KnownShapes::Place>> places_;  // by object, of the shape that it has; none: not known yet
+  std::vector<std::unique_ptr<SurfaceFinder>> finders_;    // by object, made when one that is rigid is first drawn on
   std::uint64_t revision_ = 0;
 };
 

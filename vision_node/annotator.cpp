@@ -14,7 +14,9 @@
 #include "runtime/log.h"
 #include "scene/annotations_file.h"
 #include "vision_node/annotation_figure.h"
+#include "vision_node/annotation_text.h"
 #include "vision_node/menu_figure.h"
+#include "vision_node/window_export.h"
 
 namespace hapton {
 namespace {
@@ -24,22 +26,6 @@ constexpr std::int64_t kRequestEveryNs = 100'000'000;
 constexpr std::int64_t kRequestPatienceNs = 2'000'000'000;
 // Of carves: material is put back in a fraction of a second, after a million carves in some ten.
 constexpr std::int64_t kUndoPatienceNs = 20'000'000'000;
-
-std::vector<std::string> list_names(const Scene& scene) {
-  std::vector<std::string> names;
-  for (const SceneObject& object : scene.objects) names.push_back(object.name);
-  return names;
-}
-
-std::string plural(std::size_t count, std::string_view noun) { return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s"); }
-
-std::string describe_entries(const Annotations& annotations) {
-  std::size_t strokes = 0;
-  for (const Annotation& entry : annotations.entries) strokes += std::holds_alternative<Stroke>(entry) ? 1 : 0;
-  const std::size_t carves = count_carves(annotations.carved);
-  return plural(strokes, "stroke") + ", " + plural(annotations.entries.size() - strokes, "measure") +
-         (carves > 0 ? ", " + plural(carves, "carve") : "");
-}
 
 PutDown put_down_of(const ObjectPose& pose) { return {pose.object, pose.p_m, pose.q}; }
 
@@ -84,13 +70,14 @@ Annotator::Annotator(StereoView& view, const Scene& scene, const AnnotatorOption
   for (std::size_t o = 0; o < at_rest_.size(); ++o) at_rest_[o].object = static_cast<std::int32_t>(o);
 }
 
-void Annotator::change_scene(const Scene& scene, const CarvedObjects* carved) {
+void Annotator::change_scene(const Scene& scene, const CarvedObjects* carved, const MovedObjects* moved) {
   pen_.finish();
   log_finished();
   if (list_names(scene) != list_names(*scene_)) change_objects(scene);
   scene_ = &scene;
   surfaces_ = AnnotatedSurfaces(scene);
   set_carved_objects(carved);
+  if (moved != nullptr) set_moved_objects(moved);
   carve_undo_.reset();
   for (std::size_t o = 0; o < X_SO_.size(); ++o) {
     const SceneObject& object = scene.objects[o];
@@ -243,6 +230,7 @@ void Annotator::handle(const UserRequests& requests, const StereoScreen& screen,
   if (requests.undo) choose(TouchMenu::Entry::undo);
   if (requests.redo) choose(TouchMenu::Entry::redo);
   if (requests.save) save();
+  if (requests.export_work) write_export();
   if (const auto entry = std::exchange(chosen_, std::nullopt)) choose(*entry);
 }
 
@@ -266,6 +254,9 @@ void Annotator::choose(TouchMenu::Entry entry) {
       return;
     case TouchMenu::Entry::save:
       save();
+      return;
+    case TouchMenu::Entry::export_work:
+      write_export();
       return;
     case TouchMenu::Entry::close:
       break;
@@ -467,9 +458,18 @@ void Annotator::save() {
   if (auto written = write_files(file); !written) {
     // A person who draws must not lose it to a full disk.
     log_warning("{}", written.error().what);
+    notice_ = "NOT SAVED: " + written.error().what;
     return;
   }
+  notice_ = "saved in " + std::filesystem::absolute(file).lexically_normal().string();
   saved_entries_ = pen_.entries_revision();
+}
+
+void Annotator::write_export() {
+  const auto written = export_work({*scene_, place_entries(), X_SO_, carved_}, options_.export_folder);
+  if (!written) log_warning("{}", written.error().what);
+  if (written) log_info("{}", *written);
+  notice_ = written ? *written : "NOT EXPORTED: " + written.error().what;
 }
 
 Result<void> Annotator::finish() {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/result.h"
@@ -38,9 +39,12 @@ class Annotator {
     surfaces_.set_carved_objects(carved);
   }
 
+  // What knows the shapes of objects that programs deform. Pre: as AnnotatedSurfaces::set_moved_objects.
+  void set_moved_objects(const MovedObjects* moved) { surfaces_.set_moved_objects(moved); }
+
   // Another scene is shown. What was drawn stays on the objects of the same names; if the objects are not the same by name, nothing can be
-  // undone. Pre: scene and carved outlive this; the scene before is still there.
-  void change_scene(const Scene& scene, const CarvedObjects* carved);
+  // undone. Pre: all outlive this; the scene before is still there.
+  void change_scene(const Scene& scene, const CarvedObjects* carved, const MovedObjects* moved = nullptr);
 
   // Each state received, in order. X_WS: the pose of the scene that its contact was computed with.
   void receive(const ProbeState& state, const Pose& X_WS);
@@ -69,6 +73,8 @@ class Annotator {
   void show(const Pose& X_WS);
   // A line for the picture's corner; empty before anything was drawn.
   std::string describe() const;
+  // Another one, once: where something was saved or exported, or why not. Empty: nothing was.
+  std::string take_notice() { return std::exchange(notice_, {}); }
 
   // At the end: writes what has changed, where there is a file for it. Error: one that cannot be written.
   Result<void> finish();
@@ -96,6 +102,7 @@ class Annotator {
   void toggle_menu(const StereoScreen& screen, const Vec3& p_WC);
   void log_finished();
   void save();
+  void write_export();
   Result<void> write_files(const std::filesystem::path& file);
 
   StereoView& view_;
@@ -132,6 +139,7 @@ class Annotator {
   bool is_other_scene_ = false;
   std::uint32_t last_buttons_ = ~0U;
   bool wants_menu_ = false;
+  std::string notice_;
   std::optional<TouchMenu::Entry> chosen_;
   std::uint64_t own_revision_ = 0;   // of the menu, and of lengths in the corner
   std::uint64_t shown_ = 0;          // revision of the pen in the view

@@ -7,9 +7,10 @@
 namespace hapton {
 
 struct AnnotatorOptions {
-  std::filesystem::path file;     // .toml: read at the start where it exists, written at the end and on a key; empty: none
-  std::filesystem::path strokes;  // .obj or .vtp: written with it, for other programs; empty: none
-  int draw_button = 2;            // of the stylus, from 1; 0: none
+  std::filesystem::path file;                 // .toml: read at the start where it exists, written at the end and on a key; empty: none
+  std::filesystem::path strokes;              // .obj or .vtp: written with it, for other programs; empty: none
+  std::filesystem::path export_folder = ".";  // of what is exported by a key or the menu
+  int draw_button = 2;                        // of the stylus, from 1; 0: none
   int measure_button = 3;
   int menu_button = 4;
 };

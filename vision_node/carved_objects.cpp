@@ -104,6 +104,12 @@ std::optional<Vec3> CarvedObjects::find_closest(std::size_t object, const Vec3& 
   return carved != surfaces_.end() ? find_closest_surface_point(carved->second.field(), p) : std::nullopt;
 }
 
+std::optional<CarvedField> CarvedObjects::copy_field(std::size_t object) const {
+  const std::shared_lock lock(fields_mutex_);
+  const auto carved = surfaces_.find(object);
+  return carved != surfaces_.end() ? std::optional(carved->second.field()) : std::nullopt;
+}
+
 bool CarvedObjects::is_up_to_date() const {
   const std::lock_guard lock(mutex_);
   return !is_busy_ && made_.empty();

@@ -56,6 +56,9 @@ class CarvedObjects {
   // Pre: finite.
   std::optional<Vec3> find_closest(std::size_t object, const Vec3& p) const;
 
+  // Its material as it is now, without carves of the last 1/30 s. None: it is not carved, or not ready yet. Frame S.
+  std::optional<CarvedField> copy_field(std::size_t object) const;
+
   // Everything received is drawn.
   bool is_up_to_date() const;
 

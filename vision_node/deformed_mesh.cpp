@@ -1,5 +1,7 @@
 #include "vision_node/deformed_mesh.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "scene/annotations.h"
@@ -15,7 +17,12 @@ constexpr std::size_t kMostAnchors = 2 * kMostAnnotationPoints;
 DeformedMesh::DeformedMesh(std::shared_ptr<const TriangleMesh> rest, std::shared_ptr<const MeshDeformation> deformation)
     : rest_(std::move(rest)), deformation_(std::move(deformation)) {}
 
-bool DeformedMesh::set_time(double time_s) { return std::exchange(weights_, deformation_->weights_at(time_s)) != weights_; }
+DeformedMesh::DeformedMesh(std::shared_ptr<const TriangleMesh> rest, FindVertices find)
+    : rest_(std::move(rest)), find_vertices_(std::move(find)), is_spoilt_(true), vertices_(rest_->vertices) {}
+
+bool DeformedMesh::set_time(double time_s) {
+  return deformation_ != nullptr && std::exchange(weights_, deformation_->weights_at(time_s)) != weights_;
+}
 
 const SurfaceFinder& DeformedMesh::finder() const {
   if (finder_ == nullptr) finder_ = std::make_unique<SurfaceFinder>(rest_);
@@ -23,6 +30,11 @@ const SurfaceFinder& DeformedMesh::finder() const {
 }
 
 const std::vector<Vec3>& DeformedMesh::vertices() const {
+  if (deformation_ == nullptr) {
+    if (!std::exchange(is_spoilt_, false)) return vertices_;
+    if (auto found = find_vertices_()) vertices_ = std::move(*found);
+    return vertices_;
+  }
   if (vertices_weights_ != weights_) {
     vertices_ = deformation_->vertices_at(rest_->vertices, weights_);
     vertices_weights_ = weights_;
@@ -38,8 +50,17 @@ Vec3 DeformedMesh::mix(const std::vector<Vec3>& vertices, std::uint32_t triangle
   return p;
 }
 
+double DeformedMesh::most_displacement() const {
+  if (deformation_ != nullptr) return deformation_->most_displacement(weights_, {});
+  double most_squared = 0.0;
+  for (std::size_t v = 0; v < vertices().size(); ++v) {
+    most_squared = std::max(most_squared, (vertices_[v] - rest_->vertices[v]).squaredNorm());
+  }
+  return std::sqrt(most_squared);
+}
+
 DeformedMesh::Touched DeformedMesh::find_closest(const Vec3& p) const {
-  const SurfaceFinder::Found found = finder().find_closest(p, vertices(), deformation_->most_displacement(weights_, {}));
+  const SurfaceFinder::Found found = finder().find_closest(p, vertices(), most_displacement());
   return {mix(rest_->vertices, found.triangle, found.barycentric), found.triangle};
 }
 

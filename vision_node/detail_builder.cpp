@@ -3,7 +3,10 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
+#include <condition_variable>
+#include <mutex>
 #include <utility>
 
 #include "runtime/start_thread.h"
@@ -29,34 +32,56 @@ bool has_texture_or_alpha(const DetailLevel& level) {
 
 }  // namespace
 
-DetailBuilder::DetailBuilder(std::vector<const DetailLevel*> full) : full_(std::move(full)) {
-  for (const DetailLevel* level : full_) {
+class DetailBuilder::Work {
+ public:
+  explicit Work(std::vector<std::shared_ptr<const DetailLevel>> full);
+
+  bool has_any() const { return total_ > 0.0; }
+  void run();
+  void begin();
+  void stop();
+  std::vector<Made> take_made();
+  double progress() const { return progress_.load(std::memory_order_relaxed); }
+
+ private:
+  void wait_for_begin();
+  void build_rough(std::size_t object);
+  void build(std::size_t object);
+  void offer(Made made);
+
+  std::vector<std::shared_ptr<const DetailLevel>> full_;
+  double total_ = 0.0;  // triangles to work through
+  std::atomic<bool> stop_{false};
+  std::atomic<double> progress_{0.0};
+  std::mutex mutex_;
+  std::condition_variable begun_;
+  bool has_begun_ = false;
+  std::vector<Made> made_;
+};
+
+DetailBuilder::Work::Work(std::vector<std::shared_ptr<const DetailLevel>> full) : full_(std::move(full)) {
+  for (const auto& level : full_) {
     if (level->triangles() >= kLeastTriangles) total_ += static_cast<double>(level->triangles());
   }
-  if (total_ == 0.0) {
-    progress_ = 1.0;
-    return;
-  }
-  thread_ = start_thread([this] { run(); });
+  if (!has_any()) progress_ = 1.0;
 }
 
-DetailBuilder::~DetailBuilder() {
-  stop_ = true;
-  begin();
-  if (thread_.joinable()) thread_.join();
-}
-
-std::vector<DetailBuilder::Made> DetailBuilder::take_made() {
+std::vector<DetailBuilder::Made> DetailBuilder::Work::take_made() {
   const std::lock_guard lock(mutex_);
   return std::exchange(made_, {});
 }
 
-void DetailBuilder::offer(Made made) {
+void DetailBuilder::Work::offer(Made made) {
   const std::lock_guard lock(mutex_);
-  made_.push_back(std::move(made));
+  if (!stop_) made_.push_back(std::move(made));
 }
 
-void DetailBuilder::begin() {
+void DetailBuilder::Work::stop() {
+  stop_ = true;
+  begin();
+}
+
+void DetailBuilder::Work::begin() {
   {
     const std::lock_guard lock(mutex_);
     has_begun_ = true;
@@ -64,24 +89,17 @@ void DetailBuilder::begin() {
   begun_.notify_one();
 }
 
-void DetailBuilder::wait_for_begin() {
+void DetailBuilder::Work::wait_for_begin() {
   std::unique_lock lock(mutex_);
   begun_.wait_for(lock, kLongestWait, [this] { return has_begun_; });
 }
 
-void DetailBuilder::run() {
+void DetailBuilder::Work::run() {
   wait_for_begin();
   // Of this thread alone, as Linux has it. If it fails, the work is the same.
   (void)setpriority(PRIO_PROCESS, 0, kNiceness);
   for (std::size_t i = 0; i < full_.size() && !stop_; ++i) {
-    if (full_[i]->triangles() < kLeastTriangles || full_[i]->triangles() < kLarge) continue;
-    // The fast simplification mixes positions of a texture, and the opaque with the rest.
-    if (has_texture_or_alpha(*full_[i])) continue;
-    if (auto rough = make_rough_level(*full_[i], kRoughTriangles)) {
-      rough->error = measure_level_error(*rough, *full_[i], kErrorSamples);
-      divide_into_clusters(*rough);
-      offer({.object = i, .level = make_flat(*rough), .is_rough = true});
-    }
+    if (full_[i]->triangles() >= kLarge) build_rough(i);
   }
   for (std::size_t i = 0; i < full_.size() && !stop_; ++i) {
     if (full_[i]->triangles() >= kLeastTriangles) build(i);
@@ -89,7 +107,18 @@ void DetailBuilder::run() {
   if (!stop_) progress_ = 1.0;
 }
 
-void DetailBuilder::build(std::size_t object) {
+void DetailBuilder::Work::build_rough(std::size_t object) {
+  const DetailLevel& full = *full_[object];
+  // The fast simplification mixes positions of a texture, and the opaque with the rest.
+  if (has_texture_or_alpha(full)) return;
+  auto rough = make_rough_level(full, kRoughTriangles);
+  if (!rough || stop_) return;
+  rough->error = measure_level_error(*rough, full, kErrorSamples);
+  divide_into_clusters(*rough);
+  offer({.object = object, .level = make_flat(*rough), .is_rough = true});
+}
+
+void DetailBuilder::Work::build(std::size_t object) {
   const DetailLevel& full = *full_[object];
   const double begin = progress_;
   const double share = static_cast<double>(full.triangles()) / total_;
@@ -98,7 +127,7 @@ void DetailBuilder::build(std::size_t object) {
   std::size_t wanted = full.triangles() / (full.triangles() >= kLarge ? kFirstOfLarge : 2);
   for (; wanted >= kCoarsest && !stop_; wanted /= 2) {
     auto level = make_coarser_level(*finer, wanted);
-    if (!level) break;
+    if (!level || stop_) break;
     level->error = measure_level_error(*level, full, kErrorSamples);
     last = std::move(*level);
     finer = &last;
@@ -113,5 +142,16 @@ void DetailBuilder::build(std::size_t object) {
   offer({.object = object, .level = make_flat(divided), .is_full = true});
   progress_ = begin + share;
 }
+
+DetailBuilder::DetailBuilder(std::vector<std::shared_ptr<const DetailLevel>> full) : work_(std::make_shared<Work>(std::move(full))) {
+  // A level of ten million triangles takes many seconds, and meshoptimizer cannot be interrupted: a person who quits does not wait for it.
+  if (work_->has_any()) start_thread([work = work_] { work->run(); }).detach();
+}
+
+DetailBuilder::~DetailBuilder() { work_->stop(); }
+
+std::vector<DetailBuilder::Made> DetailBuilder::take_made() { return work_->take_made(); }
+void DetailBuilder::begin() { work_->begin(); }
+double DetailBuilder::progress() const { return work_->progress(); }
 
 }  // namespace hapton

@@ -75,10 +75,10 @@ void ForceBar::add_to(vtkRenderer* renderer) {
 }
 
 void ForceBar::set(double force_n, double limit_n, PictureSize size, int font_px, double lift_px) {
-  const bool is_shown = limit_n > 0.0;
-  bar_->SetVisibility(is_shown);
-  limit_->SetVisibility(is_shown);
-  if (!is_shown) return;
+  is_shown_ = limit_n > 0.0;
+  bar_->SetVisibility(is_shown_);
+  limit_->SetVisibility(is_shown_);
+  if (!is_shown_) return;
   const double share = std::clamp(force_n / limit_n, 0.0, 1.0);
   const Vec2 low(0.5 * font_px, kBarLow * size.height_px + 0.5 * lift_px);
   const Vec2 high = low + Vec2(kWidthInLetters * font_px, kBarHeight * size.height_px);

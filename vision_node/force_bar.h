@@ -20,7 +20,13 @@ class ForceBar {
   // Hidden where the limit is not known (0). lift_px: what is at the lower edge. Pre: finite.
   void set(double force_n, double limit_n, PictureSize size, int font_px, double lift_px = 0.0);
 
+  // What is drawn, for another place of it (HeadsetPanel): corners in pixels, four for each rectangle, the farther ones first.
+  bool is_shown() const { return is_shown_; }
+  vtkPolyData* shape() const { return shape_; }
+  vtkTextActor* label() const { return limit_; }
+
  private:
+  bool is_shown_ = false;
   vtkNew<vtkPolyData> shape_;
   vtkNew<vtkActor2D> bar_;
   vtkNew<vtkTextActor> limit_;

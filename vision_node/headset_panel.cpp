@@ -2,6 +2,10 @@
 
 #include <string>
 
+#include <vtkPointData.h>
+#include <vtkPoints.h>
+#include <vtkPolyDataMapper.h>
+#include <vtkProperty.h>
 #include <vtkTextProperty.h>
 
 #include "core/math/types.h"
@@ -17,6 +21,49 @@ constexpr double kNoticeM = 0.012;
 const Vec3 kFactsAt(-0.19, 0.11, -0.19);
 const Vec3 kHelpAt(0.02, 0.11, -0.19);
 const Vec3 kNoticeAt(0.0, 0.16, -0.10);
+
+// Bar and curves are those of a picture of this size, of which they take the left and the right edge.
+constexpr PictureSize kPanelSize = {400, 400};
+constexpr int kBarFontPx = 12;
+constexpr double kBarPixelM = 0.0006;   // the bar is 62 mm high
+constexpr double kPlotPixelM = 0.0009;  // a curve is 122 mm wide
+const Vec3 kBarAt(-0.189, -0.109, -0.19);
+const Vec3 kPlotsAt(-0.082, -0.115, -0.19);
+// Of what is drawn over something else, towards the viewer.
+constexpr double kBeforePx = 0.5;
+
+void stand(vtkActor* actor, vtkPolyData* shape, const Vec3& p_W, double pixel_m) {
+  vtkNew<vtkPolyDataMapper> mapper;
+  mapper->SetInputData(shape);
+  actor->SetMapper(mapper);
+  actor->SetScale(pixel_m, pixel_m, pixel_m);
+  actor->SetPosition(p_W.x(), p_W.y(), p_W.z());
+  actor->GetProperty()->LightingOff();
+  actor->GetProperty()->SetLineWidth(2.0F);
+  actor->VisibilityOff();
+}
+
+// A text of a picture's edge, there.
+void show_label(vtkTextActor3D* actor, vtkTextActor* of, const Vec3& p_W, double pixel_m) {
+  const double* at = of->GetPosition();
+  const double scale = pixel_m * of->GetTextProperty()->GetFontSize() / kFontPx;
+  actor->SetScale(scale, scale, scale);
+  actor->SetPosition(p_W.x() + pixel_m * at[0], p_W.y() + pixel_m * at[1], p_W.z());
+  actor->GetTextProperty()->SetJustification(of->GetTextProperty()->GetJustification());
+  actor->VisibilityOn();
+  if (actor->GetInput() == nullptr || std::string_view(actor->GetInput()) != of->GetInput()) actor->SetInput(of->GetInput());
+}
+
+// In one plane they would flicker.
+void separate_rectangles(vtkPolyData* from, vtkPolyData* to) {
+  vtkNew<vtkPoints> points;
+  for (vtkIdType i = 0; i < from->GetNumberOfPoints(); ++i) {
+    const double* at = from->GetPoint(i);
+    points->InsertNextPoint(at[0], at[1], kBeforePx * static_cast<double>(i / 4));
+  }
+  to->ShallowCopy(from);
+  to->SetPoints(points);
+}
 
 void place(vtkTextActor3D* text, const Vec3& p_W, double line_m) {
   const double scale = line_m / kFontPx;
@@ -46,16 +93,41 @@ HeadsetPanel::HeadsetPanel() {
   place(notice_, kNoticeAt, kNoticeM);
   notice_->GetTextProperty()->SetColor(1.0, 0.78, 0.10);
   notice_->GetTextProperty()->SetJustificationToCentered();
+  stand(bar_actor_, bar_shape_, kBarAt, kBarPixelM);
+  stand(plot_actor_, plots_.lines(), kPlotsAt, kPlotPixelM);
+  place(bar_label_, kBarAt, kLineM);
+  for (const auto& title : plot_titles_) place(title, kPlotsAt, kLineM);
 }
 
 void HeadsetPanel::add_to(vtkRenderer* renderer) {
-  for (vtkTextActor3D* text : {facts_.Get(), help_.Get(), notice_.Get()}) renderer->AddActor(text);
+  for (vtkTextActor3D* text : {facts_.Get(), help_.Get(), notice_.Get(), bar_label_.Get()}) renderer->AddActor(text);
+  for (const auto& title : plot_titles_) renderer->AddActor(title);
+  renderer->AddActor(bar_actor_);
+  renderer->AddActor(plot_actor_);
 }
 
 void HeadsetPanel::set(std::string_view facts, std::string_view help, std::string_view notice) {
   show(facts_, facts);
   show(help_, help);
   show(notice_, notice);
+}
+
+void HeadsetPanel::set_force(double force_n, double limit_n) {
+  bar_.set(force_n, limit_n, kPanelSize, kBarFontPx);
+  bar_actor_->SetVisibility(bar_.is_shown());
+  bar_label_->SetVisibility(bar_.is_shown());
+  if (!bar_.is_shown()) return;
+  separate_rectangles(bar_.shape(), bar_shape_);
+  show_label(bar_label_, bar_.label(), kBarAt, kBarPixelM);
+}
+
+void HeadsetPanel::set_plots(const std::vector<PlotShown>& plots) {
+  plots_.set(plots, kPanelSize);
+  plot_actor_->SetVisibility(plots_.is_shown());
+  for (std::size_t i = 0; i < plot_titles_.size(); ++i) {
+    plot_titles_[i]->VisibilityOff();
+    if (i < plots.size()) show_label(plot_titles_[i], plots_.title(i), kPlotsAt, kPlotPixelM);
+  }
 }
 
 }  // namespace hapton

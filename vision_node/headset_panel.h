@@ -1,26 +1,45 @@
 #pragma once
 
+#include <array>
 #include <string_view>
+#include <vector>
 
+#include <vtkActor.h>
 #include <vtkNew.h>
+#include <vtkPolyData.h>
 #include <vtkRenderer.h>
+#include <vtkTextActor.h>
 #include <vtkTextActor3D.h>
+
+#include "vision_node/force_bar.h"
+#include "vision_node/plot_figure.h"
 
 namespace hapton {
 
-// The texts of the HUD for a headset, in whose corners nobody can read: on plates that stand upright behind the workspace, above its upper
-// edge, with a depth like everything else. Frame W, where the scale is 1:1. Threads: the window's. RT: no.
+// The HUD for a headset, in whose corners nobody can read: texts on plates that stand upright behind the workspace, above its upper edge;
+// the bar of the force at the left of it, and the curves at the right. All have a depth like everything else. Frame W, where the scale is
+// 1:1. Threads: the window's. RT: no.
 class HeadsetPanel {
  public:
   HeadsetPanel();
   void add_to(vtkRenderer* renderer);
   // An empty text is not shown.
   void set(std::string_view facts, std::string_view help, std::string_view notice);
+  // As ForceBar and PlotFigure have it: hidden where the limit is not known (0), or there are no plots. Pre: finite.
+  void set_force(double force_n, double limit_n);
+  void set_plots(const std::vector<PlotShown>& plots);
 
  private:
   vtkNew<vtkTextActor3D> facts_;
   vtkNew<vtkTextActor3D> help_;
   vtkNew<vtkTextActor3D> notice_;
+  ForceBar bar_;
+  vtkNew<vtkPolyData> bar_shape_;  // its rectangles one before the other
+  vtkNew<vtkActor> bar_actor_;
+  vtkNew<vtkTextActor3D> bar_label_;
+  PlotFigure plots_;
+  vtkNew<vtkActor> plot_actor_;
+  std::array<vtkNew<vtkTextActor3D>, PlotFigure::kMost> plot_titles_;
 };
 
 }  // namespace hapton

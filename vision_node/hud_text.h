@@ -25,7 +25,7 @@ struct HudFacts {
   std::string head_notice;       // what is wrong with its tracker, a line of its own; empty: nothing
   std::string recording;         // of a recording: its name, the moment and how it plays; a line of its own. Empty: live
   std::string teaching;          // what a teaching view shows, a line of its own; empty: none
-  std::string happened;          // in the recording, right before: another line; empty: nothing
+  std::string happened;          // right before, in the recording, or live to files: another line; empty: nothing
   double scene_across_m = 0.0;   // diameter of the scene
   double scene_away_m = 0.0;     // of its middle from that of the workspace, as it is turned now
 };

@@ -127,6 +127,9 @@ void Interaction::press_key(char key, const View& view) {
     case 'w':
       requests_.save = true;
       break;
+    case 'o':
+      requests_.export_work = true;
+      break;
     case 't':
       requests_.menu = true;
       break;

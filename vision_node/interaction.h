@@ -44,6 +44,7 @@ struct UserRequests {
   bool undo = false;
   bool redo = false;
   bool save = false;
+  bool export_work = false;
   bool menu = false;
   bool next_teach = false;        // teaching view
   bool next_level = false;        // of its tree

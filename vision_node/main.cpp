@@ -148,6 +148,7 @@ int run(VisionOptions& options) {
   if (!annotator) return give_up(annotator.error());
   session.set_annotator(annotator->get());
   (*annotator)->set_carved_objects(&live.carved());
+  (*annotator)->set_moved_objects(&live.moved());
   if (*other) session.set_other_hand(&(*other)->hand);
   std::optional<SpaceHead> space_head;
   if (options.has_space_head) session.set_space_head(&space_head.emplace(make_hid_opener(HidKind::space_mouse, "")));

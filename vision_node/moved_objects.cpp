@@ -50,10 +50,6 @@ MovedObjects::MovedObjects(StereoView& view, const Scene& scene)
   place_moving();
 }
 
-bool MovedObjects::has_program_shapes() const {
-  return std::any_of(scene_.objects.begin(), scene_.objects.end(), [](const SceneObject& one) { return one.program_shape != nullptr; });
-}
-
 void MovedObjects::forget_moves() {
   for (std::size_t o = 0; o < commanded_.size(); ++o) {
     if (const auto& commanded = scene_.objects[o].commanded) commanded_[o].emplace(commanded->pivot());
@@ -90,8 +86,9 @@ void MovedObjects::rewind() {
   for (std::size_t o = 0; o < known_.size(); ++o) take(ObjectPose{.object = static_cast<std::int32_t>(o)});
   forget_moves();
   source_ = {};
-  shapes_ = KnownShapes(count_shaped_vertices(scene_));
 }
+
+void MovedObjects::forget_shapes() { shapes_ = KnownShapes(count_shaped_vertices(scene_)); }
 
 std::optional<Pose> MovedObjects::pose_of(std::size_t object, double time_s) const {
   if (commanded_[object]) return commanded_[object]->pose_at(time_s);
@@ -135,12 +132,18 @@ void MovedObjects::place_moving() {
 void MovedObjects::draw_shape(std::size_t object) {
   if (!shape_places_[object]) return;
   // What was taken since the time was set may have made another place of it.
-  const auto place = shapes_.find(object, time_ns_);
+  const auto place = shape_place(object);
   if (!place || drawn_shapes_[object] == place) return;
   drawn_shapes_[object] = place;
-  if (*place == KnownShapes::Place()) return view_.reshape_object(object, scene_.objects[object].mesh->vertices);
-  view_.reshape_object(object, scene_.objects[object].program_shape->vertices_of(scene_.objects[object].mesh->vertices,
-                                                                                 shapes_.displacements_m(object, *place)));
+  view_.reshape_object(object, *find_vertices(object));
+}
+
+std::optional<std::vector<Vec3>> MovedObjects::find_vertices(std::size_t object) const {
+  const auto place = shape_place(object);
+  if (!place) return std::nullopt;
+  const std::vector<Vec3>& rest = scene_.objects[object].mesh->vertices;
+  if (*place == KnownShapes::Place()) return rest;
+  return scene_.objects[object].program_shape->vertices_of(rest, shapes_.displacements_m(object, *place));
 }
 
 std::int32_t MovedObjects::held() const {

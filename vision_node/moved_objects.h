@@ -32,14 +32,19 @@ class MovedObjects {
   void take(const ShapeStart& start, Arrival arrival) { shapes_.take(start, arrival); }
   // What is missing of the newest shapes.
   std::optional<ShapeStatus> take_shape_request(std::int64_t now_ns) { return shapes_.take_request(now_ns); }
-  // Some objects have the shapes that programs give them.
-  bool has_program_shapes() const;
+  // The objects that programs deform are at rest, and no shape is known.
+  void forget_shapes();
+  // Of an object that a program deforms, at the time set last: between which shapes it is. None: that is not known, and it stays as it was.
+  std::optional<KnownShapes::Place> shape_place(std::size_t object) const { return shapes_.find(object, time_ns_); }
+  // ... and its vertices there, frame S.
+  std::optional<std::vector<Vec3>> find_vertices(std::size_t object) const;
+  std::size_t count_objects() const { return known_.size(); }
 
   // Takes over what is known of the objects of another scene, and its time, if both scenes have the same objects, by name: those that the
   // stylus picked up are where they are there, and those that programs move, if they move alike.
   void adopt(const MovedObjects& before);
 
-  // Everything is where the scene file has it, and no pose or move is known.
+  // Everything is where the scene file has it, and no pose or move is known. Shapes stay.
   void rewind();
 
   // Some move by keyframes or by programs, or deform.

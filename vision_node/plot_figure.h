@@ -25,6 +25,11 @@ class PlotFigure {
   // lift_px: as much higher.
   void set(const std::vector<PlotShown>& plots, PictureSize size, double lift_px = 0.0);
 
+  // What is drawn, for another place of it (HeadsetPanel). Pixels of the picture.
+  bool is_shown() const { return line_actor_->GetVisibility() != 0; }
+  vtkPolyData* lines() const { return lines_; }
+  vtkTextActor* title(std::size_t plot) const { return titles_[plot]; }
+
  private:
   // In pixels of the picture.
   struct Frame {

@@ -1,9 +1,13 @@
 #include "vision_node/recorded_session.h"
 
+#include <algorithm>
 #include <cmath>
+
+#include <fmt/core.h>
 
 #include "runtime/log.h"
 #include "runtime/process_age.h"
+#include "vision_node/frame_folder.h"
 #include "vision_node/recorded_state.h"
 
 namespace hapton {
@@ -32,9 +36,10 @@ RecordedSession::RecordedSession(StereoView& view, Clock& clock, const VisionOpt
   player_.pause();
 }
 
-void RecordedSession::set_moved_objects(MovedObjects* moved) {
+void RecordedSession::set_moved_objects(MovedObjects* moved, SessionShapes* shapes) {
   moved_ = moved;
   objects_.emplace(index_, *moved);
+  if (shapes != nullptr) surfaces_.emplace(index_, *shapes, *moved);
 }
 
 void RecordedSession::set_carved_objects(CarvedObjects* carved) {
@@ -48,6 +53,7 @@ Result<void> RecordedSession::run(const StopSignal& stop) {
   if (auto shown = show_moment(); !shown) return shown;
   if (auto drawn = draw_if_wanted(); !drawn) return drawn;
   if (options_.at_s && !options_.screenshot.empty()) return take_moment();
+  if (!options_.frames.empty()) return write_frames(stop);
   view_.prepare_shaders();
   window_.step().spoil();  // draw again: prepare_shaders() hides the probe
   while (!quit_ && !stop.stop_requested() && clock_.now_ns() < end_ns) {
@@ -65,8 +71,14 @@ Result<void> RecordedSession::run(const StopSignal& stop) {
   return window_.take_screenshot(options_.screenshot);
 }
 
-// The screenshot of --at: waits first for the teaching view and for carved objects, which other threads compute.
+// The screenshot of --at.
 Result<void> RecordedSession::take_moment() {
+  if (auto completed = complete_moment(); !completed) return completed;
+  return window_.take_screenshot(options_.screenshot);
+}
+
+// Draws it, after waiting for the teaching view and for carved objects, which other threads compute.
+Result<void> RecordedSession::complete_moment() {
   constexpr std::int64_t kPauseNs = 5 * kNanosecondsPerMillisecond;
   window_.finish_teaching();
   while (carved_ != nullptr && !carved_->is_up_to_date()) {
@@ -74,8 +86,28 @@ Result<void> RecordedSession::take_moment() {
     clock_.sleep_until_ns(clock_.now_ns() + kPauseNs);
   }
   if (auto shown = show_moment(); !shown) return shown;
+  window_.step().spoil();  // its texts are of this moment
   draw();
-  return window_.take_screenshot(options_.screenshot);
+  return {};
+}
+
+// For a video: one picture after the other, each of its moment, however long it takes.
+Result<void> RecordedSession::write_frames(const StopSignal& stop) {
+  auto folder = FrameFolder::open(options_.frames);
+  if (!folder) return tl::unexpected(folder.error());
+  const double begin_s = player_.moment_s();
+  const double end_s = options_.seconds > 0.0 ? std::min(begin_s + options_.seconds, index_.end_s()) : index_.end_s();
+  player_.pause();
+  for (std::uint64_t n = 0; !stop.stop_requested(); ++n) {
+    const double t_s = begin_s + static_cast<double>(n) * options_.speed / options_.frame_rate_hz;
+    if (t_s > end_s) break;
+    player_.seek(t_s);
+    if (auto shown = show_moment(); !shown) return shown;
+    if (auto completed = complete_moment(); !completed) return completed;
+    if (auto saved = view_.save_png(folder->next()); !saved) return saved;
+  }
+  fmt::print("{}\n", folder->describe(options_.frame_rate_hz));
+  return {};
 }
 
 void RecordedSession::show_carved() {
@@ -91,6 +123,7 @@ Result<void> RecordedSession::show_moment() {
   step.set_recording(recorded->X_WS, describe_recording(options_.session.filename().string(), player_, recorded->state.sample),
                      describe_mark(index_, t_s));
   if (carves_) carves_->show(t_s);
+  if (surfaces_) surfaces_->show(t_s, recorded->state.scene_time_ns);
   if (objects_ && objects_->show(t_s, recorded->state.scene_time_ns)) step.spoil();
   if (moved_ != nullptr && moved_->held() != step.held_object()) step.set_held_object(moved_->held());
   if (const HapticsSetup* setup = index_.find_setup(player_.moment_s())) window_.use_setup(*setup);

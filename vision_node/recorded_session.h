@@ -11,6 +11,7 @@
 #include "session/session_rows.h"
 #include "vision_node/recorded_carves.h"
 #include "vision_node/recorded_objects.h"
+#include "vision_node/recorded_surfaces.h"
 #include "vision_node/session_control.h"
 #include "vision_node/session_player.h"
 #include "vision_node/time_line.h"
@@ -29,13 +30,14 @@ class RecordedSession {
   void set_teacher(TeachBuilder* teacher) { window_.set_teacher(teacher); }
   // Scene::given_hash of the scene that is shown: a warning appears if the recorded one differs.
   void set_scene(std::uint64_t given_hash) { scene_hash_ = given_hash; }
-  // Draws the objects that move. Pre: it outlives the session.
-  void set_moved_objects(MovedObjects* moved);
+  // Draws the objects that move. shapes: of those that programs deform, of the same file; null: they are at rest. Pre: both outlive the
+  // session.
+  void set_moved_objects(MovedObjects* moved, SessionShapes* shapes = nullptr);
   // Draws the objects that were carved. Pre: it outlives the session.
   void set_carved_objects(CarvedObjects* carved);
 
-  // Runs until the window is closed, --seconds are over, the screenshot of --at is taken, or a signal requests a stop. Error: a screenshot
-  // could not be written, or the file has changed.
+  // Runs until the window is closed, --seconds are over, the screenshot of --at or the pictures of --frames are written, or a signal
+  // requests a stop. Error: a picture could not be written, or the file has changed.
   Result<void> run(const StopSignal& stop);
 
   const VisionStep& step() const { return window_.step(); }
@@ -50,6 +52,8 @@ class RecordedSession {
   Result<void> draw_if_wanted();
   void draw();
   Result<void> take_moment();
+  Result<void> complete_moment();
+  Result<void> write_frames(const StopSignal& stop);
   double moment_share() const { return find_time_line_share(index_, player_.moment_s()); }
 
   StereoView& view_;
@@ -62,6 +66,7 @@ class RecordedSession {
   ViewerWindow window_;
   TimeLineShown line_;
   std::optional<RecordedObjects> objects_;
+  std::optional<RecordedSurfaces> surfaces_;
   MovedObjects* moved_ = nullptr;
   std::optional<RecordedCarves> carves_;
   CarvedObjects* carved_ = nullptr;

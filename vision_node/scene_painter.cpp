@@ -45,11 +45,11 @@ struct ScenePainter::Object {
   double radius_m = 0.0;         // around frame.centre
   Pose X_SO = Pose::Identity();  // moved by this, frame S
   bool is_shown = true;
-  std::unique_ptr<DetailLevel> whole;       // read by the builder
-  std::unique_ptr<TextureLayers> textures;  // null: none
-  bool is_painted = false;                  // its vertices have colours of their own
-  bool is_finished = false;                 // some of those have alpha, or a texture that does not repeat
-  bool has_blended = false;                 // some triangles show what is behind
+  std::shared_ptr<const DetailLevel> whole;  // read by the builder
+  std::unique_ptr<TextureLayers> textures;   // null: none
+  bool is_painted = false;                   // its vertices have colours of their own
+  bool is_finished = false;                  // some of those have alpha, or a texture that does not repeat
+  bool has_blended = false;                  // some triangles show what is behind
   FlatLevel full;
   bool is_preview = false;  // full is only a part of its triangles, until all of them are ready to be drawn
   FlatBuffers full_vertices;
@@ -97,7 +97,6 @@ DetailLevel ScenePainter::make_level_of(const TriangleMesh& mesh, const Object& 
 }
 
 ScenePainter::~ScenePainter() {
-  builder_.reset();
   for (const auto& object : objects_) {
     release(object->full_vertices);
     for (FlatBuffers& vertices : object->coarser_vertices) release(vertices);
@@ -136,16 +135,16 @@ Result<std::unique_ptr<ScenePainter>> ScenePainter::make(const std::vector<Shown
   glGenBuffers(1, &painter->index_buffer_);
   glGenVertexArrays(1, &painter->empty_vertices_);
   painter->upload_lines();
-  std::vector<const DetailLevel*> levels;
+  std::vector<std::shared_ptr<const DetailLevel>> levels;
   for (const ShownObject& shown : objects) {
     auto object = std::make_unique<Object>();
     object->shown = shown;
     object->frame = frame_detail(*shown.mesh);
     object->colour = shown.colour;
-    object->whole = std::make_unique<DetailLevel>(make_whole_level(shown, *object));
+    object->whole = std::make_shared<const DetailLevel>(make_whole_level(shown, *object));
     object->radius_m = object->whole->clusters.front().radius * object->frame.scale_m;
     object->triangles = object->whole->triangles();
-    levels.push_back(object->whole.get());
+    levels.push_back(object->whole);
     painter->objects_.push_back(std::move(object));
   }
   painter->builder_ = std::make_unique<DetailBuilder>(std::move(levels));

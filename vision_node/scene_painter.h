@@ -121,7 +121,7 @@ class ScenePainter {
   std::uint32_t line_vertices_ = 0, line_buffer_ = 0;
   int grid_corners_ = 0;
   std::vector<std::uint32_t> visible_;
-  std::unique_ptr<DetailBuilder> builder_;  // last: it reads the objects' levels
+  std::unique_ptr<DetailBuilder> builder_;
 };
 
 }  // namespace hapton

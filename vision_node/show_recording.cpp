@@ -7,6 +7,7 @@
 #include "scene/find_scene.h"
 #include "scene/scene_file.h"
 #include "session/session_rows.h"
+#include "session/session_shapes.h"
 #include "vision_node/carved_objects.h"
 #include "vision_node/moved_objects.h"
 #include "vision_node/recorded_session.h"
@@ -53,12 +54,12 @@ Result<void> show(VisionOptions& options, const SessionIndex& index, HeadTracker
   if (!view) return tl::unexpected(view.error());
   if (*tool) (*view)->set_tool(**tool);
   MovedObjects moved(**view, *scene);
-  if (moved.has_program_shapes())
-    log_warning("objects that programs deform are shown at rest: a recording is not searched for their shapes");
+  auto shapes = SessionShapes::open(options.session);
+  if (!shapes) return tl::unexpected(shapes.error());
   CarvedObjects carved(**view, *scene);
   RecordedSession session(**view, clock, options, index, *rows);
   session.set_scene(scene->given_hash);
-  session.set_moved_objects(&moved);
+  session.set_moved_objects(&moved, &*shapes);
   session.set_carved_objects(&carved);
   TeachBuilder teacher(scene->touch_scene());
   session.set_teacher(&teacher);

@@ -15,6 +15,7 @@
 #include <vtkWindowToImageFilter.h>
 
 #include "runtime/atomic_file.h"
+#include "runtime/part_file.h"
 #include "vision_node/annotation_figure.h"
 #include "vision_node/display.h"
 #include "vision_node/edge_pointer.h"
@@ -317,6 +318,7 @@ void StereoView::set_probe(const ProbeShown& probe) {
   window_->annotations.set_probe(probe);
   window_->p_WP = probe.p_WP;
   for (const auto& eye : window_->eyes) eye->hud.set_force(probe.force_n.norm(), probe.force_limit_n, eye->size());
+  window_->headset_panel.set_force(probe.force_n.norm(), probe.force_limit_n);
 }
 void StereoView::set_other_probe(const ProbeShown& probe) { window_->other_probe->set(probe); }
 
@@ -327,6 +329,7 @@ void StereoView::set_hud(std::string_view facts, std::string_view help, std::str
 
 void StereoView::set_plots(const std::vector<PlotShown>& plots) {
   for (const auto& eye : window_->eyes) eye->hud.set_plots(plots, eye->size());
+  window_->headset_panel.set_plots(plots);
 }
 void StereoView::set_time_line(const std::optional<TimeLineShown>& line, double moment) {
   for (const auto& eye : window_->eyes) eye->hud.set_time_line(line, moment, eye->size());
@@ -410,7 +413,8 @@ Picture StereoView::read_picture() {
 
 Result<void> StereoView::save_png(const std::filesystem::path& file) {
   // Tried first, because VTK would write its own lines about it to stderr, and block on a pipe without a reader.
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> tried(open_file_for(file, FileReaders::everyone), &std::fclose);
+  PartPath part(file);
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> tried(open_file_for(part.part(), FileReaders::everyone), &std::fclose);
   if (!tried) {
     return fail("cannot write the screenshot {}: does its folder exist, and is it writable?", file.string());
   }
@@ -426,12 +430,12 @@ Result<void> StereoView::save_png(const std::filesystem::path& file) {
   grab->ReadFrontBufferOff();
   grab->ShouldRerenderOff();
   vtkNew<vtkPNGWriter> writer;
-  writer->SetFileName(file.c_str());
+  writer->SetFileName(part.part().c_str());
   writer->SetInputConnection(grab->GetOutputPort());
   writer->Write();
   window_->window->SetMultiSamples(window_->settings.msaa);
   if (writer->GetErrorCode() != 0) return fail("cannot write the screenshot {}: is the disk full?", file.string());
-  return {};
+  return part.keep();
 }
 
 std::vector<WindowEvent> StereoView::poll_events() {

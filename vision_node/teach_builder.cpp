@@ -2,6 +2,8 @@
 
 #include <sys/resource.h>
 
+#include <condition_variable>
+#include <mutex>
 #include <utility>
 
 #include "runtime/start_thread.h"
@@ -19,42 +21,72 @@ TeachShapes make_notice(std::string text) {
 
 }  // namespace
 
-TeachBuilder::TeachBuilder(TouchScene scene) : scene_(std::move(scene)) {}
+class TeachBuilder::Work {
+ public:
+  explicit Work(TouchScene scene) : scene_(std::move(scene)) {}
 
-TeachBuilder::~TeachBuilder() {
+  void run();
+  void stop();
+  void request(const TeachChoice& choice, const TeachProbe& probe);
+  bool is_busy();
+  std::optional<TeachShapes> take_made();
+  int tree_depth();
+
+ private:
+  struct Request {
+    TeachChoice choice;
+    TeachProbe probe;
+  };
+  TeachShapes make(const Request& request);
+  TeachShapes make_of_tree(const Request& request);
+
+  TouchScene scene_;
+  // The thread's own, made when first needed.
+  std::unique_ptr<SmoothScene> smooth_;
+  std::unique_ptr<UniformGrid> grid_;
+  std::unique_ptr<TeachCurvature> curvature_;
+
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  std::optional<Request> request_;
+  std::optional<TeachShapes> made_;
+  bool is_working_ = false;
+  bool stop_ = false;
+  int depth_ = 0;
+};
+
+void TeachBuilder::Work::stop() {
   {
     const std::lock_guard lock(mutex_);
     stop_ = true;
   }
   wake_.notify_one();
-  if (thread_.joinable()) thread_.join();
 }
 
-void TeachBuilder::request(const TeachChoice& choice, const TeachProbe& probe) {
+void TeachBuilder::Work::request(const TeachChoice& choice, const TeachProbe& probe) {
   {
     const std::lock_guard lock(mutex_);
     request_ = Request{choice, probe};
   }
-  if (!thread_.joinable()) thread_ = start_thread([this] { run(); });
   wake_.notify_one();
 }
 
-bool TeachBuilder::is_busy() {
+bool TeachBuilder::Work::is_busy() {
   const std::lock_guard lock(mutex_);
   return is_working_ || request_.has_value();
 }
 
-std::optional<TeachShapes> TeachBuilder::take_made() {
+std::optional<TeachShapes> TeachBuilder::Work::take_made() {
   const std::lock_guard lock(mutex_);
   return std::exchange(made_, std::nullopt);
 }
 
-int TeachBuilder::tree_depth() {
+int TeachBuilder::Work::tree_depth() {
   const std::lock_guard lock(mutex_);
   return depth_;
 }
 
-void TeachBuilder::run() {
+void TeachBuilder::Work::run() {
   // Of this thread alone: a force has the processor first.
   (void)setpriority(PRIO_PROCESS, 0, kTeachNiceness);
   std::unique_lock lock(mutex_);
@@ -73,7 +105,7 @@ void TeachBuilder::run() {
   }
 }
 
-TeachShapes TeachBuilder::make(const Request& request) {
+TeachShapes TeachBuilder::Work::make(const Request& request) {
   if (request.choice.view == TeachView::grid) {
     if (grid_ == nullptr) {
       auto grid = make_teach_grid(scene_);
@@ -89,7 +121,7 @@ TeachShapes TeachBuilder::make(const Request& request) {
   return make_of_tree(request);
 }
 
-TeachShapes TeachBuilder::make_of_tree(const Request& request) {
+TeachShapes TeachBuilder::Work::make_of_tree(const Request& request) {
   if (smooth_ == nullptr) {
     auto built = SmoothScene::build(scene_, {});
     if (!built) return make_notice(std::string(teach_name(request.choice.view)) + ": " + built.error().what);
@@ -99,5 +131,19 @@ TeachShapes TeachBuilder::make_of_tree(const Request& request) {
   if (request.choice.view == TeachView::tree) return show_tree(*smooth_, request.probe, request.choice.level);
   return show_local_set(*smooth_, request.probe);
 }
+
+TeachBuilder::TeachBuilder(TouchScene scene) : work_(std::make_shared<Work>(std::move(scene))) {}
+
+TeachBuilder::~TeachBuilder() { work_->stop(); }
+
+void TeachBuilder::request(const TeachChoice& choice, const TeachProbe& probe) {
+  work_->request(choice, probe);
+  // Preparing a large scene takes seconds and cannot be interrupted: a person who quits does not wait for it.
+  if (!std::exchange(is_started_, true)) start_thread([work = work_] { work->run(); }).detach();
+}
+
+bool TeachBuilder::is_busy() { return work_->is_busy(); }
+std::optional<TeachShapes> TeachBuilder::take_made() { return work_->take_made(); }
+int TeachBuilder::tree_depth() { return work_->tree_depth(); }
 
 }  // namespace hapton

@@ -1,17 +1,14 @@
 #pragma once
 
-#include <condition_variable>
 #include <memory>
-#include <mutex>
 #include <optional>
-#include <thread>
 
 #include "vision_node/teach_shapes.h"
 
 namespace hapton {
 
-// Makes the shapes of teaching views, and what they are made from, in a thread of its own: no frame waits for it. Threads: all calls from
-// one. RT: no.
+// Makes the shapes of teaching views, and what they are made from, in a thread of its own: no frame waits for it, nor does the end of the
+// builder. The thread then ends after what it is making. Threads: all calls from one. RT: no.
 class TeachBuilder {
  public:
   // The objects as the scene file has them.
@@ -30,28 +27,10 @@ class TeachBuilder {
   int tree_depth();
 
  private:
-  struct Request {
-    TeachChoice choice;
-    TeachProbe probe;
-  };
-  void run();
-  TeachShapes make(const Request& request);
-  TeachShapes make_of_tree(const Request& request);
-
-  TouchScene scene_;
-  // The thread's own, made when first needed.
-  std::unique_ptr<SmoothScene> smooth_;
-  std::unique_ptr<UniformGrid> grid_;
-  std::unique_ptr<TeachCurvature> curvature_;
-
-  std::mutex mutex_;
-  std::condition_variable wake_;
-  std::optional<Request> request_;
-  std::optional<TeachShapes> made_;
-  bool is_working_ = false;
-  bool stop_ = false;
-  int depth_ = 0;
-  std::thread thread_;
+  // Of the builder and its thread, which may outlive it.
+  class Work;
+  std::shared_ptr<Work> work_;
+  bool is_started_ = false;
 };
 
 }  // namespace hapton

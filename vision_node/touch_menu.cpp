@@ -39,6 +39,8 @@ std::string_view TouchMenu::label(Entry entry) {
       return "Redo";
     case Entry::save:
       return "Save";
+    case Entry::export_work:
+      return "Export";
     case Entry::close:
       return "Close";
   }

@@ -14,8 +14,9 @@ namespace hapton {
 // it. Frames: W; M of the panel: origin in its middle, x right, y up, z towards the viewer. Metres. RT: no.
 class TouchMenu {
  public:
-  enum class Entry : std::uint8_t { off, draw, measure, undo, redo, save, close };
-  static constexpr std::array kEntries = {Entry::off, Entry::draw, Entry::measure, Entry::undo, Entry::redo, Entry::save, Entry::close};
+  enum class Entry : std::uint8_t { off, draw, measure, undo, redo, save, export_work, close };
+  static constexpr std::array kEntries = {Entry::off,  Entry::draw, Entry::measure,     Entry::undo,
+                                          Entry::redo, Entry::save, Entry::export_work, Entry::close};
   static std::string_view label(Entry entry);
 
   // One entry, as large as a finger tip: the device is not larger for a larger scene.

@@ -111,6 +111,15 @@ void add_session_options(CLI::App& app, VisionOptions& options) {
       ->check(between(SessionPlayer::kSlowest, SessionPlayer::kFastest))
       ->capture_default_str()
       ->needs(session);
+  const auto frames = app.add_option("--frames", options.frames,
+                                     "New or empty folder for pictures frame_000001.png ..., from --at or the begin to the end or for "
+                                     "--seconds: for a video")
+                          ->needs(session)
+                          ->excludes(app.get_option("--screenshot"));
+  app.add_option("--frame-rate", options.frame_rate_hz, "Pictures for each second of the video")
+      ->check(between(1.0, 240.0))
+      ->capture_default_str()
+      ->needs(frames);
 }
 
 // Where the viewer is, unless --screen says where the screen is.

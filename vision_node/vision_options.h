@@ -28,6 +28,8 @@ struct VisionOptions {
   std::filesystem::path session;  // a recording to show in place of a hub; empty: live
   std::optional<double> at_s;     // its moment at the start, where it is paused; none: its begin
   double speed = 1.0;             // that it plays at
+  std::filesystem::path frames;   // folder for its pictures, one after the other; empty: it is played in the window
+  double frame_rate_hz = 30.0;    // of these pictures
   std::filesystem::path scene = "scenes/car_front.toml";
   bool is_scene_given = false;    // on the command line
   bool watch_scene = false;       // show the scene file again when it is saved

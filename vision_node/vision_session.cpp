@@ -18,6 +18,7 @@ namespace {
 constexpr std::int64_t kSceneEveryNs = 1000 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kSceneReadNs = 2000 * kNanosecondsPerMillisecond;  // from a look of one node at the file to one of the other
 constexpr std::int64_t kHubAbsentNs = 1000 * kNanosecondsPerMillisecond;  // without a reply, before the user is notified
+constexpr std::int64_t kNoticeNs = 10'000 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kTurnNs = 4 * kNanosecondsPerMillisecond;
 
 }  // namespace
@@ -141,8 +142,18 @@ void VisionSession::take_pose(const ObjectPose& pose) {
 void VisionSession::annotate(const UserRequests& requests) {
   if (annotator_ == nullptr) return;
   annotator_->handle(requests, view_.screen(), step_.workspace_centre());
+  show_notice();
   if (std::exchange(annotations_shown_, annotator_->revision()) == annotator_->revision()) return;
   step_.set_annotations(annotator_->describe());
+}
+
+// For as long as it takes to read a path.
+void VisionSession::show_notice() {
+  const std::int64_t now_ns = clock_.now_ns();
+  const std::string notice = annotator_->take_notice();
+  if (notice.empty() && (notice_end_ns_ == 0 || now_ns < notice_end_ns_)) return;
+  step_.set_happened(notice);
+  notice_end_ns_ = notice.empty() ? 0 : now_ns + kNoticeNs;
 }
 
 void VisionSession::receive_from_hub(std::int64_t deadline_ns) {
@@ -187,7 +198,7 @@ void VisionSession::follow_scene() {
   if (live_ == nullptr) return;
   if (const auto change = live_->follow(clock_.now_ns())) {
     set_live_scene(live_);
-    if (annotator_ != nullptr) annotator_->change_scene(live_->scene(), carved_);
+    if (annotator_ != nullptr) annotator_->change_scene(live_->scene(), carved_, moved_);
     window_.change_scene(&live_->teacher(), change->has_new_camera);
     step_.set_held_object(moved_->held());
     next_scene_ns_ = 0;

@@ -78,6 +78,7 @@ class VisionSession {
   void take_state(const ProbeState& state);
   void take_pose(const ObjectPose& pose);
   void annotate(const UserRequests& requests);
+  void show_notice();
   std::optional<Vec3> find_surface(const WindowEvent& event);
   bool begin_headset_turn();
   void move_in_headset(const UserRequests& requests);
@@ -100,6 +101,7 @@ class VisionSession {
   OtherHand* other_ = nullptr;
   Annotator* annotator_ = nullptr;
   std::uint64_t annotations_shown_ = 0;
+  std::int64_t notice_end_ns_ = 0;  // 0: none is shown
   HubClient& hub_;
   Clock& clock_;
   const VisionOptions& options_;

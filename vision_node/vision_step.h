@@ -142,6 +142,11 @@ class VisionStep {
     recording_ = std::move(line);
     happened_ = std::move(happened);
   }
+  // What has just happened, see HudFacts.
+  void set_happened(std::string line) {
+    happened_ = std::move(line);
+    spoil();
+  }
   // The line of a teaching view, see HudFacts; it has another picture.
   void set_teaching(std::string line) {
     teaching_ = std::move(line);

@@ -86,6 +86,8 @@ TEST(IoReport, SaysWhichSceneWasTouchedAndWithWhat) {
   auto stats = two_seconds();
   EXPECT_FALSE(make_io_report(*stats, {}, "").notes.contains("scene"));
   stats->setup.scene_hash = 0xBEEF;
+  EXPECT_FALSE(make_io_report(*stats, {}, "").notes.contains("scene_shape_hash"));
+  stats->scene_given_hash = 0xFACADE;
   stats->setup.scene_loading = 1 + 2 + 4 + (3U << 3U);
   std::copy_n("/a/part.stl", 11, stats->setup.scene.begin());
   std::copy_n("name=proxy", 10, stats->setup.method.begin());
@@ -94,6 +96,7 @@ TEST(IoReport, SaysWhichSceneWasTouchedAndWithWhat) {
   const LatencyReport report = make_io_report(*stats, {}, "");
   EXPECT_EQ(report.notes.at("scene"), "/a/part.stl");
   EXPECT_EQ(report.notes.at("scene_hash"), "000000000000beef");
+  EXPECT_EQ(report.notes.at("scene_shape_hash"), "0000000000facade");
   EXPECT_EQ(report.notes.at("scene_unit"), "mm");
   EXPECT_EQ(report.notes.at("scene_sealed"), "yes");
   EXPECT_EQ(report.notes.at("scene_fitted"), "yes");

@@ -93,6 +93,10 @@ TEST_F(Servos, RemembersWhatTheHapticsNodeWorksWith) {
   run(2);
   EXPECT_EQ(servo->collect_stats().setup.scene_hash, 0xABCDU);
   EXPECT_STREQ(servo->collect_stats().setup.scene.data(), "car.toml");
+  EXPECT_EQ(servo->collect_stats().scene_given_hash, 0U);
+  say(kHaptics, SceneFacts{.given_hash = 0xFACADE});
+  run(2);
+  EXPECT_EQ(servo->collect_stats().scene_given_hash, 0xFACADEU);
 }
 
 }  // namespace

@@ -354,6 +354,54 @@ TEST_F(DeformingAnnotatorTest, AStrokeStretchesWithTheSurface) {
   }
 }
 
+// The same growth, as a program gives it: known once its parts have come.
+TEST_F(AnnotatorTest, MarksGoAlongWithASurfaceThatAProgramDeforms) {
+  ASSERT_TRUE(view);
+  scene.objects[0].program_shape = std::make_shared<const ProgramShape>(ProgramShape{.reach_m = 0.2});
+  MovedObjects moved(*view, scene);
+  open();
+  annotator->set_moved_objects(&moved);
+  const auto touch_then = [&](double time_s, double size, const Vec3& direction, std::uint32_t buttons) {
+    ProbeState state;
+    state.scene_time_ns = std::llround(1e9 * time_s);
+    moved.set_time(state.scene_time_ns);
+    state.p_WD = 1.1 * size * kSphere * direction;
+    state.contact = true;
+    state.object = 0;
+    for (const std::uint32_t down : {buttons, 0U}) {
+      state.buttons = down;
+      annotator->receive(state, Pose::Identity());
+    }
+    annotator->show(Pose::Identity());
+  };
+  touch_then(0.0, 1.0, Vec3::UnitZ(), 0);
+  touch_then(0.0, 1.0, Vec3::UnitZ(), kRuleButton);
+  touch_then(0.0, 1.0, Vec3::UnitX(), kRuleButton);
+  EXPECT_THAT(annotator->describe(), HasSubstr("measured 42.43 mm"));
+  const std::vector<Vec3>& rest = scene.objects[0].mesh->vertices;
+  const auto total = static_cast<std::uint32_t>(rest.size());
+  moved.take(ShapeStart{.source = 5, .serial = 1, .total = total, .start_ns = 1'000'000'000, .end_ns = 2'000'000'000}, Arrival::newest);
+  touch_then(1.5, 1.0, Vec3::UnitX(), 0);
+  EXPECT_THAT(annotator->describe(), HasSubstr("measured 42.43 mm")) << "its vertices have not come";
+  for (std::uint32_t first = 0; first < total; first += ShapePart::kMostHere) {
+    ObjectShape part{.source = 5, .serial = 1, .part = {.total = total, .first = first}};
+    for (std::uint32_t v = 0; v < part.part.count(); ++v) {
+      const Vec3& p = rest[first + v];
+      part.part.displacements_m[v] = {static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())};
+    }
+    moved.take(part, Arrival::newest);
+  }
+  touch_then(1.5, 1.5, Vec3::UnitX(), 0);
+  EXPECT_THAT(annotator->describe(), HasSubstr("measured 63.64 mm"));
+  EXPECT_EQ(view->annotation_figure().labels()[0].text, "63.64 mm");
+  touch_then(2.5, 2.0, Vec3::UnitY(), kRuleButton);
+  touch_then(2.5, 2.0, Vec3::UnitX(), kRuleButton);
+  EXPECT_THAT(annotator->describe(), HasSubstr("measured 84.85 mm"));
+  ASSERT_EQ(entries().size(), 2U);
+  const Measure& kept = std::get<Measure>(entries()[1]);
+  EXPECT_LE((kept.ends[0].p_O - kSphere * Vec3::UnitY()).norm(), 1e-8) << "by where it is at rest";
+}
+
 // A pit that is carved as deep as the middle of a ball: what is touched is its bottom.
 TEST_F(AnnotatorTest, WhereMaterialIsGoneTheSurfaceThatIsLeftIsMeasured) {
   ASSERT_TRUE(view);

@@ -2,11 +2,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <memory>
+#include <numbers>
+#include <vector>
 
 #include "core/geometry/mesh_shapes.h"
 #include "scene/annotations_file.h"
+#include "scene/mesh_file.h"
+#include "tests/support/file_size_limit.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/vision_node/made_views.h"
 #include "vision_node/annotator.h"
@@ -184,6 +189,61 @@ TEST_F(CarveUndoTest, CarvesOfTheFileStayWithoutAHapticsNodeThatHasThem) {
   carved->take(carves, Arrival::newest);
   ASSERT_TRUE(annotator->finish());
   EXPECT_EQ(saved().size(), 3U) << "both";
+}
+
+TEST_F(CarveUndoTest, AKeyExportsWhatIsDrawnAndCarvedAndThePictureSaysWhere) {
+  ASSERT_TRUE(view);
+  options.export_folder = folder.path();
+  open();
+  settle();
+  const auto press = [&] {
+    annotator->handle({.export_work = true}, view->screen(), Vec3::Zero());
+    return annotator->take_notice();
+  };
+  EXPECT_EQ(press(), "nothing to export: nothing is drawn, measured or carved");
+  EXPECT_EQ(annotator->take_notice(), "") << "once";
+  draw();
+  EXPECT_EQ(press(), "exported to " + folder.path().string() + ": hapton_export_001.vtp");
+  carve();
+  settle();
+  EXPECT_EQ(press(), "exported to " + folder.path().string() + ": hapton_export_002.vtp, hapton_export_002_clay.stl");
+  // Smaller than the ball, which is closed.
+  const auto file = load_mesh_file(folder.path() / "hapton_export_002_clay.stl");
+  ASSERT_TRUE(file) << file.error().what;
+  const TriangleMesh* mesh = &file->mesh;
+  double volume = 0.0;
+  for (std::size_t t = 0; t < mesh->triangles.size(); ++t) {
+    volume += mesh->corner(t, 0).dot(mesh->corner(t, 1).cross(mesh->corner(t, 2))) / 6.0;
+  }
+  const double ball = 4.0 / 3.0 * std::numbers::pi * std::pow(kUndoClayRadius, 3);
+  EXPECT_LT(volume, 0.995 * ball);
+  EXPECT_GT(volume, 0.9 * ball);
+  std::string failed;
+  {
+    const FileSizeLimit full(100);
+    failed = press();
+  }
+  EXPECT_THAT(failed, testing::StartsWith("NOT EXPORTED: cannot write " + (folder.path() / "hapton_export_003.vtp").string()));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 3) << "nothing half is left";
+  annotator->handle({.save = true}, view->screen(), Vec3::Zero());
+  EXPECT_EQ(annotator->take_notice(), "saved in " + options.file.string());
+}
+
+// A name of a scene file may have any letters, and several objects may have the same.
+TEST_F(CarveUndoTest, TheNamesOfExportedSurfacesAreThoseOfTheirObjects) {
+  ASSERT_TRUE(view);
+  scene.objects[0].name = "a/b c";
+  scene.objects.push_back(scene.objects[0]);
+  scene.objects.push_back(scene.objects[0]);
+  scene.objects[2].name = "the-third";
+  view = open_or_fail(plain_settings(StereoMode::mono, 320, 240), std::vector<ShownObject>(3, {scene.objects[0].mesh, {1, 0, 0}}));
+  options.export_folder = folder.path();
+  open();
+  carve();
+  settle();
+  annotator->handle({.export_work = true}, view->screen(), Vec3::Zero());
+  EXPECT_THAT(annotator->take_notice(),
+              testing::EndsWith(": hapton_export_001_0_a_b_c.stl, hapton_export_001_1_a_b_c.stl, hapton_export_001_the-third.stl"));
 }
 
 }  // namespace

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <random>
+#include <vector>
 
 #include "core/geometry/mesh_shapes.h"
 
@@ -56,6 +58,38 @@ TEST_F(DeformedMeshTest, WhatIsTouchedIsFoundInThePresentShapeAndNamedByWhereItI
       EXPECT_EQ(touched.triangle, t);
     }
   }
+}
+
+// The same shape from a program: the same points.
+TEST_F(DeformedMeshTest, OneThatAProgramDeformsIsAsOneThatDeformsByItself) {
+  double weight = 0.0;
+  bool is_known = true;
+  int calls = 0;
+  DeformedMesh programmed(mesh, [&]() -> std::optional<std::vector<Vec3>> {
+    ++calls;
+    if (!is_known) return std::nullopt;
+    std::vector<Vec3> vertices;
+    for (const Vec3& p : mesh->vertices) vertices.push_back(grown(p, weight));
+    return vertices;
+  });
+  EXPECT_FALSE(programmed.set_time(1.0));
+  for (const double next : {0.0, 0.3, 1.0}) {
+    weight = next;
+    programmed.spoil();
+    deformed.set_time(weight);
+    for (std::size_t t = 0; t < mesh->triangles.size(); t += 11) {
+      const Vec3 p = 0.2 * mesh->corner(t, 0) + 0.3 * mesh->corner(t, 1) + 0.5 * mesh->corner(t, 2);
+      EXPECT_LE((programmed.place(p) - deformed.place(p)).norm(), 1e-15) << t << " at " << weight;
+      const DeformedMesh::Touched touched = programmed.find_closest(grown(p, weight));
+      EXPECT_LE((touched.p_rest - p).norm(), 1e-15) << t << " at " << weight;
+      EXPECT_EQ(touched.triangle, t);
+    }
+  }
+  EXPECT_EQ(calls, 3) << "once for each shape";
+  is_known = false;
+  programmed.spoil();
+  const Vec3 corner = mesh->corner(5, 0);
+  EXPECT_LE((programmed.place(corner) - grown(corner, 1.0)).norm(), 1e-15) << "unknown: it stays";
 }
 
 TEST_F(DeformedMeshTest, ItTellsWhenItsShapeIsAnother) {

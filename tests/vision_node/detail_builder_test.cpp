@@ -1,6 +1,8 @@
 #include "vision_node/detail_builder.h"
 
 #include <chrono>
+#include <future>
+#include <memory>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -22,15 +24,17 @@ std::vector<DetailBuilder::Made> take_all(DetailBuilder& builder) {
   return all;
 }
 
-DetailLevel level_of(const TriangleMesh& mesh) { return make_full_level(mesh, frame_detail(mesh)); }
+std::shared_ptr<const DetailLevel> level_of(const TriangleMesh& mesh) {
+  return std::make_shared<const DetailLevel>(make_full_level(mesh, frame_detail(mesh)));
+}
 
 TEST(DetailBuilder, MakesLevelsFromTheFinestToTheCoarsestAndThenTheMeshInClusters) {
-  const DetailLevel small = level_of(make_icosphere(0.05, 3));
-  const DetailLevel large = level_of(make_bumpy_sphere(0.05, 0.25, 70'000, 1));
-  DetailBuilder builder({&small, &large});
+  const auto small = level_of(make_icosphere(0.05, 3));
+  const auto large = level_of(make_bumpy_sphere(0.05, 0.25, 70'000, 1));
+  DetailBuilder builder({small, large});
   const auto made = take_all(builder);
   ASSERT_GE(made.size(), 4U);
-  std::size_t last = large.triangles();
+  std::size_t last = large->triangles();
   for (std::size_t i = 0; i + 1 < made.size(); ++i) {
     EXPECT_EQ(made[i].object, 1U) << "the small one keeps its triangles";
     EXPECT_FALSE(made[i].is_full || made[i].is_rough);
@@ -39,27 +43,27 @@ TEST(DetailBuilder, MakesLevelsFromTheFinestToTheCoarsestAndThenTheMeshInCluster
     last = made[i].level.triangles();
   }
   EXPECT_TRUE(made.back().is_full);
-  EXPECT_EQ(made.back().level.triangles(), large.triangles());
+  EXPECT_EQ(made.back().level.triangles(), large->triangles());
   EXPECT_EQ(made.back().level.error, 0.0);
 }
 
 TEST(DetailBuilder, BeginsByItselfWhenNobodyDraws) {
-  const DetailLevel mesh = level_of(make_bumpy_sphere(0.05, 0.25, 20'000, 1));
-  DetailBuilder builder({&mesh});
+  const auto mesh = level_of(make_bumpy_sphere(0.05, 0.25, 20'000, 1));
+  DetailBuilder builder({mesh});
   EXPECT_FALSE(take_all(builder).empty());
 }
 
 TEST(DetailBuilder, CanBeEndedBeforeItHasBegun) {
-  const DetailLevel mesh = level_of(make_bumpy_sphere(0.05, 0.25, 20'000, 1));
+  const auto mesh = level_of(make_bumpy_sphere(0.05, 0.25, 20'000, 1));
   for (int i = 0; i < 20; ++i) {
-    DetailBuilder builder({&mesh});
+    DetailBuilder builder({mesh});
     if (i % 2 == 0) builder.begin();
   }
 }
 
 TEST(DetailBuilder, OfALargeMeshARoughLevelComesFirst) {
-  const DetailLevel large = level_of(make_bumpy_sphere(0.05, 0.25, 300'000, 1));
-  DetailBuilder builder({&large});
+  const auto large = level_of(make_bumpy_sphere(0.05, 0.25, 300'000, 1));
+  DetailBuilder builder({large});
   const auto made = take_all(builder);
   ASSERT_GE(made.size(), 3U);
   EXPECT_TRUE(made.front().is_rough);
@@ -68,15 +72,31 @@ TEST(DetailBuilder, OfALargeMeshARoughLevelComesFirst) {
 }
 
 TEST(DetailBuilder, NothingToMakeIsDoneAtOnce) {
-  const DetailLevel small = level_of(make_icosphere(0.05, 3));
-  DetailBuilder builder({&small});
+  const auto small = level_of(make_icosphere(0.05, 3));
+  DetailBuilder builder({small});
   EXPECT_EQ(builder.progress(), 1.0);
   EXPECT_TRUE(builder.take_made().empty());
 }
 
 TEST(DetailBuilder, StopsBeforeItIsDone) {
-  const DetailLevel large = level_of(make_bumpy_sphere(0.05, 0.25, 70'000, 1));
-  DetailBuilder builder({&large});
+  const auto large = level_of(make_bumpy_sphere(0.05, 0.25, 70'000, 1));
+  DetailBuilder builder({large});
+}
+
+// The thread lives on with the level that it is making, and releases what it reads at its end.
+TEST(DetailBuilder, ItsEndDoesNotWaitForTheLevelInProgress) {
+  std::promise<std::thread::id> released;
+  const auto mesh = make_bumpy_sphere(0.05, 0.25, 300'000, 1);
+  std::shared_ptr<const DetailLevel> large(new DetailLevel(make_full_level(mesh, frame_detail(mesh))), [&](const DetailLevel* level) {
+    delete level;
+    released.set_value(std::this_thread::get_id());
+  });
+  {
+    DetailBuilder builder({std::move(large)});
+    builder.begin();
+    while (builder.take_made().empty()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_NE(released.get_future().get(), std::this_thread::get_id());
 }
 
 }  // namespace

@@ -199,8 +199,8 @@ TEST(HudNotice, IsEmptyWhereTheCornerSaysItAll) {
 }
 
 TEST(Hud, NamesEveryKey) {
-  for (const char* key : {"x X", "y Y", "z Z", " 1 2 3 4 ", " p ", " b ", " s ", " h ", " q ", " m ", " e ", " f ", " r ", " g ", " c ",
-                          "arrows", "page", "home"})
+  for (const char* key : {"x X", "y Y", "z Z", " 1 2 3 4 ", " p ", " b ", " s ", " h ",    " q ",  " m ",
+                          " e ", " f ", " r ", " g ",       " c ", " w ", " o ", "arrows", "page", "home"})
     EXPECT_NE(keys_help().find(key), std::string_view::npos) << key;
 }
 

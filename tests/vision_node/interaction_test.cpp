@@ -264,11 +264,11 @@ TEST_F(InteractionTest, RequestsAreTakenOnce) {
 }
 
 TEST_F(InteractionTest, KeysOfThePenAreRequestsOnce) {
-  for (const char c : {'d', 'l', 'u', 'U', 'w', 't'}) give(key(c));
+  for (const char c : {'d', 'l', 'u', 'U', 'w', 'o', 't'}) give(key(c));
   const UserRequests all = hands_.take_requests();
-  EXPECT_TRUE(all.draw && all.measure && all.undo && all.redo && all.save && all.menu);
+  EXPECT_TRUE(all.draw && all.measure && all.undo && all.redo && all.save && all.export_work && all.menu);
   const UserRequests none = hands_.take_requests();
-  EXPECT_FALSE(none.draw || none.measure || none.undo || none.redo || none.save || none.menu);
+  EXPECT_FALSE(none.draw || none.measure || none.undo || none.redo || none.save || none.export_work || none.menu);
   EXPECT_FALSE(hands_.hand_active());
 }
 

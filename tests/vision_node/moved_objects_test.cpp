@@ -217,7 +217,6 @@ TEST_F(MovedObjectsTest, AnObjectThatAProgramDeformsIsDrawnInItsShapeOfThatTime)
   scene.objects[0].program_shape = std::make_shared<const ProgramShape>(ProgramShape{.reach_m = 0.1});
   MovedObjects moved(*view, scene);
   EXPECT_TRUE(moved.has_motion());
-  EXPECT_TRUE(moved.has_program_shapes());
   EXPECT_LT((*find(0) - expected(kRedAt)).norm(), 0.6);
   const auto total = static_cast<std::uint32_t>(scene.objects[0].mesh->vertices.size());
   const ShapeStart start{.source = 5, .serial = 1, .total = total, .start_ns = 1'000'000'000, .end_ns = 2'000'000'000};

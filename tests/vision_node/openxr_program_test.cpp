@@ -185,6 +185,36 @@ TEST_F(OpenXrProgram, TheTextsStandBehindTheWorkspaceForBothEyes) {
   }
 }
 
+// The frames of both curves, at the right of the workspace: light lines where there is only the background otherwise.
+TEST_F(OpenXrProgram, TheCurvesStandBesideTheWorkspaceForBothEyes) {
+  const Pose X_LW(Eigen::Translation3d(-0.2, -0.2, -0.75));
+  const auto eyes = mock_xr::eyes_at(2);
+  for (const bool has_plots : {true, false}) {
+    const XrRun run = this->run("exit_after=3", std::string("--offscreen --workspace-m -0.2,-0.2,-0.75") + (has_plots ? " --plots" : ""));
+    EXPECT_EQ(run.code, 0) << run.output;
+    for (std::size_t eye = 0; eye < 2; ++eye) {
+      const Picture picture = read_ppm(out() / fmt::format("frame_002_{}.ppm", eye));
+      ASSERT_EQ(picture.size, kEye);
+      // Of the upper frame: its lower left and its upper right corner.
+      const Vec2 low = project(eyes[eye], X_LW * Vec3(0.1448, 0.0139, -0.19));
+      const Vec2 high = project(eyes[eye], X_LW * Vec3(0.2672, 0.0607, -0.19));
+      ASSERT_TRUE(low.minCoeff() > 5.0 && high.x() < kEye.width_px - 5 && high.y() < kEye.height_px - 5) << low << " " << high;
+      int light = 0;
+      for (int y = static_cast<int>(low.y()) - 4; y < static_cast<int>(high.y()) + 4; ++y) {
+        for (int x = static_cast<int>(low.x()) - 4; x < static_cast<int>(high.x()) + 4; ++x) {
+          const std::uint8_t* rgb = picture.at(x, y);
+          light += std::min({rgb[0], rgb[1], rgb[2]}) > 90 ? 1 : 0;
+        }
+      }
+      if (has_plots) {
+        EXPECT_GT(light, 2.0 * (high.x() - low.x())) << "eye " << eye;
+      } else {
+        EXPECT_EQ(light, 0) << "eye " << eye;
+      }
+    }
+  }
+}
+
 TEST_F(OpenXrProgram, OnAStageTheWorkspaceStandsAboveTheFloor) {
   const XrRun run = this->run("exit_after=2", "--offscreen --room stage");
   EXPECT_EQ(run.code, 0) << run.output;

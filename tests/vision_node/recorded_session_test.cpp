@@ -1,15 +1,23 @@
 #include "vision_node/recorded_session.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "scene/object_reader.h"
 #include "tests/session/opened_recording.h"
 #include "tests/vision_node/made_views.h"
+#include "vision_node/recorded_surfaces.h"
 #include "vision_node/vision_session.h"
 
 // Last: it brings X's macros.
@@ -20,7 +28,8 @@ namespace {
 
 // A window of the recording.
 struct RecordedWindow : OpenedRecording {
-  explicit RecordedWindow(VisionOptions given) : options(std::move(given)) {
+  explicit RecordedWindow(VisionOptions given, MadeRecording&& recording = MadeRecording())
+      : OpenedRecording(std::move(recording)), options(std::move(given)) {
     options.session = file;
     options.view.width_px = 320;
     options.view.height_px = 180;
@@ -174,6 +183,165 @@ TEST(RecordedObjects, GoesForwardsAndBackwards) {
   EXPECT_EQ(moved.held(), 1);
   EXPECT_TRUE(objects.show(0.1, 0));
   EXPECT_EQ(moved.held(), -1);
+}
+
+// A recording in which a program deforms an object: it pushes it to the right.
+struct ShapesRecording {
+  MadeRecording recording;
+
+  // Its vertices come 20 samples before its start, one part after the other, and once more later.
+  void add(std::uint32_t total, std::uint64_t sample, const ShapeStart& start, float right_m) {
+    const auto before = recording.also;
+    recording.also = [this, before, total, sample, start, right_m](std::uint64_t now) {
+      if (before) before(now);
+      const std::uint64_t first_at = start.start_ns == 0 ? sample + 3 : sample - 20;  // requested, where it was before the recording
+      for (const std::uint64_t at : {first_at, first_at + 200}) {
+        if (now < at || (now - at) * ShapePart::kMostHere >= total || start.serial == 0) continue;
+        ObjectShape part{.source = start.source, .serial = start.serial, .object = start.object};
+        part.part = {.total = total, .first = static_cast<std::uint32_t>(now - at) * ShapePart::kMostHere};
+        part.part.displacements_m.fill({right_m, 0.0F, 0.0F});
+        recording.receive(MadeRecording::kHaptics, part, now);
+      }
+      if (now == sample || now == sample + 500) recording.receive(MadeRecording::kHaptics, start, now);
+    };
+  }
+};
+
+struct RecordedSurfacesTest : testing::Test {
+  ShapesRecording made;
+  std::uint32_t total = static_cast<std::uint32_t>(make_marker(Vec3::Zero(), 0.015)->vertices.size());
+
+  ShapeStart start_of(std::uint32_t serial, std::int64_t start_ms, std::int64_t end_ms, std::uint32_t source = 5) const {
+    return {.source = source,
+            .serial = serial,
+            .before = serial > 0 ? serial - 1 : 0,
+            .total = total,
+            .start_ns = start_ms * 1'000'000,
+            .end_ns = end_ms * 1'000'000};
+  }
+  void open() {
+    VisionOptions options;
+    options.view.offscreen = true;
+    window = std::make_unique<RecordedWindow>(options, std::move(made.recording));
+    window->scene.objects[0].program_shape = std::make_shared<const ProgramShape>(ProgramShape{.reach_m = 0.1});
+    moved.emplace(*window->view, window->scene);
+    auto opened = SessionShapes::open(window->file);
+    ASSERT_TRUE(opened) << opened.error().what;
+    shapes.emplace(std::move(*opened));
+    surfaces.emplace(window->index, *shapes, *moved);
+  }
+  // How far to the right all vertices are, mm.
+  double show(double t_s) {
+    const auto scene_time_ns = std::llround(1e9 * t_s);
+    surfaces->show(t_s, scene_time_ns);
+    moved->set_time(scene_time_ns);
+    const auto vertices = moved->find_vertices(0);
+    if (!vertices) return NAN;
+    const std::vector<Vec3>& rest = window->scene.objects[0].mesh->vertices;
+    for (std::size_t v = 0; v < rest.size(); ++v) EXPECT_NEAR((*vertices)[v].x() - rest[v].x(), (*vertices)[0].x() - rest[0].x(), 1e-9);
+    return 1e3 * ((*vertices)[0].x() - rest[0].x());
+  }
+
+  std::unique_ptr<RecordedWindow> window;
+  std::optional<MovedObjects> moved;
+  std::optional<SessionShapes> shapes;
+  std::optional<RecordedSurfaces> surfaces;
+};
+
+TEST_F(RecordedSurfacesTest, AnObjectThatAProgramDeformedHasItsShapeOfEachMoment) {
+  made.add(total, 400, start_of(1, 398, 798), 0.02F);
+  made.add(total, 1000, start_of(2, 1000, 1400), -0.01F);
+  for (std::uint32_t n = 0; n < 30; ++n) {
+    made.add(total, 1500 + 40 * n, start_of(3 + n, 1500 + 40 * n, 1540 + 40 * n), n % 2 == 0 ? 0.01F : -0.01F);
+  }
+  made.add(total, 3300, start_of(0, 0, 0, 6), 0.0F);
+  open();
+  EXPECT_EQ(window->index.shapes().all().size(), 33U) << "what was sent again is left out";
+  const std::vector<std::pair<double, double>> at = {{0.1, 0.0},    {0.399, 0.05}, {0.598, 10.0}, {0.9, 20.0},  {1.2, 5.0},
+                                                     {1.45, -10.0}, {1.5, -10.0},  {1.52, 0.0},   {1.54, 10.0}, {2.5, 10.0},
+                                                     {2.9, -10.0},  {3.25, -10.0}, {3.31, 0.0},   {3.9, 0.0}};
+  for (const auto& [t_s, right_mm] : at) EXPECT_NEAR(show(t_s), right_mm, 1e-4) << t_s;
+  for (auto one = at.rbegin(); one != at.rend(); ++one) EXPECT_NEAR(show(one->first), one->second, 1e-4) << "back to " << one->first;
+  for (std::size_t n = 0; n < 3 * at.size(); ++n) {
+    const auto& [t_s, right_mm] = at[(5 * n) % at.size()];
+    EXPECT_NEAR(show(t_s), right_mm, 1e-4) << "across to " << t_s;
+  }
+}
+
+// The haptics node was there before the hub: what it announces later was there from the beginning.
+TEST_F(RecordedSurfacesTest, TheShapeOfBeforeTheRecordingIsThereFromItsBeginning) {
+  made.add(total, 700, start_of(4, 0, 1), 0.02F);
+  made.add(total, 2000, start_of(5, 2000, 2400), -0.01F);
+  open();
+  for (const double t_s : {0.05, 3.0, 0.5, 1.9}) EXPECT_NEAR(show(t_s), t_s < 2.4 ? 20.0 : -10.0, 1e-4) << t_s;
+  EXPECT_NEAR(show(2.2), 5.0, 1e-4);
+}
+
+// A part was lost: the object goes to the next shape that is known, as live.
+TEST_F(RecordedSurfacesTest, WithoutAPartOfAShapeTheOthersAreShown) {
+  made.add(total, 400, start_of(1, 398, 798), 0.02F);
+  made.add(0, 1000, start_of(2, 1000, 1400), -0.01F);
+  made.add(total, 1600, start_of(3, 1600, 2000), 0.01F);
+  open();
+  EXPECT_NEAR(show(1.2), 20.0, 1e-4);
+  EXPECT_NEAR(show(1.5), 20.0, 1e-4);
+  EXPECT_NEAR(show(1.8), 10.0, 1e-4);
+  EXPECT_NEAR(show(0.1), 0.0, 1e-4);
+}
+
+// Where the window has them: the same moment with the object at rest is another picture.
+TEST_F(RecordedSurfacesTest, AreInTheSessionThatIsShown) {
+  const auto picture_at = [&](double t_s, bool is_read) {
+    const ScratchFolder folder;
+    VisionOptions options;
+    options.at_s = t_s;
+    options.view.offscreen = true;
+    options.screenshot = folder.path() / "a.png";
+    ShapesRecording own;
+    own.add(total, 400, start_of(1, 398, 798), 0.06F);
+    RecordedWindow shown(options, std::move(own.recording));
+    shown.scene.objects[0].program_shape = std::make_shared<const ProgramShape>(ProgramShape{.reach_m = 0.1});
+    MovedObjects objects(*shown.view, shown.scene);
+    auto read = SessionShapes::open(shown.file);
+    shown.session->set_moved_objects(&objects, is_read ? &*read : nullptr);
+    EXPECT_TRUE(shown.session->run(shown.stop));
+    const Picture picture = shown.view->read_picture();
+    const auto middle = picture.rgb.begin() + 3 * 60 * picture.size.width_px;  // without the lines of text
+    return std::vector<std::uint8_t>(middle, middle + 3 * 60 * picture.size.width_px);
+  };
+  EXPECT_NE(picture_at(1.3, true), picture_at(1.3, false));
+  EXPECT_EQ(picture_at(0.3, true), picture_at(0.3, false));
+}
+
+// Half a second of the recording in each picture, as many as there are moments, however long they take.
+TEST(RecordedSession, WritesAPictureForEachMomentOfAVideo) {
+  const ScratchFolder scratch;
+  VisionOptions options;
+  options.at_s = 1.6;
+  options.seconds = 1.5;
+  options.frames = scratch.path() / "new" / "frames";
+  options.frame_rate_hz = 2.0;
+  options.view.offscreen = true;
+  std::vector<std::string> pictures;
+  {
+    RecordedWindow window(options);
+    ASSERT_TRUE(window.session->run(window.stop));
+    EXPECT_NEAR(window.session->player().moment_s(), 3.1, 1e-9);
+    EXPECT_FALSE(window.session->step().contact()) << "at its end";
+  }
+  for (int n = 1; n <= 5; ++n) {
+    std::ifstream file(options.frames / fmt::format("frame_{:06}.png", n), std::ios::binary);
+    pictures.emplace_back(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
+  }
+  for (int n = 0; n < 4; ++n) {
+    EXPECT_GT(pictures[static_cast<std::size_t>(n)].size(), 1000U) << n;
+    for (int other = 0; other < n; ++other) EXPECT_NE(pictures[static_cast<std::size_t>(n)], pictures[static_cast<std::size_t>(other)]);
+  }
+  EXPECT_TRUE(pictures[4].empty()) << "four moments are in a second and a half";
+  RecordedWindow again(options);
+  const auto rejected = again.session->run(again.stop);
+  ASSERT_FALSE(rejected);
+  EXPECT_NE(rejected.error().what.find("of an earlier run; name a new or empty folder"), std::string::npos) << rejected.error().what;
 }
 
 }  // namespace

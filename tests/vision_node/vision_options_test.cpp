@@ -49,6 +49,19 @@ TEST(VisionOptions, FlagsArrive) {
   EXPECT_EQ(std::get<VisionOptions>(parse({"--unit", "mm"})).loading.unit, Unit::mm);
 }
 
+TEST(VisionOptions, PicturesOfAVideoAreOfARecording) {
+  const auto parsed = parse({"--session", "a.hapton", "--frames", "b", "--frame-rate", "25"});
+  ASSERT_TRUE(std::holds_alternative<VisionOptions>(parsed));
+  EXPECT_EQ(std::get<VisionOptions>(parsed).frames, "b");
+  EXPECT_EQ(std::get<VisionOptions>(parsed).frame_rate_hz, 25.0);
+  for (const auto& words : std::vector<std::vector<const char*>>{{"--frames", "b"},
+                                                                 {"--session", "a.hapton", "--frame-rate", "25"},
+                                                                 {"--session", "a.hapton", "--frames", "b", "--frame-rate", "0"},
+                                                                 {"--session", "a.hapton", "--frames", "b", "--screenshot", "a.png"}}) {
+    EXPECT_TRUE(std::holds_alternative<int>(parse(words))) << words.back();
+  }
+}
+
 // So that they count more than the scene's camera.
 TEST(VisionOptions, KnowWhichAnglesWereGiven) {
   const auto none = std::get<VisionOptions>(parse({}));

@@ -471,6 +471,15 @@ TEST_F(VisionStepTest, TheSceneIsWhereTheForcesOfAStateHadIt) {
   EXPECT_TRUE(step.find_scene_pose(revision + 7).isApprox(step.scene_pose(), 1e-12)) << "of somebody else";
 }
 
+TEST(VisionStep, WhatHasJustHappenedIsInTheCornerAtOnce) {
+  VisionStep step{VisionStepSettings()};
+  (void)step.compose(0);
+  step.set_happened("exported to /a: b.vtp");
+  EXPECT_NE(step.compose(1).hud.find("exported to /a: b.vtp"), std::string::npos);
+  step.set_happened("");
+  EXPECT_EQ(step.compose(2).hud.find("exported"), std::string::npos);
+}
+
 TEST(VisionStep, ARecordedPoseTakesThePlaceOfTheDials) {
   VisionStepSettings settings;
   settings.dials.turn(1, 30.0);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "haptic_step/haptics_setup.h"
+#include "tools/session/recorded_scenes.h"
 
 namespace hapton {
 namespace {
@@ -30,15 +31,18 @@ SceneLoading loading_of(const nlohmann::ordered_json& notes) {
 }  // namespace
 
 const std::vector<ObjectName>& TouchedNames::names_of(const nlohmann::ordered_json& notes) {
-  std::string hash = note_of(notes, "scene_hash");
-  if (hash == hash_) return names_;
-  hash_ = std::move(hash);
+  const std::string hash = note_of(notes, "scene_hash");
+  const std::string shape_hash = note_of(notes, "scene_shape_hash");
+  if (hash + shape_hash == hashes_) return names_;
+  hashes_ = hash + shape_hash;
   names_.clear();
   HapticsSetup setup;
-  if (!read_whole(hash_, setup.scene_hash, 16)) return names_;
+  if (!read_whole(hash, setup.scene_hash, 16)) return names_;
+  std::uint64_t given_hash = 0;
+  (void)read_whole(shape_hash, given_hash, 16);  // a hub of an earlier build does not say it
   put_text(note_of(notes, "scene"), setup.scene);
   setup.scene_loading = to_code(loading_of(notes));
-  if (auto names = scenes_.find_names(setup)) names_ = std::move(*names);
+  if (auto names = RecordedScenes().find_names(setup, given_hash)) names_ = std::move(*names);
   return names_;
 }
 

@@ -1,9 +1,9 @@
-#include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <memory>
+#include <cstdio>
+#include <optional>
+#include <utility>
 
-#include "runtime/atomic_file.h"
+#include "runtime/part_file.h"
 #include "tools/session/csv_names.h"
 #include "tools/session/joined_files.h"
 
@@ -35,55 +35,43 @@ std::string line_of(const JoinedRow& row, std::span<const ObjectName> names) {
   return numbers_of(joined_columns(), row) + csv_names(names, row.object) + ',' + row.event + ',' + csv_cell(markers) + '\n';
 }
 
-// A file that is written line by line; the first failure counts.
-class CsvFile {
- public:
-  explicit CsvFile(const std::filesystem::path& path) : path_(path), file_(open_file_for(path, FileReaders::everyone), &std::fclose) {
-    if (!file_) error_ = errno;
-  }
-  void add(const std::string& line) {
-    if (error_ == 0 && std::fputs(line.c_str(), file_.get()) < 0) error_ = errno;
-  }
-  Result<void> close() {
-    if (file_ && std::fclose(file_.release()) != 0 && error_ == 0) error_ = errno;
-    if (error_ != 0) return fail("{}: cannot be written: {}", path_.string(), std::strerror(error_));
-    return {};
-  }
+void add_line(PartFile& file, const std::string& line) { file.check(std::fputs(line.c_str(), file.get()) >= 0); }
 
- private:
-  std::filesystem::path path_;
-  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
-  int error_ = 0;
-};
-
-// Where there is nothing, there is no file; one of an earlier export becomes empty.
+// Where there is nothing, there is no file; one of an earlier export becomes empty. To be kept.
 template <class Row, class Cell>
-Result<void> write_rows(const std::filesystem::path& path, const std::vector<Row>& rows, std::span<const ChangeColumn<Row>> columns,
-                        const char* last, Cell&& cell) {
-  if (rows.empty() && !std::filesystem::exists(path)) return {};
-  CsvFile file(path);
-  file.add(header_of(columns) + last + '\n');
-  for (const Row& row : rows) file.add(numbers_of(columns, row) + cell(row) + '\n');
-  return file.close();
+Result<std::optional<PartFile>> write_rows(const std::filesystem::path& path, const std::vector<Row>& rows,
+                                           std::span<const ChangeColumn<Row>> columns, const char* last, Cell&& cell) {
+  if (rows.empty() && !std::filesystem::exists(path)) return std::optional<PartFile>();
+  auto file = PartFile::open(path);
+  if (!file) return tl::unexpected(file.error());
+  add_line(*file, header_of(columns) + last + '\n');
+  for (const Row& row : rows) add_line(*file, numbers_of(columns, row) + cell(row) + '\n');
+  if (const auto closed = file->close(); !closed) return tl::unexpected(closed.error());
+  return std::optional(std::move(*file));
 }
 
 }  // namespace
 
 Result<JoinedCounts> write_joined_csv(SessionReader& reader, const std::filesystem::path& path, std::span<const ObjectName> names) {
-  CsvFile file(path);
-  file.add(header_of(joined_columns()) + "object_name,material,event,marker\n");
-  JoinedTable table(reader.header().start_ns, [&](const JoinedRow& row) { file.add(line_of(row, names)); });
+  auto file = PartFile::open(path);
+  if (!file) return tl::unexpected(file.error());
+  add_line(*file, header_of(joined_columns()) + "object_name,material,event,marker\n");
+  JoinedTable table(reader.header().start_ns, [&](const JoinedRow& row) { add_line(*file, line_of(row, names)); });
   const ObjectChanges changes = add_all(reader, table);
-  if (const auto closed = file.close(); !closed) return tl::unexpected(closed.error());
-  const auto moved = write_rows(path.parent_path() / "moves.csv", changes.moves(), move_columns(), "name",
-                                [](const RecordedMove& one) { return csv_cell(one.move.name.data()); });
+  if (const auto closed = file->close(); !closed) return tl::unexpected(closed.error());
+  auto moved = write_rows(path.parent_path() / "moves.csv", changes.moves(), move_columns(), "name",
+                          [](const RecordedMove& one) { return csv_cell(one.move.name.data()); });
   if (!moved) return tl::unexpected(moved.error());
   const auto name_of = [&](const RecordedCarve& one) {
     const auto object = static_cast<std::size_t>(one.carve.object);
     return object < names.size() ? csv_cell(names[object].object) : std::string();
   };
-  const auto carved = write_rows(path.parent_path() / "carves.csv", changes.carves(), carve_columns(), "name", name_of);
+  auto carved = write_rows(path.parent_path() / "carves.csv", changes.carves(), carve_columns(), "name", name_of);
   if (!carved) return tl::unexpected(carved.error());
+  for (PartFile* table_file : {&*file, moved->has_value() ? &**moved : nullptr, carved->has_value() ? &**carved : nullptr}) {
+    if (table_file == nullptr) continue;
+    if (const auto kept = table_file->keep(); !kept) return tl::unexpected(kept.error());
+  }
   return JoinedCounts{table.rows(), table.without_sample(), table.lost(), table.gaps()};
 }
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <utility>
 
+#include "runtime/part_file.h"
 #include "scene/scene_loading.h"
 #include "scene/text_cursor.h"
 #include "tools/session/joined_files.h"
@@ -27,6 +28,8 @@ class Handle {
   ~Handle() {
     if (id_ >= 0) close_(id_);
   }
+  // False: what was to be written at its end was not.
+  bool end() { return id_ < 0 || close_(std::exchange(id_, -1)) >= 0; }
   operator hid_t() const { return id_; }
   bool is_good() const { return id_ >= 0; }
 
@@ -148,10 +151,13 @@ class JoinedHdf5 {
     });
   }
 
-  // True: all was written.
+  // True: all was written. Closes the file, which may be the first to fail.
   bool finish() {
     write_block();
-    return is_good_ && H5Fflush(file_, H5F_SCOPE_GLOBAL) >= 0;
+    is_good_ = is_good_ && H5Fflush(file_, H5F_SCOPE_GLOBAL) >= 0;
+    columns_.clear();
+    for (auto* column : {&event_times_, &event_names_, &event_kinds_, &event_samples_}) column->reset();
+    return file_.end() && is_good_;
   }
 
  private:
@@ -212,7 +218,11 @@ class JoinedHdf5 {
 }  // namespace
 
 Result<JoinedCounts> write_joined_hdf5(SessionReader& reader, const std::filesystem::path& path, std::span<const ObjectName> names) {
-  JoinedHdf5 file(path);
+  // After a full disk the library keeps what it could not write, and crashes where it tries once more at the end of the program. All that
+  // is written is closed below, so nothing is left for it to do then.
+  H5dont_atexit();
+  PartPath part(path);  // first: it is removed after the file was closed
+  JoinedHdf5 file(part.part());
   if (!file.is_open())
     return fail("{}: cannot be written as HDF5: check that the folder can be written to and that the disk is not full", path.string());
   file.describe(reader.header());
@@ -221,6 +231,7 @@ Result<JoinedCounts> write_joined_hdf5(SessionReader& reader, const std::filesys
   const ObjectChanges changes = add_all(reader, table);
   file.add_changes(changes);
   if (!file.finish()) return fail("{}: could not be written to its end; is the disk full?", path.string());
+  if (const auto kept = part.keep(); !kept) return tl::unexpected(kept.error());
   return JoinedCounts{table.rows(), table.without_sample(), table.lost(), table.gaps()};
 }
 

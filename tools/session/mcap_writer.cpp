@@ -1,11 +1,8 @@
 #include "tools/session/mcap_writer.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cstring>
 #include <utility>
-
-#include "runtime/atomic_file.h"
 
 namespace hapton {
 namespace {
@@ -79,9 +76,9 @@ std::uint32_t crc_of(std::string_view bytes) {
 
 Result<McapWriter> McapWriter::open(const std::filesystem::path& path, const std::string& library, std::span<const Schema> schemas,
                                     std::span<const Channel> channels) {
-  File file(open_file_for(path, FileReaders::everyone), &std::fclose);
-  if (!file) return fail("{}: cannot be written: {}", path.string(), std::strerror(errno));
-  McapWriter writer(path, std::move(file));
+  auto file = PartFile::open(path);
+  if (!file) return tl::unexpected(file.error());
+  McapWriter writer(std::move(*file));
   for (const Schema& schema : schemas) {
     const auto number = static_cast<std::uint16_t>(++writer.schema_count_);
     writer.schema_records_ +=
@@ -109,10 +106,7 @@ Result<McapWriter> McapWriter::open(const std::filesystem::path& path, const std
 
 // After a failure nothing more is written: the first reason is the one to report.
 void McapWriter::write(std::string_view bytes) {
-  if (is_good_ && std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size()) {
-    error_ = errno;
-    is_good_ = false;
-  }
+  if (file_.is_good()) file_.check(std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) == bytes.size());
   crc_.process_bytes(bytes.data(), bytes.size());
   offset_ += bytes.size();
 }
@@ -229,12 +223,8 @@ Result<void> McapWriter::close() {
   write(McapBytes().add(static_cast<std::uint32_t>(crc_.checksum())).as_record(McapOp::data_end));
   write(make_summary());
   write(kMcapMagic);
-  if (std::fclose(file_.release()) != 0 && is_good_) {
-    error_ = errno;
-    is_good_ = false;
-  }
-  if (!is_good_) return fail("{}: cannot be written: {}", path_.string(), std::strerror(error_));
-  return {};
+  if (auto closed = file_.close(); !closed) return closed;
+  return file_.keep();
 }
 
 }  // namespace hapton

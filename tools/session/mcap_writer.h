@@ -1,24 +1,25 @@
 #pragma once
 
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
 #include <map>
-#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <boost/crc.hpp>
 
 #include "core/base/result.h"
+#include "runtime/part_file.h"
 
 namespace hapton {
 
 // Writes a file in the MCAP format, version 0 (https://mcap.dev/spec): messages in chunks of kChunkBytes without compression, each chunk
 // with its message indexes, a summary with statistics and the index of the chunks, and every checksum that the format has. Times: ns, as
-// the caller counts them. RT: no. Threads: one. Error: of a full or failing disk, when the file is closed; close returns it.
+// the caller counts them. RT: no. Threads: one. The file appears at close(), complete, or not at all. Error:
+// of a full or failing disk; close returns it.
 class McapWriter {
  public:
   static constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
@@ -67,17 +68,12 @@ class McapWriter {
     std::uint64_t bytes = 0;
     std::string name;
   };
-  using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
-
-  McapWriter(std::filesystem::path path, File file) : path_(std::move(path)), file_(std::move(file)) {}
+  explicit McapWriter(PartFile file) : file_(std::move(file)) {}
   void write(std::string_view bytes);
   void write_chunk();
   std::string make_summary() const;
 
-  std::filesystem::path path_;
-  File file_;
-  bool is_good_ = true;
-  int error_ = 0;
+  PartFile file_;
   std::uint64_t offset_ = 0;
   boost::crc_32_type crc_;  // of all bytes so far
   std::string schema_records_;

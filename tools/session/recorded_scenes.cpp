@@ -54,6 +54,15 @@ Result<std::vector<ObjectName>> RecordedScenes::find_names(const HapticsSetup& s
   return find_recorded(setup).map([](const LoadedScene* scene) { return scene->names; });
 }
 
+Result<std::vector<ObjectName>> RecordedScenes::find_names(const HapticsSetup& setup, std::uint64_t given_hash) {
+  auto names = find_names(setup);
+  const auto said = from_code(setup.scene_loading);
+  if (names || given_hash == 0 || !said) return names;
+  const auto scene = find(file_.empty() ? setup.scene.data() : file_, *said);
+  if (scene && (*scene)->given_hash == given_hash) return (*scene)->names;
+  return names;
+}
+
 Result<const RecordedScenes::LoadedScene*> RecordedScenes::find_recorded(const HapticsSetup& setup) {
   const std::string path = file_.empty() ? setup.scene.data() : file_;
   const auto said = from_code(setup.scene_loading);
@@ -76,9 +85,10 @@ Result<const RecordedScenes::LoadedScene*> RecordedScenes::find(const std::strin
     if (!scene) return tl::unexpected(scene.error());
     std::vector<std::shared_ptr<const ProgramShape>> shapes;
     for (const SceneObject& one : scene->objects) shapes.push_back(one.program_shape);
-    found =
-        scenes_.emplace(key, LoadedScene{scene->touch_scene(), object_names(*scene), std::move(shapes), hash_scene(scene->touch_scene())})
-            .first;
+    found = scenes_
+                .emplace(key, LoadedScene{scene->touch_scene(), object_names(*scene), std::move(shapes), hash_scene(scene->touch_scene()),
+                                          scene->given_hash})
+                .first;
   }
   return &found->second;
 }

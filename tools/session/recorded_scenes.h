@@ -34,6 +34,9 @@ class RecordedScenes {
   // Null: it is not there, or programs do not deform the object.
   std::shared_ptr<const ProgramShape> find_program_shape(const HapticsSetup& setup, std::int32_t object);
   Result<std::vector<ObjectName>> find_names(const HapticsSetup& setup);
+  // The same of a running system, also where the file's materials have changed since (--watch-scene): it must have the same objects, by
+  // Scene::given_hash.
+  Result<std::vector<ObjectName>> find_names(const HapticsSetup& setup, std::uint64_t given_hash);
 
  private:
   struct LoadedScene {
@@ -41,6 +44,7 @@ class RecordedScenes {
     std::vector<ObjectName> names;
     std::vector<std::shared_ptr<const ProgramShape>> program_shapes;  // by object
     std::uint64_t hash = 0;
+    std::uint64_t given_hash = 0;
   };
 
   Result<const LoadedScene*> find_recorded(const HapticsSetup& setup);

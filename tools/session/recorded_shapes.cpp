@@ -1,8 +1,21 @@
 #include "tools/session/recorded_shapes.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace hapton {
+namespace {
+
+// A motion that is known: a stage of the step.
+bool begin_stage(HapticsStep& step, const ShapeStart& start, std::span<const Vec3> from, std::span<const Vec3> to) {
+  StreamedMethod* method = step.touch().find_streamed(start.object);
+  auto stage = method->stager().make(from, to);
+  if (!stage) return false;
+  (void)step.deform(start.object, std::move(*stage), start.start_ns, start.end_ns);
+  return true;
+}
+
+}  // namespace
 
 void RecordedShapes::add(std::uint64_t sender, const ObjectShape& shape) {
   Sender& own = senders_[sender];
@@ -16,22 +29,92 @@ void RecordedShapes::add(std::uint64_t sender, const ShapeStart& start) {
   if (start.serial > own.applied) own.starts[start.serial] = start;
 }
 
-bool RecordedShapes::apply(std::uint64_t sender, std::uint32_t serial, HapticsStep& step,
-                           const std::function<std::shared_ptr<const ProgramShape>(std::int32_t object)>& find_shape) {
+void RecordedShapes::push(Sender& own, Begun begun) {
+  std::deque<Begun>& all = own.begun[begun.start.object];
+  all.push_back(std::move(begun));
+  if (all.size() > 2) all.pop_front();
+}
+
+void RecordedShapes::begin(std::uint64_t sender, std::uint32_t serial) {
   Sender& own = senders_[sender];
-  const auto shape = own.shapes.extract(serial);
+  own.shapes.erase(own.shapes.begin(), own.shapes.upper_bound(serial));
+  own.starts.erase(own.starts.begin(), own.starts.upper_bound(serial));
+  own.applied = serial;
+  own.begun.clear();
+  const FirstShapes::Sender* first = first_.find(sender);
+  if (first == nullptr) return;
+  for (const auto& [key, start] : first->starts) {
+    const auto shape = first->shapes.find(start.serial);
+    const bool is_whole = shape != first->shapes.end() && shape->second.is_whole() && shape->second.total() == start.total;
+    push(own, {start, is_whole ? std::optional(shape->second) : std::nullopt});
+  }
+}
+
+// The motion of that serial is among those that have begun. Null: its start is not in the recording, so it may be any object's.
+const RecordedShapes::Begun* RecordedShapes::take(Sender& own, std::uint32_t serial) {
+  auto shape = own.shapes.extract(serial);
   const auto start = own.starts.extract(serial);
   own.applied = serial;
-  if (shape.empty() || start.empty() || !shape.mapped().is_whole()) return false;
-  const ShapeStart& begins = start.mapped();
-  StreamedMethod* method = step.touch().find_streamed(begins.object);
-  const auto program_shape = find_shape(begins.object);
+  if (start.empty()) {
+    own.begun.clear();
+    return nullptr;
+  }
+  const bool is_whole = !shape.empty() && shape.mapped().is_whole() && shape.mapped().total() == start.mapped().total;
+  push(own, {start.mapped(), is_whole ? std::optional(std::move(shape.mapped())) : std::nullopt});
+  return &own.begun[start.mapped().object].back();
+}
+
+bool RecordedShapes::apply(std::uint64_t sender, std::uint32_t serial, HapticsStep& step, const FindShape& find_shape) {
+  const Begun* begun = take(senders_[sender], serial);
+  if (begun == nullptr || !begun->shape) return false;
+  const StreamedMethod* method = step.touch().find_streamed(begun->start.object);
+  const auto program_shape = find_shape(begun->start.object);
   if (method == nullptr || program_shape == nullptr || method->has_waiting()) return false;
-  const ShapeStager& stager = method->stager();
-  if (stager.rest().size() != shape.mapped().total()) return false;
-  auto stage = stager.make(method->present().to, program_shape->vertices_of(stager.rest(), shape.mapped().displacements_m()));
-  if (!stage) return false;
-  (void)step.deform(begins.object, std::move(*stage), begins.start_ns, begins.end_ns);
+  const auto rest = method->stager().rest();
+  if (rest.size() != begun->shape->total()) return false;
+  return begin_stage(step, begun->start, method->present().to, program_shape->vertices_of(rest, begun->shape->displacements_m()));
+}
+
+std::optional<RecordedShapes::Motion> RecordedShapes::find_motion(const Sender& own, int object, std::int64_t scene_time_ns) {
+  const auto found = own.begun.find(object);
+  if (found == own.begun.end()) return std::nullopt;
+  Motion motion{.last = &found->second.back()};
+  const ShapeStart& start = motion.last->start;
+  if (start.serial == 0) return motion;
+  if (!motion.last->shape || scene_time_ns < start.start_ns) return std::nullopt;
+  if (start.before == 0 || scene_time_ns >= start.end_ns) return motion;
+  const Begun& before = found->second.front();
+  if (before.start.serial != start.before || !before.shape) return std::nullopt;
+  motion.before = &before;
+  return motion;
+}
+
+bool RecordedShapes::knows(std::uint64_t sender, std::span<const int> objects, std::int64_t scene_time_ns) const {
+  const auto own = senders_.find(sender);
+  if (own == senders_.end()) return false;
+  return std::all_of(objects.begin(), objects.end(),
+                     [&](int object) { return find_motion(own->second, object, scene_time_ns).has_value(); });
+}
+
+bool RecordedShapes::restore(std::uint64_t sender, std::span<const int> objects, std::int64_t scene_time_ns, HapticsStep& step,
+                             const FindShape& find_shape) const {
+  const Sender& own = senders_.at(sender);
+  for (const int object : objects) {
+    const std::optional<Motion> motion = find_motion(own, object, scene_time_ns);
+    const auto program_shape = find_shape(object);
+    if (!motion || program_shape == nullptr) return false;
+    const ShapeStart& start = motion->last->start;
+    if (start.serial == 0) continue;
+    const auto rest = step.touch().find_streamed(object)->stager().rest();
+    const auto vertices_of = [&](const ShapeParts& shape) { return program_shape->vertices_of(rest, shape.displacements_m()); };
+    if (rest.size() != start.total) return false;
+    const std::vector<Vec3> to = vertices_of(*motion->last->shape);
+    // At its end it does not matter from where it came.
+    std::vector<Vec3> from = to;
+    if (scene_time_ns < start.end_ns)
+      from = motion->before != nullptr ? vertices_of(*motion->before->shape) : std::vector(rest.begin(), rest.end());
+    if (!begin_stage(step, start, from, to)) return false;
+  }
   return true;
 }
 

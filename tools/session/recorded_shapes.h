@@ -1,14 +1,18 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
+#include <span>
 
 #include "haptic_step/haptics_step.h"
 #include "link/messages.h"
 #include "link/shape_parts.h"
 #include "scene/program_shape.h"
+#include "tools/session/first_shapes.h"
 
 namespace hapton {
 
@@ -19,21 +23,52 @@ using FindProgramShape = std::function<std::shared_ptr<const ProgramShape>(const
 // are used. RT: no. Threads: one.
 class RecordedShapes {
  public:
+  using FindShape = std::function<std::shared_ptr<const ProgramShape>(std::int32_t object)>;
+
+  // What was begun before. Pre: nothing was added yet.
+  void use_first(FirstShapes first) { first_ = std::move(first); }
+
   // sender: of the datagram. One that was applied before is left out.
   void add(std::uint64_t sender, const ObjectShape& shape);
   void add(std::uint64_t sender, const ShapeStart& start);
 
+  // The first force of a sender includes all shapes up to that serial.
+  void begin(std::uint64_t sender, std::uint32_t serial);
+
   // Begins the motion of that serial in the step, as the haptics node did. False: the recording lacks a part of it or its start, or it is
   // not of that scene; or the step is not where the node was. Pre: called with one serial after the other.
-  bool apply(std::uint64_t sender, std::uint32_t serial, HapticsStep& step,
-             const std::function<std::shared_ptr<const ProgramShape>(std::int32_t object)>& find_shape);
+  bool apply(std::uint64_t sender, std::uint32_t serial, HapticsStep& step, const FindShape& find_shape);
+  // The same without a step, as it is not known where the surfaces are.
+  void pass(std::uint64_t sender, std::uint32_t serial) { (void)take(senders_[sender], serial); }
+
+  // Whether it is known where the surfaces of these objects are at that scene time: both shapes of a motion, or the last one after its end.
+  bool knows(std::uint64_t sender, std::span<const int> objects, std::int64_t scene_time_ns) const;
+  // Puts them there. False: they cannot be there. Pre: knows(); in the step all are at rest.
+  bool restore(std::uint64_t sender, std::span<const int> objects, std::int64_t scene_time_ns, HapticsStep& step,
+               const FindShape& find_shape) const;
 
  private:
+  // One that has begun.
+  struct Begun {
+    ShapeStart start;
+    std::optional<ShapeParts> shape;  // whole; none: the recording lacks it
+  };
   struct Sender {
     std::map<std::uint32_t, ShapeParts> shapes = {};  // by serial
     std::map<std::uint32_t, ShapeStart> starts = {};
-    std::uint32_t applied = 0;  // all up to this serial
+    std::map<std::int32_t, std::deque<Begun>> begun = {};  // the last two of each object
+    std::uint32_t applied = 0;                             // all up to this serial
   };
+  // Of one object: its last motion, and the shape from which it begins; null: at rest.
+  struct Motion {
+    const Begun* last = nullptr;
+    const Begun* before = nullptr;
+  };
+  static std::optional<Motion> find_motion(const Sender& own, int object, std::int64_t scene_time_ns);
+  static const Begun* take(Sender& own, std::uint32_t serial);
+  static void push(Sender& own, Begun begun);
+
+  FirstShapes first_;
   std::map<std::uint64_t, Sender> senders_;
 };
 

@@ -3,15 +3,12 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <limits>
-#include <memory>
 #include <utility>
 
-#include "runtime/atomic_file.h"
+#include "runtime/part_file.h"
 
 namespace hapton {
 namespace {
@@ -172,10 +169,9 @@ Replay run_replay(VoxelTool& tool, std::span<const TrajectoryRow> trajectory, co
 }
 
 Result<void> write_replay_csv(const std::filesystem::path& path, const Replay& replay) {
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(open_file_for(path, FileReaders::everyone), &std::fclose);
-  if (!file) {
-    return fail("{}: cannot be written: {}", path.string(), std::strerror(errno));
-  }
+  auto opened = PartFile::open(path);
+  if (!opened) return tl::unexpected(opened.error());
+  PartFile& file = *opened;
   const auto print = [&](const char* format, auto... numbers) { return std::fprintf(file.get(), format, numbers...) > 0; };
   bool good = print("t_s,x_m,y_m,z_m,proxy_x_m,proxy_y_m,proxy_z_m,fx_n,fy_n,fz_n,contact,step_ns%s\n",
                     replay.has_tool ? ",proxy_qw,proxy_qx,proxy_qy,proxy_qz,tx_nm,ty_nm,tz_nm" : "");
@@ -189,10 +185,9 @@ Result<void> write_replay_csv(const std::filesystem::path& path, const Replay& r
     }
     good = good && std::fputc('\n', file.get()) != EOF;
   }
-  if (!good || std::fflush(file.get()) != 0) {
-    return fail("{}: could not be written to its end: {}", path.string(), std::strerror(errno));
-  }
-  return {};
+  file.check(good);
+  if (auto closed = file.close(); !closed) return closed;
+  return file.keep();
 }
 
 }  // namespace hapton

@@ -150,7 +150,8 @@ Result<void> feel_again(const SessionOptions& options) {
       [&](const HapticsSetup& setup, const MaterialState& state) { return scenes.make_materials(setup, state); });
   comparison.use_moves(summary.moves());
   comparison.use_carves(summary.carves());
-  comparison.use_program_shapes([&](const HapticsSetup& setup, std::int32_t object) { return scenes.find_program_shape(setup, object); });
+  comparison.use_program_shapes([&](const HapticsSetup& setup, std::int32_t object) { return scenes.find_program_shape(setup, object); },
+                                summary.first_shapes());
   // How long a call took then is not known, so it may take any time now.
   const SimulatedClock clock;
   PluginEffects effects(clock);

@@ -1,10 +1,8 @@
 #include "tools/session/session_export.h"
 
-#include <cerrno>
-#include <cstring>
+#include <cstdio>
 #include <string>
 
-#include "runtime/atomic_file.h"
 #include "tools/session/csv_names.h"
 
 namespace hapton {
@@ -19,11 +17,10 @@ Result<SessionExport> SessionExport::open(const std::filesystem::path& folder, s
   std::filesystem::create_directories(folder, error);
   if (error) return fail("{}: the folder cannot be made: {}", folder.string(), error.message());
   SessionExport made;
-  made.folder_ = folder;
   made.start_ns_ = start_ns;
   made.names_ = std::move(names);
   const struct {
-    File& file;
+    std::optional<PartFile>& file;
     const char* name;
     const char* columns;
   } tables[] = {
@@ -34,11 +31,10 @@ Result<SessionExport> SessionExport::open(const std::filesystem::path& folder, s
        "t_s,sample,late_us,written_x_n,written_y_n,written_z_n,missed,cause,sample_t_s,x_m,y_m,z_m,qw,qx,qy,qz,buttons,local_x_n,local_y_n,"
        "local_z_n,local_object\n"}};
   for (const auto& table : tables) {
-    const auto path = folder / table.name;
-    table.file.reset(open_file_for(path, FileReaders::everyone));
-    if (!table.file || std::fputs(table.columns, table.file.get()) < 0) {
-      return fail("{}: cannot be written: {}", path.string(), std::strerror(errno));
-    }
+    auto opened = PartFile::open(folder / table.name);
+    if (!opened) return tl::unexpected(opened.error());
+    table.file.emplace(std::move(*opened));
+    table.file->check(std::fputs(table.columns, table.file->get()) >= 0);
   }
   return made;
 }
@@ -47,21 +43,21 @@ Result<SessionExport> SessionExport::open(const std::filesystem::path& folder, s
 void SessionExport::add_cycle(const SessionEntry& entry) {
   const CycleNote& c = entry.cycle;
   ++rows_.cycles;
-  std::FILE* file = cycles_.get();
-  good_ = good_ && std::fprintf(file, "%.9f,%llu,%.3f,%.17g,%.17g,%.17g,%u,%s", seconds(entry.time_ns),
-                                static_cast<unsigned long long>(c.sample), 1e-3 * static_cast<double>(c.late_ns), c.written_n.x(),
-                                c.written_n.y(), c.written_n.z(), c.missed, std::string(to_string(c.cause)).c_str()) > 0;
+  std::FILE* file = cycles_->get();
+  cycles_->check(std::fprintf(file, "%.9f,%llu,%.3f,%.17g,%.17g,%.17g,%u,%s", seconds(entry.time_ns),
+                              static_cast<unsigned long long>(c.sample), 1e-3 * static_cast<double>(c.late_ns), c.written_n.x(),
+                              c.written_n.y(), c.written_n.z(), c.missed, std::string(to_string(c.cause)).c_str()) > 0);
   if (c.device) {
     const Quat& q = c.device->q_WT;
     const Vec3& p = c.device->p_WD;
-    good_ = good_ && std::fprintf(file, ",%.9f,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%u", seconds(c.device->time_ns), p.x(), p.y(),
-                                  p.z(), q.w(), q.x(), q.y(), q.z(), c.device->buttons) > 0;
+    cycles_->check(std::fprintf(file, ",%.9f,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%u", seconds(c.device->time_ns), p.x(), p.y(), p.z(),
+                                q.w(), q.x(), q.y(), q.z(), c.device->buttons) > 0);
   } else {
-    good_ = good_ && std::fputs(",,,,,,,,,", file) >= 0;
+    cycles_->check(std::fputs(",,,,,,,,,", file) >= 0);
   }
-  good_ = good_ && (c.local ? std::fprintf(file, ",%.17g,%.17g,%.17g,%s\n", c.local->force_n.x(), c.local->force_n.y(),
-                                           c.local->force_n.z(), object_text(c.local->object).c_str()) > 0
-                            : std::fputs(",,,,\n", file) >= 0);
+  cycles_->check(c.local ? std::fprintf(file, ",%.17g,%.17g,%.17g,%s\n", c.local->force_n.x(), c.local->force_n.y(), c.local->force_n.z(),
+                                        object_text(c.local->object).c_str()) > 0
+                         : std::fputs(",,,,\n", file) >= 0);
   if (c.device) add_sample(c.sample, c.device->time_ns, c.device->p_WD, c.device->q_WT);
 }
 
@@ -70,8 +66,8 @@ void SessionExport::add_sample(std::uint64_t sample, std::int64_t time_ns, const
   if (sample <= last_sample_) return;
   last_sample_ = sample;
   ++rows_.trajectory;
-  good_ = good_ && std::fprintf(trajectory_.get(), "%.9f,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%llu\n", seconds(time_ns), p_WD.x(),
-                                p_WD.y(), p_WD.z(), q.w(), q.x(), q.y(), q.z(), static_cast<unsigned long long>(sample)) > 0;
+  trajectory_->check(std::fprintf(trajectory_->get(), "%.9f,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%llu\n", seconds(time_ns), p_WD.x(),
+                                  p_WD.y(), p_WD.z(), q.w(), q.x(), q.y(), q.z(), static_cast<unsigned long long>(sample)) > 0);
 }
 
 void SessionExport::add(const SessionEntry& entry, const Datagram* datagram) {
@@ -83,19 +79,22 @@ void SessionExport::add(const SessionEntry& entry, const Datagram* datagram) {
   const auto* force = std::get_if<ForceCommand>(&datagram->message);
   if (force != nullptr && entry.kind == SessionEntry::Kind::received) {
     ++rows_.forces;
-    good_ =
-        good_ &&
-        std::fprintf(forces_.get(), "%.9f,%llu,%.17g,%.17g,%.17g,%d,%.17g,%.17g,%.17g,%.3f,%.3f,%s,%s\n", seconds(entry.time_ns),
+    forces_->check(
+        std::fprintf(forces_->get(), "%.9f,%llu,%.17g,%.17g,%.17g,%d,%.17g,%.17g,%.17g,%.3f,%.3f,%s,%s\n", seconds(entry.time_ns),
                      static_cast<unsigned long long>(force->echo_sample), force->force_n.x(), force->force_n.y(), force->force_n.z(),
                      force->contact ? 1 : 0, force->visual_offset_m.x(), force->visual_offset_m.y(), force->visual_offset_m.z(),
                      1e-3 * static_cast<double>(entry.time_ns - force->echo_sample_time_ns), 1e-3 * static_cast<double>(force->compute_ns),
-                     object_text(force->object).c_str(), csv_names(names_, force->object).c_str()) > 0;
+                     object_text(force->object).c_str(), csv_names(names_, force->object).c_str()) > 0);
   }
 }
 
 Result<void> SessionExport::close() {
-  for (File* file : {&trajectory_, &forces_, &cycles_}) good_ = std::fclose(file->release()) == 0 && good_;
-  if (!good_) return fail("{}: the tables could not be written to their end: {}", folder_.string(), std::strerror(errno));
+  for (auto* file : {&trajectory_, &forces_, &cycles_}) {
+    if (auto closed = (*file)->close(); !closed) return closed;
+  }
+  for (auto* file : {&trajectory_, &forces_, &cycles_}) {
+    if (auto kept = (*file)->keep(); !kept) return kept;
+  }
   return {};
 }
 

@@ -1,20 +1,20 @@
 #pragma once
 
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
-#include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/base/result.h"
 #include "link/codec.h"
 #include "link/session_entry.h"
+#include "runtime/part_file.h"
 #include "scene/object_names.h"
 
 namespace hapton {
 
 // Writes a recording as three tables: trajectory.csv (what hapton trajectory and replay read), forces.csv and cycles.csv; times in s
-// from the beginning of the recording. Numbers have all their digits. RT: no.
+// from the beginning of the recording. Numbers have all their digits. The tables appear at close(), complete, or none does. RT: no.
 class SessionExport {
  public:
   // Makes the folder. names: of the scene's objects, empty where they are not known. Error: one line with the path.
@@ -32,21 +32,18 @@ class SessionExport {
   const Rows& rows() const { return rows_; }
 
  private:
-  using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
-  SessionExport() : trajectory_(nullptr, &std::fclose), forces_(nullptr, &std::fclose), cycles_(nullptr, &std::fclose) {}
+  SessionExport() = default;
 
   void add_cycle(const SessionEntry& entry);
   void add_sample(std::uint64_t sample, std::int64_t time_ns, const Vec3& p_WD, const Quat& q_WT);
   double seconds(std::int64_t time_ns) const { return 1e-9 * static_cast<double>(time_ns - start_ns_); }
 
-  std::filesystem::path folder_;
   std::vector<ObjectName> names_;
-  File trajectory_;
-  File forces_;
-  File cycles_;
+  std::optional<PartFile> trajectory_;
+  std::optional<PartFile> forces_;
+  std::optional<PartFile> cycles_;
   std::int64_t start_ns_ = 0;
   std::uint64_t last_sample_ = 0;
-  bool good_ = true;
   Rows rows_;
 };
 

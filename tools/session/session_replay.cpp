@@ -15,6 +15,9 @@ namespace {
 // Replies are reordered by at most this; ForceCommand::answered_before covers as many.
 constexpr std::uint64_t kReach = 64;
 
+// Of a scene.
+constexpr int kMostObjects = 4096;
+
 // After so long in free space, without a button, a ball that carves remembers nothing: what it had of room or lag has faded.
 constexpr std::int64_t kForgottenNs = 300'000'000;
 // To make bodies takes up to a second.
@@ -150,9 +153,13 @@ Result<void> SessionReplay::begin(std::uint64_t sender, const ForceCommand& firs
   step_ = std::make_unique<HapticsStep>(std::move(*touch), offset_m);
   step_->use_effects(effects_);
   begin_moves(first.move_serial);
-  // Where the surfaces were before is unknown.
+  deformed_.clear();
+  for (int object = 0; object < kMostObjects; ++object) {
+    if (step_->touch().find_streamed(object) != nullptr) deformed_.push_back(object);
+  }
   shape_serial_ = first.shape_serial;
-  are_shapes_known_ = first.shape_serial == 0;
+  shapes_.begin(sender_, first.shape_serial);
+  are_shapes_known_ = first.shape_serial == 0 || restore_shapes(first.scene_time_ns);
   are_carves_known_ = true;
   whole_.reset();
   if (const Sculpture* whole = step_->touch().method().sculpture(); whole != nullptr) whole_ = *whole;
@@ -218,7 +225,9 @@ bool SessionReplay::has_rested(const ForceCommand& command) const {
 
 // A device that was free then is free now: from here on nothing earlier matters. Effects remember more: time, velocity.
 Result<void> SessionReplay::find_certainty(const ForceCommand& command) {
-  if (is_certain_ || !is_known() || command.contact || step_->has_effects()) return {};
+  if (is_certain_ || command.contact || step_->has_effects()) return {};
+  if (const auto rebuilt = rebuild_surfaces(command); !rebuilt) return rebuilt;
+  if (!is_known()) return {};
   if (step_->touch().has_sculpture()) {
     if (!has_rested(command)) return {};
     if (const auto rebuilt = rebuild_bodies(command); !rebuilt) return rebuilt;
@@ -254,9 +263,35 @@ void SessionReplay::change_moves(std::uint32_t serial) {
 
 // As change_moves: a shape says itself from when on it counts.
 void SessionReplay::change_shapes(std::uint32_t serial) {
-  const auto find = [this](std::int32_t object) { return find_program_shape_ ? find_program_shape_(setup_, object) : nullptr; };
-  while (shape_serial_ < serial) are_shapes_known_ = shapes_.apply(sender_, ++shape_serial_, *step_, find) && are_shapes_known_;
+  while (shape_serial_ < serial) {
+    ++shape_serial_;
+    if (are_shapes_known_) {
+      are_shapes_known_ = shapes_.apply(sender_, shape_serial_, *step_, find_shape());
+    } else {
+      shapes_.pass(sender_, shape_serial_);
+    }
+  }
   if (!are_shapes_known_) is_certain_ = false;
+}
+
+RecordedShapes::FindShape SessionReplay::find_shape() const {
+  return [this](std::int32_t object) { return find_program_shape_ ? find_program_shape_(setup_, object) : nullptr; };
+}
+
+// Pre: surfaces at rest.
+bool SessionReplay::restore_shapes(std::int64_t scene_time_ns) {
+  return shapes_.knows(sender_, deformed_, scene_time_ns) && shapes_.restore(sender_, deformed_, scene_time_ns, *step_, find_shape());
+}
+
+// Where they are is known again once the recording has both shapes of a motion, or the last one after its end.
+Result<void> SessionReplay::rebuild_surfaces(const ForceCommand& command) {
+  if (are_shapes_known_ || !is_method_known_ || !shapes_.knows(sender_, deformed_, command.scene_time_ns)) return {};
+  auto touch = make_method_of(setup_);
+  if (!touch) return tl::unexpected(touch.error());
+  if (!materials_.empty()) (*touch)->set_materials(materials_);
+  step_->begin_anew(std::move(*touch));
+  are_shapes_known_ = restore_shapes(command.scene_time_ns);
+  return {};
 }
 
 // Makes the changes of that moment again. If the recording does not name the method, its forces are unknown.

@@ -61,7 +61,7 @@ struct ReplayCounts {
                                    // in free space; with effects, all steps after a lost one; with a carvable object, those until the hand
                                    // has rested in free space
   std::uint64_t unknown_method =
-      0;  // replies whose method, materials, moves, shapes or carves are not in the recording: their messages were lost
+      0;  // replies whose method, materials, moves, shapes or carves are not in the recording, or not yet: their messages were lost
   std::uint64_t missing_states = 0;  // replies to a DeviceState that is not in the recording
   std::uint64_t missing_views = 0;   // replies that name a ViewTransform that is not in the recording
   double max_difference_n = 0.0;
@@ -83,7 +83,10 @@ class SessionReplay {
   void use_moves(ObjectMoves moves) { moves_ = std::move(moves); }
 
   // Before the first entry: of a scene in which programs deform objects. Their shapes come by on_shape.
-  void use_program_shapes(FindProgramShape find) { find_program_shape_ = std::move(find); }
+  void use_program_shapes(FindProgramShape find, FirstShapes first = {}) {
+    find_program_shape_ = std::move(find);
+    shapes_.use_first(std::move(first));
+  }
 
   // Before the first entry: of a recording in which material was carved.
   void use_carves(RecordedCarves carves) { carves_ = std::move(carves); }
@@ -110,6 +113,9 @@ class SessionReplay {
   void change_moves(std::uint32_t serial);
   bool apply_move(std::uint32_t serial);
   void change_shapes(std::uint32_t serial);
+  bool restore_shapes(std::int64_t scene_time_ns);
+  Result<void> rebuild_surfaces(const ForceCommand& command);
+  RecordedShapes::FindShape find_shape() const;
   bool is_known() const { return is_method_known_ && are_materials_known_ && are_moves_known_ && are_shapes_known_ && are_carves_known_; }
   std::optional<Sculpture> make_shape(std::uint32_t serial) const;
   void repeat_carves(std::uint32_t serial);
@@ -148,7 +154,8 @@ class SessionReplay {
   std::uint32_t move_serial_ = 0;     // of the newest move that was applied
   bool are_moves_known_ = true;       // all moves up to move_serial_ are in the recording
   std::uint32_t shape_serial_ = 0;    // of the newest shape that was begun
-  bool are_shapes_known_ = true;      // all shapes up to shape_serial_ are in the recording
+  bool are_shapes_known_ = true;      // where the surfaces are, by all shapes up to shape_serial_
+  std::vector<int> deformed_;         // the objects that programs deform
   bool are_carves_known_ = true;      // all carves of the bodies in their present shape are in the recording
   std::int64_t busy_ns_ = 0;          // of the newest sample in contact, with a button down, or after an unknown step
   std::int64_t rebuilt_ns_ = 0;       // of the sample at which the bodies were last made again from their carves

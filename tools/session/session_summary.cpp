@@ -77,18 +77,21 @@ void SessionSummary::add(const SessionEntry& entry, const Datagram* datagram) {
   }
   if (datagram == nullptr || entry.kind == SessionEntry::Kind::sent) return;
   changes_.add(entry, datagram);
-  if (const auto* force = std::get_if<ForceCommand>(&datagram->message)) add_force(*force, entry.time_ns);
+  if (const auto* force = std::get_if<ForceCommand>(&datagram->message)) add_force(datagram->header.sender, *force, entry.time_ns);
   if (const auto* setup = std::get_if<HapticsSetup>(&datagram->message)) setups_[{datagram->header.sender, setup->method_serial}] = *setup;
   if (const auto* state = std::get_if<MaterialState>(&datagram->message)) materials_[{datagram->header.sender, state->serial}] = *state;
   if (const auto* move = std::get_if<ObjectMove>(&datagram->message)) {
     moves_[{datagram->header.sender, move->serial, move->object}] = *move;
   }
-  if (const auto* start = std::get_if<ShapeStart>(&datagram->message); start != nullptr && start->serial > 0) {
-    shape_serials_.insert({datagram->header.sender, start->serial});
+  if (const auto* part = std::get_if<ObjectShape>(&datagram->message)) first_shapes_.add(datagram->header.sender, *part);
+  if (const auto* start = std::get_if<ShapeStart>(&datagram->message)) {
+    first_shapes_.add(datagram->header.sender, *start);
+    if (start->serial > 0) shape_serials_.insert({datagram->header.sender, start->serial});
   }
 }
 
-void SessionSummary::add_force(const ForceCommand& force, std::int64_t time_ns) {
+void SessionSummary::add_force(std::uint64_t sender, const ForceCommand& force, std::int64_t time_ns) {
+  first_shapes_.add(sender, force);
   contact_ += force.contact ? 1 : 0;
   max_force_n_ = std::max(max_force_n_, force.force_n.norm());
   round_trip_.record(time_ns - force.echo_sample_time_ns);

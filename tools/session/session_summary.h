@@ -28,6 +28,7 @@ class SessionSummary {
   const MaterialStates& materials() const { return materials_; }
   const ObjectMoves& moves() const { return moves_; }
   RecordedCarves carves() const;
+  const FirstShapes& first_shapes() const { return first_shapes_; }
   // Cycles whose force io_node computed itself, from parts of the scene. No reply of the haptics node has them.
   std::uint64_t local_forces() const { return local_forces_; }
 
@@ -48,7 +49,7 @@ class SessionSummary {
     std::string text;
   };
 
-  void add_force(const ForceCommand& force, std::int64_t time_ns);
+  void add_force(std::uint64_t sender, const ForceCommand& force, std::int64_t time_ns);
   double seconds() const { return 1e-9 * static_cast<double>(last_ns_ - first_ns_); }
 
   std::uint64_t entries_ = 0;
@@ -76,7 +77,8 @@ class SessionSummary {
   MaterialStates materials_;
   ObjectMoves moves_;
   std::set<std::pair<std::uint64_t, std::uint32_t>> shape_serials_;  // by sender
-  ObjectChanges changes_{0};                                         // times do not matter
+  FirstShapes first_shapes_;
+  ObjectChanges changes_{0};  // times do not matter
 };
 
 }  // namespace hapton

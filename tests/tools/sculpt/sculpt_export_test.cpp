@@ -11,6 +11,7 @@
 #include "scene/annotations_file.h"
 #include "scene/mesh_file.h"
 #include "scene/scene_file.h"
+#include "tests/support/file_size_limit.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/tools/command_run.h"
 
@@ -59,6 +60,19 @@ TEST_F(SculptExportTest, TheHoleIsInEveryFormat) {
     EXPECT_NEAR(volume, 0.06 * 0.06 * 0.02 - std::numbers::pi * 0.005 * 0.005 * 0.02, 0.02 * 0.06 * 0.06 * 0.02) << name;
     for (const Vec3& v : mesh.vertices) ASSERT_FALSE(v.head<2>().norm() < 0.0045 && std::abs(v.z()) < 0.008) << "in the hole";
   }
+}
+
+TEST_F(SculptExportTest, OnAFullDiskThereIsOneLineAndNoFile) {
+  const std::size_t files = static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder.path()), {}));
+  CommandRun run;
+  {
+    const FileSizeLimit full(20'000);
+    run = run_hapton({"sculpt", scene, "--annotations", annotations, "--out", out("clay.stl")});
+  }
+  EXPECT_NE(run.code, 0);
+  EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("cannot write " + out("clay.stl") + ": File too large"));
+  EXPECT_EQ(static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder.path()), {})), files);
 }
 
 TEST_F(SculptExportTest, WrongInputIsOneLine) {

@@ -14,7 +14,9 @@
 #include "link/session_codec.h"
 #include "session/joined_table.h"
 #include "tests/session/made_entries.h"
+#include "tests/support/file_size_limit.h"
 #include "tests/support/scratch_folder.h"
+#include "tests/tools/command_run.h"
 
 namespace hapton {
 namespace {
@@ -241,6 +243,67 @@ TEST(JoinedFiles, WhereNothingCanBeWrittenOneLineSaysSo) {
     ASSERT_FALSE(written);
     EXPECT_NE(written.error().what.find("cannot be written"), std::string::npos) << written.error().what;
     EXPECT_EQ(written.error().what.find('\n'), std::string::npos);
+  }
+}
+
+// Wherever the disk is full: one line, and no file, not even beside it.
+TEST(JoinedFiles, OnAFullDiskThereIsOneLineAndNoFile) {
+  const ScratchFolder scratch;
+  const ScratchFolder out;
+  const auto recording = write_recording(scratch, 6'000);
+  for (const bool is_hdf5 : {false, true}) {
+    const auto path = out.path() / (is_hdf5 ? "session.h5" : "session.csv");
+    const auto write = [&] {
+      auto reader = SessionReader::open(recording);
+      return is_hdf5 ? write_joined_hdf5(*reader, path, kNames) : write_joined_csv(*reader, path, kNames);
+    };
+    ASSERT_TRUE(write());
+    const auto bytes = std::filesystem::file_size(path);
+    std::filesystem::remove(path);
+    for (const double share : {0.0, 0.001, 0.01, 0.1, 0.3, 0.6, 0.9, 0.99, 0.9999}) {
+      const auto written = [&] {
+        const FileSizeLimit full(static_cast<rlim_t>(share * static_cast<double>(bytes)));
+        return write();
+      }();
+      ASSERT_FALSE(written) << path << " of " << bytes << " bytes, limited to " << share;
+      EXPECT_EQ(written.error().what.find(path.string() + ": "), 0U) << written.error().what;
+      EXPECT_EQ(written.error().what.find('\n'), std::string::npos);
+      EXPECT_TRUE(std::filesystem::is_empty(out.path())) << share;
+    }
+    ASSERT_TRUE(write()) << "nothing stays behind that the next one meets";
+    std::filesystem::remove(path);
+  }
+}
+
+// Where the table of moves cannot be written, there is no table of samples without it.
+TEST(JoinedCsv, IsWrittenWithAllItsTablesOrNotAtAll) {
+  const ScratchFolder scratch;
+  auto reader = SessionReader::open(write_changed_recording(scratch));
+  ASSERT_TRUE(reader) << reader.error().what;
+  const ScratchFolder out;
+  std::filesystem::create_symlink("/dev/full", out.path() / "carves.csv");
+  const auto written = write_joined_csv(*reader, out.path() / "session.csv", kNames);
+  ASSERT_FALSE(written);
+  EXPECT_EQ(written.error().what, (out.path() / "carves.csv").string() + ": cannot be written: No space left on device");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(out.path()), {}), 1);
+}
+
+// The command itself, in each format.
+TEST(JoinedFiles, TheCommandFailsOnAFullDisk) {
+  const ScratchFolder scratch;
+  const auto recording = write_recording(scratch, 6'000);
+  for (const char* format : {"tables", "csv", "hdf5", "mcap"}) {
+    const ScratchFolder out;
+    CommandRun run;
+    {
+      const FileSizeLimit full(50'000);
+      run = run_hapton({"session", "export", recording.string(), "--out", out.path().string(), "--format", format});
+    }
+    EXPECT_EQ(run.code, 1) << format;
+    EXPECT_EQ(run.out, "") << format;
+    EXPECT_NE(run.err.find("hapton session export: " + out.path().string()), std::string::npos) << run.err;
+    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+    EXPECT_TRUE(std::filesystem::is_empty(out.path())) << format;
   }
 }
 

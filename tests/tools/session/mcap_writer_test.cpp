@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/file_size_limit.h"
 #include "tests/support/scratch_folder.h"
 
 namespace hapton {
@@ -85,6 +86,23 @@ TEST(McapWriter, AFullDiskIsOneLine) {
   const auto nowhere = McapWriter::open("/proc/none/a.mcap", "us", kSchemas, kChannels);
   ASSERT_FALSE(nowhere);
   EXPECT_NE(nowhere.error().what.find("/proc/none/a.mcap"), std::string::npos);
+}
+
+TEST(McapWriter, OnAFullDiskThereIsNoFile) {
+  const ScratchFolder scratch;
+  const auto path = scratch.path() / "a.mcap";
+  Result<void> closed;
+  {
+    const FileSizeLimit full(1'500'000);
+    auto writer = McapWriter::open(path, "us", kSchemas, kChannels);
+    ASSERT_TRUE(writer);
+    for (int i = 0; i < 3'000; ++i) writer->add_message(0, 1, 1, std::string(1'000, 'x'));
+    EXPECT_FALSE(std::filesystem::exists(path)) << "it is not complete";
+    closed = writer->close();
+  }
+  ASSERT_FALSE(closed);
+  EXPECT_EQ(closed.error().what, path.string() + ": cannot be written: File too large");
+  EXPECT_TRUE(std::filesystem::is_empty(scratch.path()));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tests/session/made_entries.h"
+#include "tests/support/file_size_limit.h"
 #include "tests/support/scratch_folder.h"
 
 namespace hapton {
@@ -112,6 +113,21 @@ TEST_F(ExportTest, AFolderThatCannotBeMadeIsOneLine) {
   const auto opened = SessionExport::open(file / "folder", 0);
   ASSERT_FALSE(opened);
   EXPECT_NE(opened.error().what.find("the folder cannot be made"), std::string::npos);
+}
+
+// The three tables are one result: without one of them there is none.
+TEST_F(ExportTest, OnAFullDiskThereIsOneLineAndNoTable) {
+  Result<void> closed;
+  {
+    const FileSizeLimit full(6'000);
+    for (std::uint64_t sample = 1; sample <= 100; ++sample) exported.add(cycle_of(sample), nullptr);
+    closed = exported.close();
+  }
+  ASSERT_FALSE(closed);
+  EXPECT_EQ(closed.error().what, (folder / "trajectory.csv").string() + ": cannot be written: File too large");
+  EXPECT_TRUE(exported.rows().cycles == 100 && exported.rows().trajectory == 100);
+  { const SessionExport ended = std::move(exported); }
+  EXPECT_TRUE(std::filesystem::is_empty(folder));
 }
 
 }  // namespace

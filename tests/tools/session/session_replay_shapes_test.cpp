@@ -64,8 +64,9 @@ struct ShapesReplayTest : SessionReplayTest {
       slide(n < 4 ? 35 : 60);
     }
   }
-  void feed_with_shapes(SessionReplay& replay) {
-    replay.use_program_shapes([this](const HapticsSetup&, std::int32_t) { return std::make_shared<const ProgramShape>(program_shape); });
+  void feed_with_shapes(SessionReplay& replay, const FirstShapes& first = {}) {
+    replay.use_program_shapes([this](const HapticsSetup&, std::int32_t) { return std::make_shared<const ProgramShape>(program_shape); },
+                              first);
     std::size_t next = 0;
     for (std::size_t n = 0; n < recorded.size(); ++n) {
       for (; next < announced.size() && announced[next].first <= n; ++next) {
@@ -112,7 +113,8 @@ TEST_F(ShapesReplayTest, RepliesThatWereLostAreRepeatedWithTheirShapes) {
   EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
 }
 
-// Forces with a shape that the recording lacks, in part or wholly, are unknown, and so are those after it.
+// Forces with a shape that the recording lacks, in part or wholly, are unknown, and so are those of the motion after it. Then they are
+// known again, once the hand is in free space.
 TEST_F(ShapesReplayTest, AMissingPartMakesForcesUnknownNotDifferent) {
   slide_and_deform();
   std::erase_if(announced, [](const auto& one) {
@@ -122,8 +124,11 @@ TEST_F(ShapesReplayTest, AMissingPartMakesForcesUnknownNotDifferent) {
   SessionReplay replay = replay_with(make_soft_touch);
   feed_with_shapes(replay);
   EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
-  EXPECT_EQ(replay.counts().compared, 60U + 3U * 35U);
-  EXPECT_EQ(replay.counts().unknown_method, recorded.size() - replay.counts().compared);
+  std::size_t free_at = 60 + 5 * 40 + 2;  // five motions of 40 ms have ended
+  while (recorded[free_at].second->contact) ++free_at;
+  EXPECT_GT(replay.counts().unknown_method, 40U);
+  EXPECT_EQ(replay.counts().compared, 60U + 3U * 35U + recorded.size() - free_at);
+  EXPECT_EQ(replay.counts().unknown_method + replay.counts().not_compared, recorded.size() - replay.counts().compared);
 }
 
 TEST_F(ShapesReplayTest, ARecordingThatBeginsAfterAShapeIsUnknown) {
@@ -133,6 +138,94 @@ TEST_F(ShapesReplayTest, ARecordingThatBeginsAfterAShapeIsUnknown) {
   feed_with_shapes(replay);
   EXPECT_EQ(replay.counts().compared, 0U);
   EXPECT_EQ(replay.counts().different, 0U);
+}
+
+// A recording that begins when the haptics node has deformed the object already.
+struct LateShapesReplayTest : ShapesReplayTest {
+  // What the haptics node sends again, on its own and on request: it may come at any time.
+  FirstShapes first;
+
+  void deform_thrice() {
+    slide(60);
+    for (int n = 0; n < 3; ++n) {
+      deform(n % 2 == 0 ? 0.05 : -0.03, 0.04);
+      slide(35);
+    }
+  }
+  // The hub is started again, and the hand is in free space.
+  void begin_recording(bool with_vertices) {
+    for (const auto& [at, message] : announced) {
+      if (const auto* start = std::get_if<ShapeStart>(&message); start != nullptr && start->serial == serial) first.add(kSender, *start);
+      const auto* part = std::get_if<ObjectShape>(&message);
+      if (part != nullptr && part->serial == serial && with_vertices) first.add(kSender, *part);
+    }
+    recorded.clear();
+    announced.clear();
+    live.restart();
+  }
+  void move(int steps, bool is_free) {
+    for (int n = 0; n < steps; ++n) {
+      DeviceState state = next_state();
+      if (is_free) state.p_WD *= 1.3;
+      recorded.emplace_back(state, answer(state));
+    }
+  }
+  ReplayCounts replay_all() {
+    SessionReplay replay = replay_with(make_soft_touch);
+    for (const auto& [state, command] : recorded) first.add(kSender, *command);
+    feed_with_shapes(replay, first);
+    return replay.counts();
+  }
+};
+
+TEST_F(LateShapesReplayTest, TheForcesAreThoseOfTheShapeThatWasThere) {
+  deform_thrice();
+  slide(20);
+  ASSERT_GT(live.scene_time_ns(), end_ns);
+  begin_recording(true);
+  move(10, true);
+  move(60, false);
+  deform(0.02, 0.05);
+  move(80, false);
+  const ReplayCounts counts = replay_all();
+  EXPECT_EQ(counts.compared, 150U);
+  EXPECT_EQ(counts.different, 0U) << counts.first_difference;
+  EXPECT_GT(counts.contact_steps, 120U);
+  first = {};
+  EXPECT_EQ(replay_all().compared, 0U) << "without the shape nothing is known";
+}
+
+// The shape from which it moves was sent before.
+TEST_F(LateShapesReplayTest, DuringAMotionTheyAreUnknownUntilItEnds) {
+  deform_thrice();
+  const std::int64_t left_ns = end_ns - live.scene_time_ns();
+  ASSERT_GT(left_ns, 2'000'000);
+  begin_recording(true);
+  move(20, true);
+  move(60, false);
+  const ReplayCounts counts = replay_all();
+  EXPECT_EQ(counts.different, 0U) << counts.first_difference;
+  EXPECT_NEAR(static_cast<double>(counts.unknown_method), 1e-6 * static_cast<double>(left_ns), 1.5);
+  EXPECT_EQ(counts.compared, 80U - counts.unknown_method);
+  EXPECT_GT(counts.contact_steps, 50U);
+}
+
+// A program that sends one shape after the other: they are known from the second one that is in the recording on.
+TEST_F(LateShapesReplayTest, InAStreamOfShapesTheyAreKnownAfterTwo) {
+  deform_thrice();
+  begin_recording(false);
+  move(8, true);
+  for (int n = 0; n < 4; ++n) {
+    deform(n % 2 == 0 ? -0.02 : 0.03, 0.04);
+    move(40, n < 3);
+  }
+  move(40, false);
+  const ReplayCounts counts = replay_all();
+  EXPECT_EQ(counts.different, 0U) << counts.first_difference;
+  EXPECT_EQ(counts.compared + counts.unknown_method, recorded.size());
+  EXPECT_GE(counts.compared, 150U);
+  EXPECT_LE(counts.compared, 170U);
+  EXPECT_GT(counts.contact_steps, 50U);
 }
 
 }  // namespace

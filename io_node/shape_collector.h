@@ -1,0 +1,53 @@
+#pragma once
+
+#include <array>
+#include <bitset>
+#include <cstdint>
+#include <optional>
+
+#include "io_node/servo_tap.h"
+#include "link/hub_peers.h"
+#include "link/messages.h"
+#include "link/move_source.h"
+#include "runtime/clock.h"
+
+namespace hapton {
+
+// While the session is recorded: requests from the haptics node the newest shape of each object that a program deforms, as far as it was
+// sent before the recording began or lost on the way, as a vision node does. So a recording has the shapes with which it begins. Units: ns
+// of the hub's clock. RT: yes. Threads: the servo's.
+class ShapeCollector {
+ public:
+  static constexpr std::size_t kMostObjects = 8;                                // of a scene (ProgramShape::kMostObjects)
+  static constexpr std::int64_t kPatienceNs = 60 * kNanosecondsPerMillisecond;  // the parts may be on their way
+  static constexpr std::int64_t kRequestEveryNs = 200 * kNanosecondsPerMillisecond;
+
+  // Pre: both outlive this; tap may be null.
+  ShapeCollector(HubPeers& peers, const ServoTap* tap) noexcept : peers_(peers), tap_(tap) {}
+
+  void note(const ObjectShape& shape, Arrival arrival) noexcept;
+  void note(const ShapeStart& start, Arrival arrival, std::int64_t now_ns) noexcept;
+  void request_if_due(std::int64_t now_ns) noexcept;
+
+ private:
+  // The newest shape of an object.
+  struct Newest {
+    std::int32_t object = -1;     // none yet
+    std::uint32_t serial = 0;     // 0: at rest
+    std::uint32_t total = 0;      // vertices
+    bool has_begun = false;       // its ShapeStart has come
+    std::int64_t request_ns = 0;  // not before
+    std::bitset<ShapePart::kMostParts> received = {};
+    bool is_missing() const noexcept { return serial != 0 && has_begun && received.count() < ShapePart::count_parts(total); }
+  };
+  Newest* find(std::uint32_t source, std::int32_t object, std::uint32_t serial, std::uint32_t total, Arrival arrival) noexcept;
+  ShapeStatus make_request(const Newest& newest) const noexcept;
+
+  HubPeers& peers_;
+  const ServoTap* tap_;
+  MoveSource processes_;
+  std::uint32_t source_ = 0;
+  std::array<Newest, kMostObjects> objects_ = {};
+};
+
+}  // namespace hapton

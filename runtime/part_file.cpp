@@ -1,0 +1,70 @@
+#include "runtime/part_file.h"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+#include <utility>
+
+namespace hapton {
+
+PartPath::PartPath(std::filesystem::path path) : path_(std::move(path)), part_(path_) {
+  std::error_code error;
+  const auto status = std::filesystem::status(path_, error);
+  const bool is_other =
+      std::filesystem::exists(status) && !std::filesystem::is_regular_file(status) && !std::filesystem::is_directory(status);
+  if (is_other || path_.parent_path() == "/dev") return;
+  part_ += fmt::format(".{}.part", getpid());
+  is_pending_ = true;
+}
+
+PartPath::PartPath(PartPath&& other) noexcept
+    : path_(std::move(other.path_)), part_(std::move(other.part_)), is_pending_(std::exchange(other.is_pending_, false)) {}
+
+PartPath& PartPath::operator=(PartPath&& other) noexcept {
+  discard();
+  path_ = std::move(other.path_);
+  part_ = std::move(other.part_);
+  is_pending_ = std::exchange(other.is_pending_, false);
+  return *this;
+}
+
+void PartPath::discard() noexcept {
+  std::error_code error;
+  if (std::exchange(is_pending_, false)) std::filesystem::remove(part_, error);
+}
+
+Result<void> PartPath::keep() {
+  if (!is_pending_) return {};
+  std::error_code error;
+  std::filesystem::rename(part_, path_, error);
+  if (!error) {
+    is_pending_ = false;
+    return {};
+  }
+  discard();
+  return fail("cannot write {}: {}; choose another folder or free this one", path_.string(), error.message());
+}
+
+Result<PartFile> PartFile::open(const std::filesystem::path& path) {
+  PartPath part(path);
+  File file(open_file_for(part.part(), FileReaders::everyone), &std::fclose);
+  if (!file) return fail("{}: cannot be written: {}", path.string(), std::strerror(errno));
+  return PartFile(std::move(part), std::move(file));
+}
+
+void PartFile::check(bool is_written) noexcept {
+  if (!is_written && error_ == 0) error_ = errno != 0 ? errno : EIO;
+}
+
+Result<void> PartFile::close() {
+  if (file_) check(std::fflush(file_.get()) == 0);
+  if (file_) check(std::fclose(file_.release()) == 0);
+  if (error_ == 0) return {};
+  const std::filesystem::path path = path_.path();
+  path_ = PartPath();
+  return fail("{}: cannot be written: {}", path.string(), std::strerror(error_));
+}
+
+}  // namespace hapton

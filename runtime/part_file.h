@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "core/base/result.h"
+#include "runtime/atomic_file.h"
+
+namespace hapton {
+
+// The name under which a file is written until it is complete: NAME.PID.part, beside it. keep() renames it; without that it is removed at
+// the end, and an earlier file stays. What is no file, as a pipe or all that is in /dev, is written itself. RT: no.
+class PartPath {
+ public:
+  PartPath() = default;
+  explicit PartPath(std::filesystem::path path);
+  ~PartPath() { discard(); }
+  PartPath(PartPath&& other) noexcept;
+  PartPath& operator=(PartPath&& other) noexcept;
+
+  // To be written.
+  const std::filesystem::path& part() const noexcept { return part_; }
+  // As it will be named.
+  const std::filesystem::path& path() const noexcept { return path_; }
+  // Pre: it is closed. Error: one line with its name; nothing is left of it.
+  Result<void> keep();
+
+ private:
+  void discard() noexcept;
+
+  std::filesystem::path path_;
+  std::filesystem::path part_;
+  bool is_pending_ = false;  // the part is to be removed
+};
+
+// A file that appears under its name when it is complete, or not at all. The first failure counts, also one that shows only when the file
+// is closed. RT: no. Threads: one.
+class PartFile {
+ public:
+  // Error: one line with the path and the reason.
+  static Result<PartFile> open(const std::filesystem::path& path);
+
+  // To be written with stdio. Pre: not closed.
+  std::FILE* get() const noexcept { return file_.get(); }
+  // Notes a failure, with the errno of now.
+  void check(bool is_written) noexcept;
+  bool is_good() const noexcept { return error_ == 0; }
+  // Ends the writing; keep() names the file. Error: one line with the path and the reason; nothing is left of it.
+  Result<void> close();
+  // Pre: close() succeeded.
+  Result<void> keep() { return path_.keep(); }
+
+ private:
+  using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
+  PartFile(PartPath path, File file) : path_(std::move(path)), file_(std::move(file)) {}
+
+  PartPath path_;
+  File file_;  // closed before the part is removed
+  int error_ = 0;
+};
+
+}  // namespace hapton

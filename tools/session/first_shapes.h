@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "link/messages.h"
+#include "link/shape_parts.h"
+
+namespace hapton {
+
+// The shapes of objects that programs deform that a haptics node had begun before its first force in a recording: it repeats the newest
+// start of each, and the hub requests their vertices (decision 208). Gathered in a first pass over the recording, by sender of the
+// datagrams. RT: no.
+class FirstShapes {
+ public:
+  struct Sender {
+    std::optional<std::uint32_t> first;                                        // shape_serial of its first force
+    std::map<std::uint32_t, ShapeParts> shapes = {};                           // by serial
+    std::map<std::pair<std::int32_t, std::uint32_t>, ShapeStart> starts = {};  // by object and serial
+  };
+
+  void add(std::uint64_t sender, const ForceCommand& force);
+  void add(std::uint64_t sender, const ObjectShape& shape);
+  void add(std::uint64_t sender, const ShapeStart& start);
+
+  // Null: it sent nothing.
+  const Sender* find(std::uint64_t sender) const;
+
+ private:
+  // Before the first force nobody knows which serials count; a file may have any number of them.
+  static constexpr std::size_t kMostEarly = 64;
+
+  std::map<std::uint64_t, Sender> senders_;
+};
+
+}  // namespace hapton

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "scene/annotations.h"
+#include "scene/scene_file.h"
+
+namespace hapton {
+
+// "1 stroke", "2 strokes".
+std::string plural(std::size_t count, std::string_view noun);
+
+// "2 strokes, 1 measure, 300 carves".
+std::string describe_entries(const Annotations& annotations);
+
+// The names of the objects, in their order.
+std::vector<std::string> list_names(const Scene& scene);
+
+}  // namespace hapton
