@@ -8,6 +8,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "core/geometry/triangle_distance.h"
+#include "core/math/rounded_to_float.h"
 
 namespace hapton {
 namespace {
@@ -93,13 +94,14 @@ struct PatchAxes {
   }
 };
 
+float to_float(double x) { return static_cast<float>(rounded_to_float(x)); }
 float rounded_up(double x) { return std::nextafter(static_cast<float>(x * (1.0 + 0x1p-40)), std::numeric_limits<float>::infinity()); }
 
 PatchTree::Node box_around(const PatchPiece& piece, const Mat3& axes) {
   PatchTree::Node node;
   Mat3 stored;
   for (int i = 0; i < 3; ++i) {
-    for (int k = 0; k < 3; ++k) stored(k, i) = node.axes[k][i] = static_cast<float>(axes(k, i));
+    for (int k = 0; k < 3; ++k) stored(k, i) = node.axes[k][i] = to_float(axes(k, i));
   }
   // Coordinates along the rounded axes, and those of the rounded centre.
   const Mat3 inverse = stored.inverse();
@@ -117,7 +119,7 @@ PatchTree::Node box_around(const PatchPiece& piece, const Mat3& axes) {
   const Vec3 low(least[0], least[1], least[2]);
   const Vec3 high(most[0], most[1], most[2]);
   const Vec3 centre = stored * (0.5 * (low + high));
-  for (int i = 0; i < 3; ++i) node.centre[i] = static_cast<float>(centre[i]);
+  for (int i = 0; i < 3; ++i) node.centre[i] = to_float(centre[i]);
   const Vec3 at = inverse * node.at();
   const double rounding = 0x1p-48 * (1.0 + low.cwiseAbs().maxCoeff() + high.cwiseAbs().maxCoeff());
   for (int i = 0; i < 3; ++i) node.half[i] = rounded_up(std::max(high[i] - at[i], at[i] - low[i]) + rounding);
@@ -307,7 +309,7 @@ class PatchJoiner {
     std::array<int, 3> order = {0, 1, 2};
     std::sort(order.begin(), order.end(), [&](int a, int b) { return size[a] < size[b]; });
     PatchTree::Node node = {};
-    for (int k = 0; k < 3; ++k) node.centre[k] = static_cast<float>(bounds.centre()[k]);
+    for (int k = 0; k < 3; ++k) node.centre[k] = to_float(bounds.centre()[k]);
     for (int i = 0; i < 3; ++i) {
       const int k = order[i];
       node.axes[k][i] = 1.0F;
@@ -369,7 +371,7 @@ PatchTree PatchTree::about(const Vec3& p) const {
   PatchTree moved(*this);
   for (Node& node : moved.nodes_) {
     const Vec3 centre = node.at() - p;
-    for (int i = 0; i < 3; ++i) node.centre[i] = static_cast<float>(centre[i]);
+    for (int i = 0; i < 3; ++i) node.centre[i] = to_float(centre[i]);
     // The axes are orthonormal to 2^-20.
     const double rounding = (node.at() - centre).norm() * (1.0 + 0x1p-16) + 0x1p-48 * (1.0 + centre.cwiseAbs().maxCoeff());
     for (float& half : node.half) half = rounded_up(half + rounding);
