@@ -32,15 +32,15 @@ class TouchGeometry {
   explicit TouchGeometry(std::vector<std::shared_ptr<const TriangleMesh>> meshes, BuildPolicy policy = BuildPolicy::at_once,
                          std::optional<double> shading_crease_rad = std::nullopt, const Box& part_of = {});
   explicit TouchGeometry(const std::vector<const TriangleMesh*>& meshes);  // built at once; the meshes need not outlive this
-  // Of objects that are built in that frame already, and may be shared. What their triangles are walkable for is not narrowed by the other
-  // objects: for contact between meshes only. Pre: they are in use, and no more than check() allows, with most_triangles() each.
+  // Of objects that were built in that frame, and may be shared. Triangles near another object stay walkable, so this is for contact
+  // between meshes only. Pre: check() holds for their meshes, and none has more than most_triangles() of these.
   TouchGeometry(std::vector<std::shared_ptr<const ObjectGeometry>> objects, const LocalFrame& frame);
 
   // Error: too many objects and triangles for their numbers; a mesh outside part_of, or one that is not finite.
   static Result<void> check(const std::vector<std::shared_ptr<const TriangleMesh>>& meshes, const Box& part_of = {});
   // The local frame of a scene with that bounding box.
   static LocalFrame frame_of(const Box& bounds);
-  // That an object of a scene of these meshes may have once its cracks are sealed (ObjectGeometry::make).
+  // That each object of a scene of these meshes may have, once its cracks are sealed (ObjectGeometry::make).
   static std::size_t most_triangles(const std::vector<std::shared_ptr<const TriangleMesh>>& meshes);
 
   const LocalFrame& frame() const { return frame_; }
