@@ -22,6 +22,12 @@ constexpr auto kPause = std::chrono::microseconds(100);
 // A longer time to make a tool is logged: the object did not follow the hand at once.
 constexpr double kNoticedS = 0.2;
 
+std::vector<std::shared_ptr<const TriangleMesh>> meshes_of(const Scene& scene) {
+  std::vector<std::shared_ptr<const TriangleMesh>> meshes;
+  for (const SceneObject& object : scene.objects) meshes.push_back(object.mesh);
+  return meshes;
+}
+
 }  // namespace
 
 std::vector<bool> list_movable(const Scene& scene) {
@@ -32,7 +38,12 @@ std::vector<bool> list_movable(const Scene& scene) {
 
 GraspTask::GraspTask(Options options, const Scene& scene, const std::vector<PutDown>& put_down, GraspLink& link, MaterialTuner& tuner,
                      MethodBuilder& builder)
-    : options_(std::move(options)), scene_(place_objects(scene, put_down)), link_(link), tuner_(tuner), builder_(builder) {
+    : options_(std::move(options)),
+      scene_(place_objects(scene, put_down)),
+      objects_(meshes_of(scene_)),
+      link_(link),
+      tuner_(tuner),
+      builder_(builder) {
   for (const SceneObject& object : scene.objects) as_loaded_.push_back(object.mesh);
 }
 
@@ -60,7 +71,8 @@ bool GraspTask::run_once() {
   }
   const SteadyClock clock;
   const std::int64_t begin_ns = clock.now_ns();
-  if (tool_ == nullptr || !tool_->follow()) return false;
+  if (tool_ == nullptr) return objects_.prepare_next();
+  if (!tool_->follow()) return false;
   pose_times_.record(clock.now_ns() - begin_ns);
   return true;
 }
@@ -78,9 +90,8 @@ void GraspTask::pick_up(const GraspOrder& order) {
   const auto number = static_cast<std::size_t>(order.object);
   const std::string& name = scene_.objects[number].name;
   ToolObstacles obstacles = make_tool_obstacles(couple_scene(scene_.touch_scene(), options_.coupling_n_per_m), number);
-  const TriangleMesh held = move_mesh(order.X_SD.inverse(Eigen::Isometry) * order.moved, *as_loaded_[number]);
-  auto step = ToolStep::make(
-      held, std::move(obstacles.meshes),
+  auto step = objects_.hold(
+      number, order.X_SD,
       {.stiffness_n_per_m = obstacles.stiffness_n_per_m, .rotational_stiffness_nm_per_rad = options_.rotational_stiffness_nm_per_rad},
       std::move(obstacles.friction), make_worker_team(options_.threads));
   if (!step) {
@@ -92,7 +103,7 @@ void GraspTask::pick_up(const GraspOrder& order) {
   link_.answers.publish({order.serial, tool_.get(), describe_tool(*tool_)});
   const double seconds = 1e-9 * static_cast<double>(clock.now_ns() - begin_ns);
   if (seconds > kNoticedS) {
-    log_info("{} is picked up; its trees took {:.1f} s", name, seconds);
+    log_info("{} is picked up; to prepare it took {:.1f} s", name, seconds);
   } else {
     log_info("{} is picked up", name);
   }
@@ -110,6 +121,7 @@ void GraspTask::put_down(const GraspOrder& order) {
     link_.answers.publish({order.serial});
     return;
   }
+  objects_.replace(static_cast<std::size_t>(order.object), object.mesh);
   tuner_.follow(scene_, made->revision);
   if (options_.on_scene) options_.on_scene(couple_scene(made->touch, options_.coupling_n_per_m));
   log_info("{} is put down", object.name);

@@ -7,6 +7,7 @@
 #include <thread>
 #include <vector>
 
+#include "core/tool/prepared_objects.h"
 #include "haptic_step/grasp.h"
 #include "haptics_node/material_tuner.h"
 #include "haptics_node/method_builder.h"
@@ -16,8 +17,8 @@
 
 namespace hapton {
 
-// The slow task of grasping: makes the tool of an object that is picked up, follows the device with its pose, and builds the scene again
-// with the object where it was put down. The trees are rebuilt for each; the force never waits for that.
+// The slow task of grasping: prepares the objects for contact with each other, makes the tool of one that is picked up, follows the device
+// with its pose, and builds the scene again with the object where it was put down. The force never waits for that.
 // Threads: one of its own, or the caller of run_once(). RT: no.
 class GraspTask {
  public:
@@ -39,7 +40,7 @@ class GraspTask {
   void start();
   // Ends the thread; the times are complete then.
   void stop() noexcept;
-  // Carries out one order, or follows the device once. False: there was nothing to do.
+  // Carries out one order, or follows the device once, or prepares an object. False: there was nothing to do.
   bool run_once();
 
   const LatencyHistogram& pose_times() const noexcept { return pose_times_; }
@@ -53,6 +54,7 @@ class GraspTask {
   Options options_;
   Scene scene_;                                                 // as it is now
   std::vector<std::shared_ptr<const TriangleMesh>> as_loaded_;  // by object
+  PreparedObjects objects_;
   GraspLink& link_;
   MaterialTuner& tuner_;
   MethodBuilder& builder_;

@@ -17,15 +17,17 @@ Box box_of(std::span<const Vec3> vertices, const Triangle& triangle) {
   return {a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)};
 }
 
+constexpr double kGrid = 0x1p-51;
+
+Vec3 on_grid(const Vec3& p) { return (p / kGrid).array().round() * kGrid; }
+
 }  // namespace
 
 ObjectGeometry::ObjectGeometry(const TriangleMesh& mesh, const LocalFrame& frame, std::optional<double> shading_crease_rad,
-                               std::vector<std::uint32_t>* numbers)
-    : tree_(std::span<const Box>{}) {
-  constexpr double kGrid = 0x1p-51;
+                               std::vector<std::uint32_t>* numbers) {
   LargeVector<Vec3> vertices;
   vertices.reserve(mesh.vertices.size());
-  for (const Vec3& v : mesh.vertices) vertices.push_back((frame.to_local(v) / kGrid).array().round() * kGrid);
+  for (const Vec3& v : mesh.vertices) vertices.push_back(on_grid(frame.to_local(v)));
   tree_ = WideBvh(mesh.triangles.size(), [&](std::size_t t) { return box_of(vertices, mesh.triangles[t]); });
 
   // Triangles in tree order, vertices in the order of their first use: what is near in space is near in memory.
@@ -71,6 +73,18 @@ ObjectGeometry ObjectGeometry::make(const TriangleMesh& mesh, const LocalFrame& 
       resolve_for_touch(mesh, kResolution * frame.unit_m, SurfaceAdjacency::kLeastHeight * frame.unit_m);
   const bool fits = resolved && resolved->triangles.size() <= most_triangles;
   return fits ? ObjectGeometry(*resolved, frame, shading_crease_rad) : std::move(geometry);
+}
+
+ObjectGeometry ObjectGeometry::about(const Vec3& p) const {
+  ObjectGeometry other;
+  const Vec3 origin = on_grid(p);
+  other.vertices_.reserve(vertices_.size());
+  for (const Vec3& v : vertices_) other.vertices_.push_back(v - origin);
+  other.triangles_ = triangles_;
+  other.normals_ = normals_;
+  other.corner_normals_ = corner_normals_;
+  other.adjacency_ = adjacency_;
+  return other;
 }
 
 // In [2, 4) doubles are the multiples of 2^-51.

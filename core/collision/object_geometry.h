@@ -49,6 +49,9 @@ class ObjectGeometry {
   static ObjectGeometry make(const TriangleMesh& mesh, const LocalFrame& frame, std::size_t most_triangles,
                              std::optional<double> shading_crease_rad = std::nullopt);
 
+  // The same surface with its origin at p, in the same local units. Its tree is empty: for a tool, in which nothing is looked up.
+  ObjectGeometry about(const Vec3& p) const;
+
   std::uint32_t triangle_count() const { return static_cast<std::uint32_t>(triangles_.size()); }
   std::size_t bytes() const;
   const WideBvh& tree() const { return tree_; }
@@ -103,11 +106,13 @@ class ObjectGeometry {
   }
 
  private:
+  ObjectGeometry() = default;
+
   LargeVector<Vec3> vertices_;
   LargeVector<Triangle> triangles_;
   std::vector<Eigen::Vector3f> normals_;
   std::vector<Triangle> corner_normals_;  // indices into normals_, per corner
-  WideBvh tree_;
+  WideBvh tree_{std::span<const Box>{}};
   SurfaceAdjacency adjacency_;
 };
 

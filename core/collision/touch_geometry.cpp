@@ -22,15 +22,6 @@ Box bounds_of(const TriangleMesh& mesh) {
   return box;
 }
 
-LocalFrame frame_of(const Box& bounds) {
-  LocalFrame frame;
-  if (bounds.is_empty()) return frame;
-  frame.origin = bounds.centre();
-  const double diagonal = bounds.diagonal();
-  if (diagonal > 0.0) frame.unit_m = std::ldexp(1.0, std::ilogb(diagonal));
-  return frame;
-}
-
 std::size_t most_triangles_of(const std::vector<std::shared_ptr<const TriangleMesh>>& meshes) {
   std::size_t most = 1;
   for (const auto& mesh : meshes) most = std::max(most, mesh->triangles.size());
@@ -52,7 +43,32 @@ int bits_for_triangles(const std::vector<std::shared_ptr<const TriangleMesh>>& m
   return has_room ? bits + 1 : bits;
 }
 
+Box bounds_of(const ObjectGeometry& object) {
+  Box box;
+  for (const Vec3& v : object.vertices()) box.grow(v);
+  return box;
+}
+
+std::size_t most_triangles_of(const std::vector<std::shared_ptr<const ObjectGeometry>>& objects) {
+  std::size_t most = 1;
+  for (const auto& object : objects) most = std::max<std::size_t>(most, object->triangle_count());
+  return most;
+}
+
 }  // namespace
+
+LocalFrame TouchGeometry::frame_of(const Box& bounds) {
+  LocalFrame frame;
+  if (bounds.is_empty()) return frame;
+  frame.origin = bounds.centre();
+  const double diagonal = bounds.diagonal();
+  if (diagonal > 0.0) frame.unit_m = std::ldexp(1.0, std::ilogb(diagonal));
+  return frame;
+}
+
+std::size_t TouchGeometry::most_triangles(const std::vector<std::shared_ptr<const TriangleMesh>>& meshes) {
+  return (std::size_t{1} << bits_for_triangles(meshes)) - 1;
+}
 
 Result<void> TouchGeometry::check(const std::vector<std::shared_ptr<const TriangleMesh>>& meshes, const Box& part_of) {
   if (!part_of.is_empty() && !encloses(part_of, meshes)) {
@@ -110,6 +126,26 @@ TouchGeometry::TouchGeometry(std::vector<std::shared_ptr<const TriangleMesh>> me
   active_count_ = received_ = static_cast<std::uint32_t>(slots_.size());
   waiting_ = 0;
   mark_unwalkable_between_objects();
+}
+
+TouchGeometry::TouchGeometry(std::vector<std::shared_ptr<const ObjectGeometry>> objects, const LocalFrame& frame)
+    : frame_(frame),
+      units_per_m_(1.0 / frame.unit_m),
+      triangle_bits_(static_cast<int>(std::bit_width(most_triangles_of(objects)))),
+      triangle_mask_((1U << triangle_bits_) - 1U),
+      slots_(objects.size()),
+      finished_(objects.size()),
+      finished_count_(static_cast<std::uint32_t>(objects.size())),
+      received_(static_cast<std::uint32_t>(objects.size())),
+      active_count_(objects.size()) {
+  std::vector<Box> bounds;
+  for (std::uint32_t i = 0; i < slots_.size(); ++i) {
+    bounds.push_back(bounds_of(*objects[i]));
+    active_.push_back(objects[i].get());
+    slots_[i].shared = std::move(objects[i]);
+    finished_[i] = i;
+  }
+  hierarchy_ = ObjectHierarchy(bounds);
 }
 
 void TouchGeometry::mark_unwalkable_between_objects() {
@@ -243,13 +279,13 @@ bool TouchGeometry::build_wanted() {
 
 std::size_t TouchGeometry::triangle_count() const {
   std::size_t count = 0;
-  for (std::size_t i = 0, n = built_count(); i < n; ++i) count += slots_[finished_[i]].built->triangle_count();
+  for (std::size_t i = 0, n = built_count(); i < n; ++i) count += object_geometry(finished_[i]).triangle_count();
   return count;
 }
 
 std::size_t TouchGeometry::bytes() const {
   std::size_t bytes = hierarchy_.bytes() + approach_.bytes();
-  for (std::size_t i = 0, n = built_count(); i < n; ++i) bytes += slots_[finished_[i]].built->bytes();
+  for (std::size_t i = 0, n = built_count(); i < n; ++i) bytes += object_geometry(finished_[i]).bytes();
   return bytes;
 }
 

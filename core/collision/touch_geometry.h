@@ -32,9 +32,16 @@ class TouchGeometry {
   explicit TouchGeometry(std::vector<std::shared_ptr<const TriangleMesh>> meshes, BuildPolicy policy = BuildPolicy::at_once,
                          std::optional<double> shading_crease_rad = std::nullopt, const Box& part_of = {});
   explicit TouchGeometry(const std::vector<const TriangleMesh*>& meshes);  // built at once; the meshes need not outlive this
+  // Of objects that were built in that frame, and may be shared. Triangles near another object stay walkable, so this is for contact
+  // between meshes only. Pre: check() holds for their meshes, and none has more than most_triangles() of these.
+  TouchGeometry(std::vector<std::shared_ptr<const ObjectGeometry>> objects, const LocalFrame& frame);
 
   // Error: too many objects and triangles for their numbers; a mesh outside part_of, or one that is not finite.
   static Result<void> check(const std::vector<std::shared_ptr<const TriangleMesh>>& meshes, const Box& part_of = {});
+  // The local frame of a scene with that bounding box.
+  static LocalFrame frame_of(const Box& bounds);
+  // That each object of a scene of these meshes may have, once its cracks are sealed (ObjectGeometry::make).
+  static std::size_t most_triangles(const std::vector<std::shared_ptr<const TriangleMesh>>& meshes);
 
   const LocalFrame& frame() const { return frame_; }
   const Vec3& origin() const { return frame_.origin; }
@@ -54,7 +61,9 @@ class TouchGeometry {
   std::uint32_t mesh_of(std::uint32_t id) const { return id >> triangle_bits_; }
   std::uint32_t triangle_of(std::uint32_t id) const { return id & triangle_mask_; }  // its index in the object
   // An object's own structures. Pre: it is built.
-  const ObjectGeometry& object_geometry(std::uint32_t mesh) const { return *slots_[mesh].built; }
+  const ObjectGeometry& object_geometry(std::uint32_t mesh) const {
+    return slots_[mesh].shared ? *slots_[mesh].shared : *slots_[mesh].built;
+  }
   // With BuildPolicy::to_deform: the object, and the number there of each of its mesh's vertices. Nothing else may use this meanwhile.
   ObjectGeometry& deforming_object() { return *slots_[0].built; }
   const std::vector<std::uint32_t>& new_vertex() const { return new_vertex_; }
@@ -117,11 +126,12 @@ class TouchGeometry {
 
  private:
   struct Slot {
-    std::shared_ptr<const TriangleMesh> mesh;  // owned by the builder, once requested
-    std::unique_ptr<ObjectGeometry> built;     // written by the builder, before the object counts as finished
-    double size = 0.0;                         // the diagonal of its bounds
-    bool requested = false;                    // RT side only, like the next
-    std::uint64_t placed_in = 0;               // the last placement that its bounds enclosed
+    std::shared_ptr<const TriangleMesh> mesh;      // owned by the builder, once requested
+    std::unique_ptr<ObjectGeometry> built;         // written by the builder, before the object counts as finished
+    std::shared_ptr<const ObjectGeometry> shared;  // in its place, if it was built elsewhere
+    double size = 0.0;                             // the diagonal of its bounds
+    bool requested = false;                        // RT side only, like the next
+    std::uint64_t placed_in = 0;                   // the last placement that its bounds enclosed
   };
 
   void mark_unwalkable_between_objects();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/math/rounded_to_float.h"
 #include "core/math/types.h"
 
 namespace hapton {
@@ -12,14 +13,6 @@ struct Carve {
 
   friend bool operator==(const Carve& a, const Carve& b) { return a.from_m == b.from_m && a.to_m == b.to_m && a.radius_m == b.radius_m; }
 };
-
-// x rounded to single precision, as messages carry it. The empty assembly statement keeps the compiler from removing the two conversions:
-// GCC 12 at -O3 does so in the remainder of a vectorised loop (decision 160). RT: yes.
-inline double rounded_to_float(double x) noexcept {
-  auto f = static_cast<float>(x);
-  asm("" : "+m"(f));
-  return static_cast<double>(f);
-}
 
 // The carve with all numbers rounded to single precision. CarvedField::carve does this first, so that two processes with the same list of
 // carves have the same field to the last bit. RT: yes.

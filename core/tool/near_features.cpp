@@ -11,18 +11,6 @@ namespace {
 
 using Kind = FeaturePair::Kind;
 
-std::vector<SurfaceFeatures> features_of(const TouchGeometry& scene) {
-  std::vector<SurfaceFeatures> features;
-  for (std::uint32_t o = 0; o < scene.object_count(); ++o) features.emplace_back(scene.object_geometry(o));
-  return features;
-}
-
-double radius_of(const ObjectGeometry& tool) {
-  double squared = 0.0;
-  for (const Vec3& v : tool.vertices()) squared = std::max(squared, v.squaredNorm());
-  return std::sqrt(squared) * (1.0 + 0x1p-50);
-}
-
 int edge_number(TriangleFeature feature) { return static_cast<int>(feature) - static_cast<int>(TriangleFeature::edge0); }
 int vertex_number(TriangleFeature feature) { return static_cast<int>(feature) - static_cast<int>(TriangleFeature::vertex0); }
 
@@ -41,25 +29,22 @@ bool is_top_of(const SurfaceFeatures& surface, std::uint32_t t, TriangleFeature 
 
 }  // namespace
 
-NearFeatures::ToolSurface::ToolSurface(const ObjectGeometry& tool) : features(tool), tree(tool), radius(radius_of(tool)) {}
-
 NearFeatures::NearFeatures(const ObjectGeometry& tool, const TouchGeometry& scene, WorkerTeam& team)
-    : NearFeatures(tool, std::make_shared<const ToolSurface>(tool), scene, team) {}
+    : NearFeatures(tool, std::make_shared<const ToolSurface>(tool), scene, std::make_shared<const SceneSurface>(scene), team) {}
 
 NearFeatures::NearFeatures(const NearFeatures& other, const TouchGeometry& scene, WorkerTeam& team)
-    : NearFeatures(*other.tool_, other.surface_, scene, team) {}
+    : NearFeatures(*other.tool_, other.tool_surface_, scene, std::make_shared<const SceneSurface>(scene), team) {}
 
-NearFeatures::NearFeatures(const ObjectGeometry& tool, std::shared_ptr<const ToolSurface> surface, const TouchGeometry& scene,
-                           WorkerTeam& team)
+NearFeatures::NearFeatures(const ObjectGeometry& tool, std::shared_ptr<const ToolSurface> tool_surface, const TouchGeometry& scene,
+                           std::shared_ptr<const SceneSurface> scene_surface, WorkerTeam& team)
     : tool_(&tool),
       scene_(&scene),
-      surface_(std::move(surface)),
-      tool_features_(surface_->features),
-      scene_features_(features_of(scene)),
-      scene_tree_(scene),
+      tool_surface_(std::move(tool_surface)),
+      scene_surface_(std::move(scene_surface)),
+      tool_features_(*tool_surface_->features),
       pairs_(tool, scene, kMostTrianglePairs),
-      radius_(surface_->radius),
-      front_(surface_->tree, scene_tree_, radius_, team),
+      radius_(tool_surface_->radius),
+      front_(tool_surface_->tree, scene_surface_->tree, radius_, team),
       features_(kMostFeatures),
       known_(kMostFeatures),
       workers_(static_cast<std::size_t>(team.size())) {
@@ -192,7 +177,7 @@ double NearFeatures::find_plane_gap(const SweptTriangle& tool, const PlacedTrian
 
 void NearFeatures::add_vertices(FeaturePair& pair, Visit& visit) const noexcept {
   const SweptTriangle& tool = visit.tool;
-  const SurfaceFeatures& scene_features = scene_features_[scene_->mesh_of(pair.scene_triangle)];
+  const SurfaceFeatures& scene_features = features_at(pair.scene_triangle);
   const std::uint32_t scene_triangle = scene_->triangle_of(pair.scene_triangle);
   const ObjectGeometry::Corners t = tool_->corners(pair.tool_triangle);
   const std::array<Vec3, 3> own = {t.a, t.b, t.c};
@@ -219,7 +204,7 @@ void NearFeatures::add_vertices(FeaturePair& pair, Visit& visit) const noexcept 
 void NearFeatures::add_edges(FeaturePair& pair, Visit& visit) const noexcept {
   const SweptTriangle& tool = visit.tool;
   const PlacedTriangle& scene = visit.scene;
-  const SurfaceFeatures& scene_features = scene_features_[scene_->mesh_of(pair.scene_triangle)];
+  const SurfaceFeatures& scene_features = features_at(pair.scene_triangle);
   const std::uint32_t scene_triangle = scene_->triangle_of(pair.scene_triangle);
   const ObjectGeometry::Corners t = tool_->corners(pair.tool_triangle);
   const std::array<Vec3, 3> own = {t.a, t.b, t.c};
@@ -271,7 +256,7 @@ bool NearFeatures::add_if_near(const FeaturePair& pair, Visit& visit) const noex
 
 // A minimum between a vertex and a vertex or an edge is found as vertex_face, one between an edge and a vertex as face_vertex.
 bool NearFeatures::is_minimum(const FeaturePair& pair, const FeatureGap& gap) const noexcept {
-  const SurfaceFeatures& scene = scene_features_[scene_->mesh_of(pair.scene_triangle)];
+  const SurfaceFeatures& scene = features_at(pair.scene_triangle);
   const std::uint32_t scene_triangle = scene_->triangle_of(pair.scene_triangle);
   const Vec3 to_tool = gap.normal;                                           // outward from the scene, its frame
   const Vec3 to_scene = -(placement_.orientation.conjugate() * gap.normal);  // outward from the tool, its axes

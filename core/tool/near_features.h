@@ -9,11 +9,11 @@
 #include <span>
 #include <vector>
 
+#include "core/tool/contact_surface.h"
 #include "core/tool/feature_pair.h"
 #include "core/tool/feature_set.h"
 #include "core/tool/near_pairs.h"
 #include "core/tool/patch_front.h"
-#include "core/tool/surface_features.h"
 
 namespace hapton {
 
@@ -38,6 +38,9 @@ class NearFeatures {
   static constexpr std::size_t kMostFeatures = 1U << 14;
 
   NearFeatures(const ObjectGeometry& tool, const TouchGeometry& scene, WorkerTeam& team = calling_thread());
+  // What is made of the tool alone, and of the scene alone, was made before. Pre: of these two.
+  NearFeatures(const ObjectGeometry& tool, std::shared_ptr<const ToolSurface> tool_surface, const TouchGeometry& scene,
+               std::shared_ptr<const SceneSurface> scene_surface, WorkerTeam& team = calling_thread());
   // Of the same tool and another scene; what is made of the tool alone is shared.
   NearFeatures(const NearFeatures& other, const TouchGeometry& scene, WorkerTeam& team = calling_thread());
   NearFeatures(const NearFeatures&) = delete;  // front_ points to the trees
@@ -65,15 +68,6 @@ class NearFeatures {
 
  private:
   static constexpr std::size_t kSwept = 128;
-
-  // What is made of the tool alone.
-  struct ToolSurface {
-    explicit ToolSurface(const ObjectGeometry& tool);
-
-    SurfaceFeatures features;
-    PatchTree tree;
-    double radius;
-  };
 
   // A triangle in the scene's frame.
   struct PlacedTriangle {
@@ -124,8 +118,6 @@ class NearFeatures {
     double rest_squared = std::numeric_limits<double>::infinity();
   };
 
-  NearFeatures(const ObjectGeometry& tool, std::shared_ptr<const ToolSurface> surface, const TouchGeometry& scene, WorkerTeam& team);
-
   const SweptTriangle& swept(Worker& worker, std::uint32_t triangle, const SweptMotion& motion, double distance) const noexcept;
   // How far apart the triangles are at least; `apart` if a plane of either, held fixed, separates them over the motion.
   static double find_plane_gap(const SweptTriangle& tool, const PlacedTriangle& scene, bool& apart) noexcept;
@@ -135,14 +127,16 @@ class NearFeatures {
   void add(const FeaturePair& pair, double distance_squared, Visit& visit) const noexcept;
   bool add_if_near(const FeaturePair& pair, Visit& visit) const noexcept;  // false: it was not added
   bool is_minimum(const FeaturePair& pair, const FeatureGap& gap) const noexcept;
+  const SurfaceFeatures& features_at(std::uint32_t scene_triangle) const noexcept {
+    return *scene_surface_->features[scene_->mesh_of(scene_triangle)];
+  }
   bool take_over() noexcept;  // what the workers have found. False: there are more than fit
 
   const ObjectGeometry* tool_;
   const TouchGeometry* scene_;
-  std::shared_ptr<const ToolSurface> surface_;
-  const SurfaceFeatures& tool_features_;         // of surface_
-  std::vector<SurfaceFeatures> scene_features_;  // by object
-  PatchTree scene_tree_;
+  std::shared_ptr<const ToolSurface> tool_surface_;
+  std::shared_ptr<const SceneSurface> scene_surface_;
+  const SurfaceFeatures& tool_features_;  // of tool_surface_
   NearPairs pairs_;
   double radius_ = 0.0;
   PatchFront front_;

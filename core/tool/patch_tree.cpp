@@ -8,6 +8,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "core/geometry/triangle_distance.h"
+#include "core/math/rounded_to_float.h"
 
 namespace hapton {
 namespace {
@@ -93,13 +94,14 @@ struct PatchAxes {
   }
 };
 
+float to_float(double x) { return static_cast<float>(rounded_to_float(x)); }
 float rounded_up(double x) { return std::nextafter(static_cast<float>(x * (1.0 + 0x1p-40)), std::numeric_limits<float>::infinity()); }
 
 PatchTree::Node box_around(const PatchPiece& piece, const Mat3& axes) {
   PatchTree::Node node;
   Mat3 stored;
   for (int i = 0; i < 3; ++i) {
-    for (int k = 0; k < 3; ++k) stored(k, i) = node.axes[k][i] = static_cast<float>(axes(k, i));
+    for (int k = 0; k < 3; ++k) stored(k, i) = node.axes[k][i] = to_float(axes(k, i));
   }
   // Coordinates along the rounded axes, and those of the rounded centre.
   const Mat3 inverse = stored.inverse();
@@ -117,7 +119,7 @@ PatchTree::Node box_around(const PatchPiece& piece, const Mat3& axes) {
   const Vec3 low(least[0], least[1], least[2]);
   const Vec3 high(most[0], most[1], most[2]);
   const Vec3 centre = stored * (0.5 * (low + high));
-  for (int i = 0; i < 3; ++i) node.centre[i] = static_cast<float>(centre[i]);
+  for (int i = 0; i < 3; ++i) node.centre[i] = to_float(centre[i]);
   const Vec3 at = inverse * node.at();
   const double rounding = 0x1p-48 * (1.0 + low.cwiseAbs().maxCoeff() + high.cwiseAbs().maxCoeff());
   for (int i = 0; i < 3; ++i) node.half[i] = rounded_up(std::max(high[i] - at[i], at[i] - low[i]) + rounding);
@@ -141,7 +143,7 @@ class PatchBuilder {
  public:
   std::vector<PatchItem> items;
   std::vector<std::uint32_t> numbers;  // of the items, leaf by leaf
-  std::vector<PatchTree::Node> nodes;
+  LargeVector<PatchTree::Node> nodes;
 
   void run() {
     if (items.empty()) return;
@@ -241,6 +243,99 @@ class PatchBuilder {
   std::vector<PatchKey> best_keys_;
 };
 
+// Puts the trees of objects under one root.
+class PatchJoiner {
+ public:
+  LargeVector<PatchTree::Node> nodes;
+  std::vector<std::uint32_t> triangles;
+
+  PatchJoiner(std::span<const PatchTree* const> trees, const TouchGeometry& scene) {
+    const std::uint32_t step = object_step(scene);
+    std::size_t node_count = 0;
+    for (std::uint32_t o = 0; o < trees.size(); ++o) {
+      if (trees[o]->nodes().empty()) continue;
+      objects_.push_back({trees[o], o * step, bounds_of(scene.object_geometry(o))});
+      node_count += trees[o]->nodes().size() + 1;
+    }
+    if (objects_.empty()) return;
+    nodes.reserve(node_count);
+    nodes.resize(1);
+    build(0, objects_);
+  }
+
+  // Between the numbers of an object's triangles and those of the next.
+  static std::uint32_t object_step(const TouchGeometry& scene) { return scene.object_bits() & (~scene.object_bits() + 1U); }
+
+ private:
+  struct Object {
+    const PatchTree* tree;
+    std::uint32_t first_id;
+    Box bounds;
+  };
+
+  static Box bounds_of(const ObjectGeometry& object) {
+    Box box;
+    for (const Vec3& v : object.vertices()) box.grow(v);
+    return box;
+  }
+
+  void build(std::uint32_t at, std::span<Object> objects) {
+    if (objects.size() == 1) {
+      put(at, objects[0]);
+      return;
+    }
+    Box bounds;
+    for (const Object& object : objects) bounds.grow(object.bounds);
+    PatchTree::Node node = box_along(bounds);
+    int longest = 0;
+    (bounds.high - bounds.low).maxCoeff(&longest);
+    const std::size_t half = objects.size() / 2;
+    std::nth_element(objects.begin(), objects.begin() + static_cast<std::ptrdiff_t>(half), objects.end(),
+                     [longest](const Object& a, const Object& b) {
+                       const double centre_a = a.bounds.centre()[longest];
+                       const double centre_b = b.bounds.centre()[longest];
+                       return centre_a != centre_b ? centre_a < centre_b : a.first_id < b.first_id;
+                     });
+    node.link = static_cast<std::uint32_t>(nodes.size());
+    nodes[at] = node;
+    nodes.resize(nodes.size() + 2);
+    build(node.link, objects.first(half));
+    build(node.link + 1, objects.subspan(half));
+  }
+
+  // The coordinate axes, from the shortest extent to the longest.
+  static PatchTree::Node box_along(const Box& bounds) {
+    const Vec3 size = bounds.high - bounds.low;
+    std::array<int, 3> order = {0, 1, 2};
+    std::sort(order.begin(), order.end(), [&](int a, int b) { return size[a] < size[b]; });
+    PatchTree::Node node = {};
+    for (int k = 0; k < 3; ++k) node.centre[k] = to_float(bounds.centre()[k]);
+    for (int i = 0; i < 3; ++i) {
+      const int k = order[i];
+      node.axes[k][i] = 1.0F;
+      node.half[i] = rounded_up(std::max(bounds.high[k] - node.at()[k], node.at()[k] - bounds.low[k]));
+    }
+    return node;
+  }
+
+  // The root goes to its place, all others behind what is there.
+  void put(std::uint32_t at, const Object& object) {
+    const auto shift = static_cast<std::uint32_t>(nodes.size() - 1);
+    const auto first_leaf = static_cast<std::uint32_t>(triangles.size());
+    const auto placed = [&](const PatchTree::Node& node) {
+      PatchTree::Node other = node;
+      other.link = node.is_leaf() ? ~(~node.link + first_leaf) : node.link + shift;
+      return other;
+    };
+    const std::span<const PatchTree::Node> own = object.tree->nodes();
+    nodes[at] = placed(own[0]);
+    for (const PatchTree::Node& node : own.subspan(1)) nodes.push_back(placed(node));
+    for (const std::uint32_t id : object.tree->triangles()) triangles.push_back(object.first_id | id);
+  }
+
+  std::vector<Object> objects_;
+};
+
 void add_surface(const ObjectGeometry& surface, std::uint32_t first_id, std::vector<PatchItem>& items) {
   for (std::uint32_t t = 0; t < surface.triangle_count(); ++t) {
     items.emplace_back(surface, t, first_id);
@@ -259,11 +354,29 @@ PatchTree::PatchTree(const ObjectGeometry& surface) {
 
 PatchTree::PatchTree(const TouchGeometry& scene) {
   PatchBuilder builder;
-  const std::uint32_t step = scene.object_bits() & (~scene.object_bits() + 1U);
+  const std::uint32_t step = PatchJoiner::object_step(scene);
   for (std::uint32_t o = 0; o < scene.object_count(); ++o) add_surface(scene.object_geometry(o), o * step, builder.items);
   builder.run();
   nodes_ = std::move(builder.nodes);
   for (const std::uint32_t number : builder.numbers) triangles_.push_back(builder.items[number].id);
+}
+
+PatchTree::PatchTree(std::span<const PatchTree* const> objects, const TouchGeometry& scene) {
+  PatchJoiner joiner(objects, scene);
+  nodes_ = std::move(joiner.nodes);
+  triangles_ = std::move(joiner.triangles);
+}
+
+PatchTree PatchTree::about(const Vec3& p) const {
+  PatchTree moved(*this);
+  for (Node& node : moved.nodes_) {
+    const Vec3 centre = node.at() - p;
+    for (int i = 0; i < 3; ++i) node.centre[i] = to_float(centre[i]);
+    // The axes are orthonormal to 2^-20.
+    const double rounding = (node.at() - centre).norm() * (1.0 + 0x1p-16) + 0x1p-48 * (1.0 + centre.cwiseAbs().maxCoeff());
+    for (float& half : node.half) half = rounded_up(half + rounding);
+  }
+  return moved;
 }
 
 }  // namespace hapton

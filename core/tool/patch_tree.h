@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/large_vector.h"
 #include "core/collision/touch_geometry.h"
 
 namespace hapton {
@@ -35,14 +36,24 @@ class PatchTree {
   explicit PatchTree(const ObjectGeometry& surface);
   // Of all objects; triangles have TouchGeometry's numbers. Pre: the scene is built.
   explicit PatchTree(const TouchGeometry& scene);
+  // The same, from the trees of the objects, above which boxes along the coordinate axes are put. Pre: as many trees as objects.
+  PatchTree(std::span<const PatchTree* const> objects, const TouchGeometry& scene);
+
+  // That of the same surface with its origin at p. Boxes are larger by the rounding of their centres.
+  PatchTree about(const Vec3& p) const;
+  std::size_t bytes() const { return nodes_.capacity() * sizeof(Node) + triangles_.capacity() * sizeof(std::uint32_t); }
 
   // Node 0 is the root. None if there are no triangles.
   std::span<const Node> nodes() const { return nodes_; }
   // Pre: the node is a leaf.
   std::uint32_t triangle(const Node& leaf) const { return triangles_[~leaf.link]; }
+  // Leaf by leaf.
+  std::span<const std::uint32_t> triangles() const { return triangles_; }
 
  private:
-  std::vector<Node> nodes_;
+  PatchTree() = default;
+
+  LargeVector<Node> nodes_;
   std::vector<std::uint32_t> triangles_;
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "core/tool/local_contacts.h"
@@ -15,6 +16,9 @@ class ScenePart {
  public:
   // friction: by object; empty: none. Pre: the scene, all of whose objects are the part's, outlives this.
   ScenePart(const ObjectGeometry& tool, const TouchGeometry& scene, std::vector<SurfaceFriction> friction, WorkerTeam& team);
+  // The same, of what was made of each of them before.
+  ScenePart(const ObjectGeometry& tool, std::shared_ptr<const ToolSurface> tool_surface, const TouchGeometry& scene,
+            std::shared_ptr<const SceneSurface> scene_surface, std::vector<SurfaceFriction> friction, WorkerTeam& team);
   // Another part of the same scene, which moves, and is at rest where it was built.
   ScenePart(const ScenePart& first, const TouchGeometry& scene, std::vector<SurfaceFriction> friction, WorkerTeam& team);
 

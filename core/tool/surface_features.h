@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -20,6 +21,8 @@ class SurfaceFeatures {
   const ObjectGeometry& surface() const { return *surface_; }
   bool owns_vertex(std::uint32_t t, int k) const { return (owned_[t] >> k & 1U) != 0; }
   bool owns_edge(std::uint32_t t, int k) const { return (owned_[t] >> (3 + k) & 1U) != 0; }
+
+  std::size_t bytes() const { return owned_.capacity() + (first_.capacity() + ring_.capacity()) * sizeof(std::uint32_t); }
 
   // The vertices that share a triangle with v, some of them twice.
   std::span<const std::uint32_t> ring(std::uint32_t v) const { return std::span(ring_).subspan(first_[v], first_[v + 1] - first_[v]); }

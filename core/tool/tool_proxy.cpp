@@ -29,16 +29,25 @@ constexpr double kGrowth = 4.0;  // of the reach, where it has ended a round
 
 }  // namespace
 
-ToolProxy::ToolProxy(const ObjectGeometry& tool, const TouchGeometry& scene, double turn_length, std::vector<SurfaceFriction> friction,
-                     WorkerTeam& team)
+ToolProxy::ToolProxy(std::unique_ptr<ScenePart> scene, double turn_length, WorkerTeam& team)
     : turn_length_(turn_length),
       team_(&team),
       bounds_(NearFeatures::kMostFeatures),
       bound_pairs_(NearFeatures::kMostFeatures),
       yields_(NearFeatures::kMostFeatures),
       known_(1) {
-  parts_.push_back(std::make_unique<ScenePart>(tool, scene, std::move(friction), team));
+  parts_.push_back(std::move(scene));
 }
+
+ToolProxy::ToolProxy(const ObjectGeometry& tool, const TouchGeometry& scene, double turn_length, std::vector<SurfaceFriction> friction,
+                     WorkerTeam& team)
+    : ToolProxy(std::make_unique<ScenePart>(tool, scene, std::move(friction), team), turn_length, team) {}
+
+ToolProxy::ToolProxy(const ObjectGeometry& tool, std::shared_ptr<const ToolSurface> tool_surface, const TouchGeometry& scene,
+                     std::shared_ptr<const SceneSurface> scene_surface, double turn_length, std::vector<SurfaceFriction> friction,
+                     WorkerTeam& team)
+    : ToolProxy(std::make_unique<ScenePart>(tool, std::move(tool_surface), scene, std::move(scene_surface), std::move(friction), team),
+                turn_length, team) {}
 
 void ToolProxy::add_part(const TouchGeometry& scene, std::vector<SurfaceFriction> friction) {
   parts_.push_back(std::make_unique<ScenePart>(*parts_[0], scene, std::move(friction), *team_));

@@ -69,6 +69,9 @@ class ToolProxy {
   // bit with any number of workers.
   ToolProxy(const ObjectGeometry& tool, const TouchGeometry& scene, double turn_length, std::vector<SurfaceFriction> friction = {},
             WorkerTeam& team = calling_thread());
+  // The same, of what was made of tool and scene before.
+  ToolProxy(const ObjectGeometry& tool, std::shared_ptr<const ToolSurface> tool_surface, const TouchGeometry& scene,
+            std::shared_ptr<const SceneSurface> scene_surface, double turn_length, std::vector<SurfaceFriction> friction, WorkerTeam& team);
   // Another part of the scene, in the same local frame, which moves. Before the first step. RT: set-up only. Pre: the scene is built at
   // once and outlives this.
   void add_part(const TouchGeometry& scene, std::vector<SurfaceFriction> friction = {});
@@ -96,6 +99,8 @@ class ToolProxy {
   std::span<const ToolContact> contacts() const { return {contacts_.data(), static_cast<std::size_t>(contact_count_)}; }
 
  private:
+  ToolProxy(std::unique_ptr<ScenePart> scene, double turn_length, WorkerTeam& team);
+
   using Parts = std::vector<std::unique_ptr<ScenePart>>;
 
   struct BoundPair {

@@ -10,24 +10,9 @@
 namespace hapton {
 namespace {
 
-// Two thirds of the mean squared distance of the surface from the grip point: the mean squared lever about an axis through it.
-double mean_squared_lever(const TriangleMesh& tool) {
-  double area = 0.0;
-  double sum = 0.0;
-  for (std::size_t t = 0; t < tool.triangles.size(); ++t) {
-    const Vec3& a = tool.corner(t, 0);
-    const Vec3& b = tool.corner(t, 1);
-    const Vec3& c = tool.corner(t, 2);
-    const double twice = (b - a).cross(c - a).norm();
-    area += twice;
-    sum += twice * (a.squaredNorm() + b.squaredNorm() + c.squaredNorm() + (a + b + c).squaredNorm()) / 12.0;
-  }
-  return area > 0.0 ? sum / area * 2.0 / 3.0 : 0.0;
-}
-
-ToolCoupling completed(const TriangleMesh& tool, ToolCoupling coupling) {
+ToolCoupling completed(ToolCoupling coupling, double mean_squared_lever) {
   if (!(coupling.rotational_stiffness_nm_per_rad > 0.0)) {
-    coupling.rotational_stiffness_nm_per_rad = coupling.stiffness_n_per_m * mean_squared_lever(tool);
+    coupling.rotational_stiffness_nm_per_rad = coupling.stiffness_n_per_m * mean_squared_lever;
   }
   return coupling;
 }
@@ -36,15 +21,7 @@ double turn_length_m(const ToolCoupling& coupling) {
   return std::sqrt(coupling.rotational_stiffness_nm_per_rad / coupling.stiffness_n_per_m);
 }
 
-}  // namespace
-
-Result<std::unique_ptr<ToolStep>> ToolStep::make(const TriangleMesh& tool, std::vector<std::shared_ptr<const TriangleMesh>> scene,
-                                                 const ToolCoupling& coupling, std::vector<SurfaceFriction> friction,
-                                                 std::unique_ptr<WorkerTeam> team, const std::vector<int>& parts) {
-  if (tool.triangles.empty()) return fail("the tool has no triangles");
-  std::size_t triangles = 0;
-  for (const auto& mesh : scene) triangles += mesh->triangles.size();
-  if (triangles == 0) return fail("the scene has no triangles");
+Result<void> check(const ToolCoupling& coupling, const std::vector<SurfaceFriction>& friction) {
   if (!(coupling.stiffness_n_per_m > 0.0) || !std::isfinite(coupling.stiffness_n_per_m)) {
     return fail("the tool's stiffness is {} N/m; give a positive one", coupling.stiffness_n_per_m);
   }
@@ -58,6 +35,42 @@ Result<std::unique_ptr<ToolStep>> ToolStep::make(const TriangleMesh& tool, std::
                   one.friction_static, one.friction_dynamic);
     }
   }
+  return {};
+}
+
+std::vector<std::shared_ptr<const ObjectGeometry>> geometries_of(const std::vector<std::shared_ptr<const ContactSurface>>& objects) {
+  std::vector<std::shared_ptr<const ObjectGeometry>> geometries;
+  for (const auto& object : objects) geometries.emplace_back(object, &object->geometry());
+  return geometries;
+}
+
+constexpr char kNoToolTriangles[] = "the tool has no triangles";
+constexpr char kNoSceneTriangles[] = "the scene has no triangles";
+
+}  // namespace
+
+double find_mean_squared_lever(const TriangleMesh& tool, const Vec3& grip) {
+  double area = 0.0;
+  double sum = 0.0;
+  for (std::size_t t = 0; t < tool.triangles.size(); ++t) {
+    const Vec3 a = tool.corner(t, 0) - grip;
+    const Vec3 b = tool.corner(t, 1) - grip;
+    const Vec3 c = tool.corner(t, 2) - grip;
+    const double twice = (b - a).cross(c - a).norm();
+    area += twice;
+    sum += twice * (a.squaredNorm() + b.squaredNorm() + c.squaredNorm() + (a + b + c).squaredNorm()) / 12.0;
+  }
+  return area > 0.0 ? sum / area * 2.0 / 3.0 : 0.0;
+}
+
+Result<std::unique_ptr<ToolStep>> ToolStep::make(const TriangleMesh& tool, std::vector<std::shared_ptr<const TriangleMesh>> scene,
+                                                 const ToolCoupling& coupling, std::vector<SurfaceFriction> friction,
+                                                 std::unique_ptr<WorkerTeam> team, const std::vector<int>& parts) {
+  if (tool.triangles.empty()) return fail(kNoToolTriangles);
+  std::size_t triangles = 0;
+  for (const auto& mesh : scene) triangles += mesh->triangles.size();
+  if (triangles == 0) return fail(kNoSceneTriangles);
+  if (const auto usable = check(coupling, friction); !usable) return tl::unexpected(usable.error());
   if (const auto numbered = TouchGeometry::check(scene); !numbered) return tl::unexpected(numbered.error());
   const int moving = parts.empty() ? 0 : *std::max_element(parts.begin(), parts.end());
   if (moving > kMostParts) {
@@ -74,7 +87,21 @@ Result<std::unique_ptr<ToolStep>> ToolStep::make(const TriangleMesh& tool, std::
     part.meshes.push_back(std::move(scene[o]));
     part.friction.push_back(o < friction.size() ? friction[o] : SurfaceFriction());
   }
-  std::unique_ptr<ToolStep> step(new ToolStep(tool, std::move(objects), box, completed(tool, coupling), std::move(team)));
+  const ToolCoupling whole = completed(coupling, find_mean_squared_lever(tool));
+  return checked(std::unique_ptr<ToolStep>(new ToolStep(tool, std::move(objects), box, whole, std::move(team))));
+}
+
+Result<std::unique_ptr<ToolStep>> ToolStep::make(const PreparedTool& prepared, const ToolCoupling& coupling,
+                                                 std::vector<SurfaceFriction> friction, std::unique_ptr<WorkerTeam> team) {
+  if (prepared.tool->geometry().triangle_count() == 0) return fail(kNoToolTriangles);
+  const auto has_triangles = [](const auto& object) { return object->geometry().triangle_count() > 0; };
+  if (!std::any_of(prepared.scene.begin(), prepared.scene.end(), has_triangles)) return fail(kNoSceneTriangles);
+  if (const auto usable = check(coupling, friction); !usable) return tl::unexpected(usable.error());
+  const ToolCoupling whole = completed(coupling, prepared.mean_squared_lever);
+  return checked(std::unique_ptr<ToolStep>(new ToolStep(prepared, whole, std::move(friction), std::move(team))));
+}
+
+Result<std::unique_ptr<ToolStep>> ToolStep::checked(std::unique_ptr<ToolStep> step) {
   constexpr double kMostSizes = 1e6;
   const double size = step->proxy_.radius();
   const double turn_length = turn_length_m(step->coupling_) / step->scene_.unit_m();
@@ -100,6 +127,18 @@ ToolStep::ToolStep(const TriangleMesh& tool, std::vector<Objects> parts, const B
   parts_.resize(moving_.size());
 }
 
+ToolStep::ToolStep(const PreparedTool& prepared, const ToolCoupling& coupling, std::vector<SurfaceFriction> friction,
+                   std::unique_ptr<WorkerTeam> team)
+    : team_(std::move(team)),
+      coupling_(coupling),
+      has_friction_(std::ranges::any_of(friction, [](const SurfaceFriction& one) { return one.friction_static > 0.0; })),
+      q_DT_(prepared.q_DT),
+      scene_(geometries_of(prepared.scene), prepared.frame),
+      tool_(prepared.tool->geometry().about(prepared.grip)),
+      proxy_(tool_, std::make_shared<const ToolSurface>(prepared.tool, prepared.grip, tool_), scene_,
+             std::make_shared<const SceneSurface>(prepared.scene, scene_), turn_length_m(coupling_) / scene_.unit_m(), std::move(friction),
+             team_ ? *team_ : calling_thread()) {}
+
 void ToolStep::to_local(std::span<const Pose> X_SO, std::span<Placement> parts) const noexcept {
   for (std::size_t p = 0; p < std::min(X_SO.size(), parts.size()); ++p) {
     if (!X_SO[p].matrix().allFinite()) continue;
@@ -109,7 +148,8 @@ void ToolStep::to_local(std::span<const Pose> X_SO, std::span<Placement> parts) 
 
 Placement ToolStep::to_local(const ToolInput& input) const noexcept {
   const Pose X_SD = input.X_WS.inverse(Eigen::Isometry) * input.X_WD;
-  return {scene_.to_local(X_SD.translation()), Quat(X_SD.linear()).normalized()};
+  const Quat q_SD = Quat(X_SD.linear()).normalized();
+  return {scene_.to_local(X_SD.translation()), q_DT_ ? (q_SD * *q_DT_).normalized() : q_SD};
 }
 
 void ToolStep::reset(const ToolInput& input) noexcept {

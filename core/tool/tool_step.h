@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -34,6 +35,19 @@ struct ToolOutput {
   ToolProxyStep proxy;
 };
 
+// A tool and the scene that it touches, prepared before (prepared_objects.h).
+struct PreparedTool {
+  std::shared_ptr<const ContactSurface> tool;
+  Vec3 grip = Vec3::Zero();         // the grip point, local units
+  Quat q_DT = Quat::Identity();     // of the tool's axes, which are those of the scene, in the stylus
+  double mean_squared_lever = 0.0;  // m^2, see ToolCoupling
+  std::vector<std::shared_ptr<const ContactSurface>> scene;
+  LocalFrame frame;  // of tool and scene
+};
+
+// Two thirds of the mean squared distance of the surface from the grip point: the mean squared lever about an axis through it. m^2.
+double find_mean_squared_lever(const TriangleMesh& tool, const Vec3& grip = Vec3::Zero());
+
 // One haptic step of a rigid tool, shared by the live node, replay, tests and benches: the 6-DOF counterpart of TouchStep.
 //   force  = stiffness * (p_WP - p_WD)
 //   torque = rotational_stiffness * rotation vector from device to proxy
@@ -49,6 +63,10 @@ class ToolStep {
   static Result<std::unique_ptr<ToolStep>> make(const TriangleMesh& tool, std::vector<std::shared_ptr<const TriangleMesh>> scene,
                                                 const ToolCoupling& coupling, std::vector<SurfaceFriction> friction = {},
                                                 std::unique_ptr<WorkerTeam> team = nullptr, const std::vector<int>& parts = {});
+
+  // Of what was prepared before; all of it stands still. friction: as above.
+  static Result<std::unique_ptr<ToolStep>> make(const PreparedTool& prepared, const ToolCoupling& coupling,
+                                                std::vector<SurfaceFriction> friction = {}, std::unique_ptr<WorkerTeam> team = nullptr);
 
   // A part without a pose in the input, or with one that is not finite, stays where it was.
   ToolOutput step(const ToolInput& input) noexcept;
@@ -81,11 +99,15 @@ class ToolStep {
   // The first stand still. box: of all; empty: none of them moves.
   ToolStep(const TriangleMesh& tool, std::vector<Objects> parts, const Box& box, const ToolCoupling& coupling,
            std::unique_ptr<WorkerTeam> team);
+  ToolStep(const PreparedTool& prepared, const ToolCoupling& coupling, std::vector<SurfaceFriction> friction,
+           std::unique_ptr<WorkerTeam> team);
+  static Result<std::unique_ptr<ToolStep>> checked(std::unique_ptr<ToolStep> step);
   ToolProxyStep follow(const Placement& device) noexcept;
 
   std::unique_ptr<WorkerTeam> team_;
   ToolCoupling coupling_;
   bool has_friction_ = false;
+  std::optional<Quat> q_DT_;  // of the tool's axes in the stylus; none: they are the same
   TouchGeometry scene_;
   std::vector<std::unique_ptr<TouchGeometry>> moving_;
   std::vector<Placement> parts_;  // of these, at the last step

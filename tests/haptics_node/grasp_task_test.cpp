@@ -247,6 +247,24 @@ TEST_F(GraspTaskTest, RequestsThatDoNotSuitAreIgnored) {
   EXPECT_TRUE(step->holds_tool()) << "not while it is held";
 }
 
+TEST_F(GraspTaskTest, ObjectsArePreparedWhileThereIsNothingElseToDoAndOnlyWhatHasMovedIsAgain) {
+  const auto count = [this] {
+    int prepared = 0;
+    while (task->run_once()) ++prepared;
+    return prepared;
+  };
+  EXPECT_EQ(count(), 3);
+  answer(at, 0);
+  go({0.0, 0.0, 0.021 - kPress}, 0);
+  go(at, 1);
+  ASSERT_TRUE(step->holds_tool());
+  go({0.0, 0.0, 0.03}, 1);
+  // Released: the order is carried out, then the cube is prepared where it is now.
+  step->offer({.sample = ++sample, .sample_time_ns = static_cast<std::int64_t>(sample) * 1'000'000, .p_WD = at});
+  (void)step->answer();
+  EXPECT_EQ(count(), 2);
+}
+
 TEST_F(GraspTaskTest, WhatIsNotMovableIsNotPickedUp) {
   answer(at, 0);
   go({-0.05, 0.0, 0.03}, 0);

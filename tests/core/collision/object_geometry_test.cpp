@@ -62,6 +62,22 @@ TEST(ObjectGeometry, SmoothNormalsAreTheAuthoredOnesWhereTheyAreValid) {
   }
 }
 
+TEST(ObjectGeometry, WithAnotherOriginItIsTheSameSurface) {
+  const ObjectGeometry surface(make_bumpy_sphere(0.3, 0.2, 300, 5), {Vec3::Zero(), 1.0});
+  const Vec3 p(0.1234567890123456, -0.2, 1.0 / 3.0);
+  const ObjectGeometry other = surface.about(p);
+  ASSERT_EQ(other.triangle_count(), surface.triangle_count());
+  for (std::uint32_t t = 0; t < surface.triangle_count(); ++t) {
+    ASSERT_EQ(other.triangle(t), surface.triangle(t));
+    for (int k = 0; k < 3; ++k) {
+      ASSERT_LT((other.corner(t, k) - (surface.corner(t, k) - p)).cwiseAbs().maxCoeff(), 0x1p-51);
+      // Edges are exact.
+      ASSERT_EQ(other.corner(t, k) - other.corner(t, 0), surface.corner(t, k) - surface.corner(t, 0));
+      ASSERT_EQ(other.adjacency().adjacent(t, k).triangle, surface.adjacency().adjacent(t, k).triangle);
+    }
+  }
+}
+
 TEST(ObjectGeometry, AnEmptyMeshIsEmpty) {
   const ObjectGeometry object(TriangleMesh(), {});
   EXPECT_EQ(object.triangle_count(), 0U);

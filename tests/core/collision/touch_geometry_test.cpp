@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "core/geometry/mesh_shapes.h"
@@ -92,6 +94,40 @@ TEST(TouchGeometry, KeepsEveryTriangleAndItsObject) {
 }
 
 // Both hierarchies count before anything is built, and what is built besides.
+TEST(TouchGeometry, OfSharedObjectsFindsWhatOneThatBuildsThemDoes) {
+  const std::vector<std::shared_ptr<const TriangleMesh>> meshes = {
+      std::make_shared<TriangleMesh>(make_bumpy_sphere(0.3, 0.2, 300, 3)), std::make_shared<TriangleMesh>(),
+      std::make_shared<TriangleMesh>(scaled_and_moved(make_bumpy_sphere(0.2, 0.1, 80, 4), 1.0, {0.5, 0.1, 0.0}))};
+  const TouchGeometry built(meshes);
+  std::vector<std::shared_ptr<const ObjectGeometry>> objects;
+  for (const auto& mesh : meshes) {
+    objects.push_back(
+        std::make_shared<const ObjectGeometry>(ObjectGeometry::make(*mesh, built.frame(), TouchGeometry::most_triangles(meshes))));
+  }
+  const TouchGeometry shared(objects, built.frame());
+  EXPECT_EQ(shared.object_count(), 3U);
+  EXPECT_EQ(shared.waiting_count(), 0U);
+  EXPECT_EQ(shared.triangle_count(), built.triangle_count());
+  EXPECT_EQ(&shared.object_geometry(2), objects[2].get());
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> uniform(-0.6, 0.6);
+  using Found = std::set<std::pair<std::uint32_t, std::uint32_t>>;
+  const auto near = [](const TouchGeometry& scene, const Box& box) {
+    Found found;
+    scene.for_each_overlapping(box, [&](std::uint32_t id) { found.insert({scene.mesh_of(id), scene.triangle_of(id)}); });
+    return found;
+  };
+  std::set<std::uint32_t> meshes_found;
+  for (int n = 0; n < 200; ++n) {
+    const Vec3 p(uniform(random), uniform(random), uniform(random));
+    const Box box = Box{p, p}.inflated(0.05);
+    const Found found = near(shared, box);
+    ASSERT_EQ(found, near(built, box));
+    for (const auto& [mesh, triangle] : found) meshes_found.insert(mesh);
+  }
+  EXPECT_EQ(meshes_found, (std::set<std::uint32_t>{0, 2}));
+}
+
 TEST(TouchGeometry, CountsTheBytesOfBothHierarchiesAndOfWhatIsBuilt) {
   const auto near = std::make_shared<TriangleMesh>(make_icosphere(0.05, 2));
   const auto far = std::make_shared<TriangleMesh>(scaled_and_moved(make_icosphere(0.05, 2), 1.0, Vec3(3, 0, 0)));

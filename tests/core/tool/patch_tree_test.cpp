@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <memory>
 #include <set>
 
 #include "core/geometry/mesh_shapes.h"
@@ -66,6 +67,45 @@ TEST(PatchTree, HoldsTheTrianglesOfAllObjectsUnderTheirNumbersInTheScene) {
     return std::array<Vec3, 3>{scene.corner(id, 0), scene.corner(id, 1), scene.corner(id, 2)};
   });
   EXPECT_EQ(checked.triangles.size(), scene.triangle_count());
+}
+
+TEST(PatchTree, TreesOfObjectsAreJoined) {
+  for (const int count : {0, 1, 2, 33}) {
+    std::vector<std::shared_ptr<const TriangleMesh>> meshes;
+    for (int i = 0; i < count; ++i) {
+      const Vec3 at(0.3 * (i % 7), 0.4 * (i % 5), 0.1 * i);
+      meshes.push_back(i == 4 ? std::make_shared<TriangleMesh>()
+                              : std::make_shared<TriangleMesh>(scaled_and_moved(make_bumpy_sphere(0.3, 0.2, 80, i), 1.0, at)));
+    }
+    const TouchGeometry scene(meshes);
+    std::vector<PatchTree> trees;
+    for (std::uint32_t o = 0; o < scene.object_count(); ++o) trees.emplace_back(scene.object_geometry(o));
+    std::vector<const PatchTree*> all;
+    for (const PatchTree& tree : trees) all.push_back(&tree);
+    const PatchTree joined(all, scene);
+    const Checked checked = check_tree(joined, [&](std::uint32_t id) {
+      return std::array<Vec3, 3>{scene.corner(id, 0), scene.corner(id, 1), scene.corner(id, 2)};
+    });
+    EXPECT_EQ(checked.triangles.size(), scene.triangle_count()) << count;
+    EXPECT_LE(checked.depth, PatchTree::kMostDepth);
+    EXPECT_EQ(joined.nodes().size(), count == 0 ? 0 : 2 * scene.triangle_count() - 1) << count;
+  }
+}
+
+TEST(PatchTree, WithAnotherOriginBoxesContainTheDisplacedTriangles) {
+  const ObjectGeometry surface(make_bumpy_sphere(0.3, 0.2, 2000, 5), {Vec3::Zero(), 1.0});
+  const PatchTree tree(surface);
+  for (const Vec3& p : {Vec3(0.1, -0.2, 0.3), Vec3(-1.7, 0.9, 0.4), Vec3(0.0, 0.0, 0.0)}) {
+    const ObjectGeometry displaced = surface.about(p);
+    const PatchTree moved = tree.about(p);
+    const Checked checked = check_tree(moved, [&](std::uint32_t t) {
+      return std::array<Vec3, 3>{displaced.corner(t, 0), displaced.corner(t, 1), displaced.corner(t, 2)};
+    });
+    EXPECT_EQ(checked.triangles.size(), surface.triangle_count());
+    for (std::size_t n = 0; n < tree.nodes().size(); ++n) {
+      ASSERT_TRUE((moved.nodes()[n].half_size() - tree.nodes()[n].half_size()).maxCoeff() < 0x1p-21) << "no larger than rounding makes it";
+    }
+  }
 }
 
 // A box over a piece of a sphere is as thick as the cap is high; flat faces have flat boxes.

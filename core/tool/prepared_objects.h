@@ -1,0 +1,44 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/tool/contact_surface.h"
+#include "core/tool/tool_step.h"
+
+namespace hapton {
+
+// The objects of a scene, each prepared once for contact with the others. Any of them can become the tool: nothing that depends on one
+// object alone is built for that, or built again when another object has moved.
+//
+// All are prepared in one local frame, that of the scene's bounding box, which the held object is part of. The axes of the tool are those
+// of the scene when it is gripped, so that its surface is the prepared one with another origin. Frame: S, metres. Threads: one. RT: set-up
+// only.
+class PreparedObjects {
+ public:
+  // One mesh for each object.
+  explicit PreparedObjects(std::vector<std::shared_ptr<const TriangleMesh>> meshes);
+
+  // An object is elsewhere, or another. Only that object has to be prepared again, unless the scene no longer suits its local frame.
+  void replace(std::size_t object, std::shared_ptr<const TriangleMesh> mesh);
+  // Prepares one object that is not prepared. False: all are.
+  bool prepare_next();
+
+  // The object as a tool, against all others, gripped at the stylus' pose X_SD; prepares what is not. friction: of the others, in order;
+  // empty: none. Error: as ToolStep::make.
+  Result<std::unique_ptr<ToolStep>> hold(std::size_t object, const Pose& X_SD, const ToolCoupling& coupling,
+                                         std::vector<SurfaceFriction> friction = {}, std::unique_ptr<WorkerTeam> team = nullptr);
+
+  const LocalFrame& frame() const { return frame_; }
+  std::size_t bytes() const;  // of what is prepared
+
+ private:
+  bool suits_frame(const Box& bounds) const;
+
+  std::vector<std::shared_ptr<const TriangleMesh>> meshes_;
+  std::vector<std::shared_ptr<const ContactSurface>> prepared_;  // by object; null: not yet
+  LocalFrame frame_;
+  std::size_t most_triangles_;
+};
+
+}  // namespace hapton

@@ -1,0 +1,120 @@
+#include "core/tool/contact_surface.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <random>
+#include <set>
+#include <tuple>
+
+#include "core/geometry/mesh_shapes.h"
+#include "core/tool/near_features.h"
+
+namespace hapton {
+namespace {
+
+// Where tool and scene are near: kind, closest points and distance.
+using GapKey = std::tuple<int, std::array<double, 3>, std::array<double, 3>, double, bool>;
+
+std::multiset<GapKey> gaps_of(const NearFeatures& near) {
+  std::multiset<GapKey> gaps;
+  for (const NearFeature& each : near.features()) {
+    const Vec3& p = each.gap.on_tool;
+    const Vec3& q = each.gap.on_scene;
+    gaps.insert({static_cast<int>(each.pair.kind), {p.x(), p.y(), p.z()}, {q.x(), q.y(), q.z()}, each.gap.distance, each.is_minimum});
+  }
+  return gaps;
+}
+
+class ContactSurfaceTest : public testing::Test {
+ protected:
+  static constexpr unsigned kSeed = 1807;
+  std::mt19937_64 random{kSeed};
+  std::uniform_real_distribution<double> uniform{-1.0, 1.0};
+
+  std::vector<std::shared_ptr<const TriangleMesh>> meshes{
+      std::make_shared<TriangleMesh>(make_bumpy_sphere(0.3, 0.2, 300, 3)),
+      std::make_shared<TriangleMesh>(scaled_and_moved(make_box({0.3, 0.2, 0.3}, 3), 1.0, {0.4, 0.0, 0.0})),
+      std::make_shared<TriangleMesh>(),
+      std::make_shared<TriangleMesh>(scaled_and_moved(make_cylinder(0.1, 0.4, 12, 2), 1.0, {-0.35, 0.1, 0.0}))};
+  const TouchGeometry built{meshes};
+  std::vector<std::shared_ptr<const ContactSurface>> objects = prepare();
+  const TouchGeometry shared{geometries(), built.frame()};
+
+  std::vector<std::shared_ptr<const ContactSurface>> prepare() const {
+    std::vector<std::shared_ptr<const ContactSurface>> prepared;
+    for (const auto& mesh : meshes) {
+      prepared.push_back(std::make_shared<const ContactSurface>(*mesh, built.frame(), TouchGeometry::most_triangles(meshes)));
+    }
+    return prepared;
+  }
+  std::vector<std::shared_ptr<const ObjectGeometry>> geometries() const {
+    std::vector<std::shared_ptr<const ObjectGeometry>> all;
+    for (const auto& object : objects) all.emplace_back(object, &object->geometry());
+    return all;
+  }
+  Vec3 draw() {
+    const double x = uniform(random);
+    const double y = uniform(random);
+    return {x, y, uniform(random)};
+  }
+};
+
+// The twin is made of the same meshes at once: one tree over all triangles, and features of each object.
+TEST_F(ContactSurfaceTest, AJoinedSceneHasTheNearFeaturesOfOneThatIsBuiltAtOnce) {
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  const ObjectGeometry tool(make_box({0.1, 0.2, 0.15}, 2), {Vec3::Zero(), built.unit_m()});
+  NearFeatures at_once(tool, built);
+  NearFeatures joined(tool, std::make_shared<const ToolSurface>(tool), shared, std::make_shared<const SceneSurface>(objects, shared));
+  std::size_t found = 0;
+  std::set<std::uint32_t> touched;
+  for (int n = 0; n < 150; ++n) {
+    const Placement at{{0.8 * uniform(random), 0.4 * uniform(random), 0.5 * uniform(random)}, turn_by(3.0 * draw())};
+    ASSERT_TRUE(at_once.collect(at, 0.05, 0.01));
+    ASSERT_TRUE(joined.collect(at, 0.05, 0.01));
+    ASSERT_EQ(gaps_of(joined), gaps_of(at_once)) << n;
+    const RigidMotion motion{at, 0.05 * draw(), 0.1 * draw()};
+    ASSERT_TRUE(at_once.extend(motion, 0.01));
+    ASSERT_TRUE(joined.extend(motion, 0.01));
+    found += joined.features().size();
+    for (const NearFeature& each : joined.features()) touched.insert(joined.object_of(each.pair));
+  }
+  EXPECT_GT(found, 2000U);
+  EXPECT_EQ(touched, (std::set<std::uint32_t>{0, 1, 3}));
+}
+
+// What the tool is: the same surface about its grip point. Its features refer to the prepared positions.
+TEST_F(ContactSurfaceTest, AToolOfAPreparedObjectHasTheNearFeaturesOfOneThatIsBuiltAboutItsGrip) {
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  const TriangleMesh ball = make_bumpy_sphere(0.3, 0.2, 300, 8);
+  const TouchGeometry scene(std::vector<const TriangleMesh*>{&ball});
+  for (const std::uint32_t held : {0U, 1U, 3U}) {
+    const Vec3 grip = objects[held]->geometry().corner(0, 0) + 0.01 * draw();
+    const ObjectGeometry tool = objects[held]->geometry().about(grip);
+    NearFeatures anew(tool, scene);
+    NearFeatures prepared(tool, std::make_shared<const ToolSurface>(objects[held], grip, tool), scene,
+                          std::make_shared<const SceneSurface>(scene));
+    EXPECT_EQ(prepared.radius(), anew.radius());
+    std::size_t found = 0;
+    for (int n = 0; n < 60; ++n) {
+      const Placement at{0.6 * draw().normalized(), turn_by(3.0 * draw())};
+      ASSERT_TRUE(anew.collect(at, 0.05, 0.01));
+      ASSERT_TRUE(prepared.collect(at, 0.05, 0.01));
+      ASSERT_EQ(gaps_of(prepared), gaps_of(anew)) << "object " << held << ", " << n;
+      found += prepared.features().size();
+    }
+    EXPECT_GT(found, 100U) << held;
+  }
+}
+
+TEST_F(ContactSurfaceTest, CountsItsBytes) {
+  EXPECT_EQ(objects[2]->geometry().triangle_count(), 0U);
+  // A node of 64 bytes is at each leaf and each fork.
+  const std::size_t nodes = 2 * objects[0]->geometry().triangle_count() - 1;
+  EXPECT_GE(objects[0]->bytes(), objects[0]->geometry().bytes() + 64 * nodes);
+  EXPECT_LE(objects[0]->bytes(), objects[0]->geometry().bytes() + 128 * nodes);
+}
+
+}  // namespace
+}  // namespace hapton

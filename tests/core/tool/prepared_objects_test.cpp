@@ -1,0 +1,192 @@
+#include "core/tool/prepared_objects.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "core/geometry/mesh_shapes.h"
+#include "core/tool/penetration_check.h"
+
+namespace hapton {
+namespace {
+
+using Meshes = std::vector<std::shared_ptr<const TriangleMesh>>;
+
+// A cube over a plate, beside a bumpy ball.
+Meshes make_objects() {
+  return {std::make_shared<TriangleMesh>(scaled_and_moved(make_box({0.2, 0.2, 0.01}, 3), 1.0, {0.0, 0.0, -0.005})),
+          std::make_shared<TriangleMesh>(scaled_and_moved(make_box({0.02, 0.02, 0.02}, 2), 1.0, {0.0, 0.0, 0.011})),
+          std::make_shared<TriangleMesh>(scaled_and_moved(make_bumpy_sphere(0.02, 0.05, 300, 4), 1.0, {0.05, 0.0, 0.02}))};
+}
+
+constexpr std::size_t kHeldCube = 1;
+const std::vector<SurfaceFriction> kRough = {{0.3, 0.2}, {0.1, 0.1}};
+
+std::shared_ptr<const TriangleMesh> displaced(const TriangleMesh& mesh, const Vec3& by) {
+  return std::make_shared<TriangleMesh>(scaled_and_moved(mesh, 1.0, by));
+}
+
+Pose grip_pose() {
+  Pose X_SD = Pose::Identity();
+  X_SD.translation() = Vec3(0.002, 0.001, 0.0205);
+  X_SD.linear() = turn_by({0.3, -0.5, 0.9}).toRotationMatrix();
+  return X_SD;
+}
+
+// Lifted, pressed against the ball while it turns, and down on the plate.
+Pose pose_on_path(int n) {
+  Pose X_WD = grip_pose();
+  const double share = n / 400.0;
+  X_WD.translation() += Vec3(0.04 * std::min(1.0, 2.0 * share), 0.004 * std::sin(9.0 * share), 0.02 * std::sin(3.14159 * share));
+  if (share > 0.7) X_WD.translation().z() -= 0.02 * (share - 0.7);
+  X_WD.linear() = turn_by({0.0, 0.4 * share, 0.6 * share}).toRotationMatrix() * X_WD.linear();
+  return X_WD;
+}
+
+std::vector<ToolOutput> follow_path(ToolStep& step) {
+  std::vector<ToolOutput> outputs;
+  step.reset({.X_WD = grip_pose()});
+  for (int n = 0; n <= 400; ++n) outputs.push_back(step.step({.X_WD = pose_on_path(n)}));
+  return outputs;
+}
+
+void expect_same_bits(const std::vector<ToolOutput>& a, const std::vector<ToolOutput>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t n = 0; n < a.size(); ++n) {
+    ASSERT_EQ(a[n].force_n, b[n].force_n) << n;
+    ASSERT_EQ(a[n].torque_nm, b[n].torque_nm) << n;
+    ASSERT_EQ(a[n].X_WP.matrix(), b[n].X_WP.matrix()) << n;
+  }
+}
+
+std::unique_ptr<ToolStep> hold_cube(PreparedObjects& objects, const std::vector<SurfaceFriction>& friction = {}) {
+  auto step = objects.hold(kHeldCube, grip_pose(), {.stiffness_n_per_m = 800.0}, friction);
+  EXPECT_TRUE(step) << step.error().what;
+  return std::move(*step);
+}
+
+// The twin is made of the meshes when the cube is gripped, along the axes of the stylus.
+TEST(PreparedObjects, AHeldObjectIsFeltAsAToolOfItsMeshIs) {
+  for (const std::vector<SurfaceFriction>& friction : {std::vector<SurfaceFriction>(), kRough}) {
+    const Meshes meshes = make_objects();
+    PreparedObjects objects(meshes);
+    const auto held = hold_cube(objects, friction);
+    TriangleMesh mesh = *meshes[kHeldCube];
+    const Pose X_DS = grip_pose().inverse(Eigen::Isometry);
+    for (Vec3& v : mesh.vertices) v = X_DS * v;
+    const auto twin = ToolStep::make(mesh, {meshes[0], meshes[2]}, {.stiffness_n_per_m = 800.0}, friction);
+    ASSERT_TRUE(twin);
+    EXPECT_NEAR(held->coupling().rotational_stiffness_nm_per_rad, (*twin)->coupling().rotational_stiffness_nm_per_rad, 1e-12);
+    const std::vector<ToolOutput> felt = follow_path(*held);
+    const std::vector<ToolOutput> expected = follow_path(**twin);
+    int in_contact = 0;
+    for (std::size_t n = 0; n < felt.size(); ++n) {
+      in_contact += expected[n].contact ? 1 : 0;
+      ASSERT_LT((felt[n].force_n - expected[n].force_n).norm(), 1e-6 * (1.0 + expected[n].force_n.norm())) << n;
+      ASSERT_LT((felt[n].torque_nm - expected[n].torque_nm).norm(), 1e-7) << n;
+      ASSERT_TRUE(felt[n].X_WP.isApprox(expected[n].X_WP, 1e-7)) << n;
+    }
+    EXPECT_GT(in_contact, 100);
+  }
+}
+
+TEST(PreparedObjects, AHeldObjectPenetratesNothing) {
+  PreparedObjects objects(make_objects());
+  const auto step = hold_cube(objects, kRough);
+  PenetrationCheck check(step->tool(), step->scene());
+  step->reset({.X_WD = grip_pose()});
+  for (int n = 0; n <= 400; ++n) {
+    step->step({.X_WD = pose_on_path(n)});
+    ASSERT_FALSE(check.penetrates(step->proxy().placement())) << n;
+  }
+}
+
+TEST(PreparedObjects, ItIsTheSameToTheBitWhetherItWasPreparedBeforeOrNot) {
+  PreparedObjects before(make_objects());
+  int prepared = 0;
+  while (before.prepare_next()) ++prepared;
+  EXPECT_EQ(prepared, 3);
+  PreparedObjects not_yet(make_objects());
+  EXPECT_EQ(not_yet.bytes(), 0U);
+  const auto first = hold_cube(before, kRough);
+  const auto second = hold_cube(not_yet, kRough);
+  expect_same_bits(follow_path(*first), follow_path(*second));
+  EXPECT_EQ(not_yet.bytes(), before.bytes());
+  EXPECT_FALSE(not_yet.prepare_next());
+}
+
+TEST(PreparedObjects, WhatHasMovedIsPreparedAgainAndNothingElse) {
+  Meshes meshes = make_objects();
+  PreparedObjects objects(meshes);
+  while (objects.prepare_next()) {
+  }
+  const auto ball = displaced(*meshes[2], {0.005, 0.003, 0.0});
+  objects.replace(2, ball);
+  EXPECT_TRUE(objects.prepare_next());
+  EXPECT_FALSE(objects.prepare_next());
+  meshes[2] = ball;
+  PreparedObjects anew(meshes);
+  ASSERT_EQ(anew.frame().origin, objects.frame().origin);
+  const auto first = hold_cube(objects, kRough);
+  const auto second = hold_cube(anew, kRough);
+  expect_same_bits(follow_path(*first), follow_path(*second));
+}
+
+TEST(PreparedObjects, AToolOutlivesWhatItWasPreparedFrom) {
+  auto objects = std::make_unique<PreparedObjects>(make_objects());
+  const auto kept = hold_cube(*objects);
+  const auto other = hold_cube(*objects);
+  const std::vector<ToolOutput> expected = follow_path(*other);
+  objects->replace(0, displaced(*make_objects()[0], {0.0, 0.0, -0.01}));
+  objects.reset();
+  expect_same_bits(follow_path(*kept), expected);
+}
+
+TEST(PreparedObjects, TheFrameStaysWhereTheSceneSuitsItAndElseAllIsPreparedAgain) {
+  const Meshes meshes = make_objects();
+  PreparedObjects objects(meshes);
+  const LocalFrame before = objects.frame();
+  while (objects.prepare_next()) {
+  }
+  // The box of the scene is larger now, but within the frame.
+  objects.replace(kHeldCube, displaced(*meshes[kHeldCube], {0.0, 0.0, 0.03}));
+  EXPECT_EQ(objects.frame().origin, before.origin);
+  EXPECT_TRUE(objects.prepare_next());
+  EXPECT_FALSE(objects.prepare_next());
+  // Far outside of it.
+  Meshes far = meshes;
+  far[kHeldCube] = displaced(*meshes[kHeldCube], {0.0, 0.0, 1.0});
+  objects.replace(kHeldCube, far[kHeldCube]);
+  EXPECT_EQ(objects.frame().origin, TouchGeometry(far).origin());
+  EXPECT_EQ(objects.frame().unit_m, TouchGeometry(far).unit_m());
+  int prepared = 0;
+  while (objects.prepare_next()) ++prepared;
+  EXPECT_EQ(prepared, 3);
+  // And back: the scene is small in that frame.
+  objects.replace(kHeldCube, meshes[kHeldCube]);
+  EXPECT_EQ(objects.frame().origin, before.origin);
+  EXPECT_EQ(objects.frame().unit_m, before.unit_m);
+  PreparedObjects anew(meshes);
+  const auto first = hold_cube(objects);
+  const auto second = hold_cube(anew);
+  expect_same_bits(follow_path(*first), follow_path(*second));
+}
+
+TEST(PreparedObjects, AnObjectWithNothingToTouchIsNoTool) {
+  PreparedObjects alone({make_objects()[1]});
+  const auto only = alone.hold(0, Pose::Identity(), {});
+  ASSERT_FALSE(only);
+  EXPECT_EQ(only.error().what, "the scene has no triangles");
+  PreparedObjects empty({std::make_shared<TriangleMesh>(), make_objects()[1]});
+  const auto nothing = empty.hold(0, Pose::Identity(), {});
+  ASSERT_FALSE(nothing);
+  EXPECT_EQ(nothing.error().what, "the tool has no triangles");
+  PreparedObjects two(make_objects());
+  EXPECT_FALSE(two.hold(kHeldCube, Pose::Identity(), {.stiffness_n_per_m = -1.0}));
+  EXPECT_FALSE(two.hold(kHeldCube, Pose::Identity(), {}, {{0.1, 0.2}}));
+}
+
+}  // namespace
+}  // namespace hapton
