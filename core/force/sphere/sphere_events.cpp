@@ -177,10 +177,18 @@ int SphereFollower::find_exits(const OffsetContact& contact) noexcept {
       }
       const Vec3& other = own.corner((contact.index + 1) % 3);
       if (!(begins && shape.corner((k + 1) % 3) == other) && !(ends && shape.corner(k) == other)) continue;
-      if (!shape.normal().isZero(0.0)) add(shape.corner(k), shape.normal().cross(shape.edge(k)) / shape.length(k), slot, k, Part::face);
+      if (shape.normal().isZero(0.0) || is_past_needle(shape, k)) continue;
+      add(shape.corner(k), shape.normal().cross(shape.edge(k)) / shape.length(k), slot, k, Part::face);
     }
   }
   return fits ? count : -1;
+}
+
+// Whether the centre, in contact with that edge of a triangle, is far over its plane but not over the triangle. This is so at a needle that
+// rises by less than the slop, so that it was not hit: its face never holds the sphere.
+bool SphereFollower::is_past_needle(const ContactTriangle& shape, int edge) const noexcept {
+  const auto height = [&](int k) { return shape.inside(k, centre_) / shape.length(k); };
+  return height(edge) > kSlop && std::min(height((edge + 1) % 3), height((edge + 2) % 3)) < -kSlop;
 }
 
 // Changes the contacts for the event. False: it cannot.
