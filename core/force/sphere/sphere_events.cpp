@@ -40,6 +40,8 @@ bool SphereFollower::find_event(const CentrePath& path, Event& event) noexcept {
     for (int k = 0; k < count; ++k) {
       const double time = path.time_to_cross(exits_[k].origin, exits_[k].direction, kOnBoundary, prefix);
       if (time > event.time || (time == event.time && event.contact >= 0)) continue;
+      const bool is_face_here = time <= 0.0 && exits_[k].slot >= 0 && exits_[k].part == Part::face;
+      if (is_face_here && is_past_needle(near_.shape(exits_[k].slot), exits_[k].index)) continue;
       event.time = time;
       event.contact = i;
       event.exit = exits_[k];
@@ -177,8 +179,7 @@ int SphereFollower::find_exits(const OffsetContact& contact) noexcept {
       }
       const Vec3& other = own.corner((contact.index + 1) % 3);
       if (!(begins && shape.corner((k + 1) % 3) == other) && !(ends && shape.corner(k) == other)) continue;
-      if (shape.normal().isZero(0.0) || is_past_needle(shape, k)) continue;
-      add(shape.corner(k), shape.normal().cross(shape.edge(k)) / shape.length(k), slot, k, Part::face);
+      if (!shape.normal().isZero(0.0)) add(shape.corner(k), shape.normal().cross(shape.edge(k)) / shape.length(k), slot, k, Part::face);
     }
   }
   return fits ? count : -1;
