@@ -20,6 +20,17 @@ double rate_error(const ContactTriangle& triangle, const Separation& at, const V
   return normal_error(at) * (velocity - along.dot(velocity) * along).norm() + kDirectionError * velocity.norm();
 }
 
+// How long a distance that begins `gap` above a level stays above it, at that rate and with at most that bend.
+double time_above(double gap, double approach, double bend) {
+  const double root = std::sqrt(approach * approach + 2.0 * bend * std::max(gap, 0.0));
+  return approach < 0.0 ? 2.0 * std::max(gap, 0.0) / (root - approach) : bend > 0.0 ? (approach + root) / bend : 1.0;
+}
+
+int nearest_corner(const ContactTriangle& triangle, const Vec3& p) {
+  const auto off = [&](int k) { return (triangle.corner(k) - p).squaredNorm(); };
+  return off(0) <= std::min(off(1), off(2)) ? 0 : off(1) <= off(2) ? 1 : 2;
+}
+
 }  // namespace
 
 CentrePath CentrePath::straight(const Vec3& from, const Vec3& to) noexcept {
@@ -251,10 +262,100 @@ double CentrePath::step_past_corner(const ContactTriangle& triangle, const Level
   return std::max(approach * most > room ? room / approach : most, kLeastStep);
 }
 
+// How long the centre stays on the inner side of a plane, at least. `inwards`: unit.
+double CentrePath::time_within(const Vec3& origin, const Vec3& inwards, const Place& here) const noexcept {
+  constexpr double kRounding = 0x1p-50;
+  const double room = inwards.dot(here.point - origin);
+  return room >= -kRounding ? time_above(room, inwards.dot(here.velocity), bend_) : 0.0;
+}
+
+// How long the nearest point of the triangle stays on that edge, ends included, at least. At each end either the plane through it across
+// the edge bounds the region, or, beyond the end, the plane across the other edge there: whichever is farther.
+double CentrePath::time_on_edge(const ContactTriangle& triangle, int edge, const Place& here) const noexcept {
+  const int next = (edge + 1) % 3;
+  const int before = (edge + 2) % 3;
+  if (!(std::min({triangle.length(0), triangle.length(1), triangle.length(2)}) > 0.0)) return 0.0;
+  const auto along = [&](int k) { return Vec3(triangle.edge(k) / triangle.length(k)); };
+  const Vec3& start = triangle.corner(edge);
+  const Vec3& end = triangle.corner(next);
+  return std::min({time_within(start, along(edge).cross(triangle.normal()), here),
+                   std::max(time_within(start, along(edge), here), time_within(start, along(before), here)),
+                   std::max(time_within(end, -along(edge), here), time_within(end, -along(next), here))});
+}
+
+// The same for a corner.
+double CentrePath::time_at_corner(const ContactTriangle& triangle, int corner, const Place& here) const noexcept {
+  const int before = (corner + 2) % 3;
+  if (!(std::min(triangle.length(corner), triangle.length(before)) > 0.0)) return 0.0;
+  return std::min(time_within(triangle.corner(corner), -triangle.edge(corner) / triangle.length(corner), here),
+                  time_within(triangle.corner(corner), triangle.edge(before) / triangle.length(before), here));
+}
+
+// How long the distance from a line or point stays above `level`, at least, if it lies beside a line or point that guides the path. `off`:
+// from there to the centre. `turned`: the sine of the angle between the lines.
+//
+// Let P be the projection across the axis of the guide, or the identity for a point, r = P (c - origin) with |r| the guide's offset,
+// n = r / |r|, and P', r' = off, n' and f = |r'| the same for the other. As n . c' = 0 and n . c'' = -|P c'|^2 / |r|, with D = |r' - r|
+//
+//   f'' = n' . c'' + (|P' c'|^2 - (n' . c')^2) / f  >=  -2 D / f |c''| - |c'|^2 / f (|P' - P| + D / |r| + (2 D / f)^2)
+double CentrePath::time_beside(const Guide& guide, const Vec3& off, double turned, const Level& level, const Place& here) const noexcept {
+  constexpr double kRounding = 0x1p-50;
+  const double distance = off.norm();
+  if (!(distance > level.distance)) return 0.0;
+  Vec3 normal;
+  guide.distance_to(here.point, normal);
+  const double speed = here.velocity.norm() + bend_;
+  const double apart = (off - guide.offset * normal).norm() + turned * speed + kRounding;
+  const double share = apart / level.distance;
+  const double bend = 2.0 * share * bend_ + speed * speed / level.distance * (turned + apart / guide.offset + 4.0 * share * share);
+  const double rate = off.dot(here.velocity) / distance;
+  const double doubt = here.separation.normal.dot(here.velocity) - here.approach + kSlopeError * std::fabs(rate);
+  return time_above(distance - level.distance, rate - doubt, bend);
+}
+
+// How long the triangle stays that far, at least, if one of its edges or corners lies beside a line that guides the path.
+double CentrePath::time_beside_line(const Guide& guide, const ContactTriangle& triangle, const Level& level,
+                                    const Place& here) const noexcept {
+  const auto by_edge = [&](int k) {
+    const double turned = guide.direction.cross(triangle.edge(k)).norm() / triangle.length(k);
+    Vec3 off = here.point - triangle.corner(k);
+    off -= triangle.along(k, here.point) * triangle.edge(k);
+    return std::min(time_on_edge(triangle, k, here), time_beside(guide, off, turned, level, here));
+  };
+  if (here.separation.feature == Feature::edge) return by_edge(triangle.boundary(here.separation.nearest).edge);
+  const int k = nearest_corner(triangle, here.separation.nearest);
+  Vec3 off = here.point - triangle.corner(k);  // from the line through the corner in parallel to the guide
+  off -= guide.direction.dot(off) * guide.direction;
+  return std::max(
+      {by_edge(k), by_edge((k + 2) % 3), std::min(time_at_corner(triangle, k, here), time_beside(guide, off, 0.0, level, here))});
+}
+
+// A step in which the distance stays above `level`, for a triangle that has an edge or corner beside one which guides the path, or a face
+// beside one: its distance hardly changes, however much the path bends.
+double CentrePath::step_beside_guides(const ContactTriangle& triangle, const Level& level, const Place& here) const noexcept {
+  const Separation& at = here.separation;
+  double most = 0.0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(guide_count_); ++i) {
+    const Guide& guide = guides_[i];
+    double time = 0.0;
+    if (guide.kind == Guide::Kind::plane) {
+      time = time_above(at.distance - level.distance, here.approach, (at.normal - guide.direction).norm() * bend_);
+    } else if (guide.kind == Guide::Kind::line && at.feature != Feature::face) {
+      time = time_beside_line(guide, triangle, level, here);
+    } else if (guide.kind == Guide::Kind::point && at.feature == Feature::vertex) {
+      const int k = nearest_corner(triangle, at.nearest);
+      time = std::min(time_at_corner(triangle, k, here), time_beside(guide, here.point - triangle.corner(k), 0.0, level, here));
+    }
+    most = std::max(most, time);
+  }
+  return most;
+}
+
 // When the distance falls to `level`, within a tolerance.
 CentrePath::Block CentrePath::find_below(const ContactTriangle& triangle, const Level& level, unsigned guiding, double from, double until,
                                          int& tests) const noexcept {
   constexpr int kMostRounds = 64;
+  constexpr int kFewRounds = 32;  // decide all ordinary cases
   const double slope_error = guide_count_ > 0 ? kSlopeError : 0.0;
   double time = from;
   for (int i = 0; i < kMostRounds; ++i) {
@@ -278,9 +379,8 @@ CentrePath::Block CentrePath::find_below(const ContactTriangle& triangle, const 
     // gap + approach x - bend / 2 x^2 = 0
     double step = 0.0;
     if (bend_ > 0.0) {
-      const double bend = bend_towards(now.normal);
-      const double root = std::sqrt(approach * approach + 2.0 * bend * std::max(gap, 0.0));
-      step = approach < 0.0 ? 2.0 * std::max(gap, 0.0) / (root - approach) : bend > 0.0 ? (approach + root) / bend : 1.0;
+      step = time_above(gap, approach, bend_towards(now.normal));
+      if (i >= kFewRounds) step = std::max(step, step_beside_guides(triangle, level, {point, velocity, now, approach}));
     } else {
       if (!(approach < 0.0)) return {};
       step = gap / -approach;

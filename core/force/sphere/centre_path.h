@@ -88,6 +88,19 @@ class CentrePath {
   double find_turning_point(const Vec3& direction, double low, double high) const noexcept;
   int find_guiding_corner(const ContactTriangle& triangle, unsigned guiding, const Vec3& nearest) const noexcept;
   double step_past_corner(const ContactTriangle& triangle, const Level& level, int corner, double time) const noexcept;
+  // The centre in a search, and the triangle from there.
+  struct Place {
+    Vec3 point = Vec3::Zero();
+    Vec3 velocity = Vec3::Zero();
+    Separation separation;
+    double approach = 0.0;  // lower bound of the rate of the distance
+  };
+  double step_beside_guides(const ContactTriangle& triangle, const Level& level, const Place& here) const noexcept;
+  double time_beside_line(const Guide& guide, const ContactTriangle& triangle, const Level& level, const Place& here) const noexcept;
+  double time_beside(const Guide& guide, const Vec3& off, double turned, const Level& level, const Place& here) const noexcept;
+  double time_within(const Vec3& origin, const Vec3& inwards, const Place& here) const noexcept;
+  double time_on_edge(const ContactTriangle& triangle, int edge, const Place& here) const noexcept;
+  double time_at_corner(const ContactTriangle& triangle, int corner, const Place& here) const noexcept;
   double time_to_leave_corner(const ContactTriangle& triangle, int corner, double from, double until) const noexcept;
 
   double bend_towards(const Vec3& normal) const { return std::fabs(normal.dot(chord_)) * bend_along_ + bend_across_; }

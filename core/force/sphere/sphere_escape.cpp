@@ -17,12 +17,14 @@ constexpr double kThrough = 4.0;      // offsets; a triangle this near to the co
 constexpr double kLeastBetter = 2.0;  // offsets; a smaller gain is no escape
 constexpr double kAbove = 1.25;       // offsets above the faces on the path
 constexpr double kWide[] = {32.0, 512.0, 8192.0};  // offsets; radius of the path around the corner
+constexpr double kMostOff = 4.0;                   // a position off an edge is this many times as far from the corner
 constexpr double kHeights[] = {8.0, 32.0};         // offsets; height of a lift
 constexpr int kMostTries = 2;                      // per step
 
 }  // namespace
 
-// The vertex near the centre, or the point where three faces that hold the centre meet.
+// The vertex near the centre, or the point where three faces that hold the centre meet, or the vertex that three contacts have in common:
+// in a narrow corner the centre is far from it.
 bool SphereFollower::find_apex(Vec3& apex) const noexcept {
   double nearest = kAround * clearance_.offset;
   bool any = false;
@@ -39,12 +41,25 @@ bool SphereFollower::find_apex(Vec3& apex) const noexcept {
   if (any) return true;
   ContactFrame frame;
   if (active_count_ != 3 || !find_frame(centre_, frame)) return false;
+  const auto is_face = [](const OffsetContact& contact) { return contact.part == OffsetContact::Part::face; };
+  if (!std::all_of(contacts_.begin(), contacts_.begin() + active_count_, is_face)) return find_common_corner(apex);
   apex = centre_;
-  for (int i = 0; i < 3; ++i) {
-    if (contacts_[i].part != OffsetContact::Part::face) return false;
-    apex -= clearance_.offset * frame.dual[i];
-  }
+  for (int i = 0; i < 3; ++i) apex -= clearance_.offset * frame.dual[i];
   return (apex - centre_).norm() <= kWedge * clearance_.offset;
+}
+
+bool SphereFollower::find_common_corner(Vec3& apex) const noexcept {
+  for (int k = 0; k < 3; ++k) {
+    const Vec3& corner = contacts_[0].shape.corner(k);
+    const auto has_it = [&](const OffsetContact& contact) {
+      return contact.shape.corner(0) == corner || contact.shape.corner(1) == corner || contact.shape.corner(2) == corner;
+    };
+    if (!((corner - centre_).norm() <= kWedge * clearance_.offset)) continue;
+    if (!std::all_of(contacts_.begin(), contacts_.begin() + active_count_, has_it)) continue;
+    apex = corner;
+    return true;
+  }
+  return false;
 }
 
 // The directions in which the point could leave its corner, as found for a centre no farther from this one than `moved`. False: there is no
@@ -134,17 +149,22 @@ bool SphereFollower::leave_corner(const Vec3& device, const Vec3& motion) noexce
   // At the end of a groove that leads neither in nor out, the point stays.
   if (steepest.slope < -least_corner_exit(pull)) return cone_.is_reentrant() && leave_fold(device, motion);
   for (int i = 0; i < kMostDirections && steepest.slope > least_corner_exit(pull); ++i) {
-    for (const double wide : kWide) {
-      const double radius = wide * clearance_.offset;
-      const auto pass = [&] {
+    const auto pass = [&](double radius) {
+      return try_escape(device, motion, [&] {
         const std::optional<Vec3> target = find_past_corner(steepest, radius);
         return target && pass_corner(*target, radius);
-      };
-      if (try_escape(device, motion, pass)) return true;
+      });
+    };
+    for (const double wide : kWide) {
+      const double radius = wide * clearance_.offset;
+      if (pass(radius)) return true;
       for (const bool ahead : {true, false}) {
         if (try_escape(device, motion, [&] { return fly_around_corner(steepest, radius, ahead); })) return true;
       }
     }
+    // A slit so narrow has room for the sphere only farther out.
+    const double room = 1.25 * kMostOff * distance_off_edge(steepest);
+    if (room > kWide[2] * clearance_.offset && pass(room)) return true;
     steepest = cone_.find_steepest(pull, steepest.slope);
   }
   return false;
@@ -196,13 +216,19 @@ bool SphereFollower::leave_by_flight(const Vec3& device, const Vec3& motion) noe
   return false;
 }
 
+// How far from the boundary a position there is: at an edge, on the middle between its two pieces.
+double SphereFollower::distance_off_edge(const TangentCone::Steepest& to) const noexcept {
+  const TangentCone::Piece& piece = cone_.boundary()[static_cast<std::size_t>(to.piece)];
+  const double half = to.direction == piece.to ? 0.5 * piece.opening : 0.5 * std::numbers::pi;
+  return kAbove * clearance_.offset / (half < 0.5 * std::numbers::pi ? std::sin(half) : 1.0);
+}
+
 // A position that far from the corner, in that direction and off the boundary. None: the boundary is too narrow there.
 std::optional<Vec3> SphereFollower::find_past_corner(const TangentCone::Steepest& to, double wide) const noexcept {
   const TangentCone::Piece& piece = cone_.boundary()[static_cast<std::size_t>(to.piece)];
-  const bool is_edge = to.direction == piece.to;
-  const double half = is_edge ? 0.5 * piece.opening : 0.5 * std::numbers::pi;
-  const double off = kAbove * clearance_.offset / (half < 0.5 * std::numbers::pi ? std::sin(half) : 1.0);
-  if (!(off < 0.25 * wide)) return std::nullopt;
+  const double half = to.direction == piece.to ? 0.5 * piece.opening : 0.5 * std::numbers::pi;
+  const double off = distance_off_edge(to);
+  if (!(kMostOff * off < wide)) return std::nullopt;
   return cone_.apex() + wide * to.direction + off * (std::cos(half) * piece.back + std::sin(half) * piece.normal);
 }
 

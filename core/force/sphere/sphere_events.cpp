@@ -40,6 +40,8 @@ bool SphereFollower::find_event(const CentrePath& path, Event& event) noexcept {
     for (int k = 0; k < count; ++k) {
       const double time = path.time_to_cross(exits_[k].origin, exits_[k].direction, kOnBoundary, prefix);
       if (time > event.time || (time == event.time && event.contact >= 0)) continue;
+      const bool is_face_here = time <= 0.0 && exits_[k].slot >= 0 && exits_[k].part == Part::face;
+      if (is_face_here && is_past_needle(near_.shape(exits_[k].slot), exits_[k].index)) continue;
       event.time = time;
       event.contact = i;
       event.exit = exits_[k];
@@ -181,6 +183,13 @@ int SphereFollower::find_exits(const OffsetContact& contact) noexcept {
     }
   }
   return fits ? count : -1;
+}
+
+// Whether the centre, in contact with that edge of a triangle, is far over its plane but not over the triangle. This is so at a needle that
+// rises by less than the slop, so that it was not hit: its face never holds the sphere.
+bool SphereFollower::is_past_needle(const ContactTriangle& shape, int edge) const noexcept {
+  const auto height = [&](int k) { return shape.inside(k, centre_) / shape.length(k); };
+  return height(edge) > kSlop && std::min(height((edge + 1) % 3), height((edge + 2) % 3)) < -kSlop;
 }
 
 // Changes the contacts for the event. False: it cannot.

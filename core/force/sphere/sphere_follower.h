@@ -284,6 +284,7 @@ class SphereFollower {
   void note_tangents(const CentrePath& path) noexcept;
   bool is_below_tangents(const ContactTriangle& shape) const noexcept;
   int find_exits(const OffsetContact& contact) noexcept;
+  bool is_past_needle(const ContactTriangle& shape, int edge) const noexcept;
   bool find_candidates(const CentrePath& path, double near, CentrePath::Prefix& prefix) noexcept;
   void note_candidates(const Vec3& from, const Vec3& to, double near) noexcept;
   bool apply_event(const Event& event, const CentrePath& path) noexcept;
@@ -292,6 +293,7 @@ class SphereFollower {
   bool is_held_twice(int i) const noexcept;
   int find_rising(const OffsetContact& contact, int edge, const Vec3& direction) noexcept;
   bool find_apex(Vec3& apex) const noexcept;
+  bool find_common_corner(Vec3& apex) const noexcept;
   bool find_cone(double moved) noexcept;
   bool find_beside(const Vec3& apex, Vec3& beside) noexcept;
   double least_corner_exit(const Vec3& pull) const noexcept;
@@ -309,6 +311,7 @@ class SphereFollower {
   bool leave_minimum(const Vec3& device, const Vec3& motion) noexcept;
   bool leave_corner(const Vec3& device, const Vec3& motion) noexcept;
   bool leave_fold(const Vec3& device, const Vec3& motion) noexcept;
+  double distance_off_edge(const TangentCone::Steepest& to) const noexcept;
   std::optional<Vec3> find_past_corner(const TangentCone::Steepest& to, double wide) const noexcept;
   bool pass_corner(const Vec3& target, double wide) noexcept;
   bool fly_around_corner(const TangentCone::Steepest& to, double wide, bool ahead) noexcept;

@@ -1,5 +1,5 @@
 // Episodes of the stress test that once found a fault on closed bodies which cross themselves, or whose triangles differ in size a
-// thousandfold. Body, place and motions follow from the seed.
+// thousandfold, and on bodies with displaced copies of their faces. Body, place and motions follow from the seed.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -58,11 +58,31 @@ TriangleMesh make_graded(Random& random) {
   return mesh;
 }
 
+// A bumpy sphere with copies of its faces, or of half of them, each displaced by some 1e-14 to 1e-6 of its radius.
+TriangleMesh make_copied(Random& random) {
+  TriangleMesh mesh = make_icosphere(1.0, 2);
+  for (Vec3& vertex : mesh.vertices) vertex *= 1.0 + uniform(random, -0.2, 0.2);
+  const double displaced = std::pow(10.0, uniform(random, -14.0, -6.0));
+  const std::size_t count = mesh.triangles.size();
+  const bool copies_all = random() % 2 != 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!copies_all && random() % 2 != 0) continue;
+    Triangle copy{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      copy[k] = static_cast<std::uint32_t>(mesh.vertices.size());
+      mesh.vertices.push_back(mesh.vertices[mesh.triangles[i][k]] + displaced * random_direction(random));
+    }
+    mesh.triangles.push_back(copy);
+  }
+  return mesh;
+}
+
 struct MadeBody {
   const char* name;
   TriangleMesh (*make)(Random&);
   std::uint64_t seed;
   std::uint64_t episode;
+  double probe_share = 0.0;
 };
 
 class StressOnMadeBodies : public ::testing::TestWithParam<MadeBody> {};
@@ -76,13 +96,20 @@ TEST_P(StressOnMadeBodies, HasNoFault) {
   StressSettings settings;
   settings.seed = made.seed;
   settings.compare_every = 16;
-  auto run = StressRun::make(make_stress_body(made.name, std::move(mesh)), settings, {.name = "proxy"});
+  StressBody body = make_stress_body(made.name, std::move(mesh));
+  body.probe_share = made.probe_share;
+  auto run = StressRun::make(body, settings, {.name = "proxy"});
   ASSERT_TRUE(run) << run.error().what;
   StressCount count;
   EXPECT_GT(run->run_episode(made.episode, count), 0U);
   for (std::size_t fault = 0; fault < count.faults.size(); ++fault) {
     EXPECT_EQ(count.faults[fault], 0U) << name_of(static_cast<StressFault>(fault));
   }
+}
+
+std::string name_of_episode(const testing::TestParamInfo<MadeBody>& test) {
+  const std::string body = std::string(test.param.name) + "_" + std::to_string(test.param.seed);
+  return body + "_" + std::to_string(test.param.episode) + (test.param.probe_share == 0.001 ? "_small" : "");
 }
 
 // A wall that begins at a corner was skipped by a sphere that passed the corner. Or the way out of a corner led beyond the other side of a
@@ -97,9 +124,27 @@ INSTANTIATE_TEST_SUITE_P(
                     MadeBody{"graded", make_graded, 680, 4}, MadeBody{"graded", make_graded, 829, 1},
                     MadeBody{"graded", make_graded, 829, 7}, MadeBody{"graded", make_graded, 1226, 5},
                     MadeBody{"graded", make_graded, 1619, 6}),
-    [](const auto& test) {
-      return std::string(test.param.name) + "_" + std::to_string(test.param.seed) + "_" + std::to_string(test.param.episode);
-    });
+    name_of_episode);
+
+// A narrow corner holds the sphere that stands for a point so far from its vertex that no corner was seen. Or the way out of it leads into
+// a slit that has room for the sphere only farther out than was tried.
+INSTANTIATE_TEST_SUITE_P(FarFromTheCorner, StressOnMadeBodies,
+                         testing::Values(MadeBody{"crossing", make_crossing_itself, 1604, 0},
+                                         MadeBody{"crossing", make_crossing_itself, 1604, 1},
+                                         MadeBody{"crossing", make_crossing_itself, 1616, 5}, MadeBody{"graded", make_graded, 123, 7},
+                                         MadeBody{"graded", make_graded, 398, 0}, MadeBody{"graded", make_graded, 610, 4},
+                                         MadeBody{"graded", make_graded, 828, 6}, MadeBody{"graded", make_graded, 1136, 5},
+                                         MadeBody{"graded", make_graded, 1168, 2}),
+                         name_of_episode);
+
+// Beside a displaced copy of the edge that it rolls over, a sphere was carried from step to step and had not arrived after 1,024 of them.
+// Or it was held on the face of a needle between an edge and its copy, which it had passed.
+INSTANTIATE_TEST_SUITE_P(BesideCopies, StressOnMadeBodies,
+                         testing::Values(MadeBody{"dup", make_copied, 5, 4, 0.005}, MadeBody{"dup", make_copied, 11, 7, 0.005},
+                                         MadeBody{"dup", make_copied, 19, 3, 0.005}, MadeBody{"dup", make_copied, 32, 0, 0.005},
+                                         MadeBody{"dup", make_copied, 35, 5, 0.005}, MadeBody{"dup", make_copied, 126, 2, 0.005},
+                                         MadeBody{"dup", make_copied, 126, 2, 0.001}),
+                         name_of_episode);
 
 }  // namespace
 }  // namespace hapton

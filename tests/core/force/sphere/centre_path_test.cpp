@@ -372,5 +372,32 @@ TEST_F(FindBlock, WhatBeginsAtACornerThatIsPassedBlocks) {
   EXPECT_GT(blocked, 300);
 }
 
+// Around an edge or a corner, with another one beside it: a displaced copy, at nearly the same distance all along the path.
+TEST_F(FindBlock, ACopyBesideWhatGuidesThePathIsDecided) {
+  int hits = 0;
+  int passes = 0;
+  for (int i = 0; i < 1200; ++i) {
+    const bool is_corner = i % 3 == 0;
+    const Arc roll = arc(kClearance.offset, positive(0.02, 0.125), is_corner ? 2 : 1);
+    const auto displaced = [&] { return Vec3(std::pow(10.0, positive(-15.0, -7.0)) * vector()); };
+    const double ahead = i % 2 == 0 ? 0.0 : std::pow(10.0, positive(-12.0, -7.0));  // where the sphere comes to
+    const Vec3 beside = roll.middle + (ahead > 0.0 ? Vec3(ahead * (roll.way - 0.01 * roll.angle * roll.out)) : displaced());
+    // The triangle lies on the other side of the edge, or begins at the corner.
+    const Vec3 below = -positive(0.2, 1.0) * (std::cos(0.5 * roll.angle) * roll.out + std::sin(0.5 * roll.angle) * roll.way);
+    const Vec3 along = positive(0.2, 1.0) * roll.axis;
+    const Vec3 other = is_corner ? Vec3(0.1 * along + 0.5 * below) : Vec3(2.0 * along + (ahead > 0.0 ? Vec3(Vec3::Zero()) : displaced()));
+    const ContactTriangle shape(i % 3 == 1 ? Vec3(beside - along) : beside, beside + other, beside + below + unit() * along);
+    if (shape.separation(roll.at(0.0)).distance < kClearance.offset) continue;
+    int tests = 0;
+    const CentrePath::Block block = roll.path.find_block(shape, kClearance, 0U, roll.path.prefix(1.0), tests);
+    EXPECT_TRUE(block.hits || block.time == kNever) << "undecided at " << block.time;
+    check(roll.path, shape, 0U, 1.0);
+    (block.hits ? hits : passes) += 1;
+    if (HasFailure()) FAIL() << "path " << i;
+  }
+  EXPECT_GT(hits, 200);
+  EXPECT_GT(passes, 200);
+}
+
 }  // namespace
 }  // namespace hapton
