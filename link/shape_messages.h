@@ -70,7 +70,7 @@ struct ShapeStart {
   std::int64_t end_ns = 0;
 };
 
-// vision -> hub -> haptics, while the newest shape of an object is not whole there: it is sent again, from a vertex on.
+// vision -> hub -> haptics, and from a hub that records: while the newest shape of an object is not whole there. It is sent again, from a vertex on.
 struct ShapeStatus {
   std::uint32_t source = 0;  // as in ObjectShape
   std::uint32_t serial = 0;  // of that shape

@@ -11,7 +11,7 @@
 namespace hapton {
 
 // One object prepared for contact with other meshes: its geometry, features and tree, in the local frame of a scene. The same object can be
-// a tool (ToolSurface::of) and part of a scene (SceneSurface::of), in any number of them.
+// a tool (ToolSurface) and part of a scene (SceneSurface), in any number of them.
 // Threads: immutable. RT: set-up only.
 class ContactSurface {
  public:
