@@ -127,7 +127,9 @@ TEST_P(TouchedWay, NothingPullsAHandBackThatHasLeftMeanwhile) {
       do {  // what the hub sent before it was killed may still be queued
         ASSERT_TRUE(onlooker->see(state));
       } while (state.sample_time_ns < killed_ns);
-      ASSERT_EQ(state.force_n, Vec3::Zero()) << node;
+      ASSERT_EQ(state.force_n, Vec3::Zero()) << node << ": sample " << state.sample << ", hand at " << state.p_WD.transpose() << ", " << n
+                                             << " seen, " << 1e-6 * static_cast<double>(state.sample_time_ns - killed_ns)
+                                             << " ms after it was killed";
       ASSERT_FALSE(state.contact);
     }
     ASSERT_NO_FATAL_FAILURE(press_on());
