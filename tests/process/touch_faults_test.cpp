@@ -18,7 +18,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr double kTopM = 0.05;  // of the cube
+constexpr double kTopM = 0.05;     // of the cube
+constexpr double kAboveM = 0.015;  // where the hand is free: at its start it comes from above and swings 4 mm past that
 
 // How io_node is to work out forces, and through which network. At so long a round trip no remote force is used.
 struct Way {
@@ -39,7 +40,7 @@ class TouchedWay : public ::testing::TestWithParam<Way> {
   // The hand comes down onto the cube and stays in contact.
   void press(bool through_relay = false) {
     // Over it from the start: who meets a hand inside a body for the first time cannot know where it came in.
-    std::ofstream(system.folder() / "taps.csv") << "t_s,x_m,y_m,z_m\n0,0.01,0.02,0.055\n600,0.01,0.02,0.055\n";
+    std::ofstream(system.folder() / "taps.csv") << "t_s,x_m,y_m,z_m\n0,0.01,0.02,0.065\n600,0.01,0.02,0.065\n";
     system.add_arguments("io_node", {"--trajectory", (system.folder() / "taps.csv").string()});
     start("io_node");
     if (through_relay || !GetParam().relay.empty()) system.start_relay(GetParam().relay);
@@ -116,13 +117,13 @@ TEST_P(TouchedWay, NothingPullsAHandBackThatHasLeftMeanwhile) {
     const std::int64_t killed_ns = onlooker->now_ns();
     if (node == std::string("haptics_node")) {
       ASSERT_NO_FATAL_FAILURE(expect_released());
-      onlooker->hold_hand(Vec3(0.01, 0.02, kTopM + 0.005));
-      ASSERT_TRUE(System::wait_until([&] { return onlooker->see(state) && state.p_WD.z() > kTopM + 0.0045; }));
+      onlooker->hold_hand(Vec3(0.01, 0.02, kTopM + kAboveM));
+      ASSERT_TRUE(System::wait_until([&] { return onlooker->see(state) && state.p_WD.z() > kTopM + kAboveM - 0.0005; }));
     }
     start(node);
     const std::int64_t before = node == std::string("haptics_node") ? count(system.request_report(), "forces") : 0;
     ASSERT_TRUE(waits_for(system, [&](const Json& report) { return count(report, "forces") > before + 20; }));
-    onlooker->hold_hand(Vec3(0.01, 0.02, kTopM + 0.005));
+    onlooker->hold_hand(Vec3(0.01, 0.02, kTopM + kAboveM));
     for (int n = 0; n < 300; ++n) {
       do {  // what the hub sent before it was killed may still be queued
         ASSERT_TRUE(onlooker->see(state));
