@@ -250,6 +250,18 @@ TEST(Core, PrintsNothing) {
               IsEmpty());
 }
 
+TEST(Sources, HaveAtMost500Lines) {
+  std::vector<std::string> folders = kFolders;
+  folders.emplace_back("tests");
+  std::vector<std::string> longer;
+  for (const std::string& folder : folders) {
+    for (const SourceFile& file : read_folder(folder)) {
+      if (std::ranges::count(file.code, '\n') > 500) longer.push_back(file.path);
+    }
+  }
+  EXPECT_THAT(longer, IsEmpty());
+}
+
 TEST(Sources, ThrowNothingOfOurs) {
   static const std::regex kThrow(R"(\bthrow\b)");
   // An exception is how Python is told.
