@@ -75,6 +75,12 @@ ObjectGeometry ObjectGeometry::make(const TriangleMesh& mesh, const LocalFrame& 
   return fits ? ObjectGeometry(*resolved, frame, shading_crease_rad) : std::move(geometry);
 }
 
+Box ObjectGeometry::bounds() const {
+  Box box;
+  for (const Vec3& v : vertices_) box.grow(v);
+  return box;
+}
+
 ObjectGeometry ObjectGeometry::about(const Vec3& p) const {
   ObjectGeometry other;
   const Vec3 origin = on_grid(p);

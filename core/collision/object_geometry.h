@@ -57,6 +57,7 @@ class ObjectGeometry {
   const WideBvh& tree() const { return tree_; }
   const Triangle& triangle(std::uint32_t t) const { return triangles_[t]; }
   std::span<const Vec3> vertices() const { return vertices_; }
+  Box bounds() const;  // of the vertices; computed by each call
   const Vec3& corner(std::uint32_t t, int k) const { return vertices_[triangles_[t][k]]; }
   struct Corners {
     const Vec3& a;

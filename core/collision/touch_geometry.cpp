@@ -43,12 +43,6 @@ int bits_for_triangles(const std::vector<std::shared_ptr<const TriangleMesh>>& m
   return has_room ? bits + 1 : bits;
 }
 
-Box bounds_of(const ObjectGeometry& object) {
-  Box box;
-  for (const Vec3& v : object.vertices()) box.grow(v);
-  return box;
-}
-
 std::size_t most_triangles_of(const std::vector<std::shared_ptr<const ObjectGeometry>>& objects) {
   std::size_t most = 1;
   for (const auto& object : objects) most = std::max<std::size_t>(most, object->triangle_count());
@@ -140,7 +134,7 @@ TouchGeometry::TouchGeometry(std::vector<std::shared_ptr<const ObjectGeometry>> 
       active_count_(objects.size()) {
   std::vector<Box> bounds;
   for (std::uint32_t i = 0; i < slots_.size(); ++i) {
-    bounds.push_back(bounds_of(*objects[i]));
+    bounds.push_back(objects[i]->bounds());
     active_.push_back(objects[i].get());
     slots_[i].shared = std::move(objects[i]);
     finished_[i] = i;

@@ -254,7 +254,7 @@ class PatchJoiner {
     std::size_t node_count = 0;
     for (std::uint32_t o = 0; o < trees.size(); ++o) {
       if (trees[o]->nodes().empty()) continue;
-      objects_.push_back({trees[o], o * step, bounds_of(scene.object_geometry(o))});
+      objects_.push_back({trees[o], o * step, scene.object_geometry(o).bounds()});
       node_count += trees[o]->nodes().size() + 1;
     }
     if (objects_.empty()) return;
@@ -272,12 +272,6 @@ class PatchJoiner {
     std::uint32_t first_id;
     Box bounds;
   };
-
-  static Box bounds_of(const ObjectGeometry& object) {
-    Box box;
-    for (const Vec3& v : object.vertices()) box.grow(v);
-    return box;
-  }
 
   void build(std::uint32_t at, std::span<Object> objects) {
     if (objects.size() == 1) {

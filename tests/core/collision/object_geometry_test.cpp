@@ -32,6 +32,12 @@ TEST(ObjectGeometry, HoldsTheMeshesTriangles) {
   }
 }
 
+TEST(ObjectGeometry, BoundsAreThoseOfItsVertices) {
+  const ObjectGeometry object(make_box({1, 2, 3}, 1), {.origin = Vec3(1, 0, 0), .unit_m = 2.0});
+  EXPECT_EQ(object.bounds().low, object.about(Vec3(0.5, 0, 0)).bounds().low + Vec3(0.5, 0, 0));
+  EXPECT_EQ((object.bounds().high - object.bounds().low).eval(), Vec3(0.5, 1.0, 1.5));
+}
+
 TEST(ObjectGeometry, NeighboursAreNearInMemory) {
   const TriangleMesh mesh = make_icosphere(0.05, 5);
   const ObjectGeometry object(mesh, {});
