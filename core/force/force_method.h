@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/base/result.h"
 #include "core/force/touch_scene.h"
@@ -92,6 +93,9 @@ class ForceMethod {
     (void)object;
     return nullptr;
   }
+
+  // The objects for which there is one, in ascending order. RT: no.
+  virtual std::vector<int> list_streamed() const { return {}; }
 
   // The slow task: does one piece of work that steps have requested, such as building the structures of an object that the probe
   // approaches. Returns true if there was any. RT: no. Threads: may run beside step and reset, in one thread at a time.

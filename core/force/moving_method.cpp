@@ -107,6 +107,15 @@ StreamedMethod* MovingMethod::find_streamed(int object) noexcept {
   return found != groups_.end() ? found->streamed : nullptr;
 }
 
+std::vector<int> MovingMethod::list_streamed() const {
+  std::vector<int> objects;
+  for (const Group& group : groups_) {
+    if (group.streamed != nullptr) objects.push_back(group.objects.front());
+  }
+  std::ranges::sort(objects);
+  return objects;
+}
+
 bool MovingMethod::prepare() {
   bool any = false;
   for (Group& group : groups_) any = group.method->prepare() || any;

@@ -36,6 +36,7 @@ class MovingMethod final : public ForceMethod {
   void set_materials(std::span<const Material> materials) noexcept override;
   bool prepare() override;
   StreamedMethod* find_streamed(int object) noexcept override;
+  std::vector<int> list_streamed() const override;
   std::string describe() const override;
 
  private:

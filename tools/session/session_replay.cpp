@@ -15,9 +15,6 @@ namespace {
 // Replies are reordered by at most this; ForceCommand::answered_before covers as many.
 constexpr std::uint64_t kReach = 64;
 
-// Of a scene.
-constexpr int kMostObjects = 4096;
-
 // After so long in free space, without a button, a ball that carves remembers nothing: what it had of room or lag has faded.
 constexpr std::int64_t kForgottenNs = 300'000'000;
 // To make bodies takes up to a second.
@@ -153,10 +150,7 @@ Result<void> SessionReplay::begin(std::uint64_t sender, const ForceCommand& firs
   step_ = std::make_unique<HapticsStep>(std::move(*touch), offset_m);
   step_->use_effects(effects_);
   begin_moves(first.move_serial);
-  deformed_.clear();
-  for (int object = 0; object < kMostObjects; ++object) {
-    if (step_->touch().find_streamed(object) != nullptr) deformed_.push_back(object);
-  }
+  deformed_ = step_->touch().method().list_streamed();
   shape_serial_ = first.shape_serial;
   shapes_.begin(sender_, first.shape_serial);
   are_shapes_known_ = first.shape_serial == 0 || restore_shapes(first.scene_time_ns);

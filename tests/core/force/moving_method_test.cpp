@@ -405,6 +405,21 @@ TEST(MovingMethod, TakesOtherMaterialsByObject) {
   EXPECT_EQ(right.object, 1);
 }
 
+TEST(MovingMethod, ListsTheObjectsThatProgramsDeformWhereverTheyStand) {
+  TouchScene scene;
+  for (int n = 0; n < 5; ++n) scene.objects.push_back(felt_plate({0.1 * n, 0, 0}, {0.1 * n + 0.05, 0.05, 0.01}));
+  scene.objects[4].stream_reach_m = 0.01;
+  scene.objects[1].stream_reach_m = 0.01;
+  const auto method = make_felt(scene);
+  ASSERT_TRUE(method);
+  EXPECT_EQ(method->list_streamed(), (std::vector<int>{1, 4}));
+  for (int n = 0; n < 5; ++n) EXPECT_EQ(method->find_streamed(n) != nullptr, n == 1 || n == 4) << n;
+  scene.objects.resize(1);
+  const auto rigid = make_felt(scene);
+  ASSERT_TRUE(rigid);
+  EXPECT_TRUE(rigid->list_streamed().empty());
+}
+
 TEST(MovingMethod, OtherMethodsSayWhatFeelsMotion) {
   TouchScene scene;
   scene.objects.push_back(felt_plate({-0.05, -0.05, -0.01}, {0.05, 0.05, 0.0}, shift_motion(Vec3::Zero(), {0, 0, 0.02}, 1.0)));
