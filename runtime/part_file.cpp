@@ -9,8 +9,12 @@
 
 namespace hapton {
 
-PartPath::PartPath(std::filesystem::path path) : path_(std::move(path)), part_(path_) {
+PartPath::PartPath(std::filesystem::path path) : path_(std::move(path)) {
   std::error_code error;
+  // A link keeps leading to what is written.
+  if (auto target = std::filesystem::canonical(path_, error); !error && std::filesystem::is_symlink(path_, error))
+    path_ = std::move(target);
+  part_ = path_;
   const auto status = std::filesystem::status(path_, error);
   const bool is_other =
       std::filesystem::exists(status) && !std::filesystem::is_regular_file(status) && !std::filesystem::is_directory(status);

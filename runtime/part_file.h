@@ -10,7 +10,8 @@
 namespace hapton {
 
 // The name under which a file is written until it is complete: NAME.PID.part, beside it. keep() renames it; without that it is removed at
-// the end, and an earlier file stays. What is no file, as a pipe or all that is in /dev, is written itself. RT: no.
+// the end, and an earlier file stays. A symbolic link stays, too: the file that it leads to is replaced. What is no file, as a pipe or all
+// that is in /dev, is written itself. RT: no.
 class PartPath {
  public:
   PartPath() = default;

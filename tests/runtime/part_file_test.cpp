@@ -37,6 +37,21 @@ TEST(PartFile, AppearsWhenItIsKept) {
   EXPECT_EQ(count_files(scratch), 1);
 }
 
+TEST(PartFile, ALinkStaysAndLeadsToWhatWasWritten) {
+  const ScratchFolder scratch;
+  const auto target = scratch.write("a.csv", "old");
+  const auto link = scratch.path() / "link.csv";
+  std::filesystem::create_symlink(target.filename(), link);
+  auto file = PartFile::open(link);
+  ASSERT_TRUE(file) << file.error().what;
+  file->check(std::fputs("new", file->get()) >= 0);
+  ASSERT_TRUE(file->close());
+  ASSERT_TRUE(file->keep());
+  EXPECT_TRUE(std::filesystem::is_symlink(link));
+  EXPECT_EQ(text_of(target), "new");
+  EXPECT_EQ(count_files(scratch), 2);
+}
+
 TEST(PartFile, LeavesNothingIfItIsNotKept) {
   const ScratchFolder scratch;
   const auto path = scratch.write("a.csv", "old");
