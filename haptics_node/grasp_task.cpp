@@ -103,7 +103,7 @@ void GraspTask::pick_up(const GraspOrder& order) {
   link_.answers.publish({order.serial, tool_.get(), describe_tool(*tool_)});
   const double seconds = 1e-9 * static_cast<double>(clock.now_ns() - begin_ns);
   if (seconds > kNoticedS) {
-    log_info("{} is picked up; to prepare it took {:.1f} s", name, seconds);
+    log_info("{} is picked up; its preparation took {:.1f} s", name, seconds);
   } else {
     log_info("{} is picked up", name);
   }

@@ -12,6 +12,10 @@
 namespace hapton {
 namespace {
 
+// What knows shapes by messages alone has as many places.
+static_assert(ProgramShape::kMostObjects <= ShapePart::kMostObjects);
+static_assert(ProgramShape::kMostVertices <= ShapePart::kMostVertices);
+
 // Between two looks for shapes: a small part of the time between two of them.
 constexpr std::chrono::milliseconds kShapeLook(2);
 

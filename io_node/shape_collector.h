@@ -18,7 +18,6 @@ namespace hapton {
 // of the hub's clock. RT: yes. Threads: the servo's.
 class ShapeCollector {
  public:
-  static constexpr std::size_t kMostObjects = 8;                                // of a scene (ProgramShape::kMostObjects)
   static constexpr std::int64_t kPatienceNs = 60 * kNanosecondsPerMillisecond;  // the parts may be on their way
   static constexpr std::int64_t kRequestEveryNs = 200 * kNanosecondsPerMillisecond;
 
@@ -47,7 +46,7 @@ class ShapeCollector {
   const ServoTap* tap_;
   MoveSource processes_;
   std::uint32_t source_ = 0;
-  std::array<Newest, kMostObjects> objects_ = {};
+  std::array<Newest, ShapePart::kMostObjects> objects_ = {};
 };
 
 }  // namespace hapton

@@ -10,6 +10,7 @@ namespace hapton {
 // Displacements of some vertices of an object that programs deform (`deformed_by = "program"` in the scene file), from where they are at
 // rest: m, of the mesh, before scale and pose, as a morph's. A shape is sent in parts that begin at each multiple of kMostHere.
 struct ShapePart {
+  static constexpr std::size_t kMostObjects = 8;  // of a scene
   static constexpr std::uint32_t kMostHere = 64;
   static constexpr std::uint32_t kMostVertices = 10'000;
   static constexpr std::uint32_t kMostParts = (kMostVertices + kMostHere - 1) / kMostHere;
@@ -70,7 +71,8 @@ struct ShapeStart {
   std::int64_t end_ns = 0;
 };
 
-// vision -> hub -> haptics, and from a hub that records: while the newest shape of an object is not whole there. It is sent again, from a vertex on.
+// vision -> hub -> haptics, and from a hub that records: while the newest shape of an object is not whole there. It is sent again, from a
+// vertex on.
 struct ShapeStatus {
   std::uint32_t source = 0;  // as in ObjectShape
   std::uint32_t serial = 0;  // of that shape

@@ -3,12 +3,6 @@
 #include <algorithm>
 
 namespace hapton {
-namespace {
-
-// Moves are taken this long before they were recorded, since one may begin, in scene time, shortly before. Too early does no harm.
-constexpr double kAheadS = 0.2;
-
-}  // namespace
 
 bool RecordedObjects::show(double t_s, std::int64_t scene_time_ns) {
   const std::size_t poses = count_until(index_.poses(), t_s);

@@ -10,6 +10,9 @@ namespace hapton {
 // Places the objects of the scene as they were at a moment of a recording; moments may come in any order. RT: no. Threads: one.
 class RecordedObjects {
  public:
+  // Motions are taken this long before they were recorded, since one may begin, in scene time, shortly before. Too early does no harm.
+  static constexpr double kAheadS = 0.2;
+
   // Pre: both outlive this; nothing else moves the objects.
   RecordedObjects(const SessionIndex& index, MovedObjects& moved) : index_(index), moved_(moved) {}
 

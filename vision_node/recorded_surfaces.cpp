@@ -2,11 +2,10 @@
 
 #include <algorithm>
 
+#include "vision_node/recorded_objects.h"
+
 namespace hapton {
 namespace {
-
-// As RecordedObjects: a motion may begin, in scene time, shortly before it is recorded.
-constexpr double kShapeAheadS = 0.2;
 
 // The present shape of an object leads there.
 bool is_next(const IndexedShape* shown, const IndexedShape* wanted) {
@@ -23,7 +22,7 @@ void RecordedSurfaces::show(double t_s, std::int64_t scene_time_ns) {
   if (index_.shapes().all().empty()) return;
   std::vector<const IndexedShape*> wanted(shown_.size());
   for (std::size_t o = 0; o < wanted.size(); ++o) {
-    wanted[o] = index_.shapes().find(static_cast<std::int32_t>(o), t_s, kShapeAheadS, scene_time_ns);
+    wanted[o] = index_.shapes().find(static_cast<std::int32_t>(o), t_s, RecordedObjects::kAheadS, scene_time_ns);
   }
   const bool goes_on = std::equal(shown_.begin(), shown_.end(), wanted.begin(), is_next);
   if (!goes_on) {

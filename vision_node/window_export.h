@@ -20,7 +20,7 @@ struct WindowWork {
 
 // Writes it for other programs, under the next free number: strokes and measures as hapton_export_001.vtp, the surface of each object that
 // is carved as hapton_export_001_NAME.stl, S, metres. Each file is there as a whole or not at all. Returned: a line for the picture that
-// says where the files are, or that there is nothing to write. Error: one line. RT: no; a surface of 100,000 triangles takes 0.1 s.
+// says where the files are, or that there is nothing to write. Error: one line. RT: no.
 Result<std::string> export_work(const WindowWork& work, const std::filesystem::path& folder);
 
 }  // namespace hapton

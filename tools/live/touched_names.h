@@ -2,15 +2,14 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
-
 #include <vector>
 
 #include "scene/object_names.h"
 
 namespace hapton {
 
-// Names what a hub's report says is touched, from the scene that the report names, if that is on this host. Loads it once for
-// each scene that is touched; its materials may change (--watch-scene). RT: no.
+// Names what a hub's report says is touched, from the scene that the report names, if that is on this host. Loads it once for each scene
+// that is touched; its materials may change (--watch-scene). RT: no.
 class TouchedNames {
  public:
   // "touching hood (sheet metal)", "touching object 3" where its name is not known here; empty: nothing is touched, or it is unknown.

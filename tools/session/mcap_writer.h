@@ -18,8 +18,8 @@ namespace hapton {
 
 // Writes a file in the MCAP format, version 0 (https://mcap.dev/spec): messages in chunks of kChunkBytes without compression, each chunk
 // with its message indexes, a summary with statistics and the index of the chunks, and every checksum that the format has. Times: ns, as
-// the caller counts them. RT: no. Threads: one. The file appears at close(), complete, or not at all. Error:
-// of a full or failing disk; close returns it.
+// the caller counts them. RT: no. Threads: one. The file appears at close(), complete, or not at all. Error: of a full or failing disk;
+// close returns it.
 class McapWriter {
  public:
   static constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
