@@ -11,24 +11,29 @@ namespace hapton {
 
 PartPath::PartPath(std::filesystem::path path) : path_(std::move(path)) {
   std::error_code error;
+  target_ = path_;
   // A link keeps leading to what is written.
   if (auto target = std::filesystem::canonical(path_, error); !error && std::filesystem::is_symlink(path_, error))
-    path_ = std::move(target);
-  part_ = path_;
-  const auto status = std::filesystem::status(path_, error);
+    target_ = std::move(target);
+  part_ = target_;
+  const auto status = std::filesystem::status(target_, error);
   const bool is_other =
       std::filesystem::exists(status) && !std::filesystem::is_regular_file(status) && !std::filesystem::is_directory(status);
-  if (is_other || path_.parent_path() == "/dev") return;
+  if (is_other || target_.parent_path() == "/dev") return;
   part_ += fmt::format(".{}.part", getpid());
   is_pending_ = true;
 }
 
 PartPath::PartPath(PartPath&& other) noexcept
-    : path_(std::move(other.path_)), part_(std::move(other.part_)), is_pending_(std::exchange(other.is_pending_, false)) {}
+    : path_(std::move(other.path_)),
+      target_(std::move(other.target_)),
+      part_(std::move(other.part_)),
+      is_pending_(std::exchange(other.is_pending_, false)) {}
 
 PartPath& PartPath::operator=(PartPath&& other) noexcept {
   discard();
   path_ = std::move(other.path_);
+  target_ = std::move(other.target_);
   part_ = std::move(other.part_);
   is_pending_ = std::exchange(other.is_pending_, false);
   return *this;
@@ -42,7 +47,7 @@ void PartPath::discard() noexcept {
 Result<void> PartPath::keep() {
   if (!is_pending_) return {};
   std::error_code error;
-  std::filesystem::rename(part_, path_, error);
+  std::filesystem::rename(part_, target_, error);
   if (!error) {
     is_pending_ = false;
     return {};

@@ -22,7 +22,7 @@ class PartPath {
 
   // To be written.
   const std::filesystem::path& part() const noexcept { return part_; }
-  // As it will be named.
+  // As given: the name for messages.
   const std::filesystem::path& path() const noexcept { return path_; }
   // Pre: it is closed. Error: one line with its name; nothing is left of it.
   Result<void> keep();
@@ -31,6 +31,7 @@ class PartPath {
   void discard() noexcept;
 
   std::filesystem::path path_;
+  std::filesystem::path target_;  // the same, or what the symbolic link leads to
   std::filesystem::path part_;
   bool is_pending_ = false;  // the part is to be removed
 };

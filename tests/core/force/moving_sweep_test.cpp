@@ -1,0 +1,137 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <tuple>
+#include <utility>
+
+#include "tests/core/force/moving_plates.h"
+
+namespace hapton {
+namespace {
+
+// A plate that comes from one side upon a hand that holds still, at the largest speed; plates that stand still lie beside it.
+struct PlateSweep {
+  double rate_hz;
+  double radius_m;
+  double side;  // +1: the plate comes from above and pushes down
+  std::string name = "proxy";
+};
+
+class MovingSweep : public testing::TestWithParam<std::tuple<double, double, double, std::string>> {
+ protected:
+  PlateSweep sweep() const { return {std::get<0>(GetParam()), std::get<1>(GetParam()), std::get<2>(GetParam()), std::get<3>(GetParam())}; }
+  MethodSettings settings() const { return {.name = sweep().name, .probe_radius_m = sweep().radius_m}; }
+};
+
+// The force is stiffness times how far the face has passed the hand, in every step, long after the whole plate is on the other side.
+TEST_P(MovingSweep, PushesAHandAheadAndIsNeverPassed) {
+  const auto [rate_hz, radius, side, name] = sweep();
+  const double seconds = 0.2;
+  TouchScene scene;
+  // 4 mm thick; its leading face starts 10 mm before the hand and ends 40 mm behind it.
+  const auto motion = shift_motion(Vec3::Zero(), {0, 0, -side * kPlateSpeed * seconds}, seconds);
+  scene.objects.push_back(felt_plate({-0.06, -0.06, side > 0 ? 0.010 : -0.014}, {0.06, 0.06, side > 0 ? 0.014 : -0.010}, motion));
+  scene.objects.push_back(felt_plate({0.08, -0.06, -0.01}, {0.1, 0.06, 0.01}));  // stands still, out of reach
+  const auto method = make_felt(scene, settings());
+  ASSERT_TRUE(method);
+  const Vec3 hand(0.0123, -0.0045, 0.0);
+  method->reset(hand);
+  double last_n = 0.0;
+  for (int i = 0; i <= static_cast<int>(seconds * rate_hz); ++i) {
+    const double time = i / rate_hz;
+    const MethodOutput felt = method->step({.p_SD = hand, .dt_s = 1.0 / rate_hz, .time_s = time});
+    const double passed = kPlateSpeed * time - 0.010 + radius;
+    const Vec3 expected(0, 0, -side * kPlateStiffness * std::max(0.0, passed));
+    ASSERT_LT((felt.force_n - expected).norm(), 2e-6 * kPlateStiffness * 0.1 + 1e-3) << "at " << time << " s";
+    ASSERT_LE(felt.force_n.norm() - last_n, kPlateStiffness * kPlateSpeed / rate_hz * (1.0 + 1e-6) + 1e-9) << "at " << time << " s";
+    if (passed > 1e-6) {
+      ASSERT_TRUE(felt.contact) << "at " << time << " s";
+      ASSERT_EQ(felt.object, 0);
+    }
+    last_n = felt.force_n.norm();
+  }
+  EXPECT_GT(last_n, 39.0);
+}
+
+// Plates that stand still lie right behind the moving one and right before the hand's other side: they stay closed, and the moving one is
+// not felt through them.
+TEST_P(MovingSweep, PassesNothingBetweenPlatesThatStandStill) {
+  const auto [rate_hz, radius, side, name] = sweep();
+  const double seconds = 0.24;
+  TouchScene scene;
+  const auto at = [side](double low, double high, std::shared_ptr<const KeyframeMotion> motion = nullptr) {
+    return felt_plate({-0.06, -0.06, side > 0 ? low : -high}, {0.06, 0.06, side > 0 ? high : -low}, std::move(motion));
+  };
+  scene.objects.push_back(at(-0.030, -0.020));  // the floor, 20 mm before the hand
+  scene.objects.push_back(at(0.010, 0.014, shift_motion(Vec3::Zero(), {0, 0, -side * kPlateSpeed * seconds}, seconds)));
+  scene.objects.push_back(at(0.0145, 0.020));  // behind the plate as it begins
+  const auto method = make_felt(scene, settings());
+  ASSERT_TRUE(method);
+  const Vec3 hand(0.0123, -0.0045, 0.0);
+  method->reset(hand);
+  Vec3 last = Vec3::Zero();
+  for (int i = 0; i <= static_cast<int>(seconds * rate_hz); ++i) {
+    const double time = i / rate_hz;
+    const MethodOutput felt = method->step({.p_SD = hand, .dt_s = 1.0 / rate_hz, .time_s = time});
+    // The probe never leaves the room before the floor, whatever comes.
+    ASSERT_GE(side * felt.p_SP.z(), -0.020 + radius - 1e-9) << "at " << time << " s";
+    ASSERT_LE((felt.force_n - last).norm(), kPlateStiffness * kPlateSpeed / rate_hz * (1.0 + 1e-6) + 1e-9) << "at " << time << " s";
+    const double pushed = std::max(0.0, kPlateSpeed * time - 0.010 + radius);
+    const double room = 0.020 - radius;
+    ASSERT_NEAR(-side * felt.force_n.z(), kPlateStiffness * std::min(pushed, room), 1e-3) << "at " << time << " s";
+    last = felt.force_n;
+  }
+}
+
+// A lid on a hinge comes upon the hand from above, to the end of its way; the hand is 60 mm from the hinge.
+TEST_P(MovingSweep, ALidThatClosesPushesTheHandAhead) {
+  const auto [rate_hz, radius, side, name] = sweep();
+  const double seconds = 0.5;
+  const double angle = kPlateSpeed * seconds / 0.08;  // the lid's edge is 80 mm from the hinge
+  TouchScene scene;
+  scene.objects.push_back(
+      felt_plate({-0.08, -0.05, -0.002}, {0.0, 0.05, 0.002}, turn_motion(Vec3::Zero(), Vec3::UnitY(), -side * angle, seconds)));
+  const auto method = make_felt(scene, settings());
+  ASSERT_TRUE(method);
+  const Vec3 hand(-0.06, 0.011, -side * 0.015);
+  method->reset(hand);
+  double last_n = 0.0;
+  bool was_touched = false;
+  for (int i = 0; i <= static_cast<int>(seconds * rate_hz); ++i) {
+    const double time = i / rate_hz;
+    const MethodOutput felt = method->step({.p_SD = hand, .dt_s = 1.0 / rate_hz, .time_s = time});
+    const Pose X_SO = scene.objects[0].motion->pose_at(time);
+    const Vec3 in_lid = X_SO.inverse(Eigen::Isometry) * hand;
+    const double passed = side * in_lid.z() + 0.002 + radius;
+    ASSERT_NEAR(felt.force_n.norm(), kPlateStiffness * std::max(0.0, passed), 1e-3) << "at " << time << " s";
+    ASSERT_LE(felt.force_n.norm() - last_n, kPlateStiffness * kPlateSpeed / rate_hz * (1.0 + 1e-3)) << "at " << time << " s";
+    if (passed > 1e-6) {
+      const Vec3 normal = X_SO.linear() * Vec3(0, 0, -side);
+      ASSERT_GT(felt.force_n.normalized().dot(normal), 1.0 - 1e-9) << "at " << time << " s";
+    }
+    was_touched = was_touched || passed > 0.01;
+    last_n = felt.force_n.norm();
+  }
+  EXPECT_TRUE(was_touched);
+}
+
+INSTANTIATE_TEST_SUITE_P(Rates, MovingSweep,
+                         testing::Combine(testing::Values(250.0, 1000.0, 4000.0), testing::Values(0.0, 0.003), testing::Values(1.0, -1.0),
+                                          testing::Values("proxy")),
+                         [](const auto& given) {
+                           return std::to_string(static_cast<int>(std::get<0>(given.param))) + "_Hz_" +
+                                  (std::get<1>(given.param) > 0 ? "sphere" : "point") +
+                                  (std::get<2>(given.param) > 0 ? "_from_above_" : "_from_below_") + std::get<3>(given.param);
+                         });
+INSTANTIATE_TEST_SUITE_P(Reference, MovingSweep,
+                         testing::Combine(testing::Values(250.0), testing::Values(0.0, 0.003), testing::Values(1.0, -1.0),
+                                          testing::Values("reference")),
+                         [](const auto& given) {
+                           return std::string(std::get<1>(given.param) > 0 ? "sphere" : "point") +
+                                  (std::get<2>(given.param) > 0 ? "_from_above" : "_from_below");
+                         });
+
+}  // namespace
+}  // namespace hapton
