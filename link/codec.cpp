@@ -14,6 +14,7 @@
 
 #include "hapton.pb.h"
 #include "link/endpoint.h"
+#include "link/fixed_codec.h"
 #include "link/message_codec.h"
 
 namespace hapton {
@@ -346,6 +347,7 @@ Codec::Codec(Codec&&) noexcept = default;
 Codec& Codec::operator=(Codec&&) noexcept = default;
 
 std::size_t Codec::encode(const Datagram& datagram, std::span<std::byte> into) noexcept {
+  if (const std::size_t bytes = encode_fixed(datagram, into); bytes != 0) return bytes;
   wire::Envelope& e = wire_->outgoing;
   e.Clear();
   e.set_version(kProtocolVersion);
@@ -370,6 +372,7 @@ DecodeStatus Codec::decode(std::span<const std::byte> bytes, Datagram& datagram)
   if (bytes.size() > kMaxDatagramBytes) {
     return DecodeStatus::bad_value;
   }
+  if (decode_fixed(bytes, datagram)) return DecodeStatus::ok;
   const std::optional<std::uint64_t> version = peek_version(bytes);
   if (!version) {
     return DecodeStatus::truncated;

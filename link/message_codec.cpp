@@ -29,12 +29,6 @@ bool read_document(std::uint32_t from, ReportDocument& to) {
   return from <= static_cast<std::uint32_t>(ReportDocument::csv);
 }
 
-// On the wire 0 says none, so that a sender that does not know the field says just that. What no scene has is none, too.
-std::uint32_t write_object(std::int32_t object) { return object < 0 ? 0U : static_cast<std::uint32_t>(object) + 1U; }
-std::int32_t read_object(std::uint32_t touched) {
-  return touched > static_cast<std::uint32_t>(std::numeric_limits<std::int32_t>::max()) ? -1 : static_cast<std::int32_t>(touched) - 1;
-}
-
 template <class Field>
 bool read_point(const Field& field, int first, SceneFacts::Point& point) {
   for (std::size_t axis = 0; axis < point.size(); ++axis) {

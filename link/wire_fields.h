@@ -24,6 +24,18 @@ inline bool read_object_number(std::uint32_t from, std::int32_t& to) {
   return from <= static_cast<std::uint32_t>(std::numeric_limits<std::int32_t>::max());
 }
 
+// On the wire 0 says none, so that a sender that does not know the field says just that. What no scene has is none, too.
+inline std::uint32_t write_object(std::int32_t object) { return object < 0 ? 0U : static_cast<std::uint32_t>(object) + 1U; }
+inline std::int32_t read_object(std::uint32_t touched) {
+  return touched > static_cast<std::uint32_t>(std::numeric_limits<std::int32_t>::max()) ? -1 : static_cast<std::int32_t>(touched) - 1;
+}
+
+inline bool is_wire_vector(const Vec3& v) { return v.allFinite() && v.cwiseAbs().maxCoeff() <= kMaxWireMagnitude; }
+
+constexpr double kUnitTolerance = 1e-3;
+// False for NaN as well.
+inline bool is_wire_rotation(const Quat& q) { return std::abs(q.norm() - 1.0) <= kUnitTolerance; }
+
 template <class Field>
 void write_vector(Field& field, const Vec3& v) {
   field.Clear();
@@ -38,7 +50,7 @@ bool read_vector(const Field& field, Vec3& v) {
     return false;
   }
   v = Vec3(field.Get(0), field.Get(1), field.Get(2));
-  return v.allFinite() && v.cwiseAbs().maxCoeff() <= kMaxWireMagnitude;
+  return is_wire_vector(v);
 }
 
 // Zero where it is absent: in the messages of a program that does not know the field.
@@ -47,8 +59,6 @@ bool read_optional_vector(const Field& field, Vec3& v) {
   v = Vec3::Zero();
   return field.empty() || read_vector(field, v);
 }
-
-constexpr double kUnitTolerance = 1e-3;
 
 template <class Field>
 void write_rotation(Field& field, const Quat& q) {
@@ -64,7 +74,7 @@ bool read_rotation(const Field& field, Quat& q) {
     return false;
   }
   q = Quat(field.Get(0), field.Get(1), field.Get(2), field.Get(3));
-  return std::abs(q.norm() - 1.0) <= kUnitTolerance;  // false for NaN as well
+  return is_wire_rotation(q);
 }
 
 template <class Numbers, class Field>
