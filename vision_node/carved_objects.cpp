@@ -73,7 +73,8 @@ void CarvedObjects::carve(std::span<const NumberedCarve> carves, bool starts_ane
 
 // Pre: the mutex is held.
 void CarvedObjects::begin_anew() {
-  order_ = {.starts_anew = true, .carves = {}};
+  order_.starts_anew = true;
+  order_.carves.clear();
   list_.clear();
   is_busy_ = true;
 }
@@ -104,10 +105,19 @@ std::optional<Vec3> CarvedObjects::find_closest(std::size_t object, const Vec3& 
   return carved != surfaces_.end() ? find_closest_surface_point(carved->second.field(), p) : std::nullopt;
 }
 
-std::optional<CarvedField> CarvedObjects::copy_field(std::size_t object) const {
-  const std::shared_lock lock(fields_mutex_);
-  const auto carved = surfaces_.find(object);
-  return carved != surfaces_.end() ? std::optional(carved->second.field()) : std::nullopt;
+std::future<CarvedObjects::Fields> CarvedObjects::request_fields() const {
+  std::promise<Fields> wanted;
+  std::future<Fields> fields = wanted.get_future();
+  if (!has_any_) {
+    wanted.set_value({});
+    return fields;
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    order_.wanted.push_back(std::move(wanted));
+  }
+  ordered_.notify_all();
+  return fields;
 }
 
 bool CarvedObjects::is_up_to_date() const {
@@ -123,9 +133,11 @@ void CarvedObjects::run() {
     const auto next = std::chrono::steady_clock::now() + kEvery;
     carry_out(order);
     std::unique_lock lock(mutex_);
-    is_busy_ = order_.starts_anew || !order_.carves.empty();
+    is_busy_ = !order_.is_empty();
     ordered_.wait_until(lock, next, [this] { return stop_; });
   }
+  apply(order);
+  give_fields(order);
 }
 
 void CarvedObjects::make_surfaces() {
@@ -140,28 +152,44 @@ void CarvedObjects::make_surfaces() {
     const std::unique_lock lock(fields_mutex_);
     surfaces_.try_emplace(o, std::move(*field), frame_detail(*object.mesh));
   }
-  carry_out({});
+  Order nothing;
+  carry_out(nothing);
   const std::lock_guard lock(mutex_);
-  is_busy_ = order_.starts_anew || !order_.carves.empty();
+  is_busy_ = !order_.is_empty();
 }
 
 bool CarvedObjects::wait_for_order(Order& order) {
   std::unique_lock lock(mutex_);
-  ordered_.wait(lock, [this] { return stop_ || order_.starts_anew || !order_.carves.empty(); });
+  ordered_.wait(lock, [this] { return stop_ || !order_.is_empty(); });
   order = std::exchange(order_, {});
   return !stop_;
 }
 
-void CarvedObjects::carry_out(const Order& order) {
+void CarvedObjects::carry_out(Order& order) {
+  apply(order);
+  give_fields(order);
+  for (auto& [number, surface] : surfaces_) {
+    if (surface.has_changed()) offer(number, surface.compute_levels());
+  }
+}
+
+void CarvedObjects::apply(const Order& order) {
   if (order.starts_anew) {
     const std::unique_lock lock(fields_mutex_);
     applied_.clear();
     for (auto& [number, surface] : surfaces_) surface.restore();
   }
   for (const MadeCarve& made : order.carves) apply(made);
-  for (auto& [number, surface] : surfaces_) {
-    if (surface.has_changed()) offer(number, surface.compute_levels());
+}
+
+// The fields change in this thread alone.
+void CarvedObjects::give_fields(Order& order) const {
+  for (std::promise<Fields>& wanted : order.wanted) {
+    Fields fields;
+    for (const auto& [number, surface] : surfaces_) fields.try_emplace(number, surface.field());
+    wanted.set_value(std::move(fields));
   }
+  order.wanted.clear();
 }
 
 void CarvedObjects::apply(const MadeCarve& made) {

@@ -3,6 +3,7 @@
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
+#include <future>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -56,8 +57,10 @@ class CarvedObjects {
   // Pre: finite.
   std::optional<Vec3> find_closest(std::size_t object, const Vec3& p) const;
 
-  // Its material as it is now, without carves of the last 1/30 s. None: it is not carved, or not ready yet. Frame S.
-  std::optional<CarvedField> copy_field(std::size_t object) const;
+  // The material of all objects that can be carved, by object, with all carves that were taken until now, and none that is taken later. The
+  // thread copies it; it comes in any case, also at the end of this. Frame S.
+  using Fields = std::map<std::size_t, CarvedField>;
+  std::future<Fields> request_fields() const;
 
   // Everything received is drawn.
   bool is_up_to_date() const;
@@ -66,6 +69,9 @@ class CarvedObjects {
   struct Order {
     bool starts_anew = false;
     std::vector<MadeCarve> carves;
+    std::vector<std::promise<Fields>> wanted;  // copies, after these carves
+
+    bool is_empty() const { return !starts_anew && carves.empty() && wanted.empty(); }
   };
   struct Made {
     std::size_t object = 0;
@@ -77,8 +83,10 @@ class CarvedObjects {
   void run();
   void make_surfaces();
   bool wait_for_order(Order& order);
-  void carry_out(const Order& order);
+  void carry_out(Order& order);
+  void apply(const Order& order);
   void apply(const MadeCarve& made);
+  void give_fields(Order& order) const;
   void offer(std::size_t object, std::vector<FlatLevel> levels);
 
   StereoView& view_;
@@ -91,8 +99,8 @@ class CarvedObjects {
   mutable std::shared_mutex fields_mutex_;
 
   mutable std::mutex mutex_;
-  std::condition_variable ordered_;
-  Order order_;             // what came since the thread took the last one
+  mutable std::condition_variable ordered_;
+  mutable Order order_;     // what came since the thread took the last one
   bool is_busy_ = false;    // the thread has something to do, or is doing it
   std::vector<Made> made_;  // the newest of each object, not shown yet
   bool stop_ = false;

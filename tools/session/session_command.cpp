@@ -99,8 +99,9 @@ Result<void> write_tables(const SessionOptions& options) {
   });
   if (!done) return done;
   if (const auto closed = tables->close(); !closed) return closed;
-  fmt::print("{}/trajectory.csv: {} rows, forces.csv: {}, cycles.csv: {}\n", options.out, tables->rows().trajectory, tables->rows().forces,
-             tables->rows().cycles);
+  fmt::print("{}/trajectory.csv: {} rows, forces.csv: {}, cycles.csv: {}{}\n", options.out, tables->rows().trajectory,
+             tables->rows().forces, tables->rows().cycles,
+             tables->shapes() > 0 ? fmt::format(", shapes.csv: {}", tables->shapes()) : std::string());
   return check_end(*reader);
 }
 
