@@ -69,10 +69,9 @@ class CarvedObjects {
   struct Order {
     bool starts_anew = false;
     std::vector<MadeCarve> carves;
-    std::vector<std::promise<Fields>> wanted;  // copies, after these carves
-
-    bool is_empty() const { return !starts_anew && carves.empty() && wanted.empty(); }
+    std::optional<std::promise<Fields>> wanted;  // a copy, after these carves; what comes later is of the next order
   };
+  using Orders = std::vector<Order>;
   struct Made {
     std::size_t object = 0;
     std::vector<FlatLevel> levels;
@@ -82,11 +81,14 @@ class CarvedObjects {
   void begin_anew();
   void run();
   void make_surfaces();
-  bool wait_for_order(Order& order);
-  void carry_out(Order& order);
+  Order& open_order() const;
+  std::size_t count_waiting() const;
+  bool wait_for_orders(Orders& orders);
+  void carry_out(Orders& orders);
   void apply(const Order& order);
   void apply(const MadeCarve& made);
-  void give_fields(Order& order) const;
+  Fields copy_fields() const;
+  void offer_changed();
   void offer(std::size_t object, std::vector<FlatLevel> levels);
 
   StereoView& view_;
@@ -100,7 +102,7 @@ class CarvedObjects {
 
   mutable std::mutex mutex_;
   mutable std::condition_variable ordered_;
-  mutable Order order_;     // what came since the thread took the last one
+  mutable Orders orders_;   // what came since the thread took the last ones
   bool is_busy_ = false;    // the thread has something to do, or is doing it
   std::vector<Made> made_;  // the newest of each object, not shown yet
   bool stop_ = false;

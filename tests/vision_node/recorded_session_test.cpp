@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "core/geometry/mesh_measures.h"
+#include "core/geometry/mesh_shapes.h"
 #include "scene/mesh_file.h"
 #include "scene/object_reader.h"
 #include "tests/session/opened_recording.h"
@@ -326,6 +327,7 @@ TEST(RecordedSession, AKeyExportsWhatWasCarvedUntilTheMomentShown) {
     options.annotations.export_folder = scratch.path();
     RecordedWindow window(options);
     window.scene.objects[0].name = "clay";
+    window.scene.objects[0].mesh = std::make_shared<const TriangleMesh>(make_icosphere(0.015, 3));
     window.scene.objects[0].sculpt = SculptSettings{.voxel_m = 0.001, .tool_radius_m = 0.006};
     MovedObjects moved(*window.view, window.scene);
     CarvedObjects carved(*window.view, window.scene);
@@ -349,7 +351,7 @@ TEST(RecordedSession, AKeyExportsWhatWasCarvedUntilTheMomentShown) {
   EXPECT_EQ(volume_at(1.5), 0.0) << "nothing to export";
   const double carved = volume_at(2.5);
   EXPECT_GT(carved, 0.0);
-  EXPECT_LT(carved, 0.95 * compute_volume(*make_marker(Vec3::Zero(), 0.015)));
+  EXPECT_LT(carved, 0.95 * compute_volume(make_icosphere(0.015, 3)));
   EXPECT_EQ(volume_at(3.5), 0.0) << "another haptics process";
 }
 

@@ -141,7 +141,7 @@ void add_shape(SessionExport& to, std::uint32_t serial, std::uint64_t sample, bo
 
 TEST_F(ExportTest, ShapesHaveARowEachAndTheirVerticesInAnArray) {
   for (std::uint32_t serial = 1; serial <= 2; ++serial) add_shape(exported, serial, 10 * serial);
-  add_shape(exported, 3, 30, false);
+  add_shape(exported, 3, 40, false);
   ASSERT_TRUE(exported.close());
   EXPECT_EQ(exported.shapes(), 3U);
   const std::string times = ",1.5,2,";
@@ -149,7 +149,7 @@ TEST_F(ExportTest, ShapesHaveARowEachAndTheirVerticesInAnArray) {
             (std::vector<std::string>{"t_s,process,serial,object,before,start_scene_time_s,end_scene_time_s,vertices,row,file,name",
                                       "0.01,0,1,1,0" + times + "2,0,shapes_0_1.npy,\"a, \"\"b\"\"\"",
                                       "0.02,0,2,1,1" + times + "2,1,shapes_0_1.npy,\"a, \"\"b\"\"\"",
-                                      "0.03,0,3,1,2" + times + "100,,,\"a, \"\"b\"\"\""}));
+                                      "0.04,0,3,1,2" + times + "100,,,\"a, \"\"b\"\"\""}));
   std::ifstream in(folder / "shapes_0_1.npy", std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(in), {}};
   ASSERT_EQ(bytes.size(), 128U + 2 * 2 * 3 * sizeof(float));
