@@ -322,7 +322,7 @@ TEST(RecordedSession, AKeyExportsWhatWasCarvedUntilTheMomentShown) {
     const ScratchFolder scratch;
     VisionOptions options;
     options.at_s = t_s;
-    options.seconds = 0.5;
+    options.seconds = 60.0;
     options.view.offscreen = false;
     options.annotations.export_folder = scratch.path();
     RecordedWindow window(options);
@@ -339,7 +339,7 @@ TEST(RecordedSession, AKeyExportsWhatWasCarvedUntilTheMomentShown) {
     window.view->draw();
     Person person;
     EXPECT_TRUE(person.found());
-    person.press_key(XK_o);
+    for (const KeySym key : {XK_o, XK_q}) person.press_key(key);
     EXPECT_TRUE(window.session->run(window.stop));
     window.session.reset();  // finishes it
     const auto file = scratch.path() / "hapton_export_001_clay.stl";
