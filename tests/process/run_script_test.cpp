@@ -157,7 +157,10 @@ std::filesystem::path find_folder_of(const std::vector<std::string>& words) {
 
 // Screenshots, saved annotations and exports of its keys go to the current folder.
 TEST_F(RunScript, TheWindowRunsInTheFolderWhereItWasCalled) {
-  Program script = start({"--headless", "--seconds", "200"});
+  Program script("/usr/bin/env",
+                 {"--chdir=" + folder_.path().string(), HAPTON_SOURCE_DIR "/deploy/run", "--bin", HAPTON_BIN_DIR, "--out", out().string(),
+                  "--headless", "--seconds", "200"},
+                 folder_.path());
   ASSERT_TRUE(wait_until_touching(script)) << script.out() << script.err();
   const std::vector<std::string> words = {"bin/vision_node", (out() / "stereo.png").string()};
   const auto called_from = std::filesystem::canonical(folder_.path());
