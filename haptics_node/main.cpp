@@ -31,6 +31,7 @@
 #include "runtime/cpu_check.h"
 #include "runtime/descriptor_check.h"
 #include "runtime/log.h"
+#include "runtime/standard_streams.h"
 #include "scene/find_scene.h"
 #include "scene/scene_combination.h"
 #include "scene/scene_file.h"
@@ -263,6 +264,7 @@ int run(const HapticsOptions& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  open_standard_streams();
   check_cpu("haptics_node");
   check_descriptors("haptics_node");
   start_log("haptics_node");

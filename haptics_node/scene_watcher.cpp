@@ -49,7 +49,7 @@ SceneWatcher::SceneWatcher(Options options, Scene scene, MaterialTuner& tuner, M
     : options_(std::move(options)), base_(scene), used_(std::move(scene)), tuner_(tuner), builder_(builder), file_(options_.path) {}
 
 SceneWatcher::~SceneWatcher() {
-  stop_.store(true);
+  calls_.stop();
   if (thread_.joinable()) thread_.join();
 }
 
@@ -60,10 +60,9 @@ void SceneWatcher::start() {
 void SceneWatcher::run() {
   // Two looks a second: a change counts at the second one that sees it.
   constexpr auto kPeriod = std::chrono::milliseconds(500);
-  while (!stop_.load()) {
+  do {
     (void)look();
-    std::this_thread::sleep_for(kPeriod);
-  }
+  } while (calls_.sleep(kPeriod));
 }
 
 SceneWatcher::Look SceneWatcher::look() {
@@ -79,38 +78,54 @@ SceneWatcher::Look SceneWatcher::look() {
       break;
   }
   file_.accept();
-  auto scene = load_scene(options_.path, options_.loading);
+  auto result = calls_.call([read = options_.read, path = options_.path, loading = options_.loading] { return read(path, loading); });
+  if (!result) return Look::waiting;
+  Result<Scene>& scene = *result;
   if (!scene) {
     log_warning("{}; the present scene stays in use", scene.error().what);
     return Look::rejected;
   }
-  if (!has_same_plugins(used_, *scene)) {
+  return may_replace(*scene) ? take(std::move(*scene)) : Look::rejected;
+}
+
+// Otherwise the log has the reason.
+bool SceneWatcher::may_replace(const Scene& scene) const {
+  // As at the start of the node.
+  const bool has_movable = std::ranges::any_of(scene.objects, &SceneObject::is_movable);
+  if (has_movable || scene.tool) {
+    log_warning(
+        "{}: --watch-scene does not support {}; leave out {}, or start haptics_node again without --watch-scene; the present scene "
+        "stays in use",
+        options_.path.string(), has_movable ? "movable objects" : "a rigid tool", has_movable ? "'movable = true'" : "[tool]");
+    return false;
+  }
+  if (!has_same_plugins(used_, scene)) {
     log_warning("{}: its plug-ins have changed: start haptics_node again to use it; the present scene stays in use",
                 options_.path.string());
-    return Look::rejected;
+    return false;
   }
-  if (!has_same_commanded(used_, *scene)) {
+  if (!has_same_commanded(used_, scene)) {
     log_warning(
         "{}: programs move objects of this scene, and their shapes, their poses at rest, or the names or the number of all objects have "
         "changed: start haptics_node again to use it; the present scene stays in use",
         options_.path.string());
-    return Look::rejected;
+    return false;
   }
-  if (!has_same_sculpt(used_, *scene)) {
+  if (!has_same_sculpt(used_, scene)) {
     log_warning(
         "{}: objects of this scene can be carved, and the shapes of its objects have changed: start haptics_node again to use it; the "
         "present scene stays in use",
         options_.path.string());
-    return Look::rejected;
+    return false;
   }
-  if (!has_same_program_shapes(used_, *scene)) {
+  if (!has_same_program_shapes(used_, scene)) {
     log_warning(
         "{}: programs deform objects of this scene, and the shapes or the names of its objects have changed: start haptics_node again "
         "to use it; the present scene stays in use",
         options_.path.string());
-    return Look::rejected;
+    return false;
   }
-  return take(std::move(*scene));
+  return true;
 }
 
 SceneWatcher::Look SceneWatcher::take(Scene scene) {

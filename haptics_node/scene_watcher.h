@@ -1,6 +1,5 @@
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -10,13 +9,14 @@
 #include "haptics_node/material_tuner.h"
 #include "haptics_node/method_builder.h"
 #include "runtime/file_watch.h"
+#include "runtime/stoppable_calls.h"
 #include "scene/scene_file.h"
 
 namespace hapton {
 
 // Looks at a scene file and brings what has changed in it under the hand, without a force discontinuity: materials as MaterialTuner changes
 // them, everything else by a method that MethodBuilder swaps. A file with an error is one line in the log, and the scene in use goes on.
-// A thread of its own, or whoever calls look(). RT: no.
+// A thread of its own, or whoever calls look(). Its end does not wait for a file that is being read. RT: no.
 class SceneWatcher {
  public:
   struct Options {
@@ -25,6 +25,8 @@ class SceneWatcher {
     double coupling_n_per_m = 0.0;
     // Called after another scene is in use: with what is felt now, coupled.
     std::function<void(const TouchScene&)> on_scene = {};
+    // Reads the file. Pre: it may outlive the watcher.
+    std::function<Result<Scene>(const std::filesystem::path& path, const SceneLoading& loading)> read = load_scene;
   };
 
   // scene: in use. Pre: tuner and builder outlive this.
@@ -38,7 +40,7 @@ class SceneWatcher {
 
   enum class Look : std::uint8_t {
     unchanged,  // the file
-    waiting,    // it has just changed, and may be being written
+    waiting,    // it has just changed, and may be being written; or the watcher ends while it is read
     rejected,   // it has an error
     same,       // nothing that is felt has changed
     materials,
@@ -50,6 +52,7 @@ class SceneWatcher {
 
  private:
   void run();
+  bool may_replace(const Scene& scene) const;
   Look take(Scene scene);
   Look take_scene(Scene scene, bool keeps_shape);
 
@@ -60,7 +63,7 @@ class SceneWatcher {
   MethodBuilder& builder_;
   FileWatch file_;
   std::uint32_t revision_ = 0;
-  std::atomic<bool> stop_ = false;
+  StoppableCalls calls_;
   std::thread thread_;
 };
 

@@ -13,6 +13,7 @@
 #include "runtime/cpu_check.h"
 #include "runtime/descriptor_check.h"
 #include "runtime/log.h"
+#include "runtime/standard_streams.h"
 #include "runtime/start_thread.h"
 #include "runtime/stop_signal.h"
 
@@ -74,6 +75,7 @@ int main(int argc, char** argv) {
   // So that large blocks, such as a flight record, return to the system when freed: glibc would raise this limit with the first
   // one.
   ::mallopt(M_MMAP_THRESHOLD, 128 * 1024);
+  open_standard_streams();
   check_cpu("io_node");
   check_descriptors("io_node");
   start_log("io_node");

@@ -158,6 +158,7 @@ struct SessionCodec::Wire {
   session::Header header;
   session::Cycle cycle;
   session::Event event;
+  session::Shape shape;
 };
 
 SessionCodec::SessionCodec() : wire_(std::make_unique<Wire>()) {}
@@ -221,6 +222,22 @@ void SessionCodec::append_alone(const SessionEvent& event, std::string& to) {
   e.set_name(event.name);
   e.set_sample(event.sample);
   e.AppendToString(&to);
+}
+
+void SessionCodec::append_alone(const SessionShape& shape, std::string& to) {
+  session::Shape& s = wire_->shape;
+  s.Clear();
+  s.set_process(shape.process);
+  s.set_serial(shape.start.serial);
+  s.set_before(shape.start.before);
+  s.set_object(static_cast<std::uint32_t>(shape.start.object));
+  s.set_vertices(shape.start.total);
+  s.set_start_ns(shape.start.start_ns);
+  s.set_end_ns(shape.start.end_ns);
+  for (const ShapePart::Displacement& displacement : shape.displacements_m) {
+    for (const float component : displacement) s.add_displacements_m(component);
+  }
+  s.AppendToString(&to);
 }
 
 SessionCodec::Read SessionCodec::read(std::string_view bytes, SessionHeader& header) {

@@ -27,9 +27,10 @@ class SessionCodec {
   void append(const SessionHeader& header, std::string& to);
   void append(const SessionEntry& entry, std::string& to);
 
-  // Appends the message alone, without length and check: Cycle and Event of proto/session.proto.
+  // Appends the message alone, without length and check: Cycle, Event and Shape of proto/session.proto.
   void append_alone(const CycleNote& cycle, std::string& to);
   void append_alone(const SessionEvent& event, std::string& to);
+  void append_alone(const SessionShape& shape, std::string& to);
 
   enum class Status : std::uint8_t {
     ok,

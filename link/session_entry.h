@@ -85,6 +85,13 @@ struct SessionEvent {
   std::uint64_t sample = 0;
 };
 
+// A shape that a program gave to an object, for other formats.
+struct SessionShape {
+  std::uint32_t process = 0;  // counts the haptics processes of the recording, from 0
+  ShapeStart start;
+  std::span<const ShapePart::Displacement> displacements_m = {};  // by vertex; empty: the recording lacks a part of it; not owned
+};
+
 // One thing that happened in a recorded session.
 struct SessionEntry {
   enum class Kind : std::uint8_t { received, sent, cycle, fault, dropped, marker };

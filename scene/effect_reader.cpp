@@ -235,8 +235,9 @@ struct EffectType {
   std::vector<std::string_view> keys;
 };
 
+// Never destroyed: the thread that reads a scene may still be there when the program ends.
 const std::vector<EffectType>& effect_types() {
-  static const std::vector<EffectType> types = {
+  static const auto& types = *new std::vector<EffectType>{
       {"spring", SpringEffect(), {"position_m", "stiffness_n_per_m", "max_force_n"}},
       {"constant", ConstantEffect(), {"force_n", "position_m", "radius_m", "size_m"}},
       {"magnet", SnapEffect(), {"position_m", "range_m", "max_force_n"}},

@@ -7,11 +7,6 @@
 namespace hapton {
 namespace {
 
-// Times are those of a file, which may hold any number.
-double seconds_after(std::int64_t start_ns, std::int64_t time_ns) {
-  return 1e-9 * static_cast<double>(static_cast<std::int64_t>(static_cast<std::uint64_t>(time_ns) - static_cast<std::uint64_t>(start_ns)));
-}
-
 constexpr ChangeColumn<RecordedMove> kMoveColumns[] = {
     {"t_s", "s", [](const RecordedMove& r) { return r.t_s; }},
     {"process", "1", [](const RecordedMove& r) { return static_cast<double>(r.process); }},
@@ -53,6 +48,10 @@ constexpr ChangeColumn<RecordedCarve> kCarveColumns[] = {
 };
 
 }  // namespace
+
+double seconds_after(std::int64_t start_ns, std::int64_t time_ns) noexcept {
+  return 1e-9 * static_cast<double>(static_cast<std::int64_t>(static_cast<std::uint64_t>(time_ns) - static_cast<std::uint64_t>(start_ns)));
+}
 
 std::span<const ChangeColumn<RecordedMove>> move_columns() noexcept { return kMoveColumns; }
 std::span<const ChangeColumn<RecordedCarve>> carve_columns() noexcept { return kCarveColumns; }

@@ -16,7 +16,6 @@
 #include "vision_node/annotation_figure.h"
 #include "vision_node/annotation_text.h"
 #include "vision_node/menu_figure.h"
-#include "vision_node/window_export.h"
 
 namespace hapton {
 namespace {
@@ -65,6 +64,7 @@ Annotator::Annotator(StereoView& view, const Scene& scene, const AnnotatorOption
       at_rest_(scene.objects.size()),
       carved_at_(pen_.annotations().entries.size()),
       saved_carved_(pen_.annotations().carved),
+      export_(options.export_folder),
       saved_entries_(pen_.entries_revision()) {
   view_.annotation_figure().set_bound(pen.bound_m);
   for (std::size_t o = 0; o < at_rest_.size(); ++o) at_rest_[o].object = static_cast<std::int32_t>(o);
@@ -230,7 +230,7 @@ void Annotator::handle(const UserRequests& requests, const StereoScreen& screen,
   if (requests.undo) choose(TouchMenu::Entry::undo);
   if (requests.redo) choose(TouchMenu::Entry::redo);
   if (requests.save) save();
-  if (requests.export_work) write_export();
+  if (requests.export_work) begin_export();
   if (const auto entry = std::exchange(chosen_, std::nullopt)) choose(*entry);
 }
 
@@ -256,7 +256,7 @@ void Annotator::choose(TouchMenu::Entry entry) {
       save();
       return;
     case TouchMenu::Entry::export_work:
-      write_export();
+      begin_export();
       return;
     case TouchMenu::Entry::close:
       break;
@@ -465,11 +465,11 @@ void Annotator::save() {
   saved_entries_ = pen_.entries_revision();
 }
 
-void Annotator::write_export() {
-  const auto written = export_work({*scene_, place_entries(), X_SO_, carved_}, options_.export_folder);
-  if (!written) log_warning("{}", written.error().what);
-  if (written) log_info("{}", *written);
-  notice_ = written ? *written : "NOT EXPORTED: " + written.error().what;
+void Annotator::begin_export() { export_.begin({*scene_, place_entries(), X_SO_, carved_}); }
+
+std::string Annotator::take_notice() {
+  if (std::string line = export_.take_notice(); !line.empty()) notice_ = std::move(line);
+  return std::exchange(notice_, {});
 }
 
 Result<void> Annotator::finish() {

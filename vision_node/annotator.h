@@ -17,11 +17,12 @@
 #include "vision_node/pen.h"
 #include "vision_node/stereo_view.h"
 #include "vision_node/touch_menu.h"
+#include "vision_node/window_export.h"
 
 namespace hapton {
 
-// Drawing and measuring on the scene: joins the pen, the menu in the workspace, what is drawn of both and the files. Threads: the
-// window's. RT: no.
+// Drawing and measuring on the scene: joins the pen, the menu in the workspace, what is drawn of both and the files. Its destructor
+// finishes exports. Threads: the window's. RT: no.
 class Annotator {
  public:
   // How far a stroke may be from the points touched, as a share of the diameter of a sphere around the scene: a tenth of a pixel of a
@@ -74,7 +75,7 @@ class Annotator {
   // A line for the picture's corner; empty before anything was drawn.
   std::string describe() const;
   // Another one, once: where something was saved or exported, or why not. Empty: nothing was.
-  std::string take_notice() { return std::exchange(notice_, {}); }
+  std::string take_notice();
 
   // At the end: writes what has changed, where there is a file for it. Error: one that cannot be written.
   Result<void> finish();
@@ -102,7 +103,7 @@ class Annotator {
   void toggle_menu(const StereoScreen& screen, const Vec3& p_WC);
   void log_finished();
   void save();
-  void write_export();
+  void begin_export();
   Result<void> write_files(const std::filesystem::path& file);
 
   StereoView& view_;
@@ -140,6 +141,7 @@ class Annotator {
   std::uint32_t last_buttons_ = ~0U;
   bool wants_menu_ = false;
   std::string notice_;
+  WindowExport export_;
   std::optional<TouchMenu::Entry> chosen_;
   std::uint64_t own_revision_ = 0;   // of the menu, and of lengths in the corner
   std::uint64_t shown_ = 0;          // revision of the pen in the view

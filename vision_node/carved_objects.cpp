@@ -52,7 +52,7 @@ void CarvedObjects::take(const Carves& carves, Arrival arrival) {
   {
     const std::lock_guard lock(mutex_);
     // Those left out here are missing, and so requested again.
-    if (order_.carves.size() >= kMostWaiting) return;
+    if (count_waiting() >= kMostWaiting) return;
     const KnownCarves::News news = known_.take(carves, arrival);
     if (!news.starts_anew && news.carves.empty()) return;
     if (news.starts_anew) begin_anew();
@@ -73,7 +73,9 @@ void CarvedObjects::carve(std::span<const NumberedCarve> carves, bool starts_ane
 
 // Pre: the mutex is held.
 void CarvedObjects::begin_anew() {
-  order_ = {.starts_anew = true, .carves = {}};
+  Order& order = open_order();
+  order.starts_anew = true;
+  order.carves.clear();
   list_.clear();
   is_busy_ = true;
 }
@@ -81,8 +83,21 @@ void CarvedObjects::begin_anew() {
 // Pre: the mutex is held.
 void CarvedObjects::add_order(const MadeCarve& made) {
   if (!list_.add(made)) return;
-  order_.carves.push_back(made);
+  open_order().carves.push_back(made);
   is_busy_ = true;
+}
+
+// The one that the next carve is of. Pre: the mutex is held.
+CarvedObjects::Order& CarvedObjects::open_order() const {
+  if (orders_.empty() || orders_.back().wanted) orders_.emplace_back();
+  return orders_.back();
+}
+
+// Pre: the mutex is held.
+std::size_t CarvedObjects::count_waiting() const {
+  std::size_t carves = 0;
+  for (const Order& order : orders_) carves += order.carves.size();
+  return carves;
 }
 
 std::optional<CarveStatus> CarvedObjects::take_request(std::int64_t now_ns) { return known_.take_request(now_ns); }
@@ -104,10 +119,19 @@ std::optional<Vec3> CarvedObjects::find_closest(std::size_t object, const Vec3& 
   return carved != surfaces_.end() ? find_closest_surface_point(carved->second.field(), p) : std::nullopt;
 }
 
-std::optional<CarvedField> CarvedObjects::copy_field(std::size_t object) const {
-  const std::shared_lock lock(fields_mutex_);
-  const auto carved = surfaces_.find(object);
-  return carved != surfaces_.end() ? std::optional(carved->second.field()) : std::nullopt;
+std::future<CarvedObjects::Fields> CarvedObjects::request_fields() const {
+  std::promise<Fields> wanted;
+  std::future<Fields> fields = wanted.get_future();
+  if (!has_any_) {
+    wanted.set_value({});
+    return fields;
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    open_order().wanted = std::move(wanted);
+  }
+  ordered_.notify_all();
+  return fields;
 }
 
 bool CarvedObjects::is_up_to_date() const {
@@ -118,14 +142,18 @@ bool CarvedObjects::is_up_to_date() const {
 void CarvedObjects::run() {
   ::setpriority(PRIO_PROCESS, 0, kNiceness);
   make_surfaces();
-  Order order;
-  while (wait_for_order(order)) {
+  Orders orders;
+  while (wait_for_orders(orders)) {
     const auto next = std::chrono::steady_clock::now() + kEvery;
-    carry_out(order);
+    carry_out(orders);
+    offer_changed();
     std::unique_lock lock(mutex_);
-    is_busy_ = order_.starts_anew || !order_.carves.empty();
+    is_busy_ = !orders_.empty();
     ordered_.wait_until(lock, next, [this] { return stop_; });
   }
+  // Who wants a copy gets it; the rest is not drawn any more.
+  while (!orders.empty() && !orders.back().wanted) orders.pop_back();
+  carry_out(orders);
 }
 
 void CarvedObjects::make_surfaces() {
@@ -140,28 +168,46 @@ void CarvedObjects::make_surfaces() {
     const std::unique_lock lock(fields_mutex_);
     surfaces_.try_emplace(o, std::move(*field), frame_detail(*object.mesh));
   }
-  carry_out({});
+  offer_changed();
   const std::lock_guard lock(mutex_);
-  is_busy_ = order_.starts_anew || !order_.carves.empty();
+  is_busy_ = !orders_.empty();
 }
 
-bool CarvedObjects::wait_for_order(Order& order) {
+bool CarvedObjects::wait_for_orders(Orders& orders) {
   std::unique_lock lock(mutex_);
-  ordered_.wait(lock, [this] { return stop_ || order_.starts_anew || !order_.carves.empty(); });
-  order = std::exchange(order_, {});
+  ordered_.wait(lock, [this] { return stop_ || !orders_.empty(); });
+  orders = std::exchange(orders_, {});
   return !stop_;
 }
 
-void CarvedObjects::carry_out(const Order& order) {
+void CarvedObjects::carry_out(Orders& orders) {
+  for (Order& order : orders) {
+    apply(order);
+    if (order.wanted) order.wanted->set_value(copy_fields());
+  }
+  orders.clear();
+}
+
+void CarvedObjects::offer_changed() {
+  for (auto& [number, surface] : surfaces_) {
+    if (surface.has_changed()) offer(number, surface.compute_levels());
+  }
+}
+
+void CarvedObjects::apply(const Order& order) {
   if (order.starts_anew) {
     const std::unique_lock lock(fields_mutex_);
     applied_.clear();
     for (auto& [number, surface] : surfaces_) surface.restore();
   }
   for (const MadeCarve& made : order.carves) apply(made);
-  for (auto& [number, surface] : surfaces_) {
-    if (surface.has_changed()) offer(number, surface.compute_levels());
-  }
+}
+
+// The fields change in this thread alone.
+CarvedObjects::Fields CarvedObjects::copy_fields() const {
+  Fields fields;
+  for (const auto& [number, surface] : surfaces_) fields.try_emplace(number, surface.field());
+  return fields;
 }
 
 void CarvedObjects::apply(const MadeCarve& made) {

@@ -3,6 +3,7 @@
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
+#include <future>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -56,8 +57,10 @@ class CarvedObjects {
   // Pre: finite.
   std::optional<Vec3> find_closest(std::size_t object, const Vec3& p) const;
 
-  // Its material as it is now, without carves of the last 1/30 s. None: it is not carved, or not ready yet. Frame S.
-  std::optional<CarvedField> copy_field(std::size_t object) const;
+  // The material of all objects that can be carved, by object, with all carves that were taken until now, and none that is taken later. The
+  // thread copies it; it comes in any case, also at the end of this. Frame S.
+  using Fields = std::map<std::size_t, CarvedField>;
+  std::future<Fields> request_fields() const;
 
   // Everything received is drawn.
   bool is_up_to_date() const;
@@ -66,7 +69,9 @@ class CarvedObjects {
   struct Order {
     bool starts_anew = false;
     std::vector<MadeCarve> carves;
+    std::optional<std::promise<Fields>> wanted;  // a copy, after these carves; what comes later is of the next order
   };
+  using Orders = std::vector<Order>;
   struct Made {
     std::size_t object = 0;
     std::vector<FlatLevel> levels;
@@ -76,9 +81,14 @@ class CarvedObjects {
   void begin_anew();
   void run();
   void make_surfaces();
-  bool wait_for_order(Order& order);
-  void carry_out(const Order& order);
+  Order& open_order() const;
+  std::size_t count_waiting() const;
+  bool wait_for_orders(Orders& orders);
+  void carry_out(Orders& orders);
+  void apply(const Order& order);
   void apply(const MadeCarve& made);
+  Fields copy_fields() const;
+  void offer_changed();
   void offer(std::size_t object, std::vector<FlatLevel> levels);
 
   StereoView& view_;
@@ -91,8 +101,8 @@ class CarvedObjects {
   mutable std::shared_mutex fields_mutex_;
 
   mutable std::mutex mutex_;
-  std::condition_variable ordered_;
-  Order order_;             // what came since the thread took the last one
+  mutable std::condition_variable ordered_;
+  mutable Orders orders_;   // what came since the thread took the last ones
   bool is_busy_ = false;    // the thread has something to do, or is doing it
   std::vector<Made> made_;  // the newest of each object, not shown yet
   bool stop_ = false;

@@ -152,7 +152,7 @@ std::string_view keys_help() {
 
 std::string_view recording_keys_help() {
   return "space pause   , . one sample back, on   n N next, previous marker or fault   [ ] slower, faster   a begin\n"
-         "left drag on the time line: moment   b cull   s screenshot   k help   q quit\n"
+         "left drag on the time line: moment   b cull   s screenshot   o export   k help   q quit\n"
          "wheel + - zoom   m stereo   e swap eyes   f frame   r reset view   g ground   c curves\n"
          "right drag: look round, with shift: move   arrows, page keys: head, home: back   v V teaching views";
 }

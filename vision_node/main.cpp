@@ -18,6 +18,7 @@
 #include "runtime/cpu_check.h"
 #include "runtime/descriptor_check.h"
 #include "runtime/log.h"
+#include "runtime/standard_streams.h"
 #include "runtime/stop_signal.h"
 #include "scene/find_scene.h"
 #include "scene/scene_file.h"
@@ -174,6 +175,7 @@ int run(VisionOptions& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  open_standard_streams();
   check_cpu("vision_node");
   check_descriptors("vision_node");
   start_log("vision_node");

@@ -153,6 +153,19 @@ std::int32_t MovedObjects::held() const {
   return -1;
 }
 
+Pose MovedObjects::held_pose() const {
+  const std::int32_t object = held();
+  return object >= 0 ? matrix_of(known_[static_cast<std::size_t>(object)]) : Pose::Identity();
+}
+
+std::vector<Pose> MovedObjects::poses() const {
+  std::vector<Pose> poses = X_SO_;
+  for (std::size_t o = 0; o < known_.size(); ++o) {
+    if (!scene_.objects[o].moves() && !known_[o].is_held) poses[o] = matrix_of(known_[o]);
+  }
+  return poses;
+}
+
 bool MovedObjects::take(const ObjectPose& pose) {
   if (pose.object < 0 || static_cast<std::size_t>(pose.object) >= known_.size()) return false;
   const auto number = static_cast<std::size_t>(pose.object);

@@ -55,8 +55,13 @@ class MovedObjects {
   // By object, at the time set last: X_SO; the identity for what moves neither by keyframes nor by programs.
   const std::vector<Pose>& moving() const { return X_SO_; }
 
+  // By object, at the time set last: X_SO of all; of the one that is held, where the scene file has it.
+  std::vector<Pose> poses() const;
+
   // The object that is held; -1: none.
   std::int32_t held() const;
+  // Where it is: X_TO; the identity if none is.
+  Pose held_pose() const;
 
  private:
   std::optional<Pose> pose_of(std::size_t object, double time_s) const;

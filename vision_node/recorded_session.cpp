@@ -29,6 +29,7 @@ RecordedSession::RecordedSession(StereoView& view, Clock& clock, const VisionOpt
       control_(index, rows, player_),
       window_(view, clock, options),
       line_(make_time_line(index)),
+      export_(options.annotations.export_folder),
       screenshot_moment_(options.screenshot_moment) {
   player_.set_speed(options.speed);
   if (!options.at_s) return;
@@ -47,6 +48,11 @@ void RecordedSession::set_carved_objects(CarvedObjects* carved) {
   carves_.emplace(index_, *carved);
 }
 
+void RecordedSession::set_marks(const Scene& scene, RecordedMarks* marks) {
+  scene_ = &scene;
+  marks_ = marks;
+}
+
 Result<void> RecordedSession::run(const StopSignal& stop) {
   start_ns_ = clock_.now_ns();
   const std::int64_t end_ns = options_.seconds > 0.0 ? start_ns_ + static_cast<std::int64_t>(options_.seconds * 1e9) : INT64_MAX;
@@ -61,7 +67,8 @@ Result<void> RecordedSession::run(const StopSignal& stop) {
     if (auto attended = attend_window(); !attended) return attended;
     const bool has_control_changed = control_.take_changed();
     if (has_control_changed) window_.step().spoil();
-    if (player_.advance(clock_.now_ns()) || has_control_changed) {
+    const bool has_new_notice = show_notice();
+    if (player_.advance(clock_.now_ns()) || has_control_changed || has_new_notice) {
       if (auto shown = show_moment(); !shown) return shown;
     }
     if (auto drawn = draw_if_wanted(); !drawn) return drawn;
@@ -121,11 +128,12 @@ Result<void> RecordedSession::show_moment() {
   VisionStep& step = window_.step();
   step.receive(recorded->state, clock_.now_ns());
   step.set_recording(recorded->X_WS, describe_recording(options_.session.filename().string(), player_, recorded->state.sample),
-                     describe_mark(index_, t_s));
+                     notice_.line().empty() ? describe_mark(index_, t_s) : notice_.line());
   if (carves_) carves_->show(t_s);
   if (surfaces_) surfaces_->show(t_s, recorded->state.scene_time_ns);
   if (objects_ && objects_->show(t_s, recorded->state.scene_time_ns)) step.spoil();
   if (moved_ != nullptr && moved_->held() != step.held_object()) step.set_held_object(moved_->held());
+  if (marks_ != nullptr) marks_->show(recorded->state.scene_time_ns, recorded->X_WS);
   if (const HapticsSetup* setup = index_.find_setup(player_.moment_s())) window_.use_setup(*setup);
   compare_scene();
   return {};
@@ -140,6 +148,17 @@ void RecordedSession::compare_scene() {
   if (is_other) log_warning("the recording has another scene than the one shown; name the one of the recording with --scene");
 }
 
+void RecordedSession::begin_export() {
+  if (marks_ != nullptr) export_.begin({*scene_, marks_->placed(), marks_->X_SO(), carved_});
+}
+
+// True: the picture has another line.
+bool RecordedSession::show_notice() {
+  const bool is_new = notice_.update(export_.take_notice(), clock_.now_ns());
+  if (is_new) window_.step().spoil();
+  return is_new;
+}
+
 Result<void> RecordedSession::attend_window() {
   const auto take = [this](const WindowEvent& event) {
     return control_.handle(event, view_.find_picture_pixel(event.x_px, event.y_px), view_.picture_size());
@@ -147,6 +166,7 @@ Result<void> RecordedSession::attend_window() {
   show_carved();
   const UserRequests requests = window_.attend(take, {});
   quit_ = quit_ || requests.quit;
+  if (requests.export_work) begin_export();
   return requests.screenshot ? window_.take_numbered_screenshot() : Result<void>{};
 }
 

@@ -10,12 +10,15 @@
 #include "session/session_index.h"
 #include "session/session_rows.h"
 #include "vision_node/recorded_carves.h"
+#include "vision_node/recorded_marks.h"
 #include "vision_node/recorded_objects.h"
 #include "vision_node/recorded_surfaces.h"
 #include "vision_node/session_control.h"
 #include "vision_node/session_player.h"
+#include "vision_node/shown_notice.h"
 #include "vision_node/time_line.h"
 #include "vision_node/viewer_window.h"
+#include "vision_node/window_export.h"
 
 namespace hapton {
 
@@ -35,6 +38,9 @@ class RecordedSession {
   void set_moved_objects(MovedObjects* moved, SessionShapes* shapes = nullptr);
   // Draws the objects that were carved. Pre: it outlives the session.
   void set_carved_objects(CarvedObjects* carved);
+  // Strokes and measures to show, and to export with what is carved. Pre: set_moved_objects() was called with the objects that they are on;
+  // both outlive the session.
+  void set_marks(const Scene& scene, RecordedMarks* marks);
 
   // Runs until the window is closed, --seconds are over, the screenshot of --at or the pictures of --frames are written, or a signal
   // requests a stop. Error: a picture could not be written, or the file has changed.
@@ -47,6 +53,8 @@ class RecordedSession {
   Result<void> show_moment();
   void show_carved();
   void compare_scene();
+  void begin_export();
+  bool show_notice();
   Result<void> attend_window();
   bool wants_picture(std::int64_t now_ns);
   Result<void> draw_if_wanted();
@@ -70,6 +78,10 @@ class RecordedSession {
   MovedObjects* moved_ = nullptr;
   std::optional<RecordedCarves> carves_;
   CarvedObjects* carved_ = nullptr;
+  const Scene* scene_ = nullptr;
+  RecordedMarks* marks_ = nullptr;
+  WindowExport export_;
+  ShownNotice notice_;
   ScreenshotMoment screenshot_moment_;
   std::uint64_t scene_hash_ = 0;
   bool is_other_scene_ = false;

@@ -18,11 +18,11 @@ constexpr int kReloadNiceness = 10;
 
 }  // namespace
 
-SceneReload::SceneReload(std::filesystem::path path, const SceneLoading& loading)
-    : path_(std::move(path)), loading_(loading), file_(path_) {}
+SceneReload::SceneReload(std::filesystem::path path, const SceneLoading& loading, Read read)
+    : path_(std::move(path)), loading_(loading), read_file_(std::move(read)), file_(path_) {}
 
 SceneReload::~SceneReload() {
-  stop_.store(true);
+  calls_.stop();
   if (thread_.joinable()) thread_.join();
 }
 
@@ -32,10 +32,9 @@ void SceneReload::start() {
 
 void SceneReload::run() {
   (void)::setpriority(PRIO_PROCESS, 0, kReloadNiceness);  // of this thread alone
-  while (!stop_.load()) {
+  do {
     look();
-    std::this_thread::sleep_for(kLookEvery);
-  }
+  } while (calls_.sleep(kLookEvery));
 }
 
 void SceneReload::look() {
@@ -58,7 +57,9 @@ void SceneReload::look() {
 }
 
 void SceneReload::read() {
-  auto scene = load_scene(path_, loading_);
+  auto result = calls_.call([read = read_file_, path = path_, loading = loading_] { return read(path, loading); });
+  if (!result) return;  // the program ends
+  Result<Scene>& scene = *result;
   if (!scene) {
     log_warning("{}; the present picture stays", scene.error().what);
     return;

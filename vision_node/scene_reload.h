@@ -2,21 +2,25 @@
 
 #include <atomic>
 #include <filesystem>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <thread>
 
 #include "runtime/file_watch.h"
+#include "runtime/stoppable_calls.h"
 #include "scene/scene_file.h"
 
 namespace hapton {
 
-// Reads the scene file again when it was saved, in a thread of its own: no frame waits for it. A file with an error is one line in the log.
-// Threads: take() from one; look() from one, that of start() if it was called. RT: no.
+// Reads the scene file again when it was saved, in a thread of its own: no frame waits for it, and neither does the end of the program. A
+// file with an error is one line in the log. Threads: take() from one; look() from one, that of start() if it was called. RT: no.
 class SceneReload {
  public:
-  // The file as it is now is known.
-  SceneReload(std::filesystem::path path, const SceneLoading& loading);
+  using Read = std::function<Result<Scene>(const std::filesystem::path& path, const SceneLoading& loading)>;
+
+  // The file as it is now is known. Pre: `read` may outlive this.
+  SceneReload(std::filesystem::path path, const SceneLoading& loading, Read read = load_scene);
   ~SceneReload();
   SceneReload(const SceneReload&) = delete;
   SceneReload& operator=(const SceneReload&) = delete;
@@ -39,11 +43,12 @@ class SceneReload {
 
   std::filesystem::path path_;
   SceneLoading loading_;
+  Read read_file_;
   FileWatch file_;
   std::mutex mutex_;
   std::optional<Scene> read_;
   std::atomic<bool> is_reading_ = false;
-  std::atomic<bool> stop_ = false;
+  StoppableCalls calls_;
   std::thread thread_;  // last: it uses the others
 };
 

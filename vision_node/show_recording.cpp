@@ -57,10 +57,13 @@ Result<void> show(VisionOptions& options, const SessionIndex& index, HeadTracker
   auto shapes = SessionShapes::open(options.session);
   if (!shapes) return tl::unexpected(shapes.error());
   CarvedObjects carved(**view, *scene);
+  const auto marks = RecordedMarks::open(**view, *scene, options.scene_radius_m, options.annotations.file, moved);
+  if (!marks) return tl::unexpected(marks.error());
   RecordedSession session(**view, clock, options, index, *rows);
   session.set_scene(scene->given_hash);
   session.set_moved_objects(&moved, &*shapes);
   session.set_carved_objects(&carved);
+  session.set_marks(*scene, marks->get());
   TeachBuilder teacher(scene->touch_scene());
   session.set_teacher(&teacher);
   session.set_head_tracker(head);

@@ -99,7 +99,7 @@ void add_session_options(CLI::App& app, VisionOptions& options) {
       app.add_option("--session", options.session,
                      "Recording (io_node --record) to show in place of a hub, with a time line; its scene is the one that it "
                      "names, or --scene");
-  for (const char* live : {"--hub", "--bind", "--key", "--bench-frames", "--annotations", "--strokes", "--knobs", "--watch-scene"}) {
+  for (const char* live : {"--hub", "--bind", "--key", "--bench-frames", "--strokes", "--knobs", "--watch-scene"}) {
     session->excludes(app.get_option(live));
   }
   app.add_option_function<double>(
@@ -289,7 +289,8 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
       ->capture_default_str();
   app.add_option(
       "--annotations", options.annotations.file,
-      "File (.toml) of strokes, measures, poses and carves: read at the start where it exists, written at the end and by the key w");
+      "File (.toml) of strokes, measures, poses and carves: read at the start where it exists, written at the end and by the key w; with "
+      "--session its strokes and measures are shown, and it is not written");
   app.add_option("--strokes", options.annotations.strokes,
                  "Write strokes and measures as polylines, at the end and by the key w: FILE.obj or FILE.vtp");
   app.add_option("--draw-button", options.annotations.draw_button, "Button of the stylus that draws on what is touched, 0: none")

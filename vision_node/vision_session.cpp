@@ -18,7 +18,6 @@ namespace {
 constexpr std::int64_t kSceneEveryNs = 1000 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kSceneReadNs = 2000 * kNanosecondsPerMillisecond;  // from a look of one node at the file to one of the other
 constexpr std::int64_t kHubAbsentNs = 1000 * kNanosecondsPerMillisecond;  // without a reply, before the user is notified
-constexpr std::int64_t kNoticeNs = 10'000 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kTurnNs = 4 * kNanosecondsPerMillisecond;
 
 }  // namespace
@@ -142,18 +141,9 @@ void VisionSession::take_pose(const ObjectPose& pose) {
 void VisionSession::annotate(const UserRequests& requests) {
   if (annotator_ == nullptr) return;
   annotator_->handle(requests, view_.screen(), step_.workspace_centre());
-  show_notice();
+  if (notice_.update(annotator_->take_notice(), clock_.now_ns())) step_.set_happened(notice_.line());
   if (std::exchange(annotations_shown_, annotator_->revision()) == annotator_->revision()) return;
   step_.set_annotations(annotator_->describe());
-}
-
-// For as long as it takes to read a path.
-void VisionSession::show_notice() {
-  const std::int64_t now_ns = clock_.now_ns();
-  const std::string notice = annotator_->take_notice();
-  if (notice.empty() && (notice_end_ns_ == 0 || now_ns < notice_end_ns_)) return;
-  step_.set_happened(notice);
-  notice_end_ns_ = notice.empty() ? 0 : now_ns + kNoticeNs;
 }
 
 void VisionSession::receive_from_hub(std::int64_t deadline_ns) {

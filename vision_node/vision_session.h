@@ -12,6 +12,7 @@
 #include "vision_node/moved_objects.h"
 #include "vision_node/other_hand.h"
 #include "vision_node/scene_framing.h"
+#include "vision_node/shown_notice.h"
 #include "vision_node/space_head.h"
 #include "vision_node/space_knobs.h"
 #include "vision_node/stereo_view.h"
@@ -78,7 +79,6 @@ class VisionSession {
   void take_state(const ProbeState& state);
   void take_pose(const ObjectPose& pose);
   void annotate(const UserRequests& requests);
-  void show_notice();
   std::optional<Vec3> find_surface(const WindowEvent& event);
   bool begin_headset_turn();
   void move_in_headset(const UserRequests& requests);
@@ -101,7 +101,7 @@ class VisionSession {
   OtherHand* other_ = nullptr;
   Annotator* annotator_ = nullptr;
   std::uint64_t annotations_shown_ = 0;
-  std::int64_t notice_end_ns_ = 0;  // 0: none is shown
+  ShownNotice notice_;
   HubClient& hub_;
   Clock& clock_;
   const VisionOptions& options_;

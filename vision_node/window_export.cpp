@@ -1,25 +1,25 @@
 #include "vision_node/window_export.h"
 
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <cctype>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 
 #include "core/sculpt/carved_mesh.h"
 #include "runtime/atomic_file.h"
+#include "runtime/log.h"
+#include "runtime/start_thread.h"
 #include "scene/annotations_file.h"
 #include "scene/mesh_text.h"
 
 namespace hapton {
 namespace {
 
-// The part of a file's name after its number, and what it has.
-struct ExportPart {
-  std::string ending;
-  std::string bytes;
-};
+// A force has the processor first, and so has the picture.
+constexpr int kExportNiceness = 10;
 
 // A name of a scene file may have any letters.
 std::string name_for_file(const std::string& name) {
@@ -30,47 +30,103 @@ std::string name_for_file(const std::string& name) {
   return letters;
 }
 
-bool has_name_alone(const Scene& scene, const std::string& name) {
-  return std::ranges::count(scene.objects, name, [](const SceneObject& each) { return name_for_file(each.name); }) == 1;
-}
-
-std::vector<ExportPart> make_parts(const WindowWork& work) {
-  std::vector<ExportPart> parts;
-  if (!work.placed.entries.empty()) parts.push_back({".vtp", write_annotations_vtp(work.placed, work.X_SO, work.scene.objects.size())});
-  if (work.carved == nullptr || work.carved->list().newest_active() == 0) return parts;
-  for (std::size_t o = 0; o < work.scene.objects.size(); ++o) {
-    const auto field = work.carved->copy_field(o);
-    if (!field) continue;
-    std::string name = name_for_file(work.scene.objects[o].name);
-    if (!has_name_alone(work.scene, name)) name = fmt::format("{}_{}", o, name);
-    parts.push_back({"_" + name + ".stl", write_mesh(make_carved_mesh(*field), MeshTextFormat::stl)});
-  }
-  return parts;
-}
-
-// None of its files is there yet.
-std::filesystem::path find_free(const std::filesystem::path& folder, const std::vector<ExportPart>& parts) {
-  for (int number = 1;; ++number) {
-    const std::filesystem::path stem = folder / fmt::format("hapton_export_{:03}", number);
-    const auto is_there = [&](const ExportPart& part) { return std::filesystem::exists(stem.string() + part.ending); };
-    if (std::ranges::none_of(parts, is_there)) return stem;
-  }
+bool has_name_alone(const std::vector<std::string>& names, const std::string& name) {
+  return std::ranges::count(names, name, name_for_file) == 1;
 }
 
 }  // namespace
 
-Result<std::string> export_work(const WindowWork& work, const std::filesystem::path& folder) {
-  const std::vector<ExportPart> parts = make_parts(work);
-  if (parts.empty()) return std::string("nothing to export: nothing is drawn, measured or carved");
+void WindowExport::begin(const WindowWork& work) {
+  const bool is_carved = work.carved != nullptr && work.carved->list().newest_active() != 0;
+  if (work.placed.entries.empty() && !is_carved) {
+    const std::lock_guard lock(mutex_);
+    notice_ = "nothing to export: nothing is drawn, measured or carved";
+    log_info("{}", notice_);
+    return;
+  }
+  Job job{.names = {}, .placed = work.placed, .X_SO = work.X_SO, .bodies = {}};
+  for (const SceneObject& object : work.scene.objects) job.names.push_back(object.name);
+  if (is_carved) job.bodies = work.carved->request_fields();
+  {
+    const std::lock_guard lock(mutex_);
+    if (is_carved) notice_ = "exporting ...";
+    jobs_.push_back(std::move(job));
+  }
+  if (!thread_.joinable()) thread_ = start_thread([this] { run(); });
+  changed_.notify_one();
+}
+
+std::string WindowExport::take_notice() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(notice_, {});
+}
+
+void WindowExport::finish() {
+  if (!thread_.joinable()) return;
+  {
+    const std::lock_guard lock(mutex_);
+    is_ending_ = true;
+    if (is_writing_ || !jobs_.empty()) log_info("finishing the export before the program ends");
+  }
+  changed_.notify_one();
+  thread_.join();
+  is_ending_ = false;
+}
+
+void WindowExport::run() {
+  (void)::setpriority(PRIO_PROCESS, 0, kExportNiceness);  // of this thread alone
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    changed_.wait(lock, [this] { return is_ending_ || !jobs_.empty(); });
+    if (jobs_.empty()) return;
+    Job job = std::move(jobs_.front());
+    jobs_.pop_front();
+    is_writing_ = true;
+    lock.unlock();
+    const auto written = write(job);
+    lock.lock();
+    is_writing_ = false;
+    report(written);
+  }
+}
+
+// Pre: the mutex is held.
+void WindowExport::report(const Result<std::string>& written) {
+  if (written) log_info("{}", *written);
+  if (!written) log_warning("not exported: {}", written.error().what);
+  notice_ = written ? *written : "NOT EXPORTED: " + written.error().what;
+}
+
+std::vector<WindowExport::Part> WindowExport::make_parts(Job& job) {
+  std::vector<Part> parts;
+  if (!job.placed.entries.empty()) parts.push_back({".vtp", write_annotations_vtp(job.placed, job.X_SO, job.names.size())});
+  if (!job.bodies.valid()) return parts;
+  for (const auto& [object, field] : job.bodies.get()) {
+    std::string name = name_for_file(job.names[object]);
+    if (!has_name_alone(job.names, name)) name = fmt::format("{}_{}", object, name);
+    parts.push_back({"_" + name + ".stl", write_mesh(make_carved_mesh(field), MeshTextFormat::stl)});
+  }
+  return parts;
+}
+
+Result<std::string> WindowExport::write(Job& job) const {
+  const std::vector<Part> parts = make_parts(job);
+  if (parts.empty()) return fail("no surface could be computed; see the lines before this one");
   std::error_code error;
-  const std::filesystem::path stem = find_free(std::filesystem::absolute(folder, error), parts);
+  const std::filesystem::path folder = std::filesystem::absolute(folder_, error);
+  std::filesystem::path stem;
+  const auto is_there = [&](const Part& part) { return std::filesystem::exists(stem.string() + part.ending, error); };
+  int number = 1;
+  do {
+    stem = folder / fmt::format("hapton_export_{:03}", number++);
+  } while (std::ranges::any_of(parts, is_there));
   std::string names;
-  for (const ExportPart& part : parts) {
+  for (const Part& part : parts) {
     const std::filesystem::path file = stem.string() + part.ending;
     if (auto written = write_file_atomically(file, part.bytes); !written) return tl::unexpected(written.error());
     names += (names.empty() ? " " : ", ") + file.filename().string();
   }
-  return "exported to " + stem.parent_path().lexically_normal().string() + ":" + names;
+  return "exported to " + folder.lexically_normal().string() + ":" + names;
 }
 
 }  // namespace hapton

@@ -5,9 +5,9 @@
 
 namespace hapton {
 
-// The surface of a body as a mesh, for other programs: that of the finest level that vision_node draws (SurfaceNets), with two triangles
-// for each quad and each vertex once. No edge is open; where two pieces of surface meet within one cell, four triangles may share an edge.
-// Frame: that of the field. Metres. Without triangles if nothing is left. RT: no.
+// The surface of a body as a mesh, for other programs: a closed 2-manifold, with two triangles for each quad of ManifoldSurface. Except
+// where several pieces of surface pass through one cell of the grid, it is the finest level that vision_node draws. Frame: that of the
+// field. Metres. Without triangles if nothing is left. RT: no.
 TriangleMesh make_carved_mesh(const CarvedField& field);
 
 }  // namespace hapton

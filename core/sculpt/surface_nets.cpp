@@ -34,7 +34,6 @@ SurfaceNets::Blocks SurfaceNets::find_changed(const Index& nodes, const Index& f
 void SurfaceNets::compute(const NodeValues& grid, const Index& block, int stride, SurfaceNet& net) {
   net.positions.clear();
   net.quads.clear();
-  net.cells.clear();
   side_ = kBlock / stride + 2;
   const auto nodes = static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_);
   values_.resize(nodes);
@@ -108,7 +107,6 @@ void SurfaceNets::place_vertex(const Index& cell, const Index& block, int stride
   }
   const auto first = [&](std::size_t axis) { return block[axis] * kBlock + stride * (cell[axis] - 1); };
   const auto whole = [&](std::size_t axis) { return static_cast<float>(first(axis)); };
-  net.cells.push_back({first(0), first(1), first(2)});
   net.positions.emplace_back(Eigen::Vector3f(whole(0), whole(1), whole(2)) +
                              static_cast<float>(stride) * (sum / static_cast<float>(crossings)));
 }

@@ -19,7 +19,6 @@ struct NodeValues {
 struct SurfaceNet {
   std::vector<Eigen::Vector3f> positions;
   std::vector<std::array<std::uint32_t, 4>> quads;
-  std::vector<std::array<int, 3>> cells;  // of each vertex, by the first node: names the same vertex in another block
 };
 
 // The surface of value zero, block by block, by surface nets (Gibson 1998, "Constrained elastic surface nets"): one vertex in each cell

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <future>
 
 #include "core/geometry/mesh_shapes.h"
 #include "tests/support/log_of.h"
@@ -70,6 +71,44 @@ TEST_F(SceneWatcherTest, AFileThatIsNotTouchedIsNotRead) {
   EXPECT_EQ(watcher->look(), SceneWatcher::Look::unchanged);
   std::filesystem::remove(file);
   EXPECT_EQ(watcher->look(), SceneWatcher::Look::unchanged) << "as an editor has it for a moment";
+}
+
+// A mesh of ten million triangles takes many seconds: a person who quits does not wait for it.
+TEST_F(SceneWatcherTest, ItsEndDoesNotWaitForAFileThatIsBeingRead) {
+  std::promise<void> release;
+  std::promise<void> begun;
+  std::promise<void> dropped;
+  const std::future<void> is_dropped = dropped.get_future();
+  const auto read = [&, may_end = release.get_future().share()](const auto& path, const auto& loading) {
+    begun.set_value();
+    may_end.wait();
+    auto scene = load_scene(path, loading);
+    dropped.set_value();
+    return scene;
+  };
+  const auto loaded = load_scene(file);
+  ASSERT_TRUE(loaded);
+  watcher.emplace(SceneWatcher::Options{.path = file, .loading = {}, .read = read}, *loaded, *tuner, *builder);
+  watcher->start();
+  write("stiffness_n_per_m = 700");
+  ASSERT_EQ(begun.get_future().wait_for(std::chrono::seconds(30)), std::future_status::ready);
+  watcher.reset();
+  EXPECT_EQ(is_dropped.wait_for(std::chrono::seconds(0)), std::future_status::timeout);
+  release.set_value();
+  EXPECT_EQ(is_dropped.wait_for(std::chrono::seconds(30)), std::future_status::ready);
+}
+
+// At the start of the node they are errors, too.
+TEST_F(SceneWatcherTest, MovableObjectsAndToolsAreRejected) {
+  write("stiffness_n_per_m = 500", "movable = true");
+  EXPECT_EQ(look_twice(), SceneWatcher::Look::rejected);
+  EXPECT_THAT(log, HasSubstr("a.toml: --watch-scene does not support movable objects; leave out 'movable = true', or start haptics_node"));
+  write("stiffness_n_per_m = 500\n[tool]\nmesh = 'a.obj'");
+  EXPECT_EQ(look_twice(), SceneWatcher::Look::rejected);
+  EXPECT_THAT(log, HasSubstr("a.toml: --watch-scene does not support a rigid tool; leave out [tool], or start haptics_node"));
+  EXPECT_EQ(builder->take(), nullptr);
+  write("stiffness_n_per_m = 500");
+  EXPECT_EQ(look_twice(), SceneWatcher::Look::same);
 }
 
 TEST_F(SceneWatcherTest, MaterialsAreTunedAndTheMethodStays) {

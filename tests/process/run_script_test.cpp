@@ -6,6 +6,7 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <optional>
 #include <regex>
 #include <string>
@@ -140,6 +141,34 @@ TEST_F(RunScript, WithoutATimeIsStoppedBySignalsAsItShouldBe) {
   EXPECT_EQ(ended->exit_code, 0) << ended->out << ended->err;
   EXPECT_THAT(ended->out, HasSubstr("\nrun: touched "));
   EXPECT_TRUE(has("report.json") && has("latency.png"));
+}
+
+// The current folder of the process that has all of these words on its command line; empty: there is none.
+std::filesystem::path find_folder_of(const std::vector<std::string>& words) {
+  for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+    std::ifstream file(entry.path() / "cmdline");
+    const std::string line{std::istreambuf_iterator<char>(file), {}};
+    if (!std::ranges::all_of(words, [&](const std::string& word) { return line.find(word) != std::string::npos; })) continue;
+    std::error_code error;
+    if (auto folder = std::filesystem::read_symlink(entry.path() / "cwd", error); !error) return folder;
+  }
+  return {};
+}
+
+// Screenshots, saved annotations and exports of its keys go to the current folder.
+TEST_F(RunScript, TheWindowRunsInTheFolderWhereItWasCalled) {
+  Program script("/usr/bin/env",
+                 {"--chdir=" + folder_.path().string(), HAPTON_SOURCE_DIR "/deploy/run", "--bin", HAPTON_BIN_DIR, "--out", out().string(),
+                  "--headless", "--seconds", "200"},
+                 folder_.path());
+  ASSERT_TRUE(wait_until_touching(script)) << script.out() << script.err();
+  const std::vector<std::string> words = {"bin/vision_node", (out() / "stereo.png").string()};
+  const auto called_from = std::filesystem::canonical(folder_.path());
+  // The last of the programs that start it sets the folder.
+  for (int i = 0; i < 200 && find_folder_of(words) != called_from; ++i) (void)script.wait(Seconds(0.05));
+  EXPECT_EQ(find_folder_of(words), called_from);
+  script.send_signal(SIGINT);
+  ASSERT_TRUE(script.wait(kRunPatience)) << "still runs";
 }
 
 TEST_F(RunScript, SaysHowOtherProgramsJoin) {

@@ -8,10 +8,12 @@
 #include <numbers>
 #include <vector>
 
+#include "core/geometry/mesh_measures.h"
 #include "core/geometry/mesh_shapes.h"
 #include "scene/annotations_file.h"
 #include "scene/mesh_file.h"
 #include "tests/support/file_size_limit.h"
+#include "tests/support/patience.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/vision_node/made_views.h"
 #include "vision_node/annotator.h"
@@ -79,6 +81,22 @@ struct CarveUndoTest : testing::Test {
       carved->show();
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
+  }
+
+  // Presses the key, and returns the line that says what has become of it.
+  std::string export_work() {
+    annotator->handle({.export_work = true}, view->screen(), Vec3::Zero());
+    std::string line;
+    EXPECT_TRUE(wait_until([&] {
+      if (std::string next = annotator->take_notice(); !next.empty()) line = next;
+      return !line.empty() && line != "exporting ...";
+    }));
+    return line;
+  }
+  double volume_of(const char* file) const {
+    const auto read = load_mesh_file(folder.path() / file);
+    EXPECT_TRUE(read) << read.error().what;
+    return read ? compute_volume(read->mesh) : 0.0;
   }
 
   ScratchFolder folder;
@@ -196,37 +214,59 @@ TEST_F(CarveUndoTest, AKeyExportsWhatIsDrawnAndCarvedAndThePictureSaysWhere) {
   options.export_folder = folder.path();
   open();
   settle();
-  const auto press = [&] {
-    annotator->handle({.export_work = true}, view->screen(), Vec3::Zero());
-    return annotator->take_notice();
-  };
-  EXPECT_EQ(press(), "nothing to export: nothing is drawn, measured or carved");
+  EXPECT_EQ(export_work(), "nothing to export: nothing is drawn, measured or carved");
   EXPECT_EQ(annotator->take_notice(), "") << "once";
   draw();
-  EXPECT_EQ(press(), "exported to " + folder.path().string() + ": hapton_export_001.vtp");
+  EXPECT_EQ(export_work(), "exported to " + folder.path().string() + ": hapton_export_001.vtp");
   carve();
-  settle();
-  EXPECT_EQ(press(), "exported to " + folder.path().string() + ": hapton_export_002.vtp, hapton_export_002_clay.stl");
+  EXPECT_EQ(export_work(), "exported to " + folder.path().string() + ": hapton_export_002.vtp, hapton_export_002_clay.stl");
   // Smaller than the ball, which is closed.
-  const auto file = load_mesh_file(folder.path() / "hapton_export_002_clay.stl");
-  ASSERT_TRUE(file) << file.error().what;
-  const TriangleMesh* mesh = &file->mesh;
-  double volume = 0.0;
-  for (std::size_t t = 0; t < mesh->triangles.size(); ++t) {
-    volume += mesh->corner(t, 0).dot(mesh->corner(t, 1).cross(mesh->corner(t, 2))) / 6.0;
-  }
+  const double volume = volume_of("hapton_export_002_clay.stl");
   const double ball = 4.0 / 3.0 * std::numbers::pi * std::pow(kUndoClayRadius, 3);
   EXPECT_LT(volume, 0.995 * ball);
   EXPECT_GT(volume, 0.9 * ball);
   std::string failed;
   {
     const FileSizeLimit full(100);
-    failed = press();
+    failed = export_work();
   }
   EXPECT_THAT(failed, testing::StartsWith("NOT EXPORTED: cannot write " + (folder.path() / "hapton_export_003.vtp").string()));
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 3) << "nothing half is left";
   annotator->handle({.save = true}, view->screen(), Vec3::Zero());
   EXPECT_EQ(annotator->take_notice(), "saved in " + options.file.string());
+}
+
+// It is computed in a thread of its own, of the work as it was at the key, with all carves that had come.
+TEST_F(CarveUndoTest, AnExportHasTheCarvesOfItsMomentAndIsFinishedAtTheEnd) {
+  ASSERT_TRUE(view);
+  options.export_folder = folder.path();
+  open();
+  for (int n = 0; n < 3; ++n) {
+    carve();
+    draw();
+    annotator->handle({.export_work = true}, view->screen(), Vec3::Zero());
+  }
+  EXPECT_THAT(annotator->take_notice(), testing::AnyOf("exporting ...", testing::StartsWith("exported to ")));
+  annotator.reset();
+  const double first = volume_of("hapton_export_001_clay.stl");
+  const double second = volume_of("hapton_export_002_clay.stl");
+  const double third = volume_of("hapton_export_003_clay.stl");
+  EXPECT_GT(first, 1.0001 * second);
+  EXPECT_GT(second, 1.0001 * third);
+}
+
+// As with --watch-scene, when the file is saved while an export is computed.
+TEST_F(CarveUndoTest, AnExportOutlivesTheObjectsThatItIsOf) {
+  ASSERT_TRUE(view);
+  options.export_folder = folder.path();
+  open();
+  carve();
+  annotator->handle({.export_work = true}, view->screen(), Vec3::Zero());
+  CarvedObjects next(*view, scene);
+  annotator->change_scene(scene, &next);
+  carved.reset();
+  annotator.reset();
+  EXPECT_GT(volume_of("hapton_export_001_clay.stl"), 0.0);
 }
 
 // A name of a scene file may have any letters, and several objects may have the same.
@@ -240,9 +280,7 @@ TEST_F(CarveUndoTest, TheNamesOfExportedSurfacesAreThoseOfTheirObjects) {
   options.export_folder = folder.path();
   open();
   carve();
-  settle();
-  annotator->handle({.export_work = true}, view->screen(), Vec3::Zero());
-  EXPECT_THAT(annotator->take_notice(),
+  EXPECT_THAT(export_work(),
               testing::EndsWith(": hapton_export_001_0_a_b_c.stl, hapton_export_001_1_a_b_c.stl, hapton_export_001_the-third.stl"));
 }
 

@@ -14,6 +14,9 @@
 #include <utility>
 #include <vector>
 
+#include "core/geometry/mesh_measures.h"
+#include "core/geometry/mesh_shapes.h"
+#include "scene/mesh_file.h"
 #include "scene/object_reader.h"
 #include "tests/session/opened_recording.h"
 #include "tests/vision_node/made_views.h"
@@ -311,6 +314,45 @@ TEST_F(RecordedSurfacesTest, AreInTheSessionThatIsShown) {
   };
   EXPECT_NE(picture_at(1.3, true), picture_at(1.3, false));
   EXPECT_EQ(picture_at(0.3, true), picture_at(0.3, false));
+}
+
+// Object 0 is carved at 1.6 s, and whole again from 3.2 s on.
+TEST(RecordedSession, AKeyExportsWhatWasCarvedUntilTheMomentShown) {
+  const auto volume_at = [](double t_s) {
+    const ScratchFolder scratch;
+    VisionOptions options;
+    options.at_s = t_s;
+    options.seconds = 60.0;
+    options.view.offscreen = false;
+    options.annotations.export_folder = scratch.path();
+    RecordedWindow window(options);
+    window.scene.objects[0].name = "clay";
+    window.scene.objects[0].mesh = std::make_shared<const TriangleMesh>(make_icosphere(0.015, 3));
+    window.scene.objects[0].sculpt = SculptSettings{.voxel_m = 0.001, .tool_radius_m = 0.006};
+    MovedObjects moved(*window.view, window.scene);
+    CarvedObjects carved(*window.view, window.scene);
+    const auto marks = RecordedMarks::open(*window.view, window.scene, 0.1, {}, moved);
+    EXPECT_TRUE(marks) << marks.error().what;
+    window.session->set_moved_objects(&moved);
+    window.session->set_carved_objects(&carved);
+    window.session->set_marks(window.scene, marks->get());
+    window.view->draw();
+    Person person;
+    EXPECT_TRUE(person.found());
+    for (const KeySym key : {XK_o, XK_q}) person.press_key(key);
+    EXPECT_TRUE(window.session->run(window.stop));
+    window.session.reset();  // finishes it
+    const auto file = scratch.path() / "hapton_export_001_clay.stl";
+    if (!std::filesystem::exists(file)) return 0.0;
+    const auto mesh = load_mesh_file(file);
+    EXPECT_TRUE(mesh) << mesh.error().what;
+    return mesh ? compute_volume(mesh->mesh) : 0.0;
+  };
+  EXPECT_EQ(volume_at(1.5), 0.0) << "nothing to export";
+  const double carved = volume_at(2.5);
+  EXPECT_GT(carved, 0.0);
+  EXPECT_LT(carved, 0.95 * compute_volume(make_icosphere(0.015, 3)));
+  EXPECT_EQ(volume_at(3.5), 0.0) << "another haptics process";
 }
 
 // Half a second of the recording in each picture, as many as there are moments, however long they take.

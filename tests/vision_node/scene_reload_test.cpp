@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <future>
 
 #include "tests/support/log_of.h"
 #include "tests/support/patience.h"
@@ -79,6 +80,39 @@ TEST_F(SceneReloadTest, AnErrorIsOneLineAndNoScene) {
   EXPECT_EQ(log_of_two_looks(reload), "") << "one line, not one a look";
   std::filesystem::remove(file);
   EXPECT_THAT(log_of_two_looks(reload), HasSubstr("a.toml is gone; the present picture stays"));
+}
+
+// A mesh of ten million triangles takes many seconds: a person who quits does not wait for it.
+TEST_F(SceneReloadTest, ItsEndDoesNotWaitForAFileThatIsBeingRead) {
+  std::promise<void> release;
+  std::promise<void> begun;
+  std::promise<void> dropped;
+  const std::future<void> is_dropped = dropped.get_future();
+  {
+    SceneReload reload(file, {}, [&, may_end = release.get_future().share()](const auto& path, const auto& loading) {
+      begun.set_value();
+      may_end.wait();
+      auto scene = load_scene(path, loading);
+      dropped.set_value();
+      return scene;
+    });
+    reload.start();
+    write("color = [0, 1, 0]");
+    ASSERT_EQ(begun.get_future().wait_for(std::chrono::seconds(30)), std::future_status::ready);
+  }
+  EXPECT_EQ(is_dropped.wait_for(std::chrono::seconds(0)), std::future_status::timeout);
+  release.set_value();
+  EXPECT_EQ(is_dropped.wait_for(std::chrono::seconds(30)), std::future_status::ready);
+}
+
+// Not even for its next look.
+TEST_F(SceneReloadTest, ItsEndDoesNotWaitForTheNextLook) {
+  const auto begin = std::chrono::steady_clock::now();
+  for (int n = 0; n < 20; ++n) {
+    SceneReload reload(file, {});
+    reload.start();
+  }
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5)) << "a look is every half second";
 }
 
 TEST_F(SceneReloadTest, LooksByItself) {

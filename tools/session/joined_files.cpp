@@ -4,11 +4,12 @@
 
 namespace hapton {
 
-ObjectChanges add_all(SessionReader& reader, JoinedTable& table) {
+ObjectChanges add_all(SessionReader& reader, JoinedTable& table, const AlsoAdd& also) {
   ObjectChanges changes(reader.header().start_ns);
   (void)for_each_entry(reader, [&](const SessionEntry& entry, const Datagram* datagram) -> Result<void> {
     table.add(entry, datagram);
     changes.add(entry, datagram);
+    if (also) also(entry, datagram);
     return {};
   });
   table.finish();

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 
 #include "core/base/result.h"
@@ -20,12 +21,13 @@ struct JoinedCounts {
   std::uint64_t gaps = 0;            // the number of gaps that they make
 };
 
-// Reads a recording to the end, or to the damage, into a table, and what was moved and carved in it.
-ObjectChanges add_all(SessionReader& reader, JoinedTable& table);
+// Reads a recording to the end, or to the damage, into a table, and what was moved and carved in it. also: gets each entry, too.
+using AlsoAdd = std::function<void(const SessionEntry& entry, const Datagram* datagram)>;
+ObjectChanges add_all(SessionReader& reader, JoinedTable& table, const AlsoAdd& also = {});
 
 // Writes the joined table of a recording to the end, or to the damage: reader.problem() says which. names: of the scene's objects, empty
-// where they are not known. Where anything was moved or carved, moves.csv and carves.csv are written beside it. RT: no. Error: one line
-// with the path.
+// where they are not known. Where anything was moved, carved or deformed by programs, moves.csv, carves.csv and ShapeTables are written
+// beside it. RT: no. Error: one line with the path.
 Result<JoinedCounts> write_joined_csv(SessionReader& reader, const std::filesystem::path& path, std::span<const ObjectName> names = {});
 
 // As HDF5: /samples has a dataset for each column of numbers, with the attribute `unit`; /events has `t_s`, `sample`, `kind` (fault or

@@ -1,11 +1,15 @@
 #include <hdf5.h>
 
+#include <algorithm>
 #include <array>
+#include <limits>
+#include <map>
 #include <utility>
 
 #include "runtime/part_file.h"
 #include "scene/scene_loading.h"
 #include "scene/text_cursor.h"
+#include "session/shape_collector.h"
 #include "tools/session/joined_files.h"
 
 namespace hapton {
@@ -84,6 +88,38 @@ class Column {
   hsize_t rows_ = 0;
 };
 
+// The vertices of the shapes of an object: a row for each.
+class ShapeRows {
+ public:
+  ShapeRows(hid_t group, const std::string& name, std::size_t vertices) : dimensions_{0, vertices, 3} {
+    const std::array<hsize_t, 3> endless = {H5S_UNLIMITED, dimensions_[1], dimensions_[2]};
+    const std::array<hsize_t, 3> chunk = {std::max<hsize_t>(1, kBlock / vertices), dimensions_[1], dimensions_[2]};
+    const Handle space(H5Screate_simple(3, dimensions_.data(), endless.data()), &H5Sclose);
+    const Handle how(H5Pcreate(H5P_DATASET_CREATE), &H5Pclose);
+    H5Pset_chunk(how, 3, chunk.data());
+    H5Pset_shuffle(how);
+    H5Pset_deflate(how, kDeflate);
+    set_ = Handle(H5Dcreate2(group, name.c_str(), H5T_IEEE_F32LE, space, H5P_DEFAULT, how, H5P_DEFAULT), &H5Dclose);
+  }
+  hsize_t rows() const { return dimensions_[0]; }
+  hsize_t vertices() const { return dimensions_[1]; }
+  hid_t set() const { return set_; }
+  bool append(std::span<const ShapePart::Displacement> displacements_m) {
+    const std::array<hsize_t, 3> begin = {dimensions_[0], 0, 0};
+    const std::array<hsize_t, 3> count = {1, dimensions_[1], dimensions_[2]};
+    ++dimensions_[0];
+    if (!set_.is_good() || H5Dset_extent(set_, dimensions_.data()) < 0) return false;
+    const Handle there(H5Dget_space(set_), &H5Sclose);
+    const Handle here(H5Screate_simple(3, count.data(), nullptr), &H5Sclose);
+    return H5Sselect_hyperslab(there, H5S_SELECT_SET, begin.data(), nullptr, count.data(), nullptr) >= 0 &&
+           H5Dwrite(set_, H5T_NATIVE_FLOAT, here, there, H5P_DEFAULT, displacements_m.data()) >= 0;
+  }
+
+ private:
+  std::array<hsize_t, 3> dimensions_;
+  Handle set_;
+};
+
 class JoinedHdf5 {
  public:
   explicit JoinedHdf5(const std::filesystem::path& path) {
@@ -129,6 +165,25 @@ class JoinedHdf5 {
     add_setups(changes.setups());
   }
 
+  void add_shape(const RecordedShape& shape) {
+    if (!shapes_group_.is_good()) shapes_group_ = Handle(H5Gcreate2(file_, "shapes", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), &H5Gclose);
+    ShapeRow row{.shape = shape, .row = std::numeric_limits<double>::quiet_NaN()};
+    row.shape.displacements_m = {};
+    if (!shape.displacements_m.empty()) {
+      const std::string name = fmt::format("displacements_{}_{}", shape.process, shape.start.object);
+      const auto [at, is_new] = displacements_.try_emplace(name, shapes_group_, name, shape.displacements_m.size());
+      if (is_new) is_good_ = is_good_ && set_text(at->second.set(), "unit", "m");
+      if (at->second.vertices() == shape.displacements_m.size()) {
+        row.row = static_cast<double>(at->second.rows());
+        is_good_ = at->second.append(shape.displacements_m) && is_good_;
+      }
+    }
+    shapes_.push_back(row);
+  }
+  void finish_shapes() {
+    if (!shapes_.empty()) add_columns(shapes_group_, shapes_, shape_columns());
+  }
+
   bool is_open() const { return file_.is_good(); }
 
   void describe(const SessionHeader& header) {
@@ -156,6 +211,8 @@ class JoinedHdf5 {
     write_block();
     is_good_ = is_good_ && H5Fflush(file_, H5F_SCOPE_GLOBAL) >= 0;
     columns_.clear();
+    displacements_.clear();
+    shapes_group_ = {};
     for (auto* column : {&event_times_, &event_names_, &event_kinds_, &event_samples_}) column->reset();
     return file_.end() && is_good_;
   }
@@ -186,6 +243,12 @@ class JoinedHdf5 {
   template <class Row>
   Handle add_rows(const char* name, const std::vector<Row>& rows, std::span<const ChangeColumn<Row>> columns) {
     Handle group(H5Gcreate2(file_, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), &H5Gclose);
+    add_columns(group, rows, columns);
+    return group;
+  }
+
+  template <class Row>
+  void add_columns(hid_t group, const std::vector<Row>& rows, std::span<const ChangeColumn<Row>> columns) {
     for (const ChangeColumn<Row>& column : columns) {
       std::vector<double> values;
       values.reserve(rows.size());
@@ -194,7 +257,6 @@ class JoinedHdf5 {
       is_good_ = is_good_ && set_text(set.set(), "unit", std::string(column.unit));
       is_good_ = is_good_ && (values.empty() || set.append(values.data(), values.size()));
     }
-    return group;
   }
 
   void write_block() {
@@ -212,6 +274,9 @@ class JoinedHdf5 {
   std::optional<Column> event_kinds_;
   std::optional<Column> event_samples_;
   std::vector<std::vector<double>> values_;
+  Handle shapes_group_;
+  std::vector<ShapeRow> shapes_;
+  std::map<std::string, ShapeRows> displacements_;  // by name
   bool is_good_ = true;
 };
 
@@ -228,7 +293,12 @@ Result<JoinedCounts> write_joined_hdf5(SessionReader& reader, const std::filesys
   file.describe(reader.header());
   file.add_names(names);
   JoinedTable table(reader.header().start_ns, [&](const JoinedRow& row) { file.add(row); });
-  const ObjectChanges changes = add_all(reader, table);
+  ShapeCollector shapes(reader.header().start_ns);
+  const ShapeCollector::Take take = [&](const RecordedShape& shape) { file.add_shape(shape); };
+  const ObjectChanges changes =
+      add_all(reader, table, [&](const SessionEntry& entry, const Datagram* datagram) { shapes.add(entry, datagram, take); });
+  shapes.finish(take);
+  file.finish_shapes();
   file.add_changes(changes);
   if (!file.finish()) return fail("{}: could not be written to its end; is the disk full?", path.string());
   if (const auto kept = part.keep(); !kept) return tl::unexpected(kept.error());

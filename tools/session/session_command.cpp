@@ -99,8 +99,9 @@ Result<void> write_tables(const SessionOptions& options) {
   });
   if (!done) return done;
   if (const auto closed = tables->close(); !closed) return closed;
-  fmt::print("{}/trajectory.csv: {} rows, forces.csv: {}, cycles.csv: {}\n", options.out, tables->rows().trajectory, tables->rows().forces,
-             tables->rows().cycles);
+  fmt::print("{}/trajectory.csv: {} rows, forces.csv: {}, cycles.csv: {}{}\n", options.out, tables->rows().trajectory,
+             tables->rows().forces, tables->rows().cycles,
+             tables->shapes() > 0 ? fmt::format(", shapes.csv: {}", tables->shapes()) : std::string());
   return check_end(*reader);
 }
 
@@ -205,8 +206,8 @@ void add_session_command(CommandLine app, int& exit_code) {
   tables.add_option("--out", options->out, "Folder for the tables").folder_to_write().required();
   tables
       .add_option("--format", options->format,
-                  "tables: trajectory.csv, forces.csv and cycles.csv; csv: all joined by sample in session.csv; hdf5: the same in "
-                  "session.h5; mcap: its messages in session.mcap")
+                  "tables: trajectory.csv, forces.csv and cycles.csv, and shapes.csv where programs deformed objects; csv: all joined by "
+                  "sample in session.csv; hdf5: the same in session.h5; mcap: its messages in session.mcap")
       .one_of({"tables", "csv", "hdf5", "mcap"})
       .shows_default();
   tables.on_run([options, &exit_code] { exit_code = report(write_tables(*options), "export"); });

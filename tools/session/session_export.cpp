@@ -18,6 +18,7 @@ Result<SessionExport> SessionExport::open(const std::filesystem::path& folder, s
   if (error) return fail("{}: the folder cannot be made: {}", folder.string(), error.message());
   SessionExport made;
   made.start_ns_ = start_ns;
+  made.shapes_.emplace(folder, start_ns, names);
   made.names_ = std::move(names);
   const struct {
     std::optional<PartFile>& file;
@@ -72,6 +73,7 @@ void SessionExport::add_sample(std::uint64_t sample, std::int64_t time_ns, const
 
 void SessionExport::add(const SessionEntry& entry, const Datagram* datagram) {
   if (entry.kind == SessionEntry::Kind::cycle) add_cycle(entry);
+  shapes_->add(entry, datagram);
   if (datagram == nullptr) return;
   const auto* state = std::get_if<DeviceState>(&datagram->message);
   if (state != nullptr && entry.kind == SessionEntry::Kind::sent)
@@ -92,10 +94,11 @@ Result<void> SessionExport::close() {
   for (auto* file : {&trajectory_, &forces_, &cycles_}) {
     if (auto closed = (*file)->close(); !closed) return closed;
   }
+  if (auto closed = shapes_->close(); !closed) return closed;
   for (auto* file : {&trajectory_, &forces_, &cycles_}) {
     if (auto kept = (*file)->keep(); !kept) return kept;
   }
-  return {};
+  return shapes_->keep();
 }
 
 }  // namespace hapton

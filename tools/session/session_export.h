@@ -10,11 +10,13 @@
 #include "link/session_entry.h"
 #include "runtime/part_file.h"
 #include "scene/object_names.h"
+#include "tools/session/shape_tables.h"
 
 namespace hapton {
 
-// Writes a recording as three tables: trajectory.csv (what hapton trajectory and replay read), forces.csv and cycles.csv; times in s
-// from the beginning of the recording. Numbers have all their digits. The tables appear at close(), complete, or none does. RT: no.
+// Writes a recording as three tables: trajectory.csv (what hapton trajectory and replay read), forces.csv and cycles.csv, and where
+// programs deformed objects, as ShapeTables; times in s from the beginning of the recording. Numbers have all their digits. The tables
+// appear at close(), complete, or none does. RT: no.
 class SessionExport {
  public:
   // Makes the folder. names: of the scene's objects, empty where they are not known. Error: one line with the path.
@@ -30,6 +32,7 @@ class SessionExport {
     std::uint64_t cycles = 0;
   };
   const Rows& rows() const { return rows_; }
+  std::uint64_t shapes() const { return shapes_->rows(); }
 
  private:
   SessionExport() = default;
@@ -42,6 +45,7 @@ class SessionExport {
   std::optional<PartFile> trajectory_;
   std::optional<PartFile> forces_;
   std::optional<PartFile> cycles_;
+  std::optional<ShapeTables> shapes_;
   std::int64_t start_ns_ = 0;
   std::uint64_t last_sample_ = 0;
   Rows rows_;

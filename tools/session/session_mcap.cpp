@@ -11,14 +11,15 @@
 #include "link/wire_schema.h"
 #include "scene/text_cursor.h"
 #include "session/session_entries.h"
+#include "session/shape_collector.h"
 #include "tools/session/mcap_writer.h"
 
 namespace hapton {
 namespace {
 
-enum class McapTopic : std::uint16_t { cycle, state, force, probe, view, setup, move, carve, event, object_pose, material };
+enum class McapTopic : std::uint16_t { cycle, state, force, probe, view, setup, move, carve, event, object_pose, material, shape };
 
-constexpr std::array<std::pair<std::string_view, std::string_view>, 11> kMcapTopics = {{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 12> kMcapTopics = {{
     {"/hapton/cycle", "hapton.session.Cycle"},
     {"/hapton/state", "hapton.wire.DeviceState"},
     {"/hapton/force", "hapton.wire.ForceCommand"},
@@ -30,6 +31,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 11> kMcapTop
     {"/hapton/event", "hapton.session.Event"},
     {"/hapton/object_pose", "hapton.wire.ObjectPose"},
     {"/hapton/material", "hapton.wire.MaterialState"},
+    {"/hapton/shape", "hapton.session.Shape"},
 }};
 
 Result<McapWriter> open_mcap(const std::filesystem::path& path) {
@@ -63,9 +65,14 @@ McapWriter::Texts describe_objects(std::span<const ObjectName> names) {
 // The messages of a recording, one after the other.
 class McapMessages {
  public:
-  McapMessages(McapWriter& writer, const SessionHeader& header) : writer_(writer), header_(header) {}
+  McapMessages(McapWriter& writer, const SessionHeader& header) : writer_(writer), header_(header), shapes_(header.start_ns) {}
 
+  // Shapes whose last part did not come.
+  void finish() {
+    shapes_.finish([this](const RecordedShape& shape) { add_shape(shape); });
+  }
   void add(const SessionEntry& entry, const Datagram* datagram) {
+    shapes_.add(entry, datagram, [this](const RecordedShape& shape) { add_shape(shape); });
     switch (entry.kind) {
       case SessionEntry::Kind::cycle:
         return add_cycle(entry);
@@ -106,6 +113,11 @@ class McapMessages {
     codec_.append_alone(event, buffer_);
     write(McapTopic::event, entry.time_ns, entry.time_ns, buffer_);
   }
+  void add_shape(const RecordedShape& shape) {
+    buffer_.clear();
+    codec_.append_alone(SessionShape{.process = shape.process, .start = shape.start, .displacements_m = shape.displacements_m}, buffer_);
+    write(McapTopic::shape, shape.time_ns, shape.time_ns, buffer_);
+  }
   void add_datagram(const SessionEntry& entry, const Datagram& datagram) {
     const bool is_sent = entry.kind == SessionEntry::Kind::sent;
     const std::string_view payload = find_message_payload(entry.datagram);
@@ -125,6 +137,7 @@ class McapMessages {
 
   McapWriter& writer_;
   const SessionHeader& header_;
+  ShapeCollector shapes_;
   SessionCodec codec_;
   std::string buffer_;
   std::uint64_t sample_ = 0;
@@ -143,6 +156,7 @@ Result<McapCounts> write_mcap(SessionReader& reader, const std::filesystem::path
     messages.add(entry, datagram);
     return {};
   });
+  messages.finish();
   if (const auto closed = writer->close(); !closed) return tl::unexpected(closed.error());
   return McapCounts{messages.cycles(), writer->messages()};
 }

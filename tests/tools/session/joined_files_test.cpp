@@ -101,6 +101,11 @@ std::filesystem::path write_changed_recording(const ScratchFolder& scratch) {
   Carves carves{.source = 7, .newest = 2, .first = 1, .count = 2};
   carves.carves[0] = carves.carves[1] = {.object = 0, .to_m = {0.25F, 0.0F, 0.0F}, .radius_m = 0.5F};
   receive(carves, 3);
+  ObjectShape part{.source = 7, .serial = 1, .object = 1};
+  part.part.total = 2;
+  part.part.displacements_m.fill({0.5F, 0.25F, 0.125F});
+  receive(part, 3);
+  receive(ShapeStart{.source = 7, .serial = 1, .object = 1, .total = 2, .start_ns = 1'000'000, .end_ns = 2'000'000}, 3);
   ForceCommand force = force_of(1);
   force.scene_time_ns = 500'000'000;
   force.carve_serial = 1;
@@ -126,6 +131,10 @@ TEST(JoinedCsv, WhatWasMovedAndCarvedIsBesideIt) {
   ASSERT_EQ(carves.size(), 3U);
   EXPECT_EQ(carves[1], ",0,1,0,0,0,0,0.25,0,0,0.5,0,0,0,hood") << "when it was made is not known";
   EXPECT_EQ(carves[2], "0.003,0,2,0,0,0,0,0.25,0,0,0.5,0,0,0,hood");
+  const std::vector<std::string> shapes = lines_of("shapes.csv");
+  ASSERT_EQ(shapes.size(), 2U);
+  EXPECT_EQ(shapes[1], "0.003,0,1,1,0,0.001,0.002,2,0,shapes_0_1.npy,glass");
+  EXPECT_TRUE(std::filesystem::exists(scratch.path() / "shapes_0_1.npy"));
   EXPECT_NE(lines_of("session.csv")[1].find(",0.5,1,glass,hard,"), std::string::npos) << "scene time and carves of sample 1";
 }
 
@@ -135,6 +144,7 @@ TEST(JoinedCsv, WhereNothingWasMovedThereIsNoFileOfMoves) {
   ASSERT_TRUE(reader && write_joined_csv(*reader, scratch.path() / "session.csv"));
   EXPECT_FALSE(std::filesystem::exists(scratch.path() / "moves.csv"));
   EXPECT_FALSE(std::filesystem::exists(scratch.path() / "carves.csv"));
+  EXPECT_FALSE(std::filesystem::exists(scratch.path() / "shapes.csv"));
 }
 
 std::vector<double> read_column(hid_t file, const std::string& name) {
@@ -228,6 +238,10 @@ TEST(JoinedHdf5, HasWhatWasMovedAndCarved) {
   EXPECT_EQ(read_column(file, "/carves/serial"), (std::vector<double>{1, 2}));
   EXPECT_TRUE(std::isnan(read_column(file, "/carves/t_s")[0]));
   EXPECT_EQ(read_text_attribute(file, "/carves/radius_m", "unit"), "m");
+  EXPECT_EQ(read_column(file, "/shapes/end_scene_time_s"), (std::vector<double>{0.002}));
+  EXPECT_EQ(read_column(file, "/shapes/row"), (std::vector<double>{0}));
+  EXPECT_EQ(read_column(file, "/shapes/displacements_0_1"), (std::vector<double>{0.5, 0.25, 0.125, 0.5, 0.25, 0.125}));
+  EXPECT_EQ(read_text_attribute(file, "/shapes/displacements_0_1", "unit"), "m");
   EXPECT_EQ(read_column(file, "/samples/carve_serial")[0], 1.0);
   EXPECT_TRUE(std::isnan(read_column(file, "/samples/carve_serial")[1])) << "no force came";
   H5Fclose(file);

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cstring>
 #include <fstream>
+#include <iterator>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -113,6 +116,72 @@ TEST_F(ExportTest, AFolderThatCannotBeMadeIsOneLine) {
   const auto opened = SessionExport::open(file / "folder", 0);
   ASSERT_FALSE(opened);
   EXPECT_NE(opened.error().what.find("the folder cannot be made"), std::string::npos);
+}
+
+// As a haptics node announces them: the vertices, then the start.
+void add_shape(SessionExport& to, std::uint32_t serial, std::uint64_t sample, bool is_whole = true) {
+  SessionEntry entry;
+  entry.kind = SessionEntry::Kind::received;
+  entry.time_ns = sample_ns(sample);
+  ObjectShape part{.source = 5, .serial = serial, .object = 1};
+  part.part.total = is_whole ? 2 : 100;
+  part.part.displacements_m.fill({0.5F, 0.25F, static_cast<float>(serial)});
+  const Datagram first{{}, part};
+  to.add(entry, &first);
+  const Datagram second{{},
+                        ShapeStart{.source = 5,
+                                   .serial = serial,
+                                   .before = serial - 1,
+                                   .object = 1,
+                                   .total = part.part.total,
+                                   .start_ns = 1'500'000'000,
+                                   .end_ns = 2'000'000'000}};
+  to.add(entry, &second);
+}
+
+TEST_F(ExportTest, ShapesHaveARowEachAndTheirVerticesInAnArray) {
+  for (std::uint32_t serial = 1; serial <= 2; ++serial) add_shape(exported, serial, 10 * serial);
+  add_shape(exported, 3, 40, false);
+  ASSERT_TRUE(exported.close());
+  EXPECT_EQ(exported.shapes(), 3U);
+  const std::string times = ",1.5,2,";
+  EXPECT_EQ(lines_of(folder / "shapes.csv"),
+            (std::vector<std::string>{"t_s,process,serial,object,before,start_scene_time_s,end_scene_time_s,vertices,row,file,name",
+                                      "0.01,0,1,1,0" + times + "2,0,shapes_0_1.npy,\"a, \"\"b\"\"\"",
+                                      "0.02,0,2,1,1" + times + "2,1,shapes_0_1.npy,\"a, \"\"b\"\"\"",
+                                      "0.04,0,3,1,2" + times + "100,,,\"a, \"\"b\"\"\""}));
+  std::ifstream in(folder / "shapes_0_1.npy", std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  ASSERT_EQ(bytes.size(), 128U + 2 * 2 * 3 * sizeof(float));
+  EXPECT_NE(bytes.find("'shape': (2, 2, 3)"), std::string::npos);
+  std::array<float, 12> numbers;
+  std::memcpy(numbers.data(), bytes.data() + 128, sizeof numbers);
+  EXPECT_EQ(numbers, (std::array<float, 12>{0.5F, 0.25F, 1, 0.5F, 0.25F, 1, 0.5F, 0.25F, 2, 0.5F, 0.25F, 2}));
+}
+
+TEST_F(ExportTest, WithoutShapesThereIsNoTableAndAnEarlierOneBecomesEmpty) {
+  ASSERT_TRUE(exported.close());
+  EXPECT_FALSE(std::filesystem::exists(folder / "shapes.csv"));
+  SessionExport again = open();
+  add_shape(again, 1, 10);
+  ASSERT_TRUE(again.close());
+  EXPECT_EQ(lines_of(folder / "shapes.csv").size(), 2U);
+  SessionExport last = open();
+  ASSERT_TRUE(last.close());
+  EXPECT_EQ(lines_of(folder / "shapes.csv").size(), 1U);
+}
+
+TEST_F(ExportTest, OnAFullDiskThereAreNeitherShapesNorOtherTables) {
+  Result<void> closed;
+  {
+    const FileSizeLimit full(6'000);
+    for (std::uint32_t serial = 1; serial <= 400; ++serial) add_shape(exported, serial, serial);
+    closed = exported.close();
+  }
+  ASSERT_FALSE(closed);
+  EXPECT_EQ(closed.error().what, (folder / "shapes_0_1.npy").string() + ": cannot be written: File too large");
+  { const SessionExport ended = std::move(exported); }
+  EXPECT_TRUE(std::filesystem::is_empty(folder));
 }
 
 // The three tables are one result: without one of them there is none.

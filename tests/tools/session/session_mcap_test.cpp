@@ -8,6 +8,7 @@
 #include <limits>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "link/codec.h"
 #include "link/message_payload.h"
@@ -110,6 +111,36 @@ TEST_F(McapRecordings, CarvesAreMessages) {
   std::ifstream in(scratch.path() / "session.mcap", std::ios::binary);
   const std::string file{std::istreambuf_iterator<char>(in), {}};
   EXPECT_NE(file.find("/hapton/carve"), std::string::npos);
+}
+
+// One message with all vertices, not the parts in which they were sent.
+TEST_F(McapRecordings, EachShapeOfAnObjectIsAMessage) {
+  std::array<std::byte, kMaxDatagramBytes> datagram;
+  constexpr std::uint32_t kTotal = 70;
+  SessionShape expected{.process = 0, .start = {.source = 5, .serial = 1, .object = 2, .total = kTotal, .start_ns = 3, .end_ns = 4}};
+  const std::vector<ShapePart::Displacement> displacements(kTotal, {0.5F, -0.25F, 0.125F});
+  expected.displacements_m = displacements;
+  for (const std::uint32_t first : {0U, 64U}) {
+    ObjectShape part{.source = 5, .serial = 1, .object = 2, .part = {.total = kTotal, .first = first}};
+    part.part.displacements_m.fill(displacements[0]);
+    for (int n = 0; n < 2; ++n) codec.append(datagram_of(SessionEntry::Kind::received, part, datagram), bytes);
+  }
+  codec.append(datagram_of(SessionEntry::Kind::received, expected.start, datagram), bytes);
+  codec.append(datagram_of(SessionEntry::Kind::sent, expected.start, datagram), bytes);
+  // Its vertices were lost.
+  ShapeStart second = expected.start;
+  second.serial = 2;
+  codec.append(datagram_of(SessionEntry::Kind::received, second, datagram), bytes);
+  const auto written = write();
+  ASSERT_TRUE(written) << written.error().what;
+  EXPECT_EQ(written->messages, 2U);
+  std::ifstream in(scratch.path() / "session.mcap", std::ios::binary);
+  const std::string file{std::istreambuf_iterator<char>(in), {}};
+  std::string payload;
+  codec.append_alone(expected, payload);
+  EXPECT_GT(payload.size(), kTotal * 3 * sizeof(float));
+  EXPECT_NE(file.find(payload), std::string::npos);
+  EXPECT_NE(file.find("/hapton/shape"), std::string::npos);
 }
 
 TEST_F(McapRecordings, PosesOfHeldObjectsAndMaterialsAreMessages) {

@@ -1,0 +1,29 @@
+#include "runtime/standard_streams.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+
+namespace hapton {
+
+// The system gives the lowest number that is free.
+void open_standard_streams() {
+  int opened = 0;
+  do {
+    opened = ::open("/dev/null", O_RDWR);
+  } while (opened >= 0 && opened <= STDERR_FILENO);
+  if (opened > STDERR_FILENO) ::close(opened);
+}
+
+Result<void> flush_standard_output() {
+  errno = 0;
+  const bool is_flushed = std::fflush(stdout) == 0;
+  if (is_flushed && std::ferror(stdout) == 0) return {};
+  return fail("the output is not complete: {}; free space on the disk, or choose another file",
+              errno != 0 ? std::strerror(errno) : "an earlier part of it could not be written");
+}
+
+}  // namespace hapton

@@ -1,0 +1,88 @@
+#include "session/shape_collector.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace hapton {
+namespace {
+
+constexpr ChangeColumn<ShapeRow> kShapeColumns[] = {
+    {"t_s", "s", [](const ShapeRow& r) { return r.shape.t_s; }},
+    {"process", "1", [](const ShapeRow& r) { return static_cast<double>(r.shape.process); }},
+    {"serial", "1", [](const ShapeRow& r) { return static_cast<double>(r.shape.start.serial); }},
+    {"object", "1", [](const ShapeRow& r) { return static_cast<double>(r.shape.start.object); }},
+    {"before", "1", [](const ShapeRow& r) { return static_cast<double>(r.shape.start.before); }},
+    {"start_scene_time_s", "s", [](const ShapeRow& r) { return 1e-9 * static_cast<double>(r.shape.start.start_ns); }},
+    {"end_scene_time_s", "s", [](const ShapeRow& r) { return 1e-9 * static_cast<double>(r.shape.start.end_ns); }},
+    {"vertices", "1", [](const ShapeRow& r) { return static_cast<double>(r.shape.start.total); }},
+    {"row", "1", [](const ShapeRow& r) { return r.row; }},
+};
+
+}  // namespace
+
+std::span<const ChangeColumn<ShapeRow>> shape_columns() noexcept { return kShapeColumns; }
+
+void ShapeCollector::add(const SessionEntry& entry, const Datagram* datagram, const Take& take) {
+  if (datagram == nullptr || entry.kind != SessionEntry::Kind::received) return;
+  if (const auto* part = std::get_if<ObjectShape>(&datagram->message)) {
+    begin_process(part->source, take);
+    if (part->serial <= closed_[part->object]) return;  // sent again, for a picture
+    open(part->object, part->serial, part->part.total, take).parts.add(part->part);
+  } else if (const auto* start = std::get_if<ShapeStart>(&datagram->message)) {
+    begin_process(start->source, take);
+    // The haptics node repeats the newest one of each object.
+    if (start->serial <= started_[start->object]) return;
+    started_[start->object] = start->serial;
+    Open& shape = open(start->object, start->serial, start->total, take);
+    shape.is_started = true;
+    shape.shape = {.t_s = seconds_after(start_ns_, entry.time_ns),
+                   .time_ns = entry.time_ns,
+                   .sender = datagram->header.sender,
+                   .process = process_,
+                   .start = *start};
+  } else {
+    return;
+  }
+  hand_on_whole(take);
+}
+
+void ShapeCollector::begin_process(std::uint32_t source, const Take& take) {
+  if (source == source_) return;
+  finish(take);
+  process_ += source_ != 0 ? 1 : 0;
+  source_ = source;
+  started_.clear();
+  closed_.clear();
+}
+
+ShapeCollector::Open& ShapeCollector::open(std::int32_t object, std::uint32_t serial, std::uint32_t total, const Take& take) {
+  const auto found = std::ranges::find_if(open_, [&](const Open& one) { return one.object == object && one.serial == serial; });
+  if (found != open_.end()) return *found;
+  if (open_.size() == kMostOpen) close_first(take);
+  open_.push_back({.object = object, .serial = serial, .parts = ShapeParts(std::min(total, ShapePart::kMostVertices))});
+  return open_.back();
+}
+
+// One without a start was never felt.
+void ShapeCollector::close_first(const Take& take) {
+  Open& one = open_.front();
+  if (one.is_started) {
+    const bool is_whole = one.parts.total() == one.shape.start.total && one.parts.is_whole();
+    one.shape.displacements_m = is_whole ? one.parts.displacements_m() : std::span<const ShapePart::Displacement>();
+    take(one.shape);
+    std::uint32_t& closed = closed_[one.object];
+    closed = std::max(closed, one.serial);
+  }
+  open_.pop_front();
+}
+
+// In their order: one that waits for a part is overtaken by none.
+void ShapeCollector::hand_on_whole(const Take& take) {
+  while (!open_.empty() && open_.front().is_started && open_.front().parts.is_whole()) close_first(take);
+}
+
+void ShapeCollector::finish(const Take& take) {
+  while (!open_.empty()) close_first(take);
+}
+
+}  // namespace hapton

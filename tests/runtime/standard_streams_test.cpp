@@ -1,0 +1,51 @@
+#include "runtime/standard_streams.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cstdio>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace hapton {
+namespace {
+
+using testing::ExitedWithCode;
+
+// In a child. 0: no file gets a number of the standard streams, and none of those that were open has changed.
+[[noreturn]] void open_a_file_without(std::initializer_list<int> closed) {
+  for (const int stream : closed) ::close(stream);
+  open_standard_streams();
+  const int file = ::open("/dev/zero", O_RDONLY);
+  const bool is_writable = ::write(STDOUT_FILENO, "", 0) == 0 && ::write(STDERR_FILENO, "", 0) == 0;
+  _exit(file > STDERR_FILENO && is_writable ? 0 : 1);
+}
+
+TEST(StandardStreams, NoFileTakesThePlaceOfAClosedOne) {
+  EXPECT_EXIT(open_a_file_without({}), ExitedWithCode(0), "");
+  EXPECT_EXIT(open_a_file_without({STDIN_FILENO}), ExitedWithCode(0), "");
+  EXPECT_EXIT(open_a_file_without({STDOUT_FILENO}), ExitedWithCode(0), "");
+  EXPECT_EXIT(open_a_file_without({STDERR_FILENO}), ExitedWithCode(0), "");
+  EXPECT_EXIT(open_a_file_without({STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}), ExitedWithCode(0), "");
+}
+
+// Prints that many bytes to a disk that is full; 7: that was noticed.
+[[noreturn]] void print_to_full_disk(int bytes) {
+  if (std::freopen("/dev/full", "w", stdout) == nullptr) _exit(1);
+  for (int n = 0; n < bytes; ++n) std::fputc('x', stdout);
+  const auto flushed = flush_standard_output();
+  if (flushed) _exit(0);
+  std::fprintf(stderr, "%s\n", flushed.error().what.c_str());
+  _exit(7);
+}
+
+TEST(StandardStreams, OutputThatDoesNotArriveIsAnError) {
+  EXPECT_TRUE(flush_standard_output());
+  EXPECT_EXIT(print_to_full_disk(0), ExitedWithCode(0), "");
+  EXPECT_EXIT(print_to_full_disk(10), ExitedWithCode(7), "the output is not complete: No space left on device");
+  EXPECT_EXIT(print_to_full_disk(100'000), ExitedWithCode(7), "the output is not complete: ");
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,108 @@
+#include "session/shape_collector.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "tests/session/made_entries.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::uint32_t kCollectedVertices = 100;  // two parts
+
+struct ShapeCollectorTest : testing::Test {
+  void receive(const Message& message) {
+    SessionEntry entry;
+    entry.kind = SessionEntry::Kind::received;
+    entry.time_ns = kJoinedStartNs + ++milliseconds * 1'000'000;
+    const Datagram datagram{{.session = 1, .sender = 2}, message};
+    collector.add(entry, &datagram, take);
+  }
+  void part(std::uint32_t serial, std::uint32_t first, std::uint32_t source = 5, std::int32_t object = 0) {
+    ObjectShape shape{.source = source, .serial = serial, .object = object};
+    shape.part = {.total = kCollectedVertices, .first = first};
+    shape.part.displacements_m.fill({1e-3F * static_cast<float>(serial), 0.0F, static_cast<float>(first)});
+    receive(shape);
+  }
+  void start(std::uint32_t serial, std::uint32_t source = 5, std::int32_t object = 0) {
+    receive(ShapeStart{.source = source, .serial = serial, .before = serial - 1, .object = object, .total = kCollectedVertices});
+  }
+
+  std::int64_t milliseconds = 0;
+  // "process.serial" of each; with a question mark without vertices.
+  std::vector<std::string> taken;
+  std::vector<double> times_s;
+  ShapeCollector::Take take = [this](const RecordedShape& shape) {
+    taken.push_back(std::to_string(shape.process) + "." + std::to_string(shape.start.serial) + (shape.displacements_m.empty() ? "?" : ""));
+    times_s.push_back(shape.t_s);
+    if (shape.displacements_m.empty()) return;
+    ASSERT_EQ(shape.displacements_m.size(), kCollectedVertices);
+    for (std::size_t v = 0; v < kCollectedVertices; ++v) {
+      const std::array<float, 3> expected = {1e-3F * static_cast<float>(shape.start.serial), 0.0F, v < 64 ? 0.0F : 64.0F};
+      EXPECT_EQ(shape.displacements_m[v], expected) << v;
+    }
+  };
+  ShapeCollector collector{kJoinedStartNs};
+};
+
+TEST_F(ShapeCollectorTest, EachShapeIsHandedOnOnceItIsThere) {
+  part(1, 64);
+  part(1, 0);
+  EXPECT_TRUE(taken.empty()) << "it has not begun";
+  start(1);
+  ASSERT_EQ(taken, std::vector<std::string>({"0.1"}));
+  EXPECT_NEAR(times_s[0], 0.003, 1e-9);
+  start(1);
+  part(1, 0);
+  part(1, 64);
+  collector.finish(take);
+  EXPECT_EQ(taken.size(), 1U) << "what is repeated";
+}
+
+// As of a shape of before the recording: the hub requests it.
+TEST_F(ShapeCollectorTest, PartsMayComeAfterTheStart) {
+  start(4);
+  part(4, 0);
+  part(5, 0);
+  part(5, 64);
+  start(5);
+  EXPECT_TRUE(taken.empty());
+  part(4, 64);
+  EXPECT_EQ(taken, std::vector<std::string>({"0.4", "0.5"})) << "in their order";
+}
+
+TEST_F(ShapeCollectorTest, WithoutAPartAShapeHasNoVertices) {
+  part(1, 0);
+  start(1);
+  part(2, 0);
+  part(2, 64);
+  start(2);
+  part(3, 0);
+  part(3, 64);
+  collector.finish(take);
+  EXPECT_EQ(taken, std::vector<std::string>({"0.1?", "0.2"})) << "the third one was never felt";
+}
+
+TEST_F(ShapeCollectorTest, AnotherProcessBeginsWithItsObjectsAtRest) {
+  part(7, 0);
+  part(7, 64);
+  start(7);
+  start(0, 6);
+  part(1, 0, 6);
+  part(1, 64, 6);
+  start(1, 6);
+  EXPECT_EQ(taken, std::vector<std::string>({"0.7", "1.1"}));
+}
+
+TEST_F(ShapeCollectorTest, AFileWithAnyNumberOfPartsTakesLittleMemory) {
+  for (std::uint32_t serial = 1; serial <= 1000; ++serial) part(serial, 0, 5, static_cast<std::int32_t>(serial % 8));
+  start(1000, 5, 0);
+  collector.finish(take);
+  EXPECT_EQ(taken, std::vector<std::string>({"0.1000?"}));
+}
+
+}  // namespace
+}  // namespace hapton

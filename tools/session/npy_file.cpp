@@ -1,0 +1,47 @@
+#include "tools/session/npy_file.h"
+
+#include <fmt/core.h>
+
+#include <bit>
+#include <cstdio>
+#include <string>
+
+namespace hapton {
+namespace {
+
+// Of the header; the format wants a multiple of 64. Room for any number of rows.
+constexpr std::size_t kNpyHeaderBytes = 128;
+static_assert(std::endian::native == std::endian::little, "rows are written as they are in memory");
+
+}  // namespace
+
+Result<NpyFile> NpyFile::open(const std::filesystem::path& path, std::uint32_t vertices) {
+  auto file = PartFile::open(path);
+  if (!file) return tl::unexpected(file.error());
+  NpyFile made(std::move(*file), vertices);
+  made.write_header();
+  return made;
+}
+
+void NpyFile::write_header() {
+  std::string header = fmt::format("{{'descr': '<f4', 'fortran_order': False, 'shape': ({}, {}, 3), }}", rows_, vertices_);
+  constexpr std::size_t kBefore = 10;  // magic, version, length
+  header.resize(kNpyHeaderBytes - kBefore - 1, ' ');
+  header += '\n';
+  const std::string begin = {'\x93', 'N', 'U', 'M', 'P', 'Y', 1, 0, static_cast<char>(header.size()), 0};
+  file_.check(std::fwrite((begin + header).data(), 1, kNpyHeaderBytes, file_.get()) == kNpyHeaderBytes);
+}
+
+void NpyFile::add(std::span<const std::array<float, 3>> row) {
+  ++rows_;
+  if (file_.is_good()) file_.check(std::fwrite(row.data(), sizeof row[0], row.size(), file_.get()) == row.size());
+}
+
+// Now that the number of rows is known.
+Result<void> NpyFile::close() {
+  file_.check(std::fseek(file_.get(), 0, SEEK_SET) == 0);
+  if (file_.is_good()) write_header();
+  return file_.close();
+}
+
+}  // namespace hapton

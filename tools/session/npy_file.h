@@ -1,0 +1,40 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+
+#include "core/base/result.h"
+#include "runtime/part_file.h"
+
+namespace hapton {
+
+// Writes an array of float32 with the axes row, vertex and coordinate in NumPy's format, version 1.0
+// (https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html), row by row. The file appears at keep(), complete, or not at
+// all. RT: no. Threads: one.
+class NpyFile {
+ public:
+  // vertices: of each row. Error: see PartFile::open.
+  static Result<NpyFile> open(const std::filesystem::path& path, std::uint32_t vertices);
+
+  // Pre: as many as each row has.
+  void add(std::span<const std::array<float, 3>> row);
+  std::uint64_t rows() const noexcept { return rows_; }
+  std::uint32_t vertices() const noexcept { return vertices_; }
+
+  // Error: one line; nothing is left of it.
+  Result<void> close();
+  // Pre: close() succeeded.
+  Result<void> keep() { return file_.keep(); }
+
+ private:
+  NpyFile(PartFile file, std::uint32_t vertices) : file_(std::move(file)), vertices_(vertices) {}
+  void write_header();
+
+  PartFile file_;
+  std::uint32_t vertices_;
+  std::uint64_t rows_ = 0;
+};
+
+}  // namespace hapton

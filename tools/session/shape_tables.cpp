@@ -1,0 +1,83 @@
+#include "tools/session/shape_tables.h"
+
+#include <fmt/core.h>
+
+#include <limits>
+
+#include "tools/session/csv_names.h"
+#include "tools/session/csv_rows.h"
+
+namespace hapton {
+
+void ShapeTables::add(const SessionEntry& entry, const Datagram* datagram) {
+  collector_.add(entry, datagram, [this](const RecordedShape& shape) {
+    if (done_) done_ = write(shape);
+  });
+}
+
+Result<void> ShapeTables::open_table() {
+  if (table_) return {};
+  auto opened = PartFile::open(folder_ / "shapes.csv");
+  if (!opened) return tl::unexpected(opened.error());
+  table_.emplace(std::move(*opened));
+  add_line(*table_, csv_header(shape_columns()) + "file,name\n");
+  return {};
+}
+
+namespace {
+
+// A recording may have several scenes, so an object of another haptics process may have other vertices.
+std::string array_name(const RecordedShape& shape) { return fmt::format("shapes_{}_{}.npy", shape.process, shape.start.object); }
+
+}  // namespace
+
+// Null: the recording lacks a part of the shape, or it has other vertices than those before.
+Result<NpyFile*> ShapeTables::find_file(const RecordedShape& shape) {
+  if (shape.displacements_m.empty()) return nullptr;
+  const std::string name = array_name(shape);
+  auto found = arrays_.find(name);
+  if (found == arrays_.end()) {
+    auto opened = NpyFile::open(folder_ / name, shape.start.total);
+    if (!opened) return tl::unexpected(opened.error());
+    found = arrays_.emplace(name, std::move(*opened)).first;
+  }
+  return found->second.vertices() == shape.displacements_m.size() ? &found->second : nullptr;
+}
+
+Result<void> ShapeTables::write(const RecordedShape& shape) {
+  if (auto opened = open_table(); !opened) return opened;
+  auto file = find_file(shape);
+  if (!file) return tl::unexpected(file.error());
+  ShapeRow row{.shape = shape, .row = std::numeric_limits<double>::quiet_NaN()};
+  if (*file != nullptr) {
+    row.row = static_cast<double>((*file)->rows());
+    (*file)->add(shape.displacements_m);
+  }
+  const auto object = static_cast<std::size_t>(shape.start.object);
+  add_line(*table_, csv_numbers(shape_columns(), row) + (*file != nullptr ? array_name(shape) : "") + ',' +
+                        (object < names_.size() ? csv_cell(names_[object].object) : "") + '\n');
+  ++rows_;
+  return {};
+}
+
+Result<void> ShapeTables::close() {
+  collector_.finish([this](const RecordedShape& shape) {
+    if (done_) done_ = write(shape);
+  });
+  if (done_ && !table_ && std::filesystem::exists(folder_ / "shapes.csv")) done_ = open_table();
+  for (auto& [name, array] : arrays_) {
+    if (auto closed = array.close(); done_) done_ = closed;
+  }
+  if (table_ && done_) done_ = table_->close();
+  return done_;
+}
+
+// The table last: it names the arrays.
+Result<void> ShapeTables::keep() {
+  for (auto& [name, array] : arrays_) {
+    if (auto kept = array.keep(); !kept) return kept;
+  }
+  return table_ ? table_->keep() : Result<void>();
+}
+
+}  // namespace hapton
