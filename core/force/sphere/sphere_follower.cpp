@@ -188,6 +188,8 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
   if (!is_carried_) least_distance_ = std::numeric_limits<double>::infinity();
   const Vec3 start = centre_;
   const double began = time;
+  const bool was_free = contact_count_ == 0;
+  bool may_balance = !is_point_ && !has_friction_;  // once, as it may balance elsewhere then
   Next next = Next::again;
   while (next == Next::again && work_ <= most_work_) {
     ++events_;
@@ -205,6 +207,11 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
     if (next == Next::wait) next = wait(from, to, time);
     if (next == Next::again && has_lingered()) time = std::min(1.0, time + std::ldexp(4.0 * kAtAxis, lingering_ / 4) / (to - from).norm());
     if (next == Next::settled && !(has_friction_ && has_friction_here()) && leave_minimum(to, to - from)) next = Next::again;
+    if (next == Next::settled && may_balance && contact_count_ == 1 &&
+        (was_free || (centre_ - start).squaredNorm() <= kBalance * kBalance) && roll_off_face()) {
+      may_balance = false;
+      next = Next::again;
+    }
   }
   queried_ += static_cast<std::uint64_t>(work_);
   const bool has_stuck = has_friction_ && centre_ == start;
