@@ -188,8 +188,6 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
   if (!is_carried_) least_distance_ = std::numeric_limits<double>::infinity();
   const Vec3 start = centre_;
   const double began = time;
-  const bool was_free = contact_count_ == 0;
-  bool may_balance = !is_point_ && !has_friction_;  // once, as it may balance elsewhere then
   Next next = Next::again;
   while (next == Next::again && work_ <= most_work_) {
     ++events_;
@@ -207,11 +205,6 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
     if (next == Next::wait) next = wait(from, to, time);
     if (next == Next::again && has_lingered()) time = std::min(1.0, time + std::ldexp(4.0 * kAtAxis, lingering_ / 4) / (to - from).norm());
     if (next == Next::settled && !(has_friction_ && has_friction_here()) && leave_minimum(to, to - from)) next = Next::again;
-    if (next == Next::settled && may_balance && contact_count_ == 1 &&
-        (was_free || (centre_ - start).squaredNorm() <= kBalance * kBalance) && roll_off_face()) {
-      may_balance = false;
-      next = Next::again;
-    }
   }
   queried_ += static_cast<std::uint64_t>(work_);
   const bool has_stuck = has_friction_ && centre_ == start;
@@ -479,10 +472,12 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
     is_restored = restore(centre_);
   });
   if (!is_restored) return Next::failed;
+  const bool has_moved = (centre_ - before).norm() > kLeastMotion;
   note_move(before);
   if ((time - time_before) * (to - from).norm() > least_progress()) note_gain(on_path(from, to, time), true);
   if (const auto next = end_leg(leg.path, event, is_whole, leg.released, on_path(from, to, time))) return *next;
   if (leg.vanishes) return lose_minimum(leg.path.slope(1.0));
+  if (!has_moved && roll_off_face()) return Next::again;
   return time >= 1.0 ? Next::settled : Next::again;
 }
 
