@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <span>
 
 #include "core/force/contact_qp.h"
 #include "core/force/sphere/sphere_follower.h"
@@ -16,10 +17,31 @@ constexpr double kWedge = 4096.0;     // offsets; so far from its tip a wedge of
 constexpr double kThrough = 4.0;      // offsets; a triangle this near to the corner touches it, and a crack this narrow is closed
 constexpr double kLeastBetter = 2.0;  // offsets; a smaller gain is no escape
 constexpr double kAbove = 1.25;       // offsets above the faces on the path
-constexpr double kWide[] = {32.0, 512.0, 8192.0};  // offsets; radius of the path around the corner
-constexpr double kMostOff = 4.0;                   // a position off an edge is this many times as far from the corner
-constexpr double kHeights[] = {8.0, 32.0};         // offsets; height of a lift
-constexpr int kMostTries = 2;                      // per step
+constexpr double kWide[] = {32.0, 512.0, 8192.0};         // offsets; radius of the path around the corner
+constexpr double kMostOff = 4.0;                          // a position off an edge is this many times as far from the corner
+constexpr double kHeights[] = {8.0, 32.0};                // offsets; height of a lift
+constexpr int kMostTries = 2;                             // per step
+constexpr double kHigher = (kAbove + kThrough) / kAbove;  // above displaced copies of these faces, too
+
+// The position nearest to the planes, lines and points of contacts on faces, edges and vertices: the sum of the squared distances from them
+// is least. False: it is not unique within rounding, or farther than `within` from one of them.
+bool find_meeting(std::span<const OffsetContact> contacts, const Vec3& near, double within, Vec3& meeting) {
+  constexpr double kLeastVolume = 0x1p-44;
+  Mat3 sum = Mat3::Zero();
+  Vec3 right = Vec3::Zero();
+  for (const OffsetContact& contact : contacts) {
+    Mat3 across = Mat3::Identity();
+    if (contact.part == OffsetContact::Part::face) across = contact.normal * contact.normal.transpose();
+    if (contact.part == OffsetContact::Part::edge) across -= contact.axis() * contact.axis().transpose();
+    sum += across;
+    right += across * (contact.origin() - near);
+  }
+  if (!(sum.determinant() > kLeastVolume)) return false;
+  const Vec3 off = sum.inverse() * right;
+  meeting = near + off;
+  return std::all_of(contacts.begin(), contacts.end(),
+                     [&](const OffsetContact& contact) { return std::fabs(contact.proximity(meeting).distance) <= within; });
+}
 
 }  // namespace
 
@@ -42,7 +64,10 @@ bool SphereFollower::find_apex(Vec3& apex) const noexcept {
   ContactFrame frame;
   if (active_count_ != 3 || !find_frame(centre_, frame)) return false;
   const auto is_face = [](const OffsetContact& contact) { return contact.part == OffsetContact::Part::face; };
-  if (!std::all_of(contacts_.begin(), contacts_.begin() + active_count_, is_face)) return find_common_corner(apex);
+  if (!std::all_of(contacts_.begin(), contacts_.begin() + active_count_, is_face)) {
+    return find_common_corner(apex) || (find_meeting(contacts(), centre_, 0.5 * kThrough * clearance_.offset, apex) &&
+                                        (apex - centre_).norm() <= kWedge * clearance_.offset);
+  }
   apex = centre_;
   for (int i = 0; i < 3; ++i) apex -= clearance_.offset * frame.dual[i];
   return (apex - centre_).norm() <= kWedge * clearance_.offset;
@@ -155,12 +180,22 @@ bool SphereFollower::leave_corner(const Vec3& device, const Vec3& motion) noexce
         return target && pass_corner(*target, radius);
       });
     };
+    const auto pass_higher = [&](double radius) {
+      return try_escape(device, motion, [&] {
+        const std::optional<Vec3> target = find_past_corner(steepest, radius);
+        if (!target) return false;
+        const Vec3 below = cone_.apex() + radius * steepest.direction;
+        const Vec3 off = kHigher * (*target - below);
+        return kMostOff * off.norm() < radius && pass_corner(below + off, radius);
+      });
+    };
     for (const double wide : kWide) {
       const double radius = wide * clearance_.offset;
       if (pass(radius)) return true;
       for (const bool ahead : {true, false}) {
         if (try_escape(device, motion, [&] { return fly_around_corner(steepest, radius, ahead); })) return true;
       }
+      if (pass_higher(radius)) return true;
     }
     // A slit so narrow has room for the sphere only farther out.
     const double room = 1.25 * kMostOff * distance_off_edge(steepest);
@@ -233,7 +268,9 @@ std::optional<Vec3> SphereFollower::find_past_corner(const TangentCone::Steepest
 }
 
 // Moves the centre past the corner in one step, if all triangles near it go through the corner: the free space there is a cone. The target
-// must be in the part of the cone that the centre is in: beside a narrow slit of it, a position off one side is beyond the other.
+// must be in the part of the cone that the centre is in: beside a narrow slit of it, a position off one side is beyond the other. Where the
+// cone's boundary may be that of another part, nothing may be in between. And it must be on the same side of each face as of the plane
+// through the apex that stands for it.
 bool SphereFollower::pass_corner(const Vec3& target, double wide) noexcept {
   const Vec3& apex = cone_.apex();
   const double within = 1.25 * wide;
@@ -244,7 +281,10 @@ bool SphereFollower::pass_corner(const Vec3& target, double wide) noexcept {
     const ContactTriangle& shape = near_.shape(slot);
     const double distance = shape.separation(apex).distance;
     if (!is_free || distance > within || !can_touch(near_.triangle(slot), shape, centre_)) return;
-    is_free = distance <= kThrough * clearance_.offset && shape.separation(target).distance >= clearance_.offset;
+    const Separation at = shape.separation(target);
+    is_free = distance <= kThrough * clearance_.offset && at.distance >= clearance_.offset &&
+              (at.feature != Feature::face || at.normal.dot(target - apex) > 0.0) &&
+              (cone_.is_around_start() || geometry_.pierce(near_.triangle(slot), centre_, target).time > 1.0);
   });
   if (is_free) centre_ = target;
   return is_free;

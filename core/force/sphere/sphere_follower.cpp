@@ -472,10 +472,12 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
     is_restored = restore(centre_);
   });
   if (!is_restored) return Next::failed;
+  const bool has_moved = (centre_ - before).norm() > kLeastMotion;
   note_move(before);
   if ((time - time_before) * (to - from).norm() > least_progress()) note_gain(on_path(from, to, time), true);
   if (const auto next = end_leg(leg.path, event, is_whole, leg.released, on_path(from, to, time))) return *next;
   if (leg.vanishes) return lose_minimum(leg.path.slope(1.0));
+  if (!has_moved && roll_off_face()) return Next::again;
   return time >= 1.0 ? Next::settled : Next::again;
 }
 

@@ -111,6 +111,7 @@ class SphereFollower {
   static constexpr double kFar = 32.0;         // local units; farther out, positions are coarser than the tolerance
   static constexpr int kMostTurns = 64;        // of the direction to a device farther out
   static constexpr double kShallow = 0x1p-30;  // height of a barrier that does not hold a minimum: the reference's contact offset
+  static constexpr double kBalance = 0x1p-28;  // distance from the boundary of a face within which the sphere balances on it
   static constexpr int kWorkOfEvent = 5;       // units, beside what it queries
   static constexpr int kMostIdle = 24;         // events without progress
   static constexpr int kMostSkips = 16;
@@ -298,6 +299,7 @@ class SphereFollower {
   bool find_beside(const Vec3& apex, Vec3& beside) noexcept;
   double least_corner_exit(const Vec3& pull) const noexcept;
   double time_to_corner_exit(const Vec3& from, const Vec3& to, double time) noexcept;
+  bool roll_off_face() noexcept;
   bool is_in_wedge() noexcept;
   bool leave_by_flight(const Vec3& device, const Vec3& motion) noexcept;
   bool find_wall(const OffsetContact& contact, Wall& wall) noexcept;

@@ -55,6 +55,24 @@ void SphereFollower::activate_opposing(const Vec3& device, const Vec3& motion) n
   }
 }
 
+// A face alone holds the centre, which is over the face's boundary within rounding, opposite to the device: a minimum of the face, but over
+// a convex edge it comes nearer. A point goes over likewise (SurfaceFollower::settle_on_face). False: it is not at the boundary.
+bool SphereFollower::roll_off_face() noexcept {
+  if (is_point_ || contact_count_ != 1 || contacts_[0].part != Part::face || corner_tries_ > 0) return false;
+  const OffsetContact held_by = contacts_[0];
+  const ContactTriangle& face = held_by.shape;
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 outwards = face.edge(k).cross(face.normal()) / face.length(k);
+    if (!(std::fabs(outwards.dot(centre_ - face.corner(k))) <= kBalance)) continue;
+    ++corner_tries_;  // it may balance at the next place as well
+    hint_ = outwards;
+    contacts_[0] = OffsetContact::on_edge(held_by.triangle, face, k);
+    is_descending_ = true;
+    return true;
+  }
+  return false;
+}
+
 // A minimum about to vanish moves too fast to follow, but has not vanished yet: go on a little later.
 SphereFollower::Next SphereFollower::wait(const Vec3& from, const Vec3& to, double& time) const noexcept {
   if (time >= 1.0) return Next::settled;

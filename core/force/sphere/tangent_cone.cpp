@@ -20,7 +20,20 @@ void TangentCone::begin(const Vec3& apex) {
   piece_count_ = 0;
 }
 
-bool TangentCone::add_arc(const Vec3& a, const Vec3& b) {
+// Ends of arcs that count as equal are equal: from a needle between them, the walk around the boundary would turn back.
+Vec3 TangentCone::at_known_end(const Vec3& direction) const {
+  constexpr double kSame = 4.0 * kSameDirection * kSameDirection;
+  for (int i = 0; i < arc_count_; ++i) {
+    const Arc& arc = arcs_[static_cast<std::size_t>(i)];
+    if ((arc.a - direction).squaredNorm() <= kSame) return arc.a;
+    if ((arc.b - direction).squaredNorm() <= kSame) return arc.b;
+  }
+  return direction;
+}
+
+bool TangentCone::add_arc(const Vec3& from, const Vec3& to) {
+  const Vec3 a = at_known_end(from);
+  const Vec3 b = at_known_end(to);
   const Vec3 normal = a.cross(b);
   const double length = normal.norm();
   if (!(length > kSameDirection)) return true;  // a needle covers no directions
@@ -153,6 +166,7 @@ int TangentCone::find_again(const Walk& here) const {
 // boundary.
 bool TangentCone::find_boundary(const Vec3& inside) {
   piece_count_ = 0;
+  is_around_start_ = true;
   Walk start;
   if (!find_start(inside, start)) return false;
   Walk here = start;
@@ -160,6 +174,7 @@ bool TangentCone::find_boundary(const Vec3& inside) {
     if (const int again = find_again(here); again > 0) {
       std::copy(pieces_.begin() + again, pieces_.begin() + piece_count_, pieces_.begin());
       piece_count_ -= again;
+      is_around_start_ = false;
       return true;
     }
     walks_[static_cast<std::size_t>(piece_count_)] = here;

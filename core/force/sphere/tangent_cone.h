@@ -41,6 +41,8 @@ class TangentCone {
   bool add(const ContactTriangle& shape, double near);
   // Finds the boundary of the region that contains the direction `inside`. False: there is none, or its loop does not close.
   bool find_boundary(const Vec3& inside);
+  // Whether that loop goes through the arc nearest to `inside`. If not, it may be that of another region.
+  bool is_around_start() const { return is_around_start_; }
 
   const Vec3& apex() const { return apex_; }
   std::span<const Piece> boundary() const { return std::span(pieces_).first(static_cast<std::size_t>(piece_count_)); }
@@ -73,7 +75,8 @@ class TangentCone {
     double opening = 0.0;
   };
 
-  bool add_arc(const Vec3& a, const Vec3& b);
+  bool add_arc(const Vec3& from, const Vec3& to);
+  Vec3 at_known_end(const Vec3& direction) const;
   bool add_arcs(const ContactTriangle& shape, double near);
   static bool is_on(const Arc& arc, const Vec3& direction);
   Vec3 find_end(int arc, bool ahead, const Vec3& from) const;
@@ -88,6 +91,7 @@ class TangentCone {
   std::array<Piece, kMostPieces> pieces_;
   std::array<Walk, kMostPieces> walks_;  // where each piece began
   int piece_count_ = 0;
+  bool is_around_start_ = false;
 };
 
 }  // namespace hapton

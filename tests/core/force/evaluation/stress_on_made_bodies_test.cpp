@@ -1,5 +1,5 @@
 // Episodes of the stress test that once found a fault on closed bodies which cross themselves, or whose triangles differ in size a
-// thousandfold, and on bodies with displaced copies of their faces. Body, place and motions follow from the seed.
+// thousandfold, on bodies with displaced copies of their faces, and on blades. Body, place and motions follow from the seed.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -77,6 +77,28 @@ TriangleMesh make_copied(Random& random) {
   return mesh;
 }
 
+// Wedges of 1e-7 to 1e-1 rad that meet, in one line or in a point: closed, and crossing each other.
+TriangleMesh make_blades(Random& random) {
+  TriangleMesh mesh;
+  const std::size_t count = 2 + random() % 6;
+  const bool is_about_line = random() % 2 != 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double opening = std::pow(10.0, uniform(random, -7.0, -1.0));
+    const double length = uniform(random, 0.3, 0.7);
+    const Vec3 far = length * Vec3(std::cos(opening), std::sin(opening), 0.0);
+    const Vec3 half = 0.5 * Vec3::UnitZ();
+    TriangleMesh blade;
+    blade.vertices = {-half, half, length * Vec3::UnitX() - half, length * Vec3::UnitX() + half, far - half, far + half};
+    blade.triangles = {{0, 3, 1}, {0, 2, 3}, {0, 1, 5}, {0, 5, 4}, {0, 4, 2}, {1, 3, 5}, {2, 4, 5}, {2, 5, 3}};
+    if (compute_volume(blade) < 0.0) blade = flipped(std::move(blade));
+    const Vec3 axis = is_about_line ? Vec3(Vec3::UnitZ()) : random_direction(random);
+    const Mat3 turn = Eigen::AngleAxisd(uniform(random, 0.0, 6.28), axis).toRotationMatrix();
+    for (Vec3& vertex : blade.vertices) vertex = turn * vertex;
+    mesh = joined(mesh, blade);
+  }
+  return mesh;
+}
+
 struct MadeBody {
   const char* name;
   TriangleMesh (*make)(Random&);
@@ -144,6 +166,21 @@ INSTANTIATE_TEST_SUITE_P(BesideCopies, StressOnMadeBodies,
                                          MadeBody{"dup", make_copied, 19, 3, 0.005}, MadeBody{"dup", make_copied, 32, 0, 0.005},
                                          MadeBody{"dup", make_copied, 35, 5, 0.005}, MadeBody{"dup", make_copied, 126, 2, 0.005},
                                          MadeBody{"dup", make_copied, 126, 2, 0.001}),
+                         name_of_episode);
+
+// The sphere was over the boundary of a face, with the device straight below: a minimum of that face, but not of the convex edge there.
+INSTANTIATE_TEST_SUITE_P(OverABoundary, StressOnMadeBodies,
+                         testing::Values(MadeBody{"crossing", make_crossing_itself, 195, 1, 0.001},
+                                         MadeBody{"crossing", make_crossing_itself, 262, 2, 0.001}),
+                         name_of_episode);
+
+// Faces and an edge of bodies that cross held the sphere that stands for a point, and no corner was seen because they have no vertex in
+// common. Or the way out was blocked by a displaced copy of the face that it leads along.
+INSTANTIATE_TEST_SUITE_P(WhereBodiesCross, StressOnMadeBodies,
+                         testing::Values(MadeBody{"blades", make_blades, 17, 3}, MadeBody{"blades", make_blades, 25, 7},
+                                         MadeBody{"blades", make_blades, 88, 5}, MadeBody{"blades", make_blades, 106, 4},
+                                         MadeBody{"blades", make_blades, 147, 3}, MadeBody{"blades", make_blades, 148, 0},
+                                         MadeBody{"blades", make_blades, 148, 4}, MadeBody{"dup", make_copied, 104, 3}),
                          name_of_episode);
 
 }  // namespace

@@ -292,5 +292,28 @@ TEST(TangentCone, ContainsTheDirectionsOfItsRegionAndNoOthers) {
   EXPECT_GT(outside, 1000);
 }
 
+// From a needle as narrow as directions that count as equal, the walk turned back on the other side of the surface, and a point was placed
+// inside a body.
+TEST(TangentCone, GoesPastANeedleOfAMillionthRadian) {
+  const Vec3 apex = Vec3::Zero();
+  const double unit = 0x1p-31;
+  const Vec3 needle(3.486e8, -383.5, -521.8), beside(2.575e8, -521.8, -521.8);
+  const Vec3 a(3.486e8, 3.486e8, 1.993e8), b(1.019e8, 3.486e8, 1.019e8), c(-521.8, -280.8, -280.8), d(-521.8, -521.8, -450.9);
+  const Vec3 e(-418.5, -521.8, -418.5);
+  std::vector<ContactTriangle> fan;
+  for (const auto& [p, q] : {std::pair{a, needle}, {b, a}, {c, b}, {needle, beside}, {beside, e}, {e, d}, {d, c}}) {
+    fan.emplace_back(apex, Vec3(unit * p), Vec3(unit * q));
+  }
+  TangentCone cone;
+  cone.begin(apex);
+  for (const ContactTriangle& triangle : fan) ASSERT_TRUE(cone.add(triangle, 4.0 * unit));
+  const Vec3 free = Vec3(-0.27246, 0.077509, -1.2197).normalized();
+  ASSERT_TRUE(cone.find_boundary(free));
+  EXPECT_TRUE(cone.is_around_start());
+  EXPECT_TRUE(cone.contains(free));
+  EXPECT_FALSE(cone.contains(-free));
+  EXPECT_FALSE(cone.contains(Vec3(-25.812, -14.166, -12.595).normalized()));
+}
+
 }  // namespace
 }  // namespace hapton
