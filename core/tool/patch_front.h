@@ -10,6 +10,7 @@
 #include "core/base/worker_team.h"
 #include "core/geometry/triangle_distance.h"
 #include "core/tool/patch_tree.h"
+#include "core/tool/separating_planes.h"
 #include "core/tool/swept_motion.h"
 
 namespace hapton {
@@ -83,6 +84,10 @@ class PatchFront {
   struct Apart {
     double distance;  // lower bound at the start of the motion
     bool over_motion;
+    Vec3 direction;  // of a plane that is between the boxes over the motion, if it was asked for
+  };
+  struct alignas(32) Eight {
+    std::array<float, SeparatingPlanes::kTogether> of;
   };
   // A pair where a walk has ended.
   struct End {
@@ -98,16 +103,18 @@ class PatchFront {
     std::size_t tests = 0;
   };
 
-  static Apart test(const ToolBox& tool, const PatchTree::Node& scene, double clearance) noexcept;
+  static Apart test(const ToolBox& tool, const PatchTree::Node& scene, double clearance, bool wants_direction = false) noexcept;
   const ToolBox& placed(Walker& walker, std::uint32_t node, const SweptMotion& motion) const noexcept;
   // Prepares a walk: which pairs it begins at.
   void begin(const SweptMotion& motion, double distance) noexcept;
-  void find_places(float enough) noexcept;
+  void find_places(float enough, float clearance) noexcept;
   void begin_at_roots(const SweptMotion& motion, double distance) noexcept;
   // Puts the walkers' ends together. False if there is no room, or there were too many tests.
   bool finish() noexcept;
   End end_of(Pair pair, double distance, double rest, std::uint32_t place) const noexcept;
+  float& until(std::size_t i) noexcept { return until_[i / SeparatingPlanes::kTogether].of[i % SeparatingPlanes::kTogether]; }
   void put(std::size_t i, const End& end) noexcept;
+  void put_again(std::size_t i, const End& end) noexcept;  // of the pair that is there
   bool splits_tool(Pair pair) const noexcept;
   bool is_end(Pair pair) const noexcept;  // two leaves
   // Walks from the pair at a place down. False if the walk has to end.
@@ -127,11 +134,12 @@ class PatchFront {
   WorkerTeam* team_;
   std::vector<Walker> walkers_;
   std::vector<Pair> ended_;
-  std::vector<float> until_;               // see End
+  std::vector<Eight> until_;               // see End
   std::vector<float> lowest_;              // by block of pairs: no until_ is lower
   std::vector<float> rest_until_;          // see End; of pairs that visitors have seen
   std::vector<std::uint64_t> visited_in_;  // epoch in which rest_until_ was found
-  std::uint64_t epoch_ = 1;                // counts up when visitors forget
+  SeparatingPlanes planes_;
+  std::uint64_t epoch_ = 1;  // counts up when visitors forget
   std::size_t count_ = 0;
   std::vector<std::uint32_t> places_;  // of the walk: the pairs that it begins at
   std::size_t first_count_ = 0;        // of the walk from the roots
@@ -175,6 +183,7 @@ template <class Visit>
 bool PatchFront::descend(Turn turn, const SweptMotion& motion, double distance, Visit&& visit) noexcept {
   Walker& walker = walkers_[static_cast<std::size_t>(turn.worker)];
   const std::uint32_t from = places_[turn.place];
+  bool is_first = true;
   bool has_replaced = false;
   std::array<Pair, 2 * PatchTree::kMostDepth + 2> stack;
   int top = 0;
@@ -184,13 +193,18 @@ bool PatchFront::descend(Turn turn, const SweptMotion& motion, double distance, 
     if (++walker.tests > kMostTests) return false;
     const PatchTree::Node& tool = tool_->nodes()[pair.tool];
     const PatchTree::Node& scene = scene_->nodes()[pair.scene];
-    const Apart apart = test(placed(walker, pair.tool, motion), scene, distance);
+    const Apart apart = test(placed(walker, pair.tool, motion), scene, distance, is_first);
     if (apart.over_motion || is_end(pair)) {
       const Visited found = apart.over_motion ? Visited{0.0, 0.0, true} : visit(turn, tool_->triangle(tool), scene_->triangle(scene));
       if (!found.goes_on) return false;
       const End end = end_of(pair, std::max(apart.distance, found.gap), std::max(apart.distance, found.rest), turn.place);
       if (!has_replaced) {
-        put(from, end);
+        if (!is_first) {
+          put(from, end);
+        } else {
+          put_again(from, end);
+          if (apart.over_motion) planes_.put(from, apart.direction, tool, scene);
+        }
         has_replaced = true;
       } else {
         if (walker.added.size() == kMostEnded) return false;
@@ -203,6 +217,7 @@ bool PatchFront::descend(Turn turn, const SweptMotion& motion, double distance, 
       stack[top++] = {pair.tool, scene.link + 1};
       stack[top++] = {pair.tool, scene.link};
     }
+    is_first = false;
   }
   return true;
 }
