@@ -197,26 +197,27 @@ void PatchFront::begin_at_roots(const SweptMotion& motion, double distance) noex
       ended_[count_++] = is_tool ? Pair{link + 1, pair.scene} : Pair{pair.tool, link + 1};
     }
   }
-  for (std::size_t i = 0; i < count_; ++i) put(i, {ended_[i], -1.0F, -1.0F, 0});
+  for (std::size_t i = 0; i < count_; ++i) put(i, {ended_[i], -1.0F, -1.0F, 0, 0});
   std::fill(lowest_.begin(), lowest_.end(), -std::numeric_limits<float>::infinity());
 }
 
-PatchFront::End PatchFront::end_of(Pair pair, double distance, double rest, std::uint32_t place) const noexcept {
-  return {pair, rounded_down(travelled_ + distance), rounded_down(travelled_ + rest), place};
+PatchFront::End PatchFront::end_of(Pair pair, double distance, double rest, std::uint32_t place, std::uint64_t visited_in) const noexcept {
+  constexpr double kFar = 0x1p100;  // a visitor to whom a pair does not matter gives an infinite distance; bounds are finite
+  return {pair, rounded_down(travelled_ + std::min(distance, kFar)), rounded_down(travelled_ + std::min(rest, kFar)), place, visited_in};
 }
 
 void PatchFront::put(std::size_t i, const End& end) noexcept {
   ended_[i] = end.pair;
   until(i) = end.until;
   rest_until_[i] = end.rest_until;
-  visited_in_[i] = epoch_;
+  visited_in_[i] = end.visited_in;
   planes_.clear(i);
 }
 
 void PatchFront::put_again(std::size_t i, const End& end) noexcept {
   until(i) = std::max(until(i), end.until);
   rest_until_[i] = visited_in_[i] == epoch_ ? std::max(rest_until_[i], end.rest_until) : end.rest_until;
-  visited_in_[i] = epoch_;
+  visited_in_[i] = end.visited_in;
 }
 
 bool PatchFront::finish() noexcept {

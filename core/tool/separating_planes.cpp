@@ -60,16 +60,23 @@ void SeparatingPlanes::begin(const SweptMotion& motion, double turned) noexcept 
   over_error_ = float_above(start_error + kRounding * path.size(radius_) + 2.0 * radius_ * motion.sagitta);
 }
 
-void SeparatingPlanes::put(std::size_t i, const Vec3& direction, const PatchTree::Node& tool, const PatchTree::Node& scene) noexcept {
-  // No longer than 1 once it is rounded, so that a gap along it is no larger than the distance.
+// No longer than 1 once it is rounded, so that a gap along it is no larger than the distance.
+Vec3 SeparatingPlanes::normal_along(const Vec3& direction) noexcept {
   const Vec3 unit = direction * ((1.0 - 0x1p-22) / direction.norm());
-  Vec3 normal;
-  for (int k = 0; k < 3; ++k) normal[k] = rounded_to_float(unit[k]);
-  const Vec3 arm = tool.at();
-  const Vec3 between = at_.position + turn_ * arm - scene.at();
-  const double radius = tool.half_size().norm() * (1.0 + 0x1p-18);  // the axes are orthonormal to 2^-20
+  return {rounded_to_float(unit.x()), rounded_to_float(unit.y()), rounded_to_float(unit.z())};
+}
+
+void SeparatingPlanes::put(std::size_t i, const Vec3& direction, const PatchTree::Node& tool, const PatchTree::Node& scene) noexcept {
+  const Vec3 normal = normal_along(direction);
+  const Vec3 between = at_.position + turn_ * tool.at() - scene.at();
   const double gap = normal.dot(between) - reach_along(tool, turn_.transpose() * normal) - reach_along(scene, normal);
-  const double rounding = 0x1p-45 * (1.0 + between.cwiseAbs().sum() + arm.cwiseAbs().sum() + at_.position.cwiseAbs().sum());
+  put(i, normal, gap - 0x1p-45 * between.cwiseAbs().sum(), tool);
+}
+
+void SeparatingPlanes::put(std::size_t i, const Vec3& normal, double gap, const PatchTree::Node& tool) noexcept {
+  const Vec3 arm = tool.at();
+  const double radius = tool.half_size().norm() * (1.0 + 0x1p-18);  // the axes are orthonormal to 2^-20
+  const double rounding = 0x1p-45 * (1.0 + arm.cwiseAbs().sum() + at_.position.cwiseAbs().sum());
   Group& group = groups_[i / kTogether];
   const std::size_t lane = i % kTogether;
   for (int k = 0; k < 3; ++k) {

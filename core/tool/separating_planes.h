@@ -36,6 +36,11 @@ class SeparatingPlanes {
   // Plane i has about this direction, from the scene to the tool, at the placement where the motion starts. Pre: it is not zero, and its
   // squared length is finite and not zero.
   void put(std::size_t i, const Vec3& direction, const PatchTree::Node& tool, const PatchTree::Node& scene) noexcept;
+  // The normal of a plane about this direction, as it is stored. Pre: as above.
+  static Vec3 normal_along(const Vec3& direction) noexcept;
+  // Plane i has this normal, of normal_along. gap: what is in the tool's box is that far from what is in the scene's along the normal, at
+  // least, to 2^-45 of the coordinates.
+  void put(std::size_t i, const Vec3& normal, double gap, const PatchTree::Node& tool) noexcept;
   // Plane i gives no bound.
   void clear(std::size_t i) noexcept { groups_[i / kTogether].gap[i % kTogether] = -std::numeric_limits<float>::infinity(); }
 

@@ -24,6 +24,16 @@ struct BoxInScene {
   BoxInScene(const Node& node, const Placement& at) : centre(at.at(node.at())), half(node.half_size()) {
     for (int i = 0; i < 3; ++i) axes.col(i) = at.orientation * node.axis(i);
   }
+  // Of its corners along a normal.
+  double highest(const Vec3& normal) const {
+    double most = -std::numeric_limits<double>::infinity();
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vec3 y((corner & 1) != 0 ? half.x() : -half.x(), (corner & 2) != 0 ? half.y() : -half.y(),
+                   (corner & 4) != 0 ? half.z() : -half.z());
+      most = std::max(most, normal.dot(centre + axes * y));
+    }
+    return most;
+  }
   // Nearly orthonormal axes make this nearly the closest point; it is always one of the box.
   Vec3 point_near(const Vec3& p) const {
     const Vec3 y = axes.inverse() * (p - centre);
@@ -86,7 +96,13 @@ class SeparatingPlanesTest : public testing::Test {
       for (int n = 0; n < 60; ++n) p = tool.point_near(scene.point_near(p));
       const Vec3 direction = p - scene.point_near(p);
       if (!(direction.norm() > 1e-9 * tool.half.norm())) continue;
-      planes.put(i, direction + 0.05 * direction.norm() * draw(), pairs.tool[i], pairs.scene[i]);
+      const Vec3 about = direction + 0.05 * direction.norm() * draw();
+      if (i % 2 == 0) {
+        planes.put(i, about, pairs.tool[i], pairs.scene[i]);
+      } else {
+        const Vec3 normal = SeparatingPlanes::normal_along(about);
+        planes.put(i, normal, -tool.highest(-normal) - scene.highest(normal), pairs.tool[i]);
+      }
       has_plane[i] = true;
     }
     return has_plane;
