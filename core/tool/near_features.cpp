@@ -100,9 +100,9 @@ bool NearFeatures::extend(const RigidMotion& motion, double distance) noexcept {
     const SweptTriangle& tool = swept(worker, own, path, distance);
     const ObjectGeometry::Corners c = scene_->corners(id);
     const PlacedTriangle scene(c.a, c.b, c.c);
-    bool apart = false;
-    const double gap = find_plane_gap(tool, scene, apart);
-    if (apart) return PatchFront::Visited{gap, gap, true};
+    const PlaneGap plane = find_plane_gap(tool, scene);
+    if (plane.apart) return apart_by(plane, tool, scene);
+    const double gap = plane.gap;
     FeaturePair pair;
     pair.tool_triangle = own;
     pair.scene_triangle = id;
@@ -141,7 +141,7 @@ const NearFeatures::SweptTriangle& NearFeatures::swept(Worker& worker, std::uint
   return tool;
 }
 
-double NearFeatures::find_plane_gap(const SweptTriangle& tool, const PlacedTriangle& scene, bool& apart) noexcept {
+NearFeatures::PlaneGap NearFeatures::find_plane_gap(const SweptTriangle& tool, const PlacedTriangle& scene) noexcept {
   struct Range {
     double low = std::numeric_limits<double>::infinity();
     double high = -std::numeric_limits<double>::infinity();
@@ -167,12 +167,33 @@ double NearFeatures::find_plane_gap(const SweptTriangle& tool, const PlacedTrian
   const double span = (tool.corner[0] - scene.corner[0]).cwiseAbs().sum() + tool.box.diagonal() + scene.box.diagonal();
   const double scene_blur = scene.blur * span;
   const double tool_blur = tool.blur * span;
-  apart = !tool.swept.overlaps(scene.box) || moved.from_zero() > tool.reach * scene.length + scene_blur ||
-          std::max(other.low - end.high, end.low - other.high) > tool.reach * tool.length + tool_blur;
-  double gap = 0.0;
-  if (scene.length > 0.0) gap = std::max(gap, (still.from_zero() - scene_blur) / scene.length);
-  if (tool.length > 0.0) gap = std::max(gap, (other.from_zero() - tool_blur) / tool.length);
-  return gap;
+  PlaneGap found;
+  if (moved.from_zero() > tool.reach * scene.length + scene_blur) {
+    found = {0.0, true, &scene.normal, moved.low > 0.0 ? 1.0 : -1.0};
+  } else if (std::max(other.low - end.high, end.low - other.high) > tool.reach * tool.length + tool_blur) {
+    found = {0.0, true, &tool.normal, other.low > 0.0 ? -1.0 : 1.0};
+  } else {
+    found.apart = !tool.swept.overlaps(scene.box);
+  }
+  if (scene.length > 0.0) found.gap = std::max(found.gap, (still.from_zero() - scene_blur) / scene.length);
+  if (tool.length > 0.0) found.gap = std::max(found.gap, (other.from_zero() - tool_blur) / tool.length);
+  return found;
+}
+
+PatchFront::Visited NearFeatures::apart_by(const PlaneGap& plane, const SweptTriangle& tool, const PlacedTriangle& scene) noexcept {
+  PatchFront::Visited visited{plane.gap, plane.gap, true};
+  // Of a smaller normal the length is not exact.
+  visited.has_plane = plane.normal != nullptr && plane.normal->squaredNorm() > 0x1p-900;
+  if (!visited.has_plane) return visited;
+  visited.normal = SeparatingPlanes::normal_along(plane.side * *plane.normal);
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  for (int k = 0; k < 3; ++k) {
+    low = std::min(low, visited.normal.dot(tool.corner[k]));
+    high = std::max(high, visited.normal.dot(scene.corner[k]));
+  }
+  visited.along_normal = low - high;
+  return visited;
 }
 
 void NearFeatures::add_vertices(FeaturePair& pair, Visit& visit) const noexcept {

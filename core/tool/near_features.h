@@ -119,8 +119,16 @@ class NearFeatures {
   };
 
   const SweptTriangle& swept(Worker& worker, std::uint32_t triangle, const SweptMotion& motion, double distance) const noexcept;
-  // How far apart the triangles are at least; `apart` if a plane of either, held fixed, separates them over the motion.
-  static double find_plane_gap(const SweptTriangle& tool, const PlacedTriangle& scene, bool& apart) noexcept;
+  // How far apart the triangles are at least; `apart` if a plane that is held fixed separates them over the motion.
+  struct PlaneGap {
+    double gap = 0.0;
+    bool apart = false;
+    // If it is the plane of a triangle, its normal times side points from the scene to the tool.
+    const Vec3* normal = nullptr;
+    double side = 1.0;
+  };
+  static PlaneGap find_plane_gap(const SweptTriangle& tool, const PlacedTriangle& scene) noexcept;
+  static PatchFront::Visited apart_by(const PlaneGap& plane, const SweptTriangle& tool, const PlacedTriangle& scene) noexcept;
   // These add features that matter to what the worker has found.
   void add_vertices(FeaturePair& pair, Visit& visit) const noexcept;
   void add_edges(FeaturePair& pair, Visit& visit) const noexcept;

@@ -1,28 +1,14 @@
 #include "core/tool/patch_front.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
-#include <cstring>
 #include <limits>
+
+#include "core/tool/box_lanes.h"
 
 namespace hapton {
 namespace {
-
-using Floats4 = float __attribute__((vector_size(16)));
-
-Lanes4 lanes_of(const Vec3& v) { return Lanes4{v.x(), v.y(), v.z(), 0.0}; }
-
-// Of three numbers; the last lane is of no use.
-Lanes4 lanes_at(const float* from) {
-  Floats4 four;
-  std::memcpy(&four, from, sizeof(four));
-  return __builtin_convertvector(four, Lanes4);
-}
-
-Lanes4 absolute(const Lanes4& x) { return detail::lane_max(x, -x); }
-
-// The components of v along axes that are given by coordinate.
-Lanes4 along(const Lanes4 (&axes)[3], const Vec3& v) { return v.x() * axes[0] + v.y() * axes[1] + v.z() * axes[2]; }
 
 // What a motion adds to the distance of something at `at` from zero, where it is nearer after it.
 Lanes4 approach(const Lanes4& at, const Lanes4& motion) {
@@ -39,6 +25,18 @@ double squared(const Lanes4& lengths) {
   return squares[0] + squares[1] + squares[2];
 }
 
+// The direction that positive gaps along axes add up to; `at`: where the other body is along these.
+Vec3 direction_of(const Lanes4 (&axes)[3], const Lanes4& gaps, const Lanes4& at) {
+  const Lanes4 positive = detail::lane_max(gaps, Lanes4{});
+  const Lanes4 along_axes = at < 0.0 ? -positive : positive;
+  Vec3 direction;
+  for (int k = 0; k < 3; ++k) {
+    const Lanes4 part = along_axes * axes[k];
+    direction[k] = part[0] + part[1] + part[2];
+  }
+  return direction;
+}
+
 double largest_of(const Lanes4& a, const Lanes4& b) {
   const Lanes4 both = detail::lane_max(a, b);
   return std::max({both[0], both[1], both[2]});
@@ -53,10 +51,11 @@ PatchFront::PatchFront(const PatchTree& tool, const PatchTree& scene, double rad
       team_(&team),
       walkers_(static_cast<std::size_t>(team.size())),
       ended_(kMostEnded),
-      until_(kMostEnded),
+      until_(kMostEnded / SeparatingPlanes::kTogether),
       lowest_(kMostEnded / kBlock),
       rest_until_(kMostEnded),
-      visited_in_(kMostEnded) {
+      visited_in_(kMostEnded),
+      planes_(kMostEnded, radius) {
   places_.reserve(kMostEnded);
   for (Walker& walker : walkers_) {
     walker.boxes.resize(kBoxes);
@@ -97,7 +96,7 @@ bool PatchFront::splits_tool(Pair pair) const noexcept {
   return !tool.is_leaf() && (scene.is_leaf() || tool.half[2] > scene.half[2]);
 }
 
-PatchFront::Apart PatchFront::test(const ToolBox& tool, const PatchTree::Node& scene, double clearance) noexcept {
+PatchFront::Apart PatchFront::test(const ToolBox& tool, const PatchTree::Node& scene, double clearance, bool wants_direction) noexcept {
   const Lanes4 axes[3] = {lanes_at(scene.axes[0].data()), lanes_at(scene.axes[1].data()), lanes_at(scene.axes[2].data())};
   const Vec3 half = scene.half_size();
   const Vec3 between = tool.centre - scene.at();
@@ -118,38 +117,65 @@ PatchFront::Apart PatchFront::test(const ToolBox& tool, const PatchTree::Node& s
   const double rounding = 0x1p-18 * half.sum() + 0x1p-45 * between.cwiseAbs().sum();
   constexpr double kAxisLength = 1.0 - 0x1p-20;  // at least
   // Gaps along axes that are at right angles add up.
-  return {std::sqrt(std::max(squared(still_scene), squared(still_tool))) * kAxisLength - 2.0 * (rounding + tool.still_slack),
-          largest_of(moved_scene, moved_tool) * kAxisLength - rounding - tool.slack > clearance};
+  Apart apart{std::sqrt(std::max(squared(still_scene), squared(still_tool))) * kAxisLength - 2.0 * (rounding + tool.still_slack),
+              largest_of(moved_scene, moved_tool) * kAxisLength - rounding - tool.slack > clearance, Vec3::Zero()};
+  if (wants_direction && apart.over_motion) {
+    apart.direction = squared(moved_scene) > squared(moved_tool) ? direction_of(axes, moved_scene, by_scene)
+                                                                 : direction_of(tool.lanes, moved_tool, by_tool);
+  }
+  return apart;
 }
 
 void PatchFront::begin(const SweptMotion& motion, double distance) noexcept {
   const double rounding = 0x1p-45 * (1.0 + radius_);
-  travelled_ +=
-      (motion.from.position - at_.position).norm() + radius_ * turn_between(at_.orientation, motion.from.orientation).norm() + rounding;
+  const double turned = turn_between(at_.orientation, motion.from.orientation).norm();
+  travelled_ += (motion.from.position - at_.position).norm() + radius_ * turned + rounding;
   at_ = motion.from;
   ++walk_;
   for (Walker& walker : walkers_) {
     walker.added.clear();
     walker.tests = 0;
   }
-  if (count_ == 0 || count_ > 2 * first_count_ + 64) begin_at_roots(motion, distance);
-  find_places(-rounded_down(-(travelled_ + motion.shift.norm() + radius_ * motion.angle + distance + rounding)));
+  const bool is_at_roots = count_ == 0 || count_ > 2 * first_count_ + 64;
+  if (is_at_roots) begin_at_roots(motion, distance);
+  planes_.begin(motion, turned + 0x1p-45);
+  find_places(-rounded_down(-(travelled_ + motion.shift.norm() + radius_ * motion.angle + distance + rounding)), -rounded_down(-distance));
 }
 
-// A front has tens of thousands of pairs, and a walk begins at few of them.
-void PatchFront::find_places(float enough) noexcept {
+// A front has tens of thousands of pairs, and a walk begins at few of them: not where the tool has not come as far, nor where a plane is
+// between the boxes.
+void PatchFront::find_places(float enough, float clearance) noexcept {
+  constexpr std::size_t kLanes = SeparatingPlanes::kTogether;
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  const Float8 travelled(rounded_down(travelled_));
   places_.clear();
   for (std::size_t block = 0; block * kBlock < count_; ++block) {
     if (lowest_[block] > enough) continue;
     const std::size_t before = places_.size();
-    float lowest = std::numeric_limits<float>::infinity();
+    Float8 lowest(kInfinity);
     const std::size_t end = std::min((block + 1) * kBlock, count_);
-    for (std::size_t i = block * kBlock; i < end; ++i) {
-      lowest = std::min(lowest, until_[i]);
-      if (until_[i] <= enough && (visited_in_[i] != epoch_ || rest_until_[i] <= enough)) places_.push_back(static_cast<std::uint32_t>(i));
+    for (std::size_t first = block * kBlock; first < end; first += kLanes) {
+      float* const bounds = until_[first / kLanes].of.data();
+      Float8 until = Float8::load(bounds);
+      unsigned low = sign_bits(until <= Float8(enough));
+      if (low != 0) {
+        const SeparatingPlanes::Gaps gaps = planes_.find_gaps(first / kLanes);
+        until = max((travelled + gaps.start) * Float8(1.0F - 0x1p-22F), until);
+        store(bounds, until);
+        low = sign_bits(until <= Float8(enough)) & ~sign_bits(gaps.over > Float8(clearance));
+      }
+      lowest = min(lowest, until);
+      if (end - first < kLanes) low &= (1U << (end - first)) - 1U;
+      for (; low != 0; low &= low - 1U) {
+        const std::size_t i = first + static_cast<std::size_t>(std::countr_zero(low));
+        if (visited_in_[i] != epoch_ || rest_until_[i] <= enough) places_.push_back(static_cast<std::uint32_t>(i));
+      }
     }
     // The walk changes what it begins at.
-    lowest_[block] = places_.size() > before ? -std::numeric_limits<float>::infinity() : lowest;
+    lowest_[block] = -kInfinity;
+    if (places_.size() > before) continue;
+    lowest_[block] = kInfinity;
+    for (int lane = 0; lane < static_cast<int>(kLanes); ++lane) lowest_[block] = std::min(lowest_[block], lowest[lane]);
   }
 }
 
@@ -157,6 +183,7 @@ void PatchFront::find_places(float enough) noexcept {
 void PatchFront::begin_at_roots(const SweptMotion& motion, double distance) noexcept {
   travelled_ = 0.0;
   first_count_ = 0;
+  planes_.restart(motion.from);
   ended_[0] = {0, 0};
   count_ = 1;
   for (std::size_t before = 0; before != count_ && count_ < kFirst;) {
@@ -170,19 +197,27 @@ void PatchFront::begin_at_roots(const SweptMotion& motion, double distance) noex
       ended_[count_++] = is_tool ? Pair{link + 1, pair.scene} : Pair{pair.tool, link + 1};
     }
   }
-  for (std::size_t i = 0; i < count_; ++i) put(i, {ended_[i], -1.0F, -1.0F, 0});
+  for (std::size_t i = 0; i < count_; ++i) put(i, {ended_[i], -1.0F, -1.0F, 0, 0});
   std::fill(lowest_.begin(), lowest_.end(), -std::numeric_limits<float>::infinity());
 }
 
-PatchFront::End PatchFront::end_of(Pair pair, double distance, double rest, std::uint32_t place) const noexcept {
-  return {pair, rounded_down(travelled_ + distance), rounded_down(travelled_ + rest), place};
+PatchFront::End PatchFront::end_of(Pair pair, double distance, double rest, std::uint32_t place, std::uint64_t visited_in) const noexcept {
+  constexpr double kFar = 0x1p100;  // a visitor to whom a pair does not matter gives an infinite distance; bounds are finite
+  return {pair, rounded_down(travelled_ + std::min(distance, kFar)), rounded_down(travelled_ + std::min(rest, kFar)), place, visited_in};
 }
 
 void PatchFront::put(std::size_t i, const End& end) noexcept {
   ended_[i] = end.pair;
-  until_[i] = end.until;
+  until(i) = end.until;
   rest_until_[i] = end.rest_until;
-  visited_in_[i] = epoch_;
+  visited_in_[i] = end.visited_in;
+  planes_.clear(i);
+}
+
+void PatchFront::put_again(std::size_t i, const End& end) noexcept {
+  until(i) = std::max(until(i), end.until);
+  rest_until_[i] = visited_in_[i] == epoch_ ? std::max(rest_until_[i], end.rest_until) : end.rest_until;
+  visited_in_[i] = end.visited_in;
 }
 
 bool PatchFront::finish() noexcept {

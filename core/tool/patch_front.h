@@ -10,6 +10,7 @@
 #include "core/base/worker_team.h"
 #include "core/geometry/triangle_distance.h"
 #include "core/tool/patch_tree.h"
+#include "core/tool/separating_planes.h"
 #include "core/tool/swept_motion.h"
 
 namespace hapton {
@@ -19,7 +20,8 @@ namespace hapton {
 // motion along a surface, boxes on both sides of the gap stay separate.
 //
 // The pairs of boxes at which a walk ended are kept, each with a lower bound of its distance (front tracking, Li & Chen 1998). The next
-// walk begins there, and tests again only the pairs that the tool's motion since then and during the walk could bring close enough.
+// walk begins there, and tests again only the pairs that the tool's motion since then and during the walk could bring close enough. A pair
+// that is kept after such a test has a plane between its boxes from then on, which excludes most further tests.
 //
 // These pairs are distributed among the workers of a team. Their results are merged in the order of the pairs, so that the front, and
 // whether a walk ends early, is the same with any number of workers.
@@ -43,15 +45,20 @@ class PatchFront {
     double gap;    // lower bound of the distance at the start of the motion, of the features that matter to the visitor
     double rest;   // the same for the features that it has not found before
     bool goes_on;  // false ends the walk
+    // Of a pair that a plane separates over the motion: its normal, from the scene to the tool, as SeparatingPlanes::normal_along gives it,
+    // and the distance along it at the start.
+    bool has_plane = false;
+    Vec3 normal = Vec3::Zero();
+    double along_normal = 0.0;
   };
   // From now on no features count as found before.
   void forget() noexcept { ++epoch_; }
   // The next walk begins at the roots.
   void restart() noexcept { count_ = 0; }
-  // Calls visit(turn, tool_triangle, scene_triangle) for all pairs that come within `distance` over the motion, and for some slightly
-  // farther ones, except pairs whose new features (Visited::rest) stay farther away. Later walks visit a pair again if it may have come
-  // within the distance. False: a visitor ended the walk, or it took more than kMostTests, and pairs are missing. Threads: workers visit
-  // concurrently.
+  // Calls visit(turn, tool_triangle, scene_triangle) for all pairs that come within `distance` over the motion, and for some that the
+  // motion is long enough for, except pairs whose new features (Visited::rest) stay farther away. Later walks visit a pair again if it may
+  // have come within the distance. False: a visitor ended the walk, or it took more than kMostTests, and pairs are missing. Threads:
+  // workers visit concurrently.
   template <class Visit>
   bool for_each_near(const SweptMotion& motion, double distance, Visit&& visit) noexcept;
 
@@ -81,8 +88,12 @@ class PatchFront {
     double still_slack = 0.0;   // the part of rounding alone
   };
   struct Apart {
-    double distance;  // lower bound at the start of the motion
-    bool over_motion;
+    double distance = 0.0;  // lower bound at the start of the motion
+    bool over_motion = false;
+    Vec3 direction = Vec3::Zero();  // of a plane that is between the boxes over the motion, if it was asked for
+  };
+  struct alignas(32) Eight {
+    std::array<float, SeparatingPlanes::kTogether> of;
   };
   // A pair where a walk has ended.
   struct End {
@@ -90,6 +101,7 @@ class PatchFront {
     float until;       // lower bound of its distance, plus what the tool had travelled then
     float rest_until;  // the same without what visitors know
     std::uint32_t place;
+    std::uint64_t visited_in;  // epoch; 0: no visitor has seen it
   };
   // What one worker has of a walk.
   struct Walker {
@@ -98,16 +110,18 @@ class PatchFront {
     std::size_t tests = 0;
   };
 
-  static Apart test(const ToolBox& tool, const PatchTree::Node& scene, double clearance) noexcept;
+  static Apart test(const ToolBox& tool, const PatchTree::Node& scene, double clearance, bool wants_direction = false) noexcept;
   const ToolBox& placed(Walker& walker, std::uint32_t node, const SweptMotion& motion) const noexcept;
   // Prepares a walk: which pairs it begins at.
   void begin(const SweptMotion& motion, double distance) noexcept;
-  void find_places(float enough) noexcept;
+  void find_places(float enough, float clearance) noexcept;
   void begin_at_roots(const SweptMotion& motion, double distance) noexcept;
   // Puts the walkers' ends together. False if there is no room, or there were too many tests.
   bool finish() noexcept;
-  End end_of(Pair pair, double distance, double rest, std::uint32_t place) const noexcept;
+  End end_of(Pair pair, double distance, double rest, std::uint32_t place, std::uint64_t visited_in) const noexcept;
+  float& until(std::size_t i) noexcept { return until_[i / SeparatingPlanes::kTogether].of[i % SeparatingPlanes::kTogether]; }
   void put(std::size_t i, const End& end) noexcept;
+  void put_again(std::size_t i, const End& end) noexcept;  // of the pair that is there
   bool splits_tool(Pair pair) const noexcept;
   bool is_end(Pair pair) const noexcept;  // two leaves
   // Walks from the pair at a place down. False if the walk has to end.
@@ -118,6 +132,7 @@ class PatchFront {
   static constexpr std::size_t kBlock = 64;  // pairs that share a bound
   static constexpr std::size_t kBoxes = 512;
   static constexpr std::size_t kFirst = 256;   // pairs that a walk from the roots begins at, to be shared out
+  static constexpr double kFastTurn = 0x1p-7;  // rad in a walk: a plane does not last
   static constexpr std::size_t kTogether = 8;  // places that a worker takes at a time
   static constexpr std::size_t kWorthIt = 32;  // places: fewer are walked by one worker
 
@@ -127,11 +142,12 @@ class PatchFront {
   WorkerTeam* team_;
   std::vector<Walker> walkers_;
   std::vector<Pair> ended_;
-  std::vector<float> until_;               // see End
+  std::vector<Eight> until_;               // see End
   std::vector<float> lowest_;              // by block of pairs: no until_ is lower
   std::vector<float> rest_until_;          // see End; of pairs that visitors have seen
-  std::vector<std::uint64_t> visited_in_;  // epoch in which rest_until_ was found
-  std::uint64_t epoch_ = 1;                // counts up when visitors forget
+  std::vector<std::uint64_t> visited_in_;  // see End
+  SeparatingPlanes planes_;
+  std::uint64_t epoch_ = 1;  // counts up when visitors forget
   std::size_t count_ = 0;
   std::vector<std::uint32_t> places_;  // of the walk: the pairs that it begins at
   std::size_t first_count_ = 0;        // of the walk from the roots
@@ -175,6 +191,7 @@ template <class Visit>
 bool PatchFront::descend(Turn turn, const SweptMotion& motion, double distance, Visit&& visit) noexcept {
   Walker& walker = walkers_[static_cast<std::size_t>(turn.worker)];
   const std::uint32_t from = places_[turn.place];
+  bool is_first = true;
   bool has_replaced = false;
   std::array<Pair, 2 * PatchTree::kMostDepth + 2> stack;
   int top = 0;
@@ -184,18 +201,26 @@ bool PatchFront::descend(Turn turn, const SweptMotion& motion, double distance, 
     if (++walker.tests > kMostTests) return false;
     const PatchTree::Node& tool = tool_->nodes()[pair.tool];
     const PatchTree::Node& scene = scene_->nodes()[pair.scene];
-    const Apart apart = test(placed(walker, pair.tool, motion), scene, distance);
+    const bool wants_plane = is_first && motion.angle < kFastTurn;
+    // Of two triangles that a visitor has seen it tells more than their boxes do.
+    const bool is_seen = is_first && visited_in_[from] != 0;
+    const Apart apart = is_seen ? Apart{} : test(placed(walker, pair.tool, motion), scene, distance, wants_plane);
     if (apart.over_motion || is_end(pair)) {
       const Visited found = apart.over_motion ? Visited{0.0, 0.0, true} : visit(turn, tool_->triangle(tool), scene_->triangle(scene));
       if (!found.goes_on) return false;
-      const End end = end_of(pair, std::max(apart.distance, found.gap), std::max(apart.distance, found.rest), turn.place);
-      if (!has_replaced) {
-        put(from, end);
-        has_replaced = true;
-      } else {
+      const End end = end_of(pair, std::max(apart.distance, found.gap), std::max(apart.distance, found.rest), turn.place,
+                             apart.over_motion ? 0 : epoch_);
+      if (has_replaced) {
         if (walker.added.size() == kMostEnded) return false;
         walker.added.push_back(end);
+      } else if (!is_first) {
+        put(from, end);
+      } else {
+        put_again(from, end);
+        if (wants_plane && apart.over_motion) planes_.put(from, apart.direction, tool, scene);
+        if (wants_plane && found.has_plane) planes_.put(from, found.normal, found.along_normal, tool);
       }
+      has_replaced = true;
     } else if (splits_tool(pair)) {
       stack[top++] = {tool.link + 1, pair.scene};
       stack[top++] = {tool.link, pair.scene};
@@ -203,6 +228,7 @@ bool PatchFront::descend(Turn turn, const SweptMotion& motion, double distance, 
       stack[top++] = {pair.tool, scene.link + 1};
       stack[top++] = {pair.tool, scene.link};
     }
+    is_first = false;
   }
   return true;
 }

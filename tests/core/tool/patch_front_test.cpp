@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <limits>
 #include <random>
 #include <set>
 #include <vector>
@@ -82,6 +83,41 @@ TEST_F(PatchFrontTest, VisitsEveryPairThatABruteForceSearchFinds) {
   }
   EXPECT_GT(found, 1000U);
   EXPECT_LT(visited, 6 * found) << "the search is not a search";
+}
+
+// An infinite distance, of pairs that do not matter to the visitor, is not taken for the bounds of those beside them.
+// Between two walks that begin at some pairs, one begins at none.
+TEST_F(PatchFrontTest, PairsThatDoNotMatterHideNoOthers) {
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const auto matters = [](std::uint32_t t, std::uint32_t id) { return (t + id) % 5 == 0; };
+  std::size_t found = 0;
+  for (int n = 0; n < 30; ++n) {
+    const Placement at{vector().normalized() * 0.6, turn_by(3.0 * vector())};
+    const auto walk = [&](const RigidMotion& motion, double distance) {
+      std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
+      EXPECT_TRUE(front.for_each_near(SweptMotion(motion), distance, [&](PatchFront::Turn, std::uint32_t t, std::uint32_t id) {
+        pairs.insert({t, id});
+        const double gap = matters(t, id) ? triangle_gap(tool_at(t, at), scene_at(id)) * 0.999 : kInfinity;
+        return PatchFront::Visited{gap, gap, true};
+      }));
+      return pairs;
+    };
+    front.restart();
+    const RigidMotion still{at};
+    walk(still, 0.3);
+    walk(still, 0.0);
+    walk(still, 0.0);
+    const auto pairs = walk(still, 0.3);
+    for (std::uint32_t t = 0; t < tool.triangle_count(); ++t) {
+      for (const std::uint32_t id : scene_ids) {
+        if (!matters(t, id) || triangle_gap(tool_at(t, at), scene_at(id)) > 0.299) continue;
+        ++found;
+        ASSERT_EQ(pairs.count({t, id}), 1U) << "case " << n;
+      }
+    }
+  }
+  EXPECT_GT(found, 1000U);
 }
 
 // Hundreds of short motions in a row, mostly along the surface, so that bounds found many placements ago decide.

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstring>
+
+#include "core/geometry/triangle_distance.h"
+#include "core/math/types.h"
+
+namespace hapton {
+
+// Three numbers as lanes, for boxes of a PatchTree; the last lane is of no use. RT: yes.
+
+inline Lanes4 lanes_of(const Vec3& v) { return Lanes4{v.x(), v.y(), v.z(), 0.0}; }
+
+// Reads four numbers.
+inline Lanes4 lanes_at(const float* from) {
+  using Floats4 = float __attribute__((vector_size(16)));
+  Floats4 four;
+  std::memcpy(&four, from, sizeof(four));
+  return __builtin_convertvector(four, Lanes4);
+}
+
+inline Lanes4 absolute(const Lanes4& x) { return detail::lane_max(x, -x); }
+
+// The components of v along axes that are given by coordinate.
+inline Lanes4 along(const Lanes4 (&axes)[3], const Vec3& v) { return v.x() * axes[0] + v.y() * axes[1] + v.z() * axes[2]; }
+
+}  // namespace hapton

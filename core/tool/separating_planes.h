@@ -1,0 +1,119 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+#include "core/math/float8.h"
+#include "core/tool/patch_tree.h"
+#include "core/tool/swept_motion.h"
+
+namespace hapton {
+
+// For each pair of a list, a box of the tool and one of the scene, a plane that separated the two once. It is fixed in the scene, and
+// bounds the distance of the boxes from below wherever the tool goes, eight pairs at a time and without reading the boxes.
+//
+// The bound is the distance along the plane's normal, as it was when the plane was found, plus what the centre of the tool's box has moved
+// along the normal since then, less the box's radius times the angle by which the tool has turned since then. So it is exact to first order
+// for all motions but a turn of the box itself, and to any order never too large. Motions are counted from a reference placement, so that
+// rounding to single precision costs 2^-19 of the motion, not of the coordinates.
+//
+// Threads: put and clear of different pairs at the same time. RT: all but construction.
+class SeparatingPlanes {
+ public:
+  static constexpr std::size_t kTogether = 8;  // pairs
+
+  // radius: the largest distance of a point of the tool from the grip point.
+  SeparatingPlanes(std::size_t most, double radius);
+
+  // `reference` is the new reference placement. Each plane is to be put or cleared before it is used again.
+  void restart(const Placement& reference) noexcept;
+  // What follows is about this motion, and the placement at its start. turned: no less than the angle between that and the placement at
+  // the start of the last motion, or since restart the reference placement.
+  void begin(const SweptMotion& motion, double turned) noexcept;
+
+  // Plane i has about this direction, from the scene to the tool, at the placement where the motion starts. Pre: it is not zero, and its
+  // squared length is finite and not zero.
+  void put(std::size_t i, const Vec3& direction, const PatchTree::Node& tool, const PatchTree::Node& scene) noexcept;
+  // The normal of a plane about this direction, as it is stored. Pre: as above.
+  static Vec3 normal_along(const Vec3& direction) noexcept;
+  // Plane i has this normal, of normal_along. gap: what is in the tool's box is that far from what is in the scene's along the normal, at
+  // least, to 2^-45 of the coordinates.
+  void put(std::size_t i, const Vec3& normal, double gap, const PatchTree::Node& tool) noexcept;
+  // Plane i gives no bound.
+  void clear(std::size_t i) noexcept { groups_[i / kTogether].gap[i % kTogether] = -std::numeric_limits<float>::infinity(); }
+
+  // Lower bounds of distances, where they are positive.
+  struct Gaps {
+    Float8 start;  // of the motion
+    Float8 over;   // the whole motion
+  };
+  // Of the planes from kTogether * group on.
+  Gaps find_gaps(std::size_t group) const noexcept;
+
+ private:
+  using Eight = std::array<float, kTogether>;
+  struct alignas(32) Group {
+    std::array<Eight, 3> normal = {};
+    std::array<Eight, 3> arm = {};  // from the grip point to the centre of the tool's box, in the tool's axes
+    Eight gap = {};                 // at the reference placement
+    Eight radius = {};              // of the tool's box
+  };
+  // To each arm a vector, along the scene's axes.
+  struct Map {
+    Vec3 shift = Vec3::Zero();
+    Mat3 turn = Mat3::Zero();
+
+    double size(double radius) const { return shift.cwiseAbs().sum() + 3.0 * radius * turn.norm(); }
+  };
+  // The same in single precision, along the normal of a plane.
+  struct FloatMap {
+    std::array<float, 3> shift = {};
+    std::array<std::array<float, 3>, 3> turn = {};
+
+    void set(const Map& map);
+    Float8 along_normals(const Group& group) const noexcept;
+  };
+
+  double radius_;
+  std::vector<Group> groups_;
+  Placement reference_;
+  Mat3 reference_turn_ = Mat3::Identity();
+  Placement at_;  // where the motion starts
+  Mat3 turn_ = Mat3::Identity();
+  double turned_ = 0.0;  // since the reference, in all
+  Map moved_;            // since the reference
+  FloatMap moved_float_;
+  FloatMap motion_float_;
+  // Rounded up:
+  float turned_float_ = 0.0F;
+  float angle_float_ = 0.0F;  // of a point of the box about its centre, over the motion
+  float start_error_ = 0.0F;
+  float over_error_ = 0.0F;
+};
+
+// ---------------------------------------------------------------------------------------------------------------------
+
+inline Float8 SeparatingPlanes::FloatMap::along_normals(const Group& group) const noexcept {
+  const Float8 x = Float8::load(group.arm[0].data());
+  const Float8 y = Float8::load(group.arm[1].data());
+  const Float8 z = Float8::load(group.arm[2].data());
+  Float8 sum(0.0F);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Float8 moved = fma(Float8(turn[k][0]), x, fma(Float8(turn[k][1]), y, fma(Float8(turn[k][2]), z, Float8(shift[k]))));
+    sum = fma(Float8::load(group.normal[k].data()), moved, sum);
+  }
+  return sum;
+}
+
+inline SeparatingPlanes::Gaps SeparatingPlanes::find_gaps(std::size_t group) const noexcept {
+  const Group& planes = groups_[group];
+  const Float8 radius = Float8::load(planes.radius.data());
+  const Float8 start = (moved_float_.along_normals(planes) + Float8::load(planes.gap.data())) - radius * Float8(turned_float_);
+  const Float8 over = start + (min(motion_float_.along_normals(planes), Float8(0.0F)) - radius * Float8(angle_float_));
+  constexpr float kRounded = 1.0F - 0x1p-20F;
+  return {start * Float8(kRounded) - Float8(start_error_), over * Float8(kRounded) - Float8(over_error_)};
+}
+
+}  // namespace hapton
