@@ -54,7 +54,7 @@ double find_mean_squared_lever(const TriangleMesh& tool, const Vec3& grip = Vec3
 // RT: step and reset yes without a team, make set-up only.
 class ToolStep {
  public:
-  static constexpr int kMostParts = 32;  // that move; each takes about 20 MB
+  static constexpr int kMostParts = 32;  // that move; each takes about 24 MB
 
   // tool: metres, from the grip point, along the stylus' axes. scene: frame S, metres, one mesh for each object. Error: a mesh without
   // triangles, numbers that are not finite, impossible stiffness or friction, a tool more than a million times as large as the scene.

@@ -158,35 +158,57 @@ bool SweptMotion::advance(ProxyState& proxy, const Vec3& motion) noexcept {
 }
 
 // The first time at which the moving proxy must stop; above 1: never. A long path is searched in growing pieces, because a blocker is
-// mostly near the start. Out of work, the proxy stops at the end of a piece.
+// mostly near the start; a piece whose box holds many triangles is cut, because most of them are far from the path. Out of work, the proxy
+// stops at the end of a piece.
 double SweptMotion::sweep(ProxyState& proxy, const Vec3& motion) noexcept {
   constexpr double kFirstPiece = 0x1p-6;
   constexpr double kGrowth = 4.0;
-  const TouchGeometry& geometry = surfaces_.geometry();
+  constexpr int kMostTests = 128;
+  constexpr int kFewTests = 16;
+  constexpr int kMostCuts = 4;
   ++counters_.sweeps;
   blocker_count_ = 0;
   const Vec3 from = proxy.position;
   double done = 0.0;
-  for (double piece = kFirstPiece; done < 1.0; piece *= kGrowth) {
+  double piece = kFirstPiece;
+  for (int cuts = 0; done < 1.0;) {
     const double end = std::min(1.0, done + piece);
-    const Box path = Box::around(from + done * motion, from + end * motion).inflated(clearance_.offset);
-    double first = kNever;
-    geometry.for_each_overlapping(path, [&](std::uint32_t triangle) {
-      const TriangleView shape{geometry, triangle};
-      ++counters_.tests;
-      ++work_;
-      if (!is_point_) note_grazed(proxy, shape.separation(from), triangle);
-      const double t = time_to_block(shape, from, motion, std::min(end, first), clearance_);
-      if (t > 1.0 || !surfaces_.can_touch(triangle, from)) return;
-      first = std::min(first, t);
-      note_blocker(triangle, t);
-    });
-    if (first <= end) return first;
+    const int most_tests = cuts < kMostCuts ? kMostTests : std::numeric_limits<int>::max();
+    int tests = most_tests;
+    const double first = find_blockers(proxy, from, motion, done, end, tests);
+    if (first <= end && tests >= 0) return first;
     blocker_count_ = 0;
+    if (tests < 0) {
+      ++cuts;
+      piece = (end - done) / kGrowth;
+      continue;
+    }
     done = end;
     if (work_ > most_work_ && done < 1.0) return done;
+    if (cuts == 0 || most_tests - tests <= kFewTests) piece *= kGrowth;
   }
   return kNever;
+}
+
+// The first block on a piece of the motion, and what blocks there. `tests`: loses the number of triangles tested; negative: there were
+// more, and the result says nothing.
+double SweptMotion::find_blockers(ProxyState& proxy, const Vec3& from, const Vec3& motion, double begin, double end, int& tests) noexcept {
+  const TouchGeometry& geometry = surfaces_.geometry();
+  const Box path = Box::around(from + begin * motion, from + end * motion).inflated(clearance_.offset);
+  double first = kNever;
+  geometry.for_each_overlapping(path, [&](std::uint32_t triangle) {
+    if (--tests < 0) return false;
+    const TriangleView shape{geometry, triangle};
+    ++counters_.tests;
+    work_ += kWorkOfTest;
+    if (!is_point_) note_grazed(proxy, shape.separation(from), triangle);
+    const double t = time_to_block(shape, from, motion, std::min(end, first), clearance_);
+    if (t > 1.0 || !surfaces_.can_touch(triangle, from)) return true;
+    first = std::min(first, t);
+    note_blocker(triangle, t);
+    return true;
+  });
+  return first;
 }
 
 // A sphere on a face is also in contact with coplanar neighbours, although they never block its path.

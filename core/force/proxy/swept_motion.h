@@ -41,7 +41,8 @@ class SweptMotion {
 
  private:
   static constexpr int kMostIdle = 6;      // motions that lead no nearer
-  static constexpr int kWorkOfMotion = 5;  // units, beside the triangles that it queries
+  static constexpr int kWorkOfMotion = 5;  // units, beside the triangles that it tests, ...
+  static constexpr int kWorkOfTest = 3;    // ... each of which takes that many
 
   struct Blocker {
     std::uint32_t triangle = 0;
@@ -56,6 +57,7 @@ class SweptMotion {
   static void bring_active_first(ProxyState& proxy, const ConstrainedMotion& held) noexcept;
   bool advance(ProxyState& proxy, const Vec3& motion) noexcept;
   double sweep(ProxyState& proxy, const Vec3& motion) noexcept;
+  double find_blockers(ProxyState& proxy, const Vec3& from, const Vec3& motion, double begin, double end, int& tests) noexcept;
   void note_grazed(ProxyState& proxy, const Separation& at, std::uint32_t triangle) const noexcept;
   void note_blocker(std::uint32_t triangle, double t) noexcept;
   void update_contacts(ProxyState& proxy, const Vec3& blocked_motion) const noexcept;

@@ -327,9 +327,11 @@ void SphereFollower::remove_contact(int i) noexcept {
 }
 
 // After a displacement, contacts that were not active are dropped; they are hit again if they are in the way.
-void SphereFollower::note_move(const Vec3& from) noexcept {
+bool SphereFollower::note_move(const Vec3& from) noexcept {
   ++idle_;
-  if ((centre_ - from).norm() > kLeastMotion) contact_count_ = active_count_;
+  const bool has_moved = (centre_ - from).norm() > kLeastMotion;
+  if (has_moved) contact_count_ = active_count_;
+  return has_moved;
 }
 
 // Progress: the device moves, or the centre comes nearer to it than at any time since the device moved.
@@ -472,8 +474,7 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
     is_restored = restore(centre_);
   });
   if (!is_restored) return Next::failed;
-  const bool has_moved = (centre_ - before).norm() > kLeastMotion;
-  note_move(before);
+  const bool has_moved = note_move(before);
   if ((time - time_before) * (to - from).norm() > least_progress()) note_gain(on_path(from, to, time), true);
   if (const auto next = end_leg(leg.path, event, is_whole, leg.released, on_path(from, to, time))) return *next;
   if (leg.vanishes) return lose_minimum(leg.path.slope(1.0));

@@ -325,7 +325,7 @@ class SphereFollower {
   int find_coplanar(const OffsetContact& contact, const Exit& exit) noexcept;
   bool add_contact(const OffsetContact& contact) noexcept;
   void remove_contact(int i) noexcept;
-  void note_move(const Vec3& from) noexcept;
+  bool note_move(const Vec3& from) noexcept;  // whether the centre has moved
   void note_gain(const Vec3& device, bool has_moved) noexcept;
   unsigned guiding_corners(const ContactTriangle& shape) const noexcept;
   bool holds_part_of(const ContactTriangle& shape, std::uint32_t triangle) const noexcept;
