@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace hapton {
 namespace {
@@ -20,7 +21,6 @@ void TangentCone::begin(const Vec3& apex) {
   piece_count_ = 0;
 }
 
-// Ends of arcs that count as equal are equal: from a needle between them, the walk around the boundary would turn back.
 Vec3 TangentCone::at_known_end(const Vec3& direction) const {
   constexpr double kSame = 4.0 * kSameDirection * kSameDirection;
   for (int i = 0; i < arc_count_; ++i) {
@@ -31,9 +31,16 @@ Vec3 TangentCone::at_known_end(const Vec3& direction) const {
   return direction;
 }
 
-bool TangentCone::add_arc(const Vec3& from, const Vec3& to) {
-  const Vec3 a = at_known_end(from);
-  const Vec3 b = at_known_end(to);
+// Directions of ends that count as the same become the same.
+void TangentCone::join_ends() {
+  const int count = std::exchange(arc_count_, 0);
+  for (int i = 0; i < count; ++i) {
+    const Arc arc = arcs_[static_cast<std::size_t>(i)];
+    (void)add_arc(at_known_end(arc.a), at_known_end(arc.b));
+  }
+}
+
+bool TangentCone::add_arc(const Vec3& a, const Vec3& b) {
   const Vec3 normal = a.cross(b);
   const double length = normal.norm();
   if (!(length > kSameDirection)) return true;  // a needle covers no directions
@@ -162,9 +169,22 @@ int TangentCone::find_again(const Walk& here) const {
   return -1;
 }
 
+// From a needle between two directions that count as the same the walk turns back. So if it does not come back to its start, the ends of
+// the arcs are joined, if that helps.
+bool TangentCone::find_boundary(const Vec3& inside) {
+  if (walk_boundary(inside) && is_around_start_) return true;
+  const int count = arc_count_;
+  std::copy(arcs_.begin(), arcs_.begin() + count, spare_arcs_.begin());
+  join_ends();
+  if (walk_boundary(inside) && is_around_start_) return true;
+  std::copy(spare_arcs_.begin(), spare_arcs_.begin() + count, arcs_.begin());
+  arc_count_ = count;
+  return walk_boundary(inside);
+}
+
 // Between arcs that cross at a very small angle the start may be on a piece that no other one leads to. What the walk repeats is the
 // boundary.
-bool TangentCone::find_boundary(const Vec3& inside) {
+bool TangentCone::walk_boundary(const Vec3& inside) {
   piece_count_ = 0;
   is_around_start_ = true;
   Walk start;

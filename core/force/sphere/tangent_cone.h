@@ -75,7 +75,9 @@ class TangentCone {
     double opening = 0.0;
   };
 
-  bool add_arc(const Vec3& from, const Vec3& to);
+  bool add_arc(const Vec3& a, const Vec3& b);
+  void join_ends();
+  bool walk_boundary(const Vec3& inside);
   Vec3 at_known_end(const Vec3& direction) const;
   bool add_arcs(const ContactTriangle& shape, double near);
   static bool is_on(const Arc& arc, const Vec3& direction);
@@ -88,6 +90,7 @@ class TangentCone {
   Vec3 apex_ = Vec3::Zero();
   std::array<Arc, kMostArcs> arcs_;
   int arc_count_ = 0;
+  std::array<Arc, kMostArcs> spare_arcs_;  // as they were before their ends were joined
   std::array<Piece, kMostPieces> pieces_;
   std::array<Walk, kMostPieces> walks_;  // where each piece began
   int piece_count_ = 0;
