@@ -1,9 +1,10 @@
 #include "link/fixed_codec.h"
 
-#include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <cstring>
+#include <type_traits>
 #include <variant>
 
 #include "link/codec.h"
@@ -265,8 +266,7 @@ std::size_t encode_as(std::uint32_t field, const Header& header, const Message& 
 // Pre: the reader is behind the header.
 template <class Message>
 bool decode_as(std::uint32_t field, FixedReader& reader, const Header& header, Datagram& datagram) {
-  const Varint tag = tag_of(field, WireType::length_delimited);
-  reader.expect(tag);
+  reader.expect(tag_of(field, WireType::length_delimited));
   if (!reader.is_good() || reader.left() < 2) return false;
   // The length is that of all that follows.
   const std::size_t left = reader.left();

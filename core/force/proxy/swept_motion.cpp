@@ -200,7 +200,7 @@ double SweptMotion::find_blockers(ProxyState& proxy, const Vec3& from, const Vec
     if (--tests < 0) return false;
     const TriangleView shape{geometry, triangle};
     ++counters_.tests;
-    work_ += kWorkOfTest;
+    ++work_;
     if (!is_point_) note_grazed(proxy, shape.separation(from), triangle);
     const double t = time_to_block(shape, from, motion, std::min(end, first), clearance_);
     if (t > 1.0 || !surfaces_.can_touch(triangle, from)) return true;

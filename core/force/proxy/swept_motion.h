@@ -41,8 +41,7 @@ class SweptMotion {
 
  private:
   static constexpr int kMostIdle = 6;      // motions that lead no nearer
-  static constexpr int kWorkOfMotion = 5;  // units, beside the triangles that it tests, ...
-  static constexpr int kWorkOfTest = 3;    // ... each of which takes that many
+  static constexpr int kWorkOfMotion = 5;  // units, beside the triangles that it queries
 
   struct Blocker {
     std::uint32_t triangle = 0;

@@ -105,6 +105,23 @@ TEST(SweptMotion, BreaksAwayAtTheStaticConeAndSticksAgainWhereThePullHasFallen) 
   EXPECT_NEAR(stage.position().y(), 0.0068, 1e-8) << "held up to 0.006";
 }
 
+// The box around most of such a path holds a third of the 20,000 triangles of the face.
+TEST(SweptMotion, ALongSlantedPathTestsFewOfTheTrianglesInItsBox) {
+  SweptStage stage(make_box(Vec3(1.0, 1.0, 0.1), 100));
+  stage.put(Vec3(-0.45, -0.45, 0.15));
+  const Vec3 device = stage.geometry.to_local(Vec3(0.45, 0.45, 0.0));
+  bool has_settled = false;
+  for (int i = 0; i < 200 && !has_settled; ++i) {
+    const std::uint64_t before = stage.swept.counters().tests;
+    has_settled = stage.swept.descend(stage.proxy, device);
+    ASSERT_LE(stage.swept.counters().tests - before, 1'000U) << "call " << i;
+    ASSERT_GE(stage.position().z(), 0.05) << "call " << i;
+  }
+  EXPECT_TRUE(has_settled);
+  EXPECT_LE(stage.position().z() - 0.05, 4.0 * kOffset);
+  EXPECT_LE((stage.position() - Vec3(0.45, 0.45, 0.05)).norm(), 0x1p-24);  // error of a normal at the contact offset, times the path
+}
+
 class SweptMotionInSoup : public testing::TestWithParam<unsigned> {};
 
 // Random triangles that cross and touch each other: nothing else keeps the proxy off them.
