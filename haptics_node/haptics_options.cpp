@@ -130,6 +130,11 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
       ->check(between(0, 99))
       ->capture_default_str();
   app.add_option("--cpu", options.realtime.cpu, "Pin to this CPU; -1: any")->check(between(-1, 1023))->capture_default_str();
+  app.add_option("--spin", options.spin_us,
+                 "Longest time to spin for each device sample before the loop sleeps, us, where that saves time (docs/realtime.md); 0: it "
+                 "sleeps until a sample arrives")
+      ->check(between(0.0, 1000.0))
+      ->capture_default_str();
   app.add_option("--patch-bandwidth", options.patch_mbit_per_s,
                  "Largest bandwidth for parts of the scene, Mbit/s; the hub requests them if the network is slow (docs/remote.md)")
       ->check(between(0.01, 1000.0))

@@ -14,6 +14,13 @@ std::string describe_times(const std::string& what, const LatencyHistogram& time
                      us(0.999), 1e-3 * static_cast<double>(times.max_ns()), times.count());
 }
 
+std::string describe_spins(const StateWait& wait) {
+  if (wait.spins() == 0) return {};
+  const auto spins = static_cast<double>(wait.spins());
+  return fmt::format("waits that spun: {}, {:.1f} us each, {:.1f} % ended with a sample\n", wait.spins(),
+                     1e-3 * static_cast<double>(wait.spun_ns()) / spins, 100.0 * static_cast<double>(wait.arrivals()) / spins);
+}
+
 std::string make_haptics_report(const HapticsStep& step, const HubClient& hub, const LatencyHistogram& compute_times,
                                 const LatencyHistogram& step_times) {
   const HapticsCounts& counts = step.counts();

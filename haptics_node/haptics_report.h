@@ -3,6 +3,7 @@
 #include <string>
 
 #include "haptic_step/haptics_step.h"
+#include "haptics_node/state_wait.h"
 #include "link/hub_client.h"
 #include "runtime/latency_histogram.h"
 
@@ -15,6 +16,9 @@ std::string make_haptics_report(const HapticsStep& step, const HubClient& hub, c
 
 // "WHAT: p50 .. us, p90 .., p99 .., p99.9 .., worst .., n ..", a line; empty if there are none. RT: set-up only.
 std::string describe_times(const std::string& what, const LatencyHistogram& times);
+
+// How often the loop spun for a sample and how often one arrived meanwhile, a line; empty if it never spun. RT: set-up only.
+std::string describe_spins(const StateWait& wait);
 
 // Logs the method's report, line by line; what it leaves out of the scene ("note: ...") as warnings. RT: no.
 void log_method(const ForceMethod& method);

@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <mutex>
 #include <optional>
@@ -174,6 +175,7 @@ int run(const HapticsOptions& options) {
     loop.set_patch_sender(&patches);
   }
   if (!effects.empty()) loop.set_effects(&effects);
+  loop.set_longest_spin(std::llround(1e3 * options.spin_us));
   // A tool computes no damping.
   const auto gains_of = [&](const TouchScene& touched) {
     return *tool == nullptr ? find_largest_gains(touched) : LargestGains{.stiffness_n_per_m = find_stiffest(touched)};
@@ -241,6 +243,7 @@ int run(const HapticsOptions& options) {
   loop.run(stop, options.seconds);
   client.leave();  // the reports take longer than the hub waits for a force
   fmt::print("{}", make_haptics_report(step, client, loop.compute_times(), loop.step_times()));
+  fmt::print("{}", describe_spins(loop.wait()));
   if (shaper.has_objects()) {
     const ObjectShaper::Counts& counts = shaper.counts();
     fmt::print("shapes from programs: {} taken, {} left out as a part was lost or late, {} parts or shapes rejected\n", counts.shapes,

@@ -31,6 +31,7 @@ constexpr std::int64_t kPreparingEveryNs = 200 * kNanosecondsPerMillisecond;
 ReplyLoop::ReplyLoop(HubClient& hub, const Clock& clock, HapticsStep& step, MethodBuilder& builder, const HapticsSetup& setup,
                      bool builds_on_approach, const SceneFacts& scene)
     : hub_(hub),
+      wait_(hub, clock),
       clock_(clock),
       step_(step),
       builder_(builder),
@@ -70,7 +71,7 @@ void ReplyLoop::run(const StopSignal& stop, double seconds) {
 
 void ReplyLoop::turn(std::int64_t deadline_ns) {
   const std::int64_t began_ns = clock_.now_ns();
-  if (hub_.receive(datagram_, deadline_ns)) {
+  if (wait_.receive(datagram_, deadline_ns)) {
     drain(began_ns);
     if (step_.has_state()) is_ready() ? answer() : wait_for_builder();
   }
@@ -120,6 +121,7 @@ void ReplyLoop::handle(const Message& message) noexcept {
     }
     note_join();
     arrival_ns_ = hub_.receive_time_ns();
+    wait_.note(*state, arrival_ns_);
     step_.offer(*state);
     if (patches_ != nullptr && patches_->is_wanted(arrival_ns_)) {
       patches_->note_hand(*state, step_.view().X_WS, state->scene_time_ns >= 0 ? state->scene_time_ns : step_.scene_time_ns());

@@ -13,6 +13,7 @@
 #include "haptics_node/method_builder.h"
 #include "haptics_node/object_shaper.h"
 #include "haptics_node/patch_sender.h"
+#include "haptics_node/state_wait.h"
 #include "haptics_node/stiffness_adviser.h"
 #include "link/hub_client.h"
 #include "runtime/clock.h"
@@ -54,6 +55,9 @@ class ReplyLoop {
   // Before run: who notices a hand that is inside a body from the start. Pre: outlives this.
   void set_inside_watch(InsideWatch* inside) noexcept { inside_ = inside; }
 
+  // Before run: the longest time to spin for a device state (StateWait).
+  void set_longest_spin(std::int64_t longest_ns) noexcept { wait_.set_longest_spin(longest_ns); }
+
   // Runs until a signal requests the stop or, if `seconds` is above 0, for that time.
   void run(const StopSignal& stop, double seconds);
 
@@ -64,6 +68,7 @@ class ReplyLoop {
   const LatencyHistogram& compute_times() const noexcept { return compute_times_; }
   // Of them the step alone: device sample to force.
   const LatencyHistogram& step_times() const noexcept { return step_times_; }
+  const StateWait& wait() const noexcept { return wait_; }
 
  private:
   void drain(std::int64_t began_ns) noexcept;
@@ -111,6 +116,7 @@ class ReplyLoop {
   void show_plugins();
 
   HubClient& hub_;
+  StateWait wait_;
   const Clock& clock_;
   HapticsStep& step_;
   MethodBuilder& builder_;

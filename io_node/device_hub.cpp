@@ -159,7 +159,8 @@ struct DeviceHub::Parts {
             .dead_mans_switch = options.device.dead_mans_switch,
             .clutch_button = options.device.clutch_button,
             .overrun = overrun_policy(options),
-            .spin_share = options.spin_share};
+            .spin_share = options.spin_share,
+            .reply_spin_ns = std::llround(1e3 * options.reply_spin_us)};
   }
   void use_patches() {
     local_patch = std::make_unique<LocalPatch>();

@@ -41,6 +41,12 @@ class HubReceiver {
     }
   }
 
+  // As receive_while, without a sleep.
+  template <class IsNeeded>
+  void spin_while(IsNeeded&& is_needed, std::int64_t deadline_ns) noexcept {
+    while (is_needed() && clock_.now_ns() < deadline_ns) receive_one(0);
+  }
+
   // Handles what has already arrived; at most kMaxDrained datagrams, so that a flood cannot delay the loop for long.
   void drain() noexcept;
 

@@ -148,6 +148,11 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
                  "Largest share of a period that the loop may spin before its tick; 0: it sleeps until the tick")
       ->check(between(0.0, 0.5))
       ->capture_default_str();
+  app.add_option(
+         "--spin-reply", options.reply_spin_us,
+         "Longest time to spin for each force before the loop sleeps, us, where that saves time (docs/realtime.md); 0: it sleeps at once")
+      ->check(between(0.0, 1000.0))
+      ->capture_default_str();
   app.add_option("--echo-size", options.echo_bytes, "Bytes of the bare echo's datagrams; 0: those of a device sample")
       ->check(between(0, kMaxDatagramBytes))
       ->capture_default_str();

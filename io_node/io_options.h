@@ -22,9 +22,10 @@ struct IoOptions {
   std::string record;    // file for the whole session; empty: none
   std::string flight;    // folder for flight records; empty: see find_flight_folder; "off": none
   std::string overrun = "skip";
-  double spin_share = 0.1;  // of a period that the loop may spin before its tick, at most
-  std::string metrics;      // address of the HTTP metrics; empty: off
-  std::string vrpn;         // address of the VRPN server; empty: off
+  double spin_share = 0.1;       // of a period that the loop may spin before its tick, at most
+  double reply_spin_us = 100.0;  // the longest time to spin for a force
+  std::string metrics;           // address of the HTTP metrics; empty: off
+  std::string vrpn;              // address of the VRPN server; empty: off
   std::string vrpn_name = "Phantom0";
   std::size_t echo_bytes = 0;  // of the bare echo's datagrams; 0: as a DeviceState's
   std::string echo_probe;      // responder of the bare echo; empty: not measured

@@ -31,6 +31,11 @@ std::string name_plugin(const IoOptions& options) {
   return name.starts_with(kPluginDevice) ? fmt::format(" (device {})", name) : std::string();
 }
 
+// Largest share of a period that is spun for a force.
+double find_reply_share(const IoOptions& options) {
+  return std::min(1e-6 * options.reply_spin_us * options.rate_hz, ReplySpin::kMostShare);
+}
+
 // What the choice of --touch goes by.
 std::string describe_round_trip(double seconds) {
   return seconds > 0.0 ? fmt::format("touch, round trip {:.1f} ms", 1e3 * seconds) : "touch, round trip not known yet";
@@ -121,7 +126,7 @@ IoSession::IoSession(Servo& servo, const Clock& clock, const IoOptions& options)
       prefix_(name_prefix(options)),
       device_(servo.device_loop(), clock),
       release_watch_(servo.device_loop(), clock),
-      watch_(options.spin_share, read_realtime_share()) {}
+      watch_(options.spin_share + find_reply_share(options), read_realtime_share()) {}
 
 void IoSession::servo_thread() {
   servo_thread_ = current_thread_id();
@@ -204,7 +209,10 @@ void IoSession::watch_scheduling(bool now) {
   usage->voluntary_switches += device->voluntary_switches;
   usage->involuntary_switches += device->involuntary_switches;
   const bool was_near = watch_.figures().near_throttling > 0;
-  servo_.spin().set_limit(watch_.update(*usage, servo_.spin().spun_ns(), clock_.now_ns()));
+  const double limit = watch_.update(*usage, servo_.spin().spun_ns() + servo_.reply_spin().spun_ns(), clock_.now_ns());
+  // First what keeps the ticks on time.
+  servo_.spin().set_limit(std::min(limit, options_.spin_share));
+  servo_.reply_spin().set_limit(std::max(0.0, limit - options_.spin_share));
   if (!was_near && watch_.figures().near_throttling > 0) {
     log_warning("{}the servo loop uses nearly all the CPU time that the kernel allows real-time threads ({:.0f} %); lower --rate", prefix_,
                 100.0 * watch_.figures().realtime_share);

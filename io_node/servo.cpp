@@ -37,6 +37,7 @@ Servo::Servo(Device& device, HubPeers& peers, const Clock& clock, const Options&
       echo_(echo),
       tap_(tap),
       receiver_(peers, clock, *this),
+      reply_spin_(options.reply_spin_ns),
       cycles_(loop_, receiver_, peers, clock),
       forces_(loop_, peers, clock, stats_),
       view_(peers, stats_),
@@ -100,7 +101,18 @@ bool Servo::read_cycles() noexcept {
 }
 
 void Servo::await_force(std::int64_t deadline_ns) noexcept {
-  receiver_.receive_while([this] { return forces_.is_awaited() && !forces_.is_local(); }, deadline_ns);
+  const auto is_needed = [this] { return forces_.is_awaited() && !forces_.is_local(); };
+  if (is_needed()) spin_for_force(is_needed, deadline_ns);
+  receiver_.receive_while(is_needed, deadline_ns);
+}
+
+template <class IsNeeded>
+void Servo::spin_for_force(IsNeeded&& is_needed, std::int64_t deadline_ns) noexcept {
+  const std::int64_t begin_ns = clock_.now_ns();
+  const std::int64_t end_ns = std::min(deadline_ns, reply_spin_.find_end_ns(begin_ns, cycle_.next_tick_ns - cycle_.tick_ns));
+  if (end_ns <= begin_ns) return;
+  receiver_.spin_while(is_needed, end_ns);
+  reply_spin_.note(!is_needed(), clock_.now_ns() - begin_ns);
 }
 
 // Once a cycle, when the force path is done.

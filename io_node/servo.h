@@ -17,6 +17,7 @@
 #include "io_node/marker_log.h"
 #include "io_node/patch_link.h"
 #include "io_node/peer_notices.h"
+#include "io_node/reply_spin.h"
 #include "io_node/report_server.h"
 #include "io_node/request_handler.h"
 #include "io_node/safety_notices.h"
@@ -57,7 +58,8 @@ class Servo final : private PeerEventHandler {
     int dead_mans_switch = 0;                                    // button that must be held for force, counted from 1; 0: none
     int clutch_button = 0;  // that holds the device point where it is (clutch.h), counted from 1; 0: none
     OverrunPolicy overrun = OverrunPolicy::skip;
-    double spin_share = 0.0;  // largest share of a period spent spinning before each tick; 0: sleeps until the tick
+    double spin_share = 0.0;         // largest share of a period spent spinning before each tick; 0: sleeps until the tick
+    std::int64_t reply_spin_ns = 0;  // the longest time to spin for a force before this side sleeps (ReplySpin)
   };
 
   // Pre: all outlive the servo; rate within kMinServoRateHz .. kMaxServoRateHz. echo and tap may be null.
@@ -94,6 +96,7 @@ class Servo final : private PeerEventHandler {
 
   // Threads: the other. Limit and measurement of the time spent spinning.
   AdaptiveSpin& spin() noexcept { return loop_.spin(); }
+  ReplySpin& reply_spin() noexcept { return reply_spin_; }
   // Threads: the other. See StatsPublisher and RequestHandler.
   void request_snapshot() noexcept { publisher_.request(); }
   bool take_snapshot() noexcept { return publisher_.take(); }
@@ -104,6 +107,8 @@ class Servo final : private PeerEventHandler {
  private:
   bool read_cycles() noexcept;
   void await_force(std::int64_t deadline_ns) noexcept;
+  template <class IsNeeded>
+  void spin_for_force(IsNeeded&& is_needed, std::int64_t deadline_ns) noexcept;
   void probe_echo(std::int64_t middle_ns) noexcept;
   void do_housekeeping() noexcept;
   void show_proxy() noexcept;
@@ -131,6 +136,7 @@ class Servo final : private PeerEventHandler {
   ServoStats stats_;
 
   HubReceiver receiver_;
+  ReplySpin reply_spin_;
   CycleSource cycles_;
   ForceExchange forces_;
   ViewRelay view_;

@@ -40,6 +40,7 @@ TEST(HapticsOptions, NumbersHaveTheRangesThatHelpNames) {
       {"--grasp-button", "1", "32", "0", "33", [](const HapticsOptions& o) { return static_cast<double>(o.grasp_button); }},
       {"--rt-priority", "0", "99", "-1", "100", [](const HapticsOptions& o) { return static_cast<double>(o.realtime.priority); }},
       {"--cpu", "-1", "1023", "-2", "1024", [](const HapticsOptions& o) { return static_cast<double>(o.realtime.cpu); }},
+      {"--spin", "0", "1000", "-0.1", "1001", [](const HapticsOptions& o) { return static_cast<double>(o.spin_us); }},
       {"--patch-bandwidth", "0.01", "1000", "0", "1001", [](const HapticsOptions& o) { return static_cast<double>(o.patch_mbit_per_s); }},
       {"--seconds", "0", "1e9", "-0.1", "1.1e9", [](const HapticsOptions& o) { return static_cast<double>(o.seconds); }},
   };

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tests/io_node/servo_fixture.h"
+#include "tests/support/ticking_clock.h"
 
 namespace hapton {
 namespace {
@@ -96,19 +97,8 @@ TEST_F(Servos, ALoopThatWakesLateLearnsToWakeEarlyAndBeginsOnTime) {
     Address local_address() const override { return {}; }
     SimulatedClock& clock;
   };
-  // Time advances with every reading, so that spinning ends.
-  class Ticking final : public Clock {
-   public:
-    explicit Ticking(SimulatedClock& c) : clock(c) {}
-    std::int64_t now_ns() const noexcept override {
-      clock.advance_ns(50);
-      return clock.now_ns();
-    }
-    void sleep_until_ns(std::int64_t deadline_ns) noexcept override { clock.sleep_until_ns(deadline_ns); }
-    SimulatedClock& clock;
-  };
   Late late(clock);
-  Ticking ticking(clock);
+  TickingClock ticking(clock);
   HubPeers nobody(late, ticking, kSession, 1000.0);
   Servo alone(device, nobody, ticking, {.spin_share = 0.1});
   for (int n = 0; n < 3000; ++n) alone.step();

@@ -131,6 +131,7 @@ TEST(IoOptions, NumbersHaveTheRangesThatHelpNames) {
       {"--hold-button", "-1", "31", "-2", "32", [](const IoOptions& o) { return o.device.dead_mans_switch - 1.0; }},
       {"--passive-mass", "0", "100", "-0.1", "100.1", [](const IoOptions& o) { return static_cast<double>(o.device.passive_mass_kg); }},
       {"--spin", "0", "0.5", "-0.01", "0.51", [](const IoOptions& o) { return static_cast<double>(o.spin_share); }},
+      {"--spin-reply", "0", "1000", "-0.1", "1001", [](const IoOptions& o) { return static_cast<double>(o.reply_spin_us); }},
       {"--rt-priority", "0", "99", "-1", "100", [](const IoOptions& o) { return static_cast<double>(o.realtime.priority); }},
       {"--cpu", "-1", "4095", "-2", "4096", [](const IoOptions& o) { return static_cast<double>(o.realtime.cpu); }},
   };

@@ -125,7 +125,8 @@ TEST(Latency, RunOfItsOwnLeavesEveryHopAndAVerdictAndCanBeCompared) {
 
   // The exit code of `run` is the verdict's, whatever this machine makes of it.
   const std::string other = (system.folder() / "b").string();
-  const Ended evaluated = hapton(system, {"latency", "run", "--seconds", "1", "--rate", "500", "--out", other, "--scene", scene});
+  const Ended evaluated =
+      hapton(system, {"latency", "run", "--seconds", "1", "--rate", "500", "--cpu", "-1", "--out", other, "--scene", scene});
   const Json verdict = Json::parse(read_text(system.folder() / "b" / "report.json"), nullptr, false).at("verdict");
   EXPECT_EQ(evaluated.exit_code, verdict.at("holds").get<bool>() ? 0 : 1) << evaluated.err;
   const Ended compared = hapton(system, {"latency", "compare", out, other, "--json", (system.folder() / "c.json").string()});

@@ -9,7 +9,6 @@
 #include "link/link_key.h"
 #include "link/messages.h"
 #include "runtime/atomic_file.h"
-#include "runtime/realtime.h"
 #include "tools/commands.h"
 #include "tools/latency/latency_compare.h"
 #include "tools/latency/latency_run.h"
@@ -71,9 +70,12 @@ void add_run_options(CommandLine command, LatencyRunOptions& options) {
       command.add_option("--rt", options.realtime, "Real-time scheduling of the nodes: try, require or off")
           .one_of({"try", "require", "off"})
           .shows_default(),
-      command.add_option("--cpu", options.cpu, "Pin nodes and echo to this CPU; -1: any; default: the last one")
-          .between(-1, 1023)
-          .shows_default()};
+      command
+          .add_option("--cpu", options.cpu,
+                      "Pin io_node and echo to this CPU; -1: any; default: measured, the nodes share the last CPU or have one each")
+          .between(-1, 1023),
+      command.add_option("--haptics-cpu", options.haptics_cpu, "Pin haptics_node to this CPU; -1: any; default: as --cpu, or measured")
+          .between(-1, 1023)};
   for (const CommandOption option : of_our_own) hosts.excludes(option);
 }
 
@@ -81,7 +83,6 @@ void add_run_options(CommandLine command, LatencyRunOptions& options) {
 
 void add_latency_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<LatencyRunOptions>();
-  options->cpu = find_shared_cpu();
   const CommandLine command = app.add_subcommand("latency", "Measure the force round trip beside a bare UDP echo; compare runs");
   command.require_subcommands(0, 1);
   add_run_options(command, *options);

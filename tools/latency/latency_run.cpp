@@ -14,10 +14,12 @@
 #include "scene/find_scene.h"
 #include "tools/child_process.h"
 #include "tools/json_number.h"
+#include "tools/latency/latency_compare.h"
 #include "tools/latency/latency_csv.h"
 #include "tools/latency/latency_plot.h"
 #include "tools/latency/latency_verdict.h"
 #include "tools/latency/latency_window.h"
+#include "tools/latency/node_cpus.h"
 #include "tools/live/hub_report.h"
 #include "tools/local_node.h"
 
@@ -28,21 +30,31 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kGraceSeconds = 15.0;  // for the hub to write its report
 constexpr double kLongestTimerSeconds = 5.0;
+constexpr double kTrialSeconds = 0.75;  // on each of the choices of CPUs
 
-Result<void> measure_here(const LatencyRunOptions& options) {
+// Where the nodes run, and why, a line.
+struct Placement {
+  NodeCpus cpus;
+  std::string text;
+};
+
+Result<void> measure_here(const LatencyRunOptions& options, const NodeCpus& cpus) {
   const auto echo_at = find_free_address();
   const auto hub_at = find_free_address();
   if (!echo_at || !hub_at) {
     return tl::unexpected(echo_at ? hub_at.error() : echo_at.error());
   }
   const std::filesystem::path own = find_own_folder();
-  const std::string cpu = fmt::format("{}", options.cpu);
+  const std::string cpu = fmt::format("{}", cpus.io);
   // Scheduled like the nodes: otherwise the ratio would measure the scheduler.
   auto echo = LocalNode::start(options.out, "echo", own / "hapton", {"echo", "--bind", *echo_at, "--rt", options.realtime, "--cpu", cpu});
   if (!echo) {
     return tl::unexpected(echo.error());
   }
-  std::vector<std::string> arguments = {"--hub", *hub_at, "--scene", options.scene.string(), "--rt", options.realtime, "--cpu", cpu};
+  std::vector<std::string> arguments = {"--hub", *hub_at,          "--scene", options.scene.string(),
+                                        "--rt",  options.realtime, "--cpu",   fmt::format("{}", cpus.haptics)};
+  // On one CPU neither could reply while the other spins.
+  if (cpus.are_shared()) arguments.insert(arguments.end(), {"--spin", "0"});
   if (!options.method.empty()) {
     arguments.insert(arguments.end(), {"--method", options.method});
   }
@@ -61,10 +73,16 @@ Result<void> measure_here(const LatencyRunOptions& options) {
       return ready;
     }
   }
-  auto io = LocalNode::start(options.out, "io_node", own / "io_node",
-                             {"--bind", *hub_at, "--echo-probe", *echo_at, "--echo-size", fmt::format("{}", options.echo_bytes), "--rate",
-                              fmt::format("{}", options.rate_hz), "--seconds", fmt::format("{}", options.seconds), "--out",
-                              options.out.string(), "--rt", options.realtime, "--cpu", cpu});
+  std::vector<std::string> words = {"--bind",       *hub_at,
+                                    "--echo-probe", *echo_at,
+                                    "--echo-size",  fmt::format("{}", options.echo_bytes),
+                                    "--rate",       fmt::format("{}", options.rate_hz),
+                                    "--seconds",    fmt::format("{}", options.seconds),
+                                    "--out",        options.out.string(),
+                                    "--rt",         options.realtime,
+                                    "--cpu",        cpu};
+  if (cpus.are_shared()) words.insert(words.end(), {"--spin-reply", "0"});
+  auto io = LocalNode::start(options.out, "io_node", own / "io_node", std::move(words));
   if (!io) {
     return tl::unexpected(io.error());
   }
@@ -76,27 +94,60 @@ Result<void> measure_here(const LatencyRunOptions& options) {
   return {};
 }
 
+Result<TrialRun> try_cpus(const LatencyRunOptions& options, const NodeCpus& cpus) {
+  LatencyRunOptions trial = options;
+  trial.out = options.out / "trial";
+  trial.seconds = kTrialSeconds;
+  trial.vision = false;
+  std::error_code error;
+  std::filesystem::create_directories(trial.out, error);
+  if (error) return fail("{}: cannot be made: {}", trial.out.string(), error.message());
+  if (const auto measured = measure_here(trial, cpus); !measured) return tl::unexpected(measured.error());
+  const auto report = read_report_json(trial.out);
+  if (!report) return tl::unexpected(report.error());
+  std::filesystem::remove_all(trial.out, error);
+  const auto& hops = (*report)["hops"];
+  const Json hop = hops.is_object() ? hops.value("round_trip", Json::object()) : Json::object();
+  return TrialRun{hop.value("p50_us", 0.0), hop.value("p99_us", 0.0)};
+}
+
+Result<Placement> place_nodes(const LatencyRunOptions& options) {
+  const auto is_given = [](int cpu) { return cpu != LatencyRunOptions::kMeasured; };
+  if (is_given(options.cpu) || is_given(options.haptics_cpu)) {
+    const int io = is_given(options.cpu) ? options.cpu : options.haptics_cpu;
+    return Placement{{io, is_given(options.haptics_cpu) ? options.haptics_cpu : io}, {}};
+  }
+  const NodeCpus two = find_two_cpus();
+  if (two.io < 0 || options.realtime == "off") return Placement{find_one_cpu(), {}};
+  const auto on_one = try_cpus(options, find_one_cpu());
+  if (!on_one) return tl::unexpected(on_one.error());
+  const auto on_two = try_cpus(options, two);
+  if (!on_two) return tl::unexpected(on_two.error());
+  const NodeCpus chosen = should_use_two(*on_one, *on_two) ? two : find_one_cpu();
+  return Placement{chosen, describe_choice(chosen, *on_one, *on_two) + "\n"};
+}
+
 // A quarter of the time, on the CPU and at the priority of the nodes.
-Result<BareTimer> measure_timer(const LatencyRunOptions& options) {
+Result<BareTimer> measure_timer(const LatencyRunOptions& options, int cpu) {
   const auto mode = parse_realtime_mode(options.realtime);
   if (!mode) {
     return tl::unexpected(mode.error());
   }
   const bool is_ordinary = *mode == RealtimeMode::off;
-  return measure_bare_timer({.mode = *mode, .priority = is_ordinary ? 0 : 80, .cpu = is_ordinary ? -1 : options.cpu, .lock_memory = false},
+  return measure_bare_timer({.mode = *mode, .priority = is_ordinary ? 0 : 80, .cpu = is_ordinary ? -1 : cpu, .lock_memory = false},
                             options.rate_hz, std::min(0.25 * options.seconds, kLongestTimerSeconds));
 }
 
 // The nodes, with the bare timer of the same CPU before and after them: at the same time it would disturb them.
-Result<BareTimer> measure_between_timers(const LatencyRunOptions& options) {
-  auto timer = measure_timer(options);
+Result<BareTimer> measure_between_timers(const LatencyRunOptions& options, const NodeCpus& cpus) {
+  auto timer = measure_timer(options, cpus.io);
   if (!timer) {
     return timer;
   }
-  if (const auto measured = measure_here(options); !measured) {
+  if (const auto measured = measure_here(options, cpus); !measured) {
     return tl::unexpected(measured.error());
   }
-  const auto after = measure_timer(options);
+  const auto after = measure_timer(options, cpus.io);
   if (!after) {
     return after;
   }
@@ -230,8 +281,12 @@ Result<LatencyRun> run_latency(const LatencyRunOptions& options) {
   // An interrupt reaches the nodes as well: they end, the hub writes its report so far, and that is used.
   const StopSignal interrupts;
   Result<BareTimer> timer;
+  std::string place;
   if (is_here) {
-    timer = measure_between_timers(options);
+    const auto placement = place_nodes(options);
+    if (!placement) return tl::unexpected(placement.error());
+    place = placement->text;
+    timer = measure_between_timers(options, placement->cpus);
   } else if (const auto measured = measure_hub(options); !measured) {
     timer = tl::unexpected(measured.error());
   }
@@ -243,6 +298,7 @@ Result<LatencyRun> run_latency(const LatencyRunOptions& options) {
     return run;
   }
   const auto picture = draw_latency_plot(options.out);
+  run->text += place;
   run->text += fmt::format("report in {}; {}\n", options.out.string(), picture ? "plot in " + picture->string() : picture.error().what);
   if (const auto written = write_file_atomically(options.out / "latency.txt", run->text); !written) {
     return tl::unexpected(written.error());

@@ -8,13 +8,16 @@
 namespace hapton {
 
 struct LatencyRunOptions {
+  static constexpr int kMeasured = -2;  // a CPU: the one that measure_node_cpus chooses
+
   double seconds = 10.0;
   double rate_hz = 1000.0;
   std::filesystem::path out = "out/latency";
   std::filesystem::path scene = "scenes/car_front.toml";
   std::string method;            // empty: the haptics node's default
   std::string realtime = "try";  // off, try or require
-  int cpu = -1;                  // all three stay on this CPU, unless realtime is off; -1: any
+  int cpu = kMeasured;           // of io_node, the echo and the bare timer, unless realtime is off; -1: any
+  int haptics_cpu = kMeasured;   // of haptics_node; if cpu is given, by default the same
   std::size_t echo_bytes = 0;    // of the bare echo's datagrams; 0: as many as a device sample's
   bool vision = false;           // with a vision node
   std::string hosts;             // a hub that runs already is measured instead; empty: none

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+
+#include "link/hub_client.h"
+#include "runtime/adaptive_spin.h"
+#include "runtime/arrival_forecast.h"
+#include "runtime/clock.h"
+#include "runtime/spin_trial.h"
+
+namespace hapton {
+
+// Waits for the hub's next message. A sleeping thread needs 10 to 30 us to wake up when a device state arrives. As states come at a fixed
+// rate, this one wakes shortly before the next is due and then spins on the socket, where that pays (SpinTrial).
+// Units: ns. RT: yes. Threads: one.
+class StateWait {
+ public:
+  // Of each period at least this share is slept, so that a loop of real-time priority is never throttled.
+  static constexpr double kLeastSleep = 0.25;
+
+  StateWait(HubClient& hub, const Clock& clock) noexcept : hub_(hub), clock_(clock) {}
+
+  // The longest time to spin for a state, in addition limited to half a period; 0: it sleeps until a state arrives.
+  void set_longest_spin(std::int64_t longest_ns) noexcept { longest_ns_ = longest_ns; }
+
+  // As HubClient::receive; may return half a period after deadline_ns.
+  bool receive(Datagram& datagram, std::int64_t deadline_ns) noexcept;
+
+  // A device state, received now.
+  void note(const DeviceState& state, std::int64_t arrival_ns) noexcept { forecast_.note(state.sample, state.sample_time_ns, arrival_ns); }
+
+  // Total time spent spinning.
+  std::int64_t spun_ns() const noexcept { return wake_up_.spun_ns(); }
+  // Waits that spun, and those of them that ended with a message.
+  std::uint64_t spins() const noexcept { return spins_; }
+  std::uint64_t arrivals() const noexcept { return arrivals_; }
+
+ private:
+  bool spin(Datagram& datagram, std::int64_t end_ns) noexcept;
+
+  HubClient& hub_;
+  const Clock& clock_;
+  std::int64_t longest_ns_ = 0;
+  ArrivalForecast forecast_;
+  AdaptiveSpin wake_up_{1.0};
+  SpinTrial trial_;
+  std::uint64_t spins_ = 0;
+  std::uint64_t arrivals_ = 0;
+};
+
+}  // namespace hapton

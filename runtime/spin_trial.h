@@ -1,0 +1,44 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+namespace hapton {
+
+// Decides whether spinning for a datagram saves anything. It does not if the sender needs the CPU on which this thread spins, or sends
+// later than the spinning lasts: then the datagram comes after its end. Of each kWaits waits, half must end with the datagram; otherwise
+// the next waits do not spin, kFirstPause of them, and twice as many after each further failure. RT: yes. Threads: one.
+class SpinTrial {
+ public:
+  static constexpr std::uint32_t kWaits = 8;
+  static constexpr std::uint32_t kFirstPause = 10'000;
+  static constexpr std::uint32_t kLongestPause = 1 << 20;
+
+  // Asked once for each wait.
+  bool may_spin() noexcept {
+    if (paused_ == 0) return true;
+    --paused_;
+    return false;
+  }
+
+  // Of a wait that did: the datagram arrived before its end.
+  void note(bool arrived) noexcept {
+    arrivals_ += arrived ? 1 : 0;
+    if (++waits_ < kWaits) return;
+    if (2 * arrivals_ >= kWaits) {
+      pause_ = kFirstPause;
+    } else {
+      paused_ = pause_;
+      pause_ = std::min(2 * pause_, kLongestPause);
+    }
+    waits_ = arrivals_ = 0;
+  }
+
+ private:
+  std::uint32_t waits_ = 0;
+  std::uint32_t arrivals_ = 0;
+  std::uint32_t paused_ = 0;  // waits that are still not to spin
+  std::uint32_t pause_ = kFirstPause;
+};
+
+}  // namespace hapton

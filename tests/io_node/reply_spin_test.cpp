@@ -1,0 +1,48 @@
+#include "io_node/reply_spin.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/io_node/servo_fixture.h"
+#include "tests/support/ticking_clock.h"
+
+namespace hapton {
+namespace {
+
+TEST(ReplySpin, LastsAsLongAsAskedAndNoLongerThanItsShareOfAPeriod) {
+  ReplySpin spin(100 * kUs);
+  EXPECT_EQ(spin.find_end_ns(7, kMs), 7 + 100 * kUs);
+  EXPECT_EQ(spin.find_end_ns(7, 100 * kUs), 7 + 50 * kUs);
+  spin.set_limit(0.01);
+  EXPECT_EQ(spin.find_end_ns(7, kMs), 7 + 10 * kUs);
+  spin.set_limit(0.0);
+  EXPECT_EQ(spin.find_end_ns(7, kMs), 7);
+  EXPECT_EQ(ReplySpin().find_end_ns(7, kMs), 7);
+}
+
+struct SpinningServos : Servos {
+  TickingClock ticking{clock};
+
+  void run_with(std::int64_t reply_ns, int cycles) {
+    answer_delay_ns = reply_ns;
+    servo = std::make_unique<Servo>(device, peers, ticking, Servo::Options{.reply_spin_ns = 150 * kUs});
+    join(kHaptics, NodeRole::haptics);
+    run(cycles);
+  }
+};
+
+TEST_F(SpinningServos, SpinUntilTheForceIsThere) {
+  run_with(100 * kUs, 500);
+  EXPECT_GT(servo->collect_stats().forces, 450U);
+  EXPECT_GT(servo->reply_spin().spun_ns(), 450 * 90 * kUs);
+  EXPECT_LT(servo->reply_spin().spun_ns(), 500 * 110 * kUs);
+}
+
+TEST_F(SpinningServos, SleepForAForceThatComesLaterThanThat) {
+  run_with(300 * kUs, 500);
+  EXPECT_GT(servo->collect_stats().forces, 450U);
+  EXPECT_GT(servo->reply_spin().spun_ns(), SpinTrial::kWaits * 140 * kUs);
+  EXPECT_LT(servo->reply_spin().spun_ns(), SpinTrial::kWaits * 160 * kUs);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,37 @@
+#include "tools/latency/node_cpus.h"
+
+#include <fmt/core.h>
+#include <sched.h>
+
+#include "runtime/realtime.h"
+
+namespace hapton {
+
+NodeCpus find_one_cpu() {
+  const int last = find_shared_cpu();
+  return {.io = last, .haptics = last};
+}
+
+NodeCpus find_two_cpus() {
+  NodeCpus two = {.io = -1, .haptics = find_shared_cpu()};
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  if (two.haptics < 0 || sched_getaffinity(0, sizeof set, &set) != 0) return {};
+  for (int cpu = 0; cpu < two.haptics; ++cpu) {
+    if (CPU_ISSET(static_cast<std::size_t>(cpu), &set)) two.io = cpu;
+  }
+  return two;
+}
+
+bool should_use_two(const TrialRun& on_one, const TrialRun& on_two) {
+  return on_two.p50_us < on_one.p50_us && on_two.p99_us < on_one.p99_us;
+}
+
+std::string describe_choice(const NodeCpus& chosen, const TrialRun& on_one, const TrialRun& on_two) {
+  const std::string place = chosen.are_shared() ? fmt::format("io_node and haptics_node share CPU {}", chosen.io)
+                                                : fmt::format("io_node has CPU {}, haptics_node CPU {}", chosen.io, chosen.haptics);
+  return fmt::format("{} (round trips of a short run, p50 and p99: on one CPU {:.0f} and {:.0f} us, on two {:.0f} and {:.0f} us)", place,
+                     on_one.p50_us, on_one.p99_us, on_two.p50_us, on_two.p99_us);
+}
+
+}  // namespace hapton

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+
+namespace hapton {
+
+// The CPUs to pin io_node and haptics_node to; -1: any. If they share one they take turns there, and neither spins for the other.
+struct NodeCpus {
+  int io = -1;
+  int haptics = -1;
+
+  bool are_shared() const { return io >= 0 && io == haptics; }
+};
+
+// The last CPU that this process may use, for both nodes; or one each, of which haptics_node has the last. Both -1: there is only one.
+NodeCpus find_one_cpu();
+NodeCpus find_two_cpus();
+
+// Force round trips of a short run.
+struct TrialRun {
+  double p50_us = 0.0;
+  double p99_us = 0.0;
+};
+
+// True if the nodes should have a CPU each: both numbers are shorter there. A second CPU saves the switch between the nodes, but must wake
+// up in time, too, so that on some machines the longest round trips become longer.
+bool should_use_two(const TrialRun& on_one, const TrialRun& on_two);
+
+// One line: what was measured and chosen.
+std::string describe_choice(const NodeCpus& chosen, const TrialRun& on_one, const TrialRun& on_two);
+
+}  // namespace hapton
