@@ -5,10 +5,9 @@
 namespace hapton {
 
 bool StateWait::receive(Datagram& datagram, std::int64_t deadline_ns) noexcept {
-  const double rate_hz = hub_.servo_rate_hz();
-  const auto due_ns = longest_ns_ > 0 ? forecast_.find_next_ns(rate_hz) : std::nullopt;
+  const auto due_ns = longest_ns_ > 0 ? forecast_.find_next_ns() : std::nullopt;
   if (!due_ns) return hub_.receive(datagram, deadline_ns);
-  const auto period_ns = static_cast<std::int64_t>(1e9 / rate_hz);
+  const std::int64_t period_ns = forecast_.period_ns();
   const std::int64_t longest_ns = std::min(longest_ns_, period_ns / 2);
   // Up to half of it before the state is due. A quarter from the start: what is known of delays includes late wake-ups.
   const std::int64_t wake_ns = *due_ns - std::clamp(wake_up_.margin_ns(period_ns), longest_ns / 4, longest_ns / 2);

@@ -27,7 +27,9 @@ class StateWait {
   bool receive(Datagram& datagram, std::int64_t deadline_ns) noexcept;
 
   // A device state, received now.
-  void note(const DeviceState& state, std::int64_t arrival_ns) noexcept { forecast_.note(state.sample, state.sample_time_ns, arrival_ns); }
+  void note(const DeviceState& state, std::int64_t arrival_ns) noexcept {
+    forecast_.note(state.sample, state.sample_time_ns, arrival_ns, hub_.servo_rate_hz());
+  }
 
   // Total time spent spinning.
   std::int64_t spun_ns() const noexcept { return wake_up_.spun_ns(); }

@@ -10,8 +10,8 @@ namespace hapton {
 // the next waits do not spin, kFirstPause of them, and twice as many after each further failure. RT: yes. Threads: one.
 class SpinTrial {
  public:
-  static constexpr std::uint32_t kWaits = 8;
-  static constexpr std::uint32_t kFirstPause = 10'000;
+  static constexpr std::uint32_t kWaits = 6;
+  static constexpr std::uint32_t kFirstPause = 512;
   static constexpr std::uint32_t kLongestPause = 1 << 20;
 
   // Asked once for each wait.

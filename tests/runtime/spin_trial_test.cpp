@@ -36,7 +36,7 @@ TEST(SpinTrial, EachFailureDoublesThePauseUpToTheLongest) {
   SpinTrial trial;
   run(trial, SpinTrial::kWaits, false);
   std::uint32_t pause = SpinTrial::kFirstPause;
-  for (int n = 0; n < 10; ++n) {
+  for (int n = 0; n < 12; ++n) {
     EXPECT_EQ(run(trial, SpinTrial::kWaits, false), pause);
     pause = std::min(2 * pause, SpinTrial::kLongestPause);
   }
