@@ -277,7 +277,7 @@ Result<std::unique_ptr<Endpoint>> open_udp_endpoint(std::string_view bind_addres
   std::unique_ptr<UdpEndpoint>& endpoint = *made;
   const error_code error = endpoint->open(wanted);
   if (error == asio::error::address_in_use) {
-    return fail("cannot listen on UDP {}: another program holds this port; stop it or choose another port", to_string(*local));
+    return fail("cannot listen on UDP {}: another program holds this port; stop it or choose another port with --bind", to_string(*local));
   }
   if (error == boost::system::errc::address_not_available) {
     return fail("cannot listen on UDP {}: this host has no such address; use one of its own, or 0.0.0.0 for all", to_string(*local));

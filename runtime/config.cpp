@@ -14,6 +14,7 @@
 #include "core/base/result.h"
 #include "runtime/build_id.h"
 #include "runtime/regular_file.h"
+#include "runtime/toml_reader.h"
 
 namespace hapton {
 namespace {
@@ -70,7 +71,7 @@ Result<toml::table> ConfigFile::read() const {
   try {
     return toml::parse(*text, path_);
   } catch (const toml::parse_error& error) {
-    return fail("{}:{}: {}", path_, error.source().begin.line, error.description());
+    return fail("{}:{}: {}", path_, error.source().begin.line, explain_toml_error(error.description()));
   }
 }
 

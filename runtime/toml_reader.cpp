@@ -13,21 +13,22 @@ namespace {
 
 constexpr std::size_t kMostBytes = std::size_t{1} << 20;
 
-std::string one_line(std::string text) {
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  return text;
-}
-
 // The library throws: it was built so.
 Result<toml::table> parse(const std::filesystem::path& path, std::string_view text) {
   try {
     return toml::parse(text);
   } catch (const toml::parse_error& error) {
-    return fail("{}:{}: {}", path.string(), error.source().begin.line, one_line(std::string(error.description())));
+    return fail("{}:{}: {}", path.string(), error.source().begin.line, explain_toml_error(error.description()));
   }
 }
 
 }  // namespace
+
+std::string explain_toml_error(std::string_view words) {
+  std::string text(words);
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text.find("utf-8") != text.npos ? text + "; save the file as UTF-8" : text;
+}
 
 struct TomlReader::File {
   std::filesystem::path path;

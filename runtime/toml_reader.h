@@ -14,6 +14,9 @@
 
 namespace hapton {
 
+// What the parser says of a file that is not TOML, in one line, with the remedy for text in another encoding.
+std::string explain_toml_error(std::string_view words);
+
 // One table of a TOML file, read strictly and key by key: an unknown key, a wrong kind or a value out of range is an error
 // with file and line. The first error of the file is kept and all reads after it do nothing, so a caller checks once, at
 // the end. A missing key leaves the value unchanged, except for require. Pre: ranges are finite. RT: set-up only. Threads:

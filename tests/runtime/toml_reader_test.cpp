@@ -120,6 +120,8 @@ TEST_F(TomlFiles, MustBeReadableToml) {
   EXPECT_FALSE(TomlReader::open(scratch.path()));
   std::ofstream(path) << "a = 1\nb = = 2\n";
   EXPECT_THAT(TomlReader::open(path).error().what, HasSubstr("f.toml:2: "));
+  std::ofstream(path) << "a = 1\nname = \"K\xf6rper\"\n";  // Latin-1
+  EXPECT_THAT(TomlReader::open(path).error().what, AllOf(HasSubstr("f.toml:2: "), HasSubstr("; save the file as UTF-8")));
   std::ofstream(path) << std::string(2 << 20, '#');
   EXPECT_THAT(TomlReader::open(path).error().what, HasSubstr("bytes, more"));
 }
