@@ -68,7 +68,7 @@ void ProxyMethod::follow_piece(const Vec3& last, const Vec3& device) noexcept {
     if (follow_surface(last, device, time)) return;
     if (surface_.is_on_surface()) lift_off_surface();
   }
-  if (follow_offset(last, device, time)) return;
+  if (!swept_.is_shrunk() && follow_offset(last, device, time)) return;
   ++counters_.swept;
   active_offset_ = kContactOffset;
   if (proxy_.is_free && is_point_) clear_start();
@@ -76,7 +76,7 @@ void ProxyMethod::follow_piece(const Vec3& last, const Vec3& device) noexcept {
   if (!proxy_.is_free && time > 0.0 && !sweep_to(there)) return carry(there);
   if (!sweep_to(device)) return carry(device);
   double here = 0.0;
-  if (!proxy_.is_free) follow_offset(device, device, here);
+  if (!proxy_.is_free && !swept_.is_shrunk()) follow_offset(device, device, here);
 }
 
 bool ProxyMethod::sweep_to(const Vec3& device) noexcept {

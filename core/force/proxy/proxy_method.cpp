@@ -84,6 +84,7 @@ std::optional<Vec3> ProxyMethod::carried_from() const noexcept {
 void ProxyMethod::resume(const Vec3& p_SP) noexcept {
   surface_.leave();
   sphere_.forget();
+  swept_.forget_room();
   ball_.reset();
   carried_from_.reset();
   unconverged_ = false;

@@ -96,6 +96,7 @@ void ProxyMethod::ride(const Anchor& anchor) noexcept {
   surface_.leave();
   sphere_.stop_tracking();
   sphere_.forget_near();
+  swept_.forget_room();
   // A side that holds nothing lets the probe through.
   if (!surface_.land(anchor.triangle, anchor.back, place, slides)) return;
   proxy_.settle_at(place);

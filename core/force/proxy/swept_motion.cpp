@@ -22,10 +22,11 @@ Vec3 shortened(const Vec3& motion) {
 bool SweptMotion::descend(ProxyState& proxy, const Vec3& device, int most_work) noexcept {
   work_ = 0;
   most_work_ = most_work;
-  proxy.active_count = 0;                            // until it has settled
-  const double least_motion = clearance_.tolerance;  // shorter motions are below the tolerance of the clearance
-  constexpr double kRounding = 0x1p-48;              // share of a distance within the scene
-  constexpr double kNormalError = 0x1p-24;  // share of the goal: error of an edge's normal at the contact offset (point_triangle.h)
+  proxy.active_count = 0;  // until it has settled
+  if (is_shrunk()) grow_to_room(proxy.position);
+  const double least_motion = keep_.tolerance;  // shorter motions are below the tolerance of the clearance
+  constexpr double kRounding = 0x1p-48;         // share of a distance within the scene
+  constexpr double kNormalError = 0x1p-24;      // share of the goal: error of an edge's normal at the contact offset (point_triangle.h)
   double nearest = std::numeric_limits<double>::infinity();
   int idle = 0;
   bool has_forgotten = false;
@@ -75,7 +76,7 @@ bool SweptMotion::descend(ProxyState& proxy, const Vec3& device, int most_work) 
 // Far outside the scene there are no contacts and positions are coarse: the proxy goes straight to the device (true), or to where its path
 // enters the scene's surroundings.
 bool SweptMotion::cross_empty_space(ProxyState& proxy, const Vec3& device) const noexcept {
-  const double surroundings = 2.0 + 2.0 * clearance_.offset;
+  const double surroundings = 2.0 + 2.0 * keep_.offset;
   if (proxy.position.norm() <= 1.01 * surroundings) return false;
   const Vec3 path = device - proxy.position;
   const double length = path.norm();
@@ -91,12 +92,44 @@ bool SweptMotion::cross_empty_space(ProxyState& proxy, const Vec3& device) const
   return false;
 }
 
+// Contacts that are too near lift the proxy. Where they leave no room for that, as in a slit narrower than the probe, it is as small as the
+// room.
 ConstrainedMotion SweptMotion::next_motion(const ProxyState& proxy, const Vec3& goal) noexcept {
-  for (int i = 0; i < proxy.contact_count; ++i) {
-    const Separation& s = proxy.contacts[i].separation;
-    planes_[i] = {s.normal, clearance_.offset - s.distance};
-  }
-  return constrain_motion(goal, std::span<const ContactPlane>(planes_.data(), static_cast<std::size_t>(proxy.contact_count)));
+  bool is_too_near = false;
+  const auto constrain = [&] {
+    for (int i = 0; i < proxy.contact_count; ++i) {
+      const Separation& s = proxy.contacts[i].separation;
+      planes_[i] = {s.normal, keep_.offset - s.distance};
+      is_too_near |= planes_[i].height > 2.0 * keep_.slop;
+    }
+    return constrain_motion(goal, std::span<const ContactPlane>(planes_.data(), static_cast<std::size_t>(proxy.contact_count)));
+  };
+  const ConstrainedMotion constrained = constrain();
+  if (constrained.solved || !is_too_near || !shrink_to_room(proxy.position)) return constrained;
+  return constrain();
+}
+
+double SweptMotion::find_room(const Vec3& p) noexcept {
+  double room = clearance_.offset;
+  surfaces_.geometry().for_each_overlapping(Box{p, p}.inflated(room), [&](std::uint32_t triangle) {
+    ++work_;
+    if (surfaces_.can_touch(triangle, p)) room = std::min(room, surfaces_.geometry().separation(triangle, p).distance);
+  });
+  return room;
+}
+
+// False: the centre is on a surface.
+bool SweptMotion::shrink_to_room(const Vec3& p) noexcept {
+  const double room = find_room(p);
+  if (room <= 2.0 * keep_.slop) return false;
+  keep_.offset = std::min(keep_.offset, room);
+  return true;
+}
+
+// It never pushes the proxy: where a surface holds it, there is no more room.
+void SweptMotion::grow_to_room(const Vec3& p) noexcept {
+  const double room = find_room(p);
+  keep_.offset = room >= clearance_.offset - clearance_.slop ? clearance_.offset : std::max(keep_.offset, room);
 }
 
 // Coulomb friction: the frictionless goal is `depth` above the device; the proxy may stay up to mu * depth short of the goal.
@@ -106,7 +139,7 @@ Vec3 SweptMotion::apply_friction(ProxyState& proxy, const Vec3& goal, const Cons
   const double depth = (goal - motion).norm();
   const double length = motion.norm();
   const double hold = (proxy.slides ? material.friction_dynamic : material.friction_static) * depth;
-  if (length <= hold + clearance_.slop) {
+  if (length <= hold + keep_.slop) {
     if (length < 0.5 * material.friction_dynamic * depth) proxy.slides = false;
     return Vec3::Zero();
   }
@@ -194,7 +227,7 @@ double SweptMotion::sweep(ProxyState& proxy, const Vec3& motion) noexcept {
 // more, and the result says nothing.
 double SweptMotion::find_blockers(ProxyState& proxy, const Vec3& from, const Vec3& motion, double begin, double end, int& tests) noexcept {
   const TouchGeometry& geometry = surfaces_.geometry();
-  const Box path = Box::around(from + begin * motion, from + end * motion).inflated(clearance_.offset);
+  const Box path = Box::around(from + begin * motion, from + end * motion).inflated(keep_.offset);
   double first = kNever;
   geometry.for_each_overlapping(path, [&](std::uint32_t triangle) {
     if (--tests < 0) return false;
@@ -202,7 +235,7 @@ double SweptMotion::find_blockers(ProxyState& proxy, const Vec3& from, const Vec
     ++counters_.tests;
     ++work_;
     if (!is_point_) note_grazed(proxy, shape.separation(from), triangle);
-    const double t = time_to_block(shape, from, motion, std::min(end, first), clearance_);
+    const double t = time_to_block(shape, from, motion, std::min(end, first), keep_);
     if (t > 1.0 || !surfaces_.can_touch(triangle, from)) return true;
     first = std::min(first, t);
     note_blocker(triangle, t);
@@ -213,7 +246,7 @@ double SweptMotion::find_blockers(ProxyState& proxy, const Vec3& from, const Vec
 
 // A sphere on a face is also in contact with coplanar neighbours, although they never block its path.
 void SweptMotion::note_grazed(ProxyState& proxy, const Separation& at, std::uint32_t triangle) const noexcept {
-  if (at.distance > clearance_.offset + 2.0 * clearance_.tolerance || proxy.contact_count == ProxyState::kMostContacts) return;
+  if (at.distance > keep_.offset + 2.0 * keep_.tolerance || proxy.contact_count == ProxyState::kMostContacts) return;
   for (int i = 0; i < proxy.contact_count; ++i) {
     if (proxy.contacts[i].triangle == triangle) return;
   }
@@ -235,7 +268,7 @@ void SweptMotion::note_blocker(std::uint32_t triangle, double t) noexcept {
 
 // After a motion: keeps the contacts that still touch and adds the blockers.
 void SweptMotion::update_contacts(ProxyState& proxy, const Vec3& blocked_motion) const noexcept {
-  const double bound = clearance_.offset + 2.0 * clearance_.tolerance;
+  const double bound = keep_.offset + 2.0 * keep_.tolerance;
   const auto blockers_end = blockers_.begin() + blocker_count_;
   int kept = 0;
   for (int i = 0; i < proxy.contact_count; ++i) {
@@ -250,7 +283,7 @@ void SweptMotion::update_contacts(ProxyState& proxy, const Vec3& blocked_motion)
     ProxyContact& contact = proxy.contacts[kept];
     contact.triangle = blockers_[b].triangle;
     contact.shape = surfaces_.shape_of(contact.triangle);
-    contact.separation = blocking_separation(contact.shape, proxy.position, blocked_motion, clearance_);
+    contact.separation = blocking_separation(contact.shape, proxy.position, blocked_motion, keep_);
     if (contact.separation.distance <= bound) ++kept;
   }
   proxy.contact_count = kept;

@@ -16,6 +16,9 @@ namespace hapton {
 // Distances decide, never signs of volumes: the proxy's distance to every triangle stays above clearance.offset - clearance.slop on its
 // whole path, so edges, vertices and cracks narrower than that are as tight as faces, and both sides of a sheet are equal.
 //
+// A sphere that is put where it has no room, as into a slit narrower than itself, is as large as the room there: at the least distance from
+// all surfaces, it is in contact with them. It grows with the room, up to its own size, and is never pushed by growing.
+//
 // Frame: TouchGeometry's local one. RT: yes; at most kMostMotions motions in a call, and no more work than it is given. Keeps references.
 class SweptMotion {
  public:
@@ -30,12 +33,16 @@ class SweptMotion {
   };
 
   SweptMotion(const ProxySurfaces& surfaces, const Clearance& clearance, bool is_point)
-      : surfaces_(surfaces), clearance_(clearance), is_point_(is_point) {}
+      : surfaces_(surfaces), clearance_(clearance), keep_(clearance), is_point_(is_point) {}
 
   // False: out of motions, or of that many units of work (step_work.h).
-  // Pre: the proxy is at least clearance.offset - clearance.slop from each triangle that it can touch.
+  // Pre: the proxy is at least clearance.offset - clearance.slop from each triangle that it can touch, or was put where it is.
   bool descend(ProxyState& proxy, const Vec3& device, int most_work = StepWork::kMost) noexcept;
   int work() const { return work_; }  // units, of the last call
+
+  // Whether the probe is smaller than it should be. Then nothing else may move it, except to a new place: forget_room().
+  bool is_shrunk() const { return keep_.offset < clearance_.offset; }
+  void forget_room() noexcept { keep_ = clearance_; }
 
   const Counters& counters() const { return counters_; }
 
@@ -50,6 +57,9 @@ class SweptMotion {
 
   bool cross_empty_space(ProxyState& proxy, const Vec3& device) const noexcept;
   ConstrainedMotion next_motion(const ProxyState& proxy, const Vec3& goal) noexcept;
+  double find_room(const Vec3& p) noexcept;
+  bool shrink_to_room(const Vec3& p) noexcept;
+  void grow_to_room(const Vec3& p) noexcept;
   Vec3 apply_friction(ProxyState& proxy, const Vec3& goal, const ConstrainedMotion& constrained) const noexcept;
   Material material_of(const ProxyState& proxy, const ConstrainedMotion& held) const noexcept;
   bool forget_doubtful(ProxyState& proxy, const ConstrainedMotion& held) const noexcept;
@@ -63,6 +73,7 @@ class SweptMotion {
 
   const ProxySurfaces& surfaces_;
   Clearance clearance_;
+  Clearance keep_;  // of the probe as large as it is
   bool is_point_;
   std::array<ContactPlane, ProxyState::kMostContacts> planes_;
   std::array<Blocker, ProxyState::kMostContacts> blockers_;  // triangles that stopped the last sweep

@@ -1,0 +1,112 @@
+// A sphere that is put into a slit narrower than itself.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <random>
+#include <string>
+
+#include "core/force/proxy/proxy_method.h"
+#include "core/geometry/contact_triangle.h"
+#include "core/geometry/mesh_shapes.h"
+#include "tests/support/made_meshes.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kRadius = 0.004;
+constexpr double kGap = 0.005;  // of the slit, x = 0 to kGap
+constexpr double kEnd = -0.03;  // of its closed end, z
+constexpr double kMouth = 0.0;  // z
+const Vec3 kStart(0.0022, 0.003, -0.01);
+
+// Two blocks, and one that closes the slit between them at the bottom; turned by the seed.
+class NarrowSlit : public ::testing::TestWithParam<unsigned> {
+ protected:
+  NarrowSlit() : random_(GetParam()) {
+    TriangleMesh mesh =
+        joined(made::box({-0.03, -0.05, -0.05}, {0.0, 0.05, kMouth}), made::box({kGap, -0.05, -0.05}, {0.03, 0.05, kMouth}));
+    mesh = joined(mesh, made::box({-0.03, -0.05, kEnd - 0.01}, {0.03, 0.05, kEnd}));
+    turn_ = Eigen::Quaterniond(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)).normalized().toRotationMatrix();
+    for (Vec3& vertex : mesh.vertices) vertex = turn_ * vertex;
+    mesh_ = made::shared(mesh);
+    method_ = make_method({.name = "proxy", .probe_radius_m = kRadius}, {.objects = {{mesh_, {}}}}).value();
+    RecordProperty("seed", std::to_string(GetParam()));
+  }
+  void reset(const Vec3& device) { method_->reset(turn_ * device); }
+  // Where the probe is for the device there, both as if the slit were not turned.
+  Vec3 step(const Vec3& device) {
+    output_ = method_->step({.p_SD = turn_ * device});
+    for (int i = 0; method_->carried_from() && i < 64; ++i) output_ = method_->step({.p_SD = turn_ * device});
+    return turn_.transpose() * output_.p_SP;
+  }
+  double distance_by_brute_force(const Vec3& place) const {
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < mesh_->triangles.size(); ++i) {
+      const ContactTriangle shape(mesh_->corner(i, 0), mesh_->corner(i, 1), mesh_->corner(i, 2));
+      least = std::min(least, shape.separation(turn_ * place).distance);
+    }
+    return least;
+  }
+  double uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
+
+  std::mt19937_64 random_;
+  Mat3 turn_;
+  std::shared_ptr<const TriangleMesh> mesh_;
+  std::unique_ptr<ForceMethod> method_;
+  MethodOutput output_;
+};
+
+TEST_P(NarrowSlit, TheSphereFollowsAlongItAndLeavesAtTheMouth) {
+  reset(kStart);
+  Vec3 device = kStart;
+  for (int i = 1; i <= 200; ++i) {
+    const Vec3 towards(0.01 * std::sin(0.1 * i), 0.003 + 0.0001 * i, -0.01 + 0.00003 * i);  // the walls hold it in x
+    device = towards;
+    const Vec3 probe = step(device);
+    ASSERT_NEAR(probe.y(), device.y(), 1e-9) << i;
+    ASSERT_NEAR(probe.z(), device.z(), 1e-9) << i;
+    ASSERT_GT(probe.x(), 0.0) << i;
+    ASSERT_LT(probe.x(), kGap) << i;
+  }
+  for (int i = 1; i <= 100; ++i) (void)step(device + Vec3(0.0, 0.0, 0.0003 * i));
+  EXPECT_FALSE(output_.contact) << "it has left";
+  const Vec3 on_block = step({-0.01, 0.0, -0.002});
+  EXPECT_NEAR(on_block.z(), kRadius, 1e-9) << "its whole radius counts again";
+}
+
+TEST_P(NarrowSlit, TheSphereStopsAtTheClosedEnd) {
+  reset(kStart);
+  Vec3 probe = kStart;
+  for (int i = 1; i <= 100; ++i) probe = step({kStart.x(), kStart.y(), kStart.z() - 0.0005 * i});
+  EXPECT_NEAR(probe.z(), kEnd + kStart.x(), 1e-9) << "as large as the room at the start";
+  EXPECT_TRUE(output_.contact);
+}
+
+// It crosses no wall, and the force changes only with the device.
+TEST_P(NarrowSlit, TheSphereComesNoNearerToTheWallsAndTheForceHasNoJump) {
+  constexpr double kRounding = 1e-10;
+  reset(kStart);
+  const double least = distance_by_brute_force(kStart);
+  Vec3 device = kStart;
+  Vec3 before = kStart;
+  int held = 0;
+  for (int i = 0; i < 1500; ++i) {
+    const Vec3 to(uniform(-0.02, 0.02), uniform(-0.03, 0.03), uniform(-0.04, -0.005));
+    const Vec3 moved = 0.02 * (to - device) + Vec3(uniform(-0.0005, 0.0005), 0.0, 0.0);
+    device += moved;
+    const Vec3 probe = step(device);
+    held += output_.contact ? 1 : 0;
+    ASSERT_GE(distance_by_brute_force(probe), least - kRounding) << "step " << i;
+    ASSERT_LE((probe - before).norm(), moved.norm() + kRounding) << "step " << i;
+    before = probe;
+  }
+  EXPECT_GT(held, 500);
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, NarrowSlit, testing::Values(1U, 2U, 3U, 4U));
+
+}  // namespace
+}  // namespace hapton
