@@ -146,5 +146,19 @@ TEST_F(KnownShapesTest, ThousandsOfShapesKeepTheNewest) {
   EXPECT_FLOAT_EQ(displaced_mm(10 * kOneMs * 4998 + 5 * kOneMs), 4997.5F) << "a sample ago";
 }
 
+TEST_F(KnownShapesTest, TheNextShapeIsGivenTimeToComeAlsoWhereTheOneBeforeIsMissing) {
+  begin(1, 0, 100 * kOneMs, 200 * kOneMs);
+  EXPECT_FALSE(known_.take_request(0));
+  const std::int64_t due_ns = 60 * kOneMs;
+  ASSERT_TRUE(known_.take_request(due_ns));
+  begin(2, 1, 200 * kOneMs, 300 * kOneMs);
+  const std::int64_t begun_ns = due_ns + 199 * kOneMs;
+  EXPECT_FALSE(known_.take_request(begun_ns)) << "its parts may be on their way";
+  EXPECT_FALSE(known_.take_request(begun_ns + 59 * kOneMs));
+  const auto request = known_.take_request(begun_ns + 60 * kOneMs);
+  ASSERT_TRUE(request);
+  EXPECT_EQ(request->serial, 2U);
+}
+
 }  // namespace
 }  // namespace hapton

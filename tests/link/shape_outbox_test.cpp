@@ -140,5 +140,21 @@ TEST_F(ShapeOutboxTest, WhatNoShapeMayHaveIsOneLine) {
   EXPECT_TRUE(outbox_.is_empty());
 }
 
+TEST_F(ShapeOutboxTest, KeepsTheNewestReplyToEachOfTheLastShapes) {
+  const auto number = outbox_.give("skin", Displacements(100), 0.0, true);
+  for (int n = 0; n < 5; ++n) turn();
+  ASSERT_FALSE(parts_.empty());
+  const auto take = [&](std::uint32_t shape, double over_s) {
+    outbox_.take(ShapeReply{.stream = parts_[0].stream, .shape = shape, .over_s = over_s});
+  };
+  take(*number, 0.0);
+  for (int n = 0; n < 1000; ++n) take(*number + 1, 0.001 * n);  // the node repeats a reply that may have been lost
+  EXPECT_EQ(outbox_.find_reply(*number + 1)->over_s, 0.999);
+  EXPECT_TRUE(outbox_.find_reply(*number)) << "a repeated reply takes no other's place";
+  for (std::uint32_t n = 0; n < 10'000; ++n) take(*number + 100 + n, 0.0);
+  EXPECT_FALSE(outbox_.find_reply(*number)) << "of a program that runs for days, only the last ones are kept";
+  EXPECT_TRUE(outbox_.find_reply(*number + 100 + 9'999));
+}
+
 }  // namespace
 }  // namespace hapton

@@ -212,10 +212,12 @@ TEST(PatchStore, DropsABodyThatMovesAsNothingMay) {
   const std::vector<std::function<void(PatchBody&)>> changes = {
       [](PatchBody& body) { body.keys[1].p_S.x() = 0.2501; },
       [](PatchBody& body) { body.keys[1].turn = Quat(Eigen::AngleAxisd(3.0, Vec3::UnitX())), body.radius_m = 1.0; },
-      [](PatchBody& body) { body.radius_m = 30e-6; },
-      [](PatchBody& body) { body.keys[1].turn = Quat(1.0 + 1e-6, 0, 0, 0); },
-      [](PatchBody& body) { body.keys[0].time_s = 1.0; },
-      [](PatchBody& body) { body.loops = true; },
+      [](PatchBody& body) { body.radius_m = 30e-6; }, [](PatchBody& body) { body.keys[1].turn = Quat(1.0 + 1e-6, 0, 0, 0); },
+      [](PatchBody& body) { body.keys[0].time_s = 1.0; }, [](PatchBody& body) { body.loops = true; },
+      // It ends where it began, but turned: it would jump at each repetition.
+      [](PatchBody& body) {
+        body.loops = true, body.keys[1].p_S = body.keys[0].p_S, body.keys[1].turn = Quat(Eigen::AngleAxisd(1e-3, Vec3::UnitX()));
+      },
       [](PatchBody& body) { body.motion = PatchBody::Motion::still, body.all_keys = body.key_count = 0; }};
   for (std::size_t n = 0; n < changes.size(); ++n) {
     Moving moving;

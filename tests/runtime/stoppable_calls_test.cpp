@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <future>
+#include <memory>
 #include <string>
 #include <thread>
 
@@ -57,6 +58,20 @@ TEST(StoppableCalls, ASleepEndsByItselfOrAtTheStop) {
   EXPECT_FALSE(calls.sleep(milliseconds(60'000)));
   EXPECT_LT(steady_clock::now() - begin, milliseconds(30'000));
   stopper.join();
+}
+
+TEST(StoppableCalls, ACallAfterTheStopIsNotBegun) {
+  StoppableCalls calls;
+  calls.stop();
+  std::promise<void> begun;
+  std::future<void> seen = begun.get_future();
+  EXPECT_FALSE(calls.call([begun = std::make_shared<std::promise<void>>(std::move(begun))] {
+    begun->set_value();
+    return 1;
+  }));
+  // The function is gone without having been called.
+  ASSERT_EQ(seen.wait_for(std::chrono::seconds(60)), std::future_status::ready);
+  EXPECT_THROW(seen.get(), std::future_error);
 }
 
 }  // namespace

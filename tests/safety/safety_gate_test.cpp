@@ -229,5 +229,16 @@ TEST(SafetyGovernor, TheFirstFaultIsReported) {
   EXPECT_EQ(bench.governor.counters().latched, 1U);
 }
 
+TEST(SafetyGovernor, ATorqueRampsInAsAForceDoes) {
+  DeviceLimits limits = device_limits();
+  limits.max_torque_slew_nm_per_s = 1e6;
+  Bench bench(limits);
+  for (int n = 1; n <= 50; ++n) {
+    bench.cycle(Wrench{Vec3(0, 0, 4), Vec3(0.4, 0, 0)});
+    ASSERT_NEAR(bench.out.torque_nm.x() / 0.4, bench.out.force_n.z() / 4.0, 1e-9) << n;
+  }
+  EXPECT_LT(bench.out.torque_nm.x(), 0.3);
+}
+
 }  // namespace
 }  // namespace hapton

@@ -104,5 +104,24 @@ TEST_F(ShapeCollectorTest, AFileWithAnyNumberOfPartsTakesLittleMemory) {
   EXPECT_EQ(taken, std::vector<std::string>({"0.1000?"}));
 }
 
+// A hub asks for parts again for a picture that begins later, long after the shape was handed on.
+TEST_F(ShapeCollectorTest, PartsThatAreSentAgainDelayNoLaterShape) {
+  for (const std::uint32_t serial : {1U, 2U}) {
+    part(serial, 0);
+    part(serial, 64);
+    start(serial);
+    part(serial, 0);
+  }
+  EXPECT_EQ(taken, std::vector<std::string>({"0.1", "0.2"}));
+}
+
+TEST_F(ShapeCollectorTest, PartsOfAnotherNumberOfVerticesAreNotThoseOfTheShape) {
+  part(1, 0);
+  part(1, 64);
+  receive(ShapeStart{.source = 5, .serial = 1, .total = kCollectedVertices + 1});
+  collector.finish(take);
+  EXPECT_EQ(taken, std::vector<std::string>({"0.1?"}));
+}
+
 }  // namespace
 }  // namespace hapton
