@@ -169,23 +169,36 @@ NearFeatures::PlaneGap NearFeatures::find_plane_gap(const SweptTriangle& tool, c
   const double tool_blur = tool.blur * span;
   PlaneGap found;
   if (moved.from_zero() > tool.reach * scene.length + scene_blur) {
-    found = {0.0, true, &scene.normal, moved.low > 0.0 ? 1.0 : -1.0};
+    found = {0.0, true, moved.low > 0.0 ? scene.normal : -scene.normal};
   } else if (std::max(other.low - end.high, end.low - other.high) > tool.reach * tool.length + tool_blur) {
-    found = {0.0, true, &tool.normal, other.low > 0.0 ? -1.0 : 1.0};
+    found = {0.0, true, other.low > 0.0 ? -tool.normal : tool.normal};
   } else {
-    found.apart = !tool.swept.overlaps(scene.box);
+    found = find_box_gap(tool, scene);
   }
   if (scene.length > 0.0) found.gap = std::max(found.gap, (still.from_zero() - scene_blur) / scene.length);
   if (tool.length > 0.0) found.gap = std::max(found.gap, (other.from_zero() - tool_blur) / tool.length);
   return found;
 }
 
+// Of triangles side by side in one plane neither's plane separates them.
+NearFeatures::PlaneGap NearFeatures::find_box_gap(const SweptTriangle& tool, const PlacedTriangle& scene) noexcept {
+  const Vec3 above = tool.swept.low - scene.box.high;
+  const Vec3 below = scene.box.low - tool.swept.high;
+  int axis = 0;
+  PlaneGap found;
+  found.apart = above.cwiseMax(below).maxCoeff(&axis) > 0.0;
+  if (!found.apart) return found;
+  found.direction[axis] = above[axis] > 0.0 ? 1.0 : -1.0;
+  found.gap = (tool.box.low - scene.box.high).cwiseMax(scene.box.low - tool.box.high).cwiseMax(0.0).norm();
+  return found;
+}
+
 PatchFront::Visited NearFeatures::apart_by(const PlaneGap& plane, const SweptTriangle& tool, const PlacedTriangle& scene) noexcept {
   PatchFront::Visited visited{plane.gap, plane.gap, true};
-  // Of a smaller normal the length is not exact.
-  visited.has_plane = plane.normal != nullptr && plane.normal->squaredNorm() > 0x1p-900;
+  // Of a smaller direction the length is not exact.
+  visited.has_plane = plane.direction.squaredNorm() > 0x1p-900;
   if (!visited.has_plane) return visited;
-  visited.normal = SeparatingPlanes::normal_along(plane.side * *plane.normal);
+  visited.normal = SeparatingPlanes::normal_along(plane.direction);
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
   for (int k = 0; k < 3; ++k) {

@@ -123,11 +123,10 @@ class NearFeatures {
   struct PlaneGap {
     double gap = 0.0;
     bool apart = false;
-    // If it is the plane of a triangle, its normal times side points from the scene to the tool.
-    const Vec3* normal = nullptr;
-    double side = 1.0;
+    Vec3 direction = Vec3::Zero();  // of its normal, from the scene to the tool, of any length; zero: of no plane
   };
   static PlaneGap find_plane_gap(const SweptTriangle& tool, const PlacedTriangle& scene) noexcept;
+  static PlaneGap find_box_gap(const SweptTriangle& tool, const PlacedTriangle& scene) noexcept;
   static PatchFront::Visited apart_by(const PlaneGap& plane, const SweptTriangle& tool, const PlacedTriangle& scene) noexcept;
   // These add features that matter to what the worker has found.
   void add_vertices(FeaturePair& pair, Visit& visit) const noexcept;
