@@ -161,9 +161,10 @@ TEST_F(NearFeaturesTest, ACollectAfterOthersFindsWhatOneFromTheRootsFinds) {
       ASSERT_TRUE(from_roots.collect(at, distance, 0.0));
       ASSERT_EQ(keys_of(near), keys_of(from_roots)) << "slide " << slide << ", step " << n;
       found += near.features().size();
-      const RigidMotion motion{at, 0.5 * distance * vector(), 0.2 * distance * vector()};
+      // A turn: what is near its axis moves less than its bound.
+      const RigidMotion motion{at, 0.2 * distance * vector(), 1.5 * distance / near.radius() * vector()};
       ASSERT_TRUE(near.extend(motion, 0x1p-20));
-      at = motion.at(0.1 * std::abs(uniform(random)));
+      at = motion.at(0.02 * std::abs(uniform(random)));
     }
   }
   EXPECT_GT(found, 10000U);
