@@ -11,6 +11,12 @@ namespace {
 
 using Kind = FeaturePair::Kind;
 
+// Each feature of a pair of triangles has a bit: three vertices of the tool and three of the scene with the other's face, and nine pairs
+// of edges.
+constexpr std::uint16_t kVertexBits = 0x3F;
+std::uint16_t vertex_bit(int corner, bool is_of_tool) { return static_cast<std::uint16_t>(1U << (2 * corner + (is_of_tool ? 0 : 1))); }
+std::uint16_t edge_bit(int tool_edge, int scene_edge) { return static_cast<std::uint16_t>(1U << (6 + 3 * tool_edge + scene_edge)); }
+
 int edge_number(TriangleFeature feature) { return static_cast<int>(feature) - static_cast<int>(TriangleFeature::edge0); }
 int vertex_number(TriangleFeature feature) { return static_cast<int>(feature) - static_cast<int>(TriangleFeature::vertex0); }
 
@@ -95,27 +101,40 @@ bool NearFeatures::extend(const RigidMotion& motion, double distance) noexcept {
   const SweptMotion path(motion);
   ++walk_;
   for (Worker& worker : workers_) worker.found.clear();
-  const bool is_whole = front_.for_each_near(path, distance, [&](PatchFront::Turn turn, std::uint32_t own, std::uint32_t id) {
-    Worker& worker = workers_[static_cast<std::size_t>(turn.worker)];
-    const SweptTriangle& tool = swept(worker, own, path, distance);
-    const ObjectGeometry::Corners c = scene_->corners(id);
-    const PlacedTriangle scene(c.a, c.b, c.c);
-    const PlaneGap plane = find_plane_gap(tool, scene);
-    if (plane.apart) return apart_by(plane, tool, scene);
-    const double gap = plane.gap;
-    FeaturePair pair;
-    pair.tool_triangle = own;
-    pair.scene_triangle = id;
-    Visit visit{worker, turn.place, tool, scene};
-    add_vertices(pair, visit);
-    add_edges(pair, visit);
-    return PatchFront::Visited{std::max(gap, std::sqrt(visit.all_squared)), std::max(gap, std::sqrt(visit.rest_squared)), visit.fits};
-  });
+  const bool is_whole =
+      front_.for_each_near(path, distance, [&](PatchFront::Turn turn, std::uint32_t own, std::uint32_t id, std::uint16_t features) {
+        Worker& worker = workers_[static_cast<std::size_t>(turn.worker)];
+        const SweptTriangle& tool = swept(worker, own, path, distance);
+        const ObjectGeometry::Corners c = scene_->corners(id);
+        const PlacedTriangle scene(c.a, c.b, c.c);
+        Visit visit{worker, turn.place, tool, scene};
+        visit.pair.tool_triangle = own;
+        visit.pair.scene_triangle = id;
+        return find_near(visit, features);
+      });
   if (!is_whole || !take_over()) {
     front_.restart();
     return false;
   }
   return true;
+}
+
+PatchFront::Visited NearFeatures::find_near(Visit& visit, std::uint16_t features) const noexcept {
+  double gap = 0.0;
+  // Over a motion a plane may exclude what the features alone do not.
+  if (features != PatchFront::kAllFeatures && visit.tool.most_moved == 0.0) add_features(features, visit);
+  if (visit.near == 0) {
+    const PlaneGap plane = find_plane_gap(visit.tool, visit.scene);
+    if (plane.apart) return apart_by(plane, visit.tool, visit.scene);
+    gap = plane.gap;
+    add_features(PatchFront::kAllFeatures, visit);
+  }
+  return {std::max(gap, std::sqrt(visit.all_squared)), std::max(gap, std::sqrt(visit.rest_squared)), visit.fits, visit.near};
+}
+
+void NearFeatures::add_features(std::uint16_t features, Visit& visit) const noexcept {
+  if ((features & kVertexBits) != 0) add_vertices(features, visit);
+  if ((features & ~kVertexBits) != 0) add_edges(features, visit);
 }
 
 bool NearFeatures::take_over() noexcept {
@@ -169,23 +188,36 @@ NearFeatures::PlaneGap NearFeatures::find_plane_gap(const SweptTriangle& tool, c
   const double tool_blur = tool.blur * span;
   PlaneGap found;
   if (moved.from_zero() > tool.reach * scene.length + scene_blur) {
-    found = {0.0, true, &scene.normal, moved.low > 0.0 ? 1.0 : -1.0};
+    found = {0.0, true, moved.low > 0.0 ? scene.normal : -scene.normal};
   } else if (std::max(other.low - end.high, end.low - other.high) > tool.reach * tool.length + tool_blur) {
-    found = {0.0, true, &tool.normal, other.low > 0.0 ? -1.0 : 1.0};
+    found = {0.0, true, other.low > 0.0 ? -tool.normal : tool.normal};
   } else {
-    found.apart = !tool.swept.overlaps(scene.box);
+    found = find_box_gap(tool, scene);
   }
   if (scene.length > 0.0) found.gap = std::max(found.gap, (still.from_zero() - scene_blur) / scene.length);
   if (tool.length > 0.0) found.gap = std::max(found.gap, (other.from_zero() - tool_blur) / tool.length);
   return found;
 }
 
+// Of triangles side by side in one plane neither's plane separates them.
+NearFeatures::PlaneGap NearFeatures::find_box_gap(const SweptTriangle& tool, const PlacedTriangle& scene) noexcept {
+  const Vec3 above = tool.swept.low - scene.box.high;
+  const Vec3 below = scene.box.low - tool.swept.high;
+  int axis = 0;
+  PlaneGap found;
+  found.apart = above.cwiseMax(below).maxCoeff(&axis) > 0.0;
+  if (!found.apart) return found;
+  found.direction[axis] = above[axis] > 0.0 ? 1.0 : -1.0;
+  found.gap = (tool.box.low - scene.box.high).cwiseMax(scene.box.low - tool.box.high).cwiseMax(0.0).norm();
+  return found;
+}
+
 PatchFront::Visited NearFeatures::apart_by(const PlaneGap& plane, const SweptTriangle& tool, const PlacedTriangle& scene) noexcept {
   PatchFront::Visited visited{plane.gap, plane.gap, true};
-  // Of a smaller normal the length is not exact.
-  visited.has_plane = plane.normal != nullptr && plane.normal->squaredNorm() > 0x1p-900;
+  // Of a smaller direction the length is not exact.
+  visited.has_plane = plane.direction.squaredNorm() > 0x1p-900;
   if (!visited.has_plane) return visited;
-  visited.normal = SeparatingPlanes::normal_along(plane.side * *plane.normal);
+  visited.normal = SeparatingPlanes::normal_along(plane.direction);
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
   for (int k = 0; k < 3; ++k) {
@@ -196,7 +228,8 @@ PatchFront::Visited NearFeatures::apart_by(const PlaneGap& plane, const SweptTri
   return visited;
 }
 
-void NearFeatures::add_vertices(FeaturePair& pair, Visit& visit) const noexcept {
+void NearFeatures::add_vertices(std::uint16_t features, Visit& visit) const noexcept {
+  FeaturePair& pair = visit.pair;
   const SweptTriangle& tool = visit.tool;
   const SurfaceFeatures& scene_features = features_at(pair.scene_triangle);
   const std::uint32_t scene_triangle = scene_->triangle_of(pair.scene_triangle);
@@ -205,24 +238,27 @@ void NearFeatures::add_vertices(FeaturePair& pair, Visit& visit) const noexcept 
   const std::array<Vec3, 3>& s = visit.scene.corner;
   for (int k = 0; k < 3; ++k) {
     pair.tool_corner = pair.scene_corner = k;
-    if (tool_features_.owns_vertex(pair.tool_triangle, k)) {
+    const std::uint16_t of_tool = vertex_bit(k, true);
+    if ((features & of_tool) != 0 && tool_features_.owns_vertex(pair.tool_triangle, k)) {
       const double squared = triangle_distance_squared(tool.corner[k], s[0], s[1], s[2]);
       pair.kind = Kind::vertex_face;
       pair.tool[0] = own[k];
       pair.scene = s;
-      add(pair, squared, visit);
+      add(squared, of_tool, visit);
     }
-    if (scene_features.owns_vertex(scene_triangle, k)) {
+    const std::uint16_t of_scene = vertex_bit(k, false);
+    if ((features & of_scene) != 0 && scene_features.owns_vertex(scene_triangle, k)) {
       const double squared = triangle_distance_squared(s[k], tool.corner[0], tool.corner[1], tool.corner[2]);
       pair.kind = Kind::face_vertex;
       pair.tool = own;
       pair.scene[0] = s[k];
-      add(pair, squared, visit);
+      add(squared, of_scene, visit);
     }
   }
 }
 
-void NearFeatures::add_edges(FeaturePair& pair, Visit& visit) const noexcept {
+void NearFeatures::add_edges(std::uint16_t features, Visit& visit) const noexcept {
+  FeaturePair& pair = visit.pair;
   const SweptTriangle& tool = visit.tool;
   const PlacedTriangle& scene = visit.scene;
   const SurfaceFeatures& scene_features = features_at(pair.scene_triangle);
@@ -237,26 +273,31 @@ void NearFeatures::add_edges(FeaturePair& pair, Visit& visit) const noexcept {
     pair.tool_corner = i;
     pair.tool = {own[i], own[(i + 1) % 3], Vec3::Zero()};
     for (int k = 0; k < 3; ++k) {
-      if (!scene_features.owns_edge(scene_triangle, k)) continue;
+      const std::uint16_t feature = edge_bit(i, k);
+      if ((features & feature) == 0 || !scene_features.owns_edge(scene_triangle, k)) continue;
       const Vec3& b = scene.corner[k];
       const Vec3& b_end = scene.corner[(k + 1) % 3];
       const double squared = detail::segment_segment_distance_squared(of3(a), of3(d), of3(b), of3(Vec3(b_end - b)));
       pair.scene_corner = k;
       pair.scene = {b, b_end, Vec3::Zero()};
-      add(pair, squared, visit);
+      add(squared, feature, visit);
     }
   }
 }
 
-void NearFeatures::add(const FeaturePair& pair, double distance_squared, Visit& visit) const noexcept {
+void NearFeatures::add(double distance_squared, std::uint16_t feature, Visit& visit) const noexcept {
   visit.all_squared = std::min(visit.all_squared, distance_squared);
   const double reach = visit.tool.reach + visit.tool.most_moved;
-  if (distance_squared <= reach * reach && add_if_near(pair, visit)) return;
-  visit.rest_squared = std::min(visit.rest_squared, distance_squared);
+  if (distance_squared <= reach * reach && add_if_near(visit)) {
+    visit.near = static_cast<std::uint16_t>(visit.near | feature);
+  } else {
+    visit.rest_squared = std::min(visit.rest_squared, distance_squared);
+  }
 }
 
 // Skips a pair that a plane between its closest points, held fixed, separates over the motion.
-bool NearFeatures::add_if_near(const FeaturePair& pair, Visit& visit) const noexcept {
+bool NearFeatures::add_if_near(Visit& visit) const noexcept {
+  const FeaturePair& pair = visit.pair;
   if (known_.has(pair)) return true;
   const SweptTriangle& tool = visit.tool;
   const FeatureGap gap = measure_gap(pair, placement_);

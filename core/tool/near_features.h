@@ -113,6 +113,8 @@ class NearFeatures {
     std::uint32_t place;
     const SweptTriangle& tool;
     const PlacedTriangle& scene;
+    FeaturePair pair = {};
+    std::uint16_t near = 0;  // features that are found, or known
     bool fits = true;
     double all_squared = std::numeric_limits<double>::infinity();
     double rest_squared = std::numeric_limits<double>::infinity();
@@ -123,17 +125,19 @@ class NearFeatures {
   struct PlaneGap {
     double gap = 0.0;
     bool apart = false;
-    // If it is the plane of a triangle, its normal times side points from the scene to the tool.
-    const Vec3* normal = nullptr;
-    double side = 1.0;
+    Vec3 direction = Vec3::Zero();  // of its normal, from the scene to the tool, of any length; zero: of no plane
   };
   static PlaneGap find_plane_gap(const SweptTriangle& tool, const PlacedTriangle& scene) noexcept;
+  static PlaneGap find_box_gap(const SweptTriangle& tool, const PlacedTriangle& scene) noexcept;
   static PatchFront::Visited apart_by(const PlaneGap& plane, const SweptTriangle& tool, const PlacedTriangle& scene) noexcept;
+  // features: those that are considered.
+  PatchFront::Visited find_near(Visit& visit, std::uint16_t features) const noexcept;
   // These add features that matter to what the worker has found.
-  void add_vertices(FeaturePair& pair, Visit& visit) const noexcept;
-  void add_edges(FeaturePair& pair, Visit& visit) const noexcept;
-  void add(const FeaturePair& pair, double distance_squared, Visit& visit) const noexcept;
-  bool add_if_near(const FeaturePair& pair, Visit& visit) const noexcept;  // false: it was not added
+  void add_features(std::uint16_t features, Visit& visit) const noexcept;
+  void add_vertices(std::uint16_t features, Visit& visit) const noexcept;
+  void add_edges(std::uint16_t features, Visit& visit) const noexcept;
+  void add(double distance_squared, std::uint16_t feature, Visit& visit) const noexcept;
+  bool add_if_near(Visit& visit) const noexcept;  // false: it was not added
   bool is_minimum(const FeaturePair& pair, const FeatureGap& gap) const noexcept;
   const SurfaceFeatures& features_at(std::uint32_t scene_triangle) const noexcept {
     return *scene_surface_->features[scene_->mesh_of(scene_triangle)];

@@ -55,6 +55,7 @@ PatchFront::PatchFront(const PatchTree& tool, const PatchTree& scene, double rad
       lowest_(kMostEnded / kBlock),
       rest_until_(kMostEnded),
       visited_in_(kMostEnded),
+      near_(kMostEnded),
       planes_(kMostEnded, radius) {
   places_.reserve(kMostEnded);
   for (Walker& walker : walkers_) {
@@ -149,6 +150,7 @@ void PatchFront::find_places(float enough, float clearance) noexcept {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   const Float8 travelled(rounded_down(travelled_));
   places_.clear();
+  enough_ = enough;
   for (std::size_t block = 0; block * kBlock < count_; ++block) {
     if (lowest_[block] > enough) continue;
     const std::size_t before = places_.size();
@@ -197,13 +199,13 @@ void PatchFront::begin_at_roots(const SweptMotion& motion, double distance) noex
       ended_[count_++] = is_tool ? Pair{link + 1, pair.scene} : Pair{pair.tool, link + 1};
     }
   }
-  for (std::size_t i = 0; i < count_; ++i) put(i, {ended_[i], -1.0F, -1.0F, 0, 0});
+  for (std::size_t i = 0; i < count_; ++i) put(i, {ended_[i], -1.0F, -1.0F, 0, 0, 0});
   std::fill(lowest_.begin(), lowest_.end(), -std::numeric_limits<float>::infinity());
 }
 
 PatchFront::End PatchFront::end_of(Pair pair, double distance, double rest, std::uint32_t place, std::uint64_t visited_in) const noexcept {
   constexpr double kFar = 0x1p100;  // a visitor to whom a pair does not matter gives an infinite distance; bounds are finite
-  return {pair, rounded_down(travelled_ + std::min(distance, kFar)), rounded_down(travelled_ + std::min(rest, kFar)), place, visited_in};
+  return {pair, rounded_down(travelled_ + std::min(distance, kFar)), rounded_down(travelled_ + std::min(rest, kFar)), place, visited_in, 0};
 }
 
 void PatchFront::put(std::size_t i, const End& end) noexcept {
@@ -211,12 +213,16 @@ void PatchFront::put(std::size_t i, const End& end) noexcept {
   until(i) = end.until;
   rest_until_[i] = end.rest_until;
   visited_in_[i] = end.visited_in;
+  near_[i] = end.near;
   planes_.clear(i);
 }
 
 void PatchFront::put_again(std::size_t i, const End& end) noexcept {
   until(i) = std::max(until(i), end.until);
-  rest_until_[i] = visited_in_[i] == epoch_ ? std::max(rest_until_[i], end.rest_until) : end.rest_until;
+  // Two bounds that leave out different features hold for those that both do not.
+  const bool is_again = visited_in_[i] == epoch_;
+  rest_until_[i] = is_again ? std::max(rest_until_[i], end.rest_until) : end.rest_until;
+  near_[i] = static_cast<std::uint16_t>(is_again ? near_[i] | end.near : end.near);
   visited_in_[i] = end.visited_in;
 }
 

@@ -45,20 +45,25 @@ class PatchFront {
     double gap;    // lower bound of the distance at the start of the motion, of the features that matter to the visitor
     double rest;   // the same for the features that it has not found before
     bool goes_on;  // false ends the walk
+    // Those of its features that `rest` leaves out, a bit each, as the visitor numbers them.
+    std::uint16_t near = 0;
     // Of a pair that a plane separates over the motion: its normal, from the scene to the tool, as SeparatingPlanes::normal_along gives it,
     // and the distance along it at the start.
     bool has_plane = false;
     Vec3 normal = Vec3::Zero();
     double along_normal = 0.0;
   };
+  static constexpr std::uint16_t kAllFeatures = 0xFFFF;
+
   // From now on no features count as found before.
   void forget() noexcept { ++epoch_; }
   // The next walk begins at the roots.
   void restart() noexcept { count_ = 0; }
-  // Calls visit(turn, tool_triangle, scene_triangle) for all pairs that come within `distance` over the motion, and for some that the
-  // motion is long enough for, except pairs whose new features (Visited::rest) stay farther away. Later walks visit a pair again if it may
-  // have come within the distance. False: a visitor ended the walk, or it took more than kMostTests, and pairs are missing. Threads:
-  // workers visit concurrently.
+  // Calls visit(turn, tool_triangle, scene_triangle, features) for all pairs that come within `distance` over the motion, and for some that
+  // the motion is long enough for, except pairs whose new features (Visited::rest) stay farther away. Later walks visit a pair again if it
+  // may have come within the distance. features: only these, of those that an earlier visit returned as near, may come within the
+  // distance; a visitor that finds that none does considers all, and so tells more. False: a visitor ended the walk, or it took more than
+  // kMostTests, and pairs are missing. Threads: workers visit concurrently.
   template <class Visit>
   bool for_each_near(const SweptMotion& motion, double distance, Visit&& visit) noexcept;
 
@@ -102,6 +107,7 @@ class PatchFront {
     float rest_until;  // the same without what visitors know
     std::uint32_t place;
     std::uint64_t visited_in;  // epoch; 0: no visitor has seen it
+    std::uint16_t near = 0;    // see Visited
   };
   // What one worker has of a walk.
   struct Walker {
@@ -124,6 +130,9 @@ class PatchFront {
   void put_again(std::size_t i, const End& end) noexcept;  // of the pair that is there
   bool splits_tool(Pair pair) const noexcept;
   bool is_end(Pair pair) const noexcept;  // two leaves
+  // Visits the pair at a place, which a visitor has seen: that tells more than a test of its boxes. False if the walk has to end.
+  template <class Visit>
+  bool visit_again(Turn turn, const SweptMotion& motion, Visit&& visit) noexcept;
   // Walks from the pair at a place down. False if the walk has to end.
   template <class Visit>
   bool descend(Turn turn, const SweptMotion& motion, double distance, Visit&& visit) noexcept;
@@ -146,6 +155,7 @@ class PatchFront {
   std::vector<float> lowest_;              // by block of pairs: no until_ is lower
   std::vector<float> rest_until_;          // see End; of pairs that visitors have seen
   std::vector<std::uint64_t> visited_in_;  // see End
+  std::vector<std::uint16_t> near_;        // see End
   SeparatingPlanes planes_;
   std::uint64_t epoch_ = 1;  // counts up when visitors forget
   std::size_t count_ = 0;
@@ -153,6 +163,7 @@ class PatchFront {
   std::size_t first_count_ = 0;        // of the walk from the roots
   Placement at_;
   double travelled_ = 0.0;  // since the walk from the roots
+  float enough_ = 0.0F;     // of the walk: no pair with a higher bound comes within the distance
   std::uint64_t walk_ = 0;
 };
 
@@ -170,7 +181,9 @@ bool PatchFront::for_each_near(const SweptMotion& motion, double distance, Visit
       if (first >= places_.size()) return;
       const std::size_t last = std::min(first + kTogether, places_.size());
       for (std::size_t place = first; place < last; ++place) {
-        if (descend({worker, static_cast<std::uint32_t>(place)}, motion, distance, visit)) continue;
+        const Turn turn{worker, static_cast<std::uint32_t>(place)};
+        const bool is_seen = visited_in_[places_[place]] != 0;
+        if (is_seen ? visit_again(turn, motion, visit) : descend(turn, motion, distance, visit)) continue;
         goes_on.store(false, std::memory_order_relaxed);
         return;
       }
@@ -188,6 +201,28 @@ bool PatchFront::for_each_near(const SweptMotion& motion, double distance, Visit
 }
 
 template <class Visit>
+bool PatchFront::visit_again(Turn turn, const SweptMotion& motion, Visit&& visit) noexcept {
+  if (++walkers_[static_cast<std::size_t>(turn.worker)].tests > kMostTests) return false;
+  const std::uint32_t at = places_[turn.place];
+  const Pair pair = ended_[at];
+  const PatchTree::Node& tool = tool_->nodes()[pair.tool];
+  const float rest = rest_until_[at];
+  const bool is_partial = visited_in_[at] != epoch_ && rest > enough_;
+  const Visited found =
+      visit(turn, tool_->triangle(tool), scene_->triangle(scene_->nodes()[pair.scene]), is_partial ? near_[at] : kAllFeatures);
+  if (!found.goes_on) return false;
+  End end = end_of(pair, found.gap, found.rest, turn.place, epoch_);
+  end.near = found.near;
+  if (is_partial && found.near != 0) {
+    end.until = std::min(end.until, rest);
+    end.rest_until = std::min(end.rest_until, rest);
+  }
+  put_again(at, end);
+  if (found.has_plane && motion.angle < kFastTurn) planes_.put(at, found.normal, found.along_normal, tool);
+  return true;
+}
+
+template <class Visit>
 bool PatchFront::descend(Turn turn, const SweptMotion& motion, double distance, Visit&& visit) noexcept {
   Walker& walker = walkers_[static_cast<std::size_t>(turn.worker)];
   const std::uint32_t from = places_[turn.place];
@@ -202,14 +237,14 @@ bool PatchFront::descend(Turn turn, const SweptMotion& motion, double distance, 
     const PatchTree::Node& tool = tool_->nodes()[pair.tool];
     const PatchTree::Node& scene = scene_->nodes()[pair.scene];
     const bool wants_plane = is_first && motion.angle < kFastTurn;
-    // Of two triangles that a visitor has seen it tells more than their boxes do.
-    const bool is_seen = is_first && visited_in_[from] != 0;
-    const Apart apart = is_seen ? Apart{} : test(placed(walker, pair.tool, motion), scene, distance, wants_plane);
+    const Apart apart = test(placed(walker, pair.tool, motion), scene, distance, wants_plane);
     if (apart.over_motion || is_end(pair)) {
-      const Visited found = apart.over_motion ? Visited{0.0, 0.0, true} : visit(turn, tool_->triangle(tool), scene_->triangle(scene));
+      const Visited found =
+          apart.over_motion ? Visited{0.0, 0.0, true} : visit(turn, tool_->triangle(tool), scene_->triangle(scene), kAllFeatures);
       if (!found.goes_on) return false;
-      const End end = end_of(pair, std::max(apart.distance, found.gap), std::max(apart.distance, found.rest), turn.place,
-                             apart.over_motion ? 0 : epoch_);
+      End end = end_of(pair, std::max(apart.distance, found.gap), std::max(apart.distance, found.rest), turn.place,
+                       apart.over_motion ? 0 : epoch_);
+      end.near = found.near;
       if (has_replaced) {
         if (walker.added.size() == kMostEnded) return false;
         walker.added.push_back(end);

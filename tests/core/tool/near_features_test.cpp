@@ -141,6 +141,35 @@ TEST_F(NearFeaturesTest, EveryPairThatAMotionBringsNearIsAmongThem) {
   EXPECT_GT(added, 100U);
 }
 
+// Most collects of a slide measure only the features that were near before. Between two of them extend asks for fewer.
+TEST_F(NearFeaturesTest, ACollectAfterOthersFindsWhatOneFromTheRootsFinds) {
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  NearFeatures from_roots{tool, scene};
+  const auto keys_of = [](const NearFeatures& features) {
+    std::set<FeatureKey> keys;
+    for (const NearFeature& feature : features.features()) keys.insert(key_of(feature.pair));
+    return keys;
+  };
+  std::size_t found = 0;
+  for (int slide = 0; slide < 20; ++slide) {
+    const auto vector = [&] { return Vec3(uniform(random), uniform(random), uniform(random)); };
+    Placement at{vector().normalized() * (0.40 / scene.unit_m()), turn_by(3.0 * vector())};
+    const double distance = 0.04;
+    for (int n = 0; n < 40; ++n) {
+      ASSERT_TRUE(near.collect(at, distance, 0.0));
+      from_roots.restart();
+      ASSERT_TRUE(from_roots.collect(at, distance, 0.0));
+      ASSERT_EQ(keys_of(near), keys_of(from_roots)) << "slide " << slide << ", step " << n;
+      found += near.features().size();
+      // A turn: what is near its axis moves less than its bound.
+      const RigidMotion motion{at, 0.2 * distance * vector(), 1.5 * distance / near.radius() * vector()};
+      ASSERT_TRUE(near.extend(motion, 0x1p-20));
+      at = motion.at(0.02 * std::abs(uniform(random)));
+    }
+  }
+  EXPECT_GT(found, 10000U);
+}
+
 TEST_F(NearFeaturesTest, NothingIsFoundFarAway) {
   ASSERT_TRUE(near.collect({Vec3(50.0, 0.0, 0.0), Quat::Identity()}, 1.0, 0.0));
   EXPECT_TRUE(near.features().empty());
