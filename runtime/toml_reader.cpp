@@ -13,6 +13,11 @@ namespace {
 
 constexpr std::size_t kMostBytes = std::size_t{1} << 20;
 
+std::string one_line(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
 // The library throws: it was built so.
 Result<toml::table> parse(const std::filesystem::path& path, std::string_view text) {
   try {
@@ -25,8 +30,7 @@ Result<toml::table> parse(const std::filesystem::path& path, std::string_view te
 }  // namespace
 
 std::string explain_toml_error(std::string_view words) {
-  std::string text(words);
-  std::replace(text.begin(), text.end(), '\n', ' ');
+  const std::string text = one_line(std::string(words));
   return text.find("utf-8") != text.npos ? text + "; save the file as UTF-8" : text;
 }
 

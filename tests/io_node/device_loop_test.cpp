@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <functional>
 #include <memory>
@@ -40,11 +41,16 @@ class StillDevice final : public Device {
   void restore() noexcept override { is_cut = false; }
   DeviceStatus status() const noexcept override { return DeviceStatus::ready; }
   bool set_hand_target(const std::optional<Vec3>&) noexcept override { return false; }
+  bool aim_hand(std::span<const Vec3> p_WA) noexcept override {
+    aims.assign(p_WA.begin(), p_WA.end());
+    return true;
+  }
 
   double force_n() const { return is_cut || written.empty() ? 0.0 : written.back().first.norm(); }
   Vec3 place = Vec3(0.01, 0.02, 0.03);
   std::uint32_t buttons = 0;
   std::vector<std::pair<Vec3, std::int64_t>> written;
+  std::vector<Vec3> aims;
   std::function<void()> within_write;
   bool is_cut = false;
 
@@ -123,6 +129,35 @@ TEST_F(DeviceLoops, APostedForceIsGovernedAndWrittenAtOnce) {
   EXPECT_EQ(side.command, 200U);
   EXPECT_EQ(side.written.force_n, Vec3(0, 0, 2));
   EXPECT_EQ(device.written.back().second, newest.sample.time_ns + 100'000);
+}
+
+// An interruption in the middle of a write errs on the safe side: whoever watches takes the motors for still on.
+TEST_F(DeviceLoops, AForceIsAnnouncedBeforeItIsWrittenAndZeroAfterIt) {
+  std::vector<std::int64_t> announced;
+  device.within_write = [&] { announced.push_back(loop.force_sample_ns()); };
+  cycle(Vec3(0, 0, 2));
+  ASSERT_EQ(announced.size(), 1U);
+  EXPECT_EQ(announced.back(), newest.sample.time_ns);
+  press();
+  announced.clear();
+  while (device.force_n() > 0.0) cycle(Vec3::Zero());
+  ASSERT_FALSE(announced.empty());
+  EXPECT_NE(announced.back(), 0) << "while zero was written";
+  EXPECT_EQ(loop.force_sample_ns(), 0);
+}
+
+// A force late in a period: the next cycle is its own, and the one after that continues the ramp.
+TEST_F(DeviceLoops, ARampMissesNoCycleBetweenForces) {
+  press();
+  cycle(std::nullopt);
+  clock.sleep_until_ns(loop.tick_ns() - 300 * kUs);
+  loop.post({{.force_n = Vec3(0, 0, 8)}, newest.sample.time_ns});
+  const double posted_n = device.force_n();
+  ASSERT_LT(posted_n, 8.0) << "the slew limit ramps it";
+  cycle(std::nullopt);
+  const double own_n = device.force_n();
+  cycle(std::nullopt);
+  EXPECT_GT(device.force_n(), own_n);
 }
 
 TEST_F(DeviceLoops, ReachesZeroInTimeByItself) {
@@ -279,6 +314,51 @@ TEST_F(DeviceLoops, TheClutchTakesTheForceAwayAndMovesTheDevice) {
 }
 
 // The governor guards the hardware: the end of its workspace is where the device is, not where the clutch has moved it.
+// What the hand of a simulated device shall reach is said in the frame of the scene.
+TEST_F(DeviceLoops, TheClutchMovesWhatTheHandAimsAt) {
+  DeviceLoop clutched(device, clock, {.clutch_button = 1});
+  const auto run = [&](const Vec3& place, std::uint32_t buttons) {
+    device.place = place;
+    device.buttons = buttons;
+    for (int n = 0; n < 20; ++n) {
+      clock.sleep_until_ns(clutched.tick_ns());
+      clutched.begin_cycle();
+      ASSERT_TRUE(clutched.run_cycle());
+    }
+  };
+  run(Vec3::Zero(), 0);
+  run(Vec3::Zero(), 1);
+  run(Vec3(0.03, 0, 0), 1);
+  run(Vec3(0.03, 0, 0), 0);
+  const Vec3 aim(0.05, 0.01, 0.0);
+  clutched.aim_hand({&aim, 1});
+  run(Vec3(0.03, 0, 0), 0);
+  ASSERT_EQ(device.aims.size(), 1U);
+  EXPECT_LT((device.aims[0] - Vec3(0.08, 0.01, 0.0)).norm(), 1e-12);
+}
+
+// A force that was released while nothing came leaves nothing to fade.
+TEST_F(DeviceLoops, AfterAPauseOfTheForceNothingOfTheOldOneFades) {
+  class OneSide final : public LocalTouch {
+   public:
+    std::optional<LocalForce> step(const DeviceSample&) noexcept override { return force; }
+    std::optional<LocalForce> force = LocalForce{.force_n = Vec3(0, 0, 3), .contact = true};
+  };
+  OneSide local;
+  loop.set_local_touch(&local);
+  for (int n = 0; n < 300; ++n) cycle(std::nullopt);
+  ASSERT_NEAR(device.force_n(), 3.0, 1e-6);
+  local.force.reset();
+  for (int n = 0; n < 100; ++n) cycle(std::nullopt);
+  ASSERT_EQ(device.force_n(), 0.0);
+  double most_n = 0.0;
+  for (int n = 0; n < 300; ++n) {
+    cycle(Vec3(0, 0, 1e-3));
+    most_n = std::max(most_n, device.force_n());
+  }
+  EXPECT_NEAR(most_n, 1e-3, 1e-6);
+}
+
 TEST_F(DeviceLoops, TheGovernorSeesTheDeviceWhereItIs) {
   DeviceLoop clutched(device, clock, {.clutch_button = 1});
   const auto run = [&](int cycles, const Vec3& force_n) {
