@@ -40,7 +40,7 @@ struct HapticsOptions {
   int grasp_button = 1;               // of the stylus, from 1: picks up movable objects
   RealtimeSettings realtime;
   std::int64_t plugin_budget_ns() const { return static_cast<std::int64_t>(1e3 * plugin_budget_us); }
-  double spin_us = 100.0;         // the longest time to spin for a device sample
+  double spin_us = 200.0;         // the longest time to spin for a device sample
   double patch_mbit_per_s = 1.0;  // for parts of the scene, when the hub asks for them
   double seconds = 0.0;           // 0: until stopped
 };

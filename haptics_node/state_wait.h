@@ -21,7 +21,10 @@ class StateWait {
   StateWait(HubClient& hub, const Clock& clock) noexcept : hub_(hub), clock_(clock) {}
 
   // The longest time to spin for a state, in addition limited to half a period; 0: it sleeps until a state arrives.
-  void set_longest_spin(std::int64_t longest_ns) noexcept { longest_ns_ = longest_ns; }
+  void set_longest_spin(std::int64_t longest_ns) noexcept {
+    longest_ns_ = longest_ns;
+    wake_up_.set_margin_ns(longest_ns / 2);  // from the large side: a state that comes too early counts against spinning
+  }
 
   // As HubClient::receive; may return half a period after deadline_ns.
   bool receive(Datagram& datagram, std::int64_t deadline_ns) noexcept;

@@ -17,6 +17,8 @@ class AdaptiveSpin {
 
   // limit: the largest margin, as a share of a period: 0 (never spins) to 1.
   explicit AdaptiveSpin(double limit = 0.0) noexcept : limit_(limit) {}
+  // Begins to adapt from there.
+  void set_margin_ns(std::int64_t margin_ns) noexcept { margin_ = static_cast<double>(margin_ns); }
 
   void set_limit(double share) noexcept { limit_.store(share, std::memory_order_relaxed); }
   double limit() const noexcept { return limit_.load(std::memory_order_relaxed); }

@@ -272,6 +272,19 @@ TEST_F(ObjectMoverTest, AMoveMayBeginLater) {
   EXPECT_NEAR(height(), 0.015, 1e-12);
 }
 
+// A network that has become faster: the move that waits is overtaken, and the object goes where the newer one says.
+TEST_F(ObjectMoverTest, AMoveThatBeginsBeforeTheOneThatWaitsNeedsNoPause) {
+  for (int i = 0; i < 10; ++i) answer();
+  mover.set_lead_ns(500'000'000);
+  ASSERT_TRUE(ask(lift(0.03, 0.1)).move);
+  mover.set_lead_ns(498'000'000);
+  const ObjectMover::Done done = ask(lift(0.02, 0.1));
+  ASSERT_TRUE(done.move);
+  EXPECT_EQ(done.move->start_ns, 507'000'000);
+  for (int i = 0; i < 1000; ++i) answer();
+  EXPECT_NEAR(height(), 0.02, 1e-12);
+}
+
 // A program that sends poses without pause: as many of them wait for their beginning as a CommandedMotion can keep, and the object follows
 // without a jump.
 TEST_F(ObjectMoverTest, NoMoreMovesAreAheadThanAreKept) {
