@@ -41,6 +41,12 @@ std::string record_types(const std::string& bytes, std::size_t at) {
   return at + 8 == bytes.size() ? types : types + "!";
 }
 
+// Where the contents of the first record of this type begin.
+std::size_t find_record(const std::string& bytes, std::size_t at, char type) {
+  while (at + 9 < bytes.size() && bytes[at] != type) at += 9 + number_at(bytes, at + 1);
+  return at + 9;
+}
+
 TEST(McapWriter, AnEmptyFileIsExactlyTheBytesOfTheSpecification) {
   const ScratchFolder scratch;
   const auto path = scratch.path() / "empty.mcap";
@@ -73,6 +79,10 @@ TEST(McapWriter, AChunkIsFollowedByTheIndexOfEachChannelInIt) {
             "\x01\x03\x04\x04\x0c"s          // header, schema, channels, metadata
             "\x06\x07\x06\x07\x06\x07\x07"s  // chunks with their indexes; the last has both channels
             "\x0f\x03\x04\x04\x0b\x08\x08\x08\x0d\x0e\x0e\x0e\x0e\x0e\x02"s);
+  const std::size_t statistics = find_record(bytes, 8, '\x0b');
+  EXPECT_EQ(number_at(bytes, statistics), 6U);
+  EXPECT_EQ(number_at(bytes, statistics + 26), 3U) << "time of the first message";
+  EXPECT_EQ(number_at(bytes, statistics + 34), 10U) << "... and of the last";
 }
 
 TEST(McapWriter, AFullDiskIsOneLine) {
