@@ -106,9 +106,9 @@ Result<TrialRun> try_cpus(const LatencyRunOptions& options, const NodeCpus& cpus
   const auto report = read_report_json(trial.out);
   if (!report) return tl::unexpected(report.error());
   std::filesystem::remove_all(trial.out, error);
-  const auto& hops = (*report)["hops"];
-  const Json hop = hops.is_object() ? hops.value("round_trip", Json::object()) : Json::object();
-  return TrialRun{hop.value("p50_us", 0.0), hop.value("p99_us", 0.0)};
+  if (json_number_of(*report, "counters", "forces") <= 0.0) return TrialRun{};
+  const Json hop = report->value("hops", Json::object()).value("round_trip", Json::object());
+  return TrialRun{hop.value("p50_us", TrialRun().p50_us), hop.value("p99_us", TrialRun().p99_us)};
 }
 
 Result<Placement> place_nodes(const LatencyRunOptions& options) {
@@ -285,6 +285,8 @@ Result<LatencyRun> run_latency(const LatencyRunOptions& options) {
   if (is_here) {
     const auto placement = place_nodes(options);
     if (!placement) return tl::unexpected(placement.error());
+    if (interrupts.stop_requested())
+      return fail("interrupted while the CPUs of the nodes were chosen; name them with --cpu to leave that out");
     place = placement->text;
     timer = measure_between_timers(options, placement->cpus);
   } else if (const auto measured = measure_hub(options); !measured) {

@@ -8,7 +8,7 @@
 namespace hapton {
 
 struct LatencyRunOptions {
-  static constexpr int kMeasured = -2;  // a CPU: the one that measure_node_cpus chooses
+  static constexpr int kMeasured = -2;  // a CPU: the one with which short runs are fastest (node_cpus.h)
 
   double seconds = 10.0;
   double rate_hz = 1000.0;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <string>
 
 namespace hapton {
@@ -16,10 +17,10 @@ struct NodeCpus {
 NodeCpus find_one_cpu();
 NodeCpus find_two_cpus();
 
-// Force round trips of a short run.
+// Force round trips of a short run; infinite if there were none.
 struct TrialRun {
-  double p50_us = 0.0;
-  double p99_us = 0.0;
+  double p50_us = std::numeric_limits<double>::infinity();
+  double p99_us = std::numeric_limits<double>::infinity();
 };
 
 // True if the nodes should have a CPU each: both numbers are shorter there. A second CPU saves the switch between the nodes, but must wake

@@ -111,9 +111,10 @@ ConstrainedMotion SweptMotion::next_motion(const ProxyState& proxy, const Vec3& 
 
 double SweptMotion::find_room(const Vec3& p) noexcept {
   double room = clearance_.offset;
-  surfaces_.geometry().for_each_overlapping(Box{p, p}.inflated(room), [&](std::uint32_t triangle) {
+  surfaces_.geometry().visit_nearest(p, room * room, [&](std::uint32_t triangle, double) {
     ++work_;
     if (surfaces_.can_touch(triangle, p)) room = std::min(room, surfaces_.geometry().separation(triangle, p).distance);
+    return room * room;
   });
   return room;
 }

@@ -23,6 +23,7 @@ TEST(NodeCpus, AreTwoOnlyIfMedianAndTailAreShorterThere) {
   EXPECT_FALSE(should_use_two({50.0, 90.0}, {40.0, 95.0}));
   EXPECT_FALSE(should_use_two({50.0, 90.0}, {55.0, 80.0}));
   EXPECT_FALSE(should_use_two({50.0, 90.0}, {50.0, 90.0}));
+  EXPECT_FALSE(should_use_two({50.0, 90.0}, {})) << "no round trips";
 }
 
 TEST(NodeCpus, TheChoiceIsExplained) {
