@@ -7,10 +7,10 @@
 
 namespace hapton {
 
-// The half-space normal . y >= height; normal has unit length.
+// The half-space normal . y >= height; normal has unit length. Undefined until it is set: a step has room for many planes and sets few.
 struct ContactPlane {
-  Vec3 normal = Vec3::Zero();
-  double height = 0.0;
+  Vec3 normal;
+  double height;
 };
 
 // How far a set of contact planes lets a motion go.

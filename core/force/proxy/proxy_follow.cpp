@@ -167,7 +167,7 @@ void ProxyMethod::clear_start() noexcept { proxy_.position = flight_.clear_of_su
 
 // At the end of a step that the surface holds.
 void ProxyMethod::hold_by_surface(const Vec3& device) noexcept {
-  proxy_.position = surface_.at().lifted(kContactOffset);
+  proxy_.position = surface_.lifted(kContactOffset);
   active_offset_ = kContactOffset;
   proxy_.is_free = false;
   proxy_.slides = surface_.slides();

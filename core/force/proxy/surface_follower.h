@@ -47,6 +47,7 @@ class SurfaceFollower {
   bool slides() const { return friction_.slides(); }
   // That of the materials has changed: the point may no longer be settled. Pre: is_on_surface().
   void note_friction() noexcept { friction_.begin(at_.material(), friction_.slides()); }
+  Vec3 lifted(double height) noexcept { return at_.lifted_again(height); }
   void leave() { at_.leave(); }
   bool land(std::uint32_t triangle, bool back, const Vec3& p, bool slides = false) noexcept;
   bool land_on_edge(std::uint32_t triangle, bool back, int k, const Vec3& p, bool slides = false) noexcept;

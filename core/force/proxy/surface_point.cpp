@@ -97,6 +97,7 @@ void SurfacePoint::return_from_edge() noexcept {
 }
 
 void SurfacePoint::turn_to(const FanFacet& facet) noexcept {
+  vertex_lift_.height = 0.0;
   load(facet.id, facet.back, face_a());
   corner_ = facet.corner;
 }
@@ -125,6 +126,7 @@ bool SurfacePoint::is_free_over_edge(const Vec3& device) const noexcept {
 // All triangle sides at the vertex, in order. False unless all are walkable.
 bool SurfacePoint::collect_fan() noexcept {
   fan_count_ = 0;
+  vertex_lift_.height = 0.0;
   std::uint32_t id = a().id;
   bool back = a().is_back();
   int corner = corner_;
@@ -304,6 +306,12 @@ Vec3 SurfacePoint::lifted(double height) const noexcept {
   if (on_ == On::vertex && fan_count_ > kMostPlanes) return lifted_over_fan(height);
   if (on_ == On::vertex || is_near_edges(kSteepest * height)) return lifted_over_all(height);
   return p_ + (on_ == On::edge ? between(a().normal(), b().normal(), height) : Vec3(height * a().normal()));
+}
+
+Vec3 SurfacePoint::lifted_again(double height) noexcept {
+  if (on_ != On::vertex) return lifted(height);
+  if (vertex_lift_.height != height) vertex_lift_ = {height, lifted(height)};
+  return vertex_lift_.point;
 }
 
 // Near an edge or vertex other than the one the point is on.

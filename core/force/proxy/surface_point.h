@@ -148,6 +148,8 @@ class SurfacePoint {
   // The point lifted off the surface: `height` above the faces that it is on, and above the faces beyond concave edges nearby, so that it
   // never enters a face it only approaches. At a vertex the result may lie beside it.
   Vec3 lifted(double height) const noexcept;
+  // The same. At a vertex it is computed once: there the point does not move for many steps.
+  Vec3 lifted_again(double height) noexcept;
   // Where a flight to a device on the free side starts, so that the surface next to the point does not stop it: at a vertex on the straight
   // path itself, at the boundary of a sheet beside the sheet, otherwise lifted().
   Vec3 lifted_towards(const Vec3& device, double height) const noexcept;
@@ -197,6 +199,10 @@ class SurfacePoint {
   int corner_ = -1;
   std::array<FanFacet, kMostFan> fan_;
   int fan_count_ = 0;
+  struct VertexLift {
+    double height = 0.0;  // 0: not computed
+    Vec3 point = Vec3::Zero();
+  } vertex_lift_;
 };
 
 }  // namespace hapton
