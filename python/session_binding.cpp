@@ -1,6 +1,9 @@
 #include <fmt/core.h>
 
 #include <array>
+#include <limits>
+#include <map>
+#include <utility>
 #include <vector>
 
 #include "link/session_reader.h"
@@ -9,6 +12,7 @@
 #include "session/joined_table.h"
 #include "session/object_changes.h"
 #include "session/session_entries.h"
+#include "session/shape_collector.h"
 
 namespace hapton::python {
 namespace {
@@ -32,13 +36,67 @@ struct Columns {
   }
 };
 
-// The vector's memory becomes the array's.
-py::array_t<double> give_away(std::vector<double>&& numbers) {
-  auto owned = std::make_unique<std::vector<double>>(std::move(numbers));
-  const py::capsule owner(owned.get(), [](void* vector) { delete static_cast<std::vector<double>*>(vector); });
-  const std::vector<double>& kept = *owned.release();
-  return py::array_t<double>(static_cast<py::ssize_t>(kept.size()), kept.data(), owner);
+// The vector's memory becomes the array's, one number after the other in its last axis.
+template <class Number>
+py::array_t<Number> give_away(std::vector<Number>&& numbers, std::vector<py::ssize_t> shape) {
+  auto owned = std::make_unique<std::vector<Number>>(std::move(numbers));
+  const py::capsule owner(owned.get(), [](void* vector) { delete static_cast<std::vector<Number>*>(vector); });
+  const std::vector<Number>& kept = *owned.release();
+  return py::array_t<Number>(std::move(shape), kept.data(), owner);
 }
+
+py::array_t<double> give_away(std::vector<double>&& numbers) {
+  const auto count = static_cast<py::ssize_t>(numbers.size());
+  return give_away(std::move(numbers), {count});
+}
+
+// The shapes that programs gave to objects: a row for each, and if they are wanted their vertices, which may be larger than all else.
+class Shapes {
+ public:
+  Shapes(std::int64_t start_ns, bool has_vertices) : collector_(start_ns), has_vertices_(has_vertices) {}
+
+  void add(const SessionEntry& entry, const Datagram* datagram) { collector_.add(entry, datagram, take_); }
+  void finish() { collector_.finish(take_); }
+  const std::vector<ShapeRow>& rows() const { return rows_; }
+  // {(process, object): (shapes, vertices, 3)}
+  py::dict give_vertices() {
+    py::dict given;
+    for (auto& [of, array] : arrays_) {
+      const auto vertices = static_cast<py::ssize_t>(array.vertices);
+      const auto shapes = static_cast<py::ssize_t>(array.numbers.size()) / (3 * vertices);
+      given[py::make_tuple(of.first, of.second)] = give_away(std::move(array.numbers), {shapes, vertices, 3});
+    }
+    return given;
+  }
+
+ private:
+  struct Array {
+    std::size_t vertices = 0;
+    std::vector<float> numbers;
+  };
+
+  // The row of the shape's vertices in their array; NaN: they are not wanted, or the recording lacks some.
+  double keep(const RecordedShape& shape) {
+    const auto& displacements = shape.displacements_m;
+    if (!has_vertices_ || displacements.empty()) return std::numeric_limits<double>::quiet_NaN();
+    Array& array = arrays_[{shape.process, shape.start.object}];
+    if (array.vertices == 0) array.vertices = displacements.size();
+    if (array.vertices != displacements.size()) return std::numeric_limits<double>::quiet_NaN();
+    const auto row = static_cast<double>(array.numbers.size() / (3 * array.vertices));
+    for (const ShapePart::Displacement& one : displacements) array.numbers.insert(array.numbers.end(), one.begin(), one.end());
+    return row;
+  }
+  void take(const RecordedShape& shape) {
+    rows_.push_back({.shape = shape, .row = keep(shape)});
+    rows_.back().shape.displacements_m = {};
+  }
+
+  ShapeCollector collector_;
+  bool has_vertices_;
+  std::vector<ShapeRow> rows_;
+  std::map<std::pair<std::uint32_t, std::int32_t>, Array> arrays_;  // by process and object
+  const ShapeCollector::Take take_ = [this](const RecordedShape& shape) { take(shape); };
+};
 
 // One array for each column.
 template <class Row>
@@ -86,20 +144,23 @@ py::list describe_setups(const std::vector<RecordedSetup>& setups) {
   return described;
 }
 
-py::dict read_session(const std::string& path) {
+py::dict read_session(const std::string& path, bool vertices) {
   Columns columns;
   auto reader = value_or_raise(SessionReader::open(path));
   ObjectChanges changes(reader.header().start_ns);
+  Shapes shapes(reader.header().start_ns, vertices);
   {
     const py::gil_scoped_release others_run;
     JoinedTable table(reader.header().start_ns, [&](const JoinedRow& row) { columns.add(row); });
     (void)for_each_entry(reader, [&](const SessionEntry& entry, const Datagram* datagram) -> Result<void> {
       table.add(entry, datagram);
       changes.add(entry, datagram);
+      shapes.add(entry, datagram);
       return {};
     });
     table.finish();
     changes.finish();
+    shapes.finish();
   }
   py::dict session;
   py::dict units;
@@ -116,6 +177,8 @@ py::dict read_session(const std::string& path) {
   session["moves"] = describe_changes(changes.moves(), move_columns());
   session["moves"]["name"] = names_of(changes.moves());
   session["carves"] = describe_changes(changes.carves(), carve_columns());
+  session["shapes"] = describe_changes(shapes.rows(), shape_columns());
+  if (vertices) session["shapes"]["displacements_m"] = shapes.give_vertices();
   session["units"] = units;
   session["header"] = describe_header(reader.header());
   session["header"]["haptics"] = describe_setups(changes.setups());
@@ -127,12 +190,14 @@ py::dict read_session(const std::string& path) {
 
 void bind_sessions(py::module_& module) {
   module.def(
-      "read_session", &read_session, py::arg("path"),
+      "read_session", &read_session, py::arg("path"), py::kw_only(), py::arg("vertices") = false,
       "Reads a recording of io_node --record: a dict of arrays, one row for each servo cycle, with the columns of docs/formats.md\n"
       "(t_s, sample, x_m ... lost; not known: NaN), and units and header. event (the faults of a row, or the text of a marker), "
       "event_kind\n"
-      "(fault or marker), event_t_s and event_sample are what happened. moves and carves: dicts of arrays, what programs moved and the "
-      "stylus carved.\n"
+      "(fault or marker), event_t_s and event_sample are what happened. moves, carves and shapes: dicts of arrays, what programs moved, "
+      "the\n"
+      "stylus carved and programs deformed. vertices=True: shapes['displacements_m'] has the vertices of shapes, by (process, object)\n"
+      "arrays of (shapes, vertices, 3), m of the mesh; row is the number of a shape there. They may need much memory.\n"
       "problem is not empty where the file is\n"
       "truncated or damaged: what could be read is there.");
 }

@@ -16,7 +16,7 @@ Result<std::string> read_all(int file, const std::string& name, std::size_t max_
   if (S_ISDIR(status.st_mode)) return fail("{}: is a folder, not a file: name the file in it", name);
   if (!S_ISREG(status.st_mode)) return fail("{}: is not a regular file: copy it to one", name);
   const auto size = static_cast<std::size_t>(status.st_size);
-  if (size == 0) return fail("{}: the file is empty: export or copy it again", name);
+  if (size == 0) return fail("{}: the file is empty: save, export or copy it again", name);
   if (size > max_bytes) return fail("{}: has {} bytes, more than the {} that can be loaded", name, size, max_bytes);
   std::string bytes(size, '\0');
   std::size_t done = 0;

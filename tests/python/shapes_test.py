@@ -57,6 +57,18 @@ class ShapesTest(unittest.TestCase):
         self.assertEqual(len({row["file"] for row in rows}), 1)
         self.check(np.load(os.path.join(self.folder.name, rows[0]["file"]), mmap_mode="r"))
 
+    def test_read_session_has_each_shape_and_its_vertices_where_they_are_wanted(self):
+        shapes = hapton.read_session(self.recording)["shapes"]
+        self.assertEqual(shapes["vertices"].tolist(), [len(self.rest.vertices)] * 3)
+        self.assertTrue(np.isnan(shapes["row"]).all())
+        self.assertNotIn("displacements_m", shapes)
+        np.testing.assert_array_equal(shapes["before"][1:], shapes["serial"][:-1])
+        shapes = hapton.read_session(self.recording, vertices=True)["shapes"]
+        self.assertEqual(shapes["row"].tolist(), [0, 1, 2])
+        (of, displacements), = shapes["displacements_m"].items()
+        self.assertEqual(of, (shapes["process"][0], shapes["object"][0]))
+        self.check(displacements)
+
     def test_mcap_has_a_message_of_each_shape(self):
         if descriptor_pb2 is None:
             self.skipTest("python3-protobuf is not installed")

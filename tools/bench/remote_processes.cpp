@@ -79,8 +79,8 @@ class ProcessRun {
  private:
   Result<void> start_haptics(const std::string& hub, const RemoteGrid& grid) {
     auto haptics = LocalNode::start(folder_, "haptics_node", find_own_folder() / "haptics_node",
-                                    {"--hub", hub, "--scene", scene_.string(), "--build-at-once", "--cpu", cpu_, "--patch-bandwidth",
-                                     fmt::format("{}", 1e-6 * grid.settings.patch_bits_per_s)});
+                                    {"--hub", hub, "--scene", scene_.string(), "--build-at-once", "--cpu", cpu_, "--spin", "0",
+                                     "--patch-bandwidth", fmt::format("{}", 1e-6 * grid.settings.patch_bits_per_s)});
     if (!haptics) return tl::unexpected(haptics.error());
     haptics_.emplace(std::move(*haptics));
     return haptics_->wait_for("ready");
@@ -92,6 +92,7 @@ class ProcessRun {
                                       "--trajectory", path().string(),
                                       "--touch",      row.method->way == RemoteMethod::Way::patch ? "patch" : "remote",
                                       "--cpu",        cpu_,
+                                      "--spin-reply", "0",
                                       "--out",        folder_.string(),
                                       "--record",     recording().string(),
                                       "--flight",     "off"};

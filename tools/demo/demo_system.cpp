@@ -56,6 +56,8 @@ Result<void> DemoSystem::start_hub() {
                                     "--loop",
                                     "--cpu",
                                     fmt::format("{}", settings_.cpu),
+                                    "--spin-reply",
+                                    "0",  // the haptics node is on the same CPU
                                     "--out",
                                     settings_.out.string(),
                                     "--flight",
@@ -78,9 +80,9 @@ Result<void> DemoSystem::start_relay(const DemoStep& step) {
 }
 
 Result<void> DemoSystem::start_haptics() {
-  auto haptics =
-      LocalNode::start(settings_.out, "haptics_node", find_own_folder() / "haptics_node",
-                       {"--hub", nodes_hub_, "--scene", scene_.string(), "--build-at-once", "--cpu", fmt::format("{}", settings_.cpu)});
+  auto haptics = LocalNode::start(
+      settings_.out, "haptics_node", find_own_folder() / "haptics_node",
+      {"--hub", nodes_hub_, "--scene", scene_.string(), "--build-at-once", "--cpu", fmt::format("{}", settings_.cpu), "--spin", "0"});
   if (!haptics) return tl::unexpected(haptics.error());
   haptics_.emplace(std::move(*haptics));
   return haptics_->wait_for("ready");

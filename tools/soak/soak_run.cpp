@@ -78,11 +78,14 @@ Result<void> start_nodes(const SoakOptions& options, Nodes& nodes) {
     return nodes.nodes.back().wait_for(ready);
   };
   nodes.nodes.reserve(2);
-  if (const auto up = start("haptics_node", {"--hub", *hub_at, "--scene", options.scene.string()}, "ready"); !up) return up;
-  if (const auto up =
-          start("io_node", {"--bind", *hub_at, "--rate", fmt::format("{}", options.rate_hz), "--out", options.out.string()}, "hub on ");
-      !up)
-    return up;
+  std::vector<std::string> haptics = {"--hub", *hub_at, "--scene", options.scene.string()};
+  std::vector<std::string> io = {"--bind", *hub_at, "--rate", fmt::format("{}", options.rate_hz), "--out", options.out.string()};
+  if (options.cpu >= 0) {  // on one CPU neither can spin for the other
+    haptics.insert(haptics.end(), {"--spin", "0"});
+    io.insert(io.end(), {"--spin-reply", "0"});
+  }
+  if (const auto up = start("haptics_node", std::move(haptics), "ready"); !up) return up;
+  if (const auto up = start("io_node", std::move(io), "hub on "); !up) return up;
   if (!options.vision) return {};
   std::vector<std::string> words = {"--hub", *hub_at, "--scene", options.scene.string()};
   words.insert(words.end(), key.begin(), key.end());
