@@ -309,7 +309,7 @@ Result<void> read_surface_effects(const toml::table& table, const std::string& m
                                   SurfaceEffects& effects) {
   reader.read("progressive_n_per_m2", effects.progressive.n_per_m2, 0.0, kEffectMaxProgressiveNPerM2);
   reader.read("viscosity_ns_per_m", effects.viscosity.damping_ns_per_m, 0.0, kEffectMaxDampingNsPerM);
-  if (!reader.has("bump_map")) read_bumps(reader, effects.bumps);
+  if (!reader.has("bump_map") && !reader.has("normal_map")) read_bumps(reader, effects.bumps);
   if (effects.bumps.is_on() && material.damping_ns_per_m > 0.0) {
     reader.fail_at("bump_height_m",
                    "'bump_height_m' is set beside 'damping_ns_per_m' = {}: bumps would turn its damping into a source of energy; "

@@ -4,7 +4,10 @@
 #include <utility>
 
 #include "scene/grey_image.h"
+#include "scene/image_texels.h"
 #include "scene/material_limits.h"
+#include "scene/normal_relief.h"
+#include "scene/text_cursor.h"
 
 namespace hapton {
 namespace {
@@ -13,8 +16,12 @@ constexpr double kMapMaxHeightM = 10.0;
 constexpr double kMapMaxRepeat = 1e4;
 constexpr double kMapLeastStiffness = 1e-6;
 
-constexpr std::array<std::string_view, 6> kMapKeys = {"bump_map",     "stiffness_map",      "stiffness_map_n_per_m",
-                                                      "friction_map", "friction_map_range", "map_repeat"};
+constexpr double kMapMaxNormalScale = 10.0;
+constexpr const char* kNormalsOfMesh = "the normal map of the mesh";
+
+constexpr std::array<std::string_view, 8> kMapKeys = {
+    "bump_map",     "normal_map",         "normal_map_scale", "stiffness_map", "stiffness_map_n_per_m",
+    "friction_map", "friction_map_range", "map_repeat"};
 
 void read_file_name(const toml::table& table, TableReader& reader, std::string_view key, MapSpec& spec) {
   reader.read(key, spec.file);
@@ -29,22 +36,53 @@ void need_both(TableReader& reader, std::string_view image, std::string_view num
   if (reader.has(numbers) && !reader.has(image)) reader.fail_at(numbers, "'{}' has no effect without '{}'", numbers, image);
 }
 
-void read_height(const toml::table& table, TableReader& reader, const Material& material, MapSpec& spec) {
-  read_file_name(table, reader, "bump_map", spec);
-  if (!reader.has("bump_map")) return;
+// Error: what a relief by an image excludes.
+void be_alone(TableReader& reader, std::string_view image, const Material& material) {
   for (const char* key : {"bump_length_m", "bump_pattern", "bump_direction"}) {
-    if (reader.has(key)) reader.fail_at(key, "'{}' belongs to bumps by a formula: leave it out, or leave out 'bump_map'", key);
+    if (reader.has(key)) reader.fail_at(key, "'{}' belongs to bumps by a formula: leave it out, or leave out '{}'", key, image);
   }
+  if (material.damping_ns_per_m > 0.0) {
+    reader.fail_at(image,
+                   "'{}' is set beside 'damping_ns_per_m' = {}: bumps would turn its damping into a source of energy; set that to 0, "
+                   "or use 'viscosity_ns_per_m'",
+                   image, material.damping_ns_per_m);
+  }
+}
+
+// An image, or the mesh's own.
+void read_normals(const toml::table& table, TableReader& reader, const Material& material, MapSpec& spec) {
+  if (reader.has("normal_map_scale") && !reader.has("normal_map")) {
+    reader.fail_at("normal_map_scale", "'normal_map_scale' has no effect without 'normal_map'");
+  }
+  if (!reader.has("normal_map")) return;
+  if (reader.has("bump_map")) return reader.fail_at("normal_map", "'normal_map' is set beside 'bump_map': keep one");
+  if (reader.has("bump_height_m")) {
+    return reader.fail_at("bump_height_m",
+                          "'bump_height_m' is set beside 'normal_map', whose slopes give the height: use 'normal_map_scale'");
+  }
+  if (table.get("normal_map")->is_boolean()) {
+    spec.where = fmt::format("line {}", table.get("normal_map")->source().begin.line);
+    reader.read("normal_map", spec.is_of_mesh);
+    if (!spec.is_of_mesh) return reader.fail_at("normal_map", "'normal_map' is false: leave it out, or give true or an image");
+    spec.file = kNormalsOfMesh;
+  } else {
+    read_file_name(table, reader, "normal_map", spec);
+  }
+  double scale = 1.0;
+  reader.read("normal_map_scale", scale, 0.0, kMapMaxNormalScale, true);
+  spec.normal_scale = scale;
+  be_alone(reader, "normal_map", material);
+}
+
+void read_height(const toml::table& table, TableReader& reader, const Material& material, MapSpec& spec) {
+  read_normals(table, reader, material, spec);
+  if (!reader.has("bump_map")) return;
+  read_file_name(table, reader, "bump_map", spec);
   if (!reader.has("bump_height_m")) reader.fail_at("bump_map", "'bump_map' needs 'bump_height_m': from black to white");
   double height_m = 0.0;
   reader.read("bump_height_m", height_m, 0.0, kMapMaxHeightM, true);
   spec.at_black = -height_m;
-  if (material.damping_ns_per_m > 0.0) {
-    reader.fail_at("bump_map",
-                   "'bump_map' is set beside 'damping_ns_per_m' = {}: bumps would turn its damping into a source of energy; set that to 0, "
-                   "or use 'viscosity_ns_per_m'",
-                   material.damping_ns_per_m);
-  }
+  be_alone(reader, "bump_map", material);
 }
 
 void read_stiffness(const toml::table& table, TableReader& reader, Material& material, const SurfaceEffects& effects, MapSpec& spec) {
@@ -73,6 +111,36 @@ void read_friction(const toml::table& table, TableReader& reader, const Material
   reader.read("friction_map_range", range, 0.0, kFrictionStaticLimit.most);
   spec.at_black = range[0];
   spec.at_white = range[1];
+}
+
+std::string_view key_of_height(const MapSpec& spec) { return spec.normal_scale ? "normal_map" : "bump_map"; }
+
+// Length and height of the images on the surface, m: by the mean of the gradients of the texture coordinates. Pre: these have an area.
+Eigen::Vector2d find_image_size(const std::vector<MappedTriangle>& triangles) {
+  double area = 0.0;
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (const MappedTriangle& triangle : triangles) {
+    const double weight = (triangle.corner[1] - triangle.corner[0]).cross(triangle.corner[2] - triangle.corner[0]).norm();
+    const MapPlace place = map_gradients(triangle);
+    area += weight;
+    sum += weight * Eigen::Vector2d(place.du.norm(), place.dv.norm());
+  }
+  return area * sum.cwiseInverse();
+}
+
+// The normal map that all triangles of the mesh have. Error: there is none, or not one for all.
+Result<const LookMaterial*> find_normals(const MeshLook& look, const std::string& object) {
+  const LookMaterial* found = nullptr;
+  for (const TriangleLook& triangle : look.triangles) {
+    const LookMaterial* material = triangle.material == TriangleLook::kNoMaterial ? nullptr : &look.materials[triangle.material];
+    if (material == nullptr || !material->normals)
+      return fail("the mesh of object '{}' has no normal map, or not everywhere: name an image", printable(object));
+    if (found != nullptr && (found->normals != material->normals || found->normal_scale != material->normal_scale)) {
+      return fail("the mesh of object '{}' has several normal maps: name an image, or make an object of each 'part'", printable(object));
+    }
+    found = material;
+  }
+  return found;
 }
 
 std::vector<MappedTriangle> place_triangles(const MapSource& source, const std::array<double, 2>& repeat) {
@@ -104,7 +172,7 @@ void read_maps(const toml::table& table, TableReader& reader, Material& material
 }
 
 std::filesystem::path MapMaker::shown_path(const MapSpec& spec) const {
-  return spec.bytes != nullptr ? std::filesystem::path(spec.file) : (folder_ / spec.file).lexically_normal();
+  return spec.bytes != nullptr || spec.is_of_mesh ? std::filesystem::path(spec.file) : (folder_ / spec.file).lexically_normal();
 }
 
 Result<ImageMap> MapMaker::make_map(const MapSpec& spec, std::string_view key) {
@@ -123,6 +191,31 @@ Result<ImageMap> MapMaker::make_map(const MapSpec& spec, std::string_view key) {
   return map;
 }
 
+Result<ImageMap> MapMaker::make_relief(const MapSpec& spec, const MapSource& source, const std::vector<MappedTriangle>& triangles,
+                                       const std::string& object) {
+  const auto make = [&](const std::string& bytes, double scale) {
+    return decode_image(bytes, TexelKind::numbers).and_then([&](const ImageTexels& texels) {
+      return relief_of_normals(texels, find_image_size(triangles), scale);
+    });
+  };
+  Result<Relief> relief = fail("");
+  std::string name;
+  if (spec.is_of_mesh) {
+    const auto material = find_normals(*source.look, object);
+    if (!material) return fail("{}: 'normal_map': {}", spec.where, material.error().what);
+    const LookImage& image = source.look->images[*(*material)->normals];
+    name = image.name;
+    relief = make(image.bytes, *spec.normal_scale * (*material)->normal_scale);
+  } else {
+    name = shown_path(spec).string();
+    const auto bytes = read_image_bytes(shown_path(spec));
+    if (!bytes) return fail("{}: 'normal_map': {}", spec.where, bytes.error().what);
+    relief = make(*bytes, *spec.normal_scale);
+  }
+  if (!relief) return fail("{}: 'normal_map': {}: {}", spec.where, name, relief.error().what);
+  return ImageMap{.image = std::make_shared<const SurfaceImage>(std::move(relief->image)), .at_black = -relief->height_m, .at_white = 0.0};
+}
+
 Result<SurfaceMaps> MapMaker::make(const MapSpecs& specs, const MapSource& source, const std::string& object,
                                    std::vector<std::string>& notes) {
   SurfaceMaps maps;
@@ -130,7 +223,7 @@ Result<SurfaceMaps> MapMaker::make(const MapSpecs& specs, const MapSource& sourc
   if (triangles.empty()) {
     const bool is_height = !specs.height.file.empty();
     const MapSpec& first = is_height ? specs.height : specs.stiffness.file.empty() ? specs.friction : specs.stiffness;
-    const char* key = is_height ? "bump_map" : specs.stiffness.file.empty() ? "friction_map" : "stiffness_map";
+    const std::string_view key = is_height ? key_of_height(specs.height) : specs.stiffness.file.empty() ? "friction_map" : "stiffness_map";
     return fail("{}: '{}' needs texture coordinates, and the mesh of object '{}' has none: unwrap it", first.where, key, printable(object));
   }
   maps.triangles = std::make_shared<const std::vector<MappedTriangle>>(std::move(triangles));
@@ -142,7 +235,7 @@ Result<SurfaceMaps> MapMaker::make(const MapSpecs& specs, const MapSource& sourc
              {specs.stiffness, "stiffness_map", maps.stiffness},
              {specs.friction, "friction_map", maps.friction}};
   for (const auto& one : all) {
-    auto map = make_map(one.spec, one.key);
+    auto map = one.spec.normal_scale ? make_relief(one.spec, source, *maps.triangles, object) : make_map(one.spec, one.key);
     if (!map) return tl::unexpected(map.error());
     one.map = std::move(*map);
   }
@@ -152,10 +245,10 @@ Result<SurfaceMaps> MapMaker::make(const MapSpecs& specs, const MapSource& sourc
     maps.height.image = std::make_shared<const SurfaceImage>(maps.height.image->halved());
   }
   if (given > SurfaceMaps::kSteepest) {
-    notes.push_back(
-        fmt::format("{}: object '{}': bumps of slope {:.3g}, above {}, are smoothed to {} x {} texels; a lower bump_height_m keeps them",
-                    shown_path(specs.height).string(), printable(object), given, SurfaceMaps::kSteepest, maps.height.image->width(),
-                    maps.height.image->height()));
+    notes.push_back(fmt::format("{}: object '{}': bumps of slope {:.3g}, above {}, are smoothed to {} x {} texels; a lower {} keeps them",
+                                shown_path(specs.height).string(), printable(object), given, SurfaceMaps::kSteepest,
+                                maps.height.image->width(), maps.height.image->height(),
+                                specs.height.normal_scale ? "normal_map_scale" : "bump_height_m"));
   }
   return maps;
 }

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -24,6 +25,9 @@ struct MapSpec {
   std::shared_ptr<const std::string> bytes = {};  // an image in a mesh file; null: a file beside the scene
   double at_black = 0.0;
   double at_white = 0.0;
+  // Of the height: the image is a normal map, whose slopes are multiplied by this; the value at black follows from them. None: heights.
+  std::optional<double> normal_scale = {};
+  bool is_of_mesh = false;  // the normal map is that of the mesh file
 };
 
 struct MapSpecs {
@@ -61,6 +65,8 @@ class MapMaker {
  private:
   std::filesystem::path shown_path(const MapSpec& spec) const;
   Result<ImageMap> make_map(const MapSpec& spec, std::string_view key);
+  Result<ImageMap> make_relief(const MapSpec& spec, const MapSource& source, const std::vector<MappedTriangle>& triangles,
+                               const std::string& object);
 
   std::filesystem::path folder_;
   std::map<std::string, std::shared_ptr<const SurfaceImage>> images_;  // by file

@@ -111,6 +111,7 @@ Result<MaterialSpec> read_material(const HapticMaterial& haptic, const MeshLook&
   if (table.contains("map_repeat")) {
     return fail("{}: 'map_repeat' is not for extras.hapton: scale the texture with KHR_texture_transform", where);
   }
+  if (table.contains("normal_map")) return fail("{}: 'normal_map' is not for extras.hapton: use a material of a scene file", where);
   for (const std::string_view key : texture_keys()) {
     if (table.contains(key)) return fail("{}: '{}' is not for extras.hapton: use a material of a scene file", where, key);
   }

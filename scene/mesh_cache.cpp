@@ -66,7 +66,7 @@ Result<MeshCache::HapticChoice> MeshCache::find_haptics(const std::filesystem::p
 Result<const MeshFile*> MeshCache::load_file(const std::filesystem::path& path, const ObjectSpec& object, std::vector<std::string>& notes) {
   const auto key = std::make_pair(path.string(), object.unit);
   if (const auto found = files_.find(key); found != files_.end()) return &found->second;
-  Result<MeshFile> file = load_mesh_file(path, object.unit, has_maps_ ? LookReading::on : look_);
+  Result<MeshFile> file = load_mesh_file(path, object.unit, has_maps_ ? LookReading::with_normals : look_);
   if (!file) return fail("line {}: {}", object.mesh_line, file.error().what);
   for (const std::string& note : file->notes) notes.push_back(fmt::format("{}: {}", path.string(), note));
   return &files_.emplace(key, std::move(*file)).first->second;

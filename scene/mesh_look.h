@@ -12,8 +12,8 @@
 
 namespace hapton {
 
-// Whether the colours and textures of a mesh file are read. Only a picture needs them.
-enum class LookReading : std::uint8_t { off, on };
+// Whether the colours and textures of a mesh file are read, and its normal maps with them. A picture needs the former, a force the latter.
+enum class LookReading : std::uint8_t { off, on, with_normals };
 
 // A picture as it is in a mesh file or in a file beside it, PNG or JPEG, not decoded.
 struct LookImage {
@@ -32,6 +32,8 @@ struct LookMaterial {
   std::optional<Eigen::Vector3f> colour = {};  // sRGB, 0 to 1; multiplies the image. None: the file does not say
   std::optional<std::size_t> image = {};       // of MeshLook::images
   std::array<TextureWrap, 2> wrap = {};        // of the image, to the right and down
+  std::optional<std::size_t> normals = {};     // of MeshLook::images: its normal map, with the image's texture coordinates
+  float normal_scale = 1.0F;                   // multiplies the slopes of these
   AlphaMode alpha_mode = AlphaMode::opaque;
   float alpha = 1.0F;         // 0 to 1; multiplies those of the image and of the corner
   float alpha_cutoff = 0.5F;  // mask: what has less is not there; above 1, nothing is. Not negative

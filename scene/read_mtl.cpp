@@ -113,9 +113,11 @@ void read_mtl(std::string_view bytes, const std::filesystem::path& folder, RawMe
     if (material->image) material->colour.reset();
   }
   if (bump_maps > 0) {
-    raw.notes.push_back(fmt::format(
-        "{} images of bumps or normals are neither drawn nor felt: for bumps give the object a material with bump_map, an image of heights",
-        bump_maps));
+    raw.notes.push_back(
+        fmt::format("{} images of bumps or normals are neither drawn nor felt: for bumps give the object a material with bump_map, an "
+                    "image of heights, or "
+                    "with normal_map",
+                    bump_maps));
   }
 }
 

@@ -31,7 +31,7 @@ std::string_view without_byte_order_mark(std::string_view text) {
 class ObjReader {
  public:
   ObjReader(std::string_view text, LookReading look)
-      : text_(without_byte_order_mark(text)), cursor_(text_), wants_look_(look == LookReading::on) {
+      : text_(without_byte_order_mark(text)), cursor_(text_), wants_look_(look != LookReading::off) {
     raw_.format = "OBJ";
   }
 

@@ -259,7 +259,7 @@ template <class Values>
 class BodyReader {
  public:
   BodyReader(const Header& header, Values values, RawMesh& raw, LookReading look)
-      : header_(header), values_(std::move(values)), raw_(raw), wants_look_(look == LookReading::on) {}
+      : header_(header), values_(std::move(values)), raw_(raw), wants_look_(look != LookReading::off) {}
 
   std::optional<Error> read() {
     for (const Element& element : header_.elements) {
@@ -467,7 +467,7 @@ Result<RawMesh> read_body(const Header& header, std::string_view body, std::stri
   RawMesh raw;
   raw.format = std::move(format);
   raw.begin_part("");
-  if (look == LookReading::on && !header.texture.empty()) {
+  if (look != LookReading::off && !header.texture.empty()) {
     raw.look.materials.push_back({.name = "", .colour = {}, .image = add_image_file(folder / header.texture, raw)});
   }
   BodyReader<Values> reader(header, Values(body, header), raw, look);

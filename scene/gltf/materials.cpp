@@ -101,6 +101,28 @@ void read_alpha(const Json& json, const std::string& where, LookMaterial& materi
   }
 }
 
+bool is_same(const TexturePlace& a, const TexturePlace& b) { return a.set == b.set && a.place.matrix() == b.place.matrix(); }
+
+// normalTexture [3.9.3]. place: of the material's colours; without an image of these, it becomes that of the normals.
+void read_normals(const Document& document, const Json& json, const std::string& where, const std::filesystem::path& folder,
+                  LookMaterial& material, TexturePlace& place, RawMesh& raw) {
+  const Json& texture = member(json, "normalTexture");
+  if (!texture.is_object()) return;
+  const auto own = read_texture_place(texture, where);
+  if (!own || (material.image && !is_same(*own, place))) {
+    raw.notes.push_back(fmt::format("{} has other texture coordinates than the colours of its material: it cannot be felt", where));
+    return;
+  }
+  const Json& scale = member(texture, "scale");
+  if (!scale.is_null() && !(scale.is_number() && std::isfinite(scale.get<float>()))) {
+    raw.notes.push_back(fmt::format("{}.scale is not a finite number: it cannot be felt", where));
+    return;
+  }
+  place = *own;
+  material.normal_scale = scale.is_null() ? 1.0F : scale.get<float>();
+  material.normals = read_texture(document, texture, where, folder, raw);
+}
+
 // Two numbers, or those that stand for none.
 Result<Eigen::Vector2d> pair_or(const Json& value, const Eigen::Vector2d& absent, const std::string& where) {
   if (value.is_null()) return absent;
@@ -136,7 +158,7 @@ Result<TexturePlace> read_texture_place(const Json& info, const std::string& whe
   return place;
 }
 
-std::vector<TexturePlace> read_materials(const Document& document, const std::filesystem::path& folder, RawMesh& raw) {
+std::vector<TexturePlace> read_materials(const Document& document, const std::filesystem::path& folder, LookReading look, RawMesh& raw) {
   const Json& materials = member(document.root, "materials");
   std::vector<TexturePlace> places;
   for (std::size_t m = 0; m < size_of_array(materials); ++m) {
@@ -155,6 +177,9 @@ std::vector<TexturePlace> read_materials(const Document& document, const std::fi
     places.push_back(place.value_or(TexturePlace()));
     if (texture.is_object()) material.image = read_texture(document, texture, where + ".baseColorTexture", folder, raw);
     if (material.image) material.wrap = read_wraps(document, texture, where + ".baseColorTexture", raw);
+    if (look == LookReading::with_normals) {
+      read_normals(document, materials[m], fmt::format("materials[{}].normalTexture", m), folder, material, places.back(), raw);
+    }
     raw.look.materials.push_back(std::move(material));
   }
   return places;

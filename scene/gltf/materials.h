@@ -19,9 +19,9 @@ struct TexturePlace {
 Result<TexturePlace> read_texture_place(const Json& info, const std::string& where);
 
 // The file's materials become those of raw.look: base colour and base colour texture, alpha mode and
-// cutoff, the wrap modes of the texture's sampler. Returns where each one's texture finds its
+// cutoff, the wrap modes of the texture's sampler; if they are wanted, normal maps. Returns where each one's texture finds its
 // coordinates. What cannot be read is a note, never an error: the shape is what matters.
-std::vector<TexturePlace> read_materials(const Document& document, const std::filesystem::path& folder, RawMesh& raw);
+std::vector<TexturePlace> read_materials(const Document& document, const std::filesystem::path& folder, LookReading look, RawMesh& raw);
 
 // How the vertices of a primitive look: their colours (COLOR_0) and their places in the texture. Empty: nothing is said of them.
 struct VertexLooks {

@@ -73,7 +73,7 @@ Result<std::vector<std::size_t>> root_nodes(const Json& root) {
 // Shown unless KHR_node_visibility says otherwise; what hangs under a hidden node is hidden with it.
 bool is_hidden(const Json& node) { return member(extension_of(node, "KHR_node_visibility"), "visible") == false; }
 
-// Those whose bumps are an image of normals [3.9.3]; no height is known from it.
+// Those that have an image of normals [3.9.3].
 std::size_t count_normal_maps(const Json& materials) {
   std::size_t count = 0;
   for (std::size_t m = 0; m < size_of_array(materials); ++m) count += member(materials[m], "normalTexture").is_null() ? 0 : 1;
@@ -132,8 +132,7 @@ class SceneReader {
         {bad_morphs_, "{} primitives have morph targets that cannot be read, which were skipped"},
         {odd_weights_, "{} primitives have another number of morph targets than weights: the missing weights are 0"},
         {count_normal_maps(member(document_.root, "materials")),
-         "the normal maps of {} materials are neither drawn nor felt: for bumps give the object a material with bump_map, an image of "
-         "heights"}};
+         "the normal maps of {} materials are not drawn, and felt only where a material of the scene file has normal_map = true"}};
     for (const auto& [count, text] : notes) {
       if (count > 0) raw_.notes.push_back(fmt::format(fmt::runtime(text), count));
     }
@@ -298,11 +297,11 @@ Result<RawMesh> read_document(std::string_view json, std::optional<std::string_v
   const Document document{*root, buffers};
   RawMesh raw;
   raw.format = format;
-  const bool wants_look = look == LookReading::on;
+  const bool wants_look = look != LookReading::off;
   auto haptic_places = read_haptic_materials(document, folder, raw);
   if (!haptic_places) return tl::unexpected(haptic_places.error());
-  SceneReader reader(document, max_triangles, wants_look ? read_materials(document, folder, raw) : std::vector<TexturePlace>(), wants_look,
-                     std::move(*haptic_places), raw);
+  SceneReader reader(document, max_triangles, wants_look ? read_materials(document, folder, look, raw) : std::vector<TexturePlace>(),
+                     wants_look, std::move(*haptic_places), raw);
   if (auto error = reader.read(*roots)) return tl::unexpected(std::move(*error));
   reader.add_notes();
   for (std::string& note : note_unread_extensions(*root)) raw.notes.push_back(std::move(note));

@@ -1,0 +1,154 @@
+// Normal maps of scene files and of glTF files, as they are felt.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <numbers>
+
+#include "scene/map_reader.h"
+#include "scene/scene_file.h"
+#include "tests/scene/made_pictures.h"
+#include "tests/support/scratch_folder.h"
+
+namespace hapton {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+// Waves over an image of 100 mm: their slopes along u and v.
+constexpr double kSteep = 0.3;
+Vec3 wave_normal(double u, double v) {
+  const double turn = 2.0 * std::numbers::pi;
+  return Vec3(-kSteep * std::cos(turn * u), 0.5 * kSteep * std::sin(2.0 * turn * v), 1.0).normalized();  // green is up, v is down
+}
+
+std::string wave_png() {
+  std::vector<std::uint8_t> rows;
+  for (int y = 0; y < 64; ++y) {
+    for (int x = 0; x < 64; ++x) {
+      const Vec3 normal = wave_normal((x + 0.5) / 64.0, (y + 0.5) / 64.0);
+      for (int k = 0; k < 3; ++k) rows.push_back(static_cast<std::uint8_t>(std::lround(127.5 * (normal[k] + 1.0))));
+    }
+  }
+  return picture::png_of(64, 64, rows, PNG_FORMAT_RGB);
+}
+
+class NormalMap : public ::testing::Test {
+ protected:
+  NormalMap() {
+    folder_.write("waves.png", wave_png());
+    folder_.write("plain.png", picture::png_of(8, 8, picture::grey_rows(8, 8, [](int, int) { return 128; })));
+    folder_.write("sheet.obj",
+                  "v 0 0 0\nv 100 0 0\nv 100 100 0\nv 0 100 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3\nf 1/1 3/3 4/4\n");
+    folder_.write("bare.obj", "v 0 0 0\nv 100 0 0\nv 100 100 0\nf 1 2 3\n");
+    folder_.write("sheet.bin", buffer());
+  }
+
+  // A square of 100 mm with its texture coordinates.
+  static std::string buffer() {
+    const float numbers[] = {0, 0, 0, 0.1F, 0, 0, 0.1F, 0.1F, 0, 0, 0.1F, 0, 0, 1, 1, 1, 1, 0, 0, 0};
+    const std::uint16_t indices[] = {0, 1, 2, 0, 2, 3};
+    std::string bytes(sizeof(numbers) + sizeof(indices), '\0');
+    std::memcpy(bytes.data(), numbers, sizeof(numbers));
+    std::memcpy(bytes.data() + sizeof(numbers), indices, sizeof(indices));
+    return bytes;
+  }
+  // Two primitives over the same square, with materials 0 and `second`.
+  void write_gltf(const std::string& materials, int second = 0) {
+    const auto primitive = [](int material) {
+      return fmt::format(R"({{"attributes":{{"POSITION":0,"TEXCOORD_0":1}},"indices":2,"material":{}}})", material);
+    };
+    folder_.write("sheet.gltf", R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[)" +
+                                    primitive(0) + (second > 0 ? "," + primitive(second) : "") + R"(]}],"materials":[)" + materials +
+                                    R"(],"textures":[{"source":0},{"source":1}],"images":[{"uri":"waves.png"},{"uri":"plain.png"}],
+"buffers":[{"uri":"sheet.bin","byteLength":92}],
+"bufferViews":[{"buffer":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":32},{"buffer":0,"byteOffset":80,"byteLength":12}],
+"accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],"max":[0.1,0.1,0]},
+{"bufferView":1,"componentType":5126,"count":4,"type":"VEC2"},{"bufferView":2,"componentType":5123,"count":6,"type":"SCALAR"}]})");
+  }
+
+  Result<Scene> load(const std::string& lines, const std::string& mesh) {
+    const std::string unit = mesh.ends_with(".obj") ? "unit = 'mm'\n" : "";
+    return load_scene(
+        folder_.write("a.toml", "[[object]]\nmesh = '" + mesh + "'\n" + unit + "material = 'm'\n[material.m]\n" + lines + "\n"));
+  }
+  std::string error_of(const std::string& lines, const std::string& mesh = "sheet.obj") {
+    const auto loaded = load(lines, mesh);
+    return loaded ? "it was read" : loaded.error().what;
+  }
+  // The slopes of the relief that is felt are those of the map, along x (u) and along -y (v).
+  void expect_waves(const std::string& lines, const std::string& mesh, double scale = 1.0) {
+    const auto loaded = load(lines, mesh);
+    ASSERT_TRUE(loaded) << loaded.error().what;
+    const SurfaceMaps& maps = loaded->objects[0].effects.maps;
+    ASSERT_TRUE(maps.height.is_on());
+    EXPECT_EQ(maps.height.at_white, 0.0) << "the highest place is the surface";
+    for (const double u : {0.1, 0.4, 0.75}) {
+      for (const double v : {0.2, 0.55, 0.9}) {
+        MapPlace place = map_gradients(maps.triangles->front());
+        place.texcoord = {u, v};
+        const Vec3 normal = wave_normal(u, v);
+        const Vec3 wanted = scale * Vec3(-normal.x() / normal.z(), -normal.y() / normal.z(), 0.0);
+        EXPECT_LT((maps.sample(place).height_gradient - wanted).norm(), 0.02 * scale) << u << ' ' << v;
+      }
+    }
+  }
+
+  ScratchFolder folder_;
+};
+
+TEST_F(NormalMap, IsFeltWithTheSlopesThatItHas) {
+  expect_waves("normal_map = 'waves.png'", "sheet.obj");
+  expect_waves("normal_map = 'waves.png'\nnormal_map_scale = 0.5", "sheet.obj", 0.5);
+}
+
+TEST_F(NormalMap, ThatOfAGltfFileIsFeltWhereItIsAskedFor) {
+  write_gltf(R"({"normalTexture":{"index":0}})");
+  expect_waves("normal_map = true", "sheet.gltf");
+  write_gltf(R"({"normalTexture":{"index":0,"scale":2},"pbrMetallicRoughness":{"baseColorTexture":{"index":1}}})");
+  expect_waves("normal_map = true\nnormal_map_scale = 0.25", "sheet.gltf", 0.5);
+  const auto silent = load("stiffness_n_per_m = 500", "sheet.gltf");
+  ASSERT_TRUE(silent) << silent.error().what;
+  EXPECT_FALSE(silent->objects[0].effects.any());
+}
+
+TEST_F(NormalMap, TooSteepAReliefIsSmoothedAndSaysHowToKeepIt) {
+  const auto loaded = load("normal_map = 'waves.png'\nnormal_map_scale = 10", "sheet.obj");
+  ASSERT_TRUE(loaded) << loaded.error().what;
+  const SurfaceMaps& maps = loaded->objects[0].effects.maps;
+  EXPECT_LE(maps.height.steepest(*maps.triangles), SurfaceMaps::kSteepest);
+  EXPECT_THAT(loaded->notes.back(), AllOf(HasSubstr("waves.png"), HasSubstr("a lower normal_map_scale keeps them")));
+}
+
+TEST_F(NormalMap, SaysWhatIsWrongAndWhere) {
+  EXPECT_THAT(error_of("normal_map = 'plain.png'"), AllOf(HasSubstr("line 6: 'normal_map'"), HasSubstr("plain.png: is not a normal map")));
+  EXPECT_THAT(error_of("normal_map = 'none.png'"), AllOf(HasSubstr("line 6"), HasSubstr("none.png")));
+  EXPECT_THAT(error_of("normal_map = 3"), HasSubstr("'normal_map'"));
+  EXPECT_THAT(error_of("normal_map = false"), HasSubstr("leave it out, or give true or an image"));
+  EXPECT_THAT(error_of("normal_map = 'waves.png'\nbump_map = 'waves.png'\nbump_height_m = 0.001"), HasSubstr("keep one"));
+  EXPECT_THAT(error_of("normal_map = 'waves.png'\nbump_height_m = 0.001"), HasSubstr("use 'normal_map_scale'"));
+  EXPECT_THAT(error_of("normal_map = 'waves.png'\nbump_length_m = 0.001"), HasSubstr("leave out 'normal_map'"));
+  EXPECT_THAT(error_of("normal_map = 'waves.png'\ndamping_ns_per_m = 1"), HasSubstr("source of energy"));
+  EXPECT_THAT(error_of("normal_map = 'waves.png'\nnormal_map_scale = 0"), HasSubstr("above 0"));
+  EXPECT_THAT(error_of("normal_map_scale = 1"), HasSubstr("no effect without 'normal_map'"));
+  EXPECT_THAT(error_of("normal_map = 'waves.png'", "bare.obj"), HasSubstr("'normal_map' needs texture coordinates"));
+  EXPECT_THAT(error_of("normal_map = true"), HasSubstr("has no normal map"));
+}
+
+TEST_F(NormalMap, OfSeveralMaterialsOneMustBeForAll) {
+  write_gltf(R"({"normalTexture":{"index":0}},{"name":"smooth"})", 1);
+  EXPECT_THAT(error_of("normal_map = true", "sheet.gltf"), HasSubstr("no normal map, or not everywhere"));
+  write_gltf(R"({"normalTexture":{"index":0}},{"normalTexture":{"index":1}})", 1);
+  EXPECT_THAT(error_of("normal_map = true", "sheet.gltf"), HasSubstr("several normal maps"));
+  write_gltf(R"({"normalTexture":{"index":0}},{"normalTexture":{"index":0}})", 1);
+  expect_waves("normal_map = true", "sheet.gltf");
+  write_gltf(R"({"normalTexture":{"index":0,"texCoord":1},"pbrMetallicRoughness":{"baseColorTexture":{"index":1}}})");
+  const auto moved = load("normal_map = true", "sheet.gltf");
+  ASSERT_FALSE(moved);
+  EXPECT_THAT(moved.error().what, HasSubstr("no normal map"));
+}
+
+}  // namespace
+}  // namespace hapton
