@@ -288,8 +288,9 @@ TEST_F(GraspTaskTest, SaysHowLongAPickUpTookIfTheHandHadToWaitAndCountsTheTimesO
     clock.passes_ns = passes_ns;
     const std::string log = log_of([&] { rest(1, 3); });
     EXPECT_TRUE(step->holds_tool());
+    const int next = methods + 1;
     rest(0, 1);
-    wait_for_method(methods + 1);
+    wait_for_method(next);
     rest(0, 200);
     return log;
   };
