@@ -137,13 +137,17 @@ TEST_F(CarveUndoTaskTest, CarvesThatAreMadeWhileAnUndoWaitsAreKept) {
 
 // The copy lacks carves that it did not hear of: in use, it would put material back under the stylus.
 TEST_F(CarveUndoTaskTest, NothingIsUndoneOnceThereWereTooManyCarvesAtOnce) {
-  const Carve small{.from_m = {0.03, 0, 0}, .to_m = {0.03, 0.0005, 0}, .radius_m = 0.001};
+  constexpr int kSide = 20;  // points of a cube within the ball, 1.5 mm apart
+  int next = 0;
   const auto repeat = [&] {
+    const Vec3 at = 0.0015 * Vec3(next % kSide - kSide / 2, next / kSide % kSide - kSide / 2, next / (kSide * kSide) - kSide / 2);
+    ++next;
+    const Carve small{.from_m = at, .to_m = at, .radius_m = 0.001};
     EXPECT_TRUE(step.repeat_carve(0, small));
     return MadeCarve{.object = 0, .serial = step.touch().count_carves(), .carve = rounded(small), .begins = true};
   };
   std::vector<MadeCarve> all;
-  for (int n = 0; n < 12'000; ++n) all.push_back(repeat());
+  for (int n = 0; n < 7'900; ++n) all.push_back(repeat());
   for (const MadeCarve& made : all) task.note(made);
   const auto carve_and_wait = [&] {
     task.note(repeat());
