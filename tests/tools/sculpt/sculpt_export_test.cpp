@@ -62,6 +62,35 @@ TEST_F(SculptExportTest, TheHoleIsInEveryFormat) {
   }
 }
 
+TEST_F(SculptExportTest, TwoBodiesAreInOneFileEachWithItsOwnCarves) {
+  const std::string slab = "[[object]]\nmesh = \"slab.obj\"\nsculpt = true\nvoxel_mm = 1\n";
+  const std::string two =
+      folder.write("two.toml", slab + "name = \"one\"\n\n" + slab + "name = \"other\"\nposition_m = [0.1, 0, 0]\n").string();
+  Annotations notes;
+  notes.objects = {"one", "other"};
+  notes.carved = {
+      {.object = 1, .radius_m = 0.005F, .carves = {{.from_m = Vec3(0.1, 0, 0.02), .to_m = Vec3(0.1, 0, -0.02), .radius_m = 0.005F}}},
+      {.object = 0, .radius_m = 0.005F, .carves = {{.from_m = Vec3(0.02, 0, 0.02), .to_m = Vec3(0.02, 0, -0.02), .radius_m = 0.005F}}}};
+  const std::string file = folder.write("two-notes.toml", write_annotations(notes, load_scene(two)->given_hash)).string();
+  const CommandRun run = run_hapton({"sculpt", two, "--annotations", file, "--out", out("two.ply")});
+  ASSERT_EQ(run.code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("2 carves of 2 objects"));
+  const auto read = load_mesh_file(out("two.ply"));
+  ASSERT_TRUE(read) << read.error().what;
+  const TriangleMesh& mesh = read->mesh;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (int k = 0; k < 3; ++k) ASSERT_LT((mesh.corner(t, k) - mesh.corner(t, (k + 1) % 3)).norm(), 0.005) << "a triangle of both";
+  }
+  // Where there is a hole and where there is none: the top, 10 mm high, around the middle and beside it.
+  const auto count_on_top = [&](double x) {
+    return std::ranges::count_if(mesh.vertices, [&](const Vec3& v) { return (v - Vec3(x, 0, 0.01)).norm() < 0.004; });
+  };
+  EXPECT_EQ(count_on_top(0.02), 0);
+  EXPECT_EQ(count_on_top(0.1), 0);
+  EXPECT_GT(count_on_top(0.0), 10);
+  EXPECT_GT(count_on_top(0.12), 10);
+}
+
 TEST_F(SculptExportTest, OnAFullDiskThereIsOneLineAndNoFile) {
   const std::size_t files = static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder.path()), {}));
   CommandRun run;
