@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/base/ns_between.h"
 #include "core/math/left_contact.h"
 #include "core/math/rigid_pose.h"
 
@@ -34,7 +35,7 @@ void HapticsStep::offer(const DeviceState& state) noexcept {
 
 ForceCommand HapticsStep::answer() noexcept {
   has_state_ = false;
-  const std::int64_t step_ns = state_.sample_time_ns - last_time_ns_;
+  const std::int64_t step_ns = ns_between(last_time_ns_, state_.sample_time_ns);
   input_.dt_s = running_ && step_ns > 0 ? 1e-9 * static_cast<double>(step_ns) : kFirstStepS;
   input_.p_WD = state_.p_WD;
   input_.q_WT = state_.q_WT;

@@ -8,7 +8,6 @@
 #include "haptics_node/new_scene.h"
 #include "haptics_node/placed_scene.h"
 #include "haptics_node/tool_task.h"
-#include "runtime/clock.h"
 #include "runtime/log.h"
 #include "runtime/start_thread.h"
 #include "runtime/worker_threads.h"
@@ -37,13 +36,14 @@ std::vector<bool> list_movable(const Scene& scene) {
 }
 
 GraspTask::GraspTask(Options options, const Scene& scene, const std::vector<PutDown>& put_down, GraspLink& link, MaterialTuner& tuner,
-                     MethodBuilder& builder)
+                     MethodBuilder& builder, const Clock& clock)
     : options_(std::move(options)),
       scene_(place_objects(scene, put_down)),
       objects_(meshes_of(scene_)),
       link_(link),
       tuner_(tuner),
-      builder_(builder) {
+      builder_(builder),
+      clock_(clock) {
   for (const SceneObject& object : scene.objects) as_loaded_.push_back(object.mesh);
 }
 
@@ -69,11 +69,10 @@ bool GraspTask::run_once() {
     carry_out(link_.orders.value());
     return true;
   }
-  const SteadyClock clock;
-  const std::int64_t begin_ns = clock.now_ns();
+  const std::int64_t begin_ns = clock_.now_ns();
   if (tool_ == nullptr) return objects_.prepare_next();
   if (!tool_->follow()) return false;
-  pose_times_.record(clock.now_ns() - begin_ns);
+  pose_times_.record(clock_.now_ns() - begin_ns);
   return true;
 }
 
@@ -85,8 +84,7 @@ void GraspTask::carry_out(const GraspOrder& order) {
 }
 
 void GraspTask::pick_up(const GraspOrder& order) {
-  const SteadyClock clock;
-  const std::int64_t begin_ns = clock.now_ns();
+  const std::int64_t begin_ns = clock_.now_ns();
   const auto number = static_cast<std::size_t>(order.object);
   const std::string& name = scene_.objects[number].name;
   ToolObstacles obstacles = make_tool_obstacles(couple_scene(scene_.touch_scene(), options_.coupling_n_per_m), number);
@@ -101,7 +99,7 @@ void GraspTask::pick_up(const GraspOrder& order) {
   }
   tool_ = std::make_unique<HeldTool>(std::move(*step), order.X_SD);
   link_.answers.publish({order.serial, tool_.get(), describe_tool(*tool_)});
-  const double seconds = 1e-9 * static_cast<double>(clock.now_ns() - begin_ns);
+  const double seconds = 1e-9 * static_cast<double>(clock_.now_ns() - begin_ns);
   if (seconds > kNoticedS) {
     log_info("{} is picked up; its preparation took {:.1f} s", name, seconds);
   } else {

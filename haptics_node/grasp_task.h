@@ -11,6 +11,7 @@
 #include "haptic_step/grasp.h"
 #include "haptics_node/material_tuner.h"
 #include "haptics_node/method_builder.h"
+#include "runtime/clock.h"
 #include "runtime/latency_histogram.h"
 #include "scene/annotations.h"
 #include "scene/scene_file.h"
@@ -32,7 +33,7 @@ class GraspTask {
 
   // scene: as loaded; put_down: what lies elsewhere at the start. Pre: the others outlive this.
   GraspTask(Options options, const Scene& scene, const std::vector<PutDown>& put_down, GraspLink& link, MaterialTuner& tuner,
-            MethodBuilder& builder);
+            MethodBuilder& builder, const Clock& clock);
   ~GraspTask();
   GraspTask(const GraspTask&) = delete;
   GraspTask& operator=(const GraspTask&) = delete;
@@ -58,6 +59,7 @@ class GraspTask {
   GraspLink& link_;
   MaterialTuner& tuner_;
   MethodBuilder& builder_;
+  const Clock& clock_;
   std::unique_ptr<HeldTool> tool_;  // the step holds it until it orders something else
   std::uint32_t revision_ = 0;
   LatencyHistogram pose_times_;

@@ -228,7 +228,7 @@ int run(const HapticsOptions& options) {
                                           .rotational_stiffness_nm_per_rad = options.tool_nm_per_rad,
                                           .threads = options.tool_threads,
                                           .on_scene = on_scene},
-                       *loaded, *put_down, grasp_link, tuner, builder);
+                       *loaded, *put_down, grasp_link, tuner, builder, clock);
     grasp_task->start();
   }
   const auto realtime = enter_realtime(options.realtime);

@@ -8,10 +8,21 @@
 #include <utility>
 
 namespace hapton {
+namespace {
+
+bool is_in_dev(const std::filesystem::path& path) {
+  const std::filesystem::path folder = path.parent_path();
+  return folder == "/dev" || folder == "/dev/fd";
+}
+
+}  // namespace
 
 PartPath::PartPath(std::filesystem::path path) : path_(std::move(path)) {
   std::error_code error;
   target_ = path_;
+  part_ = path_;
+  // Standard output, though it may lead to a file.
+  if (is_in_dev(path_)) return;
   // A link keeps leading to what is written.
   if (auto target = std::filesystem::canonical(path_, error); !error && std::filesystem::is_symlink(path_, error))
     target_ = std::move(target);
@@ -19,7 +30,7 @@ PartPath::PartPath(std::filesystem::path path) : path_(std::move(path)) {
   const auto status = std::filesystem::status(target_, error);
   const bool is_other =
       std::filesystem::exists(status) && !std::filesystem::is_regular_file(status) && !std::filesystem::is_directory(status);
-  if (is_other || target_.parent_path() == "/dev") return;
+  if (is_other || is_in_dev(target_)) return;
   part_ += fmt::format(".{}.part", getpid());
   is_pending_ = true;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/ns_between.h"
 #include "core/math/rotation_vector.h"
 #include "session/session_entries.h"
 
@@ -12,11 +13,6 @@ namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kMostEarly = 64;  // forces that wait for their cycle; it is written a few cycles later at most
-
-// Times come from a file and may be any number: subtracts as unsigned, which cannot overflow.
-double seconds_between(std::int64_t from_ns, std::int64_t to_ns) {
-  return 1e-9 * static_cast<double>(static_cast<std::int64_t>(static_cast<std::uint64_t>(to_ns) - static_cast<std::uint64_t>(from_ns)));
-}
 
 constexpr JoinedColumn kJoinedColumns[] = {
     {"t_s", "s", [](const JoinedRow& r) { return r.sample_t_s; }},

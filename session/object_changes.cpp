@@ -4,6 +4,8 @@
 #include <limits>
 #include <tuple>
 
+#include "core/base/ns_between.h"
+
 namespace hapton {
 namespace {
 
@@ -49,16 +51,12 @@ constexpr ChangeColumn<RecordedCarve> kCarveColumns[] = {
 
 }  // namespace
 
-double seconds_after(std::int64_t start_ns, std::int64_t time_ns) noexcept {
-  return 1e-9 * static_cast<double>(static_cast<std::int64_t>(static_cast<std::uint64_t>(time_ns) - static_cast<std::uint64_t>(start_ns)));
-}
-
 std::span<const ChangeColumn<RecordedMove>> move_columns() noexcept { return kMoveColumns; }
 std::span<const ChangeColumn<RecordedCarve>> carve_columns() noexcept { return kCarveColumns; }
 
 void ObjectChanges::add(const SessionEntry& entry, const Datagram* datagram) {
   if (datagram == nullptr || entry.kind != SessionEntry::Kind::received) return;
-  const double t_s = seconds_after(start_ns_, entry.time_ns);
+  const double t_s = seconds_between(start_ns_, entry.time_ns);
   if (const auto* setup = std::get_if<HapticsSetup>(&datagram->message)) add_setup(*setup, datagram->header.sender, t_s);
   if (const auto* move = std::get_if<ObjectMove>(&datagram->message)) add_move(*move, datagram->header.sender, t_s);
   if (const auto* carves = std::get_if<Carves>(&datagram->message)) add_carves(*carves, datagram->header.sender, t_s);

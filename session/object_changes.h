@@ -36,9 +36,6 @@ struct RecordedSetup {
   HapticsSetup setup;
 };
 
-// From the beginning of a recording. Times are those of a file, which may hold any number.
-double seconds_after(std::int64_t start_ns, std::int64_t time_ns) noexcept;
-
 // A column of numbers, for every writer.
 template <class Row>
 struct ChangeColumn {

@@ -5,6 +5,7 @@
 #include <ranges>
 #include <utility>
 
+#include "core/base/ns_between.h"
 #include "core/math/rigid_pose.h"
 #include "session/session_entries.h"
 
@@ -18,9 +19,7 @@ constexpr std::uint64_t kPlaceEveryBytes = 1 << 20;
 constexpr double kMostSeconds = 1e9;
 
 double seconds_from(std::int64_t start_ns, std::int64_t time_ns) {
-  const double t_s =
-      1e-9 * static_cast<double>(static_cast<std::int64_t>(static_cast<std::uint64_t>(time_ns) - static_cast<std::uint64_t>(start_ns)));
-  return std::clamp(t_s, -kMostSeconds, kMostSeconds);
+  return std::clamp(seconds_between(start_ns, time_ns), -kMostSeconds, kMostSeconds);
 }
 
 // The first one after that time.

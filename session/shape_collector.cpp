@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/base/ns_between.h"
+
 namespace hapton {
 namespace {
 
@@ -35,7 +37,7 @@ void ShapeCollector::add(const SessionEntry& entry, const Datagram* datagram, co
     started_[start->object] = start->serial;
     Open& shape = open(start->object, start->serial, start->total, take);
     shape.is_started = true;
-    shape.shape = {.t_s = seconds_after(start_ns_, entry.time_ns),
+    shape.shape = {.t_s = seconds_between(start_ns_, entry.time_ns),
                    .time_ns = entry.time_ns,
                    .sender = datagram->header.sender,
                    .process = process_,

@@ -1,20 +1,23 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 namespace hapton {
 
-// Tells whether an item has been visited in the current query. Starting a query changes the stamp, not the items, so it costs nothing. RT:
-// start and first_visit yes (once in 2^32 queries start clears all stamps). Threads: one.
-class VisitStamps {
+// Tells whether an item has been visited in the current query. Starting a query changes the stamp, not the items, so it costs nothing.
+// Stamp: unsigned; when its values are used up (VisitStamps: once in 2^32 queries), start clears the stamps of all items. RT: start and
+// first_visit yes. Threads: one.
+template <class Stamp>
+class VisitStampsOf {
  public:
-  explicit VisitStamps(std::size_t items = 0, std::uint32_t first_stamp = 0) : seen_(items, 0), stamp_(first_stamp) {}
+  explicit VisitStampsOf(std::size_t items = 0) : seen_(items, 0) {}
 
   void start() noexcept {
     if (++stamp_ == 0) {
-      std::fill(seen_.begin(), seen_.end(), 0);
+      std::fill(seen_.begin(), seen_.end(), Stamp{0});
       stamp_ = 1;
     }
   }
@@ -29,8 +32,10 @@ class VisitStamps {
   }
 
  private:
-  std::vector<std::uint32_t> seen_;
-  std::uint32_t stamp_;
+  std::vector<Stamp> seen_;
+  Stamp stamp_ = 0;
 };
+
+using VisitStamps = VisitStampsOf<std::uint32_t>;
 
 }  // namespace hapton

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <limits>
+#include <set>
 #include <utility>
 
 namespace hapton {
@@ -30,6 +32,33 @@ TEST(HandScript, SurvivesAForceThatMakesNoSense) {
   for (int step = 0; step < 60'000; ++step) {
     last = script.step(last, forces[(step / 37) % 5]).p_WH;
     ASSERT_TRUE(last.allFinite());
+  }
+}
+
+// A device that does not move and whose force never ends: the hand neither pulls farther and farther, nor leaves its workspace, nor waits
+// for the force to end.
+TEST(HandScript, AForceThatNeverEndsHoldsUpNothing) {
+  constexpr double kMostPullM = 0.015;
+  for (const double height : {0.0, -0.2}) {  // in the middle, and at the lower end of the workspace
+    SCOPED_TRACE(height);
+    HandScript script(box(5));
+    const Vec3 device(0.0, 0.0, height);
+    script.lead(device);
+    for (int step = 0; step < 1000; ++step) (void)script.step(device, Vec3::Zero());
+    script.lead(std::nullopt);
+    std::set<HandScript::Phase> phases;
+    double farthest_m = 0.0;
+    const auto rubs = [&] { return script.phase() == HandScript::Phase::press || script.phase() == HandScript::Phase::slide; };
+    for (int step = 0; step < 20'000; ++step) {
+      const bool was_rubbing = rubs();
+      const Vec3 hand = script.step(device, Vec3(0.0, 0.0, 0.5)).p_WH;
+      ASSERT_GE(hand.z(), -0.2) << step;
+      phases.insert(script.phase());
+      if (was_rubbing && rubs()) farthest_m = std::max(farthest_m, (hand - device).norm());
+    }
+    EXPECT_TRUE(phases.contains(HandScript::Phase::circle)) << "it waits for the end of the force before it taps";
+    EXPECT_LE(farthest_m, kMostPullM + 1e-12);
+    EXPECT_GT(farthest_m, height == 0.0 ? 0.9 * kMostPullM : 0.0) << "it presses less than it wants to";
   }
 }
 

@@ -1,15 +1,18 @@
 #include "haptics_node/carve_undo_task.h"
 
-#include <gtest/gtest.h>
-
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <string>
 #include <thread>
 #include <vector>
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include "core/geometry/mesh_shapes.h"
 #include "tests/support/allocation_guard.h"
+#include "tests/support/log_of.h"
 
 namespace hapton {
 namespace {
@@ -37,16 +40,22 @@ struct CarveUndoTaskTest : testing::Test {
     task.note(made);
   }
   bool cycle(bool is_down) {
+    take_step(is_down);
+    const auto undone = task.work(step);
+    if (undone) note(*undone);
+    return undone.has_value();
+  }
+  // Without the work after the reply. True: it carved.
+  bool take_step(bool is_down) {
     ++sample;
     const double angle = 3e-3 * static_cast<double>(sample);
     const Vec3 p = (0.0315 + 0.004 * std::cos(5.0 * angle)) * Vec3(std::cos(angle), std::sin(angle), 0.1);
     step.offer(
         {.sample = sample, .sample_time_ns = 1'000'000 * static_cast<std::int64_t>(sample), .p_WD = p, .buttons = is_down ? 1U : 0U});
     step.answer();
-    if (const MadeCarve* made = step.made_carve()) note(*made);
-    const auto undone = task.work(step);
-    if (undone) note(*undone);
-    return undone.has_value();
+    const MadeCarve* made = step.made_carve();
+    if (made != nullptr) note(*made);
+    return made != nullptr;
   }
   void carve(int presses) {
     for (int n = 0; n < 400 * presses; ++n) cycle(n % 400 < 250);
@@ -107,6 +116,52 @@ TEST_F(CarveUndoTaskTest, WhileItCarves) {
     ASSERT_TRUE(undo(list.newest_active(), true));
     expect_same();
   }
+}
+
+// Few carves are added as the bodies are exchanged; more than that, and the task catches up first.
+TEST_F(CarveUndoTaskTest, CarvesThatAreMadeWhileAnUndoWaitsAreKept) {
+  for (const int meanwhile : {1, 3, 4, 5, 20}) {
+    SCOPED_TRACE(meanwhile);
+    carve(2);
+    task.request(list.newest_active());
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));  // it is ready by now, but for a machine that stands still
+    for (int carves = 0, n = 0; carves < meanwhile && n < 20'000; ++n) carves += take_step(true) ? 1 : 0;
+    std::optional<MadeCarve> undone;
+    for (int n = 0; n < 20'000 && !undone; ++n) {
+      undone = task.work(step);
+      if (undone) note(*undone);
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    ASSERT_TRUE(undone);
+    expect_same();
+  }
+}
+
+// The copy lacks carves that it did not hear of: in use, it would put material back under the stylus.
+TEST_F(CarveUndoTaskTest, NothingIsUndoneOnceThereWereTooManyCarvesAtOnce) {
+  constexpr int kSide = 20;  // points of a cube within the ball, 1.5 mm apart
+  int next = 0;
+  const auto repeat = [&] {
+    const Vec3 at = 0.0015 * Vec3(next % kSide - kSide / 2, next / kSide % kSide - kSide / 2, next / (kSide * kSide) - kSide / 2);
+    ++next;
+    const Carve small{.from_m = at, .to_m = at, .radius_m = 0.001};
+    EXPECT_TRUE(step.repeat_carve(0, small));
+    return MadeCarve{.object = 0, .serial = step.touch().count_carves(), .carve = rounded(small), .begins = true};
+  };
+  std::vector<MadeCarve> all;
+  for (int n = 0; n < 7'900; ++n) all.push_back(repeat());
+  for (const MadeCarve& made : all) task.note(made);
+  const auto carve_and_wait = [&] {
+    task.note(repeat());
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    EXPECT_FALSE(task.work(step));
+  };
+  for (int n = 0; n < 10; ++n) carve_and_wait();
+  const std::string log = log_of([&] {
+    task.request(1);
+    for (int n = 0; n < 10; ++n) carve_and_wait();
+  });
+  EXPECT_THAT(log, testing::HasSubstr("carves can no longer be undone"));
 }
 
 TEST_F(CarveUndoTaskTest, WhatIsUnknownOrUndoneChangesNothing) {

@@ -1,18 +1,25 @@
 #include "haptics_node/grasp_task.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <chrono>
+#include <string>
 #include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include "core/geometry/mesh_shapes.h"
 #include "haptic_step/haptics_step.h"
 #include "haptics_node/placed_scene.h"
 #include "tests/support/allocation_guard.h"
+#include "tests/support/log_of.h"
 
 namespace hapton {
 namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr int kPlate = 0;
 constexpr int kCube = 1;
@@ -46,7 +53,7 @@ struct GraspTaskTest : testing::Test {
     step->set_grasp(&*grasp);
     tuner.emplace(placed, 0.0);
     builder.emplace(MethodSettings(), placed.touch_scene(), step->touch().share_method());
-    task.emplace(GraspTask::Options{}, scene, put_down, link, *tuner, *builder);
+    task.emplace(GraspTask::Options{}, scene, put_down, link, *tuner, *builder, clock);
   }
 
   // As the reply loop does.
@@ -93,7 +100,16 @@ struct GraspTaskTest : testing::Test {
     ASSERT_EQ(methods, count);
   }
 
+  // Each reading is later than the one before by `passes_ns`.
+  struct PassingClock final : Clock {
+    std::int64_t now_ns() const noexcept override { return now += passes_ns; }
+    void sleep_until_ns(std::int64_t deadline_ns) noexcept override { now = std::max(now, deadline_ns); }
+    mutable std::int64_t now = 0;
+    std::int64_t passes_ns = 20'000'000;
+  };
+
   Scene scene;
+  PassingClock clock;
   GraspLink link;
   std::optional<HapticsStep> step;
   std::optional<Grasp> grasp;
@@ -263,6 +279,26 @@ TEST_F(GraspTaskTest, ObjectsArePreparedWhileThereIsNothingElseToDoAndOnlyWhatHa
   step->offer({.sample = ++sample, .sample_time_ns = static_cast<std::int64_t>(sample) * 1'000'000, .p_WD = at});
   (void)step->answer();
   EXPECT_EQ(count(), 2);
+}
+
+TEST_F(GraspTaskTest, SaysHowLongAPickUpTookIfTheHandHadToWaitAndCountsTheTimesOfPoses) {
+  answer(at, 0);
+  go({0.0, 0.0, 0.021 - kPress}, 0);
+  const auto picked_up_in = [&](std::int64_t passes_ns) {
+    clock.passes_ns = passes_ns;
+    const std::string log = log_of([&] { rest(1, 3); });
+    EXPECT_TRUE(step->holds_tool());
+    const int next = methods + 1;
+    rest(0, 1);
+    wait_for_method(next);
+    rest(0, 200);
+    return log;
+  };
+  EXPECT_THAT(picked_up_in(190'000'000), AllOf(HasSubstr("cube is picked up"), Not(HasSubstr("took"))));
+  EXPECT_THAT(picked_up_in(300'000'000), HasSubstr("cube is picked up; its preparation took 0.3 s"));
+  EXPECT_GT(task->pose_times().count(), 2U);
+  EXPECT_NEAR(static_cast<double>(task->pose_times().max_ns()), 300e6, 1.0);
+  EXPECT_LT(static_cast<double>(task->pose_times().min_ns()), 200e6);
 }
 
 TEST_F(GraspTaskTest, WhatIsNotMovableIsNotPickedUp) {

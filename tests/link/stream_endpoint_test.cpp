@@ -8,6 +8,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <array>
+#include <cstdio>
 #include <functional>
 #include <map>
 #include <memory>
@@ -141,8 +143,14 @@ TEST(StreamEndpoint, OneTooManyIsDropped) {
 }
 
 // A caller that cannot be let in for want of a descriptor used to wake every wait at once, for ever.
+// Nor does data at another descriptor wake it meanwhile: standard output is a socket under some supervisors.
 TEST(StreamEndpoint, DoesNotSpinWhenNoDescriptorIsLeft) {
   Party server;
+  std::fflush(stdout);
+  const int output = ::dup(STDOUT_FILENO);
+  std::array<int, 2> ready = {};
+  ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM, 0, ready.data()), 0);
+  ASSERT_EQ(::write(ready[1], "x", 1), 1);
   const int caller = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   rlimit before = {};
   ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
@@ -155,11 +163,14 @@ TEST(StreamEndpoint, DoesNotSpinWhenNoDescriptorIsLeft) {
   to.sin_port = htons(server.endpoint->local_address().port);
   ASSERT_EQ(::connect(caller, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
   ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
+  ::dup2(ready[0], STDOUT_FILENO);
   SteadyClock clock;
   const std::int64_t end_ns = clock.now_ns() + 300 * kNanosecondsPerMillisecond;
   int waits = 0;
   for (; clock.now_ns() < end_ns; ++waits) server.endpoint->wait(end_ns, server);
+  ::dup2(output, STDOUT_FILENO);
   ::setrlimit(RLIMIT_NOFILE, &before);
+  for (const int each : {output, ready[0], ready[1]}) ::close(each);
   EXPECT_LT(waits, 30);
   // And it continues when there is one again.
   EXPECT_TRUE(until({&server}, [&] { return server.peers.size() == 1; }));

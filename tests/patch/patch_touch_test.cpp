@@ -182,6 +182,52 @@ TEST(PatchTouch, FollowsTheHandFromWhereTheProbeWasThen) {
   EXPECT_GT(felt_count, 500);
 }
 
+// Damping resists the motion of the hand, not the way from the proxy to the hand, which a patch that takes over goes at once.
+TEST(PatchTouch, AHandAtRestFeelsNoDampingWhereAnotherPatchTakesOver) {
+  const TouchScene scene = scene_of(made::sheet(kSheetHalf, 0.0, 10), {.stiffness_n_per_m = 1000.0, .damping_ns_per_m = 5.0});
+  PatchTouch touch;
+  (void)touch.offer(patch_of(scene, Vec3::Zero(), 1.0));
+  Vec3 hand(0.001, 0.0, 0.001);
+  for (; hand.z() > -0.002; hand.z() -= 1e-5) (void)touch.step({.p_WD = hand});
+  (void)touch.step({.p_WD = hand});
+  const auto at_rest = touch.step({.p_WD = hand});
+  ASSERT_NEAR(at_rest->force_n.z(), -1000.0 * hand.z(), 1e-6);
+  for (int n = 0; n < 3; ++n) {
+    (void)touch.take_retired();
+    (void)touch.offer(patch_of(scene, Vec3::Zero(), 1.0));
+    const auto felt = touch.step({.p_WD = hand});
+    EXPECT_EQ(touch.counts().handed_over, 2U + n);
+    EXPECT_LT((felt->force_n - at_rest->force_n).norm(), 1e-6);
+    EXPECT_LT(felt->difference_n.norm(), 1e-6);
+  }
+}
+
+// A message about a material does not say from which sides its surface is felt: the scene does.
+TEST(PatchTouch, AnotherMaterialDoesNotChangeFromWhichSidesASurfaceIsFelt) {
+  for (const bool two_sided : {false, true}) {
+    SCOPED_TRACE(two_sided);
+    const Material material{.stiffness_n_per_m = 1000.0, .two_sided = two_sided};
+    const TouchScene scene = scene_of(made::sheet(kSheetHalf, 0.0, 10), material);
+    PatchTouch touch;
+    auto patch = patch_of(scene, Vec3::Zero(), 1.0);
+    patch->objects = {0};
+    patch->materials = {material};
+    (void)touch.offer(std::move(patch));
+    Vec3 hand(0.001, 0.0, -0.001);
+    (void)touch.step({.p_WD = hand});
+    touch.use_materials({.objects = {{0, {.stiffness_n_per_m = 500.0, .two_sided = !two_sided}}}, .version = 1});
+    std::optional<PatchOutput> felt;
+    // From behind, through the sheet and back: the side of the normals is felt in any case.
+    for (; hand.z() < 0.001; hand.z() += 1e-5) felt = touch.step({.p_WD = hand});
+    felt = touch.step({.p_WD = hand});
+    EXPECT_NEAR(felt->force_n.z(), two_sided ? -500.0 * hand.z() : 0.0, 1e-6);
+    if (two_sided) continue;
+    for (; hand.z() > -0.001; hand.z() -= 1e-5) (void)touch.step({.p_WD = hand});
+    felt = touch.step({.p_WD = hand});
+    EXPECT_NEAR(felt->force_n.z(), -500.0 * hand.z(), 1e-6);
+  }
+}
+
 // No step follows more places than it may.
 TEST(PatchTouch, CatchingUpIsSpreadOverSteps) {
   LatePatches patches(500);

@@ -274,6 +274,11 @@ class LiveTest(unittest.TestCase):
         self.assertEqual(samples, sorted(set(samples)))
         self.assertNotIn(" 0 forces", system.end_io())
 
+    def test_a_time_without_an_end_is_rejected(self):
+        for seconds in (float("inf"), float("nan"), 1e10, 0.0):
+            with self.assertRaisesRegex(ValueError, "seconds is .*; give a time above 0, at most 1e.09"):
+                hapton.run_haptics_node(lambda hand: (0, 0, 0), seconds)
+
     def test_an_exception_ends_with_no_force(self):
         system = self.start()
         for force, error, word in [

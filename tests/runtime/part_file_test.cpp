@@ -1,8 +1,10 @@
 #include "runtime/part_file.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <fstream>
@@ -117,7 +119,22 @@ TEST(PartFile, WhatIsNoFileIsWrittenItself) {
   EXPECT_THAT(closed.error().what, testing::HasSubstr("No space left"));
   EXPECT_TRUE(std::filesystem::is_character_file("/dev/full"));
   EXPECT_TRUE(std::filesystem::is_symlink(link));
+}
+
+// Also where standard output is a file: renaming another one to its name would leave the program, and the shell, the file of before.
+TEST(PartFile, StandardOutputIsWrittenItself) {
+  const ScratchFolder scratch;
+  std::fflush(stdout);
+  const int output = ::dup(STDOUT_FILENO);
+  const int file = ::open((scratch.path() / "out").c_str(), O_WRONLY | O_CREAT, 0600);
+  ASSERT_GE(::dup2(file, STDOUT_FILENO), 0);
+  const auto by_name = PartPath("/dev/stdout").part();
+  const auto by_number = PartPath("/dev/fd/1").part();
+  ::dup2(output, STDOUT_FILENO);
+  EXPECT_EQ(by_name, "/dev/stdout");
+  EXPECT_EQ(by_number, "/dev/fd/1");
   EXPECT_EQ(PartPath("/dev/stdout").part(), "/dev/stdout");
+  for (const int each : {output, file}) ::close(each);
 }
 
 TEST(PartFile, AFolderOfThatNameIsOneLine) {

@@ -8,6 +8,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/file_size_limit.h"
+#include "tests/support/scratch_folder.h"
+
 namespace hapton {
 namespace {
 
@@ -40,11 +43,24 @@ TEST(StandardStreams, NoFileTakesThePlaceOfAClosedOne) {
   _exit(7);
 }
 
+// The disk is full for a while, and has room again when the rest is written. 7: that was noticed.
+[[noreturn]] void print_to_disk_that_was_full(const char* file) {
+  static char few[16];
+  if (std::freopen(file, "w", stdout) == nullptr || std::setvbuf(stdout, few, _IOFBF, sizeof few) != 0) _exit(1);
+  {
+    const FileSizeLimit full(4);
+    for (int n = 0; n < 64; ++n) std::fputc('x', stdout);
+  }
+  _exit(flush_standard_output() ? 0 : 7);
+}
+
 TEST(StandardStreams, OutputThatDoesNotArriveIsAnError) {
   EXPECT_TRUE(flush_standard_output());
   EXPECT_EXIT(print_to_full_disk(0), ExitedWithCode(0), "");
   EXPECT_EXIT(print_to_full_disk(10), ExitedWithCode(7), "the output is not complete: No space left on device");
   EXPECT_EXIT(print_to_full_disk(100'000), ExitedWithCode(7), "the output is not complete: ");
+  const ScratchFolder scratch;
+  EXPECT_EXIT(print_to_disk_that_was_full((scratch.path() / "out").c_str()), ExitedWithCode(7), "");
 }
 
 }  // namespace

@@ -89,6 +89,20 @@ TEST_F(ObjectMotion, ALoopEndsWhereItBegins) {
   EXPECT_EQ(scene->objects[0].motion->pose_at(2.0).matrix(), scene->objects[0].motion->pose_at(4.0).matrix());
 }
 
+// Numbers of a file have few digits: what differs by no more than that is the same pose, so that nothing jumps at a repetition.
+TEST_F(ObjectMotion, ALoopThatEndsNextToItsBeginningEndsThere) {
+  const std::string ways = keyframe("time_s = 0\nposition_m = [0, 0, 0]\nrotation_deg = [0, 0, 0]") +
+                           keyframe("time_s = 2\nposition_m = [0, 0.01, 0]\nrotation_deg = [0, 0, 30]");
+  const auto scene = load_object("loop = true", ways + keyframe("time_s = 4\nposition_m = [3e-7, 0, 0]\nrotation_deg = [0, 0, 1e-4]"));
+  ASSERT_TRUE(scene) << scene.error().what;
+  const std::vector<Keyframe>& keyframes = scene->objects[0].motion->keyframes();
+  EXPECT_EQ(keyframes.back().p_S, keyframes.front().p_S);
+  EXPECT_EQ(keyframes.back().turn.coeffs(), keyframes.front().turn.coeffs());
+  EXPECT_THAT(error_of("loop = true", ways + keyframe("time_s = 4\nposition_m = [0, 0, 0]\nrotation_deg = [0, 0, 1]")),
+              HasSubstr("has another pose than the first"))
+      << "turned in its place";
+}
+
 TEST_F(ObjectMotion, HalfATurnAtOnceHasNoDirection) {
   EXPECT_THAT(error_of("", keyframe("time_s = 0") + keyframe("time_s = 9\nrotation_deg = [0, 180, 0]")),
               HasSubstr("line 7: keyframe 2 of 'flap' is half a turn from the one before"));

@@ -86,6 +86,24 @@ TEST(SessionIndex, WhatWasCarvedBeforeTheRecordingIsThereFromTheBeginning) {
   EXPECT_TRUE(index.carves()[1].message.starts_anew);
 }
 
+// Serials are those of one haptics process: another one begins with 1 again.
+TEST(SessionIndex, WhatAnotherProcessSaysIsNoRepetition) {
+  const ScratchFolder scratch;
+  MadeRecording recording;
+  recording.is_carved_before = true;
+  recording.also = [&](std::uint64_t sample) {
+    if (sample == 2300) recording.receive(MadeRecording::kHaptics, ObjectMove{.source = 7, .serial = 1, .object = 2, .end_ns = 5}, sample);
+    if (sample == 3500) recording.receive(MadeRecording::kHaptics, MadeRecording::through_middle(9, 1), sample);
+  };
+  const SessionIndex index = index_of(recording.write(scratch));
+  ASSERT_EQ(index.moves().size(), 2U);
+  EXPECT_NEAR(index.moves()[1].t_s, 2.3, 0.001);
+  ASSERT_EQ(index.carves().size(), 3U);
+  EXPECT_EQ(index.carves()[0].message.carves.size(), 1U) << "made before the recording by the process before";
+  EXPECT_NEAR(index.carves()[2].t_s, 3.5, 0.001);
+  EXPECT_EQ(index.carves()[2].message.carves.size(), 1U);
+}
+
 TEST(SessionIndex, APositionIsNotFarBeforeItsTime) {
   const ScratchFolder scratch;
   const auto file = MadeRecording().write(scratch);

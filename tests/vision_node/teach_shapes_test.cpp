@@ -290,6 +290,16 @@ TEST(TeachBuilder, AnswersTheNewestRequest) {
   EXPECT_FALSE(builder.is_busy());
 }
 
+// Who waits until it is not busy has the shapes then.
+TEST(TeachBuilder, IsBusyUntilWhatWasRequestedIsThere) {
+  for (int n = 0; n < 20; ++n) {
+    TeachBuilder builder(teach_scene());
+    builder.request({TeachView::grid, 0}, teach_probe());
+    while (builder.is_busy()) std::this_thread::yield();
+    ASSERT_TRUE(builder.take_made()) << n;
+  }
+}
+
 TEST(TeachBuilder, ASceneThatCannotBePreparedSaysWhy) {
   TeachBuilder builder(TouchScene{});
   builder.request({TeachView::grid, 0}, {});

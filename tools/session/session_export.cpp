@@ -81,12 +81,13 @@ void SessionExport::add(const SessionEntry& entry, const Datagram* datagram) {
   const auto* force = std::get_if<ForceCommand>(&datagram->message);
   if (force != nullptr && entry.kind == SessionEntry::Kind::received) {
     ++rows_.forces;
-    forces_->check(
-        std::fprintf(forces_->get(), "%.9f,%llu,%.17g,%.17g,%.17g,%d,%.17g,%.17g,%.17g,%.3f,%.3f,%s,%s\n", seconds(entry.time_ns),
-                     static_cast<unsigned long long>(force->echo_sample), force->force_n.x(), force->force_n.y(), force->force_n.z(),
-                     force->contact ? 1 : 0, force->visual_offset_m.x(), force->visual_offset_m.y(), force->visual_offset_m.z(),
-                     1e-3 * static_cast<double>(entry.time_ns - force->echo_sample_time_ns), 1e-3 * static_cast<double>(force->compute_ns),
-                     object_text(force->object).c_str(), csv_names(names_, force->object).c_str()) > 0);
+    forces_->check(std::fprintf(forces_->get(), "%.9f,%llu,%.17g,%.17g,%.17g,%d,%.17g,%.17g,%.17g,%.3f,%.3f,%s,%s\n",
+                                seconds(entry.time_ns), static_cast<unsigned long long>(force->echo_sample), force->force_n.x(),
+                                force->force_n.y(), force->force_n.z(), force->contact ? 1 : 0, force->visual_offset_m.x(),
+                                force->visual_offset_m.y(), force->visual_offset_m.z(),
+                                1e-3 * static_cast<double>(ns_between(force->echo_sample_time_ns, entry.time_ns)),
+                                1e-3 * static_cast<double>(force->compute_ns), object_text(force->object).c_str(),
+                                csv_names(names_, force->object).c_str()) > 0);
   }
 }
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/base/ns_between.h"
 #include "core/base/result.h"
 #include "link/codec.h"
 #include "link/session_entry.h"
@@ -39,7 +40,7 @@ class SessionExport {
 
   void add_cycle(const SessionEntry& entry);
   void add_sample(std::uint64_t sample, std::int64_t time_ns, const Vec3& p_WD, const Quat& q_WT);
-  double seconds(std::int64_t time_ns) const { return 1e-9 * static_cast<double>(time_ns - start_ns_); }
+  double seconds(std::int64_t time_ns) const { return seconds_between(start_ns_, time_ns); }
 
   std::vector<ObjectName> names_;
   std::optional<PartFile> trajectory_;

@@ -6,6 +6,7 @@
 #include <set>
 #include <string_view>
 
+#include "core/base/ns_between.h"
 #include "haptic_step/method_text.h"
 #include "link/commanded_move.h"
 
@@ -214,7 +215,8 @@ void SessionReplay::undo_carves(std::uint32_t serial, bool is_after_lost) {
 }
 
 bool SessionReplay::has_rested(const ForceCommand& command) const {
-  return command.echo_sample_time_ns - busy_ns_ >= kForgottenNs && command.echo_sample_time_ns - rebuilt_ns_ >= kRebuildEveryNs;
+  return ns_between(busy_ns_, command.echo_sample_time_ns) >= kForgottenNs &&
+         ns_between(rebuilt_ns_, command.echo_sample_time_ns) >= kRebuildEveryNs;
 }
 
 // A device that was free then is free now: from here on nothing earlier matters. Effects remember more: time, velocity.
@@ -375,7 +377,7 @@ void SessionReplay::step_lost(const ForceCommand& before) {
     const bool is_before_the_recording = states_.empty() || before.echo_sample - back < states_.begin()->first;
     if (last_sample_ == 0 && is_before_the_recording) continue;
     if (const auto state = states_.find(before.echo_sample - back); last_sample_ == 0 && state != states_.end()) {
-      step_->set_scene_time(before.scene_time_ns - (before.echo_sample_time_ns - state->second.sample_time_ns));
+      step_->set_scene_time(ns_between(ns_between(state->second.sample_time_ns, before.echo_sample_time_ns), before.scene_time_ns));
     }
     if (step(before.echo_sample - back)) ++counts_.lost_answers;
   }
@@ -418,9 +420,9 @@ void SessionReplay::compare(const ForceCommand& recorded, const ForceCommand& re
   ++counts_.different;
   counts_.max_difference_n = std::max(counts_.max_difference_n, (recorded.force_n - replayed.force_n).norm());
   if (!counts_.first_difference.empty()) return;
-  counts_.first_difference = fmt::format("sample {}, {:.6f} s after the first: recorded force {} N, replayed {} N", recorded.echo_sample,
-                                         1e-9 * static_cast<double>(recorded.echo_sample_time_ns - first_time_ns_),
-                                         text_of(recorded.force_n), text_of(replayed.force_n));
+  counts_.first_difference =
+      fmt::format("sample {}, {:.6f} s after the first: recorded force {} N, replayed {} N", recorded.echo_sample,
+                  seconds_between(first_time_ns_, recorded.echo_sample_time_ns), text_of(recorded.force_n), text_of(replayed.force_n));
 }
 
 }  // namespace hapton

@@ -94,7 +94,7 @@ void SessionSummary::add_force(std::uint64_t sender, const ForceCommand& force, 
   first_shapes_.add(sender, force);
   contact_ += force.contact ? 1 : 0;
   max_force_n_ = std::max(max_force_n_, force.force_n.norm());
-  round_trip_.record(time_ns - force.echo_sample_time_ns);
+  round_trip_.record(ns_between(force.echo_sample_time_ns, time_ns));
 }
 
 RecordedCarves SessionSummary::carves() const {
@@ -142,12 +142,12 @@ std::string SessionSummary::to_text(const SessionHeader& header) const {
     text += "\n";
   }
   for (const Fault& fault : faults_) {
-    text += fmt::format("fault at {:.6f} s: {}\n", 1e-9 * static_cast<double>(fault.time_ns - header.start_ns), to_string(fault.fault));
+    text += fmt::format("fault at {:.6f} s: {}\n", seconds_between(header.start_ns, fault.time_ns), to_string(fault.fault));
   }
   for (const auto& [fault, count] : fault_counts_) text += fmt::format("faults: {} {}\n", count, to_string(fault));
   for (const Marker& marker : markers_) {
-    text += fmt::format("marker at {:.6f} s, sample {}: {}\n", 1e-9 * static_cast<double>(marker.time_ns - header.start_ns), marker.sample,
-                        marker.text);
+    text +=
+        fmt::format("marker at {:.6f} s, sample {}: {}\n", seconds_between(header.start_ns, marker.time_ns), marker.sample, marker.text);
   }
   if (marker_count_ > 0) text += fmt::format("markers: {}\n", marker_count_);
   if (lost_samples_ > 0) text += fmt::format("missing in the recording: {} samples in {} gaps\n", lost_samples_, gaps_);

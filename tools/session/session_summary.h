@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/ns_between.h"
 #include "link/codec.h"
 #include "link/session_entry.h"
 #include "runtime/latency_histogram.h"
@@ -50,7 +51,7 @@ class SessionSummary {
   };
 
   void add_force(std::uint64_t sender, const ForceCommand& force, std::int64_t time_ns);
-  double seconds() const { return 1e-9 * static_cast<double>(last_ns_ - first_ns_); }
+  double seconds() const { return seconds_between(first_ns_, last_ns_); }
 
   std::uint64_t entries_ = 0;
   std::int64_t first_ns_ = 0;

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
+#include <cstdint>
 
 namespace hapton {
 namespace {
@@ -19,12 +19,17 @@ TEST(VisitStamps, EachItemIsNewOnceAQuery) {
   }
 }
 
-TEST(VisitStamps, ForgetsNothingWhenTheStampRunsOver) {
-  VisitStamps stamps(2, std::numeric_limits<std::uint32_t>::max() - 1);
-  for (int query = 0; query < 4; ++query) {
+// With so few stamps that they are used up several times: item k is visited in every k-th query only.
+TEST(VisitStamps, ForgetsNothingWhenTheStampsAreUsedUp) {
+  constexpr std::uint32_t kItems = 300;
+  VisitStampsOf<std::uint8_t> stamps(kItems + 1);
+  for (std::uint32_t query = 0; query < 1000; ++query) {
     stamps.start();
-    EXPECT_TRUE(stamps.first_visit(0)) << query;
-    EXPECT_FALSE(stamps.first_visit(0)) << query;
+    for (std::uint32_t item = 1; item <= kItems; ++item) {
+      if (query % item != 0) continue;
+      ASSERT_TRUE(stamps.first_visit(item)) << item << " in query " << query;
+      ASSERT_FALSE(stamps.first_visit(item)) << item << " in query " << query;
+    }
   }
 }
 

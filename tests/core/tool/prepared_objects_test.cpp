@@ -144,6 +144,22 @@ TEST(PreparedObjects, AToolOutlivesWhatItWasPreparedFrom) {
   expect_same_bits(follow_path(*kept), expected);
 }
 
+// How many triangles an object may have, once its cracks are sealed, is the same for all of them.
+TEST(PreparedObjects, AreAllPreparedAgainWhereOneHasManyMoreTriangles) {
+  PreparedObjects objects(make_objects());
+  const auto prepare_all = [&] {
+    int prepared = 0;
+    while (objects.prepare_next()) ++prepared;
+    return prepared;
+  };
+  EXPECT_EQ(prepare_all(), 3);
+  for (const int cells : {40, 2}) {
+    objects.replace(kHeldCube,
+                    std::make_shared<TriangleMesh>(scaled_and_moved(make_box({0.02, 0.02, 0.02}, cells), 1.0, {0.0, 0.0, 0.011})));
+    EXPECT_EQ(prepare_all(), 3) << cells;
+  }
+}
+
 TEST(PreparedObjects, TheFrameStaysWhereTheSceneSuitsItAndElseAllIsPreparedAgain) {
   const Meshes meshes = make_objects();
   PreparedObjects objects(meshes);

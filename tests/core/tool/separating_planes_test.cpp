@@ -151,6 +151,27 @@ TEST_F(SeparatingPlanesTest, NoGapIsLargerThanTheDistanceOfTheBoxes) {
   EXPECT_GT(positive, 5000);
 }
 
+// A small box far from the grip point moves on an arc, whose middle is nearer than both of its ends.
+TEST_F(SeparatingPlanesTest, TheGapOfATurnIsNoLargerThanTheDistanceInItsMiddle) {
+  for (const double angle : {0.01, 0.1, 0.5}) {
+    SCOPED_TRACE(angle);
+    SeparatingPlanes planes(kPairs, 1.001);
+    const RigidMotion motion{{Vec3::Zero(), turn_by(-0.5 * angle * Vec3::UnitZ())}, Vec3::Zero(), angle * Vec3::UnitZ()};
+    planes.restart(motion.from);
+    planes.begin(SweptMotion(motion), 0.0);
+    Node tool = draw_box(Vec3::UnitX(), 0.0);
+    for (float& half : tool.half) half = 1e-6F;
+    const double sagitta = 1.0 - std::cos(0.5 * angle);
+    const Node scene = draw_box((1.2 + 2.0 * sagitta) * Vec3::UnitX(), 0.1);
+    planes.put(0, -Vec3::UnitX(), tool, scene);
+    const SeparatingPlanes::Gaps gaps = planes.find_gaps(0);
+    const double middle = -BoxInScene(scene, {}).highest(-Vec3::UnitX()) - BoxInScene(tool, motion.at(0.5)).highest(Vec3::UnitX());
+    EXPECT_LE(gap_of(gaps.over, 0), middle);
+    EXPECT_GT(gap_of(gaps.over, 0), 0.0F);
+    EXPECT_GT(gap_of(gaps.start, 0), gap_of(gaps.over, 0) + static_cast<float>(0.9 * sagitta)) << "there is no arc to speak of";
+  }
+}
+
 // Where the boxes are, and after small motions of the tool.
 TEST_F(SeparatingPlanesTest, AGapIsTheDistanceAlongTheNormal) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);

@@ -62,6 +62,37 @@ TEST_F(SculptExportTest, TheHoleIsInEveryFormat) {
   }
 }
 
+// One above the other: a carve goes through both, and is of one.
+TEST_F(SculptExportTest, TwoBodiesAreInOneFileEachWithItsOwnCarves) {
+  const std::string slab = "[[object]]\nmesh = \"slab.obj\"\nsculpt = true\nvoxel_mm = 1\n";
+  const std::string two =
+      folder.write("two.toml", slab + "name = \"upper\"\n\n" + slab + "name = \"lower\"\nposition_m = [0, 0, -0.04]\n").string();
+  const auto press = [](std::int32_t object, double x) {
+    return CarvedPress{
+        .object = object, .radius_m = 0.005F, .carves = {{.from_m = Vec3(x, 0, 0.02), .to_m = Vec3(x, 0, -0.06), .radius_m = 0.005F}}};
+  };
+  Annotations notes;
+  notes.objects = {"upper", "lower"};
+  notes.carved = {press(1, -0.015), press(0, 0.015)};
+  const std::string file = folder.write("two-notes.toml", write_annotations(notes, load_scene(two)->given_hash)).string();
+  const CommandRun run = run_hapton({"sculpt", two, "--annotations", file, "--out", out("two.ply")});
+  ASSERT_EQ(run.code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("2 carves of 2 objects"));
+  const auto read = load_mesh_file(out("two.ply"));
+  ASSERT_TRUE(read) << read.error().what;
+  const TriangleMesh& mesh = read->mesh;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (int k = 0; k < 3; ++k) ASSERT_LT((mesh.corner(t, k) - mesh.corner(t, (k + 1) % 3)).norm(), 0.005) << "a triangle of both";
+  }
+  const auto has_hole = [&](double x, double top) {
+    return std::ranges::none_of(mesh.vertices, [&](const Vec3& v) { return (v - Vec3(x, 0, top)).norm() < 0.004; });
+  };
+  EXPECT_TRUE(has_hole(0.015, 0.01));
+  EXPECT_FALSE(has_hole(-0.015, 0.01));
+  EXPECT_FALSE(has_hole(0.015, -0.03));
+  EXPECT_TRUE(has_hole(-0.015, -0.03));
+}
+
 TEST_F(SculptExportTest, OnAFullDiskThereIsOneLineAndNoFile) {
   const std::size_t files = static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder.path()), {}));
   CommandRun run;

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -109,6 +110,22 @@ TEST_F(ExportTest, ForcesHaveTheirRoundTripAndTheNamesOfWhatTheyTouch) {
                 "t_s,sample,fx_n,fy_n,fz_n,contact,offset_x_m,offset_y_m,offset_z_m,round_trip_us,compute_us,object,object_name,material",
                 numbers + "1" + rest + "1,\"a, \"\"b\"\"\",clay", numbers + "0" + rest + ",,", numbers + "1" + rest + "7,,"}));
   EXPECT_EQ(exported.rows().forces, 3U);
+}
+
+TEST_F(ExportTest, TimesOfAHostileFileDoNoHarm) {
+  ForceCommand force = force_of(5);
+  force.echo_sample_time_ns = std::numeric_limits<std::int64_t>::max();
+  const auto [entry, datagram] = arrival_of(force, std::numeric_limits<std::int64_t>::min());
+  exported.add(entry, &datagram);
+  SessionEntry cycle = cycle_of(6);
+  cycle.cycle.device->time_ns = std::numeric_limits<std::int64_t>::min();
+  exported.add(cycle, nullptr);
+  ASSERT_TRUE(exported.close());
+  const auto forces = lines_of(folder / "forces.csv");
+  ASSERT_EQ(forces.size(), 2U);
+  EXPECT_EQ(forces[1].substr(0, 23), "-9223372036.854776382,5") << "as early as a number of nanoseconds can say";
+  EXPECT_NE(forces[1].find(",-9223372036854776.000,"), std::string::npos);
+  EXPECT_EQ(lines_of(folder / "trajectory.csv").at(1).substr(0, 21), "-9223372036.854776382");
 }
 
 TEST_F(ExportTest, AFolderThatCannotBeMadeIsOneLine) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <string>
 
 namespace hapton {
@@ -93,6 +94,24 @@ TEST_F(SessionSummaryTest, SaysWhatWasFelt) {
   add_cycle(11, {.sample = 2, .written_n = Vec3(1, 0, 0)});
   EXPECT_THAT(text(), HasSubstr("forces: 1 in contact, maximum requested 5.000 N, maximum written 2.000 N\n"));
   EXPECT_THAT(text(), HasSubstr("max 2000.0 us, n 2\n")) << "from the sample to its force";
+}
+
+TEST_F(SessionSummaryTest, TimesOfAHostileFileDoNoHarm) {
+  constexpr std::int64_t kFirst = std::numeric_limits<std::int64_t>::min();
+  constexpr std::int64_t kLast = std::numeric_limits<std::int64_t>::max();
+  for (const std::int64_t time_ns : {kFirst, kLast}) {
+    SessionEntry entry;
+    entry.kind = SessionEntry::Kind::received;
+    entry.time_ns = time_ns;
+    const Datagram datagram{{}, ForceCommand{.echo_sample_time_ns = -time_ns / 2 - time_ns / 3}};
+    summary.add(entry, &datagram);
+  }
+  add_fault(0, SessionFault::clamped);
+  add_marker(0, 1, "here");
+  EXPECT_THAT(text(), HasSubstr("max 9223372036854776.0 us, n 2\n")) << "the longest that a number of nanoseconds can say";
+  header.start_ns = kFirst;
+  EXPECT_THAT(text(), HasSubstr("fault at 9223372036.854776 s"));
+  EXPECT_THAT(text(), HasSubstr("marker at 9223372036.854776 s"));
 }
 
 // No reply has them, so nobody finds them among the forces that a replay compares.

@@ -122,6 +122,28 @@ TEST(SweptMotion, ALongSlantedPathTestsFewOfTheTrianglesInItsBox) {
   EXPECT_LE((stage.position() - Vec3(0.45, 0.45, 0.05)).norm(), 0x1p-24);  // error of a normal at the contact offset, times the path
 }
 
+// Five fine sheets, each close under the one before: a piece of a path holds thousands of triangles, and the first that are tested are of
+// any sheet.
+TEST(SweptMotion, TheFirstOfManySheetsHoldsIt) {
+  TriangleMesh sheets;
+  for (int n = 0; n < 5; ++n) sheets = joined(sheets, scaled_and_moved(make_plane_grid(1.0, 60), 1.0, Vec3(0.0, 0.0, -0.002 * n)));
+  SweptStage stage(sheets);
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> unit(-0.45, 0.45);
+  for (int i = 0; i < 60; ++i) {
+    stage.put(Vec3(unit(random), unit(random), 0.02));
+    const Vec3 to(unit(random), unit(random), -0.05);
+    for (int n = 0; n < 20; ++n) {
+      stage.move(to);
+      ASSERT_GE(stage.position().z(), 0.0) << "path " << i;
+      for (int a = 0; a < stage.proxy.contact_count; ++a) {
+        for (int b = 0; b < a; ++b) ASSERT_NE(stage.proxy.contacts[a].triangle, stage.proxy.contacts[b].triangle) << "path " << i;
+      }
+    }
+    ASSERT_LE((stage.position() - Vec3(to.x(), to.y(), 0.0)).norm(), 1e-6) << "path " << i;
+  }
+}
+
 class SweptMotionInSoup : public testing::TestWithParam<unsigned> {};
 
 // Random triangles that cross and touch each other: nothing else keeps the proxy off them.

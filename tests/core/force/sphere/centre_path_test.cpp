@@ -308,6 +308,24 @@ TEST_F(FindBlock, WhatOnlyGrazesPasses) {
   }
 }
 
+// Over the middle of a face, from a start in parallel to it: down, and up again before the end.
+TEST_F(FindBlock, APathThatBendsDownAndUpBlocksWhereItComesTooNear) {
+  for (int i = 0; i < 300; ++i) {
+    const ContactTriangle shape = triangle(0);
+    const double gap = 0.3 * kClearance.slop;
+    const double wanted = i % 3 == 0 ? 0.6 * kClearance.slop : i % 3 == 1 ? 1.5 * kClearance.slop : positive(1e-6, 1e-4);
+    const Vec3 from = (shape.corner(0) + shape.corner(1) + shape.corner(2)) / 3.0 + (kClearance.offset + gap) * shape.normal();
+    const Vec3 along = 0.01 * shape.edge(i % 3);
+    // The height is a (t^3 - t^2) above the start: 4 a / 27 below it at its lowest.
+    const CentrePath path = CentrePath::curved(from, from + along, along, along + 27.0 / 4.0 * wanted * shape.normal());
+    int tests = 0;
+    const CentrePath::Block block = path.find_block(shape, kClearance, 0U, path.prefix(1.0), tests);
+    EXPECT_EQ(block.hits, i % 3 != 0) << "path " << i;
+    check(path, shape, 0U, 1.0);
+    if (HasFailure()) FAIL() << "path " << i;
+  }
+}
+
 TEST_F(FindBlock, ACornerThatGuidesThePathNeverBlocks) {
   int over_corner = 0;
   int into_face = 0;
