@@ -286,8 +286,33 @@ bool SphereFollower::pass_corner(const Vec3& target, double wide) noexcept {
               (at.feature != Feature::face || at.normal.dot(target - apex) > 0.0) &&
               (cone_.is_around_start() || geometry_.pierce(near_.triangle(slot), centre_, target).time > 1.0);
   });
-  if (is_free) centre_ = target;
-  return is_free;
+  if (!is_free || is_beyond_surface(target, within)) return false;
+  centre_ = target;
+  return true;
+}
+
+// Where the surface around the corner is closed and oriented, a target is on its other side if the way there does not cross it as often in
+// as out. Triangles smaller than the sphere are no sides of the cone, so its boundary may lead through them. False: it may also have an end
+// there.
+bool SphereFollower::is_beyond_surface(const Vec3& target, double within) noexcept {
+  const Vec3& apex = cone_.apex();
+  bool is_closed = true;
+  int balance = 0;
+  near_.visit_near(apex, apex, within, [&](int slot) {
+    const ContactTriangle& shape = near_.shape(slot);
+    if (!is_closed || shape.separation(apex).distance > within) return;
+    const std::uint32_t id = near_.triangle(slot);
+    is_closed = materials_[geometry_.mesh_of(id)].two_sided;
+    for (int k = 0; k < 3 && is_closed; ++k) {
+      const TouchGeometry::Adjacent beside = geometry_.adjacent(id, k);
+      if (beside.exists && !beside.flips) continue;
+      const Vec3 nearest = shape.corner(k) + std::clamp(shape.along(k, apex), 0.0, 1.0) * shape.edge(k);
+      is_closed = (nearest - apex).norm() > within;
+    }
+    const TouchGeometry::Hit hit = geometry_.pierce(id, centre_, target);
+    if (hit.time <= 1.0) balance += hit.from_back ? 1 : -1;
+  });
+  return is_closed && balance != 0;
 }
 
 // Around the corner, a little above the faces of its boundary, to the direction that leads on.
