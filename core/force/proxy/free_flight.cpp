@@ -106,13 +106,13 @@ Vec3 FreeFlight::clear_of_surfaces(const Vec3& p, double farthest) noexcept {
   return is_in_the_way ? p : clear;
 }
 
-Vec3 FreeFlight::off_surface(const Vec3& p) const noexcept {
+Vec3 FreeFlight::off_surface(const Vec3& p, double least) const noexcept {
   constexpr int kMostFaces = 8;  // at an edge or vertex, each face in turn
   const TouchGeometry& geometry = surfaces_.geometry();
   Vec3 off = p;
   for (int i = 0; i < kMostFaces; ++i) {
     std::uint32_t nearest = 0;
-    double bound = clearance_.offset * clearance_.offset;
+    double bound = least * least;
     bool any = false;
     geometry.visit_nearest(off, bound, [&](std::uint32_t triangle, double) {
       const double d = geometry.separation(triangle, off).distance;
@@ -127,7 +127,7 @@ Vec3 FreeFlight::off_surface(const Vec3& p) const noexcept {
     const Vec3& a = geometry.corner(nearest, 0);
     const Vec3 normal = accurate_cross(geometry.corner(nearest, 1) - a, geometry.corner(nearest, 2) - a);
     const double length = normal.norm();
-    off += (2.0 * clearance_.offset) * (length > 0.0 ? Vec3(normal / length) : geometry.separation(nearest, off).normal);
+    off += (2.0 * least) * (length > 0.0 ? Vec3(normal / length) : geometry.separation(nearest, off).normal);
   }
   return off;
 }

@@ -26,8 +26,8 @@ class FreeFlight {
   // itself if that would be farther than `farthest`.
   Vec3 clear_of_surfaces(const Vec3& p, double farthest) noexcept;
 
-  // A point placed exactly on a surface takes the side that the triangle's vertex order shows.
-  Vec3 off_surface(const Vec3& p) const noexcept;
+  // A position nearer to a surface than `least` takes the side that the triangle's vertex order shows, farther off than that.
+  Vec3 off_surface(const Vec3& p, double least) const noexcept;
 
  private:
   bool is_seen_from(const Vec3& p, const Vec3& to, std::uint32_t id, bool back, const Vec3& hit) noexcept;

@@ -67,7 +67,8 @@ Clearance ProxyMethod::clearance_of(const MethodSettings& settings, double unit_
 
 void ProxyMethod::reset(const Vec3& p_SD) noexcept {
   resume(p_SD);
-  if (is_point_ && has_sample_) proxy_.position = flight_.off_surface(proxy_.position);
+  if (!is_point_ || !has_sample_) return;
+  proxy_.position = flight_.off_surface(proxy_.position, kContactOffset);
   last_device_ = proxy_.position;
 }
 
@@ -91,6 +92,8 @@ void ProxyMethod::resume(const Vec3& p_SP) noexcept {
   has_sample_ = p_SP.allFinite();
   proxy_.settle_at(within_limits(geometry_.to_local(p_SP)));
   geometry_.place_probe(proxy_.position);
+  // On an edge or a vertex, no direction leads away from the surface for a sphere.
+  if (!is_point_ && has_sample_) proxy_.position = flight_.off_surface(proxy_.position, kContactOffset);
   last_device_ = proxy_.position;
 }
 

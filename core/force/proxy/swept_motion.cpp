@@ -9,6 +9,9 @@ namespace {
 
 constexpr double kLongestMotion = 4.0;    // local units: twice the scene's size
 constexpr double kFarthestGoal = 0x1p10;  // local units: a device farther out would cost significant digits
+constexpr double kFirstPiece = 0x1p-6;    // of a motion
+constexpr double kGrowth = 4.0;           // from one piece to the next
+constexpr int kMostTests = 128;           // triangles in the box of a piece; if there are more, it is cut
 
 // Limits a motion to the length that crosses the scene.
 Vec3 shortened(const Vec3& motion) {
@@ -40,6 +43,10 @@ bool SweptMotion::descend(ProxyState& proxy, const Vec3& device, int most_work) 
     idle = distance < nearest - kRounding ? 0 : idle + 1;
     nearest = std::min(nearest, distance);
     if (idle > kMostIdle && proxy.contact_count > 0) {  // moving back and forth within the slop of the clearance
+      if (is_too_near(proxy) && shrink_to_room(proxy.position)) {
+        idle = 0;
+        continue;
+      }
       proxy.active_count = 1;
       proxy.multipliers[0] = distance;
       return true;
@@ -93,20 +100,25 @@ bool SweptMotion::cross_empty_space(ProxyState& proxy, const Vec3& device) const
 }
 
 // Contacts that are too near lift the proxy. Where they leave no room for that, as in a slit narrower than the probe, it is as small as the
-// room.
+// room. Between walls that are parallel within rounding, planes with no room between them meet far away.
 ConstrainedMotion SweptMotion::next_motion(const ProxyState& proxy, const Vec3& goal) noexcept {
-  bool is_too_near = false;
+  constexpr double kFarthestLift = 8.0;  // offsets
   const auto constrain = [&] {
     for (int i = 0; i < proxy.contact_count; ++i) {
       const Separation& s = proxy.contacts[i].separation;
       planes_[i] = {s.normal, keep_.offset - s.distance};
-      is_too_near |= planes_[i].height > 2.0 * keep_.slop;
     }
     return constrain_motion(goal, std::span<const ContactPlane>(planes_.data(), static_cast<std::size_t>(proxy.contact_count)));
   };
   const ConstrainedMotion constrained = constrain();
-  if (constrained.solved || !is_too_near || !shrink_to_room(proxy.position)) return constrained;
+  const bool has_room = constrained.solved && constrained.motion.norm() <= goal.norm() + kFarthestLift * keep_.offset;
+  if (has_room || !is_too_near(proxy) || !shrink_to_room(proxy.position)) return constrained;
   return constrain();
+}
+
+bool SweptMotion::is_too_near(const ProxyState& proxy) const noexcept {
+  return std::any_of(proxy.contacts.begin(), proxy.contacts.begin() + proxy.contact_count,
+                     [&](const ProxyContact& contact) { return keep_.offset - contact.separation.distance > 2.0 * keep_.slop; });
 }
 
 double SweptMotion::find_room(const Vec3& p) noexcept {
@@ -119,11 +131,11 @@ double SweptMotion::find_room(const Vec3& p) noexcept {
   return room;
 }
 
-// False: the centre is on a surface.
+// False: the centre is on a surface, or the proxy is as small already.
 bool SweptMotion::shrink_to_room(const Vec3& p) noexcept {
   const double room = find_room(p);
-  if (room <= 2.0 * keep_.slop) return false;
-  keep_.offset = std::min(keep_.offset, room);
+  if (room <= 2.0 * keep_.slop || room >= keep_.offset) return false;
+  keep_.offset = room;
   return true;
 }
 
@@ -192,12 +204,9 @@ bool SweptMotion::advance(ProxyState& proxy, const Vec3& motion) noexcept {
 }
 
 // The first time at which the moving proxy must stop; above 1: never. A long path is searched in growing pieces, because a blocker is
-// mostly near the start; a piece whose box holds many triangles is cut, because most of them are far from the path. Out of work, the proxy
-// stops at the end of a piece.
+// mostly near the start; a piece whose box holds many triangles is cut, because most of them are far from the path, or because the probe
+// reaches as many at the start. Out of work, the proxy stops at the end of a piece.
 double SweptMotion::sweep(ProxyState& proxy, const Vec3& motion) noexcept {
-  constexpr double kFirstPiece = 0x1p-6;
-  constexpr double kGrowth = 4.0;
-  constexpr int kMostTests = 128;
   constexpr int kFewTests = 16;
   constexpr int kMostCuts = 4;
   ++counters_.sweeps;
@@ -213,8 +222,9 @@ double SweptMotion::sweep(ProxyState& proxy, const Vec3& motion) noexcept {
     if (first <= end && tests >= 0) return first;
     blocker_count_ = 0;
     if (tests < 0) {
-      ++cuts;
-      piece = (end - done) / kGrowth;
+      const double crowded = cuts == 0 ? find_crowded_piece(from, motion, done) : 0.0;
+      cuts = crowded > 0.0 ? kMostCuts : cuts + 1;
+      piece = crowded > 0.0 ? crowded : (end - done) / kGrowth;
       continue;
     }
     done = end;
@@ -222,6 +232,25 @@ double SweptMotion::sweep(ProxyState& proxy, const Vec3& motion) noexcept {
     if (cuts == 0 || most_tests - tests <= kFewTests) piece *= kGrowth;
   }
   return kNever;
+}
+
+// Where the probe reaches more than kMostTests triangles without moving, short pieces hold no fewer: the longest piece that holds few
+// others. 0: it does not.
+double SweptMotion::find_crowded_piece(const Vec3& from, const Vec3& motion, double begin) const noexcept {
+  constexpr double kFewOthers = 1.25;
+  const auto count_until = [&](double end, int most) {
+    int count = 0;
+    const Box path = Box::around(from + begin * motion, from + end * motion).inflated(keep_.offset);
+    surfaces_.geometry().for_each_overlapping(path, [&](std::uint32_t) { return ++count <= most; });
+    return count;
+  };
+  const int here = count_until(begin, std::numeric_limits<int>::max());
+  if (here <= kMostTests) return 0.0;
+  const int most = static_cast<int>(kFewOthers * here);
+  for (double piece = 1.0 - begin; piece > kFirstPiece / kGrowth; piece /= kGrowth) {
+    if (count_until(begin + piece, most) <= most) return piece;
+  }
+  return 0.0;
 }
 
 // The first block on a piece of the motion, and what blocks there. `tests`: loses the number of triangles tested; negative: there were

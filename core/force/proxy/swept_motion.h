@@ -56,6 +56,7 @@ class SweptMotion {
   };
 
   bool cross_empty_space(ProxyState& proxy, const Vec3& device) const noexcept;
+  bool is_too_near(const ProxyState& proxy) const noexcept;
   ConstrainedMotion next_motion(const ProxyState& proxy, const Vec3& goal) noexcept;
   double find_room(const Vec3& p) noexcept;
   bool shrink_to_room(const Vec3& p) noexcept;
@@ -66,6 +67,7 @@ class SweptMotion {
   static void bring_active_first(ProxyState& proxy, const ConstrainedMotion& held) noexcept;
   bool advance(ProxyState& proxy, const Vec3& motion) noexcept;
   double sweep(ProxyState& proxy, const Vec3& motion) noexcept;
+  double find_crowded_piece(const Vec3& from, const Vec3& motion, double begin) const noexcept;
   double find_blockers(ProxyState& proxy, const Vec3& from, const Vec3& motion, double begin, double end, int& tests) noexcept;
   void note_grazed(ProxyState& proxy, const Separation& at, std::uint32_t triangle) const noexcept;
   void note_blocker(std::uint32_t triangle, double t) noexcept;

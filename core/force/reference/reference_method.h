@@ -64,8 +64,8 @@ class ReferenceMethod final : public ForceMethod {
 
   // Puts the proxy at p_SP with the device at p_SD and lets it settle without friction: tells whether p_SP was a local minimum. A proxy on
   // a face, however near to its boundary, counts as on the face. Pre: p_SP is not within rounding of a surface whose side matters; a proxy
-  // at a minimum on a surface is fine.
-  MethodOutput settle_from(const Vec3& p_SP, const Vec3& p_SD) noexcept;
+  // at a minimum on a surface is fine. It need not settle once it is nearer to the device than `near_enough_m`.
+  MethodOutput settle_from(const Vec3& p_SP, const Vec3& p_SD, double near_enough_m = 0.0) noexcept;
 
   void set_materials(std::span<const Material> materials) noexcept override { proxy_->set_materials(materials); }
   // Continues from another method's state: its proxy at rest at p_SP, with the device at p_SD; `sliding`: the proxy was sliding under

@@ -83,7 +83,8 @@ void ReferenceProxy::follow(const Vec3& device_from, const Vec3& device_to, cons
   rules_ = rules;
   drag(device_from, device_to);
   descend(device_to);
-  for (int i = 0; i < kMostEscapes && escape(device_to); ++i) ++counters_.escapes;
+  const auto is_near_enough = [&] { return (device_to - state_.position).norm() < rules_.near_enough; };
+  for (int i = 0; i < kMostEscapes && !is_near_enough() && escape(device_to); ++i) ++counters_.escapes;
   state_.free = state_.position == device_to && state_.contacts.empty();
   if (state_.free) state_.sliding = false;
 }
@@ -121,6 +122,7 @@ void ReferenceProxy::descend(const Vec3& device) noexcept {
     update_contacts();
     if (state_.contacts.empty() && cross_free_space(device)) break;
     const double distance = (device - state_.position).norm();
+    if (distance < rules_.near_enough) break;
     idle = distance < nearest - kIdleGain ? 0 : idle + 1;
     nearest = std::min(nearest, distance);
     const Pull pull = project_pull(device - state_.position);

@@ -46,6 +46,7 @@ class ReferenceProxy {
     // Where a local minimum ends, the proxy follows the steepest path over the surface to the next. False: it may fly straight over convex
     // edges to some other minimum; never with friction.
     bool keeps_to_surface = true;
+    double near_enough = 0.0;  // local units: it ends as soon as it is nearer to the device than that
   };
   struct Counters {
     std::uint64_t substeps = 0;      // with triangles nearby

@@ -286,8 +286,50 @@ bool SphereFollower::pass_corner(const Vec3& target, double wide) noexcept {
               (at.feature != Feature::face || at.normal.dot(target - apex) > 0.0) &&
               (cone_.is_around_start() || geometry_.pierce(near_.triangle(slot), centre_, target).time > 1.0);
   });
-  if (is_free) centre_ = target;
-  return is_free;
+  if (!is_free || is_beyond_surface(target, within)) return false;
+  centre_ = target;
+  return true;
+}
+
+// Where the surface around the corner is closed and oriented, a target is on its other side if the way there does not cross it as often in
+// as out. Triangles smaller than the sphere are no sides of the cone, so its boundary may lead through them. False: it may also have an end
+// there. Edges without an adjacent triangle that run to and fro, within what counts as a closed crack, are no end: they are left where
+// needles were removed (touch_resolution.h).
+bool SphereFollower::is_beyond_surface(const Vec3& target, double within) noexcept {
+  const Vec3& apex = cone_.apex();
+  Vec3 gap = Vec3::Zero();
+  Vec3 area = Vec3::Zero();
+  bool is_two_sided = true;
+  int balance = 0;
+  near_.visit_near(apex, apex, within, [&](int slot) {
+    const ContactTriangle& shape = near_.shape(slot);
+    if (shape.separation(apex).distance > within) return;
+    const std::uint32_t id = near_.triangle(slot);
+    is_two_sided &= materials_[geometry_.mesh_of(id)].two_sided;
+    for (int k = 0; k < 3; ++k) {
+      const TouchGeometry::Adjacent beside = geometry_.adjacent(id, k);
+      if (beside.exists && !beside.flips) continue;
+      const Span part = part_within(shape, k, apex, within);
+      const Vec3 from = shape.corner(k) - apex + part.begin * shape.edge(k);
+      const Vec3 along = (part.end - part.begin) * shape.edge(k);
+      gap += along;
+      area += 0.5 * from.cross(along);
+    }
+    const TouchGeometry::Hit hit = geometry_.pierce(id, centre_, target);
+    if (hit.time <= 1.0) balance += hit.from_back ? 1 : -1;
+  });
+  const double crack = kThrough * clearance_.offset;
+  return balance != 0 && is_two_sided && gap.norm() <= crack && area.norm() <= crack * within;
+}
+
+// The shares of edge k between which it is that near to p; an empty span if it is nowhere.
+SphereFollower::Span SphereFollower::part_within(const ContactTriangle& shape, int k, const Vec3& p, double within) {
+  const double middle = shape.along(k, p);
+  const double squared = within * within - (shape.corner(k) + middle * shape.edge(k) - p).squaredNorm();
+  if (!(squared > 0.0) || !(shape.length(k) > 0.0)) return {0.0, 0.0};
+  const double half = std::sqrt(squared) / shape.length(k);
+  const double begin = std::clamp(middle - half, 0.0, 1.0);
+  return {begin, std::max(begin, std::min(1.0, middle + half))};
 }
 
 // Around the corner, a little above the faces of its boundary, to the direction that leads on.

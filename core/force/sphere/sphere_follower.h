@@ -316,6 +316,8 @@ class SphereFollower {
   double distance_off_edge(const TangentCone::Steepest& to) const noexcept;
   std::optional<Vec3> find_past_corner(const TangentCone::Steepest& to, double wide) const noexcept;
   bool pass_corner(const Vec3& target, double wide) noexcept;
+  bool is_beyond_surface(const Vec3& target, double within) noexcept;
+  static Span part_within(const ContactTriangle& shape, int k, const Vec3& p, double within);
   bool fly_around_corner(const TangentCone::Steepest& to, double wide, bool ahead) noexcept;
   bool fly_over(const Vec3& displacement, double height) noexcept;
   template <class Go>

@@ -16,6 +16,7 @@ struct Episode {
   std::uint64_t number;
   double scale = 1.0;
   const char* body = nullptr;  // its name, which is part of the seed; null: the mesh
+  double probe_share = 0.0;
 };
 
 class StressOnMeshes : public ::testing::TestWithParam<Episode> {};
@@ -25,6 +26,7 @@ class StressOnMeshes : public ::testing::TestWithParam<Episode> {};
 // of its corner began where the corner was found, not where the point was (23), or its border did not close (1), or the descent from there
 // was a long one (17). Or a sheet passed that corner behind the point, which seemed to be on the sheet's other side (329). Or a contact at
 // an edge in a slit was turned away from the face that the point is over (22, 15).
+// A sphere of 1 % was held for good where it was put exactly on an edge (nist_pump_assembly).
 TEST_P(StressOnMeshes, HasNoFault) {
   const Episode& episode = GetParam();
   auto file = load_touch_mesh(std::filesystem::path(HAPTON_SOURCE_DIR "/meshes") / episode.mesh);
@@ -34,7 +36,9 @@ TEST_P(StressOnMeshes, HasNoFault) {
   settings.compare_every = 8;
   settings.scale = episode.scale;
   const char* body = episode.body != nullptr ? episode.body : episode.mesh;
-  auto run = StressRun::make(make_stress_body(body, std::move(file->mesh)), settings, {.name = "proxy"});
+  StressBody touched = make_stress_body(body, std::move(file->mesh));
+  touched.probe_share = episode.probe_share;
+  auto run = StressRun::make(touched, settings, {.name = "proxy"});
   ASSERT_TRUE(run) << run.error().what;
   StressCount count;
   EXPECT_GT(run->run_episode(episode.number, count), 0U);
@@ -50,8 +54,12 @@ INSTANTIATE_TEST_SUITE_P(Found, StressOnMeshes,
                                          Episode{"barkour_body_dirty.stl", 4, 17}, Episode{"barkour_body_dirty.stl", 7, 22},
                                          Episode{"barkour_body_dirty.stl", 19, 15}, Episode{"kenney_motorcycle.glb", 3, 23},
                                          Episode{"barkour_body_dirty.stl", 1, 329, 1.0, "meshes/barkour_body_dirty.stl"},
-                                         Episode{"nist_assembly_insert.obj", 3, 1, 1e-6}),
-                         [](const auto& test) { return "episode_" + std::to_string(test.param.number); });
+                                         Episode{"nist_assembly_insert.obj", 3, 1, 1e-6},
+                                         Episode{"nist_pump_assembly.glb", 411, 2, 1.0, "meshes/nist_pump_assembly.glb", 0.01},
+                                         Episode{"nist_pump_assembly.glb", 519, 3, 1.0, "meshes/nist_pump_assembly.glb", 0.01}),
+                         [](const auto& test) {
+                           return std::to_string(test.param.seed) + "_episode_" + std::to_string(test.param.number);
+                         });
 
 }  // namespace
 }  // namespace hapton

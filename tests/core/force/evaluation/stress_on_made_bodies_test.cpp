@@ -1,11 +1,15 @@
 // Episodes of the stress test that once found a fault on closed bodies which cross themselves, or whose triangles differ in size a
-// thousandfold, on bodies with displaced copies of their faces, and on blades. Body, place and motions follow from the seed.
+// thousandfold, on bodies with displaced copies of their faces, on blades, and on gyroids with
+// needles. Body, place and motions follow from the seed.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/force/evaluation/stress_run.h"
@@ -99,6 +103,92 @@ TriangleMesh make_blades(Random& random) {
   return mesh;
 }
 
+// The surface where a function on a grid is zero, by marching tetrahedra. The function is positive inside, and negative on the rim.
+class MarchedSurface {
+ public:
+  MarchedSurface(int cells, std::vector<double> value) : cells_(cells), value_(std::move(value)) {
+    constexpr std::array<std::array<int, 3>, 6> kOrders = {{{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}};
+    for (int i = 0; i < cells; ++i) {
+      for (int j = 0; j < cells; ++j) {
+        for (int k = 0; k < cells; ++k) {
+          for (const auto& order : kOrders) cut_tetrahedron({i, j, k}, order);
+        }
+      }
+    }
+  }
+
+  static std::size_t number(int cells, int i, int j, int k) { return static_cast<std::size_t>((i * (cells + 1) + j) * (cells + 1) + k); }
+  TriangleMesh mesh;
+
+ private:
+  Vec3 place(std::size_t id) const {
+    const auto side = static_cast<std::size_t>(cells_) + 1;
+    const Vec3 p(static_cast<double>(id / side / side), static_cast<double>(id / side % side), static_cast<double>(id % side));
+    return p * (2.0 / cells_) - Vec3::Ones();
+  }
+  std::uint32_t cut_edge(std::size_t a, std::size_t b) {
+    if (a > b) std::swap(a, b);
+    const auto [it, is_new] = cuts_.try_emplace({a, b}, static_cast<std::uint32_t>(mesh.vertices.size()));
+    if (is_new) mesh.vertices.push_back(place(a) + value_[a] / (value_[a] - value_[b]) * (place(b) - place(a)));
+    return it->second;
+  }
+  Vec3 mean(const std::vector<std::size_t>& ids) const {
+    Vec3 sum = Vec3::Zero();
+    for (const std::size_t id : ids) sum += place(id);
+    return sum / static_cast<double>(ids.size());
+  }
+  void cut_tetrahedron(std::array<int, 3> p, const std::array<int, 3>& order) {
+    std::vector<std::size_t> in, out;
+    for (std::size_t step = 0; step < 4; ++step) {
+      if (step > 0) ++p[static_cast<std::size_t>(order[step - 1])];
+      const std::size_t id = number(cells_, p[0], p[1], p[2]);
+      (value_[id] > 0.0 ? in : out).push_back(id);
+    }
+    if (in.empty() || out.empty()) return;
+    std::vector<std::pair<std::size_t, std::size_t>> edges;
+    if (in.size() == 2) {
+      edges = {{in[0], out[0]}, {in[0], out[1]}, {in[1], out[1]}, {in[1], out[0]}};
+    } else {
+      for (const std::size_t a : in) {
+        for (const std::size_t b : out) edges.emplace_back(a, b);
+      }
+    }
+    std::vector<std::uint32_t> corners;
+    std::array<Vec3, 4> middle;
+    for (const auto& [a, b] : edges) {
+      middle[corners.size()] = 0.5 * (place(a) + place(b));
+      corners.push_back(cut_edge(a, b));
+    }
+    if ((middle[1] - middle[0]).cross(middle[2] - middle[0]).dot(mean(out) - mean(in)) < 0.0) std::reverse(corners.begin(), corners.end());
+    for (std::size_t i = 2; i < corners.size(); ++i) mesh.triangles.push_back({corners[0], corners[i - 1], corners[i]});
+  }
+
+  int cells_;
+  std::vector<double> value_;
+  std::map<std::pair<std::size_t, std::size_t>, std::uint32_t> cuts_;
+};
+
+// A gyroid whose function is nearly zero at a third of the grid: there the triangles are needles, down to a billionth of the extent.
+TriangleMesh make_gyroid(Random& random) {
+  const int cells = 8 + 4 * static_cast<int>(random() % 3);
+  const double twist = 3.14159265358979 * (2.0 + static_cast<double>(random() % 3));
+  const double level = uniform(random, -0.3, 0.7);
+  const double shift = random() % 2 != 0 ? uniform(random, 0.0, 1.0) : 0.0;
+  std::vector<double> value(MarchedSurface::number(cells, cells, cells, cells) + 1);
+  for (int i = 0; i <= cells; ++i) {
+    for (int j = 0; j <= cells; ++j) {
+      for (int k = 0; k <= cells; ++k) {
+        const Vec3 p = twist * (0.5 * (Vec3(i, j, k) * (2.0 / cells)) + Vec3(shift, 0.0, 0.0));
+        double v = level - (std::sin(p.x()) * std::cos(p.y()) + std::sin(p.y()) * std::cos(p.z()) + std::sin(p.z()) * std::cos(p.x()));
+        if (random() % 10 < 3) v = std::copysign(std::pow(10.0, uniform(random, -12.0, -3.0)), v);
+        const bool is_rim = std::min({i, j, k}) == 0 || std::max({i, j, k}) == cells;
+        value[MarchedSurface::number(cells, i, j, k)] = is_rim ? -std::fabs(v) - 0.01 : v;
+      }
+    }
+  }
+  return MarchedSurface(cells, std::move(value)).mesh;
+}
+
 struct MadeBody {
   const char* name;
   TriangleMesh (*make)(Random&);
@@ -181,6 +271,14 @@ INSTANTIATE_TEST_SUITE_P(WhereBodiesCross, StressOnMadeBodies,
                                          MadeBody{"blades", make_blades, 88, 5}, MadeBody{"blades", make_blades, 106, 4},
                                          MadeBody{"blades", make_blades, 147, 3}, MadeBody{"blades", make_blades, 148, 0},
                                          MadeBody{"blades", make_blades, 148, 4}, MadeBody{"dup", make_copied, 104, 3}),
+                         name_of_episode);
+
+// Among triangles smaller than the sphere that stands for a point, the way out of a corner ended on the other side: the point fell through.
+INSTANTIATE_TEST_SUITE_P(AmongNeedles, StressOnMadeBodies,
+                         testing::Values(MadeBody{"gy", make_gyroid, 21, 7}, MadeBody{"gy", make_gyroid, 22, 4},
+                                         MadeBody{"gy", make_gyroid, 29, 6}, MadeBody{"gy", make_gyroid, 33, 4},
+                                         MadeBody{"gy", make_gyroid, 43, 5}, MadeBody{"gy", make_gyroid, 50, 7},
+                                         MadeBody{"gy", make_gyroid, 61, 5}),
                          name_of_episode);
 
 }  // namespace

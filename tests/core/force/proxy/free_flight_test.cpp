@@ -107,7 +107,7 @@ TEST(FreeFlight, APointExactlyOnAnEdgeOrACornerIsMovedOffTheFacesThere) {
 TEST(FreeFlight, APointOnASurfaceTakesTheOuterSide) {
   FlightStage stage(make_box(Vec3::Constant(0.1), 2));
   for (const Vec3& p_S : {Vec3(0.05, 0.012, 0.013), Vec3(0.05, 0.05, 0.013), Vec3(0.05, 0.05, -0.05), Vec3(0.05, 0.0, 0.0)}) {
-    const Vec3 off = stage.flight.off_surface(stage.geometry.to_local(p_S));
+    const Vec3 off = stage.flight.off_surface(stage.geometry.to_local(p_S), kOffset);
     EXPECT_GT(stage.geometry.to_scene(off).cwiseAbs().maxCoeff(), 0.05) << p_S.transpose();
     for (std::uint32_t t = 0; t < stage.geometry.triangle_count(); ++t) {
       EXPECT_GE(stage.geometry.separation(t, off).distance, kOffset) << p_S.transpose();

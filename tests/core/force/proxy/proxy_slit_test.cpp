@@ -1,4 +1,4 @@
-// A sphere that is put into a slit narrower than itself.
+// A sphere that is put into a slit narrower than itself, or exactly on a surface.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -106,7 +106,35 @@ TEST_P(NarrowSlit, TheSphereComesNoNearerToTheWallsAndTheForceHasNoJump) {
   EXPECT_GT(held, 500);
 }
 
-INSTANTIATE_TEST_SUITE_P(Seeds, NarrowSlit, testing::Values(1U, 2U, 3U, 4U));
+INSTANTIATE_TEST_SUITE_P(Seeds, NarrowSlit, testing::Range(1U, 41U));
+
+class OnASurface : public ::testing::TestWithParam<unsigned> {};
+
+// No direction leads away from an edge or a vertex that the centre is on.
+TEST_P(OnASurface, TheSphereIsNotHeldOnEdgesAndVertices) {
+  std::mt19937_64 random(GetParam());
+  RecordProperty("seed", std::to_string(GetParam()));
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  TriangleMesh mesh = make_icosphere(0.05, 1);
+  for (Vec3& vertex : mesh.vertices) vertex *= 1.0 + 0.2 * uniform(random);
+  const auto shared = made::shared(mesh);
+  const auto method = make_method({.name = "proxy", .probe_radius_m = kRadius}, {.objects = {{shared, {}}}}).value();
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    for (const double along : {0.0, 0.25, 0.5}) {
+      const Vec3 start = (1.0 - along) * mesh.corner(i, 0) + along * mesh.corner(i, 1);
+      for (const bool resumes : {false, true}) {
+        resumes ? method->resume(start) : method->reset(start);
+        const Vec3 away = start * (0.1 / start.norm());
+        MethodOutput output;
+        for (int k = 1; k <= 20; ++k) output = method->step({.p_SD = start + 0.05 * k * (away - start)});
+        for (int k = 0; method->carried_from() && k < 64; ++k) output = method->step({.p_SD = away});
+        EXPECT_FALSE(output.contact) << "triangle " << i << ", along " << along << (resumes ? ", resumed" : "");
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, OnASurface, testing::Values(1U, 2U));
 
 }  // namespace
 }  // namespace hapton
