@@ -4,17 +4,11 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "core/tool/box_lanes.h"
 
 namespace hapton {
 namespace {
-
-// The front is renewed once it has that many times as many pairs as at first, and a walk begins at the roots where renewing is too slow.
-constexpr std::size_t kRenewedAt = 2;
-constexpr std::size_t kMostGrown = 4;
-constexpr int kRenewedTests = 96;  // in a walk
 
 // What a motion adds to the distance of something at `at` from zero, where it is nearer after it.
 Lanes4 approach(const Lanes4& at, const Lanes4& motion) {
@@ -62,8 +56,7 @@ PatchFront::PatchFront(const PatchTree& tool, const PatchTree& scene, double rad
       rest_until_(kMostEnded),
       visited_in_(kMostEnded),
       near_(kMostEnded),
-      planes_(kMostEnded, radius),
-      renewed_(radius) {
+      planes_(kMostEnded, radius) {
   places_.reserve(kMostEnded);
   for (Walker& walker : walkers_) {
     walker.boxes.resize(kBoxes);
@@ -144,11 +137,9 @@ void PatchFront::begin(const SweptMotion& motion, double distance) noexcept {
     walker.added.clear();
     walker.tests = 0;
   }
-  const bool is_at_roots = count_ == 0 || count_ > kMostGrown * first_count_ + kBlock;
+  const bool is_at_roots = count_ == 0 || count_ > 2 * first_count_ + 64;
   if (is_at_roots) begin_at_roots(motion, distance);
   planes_.begin(motion, turned + 0x1p-45);
-  if (renewed_.is_on) renewed_.planes.begin(motion, turned + 0x1p-45);
-  if (!is_at_roots && (renewed_.is_on || count_ > kRenewedAt * first_count_ + kBlock)) renew(motion, distance);
   find_places(-rounded_down(-(travelled_ + motion.shift.norm() + radius_ * motion.angle + distance + rounding)), -rounded_down(-distance));
 }
 
@@ -194,7 +185,6 @@ void PatchFront::find_places(float enough, float clearance) noexcept {
 void PatchFront::begin_at_roots(const SweptMotion& motion, double distance) noexcept {
   travelled_ = 0.0;
   first_count_ = 0;
-  renewed_.is_on = false;
   planes_.restart(motion.from);
   ended_[0] = {0, 0};
   count_ = 1;
@@ -210,58 +200,6 @@ void PatchFront::begin_at_roots(const SweptMotion& motion, double distance) noex
     }
   }
   for (std::size_t i = 0; i < count_; ++i) put(i, {ended_[i], -1.0F, -1.0F, 0, 0, 0});
-  std::fill(lowest_.begin(), lowest_.end(), -std::numeric_limits<float>::infinity());
-}
-
-void PatchFront::renew(const SweptMotion& motion, double distance) noexcept {
-  Renewal& made = renewed_;
-  if (!made.is_on) {
-    made.is_on = true;
-    made.open[0] = {0, 0};
-    made.open_count = 1;
-    made.ended.clear();
-    made.until.clear();
-    made.planes.restart(motion.from);
-    made.planes.begin(motion, 0.0);
-  }
-  for (int tests = 0; tests < kRenewedTests && made.open_count > 0; ++tests) {
-    if (made.ended.size() == kMostEnded) return;  // the front grows until a walk begins at the roots
-    renew_pair(made.open[--made.open_count], motion, distance);
-  }
-  if (made.open_count == 0) take_over_renewed();
-}
-
-void PatchFront::renew_pair(Pair pair, const SweptMotion& motion, double distance) noexcept {
-  Renewal& made = renewed_;
-  const PatchTree::Node& tool = tool_->nodes()[pair.tool];
-  const PatchTree::Node& scene = scene_->nodes()[pair.scene];
-  const bool wants_plane = motion.angle < kFastTurn;
-  const Apart apart = test(placed(walkers_[0], pair.tool, motion), scene, distance, wants_plane);
-  if (apart.over_motion || is_end(pair)) {
-    const std::size_t i = made.ended.size();
-    made.ended.push_back(pair);
-    made.until.push_back(rounded_down(travelled_ + apart.distance));
-    if (wants_plane && apart.over_motion) {
-      made.planes.put(i, apart.direction, tool, scene);
-    } else {
-      made.planes.clear(i);
-    }
-    return;
-  }
-  const bool is_tool = splits_tool(pair);
-  const std::uint32_t link = is_tool ? tool.link : scene.link;
-  made.open[made.open_count++] = is_tool ? Pair{link + 1, pair.scene} : Pair{pair.tool, link + 1};
-  made.open[made.open_count++] = is_tool ? Pair{link, pair.scene} : Pair{pair.tool, link};
-}
-
-// The bounds count from here on, so that rounding does not grow.
-void PatchFront::take_over_renewed() noexcept {
-  renewed_.is_on = false;
-  ++renewed_.count;
-  count_ = first_count_ = renewed_.ended.size();
-  for (std::size_t i = 0; i < count_; ++i) put(i, {renewed_.ended[i], rounded_down(renewed_.until[i] - travelled_), -1.0F, 0, 0, 0});
-  std::swap(planes_, renewed_.planes);
-  travelled_ = 0.0;
   std::fill(lowest_.begin(), lowest_.end(), -std::numeric_limits<float>::infinity());
 }
 

@@ -23,9 +23,6 @@ namespace hapton {
 // walk begins there, and tests again only the pairs that the tool's motion since then and during the walk could bring close enough. A pair
 // that is kept after such a test has a plane between its boxes from then on, which excludes most further tests.
 //
-// A front is split further as the tool moves, and never merged. Once it has doubled, each walk makes a part of a new one (Renewal),
-// which then takes its place. Only where it grows faster than that does a walk begin at the roots.
-//
 // These pairs are distributed among the workers of a team. Their results are merged in the order of the pairs, so that the front, and
 // whether a walk ends early, is the same with any number of workers.
 // Work: at most kMostTests pairs of boxes in each walk. RT: for_each_near yes with one worker, construction set-up only. Pre: the trees and
@@ -61,14 +58,7 @@ class PatchFront {
   // From now on no features count as found before.
   void forget() noexcept { ++epoch_; }
   // The next walk begins at the roots.
-  void restart() noexcept {
-    count_ = 0;
-    renewed_.is_on = false;
-  }
-  // The pairs of boxes at which the last walk ended.
-  std::size_t pair_count() const { return count_; }
-  // How often the front was renewed.
-  std::size_t renewal_count() const { return renewed_.count; }
+  void restart() noexcept { count_ = 0; }
   // Calls visit(turn, tool_triangle, scene_triangle, features) for all pairs that come within `distance` over the motion, and for some that
   // the motion is long enough for, except pairs whose new features (Visited::rest) stay farther away. Later walks visit a pair again if it
   // may have come within the distance. features: only these, of those that an earlier visit returned as near, may come within the
@@ -119,21 +109,6 @@ class PatchFront {
     std::uint64_t visited_in;  // epoch; 0: no visitor has seen it
     std::uint16_t near = 0;    // see Visited
   };
-  // A front that is being made, from the roots down, a few tests in each walk.
-  struct Renewal {
-    explicit Renewal(double radius) : planes(kMostEnded, radius) {
-      ended.reserve(kMostEnded);
-      until.reserve(kMostEnded);
-    }
-
-    bool is_on = false;
-    std::size_t count = 0;                                 // of those that have taken over
-    std::array<Pair, 2 * PatchTree::kMostDepth + 2> open;  // a stack
-    int open_count = 0;
-    std::vector<Pair> ended;
-    std::vector<float> until;  // see End
-    SeparatingPlanes planes;
-  };
   // What one worker has of a walk.
   struct Walker {
     std::vector<ToolBox> boxes;  // by the last bits of the node's number
@@ -147,10 +122,6 @@ class PatchFront {
   void begin(const SweptMotion& motion, double distance) noexcept;
   void find_places(float enough, float clearance) noexcept;
   void begin_at_roots(const SweptMotion& motion, double distance) noexcept;
-  // Makes a part of the new front; once it is whole, the walk begins there.
-  void renew(const SweptMotion& motion, double distance) noexcept;
-  void renew_pair(Pair pair, const SweptMotion& motion, double distance) noexcept;
-  void take_over_renewed() noexcept;
   // Puts the walkers' ends together. False if there is no room, or there were too many tests.
   bool finish() noexcept;
   End end_of(Pair pair, double distance, double rest, std::uint32_t place, std::uint64_t visited_in) const noexcept;
@@ -189,10 +160,9 @@ class PatchFront {
   std::uint64_t epoch_ = 1;  // counts up when visitors forget
   std::size_t count_ = 0;
   std::vector<std::uint32_t> places_;  // of the walk: the pairs that it begins at
-  std::size_t first_count_ = 0;        // of the walk from the roots, or when the front was renewed
-  Renewal renewed_;
+  std::size_t first_count_ = 0;        // of the walk from the roots
   Placement at_;
-  double travelled_ = 0.0;  // since the walk from the roots, or since the front was renewed
+  double travelled_ = 0.0;  // since the walk from the roots
   float enough_ = 0.0F;     // of the walk: no pair with a higher bound comes within the distance
   std::uint64_t walk_ = 0;
 };
@@ -225,7 +195,7 @@ bool PatchFront::for_each_near(const SweptMotion& motion, double distance, Visit
     team_->run(walk);
   }
   const bool is_whole = goes_on && finish();
-  if (!is_whole) restart();
+  if (!is_whole) count_ = 0;
   if (first_count_ == 0) first_count_ = count_;
   return is_whole;
 }

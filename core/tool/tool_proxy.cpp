@@ -20,12 +20,15 @@ constexpr double kShrinkage = 0.125;
 constexpr double kNearShare = 0x1p-7;
 constexpr double kNear = 16.0;  // and offsets
 constexpr int kMostExtensions = 8;
+// Where a tool slides far below its device, a small slide brings it nearer by a far smaller distance.
+constexpr double kLeastGain = kOffset * 0x1p-12;
 constexpr double kGrowth = 4.0;  // of the reach, where it has ended a round
 
 }  // namespace
 
 ToolProxy::ToolProxy(std::unique_ptr<ScenePart> scene, double turn_length, WorkerTeam& team)
     : energy_(turn_length),
+      progress_(kLeastGain),
       team_(&team),
       bounds_(NearFeatures::kMostFeatures),
       bound_pairs_(NearFeatures::kMostFeatures),
@@ -269,13 +272,16 @@ bool ToolProxy::round(const Placement& device, ToolProxyStep& report) noexcept {
   const RigidMotion wanted = wanted_motion(device);
   const double radius = this->radius();
   const double left = wanted.length(radius);
-  contacts_.count = 0;
-  if (!(left > 0.0)) return false;
-  if (progress_.is_stalled(proxy_, energy_.length(wanted))) {
-    return_to_best();
+  if (left > 0.0 && progress_.is_stalled(proxy_, energy_.length(wanted))) {
+    // Gaps differ by less than an offset from round to round, and so does the distance.
+    const Placement& best = progress_.best();
+    const RigidMotion from_best{best, device.position - best.position, turn_between(best.orientation, device.orientation)};
+    if (energy_.length(from_best) < energy_.length(wanted) - kOffset) return_to_best();
     report.converged = false;
     return false;
   }
+  contacts_.count = 0;
+  if (!(left > 0.0)) return false;
   const double reach = std::min(left, reach_);
   const auto shorten = [&] {
     reach_ = 0.5 * reach;

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <limits>
 #include <random>
 #include <set>
@@ -154,38 +153,6 @@ TEST_F(PatchFrontTest, ALongSlideLosesNoPair) {
     }
   }
   EXPECT_GT(found, 1000U);
-}
-
-// A front that has grown is renewed in parts, and the walk after that finds what a brute-force search finds.
-TEST_F(PatchFrontTest, ARenewedFrontLosesNoPair) {
-  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
-  std::size_t found = 0;
-  std::size_t most = 0;
-  Placement at{Vec3(0.0, 0.0, 0.42 / scene.unit_m()), turn_by(vector())};
-  for (int n = 0; n < 1500; ++n) {
-    const Vec3 along_surface = Vec3(std::cos(0.003 * n), std::sin(0.003 * n), 0.2).cross(at.position).normalized();
-    const RigidMotion motion{at, 0.004 * along_surface + 0.001 * vector(), 0.002 * vector()};
-    const std::size_t renewals = front.renewal_count();
-    std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
-    ASSERT_TRUE(front.for_each_near(SweptMotion(motion), 0.01, [&](PatchFront::Turn, std::uint32_t t, std::uint32_t id, std::uint16_t) {
-      pairs.insert({t, id});
-      const double gap = triangle_gap(tool_at(t, at), scene_at(id)) * 0.999;
-      return PatchFront::Visited{gap, gap, true};
-    }));
-    most = std::max(most, front.pair_count());
-    for (std::uint32_t t = 0; t < tool.triangle_count() && front.renewal_count() > renewals; ++t) {
-      for (const std::uint32_t id : scene_ids) {
-        if (triangle_gap(tool_at(t, at), scene_at(id)) > 0.01) continue;
-        ++found;
-        ASSERT_EQ(pairs.count({t, id}), 1U) << "walk " << n;
-      }
-    }
-    at = motion.at(1.0);
-    at.position *= 0.42 / scene.unit_m() / at.position.norm();
-  }
-  EXPECT_GT(front.renewal_count(), 3U);
-  EXPECT_GT(found, 10U);
-  EXPECT_LT(most, tool.triangle_count() * scene_ids.size() / 4);
 }
 
 TEST_F(PatchFrontTest, AWalkThatIsEndedIsMadeAgainInFull) {
