@@ -111,8 +111,8 @@ double line_time(const FeaturePair& pair, const FeatureGap& gap, const Placement
   return time_above(w.dot(normal), floor * normal.norm(), rate, std::max(0.0, third / 3.0 - second));
 }
 
-// While a plane that is fixed in the scene, or in the tool, separates the edges.
-double plane_time(const FeaturePair& pair, const FeatureGap& gap, const Placement& placement, const Moment& m, double floor) {
+// While a plane that is fixed in the scene, or in the tool, separates the edges. If the first does until then, the second is not tried.
+double plane_time(const FeaturePair& pair, const FeatureGap& gap, const Placement& placement, const Moment& m, double floor, double until) {
   const Vec3& n = gap.normal;
   const double scene_top = std::max(n.dot(pair.scene[0]), n.dot(pair.scene[1]));
   double tool_low = 1e300;
@@ -123,6 +123,7 @@ double plane_time(const FeaturePair& pair, const FeatureGap& gap, const Placemen
     tool_low = std::min(tool_low, height);
     in_scene = std::min(in_scene, time_above(height - scene_top, floor, n.dot(m.velocity(arm)), m.bend_of_tool(arm)));
   }
+  if (in_scene >= until) return in_scene;
   double in_tool = 1e300;
   for (int k = 0; k < 2; ++k) {
     const Vec3 arm = pair.scene[k] - placement.position;
@@ -140,7 +141,8 @@ bool is_covered_by_ends(const FeaturePair& pair, const Placement& placement, con
   return !(shorter * (sine + m.turn_length) > 0.25 * floor);
 }
 
-double part_time(const FeaturePair& pair, const FeatureGap& gap, const Placement& placement, const Moment& m, double floor) {
+// A lower bound of the time at the floor. Where that is `until` or more, some bound of that kind.
+double part_time(const FeaturePair& pair, const FeatureGap& gap, const Placement& placement, const Moment& m, double floor, double until) {
   switch (pair.kind) {
     case Kind::vertex_face:
       return vertex_face_time(gap, m, floor);
@@ -149,8 +151,9 @@ double part_time(const FeaturePair& pair, const FeatureGap& gap, const Placement
     case Kind::edge_edge:
       break;
   }
-  const double by_plane = plane_time(pair, gap, placement, m, floor);
-  return gap.feature == TriangleFeature::face ? std::max(by_plane, line_time(pair, gap, placement, m, floor)) : by_plane;
+  const double by_plane = plane_time(pair, gap, placement, m, floor, until);
+  if (by_plane >= until || gap.feature != TriangleFeature::face) return by_plane;
+  return std::max(by_plane, line_time(pair, gap, placement, m, floor));
 }
 
 // The second derivative of n . R(w) a by the rotation vector w, at w = 0: n . (e_i x (e_j x a)), symmetric in i and j.
@@ -262,10 +265,11 @@ double find_safe_time(const FeaturePair& pair, const FeatureGap& gap, const Rigi
   constexpr double kLeastPart = 0x1p-12;
   const Moment m(motion);
   if (pair.kind == Kind::edge_edge && is_covered_by_ends(pair, motion.from, m, floor)) return until;
-  double time = part_time(pair, gap, motion.from, m, floor);
+  double time = part_time(pair, gap, motion.from, m, floor, until);
   for (int part = 1; time < until && part < kMostParts; ++part) {
     const Placement placement = motion.at(time);
-    const double more = part_time(pair, measure_gap(pair, placement), placement, m, floor);
+    const double more =
+        part_time(pair, measure_gap(pair, placement), placement, m, floor, 2.0 * (until - time));  // what is rounded up stays above
     time += more;
     if (more < kLeastPart) break;
   }

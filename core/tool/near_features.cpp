@@ -106,8 +106,7 @@ bool NearFeatures::extend(const RigidMotion& motion, double distance) noexcept {
         Worker& worker = workers_[static_cast<std::size_t>(turn.worker)];
         const SweptTriangle& tool = swept(worker, own, path, distance);
         const ObjectGeometry::Corners c = scene_->corners(id);
-        const PlacedTriangle scene(c.a, c.b, c.c);
-        Visit visit{worker, turn.place, tool, scene};
+        Visit visit{worker, turn.place, tool, {c.a, c.b, c.c}};
         visit.pair.tool_triangle = own;
         visit.pair.scene_triangle = id;
         return find_near(visit, features);
@@ -124,8 +123,9 @@ PatchFront::Visited NearFeatures::find_near(Visit& visit, std::uint16_t features
   // Over a motion a plane may exclude what the features alone do not.
   if (features != PatchFront::kAllFeatures && visit.tool.most_moved == 0.0) add_features(features, visit);
   if (visit.near == 0) {
-    const PlaneGap plane = find_plane_gap(visit.tool, visit.scene);
-    if (plane.apart) return apart_by(plane, visit.tool, visit.scene);
+    const PlacedTriangle scene(visit.scene[0], visit.scene[1], visit.scene[2]);
+    const PlaneGap plane = find_plane_gap(visit.tool, scene);
+    if (plane.apart) return apart_by(plane, visit.tool, scene);
     gap = plane.gap;
     add_features(PatchFront::kAllFeatures, visit);
   }
@@ -235,7 +235,7 @@ void NearFeatures::add_vertices(std::uint16_t features, Visit& visit) const noex
   const std::uint32_t scene_triangle = scene_->triangle_of(pair.scene_triangle);
   const ObjectGeometry::Corners t = tool_->corners(pair.tool_triangle);
   const std::array<Vec3, 3> own = {t.a, t.b, t.c};
-  const std::array<Vec3, 3>& s = visit.scene.corner;
+  const std::array<Vec3, 3>& s = visit.scene;
   for (int k = 0; k < 3; ++k) {
     pair.tool_corner = pair.scene_corner = k;
     const std::uint16_t of_tool = vertex_bit(k, true);
@@ -260,14 +260,14 @@ void NearFeatures::add_vertices(std::uint16_t features, Visit& visit) const noex
 void NearFeatures::add_edges(std::uint16_t features, Visit& visit) const noexcept {
   FeaturePair& pair = visit.pair;
   const SweptTriangle& tool = visit.tool;
-  const PlacedTriangle& scene = visit.scene;
   const SurfaceFeatures& scene_features = features_at(pair.scene_triangle);
   const std::uint32_t scene_triangle = scene_->triangle_of(pair.scene_triangle);
   const ObjectGeometry::Corners t = tool_->corners(pair.tool_triangle);
   const std::array<Vec3, 3> own = {t.a, t.b, t.c};
   pair.kind = Kind::edge_edge;
   for (int i = 0; i < 3; ++i) {
-    if (!tool_features_.owns_edge(pair.tool_triangle, i)) continue;
+    const std::uint16_t of_edge = edge_bit(i, 0) | edge_bit(i, 1) | edge_bit(i, 2);
+    if ((features & of_edge) == 0 || !tool_features_.owns_edge(pair.tool_triangle, i)) continue;
     const Vec3& a = tool.corner[i];
     const Vec3 d = tool.corner[(i + 1) % 3] - a;
     pair.tool_corner = i;
@@ -275,8 +275,8 @@ void NearFeatures::add_edges(std::uint16_t features, Visit& visit) const noexcep
     for (int k = 0; k < 3; ++k) {
       const std::uint16_t feature = edge_bit(i, k);
       if ((features & feature) == 0 || !scene_features.owns_edge(scene_triangle, k)) continue;
-      const Vec3& b = scene.corner[k];
-      const Vec3& b_end = scene.corner[(k + 1) % 3];
+      const Vec3& b = visit.scene[k];
+      const Vec3& b_end = visit.scene[(k + 1) % 3];
       const double squared = detail::segment_segment_distance_squared(of3(a), of3(d), of3(b), of3(Vec3(b_end - b)));
       pair.scene_corner = k;
       pair.scene = {b, b_end, Vec3::Zero()};

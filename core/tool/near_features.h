@@ -112,7 +112,7 @@ class NearFeatures {
     Worker& worker;
     std::uint32_t place;
     const SweptTriangle& tool;
-    const PlacedTriangle& scene;
+    std::array<Vec3, 3> scene;  // corners
     FeaturePair pair = {};
     std::uint16_t near = 0;  // features that are found, or known
     bool fits = true;

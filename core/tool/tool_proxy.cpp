@@ -5,8 +5,6 @@
 #include <limits>
 #include <utility>
 
-#include <Eigen/Eigenvalues>
-
 namespace hapton {
 namespace {
 
@@ -15,9 +13,6 @@ constexpr double kTolerance = kOffset * 0x1p-7;  // of a bound
 constexpr double kLargestTurn = 0.5;             // rad in a round: bounds are good for small ones
 constexpr double kLargestTilt = 0.05;            // rad: of what may become a minimum in a round
 constexpr int kMostCorrections = 3;
-// Bounds of the curvature along a step, over that of the coupling alone: the contacts make a step longer or shorter by these at most.
-constexpr double kLeastCurvature = 0.125;
-constexpr double kMostCurvature = 64.0;
 constexpr std::size_t kManyFeatures = 1024;  // with more, the reach does not grow
 constexpr double kNothing = 0x1p-10;         // of the offset: what is left when the device is reached
 constexpr double kShrinkage = 0.125;
@@ -25,12 +20,15 @@ constexpr double kShrinkage = 0.125;
 constexpr double kNearShare = 0x1p-7;
 constexpr double kNear = 16.0;  // and offsets
 constexpr int kMostExtensions = 8;
+// Where a tool slides far below its device, a small slide brings it nearer by a far smaller distance.
+constexpr double kLeastGain = kOffset * 0x1p-12;
 constexpr double kGrowth = 4.0;  // of the reach, where it has ended a round
 
 }  // namespace
 
 ToolProxy::ToolProxy(std::unique_ptr<ScenePart> scene, double turn_length, WorkerTeam& team)
-    : turn_length_(turn_length),
+    : energy_(turn_length),
+      progress_(kLeastGain),
       team_(&team),
       bounds_(NearFeatures::kMostFeatures),
       bound_pairs_(NearFeatures::kMostFeatures),
@@ -103,10 +101,10 @@ void ToolProxy::reset(const Placement& device, std::span<const Placement> parts)
 
 void ToolProxy::place(const Placement& device) noexcept {
   proxy_ = last_ = device;
-  contact_count_ = 0;
+  contacts_.count = 0;
   reach_ = 0.0;
   for (std::size_t p = 1; p < parts_.size(); ++p) parts_[p]->put_at_target();
-  set_plain_curvature();
+  energy_.set_plain();
   is_blocked_ = overlaps(device);
 }
 
@@ -114,47 +112,15 @@ RigidMotion ToolProxy::wanted_motion(const Placement& device) const noexcept {
   return {proxy_, device.position - proxy_.position, turn_between(proxy_.orientation, device.orientation)};
 }
 
-Vec6 ToolProxy::to_coordinates(const RigidMotion& motion) const noexcept {
-  Vec6 y;
-  y << motion.shift, motion.turn;
-  return root_ * y;
-}
-
-Vec6 ToolProxy::goal_of(const RigidMotion& wanted) const noexcept {
-  Vec6 pull;
-  pull << wanted.shift, turn_length_ * turn_length_ * wanted.turn;
-  return inverse_root_.transpose() * pull;
-}
-
-RigidMotion ToolProxy::to_motion(const Vec6& y) const noexcept {
-  const Vec6 motion = inverse_root_ * y;
-  return {proxy_, motion.head<3>(), motion.tail<3>()};
-}
-
 void ToolProxy::update_curvature() noexcept {
-  Mat6 curvature = Mat6::Identity();
-  curvature.bottomRightCorner<3, 3>() *= turn_length_ * turn_length_;
+  Mat6 curvature = energy_.coupling_curvature();
   for (int k = 0; k < least_.active_count; ++k) {
     const BoundPair& pair = bound_pairs_[least_.active[k]];
     const NearFeature& near = near_of(pair);
     const ScenePart& part = *parts_[pair.part];
     curvature -= least_.multipliers[k] * part.curvature(gap_curvature(near.pair, near.gap, part.own(proxy_)));
   }
-  // In coordinates in which the coupling's own curvature is the identity.
-  const Vec6 unit = (Vec6() << Vec3::Ones(), Vec3::Constant(1.0 / turn_length_)).finished();
-  const Eigen::SelfAdjointEigenSolver<Mat6> solver(unit.asDiagonal() * curvature * unit.asDiagonal());
-  if (solver.info() != Eigen::Success) return set_plain_curvature();
-  const Vec6 roots = solver.eigenvalues().cwiseMax(kLeastCurvature).cwiseMin(kMostCurvature).cwiseSqrt();
-  const Mat6& axes = solver.eigenvectors();
-  // Not symmetric, as any root with root^T root = curvature will do.
-  root_ = roots.asDiagonal() * axes.transpose() * unit.cwiseInverse().asDiagonal();
-  inverse_root_ = unit.asDiagonal() * axes * roots.cwiseInverse().asDiagonal();
-}
-
-void ToolProxy::set_plain_curvature() noexcept {
-  const Vec6 unit = (Vec6() << Vec3::Ones(), Vec3::Constant(1.0 / turn_length_)).finished();
-  root_ = unit.cwiseInverse().asDiagonal();
-  inverse_root_ = unit.asDiagonal();
+  energy_.set_curvature(curvature);
 }
 
 void ToolProxy::make_bounds() noexcept {
@@ -175,7 +141,7 @@ void ToolProxy::make_bounds() noexcept {
       const Vec3 lever = gap.on_tool.cross(gap.normal);
       Vec6 row;
       row << part.direction(gap.normal), part.direction(lever);
-      bound.row = inverse_root_.transpose() * row;
+      bound.row = energy_.to_row(row);
       bound.least = kOffset - gap.distance;
       if (part.is_moving()) {
         yields_[bound_count_] = -(gap.normal.dot(passing.head<3>()) + lever.dot(passing.tail<3>()));
@@ -191,7 +157,7 @@ void ToolProxy::make_bounds() noexcept {
 // Bounds are linear in the motion; gaps are not. Raises each bound by what the gap after the motion lacks. True if one was raised by
 // more than a bound's tolerance.
 bool ToolProxy::correct_bounds(const RigidMotion& motion) noexcept {
-  const Vec6 y = to_coordinates(motion);
+  const Vec6 y = energy_.to_coordinates(motion);
   bool is_corrected = false;
   for (std::size_t i = 0; i < bound_count_;) {
     const std::uint32_t p = bound_pairs_[i].part;
@@ -228,20 +194,20 @@ bool ToolProxy::solve(const Vec6& goal, LeastMotion& least) noexcept {
 
 RigidMotion ToolProxy::constrain(const RigidMotion& wanted, double reach) noexcept {
   make_bounds();
-  if (!solve(goal_of(wanted), least_)) return RigidMotion{proxy_};
-  RigidMotion motion = cut_to(reach, to_motion(least_.y));
+  if (!solve(energy_.goal_of(wanted), least_)) return RigidMotion{proxy_};
+  RigidMotion motion = cut_to(reach, energy_.to_motion(proxy_, least_.y));
   // What is left of a long motion, and what its curvature does to the gaps, is brought back within the bounds.
   LeastMotion nearest;
   for (int correction = 0; bound_count_ > 0 && correction < kMostCorrections; ++correction) {
     if (!correct_bounds(motion) && correction > 0) break;
-    if (!solve(to_coordinates(motion), nearest)) return RigidMotion{proxy_};
-    motion = cut_to(reach, to_motion(nearest.y));
+    if (!solve(energy_.to_coordinates(motion), nearest)) return RigidMotion{proxy_};
+    motion = cut_to(reach, energy_.to_motion(proxy_, nearest.y));
   }
   return motion;
 }
 
 bool ToolProxy::is_at_rest() const noexcept {
-  return least_.solved && least_.active_count > 0 && to_motion(least_.y).length(radius()) <= kConverged * kOffset;
+  return least_.solved && least_.active_count > 0 && energy_.to_motion(proxy_, least_.y).length(radius()) <= kConverged * kOffset;
 }
 
 void ToolProxy::note_known() noexcept {
@@ -281,18 +247,24 @@ double ToolProxy::find_safe_share(const RigidMotion& motion) const noexcept {
 }
 
 void ToolProxy::note_contacts(ToolProxyStep& report) noexcept {
-  contact_count_ = least_.solved ? least_.active_count : 0;
-  for (int k = 0; k < contact_count_; ++k) {
+  contacts_.count = least_.solved ? least_.active_count : 0;
+  for (int k = 0; k < contacts_.count; ++k) {
     const BoundPair& pair = bound_pairs_[least_.active[k]];
     const NearFeature& near = near_of(pair);
     const ScenePart& part = *parts_[pair.part];
-    contacts_[k] = {part.point(near.gap.on_scene), part.direction(near.gap.normal), least_.multipliers[k],
-                    near.pair.tool_triangle,       near.pair.scene_triangle,        static_cast<int>(pair.part)};
+    contacts_.all[k] = {part.point(near.gap.on_scene), part.direction(near.gap.normal), least_.multipliers[k],
+                        near.pair.tool_triangle,       near.pair.scene_triangle,        static_cast<int>(pair.part)};
   }
   report.haptons = 0;
   for (const auto& part : parts_) {
     for (const NearFeature& near : part->near().features()) report.haptons += near.is_minimum && near.gap.distance < 2.0 * kOffset ? 1 : 0;
   }
+  if (progress_.is_best()) best_contacts_ = contacts_;
+}
+
+void ToolProxy::return_to_best() noexcept {
+  proxy_ = progress_.best();
+  contacts_ = best_contacts_;
 }
 
 // True if there is more to do.
@@ -300,7 +272,15 @@ bool ToolProxy::round(const Placement& device, ToolProxyStep& report) noexcept {
   const RigidMotion wanted = wanted_motion(device);
   const double radius = this->radius();
   const double left = wanted.length(radius);
-  contact_count_ = 0;
+  if (left > 0.0 && progress_.is_stalled(proxy_, energy_.length(wanted))) {
+    // Gaps differ by less than an offset from round to round, and so does the distance.
+    const Placement& best = progress_.best();
+    const RigidMotion from_best{best, device.position - best.position, turn_between(best.orientation, device.orientation)};
+    if (energy_.length(from_best) < energy_.length(wanted) - kOffset) return_to_best();
+    report.converged = false;
+    return false;
+  }
+  contacts_.count = 0;
   if (!(left > 0.0)) return false;
   const double reach = std::min(left, reach_);
   const auto shorten = [&] {
@@ -345,9 +325,9 @@ void ToolProxy::find_local_contacts(double reach, LocalContacts& local) noexcept
   local.count = 0;
   local.is_blocked = is_blocked_;
   local.proxy = proxy_;
-  local.inverse_root = inverse_root_;
-  local.plain_inverse_root << Vec3::Ones(), Vec3::Constant(1.0 / turn_length_);
-  local.stiffness << Vec3::Ones(), Vec3::Constant(turn_length_ * turn_length_);
+  local.inverse_root = energy_.inverse_root();
+  local.plain_inverse_root << Vec3::Ones(), Vec3::Constant(1.0 / energy_.turn_length());
+  local.stiffness << Vec3::Ones(), Vec3::Constant(energy_.turn_length() * energy_.turn_length());
   local.tolerance = kTolerance;
   local.is_held = false;
   if (is_blocked_) return;
@@ -460,15 +440,13 @@ void ToolProxy::carry(std::size_t first, std::size_t last, ToolProxyStep& report
 void ToolProxy::carry_all(ToolProxyStep& report) noexcept {
   const auto is_there = [](const auto& part) { return part->is_arrived(); };
   if (std::all_of(parts_.begin(), parts_.end(), is_there)) return;
-  const Mat6 root = root_;
-  const Mat6 inverse_root = inverse_root_;
-  set_plain_curvature();
+  const MotionEnergy energy = energy_;
+  energy_.set_plain();
   carry(1, parts_.size(), report);
   // What keeps one part back need not keep back the others.
   for (std::size_t p = 1; p < parts_.size() && parts_.size() > 2; ++p) carry(p, p + 1, report);
   report.is_squeezed = !std::all_of(parts_.begin(), parts_.end(), is_there);
-  root_ = root;
-  inverse_root_ = inverse_root;
+  energy_ = energy;
 }
 
 ToolProxyStep ToolProxy::step(const Placement& device, std::span<const Placement> parts) noexcept {
@@ -484,8 +462,9 @@ ToolProxyStep ToolProxy::step(const Placement& device, std::span<const Placement
   reach_ =
       1.5 * RigidMotion{last_, proxy_.position - last_.position, turn_between(last_.orientation, proxy_.orientation)}.length(radius()) +
       16.0 * kOffset;
-  if (contact_count_ == 0) reach_ = std::max(reach_, wanted_motion(device).length(radius()));
+  if (contacts_.count == 0) reach_ = std::max(reach_, wanted_motion(device).length(radius()));
   last_ = proxy_;
+  progress_.restart();
   while (report.rounds < kMostRounds) {
     ++report.rounds;
     report.converged = true;

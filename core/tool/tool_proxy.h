@@ -10,6 +10,8 @@
 
 #include "core/tool/least_motion.h"
 #include "core/tool/local_contacts.h"
+#include "core/tool/motion_energy.h"
+#include "core/tool/round_progress.h"
 #include "core/tool/scene_part.h"
 
 namespace hapton {
@@ -41,7 +43,7 @@ struct ToolProxyStep {
 // the proxy nearest to the device with every local minimum of the distance kept at the contact offset (Gauss' principle of least
 // constraint; Ortega, Redon & Coquillart 2007, section 4), corrects it for the curvature of the rotation, and makes as much of it as
 // certainly keeps every pair at kFloor of the offset, over the whole motion (conservative advancement). It ends when the motion left is
-// below kConverged of the offset, or after kMostRounds.
+// below kConverged of the offset, after kMostRounds, or when its rounds get no nearer (RoundProgress).
 //
 // Nearest is meant in the energy of the coupling: the squared distance of the grip points plus the squared turn times turn_length^2. At the
 // end the coupling's force and torque are then exactly the sum of what frictionless contacts give.
@@ -96,7 +98,7 @@ class ToolProxy {
   // For the fast task, until the next step: what keeps the tool out within `reach` of where it is now.
   void find_local_contacts(double reach, LocalContacts& local) noexcept;
   // Of the last step.
-  std::span<const ToolContact> contacts() const { return {contacts_.data(), static_cast<std::size_t>(contact_count_)}; }
+  std::span<const ToolContact> contacts() const { return {contacts_.all.data(), static_cast<std::size_t>(contacts_.count)}; }
 
  private:
   ToolProxy(std::unique_ptr<ScenePart> scene, double turn_length, WorkerTeam& team);
@@ -118,13 +120,8 @@ class ToolProxy {
   bool overlaps(const Placement& placement) noexcept;
   void place(const Placement& device) noexcept;
   RigidMotion wanted_motion(const Placement& device) const noexcept;
-  // Coordinates in which the squared distance of two motions is, to second order, the energy between them: that of the coupling, less
-  // multiplier times curvature of the gap (gap_curvature) for each active contact (sequential quadratic programming).
-  Vec6 to_coordinates(const RigidMotion& motion) const noexcept;
-  Vec6 goal_of(const RigidMotion& wanted) const noexcept;
+  // To that of the active contacts (sequential quadratic programming).
   void update_curvature() noexcept;
-  void set_plain_curvature() noexcept;
-  RigidMotion to_motion(const Vec6& y) const noexcept;
   void make_bounds() noexcept;
   RigidMotion cut_to(double reach, const RigidMotion& motion) const noexcept;
   // The motion nearest to the goal within the bounds; those that cannot all be met are lowered to zero, or what a part's motion asks for.
@@ -137,6 +134,7 @@ class ToolProxy {
   bool is_crossed(const RigidMotion& motion) const noexcept;
   double find_safe_share(const RigidMotion& motion) const noexcept;
   void note_contacts(ToolProxyStep& report) noexcept;
+  void return_to_best() noexcept;  // of this step's rounds
   bool round(const Placement& device, ToolProxyStep& report) noexcept;
   // Moves the parts from `first` on, before `last`, to their targets.
   void carry(std::size_t first, std::size_t last, ToolProxyStep& report) noexcept;
@@ -146,15 +144,19 @@ class ToolProxy {
   bool find_push(RigidMotion& motion) noexcept;  // false: there is no room
   bool is_squeezed_by(const RigidMotion& motion) const noexcept;
 
-  double turn_length_;
+  struct Contacts {
+    std::array<ToolContact, 6> all;
+    int count = 0;
+  };
+
+  MotionEnergy energy_;
+  RoundProgress progress_;
   WorkerTeam* team_;
   Parts parts_;  // the first stands still, the others move
   Placement proxy_;
   Placement last_;      // the proxy before the last step
   double reach_ = 0.0;  // no point of the tool moves farther in a round
   bool is_blocked_ = true;
-  Mat6 root_ = Mat6::Identity();  // root^T root is the energy's second derivative by shift and turn
-  Mat6 inverse_root_ = Mat6::Identity();
   std::vector<MotionBound> bounds_;  // of the minima of the distance
   std::vector<BoundPair> bound_pairs_;
   std::vector<double> yields_;      // of each bound: what it asks for as its part moves
@@ -162,8 +164,8 @@ class ToolProxy {
   double travel_ = 0.0;             // past the tool, of where a part should be, since the step before
   std::size_t bound_count_ = 0;
   LeastMotion least_;
-  std::array<ToolContact, 6> contacts_;
-  int contact_count_ = 0;
+  Contacts contacts_;
+  Contacts best_contacts_;  // of progress_.best()
 };
 
 }  // namespace hapton

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 #include "core/geometry/mesh_shapes.h"
@@ -77,6 +78,30 @@ TEST_F(ToolProxyTest, KeepsItsGapAndIsNearestToTheDevice) {
   EXPECT_GT(touching, 500);
   EXPECT_GT(converged, touching * 9 / 10);
   EXPECT_EQ(nearer, 0);
+}
+
+// Rounds went round two to five placements until there were kMostRounds.
+TEST_F(ToolProxyTest, RoundsThatGetNoNearerEndTheStep) {
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  const TriangleMesh knob = make_bumpy_sphere(0.1, 0.2, 300, 7);
+  const ObjectGeometry knob_tool(knob, {Vec3::Zero(), scene.unit_m()});
+  ToolProxy pressed(knob_tool, scene, kTurnLength);
+  int touching = 0;
+  int most = 0;
+  for (int walk = 0; walk < 12; ++walk) {
+    Placement device{0.9 * draw_in_cube(random).normalized(), turn_by(draw_in_cube(random))};
+    pressed.reset(device);
+    const Vec3 towards = -device.position.normalized();
+    const Vec3 turn = 0.004 * draw_in_cube(random);
+    for (int n = 0; n < 200; ++n) {
+      device.position += (n < 100 ? 0.005 : 0.0005) * towards + 0.001 * draw_in_cube(random);
+      device.orientation = (turn_by(turn) * device.orientation).normalized();
+      most = std::max(most, pressed.step(device).rounds);
+      touching += pressed.contacts().empty() ? 0 : 1;
+    }
+  }
+  EXPECT_GT(touching, 500);
+  EXPECT_LT(most, ToolProxy::kMostRounds);
 }
 
 // A plate that left a contact was put where the device is, though the bounds of its long and turning motion had bent it: through a bump.

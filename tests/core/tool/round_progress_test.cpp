@@ -1,0 +1,73 @@
+#include "core/tool/round_progress.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+
+namespace hapton {
+namespace {
+
+constexpr double kGain = 0.125;
+
+Placement at(double x) { return {Vec3(x, 0.0, 0.0), Quat::Identity()}; }
+
+// Rounds until the progress is stalled, if they begin at these distances in turn; the last ones are repeated.
+template <std::size_t kCount>
+int rounds_until_stalled(const std::array<double, kCount>& distances, std::size_t repeated) {
+  RoundProgress progress(kGain);
+  progress.restart();
+  for (std::size_t n = 0; n < 100; ++n) {
+    const double d = distances[n < kCount ? n : kCount - repeated + (n - kCount) % repeated];
+    if (progress.is_stalled(at(static_cast<double>(n)), d)) return static_cast<int>(n);
+  }
+  return -1;
+}
+
+TEST(RoundProgress, ACycleIsStalledAfterItsFirstRounds) {
+  EXPECT_EQ(rounds_until_stalled(std::array{10.0, 8.0, 7.0}, 2), 2 + RoundProgress::kPatience);
+  EXPECT_EQ(rounds_until_stalled(std::array{10.0, 8.0, 9.0, 7.0}, 3), 3 + RoundProgress::kPatience);
+}
+
+TEST(RoundProgress, EverShorterMotionsAreStalled) {
+  RoundProgress progress(kGain);
+  progress.restart();
+  int n = 0;
+  double distance = 5.0;
+  for (double gain = 1.0; n < 100 && !progress.is_stalled(at(distance), distance); ++n) distance -= gain *= 0.5;
+  EXPECT_GT(n, RoundProgress::kPatience);
+  EXPECT_LT(n, 12);
+}
+
+TEST(RoundProgress, SmallGainsAddUp) {
+  RoundProgress progress(kGain);
+  progress.restart();
+  double distance = 100.0;
+  for (int n = 0; n < 100; ++n, distance -= 1.01 * kGain / RoundProgress::kPatience) {
+    ASSERT_FALSE(progress.is_stalled(at(distance), distance)) << n;
+  }
+}
+
+TEST(RoundProgress, ARoundThatDoesNotMoveIsNotCounted) {
+  RoundProgress progress(kGain);
+  progress.restart();
+  for (int n = 0; n < 100; ++n) ASSERT_FALSE(progress.is_stalled(at(0.0), 1.0));
+}
+
+TEST(RoundProgress, TheBestIsTheNearest) {
+  RoundProgress progress(kGain);
+  progress.restart();
+  progress.is_stalled(at(1.0), 3.0);
+  EXPECT_TRUE(progress.is_best());
+  progress.is_stalled(at(2.0), 1.0);
+  EXPECT_TRUE(progress.is_best());
+  progress.is_stalled(at(3.0), 2.0);
+  EXPECT_FALSE(progress.is_best());
+  EXPECT_EQ(progress.best(), at(2.0));
+  progress.restart();
+  progress.is_stalled(at(4.0), 9.0);
+  EXPECT_TRUE(progress.is_best());
+  EXPECT_EQ(progress.best(), at(4.0));
+}
+
+}  // namespace
+}  // namespace hapton
