@@ -108,7 +108,8 @@ Result<TrialRun> try_cpus(const LatencyRunOptions& options, const NodeCpus& cpus
   std::filesystem::remove_all(trial.out, error);
   if (json_number_of(*report, "counters", "forces") <= 0.0) return TrialRun{};
   const Json hop = report->value("hops", Json::object()).value("round_trip", Json::object());
-  return TrialRun{hop.value("p50_us", TrialRun().p50_us), hop.value("p99_us", TrialRun().p99_us)};
+  return TrialRun{hop.value("p50_us", TrialRun().p50_us), hop.value("p99_us", TrialRun().p99_us),
+                  hop.value("max_us", TrialRun().longest_us)};
 }
 
 Result<Placement> place_nodes(const LatencyRunOptions& options) {

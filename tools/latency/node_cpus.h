@@ -21,10 +21,11 @@ NodeCpus find_two_cpus();
 struct TrialRun {
   double p50_us = std::numeric_limits<double>::infinity();
   double p99_us = std::numeric_limits<double>::infinity();
+  double longest_us = std::numeric_limits<double>::infinity();
 };
 
-// True if the nodes should have a CPU each: both numbers are shorter there. A second CPU saves the switch between the nodes, but must wake
-// up in time, too, so that on some machines the longest round trips become longer.
+// True if the nodes should have a CPU each: median and 99th percentile are shorter there, and the longest round trip is not much longer. A
+// second CPU saves the switch between the nodes, but must wake up in time, too, so that on some machines the tail becomes longer.
 bool should_use_two(const TrialRun& on_one, const TrialRun& on_two);
 
 // One line: what was measured and chosen.

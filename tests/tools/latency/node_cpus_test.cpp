@@ -19,17 +19,22 @@ TEST(NodeCpus, AreTwoDifferentOnesOrNone) {
 }
 
 TEST(NodeCpus, AreTwoOnlyIfMedianAndTailAreShorterThere) {
-  EXPECT_TRUE(should_use_two({50.0, 90.0}, {40.0, 80.0}));
-  EXPECT_FALSE(should_use_two({50.0, 90.0}, {40.0, 95.0}));
-  EXPECT_FALSE(should_use_two({50.0, 90.0}, {55.0, 80.0}));
-  EXPECT_FALSE(should_use_two({50.0, 90.0}, {50.0, 90.0}));
-  EXPECT_FALSE(should_use_two({50.0, 90.0}, {})) << "no round trips";
+  const TrialRun on_one{50.0, 90.0, 200.0};
+  EXPECT_TRUE(should_use_two(on_one, {40.0, 80.0, 150.0}));
+  EXPECT_TRUE(should_use_two(on_one, {40.0, 80.0, 250.0})) << "the longest of a short run is chance";
+  EXPECT_FALSE(should_use_two(on_one, {40.0, 80.0, 1000.0}));
+  EXPECT_FALSE(should_use_two(on_one, {40.0, 95.0, 150.0}));
+  EXPECT_FALSE(should_use_two(on_one, {55.0, 80.0, 150.0}));
+  EXPECT_FALSE(should_use_two(on_one, on_one));
+  EXPECT_FALSE(should_use_two(on_one, {})) << "no round trips";
+  EXPECT_TRUE(should_use_two({}, on_one)) << "no round trips on one";
 }
 
 TEST(NodeCpus, TheChoiceIsExplained) {
-  EXPECT_THAT(describe_choice({1, 1}, {50, 90}, {40, 95}), testing::StartsWith("io_node and haptics_node share CPU 1 ("));
-  EXPECT_THAT(describe_choice({0, 1}, {50, 90}, {40, 80}),
-              testing::AllOf(testing::StartsWith("io_node has CPU 0, haptics_node CPU 1 ("), testing::HasSubstr("on two 40 and 80 us)")));
+  EXPECT_THAT(describe_choice({1, 1}, {50, 90, 200}, {40, 95, 150}), testing::StartsWith("io_node and haptics_node share CPU 1 ("));
+  EXPECT_THAT(
+      describe_choice({0, 1}, {50, 90, 200}, {40, 80, 150}),
+      testing::AllOf(testing::StartsWith("io_node has CPU 0, haptics_node CPU 1 ("), testing::HasSubstr("on two 40, 80 and 150 us)")));
 }
 
 }  // namespace
