@@ -128,7 +128,7 @@ Eigen::Vector2d find_image_size(const std::vector<MappedTriangle>& triangles) {
   return area * sum.cwiseInverse();
 }
 
-// The normal map that all triangles of the mesh have. Error: there is none, or not one for all.
+// The material whose normal map all triangles of the mesh have. Error: there is none, or not one for all.
 Result<const LookMaterial*> find_normals(const MeshLook& look, const std::string& object) {
   const LookMaterial* found = nullptr;
   for (const TriangleLook& triangle : look.triangles) {
@@ -193,26 +193,22 @@ Result<ImageMap> MapMaker::make_map(const MapSpec& spec, std::string_view key) {
 
 Result<ImageMap> MapMaker::make_relief(const MapSpec& spec, const MapSource& source, const std::vector<MappedTriangle>& triangles,
                                        const std::string& object) {
-  const auto make = [&](const std::string& bytes, double scale) {
-    return decode_image(bytes, TexelKind::numbers).and_then([&](const ImageTexels& texels) {
-      return relief_of_normals(texels, find_image_size(triangles), scale);
-    });
-  };
-  Result<Relief> relief = fail("");
-  std::string name;
+  LookImage image{.name = shown_path(spec).string(), .bytes = {}};
+  double scale = *spec.normal_scale;
   if (spec.is_of_mesh) {
     const auto material = find_normals(*source.look, object);
     if (!material) return fail("{}: 'normal_map': {}", spec.where, material.error().what);
-    const LookImage& image = source.look->images[*(*material)->normals];
-    name = image.name;
-    relief = make(image.bytes, *spec.normal_scale * (*material)->normal_scale);
+    image = source.look->images[*(*material)->normals];
+    scale *= (*material)->normal_scale;
   } else {
-    name = shown_path(spec).string();
-    const auto bytes = read_image_bytes(shown_path(spec));
+    auto bytes = read_image_bytes(shown_path(spec));
     if (!bytes) return fail("{}: 'normal_map': {}", spec.where, bytes.error().what);
-    relief = make(*bytes, *spec.normal_scale);
+    image.bytes = std::move(*bytes);
   }
-  if (!relief) return fail("{}: 'normal_map': {}: {}", spec.where, name, relief.error().what);
+  auto relief = decode_image(image.bytes, TexelKind::numbers).and_then([&](const ImageTexels& texels) {
+    return relief_of_normals(texels, find_image_size(triangles), scale);
+  });
+  if (!relief) return fail("{}: 'normal_map': {}: {}", spec.where, image.name, relief.error().what);
   return ImageMap{.image = std::make_shared<const SurfaceImage>(std::move(relief->image)), .at_black = -relief->height_m, .at_white = 0.0};
 }
 

@@ -37,6 +37,8 @@ struct MapSpecs {
   std::array<double, 2> repeat = {1.0, 1.0};  // repetitions of the images, along u and v
 
   bool any() const { return !height.file.empty() || !stiffness.file.empty() || !friction.file.empty(); }
+  // What these need of a mesh file.
+  LookReading reading() const { return !any() ? LookReading::off : height.is_of_mesh ? LookReading::with_normals : LookReading::on; }
 };
 
 // The keys of [material.NAME] for maps. docs/effects.md has each with its range.

@@ -1,5 +1,6 @@
 #include "scene/material_reader.h"
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -96,6 +97,12 @@ constexpr std::array<HapticMap, 3> kMaps = {
      {"friction_map", "friction_map_range", "friction", &HapticMaterial::friction, &MapSpecs::friction}}};
 
 }  // namespace
+
+LookReading reading_for_maps(const MaterialSpecs& materials) {
+  LookReading most = LookReading::off;
+  for (const auto& [name, spec] : materials) most = std::max(most, spec.maps.reading());
+  return most;
+}
 
 Result<MaterialSpec> read_material(const toml::table& table, const std::string& name) {
   return read_table(table, fmt::format("[material.{}]", printable(name)), name);

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
+#include <map>
 #include <string>
 
 #include "core/base/result.h"
@@ -18,6 +20,12 @@ struct MaterialSpec {
   std::size_t line = 0;  // in the scene file
   TextureSpec texture;
 };
+
+// By name.
+using MaterialSpecs = std::map<std::string, MaterialSpec, std::less<>>;
+
+// What the maps of all of them need of mesh files.
+LookReading reading_for_maps(const MaterialSpecs& materials);
 
 // [material.NAME] of a scene file. RT: set-up only. Error: "line N: ...".
 Result<MaterialSpec> read_material(const toml::table& table, const std::string& name);

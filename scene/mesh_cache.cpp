@@ -1,5 +1,6 @@
 #include "scene/mesh_cache.h"
 
+#include <algorithm>
 #include "scene/scene_hash.h"
 #include "scene/text_cursor.h"
 
@@ -37,7 +38,7 @@ Result<const MeshCache::ReadyMesh*> MeshCache::load(const std::filesystem::path&
   ReadyMesh ready;
   std::vector<Vec3> vertices = mesh->vertices;
   ready.given_hash = hash_mesh(*mesh);
-  if (has_maps_ || object.haptic_material) {
+  if (maps_ != LookReading::off || object.haptic_material) {
     ready.map = {{}, std::make_shared<const TriangleMesh>(*mesh), std::make_shared<const MeshLook>(object.haptic_material ? maps : look)};
   }
   ready.sealed = seal_for_touch(*mesh, sealing);
@@ -66,7 +67,7 @@ Result<MeshCache::HapticChoice> MeshCache::find_haptics(const std::filesystem::p
 Result<const MeshFile*> MeshCache::load_file(const std::filesystem::path& path, const ObjectSpec& object, std::vector<std::string>& notes) {
   const auto key = std::make_pair(path.string(), object.unit);
   if (const auto found = files_.find(key); found != files_.end()) return &found->second;
-  Result<MeshFile> file = load_mesh_file(path, object.unit, has_maps_ ? LookReading::with_normals : look_);
+  Result<MeshFile> file = load_mesh_file(path, object.unit, std::max(maps_, look_));
   if (!file) return fail("line {}: {}", object.mesh_line, file.error().what);
   for (const std::string& note : file->notes) notes.push_back(fmt::format("{}: {}", path.string(), note));
   return &files_.emplace(key, std::move(*file)).first->second;

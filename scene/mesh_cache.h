@@ -31,8 +31,8 @@ class MeshCache {
     MapSource map;                         // if there are maps: the mesh before it was sealed
   };
 
-  // has_maps: the scene has maps (images for forces), which need texture coordinates even if `look` is off.
-  MeshCache(CrackSealing sealing, LookReading look, bool has_maps) : sealing_(sealing), look_(look), has_maps_(has_maps) {}
+  // maps: what the maps of the scene (images for forces) need of mesh files, even if `look` is off.
+  MeshCache(CrackSealing sealing, LookReading look, LookReading maps) : sealing_(sealing), look_(look), maps_(maps) {}
 
   // The mesh that the object names: a part of a file, some of its nodes, or all of it. notes: gets lines for the log.
   Result<const ReadyMesh*> load(const std::filesystem::path& path, const ObjectSpec& object, std::vector<std::string>& notes);
@@ -52,7 +52,7 @@ class MeshCache {
 
   CrackSealing sealing_;
   LookReading look_;
-  bool has_maps_;
+  LookReading maps_;
   std::map<std::pair<std::string, std::optional<Unit>>, MeshFile> files_;
   std::map<Key, ReadyMesh> meshes_;
 };

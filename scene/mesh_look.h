@@ -12,7 +12,7 @@
 
 namespace hapton {
 
-// Whether the colours and textures of a mesh file are read, and its normal maps with them. A picture needs the former, a force the latter.
+// What is read of a mesh file: its colours and textures, for pictures; its normal maps too, for forces. Each includes those before it.
 enum class LookReading : std::uint8_t { off, on, with_normals };
 
 // A picture as it is in a mesh file or in a file beside it, PNG or JPEG, not decoded.

@@ -36,7 +36,7 @@ constexpr std::size_t kMaxSceneFileBytes = std::size_t{1} << 24;
 
 struct SceneSpec {
   std::vector<ObjectSpec> objects;
-  std::map<std::string, MaterialSpec, std::less<>> materials;
+  MaterialSpecs materials;
   std::vector<EffectSpec> effects;
   std::vector<LibraryEffect> libraries;
   std::optional<ObjectSpec> tool;
@@ -44,10 +44,6 @@ struct SceneSpec {
   std::optional<SceneFit> workspace;  // in place of fit_m
   SceneView view;
   bool is_plain = false;  // stands for a mesh file alone
-
-  bool has_maps() const {
-    return std::any_of(materials.begin(), materials.end(), [](const auto& one) { return one.second.maps.any(); });
-  }
 };
 
 Result<void> read_materials(const toml::table& table, SceneSpec& spec) {
@@ -332,7 +328,7 @@ Result<std::shared_ptr<const KeyframeMotion>> make_felt_motion(const ObjectSpec&
 Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& folder, const SceneLoading& loading) {
   Scene scene;
   scene.view = spec.view;
-  MeshCache cache(loading.sealing, loading.look, spec.has_maps());
+  MeshCache cache(loading.sealing, loading.look, reading_for_maps(spec.materials));
   MapMaker map_maker(folder);
   note_unused_materials(spec, scene.notes);
   TextureCache textures(folder);

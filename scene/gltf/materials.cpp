@@ -103,14 +103,17 @@ void read_alpha(const Json& json, const std::string& where, LookMaterial& materi
 
 bool is_same(const TexturePlace& a, const TexturePlace& b) { return a.set == b.set && a.place.matrix() == b.place.matrix(); }
 
-// normalTexture [3.9.3]. place: of the material's colours; without an image of these, it becomes that of the normals.
+// normalTexture [3.9.3]. place: of the material's texture coordinates, which all images for forces use.
 void read_normals(const Document& document, const Json& json, const std::string& where, const std::filesystem::path& folder,
-                  LookMaterial& material, TexturePlace& place, RawMesh& raw) {
+                  const TexturePlace& place, LookMaterial& material, RawMesh& raw) {
   const Json& texture = member(json, "normalTexture");
   if (!texture.is_object()) return;
   const auto own = read_texture_place(texture, where);
-  if (!own || (material.image && !is_same(*own, place))) {
-    raw.notes.push_back(fmt::format("{} has other texture coordinates than the colours of its material: it cannot be felt", where));
+  if (!own || !is_same(*own, place)) {
+    raw.notes.push_back(
+        fmt::format("{} has other texture coordinates than the colours of its material (without these: TEXCOORD_0), so it cannot be felt: "
+                    "name the image in a material",
+                    where));
     return;
   }
   const Json& scale = member(texture, "scale");
@@ -118,7 +121,6 @@ void read_normals(const Document& document, const Json& json, const std::string&
     raw.notes.push_back(fmt::format("{}.scale is not a finite number: it cannot be felt", where));
     return;
   }
-  place = *own;
   material.normal_scale = scale.is_null() ? 1.0F : scale.get<float>();
   material.normals = read_texture(document, texture, where, folder, raw);
 }
@@ -178,7 +180,7 @@ std::vector<TexturePlace> read_materials(const Document& document, const std::fi
     if (texture.is_object()) material.image = read_texture(document, texture, where + ".baseColorTexture", folder, raw);
     if (material.image) material.wrap = read_wraps(document, texture, where + ".baseColorTexture", raw);
     if (look == LookReading::with_normals) {
-      read_normals(document, materials[m], fmt::format("materials[{}].normalTexture", m), folder, material, places.back(), raw);
+      read_normals(document, materials[m], fmt::format("materials[{}].normalTexture", m), folder, places.back(), material, raw);
     }
     raw.look.materials.push_back(std::move(material));
   }

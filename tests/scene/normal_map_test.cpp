@@ -114,6 +114,18 @@ TEST_F(NormalMap, ThatOfAGltfFileIsFeltWhereItIsAskedFor) {
   EXPECT_FALSE(silent->objects[0].effects.any());
 }
 
+// Only a material with normal_map = true reads the file's own: it changes nothing for others that have an image.
+TEST_F(NormalMap, LeavesTheTextureCoordinatesOfOtherImages) {
+  const std::string moved = R"({"normalTexture":{"index":0,"extensions":{"KHR_texture_transform":{"scale":[7,7]}}}})";
+  write_gltf(moved);
+  expect_waves("normal_map = 'waves.png'", "sheet.gltf");
+  const auto loaded = load("friction_map = 'plain.png'\nfriction_map_range = [0, 1]", "sheet.gltf");
+  ASSERT_TRUE(loaded) << loaded.error().what;
+  for (const std::string& note : loaded->notes) EXPECT_THAT(note, testing::Not(HasSubstr("texture coordinates")));
+  EXPECT_EQ(loaded->objects[0].effects.maps.triangles->front().texcoord[1], Eigen::Vector2d(1, 1));
+  EXPECT_THAT(error_of("normal_map = true", "sheet.gltf"), HasSubstr("no normal map, or not everywhere: name an image"));
+}
+
 TEST_F(NormalMap, TooSteepAReliefIsSmoothedAndSaysHowToKeepIt) {
   const auto loaded = load("normal_map = 'waves.png'\nnormal_map_scale = 10", "sheet.obj");
   ASSERT_TRUE(loaded) << loaded.error().what;
