@@ -101,6 +101,11 @@ bool parse_integer(std::string_view word, std::int64_t& value) {
   return error == std::errc() && after == word.data() + word.size();
 }
 
+std::string printable(std::string_view word) {
+  constexpr std::size_t kLongest = 40;
+  return printable(word, kLongest);
+}
+
 std::string printable(std::string_view word, std::size_t longest) {
   std::string shown;
   for (std::string_view left = word; !left.empty();) {
