@@ -108,7 +108,7 @@ TEST(KnownMoves, AnObjectIsKnownByTheNameThatItsMovesHave) {
 
 TEST(KnownMoves, ObjectsOfAnyNumbersTakeLittleMemory) {
   KnownMoves known;
-  for (std::int32_t object = 0; object < 200'000; ++object) {
+  for (std::int32_t object = 0; object < 70'000; ++object) {
     ObjectMove move = announced_at_rest(5, object);
     move.name = {"a"};
     known.take(move, Arrival::newest);
