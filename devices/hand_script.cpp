@@ -131,14 +131,14 @@ void HandScript::enter(Phase phase) noexcept {
 }
 
 bool HandScript::move_towards(const Vec3& goal, double speed_m_per_s) noexcept {
-  const Vec3 way = goal - hand_m_;
-  const double left_m = way.norm();
+  const Vec3 motion = goal - hand_m_;
+  const double left_m = motion.norm();
   const double step_m = speed_m_per_s * kStepS;
   if (left_m <= step_m) {
     hand_m_ = goal;
     return true;
   }
-  hand_m_ += way * (step_m / left_m);
+  hand_m_ += motion * (step_m / left_m);
   return false;
 }
 

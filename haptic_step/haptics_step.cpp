@@ -154,7 +154,7 @@ void HapticsStep::note_push(ForceCommand& reply) const noexcept {
   }
 }
 
-// After a gap the tool comes from where it was, on a way that is free: no contact is lost, and nothing is passed.
+// After a gap the tool comes from where it was, on a path that is free: no contact is lost, and nothing is passed.
 void HapticsStep::feel_tool(ForceCommand& reply) noexcept {
   if (running_) remember_answered();
   running_ = true;

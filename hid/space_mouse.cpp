@@ -16,11 +16,11 @@ double int16_at(std::span<const std::uint8_t> report, std::size_t byte) noexcept
   return static_cast<std::int16_t>(static_cast<std::uint16_t>(report[byte] | (report[byte + 1] << 8)));
 }
 
-// The share of the way beyond the dead band, so that nothing jumps at its edge.
+// The share of the travel beyond the dead band, so that nothing jumps at its edge.
 double share(double counts) noexcept {
   const double beyond = std::max(std::abs(counts) - SpaceMouseDecoder::kDeadBand, 0.0);
-  const double way = SpaceMouseDecoder::kFullWay - SpaceMouseDecoder::kDeadBand;
-  return std::copysign(std::min(beyond / way, 1.0), counts);
+  const double travel = SpaceMouseDecoder::kFullWay - SpaceMouseDecoder::kDeadBand;
+  return std::copysign(std::min(beyond / travel, 1.0), counts);
 }
 
 // The device's axes are x right, y to the person, z down.

@@ -147,11 +147,11 @@ std::vector<ReportNode> make_nodes(const ServoStats& stats) {
   return nodes;
 }
 
-std::string describe_clocks(const HopStats& ways) {
-  if (!ways.is_offset_known) return "not measured yet";
-  const std::string measured = fmt::format("{:.1f} us, within {:.1f} us", 1e-3 * static_cast<double>(ways.clock_offset_ns),
-                                           1e-3 * static_cast<double>(ways.clock_error_ns));
-  return ways.is_one_clock ? "same clock; measured difference " + measured : measured;
+std::string describe_clocks(const HopStats& hops) {
+  if (!hops.is_offset_known) return "not measured yet";
+  const std::string measured = fmt::format("{:.1f} us, within {:.1f} us", 1e-3 * static_cast<double>(hops.clock_offset_ns),
+                                           1e-3 * static_cast<double>(hops.clock_error_ns));
+  return hops.is_one_clock ? "same clock; measured difference " + measured : measured;
 }
 
 void add_scheduling(LatencyReport& report, const SchedulingStats& s) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/period_ns.h"
+
 namespace hapton {
 namespace {
 
@@ -18,7 +20,7 @@ bool looks_same(const ProbeState& a, const ProbeState& b) noexcept {
 }  // namespace
 
 VisionPace::VisionPace(double rate_hz, std::uint32_t ignored_buttons) noexcept
-    : period_ns_(rate_hz > 0.0 ? std::llround(1e9 / rate_hz) : 0), ignored_buttons_(ignored_buttons) {}
+    : period_ns_(rate_hz > 0.0 ? period_ns(rate_hz) : 0), ignored_buttons_(ignored_buttons) {}
 
 void VisionPace::on_frame_ack(std::size_t peer, const FrameAck& frame, std::int64_t now_ns) noexcept {
   Place& place = places_[peer];

@@ -16,6 +16,7 @@
 #include "link/endpoint.h"
 #include "link/fixed_codec.h"
 #include "link/message_codec.h"
+#include "link/wire_fields.h"
 
 namespace hapton {
 namespace {
@@ -34,6 +35,7 @@ DecodeStatus read_into(const wire::ViewTransform& from, ViewTransform& to) {
 
 template <class Ours, class Theirs>
 DecodeStatus read_message(const wire::Envelope& envelope, const Theirs& from, Datagram& datagram) {
+  if (!is_wire_time(envelope.send_time_ns())) return DecodeStatus::bad_value;
   Ours message;
   const DecodeStatus status = read_into(from, message);
   if (status == DecodeStatus::bad_value) return status;

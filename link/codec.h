@@ -17,6 +17,10 @@ constexpr std::uint32_t kProtocolVersion = 3;
 // Lengths (m) and forces (N) beyond this are rejected, so that squares and products of accepted ones stay finite.
 constexpr double kMaxWireMagnitude = kMaxTranslationM;
 
+// Times beyond this, before or after zero, are rejected: sums and differences of three accepted ones fit into 64 bits. 73 years; no clock
+// that counts from start-up gets there.
+constexpr std::int64_t kMaxWireTimeNs = (std::int64_t{1} << 61) - 1;
+
 enum class DecodeStatus : std::uint8_t {
   ok,
   truncated,        // ends early, or is not a well-formed Envelope

@@ -137,6 +137,12 @@ class FixedReader {
   bool is_good_ = true;
 };
 
+template <class Wire, class Time>
+void lay_out_time(Wire& wire, std::uint32_t field, Time& time_ns) {
+  wire.number(field, time_ns);
+  if constexpr (Wire::kReads) wire.require(is_wire_time(time_ns));
+}
+
 template <class Wire, class Vector>
 void lay_out_vector(Wire& wire, std::uint32_t field, Vector& v) {
   std::array<double, 3> values{v[0], v[1], v[2]};
@@ -165,7 +171,7 @@ void lay_out_scene_time(Wire& wire, Time& time_ns) {
   if constexpr (Wire::kReads) {
     time_ns = -1;
     if (wire.is_at_end()) return;
-    wire.number(kField, time_ns);
+    lay_out_time(wire, kField, time_ns);
     wire.require(time_ns >= 0);
   } else {
     if (time_ns >= 0) wire.number(kField, time_ns);
@@ -175,7 +181,7 @@ void lay_out_scene_time(Wire& wire, Time& time_ns) {
 template <class Wire, class Message>
 void lay_out_device_state(Wire& wire, Message& m) {
   wire.number(1, m.sample);
-  wire.number(2, m.sample_time_ns);
+  lay_out_time(wire, 2, m.sample_time_ns);
   lay_out_vector(wire, 3, m.p_WD);
   lay_out_rotation(wire, 4, m.q_WT);
   wire.number(5, m.buttons);
@@ -207,7 +213,7 @@ void lay_out_push(Wire& wire, Push& push) {
 template <class Wire, class Message>
 void lay_out_force_command(Wire& wire, Message& m) {
   wire.number(1, m.echo_sample);
-  wire.number(2, m.echo_sample_time_ns);
+  lay_out_time(wire, 2, m.echo_sample_time_ns);
   lay_out_vector(wire, 3, m.force_n);
   lay_out_vector(wire, 4, m.visual_offset_m);
   wire.flag(5, m.contact);
@@ -220,7 +226,7 @@ void lay_out_force_command(Wire& wire, Message& m) {
   lay_out_touched(wire, m.object);
   lay_out_vector(wire, 13, m.torque_nm);
   lay_out_vector(wire, 14, m.visual_turn);
-  wire.number(15, m.scene_time_ns);
+  lay_out_time(wire, 15, m.scene_time_ns);
   wire.number(16, m.move_serial);
   wire.number(17, m.carve_serial);
   lay_out_push(wire, m.push);
@@ -241,7 +247,7 @@ void lay_out_header(Wire& wire, Fields& header) {
   wire.number(2, header.session);
   wire.number(3, header.sender);
   wire.number(4, header.sequence);
-  wire.number(5, header.send_time_ns);
+  lay_out_time(wire, 5, header.send_time_ns);
 }
 
 template <class Message>

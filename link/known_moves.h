@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -17,6 +18,9 @@ namespace hapton {
 // Threads: one.
 class KnownMoves {
  public:
+  // More than any scene has: a broken haptics node may announce any numbers, and others are left out.
+  static constexpr std::size_t kMostObjects = 1 << 16;
+
   // arrival: as HubClient::last_arrival of this move.
   void take(const ObjectMove& move, Arrival arrival);
 
@@ -31,7 +35,7 @@ class KnownMoves {
   // Announced so far, in the order of their numbers.
   std::vector<std::int32_t> objects() const;
   // Moves announce the name; a haptics node of an earlier build does not, but its reply to a request by name has the number.
-  void note_name(std::string_view name, std::int32_t object) { names_.insert_or_assign(object, std::string(name)); }
+  void note_name(std::string_view name, std::int32_t object);
   // Empty: not known.
   std::string_view find_name(std::int32_t object) const;
   // Objects may share a name.

@@ -30,7 +30,7 @@ class KnownShapes {
   struct Place {
     std::uint32_t before = 0;
     std::uint32_t to = 0;
-    double share = 1.0;  // of the way
+    double share = 1.0;  // of the motion
     friend bool operator==(const Place&, const Place&) = default;
   };
   // At a scene time; none: no shape is known for it. Pre: an object of the scene.

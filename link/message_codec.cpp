@@ -232,7 +232,7 @@ bool read(const wire::Hello& from, Hello& to) {
 bool read(const wire::Welcome& from, Welcome& to) {
   to.accepted = from.accepted();
   to.servo_rate_hz = from.servo_rate_hz();
-  return is_amount(to.servo_rate_hz);
+  return is_servo_rate(to.servo_rate_hz);
 }
 
 bool read(const wire::Bye&, Bye&) { return true; }
@@ -243,7 +243,7 @@ bool read(const wire::DeviceState& from, DeviceState& to) {
   to.buttons = from.buttons();
   to.is_resumed = from.is_resumed();
   to.scene_time_ns = from.has_scene_time_ns() ? from.scene_time_ns() : -1;
-  if (to.scene_time_ns < -1) return false;
+  if (to.scene_time_ns < -1 || !is_wire_time(to.scene_time_ns) || !is_wire_time(to.sample_time_ns)) return false;
   return read_vector(from.p_wd_m(), to.p_WD) && read_rotation(from.q_wt(), to.q_WT) && read_vector(from.p_wp_m(), to.p_WP);
 }
 
@@ -262,9 +262,9 @@ bool read(const wire::ForceCommand& from, ForceCommand& to) {
   to.move_serial = from.move_serial();
   to.carve_serial = from.carve_serial();
   to.shape_serial = from.shape_serial();
-  return read_vector(from.force_n(), to.force_n) && read_vector(from.visual_offset_m(), to.visual_offset_m) &&
-         read_optional_vector(from.torque_nm(), to.torque_nm) && read_optional_vector(from.visual_turn(), to.visual_turn) &&
-         read_push(from, to.push);
+  return is_wire_time(to.echo_sample_time_ns) && is_wire_time(to.scene_time_ns) && read_vector(from.force_n(), to.force_n) &&
+         read_vector(from.visual_offset_m(), to.visual_offset_m) && read_optional_vector(from.torque_nm(), to.torque_nm) &&
+         read_optional_vector(from.visual_turn(), to.visual_turn) && read_push(from, to.push);
 }
 
 bool read(const wire::ProbeState& from, ProbeState& to) {
@@ -283,6 +283,7 @@ bool read(const wire::ProbeState& from, ProbeState& to) {
   // An unknown status of a newer hub is no reason to reject the state.
   to.status =
       from.status() <= static_cast<std::uint32_t>(ProbeStatus::hand_inside) ? static_cast<ProbeStatus>(from.status()) : ProbeStatus::ok;
+  if (!is_wire_time(to.sample_time_ns) || !is_wire_time(to.scene_time_ns)) return false;
   return read_vector(from.p_wd_m(), to.p_WD) && read_rotation(from.q_wt(), to.q_WT) &&
          read_vector(from.visual_offset_m(), to.visual_offset_m) && read_vector(from.force_n(), to.force_n) &&
          read_optional_vector(from.torque_nm(), to.torque_nm) && read_optional_vector(from.visual_turn(), to.visual_turn) &&
@@ -298,7 +299,7 @@ bool read(const wire::FrameAck& from, FrameAck& to) {
   to.rest_ns = from.rest_ns();
   to.unchanged = from.unchanged();
   to.every_sample = from.every_sample();
-  return is_amount(to.frame_rate_hz);
+  return is_wire_time(to.echo_sample_time_ns) && is_amount(to.frame_rate_hz);
 }
 
 bool read(const wire::HandTarget& from, HandTarget& to) {
@@ -326,7 +327,7 @@ bool read(const wire::Settings& from, Settings& to) {
   }
   to.method = {};
   std::copy(method.begin(), method.end(), to.method.begin());
-  return to.servo_rate_hz == 0.0 || (to.servo_rate_hz >= kMinServoRateHz && to.servo_rate_hz <= kMaxServoRateHz);
+  return is_servo_rate(to.servo_rate_hz);
 }
 
 bool read(const wire::HapticsSetup& from, HapticsSetup& to) {
@@ -383,8 +384,7 @@ bool read(const wire::ViewRejected& from, ViewRejected& to) {
 bool read(const wire::LoopFacts& from, LoopFacts& to) {
   to.servo_rate_hz = from.servo_rate_hz();
   to.round_trip_s = from.round_trip_s();
-  const bool is_rate = to.servo_rate_hz >= 0.0 && to.servo_rate_hz <= kMaxServoRateHz;
-  return is_rate && is_amount(to.round_trip_s) && read_text(from.device(), to.device);
+  return is_servo_rate(to.servo_rate_hz) && is_amount(to.round_trip_s) && read_text(from.device(), to.device);
 }
 
 bool read(const wire::Marker& from, Marker& to) {

@@ -64,7 +64,7 @@ bool read(const wire::ObjectMove& from, ObjectMove& to) {
   to.serial = from.serial();
   to.start_ns = from.start_ns();
   to.end_ns = from.end_ns();
-  if (to.source == 0 || to.start_ns < 0 || to.end_ns < to.start_ns) return false;
+  if (to.source == 0 || to.start_ns < 0 || to.end_ns < to.start_ns || !is_wire_time(to.end_ns)) return false;
   return read_object_number(from.object(), to.object) && read_vector(from.from_p_m(), to.from_p_m) &&
          read_rotation(from.from_q(), to.from_q) && read_vector(from.to_p_m(), to.to_p_m) && read_rotation(from.to_q(), to.to_q) &&
          read_text(from.name(), to.name);

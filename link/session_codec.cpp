@@ -7,6 +7,7 @@
 #include <cstring>
 #include <limits>
 
+#include "core/base/valid_utf8.h"
 #include "session.pb.h"
 
 namespace hapton {
@@ -169,15 +170,15 @@ SessionCodec& SessionCodec::operator=(SessionCodec&&) noexcept = default;
 void SessionCodec::append(const SessionHeader& header, std::string& to) {
   session::Header& h = wire_->header;
   h.Clear();
-  h.set_build(header.build);
+  h.set_build(to_valid_utf8(header.build));
   h.set_start_ns(header.start_ns);
   h.set_start_unix_ns(header.start_unix_ns);
   h.set_session(header.session);
-  h.set_fault(header.fault);
+  h.set_fault(to_valid_utf8(header.fault));
   for (const auto& [name, value] : header.settings) {
     session::Setting& setting = *h.add_settings();
-    setting.set_name(name);
-    setting.set_value(value);
+    setting.set_name(to_valid_utf8(name));
+    setting.set_value(to_valid_utf8(value));
   }
   append_checked(h, to);
 }

@@ -113,7 +113,8 @@ bool read(const wire::ShapeStart& from, ShapeStart& to) {
   to.total = from.total();
   to.start_ns = from.start_ns();
   to.end_ns = from.end_ns();
-  if (to.source == 0 || to.total == 0 || to.total > ShapePart::kMostVertices || to.start_ns < 0 || to.end_ns < to.start_ns) return false;
+  if (to.source == 0 || to.total == 0 || to.total > ShapePart::kMostVertices) return false;
+  if (to.start_ns < 0 || to.end_ns < to.start_ns || !is_wire_time(to.end_ns)) return false;
   // Of an object at rest there is nothing before.
   if (to.serial == 0 ? to.before != 0 : to.before >= to.serial) return false;
   return read_object_number(from.object(), to.object);

@@ -104,16 +104,19 @@ std::optional<ShapeReply> ShapeOutbox::find_reply(std::uint32_t shape) const {
 
 Result<double> ShapeOutbox::give_up(std::uint32_t shape, double seconds) {
   const std::scoped_lock lock(mutex_);
+  return end_wait(shape, seconds);
+}
+
+Result<double> ShapeOutbox::end_wait(std::uint32_t shape, double seconds) {
+  if (const ShapeReply* reply = reply_to(shape)) return read_reply(*reply);
   std::erase_if(shapes_, [&](const Shape& one) { return one.head.shape == shape; });
   return fail("no reply to the shape within {:g} s; start haptics_node, or another shape took its place", seconds);
 }
 
 Result<double> ShapeOutbox::wait_for(std::uint32_t shape, double seconds) {
   std::unique_lock lock(mutex_);
-  const bool has_come = came_.wait_for(lock, std::chrono::duration<double>(seconds), [&] { return reply_to(shape) != nullptr; });
-  if (has_come) return read_reply(*reply_to(shape));
-  lock.unlock();
-  return give_up(shape, seconds);
+  came_.wait_for(lock, std::chrono::duration<double>(seconds), [&] { return reply_to(shape) != nullptr; });
+  return end_wait(shape, seconds);
 }
 
 Result<double> read_reply(const ShapeReply& reply) {

@@ -44,7 +44,8 @@ class ShapeOutbox {
   std::optional<ShapeReply> find_reply(std::uint32_t shape) const;
   // The time that the motion to a shape takes, s. Error, one line: why the object does not take it; there was no reply in that time.
   Result<double> wait_for(std::uint32_t shape, double seconds);
-  // No reply came in that time: the shape is not sent any more. Returned: the error that says so.
+  // The end of a wait of that time: a reply that came at the last moment, as wait_for() returns it; else the error, and the shape is not
+  // sent any more.
   Result<double> give_up(std::uint32_t shape, double seconds);
 
  private:
@@ -58,7 +59,9 @@ class ShapeOutbox {
 
   static constexpr std::size_t kMostReplies = 64;
 
+  // Pre of both: locked.
   const ShapeReply* reply_to(std::uint32_t shape) const;  // null: none
+  Result<double> end_wait(std::uint32_t shape, double seconds);
   bool is_done(const Shape& shape) const { return shape.next >= shape.displacements_m.size() && !shape.is_needed; }
 
   mutable std::mutex mutex_;  // of all below

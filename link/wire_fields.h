@@ -18,6 +18,11 @@ namespace hapton {
 // A magnitude, a rate, a duration. False for NaN as well.
 inline bool is_amount(double value) { return value >= 0.0 && value <= kMaxWireMagnitude; }
 
+inline bool is_wire_time(std::int64_t time_ns) { return time_ns >= -kMaxWireTimeNs && time_ns <= kMaxWireTimeNs; }
+
+// 0: unknown, or not to be changed. False for NaN as well.
+inline bool is_servo_rate(double rate_hz) { return rate_hz == 0.0 || (rate_hz >= kMinServoRateHz && rate_hz <= kMaxServoRateHz); }
+
 // The number of an object in the scene, from 0.
 inline bool read_object_number(std::uint32_t from, std::int32_t& to) {
   to = static_cast<std::int32_t>(from);

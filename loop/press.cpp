@@ -65,6 +65,10 @@ void measure_energy(const std::vector<LoopRow>& rows, PressMeasures& press) {
 
 }  // namespace
 
+double compute_press_depth_m(const HandModel& hand, const PressPlan& plan) {
+  return hand.stiffness_n_per_m > 0.0 ? plan.press_n * (1.0 / hand.stiffness_n_per_m + 1.0 / plan.wall_n_per_m) : 0.0;
+}
+
 PressPath make_press_path(const HandModel& hand, const PressPlan& plan) {
   PressPath press;
   press.start_m = {kClearanceM, 0.0, 0.0};
@@ -75,7 +79,7 @@ PressPath make_press_path(const HandModel& hand, const PressPlan& plan) {
     press.path = HandPath({{.time_ns = 0, .push_n = push_n}, {.time_ns = press.release_ns, .push_n = -push_n}, {.time_ns = press.end_ns}});
     return press;
   }
-  const double goal_m = -plan.press_n * (1.0 / hand.stiffness_n_per_m + 1.0 / plan.wall_n_per_m);
+  const double goal_m = -compute_press_depth_m(hand, plan);
   const std::int64_t travel_ns = to_ns((kClearanceM - goal_m) / plan.speed_m_per_s);
   press.release_ns = travel_ns + to_ns(plan.hold_s);
   press.end_ns = press.release_ns + travel_ns + to_ns(plan.after_s);

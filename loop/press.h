@@ -23,6 +23,9 @@ struct PressPath {
   std::int64_t release_ns = 0;  // the hold ends
   std::int64_t end_ns = 0;
 };
+// How far the hand moves beyond the wall for that force; 0: a hand without stiffness, which pushes.
+double compute_press_depth_m(const HandModel& hand, const PressPlan& plan);
+// Pre: the depth is some metres at most.
 PressPath make_press_path(const HandModel& hand, const PressPlan& plan);
 
 // Measurements of a press and release.

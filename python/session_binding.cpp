@@ -1,7 +1,6 @@
 #include <fmt/core.h>
 
 #include <array>
-#include <limits>
 #include <map>
 #include <utility>
 #include <vector>
@@ -57,7 +56,7 @@ class Shapes {
 
   void add(const SessionEntry& entry, const Datagram* datagram) { collector_.add(entry, datagram, take_); }
   void finish() { collector_.finish(take_); }
-  const std::vector<ShapeRow>& rows() const { return rows_; }
+  const std::vector<RecordedShape>& rows() const { return rows_; }
   // {(process, object): (shapes, vertices, 3)}
   py::dict give_vertices() {
     py::dict given;
@@ -75,25 +74,21 @@ class Shapes {
     std::vector<float> numbers;
   };
 
-  // The row of the shape's vertices in their array; NaN: they are not wanted, or the recording lacks some.
-  double keep(const RecordedShape& shape) {
-    const auto& displacements = shape.displacements_m;
-    if (!has_vertices_ || displacements.empty()) return std::numeric_limits<double>::quiet_NaN();
-    Array& array = arrays_[{shape.process, shape.start.object}];
-    if (array.vertices == 0) array.vertices = displacements.size();
-    if (array.vertices != displacements.size()) return std::numeric_limits<double>::quiet_NaN();
-    const auto row = static_cast<double>(array.numbers.size() / (3 * array.vertices));
-    for (const ShapePart::Displacement& one : displacements) array.numbers.insert(array.numbers.end(), one.begin(), one.end());
-    return row;
-  }
   void take(const RecordedShape& shape) {
-    rows_.push_back({.shape = shape, .row = keep(shape)});
-    rows_.back().shape.displacements_m = {};
+    rows_.push_back(shape);
+    if (!has_vertices_) rows_.back().row.reset();
+    if (rows_.back().row) keep(shape);
+    rows_.back().displacements_m = {};
+  }
+  void keep(const RecordedShape& shape) {
+    Array& array = arrays_[{shape.process, shape.start.object}];
+    array.vertices = shape.displacements_m.size();
+    for (const ShapePart::Displacement& one : shape.displacements_m) array.numbers.insert(array.numbers.end(), one.begin(), one.end());
   }
 
   ShapeCollector collector_;
   bool has_vertices_;
-  std::vector<ShapeRow> rows_;
+  std::vector<RecordedShape> rows_;
   std::map<std::pair<std::uint32_t, std::int32_t>, Array> arrays_;  // by process and object
   const ShapeCollector::Take take_ = [this](const RecordedShape& shape) { take(shape); };
 };

@@ -69,15 +69,15 @@ SlidePath make_rows(Walker walker, const SlidePlan& plan) {
   const double per_row_m = kApproachSpeed * plan.period_s;
   for (double depth_m = -kClearanceM; depth_m < plan.depth_m; depth_m += per_row_m) path.rows.push_back(walker.row(depth_m));
   path.sliding = path.rows.size();
-  // The same way back, and forth again: a stroke is the same at every speed, and short enough that a mesh of 100 mm has one.
+  // The same path back, and forth again: a stroke is the same at every speed, and short enough that a mesh of 100 mm has one.
   const std::size_t there = std::max<std::size_t>(1, rows_of(plan.stroke_m / plan.speed_m_per_s, plan.period_s));
   for (std::size_t i = 0; i < rows_of(plan.slide_s, plan.period_s); ++i) {
-    const std::size_t way = (i + 1) % (2 * there);
+    const std::size_t step = (i + 1) % (2 * there);
     if (i < there) {
       walker.advance(plan.speed_m_per_s * plan.period_s);
       path.rows.push_back(walker.row(plan.depth_m));
     } else {
-      const SlideRow row = path.rows[path.sliding - 1 + (way <= there ? way : 2 * there - way)];
+      const SlideRow row = path.rows[path.sliding - 1 + (step <= there ? step : 2 * there - step)];
       path.rows.push_back(row);
     }
   }

@@ -16,12 +16,13 @@ class ArrivalForecast {
   static constexpr std::uint32_t kDelays = 32;
 
   // sample: its number; sample_ns: its time by the sender's clock; arrival_ns: by this one's. rate_hz: of the samples; 0: unknown.
+  // Pre: all as a decoder accepts them (link/codec.h: kMaxWireTimeNs).
   void note(std::uint64_t sample, std::int64_t sample_ns, std::int64_t arrival_ns, double rate_hz) noexcept {
     period_ns_ = rate_hz > 0.0 ? static_cast<std::int64_t>(1e9 / rate_hz) : 0;
     is_in_sequence_ = sample == sample_ + 1;
     sample_ = sample;
     const std::int64_t late_ns = sample_ns - (tick_ns_ + period_ns_);
-    const bool is_late = is_in_sequence_ && late_ns > 0 && 2 * late_ns < period_ns_ && late_samples_ < kDelays;
+    const bool is_late = is_in_sequence_ && late_ns > 0 && late_ns < period_ns_ - late_ns && late_samples_ < kDelays;
     late_samples_ = is_late ? late_samples_ + 1 : 0;
     tick_ns_ = is_late ? tick_ns_ + period_ns_ : sample_ns;
     shortest_ns_ = std::min(shortest_ns_, arrival_ns - sample_ns);

@@ -18,7 +18,8 @@ namespace hapton {
 class StoppableCalls {
  public:
   // What the function returns; none: stop() came first, and the result is dropped when it is there. Pre: the function owns, or shares, all
-  // that it uses, since it may outlive this; it throws nothing.
+  // that it uses, since it may outlive this, and runs on while the program ends: it uses no static object that has a destructor. It throws
+  // nothing.
   template <class Function, class Value = std::invoke_result_t<Function>>
   std::optional<Value> call(Function function) {
     const auto result = std::make_shared<std::optional<Value>>();

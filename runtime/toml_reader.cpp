@@ -167,11 +167,11 @@ std::vector<TomlReader> TomlReader::tables(std::string_view key) {
 }
 
 TomlReader TomlReader::table(std::string_view key) {
-  static const toml::table kEmpty;
+  static const auto& none = *new toml::table;  // without a destructor: StoppableCalls
   const toml::node* node = table_->find(key);
   if (node != nullptr && !node->is_table())
     table_->fail_at(*node, "'{}'{} must be a table, begun by a line [{}]", key, table_->in_where(), key);
-  const toml::table* keys = node != nullptr && node->is_table() ? node->as_table() : &kEmpty;
+  const toml::table* keys = node != nullptr && node->is_table() ? node->as_table() : &none;
   return TomlReader(std::make_shared<const Table>(Table{table_->file, keys, fmt::format("[{}]", key)}));
 }
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <vector>
 
+#include "core/base/valid_utf8.h"
 #include "scene/file_bytes.h"
 #include "scene/table_reader.h"
 
@@ -19,38 +20,6 @@ constexpr double kMostCarveM = 1000.0;  // radius and length, as messages have t
 constexpr std::size_t kMostObjects = 1'000'000;
 // Of a quaternion's length from one: the text has all its digits, and somebody may have typed three.
 constexpr double kUnitSlack = 1e-3;
-
-// Bytes of the character that begins there; 0: it is not UTF-8 (RFC 3629, table 3-7 of the Unicode standard).
-std::size_t utf8_length(std::string_view text) {
-  const auto at = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U; };
-  const unsigned first = at(0);
-  if (first < 0x80) return 1;
-  const std::size_t length = first >= 0xC2 && first < 0xE0 ? 2 : first >= 0xE0 && first < 0xF0 ? 3 : first >= 0xF0 && first < 0xF5 ? 4 : 0;
-  const unsigned least = first == 0xE0 ? 0xA0 : first == 0xF0 ? 0x90 : 0x80;
-  const unsigned most = first == 0xED ? 0x9F : first == 0xF4 ? 0x8F : 0xBF;
-  if (length == 0 || at(1) < least || at(1) > most) return 0;
-  for (std::size_t i = 2; i < length; ++i) {
-    if (at(i) < 0x80 || at(i) > 0xBF) return 0;
-  }
-  return length;
-}
-
-// A name as the file has it: bytes that are not UTF-8 are taken for Latin-1.
-std::string name_in_file(std::string_view name) {
-  std::string text;
-  while (!name.empty()) {
-    const std::size_t length = utf8_length(name);
-    if (length > 0) {
-      text += name.substr(0, length);
-    } else {
-      const auto byte = static_cast<unsigned char>(name.front());
-      text += static_cast<char>(0xC0 | (byte >> 6U));
-      text += static_cast<char>(0x80 | (byte & 0x3FU));
-    }
-    name.remove_prefix(std::max<std::size_t>(length, 1));
-  }
-  return text;
-}
 
 // A text in quotes: a quote, a backslash or a control character is escaped.
 std::string quote(std::string_view text) {
@@ -110,7 +79,7 @@ class ObjectNumbers {
  public:
   ObjectNumbers(std::span<const std::string> names, Annotations& annotations) : scene_count_(names.size()), annotations_(annotations) {
     annotations_.objects.assign(names.begin(), names.end());
-    for (std::size_t i = 0; i < names.size(); ++i) by_name_[name_in_file(names[i])].push_back(static_cast<std::int32_t>(i));
+    for (std::size_t i = 0; i < names.size(); ++i) by_name_[to_valid_utf8(names[i])].push_back(static_cast<std::int32_t>(i));
   }
 
   void add(const std::string& name) {
@@ -362,7 +331,7 @@ std::string AnnotationsRead::describe_misfit() const {
 
 std::string write_annotations(const Annotations& annotations, std::uint64_t scene_hash) {
   std::string text = fmt::format("schema = \"{}\"\nscene_hash = \"{:016x}\"\nobjects = [", kSchema, scene_hash);
-  for (const std::string& name : annotations.objects) text += fmt::format("\n  {},", quote(name_in_file(name)));
+  for (const std::string& name : annotations.objects) text += fmt::format("\n  {},", quote(to_valid_utf8(name)));
   text += annotations.objects.empty() ? "]\n" : "\n]\n";
   for (const Annotation& entry : annotations.entries) {
     std::visit([&](const auto& each) { write_entry(text, each); }, entry);

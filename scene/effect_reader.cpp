@@ -336,7 +336,7 @@ Result<EffectSpec> read_space_effect(const toml::table& table, std::size_t numbe
   keys.insert(keys.end(), {"type", "name", "object", "button"});
   reader.allow(keys);
   EffectSpec spec = {.name = std::string(known.name), .effect = known.made, .object = "", .object_line = 0};
-  reader.read("name", spec.name);
+  reader.read_name("name", spec.name);
   reader.read("object", spec.object);
   if (reader.has("object")) {
     spec.object_line = table.get("object")->source().begin.line;
@@ -361,7 +361,7 @@ Result<LibraryEffect> read_library_effect(const toml::table& table, std::size_t 
   LibraryEffect effect;
   effect.line = table.source().begin.line;
   std::string library;
-  reader.read("name", effect.name);
+  reader.read_name("name", effect.name);
   reader.read("library", library);
   if (reader.has("library") && library.empty()) reader.fail_at("library", "'library' in [[effect]] {} is empty: name a file", number);
   if (reader.error()) return tl::unexpected(*reader.error());

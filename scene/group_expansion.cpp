@@ -22,7 +22,7 @@ Similarity pose_of(const GroupSpec& given, const Similarity& shown) {
 
 bool is_in_range(const ObjectSpec& object) {
   const auto is_near = [](const Vec3& p) { return (p.array().abs() <= kMaxLengthM).all(); };
-  return object.scale > 0.0 && object.scale <= kMaxScale && is_near(object.p_SM) &&
+  return object.scale >= 1.0 / kMaxScale && object.scale <= kMaxScale && is_near(object.p_SM) &&
          std::all_of(object.motion.keyframes.begin(), object.motion.keyframes.end(),
                      [&](const KeyframeSpec& one) { return !one.p_SM || is_near(*one.p_SM); });
 }

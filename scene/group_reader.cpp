@@ -16,7 +16,7 @@ std::size_t line_of_key(const toml::table& table, std::string_view key) {
 
 void read_group_name(TableReader& reader, const std::string& where, std::string& name) {
   reader.require("name");
-  reader.read("name", name);
+  reader.read_name("name", name);
   if (reader.error()) return;
   if (name.empty() || name.size() > kLongestName) {
     reader.fail_at("name", "'name' in {} has {} bytes: give 1 to {}", where, name.size(), kLongestName);
@@ -28,7 +28,7 @@ void read_group_name(TableReader& reader, const std::string& where, std::string&
 }
 
 void read_given_pose(const toml::table& table, TableReader& reader, GroupSpec& spec) {
-  if (reader.has("scale")) reader.read("scale", spec.scale.emplace(1.0), 0.0, kMaxScale, true);
+  if (reader.has("scale")) read_scale(reader, spec.scale.emplace(1.0));
   if (reader.has("position_m")) reader.read("position_m", spec.p.emplace(Vec3::Zero()), kMaxLengthM);
   if (!reader.error() && (reader.has("rotation") || reader.has("rotation_deg"))) {
     read_rotation(table, reader, spec.q.emplace(Quat::Identity()));

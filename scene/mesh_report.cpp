@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "scene/material_reader.h"
+#include "scene/text_cursor.h"
 
 namespace hapton {
 namespace {
@@ -15,7 +16,7 @@ constexpr double kCrackShare = 1e-3;  // of the longest side
 
 // "tissue: stiffness, friction".
 std::string describe(const HapticMaterial& material) {
-  std::string text = material.name.empty() ? "(no name)" : material.name;
+  std::string text = material.name.empty() ? "(no name)" : printable(material.name, kLongestShownName);
   const char* before = ": ";
   for (const auto& [image, name] :
        {std::pair(material.height, "bumps"), {material.stiffness, "stiffness"}, {material.friction, "friction"}}) {
@@ -138,7 +139,7 @@ std::string to_text(const MeshReport& report) {
   line("components", "{}", t.components);
   line("parts", "{}", report.file.parts.size());
   for (const MeshPart& part : report.file.parts)
-    line("", "{:>9} triangles  {}", part.triangle_count, part.name.empty() ? "(no name)" : full_name(part));
+    line("", "{:>9} triangles  {}", part.triangle_count, part.name.empty() ? "(no name)" : printable(full_name(part), kLongestShownName));
   for (const HapticMaterial* material : haptic_materials_of(report.file)) line("haptic material", "{}", describe(*material));
   line("for touch", "{}", report.sealed.boundary_edges == 0 ? "nothing to seal" : report.sealed.describe());
   line("closed for touch", "{} ({} boundary edges: {} open, {} of cracks{})", report.is_closed_for_touch ? "yes" : "no",

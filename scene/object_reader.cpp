@@ -13,6 +13,13 @@ std::string name_of(const ObjectSpec& object) {
   return object.part.empty() ? std::filesystem::path(object.mesh).stem().string() : object.part;
 }
 
+void read_scale(TableReader& reader, double& scale) {
+  reader.read("scale", scale, 0.0, kMaxScale, true);
+  if (!reader.error() && scale < 1.0 / kMaxScale) {
+    reader.fail_at("scale", "'scale' in {} is {}: it must be at least {}", reader.where(), scale, 1.0 / kMaxScale);
+  }
+}
+
 Result<ObjectSpec> read_object(const toml::table& table, const std::string& name) {
   ObjectSpec spec;
   const auto line_of = [&](std::string_view key) -> std::size_t {
@@ -36,14 +43,14 @@ Result<ObjectSpec> read_object(const toml::table& table, const std::string& name
   }
   reader.allow(keys);
   if (!reader.has("mesh")) reader.fail_at("mesh", "{} has no 'mesh': name its mesh file", name);
-  reader.read("name", spec.name);
+  reader.read_name("name", spec.name);
   reader.read("mesh", spec.mesh);
   reader.read("part", spec.part);
   reader.read("material", spec.material);
   reader.read("group", spec.group);
   reader.read("seal_cracks", spec.seal_cracks);
   reader.read("movable", spec.is_movable);
-  reader.read("scale", spec.scale, 0.0, kMaxScale, true);
+  read_scale(reader, spec.scale);
   reader.read("color", spec.colour, 0.0, 1.0);
   spec.has_colour = reader.has("color");
   std::array<double, 3> position = {};

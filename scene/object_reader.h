@@ -26,7 +26,7 @@ namespace hapton {
 // The table of the tool in a scene file; it has the keys of an object, a grip, and no material.
 inline constexpr std::string_view kToolTable = "[tool]";
 constexpr double kMaxLengthM = 1e6;
-constexpr double kMaxScale = 1e9;
+constexpr double kMaxScale = 1e9;  // and its inverse is the smallest one
 
 // How a node of a mesh file deforms by an animation.
 struct AnimatedMorphs {
@@ -71,6 +71,9 @@ struct ObjectSpec {
 
 // Its name, or else its part's or its file's.
 std::string name_of(const ObjectSpec& object);
+
+// The factor of an object's lengths, or of a group's.
+void read_scale(TableReader& reader, double& scale);
 
 // name: as in error messages; kToolTable for a tool. RT: set-up only. Error: one line with the line in the file.
 Result<ObjectSpec> read_object(const toml::table& table, const std::string& name);

@@ -19,7 +19,7 @@ Result<ProbeSpec> read_probe(const toml::table& table, const std::string& where)
   TableReader reader(table, where);
   reader.allow({"name", "radius_m", "method", "shading"});
   reader.require("name");
-  reader.read("name", probe.name);
+  reader.read_name("name", probe.name);
   if (!reader.error() && (probe.name.empty() || probe.name.size() > kLongestProbeName)) {
     reader.fail_at("name", "'name' in {} has {} bytes: give 1 to {}", where, probe.name.size(), kLongestProbeName);
   }

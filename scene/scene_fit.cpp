@@ -25,6 +25,11 @@ void scale_widths(SealReport& sealed, double scale) {
 
 Result<SceneFit> find_fit(const Eigen::AlignedBox3d& box, const Vec3& size_m) {
   if (!(box.sizes().maxCoeff() > 0.0)) return fail("all vertices are at one point, so the scene cannot be scaled to a size");
+  constexpr double kMost = 1e100;  // m; and its inverse: squares stay finite and keep their digits
+  const double longest_m = box.sizes().maxCoeff();
+  if (!(longest_m > 1.0 / kMost && box.min().cwiseAbs().maxCoeff() < kMost && box.max().cwiseAbs().maxCoeff() < kMost)) {
+    return fail("the scene is {:.4g} m long, from {:.4g} m on, which cannot be scaled to a size", longest_m, box.min().x());
+  }
   return SceneFit{box.center(), (size_m.array() / box.sizes().array()).minCoeff()};
 }
 

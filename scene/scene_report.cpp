@@ -10,6 +10,7 @@
 
 #include "core/effects/texture_models.h"
 #include "scene/scene_layout.h"
+#include "scene/text_cursor.h"
 
 namespace hapton {
 namespace {
@@ -179,7 +180,7 @@ std::vector<std::string> find_inside_out(const Scene& scene) {
   std::vector<std::string> lines;
   for (const SceneObject& object : scene.objects) {
     const std::string line = describe_inside_out(count_closed_bodies(*object.mesh));
-    if (!line.empty()) lines.push_back(object.name + ": " + line);
+    if (!line.empty()) lines.push_back(printable(object.name, kLongestShownName) + ": " + line);
   }
   return lines;
 }
@@ -195,7 +196,7 @@ std::string to_text(const SceneReport& report) {
     fmt::format_to(std::back_inserter(text),
                    "{:<20} {:>8} triangles, {:.4g} x {:.4g} x {:.4g} m around ({:.4g}, {:.4g}, {:.4g}), {:.6g} N/m, friction {:.3g} / "
                    "{:.3g}{}\n{:<20} {}\n",
-                   object.name, t.triangles, size.x(), size.y(), size.z(), middle.x(), middle.y(), middle.z(),
+                   printable(object.name, kLongestShownName), t.triangles, size.x(), size.y(), size.z(), middle.x(), middle.y(), middle.z(),
                    object.material.stiffness_n_per_m, object.material.friction_static, object.material.friction_dynamic,
                    describe_mover(object), "", to_text(report.flaws[i]));
     if (const auto effects = names_of(object.effects); !effects.empty()) {

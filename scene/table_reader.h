@@ -53,6 +53,7 @@ class TableReader {
     }
   }
 
+  const std::string& where() const { return where_; }  // "[[object]] 2"
   bool has(std::string_view key) const { return table_.contains(key); }
 
   void read(std::string_view key, std::string& value) {
@@ -61,6 +62,15 @@ class TableReader {
         value = *text;
       else
         set_error(*node, "'{}' in {} must be a text in quotes", key, where_);
+    }
+  }
+
+  // A text that logs, terminals and messages show as it is.
+  void read_name(std::string_view key, std::string& value) {
+    read(key, value);
+    const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; };
+    if (!error() && std::any_of(value.begin(), value.end(), is_control)) {
+      fail_at(key, "'{}' in {} is '{}', with a control character: leave it out", key, where_, printable(value));
     }
   }
 

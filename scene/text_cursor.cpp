@@ -103,10 +103,14 @@ bool parse_integer(std::string_view word, std::int64_t& value) {
 
 std::string printable(std::string_view word) {
   constexpr std::size_t kLongest = 40;
+  return printable(word, kLongest);
+}
+
+std::string printable(std::string_view word, std::size_t longest) {
   std::string shown;
   for (std::string_view left = word; !left.empty();) {
     const std::size_t length = visible_length(left);
-    if (shown.size() + std::max<std::size_t>(length, 1) > kLongest) return shown + "...";
+    if (shown.size() + std::max<std::size_t>(length, 1) > longest) return shown + "...";
     shown += length == 0 ? std::string_view("?") : left.substr(0, length);
     left.remove_prefix(std::max<std::size_t>(length, 1));
   }

@@ -37,7 +37,10 @@ class TextCursor {
 bool parse_number(std::string_view word, double& value);
 bool parse_integer(std::string_view word, std::int64_t& value);
 
-// Longest part of a word in a message; only printable characters.
+constexpr std::size_t kLongestShownName = 200;
+
+// A word in a message: its longest part of at most that many bytes, or 40, with printable characters only.
+std::string printable(std::string_view word, std::size_t longest);
 std::string printable(std::string_view word);
 
 }  // namespace hapton

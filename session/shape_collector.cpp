@@ -1,6 +1,7 @@
 #include "session/shape_collector.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "core/base/ns_between.h"
@@ -8,21 +9,21 @@
 namespace hapton {
 namespace {
 
-constexpr ChangeColumn<ShapeRow> kShapeColumns[] = {
-    {"t_s", "s", [](const ShapeRow& r) { return r.shape.t_s; }},
-    {"process", "1", [](const ShapeRow& r) { return static_cast<double>(r.shape.process); }},
-    {"serial", "1", [](const ShapeRow& r) { return static_cast<double>(r.shape.start.serial); }},
-    {"object", "1", [](const ShapeRow& r) { return static_cast<double>(r.shape.start.object); }},
-    {"before", "1", [](const ShapeRow& r) { return static_cast<double>(r.shape.start.before); }},
-    {"start_scene_time_s", "s", [](const ShapeRow& r) { return 1e-9 * static_cast<double>(r.shape.start.start_ns); }},
-    {"end_scene_time_s", "s", [](const ShapeRow& r) { return 1e-9 * static_cast<double>(r.shape.start.end_ns); }},
-    {"vertices", "1", [](const ShapeRow& r) { return static_cast<double>(r.shape.start.total); }},
-    {"row", "1", [](const ShapeRow& r) { return r.row; }},
+constexpr ChangeColumn<RecordedShape> kShapeColumns[] = {
+    {"t_s", "s", [](const RecordedShape& r) { return r.t_s; }},
+    {"process", "1", [](const RecordedShape& r) { return static_cast<double>(r.process); }},
+    {"serial", "1", [](const RecordedShape& r) { return static_cast<double>(r.start.serial); }},
+    {"object", "1", [](const RecordedShape& r) { return static_cast<double>(r.start.object); }},
+    {"before", "1", [](const RecordedShape& r) { return static_cast<double>(r.start.before); }},
+    {"start_scene_time_s", "s", [](const RecordedShape& r) { return 1e-9 * static_cast<double>(r.start.start_ns); }},
+    {"end_scene_time_s", "s", [](const RecordedShape& r) { return 1e-9 * static_cast<double>(r.start.end_ns); }},
+    {"vertices", "1", [](const RecordedShape& r) { return static_cast<double>(r.start.total); }},
+    {"row", "1", [](const RecordedShape& r) { return r.row ? static_cast<double>(*r.row) : std::numeric_limits<double>::quiet_NaN(); }},
 };
 
 }  // namespace
 
-std::span<const ChangeColumn<ShapeRow>> shape_columns() noexcept { return kShapeColumns; }
+std::span<const ChangeColumn<RecordedShape>> shape_columns() noexcept { return kShapeColumns; }
 
 void ShapeCollector::add(const SessionEntry& entry, const Datagram* datagram, const Take& take) {
   if (datagram == nullptr || entry.kind != SessionEntry::Kind::received) return;
@@ -55,6 +56,7 @@ void ShapeCollector::begin_process(std::uint32_t source, const Take& take) {
   source_ = source;
   started_.clear();
   closed_.clear();
+  rows_.clear();
 }
 
 ShapeCollector::Open& ShapeCollector::open(std::int32_t object, std::uint32_t serial, std::uint32_t total, const Take& take) {
@@ -71,11 +73,19 @@ void ShapeCollector::close_first(const Take& take) {
   if (one.is_started) {
     const bool is_whole = one.parts.total() == one.shape.start.total && one.parts.is_whole();
     one.shape.displacements_m = is_whole ? one.parts.displacements_m() : std::span<const ShapePart::Displacement>();
+    one.shape.row = take_row(one.shape);
     take(one.shape);
     std::uint32_t& closed = closed_[one.object];
     closed = std::max(closed, one.serial);
   }
   open_.pop_front();
+}
+
+std::optional<std::uint64_t> ShapeCollector::take_row(const RecordedShape& shape) {
+  if (shape.displacements_m.empty()) return std::nullopt;
+  Rows& rows = rows_[shape.start.object];
+  if (rows.count == 0) rows.vertices = shape.displacements_m.size();
+  return rows.vertices == shape.displacements_m.size() ? std::optional(rows.count++) : std::nullopt;
 }
 
 // In their order: one that waits for a part is overtaken by none.

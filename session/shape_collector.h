@@ -4,6 +4,7 @@
 #include <deque>
 #include <functional>
 #include <map>
+#include <optional>
 #include <span>
 
 #include "link/codec.h"
@@ -22,6 +23,9 @@ struct RecordedShape {
   ShapeStart start;
   // By vertex; m of the mesh, before scale and pose. Empty: the recording lacks a part of it.
   std::span<const ShapePart::Displacement> displacements_m = {};
+  // Counts the shapes of this object and process that have vertices, as many as the first of them; none: it has not. So an export has one
+  // array for each object and process.
+  std::optional<std::uint64_t> row = {};
 };
 
 // The shapes of objects that programs deform, from what haptics nodes announced: each once, as soon as all of it has come, or without its
@@ -51,6 +55,7 @@ class ShapeCollector {
   void begin_process(std::uint32_t source, const Take& take);
   Open& open(std::int32_t object, std::uint32_t serial, std::uint32_t total, const Take& take);
   void close_first(const Take& take);
+  std::optional<std::uint64_t> take_row(const RecordedShape& shape);
   void hand_on_whole(const Take& take);
 
   std::int64_t start_ns_;
@@ -59,13 +64,14 @@ class ShapeCollector {
   std::deque<Open> open_;
   std::map<std::int32_t, std::uint32_t> started_;  // the newest serial, by object
   std::map<std::int32_t, std::uint32_t> closed_;   // ... that was handed on
+  struct Rows {
+    std::size_t vertices = 0;  // of each
+    std::uint64_t count = 0;
+  };
+  std::map<std::int32_t, Rows> rows_;  // by object
 };
 
-// A row of a table.
-struct ShapeRow {
-  RecordedShape shape;
-  double row = 0.0;  // of its vertices, in their array; NaN: the recording lacks a part of them
-};
-std::span<const ChangeColumn<ShapeRow>> shape_columns() noexcept;
+// `row` is NaN where there is none.
+std::span<const ChangeColumn<RecordedShape>> shape_columns() noexcept;
 
 }  // namespace hapton

@@ -24,26 +24,26 @@ constexpr double kNoise = 0.1;
 // The hand comes no nearer to the viewer than this share of the distance to the visible surface.
 constexpr double kNearest = 0.25;
 
-struct Way {
+struct Sight {
   bool is_clear = true;
   double nearest_m = std::numeric_limits<double>::infinity();  // of the surface along it
 };
 
 // From a pixel at one depth to another pixel at another. Along a straight line the inverse of the depth is linear in the picture. slack:
 // how far behind the visible surface it may be at its beginning and at its end.
-Way look_along(const SurfaceSeen& seen, const Vec2& from, double from_m, const Vec2& to, double to_m, double slack_from_m,
-               double slack_to_m) {
+Sight look_along(const SurfaceSeen& seen, const Vec2& from, double from_m, const Vec2& to, double to_m, double slack_from_m,
+                 double slack_to_m) {
   const double side_px = std::min(seen.size().width_px, seen.size().height_px);
   const int steps = std::clamp(static_cast<int>((to - from).norm() / (kStep * side_px)), 1, 1000);
-  Way way;
+  Sight sight;
   for (int i = 0; i <= steps; ++i) {
     const double t = static_cast<double>(i) / steps;
     const double surface_m = seen.depth_m(from + t * (to - from));
-    const double way_m = 1.0 / ((1.0 - t) / from_m + t / to_m);
-    way.is_clear = way.is_clear && way_m <= surface_m + (1.0 - t) * slack_from_m + t * slack_to_m;
-    way.nearest_m = std::min(way.nearest_m, surface_m);
+    const double line_m = 1.0 / ((1.0 - t) / from_m + t / to_m);
+    sight.is_clear = sight.is_clear && line_m <= surface_m + (1.0 - t) * slack_from_m + t * slack_to_m;
+    sight.nearest_m = std::min(sight.nearest_m, surface_m);
   }
-  return way;
+  return sight;
 }
 
 // Nothing nearer than that depth at the pixel and around it.
@@ -105,11 +105,11 @@ Vec3 route_hand(const SurfaceSeen& seen, const LedTip& led, const Vec3& p_WG) {
   if (!hidden) {
     // To the surface, however deep within it the goal is.
     const double surface_m = std::min(goal_m, seen.depth_m(goal));
-    const Way way =
+    const Sight sight =
         look_along(seen, tip, tip_m, goal, surface_m, slides ? clearance_m : -kInFront * clearance_m, slides ? clearance_m : 0.0);
-    if (way.is_clear) return p_WG;
+    if (sight.is_clear) return p_WG;
     if (slides || is_open(seen, tip, tip_m, 0.5 * clearance_px)) {
-      const double over_m = std::max(way.nearest_m - clearance_m, kNearest * way.nearest_m);
+      const double over_m = std::max(sight.nearest_m - clearance_m, kNearest * sight.nearest_m);
       return tip_m > over_m + 0.5 * clearance_m ? seen.place(tip, over_m) : seen.place(goal, over_m);
     }
   }

@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/base/period_ns.h"
 #include "runtime/log.h"
 
 namespace hapton {
@@ -71,7 +72,7 @@ void OtherHand::drew(std::int64_t start_ns, std::int64_t end_ns, double frame_ra
                  .echo_sample_time_ns = state_->sample_time_ns,
                  .frame_rate_hz = static_cast<float>(frame_rate_hz),
                  .held_ns = to_message_ns(end_ns - received_ns_, 1)};
-  if (max_rate_hz_ > 0.0) drawn.rest_ns = to_message_ns(start_ns + static_cast<std::int64_t>(1e9 / max_rate_hz_) - end_ns, 0);
+  if (max_rate_hz_ > 0.0) drawn.rest_ns = to_message_ns(start_ns + period_ns(max_rate_hz_) - end_ns, 0);
   hub_.send(drawn);
 }
 

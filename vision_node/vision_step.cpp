@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/base/period_ns.h"
 #include "vision_node/hud_text.h"
 
 namespace hapton {
@@ -204,9 +205,8 @@ std::optional<FrameAck> VisionStep::drew(std::int64_t start_ns, std::int64_t end
   watch_.drawn(probe_shown(), where.sizes, where.screen, where.picture);
   FrameAck drawn{state_->sample, state_->sample_time_ns, static_cast<float>(frames_.recent_rate_hz())};
   if (settings_.max_rate_hz > 0.0) {
-    const auto period_ns = static_cast<std::int64_t>(1e9 / settings_.max_rate_hz);
-    drawn.rest_ns =
-        static_cast<std::uint32_t>(std::clamp<std::int64_t>(start_ns + period_ns - end_ns, 0, std::numeric_limits<std::uint32_t>::max()));
+    drawn.rest_ns = static_cast<std::uint32_t>(
+        std::clamp<std::int64_t>(start_ns + period_ns(settings_.max_rate_hz) - end_ns, 0, std::numeric_limits<std::uint32_t>::max()));
   }
   return drawn;
 }

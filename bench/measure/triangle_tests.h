@@ -11,15 +11,15 @@ namespace hapton {
 template <class Real>
 using Point3 = Eigen::Matrix<Real, 3, 1>;
 
-// Where the segment from p along `way` meets triangle abc, as a share of `way`, 0..1, either side; infinity if it does not. Möller &
+// Where the segment from p along `motion` meets triangle abc, as a share of `motion`, 0..1, either side; infinity if it does not. Möller &
 // Trumbore 1997, boundary included, plain rounding: the simple test shared by every structure here, so that structures are compared and not
 // triangle tests.
 template <class Real>
-Real segment_hit(const Point3<Real>& p, const Point3<Real>& way, const Point3<Real>& a, const Point3<Real>& b, const Point3<Real>& c) {
+Real segment_hit(const Point3<Real>& p, const Point3<Real>& motion, const Point3<Real>& a, const Point3<Real>& b, const Point3<Real>& c) {
   constexpr Real kNone = std::numeric_limits<Real>::infinity();
   const Point3<Real> ab = b - a;
   const Point3<Real> ac = c - a;
-  const Point3<Real> across = way.cross(ac);
+  const Point3<Real> across = motion.cross(ac);
   const Real determinant = ab.dot(across);
   if (determinant == Real(0)) return kNone;
   const Real inverse = Real(1) / determinant;
@@ -27,7 +27,7 @@ Real segment_hit(const Point3<Real>& p, const Point3<Real>& way, const Point3<Re
   const Real u = ap.dot(across) * inverse;
   if (!(u >= Real(0) && u <= Real(1))) return kNone;
   const Point3<Real> turned = ap.cross(ab);
-  const Real v = way.dot(turned) * inverse;
+  const Real v = motion.dot(turned) * inverse;
   if (!(v >= Real(0) && u + v <= Real(1))) return kNone;
   const Real t = ac.dot(turned) * inverse;
   return t >= Real(0) && t <= Real(1) ? t : kNone;

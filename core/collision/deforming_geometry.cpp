@@ -125,14 +125,14 @@ void DeformingGeometry::move_vertices(const MeshDeformation::Weights& weights) n
 
 // The number of parts of the time such that in each of them vertices move by less than half an edge on average.
 std::size_t DeformingGeometry::choose_count() const {
-  double way = 0.0;
+  double path = 0.0;
   const auto& keys = deformation_->keys();
   for (std::size_t i = 1; i < keys.size(); ++i) {
-    way += deformation_->most_displacement(deformation_->weights_at(keys[i - 1].time_s), deformation_->weights_at(keys[i].time_s));
+    path += deformation_->most_displacement(deformation_->weights_at(keys[i - 1].time_s), deformation_->weights_at(keys[i].time_s));
   }
   const double edge = compute_mean_edge(*mesh_);
   const std::size_t room = kMostBytes / std::max<std::size_t>(1, geometry_.deforming_object().tree().bytes());
-  const double wanted = edge > 0.0 ? std::ceil(2.0 * way / edge) : 1.0;
+  const double wanted = edge > 0.0 ? std::ceil(2.0 * path / edge) : 1.0;
   return std::clamp<std::size_t>(static_cast<std::size_t>(std::min<double>(wanted, kMostTrees)), 1, std::max<std::size_t>(1, room));
 }
 

@@ -49,7 +49,7 @@ std::unique_ptr<ShapeStage> ShapeStager::make_rest() const {
   auto stage = std::make_unique<ShapeStage>();
   stage->begin = stage->to = mesh_->vertices;
   stage->from = to_local(mesh_->vertices);
-  stage->way.assign(stage->from.size(), 0.0);
+  stage->motion.assign(stage->from.size(), 0.0);
   stage->trees.push_back(tree_);
   return stage;
 }
@@ -81,8 +81,8 @@ Result<std::unique_ptr<ShapeStage>> ShapeStager::make(std::span<const Vec3> from
   stage->begin.assign(from.begin(), from.end());
   stage->to.assign(to.begin(), to.end());
   stage->from = to_local(from);
-  stage->way = to_local(to);
-  for (std::size_t i = 0; i < stage->way.size(); ++i) stage->way[i] -= stage->from[i];
+  stage->motion = to_local(to);
+  for (std::size_t i = 0; i < stage->motion.size(); ++i) stage->motion[i] -= stage->from[i];
   // The grid moves an end by less than this.
   const double rounding_m = 0x1p-49 * frame_.unit_m;
   for (std::size_t v = 0; v < to.size(); ++v) stage->most_m = std::max(stage->most_m, (to[v] - from[v]).norm());
@@ -90,8 +90,8 @@ Result<std::unique_ptr<ShapeStage>> ShapeStager::make(std::span<const Vec3> from
   const std::size_t count = choose_count(stage->most_m);
   const auto corner_at = [&](std::uint32_t vertex, double share) {
     const std::size_t at = 3 * std::size_t{vertex};
-    return Vec3(stage->from[at] + share * stage->way[at], stage->from[at + 1] + share * stage->way[at + 1],
-                stage->from[at + 2] + share * stage->way[at + 2]);
+    return Vec3(stage->from[at] + share * stage->motion[at], stage->from[at + 1] + share * stage->motion[at + 1],
+                stage->from[at + 2] + share * stage->motion[at + 2]);
   };
   for (std::size_t part = 0; part < count; ++part) {
     const double begin = static_cast<double>(part) / static_cast<double>(count);
@@ -158,9 +158,9 @@ void StreamedGeometry::shape(double time_s) noexcept {
   const ShapeStage& stage = *present_;
   const double share = share_at(time_s, start_s_, over_s_);
   for (std::size_t i = 0; i + 2 < stage.from.size(); i += 3) {
-    object.move_vertex(
-        static_cast<std::uint32_t>(i / 3),
-        {stage.from[i] + share * stage.way[i], stage.from[i + 1] + share * stage.way[i + 1], stage.from[i + 2] + share * stage.way[i + 2]});
+    object.move_vertex(static_cast<std::uint32_t>(i / 3),
+                       {stage.from[i] + share * stage.motion[i], stage.from[i + 1] + share * stage.motion[i + 1],
+                        stage.from[i + 2] + share * stage.motion[i + 2]});
   }
   shaped_at_m_ = travelled_m_ + share * stage.most_m;
   const std::size_t count = stage.trees.size();
@@ -184,8 +184,8 @@ std::size_t StreamedGeometry::bytes() const noexcept {
   std::size_t bytes = 0;
   for (const ShapeStage* stage : {present_.get(), next_.get()}) {
     if (stage == nullptr) continue;
-    bytes +=
-        (stage->begin.capacity() + stage->to.capacity()) * sizeof(Vec3) + (stage->from.capacity() + stage->way.capacity()) * sizeof(double);
+    bytes += (stage->begin.capacity() + stage->to.capacity()) * sizeof(Vec3) +
+             (stage->from.capacity() + stage->motion.capacity()) * sizeof(double);
     for (const WideBvh& tree : stage->trees) bytes += tree.bytes();
   }
   return bytes;

@@ -15,8 +15,8 @@ struct ShapeStage {
   std::vector<Vec3> begin;     // where the vertices of the mesh begin, frame S
   std::vector<Vec3> to;        // and where they end
   std::vector<double> from;    // three numbers for each vertex of the object, local, on its grid
-  std::vector<double> way;     // from there to the end; exact
-  std::vector<WideBvh> trees;  // by equal parts of the way: boxes that hold their triangles in all shapes of that part
+  std::vector<double> motion;  // from there to the end; exact
+  std::vector<WideBvh> trees;  // by equal parts of the motion: boxes that hold their triangles in all shapes of that part
   double most_m = 0.0;         // no vertex moves farther
 };
 

@@ -10,7 +10,7 @@ namespace hapton {
 // A burst of vibration when the device enters a volume: F = amplitude exp(-t / decay) sin(2 pi frequency t) direction for duration_s after
 // the entry, inside or not. An entry during a burst starts it again. With a button (EffectSwitch) it is the press inside that starts it.
 // Frame: S. Units: SI. RT: yes. Bound: amplitude_n. Passivity: active;
-// one burst gives at most amplitude_n times the way of the hand within duration_s.
+// one burst gives at most amplitude_n times the path of the hand within duration_s.
 struct BurstEffect {
   static constexpr Passivity kPassivity = Passivity::active;
 

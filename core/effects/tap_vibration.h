@@ -10,7 +10,7 @@ namespace hapton {
 
 // The ring of a hard surface that is tapped: F = a v exp(-t / decay) sin(2 pi frequency t) along the contact normal, v the speed of the
 // impact and t the time since, while the contact lasts. Units: SI. RT: yes. Bound: max_force_n. Passivity: active; one tap gives at most
-// max_force_n times the way of the hand while it rings, about 3 decay_s. Source: Okamura, Cutkosky and Dennerlein (2001), Reality-based
+// max_force_n times the path of the hand while it rings, about 3 decay_s. Source: Okamura, Cutkosky and Dennerlein (2001), Reality-based
 // models for vibration feedback in virtual environments: metal rings near 300 Hz, wood near 100 Hz, rubber near 30 Hz.
 struct TapVibration {
   static constexpr Passivity kPassivity = Passivity::active;

@@ -56,11 +56,11 @@ double MeshDeformation::most_displacement(const Weights& a, const Weights& b) co
 double MeshDeformation::fastest_per_s(std::size_t i) const {
   double most = 0.0;
   for (std::size_t v = 0; v < moved_.size(); ++v) {
-    Vec3 way = Vec3::Zero();
+    Vec3 motion = Vec3::Zero();
     for (std::size_t j = 0; j < targets_.size(); ++j) {
-      way += (keys_[i + 1].weights[j] - keys_[i].weights[j]) * displacements_[j * moved_.size() + v];
+      motion += (keys_[i + 1].weights[j] - keys_[i].weights[j]) * displacements_[j * moved_.size() + v];
     }
-    most = std::max(most, way.norm());
+    most = std::max(most, motion.norm());
   }
   return most / (keys_[i + 1].time_s - keys_[i].time_s);
 }

@@ -36,7 +36,7 @@ class ScenePart {
   void put_at_target() noexcept;
 
   // The next motions are of tool and part: until arrive(), or stay().
-  void aim(double share) noexcept;  // at a share of its way to its target
+  void aim(double share) noexcept;  // at a share of its path to its target
   // Once the tool has moved to `tool`, by the share of `motion` over which both stay apart.
   void advance(const RigidMotion& motion, double share, const Placement& tool) noexcept;
   void stay() noexcept { is_moving_ = false; }

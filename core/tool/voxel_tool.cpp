@@ -94,10 +94,10 @@ int VoxelTool::gather(const Placement& device, Eigen::Matrix<double, 6, 6>& hess
     const double depth_m = (grid_.centre_m(cell) - p).dot(n);
     if (!(depth_m > 0.0)) continue;
     ++count;
-    Eigen::Matrix<double, 6, 1> way;
-    way << n, r.cross(n);
-    contacts += way * way.transpose();
-    push += depth_m * way;
+    Eigen::Matrix<double, 6, 1> motion;
+    motion << n, r.cross(n);
+    contacts += motion * motion.transpose();
+    push += depth_m * motion;
   }
   const double stiffness = coupling_.stiffness_n_per_m * kContactStiffness / std::max(1.0, count / kFullContacts);
   hessian = stiffness * contacts;

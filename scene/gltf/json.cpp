@@ -8,10 +8,10 @@ constexpr double kMaxExactInteger = 9007199254740992.0;  // 2^53
 }  // namespace
 
 const Json& member(const Json& object, const char* key) {
-  static const Json kNone;
-  if (!object.is_object()) return kNone;
+  static const auto& none = *new Json;  // without a destructor: StoppableCalls
+  if (!object.is_object()) return none;
   const auto found = object.find(key);
-  return found == object.end() ? kNone : *found;
+  return found == object.end() ? none : *found;
 }
 
 const Json& extension_of(const Json& object, const char* name) { return member(member(object, "extensions"), name); }

@@ -196,7 +196,7 @@ TEST_F(Servos, DuplicatesAndForgedEchoesAreIgnored) {
   say(kHaptics, forged);
   forged.echo_sample += 100;
   say(kHaptics, forged);
-  forged.echo_sample_time_ns = std::numeric_limits<std::int64_t>::max();
+  forged.echo_sample_time_ns = kMaxWireTimeNs;
   say(kHaptics, forged);
   answer_delay_ns = -1;
   servo->step();

@@ -165,5 +165,15 @@ TEST(VisionPaces, Rate0SendsNothing) {
   EXPECT_EQ(pace.decide(0, state_at(1), 0), Decision::wait);
 }
 
+// Its period is longer than 64 bits hold in ns.
+TEST(VisionPaces, AtARateOfNearlyNothingOnlyTheFirstStateIsSent) {
+  VisionPace pace(1e-308);
+  EXPECT_EQ(pace.decide(0, state_at(1), kMs), Decision::send);
+  pace.on_frame_ack(0, FrameAck{1, 0, 60.0F}, 2 * kMs);
+  for (std::int64_t hour = 1; hour < 10'000; ++hour) {
+    ASSERT_EQ(pace.decide(0, state_at(static_cast<std::uint64_t>(hour) + 1), hour * 3'600'000 * kMs), Decision::wait);
+  }
+}
+
 }  // namespace
 }  // namespace hapton

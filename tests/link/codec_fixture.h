@@ -30,7 +30,7 @@ class RandomDatagrams {
 
   Datagram draw(std::size_t kind) {
     Datagram datagram;
-    datagram.header = {bits(), bits(), bits(), static_cast<std::int64_t>(bits())};
+    datagram.header = {bits(), bits(), bits(), time_ns()};
     datagram.message = draw_message(kind);
     return datagram;
   }
@@ -45,10 +45,11 @@ class RandomDatagrams {
   Vec3 vector() { return {number(-10, 10), number(-1e-6, 1e-6), number(-1e6, 1e6)}; }
   Quat rotation() { return Quat(number(-1, 1), number(-1, 1), number(-1, 1), number(0.1, 1)).normalized(); }
   std::int32_t object() { return static_cast<std::int32_t>(bits32() >> 1) - 1; }
+  std::int64_t time_ns() { return static_cast<std::int64_t>(bits()) % (kMaxWireTimeNs + 1); }
   float rate() { return static_cast<float>(number(0, 1e4)); }
 
   Message draw_message(std::size_t kind) {
-    const auto time = static_cast<std::int64_t>(bits());
+    const std::int64_t time = time_ns();
     switch (kind) {
       case 0:
         return Hello{static_cast<NodeRole>(1 + bits() % 4)};
@@ -146,7 +147,7 @@ class RandomDatagrams {
       case 37:
         return ShapeStatus{bits32() | 1U, bits32() | 1U, static_cast<std::int32_t>(bits32() >> 1), draw_shape().first};
       default:
-        return LoopFacts{{'s', 'i', 'm'}, rate(), static_cast<float>(number(0, 1))};
+        return LoopFacts{{'s', 'i', 'm'}, number(kMinServoRateHz, kMaxServoRateHz), static_cast<float>(number(0, 1))};
     }
   }
 
@@ -177,7 +178,7 @@ class RandomDatagrams {
     ShapeStart start{.source = bits32() | 1U, .serial = bits32(), .object = static_cast<std::int32_t>(bits32() >> 1)};
     start.before = start.serial == 0 ? 0 : bits32() % start.serial;
     start.total = 1 + bits32() % ShapePart::kMostVertices;
-    start.start_ns = static_cast<std::int64_t>(bits() >> 2);
+    start.start_ns = static_cast<std::int64_t>(bits() >> 4);
     start.end_ns = start.start_ns + static_cast<std::int64_t>(bits32());
     return start;
   }
@@ -213,7 +214,7 @@ class RandomDatagrams {
   }
 
   ObjectMove draw_move() {
-    const auto start_ns = static_cast<std::int64_t>(bits() >> 2);
+    const auto start_ns = static_cast<std::int64_t>(bits() >> 4);
     ObjectMove move = {bits32() | 1U, bits32(),   number_of_object(), start_ns,  start_ns + static_cast<std::int64_t>(bits32()),
                        vector(),      rotation(), vector(),           rotation()};
     if (flag()) std::fill(move.name.begin(), move.name.end() - 1, 'n');
@@ -330,7 +331,7 @@ class RandomDatagrams {
     DeviceState state{bits(), time, vector(), rotation(), bits32()};
     state.is_resumed = flag();
     if (state.is_resumed) state.p_WP = vector();
-    if (flag()) state.scene_time_ns = static_cast<std::int64_t>(bits() >> 1);
+    if (flag()) state.scene_time_ns = std::abs(time_ns());
     return state;
   }
 

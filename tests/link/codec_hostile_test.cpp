@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <limits>
+
 #include "tests/link/codec_fixture.h"
 
 namespace hapton {
@@ -72,6 +75,48 @@ TEST_F(CodecTest, MutatedDatagramsNeverCrash) {
     if (decode(bytes) == DecodeStatus::ok) {
       expect_sane(decoded_);
     }
+  }
+}
+
+// From a program with a key, whatever is wrong with it: differences of such times would not fit into 64 bits.
+TEST_F(CodecTest, RejectsTimesThatNoClockHas) {
+  constexpr std::int64_t kFirst = std::numeric_limits<std::int64_t>::min();
+  constexpr std::int64_t kLast = std::numeric_limits<std::int64_t>::max();
+  const auto expect_all = [&](std::int64_t time_ns, DecodeStatus status) {
+    ObjectMove move{.source = 1, .end_ns = time_ns};
+    ShapeStart start{.source = 1, .total = 3, .end_ns = time_ns};
+    for (const Message& message : {Message(DeviceState{.sample_time_ns = time_ns}), Message(ForceCommand{.echo_sample_time_ns = time_ns}),
+                                   Message(ForceCommand{.scene_time_ns = time_ns}), Message(ProbeState{.sample_time_ns = time_ns}),
+                                   Message(ProbeState{.scene_time_ns = time_ns}), Message(FrameAck{.echo_sample_time_ns = time_ns})}) {
+      EXPECT_EQ(round_trip(message), status) << time_ns << ", kind " << message.index();
+    }
+    if (time_ns >= 0) {
+      EXPECT_EQ(round_trip(DeviceState{.scene_time_ns = time_ns}), status) << time_ns;
+      EXPECT_EQ(round_trip(move), status) << time_ns;
+      EXPECT_EQ(round_trip(start), status) << time_ns;
+    }
+    for (std::size_t kind = 0; kind < kKinds; ++kind) {
+      Datagram datagram = random_.draw(kind);
+      datagram.header.send_time_ns = time_ns;
+      EXPECT_EQ(decode(encode(datagram)), status) << time_ns << ", kind " << kind;
+    }
+  };
+  for (const std::int64_t time_ns : {-kMaxWireTimeNs, std::int64_t{-1}, std::int64_t{0}, kMaxWireTimeNs}) {
+    expect_all(time_ns, DecodeStatus::ok);
+  }
+  for (const std::int64_t time_ns : {kFirst, kFirst + 1, -kMaxWireTimeNs - 1, kMaxWireTimeNs + 1, kLast - 1, kLast}) {
+    expect_all(time_ns, DecodeStatus::bad_value);
+  }
+}
+
+TEST_F(CodecTest, RejectsServoRatesThatNoHubHas) {
+  for (const double rate_hz : {1e-300, kMinServoRateHz - 1, kMaxServoRateHz + 1, 1e9}) {
+    EXPECT_EQ(round_trip(Welcome{true, rate_hz}), DecodeStatus::bad_value) << rate_hz;
+    EXPECT_EQ(round_trip(LoopFacts{.servo_rate_hz = rate_hz}), DecodeStatus::bad_value) << rate_hz;
+  }
+  for (const double rate_hz : {0.0, kMinServoRateHz, kMaxServoRateHz}) {
+    EXPECT_EQ(round_trip(Welcome{true, rate_hz}), DecodeStatus::ok) << rate_hz;
+    EXPECT_EQ(round_trip(LoopFacts{.servo_rate_hz = rate_hz}), DecodeStatus::ok) << rate_hz;
   }
 }
 

@@ -193,7 +193,7 @@ TEST_F(HubClientTest, DropsWordsOfAnotherSession) {
   states_ = 0;
   Codec codec;
   std::array<std::byte, kMaxDatagramBytes> bytes;
-  for (const Message& message : {Message(DeviceState{}), Message(Welcome{true, 1.0})}) {
+  for (const Message& message : {Message(DeviceState{}), Message(Welcome{true, 1000.0})}) {
     const std::size_t size = codec.encode({{1, 5, 1000, 0}, message}, bytes);
     hub_endpoint_->send(client_endpoint_->local_address(), std::span(bytes).first(size));
   }
@@ -210,7 +210,7 @@ TEST_F(HubClientTest, ListensToTheHubsAddressOnly) {
   const auto unknown = *network_.open(memory_address(66, 6));
   Codec codec;
   std::array<std::byte, kMaxDatagramBytes> bytes;
-  for (const Message& message : {Message(DeviceState{}), Message(Welcome{true, 1.0}), Message(Bye{})}) {
+  for (const Message& message : {Message(DeviceState{}), Message(Welcome{true, 1000.0}), Message(Bye{})}) {
     const std::size_t size = codec.encode({{1, 5, 1000, 0}, message}, bytes);
     unknown->send(client_endpoint_->local_address(), std::span(bytes).first(size));
   }

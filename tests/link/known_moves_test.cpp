@@ -106,5 +106,19 @@ TEST(KnownMoves, AnObjectIsKnownByTheNameThatItsMovesHave) {
   EXPECT_EQ(known.find_named("").count, 0U);
 }
 
+TEST(KnownMoves, ObjectsOfAnyNumbersTakeLittleMemory) {
+  KnownMoves known;
+  for (std::int32_t object = 0; object < 70'000; ++object) {
+    ObjectMove move = announced_at_rest(5, object);
+    move.name = {"a"};
+    known.take(move, Arrival::newest);
+  }
+  EXPECT_EQ(known.objects().size(), KnownMoves::kMostObjects);
+  EXPECT_EQ(known.find_named("a").count, KnownMoves::kMostObjects);
+  EXPECT_TRUE(known.find(0, 0.0));
+  known.note_name("b", 0);
+  EXPECT_EQ(known.find_name(0), "b") << "one that is known goes on";
+}
+
 }  // namespace
 }  // namespace hapton

@@ -29,13 +29,20 @@ inline void expect_sane(const MaterialChange& change) {
   }
 }
 
+inline void expect_time(std::int64_t time_ns) { EXPECT_TRUE(time_ns >= -kMaxWireTimeNs && time_ns <= kMaxWireTimeNs) << time_ns; }
+
 // Every message that decode accepts must satisfy the limits that link/messages.h states.
 inline void expect_sane(const Datagram& datagram) {
+  expect_time(datagram.header.send_time_ns);
   if (const auto* state = std::get_if<DeviceState>(&datagram.message)) {
     EXPECT_TRUE(state->p_WD.allFinite());
+    expect_time(state->sample_time_ns);
+    expect_time(state->scene_time_ns);
     EXPECT_NEAR(state->q_WT.norm(), 1.0, 1e-3);
   } else if (const auto* force = std::get_if<ForceCommand>(&datagram.message)) {
     EXPECT_TRUE(force->force_n.allFinite());
+    expect_time(force->echo_sample_time_ns);
+    expect_time(force->scene_time_ns);
     EXPECT_LE(force->force_n.cwiseAbs().maxCoeff(), kMaxWireMagnitude);
     EXPECT_TRUE(force->visual_offset_m.allFinite());
     EXPECT_TRUE(force->torque_nm.allFinite() && force->visual_turn.allFinite());
@@ -45,6 +52,10 @@ inline void expect_sane(const Datagram& datagram) {
     EXPECT_TRUE(probe->torque_nm.allFinite() && probe->visual_turn.allFinite());
     EXPECT_TRUE(!probe->push || (probe->push->force_n.allFinite() && probe->push->torque_nm.allFinite()));
     EXPECT_TRUE(std::isfinite(probe->servo_rate_hz));
+    expect_time(probe->sample_time_ns);
+    expect_time(probe->scene_time_ns);
+  } else if (const auto* frame = std::get_if<FrameAck>(&datagram.message)) {
+    expect_time(frame->echo_sample_time_ns);
   } else if (const auto* view = std::get_if<ViewTransform>(&datagram.message)) {
     for (const float value : view->X_WS) {
       EXPECT_TRUE(std::isfinite(value));
@@ -119,6 +130,7 @@ inline void expect_sane(const Datagram& datagram) {
     EXPECT_GE(move->object, 0);
     EXPECT_GE(move->start_ns, 0);
     EXPECT_GE(move->end_ns, move->start_ns);
+    expect_time(move->end_ns);
     EXPECT_TRUE(move->from_p_m.allFinite() && move->to_p_m.allFinite());
     EXPECT_NEAR(move->from_q.norm(), 1.0, 1.1e-3);
     EXPECT_NEAR(move->to_q.norm(), 1.0, 1.1e-3);
@@ -158,6 +170,7 @@ inline void expect_sane(const Datagram& datagram) {
     EXPECT_TRUE(start->serial == 0 ? start->before == 0 : start->before < start->serial);
     EXPECT_TRUE(start->total > 0 && start->total <= ShapePart::kMostVertices);
     EXPECT_TRUE(start->start_ns >= 0 && start->end_ns >= start->start_ns);
+    expect_time(start->end_ns);
   } else if (const auto* shape_status = std::get_if<ShapeStatus>(&datagram.message)) {
     EXPECT_TRUE(shape_status->source != 0 && shape_status->serial != 0 && shape_status->object >= 0);
     EXPECT_EQ(shape_status->first % ShapePart::kMostHere, 0U);

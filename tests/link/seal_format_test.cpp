@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::uint32_t kMost32 = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint64_t kMost64 = std::numeric_limits<std::uint64_t>::max();
-constexpr std::int64_t kLeastTime = std::numeric_limits<std::int64_t>::min();
+constexpr std::int64_t kLeastTime = -kMaxWireTimeNs;
 // No value is left out for being zero, and none is short.
 const Vec3 kVector(-1.0 / 3.0, 1e8 / 3.0, -1e-8 / 3.0);
 const Quat kRotation(0.5, -0.5, 0.5, -0.5);
@@ -31,9 +31,7 @@ void fill_text(std::array<char, N>& text) {
 void lengthen(Hello& m) { m.role = NodeRole::tool; }
 void lengthen(Welcome& m) { m = {true, kMaxServoRateHz}; }
 void lengthen(Bye&) {}
-void lengthen(DeviceState& m) {
-  m = {kMost64, kLeastTime, kVector, kRotation, kMost32, true, kVector, std::numeric_limits<std::int64_t>::max()};
-}
+void lengthen(DeviceState& m) { m = {kMost64, kLeastTime, kVector, kRotation, kMost32, true, kVector, kMaxWireTimeNs}; }
 void lengthen(ForceCommand& m) {
   m = {kMost64, kLeastTime, kVector, kVector, true, kMost32, kMost32, kMost32, kMost32, kMost64, kMost32, 5};
 }
@@ -118,8 +116,7 @@ void lengthen(MoveReply& m) {
   fill_text(m.rejection);
 }
 void lengthen(ObjectMove& m) {
-  constexpr std::int64_t kMostTime = std::numeric_limits<std::int64_t>::max();
-  m = {kMost32, kMost32, std::numeric_limits<std::int32_t>::max(), kMostTime, kMostTime, kVector, kRotation, kVector, kRotation};
+  m = {kMost32, kMost32, std::numeric_limits<std::int32_t>::max(), kMaxWireTimeNs, kMaxWireTimeNs, kVector, kRotation, kVector, kRotation};
 }
 // An undo is shorter than a carve, with the two fields that it needs.
 void lengthen(Carves& m) {
@@ -143,8 +140,7 @@ void lengthen(ShapeReply& m) {
 }
 void lengthen(ObjectShape& m) { m = {kMost32, kMost32, std::numeric_limits<std::int32_t>::max(), make_long_part()}; }
 void lengthen(ShapeStart& m) {
-  constexpr std::int64_t kLongTime = std::numeric_limits<std::int64_t>::max();
-  m = {kMost32, kMost32, kMost32 - 1, std::numeric_limits<std::int32_t>::max(), ShapePart::kMostVertices, kLongTime, kLongTime};
+  m = {kMost32, kMost32, kMost32 - 1, std::numeric_limits<std::int32_t>::max(), ShapePart::kMostVertices, kMaxWireTimeNs, kMaxWireTimeNs};
 }
 void lengthen(ShapeStatus& m) { m = {kMost32, kMost32, std::numeric_limits<std::int32_t>::max(), make_long_part().first}; }
 void lengthen(CarveStatus& m) { m = {kMost32, kMost32}; }

@@ -181,5 +181,17 @@ TEST(SessionCodec, EveryChangedBitIsSeen) {
   }
 }
 
+// Names of files may be any bytes; protobuf reads no text that is not UTF-8, and then no recording.
+TEST(SessionCodec, ATextThatIsNotUtf8LeavesTheRecordingReadable) {
+  SessionCodec codec;
+  std::string bytes;
+  codec.append(SessionHeader{.build = "0.1.0 \xFF", .session = 7, .fault = "\x80", .settings = {{"trajectory", "caf\xE9.csv"}}}, bytes);
+  SessionHeader read;
+  ASSERT_EQ(codec.read(bytes, read).status, SessionCodec::Status::ok);
+  EXPECT_EQ(read.session, 7U);
+  ASSERT_EQ(read.settings.size(), 1U);
+  EXPECT_EQ(read.settings[0].second, "caf\xC3\xA9.csv");
+}
+
 }  // namespace
 }  // namespace hapton

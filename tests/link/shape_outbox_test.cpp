@@ -118,6 +118,17 @@ TEST_F(ShapeOutboxTest, WithoutAReplyTheErrorSaysHowLongItWaited) {
   EXPECT_TRUE(outbox_.is_empty()) << "and it is not sent any more";
 }
 
+// Between the end of the time and giving up, another thread may take the reply.
+TEST_F(ShapeOutboxTest, AReplyAtTheLastMomentCounts) {
+  const auto number = outbox_.give("skin", Displacements(100), 0.0, true);
+  for (int n = 0; n < 5; ++n) turn();
+  ASSERT_FALSE(parts_.empty());
+  outbox_.take(ShapeReply{.stream = parts_[0].stream, .shape = *number, .over_s = 0.25});
+  const auto took = outbox_.give_up(*number, 0.5);
+  ASSERT_TRUE(took) << took.error().what;
+  EXPECT_EQ(*took, 0.25);
+}
+
 TEST_F(ShapeOutboxTest, WhatNoShapeMayHaveIsOneLine) {
   const auto expect_rejected = [&](const std::string& object, const Displacements& shape, double over_s) {
     const auto given = outbox_.give(object, shape, over_s);

@@ -86,5 +86,14 @@ TEST(SpectrumPeak, FindsALine) {
   EXPECT_EQ(find_spectrum_peak({1.0, 2.0}, 1000.0, 5.0).amplitude, 0.0);
 }
 
+TEST(Press, TheDepthIsThatOfHandAndWallInSeries) {
+  HandModel hand;
+  hand.stiffness_n_per_m = 500.0;
+  EXPECT_DOUBLE_EQ(compute_press_depth_m(hand, {.press_n = 2.0, .wall_n_per_m = 1000.0}), 0.006);
+  EXPECT_GT(compute_press_depth_m(hand, {.press_n = 1.0, .wall_n_per_m = 1e-300}), 1e299);
+  hand.stiffness_n_per_m = 0.0;
+  EXPECT_EQ(compute_press_depth_m(hand, {.press_n = 2.0, .wall_n_per_m = 1000.0}), 0.0);
+}
+
 }  // namespace
 }  // namespace hapton

@@ -82,5 +82,21 @@ TEST(ArrivalForecast, HasNoneWhereSamplesAreLeftOut) {
   EXPECT_TRUE(forecast.find_next_ns());
 }
 
+// Those at the ends of what a decoder accepts: a due time is then some number, and later samples put it right.
+TEST(ArrivalForecast, RecoversFromTimesOfABrokenSender) {
+  constexpr std::int64_t kMostNs = (std::int64_t{1} << 61) - 1;
+  for (const std::int64_t first_ns : {-kMostNs, kMostNs}) {
+    ArrivalForecast forecast;
+    std::uint64_t next = 1;
+    for (; next <= 3 * ArrivalForecast::kDelays; ++next) {
+      forecast.note(next, next % 2 == 0 ? first_ns : -first_ns, 5'000'000'000, 1000.0);
+      const auto due_ns = forecast.find_next_ns();
+      EXPECT_EQ(due_ns.has_value(), next >= ArrivalForecast::kDelays);
+    }
+    next = feed(forecast, next, 2 * ArrivalForecast::kDelays + 1, 50'000);
+    EXPECT_EQ(forecast.find_next_ns(), static_cast<std::int64_t>(next) * kSenderPeriodNs + kSenderOffsetNs + 50'000);
+  }
+}
+
 }  // namespace
 }  // namespace hapton

@@ -99,6 +99,10 @@ TEST(GroupReader, NamesLineKeyAndWhatIsAllowed) {
   EXPECT_THAT(group_error(group + "position_m = [0, 2e6, 0]\n"),
               HasSubstr("number 2 of 'position_m' in [[group]] 1 is 2000000: it must be"));
   EXPECT_THAT(group_error(group + "scale = 0\n"), StartsWith("line 3: 'scale' in [[group]] 1 is 0: it must be above 0"));
+  EXPECT_THAT(group_error(group + "scale = 1e-300\n"), StartsWith("line 3: 'scale' in [[group]] 1 is 1e-300: it must be at least 1e-09"));
+  EXPECT_THAT(group_error("[[group]]\nname = \"a\\u001b[2J\"\n"),
+              StartsWith("line 2: 'name' in [[group]] 1 is 'a?[2J', with a control character"));
+  EXPECT_THAT(group_error("[[group]]\nname = \"a\\u0000b\"\n"), HasSubstr("with a control character: leave it out"));
   EXPECT_THAT(group_error(group + "rotation_deg = [0, 0, 400]\n"), HasSubstr("at least -360 and at most 360"));
   EXPECT_THAT(group_error(group + "rotation_deg = [0, 0, 0]\nrotation = [1, 0, 0, 0]\n"), HasSubstr("keep one"));
   EXPECT_THAT(group_error(group + "color = [0, 0, 2]\n"),

@@ -23,6 +23,17 @@ TEST(SceneFit, FillsTheBoxInOneDirectionAround0) {
 
 TEST(SceneFit, OfAPointThereIsNone) { EXPECT_FALSE(find_fit(Eigen::AlignedBox3d(Vec3(1, 1, 1), Vec3(1, 1, 1)), {1, 1, 1})); }
 
+// The factor, or the vertices times it, would not be finite.
+TEST(SceneFit, OfLengthsBeyondAllNumbersThereIsNone) {
+  for (const double length : {1e-310, 1e-200, 1e200, 1e308}) {
+    EXPECT_FALSE(find_fit(Eigen::AlignedBox3d(Vec3(0, 0, 0), Vec3(length, length, length)), {1, 1, 1})) << length;
+  }
+  EXPECT_FALSE(find_fit(Eigen::AlignedBox3d(Vec3(1e200, 0, 0), Vec3(1e200, 1, 1)), {1, 1, 1})) << "too far out";
+  for (const double length : {1e-50, 1e50}) {
+    EXPECT_TRUE(find_fit(Eigen::AlignedBox3d(Vec3(0, 0, 0), Vec3(length, length, length)), {1, 1, 1})) << length;
+  }
+}
+
 TEST(SceneFit, WithoutOneEverythingStays) { EXPECT_EQ(SceneFit().apply(Vec3(1, 2, 3)), Vec3(1, 2, 3)); }
 
 }  // namespace

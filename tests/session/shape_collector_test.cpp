@@ -1,8 +1,10 @@
 #include "session/shape_collector.h"
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -121,6 +123,31 @@ TEST_F(ShapeCollectorTest, PartsOfAnotherNumberOfVerticesAreNotThoseOfTheShape) 
   receive(ShapeStart{.source = 5, .serial = 1, .total = kCollectedVertices + 1});
   collector.finish(take);
   EXPECT_EQ(taken, std::vector<std::string>({"0.1?"}));
+}
+
+// One array for each object and process, which has as many vertices as the first shape in it.
+TEST_F(ShapeCollectorTest, CountsTheShapesThatAnExportHasTheVerticesOf) {
+  std::vector<std::string> rows;  // "process.object.serial row"
+  take = [&](const RecordedShape& shape) {
+    const std::string row = shape.row ? std::to_string(*shape.row) : "none";
+    rows.push_back(fmt::format("{}.{}.{} {}", shape.process, shape.start.object, shape.start.serial, row));
+    EXPECT_EQ(std::isnan(shape_columns().back().of(shape)), !shape.row);
+  };
+  const auto whole = [&](std::uint32_t serial, std::uint32_t source, std::int32_t object, std::uint32_t vertices) {
+    receive(ObjectShape{.source = source, .serial = serial, .object = object, .part = {.total = vertices}});
+    receive(ShapeStart{.source = source, .serial = serial, .before = serial - 1, .object = object, .total = vertices});
+  };
+  whole(1, 5, 0, 3);
+  whole(1, 5, 1, 7);
+  whole(2, 5, 0, 4);  // other vertices than before: the object of another scene
+  whole(3, 5, 0, 3);
+  start(4);
+  start(1, 6);
+  whole(2, 6, 0, 4);
+  whole(3, 6, 0, 4);
+  collector.finish(take);
+  EXPECT_EQ(rows,
+            std::vector<std::string>({"0.0.1 0", "0.1.1 0", "0.0.2 none", "0.0.3 1", "0.0.4 none", "1.0.1 none", "1.0.2 0", "1.0.3 1"}));
 }
 
 }  // namespace

@@ -174,6 +174,20 @@ TEST(Layers, EveryThreadIsStartedByStartThread) {
   EXPECT_THAT(wrong, IsEmpty());
 }
 
+// A reader of a mesh that is left when the program ends still runs while static objects are destroyed (StoppableCalls).
+TEST(Layers, WhatReadsScenesHasNoStaticObjectsWithADestructor) {
+  static const std::regex kDestroyed(R"(\bstatic\s+const\s+[\w:<>, ]+\s\w+\s*[;={(])");
+  EXPECT_TRUE(std::regex_search("  static const toml::table kEmpty;", kDestroyed));
+  EXPECT_FALSE(std::regex_search("  static const auto& none = *new toml::table;", kDestroyed));
+  std::vector<std::string> wrong;
+  for (const char* const folder : {"scene", "runtime"}) {
+    for (const SourceFile& file : read_folder(folder)) {
+      if (std::regex_search(file.code, kDestroyed)) wrong.push_back(file.path);
+    }
+  }
+  EXPECT_THAT(wrong, IsEmpty());
+}
+
 TEST(Layers, EveryFileBelongsToALayer) {
   EXPECT_THAT(find_files(kFolders, [](const SourceFile& file) { return layer_of(file.path).empty(); }), IsEmpty());
 }

@@ -124,7 +124,7 @@ std::string to_json(const Evaluation& evaluation) {
                   {"worst_discontinuity_n", error.worst_discontinuity_n},
                   {"not_finite", error.not_finite},
                   {"worst_step", error.worst_step}};
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace hapton

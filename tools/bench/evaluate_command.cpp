@@ -11,6 +11,7 @@
 
 #include "core/geometry/mesh_measures.h"
 #include "runtime/atomic_file.h"
+#include "scene/material_limits.h"
 #include "tools/bench/evaluate.h"
 #include "tools/commands.h"
 #include "tools/mesh_choice.h"
@@ -72,10 +73,15 @@ void add(CommandLine command, int& exit_code, const char* note) {
   command.add_option("--kind", options->kind, "Kind of trajectory: " + trajectory_kinds()).shows_default();
   command.add_option("--seed", options->trajectory.seed, "Seed of the trajectory").shows_default();
   command.add_option("--rows", options->trajectory.rows, "Number of steps").between(1, 100'000'000).shows_default();
-  command.add_option("--stiffness", options->material.stiffness_n_per_m, "N/m").positive().shows_default();
-  command.add_option("--friction-static", options->material.friction_static, "Static friction coefficient").not_negative().shows_default();
+  command.add_option("--stiffness", options->material.stiffness_n_per_m, "N/m")
+      .positive()
+      .between(0.0, kStiffnessLimit.most)
+      .shows_default();
+  command.add_option("--friction-static", options->material.friction_static, "Static friction coefficient")
+      .between(0.0, kFrictionStaticLimit.most)
+      .shows_default();
   command.add_option("--friction-dynamic", options->material.friction_dynamic, "Dynamic friction coefficient, at most the static one")
-      .not_negative()
+      .between(0.0, kFrictionDynamicLimit.most)
       .shows_default();
   command
       .add_option("--substeps", options->settings.substeps,

@@ -21,7 +21,7 @@ struct RemoteGrid {
   std::vector<double> losses;
   double jitter_s = 0.0;
   double stall_s = 0.0;
-  std::uint64_t seed = 1;  // the first; of the way and the network
+  std::uint64_t seed = 1;  // the first; of the path and the network
   std::size_t seeds = 1;
   double stiffness_n_per_m = 1000.0;
   std::string device_name;
@@ -42,7 +42,7 @@ struct RemoteKey {
 
 // The mesh in the middle of the workspace, of the grid's stiffness.
 Result<RemoteScene> make_centred_scene(const RemoteGrid& grid, const BenchMesh& mesh);
-// By seeds, speeds, round trips, then losses; the way is the same for all losses. The key has no method. Stops at an error.
+// By seeds, speeds, round trips, then losses; the path is the same for all losses. The key has no method. Stops at an error.
 using UseRemotePath = std::function<Result<void>(const SlidePath&, const RemoteKey&)>;
 Result<void> for_each_remote_path(const RemoteGrid& grid, const RemoteScene& scene, const std::string& mesh, const UseRemotePath& use);
 // Pre: the key has a method.

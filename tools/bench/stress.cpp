@@ -215,7 +215,7 @@ std::string to_json(const std::vector<StressResult>& results, const StressPlan& 
     }
     json["results"].push_back(std::move(entry));
   }
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace hapton

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "runtime/atomic_file.h"
+#include "scene/material_limits.h"
 #include "scene/mesh_file.h"
 #include "scene/touch_mesh.h"
 #include "tools/bench/stress.h"
@@ -135,6 +136,7 @@ Result<bool> run_stress(StressOptions& options) {
   if (!results) return tl::unexpected(results.error());
   fmt::print("{}", to_text(*results, options.plan));
   const StressCount sum = sum_of(*results);
+  if (sum.steps == 0) return fail("no step was made: numbers that large or small hold no shape; give another --scale or --offset");
   fmt::print("stress: {} faults in {} steps, seed {}\n", sum.total_faults(), sum.steps, options.plan.seed);
   if (!options.out.empty()) {
     if (auto written = write_file_atomically(options.out + "/stress.json", to_json(*results, options.plan)); !written)
@@ -183,13 +185,13 @@ void add_stress_command(CommandLine app, int& exit_code) {
       command.add_option("--probe-share", options->plan.probe_share, "Probe radius as a share of the longest side; 0: as the body says");
   probe_share.between(0.0, 1.0);
   const CommandOption scale = command.add_option("--scale", options->scale, "Only this scale").positive();
-  const CommandOption offset = command.add_option("--offset", options->offset, "Only this offset, in extents").not_negative();
+  const CommandOption offset = command.add_option("--offset", options->offset, "Only this offset, in extents").between(0.0, 1e12);
   for (const CommandOption& placing : {scale, offset}) patches.excludes(placing);
   const CommandOption friction_static =
-      command.add_option("--friction-static", options->friction_static, "Only with this friction").not_negative();
+      command.add_option("--friction-static", options->friction_static, "Only with this friction").between(0.0, kFrictionStaticLimit.most);
   const CommandOption friction_dynamic =
       command.add_option("--friction-dynamic", options->friction_dynamic, "Only with this friction, not above the static one")
-          .not_negative();
+          .between(0.0, kFrictionDynamicLimit.most);
   const CommandOption episode = command.add_option("--episode", options->episode, "Only this episode, as a finding names it");
   command
       .add_option("--rest-every", options->plan.compare_every,

@@ -64,7 +64,7 @@ class ToolEpisodes {
     const Vec3 axis = draw().normalized();
     Vec3 towards = -device.translation().normalized();
     count.overlaps += step_.step(input(device)).proxy.is_blocked ? 1 : 0;
-    // The way to the body, from where it is not touched, is made at once.
+    // The path to the body, from where it is not touched, is made at once.
     if (!begins_inside) device.translation() *= 0.7;
     for (std::uint64_t n = 0; n < kEpisodeSteps; ++n) {
       if (n % 50 == 49) towards = (towards + 0.7 * draw()).normalized();

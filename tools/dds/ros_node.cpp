@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/period_ns.h"
 #include "core/math/rotation_vector.h"
 #include "tools/dds/ros_names.h"
 
@@ -277,7 +278,7 @@ void RosNode::publish(const RosSample& sample) {
     state.write(state.joy, &joy);
   }
   if (state.options.tf_rate_hz <= 0.0) return;
-  if (!state.is_due(state.next_tf_ns, static_cast<std::int64_t>(1e9 / state.options.tf_rate_hz), sample.stamp_ns)) return;
+  if (!state.is_due(state.next_tf_ns, period_ns(state.options.tf_rate_hz), sample.stamp_ns)) return;
   std::array<Transform, 2> both = {state.transform(header, state.device_frame, probe.p_WD, probe.q_WT),
                                    state.transform(header, state.proxy_frame, p_WP, q_WP)};
   const Transforms transforms = {{both.size(), both.size(), both.data(), false}};

@@ -33,9 +33,9 @@ class Points {
     fmt::format_to(std::back_inserter(text_), "{:.6g} {:.6g}\n", 1e3 * p.x(), 1e3 * p.y());
     return *this;
   }
-  Points& add(const Vec3& from, const Vec3& way) {  // for vectors
-    fmt::format_to(std::back_inserter(text_), "{:.6g} {:.6g} {:.6g} {:.6g}\n", 1e3 * from.x(), 1e3 * from.y(), 1e3 * way.x(),
-                   1e3 * way.y());
+  Points& add(const Vec3& from, const Vec3& motion) {  // for vectors
+    fmt::format_to(std::back_inserter(text_), "{:.6g} {:.6g} {:.6g} {:.6g}\n", 1e3 * from.x(), 1e3 * from.y(), 1e3 * motion.x(),
+                   1e3 * motion.y());
     return *this;
   }
   Points& gap() {
@@ -78,12 +78,12 @@ struct Sample {
   MethodOutput output;
 };
 
-inline Result<std::vector<Sample>> follow(const MethodSettings& settings, const TouchScene& scene, const std::vector<Vec3>& way) {
+inline Result<std::vector<Sample>> follow(const MethodSettings& settings, const TouchScene& scene, const std::vector<Vec3>& path) {
   auto method = make_method(settings, scene);
   if (!method) return tl::unexpected(method.error());
-  (*method)->reset(way.front());
+  (*method)->reset(path.front());
   std::vector<Sample> samples;
-  for (const Vec3& p : way) samples.push_back({p, (*method)->step({p, 1e-3})});
+  for (const Vec3& p : path) samples.push_back({p, (*method)->step({p, 1e-3})});
   return samples;
 }
 

@@ -127,15 +127,15 @@ Result<Figure> draw_algorithm_1() {
 Result<Figure> draw_proxy() {
   const Outline outline = {{-0.022, -0.014}, {0.022, -0.014}, {0.022, 0.005}, {0.006, -0.003}, {-0.007, 0.006}, {-0.022, -0.002}};
   std::vector<Vec3> corners = {at(-16, 4), at(-14.5, -1.5), at(-7, 0.5), at(-1.5, -4), at(5.5, -7.5), at(13.5, -2.0)};
-  std::vector<Vec3> way;
+  std::vector<Vec3> path;
   for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
     const int parts = std::max(1, static_cast<int>((corners[i + 1] - corners[i]).norm() / 0.0009));
-    for (int k = 0; k < parts; ++k) way.push_back(corners[i] + (corners[i + 1] - corners[i]) * (double(k) / parts));
+    for (int k = 0; k < parts; ++k) path.push_back(corners[i] + (corners[i + 1] - corners[i]) * (double(k) / parts));
   }
-  way.push_back(corners.back());
+  path.push_back(corners.back());
   MethodSettings settings;
   settings.name = "proxy";
-  const auto samples = follow(settings, scene_of(make_prism(outline, 0.06, 1)), way);
+  const auto samples = follow(settings, scene_of(make_prism(outline, 0.06, 1)), path);
   if (!samples) return tl::unexpected(samples.error());
   Points devices, proxies, springs;
   for (const Sample& s : *samples) {
@@ -195,10 +195,10 @@ Result<Figure> draw_slide() {
   Outline outline = {{-0.030, -0.020}, {0.030, -0.020}};
   outline.insert(outline.end(), top.rbegin(), top.rend());
   const TouchScene scene = scene_of(make_prism(outline, 0.06, 1));
-  std::vector<Vec3> way;
+  std::vector<Vec3> path;
   for (int i = 0; i <= 540; ++i) {  // 100 mm/s at 1 kHz, from 2 mm above to 1.2 mm under the surface
     const double x = -0.027 + 1e-4 * i;
-    way.emplace_back(x, height_of(top, x) + 0.002 - 0.0032 * std::min(1.0, i / 30.0), kSlice);
+    path.emplace_back(x, height_of(top, x) + 0.002 - 0.0032 * std::min(1.0, i / 30.0), kSlice);
   }
   struct Curve {
     const char* block;
@@ -221,7 +221,7 @@ Result<Figure> draw_slide() {
     MethodSettings settings;
     settings.name = curve.method;
     settings.offset_m = curve.offset_m;
-    const auto samples = follow(settings, scene, way);
+    const auto samples = follow(settings, scene, path);
     if (!samples) return tl::unexpected(samples.error());
     data += fmt::format("${} << EOD\n", curve.block);
     for (const Sample& s : *samples) {
@@ -236,7 +236,7 @@ Result<Figure> draw_slide() {
     plot_direction += fmt::format("{}${} using 1:3 with lines {} notitle", comma, curve.block, curve.style);
   }
   Points device;
-  for (const Vec3& p : way) device.add(p);
+  for (const Vec3& p : path) device.add(p);
   std::string script = begin("slide", 1000, 860) + data + outline_of(outline).block("solid") + device.block("device");
   script += fmt::format(
       "set multiplot\n"

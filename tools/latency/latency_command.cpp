@@ -42,7 +42,8 @@ Result<void> compare(const CompareOptions& options) {
   if (!b) return tl::unexpected(b.error());
   fmt::print("A {}\nB {}\n{}", options.a, options.b, compare_text(*a, *b));
   if (options.json.empty()) return {};
-  return write_file_atomically(options.json, compare_json(*a, *b).dump(2) + "\n");
+  return write_file_atomically(options.json,
+                               compare_json(*a, *b).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
 }
 
 int run_compare(const CompareOptions& options) {

@@ -183,7 +183,8 @@ Result<void> measure_hub(const LatencyRunOptions& options) {
   if (const auto written = write_file_atomically(options.out / "latency.csv", to_csv(hops)); !written) {
     return written;
   }
-  return write_file_atomically(options.out / "report.json", make_window_report(json_before, json_now, hops).dump(2) + "\n");
+  return write_file_atomically(options.out / "report.json",
+                               make_window_report(json_before, json_now, hops).dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 std::string hops_text(const Json& hops) {
@@ -253,7 +254,7 @@ Result<LatencyRun> make_report(const std::filesystem::path& file, const BareTime
   if (timer != nullptr) {
     json["bare_timer"] = to_json(*timer);
   }
-  if (const auto written = write_file_atomically(file, json.dump(2) + "\n"); !written) {
+  if (const auto written = write_file_atomically(file, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"); !written) {
     return tl::unexpected(written.error());
   }
   LatencyRun run{hops_text(json["hops"]) + counts_text(json), verdict->holds};

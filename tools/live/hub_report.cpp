@@ -15,6 +15,7 @@ constexpr std::int64_t kPatienceNs = 5 * kNanosecondsPerSecond;
 constexpr std::int64_t kRepeatRequestNs = 200 * kNanosecondsPerMillisecond;  // a fresh report takes the hub a moment
 constexpr std::int64_t kTurnNs = 20 * kNanosecondsPerMillisecond;
 constexpr int kMostTries = 20;
+constexpr std::uint32_t kMostParts = 1U << 14;  // 15 MB: a report has about 30; a broken hub may announce any number
 
 }  // namespace
 
@@ -64,6 +65,10 @@ Result<std::string> HubReader::State::read(ReportDocument document, std::uint32_
   while (clock.now_ns() < end_ns) {
     client.send(wanted);
     if (!receive_part(wanted, part)) continue;
+    if (part.parts > kMostParts) {
+      return fail("the hub at {} announces a report of {} parts, above {}; is it of another version?", to_string(hub), part.parts,
+                  kMostParts);
+    }
     if (part.part == 0) text.clear();
     text.append(part.text.data(), part.size);
     revision = wanted.revision = part.revision;

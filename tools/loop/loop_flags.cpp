@@ -39,6 +39,8 @@ std::optional<double> number_of(std::string_view word) {
   return value;
 }
 
+constexpr double kLeastAmplifierHz = 0.1;  // a slower one follows no hand
+
 void change(const LoopFlags& flags, DeviceModel& device) {
   device = device.with_modes(flags.modes);
   if (flags.friction_n) device.friction_n = *flags.friction_n;
@@ -65,21 +67,24 @@ void add_loop_flags(CommandLine command, LoopFlags& flags, bool several) {
   command.add_option("--device", flags.device, "Device" + list + "; one of: " + device_preset_names());
   command.add_option("--hand", flags.hand, "Hand" + list + "; one of: " + hand_preset_names()).shows_default();
   const CommandLine own = command.add_group("own loop", "A loop of your own, device and hand together, in place of --device and --hand");
-  own.add_option("--mass-kg", flags.mass_kg, "Mass").positive("kilograms");
-  own.add_option("--damping-ns-per-m", flags.damping_ns_per_m, "Viscous damping").not_negative("Ns/m");
+  own.add_option("--mass-kg", flags.mass_kg, "Mass").positive("kilograms").between(1e-4, 1e3);
+  own.add_option("--damping-ns-per-m", flags.damping_ns_per_m, "Viscous damping").between(0.0, 1e5);
   own.add_option("--hand-stiffness-n-per-m", flags.hand_stiffness_n_per_m,
                  "Stiffness of the hand towards its intended position (default: 0)")
-      .not_negative("N/m");
+      .between(0.0, 1e6);
   const CommandLine changes = command.add_group("changes", "These replace values of the device");
-  changes.add_option("--friction", flags.friction_n, "Coulomb friction").not_negative("newtons");
-  changes.add_option("--quantisation", flags.encoder_step_m, "Encoder step at the device point").not_negative("metres");
-  changes.add_option("--amplifier", flags.amplifier_hz, "Bandwidth of the amplifier; 0: no lag").not_negative("hertz");
+  changes.add_option("--friction", flags.friction_n, "Coulomb friction").between(0.0, 1e3);
+  changes.add_option("--quantisation", flags.encoder_step_m, "Encoder step at the device point").between(0.0, 0.1);
+  changes.add_option("--amplifier", flags.amplifier_hz, "Bandwidth of the amplifier; 0: no lag").between(0.0, 1e5);
   changes.add_option("--modes", flags.modes, "Number of structural modes, at most; 0: rigid")
       .between(0, DeviceModel::kMostModes)
       .shows_default();
 }
 
 Result<std::vector<NamedLoop>> loops_of(const LoopFlags& flags) {
+  if (flags.amplifier_hz && *flags.amplifier_hz > 0.0 && *flags.amplifier_hz < kLeastAmplifierHz) {
+    return fail("--amplifier {:g}: give 0 for no lag, or at least {:g} Hz", *flags.amplifier_hz, kLeastAmplifierHz);
+  }
   if (flags.mass_kg) return own_loop(flags);
   if (flags.damping_ns_per_m || flags.hand_stiffness_n_per_m)
     return fail("--damping-ns-per-m and --hand-stiffness-n-per-m need --mass-kg, the mass of device and hand together");

@@ -102,7 +102,10 @@ void add_loop_integrators_command(CommandLine loop, int& exit_code) {
   const CommandLine command =
       loop.add_subcommand("integrators", "Run time against error of the laboratory's integrator and of two usual ones");
   add_loop_flags(command, options->loop, false);
-  command.add_option("--stiffness", options->stiffness_n_per_m, "Stiffness of the wall, N/m").positive("N/m").shows_default();
+  command.add_option("--stiffness", options->stiffness_n_per_m, "Stiffness of the wall, N/m")
+      .positive("N/m")
+      .between(0.0, 1e9)
+      .shows_default();
   command.add_option("--repeat", options->repeat, "Number of runs; the fastest counts").between(1, 1000).shows_default();
   command.add_flag("--json", options->json, "Print JSON");
   command.on_run([options, &exit_code] {

@@ -154,6 +154,8 @@ void print_text(const NamedLoop& loop, const PressMeasures& press, const nlohman
   }
 }
 
+constexpr double kDeepestM = 10.0;
+
 Result<void> run(const PressOptions& options) {
   const auto loops = loops_of(options.loop);
   if (!loops) return tl::unexpected(loops.error());
@@ -167,6 +169,11 @@ Result<void> run(const PressOptions& options) {
   PressPlan plan = options.plan;
   plan.wall_n_per_m = options.stiffness_n_per_m;
   plan.after_s += 1e-3 * (options.delay_ms + 2.0 * options.jitter_ms);
+  const double depth_m = compute_press_depth_m(loop.hand_model, plan);
+  if (!(depth_m <= kDeepestM)) {
+    return fail("to press with {:g} N the hand would move by {:g} m, more than {:g} m; give less force, or a stiffer hand or wall",
+                plan.press_n, depth_m, kDeepestM);
+  }
   const PressPath path = make_press_path(loop.hand_model, plan);
   LoopSimulation simulation(chain, {.device = loop.device_model,
                                     .hand = loop.hand_model,
@@ -202,9 +209,15 @@ void add_loop_press_command(CommandLine loop, int& exit_code) {
   auto options = std::make_shared<PressOptions>();
   const CommandLine command = loop.add_subcommand("press", "Simulate a press and release: limit cycle, buzz, settling, overshoot, energy");
   add_loop_flags(command, options->loop, false);
-  command.add_option("--stiffness", options->stiffness_n_per_m, "Stiffness of the wall, N/m").positive("N/m").shows_default();
-  command.add_option("--damping", options->damping_ns_per_m, "Damping of the wall, Ns/m").not_negative("Ns/m").shows_default();
-  command.add_option("--press", options->plan.press_n, "Force that the hand holds, N").positive("newtons").shows_default();
+  command.add_option("--stiffness", options->stiffness_n_per_m, "Stiffness of the wall, N/m")
+      .positive("N/m")
+      .between(0.0, 1e9)
+      .shows_default();
+  command.add_option("--damping", options->damping_ns_per_m, "Damping of the wall, Ns/m").between(0.0, 1e6).shows_default();
+  command.add_option("--press", options->plan.press_n, "Force that the hand holds, N")
+      .positive("newtons")
+      .between(0.0, 1e4)
+      .shows_default();
   command.add_option("--speed", options->plan.speed_m_per_s, "Speed at which the hand approaches, m/s").between(1e-3, 10.0).shows_default();
   command.add_option("--hold", options->plan.hold_s, "How long the hand holds this force, s").between(0.1, 1000.0).shows_default();
   command.add_option("--rate", options->rate_hz, "Servo rate, Hz").between(10.0, 1e6).shows_default();

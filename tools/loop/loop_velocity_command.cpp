@@ -71,7 +71,10 @@ void add_loop_velocity_command(CommandLine loop, int& exit_code) {
   const CommandLine command = loop.add_subcommand("velocity", "Velocity estimators compared: noise against lag");
   add_loop_flags(command, options->loop, false);
   command.add_option("--rate", options->rate_hz, "Servo rate, Hz").between(10.0, 1e5).shows_default();
-  command.add_option("--damping", options->damping_ns_per_m, "Damping that uses the velocity, Ns/m").positive("Ns/m").shows_default();
+  command.add_option("--damping", options->damping_ns_per_m, "Damping that uses the velocity, Ns/m")
+      .positive("Ns/m")
+      .between(0.0, 1e6)
+      .shows_default();
   command.add_flag("--json", options->json, "Print JSON");
   command.on_run([options, &exit_code] {
     const auto done = run(*options);

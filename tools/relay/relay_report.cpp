@@ -51,7 +51,7 @@ std::string relay_json(const RelayEndpoint& relay, std::uint64_t seed, double se
                                        {"nodes_seen", relay.clients()},
                                        {"to_hub", counts_json(relay.to_hub())},
                                        {"to_nodes", counts_json(relay.to_nodes())}};
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace hapton

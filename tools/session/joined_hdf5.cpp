@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <map>
 #include <utility>
 
@@ -101,8 +100,6 @@ class ShapeRows {
     H5Pset_deflate(how, kDeflate);
     set_ = Handle(H5Dcreate2(group, name.c_str(), H5T_IEEE_F32LE, space, H5P_DEFAULT, how, H5P_DEFAULT), &H5Dclose);
   }
-  hsize_t rows() const { return dimensions_[0]; }
-  hsize_t vertices() const { return dimensions_[1]; }
   hid_t set() const { return set_; }
   bool append(std::span<const ShapePart::Displacement> displacements_m) {
     const std::array<hsize_t, 3> begin = {dimensions_[0], 0, 0};
@@ -167,18 +164,14 @@ class JoinedHdf5 {
 
   void add_shape(const RecordedShape& shape) {
     if (!shapes_group_.is_good()) shapes_group_ = Handle(H5Gcreate2(file_, "shapes", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), &H5Gclose);
-    ShapeRow row{.shape = shape, .row = std::numeric_limits<double>::quiet_NaN()};
-    row.shape.displacements_m = {};
-    if (!shape.displacements_m.empty()) {
+    if (shape.row) {
       const std::string name = fmt::format("displacements_{}_{}", shape.process, shape.start.object);
       const auto [at, is_new] = displacements_.try_emplace(name, shapes_group_, name, shape.displacements_m.size());
       if (is_new) is_good_ = is_good_ && set_text(at->second.set(), "unit", "m");
-      if (at->second.vertices() == shape.displacements_m.size()) {
-        row.row = static_cast<double>(at->second.rows());
-        is_good_ = at->second.append(shape.displacements_m) && is_good_;
-      }
+      is_good_ = at->second.append(shape.displacements_m) && is_good_;
     }
-    shapes_.push_back(row);
+    shapes_.push_back(shape);
+    shapes_.back().displacements_m = {};
   }
   void finish_shapes() {
     if (!shapes_.empty()) add_columns(shapes_group_, shapes_, shape_columns());
@@ -275,7 +268,7 @@ class JoinedHdf5 {
   std::optional<Column> event_samples_;
   std::vector<std::vector<double>> values_;
   Handle shapes_group_;
-  std::vector<ShapeRow> shapes_;
+  std::vector<RecordedShape> shapes_;
   std::map<std::string, ShapeRows> displacements_;  // by name
   bool is_good_ = true;
 };

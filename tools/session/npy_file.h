@@ -20,8 +20,6 @@ class NpyFile {
 
   // Pre: as many as each row has.
   void add(std::span<const std::array<float, 3>> row);
-  std::uint64_t rows() const noexcept { return rows_; }
-  std::uint32_t vertices() const noexcept { return vertices_; }
 
   // Error: one line; nothing is left of it.
   Result<void> close();

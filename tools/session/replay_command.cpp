@@ -13,6 +13,7 @@
 #include "runtime/trajectory_csv.h"
 #include "runtime/worker_threads.h"
 #include "scene/find_tool.h"
+#include "scene/material_limits.h"
 #include "scene/scene_file.h"
 #include "scene/tool_obstacles.h"
 #include "tools/commands.h"
@@ -249,11 +250,13 @@ void add_replay_command(CommandLine app, int& exit_code) {
       .shows_default();
   command.add_option("--out", options->out, "CSV to write").file_to_write().required();
   add_method_flags(command, options->method);
-  command.add_option("--stiffness", options->stiffness_n_per_m, "Stiffness, N/m (default: 1000, or that of the scene)").positive();
+  command.add_option("--stiffness", options->stiffness_n_per_m, "Stiffness, N/m (default: 1000, or that of the scene)")
+      .positive()
+      .between(0.0, kStiffnessLimit.most);
   command.add_option("--friction-static", options->friction_static, "Static friction coefficient (default: 0, or that of the scene)")
-      .not_negative();
+      .between(0.0, kFrictionStaticLimit.most);
   command.add_option("--friction-dynamic", options->friction_dynamic, "Dynamic friction coefficient, at most the static one")
-      .not_negative();
+      .between(0.0, kFrictionDynamicLimit.most);
   command.add_option("--reset-every", options->replay.reset_every, "Forget all contact before rows 0, N, 2N ...; 0: before row 0 only")
       .shows_default();
   command.add_option("--repeat", options->replay.repeat, "Number of runs; step_ns is the minimum over them")

@@ -2,8 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <limits>
-
 #include "tools/session/csv_names.h"
 #include "tools/session/csv_rows.h"
 
@@ -31,9 +29,8 @@ std::string array_name(const RecordedShape& shape) { return fmt::format("shapes_
 
 }  // namespace
 
-// Null: the recording lacks a part of the shape, or it has other vertices than those before.
+// Pre: it has a row.
 Result<NpyFile*> ShapeTables::find_file(const RecordedShape& shape) {
-  if (shape.displacements_m.empty()) return nullptr;
   const std::string name = array_name(shape);
   auto found = arrays_.find(name);
   if (found == arrays_.end()) {
@@ -41,20 +38,18 @@ Result<NpyFile*> ShapeTables::find_file(const RecordedShape& shape) {
     if (!opened) return tl::unexpected(opened.error());
     found = arrays_.emplace(name, std::move(*opened)).first;
   }
-  return found->second.vertices() == shape.displacements_m.size() ? &found->second : nullptr;
+  return &found->second;
 }
 
 Result<void> ShapeTables::write(const RecordedShape& shape) {
   if (auto opened = open_table(); !opened) return opened;
-  auto file = find_file(shape);
-  if (!file) return tl::unexpected(file.error());
-  ShapeRow row{.shape = shape, .row = std::numeric_limits<double>::quiet_NaN()};
-  if (*file != nullptr) {
-    row.row = static_cast<double>((*file)->rows());
+  if (shape.row) {
+    auto file = find_file(shape);
+    if (!file) return tl::unexpected(file.error());
     (*file)->add(shape.displacements_m);
   }
   const auto object = static_cast<std::size_t>(shape.start.object);
-  add_line(*table_, csv_numbers(shape_columns(), row) + (*file != nullptr ? array_name(shape) : "") + ',' +
+  add_line(*table_, csv_numbers(shape_columns(), shape) + (shape.row ? array_name(shape) : "") + ',' +
                         (object < names_.size() ? csv_cell(names_[object].object) : "") + '\n');
   ++rows_;
   return {};

@@ -253,7 +253,9 @@ Result<SoakEnd> run_soak(const SoakOptions& options) {
   const auto run = soak(options);
   if (!run) return tl::unexpected(run.error());
   const SoakVerdict verdict = evaluate_soak(*run);
-  if (const auto written = write_file_atomically(options.out / "soak.json", to_json(*run, verdict).dump(2) + "\n"); !written) {
+  if (const auto written = write_file_atomically(options.out / "soak.json",
+                                                 to_json(*run, verdict).dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+      !written) {
     return tl::unexpected(written.error());
   }
   const auto picture = run->looks.empty() ? Result<std::filesystem::path>(fail("no observation was made, so no plot is drawn"))

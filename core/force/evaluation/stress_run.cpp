@@ -186,7 +186,7 @@ struct StressRun::Impl {
     return p;
   }
 
-  // The reference ends as soon as it has gained that: where the way is long and winding, the rest of it takes seconds.
+  // The reference ends as soon as it has gained that: where the path is long and winding, the rest of it takes seconds.
   bool gains(const Vec3& start, const Vec3& p, const Vec3& device) const {
     const double length = (p - device).norm();
     const double near_enough = (length - kUnconvergedGain * extent) * (1.0 - 0x1p-30);

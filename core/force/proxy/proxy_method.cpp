@@ -9,6 +9,9 @@ namespace hapton {
 namespace {
 
 constexpr double kLeastRadius = 0x1p-20;  // local units: corners that a smaller probe closes are too small for its digits
+// Local units: the centre of a larger sphere, which is as far from the scene, has too few digits for the contact offset. So has a device
+// that is farther out (SweptMotion).
+constexpr double kLargestRadius = 0x1p10;
 
 std::vector<std::shared_ptr<const TriangleMesh>> meshes_of(const TouchScene& scene) {
   std::vector<std::shared_ptr<const TriangleMesh>> meshes;
@@ -44,7 +47,13 @@ Result<std::unique_ptr<ForceMethod>> ProxyMethod::make(const MethodSettings& set
     return fail("proxy: a crease angle of {:g} degrees; give 0 to 180", settings.crease_deg);
   }
   if (auto fits = TouchGeometry::check(meshes_of(scene), scene.part_of); !fits) return fail("proxy: {}", fits.error().what);
-  return std::unique_ptr<ForceMethod>(new ProxyMethod(settings, scene));
+  std::unique_ptr<ProxyMethod> method(new ProxyMethod(settings, scene));
+  const double largest_m = kLargestRadius * method->geometry_.unit_m();
+  if (!(settings.probe_radius_m >= 0.0 && settings.probe_radius_m <= largest_m)) {
+    return fail("proxy: a probe radius of {:g} m; give 0 to {:g} m, about a thousand times the size of what is touched",
+                settings.probe_radius_m, largest_m);
+  }
+  return std::unique_ptr<ForceMethod>(std::move(method));
 }
 
 ProxyMethod::ProxyMethod(const MethodSettings& settings, const TouchScene& scene)

@@ -177,7 +177,7 @@ Vec3 SurfacePoint::vertex_normal() const noexcept {
 
 // Pre: the vertex is the point of its faces closest to the device.
 bool SurfacePoint::is_free_at_vertex(const Vec3& to_device) const noexcept {
-  constexpr double kTell = 16.0;  // times the least descent: a shorter way may lead over the faces as well, by less than counts
+  constexpr double kTell = 16.0;  // times the least descent: a shorter path may lead over the faces as well, by less than counts
   if (!(to_device.norm() > kTell * kLeastPull)) return false;
   if (is_at_boundary()) return true;  // the fan has both sides of the sheet: nothing lies behind it
   if (std::none_of(fan().begin(), fan().end(), [&](const FanFacet& facet) { return facet.normal.dot(to_device) > 0.0; })) return false;

@@ -5,11 +5,14 @@
 #include <limits>
 #include <utility>
 
+#include "core/geometry/mesh_measures.h"
+
 namespace hapton {
 namespace {
 
 constexpr double kFarthest = 1e12;  // local units: a device farther out is clamped to this, so that its square stays finite
 constexpr int kMostSubsteps = 1 << 20;
+constexpr double kLargestRadius = 1024.0;  // of the box's diagonal; a larger sphere is so far away that digits are lost
 constexpr double kJump = 8.0;           // of the device's motion: a longer motion of the proxy is a jump, as no slide is that fast for long
 constexpr double kLeastPart = 0x1p-38;  // local units: shorter sub-steps are not halved; a thousand times the tolerance of a contact
 constexpr std::size_t kLevels = 48;
@@ -17,6 +20,21 @@ constexpr int kMostHalvings = 1024;  // in one pass over a step
 
 float float_below(double x) { return std::nextafter(static_cast<float>(x), -std::numeric_limits<float>::infinity()); }
 float float_above(double x) { return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity()); }
+
+// Of the vertices that triangles name.
+MeshBounds bounds_of(const TouchScene& scene) {
+  MeshBounds box{.low = Vec3::Constant(std::numeric_limits<double>::infinity()), .high = {}};
+  box.high = -box.low;
+  for (const TouchObject& object : scene.objects) {
+    for (const Triangle& triangle : object.mesh->triangles) {
+      for (const std::uint32_t index : triangle) {
+        box.low = box.low.cwiseMin(object.mesh->vertices[index]);
+        box.high = box.high.cwiseMax(object.mesh->vertices[index]);
+      }
+    }
+  }
+  return box;
+}
 
 double power_of_two_above(double length) {
   int exponent = 0;
@@ -54,24 +72,19 @@ Result<std::unique_ptr<ReferenceMethod>> ReferenceMethod::make_reference(const M
     }
   }
   if (triangles == 0) return fail("method reference: the scene has no triangles; add a mesh to touch");
+  const double diagonal_m = bounds_of(scene).diagonal();
+  if (diagonal_m > 0.0 && settings.probe_radius_m > kLargestRadius * diagonal_m) {
+    return fail("method reference: a probe radius of {:g} m; give 0 to {:g} m, about a thousand times the size of what is touched",
+                settings.probe_radius_m, kLargestRadius * diagonal_m);
+  }
   return std::unique_ptr<ReferenceMethod>(new ReferenceMethod(settings, scene, prefilter));
 }
 
 ReferenceMethod::ReferenceMethod(const MethodSettings& settings, const TouchScene& scene, bool prefilter)
     : substeps_(settings.reference_substeps), substep_limit_(settings.reference_substep_limit), prefilter_(prefilter) {
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
-  Vec3 high = -low;
-  for (const TouchObject& object : scene.objects) {
-    for (const Triangle& triangle : object.mesh->triangles) {
-      for (const std::uint32_t index : triangle) {
-        low = low.cwiseMin(object.mesh->vertices[index]);
-        high = high.cwiseMax(object.mesh->vertices[index]);
-      }
-    }
-  }
-  centre_ = 0.5 * low + 0.5 * high;
-  const double diagonal = (high - low).norm();
-  const double size = std::max(diagonal, settings.probe_radius_m);
+  const MeshBounds box = bounds_of(scene);
+  centre_ = 0.5 * box.low + 0.5 * box.high;
+  const double size = std::max(box.diagonal(), settings.probe_radius_m);
   unit_m_ = size > 0.0 ? power_of_two_above(size) : 1.0;
   std::vector<Material> materials;
   for (const TouchObject& object : scene.objects) {

@@ -100,7 +100,7 @@ Vec3 CarvingBall::find_friction_goal(const Vec3& goal, const Vec3& normal, const
   return length > 0.0 ? Vec3(goal - pull * std::min(1.0, held / length)) : goal;
 }
 
-// The position on the way through free space at which the lag behind the goal is what is left of it after exponential decay (kCatchUpS).
+// The position on the path through free space at which the lag behind the goal is what is left of it after exponential decay (kCatchUpS).
 Vec3 CarvingBall::catch_up(const Input& input, const Vec3& free) const noexcept {
   const double kept_m = lag_m_ * std::exp(-input.dt_s / kCatchUpS);
   const Vec3 left = input.goal - free;

@@ -291,7 +291,7 @@ bool SphereFollower::pass_corner(const Vec3& target, double wide) noexcept {
   return true;
 }
 
-// Where the surface around the corner is closed and oriented, a target is on its other side if the way there does not cross it as often in
+// Where the surface around the corner is closed and oriented, a target is on its other side if the path there does not cross it as often in
 // as out. Triangles smaller than the sphere are no sides of the cone, so its boundary may lead through them. False: it may also have an end
 // there. Edges without an adjacent triangle that run to and fro, within what counts as a closed crack, are no end: they are left where
 // needles were removed (touch_resolution.h).

@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-// Offsets; the way that a flight over a barrier takes, its lift included (SphereFollower::leave_by_flight).
+// Offsets; the path that a flight over a barrier takes, its lift included (SphereFollower::leave_by_flight).
 constexpr double kFarthest = 64.0 * 32.0 + 32.0 * 32.0;
 
 }  // namespace

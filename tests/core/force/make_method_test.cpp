@@ -49,6 +49,12 @@ TEST(MakeMethod, AnImpossibleSettingIsRejectedInOneLineThatSaysWhatToGive) {
       {{.name = "smooth", .simplify_m = kNan}, "longest side"},
       {{.name = "proxy", .crease_deg = 200.0}, "crease angle of 200 degrees; give 0 to 180"},
       {{.name = "proxy", .shading = 1.5}, "shading of 1.5; give 0 to 1"},
+      {{.name = "proxy", .probe_radius_m = 1e30}, "probe radius of 1e+30 m; give 0 to"},
+      {{.name = "proxy", .probe_radius_m = 1e3}, "probe radius of 1000 m; give 0 to"},
+      {{.name = "proxy", .probe_radius_m = -1.0}, "probe radius of -1 m; give 0 to"},
+      {{.name = "proxy", .probe_radius_m = kNan}, "give 0 to"},
+      {{.name = "reference", .probe_radius_m = 1e30}, "probe radius of 1e+30 m; give 0 to"},
+      {{.name = "reference", .probe_radius_m = kNan}, "give zero or more"},
   };
   for (const auto& [settings, words] : cases) {
     const auto method = make_method(settings, ball);

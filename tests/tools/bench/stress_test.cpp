@@ -55,6 +55,11 @@ TEST(Stress, FindingsComeWithTheCommandThatShowsThemAgain) {
   EXPECT_THAT(to_text({result}, unsealed), ::testing::HasSubstr("--no-seal"));
 }
 
+TEST(Stress, TheReportOfAFileWhoseNameIsNotUtf8IsWritten) {
+  const StressResult result{"caf\xE9.obj", {}, {}};
+  EXPECT_THAT(to_json({result}, small_plan(1)), ::testing::HasSubstr("caf\xEF\xBF\xBD.obj"));
+}
+
 TEST(Stress, WhatWasNotLookedForIsNoZero) {
   const auto results = run_stress({make_stress_body("tetrahedron")}, small_plan(1), [](const StressResult&) {});
   ASSERT_TRUE(results.has_value());

@@ -24,7 +24,8 @@ namespace {
 // A hub whose tables each belong to a later report than the previous one, until a given number have been requested.
 class HastyHub {
  public:
-  HastyHub(const LinkKey& key, std::uint32_t hasty) : key_(key), hasty_(hasty), thread_([this] { run(); }) {}
+  HastyHub(const LinkKey& key, std::uint32_t hasty, std::uint32_t parts)
+      : key_(key), hasty_(hasty), parts_(parts), thread_([this] { run(); }) {}
   ~HastyHub() {
     ends_ = true;
     thread_.join();
@@ -49,7 +50,7 @@ class HastyHub {
     ReportPart part;
     part.document = request.document;
     part.revision = revision_;
-    part.parts = 1;
+    part.parts = parts_;
     const std::string text = (is_table ? "table " : "report ") + std::to_string(revision_);
     part.size = static_cast<std::uint16_t>(text.size());
     std::copy(text.begin(), text.end(), part.text.begin());
@@ -58,6 +59,7 @@ class HastyHub {
 
   LinkKey key_;
   std::uint32_t hasty_;
+  std::uint32_t parts_;
   SteadyClock clock_;
   std::unique_ptr<Endpoint> endpoint_ = *open_udp_endpoint("127.0.0.1:0");
   std::uint32_t revision_ = 0;
@@ -65,11 +67,11 @@ class HastyHub {
   std::thread thread_;
 };
 
-Result<HubReport> read_from(std::uint32_t hasty) {
+Result<HubReport> read_from(std::uint32_t hasty, std::uint32_t parts = 1) {
   const ScratchFolder folder;
   const std::string key_file = (folder.path() / "key").string();
   if (const auto made = make_key_file(key_file); !made) return tl::unexpected(made.error());
-  const HastyHub hub(*read_key_file(key_file), hasty);
+  const HastyHub hub(*read_key_file(key_file), hasty, parts);
   const auto reader = HubReader::open(hub.address(), key_file);
   if (!reader) return tl::unexpected(reader.error());
   return (*reader)->read();
@@ -86,6 +88,12 @@ TEST(HubReport, OfAHubThatNeverRestsIsGivenUpInALine) {
   const auto report = read_from(1'000'000);
   ASSERT_FALSE(report);
   EXPECT_NE(report.error().what.find("faster than they can be read"), std::string::npos) << report.error().what;
+}
+
+TEST(HubReport, OfMorePartsThanAnyReportHasIsNotRead) {
+  const auto report = read_from(0, 4'000'000'000U);
+  ASSERT_FALSE(report);
+  EXPECT_NE(report.error().what.find("4000000000 parts"), std::string::npos) << report.error().what;
 }
 
 }  // namespace

@@ -33,6 +33,18 @@ LoopFlags named(const std::string& device, const std::string& hand) {
   return flags;
 }
 
+TEST(LoopsOf, RejectsAnAmplifierThatFollowsNothing) {
+  LoopFlags flags = named("touch", "light");
+  for (const double hz : {0.0, 0.1, 200.0}) {
+    flags.amplifier_hz = hz;
+    EXPECT_TRUE(loops_of(flags)) << hz;
+  }
+  flags.amplifier_hz = 1e-300;
+  const auto loops = loops_of(flags);
+  ASSERT_FALSE(loops);
+  EXPECT_THAT(loops.error().what, HasSubstr("--amplifier 1e-300: give 0 for no lag"));
+}
+
 TEST(LoopsOf, CombinesDevicesAndHands) {
   EXPECT_EQ(loops_of(named("touch,falcon", "light,firm"))->size(), 4U);
   EXPECT_EQ(loops_of(named("all", "all"))->size(), device_presets().size() * hand_presets().size());

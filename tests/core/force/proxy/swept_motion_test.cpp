@@ -5,6 +5,7 @@
 #include <random>
 
 #include "core/geometry/mesh_shapes.h"
+#include "tests/support/made_meshes.h"
 
 namespace hapton {
 namespace {
@@ -198,6 +199,24 @@ TEST_P(SweptMotionInSoup, IsNeverNearerToATriangleThanItsSlackAllows) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, SweptMotionInSoup, testing::Values(1U, 2U, 3U, 4U));
+
+// A sphere that is as small as a slit does not become smaller there, though each step may use up the slop: a device that goes towards a
+// wall by less than that in each step does not take it along.
+TEST(SweptMotion, AShrunkSphereKeepsItsSizeWhenTheDeviceCreepsIntoAWall) {
+  constexpr double kSlop = 1e-4;
+  const Clearance keep{.offset = 0.2, .slop = kSlop, .tolerance = 1e-3 * kSlop};
+  SweptStage stage(joined(made::box({-1.0, -1.0, -1.0}, {-0.1, 1.0, 1.0}), made::box({0.1, -1.0, -1.0}, {1.0, 1.0, 1.0})), keep);
+  stage.put(Vec3::Zero());
+  stage.move(Vec3(0.0, 0.01, 0.0));
+  ASSERT_TRUE(stage.swept.is_shrunk());
+  const double room = stage.distance_by_brute_force();
+  for (int i = 1; i <= 100; ++i) {
+    stage.move(Vec3(0.4 * i * kSlop * stage.geometry.unit_m(), 0.01, 0.0));
+    ASSERT_GE(stage.distance_by_brute_force(), room - kSlop) << i;
+    ASSERT_TRUE(stage.swept.is_shrunk()) << i;
+  }
+  EXPECT_GT(stage.device.x() - stage.proxy.position.x(), 30.0 * kSlop) << "the wall holds it";
+}
 
 }  // namespace
 }  // namespace hapton

@@ -172,6 +172,52 @@ TEST_F(CentrePathTest, IsKeptOnItsGuidesToRounding) {
   EXPECT_GT(checked, 400);
 }
 
+// Also where it turns back beyond an end of the chord: faster than the chord is long, or away from it at first.
+TEST_F(CentrePathTest, BulgesNoFartherFromItsChordThanItSays) {
+  int beyond = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3 from = vector();
+    const Vec3 along = direction();
+    const Vec3 to = from + along;
+    const double across = std::pow(10.0, positive(-3.0, 0.0));
+    const auto slope = [&] { return Vec3(positive(-4.0, 8.0) * along + across * vector()); };
+    const Vec3 slope_from = slope();
+    const CentrePath path = CentrePath::curved(from, to, slope_from, slope());
+    double most = 0.0;
+    for (int k = 1; k < 200; ++k) {
+      const Vec3 p = path.at(k / 200.0);
+      most = std::max(most, distance_from_segment(p, from, to));
+      beyond += std::fabs(along.dot(p - from) - 0.5) > 0.5 ? 1 : 0;
+    }
+    ASSERT_LE(most, path.bulge() + 1e-15) << i;
+  }
+  EXPECT_GT(beyond, 1000);
+}
+
+// From both sides: the end before the crest may be the higher one, or the one after it.
+TEST_F(CentrePathTest, ACrestBetweenTwoEndsBelowThePlaneIsFoundForLongDirectionsToo) {
+  for (int i = 0; i < 400; ++i) {
+    const Vec3 from = vector();
+    const Vec3 along = direction();
+    const Vec3 up = along.unitOrthogonal();
+    const double height = std::pow(10.0, positive(-6.0, -1.0));
+    const double drop = (i % 2 == 0 ? 1.0 : -1.0) * 2.0 * height;  // from the first end to the last
+    const Vec3 chord = along - drop * up;
+    // A parabola above the chord, which is `height` above it in the middle.
+    const CentrePath path = CentrePath::curved(from, from + chord, chord + 4.0 * height * up, chord - 4.0 * height * up);
+    const double crest = (std::fabs(drop) + std::pow(4.0 * height - std::fabs(drop), 2.0) / (16.0 * height)) - std::fabs(drop);
+    const Vec3 highest = i % 2 == 0 ? from : Vec3(from + chord);
+    const Vec3 origin = highest + 0.5 * crest * up;
+    const double time = path.time_to_cross(origin, up, 0.0, 0.0, 1.0);
+    ASSERT_LT(time, 1.0) << i;
+    ASSERT_NEAR(up.dot(path.at(time) - origin), 0.0, 1e-14) << i;
+    for (const double scale : {0x1p10, 0x1p20}) {
+      ASSERT_NEAR(path.time_to_cross(origin, scale * up, 0.0, 0.0, 1.0), time, 1e-9) << i << ", scale " << scale;
+      ASSERT_NEAR(path.time_to_cross(origin, scale * up, 0.0, path.prefix(1.0)), time, 1e-9) << i << ", scale " << scale;
+    }
+  }
+}
+
 // The first time of many at which it is beyond, from below; kNever if there is none.
 double sampled_time_to_pass(const CentrePath& path, const Vec3& origin, const Vec3& normal, double margin, double until) {
   constexpr int kSamples = 4000;
@@ -415,6 +461,35 @@ TEST_F(FindBlock, ACopyBesideWhatGuidesThePathIsDecided) {
   }
   EXPECT_GT(hits, 200);
   EXPECT_GT(passes, 200);
+}
+
+// Around an edge or a corner, with a displaced copy beside it whose triangle leads to where the sphere comes: it stays as near as the copy,
+// and then meets the triangle.
+TEST_F(FindBlock, WhatGoesOnFromACopyBesideWhatGuidesThePathBlocks) {
+  int hits = 0;
+  for (int i = 0; i < 1500; ++i) {
+    const bool is_corner = i % 3 == 0;
+    const Arc roll = arc(kClearance.offset, positive(0.05, 0.3), i % 3 == 2 ? 1 : is_corner ? 2 : 1);
+    const auto displaced = [&] { return Vec3(std::pow(10.0, positive(-16.0, -9.0)) * vector()); };
+    // From that angle on, the triangle is nearer than the copy.
+    const double turn = positive(0.1, 0.9) * roll.angle;
+    const Vec3 ahead = 0.5 * (std::cos(turn) * roll.way - std::sin(turn) * roll.out);
+    const Vec3 below = -0.5 * roll.out - 0.2 * roll.way;
+    const Vec3 along = 0.3 * roll.axis;
+    const Vec3 copy = roll.middle + displaced();
+    const Vec3 corners[] = {i % 3 == 1 ? Vec3(copy - along) : copy,
+                            i % 3 == 1 ? Vec3(copy + along + displaced()) : Vec3(copy + below + unit() * along),
+                            Vec3(copy + ahead + (is_corner ? unit() : 0.0) * along)};
+    const int first = static_cast<int>(positive(0.0, 2.99));
+    const bool is_turned = unit() < 0.0;
+    const ContactTriangle shape(corners[first], corners[(first + (is_turned ? 2 : 1)) % 3], corners[(first + (is_turned ? 1 : 2)) % 3]);
+    if (shape.separation(roll.at(0.0)).distance < kClearance.offset) continue;
+    int tests = 0;
+    hits += roll.path.find_block(shape, kClearance, 0U, roll.path.prefix(1.0), tests).hits ? 1 : 0;
+    check(roll.path, shape, 0U, 1.0);
+    if (HasFailure()) FAIL() << "path " << i;
+  }
+  EXPECT_GT(hits, 400);
 }
 
 }  // namespace

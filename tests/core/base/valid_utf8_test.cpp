@@ -1,0 +1,44 @@
+#include "core/base/valid_utf8.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace hapton {
+namespace {
+
+using namespace std::string_view_literals;
+
+TEST(ValidUtf8, KeepsWhatIsUtf8) {
+  for (const std::string_view text : {""sv, "caf\xC3\xA9.csv"sv, "\xE2\x82\xAC"sv, "\xF0\x9F\x98\x80"sv, "a\0b"sv}) {
+    EXPECT_EQ(to_valid_utf8(text), text);
+  }
+}
+
+TEST(ValidUtf8, TakesOtherBytesForLatin1) {
+  EXPECT_EQ(to_valid_utf8("caf\xE9.csv"), "caf\xC3\xA9.csv");
+  EXPECT_EQ(to_valid_utf8("\xC3"), "\xC3\x83") << "cut off";
+  EXPECT_EQ(to_valid_utf8("\xC0\x80"), "\xC3\x80\xC2\x80") << "an overlong form";
+  EXPECT_EQ(to_valid_utf8("\xED\xA0\x80"), "\xC3\xAD\xC2\xA0\xC2\x80") << "a surrogate";
+  EXPECT_EQ(to_valid_utf8("\xF4\x90\x80\x80"), "\xC3\xB4\xC2\x90\xC2\x80\xC2\x80") << "above U+10FFFF";
+}
+
+TEST(ValidUtf8, OfAnyBytesIsValid) {
+  constexpr unsigned kSeed = 5;
+  RecordProperty("seed", std::to_string(kSeed));
+  std::mt19937 random(kSeed);
+  for (int i = 0; i < 20'000; ++i) {
+    std::string bytes(random() % 9, ' ');
+    for (char& byte : bytes) byte = static_cast<char>(random() % 4 == 0 ? random() : 0x80 | (random() & 0x7F));
+    const std::string valid = to_valid_utf8(bytes);
+    for (std::string_view rest = valid; !rest.empty();) {
+      const std::size_t length = utf8_length(rest);
+      ASSERT_GT(length, 0U) << i;
+      rest.remove_prefix(length);
+    }
+    ASSERT_EQ(to_valid_utf8(valid), valid) << i;
+  }
+}
+
+}  // namespace
+}  // namespace hapton
