@@ -1,10 +1,11 @@
-// A sphere that is put into a slit narrower than itself, or exactly on a surface.
+// A sphere that is put into a slit narrower than itself, into a tube of many triangles, or exactly on a surface.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <numbers>
 #include <random>
 #include <string>
 
@@ -135,6 +136,63 @@ TEST_P(OnASurface, TheSphereIsNotHeldOnEdgesAndVertices) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, OnASurface, testing::Values(1U, 2U));
+
+// A tube along z that is narrower than the sphere, open at both ends, of many small triangles.
+class FineTube : public ::testing::TestWithParam<unsigned> {
+ protected:
+  static constexpr double kTubeRadius = 0.8 * kRadius;
+  static constexpr double kLength = 10.0 * kRadius;
+
+  static TriangleMesh make_tube(std::mt19937_64& random) {
+    constexpr std::uint32_t kAround = 48;
+    constexpr std::uint32_t kAlong = 200;
+    std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+    TriangleMesh mesh;
+    for (std::uint32_t i = 0; i <= kAlong; ++i) {
+      for (std::uint32_t k = 0; k < kAround; ++k) {
+        const double angle = 2.0 * std::numbers::pi * k / kAround;
+        const double radius = kTubeRadius * (1.0 + 0.01 * uniform(random));
+        mesh.vertices.emplace_back(radius * std::cos(angle), radius * std::sin(angle), kLength * i / kAlong);
+      }
+    }
+    for (std::uint32_t i = 0; i < kAlong; ++i) {
+      for (std::uint32_t k = 0; k < kAround; ++k) {
+        const std::uint32_t a = i * kAround + k;
+        const std::uint32_t b = i * kAround + (k + 1) % kAround;
+        mesh.triangles.push_back({a, a + kAround, b});
+        mesh.triangles.push_back({b, a + kAround, b + kAround});
+      }
+    }
+    return mesh;
+  }
+};
+
+// The sphere overlaps hundreds of triangles, many more than its contacts can be: each motion that these allow is stopped by another one.
+TEST_P(FineTube, TheSphereFollowsAlongItAndLeavesAtTheEnd) {
+  std::mt19937_64 random(GetParam());
+  RecordProperty("seed", std::to_string(GetParam()));
+  const auto mesh = made::shared(make_tube(random));
+  const auto method = make_method({.name = "proxy", .probe_radius_m = kRadius}, {.objects = {{mesh, {}}}}).value();
+  const Vec3 start(0.0005, -0.0003, 0.5 * kLength);
+  method->reset(start);
+  MethodOutput output;
+  int most_repeats = 0;
+  for (int i = 1; i <= 100; ++i) {
+    const Vec3 device(start.x() + 0.001 * std::sin(0.3 * i), start.y(), start.z() + 0.01 * i * kLength);
+    output = method->step({.p_SD = device});
+    int repeats = 0;
+    for (; method->carried_from() && repeats < 256; ++repeats) output = method->step({.p_SD = device});
+    most_repeats = std::max(most_repeats, repeats);
+    if (i < 40) {
+      EXPECT_NEAR(output.p_SP.z(), device.z(), kRadius) << i;
+    }
+  }
+  EXPECT_LT(most_repeats, 256);
+  EXPECT_FALSE(output.contact) << "it has left";
+  RecordProperty("most_repeats", most_repeats);
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, FineTube, testing::Range(1U, 5U));
 
 }  // namespace
 }  // namespace hapton
