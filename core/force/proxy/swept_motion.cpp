@@ -100,7 +100,8 @@ bool SweptMotion::cross_empty_space(ProxyState& proxy, const Vec3& device) const
 }
 
 // Contacts that are too near lift the proxy. Where they leave no room for that, as in a slit narrower than the probe, it is as small as the
-// room. Between walls that are parallel within rounding, planes with no room between them meet far away.
+// room. Between walls that are parallel within rounding, planes with no room between them meet far away. And if there are more contacts
+// than are kept, those that are left out would stop each motion at once.
 ConstrainedMotion SweptMotion::next_motion(const ProxyState& proxy, const Vec3& goal) noexcept {
   constexpr double kFarthestLift = 8.0;  // offsets
   const auto constrain = [&] {
@@ -111,7 +112,8 @@ ConstrainedMotion SweptMotion::next_motion(const ProxyState& proxy, const Vec3& 
     return constrain_motion(goal, std::span<const ContactPlane>(planes_.data(), static_cast<std::size_t>(proxy.contact_count)));
   };
   const ConstrainedMotion constrained = constrain();
-  const bool has_room = constrained.solved && constrained.motion.norm() <= goal.norm() + kFarthestLift * keep_.offset;
+  const bool knows_all = proxy.contact_count < ProxyState::kMostContacts;
+  const bool has_room = knows_all && constrained.solved && constrained.motion.norm() <= goal.norm() + kFarthestLift * keep_.offset;
   if (has_room || !is_too_near(proxy) || !shrink_to_room(proxy.position)) return constrained;
   return constrain();
 }
@@ -139,10 +141,12 @@ bool SweptMotion::shrink_to_room(const Vec3& p) noexcept {
   return true;
 }
 
-// It never pushes the proxy: where a surface holds it, there is no more room.
+// It never pushes the proxy: where a surface holds it, there is no more room. In a passage of changing width a sphere as large as the room
+// would stop at each narrower place.
 void SweptMotion::grow_to_room(const Vec3& p) noexcept {
+  constexpr double kShare = 0.5;
   const double room = find_room(p);
-  keep_.offset = room >= clearance_.offset - clearance_.slop ? clearance_.offset : std::max(keep_.offset, room);
+  keep_.offset = room >= clearance_.offset - clearance_.slop ? clearance_.offset : std::max(keep_.offset, kShare * room);
 }
 
 // Coulomb friction: the frictionless goal is `depth` above the device; the proxy may stay up to mu * depth short of the goal.

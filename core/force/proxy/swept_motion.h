@@ -17,7 +17,8 @@ namespace hapton {
 // whole path, so edges, vertices and cracks narrower than that are as tight as faces, and both sides of a sheet are equal.
 //
 // A sphere that is put where it has no room, as into a slit narrower than itself, is as large as the room there: at the least distance from
-// all surfaces, it is in contact with them. It grows with the room, up to its own size, and is never pushed by growing.
+// all surfaces, it is in contact with them. It grows to half of the room, and to its own size as soon as that fits. Growing never pushes
+// it.
 //
 // Frame: TouchGeometry's local one. RT: yes; at most kMostMotions motions in a call, and no more work than it is given. Keeps references.
 class SweptMotion {

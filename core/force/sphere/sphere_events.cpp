@@ -192,6 +192,11 @@ bool SphereFollower::is_past_needle(const ContactTriangle& shape, int edge) cons
   return height(edge) > kSlop && std::min(height((edge + 1) % 3), height((edge + 2) % 3)) < -kSlop;
 }
 
+// Whether the centre is nearer to a triangle than any centre in contact.
+bool SphereFollower::overlaps(const ContactTriangle& shape) const noexcept {
+  return shape.separation(centre_).distance < clearance_.offset - std::min(0x1p-28, 0.25 * clearance_.offset);
+}
+
 // Changes the contacts for the event. False: it cannot.
 bool SphereFollower::apply_event(const Event& event, const CentrePath& path) noexcept {
   if (event.contact >= 0) {
@@ -221,6 +226,7 @@ bool SphereFollower::apply_event(const Event& event, const CentrePath& path) noe
     ++idle_;
     return restore(centre_);
   } else if (event.slot >= 0) {
+    if (event.time <= 0.0 && overlaps(near_.shape(event.slot))) return false;
     hint_ = path.slope(event.time);
     is_descending_ = true;
     return add_contact(OffsetContact::nearest(near_.triangle(event.slot), near_.shape(event.slot), centre_));

@@ -274,7 +274,6 @@ SphereFollower::Next SphereFollower::fly(const Vec3& from, const Vec3& to, doubl
 
 // settled: arrived. again: a triangle was hit on the way.
 SphereFollower::Next SphereFollower::fly_to(const Vec3& to, double& until) noexcept {
-  const double most_overlap = std::min(0x1p-28, 0.25 * clearance_.offset);  // a centre nearer by more was never in contact
   const Clearance clearance{clearance_.offset, clearance_.slop, clearance_.tolerance};
   const Vec3 from = centre_;
   const Vec3 motion = to - from;
@@ -303,7 +302,7 @@ SphereFollower::Next SphereFollower::fly_to(const Vec3& to, double& until) noexc
   least_distance_ = std::numeric_limits<double>::infinity();
   const ObjectGeometry::Corners corners = geometry_.corners(first);
   const ContactTriangle shape(corners.a, corners.b, corners.c);
-  if (shape.separation(centre_).distance < clearance_.offset - most_overlap) return Next::failed;
+  if (overlaps(shape)) return Next::failed;
   hint_ = motion;
   is_descending_ = true;
   return add_contact(OffsetContact::nearest(first, shape, centre_)) ? Next::again : Next::failed;

@@ -325,6 +325,7 @@ class SphereFollower {
   Vec3 find_lift(double height) noexcept;
   bool fly_straight(const Vec3& motion, double share) noexcept;
   int find_coplanar(const OffsetContact& contact, const Exit& exit) noexcept;
+  bool overlaps(const ContactTriangle& shape) const noexcept;
   bool add_contact(const OffsetContact& contact) noexcept;
   void remove_contact(int i) noexcept;
   bool note_move(const Vec3& from) noexcept;  // whether the centre has moved

@@ -1,12 +1,14 @@
-// A sphere that is put into a slit narrower than itself, or exactly on a surface.
+// A sphere that is put into a slit narrower than itself, into a tube of many triangles, or exactly on a surface.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <numbers>
 #include <random>
 #include <string>
+#include <utility>
 
 #include "core/force/proxy/proxy_method.h"
 #include "core/geometry/contact_triangle.h"
@@ -135,6 +137,108 @@ TEST_P(OnASurface, TheSphereIsNotHeldOnEdgesAndVertices) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, OnASurface, testing::Values(1U, 2U));
+
+// A tube along z that is narrower than the sphere, open at both ends, of many small triangles.
+class FineTube : public ::testing::TestWithParam<unsigned> {
+ protected:
+  static constexpr double kTubeRadius = 0.8 * kRadius;
+  static constexpr double kLength = 10.0 * kRadius;
+
+  static TriangleMesh make_tube(std::mt19937_64& random) {
+    constexpr std::uint32_t kAround = 48;
+    constexpr std::uint32_t kAlong = 200;
+    std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+    TriangleMesh mesh;
+    for (std::uint32_t i = 0; i <= kAlong; ++i) {
+      for (std::uint32_t k = 0; k < kAround; ++k) {
+        const double angle = 2.0 * std::numbers::pi * k / kAround;
+        const double radius = kTubeRadius * (1.0 + 0.01 * uniform(random));
+        mesh.vertices.emplace_back(radius * std::cos(angle), radius * std::sin(angle), kLength * i / kAlong);
+      }
+    }
+    for (std::uint32_t i = 0; i < kAlong; ++i) {
+      for (std::uint32_t k = 0; k < kAround; ++k) {
+        const std::uint32_t a = i * kAround + k;
+        const std::uint32_t b = i * kAround + (k + 1) % kAround;
+        mesh.triangles.push_back({a, a + kAround, b});
+        mesh.triangles.push_back({b, a + kAround, b + kAround});
+      }
+    }
+    return mesh;
+  }
+};
+
+// The sphere overlaps hundreds of triangles, many more than its contacts can be: each motion that these allow is stopped by another one.
+TEST_P(FineTube, TheSphereFollowsAlongItAndLeavesAtTheEnd) {
+  std::mt19937_64 random(GetParam());
+  RecordProperty("seed", std::to_string(GetParam()));
+  const auto mesh = made::shared(make_tube(random));
+  const auto method = make_method({.name = "proxy", .probe_radius_m = kRadius}, {.objects = {{mesh, {}}}}).value();
+  const Vec3 start(0.0005, -0.0003, 0.5 * kLength);
+  method->reset(start);
+  MethodOutput output;
+  int most_repeats = 0;
+  for (int i = 1; i <= 100; ++i) {
+    const Vec3 device(start.x() + 0.001 * std::sin(0.3 * i), start.y(), start.z() + 0.01 * i * kLength);
+    output = method->step({.p_SD = device});
+    int repeats = 0;
+    for (; method->carried_from() && repeats < 256; ++repeats) output = method->step({.p_SD = device});
+    most_repeats = std::max(most_repeats, repeats);
+    if (i < 40) {
+      EXPECT_NEAR(output.p_SP.z(), device.z(), kRadius) << i;
+    }
+  }
+  EXPECT_LT(most_repeats, 256);
+  EXPECT_FALSE(output.contact) << "it has left";
+  RecordProperty("most_repeats", most_repeats);
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, FineTube, testing::Range(1U, 5U));
+
+class NarrowTube : public ::testing::TestWithParam<unsigned> {};
+
+// The sphere is put exactly in contact with a wall of a tube that is narrower than the sphere. No position at its radius from two
+// opposite walls, which are nearly parallel, is near.
+TEST_P(NarrowTube, TheSphereStaysNear) {
+  std::mt19937_64 random(GetParam());
+  RecordProperty("seed", std::to_string(GetParam()));
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  for (int trial = 0; trial < 200; ++trial) {
+    TriangleMesh mesh;
+    for (const double y : {-5.663, 1.129, 7.921}) {
+      for (const auto& [x, z] : {std::pair(-0.752, -1.03), {0.656, -1.458}, {1.121, 0.342}, {-0.289, 0.751}})
+        mesh.vertices.emplace_back(kRadius * (Vec3(x, y, z) + 0.001 * Vec3(uniform(random), 0.0, uniform(random))));
+    }
+    for (std::uint32_t i = 0; i < 8; ++i) {
+      const std::uint32_t a = i;
+      const std::uint32_t b = i % 4 == 3 ? i - 3 : i + 1;
+      const bool is_other = random() % 2 == 0;
+      mesh.triangles.push_back({a, is_other ? b : b + 4, is_other ? a + 4 : b});
+      mesh.triangles.push_back({b + 4, is_other ? a + 4 : a, is_other ? b : a + 4});
+    }
+    std::shuffle(mesh.triangles.begin(), mesh.triangles.end(), random);
+    mesh = joined(mesh, made::box(kRadius * Vec3(-10.6, -12.1, -5.5), kRadius * Vec3(-9.3, -8.6, -3.3)));
+    const auto method = make_method({.name = "proxy", .probe_radius_m = kRadius}, {.objects = {{made::shared(mesh), {}}}}).value();
+    const std::size_t wall = random() % 16;
+    const Vec3& a = mesh.corner(wall, 0);
+    const Vec3 along = mesh.corner(wall, 1) - a;
+    const Vec3 across = mesh.corner(wall, 2) - a;
+    Vec3 up = along.cross(across).normalized();
+    if (up.dot(a - Vec3(0.0, a.y(), 0.0)) > 0.0) up = -up;
+    const double share = uniform(random);
+    const Vec3 start = a + share * along + uniform(random) * (1.0 - share) * across + kRadius * up;
+    method->reset(start);
+    Vec3 device = start;
+    for (int i = 0; i < 20; ++i) {
+      device += 0.001 * (Vec3(uniform(random) - 0.5, uniform(random) - 0.5, uniform(random) - 0.5) - (i == 0 ? up : Vec3(Vec3::Zero())));
+      MethodOutput output = method->step({.p_SD = device});
+      for (int k = 0; method->carried_from() && k < 64; ++k) output = method->step({.p_SD = device});
+      ASSERT_LE((output.p_SP - start).norm(), 0.1) << "trial " << trial << ", step " << i;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, NarrowTube, testing::Range(1U, 9U));
 
 }  // namespace
 }  // namespace hapton
