@@ -17,7 +17,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-constexpr char kLeftOut[] = "damping, effects and two_sided = false of the scene are ignored";
+constexpr char kLeftOut[] = "damping, effects of surfaces and two_sided = false are ignored";
 
 // A ball of 5 cm, felt with a cube of 1 cm.
 Scene scene_with_tool() {
