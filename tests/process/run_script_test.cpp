@@ -204,7 +204,7 @@ class LateWindow : public RunScript {
       if (entry.path().filename() != "vision_node") std::filesystem::create_symlink(entry.path(), bin() / entry.path().filename());
     }
     std::ofstream(bin() / "vision_node") << "#!/bin/bash\n\"" << (programs / "vision_node").string() << "\" \"$@\" &\npid=$!\n"
-                                         << "trap 'kill -TERM $pid; wait $pid; code=$?; for i in {1..70}; do sleep 0.1; done; touch \""
+                                         << "trap 'kill -TERM $pid; wait $pid; code=$?; for i in {1..120}; do sleep 0.1; done; touch \""
                                          << finished().string() << "\"; exit $code' TERM\nwait $pid\n";
     std::filesystem::permissions(bin() / "vision_node", std::filesystem::perms::owner_all);
   }
