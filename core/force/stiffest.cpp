@@ -51,6 +51,12 @@ LargestGains find_largest_gains(const TouchScene& scene) {
     gains.damping_ns_per_m = std::max(gains.damping_ns_per_m, object.material.damping_ns_per_m);
     gains.viscosity_ns_per_m = std::max(gains.viscosity_ns_per_m, viscosity_of(object.effects));
   }
+  gains.viscosity_ns_per_m = std::max(gains.viscosity_ns_per_m, find_tool_gains(scene).viscosity_ns_per_m);
+  return gains;
+}
+
+LargestGains find_tool_gains(const TouchScene& scene) {
+  LargestGains gains{.stiffness_n_per_m = find_stiffest(scene)};
   for (const SwitchedEffect& one : scene.effects) gains.viscosity_ns_per_m = std::max(gains.viscosity_ns_per_m, viscosity_of(one.effect));
   return gains;
 }

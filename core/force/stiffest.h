@@ -23,6 +23,8 @@ struct LargestGains {
   bool any() const noexcept { return stiffness_n_per_m > 0.0 || damping_ns_per_m > 0.0 || viscosity_ns_per_m > 0.0; }
 };
 LargestGains find_largest_gains(const TouchScene& scene);
+// With a rigid tool, whose contacts have no damping.
+LargestGains find_tool_gains(const TouchScene& scene);
 // Of a surface, by a number or the largest of an image.
 double viscosity_of(const SurfaceEffects& effects);
 // In free space; effects that are not viscous have none.
