@@ -126,12 +126,14 @@ void HapticsStep::update_grasp() noexcept {
   output_ = {};
 }
 
-// An object was put down, and the slow task is building the scene with it: what is there now has it where it was before.
+// An object was put down, and the slow task is building the scene with it: what is there now has it where it was before. Only the effects
+// in free space go on.
 void HapticsStep::feel_nothing(ForceCommand& reply) noexcept {
   if (running_) remember_answered();
   running_ = true;
-  reply.force_n = fade_.step(Vec3::Zero(), false, input_.dt_s);
-  reply.contact = fade_.is_felt();
+  const Vec3 effects_n = touch_->step_in_space(input_);
+  reply.force_n = fade_.step(effects_n, !effects_n.isZero(0.0), input_.dt_s);
+  reply.contact = !effects_n.isZero(0.0) || fade_.is_felt();
 }
 
 void HapticsStep::place_parts() noexcept {
@@ -154,9 +156,14 @@ void HapticsStep::note_push(ForceCommand& reply) const noexcept {
   }
 }
 
-// After a gap the tool comes from where it was, on a path that is free: no contact is lost, and nothing is passed.
+// After a gap the tool comes from where it was, on a path that is free: no contact is lost, and nothing is passed. The effects of the scene
+// in free space act at the grip point.
 void HapticsStep::feel_tool(ForceCommand& reply) noexcept {
-  if (running_) remember_answered();
+  if (running_) {
+    remember_answered();
+  } else {
+    touch_->forget_effects(input_);
+  }
   running_ = true;
   ToolInput input;
   input.X_WD.translation() = state_.p_WD;
@@ -168,9 +175,11 @@ void HapticsStep::feel_tool(ForceCommand& reply) noexcept {
   is_tool_blocked_ = felt.proxy.is_blocked;
   if (felt.contact) counts_.haptons += static_cast<std::uint64_t>(felt.proxy.haptons);
   if (felt.contact) counts_.most_haptons = std::max(counts_.most_haptons, felt.proxy.haptons);
-  reply.force_n = fade_.step(felt.force_n, felt.contact, input_.dt_s);
+  const Vec3 effects_n = touch_->step_in_space(input_);
+  const bool is_felt = felt.contact || !effects_n.isZero(0.0);
+  reply.force_n = fade_.step(felt.force_n + effects_n, is_felt, input_.dt_s);
   reply.torque_nm = felt.torque_nm;
-  reply.contact = felt.contact || fade_.is_felt();
+  reply.contact = is_felt || fade_.is_felt();
   if (grasp_ != nullptr) {
     grasp_->note_pose(felt.X_WP, X_WS_);
     reply.object = grasp_->object();

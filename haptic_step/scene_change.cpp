@@ -47,7 +47,8 @@ SceneChange compare_scenes(const Scene& before, const Scene& after) {
     recoloured.objects[o].material = a.material;
   }
   // With the same materials, what is left of the hash is the effects.
-  if (!has_same_names || hash_scene(before.touch_scene()) != hash_scene(recoloured)) return SceneChange::effects;
+  if (hash_scene(before.touch_scene()) != hash_scene(recoloured)) return SceneChange::effects;
+  if (!has_same_names) return has_same_materials ? SceneChange::names : SceneChange::effects;
   return has_same_materials ? SceneChange::none : SceneChange::materials;
 }
 

@@ -11,8 +11,9 @@ namespace hapton {
 // What has changed in a scene file that was read again, in ascending order of effect.
 enum class SceneChange : std::uint8_t {
   none,
+  names,      // of objects and materials, alone: all forces are the same
   materials,  // stiffness, damping and friction of some objects
-  effects,    // of surfaces or of space, or names: the meshes are the same
+  effects,    // of surfaces or of space, or names beside materials: the meshes are the same
   shape       // meshes, their poses, motions and number, or which of their sides are felt
 };
 

@@ -176,9 +176,8 @@ int run(const HapticsOptions& options) {
   }
   if (!effects.empty()) loop.set_effects(&effects);
   loop.set_longest_spin(std::llround(1e3 * options.spin_us));
-  // A tool computes no damping.
   const auto gains_of = [&](const TouchScene& touched) {
-    return *tool == nullptr ? find_largest_gains(touched) : LargestGains{.stiffness_n_per_m = find_stiffest(touched)};
+    return *tool == nullptr ? find_largest_gains(touched) : find_tool_gains(touched);
   };
   StiffnessAdviser adviser(gains_of(felt));
   loop.set_stiffness_adviser(&adviser);

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "core/force/virtual_coupling.h"
-#include "haptic_step/scene_change.h"
 #include "haptics_node/scene_plugins.h"
 #include "runtime/log.h"
 #include "runtime/start_thread.h"
@@ -41,6 +40,11 @@ bool has_same_program_shapes(const Scene& before, const Scene& after) {
   return compare_scenes(before, after) != SceneChange::shape &&
          std::equal(before.objects.begin(), before.objects.end(), after.objects.begin(), after.objects.end(),
                     [](const SceneObject& a, const SceneObject& b) { return a.name == b.name; });
+}
+
+std::string_view describe(SceneChange change) {
+  if (change == SceneChange::names) return "its names have changed; all forces stay";
+  return change == SceneChange::shape ? "its objects fade in" : "its effects fade in";
 }
 
 }  // namespace
@@ -142,12 +146,12 @@ SceneWatcher::Look SceneWatcher::take(Scene scene) {
       return Look::materials;
     }
   }
-  return take_scene(std::move(scene), change != SceneChange::shape);
+  return take_scene(std::move(scene), change);
 }
 
-SceneWatcher::Look SceneWatcher::take_scene(Scene scene, bool keeps_shape) {
+SceneWatcher::Look SceneWatcher::take_scene(Scene scene, SceneChange change) {
   for (const auto& note : scene.notes) log_info("{}", note);
-  const auto made = make_new_scene(scene, options_.coupling_n_per_m, ++revision_, keeps_shape);
+  const auto made = make_new_scene(scene, options_.coupling_n_per_m, ++revision_, change != SceneChange::shape);
   // A tool that changes materials meanwhile names objects of the scene before: MaterialTuner rejects that by the revision.
   if (const auto built = builder_.follow(made); !built) {
     log_warning("{}: {}; the present scene stays in use", options_.path.string(), built.error().what);
@@ -155,7 +159,7 @@ SceneWatcher::Look SceneWatcher::take_scene(Scene scene, bool keeps_shape) {
   }
   tuner_.follow(scene, made->revision);
   if (options_.on_scene) options_.on_scene(couple_scene(made->touch, options_.coupling_n_per_m));
-  log_info("{} was read again: its {} fade in", options_.path.string(), keeps_shape ? "effects" : "objects");
+  log_info("{} was read again: {}", options_.path.string(), describe(change));
   base_ = scene;
   used_ = std::move(scene);
   return Look::scene;

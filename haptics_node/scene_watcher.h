@@ -6,6 +6,7 @@
 #include <string>
 #include <thread>
 
+#include "haptic_step/scene_change.h"
 #include "haptics_node/material_tuner.h"
 #include "haptics_node/method_builder.h"
 #include "runtime/file_watch.h"
@@ -54,7 +55,7 @@ class SceneWatcher {
   void run();
   bool may_replace(const Scene& scene) const;
   Look take(Scene scene);
-  Look take_scene(Scene scene, bool keeps_shape);
+  Look take_scene(Scene scene, SceneChange change);
 
   Options options_;
   Scene base_;  // that the tuner's states differ from: what the method in use was made for

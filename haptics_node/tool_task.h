@@ -16,7 +16,7 @@ namespace hapton {
 
 // For the log where ToolObstacles::leaves_out.
 inline constexpr std::string_view kToolLeavesOut =
-    "damping, effects and two_sided = false of the scene are ignored: a rigid tool supports only stiffness and friction";
+    "damping, effects of surfaces and two_sided = false are ignored: of surfaces, a rigid tool supports only stiffness and friction";
 
 // The rigid tool that the options or the scene name; null: the stylus is a probe. The tool feels the friction of the materials. Its spring
 // is as stiff as the stiffest of them, coupled as --coupling says. Logs what is left out. Error: one line.

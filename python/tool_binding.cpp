@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/force/space_step.h"
 #include "core/tool/tool_step.h"
 #include "python/bindings.h"
 #include "runtime/clock.h"
@@ -56,10 +57,12 @@ class PythonTool {
 
  private:
   void place_parts();
+  void add_effects(const ToolInput& input, double dt_s, ToolOutput& output) noexcept;
 
   std::mutex mutex_;
   std::unique_ptr<ToolStep> tool_;
-  std::vector<ToolPart> parts_;  // of the scene that move
+  std::optional<SpaceStep> effects_;  // in free space; none: the scene has none
+  std::vector<ToolPart> parts_;       // of the scene that move
   std::vector<Pose> X_SO_;
   bool has_begun_ = false;
   bool is_running_ = false;  // there was a step
@@ -73,11 +76,14 @@ PythonTool::PythonTool(const TriangleMesh& tool, const TouchScene& scene, double
   }
   ToolObstacles obstacles = make_tool_obstacles(scene);
   if (obstacles.leaves_out &&
-      PyErr_WarnEx(PyExc_UserWarning, "damping, effects and two_sided = false are left out: a rigid tool has friction only", 2) != 0) {
+      PyErr_WarnEx(PyExc_UserWarning,
+                   "damping, effects of surfaces and two_sided = false are left out: of surfaces, a rigid tool has friction only",
+                   2) != 0) {
     throw py::error_already_set();
   }
   if (scene.has_deformation()) raise_value_error("an object deforms, which a rigid tool does not support");
   parts_ = obstacles.parts;
+  if (!obstacles.effects.empty()) effects_.emplace(std::move(obstacles.effects));
   X_SO_.resize(parts_.size());
   if (obstacles.meshes.empty()) raise_value_error("there are no objects; give at least one");
   const ToolCoupling coupling = {.stiffness_n_per_m = obstacles.stiffness_n_per_m,
@@ -97,11 +103,19 @@ void PythonTool::reset(const Doubles& pose, const std::optional<Doubles>& scene_
   place_parts();
   input.X_SO = X_SO_;
   tool_->reset(input);
+  if (effects_) effects_->reset();
   has_begun_ = true;
 }
 
 void PythonTool::place_parts() {
   for (std::size_t p = 0; p < parts_.size(); ++p) X_SO_[p] = parts_[p].pose_at(time_s_);
+}
+
+void PythonTool::add_effects(const ToolInput& input, double dt_s, ToolOutput& output) noexcept {
+  if (!effects_) return;
+  const Vec3 force_n = effects_->step({.p_WD = input.X_WD.translation(), .X_WS = input.X_WS, .dt_s = dt_s});
+  output.force_n += force_n;
+  output.contact = output.contact || !force_n.isZero(0.0);
 }
 
 py::dict PythonTool::step(const Doubles& poses, const std::optional<Doubles>& scene_pose, double dt_s) {
@@ -129,7 +143,8 @@ py::dict PythonTool::step(const Doubles& poses, const std::optional<Doubles>& sc
         has_begun_ = true;
       }
       const std::int64_t begin_ns = clock.now_ns();
-      const ToolOutput output = tool_->step(inputs[i]);
+      ToolOutput output = tool_->step(inputs[i]);
+      add_effects(inputs[i], dt_s, output);
       step_ns[i] = clock.now_ns() - begin_ns;
       Eigen::Map<Vec3>(force_n + 3 * i) = output.force_n;
       Eigen::Map<Vec3>(torque_nm + 3 * i) = output.torque_nm;
@@ -192,7 +207,8 @@ void bind_tools(py::module_& module) {
            "One step for each of the (n, 4, 4) poses of the grip point in W, dt_s seconds apart: objects move by their keyframes. "
            "scene_pose: (4, 4), of the scene in W.\n"
            "Returns a dict of arrays: force_n (n, 3) and torque_nm (n, 3) about the grip point, proxy (n, 4, 4): where the tool is drawn,\n"
-           "contact (n,), blocked (n,): it overlaps the scene since it was put there and gives no force, step_ns (n,).\n"
+           "contact (n,): a surface is touched, or an effect acts, blocked (n,): it overlaps the scene since it was put there and gives no "
+           "force, step_ns (n,).\n"
            "The first pose of all is where the tool is put. Other Python threads run meanwhile.")
       .def("reset", &PythonTool::reset, py::arg("pose"), py::arg("scene_pose") = py::none(),
            "Forgets all contact and puts the tool at `pose`.")

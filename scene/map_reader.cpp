@@ -15,13 +15,14 @@ namespace {
 constexpr double kMapMaxHeightM = 10.0;
 constexpr double kMapMaxRepeat = 1e4;
 constexpr double kMapLeastStiffness = 1e-6;
+constexpr double kMapMaxViscosity = 1e3;  // Ns/m, as 'viscosity_ns_per_m'
 
 constexpr double kMapMaxNormalScale = 10.0;
 constexpr const char* kNormalsOfMesh = "the normal map of the mesh";
 
-constexpr std::array<std::string_view, 8> kMapKeys = {
-    "bump_map",     "normal_map",         "normal_map_scale", "stiffness_map", "stiffness_map_n_per_m",
-    "friction_map", "friction_map_range", "map_repeat"};
+constexpr std::array<std::string_view, 10> kMapKeys = {
+    "bump_map",     "normal_map",         "normal_map_scale", "stiffness_map",          "stiffness_map_n_per_m",
+    "friction_map", "friction_map_range", "viscosity_map",    "viscosity_map_ns_per_m", "map_repeat"};
 
 void read_file_name(const toml::table& table, TableReader& reader, std::string_view key, MapSpec& spec) {
   reader.read(key, spec.file);
@@ -113,6 +114,17 @@ void read_friction(const toml::table& table, TableReader& reader, const Material
   spec.at_white = range[1];
 }
 
+void read_viscosity(const toml::table& table, TableReader& reader, const SurfaceEffects& effects, MapSpec& spec) {
+  read_file_name(table, reader, "viscosity_map", spec);
+  need_both(reader, "viscosity_map", "viscosity_map_ns_per_m");
+  if (!reader.has("viscosity_map")) return;
+  if (effects.viscosity.is_on()) reader.fail_at("viscosity_map", "'viscosity_map' replaces 'viscosity_ns_per_m': leave that out");
+  std::array<double, 2> range = {};
+  reader.read("viscosity_map_ns_per_m", range, 0.0, kMapMaxViscosity);
+  spec.at_black = range[0];
+  spec.at_white = range[1];
+}
+
 std::string_view key_of_height(const MapSpec& spec) { return spec.normal_scale ? "normal_map" : "bump_map"; }
 
 // Length and height of the images on the surface, m: by the mean of the gradients of the texture coordinates. Pre: these have an area.
@@ -167,6 +179,7 @@ void read_maps(const toml::table& table, TableReader& reader, Material& material
   read_height(table, reader, material, specs.height);
   read_stiffness(table, reader, material, effects, specs.stiffness);
   read_friction(table, reader, material, specs.friction);
+  read_viscosity(table, reader, effects, specs.viscosity);
   reader.read("map_repeat", specs.repeat, 1.0 / kMapMaxRepeat, kMapMaxRepeat);
   if (reader.has("map_repeat") && !specs.any()) reader.fail_at("map_repeat", "'map_repeat' has no effect without a map");
 }
@@ -215,21 +228,21 @@ Result<ImageMap> MapMaker::make_relief(const MapSpec& spec, const MapSource& sou
 Result<SurfaceMaps> MapMaker::make(const MapSpecs& specs, const MapSource& source, const std::string& object,
                                    std::vector<std::string>& notes) {
   SurfaceMaps maps;
-  auto triangles = place_triangles(source, specs.repeat);
-  if (triangles.empty()) {
-    const bool is_height = !specs.height.file.empty();
-    const MapSpec& first = is_height ? specs.height : specs.stiffness.file.empty() ? specs.friction : specs.stiffness;
-    const std::string_view key = is_height ? key_of_height(specs.height) : specs.stiffness.file.empty() ? "friction_map" : "stiffness_map";
-    return fail("{}: '{}' needs texture coordinates, and the mesh of object '{}' has none: unwrap it", first.where, key, printable(object));
-  }
-  maps.triangles = std::make_shared<const std::vector<MappedTriangle>>(std::move(triangles));
   const struct {
     const MapSpec& spec;
     std::string_view key;
     ImageMap& map;
-  } all[] = {{specs.height, "bump_map", maps.height},
+  } all[] = {{specs.height, key_of_height(specs.height), maps.height},
              {specs.stiffness, "stiffness_map", maps.stiffness},
-             {specs.friction, "friction_map", maps.friction}};
+             {specs.friction, "friction_map", maps.friction},
+             {specs.viscosity, "viscosity_map", maps.viscosity}};
+  auto triangles = place_triangles(source, specs.repeat);
+  if (triangles.empty()) {
+    const auto* first = std::ranges::find_if(all, [](const auto& one) { return !one.spec.file.empty(); });
+    return fail("{}: '{}' needs texture coordinates, and the mesh of object '{}' has none: unwrap it", first->spec.where, first->key,
+                printable(object));
+  }
+  maps.triangles = std::make_shared<const std::vector<MappedTriangle>>(std::move(triangles));
   for (const auto& one : all) {
     auto map = one.spec.normal_scale ? make_relief(one.spec, source, *maps.triangles, object) : make_map(one.spec, one.key);
     if (!map) return tl::unexpected(map.error());

@@ -34,9 +34,10 @@ struct MapSpecs {
   MapSpec height;     // m
   MapSpec stiffness;  // share of the material's stiffness
   MapSpec friction;
+  MapSpec viscosity;                          // Ns/m
   std::array<double, 2> repeat = {1.0, 1.0};  // repetitions of the images, along u and v
 
-  bool any() const { return !height.file.empty() || !stiffness.file.empty() || !friction.file.empty(); }
+  bool any() const { return !height.file.empty() || !stiffness.file.empty() || !friction.file.empty() || !viscosity.file.empty(); }
   // What these need of a mesh file.
   LookReading reading() const { return !any() ? LookReading::off : height.is_of_mesh ? LookReading::with_normals : LookReading::on; }
 };

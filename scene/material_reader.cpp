@@ -91,10 +91,11 @@ struct HapticMap {
   MapSpec MapSpecs::*spec;
 };
 
-constexpr std::array<HapticMap, 3> kMaps = {
+constexpr std::array<HapticMap, 4> kMaps = {
     {{"bump_map", "bump_height_m", "vibrotactileTexture", &HapticMaterial::height, &MapSpecs::height},
      {"stiffness_map", "stiffness_map_n_per_m", "stiffness", &HapticMaterial::stiffness, &MapSpecs::stiffness},
-     {"friction_map", "friction_map_range", "friction", &HapticMaterial::friction, &MapSpecs::friction}}};
+     {"friction_map", "friction_map_range", "friction", &HapticMaterial::friction, &MapSpecs::friction},
+     {"viscosity_map", "viscosity_map_ns_per_m", "custom", &HapticMaterial::viscosity, &MapSpecs::viscosity}}};
 
 }  // namespace
 

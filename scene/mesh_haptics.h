@@ -20,8 +20,9 @@ struct HapticMaterial {
   std::optional<std::size_t> height = {};
   std::optional<std::size_t> stiffness = {};
   std::optional<std::size_t> friction = {};
+  std::optional<std::size_t> viscosity = {};
 
-  bool has_maps() const { return height || stiffness || friction; }
+  bool has_maps() const { return height || stiffness || friction || viscosity; }
   bool says_anything() const { return has_maps() || !numbers.empty(); }
 };
 

@@ -18,8 +18,10 @@ constexpr double kCrackShare = 1e-3;  // of the longest side
 std::string describe(const HapticMaterial& material) {
   std::string text = material.name.empty() ? "(no name)" : printable(material.name, kLongestShownName);
   const char* before = ": ";
-  for (const auto& [image, name] :
-       {std::pair(material.height, "bumps"), {material.stiffness, "stiffness"}, {material.friction, "friction"}}) {
+  for (const auto& [image, name] : {std::pair(material.height, "bumps"),
+                                    {material.stiffness, "stiffness"},
+                                    {material.friction, "friction"},
+                                    {material.viscosity, "viscosity"}}) {
     if (!image) continue;
     text += fmt::format("{}{}", std::exchange(before, ", "), name);
   }

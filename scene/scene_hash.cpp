@@ -98,6 +98,8 @@ void add_maps(Hash& hash, const SurfaceMaps& maps) {
     }
   }
   for (const ImageMap* map : {&maps.height, &maps.stiffness, &maps.friction}) add_map(hash, *map);
+  // Scenes of before it existed keep their hash.
+  if (maps.viscosity.is_on()) add_map(hash, maps.viscosity);
 }
 
 void add_texture(Hash& hash, const RecordedTexture& texture) {

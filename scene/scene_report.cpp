@@ -42,6 +42,7 @@ std::vector<std::string> names_of(const SurfaceEffects& effects) {
   }
   if (effects.maps.stiffness.is_on()) names.emplace_back("stiffness from an image");
   if (effects.maps.friction.is_on()) names.emplace_back("friction from an image");
+  if (effects.maps.viscosity.is_on()) names.emplace_back("viscosity from an image");
   if (effects.viscosity.is_on()) names.emplace_back("viscosity");
   if (effects.snap.is_on()) names.emplace_back("snap");
   if (effects.tap.is_on()) names.emplace_back("vibration on tap");

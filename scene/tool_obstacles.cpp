@@ -30,15 +30,16 @@ int find_part(const TouchObject& object, int number, std::vector<ToolPart>& part
 
 ToolObstacles make_tool_obstacles(const TouchScene& scene, std::optional<std::size_t> held) {
   ToolObstacles obstacles;
-  obstacles.stiffness_n_per_m = find_stiffest(scene);
-  obstacles.leaves_out = scene.has_effects();
+  obstacles.stiffness_n_per_m = find_stiffest_surface(scene);
+  obstacles.effects = scene.effects;
   for (std::size_t o = 0; o < scene.objects.size(); ++o) {
     if (o == held) continue;
     const TouchObject& object = scene.objects[o];
     obstacles.meshes.push_back(object.mesh);
     obstacles.part_of.push_back(find_part(object, static_cast<int>(o), obstacles.parts));
     obstacles.friction.push_back({object.material.friction_static, object.material.friction_dynamic});
-    obstacles.leaves_out = obstacles.leaves_out || object.material.damping_ns_per_m > 0.0 || !object.material.two_sided;
+    obstacles.leaves_out =
+        obstacles.leaves_out || object.effects.any() || object.material.damping_ns_per_m > 0.0 || !object.material.two_sided;
   }
   return obstacles;
 }

@@ -19,14 +19,16 @@ struct ToolPart {
   Pose pose_at(double time_s) const noexcept { return motion != nullptr ? motion->pose_at(time_s) : Pose(Pose::Identity()); }
 };
 
-// What a rigid tool feels of a scene: shapes and friction. ToolStep::make takes it, with the stiffness for its spring.
+// What a rigid tool feels of a scene: shapes, friction, and effects in free space. ToolStep::make takes it, with the stiffness for its
+// spring.
 struct ToolObstacles {
   std::vector<std::shared_ptr<const TriangleMesh>> meshes;  // frame S, metres, one for each object
   std::vector<SurfaceFriction> friction;                    // of each mesh
   std::vector<int> part_of;                                 // of each mesh: 0 where it stands still, else the part's number, from 1
   std::vector<ToolPart> parts;                              // that move
-  double stiffness_n_per_m = 0.0;                           // of the stiffest material or effect of the whole scene
-  bool leaves_out = false;                                  // the scene has damping, effects or one-sided surfaces, which a tool has not
+  std::vector<SwitchedEffect> effects;                      // in free space, felt at the grip point
+  double stiffness_n_per_m = 0.0;                           // of the stiffest surface of the whole scene
+  bool leaves_out = false;                                  // surfaces have damping, effects or one side only, which a tool has not
 
   bool has_friction() const;
 };

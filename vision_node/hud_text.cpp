@@ -37,6 +37,9 @@ std::string hand_text(const HudFacts& facts) {
   return text;
 }
 
+// Its force alone may be that of an effect in free space.
+bool is_held_in_contact(const ProbeState& s) { return s.contact && !(s.visual_offset_m.isZero(0.0) && s.visual_turn.isZero(0.0)); }
+
 std::string force_text(const HudFacts& facts) {
   const ProbeState& s = facts.state;
   // It has joined the hub, but does not reply yet.
@@ -49,7 +52,7 @@ std::string force_text(const HudFacts& facts) {
                        1e-3F * kForceLifetimeUs);
   }
   if (is_without_force(s.status)) return std::string(describe(s.status));
-  const std::string contact = !facts.held.empty()     ? "holding " + facts.held + (s.contact ? ", in contact" : "")
+  const std::string contact = !facts.held.empty()     ? "holding " + facts.held + (is_held_in_contact(s) ? ", in contact" : "")
                               : !s.contact            ? "free"
                               : !touches_surface(s)   ? "free, a force in space"
                               : facts.touched.empty() ? "touching"

@@ -66,7 +66,8 @@ SurfaceMaps all_maps(const TriangleMesh& mesh) {
   return {.triangles = triangles,
           .height = {.image = image, .at_black = -2e-4, .at_white = 0.0},
           .stiffness = {.image = image, .at_black = 0.5, .at_white = 1.0},
-          .friction = {.image = image, .at_black = 0.1, .at_white = 0.8}};
+          .friction = {.image = image, .at_black = 0.1, .at_white = 0.8},
+          .viscosity = {.image = image, .at_black = 0.0, .at_white = 3.0}};
 }
 
 std::vector<EffectCase> map_cases(const TriangleMesh& mesh) {
@@ -74,6 +75,7 @@ std::vector<EffectCase> map_cases(const TriangleMesh& mesh) {
   return {{"bumps, image", {.maps = {.triangles = all.triangles, .height = all.height}}, {}},
           {"stiffness, image", {.maps = {.triangles = all.triangles, .stiffness = all.stiffness}}, {}},
           {"friction, image", {.maps = {.triangles = all.triangles, .friction = all.friction}}, {}},
+          {"viscosity, image", {.maps = {.triangles = all.triangles, .viscosity = all.viscosity}}, {}},
           {"all images", {.maps = all}, {}}};
 }
 

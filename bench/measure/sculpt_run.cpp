@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <random>
 #include <set>
+#include <string_view>
 #include <utility>
 
 #include "core/force/force_method.h"
@@ -154,7 +156,9 @@ double time_undo(const Stopwatch& watch, const CarvedField& whole, const std::ve
 }
 
 Result<SculptRunRow> measure_body(const SculptShape& shape, int grid, double radius_voxels, std::uint64_t seed,
-                                  const SculptRunSettings& settings, const Stopwatch& watch) {
+                                  const SculptRunSettings& settings, const Stopwatch& watch,
+                                  const std::function<void(std::string_view)>& is_at) {
+  is_at("steps");
   const MeshBounds bounds = compute_bounds(shape.mesh);
   const double voxel_m = (bounds.high - bounds.low).maxCoeff() / grid;
   const TouchScene scene{
@@ -196,6 +200,7 @@ Result<SculptRunRow> measure_body(const SculptShape& shape, int grid, double rad
   row.all = spread_of_times(timed.least.ns());
   row.carving = spread_of_times(timed.least.only(is_carving));
   row.touching = spread_of_times(timed.least.only(is_touching));
+  is_at("surfaces");
   row.surface = time_surfaces(watch, field, carves);
   row.whole_ms = find_least_ms([&] { return time_whole_surface(watch, method.sculpture()->bodies()[0].field); });
   row.undo_ms = find_least_ms([&] { return time_undo(watch, field, carves); });
@@ -225,12 +230,17 @@ Result<SculptRunReport> measure_sculpting(const SculptRunSettings& settings, con
   SculptRunReport report;
   report.conditions = begin_conditions(watch, settings.seeds.empty() ? 0 : settings.seeds.front());
   report.steps = settings.steps;
-  for (const SculptShape& shape : sculpt_shapes()) {
+  const std::vector<SculptShape> shapes = sculpt_shapes();
+  const std::size_t rows = shapes.size() * settings.grids.size() * settings.radii_voxels.size() * settings.seeds.size();
+  for (const SculptShape& shape : shapes) {
     for (const int grid : settings.grids) {
       for (const double radius : settings.radii_voxels) {
         for (const std::uint64_t seed : settings.seeds) {
-          progress(fmt::format("{}, {} voxels, ball of {:g}, seed {}", shape.name, grid, radius, seed));
-          auto row = measure_body(shape, grid, radius, seed, settings, watch);
+          const auto is_at = [&](std::string_view what) {
+            progress(fmt::format("{} of {}: {}, {} voxels, ball of {:g}, seed {}: {}", report.rows.size() + 1, rows, shape.name, grid,
+                                 radius, seed, what));
+          };
+          auto row = measure_body(shape, grid, radius, seed, settings, watch, is_at);
           if (!row) return tl::unexpected(row.error());
           report.rows.push_back(std::move(*row));
         }

@@ -59,6 +59,16 @@ void EffectStep::reset() noexcept {
   }
 }
 
+void EffectStep::set_drag(std::size_t object, const SurfaceDrag& drag) noexcept {
+  SurfaceEffects& surface = surfaces_[object];
+  surface.drag = drag;
+  if (surface.layers.is_on()) surface.drag.damping_ns_per_m = 0.0;
+}
+
+bool EffectStep::any() const noexcept {
+  return !space_.empty() || std::any_of(surfaces_.begin(), surfaces_.end(), [](const SurfaceEffects& surface) { return surface.any(); });
+}
+
 EffectResult EffectStep::step(const Vec3& p_SD, double dt_s, const SurfaceContact& contact, std::uint32_t buttons) noexcept {
   if (!p_SD.allFinite()) return {.force_n = Vec3::Zero(), .p_SP = contact.p_SP, .is_felt = false};
   velocity_.add(p_SD, dt_s);
@@ -79,6 +89,11 @@ EffectResult EffectStep::step(const Vec3& p_SD, double dt_s, const SurfaceContac
   if (!result.p_SP.allFinite()) result.p_SP = p_SD;
   result.is_felt = contact.contact || !result.force_n.isZero(0.0);
   return result;
+}
+
+Vec3 EffectStep::step_in_space(const Vec3& p_SD, double dt_s, std::uint32_t buttons) noexcept {
+  touched_ = -1;
+  return step(p_SD, dt_s, {}, buttons).force_n;
 }
 
 SurfaceEffectState& EffectStep::state_of(int object) noexcept {
@@ -117,15 +132,22 @@ Vec3 EffectStep::surface_force(const EffectSample& sample, const Vec3& motion, d
     pressed_n = surface.layers.force(pressed_m, -sample.v_SD.dot(normal - slope), state.layers);
     p_SP = tip_in_layers(sample.p_SD, contact.p_SP, depth_m, surface.layers, state.layers);
   }
+  if (surface.drag.damping_ns_per_m > 0.0) pressed_n = surface.drag.damped(pressed_n, velocity_.newest().dot(normal));
   Vec3 force_n = pressed_n * (normal - slope);
   if (surface.maps.stiffness.is_on()) force_n -= spring_energy(method_n, depth_m, pressed_m) * tangential(map.stiffness_gradient, normal);
-  if (surface.maps.friction.is_on() && method_n > 0.0) {
+  const bool has_friction_map = surface.maps.friction.is_on();
+  if ((has_friction_map || surface.drag.has_friction()) && method_n > 0.0) {
+    const auto coefficients = has_friction_map ? MapFriction::Coefficients{map.friction, map.friction} : surface.drag.friction;
     force_n +=
-        MapFriction::force(begins ? Vec3(Vec3::Zero()) : motion, normal, method_n / depth_m, std::abs(pressed_n), map.friction, friction_);
+        MapFriction::force(begins ? Vec3(Vec3::Zero()) : motion, normal, method_n / depth_m, std::abs(pressed_n), coefficients, friction_);
   } else {
     friction_ = {};
   }
   if (surface.viscosity.is_on()) force_n += surface.viscosity.force(sample.v_SD, normal, std::abs(pressed_n));
+  if (surface.maps.viscosity.is_on()) {
+    const SurfaceViscosity there{.damping_ns_per_m = map.viscosity_ns_per_m};
+    force_n += there.force(sample.v_SD, normal, std::abs(pressed_n));
+  }
   if (surface.texture.is_on()) force_n += texture_->force(surface.texture, sample.v_SD, normal, std::abs(pressed_n), dt_s);
   if (surface.tap.is_on()) {
     if (begins) surface.tap.begin(-velocity_.newest().dot(normal), sample.time_s, state.tap);

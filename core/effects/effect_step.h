@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -30,7 +31,7 @@ struct EffectResult {
 
 // Adds all effects of a scene to the force of a method, sample by sample, and holds their state: time, velocity, punctured layers, the
 // surface that holds the device (snap), the last tap. The result is finite if the method's force is. A sample that is not finite gives zero
-// force and changes nothing. Frame: S. Units: SI. RT: step and reset yes; construction set-up only. Threads: one.
+// force and changes nothing. Frame: S. Units: SI. RT: step, step_in_space and reset yes; construction set-up only. Threads: one.
 class EffectStep {
  public:
   // surfaces: one for each object of the scene.
@@ -39,7 +40,14 @@ class EffectStep {
   // dt_s: since the sample before; one that is not above zero counts as the same moment, one above kLongestS as kLongestS. buttons: of the
   // stylus that are down, a bit each.
   EffectResult step(const Vec3& p_SD, double dt_s, const SurfaceContact& contact, std::uint32_t buttons = 0) noexcept;
+  // In place of step, while the stylus holds a rigid tool: the force of the effects in free space. The surface touched last, which may be
+  // the tool's own, does not snap any more.
+  Vec3 step_in_space(const Vec3& p_SD, double dt_s, std::uint32_t buttons = 0) noexcept;
   void reset() noexcept;
+  // Of an object of the scene; layers replace the damping. RT: yes.
+  void set_drag(std::size_t object, const SurfaceDrag& drag) noexcept;
+  // A surface or the space has an effect.
+  bool any() const noexcept;
   // The scene was moved, so that the last device point has other coordinates in frame S: this is no motion of the hand.
   void note_scene_moved(const Vec3& last_p_SD) noexcept {
     velocity_.move_last(last_p_SD);

@@ -4,28 +4,41 @@
 
 namespace hapton {
 
-// Coulomb friction whose coefficient changes from place to place: a spring of the surface's stiffness between the device and a point that
-// sticks to the surface, and slips when the spring is pulled beyond the cone:
+// Coulomb friction of a surface whose force method has none, or whose coefficient changes from place to place: a spring of the surface's
+// stiffness between the device and a point that sticks to the surface, and slips when the spring is pulled beyond the cone:
 //   pulled = P(pulled before + motion), force = -k pulled,
-// P the projection onto the disc of radius coefficient * normal force / k in the surface. Frame: S. Units: SI. RT: yes.
+// P the projection onto the disc of radius coefficient * normal force / k in the surface. While it slips the dynamic coefficient counts,
+// until the pull is below kRestick of that disc; otherwise the static one. Frame: S. Units: SI. RT: yes.
 //
-// Bound: coefficient times the normal force. Passivity: dissipative. The disc contains 0 and P is the projection onto it, so in every step
-// pulled . motion >= |pulled|^2 / 2 - |pulled before|^2 / 2: the hand gives at least what the spring stores. Source: return mapping of
-// elastic-plastic friction (Wriggers, Computational Contact Mechanics, 2006, 5.2).
+// Bound: the static coefficient times the normal force. Passivity: dissipative. Whatever the disc, P shortens the pull to s of its length,
+// 0 <= s <= 1, so in every step pulled . motion >= |pulled|^2 / 2 - |pulled before|^2 / 2: the hand gives at least what the spring stores.
+// Source: return mapping of elastic-plastic friction (Wriggers, Computational Contact Mechanics, 2006, 5.2).
 struct MapFriction {
   static constexpr Passivity kPassivity = Passivity::dissipative;
+  static constexpr double kRestick = 0.5;  // as the friction of methods (FrictionMotion)
   struct State {
     Vec3 pulled = Vec3::Zero();  // the device beyond the point that sticks, along the surface
+    bool slips = false;
+  };
+  struct Coefficients {
+    double at_rest = 0.0;
+    double slipping = 0.0;  // at most that at rest
   };
 
   // motion: of the device since the sample before. normal: unit. Pre: stiffness_n_per_m > 0; the others finite.
-  static Vec3 force(const Vec3& motion, const Vec3& normal, double stiffness_n_per_m, double normal_n, double coefficient,
+  static Vec3 force(const Vec3& motion, const Vec3& normal, double stiffness_n_per_m, double normal_n, const Coefficients& coefficient,
                     State& state) noexcept {
     const Vec3 to = state.pulled + motion;
     state.pulled = to - to.dot(normal) * normal;
-    const double most_m = coefficient * normal_n / stiffness_n_per_m;
+    const double slipping_m = coefficient.slipping * normal_n / stiffness_n_per_m;
+    const double most_m = state.slips ? slipping_m : coefficient.at_rest * normal_n / stiffness_n_per_m;
     const double length_m = state.pulled.norm();
-    if (length_m > most_m) state.pulled *= most_m > 0.0 ? most_m / length_m : 0.0;
+    if (length_m > most_m) {
+      state.slips = true;
+      state.pulled *= slipping_m > 0.0 ? slipping_m / length_m : 0.0;
+    } else if (length_m < kRestick * slipping_m) {
+      state.slips = false;
+    }
     return -stiffness_n_per_m * state.pulled;
   }
 };

@@ -3,6 +3,7 @@
 #include "core/effects/progressive_stiffness.h"
 #include "core/effects/recorded_texture.h"
 #include "core/effects/surface_bumps.h"
+#include "core/effects/surface_drag.h"
 #include "core/effects/surface_maps.h"
 #include "core/effects/surface_snap.h"
 #include "core/effects/surface_viscosity.h"
@@ -21,10 +22,11 @@ struct SurfaceEffects {
   TapVibration tap = {};
   SurfaceMaps maps = {};  // height not together with bumps, stiffness not with layers
   RecordedTexture texture = {};
+  SurfaceDrag drag = {};  // of the material, set by TouchStep for a method that leaves it out; not together with a friction map
 
   bool any() const noexcept {
     return progressive.is_on() || layers.is_on() || bumps.is_on() || viscosity.is_on() || snap.is_on() || tap.is_on() || maps.is_on() ||
-           texture.is_on();
+           texture.is_on() || drag.is_on();
   }
 };
 

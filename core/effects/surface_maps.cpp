@@ -37,6 +37,7 @@ MapSample SurfaceMaps::sample(const MapPlace& place) const noexcept {
     sample.stiffness_gradient = value.gradient;
   }
   if (friction.is_on()) sample.friction = friction.at(place).number;
+  if (viscosity.is_on()) sample.viscosity_ns_per_m = viscosity.at(place).number;
   return sample;
 }
 

@@ -46,17 +46,18 @@ struct MapSample {
   double stiffness = 1.0;  // share of the material's
   Vec3 stiffness_gradient = Vec3::Zero();
   double friction = 0.0;
+  double viscosity_ns_per_m = 0.0;
 };
 
-// Height, stiffness and friction by images on the surface's texture coordinates. With U(d) the energy of the material's spring at the depth
-// d, f = dU/dd its force, h the height (at most 0, as of SurfaceBumps) and s the share of the stiffness, the force becomes
+// Height, stiffness, friction and viscosity by images on the surface's texture coordinates. With U(d) the energy of the material's spring
+// at the depth d, f = dU/dd its force, h the height (at most 0, as of SurfaceBumps) and s the share of the stiffness, the force becomes
 //   s f(d + h) (n - grad h) - U(d + h) grad s,
-// the gradient of one potential, s U(d + h): going from soft to stiff costs what stiff to soft gives back. Friction is MapFriction.
-// Frame: S. RT: sample yes.
+// the gradient of one potential, s U(d + h): going from soft to stiff costs what stiff to soft gives back. Friction is MapFriction,
+// viscosity SurfaceViscosity. Frame: S. RT: sample yes.
 //
 // Bound: that of f, times sqrt(1 + slope^2), plus U times the gradient of s. Passivity: conservative on flat surfaces, friction
-// dissipative; on curved ones as SurfaceBumps. Where texture coordinates have a seam, neighbouring places lie apart in the images: force is
-// continuous there if the images are.
+// and viscosity dissipative; on curved ones as SurfaceBumps. Where texture coordinates have a seam, neighbouring places lie apart in the
+// images: force is continuous there if the images are.
 struct SurfaceMaps {
   static constexpr Passivity kPassivity = Passivity::conservative;
   // Of the height: as steep as the steepest bumps by a formula.
@@ -66,8 +67,9 @@ struct SurfaceMaps {
   ImageMap height = {};                                               // m, -bump_height_m to 0
   ImageMap stiffness = {};                                            // share, above 0, at most 1
   ImageMap friction = {};                                             // coefficient
+  ImageMap viscosity = {};                                            // Ns/m, 0 or more
 
-  bool is_on() const noexcept { return height.is_on() || stiffness.is_on() || friction.is_on(); }
+  bool is_on() const noexcept { return height.is_on() || stiffness.is_on() || friction.is_on() || viscosity.is_on(); }
   MapSample sample(const MapPlace& place) const noexcept;
 };
 

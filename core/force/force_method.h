@@ -68,6 +68,10 @@ class ForceMethod {
   // with the stiffness from couple_material, two_sided as before. Threads: as step.
   virtual void set_materials(std::span<const Material> materials) noexcept = 0;
 
+  // The material of each object, if the method renders neither its damping nor its friction, so that TouchStep adds them as effects of the
+  // surface. Empty: the method renders them itself. RT: yes.
+  virtual std::span<const Material> drag_left_out() const noexcept { return {}; }
+
   // The bodies of material that its steps carve; null: the scene has none. exchange_sculpture: goes on with the bodies of `other` and gives
   // it its own, if they are the same at rest; otherwise it does nothing.
   virtual const Sculpture* sculpture() const noexcept { return nullptr; }

@@ -21,12 +21,23 @@ double stiffest_of(const SpaceEffect& effect) {
   return 0.0;
 }
 
-double find_stiffest(const TouchScene& scene) {
+double find_stiffest_surface(const TouchScene& scene) {
   double stiffest_n_per_m = 0.0;
   for (const TouchObject& object : scene.objects)
     stiffest_n_per_m = std::max(stiffest_n_per_m, stiffest_of(object.material, object.effects));
+  return stiffest_n_per_m;
+}
+
+double find_stiffest(const TouchScene& scene) {
+  double stiffest_n_per_m = find_stiffest_surface(scene);
   for (const SwitchedEffect& one : scene.effects) stiffest_n_per_m = std::max(stiffest_n_per_m, stiffest_of(one.effect));
   return stiffest_n_per_m;
+}
+
+double viscosity_of(const SurfaceEffects& effects) {
+  const ImageMap& map = effects.maps.viscosity;
+  const double most_of_map = map.is_on() ? std::max(map.at_black, map.at_white) : 0.0;
+  return std::max(effects.viscosity.damping_ns_per_m, most_of_map);
 }
 
 double viscosity_of(const SpaceEffect& effect) {
@@ -38,8 +49,14 @@ LargestGains find_largest_gains(const TouchScene& scene) {
   LargestGains gains{.stiffness_n_per_m = find_stiffest(scene)};
   for (const TouchObject& object : scene.objects) {
     gains.damping_ns_per_m = std::max(gains.damping_ns_per_m, object.material.damping_ns_per_m);
-    gains.viscosity_ns_per_m = std::max(gains.viscosity_ns_per_m, object.effects.viscosity.damping_ns_per_m);
+    gains.viscosity_ns_per_m = std::max(gains.viscosity_ns_per_m, viscosity_of(object.effects));
   }
+  gains.viscosity_ns_per_m = std::max(gains.viscosity_ns_per_m, find_tool_gains(scene).viscosity_ns_per_m);
+  return gains;
+}
+
+LargestGains find_tool_gains(const TouchScene& scene) {
+  LargestGains gains{.stiffness_n_per_m = find_stiffest(scene)};
   for (const SwitchedEffect& one : scene.effects) gains.viscosity_ns_per_m = std::max(gains.viscosity_ns_per_m, viscosity_of(one.effect));
   return gains;
 }

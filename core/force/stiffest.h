@@ -10,6 +10,8 @@ namespace hapton {
 double stiffest_of(const Material& material, const SurfaceEffects& effects);
 // Of a spring or a snap; other effects have no stiffness.
 double stiffest_of(const SpaceEffect& effect);
+// Of all surfaces of a scene, and of its effects in free space as well.
+double find_stiffest_surface(const TouchScene& scene);
 double find_stiffest(const TouchScene& scene);
 
 // What a scene makes of position and velocity at most: the gains of the loop that the hand closes.
@@ -21,6 +23,10 @@ struct LargestGains {
   bool any() const noexcept { return stiffness_n_per_m > 0.0 || damping_ns_per_m > 0.0 || viscosity_ns_per_m > 0.0; }
 };
 LargestGains find_largest_gains(const TouchScene& scene);
+// With a rigid tool, whose contacts have no damping.
+LargestGains find_tool_gains(const TouchScene& scene);
+// Of a surface, by a number or the largest of an image.
+double viscosity_of(const SurfaceEffects& effects);
 // In free space; effects that are not viscous have none.
 double viscosity_of(const SpaceEffect& effect);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace hapton {
 namespace {
@@ -28,13 +29,37 @@ TouchStep::TouchStep(std::shared_ptr<ForceMethod> method, const TouchScene& scen
     if (const auto& pivot = scene.objects[o].command_pivot) commanded_.push_back({static_cast<int>(o), CommandedMotion(*pivot)});
   }
   X_SO_.resize(commanded_.size(), Pose::Identity());
-  if (!scene.has_effects()) return;
+  const bool adds_drag = !method_->drag_left_out().empty();
+  if (!scene.has_effects() && !adds_drag) return;
   std::vector<SurfaceEffects> surfaces;
   for (const TouchObject& object : scene.objects) {
     surfaces.push_back(object.effects);
     maps_.push_back(object.effects.maps.is_on() ? std::make_unique<MapFinder>(object.effects.maps) : nullptr);
   }
   effects_ = std::make_unique<EffectStep>(std::move(surfaces), scene.effects);
+  const auto has_drag = [](const TouchObject& object) {
+    return object.material.friction_static > 0.0 || object.material.damping_ns_per_m > 0.0;
+  };
+  uses_effects_ = effects_->any() || (adds_drag && std::any_of(scene.objects.begin(), scene.objects.end(), has_drag));
+}
+
+// Damping and friction of the materials, where the method has neither.
+void TouchStep::take_drag() noexcept {
+  knows_drag_ = true;
+  const std::span<const Material> materials = method_->drag_left_out();
+  for (std::size_t o = 0; o < materials.size(); ++o) {
+    const Material& material = materials[o];
+    effects_->set_drag(o,
+                       {.damping_ns_per_m = material.damping_ns_per_m, .friction = {material.friction_static, material.friction_dynamic}});
+  }
+}
+
+void TouchStep::set_materials(std::span<const Material> materials) noexcept {
+  method_->set_materials(materials);
+  if (effects_ == nullptr) return;
+  take_drag();
+  const bool used_effects = std::exchange(uses_effects_, effects_->any());
+  has_new_effects_ = uses_effects_ && (has_new_effects_ || !used_effects);
 }
 
 TouchOutput TouchStep::step(const TouchInput& input) noexcept {
@@ -52,17 +77,31 @@ TouchOutput TouchStep::step(const TouchInput& input) noexcept {
     output.force_n = input.X_WS.linear() * result.force_n;
     output.visual_offset_m = input.X_WS.linear() * (result.p_SP - sample.p_SD);
   }
-  if (effects_ != nullptr) [[unlikely]]
+  if (uses_effects_) [[unlikely]]
     output = add_effects(input, sample, result);
   return output;
+}
+
+// Of effects: a scene that was moved is no motion of the hand.
+void TouchStep::note_scene(const TouchInput& input) noexcept {
+  if (last_.X_WS.matrix() != input.X_WS.matrix())
+    effects_->note_scene_moved(to_static_scene({.p_WD = last_.p_WD, .X_WS = input.X_WS}).p_SD);
+  last_ = input;
+}
+
+Vec3 TouchStep::step_in_space(const TouchInput& input) noexcept {
+  if (!uses_effects_) return Vec3::Zero();
+  if (has_new_effects_) forget_effects(input);
+  note_scene(input);
+  return input.X_WS.linear() * effects_->step_in_space(to_static_scene(input).p_SD, input.dt_s, input.buttons);
 }
 
 // Not inlined: its registers and stack would cost every step of a scene without effects.
 [[gnu::noinline]] TouchOutput TouchStep::add_effects(const TouchInput& input, const MethodInput& sample,
                                                      const MethodOutput& result) noexcept {
-  if (last_.X_WS.matrix() != input.X_WS.matrix())
-    effects_->note_scene_moved(to_static_scene({.p_WD = last_.p_WD, .X_WS = input.X_WS}).p_SD);
-  last_ = input;
+  if (has_new_effects_) forget_effects(input);
+  if (!knows_drag_) take_drag();
+  note_scene(input);
   SurfaceContact contact = {.force_n = result.force_n, .p_SP = result.p_SP, .object = result.object, .contact = result.contact};
   std::optional<MapSample> map;
   if (result.contact && result.object >= 0 && result.object < static_cast<int>(maps_.size())) {
@@ -127,6 +166,7 @@ void TouchStep::resume(const TouchInput& input) noexcept {
 }
 
 void TouchStep::forget_effects(const TouchInput& input) noexcept {
+  has_new_effects_ = false;
   if (effects_ == nullptr) return;
   effects_->reset();
   last_ = input;

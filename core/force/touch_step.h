@@ -31,8 +31,8 @@ struct TouchOutput {
 };
 
 // One haptic step: transforms the device point into the static scene's frame, runs the method, adds the scene's effects, and transforms
-// force and visual offset back to the world. The live node, replay, tests and benches all call it. RT: step, reset, resume, set_materials,
-// command, follow_commands, follow_carves, restore_carves and repeat_carve yes.
+// force and visual offset back to the world. The live node, replay, tests and benches all call it. RT: step, step_in_space, reset,
+// forget_effects, resume, set_materials, command, follow_commands, follow_carves, restore_carves and repeat_carve yes.
 class TouchStep {
  public:
   // Without effects.
@@ -41,13 +41,18 @@ class TouchStep {
   TouchStep(std::shared_ptr<ForceMethod> method, const TouchScene& scene);
 
   TouchOutput step(const TouchInput& input) noexcept;
+  // In place of step, while the stylus holds a rigid tool: the force of the scene's effects in free space at the device point, frame W.
+  Vec3 step_in_space(const TouchInput& input) noexcept;
   void reset(const TouchInput& input) noexcept;
+  // As reset, of the effects alone: a tool is held from the first sample on.
+  void forget_effects(const TouchInput& input) noexcept;
   // See ForceMethod: the input's device is where the proxy was held.
   void resume(const TouchInput& input) noexcept;
   // See ForceMethod: what the surfaces of the scene do beyond their materials stays as it was made.
-  void set_materials(std::span<const Material> materials) noexcept { method_->set_materials(materials); }
+  void set_materials(std::span<const Material> materials) noexcept;
   const ForceMethod& method() const { return *method_; }
-  bool has_effects() const { return effects_ != nullptr; }
+  // Of the scene, or damping and friction of materials that the method leaves out.
+  bool has_effects() const { return uses_effects_; }
   // Objects of the scene move by themselves: the force depends on TouchInput::time_s.
   bool has_motion() const { return has_motion_; }
   // Moves an object of the scene that programs may move (TouchObject::command_pivot), from the next step on. object: of the scene. False:
@@ -88,11 +93,15 @@ class TouchStep {
   };
 
   void place_commanded(double time_s) noexcept;
-  void forget_effects(const TouchInput& input) noexcept;
+  void note_scene(const TouchInput& input) noexcept;
+  void take_drag() noexcept;
   TouchOutput add_effects(const TouchInput& input, const MethodInput& sample, const MethodOutput& result) noexcept;
 
   std::shared_ptr<ForceMethod> method_;
-  std::unique_ptr<EffectStep> effects_;           // null: the scene has none
+  std::unique_ptr<EffectStep> effects_;           // null: there are none, and never will be
+  bool uses_effects_ = false;                     // there are some
+  bool has_new_effects_ = false;                  // since the last step
+  bool knows_drag_ = false;                       // not at once: the method may be in use by another step, in another thread
   std::vector<std::unique_ptr<MapFinder>> maps_;  // by object; null: it has none; used with effects only
   TouchInput last_;                               // of the last step; used with effects only
   bool has_motion_ = false;

@@ -19,16 +19,20 @@ constexpr std::string_view kReferenceType = "Reference";  // into haptic data of
 // A property of a haptic material: its textures, and the key of its numbers.
 struct HapticProperty {
   const char* name;
-  const char* numbers;
+  const char* numbers;  // without them it is ignored, with a note
   std::optional<std::size_t> HapticMaterial::*image;
 };
 
-constexpr std::array<HapticProperty, 3> kProperties = {{{"vibrotactileTexture", "bump_height_m", &HapticMaterial::height},
+// The extension leaves open what a custom texture is: with these numbers, a viscosity.
+constexpr std::string_view kCustom = "custom";
+constexpr std::array<HapticProperty, 4> kProperties = {{{"vibrotactileTexture", "bump_height_m", &HapticMaterial::height},
                                                         {"stiffness", "stiffness_map_n_per_m", &HapticMaterial::stiffness},
-                                                        {"friction", "friction_map_range", &HapticMaterial::friction}}};
+                                                        {"friction", "friction_map_range", &HapticMaterial::friction},
+                                                        {"custom", "viscosity_map_ns_per_m", &HapticMaterial::viscosity}}};
 constexpr std::size_t kMaxHapticImageBytes = std::size_t{1} << 28;
-constexpr std::array<std::string_view, 3> kNotFelt = {"vibration", "temperature", "custom"};
-constexpr std::array<std::string_view, 6> kOthers = {"stiffness", "friction", "vibrotactileTexture", "name", "extensions", "extras"};
+constexpr std::array<std::string_view, 2> kNotFelt = {"vibration", "temperature"};
+constexpr std::array<std::string_view, 7> kOthers = {"stiffness",  "friction", "vibrotactileTexture", kCustom, "name",
+                                                     "extensions", "extras"};
 
 Result<std::string> read_image_bytes(const Document& document, const Json& json, const std::string& where,
                                      const std::filesystem::path& folder) {
@@ -95,6 +99,12 @@ class HapticReader {
     for (const HapticProperty& property : kProperties) {
       const Json& list = member(json, property.name);
       if (list.is_null()) continue;
+      const bool has_numbers = !member(numbers, property.numbers).is_null();
+      // Without numbers it may be anything.
+      if (property.name == kCustom && !has_numbers) {
+        if (!list.empty()) note_custom(where);
+        continue;
+      }
       const std::string list_where = fmt::format("{}.{}", where, property.name);
       const auto texture = choose_texture(list, list_where);
       if (!texture) return tl::unexpected(texture.error());
@@ -102,7 +112,7 @@ class HapticReader {
         if (!list.empty()) note("{} only refers to haptic data in other files, which is not supported: it is ignored", list_where);
         continue;
       }
-      if (member(numbers, property.numbers).is_null()) {
+      if (!has_numbers) {
         note("{} is ignored, because the extension has no units: add \"extras\": {{\"hapton\": {{\"{}\": ...}}}} to {}", list_where,
              property.numbers, where);
         continue;
@@ -123,13 +133,20 @@ class HapticReader {
   }
 
  private:
+  void note_custom(const std::string& where) {
+    note(
+        "{}.custom is ignored, because the extension does not say what it is: if it is a viscosity, add \"extras\": {{\"hapton\": "
+        "{{\"viscosity_map_ns_per_m\": [...]}}}} to {}",
+        where, where);
+  }
+
   void note_ignored(const Json& json, const std::string& where) {
     for (const auto& [name, value] : json.items()) {
       if (std::find(kOthers.begin(), kOthers.end(), name) != kOthers.end()) continue;
       if (std::find(kNotFelt.begin(), kNotFelt.end(), name) == kNotFelt.end()) {
         note("{}.{} is ignored: the extension has no such property{}", where, printable(name), near_miss_hint(name, kOthers));
       } else if (!value.empty()) {
-        note("{}.{} is ignored: only stiffness, friction and vibrotactileTexture are supported", where, name);
+        note("{}.{} is ignored: only stiffness, friction, vibrotactileTexture and custom are supported", where, name);
       }
     }
   }

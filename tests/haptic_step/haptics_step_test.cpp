@@ -327,6 +327,43 @@ TEST(HapticsStep, AHeldToolIsFeltInPlaceOfTheProbe) {
   EXPECT_GE(step.counts().haptons, 1U);
 }
 
+// The sheet turned and moved, with a spring to its middle that is felt beside the box, and a motor that runs with the time of the session.
+TEST(HapticsStep, EffectsInFreeSpaceActAtTheGripOfAHeldTool) {
+  const TouchScene scene = {.objects = {{made::shared(made::sheet(0.1, 0.0, 6)), {}}},
+                            .effects = {SpringEffect{.stiffness_n_per_m = 50.0, .max_force_n = 5.0},
+                                        WaveEffect{.direction = {0, 1, 0}, .amplitude_n = 0.5, .frequency_hz = 25.0}}};
+  HapticsStep step(std::make_unique<TouchStep>(*make_method({.name = "proxy"}, scene), scene), kOffset);
+  HeldBox box;
+  step.hold(box.tool.get());
+  ViewTransform view;
+  const Vec3 shift(0.01, -0.02, 0.03);
+  for (int i = 0; i < 3; ++i) view.X_WS[static_cast<std::size_t>(4 * i + 3)] = static_cast<float>(shift[i]);
+  ASSERT_TRUE(step.turn_scene(view));
+  States states;
+  for (const bool anew : {false, true}) {
+    if (anew) step.restart();
+    for (int n = 1; n <= 50; ++n) {
+      const Vec3 p_WD(0.02, 0.01, 0.05 + 0.0001 * n);
+      const ForceCommand command = answer(step, states.at(p_WD));
+      box.tool->follow();
+      const Vec3 expected = -50.0 * (p_WD - shift) + Vec3(0.0, 0.5 * std::sin(2.0 * std::numbers::pi * 0.025 * n), 0.0);
+      ASSERT_LT((command.force_n - expected).norm(), 1e-6) << n;
+      EXPECT_TRUE(command.contact);
+      EXPECT_EQ(command.torque_nm, Vec3::Zero());
+    }
+  }
+  // With the contact of the tool, which rests on the sheet.
+  ForceCommand command;
+  for (int n = 0; n < 60; ++n) {
+    command = answer(step, states.at(shift + Vec3(0.0, 0.0, 0.02 - 0.0002 * n)));
+    box.tool->follow();
+  }
+  EXPECT_NEAR(command.force_n.z(), 1000.0 * 0.0018 - 50.0 * 0.0082, 0.05);
+  const AllocationGuard guard;
+  for (int n = 0; n < 100; ++n) answer(step, states.at(shift + Vec3(0.0, 0.0, 0.009)));
+  EXPECT_EQ(guard.count(), 0U);
+}
+
 // A box of 4 cm that a program lifts to the tool, and one that rises by keyframes.
 TEST(HapticsStep, AHeldToolFeelsObjectsThatMoveAndTellsWhatItDoesToThoseOfPrograms) {
   for (const bool is_commanded : {true, false}) {

@@ -33,7 +33,8 @@ TEST_F(SceneChanges, AreToldApart) {
                            "stiffness_n_per_m = 500\n[[effect]]\ntype = 'spring'\nposition_m = [0, 0, 0]"}) {
     EXPECT_EQ(compare_scenes(before, scene("", line)), SceneChange::effects) << line;
   }
-  EXPECT_EQ(compare_scenes(before, scene("name = 'other'", "stiffness_n_per_m = 500")), SceneChange::effects);
+  EXPECT_EQ(compare_scenes(before, scene("name = 'other'", "stiffness_n_per_m = 500")), SceneChange::names);
+  EXPECT_EQ(compare_scenes(before, scene("name = 'other'", "stiffness_n_per_m = 600")), SceneChange::effects);
   EXPECT_EQ(compare_scenes(before, scene("position_m = [0, 0, 0.01]", "stiffness_n_per_m = 500")), SceneChange::shape);
   const std::string deforms = "[[object.morph]]\npush_m = [0, 0, 0.01]\nkeys = [[0, 0], [1, ";
   const Scene deforming = scene(deforms + "1]]", "stiffness_n_per_m = 500");

@@ -40,7 +40,8 @@ SceneObject box_at(const char* name, const Vec3& size, const Vec3& centre, bool 
 
 // A cube a millimetre above a plate, and a wall beside it. Steps at 1 kHz; the slow task runs once a step, in the test's own thread.
 struct GraspTaskTest : testing::Test {
-  explicit GraspTaskTest(const std::vector<PutDown>& put_down = {}) {
+  explicit GraspTaskTest(const std::vector<PutDown>& put_down = {}, std::vector<SceneEffect> effects = {}) {
+    scene.effects = std::move(effects);
     scene.objects.push_back(box_at("plate", {0.2, 0.2, 0.01}, {0.0, 0.0, -0.005}));
     scene.objects.push_back(box_at("cube", Vec3::Constant(kSide), {0.0, 0.0, 0.011}, true));
     scene.objects.push_back(box_at("wall", {0.02, 0.1, 0.08}, {0.06, 0.0, 0.04}));
@@ -212,6 +213,34 @@ TEST_F(PlacedGraspTest, AnObjectThatLiesElsewhereAtTheStartIsPickedUpFromThere) 
 }
 
 // As vision_node asks when a person takes a move back.
+struct WindyGraspTest : GraspTaskTest {
+  WindyGraspTest() : GraspTaskTest({}, {{"wind", ConstantEffect{.force_n = {0.0, 0.3, 0.0}}}}) {}
+};
+
+TEST_F(WindyGraspTest, EffectsInFreeSpaceActWhileAnObjectIsHeldAndWhileItIsPutDown) {
+  answer(at, 0);
+  EXPECT_EQ(go({0.0, 0.0, 0.021 - kPress}, 0).object, kCube);
+  double farthest_n = 0.0;
+  const auto note = [&] { farthest_n = std::max(farthest_n, std::abs(last.force_n.y() - 0.3)); };
+  for (int i = 0; i < 200; ++i) {
+    answer(at, 1);
+    note();
+  }
+  ASSERT_TRUE(step->holds_tool());
+  EXPECT_NEAR((last.force_n - Vec3(0.0, 0.3, 0.0)).norm(), 0.0, 1e-6);
+  go({0.03, 0.0, 0.04}, 1);
+  note();
+  for (int i = 0; i < 200; ++i) {
+    answer(at, 0);
+    note();
+  }
+  wait_for_method(1);
+  rest(0, 200);
+  note();
+  EXPECT_LT(farthest_n, 1e-6) << "never without the wind";
+  EXPECT_TRUE(last.contact);
+}
+
 TEST_F(GraspTaskTest, AnObjectIsMovedOnRequestWhileAnotherIsTouched) {
   answer(at, 0);
   go({-0.05, 0.0, 0.03}, 0);

@@ -133,6 +133,17 @@ TEST_F(SceneWatcherTest, MaterialsAreTunedAndTheMethodStays) {
   EXPECT_EQ(result->state.object_count, 0U);
 }
 
+TEST_F(SceneWatcherTest, OtherNamesComeWithTheSameMethodAndFadeNothing) {
+  write("stiffness_n_per_m = 500", "name = 'other'");
+  EXPECT_EQ(look_twice(), SceneWatcher::Look::scene);
+  EXPECT_THAT(log, HasSubstr("a.toml was read again: its names have changed; all forces stay"));
+  EXPECT_THAT(log, ::testing::Not(HasSubstr("fade")));
+  auto built = builder->take();
+  ASSERT_NE(built, nullptr);
+  EXPECT_EQ(built->step->share_method(), method);
+  builder->retire(std::move(built));
+}
+
 TEST_F(SceneWatcherTest, EffectsComeWithTheSameMethodAndAnotherShapeWithANewOne) {
   write("stiffness_n_per_m = 600\nviscosity_ns_per_m = 2");
   EXPECT_EQ(look_twice(), SceneWatcher::Look::scene);

@@ -194,6 +194,54 @@ TEST_F(RunScript, SaysHowOtherProgramsJoin) {
   EXPECT_FALSE(std::filesystem::exists(key)) << "the key of a run goes with it";
 }
 
+// Programs as they are, but for vision_node: `late` is what it does after its end, before it has ended.
+class LateWindow : public RunScript {
+ protected:
+  LateWindow() {
+    const std::filesystem::path programs = HAPTON_BIN_DIR;
+    std::filesystem::create_directory(bin());
+    for (const auto& entry : std::filesystem::directory_iterator(programs)) {
+      if (entry.path().filename() != "vision_node") std::filesystem::create_symlink(entry.path(), bin() / entry.path().filename());
+    }
+    std::ofstream(bin() / "vision_node") << "#!/bin/bash\n\"" << (programs / "vision_node").string() << "\" \"$@\" &\npid=$!\n"
+                                         << "trap 'kill -TERM $pid; wait $pid; code=$?; for i in {1..120}; do sleep 0.1; done; touch \""
+                                         << finished().string() << "\"; exit $code' TERM\nwait $pid\n";
+    std::filesystem::permissions(bin() / "vision_node", std::filesystem::perms::owner_all);
+  }
+  Program start_late() {
+    return Program(HAPTON_SOURCE_DIR "/deploy/run", {"--bin", bin().string(), "--headless", "--seconds", "3", "--out", out().string()},
+                   folder_.path());
+  }
+  static bool wait_until_waiting(Program& run) {
+    for (int i = 0; i < 1200 && run.err().find("run: waiting for vision_node") == std::string::npos && run.is_running(); ++i)
+      (void)run.wait(Seconds(0.05));
+    return run.is_running();
+  }
+  std::filesystem::path bin() const { return folder_.path() / "bin"; }
+  std::filesystem::path finished() const { return folder_.path() / "finished"; }
+};
+
+TEST_F(LateWindow, IsWaitedForUntilItHasFinished) {
+  Program run = start_late();
+  ASSERT_TRUE(wait_until_waiting(run)) << run.out() << run.err();
+  const auto ended = run.wait(kRunPatience);
+  ASSERT_TRUE(ended) << "still runs";
+  EXPECT_EQ(ended->exit_code, 0) << ended->out << ended->err;
+  EXPECT_THAT(ended->err, HasSubstr("Ctrl-C ends it at once"));
+  EXPECT_TRUE(std::filesystem::exists(finished()));
+}
+
+TEST_F(LateWindow, IsEndedAtOnceByASignal) {
+  Program run = start_late();
+  ASSERT_TRUE(wait_until_waiting(run)) << run.out() << run.err();
+  run.send_signal(SIGINT);
+  const auto ended = run.wait(kRunPatience);
+  ASSERT_TRUE(ended) << "still runs";
+  EXPECT_EQ(ended->exit_code, 1) << ended->out << ended->err;
+  EXPECT_THAT(ended->err, HasSubstr("vision_node ended with exit code 137"));
+  EXPECT_FALSE(std::filesystem::exists(finished()));
+}
+
 }  // namespace
 }  // namespace hapton::process
 

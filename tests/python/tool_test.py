@@ -1,5 +1,6 @@
 """hapton.ToolStep: batches of poses of a rigid tool."""
 import os
+import tempfile
 import unittest
 import warnings
 
@@ -102,8 +103,37 @@ class ToolTest(unittest.TestCase):
             hapton.ToolStep.from_scene("nowhere.toml", tool="a.obj")
 
     def test_what_a_tool_does_not_have_is_said(self):
-        with self.assertWarnsRegex(UserWarning, "a rigid tool has friction only"):
+        with self.assertWarnsRegex(UserWarning, "of surfaces, a rigid tool has friction only"):
             hapton.ToolStep(make_cube(), make_floor(), hapton.Material(damping_ns_per_m=1.0))
+
+    def test_effects_in_free_space_act_at_the_grip(self):
+        with tempfile.TemporaryDirectory() as folder:
+            with open(os.path.join(folder, "a.toml"), "w") as file:
+                file.write(f"""
+[tool]
+mesh = "{SOURCE}/meshes/peg.obj"
+unit = "mm"
+[[object]]
+mesh = "{SOURCE}/meshes/peg.obj"
+unit = "mm"
+position_m = [0.0, 0.0, -1.0]
+[[effect]]
+type = "spring"
+stiffness_n_per_m = 50.0
+max_force_n = 3.0
+""")
+            with warnings.catch_warnings():
+                warnings.simplefilter("error")
+                tool = hapton.ToolStep.from_scene(os.path.join(folder, "a.toml"))
+            pose = np.tile(np.eye(4), (3, 1, 1))
+            pose[:, :3, 3] = [0.01, -0.02, 0.03]
+            felt = tool.step(pose)
+            np.testing.assert_allclose(felt["force_n"], np.tile([-0.5, 1.0, -1.5], (3, 1)), rtol=1e-12)
+            np.testing.assert_array_equal(felt["torque_nm"], 0.0)
+            self.assertTrue(felt["contact"].all())
+            # The scene turns by a quarter about z and brings its spring along.
+            turned = np.array([[0.0, -1.0, 0, 0.1], [1, 0, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
+            np.testing.assert_allclose(tool.step(pose[0], scene_pose=turned)["force_n"][0], [4.5, 1.0, -1.5] / np.linalg.norm([4.5, 1.0, -1.5]) * 3, rtol=1e-12)
 
     def test_poses_that_are_not_finite_give_no_force(self):
         tool = hapton.ToolStep(make_cube(), make_floor())

@@ -53,9 +53,10 @@ class MapReader : public ::testing::Test {
 };
 
 TEST_F(MapReader, ReadsEveryMapWithItsRange) {
-  const auto loaded =
-      load(scene("bump_map = 'ramp.png'\nbump_height_m = 0.0002\nstiffness_map = 'other.png'\nstiffness_map_n_per_m = [200, 1000]\n"
-                 "friction_map = 'ramp.png'\nfriction_map_range = [0.1, 0.9]\nmap_repeat = [2, 3]"));
+  const auto loaded = load(
+      scene("bump_map = 'ramp.png'\nbump_height_m = 0.0002\nstiffness_map = 'other.png'\nstiffness_map_n_per_m = [200, 1000]\n"
+            "friction_map = 'ramp.png'\nfriction_map_range = [0.1, 0.9]\nviscosity_map = 'other.png'\nviscosity_map_ns_per_m = [0, 6]\n"
+            "map_repeat = [2, 3]"));
   ASSERT_TRUE(loaded) << loaded.error().what;
   const SceneObject& object = loaded->objects[0];
   const SurfaceMaps& maps = object.effects.maps;
@@ -67,7 +68,10 @@ TEST_F(MapReader, ReadsEveryMapWithItsRange) {
   EXPECT_EQ(maps.stiffness.at_white, 1.0);
   EXPECT_EQ(maps.friction.at_black, 0.1);
   EXPECT_EQ(maps.friction.at_white, 0.9);
+  EXPECT_EQ(maps.viscosity.at_black, 0.0);
+  EXPECT_EQ(maps.viscosity.at_white, 6.0);
   EXPECT_EQ(maps.height.image, maps.friction.image) << "read once";
+  EXPECT_EQ(maps.stiffness.image, maps.viscosity.image);
   ASSERT_EQ(maps.triangles->size(), 2U);
   EXPECT_EQ(maps.triangles->front().texcoord[1], Eigen::Vector2d(2, 3)) << "repeated; v downwards from the image's upper edge";
   EXPECT_LT((maps.triangles->front().corner[1] - Vec3(0.1, 0, 0)).norm(), 1e-12);
@@ -103,6 +107,13 @@ TEST_F(MapReader, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(error_of("bump_map = 'ramp.png'\nbump_height_m = 0.001", "bare.obj"),
               HasSubstr("line 6: 'bump_map' needs texture coordinates, and the mesh of object 'bare' has none"));
   EXPECT_THAT(error_of("friction_map = 'ramp.png'\nfriction_map_range = [0, 1]", "bare.obj"), HasSubstr("line 6: 'friction_map' needs"));
+  EXPECT_THAT(error_of("viscosity_map = 'ramp.png'\nviscosity_map_ns_per_m = [0, 1]", "bare.obj"),
+              HasSubstr("line 6: 'viscosity_map' needs"));
+  EXPECT_THAT(error_of("viscosity_map = 'ramp.png'"), HasSubstr("needs 'viscosity_map_ns_per_m'"));
+  EXPECT_THAT(error_of("viscosity_map_ns_per_m = [0, 1]"), HasSubstr("line 6: 'viscosity_map_ns_per_m' has no effect"));
+  EXPECT_THAT(error_of("viscosity_ns_per_m = 1\nviscosity_map = 'ramp.png'\nviscosity_map_ns_per_m = [0, 1]"),
+              HasSubstr("line 7: 'viscosity_map' replaces 'viscosity_ns_per_m'"));
+  EXPECT_THAT(error_of("viscosity_map = 'ramp.png'\nviscosity_map_ns_per_m = [0, -1]"), HasSubstr("viscosity_map_ns_per_m"));
   EXPECT_THAT(error_of("bump_map = 'ramp.png'"), HasSubstr("needs 'bump_height_m'"));
   EXPECT_THAT(error_of("bump_map = 'ramp.png'\nbump_height_m = 0"), HasSubstr("must be above 0"));
   EXPECT_THAT(error_of("bump_map = 'ramp.png'\nbump_height_m = 0.001\nbump_length_m = 1"), HasSubstr("line 8: 'bump_length_m'"));

@@ -73,7 +73,7 @@ TEST(ToolObstacles, SayWhetherAnyHasFriction) {
   EXPECT_FALSE(make_tool_obstacles(scene).has_friction()) << "the first sphere has none";
 }
 
-TEST(ToolObstacles, SayThatDampingOrAnyEffectIsLeftOut) {
+TEST(ToolObstacles, SayThatDampingOrAnEffectOfASurfaceIsLeftOut) {
   EXPECT_FALSE(make_tool_obstacles(three_spheres()).leaves_out);
   TouchScene damped = three_spheres();
   damped.objects[1].material.damping_ns_per_m = 0.5;
@@ -86,8 +86,10 @@ TEST(ToolObstacles, SayThatDampingOrAnyEffectIsLeftOut) {
   EXPECT_TRUE(make_tool_obstacles(viscous).leaves_out);
   TouchScene with_spring = three_spheres();
   with_spring.effects.emplace_back(SpringEffect{.stiffness_n_per_m = 900.0});
-  EXPECT_TRUE(make_tool_obstacles(with_spring).leaves_out);
-  EXPECT_EQ(make_tool_obstacles(with_spring).stiffness_n_per_m, 900.0);
+  const ToolObstacles obstacles = make_tool_obstacles(with_spring);
+  EXPECT_FALSE(obstacles.leaves_out) << "effects in free space act on a tool";
+  EXPECT_EQ(obstacles.effects.size(), 1U);
+  EXPECT_LT(obstacles.stiffness_n_per_m, 900.0) << "walls are as stiff as surfaces";
 }
 
 }  // namespace

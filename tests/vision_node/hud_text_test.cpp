@@ -74,6 +74,11 @@ TEST(Hud, NamesWhatIsTouched) {
   facts.state.object = 0;
   EXPECT_NE(compose_hud(facts).find("touching hood (sheet metal)"), std::string::npos) << compose_hud(facts);
   facts.held = "peg (steel)";
+  EXPECT_EQ(compose_hud(facts).find("in contact"), std::string::npos) << "a magnet pulls what is held";
+  facts.state.visual_turn = {0.0, 1e-6, 0.0};
+  EXPECT_NE(compose_hud(facts).find("holding peg (steel), in contact"), std::string::npos) << compose_hud(facts);
+  facts.state.visual_turn.setZero();
+  facts.state.visual_offset_m = {0.0, 0.0, 1e-6};
   EXPECT_NE(compose_hud(facts).find("holding peg (steel), in contact"), std::string::npos) << compose_hud(facts);
   facts.state.contact = false;
   EXPECT_NE(compose_hud(facts).find("holding peg (steel)"), std::string::npos);

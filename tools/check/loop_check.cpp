@@ -105,8 +105,8 @@ CheckFindings check_damping(const SceneObject& object, const HeldGains& held, do
   CheckFindings findings;
   compare_damping(object.name, object.material.damping_ns_per_m, "its damping_ns_per_m", held.by_damping, held.damping_ns_per_m, rate_hz,
                   delay_s, findings);
-  compare_damping(object.name, object.effects.viscosity.damping_ns_per_m, "its viscosity_ns_per_m", held.by_viscosity,
-                  held.viscosity_ns_per_m, rate_hz, delay_s, findings);
+  const std::string_view key = object.effects.maps.viscosity.is_on() ? "its viscosity_map_ns_per_m" : "its viscosity_ns_per_m";
+  compare_damping(object.name, viscosity_of(object.effects), key, held.by_viscosity, held.viscosity_ns_per_m, rate_hz, delay_s, findings);
   return findings;
 }
 

@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/force/space_step.h"
 #include "runtime/part_file.h"
 
 namespace hapton {
@@ -68,6 +69,10 @@ bool same(const ReplayRow& a, const ReplayRow& b) {
          a.q_WP.coeffs() == b.q_WP.coeffs();
 }
 
+bool begins_at(std::size_t row, const ReplaySettings& settings) {
+  return row == 0 || (settings.reset_every > 0 && row % settings.reset_every == 0);
+}
+
 template <class Rows, class Step>
 Replay run_rows(Step& touch, std::span<const TrajectoryRow> trajectory, const ReplaySettings& settings, const Clock& clock,
                 const std::vector<typename Rows::Input>& inputs) {
@@ -76,9 +81,7 @@ Replay run_rows(Step& touch, std::span<const TrajectoryRow> trajectory, const Re
   replay.rows.resize(trajectory.size());
   for (std::size_t repetition = 0; repetition < settings.repeat; ++repetition) {
     for (std::size_t i = 0; i < inputs.size(); ++i) {
-      if (i == 0 || (settings.reset_every > 0 && i % settings.reset_every == 0)) {
-        touch.reset(inputs[i]);
-      }
+      if (begins_at(i, settings)) touch.reset(inputs[i]);
       const std::int64_t before_ns = clock.now_ns();
       const typename Rows::Output output = touch.step(inputs[i]);
       const std::int64_t step_ns = std::max<std::int64_t>(0, clock.now_ns() - before_ns - replay.clock_cost_ns);
@@ -166,6 +169,18 @@ Replay run_replay(VoxelTool& tool, std::span<const TrajectoryRow> trajectory, co
   Replay replay = run_rows<ToolRows>(tool, trajectory, settings, clock, inputs_of<ToolRows>(trajectory));
   replay.has_tool = true;
   return replay;
+}
+
+void add_space_effects(const std::vector<SwitchedEffect>& effects, std::span<const TrajectoryRow> trajectory,
+                       const ReplaySettings& settings, Replay& replay) {
+  if (effects.empty()) return;
+  SpaceStep step(effects);
+  for (std::size_t i = 0; i < replay.rows.size(); ++i) {
+    if (begins_at(i, settings)) step.reset();
+    const Vec3 force_n = step.step(TouchRows::input(trajectory, i));
+    replay.rows[i].force_n += force_n;
+    replay.rows[i].contact = replay.rows[i].contact || !force_n.isZero(0.0);
+  }
 }
 
 Result<void> write_replay_csv(const std::filesystem::path& path, const Replay& replay) {

@@ -52,6 +52,10 @@ Replay run_replay(ToolStep& tool, std::span<const TrajectoryRow> trajectory, con
                   std::span<const ToolPart> parts = {});
 Replay run_replay(VoxelTool& tool, std::span<const TrajectoryRow> trajectory, const ReplaySettings& settings, const Clock& clock);
 
+// Adds the effects in free space of a scene to the forces of a rigid tool, which ran along this trajectory. Their time is not in step_ns.
+void add_space_effects(const std::vector<SwitchedEffect>& effects, std::span<const TrajectoryRow> trajectory,
+                       const ReplaySettings& settings, Replay& replay);
+
 // By nearest rank: no step in `fraction` of them takes longer. Orders the times. Pre: there are some.
 std::int64_t quantile_ns(std::vector<std::int64_t>& times, double fraction);
 

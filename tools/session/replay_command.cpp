@@ -160,12 +160,13 @@ Result<Replay> replay_tool(const ReplayOptions& options, const Scene& scene, con
   const ToolCoupling coupling{.stiffness_n_per_m = obstacles.stiffness_n_per_m,
                               .rotational_stiffness_nm_per_rad = options.rotational_stiffness_nm_per_rad};
   if (obstacles.leaves_out) {
-    fmt::print("tool: damping, effects and two_sided = false of {} are left out: {:g} N/m everywhere\n", options.scene,
+    fmt::print("tool: damping, effects of surfaces and two_sided = false of {} are left out: {:g} N/m everywhere\n", options.scene,
                coupling.stiffness_n_per_m);
   }
   const auto felt = [&](const auto& tool, const auto&... parts) -> Result<Replay> {
     if (!tool) return tl::unexpected(tool.error());
     Replay done = run_replay(**tool, trajectory, options.replay, SteadyClock(), parts...);
+    add_space_effects(obstacles.effects, trajectory, options.replay, done);
     fmt::print("{}", (*tool)->describe());
     return done;
   };

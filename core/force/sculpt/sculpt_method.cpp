@@ -44,8 +44,16 @@ Result<std::unique_ptr<ForceMethod>> SculptMethod::make(const MethodSettings& se
     auto others = make_method(settings, rest);
     if (!others) return tl::unexpected(others.error());
     made->others_ = std::move(*others);
+    if (!made->others_->drag_left_out().empty()) made->left_out_.resize(scene.objects.size());
+    made->note_left_out();
   }
   return std::unique_ptr<ForceMethod>(std::move(made));
+}
+
+void SculptMethod::note_left_out() noexcept {
+  if (left_out_.empty()) return;
+  const std::span<const Material> others = others_->drag_left_out();
+  for (std::size_t i = 0; i < others.size(); ++i) left_out_[static_cast<std::size_t>(other_objects_[i])] = others[i];
 }
 
 void SculptMethod::feel(std::size_t body, const MethodInput& input, MethodOutput& output, double& most_n) noexcept {
@@ -110,6 +118,7 @@ void SculptMethod::set_materials(std::span<const Material> materials) noexcept {
     if (object < materials.size()) other_materials_[i] = materials[object];
   }
   if (others_ != nullptr) others_->set_materials(other_materials_);
+  note_left_out();
   for (std::size_t body = 0; body < bodies_.size(); ++body) {
     const auto object = static_cast<std::size_t>(sculpture_->bodies()[body].object);
     if (object < materials.size()) bodies_[body].material = materials[object];

@@ -30,6 +30,7 @@ class SculptMethod final : public ForceMethod {
   std::optional<Vec3> held_at() const noexcept override;
   void resume(const Vec3& p_SP) noexcept override;
   void set_materials(std::span<const Material> materials) noexcept override;
+  std::span<const Material> drag_left_out() const noexcept override { return left_out_; }
   const Sculpture* sculpture() const noexcept override { return sculpture_.get(); }
   void exchange_sculpture(ForceMethod& other) noexcept override;
   bool restore_sculpture(Sculpture& other, std::uint32_t newest) noexcept override;
@@ -45,11 +46,13 @@ class SculptMethod final : public ForceMethod {
   };
 
   SculptMethod() = default;
+  void note_left_out() noexcept;
   void feel(std::size_t body, const MethodInput& input, MethodOutput& output, double& most_n) noexcept;
 
   std::unique_ptr<ForceMethod> others_;    // for all objects that are no body; null: there are none
   std::vector<int> other_objects_;         // their numbers in the scene
   std::vector<Material> other_materials_;  // in the same order
+  std::vector<Material> left_out_;         // by object of the scene, without drag for the bodies; empty: the method renders all
   std::vector<Body> bodies_;               // in the order of Sculpture::bodies()
   std::uint32_t carve_buttons_ = 0;        // those of all bodies
   std::unique_ptr<Sculpture> sculpture_ = std::make_unique<Sculpture>();

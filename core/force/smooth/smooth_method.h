@@ -37,7 +37,7 @@ struct SmoothCounters {
 // that far give the same force to the last bit, so an exchange of sets cannot be felt. A step never uses a set beyond its radius: it then
 // selects a set itself, and if none is large enough it queries the tree; both are counted.
 // f: outside the surface a spring over `layer` (0: contact begins at the surface, as in every other method); inside, that spring's full
-// force plus the spring between probe and VCP. Material: stiffness and two_sided; no friction or damping.
+// force plus the spring between probe and VCP. Material: stiffness and two_sided; TouchStep adds friction and damping.
 // Where the paper leaves a choice: docs/decisions/0003-fdh-smooth.md.
 // Frame S. Threads: one; prepare in a second one, except while vertices move. scene() may be read from any thread while no vertices move.
 // RT: step, reset, request, offer yes; bounded time while counters().overflows does not change.
@@ -57,6 +57,7 @@ class SmoothMethod final : public ForceMethod {
   MethodOutput step(const MethodInput& input) noexcept override;
   void reset(const Vec3& p_SD) noexcept override;
   void set_materials(std::span<const Material> materials) noexcept override;
+  std::span<const Material> drag_left_out() const noexcept override { return materials_; }
   std::string describe() const override;
 
   // The slow task: selects the set that the fast task requested last, if any, and hands it over.
@@ -127,7 +128,8 @@ class SmoothMethod final : public ForceMethod {
   MethodOutput compute_inside(const Vec3& P) noexcept;
 
   std::unique_ptr<SmoothScene> scene_;
-  std::vector<double> stiffness_n_per_m_;  // by object
+  std::vector<Material> materials_;        // by object
+  std::vector<double> stiffness_n_per_m_;  // of these
   std::uint32_t set_size_ = 64;
   double radius_ = 0.0;
   double layer_ = 0.0;  // metres

@@ -59,9 +59,9 @@ Result<std::unique_ptr<SmoothMethod>> SmoothMethod::make_with(const Settings& se
   if (!prepared) return fail("smooth: {}", prepared.error().what);
   std::unique_ptr<SmoothMethod> method(new SmoothMethod());
   method->scene_ = std::make_unique<SmoothScene>(std::move(*prepared));
-  for (const TouchObject& object : scene.objects) method->stiffness_n_per_m_.push_back(object.material.stiffness_n_per_m);
-  method->left_out_ = note_missing_friction(scene);
-  if (settings.layer > 0.0) method->left_out_ += note_bare_layer(scene);
+  for (const TouchObject& object : scene.objects) method->materials_.push_back(object.material);
+  for (const Material& material : method->materials_) method->stiffness_n_per_m_.push_back(material.stiffness_n_per_m);
+  if (settings.layer > 0.0) method->left_out_ = note_bare_layer(scene);
   method->set_size_ = settings.set_size;
   method->radius_ = settings.radius_m > 0.0 ? settings.radius_m : make_radius(*method->scene_, settings.set_size);
   method->layer_ = settings.layer * method->radius_;
@@ -70,8 +70,10 @@ Result<std::unique_ptr<SmoothMethod>> SmoothMethod::make_with(const Settings& se
 
 // The scene that the slow task reads keeps the materials it was built with: it needs only their sides.
 void SmoothMethod::set_materials(std::span<const Material> materials) noexcept {
-  for (std::size_t i = 0; i < std::min(materials.size(), stiffness_n_per_m_.size()); ++i)
+  for (std::size_t i = 0; i < std::min(materials.size(), materials_.size()); ++i) {
+    materials_[i] = materials[i];
     stiffness_n_per_m_[i] = materials[i].stiffness_n_per_m;
+  }
 }
 
 // ---- sets ------------------------------------------------------------------------------------------------------------

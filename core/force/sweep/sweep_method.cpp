@@ -6,8 +6,6 @@
 #include <tuple>
 #include <utility>
 
-#include "core/force/left_out.h"
-
 namespace hapton {
 namespace {
 
@@ -90,7 +88,6 @@ Result<std::unique_ptr<ForceMethod>> SweepMethod::make(const MethodSettings& set
   }
   std::unique_ptr<SweepMethod> method(new SweepMethod(std::move(*grid), std::move(all.planes), std::move(all.object_of),
                                                       std::move(all.materials), all.degenerate, settings.offset_m));
-  method->left_out_ = note_missing_friction(scene);
   return std::unique_ptr<ForceMethod>(std::move(method));
 }
 
@@ -233,7 +230,6 @@ std::string SweepMethod::describe() const {
         total_.collisions,
         total_.from_behind > 0 ? fmt::format(", {} more rejected: with the back of a one-sided triangle", total_.from_behind) : "");
   }
-  text += left_out_;
   return text;
 }
 

@@ -29,7 +29,8 @@ struct SweepCounters {
 
 // The memo's method, complete: sweeps a line between two samples against the triangles in the grid cells around it. The collision with the
 // greatest penetration depth gives a Hooke force along the triangle's normal, towards the side that the probe came from.
-// Where the memo leaves a choice: docs/decisions/0001-memo-sweep.md. It has no damping, friction or probe radius.
+// Where the memo leaves a choice: docs/decisions/0001-memo-sweep.md. It has no probe radius, and leaves
+// damping and friction to TouchStep.
 // Source: memo 4.2.2.
 // RT: step, reset and counters yes; make and describe set-up only. Threads: one.
 class SweepMethod final : public ForceMethod {
@@ -40,6 +41,7 @@ class SweepMethod final : public ForceMethod {
   MethodOutput step(const MethodInput& input) noexcept override;
   void reset(const Vec3& p_SD) noexcept override;
   void set_materials(std::span<const Material> materials) noexcept override;
+  std::span<const Material> drag_left_out() const noexcept override { return materials_; }
   std::string describe() const override;
 
   const UniformGrid& grid() const { return grid_; }
@@ -67,8 +69,6 @@ class SweepMethod final : public ForceMethod {
   std::vector<Material> materials_;       // of each object
   std::size_t degenerate_ = 0;
   double offset_m_ = 0.0;
-  std::string left_out_;  // of the scene: lines for describe()
-
   VisitStamps stamps_;
   bool started_ = false;
   Vec3 p_last_ = Vec3::Zero();  // start of the next sweep line, frame S

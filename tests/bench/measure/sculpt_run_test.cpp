@@ -16,9 +16,13 @@ TEST(SculptRun, MeasuresEveryBodyBallAndSeed) {
   settings.seeds = {1, 2};
   settings.steps = 5000;
   settings.budget = {.repetitions = 1, .seconds = 0.01};
-  const auto report = measure_sculpting(settings, watch, [](const std::string&) {});
+  std::vector<std::string> lines;
+  const auto report = measure_sculpting(settings, watch, [&](const std::string& line) { lines.push_back(line); });
   ASSERT_TRUE(report) << report.error().what;
   ASSERT_EQ(report->rows.size(), 12U);
+  ASSERT_EQ(lines.size(), 24U) << "two parts of each row";
+  EXPECT_EQ(lines[0], "1 of 12: ball, 32 voxels, ball of 2, seed 1: steps");
+  EXPECT_EQ(lines[23], "12 of 12: torus, 32 voxels, ball of 5, seed 2: surfaces");
   for (const SculptRunRow& row : report->rows) {
     EXPECT_GT(row.carves, 20U) << row.shape;
     EXPECT_EQ(row.carving.count, row.carves);

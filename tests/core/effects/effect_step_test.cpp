@@ -343,5 +343,22 @@ TEST(EffectStep, UsesNoHeap) {
   EXPECT_EQ(guard.count(), 0U);
 }
 
+// As free space, but for the surface that held the device: a tool took its place.
+TEST(EffectStep, InSpaceIsWithoutAnySurface) {
+  EffectStep tool({everything()}, everywhere());
+  EffectStep probe({SurfaceEffects()}, everywhere());
+  EffectStep snapping({everything()}, everywhere());
+  for (EffectStep* step : {&tool, &probe, &snapping}) (void)step->step({0.0, 0.0, -0.001}, kMs, on_plane({0.0, 0.0, -0.001}));
+  double largest_snap_n = 0.0;
+  for (int n = 0; n < 400; ++n) {
+    const Vec3 p(1e-4 * n, 0.002 * std::sin(0.1 * n), 0.0005);
+    const std::uint32_t buttons = n / 50 % 4;
+    const Vec3 felt = probe.step(p, kMs, {}, buttons).force_n;
+    ASSERT_EQ(tool.step_in_space(p, kMs, buttons), felt) << n;
+    largest_snap_n = std::max(largest_snap_n, (snapping.step(p, kMs, {}, buttons).force_n - felt).norm());
+  }
+  EXPECT_GT(largest_snap_n, 0.01) << "the surface snaps, unless a tool is held";
+}
+
 }  // namespace
 }  // namespace hapton

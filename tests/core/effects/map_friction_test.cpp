@@ -14,16 +14,16 @@ TEST(MapFriction, SticksLikeASpringAndSlidesOnTheCone) {
   const Vec3 normal = Vec3::UnitZ();
   // 2 N times 0.5: it slips at 1 N, which is 1.25 mm.
   for (int n = 1; n <= 12; ++n) {
-    const Vec3 force_n = MapFriction::force({1e-4, 0, 0}, normal, kSlipSpring, 2.0, 0.5, state);
+    const Vec3 force_n = MapFriction::force({1e-4, 0, 0}, normal, kSlipSpring, 2.0, {0.5, 0.5}, state);
     EXPECT_LT((force_n - Vec3(-0.08 * n, 0, 0)).norm(), 1e-12) << n;
   }
   for (int n = 0; n < 50; ++n) {
-    const Vec3 force_n = MapFriction::force({1e-4, 0, 3e-5}, normal, kSlipSpring, 2.0, 0.5, state);
+    const Vec3 force_n = MapFriction::force({1e-4, 0, 3e-5}, normal, kSlipSpring, 2.0, {0.5, 0.5}, state);
     EXPECT_LT((force_n - Vec3(-1.0, 0, 0)).norm(), 1e-12);
   }
   // Where friction is lower it slips at once; where there is none, no force is left.
-  EXPECT_NEAR(MapFriction::force({1e-4, 0, 0}, normal, kSlipSpring, 2.0, 0.1, state).x(), -0.2, 1e-12);
-  EXPECT_EQ(MapFriction::force({1e-4, 0, 0}, normal, kSlipSpring, 2.0, 0.0, state), Vec3(0, 0, 0));
+  EXPECT_NEAR(MapFriction::force({1e-4, 0, 0}, normal, kSlipSpring, 2.0, {0.1, 0.1}, state).x(), -0.2, 1e-12);
+  EXPECT_EQ(MapFriction::force({1e-4, 0, 0}, normal, kSlipSpring, 2.0, {0.0, 0.0}, state), Vec3(0, 0, 0));
   EXPECT_EQ(state.pulled, Vec3(0, 0, 0));
 }
 
@@ -40,7 +40,8 @@ TEST(MapFriction, TakesEnergyOverAnyMotion) {
       const Vec3 normal = Vec3(0.3 * unit(random), 0.3 * unit(random), 1.0).normalized();
       const double normal_n = 1.0 + unit(random);
       const double coefficient = 0.5 + 0.5 * unit(random);
-      const Vec3 force_n = MapFriction::force(motion, normal, kSlipSpring, normal_n, coefficient, state);
+      const double slipping = coefficient * (0.5 + 0.5 * unit(random));
+      const Vec3 force_n = MapFriction::force(motion, normal, kSlipSpring, normal_n, {coefficient, slipping}, state);
       EXPECT_LE(force_n.norm(), coefficient * normal_n * (1.0 + 1e-12));
       EXPECT_LT(std::abs(force_n.dot(normal)), 1e-12);
       given_j += force_n.dot(motion);
@@ -49,6 +50,22 @@ TEST(MapFriction, TakesEnergyOverAnyMotion) {
     }
     EXPECT_GT(most_n, 0.5);
   }
+}
+
+// 2 N: it sticks up to 1.6 N, slips at 0.8 N, also on after a turn, and sticks again below 0.4 N.
+TEST(MapFriction, SticksWithTheCoefficientAtRestAndSlipsWithTheOther) {
+  MapFriction::State state;
+  const auto move = [&](double x_m) { return MapFriction::force({x_m, 0, 0}, Vec3::UnitZ(), kSlipSpring, 2.0, {0.8, 0.4}, state).x(); };
+  for (int n = 1; n <= 19; ++n) EXPECT_NEAR(move(1e-4), -0.08 * n, 1e-12) << n;
+  EXPECT_FALSE(state.slips);
+  EXPECT_NEAR(move(2e-4), -0.8, 1e-12);
+  for (int n = 0; n < 10; ++n) EXPECT_NEAR(move(1e-4), -0.8, 1e-12);
+  EXPECT_NEAR(move(-4e-4), -0.48, 1e-12);
+  EXPECT_TRUE(state.slips) << "still";
+  EXPECT_NEAR(move(6e-4), -0.8, 1e-12) << "0.96 N without slipping";
+  EXPECT_NEAR(move(-6e-4), -0.32, 1e-12);
+  EXPECT_FALSE(state.slips);
+  EXPECT_NEAR(move(13e-4), -1.36, 1e-12) << "it sticks";
 }
 
 }  // namespace

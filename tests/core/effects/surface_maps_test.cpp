@@ -150,11 +150,11 @@ TEST(SurfaceMaps, FrictionIsThatOfThePlace) {
     const Vec3 force_n = plane.force_at({x, 0.05, -0.002});
     EXPECT_NEAR(force_n.z(), 2.0, 1e-12);
     if (x > 0.013 && x < 0.049) {
- EXPECT_NEAR(force_n.x(), -1.6, 1e-6) << x;
- }
+      EXPECT_NEAR(force_n.x(), -1.6, 1e-6) << x;
+    }
     if (x > 0.053) {
- EXPECT_NEAR(force_n.x(), -0.2, 1e-6) << x;
- }
+      EXPECT_NEAR(force_n.x(), -0.2, 1e-6) << x;
+    }
   }
   // Lifted off and put down again, nothing is pulled.
   plane.force_at({0.02, 0.05, 0.001});
@@ -170,6 +170,19 @@ TEST(SurfaceMaps, TheSteepestSlopeIsNeverExceeded) {
   for (int n = 0; n < 20000; ++n) found = std::max(found, height.at(place_of(kSide * Vec3(unit(random), unit(random), 0))).gradient.norm());
   EXPECT_LE(found, most * (1.0 + 1e-12));
   EXPECT_GT(found, 0.3 * most);
+}
+
+// Honey that gets thicker to the right: -b(u) v along the surface, no more than the contact force.
+TEST(SurfaceMaps, ViscosityIsThatOfThePlace) {
+  const ImageMap viscosity = {.image = shared_image(256, [](double u, double) { return u; }), .at_black = 0.0, .at_white = 20.0};
+  MappedPlane plane({.triangles = square(), .viscosity = viscosity});
+  for (int n = 0; n < 160; ++n) {
+    const double x = 0.01 + 5e-4 * n;
+    const Vec3 felt = plane.force_at({x, 0.05, -0.003});
+    if (n < 10) continue;  // the velocity is a mean of eight differences
+    EXPECT_NEAR(felt.x(), -std::min(20.0 * x / kSide * 0.5, 3.0), 2e-3) << x;
+    EXPECT_NEAR(felt.z(), 3.0, 1e-9);
+  }
 }
 
 }  // namespace

@@ -15,21 +15,15 @@ TouchScene scene_with(const std::vector<TouchObject>& objects) {
   return scene;
 }
 
-TEST(LeftOut, CountsObjectsWithFrictionOrDamping) {
-  const TouchObject plain;
-  EXPECT_EQ(note_missing_friction(scene_with({plain, plain})), "");
-  for (const Material& material :
-       {Material{.damping_ns_per_m = 0.1}, Material{.friction_static = 0.1}, Material{.friction_static = 0.1, .friction_dynamic = 0.1}}) {
-    const std::string text = note_missing_friction(scene_with({plain, {.mesh = {}, .material = material}}));
-    EXPECT_EQ(text.find("note: 1 of 2 objects: their damping and friction are ignored"), 0U) << text;
-    EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1);
-  }
-}
-
-TEST(LeftOut, CountsObjectsWithEffectsForALayer) {
+TEST(LeftOut, CountsObjectsWithEffectsFrictionOrDampingForALayer) {
   EXPECT_EQ(note_bare_layer(scene_with({TouchObject{}})), "");
+  for (const Material& material : {Material{.damping_ns_per_m = 0.1}, Material{.friction_static = 0.1, .friction_dynamic = 0.1}}) {
+    const std::string note = note_bare_layer(scene_with({{}, {.mesh = {}, .material = material}}));
+    EXPECT_EQ(note.find("note: 1 of 2 objects: their effects, damping and friction begin at the surface"), 0U) << note;
+    EXPECT_EQ(std::count(note.begin(), note.end(), '\n'), 1);
+  }
   const std::string text = note_bare_layer(scene_with({{.mesh = {}, .material = {}, .effects = {.viscosity = {.damping_ns_per_m = 4}}}}));
-  EXPECT_EQ(text.find("note: 1 of 1 object: their effects begin at the surface"), 0U) << text;
+  EXPECT_EQ(text.find("note: 1 of 1 object: their effects, damping and friction begin at the surface"), 0U) << text;
 }
 
 }  // namespace

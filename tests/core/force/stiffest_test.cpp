@@ -48,5 +48,29 @@ TEST(Stiffest, TheLargestGainsAreThoseOfAllObjectsAndEffects) {
   EXPECT_EQ(find_largest_gains({}).viscosity_ns_per_m, 0.0);
 }
 
+TEST(Stiffest, AViscosityByAnImageCountsWithItsLargestValue) {
+  const auto image = std::make_shared<const SurfaceImage>(1, 1, std::vector<float>{0.5F});
+  EXPECT_EQ(viscosity_of(SurfaceEffects{.maps = {.viscosity = {.image = image, .at_black = 7.0, .at_white = 2.0}}}), 7.0);
+  EXPECT_EQ(viscosity_of(SurfaceEffects{.maps = {.viscosity = {.image = nullptr, .at_black = 7.0, .at_white = 2.0}}}), 0.0);
+}
+
+TEST(Stiffest, AToolHasTheDampingOfTheSpaceAlone) {
+  TouchScene scene{.objects = {{.mesh = {}, .material = {.stiffness_n_per_m = 300.0, .damping_ns_per_m = 5.0}}}};
+  scene.objects[0].effects.viscosity.damping_ns_per_m = 9.0;
+  scene.effects = {ViscousEffect{.damping_ns_per_m = 4.0}, SpringEffect{.stiffness_n_per_m = 900.0}};
+  const LargestGains gains = find_tool_gains(scene);
+  EXPECT_EQ(gains.stiffness_n_per_m, 900.0);
+  EXPECT_EQ(gains.damping_ns_per_m, 0.0);
+  EXPECT_EQ(gains.viscosity_ns_per_m, 4.0);
+  EXPECT_EQ(find_largest_gains(scene).viscosity_ns_per_m, 9.0);
+}
+
+TEST(Stiffest, SurfacesAloneLeaveOutTheSpace) {
+  TouchScene scene{.objects = {{.mesh = {}, .material = {.stiffness_n_per_m = 300.0}}},
+                   .effects = {SpringEffect{.stiffness_n_per_m = 900.0}}};
+  EXPECT_EQ(find_stiffest(scene), 900.0);
+  EXPECT_EQ(find_stiffest_surface(scene), 300.0);
+}
+
 }  // namespace
 }  // namespace hapton

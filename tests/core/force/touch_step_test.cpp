@@ -187,5 +187,83 @@ TEST(TouchStep, EffectsUseNoHeap) {
   EXPECT_EQ(guard.count(), 0U);
 }
 
+// At 1,000 N/m: a press at 0.05 m/s.
+TEST(TouchStep, DampingOfMaterialsIsFeltWithEveryMethod) {
+  TouchScene scene = sheet_with({});
+  scene.objects[0].material = {.damping_ns_per_m = 4.0};
+  for (const char* method : {"proxy", "reference", "smooth", "sweep"}) {
+    TouchStep touch = make_step_over(method, scene);
+    touch.reset({.p_WD = {0.003, 0.004, 0.0001}});
+    Vec3 felt = Vec3::Zero();
+    for (int n = 1; n <= 42; ++n) felt = touch.step({.p_WD = {0.003, 0.004, 0.0001 - 5e-5 * n}}).force_n;
+    EXPECT_LT((felt - Vec3(0, 0, 2.0 + 4.0 * 0.05)).norm(), 1e-4) << method;
+    for (int n = 0; n < 20; ++n) felt = touch.step({.p_WD = {0.003, 0.004, -0.002}}).force_n;
+    EXPECT_LT((felt - Vec3(0, 0, 2.0)).norm(), 1e-4) << method;
+    for (int n = 1; n <= 10; ++n) felt = touch.step({.p_WD = {0.003, 0.004, -0.002 + 5e-5 * n}}).force_n;
+    EXPECT_LT((felt - Vec3(0, 0, 1.5 - 4.0 * 0.05)).norm(), 1e-4) << method;
+  }
+}
+
+// A slide at 1,000 N/m, 2 mm deep: 1 mm of it is below 0.6 times 2 N.
+TEST(TouchStep, FrictionOfMaterialsIsFeltWithEveryMethod) {
+  TouchScene scene = sheet_with({});
+  scene.objects[0].material = {.friction_static = 0.6, .friction_dynamic = 0.3};
+  for (const char* method : {"proxy", "reference", "smooth", "sweep"}) {
+    TouchStep touch = make_step_over(method, scene);
+    touch.reset({.p_WD = {0.003, 0.004, 0.0001}});
+    Vec3 felt = Vec3::Zero();
+    std::uint64_t allocated = 0;
+    {
+      const AllocationGuard guard;
+      for (int n = 1; n <= 42; ++n) felt = touch.step({.p_WD = {0.003, 0.004, 0.0001 - 5e-5 * n}}).force_n;
+      for (int n = 1; n <= 10; ++n) felt = touch.step({.p_WD = {0.003 + 1e-4 * n, 0.004, -0.002}}).force_n;
+      allocated = guard.count();
+    }
+    EXPECT_LT((felt - Vec3(-1.0, 0, 2.0)).norm(), 1e-4) << method;
+    for (int n = 11; n <= 100; ++n) felt = touch.step({.p_WD = {0.003 + 1e-4 * n, 0.004, -0.002}}).force_n;
+    EXPECT_LT((felt - Vec3(-0.6, 0, 2.0)).norm(), 1e-4) << method;
+    EXPECT_EQ(allocated, 0U) << method;
+  }
+}
+
+// As hapton set gives them, on an object that had none, and takes them away again.
+TEST(TouchStep, DampingAndFrictionCanBeGivenWhileAMethodWithoutThemRuns) {
+  for (const char* method : {"smooth", "sweep"}) {
+    TouchScene scene = sheet_with({});
+    TouchStep touch = make_step_over(method, scene);
+    EXPECT_FALSE(touch.has_effects()) << method;
+    Vec3 p(0.0, 0.004, 0.0001);
+    touch.reset({.p_WD = p});
+    const AllocationGuard guard;
+    const auto slide = [&](int steps) {
+      Vec3 felt = Vec3::Zero();
+      for (int n = 0; n < steps; ++n) felt = touch.step({.p_WD = p += Vec3(1e-4, 0, 0)}).force_n;
+      return felt;
+    };
+    p.z() = -0.001;
+    EXPECT_NEAR(slide(20).x(), 0.0, 1e-9) << method;
+    const std::vector<Material> rough = {{.friction_static = 0.5, .friction_dynamic = 0.5}};
+    touch.set_materials(rough);
+    EXPECT_TRUE(touch.has_effects()) << method;
+    EXPECT_NEAR(slide(40).x(), -0.5, 1e-4) << method;
+    const std::vector<Material> slippery = {{}};
+    touch.set_materials(slippery);
+    EXPECT_FALSE(touch.has_effects()) << method;
+    EXPECT_NEAR(slide(3).x(), 0.0, 1e-9) << method;
+    (void)guard;
+  }
+}
+
+// The coupling makes damping less, as the method's materials have it.
+TEST(TouchStep, DampingOfACoupledMethodIsCoupled) {
+  TouchScene scene = sheet_with({});
+  scene.objects[0].material = {.stiffness_n_per_m = 1000.0, .damping_ns_per_m = 8.0};
+  TouchStep touch(*make_method({.name = "sweep", .coupling_n_per_m = 1000.0}, scene), scene);
+  touch.reset({.p_WD = {0, 0.004, 0.0001}});
+  Vec3 felt = Vec3::Zero();
+  for (int n = 1; n <= 20; ++n) felt = touch.step({.p_WD = {0, 0.004, 0.0001 - 1e-4 * n}}).force_n;
+  EXPECT_NEAR(felt.z(), 500.0 * 0.0019 + 0.25 * 8.0 * 0.1, 1e-6);
+}
+
 }  // namespace
 }  // namespace hapton

@@ -156,6 +156,16 @@ TEST_F(GltfHaptics, FrictionIsFeltAsMapped) {
   }
 }
 
+TEST_F(GltfHaptics, ACustomTextureWithAScaleIsAViscosity) {
+  const Scene scene = load({.materials = R"({"custom":)" + texture(0) + R"(,"extras":{"hapton":{"viscosity_map_ns_per_m":[0,6]}}})"});
+  EXPECT_THAT(scene.notes, testing::Each(testing::Not(HasSubstr("is ignored"))));
+  Feeler feeler(scene, {0.01, 0.05, 0.005});
+  feeler.go({0.01, 0.05, -0.002});
+  // 0.07 m in 2,000 steps of 1 ms.
+  const TouchOutput felt = feeler.go({0.08, 0.05, -0.002}, 2000);
+  EXPECT_NEAR(felt.force_n.x(), -6.0 * felt_ramp_at(0.08) * 0.035, 1e-3);
+}
+
 TEST_F(GltfHaptics, TheTactileTextureIsAHeight) {
   const Scene scene = load({.materials = R"({"vibrotactileTexture":)" + texture(0) +
                                          R"(,"extras":{"hapton":{"bump_height_m":0.001,"stiffness_n_per_m":800}}})"});
@@ -307,7 +317,9 @@ TEST_F(GltfHaptics, WhatIsNotFeltIsNoted) {
   EXPECT_THAT(notes_of(R"({"friction":)" + texture(0) + "}"), Contains(HasSubstr("friction_map_range")));
   EXPECT_THAT(notes_of(R"({"vibrotactileTexture":)" + texture(0) + "}"), Contains(HasSubstr("bump_height_m")));
   EXPECT_THAT(notes_of(R"({"temperature":)" + texture(0) + "}"), Contains(HasSubstr("materials[0].temperature is ignored")));
-  EXPECT_THAT(notes_of(R"({"custom":[{"texture":{"index":0}}]})"), Contains(HasSubstr("materials[0].custom is ignored")));
+  EXPECT_THAT(notes_of(R"({"custom":[{"texture":{"index":0}}]})"),
+              Contains(AllOf(HasSubstr("materials[0].custom is ignored"), HasSubstr("viscosity_map_ns_per_m"))));
+  EXPECT_THAT(notes_of(R"({"custom":{"anything":1}})"), Contains(HasSubstr("materials[0].custom is ignored"))) << "not a list";
   EXPECT_THAT(notes_of(R"({"vibration":{"texture":0}})"), Contains(HasSubstr("materials[0].vibration is ignored"))) << "not a list";
   EXPECT_THAT(notes_of(R"({"stifness":)" + texture(0) + "}"),
               Contains(HasSubstr("materials[0].stifness is ignored: the extension has no such property; did you mean 'stiffness'?")));

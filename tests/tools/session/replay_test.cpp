@@ -125,6 +125,28 @@ TEST(Replay, AToolByVoxelsIsFeltToo) {
   EXPECT_NEAR(replay.rows.back().force_n.z(), 1.97, 1.0) << "a voxel is worth a newton";
 }
 
+// At its grip point, with the buttons of the trajectory; each reset begins anew.
+TEST(Replay, EffectsInFreeSpaceAreAddedToATool) {
+  std::vector<TrajectoryRow> trajectory;
+  for (int n = 0; n < 100; ++n) trajectory.push_back({1e-3 * n, {0.0, 0.0, 0.05 + 1e-4 * n}, Quat::Identity()});
+  for (int n = 30; n < 100; ++n) trajectory[static_cast<std::size_t>(n)].buttons = 1;
+  auto tool = ToolStep::make(make_box({0.02, 0.02, 0.02}), {std::make_shared<TriangleMesh>(make_plane_grid(0.2, 4))}, {});
+  ASSERT_TRUE(tool);
+  const ReplaySettings settings{.reset_every = 60};
+  Replay replay = run_replay(**tool, trajectory, settings, SteadyClock());
+  add_space_effects({}, trajectory, settings, replay);
+  EXPECT_FALSE(replay.rows[50].contact);
+  add_space_effects({SpringEffect{.stiffness_n_per_m = 20.0}, {ConstantEffect{.force_n = {0.4, 0.0, 0.0}}, EffectSwitch{.button = 1}}},
+                    trajectory, settings, replay);
+  for (std::size_t n = 0; n < 100; ++n) {
+    EXPECT_NEAR(replay.rows[n].force_n.z(), -20.0 * trajectory[n].p_WD.z(), 1e-12) << n;
+    EXPECT_TRUE(replay.rows[n].contact);
+  }
+  EXPECT_EQ(replay.rows[29].force_n.x(), 0.0);
+  EXPECT_NEAR(replay.rows[59].force_n.x(), 0.4, 1e-12) << "20 ms after the press";
+  EXPECT_EQ(replay.rows[99].force_n.x(), 0.0) << "the button was down at the reset";
+}
+
 TEST(Replay, AToolAddsItsOrientationAndTorque) {
   const TriangleMesh box = make_box({0.02, 0.02, 0.02});
   auto tool = ToolStep::make(box, {std::make_shared<TriangleMesh>(make_plane_grid(0.2, 4))}, {});

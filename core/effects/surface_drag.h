@@ -1,0 +1,28 @@
+#pragma once
+
+#include <algorithm>
+
+#include "core/effects/effect_sample.h"
+#include "core/effects/map_friction.h"
+
+namespace hapton {
+
+// Damping and friction of a material where the force method has neither (ForceMethod::drag_left_out). Damping: the contact force is less by
+// b v, v the speed along the normal away from the surface, and never attractive: max(0, f - b v). Friction: MapFriction. Units: SI. RT:
+// yes. Bound: of damping, b times the speed of the approach; of friction, the static coefficient times the contact force. Passivity:
+// dissipative.
+struct SurfaceDrag {
+  static constexpr Passivity kPassivity = Passivity::dissipative;
+
+  double damping_ns_per_m = 0.0;
+  MapFriction::Coefficients friction = {};
+
+  bool has_friction() const noexcept { return friction.at_rest > 0.0; }
+  bool is_on() const noexcept { return damping_ns_per_m > 0.0 || has_friction(); }
+  // pressed_n: the contact force without damping. leaving_m_per_s: speed of the device along the normal.
+  double damped(double pressed_n, double leaving_m_per_s) const noexcept {
+    return std::max(0.0, pressed_n - damping_ns_per_m * leaving_m_per_s);
+  }
+};
+
+}  // namespace hapton

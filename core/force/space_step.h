@@ -1,0 +1,34 @@
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "core/effects/effect_step.h"
+#include "core/force/touch_step.h"
+
+namespace hapton {
+
+// The effects in free space of a scene, for a rigid tool without a force method beside it (replay, Python); where a method is, see
+// TouchStep::step_in_space. They act at the device point, the grip of the tool. RT: step and reset yes.
+class SpaceStep {
+ public:
+  explicit SpaceStep(std::vector<SwitchedEffect> effects) : effects_({}, std::move(effects)) {}
+
+  // Force on the device, frame W.
+  Vec3 step(const TouchInput& input) noexcept {
+    if (X_WS_.matrix() != input.X_WS.matrix()) effects_.note_scene_moved(find_p_SD(last_p_WD_, input.X_WS));
+    last_p_WD_ = input.p_WD;
+    X_WS_ = input.X_WS;
+    return input.X_WS.linear() * effects_.step_in_space(find_p_SD(input.p_WD, input.X_WS), input.dt_s, input.buttons);
+  }
+  void reset() noexcept { effects_.reset(); }
+
+ private:
+  static Vec3 find_p_SD(const Vec3& p_WD, const Pose& X_WS) noexcept { return X_WS.linear().transpose() * (p_WD - X_WS.translation()); }
+
+  EffectStep effects_;
+  Vec3 last_p_WD_ = Vec3::Zero();  // of the last step, as the next
+  Pose X_WS_ = Pose::Identity();
+};
+
+}  // namespace hapton

@@ -1,0 +1,86 @@
+#include "core/effects/surface_drag.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/effects/effect_step.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kDragSpring = 1000.0;  // N/m
+
+// A method without damping and friction on the plane z = 0.
+EffectResult press_plane(EffectStep& step, const Vec3& p) {
+  SurfaceContact contact{.p_SP = p};
+  if (p.z() < 0.0) contact = {.force_n = {0, 0, -kDragSpring * p.z()}, .p_SP = {p.x(), p.y(), 0}, .object = 0, .contact = true};
+  return step.step(p, 1e-3, contact);
+}
+
+TEST(SurfaceDrag, DampingWorksAgainstTheNormalSpeedAndNeverAttracts) {
+  EffectStep step({SurfaceEffects{.drag = {.damping_ns_per_m = 5.0}}}, {});
+  (void)press_plane(step, {0, 0, 1e-4});
+  // 0.1 m/s inwards, whatever goes on along the surface.
+  for (int n = 1; n <= 20; ++n)
+    EXPECT_NEAR(press_plane(step, {3e-4 * n, 0, 1e-4 - 1e-4 * n}).force_n.z(), 0.1 * (n - 1) + (n > 1 ? 0.5 : 0.0), 1e-9) << n;
+  EXPECT_NEAR(press_plane(step, {6e-3, 0, -1.8e-3}).force_n.z(), 1.8 - 0.5, 1e-9) << "outwards";
+  EXPECT_EQ(press_plane(step, {6e-3, 0, -0.5e-3}).force_n.z(), 0.0) << "1.3 m/s: 6.5 N";
+}
+
+TEST(SurfaceDrag, FrictionSticksAndSlips) {
+  EffectStep step({SurfaceEffects{.drag = {.friction = {0.8, 0.4}}}}, {});
+  (void)press_plane(step, {0, 0, 1e-4});
+  (void)press_plane(step, {0, 0, -2e-3});
+  for (int n = 1; n < 40; ++n) {
+    const Vec3 felt = press_plane(step, {1e-4 * n, 0, -2e-3}).force_n;
+    EXPECT_NEAR(felt.z(), 2.0, 1e-9);
+    EXPECT_NEAR(felt.x(), n <= 16 ? -0.1 * n : -0.8, 1e-9) << n;
+  }
+  // Lifted and put down elsewhere it begins anew.
+  (void)press_plane(step, {4e-3, 0, 1e-4});
+  EXPECT_NEAR(press_plane(step, {8e-3, 0, -2e-3}).force_n.x(), 0.0, 1e-12);
+}
+
+TEST(SurfaceDrag, CanBeSetWhileItIsFeltAndLayersReplaceTheDamping) {
+  TissueLayers layers;
+  layers.add({.depth_m = 0.0, .stiffness_n_per_m = kDragSpring});
+  EffectStep step({SurfaceEffects(), SurfaceEffects{.layers = layers}}, {});
+  EXPECT_TRUE(step.any()) << "the layers";
+  EffectStep plain({SurfaceEffects()}, {});
+  EXPECT_FALSE(plain.any());
+  plain.set_drag(0, {.friction = {0.5, 0.5}});
+  EXPECT_TRUE(plain.any());
+  (void)press_plane(plain, {0, 0, -1e-3});
+  EXPECT_NEAR(press_plane(plain, {1e-3, 0, -1e-3}).force_n.x(), -0.5, 1e-9);
+  plain.set_drag(0, {});
+  EXPECT_NEAR(press_plane(plain, {2e-3, 0, -1e-3}).force_n.norm(), 1.0, 1e-9);
+  step.set_drag(1, {.damping_ns_per_m = 5.0});
+  const auto in_layers = [&](double z_m) {
+    return step.step({0, 0, z_m}, 1e-3, {.force_n = {0, 0, -kDragSpring * z_m}, .p_SP = Vec3::Zero(), .object = 1, .contact = true})
+        .force_n.z();
+  };
+  (void)in_layers(-1e-4);
+  EXPECT_NEAR(in_layers(-2e-4), 0.2, 1e-9) << "without damping";
+}
+
+// In, along, round and out, with seeded paths: the hand never gets more than it gave.
+TEST(SurfaceDrag, TakesEnergy) {
+  for (const double damping : {0.0, 4.0}) {
+    EffectStep step({SurfaceEffects{.drag = {.damping_ns_per_m = damping, .friction = {0.7, 0.3}}}}, {});
+    double given_j = 0.0;
+    Vec3 last(0, 0, 1e-3);
+    (void)press_plane(step, last);
+    for (int n = 0; n < 50'000; ++n) {
+      const double t = 1e-3 * n;
+      const Vec3 p(0.01 * std::sin(7.0 * t), 0.008 * std::sin(11.0 * t + 1.0), 1e-3 - 2e-3 * std::pow(std::sin(3.0 * t), 2));
+      const Vec3 felt = press_plane(step, p).force_n;
+      given_j -= felt.dot(p - last);
+      last = p;
+    }
+    EXPECT_GT(given_j, 0.05) << damping;
+  }
+}
+
+}  // namespace
+}  // namespace hapton
