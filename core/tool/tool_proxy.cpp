@@ -17,7 +17,7 @@ constexpr std::size_t kManyFeatures = 1024;  // with more, the reach does not gr
 constexpr double kNothing = 0x1p-10;         // of the offset: what is left when the device is reached
 constexpr double kShrinkage = 0.125;
 // Pairs that a round begins with: within a share of its reach.
-constexpr double kNearShare = 3.0 * 0x1p-9;
+constexpr double kNearShare = 0x1p-7;
 constexpr double kNear = 8.0;  // and offsets
 constexpr int kMostExtensions = 8;
 // Where a tool slides far below its device, a small slide brings it nearer by a far smaller distance.
