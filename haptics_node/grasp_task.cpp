@@ -11,6 +11,7 @@
 #include "runtime/log.h"
 #include "runtime/start_thread.h"
 #include "runtime/worker_threads.h"
+#include "scene/text_cursor.h"
 #include "scene/tool_obstacles.h"
 
 namespace hapton {
@@ -86,7 +87,7 @@ void GraspTask::carry_out(const GraspOrder& order) {
 void GraspTask::pick_up(const GraspOrder& order) {
   const std::int64_t begin_ns = clock_.now_ns();
   const auto number = static_cast<std::size_t>(order.object);
-  const std::string& name = scene_.objects[number].name;
+  const std::string name = printable(scene_.objects[number].name);
   ToolObstacles obstacles = make_tool_obstacles(couple_scene(scene_.touch_scene(), options_.coupling_n_per_m), number);
   auto step = objects_.hold(
       number, order.X_SD,
@@ -114,7 +115,8 @@ void GraspTask::put_down(const GraspOrder& order) {
   const auto made = make_new_scene(scene_, options_.coupling_n_per_m, ++revision_, false);
   made->put_down = order.serial;
   if (const auto built = builder_.follow(made); !built) {
-    log_warning("{} cannot be put down there: {}; the forces keep its position before it was picked up", object.name, built.error().what);
+    log_warning("{} cannot be put down there: {}; the forces keep its position before it was picked up", printable(object.name),
+                built.error().what);
     object.mesh = before;
     link_.answers.publish({order.serial});
     return;
@@ -122,7 +124,7 @@ void GraspTask::put_down(const GraspOrder& order) {
   objects_.replace(static_cast<std::size_t>(order.object), object.mesh);
   tuner_.follow(scene_, made->revision);
   if (options_.on_scene) options_.on_scene(couple_scene(made->touch, options_.coupling_n_per_m));
-  log_info("{} is put down", object.name);
+  log_info("{} is put down", printable(object.name));
 }
 
 }  // namespace hapton

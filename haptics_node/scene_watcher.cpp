@@ -43,7 +43,7 @@ bool has_same_program_shapes(const Scene& before, const Scene& after) {
 }
 
 std::string_view describe(SceneChange change) {
-  if (change == SceneChange::names) return "its names have changed; all forces stay";
+  if (change == SceneChange::names) return "only its names have changed; changes by hapton set end, and effects begin anew";
   return change == SceneChange::shape ? "its objects fade in" : "its effects fade in";
 }
 

@@ -8,8 +8,8 @@
 namespace hapton {
 
 // Indexing: while a button is held, the device point stands still for everybody but the safety governor, and there is no force, so that the
-// hand can be moved back to where it has room. From the release on, the device point goes on from where it stood, moved by the path that
-// the hand was moved meanwhile. So the device point never jumps. The orientation always follows the hand.
+// hand can be moved back to where it has room. From the release on, the device point goes on from where it stood, moved by the displacement
+// of the hand meanwhile. So the device point never jumps. The orientation always follows the hand.
 //
 // The force falls linearly to zero within kOutS of the press and rises within kBackS of the release, as the governor does for any pause: a
 // stylus that is given free inside a body is not kicked. The governor comes after it, and sees where the device really is: its workspace,

@@ -38,7 +38,10 @@ std::string hand_text(const HudFacts& facts) {
 }
 
 // Its force alone may be that of an effect in free space.
-bool is_held_in_contact(const ProbeState& s) { return s.contact && !(s.visual_offset_m.isZero(0.0) && s.visual_turn.isZero(0.0)); }
+bool is_held_in_contact(const ProbeState& s) {
+  constexpr double kRounding = 1e-9;  // m, rad: a pose that goes through a matrix comes back rounded
+  return s.contact && !(s.visual_offset_m.norm() < kRounding && s.visual_turn.norm() < kRounding);
+}
 
 std::string force_text(const HudFacts& facts) {
   const ProbeState& s = facts.state;

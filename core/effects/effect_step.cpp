@@ -111,7 +111,10 @@ Vec3 EffectStep::surface_force(const EffectSample& sample, const Vec3& motion, d
   const bool begins = !in_contact_;
   SurfaceEffectState& state = state_of(contact.object);
   if (texture_ && (begins || !surface.texture.is_on())) texture_->begin();
-  if (!surface.any()) return contact.force_n;
+  if (!surface.any()) {
+    friction_ = {};
+    return contact.force_n;
+  }
 
   const Vec3 to_proxy = contact.p_SP - sample.p_SD;
   const double method_n = contact.force_n.norm();

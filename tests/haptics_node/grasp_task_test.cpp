@@ -212,7 +212,6 @@ TEST_F(PlacedGraspTest, AnObjectThatLiesElsewhereAtTheStartIsPickedUpFromThere) 
   EXPECT_EQ(rest(0, 100).object, kCube);
 }
 
-// As vision_node asks when a person takes a move back.
 struct WindyGraspTest : GraspTaskTest {
   WindyGraspTest() : GraspTaskTest({}, {{"wind", ConstantEffect{.force_n = {0.0, 0.3, 0.0}}}}) {}
 };
@@ -241,6 +240,32 @@ TEST_F(WindyGraspTest, EffectsInFreeSpaceActWhileAnObjectIsHeldAndWhileItIsPutDo
   EXPECT_TRUE(last.contact);
 }
 
+struct SyrupGraspTest : GraspTaskTest {
+  SyrupGraspTest() : GraspTaskTest({}, {{"syrup", ViscousEffect{.damping_ns_per_m = 3.0}}}) {}
+  void rise(std::uint32_t buttons) { answer(at + Vec3(0.0, 0.0, 5e-5), buttons); }
+};
+
+TEST_F(SyrupGraspTest, EffectsBeginAnewWithoutAJumpWhenTheSceneIsThereInWhichAnObjectWasPutDown) {
+  answer(at, 0);
+  EXPECT_EQ(go({0.0, 0.0, 0.021 - kPress}, 0).object, kCube);
+  rest(1, 200);
+  ASSERT_TRUE(step->holds_tool());
+  for (int i = 0; i < 600; ++i) rise(1);
+  EXPECT_NEAR(last.force_n.z(), -0.15, 1e-3) << "50 mm/s";
+  most_change_n = 0.0;
+  // Longer than the force fades to that of what is put down.
+  for (int i = 0; i < 200; ++i) rise(0);
+  for (int i = 0; i < 30'000 && methods < 1; ++i) {
+    rise(0);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  ASSERT_EQ(methods, 1);
+  for (int i = 0; i < 200; ++i) rise(0);
+  EXPECT_LT(most_change_n, 0.02);
+  EXPECT_NEAR(last.force_n.z(), -0.15, 1e-3);
+}
+
+// As vision_node asks when a person takes a move back.
 TEST_F(GraspTaskTest, AnObjectIsMovedOnRequestWhileAnotherIsTouched) {
   answer(at, 0);
   go({-0.05, 0.0, 0.03}, 0);

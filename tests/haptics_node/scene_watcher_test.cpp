@@ -136,7 +136,7 @@ TEST_F(SceneWatcherTest, MaterialsAreTunedAndTheMethodStays) {
 TEST_F(SceneWatcherTest, OtherNamesComeWithTheSameMethodAndFadeNothing) {
   write("stiffness_n_per_m = 500", "name = 'other'");
   EXPECT_EQ(look_twice(), SceneWatcher::Look::scene);
-  EXPECT_THAT(log, HasSubstr("a.toml was read again: its names have changed; all forces stay"));
+  EXPECT_THAT(log, HasSubstr("a.toml was read again: only its names have changed; changes by hapton set end, and effects begin anew"));
   EXPECT_THAT(log, ::testing::Not(HasSubstr("fade")));
   auto built = builder->take();
   ASSERT_NE(built, nullptr);

@@ -194,7 +194,7 @@ TEST_F(RunScript, SaysHowOtherProgramsJoin) {
   EXPECT_FALSE(std::filesystem::exists(key)) << "the key of a run goes with it";
 }
 
-// Programs as they are, but for vision_node: `late` is what it does after its end, before it has ended.
+// Programs as they are, but vision_node is a script that goes on for 12 s after the window has closed, as one that writes its files.
 class LateWindow : public RunScript {
  protected:
   LateWindow() {

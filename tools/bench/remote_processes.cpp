@@ -265,7 +265,7 @@ std::string processes_to_json(const RemoteGrid& grid, const std::vector<RemotePr
     for (const ProcessFigure& figure : kProcessFigures) run[figure.name] = figure.of(row);
     json["runs"].push_back(std::move(run));
   }
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace hapton

@@ -213,7 +213,7 @@ std::string to_json(const RemoteGrid& grid, const RemoteResults& results) {
                              {"rest_stiffness_n_per_m", wall.rest_n_per_m},
                              {"stable_stiffness_n_per_m", wall.stable_n_per_m}});
   }
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 namespace {

@@ -136,7 +136,8 @@ Result<bool> run_stress(StressOptions& options) {
   if (!results) return tl::unexpected(results.error());
   fmt::print("{}", to_text(*results, options.plan));
   const StressCount sum = sum_of(*results);
-  if (sum.steps == 0) return fail("no step was made: numbers that large or small hold no shape; give another --scale or --offset");
+  if (sum.steps == 0)
+    return fail("no step was made: no start was free of contact; give a smaller --probe-share, or another --scale or --offset");
   fmt::print("stress: {} faults in {} steps, seed {}\n", sum.total_faults(), sum.steps, options.plan.seed);
   if (!options.out.empty()) {
     if (auto written = write_file_atomically(options.out + "/stress.json", to_json(*results, options.plan)); !written)

@@ -75,7 +75,7 @@ void add_loop_flags(CommandLine command, LoopFlags& flags, bool several) {
   const CommandLine changes = command.add_group("changes", "These replace values of the device");
   changes.add_option("--friction", flags.friction_n, "Coulomb friction").between(0.0, 1e3);
   changes.add_option("--quantisation", flags.encoder_step_m, "Encoder step at the device point").between(0.0, 0.1);
-  changes.add_option("--amplifier", flags.amplifier_hz, "Bandwidth of the amplifier; 0: no lag").between(0.0, 1e5);
+  changes.add_option("--amplifier", flags.amplifier_hz, "Bandwidth of the amplifier, at least 0.1 Hz; 0: no lag").between(0.0, 1e5);
   changes.add_option("--modes", flags.modes, "Number of structural modes, at most; 0: rigid")
       .between(0, DeviceModel::kMostModes)
       .shows_default();

@@ -64,6 +64,17 @@ TEST(SurfaceDrag, CanBeSetWhileItIsFeltAndLayersReplaceTheDamping) {
   EXPECT_NEAR(in_layers(-2e-4), 0.2, 1e-9) << "without damping";
 }
 
+TEST(SurfaceDrag, FrictionBeginsAnewAfterASurfaceWithoutIt) {
+  EffectStep step({SurfaceEffects{.drag = {.friction = {0.5, 0.5}}}, SurfaceEffects()}, {});
+  const auto press = [&](double x_m, int object) {
+    return step.step({x_m, 0, -2e-3}, 1e-3, {.force_n = {0, 0, 2.0}, .p_SP = {x_m, 0, 0}, .object = object, .contact = true}).force_n;
+  };
+  (void)press(0.0, 0);
+  EXPECT_NEAR(press(5e-3, 0).x(), -1.0, 1e-9);
+  EXPECT_EQ(press(6e-3, 1), Vec3(0, 0, 2.0));
+  EXPECT_NEAR(press(5.9e-3, 0).x(), 0.1, 1e-9) << "against the motion back, by that alone";
+}
+
 // In, along, round and out, with seeded paths: the hand never gets more than it gave.
 TEST(SurfaceDrag, TakesEnergy) {
   for (const double damping : {0.0, 4.0}) {
