@@ -207,8 +207,9 @@ void bind_tools(py::module_& module) {
            "One step for each of the (n, 4, 4) poses of the grip point in W, dt_s seconds apart: objects move by their keyframes. "
            "scene_pose: (4, 4), of the scene in W.\n"
            "Returns a dict of arrays: force_n (n, 3) and torque_nm (n, 3) about the grip point, proxy (n, 4, 4): where the tool is drawn,\n"
-           "contact (n,): a surface is touched, or an effect acts, blocked (n,): it overlaps the scene since it was put there and gives no "
-           "force, step_ns (n,).\n"
+           "contact (n,): a surface is touched, or an effect acts, blocked (n,): it overlaps the scene since it was put there, and its "
+           "contact "
+           "gives no force, step_ns (n,).\n"
            "The first pose of all is where the tool is put. Other Python threads run meanwhile.")
       .def("reset", &PythonTool::reset, py::arg("pose"), py::arg("scene_pose") = py::none(),
            "Forgets all contact and puts the tool at `pose`.")
