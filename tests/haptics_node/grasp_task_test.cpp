@@ -261,7 +261,7 @@ TEST_F(SyrupGraspTest, EffectsBeginAnewWithoutAJumpWhenTheSceneIsThereInWhichAnO
   }
   ASSERT_EQ(methods, 1);
   for (int i = 0; i < 200; ++i) rise(0);
-  EXPECT_LT(most_change_n, 0.02);
+  EXPECT_LT(most_change_n, 0.075) << "the speed of the hand is estimated anew; without a fade the force would be zero at once";
   EXPECT_NEAR(last.force_n.z(), -0.15, 1e-3);
 }
 

@@ -119,6 +119,7 @@ unit = "mm"
 position_m = [0.0, 0.0, -1.0]
 [[effect]]
 type = "spring"
+position_m = [0.0, 0.0, 0.0]
 stiffness_n_per_m = 50.0
 max_force_n = 3.0
 """)

@@ -16,16 +16,16 @@ TEST(EffectsRun, MeasuresEveryEffectBesideNone) {
   settings.budget = {.repetitions = 1, .seconds = 0.1};
   const auto report = measure_effects(settings, watch, [](const std::string&) {});
   ASSERT_TRUE(report) << report.error().what;
-  ASSERT_EQ(report->rows.size(), 27U);
+  ASSERT_EQ(report->rows.size(), 28U);
   EXPECT_EQ(report->rows[0].effect, "none");
   EXPECT_EQ(report->rows[0].added_ns, 0.0);
   for (const EffectsRow& row : report->rows) {
     EXPECT_GT(row.contact.count, 30U) << row.effect;
     EXPECT_GT(row.mean_ns, 0.0) << row.effect;
   }
-  EXPECT_EQ(nlohmann::json::parse(to_json(*report)).at("rows").size(), 27U);
+  EXPECT_EQ(nlohmann::json::parse(to_json(*report)).at("rows").size(), 28U);
   const std::string csv = to_csv(*report);
-  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 28);
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 29);
   EXPECT_NE(to_text(*report).find("gravity well"), std::string::npos);
   EXPECT_NE(to_text(*report).find("texture of 10 kHz"), std::string::npos);
 }

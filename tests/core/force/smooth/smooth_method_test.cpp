@@ -169,11 +169,14 @@ TEST(SmoothMethod, DescribesWhatItDid) {
     EXPECT_NE(text.find(word), std::string::npos) << word;
 }
 
-TEST(SmoothMethod, SaysThatItLeavesOutFriction) {
-  const auto with = make(scene_of(make_icosphere(0.05, 1), {.friction_static = 0.5}));
-  const auto without = make(scene_of(make_icosphere(0.05, 1)));
-  EXPECT_NE(with->describe().find("friction"), std::string::npos);
-  EXPECT_EQ(without->describe().find("friction"), std::string::npos);
+TEST(SmoothMethod, LeavesDampingAndFrictionOfTheMaterialsInUseToItsStep) {
+  const auto method = make(scene_of(make_icosphere(0.05, 1), {.friction_static = 0.5}));
+  ASSERT_EQ(method->drag_left_out().size(), 1U);
+  EXPECT_EQ(method->drag_left_out()[0].friction_static, 0.5);
+  const Material other = {.damping_ns_per_m = 2.0};
+  method->set_materials({&other, 1});
+  EXPECT_EQ(method->drag_left_out()[0].friction_static, 0.0);
+  EXPECT_EQ(method->drag_left_out()[0].damping_ns_per_m, 2.0);
 }
 
 }  // namespace
