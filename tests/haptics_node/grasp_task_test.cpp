@@ -240,29 +240,26 @@ TEST_F(WindyGraspTest, EffectsInFreeSpaceActWhileAnObjectIsHeldAndWhileItIsPutDo
   EXPECT_TRUE(last.contact);
 }
 
-struct SyrupGraspTest : GraspTaskTest {
-  SyrupGraspTest() : GraspTaskTest({}, {{"syrup", ViscousEffect{.damping_ns_per_m = 3.0}}}) {}
-  void rise(std::uint32_t buttons) { answer(at + Vec3(0.0, 0.0, 5e-5), buttons); }
+struct SwitchedGraspTest : GraspTaskTest {
+  SwitchedGraspTest() : GraspTaskTest({}, {{"wind", ConstantEffect{.force_n = {0.0, 0.3, 0.0}}, {.button = 2}}}) {}
 };
 
-TEST_F(SyrupGraspTest, EffectsBeginAnewWithoutAJumpWhenTheSceneIsThereInWhichAnObjectWasPutDown) {
+TEST_F(SwitchedGraspTest, AnEffectThatIsOffInTheSceneWithTheObjectPutDownFadesOut) {
   answer(at, 0);
   EXPECT_EQ(go({0.0, 0.0, 0.021 - kPress}, 0).object, kCube);
   rest(1, 200);
   ASSERT_TRUE(step->holds_tool());
-  for (int i = 0; i < 600; ++i) rise(1);
-  EXPECT_NEAR(last.force_n.z(), -0.15, 1e-3) << "50 mm/s";
+  go({0.03, 0.0, 0.04}, 3);
+  EXPECT_NEAR(last.force_n.y(), 0.3, 1e-6);
   most_change_n = 0.0;
-  // Longer than the force fades to that of what is put down.
-  for (int i = 0; i < 200; ++i) rise(0);
   for (int i = 0; i < 30'000 && methods < 1; ++i) {
-    rise(0);
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    answer(at + Vec3(0.0, 0.0, 5e-5), 2);  // away from the object
+    if (i > 200) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   ASSERT_EQ(methods, 1);
-  for (int i = 0; i < 200; ++i) rise(0);
-  EXPECT_LT(most_change_n, 0.075) << "the speed of the hand is estimated anew; without a fade the force would be zero at once";
-  EXPECT_NEAR(last.force_n.z(), -0.15, 1e-3);
+  rest(2, 200);
+  EXPECT_EQ(last.force_n.y(), 0.0) << "a button that was down already does not switch it on";
+  EXPECT_LT(most_change_n, 0.04) << "a tenth in each step";
 }
 
 // As vision_node asks when a person takes a move back.
