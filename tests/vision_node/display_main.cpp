@@ -62,6 +62,9 @@ int main(int argc, char** argv) {
   std::printf("this machine stood still for %.1f ms meanwhile: %s is run again\n", 1e-6 * static_cast<double>(stall_ns),
               failed->filter().c_str());
   setenv(kAgain, "1", 1);
+  // The filter names tests of this part only, and all of them are to run.
+  unsetenv("GTEST_TOTAL_SHARDS");
+  unsetenv("GTEST_SHARD_INDEX");
   replace_by({HAPTON_TIMED, own[0], "--gtest_filter=" + failed->filter()});
   return code;
 }
