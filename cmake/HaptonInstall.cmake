@@ -1,5 +1,5 @@
-# What `cmake --install` and the Debian packages put where. Four parts: `hapton` (programs, scenes, units), `vision` (vision_node alone draws,
-# and alone needs VTK), `dev` (the libraries as a CMake package) and `python` (import hapton); with BUILD_SHARED_LIBS a fifth, which all need:
+# What `cmake --install` and the Debian packages put where. Four parts: `hapton` (programs, scenes, units), `vision` (vision_node,
+# the only program that needs VTK), `dev` (the libraries as a CMake package) and `python` (import hapton); with BUILD_SHARED_LIBS a fifth, which all need:
 # `libs` (the libraries that are loaded).
 include(GNUInstallDirs)
 

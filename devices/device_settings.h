@@ -18,10 +18,10 @@ struct DeviceSettings {
   std::string trajectory;          // CSV of the replay, or the path of the simulated hand
   bool loop = false;               // repeat the trajectory
   std::uint64_t seed = 1;          // of the simulated hand's script
-  // Tighter than the device's own limit; 0: no force at all; infinite: the device's own.
+  // Tighter than the device's own limits; 0: no force and no torque, or no torque; infinite: the device's own.
   double max_force_n = std::numeric_limits<double>::infinity();
-  double max_slew_n_per_s = 0.0;  // tighter than the device's own; 0: the device's, like the next three
-  double max_torque_nm = 0.0;
+  double max_torque_nm = std::numeric_limits<double>::infinity();
+  double max_slew_n_per_s = 0.0;  // tighter than the device's own; 0: the device's, like the next two
   double continuous_force_n = 0.0;
   double max_speed_m_per_s = 0.0;
   // The device's mechanics without a hand, for the passivity controller (safety/passivity_controller.h); mass 0: it is off.

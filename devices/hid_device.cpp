@@ -154,7 +154,7 @@ void HidDevice::write_newest() noexcept {
   rejected_ = transport->write(std::span(report).first(size)) ? 0 : rejected_ + 1;
   if (rejected_ >= kMostRejected) {
     rejected_ = 0;
-    port_.suspect();
+    port_.report_write_failure();
   }
 }
 

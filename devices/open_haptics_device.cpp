@@ -29,10 +29,10 @@ constexpr std::int64_t kSayEveryNs = 10 * kNanosecondsPerSecond;                
 constexpr std::int64_t kSchedulerSilenceNs = kNanosecondsPerSecond / 2;
 constexpr int kTicksPerLook = 100;                                             // at temperature and calibration
 constexpr std::int64_t kForceErrorPauseNs = 100 * kNanosecondsPerMillisecond;  // without force after a force error
-constexpr int kMostErrorsATick = 8;
-// Not to be had from the library, so ours: careful figures, see docs/vendor-devices.md.
-constexpr double kRiseS = 0.004;  // from nothing to the greatest force, as for the PHANToM Model A
-constexpr double kPeakS = 5.0;
+constexpr int kMostErrorsATick = 8;                                            // taken from the library's queue: bounds the work of a tick
+// The library does not report these: conservative values of our own, see docs/vendor-devices.md.
+constexpr double kRiseS = 0.004;  // from zero to the maximum force, as for the PHANToM Model A
+constexpr double kPeakS = 5.0;    // that the motors hold the maximum force
 constexpr double kMaxTorqueNm = 0.1;
 constexpr double kMaxSpeedMPerS = 5.0;
 
@@ -229,7 +229,7 @@ hd::Enum OpenHapticsDevice::on_tick(void* self) noexcept {
 
 void OpenHapticsDevice::tick() noexcept {
   const std::int64_t now_ns = clock_.now_ns();
-  // Another device was opened or closed: all stood still.
+  // Opening or closing another device stops the scheduler of all.
   if (now_ns - reading_.sample.time_ns > DeviceExchange::kDriverSilenceNs) exchange_.restart_ramp();
   reading_.sample.time_ns = now_ns;
   hd_.make_current_device(device_);
@@ -303,7 +303,7 @@ void OpenHapticsDevice::check_calibration() noexcept {
     if (needs_update) hd_.update_calibration(hd::kStyleInkwell);
     calibration_.store(Calibration::in_inkwell, std::memory_order_relaxed);
   } else {
-    // What is the neutral pose only the person knows: this reset takes the present one for it.
+    // Only the user knows the neutral pose: the button makes the present pose the neutral one.
     if (is_button_down) hd_.update_calibration(hd::kStyleEncoderReset);
     calibration_.store(Calibration::at_neutral_pose, std::memory_order_relaxed);
   }

@@ -8,7 +8,7 @@
 
 namespace hapton {
 
-// What has changed in a scene file that was read again, in ascending order of effect.
+// What has changed in a scene file that was read again, ordered by how much must be made anew.
 enum class SceneChange : std::uint8_t {
   none,
   names,      // of objects and materials, alone: all forces are the same

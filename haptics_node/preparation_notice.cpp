@@ -41,14 +41,14 @@ void notify_preparation(HubClient& hub, const Clock& clock, SceneFacts scene, st
 }
 
 Result<std::unique_ptr<ForceMethod>> build_and_notify(const std::function<Result<std::unique_ptr<ForceMethod>>()>& build,
-                                                      const std::function<void(DoneSignal&)>& notify, std::int64_t moment_ns) {
+                                                      const std::function<void(DoneSignal&)>& notify, std::int64_t report_after_ns) {
   std::optional<Result<std::unique_ptr<ForceMethod>>> built;
   DoneSignal done;
   std::thread builder = start_thread([&] {
     built.emplace(build());
     done.set();
   });
-  if (!done.wait_ns(moment_ns)) notify(done);
+  if (!done.wait_ns(report_after_ns)) notify(done);
   builder.join();
   return std::move(*built);
 }

@@ -13,7 +13,7 @@
 
 namespace hapton {
 
-// Whether something that another thread does is done. Threads: any.
+// Set once by one thread, waited for by others. Threads: any.
 class DoneSignal {
  public:
   void set();
@@ -27,16 +27,16 @@ class DoneSignal {
 };
 
 // Joins the hub and notifies vision nodes, by SceneFacts, that the haptic scene is still being built and for how long, until it is done.
-// Commands nothing. began_ns: of the clock. RT: no.
+// Sends no force. began_ns: when the build began, by `clock`. RT: no.
 void notify_preparation(HubClient& hub, const Clock& clock, SceneFacts scene, std::int64_t began_ns, DoneSignal& done);
 
 // A shorter preparation is not reported.
-inline constexpr std::int64_t kPreparationMomentNs = 300 * kNanosecondsPerMillisecond;
+inline constexpr std::int64_t kReportPreparationAfterNs = 300 * kNanosecondsPerMillisecond;
 
-// Builds a method in its own thread. If that takes longer than a moment, calls `notify` once meanwhile, which must return when the given
-// signal is set. RT: set-up only.
+// Builds a method in its own thread. If that takes longer than report_after_ns, calls `notify` once meanwhile, which must return when the
+// given signal is set. RT: set-up only.
 Result<std::unique_ptr<ForceMethod>> build_and_notify(const std::function<Result<std::unique_ptr<ForceMethod>>()>& build,
                                                       const std::function<void(DoneSignal&)>& notify,
-                                                      std::int64_t moment_ns = kPreparationMomentNs);
+                                                      std::int64_t report_after_ns = kReportPreparationAfterNs);
 
 }  // namespace hapton

@@ -22,7 +22,7 @@ HidPort::HidPort(HidOpener opener, HidListener& listener, std::string name, std:
 HidPort::~HidPort() { close(); }
 
 Result<void> HidPort::open() {
-  if (auto looked = look(); !looked) return looked;
+  if (auto found = search(); !found) return found;
   start();
   return {};
 }
@@ -48,11 +48,11 @@ void HidPort::set_transport(std::shared_ptr<HidTransport> transport) noexcept {
   transport_.swap(transport);
 }
 
-Result<void> HidPort::look() {
+Result<void> HidPort::search() {
   auto opened = opener_();
   if (!opened) return tl::unexpected(opened.error());
   std::shared_ptr<HidTransport> transport = std::move(*opened);
-  is_suspect_.store(false, std::memory_order_release);
+  has_write_failed_.store(false, std::memory_order_release);
   if (auto usable = listener_.on_opened(*transport); !usable) return usable;
   set_transport(std::move(transport));
   return {};
@@ -72,8 +72,8 @@ void HidPort::run() noexcept {
     }
     await_next_look();
     if (ends_.load(std::memory_order_acquire)) return;
-    if (const auto looked = look(); !looked) {
-      report_failure(looked.error());
+    if (const auto found = search(); !found) {
+      report_failure(found.error());
     } else {
       log_info("{}: found at {}", name_, this->transport()->description().path);
     }
@@ -82,7 +82,7 @@ void HidPort::run() noexcept {
 
 void HidPort::read_until_gone(HidTransport& transport) noexcept {
   std::array<std::uint8_t, HidTransport::kMostBytes> report;
-  while (!ends_.load(std::memory_order_acquire) && !is_suspect_.load(std::memory_order_acquire)) {
+  while (!ends_.load(std::memory_order_acquire) && !has_write_failed_.load(std::memory_order_acquire)) {
     HidRead read = transport.read(report, kWaitMs);
     std::int64_t now_ns = clock_.now_ns();
     for (int drained = 0; read.outcome == HidIo::done && drained < kMostDrained; ++drained) {
@@ -96,7 +96,7 @@ void HidPort::read_until_gone(HidTransport& transport) noexcept {
 }
 
 void HidPort::await_next_look() noexcept {
-  const std::int64_t until_ns = clock_.now_ns() + kLookEveryNs;
+  const std::int64_t until_ns = clock_.now_ns() + kSearchPeriodNs;
   for (std::int64_t now_ns = clock_.now_ns(); now_ns < until_ns && !ends_.load(std::memory_order_acquire); now_ns = clock_.now_ns()) {
     clock_.sleep_until_ns(std::min(now_ns + kShortSleepNs, until_ns));
   }

@@ -31,10 +31,10 @@ class HidListener {
 
 // Keeps one HID device open. A thread of its own reads it, drains its queue to the newest report each time (the kernel's holds 64 and drops
 // new ones when it is full), notices when it was unplugged, searches for it and opens it again. RT: the thread, if `realtime` is given.
-// Threads: open, close and the destructor one; transport() and suspect() any.
+// Threads: open, close and the destructor one; transport() and report_write_failure() any.
 class HidPort {
  public:
-  static constexpr std::int64_t kLookEveryNs = 250 * kNanosecondsPerMillisecond;
+  static constexpr std::int64_t kSearchPeriodNs = 250 * kNanosecondsPerMillisecond;
 
   // Pre: the listener outlives the port. name: for the log. realtime: settings of the reading thread; none: an ordinary thread.
   HidPort(HidOpener opener, HidListener& listener, std::string name, std::optional<RealtimeSettings> realtime = {});
@@ -52,10 +52,10 @@ class HidPort {
   std::shared_ptr<HidTransport> transport() const noexcept;
 
   // Call it when a write failed: the device is closed and opened again.
-  void suspect() noexcept { is_suspect_.store(true, std::memory_order_release); }
+  void report_write_failure() noexcept { has_write_failed_.store(true, std::memory_order_release); }
 
  private:
-  Result<void> look();
+  Result<void> search();
   void run() noexcept;
   void read_until_gone(HidTransport& transport) noexcept;
   void await_next_look() noexcept;
@@ -70,7 +70,7 @@ class HidPort {
   mutable std::mutex mutex_;
   std::shared_ptr<HidTransport> transport_;
   std::string reported_;  // the last failure in the log, not to be repeated
-  std::atomic<bool> is_suspect_{false};
+  std::atomic<bool> has_write_failed_{false};
   std::atomic<bool> ends_{false};
   std::thread thread_;
 };

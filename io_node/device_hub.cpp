@@ -155,6 +155,7 @@ struct DeviceHub::Parts {
             .vision_rate_hz = options.vision_rate_hz,
             .tighter = tighter_limits(options.device),
             .forbids_force = options.device.max_force_n == 0.0,
+            .forbids_torque = options.device.max_torque_nm == 0.0,
             .passive = passive_mechanics(options.device),
             .dead_mans_switch = options.device.dead_mans_switch,
             .clutch_button = options.device.clutch_button,

@@ -23,6 +23,7 @@ DeviceLoop::DeviceLoop(Device& device, const Clock& clock, const Options& option
       spin_(options.spin_share) {
   governor_.tighten(options.tighter);
   if (options.forbids_force) governor_.forbid_force();
+  if (options.forbids_torque) governor_.forbid_torque();
   governor_.require_button(options.dead_mans_switch);
   if (options.passive) governor_.keep_passive(*options.passive);
   stats_.rate_hz = options.rate_hz;

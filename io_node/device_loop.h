@@ -111,6 +111,7 @@ class DeviceLoop {
     double rate_hz = 1000.0;
     DeviceLimits tighter = {};
     bool forbids_force = false;
+    bool forbids_torque = false;
     int dead_mans_switch = 0;  // button, counted from 1; 0: none
     int clutch_button = 0;     // counted from 1; 0: there is no clutch
     std::optional<PassivityController::Mechanics> passive = {};

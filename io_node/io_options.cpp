@@ -73,8 +73,9 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
   app.add_option("--device-id", options.device.id,
                  "Serial number, path, index or the vendor's name for it (needed if several are plugged in; see hapton doctor)");
   app.add_option("--device-file", options.device.file, "TOML with the device's own parameters (docs/devices.md)");
-  app.add_option("--trajectory", options.device.trajectory,
-                 "CSV of the motion that is replayed (replay), or that the simulated hand follows: t_s,x_m,y_m,z_m[,qw,qx,qy,qz]");
+  app.add_option(
+      "--trajectory", options.device.trajectory,
+      "CSV of the motion that is replayed (replay), or that the simulated hand follows: t_s,x_m,y_m,z_m[,qw,qx,qy,qz][,buttons]");
   app.add_flag("--loop", options.device.loop,
                "Repeat the trajectory; without it a replay ends the program, and the simulated hand stays at its last row");
   app.add_option("--rate", options.rate_hz, "Servo rate, Hz")->check(between(kMinServoRateHz, kMaxServoRateHz))->capture_default_str();
@@ -92,7 +93,7 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
       ->check(between(0.0, 1e3));
   app.add_option("--max-slew", options.device.max_slew_n_per_s, "Tighter rate limit on the force, N/s (0: the device's own)")
       ->check(between(0.0, 1e6));
-  app.add_option("--max-torque", options.device.max_torque_nm, "Tighter limit on the torque, N m (0: the device's own)")
+  app.add_option("--max-torque", options.device.max_torque_nm, "Tighter limit on the torque, N m; 0: no torque (default: the device's own)")
       ->check(between(0.0, 1e3));
   app.add_option("--continuous-force", options.device.continuous_force_n, "Tighter continuous rating, N (0: the device's own)")
       ->check(between(0.0, 1e3));

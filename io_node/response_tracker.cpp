@@ -84,7 +84,7 @@ void ResponseTracker::excuse_waiting() noexcept {
 
 void ResponseTracker::settle(std::int64_t now_ns) noexcept {
   std::uint64_t end = settled_ + 1;
-  while (end < newest_answered_ && entry(end).time_ns < now_ns - kPatienceNs) ++end;
+  while (end < newest_answered_ && entry(end).time_ns < now_ns - kReplyTimeoutNs) ++end;
   settle_until(end, State::lost);
 }
 

@@ -10,12 +10,12 @@ namespace hapton {
 // Tracks which device samples got a force in response, and the fate of the others.
 //
 // A sample older than the newest one with a response is `superseded` if the haptics node reports that it skipped it, otherwise `lost` after
-// kPatienceNs (until then its response may still arrive, reordered). Newer samples wait until the haptics node responds, leaves or is
+// kReplyTimeoutNs (until then its response may still arrive, reordered). Newer samples wait until the haptics node responds, leaves or is
 // replaced; in the latter cases they are `excused`: no node was there to respond. So are samples taken while no haptics node had joined, or
 // in its first kWarmUpNs. RT: yes. Threads: one.
 class ResponseTracker {
  public:
-  static constexpr std::int64_t kPatienceNs = 200'000'000;
+  static constexpr std::int64_t kReplyTimeoutNs = 200'000'000;
   static constexpr std::int64_t kWarmUpNs = 50'000'000;
   static constexpr std::uint64_t kCapacity = 16384;  // 1.6 s at 10 kHz, longer than a silent node keeps its slot
 

@@ -27,6 +27,7 @@ Servo::Servo(Device& device, HubPeers& peers, const Clock& clock, const Options&
             {.rate_hz = options.rate_hz,
              .tighter = options.tighter,
              .forbids_force = options.forbids_force,
+             .forbids_torque = options.forbids_torque,
              .dead_mans_switch = options.dead_mans_switch,
              .clutch_button = options.clutch_button,
              .passive = options.passive,

@@ -54,6 +54,7 @@ class Servo final : private PeerEventHandler {
     double vision_rate_hz = 240.0;                               // most ProbeStates a second to each vision node (vision_pace.h); 0: none
     DeviceLimits tighter = {};                                   // limits below the device's own, field by field; 0: the device's own
     bool forbids_force = false;                                  // the device is read and shown, but never gets a force
+    bool forbids_torque = false;                                 // it may get a force
     std::optional<PassivityController::Mechanics> passive = {};  // of the device; none: no passivity controller
     int dead_mans_switch = 0;                                    // button that must be held for force, counted from 1; 0: none
     int clutch_button = 0;  // that holds the device point where it is (clutch.h), counted from 1; 0: none

@@ -7,6 +7,11 @@
 #include "runtime/state_folder.h"
 
 namespace hapton {
+namespace {
+
+std::string describe_limit(double limit) { return std::isfinite(limit) ? fmt::format("{}", limit) : "the device's own"; }
+
+}  // namespace
 
 SessionHeader make_session_header(const IoOptions& options, std::uint64_t session, const Clock& clock) {
   SessionHeader header;
@@ -19,10 +24,9 @@ SessionHeader make_session_header(const IoOptions& options, std::uint64_t sessio
                      {"rate", fmt::format("{}", options.rate_hz)},
                      {"vision-rate", fmt::format("{}", options.vision_rate_hz)},
                      {"seed", fmt::format("{}", options.device.seed)},
-                     {"max-force", std::isfinite(options.device.max_force_n) ? fmt::format("{}", options.device.max_force_n)
-                                                                             : std::string("the device's own")},
+                     {"max-force", describe_limit(options.device.max_force_n)},
                      {"max-slew", fmt::format("{}", options.device.max_slew_n_per_s)},
-                     {"max-torque", fmt::format("{}", options.device.max_torque_nm)},
+                     {"max-torque", describe_limit(options.device.max_torque_nm)},
                      {"continuous-force", fmt::format("{}", options.device.continuous_force_n)},
                      {"max-speed", fmt::format("{}", options.device.max_speed_m_per_s)},
                      {"dead-mans-switch", fmt::format("{}", options.device.dead_mans_switch)},

@@ -28,7 +28,7 @@ void ShapeCollector::note(const ShapeStart& start, Arrival arrival, std::int64_t
   Newest* newest = find(start.source, start.object, start.serial, start.total, arrival);
   if (newest == nullptr || newest->has_begun) return;
   newest->has_begun = true;
-  newest->request_ns = now_ns + kPatienceNs;
+  newest->request_ns = now_ns + kPartTimeoutNs;
 }
 
 // From the first vertex that is missing.

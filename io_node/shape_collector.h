@@ -18,7 +18,7 @@ namespace hapton {
 // of the hub's clock. RT: yes. Threads: the servo's.
 class ShapeCollector {
  public:
-  static constexpr std::int64_t kPatienceNs = 60 * kNanosecondsPerMillisecond;  // the parts may be on their way
+  static constexpr std::int64_t kPartTimeoutNs = 60 * kNanosecondsPerMillisecond;  // the parts may be on their way
   static constexpr std::int64_t kRequestEveryNs = 200 * kNanosecondsPerMillisecond;
 
   // Pre: both outlive this; tap may be null.

@@ -86,7 +86,7 @@ std::optional<ShapeStatus> KnownShapes::take_request(std::int64_t now_ns) {
     if (object.starts.empty()) continue;
     const std::uint32_t serial = object.starts.back().serial;
     if (find_whole(object, serial) != nullptr) continue;
-    if (object.request_ns == 0) object.request_ns = now_ns + kPatienceNs;
+    if (object.request_ns == 0) object.request_ns = now_ns + kPartTimeoutNs;
     if (now_ns < object.request_ns) continue;
     object.request_ns = now_ns + kRequestEveryNs;
     const auto part = object.shapes.find(serial);

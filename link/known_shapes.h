@@ -44,7 +44,7 @@ class KnownShapes {
  private:
   static constexpr std::size_t kMostStarts = 4;
   static constexpr std::size_t kMostShapes = 8;
-  static constexpr std::int64_t kPatienceNs = 60'000'000;  // the parts may be on their way
+  static constexpr std::int64_t kPartTimeoutNs = 60'000'000;  // the parts may be on their way
   static constexpr std::int64_t kRequestEveryNs = 200'000'000;
 
   struct Object {

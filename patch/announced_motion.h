@@ -17,8 +17,8 @@ class AnnouncedMotion {
   // pivot_S: on the body at rest; no point of it is farther from there than radius_m.
   AnnouncedMotion(const Vec3& pivot_S, double radius_m) noexcept : motion_(pivot_S), radius_m_(radius_m) {}
 
-  // A newer move, while nothing is felt: as it is. Where the body was before the first move that is known, is not known; it stands where
-  // that one begins. False: it is not newer.
+  // A newer move, while nothing is felt: as it is. If earlier moves are missing, the body is assumed at rest at the start of the first
+  // known move. False: it is not newer.
   bool take(const CommandedMove& move) noexcept {
     if (move.serial <= serial()) return false;
     if (serial() == 0 && move.serial > 1) {
@@ -33,7 +33,7 @@ class AnnouncedMotion {
   bool follow(const CommandedMove& move, double now_s) noexcept {
     if (move.serial <= serial()) return false;
     const bool is_as_announced = now_s <= move.from.time_s && is_same_place(motion_.keyframe_at(move.from.time_s), move.from) &&
-                                 compute_move_time_s(move.from, move.to, 0.0, radius_m_, kMostSurfaceSpeed) <= least_s(move);
+                                 compute_move_time_s(move.from, move.to, 0.0, radius_m_, kMostSurfaceSpeed) <= announced_duration_s(move);
     if (is_as_announced) return motion_.begin(move);
     const double begin_s = std::max(now_s, move.from.time_s);
     const double left_s = std::max(move.to.time_s - begin_s, 0.0);
@@ -53,8 +53,10 @@ class AnnouncedMotion {
   bool is_same_place(const Keyframe& a, const Keyframe& b) const noexcept {
     return most_travel_m(a, b, radius_m_) <= kRounding * radius_m_ + 0x1p-50 * a.p_S.norm();
   }
-  // The nanoseconds of a message are rounded.
-  static double least_s(const CommandedMove& move) noexcept { return (move.to.time_s - move.from.time_s) * (1.0 + 1e-6) + 2e-9; }
+  // With a margin: the nanoseconds of a message are rounded.
+  static double announced_duration_s(const CommandedMove& move) noexcept {
+    return (move.to.time_s - move.from.time_s) * (1.0 + 1e-6) + 2e-9;
+  }
 
   CommandedMotion motion_{Vec3::Zero()};
   double radius_m_ = 0.0;

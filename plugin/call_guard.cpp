@@ -40,16 +40,16 @@ std::string describe_calls(const CallGuard& guard) {
   return text + (guard.cut_off() ? "; CUT OFF: " + describe(guard.cut_off()) + "\n" : "\n");
 }
 
-void CallGuard::judge(std::int64_t spent_ns, bool is_calm, const PluginForce& given) noexcept {
+void CallGuard::judge(std::int64_t spent_ns, bool has_returned, const PluginForce& given) noexcept {
   times_.record(std::max<std::int64_t>(0, spent_ns));
-  const CutOff fault = find_fault(spent_ns, is_calm, given);
+  const CutOff fault = find_fault(spent_ns, has_returned, given);
   if (fault) return cut(fault);
   last_ = given;
   most_n_ = std::max(most_n_, given.force_n.norm());
 }
 
-CutOff CallGuard::find_fault(std::int64_t spent_ns, bool is_calm, const PluginForce& given) noexcept {
-  if (!is_calm) return {.reason = CutOff::Reason::exception};
+CutOff CallGuard::find_fault(std::int64_t spent_ns, bool has_returned, const PluginForce& given) noexcept {
+  if (!has_returned) return {.reason = CutOff::Reason::exception};
   if (!given.force_n.allFinite() || !given.torque_nm.allFinite()) return {.reason = CutOff::Reason::not_finite};
   // Norms of the largest numbers are infinite, and so above any limit.
   const double force_n = given.force_n.norm();

@@ -52,8 +52,8 @@ class CallGuard {
     if (!cut_off_) {
       PluginForce given;
       const std::int64_t begin_ns = clock_.now_ns();
-      const bool is_calm = call_plugin([&] { give(given); });
-      judge(clock_.now_ns() - begin_ns, is_calm, given);
+      const bool has_returned = call_plugin([&] { give(given); });
+      judge(clock_.now_ns() - begin_ns, has_returned, given);
     }
     return cut_off_ ? fade(dt_s) : last_;
   }
@@ -71,8 +71,8 @@ class CallGuard {
   double most_n() const noexcept { return most_n_; }
 
  private:
-  void judge(std::int64_t spent_ns, bool is_calm, const PluginForce& given) noexcept;
-  CutOff find_fault(std::int64_t spent_ns, bool is_calm, const PluginForce& given) noexcept;
+  void judge(std::int64_t spent_ns, bool has_returned, const PluginForce& given) noexcept;
+  CutOff find_fault(std::int64_t spent_ns, bool has_returned, const PluginForce& given) noexcept;
   PluginForce fade(double dt_s) noexcept;
 
   const Clock& clock_;

@@ -105,8 +105,8 @@ Result<PluginFile> PluginFile::open(const PluginChoice& choice) {
   file.hash_ = fnv1a(*bytes, 0xcbf29ce484222325U);
   for (const auto& [key, value] : choice.parameters) file.hash_ = fnv1a(key + "=" + value + ",", file.hash_);
   // Binds all symbols now: a missing one is reported here instead of ending the program at its first call.
-  const bool is_calm = call_plugin([&] { file.handle_ = ::dlopen(file.path().c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE); });
-  if (!is_calm) return fail("{}: it threw a C++ exception while it was loaded", file.path());
+  const bool has_returned = call_plugin([&] { file.handle_ = ::dlopen(file.path().c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE); });
+  if (!has_returned) return fail("{}: it threw a C++ exception while it was loaded", file.path());
   if (file.handle_ != nullptr) return file;
   const char* said = ::dlerror();
   std::string_view reason = said != nullptr ? said : "the loader gives no reason";

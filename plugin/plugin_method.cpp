@@ -46,8 +46,9 @@ Result<std::unique_ptr<PluginMethod>> PluginMethod::make(const PluginChoice& cho
   }
   std::unique_ptr<PluginMethod> made(new PluginMethod(std::move(*file), **api, scene, clock, budget_ns));
   const PluginRequest request(made->file_.choice());
-  const bool is_calm = call_plugin([&] { made->method_ = made->api_.create(request.get(), made->objects_.data(), made->objects_.size()); });
-  if (!is_calm) return fail("{}: {} threw a C++ exception in create", made->file_.path(), made->name_);
+  const bool has_returned =
+      call_plugin([&] { made->method_ = made->api_.create(request.get(), made->objects_.data(), made->objects_.size()); });
+  if (!has_returned) return fail("{}: {} threw a C++ exception in create", made->file_.path(), made->name_);
   if (made->method_ == nullptr) return tl::unexpected(request.rejection(made->name_));
   return made;
 }
@@ -116,8 +117,8 @@ void PluginMethod::set_materials(std::span<const Material> materials) noexcept {
   const std::size_t count = std::min(materials.size(), materials_.size());
   std::transform(materials.begin(), materials.begin() + static_cast<std::ptrdiff_t>(count), materials_.begin(),
                  [](const Material& material) { return to_plugin(material); });
-  const bool is_calm = call_plugin([&] { api_.set_materials(method_, materials_.data(), materials_.size()); });
-  if (!is_calm) guard_.cut({.reason = CutOff::Reason::exception});
+  const bool has_returned = call_plugin([&] { api_.set_materials(method_, materials_.data(), materials_.size()); });
+  if (!has_returned) guard_.cut({.reason = CutOff::Reason::exception});
 }
 
 std::string PluginMethod::full_name() const { return fmt::format("{}:{}@{:016x}", kPluginMethod, name_, file_.hash()); }

@@ -3,9 +3,9 @@
 namespace hapton::python {
 namespace {
 
-constexpr double kJoinPatienceS = 5.0;
+constexpr double kJoinTimeoutS = 5.0;
 
-// Bit i: sample `now` - 1 - i was answered, given the same of the sample answered last.
+// Bit i: sample `now` - 1 - i had a reply. `before`: the same mask for sample `last`, the last one with a reply.
 std::uint64_t shift_answered(std::uint64_t before, std::uint64_t last, std::uint64_t now) {
   const std::uint64_t passed = now - last;
   if (passed == 0 || passed > 63) return 0;
@@ -17,7 +17,7 @@ std::uint64_t shift_answered(std::uint64_t before, std::uint64_t last, std::uint
 Result<std::unique_ptr<NodeLink>> NodeLink::open(const std::string& hub, const std::string& key_file) {
   auto connection = HubConnection::open(NodeRole::haptics, {.hub = hub, .key_file = key_file, .has_worker = true});
   if (!connection) return tl::unexpected(connection.error());
-  if (const auto joined = (*connection)->wait_until_joined(kJoinPatienceS); !joined) return tl::unexpected(joined.error());
+  if (const auto joined = (*connection)->wait_until_joined(kJoinTimeoutS); !joined) return tl::unexpected(joined.error());
   return std::unique_ptr<NodeLink>(new NodeLink(std::move(*connection)));
 }
 

@@ -63,7 +63,8 @@ Result<ClosedLoopTouch> run_closed_loop(const RemoteScene& scene, const SlidePat
                                         const RemoteCase& which, const std::vector<Vec3>* zero_delay);
 
 // The largest stiffness of a flat wall (a mesh) at which a press of 1 N comes to rest within a second: with a limit cycle of at most two
-// encoder steps or 1 % of the depth, and at least 0.5 N held. 0: at no stiffness. Searched upwards to most_n_per_m. The hand has a spring.
+// encoder steps or 1 % of the depth, and at least 0.5 N held. 0: at no stiffness. Searches upwards to most_n_per_m. Pre: the
+// hand has a stiffness above zero.
 Result<double> find_rest_stiffness_of(const RemoteDevice& device, const RemoteCase& which, double most_n_per_m);
 
 }  // namespace hapton

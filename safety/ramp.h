@@ -7,7 +7,7 @@
 
 namespace hapton {
 
-// From nothing to everything in kRampNs. RT: yes.
+// A factor that rises linearly from 0 to 1 within kRampNs. RT: yes.
 class Ramp {
  public:
   void begin(std::int64_t now_ns) noexcept { begin_ns_ = now_ns; }

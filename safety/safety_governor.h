@@ -78,6 +78,7 @@ class SafetyGovernor {
 
   void tighten(const DeviceLimits& limits) noexcept { limits_.tighten(limits); }
   void forbid_force() noexcept { limits_.forbid_force(); }
+  void forbid_torque() noexcept { limits_.forbid_torque(); }
   // From now on. Without it only a source that gives more than the energy budget is limited.
   void keep_passive(const PassivityController::Mechanics& device) noexcept { passivity_.emplace(device); }
   void require_button(int button) noexcept { dead_mans_switch_.require_button(button); }

@@ -64,7 +64,9 @@ void SafetyLimits::tighten(const DeviceLimits& wanted) noexcept {
 void SafetyLimits::forbid_force() noexcept {
   now_.max_force_n = 0.0;
   now_.continuous_force_n = 0.0;
-  now_.max_torque_nm = 0.0;
+  forbid_torque();
 }
+
+void SafetyLimits::forbid_torque() noexcept { now_.max_torque_nm = 0.0; }
 
 }  // namespace hapton

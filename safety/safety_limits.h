@@ -29,6 +29,8 @@ class SafetyLimits {
 
   // No force and no torque from now on. RT: yes.
   void forbid_force() noexcept;
+  // RT: yes.
+  void forbid_torque() noexcept;
 
   const DeviceLimits& now() const noexcept { return now_; }
   // The device's own, before tightening: releasing a force is never slowed down, and the thermal model needs the device's true ratings.

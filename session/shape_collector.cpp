@@ -67,7 +67,7 @@ ShapeCollector::Open& ShapeCollector::open(std::int32_t object, std::uint32_t se
   return open_.back();
 }
 
-// One without a start was never felt.
+// A shape without a ShapeStart was never applied, and is dropped.
 void ShapeCollector::close_first(const Take& take) {
   Open& one = open_.front();
   if (one.is_started) {
@@ -88,7 +88,7 @@ std::optional<std::uint64_t> ShapeCollector::take_row(const RecordedShape& shape
   return rows.vertices == shape.displacements_m.size() ? std::optional(rows.count++) : std::nullopt;
 }
 
-// In their order: one that waits for a part is overtaken by none.
+// In order: a shape that is not complete holds back later ones.
 void ShapeCollector::hand_on_whole(const Take& take) {
   while (!open_.empty() && open_.front().is_started && open_.front().parts.is_whole()) close_first(take);
 }

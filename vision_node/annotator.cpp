@@ -22,9 +22,9 @@ namespace {
 
 // A datagram may be lost; a scene that is being built again takes longer than that.
 constexpr std::int64_t kRequestEveryNs = 100'000'000;
-constexpr std::int64_t kRequestPatienceNs = 2'000'000'000;
+constexpr std::int64_t kRequestTimeoutNs = 2'000'000'000;
 // Of carves: material is put back in a fraction of a second, after a million carves in some ten.
-constexpr std::int64_t kUndoPatienceNs = 20'000'000'000;
+constexpr std::int64_t kUndoTimeoutNs = 20'000'000'000;
 
 PutDown put_down_of(const ObjectPose& pose) { return {pose.object, pose.p_m, pose.q}; }
 
@@ -288,7 +288,7 @@ std::optional<ObjectPose> Annotator::take_due(std::int64_t now_ns) {
     request_.reset();  // it has been moved
     return std::nullopt;
   }
-  if (request_end_ns_ == 0) request_end_ns_ = now_ns + kRequestPatienceNs;
+  if (request_end_ns_ == 0) request_end_ns_ = now_ns + kRequestTimeoutNs;
   if (now_ns >= request_end_ns_) {
     log_warning("{} was not put back: haptics_node is busy, or does not answer", scene_->objects[object].name);
     request_.reset();
@@ -322,7 +322,7 @@ std::optional<CarveUndo> Annotator::take_carve_undo(std::int64_t now_ns) {
     carve_undo_.reset();
     return std::nullopt;
   }
-  if (undo_end_ns_ == 0) undo_end_ns_ = now_ns + kUndoPatienceNs;
+  if (undo_end_ns_ == 0) undo_end_ns_ = now_ns + kUndoTimeoutNs;
   if (now_ns >= undo_end_ns_) {
     log_warning("what was carved was not undone: haptics_node is busy, or does not answer");
     carve_undo_.reset();

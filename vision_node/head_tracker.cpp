@@ -12,7 +12,7 @@ namespace {
 // So that a tracker that loses the head again and again does not fill the log.
 constexpr std::int64_t kLogPauseNs = 5'000'000'000;
 // A running server has answered by then.
-constexpr std::int64_t kFirstPatienceNs = 1'000'000'000;
+constexpr std::int64_t kFirstPoseTimeoutNs = 1'000'000'000;
 
 }  // namespace
 
@@ -60,7 +60,7 @@ std::optional<Head> HeadTracker::take_head(std::int64_t now_ns) {
 HeadTracker::State HeadTracker::find_state(std::int64_t now_ns) const {
   if (seen_ns_ && now_ns - *seen_ns_ < kStaleNs) return State::seen;
   if (impossible_ns_ && now_ns - *impossible_ns_ < kStaleNs) return State::impossible;
-  if (!seen_ns_ && now_ns - opened_ns_ < kFirstPatienceNs) return State::beginning;
+  if (!seen_ns_ && now_ns - opened_ns_ < kFirstPoseTimeoutNs) return State::beginning;
   if (!link_->is_connected()) return State::absent;
   return seen_ns_ ? State::lost : State::silent;
 }

@@ -28,7 +28,7 @@ LiveScene::LiveScene(StereoView& view, VisionOptions& options, Scene scene)
 std::unique_ptr<LiveScene::Change> LiveScene::follow(std::int64_t now_ns) {
   if (file_ == nullptr) return nullptr;
   if (auto read = file_->take()) follower_.offer(std::move(*read), now_ns);
-  if (follower_.take_impatience(now_ns)) {
+  if (follower_.take_overdue(now_ns)) {
     log_warning("{} has changed, and the picture waits until haptics_node uses it: see its log, or start it with --watch-scene",
                 file_->path().string());
   }

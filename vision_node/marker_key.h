@@ -14,7 +14,7 @@ namespace hapton {
 class MarkerKey {
  public:
   static constexpr std::int64_t kRepeatNs = 100'000'000;
-  static constexpr std::int64_t kPatienceNs = 2'000'000'000;
+  static constexpr std::int64_t kReplyTimeoutNs = 2'000'000'000;
   static constexpr std::size_t kMostWaiting = 32;  // more presses are dropped
 
   void press(std::int64_t now_ns);

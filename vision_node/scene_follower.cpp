@@ -22,8 +22,8 @@ std::optional<Scene> SceneFollower::take_due() {
   return std::exchange(waiting_, std::nullopt);
 }
 
-bool SceneFollower::take_impatience(std::int64_t now_ns) {
-  if (!waiting_ || is_reported_ || now_ns - waiting_since_ns_ < kPatienceNs) return false;
+bool SceneFollower::take_overdue(std::int64_t now_ns) {
+  if (!waiting_ || is_reported_ || now_ns - waiting_since_ns_ < kReportAfterNs) return false;
   is_reported_ = true;
   return true;
 }

@@ -14,7 +14,7 @@ namespace hapton {
 class SceneFollower {
  public:
   // How long a scene waits before a person is told.
-  static constexpr std::int64_t kPatienceNs = 5'000'000'000;
+  static constexpr std::int64_t kReportAfterNs = 5'000'000'000;
 
   // shown_hash: of the scene that is shown.
   explicit SceneFollower(std::uint64_t shown_hash) : shown_hash_(shown_hash) {}
@@ -30,7 +30,7 @@ class SceneFollower {
   void set_shown(std::uint64_t given_hash) { shown_hash_ = given_hash; }
 
   // True once for each scene that has waited too long.
-  bool take_impatience(std::int64_t now_ns);
+  bool take_overdue(std::int64_t now_ns);
 
  private:
   bool is_due() const;

@@ -59,7 +59,7 @@ constexpr int kTeachCells = 32;
 
 // Triangles within the tolerance of the probe, the planes and normals of their closest points, penetration and force.
 TeachShapes show_contact(const SmoothScene& scene, const TeachProbe& probe);
-// The set that the slow task of fdh-rendering.txt sends for a probe at rest there, by the same function.
+// The set that the slow task of the FDH paper sends for a probe at rest there, by the same function.
 TeachShapes show_local_set(const SmoothScene& scene, const TeachProbe& probe);
 // The Fixed Direction Hulls at one level of that task's tree.
 TeachShapes show_tree(const SmoothScene& scene, const TeachProbe& probe, int level);

@@ -66,7 +66,7 @@ Result<void> VisionSession::run(const StopSignal& stop) {
     follow_scene();
     if (auto attended = attend_window(); !attended) return attended;
     // Before drawing: received states are fresh, so that a slow picture neither counts as a loss nor delays messages.
-    speak();
+    send_pending();
     if (other_ != nullptr) other_->attend(step_.scene_pose(), clock_.now_ns());
     if (auto drawn = draw_if_wanted(); !drawn) return drawn;
     window_.refine_scene();
@@ -247,7 +247,7 @@ void VisionSession::lead_hand() {
   if (step_.interaction().hand_active()) step_.lead_hand(view_.surface_seen().get());
 }
 
-void VisionSession::speak() {
+void VisionSession::send_pending() {
   if (hub_.state() != JoinState::joined) return;
   if (scene_hash_ != 0 && clock_.now_ns() >= next_scene_ns_) {
     next_scene_ns_ = clock_.now_ns() + kSceneEveryNs;

@@ -87,7 +87,7 @@ class VisionSession {
   void follow_scene();
   void compare_scene();
   Result<void> attend_window();
-  void speak();
+  void send_pending();
   Result<void> draw_if_wanted();
   bool other_wants_picture(std::int64_t now_ns);
   void report_frame(bool is_for_us, std::int64_t begin_ns, std::int64_t end_ns);

@@ -45,9 +45,9 @@ std::optional<TrackerPose> TrackerLink::take_newest(std::int64_t now_ns) {
     has_arrived_ = false;
     streams_->wait(0, *this);
     if (!has_arrived_) break;
-    heard_ns_ = now_ns;
+    received_ns_ = now_ns;
   }
-  speak();
+  send_pending();
   return client_ ? client_->take_newest() : std::nullopt;
 }
 
@@ -55,19 +55,19 @@ void TrackerLink::keep_connected(std::int64_t now_ns) {
   if (id_ == 0) {
     if (now_ns < retry_ns_) return;
     retry_ns_ = now_ns + kRetryNs;
-    heard_ns_ = asked_ns_ = now_ns;
+    received_ns_ = asked_ns_ = now_ns;
     id_ = streams_->connect(server_);
     if (id_ != 0) client_.emplace(device_, sensor_);
     return;
   }
-  if (now_ns - heard_ns_ >= kPatienceNs) return streams_->close(id_);
-  if (is_connected() && now_ns - std::max(heard_ns_, asked_ns_) >= kPingNs) {
+  if (now_ns - received_ns_ >= kReceiveTimeoutNs) return streams_->close(id_);
+  if (is_connected() && now_ns - std::max(received_ns_, asked_ns_) >= kPingNs) {
     client_->ping();
     asked_ns_ = now_ns;
   }
 }
 
-void TrackerLink::speak() {
+void TrackerLink::send_pending() {
   if (!client_ || client_->out().empty()) return;
   streams_->send(id_, client_->out());
   client_->out().clear();

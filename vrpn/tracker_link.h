@@ -30,7 +30,7 @@ class TrackerLink final : private StreamEndpoint::Listener {
   // Time without a message after which the server gets a ping ...
   static constexpr std::int64_t kPingNs = 1'000'000'000;
   // ... and after which the connection is closed and made again.
-  static constexpr std::int64_t kPatienceNs = 5'000'000'000;
+  static constexpr std::int64_t kReceiveTimeoutNs = 5'000'000'000;
 
   // Begins to connect. The server need not be there, now or at any time. Error: a host that has no address.
   static Result<std::unique_ptr<TrackerLink>> open(const TrackerName& name, std::int32_t sensor);
@@ -38,7 +38,7 @@ class TrackerLink final : private StreamEndpoint::Listener {
   // Takes what has arrived and returns at once. The newest pose since the last call; none: there is none.
   std::optional<TrackerPose> take_newest(std::int64_t now_ns);
 
-  // Of the device that are down, as TrackerClient::buttons, since the last take_newest; none without a connection.
+  // Buttons of the device that are down, one bit each (TrackerClient::buttons), as of the last take_newest; 0 without a connection.
   std::uint32_t buttons() const { return client_ ? client_->buttons() : 0; }
 
   // The server has answered in VRPN.
@@ -53,7 +53,7 @@ class TrackerLink final : private StreamEndpoint::Listener {
   void on_closed(StreamEndpoint::Id id) override;
   void on_datagram(const Address&, std::span<const std::byte>) override {}
   void keep_connected(std::int64_t now_ns);
-  void speak();
+  void send_pending();
 
   std::unique_ptr<StreamEndpoint> streams_;
   Address server_;
@@ -62,7 +62,7 @@ class TrackerLink final : private StreamEndpoint::Listener {
   std::optional<TrackerClient> client_;  // of the present connection
   StreamEndpoint::Id id_ = 0;            // 0: none
   bool has_arrived_ = false;             // bytes, since they were last looked for
-  std::int64_t heard_ns_ = 0;            // the newest bytes, or the beginning of the connection
+  std::int64_t received_ns_ = 0;         // the newest bytes, or the beginning of the connection
   std::int64_t asked_ns_ = 0;
   std::int64_t retry_ns_ = 0;
 };

@@ -52,7 +52,7 @@ struct FdhInterval {
 };
 
 // A bounding volume hierarchy of Fixed Direction Hulls with K planes over numbered items: flat nodes of eight children, one run of vector
-// instructions per plane pair, the box's three pairs first (fdh-rendering.txt, section 5). Planes are single precision, rounded outward,
+// instructions per plane pair, the box's three pairs first (FDH paper, section 5). Planes are single precision, rounded outward,
 // relative to the owner's centre, so no query misses an item that it touches. Threads: const calls from any number. RT: traversals yes
 // (fixed stack, see FdhTopology), the rest set-up only.
 template <int K>

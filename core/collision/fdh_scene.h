@@ -10,7 +10,7 @@
 
 namespace hapton {
 
-// The two levels of fdh-rendering.txt, section 3: a hierarchy of Fixed Direction Hulls over the objects, and under each object the tree
+// The two levels of the FDH paper, section 3: a hierarchy of Fixed Direction Hulls over the objects, and under each object the tree
 // over its triangles. Frame: one for all objects (static scene S). Units: the meshes'. Threads: const calls from any number. RT: queries
 // yes; build and refit set-up only.
 template <int K>

@@ -109,7 +109,7 @@ struct FdhStats {
   std::size_t bytes = 0;  // of the tree; the mesh belongs to the owner
 };
 
-// The second level of fdh-rendering.txt, section 3: the triangles of one object in a hierarchy of Fixed Direction Hulls. K: 6 (axis-aligned
+// The second level of the FDH paper, section 3: the triangles of one object in a hierarchy of Fixed Direction Hulls. K: 6 (axis-aligned
 // boxes), 14 (the paper's), 18, 26. Coordinates are taken relative to the middle of the mesh, in double, before they become single
 // precision planes, so distant and tiny meshes need no special treatment. Frames: the mesh's. Units: the mesh's. Threads: const calls from
 // any number. RT: queries yes; build, refit set-up only (refit uses no heap).

@@ -35,7 +35,7 @@ using Lanes3 = std::array<Double4, 3>;
   return {from[0] - at * edge[0], from[1] - at * edge[1], from[2] - at * edge[2]};
 }
 
-// Coordinate k of the four points in lanes k.
+// Element k has coordinate k of all four points, a point in each lane.
 [[gnu::always_inline]] inline Lanes3 load_points(const std::array<const Vec3*, 4>& points) {
   std::array<Double4, 4> rows;
   for (std::size_t i = 0; i < 4; ++i) rows[i] = Double4::load_three(points[i]->data());

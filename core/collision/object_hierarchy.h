@@ -12,7 +12,7 @@
 namespace hapton {
 
 // The upper level over the objects of a scene: a tree over their bounds, so that a query costs what lies near it, however many objects
-// there are (fdh-rendering.txt, section 3; we differ in axis-aligned boxes). An object may have no bounds (an empty box): no query finds it
+// there are (FDH paper, section 3; we differ in axis-aligned boxes). An object may have no bounds (an empty box): no query finds it
 // until a refit gives it some.
 //
 // A moved object is refitted: its box and those above it are updated, so queries stay exact. Objects that move far make queries slower,

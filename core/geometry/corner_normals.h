@@ -22,7 +22,7 @@ struct CornerNormalReport {
 // face normals weighted by their angles at the vertex (Thuermer & Wuethrich 1998). Boundary edges and edges of more than two triangles are
 // sharp. Triangles without area do not contribute; they get the normal of the fan that they lie in. crease_angle: radians, 0..pi: the angle
 // between the normals of two faces above which their edge is sharp. Pre: welded vertices, consistent orientation where there is one. RT:
-// set-up only. Source: fdh-rendering.txt, 4.1: "with respect to sharp edges fix or fill missing vertex normals".
+// set-up only. Source: FDH paper, 4.1: "with respect to sharp edges fix or fill missing vertex normals".
 ShadedMesh fill_corner_normals(const TriangleMesh& mesh, std::span<const std::uint32_t> source, double crease_angle,
                                CornerNormalReport& report);
 
@@ -56,7 +56,7 @@ struct NormalCheckReport {
 
 // Final check of the normals: a corner's normal that is not finite, not of length one or not on its own face's side is replaced by the
 // face's. faces: number of triangles that have a side; the fans that follow them need unit normals only. RT: set-up only. Source:
-// fdh-rendering.txt, 4.1: "final validation of normal vectors".
+// FDH paper, 4.1: "final validation of normal vectors".
 NormalCheckReport check_corner_normals(ShadedMesh& mesh, std::size_t faces = ~std::size_t{0});
 
 }  // namespace hapton

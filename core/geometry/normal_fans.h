@@ -14,7 +14,7 @@ struct NormalFanReport {
   std::string describe() const;
 };
 
-// Adds the two degenerate triangles ("fake triangles") of fdh-rendering.txt, fig. 1, along every edge whose two triangles have different
+// Adds the two degenerate triangles ("fake triangles") of the FDH paper, fig. 1, along every edge whose two triangles have different
 // normals at either end: between the edge seen from one side and the edge seen from the other, so that the normal turns continuously from
 // one face's to the other's. We differ in one addition: where three or more normals meet in a vertex (a box's corner) the paper's triangles
 // leave a gap without force; degenerate triangles of a single point fill it. On return triangles [0, faces) are the faces, then come the

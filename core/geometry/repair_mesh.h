@@ -28,7 +28,7 @@ struct RepairReport {
 
 // Repairs what can be repaired without changing the surface, and counts the rest. Triangles keep their order. source[i]: number of triangle
 // i in the given mesh; vertex_source[i]: of vertex i. Orientation: in a piece whose triangles disagree, the minority is flipped; a
-// consistent piece stays as it is, inside out or not. RT: set-up only. Source: fdh-rendering.txt, 4.1 ("problems with more or less
+// consistent piece stays as it is, inside out or not. RT: set-up only. Source: FDH paper, 4.1 ("problems with more or less
 // incorrect triangle models").
 TriangleMesh repair_mesh(const TriangleMesh& mesh, RepairReport& report, std::vector<std::uint32_t>* source = nullptr,
                          std::vector<std::uint32_t>* vertex_source = nullptr);

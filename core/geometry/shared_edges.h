@@ -18,7 +18,7 @@ struct HalfEdge {
   bool upward = false;  // from low to high
 };
 
-// All sides of all triangles, grouped by their two vertices (fdh-rendering.txt, 4.1: "find common edges"). Vertices must be welded. RT:
+// All sides of all triangles, grouped by their two vertices (FDH paper, 4.1: "find common edges"). Vertices must be welded. RT:
 // set-up only.
 class SharedEdges {
  public:

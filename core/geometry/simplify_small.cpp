@@ -174,7 +174,7 @@ Result<SimplifyReport> simplify_small(TriangleMesh& mesh, double max_error_m) {
 }
 
 std::string SimplifyReport::describe() const {
-  if (bound_m == 0.0) return fmt::format("simplify: {} triangles, not asked for", before);
+  if (bound_m == 0.0) return fmt::format("simplify: off, {} triangles", before);
   if (before == after) return fmt::format("simplify: {} triangles, none merged within {:g} m", before, bound_m);
   return fmt::format("simplify: {} triangles made {}, no vertex moved farther than {:g} m of {:g} m allowed", before, after, error_m,
                      bound_m);

@@ -20,7 +20,7 @@ struct SimplifyReport {
 // surface (0: does nothing). Boundaries do not move. meshoptimizer chooses by quadrics, whose error is a mean over planes and not a bound.
 // So the result is measured, and the simplification repeated with a smaller error until the bound holds. The measurement descends from
 // triangle to triangle, so it may be too large but never too small. Pre: welded vertices. Error: max_error_m is not from 0 to below the
-// mesh's longest side. RT: set-up only. Source: fdh-rendering.txt, 4.1 and its [5]; quadric error (Garland & Heckbert 1997) by
+// mesh's longest side. RT: set-up only. Source: FDH paper, 4.1 and its [5]; quadric error (Garland & Heckbert 1997) by
 // meshoptimizer.
 Result<SimplifyReport> simplify_small(TriangleMesh& mesh, double max_error_m);
 

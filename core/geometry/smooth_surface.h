@@ -38,11 +38,11 @@ struct SmoothSurfaceReport {
 // Kinds of triangles of a prepared surface.
 enum class SurfaceKind : std::uint8_t {
   face,        // a triangle
-  edge_fan,    // degenerate: two different points (fdh-rendering.txt, fig. 1)
+  edge_fan,    // degenerate: two different points (FDH paper, fig. 1)
   corner_fan,  // degenerate: one point
 };
 
-// A mesh prepared for fdh-rendering.txt, section 4.1: repaired, with a normal at every corner, large triangles split, and degenerate
+// A mesh prepared for the FDH paper, section 4.1: repaired, with a normal at every corner, large triangles split, and degenerate
 // triangles (the paper's "fake triangles") between normals that differ. Faces come first, then edge fans, then corner fans. Order of the
 // passes: repair (list of triangles, common edges), simplify, normals, check, split, fans, final check. The paper splits after it adds the
 // degenerate triangles; here splitting comes first, so that none of them needs splitting. The result is the same.

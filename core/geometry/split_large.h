@@ -17,7 +17,7 @@ struct SplitReport {
 
 // Halves edges longer than longest_edge, longest rounds first, until there are none or the triangles reach max_triangles. An edge is halved
 // in every triangle that shares it, so no crack and no T-junction opens; new points lie on the old triangles, and their normals are the
-// means of the edge's ends, separately on both sides of a sharp edge. RT: set-up only. Source: fdh-rendering.txt, 4.1: "split large
+// means of the edge's ends, separately on both sides of a sharp edge. RT: set-up only. Source: FDH paper, 4.1: "split large
 // triangles".
 SplitReport split_large(ShadedMesh& mesh, double longest_edge, std::size_t max_triangles);
 

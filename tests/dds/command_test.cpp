@@ -173,6 +173,22 @@ class TorqueTest : public CommandTest {
   }
 };
 
+// The same device, as somebody starts it who wants no torque.
+class ForbiddenTorqueTest : public CommandTest {
+ protected:
+  ForbiddenTorqueTest() : CommandTest({"--vision-rate", "2000", "--device", "simulated-6dof", "--max-torque", "0"}) {}
+};
+
+TEST_F(ForbiddenTorqueTest, TheForceComesAlone) {
+  begin({"--accept-forces", "0.5", "--accept-torques", "0.15"});
+  const auto command = [&] { ros_->write_wrench(kServo, "world", 0.0, 0.2, 0.0, 0.1); };
+  int with_force = 0;
+  EXPECT_TRUE(reaches(command, [&](const Vec3& force) { return force.y() > 0.19 && ++with_force > 50; })) << force_.transpose();
+  EXPECT_EQ(most_nm_, 0.0);
+  bridge_->end();
+  system_.end_all();
+}
+
 TEST_F(TorqueTest, ATorqueReachesTheHandAndEndsWithItsPublisher) {
   begin({"--accept-forces", "0.5", "--accept-torques", "0.04"});
   EXPECT_TRUE(turns(0.03, 0.03)) << torque_.transpose();

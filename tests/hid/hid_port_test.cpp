@@ -107,7 +107,7 @@ TEST(HidPort, AFailedWriteClosesAndReopensTheDevice) {
   Listener listener;
   HidPort port(hid.opener(), listener, "fake");
   ASSERT_TRUE(port.open());
-  port.suspect();
+  port.report_write_failure();
   EXPECT_TRUE(wait_until([&] { return listener.gone == 1 && hid.openings() == 2; }));
 }
 

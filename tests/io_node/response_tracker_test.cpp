@@ -52,9 +52,9 @@ TEST_F(ResponseTrackerTest, DistinguishesInTimeLateReorderedDuplicateAndUnknown)
 TEST_F(ResponseTrackerTest, OvertakenAndNeverAnsweredIsLostAfterThePatience) {
   take(1, 10);
   tracker->answer(to(5));
-  tracker->settle(ResponseTracker::kPatienceNs);
+  tracker->settle(ResponseTracker::kReplyTimeoutNs);
   EXPECT_EQ(tracker->counts().lost, 0U);
-  tracker->settle(ResponseTracker::kPatienceNs + 100 * kMs);
+  tracker->settle(ResponseTracker::kReplyTimeoutNs + 100 * kMs);
   EXPECT_EQ(tracker->counts().lost, 4U);  // 6 to 10 still wait: nothing newer has a response
   EXPECT_EQ(tracker->answer(to(3)), Verdict::reordered);
   EXPECT_EQ(tracker->counts().lost, 3U);
@@ -104,7 +104,7 @@ TEST_F(ResponseTrackerTest, NumbersThatWereLeftOutAreNoneOfTheSkipped) {
     take(before + 1, before + 1);
     take(before + 40, before + 41);
     tracker->answer(to(before + 41, 2));
-    tracker->settle(static_cast<std::int64_t>(before) * kMs + 10 * ResponseTracker::kPatienceNs);
+    tracker->settle(static_cast<std::int64_t>(before) * kMs + 10 * ResponseTracker::kReplyTimeoutNs);
     EXPECT_EQ(tracker->counts().superseded, 2U) << before;
     EXPECT_EQ(tracker->counts().lost, 0U) << before;
     EXPECT_EQ(tracker->counts().taken, before + 3) << before;

@@ -138,6 +138,16 @@ TEST(SafetyLimits, ForbiddenIsForceAndTorqueForever) {
   EXPECT_EQ(limits.device().max_force_n, 8.0) << "what is out is released as fast as before";
 }
 
+TEST(SafetyLimits, AForbiddenTorqueLeavesTheForce) {
+  SafetyLimits limits(
+      DeviceLimits{.max_force_n = 8.0, .max_slew_n_per_s = 2000.0, .max_torque_nm = 0.5, .max_torque_slew_nm_per_s = 100.0});
+  limits.forbid_torque();
+  limits.tighten({.max_torque_nm = 0.1});
+  EXPECT_EQ(limits.now().max_torque_nm, 0.0);
+  EXPECT_EQ(limits.now().max_force_n, 8.0);
+  EXPECT_EQ(limits.device().max_torque_nm, 0.5) << "what is out is released as fast as before";
+}
+
 TEST(SafetyLimits, ADeviceTooSlowToReleaseGetsTheSlewThatReleases) {
   DeviceLimits device = full();
   device.max_slew_n_per_s = 1.0;

@@ -81,8 +81,8 @@ TEST_F(LiveSceneTest, AnotherPlaceIsShownOnceItIsFelt) {
   const Vec2 before = *find(0);
   const std::string log = log_of([&] {
     EXPECT_EQ(save(std::string(kRedObject) + "position_m = [0.02, 0, 0]\n", 0), nullptr);
-    EXPECT_EQ(live->follow(SceneFollower::kPatienceNs), nullptr);
-    EXPECT_EQ(live->follow(2 * SceneFollower::kPatienceNs), nullptr);
+    EXPECT_EQ(live->follow(SceneFollower::kReportAfterNs), nullptr);
+    EXPECT_EQ(live->follow(2 * SceneFollower::kReportAfterNs), nullptr);
   });
   EXPECT_THAT(log, HasSubstr("a.toml has changed, and the picture waits until haptics_node uses it"));
   EXPECT_EQ(std::count(log.begin(), log.end(), '\n'), 1) << log;

@@ -35,7 +35,7 @@ TEST(MarkerKey, GivesUpAndBoundsWhatWaits) {
   std::size_t sent = 0;
   while (key.take_due(0)) ++sent;
   EXPECT_EQ(sent, MarkerKey::kMostWaiting);
-  EXPECT_FALSE(key.take_due(MarkerKey::kPatienceNs));
+  EXPECT_FALSE(key.take_due(MarkerKey::kReplyTimeoutNs));
 }
 
 }  // namespace

@@ -73,11 +73,11 @@ TEST(SceneFollower, TheNewestFileCountsAndItsOldContentIsShownAtOnce) {
 TEST(SceneFollower, APersonIsToldOnceThatItWaits) {
   SceneFollower follower(1);
   follower.set_felt(1);
-  EXPECT_FALSE(follower.take_impatience(SceneFollower::kPatienceNs));
+  EXPECT_FALSE(follower.take_overdue(SceneFollower::kReportAfterNs));
   follower.offer(made(2), 100);
-  EXPECT_FALSE(follower.take_impatience(99 + SceneFollower::kPatienceNs));
-  EXPECT_TRUE(follower.take_impatience(100 + SceneFollower::kPatienceNs));
-  EXPECT_FALSE(follower.take_impatience(200 + SceneFollower::kPatienceNs));
+  EXPECT_FALSE(follower.take_overdue(99 + SceneFollower::kReportAfterNs));
+  EXPECT_TRUE(follower.take_overdue(100 + SceneFollower::kReportAfterNs));
+  EXPECT_FALSE(follower.take_overdue(200 + SceneFollower::kReportAfterNs));
 }
 
 }  // namespace

@@ -87,7 +87,7 @@ TEST_F(VrpnTrackerLink, AsksASilentServerForASignOfLifeAndThenConnectsAnew) {
   SteadyClock().sleep_until_ns(SteadyClock().now_ns() + 20 * kNanosecondsPerMillisecond);
   server->attend();
   EXPECT_EQ(server->heard().size(), greeting + 2 * kHeaderBytes);
-  const std::int64_t gone_ns = asked_ns + TrackerLink::kPatienceNs;
+  const std::int64_t gone_ns = asked_ns + TrackerLink::kReceiveTimeoutNs;
   link->take_newest(gone_ns);
   EXPECT_FALSE(link->is_connected());
   EXPECT_TRUE(server->attend_until([&](std::int64_t) {

@@ -229,7 +229,8 @@ void add_replay_command(CommandLine app, int& exit_code) {
   source.add_option("--scene", options->scene, "Scene file (TOML)");
   command.add_option("--unit", options->unit, "Unit of the mesh file: m (default), cm, mm or in");
   command.add_flag("--no-seal", options->no_seal, "Do not seal cracks: by default those up to 1e-4 of the longest side are closed");
-  command.add_option("--trajectory", options->trajectory, "CSV: t_s,x_m,y_m,z_m[,qw,qx,qy,qz][,sample], one row a step").required();
+  command.add_option("--trajectory", options->trajectory, "CSV: t_s,x_m,y_m,z_m[,qw,qx,qy,qz][,buttons][,sample], one row a step")
+      .required();
   command.add_option("--tool", options->tool,
                      "Mesh of a rigid tool instead of a point or a ball: force and torque (default: the scene's [tool], if it has one)");
   command.add_option("--tool-unit", options->tool_unit, "Unit of the tool's mesh (default: as --unit)");

@@ -16,7 +16,7 @@ namespace {
 // Replies are reordered by at most this; ForceCommand::answered_before covers as many.
 constexpr std::uint64_t kReach = 64;
 
-// After so long in free space, without a button, a ball that carves remembers nothing: what it had of room or lag has faded.
+// After so long in free space and without a button, a ball that carves has no state left.
 constexpr std::int64_t kForgottenNs = 300'000'000;
 // To make bodies takes up to a second.
 constexpr std::int64_t kRebuildEveryNs = 1'000'000'000;
@@ -118,8 +118,8 @@ Result<void> SessionReplay::check_effects(const HapticsSetup& setup) const {
 Result<std::unique_ptr<TouchStep>> SessionReplay::make_method_of(const HapticsSetup& setup, double* offset_m) {
   if (parse_tool_text(setup.method.data())) {
     return fail(
-        "the stylus held a rigid tool, whose forces depend on when its slow task was done; hapton session trajectory writes the motion, "
-        "hapton replay --tool feels it");
+        "the stylus held a rigid tool, whose forces depend on when its slow task was done; hapton session export FILE --out DIR "
+        "writes the motion (trajectory.csv), and hapton replay --tool follows it");
   }
   if (const auto checked = check_effects(setup); !checked) return tl::unexpected(checked.error());
   const auto settings = parse_method_text(setup.method.data());
@@ -219,7 +219,7 @@ bool SessionReplay::has_rested(const ForceCommand& command) const {
          ns_between(rebuilt_ns_, command.echo_sample_time_ns) >= kRebuildEveryNs;
 }
 
-// A device that was free then is free now: from here on nothing earlier matters. Effects remember more: time, velocity.
+// In free space a method has no state, so replay can begin there. Effects have more: time, velocity.
 Result<void> SessionReplay::find_certainty(const ForceCommand& command) {
   if (is_certain_ || command.contact || step_->has_effects()) return {};
   if (const auto rebuilt = rebuild_surfaces(command); !rebuilt) return rebuilt;
@@ -251,7 +251,7 @@ bool SessionReplay::apply_move(std::uint32_t serial) {
   return is_there && step_->command(move->second.object, to_command(move->second));
 }
 
-// A move says itself from when on it counts, so these are begun before the samples whose replies were lost.
+// A move carries its own start time, so these are begun before the samples whose replies were lost.
 void SessionReplay::change_moves(std::uint32_t serial) {
   while (move_serial_ < serial) are_moves_known_ = apply_move(++move_serial_) && are_moves_known_;
   if (!are_moves_known_) is_certain_ = false;

@@ -31,7 +31,7 @@ struct LocalSetRequest {
   Vec3 to = Vec3::Zero();
 };
 
-// The triangles near a probe's predicted path: all that the fast task needs, of bounded size (fdh-rendering.txt, section 3: the small
+// The triangles near a probe's predicted path: all that the fast task needs, of bounded size (FDH paper, section 3: the small
 // subset of triangles). Every triangle of the scene nearer to the path than `radius` is in it.
 // A plain value without heap, so it fits into a mailbox between the slow and the fast task.
 struct LocalSet {

@@ -13,7 +13,7 @@ namespace hapton {
 // with d in 0..RADIUS exerts a force outside the surface. `--method smooth --layer 1` selects it.
 constexpr double kFdhPaperLayer = 1.0;
 
-// Algorithm 1 of fdh-rendering.txt: the force of a set of triangles on a nearby probe, with smooth normals. In the paper's symbols: P the
+// Algorithm 1 of the FDH paper: the force of a set of triangles on a nearby probe, with smooth normals. In the paper's symbols: P the
 // probe, T a triangle, B the closest point on an edge, n_i the normal interpolated there, R_i the plane of edge and n_i, d_i the distance
 // from it, D the virtual contact point (VCP), f the force law. The paper's "fake triangles" are the degenerate triangles that fill the fan
 // of normals at an edge or vertex. Where the paper leaves a choice: docs/decisions/0003-fdh-smooth.md. Frame S, metres, newtons. RT: all of

@@ -30,17 +30,15 @@ struct SmoothCounters {
   std::uint64_t over_capacity = 0;  // VCPs beyond the capacity of one step
 };
 
-// fdh-rendering.txt, complete: the fast task computes force from a small set of triangles near the probe (Algorithm 1: smooth normals,
-// hidden VCPs removed). A probe that has passed through the surface is tracked by its VCP (fig. 4), so the force still comes from the
-// outside.
-// The force is a function of the triangles within RADIUS of the probe or its VCP and of their last positions. Two sets that are complete
-// that far give the same force to the last bit, so an exchange of sets cannot be felt. A step never uses a set beyond its radius: it then
-// selects a set itself, and if none is large enough it queries the tree; both are counted.
-// f: outside the surface a spring over `layer` (0: contact begins at the surface, as in every other method); inside, that spring's full
-// force plus the spring between probe and VCP. Material: stiffness and two_sided; TouchStep adds friction and damping.
-// Where the paper leaves a choice: docs/decisions/0003-fdh-smooth.md.
-// Frame S. Threads: one; prepare in a second one, except while vertices move. scene() may be read from any thread while no vertices move.
-// RT: step, reset, request, offer yes; bounded time while counters().overflows does not change.
+// The method of the FDH paper, complete: the fast task computes force from a small set of triangles near the probe (Algorithm 1: smooth
+// normals, hidden VCPs removed). A probe that has passed through the surface is tracked by its VCP (fig. 4), so the force still comes from
+// the outside. The force is a function of the triangles within RADIUS of the probe or its VCP and of their last positions. Two sets that
+// are complete that far give the same force to the last bit, so an exchange of sets cannot be felt. A step never uses a set beyond its
+// radius: it then selects a set itself, and if none is large enough it queries the tree; both are counted. f: outside the surface a spring
+// over `layer` (0: contact begins at the surface, as in every other method); inside, that spring's full force plus the spring between probe
+// and VCP. Material: stiffness and two_sided; TouchStep adds friction and damping. Where the paper leaves a choice:
+// docs/decisions/0003-fdh-smooth.md. Frame S. Threads: one; prepare in a second one, except while vertices move. scene() may be read from
+// any thread while no vertices move. RT: step, reset, request, offer yes; bounded time while counters().overflows does not change.
 class SmoothMethod final : public ForceMethod {
  public:
   struct Settings {

@@ -93,7 +93,6 @@ TEST(TouchGeometry, KeepsEveryTriangleAndItsObject) {
   EXPECT_GT(geometry.bytes(), geometry.triangle_count() * 20);
 }
 
-// Both hierarchies count before anything is built, and what is built besides.
 TEST(TouchGeometry, OfSharedObjectsFindsWhatOneThatBuildsThemDoes) {
   const std::vector<std::shared_ptr<const TriangleMesh>> meshes = {
       std::make_shared<TriangleMesh>(make_bumpy_sphere(0.3, 0.2, 300, 3)), std::make_shared<TriangleMesh>(),
@@ -128,6 +127,7 @@ TEST(TouchGeometry, OfSharedObjectsFindsWhatOneThatBuildsThemDoes) {
   EXPECT_EQ(meshes_found, (std::set<std::uint32_t>{0, 2}));
 }
 
+// bytes() has the hierarchies before anything is built, and afterwards also what was built.
 TEST(TouchGeometry, CountsTheBytesOfBothHierarchiesAndOfWhatIsBuilt) {
   const auto near = std::make_shared<TriangleMesh>(make_icosphere(0.05, 2));
   const auto far = std::make_shared<TriangleMesh>(scaled_and_moved(make_icosphere(0.05, 2), 1.0, Vec3(3, 0, 0)));

@@ -1,4 +1,4 @@
-// Algorithm 1 of fdh-rendering.txt against a literal transcription of the paper's pseudocode: independent code, the paper's own divisions
+// Algorithm 1 of the FDH paper against a literal transcription of the paper's pseudocode: independent code, the paper's own divisions
 // and order.
 #include <gtest/gtest.h>
 
