@@ -65,6 +65,38 @@ TEST(ZWidthGrid, OverALinkOfChanceTheLimitIsSimulated) {
   EXPECT_EQ(to_json(row)["inputs"]["seed"], 7);
 }
 
+// With jitter and loss the force is older than the delay: what is passive and how much damping is stable must say so.
+TEST(ZWidthGrid, OverALinkOfChanceEveryLimitIsOfThatLink) {
+  LoopFlags flags;
+  flags.device = "falcon";
+  ZWidthGrid grid{.loops = *loops_of(flags), .delays_ms = {20.0}, .losses = {0.0, 0.3}};
+  const ZWidthRow still = measure_cell(grid, 0);
+  const ZWidthRow lossy = measure_cell(grid, 1);
+  EXPECT_EQ(still.mean_delay_s, 0.02);
+  const double share = 0.7 * 0.7;
+  EXPECT_NEAR(lossy.mean_delay_s, 0.02 + 1e-3 * (1.0 - share) / share, 5e-5);
+  EXPECT_NEAR(lossy.found.passive.viscous_n_per_m, 1.0 / (0.5e-3 + lossy.mean_delay_s), 1e-3 / lossy.mean_delay_s);
+  EXPECT_LT(lossy.found.passive.viscous_n_per_m, 0.97 * still.found.passive.viscous_n_per_m);
+  EXPECT_EQ(lossy.found.passive.quantised_n_per_m, still.found.passive.quantised_n_per_m);
+  EXPECT_LT(lossy.found.damping_ns_per_m.value, 0.99 * still.found.damping_ns_per_m.value);
+  const nlohmann::ordered_json json = to_json(lossy);
+  EXPECT_NEAR(json["mean_delay_ms"].get<double>(), 1e3 * lossy.mean_delay_s, 1e-9);
+  EXPECT_TRUE(json["stable_mass_kg"].is_null());
+  EXPECT_THAT(json["methods"]["passive"].get<std::string>(), HasSubstr("on average"));
+  EXPECT_FALSE(to_json(still).contains("mean_delay_ms"));
+}
+
+// 20 s of simulation are two delays here: what has not come back yet is not stable for that reason.
+TEST(ZWidthGrid, ALongDelayIsSimulatedForLonger) {
+  LoopFlags flags;
+  flags.device = "falcon";
+  const ZWidthGrid still{.loops = *loops_of(flags), .rates_hz = {100.0}, .delays_ms = {9000.0}};
+  ZWidthGrid jittered = still;
+  jittered.jitters_ms = {1e-3};
+  const double exact = measure_cell(still, 0).found.stiffness.value;
+  EXPECT_NEAR(measure_cell(jittered, 0).found.stiffness.value, exact, 0.02 * exact);
+}
+
 TEST(ZWidthGrid, ChanceDoesNotMakeAnUndampedLoopStable) {
   LoopFlags flags;
   flags.mass_kg = 0.2;
