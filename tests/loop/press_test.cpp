@@ -80,10 +80,15 @@ TEST(RestStiffness, FrictionRaisesIt) {
 TEST(SpectrumPeak, FindsALine) {
   std::vector<double> signal;
   for (int i = 0; i < 1000; ++i) signal.push_back(3.0 + 0.5 * std::sin(2.0 * std::numbers::pi * 0.123 * i));
-  const SpectrumPeak peak = find_spectrum_peak(signal, 1000.0, 5.0);
+  const std::vector<SpectrumPeak> spectrum = compute_spectrum(signal, 1000.0);
+  ASSERT_EQ(spectrum.size(), 500U);
+  EXPECT_DOUBLE_EQ(spectrum.front().frequency_hz, 1.0);
+  EXPECT_DOUBLE_EQ(spectrum.back().frequency_hz, 500.0);
+  const SpectrumPeak peak = find_spectrum_peak(spectrum, 5.0);
   EXPECT_NEAR(peak.frequency_hz, 123.0, 1.0);
   EXPECT_NEAR(peak.amplitude, 0.5, 0.01);
-  EXPECT_EQ(find_spectrum_peak({1.0, 2.0}, 1000.0, 5.0).amplitude, 0.0);
+  EXPECT_TRUE(compute_spectrum({1.0, 2.0}, 1000.0).empty());
+  EXPECT_EQ(find_spectrum_peak({}, 5.0).amplitude, 0.0);
 }
 
 TEST(Press, TheDepthIsThatOfHandAndWallInSeries) {

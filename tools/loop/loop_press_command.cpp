@@ -35,6 +35,7 @@ struct PressOptions {
   bool json = false;
   bool impedance = false;
   std::filesystem::path csv;
+  std::filesystem::path spectrum;
 };
 
 constexpr double kImpedanceHz[] = {1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0};
@@ -84,6 +85,12 @@ std::string to_csv(const std::vector<LoopRow>& rows) {
     csv += fmt::format("{:.9f},{},{},{},{}\n", 1e-9 * static_cast<double>(row.time_ns), row.p_WD.x(), row.force_n.x(), row.motor_j,
                        row.lost_j);
   }
+  return csv;
+}
+
+std::string to_csv(const std::vector<SpectrumPeak>& spectrum) {
+  std::string csv = "frequency_hz,force_n\n";
+  for (const SpectrumPeak& line : spectrum) csv += fmt::format("{},{}\n", line.frequency_hz, line.amplitude);
   return csv;
 }
 
@@ -200,6 +207,10 @@ Result<void> run(const PressOptions& options) {
   } else {
     print_text(loop, press, impedance);
   }
+  if (!options.spectrum.empty()) {
+    auto written = write_file_atomically(options.spectrum, to_csv(compute_buzz_spectrum(rows, path, bench->period_ns)));
+    if (!written) return written;
+  }
   return options.csv.empty() ? Result<void>() : write_file_atomically(options.csv, to_csv(rows));
 }
 
@@ -236,6 +247,10 @@ void add_loop_press_command(CommandLine loop, int& exit_code) {
   command.add_flag("--mesh", options->is_mesh, "The wall is a mesh, touched by the step of haptics_node");
   command.add_flag("--impedance", options->impedance, "Rendered stiffness and damping against frequency too");
   command.add_option("--csv", options->csv, "Write a line for each sample to this file").file_to_write();
+  command
+      .add_option("--spectrum", options->spectrum,
+                  "Write the spectrum of the force in the second half of the hold to this file, a line for each frequency")
+      .file_to_write();
   command.add_flag("--json", options->json, "Print JSON");
   command.on_run([options, &exit_code] {
     const auto done = run(*options);
