@@ -104,12 +104,15 @@ PressMeasures measure_press(const std::vector<LoopRow>& rows, const PressPath& p
   if (rows.empty()) return press;
   const std::int64_t contact_ns = find_contact_ns(rows, path);
   press.contact_s = 1e-9 * static_cast<double>(contact_ns);
+  press.has_contact = contact_ns < path.release_ns;
+  measure_energy(rows, press);
+  press.settling_s = std::numeric_limits<double>::infinity();
+  if (!press.has_contact) return press;
   const Rows hold = between(rows, contact_ns, path.release_ns);
   measure_hold(hold, encoder_step_m, press);
   const SpectrumPeak buzz = find_spectrum_peak(compute_buzz_spectrum(rows, path, period_ns), kLowestBuzzHz);
   press.buzz_hz = buzz.frequency_hz;
   press.buzz_n = buzz.amplitude;
-  measure_energy(rows, press);
   return press;
 }
 
@@ -129,7 +132,8 @@ bool comes_to_rest(const PressCase& press, double stiffness_n_per_m) {
   if (!simulation.run_until(path.release_ns, &rows)) return false;
   const PressMeasures measures = measure_press(rows, path, press.period_ns, press.device.encoder_step_m, true);
   constexpr double kStill = 0.01;
-  return measures.limit_cycle_m <= std::max(2.0 * press.device.encoder_step_m, kStill * std::fabs(measures.depth_m));
+  return measures.has_contact &&
+         measures.limit_cycle_m <= std::max(2.0 * press.device.encoder_step_m, kStill * std::fabs(measures.depth_m));
 }
 
 }  // namespace

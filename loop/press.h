@@ -31,6 +31,7 @@ PressPath make_press_path(const HandModel& hand, const PressPlan& plan);
 // Measurements of a press and release.
 struct PressMeasures {
   bool is_bounded = true;      // false: the motion diverged, and the other values are from the time before
+  bool has_contact = false;    // a force acted before the release; without one, contact_s is that of the release, and nothing settles
   double contact_s = 0.0;      // first force
   double depth_m = 0.0;        // mean of the last quarter of the hold
   double overshoot = 0.0;      // deepest point beyond depth_m, as a share of it
@@ -58,9 +59,9 @@ struct PressCase {
   std::uint64_t seed = 1;
 };
 
-// The largest stiffness up to which a press comes to rest: bounded, with a limit cycle of two encoder steps, or 1 % of the depth, at most.
-// With encoder steps, friction and saturation, which the limit of stability leaves out. Searched upwards by equal ratios, to most_n_per_m,
-// then by bisection to 1 %. RT: no.
+// The largest stiffness up to which a press comes to rest: bounded, with a force before the release and a limit cycle of two encoder steps,
+// or 1 % of the depth, at most. With encoder steps, friction and saturation, which the limit of stability leaves out. Searched upwards by
+// equal ratios, to most_n_per_m, then by bisection to 1 %. RT: no.
 double find_rest_stiffness(const PressCase& press, double most_n_per_m);
 
 // A line of a spectrum. Frequency in hertz, amplitude in the signal's unit.

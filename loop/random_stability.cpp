@@ -108,9 +108,11 @@ double measure_mean_delay_s(const RandomLoop& loop) {
   for (std::int64_t tick_ns = 0; tick_ns < end_ns; tick_ns += loop.period_ns) {
     // The position is the time, so the force on the motors is the time of its sample.
     chain.sample({1e-9 * static_cast<double>(tick_ns), 0.0, 0.0}, tick_ns);
+    // In whole periods, from the first that begins with a force.
+    const bool counts = chain.counters().replies > 0;
     for (std::int64_t now_ns = tick_ns; now_ns < tick_ns + loop.period_ns;) {
       const std::int64_t until_ns = std::min(tick_ns + loop.period_ns, chain.next_ns().value_or(std::numeric_limits<std::int64_t>::max()));
-      if (chain.counters().replies > 0) {
+      if (counts) {
         const auto passed_ns = static_cast<double>(until_ns - now_ns);
         sum_s_ns += passed_ns * (0.5e-9 * static_cast<double>(now_ns + until_ns) - chain.force_n().x());
         counted_ns += passed_ns;

@@ -10,8 +10,8 @@ namespace hapton {
 
 // A linear loop over a link with random delay and loss.
 struct RandomLoop {
-  DeviceModel device;  // friction, encoder steps and saturation are left out: the loop is linear
-  HandModel hand;
+  DeviceModel device = {};  // friction, encoder steps and saturation are left out: the loop is linear
+  HandModel hand = {};
   std::int64_t period_ns = 1'000'000;
   LinkFaults there = {};
   LinkFaults back = {};

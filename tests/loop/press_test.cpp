@@ -52,6 +52,17 @@ TEST(Press, BeyondTheLimitBuzzesAndGivesEnergy) {
   EXPECT_TRUE(std::isinf(measures.settling_s));
 }
 
+// The first force comes after the hand has left again: nothing has settled.
+TEST(Press, WithoutAForceInTimeNothingSettles) {
+  ForceChain::Options link;
+  link.there.delay_ns = 2'000'000'000;
+  const PressMeasures late = press(kIdeal, *find_hand_preset("stylus"), 1000.0, link).measures;
+  EXPECT_FALSE(late.has_contact);
+  EXPECT_TRUE(std::isinf(late.settling_s));
+  EXPECT_EQ(late.depth_m, 0.0);
+  EXPECT_TRUE(press(kIdeal, *find_hand_preset("stylus"), 1000.0).measures.has_contact);
+}
+
 TEST(Press, AHandWithoutASpringPushes) {
   const Pressed pressed = press({.mass_kg = 0.075, .damping_ns_per_m = 2.0, .friction_n = 0.04}, {}, 1000.0);
   EXPECT_NEAR(pressed.measures.depth_m, 1e-3, 5e-5);
@@ -75,6 +86,12 @@ TEST(RestStiffness, FrictionRaisesIt) {
   loop.device.friction_n = 0.3;
   EXPECT_GT(find_rest_stiffness(loop, 1e5), 1.2 * without);
   EXPECT_EQ(find_rest_stiffness(loop, 20.0), 20.0);
+}
+
+TEST(RestStiffness, WhatNoForceReachesInTimeDoesNotRest) {
+  PressCase loop{.device = kIdeal, .hand = *find_hand_preset("stylus")};
+  loop.there.delay_ns = 2'000'000'000;
+  EXPECT_EQ(find_rest_stiffness(loop, 1e5), 0.0);
 }
 
 TEST(SpectrumPeak, FindsALine) {

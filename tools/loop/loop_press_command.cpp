@@ -132,6 +132,7 @@ nlohmann::ordered_json to_json(const PressOptions& options, const NamedLoop& loo
             {"wall", options.is_mesh ? "mesh" : "plane"},
             {"seed", options.seed}}},
           {"bounded", press.is_bounded},
+          {"contact", press.has_contact},
           {"depth_m", press.depth_m},
           {"overshoot", press.overshoot},
           {"settling_s", number(press.settling_s)},
@@ -150,6 +151,7 @@ void print_text(const NamedLoop& loop, const PressMeasures& press, const nlohman
   fmt::print("{} in hand {}: {}\n", loop.device, loop.hand, press.is_bounded ? "bounded" : "RAN AWAY");
   const std::string settling =
       std::isfinite(press.settling_s) ? fmt::format("settled after {:.4g} ms", 1e3 * press.settling_s) : "never settled";
+  if (!press.has_contact) fmt::print("no force acted before the release\n");
   fmt::print("depth {:.4g} mm, overshoot {:.3g} %, {}, limit cycle {:.4g} um\n", 1e3 * press.depth_m, 100.0 * press.overshoot, settling,
              1e6 * press.limit_cycle_m);
   fmt::print("buzz {:.4g} N at {:.4g} Hz\n", press.buzz_n, press.buzz_hz);

@@ -71,15 +71,18 @@ void simulate(ZWidthRow& row) {
                         .seed = row.seed,
                         .seconds = simulated_s(row)};
   ZWidth& found = row.found;
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  found.mass_kg = {kUnknown, 0.0};
+  row.mean_delay_s = measure_mean_delay_s(loop);
+  if (!std::isfinite(row.mean_delay_s)) {
+    // No force came back.
+    found.stiffness = found.damping_ns_per_m = {kUnknown, 0.0};
+    found.passive = {};
+    return;
+  }
   if (found.stiffness.value > 0.0) found.stiffness = {find_stable_stiffness_by_simulation(loop, std::max(1.0, found.stiffness.value)), 0.0};
   if (found.damping_ns_per_m.value > 0.0)
     found.damping_ns_per_m = {find_stable_damping_by_simulation(loop, found.damping_ns_per_m.value), 0.0};
-  found.mass_kg = {std::numeric_limits<double>::quiet_NaN(), 0.0};
-  row.mean_delay_s = measure_mean_delay_s(loop);
-  if (!std::isfinite(row.mean_delay_s)) {
-    found.passive = {};  // no force came
-    return;
-  }
   ZWidthCase mean = row.inputs;
   mean.delay_s = row.mean_delay_s;
   found.passive = find_passive_stiffness(make_passivity_case(mean));

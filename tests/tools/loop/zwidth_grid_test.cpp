@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -95,6 +96,17 @@ TEST(ZWidthGrid, ALongDelayIsSimulatedForLonger) {
   jittered.jitters_ms = {1e-3};
   const double exact = measure_cell(still, 0).found.stiffness.value;
   EXPECT_NEAR(measure_cell(jittered, 0).found.stiffness.value, exact, 0.02 * exact);
+}
+
+// 200 samples, of which one in ten thousand has a force.
+TEST(ZWidthGrid, WhereNoForceComesBackNothingIsKnown) {
+  LoopFlags flags;
+  flags.device = "touch";
+  const ZWidthGrid grid{.loops = *loops_of(flags), .rates_hz = {10.0}, .losses = {0.99}};
+  const ZWidthRow row = measure_cell(grid, 0);
+  EXPECT_TRUE(std::isnan(row.found.stiffness.value));
+  EXPECT_EQ(row.found.passive.least_n_per_m(), 0.0);
+  EXPECT_TRUE(to_json(row)["stable_stiffness_n_per_m"].is_null());
 }
 
 TEST(ZWidthGrid, ChanceDoesNotMakeAnUndampedLoopStable) {
