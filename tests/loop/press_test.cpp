@@ -88,10 +88,11 @@ TEST(RestStiffness, FrictionRaisesIt) {
   EXPECT_EQ(find_rest_stiffness(loop, 20.0), 20.0);
 }
 
+// Into a soft wall the hand goes so far that a force of two seconds ago comes before the release; at a stiff one none does.
 TEST(RestStiffness, WhatNoForceReachesInTimeDoesNotRest) {
   PressCase loop{.device = kIdeal, .hand = *find_hand_preset("stylus")};
   loop.there.delay_ns = 2'000'000'000;
-  EXPECT_EQ(find_rest_stiffness(loop, 1e5), 0.0);
+  EXPECT_LT(find_rest_stiffness(loop, 1e5), 20.0);
 }
 
 TEST(SpectrumPeak, FindsALine) {

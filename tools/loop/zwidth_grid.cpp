@@ -78,6 +78,7 @@ void simulate(ZWidthRow& row) {
     // No force came back.
     found.stiffness = found.damping_ns_per_m = {kUnknown, 0.0};
     found.passive = {};
+    found.linear_rule_n_per_m = 0.0;
     return;
   }
   if (found.stiffness.value > 0.0) found.stiffness = {find_stable_stiffness_by_simulation(loop, std::max(1.0, found.stiffness.value)), 0.0};
@@ -85,7 +86,10 @@ void simulate(ZWidthRow& row) {
     found.damping_ns_per_m = {find_stable_damping_by_simulation(loop, found.damping_ns_per_m.value), 0.0};
   ZWidthCase mean = row.inputs;
   mean.delay_s = row.mean_delay_s;
-  found.passive = find_passive_stiffness(make_passivity_case(mean));
+  const PassivityCase passivity = make_passivity_case(mean);
+  found.passive = find_passive_stiffness(passivity);
+  found.linear_rule_n_per_m =
+      linear_rule_n_per_m(mean.device.damping_ns_per_m + mean.hand.damping_ns_per_m, passivity.period_s, mean.delay_s);
 }
 
 void press(ZWidthRow& row) {

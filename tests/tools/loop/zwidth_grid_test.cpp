@@ -87,6 +87,21 @@ TEST(ZWidthGrid, OverALinkOfChanceEveryLimitIsOfThatLink) {
   EXPECT_FALSE(to_json(still).contains("mean_delay_ms"));
 }
 
+// What is passive is stable with any hand, so with none: the two are found in different ways. They are the same but for chance.
+TEST(ZWidthGrid, OverALinkOfChanceWhatIsPassiveIsStable) {
+  LoopFlags flags;
+  flags.device = "falcon";
+  flags.hand = "off";
+  const ZWidthGrid grid{.loops = *loops_of(flags), .delays_ms = {5.0, 50.0}, .jitters_ms = {0.0, 10.0}, .losses = {0.2}};
+  for (std::size_t cell = 0; cell < grid.cells(); ++cell) {
+    const ZWidthRow row = measure_cell(grid, cell);
+    const double passive = row.found.passive.viscous_n_per_m;
+    EXPECT_LT(passive, 1.01 * row.found.stiffness.value) << row.delay_ms << " ms, " << row.jitter_ms << " ms";
+    EXPECT_GT(passive, 0.9 * row.found.stiffness.value) << row.delay_ms << " ms, " << row.jitter_ms << " ms";
+    EXPECT_NEAR(row.found.linear_rule_n_per_m, passive, 0.02 * passive);
+  }
+}
+
 // 20 s of simulation are two delays here: what has not come back yet is not stable for that reason.
 TEST(ZWidthGrid, ALongDelayIsSimulatedForLonger) {
   LoopFlags flags;
