@@ -54,9 +54,9 @@ LinkFaults link_of(const ZWidthRow& row, bool is_there) {
   return {.delay_ns = is_there ? half_ns : ms_to_ns(row.delay_ms) - half_ns, .jitter_ns = ms_to_ns(row.jitter_ms), .loss = row.loss};
 }
 
-// Simulated for each stiffness: 20 s, and 30 delays at least.
+// Simulated for each stiffness: 20 s, and 90 delays at least.
 double simulated_s(const ZWidthRow& row) {
-  constexpr double kDelays = 30.0;
+  constexpr double kDelays = 90.0;
   return std::max(RandomLoop().seconds, kDelays * 1e-3 * (row.delay_ms + 2.0 * row.jitter_ms));
 }
 
