@@ -35,6 +35,10 @@ std::uint64_t fingerprint(const ZWidthGrid& grid) {
     const DeviceModel& d = loop.device_model;
     add(fmt::format("{} {} {} {} {} {} {} {}", loop.device, loop.hand, d.mass_kg, d.damping_ns_per_m, d.friction_n, d.encoder_step_m,
                     d.amplifier_hz, d.mode_count));
+    for (int i = 0; i < d.mode_count; ++i) {
+      const StructuralMode& mode = d.modes[static_cast<std::size_t>(i)];
+      add(fmt::format("{} {} {}", mode.mass_kg, mode.stiffness_n_per_m, mode.damping_ns_per_m));
+    }
     add(fmt::format("{} {} {}", loop.hand_model.mass_kg, loop.hand_model.damping_ns_per_m, loop.hand_model.stiffness_n_per_m));
   }
   for (const auto* numbers : {&grid.rates_hz, &grid.delays_ms, &grid.jitters_ms, &grid.losses, &grid.wall_dampings_ns_per_m}) {

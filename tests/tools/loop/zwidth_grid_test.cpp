@@ -177,6 +177,9 @@ TEST_F(MergeTest, RejectsWhatIsMissingDoubleOrOfAnotherGrid) {
   ZWidthGrid other = grid;
   other.delays_ms.back() = 60.0;
   const auto first = write_shard(grid, 1, 2);
+  ZWidthGrid softer = grid;
+  softer.loops.front().device_model.modes[0].stiffness_n_per_m *= 0.5;
+  EXPECT_THAT(merge_csv({first, write_shard(softer, 2, 2)}).error().what, HasSubstr("another grid"));
   EXPECT_THAT(merge_csv({first}).error().what, HasSubstr("cell 1 of 24"));
   EXPECT_THAT(merge_csv({first, first}).error().what, HasSubstr("line 3: cell 0 is a duplicate"));
   EXPECT_THAT(merge_csv({first, write_shard(other, 2, 2)}).error().what, HasSubstr("another grid"));
