@@ -56,6 +56,12 @@ void measure_hold(Rows hold, double encoder_step_m, PressMeasures& press) {
   if (press.depth_m > 0.0) press.overshoot = std::max(0.0, deepest_m / press.depth_m - 1.0);
 }
 
+// Of the first force; the release if there is none.
+std::int64_t find_contact_ns(const std::vector<LoopRow>& rows, const PressPath& path) {
+  const auto contact = std::find_if(rows.begin(), rows.end(), [](const LoopRow& row) { return row.force_n.x() != 0.0; });
+  return contact == rows.end() ? path.release_ns : contact->time_ns;
+}
+
 void measure_energy(const std::vector<LoopRow>& rows, PressMeasures& press) {
   press.wall_j = rows.back().motor_j;
   press.generated_j = rows.back().motor_j - rows.back().lost_j;
@@ -96,17 +102,17 @@ PressMeasures measure_press(const std::vector<LoopRow>& rows, const PressPath& p
   PressMeasures press;
   press.is_bounded = is_bounded;
   if (rows.empty()) return press;
-  const auto contact = std::find_if(rows.begin(), rows.end(), [](const LoopRow& row) { return row.force_n.x() != 0.0; });
-  const std::int64_t contact_ns = contact == rows.end() ? path.release_ns : contact->time_ns;
+  const std::int64_t contact_ns = find_contact_ns(rows, path);
   press.contact_s = 1e-9 * static_cast<double>(contact_ns);
+  press.has_contact = contact_ns < path.release_ns;
+  measure_energy(rows, press);
+  press.settling_s = std::numeric_limits<double>::infinity();
+  if (!press.has_contact) return press;
   const Rows hold = between(rows, contact_ns, path.release_ns);
   measure_hold(hold, encoder_step_m, press);
-  std::vector<double> force_n;
-  for (const LoopRow& row : hold.last(hold.size() / 2)) force_n.push_back(row.force_n.x());
-  const SpectrumPeak buzz = find_spectrum_peak(force_n, 1e9 / static_cast<double>(period_ns), kLowestBuzzHz);
+  const SpectrumPeak buzz = find_spectrum_peak(compute_buzz_spectrum(rows, path, period_ns), kLowestBuzzHz);
   press.buzz_hz = buzz.frequency_hz;
   press.buzz_n = buzz.amplitude;
-  measure_energy(rows, press);
   return press;
 }
 
@@ -126,7 +132,8 @@ bool comes_to_rest(const PressCase& press, double stiffness_n_per_m) {
   if (!simulation.run_until(path.release_ns, &rows)) return false;
   const PressMeasures measures = measure_press(rows, path, press.period_ns, press.device.encoder_step_m, true);
   constexpr double kStill = 0.01;
-  return measures.limit_cycle_m <= std::max(2.0 * press.device.encoder_step_m, kStill * std::fabs(measures.depth_m));
+  return measures.has_contact &&
+         measures.limit_cycle_m <= std::max(2.0 * press.device.encoder_step_m, kStill * std::fabs(measures.depth_m));
 }
 
 }  // namespace
@@ -137,7 +144,7 @@ double find_rest_stiffness(const PressCase& press, double most_n_per_m) {
   return find_largest_value(range, kFine, [&](double stiffness_n_per_m) { return comes_to_rest(press, stiffness_n_per_m); });
 }
 
-SpectrumPeak find_spectrum_peak(const std::vector<double>& signal, double rate_hz, double lowest_hz) {
+std::vector<SpectrumPeak> compute_spectrum(const std::vector<double>& signal, double rate_hz) {
   const std::size_t count = signal.size();
   if (count < 8) return {};
   double mean = 0.0;
@@ -151,13 +158,27 @@ SpectrumPeak find_spectrum_peak(const std::vector<double>& signal, double rate_h
   std::vector<std::complex<double>> lines;
   Eigen::FFT<double> fft;
   fft.fwd(lines, windowed);
-  SpectrumPeak peak;
+  std::vector<SpectrumPeak> spectrum;
   for (std::size_t i = 1; i <= count / 2; ++i) {
-    const double frequency_hz = static_cast<double>(i) * rate_hz / static_cast<double>(count);
-    const double amplitude = 4.0 / static_cast<double>(count) * std::abs(lines[i]);
-    if (frequency_hz >= lowest_hz && amplitude > peak.amplitude) peak = {frequency_hz, amplitude};
+    spectrum.push_back(
+        {static_cast<double>(i) * rate_hz / static_cast<double>(count), 4.0 / static_cast<double>(count) * std::abs(lines[i])});
+  }
+  return spectrum;
+}
+
+SpectrumPeak find_spectrum_peak(const std::vector<SpectrumPeak>& spectrum, double lowest_hz) {
+  SpectrumPeak peak;
+  for (const SpectrumPeak& line : spectrum) {
+    if (line.frequency_hz >= lowest_hz && line.amplitude > peak.amplitude) peak = line;
   }
   return peak;
+}
+
+std::vector<SpectrumPeak> compute_buzz_spectrum(const std::vector<LoopRow>& rows, const PressPath& path, std::int64_t period_ns) {
+  const Rows hold = between(rows, find_contact_ns(rows, path), path.release_ns);
+  std::vector<double> force_n;
+  for (const LoopRow& row : hold.last(hold.size() / 2)) force_n.push_back(row.force_n.x());
+  return compute_spectrum(force_n, 1e9 / static_cast<double>(period_ns));
 }
 
 }  // namespace hapton

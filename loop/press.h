@@ -31,6 +31,7 @@ PressPath make_press_path(const HandModel& hand, const PressPlan& plan);
 // Measurements of a press and release.
 struct PressMeasures {
   bool is_bounded = true;      // false: the motion diverged, and the other values are from the time before
+  bool has_contact = false;    // a force acted before the release; without one, contact_s is that of the release, and nothing settles
   double contact_s = 0.0;      // first force
   double depth_m = 0.0;        // mean of the last quarter of the hold
   double overshoot = 0.0;      // deepest point beyond depth_m, as a share of it
@@ -40,7 +41,7 @@ struct PressMeasures {
   double buzz_n = 0.0;         // its amplitude
   double wall_j = 0.0;         // work of the motors over press and release: above zero the wall gave energy
   double generated_j = 0.0;    // wall_j less the heat in the device: above zero a passive hand gained energy
-  double most_generated_j = 0.0;  // its largest value at any time, less the energy stored in the wall's spring
+  double most_generated_j = 0.0;  // its largest value at any time: above zero the hand had gained energy by then
 };
 
 // Pre: rows of one press, samples one period apart. RT: no.
@@ -58,16 +59,22 @@ struct PressCase {
   std::uint64_t seed = 1;
 };
 
-// The largest stiffness up to which a press comes to rest: bounded, with a limit cycle of two encoder steps, or 1 % of the depth, at most.
-// With encoder steps, friction and saturation, which the limit of stability leaves out. Searched upwards by equal ratios, to most_n_per_m,
-// then by bisection to 1 %. RT: no.
+// The largest stiffness up to which a press comes to rest: bounded, with a force before the release and a limit cycle of two encoder steps,
+// or 1 % of the depth, at most. With encoder steps, friction and saturation, which the limit of stability leaves out. Searched upwards by
+// equal ratios, to most_n_per_m, then by bisection to 1 %. RT: no.
 double find_rest_stiffness(const PressCase& press, double most_n_per_m);
 
-// Strongest line of a signal's spectrum above lowest_hz (Hann window, mean taken off). Frequency in hertz, amplitude in the signal's unit.
+// A line of a spectrum. Frequency in hertz, amplitude in the signal's unit.
 struct SpectrumPeak {
   double frequency_hz = 0.0;
   double amplitude = 0.0;
 };
-SpectrumPeak find_spectrum_peak(const std::vector<double>& signal, double rate_hz, double lowest_hz);
+// The lines of a signal's spectrum from the lowest above zero to half of the rate (Hann window, mean taken off). Empty: fewer than 8
+// values.
+std::vector<SpectrumPeak> compute_spectrum(const std::vector<double>& signal, double rate_hz);
+// The strongest of them above lowest_hz.
+SpectrumPeak find_spectrum_peak(const std::vector<SpectrumPeak>& spectrum, double lowest_hz);
+// Of the force on the motors in the second half of the hold: buzz_hz is the strongest line of it. RT: no.
+std::vector<SpectrumPeak> compute_buzz_spectrum(const std::vector<LoopRow>& rows, const PressPath& path, std::int64_t period_ns);
 
 }  // namespace hapton

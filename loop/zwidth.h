@@ -31,6 +31,9 @@ struct ZWidth {
   double linear_rule_n_per_m = 0.0;       // b / (T/2 + delay), with the damping of device and hand
 };
 
+// What the passivity of the case depends on.
+PassivityCase make_passivity_case(const ZWidthCase& loop) noexcept;
+
 // Exact for the linear loop (stability.h, passivity.h). Pre: rate_hz > 0, the rest >= 0. RT: no.
 ZWidth find_zwidth(const ZWidthCase& loop);
 

@@ -52,6 +52,17 @@ TEST(Press, BeyondTheLimitBuzzesAndGivesEnergy) {
   EXPECT_TRUE(std::isinf(measures.settling_s));
 }
 
+// The first force comes after the hand has left again: nothing has settled.
+TEST(Press, WithoutAForceInTimeNothingSettles) {
+  ForceChain::Options link;
+  link.there.delay_ns = 2'000'000'000;
+  const PressMeasures late = press(kIdeal, *find_hand_preset("stylus"), 1000.0, link).measures;
+  EXPECT_FALSE(late.has_contact);
+  EXPECT_TRUE(std::isinf(late.settling_s));
+  EXPECT_EQ(late.depth_m, 0.0);
+  EXPECT_TRUE(press(kIdeal, *find_hand_preset("stylus"), 1000.0).measures.has_contact);
+}
+
 TEST(Press, AHandWithoutASpringPushes) {
   const Pressed pressed = press({.mass_kg = 0.075, .damping_ns_per_m = 2.0, .friction_n = 0.04}, {}, 1000.0);
   EXPECT_NEAR(pressed.measures.depth_m, 1e-3, 5e-5);
@@ -77,13 +88,25 @@ TEST(RestStiffness, FrictionRaisesIt) {
   EXPECT_EQ(find_rest_stiffness(loop, 20.0), 20.0);
 }
 
+// Into a soft wall the hand goes so far that a force of two seconds ago comes before the release; at a stiff one none does.
+TEST(RestStiffness, WhatNoForceReachesInTimeDoesNotRest) {
+  PressCase loop{.device = kIdeal, .hand = *find_hand_preset("stylus")};
+  loop.there.delay_ns = 2'000'000'000;
+  EXPECT_LT(find_rest_stiffness(loop, 1e5), 20.0);
+}
+
 TEST(SpectrumPeak, FindsALine) {
   std::vector<double> signal;
   for (int i = 0; i < 1000; ++i) signal.push_back(3.0 + 0.5 * std::sin(2.0 * std::numbers::pi * 0.123 * i));
-  const SpectrumPeak peak = find_spectrum_peak(signal, 1000.0, 5.0);
+  const std::vector<SpectrumPeak> spectrum = compute_spectrum(signal, 1000.0);
+  ASSERT_EQ(spectrum.size(), 500U);
+  EXPECT_DOUBLE_EQ(spectrum.front().frequency_hz, 1.0);
+  EXPECT_DOUBLE_EQ(spectrum.back().frequency_hz, 500.0);
+  const SpectrumPeak peak = find_spectrum_peak(spectrum, 5.0);
   EXPECT_NEAR(peak.frequency_hz, 123.0, 1.0);
   EXPECT_NEAR(peak.amplitude, 0.5, 0.01);
-  EXPECT_EQ(find_spectrum_peak({1.0, 2.0}, 1000.0, 5.0).amplitude, 0.0);
+  EXPECT_TRUE(compute_spectrum({1.0, 2.0}, 1000.0).empty());
+  EXPECT_EQ(find_spectrum_peak({}, 5.0).amplitude, 0.0);
 }
 
 TEST(Press, TheDepthIsThatOfHandAndWallInSeries) {

@@ -40,12 +40,41 @@ std::optional<double> number_of(std::string_view word) {
 }
 
 constexpr double kLeastAmplifierHz = 0.1;  // a slower one follows no hand
+constexpr double kLeastJointKg = 1e-4;     // lighter and stiffer ones only take time
+constexpr double kMostJointStiffness = 1e7;
+constexpr double kMostJointDamping = 1e3;
 
-void change(const LoopFlags& flags, DeviceModel& device) {
+// Replaces the device's joints: the masses beyond them are part of its mass.
+Result<void> change_joints(const std::vector<std::string>& joints, DeviceModel& device) {
+  if (joints.empty()) return {};
+  if (joints.size() > device.modes.size()) return fail("--joint: {} joints at most, not {}", device.modes.size(), joints.size());
+  device.mode_count = static_cast<int>(joints.size());
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const auto numbers = read_numbers("--joint", joints[i]);
+    if (!numbers) return tl::unexpected(numbers.error());
+    if (numbers->size() != 3) return fail("--joint '{}': give MASS,STIFFNESS,DAMPING in kg, N/m and Ns/m", joints[i]);
+    const StructuralMode mode = {(*numbers)[0], (*numbers)[1], (*numbers)[2]};
+    if (!(mode.mass_kg >= kLeastJointKg) || !(mode.stiffness_n_per_m > 0.0 && mode.stiffness_n_per_m <= kMostJointStiffness) ||
+        !(mode.damping_ns_per_m >= 0.0 && mode.damping_ns_per_m <= kMostJointDamping)) {
+      return fail("--joint '{}': the mass is at least {:g} kg, the stiffness above 0 and at most {:g} N/m, the damping 0 to {:g} Ns/m",
+                  joints[i], kLeastJointKg, kMostJointStiffness, kMostJointDamping);
+    }
+    device.modes[i] = mode;
+  }
+  if (!(device.motor_mass_kg() >= kLeastJointKg)) {
+    return fail("--joint: beyond the joints are {:g} kg of the {:g} kg of the device; some have to remain at the motors",
+                device.mass_kg - device.motor_mass_kg(), device.mass_kg);
+  }
+  return {};
+}
+
+Result<void> change(const LoopFlags& flags, DeviceModel& device) {
+  if (auto changed = change_joints(flags.joints, device); !changed) return changed;
   device = device.with_modes(flags.modes);
   if (flags.friction_n) device.friction_n = *flags.friction_n;
   if (flags.encoder_step_m) device.encoder_step_m = *flags.encoder_step_m;
   if (flags.amplifier_hz) device.amplifier_hz = *flags.amplifier_hz;
+  return {};
 }
 
 Result<std::vector<NamedLoop>> own_loop(const LoopFlags& flags) {
@@ -56,7 +85,7 @@ Result<std::vector<NamedLoop>> own_loop(const LoopFlags& flags) {
   loop.hand = "own";
   loop.device_model = {.mass_kg = *flags.mass_kg, .damping_ns_per_m = *flags.damping_ns_per_m};
   loop.hand_model.stiffness_n_per_m = flags.hand_stiffness_n_per_m.value_or(0.0);
-  change(flags, loop.device_model);
+  if (auto changed = change(flags, loop.device_model); !changed) return tl::unexpected(changed.error());
   return std::vector{loop};
 }
 
@@ -76,6 +105,9 @@ void add_loop_flags(CommandLine command, LoopFlags& flags, bool several) {
   changes.add_option("--friction", flags.friction_n, "Coulomb friction").between(0.0, 1e3);
   changes.add_option("--quantisation", flags.encoder_step_m, "Encoder step at the device point").between(0.0, 0.1);
   changes.add_option("--amplifier", flags.amplifier_hz, "Bandwidth of the amplifier, at least 0.1 Hz; 0: no lag").between(0.0, 1e5);
+  changes.add_option("--joint", flags.joints,
+                     "A joint that bends, as MASS,STIFFNESS,DAMPING: of the mass beyond it (part of the device's), in kg, N/m and Ns/m; "
+                     "twice for two, from the motors outwards");
   changes.add_option("--modes", flags.modes, "Number of structural modes, at most; 0: rigid")
       .between(0, DeviceModel::kMostModes)
       .shows_default();
@@ -99,7 +131,7 @@ Result<std::vector<NamedLoop>> loops_of(const LoopFlags& flags) {
   for (const std::string& device : *devices) {
     for (const std::string& hand : *hands) {
       NamedLoop loop{device, hand, find_device_preset(device)->model, *find_hand_preset(hand), find_device_preset(device)->limits};
-      change(flags, loop.device_model);
+      if (auto changed = change(flags, loop.device_model); !changed) return tl::unexpected(changed.error());
       loops.push_back(loop);
     }
   }

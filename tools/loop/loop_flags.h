@@ -20,6 +20,7 @@ struct LoopFlags {
   std::optional<double> friction_n;
   std::optional<double> encoder_step_m;
   std::optional<double> amplifier_hz;
+  std::vector<std::string> joints;  // "MASS,STIFFNESS,DAMPING" each
   int modes = DeviceModel::kMostModes;
 };
 

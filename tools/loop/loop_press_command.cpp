@@ -35,6 +35,7 @@ struct PressOptions {
   bool json = false;
   bool impedance = false;
   std::filesystem::path csv;
+  std::filesystem::path spectrum;
 };
 
 constexpr double kImpedanceHz[] = {1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0};
@@ -87,6 +88,12 @@ std::string to_csv(const std::vector<LoopRow>& rows) {
   return csv;
 }
 
+std::string to_csv(const std::vector<SpectrumPeak>& spectrum) {
+  std::string csv = "frequency_hz,force_n\n";
+  for (const SpectrumPeak& line : spectrum) csv += fmt::format("{},{}\n", line.frequency_hz, line.amplitude);
+  return csv;
+}
+
 nlohmann::ordered_json number(double value) { return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(); }
 
 // About the pressed depth, by a fifth of it, so that contact is never lost.
@@ -125,6 +132,7 @@ nlohmann::ordered_json to_json(const PressOptions& options, const NamedLoop& loo
             {"wall", options.is_mesh ? "mesh" : "plane"},
             {"seed", options.seed}}},
           {"bounded", press.is_bounded},
+          {"contact", press.has_contact},
           {"depth_m", press.depth_m},
           {"overshoot", press.overshoot},
           {"settling_s", number(press.settling_s)},
@@ -143,6 +151,7 @@ void print_text(const NamedLoop& loop, const PressMeasures& press, const nlohman
   fmt::print("{} in hand {}: {}\n", loop.device, loop.hand, press.is_bounded ? "bounded" : "RAN AWAY");
   const std::string settling =
       std::isfinite(press.settling_s) ? fmt::format("settled after {:.4g} ms", 1e3 * press.settling_s) : "never settled";
+  if (!press.has_contact) fmt::print("no force acted before the release\n");
   fmt::print("depth {:.4g} mm, overshoot {:.3g} %, {}, limit cycle {:.4g} um\n", 1e3 * press.depth_m, 100.0 * press.overshoot, settling,
              1e6 * press.limit_cycle_m);
   fmt::print("buzz {:.4g} N at {:.4g} Hz\n", press.buzz_n, press.buzz_hz);
@@ -200,6 +209,10 @@ Result<void> run(const PressOptions& options) {
   } else {
     print_text(loop, press, impedance);
   }
+  if (!options.spectrum.empty()) {
+    auto written = write_file_atomically(options.spectrum, to_csv(compute_buzz_spectrum(rows, path, bench->period_ns)));
+    if (!written) return written;
+  }
   return options.csv.empty() ? Result<void>() : write_file_atomically(options.csv, to_csv(rows));
 }
 
@@ -236,6 +249,10 @@ void add_loop_press_command(CommandLine loop, int& exit_code) {
   command.add_flag("--mesh", options->is_mesh, "The wall is a mesh, touched by the step of haptics_node");
   command.add_flag("--impedance", options->impedance, "Rendered stiffness and damping against frequency too");
   command.add_option("--csv", options->csv, "Write a line for each sample to this file").file_to_write();
+  command
+      .add_option("--spectrum", options->spectrum,
+                  "Write the spectrum of the force in the second half of the hold to this file, a line for each frequency")
+      .file_to_write();
   command.add_flag("--json", options->json, "Print JSON");
   command.on_run([options, &exit_code] {
     const auto done = run(*options);

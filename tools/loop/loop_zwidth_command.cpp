@@ -1,5 +1,6 @@
 #include <fmt/core.h>
 
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <memory>
@@ -61,14 +62,17 @@ Result<ZWidthGrid> make_grid(const ZWidthOptions& options) {
 }
 
 std::string to_text(const ZWidthRow& row) {
+  const bool is_random = row.is_simulated();
+  const std::string inputs =
+      fmt::format("{} in hand {}, {:g} Hz, {:g} ms{}", row.loop->device, row.loop->hand, row.inputs.rate_hz, row.delay_ms,
+                  is_random ? fmt::format(", jitter {:g} ms, loss {:g}, seed {}", row.jitter_ms, row.loss, row.seed) : "");
+  if (!std::isfinite(row.mean_delay_s)) return inputs + ": no force came back within the simulated time\n";
   return fmt::format(
-      "{} in hand {}, {:g} Hz, {:g} ms{}: stable up to {:.6g} N/m{}, passive up to {:.6g} N/m{}; linear rule {:.6g} N/m; virtual mass "
-      "stable up to {:.3g} kg\n",
-      row.loop->device, row.loop->hand, row.inputs.rate_hz, row.delay_ms,
-      row.is_simulated() ? fmt::format(", jitter {:g} ms, loss {:g}, seed {}", row.jitter_ms, row.loss, row.seed) : "",
-      row.found.stiffness.value, row.is_simulated() ? "" : fmt::format(" (oscillates at {:.3g} Hz)", row.found.stiffness.frequency_hz),
-      row.found.passive.least_n_per_m(), row.rest_n_per_m ? fmt::format(", a press comes to rest up to {:.4g} N/m", *row.rest_n_per_m) : "",
-      row.found.linear_rule_n_per_m, row.found.mass_kg.value);
+      "{}: stable up to {:.6g} N/m{}, passive up to {:.6g} N/m{}{}; linear rule {:.6g} N/m{}\n", inputs, row.found.stiffness.value,
+      is_random ? "" : fmt::format(" (oscillates at {:.3g} Hz)", row.found.stiffness.frequency_hz), row.found.passive.least_n_per_m(),
+      is_random ? fmt::format(" on average (mean delay {:.4g} ms)", 1e3 * row.mean_delay_s) : "",
+      row.rest_n_per_m ? fmt::format(", a press comes to rest up to {:.4g} N/m", *row.rest_n_per_m) : "", row.found.linear_rule_n_per_m,
+      is_random ? "" : fmt::format("; virtual mass stable up to {:.3g} kg", row.found.mass_kg.value));
 }
 
 Result<void> run(const ZWidthOptions& options) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "loop/press.h"
@@ -34,6 +35,10 @@ std::uint64_t fingerprint(const ZWidthGrid& grid) {
     const DeviceModel& d = loop.device_model;
     add(fmt::format("{} {} {} {} {} {} {} {}", loop.device, loop.hand, d.mass_kg, d.damping_ns_per_m, d.friction_n, d.encoder_step_m,
                     d.amplifier_hz, d.mode_count));
+    for (int i = 0; i < d.mode_count; ++i) {
+      const StructuralMode& mode = d.modes[static_cast<std::size_t>(i)];
+      add(fmt::format("{} {} {}", mode.mass_kg, mode.stiffness_n_per_m, mode.damping_ns_per_m));
+    }
     add(fmt::format("{} {} {}", loop.hand_model.mass_kg, loop.hand_model.damping_ns_per_m, loop.hand_model.stiffness_n_per_m));
   }
   for (const auto* numbers : {&grid.rates_hz, &grid.delays_ms, &grid.jitters_ms, &grid.losses, &grid.wall_dampings_ns_per_m}) {
@@ -53,17 +58,42 @@ LinkFaults link_of(const ZWidthRow& row, bool is_there) {
   return {.delay_ns = is_there ? half_ns : ms_to_ns(row.delay_ms) - half_ns, .jitter_ns = ms_to_ns(row.jitter_ms), .loss = row.loss};
 }
 
+// Simulated for each stiffness: 20 s, and 90 delays at least.
+double simulated_s(const ZWidthRow& row) {
+  constexpr double kDelays = 90.0;
+  return std::max(RandomLoop().seconds, kDelays * 1e-3 * (row.delay_ms + 2.0 * row.jitter_ms));
+}
+
 // The exact limit is where the search begins. A loop that is not stable without chance either does not become so.
 void simulate(ZWidthRow& row) {
-  if (row.found.stiffness.value == 0.0) return;
   const RandomLoop loop{.device = row.inputs.device,
                         .hand = row.inputs.hand,
                         .period_ns = ms_to_ns(1e3 / row.inputs.rate_hz),
                         .there = link_of(row, true),
                         .back = link_of(row, false),
                         .wall_damping_ns_per_m = row.inputs.wall_damping_ns_per_m,
-                        .seed = row.seed};
-  row.found.stiffness = {find_stable_stiffness_by_simulation(loop, std::max(1.0, row.found.stiffness.value)), 0.0};
+                        .seed = row.seed,
+                        .seconds = simulated_s(row)};
+  ZWidth& found = row.found;
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  found.mass_kg = {kUnknown, 0.0};
+  row.mean_delay_s = measure_mean_delay_s(loop);
+  if (!std::isfinite(row.mean_delay_s)) {
+    // No force came back.
+    found.stiffness = found.damping_ns_per_m = {kUnknown, 0.0};
+    found.passive = {};
+    found.linear_rule_n_per_m = 0.0;
+    return;
+  }
+  if (found.stiffness.value > 0.0) found.stiffness = {find_stable_stiffness_by_simulation(loop, std::max(1.0, found.stiffness.value)), 0.0};
+  if (found.damping_ns_per_m.value > 0.0)
+    found.damping_ns_per_m = {find_stable_damping_by_simulation(loop, found.damping_ns_per_m.value), 0.0};
+  ZWidthCase mean = row.inputs;
+  mean.delay_s = row.mean_delay_s;
+  const PassivityCase passivity = make_passivity_case(mean);
+  found.passive = find_passive_stiffness(passivity);
+  found.linear_rule_n_per_m =
+      linear_rule_n_per_m(mean.device.damping_ns_per_m + mean.hand.damping_ns_per_m, passivity.period_s, mean.delay_s);
 }
 
 void press(ZWidthRow& row) {
@@ -94,7 +124,7 @@ ZWidthRow measure_cell(const ZWidthGrid& grid, std::size_t cell) {
   row.jitter_ms = take(grid.jitters_ms);
   row.seed = grid.seed;
   row.delay_ms = take(grid.delays_ms);
-  row.inputs.delay_s = 1e-3 * row.delay_ms;
+  row.inputs.delay_s = row.mean_delay_s = 1e-3 * row.delay_ms;
   row.inputs.rate_hz = take(grid.rates_hz);
   row.loop = &take(grid.loops);
   row.inputs.device = row.loop->device_model;
@@ -157,11 +187,18 @@ nlohmann::ordered_json to_json(const ZWidthRow& row) {
       {"passive_damping_ns_per_m", row.found.passive_damping_ns_per_m},
       {"linear_rule_n_per_m", row.found.linear_rule_n_per_m},
       {"methods",
-       {{"stable", row.is_simulated() ? "simulation of 20 s for each stiffness, with the same draws: motion dies out below, grows above"
-                                      : "exact: first crossing of the unit circle by the sampled loop, counted up from zero stiffness"},
-        {"passive",
-         "Colgate and Schenkel 1997, exact with any delay; with encoder steps the smaller of it and 2 friction / step (Abbott "
-         "and Okamura 2005). Damping: of the device, whatever hand holds it"}}}};
+       {{"stable", row.is_simulated()
+                       ? fmt::format("simulation of {:g} s for each stiffness and damping, with the same draws: motion dies out below, "
+                                     "grows above. Virtual mass: not computed with jitter or loss",
+                                     simulated_s(row))
+                       : "exact: first crossing of the unit circle by the sampled loop, counted up from zero stiffness"},
+        {"passive", row.is_simulated()
+                        ? "on average over the draws: Colgate and Schenkel 1997, exact with any delay, at mean_delay_ms, which is "
+                          "simulated; with encoder steps the smaller of it and 2 friction / step (Abbott and Okamura 2005). Damping: of "
+                          "the device, whatever hand holds it"
+                        : "Colgate and Schenkel 1997, exact with any delay; with encoder steps the smaller of it and 2 friction / step "
+                          "(Abbott and Okamura 2005). Damping: of the device, whatever hand holds it"}}}};
+  if (row.is_simulated()) json["mean_delay_ms"] = json_number(1e3 * row.mean_delay_s);
   if (row.rest_n_per_m) {
     json["rest_stiffness_n_per_m"] = *row.rest_n_per_m;
     json["methods"]["rest"] = "simulated presses: bounded, and a limit cycle of at most two encoder steps or 1 % of the depth";

@@ -41,10 +41,12 @@ struct ZWidthRow {
   double jitter_ms = 0.0;  // of each way
   double loss = 0.0;       // of each way
   std::uint64_t seed = 1;
+  double mean_delay_s = 0.0;  // of the force on the motors: the delay; with jitter or loss measured (loop/random_stability.h)
   ZWidth found;
   std::optional<double> rest_n_per_m;  // loop/press.h
 
-  // Over a link of chance the limit of stability is simulated (loop/random_stability.h); passivity is that of the delay alone.
+  // With jitter or loss the limits of stability are simulated (loop/random_stability.h), passivity is that of the mean delay, and there is
+  // no limit of virtual mass: not a number.
   bool is_simulated() const noexcept { return jitter_ms > 0.0 || loss > 0.0; }
 };
 

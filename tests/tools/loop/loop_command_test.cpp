@@ -43,6 +43,35 @@ TEST(LoopCommand, PressSaysWhetherItGeneratedEnergy) {
   EXPECT_GT(wild["limit_cycle_m"].get<double>(), 1e-5);
 }
 
+// The strongest line of the file above 5 Hz is the buzz that is printed.
+TEST(LoopCommand, PressWritesTheSpectrumOfTheBuzz) {
+  const std::filesystem::path file = std::filesystem::temp_directory_path() / ("loop_spectrum_" + std::to_string(::getpid()) + ".csv");
+  const CommandRun seen =
+      run({"press", "--device", "omega.3", "--stiffness", "3000", "--delay", "10", "--spectrum", file.string(), "--json"});
+  ASSERT_EQ(seen.code, 0) << seen.err;
+  std::ifstream stream(file);
+  std::string line;
+  ASSERT_TRUE(std::getline(stream, line));
+  EXPECT_EQ(line, "frequency_hz,force_n");
+  double strongest_hz = 0.0;
+  double strongest_n = 0.0;
+  double last_hz = 0.0;
+  while (std::getline(stream, line)) {
+    const std::size_t comma = line.find(',');
+    ASSERT_NE(comma, std::string::npos) << line;
+    const double frequency_hz = std::stod(line.substr(0, comma));
+    const double force_n = std::stod(line.substr(comma + 1));
+    EXPECT_GT(frequency_hz, last_hz);
+    last_hz = frequency_hz;
+    if (frequency_hz >= 5.0 && force_n > strongest_n) strongest_hz = frequency_hz, strongest_n = force_n;
+  }
+  std::filesystem::remove(file);
+  const auto json = nlohmann::json::parse(seen.out);
+  EXPECT_GT(last_hz, 490.0);
+  EXPECT_DOUBLE_EQ(strongest_hz, json["buzz_hz"].get<double>());
+  EXPECT_DOUBLE_EQ(strongest_n, json["buzz_n"].get<double>());
+}
+
 TEST(LoopCommand, PressWithThePassivityControllerGeneratesNone) {
   const CommandRun seen = run({"press", "--device", "omega.3", "--stiffness", "3000", "--delay", "10", "--passivity", "--json"});
   ASSERT_EQ(seen.code, 0) << seen.err;

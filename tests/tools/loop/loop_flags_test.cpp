@@ -74,6 +74,42 @@ TEST(LoopsOf, ALoopOfOnesOwnIsDeviceAndHandTogether) {
   EXPECT_EQ(loop.hand_model.stiffness_n_per_m, 500.0);
 }
 
+TEST(LoopsOf, TakesTwoJoints) {
+  LoopFlags flags = named("premium-1.5", "stylus");
+  flags.joints = {"0.01,3500,2", "0.005,8000,0"};
+  const DeviceModel device = loops_of(flags)->front().device_model;
+  ASSERT_EQ(device.mode_count, 2);
+  EXPECT_EQ(device.modes[0].mass_kg, 0.01);
+  EXPECT_EQ(device.modes[0].stiffness_n_per_m, 3500.0);
+  EXPECT_EQ(device.modes[0].damping_ns_per_m, 2.0);
+  EXPECT_EQ(device.modes[1].stiffness_n_per_m, 8000.0);
+  EXPECT_NEAR(device.motor_mass_kg(), 0.06, 1e-12);
+  flags.modes = 1;
+  EXPECT_EQ(loops_of(flags)->front().device_model.mode_count, 1);
+  LoopFlags own;
+  own.mass_kg = 0.2;
+  own.damping_ns_per_m = 5.0;
+  own.joints = {"0.05,1000,1"};
+  EXPECT_EQ(loops_of(own)->front().device_model.mode_count, 1);
+}
+
+TEST(LoopsOf, RejectsJointsThatCannotBe) {
+  for (const auto& [joints, reason] :
+       std::vector<std::pair<std::vector<std::string>, std::string>>{{{"0.01,3500"}, "give MASS,STIFFNESS,DAMPING"},
+                                                                     {{"0.01,3500,x"}, "is not a number"},
+                                                                     {{"0,3500,1"}, "the mass is at least"},
+                                                                     {{"0.01,-1,1"}, "the stiffness above 0"},
+                                                                     {{"0.01,3500,-1"}, "the damping 0 to"},
+                                                                     {{"0.05,3500,1", "0.025,3500,1"}, "some have to remain at the motors"},
+                                                                     {{"0.01,1,1", "0.01,1,1", "0.01,1,1"}, "2 joints at most, not 3"}}) {
+    LoopFlags flags = named("premium-1.5", "stylus");
+    flags.joints = joints;
+    const auto loops = loops_of(flags);
+    ASSERT_FALSE(loops) << reason;
+    EXPECT_THAT(loops.error().what, HasSubstr(reason));
+  }
+}
+
 TEST(LoopsOf, SaysWhatIsMissingOrMeant) {
   EXPECT_THAT(loops_of(named("tuch", "stylus")).error().what, HasSubstr("did you mean 'touch'?"));
   EXPECT_THAT(loops_of(named("touch", "stilus")).error().what, HasSubstr("did you mean 'stylus'?"));

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -65,6 +66,64 @@ TEST(ZWidthGrid, OverALinkOfChanceTheLimitIsSimulated) {
   EXPECT_EQ(to_json(row)["inputs"]["seed"], 7);
 }
 
+// With jitter and loss the force is older than the delay: what is passive and how much damping is stable must say so.
+TEST(ZWidthGrid, OverALinkOfChanceEveryLimitIsOfThatLink) {
+  LoopFlags flags;
+  flags.device = "falcon";
+  ZWidthGrid grid{.loops = *loops_of(flags), .delays_ms = {20.0}, .losses = {0.0, 0.3}};
+  const ZWidthRow still = measure_cell(grid, 0);
+  const ZWidthRow lossy = measure_cell(grid, 1);
+  EXPECT_EQ(still.mean_delay_s, 0.02);
+  const double share = 0.7 * 0.7;
+  EXPECT_NEAR(lossy.mean_delay_s, 0.02 + 1e-3 * (1.0 - share) / share, 5e-5);
+  EXPECT_NEAR(lossy.found.passive.viscous_n_per_m, 1.0 / (0.5e-3 + lossy.mean_delay_s), 1e-3 / lossy.mean_delay_s);
+  EXPECT_LT(lossy.found.passive.viscous_n_per_m, 0.97 * still.found.passive.viscous_n_per_m);
+  EXPECT_EQ(lossy.found.passive.quantised_n_per_m, still.found.passive.quantised_n_per_m);
+  EXPECT_LT(lossy.found.damping_ns_per_m.value, 0.99 * still.found.damping_ns_per_m.value);
+  const nlohmann::ordered_json json = to_json(lossy);
+  EXPECT_NEAR(json["mean_delay_ms"].get<double>(), 1e3 * lossy.mean_delay_s, 1e-9);
+  EXPECT_TRUE(json["stable_mass_kg"].is_null());
+  EXPECT_THAT(json["methods"]["passive"].get<std::string>(), HasSubstr("on average"));
+  EXPECT_FALSE(to_json(still).contains("mean_delay_ms"));
+}
+
+// What is passive is stable with any hand, so with none: the two are found in different ways. They are the same but for chance.
+TEST(ZWidthGrid, OverALinkOfChanceWhatIsPassiveIsStable) {
+  LoopFlags flags;
+  flags.device = "falcon";
+  flags.hand = "off";
+  const ZWidthGrid grid{.loops = *loops_of(flags), .delays_ms = {5.0, 50.0}, .jitters_ms = {0.0, 10.0}, .losses = {0.2}};
+  for (std::size_t cell = 0; cell < grid.cells(); ++cell) {
+    const ZWidthRow row = measure_cell(grid, cell);
+    const double passive = row.found.passive.viscous_n_per_m;
+    EXPECT_LT(passive, 1.01 * row.found.stiffness.value) << row.delay_ms << " ms, " << row.jitter_ms << " ms";
+    EXPECT_GT(passive, 0.9 * row.found.stiffness.value) << row.delay_ms << " ms, " << row.jitter_ms << " ms";
+    EXPECT_NEAR(row.found.linear_rule_n_per_m, passive, 0.02 * passive);
+  }
+}
+
+// 20 s of simulation are two delays here: what has not come back yet is not stable for that reason.
+TEST(ZWidthGrid, ALongDelayIsSimulatedForLonger) {
+  LoopFlags flags;
+  flags.device = "falcon";
+  const ZWidthGrid still{.loops = *loops_of(flags), .rates_hz = {100.0}, .delays_ms = {9000.0}};
+  ZWidthGrid jittered = still;
+  jittered.jitters_ms = {1e-3};
+  const double exact = measure_cell(still, 0).found.stiffness.value;
+  EXPECT_NEAR(measure_cell(jittered, 0).found.stiffness.value, exact, 0.02 * exact);
+}
+
+// 200 samples, of which one in ten thousand has a force.
+TEST(ZWidthGrid, WhereNoForceComesBackNothingIsKnown) {
+  LoopFlags flags;
+  flags.device = "touch";
+  const ZWidthGrid grid{.loops = *loops_of(flags), .rates_hz = {10.0}, .losses = {0.99}};
+  const ZWidthRow row = measure_cell(grid, 0);
+  EXPECT_TRUE(std::isnan(row.found.stiffness.value));
+  EXPECT_EQ(row.found.passive.least_n_per_m(), 0.0);
+  EXPECT_TRUE(to_json(row)["stable_stiffness_n_per_m"].is_null());
+}
+
 TEST(ZWidthGrid, ChanceDoesNotMakeAnUndampedLoopStable) {
   LoopFlags flags;
   flags.mass_kg = 0.2;
@@ -118,6 +177,9 @@ TEST_F(MergeTest, RejectsWhatIsMissingDoubleOrOfAnotherGrid) {
   ZWidthGrid other = grid;
   other.delays_ms.back() = 60.0;
   const auto first = write_shard(grid, 1, 2);
+  ZWidthGrid softer = grid;
+  softer.loops.front().device_model.modes[0].stiffness_n_per_m *= 0.5;
+  EXPECT_THAT(merge_csv({first, write_shard(softer, 2, 2)}).error().what, HasSubstr("another grid"));
   EXPECT_THAT(merge_csv({first}).error().what, HasSubstr("cell 1 of 24"));
   EXPECT_THAT(merge_csv({first, first}).error().what, HasSubstr("line 3: cell 0 is a duplicate"));
   EXPECT_THAT(merge_csv({first, write_shard(other, 2, 2)}).error().what, HasSubstr("another grid"));
