@@ -76,8 +76,13 @@ Grasp::Change Grasp::update(const DeviceState& state, const Pose& X_WS, int touc
       phase_ = Phase::waiting;
       return Change::put_down;
     case Phase::waiting:
-      if (is_answered) phase_ = Phase::idle;  // the scene could not be built: the one before goes on
-      return Change::none;
+      if (!is_answered) return Change::none;
+      // The scene could not be built.
+      moved_[static_cast<std::size_t>(order_.object)] = before_;
+      set_pose(before_, false);
+      phase_ = Phase::idle;
+      has_start_ = true;
+      return Change::returned;
   }
   return Change::none;
 }
@@ -90,6 +95,7 @@ bool Grasp::may_move(const ObjectPose& pose) const noexcept {
 // As if it had been held and put down there; the probe goes on from where it is.
 void Grasp::move(const ObjectPose& pose) noexcept {
   order_.object = pose.object;
+  before_ = moved_[static_cast<std::size_t>(pose.object)];
   order_.moved = Pose::Identity();
   order_.moved.translation() = pose.p_m;
   order_.moved.linear() = pose.q.normalized().toRotationMatrix();
@@ -107,7 +113,7 @@ void Grasp::note_stylus(const DeviceState& state, const Pose& X_WS, const Vec3& 
 
 void Grasp::begin(const DeviceState& state, const Pose& X_WS, int object, const Vec3& visual_offset_m) noexcept {
   order_.object = object;
-  order_.moved = moved_[static_cast<std::size_t>(object)];
+  order_.moved = before_ = moved_[static_cast<std::size_t>(object)];
   note_stylus(state, X_WS, visual_offset_m);
   send(GraspOrder::Kind::pick_up);
   phase_ = Phase::asked;

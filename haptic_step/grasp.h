@@ -29,10 +29,19 @@ struct GraspAnswer {
   HapticsSetup::Text method = {};  // as HapticsSetup has it
 };
 
+// What is said of a scene in which an object was put down. It is known some time after the scene is felt, as it takes the longer the larger
+// the scene is.
+struct PlacedScene {
+  std::uint32_t revision = 0;  // NewScene::revision
+  std::uint64_t hash = 0;      // hash_scene
+  SceneFacts facts;
+};
+
 // Between the step and the slow task. RT: yes. Threads: one on each side.
 struct GraspLink {
   Mailbox<GraspOrder> orders;
   Mailbox<GraspAnswer> answers;
+  Mailbox<PlacedScene> placed;
 };
 
 // The step's side of picking up movable objects. If a button of the stylus is pressed while a movable object is touched, that object
@@ -51,7 +60,12 @@ class Grasp {
   // down, the serial is not the object's newest, or the object is not movable: then it ignores the request, and the sender repeats it.
   void request(const ObjectPose& pose) noexcept { requested_ = pose; }
 
-  enum class Change : std::uint8_t { none, picked_up, put_down };
+  enum class Change : std::uint8_t {
+    none,
+    picked_up,
+    put_down,
+    returned  // it could not be put down: the object is where it was before, and the scene is the one before
+  };
   // Before the force of a sample. touched: the object in contact at the sample before, -1: none. visual_offset_m: of that sample, frame W.
   Change update(const DeviceState& state, const Pose& X_WS, int touched, const Vec3& visual_offset_m) noexcept;
 
@@ -69,12 +83,16 @@ class Grasp {
   bool is_busy() const noexcept { return phase_ != Phase::idle; }
   // The scene was built for that order: the next method starts where the stylus touches the object.
   void note_built(std::uint32_t serial) noexcept;
-  // Once after note_built: in frame W, where the probe was on the object as it was picked up, and the direction off its surface.
+  // Once after note_built, or Change::returned: in frame W, where the probe was on the object as it was picked up, and the direction off
+  // its surface.
   struct Start {
     Vec3 p_W = Vec3::Zero();
     Vec3 outward = Vec3::Zero();
   };
   std::optional<Start> take_start(const Pose& X_WS) noexcept;
+
+  // Once for each scene; stays until the next one. Null: there is no new one.
+  const PlacedScene* take_placed() noexcept { return link_.placed.take() ? &link_.placed.value() : nullptr; }
 
   // By object; a serial of 0: it is not movable.
   std::span<const ObjectPose> poses() const noexcept { return poses_; }
@@ -102,7 +120,8 @@ class Grasp {
   Pose X_SP_ = Pose::Identity();  // the tool's pose, frame S
   bool has_start_ = false;
   std::optional<ObjectPose> requested_;
-  std::vector<Pose> moved_;  // by object
+  std::vector<Pose> moved_;         // by object
+  Pose before_ = Pose::Identity();  // of the object, before it was picked up or moved
   std::vector<ObjectPose> poses_;
   std::uint32_t pose_serial_ = 1;
 };

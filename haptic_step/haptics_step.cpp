@@ -122,8 +122,20 @@ void HapticsStep::update_grasp() noexcept {
   fade_.begin();
   torque_fade_.begin();
   // To a recording it is another method.
-  if (change == Grasp::Change::picked_up) ++counts_.methods_taken;
+  if (change == Grasp::Change::picked_up || change == Grasp::Change::returned) ++counts_.methods_taken;
   output_ = {};
+  if (change == Grasp::Change::returned) return_probe();
+}
+
+// An object is back where it was picked up, and the probe goes on from there, outside of it. Where something holds it back on the way to
+// the hand, it begins where an object that was put down lets it begin.
+void HapticsStep::return_probe() noexcept {
+  const std::optional<Grasp::Start> start = grasp_->take_start(X_WS_);
+  if (!(touch_->step(input_).visual_offset_m.norm() > kResumeReachM)) return;
+  TouchInput beside = input_;
+  if (start) beside.p_WD = start->p_W + offset_m_ * start->outward;
+  touch_->reset((beside.p_WD - input_.p_WD).norm() <= kResumeReachM ? beside : input_);
+  touch_->step(input_);
 }
 
 // An object was put down, and the slow task is building the scene with it: what is there now has it where it was before. Only the effects

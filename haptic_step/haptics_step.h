@@ -141,6 +141,7 @@ class HapticsStep {
   void note_push(ForceCommand& reply) const noexcept;
   void feel_nothing(ForceCommand& reply) noexcept;
   void update_grasp() noexcept;
+  void return_probe() noexcept;
   void advance_scene(std::int64_t step_ns) noexcept;
   void add_effects(ForceCommand& reply, bool begins) noexcept;
   TouchInput make_start() noexcept;

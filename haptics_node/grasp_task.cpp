@@ -5,12 +5,14 @@
 #include <utility>
 
 #include "core/force/virtual_coupling.h"
+#include "haptic_step/scene_facts.h"
 #include "haptics_node/new_scene.h"
 #include "haptics_node/placed_scene.h"
 #include "haptics_node/tool_task.h"
 #include "runtime/log.h"
 #include "runtime/start_thread.h"
 #include "runtime/worker_threads.h"
+#include "scene/scene_hash.h"
 #include "scene/text_cursor.h"
 #include "scene/tool_obstacles.h"
 
@@ -40,13 +42,13 @@ GraspTask::GraspTask(Options options, const Scene& scene, const std::vector<PutD
                      MethodBuilder& builder, const Clock& clock)
     : options_(std::move(options)),
       scene_(place_objects(scene, put_down)),
-      objects_(meshes_of(scene_)),
+      as_loaded_(scene),
+      objects_(meshes_of(scene_), options_.shading_crease_rad),
+      mapped_(scene_.objects.size()),
       link_(link),
       tuner_(tuner),
       builder_(builder),
-      clock_(clock) {
-  for (const SceneObject& object : scene.objects) as_loaded_.push_back(object.mesh);
-}
+      clock_(clock) {}
 
 GraspTask::~GraspTask() { stop(); }
 
@@ -71,10 +73,20 @@ bool GraspTask::run_once() {
     return true;
   }
   const std::int64_t begin_ns = clock_.now_ns();
-  if (tool_ == nullptr) return objects_.prepare_next();
+  if (tool_ == nullptr) return objects_.prepare_next() || map_next();
   if (!tool_->follow()) return false;
   pose_times_.record(clock_.now_ns() - begin_ns);
   return true;
+}
+
+bool GraspTask::map_next() {
+  for (std::size_t o = 0; o < mapped_.size(); ++o) {
+    const SurfaceMaps& maps = scene_.objects[o].effects.maps;
+    if (!maps.is_on() || (mapped_[o] != nullptr && mapped_[o]->triangles() == maps.triangles)) continue;
+    mapped_[o] = std::make_shared<const MappedSurface>(maps.triangles);
+    return true;
+  }
+  return false;
 }
 
 // Before it sends an order, the step releases the tool.
@@ -108,23 +120,30 @@ void GraspTask::pick_up(const GraspOrder& order) {
   }
 }
 
+// All that does not move stays as it was built, and is shared by the method of the scene with the object where it is now.
 void GraspTask::put_down(const GraspOrder& order) {
-  SceneObject& object = scene_.objects[static_cast<std::size_t>(order.object)];
-  const std::shared_ptr<const TriangleMesh> before = object.mesh;
-  object.mesh = std::make_shared<const TriangleMesh>(move_mesh(order.moved, *as_loaded_[static_cast<std::size_t>(order.object)]));
-  const auto made = make_new_scene(scene_, options_.coupling_n_per_m, ++revision_, false);
-  made->put_down = order.serial;
+  const auto number = static_cast<std::size_t>(order.object);
+  SceneObject& object = scene_.objects[number];
+  const SceneObject before = object;
+  move_object(order.moved, as_loaded_.objects[number], object);
+  objects_.replace(number, object.mesh);
+  const auto made = make_placed_scene(scene_, options_.coupling_n_per_m, ++revision_, order.serial);
+  made->touch.built = objects_.build();
+  while (map_next()) {
+  }
+  made->touch.mapped = mapped_;
   if (const auto built = builder_.follow(made); !built) {
-    log_warning("{} cannot be put down there: {}; the forces keep its position before it was picked up", printable(object.name),
+    log_warning("{} cannot be put down there: {}; it is back where it was before it was picked up", printable(object.name),
                 built.error().what);
-    object.mesh = before;
+    object = before;
+    objects_.replace(number, object.mesh);
     link_.answers.publish({order.serial});
     return;
   }
-  objects_.replace(static_cast<std::size_t>(order.object), object.mesh);
   tuner_.follow(scene_, made->revision);
   if (options_.on_scene) options_.on_scene(couple_scene(made->touch, options_.coupling_n_per_m));
   log_info("{} is put down", printable(object.name));
+  link_.placed.publish({made->revision, hash_scene(made->touch), make_scene_facts(scene_)});
 }
 
 }  // namespace hapton

@@ -4,9 +4,11 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <thread>
 #include <vector>
 
+#include "core/force/mapped_surface.h"
 #include "core/tool/prepared_objects.h"
 #include "haptic_step/grasp.h"
 #include "haptics_node/material_tuner.h"
@@ -25,8 +27,9 @@ class GraspTask {
  public:
   struct Options {
     double coupling_n_per_m = 0.0;
-    double rotational_stiffness_nm_per_rad = 0.0;  // 0: derived from the object's size
-    int threads = 1;                               // that share the search for contacts
+    double rotational_stiffness_nm_per_rad = 0.0;   // 0: derived from the object's size
+    int threads = 1;                                // that share the search for contacts
+    std::optional<double> shading_crease_rad = {};  // of the method, as ProxyMethod has it
     // Called after the scene is in use again: with what is felt now, coupled.
     std::function<void(const TouchScene&)> on_scene = {};
   };
@@ -51,11 +54,14 @@ class GraspTask {
   void carry_out(const GraspOrder& order);
   void pick_up(const GraspOrder& order);
   void put_down(const GraspOrder& order);
+  // Prepares one surface with images that is not prepared as it lies now. False: all are.
+  bool map_next();
 
   Options options_;
-  Scene scene_;                                                 // as it is now
-  std::vector<std::shared_ptr<const TriangleMesh>> as_loaded_;  // by object
+  Scene scene_;  // as it is now
+  Scene as_loaded_;
   PreparedObjects objects_;
+  std::vector<std::shared_ptr<const MappedSurface>> mapped_;  // by object; null: it has no images, or it is not prepared yet
   GraspLink& link_;
   MaterialTuner& tuner_;
   MethodBuilder& builder_;

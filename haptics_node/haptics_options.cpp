@@ -4,6 +4,7 @@
 
 #include "core/base/worker_team.h"
 #include "core/collision/grid_division.h"
+#include "core/force/proxy/proxy_method.h"
 #include "link/link_key.h"
 #include "plugin/plugin_method.h"
 #include "runtime/config.h"
@@ -161,5 +162,7 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
   if (no_fit) options.loading.fit = MeshFit::off;
   return options;
 }
+
+std::optional<double> HapticsOptions::shading_crease_rad() const { return ProxyMethod::shading_crease_rad(method); }
 
 }  // namespace hapton

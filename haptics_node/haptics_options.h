@@ -43,6 +43,9 @@ struct HapticsOptions {
   double spin_us = 200.0;         // the longest time to spin for a device sample
   double patch_mbit_per_s = 1.0;  // for parts of the scene, when the hub asks for them
   double seconds = 0.0;           // 0: until stopped
+
+  // Of the method's smooth normals, as ProxyMethod has it.
+  std::optional<double> shading_crease_rad() const;
 };
 
 // The options, or the exit code to leave main with. RT: set-up only.

@@ -216,7 +216,7 @@ int run(const HapticsOptions& options) {
     felt = now;
     adviser.set_gains(gains_of(felt));
     inside.set_scene(felt);
-    patches.set_scene(felt, hash_scene(felt));
+    if (!grasp) patches.set_scene(felt, hash_scene(felt));  // there are none of a scene with movable objects
   };
   SceneWatcher watcher(
       {.path = scene_path, .loading = options.loading, .coupling_n_per_m = options.method.coupling_n_per_m, .on_scene = on_scene},
@@ -226,6 +226,7 @@ int run(const HapticsOptions& options) {
     grasp_task.emplace(GraspTask::Options{.coupling_n_per_m = options.method.coupling_n_per_m,
                                           .rotational_stiffness_nm_per_rad = options.tool_nm_per_rad,
                                           .threads = options.tool_threads,
+                                          .shading_crease_rad = options.shading_crease_rad(),
                                           .on_scene = on_scene},
                        *loaded, *put_down, grasp_link, tuner, builder, clock);
     grasp_task->start();

@@ -20,6 +20,16 @@ TriangleMesh move_mesh(const Pose& X, const TriangleMesh& mesh) {
   return moved;
 }
 
+void move_object(const Pose& X, const SceneObject& as_loaded, SceneObject& object) {
+  object.mesh = std::make_shared<const TriangleMesh>(move_mesh(X, *as_loaded.mesh));
+  if (as_loaded.effects.maps.triangles == nullptr) return;
+  auto mapped = std::make_shared<std::vector<MappedTriangle>>(*as_loaded.effects.maps.triangles);
+  for (MappedTriangle& triangle : *mapped) {
+    for (Vec3& corner : triangle.corner) corner = X * corner;
+  }
+  object.effects.maps.triangles = std::move(mapped);
+}
+
 namespace {
 
 // Nothing where there is no such file yet.
@@ -86,7 +96,7 @@ Scene place_objects(const Scene& scene, const std::vector<PutDown>& put_down) {
   for (const PutDown& each : put_down) {
     const auto number = static_cast<std::size_t>(each.object);
     // Of the scene as it was loaded: a file may name an object twice.
-    placed.objects[number].mesh = std::make_shared<const TriangleMesh>(move_mesh(each.pose(), *scene.objects[number].mesh));
+    move_object(each.pose(), scene.objects[number], placed.objects[number]);
   }
   return placed;
 }

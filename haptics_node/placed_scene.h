@@ -14,6 +14,9 @@ namespace hapton {
 // A mesh and its normals, moved.
 TriangleMesh move_mesh(const Pose& X, const TriangleMesh& mesh);
 
+// Puts an object there, with all that is fixed to its surface. as_loaded: the same object where the scene file has it, from which X leads.
+void move_object(const Pose& X, const SceneObject& as_loaded, SceneObject& object);
+
 // The movable objects that a file of annotations says to lie elsewhere, and where; nothing where there is no such file yet, or none is
 // named. Objects that the scene does not let move are left out, with a line in the log. Error: whatever read_annotations rejects. RT: no.
 Result<std::vector<PutDown>> read_put_down(const std::filesystem::path& file, const Scene& scene);

@@ -236,17 +236,21 @@ void ReplyLoop::change_method() noexcept {
 // Materials count on: what was said of the objects of the scene before means nothing for these.
 void ReplyLoop::take_scene(const NewScene& scene) noexcept {
   scene_revision_ = scene.revision;
-  setup_.scene_hash = scene.hash;
-  const SceneFacts before = scene_;
-  scene_ = scene.facts;
-  scene_.preparing_s = before.preparing_s;
-  scene_.is_hand_inside = before.is_hand_inside;
+  if (scene.put_down == 0) describe_scene(scene.hash, scene.facts);
   step_.set_materials(scene.materials);
   materials_.serial = static_cast<std::uint32_t>(step_.counts().materials_taken);
   materials_.object_count = 0;
   materials_.rejection = {};
   // What a vision node showed until now says nothing of what it shows from now on.
   scene_shown_ = scene_reported_ = 0;
+}
+
+void ReplyLoop::describe_scene(std::uint64_t hash, const SceneFacts& facts) noexcept {
+  setup_.scene_hash = hash;
+  const SceneFacts before = scene_;
+  scene_ = facts;
+  scene_.preparing_s = before.preparing_s;
+  scene_.is_hand_inside = before.is_hand_inside;
 }
 
 // A requester repeats its request until the reply comes.
@@ -385,10 +389,21 @@ void ReplyLoop::send_moves() noexcept {
 
 // What the stylus holds counts as another method, and what has moved is sent at once.
 void ReplyLoop::report_grasp() noexcept {
-  const Grasp* grasp = step_.grasp();
-  if (grasp == nullptr || grasp->pose_serial() == pose_serial_) return;
+  Grasp* grasp = step_.grasp();
+  if (grasp == nullptr) return;
+  if (const PlacedScene* placed = grasp->take_placed()) placed_ = placed;
+  if (placed_ != nullptr && placed_->revision == scene_revision_) {
+    describe_scene(placed_->hash, placed_->facts);
+    placed_ = nullptr;
+    send_setup_soon();
+  }
+  if (grasp->pose_serial() == pose_serial_) return;
   pose_serial_ = grasp->pose_serial();
-  if (step_.holds_tool()) setup_.method = grasp->method();
+  if (step_.holds_tool()) {
+    setup_.method = grasp->method();
+  } else if (!grasp->is_busy()) {
+    show_method(method_);
+  }
   send_setup_soon();
 }
 

@@ -81,6 +81,7 @@ class ReplyLoop {
   void change_method() noexcept;
   void change_materials() noexcept;
   void take_scene(const NewScene& scene) noexcept;
+  void describe_scene(std::uint64_t hash, const SceneFacts& facts) noexcept;
   void send_patches() noexcept;
   bool sends_parts(std::int64_t now_ns) const noexcept {
     return patches_ != nullptr && patches_->is_offered() && patches_->is_wanted(now_ns);
@@ -136,6 +137,7 @@ class ReplyLoop {
   MaterialTuner* tuner_ = nullptr;
   std::unique_ptr<TunedMaterials> tuned_;  // in use, if it is of this scene; null, or of another: those of the scene's file
   std::uint32_t scene_revision_ = 0;       // NewScene::revision of the scene in use
+  const PlacedScene* placed_ = nullptr;    // of a scene that is not in use yet; null: none
   MaterialState materials_;
   std::uint64_t scene_shown_ = 0;     // hash of the scene that a vision node last reported; 0: none
   std::uint64_t scene_reported_ = 0;  // of these, the one that the log spoke of

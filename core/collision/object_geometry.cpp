@@ -28,27 +28,28 @@ ObjectGeometry::ObjectGeometry(const TriangleMesh& mesh, const LocalFrame& frame
   LargeVector<Vec3> vertices;
   vertices.reserve(mesh.vertices.size());
   for (const Vec3& v : mesh.vertices) vertices.push_back(on_grid(frame.to_local(v)));
-  tree_ = WideBvh(mesh.triangles.size(), [&](std::size_t t) { return box_of(vertices, mesh.triangles[t]); });
+  auto surface = std::make_shared<Surface>();
+  surface->tree = WideBvh(mesh.triangles.size(), [&](std::size_t t) { return box_of(vertices, mesh.triangles[t]); });
 
   // Triangles in tree order, vertices in the order of their first use: what is near in space is near in memory.
-  const LargeVector<std::uint32_t> order = tree_.items_in_tree_order();
+  const LargeVector<std::uint32_t> order = surface->tree.items_in_tree_order();
   std::vector<std::uint32_t> new_vertex(vertices.size(), kUnused);
   LargeVector<std::uint32_t> new_triangle(mesh.triangles.size());
-  vertices_.reserve(vertices.size());
-  triangles_.reserve(mesh.triangles.size());
+  surface->vertices.reserve(vertices.size());
+  surface->triangles.reserve(mesh.triangles.size());
   for (const std::uint32_t old : order) {
-    new_triangle[old] = static_cast<std::uint32_t>(triangles_.size());
+    new_triangle[old] = static_cast<std::uint32_t>(surface->triangles.size());
     Triangle t = mesh.triangles[old];
     for (std::uint32_t& v : t) {
       if (new_vertex[v] == kUnused) {
-        new_vertex[v] = static_cast<std::uint32_t>(vertices_.size());
-        vertices_.push_back(vertices[v]);
+        new_vertex[v] = static_cast<std::uint32_t>(surface->vertices.size());
+        surface->vertices.push_back(vertices[v]);
       }
       v = new_vertex[v];
     }
-    triangles_.push_back(t);
+    surface->triangles.push_back(t);
   }
-  vertices_.shrink_to_fit();
+  surface->vertices.shrink_to_fit();
   if (numbers != nullptr) *numbers = std::move(new_vertex);
   if (shading_crease_rad) {
     std::vector<std::uint32_t> source(mesh.triangles.size());
@@ -57,13 +58,17 @@ ObjectGeometry::ObjectGeometry(const TriangleMesh& mesh, const LocalFrame& frame
     ShadedMesh shaded = fill_corner_normals(mesh, source, *shading_crease_rad, report);
     use_authored_normals(mesh, shaded);
     check_corner_normals(shaded);
-    for (const Vec3& normal : shaded.normals) normals_.push_back(normal.cast<float>());
-    for (const std::uint32_t old : order) corner_normals_.push_back(shaded.corner_normals[old]);
+    for (const Vec3& normal : shaded.normals) surface->normals.push_back(normal.cast<float>());
+    for (const std::uint32_t old : order) surface->corner_normals.push_back(shaded.corner_normals[old]);
   }
-  tree_.renumber_items(new_triangle);
-  adjacency_ = SurfaceAdjacency(vertices_.size(), triangles_);
-  adjacency_.find_walkable(vertices_, triangles_, tree_, kWalkableMargin);
+  surface->tree.renumber_items(new_triangle);
+  *this = ObjectGeometry(std::move(surface));
+  adjacency_ = SurfaceAdjacency(surface_->vertices.size(), surface_->triangles);
+  adjacency_.find_walkable(surface_->vertices, surface_->triangles, surface_->tree, kWalkableMargin);
 }
+
+ObjectGeometry::ObjectGeometry(std::shared_ptr<Surface> surface)
+    : surface_(std::move(surface)), vertices_(surface_->vertices.data()), triangles_(surface_->triangles.data()) {}
 
 ObjectGeometry ObjectGeometry::make(const TriangleMesh& mesh, const LocalFrame& frame, std::size_t most_triangles,
                                     std::optional<double> shading_crease_rad) {
@@ -77,18 +82,19 @@ ObjectGeometry ObjectGeometry::make(const TriangleMesh& mesh, const LocalFrame& 
 
 Box ObjectGeometry::bounds() const {
   Box box;
-  for (const Vec3& v : vertices_) box.grow(v);
+  for (const Vec3& v : vertices()) box.grow(v);
   return box;
 }
 
 ObjectGeometry ObjectGeometry::about(const Vec3& p) const {
-  ObjectGeometry other;
+  auto surface = std::make_shared<Surface>();
   const Vec3 origin = on_grid(p);
-  other.vertices_.reserve(vertices_.size());
-  for (const Vec3& v : vertices_) other.vertices_.push_back(v - origin);
-  other.triangles_ = triangles_;
-  other.normals_ = normals_;
-  other.corner_normals_ = corner_normals_;
+  surface->vertices.reserve(vertices().size());
+  for (const Vec3& v : vertices()) surface->vertices.push_back(v - origin);
+  surface->triangles = surface_->triangles;
+  surface->normals = surface_->normals;
+  surface->corner_normals = surface_->corner_normals;
+  ObjectGeometry other(std::move(surface));
   other.adjacency_ = adjacency_;
   return other;
 }
@@ -103,24 +109,37 @@ bool ObjectGeometry::is_walkable() const {
   return true;
 }
 
-void ObjectGeometry::mark_unwalkable_near(const ObjectGeometry& other) {
-  for (std::uint32_t t = 0; t < other.triangle_count(); ++t) {
-    tree_.for_each_overlapping(box_of(other.vertices_, other.triangles_[t]).inflated(kWalkableMargin), [&](std::uint32_t u) {
-      if (!adjacency_.is_walkable(u)) return;
-      if (!are_apart({corner(u, 0), corner(u, 1), corner(u, 2)}, {other.corner(t, 0), other.corner(t, 1), other.corner(t, 2)},
-                     kWalkableMargin)) {
-        adjacency_.mark_unwalkable(u);
+// The margin of the search is above that of the pairs by far more than the trees' single precision, so no pair is missed.
+std::vector<std::uint32_t> ObjectGeometry::find_near(const ObjectGeometry& other, const Box& bounds) const {
+  constexpr double kTreeRounding = 0x1p-18;
+  std::vector<std::uint32_t> near;
+  if (bounds.is_empty()) return near;
+  const double size = std::max({1.0, bounds.low.cwiseAbs().maxCoeff(), bounds.high.cwiseAbs().maxCoeff()});
+  std::vector<bool> is_near(triangle_count());
+  other.tree().for_each_overlapping(bounds.inflated(kWalkableMargin + kTreeRounding * size), [&](std::uint32_t t) {
+    tree().for_each_overlapping(box_of(other.vertices(), other.triangle(t)).inflated(kWalkableMargin), [&](std::uint32_t u) {
+      if (!adjacency_.is_walkable(u) || is_near[u]) return;
+      if (are_apart({corner(u, 0), corner(u, 1), corner(u, 2)}, {other.corner(t, 0), other.corner(t, 1), other.corner(t, 2)},
+                    kWalkableMargin)) {
+        return;
       }
+      is_near[u] = true;
+      near.push_back(u);
     });
-  }
+  });
+  return near;
+}
+
+void ObjectGeometry::mark_unwalkable(std::span<const std::uint32_t> triangles) {
+  for (const std::uint32_t t : triangles) adjacency_.mark_unwalkable(t);
 }
 
 void ObjectGeometry::mark_unwalkable_near(const Box& other) {
-  tree_.for_each_overlapping(other.inflated(kWalkableMargin), [&](std::uint32_t u) { adjacency_.mark_unwalkable(u); });
+  tree().for_each_overlapping(other.inflated(kWalkableMargin), [&](std::uint32_t u) { adjacency_.mark_unwalkable(u); });
 }
 
 Vec3 ObjectGeometry::smooth_normal(std::uint32_t t, const Vec3& on_triangle) const noexcept {
-  if (corner_normals_.empty()) return Vec3::Zero();
+  if (surface_->corner_normals.empty()) return Vec3::Zero();
   const Vec3& a = corner(t, 0);
   const Vec3& b = corner(t, 1);
   const Vec3& c = corner(t, 2);
@@ -129,15 +148,17 @@ Vec3 ObjectGeometry::smooth_normal(std::uint32_t t, const Vec3& on_triangle) con
   if (!(area_squared > 0.0)) return Vec3::Zero();
   const double v = std::clamp(normal.dot((on_triangle - a).cross(c - a)) / area_squared, 0.0, 1.0);
   const double w = std::clamp(normal.dot((b - a).cross(on_triangle - a)) / area_squared, 0.0, 1.0 - v);
-  const auto& [i, j, k] = corner_normals_[t];
-  const Vec3 mixed = (1.0 - v - w) * normals_[i].cast<double>() + v * normals_[j].cast<double>() + w * normals_[k].cast<double>();
+  const auto& [i, j, k] = surface_->corner_normals[t];
+  const auto& normals = surface_->normals;
+  const Vec3 mixed = (1.0 - v - w) * normals[i].cast<double>() + v * normals[j].cast<double>() + w * normals[k].cast<double>();
   const double length = mixed.norm();
   return length > 0.0 ? Vec3(mixed / length) : Vec3::Zero();
 }
 
 std::size_t ObjectGeometry::bytes() const {
-  return tree_.bytes() + adjacency_.bytes() + vertices_.size() * sizeof(Vec3) + triangles_.size() * sizeof(Triangle) +
-         normals_.size() * sizeof(Eigen::Vector3f) + corner_normals_.size() * sizeof(Triangle);
+  const Surface& s = *surface_;
+  return s.tree.bytes() + adjacency_.bytes() + s.vertices.size() * sizeof(Vec3) + s.triangles.size() * sizeof(Triangle) +
+         s.normals.size() * sizeof(Eigen::Vector3f) + s.corner_normals.size() * sizeof(Triangle);
 }
 
 }  // namespace hapton

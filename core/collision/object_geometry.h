@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <utility>
@@ -29,6 +30,8 @@ struct LocalFrame {
 //
 // Coordinates are rounded to a grid of 2^-51. Two such coordinates subtract exactly, so edges are exact and the normals of the thinnest
 // slivers keep their direction (point_triangle.h).
+//
+// Copies share coordinates, triangles and tree, and differ in the marks of what is not walkable.
 // Threads: immutable once in use, but for a surface that deforms: none but one may use it then. RT: queries, move_vertex and swap_tree yes,
 // construction and mark_unwalkable_near set-up only.
 class ObjectGeometry {
@@ -52,11 +55,11 @@ class ObjectGeometry {
   // The same surface with its origin at p, in the same local units. Its tree is empty: for a tool, in which nothing is looked up.
   ObjectGeometry about(const Vec3& p) const;
 
-  std::uint32_t triangle_count() const { return static_cast<std::uint32_t>(triangles_.size()); }
+  std::uint32_t triangle_count() const { return static_cast<std::uint32_t>(surface_->triangles.size()); }
   std::size_t bytes() const;
-  const WideBvh& tree() const { return tree_; }
+  const WideBvh& tree() const { return surface_->tree; }
   const Triangle& triangle(std::uint32_t t) const { return triangles_[t]; }
-  std::span<const Vec3> vertices() const { return vertices_; }
+  std::span<const Vec3> vertices() const { return surface_->vertices; }
   Box bounds() const;  // of the vertices; computed by each call
   const Vec3& corner(std::uint32_t t, int k) const { return vertices_[triangles_[t][k]]; }
   struct Corners {
@@ -75,16 +78,20 @@ class ObjectGeometry {
   }
 
   // For a surface that deforms. Puts a vertex to local coordinates, rounded to the grid. The boxes of the tree stay: until the tree is
-  // another one, no query may need a triangle outside its box. Pre: within 1 of the origin.
+  // another one, no query may need a triangle outside its box. Pre: within 1 of the origin; nothing is shared with a copy.
   void move_vertex(std::uint32_t vertex, const Vec3& local) noexcept;
   // Exchanges the tree for one of the same items with other boxes.
-  void swap_tree(WideBvh& other) noexcept { std::swap(tree_, other); }
+  void swap_tree(WideBvh& other) noexcept { std::swap(surface_->tree, other); }
   bool is_walkable() const;  // every triangle is: nothing is narrower than kWalkableMargin, so there is nothing to resolve
 
   const SurfaceAdjacency& adjacency() const { return adjacency_; }
   // Makes triangles near another object unwalkable, or near its box if it is not built. The objects may overlap.
-  void mark_unwalkable_near(const ObjectGeometry& other);
+  void mark_unwalkable_near(const ObjectGeometry& other) { mark_unwalkable(find_near(other, bounds())); }
   void mark_unwalkable_near(const Box& other);
+  // The walkable triangles that another object makes unwalkable, in any order. bounds: of this object, or a larger box. Work: that of the
+  // other's triangles near these bounds.
+  std::vector<std::uint32_t> find_near(const ObjectGeometry& other, const Box& bounds) const;
+  void mark_unwalkable(std::span<const std::uint32_t> triangles);
 
   // The smooth unit normal at a point of triangle t, interpolated between its corners; zero if none were kept.
   Vec3 smooth_normal(std::uint32_t t, const Vec3& on_triangle) const noexcept;
@@ -107,13 +114,19 @@ class ObjectGeometry {
   }
 
  private:
-  ObjectGeometry() = default;
+  struct Surface {
+    LargeVector<Vec3> vertices;
+    LargeVector<Triangle> triangles;
+    std::vector<Eigen::Vector3f> normals;
+    std::vector<Triangle> corner_normals;  // indices into normals, per corner
+    WideBvh tree{std::span<const Box>{}};
+  };
 
-  LargeVector<Vec3> vertices_;
-  LargeVector<Triangle> triangles_;
-  std::vector<Eigen::Vector3f> normals_;
-  std::vector<Triangle> corner_normals_;  // indices into normals_, per corner
-  WideBvh tree_{std::span<const Box>{}};
+  explicit ObjectGeometry(std::shared_ptr<Surface> surface);
+
+  std::shared_ptr<Surface> surface_;  // of all copies
+  Vec3* vertices_ = nullptr;          // of the surface, like the next: queries come there without a detour
+  const Triangle* triangles_ = nullptr;
   SurfaceAdjacency adjacency_;
 };
 

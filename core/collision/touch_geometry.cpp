@@ -43,6 +43,12 @@ int bits_for_triangles(const std::vector<std::shared_ptr<const TriangleMesh>>& m
   return has_room ? bits + 1 : bits;
 }
 
+std::vector<Box> bounds_of(const std::vector<std::shared_ptr<const ObjectGeometry>>& objects) {
+  std::vector<Box> bounds;
+  for (const auto& object : objects) bounds.push_back(object->bounds());
+  return bounds;
+}
+
 std::size_t most_triangles_of(const std::vector<std::shared_ptr<const ObjectGeometry>>& objects) {
   std::size_t most = 1;
   for (const auto& object : objects) most = std::max<std::size_t>(most, object->triangle_count());
@@ -50,6 +56,11 @@ std::size_t most_triangles_of(const std::vector<std::shared_ptr<const ObjectGeom
 }
 
 }  // namespace
+
+Box TouchGeometry::local_bounds(const LocalFrame& frame, const Box& bounds) {
+  if (bounds.is_empty()) return bounds;
+  return Box{frame.to_local(bounds.low), frame.to_local(bounds.high)}.inflated(0x1p-48);
+}
 
 LocalFrame TouchGeometry::frame_of(const Box& bounds) {
   LocalFrame frame;
@@ -102,7 +113,7 @@ TouchGeometry::TouchGeometry(std::vector<std::shared_ptr<const TriangleMesh>> me
     slots_[i].mesh = std::move(meshes[i]);
     approach.emplace_back();
     if (bounds[i].is_empty()) continue;
-    bounds[i] = Box{frame_.to_local(bounds[i].low), frame_.to_local(bounds[i].high)}.inflated(0x1p-48);
+    bounds[i] = local_bounds(frame_, bounds[i]);
     slots_[i].size = bounds[i].diagonal();
     approach[i] = bounds[i].inflated(slots_[i].size);
     ++waiting_;
@@ -123,29 +134,34 @@ TouchGeometry::TouchGeometry(std::vector<std::shared_ptr<const TriangleMesh>> me
 }
 
 TouchGeometry::TouchGeometry(std::vector<std::shared_ptr<const ObjectGeometry>> objects, const LocalFrame& frame)
+    : TouchGeometry(objects, bounds_of(objects), frame, static_cast<int>(std::bit_width(most_triangles_of(objects)))) {}
+
+TouchGeometry::TouchGeometry(const BuiltObjects& built)
+    : TouchGeometry(built.objects, built.bounds, built.frame, bits_for_triangles(built.meshes)) {}
+
+TouchGeometry::TouchGeometry(std::vector<std::shared_ptr<const ObjectGeometry>> objects, std::span<const Box> bounds,
+                             const LocalFrame& frame, int triangle_bits)
     : frame_(frame),
       units_per_m_(1.0 / frame.unit_m),
-      triangle_bits_(static_cast<int>(std::bit_width(most_triangles_of(objects)))),
+      triangle_bits_(triangle_bits),
       triangle_mask_((1U << triangle_bits_) - 1U),
+      hierarchy_(bounds),
       slots_(objects.size()),
       finished_(objects.size()),
       finished_count_(static_cast<std::uint32_t>(objects.size())),
       received_(static_cast<std::uint32_t>(objects.size())),
       active_count_(objects.size()) {
-  std::vector<Box> bounds;
   for (std::uint32_t i = 0; i < slots_.size(); ++i) {
-    bounds.push_back(objects[i]->bounds());
     active_.push_back(objects[i].get());
     slots_[i].shared = std::move(objects[i]);
     finished_[i] = i;
   }
-  hierarchy_ = ObjectHierarchy(bounds);
 }
 
 void TouchGeometry::mark_unwalkable_between_objects() {
   for (std::uint32_t o = 0; o < slots_.size(); ++o) {
     hierarchy_.for_each_overlapping(hierarchy_.bounds(o).inflated(ObjectGeometry::kWalkableMargin), [&](std::uint32_t other) {
-      if (other != o) slots_[o].built->mark_unwalkable_near(*slots_[other].built);
+      if (other != o) slots_[o].built->mark_unwalkable(slots_[o].built->find_near(*slots_[other].built, hierarchy_.bounds(o)));
     });
   }
 }
@@ -258,7 +274,7 @@ bool TouchGeometry::build_wanted() {
     hierarchy_.for_each_overlapping(hierarchy_.bounds(o).inflated(ObjectGeometry::kWalkableMargin), [&](std::uint32_t other) {
       if (other == o) return;
       if (slots_[other].built != nullptr) {
-        slot.built->mark_unwalkable_near(*slots_[other].built);
+        slot.built->mark_unwalkable(slot.built->find_near(*slots_[other].built, hierarchy_.bounds(o)));
       } else {
         slot.built->mark_unwalkable_near(hierarchy_.bounds(other));
       }

@@ -3,10 +3,12 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <type_traits>
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/collision/built_objects.h"
 #include "core/collision/object_geometry.h"
 #include "core/collision/object_hierarchy.h"
 
@@ -35,11 +37,16 @@ class TouchGeometry {
   // Of objects that were built in that frame, and may be shared. Triangles near another object stay walkable, so this is for contact
   // between meshes only. Pre: check() holds for their meshes, and none has more than most_triangles() of these.
   TouchGeometry(std::vector<std::shared_ptr<const ObjectGeometry>> objects, const LocalFrame& frame);
+  // Of objects that were built for a probe, and are shared: as if they were built here, but for the frame. Pre: check() holds for their
+  // meshes, and none has more than most_triangles() of these.
+  explicit TouchGeometry(const BuiltObjects& built);
 
   // Error: too many objects and triangles for their numbers; a mesh outside part_of, or one that is not finite.
   static Result<void> check(const std::vector<std::shared_ptr<const TriangleMesh>>& meshes, const Box& part_of = {});
   // The local frame of a scene with that bounding box.
   static LocalFrame frame_of(const Box& bounds);
+  // The local bounds of an object with these bounds in the scene, with a margin for rounding.
+  static Box local_bounds(const LocalFrame& frame, const Box& bounds);
   // That each object of a scene of these meshes may have, once its cracks are sealed (ObjectGeometry::make).
   static std::size_t most_triangles(const std::vector<std::shared_ptr<const TriangleMesh>>& meshes);
 
@@ -134,6 +141,9 @@ class TouchGeometry {
     std::uint64_t placed_in = 0;                   // the last placement that its bounds enclosed
   };
 
+  // Of objects that were built elsewhere.
+  TouchGeometry(std::vector<std::shared_ptr<const ObjectGeometry>> objects, std::span<const Box> bounds, const LocalFrame& frame,
+                int triangle_bits);
   void mark_unwalkable_between_objects();
   // Shortens from..until to the part of the motion that may lie in the box.
   static void clip(const Box& box, const Vec3& p, const Vec3& motion, double& from, double& until) noexcept;

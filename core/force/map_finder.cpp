@@ -1,59 +1,16 @@
 #include "core/force/map_finder.h"
 
-#include <algorithm>
+#include <utility>
 
 namespace hapton {
-namespace {
 
-// Far above the contact offset of a proxy (2^-30 of the scene), far below anything that is felt.
-constexpr double kOnSurface = 0x1p-22;
+MapFinder::MapFinder(const SurfaceMaps& maps) : MapFinder(maps, std::make_shared<const MappedSurface>(maps.triangles)) {}
 
-}  // namespace
-
-MapFinder::MapFinder(const SurfaceMaps& maps) : maps_(maps) {
-  Eigen::AlignedBox3d box;
-  for (const MappedTriangle& triangle : *maps_.triangles) {
-    for (const Vec3& corner : triangle.corner) box.extend(corner);
-  }
-  if (box.isEmpty()) return;
-  origin_ = box.center();
-  on_surface_m_ = kOnSurface * box.sizes().norm();
-  for (const MappedTriangle& triangle : *maps_.triangles) {
-    Face face;
-    face.shape = PreparedTriangle(triangle.corner[0] - origin_, triangle.corner[1] - origin_, triangle.corner[2] - origin_);
-    face.place = map_gradients(triangle);
-    faces_.push_back(face);
-  }
-  tree_ = std::make_unique<WideBvh>(faces_.size(), [&](std::size_t i) {
-    Box around;
-    for (const Vec3& corner : faces_[i].shape.corner) around.grow(corner);
-    return around;
-  });
-}
-
-MapPlace MapFinder::place_on(const Face& face, const Vec3& point) const noexcept {
-  MapPlace place = face.place;
-  const Vec3 off = point - face.shape.corner[0];
-  place.texcoord += Eigen::Vector2d(place.du.dot(off), place.dv.dot(off));
-  return place;
-}
+MapFinder::MapFinder(const SurfaceMaps& maps, std::shared_ptr<const MappedSurface> surface) : maps_(maps), surface_(std::move(surface)) {}
 
 MapSample MapFinder::find(const Vec3& p) noexcept {
-  if (faces_.empty() || !p.allFinite()) return {};
-  const Vec3 local = p - origin_;
-  ClosestPoint nearest = closest_point(faces_[last_].shape, local);
-  const bool is_still_there = nearest.feature == TriangleFeature::face && nearest.distance <= on_surface_m_;
-  if (!is_still_there) {
-    tree_->visit_nearest(local, nearest.distance * nearest.distance, [&](std::uint32_t item, double bound_squared) {
-      const ClosestPoint found = closest_point(faces_[item].shape, local);
-      if (found.distance < nearest.distance) {
-        nearest = found;
-        last_ = item;
-      }
-      return std::min(bound_squared, nearest.distance * nearest.distance);
-    });
-  }
-  return maps_.sample(place_on(faces_[last_], nearest.point));
+  if (surface_->is_empty() || !p.allFinite()) return {};
+  return maps_.sample(surface_->find(p, last_));
 }
 
 }  // namespace hapton

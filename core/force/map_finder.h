@@ -1,11 +1,10 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
-#include <vector>
 
-#include "core/collision/wide_bvh.h"
 #include "core/effects/surface_maps.h"
-#include "core/geometry/closest_point.h"
+#include "core/force/mapped_surface.h"
 
 namespace hapton {
 
@@ -14,23 +13,15 @@ namespace hapton {
 class MapFinder {
  public:
   explicit MapFinder(const SurfaceMaps& maps);
+  // On a surface that may be shared. Pre: it is of the triangles of these maps.
+  MapFinder(const SurfaceMaps& maps, std::shared_ptr<const MappedSurface> surface);
 
   // What the images say at the point of the surface nearest to p.
   MapSample find(const Vec3& p) noexcept;
 
  private:
-  struct Face {
-    PreparedTriangle shape;  // from the origin
-    MapPlace place;          // of corner 0
-  };
-
-  MapPlace place_on(const Face& face, const Vec3& point) const noexcept;
-
   SurfaceMaps maps_;
-  Vec3 origin_ = Vec3::Zero();
-  double on_surface_m_ = 0.0;  // nearer than this a point lies on the triangle that it is above: a rounding of the surface's size
-  std::vector<Face> faces_;
-  std::unique_ptr<WideBvh> tree_;
+  std::shared_ptr<const MappedSurface> surface_;
   std::size_t last_ = 0;
 };
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/collision/box.h"
+#include "core/collision/built_objects.h"
 #include "core/effects/space_effect.h"
 #include "core/effects/surface_effects.h"
 #include "core/geometry/mesh_deformation.h"
@@ -14,6 +15,8 @@
 #include "core/sculpt/sculpt_settings.h"
 
 namespace hapton {
+
+class MappedSurface;
 
 // Contact properties of a surface. SI units.
 struct Material {
@@ -51,6 +54,12 @@ struct TouchScene {
   // If the objects are a part of a larger scene: the bounding box of that scene. All its parts then have the same local frame and the
   // same contact offset (object_geometry.h). Empty: the objects are the whole scene.
   Box part_of = {};
+  // The objects as they were built before; a method that has a use for them (proxy) builds none of these meshes again, and takes their
+  // frame. Null, or of other meshes: it builds all.
+  std::shared_ptr<const BuiltObjects> built = nullptr;
+  // By object: its surface with images, if it was prepared before (TouchStep). Null, of other triangles, or too short: it is prepared
+  // again.
+  std::vector<std::shared_ptr<const MappedSurface>> mapped = {};
 
   bool has_effects() const {
     bool any = !effects.empty();

@@ -21,6 +21,15 @@ MethodInput to_static_scene(const TouchInput& input) {
   return sample;
 }
 
+// Null: the object has no images.
+std::unique_ptr<MapFinder> make_finder(const TouchScene& scene, std::size_t object) {
+  const SurfaceMaps& maps = scene.objects[object].effects.maps;
+  if (!maps.is_on()) return nullptr;
+  const auto prepared = object < scene.mapped.size() ? scene.mapped[object] : nullptr;
+  if (prepared != nullptr && prepared->triangles() == maps.triangles) return std::make_unique<MapFinder>(maps, prepared);
+  return std::make_unique<MapFinder>(maps);
+}
+
 }  // namespace
 
 TouchStep::TouchStep(std::shared_ptr<ForceMethod> method, const TouchScene& scene)
@@ -32,9 +41,9 @@ TouchStep::TouchStep(std::shared_ptr<ForceMethod> method, const TouchScene& scen
   const bool adds_drag = !method_->drag_left_out().empty();
   if (!scene.has_effects() && !adds_drag) return;
   std::vector<SurfaceEffects> surfaces;
-  for (const TouchObject& object : scene.objects) {
-    surfaces.push_back(object.effects);
-    maps_.push_back(object.effects.maps.is_on() ? std::make_unique<MapFinder>(object.effects.maps) : nullptr);
+  for (std::size_t o = 0; o < scene.objects.size(); ++o) {
+    surfaces.push_back(scene.objects[o].effects);
+    maps_.push_back(make_finder(scene, o));
   }
   effects_ = std::make_unique<EffectStep>(std::move(surfaces), scene.effects);
   const auto has_drag = [](const TouchObject& object) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace hapton {
 namespace {
@@ -39,7 +40,10 @@ double radius_of(const ObjectGeometry& tool) {
 }  // namespace
 
 ContactSurface::ContactSurface(const TriangleMesh& mesh, const LocalFrame& frame, std::size_t most_triangles)
-    : geometry_(ObjectGeometry::make(mesh, frame, most_triangles)), features_(geometry_), tree_(geometry_) {}
+    : ContactSurface(std::make_shared<const ObjectGeometry>(ObjectGeometry::make(mesh, frame, most_triangles))) {}
+
+ContactSurface::ContactSurface(std::shared_ptr<const ObjectGeometry> geometry)
+    : geometry_(std::move(geometry)), features_(*geometry_), tree_(*geometry_) {}
 
 ToolSurface::ToolSurface(const ObjectGeometry& tool)
     : features(std::make_shared<const SurfaceFeatures>(tool)), tree(tool), radius(radius_of(tool)) {}

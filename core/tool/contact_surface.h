@@ -17,16 +17,18 @@ class ContactSurface {
  public:
   // most_triangles: as ObjectGeometry::make has it.
   ContactSurface(const TriangleMesh& mesh, const LocalFrame& frame, std::size_t most_triangles);
+  // Of a geometry that may be shared.
+  explicit ContactSurface(std::shared_ptr<const ObjectGeometry> geometry);
   ContactSurface(const ContactSurface&) = delete;
   ContactSurface& operator=(const ContactSurface&) = delete;
 
-  const ObjectGeometry& geometry() const { return geometry_; }
+  const ObjectGeometry& geometry() const { return *geometry_; }
   const SurfaceFeatures& features() const { return features_; }
   const PatchTree& tree() const { return tree_; }
-  std::size_t bytes() const { return geometry_.bytes() + features_.bytes() + tree_.bytes(); }
+  std::size_t bytes() const { return geometry_->bytes() + features_.bytes() + tree_.bytes(); }
 
  private:
-  ObjectGeometry geometry_;
+  std::shared_ptr<const ObjectGeometry> geometry_;
   SurfaceFeatures features_;
   PatchTree tree_;
 };

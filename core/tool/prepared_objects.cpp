@@ -11,21 +11,34 @@ constexpr double kFarthest = 1.0;
 // And its diagonal is at least this; in a new frame it is 1 to 2. Tolerances are in proportion to it.
 constexpr double kLeastDiagonal = 0.5;
 
-Box bounds_of(const std::vector<std::shared_ptr<const TriangleMesh>>& meshes) {
+Box bounds_of(const TriangleMesh& mesh) {
   Box bounds;
-  for (const auto& mesh : meshes) {
-    for (const Vec3& v : mesh->vertices) bounds.grow(v);
-  }
+  for (const Vec3& v : mesh.vertices) bounds.grow(v);
+  return bounds;
+}
+
+std::vector<Box> bounds_of(const std::vector<std::shared_ptr<const TriangleMesh>>& meshes) {
+  std::vector<Box> bounds;
+  for (const auto& mesh : meshes) bounds.push_back(bounds_of(*mesh));
   return bounds;
 }
 
 }  // namespace
 
-PreparedObjects::PreparedObjects(std::vector<std::shared_ptr<const TriangleMesh>> meshes)
+PreparedObjects::PreparedObjects(std::vector<std::shared_ptr<const TriangleMesh>> meshes, std::optional<double> shading_crease_rad)
     : meshes_(std::move(meshes)),
+      shading_crease_rad_(shading_crease_rad),
+      bounds_(bounds_of(meshes_)),
+      geometries_(meshes_.size()),
       prepared_(meshes_.size()),
-      frame_(TouchGeometry::frame_of(bounds_of(meshes_))),
+      frame_(TouchGeometry::frame_of(scene_bounds())),
       most_triangles_(TouchGeometry::most_triangles(meshes_)) {}
+
+Box PreparedObjects::scene_bounds() const {
+  Box scene;
+  for (const Box& bounds : bounds_) scene.grow(bounds);
+  return scene;
+}
 
 bool PreparedObjects::suits_frame(const Box& bounds) const {
   if (bounds.is_empty()) return true;
@@ -36,20 +49,43 @@ bool PreparedObjects::suits_frame(const Box& bounds) const {
 
 void PreparedObjects::replace(std::size_t object, std::shared_ptr<const TriangleMesh> mesh) {
   meshes_[object] = std::move(mesh);
+  bounds_[object] = bounds_of(*meshes_[object]);
+  geometries_[object].reset();
   prepared_[object].reset();
-  const Box bounds = bounds_of(meshes_);
+  const Box bounds = scene_bounds();
   const std::size_t most = TouchGeometry::most_triangles(meshes_);
   if (most == most_triangles_ && suits_frame(bounds)) return;
   most_triangles_ = most;
   frame_ = TouchGeometry::frame_of(bounds);
+  std::ranges::fill(geometries_, nullptr);
   std::ranges::fill(prepared_, nullptr);
+}
+
+const std::shared_ptr<const ObjectGeometry>& PreparedObjects::build_geometry(std::size_t object) {
+  std::shared_ptr<const ObjectGeometry>& geometry = geometries_[object];
+  if (geometry == nullptr) {
+    geometry = std::make_shared<const ObjectGeometry>(ObjectGeometry::make(*meshes_[object], frame_, most_triangles_, shading_crease_rad_));
+  }
+  return geometry;
 }
 
 bool PreparedObjects::prepare_next() {
   const auto next = std::ranges::find(prepared_, nullptr);
   if (next == prepared_.end()) return false;
-  *next = std::make_shared<const ContactSurface>(*meshes_[static_cast<std::size_t>(next - prepared_.begin())], frame_, most_triangles_);
+  *next = std::make_shared<const ContactSurface>(build_geometry(static_cast<std::size_t>(next - prepared_.begin())));
   return true;
+}
+
+std::shared_ptr<const BuiltObjects> PreparedObjects::build() {
+  if (!TouchGeometry::check(meshes_)) return nullptr;
+  for (std::size_t o = 0; o < meshes_.size(); ++o) build_geometry(o);
+  auto built = std::make_shared<BuiltObjects>();
+  built->frame = frame_;
+  built->shading_crease_rad = shading_crease_rad_;
+  built->meshes = meshes_;
+  for (const Box& bounds : bounds_) built->bounds.push_back(TouchGeometry::local_bounds(frame_, bounds));
+  built->objects = marked_.update(geometries_, built->bounds);
+  return built;
 }
 
 Result<std::unique_ptr<ToolStep>> PreparedObjects::hold(std::size_t object, const Pose& X_SD, const ToolCoupling& coupling,

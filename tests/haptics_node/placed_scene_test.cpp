@@ -4,9 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "core/force/map_finder.h"
 #include "core/geometry/mesh_shapes.h"
 #include "scene/annotations_file.h"
 #include "tests/support/log_of.h"
@@ -42,6 +45,39 @@ struct PlacedSceneTest : testing::Test {
     return folder.write("marks.json", write_annotations(annotations, hash));
   }
 };
+
+// Where the images of a surface are, the surface is.
+TEST_F(PlacedSceneTest, TheImagesOfASurfaceMoveWithIt) {
+  SceneObject& cube = scene.objects[1];
+  auto mapped = std::make_shared<std::vector<MappedTriangle>>();
+  for (std::size_t t = 0; t < cube.mesh->triangles.size(); ++t) {
+    MappedTriangle made;
+    for (std::size_t k = 0; k < 3; ++k) {
+      made.corner[k] = cube.mesh->corner(t, static_cast<int>(k));
+      made.texcoord[k] = Eigen::Vector2d(made.corner[k].x() + 2.0 * made.corner[k].z(), 3.0 * made.corner[k].y());
+    }
+    mapped->push_back(made);
+  }
+  std::vector<float> texels(64 * 64);
+  for (std::size_t n = 0; n < texels.size(); ++n) texels[n] = static_cast<float>(n % 61) / 60.0F;
+  const auto image = std::make_shared<const SurfaceImage>(64, 64, std::move(texels));
+  cube.effects.maps = {.triangles = mapped, .friction = {.image = image, .at_black = 0.0, .at_white = 1.0}};
+  const PutDown there{1, Vec3(0.3, 0.0, -0.1), kTurned};
+  const Scene placed = place_objects(scene, {there});
+  EXPECT_EQ(*scene.objects[1].effects.maps.triangles->front().corner.data(), cube.mesh->corner(0, 0)) << "as it was loaded";
+  MapFinder before(scene.objects[1].effects.maps);
+  MapFinder after(placed.objects[1].effects.maps);
+  std::set<double> found;
+  for (const auto& [x, y] : {std::pair(0.01, 0.02), std::pair(-0.03, 0.05), std::pair(0.02, -0.07)}) {
+    const Vec3 on(x, y, 0.15);
+    EXPECT_NEAR(after.find(there.pose() * on).friction, before.find(on).friction, 1e-9);
+    found.insert(before.find(on).friction);
+  }
+  EXPECT_EQ(found.size(), 3U);
+  Scene again = placed;
+  move_object(Pose::Identity(), scene.objects[1], again.objects[1]);
+  EXPECT_EQ(again.objects[1].effects.maps.triangles->back().corner, mapped->back().corner) << "from where it was loaded";
+}
 
 TEST_F(PlacedSceneTest, WhatAFileHasPutDownLiesThere) {
   const auto file = write({.objects = {"table", "cube"}, .entries = {}, .put_down = {{1, Vec3(0.3, 0.0, -0.1), kTurned}}});

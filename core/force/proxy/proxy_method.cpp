@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace hapton {
 
@@ -57,8 +58,7 @@ Result<std::unique_ptr<ForceMethod>> ProxyMethod::make(const MethodSettings& set
 }
 
 ProxyMethod::ProxyMethod(const MethodSettings& settings, const TouchScene& scene)
-    : geometry_(meshes_of(scene), policy_of(settings, scene),
-                settings.shading > 0.0 ? std::optional(settings.crease_deg * std::numbers::pi / 180.0) : std::nullopt, scene.part_of),
+    : geometry_(make_geometry(settings, scene)),
       materials_(materials_of(scene)),
       surfaces_(geometry_, materials_),
       clearance_(clearance_of(settings, geometry_.unit_m())),
@@ -69,6 +69,17 @@ ProxyMethod::ProxyMethod(const MethodSettings& settings, const TouchScene& scene
       sphere_(geometry_, materials_, is_point_ ? 0.5 * kContactOffset : clearance_.offset, clearance_.offset < kLeastRadius),
       flight_(surfaces_, clearance_),
       swept_(surfaces_, clearance_, is_point_) {}
+
+std::optional<double> ProxyMethod::shading_crease_rad(const MethodSettings& settings) {
+  return settings.shading > 0.0 ? std::optional(settings.crease_deg * std::numbers::pi / 180.0) : std::nullopt;
+}
+
+TouchGeometry ProxyMethod::make_geometry(const MethodSettings& settings, const TouchScene& scene) {
+  const std::optional<double> crease_rad = shading_crease_rad(settings);
+  auto meshes = meshes_of(scene);
+  if (scene.built != nullptr && scene.part_of.is_empty() && scene.built->are_of(meshes, crease_rad)) return TouchGeometry(*scene.built);
+  return TouchGeometry(std::move(meshes), policy_of(settings, scene), crease_rad, scene.part_of);
+}
 
 Clearance ProxyMethod::clearance_of(const MethodSettings& settings, double unit_m) {
   return {.offset = settings.probe_radius_m / unit_m + kContactOffset, .slop = 0.5 * kContactOffset, .tolerance = 0x1p-10 * kContactOffset};

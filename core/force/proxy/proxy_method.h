@@ -47,6 +47,8 @@ struct ProxyCounters {
 class ProxyMethod final : public ForceMethod {
  public:
   static Result<std::unique_ptr<ForceMethod>> make(const MethodSettings& settings, const TouchScene& scene);
+  // Of the smooth normals that it needs (BuiltObjects); none: it needs none.
+  static std::optional<double> shading_crease_rad(const MethodSettings& settings);
 
   MethodOutput step(const MethodInput& input) noexcept override;
   void reset(const Vec3& p_SD) noexcept override;
@@ -91,6 +93,7 @@ class ProxyMethod final : public ForceMethod {
 
   ProxyMethod(const MethodSettings& settings, const TouchScene& scene);
 
+  static TouchGeometry make_geometry(const MethodSettings& settings, const TouchScene& scene);
   static Clearance clearance_of(const MethodSettings& settings, double unit_m);
   std::string describe_steps() const;
 

@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <random>
+#include <utility>
+#include <vector>
 
 #include "core/geometry/mesh_shapes.h"
 
@@ -36,6 +39,76 @@ TEST(ObjectGeometry, BoundsAreThoseOfItsVertices) {
   const ObjectGeometry object(make_box({1, 2, 3}, 1), {.origin = Vec3(1, 0, 0), .unit_m = 2.0});
   EXPECT_EQ(object.bounds().low, object.about(Vec3(0.5, 0, 0)).bounds().low + Vec3(0.5, 0, 0));
   EXPECT_EQ((object.bounds().high - object.bounds().low).eval(), Vec3(0.5, 1.0, 1.5));
+}
+
+TriangleMesh turned_and_moved(TriangleMesh mesh, const Quat& turn, const Vec3& by) {
+  for (Vec3& v : mesh.vertices) v = turn * v + by;
+  return mesh;
+}
+
+// Twin: every pair of triangles. Cubes that overlap, stand on each other and are apart, also by about the margin.
+TEST(ObjectGeometry, FindsTheTrianglesThatAreNearAnotherObject) {
+  constexpr unsigned kSeed = 2241;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  std::mt19937_64 random(kSeed);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  const ObjectGeometry object(make_box({0.5, 0.5, 0.5}, 4), {});
+  std::size_t most = 0;
+  std::size_t empty = 0;
+  for (int n = 0; n < 60; ++n) {
+    const bool stands = n % 2 == 0;
+    const double gap = n % 4 == 0 ? 0.0 : 1.5 * uniform(random) * ObjectGeometry::kWalkableMargin;
+    const Vec3 by = stands ? Vec3(0.3 * uniform(random), 0.3 * uniform(random), 0.4 + gap)
+                           : Vec3(0.45 * Vec3(uniform(random), uniform(random), uniform(random)));
+    const Quat turn = stands ? Quat(Eigen::AngleAxisd(uniform(random), Vec3::UnitZ()))
+                             : Quat(uniform(random), uniform(random), uniform(random), uniform(random)).normalized();
+    const ObjectGeometry other(turned_and_moved(make_box({0.3, 0.3, 0.3}, 3), turn, by), {});
+    for (const auto& [own, of] : {std::pair(&object, &other), std::pair(&other, &object)}) {
+      std::vector<std::uint32_t> expected;
+      for (std::uint32_t u = 0; u < own->triangle_count(); ++u) {
+        bool near = false;
+        for (std::uint32_t t = 0; t < of->triangle_count(); ++t) {
+          near = near || !are_apart({own->corner(u, 0), own->corner(u, 1), own->corner(u, 2)},
+                                    {of->corner(t, 0), of->corner(t, 1), of->corner(t, 2)}, ObjectGeometry::kWalkableMargin);
+        }
+        if (near) expected.push_back(u);
+      }
+      std::vector<std::uint32_t> found = own->find_near(*of, own->bounds());
+      std::ranges::sort(found);
+      ASSERT_EQ(found, expected) << n;
+      most = std::max(most, found.size());
+      empty += found.empty() ? 1 : 0;
+      ObjectGeometry marked = *own;
+      marked.mark_unwalkable_near(*of);
+      for (std::uint32_t u = 0; u < own->triangle_count(); ++u)
+        ASSERT_EQ(marked.adjacency().is_walkable(u), !std::ranges::binary_search(expected, u)) << n;
+    }
+  }
+  EXPECT_GT(most, 20U);
+  EXPECT_GT(empty, 4U);
+}
+
+TEST(ObjectGeometry, CopiesShareTheSurfaceButNotTheMarks) {
+  const ObjectGeometry object(make_bumpy_sphere(0.3, 0.2, 300, 5), {}, 0.7);
+  ObjectGeometry copy = object;
+  EXPECT_EQ(copy.vertices().data(), object.vertices().data());
+  EXPECT_EQ(&copy.triangle(7), &object.triangle(7));
+  EXPECT_EQ(&copy.tree(), &object.tree());
+  EXPECT_EQ(copy.bytes(), object.bytes());
+  const std::vector<std::uint32_t> marked = {3, 7};
+  copy.mark_unwalkable(marked);
+  for (std::uint32_t t = 0; t < object.triangle_count(); ++t) {
+    EXPECT_EQ(copy.adjacency().is_walkable(t), object.adjacency().is_walkable(t) && t != 3 && t != 7) << t;
+    EXPECT_TRUE(object.adjacency().is_walkable(t)) << t;
+    EXPECT_EQ(copy.smooth_normal(t, copy.corner(t, 0)), object.smooth_normal(t, object.corner(t, 0)));
+  }
+}
+
+TEST(ObjectGeometry, NothingIsNearAnObjectWithoutTriangles) {
+  const ObjectGeometry box(make_box({0.5, 0.5, 0.5}, 4), {});
+  const ObjectGeometry empty(TriangleMesh(), {});
+  EXPECT_TRUE(box.find_near(empty, box.bounds()).empty());
+  EXPECT_TRUE(empty.find_near(box, empty.bounds()).empty());
 }
 
 TEST(ObjectGeometry, NeighboursAreNearInMemory) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <optional>
 
 #include "core/geometry/mesh_shapes.h"
 #include "core/tool/penetration_check.h"
@@ -130,6 +131,69 @@ TEST(PreparedObjects, WhatHasMovedIsPreparedAgainAndNothingElse) {
   PreparedObjects anew(meshes);
   ASSERT_EQ(anew.frame().origin, objects.frame().origin);
   const auto first = hold_cube(objects, kRough);
+  const auto second = hold_cube(anew, kRough);
+  expect_same_bits(follow_path(*first), follow_path(*second));
+}
+
+void expect_as_built_anew(const BuiltObjects& built, const Meshes& meshes) {
+  ASSERT_EQ(built.meshes, meshes);
+  Box box;
+  for (const auto& mesh : make_objects()) {
+    for (const Vec3& v : mesh->vertices) box.grow(v);
+  }
+  const TouchGeometry anew(meshes, BuildPolicy::at_once, built.shading_crease_rad, box);
+  ASSERT_EQ(anew.origin(), built.frame.origin);
+  ASSERT_EQ(anew.unit_m(), built.frame.unit_m);
+  for (std::uint32_t o = 0; o < meshes.size(); ++o) {
+    const ObjectGeometry& expected = anew.object_geometry(o);
+    ASSERT_EQ(built.objects[o]->triangle_count(), expected.triangle_count());
+    for (std::uint32_t t = 0; t < expected.triangle_count(); ++t) {
+      for (int k = 0; k < 3; ++k) ASSERT_EQ(built.objects[o]->corner(t, k), expected.corner(t, k));
+      ASSERT_EQ(built.objects[o]->adjacency().is_walkable(t), expected.adjacency().is_walkable(t)) << o << ", " << t;
+      ASSERT_EQ(built.objects[o]->smooth_normal(t, expected.corner(t, 0)), expected.smooth_normal(t, expected.corner(t, 0)));
+    }
+  }
+}
+
+TEST(PreparedObjects, AProbeGetsThemMarkedWhereTheyTouchAndOnlyWhatHasMovedIsBuiltAgain) {
+  for (const std::optional<double> crease_rad : {std::optional<double>(), std::optional(0.7)}) {
+    Meshes meshes = make_objects();
+    PreparedObjects objects(meshes, crease_rad);
+    const auto first = objects.build();
+    expect_as_built_anew(*first, meshes);
+    EXPECT_EQ(objects.build()->objects, first->objects);
+    EXPECT_EQ(objects.bytes(), 0U) << "for a probe alone, no features and trees are needed";
+    while (objects.prepare_next()) {
+    }
+    EXPECT_EQ(objects.build()->objects, first->objects);
+    // Down onto the plate.
+    meshes[kHeldCube] = displaced(*meshes[kHeldCube], {-0.03, 0.0, -0.001});
+    objects.replace(kHeldCube, meshes[kHeldCube]);
+    const auto second = objects.build();
+    expect_as_built_anew(*second, meshes);
+    EXPECT_NE(second->objects[0], first->objects[0]) << "other marks";
+    EXPECT_EQ(second->objects[2], first->objects[2]) << "stays on the plate";
+    EXPECT_LT(second->objects[0]->adjacency().walkable_count(), first->objects[0]->adjacency().walkable_count());
+    EXPECT_TRUE(objects.prepare_next());
+    EXPECT_FALSE(objects.prepare_next());
+    // And up again, into the air elsewhere.
+    meshes[kHeldCube] = displaced(*make_objects()[kHeldCube], {-0.02, 0.05, 0.005});
+    objects.replace(kHeldCube, meshes[kHeldCube]);
+    const auto third = objects.build();
+    expect_as_built_anew(*third, meshes);
+    EXPECT_EQ(third->objects[0]->adjacency().walkable_count(), first->objects[0]->adjacency().walkable_count());
+    EXPECT_EQ(third->objects[2], first->objects[2]);
+  }
+}
+
+TEST(PreparedObjects, AToolIsTheSameToTheBitAfterAProbeHasItsObjects) {
+  PreparedObjects objects(make_objects());
+  objects.replace(kHeldCube, displaced(*make_objects()[kHeldCube], {0.0, 0.0, -0.001}));
+  (void)objects.build();
+  objects.replace(kHeldCube, make_objects()[kHeldCube]);
+  (void)objects.build();
+  const auto first = hold_cube(objects, kRough);
+  PreparedObjects anew(make_objects());
   const auto second = hold_cube(anew, kRough);
   expect_same_bits(follow_path(*first), follow_path(*second));
 }

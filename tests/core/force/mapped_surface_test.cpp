@@ -1,0 +1,97 @@
+#include "core/force/mapped_surface.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "core/force/force_method.h"
+#include "core/force/map_finder.h"
+#include "core/force/touch_step.h"
+#include "core/geometry/mesh_shapes.h"
+
+namespace hapton {
+namespace {
+
+constexpr unsigned kMappedSeed = 77;
+
+SurfaceMaps images_on(const TriangleMesh& mesh) {
+  auto triangles = std::make_shared<std::vector<MappedTriangle>>();
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    MappedTriangle made;
+    for (std::size_t k = 0; k < 3; ++k) {
+      made.corner[k] = mesh.corner(t, static_cast<int>(k));
+      made.texcoord[k] = Eigen::Vector2d(3.0 * made.corner[k].x() + made.corner[k].z(), 2.0 * made.corner[k].y());
+    }
+    triangles->push_back(made);
+  }
+  std::vector<float> texels;
+  for (int n = 0; n < 64 * 64; ++n) texels.push_back(0.5F + 0.5F * std::sin(0.05F * static_cast<float>(n)));
+  const auto image = std::make_shared<const SurfaceImage>(64, 64, std::move(texels));
+  return {.triangles = triangles, .height = {.image = image, .at_black = -1e-3, .at_white = 0.0}};
+}
+
+// Twin: every triangle.
+TEST(MappedSurface, FindsThePlaceOfTheNearestPointWhereverTheSearchBegins) {
+  SCOPED_TRACE(testing::Message() << "seed " << kMappedSeed);
+  const TriangleMesh torus = make_torus(0.035, 0.015, 30, 12);
+  const SurfaceMaps maps = images_on(torus);
+  const MappedSurface surface(maps.triangles);
+  EXPECT_EQ(surface.triangles(), maps.triangles);
+  std::mt19937_64 random(kMappedSeed);
+  std::uniform_real_distribution<double> uniform(-0.06, 0.06);
+  for (int n = 0; n < 500; ++n) {
+    const Vec3 p(uniform(random), uniform(random), 0.5 * uniform(random));
+    double nearest_m = std::numeric_limits<double>::infinity();
+    Eigen::Vector2d expected = Eigen::Vector2d::Zero();
+    for (const MappedTriangle& triangle : *maps.triangles) {
+      const ClosestPoint found = closest_point(triangle.corner[0], triangle.corner[1], triangle.corner[2], p);
+      if (!(found.distance < nearest_m)) continue;
+      nearest_m = found.distance;
+      const MapPlace place = map_gradients(triangle);
+      const Vec3 off = found.point - triangle.corner[0];
+      expected = place.texcoord + Eigen::Vector2d(place.du.dot(off), place.dv.dot(off));
+    }
+    std::size_t last = random() % torus.triangles.size();
+    EXPECT_LT((surface.find(p, last).texcoord - expected).norm(), 1e-9) << n;
+  }
+}
+
+TEST(MappedSurface, AStepSharesTheOneOfItsTrianglesAndNoOther) {
+  const TriangleMesh torus = make_torus(0.035, 0.015, 30, 12);
+  const SurfaceMaps maps = images_on(torus);
+  TouchScene scene;
+  scene.objects.push_back({.mesh = std::make_shared<const TriangleMesh>(torus), .material = {}});
+  scene.objects.front().effects.maps = maps;
+  const auto surface = std::make_shared<const MappedSurface>(maps.triangles);
+  const auto of_another = std::make_shared<const MappedSurface>(images_on(make_torus(0.03, 0.01, 30, 12)).triangles);
+  TouchScene shared = scene;
+  shared.mapped = {surface};
+  TouchScene stale = scene;
+  stale.mapped = {of_another};
+  TouchScene none = scene;
+  none.mapped = {nullptr};
+  std::vector<TouchStep> steps;
+  for (const TouchScene* each : {&scene, &shared, &stale, &none})
+    steps.emplace_back(std::shared_ptr<ForceMethod>(make_method({}, *each).value().release()), *each);
+  EXPECT_EQ(surface.use_count(), 3) << "here, in the scene and in the step";
+  EXPECT_EQ(of_another.use_count(), 2);
+  int contacts = 0;
+  for (int n = 0; n < 400; ++n) {
+    const double angle = 0.02 * n;
+    const TouchInput input{.p_WD = Vec3(0.035 * std::cos(angle), 0.035 * std::sin(angle), 0.0148 + 0.001 * std::cos(0.5 * angle))};
+    const TouchOutput expected = steps.front().step(input);
+    contacts += expected.contact ? 1 : 0;
+    for (std::size_t other = 1; other < steps.size(); ++other) ASSERT_EQ(steps[other].step(input).force_n, expected.force_n) << n;
+  }
+  EXPECT_GT(contacts, 100);
+}
+
+TEST(MappedSurface, MayHaveNoTriangles) {
+  const MappedSurface surface(std::make_shared<const std::vector<MappedTriangle>>());
+  EXPECT_TRUE(surface.is_empty());
+}
+
+}  // namespace
+}  // namespace hapton
