@@ -36,7 +36,9 @@ TouchStep::TouchStep(std::shared_ptr<ForceMethod> method, const TouchScene& scen
     surfaces.push_back(object.effects);
     maps_.push_back(object.effects.maps.is_on() ? std::make_unique<MapFinder>(object.effects.maps) : nullptr);
   }
-  effects_ = std::make_unique<EffectStep>(std::move(surfaces), scene.effects);
+  auto frames = std::make_unique<EffectFrames>(scene);
+  effects_ = std::make_unique<EffectStep>(std::move(surfaces), scene.effects, frames->of_objects());
+  if (!frames->of_objects().empty()) frames_ = std::move(frames);
   const auto has_drag = [](const TouchObject& object) {
     return object.material.friction_static > 0.0 || object.material.damping_ns_per_m > 0.0;
   };
@@ -50,7 +52,9 @@ void TouchStep::take_drag() noexcept {
   for (std::size_t o = 0; o < materials.size(); ++o) {
     const Material& material = materials[o];
     effects_->set_drag(o,
-                       {.damping_ns_per_m = material.damping_ns_per_m, .friction = {material.friction_static, material.friction_dynamic}});
+                       {.damping_ns_per_m = material.damping_ns_per_m,
+                        .stiffness_n_per_m = material.stiffness_n_per_m,
+                        .friction = {material.friction_static, material.friction_dynamic}});
   }
 }
 
@@ -96,17 +100,28 @@ Vec3 TouchStep::step_in_space(const TouchInput& input) noexcept {
   return input.X_WS.linear() * effects_->step_in_space(to_static_scene(input).p_SD, input.dt_s, input.buttons);
 }
 
+// Images lie on the mesh at rest.
+SurfaceContact TouchStep::find_contact(const MethodOutput& result, Found& found) noexcept {
+  SurfaceContact contact = {.force_n = result.force_n, .p_SP = result.p_SP, .object = result.object, .contact = result.contact};
+  if (!result.contact || result.object < 0 || result.object >= static_cast<int>(maps_.size())) return contact;
+  if (frames_ != nullptr) found.place = method_->find_place(result.object);
+  if (found.place) contact.place = &*found.place;
+  MapFinder* finder = maps_[static_cast<std::size_t>(result.object)].get();
+  if (finder == nullptr) return contact;
+  const Vec3 p_rest = found.place ? found.place->p_rest : frames_ != nullptr ? frames_->at_rest(result.object, result.p_SP) : result.p_SP;
+  contact.map = &found.map.emplace(finder->find(p_rest));
+  return contact;
+}
+
 // Not inlined: its registers and stack would cost every step of a scene without effects.
 [[gnu::noinline]] TouchOutput TouchStep::add_effects(const TouchInput& input, const MethodInput& sample,
                                                      const MethodOutput& result) noexcept {
   if (has_new_effects_) forget_effects(input);
   if (!knows_drag_) take_drag();
   note_scene(input);
-  SurfaceContact contact = {.force_n = result.force_n, .p_SP = result.p_SP, .object = result.object, .contact = result.contact};
-  std::optional<MapSample> map;
-  if (result.contact && result.object >= 0 && result.object < static_cast<int>(maps_.size())) {
-    if (MapFinder* finder = maps_[static_cast<std::size_t>(result.object)].get()) contact.map = &map.emplace(finder->find(result.p_SP));
-  }
+  if (frames_ != nullptr) effects_->place(frames_->place(sample));
+  Found found;
+  const SurfaceContact contact = find_contact(result, found);
   const EffectResult felt = effects_->step(sample.p_SD, sample.dt_s, contact, input.buttons);
   TouchOutput output;
   output.contact = felt.is_felt;
@@ -146,6 +161,12 @@ std::vector<int> TouchStep::commanded_objects() const {
   std::vector<int> objects;
   for (const Commanded& each : commanded_) objects.push_back(each.object);
   return objects;
+}
+
+void TouchStep::follow_hand(const TouchStep& other) noexcept {
+  if (!uses_effects_ || !other.uses_effects_ || other.has_new_effects_) return;
+  effects_->follow_hand(*other.effects_);
+  last_ = other.last_;
 }
 
 void TouchStep::follow_commands(const TouchStep& other) noexcept {
