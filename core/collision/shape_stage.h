@@ -102,9 +102,7 @@ class StreamedGeometry {
 
  private:
   static double share_at(double time_s, double start_s, double over_s) noexcept;
-  static Vec3 at(const std::vector<double>& numbers, std::uint32_t vertex) noexcept {
-    return Vec3::Map(&numbers[3 * std::size_t{vertex}]);
-  }
+  static Vec3 at(const std::vector<double>& numbers, std::uint32_t vertex) noexcept { return Vec3::Map(&numbers[3 * std::size_t{vertex}]); }
   void advance() noexcept;
 
   TouchGeometry& geometry_;

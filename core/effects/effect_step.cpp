@@ -138,7 +138,9 @@ void EffectStep::advance_frames(const Vec3& p_SD, double dt_s) noexcept {
 
 // What goes on from surface to surface is turned from the frame where it was into this one.
 void EffectStep::carry_into(int frame) noexcept {
-  const auto axes_of = [&](int which) { return which == kStill ? Mat3(Mat3::Identity()) : frames_[static_cast<std::size_t>(which)].axes(); };
+  const auto axes_of = [&](int which) {
+    return which == kStill ? Mat3(Mat3::Identity()) : frames_[static_cast<std::size_t>(which)].axes();
+  };
   const Mat3 turn = axes_of(frame).transpose() * axes_of(carried_in_);
   carried_in_ = frame;
   friction_.pulled = turn * friction_.pulled;

@@ -22,7 +22,7 @@ struct SurfaceContact {
   Vec3 p_SP = Vec3::Zero();     // proxy
   int object = -1;              // touched; -1: none, or unknown
   bool contact = false;
-  const MapSample* map = nullptr;  // of the object's images at the proxy; null: it has none
+  const MapSample* map = nullptr;       // of the object's images at the proxy; null: it has none
   const SurfacePlace* place = nullptr;  // where an object that deforms is touched; null: it keeps its shape
 };
 
@@ -37,8 +37,8 @@ struct EffectResult {
 // surface that holds the device (snap), the last tap. The result is finite if the method's force is. A sample that is not finite gives zero
 // force and changes nothing.
 //
-// The effects of a surface that moves are computed in its frame F, in which it always is where it is in S at rest: positions, velocities and
-// memory are relative to it. Friction and a recorded texture go on from surface to surface, also from one frame to another.
+// The effects of a surface that moves are computed in its frame F, in which it always is where it is in S at rest: positions, velocities
+// and memory are relative to it. Friction and a recorded texture go on from surface to surface, also from one frame to another.
 //
 // Frame: S. Units: SI. RT: all but construction and any. Threads: one.
 class EffectStep {
@@ -62,8 +62,8 @@ class EffectStep {
   void set_drag(std::size_t object, const SurfaceDrag& drag) noexcept;
   // A surface or the space has an effect.
   bool any() const noexcept;
-  // Goes on with the velocities of the device that `other` has followed to its last sample: of the hand, and of moving surfaces if theirs are
-  // the same ones.
+  // Goes on with the velocities of the device that `other` has followed to its last sample: of the hand, and of moving surfaces if theirs
+  // are the same ones.
   void follow_hand(const EffectStep& other) noexcept;
   // The scene was moved, so that the last device point has other coordinates in frame S: this is no motion of the hand.
   void note_scene_moved(const Vec3& last_p_SD) noexcept;
@@ -107,7 +107,7 @@ class EffectStep {
   int touched_ = -1;  // the object touched in the last step that touched any
   bool in_contact_ = false;
   Vec3 last_p_SD_ = Vec3::Zero();
-  std::vector<int> frame_of_;            // by object; empty: nothing moves
+  std::vector<int> frame_of_;  // by object; empty: nothing moves
   std::vector<SurfaceFrame> frames_;
   std::span<const Pose> X_SF_;           // of these, at the next sample
   int carried_in_ = kStill;              // the frame of the next two

@@ -6,9 +6,9 @@ namespace hapton {
 
 // Where a surface that deforms is touched: a point of one of its triangles. Frame: that in which its mesh is at rest. Units: m.
 struct SurfacePlace {
-  Vec3 p_rest = Vec3::Zero();         // the same point of the mesh at rest
-  Vec3 moved = Vec3::Zero();          // of the point, since the step before
-  Mat3 gradient = Mat3::Identity();   // times the gradient along the mesh at rest of a number on it: its gradient now
+  Vec3 p_rest = Vec3::Zero();        // the same point of the mesh at rest
+  Vec3 moved = Vec3::Zero();         // of the point, since the step before
+  Mat3 gradient = Mat3::Identity();  // times the gradient along the mesh at rest of a number on it: its gradient now
 };
 
 // The SurfacePlace::gradient of a triangle that has deformed from `rest` to `now`, corners in the same order: with edges e and their

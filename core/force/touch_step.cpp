@@ -51,10 +51,9 @@ void TouchStep::take_drag() noexcept {
   const std::span<const Material> materials = method_->drag_left_out();
   for (std::size_t o = 0; o < materials.size(); ++o) {
     const Material& material = materials[o];
-    effects_->set_drag(o,
-                       {.damping_ns_per_m = material.damping_ns_per_m,
-                        .stiffness_n_per_m = material.stiffness_n_per_m,
-                        .friction = {material.friction_static, material.friction_dynamic}});
+    effects_->set_drag(o, {.damping_ns_per_m = material.damping_ns_per_m,
+                           .stiffness_n_per_m = material.stiffness_n_per_m,
+                           .friction = {material.friction_static, material.friction_dynamic}});
   }
 }
 
@@ -100,17 +99,16 @@ Vec3 TouchStep::step_in_space(const TouchInput& input) noexcept {
   return input.X_WS.linear() * effects_->step_in_space(to_static_scene(input).p_SD, input.dt_s, input.buttons);
 }
 
+// Not inlined, as add_effects: it would cost every step without moving effects.
+[[gnu::noinline]] std::optional<SurfacePlace> TouchStep::place_frames(const MethodInput& sample, const MethodOutput& result) noexcept {
+  effects_->place(frames_->place(sample));
+  return result.contact && result.object >= 0 ? method_->find_place(result.object) : std::nullopt;
+}
+
 // Images lie on the mesh at rest.
-SurfaceContact TouchStep::find_contact(const MethodOutput& result, Found& found) noexcept {
-  SurfaceContact contact = {.force_n = result.force_n, .p_SP = result.p_SP, .object = result.object, .contact = result.contact};
-  if (!result.contact || result.object < 0 || result.object >= static_cast<int>(maps_.size())) return contact;
-  if (frames_ != nullptr) found.place = method_->find_place(result.object);
-  if (found.place) contact.place = &*found.place;
-  MapFinder* finder = maps_[static_cast<std::size_t>(result.object)].get();
-  if (finder == nullptr) return contact;
-  const Vec3 p_rest = found.place ? found.place->p_rest : frames_ != nullptr ? frames_->at_rest(result.object, result.p_SP) : result.p_SP;
-  contact.map = &found.map.emplace(finder->find(p_rest));
-  return contact;
+Vec3 TouchStep::find_at_rest(const MethodOutput& result, const std::optional<SurfacePlace>& place) const noexcept {
+  if (place) return place->p_rest;
+  return frames_ != nullptr ? frames_->at_rest(result.object, result.p_SP) : result.p_SP;
 }
 
 // Not inlined: its registers and stack would cost every step of a scene without effects.
@@ -119,9 +117,18 @@ SurfaceContact TouchStep::find_contact(const MethodOutput& result, Found& found)
   if (has_new_effects_) forget_effects(input);
   if (!knows_drag_) take_drag();
   note_scene(input);
-  if (frames_ != nullptr) effects_->place(frames_->place(sample));
-  Found found;
-  const SurfaceContact contact = find_contact(result, found);
+  SurfaceContact contact = {.force_n = result.force_n, .p_SP = result.p_SP, .object = result.object, .contact = result.contact};
+  std::optional<SurfacePlace> place;
+  if (frames_ != nullptr) [[unlikely]] {
+    place = place_frames(sample, result);
+    if (place) contact.place = &*place;
+  }
+  std::optional<MapSample> map;
+  if (result.contact && result.object >= 0 && result.object < static_cast<int>(maps_.size())) {
+    if (MapFinder* finder = maps_[static_cast<std::size_t>(result.object)].get()) {
+      contact.map = &map.emplace(finder->find(find_at_rest(result, place)));
+    }
+  }
   const EffectResult felt = effects_->step(sample.p_SD, sample.dt_s, contact, input.buttons);
   TouchOutput output;
   output.contact = felt.is_felt;

@@ -90,11 +90,6 @@ class TouchStep {
   std::shared_ptr<ForceMethod> share_method() const { return method_; }
 
  private:
-  // Of the object touched, for its effects.
-  struct Found {
-    std::optional<MapSample> map;
-    std::optional<SurfacePlace> place;
-  };
   struct Commanded {
     int object = -1;  // of the scene
     CommandedMotion motion;
@@ -103,7 +98,8 @@ class TouchStep {
   void place_commanded(double time_s) noexcept;
   void note_scene(const TouchInput& input) noexcept;
   void take_drag() noexcept;
-  SurfaceContact find_contact(const MethodOutput& result, Found& found) noexcept;
+  std::optional<SurfacePlace> place_frames(const MethodInput& sample, const MethodOutput& result) noexcept;
+  Vec3 find_at_rest(const MethodOutput& result, const std::optional<SurfacePlace>& place) const noexcept;
   TouchOutput add_effects(const TouchInput& input, const MethodInput& sample, const MethodOutput& result) noexcept;
 
   std::shared_ptr<ForceMethod> method_;

@@ -49,8 +49,8 @@ std::unique_ptr<TouchStep> make_breathing_rich_touch() {
     target.vertices.push_back(v);
     target.displacements.push_back(0.1 * scene.objects[0].mesh->vertices[v]);
   }
-  scene.objects[0].deformation = std::make_shared<const MeshDeformation>(
-      std::vector{target}, std::vector<MorphKey>{{0.0, {0.0}}, {0.05, {1.0}}, {0.1, {0.0}}}, true);
+  scene.objects[0].deformation =
+      std::make_shared<const MeshDeformation>(std::vector{target}, std::vector<MorphKey>{{0.0, {0.0}}, {0.05, {1.0}}, {0.1, {0.0}}}, true);
   return std::make_unique<TouchStep>(*make_method({.name = "proxy"}, scene), scene);
 }
 

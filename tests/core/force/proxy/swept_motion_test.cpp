@@ -147,13 +147,13 @@ TEST(SweptMotion, TheFirstOfManySheetsHoldsIt) {
 
 // Beside a cluster of small triangles that it reaches, a sphere once crept by a thousandth of the way in each step.
 TEST(SweptMotion, ReachingManyTrianglesItArrivesInAFewCalls) {
-  constexpr double kRadius = 0.03;
+  constexpr double kCreepingRadius = 0.03;
   TriangleMesh mesh = make_icosphere(1e-5, 2);
   for (Vec3& vertex : mesh.vertices) vertex += Vec3(0.02, 0.0, 0.0);
   mesh = joined(mesh, make_box(Vec3(1.0, 1.0, 0.02), 1));
   for (std::size_t i = mesh.vertices.size() - 8; i < mesh.vertices.size(); ++i) mesh.vertices[i].z() -= 0.01;
   const double unit_m = SweptStage(mesh).geometry.unit_m();
-  SweptStage stage(mesh, {.offset = kRadius / unit_m + kOffset, .slop = 0.5 * kOffset, .tolerance = 0x1p-10 * kOffset});
+  SweptStage stage(mesh, {.offset = kCreepingRadius / unit_m + kOffset, .slop = 0.5 * kOffset, .tolerance = 0x1p-10 * kOffset});
   stage.put(Vec3(-0.02, 0.0, 0.0301));
   int calls = 0;
   constexpr int kMostCalls = 16;
