@@ -385,10 +385,14 @@ TEST(MovingEffectsOfAStep, ATurnOfTheSceneIsNoVelocity) {
   }
 }
 
-// A sheet that deforms: by a shift of all vertices, so that it is one that moves.
+// A sheet that deforms by a shift of all vertices, so that it is one that moves; with and without a motion besides.
 TEST(DeformingEffects, OfAShiftAreThoseOfAMovingObject) {
   const Vec3 shift(0.08, -0.04, 0.1);  // in 0.8 s
+  std::vector<std::pair<NamedEffects, bool>> cases;
   for (const NamedEffects& effects : all_effects()) {
+    for (const bool moves : {false, true}) cases.emplace_back(effects, moves);
+  }
+  for (const auto& [effects, moves] : cases) {
     if (std::string(effects.name) == "snap") continue;  // scene files reject it
     TouchObject sheet{.mesh = made::shared(made::sheet(0.15, 0.0, 8)), .material = {}};
     sheet.effects = effects.make(*sheet.mesh);
@@ -401,6 +405,8 @@ TEST(DeformingEffects, OfAShiftAreThoseOfAMovingObject) {
     }
     deforming.objects[0].deformation =
         std::make_shared<const MeshDeformation>(std::vector{target}, std::vector<MorphKey>{{0.0, {0.0}}, {0.8, {1.0}}}, false);
+    const auto motion = fast_motion();
+    if (moves) deforming.objects[0].motion = motion;
     TouchStep a = step_over(still);
     TouchStep b = step_over(deforming);
     double worst_n = 0.0;
@@ -409,8 +415,9 @@ TEST(DeformingEffects, OfAShiftAreThoseOfAMovingObject) {
       const double time_s = kMs * i;
       const Vec3 p = hand_on_plate(i);
       const Vec3 here = a.step({.p_WD = p, .dt_s = kMs, .time_s = time_s}).force_n;
-      const Vec3 there = b.step({.p_WD = p + shift * time_s / 0.8, .dt_s = kMs, .time_s = time_s}).force_n;
-      worst_n = std::max(worst_n, (here - there).norm());
+      const Pose X_SO = moves ? motion->pose_at(time_s) : Pose::Identity();
+      const Vec3 there = b.step({.p_WD = X_SO * Vec3(p + shift * time_s / 0.8), .dt_s = kMs, .time_s = time_s}).force_n;
+      worst_n = std::max(worst_n, (X_SO.linear() * here - there).norm());
       most_n = std::max(most_n, here.norm());
     }
     EXPECT_LT(worst_n, 1e-6 * most_n) << effects.name;
