@@ -113,7 +113,7 @@ TEST_F(ObjectDeformation, RejectsWhatCannotBeFelt) {
               HasSubstr("moves no vertex of 'skin'"));
   EXPECT_THAT(error_of("movable = true", good), HasSubstr("movable and deforms"));
   EXPECT_THAT(error_of("material = 'm'", good, "[material.m]\nviscosity_ns_per_m = 1\nsnap_range_m = 0.002\n"),
-              HasSubstr("line 6: 'skin' deforms: its material may have every effect but snap: leave snap_range_m out"));
+              HasSubstr("line 8: 'skin' deforms: its material may have every effect but snap: leave snap_range_m out"));
   EXPECT_THAT(error_of("loop = true", ""), HasSubstr("'loop' in [[object]] 1 goes with keyframes or morphs"));
   // Pressed flat, its triangles are one line.
   EXPECT_THAT(error_of("", morph("stretch = [0, 1, 1]\nkeys = [[0, 0], [1, 1]]")),
