@@ -334,7 +334,7 @@ TEST(MovingEffectsOfAStep, AJumpEndsASnap) {
   TouchStep touch = step_over(scene);
   for (int i = 0; i < 40; ++i) {
     if (i == 30) {
-      ASSERT_TRUE(touch.command(0, {.serial = 1, .from = {.time_s = kMs * 29.5}, .to = {.time_s = kMs * 29.5, .p_S = {0.001, 0, 0}}}));
+      ASSERT_TRUE(touch.command(0, {.serial = 1, .from = {.time_s = kMs * 29.5}, .to = {.time_s = kMs * 29.5, .p_S = {0.0015, 0, 0}}}));
     }
     const Vec3 p(0.0, 0.0, i < 10 ? 0.001 : i < 20 ? -0.001 : 0.0005);
     const double force_n = touch.step({.p_WD = p, .dt_s = kMs, .time_s = kMs * i}).force_n.z();
