@@ -294,6 +294,7 @@ std::unique_ptr<TouchStep> HapticsStep::replace(std::unique_ptr<TouchStep> touch
     // It is no sample: nothing is carved in it.
     if (touch_->has_sculpture()) settling.buttons = 0;
     const TouchOutput settled = touch_->step(settling);
+    touch_->follow_hand(*touch);
     // What is held has no output of the method, but may have effects in free space, which begin anew.
     const bool was_held = put_down.has_value() || tool_ != nullptr;
     if (was_held || output_.contact || fade_.is_felt() || settled.contact) fade_.begin();

@@ -308,19 +308,18 @@ Result<std::optional<SculptSettings>> make_felt_sculpt(const ObjectSpec& object,
   return std::optional(*made);
 }
 
-// Of what moves the object.
-std::size_t moves_line(const ObjectSpec& object) {
+// Of what deforms the object.
+std::size_t deforms_line(const ObjectSpec& object) {
   if (object.program_shape.is_on) return object.program_shape.line;
-  if (!object.morphs.empty()) return object.morphs.front().line;
-  return object.motion.by_program ? object.mesh_line : object.motion.line();
+  return object.morphs.empty() ? object.motion.animation_line : object.morphs.front().line;
 }
 
-// Effects of a surface are computed in S, where the touched point of what moves goes along.
+// A surface snaps when it is not touched; where the point of the last contact is then, one that deforms does not tell.
 Result<std::shared_ptr<const KeyframeMotion>> make_felt_motion(const ObjectSpec& object, const MaterialSpec& material, const SceneFit& fit,
                                                                const TriangleMesh& mesh) {
-  if ((object.moves() || object.deforms() || object.moves_by_program()) && (material.effects.any() || material.maps.any())) {
-    return fail("line {}: '{}' {}: its material may have stiffness, damping and friction only", moves_line(object),
-                printable(name_of(object)), object.moves_by_program() ? "is moved by programs" : "moves by itself");
+  if ((object.deforms() || object.program_shape.is_on) && material.effects.snap.is_on()) {
+    return fail("line {}: '{}' deforms: its material may have every effect but snap: leave snap_range_m out", deforms_line(object),
+                printable(name_of(object)));
   }
   return make_motion(object, name_of(object), fit, mesh);
 }

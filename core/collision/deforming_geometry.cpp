@@ -181,6 +181,31 @@ void DeformingGeometry::shape(double time_s) noexcept {
   part_ = part;
 }
 
+std::optional<std::size_t> DeformingGeometry::find_moving(std::uint32_t vertex) const noexcept {
+  const auto found = std::lower_bound(vertex_.begin(), vertex_.end(), vertex);
+  if (found == vertex_.end() || *found != vertex) return std::nullopt;
+  return static_cast<std::size_t>(found - vertex_.begin());
+}
+
+Vec3 DeformingGeometry::rest_of(std::uint32_t vertex) const noexcept {
+  const auto moving = find_moving(vertex);
+  if (!moving) return geometry_.deforming_object().vertices()[vertex];
+  return {rest_[3 * *moving], rest_[3 * *moving + 1], rest_[3 * *moving + 2]};
+}
+
+Vec3 DeformingGeometry::moved_between(std::uint32_t vertex, double from_s, double to_s) const noexcept {
+  const auto moving = find_moving(vertex);
+  Vec3 moved = Vec3::Zero();
+  if (!moving) return moved;
+  const MeshDeformation::Weights from = deformation_->weights_at(from_s);
+  const MeshDeformation::Weights to = deformation_->weights_at(to_s);
+  for (std::size_t j = 0; j < deformation_->targets().size(); ++j) {
+    const double* displacement = &displacements_[j * rest_.size() + 3 * *moving];
+    for (int k = 0; k < 3; ++k) moved[k] += (to[j] - from[j]) * displacement[k];
+  }
+  return moved;
+}
+
 std::size_t DeformingGeometry::bytes() const {
   std::size_t bytes = vertex_.capacity() * sizeof(std::uint32_t) + (rest_.capacity() + displacements_.capacity()) * sizeof(double);
   for (const WideBvh& tree : trees_) bytes += tree.bytes();

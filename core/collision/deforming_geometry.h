@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -48,6 +49,10 @@ class DeformingGeometry {
 
   void shape(double time_s) noexcept;
 
+  // Of a vertex of the object, local: where it is at rest, and how far it moves from one time to another.
+  Vec3 rest_of(std::uint32_t vertex) const noexcept;
+  Vec3 moved_between(std::uint32_t vertex, double from_s, double to_s) const noexcept;
+
   const MeshDeformation& deformation() const { return *deformation_; }
   std::size_t tree_count() const { return trees_.size(); }
   std::size_t bytes() const;
@@ -57,6 +62,8 @@ class DeformingGeometry {
   void make_trees();
   void move_vertices(const MeshDeformation::Weights& weights) noexcept;
   std::size_t part_at(double time_s) const noexcept;
+  // Of those that move; none: it stays.
+  std::optional<std::size_t> find_moving(std::uint32_t vertex) const noexcept;
   std::size_t choose_count() const;
 
   TouchGeometry& geometry_;

@@ -111,7 +111,7 @@ Result<std::unique_ptr<ShapeStage>> ShapeStager::make(std::span<const Vec3> from
 }
 
 StreamedGeometry::StreamedGeometry(TouchGeometry& geometry, std::unique_ptr<ShapeStage> rest)
-    : geometry_(geometry), present_(std::move(rest)) {
+    : geometry_(geometry), rest_(rest->from), present_(std::move(rest)) {
   geometry_.deforming_object().swap_tree(present_->trees[0]);
   shape(0.0);
 }
@@ -181,7 +181,7 @@ std::vector<Vec3> StreamedGeometry::vertices_at(double time_s) const {
 }
 
 std::size_t StreamedGeometry::bytes() const noexcept {
-  std::size_t bytes = 0;
+  std::size_t bytes = rest_.capacity() * sizeof(double);
   for (const ShapeStage* stage : {present_.get(), next_.get()}) {
     if (stage == nullptr) continue;
     bytes += (stage->begin.capacity() + stage->to.capacity()) * sizeof(Vec3) +

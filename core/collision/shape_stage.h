@@ -74,6 +74,12 @@ class StreamedGeometry {
   // the present stage; over_s 0 or more; now_s is not before the last shape() or skip_to().
   Released offer(std::unique_ptr<ShapeStage> stage, double over_s, double now_s) noexcept;
 
+  // Of a vertex of the object, local: where it is at rest, and how far the present stage moves it from one time to another.
+  Vec3 rest_of(std::uint32_t vertex) const noexcept { return at(rest_, vertex); }
+  Vec3 moved_between(std::uint32_t vertex, double from_s, double to_s) const noexcept {
+    return (share_at(to_s, start_s_, over_s_) - share_at(from_s, start_s_, over_s_)) * at(present_->motion, vertex);
+  }
+
   // The stage that moves now, or has ended; the next one has to begin where it ends. Its number counts the stages that have begun.
   const ShapeStage& present() const noexcept { return *present_; }
   std::uint64_t serial() const noexcept { return serial_; }
@@ -96,9 +102,11 @@ class StreamedGeometry {
 
  private:
   static double share_at(double time_s, double start_s, double over_s) noexcept;
+  static Vec3 at(const std::vector<double>& numbers, std::uint32_t vertex) noexcept { return Vec3::Map(&numbers[3 * std::size_t{vertex}]); }
   void advance() noexcept;
 
   TouchGeometry& geometry_;
+  std::vector<double> rest_;  // as ShapeStage::from
   std::unique_ptr<ShapeStage> present_;
   std::unique_ptr<ShapeStage> next_;   // null: none waits
   std::unique_ptr<ShapeStage> ended_;  // to be given back

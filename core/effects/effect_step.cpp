@@ -36,8 +36,9 @@ Vec3 tangential(const Vec3& v, const Vec3& normal) noexcept { return v - v.dot(n
 
 }  // namespace
 
-EffectStep::EffectStep(std::vector<SurfaceEffects> surfaces, std::vector<SwitchedEffect> space)
-    : surfaces_(std::move(surfaces)), states_(surfaces_.size()) {
+EffectStep::EffectStep(std::vector<SurfaceEffects> surfaces, std::vector<SwitchedEffect> space, std::vector<int> frame_of)
+    : surfaces_(std::move(surfaces)), frame_of_(std::move(frame_of)), states_(surfaces_.size()) {
+  for (const int frame : frame_of_) frames_.resize(std::max(frames_.size(), static_cast<std::size_t>(frame + 1)));
   const auto has_texture = [](const SurfaceEffects& surface) { return surface.texture.is_on(); };
   if (std::any_of(surfaces_.begin(), surfaces_.end(), has_texture)) texture_.emplace();
   for (SwitchedEffect& effect : space) space_.push_back({.effect = std::move(effect), .burst = {}, .mass = {}, .on = {}});
@@ -45,6 +46,8 @@ EffectStep::EffectStep(std::vector<SurfaceEffects> surfaces, std::vector<Switche
 
 void EffectStep::reset() noexcept {
   velocity_.reset();
+  for (SurfaceFrame& frame : frames_) frame.reset();
+  carried_in_ = kStill;
   friction_ = {};
   if (texture_) texture_.emplace();
   time_s_ = 0.0;
@@ -74,13 +77,17 @@ EffectResult EffectStep::step(const Vec3& p_SD, double dt_s, const SurfaceContac
   velocity_.add(p_SD, dt_s);
   const double passed_s = dt_s > 0.0 ? std::min(dt_s, kLongestS) : 0.0;
   time_s_ += passed_s;
+  if (!frames_.empty()) advance_frames(p_SD, dt_s);
   const Vec3 before = std::exchange(last_p_SD_, p_SD);
   const EffectSample sample = {.p_SD = p_SD, .v_SD = velocity_.mean(), .time_s = time_s_};
 
   EffectResult result = {.force_n = contact.force_n, .p_SP = contact.p_SP, .is_felt = false};
   const bool is_known = contact.contact && contact.object >= 0 && contact.object < static_cast<int>(surfaces_.size());
   if (is_known) {
-    result.force_n = surface_force(sample, p_SD - before, passed_s, contact, result.p_SP);
+    const int frame = frame_of(contact.object);
+    if (frame != carried_in_) carry_into(frame);
+    result.force_n = frame == kStill ? surface_force({sample, velocity_.newest(), p_SD - before, passed_s}, contact, result.p_SP)
+                                     : moving_force(frames_[static_cast<std::size_t>(frame)], sample, passed_s, contact, result.p_SP);
   } else {
     result.force_n += leave_surface(sample);
   }
@@ -105,8 +112,59 @@ SurfaceEffectState& EffectStep::state_of(int object) noexcept {
   return state.effects;
 }
 
-Vec3 EffectStep::surface_force(const EffectSample& sample, const Vec3& motion, double dt_s, const SurfaceContact& contact,
-                               Vec3& p_SP) noexcept {
+void EffectStep::follow_hand(const EffectStep& other) noexcept {
+  velocity_ = other.velocity_;
+  last_p_SD_ = other.last_p_SD_;
+  if (frame_of_ == other.frame_of_) std::copy(other.frames_.begin(), other.frames_.end(), frames_.begin());
+}
+
+void EffectStep::note_scene_moved(const Vec3& last_p_SD) noexcept {
+  velocity_.move_last(last_p_SD);
+  last_p_SD_ = last_p_SD;
+  for (SurfaceFrame& frame : frames_) frame.move_last(last_p_SD);
+}
+
+// Frames that nobody has placed are not followed.
+void EffectStep::advance_frames(const Vec3& p_SD, double dt_s) noexcept {
+  for (std::size_t f = 0; f < frames_.size(); ++f) {
+    if (f < X_SF_.size()) {
+      frames_[f].advance(X_SF_[f], p_SD, dt_s);
+    } else {
+      frames_[f].reset();
+    }
+  }
+  X_SF_ = {};
+}
+
+// What goes on from surface to surface is turned from the frame where it was into this one.
+void EffectStep::carry_into(int frame) noexcept {
+  const auto axes_of = [&](int which) {
+    return which == kStill ? Mat3(Mat3::Identity()) : frames_[static_cast<std::size_t>(which)].axes();
+  };
+  const Mat3 turn = axes_of(frame).transpose() * axes_of(carried_in_);
+  carried_in_ = frame;
+  friction_.pulled = turn * friction_.pulled;
+  if (texture_) texture_->turn(turn);
+}
+
+Vec3 EffectStep::moving_force(SurfaceFrame& frame, const EffectSample& sample, double dt_s, const SurfaceContact& contact,
+                              Vec3& p_SP) noexcept {
+  if (contact.place != nullptr) frame.ride(contact.place->moved, dt_s);
+  SurfaceContact touched = contact;
+  touched.force_n = frame.axes().transpose() * contact.force_n;
+  touched.p_SP = frame.to_frame(contact.p_SP);
+  const Seen seen = {.sample = {.p_SD = frame.p_FD(), .v_SD = frame.velocity().mean(), .time_s = sample.time_s},
+                     .newest_v = frame.velocity().newest(),
+                     .motion = frame.motion(),
+                     .dt_s = dt_s};
+  Vec3 p_FP = touched.p_SP;
+  const Vec3 force_F = surface_force(seen, touched, p_FP);
+  if (p_FP != touched.p_SP) p_SP = frame.to_scene(p_FP);
+  return frame.axes() * force_F;
+}
+
+Vec3 EffectStep::surface_force(const Seen& seen, const SurfaceContact& contact, Vec3& p_SP) noexcept {
+  const EffectSample& sample = seen.sample;
   const SurfaceEffects& surface = surfaces_[static_cast<std::size_t>(contact.object)];
   const bool begins = !in_contact_;
   SurfaceEffectState& state = state_of(contact.object);
@@ -125,24 +183,30 @@ Vec3 EffectStep::surface_force(const EffectSample& sample, const Vec3& motion, d
 
   // The depth below the bumps, and the force there along the normal. A method's force grows in proportion to the depth.
   const MapSample map = contact.map != nullptr ? *contact.map : MapSample();
-  const double lowered_m = surface.bumps.is_on() ? surface.bumps.height_at(contact.p_SP) : map.height_m;
+  const Vec3& p_SB = contact.place != nullptr ? contact.place->p_rest : contact.p_SP;  // where bumps are laid out
+  const double lowered_m = surface.bumps.is_on() ? surface.bumps.height_at(p_SB) : map.height_m;
   const double pressed_m = std::max(0.0, depth_m + lowered_m);
   double pressed_n = map.stiffness * method_n * (pressed_m / depth_m);
   if (surface.progressive.is_on()) pressed_n += surface.progressive.force(pressed_m);
-  const Vec3 slope = tangential(surface.bumps.is_on() ? surface.bumps.gradient_at(contact.p_SP) : map.height_gradient, normal);
+  const auto along = [&](const Vec3& gradient) {
+    return tangential(contact.place != nullptr ? Vec3(contact.place->gradient * gradient) : gradient, normal);
+  };
+  const Vec3 slope = along(surface.bumps.is_on() ? surface.bumps.gradient_at(p_SB) : map.height_gradient);
   if (surface.layers.is_on()) {
     // Drag works against the rate of the pressed depth, so that it takes energy on bumps as well.
     pressed_n = surface.layers.force(pressed_m, -sample.v_SD.dot(normal - slope), state.layers);
     p_SP = tip_in_layers(sample.p_SD, contact.p_SP, depth_m, surface.layers, state.layers);
   }
-  if (surface.drag.damping_ns_per_m > 0.0) pressed_n = surface.drag.damped(pressed_n, velocity_.newest().dot(normal));
+  if (surface.drag.damping_ns_per_m > 0.0) pressed_n = surface.drag.damped(pressed_n, seen.newest_v.dot(normal));
   Vec3 force_n = pressed_n * (normal - slope);
-  if (surface.maps.stiffness.is_on()) force_n -= spring_energy(method_n, depth_m, pressed_m) * tangential(map.stiffness_gradient, normal);
+  if (surface.maps.stiffness.is_on()) force_n -= spring_energy(method_n, depth_m, pressed_m) * along(map.stiffness_gradient);
   const bool has_friction_map = surface.maps.friction.is_on();
   if ((has_friction_map || surface.drag.has_friction()) && method_n > 0.0) {
     const auto coefficients = has_friction_map ? MapFriction::Coefficients{map.friction, map.friction} : surface.drag.friction;
+    // In the layer of method smooth there is a force without depth.
+    const double spring_n_per_m = std::min(method_n / depth_m, surface.drag.stiffness_n_per_m);
     force_n +=
-        MapFriction::force(begins ? Vec3(Vec3::Zero()) : motion, normal, method_n / depth_m, std::abs(pressed_n), coefficients, friction_);
+        MapFriction::force(begins ? Vec3(Vec3::Zero()) : seen.motion, normal, spring_n_per_m, std::abs(pressed_n), coefficients, friction_);
   } else {
     friction_ = {};
   }
@@ -151,9 +215,9 @@ Vec3 EffectStep::surface_force(const EffectSample& sample, const Vec3& motion, d
     const SurfaceViscosity there{.damping_ns_per_m = map.viscosity_ns_per_m};
     force_n += there.force(sample.v_SD, normal, std::abs(pressed_n));
   }
-  if (surface.texture.is_on()) force_n += texture_->force(surface.texture, sample.v_SD, normal, std::abs(pressed_n), dt_s);
+  if (surface.texture.is_on()) force_n += texture_->force(surface.texture, sample.v_SD, normal, std::abs(pressed_n), seen.dt_s);
   if (surface.tap.is_on()) {
-    if (begins) surface.tap.begin(-velocity_.newest().dot(normal), sample.time_s, state.tap);
+    if (begins) surface.tap.begin(-seen.newest_v.dot(normal), sample.time_s, state.tap);
     force_n += surface.tap.force(sample.time_s, state.tap) * normal;
   }
   if (surface.snap.is_on()) SurfaceSnap::touch(contact.p_SP, normal, state.snap);
@@ -166,7 +230,14 @@ Vec3 EffectStep::leave_surface(const EffectSample& sample) noexcept {
   friction_ = {};
   if (touched_ < 0) return Vec3::Zero();
   const auto object = static_cast<std::size_t>(touched_);
-  return surfaces_[object].snap.force(sample, states_[object].effects.snap);
+  SurfaceSnap::State& snap = states_[object].effects.snap;
+  const int number = frame_of(touched_);
+  if (number == kStill) return surfaces_[object].snap.force(sample, snap);
+  const SurfaceFrame& frame = frames_[static_cast<std::size_t>(number)];
+  if (frame.has_jumped()) snap = {};
+  EffectSample seen = sample;
+  seen.p_SD = frame.p_FD();
+  return frame.axes() * surfaces_[object].snap.force(seen, snap);
 }
 
 Vec3 EffectStep::space_force(const EffectSample& sample, std::uint32_t buttons) noexcept {

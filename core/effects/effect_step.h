@@ -3,12 +3,15 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/effects/map_friction.h"
 #include "core/effects/smooth_velocity.h"
 #include "core/effects/space_effect.h"
 #include "core/effects/surface_effects.h"
+#include "core/effects/surface_frame.h"
+#include "core/effects/surface_place.h"
 #include "core/effects/texture_voice.h"
 
 namespace hapton {
@@ -19,7 +22,8 @@ struct SurfaceContact {
   Vec3 p_SP = Vec3::Zero();     // proxy
   int object = -1;              // touched; -1: none, or unknown
   bool contact = false;
-  const MapSample* map = nullptr;  // of the object's images at the proxy; null: it has none
+  const MapSample* map = nullptr;       // of the object's images at the proxy; null: it has none
+  const SurfacePlace* place = nullptr;  // where an object that deforms is touched; null: it keeps its shape
 };
 
 // The result of all effects on it.
@@ -31,11 +35,21 @@ struct EffectResult {
 
 // Adds all effects of a scene to the force of a method, sample by sample, and holds their state: time, velocity, punctured layers, the
 // surface that holds the device (snap), the last tap. The result is finite if the method's force is. A sample that is not finite gives zero
-// force and changes nothing. Frame: S. Units: SI. RT: step, step_in_space and reset yes; construction set-up only. Threads: one.
+// force and changes nothing.
+//
+// The effects of a surface that moves are computed in its frame F, in which it always is where it is in S at rest: positions, velocities
+// and memory are relative to it. Friction and a recorded texture go on from surface to surface, also from one frame to another.
+//
+// Frame: S. Units: SI. RT: all but construction and any. Threads: one.
 class EffectStep {
  public:
-  // surfaces: one for each object of the scene.
-  EffectStep(std::vector<SurfaceEffects> surfaces, std::vector<SwitchedEffect> space);
+  // surfaces: one for each object of the scene. frame_of: by object, the number of its frame, from 0; kStill: it stands still. Empty: all
+  // do.
+  static constexpr int kStill = -1;
+  EffectStep(std::vector<SurfaceEffects> surfaces, std::vector<SwitchedEffect> space, std::vector<int> frame_of = {});
+
+  // Where the frames are at the next sample, by number. Before each step. The span has to last until then.
+  void place(std::span<const Pose> X_SF) noexcept { X_SF_ = X_SF; }
 
   // dt_s: since the sample before; one that is not above zero counts as the same moment, one above kLongestS as kLongestS. buttons: of the
   // stylus that are down, a bit each.
@@ -48,11 +62,11 @@ class EffectStep {
   void set_drag(std::size_t object, const SurfaceDrag& drag) noexcept;
   // A surface or the space has an effect.
   bool any() const noexcept;
+  // Goes on with the velocities of the device that `other` has followed to its last sample: of the hand, and of moving surfaces if theirs
+  // are the same ones.
+  void follow_hand(const EffectStep& other) noexcept;
   // The scene was moved, so that the last device point has other coordinates in frame S: this is no motion of the hand.
-  void note_scene_moved(const Vec3& last_p_SD) noexcept {
-    velocity_.move_last(last_p_SD);
-    last_p_SD_ = last_p_SD;
-  }
+  void note_scene_moved(const Vec3& last_p_SD) noexcept;
 
  private:
   static constexpr double kLongestS = 1.0;
@@ -69,8 +83,20 @@ class EffectStep {
     EffectSwitch::State on;
   };
 
+  // One sample as a surface sees it: in its frame.
+  struct Seen {
+    EffectSample sample;
+    Vec3 newest_v = Vec3::Zero();  // over the last interval alone
+    Vec3 motion = Vec3::Zero();    // since the sample before
+    double dt_s = 0.0;
+  };
+
   SurfaceEffectState& state_of(int object) noexcept;
-  Vec3 surface_force(const EffectSample& sample, const Vec3& motion, double dt_s, const SurfaceContact& contact, Vec3& p_SP) noexcept;
+  int frame_of(int object) const noexcept { return frame_of_.empty() ? kStill : frame_of_[static_cast<std::size_t>(object)]; }
+  void advance_frames(const Vec3& p_SD, double dt_s) noexcept;
+  void carry_into(int frame) noexcept;
+  Vec3 moving_force(SurfaceFrame& frame, const EffectSample& sample, double dt_s, const SurfaceContact& contact, Vec3& p_SP) noexcept;
+  Vec3 surface_force(const Seen& seen, const SurfaceContact& contact, Vec3& p_SP) noexcept;
   Vec3 leave_surface(const EffectSample& sample) noexcept;
   Vec3 space_force(const EffectSample& sample, std::uint32_t buttons) noexcept;
 
@@ -81,6 +107,10 @@ class EffectStep {
   int touched_ = -1;  // the object touched in the last step that touched any
   bool in_contact_ = false;
   Vec3 last_p_SD_ = Vec3::Zero();
+  std::vector<int> frame_of_;  // by object; empty: nothing moves
+  std::vector<SurfaceFrame> frames_;
+  std::span<const Pose> X_SF_;           // of these, at the next sample
+  int carried_in_ = kStill;              // the frame of the next two
   MapFriction::State friction_;          // carried over from object to object, so that the force stays
   std::optional<TextureVoice> texture_;  // carried over likewise; none: no surface has one
   std::uint64_t contacts_ = 0;           // begun from free space

@@ -29,12 +29,17 @@ class SmoothVelocity {
     if (p.allFinite()) last_ = p;
   }
 
+  // What the last `count` samples moved past had this velocity itself: from now on they count relative to it.
+  void shift(std::size_t count, const Vec3& velocity) noexcept;
+
   // Zero before the second sample.
   const Vec3& mean() const noexcept { return mean_; }
   // Of the last interval alone.
   Vec3 newest() const noexcept { return has_point_ ? differences_[newest_] : Vec3(Vec3::Zero()); }
 
  private:
+  void update_mean() noexcept;
+
   // Far above the speed of any hand; keeps sums finite.
   static constexpr double kMostMPerS = 1e6;
 

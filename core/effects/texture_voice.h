@@ -21,6 +21,8 @@ class TextureVoice {
 
   // The contact begins: silence. The noise goes on.
   void begin() noexcept;
+  // The frame is another one: what has the coordinates v has turn * v there.
+  void turn(const Mat3& turn) noexcept { velocity_ = turn * velocity_; }
   // normal: unit. pressed_n: along it, at least 0. dt_s: since the sample before; at most 0: the same moment. Pre: texture.is_on(); the
   // others finite.
   Vec3 force(const RecordedTexture& texture, const Vec3& v_SD, const Vec3& normal, double pressed_n, double dt_s) noexcept;

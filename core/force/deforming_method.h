@@ -27,6 +27,10 @@ class PresetSurface {
   }
   void skip_to(double /*time_s*/) noexcept {}
 
+  Vec3 rest_of(std::uint32_t vertex) const noexcept { return geometry_.rest_of(vertex); }
+  Vec3 moved_between(std::uint32_t vertex, double from_s, double to_s) const noexcept {
+    return geometry_.moved_between(vertex, from_s, to_s);
+  }
   const DeformingGeometry& geometry() const noexcept { return geometry_; }
 
  private:
@@ -47,6 +51,7 @@ class DeformingMethod final : public ForceMethod {
   MethodOutput step(const MethodInput& input) noexcept override { return riding_.step(input); }
   void reset(const Vec3& p_SD) noexcept override { riding_.reset(p_SD); }
   void set_materials(std::span<const Material> materials) noexcept override { riding_.method().set_materials(materials); }
+  std::optional<SurfacePlace> find_place(int /*object*/) const noexcept override { return riding_.find_place(); }
   std::string describe() const override;
 
  private:

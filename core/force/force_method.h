@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/effects/surface_place.h"
 #include "core/force/touch_scene.h"
 #include "core/math/types.h"
 #include "core/sculpt/sculpture.h"
@@ -89,6 +90,13 @@ class ForceMethod {
     (void)object;
     (void)carve;
     return false;
+  }
+
+  // Where an object that deforms was touched in the last step, for effects of its surface; the step's `object` is of the scene, and the
+  // frame that in which the object is at rest. None: it was not touched, or keeps its shape. RT: yes.
+  virtual std::optional<SurfacePlace> find_place(int object) const noexcept {
+    (void)object;
+    return std::nullopt;
   }
 
   // What feels an object that a program deforms (TouchObject::stream_reach_m). object: of the scene. Null: it is none, or the method does

@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/force/touch_scene.h"
+#include "core/force/force_method.h"
 #include "core/math/keyframe_motion.h"
 
 namespace hapton {
@@ -17,6 +17,13 @@ struct MotionGroup {
 
   bool is_alone() const { return is_deforming || commanded >= 0; }
   bool moves() const { return motion != nullptr || is_deforming || commanded >= 0; }
+  // X_SO: where it is at that sample. RT: yes.
+  Pose pose_at(const MethodInput& input) const noexcept {
+    if (commanded >= 0 && static_cast<std::size_t>(commanded) < input.commanded.size()) {
+      return input.commanded[static_cast<std::size_t>(commanded)];
+    }
+    return motion != nullptr ? motion->pose_at(input.time_s) : Pose(Pose::Identity());
+  }
 };
 
 // What stands still first, if anything does; the others in the order of the scene. RT: no.

@@ -76,13 +76,6 @@ MethodOutput MovingMethod::feel(Group& group, const Pose& X_SO, const MethodInpu
   return felt;
 }
 
-Pose MovingMethod::Group::pose_at(const MethodInput& input) const noexcept {
-  if (commanded >= 0 && static_cast<std::size_t>(commanded) < input.commanded.size()) {
-    return input.commanded[static_cast<std::size_t>(commanded)];
-  }
-  return motion != nullptr ? motion->pose_at(input.time_s) : Pose(Pose::Identity());
-}
-
 MethodOutput MovingMethod::step(const MethodInput& input) noexcept {
   if (!input.p_SD.allFinite() || !std::isfinite(input.time_s)) return {.force_n = Vec3::Zero(), .p_SP = input.p_SD};
   const auto begin = [&](Group& group, const Vec3& p_S) { group.method->reset(to_frame(group.pose_at(input), p_S)); };
@@ -105,6 +98,12 @@ StreamedMethod* MovingMethod::find_streamed(int object) noexcept {
   const auto own = [object](const Group& group) { return group.streamed != nullptr && group.objects.front() == object; };
   const auto found = std::find_if(groups_.begin(), groups_.end(), own);
   return found != groups_.end() ? found->streamed : nullptr;
+}
+
+std::optional<SurfacePlace> MovingMethod::find_place(int object) const noexcept {
+  const auto own = [object](const Group& group) { return group.is_deforming && group.objects.front() == object; };
+  const auto found = std::find_if(groups_.begin(), groups_.end(), own);
+  return found != groups_.end() ? found->method->find_place(0) : std::nullopt;
 }
 
 std::vector<int> MovingMethod::list_streamed() const {

@@ -36,6 +36,7 @@ class MovingMethod final : public ForceMethod {
   void set_materials(std::span<const Material> materials) noexcept override;
   bool prepare() override;
   StreamedMethod* find_streamed(int object) noexcept override;
+  std::optional<SurfacePlace> find_place(int object) const noexcept override;
   std::vector<int> list_streamed() const override;
   std::string describe() const override;
 
@@ -46,8 +47,6 @@ class MovingMethod final : public ForceMethod {
     std::unique_ptr<ForceMethod> method = nullptr;
     StreamedMethod* streamed = nullptr;    // *method, where a program deforms the object
     std::vector<Material> materials = {};  // room for set_materials
-
-    Pose pose_at(const MethodInput& input) const noexcept;
   };
 
   explicit MovingMethod(std::vector<Group> groups) : groups_(std::move(groups)) {}

@@ -24,6 +24,7 @@ namespace hapton {
 //   bool is_due(double time_s) const        shape() must be called by then also if nothing moves
 //   void shape(double time_s)               the shape of that time
 //   void skip_to(double time_s)             the time has come, and the shape is not needed
+//   Vec3 rest_of(vertex) const, Vec3 moved_between(vertex, from_s, to_s) const   as DeformingGeometry
 // All noexcept, RT: yes. Times do not decrease, but for one step at most: shape() of the last step's time after skip_to() of it.
 //
 // Frame: S. RT: step and reset yes. Threads: one.
@@ -40,6 +41,7 @@ class RidingProxy {
   MethodOutput step(const MethodInput& input) noexcept {
     if (!input.p_SD.allFinite() || !std::isfinite(input.time_s)) return {.force_n = Vec3::Zero(), .p_SP = input.p_SD};
     if (!has_begun_ || start_) begin(input);
+    before_s_ = last_time_s_;
     double reach_m = surface_.travel_to(input.time_s);
     MethodOutput output{.force_n = Vec3::Zero(), .p_SP = input.p_SD};
     if ((input.p_SD - clear_from_).norm() + reach_m < clear_m_) {
@@ -61,6 +63,26 @@ class RidingProxy {
   }
 
   void reset(const Vec3& p_SD) noexcept { start_ = p_SD; }
+
+  // As ForceMethod::find_place.
+  std::optional<SurfacePlace> find_place() const noexcept {
+    const auto held = proxy_.find_held_place();
+    if (!held) return std::nullopt;
+    const TouchGeometry& geometry = proxy_.geometry();
+    const Triangle& vertices = geometry.object_geometry(0).triangle(geometry.triangle_of(held->triangle));
+    Mat3 rest;
+    Mat3 now;
+    Mat3 moved;
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t vertex = vertices[static_cast<std::size_t>(k)];
+      rest.col(k) = surface_.rest_of(vertex);
+      now.col(k) = geometry.corner(held->triangle, k);
+      moved.col(k) = surface_.moved_between(vertex, before_s_, last_time_s_);
+    }
+    return SurfacePlace{.p_rest = geometry.to_scene(rest * held->weights),
+                        .moved = geometry.unit_m() * (moved * held->weights),
+                        .gradient = gradient_of_deformed(rest, now)};
+  }
 
   ForceMethod& method() noexcept { return *method_; }
   const ForceMethod& method() const noexcept { return *method_; }
@@ -84,6 +106,7 @@ class RidingProxy {
     surface_.shape(input.time_s);
     method_->reset(start_.value_or(input.p_SD));
     last_p_SD_ = start_.value_or(input.p_SD);
+    last_time_s_ = input.time_s;
     start_.reset();
     has_begun_ = true;
     clear_m_ = 0.0;
@@ -117,6 +140,7 @@ class RidingProxy {
   bool has_begun_ = false;
   Vec3 last_p_SD_ = Vec3::Zero();
   double last_time_s_ = 0.0;
+  double before_s_ = 0.0;  // time of the step before the last
   Vec3 clear_from_ = Vec3::Zero();
   double clear_m_ = 0.0;      // radius around clear_from_ without any surface; 0: not known
   double to_travel_m_ = 0.0;  // how far hand and surface may move together until the next search

@@ -40,6 +40,8 @@ void StreamedMethod::reset(const Vec3& p_SD) noexcept { riding_->reset(p_SD); }
 
 void StreamedMethod::set_materials(std::span<const Material> materials) noexcept { riding_->method().set_materials(materials); }
 
+std::optional<SurfacePlace> StreamedMethod::find_place(int /*object*/) const noexcept { return riding_->find_place(); }
+
 const ShapeStage& StreamedMethod::present() const noexcept { return riding_->surface().present(); }
 
 std::uint64_t StreamedMethod::serial() const noexcept { return riding_->surface().serial(); }

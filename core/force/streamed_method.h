@@ -35,6 +35,7 @@ class StreamedMethod final : public ForceMethod {
   MethodOutput step(const MethodInput& input) noexcept override;
   void reset(const Vec3& p_SD) noexcept override;
   void set_materials(std::span<const Material> materials) noexcept override;
+  std::optional<SurfacePlace> find_place(int object) const noexcept override;
   std::string describe() const override;
 
   const ShapeStager& stager() const { return *stager_; }

@@ -45,7 +45,9 @@ TouchStep::TouchStep(std::shared_ptr<ForceMethod> method, const TouchScene& scen
     surfaces.push_back(scene.objects[o].effects);
     maps_.push_back(make_finder(scene, o));
   }
-  effects_ = std::make_unique<EffectStep>(std::move(surfaces), scene.effects);
+  auto frames = std::make_unique<EffectFrames>(scene);
+  effects_ = std::make_unique<EffectStep>(std::move(surfaces), scene.effects, frames->of_objects());
+  if (!frames->of_objects().empty()) frames_ = std::move(frames);
   const auto has_drag = [](const TouchObject& object) {
     return object.material.friction_static > 0.0 || object.material.damping_ns_per_m > 0.0;
   };
@@ -58,8 +60,9 @@ void TouchStep::take_drag() noexcept {
   const std::span<const Material> materials = method_->drag_left_out();
   for (std::size_t o = 0; o < materials.size(); ++o) {
     const Material& material = materials[o];
-    effects_->set_drag(o,
-                       {.damping_ns_per_m = material.damping_ns_per_m, .friction = {material.friction_static, material.friction_dynamic}});
+    effects_->set_drag(o, {.damping_ns_per_m = material.damping_ns_per_m,
+                           .stiffness_n_per_m = material.stiffness_n_per_m,
+                           .friction = {material.friction_static, material.friction_dynamic}});
   }
 }
 
@@ -105,6 +108,18 @@ Vec3 TouchStep::step_in_space(const TouchInput& input) noexcept {
   return input.X_WS.linear() * effects_->step_in_space(to_static_scene(input).p_SD, input.dt_s, input.buttons);
 }
 
+// Not inlined, as add_effects: it would cost every step without moving effects.
+[[gnu::noinline]] std::optional<SurfacePlace> TouchStep::place_frames(const MethodInput& sample, const MethodOutput& result) noexcept {
+  effects_->place(frames_->place(sample));
+  return result.contact && result.object >= 0 ? method_->find_place(result.object) : std::nullopt;
+}
+
+// Images lie on the mesh at rest.
+Vec3 TouchStep::find_at_rest(const MethodOutput& result, const std::optional<SurfacePlace>& place) const noexcept {
+  if (place) return place->p_rest;
+  return frames_ != nullptr ? frames_->at_rest(result.object, result.p_SP) : result.p_SP;
+}
+
 // Not inlined: its registers and stack would cost every step of a scene without effects.
 [[gnu::noinline]] TouchOutput TouchStep::add_effects(const TouchInput& input, const MethodInput& sample,
                                                      const MethodOutput& result) noexcept {
@@ -112,9 +127,16 @@ Vec3 TouchStep::step_in_space(const TouchInput& input) noexcept {
   if (!knows_drag_) take_drag();
   note_scene(input);
   SurfaceContact contact = {.force_n = result.force_n, .p_SP = result.p_SP, .object = result.object, .contact = result.contact};
+  std::optional<SurfacePlace> place;
+  if (frames_ != nullptr) [[unlikely]] {
+    place = place_frames(sample, result);
+    if (place) contact.place = &*place;
+  }
   std::optional<MapSample> map;
   if (result.contact && result.object >= 0 && result.object < static_cast<int>(maps_.size())) {
-    if (MapFinder* finder = maps_[static_cast<std::size_t>(result.object)].get()) contact.map = &map.emplace(finder->find(result.p_SP));
+    if (MapFinder* finder = maps_[static_cast<std::size_t>(result.object)].get()) {
+      contact.map = &map.emplace(finder->find(find_at_rest(result, place)));
+    }
   }
   const EffectResult felt = effects_->step(sample.p_SD, sample.dt_s, contact, input.buttons);
   TouchOutput output;
@@ -155,6 +177,12 @@ std::vector<int> TouchStep::commanded_objects() const {
   std::vector<int> objects;
   for (const Commanded& each : commanded_) objects.push_back(each.object);
   return objects;
+}
+
+void TouchStep::follow_hand(const TouchStep& other) noexcept {
+  if (!uses_effects_ || !other.uses_effects_ || other.has_new_effects_) return;
+  effects_->follow_hand(*other.effects_);
+  last_ = other.last_;
 }
 
 void TouchStep::follow_commands(const TouchStep& other) noexcept {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/effects/effect_step.h"
+#include "core/force/effect_frames.h"
 #include "core/force/force_method.h"
 #include "core/force/map_finder.h"
 #include "core/math/commanded_motion.h"
@@ -62,6 +63,8 @@ class TouchStep {
   const CommandedMotion* find_commanded(int object) const noexcept;
   // All objects that programs may move. RT: no.
   std::vector<int> commanded_objects() const;
+  // After a reset and a step at the last sample of `other`: effects know the velocity of the hand that it has followed.
+  void follow_hand(const TouchStep& other) noexcept;
   // Takes over the commanded motions of `other`, a step for the same scene. If the numbers of such objects differ, it does nothing.
   void follow_commands(const TouchStep& other) noexcept;
   // Bodies of material can be carved by the buttons of TouchInput.
@@ -95,6 +98,8 @@ class TouchStep {
   void place_commanded(double time_s) noexcept;
   void note_scene(const TouchInput& input) noexcept;
   void take_drag() noexcept;
+  std::optional<SurfacePlace> place_frames(const MethodInput& sample, const MethodOutput& result) noexcept;
+  Vec3 find_at_rest(const MethodOutput& result, const std::optional<SurfacePlace>& place) const noexcept;
   TouchOutput add_effects(const TouchInput& input, const MethodInput& sample, const MethodOutput& result) noexcept;
 
   std::shared_ptr<ForceMethod> method_;
@@ -103,6 +108,7 @@ class TouchStep {
   bool has_new_effects_ = false;                  // since the last step
   bool knows_drag_ = false;                       // not at once: the method may be in use by another step, in another thread
   std::vector<std::unique_ptr<MapFinder>> maps_;  // by object; null: it has none; used with effects only
+  std::unique_ptr<EffectFrames> frames_;          // null: no object with effects moves
   TouchInput last_;                               // of the last step; used with effects only
   bool has_motion_ = false;
   std::vector<Commanded> commanded_;  // in the order of the scene

@@ -235,6 +235,27 @@ TEST(HapticsStep, AMethodTakesOverOnTheSameSideWithEffects) {
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(answer(step, states.at({0.01, 0.01, -0.002})).force_n.z(), -3.0, 1e-6);
 }
 
+// A scene that is read again, or with an object put down, knows how fast the hand moves: viscosity goes on without a step.
+TEST(HapticsStep, ATakeoverKeepsTheSpeedOfTheHand) {
+  const SurfaceEffects honey{.viscosity = {.damping_ns_per_m = 5.0}};
+  const TouchScene surface = {.objects = {{made::shared(made::sheet(0.1, 0.0, 6)), {}, honey}}};
+  const TouchScene space = {.objects = {{made::shared(made::sheet(0.1, 0.0, 6)), {}}}, .effects = {ViscousEffect{.damping_ns_per_m = 5.0}}};
+  for (const TouchScene& scene : {surface, space}) {
+    const double z = scene.effects.empty() ? -0.002 : 0.002;
+    const auto make = [&] { return std::make_unique<TouchStep>(*make_method({.name = "proxy"}, scene), scene); };
+    HapticsStep step(make(), kOffset);
+    States states;
+    answer(step, states.at({0.0, 0.01, 0.001}));
+    for (int i = 1; i <= 60; ++i) {
+      if (i == 30) step.replace(make());
+      const ForceCommand felt = answer(step, states.at({1e-4 * i, 0.01, z}));
+      if (i > 10) {
+        EXPECT_NEAR(felt.force_n.x(), -0.5, 1e-6) << i;
+      }
+    }
+  }
+}
+
 TEST(HapticsStep, EffectsKeepTheTimeOfTheSamples) {
   const TouchScene scene = {.objects = {{made::shared(made::sheet(0.1, 0.0, 6)), {}}},
                             .effects = {WaveEffect{.waveform = Waveform::sine, .amplitude_n = 1.0, .frequency_hz = 20.0}}};

@@ -142,9 +142,13 @@ TEST_F(CommandedObjectTest, WhatDoesNotGoTogetherIsNamedWithItsLine) {
   EXPECT_THAT(error_of("moved_by = \"program\"\n", "[[object.morph]]\npush_m = [0, 0, 0.001]\nkeys = [[0.0, 0.0], [1.0, 1.0]]\n"),
               HasSubstr("has 'moved_by' and 'morph': keep one"));
   EXPECT_THAT(error_of("pivot_m = [0, 0, 0]\n"), HasSubstr("'pivot_m' in [[object]] 1 goes with keyframes or 'moved_by'"));
-  EXPECT_THAT(
-      error_of("moved_by = \"program\"\nmaterial = \"soft\"\n", "[material.soft]\nstiffness_n_per_m = 500.0\nviscosity_ns_per_m = 2.0\n"),
-      HasSubstr("its material may have stiffness, damping and friction only"));
+}
+
+TEST_F(CommandedObjectTest, HasTheEffectsOfItsMaterial) {
+  const auto scene = load("moved_by = \"program\"\nmaterial = \"soft\"\n", "[material.soft]\nviscosity_ns_per_m = 2.0\n");
+  ASSERT_TRUE(scene) << scene.error().what;
+  EXPECT_TRUE(scene->touch_scene().objects[0].command_pivot.has_value());
+  EXPECT_EQ(scene->touch_scene().objects[0].effects.viscosity.damping_ns_per_m, 2.0);
 }
 
 TEST_F(CommandedObjectTest, IsInTheReport) {

@@ -97,14 +97,23 @@ TEST_F(ObjectDeformation, AFastOneNamesTheTimeThatWouldDo) {
   EXPECT_TRUE(load("", morph(fast("[[0, 0], [2, 1]]")) + moving));
 }
 
+TEST_F(ObjectDeformation, HasTheEffectsOfItsMaterial) {
+  const auto scene = load("material = 'm'", morph("push_m = [0, 0, 0.01]\nkeys = [[0, 0], [1, 1]]") +
+                                                "[material.m]\nviscosity_ns_per_m = 1\nbump_height_m = 0.0005\n");
+  ASSERT_TRUE(scene) << scene.error().what;
+  EXPECT_TRUE(scene->touch_scene().objects[0].deforms());
+  EXPECT_EQ(scene->touch_scene().objects[0].effects.viscosity.damping_ns_per_m, 1.0);
+  EXPECT_TRUE(scene->touch_scene().objects[0].effects.bumps.is_on());
+}
+
 TEST_F(ObjectDeformation, RejectsWhatCannotBeFelt) {
   const std::string good = morph("push_m = [0, 0, 0.01]\nkeys = [[0, 0], [1, 1]]");
   EXPECT_THAT(error_of("loop = true", good), HasSubstr("line 5: 'skin' does not end with the weights at its beginning"));
   EXPECT_THAT(error_of("", morph("push_m = [0, 0, 0.01]\ncenter_m = [5, 0, 0]\nradius_m = 0.1\nkeys = [[0, 0], [1, 1]]")),
               HasSubstr("moves no vertex of 'skin'"));
   EXPECT_THAT(error_of("movable = true", good), HasSubstr("movable and deforms"));
-  EXPECT_THAT(error_of("material = 'm'", good, "[material.m]\nstiffness_n_per_m = 500\nviscosity_ns_per_m = 1\n"),
-              HasSubstr("its material may have stiffness, damping and friction only"));
+  EXPECT_THAT(error_of("material = 'm'", good, "[material.m]\nviscosity_ns_per_m = 1\nsnap_range_m = 0.002\n"),
+              HasSubstr("line 8: 'skin' deforms: its material may have every effect but snap: leave snap_range_m out"));
   EXPECT_THAT(error_of("loop = true", ""), HasSubstr("'loop' in [[object]] 1 goes with keyframes or morphs"));
   // Pressed flat, its triangles are one line.
   EXPECT_THAT(error_of("", morph("stretch = [0, 1, 1]\nkeys = [[0, 0], [1, 1]]")),

@@ -108,11 +108,19 @@ TEST_F(ObjectMotion, HalfATurnAtOnceHasNoDirection) {
               HasSubstr("line 7: keyframe 2 of 'flap' is half a turn from the one before"));
 }
 
+TEST_F(ObjectMotion, HasTheEffectsOfItsMaterial) {
+  const auto scene = load_object("material = 'm'", keyframe("time_s = 0") + keyframe("time_s = 1\nposition_m = [0, 0, 0.01]") +
+                                                       "[material.m]\nviscosity_ns_per_m = 1\nsnap_range_m = 0.002\n");
+  ASSERT_TRUE(scene) << scene.error().what;
+  const TouchScene touch = scene->touch_scene();
+  EXPECT_NE(touch.objects[0].motion, nullptr);
+  EXPECT_EQ(touch.objects[0].effects.viscosity.damping_ns_per_m, 1.0);
+  EXPECT_EQ(touch.objects[0].effects.snap.range_m, 0.002);
+}
+
 TEST_F(ObjectMotion, DoesNotGoWithWhatItWouldBeFeltWrongWith) {
   const std::string still = keyframe("time_s = 0") + keyframe("time_s = 1");
   EXPECT_THAT(error_of("movable = true", still), HasSubstr("line 4: [[object]] 1 is movable and moves by itself: keep one"));
-  EXPECT_THAT(error_of("material = 'm'", still + "[material.m]\nviscosity_ns_per_m = 1\n"),
-              HasSubstr("line 5: 'flap' moves by itself: its material may have stiffness, damping and friction only"));
   const auto tool = load("[[object]]\nmesh = 'a.obj'\n[tool]\nmesh = 'a.obj'\n[[tool.keyframe]]\ntime_s = 0\n");
   ASSERT_FALSE(tool);
   EXPECT_THAT(tool.error().what, HasSubstr("unknown key 'keyframe' in [tool]"));

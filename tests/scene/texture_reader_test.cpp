@@ -76,11 +76,6 @@ TEST_F(TextureReader, SaysWhatIsWrong) {
   EXPECT_THAT(error_of("recorded_textures = 'made.xml'"), HasSubstr("recorded_texture"));
 }
 
-TEST_F(TextureReader, IsForSurfacesThatStandStill) {
-  const std::string moving = "[[object]]\nmesh = 'a.obj'\nmaterial = 'm'\nmoved_by = 'program'\n";
-  EXPECT_THAT(error_of("recorded_texture = 'made.xml'", moving), EndsWith("may have stiffness, damping and friction only"));
-}
-
 TEST_F(TextureReader, EveryNumberIsPartOfTheHash) {
   folder_.write("slow.xml", made::texture_file(made::nine_models(20, 18), made::eight_triangles(), 900.0));
   folder_.write("ar.xml", made::texture_file(made::nine_models(20, 0), made::eight_triangles()));

@@ -75,6 +75,12 @@ class ProxyMethod final : public ForceMethod {
   // Call after it: puts the probe at the anchor, and moves the last device position by as much as the anchor, so that the next step goes
   // from there to the device.
   void ride(const Anchor& anchor) noexcept;
+  // The place that holds the probe most: of a triangle's corners. None: the probe is free.
+  struct HeldPlace {
+    std::uint32_t triangle = 0;
+    Vec3 weights = Vec3::Zero();
+  };
+  std::optional<HeldPlace> find_held_place() const noexcept;
   // Made of one object that deforms.
   TouchGeometry& deforming_geometry() { return geometry_; }
 

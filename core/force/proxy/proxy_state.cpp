@@ -27,12 +27,12 @@ Material ProxySurfaces::mean_material(const ProxyState& state) const noexcept {
   return material.mean();
 }
 
-int ProxySurfaces::strongest_of_several(const ProxyState& state) const noexcept {
+std::uint32_t ProxySurfaces::strongest_of_several(const ProxyState& state) const noexcept {
   std::size_t strongest = 0;
   for (std::size_t i = 1; i < state.active().size(); ++i) {
     if (state.multipliers[i] > state.multipliers[strongest]) strongest = i;
   }
-  return static_cast<int>(geometry_.mesh_of(state.contacts[strongest].triangle));
+  return state.contacts[strongest].triangle;
 }
 
 }  // namespace hapton

@@ -63,12 +63,15 @@ class ProxySurfaces {
   Material mean_material(const ProxyState& state) const noexcept;
   // The object of the active constraint with the largest multiplier; -1 without contacts.
   int strongest_object(const ProxyState& state) const noexcept {
-    if (state.active_count > 1) return strongest_of_several(state);
-    return state.contact_count > 0 ? static_cast<int>(geometry_.mesh_of(state.contacts[0].triangle)) : -1;
+    return state.contact_count > 0 ? static_cast<int>(geometry_.mesh_of(strongest_triangle(state))) : -1;
+  }
+  // The triangle of that constraint. Pre: a contact.
+  std::uint32_t strongest_triangle(const ProxyState& state) const noexcept {
+    return state.active_count > 1 ? strongest_of_several(state) : state.contacts[0].triangle;
   }
 
  private:
-  int strongest_of_several(const ProxyState& state) const noexcept;
+  std::uint32_t strongest_of_several(const ProxyState& state) const noexcept;
 
   const TouchGeometry& geometry_;
   const std::vector<Material>& materials_;

@@ -110,6 +110,12 @@ void SculptMethod::resume(const Vec3& p_SP) noexcept {
   if (others_ != nullptr) others_->resume(p_SP);
 }
 
+std::optional<SurfacePlace> SculptMethod::find_place(int object) const noexcept {
+  const auto other = std::find(other_objects_.begin(), other_objects_.end(), object);
+  if (other == other_objects_.end()) return std::nullopt;
+  return others_->find_place(static_cast<int>(other - other_objects_.begin()));
+}
+
 std::optional<Vec3> SculptMethod::held_at() const noexcept { return held_at_; }
 
 void SculptMethod::set_materials(std::span<const Material> materials) noexcept {

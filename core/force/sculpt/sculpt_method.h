@@ -35,6 +35,7 @@ class SculptMethod final : public ForceMethod {
   void exchange_sculpture(ForceMethod& other) noexcept override;
   bool restore_sculpture(Sculpture& other, std::uint32_t newest) noexcept override;
   bool repeat_carve(int object, const Carve& carve) noexcept override;
+  std::optional<SurfacePlace> find_place(int object) const noexcept override;
   bool prepare() override { return others_ != nullptr && others_->prepare(); }
   std::string describe() const override;
 

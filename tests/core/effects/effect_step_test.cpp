@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <limits>
 #include <random>
+#include <span>
 
 #include "tests/core/effects/effect_paths.h"
 #include "tests/core/effects/made_textures.h"
@@ -311,12 +313,14 @@ TEST(EffectStep, IsFiniteAndBoundedForAnyInput) {
   SurfaceEffects needle;
   for (int i = 0; i < 8; ++i) needle.layers.add({.depth_m = 1e-3 * i, .stiffness_n_per_m = 1e6, .pop_force_n = 10, .drag_ns_per_m = 100});
   const std::vector<SurfaceEffects> surfaces = {everything(), needle, SurfaceEffects()};
-  EffectStep step(surfaces, everywhere());
+  EffectStep still(surfaces, everywhere());
+  EffectStep moving(surfaces, everywhere(), {1, EffectStep::kStill, 0});
   double space_n = 0.0;
   for (const SwitchedEffect& effect : everywhere()) space_n += bound_of(effect.effect);
   const double bumpy = std::sqrt(1.0 + everything().bumps.slope() * everything().bumps.slope());
   for (int k = 0; k < 200000; ++k) {
-    if (k % 997 == 0) step.reset();
+    EffectStep& step = k % 2 == 0 ? still : moving;
+    if (k % 997 < 2) step.reset();
     const Vec3 p(pick(lengths), pick(lengths), pick(lengths));
     SurfaceContact contact = {.p_SP = p, .object = static_cast<int>(random() % 6) - 2};
     contact.contact = random() % 2 == 0;
@@ -325,6 +329,12 @@ TEST(EffectStep, IsFiniteAndBoundedForAnyInput) {
       contact.force_n = Vec3(0.1, -2, 3) * static_cast<double>(random() % 3);
       contact.p_SP = Vec3(pick(lengths), pick(lengths), pick(lengths));
     }
+    std::array<Pose, 2> X_SF = {Pose::Identity(), Pose::Identity()};
+    X_SF[0].linear() = Eigen::AngleAxisd(static_cast<double>(k % 100), Vec3::UnitX()).toRotationMatrix();
+    for (Pose& pose : X_SF) pose.translation() = Vec3(pick(lengths), pick(lengths), pick(lengths));
+    step.place(std::span(X_SF).first(random() % 3));
+    const SurfacePlace place{.p_rest = Vec3(pick(lengths), 0, 0), .moved = Vec3(0, pick(lengths), 0)};
+    if (random() % 4 == 0) contact.place = &place;
     const EffectResult result = step.step(p, pick(times), contact, static_cast<std::uint32_t>(random()));
     ASSERT_TRUE(result.force_n.allFinite()) << "step " << k << ", seed " << kSeed;
     const double surface_n = (contact.force_n.norm() + kMostEffectForceN) * (1.0 + bumpy) + everything().tap.max_force_n +
@@ -341,6 +351,28 @@ TEST(EffectStep, UsesNoHeap) {
   for (const Vec3& p : path) press(step, p);
   step.reset();
   EXPECT_EQ(guard.count(), 0U);
+}
+
+// A spring of friction that is carried from a surface in a frame to one that stands still pulls on in the same direction.
+TEST(EffectStep, FrictionGoesOnFromFrameToFrame) {
+  const SurfaceEffects rough{.drag = {.friction = {0.5, 0.5}}};
+  EffectStep step({rough, rough}, {}, {0, EffectStep::kStill});
+  Pose X_SF = Pose::Identity();
+  X_SF.linear() = Eigen::AngleAxisd(1.0, Vec3::UnitZ()).toRotationMatrix();
+  const auto felt = [&](double x_m, int object) {
+    step.place({&X_SF, 1});
+    const Vec3 p(x_m, 0.0, -2e-3);
+    return step.step(p, kMs, on_plane(p, object)).force_n;
+  };
+  (void)felt(0.0, 0);
+  EXPECT_LT((felt(5e-4, 0) - Vec3(-0.5, 0, 2)).norm(), 1e-12);
+  EXPECT_LT((felt(5e-4, 1) - Vec3(-0.5, 0, 2)).norm(), 1e-12) << "carried over";
+  EXPECT_LT((felt(7e-4, 1) - Vec3(-0.7, 0, 2)).norm(), 1e-12);
+  EXPECT_LT((felt(7e-4, 0) - Vec3(-0.7, 0, 2)).norm(), 1e-12) << "and back";
+  X_SF.linear() = Eigen::AngleAxisd(1.2, Vec3::UnitZ()).toRotationMatrix();
+  EXPECT_LT((felt(7e-4, 0) - Vec3(-0.7, 0, 2)).norm(), 1e-12) << "turned about the point that sticks";
+  X_SF.translation() = Vec3(0, 1e-4, 0);
+  EXPECT_LT((felt(7e-4, 0) - Vec3(-0.7, 0.1, 2)).norm(), 1e-12) << "it takes that point along";
 }
 
 // As free space, but for the surface that held the device: a tool took its place.

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/effects/effect_step.h"
@@ -40,6 +41,16 @@ TEST(SurfaceDrag, FrictionSticksAndSlips) {
   // Lifted and put down elsewhere it begins anew.
   (void)press_plane(step, {4e-3, 0, 1e-4});
   EXPECT_NEAR(press_plane(step, {8e-3, 0, -2e-3}).force_n.x(), 0.0, 1e-12);
+}
+
+// In the layer of method smooth the force is large where the depth is small.
+TEST(SurfaceDrag, TheSpringOfFrictionIsNoStifferThanTheMaterial) {
+  EffectStep step({SurfaceEffects{.drag = {.stiffness_n_per_m = kDragSpring, .friction = {0.5, 0.5}}}}, {});
+  const auto felt_n = [&](double x_m) {
+    return -step.step({x_m, 0, -1e-5}, 1e-3, {.force_n = {0, 0, 2.0}, .p_SP = {x_m, 0, 0}, .object = 0, .contact = true}).force_n.x();
+  };
+  (void)felt_n(0.0);
+  for (int n = 1; n <= 20; ++n) EXPECT_NEAR(felt_n(1e-4 * n), std::min(1.0, kDragSpring * 1e-4 * n), 1e-9) << n;
 }
 
 TEST(SurfaceDrag, CanBeSetWhileItIsFeltAndLayersReplaceTheDamping) {

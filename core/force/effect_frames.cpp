@@ -1,0 +1,33 @@
+#include "core/force/effect_frames.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/effects/effect_step.h"
+
+namespace hapton {
+
+EffectFrames::EffectFrames(const TouchScene& scene) {
+  const auto has_effects = [&](int object) { return scene.objects[static_cast<std::size_t>(object)].effects.any(); };
+  for (MotionGroup& group : group_by_motion(scene)) {
+    if (!group.moves() || !std::any_of(group.objects.begin(), group.objects.end(), has_effects)) continue;
+    of_objects_.resize(scene.objects.size(), EffectStep::kStill);
+    for (const int object : group.objects) of_objects_[static_cast<std::size_t>(object)] = static_cast<int>(groups_.size());
+    groups_.push_back(std::move(group));
+  }
+  X_SF_.resize(groups_.size(), Pose::Identity());
+}
+
+std::span<const Pose> EffectFrames::place(const MethodInput& input) noexcept {
+  for (std::size_t g = 0; g < groups_.size(); ++g) X_SF_[g] = groups_[g].pose_at(input);
+  return X_SF_;
+}
+
+Vec3 EffectFrames::at_rest(int object, const Vec3& p_S) const noexcept {
+  const int frame = of_objects_[static_cast<std::size_t>(object)];
+  if (frame == EffectStep::kStill) return p_S;
+  const Pose& X_SF = X_SF_[static_cast<std::size_t>(frame)];
+  return X_SF.linear().transpose() * (p_S - X_SF.translation());
+}
+
+}  // namespace hapton

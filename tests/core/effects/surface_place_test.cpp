@@ -1,0 +1,53 @@
+#include "core/effects/surface_place.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace hapton {
+namespace {
+
+Mat3 random_corners(std::mt19937& random, double scale) {
+  std::uniform_real_distribution<double> anywhere(-1.0, 1.0);
+  return scale * Mat3::NullaryExpr([&] { return anywhere(random); });
+}
+
+// Of a linear number on a triangle: differences along the edges are the same before and after, and there is none across.
+TEST(SurfacePlace, TheGradientMovesWithTheTriangle) {
+  std::mt19937 random(3);
+  for (const double scale : {1e-6, 1.0, 1e6}) {
+    for (int i = 0; i < 200; ++i) {
+      const Mat3 rest = random_corners(random, scale);
+      const Mat3 now = random_corners(random, scale);
+      const Vec3 e1 = rest.col(1) - rest.col(0);
+      const Vec3 e2 = rest.col(2) - rest.col(0);
+      const Vec3 m = e1.cross(e2);
+      if (m.norm() < 1e-2 * scale * scale) continue;
+      const Vec3 gradient = (0.3 * e2 - 0.7 * e1).cross(m) / m.squaredNorm();  // 0.3 along e1, 0.7 along e2
+      ASSERT_NEAR(gradient.dot(e1), 0.3, 1e-9);
+      const Vec3 moved = gradient_of_deformed(rest, now) * gradient;
+      EXPECT_NEAR(moved.dot(now.col(1) - now.col(0)), 0.3, 1e-6) << scale;
+      EXPECT_NEAR(moved.dot(now.col(2) - now.col(0)), gradient.dot(e2), 1e-6) << scale;
+      const Vec3 normal = (now.col(1) - now.col(0)).cross(now.col(2) - now.col(0)).normalized();
+      EXPECT_NEAR(moved.dot(normal) * scale, 0.0, 1e-6 * (1.0 + moved.norm() * scale)) << scale;
+    }
+  }
+}
+
+TEST(SurfacePlace, OfATurnedTriangleTheGradientIsTurned) {
+  std::mt19937 random(4);
+  const Mat3 rest = random_corners(random, 1.0);
+  const Mat3 turn = Eigen::AngleAxisd(0.7, Vec3(2, 1, 2) / 3.0).toRotationMatrix();
+  EXPECT_LT((gradient_of_deformed(rest, turn * rest) - turn).norm(), 1e-12);
+}
+
+TEST(SurfacePlace, ATriangleWithoutAreaChangesNothing) {
+  const Mat3 flat = Mat3::Ones();
+  std::mt19937 random(5);
+  EXPECT_TRUE(gradient_of_deformed(random_corners(random, 1.0), flat).allFinite());
+  EXPECT_EQ(gradient_of_deformed(flat, flat), Mat3(Mat3::Identity()));
+}
+
+}  // namespace
+}  // namespace hapton
